@@ -1,0 +1,44 @@
+#include "slicer/core/arena.hpp"
+
+#include <limits>
+
+namespace plumbline {
+
+Arena::Arena(std::span<std::byte> block) {
+  const auto address = reinterpret_cast<std::uintptr_t>(block.data());
+  const std::size_t skip = (kAlignment - address % kAlignment) % kAlignment;
+  if (block.size() > skip) {
+    base_ = block.data() + skip;
+    capacity_ = (block.size() - skip) / kAlignment * kAlignment;
+  }
+  top_ = capacity_;
+}
+
+Expected<void*> Arena::take_bytes(std::size_t count, std::size_t size, const char* stage, bool bottom) {
+  constexpr double kMiB = 1024.0 * 1024.0;
+  const bool overflows = count > (std::numeric_limits<std::size_t>::max() - kAlignment) / size;
+  const std::size_t need = overflows ? std::numeric_limits<std::size_t>::max() : rounded(count * size);
+  if (need > available()) {
+    return fail(ErrorCode::kOutOfMemory,
+                "%s: needs %.1f MiB, %.1f MiB of the arena's %.1f MiB are left. Use a larger arena, fewer points or a "
+                "coarser grid",
+                stage, static_cast<double>(need) / kMiB, static_cast<double>(available()) / kMiB,
+                static_cast<double>(capacity_) / kMiB);
+  }
+  std::size_t offset = bottom_;
+  if (bottom) {
+    bottom_ += need;
+  } else {
+    top_ -= need;
+    offset = top_;
+  }
+  peak_ = std::max(peak_, used());
+  return base_ + offset;
+}
+
+void Arena::trim_bottom(const void* block, std::size_t used) {
+  const auto offset = static_cast<std::size_t>(static_cast<const std::byte*>(block) - base_);
+  bottom_ = std::min(bottom_, offset + rounded(used));
+}
+
+}  // namespace plumbline

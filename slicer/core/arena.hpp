@@ -1,0 +1,91 @@
+#pragma once
+/// The one block of memory that everything of the slicer lives in.
+///
+///   bottom  what lives until the print ends ->  ...free...  <- what a stage needs only while it runs  top
+///
+/// Both ends are stacks. A stage takes its scratch from the top inside an ArenaScope, which gives it back in order.
+/// An arena never grows, never asks the system for memory, and does not own its block.
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <type_traits>
+
+#include "slicer/core/error.hpp"
+
+namespace plumbline {
+
+class Arena {
+ public:
+  static constexpr std::size_t kAlignment = 64;  ///< bytes; one cache line, so that no two blocks share one
+
+  /// @param block  caller's memory, kept by the caller, at least as long as the arena lives. Any alignment, any size.
+  explicit Arena(std::span<std::byte> block);
+  Arena(const Arena&) = delete;
+  Arena& operator=(const Arena&) = delete;
+
+  std::size_t capacity() const { return capacity_; }              ///< bytes
+  std::size_t bottom_used() const { return bottom_; }             ///< bytes
+  std::size_t top_used() const { return capacity_ - top_; }       ///< bytes
+  std::size_t used() const { return bottom_used() + top_used(); } ///< bytes
+  std::size_t available() const { return top_ - bottom_; }        ///< bytes
+  std::size_t peak() const { return peak_; }                      ///< highest used() since the last reset_peak(), bytes
+  void reset_peak() { peak_ = used(); }
+
+  /// `count` objects from the bottom, until release_bottom() to an earlier mark. Not initialised.
+  /// @param stage  who asks, for the error
+  /// @retval ErrorCode::kOutOfMemory  names stage, need and what is left
+  template <class T>
+  [[nodiscard]] Expected<std::span<T>> take_bottom(std::size_t count, const char* stage) {
+    return take<T>(count, stage, true);
+  }
+  /// `count` objects from the top; see take_bottom().
+  template <class T>
+  [[nodiscard]] Expected<std::span<T>> take_top(std::size_t count, const char* stage) {
+    return take<T>(count, stage, false);
+  }
+
+  std::size_t bottom_mark() const { return bottom_; }
+  std::size_t top_mark() const { return top_; }
+  void release_bottom(std::size_t mark) { bottom_ = mark; }
+  void release_top(std::size_t mark) { top_ = mark; }
+
+  /// Gives back the unused end of the newest block at the bottom, `used` bytes of which stay.
+  void trim_bottom(const void* block, std::size_t used);
+
+  /// Bytes that `count` objects of `size` bytes take, rounding included.
+  static constexpr std::size_t rounded(std::size_t bytes) { return (bytes + kAlignment - 1) / kAlignment * kAlignment; }
+
+ private:
+  template <class T>
+  Expected<std::span<T>> take(std::size_t count, const char* stage, bool bottom) {
+    static_assert(std::is_trivially_destructible_v<T>, "the arena never runs destructors");
+    static_assert(alignof(T) <= kAlignment);
+    auto block = take_bytes(count, sizeof(T), stage, bottom);
+    if (!block) return tl::unexpected<Error>(block.error());
+    return std::span<T>(static_cast<T*>(*block), count);
+  }
+  Expected<void*> take_bytes(std::size_t count, std::size_t size, const char* stage, bool bottom);
+
+  std::byte* base_ = nullptr;
+  std::size_t capacity_ = 0;
+  std::size_t bottom_ = 0;
+  std::size_t top_ = 0;
+  std::size_t peak_ = 0;
+};
+
+/// Gives back, at its end, what was taken from the top since its start.
+class ArenaScope {
+ public:
+  explicit ArenaScope(Arena& arena) : arena_(arena), mark_(arena.top_mark()) {}
+  ~ArenaScope() { arena_.release_top(mark_); }
+  ArenaScope(const ArenaScope&) = delete;
+  ArenaScope& operator=(const ArenaScope&) = delete;
+
+ private:
+  Arena& arena_;
+  std::size_t mark_;
+};
+
+}  // namespace plumbline

@@ -1,0 +1,61 @@
+#pragma once
+/// Images of one bit a pixel, 64 pixels a word: masks and the sets of rays.
+
+#include <bit>
+#include <cstdint>
+#include <span>
+
+namespace plumbline {
+
+/// A view of `rows` rows of `columns` pixels. Pixel (column, row) is bit column % 64 of word
+/// row * stride() + column / 64. Bits past the last column are zero: every function keeps it so.
+template <class Word>
+class BasicBitImage {
+ public:
+  BasicBitImage() = default;
+  /// @param words  words_needed(columns, rows) of them, owned by the caller
+  BasicBitImage(std::span<Word> words, std::uint32_t columns, std::uint32_t rows)
+      : words_(words), columns_(columns), rows_(rows), stride_((columns + 63) / 64) {}
+  template <class Other>
+  BasicBitImage(const BasicBitImage<Other>& other)  // NOLINT(google-explicit-constructor): to a const view
+      : words_(other.words()), columns_(other.columns()), rows_(other.rows()), stride_(other.stride()) {}
+
+  static constexpr std::size_t words_needed(std::uint32_t columns, std::uint32_t rows) {
+    return std::size_t{(columns + 63) / 64} * rows;
+  }
+
+  std::uint32_t columns() const { return columns_; }
+  std::uint32_t rows() const { return rows_; }
+  std::uint32_t stride() const { return stride_; }  ///< words a row
+  std::span<Word> words() const { return words_; }
+  std::span<Word> row(std::uint32_t r) const { return words_.subspan(std::size_t{r} * stride_, stride_); }
+
+  bool at(std::uint32_t column, std::uint32_t row) const {
+    return (words_[std::size_t{row} * stride_ + column / 64] >> (column % 64)) & 1U;
+  }
+  void set(std::uint32_t column, std::uint32_t row) const {
+    words_[std::size_t{row} * stride_ + column / 64] |= std::uint64_t{1} << (column % 64);
+  }
+  void clear() const {
+    for (auto& word : words_) word = 0;
+  }
+  std::uint64_t count() const {
+    std::uint64_t sum = 0;
+    for (const auto word : words_) sum += static_cast<std::uint64_t>(std::popcount(word));
+    return sum;
+  }
+  /// Ones for the valid pixels of a row's last word.
+  std::uint64_t last_word_mask() const {
+    return columns_ % 64 == 0 ? ~std::uint64_t{0} : (std::uint64_t{1} << (columns_ % 64)) - 1;
+  }
+
+ private:
+  std::span<Word> words_;
+  std::uint32_t columns_ = 0;
+  std::uint32_t rows_ = 0;
+  std::uint32_t stride_ = 0;
+};
+using BitImage = BasicBitImage<std::uint64_t>;
+using ConstBitImage = BasicBitImage<const std::uint64_t>;
+
+}  // namespace plumbline

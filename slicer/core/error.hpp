@@ -1,0 +1,72 @@
+#pragma once
+/// Errors: what the world does wrong, as a value. Nothing here takes memory from the heap.
+
+#include <cstdarg>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+#include <tl/expected.hpp>
+
+namespace plumbline {
+
+/// Every way in which the world can be wrong. The numbers are stable: scripts and logs may rely on them.
+enum class ErrorCode : std::uint16_t {
+  kCannotOpen = 1,        ///< a file could not be opened or created
+  kCannotRead = 2,        ///< the medium failed while reading
+  kCannotWrite = 3,       ///< the medium failed while writing
+  kUnknownFormat = 10,    ///< the bytes are not a scan format that plumbline reads
+  kMalformed = 11,        ///< a known format, broken at a place that the message names
+  kTruncated = 12,        ///< the file ends before what its header promised
+  kNoPoints = 13,         ///< nothing to print: no usable point in the scan
+  kUnsupported = 14,      ///< valid, but a variant that plumbline does not read
+  kOutOfMemory = 20,      ///< a stage needs more than the arena has left
+  kDoesNotFit = 30,       ///< object larger than the panel or the travel of the Z stage
+  kBadSetting = 31,       ///< an option or a key of a board file is wrong
+  kNoSurface = 32,        ///< points, but no surface in them
+  kCancelled = 40,        ///< asked to stop
+};
+
+/// @returns the code's name without the k, such as "Truncated".
+std::string_view to_string(ErrorCode code);
+
+/// A code and a sentence for the user: the file, the place, what was found, what to do.
+class Error {
+ public:
+  static constexpr std::size_t kCapacity = 448;  ///< bytes of message, terminator included; longer ones are cut
+
+  /// printf-style. Never allocates.
+  [[gnu::format(printf, 2, 3)]] static Error format(ErrorCode code, const char* pattern, ...);
+
+  ErrorCode code() const { return code_; }
+  const char* message() const { return message_; }
+  /// Puts `prefix` and ": " before the message, so that a caller who knows the file can say so.
+  Error with_prefix(std::string_view prefix) const;
+
+ private:
+  ErrorCode code_ = ErrorCode::kMalformed;
+  char message_[kCapacity] = {};
+};
+
+template <class T>
+using Expected = tl::expected<T, Error>;
+using Status = tl::expected<void, Error>;
+
+/// The unexpected side of an Expected<T> or a Status, with a printf-style message.
+template <class... Args>
+[[nodiscard]] tl::unexpected<Error> fail(ErrorCode code, const char* pattern, Args... args) {
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wformat-nonliteral"
+#pragma GCC diagnostic ignored "-Wformat-security"
+  return tl::unexpected<Error>(Error::format(code, pattern, args...));
+#pragma GCC diagnostic pop
+}
+
+}  // namespace plumbline
+
+/// Returns the error of an expression that is a Status or an Expected, if it has one.
+#define PLUMBLINE_TRY(expression)                                           \
+  do {                                                                      \
+    auto&& plumbline_try_result = (expression);                             \
+    if (!plumbline_try_result)                                              \
+      return tl::unexpected<::plumbline::Error>(plumbline_try_result.error()); \
+  } while (false)

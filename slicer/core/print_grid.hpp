@@ -1,0 +1,23 @@
+#pragma once
+/// The grid of pixels and layers that a print is made of; also the grid of rays.
+
+#include <cstdint>
+
+namespace plumbline {
+
+/// Print coordinates, mm: x along a row, y from row to row, z up. The outer corner of pixel (0, 0) on the underside of
+/// layer 0 is the origin. Pixel (i, j) is sampled at its centre ((i + 1/2) pitch_x, (j + 1/2) pitch_y), layer k at the
+/// height (k + 1/2) layer_height.
+struct PrintGrid {
+  std::uint32_t columns = 0;    ///< pixels, 1 to 16384
+  std::uint32_t rows = 0;       ///< pixels, 1 to 16384
+  std::uint32_t layers = 0;     ///< 1 to 65535
+  float pitch_x_mm = 0.05F;     ///< mm
+  float pitch_y_mm = 0.05F;     ///< mm
+  float layer_height_mm = 0.05F;  ///< mm
+
+  static constexpr std::uint32_t kMaxSide = 16384;
+  static constexpr std::uint32_t kMaxLayers = 65535;
+};
+
+}  // namespace plumbline

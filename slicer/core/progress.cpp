@@ -1,0 +1,20 @@
+#include "slicer/core/progress.hpp"
+
+namespace plumbline {
+
+std::string_view to_string(Stage stage) {
+  switch (stage) {
+    case Stage::kRead: return "read";
+    case Stage::kNormals: return "normals";
+    case Stage::kTrees: return "trees";
+    case Stage::kClustering: return "clustering";
+    case Stage::kWindingTree: return "winding";
+    case Stage::kRayGrid: return "ray grid";
+    case Stage::kRays: return "rays";
+    case Stage::kRRep: return "r-rep";
+    case Stage::kLayers: return "layers";
+  }
+  return "unknown";
+}
+
+}  // namespace plumbline

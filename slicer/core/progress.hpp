@@ -1,0 +1,38 @@
+#pragma once
+/// What a caller hears while the slicer works. The slicer has no clock: who wants seconds takes the time here.
+
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+namespace plumbline {
+
+/// The stages of DESIGN section 3, in the order of the data's way.
+enum class Stage : std::uint8_t {
+  kRead,
+  kNormals,
+  kTrees,
+  kClustering,
+  kWindingTree,
+  kRayGrid,
+  kRays,
+  kRRep,
+  kLayers,
+};
+inline constexpr std::size_t kStageCount = 9;
+
+/// "read", "normals", ...: one word, lower case.
+std::string_view to_string(Stage stage);
+
+class ProgressSink {
+ public:
+  virtual ~ProgressSink() = default;
+  virtual void begin(Stage stage) = 0;
+  /// @param fraction  0 to 1 of the stage; often, and from one thread only
+  /// @returns false to cancel: the stage returns ErrorCode::kCancelled
+  virtual bool advance(Stage stage, double fraction) = 0;
+  /// @param peak_bytes  highest use of the arena while the stage ran
+  virtual void end(Stage stage, std::size_t peak_bytes) = 0;
+};
+
+}  // namespace plumbline

@@ -1,0 +1,36 @@
+#pragma once
+/// Vectors are Eigen's. Its explicit vectorisation is off: it sums in another order, and fuses multiply and add,
+/// on some machines, and the masks must be the same bits on all of them.
+
+#ifndef EIGEN_DONT_VECTORIZE
+#error "compile with EIGEN_DONT_VECTORIZE: the target plumbline::core sets it"
+#endif
+#include <Eigen/Core>
+
+namespace plumbline {
+
+using Vec2f = Eigen::Vector2f;
+using Vec3f = Eigen::Vector3f;
+using Vec3d = Eigen::Vector3d;
+using Mat3d = Eigen::Matrix3d;
+using Mat4d = Eigen::Matrix4d;
+
+/// Axis-aligned box, in the unit of the points that made it. Empty until it has been extended once.
+template <class Vec>
+struct Box {
+  using Scalar = typename Vec::Scalar;
+  Vec low = Vec::Constant(std::numeric_limits<Scalar>::max());
+  Vec high = Vec::Constant(std::numeric_limits<Scalar>::lowest());
+
+  bool empty() const { return !(low[0] <= high[0]); }
+  void extend(const Vec& p) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  Vec size() const { return high - low; }
+  Vec centre() const { return (low + high) * Scalar(0.5); }
+};
+using Box3f = Box<Vec3f>;
+using Box3d = Box<Vec3d>;
+
+}  // namespace plumbline
