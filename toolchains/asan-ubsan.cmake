@@ -1,0 +1,8 @@
+# AddressSanitizer and UndefinedBehaviorSanitizer, gcc. See README.md in this folder.
+set(CMAKE_CXX_COMPILER g++)
+
+# float-cast-overflow is not in "undefined", but a coordinate that leaves the range of a pixel index is what we look for.
+set(CMAKE_CXX_FLAGS_INIT
+    "-fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all -fno-omit-frame-pointer")
+# -O1: Eigen is unusably slow without inlining. Debug keeps our asserts, the macro adds those of the standard library.
+set(CMAKE_CXX_FLAGS_DEBUG_INIT "-O1 -D_GLIBCXX_ASSERTIONS")
