@@ -1,0 +1,120 @@
+#!/usr/bin/env python3
+"""check_includes.py on small trees: each breaks one rule, or keeps all of them."""
+
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+from check_includes import check
+
+# Keeps every rule.
+GOOD = {
+    "slicer/core/arena.hpp": '#include <cstddef>\n#include "slicer/core/error.hpp"\n',
+    "slicer/core/error.hpp": "",
+    "slicer/kd_tree.cpp": '#include <nanoflann.hpp>\n#include "slicer/kd_tree.hpp"\n#include "slicer/core/arena.hpp"\n',
+    "slicer/kd_tree.hpp": "",
+    "hal/clock.hpp": '#include "slicer/core/error.hpp"\n',
+    "hal/linux/clock.cpp": '#include "hal/clock.hpp"\n#include <ctime>\n',
+    "hal/sim/clock.hpp": '#include "hal/clock.hpp"\n',
+    "firmware/printer.cpp": '#include "hal/clock.hpp"\n#include "slicer/kd_tree.hpp"\n#include <lodepng.h>\n#include <thread>\n',
+    "tests/png_test.cpp": '#include <lodepng.h>\n#include "hal/sim/clock.hpp"\n#include "firmware/printer.hpp"\n',
+}
+
+
+class CheckIncludes(unittest.TestCase):
+    def violations(self, changes):
+        with tempfile.TemporaryDirectory() as folder:
+            for path, text in {**GOOD, **changes}.items():
+                file = Path(folder, path)
+                file.parent.mkdir(parents=True, exist_ok=True)
+                file.write_text(text, encoding="utf-8")
+            return check(folder)[1]
+
+    def assert_only(self, changes, place, reason):
+        found = self.violations(changes)
+        self.assertEqual(len(found), 1, found)
+        self.assertTrue(found[0].startswith(place + ":"), found)
+        self.assertIn(reason, found[0])
+
+    def test_good_tree_has_none(self):
+        self.assertEqual(self.violations({}), [])
+
+    def test_core_includes_nothing_of_ours(self):
+        self.assert_only({"slicer/core/bad.hpp": '// why\n\n#include "slicer/kd_tree.hpp"\n'},
+                         "slicer/core/bad.hpp:3", "slicer/core may not include slicer;")
+
+    def test_slicer_does_not_include_firmware(self):
+        self.assert_only({"slicer/reader/bad.cpp": '#include "firmware/printer.hpp"\n'},
+                         "slicer/reader/bad.cpp:1", "slicer may not include firmware")
+
+    def test_slicer_does_not_include_hal(self):
+        self.assert_only({"slicer/bad.cpp": '#include "hal/clock.hpp"\n'}, "slicer/bad.cpp:1", "may not include hal")
+
+    def test_hal_does_not_include_slicer(self):
+        self.assert_only({"hal/bad.hpp": '#include "slicer/kd_tree.hpp"\n'}, "hal/bad.hpp:1", "hal may not include slicer;")
+
+    def test_hal_does_not_include_its_back_ends(self):
+        self.assert_only({"hal/bad.cpp": '#include "hal/linux/clock.hpp"\n'},
+                         "hal/bad.cpp:1", "hal may not include hal/linux")
+
+    def test_back_ends_do_not_include_each_other(self):
+        self.assert_only({"hal/linux/bad.cpp": '#include "hal/sim/clock.hpp"\n'},
+                         "hal/linux/bad.cpp:1", "hal/linux may not include hal/sim")
+
+    def test_product_does_not_include_the_simulator(self):
+        self.assert_only({"firmware/bad.cpp": '#  include "hal/sim/clock.hpp"\n'},
+                         "firmware/bad.cpp:1", "firmware may not include hal/sim")
+
+    def test_product_does_not_include_tests(self):
+        self.assert_only({"firmware/bad.cpp": '#include "tests/fake.hpp"\n'},
+                         "firmware/bad.cpp:1", "firmware may not include tests")
+
+    def test_our_headers_are_written_from_the_top(self):
+        self.assert_only({"slicer/bad.cpp": '#include "kd_tree.hpp"\n'}, "slicer/bad.cpp:1", "from the top")
+        self.assert_only({"slicer/bad.cpp": '#include "../firmware/printer.hpp"\n'}, "slicer/bad.cpp:1", "from the top")
+        self.assert_only({"slicer/bad.cpp": '#include "slicer/../firmware/printer.hpp"\n'}, "slicer/bad.cpp:1", "from the top")
+
+    def test_angle_brackets_do_not_hide_one_of_ours(self):
+        self.assert_only({"slicer/core/bad.cpp": "#include <slicer/kd_tree.hpp>\n"}, "slicer/core/bad.cpp:1", "quotes")
+
+    def test_a_macro_does_not_hide_one_of_ours(self):
+        self.assert_only({"slicer/bad.cpp": "#include HEADER\n"}, "slicer/bad.cpp:1", "macro")
+
+    def test_nanoflann_is_in_exactly_one_source_file(self):
+        found = self.violations({"slicer/second.cpp": "#include <nanoflann.hpp>\n"})
+        self.assertEqual([v.split(": ")[0] for v in found], ["slicer/kd_tree.cpp:1", "slicer/second.cpp:1"])
+        found = self.violations({"slicer/kd_tree.cpp": ""})
+        self.assertEqual(len(found), 1, found)
+        self.assertIn("here is none", found[0])
+
+    def test_lodepng_is_in_one_source_file_outside_tests(self):
+        found = self.violations({"firmware/second.cpp": "#include <lodepng.h>\n"})
+        self.assertEqual(len(found), 2, found)
+
+    def test_a_wrapped_library_is_not_in_a_header(self):
+        self.assert_only({"firmware/bad.hpp": "#include <toml++/toml.h>\n"}, "firmware/bad.hpp:1", "source file only")
+
+    def test_slicer_has_no_thread_file_or_clock(self):
+        for header in ("thread", "fstream", "chrono", "sys/mman.h"):
+            self.assert_only({"slicer/core/bad.cpp": f"#include <{header}>\n"}, "slicer/core/bad.cpp:1", "no clock")
+
+    def test_exit_status_tells(self):
+        with tempfile.TemporaryDirectory() as folder:
+            self.assertEqual(self.run_script(folder).returncode, 2, "an empty folder proves nothing")
+            Path(folder, "slicer").mkdir()
+            Path(folder, "slicer/bad.cpp").write_text('#include <nanoflann.hpp>\n#include "hal/clock.hpp"\n')
+            result = self.run_script(folder)
+            self.assertEqual(result.returncode, 1)
+            self.assertIn("slicer/bad.cpp:2: ", result.stdout)
+            Path(folder, "slicer/bad.cpp").write_text("#include <nanoflann.hpp>\n")
+            self.assertEqual(self.run_script(folder).returncode, 0)
+
+    def run_script(self, folder):
+        script = Path(__file__).with_name("check_includes.py")
+        return subprocess.run([sys.executable, script, folder], capture_output=True, text=True, check=False)
+
+
+if __name__ == "__main__":
+    unittest.main()
