@@ -1,6 +1,6 @@
 // Two parallel loops, the second of which reads what the first one wrote on other threads. With the argument "race" a
-// third one sums without a reduction. Shows that ThreadSanitizer understands the OpenMP run time that we build with, and
-// that it still sees a race: a sanitizer that is silent proves nothing.
+// third one sums without a reduction. Shows that ThreadSanitizer understands the OpenMP run time that we build with,
+// and that it still sees a race: a sanitizer that is silent proves nothing.
 #include <cstdio>
 #include <cstring>
 #include <vector>
