@@ -15,25 +15,30 @@ namespace plumbline {
 class LayerStream {
  public:
   /// Takes its two images from the bottom of the arena.
+  /// @param rrep  must outlive the stream
   /// @retval ErrorCode::kOutOfMemory
   [[nodiscard]] static Expected<LayerStream> create(const RRep& rrep, Arena& arena);
 
   /// Bytes that create() takes.
   static std::size_t bytes_needed(const PrintGrid& grid);
 
-  /// The mask of `layer`, one bit a pixel, one cures. Cheap when `layer` is the one after the last; otherwise the
-  /// crossings between are toggled, or all from layer 0 on.
+  /// The mask of `layer`, one bit a pixel, one cures: the section, opened and closed. The next layer costs what changes
+  /// in it; another one costs the crossings between, and one from before costs all from layer 0 on.
   /// @param layer  0 to rrep.grid.layers - 1
   /// @returns a view, valid until the next call
   ConstBitImage mask(std::uint32_t layer);
 
-  const PrintGrid& grid() const { return rrep_.grid; }
+  const PrintGrid& grid() const { return rrep_->grid; }
 
  private:
-  RRep rrep_;
-  BitImage raw_;      ///< the section, as the crossings have it
-  BitImage clean_;    ///< raw_ after opening and closing
-  std::int64_t at_ = -1;  ///< layer that raw_ shows, -1 before the first
+  void toggle(std::uint32_t layer);
+  void clean_changed();
+
+  const RRep* rrep_ = nullptr;
+  BitImage section_;    ///< as the crossings have it
+  BitImage mask_;       ///< section_, opened and closed
+  BitImage changed_;    ///< one bit a word of section_: toggled since mask_ was made
+  std::int64_t at_ = -1;  ///< layer of section_, -1: before the first
 };
 
 }  // namespace plumbline

@@ -1,0 +1,287 @@
+#include "slicer/clustering.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+namespace plumbline {
+namespace {
+
+constexpr std::uint32_t kBlock = 16;   ///< consecutive points that share one search: neighbours in the order of the tree
+constexpr std::uint32_t kBatch = 256;  ///< candidates compared at a time: their columns stay in the first-level cache
+
+constexpr const char* kStage = "clustering";
+
+/// Candidates of one block, as columns.
+struct Batch {
+  alignas(64) float x[kBatch];
+  alignas(64) float y[kBatch];
+  alignas(64) float z[kBatch];
+  alignas(64) float nx[kBatch];
+  alignas(64) float ny[kBatch];
+  alignas(64) float nz[kBatch];
+  alignas(64) std::int32_t type[kBatch];
+  alignas(64) std::uint32_t index[kBatch];
+  std::uint32_t size = 0;
+};
+
+/// A point of a block, unpacked.
+struct Member {
+  Vec3f position;
+  Vec3f normal;
+  std::int32_t type;
+};
+
+Member member(const Cloud& cloud, std::uint32_t i) {
+  return {cloud.position[i], cloud.normal[i].unpack(), static_cast<std::int32_t>(cloud.normal[i].point_class)};
+}
+
+/// Calls `use(batch)` for all points within `reach` of the box round points [first, last), a batch at a time.
+template <class Use>
+void for_neighbourhood(const Cloud& cloud, const KdTree3& tree, std::uint32_t first, std::uint32_t last, float reach,
+                       Use use) {
+  Box3f box;
+  for (std::uint32_t i = first; i < last; ++i) box.extend(cloud.position[i]);
+  const Vec3f margin = Vec3f::Constant(reach);
+  const Vec3f low = box.low - margin;
+  const Vec3f high = box.high + margin;
+  Batch batch;
+  tree.visit_box(low, high, [&](std::uint32_t from, std::uint32_t to) {
+    for (std::uint32_t i = from; i < to; ++i) {
+      const Vec3f& p = cloud.position[i];
+      const bool inside = p[0] >= low[0] && p[0] <= high[0] && p[1] >= low[1] && p[1] <= high[1] && p[2] >= low[2] &&
+                          p[2] <= high[2];
+      if (!inside) continue;
+      const std::uint32_t at = batch.size;
+      const Vec3f n = cloud.normal[i].unpack();
+      batch.x[at] = p[0];
+      batch.y[at] = p[1];
+      batch.z[at] = p[2];
+      batch.nx[at] = n[0];
+      batch.ny[at] = n[1];
+      batch.nz[at] = n[2];
+      batch.type[at] = static_cast<std::int32_t>(cloud.normal[i].point_class);
+      batch.index[at] = i;
+      if (++batch.size == kBatch) {
+        use(batch);
+        batch.size = 0;
+      }
+    }
+  });
+  if (batch.size > 0) use(batch);
+}
+
+/// The thesis' metric as a test: |d| / <n_i, n_j> <= epsilon, with the inner product positive. The square of the distance
+/// is compared, so there is no root and no division.
+struct Within {
+  float distance2;
+  float cosine;
+  bool near(float epsilon2) const { return cosine > 0 && distance2 <= epsilon2 * cosine * cosine; }
+};
+Within compare(const Member& m, const Batch& batch, std::uint32_t j) {
+  const float dx = batch.x[j] - m.position[0];
+  const float dy = batch.y[j] - m.position[1];
+  const float dz = batch.z[j] - m.position[2];
+  return {dx * dx + dy * dy + dz * dz,
+          batch.nx[j] * m.normal[0] + batch.ny[j] * m.normal[1] + batch.nz[j] * m.normal[2]};
+}
+
+struct Counts {
+  std::int32_t near = 0;       ///< within epsilon by the thesis' metric
+  std::int32_t same_type = 0;  ///< of those, of the same type
+  std::int32_t sheet = 0;      ///< within epsilon by the plain metric, facing the same way
+};
+
+void count(const Member& m, const Batch& batch, float epsilon2, Counts& counts) {
+  std::int32_t near = 0;
+  std::int32_t same_type = 0;
+  std::int32_t sheet = 0;
+  for (std::uint32_t j = 0; j < batch.size; ++j) {
+    const Within w = compare(m, batch, j);
+    const std::int32_t facing = static_cast<std::int32_t>(w.cosine > 0);
+    const std::int32_t is_near = facing & static_cast<std::int32_t>(w.distance2 <= epsilon2 * w.cosine * w.cosine);
+    near += is_near;
+    same_type += is_near & static_cast<std::int32_t>(batch.type[j] == m.type);
+    sheet += facing & static_cast<std::int32_t>(w.distance2 <= epsilon2);
+  }
+  counts.near += near;
+  counts.same_type += same_type;
+  counts.sheet += sheet;
+}
+
+/// Disjoint sets under concurrent unions. The root of a set is its lowest index, whoever came first, so the outcome does
+/// not depend on the threads. Parents only ever decrease.
+class DisjointSets {
+ public:
+  explicit DisjointSets(std::span<std::uint32_t> parent) : parent_(parent) {
+    for (std::uint32_t i = 0; i < parent.size(); ++i) parent[i] = i;
+  }
+  std::uint32_t root(std::uint32_t i) {
+    for (;;) {
+      const std::uint32_t up = load(i);
+      if (up == i) return i;
+      const std::uint32_t above = load(up);
+      if (above != up) {
+        std::uint32_t expected = up;
+        std::atomic_ref(parent_[i]).compare_exchange_weak(expected, above, std::memory_order_relaxed);
+      }
+      i = above;
+    }
+  }
+  void unite(std::uint32_t a, std::uint32_t b) {
+    for (;;) {
+      a = root(a);
+      b = root(b);
+      if (a == b) return;
+      if (a < b) std::swap(a, b);
+      std::uint32_t expected = a;
+      if (std::atomic_ref(parent_[a]).compare_exchange_strong(expected, b, std::memory_order_relaxed)) return;
+    }
+  }
+
+ private:
+  std::uint32_t load(std::uint32_t i) { return std::atomic_ref(parent_[i]).load(std::memory_order_relaxed); }
+  std::span<std::uint32_t> parent_;
+};
+
+/// Kept beside the classes, because a point's type must not change while others still compare with it.
+enum Flag : std::uint8_t { kCore = 1, kDense = 2, kOutlier = 4 };
+
+/// For the pass in which other threads mark outliers in the same byte.
+bool is_core(std::uint8_t& flag) { return (std::atomic_ref(flag).load(std::memory_order_relaxed) & kCore) != 0; }
+
+}  // namespace
+
+PointClass orientation_of(const PackedNormal& normal) {
+  const float along = static_cast<float>(normal.z) / PackedNormal::kScale;
+  if (along > kNeutralSine) return PointClass::kExiting;
+  if (along < -kNeutralSine) return PointClass::kEntering;
+  return PointClass::kNeutral;
+}
+
+Expected<float> density_epsilon(const Cloud& cloud, const KdTree3& tree, const ClusteringSettings& settings,
+                                Arena& arena) {
+  const ArenaScope scope(arena);
+  const std::uint32_t wanted = std::min(2 * settings.min_points + 1, cloud.size);  // the point itself comes first
+  const std::uint32_t samples = std::min(settings.epsilon_sample, cloud.size);
+  if (wanted < 2) return 0.0F;
+  auto distances = arena.take_top<float>(samples, kStage);
+  if (!distances) return tl::unexpected<Error>(distances.error());
+  std::span<float> d2 = *distances;
+#pragma omp parallel for schedule(dynamic, 64)
+  for (std::uint32_t s = 0; s < samples; ++s) {
+    std::array<Neighbour, 256> found;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+    const auto i = static_cast<std::uint32_t>(std::uint64_t{s} * cloud.size / samples);
+    const std::uint32_t k = tree.nearest(cloud.position[i], std::span(found).first(std::min<std::size_t>(wanted, 256)));
+    d2[s] = found[k - 1].distance2;
+  }
+  std::sort(d2.begin(), d2.end());
+  return (std::sqrt(d2[samples / 2]) + std::sqrt(d2[(samples - 1) / 2])) / 2;
+}
+
+Expected<ClusteringResult> cluster(Cloud& cloud, const KdTree3& tree, float epsilon, const ClusteringSettings& settings,
+                                   std::span<std::uint32_t> cluster, Arena& arena) {
+  const ArenaScope scope(arena);
+  const std::uint32_t size = cloud.size;
+  auto parent = arena.take_top<std::uint32_t>(size, kStage);
+  if (!parent) return tl::unexpected<Error>(parent.error());
+  auto flag_bytes = arena.take_top<std::uint8_t>(size, kStage);
+  if (!flag_bytes) return tl::unexpected<Error>(flag_bytes.error());
+  std::span<std::uint8_t> flags = *flag_bytes;
+  DisjointSets sets(*parent);
+
+  const float epsilon2 = epsilon * epsilon;
+  const std::uint32_t blocks = (size + kBlock - 1) / kBlock;
+  const auto min_points = static_cast<std::int32_t>(settings.min_points);
+  for (std::uint32_t i = 0; i < size; ++i) cloud.normal[i].point_class = orientation_of(cloud.normal[i]);
+
+  // Who is core, and how dense the surface is.
+#pragma omp parallel for schedule(dynamic, 64)
+  for (std::uint32_t b = 0; b < blocks; ++b) {
+    const std::uint32_t first = b * kBlock;
+    const std::uint32_t last = std::min(size, first + kBlock);
+    std::array<Counts, kBlock> counts{};
+    for_neighbourhood(cloud, tree, first, last, epsilon, [&](const Batch& batch) {
+      for (std::uint32_t i = first; i < last; ++i) count(member(cloud, i), batch, epsilon2, counts[i - first]);
+    });
+    for (std::uint32_t i = first; i < last; ++i) {
+      const Counts& c = counts[i - first];
+      const bool dense = c.near >= min_points;
+      const bool core = c.near > min_points && c.same_type > settings.same_type_share * c.near;
+      flags[i] = static_cast<std::uint8_t>((core ? kCore : 0) | (dense ? kDense : 0));
+      // A point without a normal is near nobody, not even itself.
+      cloud.radius[i] = epsilon * std::sqrt(kSupportPoints / static_cast<float>(std::max(1, c.sheet)));
+    }
+  }
+
+  // Core points within epsilon of one another are one cluster.
+#pragma omp parallel for schedule(dynamic, 64)
+  for (std::uint32_t b = 0; b < blocks; ++b) {
+    const std::uint32_t first = b * kBlock;
+    const std::uint32_t last = std::min(size, first + kBlock);
+    for_neighbourhood(cloud, tree, first, last, epsilon, [&](const Batch& batch) {
+      for (std::uint32_t i = first; i < last; ++i) {
+        if ((flags[i] & kCore) == 0) continue;
+        const Member m = member(cloud, i);
+        std::array<std::uint8_t, kBatch> near;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+        for (std::uint32_t j = 0; j < batch.size; ++j) {
+          const Within w = compare(m, batch, j);
+          near[j] = static_cast<std::uint8_t>(w.near(epsilon2) & (batch.type[j] == m.type));
+        }
+        for (std::uint32_t j = 0; j < batch.size; ++j) {
+          const std::uint32_t other = batch.index[j];
+          if (near[j] != 0 && other < i && (flags[other] & kCore) != 0) sets.unite(i, other);
+        }
+      }
+    });
+  }
+
+  // The others join the nearest core point of their type.
+#pragma omp parallel for schedule(dynamic, 64)
+  for (std::uint32_t b = 0; b < blocks; ++b) {
+    const std::uint32_t first = b * kBlock;
+    const std::uint32_t last = std::min(size, first + kBlock);
+    const bool all_core =
+        std::all_of(flags.begin() + first, flags.begin() + last, [](std::uint8_t f) { return (f & kCore) != 0; });
+    std::array<std::uint32_t, kBlock> nearest;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+    nearest.fill(kNoCluster);
+    if (!all_core) {
+      std::array<float, kBlock> best{};
+      for_neighbourhood(cloud, tree, first, last, epsilon, [&](const Batch& batch) {
+        for (std::uint32_t i = first; i < last; ++i) {
+          if ((flags[i] & kCore) != 0) continue;
+          const Member m = member(cloud, i);
+          for (std::uint32_t j = 0; j < batch.size; ++j) {
+            const Within w = compare(m, batch, j);
+            if (!w.near(epsilon2) || batch.type[j] != m.type || !is_core(flags[batch.index[j]])) continue;
+            const float distance2 = w.distance2 / (w.cosine * w.cosine);
+            std::uint32_t& at = nearest[i - first];
+            float& least = best[i - first];
+            if (at == kNoCluster || distance2 < least || (distance2 == least && batch.index[j] < at)) {
+              at = batch.index[j];
+              least = distance2;
+            }
+          }
+        }
+      });
+    }
+    for (std::uint32_t i = first; i < last; ++i) {
+      const std::uint32_t core = (flags[i] & kCore) != 0 ? i : nearest[i - first];
+      if (!cluster.empty()) cluster[i] = core == kNoCluster ? kNoCluster : sets.root(core);
+      if (core == kNoCluster && (flags[i] & kDense) == 0) std::atomic_ref(flags[i]).fetch_or(kOutlier, std::memory_order_relaxed);
+    }
+  }
+
+  ClusteringResult result;
+  result.epsilon = epsilon;
+  for (std::uint32_t i = 0; i < size; ++i) {
+    const bool core = (flags[i] & kCore) != 0;
+    if ((flags[i] & kOutlier) != 0) cloud.normal[i].point_class = PointClass::kNoise;
+    ++result.points[static_cast<std::size_t>(cloud.normal[i].point_class)];
+    if (core) ++result.core_points;
+    if (core && sets.root(i) == i) ++result.clusters;
+  }
+  return result;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,96 @@
+#include "slicer/layer_stream.hpp"
+
+#include <algorithm>
+#include <bit>
+
+#include "slicer/morphology.hpp"
+
+namespace plumbline {
+
+Expected<LayerStream> LayerStream::create(const RRep& rrep, Arena& arena) {
+  const std::uint32_t columns = rrep.grid.columns;
+  const std::uint32_t rows = rrep.grid.rows;
+  const std::uint32_t stride = (columns + 63) / 64;
+  LayerStream stream;
+  stream.rrep_ = &rrep;
+  auto section = arena.take_bottom<std::uint64_t>(BitImage::words_needed(columns, rows), "layer stream");
+  if (!section) return tl::unexpected<Error>(section.error());
+  auto mask = arena.take_bottom<std::uint64_t>(BitImage::words_needed(columns, rows), "layer stream");
+  if (!mask) return tl::unexpected<Error>(mask.error());
+  auto changed = arena.take_bottom<std::uint64_t>(BitImage::words_needed(stride, rows), "layer stream");
+  if (!changed) return tl::unexpected<Error>(changed.error());
+  stream.section_ = BitImage(*section, columns, rows);
+  stream.mask_ = BitImage(*mask, columns, rows);
+  stream.changed_ = BitImage(*changed, stride, rows);
+  stream.section_.clear();
+  stream.mask_.clear();
+  stream.changed_.clear();
+  return stream;
+}
+
+std::size_t LayerStream::bytes_needed(const PrintGrid& grid) {
+  const std::size_t image = BitImage::words_needed(grid.columns, grid.rows) * sizeof(std::uint64_t);
+  const std::size_t changed = BitImage::words_needed((grid.columns + 63) / 64, grid.rows) * sizeof(std::uint64_t);
+  return 2 * Arena::rounded(image) + Arena::rounded(changed);
+}
+
+void LayerStream::toggle(std::uint32_t layer) {
+  const std::uint32_t columns = rrep_->grid.columns;
+  std::uint32_t row = 0;
+  std::uint32_t row_start = 0;
+  for (std::uint32_t i = rrep_->first[layer]; i < rrep_->first[layer + 1]; ++i) {
+    const std::uint32_t pixel = rrep_->pixel[i];
+    while (pixel - row_start >= columns) {  // pixels ascend: no division
+      row_start += columns;
+      ++row;
+    }
+    const std::uint32_t column = pixel - row_start;
+    section_.words()[std::size_t{row} * section_.stride() + column / 64] ^= std::uint64_t{1} << (column % 64);
+    changed_.set(column / 64, row);
+  }
+}
+
+void LayerStream::clean_changed() {
+  static_assert(kOpenCloseReach == 2, "rows and words around a change that are made anew");
+  const std::uint32_t rows = section_.rows();
+  const std::uint32_t words = section_.stride();
+  const std::uint32_t groups = changed_.stride();
+  for (std::uint32_t r = 0; r < rows; ++r) {
+    const std::uint32_t from = r < 2 ? 0 : r - 2;
+    const std::uint32_t to = std::min(rows - 1, r + 2);
+    std::uint64_t carry = 0;  // the last word of the group before was changed
+    for (std::uint32_t g = 0; g < groups; ++g) {
+      std::uint64_t near = 0;
+      std::uint64_t next = 0;
+      for (std::uint32_t k = from; k <= to; ++k) {
+        const auto line = changed_.row(k);
+        near |= line[g];
+        if (g + 1 < groups) next |= line[g + 1];
+      }
+      std::uint64_t todo = near | near << 1 | near >> 1 | carry | next << 63;
+      carry = near >> 63;
+      if (words - g * 64 < 64) todo &= (std::uint64_t{1} << (words - g * 64)) - 1;
+      while (todo != 0) {
+        const auto first = static_cast<std::uint32_t>(std::countr_zero(todo));
+        const auto length = static_cast<std::uint32_t>(std::countr_one(todo >> first));
+        open_and_close_run(section_, mask_, r, g * 64 + first, g * 64 + first + length);
+        if (first + length >= 64) break;
+        todo &= ~std::uint64_t{0} << (first + length);
+      }
+    }
+  }
+  changed_.clear();
+}
+
+ConstBitImage LayerStream::mask(std::uint32_t layer) {
+  if (static_cast<std::int64_t>(layer) < at_) {
+    section_.clear();
+    for (auto& word : changed_.words()) word = ~std::uint64_t{0};
+    at_ = -1;
+  }
+  while (at_ < static_cast<std::int64_t>(layer)) toggle(static_cast<std::uint32_t>(++at_));
+  clean_changed();
+  return mask_;
+}
+
+}  // namespace plumbline

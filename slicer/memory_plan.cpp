@@ -1,0 +1,95 @@
+#include "slicer/memory_plan.hpp"
+
+#include <algorithm>
+
+#include "slicer/cloud.hpp"
+#include "slicer/clustering.hpp"
+#include "slicer/core/arena.hpp"
+#include "slicer/core/bit_image.hpp"
+#include "slicer/kd_tree.hpp"
+#include "slicer/layer_stream.hpp"
+#include "slicer/reader/scan_reader.hpp"
+#include "slicer/rrep_builder.hpp"
+#include "slicer/thinning.hpp"
+#include "slicer/winding_number.hpp"
+
+namespace plumbline {
+namespace {
+
+constexpr std::size_t kSlack = 64 * Arena::kAlignment;  ///< rounding of blocks
+
+/// What an object that covers half of the panel needs, with four crossings a ray: a count a ray, two bytes a crossing
+/// while the rays are shot, four when they are sorted.
+constexpr double kCoveredShare = 0.5;
+constexpr double kCrossingsPerRay = 4;
+
+std::size_t share_of(const PrintGrid& grid, double bytes_per_ray) {
+  return static_cast<std::size_t>(static_cast<double>(grid.columns) * grid.rows * bytes_per_ray);
+}
+
+}  // namespace
+
+std::size_t MemoryPlan::peak() const { return *std::max_element(bytes.begin(), bytes.end()); }
+
+Stage MemoryPlan::widest() const {
+  return static_cast<Stage>(std::max_element(bytes.begin(), bytes.end()) - bytes.begin());
+}
+
+std::uint32_t tile_capacity(std::uint32_t points) { return std::min<std::uint32_t>(points, 32768); }
+
+MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& grid, std::uint32_t threads) {
+  MemoryPlan plan;
+  plan.points = points;
+  const auto set = [&](Stage stage, std::size_t bytes) { plan.bytes[static_cast<std::size_t>(stage)] = bytes + kSlack; };
+  const std::size_t winding = WindingTree::bytes_needed(points);
+  const std::size_t cloud = winding + Cloud::kBytesPerPoint * points;
+  const std::size_t tree = (KdTree3::kBytesPerPoint + sizeof(std::uint32_t)) * std::size_t{points};
+  set(Stage::kRead, cloud + PointThinner::table_bytes(points) + kReaderWorkspace);
+  set(Stage::kNormals, cloud + tree + 5 * std::size_t{points});
+  set(Stage::kTrees, cloud + tree + points / 8);
+  set(Stage::kClustering, cloud + tree + 5 * std::size_t{points});
+  set(Stage::kWindingTree, cloud);
+  std::size_t image = 0;
+  std::size_t store = 0;
+  if (grid) {
+    image = Arena::rounded(BitImage::words_needed(grid->columns, grid->rows) * sizeof(std::uint64_t));
+    const std::size_t tiles = std::size_t{(grid->columns + 7) / 8} * ((grid->rows + 7) / 8);
+    store = 4 * tiles + share_of(*grid, kCoveredShare * (1 + 2 * kCrossingsPerRay));
+    const std::size_t sorted = share_of(*grid, kCoveredShare * 4 * kCrossingsPerRay) + 4 * (std::size_t{grid->layers} + 1);
+    set(Stage::kRRep, store + sorted);
+    set(Stage::kLayers, sorted + LayerStream::bytes_needed(*grid));
+  }
+  set(Stage::kRayGrid, cloud + tree + 2 * image);
+  const std::size_t workers =
+      threads * RayShooter::bytes_needed(tile_capacity(points));
+  set(Stage::kRays, cloud + tree + image + store + workers);
+  return plan;
+}
+
+Expected<MemoryPlan> largest_plan(std::size_t arena_bytes, std::optional<std::uint64_t> declared,
+                                  const std::optional<PrintGrid>& grid, std::uint32_t threads) {
+  const auto most = static_cast<std::uint32_t>(
+      std::clamp<std::uint64_t>(declared.value_or(kMostPoints), kFewestPoints, kMostPoints));
+  MemoryPlan plan = plan_memory(kFewestPoints, grid, threads);
+  if (plan.peak() > arena_bytes) {
+    constexpr double kMiB = 1024.0 * 1024.0;
+    return fail(ErrorCode::kOutOfMemory,
+                "the job cannot fit: the stage '%.*s' needs %.1f MiB even when the scan is thinned to %u points, the arena "
+                "has %.1f MiB. Use a larger arena (--arena-mib), fewer threads or a smaller panel",
+                static_cast<int>(to_string(plan.widest()).size()), to_string(plan.widest()).data(),
+                static_cast<double>(plan.peak()) / kMiB, kFewestPoints, static_cast<double>(arena_bytes) / kMiB);
+  }
+  std::uint32_t low = kFewestPoints;
+  std::uint32_t high = most;
+  while (low < high) {
+    const std::uint32_t middle = low + (high - low + 1) / 2;
+    if (plan_memory(middle, grid, threads).peak() <= arena_bytes) {
+      low = middle;
+    } else {
+      high = middle - 1;
+    }
+  }
+  return plan_memory(low, grid, threads);
+}
+
+}  // namespace plumbline

@@ -1,0 +1,53 @@
+#pragma once
+/// The moving-least-squares surface along one ray (thesis III-3, DESIGN 3, stage 6d).
+
+#include <cstdint>
+
+#include "slicer/core/vec.hpp"
+
+namespace plumbline {
+
+/// The points whose support a ray at (x, y) meets, as columns sorted by depth. Every point of the surface that any value
+/// on the ray needs lies within its support radius of the ray in the plane, so one search serves the whole ray.
+///
+/// The columns are padded: kLanes entries past `size` with distance2 = 1, inverse_radius2 = 2 (no weight anywhere).
+struct RayPoints {
+  static constexpr std::uint32_t kLanes = 4;
+
+  float* depth = nullptr;            ///< z of the point, mm, ascending
+  float* distance2 = nullptr;        ///< squared distance of the point from the ray in the plane, mm^2
+  float* plane = nullptr;            ///< <n, (x, y, 0) - p>, mm: the tangent plane's distance at depth 0
+  float* slope = nullptr;            ///< n_z: its change with depth
+  float* inverse_radius2 = nullptr;  ///< 1 / h^2, mm^-2
+  float* normal_x = nullptr;
+  float* normal_y = nullptr;
+  std::uint32_t size = 0;
+  float reach = 0;                   ///< largest h, mm: no point farther in depth has weight
+};
+
+/// A range of RayPoints, found once for depths close to one another.
+struct RayWindow {
+  std::uint32_t first = 0;
+  std::uint32_t last = 0;
+};
+
+/// All points of weight at a depth in [low, high].
+RayWindow window(const RayPoints& points, float low, float high);
+
+struct MlsValue {
+  float distance = 0;  ///< mm, positive outside; 0 where weight is 0
+  float weight = 0;    ///< sum of the weights; 0: no point's support reaches here
+};
+
+/// Weighted mean of the signed distances to the tangent planes of the points around (Kolluri 2005, eq. 2):
+///
+///   f(x) = sum_i w_i(x) <n_i, x - p_i> / sum_i w_i(x),   w_i(x) = (1 - |x - p_i|^2 / h_i^2)^4 inside h_i, 0 outside
+///
+/// The weight is a polynomial of compact support: no exp, no root, the same bits everywhere. Four partial sums are kept
+/// and added in a fixed order, so vector units may be used where there are any.
+MlsValue mls_value(const RayPoints& points, RayWindow window, float depth);
+
+/// Weighted mean of the normals, unit length (zero where there is no weight).
+Vec3f mls_normal(const RayPoints& points, RayWindow window, float depth);
+
+}  // namespace plumbline

@@ -1,0 +1,267 @@
+#include "slicer/perfect_rays.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace plumbline {
+namespace {
+
+constexpr const char* kStage = "perfect rays";
+constexpr std::uint32_t kMaxTileGaps = 64;
+constexpr std::uint32_t kMaxDepths = 4096;
+
+constexpr float kHalf = 0.5F;          ///< the surface, where there is none: halfway between outside and inside
+constexpr float kSure = 0.2F;          ///< farther from half than this, a whole tile may be judged by its centre
+constexpr float kTileStep = 12.0F;     ///< widths w between the samples of a tile's gap, at most
+constexpr float kRayStep = 3.0F;       ///< widths w between the samples of a ray's gap, at least
+constexpr std::uint32_t kMaxSamples = 48;
+constexpr std::uint32_t kBisections = 12;
+
+}  // namespace
+
+const char* to_string(RayDecision decision) {
+  switch (decision) {
+    case RayDecision::kOutside: return "outside";
+    case RayDecision::kPerfect: return "perfect";
+    case RayDecision::kRepaired: return "repaired";
+    case RayDecision::kWinding: return "winding number";
+    case RayDecision::kBase: return "base plane";
+  }
+  return "unknown";
+}
+
+std::size_t RayPerfecter::bytes_needed(std::uint32_t tile_capacity) {
+  return RayGatherer::bytes_needed(tile_capacity) + RaySolver::bytes_needed() +
+         Arena::rounded(kMaxTileGaps * sizeof(TileGap)) + Arena::rounded(kMaxDepths * sizeof(float));
+}
+
+Expected<RayPerfecter> RayPerfecter::create(const Cloud& cloud, const KdTree2& tree, const WindingTree& winding,
+                                            const PrintGrid& grid, float max_radius, std::uint32_t tile_capacity,
+                                            const PerfectRaySettings& settings, Arena& arena) {
+  auto gatherer = RayGatherer::create(cloud, tree, tile_capacity, max_radius, arena);
+  if (!gatherer) return tl::unexpected<Error>(gatherer.error());
+  auto solver = RaySolver::create(settings.intersections, arena);
+  if (!solver) return tl::unexpected<Error>(solver.error());
+  auto gaps = arena.take_top<TileGap>(kMaxTileGaps, kStage);
+  if (!gaps) return tl::unexpected<Error>(gaps.error());
+  auto depths = arena.take_top<float>(kMaxDepths, kStage);
+  if (!depths) return tl::unexpected<Error>(depths.error());
+
+  RayPerfecter perfecter;
+  perfecter.gatherer_ = *gatherer;
+  perfecter.solver_ = *solver;
+  perfecter.winding_ = &winding;
+  perfecter.grid_ = grid;
+  perfecter.settings_ = settings;
+  perfecter.tile_gaps_ = *gaps;
+  perfecter.depths_ = *depths;
+  perfecter.top_ = static_cast<float>(grid.layers) * grid.layer_height_mm;
+  return perfecter;
+}
+
+RayPerfecter::Verdict RayPerfecter::winding_verdict(float w) const {
+  if (w > kHalf + kSure) return Verdict::kInside;
+  return w < kHalf - kSure ? Verdict::kOutside : Verdict::kUnsure;
+}
+
+RayPerfecter::Verdict RayPerfecter::judge_tile_gap(float x, float y, float low, float high) const {
+  const float step = std::max(kTileStep * settings_.intersections.width, top_ / 64);
+  const auto samples = static_cast<std::uint32_t>(std::clamp(std::ceil((high - low) / step), 1.0F, 64.0F));
+  Verdict verdict = Verdict::kUnsure;
+  for (std::uint32_t s = 0; s < samples; ++s) {
+    const float z = low + (high - low) * (static_cast<float>(s) + 0.5F) / static_cast<float>(samples);
+    const Verdict here = winding_verdict((*winding_)({x, y, z}));
+    if (s > 0 && here != verdict) return Verdict::kUnsure;
+    verdict = here;
+    if (verdict == Verdict::kUnsure) return verdict;
+  }
+  return verdict;
+}
+
+void RayPerfecter::begin_tile(std::uint32_t column, std::uint32_t row) {
+  const auto last_column = static_cast<float>(std::min(grid_.columns, column + RayGatherer::kTile) - 1);
+  const auto last_row = static_cast<float>(std::min(grid_.rows, row + RayGatherer::kTile) - 1);
+  const Vec2f low((static_cast<float>(column) + 0.5F) * grid_.pitch_x_mm,
+                  (static_cast<float>(row) + 0.5F) * grid_.pitch_y_mm);
+  const Vec2f high((last_column + 0.5F) * grid_.pitch_x_mm, (last_row + 0.5F) * grid_.pitch_y_mm);
+  gatherer_.gather(low, high);
+
+  // What no point of the tile reaches, from the base plane to the top.
+  tile_gap_count_ = 0;
+  const float x = 0.5F * (low[0] + high[0]);
+  const float y = 0.5F * (low[1] + high[1]);
+  const auto add = [&](float from, float to) {
+    if (to <= from || tile_gap_count_ == kMaxTileGaps) return;
+    tile_gaps_[tile_gap_count_++] = {from, to, judge_tile_gap(x, y, from, to)};
+  };
+  float reached = 0;
+  for (std::uint32_t t = 0; t < gatherer_.tile_points(); ++t) {
+    const float radius = gatherer_.tile_radius(t);
+    const float depth = gatherer_.tile_depth(t);
+    // Depths ascend; a wide support that reaches down into a gap only makes that gap a little longer than it is.
+    if (depth - radius > reached) add(reached, depth - radius);
+    reached = std::max(reached, depth + radius);
+  }
+  add(reached, top_);
+}
+
+bool RayPerfecter::alternates(const RaySurface& surface) const {
+  bool inside = false;
+  for (const Band& band : surface.bands) {
+    if (band.inside_at_low != inside) return false;
+    inside = band.inside_at_high;
+  }
+  return !inside;
+}
+
+RayPerfecter::Verdict RayPerfecter::judge_ray_gap(float low, float high) const {
+  bool any = false;
+  Verdict verdict = Verdict::kUnsure;
+  for (const TileGap& gap : tile_gaps_.first(tile_gap_count_)) {
+    if (gap.high <= low || gap.low >= high) continue;
+    if (any && gap.verdict != verdict) return Verdict::kUnsure;
+    verdict = gap.verdict;
+    any = true;
+  }
+  return verdict;
+}
+
+RayPerfecter::Gap RayPerfecter::trace_gap(float x, float y, float low, float high) {
+  const auto inside_at = [&](float z) { return (*winding_)({x, y, z}) > kHalf; };
+  const float step = std::max(kRayStep * settings_.intersections.width, (high - low) / kMaxSamples);
+  const auto samples = static_cast<std::uint32_t>(std::max(1.0F, std::ceil((high - low) / step)));
+  const auto depth_of = [&](std::uint32_t s) {
+    return low + (high - low) * (static_cast<float>(s) + 0.5F) / static_cast<float>(samples);
+  };
+  Gap gap{inside_at(depth_of(0)), false};
+  bool inside = gap.inside_at_low;
+  for (std::uint32_t s = 1; s < samples; ++s) {
+    const bool here = inside_at(depth_of(s));
+    if (here == inside) continue;
+    float from = depth_of(s - 1);
+    float to = depth_of(s);
+    for (std::uint32_t i = 0; i < kBisections && to - from > 0.25F * grid_.layer_height_mm; ++i) {
+      const float middle = 0.5F * (from + to);
+      (inside_at(middle) == inside ? from : to) = middle;
+    }
+    emit(0.5F * (from + to));
+    inside = here;
+  }
+  gap.inside_at_high = inside;
+  return gap;
+}
+
+RayPerfecter::Gap RayPerfecter::decide_gap(float x, float y, float low, float high, bool below, bool above,
+                                           bool outermost) {
+  const bool agreed = below == above;
+  const Verdict verdict = judge_ray_gap(low, high);
+  if (verdict != Verdict::kUnsure) {
+    const bool inside = verdict == Verdict::kInside;
+    if (!agreed || inside != below) used_winding_ = true;
+    return {inside, inside};
+  }
+  // A gap shorter than a support is no hole; its two shores know better than a sum over the whole cloud.
+  if (agreed && !outermost && high - low < 2 * settings_.intersections.width) return {below, below};
+  const std::uint32_t before = depth_count_;
+  const Gap gap = trace_gap(x, y, low, high);
+  if (depth_count_ != before || gap.inside_at_low != below || gap.inside_at_high != above) used_winding_ = true;
+  return gap;
+}
+
+void RayPerfecter::emit(float depth) {
+  if (depth_count_ < depths_.size()) depths_[depth_count_++] = depth;
+}
+
+void RayPerfecter::cross_band(const RaySurface& surface, const Band& band, bool from, bool to) {
+  std::uint32_t first = band.first;
+  std::uint32_t last = band.last;
+  const bool wrong_low = band.inside_at_low != from;
+  const bool wrong_high = band.inside_at_high != to;
+  if (wrong_low && wrong_high) {
+    // Inside out: a patch that faces the wrong way. Its sheet stands where it is; a pair of sheets is left out.
+    if (from == to) first = last;
+  } else if (wrong_low) {
+    if (first == last) {
+      emit(band.low);
+    } else {
+      ++first;
+    }
+  } else if (wrong_high) {
+    if (first == last) {
+      emit(band.high);
+    } else {
+      --last;
+    }
+  }
+  for (std::uint32_t i = first; i < last; ++i) emit(surface.intersections[i].depth);
+}
+
+void RayPerfecter::drop_thin_stretches() {
+  while (depth_count_ > kMaxCrossings) {
+    std::uint32_t thinnest = 0;
+    for (std::uint32_t i = 1; i + 1 < depth_count_; ++i) {
+      if (depths_[i + 1] - depths_[i] < depths_[thinnest + 1] - depths_[thinnest]) thinnest = i;
+    }
+    std::copy(depths_.begin() + thinnest + 2, depths_.begin() + depth_count_, depths_.begin() + thinnest);
+    depth_count_ -= 2;
+  }
+}
+
+PerfectRay RayPerfecter::ray(std::uint32_t column, std::uint32_t row) {
+  const float x = (static_cast<float>(column) + 0.5F) * grid_.pitch_x_mm;
+  const float y = (static_cast<float>(row) + 0.5F) * grid_.pitch_y_mm;
+  const RayPoints& points = gatherer_.points_of_ray(x, y);
+  RaySurface surface = solver_.solve(gatherer_, points);
+  RayDecision decision = RayDecision::kPerfect;
+  if (!alternates(surface)) {
+    surface = solver_.solve_uniform(gatherer_, points, settings_.repair_spacing);
+    decision = RayDecision::kRepaired;
+  }
+
+  depth_count_ = 0;
+  used_winding_ = false;
+  bool base = false;
+  bool inside = false;  // MLS sign below the gap
+  float reached = 0;
+  Gap gap{false, false};
+  for (std::size_t b = 0; b <= surface.bands.size(); ++b) {
+    const bool last = b == surface.bands.size();
+    const Band* band = last ? nullptr : &surface.bands[b];
+    const bool above = !last && band->inside_at_low;
+    const float high = last ? top_ : band->low;
+    const bool was_inside = gap.inside_at_high;
+    const std::uint32_t before = depth_count_;
+    if (high > reached) {
+      gap = decide_gap(x, y, reached, high, inside, above, b == 0 || last);
+    } else {
+      gap = {above, above};  // the band starts at or below the base plane
+    }
+    // decide_gap has emitted the crossings inside the gap; the ones of the band below it belong before them.
+    if (b == 0) {
+      base = gap.inside_at_low;
+      if (base) {
+        emit(0);
+        std::rotate(depths_.begin() + before, depths_.begin() + depth_count_ - 1, depths_.begin() + depth_count_);
+      }
+    } else {
+      const std::uint32_t middle = depth_count_;
+      cross_band(surface, surface.bands[b - 1], was_inside, gap.inside_at_low);
+      std::rotate(depths_.begin() + before, depths_.begin() + middle, depths_.begin() + depth_count_);
+    }
+    if (!last) {
+      inside = band->inside_at_high;
+      reached = std::max(reached, band->high);
+    }
+  }
+  if (gap.inside_at_high) emit(top_);
+
+  drop_thin_stretches();
+  // Pieces of neighbouring bands may stand in each other's way by a rounding; the order is what makes them alternate.
+  std::sort(depths_.begin(), depths_.begin() + depth_count_);
+  if (used_winding_) decision = RayDecision::kWinding;
+  if (base && depth_count_ > 0) decision = RayDecision::kBase;
+  if (depth_count_ == 0) decision = RayDecision::kOutside;
+  return {depths_.first(depth_count_ / 2 * 2), decision};
+}
+
+}  // namespace plumbline

@@ -1,0 +1,95 @@
+#pragma once
+/// Every ray perfect: entering and exiting in turn, nothing left open (thesis III-4.a, DESIGN 3, stage 7).
+
+#include <cstdint>
+#include <span>
+
+#include "slicer/core/print_grid.hpp"
+#include "slicer/intersections.hpp"
+#include "slicer/ray_points.hpp"
+#include "slicer/winding_number.hpp"
+
+namespace plumbline {
+
+/// What decided a ray.
+enum class RayDecision : std::uint8_t {
+  kOutside,   ///< not interested, or nothing on it: black at every height
+  kPerfect,   ///< its intersections obey the winding rule, and the winding number of the cloud agrees
+  kRepaired,  ///< uniform queries found what was missing
+  kWinding,   ///< the winding number of the cloud closed what the scan had left open
+  kBase,      ///< its lowest crossing is the base plane: the underside was open there
+};
+inline constexpr std::size_t kRayDecisionCount = 5;
+
+/// "outside", "perfect", "repaired", "winding number", "base plane".
+const char* to_string(RayDecision decision);
+
+/// Depths of the crossings of one ray, mm, ascending; even in number: entering, exiting, entering, ...
+struct PerfectRay {
+  std::span<const float> depths;
+  RayDecision decision = RayDecision::kOutside;
+};
+
+struct PerfectRaySettings {
+  IntersectionSettings intersections;
+  float repair_spacing = 0.05F;  ///< mm between the uniform queries of a repair
+};
+
+/// Decides one ray after another, tile by tile. One object a thread.
+///
+/// Between the bands where the scan is near, a ray is either inside or outside all along, or it passes through a hole of
+/// the scan. Which of them is known from both neighbouring bands and, independently, from the winding number of the whole
+/// cloud; where those disagree the winding number has the last word, since it weighs every point of the scan and the band
+/// only a handful.
+class RayPerfecter {
+ public:
+  static constexpr std::uint32_t kMaxCrossings = 254;  ///< a ray; of more, the thinnest stretches are dropped
+
+  static std::size_t bytes_needed(std::uint32_t tile_capacity);
+  [[nodiscard]] static Expected<RayPerfecter> create(const Cloud& cloud, const KdTree2& tree, const WindingTree& winding,
+                                                     const PrintGrid& grid, float max_radius, std::uint32_t tile_capacity,
+                                                     const PerfectRaySettings& settings, Arena& arena);
+
+  /// Turns to the tile whose first ray is pixel (column, row); RayGatherer::kTile rays a side.
+  void begin_tile(std::uint32_t column, std::uint32_t row);
+  /// A ray of that tile. The spans last until the next call.
+  PerfectRay ray(std::uint32_t column, std::uint32_t row);
+
+  bool tile_thinned() const { return gatherer_.thinned(); }
+
+ private:
+  enum class Verdict : std::uint8_t { kOutside, kInside, kUnsure };
+  /// A stretch of the tile's column that is farther from every point than their support.
+  struct TileGap {
+    float low, high;
+    Verdict verdict;
+  };
+  /// A stretch of a ray between two bands: inside or outside at both ends, crossings in between.
+  struct Gap {
+    bool inside_at_low, inside_at_high;
+  };
+
+  Verdict winding_verdict(float w) const;
+  Verdict judge_tile_gap(float x, float y, float low, float high) const;
+  Verdict judge_ray_gap(float low, float high) const;
+  bool alternates(const RaySurface& surface) const;
+  Gap decide_gap(float x, float y, float low, float high, bool below, bool above, bool outermost);
+  Gap trace_gap(float x, float y, float low, float high);
+  void cross_band(const RaySurface& surface, const Band& band, bool from, bool to);
+  void emit(float depth);
+  void drop_thin_stretches();
+
+  RayGatherer gatherer_;
+  RaySolver solver_;
+  const WindingTree* winding_ = nullptr;
+  PrintGrid grid_;
+  PerfectRaySettings settings_;
+  std::span<TileGap> tile_gaps_;
+  std::span<float> depths_;
+  std::uint32_t tile_gap_count_ = 0;
+  std::uint32_t depth_count_ = 0;
+  float top_ = 0;  ///< mm
+  bool used_winding_ = false;
+};
+
+}  // namespace plumbline

@@ -1,0 +1,106 @@
+#pragma once
+/// From perfect rays to the R-Rep at the bottom of the arena (DESIGN 3, stage 8).
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "slicer/core/arena.hpp"
+#include "slicer/core/bit_image.hpp"
+#include "slicer/core/progress.hpp"
+#include "slicer/perfect_rays.hpp"
+#include "slicer/rrep.hpp"
+
+namespace plumbline {
+
+/// The layer that a crossing at this depth belongs to: the first one whose sampling height is not below it.
+/// @param depth  mm; below 0 counts as layer 0
+/// @returns 0 to grid.layers; grid.layers: above every sampling height
+std::uint32_t layer_of(float depth, const PrintGrid& grid);
+
+struct RayCounts {
+  std::uint64_t passing_tiles = 0;
+  std::uint64_t interested = 0;                              ///< rays
+  std::array<std::uint64_t, kRayDecisionCount> decided = {}; ///< rays, by RayDecision
+  std::uint64_t thinned_tiles = 0;                           ///< tiles with more points than their thread has room for
+};
+
+/// Crossings as the rays deliver them: tile after tile, each one 64 counts and then two bytes a crossing. Grows at the
+/// bottom of the arena, in whatever order the threads finish; a directory keeps where each tile begins.
+class CrossingStore {
+ public:
+  static constexpr std::uint32_t kTile = RayGatherer::kTile;
+  static constexpr std::uint32_t kEmpty = 0xFFFFFFFFU;
+
+  /// Takes the directory and everything that is left between the two ends of the arena.
+  [[nodiscard]] static Expected<CrossingStore> create(const PrintGrid& grid, Arena& arena);
+
+  std::uint32_t tile_columns() const { return tile_columns_; }
+  std::uint32_t tile_rows() const { return tile_rows_; }
+
+  /// Called from many threads, once a tile.
+  /// @param counts  crossings of each of its 64 rays, row by row
+  /// @param layers  the layer of each crossing, ray after ray
+  /// @retval ErrorCode::kOutOfMemory
+  [[nodiscard]] Status put(std::uint32_t tile, std::span<const std::uint8_t> counts, std::span<const std::uint16_t> layers);
+
+  /// Gives back what no crossing took.
+  void close(Arena& arena) { arena.trim_bottom(data_.data(), std::size_t{used_} * sizeof(std::uint16_t)); }
+
+  /// Sorts all crossings by layer. Everything else must be gone from the arena's top: the store moves there first.
+  [[nodiscard]] static Expected<RRep> sort(CrossingStore& store, Arena& arena);
+
+ private:
+  template <class Visit>
+  void for_each_crossing(std::span<std::uint32_t> cursor, Visit visit) const;
+
+  PrintGrid grid_;
+  std::uint32_t tile_columns_ = 0;
+  std::uint32_t tile_rows_ = 0;
+  std::size_t bottom_mark_ = 0;
+  std::span<std::uint32_t> directory_;  ///< where each tile begins, in units of 2 bytes
+  std::span<std::uint16_t> data_;
+  std::uint32_t used_ = 0;              ///< of data_
+};
+
+/// Everything that the ray stage reads.
+struct RayField {
+  const Cloud* cloud = nullptr;
+  const KdTree2* tree = nullptr;
+  const WindingTree* winding = nullptr;
+  ConstBitImage interested;
+  PrintGrid grid;
+  float max_radius = 0;          ///< mm
+  std::uint32_t tile_capacity = 0;
+  PerfectRaySettings settings;
+};
+
+/// The workers that shoot the rays, one a thread.
+class RayShooter {
+ public:
+  static constexpr std::uint32_t kMaxThreads = 64;
+
+  /// Bytes of arena for one worker.
+  static std::size_t bytes_needed(std::uint32_t tile_capacity);
+
+  /// Takes the workers' memory from the top of the arena: before the store, which takes all that is left.
+  [[nodiscard]] static Expected<RayShooter> create(const RayField& field, std::uint32_t threads, Arena& arena);
+
+  /// Shoots every interested ray and stores its crossings. The result does not depend on the number of threads.
+  /// @retval ErrorCode::kOutOfMemory, kCancelled
+  [[nodiscard]] Expected<RayCounts> shoot(CrossingStore& store, ProgressSink* progress);
+
+ private:
+  struct Worker {
+    RayPerfecter perfecter;
+    std::span<std::uint16_t> layers;
+    RayCounts counts;
+  };
+  Status shoot_tile(Worker& worker, std::uint32_t tile, CrossingStore& store) const;
+
+  RayField field_;
+  std::array<Worker, kMaxThreads> workers_;
+  std::uint32_t threads_ = 1;
+};
+
+}  // namespace plumbline

@@ -1,0 +1,274 @@
+#include "slicer/slicer.hpp"
+
+#include <omp.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "slicer/kd_tree.hpp"
+#include "slicer/memory_plan.hpp"
+#include "slicer/ray_grid.hpp"
+#include "slicer/reader/scan_reader.hpp"
+#include "slicer/thinning.hpp"
+#include "slicer/winding_number.hpp"
+
+namespace plumbline {
+namespace {
+
+/// Thinning never merges points that a print could tell apart: its first cell is this share of the pixel pitch.
+constexpr double kCellShare = 0.5;
+
+/// Supports are cut to this share of epsilon, so that a search reaches no farther where the scan is thin.
+constexpr float kMaxRadiusShare = 1.15F;
+
+/// Tells the caller when a stage begins and ends, and what it took of the arena.
+class StageScope {
+ public:
+  StageScope(Stage stage, Arena& arena, ProgressSink* progress, SliceReport& report)
+      : stage_(stage), arena_(arena), progress_(progress), report_(report) {
+    arena_.reset_peak();
+    if (progress_ != nullptr) progress_->begin(stage_);
+  }
+  ~StageScope() {
+    report_.peak_bytes[static_cast<std::size_t>(stage_)] = arena_.peak();
+    if (progress_ != nullptr) progress_->end(stage_, arena_.peak());
+  }
+  StageScope(const StageScope&) = delete;
+  StageScope& operator=(const StageScope&) = delete;
+
+ private:
+  Stage stage_;
+  Arena& arena_;
+  ProgressSink* progress_;
+  SliceReport& report_;
+};
+
+std::optional<PrintGrid> panel_grid(const PlacementSettings& placement) {
+  if (!placement.printer) return std::nullopt;
+  const PrinterVolume& v = *placement.printer;
+  const float layers = std::ceil(v.travel_mm / placement.layer_height_mm);
+  return PrintGrid{v.columns,
+                   v.rows,
+                   static_cast<std::uint32_t>(std::clamp(layers, 1.0F, static_cast<float>(PrintGrid::kMaxLayers))),
+                   v.pitch_x_mm,
+                   v.pitch_y_mm,
+                   placement.layer_height_mm};
+}
+
+/// First cell of the thinning in scan units; 0 where the size of a scan unit on the print is not known yet.
+double first_cell(const PlacementSettings& p) {
+  if (p.fit || p.units == Units::kAuto) return 0;
+  const double pitch = p.printer ? std::min(p.printer->pitch_x_mm, p.printer->pitch_y_mm) : p.pixel_pitch_mm;
+  return kCellShare * std::min(pitch, static_cast<double>(p.layer_height_mm)) / (millimetres_per(p.units) * p.scale);
+}
+
+/// Drops the noise, keeps the order.
+void drop_noise(Cloud& cloud) {
+  std::uint32_t kept = 0;
+  for (std::uint32_t i = 0; i < cloud.size; ++i) {
+    if (cloud.normal[i].point_class == PointClass::kNoise) continue;
+    cloud.position[kept] = cloud.position[i];
+    cloud.normal[kept] = cloud.normal[i];
+    cloud.radius[kept] = cloud.radius[i];
+    ++kept;
+  }
+  cloud.size = kept;
+}
+
+/// One job, stage by stage; each method is one arrow of the data's way.
+class Job {
+ public:
+  Job(ByteSource& source, const SliceSettings& settings, Arena& arena, ProgressSink* progress, SliceReport& report)
+      : source_(source), settings_(settings), arena_(arena), progress_(progress), report_(report) {}
+
+  Expected<RRep> run() {
+    const std::size_t top = arena_.top_mark();
+    const std::size_t bottom = arena_.bottom_mark();
+    auto store = crossings();
+    arena_.release_top(top);
+    if (!store) {
+      arena_.release_bottom(bottom);
+      return tl::unexpected<Error>(store.error());
+    }
+    const StageScope stage(Stage::kRRep, arena_, progress_, report_);
+    auto rrep = CrossingStore::sort(*store, arena_);
+    if (rrep) {
+      report_.crossings = rrep->crossings();
+    } else {
+      arena_.release_bottom(bottom);
+    }
+    return rrep;
+  }
+
+ private:
+  Expected<CrossingStore> crossings() {
+    PLUMBLINE_TRY(admit());
+    PLUMBLINE_TRY(read());
+    PLUMBLINE_TRY(find_clusters());
+    PLUMBLINE_TRY(place_object());
+    build_winding_tree();
+    return shoot();
+  }
+
+  Status admit() {
+    auto plan = largest_plan(arena_.available(), std::nullopt, panel_grid(settings_.placement), settings_.threads);
+    if (!plan) return tl::unexpected<Error>(plan.error());
+    report_.planned_bytes = plan->bytes;
+    report_.cloud_capacity = plan->points;
+    return {};
+  }
+
+  Status read() {
+    const StageScope stage(Stage::kRead, arena_, progress_, report_);
+    const std::uint32_t capacity = report_.cloud_capacity;
+    auto nodes = arena_.take_top<WindingTree::Node>(WindingTree::nodes_needed(capacity), "winding");
+    if (!nodes) return tl::unexpected<Error>(nodes.error());
+    winding_nodes_ = *nodes;
+    auto cloud = Cloud::create(capacity, arena_);
+    if (!cloud) return tl::unexpected<Error>(cloud.error());
+    cloud_ = *cloud;
+
+    const ArenaScope scope(arena_);
+    auto table = arena_.take_top<std::byte>(PointThinner::table_bytes(capacity), "read");
+    if (!table) return tl::unexpected<Error>(table.error());
+    auto workspace = arena_.take_top<std::byte>(kReaderWorkspace, "read");
+    if (!workspace) return tl::unexpected<Error>(workspace.error());
+    PointThinner thinner(cloud_, *table, rotation_matrix(settings_.placement.rotation_degrees),
+                         first_cell(settings_.placement));
+    thinner.on_progress(
+        [](void* sink, double fraction) {
+          return sink == nullptr || static_cast<ProgressSink*>(sink)->advance(Stage::kRead, fraction);
+        },
+        progress_);
+    auto summary = read_scan(source_, thinner, *workspace);
+    if (!summary) return tl::unexpected<Error>(summary.error());
+    report_.scan = *summary;
+    report_.averaged_points = thinner.points_averaged();
+    report_.thinning_cell_mm = report_.averaged_points > 0 ? thinner.cell() : 0;
+    report_.cloud_points = cloud_.size;
+    offset_ = thinner.offset();
+    return {};
+  }
+
+  Status find_clusters() {
+    const ArenaScope scope(arena_);
+    std::optional<KdTree3> tree;
+    {
+      const StageScope stage(Stage::kTrees, arena_, progress_, report_);
+      auto built = KdTree3::build(cloud_.positions(), arena_, "trees");
+      if (!built) return tl::unexpected<Error>(built.error());
+      tree = *built;
+      PLUMBLINE_TRY(cloud_.reorder(tree->order(), arena_));
+      tree->adopt_order();
+    }
+    {
+      const StageScope stage(Stage::kClustering, arena_, progress_, report_);
+      auto epsilon = density_epsilon(cloud_, *tree, settings_.clustering, arena_);
+      if (!epsilon) return tl::unexpected<Error>(epsilon.error());
+      auto result = cluster(cloud_, *tree, *epsilon, settings_.clustering, {}, arena_);
+      if (!result) return tl::unexpected<Error>(result.error());
+      report_.clustering = *result;
+    }
+    drop_noise(cloud_);
+    if (cloud_.size == 0 || !(report_.clustering.epsilon > 0)) {
+      return fail(ErrorCode::kNoSurface,
+                  "%.*s: none of its %u points lies on a surface: each has fewer than %u neighbours that face the same way. "
+                  "Check the normals of the scan, or scan it denser",
+                  static_cast<int>(source_.name().size()), source_.name().data(), report_.cloud_points,
+                  settings_.clustering.min_points);
+    }
+    return {};
+  }
+
+  /// Only now is the extent of the object known without its strays.
+  Status place_object() {
+    const Box3f local = cloud_.bounds();
+    Box3d bounds;
+    bounds.extend(local.low.cast<double>() + offset_);
+    bounds.extend(local.high.cast<double>() + offset_);
+    report_.units = settings_.placement.units;
+    if (report_.units == Units::kAuto) {
+      report_.units = guess_units(bounds.size().maxCoeff());
+      report_.units_guessed = true;
+    }
+    auto placed = place(bounds, millimetres_per(report_.units), settings_.placement);
+    if (!placed) return tl::unexpected<Error>(placed.error());
+    report_.placement = *placed;
+    const double scale = placed->scale;
+    const Vec3d shift = offset_ * scale + placed->shift;
+    for (Vec3f& p : cloud_.position.first(cloud_.size)) p = (p.cast<double>() * scale + shift).cast<float>();
+    for (float& r : cloud_.radius.first(cloud_.size)) r *= static_cast<float>(scale);
+    report_.clustering.epsilon *= static_cast<float>(scale);
+    report_.thinning_cell_mm *= scale;
+    return {};
+  }
+
+  void build_winding_tree() {
+    const StageScope stage(Stage::kWindingTree, arena_, progress_, report_);
+    winding_ = WindingTree::build(cloud_, winding_nodes_.first(WindingTree::nodes_needed(cloud_.size)));
+    winding_.set_base(0);
+  }
+
+  Expected<CrossingStore> shoot() {
+    const PrintGrid& grid = report_.placement.grid;
+    std::optional<KdTree2> tree;
+    BitImage interested;
+    {
+      const StageScope stage(Stage::kRayGrid, arena_, progress_, report_);
+      auto built = KdTree2::build(cloud_.positions(), arena_, "ray grid");
+      if (!built) return tl::unexpected<Error>(built.error());
+      tree = *built;
+      report_.width_mm = grid_width(cloud_, *tree, {});
+      // Too few practical points for a width of their own: a thing of vertical walls only.
+      if (!(report_.width_mm > 1e-4F)) report_.width_mm = std::max(1e-4F, report_.clustering.epsilon);
+      auto words = arena_.take_top<std::uint64_t>(BitImage::words_needed(grid.columns, grid.rows), "ray grid");
+      if (!words) return tl::unexpected<Error>(words.error());
+      interested = BitImage(*words, grid.columns, grid.rows);
+      PLUMBLINE_TRY(find_interested_rays(cloud_, grid, report_.width_mm, interested, arena_));
+    }
+    const StageScope stage(Stage::kRays, arena_, progress_, report_);
+    RayField field;
+    field.cloud = &cloud_;
+    field.tree = &*tree;
+    field.winding = &winding_;
+    field.interested = interested;
+    field.grid = grid;
+    field.max_radius = kMaxRadiusShare * report_.clustering.epsilon;
+    field.tile_capacity = tile_capacity(report_.cloud_capacity);
+    field.settings.intersections.width = report_.width_mm;
+    field.settings.repair_spacing = grid.layer_height_mm;
+    auto shooter = RayShooter::create(field, settings_.threads, arena_);
+    if (!shooter) return tl::unexpected<Error>(shooter.error());
+    auto store = CrossingStore::create(grid, arena_);
+    if (!store) return store;
+    auto rays = shooter->shoot(*store, progress_);
+    if (!rays) return tl::unexpected<Error>(rays.error());
+    report_.rays = *rays;
+    store->close(arena_);
+    return store;
+  }
+
+  ByteSource& source_;
+  const SliceSettings& settings_;
+  Arena& arena_;
+  ProgressSink* progress_;
+  SliceReport& report_;
+
+  Cloud cloud_;
+  Vec3d offset_ = Vec3d::Zero();  ///< rotated scan coordinates of the cloud's origin
+  std::span<WindingTree::Node> winding_nodes_;
+  WindingTree winding_;
+};
+
+}  // namespace
+
+Expected<RRep> slice(ByteSource& source, const SliceSettings& settings, Arena& arena, ProgressSink* progress,
+                     SliceReport& report) {
+  SliceSettings checked = settings;
+  checked.threads = std::clamp<std::uint32_t>(settings.threads, 1, RayShooter::kMaxThreads);
+  omp_set_num_threads(static_cast<int>(checked.threads));
+  return Job(source, checked, arena, progress, report).run();
+}
+
+}  // namespace plumbline

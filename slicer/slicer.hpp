@@ -1,0 +1,52 @@
+#pragma once
+/// The slicer from end to end: scan bytes in, R-Rep out (DESIGN section 3). One call a stage, none reaches back.
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "slicer/clustering.hpp"
+#include "slicer/core/arena.hpp"
+#include "slicer/core/byte_source.hpp"
+#include "slicer/core/progress.hpp"
+#include "slicer/placement.hpp"
+#include "slicer/reader/scan_point.hpp"
+#include "slicer/rrep.hpp"
+#include "slicer/rrep_builder.hpp"
+
+namespace plumbline {
+
+struct SliceSettings {
+  PlacementSettings placement;
+  ClusteringSettings clustering;
+  std::uint32_t threads = 1;  ///< 1 to 64; the masks do not depend on it
+};
+
+/// What happened, in numbers.
+struct SliceReport {
+  ScanSummary scan;
+  std::uint32_t cloud_capacity = 0;       ///< points the arena has room for
+  std::uint32_t cloud_points = 0;         ///< points after thinning
+  double thinning_cell_mm = 0;            ///< 0: none
+  std::uint64_t averaged_points = 0;      ///< scan points that were averaged into another
+  Units units = Units::kMillimetres;      ///< used
+  bool units_guessed = false;
+  std::uint32_t normals_estimated = 0;    ///< points whose normal the scan did not have
+  ClusteringResult clustering;            ///< epsilon in mm
+  float width_mm = 0;                     ///< w
+  Placement placement;
+  RayCounts rays;
+  std::uint64_t crossings = 0;
+  std::array<std::size_t, kStageCount> planned_bytes = {};  ///< of the arena, by Stage
+  std::array<std::size_t, kStageCount> peak_bytes = {};     ///< of the arena, by Stage
+};
+
+/// Reads a scan and builds its R-Rep at the bottom of the arena. When it returns the top of the arena is as before.
+/// @param source  read once, from start to end
+/// @param report  filled as far as it went, also on error
+/// @retval ErrorCode::kOutOfMemory  before the scan is read where its header and the printer's grid tell; else by the stage
+/// @retval ErrorCode::kDoesNotFit, kNoPoints, kNoSurface, kCancelled and all of read_scan()
+[[nodiscard]] Expected<RRep> slice(ByteSource& source, const SliceSettings& settings, Arena& arena, ProgressSink* progress,
+                                   SliceReport& report);
+
+}  // namespace plumbline

@@ -1,0 +1,59 @@
+#pragma once
+/// Generalized winding number of the oriented cloud: how often the surface that the points sample goes round a place.
+/// 1 inside, 0 outside, smoothly between across a hole in the scan: the evidence of DESIGN 3, stage 7e.
+
+#include <cstdint>
+#include <span>
+
+#include "slicer/cloud.hpp"
+
+namespace plumbline {
+
+/// A hierarchy of dipoles over the cloud (Barill et al., Fast Winding Numbers for Soups and Clouds, 2018, eq. 6, first
+/// order), built once, read by many threads.
+///
+///   W(x) = sum_i  a_i <n_i, p_i - x> / (4 pi |p_i - x|^3)
+///
+/// a_i, the area of point i, is that of a disc that holds kSupportPoints points, divided by their number.
+class WindingTree {
+ public:
+  static constexpr std::uint32_t kLeafPoints = 8;
+
+  static std::size_t nodes_needed(std::uint32_t points);
+  /// Bytes of arena for that many points.
+  static std::size_t bytes_needed(std::uint32_t points);
+
+  struct Node {
+    Vec3f centre;       ///< mean position weighted by area, mm
+    float reach2 = 0;   ///< (opening * radius)^2, mm^2: farther away the node is one dipole
+    Vec3f dipole;       ///< sum of a_i n_i / (4 pi), mm^2
+    std::uint32_t skip = 0;  ///< next node when this one is not opened
+  };
+
+  /// @param cloud  placed, radius[] set, in the order of its 3D tree: 8 points in a row are a leaf
+  /// @param nodes  nodes_needed(cloud.size) of them
+  static WindingTree build(const Cloud& cloud, std::span<Node> nodes);
+
+  /// Mirrors the surface at the plane z = height, normals too: what is open there counts as closed flat (a closed object
+  /// standing on the plane is left as it is, since outside of it its mirror image counts nothing).
+  void set_base(float height);
+
+  /// @param x  print coordinates, mm
+  /// @returns about 1 inside, 0 outside; below the base plane 0
+  float operator()(const Vec3f& x) const;
+
+  /// The same without the mirror image: shows whether it was the base that closed the surface.
+  float without_base(const Vec3f& x) const { return sum(x); }
+
+ private:
+  float sum(const Vec3f& x) const;
+
+  std::span<const Node> nodes_;
+  std::span<const Vec3f> position_;
+  std::span<const PackedNormal> normal_;
+  std::span<const float> radius_;
+  float base_ = 0;
+  bool has_base_ = false;
+};
+
+}  // namespace plumbline
