@@ -1,0 +1,14 @@
+#pragma once
+/// The points of a PCD file with DATA binary_compressed.
+
+#include "slicer/core/arena.hpp"
+#include "slicer/reader/byte_input.hpp"
+#include "slicer/reader/pcd_header.hpp"
+#include "slicer/reader/point_batch.hpp"
+
+namespace plumbline {
+
+/// See read_pcd() for what it needs and refuses.
+[[nodiscard]] Status read_pcd_compressed(ByteInput& input, const PcdHeader& header, PointBatch& batch, Arena& memory);
+
+}  // namespace plumbline

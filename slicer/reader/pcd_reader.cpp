@@ -1,0 +1,44 @@
+#include "slicer/reader/line_input.hpp"
+#include "slicer/reader/pcd_compressed.hpp"
+#include "slicer/reader/pcd_header.hpp"
+#include "slicer/reader/record_binary.hpp"
+#include "slicer/reader/record_text.hpp"
+#include "slicer/reader/scan_formats.hpp"
+
+namespace plumbline {
+namespace {
+
+constexpr const char* encoding_of(PcdData data) {
+  switch (data) {
+    case PcdData::kAscii:
+      return "ascii";
+    case PcdData::kBinary:
+      return "binary little endian";
+    case PcdData::kBinaryCompressed:
+      return "binary compressed";
+  }
+  return "";
+}
+
+}  // namespace
+
+Status read_pcd(ByteInput& input, PointBatch& batch, Arena& memory) {
+  LineInput lines(input);
+  const auto header = read_pcd_header(lines, memory);
+  PLUMBLINE_TRY(header);
+  PLUMBLINE_TRY(batch.begin({.format = ScanFormat::kPcd,
+                             .encoding = encoding_of(header->data),
+                             .has_normals = header->layout.has_normal(),
+                             .declared_points = header->points}));
+  switch (header->data) {
+    case PcdData::kAscii:
+      return read_text_points(lines, header->layout, header->points, batch);
+    case PcdData::kBinary:
+      return read_binary_points(input, header->layout, header->points, std::endian::little, batch);
+    case PcdData::kBinaryCompressed:
+      return read_pcd_compressed(input, *header, batch, memory);
+  }
+  return {};
+}
+
+}  // namespace plumbline

@@ -1,0 +1,55 @@
+#include "slicer/reader/scan_reader.hpp"
+
+#include "slicer/core/arena.hpp"
+#include "slicer/reader/format_probe.hpp"
+#include "slicer/reader/point_batch.hpp"
+#include "slicer/reader/scan_formats.hpp"
+
+namespace plumbline {
+namespace {
+
+/// The longest row of a text, and the longest line of a header, that is read as a whole.
+constexpr std::size_t kWindow = std::size_t{64} * 1024;
+
+Status read_as(ScanFormat format, ByteInput& input, PointBatch& batch, Arena& memory) {
+  switch (format) {
+    case ScanFormat::kPly:
+      return read_ply(input, batch, memory);
+    case ScanFormat::kXyz:
+      return read_xyz(input, batch, memory);
+    case ScanFormat::kPcd:
+      return read_pcd(input, batch, memory);
+    case ScanFormat::kObj:
+      return read_obj(input, batch, memory);
+  }
+  return {};
+}
+
+}  // namespace
+
+Expected<ScanSummary> read_scan(ByteSource& source, PointSink& sink, std::span<std::byte> workspace) {
+  Arena memory(workspace);
+  const auto window = memory.take_bottom<std::byte>(kWindow, "reading the scan");
+  PLUMBLINE_TRY(window);
+  const auto room = memory.take_bottom<ScanPoint>(PointBatch::kPoints, "reading the scan");
+  PLUMBLINE_TRY(room);
+
+  ByteInput input(source, sink, *window);
+  const auto format = probe_format(input);
+  PLUMBLINE_TRY(format);
+  ScanSummary summary;
+  PointBatch batch(sink, *room, summary);
+  PLUMBLINE_TRY(read_as(*format, input, batch, memory));
+  PLUMBLINE_TRY(batch.flush());
+  PLUMBLINE_TRY(input.finish());
+  summary.bytes = input.bytes_read();
+  if (summary.points == 0) {
+    return input.fail(ErrorCode::kNoPoints,
+                      "no usable point: %llu were found, and all of them dropped because a coordinate was not finite; "
+                      "export the scan again",
+                      static_cast<unsigned long long>(summary.not_finite));
+  }
+  return summary;
+}
+
+}  // namespace plumbline
