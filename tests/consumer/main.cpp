@@ -17,6 +17,8 @@ int main() {
   }
   const auto too_many = arena.take_top<plumbline::PrintGrid>(1000, "consumer");
   if (too_many) return 1;
+  // From the slicer's library, so that it is linked.
+  if (plumbline::LayerStream::bytes_needed({.columns = 64, .rows = 64, .layers = 1}) == 0) return 1;
   std::printf("plumbline %s, %zu bytes of the arena used\n", FOUND_VERSION, arena.used());
   return 0;
 }
