@@ -10,7 +10,7 @@ namespace plumbline {
 namespace {
 
 /// Often enough for a bar that moves on a slow stick, seldom enough to cost nothing where a source gives single bytes.
-constexpr std::uint64_t kReportEvery = 64 * 1024;
+constexpr std::uint64_t kReportEvery = 32 * 1024;
 
 /// The end of a long path tells more than its start, and the message needs its room for what went wrong.
 constexpr std::size_t kLongestName = 96;

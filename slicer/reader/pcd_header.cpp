@@ -49,11 +49,12 @@ class HeaderParser {
       }
       Words words(line.text);
       const auto keyword = words.next();
-      if (keyword.empty() || keyword.front() == '#') continue;
+      if (keyword.starts_with('#')) continue;
       if (line.cut) {
         return lines_.input().fail(ErrorCode::kUnsupported, "line %llu: a line of the header is longer than %zu bytes",
                                    number(), lines_.input().capacity());
       }
+      if (keyword.empty()) continue;
       if (keyword == "DATA") {
         PLUMBLINE_TRY(parse_data(words.next()));
         return finish();

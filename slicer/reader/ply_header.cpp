@@ -45,11 +45,12 @@ class HeaderParser {
       }
       Words words(line.text);
       const std::string_view keyword = words.next();
-      if (first || keyword.empty() || keyword == "comment" || keyword == "obj_info") continue;
+      if (first || keyword == "comment" || keyword == "obj_info") continue;
       if (line.cut) {
         return lines_.input().fail(ErrorCode::kMalformed, "line %llu: a line of the header is longer than %zu bytes",
                                    number(), lines_.input().capacity());
       }
+      if (keyword.empty()) continue;
       if (keyword == "end_header") return finish();
       if (keyword == "format") {
         PLUMBLINE_TRY(parse_format(words));

@@ -115,7 +115,7 @@ class XyzReader {
 
   /// A line of one whole number is how many points follow, in PTS. Scans put together have one before each part.
   Expected<bool> take_count(std::string_view text) {
-    if (promised_ ? rows_ != *promised_ : rows_ > 0) return false;
+    if (rows_ > 0 && rows_ != promised_) return false;
     Words words(text, kBlanksAndCommas);
     const auto count = parse_count(words.next());
     if (!count || !words.next().empty()) return false;

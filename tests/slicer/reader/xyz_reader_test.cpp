@@ -1,0 +1,150 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "scan_fixture.hpp"
+
+namespace plumbline::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+void expect_points(Reading reading, const std::vector<ScanPoint>& points, bool normals) {
+  ASSERT_TRUE(reading.summary.has_value()) << reading.message();
+  EXPECT_EQ(reading.sink.complaint, "");
+  EXPECT_TRUE(same_points(reading.points(), points));
+  EXPECT_EQ(reading.summary->header.has_normals, normals);
+  EXPECT_EQ(reading.summary->header.format, ScanFormat::kXyz);
+}
+const std::vector<ScanPoint> kTwo = {{1, 2, 3, 0, 0, 0}, {-4, 5.5, 60, 0, 0, 0}};
+const std::vector<ScanPoint> kTwoNormals = {{1, 2, 3, 0, 0, 1}, {-4, 5.5, 60, 0.6F, -0.8F, 0}};
+
+TEST(XyzReader, TakesEverySeparatorAndEveryLineEnd) {
+  for (const char* separator : {" ", "\t", ",", ";", ", ", " ; ", "   "}) {
+    for (const char* end : {"\n", "\r\n", "\r", " \n", "\n\n"}) {
+      const auto file = replaced(replaced("1_2_3\n-4_5.5_6e1\n", "_", separator), "\n", end);
+      expect_points(read(file), kTwo, false);
+      expect_points(read(file.substr(0, file.size() - 1)), kTwo, false);
+    }
+  }
+}
+
+TEST(XyzReader, GoesPastCommentsAHeaderLineAndAByteOrderMark) {
+  expect_points(read("\xef\xbb\xbf# one\n// two\n; three\n  # four\n\nX Y Z\n1 2 3\n# five\n-4 5.5 60\n; six", "a.xyz"),
+                kTwo, false);
+  expect_points(read("Easting;Northing;Height\n1;2;3\n-4;5.5;60\n", "a.csv"), kTwo, false);
+}
+
+TEST(XyzReader, ThePointCountOfPtsIsAPromise) {
+  expect_points(read("2\n1 2 3\n-4 5.5 60\n"), kTwo, false);
+  expect_points(read("1\n1 2 3\n1\n-4 5.5 60\n"), kTwo, false);
+  EXPECT_EQ(read("2\n1 2 3\n-4 5.5 60\n").summary->header.declared_points, 2U);
+  const auto cut = read("3\n1 2 3\n-4 5.5 60\n", "bust.pts");
+  EXPECT_EQ(cut.code(), ErrorCode::kTruncated);
+  EXPECT_THAT(cut.message(), HasSubstr("bust.pts: the file ends behind line 3, after 2 of the 3 points"));
+  EXPECT_EQ(read("1\n1 2 3\n9\n-4 5.5 60\n").code(), ErrorCode::kTruncated);
+  EXPECT_EQ(read("18446744073709551615\n1 2 3\n-4 5.5 60\n").code(), ErrorCode::kTruncated);
+}
+
+TEST(XyzReader, ACountBetweenPartsIsFoundBehindTheSampledRowsToo) {
+  std::string part = "100\n";
+  for (int i = 0; i < 100; ++i) part += "1 2 3\n";
+  const auto reading = read(part + part);
+  ASSERT_TRUE(reading.summary.has_value()) << reading.message();
+  EXPECT_EQ(reading.summary->points, 200U);
+}
+
+TEST(XyzReader, ThreeColumnsOfLengthOneAreNormals) {
+  expect_points(read("1 2 3 0 0 1\n-4 5.5 60 .6 -.8 0\n"), kTwoNormals, true);
+  expect_points(read("1 2 3 0 0 1 0.5\n-4 5.5 60 .6 -.8 0 0.5\n"), kTwoNormals, true);
+}
+
+TEST(XyzReader, NormalsBehindColoursAndIntensityAreFound) {
+  expect_points(read("1 2 3 255 0 9 0 0 1\n-4 5.5 60 7 7 7 .6 -.8 0\n"), kTwoNormals, true);
+  expect_points(read("1 2 3 -500 255 0 9 0 0 1\n-4 5.5 60 20 7 7 7 .6 -.8 0\n"), kTwoNormals, true);
+}
+
+TEST(XyzReader, ARowWithoutANormalAmongOthersHasAZeroNormal) {
+  const auto reading = read("1 2 3 0 0 0\n-4 5.5 60 .6 -.8 0\n1 1 1 nan nan nan\n");
+  ASSERT_TRUE(reading.summary.has_value());
+  EXPECT_TRUE(reading.summary->header.has_normals);
+  EXPECT_EQ(reading.summary->without_normal, 2U);
+}
+
+TEST(XyzReader, ColoursIntensitiesAndBlackAreNoNormals) {
+  expect_points(read("1 2 3 255 128 0\n-4 5.5 60 1 0 0\n"), kTwo, false);
+  expect_points(read("1 2 3 0.5 0.5 0.5\n-4 5.5 60 1 0 0\n"), kTwo, false);
+  expect_points(read("1 2 3 0 0 0\n-4 5.5 60 0 0 0\n"), kTwo, false);
+  expect_points(read("2\n1 2 3 -812 12 13 14\n-4 5.5 60 -700 1 2 3\n"), kTwo, false);
+  expect_points(read("1 2 3 17\n-4 5.5 60 17\n"), kTwo, false);
+}
+
+TEST(XyzReader, OnlyTheFirst64RowsDecideWhetherThereAreNormals) {
+  std::string rows;
+  for (int i = 0; i < 64; ++i) rows += "1 2 3 0 1 0\n";
+  const auto late = read(rows + "1 2 3 9 9 9\n");
+  ASSERT_TRUE(late.summary.has_value());
+  EXPECT_TRUE(late.summary->header.has_normals);
+  EXPECT_EQ(late.sink.points.back().nx, 9);
+  const auto in_time = read(rows.substr(0, rows.size() - 12) + "1 2 3 9 9 9\n");
+  EXPECT_FALSE(in_time.summary->header.has_normals);
+}
+
+TEST(XyzReader, NamedColumnsAreTakenByTheirNames) {
+  expect_points(read("//Nx Ny Nz X Y Z\n0 0 1 1 2 3\n.6 -.8 0 -4 5.5 60\n"), kTwoNormals, true);
+  expect_points(read("id,x,y,z\n77,1,2,3\n78,-4,5.5,60\n", "a.csv"), kTwo, false);
+  expect_points(read("\"x\",\"y\",\"z\"\n1,2,3\n-4,5.5,60\n", "a.csv"), kTwo, false);
+  // Names that do not fit the rows are a remark, no more.
+  expect_points(read("# the z of x and y\n1 2 3\n-4 5.5 60\n"), kTwo, false);
+}
+
+TEST(XyzReader, DropsAndCountsPointsThatAreNotFinite) {
+  const auto reading = read("nan nan nan\n1 2 3\n1e999 0 0\n");
+  ASSERT_TRUE(reading.summary.has_value()) << reading.message();
+  EXPECT_EQ(reading.summary->points, 1U);
+  EXPECT_EQ(reading.summary->not_finite, 2U);
+}
+
+TEST(XyzReader, NamesTheLineThatIsWrong) {
+  for (const int rows : {1, 100}) {  // within the sampled rows and behind them
+    std::string file = "# bust\n";
+    for (int i = 0; i < rows; ++i) file += "1 2 3\n";
+    const auto line = "line " + std::to_string(rows + 2) + ": ";
+    const auto word = read(file + "1 2 x3\n1 2 3\n", "bust.xyz");
+    EXPECT_EQ(word.code(), ErrorCode::kMalformed);
+    EXPECT_THAT(word.message(), HasSubstr("bust.xyz: " + line + "expected a number for z, found 'x3'"));
+    const auto few = read(file + "1 2\n1 2 3\n");
+    EXPECT_EQ(few.code(), ErrorCode::kMalformed);
+    EXPECT_THAT(few.message(), HasSubstr(line + "too few numbers, z is missing"));
+    EXPECT_EQ(read(file + "1 2").code(), ErrorCode::kTruncated);
+    EXPECT_EQ(read(file + "1 2 3.e").code(), ErrorCode::kTruncated);
+  }
+}
+
+TEST(XyzReader, RowsThatLackTheNormalsOfTheOthersAreMalformed) {
+  std::string file;
+  for (int i = 0; i < 100; ++i) file += "1 2 3 0 1 0\n";
+  EXPECT_EQ(read(file + "1 2 3 0\n").code(), ErrorCode::kMalformed);
+  EXPECT_EQ(read("# x y z nx ny nz\n1 2 3 0 1 0\n1 2 3\n1 2 3 0 1 0\n").code(), ErrorCode::kMalformed);
+}
+
+TEST(XyzReader, RefusesDecimalCommasInsteadOfReadingTwiceTheColumns) {
+  for (const char* file : {"1,5 2,5 3,5\n", "1,5;2,5;3,5\n", "0,1\t0,2\t0,3\n"}) {
+    const auto reading = read(file);
+    EXPECT_EQ(reading.code(), ErrorCode::kUnsupported) << file;
+    EXPECT_THAT(reading.message(), HasSubstr("decimal commas"));
+  }
+  EXPECT_TRUE(read("1,2,3\n").summary.has_value());
+  EXPECT_TRUE(read("1, 2, 3\n").summary.has_value());
+  EXPECT_TRUE(read("1 ,2 ,3\n").summary.has_value());
+}
+
+TEST(XyzReader, TextThatIsNoTableIsOfUnknownFormat) {
+  const auto reading = read("Dear printer,\nplease print my head.\nThanks\n", "letter.txt");
+  EXPECT_EQ(reading.code(), ErrorCode::kUnknownFormat);
+  EXPECT_EQ(read("5\n5\n1 0 0\n").code(), ErrorCode::kUnsupported) << "PTX";
+  EXPECT_EQ(read("# nothing\n", "a.xyz").code(), ErrorCode::kNoPoints);
+  EXPECT_EQ(read("1 2\n").code(), ErrorCode::kMalformed);
+}
+
+}  // namespace
+}  // namespace plumbline::testing
