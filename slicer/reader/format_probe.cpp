@@ -84,7 +84,7 @@ class Probe {
     if (window_.starts_with("\xff\xfe") || window_.starts_with("\xfe\xff")) return refuse("UTF-16");
     const std::size_t pairs = std::min<std::size_t>(window_.size() / 2, 16);
     if (pairs < 4) return {};
-    for (const std::size_t text : {0, 1}) {
+    for (const std::size_t text : {0U, 1U}) {
       bool wide = true;
       for (std::size_t i = 0; i < pairs && wide; ++i) {
         const char letter = window_[2 * i + text];

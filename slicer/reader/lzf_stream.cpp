@@ -62,7 +62,8 @@ Status LzfStream::reference(unsigned control) {
   compressed_left_ -= extra;
   // Byte by byte: source and target may overlap, which repeats the bytes between them.
   char* to = window_.data() + end_;
-  for (std::size_t i = 0; i < length; ++i) to[i] = to[i - distance];
+  const char* from = to - distance;
+  for (std::size_t i = 0; i < length; ++i) to[i] = from[i];
   end_ += length;
   return {};
 }

@@ -56,7 +56,7 @@ std::optional<XyzColumns> columns_by_name(std::string_view line, std::size_t& na
 
 XyzColumns columns_by_values(std::span<const XyzRow> rows) {
   XyzColumns columns;
-  for (const std::size_t first : {3, 6, 7}) {
+  for (const std::size_t first : {3U, 6U, 7U}) {
     if (!are_normals(rows, first)) continue;
     columns.of[kNx] = first;
     columns.of[kNy] = first + 1;

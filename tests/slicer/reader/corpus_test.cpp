@@ -6,7 +6,7 @@
 #include <map>
 #include <sstream>
 
-#include "scan_fixture.hpp"
+#include "tests/slicer/reader/scan_fixture.hpp"
 
 namespace plumbline::testing {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "scan_fixture.hpp"
+#include "tests/slicer/reader/scan_fixture.hpp"
 
 namespace plumbline::testing {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "scan_fixture.hpp"
+#include "tests/slicer/reader/scan_fixture.hpp"
 
 namespace plumbline::testing {
 namespace {

@@ -6,7 +6,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "scan_fixture.hpp"
+#include "tests/slicer/reader/scan_fixture.hpp"
 
 namespace plumbline::testing {
 namespace {

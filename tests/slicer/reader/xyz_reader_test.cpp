@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "scan_fixture.hpp"
+#include "tests/slicer/reader/scan_fixture.hpp"
 
 namespace plumbline::testing {
 namespace {
