@@ -75,33 +75,17 @@ std::string allowed(const KeyRule& rule) {
 std::string found(const toml::node& node) {
   const char* type = "a value";
   switch (node.type()) {
-    case toml::node_type::none:
-      break;
-    case toml::node_type::table:
-      return "a table";
-    case toml::node_type::array:
-      return "an array";
-    case toml::node_type::string:
-      type = "a string";
-      break;
-    case toml::node_type::integer:
-      type = "an integer";
-      break;
+    case toml::node_type::none: break;
+    case toml::node_type::table: return "a table";
+    case toml::node_type::array: return "an array";
+    case toml::node_type::string: type = "a string"; break;
+    case toml::node_type::integer: type = "an integer"; break;
     // toml++ writes all 17 digits: 0.0047 would be 0.0047000000000000002, which the file does not have.
-    case toml::node_type::floating_point:
-      return "a float " + number(node.value_or(0.0));
-    case toml::node_type::boolean:
-      type = "a boolean";
-      break;
-    case toml::node_type::date:
-      type = "a date";
-      break;
-    case toml::node_type::time:
-      type = "a time";
-      break;
-    case toml::node_type::date_time:
-      type = "a date and time";
-      break;
+    case toml::node_type::floating_point: return "a float " + number(node.value_or(0.0));
+    case toml::node_type::boolean: type = "a boolean"; break;
+    case toml::node_type::date: type = "a date"; break;
+    case toml::node_type::time: type = "a time"; break;
+    case toml::node_type::date_time: type = "a date and time"; break;
   }
   std::ostringstream value;
   value << toml::node_view<const toml::node>{node};
