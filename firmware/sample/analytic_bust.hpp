@@ -15,7 +15,7 @@ namespace plumbline {
 ///
 /// Made of + - * / and sqrt alone: the same bits on every machine.
 ///
-/// @param p  bust coordinates, mm: z up from the underside, the face looks towards -y, x = 0 halves it
+/// @param p  bust coordinates, mm: z up from the underside, the face looks towards -y and a little towards -x
 /// @returns mm
 double bust_distance(const Vec3d& p);
 
