@@ -33,12 +33,9 @@ class NormalPairing {
         }
         if (held_) PLUMBLINE_TRY(deliver());
         break;
-      case Order::kVertexFirst:
-        PLUMBLINE_TRY(deliver());
-        break;
+      case Order::kVertexFirst: PLUMBLINE_TRY(deliver()); break;
       case Order::kNormalFirst:
-      case Order::kNone:
-        break;
+      case Order::kNone: break;
     }
     std::copy_n(position, 3, point_ + kX);
     held_ = true;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cstring>
 #include <limits>
 
@@ -143,6 +144,7 @@ Status read_pcd_compressed(ByteInput& input, const PcdHeader& header, PointBatch
     if (last != nullptr) kept_bytes += last->bytes() * header.points + Arena::kAlignment;
     last = &field;
   }
+  assert(last != nullptr && "a header without x, y and z has been refused");
   const std::uint64_t need = kept_bytes + Arena::rounded(LzfStream::kWindow);
   if (need > memory.available()) {
     return input.fail(

@@ -20,16 +20,11 @@ std::optional<ScalarType> type_of(char kind, std::uint32_t size) {
     return std::nullopt;
   }
   switch (size) {
-    case 1:
-      return is_signed ? ScalarType::kInt8 : ScalarType::kUint8;
-    case 2:
-      return is_signed ? ScalarType::kInt16 : ScalarType::kUint16;
-    case 4:
-      return is_signed ? ScalarType::kInt32 : ScalarType::kUint32;
-    case 8:
-      return is_signed ? ScalarType::kInt64 : ScalarType::kUint64;
-    default:
-      return std::nullopt;
+    case 1: return is_signed ? ScalarType::kInt8 : ScalarType::kUint8;
+    case 2: return is_signed ? ScalarType::kInt16 : ScalarType::kUint16;
+    case 4: return is_signed ? ScalarType::kInt32 : ScalarType::kUint32;
+    case 8: return is_signed ? ScalarType::kInt64 : ScalarType::kUint64;
+    default: return std::nullopt;
   }
 }
 

@@ -10,12 +10,9 @@ namespace {
 
 constexpr const char* encoding_of(PcdData data) {
   switch (data) {
-    case PcdData::kAscii:
-      return "ascii";
-    case PcdData::kBinary:
-      return "binary little endian";
-    case PcdData::kBinaryCompressed:
-      return "binary compressed";
+    case PcdData::kAscii: return "ascii";
+    case PcdData::kBinary: return "binary little endian";
+    case PcdData::kBinaryCompressed: return "binary compressed";
   }
   return "";
 }
@@ -31,12 +28,9 @@ Status read_pcd(ByteInput& input, PointBatch& batch, Arena& memory) {
                              .has_normals = header->layout.has_normal(),
                              .declared_points = header->points}));
   switch (header->data) {
-    case PcdData::kAscii:
-      return read_text_points(lines, header->layout, header->points, batch);
-    case PcdData::kBinary:
-      return read_binary_points(input, header->layout, header->points, std::endian::little, batch);
-    case PcdData::kBinaryCompressed:
-      return read_pcd_compressed(input, *header, batch, memory);
+    case PcdData::kAscii: return read_text_points(lines, header->layout, header->points, batch);
+    case PcdData::kBinary: return read_binary_points(input, header->layout, header->points, std::endian::little, batch);
+    case PcdData::kBinaryCompressed: return read_pcd_compressed(input, *header, batch, memory);
   }
   return {};
 }

@@ -19,26 +19,16 @@ double load(const char* bytes, std::endian order) {
 
 double load_scalar(ScalarType type, const char* bytes, std::endian order) {
   switch (type) {
-    case ScalarType::kInt8:
-      return load<std::int8_t>(bytes, order);
-    case ScalarType::kUint8:
-      return load<std::uint8_t>(bytes, order);
-    case ScalarType::kInt16:
-      return load<std::int16_t>(bytes, order);
-    case ScalarType::kUint16:
-      return load<std::uint16_t>(bytes, order);
-    case ScalarType::kInt32:
-      return load<std::int32_t>(bytes, order);
-    case ScalarType::kUint32:
-      return load<std::uint32_t>(bytes, order);
-    case ScalarType::kInt64:
-      return load<std::int64_t>(bytes, order);
-    case ScalarType::kUint64:
-      return load<std::uint64_t>(bytes, order);
-    case ScalarType::kFloat:
-      return load<float>(bytes, order);
-    case ScalarType::kDouble:
-      return load<double>(bytes, order);
+    case ScalarType::kInt8: return load<std::int8_t>(bytes, order);
+    case ScalarType::kUint8: return load<std::uint8_t>(bytes, order);
+    case ScalarType::kInt16: return load<std::int16_t>(bytes, order);
+    case ScalarType::kUint16: return load<std::uint16_t>(bytes, order);
+    case ScalarType::kInt32: return load<std::int32_t>(bytes, order);
+    case ScalarType::kUint32: return load<std::uint32_t>(bytes, order);
+    case ScalarType::kInt64: return load<std::int64_t>(bytes, order);
+    case ScalarType::kUint64: return load<std::uint64_t>(bytes, order);
+    case ScalarType::kFloat: return load<float>(bytes, order);
+    case ScalarType::kDouble: return load<double>(bytes, order);
   }
   return 0;
 }

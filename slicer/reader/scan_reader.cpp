@@ -13,14 +13,10 @@ constexpr std::size_t kWindow = std::size_t{64} * 1024;
 
 Status read_as(ScanFormat format, ByteInput& input, PointBatch& batch, Arena& memory) {
   switch (format) {
-    case ScanFormat::kPly:
-      return read_ply(input, batch, memory);
-    case ScanFormat::kXyz:
-      return read_xyz(input, batch, memory);
-    case ScanFormat::kPcd:
-      return read_pcd(input, batch, memory);
-    case ScanFormat::kObj:
-      return read_obj(input, batch, memory);
+    case ScanFormat::kPly: return read_ply(input, batch, memory);
+    case ScanFormat::kXyz: return read_xyz(input, batch, memory);
+    case ScanFormat::kPcd: return read_pcd(input, batch, memory);
+    case ScanFormat::kObj: return read_obj(input, batch, memory);
   }
   return {};
 }

@@ -98,7 +98,7 @@ inline Outcome read(std::string_view bytes, const char* name, bool whole) {
   Pieces source(bytes, name, whole);
   CheckingSink sink;
   auto summary = read_scan(source, sink, workspace);
-  return {std::move(summary), sink};
+  return {summary, sink};
 }
 
 /// Reads `bytes` under `name`, whole and in pieces, and aborts where

@@ -133,7 +133,8 @@ std::string curve(std::size_t points, std::vector<ScanPoint>& truth) {
   std::string x, y, z;
   std::mt19937 random(7);
   for (std::size_t i = 0; i < points; ++i) {
-    const auto px = static_cast<float>(i % 50), py = static_cast<float>(i / 50), pz = static_cast<float>(random() % 10);
+    const std::size_t row = i / 50;
+    const auto px = static_cast<float>(i % 50), py = static_cast<float>(row), pz = static_cast<float>(random() % 10);
     x += little(px);
     y += little(py);
     z += little(pz);

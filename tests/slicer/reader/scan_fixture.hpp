@@ -128,7 +128,7 @@ inline Reading read(ByteSource& source, std::size_t workspace = kReaderWorkspace
   std::vector<std::byte> memory(workspace, std::byte{0xa5});
   CollectingSink sink;
   auto summary = read_scan(source, sink, memory);
-  return {std::move(summary), std::move(sink)};
+  return {summary, std::move(sink)};
 }
 
 inline Reading read(std::string_view bytes, std::string_view name = "scan", std::vector<std::size_t> pieces = {},
