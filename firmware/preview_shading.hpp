@@ -1,0 +1,39 @@
+#pragma once
+/// From a map of depths to a shaded picture of the object.
+
+#include <cstdint>
+#include <span>
+
+#include "firmware/preview_font.hpp"
+
+namespace plumbline {
+
+/// Distances from the viewer's plane, rows from the top. Lengths are in samples of the map itself, so that a slope of one
+/// is 45 degrees.
+struct DepthMap {
+  static constexpr float kEmpty = 1e30F;  ///< no object here
+
+  std::span<float> depth;  ///< columns * rows
+  std::uint32_t columns = 0, rows = 0;
+
+  float& at(std::uint32_t column, std::uint32_t row) const { return depth[std::size_t{row} * columns + column]; }
+};
+
+inline constexpr std::uint32_t kSamplesPerPixel = 2;  ///< of a depth map, on each side of a pixel of the picture
+
+/// A voxel as a view sees it, in samples of the map; 1 or more.
+struct VoxelSize {
+  float across = 1;  ///< the larger of its sides in the picture's plane
+  float deep = 1;    ///< along the view
+};
+
+/// Smooths the stairs of pixels and layers, not across edges of the object.
+/// @param scratch  as many as map.depth
+void smooth_depth(const DepthMap& map, std::span<float> scratch, const VoxelSize& voxel);
+
+/// Draws the object, lit from the upper left, with soft shadows, darker in its creases.
+/// @param left, top  pixel of the picture where the map's first sample goes
+void shade_depth(const DepthMap& map, const Picture& picture, std::int64_t left, std::int64_t top,
+                 const Colour& material);
+
+}  // namespace plumbline
