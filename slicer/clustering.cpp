@@ -12,6 +12,15 @@ constexpr std::uint32_t kBatch = 256;  ///< candidates compared at a time: their
 
 constexpr const char* kStage = "clustering";
 
+constexpr std::int32_t kFewNeighbours = 8;   ///< fewer within epsilon do not measure a density
+constexpr std::uint32_t kThinSearch = 16;    ///< nearest points looked at instead
+
+/// Kept beside the classes, because a point's type must not change while others still compare with it.
+enum Flag : std::uint8_t { kCore = 1, kDense = 2, kOutlier = 4, kThin = 8 };
+
+/// For the pass in which other threads mark outliers in the same byte.
+bool is_core(std::uint8_t& flag) { return (std::atomic_ref(flag).load(std::memory_order_relaxed) & kCore) != 0; }
+
 /// Candidates of one block, as columns.
 struct Batch {
   alignas(64) float x[kBatch];
@@ -109,6 +118,28 @@ void count(const Member& m, const Batch& batch, float epsilon2, Counts& counts) 
   counts.sheet += sheet;
 }
 
+/// Where epsilon holds too few points to count, the surface is thinly scanned or there is none: the nearest points that
+/// face the same way tell how far apart they lie. Sets the radius of point i by them.
+/// @returns kThin if enough of them lie within reach
+std::uint8_t look_farther(Cloud& cloud, const KdTree3& tree, std::uint32_t i, float epsilon,
+                          const ClusteringSettings& settings) {
+  std::array<Neighbour, kThinSearch> found;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+  const std::uint32_t count = tree.nearest(cloud.position[i], found);
+  const float reach = settings.thin_reach * epsilon;
+  const Vec3f normal = cloud.normal[i].unpack();
+  std::uint32_t near = 0;
+  float farthest2 = 0;
+  for (std::uint32_t k = 0; k < count && near < settings.thin_points; ++k) {
+    const float cosine = normal.dot(cloud.normal[found[k].index].unpack());
+    if (!Within{found[k].distance2, cosine}.near(reach * reach)) continue;
+    ++near;
+    farthest2 = found[k].distance2;
+  }
+  if (near < settings.thin_points) return 0;
+  cloud.radius[i] = std::max(cloud.radius[i], std::sqrt(farthest2 * kSupportPoints / static_cast<float>(near)));
+  return kThin;
+}
+
 /// Disjoint sets under concurrent unions. The root of a set is its lowest index, whoever came first, so the outcome does
 /// not depend on the threads. Parents only ever decrease.
 class DisjointSets {
@@ -144,11 +175,6 @@ class DisjointSets {
   std::span<std::uint32_t> parent_;
 };
 
-/// Kept beside the classes, because a point's type must not change while others still compare with it.
-enum Flag : std::uint8_t { kCore = 1, kDense = 2, kOutlier = 4 };
-
-/// For the pass in which other threads mark outliers in the same byte.
-bool is_core(std::uint8_t& flag) { return (std::atomic_ref(flag).load(std::memory_order_relaxed) & kCore) != 0; }
 
 }  // namespace
 
@@ -209,8 +235,12 @@ Expected<ClusteringResult> cluster(Cloud& cloud, const KdTree3& tree, float epsi
       const bool dense = c.near >= min_points;
       const bool core = c.near > min_points && c.same_type > settings.same_type_share * c.near;
       flags[i] = static_cast<std::uint8_t>((core ? kCore : 0) | (dense ? kDense : 0));
-      // A point without a normal is near nobody, not even itself.
       cloud.radius[i] = epsilon * std::sqrt(kSupportPoints / static_cast<float>(std::max(1, c.sheet)));
+      if (c.near >= kFewNeighbours) {
+        if (settings.thin_reach > 0) flags[i] |= kThin;
+      } else {
+        flags[i] |= look_farther(cloud, tree, i, epsilon, settings);
+      }
     }
   }
 
@@ -268,7 +298,7 @@ Expected<ClusteringResult> cluster(Cloud& cloud, const KdTree3& tree, float epsi
     for (std::uint32_t i = first; i < last; ++i) {
       const std::uint32_t core = (flags[i] & kCore) != 0 ? i : nearest[i - first];
       if (!cluster.empty()) cluster[i] = core == kNoCluster ? kNoCluster : sets.root(core);
-      if (core == kNoCluster && (flags[i] & kDense) == 0) std::atomic_ref(flags[i]).fetch_or(kOutlier, std::memory_order_relaxed);
+      if (core == kNoCluster && (flags[i] & (kDense | kThin)) == 0) std::atomic_ref(flags[i]).fetch_or(kOutlier, std::memory_order_relaxed);
     }
   }
 

@@ -113,7 +113,7 @@ RaySurface RaySolver::solve(const RayGatherer& gatherer, const RayPoints& points
     while (candidate < points.size && points.depth[candidate] < band.low) ++candidate;
     search(points, band, [&](float previous) {
       // The next candidate above the last query; one within w of it is merged into a query w above it.
-      while (candidate < points.size && (points.depth[candidate] <= previous || !gatherer.practical(candidate))) ++candidate;
+      while (candidate < points.size && (points.depth[candidate] <= previous)) ++candidate;
       if (candidate == points.size || points.depth[candidate] > band.high) return band.high;
       return std::max(points.depth[candidate], previous + settings_.width);
     });

@@ -68,7 +68,7 @@ class std::allocator<plumbline::PointIndex> {
     return static_cast<value_type*>(block);
   }
   void deallocate(value_type* /*block*/, std::size_t /*count*/) {}  // the arena's stack takes it back
-  friend bool operator==(const allocator& /*a*/, const allocator& /*b*/) { return true; }
+  [[maybe_unused]] friend bool operator==(const allocator& /*a*/, const allocator& /*b*/) { return true; }
 };
 
 void* plumbline_nanoflann_malloc(std::size_t bytes);

@@ -10,12 +10,13 @@ constexpr const char* kStage = "perfect rays";
 constexpr std::uint32_t kMaxTileGaps = 64;
 constexpr std::uint32_t kMaxDepths = 4096;
 
-constexpr float kHalf = 0.5F;          ///< the surface, where there is none: halfway between outside and inside
-constexpr float kSure = 0.2F;          ///< farther from half than this, a whole tile may be judged by its centre
-constexpr float kTileStep = 12.0F;     ///< widths w between the samples of a tile's gap, at most
-constexpr float kRayStep = 3.0F;       ///< widths w between the samples of a ray's gap, at least
-constexpr std::uint32_t kMaxSamples = 48;
-constexpr std::uint32_t kBisections = 12;
+constexpr float kHalf = 0.5F;      ///< the surface, where there is none: halfway between outside and inside
+constexpr float kSure = 0.2F;      ///< farther from half than this, a whole tile is judged by its centre
+constexpr float kTileStep = 12.0F; ///< widths w between the samples of a gap at the tile's centre, at most
+constexpr std::uint32_t kMaxCentreSamples = 64;
+constexpr std::uint32_t kMaxLevels = 96;        ///< of an unsure gap
+constexpr std::uint32_t kMaxProfile = 4 * 1024; ///< winding numbers of a tile: four corners a level
+constexpr std::uint32_t kBisections = 5;
 
 }  // namespace
 
@@ -32,7 +33,8 @@ const char* to_string(RayDecision decision) {
 
 std::size_t RayPerfecter::bytes_needed(std::uint32_t tile_capacity) {
   return RayGatherer::bytes_needed(tile_capacity) + RaySolver::bytes_needed() +
-         Arena::rounded(kMaxTileGaps * sizeof(TileGap)) + Arena::rounded(kMaxDepths * sizeof(float));
+         Arena::rounded(kMaxTileGaps * sizeof(TileGap)) + Arena::rounded(kMaxProfile * sizeof(float)) +
+         Arena::rounded(kMaxDepths * sizeof(float));
 }
 
 Expected<RayPerfecter> RayPerfecter::create(const Cloud& cloud, const KdTree2& tree, const WindingTree& winding,
@@ -44,6 +46,8 @@ Expected<RayPerfecter> RayPerfecter::create(const Cloud& cloud, const KdTree2& t
   if (!solver) return tl::unexpected<Error>(solver.error());
   auto gaps = arena.take_top<TileGap>(kMaxTileGaps, kStage);
   if (!gaps) return tl::unexpected<Error>(gaps.error());
+  auto profile = arena.take_top<float>(kMaxProfile, kStage);
+  if (!profile) return tl::unexpected<Error>(profile.error());
   auto depths = arena.take_top<float>(kMaxDepths, kStage);
   if (!depths) return tl::unexpected<Error>(depths.error());
 
@@ -54,6 +58,7 @@ Expected<RayPerfecter> RayPerfecter::create(const Cloud& cloud, const KdTree2& t
   perfecter.grid_ = grid;
   perfecter.settings_ = settings;
   perfecter.tile_gaps_ = *gaps;
+  perfecter.profile_ = *profile;
   perfecter.depths_ = *depths;
   perfecter.top_ = static_cast<float>(grid.layers) * grid.layer_height_mm;
   return perfecter;
@@ -64,18 +69,39 @@ RayPerfecter::Verdict RayPerfecter::winding_verdict(float w) const {
   return w < kHalf - kSure ? Verdict::kOutside : Verdict::kUnsure;
 }
 
-RayPerfecter::Verdict RayPerfecter::judge_tile_gap(float x, float y, float low, float high) const {
-  const float step = std::max(kTileStep * settings_.intersections.width, top_ / 64);
-  const auto samples = static_cast<std::uint32_t>(std::clamp(std::ceil((high - low) / step), 1.0F, 64.0F));
+RayPerfecter::Verdict RayPerfecter::judge_centre(float low, float high) const {
+  const Vec2f centre = 0.5F * (tile_low_ + tile_high_);
+  const float step = std::max(kTileStep * settings_.intersections.width, top_ / kMaxCentreSamples);
+  const auto samples = static_cast<std::uint32_t>(std::clamp(std::ceil((high - low) / step), 1.0F, 1.0F * kMaxCentreSamples));
   Verdict verdict = Verdict::kUnsure;
   for (std::uint32_t s = 0; s < samples; ++s) {
     const float z = low + (high - low) * (static_cast<float>(s) + 0.5F) / static_cast<float>(samples);
-    const Verdict here = winding_verdict((*winding_)({x, y, z}));
-    if (s > 0 && here != verdict) return Verdict::kUnsure;
+    const Verdict here = winding_verdict((*winding_)({centre[0], centre[1], z}));
+    if (here == Verdict::kUnsure || (s > 0 && here != verdict)) return Verdict::kUnsure;
     verdict = here;
-    if (verdict == Verdict::kUnsure) return verdict;
   }
   return verdict;
+}
+
+void RayPerfecter::add_tile_gap(float low, float high) {
+  if (!(high > low) || tile_gap_count_ == kMaxTileGaps) return;
+  TileGap gap{low, high, judge_centre(low, high), 0, profile_size_};
+  if (gap.verdict == Verdict::kUnsure) {
+    // The winding number changes slowly where no point is near: the tile's corners tell it for all of its rays.
+    const float room = static_cast<float>((kMaxProfile - profile_size_) / 4);
+    const float side = std::max(tile_high_[0] - tile_low_[0], grid_.layer_height_mm);
+    const float levels = std::min({std::ceil((high - low) / side) + 1, 1.0F * kMaxLevels, room});
+    if (levels < 2) return;
+    gap.levels = static_cast<std::uint32_t>(levels);
+    for (std::uint32_t k = 0; k < gap.levels; ++k) {
+      const float z = gap.level(k);
+      profile_[profile_size_++] = (*winding_)({tile_low_[0], tile_low_[1], z});
+      profile_[profile_size_++] = (*winding_)({tile_high_[0], tile_low_[1], z});
+      profile_[profile_size_++] = (*winding_)({tile_low_[0], tile_high_[1], z});
+      profile_[profile_size_++] = (*winding_)({tile_high_[0], tile_high_[1], z});
+    }
+  }
+  tile_gaps_[tile_gap_count_++] = gap;
 }
 
 void RayPerfecter::begin_tile(std::uint32_t column, std::uint32_t row) {
@@ -86,23 +112,20 @@ void RayPerfecter::begin_tile(std::uint32_t column, std::uint32_t row) {
   const Vec2f high((last_column + 0.5F) * grid_.pitch_x_mm, (last_row + 0.5F) * grid_.pitch_y_mm);
   gatherer_.gather(low, high);
 
+  tile_low_ = low;
+  tile_high_ = high;
   // What no point of the tile reaches, from the base plane to the top.
   tile_gap_count_ = 0;
-  const float x = 0.5F * (low[0] + high[0]);
-  const float y = 0.5F * (low[1] + high[1]);
-  const auto add = [&](float from, float to) {
-    if (to <= from || tile_gap_count_ == kMaxTileGaps) return;
-    tile_gaps_[tile_gap_count_++] = {from, to, judge_tile_gap(x, y, from, to)};
-  };
+  profile_size_ = 0;
   float reached = 0;
   for (std::uint32_t t = 0; t < gatherer_.tile_points(); ++t) {
     const float radius = gatherer_.tile_radius(t);
     const float depth = gatherer_.tile_depth(t);
     // Depths ascend; a wide support that reaches down into a gap only makes that gap a little longer than it is.
-    if (depth - radius > reached) add(reached, depth - radius);
+    if (depth - radius > reached) add_tile_gap(reached, depth - radius);
     reached = std::max(reached, depth + radius);
   }
-  add(reached, top_);
+  add_tile_gap(reached, top_);
 }
 
 bool RayPerfecter::alternates(const RaySurface& surface) const {
@@ -114,57 +137,74 @@ bool RayPerfecter::alternates(const RaySurface& surface) const {
   return !inside;
 }
 
-RayPerfecter::Verdict RayPerfecter::judge_ray_gap(float low, float high) const {
-  bool any = false;
-  Verdict verdict = Verdict::kUnsure;
-  for (const TileGap& gap : tile_gaps_.first(tile_gap_count_)) {
-    if (gap.high <= low || gap.low >= high) continue;
-    if (any && gap.verdict != verdict) return Verdict::kUnsure;
-    verdict = gap.verdict;
-    any = true;
-  }
-  return verdict;
+float RayPerfecter::profile(const TileGap& gap, std::uint32_t level, float x, float y) const {
+  const Vec2f side = tile_high_ - tile_low_;
+  const float u = side[0] > 0 ? (x - tile_low_[0]) / side[0] : 0;
+  const float v = side[1] > 0 ? (y - tile_low_[1]) / side[1] : 0;
+  const float* w = &profile_[gap.first + std::size_t{4} * level];
+  return (w[0] * (1 - u) + w[1] * u) * (1 - v) + (w[2] * (1 - u) + w[3] * u) * v;
 }
 
-RayPerfecter::Gap RayPerfecter::trace_gap(float x, float y, float low, float high) {
-  const auto inside_at = [&](float z) { return (*winding_)({x, y, z}) > kHalf; };
-  const float step = std::max(kRayStep * settings_.intersections.width, (high - low) / kMaxSamples);
-  const auto samples = static_cast<std::uint32_t>(std::max(1.0F, std::ceil((high - low) / step)));
-  const auto depth_of = [&](std::uint32_t s) {
-    return low + (high - low) * (static_cast<float>(s) + 0.5F) / static_cast<float>(samples);
-  };
-  Gap gap{inside_at(depth_of(0)), false};
-  bool inside = gap.inside_at_low;
-  for (std::uint32_t s = 1; s < samples; ++s) {
-    const bool here = inside_at(depth_of(s));
-    if (here == inside) continue;
-    float from = depth_of(s - 1);
-    float to = depth_of(s);
-    for (std::uint32_t i = 0; i < kBisections && to - from > 0.25F * grid_.layer_height_mm; ++i) {
-      const float middle = 0.5F * (from + to);
-      (inside_at(middle) == inside ? from : to) = middle;
-    }
-    emit(0.5F * (from + to));
-    inside = here;
+void RayPerfecter::bisect(float x, float y, float low, float high, bool inside_at_low) {
+  for (std::uint32_t i = 0; i < kBisections && high - low > grid_.layer_height_mm; ++i) {
+    const float middle = 0.5F * (low + high);
+    (((*winding_)({x, y, middle}) > kHalf) == inside_at_low ? low : high) = middle;
   }
-  gap.inside_at_high = inside;
+  emit(0.5F * (low + high));
+}
+
+RayPerfecter::Gap RayPerfecter::trace_tile_gap(const TileGap& tile_gap, float x, float y) {
+  if (tile_gap.verdict != Verdict::kUnsure) {
+    const bool inside = tile_gap.verdict == Verdict::kInside;
+    return {inside, inside};
+  }
+  float before = profile(tile_gap, 0, x, y);
+  Gap gap{before > kHalf, before > kHalf};
+  for (std::uint32_t k = 1; k < tile_gap.levels; ++k) {
+    const float here = profile(tile_gap, k, x, y);
+    if ((here > kHalf) != gap.inside_at_high) {
+      const float share = (kHalf - before) / (here - before);
+      emit(tile_gap.level(k - 1) + share * (tile_gap.level(k) - tile_gap.level(k - 1)));
+      gap.inside_at_high = here > kHalf;
+    }
+    before = here;
+  }
   return gap;
 }
 
-RayPerfecter::Gap RayPerfecter::decide_gap(float x, float y, float low, float high, bool below, bool above,
-                                           bool outermost) {
-  const bool agreed = below == above;
-  const Verdict verdict = judge_ray_gap(low, high);
-  if (verdict != Verdict::kUnsure) {
-    const bool inside = verdict == Verdict::kInside;
-    if (!agreed || inside != below) used_winding_ = true;
-    return {inside, inside};
+RayPerfecter::Gap RayPerfecter::decide_gap(float x, float y, float low, float high, bool below, bool above) {
+  const std::uint32_t depths_before = depth_count_;
+  Gap gap{below, above};
+  bool any = false;
+  float reached = low;
+  for (const TileGap& tile_gap : tile_gaps_.first(tile_gap_count_)) {
+    if (tile_gap.high <= low || tile_gap.low >= high) continue;
+    const std::uint32_t inner = depth_count_;
+    const Gap part = trace_tile_gap(tile_gap, x, y);
+    if (!any) {
+      gap = part;
+    } else if (part.inside_at_low != gap.inside_at_high) {
+      // The sheet between the two ends inside this tile before it comes to this ray.
+      const std::uint32_t middle = depth_count_;
+      bisect(x, y, reached, tile_gap.low, gap.inside_at_high);
+      std::rotate(depths_.begin() + inner, depths_.begin() + middle, depths_.begin() + depth_count_);
+      gap.inside_at_high = part.inside_at_high;
+    } else {
+      gap.inside_at_high = part.inside_at_high;
+    }
+    reached = tile_gap.high;
+    any = true;
   }
-  // A gap shorter than a support is no hole; its two shores know better than a sum over the whole cloud.
-  if (agreed && !outermost && high - low < 2 * settings_.intersections.width) return {below, below};
-  const std::uint32_t before = depth_count_;
-  const Gap gap = trace_gap(x, y, low, high);
-  if (depth_count_ != before || gap.inside_at_low != below || gap.inside_at_high != above) used_winding_ = true;
+  if (!any) {
+    // Shorter than the supports around it: its two shores know better than a sum over the whole cloud, if they agree.
+    if (below != above) {
+      const bool inside = (*winding_)({x, y, 0.5F * (low + high)}) > kHalf;
+      gap = {inside, inside};
+    }
+  }
+  if (below != above || depth_count_ != depths_before || gap.inside_at_low != below || gap.inside_at_high != above) {
+    used_winding_ = true;
+  }
   return gap;
 }
 
@@ -232,7 +272,7 @@ PerfectRay RayPerfecter::ray(std::uint32_t column, std::uint32_t row) {
     const bool was_inside = gap.inside_at_high;
     const std::uint32_t before = depth_count_;
     if (high > reached) {
-      gap = decide_gap(x, y, reached, high, inside, above, b == 0 || last);
+      gap = decide_gap(x, y, reached, high, inside, above);
     } else {
       gap = {above, above};  // the band starts at or below the base plane
     }

@@ -61,8 +61,14 @@ class RayPerfecter {
   enum class Verdict : std::uint8_t { kOutside, kInside, kUnsure };
   /// A stretch of the tile's column that is farther from every point than their support.
   struct TileGap {
-    float low, high;
-    Verdict verdict;
+    float low = 0, high = 0;    ///< z, mm
+    Verdict verdict = Verdict::kUnsure;
+    std::uint32_t levels = 0;   ///< of the profile of an unsure gap, evenly from low to high
+    std::uint32_t first = 0;    ///< its place in the profile
+
+    float level(std::uint32_t k) const {
+      return low + (high - low) * static_cast<float>(k) / static_cast<float>(levels - 1);
+    }
   };
   /// A stretch of a ray between two bands: inside or outside at both ends, crossings in between.
   struct Gap {
@@ -70,11 +76,13 @@ class RayPerfecter {
   };
 
   Verdict winding_verdict(float w) const;
-  Verdict judge_tile_gap(float x, float y, float low, float high) const;
-  Verdict judge_ray_gap(float low, float high) const;
+  Verdict judge_centre(float low, float high) const;
+  void add_tile_gap(float low, float high);
+  float profile(const TileGap& gap, std::uint32_t level, float x, float y) const;
+  void bisect(float x, float y, float low, float high, bool inside_at_low);
+  Gap trace_tile_gap(const TileGap& tile_gap, float x, float y);
   bool alternates(const RaySurface& surface) const;
-  Gap decide_gap(float x, float y, float low, float high, bool below, bool above, bool outermost);
-  Gap trace_gap(float x, float y, float low, float high);
+  Gap decide_gap(float x, float y, float low, float high, bool below, bool above);
   void cross_band(const RaySurface& surface, const Band& band, bool from, bool to);
   void emit(float depth);
   void drop_thin_stretches();
@@ -86,7 +94,11 @@ class RayPerfecter {
   PerfectRaySettings settings_;
   std::span<TileGap> tile_gaps_;
   std::span<float> depths_;
+  std::span<float> profile_;  ///< winding numbers at the corners of the tile, level by level
+  Vec2f tile_low_ = Vec2f::Zero();
+  Vec2f tile_high_ = Vec2f::Zero();
   std::uint32_t tile_gap_count_ = 0;
+  std::uint32_t profile_size_ = 0;
   std::uint32_t depth_count_ = 0;
   float top_ = 0;  ///< mm
   bool used_winding_ = false;
