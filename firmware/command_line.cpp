@@ -1,0 +1,192 @@
+#include "firmware/command_line.hpp"
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+
+#include "firmware/sample/scan_sample.hpp"
+#include "firmware/version.hpp"
+
+namespace plumbline {
+namespace {
+
+constexpr const char* kAbout =
+    "Turns a scanned point cloud straight into the layer masks of a resin print: no mesh, fixed memory.\n"
+    "\n"
+    "  plumbline sample bust.ply                                a scan to try: a bust with noise and an open "
+    "underside\n"
+    "  plumbline inspect bust.ply --printer board/mono2k.toml   what is in it, and will it fit\n"
+    "  plumbline slice bust.ply -o out                          layers, preview and manifest\n"
+    "\n"
+    "Lengths are mm, angles degrees. 'plumbline slice --help' explains every option.\n";
+
+constexpr const char* kSliceAbout =
+    "Slices a scan into layer masks.\n"
+    "\n"
+    "  plumbline slice scan.ply -o out                                   pixels and layers of 0.05 mm, grid fits the "
+    "object\n"
+    "  plumbline slice scan.ply -o out --printer board/mono2k.toml       the printer's panel, object centred on the "
+    "plate\n"
+    "  plumbline slice scan.ply -o out --printer board/mono2k.toml --fit as large as the printer takes\n"
+    "  plumbline slice scan.ply -o out --units m --rotate-x 90           a scan in metres whose y points up\n"
+    "\n"
+    "Scans: PLY (ascii, binary), PCD (ascii, binary, compressed), OBJ, XYZ/PTS/ASC/TXT.\n";
+
+constexpr const char* kSliceFooter =
+    "\nWhat comes out:\n"
+    "  OUT/layers/00000.png ...  a mask for each layer, lowest first: 1-bit greyscale, white cures; row 0 has the "
+    "smallest y\n"
+    "  OUT/preview.png           front, side and top view\n"
+    "  OUT/manifest.json         grid, transform, hashes, counts, times; written last: where it is, the job is whole\n"
+    "An older job in OUT is replaced. A directory with anything else in it is refused.\n"
+    "\n"
+    "Exit status: 0 done, 1 an error of file, scan or medium, 2 a wrong command line, 130 interrupted.\n";
+
+constexpr const char* kInspectAbout =
+    "Reads a scan and says what is in it, without slicing it: points, normals, extent, spacing, noise, units, whether "
+    "it\n"
+    "fits the printer and the arena.\n"
+    "\n"
+    "  plumbline inspect scan.ply\n"
+    "  plumbline inspect scan.ply --printer board/mono2k.toml --rotate-x 90\n";
+
+constexpr const char* kSampleAbout =
+    "Writes the project's own scan: a virtual structured-light scan of an analytic bust, 16 views, with noise, a few "
+    "strays\n"
+    "and an open underside. PLY, binary, mm, normals. The same seed and count give the same file everywhere.\n"
+    "\n"
+    "  plumbline sample bust.ply\n"
+    "  plumbline sample big.ply --points 5000000 --seed 7\n";
+
+/// Numbers that CLI11 takes, but no print: NaN passes its range check.
+CLI::Validator finite_range(double low, double high) {
+  return CLI::Validator(
+      [low, high](std::string& text) -> std::string {
+        double number = 0;
+        if (CLI::detail::lexical_cast(text, number) && number >= low && number <= high) return {};
+        char message[128];
+        std::snprintf(message, sizeof message, "'%.40s' is not a number from %g to %g", text.c_str(), low, high);
+        return message;
+      },
+      "");
+}
+
+void add_job_options(CLI::App& app, JobOptions& job) {
+  app.add_option("scan", job.scan, "The scan: .ply, .pcd, .obj, .xyz, .pts, .asc or .txt")
+      ->required()
+      ->type_name("SCAN");
+  constexpr const char* kPrint = "Print";
+  auto* printer =
+      app.add_option("--printer", job.printer,
+                     "Board file: gives panel, pitch, travel, layer height and arena. Without one the grid fits "
+                     "the object")
+          ->type_name("TOML")
+          ->group(kPrint);
+  app.add_option("--pixel-pitch", job.pixel_pitch_mm, "Pixel size, 0.005 to 1 mm; without --printer [0.05]")
+      ->type_name("MM")
+      ->check(finite_range(kFinestMm, kCoarsestMm))
+      ->excludes(printer)
+      ->group(kPrint);
+  app.add_option("--layer-height", job.layer_height_mm, "Layer height, 0.005 to 1 mm [0.05, or the printer's]")
+      ->type_name("MM")
+      ->check(finite_range(kFinestMm, kCoarsestMm))
+      ->group(kPrint);
+
+  constexpr const char* kPlacement = "Placement";
+  static const std::map<std::string, Units> kUnits = {{"mm", Units::kMillimetres},
+                                                      {"cm", Units::kCentimetres},
+                                                      {"m", Units::kMetres},
+                                                      {"in", Units::kInches},
+                                                      {"auto", Units::kAuto}};
+  app.add_option(
+         "--units", job.units,
+         "Unit of the scan's coordinates: mm, cm, m, in, or auto (the one that makes it 20 to 500 mm long) [mm]")
+      ->type_name("UNIT")
+      ->transform(CLI::Transformer(kUnits).description(""))
+      ->group(kPlacement);
+  auto* scale = app.add_option("--scale", job.scale, "Times the size in the scan [1]")
+                    ->type_name("F")
+                    ->check(finite_range(kSmallestScale, kLargestScale))
+                    ->group(kPlacement);
+  app.add_flag("--fit", job.fit, "The largest scale that the printer takes")
+      ->needs(printer)
+      ->excludes(scale)
+      ->group(kPlacement);
+  const char* const names[] = {"--rotate-x", "--rotate-y", "--rotate-z"};
+  const char* const help[] = {"Turn about x, first; right-handed [0]", "Turn about y, then [0]",
+                              "Turn about z, last [0]"};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    app.add_option(names[axis], job.rotate_degrees[axis], help[axis])
+        ->type_name("DEG")
+        ->check(finite_range(-360, 360))
+        ->group(kPlacement);
+  }
+
+  constexpr const char* kMachine = "Machine";
+  app.add_option(
+         "--arena-mib", job.arena_mib,
+         "Memory for the work, MiB; points are thinned until they fit [the printer's, or all that was built in]")
+      ->type_name("N")
+      ->check(CLI::Range(1U, 1U << 20U).description(""))
+      ->group(kMachine);
+  app.add_option("--threads", job.threads,
+                 "1 to 64; the masks do not depend on it [OMP_NUM_THREADS, or the cores, at most 8]")
+      ->type_name("N")
+      ->check(CLI::Range(1U, kMostThreads).description(""))
+      ->group(kMachine);
+  app.add_flag("--quiet", job.quiet, "Print errors only")->group(kMachine);
+  app.add_flag("--json", job.json, "Print the report as one JSON object, and nothing else")->group(kMachine);
+}
+
+}  // namespace
+
+ExitCode run_command_line(int argc, char** argv, std::span<std::byte> arena_block) {
+  CLI::App app(kAbout, "plumbline");
+  app.set_version_flag("--version", std::string("plumbline ") + kVersion);
+  app.require_subcommand(1);
+  app.get_formatter()->column_width(30);
+
+  SliceOptions slice;
+  auto* slice_app = app.add_subcommand("slice", "Slice a scan into layer masks");
+  slice_app->description(kSliceAbout);
+  slice_app->footer(kSliceFooter);
+  add_job_options(*slice_app, slice.job);
+  slice_app->add_option("-o,--output", slice.output, "Directory for the layers; created if it is missing")
+      ->required()
+      ->type_name("OUT");
+  bool no_preview = false;
+  slice_app->add_flag("--no-preview", no_preview, "Do not draw preview.png");
+
+  JobOptions inspect;
+  auto* inspect_app = app.add_subcommand("inspect", "Say what is in a scan, and whether it fits");
+  inspect_app->description(kInspectAbout);
+  add_job_options(*inspect_app, inspect);
+
+  SampleOptions sample;
+  const SampleSettings defaults;
+  sample.points = defaults.points;
+  sample.seed = defaults.seed;
+  auto* sample_app = app.add_subcommand("sample", "Write a scan to try");
+  sample_app->description(kSampleAbout);
+  sample_app->add_option("file", sample.output, "The file to write: PLY")->required()->type_name("PLY");
+  sample_app->add_option("--points", sample.points, "1000 to 50000000 [300000]")
+      ->type_name("N")
+      ->check(CLI::Range(kMinSamplePoints, kMaxSamplePoints).description(""));
+  sample_app->add_option("--seed", sample.seed, "Another number, another scan of the same bust [1]")->type_name("S");
+  sample_app->add_flag("--quiet", sample.quiet, "Print errors only");
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    const int status = app.exit(error);  // prints help, version, or what is wrong
+    return status == 0 ? ExitCode::kDone : ExitCode::kUsageError;
+  }
+  slice.preview = !no_preview;
+  if (slice_app->parsed()) return run_slice(slice, arena_block);
+  if (inspect_app->parsed()) return run_inspect(inspect, arena_block);
+  return run_sample(sample);
+}
+
+}  // namespace plumbline

@@ -1,0 +1,43 @@
+#pragma once
+/// What the program `plumbline` does, a function a subcommand.
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "firmware/job_options.hpp"
+
+namespace plumbline {
+
+/// What a shell sees.
+enum class ExitCode : std::uint8_t {
+  kDone = 0,
+  kWorldError = 1,     ///< a file, a medium, an object: standard error has the sentence
+  kUsageError = 2,     ///< the command line
+  kInterrupted = 130,  ///< SIGINT or SIGTERM; as shells have it: 128 + SIGINT
+};
+
+struct SliceOptions {
+  JobOptions job;
+  std::string output;
+  bool preview = true;
+};
+
+struct SampleOptions {
+  std::string output;
+  std::uint64_t points = 0;
+  std::uint64_t seed = 0;
+  bool quiet = false;
+};
+
+/// Each writes results to standard output, progress, warnings and errors to standard error.
+/// @param arena_block  the program's
+ExitCode run_slice(const SliceOptions& options, std::span<std::byte> arena_block);
+ExitCode run_inspect(const JobOptions& options, std::span<std::byte> arena_block);
+ExitCode run_sample(const SampleOptions& options);
+
+/// Prints the sentence of an error. @returns what the shell is to see
+ExitCode report_error(const Error& error);
+
+}  // namespace plumbline

@@ -1,0 +1,34 @@
+#pragma once
+/// A scan on a file system.
+
+#include <string>
+
+#include "slicer/core/byte_source.hpp"
+
+namespace plumbline {
+
+/// Reads a file from start to end with plain reads: no buffer of its own, no heap after open().
+class FileSource final : public ByteSource {
+ public:
+  /// @param path  a file, or a pipe
+  /// @retval ErrorCode::kCannotOpen  missing, a directory or not allowed: the path, the reason, what to do
+  [[nodiscard]] static Expected<FileSource> open(const std::string& path);
+  FileSource(FileSource&& other) noexcept;
+  FileSource& operator=(FileSource&&) = delete;
+  ~FileSource() override;
+
+  /// @retval ErrorCode::kCannotRead  the name, the byte at which it failed and the system's reason
+  [[nodiscard]] Expected<std::size_t> read(std::span<std::byte> buffer) override;
+  std::string_view name() const override { return name_; }  ///< without its folders
+  std::optional<std::uint64_t> size() const override { return size_; }
+
+ private:
+  FileSource() = default;
+
+  int file_ = -1;
+  std::string name_;
+  std::optional<std::uint64_t> size_;
+  std::uint64_t offset_ = 0;  ///< bytes read so far
+};
+
+}  // namespace plumbline

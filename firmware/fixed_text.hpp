@@ -1,0 +1,48 @@
+#pragma once
+/// Text in a fixed place: lines for the terminal and paths, written while the heap must not be touched.
+
+#include <cstdarg>
+#include <cstddef>
+#include <cstdio>
+#include <string_view>
+
+namespace plumbline {
+
+/// At most Capacity - 1 characters and a terminator. What does not fit is cut, and cut() says so.
+template <std::size_t Capacity>
+class FixedText {
+ public:
+  FixedText() = default;
+
+  /// printf-style, after what is there. Never allocates for integers, strings and numbers of fewer than 32 digits.
+  [[gnu::format(printf, 2, 3)]] void add(const char* pattern, ...) {
+    va_list args;
+    va_start(args, pattern);
+    const int wanted = std::vsnprintf(text_ + size_, Capacity - size_, pattern, args);
+    va_end(args);
+    if (wanted < 0) return;
+    const std::size_t room = Capacity - 1 - size_;
+    cut_ = cut_ || static_cast<std::size_t>(wanted) > room;
+    size_ += cut_ ? room : static_cast<std::size_t>(wanted);
+  }
+  void clear() {
+    size_ = 0;
+    text_[0] = '\0';
+    cut_ = false;
+  }
+
+  const char* c_str() const { return text_; }
+  std::string_view view() const { return {text_, size_}; }
+  bool cut() const { return cut_; }
+
+ private:
+  char text_[Capacity] = {};
+  std::size_t size_ = 0;
+  bool cut_ = false;
+};
+
+/// The longest path that Linux takes, terminator included.
+inline constexpr std::size_t kMaxPath = 4096;
+using FixedPath = FixedText<kMaxPath>;
+
+}  // namespace plumbline

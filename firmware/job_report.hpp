@@ -1,0 +1,56 @@
+#pragma once
+/// What became of a job: what its manifest says and its last lines on the terminal.
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "firmware/fixed_text.hpp"
+#include "slicer/slicer.hpp"
+
+namespace plumbline {
+
+/// Sentences that a user should read before printing.
+struct JobWarnings {
+  static constexpr std::size_t kMost = 8;
+  std::array<FixedText<256>, kMost> lines = {};
+  std::size_t count = 0;
+
+  FixedText<256>& add() { return lines[count < kMost ? count++ : kMost - 1]; }
+  std::span<const FixedText<256>> all() const { return std::span(lines).first(count); }
+};
+
+struct JobReport {
+  std::string scan_name;
+  std::string printer_name;                      ///< empty: the grid is the object's own
+  SliceReport slice;                             ///< peaks of the arena: up to Stage::kRRep
+  std::array<double, kStageCount> seconds = {};  ///< by Stage
+  double preview_seconds = 0;
+  double total_seconds = 0;
+  std::size_t layers_peak_bytes = 0;   ///< of the arena, in Stage::kLayers
+  std::size_t preview_peak_bytes = 0;  ///< of the arena
+  std::size_t arena_bytes = 0;         ///< the budget
+  std::uint32_t threads = 1;
+  std::uint64_t cured_pixels = 0;  ///< of all layers
+  std::uint64_t hash = 0;          ///< job_hash()
+  bool has_preview = false;
+  JobWarnings warnings;
+
+  /// mm^3 of resin that the masks cure.
+  double volume_mm3() const;
+  /// Highest use of the arena in any stage, bytes.
+  std::size_t peak_bytes() const;
+  /// Highest use of the arena in `stage`, bytes.
+  std::size_t peak_bytes(Stage stage) const;
+  /// 0 to 1, of the rays that were shot.
+  double share_of_rays(RayDecision decision) const;
+};
+
+/// "PLY", "XYZ", "PCD", "OBJ".
+const char* to_string(ScanFormat format);
+
+/// Looks for what a user should know before printing, and adds it to report.warnings.
+void find_warnings(JobReport& report);
+
+}  // namespace plumbline

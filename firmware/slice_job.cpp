@@ -1,0 +1,139 @@
+#include "firmware/slice_job.hpp"
+
+#include <omp.h>
+
+#include <array>
+#include <chrono>
+
+#include "firmware/json_writer.hpp"
+#include "firmware/manifest.hpp"
+#include "firmware/mask_hash.hpp"
+#include "firmware/preview.hpp"
+#include "slicer/layer_stream.hpp"
+
+namespace plumbline {
+namespace {
+
+/// Starts the threads of all parallel regions to come: the first region makes them, the others find them waiting.
+void start_threads(std::uint32_t threads) {
+  omp_set_dynamic(0);
+  omp_set_num_threads(static_cast<int>(threads));
+  std::uint32_t started = 0;
+#pragma omp parallel reduction(+ : started)
+  ++started;
+  static_cast<void>(started);
+}
+
+}  // namespace
+
+Expected<SliceJob> SliceJob::prepare(const SliceJobSettings& settings, Arena& arena) {
+  auto source = FileSource::open(settings.scan_path);
+  PLUMBLINE_TRY(source);
+  auto directory = JobDirectory::open(settings.output_path);
+  PLUMBLINE_TRY(directory);
+  SliceJob job(settings, arena, std::move(*source), std::move(*directory));
+  if (const auto& printer = settings.slice.placement.printer) {
+    auto masks = PngEncoder::for_masks(printer->columns, printer->rows);
+    PLUMBLINE_TRY(masks);
+    job.masks_ = std::move(*masks);
+  }
+  if (settings.preview) {
+    auto pictures = PngEncoder::for_pictures(kPreviewColumns, kPreviewRows);
+    PLUMBLINE_TRY(pictures);
+    job.pictures_ = std::move(*pictures);
+  }
+  start_threads(settings.slice.threads);
+  job.report_.scan_name = job.source_.name();
+  job.report_.printer_name = settings.printer_name;
+  job.report_.arena_bytes = arena.capacity();
+  job.report_.threads = settings.slice.threads;
+  return job;
+}
+
+Status SliceJob::run(JobProgress& progress) {
+  const std::size_t bottom = arena_->bottom_mark();
+  auto done = work(progress);
+  arena_->release_bottom(bottom);
+  if (!done) directory_.discard();
+  return done;
+}
+
+Status SliceJob::work(JobProgress& progress) {
+  const auto rrep = slice(source_, settings_.slice, *arena_, &progress, report_.slice);
+  PLUMBLINE_TRY(rrep);
+  if (!masks_) {
+    auto masks = PngEncoder::for_masks(rrep->grid.columns, rrep->grid.rows);
+    PLUMBLINE_TRY(masks);
+    masks_ = std::move(*masks);
+  }
+  PLUMBLINE_TRY(directory_.begin());
+  arena_->reset_peak();
+  auto hashes = arena_->take_bottom<std::uint64_t>(rrep->grid.layers, "layers");
+  PLUMBLINE_TRY(hashes);
+  progress.begin(Stage::kLayers);
+  auto written = write_layers(*rrep, *hashes, progress);
+  report_.layers_peak_bytes = arena_->peak();
+  progress.end(Stage::kLayers, arena_->peak());
+  PLUMBLINE_TRY(written);
+  find_warnings(report_);
+  if (pictures_) PLUMBLINE_TRY(write_preview(*rrep));
+  report_.hash = job_hash(*hashes);
+  report_.seconds = progress.seconds();
+  report_.total_seconds = progress.total_seconds();
+  return write_manifest_file(*hashes);
+}
+
+Status SliceJob::write_layers(const RRep& rrep, std::span<std::uint64_t> hashes, JobProgress& progress) {
+  auto stream = LayerStream::create(rrep, *arena_);
+  PLUMBLINE_TRY(stream);
+  const std::uint32_t layers = rrep.grid.layers;
+  for (std::uint32_t layer = 0; layer < layers; ++layer) {
+    if (!progress.advance(Stage::kLayers, static_cast<double>(layer) / layers)) {
+      return fail(ErrorCode::kCancelled, "stopped at layer %u of %u", layer, layers);
+    }
+    const ConstBitImage mask = stream->mask(layer);
+    hashes[layer] = mask_hash(mask);
+    report_.cured_pixels += mask.count();
+    const auto png = masks_->encode(mask);
+    PLUMBLINE_TRY(png);
+    PLUMBLINE_TRY(directory_.write_layer(layer, *png));
+  }
+  return {};
+}
+
+Status SliceJob::write_preview(const RRep& rrep) {
+  const auto start = std::chrono::steady_clock::now();
+  const SliceReport& s = report_.slice;
+  FixedText<128> size;
+  size.add("%.2f x %.2f x %.2f mm, %u layers of %.3g mm, %.1f ml", s.placement.size_mm[0], s.placement.size_mm[1],
+           s.placement.size_mm[2], rrep.grid.layers, static_cast<double>(rrep.grid.layer_height_mm),
+           report_.volume_mm3() / 1000);
+  FixedText<128> grid;
+  grid.add("%u x %u pixels of %.4g x %.4g mm%s%s", rrep.grid.columns, rrep.grid.rows,
+           static_cast<double>(rrep.grid.pitch_x_mm), static_cast<double>(rrep.grid.pitch_y_mm),
+           report_.printer_name.empty() ? "" : ", printer ", report_.printer_name.c_str());
+  const std::array<std::string_view, 2> captions = {size.view(), grid.view()};
+  arena_->reset_peak();
+  const auto png = encode_preview(rrep, {report_.scan_name, captions}, *arena_, *pictures_);
+  report_.preview_peak_bytes = arena_->peak();
+  if (!png) {
+    // The layers are whole without their picture.
+    report_.warnings.add().add("no preview.png: %s", png.error().message());
+    return {};
+  }
+  PLUMBLINE_TRY(directory_.write_preview(*png));
+  report_.has_preview = true;
+  report_.preview_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return {};
+}
+
+Status SliceJob::write_manifest_file(std::span<const std::uint64_t> hashes) {
+  auto file = directory_.create_manifest();
+  PLUMBLINE_TRY(file);
+  JsonWriter json(*file);
+  write_manifest(json, report_, hashes);
+  PLUMBLINE_TRY(json.finish());
+  return directory_.finish(*file);
+}
+
+}  // namespace plumbline

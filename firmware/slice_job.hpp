@@ -1,0 +1,60 @@
+#pragma once
+/// `plumbline slice` without its command line: a scan file becomes a folder of layers.
+
+#include <optional>
+#include <string>
+
+#include "firmware/file_source.hpp"
+#include "firmware/job_directory.hpp"
+#include "firmware/job_progress.hpp"
+#include "firmware/job_report.hpp"
+#include "firmware/png_writer.hpp"
+#include "slicer/core/arena.hpp"
+#include "slicer/slicer.hpp"
+
+namespace plumbline {
+
+struct SliceJobSettings {
+  std::string scan_path;
+  std::string output_path;
+  std::string printer_name;  ///< for the manifest; empty without a printer
+  SliceSettings slice;
+  bool preview = true;
+};
+
+/// One job. What it needs of the heap it takes in prepare(); run() takes nothing but what lodepng takes and returns for each
+/// image. (Without a printer there is one exception: the encoder of the masks, because nobody knows their size before the
+/// scan has been read. It is made when they are admitted, before the first one.)
+class SliceJob {
+ public:
+  /// Opens the scan, the folder, the encoders and the team of threads.
+  /// @param arena  must outlive the job; all of it is the job's
+  /// @retval ErrorCode::kCannotOpen, kCannotWrite, kOutOfMemory
+  [[nodiscard]] static Expected<SliceJob> prepare(const SliceJobSettings& settings, Arena& arena);
+
+  /// Slices and writes. After an error the folder holds nothing of this job.
+  /// @retval ErrorCode::kCancelled  progress said so
+  /// @retval any error of slice(), JobDirectory and PngEncoder
+  [[nodiscard]] Status run(JobProgress& progress);
+
+  const JobReport& report() const { return report_; }
+
+ private:
+  SliceJob(const SliceJobSettings& settings, Arena& arena, FileSource source, JobDirectory directory)
+      : settings_(settings), arena_(&arena), source_(std::move(source)), directory_(std::move(directory)) {}
+
+  [[nodiscard]] Status work(JobProgress& progress);
+  [[nodiscard]] Status write_layers(const RRep& rrep, std::span<std::uint64_t> hashes, JobProgress& progress);
+  [[nodiscard]] Status write_preview(const RRep& rrep);
+  [[nodiscard]] Status write_manifest_file(std::span<const std::uint64_t> hashes);
+
+  SliceJobSettings settings_;
+  Arena* arena_;
+  FileSource source_;
+  JobDirectory directory_;
+  std::optional<PngEncoder> masks_;
+  std::optional<PngEncoder> pictures_;
+  JobReport report_;
+};
+
+}  // namespace plumbline
