@@ -23,12 +23,12 @@ namespace plumbline {
 /// image encoded before.
 class PngEncoder {
  public:
-  /// Of libdeflate, 1 to 12. A plate of busts, 5 to 9 of them, all rows; one core of x86-64, whole call:
+  /// Of libdeflate, 1 to 12. A plate full of busts, cut at their plinths; one core of x86-64, the whole call:
   ///
   ///   level                 1       2       3       4       5       6       7       8       9
-  ///   1440 x 2560, ms     1.5     0.9     0.9     0.9     1.0     1.4     1.9     7.9    10.5
+  ///   1440 x 2560, ms     1.3     0.8     0.9     0.9     1.0     1.2     1.7     3.6     6.0
   ///                kB    15.1    15.1    15.3    14.5    13.0    11.8    10.5     9.1     9.0
-  ///   3840 x 2400, ms     3.2     2.0     2.1     2.2     2.2     2.7     3.6    11.3    18.9
+  ///   3840 x 2400, ms     2.8     1.8     1.9     1.9     2.0     2.5     3.3     6.7    10.2
   ///                kB    20.1    22.5    22.7    19.7    18.1    18.7    14.9    13.5    13.2
   static constexpr int kMaskLevel = 5;
 

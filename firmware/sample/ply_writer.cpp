@@ -1,10 +1,12 @@
 #include "firmware/sample/ply_writer.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cassert>
-#include <cerrno>
-#include <cstring>
+#include <filesystem>
+#include <system_error>
+#include <utility>
 
 namespace plumbline {
 namespace {
@@ -18,12 +20,22 @@ void put_float(unsigned char* to, double value) {
 
 }  // namespace
 
+PlyWriter::PlyWriter(const std::string& path, OutputFile file, std::uint64_t points)
+    : path_(path), file_(std::move(file)), missing_(points) {}
+
+PlyWriter::PlyWriter(PlyWriter&& other) noexcept
+    : path_(std::exchange(other.path_, {})), file_(std::move(other.file_)), missing_(other.missing_) {}
+
+PlyWriter::~PlyWriter() {
+  std::error_code ignored;
+  if (!path_.empty() && std::filesystem::is_regular_file(path_, ignored)) std::filesystem::remove(path_, ignored);
+}
+
 Expected<PlyWriter> PlyWriter::create(const std::string& path, std::span<const std::string_view> comments,
                                       std::uint64_t points) {
-  PlyWriter writer(path, points);
-  std::FILE* file = std::fopen(path.c_str(), "wb");
-  if (!file) return fail(ErrorCode::kCannotOpen, "%s: cannot create: %s", path.c_str(), std::strerror(errno));
-  writer.file_.reset(file);
+  auto file = OutputFile::create(path.c_str());
+  PLUMBLINE_TRY(file);
+  PlyWriter writer(path, std::move(*file), points);
   std::string header = "ply\nformat binary_little_endian 1.0\n";
   for (const auto comment : comments) header.append("comment ").append(comment).append("\n");
   header.append("element vertex ").append(std::to_string(points)).append("\n");
@@ -31,24 +43,13 @@ Expected<PlyWriter> PlyWriter::create(const std::string& path, std::span<const s
     header.append("property float ").append(name).append("\n");
   }
   header.append("end_header\n");
-  PLUMBLINE_TRY(writer.put(header.data(), header.size()));
+  PLUMBLINE_TRY(writer.file_.write(header));
   return writer;
-}
-
-PlyWriter::~PlyWriter() {
-  if (!file_) return;
-  file_.reset();
-  std::remove(path_.c_str());
-}
-
-Status PlyWriter::put(const void* bytes, std::size_t size) {
-  if (std::fwrite(bytes, 1, size, file_.get()) == size) return {};
-  return fail(ErrorCode::kCannotWrite, "%s: cannot write: %s", path_.c_str(), std::strerror(errno));
 }
 
 Status PlyWriter::write(std::span<const ScanPoint> points) {
   assert(points.size() <= missing_);
-  std::array<unsigned char, 256 * kPointBytes> block;
+  std::array<unsigned char, 1024 * kPointBytes> block;
   while (!points.empty()) {
     const std::size_t count = std::min(points.size(), block.size() / kPointBytes);
     for (std::size_t i = 0; i < count; ++i) {
@@ -59,7 +60,7 @@ Status PlyWriter::write(std::span<const ScanPoint> points) {
         to += 4;
       }
     }
-    PLUMBLINE_TRY(put(block.data(), count * kPointBytes));
+    PLUMBLINE_TRY(file_.write(std::as_bytes(std::span(block).first(count * kPointBytes))));
     points = points.subspan(count);
     missing_ -= count;
   }
@@ -68,14 +69,9 @@ Status PlyWriter::write(std::span<const ScanPoint> points) {
 
 Status PlyWriter::close() {
   assert(missing_ == 0);
-  // A full disk may show only when the buffers are flushed.
-  const int flushed = std::fflush(file_.get());
-  const int reason = errno;
-  const int closed = std::fclose(file_.release());
-  if (flushed == 0 && closed == 0) return {};
-  const int last = flushed != 0 ? reason : errno;
-  std::remove(path_.c_str());
-  return fail(ErrorCode::kCannotWrite, "%s: cannot write: %s", path_.c_str(), std::strerror(last));
+  PLUMBLINE_TRY(file_.close());
+  path_.clear();
+  return {};
 }
 
 }  // namespace plumbline

@@ -1,21 +1,20 @@
 #pragma once
 /// Point clouds into PLY files.
 
-#include <array>
 #include <cstddef>
-#include <cstdio>
-#include <memory>
+#include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
 
+#include "firmware/output_file.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/reader/scan_point.hpp"
 
 namespace plumbline {
 
-/// Writes PLY, binary little-endian, float x y z nx ny nz: 24 bytes a point. A file that has not been closed with
-/// close() is removed again, so that a scan is whole or absent.
+/// Writes PLY, binary little-endian, float x y z nx ny nz: 24 bytes a point. A file that close() did not
+/// finish is removed again, so that a scan is whole or absent; what is not a regular file (a pipe, a device) stays.
 class PlyWriter {
  public:
   /// @param path      replaced if it exists
@@ -24,7 +23,7 @@ class PlyWriter {
   /// @retval ErrorCode::kCannotOpen, kCannotWrite  with the file's name and the system's reason
   [[nodiscard]] static Expected<PlyWriter> create(const std::string& path, std::span<const std::string_view> comments,
                                                   std::uint64_t points);
-  PlyWriter(PlyWriter&&) = default;
+  PlyWriter(PlyWriter&& other) noexcept;
   PlyWriter& operator=(PlyWriter&&) = delete;
   ~PlyWriter();
 
@@ -36,14 +35,10 @@ class PlyWriter {
   [[nodiscard]] Status close();
 
  private:
-  struct CloseFile {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-  };
-  PlyWriter(const std::string& path, std::uint64_t points) : path_(path), missing_(points) {}
-  [[nodiscard]] Status put(const void* bytes, std::size_t size);
+  PlyWriter(const std::string& path, OutputFile file, std::uint64_t points);
 
-  std::string path_;
-  std::unique_ptr<std::FILE, CloseFile> file_;
+  std::string path_;  ///< to be removed unless close() succeeds; empty where there is nothing to remove
+  OutputFile file_;
   std::uint64_t missing_;  ///< points still to come
 };
 

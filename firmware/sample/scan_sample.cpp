@@ -5,54 +5,42 @@
 #include <array>
 #include <cmath>
 #include <string_view>
-#include <vector>
 
 #include "firmware/sample/analytic_bust.hpp"
 #include "firmware/sample/counter_rng.hpp"
 #include "firmware/sample/ply_writer.hpp"
+#include "firmware/sample/range_image.hpp"
 
 namespace plumbline {
 namespace {
 
 // The scanner. Lengths in mm.
-constexpr double kDistance = 350.0;          // camera to the middle of the bust
 constexpr double kBaseline = 90.0;           // camera to projector
-constexpr double kDepthNoise = 0.02;         // sigma, for a surface seen straight on
 constexpr double kMisalignment = 0.02;       // sigma of a view's shift, an axis
 constexpr double kMisrotation = 0.0005;      // sigma of a view's rotation, radians an axis: 0.015 mm at 30 mm
-constexpr double kSteepest = 0.2079;         // cosine of 78 degrees: nothing is seen at a smaller angle
-constexpr double kFull = 0.6428;             // cosine of 50 degrees: below it the density falls
 constexpr double kFlying = 0.03;             // chance of a pixel beside an edge of the depth to fly
 constexpr std::uint64_t kStrayShare = 1000;  // one stray point in so many
 
 constexpr double kCoarsePitch = 0.8;  // of the first pass, which only counts
 constexpr double kMargin = 1.05;      // points aimed at for each point wanted, so that few views are scanned twice
-constexpr double kBoundingRadius = 38.0;
 const Vec3d kMiddle{0.0, 1.0, 30.0};
 
 constexpr std::size_t kLowViews = 10, kHighViews = 6, kViews = kLowViews + kHighViews;
 
-struct View {
-  Vec3d eye, projector;
-  Vec3d right, up, forward;     // forward looks at the bust
-  Vec3d shift = Vec3d::Zero();  // misregistration
-  Vec3d rotation = Vec3d::Zero();
-  double low_u = 0, high_u = 0, low_v = 0, high_v = 0;  // window, mm at the distance of the middle
-};
-
-View make_view(const Vec3d& towards_camera) {
-  View view;
+Station make_view(const Vec3d& towards_camera) {
+  Station view;
+  view.middle = kMiddle;
   view.forward = -towards_camera;
   view.right = view.forward.cross(Vec3d{0, 0, 1}).normalized();
   view.up = view.right.cross(view.forward);
-  view.eye = kMiddle - kDistance * view.forward;
+  view.eye = kMiddle - kStationDistance * view.forward;
   view.projector = view.eye + kBaseline * view.right;
   const Box3d box = bust_bounds();
   for (unsigned corner = 0; corner < 8; ++corner) {
     const Vec3d p{corner & 1U ? box.high.x() : box.low.x(), corner & 2U ? box.high.y() : box.low.y(),
                   corner & 4U ? box.high.z() : box.low.z()};
     const Vec3d q = p - view.eye;
-    const double scale = kDistance / q.dot(view.forward);
+    const double scale = kStationDistance / q.dot(view.forward);
     const double u = q.dot(view.right) * scale, v = q.dot(view.up) * scale;
     view.low_u = std::min(view.low_u, u);
     view.high_u = std::max(view.high_u, u);
@@ -63,7 +51,7 @@ View make_view(const Vec3d& towards_camera) {
 }
 
 /// `count` directions round the z axis, `step` being cosine and sine of the angle between two of them.
-void add_ring(std::array<View, kViews>& views, std::size_t first, std::size_t count, double cos_elevation,
+void add_ring(std::array<Station, kViews>& views, std::size_t first, std::size_t count, double cos_elevation,
               double sin_elevation, double cos_step, double sin_step) {
   // Turned off the symmetry plane of the plinth, so that no view is the mirror image of another.
   double x = 0.28, y = -0.96;
@@ -75,8 +63,8 @@ void add_ring(std::array<View, kViews>& views, std::size_t first, std::size_t co
   }
 }
 
-std::array<View, kViews> make_views(std::uint64_t seed) {
-  std::array<View, kViews> views;
+std::array<Station, kViews> make_views(std::uint64_t seed) {
+  std::array<Station, kViews> views;
   add_ring(views, 0, kLowViews, 0.93969262078590838, 0.34202014332566873, 0.80901699437494742, 0.58778525229247313);
   add_ring(views, kLowViews, kHighViews, 0.5, 0.86602540378443865, 0.5, 0.86602540378443865);
   const CounterRng rng(seed, 1);
@@ -88,196 +76,11 @@ std::array<View, kViews> make_views(std::uint64_t seed) {
     mean_rotation += views[i].rotation / double{kViews};
   }
   // Registration spreads its error over the views: the whole does not drift.
-  for (View& view : views) {
+  for (Station& view : views) {
     view.shift -= mean_shift;
     view.rotation -= mean_rotation;
   }
   return views;
-}
-
-enum class Pixel : std::uint8_t { kNothing, kSeen, kKept };
-
-/// What one camera sees: rays through a grid of pixel centres, row after row from below.
-class RangeImage {
- public:
-  RangeImage(const View& view, double pitch) : view_(view), pitch_(pitch) {
-    columns_ = static_cast<std::size_t>((view.high_u - view.low_u) / pitch) + 2;
-    rows_ = static_cast<std::size_t>((view.high_v - view.low_v) / pitch) + 2;
-    range_.assign(columns_ * rows_, 0.0);
-    state_.assign(columns_ * rows_, Pixel::kNothing);
-  }
-
-  std::size_t columns() const { return columns_; }
-  std::size_t rows() const { return rows_; }
-  std::size_t index(std::size_t i, std::size_t j) const { return j * columns_ + i; }
-  bool seen(std::size_t pixel) const { return state_[pixel] != Pixel::kNothing; }
-  Pixel state(std::size_t pixel) const { return state_[pixel]; }
-  double range(std::size_t pixel) const { return range_[pixel]; }
-  double cosine(std::size_t pixel) const { return cosine_[pixel]; }
-
-  Vec3d direction(double i, double j) const {
-    const double u = view_.low_u + (i + 0.5) * pitch_, v = view_.low_v + (j + 0.5) * pitch_;
-    return (kDistance * view_.forward + u * view_.right + v * view_.up).normalized();
-  }
-  Vec3d direction(std::size_t i, std::size_t j) const { return direction(double(i), double(j)); }
-  Vec3d point(std::size_t i, std::size_t j) const { return view_.eye + range_[index(i, j)] * direction(i, j); }
-
-  /// True where the depth jumps between two seen pixels: no surface connects them.
-  bool jump(std::size_t a, std::size_t b) const {
-    return std::abs(range_[a] - range_[b]) > std::max(4.0 * pitch_, 0.4);
-  }
-
-  /// Finds the range of every pixel of the rows [first, first + kTile).
-  void trace_band(std::size_t first);
-  /// Decides which of the traced pixels both devices measure.
-  /// @returns their number
-  std::size_t select(const CounterRng& rng);
-  void add_noise(const CounterRng& rng);
-  /// From cross products over the neighbourhood; faces the camera.
-  Vec3d normal(std::size_t i, std::size_t j) const;
-
-  static constexpr std::size_t kTile = 8;
-
- private:
-  double trace(const Vec3d& direction, double from) const;
-  bool lit(const Vec3d& p, const Vec3d& normal) const;
-  bool local_normal(std::size_t i, std::size_t j, Vec3d& normal) const;
-
-  static constexpr double kNear = kDistance - kBoundingRadius, kFarEnd = kDistance + kBoundingRadius;
-  static constexpr double kHit = 5e-4;  // a range is exact to that
-
-  View view_;
-  double pitch_;
-  std::size_t columns_ = 0, rows_ = 0;
-  std::vector<double> range_;
-  std::vector<float> cosine_;
-  std::vector<Pixel> state_;
-};
-
-/// @returns the range along `direction`, or 0 where the ray passes by
-double RangeImage::trace(const Vec3d& direction, double from) const {
-  double t = from, before = 0.0, step = 0.0;
-  for (int i = 0; i < 300 && t < kFarEnd; ++i) {
-    const double d = bust_distance(view_.eye + t * direction);
-    if (std::abs(d) < kHit) return t;
-    // Close to the surface the bound is nearly linear: the secant gets there in two or three steps where steps of the
-    // bound itself only halve what is left. It may pass the surface; then d is negative and it steps back.
-    const double slope = step != 0.0 ? (before - d) / step : 0.0;
-    const bool secant = std::abs(d) < 0.3 && slope > 0.15;
-    step = secant ? d / slope : d;
-    before = d;
-    t += step;
-  }
-  return 0.0;
-}
-
-void RangeImage::trace_band(std::size_t first) {
-  const std::size_t end = std::min(first + kTile, rows_);
-  for (std::size_t left = 0; left < columns_; left += kTile) {
-    // One march for the cone round the tile's rays finds where the nearest of them may hit.
-    const double half = 0.5 * (kTile - 1);
-    const Vec3d axis = direction(double(left) + half, double(first) + half);
-    const double spread = 1.5 * half * pitch_ / kDistance;  // > sqrt(2): radius of the cone at range 1
-    double t = kNear;
-    while (t < kFarEnd) {
-      const double free = bust_distance(view_.eye + t * axis) - spread * t;
-      if (free < 0.05) break;
-      t += free;
-    }
-    if (t >= kFarEnd) continue;
-    for (std::size_t j = first; j < end; ++j) {
-      for (std::size_t i = left; i < std::min(left + kTile, columns_); ++i) {
-        const double range = trace(direction(i, j), t);
-        range_[index(i, j)] = range;
-        if (range > 0.0) state_[index(i, j)] = Pixel::kSeen;
-      }
-    }
-  }
-}
-
-/// Normal of the range image at a pixel, from the neighbours that are connected with it.
-bool RangeImage::local_normal(std::size_t i, std::size_t j, Vec3d& normal) const {
-  const std::size_t here = index(i, j);
-  const auto connected = [&](std::size_t other) { return seen(other) && !jump(here, other); };
-  if (i == 0 || j == 0 || i + 1 == columns_ || j + 1 == rows_) return false;
-  const std::size_t left = connected(here - 1) ? i - 1 : i, right = connected(here + 1) ? i + 1 : i;
-  const std::size_t low = connected(here - columns_) ? j - 1 : j, high = connected(here + columns_) ? j + 1 : j;
-  if (left == right || low == high) return false;
-  // Rows count upwards, so right x up points back at the camera.
-  normal = (point(right, j) - point(left, j)).cross(point(i, high) - point(i, low)).normalized();
-  return true;
-}
-
-/// True if nothing is between `p` on the surface and the projector.
-bool RangeImage::lit(const Vec3d& p, const Vec3d& normal) const {
-  const Vec3d towards = (view_.projector - p).normalized();
-  if (towards.dot(normal) < kSteepest) return false;
-  double t = 0.15;  // clear of the surface itself, whose normal is known from pixels only
-  for (int i = 0; i < 200; ++i) {
-    const Vec3d q = p + 0.05 * normal + t * towards;
-    if ((q - kMiddle).squaredNorm() > kBoundingRadius * kBoundingRadius) return true;
-    const double d = bust_distance(q);
-    if (d < 0.005) return false;
-    t += d;
-  }
-  return true;
-}
-
-std::size_t RangeImage::select(const CounterRng& rng) {
-  cosine_.assign(range_.size(), 0.0F);
-  std::size_t kept = 0;
-  for (std::size_t j = 0; j < rows_; ++j) {
-    for (std::size_t i = 0; i < columns_; ++i) {
-      const std::size_t pixel = index(i, j);
-      Vec3d normal;
-      if (!seen(pixel) || !local_normal(i, j, normal)) continue;
-      const double cosine = -normal.dot(direction(i, j));
-      cosine_[pixel] = static_cast<float>(cosine);
-      if (cosine < kSteepest) continue;
-      const double density = std::min((cosine - kSteepest) / (kFull - kSteepest), 1.0);
-      if (rng.uniform(pixel) >= 0.15 + 0.85 * density || !lit(point(i, j), normal)) continue;
-      state_[pixel] = Pixel::kKept;
-      ++kept;
-    }
-  }
-  return kept;
-}
-
-void RangeImage::add_noise(const CounterRng& rng) {
-  for (std::size_t pixel = 0; pixel < range_.size(); ++pixel) {
-    if (!seen(pixel)) continue;
-    range_[pixel] += kDepthNoise / std::max(double{cosine_[pixel]}, 0.34) * rng.normal(pixel);
-  }
-}
-
-Vec3d RangeImage::normal(std::size_t i, std::size_t j) const {
-  // Four cells of about 0.2 mm, whatever the pitch: smaller ones show the noise, larger ones lose the strands of hair.
-  // (At 300 000 points half of the normals are within 3.4 degrees of the truth, 90 % within 12.)
-  const std::size_t size = std::max<std::size_t>(1, static_cast<std::size_t>(0.2 / pitch_ + 0.5));
-  const std::size_t here = index(i, j);
-  Vec3d sum = Vec3d::Zero();
-  if (i >= size && j >= size && i + size < columns_ && j + size < rows_) {
-    std::array<Vec3d, 9> around;
-    std::array<bool, 9> usable;
-    for (std::size_t b = 0; b < 3; ++b) {
-      for (std::size_t a = 0; a < 3; ++a) {
-        const std::size_t x = i - size + a * size, y = j - size + b * size;
-        usable[b * 3 + a] = seen(index(x, y)) && !jump(here, index(x, y));
-        if (usable[b * 3 + a]) around[b * 3 + a] = point(x, y);
-      }
-    }
-    for (std::size_t b = 0; b < 2; ++b) {
-      for (std::size_t a = 0; a < 2; ++a) {
-        const std::size_t k = b * 3 + a;
-        if (!usable[k] || !usable[k + 1] || !usable[k + 3] || !usable[k + 4]) continue;
-        sum += (around[k + 4] - around[k]).cross(around[k + 3] - around[k + 1]);
-      }
-    }
-  }
-  const Vec3d away = direction(i, j);
-  if (sum.squaredNorm() == 0.0) return -away;  // an isolated pixel: all that is known is that the camera saw it
-  const Vec3d unit = sum.normalized();
-  return unit.dot(away) > 0.0 ? Vec3d{-unit} : unit;
 }
 
 /// Gathers points into batches for the sink.
@@ -325,19 +128,19 @@ double flying_range(const RangeImage& image, std::size_t pixel, const CounterRng
 }
 
 /// Emits exactly `quota` of the image's `kept` points, at random but in order (Knuth, algorithm 3.4.2 S).
-Status emit(const View& view, const RangeImage& image, std::uint64_t kept, std::uint64_t quota, std::uint64_t seed,
+Status emit(const Station& view, const RangeImage& image, std::uint64_t kept, std::uint64_t quota, std::uint64_t seed,
             std::uint64_t stream, Batch& batch) {
   const CounterRng choice(seed, stream), flight(seed, stream + 1);
   for (std::size_t j = 0; j < image.rows() && quota > 0; ++j) {
     for (std::size_t i = 0; i < image.columns() && quota > 0; ++i) {
       const std::size_t pixel = image.index(i, j);
-      if (image.state(pixel) != Pixel::kKept) continue;
+      if (image.state(pixel) != PixelState::kKept) continue;
       const bool chosen = choice.uniform(pixel) * static_cast<double>(kept) < static_cast<double>(quota);
       --kept;
       if (!chosen) continue;
       --quota;
       const Vec3d p = view.eye + flying_range(image, pixel, flight) * image.direction(i, j);
-      const Vec3d moved = p + view.rotation.cross(p - kMiddle) + view.shift;
+      const Vec3d moved = p + view.rotation.cross(p - view.middle) + view.shift;
       const Vec3d n = image.normal(i, j);
       PLUMBLINE_TRY(batch.add(moved, n + view.rotation.cross(n)));
     }
@@ -373,7 +176,7 @@ Status check(const SampleSettings& settings) {
 Status scan_bust(const SampleSettings& settings, PointSink& sink) {
   PLUMBLINE_TRY(check(settings));
   PLUMBLINE_TRY(sink.begin({ScanFormat::kPly, "binary little endian", true, settings.points}));
-  const std::array<View, kViews> views = make_views(settings.seed);
+  const std::array<Station, kViews> views = make_views(settings.seed);
   const auto stream = [](std::size_t view, std::uint64_t use) { return 100 + 8 * std::uint64_t{view} + use; };
 
   // A coarse pass tells each view's share of the points and the pitch that gives it.
