@@ -1,7 +1,38 @@
 #include "firmware/commands.hpp"
+#include "firmware/file_source.hpp"
+#include "firmware/inspect_report.hpp"
+#include "firmware/interrupt.hpp"
+#include "firmware/job_progress.hpp"
+#include "firmware/progress_lines.hpp"
 
 namespace plumbline {
 
-ExitCode run_inspect(const JobOptions& /*options*/, std::span<std::byte> /*arena_block*/) { return ExitCode::kDone; }
+ExitCode run_inspect(const JobOptions& options, std::span<std::byte> arena_block) {
+  const auto setup = set_up(options, arena_block);
+  if (!setup) return report_error(setup.error());
+  catch_interrupts();
+  auto source = FileSource::open(options.scan);
+  if (!source) return report_error(source.error());
+  const bool silent = options.quiet || options.json;
+  ProgressLines lines;
+  JobProgress progress(silent ? nullptr : &lines);
+  Arena arena(setup->arena_block);
+  InspectSettings settings;
+  settings.placement = setup->placement;
+  settings.threads = setup->threads;
+  InspectReport report;
+  const auto done = inspect(*source, settings, arena, &progress, report);
+  if (!done) return report_error(done.error());
+  if (options.quiet && !options.json) return ExitCode::kDone;
+
+  ScanOutlook outlook = make_outlook(report, setup->placement, arena.capacity(), setup->threads);
+  outlook.scan_name = source->name();
+  outlook.printer_name = setup->printer_name;
+  OutputFile out = OutputFile::standard_output();
+  JsonWriter json(out);
+  if (options.json) write_outlook(json, outlook);
+  const auto written = options.json ? json.finish() : write_outlook(out, outlook);
+  return written ? ExitCode::kDone : report_error(written.error());
+}
 
 }  // namespace plumbline

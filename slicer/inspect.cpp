@@ -1,0 +1,201 @@
+#include "slicer/inspect.hpp"
+
+#include <omp.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "slicer/kd_tree.hpp"
+#include "slicer/reader/scan_reader.hpp"
+#include "slicer/rrep_builder.hpp"
+#include "slicer/thinning.hpp"
+
+namespace plumbline {
+namespace {
+
+/// Points that are measured, evenly spread over the tree's order: the medians of a larger cloud differ by about a percent.
+constexpr std::uint32_t kSample = 8192;
+
+class StageScope {
+ public:
+  StageScope(Stage stage, Arena& arena, ProgressSink* progress, InspectReport& report)
+      : stage_(stage), arena_(arena), progress_(progress), report_(report) {
+    arena_.reset_peak();
+    if (progress_ != nullptr) progress_->begin(stage_);
+  }
+  ~StageScope() {
+    report_.peak_bytes[static_cast<std::size_t>(stage_)] = arena_.peak();
+    if (progress_ != nullptr) progress_->end(stage_, arena_.peak());
+  }
+  StageScope(const StageScope&) = delete;
+  StageScope& operator=(const StageScope&) = delete;
+
+ private:
+  Stage stage_;
+  Arena& arena_;
+  ProgressSink* progress_;
+  InspectReport& report_;
+};
+
+double median(std::span<float> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return static_cast<double>(*middle);
+}
+
+/// Distance of `point` from the plane through `neighbours` in the sense of least squares.
+double distance_from_plane(const Vec3f& point, std::span<const Neighbour> neighbours,
+                           std::span<const Vec3f> positions) {
+  const auto count = static_cast<double>(neighbours.size());
+  Vec3d sum = Vec3d::Zero();  // from `point`, so that nothing large cancels
+  for (const Neighbour& n : neighbours) sum += (positions[n.index] - point).cast<double>();
+  const Vec3d mean = sum / count;
+  Mat3d scatter = Mat3d::Zero();
+  for (const Neighbour& n : neighbours) {
+    const Vec3d d = (positions[n.index] - point).cast<double>() - mean;
+    scatter += d * d.transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Mat3d> solver(scatter);
+  return std::abs(solver.eigenvectors().col(0).dot(mean));
+}
+
+class Inspection {
+ public:
+  Inspection(ByteSource& source, const InspectSettings& settings, Arena& arena, ProgressSink* progress,
+             InspectReport& report)
+      : source_(source), settings_(settings), arena_(arena), progress_(progress), report_(report) {}
+
+  Status run() {
+    const ArenaScope scope(arena_);
+    PLUMBLINE_TRY(read());
+    auto tree = build_tree();
+    PLUMBLINE_TRY(tree);
+    const StageScope stage(Stage::kClustering, arena_, progress_, report_);
+    PLUMBLINE_TRY(go_on());
+    auto epsilon = density_epsilon(cloud_, *tree, settings_.clustering, arena_);
+    PLUMBLINE_TRY(epsilon);
+    PLUMBLINE_TRY(measure(*tree));
+    PLUMBLINE_TRY(go_on());
+    auto result = cluster(cloud_, *tree, *epsilon, settings_.clustering, {}, arena_);
+    PLUMBLINE_TRY(result);
+    report_.clustering = *result;
+    find_bounds();
+    return {};
+  }
+
+ private:
+  Status go_on() const {
+    if (progress_ == nullptr || progress_->advance(Stage::kClustering, 0)) return {};
+    return fail(ErrorCode::kCancelled, "stopped while the scan was inspected");
+  }
+
+  /// As slice() does, but every point is kept while there is room: no cell is wanted, and the size of a pixel in scan
+  /// units may be unknown.
+  Status read() {
+    const StageScope stage(Stage::kRead, arena_, progress_, report_);
+    std::optional<PrintGrid> grid;
+    const PlacementSettings& placement = settings_.placement;
+    if (placement.printer) grid = panel_grid(*placement.printer, placement.layer_height_mm);
+    const auto plan = largest_plan(arena_.available(), std::nullopt, grid, settings_.threads);
+    PLUMBLINE_TRY(plan);
+    report_.cloud_capacity = plan->points;
+    auto cloud = Cloud::create(plan->points, arena_);
+    PLUMBLINE_TRY(cloud);
+    cloud_ = *cloud;
+    const ArenaScope scope(arena_);
+    auto table = arena_.take_top<std::byte>(PointThinner::table_bytes(plan->points), "read");
+    PLUMBLINE_TRY(table);
+    auto workspace = arena_.take_top<std::byte>(kReaderWorkspace, "read");
+    PLUMBLINE_TRY(workspace);
+    PointThinner thinner(cloud_, *table, rotation_matrix(placement.rotation_degrees), 0);
+    thinner.on_progress(
+        [](void* sink, double fraction) {
+          return sink == nullptr || static_cast<ProgressSink*>(sink)->advance(Stage::kRead, fraction);
+        },
+        progress_);
+    auto summary = read_scan(source_, thinner, *workspace);
+    PLUMBLINE_TRY(summary);
+    report_.scan = *summary;
+    report_.cloud_points = cloud_.size;
+    report_.averaged_points = thinner.points_averaged();
+    report_.thinning_cell = report_.averaged_points > 0 ? thinner.cell() : 0;
+    offset_ = thinner.offset();
+    return {};
+  }
+
+  Expected<KdTree3> build_tree() {
+    const StageScope stage(Stage::kTrees, arena_, progress_, report_);
+    auto tree = KdTree3::build(cloud_.positions(), arena_, "trees");
+    PLUMBLINE_TRY(tree);
+    PLUMBLINE_TRY(cloud_.reorder(tree->order(), arena_));
+    tree->adopt_order();
+    return tree;
+  }
+
+  Status measure(const KdTree3& tree) {
+    const ArenaScope scope(arena_);
+    const std::uint32_t samples = std::min(kSample, cloud_.size);
+    auto spacing = arena_.take_top<float>(samples, "clustering");
+    PLUMBLINE_TRY(spacing);
+    auto roughness = arena_.take_top<float>(samples, "clustering");
+    PLUMBLINE_TRY(roughness);
+    const auto last = static_cast<int>(samples);
+#pragma omp parallel for schedule(dynamic, 64)
+    for (int s = 0; s < last; ++s) {
+      const auto place = static_cast<std::size_t>(s);
+      const auto i = static_cast<std::uint32_t>(std::uint64_t{place} * cloud_.size / samples);
+      const Vec3f& point = cloud_.position[i];
+      std::array<Neighbour, kPlaneNeighbours> found = {};
+      const std::uint32_t count = tree.nearest(point, found, [i](std::uint32_t other) { return other != i; });
+      (*spacing)[place] = count > 0 ? std::sqrt(found[0].distance2) : 0;
+      (*roughness)[place] =
+          count < 3 ? 0
+                    : static_cast<float>(distance_from_plane(point, std::span(found).first(count), cloud_.positions()));
+    }
+    report_.spacing = median(*spacing);
+    report_.roughness = median(*roughness);
+    return {};
+  }
+
+  void find_bounds() {
+    for (std::uint32_t i = 0; i < cloud_.size; ++i) {
+      const Vec3d p = cloud_.position[i].cast<double>() + offset_;
+      report_.bounds_with_noise.extend(p);
+      if (cloud_.normal[i].point_class != PointClass::kNoise) report_.bounds.extend(p);
+    }
+    if (report_.bounds.empty()) report_.bounds = report_.bounds_with_noise;
+  }
+
+  ByteSource& source_;
+  const InspectSettings& settings_;
+  Arena& arena_;
+  ProgressSink* progress_;
+  InspectReport& report_;
+  Cloud cloud_;
+  Vec3d offset_ = Vec3d::Zero();  ///< rotated scan coordinates of the cloud's origin
+};
+
+}  // namespace
+
+PrintGrid panel_grid(const PrinterVolume& printer, float layer_height_mm) {
+  const float layers = std::ceil(printer.travel_mm / layer_height_mm);
+  return {.columns = printer.columns,
+          .rows = printer.rows,
+          .layers = static_cast<std::uint32_t>(std::clamp(layers, 1.0F, static_cast<float>(PrintGrid::kMaxLayers))),
+          .pitch_x_mm = printer.pitch_x_mm,
+          .pitch_y_mm = printer.pitch_y_mm,
+          .layer_height_mm = layer_height_mm};
+}
+
+Status inspect(ByteSource& source, const InspectSettings& settings, Arena& arena, ProgressSink* progress,
+               InspectReport& report) {
+  InspectSettings checked = settings;
+  checked.threads = std::clamp<std::uint32_t>(settings.threads, 1, RayShooter::kMaxThreads);
+  omp_set_num_threads(static_cast<int>(checked.threads));
+  return Inspection(source, checked, arena, progress, report).run();
+}
+
+}  // namespace plumbline

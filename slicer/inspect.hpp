@@ -1,0 +1,51 @@
+#pragma once
+/// A look at a scan without slicing it: its first stages, and what the others would need.
+
+#include <array>
+#include <cstdint>
+
+#include "slicer/clustering.hpp"
+#include "slicer/core/arena.hpp"
+#include "slicer/core/byte_source.hpp"
+#include "slicer/core/progress.hpp"
+#include "slicer/memory_plan.hpp"
+#include "slicer/placement.hpp"
+#include "slicer/reader/scan_point.hpp"
+
+namespace plumbline {
+
+struct InspectSettings {
+  PlacementSettings placement;  ///< its rotation and its printer; units and scale change no result
+  ClusteringSettings clustering;
+  std::uint32_t threads = 1;  ///< 1 to 64; the result does not depend on it
+};
+
+/// Lengths are scan units: what a unit is, the scan does not say.
+struct InspectReport {
+  ScanSummary scan;
+  std::uint32_t cloud_capacity = 0;   ///< points the arena has room for
+  std::uint32_t cloud_points = 0;     ///< points after thinning
+  double thinning_cell = 0;           ///< 0: all points fit
+  std::uint64_t averaged_points = 0;  ///< scan points that were averaged into another
+  Box3d bounds;                       ///< of the rotated scan without its noise
+  Box3d bounds_with_noise;            ///< of the rotated scan
+  double spacing = 0;                 ///< median distance of a point from the nearest other one
+  double roughness = 0;         ///< median distance of a point from the plane through its kPlaneNeighbours nearest
+  ClusteringResult clustering;  ///< epsilon in scan units; without normals every point is noise
+  std::array<std::size_t, kStageCount> peak_bytes = {};  ///< of the arena, by Stage
+};
+
+/// Neighbours that a plane is laid through. Few, so that the object's own curvature counts for little.
+inline constexpr std::uint32_t kPlaneNeighbours = 24;
+
+/// The grid of the printer's whole volume: what a job is planned for before its object is known.
+PrintGrid panel_grid(const PrinterVolume& printer, float layer_height_mm);
+
+/// Reads a scan and measures it. The arena is as before when it returns.
+/// @param source  read once, from start to end
+/// @param report  filled as far as it went, also on error
+/// @retval ErrorCode::kOutOfMemory, kCancelled and all of read_scan()
+[[nodiscard]] Status inspect(ByteSource& source, const InspectSettings& settings, Arena& arena, ProgressSink* progress,
+                             InspectReport& report);
+
+}  // namespace plumbline
