@@ -1,10 +1,11 @@
 #include "firmware/command_line.hpp"
 
 #include <CLI/CLI.hpp>
-#include <cmath>
-#include <limits>
-#include <map>
-#include <optional>
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <string>
+#include <vector>
 
 #include "firmware/sample/scan_sample.hpp"
 #include "firmware/version.hpp"
@@ -22,20 +23,18 @@ constexpr const char* kAbout =
     "\n"
     "Lengths are mm, angles degrees. 'plumbline slice --help' explains every option.\n";
 
-constexpr const char* kSliceAbout =
-    "Slices a scan into layer masks.\n"
-    "\n"
-    "  plumbline slice scan.ply -o out                                   pixels and layers of 0.05 mm, grid fits the "
-    "object\n"
-    "  plumbline slice scan.ply -o out --printer board/mono2k.toml       the printer's panel, object centred on the "
-    "plate\n"
-    "  plumbline slice scan.ply -o out --printer board/mono2k.toml --fit as large as the printer takes\n"
-    "  plumbline slice scan.ply -o out --units m --rotate-x 90           a scan in metres whose y points up\n"
-    "\n"
-    "Scans: PLY (ascii, binary), PCD (ascii, binary, compressed), OBJ, XYZ/PTS/ASC/TXT.\n";
-
 constexpr const char* kSliceFooter =
-    "\nWhat comes out:\n"
+    "\nExamples:\n"
+    "  plumbline slice scan.ply -o out                                  pixels and layers of 0.05 mm, the grid fits "
+    "the object\n"
+    "  plumbline slice scan.ply -o out --printer board/mono2k.toml      the printer's panel, object centred on the "
+    "plate\n"
+    "  plumbline slice scan.ply -o out --printer board/mono2k.toml --fit   as large as the printer takes\n"
+    "  plumbline slice scan.ply -o out --units m --rotate-x 90          a scan in metres whose y points up\n"
+    "\n"
+    "Scans: PLY (ascii, binary), PCD (ascii, binary, compressed), OBJ, XYZ/PTS/ASC/TXT.\n"
+    "\n"
+    "What comes out:\n"
     "  OUT/layers/00000.png ...  a mask for each layer, lowest first: 1-bit greyscale, white cures; row 0 has the "
     "smallest y\n"
     "  OUT/preview.png           front, side and top view\n"
@@ -44,21 +43,23 @@ constexpr const char* kSliceFooter =
     "\n"
     "Exit status: 0 done, 1 an error of file, scan or medium, 2 a wrong command line, 130 interrupted.\n";
 
-constexpr const char* kInspectAbout =
-    "Reads a scan and says what is in it, without slicing it: points, normals, extent, spacing, noise, units, whether "
-    "it\n"
-    "fits the printer and the arena.\n"
-    "\n"
+constexpr const char* kInspectFooter =
+    "\nExamples:\n"
     "  plumbline inspect scan.ply\n"
-    "  plumbline inspect scan.ply --printer board/mono2k.toml --rotate-x 90\n";
-
-constexpr const char* kSampleAbout =
-    "Writes the project's own scan: a virtual structured-light scan of an analytic bust, 16 views, with noise, a few "
-    "strays\n"
-    "and an open underside. PLY, binary, mm, normals. The same seed and count give the same file everywhere.\n"
+    "  plumbline inspect scan.ply --printer board/mono2k.toml --rotate-x 90\n"
     "\n"
+    "What comes out: points and normals, extent, the unit that fits its size, spacing, noise, whether and how large "
+    "the\n"
+    "printer takes it, and the arena that each stage of slicing needs. Nothing is written to disk.\n";
+
+constexpr const char* kSampleFooter =
+    "\nExamples:\n"
     "  plumbline sample bust.ply\n"
-    "  plumbline sample big.ply --points 5000000 --seed 7\n";
+    "  plumbline sample big.ply --points 5000000 --seed 7\n"
+    "\n"
+    "What comes out: a virtual structured-light scan of an analytic bust, 16 views, with noise, a few strays and an "
+    "open\n"
+    "underside. PLY, binary, mm, with normals. The same seed and count give the same file everywhere.\n";
 
 /// Numbers that CLI11 takes, but no print: NaN passes its range check.
 CLI::Validator finite_range(double low, double high) {
@@ -71,6 +72,19 @@ CLI::Validator finite_range(double low, double high) {
         return message;
       },
       "");
+}
+
+constexpr std::array kUnits = {Units::kMillimetres, Units::kCentimetres, Units::kMetres, Units::kInches, Units::kAuto};
+
+std::vector<std::string> unit_names() {
+  std::vector<std::string> names;
+  for (const Units units : kUnits) names.emplace_back(to_string(units));
+  return names;
+}
+
+/// @param name  one of unit_names()
+Units units_named(const std::string& name) {
+  return *std::find_if(kUnits.begin(), kUnits.end(), [&](Units units) { return name == to_string(units); });
 }
 
 void add_job_options(CLI::App& app, JobOptions& job) {
@@ -95,16 +109,11 @@ void add_job_options(CLI::App& app, JobOptions& job) {
       ->group(kPrint);
 
   constexpr const char* kPlacement = "Placement";
-  static const std::map<std::string, Units> kUnits = {{"mm", Units::kMillimetres},
-                                                      {"cm", Units::kCentimetres},
-                                                      {"m", Units::kMetres},
-                                                      {"in", Units::kInches},
-                                                      {"auto", Units::kAuto}};
-  app.add_option(
-         "--units", job.units,
+  app.add_option_function<std::string>(
+         "--units", [&job](const std::string& name) { job.units = units_named(name); },
          "Unit of the scan's coordinates: mm, cm, m, in, or auto (the one that makes it 20 to 500 mm long) [mm]")
       ->type_name("UNIT")
-      ->transform(CLI::Transformer(kUnits).description(""))
+      ->check(CLI::IsMember(unit_names()).description(""))
       ->group(kPlacement);
   auto* scale = app.add_option("--scale", job.scale, "Times the size in the scan [1]")
                     ->type_name("F")
@@ -150,7 +159,6 @@ ExitCode run_command_line(int argc, char** argv, std::span<std::byte> arena_bloc
 
   SliceOptions slice;
   auto* slice_app = app.add_subcommand("slice", "Slice a scan into layer masks");
-  slice_app->description(kSliceAbout);
   slice_app->footer(kSliceFooter);
   add_job_options(*slice_app, slice.job);
   slice_app->add_option("-o,--output", slice.output, "Directory for the layers; created if it is missing")
@@ -160,16 +168,17 @@ ExitCode run_command_line(int argc, char** argv, std::span<std::byte> arena_bloc
   slice_app->add_flag("--no-preview", no_preview, "Do not draw preview.png");
 
   JobOptions inspect;
-  auto* inspect_app = app.add_subcommand("inspect", "Say what is in a scan, and whether it fits");
-  inspect_app->description(kInspectAbout);
+  auto* inspect_app =
+      app.add_subcommand("inspect", "Say what is in a scan, what slicing it needs, and whether it fits");
+  inspect_app->footer(kInspectFooter);
   add_job_options(*inspect_app, inspect);
 
   SampleOptions sample;
   const SampleSettings defaults;
   sample.points = defaults.points;
   sample.seed = defaults.seed;
-  auto* sample_app = app.add_subcommand("sample", "Write a scan to try");
-  sample_app->description(kSampleAbout);
+  auto* sample_app = app.add_subcommand("sample", "Write the project's own scan: something to try");
+  sample_app->footer(kSampleFooter);
   sample_app->add_option("file", sample.output, "The file to write: PLY")->required()->type_name("PLY");
   sample_app->add_option("--points", sample.points, "1000 to 50000000 [300000]")
       ->type_name("N")

@@ -48,6 +48,7 @@ ExitCode run_slice(const SliceOptions& options, std::span<std::byte> arena_block
   JobProgress progress(silent ? nullptr : &lines);
   const auto done = job->run(progress);
   if (!done) {
+    if (done.error().code() == ErrorCode::kDoesNotFit) return report_error(done.error().with_prefix(options.job.scan));
     if (done.error().code() != ErrorCode::kCancelled) return report_error(done.error());
     return report_error(Error::format(ErrorCode::kCancelled, "interrupted; nothing of this job was left in %s",
                                       options.output.c_str()));
