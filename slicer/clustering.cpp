@@ -13,6 +13,10 @@ constexpr std::uint32_t kBatch = 256;  ///< candidates compared at a time: their
 constexpr const char* kStage = "clustering";
 
 constexpr std::int32_t kFewNeighbours = 8;   ///< fewer within epsilon do not measure a density
+constexpr float kOnSheet = 0.2F;            ///< of epsilon, or of their distance: a point's mean height over its neighbours' planes
+constexpr std::uint32_t kNoiseSample = 16384;
+constexpr float kCleanNoise = 0.02F;  ///< of epsilon: below, what looks like noise is mostly curvature
+constexpr float kFullNoise = 0.1F;    ///< of epsilon: from here on the support has its full size
 constexpr std::uint32_t kThinSearch = 16;    ///< nearest points looked at instead
 
 /// Kept beside the classes, because a point's type must not change while others still compare with it.
@@ -99,23 +103,29 @@ struct Counts {
   std::int32_t near = 0;       ///< within epsilon by the thesis' metric
   std::int32_t same_type = 0;  ///< of those, of the same type
   std::int32_t sheet = 0;      ///< within epsilon by the plain metric, facing the same way
+  float offset = 0;            ///< sum over `near` of the point's height above their tangent planes, mm
 };
 
 void count(const Member& m, const Batch& batch, float epsilon2, Counts& counts) {
   std::int32_t near = 0;
   std::int32_t same_type = 0;
   std::int32_t sheet = 0;
+  std::array<float, 8> offset{};  // partial sums in a fixed order, for vector units
   for (std::uint32_t j = 0; j < batch.size; ++j) {
     const Within w = compare(m, batch, j);
+    const float height = (m.position[0] - batch.x[j]) * batch.nx[j] + (m.position[1] - batch.y[j]) * batch.ny[j] +
+                         (m.position[2] - batch.z[j]) * batch.nz[j];
     const std::int32_t facing = static_cast<std::int32_t>(w.cosine > 0);
     const std::int32_t is_near = facing & static_cast<std::int32_t>(w.distance2 <= epsilon2 * w.cosine * w.cosine);
     near += is_near;
+    offset[j % 8] += is_near != 0 ? height : 0.0F;
     same_type += is_near & static_cast<std::int32_t>(batch.type[j] == m.type);
     sheet += facing & static_cast<std::int32_t>(w.distance2 <= epsilon2);
   }
   counts.near += near;
   counts.same_type += same_type;
   counts.sheet += sheet;
+  for (const float part : offset) counts.offset += part;
 }
 
 /// Where epsilon holds too few points to count, the surface is thinly scanned or there is none: the nearest points that
@@ -129,14 +139,18 @@ std::uint8_t look_farther(Cloud& cloud, const KdTree3& tree, std::uint32_t i, fl
   const Vec3f normal = cloud.normal[i].unpack();
   std::uint32_t near = 0;
   float farthest2 = 0;
+  float offset = 0;
+  float distance = 0;
   for (std::uint32_t k = 0; k < count && near < settings.thin_points; ++k) {
-    const float cosine = normal.dot(cloud.normal[found[k].index].unpack());
-    if (!Within{found[k].distance2, cosine}.near(reach * reach)) continue;
+    const Vec3f other = cloud.normal[found[k].index].unpack();
+    if (!Within{found[k].distance2, normal.dot(other)}.near(reach * reach)) continue;
     ++near;
     farthest2 = found[k].distance2;
+    offset += other.dot(cloud.position[i] - cloud.position[found[k].index]);
+    distance += std::sqrt(farthest2);
   }
-  if (near < settings.thin_points) return 0;
-  cloud.radius[i] = std::max(cloud.radius[i], std::sqrt(farthest2 * kSupportPoints / static_cast<float>(near)));
+  if (near < settings.thin_points || std::abs(offset) > kOnSheet * distance) return 0;
+  cloud.radius[i] = std::max(cloud.radius[i], std::sqrt(farthest2 / static_cast<float>(near)));
   return kThin;
 }
 
@@ -221,7 +235,12 @@ Expected<ClusteringResult> cluster(Cloud& cloud, const KdTree3& tree, float epsi
   const auto min_points = static_cast<std::int32_t>(settings.min_points);
   for (std::uint32_t i = 0; i < size; ++i) cloud.normal[i].point_class = orientation_of(cloud.normal[i]);
 
-  // Who is core, and how dense the surface is.
+  const std::uint32_t noise_step = size / kNoiseSample + 1;
+  auto height_block = arena.take_top<float>((size + noise_step - 1) / noise_step, kStage);
+  if (!height_block) return tl::unexpected<Error>(height_block.error());
+  std::span<float> heights = *height_block;
+
+  // Who is core, how dense the surface is, and how far its points lie off it. radius[] is that of one point's share first.
 #pragma omp parallel for schedule(dynamic, 64)
   for (std::uint32_t b = 0; b < blocks; ++b) {
     const std::uint32_t first = b * kBlock;
@@ -235,9 +254,12 @@ Expected<ClusteringResult> cluster(Cloud& cloud, const KdTree3& tree, float epsi
       const bool dense = c.near >= min_points;
       const bool core = c.near > min_points && c.same_type > settings.same_type_share * c.near;
       flags[i] = static_cast<std::uint8_t>((core ? kCore : 0) | (dense ? kDense : 0));
-      cloud.radius[i] = epsilon * std::sqrt(kSupportPoints / static_cast<float>(std::max(1, c.sheet)));
+      cloud.radius[i] = epsilon / std::sqrt(static_cast<float>(std::max(1, c.sheet)));
+      if (i % noise_step == 0) heights[i / noise_step] = std::abs(c.offset) / static_cast<float>(std::max(1, c.near));
       if (c.near >= kFewNeighbours) {
-        if (settings.thin_reach > 0) flags[i] |= kThin;
+        // Beside a sheet, not on it: a stray or a flying pixel, however many neighbours the sheet lends it.
+        const bool on_sheet = std::abs(c.offset) < kOnSheet * epsilon * static_cast<float>(c.near);
+        if (settings.thin_reach > 0 && on_sheet) flags[i] |= kThin;
       } else {
         flags[i] |= look_farther(cloud, tree, i, epsilon, settings);
       }
@@ -304,6 +326,13 @@ Expected<ClusteringResult> cluster(Cloud& cloud, const KdTree3& tree, float epsi
 
   ClusteringResult result;
   result.epsilon = epsilon;
+  std::sort(heights.begin(), heights.end());
+  constexpr float kMedianToDeviation = 1.4826F;  // of a normal distribution
+  result.noise = kMedianToDeviation * heights[heights.size() / 2];
+  const float noisy = std::clamp((result.noise / epsilon - kCleanNoise) / (kFullNoise - kCleanNoise), 0.0F, 1.0F);
+  result.support_points = settings.least_support + noisy * (settings.most_support - settings.least_support);
+  const float growth = std::sqrt(result.support_points);
+  for (float& radius : cloud.radius.first(size)) radius *= growth;
   for (std::uint32_t i = 0; i < size; ++i) {
     const bool core = (flags[i] & kCore) != 0;
     if ((flags[i] & kOutlier) != 0) cloud.normal[i].point_class = PointClass::kNoise;

@@ -23,6 +23,8 @@ struct ClusteringSettings {
   /// its type: a part of the surface that few views saw. A thin_reach of 0 leaves the noise as the thesis has it.
   std::uint32_t thin_points = 7;
   float thin_reach = 3;
+  float least_support = 20;
+  float most_support = 80;
   std::uint32_t epsilon_sample = 16384;  ///< points whose neighbours are searched for epsilon; evenly spread over the order
 };
 
@@ -41,6 +43,8 @@ struct ClusteringResult {
   std::uint32_t clusters = 0;
   std::array<std::uint32_t, kPointClassCount> points = {};    ///< by PointClass
   std::uint32_t core_points = 0;
+  float noise = 0;           ///< mm; standard deviation of a point from the sheet of its neighbours, robustly
+  float support_points = 0;  ///< points of a sheet that radius[] holds
 };
 
 inline constexpr std::uint32_t kNoCluster = 0xFFFFFFFFU;
@@ -54,7 +58,8 @@ inline constexpr std::uint32_t kNoCluster = 0xFFFFFFFFU;
 /// what has enough neighbours but of mixed type keeps its type without a cluster, as the thesis' wording has it: a noisy
 /// vertical wall mixes all three types and is no noise.
 ///
-/// radius[i] is set to the radius of a disc that holds about kSupportPoints points at the surface density seen around i.
+/// radius[i] is set to the radius of a disc that holds about `support_points` points at the surface density seen around
+/// i: least_support where the scan is clean, up to most_support where its noise has to be averaged out.
 ///
 /// @param cloud    in the order of `tree`; normal[].point_class and radius[] are set
 /// @param cluster  cloud.size labels, out: the lowest index of a core point of the cluster, kNoCluster for none. May be
@@ -63,8 +68,5 @@ inline constexpr std::uint32_t kNoCluster = 0xFFFFFFFFU;
 [[nodiscard]] Expected<ClusteringResult> cluster(Cloud& cloud, const KdTree3& tree, float epsilon,
                                                  const ClusteringSettings& settings, std::span<std::uint32_t> cluster,
                                                  Arena& arena);
-
-/// Points that the support of an MLS value should hold on a sheet of the density around it.
-inline constexpr float kSupportPoints = 20;
 
 }  // namespace plumbline

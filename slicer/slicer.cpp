@@ -21,6 +21,7 @@ constexpr double kCellShare = 0.5;
 
 /// Supports are cut to this share of epsilon, so that a search reaches no farther where the scan is thin.
 constexpr float kMaxRadiusShare = 1.15F;
+constexpr float kMaxRadiusSupport = 40;  ///< points: a larger support is cut to a larger share, in proportion
 
 /// Tells the caller when a stage begins and ends, and what it took of the arena.
 class StageScope {
@@ -200,13 +201,15 @@ class Job {
     for (Vec3f& p : cloud_.position.first(cloud_.size)) p = (p.cast<double>() * scale + shift).cast<float>();
     for (float& r : cloud_.radius.first(cloud_.size)) r *= static_cast<float>(scale);
     report_.clustering.epsilon *= static_cast<float>(scale);
+    report_.clustering.noise *= static_cast<float>(scale);
     report_.thinning_cell_mm *= scale;
     return {};
   }
 
   void build_winding_tree() {
     const StageScope stage(Stage::kWindingTree, arena_, progress_, report_);
-    winding_ = WindingTree::build(cloud_, winding_nodes_.first(WindingTree::nodes_needed(cloud_.size)));
+    winding_ = WindingTree::build(cloud_, report_.clustering.support_points,
+                                  winding_nodes_.first(WindingTree::nodes_needed(cloud_.size)));
     winding_.set_base(0);
   }
 
@@ -234,7 +237,8 @@ class Job {
     field.winding = &winding_;
     field.interested = interested;
     field.grid = grid;
-    field.max_radius = kMaxRadiusShare * report_.clustering.epsilon;
+    field.max_radius = kMaxRadiusShare * report_.clustering.epsilon *
+                       std::sqrt(std::max(1.0F, report_.clustering.support_points / kMaxRadiusSupport));
     field.tile_capacity = tile_capacity(report_.cloud_capacity);
     field.settings.intersections.width = report_.width_mm;
     field.settings.repair_spacing = grid.layer_height_mm;

@@ -3,19 +3,18 @@
 #include <algorithm>
 #include <cmath>
 
-#include "slicer/clustering.hpp"
 
 namespace plumbline {
 namespace {
 
 constexpr float kOpening = 2.0F;                      ///< times a node's radius: nearer, and it is opened
-constexpr float kAreaShare = 1.0F / kSupportPoints;   ///< of the support disc belongs to its point
 constexpr float kInverse4Pi = 0.0795774715F;
 constexpr float kPi = 3.14159265F;
 
 struct Builder {
   const Cloud& cloud;
   std::span<WindingTree::Node> nodes;
+  float area_factor;
 
   struct Sum {
     Vec3f weighted = Vec3f::Zero();  ///< area * position
@@ -24,7 +23,7 @@ struct Builder {
     Box3f box;
   };
 
-  float area(std::uint32_t i) const { return kPi * cloud.radius[i] * cloud.radius[i] * kAreaShare; }
+  float area(std::uint32_t i) const { return area_factor * cloud.radius[i] * cloud.radius[i]; }
 
   /// Builds the node `at` over leaves [first, last) and the ones under it; depth first, so that skipping is one number.
   Sum build(std::uint32_t at, std::uint32_t first, std::uint32_t last) {
@@ -69,9 +68,10 @@ std::size_t WindingTree::nodes_needed(std::uint32_t points) {
 
 std::size_t WindingTree::bytes_needed(std::uint32_t points) { return Arena::rounded(nodes_needed(points) * sizeof(Node)); }
 
-WindingTree WindingTree::build(const Cloud& cloud, std::span<Node> nodes) {
+WindingTree WindingTree::build(const Cloud& cloud, float support_points, std::span<Node> nodes) {
   WindingTree tree;
-  if (cloud.size > 0) Builder{cloud, nodes}.build(0, 0, leaves(cloud.size));
+  tree.area_factor_ = kPi / support_points;
+  if (cloud.size > 0) Builder{cloud, nodes, tree.area_factor_}.build(0, 0, leaves(cloud.size));
   tree.nodes_ = nodes;
   tree.position_ = cloud.position.first(cloud.size);
   tree.normal_ = cloud.normal.first(cloud.size);
@@ -111,7 +111,7 @@ float WindingTree::sum(const Vec3f& x) const {
       const std::uint32_t last = std::min(static_cast<std::uint32_t>(position_.size()), first + kLeafPoints);
       for (std::uint32_t i = first; i < last; ++i) {
         const Vec3f e = position_[i] - x;
-        const float area = kPi * radius_[i] * radius_[i] * kAreaShare;
+        const float area = area_factor_ * radius_[i] * radius_[i];
         // A disc seen from nearby fills half the sphere and no more; the dipole of a point would grow without bound.
         const float softened = e.dot(e) + area * (1.0F / kPi);
         w += area * kInverse4Pi * normal_[i].unpack().dot(e) / (softened * std::sqrt(softened));

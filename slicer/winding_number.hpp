@@ -14,7 +14,7 @@ namespace plumbline {
 ///
 ///   W(x) = sum_i  a_i <n_i, p_i - x> / (4 pi |p_i - x|^3)
 ///
-/// a_i, the area of point i, is that of a disc that holds kSupportPoints points, divided by their number.
+/// a_i, the area of point i, is that of the disc of its radius divided by the points that the disc holds.
 class WindingTree {
  public:
   static constexpr std::uint32_t kLeafPoints = 8;
@@ -31,8 +31,9 @@ class WindingTree {
   };
 
   /// @param cloud  placed, radius[] set, in the order of its 3D tree: 8 points in a row are a leaf
+  /// @param support_points  that radius[] was made for
   /// @param nodes  nodes_needed(cloud.size) of them
-  static WindingTree build(const Cloud& cloud, std::span<Node> nodes);
+  static WindingTree build(const Cloud& cloud, float support_points, std::span<Node> nodes);
 
   /// Mirrors the surface at the plane z = height, normals too: what is open there counts as closed flat (a closed object
   /// standing on the plane is left as it is, since outside of it its mirror image counts nothing).
@@ -52,6 +53,7 @@ class WindingTree {
   std::span<const Vec3f> position_;
   std::span<const PackedNormal> normal_;
   std::span<const float> radius_;
+  float area_factor_ = 0;  ///< area of a point over its radius squared
   float base_ = 0;
   bool has_base_ = false;
 };
