@@ -44,6 +44,34 @@ class CrossingStore {
   /// @retval ErrorCode::kOutOfMemory
   [[nodiscard]] Status put(std::uint32_t tile, std::span<const std::uint8_t> counts, std::span<const std::uint16_t> layers);
 
+  const PrintGrid& grid() const { return grid_; }
+
+  /// One ray's entry: its crossings, which may be rewritten, fewer but not more.
+  class RayRef {
+   public:
+    std::uint32_t count() const { return *count_; }
+    std::span<const std::uint16_t> crossings() const { return {read_, *count_}; }
+    void begin_rewrite() { kept_ = 0; }
+    void keep(std::uint16_t layer) { (*write_)[kept_++] = layer; }
+    void end_rewrite() {
+      *count_ = static_cast<std::uint8_t>(kept_);
+      *write_ += kept_;
+    }
+
+   private:
+    friend class CrossingStore;
+    std::uint8_t* count_ = nullptr;
+    const std::uint16_t* read_ = nullptr;
+    std::uint16_t** write_ = nullptr;  ///< where the tile's crossings are packed to
+    std::uint32_t kept_ = 0;
+  };
+
+  /// Calls `visit(row, rays)` for every row of the grid, top to bottom, with a RayRef a column. When the visitor rewrites
+  /// rays it must rewrite all of them.
+  /// @param arena  a few words a column from the top; nothing is visited when it has none left
+  template <class Visit>
+  void for_each_row(Arena& arena, Visit visit);
+
   /// Gives back what no crossing took.
   void close(Arena& arena) { arena.trim_bottom(data_.data(), std::size_t{used_} * sizeof(std::uint16_t)); }
 
@@ -62,6 +90,36 @@ class CrossingStore {
   std::span<std::uint16_t> data_;
   std::uint32_t used_ = 0;              ///< of data_
 };
+
+template <class Visit>
+void CrossingStore::for_each_row(Arena& arena, Visit visit) {
+  const ArenaScope scope(arena);
+  auto rays = arena.take_top<RayRef>(grid_.columns, "R-Rep");
+  auto reads = arena.take_top<std::uint16_t*>(tile_columns_, "R-Rep");
+  auto writes = arena.take_top<std::uint16_t*>(tile_columns_, "R-Rep");
+  if (!rays || !reads || !writes) return;
+  std::uint8_t none = 0;
+  for (std::uint32_t tile_row = 0; tile_row < tile_rows_; ++tile_row) {
+    const std::uint32_t* directory = &directory_[std::size_t{tile_row} * tile_columns_];
+    for (std::uint32_t t = 0; t < tile_columns_; ++t) {
+      (*reads)[t] = (*writes)[t] = directory[t] == kEmpty ? nullptr : &data_[directory[t] + kTile * kTile / 2];
+    }
+    for (std::uint32_t r = 0; r < kTile && tile_row * kTile + r < grid_.rows; ++r) {
+      for (std::uint32_t c = 0; c < grid_.columns; ++c) {
+        const std::uint32_t t = c / kTile;
+        RayRef& ray = (*rays)[c];
+        ray.count_ = &none;
+        ray.read_ = (*reads)[t];
+        ray.write_ = &(*writes)[t];
+        if (directory[t] != kEmpty) {
+          ray.count_ = reinterpret_cast<std::uint8_t*>(&data_[directory[t]]) + std::size_t{r} * kTile + c % kTile;
+          (*reads)[t] += *ray.count_;
+        }
+      }
+      visit(tile_row * kTile + r, *rays);
+    }
+  }
+}
 
 /// Everything that the ray stage reads.
 struct RayField {

@@ -23,6 +23,9 @@ constexpr double kCellShare = 0.5;
 constexpr float kMaxRadiusShare = 1.15F;
 constexpr float kMaxRadiusSupport = 40;  ///< points: a larger support is cut to a larger share, in proportion
 
+/// Pieces and bubbles below this many cubes of epsilon are specks: a stray's support has some six.
+constexpr float kSpeck = 50;
+
 /// Tells the caller when a stage begins and ends, and what it took of the arena.
 class StageScope {
  public:
@@ -93,6 +96,7 @@ class Job {
       return tl::unexpected<Error>(store.error());
     }
     const StageScope stage(Stage::kRRep, arena_, progress_, report_);
+    report_.pieces = drop_specks(*store, speck_voxels(), arena_);
     auto rrep = CrossingStore::sort(*store, arena_);
     if (rrep) {
       report_.crossings = rrep->crossings();
@@ -103,6 +107,14 @@ class Job {
   }
 
  private:
+  /// Smaller than this the scan cannot tell a thing from a few strays.
+  std::uint64_t speck_voxels() const {
+    const PrintGrid& grid = report_.placement.grid;
+    const float epsilon = report_.clustering.epsilon;
+    return static_cast<std::uint64_t>(kSpeck * epsilon * epsilon * epsilon /
+                                      (grid.pitch_x_mm * grid.pitch_y_mm * grid.layer_height_mm));
+  }
+
   Expected<CrossingStore> crossings() {
     PLUMBLINE_TRY(admit());
     PLUMBLINE_TRY(read());

@@ -9,6 +9,7 @@
 #include "slicer/core/arena.hpp"
 #include "slicer/core/byte_source.hpp"
 #include "slicer/core/progress.hpp"
+#include "slicer/pieces.hpp"
 #include "slicer/placement.hpp"
 #include "slicer/reader/scan_point.hpp"
 #include "slicer/rrep.hpp"
@@ -36,6 +37,7 @@ struct SliceReport {
   float width_mm = 0;                     ///< w
   Placement placement;
   RayCounts rays;
+  PieceCounts pieces;
   std::uint64_t crossings = 0;
   std::array<std::size_t, kStageCount> planned_bytes = {};  ///< of the arena, by Stage
   std::array<std::size_t, kStageCount> peak_bytes = {};     ///< of the arena, by Stage

@@ -1,0 +1,168 @@
+#include "slicer/pieces.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
+namespace plumbline {
+namespace {
+
+constexpr const char* kStage = "pieces";
+constexpr std::uint32_t kOutside = 0;  ///< the stretch that is everything beyond the object
+
+/// A ray's crossings and the number of its first stretch.
+///
+/// c crossings part the ray into stretches 0 to c; the odd ones are solid. Stretch 0, and stretch c when c is even, are
+/// outside; the others are numbered in the order of the rays.
+struct Ray {
+  std::span<const std::uint16_t> crossings;
+  std::uint32_t first = 0;
+
+  std::uint32_t inner() const { return numbered(static_cast<std::uint32_t>(crossings.size())); }
+  static std::uint32_t numbered(std::uint32_t count) { return count == 0 ? 0 : count - (count % 2 == 0 ? 1 : 0); }
+  std::uint32_t number(std::uint32_t stretch) const {
+    return stretch == 0 || stretch > inner() ? kOutside : first + stretch - 1;
+  }
+  std::uint32_t low(std::uint32_t stretch) const { return stretch == 0 ? 0 : crossings[stretch - 1]; }
+  std::uint32_t high(std::uint32_t stretch, std::uint32_t layers) const {
+    return stretch < crossings.size() ? crossings[stretch] : layers;
+  }
+};
+
+class Stretches {
+ public:
+  Stretches(std::span<std::uint32_t> parent, std::span<std::uint32_t> volume) : parent_(parent), volume_(volume) {
+    std::iota(parent_.begin(), parent_.end(), 0);
+    std::fill(volume_.begin(), volume_.end(), 0);
+  }
+  std::uint32_t root(std::uint32_t i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  void unite(std::uint32_t a, std::uint32_t b) {
+    a = root(a);
+    b = root(b);
+    if (a < b) std::swap(a, b);
+    parent_[a] = b;  // the outside, number 0, stays its own root
+  }
+  void grow(std::uint32_t i, std::uint64_t voxels) {
+    volume_[i] = static_cast<std::uint32_t>(
+        std::min<std::uint64_t>(std::numeric_limits<std::uint32_t>::max(), volume_[i] + voxels));
+  }
+  std::uint32_t volume(std::uint32_t i) const { return volume_[i]; }
+  std::uint32_t size() const { return static_cast<std::uint32_t>(parent_.size()); }
+
+ private:
+  std::span<std::uint32_t> parent_;
+  std::span<std::uint32_t> volume_;  ///< voxels, of a root all of its set's
+};
+
+/// Joins the stretches of two neighbouring rays that share a layer and are of one kind.
+void join(const Ray& a, const Ray& b, std::uint32_t layers, Stretches& stretches) {
+  std::uint32_t i = 0;
+  std::uint32_t j = 0;
+  while (i <= a.crossings.size() && j <= b.crossings.size()) {
+    const std::uint32_t high_a = a.high(i, layers);
+    const std::uint32_t high_b = b.high(j, layers);
+    const bool share = std::max(a.low(i), b.low(j)) < std::min(high_a, high_b);
+    if (share && i % 2 == j % 2) stretches.unite(a.number(i), b.number(j));
+    if (high_a <= high_b) ++i;
+    if (high_b <= high_a) ++j;
+  }
+}
+
+/// Whether a stretch belongs to a set that is to go.
+struct Sieve {
+  Stretches& stretches;
+  std::uint64_t fewest;
+  std::uint32_t largest_piece;
+  bool specks(std::uint32_t number) const {
+    if (number == kOutside) return false;
+    const std::uint32_t root = stretches.root(number);
+    return root != kOutside && root != largest_piece && stretches.volume(root) < fewest;
+  }
+};
+
+}  // namespace
+
+PieceCounts drop_specks(CrossingStore& store, std::uint64_t fewest_voxels, Arena& arena) {
+  const ArenaScope scope(arena);
+  const PrintGrid& grid = store.grid();
+  PieceCounts counts;
+
+  std::uint64_t stretch_count = 1;
+  store.for_each_row(arena, [&](std::uint32_t, std::span<CrossingStore::RayRef> row) {
+    for (const auto& ray : row) stretch_count += Ray::numbered(ray.count());
+  });
+  auto parent = arena.take_top<std::uint32_t>(stretch_count, kStage);
+  auto volume = parent ? arena.take_top<std::uint32_t>(stretch_count, kStage) : parent;
+  auto rows = arena.take_top<Ray>(2 * std::size_t{grid.columns}, kStage);
+  if (!parent || !volume || !rows) return counts;
+  counts.counted = true;
+  Stretches stretches(*parent, *volume);
+
+  std::span<Ray> above = rows->first(grid.columns);
+  std::span<Ray> here = rows->last(grid.columns);
+  std::fill(above.begin(), above.end(), Ray{});
+  std::uint32_t next = 1;
+  store.for_each_row(arena, [&](std::uint32_t, std::span<CrossingStore::RayRef> row) {
+    for (std::uint32_t c = 0; c < grid.columns; ++c) {
+      here[c] = Ray{row[c].crossings(), next};
+      next += here[c].inner();
+      for (std::uint32_t s = 1; s <= here[c].inner(); ++s) {
+        stretches.grow(here[c].number(s), here[c].high(s, grid.layers) - here[c].low(s));
+      }
+      join(above[c], here[c], grid.layers, stretches);
+      if (c > 0) join(here[c - 1], here[c], grid.layers, stretches);
+    }
+    std::swap(above, here);
+  });
+
+  // Volumes go to the roots. A root's number is the lowest of its set, so every number above it is seen after it.
+  for (std::uint32_t i = 1; i < stretches.size(); ++i) {
+    const std::uint32_t root = stretches.root(i);
+    if (root != i) stretches.grow(root, stretches.volume(i));
+  }
+  Sieve sieve{stretches, fewest_voxels, kOutside};
+  const auto for_each_root = [&](auto visit) {
+    std::uint32_t number = 1;
+    store.for_each_row(arena, [&](std::uint32_t, std::span<CrossingStore::RayRef> row) {
+      for (const auto& ray : row) {
+        const std::uint32_t inner = Ray::numbered(ray.count());
+        for (std::uint32_t s = 1; s <= inner; ++s, ++number) {
+          if (stretches.root(number) == number) visit(number, s % 2 == 1);
+        }
+      }
+    });
+  };
+  for_each_root([&](std::uint32_t root, bool solid) {
+    const bool larger = sieve.largest_piece == kOutside || stretches.volume(root) > stretches.volume(sieve.largest_piece);
+    if (solid && larger) sieve.largest_piece = root;
+  });
+  for_each_root([&](std::uint32_t root, bool solid) {
+    const bool goes = sieve.specks(root);
+    if (goes) counts.dropped_voxels += stretches.volume(root);
+    if (!goes && solid) counts.voxels += stretches.volume(root);
+    ++(solid ? (goes ? counts.dropped_pieces : counts.pieces) : (goes ? counts.filled_bubbles : counts.bubbles));
+  });
+  if (counts.dropped_pieces + counts.filled_bubbles == 0) return counts;
+
+  std::uint32_t number = 1;
+  store.for_each_row(arena, [&](std::uint32_t, std::span<CrossingStore::RayRef> row) {
+    for (auto& ray : row) {
+      const Ray old{ray.crossings(), number};
+      const auto count = static_cast<std::uint32_t>(old.crossings.size());
+      number += old.inner();
+      // A crossing stays if what lies below it and what lies above it differ when the specks have changed sides.
+      const auto solid = [&](std::uint32_t s) { return (s % 2 == 1) != sieve.specks(old.number(s)); };
+      ray.begin_rewrite();
+      for (std::uint32_t s = 0; s < count; ++s) {
+        if (solid(s) != solid(s + 1)) ray.keep(old.crossings[s]);
+      }
+      ray.end_rewrite();
+    }
+  });
+  return counts;
+}
+
+}  // namespace plumbline
