@@ -183,7 +183,10 @@ ExitCode run_command_line(int argc, char** argv, std::span<std::byte> arena_bloc
   sample_app->add_option("--points", sample.points, "1000 to 50000000 [300000]")
       ->type_name("N")
       ->check(CLI::Range(kMinSamplePoints, kMaxSamplePoints).description(""));
-  sample_app->add_option("--seed", sample.seed, "Another number, another scan of the same bust [1]")->type_name("S");
+  sample_app
+      ->add_option("--seed", sample.seed, "Any whole number from 0: another one is another scan of the same bust [1]")
+      ->type_name("S")
+      ->check(CLI::NonNegativeNumber.description(""));
   sample_app->add_flag("--quiet", sample.quiet, "Print errors only");
 
   try {
