@@ -76,6 +76,10 @@ void find_warnings(JobReport& report) {
         "preview.png",
         100 * report.share_of_rays(RayDecision::kWinding));
   }
+  if (s.pieces.counted && s.pieces.pieces > 1) {
+    report.warnings.add().add("the object is %u separate pieces; those that do not stand on the plate need supports",
+                              s.pieces.pieces);
+  }
   if (s.normals_estimated > 0) {
     report.warnings.add().add("%u points have no normal in the scan; theirs were estimated from their neighbours",
                               s.normals_estimated);

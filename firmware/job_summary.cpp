@@ -48,8 +48,8 @@ void add_clusters(Text& text, const SliceReport& s) {
   text.add("points     entering %.1f %%, exiting %.1f %%, neutral %.1f %%, noise %.2f %%; %u clusters\n",
            share(PointClass::kEntering), share(PointClass::kExiting), share(PointClass::kNeutral),
            share(PointClass::kNoise), s.clustering.clusters);
-  text.add("scale      epsilon %.3g mm, width %.3g mm\n", static_cast<double>(s.clustering.epsilon),
-           static_cast<double>(s.width_mm));
+  text.add("lengths    epsilon %.3g mm, width %.3g mm, noise %.3g mm\n", static_cast<double>(s.clustering.epsilon),
+           static_cast<double>(s.width_mm), static_cast<double>(s.clustering.noise));
 }
 
 void add_rays(Text& text, const JobReport& report) {
@@ -60,6 +60,10 @@ void add_rays(Text& text, const JobReport& report) {
     text.add("%s %s %.2f %%", i == 0 ? "" : ",", to_string(decision), 100 * report.share_of_rays(decision));
   }
   text.add("; %llu crossings\n", big(s.crossings));
+  if (!s.pieces.counted) return;
+  text.add("pieces     %u solid, %u hollow inside; %u specks of solid removed, %u of hollow filled (%llu voxels)\n",
+           s.pieces.pieces, s.pieces.bubbles, s.pieces.dropped_pieces, s.pieces.filled_bubbles,
+           big(s.pieces.dropped_voxels));
 }
 
 void add_stage(Text& text, std::string_view name, double seconds, std::size_t peak, std::size_t planned) {

@@ -85,6 +85,7 @@ void write_points(JsonWriter& json, const SliceReport& slice) {
   json.member("clusters", slice.clustering.clusters);
   json.member("core_points", slice.clustering.core_points);
   json.member("epsilon_mm", slice.clustering.epsilon);
+  json.member("noise_mm", slice.clustering.noise);
   json.member("width_mm", slice.width_mm);
 }
 
@@ -98,6 +99,16 @@ void write_rays(JsonWriter& json, const SliceReport& slice) {
   json.member("thinned_tiles", slice.rays.thinned_tiles);
   json.end_object();
   json.member("crossings", slice.crossings);
+  const PieceCounts& pieces = slice.pieces;
+  json.key("pieces");
+  json.begin_object(kOneLine);
+  json.member("counted", pieces.counted);
+  json.member("solids", pieces.pieces);
+  json.member("hollows", pieces.bubbles);
+  json.member("solid_specks_removed", pieces.dropped_pieces);
+  json.member("hollow_specks_filled", pieces.filled_bubbles);
+  json.member("speck_voxels", pieces.dropped_voxels);
+  json.end_object();
 }
 
 void write_stages(JsonWriter& json, const JobReport& report) {
