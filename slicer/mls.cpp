@@ -19,8 +19,7 @@ Lanes weight_of(const RayPoints& p, std::uint32_t j, Lanes depth) {
   const Lanes dz = depth - load(p.depth + j);
   const Lanes t = 1.0F - (dz * dz + load(p.distance2 + j)) * load(p.inverse_radius2 + j);
   const Lanes inside = t > 0.0F ? t : Lanes{};
-  const Lanes square = inside * inside;
-  return square * square;
+  return inside * inside;
 }
 float sum(Lanes v) { return (v[0] + v[1]) + (v[2] + v[3]); }
 

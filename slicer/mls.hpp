@@ -41,7 +41,7 @@ struct MlsValue {
 
 /// Weighted mean of the signed distances to the tangent planes of the points around (Kolluri 2005, eq. 2):
 ///
-///   f(x) = sum_i w_i(x) <n_i, x - p_i> / sum_i w_i(x),   w_i(x) = (1 - |x - p_i|^2 / h_i^2)^4 inside h_i, 0 outside
+///   f(x) = sum_i w_i(x) <n_i, x - p_i> / sum_i w_i(x),   w_i(x) = (1 - |x - p_i|^2 / h_i^2)^2 inside h_i, 0 outside
 ///
 /// The weight is a polynomial of compact support: no exp, no root, the same bits everywhere. Four partial sums are kept
 /// and added in a fixed order, so vector units may be used where there are any.
