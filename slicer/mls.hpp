@@ -21,6 +21,8 @@ struct RayPoints {
   float* inverse_radius2 = nullptr;  ///< 1 / h^2, mm^-2
   float* normal_x = nullptr;
   float* normal_y = nullptr;
+  float* offset_x = nullptr;         ///< x of the ray less that of the point, mm
+  float* offset_y = nullptr;
   std::uint32_t size = 0;
   float reach = 0;                   ///< largest h, mm: no point farther in depth has weight
 };
@@ -39,9 +41,15 @@ struct MlsValue {
   float weight = 0;    ///< sum of the weights; 0: no point's support reaches here
 };
 
-/// Weighted mean of the signed distances to the tangent planes of the points around (Kolluri 2005, eq. 2):
+/// Signed distance to the surface through the points around, to second order:
 ///
-///   f(x) = sum_i w_i(x) <n_i, x - p_i> / sum_i w_i(x),   w_i(x) = (1 - |x - p_i|^2 / h_i^2)^2 inside h_i, 0 outside
+///   f(x) = 1/2 [ sum_i w_i <n_i, x - p_i> / W  +  <sum_i w_i n_i, sum_i w_i (x - p_i)> / W^2 ],   W = sum_i w_i
+///   w_i(x) = (1 - |x - p_i|^2 / h_i^2)^2 inside h_i, 0 outside
+///
+/// The first half is the mean distance to the points' tangent planes (Kolluri 2005, eq. 2), which on a curved surface lies
+/// outside of it by curvature * E[t^2] / 2, t being the distance of the points along the surface. The second half is the
+/// distance to the mean plane (Adamson and Alexa 2003), which lies inside by as much. Their mean has no error of that
+/// order, so that supports may be wide enough to average the noise of a scan without rounding what it shows.
 ///
 /// The weight is a polynomial of compact support: no exp, no root, the same bits everywhere. Four partial sums are kept
 /// and added in a fixed order, so vector units may be used where there are any.

@@ -7,7 +7,7 @@ namespace plumbline {
 namespace {
 
 constexpr const char* kStage = "ray search";
-constexpr std::size_t kColumns = 8;  ///< the seven of RayPoints and the half chord
+constexpr std::size_t kColumns = 10;  ///< the nine of RayPoints and the half chord
 
 std::size_t padded(std::uint32_t capacity) {
   // Room for the padding, in whole cache lines.
@@ -39,7 +39,7 @@ Expected<RayGatherer> RayGatherer::create(const Cloud& cloud, const KdTree2& tre
   float* next = columns->data();
   for (float** column : {&gatherer.columns_.depth, &gatherer.columns_.distance2, &gatherer.columns_.plane,
                          &gatherer.columns_.slope, &gatherer.columns_.inverse_radius2, &gatherer.columns_.normal_x,
-                         &gatherer.columns_.normal_y}) {
+                         &gatherer.columns_.normal_y, &gatherer.columns_.offset_x, &gatherer.columns_.offset_y}) {
     *column = next;
     next += length;
   }
@@ -108,13 +108,16 @@ const RayPoints& RayGatherer::points_of_ray(float x, float y) {
     c.inverse_radius2[size] = 1.0F / radius2;
     c.normal_x[size] = p.normal[0];
     c.normal_y[size] = p.normal[1];
+    c.offset_x[size] = dx;
+    c.offset_y[size] = dy;
     half_chord_[size] = std::sqrt(radius2 - distance2);
     practical_[size] = p.practical ? 1 : 0;
     reach = std::max(reach, p.radius);
     ++size;
   }
   for (std::uint32_t j = size; j < size + RayPoints::kLanes; ++j) {
-    c.depth[j] = c.plane[j] = c.slope[j] = c.normal_x[j] = c.normal_y[j] = 0;
+    c.depth[j] = c.plane[j] = c.slope[j] = 0;
+    c.normal_x[j] = c.normal_y[j] = c.offset_x[j] = c.offset_y[j] = 0;
     c.distance2[j] = 1;
     c.inverse_radius2[j] = 2;
   }
