@@ -24,7 +24,7 @@ struct ClusteringSettings {
   std::uint32_t thin_points = 7;
   float thin_reach = 3;
   float least_support = 20;
-  float most_support = 80;
+  float most_support = 100;
   std::uint32_t epsilon_sample = 16384;  ///< points whose neighbours are searched for epsilon; evenly spread over the order
 };
 
