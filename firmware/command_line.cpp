@@ -78,6 +78,7 @@ constexpr std::array kUnits = {Units::kMillimetres, Units::kCentimetres, Units::
 
 std::vector<std::string> unit_names() {
   std::vector<std::string> names;
+  names.reserve(kUnits.size());
   for (const Units units : kUnits) names.emplace_back(to_string(units));
   return names;
 }

@@ -24,13 +24,13 @@
 #include "firmware/progress_lines.hpp"
 #include "tests/firmware/job_fixture.hpp"
 
-// The C library's own names for what is replaced below; reserved, because they are the C library's.
+// What is replaced below, under the names that the C library keeps for itself.
 extern "C" {
-void* __libc_malloc(std::size_t size);                       // NOLINT(bugprone-reserved-identifier)
-void* __libc_calloc(std::size_t count, std::size_t size);    // NOLINT(bugprone-reserved-identifier)
-void* __libc_realloc(void* block, std::size_t size);         // NOLINT(bugprone-reserved-identifier)
-void* __libc_memalign(std::size_t align, std::size_t size);  // NOLINT(bugprone-reserved-identifier)
-void __libc_free(void* block);                               // NOLINT(bugprone-reserved-identifier)
+void* real_malloc(std::size_t size) asm("__libc_malloc");
+void* real_calloc(std::size_t count, std::size_t size) asm("__libc_calloc");
+void* real_realloc(void* block, std::size_t size) asm("__libc_realloc");
+void* real_memalign(std::size_t align, std::size_t size) asm("__libc_memalign");
+void real_free(void* block) asm("__libc_free");
 }
 
 namespace {
@@ -132,21 +132,30 @@ class HeapTrap {
 
 }  // namespace
 
+// Under the names of what they replace: the linker sees those, the compiler and its knowledge of malloc do not.
 extern "C" {
-void* malloc(std::size_t size) { return seen(__libc_malloc(size)); }
-void* calloc(std::size_t count, std::size_t size) { return seen(__libc_calloc(count, size)); }
-void* realloc(void* block, std::size_t size) {
+void* trapped_malloc(std::size_t size) asm("malloc");
+void* trapped_calloc(std::size_t count, std::size_t size) asm("calloc");
+void* trapped_realloc(void* block, std::size_t size) asm("realloc");
+void trapped_free(void* block) asm("free");
+void* trapped_memalign(std::size_t align, std::size_t size) asm("memalign");
+void* trapped_aligned_alloc(std::size_t align, std::size_t size) asm("aligned_alloc");
+int trapped_posix_memalign(void** block, std::size_t align, std::size_t size) asm("posix_memalign");
+
+void* trapped_malloc(std::size_t size) { return seen(real_malloc(size)); }
+void* trapped_calloc(std::size_t count, std::size_t size) { return seen(real_calloc(count, size)); }
+void* trapped_realloc(void* block, std::size_t size) {
   leaves(block);
-  return seen(__libc_realloc(block, size));
+  return seen(real_realloc(block, size));
 }
-void free(void* block) {
+void trapped_free(void* block) {
   leaves(block);
-  __libc_free(block);
+  real_free(block);
 }
-void* memalign(std::size_t align, std::size_t size) { return seen(__libc_memalign(align, size)); }
-void* aligned_alloc(std::size_t align, std::size_t size) { return seen(__libc_memalign(align, size)); }
-int posix_memalign(void** block, std::size_t align, std::size_t size) {
-  *block = seen(__libc_memalign(align, size));
+void* trapped_memalign(std::size_t align, std::size_t size) { return seen(real_memalign(align, size)); }
+void* trapped_aligned_alloc(std::size_t align, std::size_t size) { return seen(real_memalign(align, size)); }
+int trapped_posix_memalign(void** block, std::size_t align, std::size_t size) {
+  *block = seen(real_memalign(align, size));
   return *block == nullptr ? ENOMEM : 0;
 }
 }
