@@ -1,0 +1,70 @@
+#pragma once
+/// Union and find for things that have two sides.
+
+#include <cstdint>
+#include <span>
+#include <utility>
+
+namespace plumbline {
+
+/// Disjoint sets whose members know their side relative to their root. For one thread. Four bytes a member:
+///   a root    kRoot, kFixed, members of its set (or what set_value() put there)
+///   another   kTurned against its parent, kFixed, parent
+class SidedSets {
+ public:
+  SidedSets() = default;
+  /// @param entries  one a member, at most kIndex of them, each to be start()ed
+  explicit SidedSets(std::span<std::uint32_t> entries) : entries_(entries) {}
+  /// @param fixed  a mark that stays with the member, for the caller
+  void start(std::uint32_t i, bool fixed) { entries_[i] = kRoot | (fixed ? kFixed : 0U) | 1U; }
+
+  struct Place {
+    std::uint32_t root = 0;
+    bool turned = false;  ///< against the root
+  };
+  /// Shortens the way for the next time.
+  Place find(std::uint32_t i) {
+    const Place place = look(i);
+    // Everyone on the way points to the root from now on.
+    bool turned = place.turned;
+    while ((entries_[i] & kRoot) == 0 && (entries_[i] & kIndex) != place.root) {
+      const std::uint32_t entry = entries_[i];
+      entries_[i] = (entry & kFixed) | (turned ? kTurned : 0U) | place.root;
+      turned = turned != ((entry & kTurned) != 0);
+      i = entry & kIndex;
+    }
+    return place;
+  }
+  /// The same without shortening: may be called by many threads.
+  Place look(std::uint32_t i) const {
+    bool turned = false;
+    while ((entries_[i] & kRoot) == 0) {
+      turned = turned != ((entries_[i] & kTurned) != 0);
+      i = entries_[i] & kIndex;
+    }
+    return {i, turned};
+  }
+  /// Makes one set of the sets of two members of which a and b were found; they are not the same set.
+  /// @param turned  the members face opposite sides
+  void unite(Place a, Place b, bool turned) {
+    if (value(a.root) < value(b.root)) std::swap(a, b);
+    entries_[a.root] += value(b.root);
+    const bool against = (a.turned != b.turned) != turned;
+    entries_[b.root] = (entries_[b.root] & kFixed) | (against ? kTurned : 0U) | a.root;
+  }
+  bool is_root(std::uint32_t i) const { return (entries_[i] & kRoot) != 0; }
+  bool fixed(std::uint32_t i) const { return (entries_[i] & kFixed) != 0; }
+  /// Of a root: points of its set, or what set_value() put there.
+  std::uint32_t value(std::uint32_t root) const { return entries_[root] & kIndex; }
+  void set_value(std::uint32_t root, std::uint32_t v) { entries_[root] = (entries_[root] & ~kIndex) | v; }
+
+  static constexpr std::uint32_t kIndex = (1U << 29) - 1;
+
+ private:
+  static constexpr std::uint32_t kRoot = 1U << 31;
+  static constexpr std::uint32_t kTurned = 1U << 30;
+  static constexpr std::uint32_t kFixed = 1U << 29;
+  std::span<std::uint32_t> entries_;
+};
+
+}  // namespace plumbline
