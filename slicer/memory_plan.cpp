@@ -8,6 +8,7 @@
 #include "slicer/core/bit_image.hpp"
 #include "slicer/kd_tree.hpp"
 #include "slicer/layer_stream.hpp"
+#include "slicer/normals.hpp"
 #include "slicer/reader/scan_reader.hpp"
 #include "slicer/rrep_builder.hpp"
 #include "slicer/thinning.hpp"
@@ -45,7 +46,7 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
   const std::size_t cloud = winding + Cloud::kBytesPerPoint * points;
   const std::size_t tree = (KdTree3::kBytesPerPoint + sizeof(std::uint32_t)) * std::size_t{points};
   set(Stage::kRead, cloud + PointThinner::table_bytes(points) + kReaderWorkspace);
-  set(Stage::kNormals, cloud + tree + 5 * std::size_t{points});
+  set(Stage::kNormals, cloud + tree + normals_bytes(points));
   set(Stage::kTrees, cloud + tree + points / 8);
   set(Stage::kClustering, cloud + tree + 5 * std::size_t{points});
   set(Stage::kWindingTree, cloud);

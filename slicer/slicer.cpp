@@ -8,6 +8,7 @@
 
 #include "slicer/kd_tree.hpp"
 #include "slicer/memory_plan.hpp"
+#include "slicer/normals.hpp"
 #include "slicer/ray_grid.hpp"
 #include "slicer/reader/scan_reader.hpp"
 #include "slicer/thinning.hpp"
@@ -174,6 +175,13 @@ class Job {
       tree = *built;
       PLUMBLINE_TRY(cloud_.reorder(tree->order(), arena_));
       tree->adopt_order();
+    }
+    const auto normals = cloud_.normal.first(cloud_.size);
+    if (std::any_of(normals.begin(), normals.end(), [](const PackedNormal& n) { return !n.known(); })) {
+      const StageScope stage(Stage::kNormals, arena_, progress_, report_);
+      auto estimated = estimate_normals(cloud_, *tree, arena_);
+      if (!estimated) return tl::unexpected<Error>(estimated.error());
+      report_.normals_estimated = *estimated;
     }
     {
       const StageScope stage(Stage::kClustering, arena_, progress_, report_);
