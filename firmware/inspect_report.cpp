@@ -57,6 +57,10 @@ void add_surface(Text& text, const ScanOutlook& o) {
   text.add("spacing    %.3g mm to the nearest point (median); epsilon %.3g mm\n", s.spacing * unit,
            static_cast<double>(s.clustering.epsilon) * unit);
   text.add("noise      %.3g mm from the plane through %u neighbours (median)\n", s.roughness * unit, kPlaneNeighbours);
+  if (!s.scan.header.has_normals) {
+    text.add("points     not sorted by orientation: that needs normals\n");
+    return;
+  }
   const double percent = 100.0 / std::max(1U, s.cloud_points);
   text.add("points     entering %.1f %%, exiting %.1f %%, neutral %.1f %%, noise %.2f %%; %u clusters\n",
            percent * points_of(s, PointClass::kEntering), percent * points_of(s, PointClass::kExiting),

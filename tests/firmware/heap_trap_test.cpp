@@ -169,7 +169,7 @@ alignas(64) std::byte arena_block[std::size_t{64} * 1024 * 1024];
 void* escaped(void* block) {
   static void* volatile anybody_may_look;
   anybody_may_look = block;
-  return block;
+  return anybody_may_look;
 }
 
 TEST(HeapTrap, SeesWhatTheCLibraryAndTheLanguageTake) {
