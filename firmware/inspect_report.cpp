@@ -32,7 +32,8 @@ void add_scan(Text& text, const ScanOutlook& o) {
     text.add("normals    %llu points have one, %llu have one of length zero\n", big(scan.points - scan.without_normal),
              big(scan.without_normal));
   } else {
-    text.add("normals    none in the file\n");
+    text.add("normals    none in the file: slicing estimates them (done here for %u points)\n",
+             o.scan.normals_estimated);
   }
 }
 
@@ -57,10 +58,6 @@ void add_surface(Text& text, const ScanOutlook& o) {
   text.add("spacing    %.3g mm to the nearest point (median); epsilon %.3g mm\n", s.spacing * unit,
            static_cast<double>(s.clustering.epsilon) * unit);
   text.add("noise      %.3g mm from the plane through %u neighbours (median)\n", s.roughness * unit, kPlaneNeighbours);
-  if (!s.scan.header.has_normals) {
-    text.add("points     not sorted by orientation: that needs normals\n");
-    return;
-  }
   const double percent = 100.0 / std::max(1U, s.cloud_points);
   text.add("points     entering %.1f %%, exiting %.1f %%, neutral %.1f %%, noise %.2f %%; %u clusters\n",
            percent * points_of(s, PointClass::kEntering), percent * points_of(s, PointClass::kExiting),
@@ -136,6 +133,7 @@ void write_scan(JsonWriter& json, const ScanOutlook& o) {
   json.member("missing", missing_normals(scan));
   json.member("zero_length", scan.header.has_normals ? scan.without_normal : std::uint64_t{0});
   json.end_object();
+  json.member("normals_estimated", o.scan.normals_estimated);
   json.end_object();
 }
 

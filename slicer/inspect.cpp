@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "slicer/kd_tree.hpp"
+#include "slicer/normals.hpp"
 #include "slicer/reader/scan_reader.hpp"
 #include "slicer/rrep_builder.hpp"
 #include "slicer/thinning.hpp"
@@ -73,6 +74,7 @@ class Inspection {
     PLUMBLINE_TRY(read());
     auto tree = build_tree();
     PLUMBLINE_TRY(tree);
+    PLUMBLINE_TRY(complete_normals(*tree));
     const StageScope stage(Stage::kClustering, arena_, progress_, report_);
     PLUMBLINE_TRY(go_on());
     auto epsilon = density_epsilon(cloud_, *tree, settings_.clustering, arena_);
@@ -133,6 +135,16 @@ class Inspection {
     PLUMBLINE_TRY(cloud_.reorder(tree->order(), arena_));
     tree->adopt_order();
     return tree;
+  }
+
+  Status complete_normals(const KdTree3& tree) {
+    const auto normals = cloud_.normal.first(cloud_.size);
+    if (std::all_of(normals.begin(), normals.end(), [](const PackedNormal& n) { return n.known(); })) return {};
+    const StageScope stage(Stage::kNormals, arena_, progress_, report_);
+    auto estimated = estimate_normals(cloud_, tree, arena_);
+    PLUMBLINE_TRY(estimated);
+    report_.normals_estimated = *estimated;
+    return {};
   }
 
   Status measure(const KdTree3& tree) {

@@ -23,15 +23,16 @@ struct InspectSettings {
 /// Lengths are scan units: what a unit is, the scan does not say.
 struct InspectReport {
   ScanSummary scan;
-  std::uint32_t cloud_capacity = 0;   ///< points the arena has room for
-  std::uint32_t cloud_points = 0;     ///< points after thinning
-  double thinning_cell = 0;           ///< 0: all points fit
-  std::uint64_t averaged_points = 0;  ///< scan points that were averaged into another
-  Box3d bounds;                       ///< of the rotated scan without its noise
-  Box3d bounds_with_noise;            ///< of the rotated scan
-  double spacing = 0;                 ///< median distance of a point from the nearest other one
+  std::uint32_t cloud_capacity = 0;     ///< points the arena has room for
+  std::uint32_t cloud_points = 0;       ///< points after thinning
+  double thinning_cell = 0;             ///< 0: all points fit
+  std::uint64_t averaged_points = 0;    ///< scan points that were averaged into another
+  std::uint32_t normals_estimated = 0;  ///< points whose normal the scan did not have
+  Box3d bounds;                         ///< of the rotated scan without its noise
+  Box3d bounds_with_noise;              ///< of the rotated scan
+  double spacing = 0;                   ///< median distance of a point from the nearest other one
   double roughness = 0;         ///< median distance of a point from the plane through its kPlaneNeighbours nearest
-  ClusteringResult clustering;  ///< epsilon in scan units; without normals every point is noise
+  ClusteringResult clustering;  ///< epsilon and noise in scan units
   std::array<std::size_t, kStageCount> peak_bytes = {};  ///< of the arena, by Stage
 };
 

@@ -238,6 +238,24 @@ TEST(Job, TakesNothingFromTheHeapAfterItsAdmissionButWhatLodepngReturns) {
   EXPECT_LE(lodepng_peak, 3 * kPreviewBytes);
 }
 
+TEST(Job, TakesNothingFromTheHeapWhenItEstimatesNormals) {
+  const TemporaryFolder folder;
+  write_sphere_scan(folder / "sphere.ply", 20'000, 12, false);
+  Arena arena(arena_block);
+  auto settings = sphere_job(folder);
+  settings.preview = false;
+  auto job = SliceJob::prepare(settings, arena);
+  ASSERT_TRUE(job.has_value()) << job.error().message();
+  JobProgress progress(nullptr);
+  HeapTrap trap;
+  const auto done = job->run(progress);
+  trap.disarm();
+  ASSERT_TRUE(done.has_value()) << done.error().message();
+  EXPECT_EQ(job->report().slice.normals_estimated, 20'000U);
+  EXPECT_EQ(trapped, 0);
+  if (trapped > 0) HeapTrap::print_stacks();
+}
+
 TEST(Job, TakesNothingFromTheHeapOnAnErrorsWayOut) {
   const TemporaryFolder folder;
   write_sphere_scan(folder / "sphere.ply", 20'000, 12);

@@ -49,8 +49,8 @@ inline void write_text(const std::string& path, std::string_view text) {
   std::ofstream(path, std::ios::binary).write(text.data(), static_cast<std::streamsize>(text.size()));
 }
 
-/// A clean sphere round the origin, evenly scanned (Fibonacci lattice), with outward normals.
-inline void write_sphere_scan(const std::string& path, std::uint32_t points, double radius_mm) {
+/// A clean sphere round the origin, evenly scanned (Fibonacci lattice), with outward normals, or ones of length zero.
+inline void write_sphere_scan(const std::string& path, std::uint32_t points, double radius_mm, bool normals = true) {
   std::vector<ScanPoint> cloud(points);
   constexpr double kGoldenAngle = 2.39996322972865332;
   for (std::uint32_t i = 0; i < points; ++i) {
@@ -58,8 +58,13 @@ inline void write_sphere_scan(const std::string& path, std::uint32_t points, dou
     const double r = std::sqrt(1 - z * z);
     const double x = r * std::cos(kGoldenAngle * i);
     const double y = r * std::sin(kGoldenAngle * i);
-    cloud[i] = {radius_mm * x,         radius_mm * y,         radius_mm * z,
-                static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)};
+    const double length = normals ? 1 : 0;
+    cloud[i] = {radius_mm * x,
+                radius_mm * y,
+                radius_mm * z,
+                static_cast<float>(length * x),
+                static_cast<float>(length * y),
+                static_cast<float>(length * z)};
   }
   auto writer = PlyWriter::create(path, {}, points);
   ASSERT_TRUE(writer.has_value()) << writer.error().message();
