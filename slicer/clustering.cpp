@@ -7,7 +7,7 @@
 namespace plumbline {
 namespace {
 
-constexpr std::uint32_t kBlock = 16;   ///< consecutive points that share one search: neighbours in the order of the tree
+constexpr std::uint32_t kBlock = 32;   ///< consecutive points that share one search: neighbours in the order of the tree
 constexpr std::uint32_t kBatch = 256;  ///< candidates compared at a time: their columns stay in the first-level cache
 
 constexpr const char* kStage = "clustering";

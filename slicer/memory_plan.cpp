@@ -44,7 +44,7 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
   const auto set = [&](Stage stage, std::size_t bytes) { plan.bytes[static_cast<std::size_t>(stage)] = bytes + kSlack; };
   const std::size_t winding = WindingTree::bytes_needed(points);
   const std::size_t cloud = winding + Cloud::kBytesPerPoint * points;
-  const std::size_t tree = (KdTree3::kBytesPerPoint + sizeof(std::uint32_t)) * std::size_t{points};
+  const std::size_t tree = KdTree3::kBytesPerPoint * std::size_t{points};
   set(Stage::kRead, cloud + PointThinner::table_bytes(points) + kReaderWorkspace);
   set(Stage::kNormals, cloud + tree + normals_bytes(points));
   set(Stage::kTrees, cloud + tree + points / 8);

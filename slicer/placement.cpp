@@ -139,7 +139,8 @@ Expected<Placement> place(const Box3d& bounds, double unit_mm, const PlacementSe
   p.size_mm = extent * factor;
   p.scale = unit_mm * factor;
   p.grid.pitch_x_mm = p.grid.pitch_y_mm = settings.pixel_pitch_mm;
-  p.grid.columns = cells(p.size_mm[0], pitch) + 2 * kMargin;
+  // Whole bytes a row, as the panels of printers have them: the PNG encoder then takes a mask as it is.
+  p.grid.columns = (cells(p.size_mm[0], pitch) + 2 * kMargin + 7) / 8 * 8;
   p.grid.rows = cells(p.size_mm[1], pitch) + 2 * kMargin;
   p.grid.layers = cells(p.size_mm[2], settings.layer_height_mm);
   if (p.grid.columns > PrintGrid::kMaxSide || p.grid.rows > PrintGrid::kMaxSide || p.grid.layers > PrintGrid::kMaxLayers) {

@@ -230,7 +230,7 @@ class Job {
     const StageScope stage(Stage::kWindingTree, arena_, progress_, report_);
     winding_ = WindingTree::build(cloud_, report_.clustering.support_points,
                                   winding_nodes_.first(WindingTree::nodes_needed(cloud_.size)));
-    winding_.set_base(0);
+    report_.open_underside = winding_.set_base(0);
   }
 
   Expected<CrossingStore> shoot() {

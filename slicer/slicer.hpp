@@ -36,6 +36,7 @@ struct SliceReport {
   ClusteringResult clustering;            ///< epsilon in mm
   float width_mm = 0;                     ///< w
   Placement placement;
+  bool open_underside = false;            ///< closed flat at the lowest rim, print height 0
   RayCounts rays;
   PieceCounts pieces;
   std::uint64_t crossings = 0;

@@ -8,6 +8,8 @@ namespace plumbline {
 namespace {
 
 constexpr float kOpening = 2.0F;                      ///< times a node's radius: nearer, and it is opened
+constexpr std::uint32_t kBaseSamples = 48;             ///< a side, over the base plane
+constexpr float kBaseOpen = 0.1F;                     ///< a fifth of what an opening counts there
 constexpr float kInverse4Pi = 0.0795774715F;
 constexpr float kPi = 3.14159265F;
 
@@ -79,14 +81,24 @@ WindingTree WindingTree::build(const Cloud& cloud, float support_points, std::sp
   return tree;
 }
 
-void WindingTree::set_base(float height) {
+bool WindingTree::set_base(float height) {
   base_ = height;
-  has_base_ = true;
+  has_base_ = false;
+  // On the plane itself the surface and its mirror image count the same: half each where it is open, nothing where the
+  // surface closes above the plane.
+  Box3f box;
+  for (const Vec3f& p : position_) box.extend(p);
+  for (std::uint32_t i = 0; i < kBaseSamples * kBaseSamples && !has_base_; ++i) {
+    const float u = (static_cast<float>(i % kBaseSamples) + 0.5F) / kBaseSamples;
+    const float v = (static_cast<float>(i / kBaseSamples) + 0.5F) / kBaseSamples;
+    has_base_ = sum({box.low[0] + u * box.size()[0], box.low[1] + v * box.size()[1], height}) > kBaseOpen;
+  }
+  return has_base_;
 }
 
 float WindingTree::operator()(const Vec3f& x) const {
-  if (!has_base_) return sum(x);
   if (x[2] < base_) return 0;
+  if (!has_base_) return sum(x);
   // The dipoles of the mirrored surface seen from x are those of the surface seen from the mirror image of x.
   return sum(x) + sum({x[0], x[1], 2 * base_ - x[2]});
 }

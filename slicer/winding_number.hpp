@@ -3,6 +3,7 @@
 /// 1 inside, 0 outside, smoothly between across a hole in the scan: the evidence of DESIGN 3, stage 7e.
 
 #include <cstdint>
+#include <limits>
 #include <span>
 
 #include "slicer/cloud.hpp"
@@ -37,14 +38,12 @@ class WindingTree {
 
   /// Mirrors the surface at the plane z = height, normals too: what is open there counts as closed flat (a closed object
   /// standing on the plane is left as it is, since outside of it its mirror image counts nothing).
-  void set_base(float height);
+  /// @returns whether it is open there; if not, there is nothing to mirror
+  bool set_base(float height);
 
   /// @param x  print coordinates, mm
   /// @returns about 1 inside, 0 outside; below the base plane 0
   float operator()(const Vec3f& x) const;
-
-  /// The same without the mirror image: shows whether it was the base that closed the surface.
-  float without_base(const Vec3f& x) const { return sum(x); }
 
  private:
   float sum(const Vec3f& x) const;
@@ -54,7 +53,7 @@ class WindingTree {
   std::span<const PackedNormal> normal_;
   std::span<const float> radius_;
   float area_factor_ = 0;  ///< area of a point over its radius squared
-  float base_ = 0;
+  float base_ = std::numeric_limits<float>::lowest();
   bool has_base_ = false;
 };
 
