@@ -41,7 +41,7 @@ Plane fit_plane(const Vec3f& point, std::span<const Neighbour> neighbours, const
   const Mat3d scatter = products - sum * (sum.transpose() / count);
   // compute(), not computeDirect(): the closed form takes sines, which differ from one C library to another.
   const Eigen::SelfAdjointEigenSolver<Mat3d> solver(scatter);
-  const Vec3d variance = solver.eigenvalues();
+  const Vec3d& variance = solver.eigenvalues();
   Plane plane;
   if (!(variance[1] > kLine * variance[2])) return plane;
   const double least = std::max(variance[0], 1e-12 * variance[2]);
