@@ -20,8 +20,8 @@ inline constexpr std::size_t kPointClassCount = 4;
 
 /// A unit normal in 6 bytes (error below 0.003 degrees) and what goes with it. All zero: no normal is known.
 struct PackedNormal {
-  std::int16_t x = 0, y = 0, z = 0;            ///< component * 32767
-  std::uint8_t weight = 1;                     ///< scan points averaged into this one, 255 at most
+  std::int16_t x = 0, y = 0, z = 0;  ///< component * 32767
+  std::uint8_t weight = 1;           ///< scan points averaged into this one, 255 at most
   PointClass point_class = PointClass::kNoise;
 
   static constexpr float kScale = 32767.0F;
@@ -37,10 +37,10 @@ static_assert(sizeof(PackedNormal) == 8);
 
 /// Structure of arrays over one capacity. Index i is the same point in each, and in both trees: the link of thesis III-2.a.
 struct Cloud {
-  std::span<Vec3f> position;         ///< mm; scan frame less an offset until placed, print coordinates after
+  std::span<Vec3f> position;  ///< mm; scan frame less an offset until placed, print coordinates after
   std::span<PackedNormal> normal;
-  std::span<float> radius;           ///< mm; support of the point in the MLS surface, set by clustering
-  std::uint32_t size = 0;            ///< points in use
+  std::span<float> radius;  ///< mm; support of the point in the MLS surface, set by clustering
+  std::uint32_t size = 0;   ///< points in use
 
   static constexpr std::size_t kBytesPerPoint = sizeof(Vec3f) + sizeof(PackedNormal) + sizeof(float);
 

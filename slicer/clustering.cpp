@@ -7,17 +7,18 @@
 namespace plumbline {
 namespace {
 
-constexpr std::uint32_t kBlock = 32;   ///< consecutive points that share one search: neighbours in the order of the tree
+constexpr std::uint32_t kBlock = 32;  ///< consecutive points that share one search: neighbours in the order of the tree
 constexpr std::uint32_t kBatch = 256;  ///< candidates compared at a time: their columns stay in the first-level cache
 
 constexpr const char* kStage = "clustering";
 
-constexpr std::int32_t kFewNeighbours = 8;   ///< fewer within epsilon do not measure a density
-constexpr float kOnSheet = 0.2F;            ///< of epsilon, or of their distance: a point's mean height over its neighbours' planes
+constexpr std::int32_t kFewNeighbours = 8;  ///< fewer within epsilon do not measure a density
+constexpr float kOnSheet =
+    0.2F;  ///< of epsilon, or of their distance: a point's mean height over its neighbours' planes
 constexpr std::uint32_t kNoiseSample = 16384;
-constexpr float kCleanNoise = 0.02F;  ///< of epsilon: below, what looks like noise is mostly curvature
-constexpr float kFullNoise = 0.1F;    ///< of epsilon: from here on the support has its full size
-constexpr std::uint32_t kThinSearch = 16;    ///< nearest points looked at instead
+constexpr float kCleanNoise = 0.02F;       ///< of epsilon: below, what looks like noise is mostly curvature
+constexpr float kFullNoise = 0.1F;         ///< of epsilon: from here on the support has its full size
+constexpr std::uint32_t kThinSearch = 16;  ///< nearest points looked at instead
 
 /// Kept beside the classes, because a point's type must not change while others still compare with it.
 enum Flag : std::uint8_t { kCore = 1, kDense = 2, kOutlier = 4, kThin = 8 };
@@ -62,8 +63,8 @@ void for_neighbourhood(const Cloud& cloud, const KdTree3& tree, std::uint32_t fi
   tree.visit_box(low, high, [&](std::uint32_t from, std::uint32_t to) {
     for (std::uint32_t i = from; i < to; ++i) {
       const Vec3f& p = cloud.position[i];
-      const bool inside = p[0] >= low[0] && p[0] <= high[0] && p[1] >= low[1] && p[1] <= high[1] && p[2] >= low[2] &&
-                          p[2] <= high[2];
+      const bool inside =
+          p[0] >= low[0] && p[0] <= high[0] && p[1] >= low[1] && p[1] <= high[1] && p[2] >= low[2] && p[2] <= high[2];
       if (!inside) continue;
       const std::uint32_t at = batch.size;
       const Vec3f n = cloud.normal[i].unpack();
@@ -188,7 +189,6 @@ class DisjointSets {
   std::uint32_t load(std::uint32_t i) { return std::atomic_ref(parent_[i]).load(std::memory_order_relaxed); }
   std::span<std::uint32_t> parent_;
 };
-
 
 }  // namespace
 
@@ -320,7 +320,8 @@ Expected<ClusteringResult> cluster(Cloud& cloud, const KdTree3& tree, float epsi
     for (std::uint32_t i = first; i < last; ++i) {
       const std::uint32_t core = (flags[i] & kCore) != 0 ? i : nearest[i - first];
       if (!cluster.empty()) cluster[i] = core == kNoCluster ? kNoCluster : sets.root(core);
-      if (core == kNoCluster && (flags[i] & (kDense | kThin)) == 0) std::atomic_ref(flags[i]).fetch_or(kOutlier, std::memory_order_relaxed);
+      if (core == kNoCluster && (flags[i] & (kDense | kThin)) == 0)
+        std::atomic_ref(flags[i]).fetch_or(kOutlier, std::memory_order_relaxed);
     }
   }
 

@@ -17,15 +17,16 @@ PointClass orientation_of(const PackedNormal& normal);
 inline constexpr float kNeutralSine = 0.087155743F;
 
 struct ClusteringSettings {
-  std::uint32_t min_points = 30;      ///< minPts of the thesis
-  double same_type_share = 0.75;      ///< a core point has more of its epsilon-neighbours of its own type than this share
+  std::uint32_t min_points = 30;  ///< minPts of the thesis
+  double same_type_share = 0.75;  ///< a core point has more of its epsilon-neighbours of its own type than this share
   /// Noise of the thesis that has this many points, itself included, within thin_reach * epsilon by the same metric keeps
   /// its type: a part of the surface that few views saw. A thin_reach of 0 leaves the noise as the thesis has it.
   std::uint32_t thin_points = 7;
   float thin_reach = 3;
   float least_support = 20;
   float most_support = 100;
-  std::uint32_t epsilon_sample = 16384;  ///< points whose neighbours are searched for epsilon; evenly spread over the order
+  std::uint32_t epsilon_sample =
+      16384;  ///< points whose neighbours are searched for epsilon; evenly spread over the order
 };
 
 /// epsilon: median over the points of the distance to the (2 minPts)-th nearest other point, mm.
@@ -35,13 +36,13 @@ struct ClusteringSettings {
 /// A cloud larger than the sample is sampled at equal steps of its order, which is the tree's, so the sample is spread
 /// evenly over the surface.
 /// @returns mm; 0 when most points coincide
-[[nodiscard]] Expected<float> density_epsilon(const Cloud& cloud, const KdTree3& tree, const ClusteringSettings& settings,
-                                              Arena& arena);
+[[nodiscard]] Expected<float> density_epsilon(const Cloud& cloud, const KdTree3& tree,
+                                              const ClusteringSettings& settings, Arena& arena);
 
 struct ClusteringResult {
-  float epsilon = 0;                                          ///< mm
+  float epsilon = 0;  ///< mm
   std::uint32_t clusters = 0;
-  std::array<std::uint32_t, kPointClassCount> points = {};    ///< by PointClass
+  std::array<std::uint32_t, kPointClassCount> points = {};  ///< by PointClass
   std::uint32_t core_points = 0;
   float noise = 0;           ///< mm; standard deviation of a point from the sheet of its neighbours, robustly
   float support_points = 0;  ///< points of a sheet that radius[] holds

@@ -11,6 +11,7 @@
 #include "slicer/normals.hpp"
 #include "slicer/reader/scan_reader.hpp"
 #include "slicer/rrep_builder.hpp"
+#include "slicer/stage_scope.hpp"
 #include "slicer/thinning.hpp"
 
 namespace plumbline {
@@ -18,27 +19,6 @@ namespace {
 
 /// Points that are measured, evenly spread over the tree's order: the medians of a larger cloud differ by about a percent.
 constexpr std::uint32_t kSample = 8192;
-
-class StageScope {
- public:
-  StageScope(Stage stage, Arena& arena, ProgressSink* progress, InspectReport& report)
-      : stage_(stage), arena_(arena), progress_(progress), report_(report) {
-    arena_.reset_peak();
-    if (progress_ != nullptr) progress_->begin(stage_);
-  }
-  ~StageScope() {
-    report_.peak_bytes[static_cast<std::size_t>(stage_)] = arena_.peak();
-    if (progress_ != nullptr) progress_->end(stage_, arena_.peak());
-  }
-  StageScope(const StageScope&) = delete;
-  StageScope& operator=(const StageScope&) = delete;
-
- private:
-  Stage stage_;
-  Arena& arena_;
-  ProgressSink* progress_;
-  InspectReport& report_;
-};
 
 double median(std::span<float> values) {
   if (values.empty()) return 0;
@@ -75,7 +55,7 @@ class Inspection {
     auto tree = build_tree();
     PLUMBLINE_TRY(tree);
     PLUMBLINE_TRY(complete_normals(*tree));
-    const StageScope stage(Stage::kClustering, arena_, progress_, report_);
+    const StageScope stage(Stage::kClustering, arena_, progress_, report_.peak_bytes);
     PLUMBLINE_TRY(go_on());
     auto epsilon = density_epsilon(cloud_, *tree, settings_.clustering, arena_);
     PLUMBLINE_TRY(epsilon);
@@ -97,7 +77,7 @@ class Inspection {
   /// As slice() does, but every point is kept while there is room: no cell is wanted, and the size of a pixel in scan
   /// units may be unknown.
   Status read() {
-    const StageScope stage(Stage::kRead, arena_, progress_, report_);
+    const StageScope stage(Stage::kRead, arena_, progress_, report_.peak_bytes);
     std::optional<PrintGrid> grid;
     const PlacementSettings& placement = settings_.placement;
     if (placement.printer) grid = panel_grid(*placement.printer, placement.layer_height_mm);
@@ -129,7 +109,7 @@ class Inspection {
   }
 
   Expected<KdTree3> build_tree() {
-    const StageScope stage(Stage::kTrees, arena_, progress_, report_);
+    const StageScope stage(Stage::kTrees, arena_, progress_, report_.peak_bytes);
     auto tree = KdTree3::build(cloud_.positions(), arena_, "trees");
     PLUMBLINE_TRY(tree);
     PLUMBLINE_TRY(cloud_.reorder(tree->order(), arena_));
@@ -140,7 +120,7 @@ class Inspection {
   Status complete_normals(const KdTree3& tree) {
     const auto normals = cloud_.normal.first(cloud_.size);
     if (std::all_of(normals.begin(), normals.end(), [](const PackedNormal& n) { return n.known(); })) return {};
-    const StageScope stage(Stage::kNormals, arena_, progress_, report_);
+    const StageScope stage(Stage::kNormals, arena_, progress_, report_.peak_bytes);
     auto estimated = estimate_normals(cloud_, tree, arena_);
     PLUMBLINE_TRY(estimated);
     report_.normals_estimated = *estimated;
@@ -191,16 +171,6 @@ class Inspection {
 };
 
 }  // namespace
-
-PrintGrid panel_grid(const PrinterVolume& printer, float layer_height_mm) {
-  const float layers = std::ceil(printer.travel_mm / layer_height_mm);
-  return {.columns = printer.columns,
-          .rows = printer.rows,
-          .layers = static_cast<std::uint32_t>(std::clamp(layers, 1.0F, static_cast<float>(PrintGrid::kMaxLayers))),
-          .pitch_x_mm = printer.pitch_x_mm,
-          .pitch_y_mm = printer.pitch_y_mm,
-          .layer_height_mm = layer_height_mm};
-}
 
 Status inspect(ByteSource& source, const InspectSettings& settings, Arena& arena, ProgressSink* progress,
                InspectReport& report) {

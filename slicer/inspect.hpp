@@ -39,9 +39,6 @@ struct InspectReport {
 /// Neighbours that a plane is laid through. Few, so that the object's own curvature counts for little.
 inline constexpr std::uint32_t kPlaneNeighbours = 24;
 
-/// The grid of the printer's whole volume: what a job is planned for before its object is known.
-PrintGrid panel_grid(const PrinterVolume& printer, float layer_height_mm);
-
 /// Reads a scan and measures it. The arena is as before when it returns.
 /// @param source  read once, from start to end
 /// @param report  filled as far as it went, also on error

@@ -29,9 +29,7 @@ Expected<RaySolver> RaySolver::create(const IntersectionSettings& settings, Aren
   return solver;
 }
 
-RaySurface RaySolver::surface() const {
-  return {bands_.first(band_count_), intersections_.first(intersection_count_)};
-}
+RaySurface RaySolver::surface() const { return {bands_.first(band_count_), intersections_.first(intersection_count_)}; }
 
 void RaySolver::find_bands(const RayGatherer& gatherer, const RayPoints& points) {
   band_count_ = 0;
@@ -96,7 +94,8 @@ void RaySolver::search(const RayPoints& points, Band& band, NextQuery next_query
     const MlsValue value = mls_value(points, window(points, query, query), query);
     // Between the supports of thin scans a band may hold a place without weight: it says nothing.
     if (value.weight > 0) {
-      if ((value.distance > 0) != (previous_value > 0)) solve_root(points, previous, previous_value, query, value.distance);
+      if ((value.distance > 0) != (previous_value > 0))
+        solve_root(points, previous, previous_value, query, value.distance);
       previous_value = value.distance;
     }
     previous = query;

@@ -14,7 +14,7 @@ enum class Direction : std::uint8_t { kEntering, kExiting };
 
 /// A place where the ray meets the surface.
 struct Intersection {
-  float depth = 0;  ///< z, mm
+  float depth = 0;                             ///< z, mm
   Direction direction = Direction::kEntering;  ///< of a ray that goes up
   Vec3f normal = Vec3f::Zero();                ///< of the MLS surface, unit length
 };
@@ -22,17 +22,17 @@ struct Intersection {
 /// A stretch of the ray on which the MLS value is defined: the union of the points' supports. Outside of all bands the
 /// scan says nothing about the ray.
 struct Band {
-  float low = 0, high = 0;                 ///< z, mm
-  std::uint32_t first = 0, last = 0;       ///< its intersections
-  bool inside_at_low = false;              ///< sign of the MLS value at its ends
+  float low = 0, high = 0;            ///< z, mm
+  std::uint32_t first = 0, last = 0;  ///< its intersections
+  bool inside_at_low = false;         ///< sign of the MLS value at its ends
   bool inside_at_high = false;
 };
 
 /// Numbers of thesis III-3, in units of the grid width w.
 struct IntersectionSettings {
-  float width = 0.1F;                  ///< w, mm: queries closer than delta = w are merged
-  std::uint32_t max_iterations = 10;   ///< of the Illinois method
-  float interval = 0.1F;               ///< gamma / w: root found when it is enclosed this narrowly
+  float width = 0.1F;                 ///< w, mm: queries closer than delta = w are merged
+  std::uint32_t max_iterations = 10;  ///< of the Illinois method
+  float interval = 0.1F;              ///< gamma / w: root found when it is enclosed this narrowly
 };
 
 /// What a ray's search found; the spans are the solver's and last until its next call.
@@ -44,8 +44,8 @@ struct RaySurface {
 /// Solves one ray after another. One object a thread.
 class RaySolver {
  public:
-  static constexpr std::uint32_t kMaxBands = 256;          ///< a ray; more are joined with the last
-  static constexpr std::uint32_t kMaxIntersections = 1024; ///< a ray; more are not looked for
+  static constexpr std::uint32_t kMaxBands = 256;           ///< a ray; more are joined with the last
+  static constexpr std::uint32_t kMaxIntersections = 1024;  ///< a ray; more are not looked for
 
   static std::size_t bytes_needed();
   [[nodiscard]] static Expected<RaySolver> create(const IntersectionSettings& settings, Arena& arena);

@@ -45,9 +45,9 @@ struct PointIndex {
   std::uint32_t value = 0;
   PointIndex() = default;
   template <class Integer>
-    requires std::is_integral_v<Integer>
-  PointIndex(Integer v) : value(static_cast<std::uint32_t>(v)) {}  // NOLINT(google-explicit-constructor): nanoflann's use
-  operator std::uint32_t() const { return value; }                 // NOLINT(google-explicit-constructor)
+  requires std::is_integral_v<Integer> PointIndex(Integer v)
+      : value(static_cast<std::uint32_t>(v)) {}     // NOLINT(google-explicit-constructor): nanoflann's use
+  operator std::uint32_t() const { return value; }  // NOLINT(google-explicit-constructor)
 };
 static_assert(sizeof(PointIndex) == sizeof(std::uint32_t));
 
@@ -196,11 +196,12 @@ Expected<KdTree<Dimension>> KdTree<Dimension>::build(std::span<const Vec3f> poin
     tree.impl_ = new (place->data()) Impl(points);
   } catch (const std::bad_alloc&) {
     constexpr double kMiB = 1024.0 * 1024.0;
-    return fail(ErrorCode::kOutOfMemory,
-                "%s: the %dD tree of %zu points has taken %.1f MiB and needs more; the arena has %.1f MiB. Use a larger "
-                "arena or fewer points",
-                stage, Dimension, points.size(), static_cast<double>(arena.top_used() - before) / kMiB,
-                static_cast<double>(arena.capacity()) / kMiB);
+    return fail(
+        ErrorCode::kOutOfMemory,
+        "%s: the %dD tree of %zu points has taken %.1f MiB and needs more; the arena has %.1f MiB. Use a larger "
+        "arena or fewer points",
+        stage, Dimension, points.size(), static_cast<double>(arena.top_used() - before) / kMiB,
+        static_cast<double>(arena.capacity()) / kMiB);
   }
   return tree;
 }

@@ -35,9 +35,9 @@ class LayerStream {
   void clean_changed();
 
   const RRep* rrep_ = nullptr;
-  BitImage section_;    ///< as the crossings have it
-  BitImage mask_;       ///< section_, opened and closed
-  BitImage changed_;    ///< one bit a word of section_: toggled since mask_ was made
+  BitImage section_;      ///< as the crossings have it
+  BitImage mask_;         ///< section_, opened and closed
+  BitImage changed_;      ///< one bit a word of section_: toggled since mask_ was made
   std::int64_t at_ = -1;  ///< layer of section_, -1: before the first
 };
 

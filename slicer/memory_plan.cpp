@@ -41,7 +41,9 @@ std::uint32_t tile_capacity(std::uint32_t points) { return std::min<std::uint32_
 MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& grid, std::uint32_t threads) {
   MemoryPlan plan;
   plan.points = points;
-  const auto set = [&](Stage stage, std::size_t bytes) { plan.bytes[static_cast<std::size_t>(stage)] = bytes + kSlack; };
+  const auto set = [&](Stage stage, std::size_t bytes) {
+    plan.bytes[static_cast<std::size_t>(stage)] = bytes + kSlack;
+  };
   const std::size_t winding = WindingTree::bytes_needed(points);
   const std::size_t cloud = winding + Cloud::kBytesPerPoint * points;
   const std::size_t tree = KdTree3::kBytesPerPoint * std::size_t{points};
@@ -56,29 +58,30 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
     image = Arena::rounded(BitImage::words_needed(grid->columns, grid->rows) * sizeof(std::uint64_t));
     const std::size_t tiles = std::size_t{(grid->columns + 7) / 8} * ((grid->rows + 7) / 8);
     store = 4 * tiles + share_of(*grid, kCoveredShare * (1 + 2 * kCrossingsPerRay));
-    const std::size_t sorted = share_of(*grid, kCoveredShare * 4 * kCrossingsPerRay) + 4 * (std::size_t{grid->layers} + 1);
+    const std::size_t sorted =
+        share_of(*grid, kCoveredShare * 4 * kCrossingsPerRay) + 4 * (std::size_t{grid->layers} + 1);
     set(Stage::kRRep, store + sorted);
     set(Stage::kLayers, sorted + LayerStream::bytes_needed(*grid));
   }
   set(Stage::kRayGrid, cloud + tree + 2 * image);
-  const std::size_t workers =
-      threads * RayShooter::bytes_needed(tile_capacity(points));
+  const std::size_t workers = threads * RayShooter::bytes_needed(tile_capacity(points));
   set(Stage::kRays, cloud + tree + image + store + workers);
   return plan;
 }
 
 Expected<MemoryPlan> largest_plan(std::size_t arena_bytes, std::optional<std::uint64_t> declared,
                                   const std::optional<PrintGrid>& grid, std::uint32_t threads) {
-  const auto most = static_cast<std::uint32_t>(
-      std::clamp<std::uint64_t>(declared.value_or(kMostPoints), kFewestPoints, kMostPoints));
+  const auto most =
+      static_cast<std::uint32_t>(std::clamp<std::uint64_t>(declared.value_or(kMostPoints), kFewestPoints, kMostPoints));
   MemoryPlan plan = plan_memory(kFewestPoints, grid, threads);
   if (plan.peak() > arena_bytes) {
     constexpr double kMiB = 1024.0 * 1024.0;
-    return fail(ErrorCode::kOutOfMemory,
-                "the job cannot fit: the stage '%.*s' needs %.1f MiB even when the scan is thinned to %u points, the arena "
-                "has %.1f MiB. Use a larger arena (--arena-mib), fewer threads or a smaller panel",
-                static_cast<int>(to_string(plan.widest()).size()), to_string(plan.widest()).data(),
-                static_cast<double>(plan.peak()) / kMiB, kFewestPoints, static_cast<double>(arena_bytes) / kMiB);
+    return fail(
+        ErrorCode::kOutOfMemory,
+        "the job cannot fit: the stage '%.*s' needs %.1f MiB even when the scan is thinned to %u points, the arena "
+        "has %.1f MiB. Use a larger arena (--arena-mib), fewer threads or a smaller panel",
+        static_cast<int>(to_string(plan.widest()).size()), to_string(plan.widest()).data(),
+        static_cast<double>(plan.peak()) / kMiB, kFewestPoints, static_cast<double>(arena_bytes) / kMiB);
   }
   std::uint32_t low = kFewestPoints;
   std::uint32_t high = most;

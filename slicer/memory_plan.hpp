@@ -13,10 +13,10 @@ namespace plumbline {
 
 /// Bytes of the arena in use while a stage runs, everything alive counted.
 struct MemoryPlan {
-  std::uint32_t points = 0;                          ///< that the plan is for
-  std::array<std::size_t, kStageCount> bytes = {};   ///< by Stage
+  std::uint32_t points = 0;                         ///< that the plan is for
+  std::array<std::size_t, kStageCount> bytes = {};  ///< by Stage
   std::size_t peak() const;
-  Stage widest() const;                              ///< the stage with the peak
+  Stage widest() const;  ///< the stage with the peak
 };
 
 /// Fewer points than this make no surface worth a print; a job that has room for fewer is refused.

@@ -21,10 +21,10 @@ struct RayPoints {
   float* inverse_radius2 = nullptr;  ///< 1 / h^2, mm^-2
   float* normal_x = nullptr;
   float* normal_y = nullptr;
-  float* offset_x = nullptr;         ///< x of the ray less that of the point, mm
+  float* offset_x = nullptr;  ///< x of the ray less that of the point, mm
   float* offset_y = nullptr;
   std::uint32_t size = 0;
-  float reach = 0;                   ///< largest h, mm: no point farther in depth has weight
+  float reach = 0;  ///< largest h, mm: no point farther in depth has weight
 };
 
 /// A range of RayPoints, found once for depths close to one another.

@@ -10,9 +10,7 @@ struct Triple {
   Triple operator&(const Triple& o) const { return {before & o.before, word & o.word, after & o.after}; }
   Triple operator|(const Triple& o) const { return {before | o.before, word | o.word, after | o.after}; }
   /// Bit c takes the value of bit c + 1.
-  Triple from_next() const {
-    return {before >> 1 | word << 63, word >> 1 | after << 63, after >> 1};
-  }
+  Triple from_next() const { return {before >> 1 | word << 63, word >> 1 | after << 63, after >> 1}; }
   /// Bit c takes the value of bit c - 1.
   Triple from_previous() const { return {before << 1, word << 1 | before >> 63, after << 1 | word >> 63}; }
 };

@@ -10,12 +10,12 @@ constexpr const char* kStage = "perfect rays";
 constexpr std::uint32_t kMaxTileGaps = 64;
 constexpr std::uint32_t kMaxDepths = 4096;
 
-constexpr float kHalf = 0.5F;      ///< the surface, where there is none: halfway between outside and inside
-constexpr float kSure = 0.2F;      ///< farther from half than this, a whole tile is judged by its centre
-constexpr float kTileStep = 12.0F; ///< widths w between the samples of a gap at the tile's centre, at most
+constexpr float kHalf = 0.5F;       ///< the surface, where there is none: halfway between outside and inside
+constexpr float kSure = 0.2F;       ///< farther from half than this, a whole tile is judged by its centre
+constexpr float kTileStep = 12.0F;  ///< widths w between the samples of a gap at the tile's centre, at most
 constexpr std::uint32_t kMaxCentreSamples = 64;
-constexpr std::uint32_t kMaxLevels = 96;        ///< of an unsure gap
-constexpr std::uint32_t kMaxProfile = 4 * 1024; ///< winding numbers of a tile: four corners a level
+constexpr std::uint32_t kMaxLevels = 96;         ///< of an unsure gap
+constexpr std::uint32_t kMaxProfile = 4 * 1024;  ///< winding numbers of a tile: four corners a level
 constexpr std::uint32_t kBisections = 5;
 
 }  // namespace
@@ -72,7 +72,8 @@ RayPerfecter::Verdict RayPerfecter::winding_verdict(float w) const {
 RayPerfecter::Verdict RayPerfecter::judge_centre(float low, float high) const {
   const Vec2f centre = 0.5F * (tile_low_ + tile_high_);
   const float step = std::max(kTileStep * settings_.intersections.width, top_ / kMaxCentreSamples);
-  const auto samples = static_cast<std::uint32_t>(std::clamp(std::ceil((high - low) / step), 1.0F, 1.0F * kMaxCentreSamples));
+  const auto samples =
+      static_cast<std::uint32_t>(std::clamp(std::ceil((high - low) / step), 1.0F, 1.0F * kMaxCentreSamples));
   Verdict verdict = Verdict::kUnsure;
   for (std::uint32_t s = 0; s < samples; ++s) {
     const float z = low + (high - low) * (static_cast<float>(s) + 0.5F) / static_cast<float>(samples);

@@ -46,8 +46,9 @@ class RayPerfecter {
   static constexpr std::uint32_t kMaxCrossings = 254;  ///< a ray; of more, the thinnest stretches are dropped
 
   static std::size_t bytes_needed(std::uint32_t tile_capacity);
-  [[nodiscard]] static Expected<RayPerfecter> create(const Cloud& cloud, const KdTree2& tree, const WindingTree& winding,
-                                                     const PrintGrid& grid, float max_radius, std::uint32_t tile_capacity,
+  [[nodiscard]] static Expected<RayPerfecter> create(const Cloud& cloud, const KdTree2& tree,
+                                                     const WindingTree& winding, const PrintGrid& grid,
+                                                     float max_radius, std::uint32_t tile_capacity,
                                                      const PerfectRaySettings& settings, Arena& arena);
 
   /// Turns to the tile whose first ray is pixel (column, row); RayGatherer::kTile rays a side.
@@ -61,10 +62,10 @@ class RayPerfecter {
   enum class Verdict : std::uint8_t { kOutside, kInside, kUnsure };
   /// A stretch of the tile's column that is farther from every point than their support.
   struct TileGap {
-    float low = 0, high = 0;    ///< z, mm
+    float low = 0, high = 0;  ///< z, mm
     Verdict verdict = Verdict::kUnsure;
-    std::uint32_t levels = 0;   ///< of the profile of an unsure gap, evenly from low to high
-    std::uint32_t first = 0;    ///< its place in the profile
+    std::uint32_t levels = 0;  ///< of the profile of an unsure gap, evenly from low to high
+    std::uint32_t first = 0;   ///< its place in the profile
 
     float level(std::uint32_t k) const {
       return low + (high - low) * static_cast<float>(k) / static_cast<float>(levels - 1);

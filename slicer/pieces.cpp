@@ -136,7 +136,8 @@ PieceCounts drop_specks(CrossingStore& store, std::uint64_t fewest_voxels, Arena
     });
   };
   for_each_root([&](std::uint32_t root, bool solid) {
-    const bool larger = sieve.largest_piece == kOutside || stretches.volume(root) > stretches.volume(sieve.largest_piece);
+    const bool larger =
+        sieve.largest_piece == kOutside || stretches.volume(root) > stretches.volume(sieve.largest_piece);
     if (solid && larger) sieve.largest_piece = root;
   });
   for_each_root([&](std::uint32_t root, bool solid) {

@@ -10,13 +10,13 @@
 namespace plumbline {
 
 struct PieceCounts {
-  bool counted = false;                 ///< false: the arena had no room to look, and everything stayed
-  std::uint32_t pieces = 0;             ///< connected solids that stay
-  std::uint32_t bubbles = 0;            ///< enclosed hollows that stay
-  std::uint32_t dropped_pieces = 0;     ///< specks of solid taken out
-  std::uint32_t filled_bubbles = 0;     ///< specks of hollow filled
-  std::uint64_t dropped_voxels = 0;     ///< of both
-  std::uint64_t voxels = 0;             ///< of the solids that stay
+  bool counted = false;              ///< false: the arena had no room to look, and everything stayed
+  std::uint32_t pieces = 0;          ///< connected solids that stay
+  std::uint32_t bubbles = 0;         ///< enclosed hollows that stay
+  std::uint32_t dropped_pieces = 0;  ///< specks of solid taken out
+  std::uint32_t filled_bubbles = 0;  ///< specks of hollow filled
+  std::uint64_t dropped_voxels = 0;  ///< of both
+  std::uint64_t voxels = 0;          ///< of the solids that stay
 };
 
 /// Takes out every solid that has fewer than `fewest_voxels` voxels and touches no other, and fills every hollow of fewer

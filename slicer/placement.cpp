@@ -92,6 +92,16 @@ Mat4d Placement::transform() const {
 
 Vec3d Placement::origin_in_scan() const { return rotation.transpose() * (-shift / scale); }
 
+PrintGrid panel_grid(const PrinterVolume& printer, float layer_height_mm) {
+  const float layers = std::ceil(printer.travel_mm / layer_height_mm);
+  return {.columns = printer.columns,
+          .rows = printer.rows,
+          .layers = static_cast<std::uint32_t>(std::clamp(layers, 1.0F, static_cast<float>(PrintGrid::kMaxLayers))),
+          .pitch_x_mm = printer.pitch_x_mm,
+          .pitch_y_mm = printer.pitch_y_mm,
+          .layer_height_mm = layer_height_mm};
+}
+
 Expected<Placement> place(const Box3d& bounds, double unit_mm, const PlacementSettings& settings) {
   const Vec3d extent = bounds.size() * unit_mm;  // mm at scale 1
   Placement p;
@@ -121,11 +131,12 @@ Expected<Placement> place(const Box3d& bounds, double unit_mm, const PlacementSe
       for (int a = 1; a < 3; ++a) {
         if (extent[a] * room[worst] > extent[worst] * room[a]) worst = a;
       }
-      return fail(ErrorCode::kDoesNotFit,
-                  "the object is %.2f mm %s, the printer takes %.2f mm: %.2f mm too much. Use --scale %.4g or less, --fit, "
-                  "or rotate it",
-                  extent[worst] * factor, kAxis[static_cast<std::size_t>(worst)], room[worst],
-                  extent[worst] * factor - room[worst], std::floor(largest * 9999) / 10000);
+      return fail(
+          ErrorCode::kDoesNotFit,
+          "the object is %.2f mm %s, the printer takes %.2f mm: %.2f mm too much. Use --scale %.4g or less, --fit, "
+          "or rotate it",
+          extent[worst] * factor, kAxis[static_cast<std::size_t>(worst)], room[worst],
+          extent[worst] * factor - room[worst], std::floor(largest * 9999) / 10000);
     }
     p.size_mm = extent * factor;
     p.grid.layers = cells(p.size_mm[2], lh);
@@ -143,16 +154,18 @@ Expected<Placement> place(const Box3d& bounds, double unit_mm, const PlacementSe
   p.grid.columns = (cells(p.size_mm[0], pitch) + 2 * kMargin + 7) / 8 * 8;
   p.grid.rows = cells(p.size_mm[1], pitch) + 2 * kMargin;
   p.grid.layers = cells(p.size_mm[2], settings.layer_height_mm);
-  if (p.grid.columns > PrintGrid::kMaxSide || p.grid.rows > PrintGrid::kMaxSide || p.grid.layers > PrintGrid::kMaxLayers) {
+  if (p.grid.columns > PrintGrid::kMaxSide || p.grid.rows > PrintGrid::kMaxSide ||
+      p.grid.layers > PrintGrid::kMaxLayers) {
     const double most = std::min({(PrintGrid::kMaxSide - 2.0 * kMargin) * pitch / std::max(extent[0], extent[1]),
                                   PrintGrid::kMaxLayers * static_cast<double>(settings.layer_height_mm) / extent[2]});
-    return fail(ErrorCode::kDoesNotFit,
-                "the object is %.5g x %.5g x %.5g mm, which is %u x %u pixels of %.4g mm and %u layers of %.4g mm; at most "
-                "%u x %u pixels and %u layers are possible. Use --scale %.4g or less, a coarser --pixel-pitch, or check "
-                "--units",
-                p.size_mm[0], p.size_mm[1], p.size_mm[2], p.grid.columns, p.grid.rows, pitch, p.grid.layers,
-                static_cast<double>(settings.layer_height_mm), PrintGrid::kMaxSide, PrintGrid::kMaxSide,
-                PrintGrid::kMaxLayers, most);
+    return fail(
+        ErrorCode::kDoesNotFit,
+        "the object is %.5g x %.5g x %.5g mm, which is %u x %u pixels of %.4g mm and %u layers of %.4g mm; at most "
+        "%u x %u pixels and %u layers are possible. Use --scale %.4g or less, a coarser --pixel-pitch, or check "
+        "--units",
+        p.size_mm[0], p.size_mm[1], p.size_mm[2], p.grid.columns, p.grid.rows, pitch, p.grid.layers,
+        static_cast<double>(settings.layer_height_mm), PrintGrid::kMaxSide, PrintGrid::kMaxSide, PrintGrid::kMaxLayers,
+        most);
   }
   p.shift = Vec3d(kMargin * pitch, kMargin * pitch, 0) - bounds.low * p.scale;
   return p;

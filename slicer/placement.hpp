@@ -24,19 +24,19 @@ Units guess_units(double longest_side);
 
 /// What the printer offers. A grid of the object's own, without a printer, has neither limit.
 struct PrinterVolume {
-  std::uint32_t columns = 0;   ///< pixels of the panel
+  std::uint32_t columns = 0;  ///< pixels of the panel
   std::uint32_t rows = 0;
   float pitch_x_mm = 0;
   float pitch_y_mm = 0;
-  float travel_mm = 0;         ///< of the Z stage
+  float travel_mm = 0;  ///< of the Z stage
 };
 
 struct PlacementSettings {
   Units units = Units::kMillimetres;
-  double scale = 1;                          ///< times the size in the scan
-  bool fit = false;                          ///< the largest scale that the printer takes, instead of `scale`
-  Vec3d rotation_degrees = Vec3d::Zero();    ///< about x, then y, then z, right-handed
-  float pixel_pitch_mm = 0.05F;              ///< of a grid of the object's own
+  double scale = 1;                        ///< times the size in the scan
+  bool fit = false;                        ///< the largest scale that the printer takes, instead of `scale`
+  Vec3d rotation_degrees = Vec3d::Zero();  ///< about x, then y, then z, right-handed
+  float pixel_pitch_mm = 0.05F;            ///< of a grid of the object's own
   float layer_height_mm = 0.05F;
   std::optional<PrinterVolume> printer;
 };
@@ -48,14 +48,17 @@ Mat3d rotation_matrix(const Vec3d& degrees);
 struct Placement {
   PrintGrid grid;
   Mat3d rotation = Mat3d::Identity();
-  double scale = 1;                 ///< mm a scan unit, all factors together
-  Vec3d shift = Vec3d::Zero();      ///< print = scale * rotation * scan + shift, mm
-  Vec3d size_mm = Vec3d::Zero();    ///< of the placed object
+  double scale = 1;               ///< mm a scan unit, all factors together
+  Vec3d shift = Vec3d::Zero();    ///< print = scale * rotation * scan + shift, mm
+  Vec3d size_mm = Vec3d::Zero();  ///< of the placed object
 
-  Mat4d transform() const;          ///< scan to print, mm
+  Mat4d transform() const;  ///< scan to print, mm
   /// Scan coordinates of the outer corner of pixel (0, 0) on the underside of layer 0: the inverse transform of the origin.
   Vec3d origin_in_scan() const;
 };
+
+/// The grid of the printer's whole volume: what a job is planned for before its object is known.
+PrintGrid panel_grid(const PrinterVolume& printer, float layer_height_mm);
 
 /// @param bounds  of the rotated scan, scan units, finite
 /// @param scale   mm a unit; settings.scale and units already in it. Ignored with settings.fit

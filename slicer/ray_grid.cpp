@@ -24,8 +24,8 @@ double mean_distance(const Cloud& cloud, const KdTree2& tree, PointClass of, con
   std::uint32_t member = 0;
   for (std::uint32_t i = 0; i < cloud.size; ++i) {
     if (cloud.normal[i].point_class != of || member++ % step != 0) continue;
-    const std::uint32_t k = tree.nearest(cloud.position[i], wanted,
-                                         [&](std::uint32_t j) { return cloud.normal[j].point_class == of; });
+    const std::uint32_t k =
+        tree.nearest(cloud.position[i], wanted, [&](std::uint32_t j) { return cloud.normal[j].point_class == of; });
     sum += std::sqrt(static_cast<double>(found[k - 1].distance2));
     ++samples;
   }

@@ -11,8 +11,8 @@
 namespace plumbline {
 
 struct RayGridSettings {
-  std::uint32_t neighbour = 10;      ///< k_2 of the thesis
-  std::uint32_t width_sample = 8192; ///< points a class whose neighbours are searched, evenly spread over the order
+  std::uint32_t neighbour = 10;       ///< k_2 of the thesis
+  std::uint32_t width_sample = 8192;  ///< points a class whose neighbours are searched, evenly spread over the order
 };
 
 /// Grid width w, mm: the scale of the queries; on a printer the pixels are the rays all the same.

@@ -58,10 +58,11 @@ Status CrossingStore::put(std::uint32_t tile, std::span<const std::uint8_t> coun
   const auto need = static_cast<std::uint32_t>(kRaysPerTile / 2 + layers.size());
   const std::uint32_t at = std::atomic_ref(used_).fetch_add(need, std::memory_order_relaxed);
   if (std::uint64_t{at} + need > data_.size()) {
-    return fail(ErrorCode::kOutOfMemory,
-                "R-Rep: the crossings of the rays need more than the %.1f MiB that the arena has left for them. Use a larger "
-                "arena, a coarser grid or a smaller object",
-                static_cast<double>(data_.size_bytes()) / (1024.0 * 1024.0));
+    return fail(
+        ErrorCode::kOutOfMemory,
+        "R-Rep: the crossings of the rays need more than the %.1f MiB that the arena has left for them. Use a larger "
+        "arena, a coarser grid or a smaller object",
+        static_cast<double>(data_.size_bytes()) / (1024.0 * 1024.0));
   }
   std::memcpy(&data_[at], counts.data(), kRaysPerTile);
   std::copy(layers.begin(), layers.end(), data_.begin() + at + kRaysPerTile / 2);
@@ -74,7 +75,8 @@ void CrossingStore::for_each_crossing(std::span<std::uint32_t> cursor, Visit vis
   // Row after row over the whole grid, so that each layer's pixels come out in ascending order.
   for (std::uint32_t tile_row = 0; tile_row < tile_rows_; ++tile_row) {
     const std::uint32_t* directory = &directory_[std::size_t{tile_row} * tile_columns_];
-    for (std::uint32_t t = 0; t < tile_columns_; ++t) cursor[t] = directory[t] == kEmpty ? 0 : directory[t] + kRaysPerTile / 2;
+    for (std::uint32_t t = 0; t < tile_columns_; ++t)
+      cursor[t] = directory[t] == kEmpty ? 0 : directory[t] + kRaysPerTile / 2;
     const std::uint32_t rows = std::min(kTile, grid_.rows - tile_row * kTile);
     for (std::uint32_t r = 0; r < rows; ++r) {
       for (std::uint32_t t = 0; t < tile_columns_; ++t) {
@@ -174,7 +176,7 @@ Expected<RayCounts> RayShooter::shoot(CrossingStore& store, ProgressSink* progre
   std::atomic<std::uint32_t> done = 0;
   std::atomic<bool> stop = false;
   Status status;
-#pragma omp parallel for schedule(dynamic, 8) num_threads(static_cast<int>(threads_))
+#pragma omp parallel for schedule(dynamic, 8) num_threads(static_cast <int>(threads_))
   for (std::uint32_t tile = 0; tile < tiles; ++tile) {
     if (stop.load(std::memory_order_relaxed)) continue;
     const int thread = omp_get_thread_num();

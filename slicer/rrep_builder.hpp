@@ -20,9 +20,9 @@ std::uint32_t layer_of(float depth, const PrintGrid& grid);
 
 struct RayCounts {
   std::uint64_t passing_tiles = 0;
-  std::uint64_t interested = 0;                              ///< rays
-  std::array<std::uint64_t, kRayDecisionCount> decided = {}; ///< rays, by RayDecision
-  std::uint64_t thinned_tiles = 0;                           ///< tiles with more points than their thread has room for
+  std::uint64_t interested = 0;                               ///< rays
+  std::array<std::uint64_t, kRayDecisionCount> decided = {};  ///< rays, by RayDecision
+  std::uint64_t thinned_tiles = 0;                            ///< tiles with more points than their thread has room for
 };
 
 /// Crossings as the rays deliver them: tile after tile, each one 64 counts and then two bytes a crossing. Grows at the
@@ -42,7 +42,8 @@ class CrossingStore {
   /// @param counts  crossings of each of its 64 rays, row by row
   /// @param layers  the layer of each crossing, ray after ray
   /// @retval ErrorCode::kOutOfMemory
-  [[nodiscard]] Status put(std::uint32_t tile, std::span<const std::uint8_t> counts, std::span<const std::uint16_t> layers);
+  [[nodiscard]] Status put(std::uint32_t tile, std::span<const std::uint8_t> counts,
+                           std::span<const std::uint16_t> layers);
 
   const PrintGrid& grid() const { return grid_; }
 
@@ -88,7 +89,7 @@ class CrossingStore {
   std::size_t bottom_mark_ = 0;
   std::span<std::uint32_t> directory_;  ///< where each tile begins, in units of 2 bytes
   std::span<std::uint16_t> data_;
-  std::uint32_t used_ = 0;              ///< of data_
+  std::uint32_t used_ = 0;  ///< of data_
 };
 
 template <class Visit>
@@ -128,7 +129,7 @@ struct RayField {
   const WindingTree* winding = nullptr;
   ConstBitImage interested;
   PrintGrid grid;
-  float max_radius = 0;          ///< mm
+  float max_radius = 0;  ///< mm
   std::uint32_t tile_capacity = 0;
   PerfectRaySettings settings;
 };

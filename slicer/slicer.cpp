@@ -11,6 +11,7 @@
 #include "slicer/normals.hpp"
 #include "slicer/ray_grid.hpp"
 #include "slicer/reader/scan_reader.hpp"
+#include "slicer/stage_scope.hpp"
 #include "slicer/thinning.hpp"
 #include "slicer/winding_number.hpp"
 
@@ -26,40 +27,6 @@ constexpr float kMaxRadiusSupport = 40;  ///< points: a larger support is cut to
 
 /// Pieces and bubbles below this many cubes of epsilon are specks: a stray's support has some six.
 constexpr float kSpeck = 50;
-
-/// Tells the caller when a stage begins and ends, and what it took of the arena.
-class StageScope {
- public:
-  StageScope(Stage stage, Arena& arena, ProgressSink* progress, SliceReport& report)
-      : stage_(stage), arena_(arena), progress_(progress), report_(report) {
-    arena_.reset_peak();
-    if (progress_ != nullptr) progress_->begin(stage_);
-  }
-  ~StageScope() {
-    report_.peak_bytes[static_cast<std::size_t>(stage_)] = arena_.peak();
-    if (progress_ != nullptr) progress_->end(stage_, arena_.peak());
-  }
-  StageScope(const StageScope&) = delete;
-  StageScope& operator=(const StageScope&) = delete;
-
- private:
-  Stage stage_;
-  Arena& arena_;
-  ProgressSink* progress_;
-  SliceReport& report_;
-};
-
-std::optional<PrintGrid> panel_grid(const PlacementSettings& placement) {
-  if (!placement.printer) return std::nullopt;
-  const PrinterVolume& v = *placement.printer;
-  const float layers = std::ceil(v.travel_mm / placement.layer_height_mm);
-  return PrintGrid{v.columns,
-                   v.rows,
-                   static_cast<std::uint32_t>(std::clamp(layers, 1.0F, static_cast<float>(PrintGrid::kMaxLayers))),
-                   v.pitch_x_mm,
-                   v.pitch_y_mm,
-                   placement.layer_height_mm};
-}
 
 /// First cell of the thinning in scan units; 0 where the size of a scan unit on the print is not known yet.
 double first_cell(const PlacementSettings& p) {
@@ -96,7 +63,7 @@ class Job {
       arena_.release_bottom(bottom);
       return tl::unexpected<Error>(store.error());
     }
-    const StageScope stage(Stage::kRRep, arena_, progress_, report_);
+    const StageScope stage(Stage::kRRep, arena_, progress_, report_.peak_bytes);
     report_.pieces = drop_specks(*store, speck_voxels(), arena_);
     auto rrep = CrossingStore::sort(*store, arena_);
     if (rrep) {
@@ -126,7 +93,11 @@ class Job {
   }
 
   Status admit() {
-    auto plan = largest_plan(arena_.available(), std::nullopt, panel_grid(settings_.placement), settings_.threads);
+    std::optional<PrintGrid> grid;
+    if (settings_.placement.printer) {
+      grid = panel_grid(*settings_.placement.printer, settings_.placement.layer_height_mm);
+    }
+    auto plan = largest_plan(arena_.available(), std::nullopt, grid, settings_.threads);
     if (!plan) return tl::unexpected<Error>(plan.error());
     report_.planned_bytes = plan->bytes;
     report_.cloud_capacity = plan->points;
@@ -134,7 +105,7 @@ class Job {
   }
 
   Status read() {
-    const StageScope stage(Stage::kRead, arena_, progress_, report_);
+    const StageScope stage(Stage::kRead, arena_, progress_, report_.peak_bytes);
     const std::uint32_t capacity = report_.cloud_capacity;
     auto nodes = arena_.take_top<WindingTree::Node>(WindingTree::nodes_needed(capacity), "winding");
     if (!nodes) return tl::unexpected<Error>(nodes.error());
@@ -169,7 +140,7 @@ class Job {
     const ArenaScope scope(arena_);
     std::optional<KdTree3> tree;
     {
-      const StageScope stage(Stage::kTrees, arena_, progress_, report_);
+      const StageScope stage(Stage::kTrees, arena_, progress_, report_.peak_bytes);
       auto built = KdTree3::build(cloud_.positions(), arena_, "trees");
       if (!built) return tl::unexpected<Error>(built.error());
       tree = *built;
@@ -178,13 +149,13 @@ class Job {
     }
     const auto normals = cloud_.normal.first(cloud_.size);
     if (std::any_of(normals.begin(), normals.end(), [](const PackedNormal& n) { return !n.known(); })) {
-      const StageScope stage(Stage::kNormals, arena_, progress_, report_);
+      const StageScope stage(Stage::kNormals, arena_, progress_, report_.peak_bytes);
       auto estimated = estimate_normals(cloud_, *tree, arena_);
       if (!estimated) return tl::unexpected<Error>(estimated.error());
       report_.normals_estimated = *estimated;
     }
     {
-      const StageScope stage(Stage::kClustering, arena_, progress_, report_);
+      const StageScope stage(Stage::kClustering, arena_, progress_, report_.peak_bytes);
       auto epsilon = density_epsilon(cloud_, *tree, settings_.clustering, arena_);
       if (!epsilon) return tl::unexpected<Error>(epsilon.error());
       auto result = cluster(cloud_, *tree, *epsilon, settings_.clustering, {}, arena_);
@@ -193,11 +164,12 @@ class Job {
     }
     drop_noise(cloud_);
     if (cloud_.size == 0 || !(report_.clustering.epsilon > 0)) {
-      return fail(ErrorCode::kNoSurface,
-                  "%.*s: none of its %u points lies on a surface: each has fewer than %u neighbours that face the same way. "
-                  "Check the normals of the scan, or scan it denser",
-                  static_cast<int>(source_.name().size()), source_.name().data(), report_.cloud_points,
-                  settings_.clustering.min_points);
+      return fail(
+          ErrorCode::kNoSurface,
+          "%.*s: none of its %u points lies on a surface: each has fewer than %u neighbours that face the same way. "
+          "Check the normals of the scan, or scan it denser",
+          static_cast<int>(source_.name().size()), source_.name().data(), report_.cloud_points,
+          settings_.clustering.min_points);
     }
     return {};
   }
@@ -227,7 +199,7 @@ class Job {
   }
 
   void build_winding_tree() {
-    const StageScope stage(Stage::kWindingTree, arena_, progress_, report_);
+    const StageScope stage(Stage::kWindingTree, arena_, progress_, report_.peak_bytes);
     winding_ = WindingTree::build(cloud_, report_.clustering.support_points,
                                   winding_nodes_.first(WindingTree::nodes_needed(cloud_.size)));
     report_.open_underside = winding_.set_base(0);
@@ -238,7 +210,7 @@ class Job {
     std::optional<KdTree2> tree;
     BitImage interested;
     {
-      const StageScope stage(Stage::kRayGrid, arena_, progress_, report_);
+      const StageScope stage(Stage::kRayGrid, arena_, progress_, report_.peak_bytes);
       auto built = KdTree2::build(cloud_.positions(), arena_, "ray grid");
       if (!built) return tl::unexpected<Error>(built.error());
       tree = *built;
@@ -250,7 +222,7 @@ class Job {
       interested = BitImage(*words, grid.columns, grid.rows);
       PLUMBLINE_TRY(find_interested_rays(cloud_, grid, report_.width_mm, interested, arena_));
     }
-    const StageScope stage(Stage::kRays, arena_, progress_, report_);
+    const StageScope stage(Stage::kRays, arena_, progress_, report_.peak_bytes);
     RayField field;
     field.cloud = &cloud_;
     field.tree = &*tree;
@@ -270,6 +242,7 @@ class Job {
     if (!rays) return tl::unexpected<Error>(rays.error());
     report_.rays = *rays;
     store->close(arena_);
+    arena_.reset_peak();  // the store had taken all that was left; what it used is what the stage needed
     return store;
   }
 

@@ -26,17 +26,17 @@ struct SliceSettings {
 /// What happened, in numbers.
 struct SliceReport {
   ScanSummary scan;
-  std::uint32_t cloud_capacity = 0;       ///< points the arena has room for
-  std::uint32_t cloud_points = 0;         ///< points after thinning
-  double thinning_cell_mm = 0;            ///< 0: none
-  std::uint64_t averaged_points = 0;      ///< scan points that were averaged into another
-  Units units = Units::kMillimetres;      ///< used
+  std::uint32_t cloud_capacity = 0;   ///< points the arena has room for
+  std::uint32_t cloud_points = 0;     ///< points after thinning
+  double thinning_cell_mm = 0;        ///< 0: none
+  std::uint64_t averaged_points = 0;  ///< scan points that were averaged into another
+  Units units = Units::kMillimetres;  ///< used
   bool units_guessed = false;
-  std::uint32_t normals_estimated = 0;    ///< points whose normal the scan did not have
-  ClusteringResult clustering;            ///< epsilon in mm
-  float width_mm = 0;                     ///< w
+  std::uint32_t normals_estimated = 0;  ///< points whose normal the scan did not have
+  ClusteringResult clustering;          ///< epsilon in mm
+  float width_mm = 0;                   ///< w
   Placement placement;
-  bool open_underside = false;            ///< closed flat at the lowest rim, print height 0
+  bool open_underside = false;  ///< closed flat at the lowest rim, print height 0
   RayCounts rays;
   PieceCounts pieces;
   std::uint64_t crossings = 0;
@@ -49,7 +49,7 @@ struct SliceReport {
 /// @param report  filled as far as it went, also on error
 /// @retval ErrorCode::kOutOfMemory  before the scan is read where its header and the printer's grid tell; else by the stage
 /// @retval ErrorCode::kDoesNotFit, kNoPoints, kNoSurface, kCancelled and all of read_scan()
-[[nodiscard]] Expected<RRep> slice(ByteSource& source, const SliceSettings& settings, Arena& arena, ProgressSink* progress,
-                                   SliceReport& report);
+[[nodiscard]] Expected<RRep> slice(ByteSource& source, const SliceSettings& settings, Arena& arena,
+                                   ProgressSink* progress, SliceReport& report);
 
 }  // namespace plumbline

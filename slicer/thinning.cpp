@@ -24,9 +24,7 @@ PointThinner::PointThinner(Cloud& cloud, std::span<std::byte> table, const Mat3d
 
 Status PointThinner::begin(const ScanHeader& /*header*/) { return {}; }
 
-bool PointThinner::progress(double fraction) {
-  return progress_ == nullptr || progress_(progress_context_, fraction);
-}
+bool PointThinner::progress(double fraction) { return progress_ == nullptr || progress_(progress_context_, fraction); }
 
 PointThinner::Key PointThinner::key_of(const Vec3f& p) const {
   // Coordinates of 1e18 cells and more share a cell: a scan of that extent is a broken one, and this must not overflow.
@@ -120,10 +118,11 @@ Status PointThinner::take(std::span<const ScanPoint> points) {
     if (seen_++ == 0) offset_ = rotated;
     const Vec3f local = (rotated - offset_).cast<float>();
     if (!(std::abs(local[0]) < 1e18F && std::abs(local[1]) < 1e18F && std::abs(local[2]) < 1e18F)) {
-      return fail(ErrorCode::kMalformed,
-                  "point %llu lies at (%g, %g, %g): more than 1e18 from the first one. This is no scan of an object; export "
-                  "it again",
-                  static_cast<unsigned long long>(seen_), point.x, point.y, point.z);
+      return fail(
+          ErrorCode::kMalformed,
+          "point %llu lies at (%g, %g, %g): more than 1e18 from the first one. This is no scan of an object; export "
+          "it again",
+          static_cast<unsigned long long>(seen_), point.x, point.y, point.z);
     }
     PackedNormal normal;
     normal.set((rotation_ * Vec3d(point.nx, point.ny, point.nz)).cast<float>());

@@ -35,7 +35,7 @@ class PointThinner final : public PointSink {
     progress_context_ = context;
   }
 
-  double cell() const { return cell_; }                        ///< scan units; 0: nothing was averaged
+  double cell() const { return cell_; }  ///< scan units; 0: nothing was averaged
   std::uint64_t points_seen() const { return seen_; }
   std::uint64_t points_averaged() const { return averaged_; }  ///< seen points that went into another's place
   /// Scan coordinates, rotated, of the cloud's origin.

@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-
 namespace plumbline {
 namespace {
 
-constexpr float kOpening = 2.0F;                      ///< times a node's radius: nearer, and it is opened
-constexpr std::uint32_t kBaseSamples = 48;             ///< a side, over the base plane
-constexpr float kBaseOpen = 0.1F;                     ///< a fifth of what an opening counts there
+constexpr float kOpening = 2.0F;            ///< times a node's radius: nearer, and it is opened
+constexpr std::uint32_t kBaseSamples = 48;  ///< a side, over the base plane
+constexpr float kBaseOpen = 0.1F;           ///< a fifth of what an opening counts there
 constexpr float kInverse4Pi = 0.0795774715F;
 constexpr float kPi = 3.14159265F;
 
@@ -60,7 +59,9 @@ struct Builder {
   }
 };
 
-std::uint32_t leaves(std::uint32_t points) { return (points + WindingTree::kLeafPoints - 1) / WindingTree::kLeafPoints; }
+std::uint32_t leaves(std::uint32_t points) {
+  return (points + WindingTree::kLeafPoints - 1) / WindingTree::kLeafPoints;
+}
 
 }  // namespace
 
@@ -68,7 +69,9 @@ std::size_t WindingTree::nodes_needed(std::uint32_t points) {
   return points == 0 ? 0 : std::size_t{leaves(points)} * 2 - 1;
 }
 
-std::size_t WindingTree::bytes_needed(std::uint32_t points) { return Arena::rounded(nodes_needed(points) * sizeof(Node)); }
+std::size_t WindingTree::bytes_needed(std::uint32_t points) {
+  return Arena::rounded(nodes_needed(points) * sizeof(Node));
+}
 
 WindingTree WindingTree::build(const Cloud& cloud, float support_points, std::span<Node> nodes) {
   WindingTree tree;

@@ -25,9 +25,9 @@ class WindingTree {
   static std::size_t bytes_needed(std::uint32_t points);
 
   struct Node {
-    Vec3f centre;       ///< mean position weighted by area, mm
-    float reach2 = 0;   ///< (opening * radius)^2, mm^2: farther away the node is one dipole
-    Vec3f dipole;       ///< sum of a_i n_i / (4 pi), mm^2
+    Vec3f centre;            ///< mean position weighted by area, mm
+    float reach2 = 0;        ///< (opening * radius)^2, mm^2: farther away the node is one dipole
+    Vec3f dipole;            ///< sum of a_i n_i / (4 pi), mm^2
     std::uint32_t skip = 0;  ///< next node when this one is not opened
   };
 

@@ -25,12 +25,12 @@ class Arena {
   Arena(const Arena&) = delete;
   Arena& operator=(const Arena&) = delete;
 
-  std::size_t capacity() const { return capacity_; }              ///< bytes
-  std::size_t bottom_used() const { return bottom_; }             ///< bytes
-  std::size_t top_used() const { return capacity_ - top_; }       ///< bytes
-  std::size_t used() const { return bottom_used() + top_used(); } ///< bytes
-  std::size_t available() const { return top_ - bottom_; }        ///< bytes
-  std::size_t peak() const { return peak_; }                      ///< highest used() since the last reset_peak(), bytes
+  std::size_t capacity() const { return capacity_; }               ///< bytes
+  std::size_t bottom_used() const { return bottom_; }              ///< bytes
+  std::size_t top_used() const { return capacity_ - top_; }        ///< bytes
+  std::size_t used() const { return bottom_used() + top_used(); }  ///< bytes
+  std::size_t available() const { return top_ - bottom_; }         ///< bytes
+  std::size_t peak() const { return peak_; }  ///< highest used() since the last reset_peak(), bytes
   void reset_peak() { peak_ = used(); }
 
   /// `count` objects from the bottom, until release_bottom() to an earlier mark. Not initialised.

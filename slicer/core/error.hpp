@@ -11,19 +11,19 @@ namespace plumbline {
 
 /// Every way in which the world can be wrong. The numbers are stable: scripts and logs may rely on them.
 enum class ErrorCode : std::uint16_t {
-  kCannotOpen = 1,        ///< a file could not be opened or created
-  kCannotRead = 2,        ///< the medium failed while reading
-  kCannotWrite = 3,       ///< the medium failed while writing
-  kUnknownFormat = 10,    ///< the bytes are not a scan format that plumbline reads
-  kMalformed = 11,        ///< a known format, broken at a place that the message names
-  kTruncated = 12,        ///< the file ends before what its header promised
-  kNoPoints = 13,         ///< nothing to print: no usable point in the scan
-  kUnsupported = 14,      ///< valid, but a variant that plumbline does not read
-  kOutOfMemory = 20,      ///< a stage needs more than the arena has left
-  kDoesNotFit = 30,       ///< object larger than the panel or the travel of the Z stage
-  kBadSetting = 31,       ///< an option or a key of a board file is wrong
-  kNoSurface = 32,        ///< points, but no surface in them
-  kCancelled = 40,        ///< asked to stop
+  kCannotOpen = 1,      ///< a file could not be opened or created
+  kCannotRead = 2,      ///< the medium failed while reading
+  kCannotWrite = 3,     ///< the medium failed while writing
+  kUnknownFormat = 10,  ///< the bytes are not a scan format that plumbline reads
+  kMalformed = 11,      ///< a known format, broken at a place that the message names
+  kTruncated = 12,      ///< the file ends before what its header promised
+  kNoPoints = 13,       ///< nothing to print: no usable point in the scan
+  kUnsupported = 14,    ///< valid, but a variant that plumbline does not read
+  kOutOfMemory = 20,    ///< a stage needs more than the arena has left
+  kDoesNotFit = 30,     ///< object larger than the panel or the travel of the Z stage
+  kBadSetting = 31,     ///< an option or a key of a board file is wrong
+  kNoSurface = 32,      ///< points, but no surface in them
+  kCancelled = 40,      ///< asked to stop
 };
 
 /// @returns the code's name without the k, such as "Truncated".
@@ -64,9 +64,8 @@ template <class... Args>
 }  // namespace plumbline
 
 /// Returns the error of an expression that is a Status or an Expected, if it has one.
-#define PLUMBLINE_TRY(expression)                                           \
-  do {                                                                      \
-    auto&& plumbline_try_result = (expression);                             \
-    if (!plumbline_try_result)                                              \
-      return tl::unexpected<::plumbline::Error>(plumbline_try_result.error()); \
+#define PLUMBLINE_TRY(expression)                                                                       \
+  do {                                                                                                  \
+    auto&& plumbline_try_result = (expression);                                                         \
+    if (!plumbline_try_result) return tl::unexpected<::plumbline::Error>(plumbline_try_result.error()); \
   } while (false)

@@ -9,11 +9,11 @@ namespace plumbline {
 /// layer 0 is the origin. Pixel (i, j) is sampled at its centre ((i + 1/2) pitch_x, (j + 1/2) pitch_y), layer k at the
 /// height (k + 1/2) layer_height.
 struct PrintGrid {
-  std::uint32_t columns = 0;    ///< pixels, 1 to 16384
-  std::uint32_t rows = 0;       ///< pixels, 1 to 16384
-  std::uint32_t layers = 0;     ///< 1 to 65535
-  float pitch_x_mm = 0.05F;     ///< mm
-  float pitch_y_mm = 0.05F;     ///< mm
+  std::uint32_t columns = 0;      ///< pixels, 1 to 16384
+  std::uint32_t rows = 0;         ///< pixels, 1 to 16384
+  std::uint32_t layers = 0;       ///< 1 to 65535
+  float pitch_x_mm = 0.05F;       ///< mm
+  float pitch_y_mm = 0.05F;       ///< mm
   float layer_height_mm = 0.05F;  ///< mm
 
   static constexpr std::uint32_t kMaxSide = 16384;

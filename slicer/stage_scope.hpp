@@ -1,0 +1,35 @@
+#pragma once
+/// Says when a stage begins and ends, and what it took of the arena.
+
+#include <array>
+#include <cstddef>
+
+#include "slicer/core/arena.hpp"
+#include "slicer/core/progress.hpp"
+
+namespace plumbline {
+
+class StageScope {
+ public:
+  /// @param progress    may be null
+  /// @param peak_bytes  by Stage; the stage's entry is set at the end of the scope
+  StageScope(Stage stage, Arena& arena, ProgressSink* progress, std::array<std::size_t, kStageCount>& peak_bytes)
+      : stage_(stage), arena_(arena), progress_(progress), peak_bytes_(peak_bytes) {
+    arena_.reset_peak();
+    if (progress_ != nullptr) progress_->begin(stage_);
+  }
+  ~StageScope() {
+    peak_bytes_[static_cast<std::size_t>(stage_)] = arena_.peak();
+    if (progress_ != nullptr) progress_->end(stage_, arena_.peak());
+  }
+  StageScope(const StageScope&) = delete;
+  StageScope& operator=(const StageScope&) = delete;
+
+ private:
+  Stage stage_;
+  Arena& arena_;
+  ProgressSink* progress_;
+  std::array<std::size_t, kStageCount>& peak_bytes_;
+};
+
+}  // namespace plumbline
