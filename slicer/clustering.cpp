@@ -136,6 +136,7 @@ std::uint8_t look_farther(Cloud& cloud, const KdTree3& tree, std::uint32_t i, fl
                           const ClusteringSettings& settings) {
   std::array<Neighbour, kThinSearch> found;  // NOLINT(cppcoreguidelines-pro-type-member-init)
   const std::uint32_t count = tree.nearest(cloud.position[i], found);
+  if (!(settings.thin_reach > 0)) return 0;
   const float reach = settings.thin_reach * epsilon;
   const Vec3f normal = cloud.normal[i].unpack();
   std::uint32_t near = 0;

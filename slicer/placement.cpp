@@ -9,6 +9,9 @@ namespace {
 
 constexpr std::uint32_t kMargin = 3;  ///< black pixels round an object in a grid of its own
 
+constexpr double kClear = 0.9998;     ///< of a scale that just fits: clear of the last rounding
+constexpr double kWholeLayer = 1e-3;  ///< layers by which a travel may miss a whole number of them by rounding
+
 /// Sine and cosine of an angle in degrees by Taylor series on [-45, 45]: the error is below 1e-16.
 struct SineCosine {
   double sine, cosine;
@@ -32,6 +35,15 @@ SineCosine sine_cosine(double degrees) {
     case 3: return {-cosine, sine};
     default: return {sine, cosine};
   }
+}
+
+/// The largest number of four digits that is not above `x`, so that a scale we name can be typed as we print it.
+double rounded_down(double x) {
+  if (!(x > 0)) return 0;
+  double unit = 1;
+  while (x < 1000 * unit) unit /= 10;
+  while (x >= 10000 * unit) unit *= 10;
+  return std::floor(x / unit) * unit;
 }
 
 std::uint32_t cells(double length, double pitch) {
@@ -116,15 +128,16 @@ Expected<Placement> place(const Box3d& bounds, double unit_mm, const PlacementSe
     p.grid.rows = v.rows;
     const double lh = settings.layer_height_mm;
     // A pixel of margin each side, so that the outline is inside of the panel after rounding.
-    const Vec3d room(static_cast<double>(v.columns - 2) * static_cast<double>(v.pitch_x_mm),
-                     static_cast<double>(v.rows - 2) * static_cast<double>(v.pitch_y_mm),
-                     std::min(std::floor(static_cast<double>(v.travel_mm) / lh), double{PrintGrid::kMaxLayers}) * lh);
+    const Vec3d room(
+        static_cast<double>(v.columns - 2) * static_cast<double>(v.pitch_x_mm),
+        static_cast<double>(v.rows - 2) * static_cast<double>(v.pitch_y_mm),
+        std::min(std::floor(static_cast<double>(v.travel_mm) / lh + kWholeLayer), double{PrintGrid::kMaxLayers}) * lh);
     double largest = 1e30;
     for (int a = 0; a < 3; ++a) {
       if (extent[a] > 0) largest = std::min(largest, room[a] / extent[a]);
     }
     if (settings.fit) {
-      factor = largest * 0.9999;  // clear of the last rounding
+      factor = largest * kClear;
     } else if (factor > largest) {
       static constexpr std::array<const char*, 3> kAxis = {"wide (x)", "deep (y)", "high (z)"};
       int worst = 0;
@@ -136,7 +149,7 @@ Expected<Placement> place(const Box3d& bounds, double unit_mm, const PlacementSe
           "the object is %.2f mm %s, the printer takes %.2f mm: %.2f mm too much. Use --scale %.4g or less, --fit, "
           "or rotate it",
           extent[worst] * factor, kAxis[static_cast<std::size_t>(worst)], room[worst],
-          extent[worst] * factor - room[worst], std::floor(largest * 9999) / 10000);
+          extent[worst] * factor - room[worst], rounded_down(largest * kClear));
     }
     p.size_mm = extent * factor;
     p.grid.layers = cells(p.size_mm[2], lh);
