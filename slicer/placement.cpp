@@ -178,7 +178,7 @@ Expected<Placement> place(const Box3d& bounds, double unit_mm, const PlacementSe
         "--units",
         p.size_mm[0], p.size_mm[1], p.size_mm[2], p.grid.columns, p.grid.rows, pitch, p.grid.layers,
         static_cast<double>(settings.layer_height_mm), PrintGrid::kMaxSide, PrintGrid::kMaxSide, PrintGrid::kMaxLayers,
-        most);
+        rounded_down(most * kClear));
   }
   p.shift = Vec3d(kMargin * pitch, kMargin * pitch, 0) - bounds.low * p.scale;
   return p;
