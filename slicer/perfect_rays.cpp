@@ -16,7 +16,7 @@ constexpr float kTileStep = 12.0F;  ///< widths w between the samples of a gap a
 constexpr std::uint32_t kMaxCentreSamples = 64;
 constexpr std::uint32_t kMaxLevels = 96;         ///< of an unsure gap
 constexpr std::uint32_t kMaxProfile = 4 * 1024;  ///< winding numbers of a tile: four corners a level
-constexpr std::uint32_t kBisections = 5;
+constexpr std::uint32_t kBisections = 8;
 
 }  // namespace
 
@@ -72,11 +72,12 @@ RayPerfecter::Verdict RayPerfecter::winding_verdict(float w) const {
 RayPerfecter::Verdict RayPerfecter::judge_centre(float low, float high) const {
   const Vec2f centre = 0.5F * (tile_low_ + tile_high_);
   const float step = std::max(kTileStep * settings_.intersections.width, top_ / kMaxCentreSamples);
-  const auto samples =
+  const auto steps =
       static_cast<std::uint32_t>(std::clamp(std::ceil((high - low) / step), 1.0F, 1.0F * kMaxCentreSamples));
+  // Both ends count: a gap that is air for its first tenth and solid above must not pass for solid.
   Verdict verdict = Verdict::kUnsure;
-  for (std::uint32_t s = 0; s < samples; ++s) {
-    const float z = low + (high - low) * (static_cast<float>(s) + 0.5F) / static_cast<float>(samples);
+  for (std::uint32_t s = 0; s <= steps; ++s) {
+    const float z = low + (high - low) * static_cast<float>(s) / static_cast<float>(steps);
     const Verdict here = winding_verdict((*winding_)({centre[0], centre[1], z}));
     if (here == Verdict::kUnsure || (s > 0 && here != verdict)) return Verdict::kUnsure;
     verdict = here;
@@ -196,13 +197,9 @@ RayPerfecter::Gap RayPerfecter::decide_gap(float x, float y, float low, float hi
     reached = tile_gap.high;
     any = true;
   }
-  if (!any) {
-    // Shorter than the supports around it: its two shores know better than a sum over the whole cloud, if they agree.
-    if (below != above) {
-      const bool inside = (*winding_)({x, y, 0.5F * (low + high)}) > kHalf;
-      gap = {inside, inside};
-    }
-  }
+  // No place here is clear of the tile's points: its two shores know better than a sum over the whole cloud, if they agree;
+  // if not, the sum tells where between them the change is.
+  if (!any && below != above) bisect(x, y, low, high, below);
   if (below != above || depth_count_ != depths_before || gap.inside_at_low != below || gap.inside_at_high != above) {
     used_winding_ = true;
   }
