@@ -1,0 +1,26 @@
+#pragma once
+/// An arena with memory of its own.
+
+#include <cstddef>
+#include <memory>
+
+#include "slicer/core/arena.hpp"
+
+namespace plumbline::testing {
+
+class ArenaBlock {
+ public:
+  /// Only the pages that are touched cost memory.
+  explicit ArenaBlock(std::size_t bytes)
+      : block_(std::make_unique_for_overwrite<std::byte[]>(bytes)), arena_({block_.get(), bytes}) {}
+  Arena& operator*() { return arena_; }
+  Arena* operator->() { return &arena_; }
+
+ private:
+  std::unique_ptr<std::byte[]> block_;
+  Arena arena_;
+};
+
+inline constexpr std::size_t kMiB = std::size_t{1024} * 1024;
+
+}  // namespace plumbline::testing

@@ -1,0 +1,85 @@
+#pragma once
+/// Surfaces as the stages of the slicer see them.
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <stdexcept>
+#include <string>
+
+#include "slicer/cloud.hpp"
+#include "slicer/clustering.hpp"
+#include "slicer/kd_tree.hpp"
+#include "tests/slicer/support/surfaces.hpp"
+
+namespace plumbline::testing {
+
+/// The value, or a test that ends with the error's message.
+template <class T>
+T value_of(Expected<T> expected) {
+  if (!expected) throw std::runtime_error(expected.error().message());
+  return *std::move(expected);
+}
+inline void check(const Status& status) {
+  if (!status) throw std::runtime_error(status.error().message());
+}
+
+/// @param radius  of every point
+inline Cloud cloud_of(const Surface& surface, Arena& arena, float radius = 0) {
+  Cloud cloud = value_of(Cloud::create(static_cast<std::uint32_t>(surface.size()), arena));
+  for (const SurfacePoint& p : surface) {
+    cloud.position[cloud.size] = p.position.cast<float>();
+    cloud.normal[cloud.size] = PackedNormal{};
+    cloud.normal[cloud.size].set(p.normal.cast<float>());
+    cloud.radius[cloud.size] = radius;
+    ++cloud.size;
+  }
+  return cloud;
+}
+
+/// In the order of its 3D tree, which stays in the arena.
+inline KdTree3 sort_by_tree(Cloud& cloud, Arena& arena) {
+  KdTree3 tree = value_of(KdTree3::build(cloud.positions(), arena, "test"));
+  check(cloud.reorder(tree.order(), arena));
+  tree.adopt_order();
+  return tree;
+}
+
+/// A cloud as it is when the rays begin: clustered, its 2D tree built.
+struct ClusteredScan {
+  Cloud cloud;
+  ClusteringResult clustering;
+  KdTree2 tree;
+
+  /// Supports are cut to this, as slice() does.
+  float max_radius() const {
+    return 1.15F * clustering.epsilon * std::sqrt(std::max(1.0F, clustering.support_points / 40));
+  }
+};
+inline ClusteredScan clustered(const Surface& surface, Arena& arena, const ClusteringSettings& settings = {}) {
+  Cloud cloud = cloud_of(surface, arena);
+  ClusteringResult result;
+  {
+    const ArenaScope scope(arena);
+    const KdTree3 tree = sort_by_tree(cloud, arena);
+    const float epsilon = value_of(density_epsilon(cloud, tree, settings, arena));
+    result = value_of(cluster(cloud, tree, epsilon, settings, {}, arena));
+  }
+  return {cloud, result, value_of(KdTree2::build(cloud.positions(), arena, "test"))};
+}
+
+/// The scan as a file: PLY, binary little endian, position and normal as floats.
+inline std::string binary_ply(const Surface& surface) {
+  std::string bytes = "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(surface.size()) +
+                      "\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\n"
+                      "property float nz\nend_header\n";
+  for (const SurfacePoint& p : surface) {
+    for (const Vec3d& v : {p.position, p.normal}) {
+      const Vec3f f = v.cast<float>();
+      bytes.append(reinterpret_cast<const char*>(f.data()), 3 * sizeof(float));
+    }
+  }
+  return bytes;
+}
+
+}  // namespace plumbline::testing
