@@ -1,0 +1,54 @@
+#include "slicer/core/bit_image.hpp"
+
+#include <gtest/gtest.h>
+
+#include <bitset>
+#include <vector>
+
+namespace plumbline {
+namespace {
+
+TEST(BitImage, HoldsEveryPixelInABitOfItsOwn) {
+  for (const std::uint32_t columns : {1U, 63U, 64U, 65U, 129U}) {
+    constexpr std::uint32_t kRows = 5;
+    std::vector<std::uint64_t> words(BitImage::words_needed(columns, kRows), 0);
+    const BitImage image(words, columns, kRows);
+    EXPECT_EQ(words.size(), std::size_t{(columns + 63) / 64} * kRows);
+    std::uint64_t set = 0;
+    for (std::uint32_t r = 0; r < kRows; ++r) {
+      for (std::uint32_t c = 0; c < columns; ++c) {
+        ASSERT_FALSE(image.at(c, r));
+        image.set(c, r);
+        ASSERT_TRUE(image.at(c, r));
+        ASSERT_EQ(image.count(), ++set);
+      }
+    }
+    image.clear();
+    EXPECT_EQ(image.count(), 0U);
+  }
+}
+
+TEST(BitImage, PixelStandsWhereItIsDocumented) {
+  std::vector<std::uint64_t> words(BitImage::words_needed(130, 3), 0);
+  const BitImage image(words, 130, 3);
+  image.set(70, 2);
+  EXPECT_EQ(image.stride(), 3U);
+  EXPECT_EQ(words[2 * 3 + 1], std::uint64_t{1} << 6);
+  EXPECT_EQ(image.row(2)[1], words[7]);
+  const ConstBitImage view = image;
+  EXPECT_TRUE(view.at(70, 2));
+}
+
+TEST(BitImage, LastWordsMaskHasOneBitForEachPixelInIt) {
+  for (std::uint32_t columns = 1; columns <= 200; ++columns) {
+    const BitImage image({}, columns, 0);
+    const std::uint64_t mask = image.last_word_mask();
+    const std::uint32_t wanted = (columns - 1) % 64 + 1;
+    EXPECT_EQ(std::bitset<64>(mask).count(), wanted);
+    EXPECT_EQ(mask & 1U, 1U);
+    EXPECT_TRUE(wanted == 64 || mask >> wanted == 0);
+  }
+}
+
+}  // namespace
+}  // namespace plumbline

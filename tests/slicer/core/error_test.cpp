@@ -1,0 +1,70 @@
+#include "slicer/core/error.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <set>
+#include <string>
+
+namespace plumbline {
+namespace {
+
+using ::testing::StartsWith;
+
+TEST(Error, FormatsItsMessage) {
+  const Error error = Error::format(ErrorCode::kMalformed, "%s:%d: expected %s", "bust.ply", 12, "a number");
+  EXPECT_EQ(error.code(), ErrorCode::kMalformed);
+  EXPECT_STREQ(error.message(), "bust.ply:12: expected a number");
+}
+
+TEST(Error, CutsAMessageThatIsLongerThanItsRoom) {
+  const std::string all(1000, 'x');
+  for (const std::size_t length :
+       {Error::kCapacity - 2, Error::kCapacity - 1, Error::kCapacity, Error::kCapacity + 1}) {
+    const Error error = Error::format(ErrorCode::kMalformed, "%s", all.substr(0, length).c_str());
+    EXPECT_EQ(std::strlen(error.message()), std::min(length, Error::kCapacity - 1));
+  }
+}
+
+TEST(Error, APrefixStandsBeforeTheMessageAndCutsItsEnd) {
+  const Error error = Error::format(ErrorCode::kTruncated, "%s", std::string(1000, 'x').c_str());
+  const Error prefixed = error.with_prefix(std::string_view("bust.ply and more").substr(0, 8));
+  EXPECT_EQ(prefixed.code(), ErrorCode::kTruncated);
+  EXPECT_THAT(prefixed.message(), StartsWith("bust.ply: xxx"));
+  EXPECT_EQ(std::strlen(prefixed.message()), Error::kCapacity - 1);
+}
+
+TEST(Error, EveryCodeHasANameOfItsOwn) {
+  std::set<std::string_view> names;
+  for (const ErrorCode code :
+       {ErrorCode::kCannotOpen, ErrorCode::kCannotRead, ErrorCode::kCannotWrite, ErrorCode::kUnknownFormat,
+        ErrorCode::kMalformed, ErrorCode::kTruncated, ErrorCode::kNoPoints, ErrorCode::kUnsupported,
+        ErrorCode::kOutOfMemory, ErrorCode::kDoesNotFit, ErrorCode::kBadSetting, ErrorCode::kNoSurface,
+        ErrorCode::kCancelled}) {
+    EXPECT_TRUE(names.insert(to_string(code)).second) << to_string(code);
+    EXPECT_NE(to_string(code), "Unknown");
+  }
+  EXPECT_EQ(to_string(ErrorCode::kTruncated), "Truncated");
+}
+
+Status refuse_odd(int number) {
+  if (number % 2 != 0) return fail(ErrorCode::kBadSetting, "%d is odd", number);
+  return {};
+}
+Expected<int> half(int number) {
+  PLUMBLINE_TRY(refuse_odd(number));
+  return number / 2;
+}
+
+TEST(Error, TryPassesOnTheErrorAndNothingElse) {
+  EXPECT_EQ(half(8).value(), 4);
+  const auto refused = half(7);
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_EQ(refused.error().code(), ErrorCode::kBadSetting);
+  EXPECT_STREQ(refused.error().message(), "7 is odd");
+}
+
+}  // namespace
+}  // namespace plumbline
