@@ -1,0 +1,175 @@
+#include "slicer/mls.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "slicer/ray_points.hpp"
+#include "tests/slicer/support/arena_block.hpp"
+#include "tests/slicer/support/scan_cloud.hpp"
+
+namespace plumbline {
+namespace {
+
+using namespace testing;
+
+/// The formula of mls_value() over the whole cloud, in double precision.
+struct DirectSum {
+  double distance = 0;
+  double weight = 0;
+  Vec3d normal = Vec3d::Zero();
+
+  DirectSum(const Cloud& cloud, double max_radius, const Vec3d& x) {
+    double to_planes = 0;
+    Vec3d normals = Vec3d::Zero();
+    Vec3d offsets = Vec3d::Zero();
+    for (std::uint32_t i = 0; i < cloud.size; ++i) {
+      const Vec3d d = x - cloud.position[i].cast<double>();
+      const double h = std::min<double>(cloud.radius[i], max_radius);
+      const double t = 1 - d.squaredNorm() / (h * h);
+      if (!(t > 0)) continue;
+      const Vec3d n = cloud.normal[i].unpack().cast<double>();
+      weight += t * t;
+      to_planes += t * t * n.dot(d);
+      normals += t * t * n;
+      offsets += t * t * d;
+    }
+    if (weight > 0) {
+      distance = 0.5 * (to_planes / weight + normals.dot(offsets) / (weight * weight));
+      normal = normals.normalized();
+    }
+  }
+};
+
+/// Points anywhere in a cube of 10 mm, with any normal and any support: no surface, but the sums do not mind.
+Surface random_points(std::uint32_t count, Random& random) {
+  Surface surface;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    surface.push_back(
+        {Vec3d(random.uniform(0, 10), random.uniform(0, 10), random.uniform(0, 10)), random.vector().normalized()});
+  }
+  return surface;
+}
+
+class MlsOfRandomPoints : public ::testing::Test {
+ protected:
+  MlsOfRandomPoints() {
+    Random random(1);
+    cloud_ = cloud_of(random_points(3000, random), *arena_);
+    for (float& r : cloud_.radius) r = static_cast<float>(random.uniform(0.2, 1.5));
+    tree_.emplace(value_of(KdTree2::build(cloud_.positions(), *arena_, "test")));
+    gatherer_ = value_of(RayGatherer::create(cloud_, *tree_, 3000, kMaxRadius, *arena_));
+  }
+  static constexpr float kMaxRadius = 1.2F;  // cuts some
+  ArenaBlock arena_{kMiB};
+  Cloud cloud_;
+  std::optional<KdTree2> tree_;
+  RayGatherer gatherer_;
+};
+
+TEST_F(MlsOfRandomPoints, IsTheSumOverTheWholeCloud) {
+  Random random(2);
+  for (int tile = 0; tile < 20; ++tile) {
+    const Vec2f low(static_cast<float>(random.uniform(-1, 10)), static_cast<float>(random.uniform(-1, 10)));
+    const Vec2f high = low + Vec2f(0.35F, 0.35F);
+    gatherer_.gather(low, high);
+    for (int ray = 0; ray < 10; ++ray) {
+      const float x = low[0] + 0.35F * static_cast<float>(random.uniform());
+      const float y = low[1] + 0.35F * static_cast<float>(random.uniform());
+      const RayPoints& points = gatherer_.points_of_ray(x, y);
+      for (int query = 0; query < 10; ++query) {
+        const auto z = static_cast<float>(random.uniform(-1, 11));
+        const DirectSum direct(cloud_, kMaxRadius, Vec3d(x, y, z));
+        const RayWindow here = window(points, z, z);
+        const MlsValue value = mls_value(points, here, z);
+        ASSERT_NEAR(value.weight, direct.weight, 1e-4 * (1 + direct.weight));
+        // A weight at the brink of zero is no more exact than the subtraction that it comes from.
+        if (direct.weight < 0.01) continue;
+        ASSERT_NEAR(value.distance, direct.distance, 2e-4);
+        ASSERT_LT((mls_normal(points, here, z).cast<double>() - direct.normal).norm(), 2e-3);
+      }
+    }
+  }
+}
+
+TEST_F(MlsOfRandomPoints, AWiderWindowChangesNothingButTheRounding) {
+  gatherer_.gather({5, 5}, {5, 5});
+  const RayPoints& points = gatherer_.points_of_ray(5, 5);
+  for (float z = 0; z < 10; z += 0.1F) {
+    const MlsValue narrow = mls_value(points, window(points, z, z), z);
+    const MlsValue whole = mls_value(points, {0, points.size}, z);
+    EXPECT_NEAR(narrow.weight, whole.weight, 1e-5);
+    EXPECT_NEAR(narrow.distance, whole.distance, 1e-4);
+  }
+}
+
+TEST_F(MlsOfRandomPoints, HasNoWeightAndNoValueWhereNoPointIsNear) {
+  gatherer_.gather({5, 5}, {5, 5});
+  const RayPoints& points = gatherer_.points_of_ray(5, 5);
+  const MlsValue value = mls_value(points, window(points, 50, 50), 50);
+  EXPECT_EQ(value.weight, 0);
+  EXPECT_EQ(value.distance, 0);
+  EXPECT_EQ(mls_normal(points, window(points, 50, 50), 50), Vec3f(0, 0, 0));
+}
+
+TEST_F(MlsOfRandomPoints, TheColumnsOfARayAreItsPointsSortedByDepth) {
+  gatherer_.gather({3, 4}, {3.5F, 4.5F});
+  const RayPoints& points = gatherer_.points_of_ray(3.2F, 4.1F);
+  std::uint32_t expected = 0;
+  for (std::uint32_t i = 0; i < cloud_.size; ++i) {
+    const double r = std::min(cloud_.radius[i], kMaxRadius);
+    expected += std::hypot(cloud_.position[i][0] - 3.2, cloud_.position[i][1] - 4.1) < r ? 1 : 0;
+  }
+  EXPECT_EQ(points.size, expected);
+  EXPECT_TRUE(std::is_sorted(points.depth, points.depth + points.size));
+  EXPECT_FALSE(gatherer_.thinned());
+}
+
+TEST_F(MlsOfRandomPoints, ATileWithMorePointsThanItHasRoomForTakesAnEvenShare) {
+  RayGatherer small = value_of(RayGatherer::create(cloud_, *tree_, 100, kMaxRadius, *arena_));
+  small.gather({2, 2}, {8, 8});
+  EXPECT_TRUE(small.thinned());
+  EXPECT_LE(small.tile_points(), 100U);
+  EXPECT_GT(small.tile_points(), 50U);
+}
+
+TEST(Mls, IsTheDistanceToAPlaneExactly) {
+  Random random(3);
+  const Vec3d u = Vec3d(10, 1, 2);
+  const Vec3d v = Vec3d(-1, 10, -3);
+  const Vec3d n = u.cross(v).normalized();
+  const Vec3d corner(5, 5, 5);
+  ArenaBlock arena(4 * kMiB);
+  const Cloud cloud = cloud_of(sheet(corner, u, v, 0.2, 0.5, random), *arena, 0.8F);
+  const KdTree2 tree = value_of(KdTree2::build(cloud.positions(), *arena, "test"));
+  RayGatherer gatherer = value_of(RayGatherer::create(cloud, tree, cloud.size, 1, *arena));
+  const Vec3d middle = corner + 0.5 * (u + v);
+  gatherer.gather(middle.head<2>().cast<float>(), middle.head<2>().cast<float>());
+  const RayPoints& points = gatherer.points_of_ray(static_cast<float>(middle[0]), static_cast<float>(middle[1]));
+  for (double dz = -0.5; dz <= 0.5; dz += 0.05) {
+    const auto z = static_cast<float>(middle[2] + dz);
+    EXPECT_NEAR(mls_value(points, window(points, z, z), z).distance, n[2] * dz, 1e-4);
+  }
+}
+
+// The two halves of the value err by as much, one outwards and one inwards.
+TEST(Mls, OnASphereHasNoErrorOfTheOrderOfItsCurvature) {
+  const double radius = 10;
+  const Vec3d centre(12, 12, 12);
+  for (const float support : {0.5F, 1.0F, 2.0F}) {
+    ArenaBlock arena(32 * kMiB);
+    const Cloud cloud = cloud_of(sphere(sphere_points(radius, 0.08), radius, centre), *arena, support);
+    const KdTree2 tree = value_of(KdTree2::build(cloud.positions(), *arena, "test"));
+    RayGatherer gatherer = value_of(RayGatherer::create(cloud, tree, cloud.size, support, *arena));
+    gatherer.gather({12, 12}, {12, 12});
+    const RayPoints& points = gatherer.points_of_ray(12, 12);
+    const float top = 22;
+    const double first_order = support * support / (2 * radius) / 4;  // E[t^2] of the weight is h^2 / 4
+    EXPECT_LT(std::abs(mls_value(points, window(points, top, top), top).distance), 0.05 * first_order) << support;
+  }
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,137 @@
+#include "slicer/winding_number.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "tests/slicer/support/arena_block.hpp"
+#include "tests/slicer/support/scan_cloud.hpp"
+
+namespace plumbline {
+namespace {
+
+using namespace testing;
+
+/// Sum over every point, in double precision. Close to a point its disc counts, not its dipole, so the sum is only good
+/// for places some spacings away from all points.
+double direct_sum(const Cloud& cloud, double support_points, const Vec3d& x) {
+  double sum = 0;
+  for (std::uint32_t i = 0; i < cloud.size; ++i) {
+    const Vec3d d = cloud.position[i].cast<double>() - x;
+    const double r = cloud.radius[i];
+    const double area = kPi * r * r / support_points;
+    sum += area * cloud.normal[i].unpack().cast<double>().dot(d) / (4 * kPi * std::pow(d.norm(), 3));
+  }
+  return sum;
+}
+
+class WindingField {
+ public:
+  explicit WindingField(const Surface& surface)
+      : arena_(surface.size() * 140 + kMiB), scan_(clustered(surface, *arena_)) {
+    auto nodes = value_of(arena_->take_top<WindingTree::Node>(WindingTree::nodes_needed(scan_.cloud.size), "test"));
+    tree_ = WindingTree::build(scan_.cloud, scan_.clustering.support_points, nodes);
+  }
+  WindingTree& operator*() { return tree_; }
+  WindingTree* operator->() { return &tree_; }
+  double at(const Vec3d& x) const { return tree_(x.cast<float>()); }
+  double direct(const Vec3d& x) const { return direct_sum(scan_.cloud, scan_.clustering.support_points, x); }
+
+ private:
+  ArenaBlock arena_;
+  ClusteredScan scan_;
+  WindingTree tree_;
+};
+
+TEST(WindingNumber, IsOneInsideOfASphereAndNoughtOutside) {
+  const Vec3d centre(10, 10, 10);
+  const WindingField field(sphere(20000, 5, centre));
+  Random random(51);
+  for (int i = 0; i < 300; ++i) {
+    const Vec3d direction = random.vector().normalized();
+    EXPECT_NEAR(field.at(centre + random.uniform(0, 4.5) * direction), 1, 0.08);
+    EXPECT_NEAR(field.at(centre + random.uniform(5.5, 12) * direction), 0, 0.08);
+  }
+}
+
+TEST(WindingNumber, IsTheSumOverAllPoints) {
+  const Vec3d centre(10, 10, 10);
+  Surface surface;
+  for (const SurfacePoint& p : sphere(8000, 5, centre)) {
+    if (p.normal[0] < 0.3) surface.push_back(p);  // a large hole: values of all sizes
+  }
+  append(surface, torus(7, 1.5, centre + Vec3d(0, 0, 4), 0.2, 2));
+  const WindingField field(surface);
+  Random random(52);
+  double mean = 0;
+  for (int i = 0; i < 300; ++i) {
+    Vec3d x = centre + 0.9 * random.uniform() * 5 * random.vector().normalized();
+    if (i % 2 == 0) x = Vec3d(random.uniform(-5, 25), random.uniform(-5, 25), random.uniform(-8, 3.5));
+    const double off = std::abs(field.at(x) - field.direct(x));
+    EXPECT_LT(off, 0.05) << x.transpose();
+    mean += off / 300;
+  }
+  EXPECT_LT(mean, 0.01);
+}
+
+TEST(WindingNumber, IsHalfOnTheSurfaceAndBoundedAtAPoint) {
+  const Vec3d centre(10, 10, 10);
+  const Surface surface = sphere(20000, 5, centre);
+  const WindingField field(surface);
+  for (std::size_t i = 0; i < surface.size(); i += 100) EXPECT_NEAR(field.at(surface[i].position), 0.5, 0.1);
+}
+
+Surface upper_half(const Surface& surface, double height) {
+  Surface half;
+  for (const SurfacePoint& p : surface) {
+    if (p.position[2] >= height) half.push_back(p);
+  }
+  return half;
+}
+
+TEST(WindingNumber, OfAnOpenHemisphereIsOneInsideOnceTheBaseClosesIt) {
+  const Vec3d centre(10, 10, 0);
+  WindingField field(upper_half(sphere(30000, 5, centre), 0));
+  const Vec3d inside(10, 10, 1);
+  EXPECT_LT(field.at(inside), 0.65);
+  field->set_base(0);
+  Random random(53);
+  for (int i = 0; i < 200; ++i) {
+    Vec3d direction = random.vector().normalized();
+    direction[2] = std::abs(direction[2]);
+    EXPECT_NEAR(field.at(centre + random.uniform(0, 4.4) * direction), 1, 0.1);
+    EXPECT_NEAR(field.at(centre + random.uniform(5.6, 12) * direction), 0, 0.1);
+    EXPECT_EQ(field.at(centre - random.uniform(0.001, 5) * direction.cwiseMax(1e-3)), 0) << "below the base";
+  }
+}
+
+TEST(WindingNumber, OfAClosedSphereOnThePlaneDoesNotChangeWithTheBase) {
+  const Vec3d centre(10, 10, 5);
+  WindingField field(sphere(20000, 5, centre));
+  Random random(54);
+  std::vector<Vec3d> places;
+  std::vector<double> before;
+  for (int i = 0; i < 200; ++i) {
+    places.push_back({random.uniform(2, 18), random.uniform(2, 18), random.uniform(0.3, 13)});
+    before.push_back(field.at(places.back()));
+  }
+  field->set_base(0);
+  for (std::size_t i = 0; i < places.size(); ++i) EXPECT_NEAR(field.at(places[i]), before[i], 0.06);
+}
+
+TEST(WindingNumber, OfOnePointAndOfNoneIsFinite) {
+  ArenaBlock arena(kMiB);
+  const Cloud one = cloud_of({{Vec3d(1, 1, 1), Vec3d(0, 0, 1)}}, *arena, 0.5F);
+  std::vector<WindingTree::Node> nodes(WindingTree::nodes_needed(1));
+  const WindingTree tree = WindingTree::build(one, 20, nodes);
+  EXPECT_TRUE(std::isfinite(tree({1, 1, 1})));
+  EXPECT_GT(tree({1, 1, 0.9F}), 0);
+  EXPECT_LT(tree({1, 1, 1.1F}), 0);
+  const Cloud none = value_of(Cloud::create(0, *arena));
+  EXPECT_EQ(WindingTree::build(none, 20, {})({1, 1, 1}), 0);
+}
+
+}  // namespace
+}  // namespace plumbline
