@@ -19,6 +19,28 @@ std::string_view to_string(ErrorCode code) {
     case ErrorCode::kBadSetting: return "BadSetting";
     case ErrorCode::kNoSurface: return "NoSurface";
     case ErrorCode::kCancelled: return "Cancelled";
+    case ErrorCode::kPowerLost: return "PowerLost";
+    case ErrorCode::kBusy: return "Busy";
+    case ErrorCode::kDeviceTimeout: return "DeviceTimeout";
+    case ErrorCode::kNoStick: return "NoStick";
+    case ErrorCode::kStickGone: return "StickGone";
+    case ErrorCode::kMountFailed: return "MountFailed";
+    case ErrorCode::kMaskNotPresented: return "MaskNotPresented";
+    case ErrorCode::kFlipTimeout: return "FlipTimeout";
+    case ErrorCode::kPanelFailed: return "PanelFailed";
+    case ErrorCode::kExposureTooLong: return "ExposureTooLong";
+    case ErrorCode::kLampLit: return "LampLit";
+    case ErrorCode::kLampStuckOn: return "LampStuckOn";
+    case ErrorCode::kLampDead: return "LampDead";
+    case ErrorCode::kLampFailed: return "LampFailed";
+    case ErrorCode::kOutsideTravel: return "OutsideTravel";
+    case ErrorCode::kNotHomed: return "NotHomed";
+    case ErrorCode::kStageMoving: return "StageMoving";
+    case ErrorCode::kEndStopNotFound: return "EndStopNotFound";
+    case ErrorCode::kEndStopStuck: return "EndStopStuck";
+    case ErrorCode::kStageStalled: return "StageStalled";
+    case ErrorCode::kCoverOpen: return "CoverOpen";
+    case ErrorCode::kSensorDead: return "SensorDead";
   }
   return "Unknown";
 }

@@ -1,0 +1,26 @@
+#pragma once
+/// All devices of one printer, as the firmware takes them: by reference. A back end owns them.
+
+#include "hal/clock.hpp"
+#include "hal/events.hpp"
+#include "hal/front_panel.hpp"
+#include "hal/mask_display.hpp"
+#include "hal/stick_port.hpp"
+#include "hal/thermals.hpp"
+#include "hal/uv_lamp.hpp"
+#include "hal/z_stage.hpp"
+
+namespace plumbline {
+
+struct Machine {
+  Clock& clock;
+  Events& events;
+  MaskDisplay& mask;
+  UvLamp& lamp;
+  ZStage& stage;
+  StickPort& stick;
+  FrontPanel& panel;
+  Thermals& thermals;
+};
+
+}  // namespace plumbline

@@ -1,0 +1,61 @@
+#include "hal/mask_display.hpp"
+
+#include <cassert>
+
+namespace plumbline {
+
+MaskBuffer& MaskBuffer::operator=(MaskBuffer&& other) noexcept {
+  if (this != &other) {
+    give_back();
+    display_ = std::exchange(other.display_, nullptr);
+    image_ = std::exchange(other.image_, BitImage());
+  }
+  return *this;
+}
+
+void MaskBuffer::give_back() {
+  if (display_ == nullptr) return;
+  display_->do_give_back();
+  display_->lent_ = false;
+  display_ = nullptr;
+  image_ = BitImage();
+}
+
+Expected<MaskBuffer> MaskDisplay::lend() {
+  PLUMBLINE_TRY(interlock_.power());
+  if (lent_) {
+    return fail(ErrorCode::kBusy,
+                "the mask's buffer has been lent already: present it or let it go before asking again");
+  }
+  auto image = do_lend();
+  if (!image) return tl::unexpected<Error>(image.error());
+  assert(image->columns() == columns_ && image->rows() == rows_);
+  lent_ = true;
+  return MaskBuffer(*this, *image);
+}
+
+Status MaskDisplay::present(MaskBuffer&& buffer) {
+  assert(buffer.display_ == this && "a mask is presented where it was lent");
+  PLUMBLINE_TRY(interlock_.power());
+  if (interlock_.lamp_lit()) {
+    return fail(ErrorCode::kLampLit, "the mask was not changed because the lamp is lit: darken it first");
+  }
+  presented_ = false;
+  auto shown = do_present();
+  lent_ = false;
+  buffer.display_ = nullptr;
+  buffer.image_ = BitImage();
+  presented_ = shown.has_value();
+  return shown;
+}
+
+Status MaskDisplay::blank() {
+  PLUMBLINE_TRY(interlock_.power());
+  if (interlock_.lamp_lit()) {
+    return fail(ErrorCode::kLampLit, "the mask was not blanked because the lamp is lit: darken it first");
+  }
+  presented_ = false;
+  return do_blank();
+}
+
+}  // namespace plumbline

@@ -1,0 +1,169 @@
+#include "hal/stick_port.hpp"
+
+#include <dirent.h>
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+namespace plumbline {
+namespace {
+
+/// A relative name that does not leave the folder.
+bool stays_below(std::string_view name) {
+  if (name.empty() || name.front() == '/' || name.find('\0') != std::string_view::npos) return false;
+  while (!name.empty()) {
+    const auto part = name.substr(0, name.find('/'));
+    if (part == "..") return false;
+    name.remove_prefix(std::min(name.size(), part.size() + 1));
+  }
+  return true;
+}
+
+/// Opens folder by folder, so that no part of the way is a symbolic link (O_NOFOLLOW looks at the last one only).
+/// @returns the descriptor, or -1 with errno
+int open_below(int folder, std::string_view name) {
+  std::array<char, 256> part{};
+  int at = ::dup(folder);
+  while (at >= 0) {
+    const auto length = std::min(name.find('/'), name.size());
+    const bool last = length == name.size();
+    if (length >= part.size()) {
+      ::close(at);
+      errno = ENAMETOOLONG;
+      return -1;
+    }
+    std::copy_n(name.data(), length, part.begin());
+    part[length] = '\0';
+    name.remove_prefix(last ? length : length + 1);
+    // O_NONBLOCK: opening a FIFO would wait for its writer.
+    const int flags = O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK | (last ? 0 : O_DIRECTORY);
+    const int next = ::openat(at, length == 0 ? "." : part.data(), flags);
+    const int reason = errno;
+    ::close(at);
+    errno = reason;
+    if (last || next < 0) return next;
+    at = next;
+  }
+  return -1;
+}
+
+}  // namespace
+
+StickFile::StickFile(StickPort& port, int file, std::string_view name, std::uint64_t size)
+    : port_(&port), file_(file), name_size_(std::min(name.size(), name_.size())), size_(size) {
+  std::copy_n(name.data(), name_size_, name_.begin());
+}
+
+StickFile::StickFile(StickFile&& other) noexcept
+    : port_(other.port_),
+      file_(std::exchange(other.file_, -1)),
+      name_(other.name_),
+      name_size_(other.name_size_),
+      size_(other.size_) {}
+
+StickFile::~StickFile() {
+  if (file_ >= 0) ::close(file_);
+}
+
+Expected<std::size_t> StickFile::read(std::span<std::byte> buffer) {
+  PLUMBLINE_TRY(port_->interlock_.power());
+  auto got = port_->do_read(file_, buffer);
+  if (!got) return tl::unexpected<Error>(got.error().with_prefix(name()));
+  return got;
+}
+
+StickMount::StickMount(StickPort& port, int folder, std::string_view path) : port_(&port), folder_(folder) {
+  std::copy_n(path.data(), std::min(path.size(), path_.size() - 1), path_.begin());
+}
+
+StickMount::StickMount(StickMount&& other) noexcept
+    : port_(std::exchange(other.port_, nullptr)), folder_(std::exchange(other.folder_, -1)), path_(other.path_) {}
+
+StickMount::~StickMount() {
+  if (folder_ >= 0) ::close(folder_);
+  if (port_ == nullptr) return;
+  port_->do_unmount();
+  port_->mounted_ = false;
+}
+
+Expected<StickFile> StickMount::open(std::string_view name) const {
+  PLUMBLINE_TRY(port_->check_mounted());
+  const int shown = static_cast<int>(std::min<std::size_t>(name.size(), 200));
+  if (!stays_below(name)) {
+    return fail(ErrorCode::kCannotOpen, "%.*s: name a file on the stick, without .. and not from the root", shown,
+                name.data());
+  }
+  const int file = open_below(folder_, name);
+  struct stat facts {};
+  if (file < 0 || ::fstat(file, &facts) != 0) {
+    const int reason = errno;
+    if (file >= 0) ::close(file);
+    PLUMBLINE_TRY(port_->check_mounted());
+    return fail(ErrorCode::kCannotOpen, "%.*s: %s", shown, name.data(), std::strerror(reason));
+  }
+  if (!S_ISREG(facts.st_mode)) {
+    ::close(file);
+    return fail(ErrorCode::kCannotOpen, "%.*s: not a plain file", shown, name.data());
+  }
+  return StickFile(*port_, file, name, static_cast<std::uint64_t>(facts.st_size));
+}
+
+Status StickMount::for_each_file(FileVisitor& visitor) const {
+  PLUMBLINE_TRY(port_->check_mounted());
+  // Opened anew: a directory stream keeps its place in the descriptor, and closes it.
+  const int again = ::openat(folder_, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  DIR* const folder = again < 0 ? nullptr : ::fdopendir(again);
+  if (folder == nullptr) {
+    const int reason = errno;
+    if (again >= 0) ::close(again);
+    PLUMBLINE_TRY(port_->check_mounted());
+    return fail(ErrorCode::kCannotRead, "the stick's files can't be listed: %s", std::strerror(reason));
+  }
+  errno = 0;
+  while (const dirent* const entry = ::readdir(folder)) {
+    struct stat facts {};
+    if (entry->d_name[0] != '.' && ::fstatat(folder_, entry->d_name, &facts, AT_SYMLINK_NOFOLLOW) == 0 &&
+        S_ISREG(facts.st_mode)) {
+      visitor.file(entry->d_name, static_cast<std::uint64_t>(facts.st_size));
+    }
+    errno = 0;
+  }
+  const int reason = errno;
+  ::closedir(folder);
+  PLUMBLINE_TRY(port_->check_mounted());
+  if (reason != 0) return fail(ErrorCode::kCannotRead, "the stick's files can't be listed: %s", std::strerror(reason));
+  return {};
+}
+
+Expected<StickIdentity> StickPort::identity() const {
+  PLUMBLINE_TRY(interlock_.power());
+  return do_identity();
+}
+
+Status StickPort::check_mounted() const {
+  PLUMBLINE_TRY(interlock_.power());
+  return do_check_mounted();
+}
+
+Expected<StickMount> StickPort::mount() {
+  PLUMBLINE_TRY(interlock_.power());
+  if (mounted_) return fail(ErrorCode::kBusy, "the stick is mounted already");
+  std::array<char, StickMount::kMaxPath> path{};
+  PLUMBLINE_TRY(do_mount(path));
+  path.back() = '\0';
+  const int folder = ::open(path.data(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (folder < 0) {
+    const int reason = errno;
+    do_unmount();
+    return fail(ErrorCode::kMountFailed, "%s: %s", path.data(), std::strerror(reason));
+  }
+  mounted_ = true;
+  return StickMount(*this, folder, path.data());
+}
+
+}  // namespace plumbline

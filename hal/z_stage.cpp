@@ -1,0 +1,82 @@
+#include "hal/z_stage.hpp"
+
+#include <cassert>
+
+namespace plumbline {
+
+Motion::~Motion() {
+  if (stage_ == nullptr || !stage_->moving()) return;
+  // Both can only fail with the power gone, and then nothing moves any more.
+  static_cast<void>(stage_->do_stop());
+  static_cast<void>(stage_->do_finish());
+}
+
+TimePoint Motion::ends_by() const {
+  assert(stage_ != nullptr && "this motion is finished");
+  return stage_->do_ends_by();
+}
+
+bool Motion::over() const {
+  assert(stage_ != nullptr && "this motion is finished");
+  return !stage_->moving();
+}
+
+Status Motion::stop() {
+  assert(stage_ != nullptr && "this motion is finished");
+  PLUMBLINE_TRY(stage_->interlock_.power());
+  return stage_->do_stop();
+}
+
+Expected<MotionReport> Motion::finish() {
+  assert(stage_ != nullptr && "this motion is finished");
+  ZStage& stage = *std::exchange(stage_, nullptr);
+  PLUMBLINE_TRY(stage.interlock_.power());
+  return stage.do_finish();
+}
+
+Expected<ZPosition> ZStage::position() const {
+  PLUMBLINE_TRY(interlock_.power());
+  if (!homed()) return fail(ErrorCode::kNotHomed, "the stage does not know its height: home it first");
+  return do_position();
+}
+
+Expected<Motion> ZStage::begin_homing() {
+  PLUMBLINE_TRY(interlock_.power());
+  if (moving()) return fail(ErrorCode::kBusy, "the stage moves already");
+  if (interlock_.lamp_lit()) return fail(ErrorCode::kLampLit, "the stage stands still while the lamp is lit");
+  PLUMBLINE_TRY(do_begin_homing());
+  return Motion(*this);
+}
+
+Expected<Motion> ZStage::begin_move(ZPosition target, Speed speed) {
+  PLUMBLINE_TRY(interlock_.power());
+  if (moving()) return fail(ErrorCode::kBusy, "the stage moves already");
+  if (target < limits_.lowest || target > limits_.highest) {
+    return fail(ErrorCode::kOutsideTravel, "the stage was asked to go to %.4f mm: its travel is %.4f mm to %.4f mm",
+                target.above_film().millimetres(), limits_.lowest.above_film().millimetres(),
+                limits_.highest.above_film().millimetres());
+  }
+  if (!(speed.value() > 0) || speed > limits_.fastest) {
+    return fail(ErrorCode::kBadSetting,
+                "the stage was asked for %g mm/s: it moves with more than 0 and at most %g mm/s", speed.value(),
+                limits_.fastest.value());
+  }
+  if (!homed()) return fail(ErrorCode::kNotHomed, "the stage does not know its height: home it first");
+  if (interlock_.lamp_lit()) return fail(ErrorCode::kLampLit, "the stage stands still while the lamp is lit");
+  PLUMBLINE_TRY(do_begin_move(target, speed));
+  return Motion(*this);
+}
+
+Expected<MotionReport> ZStage::home() {
+  auto motion = begin_homing();
+  if (!motion) return tl::unexpected<Error>(motion.error());
+  return motion->finish();
+}
+
+Expected<MotionReport> ZStage::move_to(ZPosition target, Speed speed) {
+  auto motion = begin_move(target, speed);
+  if (!motion) return tl::unexpected<Error>(motion.error());
+  return motion->finish();
+}
+
+}  // namespace plumbline
