@@ -33,6 +33,7 @@ std::string_view to_string(ErrorCode code) {
     case ErrorCode::kLampStuckOn: return "LampStuckOn";
     case ErrorCode::kLampDead: return "LampDead";
     case ErrorCode::kLampFailed: return "LampFailed";
+    case ErrorCode::kDoseOff: return "DoseOff";
     case ErrorCode::kOutsideTravel: return "OutsideTravel";
     case ErrorCode::kNotHomed: return "NotHomed";
     case ErrorCode::kStageMoving: return "StageMoving";

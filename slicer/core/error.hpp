@@ -40,6 +40,7 @@ enum class ErrorCode : std::uint16_t {
   kLampStuckOn = 82,       ///< light although it was turned off: pull the plug
   kLampDead = 83,          ///< no light although it was turned on: check lamp and fuse
   kLampFailed = 84,        ///< the lamp's keeper or line does not answer: nothing was lit; restart
+  kDoseOff = 85,           ///< the lamp gave another dose than it was asked for: check lamp and its supply
   kOutsideTravel = 90,     ///< a height that the stage can't reach: nothing moved
   kNotHomed = 91,          ///< the stage does not know its height: home it
   kStageMoving = 92,       ///< refused what must not happen while the stage moves: a mistake in the firmware

@@ -46,7 +46,7 @@ TEST(Error, EveryCodeHasANameOfItsOwn) {
                                ErrorCode::kDeviceTimeout,   ErrorCode::kNoStick,          ErrorCode::kStickGone,
                                ErrorCode::kMountFailed,     ErrorCode::kMaskNotPresented, ErrorCode::kFlipTimeout,
                                ErrorCode::kPanelFailed,     ErrorCode::kExposureTooLong,  ErrorCode::kLampLit,
-                               ErrorCode::kLampStuckOn,     ErrorCode::kLampDead,         ErrorCode::kLampFailed,
+                               ErrorCode::kLampStuckOn,     ErrorCode::kLampDead,         ErrorCode::kLampFailed, ErrorCode::kDoseOff,
                                ErrorCode::kOutsideTravel,   ErrorCode::kNotHomed,         ErrorCode::kStageMoving,
                                ErrorCode::kEndStopNotFound, ErrorCode::kEndStopStuck,     ErrorCode::kStageStalled,
                                ErrorCode::kCoverOpen,       ErrorCode::kSensorDead}) {

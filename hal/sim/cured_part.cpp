@@ -1,0 +1,104 @@
+#include "hal/sim/cured_part.hpp"
+
+#include <algorithm>
+#include <cassert>
+
+namespace plumbline {
+namespace {
+
+bool same_height(ZPosition a, ZPosition b) { return a - b < 1_um && b - a < 1_um; }
+
+void put_number(std::vector<std::uint8_t>& bytes, std::size_t number) {
+  for (; number >= 128; number /= 128) bytes.push_back(static_cast<std::uint8_t>(number % 128 + 128));
+  bytes.push_back(static_cast<std::uint8_t>(number));
+}
+
+std::size_t take_number(const std::uint8_t*& at) {
+  std::size_t number = 0;
+  unsigned shift = 0;
+  for (; *at >= 128; ++at, shift += 7) number |= static_cast<std::size_t>(*at - 128) << shift;
+  return number | static_cast<std::size_t>(*at++) << shift;
+}
+
+}  // namespace
+
+CuredPart::CuredPart(std::uint32_t columns, std::uint32_t rows, bool keep)
+    : columns_(columns),
+      rows_(rows),
+      keep_(keep),
+      open_(BitImage::words_needed(columns, rows), 0),
+      before_(keep ? open_.size() : 0, 0) {}
+
+std::uint32_t CuredPart::layer_at(ZPosition z) const {
+  const auto count = static_cast<std::uint32_t>(layers_.size());
+  return count > 0 && same_height(layers_.back().z, z) ? count - 1 : count;
+}
+
+void CuredPart::expose(ZPosition z, ConstBitImage mask, TimePoint began, TimePoint ended, Dose asked, Dose dose,
+                       const Resin& resin) {
+  assert(mask.columns() == columns_ && mask.rows() == rows_);
+  if (layer_at(z) == layers_.size()) {
+    if (!layers_.empty() && keep_) pack_open_layer();
+    std::fill(open_.begin(), open_.end(), 0);
+    layers_.push_back({.z = z, .began = began, .ended = ended, .exposures = 0, .asked = asked, .dose = Dose(0)});
+  }
+  CuredLayer& layer = layers_.back();
+  layer.ended = ended;
+  ++layer.exposures;
+  layer.dose = layer.dose + dose;
+  layer.depth_mm = resin.cure_depth_mm(layer.dose);
+  layer.pixels = 0;
+  for (std::size_t i = 0; i < open_.size(); ++i) {
+    open_[i] |= mask.words()[i];
+    layer.pixels += static_cast<std::uint64_t>(std::popcount(open_[i]));
+  }
+}
+
+// For each word that differs from the layer before: how many equal ones are skipped (7 bits a byte, low first, the high bit says
+// that more follow), which of the difference's bytes are not 0 (a bit each), and those bytes. A layer ends with a skip past its
+// last word and no bytes.
+void CuredPart::pack_open_layer() {
+  if (layers_.back().depth_mm <= 0) std::fill(open_.begin(), open_.end(), 0);
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < open_.size(); ++i) {
+    const std::uint64_t difference = open_[i] ^ before_[i];
+    if (difference == 0) continue;
+    put_number(packed_, i - next);
+    next = i + 1;
+    const std::size_t which = packed_.size();
+    packed_.push_back(0);
+    for (unsigned b = 0; b < 8; ++b) {
+      const auto byte = static_cast<std::uint8_t>(difference >> (8 * b));
+      if (byte == 0) continue;
+      packed_[which] = static_cast<std::uint8_t>(packed_[which] | (1U << b));
+      packed_.push_back(byte);
+    }
+  }
+  put_number(packed_, open_.size() - next);
+  std::copy(open_.begin(), open_.end(), before_.begin());
+}
+
+void CuredPart::for_each_layer(const std::function<void(const CuredLayer&, ConstBitImage)>& visit) const {
+  assert(keep_);
+  if (layers_.empty()) return;
+  std::vector<std::uint64_t> words(open_.size(), 0);
+  const BitImage image(words, columns_, rows_);
+  const std::uint8_t* at = packed_.data();
+  for (std::size_t k = 0; k + 1 < layers_.size(); ++k) {
+    for (std::size_t i = take_number(at); i < words.size(); i += 1 + take_number(at)) {
+      const unsigned which = *at++;
+      for (unsigned b = 0; b < 8; ++b) {
+        if ((which >> b & 1U) != 0) words[i] ^= static_cast<std::uint64_t>(*at++) << (8 * b);
+      }
+    }
+    visit(layers_[k], image);
+  }
+  if (layers_.back().depth_mm > 0) {
+    visit(layers_.back(), ConstBitImage(open_, columns_, rows_));
+  } else {
+    image.clear();
+    visit(layers_.back(), image);
+  }
+}
+
+}  // namespace plumbline

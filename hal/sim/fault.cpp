@@ -1,0 +1,117 @@
+#include "hal/sim/fault.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <limits>
+#include <vector>
+
+namespace plumbline {
+namespace {
+
+/// Letters to change, add or leave out to get from `a` to `b` (Levenshtein).
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = std::exchange(row[0], i);
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t changed = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = row[j];
+      row[j] = std::min({changed, row[j] + 1, row[j - 1] + 1});
+    }
+  }
+  return row.back();
+}
+
+template <class Number>
+std::optional<Number> whole_number(std::string_view text) {
+  Number number{};
+  const auto [end, reason] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (reason != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+
+/// "12.5s"
+std::optional<nanoseconds> time_of(std::string_view text) {
+  if (!text.ends_with('s')) return std::nullopt;
+  const auto seconds = whole_number<double>(text.substr(0, text.size() - 1));
+  if (!seconds || !(*seconds >= 0 && *seconds <= 1e8)) return std::nullopt;
+  return nanoseconds(static_cast<nanoseconds::rep>(*seconds * 1e9 + 0.5));
+}
+
+struct Text {
+  std::string_view all;
+  [[nodiscard]] tl::unexpected<Error> wrong(const char* allowed) const {
+    return fail(ErrorCode::kBadSetting, "fault \"%.*s\": %s", static_cast<int>(std::min<std::size_t>(all.size(), 120)),
+                all.data(), allowed);
+  }
+};
+
+Status read_moment(std::string_view moment, const Text& text, Fault& fault) {
+  if (moment.starts_with("t=")) {
+    const auto time = time_of(moment.substr(2));
+    if (!time) return text.wrong("t= takes seconds from 0 to 1e8, such as t=123.4s");
+    fault.delay = *time;
+    return {};
+  }
+  if (!moment.starts_with("layer=")) return text.wrong("say when: @layer=40, @layer=40+1.5s or @t=123.4s");
+  moment.remove_prefix(6);
+  const auto plus = moment.find('+');
+  fault.layer = whole_number<std::uint32_t>(moment.substr(0, plus));
+  if (!fault.layer) return text.wrong("layer= takes a whole number, 0 is the first layer");
+  if (plus == std::string_view::npos) return {};
+  const auto delay = time_of(moment.substr(plus + 1));
+  if (!delay) return text.wrong("after the layer come seconds from 0 to 1e8, such as layer=40+1.5s");
+  fault.delay = *delay;
+  return {};
+}
+
+Status read_option(std::string_view option, const Text& text, const FaultRow& row, Fault& fault) {
+  if (option.starts_with("for=")) {
+    fault.lasts = time_of(option.substr(4));
+    if (!fault.lasts) return text.wrong("for= takes seconds from 0 to 1e8, such as for=5s");
+    return {};
+  }
+  if (!option.starts_with("by=")) return text.wrong("after a comma comes for=5s or by=0.2");
+  if (row.by.empty()) return text.wrong("this fault has no amount: leave by= out");
+  const auto amount = whole_number<double>(option.substr(3));
+  if (!amount || !(*amount >= row.least && *amount <= row.most)) {
+    return fail(ErrorCode::kBadSetting, "fault \"%.*s\": by= takes %g to %g (%.*s)", static_cast<int>(text.all.size()),
+                text.all.data(), row.least, row.most, static_cast<int>(row.by.size()), row.by.data());
+  }
+  fault.amount = *amount;
+  return {};
+}
+
+}  // namespace
+
+Expected<Fault> parse_fault(std::string_view all) {
+  const Text text{all};
+  const auto table = fault_table();
+  const auto name = all.substr(0, all.find('@'));
+  const auto row = std::find_if(table.begin(), table.end(), [&](const FaultRow& r) { return r.name == name; });
+  if (row == table.end()) {
+    const auto nearest = std::min_element(table.begin(), table.end(), [&](const FaultRow& a, const FaultRow& b) {
+      return edit_distance(a.name, name.substr(0, 64)) < edit_distance(b.name, name.substr(0, 64));
+    });
+    return fail(ErrorCode::kBadSetting, "fault \"%.*s\": not known; did you mean %.*s?",
+                static_cast<int>(std::min<std::size_t>(all.size(), 120)), all.data(),
+                static_cast<int>(nearest->name.size()), nearest->name.data());
+  }
+  if (name.size() == all.size()) return text.wrong("say when: @layer=40, @layer=40+1.5s or @t=123.4s");
+  Fault fault{.kind = row->kind, .layer = std::nullopt, .delay = {}, .lasts = std::nullopt, .amount = row->amount};
+  auto rest = all.substr(name.size() + 1);
+  const auto moment = rest.substr(0, rest.find(','));
+  PLUMBLINE_TRY(read_moment(moment, text, fault));
+  rest.remove_prefix(moment.size());
+  while (!rest.empty()) {
+    rest.remove_prefix(1);
+    const auto option = rest.substr(0, rest.find(','));
+    PLUMBLINE_TRY(read_option(option, text, *row, fault));
+    rest.remove_prefix(option.size());
+  }
+  return fault;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,97 @@
+#pragma once
+/// What can go wrong in the plant, and the language that asks for it: README.md has the table.
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "hal/clock.hpp"
+#include "slicer/core/error.hpp"
+
+namespace plumbline {
+
+enum class FaultKind : std::uint8_t {
+  kLampStuckOn,
+  kLampRunaway,
+  kLampDead,
+  kLampWeak,
+  kLampDies,
+  kLampFlickers,
+  kLampSlowRise,
+  kLampUnarmed,
+  kPanelFlipTimeout,
+  kPanelTorn,
+  kPanelStale,
+  kPanelDead,
+  kPanelSlow,
+  kStageEndStopStuck,
+  kStageEndStopDead,
+  kStageSkips,
+  kStageStalls,
+  kResinSticks,
+  kResinWeak,
+  kComputeSlow,
+  kCoverOpens,
+  kCoverSwitchDead,
+  kStickPulled,
+  kStickSlow,
+  kStickBadSector,
+  kStickMountFails,
+  kTemperatureLampHot,
+  kTemperatureLampSensorDead,
+  kTemperatureResinCold,
+  kTemperatureResinHot,
+  kTemperatureResinSensorDead,
+  kTemperatureResinSensorWild,
+  kTemperatureBoardHot,
+  kFanLampStalls,
+  kFanChamberStalls,
+  kButtonStart,
+  kButtonPause,
+  kButtonCancel,
+  kSystemShutdown,
+  kPowerCut,
+};
+inline constexpr std::size_t kFaultKindCount = 40;
+
+/// When a fault for layer N comes.
+enum class FaultMoment : std::uint8_t {
+  kBeforeLayer,  ///< when layer N-1 has gone dark, for layer 0 at once: it meets all that is done for layer N
+  kInExposure,   ///< when layer N is lit
+};
+
+/// One row of the table.
+struct FaultRow {
+  FaultKind kind;
+  std::string_view name;  ///< "lamp.stuck_on"
+  FaultMoment moment = FaultMoment::kBeforeLayer;
+  double amount = 0;           ///< of `by=` when it is left out
+  std::string_view by;         ///< unit and meaning of the amount, "" where there is none
+  double least = 0, most = 0;  ///< of the amount
+  std::string_view what;       ///< what goes wrong
+};
+
+/// All kinds, in the order of FaultKind.
+std::span<const FaultRow, kFaultKindCount> fault_table();
+inline const FaultRow& row_of(FaultKind kind) { return fault_table()[static_cast<std::size_t>(kind)]; }
+
+/// A fault that is to come.
+struct Fault {
+  FaultKind kind = FaultKind::kPowerCut;
+  std::optional<std::uint32_t> layer;  ///< 0-based; none: at a time
+  nanoseconds delay{};                 ///< after the layer's moment, or the time since the plant's start
+  std::optional<nanoseconds> lasts;    ///< none: for good, where it is a state
+  double amount = 0;
+};
+
+/// Reads a fault:
+///
+///   device.fault @ layer=N [+SECONDSs] [,for=SECONDSs] [,by=AMOUNT]        stage.skips@layer=40,by=0.2
+///   device.fault @ t=SECONDSs [,for=SECONDSs] [,by=AMOUNT]                 cover.opens@t=123.4s,for=5s
+///
+/// without blanks. Seconds are 0 to 1e8.
+/// @retval ErrorCode::kBadSetting  what was found, what is allowed; for an unknown fault the nearest known one
+[[nodiscard]] Expected<Fault> parse_fault(std::string_view text);
+
+}  // namespace plumbline

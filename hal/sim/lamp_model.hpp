@@ -1,0 +1,44 @@
+#pragma once
+/// The lamp's light: it rises and falls in straight lines, and its dose is the area below them.
+
+#include <chrono>
+
+#include "hal/clock.hpp"
+#include "hal/units.hpp"
+
+namespace plumbline {
+
+class LampModel {
+ public:
+  /// @param irradiance  at level 1
+  /// @param rise, fall  from level 0 to 1 and back; above 0
+  LampModel(Irradiance irradiance, nanoseconds rise, nanoseconds fall)
+      : irradiance_(irradiance), rise_(rise), fall_(fall) {}
+
+  /// From `now` on the light goes towards `level`.
+  void drive(TimePoint now, double level);
+  void set_rise(nanoseconds rise) { rise_ = rise; }
+
+  double driven() const { return target_; }
+  double level(TimePoint now) const { return level_after(now - mark_); }
+  /// When the level is where it was driven to.
+  TimePoint settles_at() const;
+  /// Dose since the last call.
+  Dose take_dose(TimePoint now);
+
+ private:
+  double level_after(nanoseconds time) const;
+  double seconds_to_target() const;
+  /// Adds up until `now` and starts from there.
+  void mark(TimePoint now);
+
+  Irradiance irradiance_;
+  nanoseconds rise_;
+  nanoseconds fall_;
+  TimePoint mark_;
+  double level_ = 0;   ///< at mark_
+  double target_ = 0;  ///< that it goes to
+  double area_ = 0;    ///< level seconds until mark_
+};
+
+}  // namespace plumbline

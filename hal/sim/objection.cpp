@@ -1,0 +1,34 @@
+#include "hal/sim/objection.hpp"
+
+#include <array>
+#include <cstdio>
+
+namespace plumbline {
+
+std::string_view to_string(ObjectionKind kind) {
+  switch (kind) {
+    case ObjectionKind::kMaskChangedUnderLight: return "mask changed under light";
+    case ObjectionKind::kMaskTornUnderLight: return "mask torn under light";
+    case ObjectionKind::kMotionUnderLight: return "motion under light";
+    case ObjectionKind::kLightWithCoverOpen: return "light with the cover open";
+    case ObjectionKind::kExposureWithoutMask: return "exposure without a mask";
+    case ObjectionKind::kTravelPastEnd: return "travel past an end";
+    case ObjectionKind::kLiftSkipped: return "lift skipped";
+    case ObjectionKind::kDoseOff: return "dose off";
+    case ObjectionKind::kNotBonded: return "layer not bonded";
+  }
+  return "unknown objection";
+}
+
+std::string to_string(const Objection& objection) {
+  const std::chrono::duration<double> at = objection.at.time_since_epoch();
+  std::array<char, 96> place{};
+  std::snprintf(place.data(), place.size(), "%.3f s, layer %u, %.3f mm: ", at.count(), objection.layer,
+                objection.z.above_film().millimetres());
+  std::string text = place.data();
+  text += to_string(objection.kind);
+  if (!objection.detail.empty()) text += ": " + objection.detail;
+  return text;
+}
+
+}  // namespace plumbline

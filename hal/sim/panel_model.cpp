@@ -1,0 +1,51 @@
+#include "hal/sim/panel_model.hpp"
+
+#include <algorithm>
+
+namespace plumbline {
+
+PanelModel::PanelModel(Timeline& timeline, const Build& build) : timeline_(timeline), build_(build) {
+  for (auto& buffer : buffers_) buffer.resize(BitImage::words_needed(build.columns, build.rows), 0);
+}
+
+void PanelModel::flip(bool black, std::function<void()> on_settled) {
+  timeline_.cancel(due_);
+  if (never_flips) return;
+  const auto since_start = timeline_.now().time_since_epoch();
+  const TimePoint frame((since_start / build_.frame + 1) * build_.frame);
+  due_ = timeline_.at(frame, [this, black, on_settled = std::move(on_settled)] {
+    if (on_change) on_change();
+    changing_ = true;
+    was_black_ = black_;
+    true_ = !stays && !tears;
+    if (!stays) {
+      black_ = black;
+      if (!black) shown_ = 1 - shown_;
+    }
+    due_ = timeline_.at(timeline_.now() + build_.frame + build_.settling + extra, [this, on_settled] {
+      changing_ = false;
+      on_settled();
+    });
+  });
+}
+
+void PanelModel::cut() {
+  timeline_.cancel(due_);
+  changing_ = false;
+  black_ = true;
+  true_ = true;
+}
+
+ConstBitImage PanelModel::seen() {
+  if (!changing_ && (true_ || !tears)) return image(shown_);
+  torn_.resize(buffers_[0].size());
+  const auto half = static_cast<std::ptrdiff_t>(torn_.size() / build_.rows * (build_.rows / 2));
+  const auto& upper = buffers_[shown_];
+  const auto& lower = buffers_[black_ ? shown_ : 1 - shown_];
+  std::fill(torn_.begin(), torn_.end(), 0);
+  if (!black_) std::copy(upper.begin(), upper.begin() + half, torn_.begin());
+  if (!was_black_) std::copy(lower.begin() + half, lower.end(), torn_.begin() + half);
+  return {torn_, build_.columns, build_.rows};
+}
+
+}  // namespace plumbline

@@ -1,0 +1,255 @@
+#include "hal/sim/plant.hpp"
+
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+
+namespace plumbline {
+namespace {
+
+constexpr auto kCoverBound = std::chrono::milliseconds(10);
+constexpr Distance kGentlePress = 20_um;  ///< of the part on the film, which the film takes
+
+[[gnu::format(printf, 1, 2)]] std::string text(const char* pattern, ...) {
+  std::array<char, 192> line{};
+  va_list args;
+  va_start(args, pattern);
+  std::vsnprintf(line.data(), line.size(), pattern, args);
+  va_end(args);
+  return line.data();
+}
+
+}  // namespace
+
+Plant::Plant(const PlantSettings& settings)
+    : settings_(settings),
+      timeline_(settings.pace),
+      panel_(timeline_, settings.panel),
+      stage_(timeline_, settings.stage),
+      lamp_(settings.lamp.irradiance, settings.lamp_rise, settings.lamp_fall),
+      thermals_(settings.room),
+      part_(settings.panel.columns, settings.panel.rows, settings.keep_part),
+      stick_(settings.stick),
+      last_stick_(settings.stick) {
+  panel_.on_change = [this] {
+    if (!light_) return;
+    object(ObjectionKind::kMaskChangedUnderLight, "");
+    cure();
+  };
+  stage_.on_leg = [this](const StageModel::Leg& leg) { feel(leg); };
+  for (const Fault& fault : settings.faults) inject(fault);
+  meet_faults(FaultMoment::kBeforeLayer, 0);
+  uncured_layer_ = 1;
+}
+
+Status Plant::power() const {
+  if (!powered_) return fail(ErrorCode::kPowerLost, "the power has gone: resume the job when it is back");
+  return {};
+}
+
+bool Plant::pass(nanoseconds time) {
+  return wait_until(now() + time, [] { return false; }).has_value();
+}
+
+void Plant::object(ObjectionKind kind, std::string detail) {
+  objections_.push_back({.kind = kind, .at = now(), .z = z(), .layer = layer(), .detail = std::move(detail)});
+}
+
+void Plant::open_cover() {
+  if (cover_open_) return;
+  cover_open_ = true;
+  tell(EventKind::kCoverOpened);
+  if (on_cover_opened) on_cover_opened();
+  timeline_.at(now() + kCoverBound, [this] {
+    if (light_ && cover_open_) object(ObjectionKind::kLightWithCoverOpen, "still lit 10 ms after it was opened");
+  });
+}
+
+void Plant::close_cover() {
+  if (!cover_open_ || faulty(FaultKind::kCoverSwitchDead)) return;
+  cover_open_ = false;
+  tell(EventKind::kCoverClosed);
+}
+
+void Plant::plug_stick(const std::string& folder) {
+  stick_ = folder;
+  last_stick_ = folder;
+  ++sticks_plugged_;
+  tell(EventKind::kStickArrived);
+}
+
+void Plant::pull_stick() {
+  if (stick_.empty()) return;
+  stick_.clear();
+  tell(EventKind::kStickDeparted);
+}
+
+void Plant::cut_power() {
+  if (!powered_) return;
+  powered_ = false;
+  line_ = false;
+  latched_ = false;
+  drive_lamp();
+  stage_.cut();
+  panel_.cut();
+  if (on_power_lost) on_power_lost();
+}
+
+void Plant::restore_power() {
+  // Whatever was due when the power went has come to its end: the lamp is dark, the stage stands.
+  timeline_.advance_until(now() + std::chrono::seconds(5), [] { return false; });
+  powered_ = true;
+  supply_ = true;
+  died_ = false;
+  events_.clear();
+  drive_lamp();
+}
+
+void Plant::start_leg(Distance way, Speed speed, StageSwitch until, std::function<void(const LegResult&)> on_rest) {
+  if (light_) object(ObjectionKind::kMotionUnderLight, text("%.3f mm", way.millimetres()));
+  stage_.start(way, speed, settings_.travel.acceleration, until, std::move(on_rest));
+}
+
+void Plant::feel(const StageModel::Leg& leg) {
+  if (leg.to < -kGentlePress) {
+    object(ObjectionKind::kTravelPastEnd, text("the plate was pressed %.3f mm into the film", -leg.to.millimetres()));
+  } else if (!part_.layers().empty() && leg.to < part_.layers().back().z.above_film() - kGentlePress) {
+    object(ObjectionKind::kTravelPastEnd, text("the part was pressed %.3f mm into the film",
+                                               (part_.layers().back().z - ZPosition(leg.to)).millimetres()));
+  } else if (leg.to >= settings_.stage.upper_end && leg.end == LegEnd::kStalled && leg.until == StageSwitch::kNone) {
+    object(ObjectionKind::kTravelPastEnd, "the carriage ran into its upper end");
+  }
+  if (!stuck_at_) return;
+  const Distance free = stuck_at_->above_film() + settings_.resin.film_stretch;
+  if (leg.to >= free && leg.from < free) stretched_since_ = leg.passes(free);
+  if (leg.from >= free && leg.to < free && stretched_since_) {
+    const auto times = faulty(FaultKind::kResinSticks) ? amount(FaultKind::kResinSticks) : 1;
+    const auto needed = std::chrono::duration<double>(settings_.resin.time_to_peel(stuck_cm2_)) * times;
+    if (leg.passes(free) - *stretched_since_ >= needed) stuck_at_.reset();
+    stretched_since_.reset();
+  }
+}
+
+void Plant::expect_light(nanoseconds asked) {
+  asked_ = asked;
+  monitored_ = Dose(0);
+}
+
+void Plant::lamp_line(bool on) {
+  line_ = on;
+  if (!on) died_ = false;
+  drive_lamp();
+}
+
+void Plant::lamp_supply(bool on) {
+  supply_ = on;
+  drive_lamp();
+}
+
+void Plant::drive_lamp() {
+  const bool stuck = faulty(FaultKind::kLampStuckOn) || faulty(FaultKind::kLampRunaway);
+  if (!stuck || !powered_) latched_ = false;
+  if (stuck && line_ && powered_) latched_ = true;
+  const bool supplied = supply_ || (latched_ && faulty(FaultKind::kLampRunaway));
+  const bool on = powered_ && supplied && (line_ || latched_) && !died_ && !faulty(FaultKind::kLampDead);
+  double level = on ? 1 : 0;
+  if (faulty(FaultKind::kLampWeak)) level *= amount(FaultKind::kLampWeak);
+  if (dimmed_ && faulty(FaultKind::kLampFlickers)) level *= amount(FaultKind::kLampFlickers);
+  if (level == lamp_.driven()) return;
+  lamp_.set_rise(faulty(FaultKind::kLampSlowRise)
+                     ? nanoseconds(static_cast<nanoseconds::rep>(amount(FaultKind::kLampSlowRise) * 1e9))
+                     : settings_.lamp_rise);
+  lamp_.drive(now(), level);
+  timeline_.cancel(dark_due_);
+  if (level == 0) dark_due_ = timeline_.at(lamp_.settles_at(), [this] { end_light(); });
+  if (level > 0 && !light_) begin_light();
+}
+
+void Plant::flicker() {
+  if (!light_ || !faulty(FaultKind::kLampFlickers)) return;
+  dimmed_ = !dimmed_;
+  drive_lamp();
+  timeline_.at(now() + std::chrono::milliseconds(20), [this] { flicker(); });
+}
+
+void Plant::begin_light() {
+  light_ = true;
+  lit_at_ = now();
+  lit_layer_ = layer();
+  thermals_.set_lit(now(), true);
+  if (lit_layer_ > judged_) judge_last_layer(true);
+  if (cover_open_) object(ObjectionKind::kLightWithCoverOpen, "lit while it is open");
+  if (stage_.moving()) object(ObjectionKind::kMotionUnderLight, "lit while the stage moves");
+  if (panel_.changing()) {
+    object(ObjectionKind::kMaskTornUnderLight, "lit before the scan-out was over");
+  } else if (!panel_.true_to_mask()) {
+    object(ObjectionKind::kMaskTornUnderLight, "not all rows are those of the mask that was presented");
+  } else if (panel_.black()) {
+    object(ObjectionKind::kExposureWithoutMask, "");
+  }
+  if (stuck_at_ && (z() - *stuck_at_ > 1_um || *stuck_at_ - z() > 1_um)) {
+    object(ObjectionKind::kLiftSkipped,
+           text("%.1f cm2 stick to the film since %.3f mm", stuck_cm2_, stuck_at_->above_film().millimetres()));
+  }
+  meet_faults(FaultMoment::kInExposure, lit_layer_);
+  if (faulty(FaultKind::kLampFlickers)) flicker();
+  if (faulty(FaultKind::kLampDies)) {
+    const auto after = std::chrono::duration<double>(amount(FaultKind::kLampDies));
+    timeline_.at(now() + std::chrono::duration_cast<nanoseconds>(after), [this, lit_at = lit_at_] {
+      if (!light_ || lit_at != lit_at_) return;
+      died_ = true;
+      drive_lamp();
+    });
+  }
+}
+
+void Plant::end_light() {
+  light_ = false;
+  dimmed_ = false;
+  thermals_.set_lit(now(), false);
+  cure();
+  asked_ = nanoseconds::zero();
+  for (; uncured_layer_ <= lit_layer_ + 1; ++uncured_layer_) meet_faults(FaultMoment::kBeforeLayer, uncured_layer_);
+}
+
+void Plant::cure() {
+  const Dose dose = lamp_.take_dose(now());
+  monitored_ = monitored_ + dose;
+  const ZPosition here = z();
+  lights_.push_back({.layer = layer(), .z = here, .began = lit_at_, .ended = now(), .asked = asked_, .dose = dose});
+  if (panel_.black() && panel_.true_to_mask() && !panel_.changing()) return;
+  Resin resin = settings_.resin;
+  if (faulty(FaultKind::kResinWeak)) resin.critical = resin.critical * amount(FaultKind::kResinWeak);
+  part_.expose(here, panel_.seen(), lit_at_, now(), dose_of(settings_.lamp.irradiance, asked_), dose, resin);
+  const CuredLayer& layer = part_.layers().back();
+  if (layer.depth_mm <= 0 || layer.pixels == 0) return;
+  stuck_at_ = here;
+  stuck_cm2_ = static_cast<double>(layer.pixels) * settings_.panel.pitch_x_mm * settings_.panel.pitch_y_mm / 100;
+  stretched_since_.reset();
+}
+
+void Plant::judge_last_layer(bool whole) {
+  const auto layers = part_.layers();
+  if (layers.empty() || judged_ >= layers.size()) return;
+  judged_ = static_cast<std::uint32_t>(layers.size());
+  const CuredLayer& last = layers.back();
+  const auto object_to = [&](ObjectionKind kind, std::string detail) {
+    objections_.push_back(
+        {.kind = kind, .at = last.ended, .z = last.z, .layer = judged_ - 1, .detail = std::move(detail)});
+  };
+  const double ratio = last.asked.value() > 0 ? last.dose / last.asked : 1;
+  if (ratio > 1.01 || (whole && ratio < 0.99)) {
+    object_to(ObjectionKind::kDoseOff,
+              text("%.3f of %.3f mJ/cm2, %+.1f %%", last.dose.value(), last.asked.value(), 100 * (ratio - 1)));
+  }
+  if (!whole || last.pixels == 0) return;
+  const ZPosition above = layers.size() > 1 ? layers[layers.size() - 2].z : ZPosition();
+  const double gap = (last.z - above).millimetres();
+  if (last.depth_mm < gap) {
+    object_to(ObjectionKind::kNotBonded, text("cured %.4f mm deep, the gap is %.4f mm", last.depth_mm, gap));
+  }
+}
+
+void Plant::conclude(JobEnd end) { judge_last_layer(end == JobEnd::kFinished); }
+
+}  // namespace plumbline

@@ -1,0 +1,191 @@
+#pragma once
+/// The printer that is simulated: one physical model behind all devices.
+///
+/// It has two sides. The firmware sees devices (sim_machine.hpp); a test, or whoever plays the user, pulls the wires here.
+
+#include <deque>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "hal/events.hpp"
+#include "hal/sim/cured_part.hpp"
+#include "hal/sim/fault.hpp"
+#include "hal/sim/lamp_model.hpp"
+#include "hal/sim/objection.hpp"
+#include "hal/sim/panel_model.hpp"
+#include "hal/sim/resin.hpp"
+#include "hal/sim/stage_model.hpp"
+#include "hal/sim/thermal_model.hpp"
+#include "hal/sim/timeline.hpp"
+#include "hal/uv_lamp.hpp"
+#include "hal/z_stage.hpp"
+
+namespace plumbline {
+
+struct PlantSettings {
+  PanelModel::Build panel;
+  StageModel::Build stage;
+  ZStage::Limits travel{.lowest = ZPosition(),
+                        .highest = ZPosition(170_mm),
+                        .end_stop = ZPosition(172_mm),
+                        .fastest = Speed(10),
+                        .acceleration = Acceleration(50)};
+  UvLamp::Limits lamp{.longest_exposure = std::chrono::seconds(120), .irradiance = Irradiance(3)};
+  nanoseconds lamp_rise{1'000'000};
+  nanoseconds lamp_fall{1'000'000};
+  Resin resin;
+  Celsius room = Celsius(25);
+  std::string stick;  ///< folder that plays the stick; empty: none is plugged in
+  double stick_bytes_per_second = 20e6;
+  nanoseconds compute_per_mask{};  ///< virtual time that each mask takes the firmware, besides Pace::computing
+  Pace pace;
+  std::vector<Fault> faults;
+  bool keep_part = true;  ///< false: part().for_each_layer() is not to be called
+};
+
+/// One time that there was light.
+struct LightRecord {
+  std::uint32_t layer = 0;
+  ZPosition z;
+  TimePoint began;
+  TimePoint ended;
+  nanoseconds asked{};  ///< 0: nobody did
+  Dose dose;
+};
+
+/// How a job ended, for the last layer's judgement.
+enum class JobEnd : std::uint8_t {
+  kFinished,   ///< all layers had to be whole
+  kAbandoned,  ///< the last one may have been cut short
+};
+
+class Plant {
+ public:
+  explicit Plant(const PlantSettings& settings);
+  Plant(const Plant&) = delete;
+  Plant& operator=(const Plant&) = delete;
+
+  const PlantSettings& settings() const { return settings_; }
+  TimePoint now() const { return timeline_.now(); }
+
+  // The user's side.
+  void open_cover();
+  void close_cover();
+  bool cover_open() const { return cover_open_; }
+  void plug_stick(const std::string& folder);
+  void pull_stick();
+  void press(EventKind button) { tell(button); }
+  void inject(const Fault& fault);
+
+  // Power. A cut stops everything where it is: from then on each call of each device returns kPowerLost and no time passes in it.
+  void cut_power();
+  /// Before a new SimMachine is made: as after switching on. What was cured stays, the stage stands where it stood.
+  void restore_power();
+  bool powered() const { return powered_; }
+
+  /// Lets time pass, as for writing a file. @returns powered(): false where the power was cut meanwhile
+  bool pass(nanoseconds time);
+
+  // What has come of it.
+  std::span<const Objection> objections() const { return objections_; }
+  const CuredPart& part() const { return part_; }
+  std::span<const LightRecord> lights() const { return lights_; }
+  /// Judges the last layer; once, when the job is over.
+  void conclude(JobEnd end);
+  bool light() const { return light_; }
+
+  // The wires, for the back end and for tests that play a wrong one.
+  Timeline& timeline() { return timeline_; }
+  StageModel& stage() { return stage_; }
+  PanelModel& panel() { return panel_; }
+  ThermalModel& thermals() { return thermals_; }
+  void start_leg(Distance way, Speed speed, StageSwitch until, std::function<void(const LegResult&)> on_rest);
+  /// The dose that the next light is to have; without it none is judged.
+  void expect_light(nanoseconds asked);
+  void lamp_line(bool on);
+  void lamp_supply(bool on);
+  Dose monitored_dose() const { return monitored_; }  ///< since the last expect_light()
+  std::deque<Event>& events() { return events_; }
+  void tell(EventKind kind) { events_.push_back({.at = now(), .kind = kind}); }
+  const std::string& stick() const { return stick_; }  ///< empty: none
+  std::uint32_t sticks_plugged() const { return sticks_plugged_; }
+  nanoseconds mask_cost() const { return settings_.compute_per_mask + extra_mask_cost_; }
+  bool faulty(FaultKind kind) const { return active_[static_cast<std::size_t>(kind)].has_value(); }
+  double amount(FaultKind kind) const { return active_[static_cast<std::size_t>(kind)].value_or(0); }
+
+  /// Lets time pass until `enough` or the deadline.
+  /// @retval ErrorCode::kPowerLost
+  template <class Enough>
+  [[nodiscard]] Status wait_until(TimePoint deadline, Enough&& enough) {
+    if (powered_) timeline_.advance_until(deadline, [&] { return !powered_ || enough(); });
+    return power();
+  }
+  [[nodiscard]] Status power() const;
+
+  /// What a back end does when the world changes. Set by the SimMachine that runs.
+  std::function<void()> on_cover_opened;
+  std::function<void()> on_power_lost;
+
+ private:
+  void object(ObjectionKind kind, std::string detail);
+  void drive_lamp();
+  void flicker();
+  void begin_light();
+  void end_light();
+  void cure();
+  void judge_last_layer(bool whole);
+  void feel(const StageModel::Leg& leg);
+  void meet_faults(FaultMoment moment, std::uint32_t layer);
+  void begin(const Fault& fault);
+  void end(FaultKind kind);
+  void apply(FaultKind kind, bool active, double amount);
+  void apply_to_temperatures(FaultKind kind, bool active, double amount);
+  std::uint32_t layer() const { return part_.layer_at(z()); }
+  ZPosition z() const { return ZPosition(stage_.height()); }
+
+  PlantSettings settings_;
+  Timeline timeline_;
+  PanelModel panel_;
+  StageModel stage_;
+  LampModel lamp_;
+  ThermalModel thermals_;
+  CuredPart part_;
+  std::vector<Objection> objections_;
+  std::vector<LightRecord> lights_;
+  std::deque<Event> events_;
+  bool powered_ = true;
+  bool cover_open_ = false;
+  std::string stick_;
+  std::string last_stick_;
+  std::uint32_t sticks_plugged_ = 0;
+
+  // The lamp.
+  bool line_ = false;
+  bool supply_ = true;
+  bool latched_ = false;  ///< lit once since it is stuck
+  bool died_ = false;
+  bool dimmed_ = false;
+  bool light_ = false;
+  nanoseconds asked_{};
+  Dose monitored_;
+  TimePoint lit_at_;
+  std::uint32_t lit_layer_ = 0;
+  std::uint32_t uncured_layer_ = 0;  ///< the next layer whose kBeforeLayer faults have not been met
+  Timeline::Due dark_due_;
+
+  // The film.
+  std::optional<ZPosition> stuck_at_;
+  double stuck_cm2_ = 0;
+  std::optional<TimePoint> stretched_since_;
+  std::uint32_t judged_ = 0;  ///< layers
+
+  // Faults.
+  std::vector<Fault> waiting_;
+  std::array<std::optional<double>, kFaultKindCount> active_{};  ///< amount
+  nanoseconds extra_mask_cost_{};
+};
+
+}  // namespace plumbline

@@ -1,0 +1,25 @@
+#pragma once
+
+#include "hal/sim/plant.hpp"
+#include "hal/stick_port.hpp"
+
+namespace plumbline {
+
+/// A folder that plays a stick.
+class SimStickPort final : public StickPort {
+ public:
+  SimStickPort(Plant& plant, Interlock& interlock) : StickPort(interlock), plant_(plant) {}
+
+ private:
+  bool do_present() const override;
+  Expected<StickIdentity> do_identity() const override;
+  Status do_mount(std::span<char> path) override;
+  void do_unmount() override {}
+  Expected<std::size_t> do_read(int file, std::span<std::byte> buffer) override;
+  Status do_check_mounted() const override;
+
+  Plant& plant_;
+  std::uint32_t mounted_stick_ = 0;  ///< the count of sticks when it was mounted
+};
+
+}  // namespace plumbline

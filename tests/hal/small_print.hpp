@@ -1,0 +1,56 @@
+#pragma once
+/// A print of a few layers through the HAL alone, as plain as one can be: no checks, no pauses, the first error ends it.
+
+#include <cstdint>
+#include <functional>
+
+#include "hal/await.hpp"
+#include "hal/machine.hpp"
+
+namespace plumbline {
+
+struct SmallPrint {
+  std::uint32_t layers = 5;
+  Distance layer_height = 50_um;
+  nanoseconds cure = std::chrono::milliseconds(2500);
+  Distance lift = 5_mm;
+  Speed speed = Speed(4);
+  bool lifts = true;
+  std::function<void(std::uint32_t, BitImage)> draw;  ///< the mask of a layer; without it all of the panel
+};
+
+/// Homes, then prints. Whoever's cover is opened ends the print.
+inline Status print_layers(const Machine& machine, const SmallPrint& print) {
+  const auto go_on = [](const Event&) { return Waiting::kGoOn; };
+  PLUMBLINE_TRY(machine.stage.home());
+  for (std::uint32_t k = 0; k < print.layers; ++k) {
+    auto mask = machine.mask.lend();
+    if (!mask) return tl::unexpected<Error>(mask.error());
+    if (print.draw) {
+      print.draw(k, mask->image());
+    } else {
+      for (std::uint32_t row = 0; row < mask->image().rows(); ++row) {
+        for (auto& word : mask->image().row(row)) word = ~std::uint64_t{0};
+        mask->image().row(row).back() = mask->image().last_word_mask();
+      }
+    }
+    const ZPosition height(print.layer_height * (k + 1));
+    if (print.lifts || k == 0) {
+      PLUMBLINE_TRY(machine.stage.move_to(height, print.speed));
+    } else {
+      PLUMBLINE_TRY(machine.stage.move_to(height, Speed(0.1)));
+    }
+    PLUMBLINE_TRY(machine.mask.present(std::move(*mask)));
+    auto exposure = machine.lamp.begin_exposure(print.cure);
+    if (!exposure) return tl::unexpected<Error>(exposure.error());
+    PLUMBLINE_TRY(await(*exposure, machine.events, machine.clock, go_on));
+    const auto report = exposure->finish();
+    if (!report) return tl::unexpected<Error>(report.error());
+    if (report->end != ExposureEnd::kTimeUp) return fail(ErrorCode::kCoverOpen, "layer %u was cut short", k);
+    PLUMBLINE_TRY(machine.mask.blank());
+    if (print.lifts) PLUMBLINE_TRY(machine.stage.move_to(height + print.lift, print.speed));
+  }
+  return {};
+}
+
+}  // namespace plumbline
