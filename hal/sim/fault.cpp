@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <limits>
+#include <cmath>
+#include <utility>
 #include <vector>
 
 namespace plumbline {
@@ -37,7 +38,7 @@ std::optional<nanoseconds> time_of(std::string_view text) {
   if (!text.ends_with('s')) return std::nullopt;
   const auto seconds = whole_number<double>(text.substr(0, text.size() - 1));
   if (!seconds || !(*seconds >= 0 && *seconds <= 1e8)) return std::nullopt;
-  return nanoseconds(static_cast<nanoseconds::rep>(*seconds * 1e9 + 0.5));
+  return nanoseconds(std::llround(*seconds * 1e9));
 }
 
 struct Text {

@@ -92,6 +92,6 @@ struct Fault {
 ///
 /// without blanks. Seconds are 0 to 1e8.
 /// @retval ErrorCode::kBadSetting  what was found, what is allowed; for an unknown fault the nearest known one
-[[nodiscard]] Expected<Fault> parse_fault(std::string_view text);
+[[nodiscard]] Expected<Fault> parse_fault(std::string_view all);
 
 }  // namespace plumbline

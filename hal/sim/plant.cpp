@@ -39,7 +39,6 @@ Plant::Plant(const PlantSettings& settings)
   stage_.on_leg = [this](const StageModel::Leg& leg) { feel(leg); };
   for (const Fault& fault : settings.faults) inject(fault);
   meet_faults(FaultMoment::kBeforeLayer, 0);
-  uncured_layer_ = 1;
 }
 
 Status Plant::power() const {

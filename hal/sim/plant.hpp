@@ -173,7 +173,7 @@ class Plant {
   Dose monitored_;
   TimePoint lit_at_;
   std::uint32_t lit_layer_ = 0;
-  std::uint32_t uncured_layer_ = 0;  ///< the next layer whose kBeforeLayer faults have not been met
+  std::uint32_t uncured_layer_ = 1;  ///< the next layer whose kBeforeLayer faults have not been met
   Timeline::Due dark_due_;
 
   // The film.

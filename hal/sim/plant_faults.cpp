@@ -51,7 +51,7 @@ void Plant::apply(FaultKind kind, bool active, double amount) {
     case FaultKind::kStageSkips: stage_.skips = Distance::millimetres(amount); break;
     case FaultKind::kStageStalls: stage_.stalls_at = active ? amount : 2; break;
     case FaultKind::kComputeSlow: extra_mask_cost_ = time_of(amount); break;
-    case FaultKind::kCoverOpens: active ? open_cover() : close_cover(); break;
+    case FaultKind::kCoverOpens:
     case FaultKind::kCoverSwitchDead: active ? open_cover() : close_cover(); break;
     case FaultKind::kStickPulled: active ? pull_stick() : plug_stick(last_stick_); break;
     case FaultKind::kButtonStart:
