@@ -121,12 +121,17 @@ void Plant::feel(const StageModel::Leg& leg) {
   if (!stuck_at_) return;
   const Distance free = stuck_at_->above_film() + settings_.resin.film_stretch;
   if (leg.to >= free && leg.from < free) stretched_since_ = leg.passes(free);
-  if (leg.from >= free && leg.to < free && stretched_since_) {
-    const auto times = faulty(FaultKind::kResinSticks) ? amount(FaultKind::kResinSticks) : 1;
-    const auto needed = std::chrono::duration<double>(settings_.resin.time_to_peel(stuck_cm2_)) * times;
-    if (leg.passes(free) - *stretched_since_ >= needed) stuck_at_.reset();
+  if (leg.from >= free && leg.to < free) {
+    peel(leg.passes(free));
     stretched_since_.reset();
   }
+}
+
+void Plant::peel(TimePoint time) {
+  if (!stuck_at_ || !stretched_since_) return;
+  const double times = faulty(FaultKind::kResinSticks) ? amount(FaultKind::kResinSticks) : 1;
+  const auto needed = std::chrono::duration<double>(settings_.resin.time_to_peel(stuck_cm2_)) * times;
+  if (time - *stretched_since_ >= needed) stuck_at_.reset();
 }
 
 void Plant::expect_light(nanoseconds asked) {
@@ -186,6 +191,7 @@ void Plant::begin_light() {
   } else if (panel_.black()) {
     object(ObjectionKind::kExposureWithoutMask, "");
   }
+  peel(now());
   if (stuck_at_ && (z() - *stuck_at_ > 1_um || *stuck_at_ - z() > 1_um)) {
     object(ObjectionKind::kLiftSkipped,
            text("%.1f cm2 stick to the film since %.3f mm", stuck_cm2_, stuck_at_->above_film().millimetres()));

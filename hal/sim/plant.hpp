@@ -138,6 +138,8 @@ class Plant {
   void cure();
   void judge_last_layer(bool whole);
   void feel(const StageModel::Leg& leg);
+  /// What has been stretched for long enough at `time` has come off the film.
+  void peel(TimePoint time);
   void meet_faults(FaultMoment moment, std::uint32_t layer);
   void begin(const Fault& fault);
   void end(FaultKind kind);

@@ -15,8 +15,7 @@ struct SmallPrint {
   nanoseconds cure = std::chrono::milliseconds(2500);
   Distance lift = 5_mm;
   Speed speed = Speed(4);
-  bool lifts = true;
-  std::function<void(std::uint32_t, BitImage)> draw;  ///< the mask of a layer; without it all of the panel
+  std::function<void(std::uint32_t, BitImage)> draw = nullptr;  ///< the mask of a layer; without it all of the panel
 };
 
 /// Homes, then prints. Whoever's cover is opened ends the print.
@@ -35,11 +34,7 @@ inline Status print_layers(const Machine& machine, const SmallPrint& print) {
       }
     }
     const ZPosition height(print.layer_height * (k + 1));
-    if (print.lifts || k == 0) {
-      PLUMBLINE_TRY(machine.stage.move_to(height, print.speed));
-    } else {
-      PLUMBLINE_TRY(machine.stage.move_to(height, Speed(0.1)));
-    }
+    PLUMBLINE_TRY(machine.stage.move_to(height, print.speed));
     PLUMBLINE_TRY(machine.mask.present(std::move(*mask)));
     auto exposure = machine.lamp.begin_exposure(print.cure);
     if (!exposure) return tl::unexpected<Error>(exposure.error());
@@ -48,7 +43,7 @@ inline Status print_layers(const Machine& machine, const SmallPrint& print) {
     if (!report) return tl::unexpected<Error>(report.error());
     if (report->end != ExposureEnd::kTimeUp) return fail(ErrorCode::kCoverOpen, "layer %u was cut short", k);
     PLUMBLINE_TRY(machine.mask.blank());
-    if (print.lifts) PLUMBLINE_TRY(machine.stage.move_to(height + print.lift, print.speed));
+    PLUMBLINE_TRY(machine.stage.move_to(height + print.lift, print.speed));
   }
   return {};
 }

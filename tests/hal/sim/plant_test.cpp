@@ -5,10 +5,11 @@
 
 #include <chrono>
 #include <cmath>
-#include <random>
+#include <memory>
 #include <sstream>
 
 #include "hal/sim/sim_machine.hpp"
+#include "tests/hal/sim/sim_fixture.hpp"
 #include "tests/hal/small_print.hpp"
 
 namespace plumbline {
@@ -18,41 +19,13 @@ using namespace std::chrono_literals;
 using testing::IsEmpty;
 using testing::SizeIs;
 
-PlantSettings small_printer() {
-  PlantSettings settings;
-  settings.panel.columns = 100;
-  settings.panel.rows = 60;
-  settings.panel.pitch_x_mm = settings.panel.pitch_y_mm = 0.5;
-  return settings;
-}
-
-std::vector<std::string> objections_of(const Plant& plant) {
-  std::vector<std::string> texts;
-  for (const Objection& objection : plant.objections()) texts.push_back(to_string(objection));
-  return texts;
-}
-
-std::vector<Fault> faults(std::initializer_list<const char*> texts) {
-  std::vector<Fault> all;
-  for (const char* text : texts) all.push_back(parse_fault(text).value());
-  return all;
-}
-
-void draw_random(std::uint32_t layer, BitImage image) {
-  std::mt19937_64 random(layer);
-  for (std::uint32_t row = 0; row < image.rows(); ++row) {
-    for (auto& word : image.row(row)) word = random() & random();
-    image.row(row).back() &= image.last_word_mask();
-  }
-}
-
 TEST(Plant, HasNoObjectionToACarefulPrintAndKeepsWhatItCured) {
   Plant plant(small_printer());
   SimMachine machine(plant);
   const auto printed = print_layers(machine.machine(), {.layers = 20, .draw = draw_random});
   ASSERT_TRUE(printed) << printed.error().message();
   plant.conclude(JobEnd::kFinished);
-  EXPECT_THAT(objections_of(plant), IsEmpty());
+  EXPECT_THAT(texts_of(plant.objections()), IsEmpty());
   ASSERT_THAT(plant.part().layers(), SizeIs(20));
   std::uint32_t k = 0;
   std::vector<std::uint64_t> words(BitImage::words_needed(100, 60));
@@ -72,20 +45,133 @@ TEST(Plant, HasNoObjectionToACarefulPrintAndKeepsWhatItCured) {
 TEST(Plant, IsTheSameEveryTime) {
   std::vector<std::string> runs;
   for (int run = 0; run < 2; ++run) {
-    PlantSettings settings = small_printer();
-    settings.faults = faults({"lamp.flickers@layer=2", "stage.skips@layer=3,by=0.01"});
-    Plant plant(settings);
+    Plant plant(small_printer({"lamp.flickers@layer=2", "stage.skips@layer=3,by=0.01"}));
     SimMachine machine(plant);
     ASSERT_TRUE(print_layers(machine.machine(), {.layers = 6, .draw = draw_random}));
     plant.conclude(JobEnd::kFinished);
     std::ostringstream all;
     all << plant.now().time_since_epoch().count();
-    for (const auto& objection : objections_of(plant)) all << '\n' << objection;
+    for (const auto& objection : texts_of(plant.objections())) all << '\n' << objection;
     for (const auto& light : plant.lights()) all << '\n' << std::hexfloat << light.dose.value();
     runs.push_back(all.str());
   }
   EXPECT_EQ(runs[0], runs[1]);
   EXPECT_THAT(runs[0], testing::HasSubstr("dose off"));
+}
+
+/// What a firmware of three lines does after a power cut: it knows the layer, not how much light it had.
+Status resume(const Machine& machine, std::uint32_t from, std::uint32_t layers) {
+  PLUMBLINE_TRY(machine.stage.home());
+  for (std::uint32_t k = from; k < layers; ++k) {
+    auto mask = machine.mask.lend();
+    if (!mask) return tl::unexpected<Error>(mask.error());
+    draw_random(k, mask->image());
+    PLUMBLINE_TRY(machine.stage.move_to(ZPosition(50_um * (k + 1)), Speed(4)));
+    PLUMBLINE_TRY(machine.mask.present(std::move(*mask)));
+    PLUMBLINE_TRY(machine.lamp.expose(2500ms));
+    PLUMBLINE_TRY(machine.mask.blank());
+    PLUMBLINE_TRY(machine.stage.move_to(ZPosition(50_um * (k + 1)) + 5_mm, Speed(4)));
+  }
+  return {};
+}
+
+TEST(Plant, AfterAPowerCutAtAnyInstantThePrintGoesOnWithTheSamePart) {
+  // Some instants in homing, then all over the five layers, which take some 6 s each.
+  for (int percent = 0; percent < 100; percent += 3) {
+    SCOPED_TRACE(percent);
+    Plant plant(small_printer({"power.cut@t=" + std::to_string(20 + 0.5 * percent) + "s"}));
+    {
+      SimMachine machine(plant);
+      const auto printed = print_layers(machine.machine(), {.layers = 5, .draw = draw_random});
+      ASSERT_FALSE(printed);
+      EXPECT_EQ(printed.error().code(), ErrorCode::kPowerLost);
+      EXPECT_FALSE(plant.powered());
+      // All devices say so, and no time passes.
+      const Machine devices = machine.machine();
+      const TimePoint now = plant.now();
+      const auto power_lost = [](const auto& result) {
+        return !result && result.error().code() == ErrorCode::kPowerLost;
+      };
+      EXPECT_TRUE(power_lost(devices.clock.sleep_until(now + 1s)));
+      EXPECT_TRUE(power_lost(devices.events.next_event(now + 1s)));
+      EXPECT_TRUE(power_lost(devices.mask.lend()));
+      EXPECT_TRUE(power_lost(devices.mask.blank()));
+      EXPECT_TRUE(power_lost(devices.lamp.begin_exposure(1s)));
+      EXPECT_TRUE(power_lost(devices.stage.position()));
+      EXPECT_TRUE(power_lost(devices.stage.begin_homing()));
+      EXPECT_TRUE(power_lost(devices.stage.begin_move(ZPosition(), Speed(1))));
+      EXPECT_TRUE(power_lost(devices.stick.identity()));
+      EXPECT_TRUE(power_lost(devices.stick.mount()));
+      EXPECT_TRUE(power_lost(devices.panel.set_light(PanelLight::kFault, LightState::kOn)));
+      EXPECT_TRUE(power_lost(devices.panel.beep(1s)));
+      EXPECT_TRUE(power_lost(devices.thermals.temperature(TemperatureSite::kLamp)));
+      EXPECT_TRUE(power_lost(devices.thermals.set_fan(Fan::kLamp, 1)));
+      EXPECT_FALSE(plant.pass(1s));
+      EXPECT_EQ(plant.now(), now);
+    }
+    const auto cured = static_cast<std::uint32_t>(plant.part().layers().size());
+    // The last layer again where its light was cut short.
+    const bool cut_short = cured > 0 && plant.lights().back().ended - plant.lights().back().began < 2500ms;
+    plant.restore_power();
+    EXPECT_FALSE(plant.light());
+    SimMachine machine(plant);
+    EXPECT_FALSE(machine.machine().stage.homed());
+    EXPECT_FALSE(machine.machine().mask.presented());
+    const auto resumed = resume(machine.machine(), cut_short ? cured - 1 : cured, 5);
+    ASSERT_TRUE(resumed) << resumed.error().message();
+    plant.conclude(JobEnd::kFinished);
+    ASSERT_THAT(plant.part().layers(), SizeIs(5));
+    std::uint32_t k = 0;
+    std::vector<std::uint64_t> words(BitImage::words_needed(100, 60));
+    plant.part().for_each_layer([&](const CuredLayer&, ConstBitImage image) {
+      draw_random(k++, BitImage(words, 100, 60));
+      EXPECT_TRUE(std::equal(words.begin(), words.end(), image.words().begin())) << k;
+    });
+    // The mark: the layer that was cut short got more than was asked for.
+    if (cut_short) {
+      EXPECT_THAT(kinds_of(plant.objections()), testing::ElementsAre(ObjectionKind::kDoseOff));
+      EXPECT_EQ(plant.objections()[0].layer, cured - 1);
+    } else {
+      EXPECT_THAT(texts_of(plant.objections()), IsEmpty());
+    }
+  }
+}
+
+TEST(Plant, IsDarkAndStillWhenTheFirmwareIsKilled) {
+  Plant plant(small_printer());
+  auto machine = std::make_unique<SimMachine>(plant);
+  ASSERT_TRUE(print_layers(machine->machine(), {.layers = 2}));
+  auto mask = machine->machine().mask.lend();
+  ASSERT_TRUE(mask);
+  ASSERT_TRUE(machine->machine().mask.present(std::move(*mask)));
+  // Killed: no destructor of the firmware's runs, so the exposure is left where it lies.
+  auto* const exposure = new Expected<Exposure>(machine->machine().lamp.begin_exposure(60s));
+  ASSERT_TRUE(*exposure);
+  EXPECT_TRUE(plant.light());
+  machine.reset();
+  ASSERT_TRUE(plant.pass(50ms));
+  EXPECT_FALSE(plant.light());
+  ::operator delete(exposure);
+}
+
+TEST(Plant, TheFirmwareSeesTimePassForAMaskThatTakesTime) {
+  PlantSettings settings = small_printer({"compute.slow@layer=2,by=1.5,for=30s"});
+  settings.compute_per_mask = 300ms;
+  Plant plant(settings);
+  SimMachine machine(plant);
+  std::vector<double> takes;
+  const Machine devices = machine.machine();
+  const auto lend = [&] {
+    const TimePoint before = devices.clock.now();
+    ASSERT_TRUE(devices.mask.lend());
+    takes.push_back(std::chrono::duration<double>(devices.clock.now() - before).count());
+  };
+  lend();
+  ASSERT_TRUE(print_layers(devices, {.layers = 2}));
+  lend();
+  ASSERT_TRUE(plant.pass(30s));
+  lend();
+  EXPECT_THAT(takes, testing::ElementsAre(0.3, 1.8, 0.3));
 }
 
 }  // namespace

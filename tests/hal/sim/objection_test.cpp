@@ -1,0 +1,263 @@
+/// The plant objects: each objection provoked once, by a firmware or a back end that does wrong.
+
+#include "hal/sim/objection.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <set>
+
+#include "hal/sim/sim_machine.hpp"
+#include "tests/hal/sim/sim_fixture.hpp"
+#include "tests/hal/small_print.hpp"
+
+namespace plumbline {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+/// Two layers printed as they should be; then the wires are the test's.
+class Objections : public testing::Test {
+ protected:
+  void SetUp() override {
+    {
+      SimMachine machine(plant);
+      ASSERT_TRUE(print_layers(machine.machine(), {.layers = 2}));
+    }
+    ASSERT_THAT(texts_of(plant.objections()), IsEmpty());
+  }
+
+  void go_to(Distance height) {
+    plant.start_leg(height - plant.stage().height(), Speed(4), StageSwitch::kNone, [](const LegResult&) {});
+    plant.timeline().advance_until(plant.now() + 100s, [this] { return !plant.stage().moving(); });
+  }
+  void show(bool black = false) {
+    for (auto& word : plant.panel().back().words()) word = 1;
+    plant.panel().flip(black, [] {});
+    plant.pass(1s);
+  }
+  void light(nanoseconds time) {
+    plant.lamp_line(true);
+    plant.pass(time);
+    plant.lamp_line(false);
+    plant.pass(10ms);
+  }
+  auto objections() { return kinds_of(plant.objections()); }
+
+  Plant plant{small_printer()};
+};
+
+TEST_F(Objections, NoneWhereABackEndDoesRight) {
+  go_to(150_um);
+  show();
+  plant.expect_light(2s);
+  light(2s);
+  show(true);
+  go_to(5_mm);
+  plant.conclude(JobEnd::kFinished);
+  EXPECT_THAT(texts_of(plant.objections()), IsEmpty());
+  EXPECT_EQ(plant.part().layers().size(), 3U);
+}
+
+TEST_F(Objections, ToAMaskThatChangesUnderLight) {
+  go_to(150_um);
+  show();
+  plant.lamp_line(true);
+  show();
+  plant.lamp_line(false);
+  EXPECT_THAT(objections(), ElementsAre(ObjectionKind::kMaskChangedUnderLight));
+}
+
+TEST_F(Objections, ToBlankingUnderLight) {
+  go_to(150_um);
+  show();
+  plant.lamp_line(true);
+  show(true);
+  plant.lamp_line(false);
+  EXPECT_THAT(objections(), ElementsAre(ObjectionKind::kMaskChangedUnderLight));
+}
+
+TEST_F(Objections, ToLightBeforeTheScanOutIsOver) {
+  go_to(150_um);
+  plant.panel().flip(false, [] {});
+  plant.pass(30ms);
+  light(1s);
+  EXPECT_THAT(objections(), ElementsAre(ObjectionKind::kMaskTornUnderLight));
+}
+
+TEST_F(Objections, ToLightThroughATornMask) {
+  go_to(150_um);
+  plant.panel().tears = true;
+  show();
+  light(1s);
+  EXPECT_THAT(objections(), ElementsAre(ObjectionKind::kMaskTornUnderLight));
+}
+
+TEST_F(Objections, ToMotionUnderLight) {
+  go_to(150_um);
+  show();
+  plant.lamp_line(true);
+  go_to(200_um);
+  plant.lamp_line(false);
+  EXPECT_THAT(objections(), ElementsAre(ObjectionKind::kMotionUnderLight));
+}
+
+TEST_F(Objections, ToLightWhileTheStageMoves) {
+  show();
+  plant.start_leg(-1_mm, Speed(1), StageSwitch::kNone, [](const LegResult&) {});
+  plant.pass(100ms);
+  light(10ms);
+  EXPECT_THAT(objections(), ElementsAre(ObjectionKind::kMotionUnderLight));
+}
+
+TEST_F(Objections, ToLightThatTheOpenCoverDoesNotEnd) {
+  go_to(150_um);
+  show();
+  plant.lamp_line(true);
+  plant.pass(1s);
+  plant.open_cover();
+  plant.pass(9ms);
+  EXPECT_THAT(objections(), IsEmpty());
+  plant.pass(2ms);
+  plant.lamp_line(false);
+  EXPECT_THAT(objections(), ElementsAre(ObjectionKind::kLightWithCoverOpen));
+}
+
+TEST_F(Objections, ToLightThatBeginsWithTheCoverOpen) {
+  go_to(150_um);
+  show();
+  plant.open_cover();
+  plant.pass(1s);
+  light(1ms);
+  EXPECT_THAT(objections(), ElementsAre(ObjectionKind::kLightWithCoverOpen));
+}
+
+TEST_F(Objections, ToLightThroughABlankPanel) {
+  go_to(150_um);
+  light(1s);
+  EXPECT_THAT(objections(), ElementsAre(ObjectionKind::kExposureWithoutMask));
+}
+
+TEST_F(Objections, ToThePlateInTheFilm) {
+  Plant empty(small_printer());
+  empty.start_leg(-1_mm - empty.stage().height(), Speed(4), StageSwitch::kNone, [](const LegResult&) {});
+  empty.pass(100s);
+  EXPECT_THAT(kinds_of(empty.objections()), ElementsAre(ObjectionKind::kTravelPastEnd));
+}
+
+TEST_F(Objections, ToThePartInTheFilm) {
+  go_to(70_um);  // two layers of 50 um hang below the plate
+  EXPECT_THAT(objections(), ElementsAre(ObjectionKind::kTravelPastEnd));
+}
+
+TEST_F(Objections, ToTheCarriageInTheFrame) {
+  go_to(200_mm);
+  EXPECT_THAT(objections(), ElementsAre(ObjectionKind::kTravelPastEnd));
+}
+
+TEST_F(Objections, ToALiftThatWasSkipped) {
+  go_to(150_um);
+  show();
+  light(2s);
+  go_to(200_um);
+  light(2s);
+  EXPECT_THAT(objections(), ElementsAre(ObjectionKind::kLiftSkipped));
+}
+
+TEST_F(Objections, ToALiftThatIsTooShortForTheFilm) {
+  go_to(150_um);
+  show();
+  light(2s);
+  go_to(1100_um);  // it stretches 1 mm
+  go_to(200_um);
+  light(2s);
+  EXPECT_THAT(objections(), ElementsAre(ObjectionKind::kLiftSkipped));
+}
+
+TEST_F(Objections, ToALiftThatIsTooQuickForTheArea) {
+  go_to(150_um);
+  show();
+  light(2s);
+  go_to(1200_um);  // 50 um above where the film is stretched, up and down: less than the 0.2 s that it takes
+  go_to(200_um);
+  light(2s);
+  EXPECT_THAT(objections(), ElementsAre(ObjectionKind::kLiftSkipped));
+}
+
+TEST_F(Objections, ToADoseThatIsOffByMoreThanOnePercent) {
+  for (const auto& [layer, lit] : {std::pair{3, 1981ms}, {4, 1979ms}, {5, 2019ms}, {6, 2021ms}}) {
+    go_to(50_um * layer);
+    show();
+    plant.expect_light(2s);
+    light(lit);
+    show(true);
+    go_to(5_mm);
+  }
+  plant.conclude(JobEnd::kFinished);
+  EXPECT_THAT(objections(), ElementsAre(ObjectionKind::kDoseOff, ObjectionKind::kDoseOff));
+  EXPECT_EQ(plant.objections()[0].layer, 3U);
+  EXPECT_EQ(plant.objections()[1].layer, 5U);
+}
+
+TEST_F(Objections, NotToADoseThatCameInTwoParts) {
+  go_to(150_um);
+  show();
+  plant.expect_light(2s);
+  light(700ms);
+  go_to(40_mm);
+  plant.pass(600s);
+  go_to(150_um);
+  plant.expect_light(1300ms);
+  light(1300ms);
+  plant.conclude(JobEnd::kFinished);
+  EXPECT_THAT(texts_of(plant.objections()), IsEmpty());
+  EXPECT_EQ(plant.part().layers().back().exposures, 2U);
+}
+
+TEST_F(Objections, ToTheLastLayersDoseOnlyWhereTheJobWasToBeFinished) {
+  go_to(150_um);
+  show();
+  plant.expect_light(2s);
+  light(700ms);
+  plant.conclude(JobEnd::kAbandoned);
+  EXPECT_THAT(texts_of(plant.objections()), IsEmpty());
+}
+
+TEST_F(Objections, ToALayerThatDoesNotReachTheOneAbove) {
+  // Cd = 0.11 ln(6 / 2.4) = 0.1008 mm
+  go_to(200_um);  // 100 um below the last one
+  show();
+  plant.expect_light(2s);
+  light(2s);
+  show(true);
+  go_to(5_mm);
+  go_to(302.5_um);  // 102.5 um below that
+  show();
+  plant.expect_light(2s);
+  light(2s);
+  plant.conclude(JobEnd::kFinished);
+  EXPECT_THAT(objections(), ElementsAre(ObjectionKind::kNotBonded));
+  EXPECT_EQ(plant.objections()[0].layer, 3U);
+}
+
+TEST_F(Objections, SayTimeLayerAndHeight) {
+  go_to(150_um);
+  light(1s);
+  const Objection& objection = plant.objections()[0];
+  EXPECT_EQ(objection.z, ZPosition(150_um));
+  EXPECT_EQ(objection.layer, 2U);
+  EXPECT_THAT(to_string(objection), testing::HasSubstr(" s, layer 2, 0.150 mm: exposure without a mask"));
+}
+
+TEST_F(Objections, HaveNamesOfTheirOwn) {
+  std::set<std::string_view> names;
+  for (std::size_t i = 0; i < kObjectionKindCount; ++i) names.insert(to_string(static_cast<ObjectionKind>(i)));
+  EXPECT_EQ(names.size(), kObjectionKindCount);
+  EXPECT_EQ(names.count("unknown objection"), 0U);
+}
+
+}  // namespace
+}  // namespace plumbline
