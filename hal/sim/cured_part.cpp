@@ -50,6 +50,7 @@ void CuredPart::expose(ZPosition z, ConstBitImage mask, TimePoint began, TimePoi
   layer.pixels = 0;
   for (std::size_t i = 0; i < open_.size(); ++i) {
     open_[i] |= mask.words()[i];
+    if (open_[i] == 0) continue;
     layer.pixels += static_cast<std::uint64_t>(std::popcount(open_[i]));
   }
 }

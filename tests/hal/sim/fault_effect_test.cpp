@@ -73,7 +73,7 @@ std::vector<Effect> effects() {
   const auto lost_steps = [](const Machine& machine, Plant& plant) {
     EXPECT_NEAR((machine.stage.position().value().above_film() - plant.stage().height()).millimetres(), 0.2, 1e-6);
     // Too low by 0.2 mm: the end stop comes 0.2 mm later than the steps say.
-    EXPECT_NEAR(machine.stage.home().value().steps_lost.millimetres(), 0.2, 0.003);
+    EXPECT_NEAR(machine.stage.home().value().steps_lost.millimetres(), 0.2, 0.00126);
   };
   const auto stick_is_gone = [](const Machine& machine, Plant&) { EXPECT_FALSE(machine.stick.present()); };
   const auto first_read = [](const Machine& machine, ErrorCode code) {
