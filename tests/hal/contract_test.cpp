@@ -23,36 +23,36 @@ using namespace std::chrono_literals;
 class Contract : public testing::TestWithParam<RigMaker> {
  protected:
   void SetUp() override {
-    rig = GetParam().make();
-    ASSERT_NE(rig, nullptr);
+    rig_ = GetParam().make();
+    ASSERT_NE(rig_, nullptr);
   }
 
   void home() {
-    const auto homed = rig->machine().stage.home();
+    const auto homed = rig_->machine().stage.home();
     ASSERT_TRUE(homed) << homed.error().message();
     forget_events();
   }
   void show_a_mask() {
-    auto mask = rig->machine().mask.lend();
+    auto mask = rig_->machine().mask.lend();
     ASSERT_TRUE(mask);
     mask->image().clear();
     mask->image().set(3, 5);
-    const auto shown = rig->machine().mask.present(std::move(*mask));
+    const auto shown = rig_->machine().mask.present(std::move(*mask));
     ASSERT_TRUE(shown) << shown.error().message();
   }
   void forget_events() {
-    while (rig->machine().events.next_event(TimePoint())->has_value()) {
+    while (rig_->machine().events.next_event(TimePoint())->has_value()) {
     }
   }
   /// The kinds of all that happens in `time`.
   std::vector<EventKind> events_in(nanoseconds time) {
     std::vector<EventKind> kinds;
-    const TimePoint end = rig->machine().clock.now() + time;
-    while (const auto event = rig->machine().events.next_event(end).value()) kinds.push_back(event->kind);
+    const TimePoint end = rig_->machine().clock.now() + time;
+    while (const auto event = rig_->machine().events.next_event(end).value()) kinds.push_back(event->kind);
     return kinds;
   }
 
-  std::unique_ptr<Rig> rig;
+  std::unique_ptr<Rig> rig_;
 };
 
 template <class Result>
@@ -65,7 +65,7 @@ testing::AssertionResult failed_with(const Result& result, ErrorCode code) {
 // --- Clock and events
 
 TEST_P(Contract, TimePassesAndNeverGoesBack) {
-  Clock& clock = rig->machine().clock;
+  Clock& clock = rig_->machine().clock;
   const TimePoint start = clock.now();
   ASSERT_TRUE(clock.sleep_until(start + 20ms));
   EXPECT_GE(clock.now(), start + 20ms);
@@ -75,7 +75,7 @@ TEST_P(Contract, TimePassesAndNeverGoesBack) {
 }
 
 TEST_P(Contract, WaitingForAnEventEndsAtItsDeadline) {
-  const Machine machine = rig->machine();
+  const Machine machine = rig_->machine();
   const TimePoint start = machine.clock.now();
   const auto event = machine.events.next_event(start + 50ms);
   ASSERT_TRUE(event);
@@ -85,10 +85,10 @@ TEST_P(Contract, WaitingForAnEventEndsAtItsDeadline) {
 }
 
 TEST_P(Contract, EventsComeInOrderWithTheTimeTheyHappenedAt) {
-  const Machine machine = rig->machine();
+  const Machine machine = rig_->machine();
   const TimePoint start = machine.clock.now();
-  rig->press(EventKind::kPausePressed, 30ms);
-  rig->press(EventKind::kCancelPressed, 60ms);
+  rig_->press(EventKind::kPausePressed, 30ms);
+  rig_->press(EventKind::kCancelPressed, 60ms);
   const auto first = machine.events.next_event(start + 1s).value();
   ASSERT_TRUE(first);
   EXPECT_EQ(first->kind, EventKind::kPausePressed);
@@ -104,7 +104,7 @@ TEST_P(Contract, EventsComeInOrderWithTheTimeTheyHappenedAt) {
 // --- Mask
 
 TEST_P(Contract, AMaskIsLentOnceAndComesBackWhenItIsLetGo) {
-  MaskDisplay& display = rig->machine().mask;
+  MaskDisplay& display = rig_->machine().mask;
   {
     const auto mask = display.lend();
     ASSERT_TRUE(mask);
@@ -116,7 +116,7 @@ TEST_P(Contract, AMaskIsLentOnceAndComesBackWhenItIsLetGo) {
 }
 
 TEST_P(Contract, AMaskThatIsOnThePanelCantBeWritten) {
-  MaskDisplay& display = rig->machine().mask;
+  MaskDisplay& display = rig_->machine().mask;
   auto first = display.lend();
   ASSERT_TRUE(first);
   const auto* const words = first->image().words().data();
@@ -128,7 +128,7 @@ TEST_P(Contract, AMaskThatIsOnThePanelCantBeWritten) {
 }
 
 TEST_P(Contract, AMaskIsPresentedUntilThePanelIsBlank) {
-  MaskDisplay& display = rig->machine().mask;
+  MaskDisplay& display = rig_->machine().mask;
   EXPECT_FALSE(display.presented());
   show_a_mask();
   EXPECT_TRUE(display.presented());
@@ -137,7 +137,7 @@ TEST_P(Contract, AMaskIsPresentedUntilThePanelIsBlank) {
 }
 
 TEST_P(Contract, NeitherMaskNorBlackIsShownUnderLight) {
-  const Machine machine = rig->machine();
+  const Machine machine = rig_->machine();
   show_a_mask();
   auto next = machine.mask.lend();
   ASSERT_TRUE(next);
@@ -154,17 +154,17 @@ TEST_P(Contract, NeitherMaskNorBlackIsShownUnderLight) {
 // --- Lamp
 
 TEST_P(Contract, ALampIsLitForTheTimeAsked) {
-  const Machine machine = rig->machine();
+  const Machine machine = rig_->machine();
   show_a_mask();
   for (const nanoseconds cure : {100ms, 650ms, 1ms, 37ms}) {
-    const nanoseconds before = rig->time_lit();
+    const nanoseconds before = rig_->time_lit();
     const auto report = machine.lamp.expose(cure);
     ASSERT_TRUE(report) << report.error().message();
     EXPECT_EQ(report->asked, cure);
     EXPECT_EQ(report->end, ExposureEnd::kTimeUp);
     EXPECT_LE(std::chrono::abs(report->lit - cure), 1ms);
-    EXPECT_LE(std::chrono::abs(rig->time_lit() - before - cure), 2ms);
-    EXPECT_FALSE(rig->light());
+    EXPECT_LE(std::chrono::abs(rig_->time_lit() - before - cure), 2ms);
+    EXPECT_FALSE(rig_->light());
     // The 1 ms above, and 1 %.
     const Irradiance irradiance = machine.lamp.limits().irradiance;
     const double dose = dose_of(irradiance, cure).value();
@@ -173,23 +173,23 @@ TEST_P(Contract, ALampIsLitForTheTimeAsked) {
 }
 
 TEST_P(Contract, ALampGoesDarkByItselfWhileTheFirmwareComputes) {
-  const Machine machine = rig->machine();
+  const Machine machine = rig_->machine();
   show_a_mask();
   auto exposure = machine.lamp.begin_exposure(200ms);
   ASSERT_TRUE(exposure);
-  EXPECT_TRUE(rig->light());
+  EXPECT_TRUE(rig_->light());
   EXPECT_FALSE(exposure->over());
   EXPECT_EQ(exposure->ends_by() - exposure->began_at(), 200ms);
   ASSERT_TRUE(machine.clock.sleep_until(exposure->began_at() + 1s));
   EXPECT_TRUE(exposure->over());
-  EXPECT_FALSE(rig->light());
+  EXPECT_FALSE(rig_->light());
   const auto report = exposure->finish();
   ASSERT_TRUE(report);
   EXPECT_LE(std::chrono::abs(report->lit - 200ms), 1ms);
 }
 
 TEST_P(Contract, TheEndOfAnExposureIsAnEvent) {
-  const Machine machine = rig->machine();
+  const Machine machine = rig_->machine();
   show_a_mask();
   auto exposure = machine.lamp.begin_exposure(200ms);
   ASSERT_TRUE(exposure);
@@ -197,9 +197,9 @@ TEST_P(Contract, TheEndOfAnExposureIsAnEvent) {
 }
 
 TEST_P(Contract, AnExposureThatIsFinishedEarlySaysHowMuchIsMissing) {
-  const Machine machine = rig->machine();
+  const Machine machine = rig_->machine();
   show_a_mask();
-  rig->press(EventKind::kPausePressed, 300ms);
+  rig_->press(EventKind::kPausePressed, 300ms);
   auto exposure = machine.lamp.begin_exposure(2s);
   ASSERT_TRUE(exposure);
   const auto over = await(*exposure, machine.events, machine.clock, [](const Event&) { return Waiting::kLeave; });
@@ -209,11 +209,11 @@ TEST_P(Contract, AnExposureThatIsFinishedEarlySaysHowMuchIsMissing) {
   ASSERT_TRUE(report);
   EXPECT_EQ(report->end, ExposureEnd::kStopped);
   EXPECT_NEAR(std::chrono::duration<double>(report->lit).count(), 0.3, 0.01);
-  EXPECT_FALSE(rig->light());
+  EXPECT_FALSE(rig_->light());
 }
 
 TEST_P(Contract, ALampIsDarkWhenItsExposureGoesOutOfScope) {
-  const Machine machine = rig->machine();
+  const Machine machine = rig_->machine();
   show_a_mask();
   {
     const auto exposure = machine.lamp.begin_exposure(10s);
@@ -221,19 +221,19 @@ TEST_P(Contract, ALampIsDarkWhenItsExposureGoesOutOfScope) {
     EXPECT_TRUE(machine.lamp.lit());
   }
   ASSERT_TRUE(machine.clock.sleep_until(machine.clock.now() + 5ms));
-  EXPECT_FALSE(rig->light());
+  EXPECT_FALSE(rig_->light());
   EXPECT_FALSE(machine.lamp.lit());
 }
 
 TEST_P(Contract, ALampIsDarkTenMillisecondsAfterTheCoverOpenedWhateverTheFirmwareDoes) {
-  const Machine machine = rig->machine();
+  const Machine machine = rig_->machine();
   show_a_mask();
-  rig->open_cover(300ms);
+  rig_->open_cover(300ms);
   auto exposure = machine.lamp.begin_exposure(5s);
   ASSERT_TRUE(exposure);
   const TimePoint start = exposure->began_at();
   ASSERT_TRUE(machine.clock.sleep_until(start + 310ms));  // computes
-  EXPECT_FALSE(rig->light());
+  EXPECT_FALSE(rig_->light());
   EXPECT_TRUE(exposure->over());
   EXPECT_THAT(events_in(100ms), testing::ElementsAre(EventKind::kCoverOpened, EventKind::kExposureEnded));
   const auto report = exposure->finish();
@@ -242,13 +242,13 @@ TEST_P(Contract, ALampIsDarkTenMillisecondsAfterTheCoverOpenedWhateverTheFirmwar
   EXPECT_GE(report->lit, 300ms);
   EXPECT_LE(report->lit, 310ms);
   EXPECT_TRUE(failed_with(machine.lamp.begin_exposure(1s), ErrorCode::kCoverOpen));
-  rig->close_cover(0ms);
+  rig_->close_cover(0ms);
   EXPECT_THAT(events_in(100ms), testing::ElementsAre(EventKind::kCoverClosed));
   EXPECT_TRUE(machine.lamp.begin_exposure(1s));
 }
 
 TEST_P(Contract, ALampRefusesWhatMustNotBeLit) {
-  const Machine machine = rig->machine();
+  const Machine machine = rig_->machine();
   EXPECT_TRUE(failed_with(machine.lamp.begin_exposure(1s), ErrorCode::kMaskNotPresented));
   show_a_mask();
   EXPECT_TRUE(failed_with(machine.lamp.begin_exposure(machine.lamp.limits().longest_exposure + 1ns),
@@ -267,16 +267,16 @@ TEST_P(Contract, ALampRefusesWhatMustNotBeLit) {
     EXPECT_TRUE(failed_with(machine.lamp.begin_exposure(1s), ErrorCode::kStageMoving));
   }
   ASSERT_TRUE(machine.mask.blank());
-  const nanoseconds before = rig->time_lit();
+  const nanoseconds before = rig_->time_lit();
   EXPECT_TRUE(failed_with(machine.lamp.begin_exposure(1s), ErrorCode::kMaskNotPresented));
   ASSERT_TRUE(machine.clock.sleep_until(machine.clock.now() + 100ms));
-  EXPECT_EQ(rig->time_lit(), before);
+  EXPECT_EQ(rig_->time_lit(), before);
 }
 
 // --- Stage
 
 TEST_P(Contract, AStageKnowsItsHeightOnceItIsHomed) {
-  ZStage& stage = rig->machine().stage;
+  ZStage& stage = rig_->machine().stage;
   EXPECT_FALSE(stage.homed());
   EXPECT_TRUE(failed_with(stage.position(), ErrorCode::kNotHomed));
   EXPECT_TRUE(failed_with(stage.begin_move(stage.limits().highest, Speed(1)), ErrorCode::kNotHomed));
@@ -285,12 +285,12 @@ TEST_P(Contract, AStageKnowsItsHeightOnceItIsHomed) {
   const auto position = stage.position();
   ASSERT_TRUE(position);
   EXPECT_LE(stage.limits().highest - *position, 5_um);
-  EXPECT_NEAR(rig->plate_height().micrometres(), position->above_film().micrometres(), 5);
+  EXPECT_NEAR(rig_->plate_height().micrometres(), position->above_film().micrometres(), 5);
   EXPECT_FALSE(stage.end_stop_pressed());
 }
 
 TEST_P(Contract, AMoveArrivesInTheTimeOfItsRamp) {
-  const Machine machine = rig->machine();
+  const Machine machine = rig_->machine();
   home();
   for (const auto& [height, speed] :
        {std::pair{160_mm, 5.0}, {159.95_mm, 5.0}, {165_mm, 1.0}, {100_um, 10.0}, {0_um, 1.0}}) {
@@ -303,15 +303,15 @@ TEST_P(Contract, AMoveArrivesInTheTimeOfItsRamp) {
     EXPECT_NEAR(std::chrono::duration<double>(moved->ended_at - moved->began_at).count(), ramp.duration().count(),
                 0.005);
     EXPECT_NEAR(moved->at.above_film().micrometres(), height.micrometres(), 1);
-    EXPECT_NEAR(rig->plate_height().micrometres(), height.micrometres(), 5);
+    EXPECT_NEAR(rig_->plate_height().micrometres(), height.micrometres(), 5);
     EXPECT_EQ(moved->steps_lost, Distance());
   }
 }
 
 TEST_P(Contract, AStageDoesNotTakeAStepBeyondItsTravel) {
-  const Machine machine = rig->machine();
+  const Machine machine = rig_->machine();
   home();
-  const Distance before = rig->plate_height();
+  const Distance before = rig_->plate_height();
   const auto& limits = machine.stage.limits();
   EXPECT_TRUE(failed_with(machine.stage.begin_move(limits.lowest - 1_um, Speed(1)), ErrorCode::kOutsideTravel));
   EXPECT_TRUE(failed_with(machine.stage.begin_move(limits.highest + 1_um, Speed(1)), ErrorCode::kOutsideTravel));
@@ -320,11 +320,11 @@ TEST_P(Contract, AStageDoesNotTakeAStepBeyondItsTravel) {
   EXPECT_TRUE(failed_with(machine.stage.begin_move(limits.lowest, limits.fastest * 1.001), ErrorCode::kBadSetting));
   EXPECT_TRUE(failed_with(machine.stage.begin_move(limits.lowest, Speed(std::nan(""))), ErrorCode::kBadSetting));
   ASSERT_TRUE(machine.clock.sleep_until(machine.clock.now() + 50ms));
-  EXPECT_EQ(rig->plate_height(), before);
+  EXPECT_EQ(rig_->plate_height(), before);
 }
 
 TEST_P(Contract, AStageDoesNotMoveUnderLight) {
-  const Machine machine = rig->machine();
+  const Machine machine = rig_->machine();
   home();
   show_a_mask();
   const auto exposure = machine.lamp.begin_exposure(1s);
@@ -335,9 +335,9 @@ TEST_P(Contract, AStageDoesNotMoveUnderLight) {
 }
 
 TEST_P(Contract, AMotionIsInterruptedByWhatHappensMeanwhileAndKnowsItsHeightAfterwards) {
-  const Machine machine = rig->machine();
+  const Machine machine = rig_->machine();
   home();
-  rig->press(EventKind::kCancelPressed, 1s);
+  rig_->press(EventKind::kCancelPressed, 1s);
   auto motion = machine.stage.begin_move(ZPosition(100_mm), Speed(5));
   ASSERT_TRUE(motion);
   const TimePoint planned = motion->ends_by();
@@ -353,12 +353,12 @@ TEST_P(Contract, AMotionIsInterruptedByWhatHappensMeanwhileAndKnowsItsHeightAfte
   EXPECT_FALSE(report->arrived);
   // 1 s at 5 mm/s, less half of speeding up, and half of slowing down: 5 mm
   EXPECT_NEAR((machine.stage.limits().highest - report->at).millimetres(), 5.0, 0.1);
-  EXPECT_NEAR(rig->plate_height().micrometres(), report->at.above_film().micrometres(), 5);
+  EXPECT_NEAR(rig_->plate_height().micrometres(), report->at.above_film().micrometres(), 5);
   EXPECT_EQ(machine.stage.position().value(), report->at);
 }
 
 TEST_P(Contract, AStageStandsWhenItsMotionGoesOutOfScope) {
-  const Machine machine = rig->machine();
+  const Machine machine = rig_->machine();
   home();
   {
     const auto motion = machine.stage.begin_move(ZPosition(10_mm), Speed(5));
@@ -367,14 +367,14 @@ TEST_P(Contract, AStageStandsWhenItsMotionGoesOutOfScope) {
     EXPECT_TRUE(machine.stage.moving());
   }
   EXPECT_FALSE(machine.stage.moving());
-  const Distance height = rig->plate_height();
+  const Distance height = rig_->plate_height();
   ASSERT_TRUE(machine.clock.sleep_until(machine.clock.now() + 200ms));
-  EXPECT_EQ(rig->plate_height(), height);
+  EXPECT_EQ(rig_->plate_height(), height);
   EXPECT_TRUE(machine.stage.homed());
 }
 
 TEST_P(Contract, HomingCanBeStoppedAndThenTheHeightIsNotKnown) {
-  const Machine machine = rig->machine();
+  const Machine machine = rig_->machine();
   auto motion = machine.stage.begin_homing();
   ASSERT_TRUE(motion);
   ASSERT_TRUE(machine.clock.sleep_until(machine.clock.now() + 200ms));
@@ -389,7 +389,7 @@ TEST_P(Contract, HomingCanBeStoppedAndThenTheHeightIsNotKnown) {
 
 TEST_P(Contract, TheEndOfAMotionIsAnEvent) {
   home();
-  auto motion = rig->machine().stage.begin_move(ZPosition(165_mm), Speed(5));
+  auto motion = rig_->machine().stage.begin_move(ZPosition(165_mm), Speed(5));
   ASSERT_TRUE(motion);
   EXPECT_THAT(events_in(3s), testing::ElementsAre(EventKind::kMotionEnded));
   EXPECT_TRUE(motion->over());
@@ -401,29 +401,29 @@ class Stick : public Contract {
  protected:
   void SetUp() override {
     Contract::SetUp();
-    folder = std::filesystem::path(testing::TempDir()) / ("stick-" + std::to_string(::getpid()));
-    std::filesystem::remove_all(folder);
-    std::filesystem::create_directories(folder / "scans");
+    folder_ = std::filesystem::path(testing::TempDir()) / ("stick-" + std::to_string(::getpid()));
+    std::filesystem::remove_all(folder_);
+    std::filesystem::create_directories(folder_ / "scans");
     write("bust.ply", std::string(300'000, 'p'));
     write("job.toml", "[job]\n");
     write(".hidden", "x");
     write("scans/arm.xyz", "1 2 3\n");
-    std::filesystem::create_symlink("/etc/passwd", folder / "link.ply");
-    std::filesystem::create_directory_symlink("/etc", folder / "etc");
+    std::filesystem::create_symlink("/etc/passwd", folder_ / "link.ply");
+    std::filesystem::create_directory_symlink("/etc", folder_ / "etc");
   }
-  void TearDown() override { std::filesystem::remove_all(folder); }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
   void write(const char* name, const std::string& text) const {
-    std::ofstream(folder / name, std::ios::binary) << text;
+    std::ofstream(folder_ / name, std::ios::binary) << text;
   }
   void plug() {
-    rig->plug_stick(folder.string(), 0ns);
+    rig_->plug_stick(folder_.string(), 0ns);
     ASSERT_THAT(events_in(2s), testing::ElementsAre(EventKind::kStickArrived));
   }
-  std::filesystem::path folder;
+  std::filesystem::path folder_;
 };
 
 TEST_P(Stick, ArrivesIsMountedReadAndLeaves) {
-  StickPort& port = rig->machine().stick;
+  StickPort& port = rig_->machine().stick;
   EXPECT_FALSE(port.present());
   EXPECT_TRUE(failed_with(port.identity(), ErrorCode::kNoStick));
   EXPECT_TRUE(failed_with(port.mount(), ErrorCode::kNoStick));
@@ -446,7 +446,7 @@ TEST_P(Stick, ArrivesIsMountedReadAndLeaves) {
     EXPECT_TRUE(mount->open("./scans//arm.xyz"));
   }
   EXPECT_TRUE(port.mount());
-  rig->pull_stick(0ns);
+  rig_->pull_stick(0ns);
   EXPECT_THAT(events_in(2s), testing::ElementsAre(EventKind::kStickDeparted));
   EXPECT_FALSE(port.present());
 }
@@ -457,7 +457,7 @@ TEST_P(Stick, ListsItsPlainFiles) {
     void file(std::string_view name, std::uint64_t bytes) override { sizes[std::string(name)] = bytes; }
     std::map<std::string, std::uint64_t> sizes;
   } names;
-  const auto mount = rig->machine().stick.mount();
+  const auto mount = rig_->machine().stick.mount();
   ASSERT_TRUE(mount);
   ASSERT_TRUE(mount->for_each_file(names));
   ASSERT_TRUE(mount->for_each_file(names)) << "a second time too";
@@ -466,7 +466,7 @@ TEST_P(Stick, ListsItsPlainFiles) {
 
 TEST_P(Stick, KeepsItsNamesBelowItsMount) {
   plug();
-  const auto mount = rig->machine().stick.mount();
+  const auto mount = rig_->machine().stick.mount();
   ASSERT_TRUE(mount);
   for (const char* name : {"", "/etc/passwd", "../x", "scans/../../x", "..", "link.ply", "etc/passwd", "scans",
                            "none.ply", "scans/arm.xyz/", "."}) {
@@ -479,21 +479,21 @@ TEST_P(Stick, KeepsItsNamesBelowItsMount) {
 TEST_P(Stick, PulledInMidReadIsAnErrorAndTheNextOneIsRead) {
   plug();
   {
-    const auto mount = rig->machine().stick.mount();
+    const auto mount = rig_->machine().stick.mount();
     ASSERT_TRUE(mount);
     auto file = mount->open("bust.ply");
     ASSERT_TRUE(file);
     std::array<std::byte, 1000> buffer{};
     ASSERT_TRUE(file->read(buffer));
-    rig->pull_stick(0ns);
+    rig_->pull_stick(0ns);
     EXPECT_THAT(events_in(1s), testing::ElementsAre(EventKind::kStickDeparted));
     EXPECT_TRUE(failed_with(file->read(buffer), ErrorCode::kStickGone));
-    rig->plug_stick(folder.string(), 0ns);
+    rig_->plug_stick(folder_.string(), 0ns);
     EXPECT_THAT(events_in(1s), testing::ElementsAre(EventKind::kStickArrived));
     EXPECT_TRUE(failed_with(file->read(buffer), ErrorCode::kStickGone))
         << "that it is back helps no file that was open";
   }
-  const auto mount = rig->machine().stick.mount();
+  const auto mount = rig_->machine().stick.mount();
   ASSERT_TRUE(mount);
   EXPECT_TRUE(mount->open("bust.ply"));
 }
@@ -501,9 +501,9 @@ TEST_P(Stick, PulledInMidReadIsAnErrorAndTheNextOneIsRead) {
 // --- Panel and temperatures
 
 TEST_P(Contract, ThePanelSaysWhetherTheCoverIsOpen) {
-  const Machine machine = rig->machine();
+  const Machine machine = rig_->machine();
   EXPECT_FALSE(machine.panel.cover_open());
-  rig->open_cover(0ns);
+  rig_->open_cover(0ns);
   EXPECT_THAT(events_in(100ms), testing::ElementsAre(EventKind::kCoverOpened));
   EXPECT_TRUE(machine.panel.cover_open());
   for (const auto light : {PanelLight::kReady, PanelLight::kPrinting, PanelLight::kAttention, PanelLight::kFault}) {
@@ -513,7 +513,7 @@ TEST_P(Contract, ThePanelSaysWhetherTheCoverIsOpen) {
 }
 
 TEST_P(Contract, TemperaturesAreThoseOfARoom) {
-  const Machine machine = rig->machine();
+  const Machine machine = rig_->machine();
   for (const auto site : {TemperatureSite::kLamp, TemperatureSite::kResin, TemperatureSite::kBoard}) {
     const auto read = machine.thermals.temperature(site);
     ASSERT_TRUE(read);

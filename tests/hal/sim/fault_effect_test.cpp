@@ -28,7 +28,7 @@ struct Effect {
   std::function<void(const Machine&, Plant&)> then = {};  ///< looked at after the print
 };
 
-void PrintTo(const Effect& effect, std::ostream* out) { *out << row_of(effect.kind).name; }
+std::ostream& operator<<(std::ostream& out, const Effect& effect) { return out << row_of(effect.kind).name; }
 
 std::vector<EventKind> all_events(const Machine& machine) {
   std::vector<EventKind> kinds;

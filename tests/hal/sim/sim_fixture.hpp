@@ -32,11 +32,14 @@ inline std::vector<ObjectionKind> kinds_of(std::span<const Objection> objections
   return kinds;
 }
 
-/// A mask that differs from layer to layer, a quarter of it white.
+/// A mask that differs from layer to layer, some quarter of it white.
 inline void draw_random(std::uint32_t layer, BitImage image) {
   std::mt19937_64 random(layer);
   for (std::uint32_t row = 0; row < image.rows(); ++row) {
-    for (auto& word : image.row(row)) word = random() & random();
+    for (auto& word : image.row(row)) {
+      word = random();
+      word &= random();
+    }
     image.row(row).back() &= image.last_word_mask();
   }
 }
