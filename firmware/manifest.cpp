@@ -109,6 +109,14 @@ void write_rays(JsonWriter& json, const SliceReport& slice) {
   json.member("hollow_specks_filled", pieces.filled_bubbles);
   json.member("speck_voxels", pieces.dropped_voxels);
   json.end_object();
+  const FeatureCounts& features = slice.features;
+  json.key("small_features");
+  json.begin_object(kOneLine);
+  json.member("counted", features.counted);
+  json.member("islands_removed", features.islands);
+  json.member("holes_filled", features.holes);
+  json.member("voxels", features.voxels);
+  json.end_object();
 }
 
 void write_stages(JsonWriter& json, const JobReport& report) {

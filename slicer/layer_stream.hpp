@@ -28,6 +28,9 @@ class LayerStream {
   /// @returns a view, valid until the next call
   ConstBitImage mask(std::uint32_t layer);
 
+  /// The section of the layer asked for last, as the crossings have it. A view, valid until the next call of mask().
+  ConstBitImage section() const { return section_; }
+
   const PrintGrid& grid() const { return rrep_->grid; }
 
  private:

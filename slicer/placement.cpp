@@ -162,11 +162,16 @@ Expected<Placement> place(const Box3d& bounds, double unit_mm, const PlacementSe
   const double pitch = settings.pixel_pitch_mm;
   p.size_mm = extent * factor;
   p.scale = unit_mm * factor;
+  // The grid's planes are those of the scan's own frame, whole pitches from its zero: how far a stray sticks out then does
+  // not decide where a flat underside falls between two sampling heights.
+  const Vec3d step(pitch, pitch, settings.layer_height_mm);
+  const Vec3d low = (bounds.low * p.scale).cwiseQuotient(step).array().floor().matrix().cwiseProduct(step);
+  const Vec3d reach = bounds.high * p.scale - low;
   p.grid.pitch_x_mm = p.grid.pitch_y_mm = settings.pixel_pitch_mm;
   // Whole bytes a row, as the panels of printers have them: the PNG encoder then takes a mask as it is.
-  p.grid.columns = (cells(p.size_mm[0], pitch) + 2 * kMargin + 7) / 8 * 8;
-  p.grid.rows = cells(p.size_mm[1], pitch) + 2 * kMargin;
-  p.grid.layers = cells(p.size_mm[2], settings.layer_height_mm);
+  p.grid.columns = (cells(reach[0], pitch) + 2 * kMargin + 7) / 8 * 8;
+  p.grid.rows = cells(reach[1], pitch) + 2 * kMargin;
+  p.grid.layers = cells(reach[2], settings.layer_height_mm);
   if (p.grid.columns > PrintGrid::kMaxSide || p.grid.rows > PrintGrid::kMaxSide ||
       p.grid.layers > PrintGrid::kMaxLayers) {
     const double most = std::min({(PrintGrid::kMaxSide - 2.0 * kMargin) * pitch / std::max(extent[0], extent[1]),
@@ -180,7 +185,7 @@ Expected<Placement> place(const Box3d& bounds, double unit_mm, const PlacementSe
         static_cast<double>(settings.layer_height_mm), PrintGrid::kMaxSide, PrintGrid::kMaxSide, PrintGrid::kMaxLayers,
         rounded_down(most * kClear));
   }
-  p.shift = Vec3d(kMargin * pitch, kMargin * pitch, 0) - bounds.low * p.scale;
+  p.shift = Vec3d(kMargin * pitch, kMargin * pitch, 0) - low;
   return p;
 }
 

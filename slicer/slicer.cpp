@@ -3,14 +3,17 @@
 #include <omp.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
 #include "slicer/kd_tree.hpp"
+#include "slicer/layer_features.hpp"
 #include "slicer/memory_plan.hpp"
 #include "slicer/normals.hpp"
 #include "slicer/ray_grid.hpp"
 #include "slicer/reader/scan_reader.hpp"
+#include "slicer/rrep_edit.hpp"
 #include "slicer/stage_scope.hpp"
 #include "slicer/thinning.hpp"
 #include "slicer/winding_number.hpp"
@@ -27,6 +30,12 @@ constexpr float kMaxRadiusSupport = 40;  ///< points: a larger support is cut to
 
 /// Pieces and bubbles below this many cubes of epsilon are specks: a stray's support has some six.
 constexpr float kSpeck = 50;
+
+/// As many of the lowest points may be strays below the rim of an open underside.
+constexpr std::size_t kStrays = 60;
+
+/// Islands and holes of a layer below this many squares of epsilon, and this many cubes in all, are small features.
+constexpr float kFeature = 2;
 
 /// First cell of the thinning in scan units; 0 where the size of a scan unit on the print is not known yet.
 double first_cell(const PlacementSettings& p) {
@@ -67,7 +76,7 @@ class Job {
     report_.pieces = drop_specks(*store, speck_voxels(), arena_);
     auto rrep = CrossingStore::sort(*store, arena_);
     if (rrep) {
-      report_.crossings = rrep->crossings();
+      finish(*rrep);
     } else {
       arena_.release_bottom(bottom);
     }
@@ -81,6 +90,23 @@ class Job {
     const float epsilon = report_.clustering.epsilon;
     return static_cast<std::uint64_t>(kSpeck * epsilon * epsilon * epsilon /
                                       (grid.pitch_x_mm * grid.pitch_y_mm * grid.layer_height_mm));
+  }
+
+  /// What only the layers as a whole can tell.
+  void finish(RRep& rrep) {
+    const PrintGrid& grid = rrep.grid;
+    const float epsilon2 = report_.clustering.epsilon * report_.clustering.epsilon;
+    FeatureLimits limits;
+    limits.pixels = static_cast<std::uint32_t>(kFeature * epsilon2 / (grid.pitch_x_mm * grid.pitch_y_mm));
+    limits.voxels = static_cast<std::uint64_t>(kFeature * epsilon2 * report_.clustering.epsilon /
+                                               (grid.pitch_x_mm * grid.pitch_y_mm * grid.layer_height_mm));
+    // Without room for it the print is as good as the scan: no reason to refuse it.
+    if (const auto features = drop_small_features(rrep, limits, arena_)) report_.features = *features;
+    report_.crossings = rrep.crossings();
+    // The lowest point may be a stray. What is printed stands on the plate, so the first layer is the first with a pixel.
+    const std::uint32_t below = trim_below(rrep);
+    report_.placement.grid.layers = rrep.grid.layers;
+    report_.placement.shift[2] -= static_cast<double>(below) * grid.layer_height_mm;
   }
 
   Expected<CrossingStore> crossings() {
@@ -202,7 +228,20 @@ class Job {
     const StageScope stage(Stage::kWindingTree, arena_, progress_, report_.peak_bytes);
     winding_ = WindingTree::build(cloud_, report_.clustering.support_points,
                                   winding_nodes_.first(WindingTree::nodes_needed(cloud_.size)));
-    report_.open_underside = winding_.set_base(0);
+    report_.open_underside = winding_.set_base(lowest_rim());
+  }
+
+  /// Height that all but a neighbourhood's worth of points reach: fewer lie below only as strays do, mm.
+  float lowest_rim() const {
+    std::array<float, kStrays + 1> lowest;  // NOLINT(cppcoreguidelines-pro-type-member-init): a heap, the highest first
+    std::size_t count = 0;
+    for (const Vec3f& p : cloud_.positions()) {
+      if (count == lowest.size() && p[2] >= lowest[0]) continue;
+      if (count == lowest.size()) std::pop_heap(lowest.begin(), lowest.begin() + count--);
+      lowest[count++] = p[2];
+      std::push_heap(lowest.begin(), lowest.begin() + count);
+    }
+    return lowest[0];
   }
 
   Expected<CrossingStore> shoot() {

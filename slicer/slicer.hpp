@@ -9,6 +9,7 @@
 #include "slicer/core/arena.hpp"
 #include "slicer/core/byte_source.hpp"
 #include "slicer/core/progress.hpp"
+#include "slicer/layer_features.hpp"
 #include "slicer/pieces.hpp"
 #include "slicer/placement.hpp"
 #include "slicer/reader/scan_point.hpp"
@@ -36,9 +37,10 @@ struct SliceReport {
   ClusteringResult clustering;          ///< epsilon in mm
   float width_mm = 0;                   ///< w
   Placement placement;
-  bool open_underside = false;  ///< closed flat at the lowest rim, print height 0
+  bool open_underside = false;  ///< closed flat at the lowest rim
   RayCounts rays;
   PieceCounts pieces;
+  FeatureCounts features;
   std::uint64_t crossings = 0;
   std::array<std::size_t, kStageCount> planned_bytes = {};  ///< of the arena, by Stage
   std::array<std::size_t, kStageCount> peak_bytes = {};     ///< of the arena, by Stage

@@ -43,7 +43,7 @@ TEST(Placement, GuessesTheUnitThatMakesAThingForAPrinter) {
   EXPECT_EQ(guess_units(0), Units::kMillimetres);
 }
 
-TEST(Placement, InAGridOfItsOwnTheObjectStandsOnThePlateInsideAMargin) {
+TEST(Placement, InAGridOfItsOwnTheObjectStandsInTheFirstLayerInsideAMargin) {
   PlacementSettings settings;
   settings.pixel_pitch_mm = 0.1F;
   settings.layer_height_mm = 0.025F;
@@ -54,11 +54,12 @@ TEST(Placement, InAGridOfItsOwnTheObjectStandsOnThePlateInsideAMargin) {
   const double margin_x = 0.5 * (p.grid.columns * 0.1 - 20);
   EXPECT_GT(margin_x, 0.1);
   EXPECT_LT(margin_x, 1);
-  EXPECT_EQ(p.grid.layers, 2400U);
+  EXPECT_NEAR(p.grid.layers, 2400, 1);
   const Vec3d low = p.scale * Vec3d(1, 2, 3) + p.shift;
   const Vec3d high = p.scale * Vec3d(2, 4, 6) + p.shift;
-  EXPECT_NEAR(low[2], 0, 1e-12);
-  EXPECT_NEAR(high[2], p.grid.layers * 0.025, 1e-6);
+  EXPECT_NEAR(low[2], 0, 0.025);
+  EXPECT_GE(low[2], 0);
+  EXPECT_NEAR(high[2], p.grid.layers * 0.025, 0.025);
   for (int a = 0; a < 2; ++a) {
     EXPECT_GT(low[a], 0.1);
     EXPECT_LT(high[a], (a == 0 ? p.grid.columns : p.grid.rows) * 0.1 - 0.1);
@@ -205,8 +206,13 @@ TEST(Placement, TransformAndOriginAgree) {
     const Vec3d scan = random.vector();
     const Vec3d print = p.scale * (p.rotation * scan) + p.shift;
     EXPECT_LT(((m * scan.homogeneous()).head<3>() - print).norm(), 1e-11);
-    // The lowest corner of the rotated box stands on the plate.
-    EXPECT_NEAR((low * p.scale + p.shift)[2], 0, 1e-11);
+    // The lowest corner of the rotated box is in the first layer, and the grid's planes are whole pitches from zero.
+    const double height = (low * p.scale + p.shift)[2];
+    EXPECT_GE(height, -1e-11);
+    EXPECT_LE(height, settings.layer_height_mm);
+    const Vec3d pitches =
+        p.shift.cwiseQuotient(Vec3d(settings.pixel_pitch_mm, settings.pixel_pitch_mm, settings.layer_height_mm));
+    EXPECT_LT((pitches - pitches.array().round().matrix()).norm(), 1e-9);
   }
 }
 

@@ -1,0 +1,38 @@
+#pragma once
+/// Islands and holes in the layers that are too small to be more than a fault of the scan (DESIGN 3, stage 9).
+
+#include <cstdint>
+
+#include "slicer/core/arena.hpp"
+#include "slicer/core/error.hpp"
+#include "slicer/rrep.hpp"
+
+namespace plumbline {
+
+struct FeatureLimits {
+  std::uint32_t pixels = 0;  ///< of one layer: a region of more is no small one
+  std::uint64_t voxels = 0;  ///< of one feature over all of its layers
+};
+
+struct FeatureCounts {
+  bool counted = false;       ///< false: the arena had no room to look, and everything stayed
+  std::uint32_t islands = 0;  ///< taken out
+  std::uint32_t holes = 0;    ///< filled
+  std::uint64_t voxels = 0;   ///< of both
+};
+
+/// Takes out the small islands and fills the small holes of the layers.
+///
+/// A feature is what the small regions of consecutive layers make together. Where the scan has smoothed a crease, the
+/// surface dips under it, and the layers there have a hole of a few pixels that two layers on is open to the outside; a
+/// bump is an island first. Such a feature is removed: the regions that it touches above and below go on without it, so
+/// nothing begins, ends or is held by it. What stays is what a larger region is the only continuation of, the tip of a
+/// thing that grows and the bottom of a pit that widens, and everything of more voxels, so needles and shafts too.
+///
+/// Works on the masks as they are shown, opened and closed, and edits the crossings.
+/// @param rrep   the newest block at the bottom of the arena; its crossings may become more or fewer
+/// @param arena  scratch from the top, given back
+/// @retval ErrorCode::kOutOfMemory  the edited crossings do not fit; rrep is as before
+[[nodiscard]] Expected<FeatureCounts> drop_small_features(RRep& rrep, const FeatureLimits& limits, Arena& arena);
+
+}  // namespace plumbline

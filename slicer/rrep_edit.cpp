@@ -1,0 +1,75 @@
+#include "slicer/rrep_edit.hpp"
+
+#include <algorithm>
+#include <tuple>
+
+namespace plumbline {
+namespace {
+
+bool before(const RRepToggle& a, const RRepToggle& b) {
+  return std::tie(a.layer, a.pixel) < std::tie(b.layer, b.pixel);
+}
+bool equal(const RRepToggle& a, const RRepToggle& b) { return a.layer == b.layer && a.pixel == b.pixel; }
+
+/// Sorts, leaves each that is there an odd number of times once.
+std::span<RRepToggle> distinct(std::span<RRepToggle> toggles, std::uint32_t layers) {
+  std::sort(toggles.begin(), toggles.end(), before);
+  std::size_t count = 0;
+  for (const RRepToggle& toggle : toggles) {
+    if (toggle.layer >= layers) continue;
+    if (count > 0 && equal(toggles[count - 1], toggle)) {
+      --count;
+    } else {
+      toggles[count++] = toggle;
+    }
+  }
+  return toggles.first(count);
+}
+
+}  // namespace
+
+Status toggle_crossings(RRep& rrep, std::span<RRepToggle> toggles, Arena& arena) {
+  const std::span<const RRepToggle> added = distinct(toggles, rrep.grid.layers);
+  // The block is the newest at the bottom: what is taken behind it is its continuation, but for the rounding of blocks.
+  auto more = arena.take_bottom<std::uint32_t>(added.size(), "R-Rep");
+  if (!more) return tl::unexpected<Error>(more.error());
+  std::uint32_t* const pixel = const_cast<std::uint32_t*>(rrep.pixel.data());
+  std::uint32_t* const first = const_cast<std::uint32_t*>(rrep.first.data());
+
+  // From the last crossing down, into the room behind it: nothing is written over before it is read.
+  const std::size_t room = rrep.pixel.size() + added.size();
+  std::size_t to = room;
+  std::size_t toggle = added.size();
+  std::uint32_t from = first[rrep.grid.layers];
+  for (std::uint32_t layer = rrep.grid.layers; layer-- > 0;) {
+    const std::size_t end = to;
+    const std::uint32_t begin = first[layer];
+    while (from > begin || (toggle > 0 && added[toggle - 1].layer == layer)) {
+      const bool is_added = toggle > 0 && added[toggle - 1].layer == layer;
+      if (is_added && from > begin && pixel[from - 1] == added[toggle - 1].pixel) {
+        --from;
+        --toggle;
+      } else if (is_added && (from == begin || added[toggle - 1].pixel > pixel[from - 1])) {
+        pixel[--to] = added[--toggle].pixel;
+      } else {
+        pixel[--to] = pixel[--from];
+      }
+    }
+    first[layer + 1] = static_cast<std::uint32_t>(end);
+  }
+  for (std::uint32_t k = 1; k <= rrep.grid.layers; ++k) first[k] -= static_cast<std::uint32_t>(to);
+  std::copy(pixel + to, pixel + room, pixel);
+  rrep.pixel = {pixel, room - to};
+  arena.trim_bottom(pixel, rrep.pixel.size_bytes());
+  return {};
+}
+
+std::uint32_t trim_below(RRep& rrep) {
+  std::uint32_t below = 0;
+  while (below + 1 < rrep.grid.layers && rrep.first[below + 1] == 0) ++below;
+  rrep.first = rrep.first.subspan(below);
+  rrep.grid.layers -= below;
+  return below;
+}
+
+}  // namespace plumbline

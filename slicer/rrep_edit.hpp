@@ -1,0 +1,29 @@
+#pragma once
+/// Changes to an R-Rep that stands.
+
+#include <cstdint>
+#include <span>
+
+#include "slicer/core/arena.hpp"
+#include "slicer/core/error.hpp"
+#include "slicer/rrep.hpp"
+
+namespace plumbline {
+
+/// One pixel changes its colour from `layer` upwards.
+struct RRepToggle {
+  std::uint32_t layer;  ///< grid.layers and above: never seen
+  std::uint32_t pixel;  ///< row * columns + column
+};
+
+/// Adds crossings, and takes out those that meet one of the same layer and pixel.
+/// @param rrep     the newest block at the bottom of the arena
+/// @param toggles  any order, are sorted; a pair of equal ones cancels
+/// @retval ErrorCode::kOutOfMemory  rrep is as before
+[[nodiscard]] Status toggle_crossings(RRep& rrep, std::span<RRepToggle> toggles, Arena& arena);
+
+/// Takes out the empty layers below the object, so that it stands on the plate.
+/// @returns how many there were
+[[nodiscard]] std::uint32_t trim_below(RRep& rrep);
+
+}  // namespace plumbline

@@ -1,0 +1,295 @@
+#include "slicer/layer_features.hpp"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <map>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "slicer/layer_regions.hpp"
+#include "slicer/layer_stream.hpp"
+#include "slicer/rrep_edit.hpp"
+#include "tests/slicer/support/arena_block.hpp"
+#include "tests/slicer/support/pixels.hpp"
+#include "tests/slicer/support/surfaces.hpp"
+
+namespace plumbline {
+namespace {
+
+using namespace testing;
+
+constexpr std::uint32_t kColumns = 70;
+constexpr std::uint32_t kRows = 40;
+constexpr std::uint32_t kLayers = 30;
+
+using Solid = std::function<bool(std::uint32_t column, std::uint32_t row, std::uint32_t layer)>;
+
+bool in_box(std::uint32_t c, std::uint32_t r, std::uint32_t k, std::uint32_t c0, std::uint32_t c1, std::uint32_t r0,
+            std::uint32_t r1, std::uint32_t k0, std::uint32_t k1) {
+  return c >= c0 && c < c1 && r >= r0 && r < r1 && k >= k0 && k < k1;
+}
+
+/// An R-Rep at the bottom of an arena, as the builder leaves it, from what is solid.
+struct Voxels {
+  ArenaBlock block{std::size_t{8} << 20};
+  RRep rrep;
+
+  explicit Voxels(const Solid& solid, std::uint32_t layers = kLayers) {
+    Arena& arena = *block;
+    rrep.grid.columns = kColumns;
+    rrep.grid.rows = kRows;
+    rrep.grid.layers = layers;
+    std::vector<std::uint32_t> first{0};
+    std::vector<std::uint32_t> pixel;
+    for (std::uint32_t k = 0; k < layers; ++k) {
+      for (std::uint32_t r = 0; r < kRows; ++r) {
+        for (std::uint32_t c = 0; c < kColumns; ++c) {
+          if (solid(c, r, k) != (k > 0 && solid(c, r, k - 1))) pixel.push_back(r * kColumns + c);
+        }
+      }
+      first.push_back(static_cast<std::uint32_t>(pixel.size()));
+    }
+    auto first_block = arena.take_bottom<std::uint32_t>(first.size(), "test");
+    auto pixel_block = arena.take_bottom<std::uint32_t>(pixel.size(), "test");
+    std::copy(first.begin(), first.end(), first_block->begin());
+    std::copy(pixel.begin(), pixel.end(), pixel_block->begin());
+    rrep.first = *first_block;
+    rrep.pixel = *pixel_block;
+  }
+
+  /// Voxels as (layer, row, column), by the crossings alone.
+  std::set<std::uint32_t> solid_pixels(std::uint32_t layer) const {
+    std::set<std::uint32_t> on;
+    for (std::uint32_t i = 0; i < rrep.first[layer + 1]; ++i) {
+      if (!on.insert(rrep.pixel[i]).second) on.erase(rrep.pixel[i]);
+    }
+    return on;
+  }
+  bool equals(const Solid& solid) const {
+    for (std::uint32_t k = 0; k < rrep.grid.layers; ++k) {
+      const auto on = solid_pixels(k);
+      for (std::uint32_t p = 0; p < kColumns * kRows; ++p) {
+        if ((on.count(p) > 0) != solid(p % kColumns, p / kColumns, k)) return false;
+      }
+    }
+    return true;
+  }
+};
+
+/// A block of 50 x 30 pixels and 20 layers; what is cut out of it and put on it differs from test to test.
+bool block(std::uint32_t c, std::uint32_t r, std::uint32_t k) { return in_box(c, r, k, 10, 60, 5, 35, 0, 20); }
+
+constexpr FeatureLimits kLimits{40, 200};
+
+TEST(LayerFeatures, FillsADentThatOpensToTheOutsideInTheNextLayers) {
+  // The block has a groove at its top, from a side inwards; under its inner end the surface dips for three layers.
+  const Solid wanted = [](auto c, auto r, auto k) {
+    return block(c, r, k) && !in_box(c, r, k, 20, 60, 15, 20, 15, 20);
+  };
+  Voxels voxels([&](auto c, auto r, auto k) { return wanted(c, r, k) && !in_box(c, r, k, 20, 24, 15, 20, 12, 15); });
+  const auto counts = drop_small_features(voxels.rrep, kLimits, *voxels.block);
+  ASSERT_TRUE(counts.has_value());
+  EXPECT_EQ(counts->holes, 1U);
+  EXPECT_EQ(counts->islands, 0U);
+  EXPECT_EQ(counts->voxels, 4U * 5 * 3);
+  EXPECT_TRUE(voxels.equals(wanted));
+}
+
+TEST(LayerFeatures, TakesOutABumpThatBeginsBeforeItMeetsTheObject) {
+  // A ledge of the block begins at layer 10; beneath its end hang four layers of bump.
+  const Solid wanted = [](auto c, auto r, auto k) {
+    return in_box(c, r, k, 10, 40, 5, 35, 0, 20) || in_box(c, r, k, 40, 60, 5, 35, 10, 20);
+  };
+  Voxels voxels([&](auto c, auto r, auto k) { return wanted(c, r, k) || in_box(c, r, k, 50, 55, 10, 15, 6, 10); });
+  const auto counts = drop_small_features(voxels.rrep, kLimits, *voxels.block);
+  ASSERT_TRUE(counts.has_value());
+  EXPECT_EQ(counts->islands, 1U);
+  EXPECT_TRUE(voxels.equals(wanted));
+}
+
+TEST(LayerFeatures, FillsABubbleAndDropsACrumb) {
+  Voxels voxels([](auto c, auto r, auto k) {
+    return (block(c, r, k) && !in_box(c, r, k, 20, 24, 15, 19, 5, 9)) || in_box(c, r, k, 63, 67, 8, 12, 4, 8);
+  });
+  const auto counts = drop_small_features(voxels.rrep, kLimits, *voxels.block);
+  ASSERT_TRUE(counts.has_value());
+  EXPECT_EQ(counts->holes, 1U);
+  EXPECT_EQ(counts->islands, 1U);
+  EXPECT_TRUE(voxels.equals(block));
+}
+
+TEST(LayerFeatures, KeepsTheTipOfWhatGrowsAndTheBottomOfAPitThatWidens) {
+  const auto stays = [](const Solid& solid) {
+    Voxels voxels(solid);
+    const auto counts = drop_small_features(voxels.rrep, kLimits, *voxels.block);
+    ASSERT_TRUE(counts.has_value());
+    EXPECT_EQ(counts->holes + counts->islands, 0U);
+    EXPECT_TRUE(voxels.equals(solid));
+  };
+  // A chin: an island that is wider in each layer before it meets the block's ledge.
+  stays([](auto c, auto r, auto k) {
+    const std::uint32_t wide = k < 5 ? 0 : k - 3;
+    return in_box(c, r, k, 5, 30, 5, 35, 0, 20) || in_box(c, r, k, 30, 60, 5, 35, 16, 20) ||
+           in_box(c, r, k, 50 - std::min(wide, 9U), 50 + std::min(wide, 9U), 20 - wide, 20 + wide, 5, 16);
+  });
+  // A funnel.
+  stays([](auto c, auto r, auto k) {
+    const std::uint32_t wide = k < 5 ? 0 : std::min(k - 4, 12U);
+    return block(c, r, k) && !in_box(c, r, k, 35 - wide, 35 + wide, 20 - wide, 20 + wide, 5, 20);
+  });
+}
+
+TEST(LayerFeatures, KeepsNeedlesAndShaftsOfManyVoxels) {
+  const Solid solid = [](auto c, auto r, auto k) {
+    return (block(c, r, k) && !in_box(c, r, k, 20, 24, 15, 19, 3, 20)) || in_box(c, r, k, 40, 44, 15, 19, 20, 30);
+  };
+  Voxels voxels(solid);
+  const FeatureLimits limits{40, 150};  // the needle has 160 voxels, the shaft 272
+  const auto counts = drop_small_features(voxels.rrep, limits, *voxels.block);
+  ASSERT_TRUE(counts.has_value());
+  EXPECT_EQ(counts->holes + counts->islands, 0U);
+  EXPECT_TRUE(voxels.equals(solid));
+}
+
+TEST(LayerFeatures, GivesTheArenaBackAndLeavesAloneWhereItHasNoRoom) {
+  const Solid dented = [](auto c, auto r, auto k) { return block(c, r, k) && !in_box(c, r, k, 20, 24, 15, 19, 5, 9); };
+  Voxels voxels(dented);
+  Arena& arena = *voxels.block;
+  const std::size_t top = arena.top_used();
+  ASSERT_TRUE(drop_small_features(voxels.rrep, kLimits, arena).has_value());
+  EXPECT_EQ(arena.top_used(), top);
+  EXPECT_LE(arena.bottom_used(),
+            Arena::rounded(voxels.rrep.first.size_bytes()) + Arena::rounded(voxels.rrep.pixel.size_bytes()));
+
+  Voxels crowded(dented);
+  ASSERT_TRUE(crowded.block->take_top<std::byte>(crowded.block->available() - 4096, "test").has_value());
+  const auto counts = drop_small_features(crowded.rrep, kLimits, *crowded.block);
+  ASSERT_TRUE(counts.has_value());
+  EXPECT_FALSE(counts->counted);
+  EXPECT_TRUE(crowded.equals(dented));
+}
+
+TEST(LayerRegions, AreThoseOfAFloodFill) {
+  Random random(5);
+  ArenaBlock memory(std::size_t{4} << 20);
+  auto regions = LayerRegions::create(kColumns, kRows, *memory);
+  ASSERT_TRUE(regions.has_value());
+  std::vector<std::uint64_t> words(BitImage::words_needed(kColumns, kRows));
+  for (const std::uint32_t percent : {10U, 40U, 50U, 60U, 90U}) {
+    const BitImage image(words, kColumns, kRows);
+    image.clear();
+    for (std::uint32_t r = 0; r < kRows; ++r) {
+      for (std::uint32_t c = 0; c < kColumns; ++c) {
+        if (random.below(100) < percent) image.set(c, r);
+      }
+    }
+    ASSERT_TRUE(regions->label(image));
+    // Region of each pixel, then the same partition by flood fill: the pairs of names must be one to one.
+    std::vector<std::uint32_t> region(std::size_t{kColumns} * kRows);
+    for (std::uint32_t r = 0; r < kRows; ++r) {
+      for (std::uint32_t i = regions->row_begin(r); i < regions->row_begin(r + 1); ++i) {
+        const LayerRegions::Run run = regions->run(i);
+        for (std::uint32_t c = run.first; run.first <= run.last && c <= run.last; ++c) {
+          EXPECT_EQ(regions->white(r, i), image.at(c, r));
+          region[r * kColumns + c] = regions->region(i);
+        }
+      }
+    }
+    std::vector<int> flood(region.size(), -1);
+    std::map<std::uint32_t, int> name;
+    std::map<std::uint32_t, std::uint32_t> area;
+    int next = 0;
+    const auto fill = [&](std::uint32_t start, int label) {
+      std::vector<std::uint32_t> stack{start};
+      flood[start] = label;
+      while (!stack.empty()) {
+        const std::uint32_t p = stack.back();
+        stack.pop_back();
+        const int c = static_cast<int>(p % kColumns);
+        const int r = static_cast<int>(p / kColumns);
+        const bool white = image.at(p % kColumns, p / kColumns);
+        for (int dr = -1; dr <= 1; ++dr) {
+          for (int dc = -1; dc <= 1; ++dc) {
+            if (!white && dr != 0 && dc != 0) continue;
+            const int nc = c + dc;
+            const int nr = r + dr;
+            if (nc < 0 || nr < 0 || nc >= static_cast<int>(kColumns) || nr >= static_cast<int>(kRows)) continue;
+            const auto q = static_cast<std::uint32_t>(nr) * kColumns + static_cast<std::uint32_t>(nc);
+            if (flood[q] >= 0 || image.at(q % kColumns, q / kColumns) != white) continue;
+            flood[q] = label;
+            stack.push_back(q);
+          }
+        }
+      }
+    };
+    for (std::uint32_t p = 0; p < region.size(); ++p) {
+      const bool border =
+          p % kColumns == 0 || p % kColumns == kColumns - 1 || p / kColumns == 0 || p / kColumns == kRows - 1;
+      if (border && !image.at(p % kColumns, p / kColumns) && flood[p] < 0) fill(p, 1000000);  // the outside is one
+    }
+    for (std::uint32_t p = 0; p < region.size(); ++p) {
+      if (flood[p] < 0) fill(p, next++);
+    }
+    std::set<std::pair<std::uint32_t, int>> pairs;
+    for (std::uint32_t p = 0; p < region.size(); ++p) {
+      pairs.insert({region[p], flood[p]});
+      ++area[region[p]];
+    }
+    std::set<std::uint32_t> ours;
+    std::set<int> theirs;
+    for (const auto& [a, b] : pairs) {
+      ours.insert(a);
+      theirs.insert(b);
+      if (a != LayerRegions::kOutside) {
+        EXPECT_EQ(regions->area(a), area[a]);
+      }
+    }
+    EXPECT_EQ(pairs.size(), ours.size());
+    EXPECT_EQ(pairs.size(), theirs.size());
+  }
+}
+
+TEST(RRepEdit, TogglesAsASetOfVoxelsWould) {
+  Random random(9);
+  for (int round = 0; round < 20; ++round) {
+    std::vector<bool> on(std::size_t{kLayers} * kRows * kColumns);
+    for (std::size_t i = 0; i < on.size(); ++i) on[i] = random.below(4) == 0;
+    const Solid solid = [&](auto c, auto r, auto k) { return on[(std::size_t{k} * kRows + r) * kColumns + c]; };
+    Voxels voxels(solid);
+    std::vector<RRepToggle> toggles;
+    for (std::uint32_t n = random.below(500); n > 0; --n) {
+      const std::uint32_t k = random.below(kLayers + 1);
+      const std::uint32_t p = random.below(kRows * kColumns);
+      toggles.push_back({k, p});
+      if (random.below(8) == 0) toggles.push_back({k, p});  // a pair changes nothing
+    }
+    for (const RRepToggle& t : toggles) {
+      for (std::uint32_t k = t.layer; k < kLayers; ++k) {
+        auto bit = on[std::size_t{k} * kRows * kColumns + t.pixel];
+        bit = !bit;
+      }
+    }
+    ASSERT_TRUE(toggle_crossings(voxels.rrep, toggles, *voxels.block).has_value());
+    EXPECT_TRUE(voxels.equals(solid));
+    for (std::uint32_t k = 0; k < kLayers; ++k) {
+      for (std::uint32_t i = voxels.rrep.first[k] + 1; i < voxels.rrep.first[k + 1]; ++i) {
+        EXPECT_LT(voxels.rrep.pixel[i - 1], voxels.rrep.pixel[i]);
+      }
+    }
+  }
+}
+
+TEST(RRepEdit, TrimsEmptyLayersBelowTheObject) {
+  const Solid wanted = [](auto c, auto r, auto k) { return in_box(c, r, k, 10, 60, 5, 35, 0, 12); };
+  Voxels voxels([&](auto c, auto r, auto k) { return k >= 7 && wanted(c, r, k - 7); });
+  EXPECT_EQ(trim_below(voxels.rrep), 7U);
+  EXPECT_EQ(voxels.rrep.grid.layers, kLayers - 7);
+  EXPECT_TRUE(voxels.equals(wanted));
+  EXPECT_EQ(trim_below(voxels.rrep), 0U);
+  EXPECT_TRUE(voxels.equals(wanted));
+}
+
+}  // namespace
+}  // namespace plumbline
