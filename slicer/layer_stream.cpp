@@ -7,7 +7,7 @@
 
 namespace plumbline {
 
-Expected<LayerStream> LayerStream::create(const RRep& rrep, Arena& arena) {
+Expected<LayerStream> LayerStream::create(const RRep& rrep, Arena& arena, const Supports* supports) {
   const std::uint32_t columns = rrep.grid.columns;
   const std::uint32_t rows = rrep.grid.rows;
   const std::uint32_t stride = (columns + 63) / 64;
@@ -25,13 +25,23 @@ Expected<LayerStream> LayerStream::create(const RRep& rrep, Arena& arena) {
   stream.section_.clear();
   stream.mask_.clear();
   stream.changed_.clear();
+  if (supports != nullptr && !supports->empty()) {
+    auto drawn = arena.take_bottom<std::uint64_t>(BitImage::words_needed(stride, rows), "layer stream");
+    if (!drawn) return tl::unexpected<Error>(drawn.error());
+    auto painter = SupportPainter::create(*supports, arena);
+    if (!painter) return tl::unexpected<Error>(painter.error());
+    stream.drawn_ = BitImage(*drawn, stride, rows);
+    stream.drawn_.clear();
+    stream.painter_ = *painter;
+  }
   return stream;
 }
 
-std::size_t LayerStream::bytes_needed(const PrintGrid& grid) {
+std::size_t LayerStream::bytes_needed(const PrintGrid& grid, std::size_t supports) {
   const std::size_t image = BitImage::words_needed(grid.columns, grid.rows) * sizeof(std::uint64_t);
   const std::size_t changed = BitImage::words_needed((grid.columns + 63) / 64, grid.rows) * sizeof(std::uint64_t);
-  return 2 * Arena::rounded(image) + Arena::rounded(changed);
+  const std::size_t painting = supports == 0 ? 0 : Arena::rounded(changed) + SupportPainter::bytes_needed(supports);
+  return 2 * Arena::rounded(image) + Arena::rounded(changed) + painting;
 }
 
 void LayerStream::toggle(std::uint32_t layer) {
@@ -55,6 +65,7 @@ void LayerStream::clean_changed() {
   const std::uint32_t rows = section_.rows();
   const std::uint32_t words = section_.stride();
   const std::uint32_t groups = changed_.stride();
+  const bool with_supports = drawn_.rows() > 0;
   for (std::uint32_t r = 0; r < rows; ++r) {
     const std::uint32_t from = r < 2 ? 0 : r - 2;
     const std::uint32_t to = std::min(rows - 1, r + 2);
@@ -69,6 +80,7 @@ void LayerStream::clean_changed() {
       }
       std::uint64_t todo = near | near << 1 | near >> 1 | carry | next << 63;
       carry = near >> 63;
+      if (with_supports) todo |= drawn_.row(r)[g];  // away with them; what is beside was never theirs
       if (words - g * 64 < 64) todo &= (std::uint64_t{1} << (words - g * 64)) - 1;
       while (todo != 0) {
         const auto first = static_cast<std::uint32_t>(std::countr_zero(todo));
@@ -80,6 +92,7 @@ void LayerStream::clean_changed() {
     }
   }
   changed_.clear();
+  drawn_.clear();
 }
 
 ConstBitImage LayerStream::mask(std::uint32_t layer) {
@@ -90,6 +103,7 @@ ConstBitImage LayerStream::mask(std::uint32_t layer) {
   }
   while (at_ < static_cast<std::int64_t>(layer)) toggle(static_cast<std::uint32_t>(++at_));
   clean_changed();
+  if (drawn_.rows() > 0) support_pixels_ = painter_.draw(layer, mask_, drawn_);
   return mask_;
 }
 

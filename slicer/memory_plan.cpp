@@ -11,6 +11,7 @@
 #include "slicer/normals.hpp"
 #include "slicer/reader/scan_reader.hpp"
 #include "slicer/rrep_builder.hpp"
+#include "slicer/supports/support_finder.hpp"
 #include "slicer/thinning.hpp"
 #include "slicer/winding_number.hpp"
 
@@ -61,7 +62,9 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
     const std::size_t sorted =
         share_of(*grid, kCoveredShare * 4 * kCrossingsPerRay) + 4 * (std::size_t{grid->layers} + 1);
     set(Stage::kRRep, store + sorted);
-    set(Stage::kLayers, sorted + LayerStream::bytes_needed(*grid));
+    const std::uint32_t supports = most_supports(*grid);
+    set(Stage::kSupports, sorted + find_supports_bytes(*grid));
+    set(Stage::kLayers, sorted + supports * sizeof(Support) + LayerStream::bytes_needed(*grid, supports));
   }
   set(Stage::kRayGrid, cloud + tree + 2 * image);
   const std::size_t workers = threads * RayShooter::bytes_needed(tile_capacity(points));

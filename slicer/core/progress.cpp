@@ -12,6 +12,7 @@ std::string_view to_string(Stage stage) {
     case Stage::kRayGrid: return "ray grid";
     case Stage::kRays: return "rays";
     case Stage::kRRep: return "r-rep";
+    case Stage::kSupports: return "supports";
     case Stage::kLayers: return "layers";
   }
   return "unknown";

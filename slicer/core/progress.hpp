@@ -17,9 +17,10 @@ enum class Stage : std::uint8_t {
   kRayGrid,
   kRays,
   kRRep,
+  kSupports,
   kLayers,
 };
-inline constexpr std::size_t kStageCount = 9;
+inline constexpr std::size_t kStageCount = 10;
 
 /// "read", "normals", ...: one word, lower case.
 std::string_view to_string(Stage stage);

@@ -1,0 +1,131 @@
+#include "slicer/supports/islands.hpp"
+
+#include <algorithm>
+#include <bit>
+
+#include "slicer/supports/disc.hpp"
+
+namespace plumbline {
+namespace {
+
+constexpr const char* kStage = "supports";
+
+std::size_t most_runs(std::uint32_t columns) { return columns / 2 + 1; }
+
+/// Whether any of the columns [begin, end) of a row is in both images; outside of the image none is.
+bool both_in(ConstBitImage a, ConstBitImage b, std::int64_t row, std::uint32_t begin, std::uint32_t end) {
+  if (row < 0 || row >= a.rows()) return false;
+  const auto line_a = a.row(static_cast<std::uint32_t>(row));
+  const auto line_b = b.row(static_cast<std::uint32_t>(row));
+  bool found = false;
+  for_each_word(begin, end, [&](std::uint32_t w, std::uint64_t bits) { found |= (line_a[w] & line_b[w] & bits) != 0; });
+  return found;
+}
+
+}  // namespace
+
+Expected<IslandFinder> IslandFinder::create(std::uint32_t columns, Arena& arena) {
+  IslandFinder finder;
+  for (auto* runs : {&finder.above_, &finder.here_}) {
+    auto taken = arena.take_top<Run>(most_runs(columns), kStage);
+    PLUMBLINE_TRY(taken);
+    *runs = *taken;
+  }
+  for (auto* pieces : {&finder.pieces_, &finder.kept_}) {
+    auto taken = arena.take_top<Piece>(2 * most_runs(columns), kStage);
+    PLUMBLINE_TRY(taken);
+    *pieces = *taken;
+  }
+  return finder;
+}
+
+std::size_t IslandFinder::bytes_needed(std::uint32_t columns) {
+  return 2 * Arena::rounded(most_runs(columns) * sizeof(Run)) +
+         2 * Arena::rounded(2 * most_runs(columns) * sizeof(Piece));
+}
+
+void IslandFinder::read_runs(ConstBitImage mask, ConstBitImage below, ConstBitImage fresh, std::uint32_t row,
+                             const Window& window) {
+  std::swap(above_, here_);
+  above_count_ = open_ == 0 ? 0 : here_count_;
+  here_count_ = 0;
+  const auto line = fresh.row(row);
+  for (std::uint32_t w = window.word; w < window.word_end; ++w) {
+    std::uint64_t rest = line[w];
+    while (rest != 0) {
+      const auto first = static_cast<std::uint32_t>(std::countr_zero(rest));
+      const auto length = static_cast<std::uint32_t>(std::countr_one(rest >> first));
+      const std::uint32_t begin = w * 64 + first;
+      if (here_count_ > 0 && here_[here_count_ - 1].end == begin) {
+        here_[here_count_ - 1].end += length;  // goes on from the word before
+      } else {
+        here_[here_count_++] = {begin, begin + length, 0};
+      }
+      rest = first + length >= 64 ? 0 : rest & ~std::uint64_t{0} << (first + length);
+    }
+  }
+  for (std::uint32_t i = 0; i < here_count_; ++i) {
+    Run& run = here_[i];
+    run.piece = open_ + i;
+    const std::uint32_t before = run.begin - std::min(run.begin, 1U);
+    const std::uint32_t after = std::min(run.end + 1, mask.columns());
+    const std::int64_t r = row;
+    const bool held = both_in(mask, below, r, before, after) || both_in(mask, below, r - 1, run.begin, run.end) ||
+                      both_in(mask, below, r + 1, run.begin, run.end);
+    pieces_[run.piece] = {run.piece, run.end - run.begin, {run.begin + (run.end - run.begin) / 2, row}, held, true};
+  }
+}
+
+std::uint32_t IslandFinder::root(std::uint32_t piece) const {
+  while (pieces_[piece].parent != piece) piece = pieces_[piece].parent = pieces_[pieces_[piece].parent].parent;
+  return piece;
+}
+
+void IslandFinder::join_with_row_above() {
+  std::uint32_t a = 0;
+  std::uint32_t h = 0;
+  while (a < above_count_ && h < here_count_) {
+    if (above_[a].begin < here_[h].end && here_[h].begin < above_[a].end) {
+      std::uint32_t kept = root(above_[a].piece);
+      std::uint32_t joined = root(here_[h].piece);
+      if (joined < kept) std::swap(kept, joined);
+      if (joined != kept) {
+        Piece& to = pieces_[kept];
+        const Piece& from = pieces_[joined];
+        if (from.width > to.width) {
+          to.width = from.width;
+          to.middle = from.middle;
+        }
+        to.held |= from.held;
+        to.goes_on = true;
+        pieces_[joined].parent = kept;
+      }
+    }
+    if (above_[a].end <= here_[h].end) {
+      ++a;
+    } else {
+      ++h;
+    }
+  }
+}
+
+void IslandFinder::keep_what_goes_on() {
+  std::uint32_t kept = 0;
+  // A piece that is copied leaves its new number in its width, which is not needed any more.
+  for (std::uint32_t i = 0; i < here_count_; ++i) pieces_[root(here_[i].piece)].goes_on = false;
+  for (std::uint32_t i = 0; i < here_count_; ++i) {
+    const std::uint32_t piece = root(here_[i].piece);
+    if (!pieces_[piece].goes_on) {
+      pieces_[piece].goes_on = true;
+      kept_[kept] = pieces_[piece];
+      kept_[kept].parent = kept;
+      kept_[kept].goes_on = false;
+      pieces_[piece].width = kept++;
+    }
+    here_[i].piece = pieces_[piece].width;
+  }
+  std::swap(pieces_, kept_);
+  open_ = kept;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,81 @@
+#pragma once
+/// Islands: what begins in a layer and hangs on nothing.
+
+#include <cstdint>
+#include <span>
+
+#include "slicer/core/arena.hpp"
+#include "slicer/core/bit_image.hpp"
+#include "slicer/core/error.hpp"
+#include "slicer/supports/window.hpp"
+
+namespace plumbline {
+
+/// Finds the pieces of a layer that have no pixel above the layer below. Pixels are neighbours at their sides, not at
+/// their corners, where a print would tear.
+///
+/// Such a piece is all new. So only what is new in the layer is looked at, row by row in runs of pixels (the two-row
+/// labelling of Rosenfeld and Pfaltz 1966 with labels given back at the end of each row): memory for two rows, and time
+/// for what changes.
+class IslandFinder {
+ public:
+  /// @retval ErrorCode::kOutOfMemory  bytes_needed() from the top of the arena
+  [[nodiscard]] static Expected<IslandFinder> create(std::uint32_t columns, Arena& arena);
+  static std::size_t bytes_needed(std::uint32_t columns);
+
+  /// A pixel in the middle of the widest run of an island.
+  struct Place {
+    std::uint32_t column = 0, row = 0;
+  };
+
+  /// Takes the next row of a layer, the first one after create() or end().
+  /// @param mask    of the layer
+  /// @param below   what there is under it
+  /// @param fresh   mask without below
+  /// @param window  where `fresh` may have pixels
+  /// @param visit   called with a Place for each island that ended above this row
+  template <class Visit>
+  void next_row(ConstBitImage mask, ConstBitImage below, ConstBitImage fresh, std::uint32_t row, const Window& window,
+                Visit visit) {
+    read_runs(mask, below, fresh, row, window);
+    join_with_row_above();
+    for (std::uint32_t i = 0; i < open_; ++i) {
+      const Piece& piece = pieces_[i];
+      if (piece.parent == i && !piece.goes_on && !piece.held) visit(piece.middle);
+    }
+    keep_what_goes_on();
+  }
+  /// After the last row: visits the islands that reach into it.
+  template <class Visit>
+  void end(Visit visit) {
+    for (std::uint32_t i = 0; i < open_; ++i) {
+      if (!pieces_[i].held) visit(pieces_[i].middle);
+    }
+    open_ = 0;
+  }
+
+ private:
+  struct Run {
+    std::uint32_t begin = 0, end = 0;  ///< columns
+    std::uint32_t piece = 0;
+  };
+  struct Piece {
+    std::uint32_t parent = 0;
+    std::uint32_t width = 0;  ///< of its widest run
+    Place middle;             ///< of that
+    bool held = false;        ///< beside something that goes on from below
+    bool goes_on = false;     ///< into the row that is read
+  };
+
+  void read_runs(ConstBitImage mask, ConstBitImage below, ConstBitImage fresh, std::uint32_t row, const Window& window);
+  void join_with_row_above();
+  void keep_what_goes_on();
+  std::uint32_t root(std::uint32_t piece) const;
+
+  std::span<Run> above_, here_;
+  std::uint32_t above_count_ = 0, here_count_ = 0;
+  std::span<Piece> pieces_, kept_;  ///< [0, open_): those with a run in the row above; then one for each run here
+  std::uint32_t open_ = 0;
+};
+
+}  // namespace plumbline

@@ -1,0 +1,73 @@
+#pragma once
+/// R-Reps of formulas, and their masks with and without supports, a pixel at a time.
+
+#include <algorithm>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "slicer/layer_stream.hpp"
+#include "slicer/rrep.hpp"
+#include "slicer/supports/supports.hpp"
+#include "tests/slicer/support/arena_block.hpp"
+#include "tests/slicer/support/pixels.hpp"
+#include "tests/slicer/support/scan_cloud.hpp"
+
+namespace plumbline::testing {
+
+/// Whether the voxel (column, row, layer) is inside.
+using Inside = std::function<bool(std::uint32_t, std::uint32_t, std::uint32_t)>;
+
+/// By the definition of the R-Rep: what differs from the layer below is toggled.
+struct Solid {
+  Solid(const PrintGrid& grid, const Inside& inside) {
+    std::vector<bool> before(std::size_t{grid.columns} * grid.rows);
+    for (std::uint32_t k = 0; k < grid.layers; ++k) {
+      first.push_back(static_cast<std::uint32_t>(pixel.size()));
+      for (std::uint32_t p = 0; p < before.size(); ++p) {
+        const bool now = inside(p % grid.columns, p / grid.columns, k);
+        if (now != before[p]) pixel.push_back(p);
+        before[p] = now;
+      }
+    }
+    first.push_back(static_cast<std::uint32_t>(pixel.size()));
+    rrep = {grid, first, pixel};
+  }
+  Solid(const Solid&) = delete;
+  Solid& operator=(const Solid&) = delete;
+
+  std::vector<Pixels> masks(const Supports* supports = nullptr) const {
+    ArenaBlock arena(4 * kMiB);
+    LayerStream stream = value_of(LayerStream::create(rrep, *arena, supports));
+    std::vector<Pixels> all;
+    for (std::uint32_t k = 0; k < rrep.grid.layers; ++k) all.emplace_back(stream.mask(k));
+    return all;
+  }
+
+  std::vector<std::uint32_t> first, pixel;
+  RRep rrep;
+};
+
+inline PrintGrid cubic_grid(std::uint32_t side, std::uint32_t layers, float pitch_mm = 0.1F) {
+  return {.columns = side,
+          .rows = side,
+          .layers = layers,
+          .pitch_x_mm = pitch_mm,
+          .pitch_y_mm = pitch_mm,
+          .layer_height_mm = pitch_mm};
+}
+
+/// Half-open box of voxels.
+struct Block {
+  std::uint32_t column, column_end, row, row_end, layer, layer_end;
+  bool has(std::uint32_t c, std::uint32_t r, std::uint32_t k) const {
+    return column <= c && c < column_end && row <= r && r < row_end && layer <= k && k < layer_end;
+  }
+};
+inline Inside blocks(const std::vector<Block>& all) {
+  return [all](std::uint32_t c, std::uint32_t r, std::uint32_t k) {
+    return std::any_of(all.begin(), all.end(), [&](const Block& block) { return block.has(c, r, k); });
+  };
+}
+
+}  // namespace plumbline::testing

@@ -1,0 +1,307 @@
+#include "slicer/supports/support_finder.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "tests/slicer/support/hanging.hpp"
+#include "tests/slicer/support/solid.hpp"
+
+namespace plumbline {
+namespace {
+
+using namespace testing;
+using ::testing::HasSubstr;
+
+/// In pixels of 0.1 mm with the settings' defaults.
+constexpr double kReach = 15;   ///< half of the longest bridge
+constexpr double kRounded = 6;  ///< a growth of 4 pixels behind, its disc and a pixel rounded
+constexpr std::uint32_t kSide = 64;
+
+/// A solid with the supports found for it.
+struct Supported {
+  Supported(const PrintGrid& grid, const Inside& inside, const SupportSettings& settings = {})
+      : solid(grid, inside), arena(8 * kMiB), object(solid.masks()) {
+    supports = value_of(find_supports(solid.rrep, settings, *arena, nullptr, counts));
+    masks = solid.masks(&supports);
+  }
+  explicit Supported(const Inside& inside, const SupportSettings& settings = {})
+      : Supported(cubic_grid(kSide, 48), inside, settings) {}
+
+  double hang(double growth = 1) const { return farthest_hang(object, supports.list, growth, 30); }
+
+  Solid solid;
+  ArenaBlock arena;
+  SupportCounts counts;
+  Supports supports;
+  std::vector<Pixels> object;  ///< masks without supports
+  std::vector<Pixels> masks;   ///< with them
+};
+
+/// What is true of every object: nothing floats, supports stand and reach, and the object itself is whole.
+void expect_printable(const Supported& s) {
+  EXPECT_EQ(floating_islands(s.masks), 0U);
+  for (const Support& support : s.supports.list) {
+    EXPECT_TRUE(s.object[support.tip].at(support.column, support.row));
+    EXPECT_TRUE(support.on_plate() || s.masks[support.first - 1U].at(support.column, support.row));
+    for (std::uint32_t k = support.first; k < support.tip; ++k) {
+      EXPECT_FALSE(s.object[k].at(support.column, support.row)) << "through the object in layer " << k;
+      EXPECT_TRUE(s.masks[k].at(support.column, support.row)) << "broken in layer " << k;
+    }
+  }
+  for (std::size_t k = 0; k < s.masks.size(); ++k) {
+    for (std::uint32_t r = 0; r < s.masks[k].rows(); ++r) {
+      for (std::uint32_t c = 0; c < s.masks[k].columns(); ++c) {
+        ASSERT_TRUE(s.masks[k].at(c, r) || !s.object[k].at(c, r)) << "pixel lost in layer " << k;
+      }
+    }
+  }
+  EXPECT_EQ(s.counts.all(), s.supports.list.size());
+  EXPECT_EQ(s.counts.islands + s.counts.overhangs, s.supports.list.size());
+  EXPECT_LE(s.hang(), kReach + kRounded);
+}
+
+Inside ball(double x, double y, double z, double radius) {
+  return [=](std::uint32_t c, std::uint32_t r, std::uint32_t k) {
+    const double dx = c + 0.5 - x;
+    const double dy = r + 0.5 - y;
+    const double dz = k + 0.5 - z;
+    return dx * dx + dy * dy + dz * dz < radius * radius;
+  };
+}
+/// Upright, its apex at the bottom.
+Inside cone(double apex, double slope) {
+  return [=](std::uint32_t c, std::uint32_t r, std::uint32_t k) {
+    const double radius = (k + 0.5 - apex) * slope;
+    const double dx = c + 0.5 - kSide / 2.0;
+    const double dy = r + 0.5 - kSide / 2.0;
+    return radius > 0 && dx * dx + dy * dy < radius * radius;
+  };
+}
+
+TEST(Supports, AreNoneBelowACubeOnThePlate) {
+  const Supported s(blocks({{20, 44, 20, 44, 0, 40}}));
+  EXPECT_TRUE(s.supports.empty());
+  EXPECT_EQ(s.masks, s.object);
+}
+
+TEST(Supports, AreNoneInAnEmptyPrint) {
+  const Supported s(blocks({}));
+  EXPECT_TRUE(s.supports.empty());
+}
+
+TEST(Supports, HoldTheWingsOfAT) {
+  const Supported s(blocks({{29, 35, 20, 44, 0, 40}, {2, 62, 20, 44, 24, 40}}));
+  expect_printable(s);
+  EXPECT_EQ(s.counts.islands, 0U);
+  EXPECT_EQ(s.counts.on_object, 0U);
+  EXPECT_GE(s.counts.overhangs, 2U);
+  EXPECT_LE(s.counts.overhangs, 16U);  // each wing is 27 x 24 pixels, the stem holds 15 of them
+  for (const Support& support : s.supports.list) EXPECT_EQ(support.tip, 24);
+  EXPECT_GT(farthest_hang(s.object, {}, 1, 30), kReach + kRounded) << "the check sees no wings";
+}
+
+TEST(Supports, HoldAToothThatHangsInAnArch) {
+  const Inside arch =
+      blocks({{4, 14, 20, 44, 0, 48}, {50, 60, 20, 44, 0, 48}, {4, 60, 20, 44, 40, 48}, {30, 34, 30, 34, 12, 40}});
+  const Supported s(arch);
+  expect_printable(s);
+  EXPECT_EQ(s.counts.islands, 1U);
+  EXPECT_EQ(floating_islands(s.object), 1U) << "the check sees no tooth";
+  const auto tooth =
+      std::find_if(s.supports.list.begin(), s.supports.list.end(), [](const Support& x) { return x.tip == 12; });
+  ASSERT_NE(tooth, s.supports.list.end());
+  EXPECT_TRUE(tooth->on_plate());
+  EXPECT_NEAR(tooth->column, 32, 2);
+  EXPECT_NEAR(tooth->row, 32, 2);
+}
+
+TEST(Supports, HoldAConeAtItsTipAlone) {
+  const Supported s(cone(8, 0.8));  // steeper than the critical angle
+  expect_printable(s);
+  ASSERT_EQ(s.supports.list.size(), 1U);
+  EXPECT_EQ(s.counts.islands, 1U);
+  EXPECT_NEAR(s.supports.list[0].column, 32, 1);
+  EXPECT_NEAR(s.supports.list[0].row, 32, 1);
+}
+
+TEST(Supports, HoldAFlatConeAllAround) {
+  const Supported s(cone(8, 2.2));
+  expect_printable(s);
+  EXPECT_EQ(s.counts.islands, 1U);
+  EXPECT_GE(s.counts.overhangs, 4U);
+  for (const bool right : {false, true}) {
+    for (const bool back : {false, true}) {
+      EXPECT_TRUE(std::any_of(
+          s.supports.list.begin(), s.supports.list.end(),
+          [&](const Support& x) { return (x.column >= kSide / 2) == right && (x.row >= kSide / 2) == back; }))
+          << "quarter " << right << back;
+    }
+  }
+}
+
+TEST(Supports, HoldASphereWhereItIsFlat) {
+  const Supported s(ball(32, 32, 24, 24));
+  expect_printable(s);
+  EXPECT_EQ(floating_islands(s.object), 0U);
+  // The lower 45 degrees of it are flatter than the critical angle.
+  for (const Support& support : s.supports.list) EXPECT_LT(support.tip, 24 - 24 * 0.6);
+}
+
+TEST(Supports, HoldASphereAboveThePlate) {
+  const Supported s(ball(32, 32, 27, 20));
+  expect_printable(s);
+  EXPECT_GE(s.counts.islands, 1U);
+  EXPECT_EQ(s.counts.on_object, 0U);
+}
+
+TEST(Supports, LeaveOutWhatAShortBridgeSpans) {
+  const auto bridge = [](std::uint32_t gap) {
+    return blocks({{0, 32 - gap / 2, 20, 44, 0, 40}, {32 + gap / 2, 64, 20, 44, 0, 40}, {0, 64, 20, 44, 24, 40}});
+  };
+  const Supported shorter(bridge(28));
+  EXPECT_TRUE(shorter.supports.empty());
+  const Supported longer(bridge(36));
+  expect_printable(longer);
+  EXPECT_FALSE(longer.supports.empty());
+  SupportSettings settings;
+  settings.max_bridge_length = 4;
+  EXPECT_TRUE(Supported(bridge(36), settings).supports.empty());
+}
+
+TEST(Supports, EndOnTheObjectWhereItIsBelow) {
+  // A wall with a board at its foot and a board at its top.
+  const Supported s(blocks({{0, 6, 20, 44, 0, 48}, {0, 50, 20, 44, 0, 8}, {0, 50, 20, 44, 36, 44}}));
+  expect_printable(s);
+  EXPECT_EQ(s.counts.on_plate, 0U);
+  EXPECT_GT(s.counts.on_object, 0U);
+  for (const Support& support : s.supports.list) {
+    EXPECT_EQ(support.first, 8);
+    EXPECT_EQ(support.tip, 36);
+    const SupportShape& shape = s.supports.shape;
+    EXPECT_NEAR(static_cast<double>(shape.radius(support, 8)), static_cast<double>(shape.radius(support, 35)), 1);
+  }
+}
+
+TEST(Supports, BranchOffTheirNeighbours) {
+  // Two stalactites, one beside the other, that begin in layers 20 and 26.
+  const Supported s(
+      blocks({{0, 6, 20, 44, 0, 48}, {0, 36, 28, 36, 40, 48}, {24, 27, 30, 34, 20, 40}, {29, 32, 30, 34, 26, 40}}));
+  expect_printable(s);
+  EXPECT_EQ(s.counts.islands, 2U);
+  ASSERT_EQ(s.counts.on_supports, 1U);
+  const auto branch =
+      std::find_if(s.supports.list.begin(), s.supports.list.end(), [](const Support& x) { return x.first > 0; });
+  ASSERT_NE(branch, s.supports.list.end());
+  EXPECT_EQ(branch->tip, 26);
+  EXPECT_GT(branch->first, 5);
+  EXPECT_LT(branch->first, 20);
+}
+
+TEST(Supports, AllowWhatTheCriticalAngleAllows) {
+  // A wall that leans by 30 degrees to the plate: two pixels out for each up.
+  const Inside leaning = [](std::uint32_t c, std::uint32_t r, std::uint32_t k) {
+    return r >= 20 && r < 44 && c >= 17 * k / 10 && c < 17 * k / 10 + 12;
+  };
+  SupportSettings settings;
+  settings.critical_angle = 25;
+  const PrintGrid grid = cubic_grid(96, 45);
+  EXPECT_TRUE(Supported(grid, leaning, settings).supports.empty());
+  const Supported s(grid, leaning);
+  expect_printable(s);
+  EXPECT_FALSE(s.supports.empty());
+}
+
+TEST(Supports, EndWithTheObjectAboveThem) {
+  // A sheet of one layer: a head that reached 0.2 mm into it would come out on top.
+  const Supported s(blocks({{0, 6, 20, 44, 0, 30}, {0, 50, 20, 44, 20, 21}}));
+  expect_printable(s);
+  ASSERT_FALSE(s.supports.empty());
+  for (const Support& support : s.supports.list) EXPECT_EQ(support.end, 21);
+}
+
+TEST(Supports, HoldWhateverComes) {
+  Random random(7);
+  for (int i = 0; i < 10; ++i) {
+    std::vector<Block> all;
+    for (int b = 0; b < 12; ++b) {
+      const std::uint32_t c = random.below(56);
+      const std::uint32_t r = random.below(56);
+      const std::uint32_t k = random.below(28);
+      all.push_back({c, c + 2 + random.below(20), r, r + 2 + random.below(20), k, k + 1 + random.below(10)});
+    }
+    const Supported s(cubic_grid(kSide, 32), blocks(all));
+    EXPECT_GT(floating_islands(s.object), 0U);
+    expect_printable(s);
+  }
+}
+
+TEST(Supports, TakeAndReturnTheBytesTheySay) {
+  const Solid solid(cubic_grid(kSide, 48), ball(32, 32, 27, 20));
+  const PrintGrid& grid = solid.rrep.grid;
+  ArenaBlock arena(find_supports_bytes(grid) + Arena::kAlignment);
+  SupportCounts counts;
+  const Supports supports = value_of(find_supports(solid.rrep, {}, *arena, nullptr, counts));
+  EXPECT_EQ(arena->top_used(), 0U);
+  EXPECT_EQ(arena->bottom_used(), Arena::rounded(supports.list.size_bytes()));
+  EXPECT_LE(arena->peak(), find_supports_bytes(grid));
+  EXPECT_GE(2 * arena->peak(), find_supports_bytes(grid));
+}
+
+TEST(Supports, AreRefusedWhereTheArenaIsFull) {
+  const Solid solid(cubic_grid(kSide, 48), ball(32, 32, 27, 20));
+  std::size_t enough = 0;
+  {
+    ArenaBlock arena(kMiB);
+    SupportCounts counts;
+    ASSERT_TRUE(find_supports(solid.rrep, {}, *arena, nullptr, counts).has_value());
+    enough = arena->peak();
+  }
+  for (const std::size_t bytes : {enough / 8, enough / 2, enough - Arena::kAlignment}) {
+    ArenaBlock arena(bytes);
+    SupportCounts counts;
+    const auto supports = find_supports(solid.rrep, {}, *arena, nullptr, counts);
+    ASSERT_FALSE(supports.has_value());
+    EXPECT_EQ(supports.error().code(), ErrorCode::kOutOfMemory);
+    EXPECT_THAT(supports.error().message(), HasSubstr("needs"));
+    EXPECT_THAT(supports.error().message(), HasSubstr("of the arena's"));
+    EXPECT_EQ(arena->used(), 0U);
+  }
+}
+
+TEST(Supports, AreRefusedWhereTheListIsFull) {
+  // A block of 2 x 2 pixels in every 4 x 4, in the air: 1024 islands.
+  const PrintGrid grid = cubic_grid(128, 4);
+  ASSERT_LT(most_supports(grid), 1024U);
+  const Solid solid(grid,
+                    [](std::uint32_t c, std::uint32_t r, std::uint32_t k) { return k > 1 && c % 4 < 2 && r % 4 < 2; });
+  ArenaBlock arena(4 * kMiB);
+  SupportCounts counts;
+  const auto supports = find_supports(solid.rrep, {}, *arena, nullptr, counts);
+  ASSERT_FALSE(supports.has_value());
+  EXPECT_EQ(supports.error().code(), ErrorCode::kOutOfMemory);
+  EXPECT_THAT(supports.error().message(), HasSubstr("supports: more than 256 are needed up to layer 2 of 4"));
+  EXPECT_EQ(arena->used(), 0U);
+}
+
+TEST(Supports, StopWhenAsked) {
+  struct Stop final : ProgressSink {
+    void begin(Stage) override {}
+    bool advance(Stage stage, double fraction) override { return stage == Stage::kSupports && fraction < 0.5; }
+    void end(Stage, std::size_t) override {}
+  } stop;
+  const Solid solid(cubic_grid(kSide, 48), ball(32, 32, 27, 20));
+  ArenaBlock arena(8 * kMiB);
+  SupportCounts counts;
+  const auto supports = find_supports(solid.rrep, {}, *arena, &stop, counts);
+  ASSERT_FALSE(supports.has_value());
+  EXPECT_EQ(supports.error().code(), ErrorCode::kCancelled);
+  EXPECT_EQ(arena->used(), 0U);
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,47 @@
+#include "slicer/supports/support_settings.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <string>
+
+namespace plumbline {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::string refusal(const SupportSettings& settings) {
+  const auto status = check_support_settings(settings);
+  if (status) return "";
+  EXPECT_EQ(status.error().code(), ErrorCode::kBadSetting);
+  return status.error().message();
+}
+
+TEST(SupportSettings, AreGoodAsTheyCome) { EXPECT_EQ(refusal({}), ""); }
+
+TEST(SupportSettings, AreRefusedOutsideOfTheirRange) {
+  for (const SupportField& field : kSupportFields) {
+    for (const double value : {field.low - 0.01, field.high + 0.01, std::numeric_limits<double>::quiet_NaN()}) {
+      SupportSettings settings;
+      settings.*field.member = value;
+      EXPECT_THAT(refusal(settings), HasSubstr(std::string(field.key) + " is ")) << value;
+    }
+  }
+  SupportSettings settings;
+  settings.critical_angle = 85;
+  EXPECT_EQ(refusal(settings), "support_critical_angle is 85, allowed are 10 to 80 deg");
+}
+
+TEST(SupportSettings, NarrowTowardsTheObject) {
+  SupportSettings wide_head;
+  wide_head.head_front_diameter = 1.5;
+  EXPECT_THAT(refusal(wide_head),
+              HasSubstr("support_head_front_diameter is 1.5 mm, more than support_pillar_diameter"));
+  SupportSettings wide_pillar;
+  wide_pillar.pillar_diameter = 5;
+  EXPECT_THAT(refusal(wide_pillar), HasSubstr("support_pillar_diameter is 5 mm, more than support_base_diameter"));
+}
+
+}  // namespace
+}  // namespace plumbline
