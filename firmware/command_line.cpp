@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,8 @@ constexpr const char* kSliceFooter =
     "plate\n"
     "  plumbline slice scan.ply -o out --printer board/mono2k.toml --fit   as large as the printer takes\n"
     "  plumbline slice scan.ply -o out --units m --rotate-x 90          a scan in metres whose y points up\n"
+    "  plumbline slice scan.ply -o out --supports auto                  with supports below what would hang in the "
+    "air\n"
     "\n"
     "Scans: PLY (ascii, binary), PCD (ascii, binary, compressed), OBJ, XYZ/PTS/ASC/TXT.\n"
     "\n"
@@ -150,6 +153,48 @@ void add_job_options(CLI::App& app, JobOptions& job) {
   app.add_flag("--json", job.json, "Print the report as one JSON object, and nothing else")->group(kMachine);
 }
 
+/// `--supports`, and an option for each setting. What they say is known when the arguments have been parsed.
+class SupportOptions {
+ public:
+  explicit SupportOptions(CLI::App& app) {
+    constexpr const char* kSupports = "Supports";
+    app.add_option("--supports", kind_, "none, or auto: below islands and overhangs, from the layers alone [none]")
+        ->type_name("KIND")
+        ->check(CLI::IsMember({"none", "auto"}).description(""))
+        ->group(kSupports);
+    for (std::size_t i = 0; i < kSupportFields.size(); ++i) {
+      const SupportField& field = kSupportFields[i];
+      std::string name = "--" + std::string(field.key);
+      std::replace(name.begin(), name.end(), '_', '-');
+      char range[64];
+      std::snprintf(range, sizeof range, ", %g to %g %s [%g]", field.low, field.high, field.unit.data(),
+                    settings_.*field.member);
+      options_[i] = app.add_option(name, settings_.*field.member, std::string(field.help) + range)
+                        ->type_name(field.unit == "deg" ? "DEG" : "MM")
+                        ->check(finite_range(field.low, field.high))
+                        ->group(kSupports);
+    }
+  }
+
+  /// @throws CLI::ValidationError  settings that contradict each other, or that nothing uses
+  std::optional<SupportSettings> chosen() const {
+    if (kind_ == "auto") {
+      const auto good = check_support_settings(settings_);
+      if (!good) throw CLI::ValidationError(good.error().message());
+      return settings_;
+    }
+    for (const CLI::Option* option : options_) {
+      if (option->count() > 0) throw CLI::ValidationError(option->get_name() + " is for --supports auto");
+    }
+    return std::nullopt;
+  }
+
+ private:
+  std::string kind_ = "none";
+  SupportSettings settings_;
+  std::array<CLI::Option*, kSupportFields.size()> options_ = {};
+};
+
 }  // namespace
 
 ExitCode run_command_line(int argc, char** argv, std::span<std::byte> arena_block) {
@@ -165,6 +210,7 @@ ExitCode run_command_line(int argc, char** argv, std::span<std::byte> arena_bloc
   slice_app->add_option("-o,--output", slice.output, "Directory for the layers; created if it is missing")
       ->required()
       ->type_name("OUT");
+  const SupportOptions supports(*slice_app);
   bool no_preview = false;
   slice_app->add_flag("--no-preview", no_preview, "Do not draw preview.png");
 
@@ -192,6 +238,7 @@ ExitCode run_command_line(int argc, char** argv, std::span<std::byte> arena_bloc
 
   try {
     app.parse(argc, argv);
+    slice.supports = supports.chosen();
   } catch (const CLI::ParseError& error) {
     const int status = app.exit(error);  // prints help, version, or what is wrong
     return status == 0 ? ExitCode::kDone : ExitCode::kUsageError;

@@ -3,10 +3,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 
 #include "firmware/job_options.hpp"
+#include "slicer/supports/support_settings.hpp"
 
 namespace plumbline {
 
@@ -22,6 +24,7 @@ struct SliceOptions {
   JobOptions job;
   std::string output;
   bool preview = true;
+  std::optional<SupportSettings> supports;  ///< none: no supports
 };
 
 struct SampleOptions {

@@ -9,12 +9,17 @@ constexpr double kSmallestUsual = 5;      ///< mm, longest side of what people p
 constexpr double kLargestUsual = 500;     ///< mm
 constexpr double kRaysByEvidence = 0.01;  ///< share of rays above which a hole in the scan is worth a word
 
+double voxel_mm3(const PrintGrid& grid) {
+  return static_cast<double>(grid.pitch_x_mm) * static_cast<double>(grid.pitch_y_mm) *
+         static_cast<double>(grid.layer_height_mm);
+}
+
 }  // namespace
 
-double JobReport::volume_mm3() const {
-  const PrintGrid& grid = slice.placement.grid;
-  return static_cast<double>(cured_pixels) * static_cast<double>(grid.pitch_x_mm) *
-         static_cast<double>(grid.pitch_y_mm) * static_cast<double>(grid.layer_height_mm);
+double JobReport::volume_mm3() const { return static_cast<double>(cured_pixels) * voxel_mm3(slice.placement.grid); }
+
+double JobReport::support_volume_mm3() const {
+  return static_cast<double>(support_pixels) * voxel_mm3(slice.placement.grid);
 }
 
 std::size_t JobReport::peak_bytes(Stage stage) const {
@@ -76,9 +81,10 @@ void find_warnings(JobReport& report) {
         "preview.png",
         100 * report.share_of_rays(RayDecision::kWinding));
   }
-  if (s.pieces.counted && s.pieces.pieces > 1) {
-    report.warnings.add().add("the object is %u separate pieces; those that do not stand on the plate need supports",
-                              s.pieces.pieces);
+  if (s.pieces.counted && s.pieces.pieces > 1 && !report.support_settings) {
+    report.warnings.add().add(
+        "the object is %u separate pieces; those that do not stand on the plate need supports: --supports auto",
+        s.pieces.pieces);
   }
   if (s.normals_estimated > 0) {
     report.warnings.add().add("%u points have no normal in the scan; theirs were estimated from their neighbours",

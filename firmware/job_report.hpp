@@ -3,11 +3,13 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 
 #include "firmware/fixed_text.hpp"
 #include "slicer/slicer.hpp"
+#include "slicer/supports/support_finder.hpp"
 
 namespace plumbline {
 
@@ -32,13 +34,18 @@ struct JobReport {
   std::size_t preview_peak_bytes = 0;  ///< of the arena
   std::size_t arena_bytes = 0;         ///< the budget
   std::uint32_t threads = 1;
-  std::uint64_t cured_pixels = 0;  ///< of all layers
-  std::uint64_t hash = 0;          ///< job_hash()
+  std::uint64_t cured_pixels = 0;                   ///< of all layers
+  std::uint64_t support_pixels = 0;                 ///< of these, what the supports add to the object
+  std::optional<SupportSettings> support_settings;  ///< none: no supports were asked for
+  SupportCounts supports;
+  std::uint64_t hash = 0;  ///< job_hash()
   bool has_preview = false;
   JobWarnings warnings;
 
   /// mm^3 of resin that the masks cure.
   double volume_mm3() const;
+  /// mm^3 of that for the supports.
+  double support_volume_mm3() const;
   /// Highest use of the arena in any stage, bytes.
   std::size_t peak_bytes() const;
   /// Highest use of the arena in `stage`, bytes.

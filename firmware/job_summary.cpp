@@ -66,6 +66,14 @@ void add_rays(Text& text, const JobReport& report) {
            big(s.pieces.dropped_voxels));
 }
 
+void add_supports(Text& text, const JobReport& report) {
+  if (!report.support_settings) return;
+  const SupportCounts& s = report.supports;
+  text.add(
+      "supports   %u: %u below islands, %u below overhangs; %u on the plate, %u on the object, %u on others; %.2f ml\n",
+      s.all(), s.islands, s.overhangs, s.on_plate, s.on_object, s.on_supports, report.support_volume_mm3() / 1000);
+}
+
 void add_stage(Text& text, std::string_view name, double seconds, std::size_t peak, std::size_t planned) {
   text.add("  %-11.*s %8.2f s %9.1f MiB", static_cast<int>(name.size()), name.data(), seconds,
            static_cast<double>(peak) / kMiB);
@@ -92,6 +100,7 @@ Status write_summary(OutputFile& out, const JobReport& report, const char* outpu
   add_object(text, report);
   add_clusters(text, report.slice);
   add_rays(text, report);
+  add_supports(text, report);
   add_stages(text, report);
   text.add("time       %.2f s with %u thread%s\n", report.total_seconds, report.threads,
            report.threads == 1 ? "" : "s");

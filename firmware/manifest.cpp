@@ -119,6 +119,28 @@ void write_rays(JsonWriter& json, const SliceReport& slice) {
   json.end_object();
 }
 
+void write_supports(JsonWriter& json, const JobReport& report) {
+  json.key("supports");
+  if (!report.support_settings) {
+    json.null();
+    return;
+  }
+  const SupportCounts& s = report.supports;
+  json.begin_object();
+  json.member("count", s.all());
+  json.member("below_islands", s.islands);
+  json.member("below_overhangs", s.overhangs);
+  json.member("on_plate", s.on_plate);
+  json.member("on_object", s.on_object);
+  json.member("on_supports", s.on_supports);
+  json.member("volume_mm3", report.support_volume_mm3());
+  json.key("settings");
+  json.begin_object();
+  for (const SupportField& field : kSupportFields) json.member(field.key, (*report.support_settings).*field.member);
+  json.end_object();
+  json.end_object();
+}
+
 void write_stages(JsonWriter& json, const JobReport& report) {
   json.key("stages");
   json.begin_array();
@@ -188,6 +210,7 @@ void write_manifest(JsonWriter& json, const JobReport& report, std::span<const s
   write_points(json, slice);
   write_rays(json, slice);
   json.member("volume_mm3", report.volume_mm3());
+  write_supports(json, report);
   write_stages(json, report);
   json.key("warnings");
   json.begin_array();

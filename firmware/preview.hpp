@@ -10,6 +10,7 @@
 #include "slicer/core/arena.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/rrep.hpp"
+#include "slicer/supports/supports.hpp"
 
 namespace plumbline {
 
@@ -28,17 +29,20 @@ std::size_t preview_bytes(const PrintGrid& grid);
 
 /// Draws the object from the front (along +y), from the side (along +x) and from above (along -z), in one scale.
 ///
-/// @param rrep   at least one layer; without crossings only the text is drawn
-/// @param arena  preview_bytes() of it are used from the top while this runs
-/// @param rgb    3 * kPreviewColumns * kPreviewRows bytes of the caller, row after row from the top; overwritten
+/// @param rrep      at least one layer; without crossings only the text is drawn
+/// @param supports  drawn in another colour
+/// @param arena     preview_bytes() of it are used from the top while this runs
+/// @param rgb       3 * kPreviewColumns * kPreviewRows bytes of the caller, row after row from the top; overwritten
 /// @retval ErrorCode::kOutOfMemory  the arena has less than preview_bytes() left
-[[nodiscard]] Status draw_preview(const RRep& rrep, const PreviewText& text, Arena& arena, std::span<std::uint8_t> rgb);
+[[nodiscard]] Status draw_preview(const RRep& rrep, const Supports& supports, const PreviewText& text, Arena& arena,
+                                  std::span<std::uint8_t> rgb);
 
 /// draw_preview() as a PNG file. Takes 3 * kPreviewColumns * kPreviewRows bytes more from the arena.
 /// @param encoder  made for pictures of at least kPreviewColumns x kPreviewRows
 /// @returns the file, in the encoder's memory, valid until its next use
 /// @retval ErrorCode::kOutOfMemory  the arena or lodepng found no room
-[[nodiscard]] Expected<std::span<const std::byte>> encode_preview(const RRep& rrep, const PreviewText& text,
-                                                                  Arena& arena, PngEncoder& encoder);
+[[nodiscard]] Expected<std::span<const std::byte>> encode_preview(const RRep& rrep, const Supports& supports,
+                                                                  const PreviewText& text, Arena& arena,
+                                                                  PngEncoder& encoder);
 
 }  // namespace plumbline

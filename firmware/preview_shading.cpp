@@ -157,7 +157,7 @@ class Shader {
 }  // namespace
 
 void smooth_depth(const DepthMap& map, std::span<float> scratch, const VoxelSize& voxel) {
-  const DepthMap other{scratch.first(map.depth.size()), map.columns, map.rows};
+  const DepthMap other{scratch.first(map.depth.size()), map.material, map.columns, map.rows};
   for (int pass = 0; pass < 2; ++pass) {
     smooth_once(map, other.depth, voxel, true);
     smooth_once(other, map.depth, voxel, false);
@@ -165,28 +165,28 @@ void smooth_depth(const DepthMap& map, std::span<float> scratch, const VoxelSize
 }
 
 void shade_depth(const DepthMap& map, const Picture& picture, std::int64_t left, std::int64_t top,
-                 const Colour& material) {
+                 const std::array<Colour, 2>& materials) {
   const Shader shader(map);
   const Signed columns = (Signed{map.columns} + kSamplesPerPixel - 1) / kSamplesPerPixel;
   const Signed rows = (Signed{map.rows} + kSamplesPerPixel - 1) / kSamplesPerPixel;
 #pragma omp parallel for schedule(dynamic, 8)
   for (Signed row = 0; row < rows; ++row) {
     for (Signed column = 0; column < columns; ++column) {
-      float sum = 0.0F;
+      std::array<float, 3> sum = {};
       std::uint32_t shown = 0;
       for (std::uint32_t k = 0; k < kSamplesPerPixel * kSamplesPerPixel; ++k) {
         const Signed x = column * kSamplesPerPixel + k % kSamplesPerPixel;
         const Signed y = row * kSamplesPerPixel + k / kSamplesPerPixel;
         if (!shader.shows(x, y)) continue;
-        sum += shader.brightness(x, y);
+        const float brightness = shader.brightness(x, y);
+        const std::size_t sample = static_cast<std::size_t>(y) * map.columns + static_cast<std::size_t>(x);
+        for (std::size_t c = 0; c < 3; ++c)
+          sum[c] += brightness * static_cast<float>(materials[map.material[sample]][c]);
         ++shown;
       }
       if (shown == 0) continue;
-      const float brightness = sum / static_cast<float>(shown);
       Colour colour;
-      for (std::size_t c = 0; c < 3; ++c) {
-        colour[c] = static_cast<std::uint8_t>(brightness * static_cast<float>(material[c]));
-      }
+      for (std::size_t c = 0; c < 3; ++c) colour[c] = static_cast<std::uint8_t>(sum[c] / static_cast<float>(shown));
       picture.blend(left + column, top + row, colour,
                     static_cast<float>(shown) / (kSamplesPerPixel * kSamplesPerPixel));
     }

@@ -1,6 +1,7 @@
 #pragma once
 /// From a map of depths to a shaded picture of the object.
 
+#include <array>
 #include <cstdint>
 #include <span>
 
@@ -13,10 +14,16 @@ namespace plumbline {
 struct DepthMap {
   static constexpr float kEmpty = 1e30F;  ///< no object here
 
-  std::span<float> depth;  ///< columns * rows
+  std::span<float> depth;            ///< columns * rows
+  std::span<std::uint8_t> material;  ///< columns * rows: 0 shows the first material, 1 the second
   std::uint32_t columns = 0, rows = 0;
 
   float& at(std::uint32_t column, std::uint32_t row) const { return depth[std::size_t{row} * columns + column]; }
+  void show(std::uint32_t column, std::uint32_t row, float how_deep, bool second_material) const {
+    const std::size_t sample = std::size_t{row} * columns + column;
+    depth[sample] = how_deep;
+    material[sample] = second_material ? 1 : 0;
+  }
 };
 
 inline constexpr std::uint32_t kSamplesPerPixel = 2;  ///< of a depth map, on each side of a pixel of the picture
@@ -33,7 +40,8 @@ void smooth_depth(const DepthMap& map, std::span<float> scratch, const VoxelSize
 
 /// Draws the object, lit from the upper left, with soft shadows, darker in its creases.
 /// @param left, top  pixel of the picture where the map's first sample goes
+/// @param materials  the first and the second
 void shade_depth(const DepthMap& map, const Picture& picture, std::int64_t left, std::int64_t top,
-                 const Colour& material);
+                 const std::array<Colour, 2>& materials);
 
 }  // namespace plumbline

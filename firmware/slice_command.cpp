@@ -39,6 +39,7 @@ ExitCode run_slice(const SliceOptions& options, std::span<std::byte> arena_block
   settings.slice.placement = setup->placement;
   settings.slice.threads = setup->threads;
   settings.preview = options.preview;
+  settings.supports = options.supports;
   catch_interrupts();
   Arena arena(setup->arena_block);
   auto job = SliceJob::prepare(settings, arena);

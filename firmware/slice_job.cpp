@@ -11,6 +11,8 @@
 #include "firmware/mask_hash.hpp"
 #include "firmware/preview.hpp"
 #include "slicer/layer_stream.hpp"
+#include "slicer/stage_scope.hpp"
+#include "slicer/supports/support_finder.hpp"
 
 namespace plumbline {
 namespace {
@@ -77,24 +79,34 @@ Status SliceJob::work(JobProgress& progress) {
     masks_ = std::move(*masks);
   }
   PLUMBLINE_TRY(directory_.begin());
+  const auto supports = add_supports(*rrep, progress);
+  PLUMBLINE_TRY(supports);
   arena_->reset_peak();
   auto hashes = arena_->take_bottom<std::uint64_t>(rrep->grid.layers, "layers");
   PLUMBLINE_TRY(hashes);
   progress.begin(Stage::kLayers);
-  auto written = write_layers(*rrep, *hashes, progress);
+  auto written = write_layers(*rrep, *supports, *hashes, progress);
   report_.layers_peak_bytes = arena_->peak();
   progress.end(Stage::kLayers, arena_->peak());
   PLUMBLINE_TRY(written);
   find_warnings(report_);
-  if (pictures_) PLUMBLINE_TRY(write_preview(*rrep));
+  if (pictures_) PLUMBLINE_TRY(write_preview(*rrep, *supports));
   report_.hash = job_hash(*hashes);
   report_.seconds = progress.seconds();
   report_.total_seconds = progress.total_seconds();
   return write_manifest_file(*hashes);
 }
 
-Status SliceJob::write_layers(const RRep& rrep, std::span<std::uint64_t> hashes, JobProgress& progress) {
-  auto stream = LayerStream::create(rrep, *arena_);
+Expected<Supports> SliceJob::add_supports(const RRep& rrep, JobProgress& progress) {
+  if (!settings_.supports) return Supports{};
+  const StageScope stage(Stage::kSupports, *arena_, &progress, report_.slice.peak_bytes);
+  report_.support_settings = settings_.supports;
+  return find_supports(rrep, *settings_.supports, *arena_, &progress, report_.supports);
+}
+
+Status SliceJob::write_layers(const RRep& rrep, const Supports& supports, std::span<std::uint64_t> hashes,
+                              JobProgress& progress) {
+  auto stream = LayerStream::create(rrep, *arena_, &supports);
   PLUMBLINE_TRY(stream);
   const std::uint32_t layers = rrep.grid.layers;
   for (std::uint32_t layer = 0; layer < layers; ++layer) {
@@ -104,6 +116,7 @@ Status SliceJob::write_layers(const RRep& rrep, std::span<std::uint64_t> hashes,
     const ConstBitImage mask = stream->mask(layer);
     hashes[layer] = mask_hash(mask);
     report_.cured_pixels += cured_in(mask);
+    report_.support_pixels += stream->support_pixels();
     const auto png = masks_->encode(mask);
     PLUMBLINE_TRY(png);
     PLUMBLINE_TRY(directory_.write_layer(layer, *png));
@@ -111,7 +124,7 @@ Status SliceJob::write_layers(const RRep& rrep, std::span<std::uint64_t> hashes,
   return {};
 }
 
-Status SliceJob::write_preview(const RRep& rrep) {
+Status SliceJob::write_preview(const RRep& rrep, const Supports& supports) {
   const auto start = std::chrono::steady_clock::now();
   const SliceReport& s = report_.slice;
   FixedText<128> size;
@@ -124,7 +137,7 @@ Status SliceJob::write_preview(const RRep& rrep) {
            report_.printer_name.empty() ? "" : ", printer ", report_.printer_name.c_str());
   const std::array<std::string_view, 2> captions = {size.view(), grid.view()};
   arena_->reset_peak();
-  const auto png = encode_preview(rrep, {report_.scan_name, captions}, *arena_, *pictures_);
+  const auto png = encode_preview(rrep, supports, {report_.scan_name, captions}, *arena_, *pictures_);
   report_.preview_peak_bytes = arena_->peak();
   if (!png) {
     // The layers are whole without their picture.

@@ -11,6 +11,7 @@
 #include "firmware/png_writer.hpp"
 #include "slicer/core/arena.hpp"
 #include "slicer/slicer.hpp"
+#include "slicer/supports/supports.hpp"
 
 namespace plumbline {
 
@@ -19,6 +20,7 @@ struct SliceJobSettings {
   std::string output_path;
   std::string printer_name;  ///< for the manifest; empty without a printer
   SliceSettings slice;
+  std::optional<SupportSettings> supports;  ///< none: no supports; what check_support_settings() takes
   bool preview = true;
 };
 
@@ -44,8 +46,10 @@ class SliceJob {
       : settings_(settings), arena_(&arena), source_(std::move(source)), directory_(std::move(directory)) {}
 
   [[nodiscard]] Status work(JobProgress& progress);
-  [[nodiscard]] Status write_layers(const RRep& rrep, std::span<std::uint64_t> hashes, JobProgress& progress);
-  [[nodiscard]] Status write_preview(const RRep& rrep);
+  [[nodiscard]] Expected<Supports> add_supports(const RRep& rrep, JobProgress& progress);
+  [[nodiscard]] Status write_layers(const RRep& rrep, const Supports& supports, std::span<std::uint64_t> hashes,
+                                    JobProgress& progress);
+  [[nodiscard]] Status write_preview(const RRep& rrep, const Supports& supports);
   [[nodiscard]] Status write_manifest_file(std::span<const std::uint64_t> hashes);
 
   SliceJobSettings settings_;

@@ -211,7 +211,9 @@ TEST(Job, TakesNothingFromTheHeapAfterItsAdmissionButWhatLodepngReturns) {
   const TemporaryFolder folder;
   write_sphere_scan(folder / "sphere.ply", 60'000, 12);
   Arena arena(arena_block);
-  auto job = SliceJob::prepare(sphere_job(folder), arena);
+  auto settings = sphere_job(folder);
+  settings.supports = SupportSettings{};
+  auto job = SliceJob::prepare(settings, arena);
   ASSERT_TRUE(job.has_value()) << job.error().message();
   ProgressLines lines;
   JobProgress progress(&lines);
@@ -226,6 +228,7 @@ TEST(Job, TakesNothingFromTheHeapAfterItsAdmissionButWhatLodepngReturns) {
   ASSERT_TRUE(done.has_value()) << done.error().message();
   EXPECT_TRUE(told.has_value());
   EXPECT_TRUE(job->report().has_preview);
+  EXPECT_GT(job->report().supports.all(), 0U);
   EXPECT_EQ(trapped, 0);
   if (trapped > 0) HeapTrap::print_stacks();
 

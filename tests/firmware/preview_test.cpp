@@ -37,10 +37,10 @@ struct Solid {
 };
 
 struct Drawing {
-  explicit Drawing(const RRep& rrep, const PreviewText& text = {})
+  explicit Drawing(const RRep& rrep, const PreviewText& text = {}, const Supports& supports = {})
       : rgb(std::size_t{3} * kPreviewColumns * kPreviewRows), memory(preview_bytes(rrep.grid) + Arena::kAlignment) {
     Arena arena(memory);
-    status = draw_preview(rrep, text, arena, rgb);
+    status = draw_preview(rrep, supports, text, arena, rgb);
     peak = arena.peak();
     left = arena.used();
   }
@@ -201,6 +201,53 @@ TEST(Preview, DrawsObjectsOfAnyShapeInsideThePage) {
   }
 }
 
+/// A sphere above the plate on one pillar, from the middle of its foot.
+struct SphereOnAPillar {
+  SphereOnAPillar() : solid(cube(220, 0.1F), [](double x, double y, double z) { return sphere(11, 6)(x, y, z); }) {
+    supports = {list, SupportShape(SupportSettings{}, solid.rrep.grid)};
+  }
+  Solid solid;
+  const std::vector<Support> list{{.column = 110, .row = 110, .first = 0, .tip = 50, .end = 52}};
+  Supports supports;
+};
+
+TEST(Preview, ShowsSupportsInAnotherColour) {
+  const SphereOnAPillar scene;
+  const Solid air(cube(220, 0.1F), nothing());
+  const Drawing drawing(scene.solid.rrep, {}, scene.supports), empty(air.rrep);
+  ASSERT_TRUE(drawing.status.has_value());
+  std::size_t blue = 0, cream = 0;
+  double blue_row = 0, cream_row = 0;
+  for (std::uint32_t row = kFirstRow; row < kLastRow; ++row) {
+    for (std::uint32_t column = 0; column < kPreviewColumns / 2; ++column) {  // front and side
+      if (drawing.same(empty, column, row)) continue;
+      const std::size_t at = 3 * (std::size_t{row} * kPreviewColumns + column);
+      const int warmth = drawing.rgb[at] - drawing.rgb[at + 2];
+      if (warmth < -20) {
+        ++blue;
+        blue_row += row;
+      } else if (warmth > 4) {
+        ++cream;
+        cream_row += row;
+      }
+    }
+  }
+  EXPECT_GT(blue, 500U);
+  EXPECT_GT(cream, 10 * blue);
+  EXPECT_GT(blue_row / static_cast<double>(blue), cream_row / static_cast<double>(cream)) << "the pillar is below";
+}
+
+TEST(Preview, TellsTheSizeOfTheObjectAlone) {
+  const SphereOnAPillar scene;
+  const Drawing with(scene.solid.rrep, {}, scene.supports), without(scene.solid.rrep);
+  // The line of facts, upper right.
+  for (std::uint32_t row = 40; row < 80; ++row) {
+    for (std::uint32_t column = kPreviewColumns / 2; column < kPreviewColumns; ++column) {
+      ASSERT_TRUE(with.same(without, column, row));
+    }
+  }
+}
+
 TEST(Preview, TakesTheMemoryItSaidAndGivesItBack) {
   const Solid solid(cube(100, 0.2F), sphere(10, 9));
   const Drawing drawing(solid.rrep);
@@ -213,7 +260,7 @@ TEST(Preview, SaysSoWhenTheArenaIsTooSmall) {
   std::vector<std::byte> memory(preview_bytes(solid.rrep.grid) / 2);
   std::vector<std::uint8_t> rgb(std::size_t{3} * kPreviewColumns * kPreviewRows);
   Arena arena(memory);
-  const Status status = draw_preview(solid.rrep, {}, arena, rgb);
+  const Status status = draw_preview(solid.rrep, {}, {}, arena, rgb);
   ASSERT_FALSE(status.has_value());
   EXPECT_EQ(status.error().code(), ErrorCode::kOutOfMemory);
   EXPECT_EQ(arena.used(), 0U);
@@ -228,7 +275,7 @@ TEST(Preview, BecomesAPngOfTheSamePixels) {
   Arena arena(memory);
   auto encoder = PngEncoder::for_pictures(kPreviewColumns, kPreviewRows);
   ASSERT_TRUE(encoder.has_value());
-  const auto png = encode_preview(solid.rrep, text, arena, *encoder);
+  const auto png = encode_preview(solid.rrep, {}, text, arena, *encoder);
   ASSERT_TRUE(png.has_value());
   EXPECT_EQ(arena.used(), 0U);
   std::vector<unsigned char> decoded;

@@ -165,6 +165,38 @@ class Slice(Program):
         self.slice_it("--no-preview", env={**os.environ, "OMP_NUM_THREADS": "3"})
         self.assertEqual(self.manifest()["threads"], 3)
 
+    def test_supports_hold_the_sphere_and_are_told(self):
+        self.slice_it("--no-preview")
+        without = self.manifest()
+        self.assertIsNone(without["supports"])
+        done = self.slice_it("--supports", "auto", "--support-pillar-diameter", 1.5)
+        manifest = self.manifest()
+        supports = manifest["supports"]
+        self.assertGreater(supports["count"], 4)  # the lower 45 degrees of a sphere of 12 mm
+        self.assertEqual(supports["count"], supports["below_islands"] + supports["below_overhangs"])
+        ends = ("on_plate", "on_object", "on_supports")
+        self.assertEqual(supports["count"], sum(supports[key] for key in ends))
+        self.assertAlmostEqual(manifest["volume_mm3"] - supports["volume_mm3"], without["volume_mm3"], places=3)
+        self.assertEqual(supports["settings"]["support_pillar_diameter"], 1.5)
+        self.assertEqual(supports["settings"]["support_critical_angle"], 45)
+        self.assertIn(f"supports   {supports['count']}: ", done.stdout)
+        self.assertEqual([line.split()[0] for line in done.stderr.splitlines()].count("supports"), 1)
+        # Every pillar stands beside the sphere's foot: the lowest layer has more than the sphere's own.
+        _, rows = png_rows(self.out / "layers" / "00000.png")
+        white = sum(bin(byte).count("1") for row in rows for byte in row)
+        self.assertGreater(white, supports["on_plate"] * 100)
+
+    def test_support_settings_that_make_no_sense_are_refused(self):
+        for arguments, message in (
+            (("--support-base-diameter", 3), "--support-base-diameter is for --supports auto"),
+            (("--supports", "auto", "--support-critical-angle", 81), "not a number from 10 to 80"),
+            (("--supports", "auto", "--support-pillar-diameter", 5), "more than support_base_diameter"),
+            (("--supports", "yes"), "yes"),
+        ):
+            done = self.slice_it(*arguments, status=2)
+            self.assertIn(message, done.stderr)
+            self.assertFalse(self.out.exists())
+
     def test_json_is_the_manifest_without_the_layers_and_nothing_else(self):
         done = self.slice_it("--json")
         told, manifest = json.loads(done.stdout), self.manifest()

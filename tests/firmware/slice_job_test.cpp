@@ -11,6 +11,7 @@
 #include "firmware/manifest.hpp"
 #include "firmware/mask_hash.hpp"
 #include "slicer/layer_stream.hpp"
+#include "slicer/supports/support_finder.hpp"
 #include "tests/firmware/job_fixture.hpp"
 
 namespace plumbline {
@@ -74,7 +75,15 @@ void expect_layers_of_stream(const SliceJobSettings& settings, const JobReport& 
   SliceReport ignored;
   const auto rrep = slice(*source, settings.slice, arena, nullptr, ignored);
   ASSERT_TRUE(rrep.has_value()) << rrep.error().message();
-  auto stream = LayerStream::create(*rrep, arena);
+  Supports supports;
+  SupportCounts counts;
+  if (settings.supports) {
+    auto found = find_supports(*rrep, *settings.supports, arena, nullptr, counts);
+    ASSERT_TRUE(found.has_value()) << found.error().message();
+    supports = *found;
+  }
+  EXPECT_EQ(report.supports.all(), supports.list.size());
+  auto stream = LayerStream::create(*rrep, arena, &supports);
   ASSERT_TRUE(stream.has_value());
   std::vector<std::uint64_t> hashes;
   std::uint64_t differences = 0;
@@ -109,6 +118,24 @@ TEST(SliceJob, WritesExactlyTheMasksThatWouldBePrinted) {
   ASSERT_TRUE(report.has_value()) << report.error().message();
   expect_layers_of_stream(settings, *report);
   EXPECT_TRUE(std::filesystem::exists(settings.output_path + "/preview.png"));
+}
+
+TEST(SliceJob, WritesThemWithTheirSupports) {
+  const TemporaryFolder folder;
+  write_sphere_scan(folder / "sphere.ply", 40'000, kRadius);
+  auto settings = sphere_job(folder);
+  const auto without = run(settings);
+  ASSERT_TRUE(without.has_value()) << without.error().message();
+  settings.supports = SupportSettings{};
+  const auto report = run(settings);
+  ASSERT_TRUE(report.has_value()) << report.error().message();
+  expect_layers_of_stream(settings, *report);
+  EXPECT_GT(report->supports.all(), 0U);
+  EXPECT_EQ(report->cured_pixels - report->support_pixels, without->cured_pixels);
+  EXPECT_GT(report->peak_bytes(Stage::kSupports), 0U);
+  EXPECT_LE(report->peak_bytes(Stage::kSupports),
+            report->slice.planned_bytes[static_cast<std::size_t>(Stage::kSupports)]);
+  EXPECT_EQ(without->peak_bytes(Stage::kSupports), 0U);
 }
 
 TEST(SliceJob, WritesThemInAGridOfTheObjectsOwnToo) {
