@@ -23,7 +23,8 @@ struct Solid {
       first.push_back(static_cast<std::uint32_t>(pixel.size()));
       for (std::uint32_t p = 0; p < before.size(); ++p) {
         const double x = (p % grid.columns + 0.5) * double{grid.pitch_x_mm};
-        const double y = (p / grid.columns + 0.5) * double{grid.pitch_y_mm};
+        const std::uint32_t row = p / grid.columns;
+        const double y = (row + 0.5) * double{grid.pitch_y_mm};
         const bool now = inside(x, y, (k + 0.5) * double{grid.layer_height_mm});
         if (now != before[p]) pixel.push_back(p);
         before[p] = now;
