@@ -61,6 +61,7 @@ Expected<RayPerfecter> RayPerfecter::create(const Cloud& cloud, const KdTree2& t
   perfecter.profile_ = *profile;
   perfecter.depths_ = *depths;
   perfecter.top_ = static_cast<float>(grid.layers) * grid.layer_height_mm;
+  perfecter.floor_ = std::max(0.0F, winding.base());
   return perfecter;
 }
 
@@ -119,7 +120,8 @@ void RayPerfecter::begin_tile(std::uint32_t column, std::uint32_t row) {
   // What no point of the tile reaches, from the base plane to the top.
   tile_gap_count_ = 0;
   profile_size_ = 0;
-  float reached = 0;
+  levels_.fill({});
+  float reached = floor_;
   for (std::uint32_t t = 0; t < gatherer_.tile_points(); ++t) {
     const float radius = gatherer_.tile_radius(t);
     const float depth = gatherer_.tile_depth(t);
@@ -174,40 +176,73 @@ RayPerfecter::Gap RayPerfecter::trace_tile_gap(const TileGap& tile_gap, float x,
   return gap;
 }
 
+bool RayPerfecter::level_inside(std::uint32_t level, float x, float y) {
+  constexpr std::uint32_t kBlocks = RayGatherer::kTile / kBlock;
+  const auto column = static_cast<std::uint32_t>((x - tile_low_[0]) / grid_.pitch_x_mm + 0.5F) / kBlock;
+  const auto row = static_cast<std::uint32_t>((y - tile_low_[1]) / grid_.pitch_y_mm + 0.5F) / kBlock;
+  LevelSet& set = levels_[row * kBlocks + column];
+  const std::uint64_t bit = std::uint64_t{1} << level;
+  if ((set.known & bit) == 0) {
+    set.known |= bit;
+    if ((*winding_)({x, y, level_height(level)}) > kHalf) set.inside |= bit;
+  }
+  return (set.inside & bit) != 0;
+}
+
 RayPerfecter::Gap RayPerfecter::decide_gap(float x, float y, float low, float high, bool below, bool above) {
   const std::uint32_t depths_before = depth_count_;
-  Gap gap{below, above};
-  bool any = false;
-  float reached = low;
+  GapWalk walk{x, y, low, below};
   for (const TileGap& tile_gap : tile_gaps_.first(tile_gap_count_)) {
     if (tile_gap.high <= low || tile_gap.low >= high) continue;
-    const std::uint32_t inner = depth_count_;
+    walk_levels(walk, tile_gap.low);
     const Gap part = trace_tile_gap(tile_gap, x, y);
-    if (!any) {
-      gap = part;
-    } else if (part.inside_at_low != gap.inside_at_high) {
-      // The sheet between the two ends inside this tile before it comes to this ray.
-      const std::uint32_t middle = depth_count_;
-      bisect(x, y, reached, tile_gap.low, gap.inside_at_high);
-      std::rotate(depths_.begin() + inner, depths_.begin() + middle, depths_.begin() + depth_count_);
-      gap.inside_at_high = part.inside_at_high;
-    } else {
-      gap.inside_at_high = part.inside_at_high;
+    step(walk, tile_gap.low, part.inside_at_low);
+    walk.at = tile_gap.high;
+    walk.inside = part.inside_at_high;
+  }
+  walk_levels(walk, high);
+  // Both shores know better than a sum over the whole cloud where nothing was asked between them.
+  if (!walk.begun) {
+    if (below != above) {
+      bisect(x, y, low, high, below);
+      used_winding_ = true;
     }
-    reached = tile_gap.high;
-    any = true;
+    return {below, above};
   }
-  // No place here is clear of the tile's points: its two shores know better than a sum over the whole cloud, if they agree;
-  // if not, the sum tells where between them the change is.
-  if (!any && below != above) bisect(x, y, low, high, below);
-  if (below != above || depth_count_ != depths_before || gap.inside_at_low != below || gap.inside_at_high != above) {
-    used_winding_ = true;
+  // The last place asked and the upper shore disagree: an unseen sheet between them, or a shore that faces the wrong way.
+  if (walk.inside != above && ((*winding_)({x, y, high}) > kHalf) == above) step(walk, high, above);
+  if (depth_count_ != depths_before || walk.inside_at_low != below || walk.inside != above) used_winding_ = true;
+  return {walk.inside_at_low, walk.inside};
+}
+
+void RayPerfecter::step(GapWalk& walk, float z, bool inside) {
+  if (!walk.begun) {
+    walk.begun = true;
+    walk.inside_at_low = inside;
+    // The first place asked and the lower shore disagree, as above.
+    if (inside != walk.inside && ((*winding_)({walk.x, walk.y, walk.at}) > kHalf) == walk.inside) {
+      walk.inside_at_low = walk.inside;
+      bisect(walk.x, walk.y, walk.at, z, walk.inside);
+    }
+  } else if (inside != walk.inside) {
+    bisect(walk.x, walk.y, walk.at, z, walk.inside);
   }
-  return gap;
+  walk.at = z;
+  walk.inside = inside;
+}
+
+void RayPerfecter::walk_levels(GapWalk& walk, float high) {
+  const float spacing = top_ / kLevels;
+  const float from = std::max(walk.at, 0.0F);
+  for (auto level = static_cast<std::uint32_t>(from / spacing + 0.5F); level < kLevels; ++level) {
+    const float z = level_height(level);
+    if (z >= high) break;
+    if (z > walk.at) step(walk, z, level_inside(level, walk.x, walk.y));
+  }
 }
 
 void RayPerfecter::emit(float depth) {
-  if (depth_count_ < depths_.size()) depths_[depth_count_++] = depth;
+  if (depth_count_ < depths_.size()) depths_[depth_count_++] = std::max(depth, floor_);
 }
 
 void RayPerfecter::cross_band(const RaySurface& surface, const Band& band, bool from, bool to) {
@@ -260,7 +295,7 @@ PerfectRay RayPerfecter::ray(std::uint32_t column, std::uint32_t row) {
   used_winding_ = false;
   bool base = false;
   bool inside = false;  // MLS sign below the gap
-  float reached = 0;
+  float reached = floor_;
   Gap gap{false, false};
   for (std::size_t b = 0; b <= surface.bands.size(); ++b) {
     const bool last = b == surface.bands.size();
@@ -268,23 +303,16 @@ PerfectRay RayPerfecter::ray(std::uint32_t column, std::uint32_t row) {
     const bool above = !last && band->inside_at_low;
     const float high = last ? top_ : band->low;
     const bool was_inside = gap.inside_at_high;
-    const std::uint32_t before = depth_count_;
     if (high > reached) {
       gap = decide_gap(x, y, reached, high, inside, above);
     } else {
       gap = {above, above};  // the band starts at or below the base plane
     }
-    // decide_gap has emitted the crossings inside the gap; the ones of the band below it belong before them.
     if (b == 0) {
       base = gap.inside_at_low;
-      if (base) {
-        emit(0);
-        std::rotate(depths_.begin() + before, depths_.begin() + depth_count_ - 1, depths_.begin() + depth_count_);
-      }
+      if (base) emit(floor_);
     } else {
-      const std::uint32_t middle = depth_count_;
       cross_band(surface, surface.bands[b - 1], was_inside, gap.inside_at_low);
-      std::rotate(depths_.begin() + before, depths_.begin() + middle, depths_.begin() + depth_count_);
     }
     if (!last) {
       inside = band->inside_at_high;
@@ -293,9 +321,10 @@ PerfectRay RayPerfecter::ray(std::uint32_t column, std::uint32_t row) {
   }
   if (gap.inside_at_high) emit(top_);
 
-  drop_thin_stretches();
-  // Pieces of neighbouring bands may stand in each other's way by a rounding; the order is what makes them alternate.
+  // Gaps have emitted before the bands below them, and neighbouring bands may stand in each other's way by a rounding: the
+  // order is what makes crossings alternate.
   std::sort(depths_.begin(), depths_.begin() + depth_count_);
+  drop_thin_stretches();
   if (used_winding_) decision = RayDecision::kWinding;
   if (base && depth_count_ > 0) decision = RayDecision::kBase;
   if (depth_count_ == 0) decision = RayDecision::kOutside;

@@ -1,6 +1,7 @@
 #pragma once
 /// Every ray perfect: entering and exiting in turn, nothing left open (thesis III-4.a, DESIGN 3, stage 7).
 
+#include <array>
 #include <cstdint>
 #include <span>
 
@@ -76,6 +77,29 @@ class RayPerfecter {
     bool inside_at_low, inside_at_high;
   };
 
+  /// On the way up through a gap.
+  struct GapWalk {
+    float x, y;
+    float at;     ///< mm, where the last answer is from; first the lower shore
+    bool inside;  ///< there
+    bool begun = false;
+    bool inside_at_low = false;  ///< what the lower shore must be
+  };
+  /// Where points of the tile reach a height but none of a ray's own, winding numbers at fixed levels tell of sheets that the
+  /// scan has missed. Between rays that no point separates they change slowly: a block of rays shares them.
+  struct LevelSet {
+    std::uint64_t known = 0;  ///< bit k: level k has been asked
+    std::uint64_t inside = 0;
+  };
+  static constexpr std::uint32_t kLevels = 64;
+  static constexpr std::uint32_t kBlock = 4;  ///< rays a side
+  float level_height(std::uint32_t level) const {
+    return top_ * (static_cast<float>(level) + 0.5F) / static_cast<float>(kLevels);
+  }
+  bool level_inside(std::uint32_t level, float x, float y);
+  void step(GapWalk& walk, float z, bool inside);
+  void walk_levels(GapWalk& walk, float high);
+
   Verdict winding_verdict(float w) const;
   Verdict judge_centre(float low, float high) const;
   void add_tile_gap(float low, float high);
@@ -98,10 +122,12 @@ class RayPerfecter {
   std::span<float> profile_;  ///< winding numbers at the corners of the tile, level by level
   Vec2f tile_low_ = Vec2f::Zero();
   Vec2f tile_high_ = Vec2f::Zero();
+  std::array<LevelSet, (RayGatherer::kTile / kBlock) * (RayGatherer::kTile / kBlock)> levels_{};
   std::uint32_t tile_gap_count_ = 0;
   std::uint32_t profile_size_ = 0;
   std::uint32_t depth_count_ = 0;
-  float top_ = 0;  ///< mm
+  float floor_ = 0;  ///< mm, base plane
+  float top_ = 0;    ///< mm
   bool used_winding_ = false;
 };
 

@@ -32,7 +32,7 @@ constexpr float kMaxRadiusSupport = 40;  ///< points: a larger support is cut to
 constexpr float kSpeck = 50;
 
 /// As many of the lowest points may be strays below the rim of an open underside.
-constexpr std::size_t kStrays = 60;
+constexpr std::size_t kStrays = 12;
 
 /// Islands and holes of a layer below this many squares of epsilon, and this many cubes in all, are small features.
 constexpr float kFeature = 2;
@@ -231,7 +231,7 @@ class Job {
     report_.open_underside = winding_.set_base(lowest_rim());
   }
 
-  /// Height that all but a neighbourhood's worth of points reach: fewer lie below only as strays do, mm.
+  /// Height of the lowest point that is not one of a few strays, mm.
   float lowest_rim() const {
     std::array<float, kStrays + 1> lowest;  // NOLINT(cppcoreguidelines-pro-type-member-init): a heap, the highest first
     std::size_t count = 0;

@@ -100,8 +100,8 @@ bool WindingTree::set_base(float height) {
 }
 
 float WindingTree::operator()(const Vec3f& x) const {
-  if (x[2] < base_) return 0;
   if (!has_base_) return sum(x);
+  if (x[2] < base_) return 0;
   // The dipoles of the mirrored surface seen from x are those of the surface seen from the mirror image of x.
   return sum(x) + sum({x[0], x[1], 2 * base_ - x[2]});
 }

@@ -40,6 +40,8 @@ class WindingTree {
   /// standing on the plane is left as it is, since outside of it its mirror image counts nothing).
   /// @returns whether it is open there; if not, there is nothing to mirror
   bool set_base(float height);
+  /// mm; nothing is inside below. -infinity without one.
+  float base() const { return has_base_ ? base_ : -std::numeric_limits<float>::infinity(); }
 
   /// @param x  print coordinates, mm
   /// @returns about 1 inside, 0 outside; below the base plane 0
