@@ -59,10 +59,9 @@ void add_surface(Text& text, const ScanOutlook& o) {
            static_cast<double>(s.clustering.epsilon) * unit);
   text.add("noise      %.3g mm from the plane through %u neighbours (median)\n", s.roughness * unit, kPlaneNeighbours);
   const double percent = 100.0 / std::max(1U, s.cloud_points);
-  text.add("points     entering %.1f %%, exiting %.1f %%, neutral %.1f %%, noise %.2f %%; %u clusters\n",
+  text.add("points     entering %.1f %%, exiting %.1f %%, neutral %.1f %%, noise %.2f %%\n",
            percent * points_of(s, PointClass::kEntering), percent * points_of(s, PointClass::kExiting),
-           percent * points_of(s, PointClass::kNeutral), percent * points_of(s, PointClass::kNoise),
-           s.clustering.clusters);
+           percent * points_of(s, PointClass::kNeutral), percent * points_of(s, PointClass::kNoise));
 }
 
 void add_fit(Text& text, const ScanOutlook& o) {
@@ -252,7 +251,6 @@ void write_outlook(JsonWriter& json, const ScanOutlook& outlook) {
   json.member("neutral", points_of(s, PointClass::kNeutral));
   json.member("noise", points_of(s, PointClass::kNoise));
   json.end_object();
-  json.member("clusters", s.clustering.clusters);
   write_fit(json, outlook);
   write_plan(json, outlook);
   json.end_object();

@@ -45,9 +45,9 @@ void add_clusters(Text& text, const SliceReport& s) {
   const auto share = [&](PointClass c) {
     return percent(s.clustering.points[static_cast<std::size_t>(c)], s.cloud_points);
   };
-  text.add("points     entering %.1f %%, exiting %.1f %%, neutral %.1f %%, noise %.2f %%; %u clusters\n",
+  text.add("points     entering %.1f %%, exiting %.1f %%, neutral %.1f %%, noise %.2f %%\n",
            share(PointClass::kEntering), share(PointClass::kExiting), share(PointClass::kNeutral),
-           share(PointClass::kNoise), s.clustering.clusters);
+           share(PointClass::kNoise));
   text.add("lengths    epsilon %.3g mm, width %.3g mm, noise %.3g mm\n", static_cast<double>(s.clustering.epsilon),
            static_cast<double>(s.width_mm), static_cast<double>(s.clustering.noise));
 }

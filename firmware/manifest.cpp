@@ -82,7 +82,6 @@ void write_points(JsonWriter& json, const SliceReport& slice) {
   json.member("neutral", points[static_cast<std::size_t>(PointClass::kNeutral)]);
   json.member("noise", points[static_cast<std::size_t>(PointClass::kNoise)]);
   json.end_object();
-  json.member("clusters", slice.clustering.clusters);
   json.member("core_points", slice.clustering.core_points);
   json.member("epsilon_mm", slice.clustering.epsilon);
   json.member("noise_mm", slice.clustering.noise);

@@ -268,8 +268,9 @@ Expected<ClusteringResult> cluster(Cloud& cloud, const KdTree3& tree, float epsi
   }
 
   // Core points within epsilon of one another are one cluster.
+  const std::uint32_t blocks_to_join = cluster.empty() ? 0 : blocks;
 #pragma omp parallel for schedule(dynamic, 64)
-  for (std::uint32_t b = 0; b < blocks; ++b) {
+  for (std::uint32_t b = 0; b < blocks_to_join; ++b) {
     const std::uint32_t first = b * kBlock;
     const std::uint32_t last = std::min(size, first + kBlock);
     for_neighbourhood(cloud, tree, first, last, epsilon, [&](const Batch& batch) {
@@ -340,7 +341,7 @@ Expected<ClusteringResult> cluster(Cloud& cloud, const KdTree3& tree, float epsi
     if ((flags[i] & kOutlier) != 0) cloud.normal[i].point_class = PointClass::kNoise;
     ++result.points[static_cast<std::size_t>(cloud.normal[i].point_class)];
     if (core) ++result.core_points;
-    if (core && sets.root(i) == i) ++result.clusters;
+    if (core && !cluster.empty() && sets.root(i) == i) ++result.clusters;
   }
   return result;
 }

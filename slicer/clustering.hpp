@@ -40,8 +40,8 @@ struct ClusteringSettings {
                                               const ClusteringSettings& settings, Arena& arena);
 
 struct ClusteringResult {
-  float epsilon = 0;  ///< mm
-  std::uint32_t clusters = 0;
+  float epsilon = 0;                                        ///< mm
+  std::uint32_t clusters = 0;                               ///< 0 if no labels were asked for
   std::array<std::uint32_t, kPointClassCount> points = {};  ///< by PointClass
   std::uint32_t core_points = 0;
   float noise = 0;           ///< mm; standard deviation of a point from the sheet of its neighbours, robustly
@@ -63,8 +63,8 @@ inline constexpr std::uint32_t kNoCluster = 0xFFFFFFFFU;
 /// i: least_support where the scan is clean, up to most_support where its noise has to be averaged out.
 ///
 /// @param cloud    in the order of `tree`; normal[].point_class and radius[] are set
-/// @param cluster  cloud.size labels, out: the lowest index of a core point of the cluster, kNoCluster for none. May be
-///                 empty where nobody asks for them
+/// @param cluster  cloud.size labels, out: the lowest index of a core point of the cluster, kNoCluster for none. Empty
+///                 where nobody asks for them: what is noise depends on the core points, not on which of them join
 /// @retval ErrorCode::kOutOfMemory
 [[nodiscard]] Expected<ClusteringResult> cluster(Cloud& cloud, const KdTree3& tree, float epsilon,
                                                  const ClusteringSettings& settings, std::span<std::uint32_t> cluster,

@@ -10,11 +10,9 @@ constexpr const char* kStage = "perfect rays";
 constexpr std::uint32_t kMaxTileGaps = 64;
 constexpr std::uint32_t kMaxDepths = 4096;
 
-constexpr float kHalf = 0.5F;       ///< the surface, where there is none: halfway between outside and inside
-constexpr float kSure = 0.2F;       ///< farther from half than this, a whole tile is judged by its centre
-constexpr float kTileStep = 12.0F;  ///< widths w between the samples of a gap at the tile's centre, at most
-constexpr std::uint32_t kMaxCentreSamples = 64;
-constexpr std::uint32_t kMaxLevels = 96;         ///< of an unsure gap
+constexpr float kHalf = 0.5F;             ///< the surface, where there is none: halfway between outside and inside
+constexpr float kSure = 0.2F;             ///< farther from half than this, a whole tile is judged by its centre
+constexpr std::uint32_t kMaxLevels = 96;  ///< of an unsure gap
 constexpr std::uint32_t kMaxProfile = 4 * 1024;  ///< winding numbers of a tile: four corners a level
 constexpr std::uint32_t kBisections = 8;
 
@@ -70,18 +68,24 @@ RayPerfecter::Verdict RayPerfecter::winding_verdict(float w) const {
   return w < kHalf - kSure ? Verdict::kOutside : Verdict::kUnsure;
 }
 
-RayPerfecter::Verdict RayPerfecter::judge_centre(float low, float high) const {
-  const Vec2f centre = 0.5F * (tile_low_ + tile_high_);
-  const float step = std::max(kTileStep * settings_.intersections.width, top_ / kMaxCentreSamples);
-  const auto steps =
-      static_cast<std::uint32_t>(std::clamp(std::ceil((high - low) / step), 1.0F, 1.0F * kMaxCentreSamples));
+RayPerfecter::Verdict RayPerfecter::judge_column(std::uint32_t level) {
+  Verdict& verdict = column_verdicts_[level];
+  if (verdict == Verdict::kUnknown) {
+    verdict = winding_verdict((*winding_)({column_centre_[0], column_centre_[1], level_height(level)}));
+  }
+  return verdict;
+}
+
+RayPerfecter::Verdict RayPerfecter::judge_centre(float low, float high) {
   // Both ends count: a gap that is air for its first tenth and solid above must not pass for solid.
-  Verdict verdict = Verdict::kUnsure;
-  for (std::uint32_t s = 0; s <= steps; ++s) {
-    const float z = low + (high - low) * static_cast<float>(s) / static_cast<float>(steps);
-    const Verdict here = winding_verdict((*winding_)({centre[0], centre[1], z}));
-    if (here == Verdict::kUnsure || (s > 0 && here != verdict)) return Verdict::kUnsure;
-    verdict = here;
+  const Vec2f centre = 0.5F * (tile_low_ + tile_high_);
+  const Verdict verdict = winding_verdict((*winding_)({centre[0], centre[1], low}));
+  if (verdict == Verdict::kUnsure || winding_verdict((*winding_)({centre[0], centre[1], high})) != verdict) {
+    return Verdict::kUnsure;
+  }
+  const auto first = static_cast<std::uint32_t>(std::max(low, 0.0F) / top_ * kLevels);
+  for (std::uint32_t level = first; level < kLevels && level_height(level) < high; ++level) {
+    if (level_height(level) > low && judge_column(level) != verdict) return Verdict::kUnsure;
   }
   return verdict;
 }
@@ -121,6 +125,11 @@ void RayPerfecter::begin_tile(std::uint32_t column, std::uint32_t row) {
   tile_gap_count_ = 0;
   profile_size_ = 0;
   levels_.fill({});
+  const Vec2f column_centre(
+      (static_cast<float>(column / kColumnSide * kColumnSide) + 0.5F * kColumnSide) * grid_.pitch_x_mm,
+      (static_cast<float>(row / kColumnSide * kColumnSide) + 0.5F * kColumnSide) * grid_.pitch_y_mm);
+  if (column_centre != column_centre_) column_verdicts_.fill(Verdict::kUnknown);
+  column_centre_ = column_centre;
   float reached = floor_;
   for (std::uint32_t t = 0; t < gatherer_.tile_points(); ++t) {
     const float radius = gatherer_.tile_radius(t);

@@ -36,7 +36,8 @@ struct PerfectRaySettings {
   float repair_spacing = 0.05F;  ///< mm between the uniform queries of a repair
 };
 
-/// Decides one ray after another, tile by tile. One object a thread.
+/// Decides one ray after another, tile by tile. One object a thread. What it has found out on the way serves the tiles of one
+/// column of kColumnSide x kColumnSide rays; the result does not depend on the order of the tiles.
 ///
 /// Between the bands where the scan is near, a ray is either inside or outside all along, or it passes through a hole of
 /// the scan. Which of them is known from both neighbouring bands and, independently, from the winding number of the whole
@@ -44,6 +45,7 @@ struct PerfectRaySettings {
 /// only a handful.
 class RayPerfecter {
  public:
+  static constexpr std::uint32_t kColumnSide = 2 * RayGatherer::kTile;  ///< rays
   static constexpr std::uint32_t kMaxCrossings = 254;  ///< a ray; of more, the thinnest stretches are dropped
 
   static std::size_t bytes_needed(std::uint32_t tile_capacity);
@@ -60,7 +62,7 @@ class RayPerfecter {
   bool tile_thinned() const { return gatherer_.thinned(); }
 
  private:
-  enum class Verdict : std::uint8_t { kOutside, kInside, kUnsure };
+  enum class Verdict : std::uint8_t { kUnknown, kOutside, kInside, kUnsure };
   /// A stretch of the tile's column that is farther from every point than their support.
   struct TileGap {
     float low = 0, high = 0;  ///< z, mm
@@ -101,7 +103,8 @@ class RayPerfecter {
   void walk_levels(GapWalk& walk, float high);
 
   Verdict winding_verdict(float w) const;
-  Verdict judge_centre(float low, float high) const;
+  Verdict judge_column(std::uint32_t level);
+  Verdict judge_centre(float low, float high);
   void add_tile_gap(float low, float high);
   float profile(const TileGap& gap, std::uint32_t level, float x, float y) const;
   void bisect(float x, float y, float low, float high, bool inside_at_low);
@@ -122,6 +125,9 @@ class RayPerfecter {
   std::span<float> profile_;  ///< winding numbers at the corners of the tile, level by level
   Vec2f tile_low_ = Vec2f::Zero();
   Vec2f tile_high_ = Vec2f::Zero();
+  /// Verdicts at the levels in the middle of the column of tiles that the tile belongs to, made when first asked for.
+  std::array<Verdict, kLevels> column_verdicts_{};
+  Vec2f column_centre_ = Vec2f::Constant(-1);
   std::array<LevelSet, (RayGatherer::kTile / kBlock) * (RayGatherer::kTile / kBlock)> levels_{};
   std::uint32_t tile_gap_count_ = 0;
   std::uint32_t profile_size_ = 0;

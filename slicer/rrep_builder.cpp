@@ -172,23 +172,31 @@ Status RayShooter::shoot_tile(Worker& worker, std::uint32_t tile, CrossingStore&
 }
 
 Expected<RayCounts> RayShooter::shoot(CrossingStore& store, ProgressSink* progress) {
-  const std::uint32_t tiles = store.tile_columns() * store.tile_rows();
+  // Tiles that share a column's winding numbers go to the same thread, one after another.
+  constexpr std::uint32_t kSide = RayPerfecter::kColumnSide / kTile;
+  const std::uint32_t across = (store.tile_columns() + kSide - 1) / kSide;
+  const std::uint32_t columns = across * ((store.tile_rows() + kSide - 1) / kSide);
   std::atomic<std::uint32_t> done = 0;
   std::atomic<bool> stop = false;
   Status status;
-#pragma omp parallel for schedule(dynamic, 8) num_threads(static_cast <int>(threads_))
-  for (std::uint32_t tile = 0; tile < tiles; ++tile) {
+#pragma omp parallel for schedule(dynamic, 2) num_threads(static_cast <int>(threads_))
+  for (std::uint32_t column = 0; column < columns; ++column) {
     if (stop.load(std::memory_order_relaxed)) continue;
     const int thread = omp_get_thread_num();
-    const Status stored = shoot_tile(workers_[static_cast<std::size_t>(thread)], tile, store);
-    if (!stored) {
+    for (std::uint32_t t = 0; t < kSide * kSide; ++t) {
+      const std::uint32_t x = column % across * kSide + t % kSide;
+      const std::uint32_t y = column / across * kSide + t / kSide;
+      if (x >= store.tile_columns() || y >= store.tile_rows()) continue;
+      const Status stored = shoot_tile(workers_[static_cast<std::size_t>(thread)], y * store.tile_columns() + x, store);
+      if (!stored) {
 #pragma omp critical
-      status = stored;
-      stop = true;
+        status = stored;
+        stop = true;
+      }
     }
     const std::uint32_t before = done.fetch_add(1, std::memory_order_relaxed);
-    if (progress != nullptr && thread == 0 && before % 16 == 0 &&
-        !progress->advance(Stage::kRays, static_cast<double>(before) / tiles)) {
+    if (progress != nullptr && thread == 0 && before % 4 == 0 &&
+        !progress->advance(Stage::kRays, static_cast<double>(before) / columns)) {
       stop = true;
     }
   }
