@@ -20,7 +20,7 @@ struct ClusteringSettings {
   std::uint32_t min_points = 30;  ///< minPts of the thesis
   double same_type_share = 0.75;  ///< a core point has more of its epsilon-neighbours of its own type than this share
   /// Noise of the thesis that has this many points, itself included, within thin_reach * epsilon by the same metric keeps
-  /// its type: a part of the surface that few views saw. A thin_reach of 0 leaves the noise as the thesis has it.
+  /// its type: a part of the surface that few views saw. Not where most points are strays. A thin_reach of 0 leaves the noise as the thesis has it.
   std::uint32_t thin_points = 7;
   float thin_reach = 3;
   float least_support = 20;
@@ -40,8 +40,9 @@ struct ClusteringSettings {
                                               const ClusteringSettings& settings, Arena& arena);
 
 struct ClusteringResult {
-  float epsilon = 0;                                        ///< mm
-  std::uint32_t clusters = 0;                               ///< 0 if no labels were asked for
+  float epsilon = 0;           ///< mm
+  bool coherent = true;        ///< the median point's neighbours mostly face as it does; if not, most points are strays
+  std::uint32_t clusters = 0;  ///< 0 if no labels were asked for
   std::array<std::uint32_t, kPointClassCount> points = {};  ///< by PointClass
   std::uint32_t core_points = 0;
   float noise = 0;           ///< mm; standard deviation of a point from the sheet of its neighbours, robustly

@@ -44,6 +44,20 @@ double first_cell(const PlacementSettings& p) {
   return kCellShare * std::min(pitch, static_cast<double>(p.layer_height_mm)) / (millimetres_per(p.units) * p.scale);
 }
 
+/// Uniform queries of a repair are no denser than this share of epsilon, a quarter of the points' spacing: a surface has no
+/// detail finer than that. It bounds the work: the farther apart the points, the more rays see each and the fewer queries a
+/// ray makes.
+constexpr float kRepairShare = 1.0F / 16;
+
+/// Where most points are strays, what is left of them is a surface if it has this share of core points. A surface has 0.5
+/// and more; what happens to face the same way among strays is mostly of mixed type: 0.1.
+constexpr double kLeastCoreShare = 0.25;
+
+bool is_surface(const ClusteringResult& clustering, std::uint32_t kept) {
+  return kept > 0 && clustering.epsilon > 0 &&
+         (clustering.coherent || clustering.core_points >= kLeastCoreShare * kept);
+}
+
 /// Drops the noise, keeps the order.
 void drop_noise(Cloud& cloud) {
   std::uint32_t kept = 0;
@@ -189,13 +203,11 @@ class Job {
       report_.clustering = *result;
     }
     drop_noise(cloud_);
-    if (cloud_.size == 0 || !(report_.clustering.epsilon > 0)) {
-      return fail(
-          ErrorCode::kNoSurface,
-          "%.*s: none of its %u points lies on a surface: each has fewer than %u neighbours that face the same way. "
-          "Check the normals of the scan, or scan it denser",
-          static_cast<int>(source_.name().size()), source_.name().data(), report_.cloud_points,
-          settings_.clustering.min_points);
+    if (!is_surface(report_.clustering, cloud_.size)) {
+      return fail(ErrorCode::kNoSurface,
+                  "%.*s: its %u points are no surface: most have too few neighbours that face the same way. Check the "
+                  "normals of the scan, or scan it denser",
+                  static_cast<int>(source_.name().size()), source_.name().data(), report_.cloud_points);
     }
     return {};
   }
@@ -272,7 +284,7 @@ class Job {
                        std::sqrt(std::max(1.0F, report_.clustering.support_points / kMaxRadiusSupport));
     field.tile_capacity = tile_capacity(report_.cloud_capacity);
     field.settings.intersections.width = report_.width_mm;
-    field.settings.repair_spacing = grid.layer_height_mm;
+    field.settings.repair_spacing = std::max(grid.layer_height_mm, kRepairShare * report_.clustering.epsilon);
     auto shooter = RayShooter::create(field, settings_.threads, arena_);
     if (!shooter) return tl::unexpected<Error>(shooter.error());
     auto store = CrossingStore::create(grid, arena_);
