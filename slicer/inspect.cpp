@@ -7,12 +7,11 @@
 #include <cmath>
 #include <optional>
 
+#include "slicer/cloud_reader.hpp"
 #include "slicer/kd_tree.hpp"
 #include "slicer/normals.hpp"
-#include "slicer/reader/scan_reader.hpp"
 #include "slicer/rrep_builder.hpp"
 #include "slicer/stage_scope.hpp"
-#include "slicer/thinning.hpp"
 
 namespace plumbline {
 namespace {
@@ -78,33 +77,20 @@ class Inspection {
   /// units may be unknown.
   Status read() {
     const StageScope stage(Stage::kRead, arena_, progress_, report_.peak_bytes);
-    std::optional<PrintGrid> grid;
     const PlacementSettings& placement = settings_.placement;
-    if (placement.printer) grid = panel_grid(*placement.printer, placement.layer_height_mm);
-    const auto plan = largest_plan(arena_.available(), std::nullopt, grid, settings_.threads);
-    PLUMBLINE_TRY(plan);
-    report_.cloud_capacity = plan->points;
-    auto cloud = Cloud::create(plan->points, arena_);
-    PLUMBLINE_TRY(cloud);
-    cloud_ = *cloud;
-    const ArenaScope scope(arena_);
-    auto table = arena_.take_top<std::byte>(PointThinner::table_bytes(plan->points), "read");
-    PLUMBLINE_TRY(table);
-    auto workspace = arena_.take_top<std::byte>(kReaderWorkspace, "read");
-    PLUMBLINE_TRY(workspace);
-    PointThinner thinner(cloud_, *table, rotation_matrix(placement.rotation_degrees), 0);
-    thinner.on_progress(
-        [](void* sink, double fraction) {
-          return sink == nullptr || static_cast<ProgressSink*>(sink)->advance(Stage::kRead, fraction);
-        },
-        progress_);
-    auto summary = read_scan(source_, thinner, *workspace);
-    PLUMBLINE_TRY(summary);
-    report_.scan = *summary;
+    CloudReadSettings reading;
+    reading.rotation = rotation_matrix(placement.rotation_degrees);
+    if (placement.printer) reading.grid = panel_grid(*placement.printer, placement.layer_height_mm);
+    reading.threads = settings_.threads;
+    const auto read = read_cloud(source_, reading, arena_, progress_);
+    PLUMBLINE_TRY(read);
+    cloud_ = read->cloud;
+    offset_ = read->offset;
+    report_.scan = read->scan;
+    report_.cloud_capacity = read->room;
     report_.cloud_points = cloud_.size;
-    report_.averaged_points = thinner.points_averaged();
-    report_.thinning_cell = report_.averaged_points > 0 ? thinner.cell() : 0;
-    offset_ = thinner.offset();
+    report_.averaged_points = read->averaged;
+    report_.thinning_cell = read->cell;
     return {};
   }
 

@@ -9,6 +9,7 @@
 #include "slicer/kd_tree.hpp"
 #include "slicer/layer_stream.hpp"
 #include "slicer/normals.hpp"
+#include "slicer/pieces.hpp"
 #include "slicer/reader/scan_reader.hpp"
 #include "slicer/rrep_builder.hpp"
 #include "slicer/supports/support_finder.hpp"
@@ -20,16 +21,25 @@ namespace {
 
 constexpr std::size_t kSlack = 64 * Arena::kAlignment;  ///< rounding of blocks
 
-/// What an object that covers half of the panel needs, with four crossings a ray: a count a ray, two bytes a crossing
-/// while the rays are shot, four when they are sorted.
+/// What is expected of an object before it is known: figures and animals have 2.3 to 3 crossings a ray.
 constexpr double kCoveredShare = 0.5;
-constexpr double kCrossingsPerRay = 4;
+constexpr double kCrossingsPerRay = 3;
 
-std::size_t share_of(const PrintGrid& grid, double bytes_per_ray) {
-  return static_cast<std::size_t>(static_cast<double>(grid.columns) * grid.rows * bytes_per_ray);
+RayYield expected_yield(const PrintGrid& grid) {
+  const double rays = kCoveredShare * grid.columns * grid.rows;
+  return {rays, kCrossingsPerRay * rays};
 }
 
 }  // namespace
+
+std::size_t store_bytes(const PrintGrid& grid, const RayYield& yield) {
+  const std::size_t tiles = std::size_t{(grid.columns + 7) / 8} * ((grid.rows + 7) / 8);
+  return 4 * tiles + static_cast<std::size_t>(yield.rays + 2 * yield.crossings);
+}
+
+std::size_t rrep_bytes(const PrintGrid& grid, const RayYield& yield) {
+  return static_cast<std::size_t>(4 * yield.crossings) + 4 * (std::size_t{grid.layers} + 1);
+}
 
 std::size_t MemoryPlan::peak() const { return *std::max_element(bytes.begin(), bytes.end()); }
 
@@ -39,7 +49,8 @@ Stage MemoryPlan::widest() const {
 
 std::uint32_t tile_capacity(std::uint32_t points) { return std::min<std::uint32_t>(points, 32768); }
 
-MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& grid, std::uint32_t threads) {
+MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& grid, std::uint32_t threads,
+                       const PlanEvidence& evidence) {
   MemoryPlan plan;
   plan.points = points;
   const auto set = [&](Stage stage, std::size_t bytes) {
@@ -48,7 +59,7 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
   const std::size_t winding = WindingTree::bytes_needed(points);
   const std::size_t cloud = winding + Cloud::kBytesPerPoint * points;
   const std::size_t tree = KdTree3::kBytesPerPoint * std::size_t{points};
-  set(Stage::kRead, cloud + PointThinner::table_bytes(points) + kReaderWorkspace);
+  set(Stage::kRead, cloud + PointThinner::table_bytes(points) + kReaderWorkspace + evidence.reader_bytes);
   set(Stage::kNormals, cloud + tree + normals_bytes(points));
   set(Stage::kTrees, cloud + tree + points / 8);
   set(Stage::kClustering, cloud + tree + 5 * std::size_t{points});
@@ -57,28 +68,37 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
   std::size_t store = 0;
   if (grid) {
     image = Arena::rounded(BitImage::words_needed(grid->columns, grid->rows) * sizeof(std::uint64_t));
-    const std::size_t tiles = std::size_t{(grid->columns + 7) / 8} * ((grid->rows + 7) / 8);
-    store = 4 * tiles + share_of(*grid, kCoveredShare * (1 + 2 * kCrossingsPerRay));
-    const std::size_t sorted =
-        share_of(*grid, kCoveredShare * 4 * kCrossingsPerRay) + 4 * (std::size_t{grid->layers} + 1);
-    set(Stage::kRRep, store + sorted);
+    const RayYield yield = evidence.yield.value_or(expected_yield(*grid));
+    store = store_bytes(*grid, yield);
+    const std::size_t sorted = rrep_bytes(*grid, yield);
+    // The store moves to the top of the arena first, so that it stands there twice for a moment.
+    set(Stage::kRRep, store + std::max({store, sorted, pieces_bytes(*grid, yield.rays, yield.crossings)}));
     const std::uint32_t supports = most_supports(*grid);
     set(Stage::kSupports, sorted + find_supports_bytes(*grid));
     set(Stage::kLayers, sorted + supports * sizeof(Support) + LayerStream::bytes_needed(*grid, supports));
   }
-  set(Stage::kRayGrid, cloud + tree + 2 * image);
+  const std::size_t flat_tree = KdTree2::kBytesPerPoint * std::size_t{points};
+  set(Stage::kRayGrid, cloud + flat_tree + 2 * image);
   const std::size_t workers = threads * RayShooter::bytes_needed(tile_capacity(points));
-  set(Stage::kRays, cloud + tree + image + store + workers);
+  set(Stage::kRays, cloud + flat_tree + image + store + workers);
   return plan;
 }
 
 Expected<MemoryPlan> largest_plan(std::size_t arena_bytes, std::optional<std::uint64_t> declared,
-                                  const std::optional<PrintGrid>& grid, std::uint32_t threads) {
+                                  const std::optional<PrintGrid>& grid, std::uint32_t threads,
+                                  const PlanEvidence& evidence) {
   const auto most =
       static_cast<std::uint32_t>(std::clamp<std::uint64_t>(declared.value_or(kMostPoints), kFewestPoints, kMostPoints));
-  MemoryPlan plan = plan_memory(kFewestPoints, grid, threads);
+  MemoryPlan plan = plan_memory(kFewestPoints, grid, threads, evidence);
   if (plan.peak() > arena_bytes) {
     constexpr double kMiB = 1024.0 * 1024.0;
+    if (evidence.reader_bytes > 0 && plan_memory(kFewestPoints, grid, threads).peak() <= arena_bytes) {
+      return fail(
+          ErrorCode::kOutOfMemory,
+          "the job cannot fit: this compressed PCD holds all x before all y, and keeping its columns takes %.1f "
+          "MiB while it is read, the arena has %.1f MiB. Save it as binary, or use a larger arena (--arena-mib)",
+          static_cast<double>(evidence.reader_bytes) / kMiB, static_cast<double>(arena_bytes) / kMiB);
+    }
     return fail(
         ErrorCode::kOutOfMemory,
         "the job cannot fit: the stage '%.*s' needs %.1f MiB even when the scan is thinned to %u points, the arena "
@@ -90,13 +110,13 @@ Expected<MemoryPlan> largest_plan(std::size_t arena_bytes, std::optional<std::ui
   std::uint32_t high = most;
   while (low < high) {
     const std::uint32_t middle = low + (high - low + 1) / 2;
-    if (plan_memory(middle, grid, threads).peak() <= arena_bytes) {
+    if (plan_memory(middle, grid, threads, evidence).peak() <= arena_bytes) {
       low = middle;
     } else {
       high = middle - 1;
     }
   }
-  return plan_memory(low, grid, threads);
+  return plan_memory(low, grid, threads, evidence);
 }
 
 }  // namespace plumbline

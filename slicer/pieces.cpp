@@ -85,6 +85,13 @@ struct Sieve {
 
 }  // namespace
 
+std::size_t pieces_bytes(const PrintGrid& grid, double rays, double crossings) {
+  // A ray with c crossings has c - 1 stretches inside; rows of the visitor and of the search.
+  const auto stretches = static_cast<std::size_t>(std::max(0.0, crossings - rays)) + 1;
+  return 2 * sizeof(std::uint32_t) * stretches +
+         grid.columns * (2 * sizeof(Ray) + sizeof(CrossingStore::RayRef) + 2 * sizeof(void*));
+}
+
 PieceCounts drop_specks(CrossingStore& store, std::uint64_t fewest_voxels, Arena& arena) {
   const ArenaScope scope(arena);
   const PrintGrid& grid = store.grid();

@@ -19,12 +19,15 @@ struct PieceCounts {
   std::uint64_t voxels = 0;          ///< of the solids that stay
 };
 
+/// Bytes of arena that drop_specks() takes.
+std::size_t pieces_bytes(const PrintGrid& grid, double rays, double crossings);
+
 /// Takes out every solid that has fewer than `fewest_voxels` voxels and touches no other, and fills every hollow of fewer
 /// that does not reach the outside. Voxels touch at faces. The largest piece always stays.
 ///
 /// Works on the stretches between the crossings of each ray, not on voxels: a stretch joins the ones it overlaps on the
 /// rays beside it.
-/// @param arena  8 bytes a stretch from the top, given back
+/// @param arena  pieces_bytes() from the top, given back
 [[nodiscard]] PieceCounts drop_specks(CrossingStore& store, std::uint64_t fewest_voxels, Arena& arena);
 
 }  // namespace plumbline

@@ -7,15 +7,14 @@
 #include <cmath>
 #include <optional>
 
+#include "slicer/cloud_reader.hpp"
 #include "slicer/kd_tree.hpp"
 #include "slicer/layer_features.hpp"
 #include "slicer/memory_plan.hpp"
 #include "slicer/normals.hpp"
 #include "slicer/ray_grid.hpp"
-#include "slicer/reader/scan_reader.hpp"
 #include "slicer/rrep_edit.hpp"
 #include "slicer/stage_scope.hpp"
-#include "slicer/thinning.hpp"
 #include "slicer/winding_number.hpp"
 
 namespace plumbline {
@@ -124,7 +123,6 @@ class Job {
   }
 
   Expected<CrossingStore> crossings() {
-    PLUMBLINE_TRY(admit());
     PLUMBLINE_TRY(read());
     PLUMBLINE_TRY(find_clusters());
     PLUMBLINE_TRY(place_object());
@@ -132,47 +130,26 @@ class Job {
     return shoot();
   }
 
-  Status admit() {
-    std::optional<PrintGrid> grid;
-    if (settings_.placement.printer) {
-      grid = panel_grid(*settings_.placement.printer, settings_.placement.layer_height_mm);
-    }
-    auto plan = largest_plan(arena_.available(), std::nullopt, grid, settings_.threads);
-    if (!plan) return tl::unexpected<Error>(plan.error());
-    report_.planned_bytes = plan->bytes;
-    report_.cloud_capacity = plan->points;
-    return {};
-  }
-
   Status read() {
     const StageScope stage(Stage::kRead, arena_, progress_, report_.peak_bytes);
-    const std::uint32_t capacity = report_.cloud_capacity;
-    auto nodes = arena_.take_top<WindingTree::Node>(WindingTree::nodes_needed(capacity), "winding");
-    if (!nodes) return tl::unexpected<Error>(nodes.error());
-    winding_nodes_ = *nodes;
-    auto cloud = Cloud::create(capacity, arena_);
-    if (!cloud) return tl::unexpected<Error>(cloud.error());
-    cloud_ = *cloud;
-
-    const ArenaScope scope(arena_);
-    auto table = arena_.take_top<std::byte>(PointThinner::table_bytes(capacity), "read");
-    if (!table) return tl::unexpected<Error>(table.error());
-    auto workspace = arena_.take_top<std::byte>(kReaderWorkspace, "read");
-    if (!workspace) return tl::unexpected<Error>(workspace.error());
-    PointThinner thinner(cloud_, *table, rotation_matrix(settings_.placement.rotation_degrees),
-                         first_cell(settings_.placement));
-    thinner.on_progress(
-        [](void* sink, double fraction) {
-          return sink == nullptr || static_cast<ProgressSink*>(sink)->advance(Stage::kRead, fraction);
-        },
-        progress_);
-    auto summary = read_scan(source_, thinner, *workspace);
-    if (!summary) return tl::unexpected<Error>(summary.error());
-    report_.scan = *summary;
-    report_.averaged_points = thinner.points_averaged();
-    report_.thinning_cell_mm = report_.averaged_points > 0 ? thinner.cell() : 0;
+    const PlacementSettings& placement = settings_.placement;
+    CloudReadSettings reading;
+    reading.rotation = rotation_matrix(placement.rotation_degrees);
+    reading.first_cell = first_cell(placement);
+    if (placement.printer) reading.grid = panel_grid(*placement.printer, placement.layer_height_mm);
+    reading.threads = settings_.threads;
+    reading.winding_nodes = true;
+    auto read = read_cloud(source_, reading, arena_, progress_);
+    if (!read) return tl::unexpected<Error>(read.error());
+    cloud_ = read->cloud;
+    winding_nodes_ = read->winding_nodes;
+    offset_ = read->offset;
+    report_.scan = read->scan;
+    report_.cloud_capacity = read->room;
     report_.cloud_points = cloud_.size;
-    offset_ = thinner.offset();
+    report_.averaged_points = read->averaged;
+    report_.thinning_cell_mm = read->cell;
+    report_.planned_bytes = read->plan.bytes;
     return {};
   }
 
@@ -204,6 +181,14 @@ class Job {
     }
     drop_noise(cloud_);
     if (!is_surface(report_.clustering, cloud_.size)) {
+      if (report_.cloud_points < report_.scan.points / 2) {
+        return fail(
+            ErrorCode::kNoSurface,
+            "%.*s: its %llu points were thinned to the %u that the arena has room for, and those are no surface. "
+            "Use a larger arena (--arena-mib), or check the normals of the scan",
+            static_cast<int>(source_.name().size()), source_.name().data(),
+            static_cast<unsigned long long>(report_.scan.points), report_.cloud_points);
+      }
       return fail(ErrorCode::kNoSurface,
                   "%.*s: its %u points are no surface: most have too few neighbours that face the same way. Check the "
                   "normals of the scan, or scan it denser",
@@ -256,6 +241,56 @@ class Job {
     return lowest[0];
   }
 
+  /// Crossings that the surface will make: each point's share of it, seen from above, is crossed by so many rays.
+  struct SeenSurface {
+    double entering = 0, exiting = 0;
+  };
+  SeenSurface seen_surface() const {
+    const PrintGrid& grid = report_.placement.grid;
+    constexpr double kPi = 3.14159265358979;
+    const double rays_a_mm2 = 1 / (static_cast<double>(grid.pitch_x_mm) * static_cast<double>(grid.pitch_y_mm));
+    SeenSurface seen;
+    for (std::uint32_t i = 0; i < cloud_.size; ++i) {
+      const double radius = cloud_.radius[i];
+      const double slope = cloud_.normal[i].unpack()[2];
+      (slope > 0 ? seen.exiting : seen.entering) += radius * radius * std::abs(slope);
+    }
+    const double factor = kPi / report_.clustering.support_points * rays_a_mm2;
+    return {seen.entering * factor, seen.exiting * factor};
+  }
+
+  /// The extent of the object is known now, and with it what its crossings take: a job that has no room for them ends here,
+  /// not when the arena is full of rays. On scans of closed objects the surface tells their number within 6 %.
+  Status admit_rays(ConstBitImage interested) {
+    constexpr double kSureShare = 0.9;
+    constexpr double kPlannedShare = 1.1;
+    const PrintGrid& grid = report_.placement.grid;
+    const SeenSurface seen = seen_surface();
+    const auto yield_of = [&](double crossings) {
+      return RayYield{std::min(crossings / 2, static_cast<double>(interested.count())), crossings};
+    };
+    // What is planned: every ray leaves as often as it enters, whether the scan has seen both or not.
+    const auto threads = settings_.threads;
+    const MemoryPlan plan = plan_memory(cloud_.capacity(), grid, threads,
+                                        {.yield = yield_of(kPlannedShare * 2 * std::max(seen.entering, seen.exiting))});
+    for (const Stage stage : {Stage::kRayGrid, Stage::kRays, Stage::kRRep, Stage::kLayers}) {
+      report_.planned_bytes[static_cast<std::size_t>(stage)] = plan.bytes[static_cast<std::size_t>(stage)];
+    }
+    // What is refused: what the scan has seen does not fit. A job that might fit is let go on.
+    const RayYield sure = yield_of(kSureShare * (seen.entering + seen.exiting));
+    const std::size_t shooting =
+        arena_.used() + threads * RayShooter::bytes_needed(tile_capacity(cloud_.capacity())) + store_bytes(grid, sure);
+    const std::size_t sorting = store_bytes(grid, sure) + rrep_bytes(grid, sure);
+    const std::size_t need = std::max(shooting, sorting);
+    if (need <= arena_.capacity()) return {};
+    constexpr double kMiB = 1024.0 * 1024.0;
+    return fail(ErrorCode::kOutOfMemory,
+                "%s: the object's %.0f crossings need about %.1f MiB of the arena, it has %.1f MiB. Use a larger arena "
+                "(--arena-mib), a coarser grid or a smaller --scale",
+                sorting > shooting ? "R-Rep" : "rays", sure.crossings, static_cast<double>(need) / kMiB,
+                static_cast<double>(arena_.capacity()) / kMiB);
+  }
+
   Expected<CrossingStore> shoot() {
     const PrintGrid& grid = report_.placement.grid;
     std::optional<KdTree2> tree;
@@ -273,6 +308,7 @@ class Job {
       interested = BitImage(*words, grid.columns, grid.rows);
       PLUMBLINE_TRY(find_interested_rays(cloud_, grid, report_.width_mm, interested, arena_));
     }
+    PLUMBLINE_TRY(admit_rays(interested));
     const StageScope stage(Stage::kRays, arena_, progress_, report_.peak_bytes);
     RayField field;
     field.cloud = &cloud_;
@@ -282,7 +318,7 @@ class Job {
     field.grid = grid;
     field.max_radius = kMaxRadiusShare * report_.clustering.epsilon *
                        std::sqrt(std::max(1.0F, report_.clustering.support_points / kMaxRadiusSupport));
-    field.tile_capacity = tile_capacity(report_.cloud_capacity);
+    field.tile_capacity = tile_capacity(cloud_.capacity());
     field.settings.intersections.width = report_.width_mm;
     field.settings.repair_spacing = std::max(grid.layer_height_mm, kRepairShare * report_.clustering.epsilon);
     auto shooter = RayShooter::create(field, settings_.threads, arena_);

@@ -24,7 +24,7 @@ PointThinner::PointThinner(Cloud& cloud, std::span<std::byte> table, const Mat3d
 
 Status PointThinner::begin(const ScanHeader& /*header*/) { return {}; }
 
-bool PointThinner::progress(double fraction) { return progress_ == nullptr || progress_(progress_context_, fraction); }
+bool PointThinner::progress(double /*fraction*/) { return true; }
 
 PointThinner::Key PointThinner::key_of(const Vec3f& p) const {
   // Coordinates of 1e18 cells and more share a cell: a scan of that extent is a broken one, and this must not overflow.

@@ -29,12 +29,6 @@ class PointThinner final : public PointSink {
   Status take(std::span<const ScanPoint> points) override;
   bool progress(double fraction) override;
 
-  /// Called from progress(), for who wants to show or cancel it.
-  void on_progress(bool (*callback)(void*, double), void* context) {
-    progress_ = callback;
-    progress_context_ = context;
-  }
-
   double cell() const { return cell_; }  ///< scan units; 0: nothing was averaged
   std::uint64_t points_seen() const { return seen_; }
   std::uint64_t points_averaged() const { return averaged_; }  ///< seen points that went into another's place
@@ -57,8 +51,6 @@ class PointThinner final : public PointSink {
   Mat3d rotation_;
   double cell_;
   Vec3d offset_ = Vec3d::Zero();
-  bool (*progress_)(void*, double) = nullptr;
-  void* progress_context_ = nullptr;
   std::uint64_t seen_ = 0;
   std::uint64_t averaged_ = 0;
 };

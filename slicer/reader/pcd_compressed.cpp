@@ -108,7 +108,26 @@ class ColumnReader {
   std::uint64_t complete_ = 0;   ///< points
 };
 
+const PcdField* last_wanted(const PcdHeader& header) {
+  const PcdField* last = nullptr;
+  for (const PcdField& field : header.fields) {
+    if (field.slot < kSlots) last = &field;
+  }
+  return last;
+}
+
 }  // namespace
+
+std::uint64_t compressed_columns_bytes(const PcdHeader& header) {
+  if (header.data != PcdData::kBinaryCompressed) return 0;
+  const PcdField* last = last_wanted(header);
+  std::uint64_t bytes = Arena::rounded(LzfStream::kWindow);
+  for (const PcdField& field : header.fields) {
+    if (field.slot >= kSlots || &field == last) continue;
+    bytes = saturating_add(bytes, saturating_add(saturating_multiply(field.bytes(), header.points), Arena::kAlignment));
+  }
+  return bytes;
+}
 
 Status read_pcd_compressed(ByteInput& input, const PcdHeader& header, PointBatch& batch, Arena& memory) {
   constexpr std::size_t kSizes = 2 * sizeof(std::uint32_t);
@@ -137,15 +156,9 @@ Status read_pcd_compressed(ByteInput& input, const PcdHeader& header, PointBatch
   }
   input.consume(kSizes);
 
-  const PcdField* last = nullptr;
-  std::uint64_t kept_bytes = 0;
-  for (const PcdField& field : header.fields) {
-    if (field.slot >= kSlots) continue;
-    if (last != nullptr) kept_bytes += last->bytes() * header.points + Arena::kAlignment;
-    last = &field;
-  }
+  const PcdField* last = last_wanted(header);
   assert(last != nullptr && "a header without x, y and z has been refused");
-  const std::uint64_t need = kept_bytes + Arena::rounded(LzfStream::kWindow);
+  const std::uint64_t need = compressed_columns_bytes(header);
   if (need > memory.available()) {
     return input.fail(
         ErrorCode::kUnsupported,

@@ -8,6 +8,9 @@
 
 namespace plumbline {
 
+/// Bytes that read_pcd_compressed() takes of its memory, saturated; 0 where the file is not compressed.
+std::uint64_t compressed_columns_bytes(const PcdHeader& header);
+
 /// See read_pcd() for what it needs and refuses.
 [[nodiscard]] Status read_pcd_compressed(ByteInput& input, const PcdHeader& header, PointBatch& batch, Arena& memory);
 

@@ -19,18 +19,19 @@ constexpr const char* encoding_of(PcdData data) {
 
 }  // namespace
 
-Status read_pcd(ByteInput& input, PointBatch& batch, Arena& memory) {
+Status read_pcd(ByteInput& input, PointBatch& batch, Arena& memory, Arena& columns) {
   LineInput lines(input);
   const auto header = read_pcd_header(lines, memory);
   PLUMBLINE_TRY(header);
   PLUMBLINE_TRY(batch.begin({.format = ScanFormat::kPcd,
                              .encoding = encoding_of(header->data),
                              .has_normals = header->layout.has_normal(),
-                             .declared_points = header->points}));
+                             .declared_points = header->points,
+                             .reader_bytes = compressed_columns_bytes(*header)}));
   switch (header->data) {
     case PcdData::kAscii: return read_text_points(lines, header->layout, header->points, batch);
     case PcdData::kBinary: return read_binary_points(input, header->layout, header->points, std::endian::little, batch);
-    case PcdData::kBinaryCompressed: return read_pcd_compressed(input, *header, batch, memory);
+    case PcdData::kBinaryCompressed: return read_pcd_compressed(input, *header, batch, columns);
   }
   return {};
 }

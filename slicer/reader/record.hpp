@@ -30,19 +30,15 @@ enum class ScalarType : std::uint8_t {
 constexpr std::size_t size_of(ScalarType type) {
   switch (type) {
     case ScalarType::kInt8:
-    case ScalarType::kUint8:
-      return 1;
+    case ScalarType::kUint8: return 1;
     case ScalarType::kInt16:
-    case ScalarType::kUint16:
-      return 2;
+    case ScalarType::kUint16: return 2;
     case ScalarType::kInt32:
     case ScalarType::kUint32:
-    case ScalarType::kFloat:
-      return 4;
+    case ScalarType::kFloat: return 4;
     case ScalarType::kInt64:
     case ScalarType::kUint64:
-    case ScalarType::kDouble:
-      return 8;
+    case ScalarType::kDouble: return 8;
   }
   return 1;
 }

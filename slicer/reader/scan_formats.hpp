@@ -16,10 +16,11 @@ namespace plumbline {
 
 /// Point Cloud Library, versions 0.5 to 0.7: ascii, binary, binary compressed.
 ///
-/// @param memory  binary_compressed holds one column behind the other, so all the wanted columns but the last one must
-///                be kept until that one comes: 8 bytes a point for x, y, z of 4 bytes each, 20 with normals
-/// @retval ErrorCode::kUnsupported  a compressed file whose columns do not fit in what is left of `memory`
-[[nodiscard]] Status read_pcd(ByteInput& input, PointBatch& batch, Arena& memory);
+/// @param columns  binary_compressed holds one column behind the other, so all the wanted columns but the last one must
+///                 be kept until that one comes: 8 bytes a point for x, y, z of 4 bytes each, 20 with normals. May be
+///                 `memory`
+/// @retval ErrorCode::kUnsupported  a compressed file whose columns do not fit in what is left of `columns`
+[[nodiscard]] Status read_pcd(ByteInput& input, PointBatch& batch, Arena& memory, Arena& columns);
 
 /// The vertices of a Wavefront OBJ; its normals where `vn` lines go with `v` lines one by one.
 [[nodiscard]] Status read_obj(ByteInput& input, PointBatch& batch, Arena& memory);

@@ -12,8 +12,8 @@ namespace plumbline {
 
 /// One point as the file has it. Every number is finite.
 struct ScanPoint {
-  double x = 0, y = 0, z = 0;     ///< scan units
-  float nx = 0, ny = 0, nz = 0;   ///< any length; all zero where the file has no usable normal for this point
+  double x = 0, y = 0, z = 0;    ///< scan units
+  float nx = 0, ny = 0, nz = 0;  ///< any length; all zero where the file has no usable normal for this point
 };
 
 enum class ScanFormat : std::uint8_t { kPly, kXyz, kPcd, kObj };
@@ -21,9 +21,10 @@ enum class ScanFormat : std::uint8_t { kPly, kXyz, kPcd, kObj };
 /// What the head of a scan says, known before its first point.
 struct ScanHeader {
   ScanFormat format = ScanFormat::kPly;
-  const char* encoding = "";                      ///< "ascii", "binary little endian", "binary compressed", ...
-  bool has_normals = false;                       ///< columns or properties for them exist
-  std::optional<std::uint64_t> declared_points;   ///< as the header says; hostile until the points have come
+  const char* encoding = "";                     ///< "ascii", "binary little endian", "binary compressed", ...
+  bool has_normals = false;                      ///< columns or properties for them exist
+  std::optional<std::uint64_t> declared_points;  ///< as the header says; hostile until the points have come
+  std::uint64_t reader_bytes = 0;                ///< that the reader keeps beside its work space; as hostile
 };
 
 /// Takes the points in the order of the file, in batches.

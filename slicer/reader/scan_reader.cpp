@@ -1,6 +1,5 @@
 #include "slicer/reader/scan_reader.hpp"
 
-#include "slicer/core/arena.hpp"
 #include "slicer/reader/format_probe.hpp"
 #include "slicer/reader/point_batch.hpp"
 #include "slicer/reader/scan_formats.hpp"
@@ -11,11 +10,11 @@ namespace {
 /// The longest row of a text, and the longest line of a header, that is read as a whole.
 constexpr std::size_t kWindow = std::size_t{64} * 1024;
 
-Status read_as(ScanFormat format, ByteInput& input, PointBatch& batch, Arena& memory) {
+Status read_as(ScanFormat format, ByteInput& input, PointBatch& batch, Arena& memory, Arena* lent) {
   switch (format) {
     case ScanFormat::kPly: return read_ply(input, batch, memory);
     case ScanFormat::kXyz: return read_xyz(input, batch, memory);
-    case ScanFormat::kPcd: return read_pcd(input, batch, memory);
+    case ScanFormat::kPcd: return read_pcd(input, batch, memory, lent != nullptr ? *lent : memory);
     case ScanFormat::kObj: return read_obj(input, batch, memory);
   }
   return {};
@@ -23,7 +22,7 @@ Status read_as(ScanFormat format, ByteInput& input, PointBatch& batch, Arena& me
 
 }  // namespace
 
-Expected<ScanSummary> read_scan(ByteSource& source, PointSink& sink, std::span<std::byte> workspace) {
+Expected<ScanSummary> read_scan(ByteSource& source, PointSink& sink, std::span<std::byte> workspace, Arena* lent) {
   Arena memory(workspace);
   const auto window = memory.take_bottom<std::byte>(kWindow, "reading the scan");
   PLUMBLINE_TRY(window);
@@ -35,7 +34,7 @@ Expected<ScanSummary> read_scan(ByteSource& source, PointSink& sink, std::span<s
   PLUMBLINE_TRY(format);
   ScanSummary summary;
   PointBatch batch(sink, *room, summary);
-  PLUMBLINE_TRY(read_as(*format, input, batch, memory));
+  PLUMBLINE_TRY(read_as(*format, input, batch, memory, lent));
   PLUMBLINE_TRY(batch.flush());
   PLUMBLINE_TRY(input.finish());
   summary.bytes = input.bytes_read();
