@@ -1,0 +1,206 @@
+#include "slicer/slicer.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "tests/slicer/support/slicing.hpp"
+
+namespace plumbline {
+namespace {
+
+using namespace testing;
+using ::testing::HasSubstr;
+
+/// Counts what is read of it.
+class CountingSource final : public ByteSource {
+ public:
+  explicit CountingSource(std::string bytes) : bytes_(std::move(bytes)), source_(bytes_, "counted.ply") {}
+  Expected<std::size_t> read(std::span<std::byte> buffer) override {
+    ++reads_;
+    return source_.read(buffer);
+  }
+  std::string_view name() const override { return source_.name(); }
+  std::optional<std::uint64_t> size() const override { return source_.size(); }
+  std::uint32_t reads() const { return reads_; }
+
+ private:
+  std::string bytes_;
+  MemorySource source_;
+  std::uint32_t reads_ = 0;
+};
+
+TEST(Slice, RefusesAJobThatCannotFitBeforeItReadsTheScan) {
+  SliceSettings settings;
+  settings.placement.printer = PrinterVolume{1440, 2560, 0.05F, 0.05F, 150};
+  CountingSource source(binary_ply(sphere(2000, 10, {0, 0, 0})));
+  ArenaBlock arena(3 * kMiB);
+  SliceReport report;
+  const auto rrep = slice(source, settings, *arena, nullptr, report);
+  ASSERT_FALSE(rrep.has_value());
+  EXPECT_EQ(rrep.error().code(), ErrorCode::kOutOfMemory);
+  EXPECT_EQ(source.reads(), 0U);
+  EXPECT_EQ(arena->used(), 0U);
+}
+
+/// A PLY whose header promises `declared` points before the given ones.
+std::string promising(const Surface& surface, const std::string& declared) {
+  std::string scan = binary_ply(surface);
+  const std::string count = std::to_string(surface.size());
+  return scan.replace(scan.find(count), count.size(), declared);
+}
+
+TEST(Slice, TakesNoMoreRoomThanTheHeaderPromises) {
+  const Slicing sliced(binary_ply(sphere(2000, 10, {0, 0, 0})), settings_with_pitch(0.2F), 200 * kMiB);
+  EXPECT_GT(sliced.report().cloud_capacity, 1'000'000U) << "the arena's room";
+  EXPECT_LT(sliced.report().peak_bytes[static_cast<std::size_t>(Stage::kRead)], kMiB);
+}
+
+TEST(Slice, BelievesNoHeaderThatPromisesMoreThanItsFileHolds) {
+  ArenaBlock arena(200 * kMiB);
+  const std::string scan = promising(sphere(2000, 10, {0, 0, 0}), "4000000000");
+  MemorySource source(scan, "promise.ply");
+  SliceReport report;
+  const auto rrep = slice(source, settings_with_pitch(0.2F), *arena, nullptr, report);
+  ASSERT_FALSE(rrep.has_value());
+  EXPECT_EQ(rrep.error().code(), ErrorCode::kTruncated);
+  EXPECT_LT(report.peak_bytes[static_cast<std::size_t>(Stage::kRead)], 2 * kMiB);
+  EXPECT_EQ(arena->used(), 0U);
+}
+
+/// Hears which stages ran; cancels the one asked for.
+class Listener final : public ProgressSink {
+ public:
+  explicit Listener(std::optional<Stage> cancel = std::nullopt) : cancel_(cancel) {}
+  void begin(Stage stage) override {
+    EXPECT_FALSE(running_.has_value());
+    running_ = last_ = stage;
+  }
+  bool advance(Stage stage, double fraction) override {
+    EXPECT_EQ(running_, stage);
+    EXPECT_GE(fraction, 0);
+    EXPECT_LE(fraction, 1);
+    return cancel_ != stage;
+  }
+  void end(Stage stage, std::size_t peak) override {
+    EXPECT_EQ(running_, stage);
+    EXPECT_GT(peak, 0U);
+    running_.reset();
+  }
+  std::optional<Stage> last() const { return last_; }
+
+ private:
+  std::optional<Stage> cancel_;
+  std::optional<Stage> running_;
+  std::optional<Stage> last_;
+};
+
+// Without a printer the grid is only known when the object has been placed, so the arena may turn out too small then: but
+// never when its rays are half shot.
+TEST(Slice, LeavesTheArenaAsItWasWhereverItRunsOut) {
+  // A rod across a large grid: the images take more than its points do.
+  Random random(2);
+  const std::string scan = binary_ply(box({0, 0, 0}, {100, 1.5, 1.5}, 0.4, 0.3, random));
+  SliceSettings settings = settings_with_pitch(0.03F);
+  settings.placement.rotation_degrees[2] = 45;
+  int thinned_away = 0;
+  int images_refused = 0;
+  int crossings_refused = 0;
+  int sliced = 0;
+  for (const std::size_t kib :
+       {600, 1000, 1400, 1800, 2000, 2200, 2400, 2600, 2800, 3000, 3500, 4000, 5000, 8000, 16000}) {
+    ArenaBlock arena(kib * 1024);
+    ASSERT_TRUE(arena->take_bottom<std::byte>(1000, "of the caller").has_value());
+    ASSERT_TRUE(arena->take_top<std::byte>(500, "of the caller").has_value());
+    const std::size_t bottom = arena->bottom_mark();
+    const std::size_t top = arena->top_mark();
+    MemorySource source(scan, "test.ply");
+    SliceReport report;
+    Listener listener;
+    const auto rrep = slice(source, settings, *arena, &listener, report);
+    EXPECT_EQ(arena->top_mark(), top) << kib;
+    if (rrep) {
+      ++sliced;
+      EXPECT_GT(arena->bottom_mark(), bottom);
+      continue;
+    }
+    EXPECT_EQ(arena->bottom_mark(), bottom) << kib;
+    EXPECT_NE(listener.last(), Stage::kRays) << kib;
+    if (rrep.error().code() == ErrorCode::kNoSurface) {
+      EXPECT_THAT(rrep.error().message(), HasSubstr("were thinned to"));
+      ++thinned_away;
+      continue;
+    }
+    EXPECT_EQ(rrep.error().code(), ErrorCode::kOutOfMemory);
+    if (listener.last() == Stage::kRayGrid) {
+      const bool crossings = std::string_view(rrep.error().message()).find("crossings need") != std::string_view::npos;
+      ++(crossings ? crossings_refused : images_refused);
+    }
+  }
+  EXPECT_LE(thinned_away, 2);
+  EXPECT_GT(sliced, 0);
+  EXPECT_GT(images_refused, 0);
+  EXPECT_GT(crossings_refused, 0);
+}
+
+TEST(Slice, LeavesTheArenaAsItWasWhenItIsCancelled) {
+  const std::string scan = binary_ply(sphere(30000, 10, {0, 0, 0}));
+  for (const Stage stage : {Stage::kRead, Stage::kRays}) {
+    ArenaBlock arena(64 * kMiB);
+    MemorySource source(scan, "test.ply");
+    SliceReport report;
+    Listener listener(stage);
+    const auto rrep = slice(source, settings_with_pitch(0.1F), *arena, &listener, report);
+    ASSERT_FALSE(rrep.has_value()) << to_string(stage);
+    EXPECT_EQ(rrep.error().code(), ErrorCode::kCancelled);
+    EXPECT_EQ(listener.last(), stage);
+    EXPECT_EQ(arena->used(), 0U);
+  }
+}
+
+TEST(Slice, SaysBeforeTheRaysThatAnObjectIsTooLargeForTheArena) {
+  // The panel's plan is for half of it with three crossings a ray: a box that fills it, in twelve storeys, has far more.
+  Random random(3);
+  Surface surface;
+  for (int k = 0; k < 12; ++k) append(surface, box({0, 0, 1.0 * k}, {29, 29, 1.0 * k + 0.5}, 0.25, 0.3, random));
+  SliceSettings settings = settings_with_pitch(0.05F);
+  settings.placement.printer = PrinterVolume{600, 600, 0.05F, 0.05F, 60};
+  ArenaBlock arena(16 * kMiB);
+  const std::string scan = binary_ply(surface);
+  MemorySource source(scan, "storeys.ply");
+  SliceReport report;
+  Listener listener;
+  const auto rrep = slice(source, settings, *arena, &listener, report);
+  ASSERT_FALSE(rrep.has_value());
+  EXPECT_EQ(rrep.error().code(), ErrorCode::kOutOfMemory);
+  EXPECT_THAT(rrep.error().message(), HasSubstr("the arena, it has 16.0 MiB"));
+  EXPECT_EQ(listener.last(), Stage::kRayGrid);
+  EXPECT_EQ(arena->used(), 0U);
+}
+
+TEST(Slice, LeavesOnlyTheRRepInTheArena) {
+  Slicing sliced(binary_ply(sphere(30000, 10, {0, 0, 0})), settings_with_pitch(0.1F), 64 * kMiB);
+  const RRep& rrep = sliced.rrep();
+  EXPECT_EQ(sliced.arena().top_used(), 0U);
+  EXPECT_EQ(sliced.arena().bottom_used(),
+            Arena::rounded(rrep.first.size_bytes()) + Arena::rounded(rrep.pixel.size_bytes()));
+}
+
+TEST(Slice, OfPointsWithoutASurfaceSaysSo) {
+  const Surface strays(200, {Vec3d(1, 2, 3), Vec3d(0, 0, 1)});  // all in one place
+  ArenaBlock arena(16 * kMiB);
+  const std::string scan = binary_ply(strays);
+  MemorySource source(scan, "strays.ply");
+  SliceReport report;
+  const auto rrep = slice(source, settings_with_pitch(0.1F), *arena, nullptr, report);
+  ASSERT_FALSE(rrep.has_value());
+  EXPECT_EQ(rrep.error().code(), ErrorCode::kNoSurface);
+  EXPECT_THAT(rrep.error().message(), HasSubstr("strays.ply"));
+  EXPECT_EQ(arena->used(), 0U);
+}
+
+}  // namespace
+}  // namespace plumbline
