@@ -4,6 +4,8 @@
 #include <atomic>
 #include <cmath>
 
+#include "slicer/loop_progress.hpp"
+
 namespace plumbline {
 namespace {
 
@@ -161,6 +163,8 @@ std::uint8_t look_farther(Cloud& cloud, const KdTree3& tree, std::uint32_t i, fl
   return kThin;
 }
 
+tl::unexpected<Error> cancelled() { return fail(ErrorCode::kCancelled, "cancelled while clusters were found"); }
+
 /// Disjoint sets under concurrent unions. The root of a set is its lowest index, whoever came first, so the outcome does
 /// not depend on the threads. Parents only ever decrease.
 class DisjointSets {
@@ -226,7 +230,7 @@ Expected<float> density_epsilon(const Cloud& cloud, const KdTree3& tree, const C
 }
 
 Expected<ClusteringResult> cluster(Cloud& cloud, const KdTree3& tree, float epsilon, const ClusteringSettings& settings,
-                                   std::span<std::uint32_t> cluster, Arena& arena) {
+                                   std::span<std::uint32_t> cluster, Arena& arena, const StageProgress& progress) {
   const ArenaScope scope(arena);
   const std::uint32_t size = cloud.size;
   auto parent = arena.take_top<std::uint32_t>(size, kStage);
@@ -250,8 +254,10 @@ Expected<ClusteringResult> cluster(Cloud& cloud, const KdTree3& tree, float epsi
   std::span<std::int32_t> sampled_near = *near_block;
 
   // Who is core, how dense the surface is, and how far its points lie off it. radius[] is that of one point's share first.
+  LoopProgress counting(progress.part(0, 0.5), blocks);
 #pragma omp parallel for schedule(dynamic, 64)
   for (std::uint32_t b = 0; b < blocks; ++b) {
+    if (!counting.step(b)) continue;
     const std::uint32_t first = b * kBlock;
     const std::uint32_t last = std::min(size, first + kBlock);
     std::array<Counts, kBlock> counts{};
@@ -278,6 +284,7 @@ Expected<ClusteringResult> cluster(Cloud& cloud, const KdTree3& tree, float epsi
     }
   }
 
+  if (counting.stopped()) return cancelled();
   const auto median_near = sampled_near.begin() + static_cast<std::ptrdiff_t>(sampled_near.size() / 2);
   std::nth_element(sampled_near.begin(), median_near, sampled_near.end());
   const bool coherent = static_cast<float>(*median_near) >= kFacingShare * 2 * static_cast<float>(settings.min_points);
@@ -286,8 +293,10 @@ Expected<ClusteringResult> cluster(Cloud& cloud, const KdTree3& tree, float epsi
 
   // Core points within epsilon of one another are one cluster.
   const std::uint32_t blocks_to_join = cluster.empty() ? 0 : blocks;
+  LoopProgress joining(progress.part(0.5, 0.8), blocks);
 #pragma omp parallel for schedule(dynamic, 64)
   for (std::uint32_t b = 0; b < blocks_to_join; ++b) {
+    if (!joining.step(b)) continue;
     const std::uint32_t first = b * kBlock;
     const std::uint32_t last = std::min(size, first + kBlock);
     for_neighbourhood(cloud, tree, first, last, epsilon, [&](const Batch& batch) {
@@ -307,9 +316,13 @@ Expected<ClusteringResult> cluster(Cloud& cloud, const KdTree3& tree, float epsi
     });
   }
 
+  if (joining.stopped()) return cancelled();
+
   // The others join the nearest core point of their type.
+  LoopProgress assigning(progress.part(0.8, 1), blocks);
 #pragma omp parallel for schedule(dynamic, 64)
   for (std::uint32_t b = 0; b < blocks; ++b) {
+    if (!assigning.step(b)) continue;
     const std::uint32_t first = b * kBlock;
     const std::uint32_t last = std::min(size, first + kBlock);
     const bool all_core =
@@ -343,6 +356,8 @@ Expected<ClusteringResult> cluster(Cloud& cloud, const KdTree3& tree, float epsi
         std::atomic_ref(flags[i]).fetch_or(kOutlier, std::memory_order_relaxed);
     }
   }
+
+  if (assigning.stopped()) return cancelled();
 
   ClusteringResult result;
   result.epsilon = epsilon;

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "slicer/cloud.hpp"
+#include "slicer/core/progress.hpp"
 #include "slicer/kd_tree.hpp"
 
 namespace plumbline {
@@ -66,9 +67,10 @@ inline constexpr std::uint32_t kNoCluster = 0xFFFFFFFFU;
 /// @param cloud    in the order of `tree`; normal[].point_class and radius[] are set
 /// @param cluster  cloud.size labels, out: the lowest index of a core point of the cluster, kNoCluster for none. Empty
 ///                 where nobody asks for them: what is noise depends on the core points, not on which of them join
-/// @retval ErrorCode::kOutOfMemory
+/// @param progress  heard of in all threads' work, from the caller's thread
+/// @retval ErrorCode::kOutOfMemory, kCancelled
 [[nodiscard]] Expected<ClusteringResult> cluster(Cloud& cloud, const KdTree3& tree, float epsilon,
                                                  const ClusteringSettings& settings, std::span<std::uint32_t> cluster,
-                                                 Arena& arena);
+                                                 Arena& arena, const StageProgress& progress = {});
 
 }  // namespace plumbline

@@ -60,7 +60,7 @@ class Inspection {
     PLUMBLINE_TRY(epsilon);
     PLUMBLINE_TRY(measure(*tree));
     PLUMBLINE_TRY(go_on());
-    auto result = cluster(cloud_, *tree, *epsilon, settings_.clustering, {}, arena_);
+    auto result = cluster(cloud_, *tree, *epsilon, settings_.clustering, {}, arena_, {progress_, Stage::kClustering});
     PLUMBLINE_TRY(result);
     report_.clustering = *result;
     find_bounds();
@@ -96,7 +96,7 @@ class Inspection {
 
   Expected<KdTree3> build_tree() {
     const StageScope stage(Stage::kTrees, arena_, progress_, report_.peak_bytes);
-    auto tree = KdTree3::build(cloud_.positions(), arena_, "trees");
+    auto tree = KdTree3::build(cloud_.positions(), arena_, "trees", {progress_, Stage::kTrees});
     PLUMBLINE_TRY(tree);
     PLUMBLINE_TRY(cloud_.reorder(tree->order(), arena_));
     tree->adopt_order();
@@ -107,7 +107,7 @@ class Inspection {
     const auto normals = cloud_.normal.first(cloud_.size);
     if (std::all_of(normals.begin(), normals.end(), [](const PackedNormal& n) { return n.known(); })) return {};
     const StageScope stage(Stage::kNormals, arena_, progress_, report_.peak_bytes);
-    auto estimated = estimate_normals(cloud_, tree, arena_);
+    auto estimated = estimate_normals(cloud_, tree, arena_, {progress_, Stage::kNormals});
     PLUMBLINE_TRY(estimated);
     report_.normals_estimated = *estimated;
     return {};

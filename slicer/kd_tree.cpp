@@ -23,22 +23,44 @@
 namespace plumbline {
 namespace {
 
-/// The arena that nanoflann's memory comes from: set while a tree is built, in the thread that builds it.
-thread_local Arena* building_in = nullptr;  // NOLINT(cppcoreguidelines-avoid-non-const-global-variables)
-
-void* arena_bytes(std::size_t bytes) {
-  if (building_in == nullptr) return nullptr;
-  auto block = building_in->take_top<std::byte>(bytes, "kd-tree");
-  return block ? static_cast<void*>(block->data()) : nullptr;
-}
-
-class BuildingIn {
+/// Where nanoflann's memory comes from while a tree is built. It asks for it in blocks of some 8 KiB, node after node, so
+/// that is also where the progress is heard of: a build that is told to stop gets no more.
+class Building {
  public:
-  explicit BuildingIn(Arena& arena) { building_in = &arena; }
-  ~BuildingIn() { building_in = nullptr; }
-  BuildingIn(const BuildingIn&) = delete;
-  BuildingIn& operator=(const BuildingIn&) = delete;
+  /// @param expected  bytes that the tree will take
+  Building(Arena& arena, const StageProgress& progress, std::size_t expected);
+  ~Building();
+  Building(const Building&) = delete;
+  Building& operator=(const Building&) = delete;
+
+  void* take(std::size_t bytes) {
+    const double fraction = static_cast<double>(arena_.top_used() - before_) / static_cast<double>(expected_);
+    cancelled_ = !progress_.advance(std::min(1.0, fraction));
+    if (cancelled_) return nullptr;
+    auto block = arena_.take_top<std::byte>(bytes, "kd-tree");
+    return block ? static_cast<void*>(block->data()) : nullptr;
+  }
+  bool cancelled() const { return cancelled_; }
+  std::size_t taken() const { return arena_.top_used() - before_; }
+
+ private:
+  Arena& arena_;
+  const StageProgress& progress_;
+  std::size_t before_;
+  std::size_t expected_;
+  bool cancelled_ = false;
 };
+
+/// Set while a tree is built, in the thread that builds it.
+thread_local Building* building = nullptr;  // NOLINT(cppcoreguidelines-avoid-non-const-global-variables)
+
+Building::Building(Arena& arena, const StageProgress& progress, std::size_t expected)
+    : arena_(arena), progress_(progress), before_(arena.top_used()), expected_(expected) {
+  building = this;
+}
+Building::~Building() { building = nullptr; }
+
+void* arena_bytes(std::size_t bytes) { return building == nullptr ? nullptr : building->take(bytes); }
 
 /// A point's index, as a type of ours.
 struct PointIndex {
@@ -73,7 +95,12 @@ class std::allocator<plumbline::PointIndex> {
 
 void* plumbline_nanoflann_malloc(std::size_t bytes);
 void plumbline_nanoflann_free(void* block);
-void* plumbline_nanoflann_malloc(std::size_t bytes) { return plumbline::arena_bytes(bytes); }
+// nanoflann answers a null pointer with a line on stderr and this very exception; the line is not for the user.
+void* plumbline_nanoflann_malloc(std::size_t bytes) {
+  void* block = plumbline::arena_bytes(bytes);
+  if (block == nullptr) throw std::bad_alloc();
+  return block;
+}
 void plumbline_nanoflann_free(void* /*block*/) {}
 
 #define malloc plumbline_nanoflann_malloc
@@ -185,22 +212,23 @@ struct KdTree<Dimension>::Impl {
 };
 
 template <int Dimension>
-Expected<KdTree<Dimension>> KdTree<Dimension>::build(std::span<const Vec3f> points, Arena& arena, const char* stage) {
+Expected<KdTree<Dimension>> KdTree<Dimension>::build(std::span<const Vec3f> points, Arena& arena, const char* stage,
+                                                     const StageProgress& progress) {
   using Storage = std::aligned_storage_t<sizeof(Impl), alignof(Impl)>;
   auto place = arena.take_top<Storage>(1, stage);
   if (!place) return tl::unexpected<Error>(place.error());
-  const std::size_t before = arena.top_used();
-  const BuildingIn here(arena);
+  const Building here(arena, progress, points.size() * kBytesPerPoint);
   KdTree tree;
   try {
     tree.impl_ = new (place->data()) Impl(points);
   } catch (const std::bad_alloc&) {
+    if (here.cancelled()) return fail(ErrorCode::kCancelled, "%s: cancelled while a tree was built", stage);
     constexpr double kMiB = 1024.0 * 1024.0;
     return fail(
         ErrorCode::kOutOfMemory,
         "%s: the %dD tree of %zu points has taken %.1f MiB and needs more; the arena has %.1f MiB. Use a larger "
         "arena or fewer points",
-        stage, Dimension, points.size(), static_cast<double>(arena.top_used() - before) / kMiB,
+        stage, Dimension, points.size(), static_cast<double>(here.taken()) / kMiB,
         static_cast<double>(arena.capacity()) / kMiB);
   }
   return tree;

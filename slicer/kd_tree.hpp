@@ -8,6 +8,7 @@
 #include <type_traits>
 
 #include "slicer/core/arena.hpp"
+#include "slicer/core/progress.hpp"
 #include "slicer/core/vec.hpp"
 
 namespace plumbline {
@@ -52,8 +53,9 @@ class KdTree {
 
   /// @param points  at least one, finite
   /// @param stage   for the error
-  /// @retval ErrorCode::kOutOfMemory
-  [[nodiscard]] static Expected<KdTree> build(std::span<const Vec3f> points, Arena& arena, const char* stage);
+  /// @retval ErrorCode::kOutOfMemory, kCancelled
+  [[nodiscard]] static Expected<KdTree> build(std::span<const Vec3f> points, Arena& arena, const char* stage,
+                                              const StageProgress& progress = {});
 
   /// Indices of the points, leaf after leaf: neighbours in space are mostly neighbours in this order.
   std::span<const std::uint32_t> order() const;

@@ -53,8 +53,9 @@ std::uint32_t sheets_at_most(std::uint32_t points) { return points / kSmallestSh
 
 class Orientation {
  public:
-  Orientation(Cloud& cloud, const KdTree3& tree, std::span<const std::uint64_t> estimated, Arena& arena)
-      : cloud_(cloud), tree_(tree), estimated_(estimated), arena_(arena) {}
+  Orientation(Cloud& cloud, const KdTree3& tree, std::span<const std::uint64_t> estimated, Arena& arena,
+              const StageProgress& progress)
+      : cloud_(cloud), tree_(tree), estimated_(estimated), arena_(arena), progress_(progress) {}
 
   Status run() {
     auto entries = arena_.take_top<std::uint32_t>(cloud_.size, kStage);
@@ -125,6 +126,9 @@ class Orientation {
         for (; next < cloud_.size && count < batch; ++next) {
           if (next_class_[next] <= c) open_[count++] = next;
         }
+        // The first class looks at every point, the others at what it left.
+        const double done = c == 0 ? 0.5 * next / cloud_.size : 0.5 + 0.5 * c / kNoClass;
+        if (!progress_.advance(done)) return fail(ErrorCode::kCancelled, "cancelled while normals were turned");
         search(count);
         for (std::uint32_t k = 0; k < count; ++k) join_point(k, c);
       }
@@ -348,6 +352,7 @@ class Orientation {
   const KdTree3& tree_;
   std::span<const std::uint64_t> estimated_;
   Arena& arena_;
+  StageProgress progress_;
   SidedSets sets_;
   std::span<Sheet> sheets_;
   std::span<std::uint32_t> open_;       ///< the points of a batch
@@ -364,9 +369,10 @@ std::size_t orientation_bytes(std::uint32_t points) {
   return sides + std::max(batch, field + sizeof(Sheet) * sheets_at_most(points));
 }
 
-Status orient_normals(Cloud& cloud, const KdTree3& tree, std::span<const std::uint64_t> estimated, Arena& arena) {
+Status orient_normals(Cloud& cloud, const KdTree3& tree, std::span<const std::uint64_t> estimated, Arena& arena,
+                      const StageProgress& progress) {
   const ArenaScope scope(arena);
-  return Orientation(cloud, tree, estimated, arena).run();
+  return Orientation(cloud, tree, estimated, arena, progress).run();
 }
 
 }  // namespace plumbline

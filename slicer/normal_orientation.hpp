@@ -5,6 +5,7 @@
 #include <span>
 
 #include "slicer/cloud.hpp"
+#include "slicer/core/progress.hpp"
 #include "slicer/kd_tree.hpp"
 
 namespace plumbline {
@@ -39,8 +40,8 @@ std::size_t orientation_bytes(std::uint32_t points);
 ///
 /// @param cloud      in the order of `tree`; radius[i]^2 pi is the area of point i
 /// @param estimated  bit i % 64 of word i / 64: normal i may be turned. The others are right as they are
-/// @retval ErrorCode::kOutOfMemory
+/// @retval ErrorCode::kOutOfMemory, kCancelled
 [[nodiscard]] Status orient_normals(Cloud& cloud, const KdTree3& tree, std::span<const std::uint64_t> estimated,
-                                    Arena& arena);
+                                    Arena& arena, const StageProgress& progress = {});
 
 }  // namespace plumbline

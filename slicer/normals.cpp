@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "slicer/loop_progress.hpp"
 #include "slicer/normal_orientation.hpp"
 
 namespace plumbline {
@@ -22,6 +23,8 @@ constexpr double kReachInResiduals = 4;
 constexpr double kLeastWidth = 0.05;
 /// Below this share there is no plane: the points lie on a line or in one place.
 constexpr double kLine = 1e-6;
+
+constexpr double kEstimateShare = 0.7;  ///< of the time; turning them takes the rest
 
 struct Plane {
   Vec3d normal = Vec3d::Zero();
@@ -94,7 +97,8 @@ class Estimator {
 
 std::size_t normals_bytes(std::uint32_t points) { return orientation_bytes(points) + (points + 7) / 8; }
 
-Expected<std::uint32_t> estimate_normals(Cloud& cloud, const KdTree3& tree, Arena& arena) {
+Expected<std::uint32_t> estimate_normals(Cloud& cloud, const KdTree3& tree, Arena& arena,
+                                         const StageProgress& progress) {
   const ArenaScope scope(arena);
   const std::uint32_t size = cloud.size;
   const std::uint32_t words = (size + 63) / 64;
@@ -102,8 +106,10 @@ Expected<std::uint32_t> estimate_normals(Cloud& cloud, const KdTree3& tree, Aren
   if (!bits) return tl::unexpected<Error>(bits.error());
   const std::span<std::uint64_t> estimated = *bits;
   std::uint32_t filled = 0;
+  LoopProgress estimating(progress.part(0, kEstimateShare), words);
 #pragma omp parallel for schedule(dynamic, 16) reduction(+ : filled)
   for (std::uint32_t w = 0; w < words; ++w) {
+    if (!estimating.step(w)) continue;
     std::uint64_t word = 0;
     const std::uint32_t last = std::min(size, w * 64 + 64);
     Estimator estimate(cloud, tree);
@@ -114,7 +120,8 @@ Expected<std::uint32_t> estimate_normals(Cloud& cloud, const KdTree3& tree, Aren
     }
     estimated[w] = word;
   }
-  if (filled > 0) PLUMBLINE_TRY(orient_normals(cloud, tree, estimated, arena));
+  if (estimating.stopped()) return fail(ErrorCode::kCancelled, "cancelled while normals were estimated");
+  if (filled > 0) PLUMBLINE_TRY(orient_normals(cloud, tree, estimated, arena, progress.part(kEstimateShare, 1)));
   return filled;
 }
 

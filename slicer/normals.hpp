@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "slicer/cloud.hpp"
+#include "slicer/core/progress.hpp"
 #include "slicer/kd_tree.hpp"
 
 namespace plumbline {
@@ -26,7 +27,8 @@ std::size_t normals_bytes(std::uint32_t points);
 /// @param cloud  in the order of `tree`; radius[] is scratch and holds sqrt(area / pi) of each point's share of the surface
 ///               when this returns; clustering sets it anew
 /// @returns normals filled in. The same bits on any machine, for any number of threads
-/// @retval ErrorCode::kOutOfMemory
-[[nodiscard]] Expected<std::uint32_t> estimate_normals(Cloud& cloud, const KdTree3& tree, Arena& arena);
+/// @retval ErrorCode::kOutOfMemory, kCancelled
+[[nodiscard]] Expected<std::uint32_t> estimate_normals(Cloud& cloud, const KdTree3& tree, Arena& arena,
+                                                       const StageProgress& progress = {});
 
 }  // namespace plumbline

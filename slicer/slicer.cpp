@@ -158,7 +158,7 @@ class Job {
     std::optional<KdTree3> tree;
     {
       const StageScope stage(Stage::kTrees, arena_, progress_, report_.peak_bytes);
-      auto built = KdTree3::build(cloud_.positions(), arena_, "trees");
+      auto built = KdTree3::build(cloud_.positions(), arena_, "trees", {progress_, Stage::kTrees});
       if (!built) return tl::unexpected<Error>(built.error());
       tree = *built;
       PLUMBLINE_TRY(cloud_.reorder(tree->order(), arena_));
@@ -167,7 +167,7 @@ class Job {
     const auto normals = cloud_.normal.first(cloud_.size);
     if (std::any_of(normals.begin(), normals.end(), [](const PackedNormal& n) { return !n.known(); })) {
       const StageScope stage(Stage::kNormals, arena_, progress_, report_.peak_bytes);
-      auto estimated = estimate_normals(cloud_, *tree, arena_);
+      auto estimated = estimate_normals(cloud_, *tree, arena_, {progress_, Stage::kNormals});
       if (!estimated) return tl::unexpected<Error>(estimated.error());
       report_.normals_estimated = *estimated;
     }
@@ -175,7 +175,7 @@ class Job {
       const StageScope stage(Stage::kClustering, arena_, progress_, report_.peak_bytes);
       auto epsilon = density_epsilon(cloud_, *tree, settings_.clustering, arena_);
       if (!epsilon) return tl::unexpected<Error>(epsilon.error());
-      auto result = cluster(cloud_, *tree, *epsilon, settings_.clustering, {}, arena_);
+      auto result = cluster(cloud_, *tree, *epsilon, settings_.clustering, {}, arena_, {progress_, Stage::kClustering});
       if (!result) return tl::unexpected<Error>(result.error());
       report_.clustering = *result;
     }
@@ -297,7 +297,7 @@ class Job {
     BitImage interested;
     {
       const StageScope stage(Stage::kRayGrid, arena_, progress_, report_.peak_bytes);
-      auto built = KdTree2::build(cloud_.positions(), arena_, "ray grid");
+      auto built = KdTree2::build(cloud_.positions(), arena_, "ray grid", {progress_, Stage::kRayGrid});
       if (!built) return tl::unexpected<Error>(built.error());
       tree = *built;
       report_.width_mm = grid_width(cloud_, *tree, {});

@@ -36,4 +36,18 @@ class ProgressSink {
   virtual void end(Stage stage, std::size_t peak_bytes) = 0;
 };
 
+/// A part of a stage's progress, for who works for the stage without knowing it.
+struct StageProgress {
+  ProgressSink* sink = nullptr;
+  Stage stage = Stage::kRead;
+  double from = 0, to = 1;  ///< of the stage
+
+  /// @param fraction  0 to 1 of the part; from one thread only
+  /// @returns false to cancel
+  bool advance(double fraction) const { return sink == nullptr || sink->advance(stage, from + (to - from) * fraction); }
+  StageProgress part(double first, double last) const {
+    return {sink, stage, from + (to - from) * first, from + (to - from) * last};
+  }
+};
+
 }  // namespace plumbline

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -78,11 +79,15 @@ class Listener final : public ProgressSink {
   void begin(Stage stage) override {
     EXPECT_FALSE(running_.has_value());
     running_ = last_ = stage;
+    fraction_ = 0;
   }
   bool advance(Stage stage, double fraction) override {
     EXPECT_EQ(running_, stage);
     EXPECT_GE(fraction, 0);
     EXPECT_LE(fraction, 1);
+    EXPECT_GE(fraction, fraction_) << to_string(stage);
+    fraction_ = fraction;
+    ++heard_[static_cast<std::size_t>(stage)];
     return cancel_ != stage;
   }
   void end(Stage stage, std::size_t peak) override {
@@ -91,11 +96,14 @@ class Listener final : public ProgressSink {
     running_.reset();
   }
   std::optional<Stage> last() const { return last_; }
+  int heard(Stage stage) const { return heard_[static_cast<std::size_t>(stage)]; }
 
  private:
   std::optional<Stage> cancel_;
   std::optional<Stage> running_;
   std::optional<Stage> last_;
+  double fraction_ = 0;
+  std::array<int, kStageCount> heard_{};
 };
 
 // Without a printer the grid is only known when the object has been placed, so the arena may turn out too small then: but
@@ -146,9 +154,29 @@ TEST(Slice, LeavesTheArenaAsItWasWhereverItRunsOut) {
   EXPECT_GT(crossings_refused, 0);
 }
 
+// A million points take up to some seconds in each of these.
+TEST(Slice, TellsItsProgressAllTheWay) {
+  Surface surface = sphere(100'000, 10, {0, 0, 0});
+  for (SurfacePoint& p : surface) p.normal.setZero();
+  const std::string scan = binary_ply(surface);
+  ArenaBlock arena(64 * kMiB);
+  MemorySource source(scan, "test.ply");
+  SliceReport report;
+  Listener listener;
+  SliceSettings settings = settings_with_pitch(0.2F);
+  settings.threads = 2;
+  ASSERT_TRUE(slice(source, settings, *arena, &listener, report).has_value());
+  for (const Stage stage : {Stage::kRead, Stage::kTrees, Stage::kNormals, Stage::kClustering, Stage::kRayGrid}) {
+    EXPECT_GE(listener.heard(stage), 20) << to_string(stage);
+  }
+}
+
 TEST(Slice, LeavesTheArenaAsItWasWhenItIsCancelled) {
-  const std::string scan = binary_ply(sphere(30000, 10, {0, 0, 0}));
-  for (const Stage stage : {Stage::kRead, Stage::kRays}) {
+  Surface surface = sphere(30000, 10, {0, 0, 0});
+  for (std::size_t i = 0; i < surface.size(); i += 2) surface[i].normal.setZero();
+  const std::string scan = binary_ply(surface);
+  for (const Stage stage :
+       {Stage::kRead, Stage::kTrees, Stage::kNormals, Stage::kClustering, Stage::kRayGrid, Stage::kRays}) {
     ArenaBlock arena(64 * kMiB);
     MemorySource source(scan, "test.ply");
     SliceReport report;
