@@ -225,7 +225,10 @@ class Job {
     const StageScope stage(Stage::kWindingTree, arena_, progress_, report_.peak_bytes);
     winding_ = WindingTree::build(cloud_, report_.clustering.support_points,
                                   winding_nodes_.first(WindingTree::nodes_needed(cloud_.size)));
-    report_.open_underside = winding_.set_base(lowest_rim());
+    // A rim below the first section is as good as on the plate. A plane between the plate and the first section would have
+    // the rays look for it between queries that are many layers apart.
+    const float rim = lowest_rim();
+    report_.open_underside = winding_.set_base(layer_of(rim, report_.placement.grid) == 0 ? 0 : rim);
   }
 
   /// Height of the lowest point that is not one of a few strays, mm.

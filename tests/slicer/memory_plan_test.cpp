@@ -101,7 +101,10 @@ TEST(MemoryPlan, HoldsForWhatTheStagesTake) {
     EXPECT_GT(report.cloud_points, report.cloud_capacity / 2) << "the arena is not in use";
     for (std::size_t s = 0; s < kStageCount; ++s) {
       const auto stage = static_cast<Stage>(s);
-      if (stage == Stage::kRays) continue;  // its store takes whatever is left, and gives back what no crossing took
+      // Its store takes whatever is left, and gives back what no crossing took.
+      if (stage == Stage::kRays) continue;
+      // Looks for small features in a share of what is free, and does without where that is too little.
+      if (stage == Stage::kRRep) continue;
       EXPECT_LE(report.peak_bytes[s], report.planned_bytes[s]) << to_string(stage);
     }
   }
