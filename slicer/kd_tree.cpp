@@ -67,8 +67,8 @@ struct PointIndex {
   std::uint32_t value = 0;
   PointIndex() = default;
   template <class Integer>
-  requires std::is_integral_v<Integer> PointIndex(Integer v)
-      : value(static_cast<std::uint32_t>(v)) {}     // NOLINT(google-explicit-constructor): nanoflann's use
+  // NOLINTNEXTLINE(google-explicit-constructor): nanoflann's use
+  requires std::is_integral_v<Integer> PointIndex(Integer v) : value(static_cast<std::uint32_t>(v)) {}
   operator std::uint32_t() const { return value; }  // NOLINT(google-explicit-constructor)
 };
 static_assert(sizeof(PointIndex) == sizeof(std::uint32_t));
