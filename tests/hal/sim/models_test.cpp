@@ -149,9 +149,8 @@ std::vector<std::vector<std::uint64_t>> random_masks(std::uint32_t columns, std:
   for (std::size_t k = 0; k < count; ++k) {
     const auto changes = k % 5 == 0 ? 0 : k % 5 == 4 ? words.size() * 3 : random() % 40;
     for (std::size_t i = 0; i < changes; ++i) {
-      std::uint64_t change = random();
-      change &= random();
-      words[random() % words.size()] ^= change;
+      const std::uint64_t change = random();
+      words[random() % words.size()] ^= change & (change >> 17);
     }
     const BitImage image(words, columns, rows);
     for (std::uint32_t row = 0; row < rows; ++row) image.row(row).back() &= image.last_word_mask();

@@ -24,73 +24,73 @@ class Objections : public testing::Test {
  protected:
   void SetUp() override {
     {
-      SimMachine machine(plant);
+      SimMachine machine(plant_);
       ASSERT_TRUE(print_layers(machine.machine(), {.layers = 2}));
     }
-    ASSERT_THAT(texts_of(plant.objections()), IsEmpty());
+    ASSERT_THAT(texts_of(plant_.objections()), IsEmpty());
   }
 
   void go_to(Distance height) {
-    plant.start_leg(height - plant.stage().height(), Speed(4), StageSwitch::kNone, [](const LegResult&) {});
-    plant.timeline().advance_until(plant.now() + 100s, [this] { return !plant.stage().moving(); });
+    plant_.start_leg(height - plant_.stage().height(), Speed(4), StageSwitch::kNone, [](const LegResult&) {});
+    plant_.timeline().advance_until(plant_.now() + 100s, [this] { return !plant_.stage().moving(); });
   }
   void show(bool black = false) {
-    for (auto& word : plant.panel().back().words()) word = 1;
-    plant.panel().flip(black, [] {});
-    plant.pass(1s);
+    for (auto& word : plant_.panel().back().words()) word = 1;
+    plant_.panel().flip(black, [] {});
+    plant_.pass(1s);
   }
   void light(nanoseconds time) {
-    plant.lamp_line(true);
-    plant.pass(time);
-    plant.lamp_line(false);
-    plant.pass(10ms);
+    plant_.lamp_line(true);
+    plant_.pass(time);
+    plant_.lamp_line(false);
+    plant_.pass(10ms);
   }
-  auto objections() { return kinds_of(plant.objections()); }
+  auto objections() { return kinds_of(plant_.objections()); }
 
-  Plant plant{small_printer()};
+  Plant plant_{small_printer()};
 };
 
 TEST_F(Objections, NoneWhereABackEndDoesRight) {
   go_to(150_um);
   show();
-  plant.expect_light(2s);
+  plant_.expect_light(2s);
   light(2s);
   show(true);
   go_to(5_mm);
-  plant.conclude(JobEnd::kFinished);
-  EXPECT_THAT(texts_of(plant.objections()), IsEmpty());
-  EXPECT_EQ(plant.part().layers().size(), 3U);
+  plant_.conclude(JobEnd::kFinished);
+  EXPECT_THAT(texts_of(plant_.objections()), IsEmpty());
+  EXPECT_EQ(plant_.part().layers().size(), 3U);
 }
 
 TEST_F(Objections, ToAMaskThatChangesUnderLight) {
   go_to(150_um);
   show();
-  plant.lamp_line(true);
+  plant_.lamp_line(true);
   show();
-  plant.lamp_line(false);
+  plant_.lamp_line(false);
   EXPECT_THAT(objections(), ElementsAre(ObjectionKind::kMaskChangedUnderLight));
 }
 
 TEST_F(Objections, ToBlankingUnderLight) {
   go_to(150_um);
   show();
-  plant.lamp_line(true);
+  plant_.lamp_line(true);
   show(true);
-  plant.lamp_line(false);
+  plant_.lamp_line(false);
   EXPECT_THAT(objections(), ElementsAre(ObjectionKind::kMaskChangedUnderLight));
 }
 
 TEST_F(Objections, ToLightBeforeTheScanOutIsOver) {
   go_to(150_um);
-  plant.panel().flip(false, [] {});
-  plant.pass(30ms);
+  plant_.panel().flip(false, [] {});
+  plant_.pass(30ms);
   light(1s);
   EXPECT_THAT(objections(), ElementsAre(ObjectionKind::kMaskTornUnderLight));
 }
 
 TEST_F(Objections, ToLightThroughATornMask) {
   go_to(150_um);
-  plant.panel().tears = true;
+  plant_.panel().tears = true;
   show();
   light(1s);
   EXPECT_THAT(objections(), ElementsAre(ObjectionKind::kMaskTornUnderLight));
@@ -99,16 +99,16 @@ TEST_F(Objections, ToLightThroughATornMask) {
 TEST_F(Objections, ToMotionUnderLight) {
   go_to(150_um);
   show();
-  plant.lamp_line(true);
+  plant_.lamp_line(true);
   go_to(200_um);
-  plant.lamp_line(false);
+  plant_.lamp_line(false);
   EXPECT_THAT(objections(), ElementsAre(ObjectionKind::kMotionUnderLight));
 }
 
 TEST_F(Objections, ToLightWhileTheStageMoves) {
   show();
-  plant.start_leg(-1_mm, Speed(1), StageSwitch::kNone, [](const LegResult&) {});
-  plant.pass(100ms);
+  plant_.start_leg(-1_mm, Speed(1), StageSwitch::kNone, [](const LegResult&) {});
+  plant_.pass(100ms);
   light(10ms);
   EXPECT_THAT(objections(), ElementsAre(ObjectionKind::kMotionUnderLight));
 }
@@ -116,21 +116,21 @@ TEST_F(Objections, ToLightWhileTheStageMoves) {
 TEST_F(Objections, ToLightThatTheOpenCoverDoesNotEnd) {
   go_to(150_um);
   show();
-  plant.lamp_line(true);
-  plant.pass(1s);
-  plant.open_cover();
-  plant.pass(9ms);
+  plant_.lamp_line(true);
+  plant_.pass(1s);
+  plant_.open_cover();
+  plant_.pass(9ms);
   EXPECT_THAT(objections(), IsEmpty());
-  plant.pass(2ms);
-  plant.lamp_line(false);
+  plant_.pass(2ms);
+  plant_.lamp_line(false);
   EXPECT_THAT(objections(), ElementsAre(ObjectionKind::kLightWithCoverOpen));
 }
 
 TEST_F(Objections, ToLightThatBeginsWithTheCoverOpen) {
   go_to(150_um);
   show();
-  plant.open_cover();
-  plant.pass(1s);
+  plant_.open_cover();
+  plant_.pass(1s);
   light(1ms);
   EXPECT_THAT(objections(), ElementsAre(ObjectionKind::kLightWithCoverOpen));
 }
@@ -191,62 +191,62 @@ TEST_F(Objections, ToADoseThatIsOffByMoreThanOnePercent) {
   for (const auto& [layer, lit] : {std::pair{3, 1981ms}, {4, 1979ms}, {5, 2019ms}, {6, 2021ms}}) {
     go_to(50_um * layer);
     show();
-    plant.expect_light(2s);
+    plant_.expect_light(2s);
     light(lit);
     show(true);
     go_to(5_mm);
   }
-  plant.conclude(JobEnd::kFinished);
+  plant_.conclude(JobEnd::kFinished);
   EXPECT_THAT(objections(), ElementsAre(ObjectionKind::kDoseOff, ObjectionKind::kDoseOff));
-  EXPECT_EQ(plant.objections()[0].layer, 3U);
-  EXPECT_EQ(plant.objections()[1].layer, 5U);
+  EXPECT_EQ(plant_.objections()[0].layer, 3U);
+  EXPECT_EQ(plant_.objections()[1].layer, 5U);
 }
 
 TEST_F(Objections, NotToADoseThatCameInTwoParts) {
   go_to(150_um);
   show();
-  plant.expect_light(2s);
+  plant_.expect_light(2s);
   light(700ms);
   go_to(40_mm);
-  plant.pass(600s);
+  plant_.pass(600s);
   go_to(150_um);
-  plant.expect_light(1300ms);
+  plant_.expect_light(1300ms);
   light(1300ms);
-  plant.conclude(JobEnd::kFinished);
-  EXPECT_THAT(texts_of(plant.objections()), IsEmpty());
-  EXPECT_EQ(plant.part().layers().back().exposures, 2U);
+  plant_.conclude(JobEnd::kFinished);
+  EXPECT_THAT(texts_of(plant_.objections()), IsEmpty());
+  EXPECT_EQ(plant_.part().layers().back().exposures, 2U);
 }
 
 TEST_F(Objections, ToTheLastLayersDoseOnlyWhereTheJobWasToBeFinished) {
   go_to(150_um);
   show();
-  plant.expect_light(2s);
+  plant_.expect_light(2s);
   light(700ms);
-  plant.conclude(JobEnd::kAbandoned);
-  EXPECT_THAT(texts_of(plant.objections()), IsEmpty());
+  plant_.conclude(JobEnd::kAbandoned);
+  EXPECT_THAT(texts_of(plant_.objections()), IsEmpty());
 }
 
 TEST_F(Objections, ToALayerThatDoesNotReachTheOneAbove) {
   // Cd = 0.11 ln(6 / 2.4) = 0.1008 mm
   go_to(200_um);  // 100 um below the last one
   show();
-  plant.expect_light(2s);
+  plant_.expect_light(2s);
   light(2s);
   show(true);
   go_to(5_mm);
   go_to(302.5_um);  // 102.5 um below that
   show();
-  plant.expect_light(2s);
+  plant_.expect_light(2s);
   light(2s);
-  plant.conclude(JobEnd::kFinished);
+  plant_.conclude(JobEnd::kFinished);
   EXPECT_THAT(objections(), ElementsAre(ObjectionKind::kNotBonded));
-  EXPECT_EQ(plant.objections()[0].layer, 3U);
+  EXPECT_EQ(plant_.objections()[0].layer, 3U);
 }
 
 TEST_F(Objections, SayTimeLayerAndHeight) {
   go_to(150_um);
   light(1s);
-  const Objection& objection = plant.objections()[0];
+  const Objection& objection = plant_.objections()[0];
   EXPECT_EQ(objection.z, ZPosition(150_um));
   EXPECT_EQ(objection.layer, 2U);
   EXPECT_THAT(to_string(objection), testing::HasSubstr(" s, layer 2, 0.150 mm: exposure without a mask"));

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <memory>
@@ -144,14 +145,15 @@ TEST(Plant, IsDarkAndStillWhenTheFirmwareIsKilled) {
   auto mask = machine->machine().mask.lend();
   ASSERT_TRUE(mask);
   ASSERT_TRUE(machine->machine().mask.present(std::move(*mask)));
+  auto exposure = machine->machine().lamp.begin_exposure(60s);
+  ASSERT_TRUE(exposure);
   // Killed: no destructor of the firmware's runs, so the exposure is left where it lies.
-  auto* const exposure = new Expected<Exposure>(machine->machine().lamp.begin_exposure(60s));
-  ASSERT_TRUE(*exposure);
+  alignas(Exposure) std::array<std::byte, sizeof(Exposure)> left{};
+  new (left.data()) Exposure(std::move(*exposure));
   EXPECT_TRUE(plant.light());
   machine.reset();
   ASSERT_TRUE(plant.pass(50ms));
   EXPECT_FALSE(plant.light());
-  ::operator delete(exposure);
 }
 
 TEST(Plant, TheFirmwareSeesTimePassForAMaskThatTakesTime) {

@@ -37,8 +37,8 @@ inline void draw_random(std::uint32_t layer, BitImage image) {
   std::mt19937_64 random(layer);
   for (std::uint32_t row = 0; row < image.rows(); ++row) {
     for (auto& word : image.row(row)) {
-      word = random();
-      word &= random();
+      const std::uint64_t half = random();
+      word = half & random();
     }
     image.row(row).back() &= image.last_word_mask();
   }
