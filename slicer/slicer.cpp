@@ -225,10 +225,7 @@ class Job {
     const StageScope stage(Stage::kWindingTree, arena_, progress_, report_.peak_bytes);
     winding_ = WindingTree::build(cloud_, report_.clustering.support_points,
                                   winding_nodes_.first(WindingTree::nodes_needed(cloud_.size)));
-    // A rim below the first section is as good as on the plate. A plane between the plate and the first section would have
-    // the rays look for it between queries that are many layers apart.
-    const float rim = lowest_rim();
-    report_.open_underside = winding_.set_base(layer_of(rim, report_.placement.grid) == 0 ? 0 : rim);
+    report_.open_underside = winding_.set_base(lowest_rim());
   }
 
   /// Height of the lowest point that is not one of a few strays, mm.
@@ -276,7 +273,7 @@ class Job {
     const auto threads = settings_.threads;
     const MemoryPlan plan = plan_memory(cloud_.capacity(), grid, threads,
                                         {.yield = yield_of(kPlannedShare * 2 * std::max(seen.entering, seen.exiting))});
-    for (const Stage stage : {Stage::kRayGrid, Stage::kRays, Stage::kRRep, Stage::kLayers}) {
+    for (const Stage stage : {Stage::kRayGrid, Stage::kRays, Stage::kRRep, Stage::kSupports, Stage::kLayers}) {
       report_.planned_bytes[static_cast<std::size_t>(stage)] = plan.bytes[static_cast<std::size_t>(stage)];
     }
     // What is refused: what the scan has seen does not fit. A job that might fit is let go on.
