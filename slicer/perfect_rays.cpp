@@ -95,9 +95,9 @@ void RayPerfecter::add_tile_gap(float low, float high) {
   TileGap gap{low, high, judge_centre(low, high), 0, profile_size_};
   if (gap.verdict == Verdict::kUnsure) {
     // The winding number changes slowly where no point is near: the tile's corners tell it for all of its rays.
-    const float room = static_cast<float>((kMaxProfile - profile_size_) / 4);
+    const std::uint32_t room = (kMaxProfile - profile_size_) / 4;
     const float side = std::max(tile_high_[0] - tile_low_[0], grid_.layer_height_mm);
-    const float levels = std::min({std::ceil((high - low) / side) + 1, 1.0F * kMaxLevels, room});
+    const float levels = std::min({std::ceil((high - low) / side) + 1, 1.0F * kMaxLevels, static_cast<float>(room)});
     if (levels < 2) return;
     gap.levels = static_cast<std::uint32_t>(levels);
     for (std::uint32_t k = 0; k < gap.levels; ++k) {
@@ -125,9 +125,10 @@ void RayPerfecter::begin_tile(std::uint32_t column, std::uint32_t row) {
   tile_gap_count_ = 0;
   profile_size_ = 0;
   levels_.fill({});
-  const Vec2f column_centre(
-      (static_cast<float>(column / kColumnSide * kColumnSide) + 0.5F * kColumnSide) * grid_.pitch_x_mm,
-      (static_cast<float>(row / kColumnSide * kColumnSide) + 0.5F * kColumnSide) * grid_.pitch_y_mm);
+  const std::uint32_t column_middle = column / kColumnSide * kColumnSide + kColumnSide / 2;
+  const std::uint32_t row_middle = row / kColumnSide * kColumnSide + kColumnSide / 2;
+  const Vec2f column_centre(static_cast<float>(column_middle) * grid_.pitch_x_mm,
+                            static_cast<float>(row_middle) * grid_.pitch_y_mm);
   if (column_centre != column_centre_) column_verdicts_.fill(Verdict::kUnknown);
   column_centre_ = column_centre;
   float reached = floor_;
@@ -186,10 +187,7 @@ RayPerfecter::Gap RayPerfecter::trace_tile_gap(const TileGap& tile_gap, float x,
 }
 
 bool RayPerfecter::level_inside(std::uint32_t level, float x, float y) {
-  constexpr std::uint32_t kBlocks = RayGatherer::kTile / kBlock;
-  const auto column = static_cast<std::uint32_t>((x - tile_low_[0]) / grid_.pitch_x_mm + 0.5F) / kBlock;
-  const auto row = static_cast<std::uint32_t>((y - tile_low_[1]) / grid_.pitch_y_mm + 0.5F) / kBlock;
-  LevelSet& set = levels_[row * kBlocks + column];
+  LevelSet& set = levels_[ray_block_];
   const std::uint64_t bit = std::uint64_t{1} << level;
   if ((set.known & bit) == 0) {
     set.known |= bit;
@@ -242,8 +240,7 @@ void RayPerfecter::step(GapWalk& walk, float z, bool inside) {
 
 void RayPerfecter::walk_levels(GapWalk& walk, float high) {
   const float spacing = top_ / kLevels;
-  const float from = std::max(walk.at, 0.0F);
-  for (auto level = static_cast<std::uint32_t>(from / spacing + 0.5F); level < kLevels; ++level) {
+  for (auto level = static_cast<std::uint32_t>(std::max(walk.at, 0.0F) / spacing); level < kLevels; ++level) {
     const float z = level_height(level);
     if (z >= high) break;
     if (z > walk.at) step(walk, z, level_inside(level, walk.x, walk.y));
@@ -292,6 +289,8 @@ void RayPerfecter::drop_thin_stretches() {
 PerfectRay RayPerfecter::ray(std::uint32_t column, std::uint32_t row) {
   const float x = (static_cast<float>(column) + 0.5F) * grid_.pitch_x_mm;
   const float y = (static_cast<float>(row) + 0.5F) * grid_.pitch_y_mm;
+  constexpr std::uint32_t kTile = RayGatherer::kTile;
+  ray_block_ = row % kTile / kBlock * (kTile / kBlock) + column % kTile / kBlock;
   const RayPoints& points = gatherer_.points_of_ray(x, y);
   RaySurface surface = solver_.solve(gatherer_, points);
   RayDecision decision = RayDecision::kPerfect;

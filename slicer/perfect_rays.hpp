@@ -129,6 +129,7 @@ class RayPerfecter {
   std::array<Verdict, kLevels> column_verdicts_{};
   Vec2f column_centre_ = Vec2f::Constant(-1);
   std::array<LevelSet, (RayGatherer::kTile / kBlock) * (RayGatherer::kTile / kBlock)> levels_{};
+  std::uint32_t ray_block_ = 0;  ///< of levels_, that the ray belongs to
   std::uint32_t tile_gap_count_ = 0;
   std::uint32_t profile_size_ = 0;
   std::uint32_t depth_count_ = 0;

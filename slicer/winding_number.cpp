@@ -91,10 +91,12 @@ bool WindingTree::set_base(float height) {
   // surface closes above the plane.
   Box3f box;
   for (const Vec3f& p : position_) box.extend(p);
+  const auto sampled = [&](int axis, std::uint32_t i) {
+    return box.low[axis] + (static_cast<float>(i) + 0.5F) / kBaseSamples * box.size()[axis];
+  };
   for (std::uint32_t i = 0; i < kBaseSamples * kBaseSamples && !has_base_; ++i) {
-    const float u = (static_cast<float>(i % kBaseSamples) + 0.5F) / kBaseSamples;
-    const float v = (static_cast<float>(i / kBaseSamples) + 0.5F) / kBaseSamples;
-    has_base_ = sum({box.low[0] + u * box.size()[0], box.low[1] + v * box.size()[1], height}) > kBaseOpen;
+    const std::uint32_t row = i / kBaseSamples;
+    has_base_ = sum({sampled(0, i % kBaseSamples), sampled(1, row), height}) > kBaseOpen;
   }
   return has_base_;
 }

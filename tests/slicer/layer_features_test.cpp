@@ -255,7 +255,7 @@ TEST(RRepEdit, TogglesAsASetOfVoxelsWould) {
   Random random(9);
   for (int round = 0; round < 20; ++round) {
     std::vector<bool> on(std::size_t{kLayers} * kRows * kColumns);
-    for (std::size_t i = 0; i < on.size(); ++i) on[i] = random.below(4) == 0;
+    for (auto&& voxel : on) voxel = random.below(4) == 0;
     const Solid solid = [&](auto c, auto r, auto k) { return on[(std::size_t{k} * kRows + r) * kColumns + c]; };
     Voxels voxels(solid);
     std::vector<RRepToggle> toggles;
