@@ -69,9 +69,10 @@ TEST(BoardFile, OfEveryBoardLoads) {
     const auto board = read_board_file(entry.path().string());
     ASSERT_TRUE(board) << board.error().message();
     EXPECT_EQ(board->name, entry.path().stem().string());
+    EXPECT_TRUE(board->machine) << entry.path() << " can't be printed with";
     ++boards;
   }
-  EXPECT_GE(boards, 2);
+  EXPECT_GE(boards, 4);
 }
 
 TEST(BoardFile, AllowsTheEndsOfARangeAndNothingBeyond) {
@@ -116,10 +117,10 @@ TEST(BoardFile, RefusesANameThatIsEmptyTooLongOrWouldNeedQuoting) {
 TEST(BoardFile, RefusesAnUnknownKeyAndNamesTheNearest) {
   EXPECT_EQ(refusal(good_with("columns = 1440", "colums = 1440")),
             "b.toml:4: [panel] colums: unknown key; the nearest known one is columns. Allowed are columns, rows, "
-            "pixel_pitch_x_mm, pixel_pitch_y_mm");
+            "pixel_pitch_x_mm, pixel_pitch_y_mm, packing, mirror, rotation_deg, refresh_delay_ms");
   EXPECT_THAT(refusal(good_with("pixel_pitch_y_mm", "pixel_pitch_mm_y")), HasSubstr("is pixel_pitch_"));
-  EXPECT_THAT(refusal(good_with("rows = 2560", "rows = 2560\nmirror = true")),
-              StartsWith("b.toml:6: [panel] mirror: unknown key;"));
+  EXPECT_THAT(refusal(good_with("rows = 2560", "rows = 2560\nflip = true")),
+              StartsWith("b.toml:6: [panel] flip: unknown key;"));
 }
 
 TEST(BoardFile, ReportsTheUnknownKeyThatComesFirstInTheFile) {
@@ -130,8 +131,7 @@ TEST(BoardFile, ReportsTheUnknownKeyThatComesFirstInTheFile) {
 TEST(BoardFile, RefusesAnUnknownTableAndNamesTheNearest) {
   EXPECT_EQ(refusal(good_with("[z_stage]", "[zstage]")),
             "b.toml:8: zstage: unknown; the nearest known table is [z_stage]. Allowed are the tables printer, panel, "
-            "z_stage, "
-            "print, memory");
+            "z_stage, lamp, cover, temperatures, tank, print, memory");
 }
 
 TEST(BoardFile, SaysWhereAKeyBelongs) {
@@ -165,6 +165,65 @@ TEST(BoardFile, RefusesWhatIsNotToml) {
   EXPECT_THAT(refusal("ply\nformat ascii 1.0\n", ErrorCode::kMalformed), StartsWith("b.toml:1: not TOML"));
   EXPECT_THAT(refusal(std::string("\xFF\xFE[\0", 4), ErrorCode::kMalformed), StartsWith("b.toml:1: not TOML"));
   EXPECT_THAT(refusal("a = " + std::string(10000, '['), ErrorCode::kMalformed), StartsWith("b.toml:1: not TOML"));
+}
+
+TEST(BoardFile, GivesTheMachineOfThePrinter) {
+  const auto board = read_board_file(PLUMBLINE_SOURCE_DIR "/board/sim2k.toml");
+  ASSERT_TRUE(board) << board.error().message();
+  const auto machine = machine_of(*board, "sim2k.toml");
+  ASSERT_TRUE(machine) << machine.error().message();
+  EXPECT_EQ(machine->packing, PixelPacking::kNone);
+  EXPECT_EQ(machine->mirror, PanelMirror::kX);
+  EXPECT_EQ(machine->rotation_deg, 0U);
+  EXPECT_DOUBLE_EQ(machine->step_mm(), 0.00125);
+  EXPECT_EQ(machine->power_mw_cm2, 3.5);
+  EXPECT_TRUE(machine->has_cover_switch);
+  EXPECT_EQ(machine->profile, "standard");
+}
+
+TEST(BoardFile, WithoutAnyOfTheMachinesKeysServesForSlicingAndNotForPrinting) {
+  const auto board = parse_board_file(kGood, "b.toml");
+  ASSERT_TRUE(board);
+  EXPECT_FALSE(board->machine);
+  const auto machine = machine_of(*board, "b.toml");
+  ASSERT_FALSE(machine);
+  EXPECT_THAT(machine.error().message(), AllOf(StartsWith("b.toml: describes the panel"), HasSubstr("[lamp]")));
+}
+
+TEST(BoardFile, WithOneOfTheMachinesKeysMustHaveAll) {
+  EXPECT_EQ(refusal(good_with("rows = 2560", "rows = 2560\nmirror = 'x'")),
+            "b.toml:3: [panel] packing: missing; allowed is one of the strings none or rgb");
+}
+
+std::string sim2k_with(const std::string& from, const std::string& to) {
+  auto text = read_settings_text(PLUMBLINE_SOURCE_DIR "/board/sim2k.toml", "a board file").value();
+  const auto at = text.find(from);
+  if (at == std::string::npos) ADD_FAILURE() << from << " is not in sim2k.toml";
+  return text.replace(at, from.size(), to);
+}
+
+TEST(BoardFile, RefusesWordsAndNumbersThatAreNoChoice) {
+  EXPECT_THAT(refusal(sim2k_with("mirror = \"x\"", "mirror = \"z\"")),
+              HasSubstr("[panel] mirror: found a string 'z', allowed is one of the strings none, x or y"));
+  EXPECT_THAT(refusal(sim2k_with("rotation_deg = 0", "rotation_deg = 45")),
+              HasSubstr("found an integer 45, allowed is one of the integers 0, 90, 180 or 270 degrees"));
+  EXPECT_THAT(refusal(sim2k_with("microsteps = 16", "microsteps = 12")), HasSubstr("found an integer 12"));
+  EXPECT_THAT(refusal(sim2k_with("switch = true", "switch = 1")), HasSubstr("allowed is true or false"));
+}
+
+TEST(BoardFile, RefusesKeysThatContradictEachOther) {
+  EXPECT_THAT(refusal(sim2k_with("lamp_resume_c = 50.0", "lamp_resume_c = 65.0")),
+              HasSubstr("lamp_resume_c: found a float 65, allowed is less than lamp_max_c"));
+  EXPECT_THAT(refusal(sim2k_with("resin_min_c = 18.0", "resin_min_c = 41.0")), HasSubstr("less than resin_max_c"));
+  EXPECT_THAT(refusal(sim2k_with("homing_speed_mm_min = 60.0", "homing_speed_mm_min = 301.0")),
+              HasSubstr("at most max_speed_mm_min"));
+  EXPECT_THAT(refusal(sim2k_with("end_stop_height_mm = 175.0", "end_stop_height_mm = 160.5")),
+              HasSubstr("travel_mm and 1 mm more"));
+  EXPECT_THAT(refusal(good_with("columns = 1440", "columns = 1441\npacking = 'rgb'")), HasSubstr("missing"));
+  auto rgb = sim2k_with("packing = \"none\"", "packing = \"rgb\"");
+  EXPECT_TRUE(parse_board_file(rgb, "b.toml"));
+  rgb.replace(rgb.find("columns = 1440"), 14, "columns = 1441");
+  EXPECT_THAT(refusal(rgb), HasSubstr("packing: found a string 'rgb', allowed is \"none\""));
 }
 
 TEST(BoardFile, RefusesAFileOfAnotherKindBySize) {
