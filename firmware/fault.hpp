@@ -1,0 +1,69 @@
+#pragma once
+/// Faults as users meet them: a stable code, what it means, what to do next. firmware/README.md shows the table.
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "slicer/core/error.hpp"
+
+namespace plumbline {
+
+/// The number is the code: kLampStuckOn is PL-301. Numbers are never reused.
+enum class FaultCode : std::uint16_t {
+  kNone = 0,
+  kScanUnreadable = 101,
+  kNotAScan = 102,
+  kNothingToPrint = 103,
+  kOutOfMemory = 104,
+  kDoesNotFit = 105,
+  kBadSetting = 106,
+  kStickGone = 107,
+  kNoStick = 108,
+  kStickUnreadable = 109,
+  kCannotWrite = 110,
+  kJournalDamaged = 120,
+  kJournalOfAnother = 121,
+  kFlipTimeout = 201,
+  kPanelFailed = 202,
+  kPanelSize = 203,
+  kLampStuckOn = 301,
+  kLampDead = 302,
+  kLampKeeper = 303,
+  kExposureTooLong = 304,
+  kDoseOff = 305,
+  kTooLittleLight = 306,
+  kEndStopNotFound = 401,
+  kEndStopStuck = 402,
+  kStageStalled = 403,
+  kOutsideTravel = 404,
+  kStepsLost = 405,
+  kCoverOpen = 501,
+  kSensorDead = 601,
+  kLampTooHot = 602,
+  kResinTooCold = 603,
+  kResinTooWarm = 604,
+  kFanStalled = 605,
+  kPowerLost = 901,
+  kDeviceTimeout = 902,
+  kFirmware = 903,
+};
+
+struct FaultInfo {
+  FaultCode code;
+  std::string_view title;    ///< "the lamp is stuck on"
+  std::string_view meaning;  ///< a sentence
+  std::string_view next;     ///< what the user does
+};
+
+/// All faults, by code.
+std::span<const FaultInfo> all_faults();
+
+/// @param code  not kNone
+const FaultInfo& info(FaultCode code);
+
+/// What an error of slicer, device or file is to the user.
+FaultCode fault_of(ErrorCode code);
+
+}  // namespace plumbline

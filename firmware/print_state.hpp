@@ -1,0 +1,176 @@
+#pragma once
+/// The state machine of a print: a pure, total function. Nothing but PrintJob and the daemon keep a state, and each assigns it
+/// in one place.
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+namespace plumbline {
+
+enum class PrintState : std::uint8_t {
+  kIdle,         ///< waits for a job
+  kSlicing,      ///< reads the scan and makes the R-Rep
+  kChecks,       ///< looks whether printer and job are fit to print
+  kHoming,       ///< the stage finds its end stop, the plate goes down
+  kPrinting,     ///< layer after layer
+  kPausing,      ///< raises the part; the lamp is dark
+  kPaused,       ///< holds the part up until the user goes on
+  kCoverOpen,    ///< the lamp is dark until the cover is closed
+  kCoolingDown,  ///< the lamp is dark until it is cool
+  kFeedMe,       ///< waits for resin
+  kCancelling,   ///< raises what has been printed
+  kFinishing,    ///< raises the finished part
+  kFinished,     ///< the part is ready
+  kCancelled,    ///< on the user's word; what has been printed is on the plate
+  kSuspended,    ///< the power has gone, or the system goes down: the journal knows where to go on
+  kFault,        ///< something failed; the fault's code says what, and what the user does next
+};
+inline constexpr std::size_t kPrintStateCount = 16;
+
+enum class PrintEvent : std::uint8_t {
+  kJobTaken,       ///< a scan is to be printed
+  kJobResumed,     ///< the journal has a job to go on with
+  kSliced,         ///< the R-Rep stands
+  kChecksPassed,   ///<
+  kHomed,          ///< the plate is where the layer begins
+  kPauseAsked,     ///< by the user
+  kRaised,         ///< the stage has brought the part up
+  kResumeAsked,    ///< by the user
+  kCoverOpened,    ///<
+  kCoverClosed,    ///<
+  kTooHot,         ///< the lamp
+  kCooledDown,     ///<
+  kResinLow,       ///< less in the tank than the next layers need
+  kLastLayerDone,  ///<
+  kCancelAsked,    ///< by the user
+  kShutdown,       ///< power lost, or the system goes down
+  kFailed,         ///< a fault
+  kAcknowledged,   ///< the user has seen the result
+};
+inline constexpr std::size_t kPrintEventCount = 18;
+
+/// "idle", "cooling down", "feed me", ...
+std::string_view to_string(PrintState state);
+/// "pause asked", ...
+std::string_view to_string(PrintEvent event);
+
+/// No job is at work: the lamp has no reason to light and the stage none to move.
+constexpr bool at_rest(PrintState state) {
+  switch (state) {
+    case PrintState::kIdle:
+    case PrintState::kFinished:
+    case PrintState::kCancelled:
+    case PrintState::kSuspended:
+    case PrintState::kFault: return true;
+    case PrintState::kSlicing:
+    case PrintState::kChecks:
+    case PrintState::kHoming:
+    case PrintState::kPrinting:
+    case PrintState::kPausing:
+    case PrintState::kPaused:
+    case PrintState::kCoverOpen:
+    case PrintState::kCoolingDown:
+    case PrintState::kFeedMe:
+    case PrintState::kCancelling:
+    case PrintState::kFinishing: return false;
+  }
+  return true;
+}
+
+/// The lamp may be lit, and only in this state.
+constexpr bool may_expose(PrintState state) { return state == PrintState::kPrinting; }
+
+/// What the states in which a print waits, dark and raised, have in common; the others differ in how it goes on.
+constexpr PrintState next_waiting(PrintState state, PrintEvent event) {
+  switch (event) {
+    case PrintEvent::kCoverOpened: return PrintState::kCoverOpen;
+    case PrintEvent::kCancelAsked: return PrintState::kCancelling;
+    case PrintEvent::kShutdown: return PrintState::kSuspended;
+    case PrintEvent::kFailed: return PrintState::kFault;
+    case PrintEvent::kJobTaken:
+    case PrintEvent::kJobResumed:
+    case PrintEvent::kSliced:
+    case PrintEvent::kChecksPassed:
+    case PrintEvent::kHomed:
+    case PrintEvent::kPauseAsked:
+    case PrintEvent::kRaised:
+    case PrintEvent::kResumeAsked:
+    case PrintEvent::kCoverClosed:
+    case PrintEvent::kTooHot:
+    case PrintEvent::kCooledDown:
+    case PrintEvent::kResinLow:
+    case PrintEvent::kLastLayerDone:
+    case PrintEvent::kAcknowledged: return state;
+  }
+  return PrintState::kFault;
+}
+
+/// The state after `event`. Total: an event that means nothing in a state leaves it as it is.
+constexpr PrintState next(PrintState state, PrintEvent event) {
+  switch (state) {
+    case PrintState::kIdle:
+      if (event == PrintEvent::kJobTaken) return PrintState::kSlicing;
+      if (event == PrintEvent::kJobResumed) return PrintState::kChecks;
+      if (event == PrintEvent::kFailed) return PrintState::kFault;
+      return state;
+    case PrintState::kSlicing:
+      if (event == PrintEvent::kSliced) return PrintState::kChecks;
+      if (event == PrintEvent::kCancelAsked) return PrintState::kCancelled;  // nothing has moved: nothing to raise
+      if (event == PrintEvent::kShutdown) return PrintState::kSuspended;
+      if (event == PrintEvent::kFailed) return PrintState::kFault;
+      return state;
+    case PrintState::kChecks:
+      if (event == PrintEvent::kChecksPassed) return PrintState::kHoming;
+      if (event == PrintEvent::kCancelAsked) return PrintState::kCancelled;
+      if (event == PrintEvent::kShutdown) return PrintState::kSuspended;
+      if (event == PrintEvent::kFailed) return PrintState::kFault;
+      return state;
+    case PrintState::kHoming:
+      if (event == PrintEvent::kHomed) return PrintState::kPrinting;
+      return next_waiting(state, event);
+    case PrintState::kPrinting:
+      if (event == PrintEvent::kPauseAsked) return PrintState::kPausing;
+      if (event == PrintEvent::kTooHot) return PrintState::kCoolingDown;
+      if (event == PrintEvent::kResinLow) return PrintState::kFeedMe;
+      if (event == PrintEvent::kLastLayerDone) return PrintState::kFinishing;
+      return next_waiting(state, event);
+    case PrintState::kPausing:
+      if (event == PrintEvent::kRaised) return PrintState::kPaused;
+      return next_waiting(state, event);
+    case PrintState::kPaused:
+      if (event == PrintEvent::kResumeAsked) return PrintState::kPrinting;
+      return next_waiting(state, event);
+    case PrintState::kCoverOpen:
+      // Not on with the print: somebody had a hand in there, and says when it is out.
+      if (event == PrintEvent::kCoverClosed) return PrintState::kPaused;
+      return next_waiting(state, event);
+    case PrintState::kCoolingDown:
+      if (event == PrintEvent::kCooledDown) return PrintState::kPrinting;
+      if (event == PrintEvent::kPauseAsked) return PrintState::kPaused;
+      return next_waiting(state, event);
+    case PrintState::kFeedMe:
+      if (event == PrintEvent::kCoverOpened) return state;  // resin is poured in through it
+      if (event == PrintEvent::kResumeAsked) return PrintState::kPrinting;
+      return next_waiting(state, event);
+    case PrintState::kCancelling:
+      if (event == PrintEvent::kRaised) return PrintState::kCancelled;
+      if (event == PrintEvent::kShutdown) return PrintState::kSuspended;
+      if (event == PrintEvent::kFailed) return PrintState::kFault;
+      return state;
+    case PrintState::kFinishing:
+      if (event == PrintEvent::kRaised) return PrintState::kFinished;
+      if (event == PrintEvent::kShutdown) return PrintState::kSuspended;
+      if (event == PrintEvent::kFailed) return PrintState::kFault;
+      return state;
+    case PrintState::kFinished:
+    case PrintState::kCancelled:
+    case PrintState::kSuspended:
+    case PrintState::kFault:
+      if (event == PrintEvent::kAcknowledged) return PrintState::kIdle;
+      return state;
+  }
+  return PrintState::kFault;
+}
+
+}  // namespace plumbline
