@@ -1,0 +1,130 @@
+#include "hal/linux/keeper.hpp"
+
+#include <poll.h>
+#include <signal.h>
+#include <sys/signalfd.h>
+#include <sys/socket.h>
+#include <sys/syscall.h>
+#include <sys/timerfd.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+
+#include "hal/linux/keeper_protocol.hpp"
+
+namespace plumbline {
+namespace {
+
+std::int64_t now_ns() {
+  timespec now{};
+  ::clock_gettime(CLOCK_MONOTONIC, &now);
+  return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
+}
+
+class Keeper {
+ public:
+  Keeper(LampLine& line, int socket, int timer) : line_(line), socket_(socket), timer_(timer) {}
+
+  void darken() {
+    stuck_ = !line_.set(false);
+    if (stuck_) return;
+    if (lit_) answer(KeeperWord::kDark, lit_request_);
+    lit_ = false;
+  }
+
+  /// The line could not be turned off: darken() is to be tried again.
+  bool stuck() const { return stuck_; }
+
+  /// @returns false: the firmware has gone
+  bool hear() {
+    KeeperMessage message;
+    const ssize_t got = ::recv(socket_, &message, sizeof message, MSG_DONTWAIT);
+    if (got < 0) return errno == EAGAIN || errno == EINTR;
+    if (got != sizeof message || message.magic != KeeperMessage::kMagic) return false;
+    switch (message.word) {
+      case KeeperWord::kLight: light(message); return true;
+      case KeeperWord::kDarken:
+        if (!lit_) {
+          answer(KeeperWord::kDark, message.request);
+        } else {
+          darken();
+        }
+        return true;
+      case KeeperWord::kLit:
+      case KeeperWord::kDark:
+      case KeeperWord::kFailed: return false;
+    }
+    return false;
+  }
+
+ private:
+  void light(const KeeperMessage& message) {
+    if (lit_ || message.nanoseconds <= 0 || message.nanoseconds > kKeeperLongestNs) {
+      answer(KeeperWord::kFailed, message.request);
+      return;
+    }
+    itimerspec deadline{};
+    deadline.it_value.tv_sec = static_cast<time_t>(message.nanoseconds / 1'000'000'000);
+    deadline.it_value.tv_nsec = static_cast<long>(message.nanoseconds % 1'000'000'000);
+    if (::timerfd_settime(timer_, 0, &deadline, nullptr) != 0) {
+      answer(KeeperWord::kFailed, message.request);
+      return;
+    }
+    lit_ = line_.set(true);
+    lit_request_ = message.request;
+    if (!lit_) static_cast<void>(line_.set(false));
+    answer(lit_ ? KeeperWord::kLit : KeeperWord::kFailed, message.request);
+  }
+
+  void answer(KeeperWord word, std::uint64_t request) const {
+    KeeperMessage message;
+    message.word = word;
+    message.request = request;
+    message.nanoseconds = now_ns();
+    // Who does not listen any more is noticed by the end of the socket.
+    static_cast<void>(::send(socket_, &message, sizeof message, MSG_DONTWAIT | MSG_NOSIGNAL));
+  }
+
+  LampLine& line_;
+  int socket_;
+  int timer_;
+  bool lit_ = false;
+  bool stuck_ = false;
+  std::uint64_t lit_request_ = 0;
+};
+
+}  // namespace
+
+int keep_lamp(LampLine& line, int socket, int firmware) {
+  sigset_t signals;
+  ::sigemptyset(&signals);
+  for (const int number : {SIGTERM, SIGINT, SIGHUP}) ::sigaddset(&signals, number);
+  ::sigprocmask(SIG_BLOCK, &signals, nullptr);
+  const int told = ::signalfd(-1, &signals, SFD_CLOEXEC | SFD_NONBLOCK);
+  const int timer = ::timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK);
+  // By number: the C library of Debian 12 has the call, older ones do not.
+  const int process = static_cast<int>(::syscall(SYS_pidfd_open, firmware, 0));
+  if (told < 0 || timer < 0 || process < 0) return 1;
+
+  Keeper keeper(line, socket, timer);
+  bool serving = true;
+  while (serving) {
+    // poll() leaves out descriptors below 0 and reports hang-ups unasked.
+    std::array<pollfd, 4> fds = {{{socket, POLLIN, 0}, {timer, POLLIN, 0}, {process, POLLIN, 0}, {told, POLLIN, 0}}};
+    constexpr int kRetryMs = 1;
+    if (::poll(fds.data(), fds.size(), keeper.stuck() ? kRetryMs : -1) < 0 && errno != EINTR) break;
+    if (keeper.stuck()) keeper.darken();
+    std::uint64_t times = 0;
+    if (::read(timer, &times, sizeof times) == sizeof times) keeper.darken();
+    if ((fds[2].revents | fds[3].revents) != 0) serving = false;
+    if (fds[0].revents != 0 && !keeper.hear()) serving = false;
+  }
+  keeper.darken();
+  for (int tries = 0; tries < 1000 && !line.set(false); ++tries) ::usleep(1000);
+  for (const int fd : {told, timer, process}) ::close(fd);
+  return 0;
+}
+
+}  // namespace plumbline
