@@ -31,7 +31,7 @@ struct Record {
   std::int64_t height_nm = 0;
   std::uint64_t cured_pixels = 0;
   std::int64_t elapsed_ns = 0;
-  std::uint64_t reserved = 0;
+  std::int64_t lit_ns = 0;
   std::uint64_t hash = 0;
 };
 
@@ -143,7 +143,8 @@ Expected<Journal> Journal::open(JournalStorage& storage) {
     journal.last_ = {.next_layer = record.next_layer,
                      .height = ZPosition(Distance::nanometres(record.height_nm)),
                      .cured_pixels = record.cured_pixels,
-                     .elapsed = nanoseconds(record.elapsed_ns)};
+                     .elapsed = nanoseconds(record.elapsed_ns),
+                     .lit = nanoseconds(record.lit_ns)};
     journal.records_ = i;
   }
   return journal;
@@ -163,6 +164,7 @@ Status Journal::append(const JournalEntry& entry) {
   record.height_nm = entry.height.above_film().nanometres();
   record.cured_pixels = entry.cured_pixels;
   record.elapsed_ns = entry.elapsed.count();
+  record.lit_ns = entry.lit.count();
   PLUMBLINE_TRY(storage_->write(at * kRecordBytes, sealed(record)));
   PLUMBLINE_TRY(storage_->sync());
   records_ = at;

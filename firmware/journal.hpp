@@ -39,6 +39,7 @@ struct JournalEntry {
   ZPosition height;                ///< of the last cured layer; 0 before the first
   std::uint64_t cured_pixels = 0;  ///< of all cured layers
   nanoseconds elapsed{};           ///< printing, over all its parts
+  nanoseconds lit{};               ///< light that next_layer has had, where the print was stopped within it in order
   bool operator==(const JournalEntry&) const = default;
 };
 

@@ -56,7 +56,8 @@ JournalEntry after(std::uint32_t layers) {
   return {.next_layer = layers,
           .height = ZPosition(50_um * layers),
           .cured_pixels = 1000U * layers,
-          .elapsed = 10s * layers};
+          .elapsed = 10s * layers,
+          .lit = 1ms * layers};
 }
 
 /// A journal with that many layers cured.
