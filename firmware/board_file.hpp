@@ -23,6 +23,7 @@ inline constexpr double kEndStopClearanceMm = 1;
 
 /// What a printer needs to move and light, beyond what the slicer asks.
 struct MachineFile {
+  bool simulated = false;                      ///< [printer] there is no such machine
   PixelPacking packing = PixelPacking::kNone;  ///< [panel]
   PanelMirror mirror = PanelMirror::kNone;     ///< [panel] after the rotation
   std::uint32_t rotation_deg = 0;              ///< [panel] 0, 90, 180, 270, counter-clockwise

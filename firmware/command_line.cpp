@@ -21,6 +21,7 @@ constexpr const char* kAbout =
     "underside\n"
     "  plumbline inspect bust.ply --printer board/mono2k.toml   what is in it, and will it fit\n"
     "  plumbline slice bust.ply -o out                          layers, preview and manifest\n"
+    "  plumbline print bust.ply --printer board/sim2k.toml      print it, on the simulated printer\n"
     "\n"
     "Lengths are mm, angles degrees. 'plumbline slice --help' explains every option.\n";
 
@@ -45,6 +46,20 @@ constexpr const char* kSliceFooter =
     "An older job in OUT is replaced. A directory with anything else in it is refused.\n"
     "\n"
     "Exit status: 0 done, 1 an error of file, scan or medium, 2 a wrong command line, 130 interrupted.\n";
+
+constexpr const char* kPrintFooter =
+    "\nExamples:\n"
+    "  plumbline print scan.ply --printer board/sim2k.toml                     hours of printing in seconds\n"
+    "  plumbline print scan.ply --printer board/sim2k.toml --keep-part part    and the part that came of it\n"
+    "  plumbline print scan.ply --printer board/sim2k.toml --fault cover.opens@layer=40,for=5s\n"
+    "  plumbline print scan.ply --printer board/sim2k.toml --state job --fault power.cut@layer=40\n"
+    "  plumbline print --resume --printer board/sim2k.toml --state job         go on where the power was cut\n"
+    "\n"
+    "What comes out: the checks, a live line, and at the end every exposure's dose, the slowest layer, the smallest "
+    "slack\n"
+    "and what went wrong, with a code that firmware/README.md explains. hal/sim/README.md lists the faults.\n"
+    "\n"
+    "Exit status: 0 printed, 1 a fault or an error, 2 a wrong command line, 130 cancelled.\n";
 
 constexpr const char* kInspectFooter =
     "\nExamples:\n"
@@ -91,10 +106,46 @@ Units units_named(const std::string& name) {
   return *std::find_if(kUnits.begin(), kUnits.end(), [&](Units units) { return name == to_string(units); });
 }
 
-void add_job_options(CLI::App& app, JobOptions& job) {
-  app.add_option("scan", job.scan, "The scan: .ply, .pcd, .obj, .xyz, .pts, .asc or .txt")
-      ->required()
-      ->type_name("SCAN");
+void add_print_options(CLI::App& app, PrintOptions& print) {
+  constexpr const char* kJob = "Job";
+  app.add_option("--profile", print.profile, "Resin and print settings: a name in profiles/, or a file [the printer's]")
+      ->type_name("NAME")
+      ->group(kJob);
+  auto* state = app.add_option("--state", print.state,
+                               "Folder for the journal, with which a print goes on after a power cut [none is kept]")
+                    ->type_name("DIR")
+                    ->group(kJob);
+  app.add_flag("--resume", print.resume, "Go on with the interrupted print in --state")->needs(state)->group(kJob);
+  app.add_option("--report", print.report, "Write the report, with every exposure, as JSON")
+      ->type_name("FILE")
+      ->group(kJob);
+
+  constexpr const char* kSimulation = "Simulation";
+  SimulationOptions& simulation = print.simulation;
+  app.add_flag("--simulate", simulation.simulate, "Simulate the printer, also one that exists")->group(kSimulation);
+  auto* speedup = app.add_option("--speedup", simulation.speedup,
+                                 "Virtual seconds a second, 0.1 to 1000000 [as fast as this machine can]")
+                      ->type_name("N")
+                      ->check(finite_range(0.1, 1e6))
+                      ->group(kSimulation);
+  app.add_flag_callback(
+         "--realtime", [&simulation] { simulation.speedup = 1; }, "--speedup 1")
+      ->excludes(speedup)
+      ->group(kSimulation);
+  app.add_option("--fault", simulation.faults, "What goes wrong, such as lamp.stuck_on@layer=40; any number of times")
+      ->type_name("FAULT")
+      ->take_all()
+      ->group(kSimulation);
+  app.add_option("--keep-part", print.keep_part, "Write what was cured: layers, preview and manifest")
+      ->type_name("DIR")
+      ->group(kSimulation);
+}
+
+/// @returns the scan, which is required unless the caller says otherwise
+CLI::Option* add_job_options(CLI::App& app, JobOptions& job) {
+  auto* scan = app.add_option("scan", job.scan, "The scan: .ply, .pcd, .obj, .xyz, .pts, .asc or .txt")
+                   ->required()
+                   ->type_name("SCAN");
   constexpr const char* kPrint = "Print";
   auto* printer =
       app.add_option("--printer", job.printer,
@@ -151,6 +202,7 @@ void add_job_options(CLI::App& app, JobOptions& job) {
       ->group(kMachine);
   app.add_flag("--quiet", job.quiet, "Print errors only")->group(kMachine);
   app.add_flag("--json", job.json, "Print the report as one JSON object, and nothing else")->group(kMachine);
+  return scan;
 }
 
 /// `--supports`, and an option for each setting. What they say is known when the arguments have been parsed.
@@ -220,6 +272,14 @@ ExitCode run_command_line(int argc, char** argv, std::span<std::byte> arena_bloc
   inspect_app->footer(kInspectFooter);
   add_job_options(*inspect_app, inspect);
 
+  PrintOptions print;
+  auto* print_app = app.add_subcommand("print", "Print a scan");
+  print_app->footer(kPrintFooter);
+  auto* print_scan = add_job_options(*print_app, print.job)->required(false);
+  add_print_options(*print_app, print);
+  print_app->get_option("--printer")->required();
+  print_app->get_option("--resume")->excludes(print_scan);
+
   SampleOptions sample;
   const SampleSettings defaults;
   sample.points = defaults.points;
@@ -243,9 +303,14 @@ ExitCode run_command_line(int argc, char** argv, std::span<std::byte> arena_bloc
     const int status = app.exit(error);  // prints help, version, or what is wrong
     return status == 0 ? ExitCode::kDone : ExitCode::kUsageError;
   }
+  if (print_app->parsed() && !print.resume && print.job.scan.empty()) {
+    const int status = app.exit(CLI::RequiredError("print: scan, or --resume with --state,"));
+    return status == 0 ? ExitCode::kDone : ExitCode::kUsageError;
+  }
   slice.preview = !no_preview;
   if (slice_app->parsed()) return run_slice(slice, arena_block);
   if (inspect_app->parsed()) return run_inspect(inspect, arena_block);
+  if (print_app->parsed()) return run_print(print, arena_block);
   return run_sample(sample);
 }
 

@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 
+#include "firmware/back_end.hpp"
 #include "firmware/job_options.hpp"
 #include "slicer/supports/support_settings.hpp"
 
@@ -34,10 +35,21 @@ struct SampleOptions {
   bool quiet = false;
 };
 
+struct PrintOptions {
+  JobOptions job;         ///< the printer is required, the scan unless resume
+  std::string profile;    ///< name or path; empty: the board file's
+  std::string state;      ///< folder of journal and job; empty: none is kept
+  bool resume = false;    ///< what is in `state`
+  std::string keep_part;  ///< folder for what a simulated printer has made; empty: none
+  std::string report;     ///< file for the report as JSON; empty: none
+  SimulationOptions simulation;
+};
+
 /// Each writes results to standard output, progress, warnings and errors to standard error.
 /// @param arena_block  the program's
 ExitCode run_slice(const SliceOptions& options, std::span<std::byte> arena_block);
 ExitCode run_inspect(const JobOptions& options, std::span<std::byte> arena_block);
+ExitCode run_print(const PrintOptions& options, std::span<std::byte> arena_block);
 ExitCode run_sample(const SampleOptions& options);
 
 /// Prints the sentence of an error. @returns what the shell is to see

@@ -115,6 +115,7 @@ FaultCode fault_of(ErrorCode code) {
     case ErrorCode::kExposureTooLong: return FaultCode::kExposureTooLong;
     case ErrorCode::kLampStuckOn: return FaultCode::kLampStuckOn;
     case ErrorCode::kLampDead: return FaultCode::kLampDead;
+    case ErrorCode::kDoseOff: return FaultCode::kDoseOff;
     case ErrorCode::kLampFailed: return FaultCode::kLampKeeper;
     case ErrorCode::kOutsideTravel: return FaultCode::kOutsideTravel;
     case ErrorCode::kEndStopNotFound: return FaultCode::kEndStopNotFound;

@@ -383,7 +383,8 @@ void PrintJob::make_safe() {
   mask_.reset();
   static_cast<void>(machine_.mask.blank());
   const bool goes_on = state_ == PrintState::kFault || state_ == PrintState::kSuspended;
-  if (goes_on && entry_.lit > nanoseconds::zero()) static_cast<void>(write_journal());
+  const bool powered = report_.fault != FaultCode::kPowerLost;
+  if (goes_on && powered && entry_.lit > nanoseconds::zero()) static_cast<void>(write_journal());
   shutdown_ = cancel_ = cover_opened_ = false;
   if (goes_on && machine_.stage.homed() && !machine_.panel.cover_open()) {
     const std::uint32_t layer = std::min(entry_.next_layer, plan_.layers - 1);

@@ -192,7 +192,7 @@ TEST(BoardFile, WithoutAnyOfTheMachinesKeysServesForSlicingAndNotForPrinting) {
 
 TEST(BoardFile, WithOneOfTheMachinesKeysMustHaveAll) {
   EXPECT_EQ(refusal(good_with("rows = 2560", "rows = 2560\nmirror = 'x'")),
-            "b.toml:3: [panel] packing: missing; allowed is one of the strings none or rgb");
+            "b.toml:1: [printer] simulated: missing; allowed is true or false");
 }
 
 std::string sim2k_with(const std::string& from, const std::string& to) {

@@ -1,0 +1,62 @@
+#pragma once
+/// The machine that a board file describes, opened. back_end.cpp is the one file of the product that knows the back ends.
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "firmware/board_file.hpp"
+#include "firmware/print_profile.hpp"
+#include "hal/machine.hpp"
+#include "slicer/core/bit_image.hpp"
+#include "slicer/core/error.hpp"
+
+namespace plumbline {
+
+/// How a machine is to be simulated.
+struct SimulationOptions {
+  bool simulate = false;  ///< also a printer that is not
+  double speedup = 0;     ///< virtual seconds a second: 1 is real time; 0: as fast as the host can
+  double computing = 1;   ///< virtual seconds that a second of the host's work takes; 0: none, and each run is the same
+  std::vector<std::string> faults;  ///< "lamp.stuck_on@layer=40": hal/sim/README.md
+  std::string stick;                ///< folder that plays the stick; empty: none
+  bool keep_part = false;
+};
+
+/// What only a simulation knows.
+class Witness {
+ public:
+  virtual ~Witness() = default;
+  /// The print is over: the last layer is judged.
+  virtual void conclude(bool finished) = 0;
+  /// What would have ruined the print or hurt someone, with time and place.
+  virtual std::vector<std::string> objections() const = 0;
+  /// Layers of the part, from the plate on. Needs SimulationOptions::keep_part.
+  virtual void for_each_cured_layer(const std::function<void(ZPosition, ConstBitImage)>& visit) const = 0;
+
+  /// The user's hands, for who plays the user.
+  virtual void plug_stick(const std::string& folder) = 0;
+  virtual void pull_stick() = 0;
+  virtual void press(EventKind button) = 0;
+};
+
+/// Owns the devices.
+class BackEnd {
+ public:
+  virtual ~BackEnd() = default;
+  virtual Machine& machine() = 0;
+  /// @returns null on a board
+  virtual Witness* witness() = 0;
+};
+
+/// Opens all devices.
+/// @param profile  its resin is what the simulated vat holds
+/// @retval ErrorCode::kBadSetting   a fault that is none
+/// @retval ErrorCode::kUnsupported  this build has no back end for the printer
+[[nodiscard]] Expected<std::unique_ptr<BackEnd>> open_back_end(const BoardFile& board, const MachineFile& machine,
+                                                               const PrintProfile& profile,
+                                                               const SimulationOptions& options);
+
+}  // namespace plumbline

@@ -1,0 +1,131 @@
+#include "firmware/print_session.hpp"
+
+namespace plumbline {
+
+Expected<std::size_t> HashingSource::read(std::span<std::byte> buffer) {
+  const auto got = source_.read(buffer);
+  if (got) hash_.add(buffer.first(*got));
+  return got;
+}
+
+PrintSession::PrintSession(const BoardFile& board, const MachineFile& machine, Arena& arena, JobStore* store)
+    : board_(board), machine_(machine), arena_(arena), store_(store), bottom_(arena.bottom_mark()) {}
+
+PrintSession::~PrintSession() { arena_.release_bottom(bottom_); }
+
+Status PrintSession::slice_scan(ByteSource& scan, const SliceSettings& settings, const PrintProfile& profile,
+                                ProgressSink* progress) {
+  const auto layer_height = static_cast<double>(settings.placement.layer_height_mm);
+  // What no height changes is said before the minutes that slicing may take.
+  PLUMBLINE_TRY(plan_print(profile, machine_, layer_height, 1));
+  HashingSource source(scan);
+  const auto rrep = slice(source, settings, arena_, progress, slice_report_);
+  PLUMBLINE_TRY(rrep);
+  rrep_ = *rrep;
+  const auto plan = plan_print(profile, machine_, layer_height, rrep_.grid.layers);
+  PLUMBLINE_TRY(plan);
+  facts_.scan = short_name(scan.name());
+  facts_.printer = short_name(board_.name);
+  facts_.profile = short_name(profile.name);
+  facts_.scan_hash = source.hash();
+  facts_.printer_hash = hash_of(board_);
+  facts_.plan = *plan;
+  PLUMBLINE_TRY(make_ready(profile));
+  sweep();
+  if (store_ == nullptr) return {};
+  std::uint64_t job_hash = 0;
+  auto file = store_->begin(facts_, rrep_, job_hash);
+  PLUMBLINE_TRY(file);
+  journal_file_ = std::move(*file);
+  const auto journal = Journal::create(*journal_file_, job_hash, rrep_.grid.layers);
+  PLUMBLINE_TRY(journal);
+  journal_ = *journal;
+  return {};
+}
+
+Status PrintSession::load(const PrintProfile& profile) {
+  auto job = store_->load(arena_);
+  PLUMBLINE_TRY(job);
+  if (job->facts.printer_hash != hash_of(board_)) {
+    const auto printer = view(job->facts.printer);
+    return fail(ErrorCode::kUnsupported,
+                "the interrupted print was made for the printer %.*s as its file was then: resume it with that file",
+                static_cast<int>(printer.size()), printer.data());
+  }
+  facts_ = job->facts;
+  rrep_ = job->rrep;
+  journal_file_ = std::move(job->journal);
+  const auto journal = Journal::open(*journal_file_);
+  PLUMBLINE_TRY(journal);
+  if (journal->job_hash() != job->job_hash || journal->layers() != rrep_.grid.layers) {
+    return fail(
+        ErrorCode::kMalformed,
+        "journal and job of the interrupted print do not belong together: take the part off the plate and start "
+        "the print anew");
+  }
+  journal_ = *journal;
+  PLUMBLINE_TRY(make_ready(profile));
+  first_layer_pixels_ = stream_->mask(0).count();
+  return {};
+}
+
+/// What slicing and loading have in common: streams and room for the report.
+Status PrintSession::make_ready(const PrintProfile& profile) {
+  auto stream = LayerStream::create(rrep_, arena_);
+  PLUMBLINE_TRY(stream);
+  stream_ = *stream;
+  auto masks = MaskMaker::create(*stream_, facts_.plan, arena_);
+  PLUMBLINE_TRY(masks);
+  masks_ = *masks;
+  const std::size_t exposures = std::size_t{rrep_.grid.layers} + kSpareExposures;
+  const auto lines = arena_.take_bottom<ExposureLine>(exposures, "report");
+  PLUMBLINE_TRY(lines);
+  lines_ = *lines;
+  const auto scratch = arena_.take_bottom<nanoseconds>(exposures, "report");
+  PLUMBLINE_TRY(scratch);
+  scratch_ = *scratch;
+  cure_depth_ = cure_depth(profile, Irradiance(machine_.power_mw_cm2), facts_.plan.exposure);
+  return {};
+}
+
+/// Every mask once, for the resin that the print takes: some milliseconds a thousand layers.
+void PrintSession::sweep() {
+  facts_.cured_pixels = 0;
+  for (std::uint32_t layer = 0; layer < rrep_.grid.layers; ++layer) {
+    const std::uint64_t pixels = stream_->mask(layer).count();
+    if (layer == 0) first_layer_pixels_ = pixels;
+    facts_.cured_pixels += pixels;
+  }
+}
+
+double PrintSession::pixel_ml() const {
+  return resin_ml(1, board_.pixel_pitch_x_mm, board_.pixel_pitch_y_mm, facts_.plan.layer_height.millimetres());
+}
+
+MaskFigures PrintSession::mask_figures() const { return plumbline::mask_figures(exposures_, scratch_); }
+
+const PrintReport& PrintSession::print(Machine& machine, PrintObserver& observer) {
+  PrintSettings settings;
+  settings.plan = facts_.plan;
+  settings.lamp_resume = Celsius(machine_.lamp_resume_c);
+  settings.lamp_max = Celsius(machine_.lamp_max_c);
+  settings.resin_min = Celsius(machine_.resin_min_c);
+  settings.resin_max = Celsius(machine_.resin_max_c);
+  settings.has_cover_switch = machine_.has_cover_switch;
+  settings.tank_ml = machine_.tank_volume_ml;
+  settings.pixel_ml = pixel_ml();
+  settings.cured_pixels = facts_.cured_pixels;
+  settings.first_layer_pixels = first_layer_pixels_;
+  settings.cure_depth = cure_depth_;
+  settings.memory_needed = arena_.used();
+  settings.memory_budget = arena_.capacity();
+  job_.emplace(machine, settings, *masks_, journal_ ? &*journal_ : nullptr, lines_, observer);
+  const PrintReport& report = job_->run(journal_ ? journal_->last() : JournalEntry());
+  exposures_ = report.exposures;
+  const bool for_good = report.state == PrintState::kFinished || report.state == PrintState::kCancelled;
+  // Where the journal can't be removed the next start offers to resume a print whose last layer is done.
+  if (for_good && store_ != nullptr) static_cast<void>(store_->end());
+  return report;
+}
+
+}  // namespace plumbline

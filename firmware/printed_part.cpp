@@ -1,0 +1,104 @@
+#include "firmware/printed_part.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <vector>
+
+#include "firmware/job_directory.hpp"
+#include "firmware/job_report.hpp"
+#include "firmware/manifest.hpp"
+#include "firmware/mask_hash.hpp"
+#include "firmware/png_writer.hpp"
+#include "firmware/preview.hpp"
+
+namespace plumbline {
+namespace {
+
+/// What was cured, as an R-Rep: the pixels that differ from the layer below.
+struct PartRRep {
+  std::vector<std::uint32_t> first{0};
+  std::vector<std::uint32_t> pixel;
+  std::vector<std::uint64_t> below;
+
+  void add(ConstBitImage layer) {
+    below.resize(layer.words().size());
+    for (std::uint32_t r = 0; r < layer.rows(); ++r) {
+      const auto words = layer.row(r);
+      for (std::size_t w = 0; w < words.size(); ++w) {
+        std::uint64_t& before = below[std::size_t{r} * layer.stride() + w];
+        for (std::uint64_t changed = words[w] ^ before; changed != 0; changed &= changed - 1) {
+          const auto column =
+              static_cast<std::uint32_t>(w * 64) + static_cast<std::uint32_t>(std::countr_zero(changed));
+          pixel.push_back(r * layer.columns() + column);
+        }
+        before = words[w];
+      }
+    }
+    first.push_back(static_cast<std::uint32_t>(pixel.size()));
+  }
+};
+
+}  // namespace
+
+Status write_printed_part(const std::string& folder, const Witness& witness, const PrintSession& session,
+                          Arena& arena) {
+  auto directory = JobDirectory::open(folder);
+  PLUMBLINE_TRY(directory);
+  PLUMBLINE_TRY(directory->begin());
+  const PrintGrid& grid = session.grid();
+  auto masks = PngEncoder::for_masks(grid.columns, grid.rows);
+  PLUMBLINE_TRY(masks);
+  JobReport job;
+  PartRRep part;
+  std::vector<std::uint64_t> hashes;
+  Status done;
+  witness.for_each_cured_layer([&](ZPosition z, ConstBitImage cured) {
+    if (!done) return;
+    // A height without light is a layer without pixels: it has its place in the stack.
+    const std::int64_t height = session.plan().layer_height.nanometres();
+    const auto at = static_cast<std::size_t>((z.above_film().nanometres() + height / 2) / height);
+    const std::vector<std::uint64_t> black(cured.words().size());
+    while (done && hashes.size() < std::max<std::size_t>(at, 1)) {
+      const bool is_it = hashes.size() + 1 >= at;
+      const ConstBitImage layer = is_it ? cured : ConstBitImage(black, cured.columns(), cured.rows());
+      part.add(layer);
+      job.cured_pixels += layer.count();
+      const auto png = masks->encode(layer);
+      done = png ? directory->write_layer(static_cast<std::uint32_t>(hashes.size()), *png)
+                 : Status(tl::unexpected<Error>(png.error()));
+      hashes.push_back(mask_hash(layer));
+    }
+  });
+  PLUMBLINE_TRY(done);
+  job.scan_name = view(session.facts().scan);
+  job.printer_name = view(session.facts().printer);
+  job.slice = session.sliced();
+  job.arena_bytes = arena.capacity();
+  job.hash = job_hash(hashes);
+  if (!hashes.empty()) {
+    PrintGrid printed = grid;
+    printed.layers = static_cast<std::uint32_t>(hashes.size());
+    auto pictures = PngEncoder::for_pictures(kPreviewColumns, kPreviewRows);
+    PLUMBLINE_TRY(pictures);
+    FixedText<128> caption;
+    caption.add("printed: %u of %u layers, %.1f ml", printed.layers, grid.layers,
+                static_cast<double>(job.cured_pixels) * session.pixel_ml());
+    const std::array<std::string_view, 1> captions = {caption.view()};
+    const auto png = encode_preview({.grid = printed, .first = part.first, .pixel = part.pixel}, Supports{},
+                                    {job.scan_name, captions}, arena, *pictures);
+    if (png) {
+      PLUMBLINE_TRY(directory->write_preview(*png));
+      job.has_preview = true;
+    }
+  }
+  if (session.sliced().placement.grid.layers != hashes.size()) return {};
+  auto manifest = directory->create_manifest();
+  PLUMBLINE_TRY(manifest);
+  JsonWriter json(*manifest);
+  write_manifest(json, job, hashes);
+  PLUMBLINE_TRY(json.finish());
+  return directory->finish(*manifest);
+}
+
+}  // namespace plumbline
