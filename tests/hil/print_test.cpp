@@ -1,0 +1,240 @@
+/// Whole prints of the real firmware on the plant.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/hil/rig.hpp"
+
+namespace plumbline {
+namespace {
+
+using namespace plumbline::literals;
+using namespace std::chrono_literals;
+using ::testing::ElementsAre;
+using enum PrintState;
+
+PlantSettings with_fault(const std::string& text) {
+  auto settings = rig_plant();
+  settings.faults.push_back(parse_fault(text).value());
+  return settings;
+}
+
+/// The part of an undisturbed print, from the formula.
+std::vector<std::vector<std::uint64_t>> whole_part(std::uint32_t layers = Rig::kLayers) {
+  std::vector<std::vector<std::uint64_t>> part;
+  for (std::uint32_t layer = 0; layer < layers; ++layer) {
+    std::vector<std::uint64_t> words(BitImage::words_needed(kRigColumns, kRigRows));
+    const BitImage image(words, kRigColumns, kRigRows);
+    for (std::uint32_t y = 0; y < kRigRows; ++y) {
+      for (std::uint32_t x = 0; x < kRigColumns; ++x) {
+        if (in_tower(x, y, layer)) image.set(x, y);
+      }
+    }
+    part.push_back(words);
+  }
+  return part;
+}
+
+TEST(Print, MakesThePartThatWasAskedForAndNobodyObjects) {
+  Rig rig;
+  const auto& report = rig.run();
+  rig.plant.conclude(JobEnd::kFinished);
+  EXPECT_EQ(report.state, kFinished) << report.fault_message.c_str();
+  EXPECT_THAT(rig.user.states, ElementsAre(kChecks, kHoming, kPrinting, kFinishing, kFinished));
+  EXPECT_EQ(rig.objections(), "");
+  EXPECT_EQ(rig.part(), whole_part());
+  EXPECT_EQ(report.next_layer, Rig::kLayers);
+  EXPECT_EQ(report.late_masks, 0U);
+  EXPECT_FALSE(report.marked_layer);
+}
+
+TEST(Print, GivesEveryLayerItsDoseAtItsHeight) {
+  Rig rig;
+  const auto& report = rig.run();
+  const auto layers = rig.plant.part().layers();
+  ASSERT_EQ(layers.size(), Rig::kLayers);
+  ASSERT_EQ(report.exposures.size(), Rig::kLayers);
+  for (std::uint32_t layer = 0; layer < Rig::kLayers; ++layer) {
+    EXPECT_EQ(layers[layer].z, height_of(rig.plan, layer)) << layer;
+    const Dose asked = dose_of(Irradiance(3.5), exposure_of(rig.plan, layer));
+    EXPECT_NEAR(layers[layer].dose.value(), asked.value(), 1e-3 * asked.value()) << layer;
+    EXPECT_EQ(report.exposures[layer].asked, exposure_of(rig.plan, layer));
+    EXPECT_NEAR(report.exposures[layer].dose.value(), layers[layer].dose.value(), 1e-9);
+  }
+}
+
+TEST(Print, TakesAsLongAsThePlanSays) {
+  Rig rig;
+  const auto& report = rig.run();
+  const double planned = std::chrono::duration<double>(report.estimated).count();
+  const double took = std::chrono::duration<double>(report.elapsed).count();
+  EXPECT_GT(took, planned) << "homing comes on top";
+  EXPECT_LT(took - planned, 80) << "twice to the end stop and back";
+}
+
+TEST(Print, MakesTheNextMaskWhileALayerCures) {
+  auto settings = rig_plant();
+  settings.compute_per_mask = 800ms;
+  Rig rig(settings);
+  const auto& report = rig.run();
+  EXPECT_EQ(report.state, kFinished);
+  for (const auto& line : report.exposures) {
+    EXPECT_EQ(line.next_made, line.layer + 1 < Rig::kLayers);
+    if (line.next_made) {
+      EXPECT_EQ(line.slack, line.asked - 800ms);
+    }
+  }
+}
+
+TEST(Print, LateMaskDelaysTheNextExposureAndShortensNone) {
+  auto settings = rig_plant();
+  settings.compute_per_mask = 4s;  // normal layers are lit for 2.5 s
+  Rig rig(settings);
+  const auto& report = rig.run();
+  rig.plant.conclude(JobEnd::kFinished);
+  EXPECT_EQ(report.state, kFinished);
+  EXPECT_GT(report.late_masks, 30U);
+  EXPECT_EQ(rig.objections(), "");
+  for (const auto& line : report.exposures) EXPECT_EQ(line.lit, exposure_of(rig.plan, line.layer));
+}
+
+TEST(Print, PausesAfterTheLayerRaisesThePartAndGoesOn) {
+  Rig rig(with_fault("button.pause@layer=20"));
+  const auto& report = rig.run();
+  rig.plant.conclude(JobEnd::kFinished);
+  EXPECT_THAT(rig.user.states,
+              ElementsAre(kChecks, kHoming, kPrinting, kPausing, kPaused, kPrinting, kFinishing, kFinished));
+  EXPECT_EQ(rig.part(), whole_part());
+  EXPECT_EQ(rig.objections(), "");
+  EXPECT_EQ(report.pauses, 1U);
+}
+
+TEST(Print, CancelledIsDarkAtOnceAndRaised) {
+  Rig rig(with_fault("button.cancel@layer=20+1s"));
+  const auto& report = rig.run();
+  rig.plant.conclude(JobEnd::kAbandoned);
+  EXPECT_EQ(report.state, kCancelled);
+  EXPECT_EQ(report.next_layer, 20U);
+  EXPECT_EQ(rig.objections(), "");
+  EXPECT_EQ(report.exposures.back().lit, 1s) << "the layer was not finished";
+  EXPECT_EQ(rig.plant.stage().height(), 174_mm);
+}
+
+TEST(Print, CoverOpenedIsDarkWithin10MsAndTheLayerGetsTheRestOfItsLight) {
+  for (const char* when : {"0s", "0.3s", "1.2s", "2.4s"}) {
+    Rig rig(with_fault(std::string("cover.opens@layer=20+") + when + ",for=30s"));
+    const auto& report = rig.run();
+    rig.plant.conclude(JobEnd::kFinished);
+    EXPECT_EQ(report.state, kFinished) << when;
+    EXPECT_THAT(rig.user.states,
+                ElementsAre(kChecks, kHoming, kPrinting, kCoverOpen, kPaused, kPrinting, kFinishing, kFinished));
+    EXPECT_EQ(rig.objections(), "") << when << ": the dose of the layer is whole, too";
+    EXPECT_EQ(rig.part(), whole_part());
+  }
+}
+
+TEST(Print, WaitsAsLongAsTheCoverIsOpen) {
+  Rig rig(with_fault("cover.opens@layer=20+1s,for=1000s"));
+  const auto& report = rig.run();
+  EXPECT_EQ(report.state, kFinished);
+  const auto lights = rig.plant.lights();
+  // The first light of layer 20 and the second: both at its height, a thousand seconds apart.
+  const auto twice =
+      std::find_if(lights.begin(), lights.end(), [](const LightRecord& light) { return light.layer == 20; });
+  ASSERT_NE(twice, lights.end());
+  EXPECT_GT((twice + 1)->began - twice->ended, 1000s);
+}
+
+TEST(Print, CoolsDownAndGoesOnByItself) {
+  Rig rig(with_fault("temperature.lamp_hot@layer=10,for=600s"));
+  rig.user.presses_start = false;
+  const auto& report = rig.run();
+  rig.plant.conclude(JobEnd::kFinished);
+  EXPECT_EQ(report.state, kFinished);
+  EXPECT_THAT(rig.user.states,
+              ElementsAre(kChecks, kHoming, kPrinting, kCoolingDown, kPrinting, kFinishing, kFinished));
+  EXPECT_EQ(rig.objections(), "");
+}
+
+TEST(Print, AsksForResinWhenTheTankIsNearlyEmpty) {
+  Rig rig;
+  const double all_ml = 40 * 42 * 40 * resin_ml(1, kRigPitchMm, kRigPitchMm, 0.05);
+  rig.tank_ml = all_ml / 2.5;
+  const auto& report = rig.run();
+  rig.plant.conclude(JobEnd::kFinished);
+  EXPECT_EQ(report.state, kFinished);
+  EXPECT_EQ(std::count(rig.user.states.begin(), rig.user.states.end(), kFeedMe), 2);
+  EXPECT_EQ(rig.part(), whole_part());
+  EXPECT_EQ(rig.objections(), "");
+}
+
+TEST(Print, ShutDownWithinALayerGoesOnWithTheRestOfItsLight) {
+  Rig rig(with_fault("system.shutdown@layer=20+1s"));
+  EXPECT_EQ(rig.run().state, kSuspended);
+  const auto& report = rig.run();
+  rig.plant.conclude(JobEnd::kFinished);
+  EXPECT_EQ(report.state, kFinished);
+  EXPECT_EQ(report.first_layer, 20U);
+  EXPECT_EQ(rig.part(), whole_part());
+  EXPECT_EQ(rig.objections(), "") << "the light it had was in the journal";
+}
+
+TEST(Print, JournalThatCannotBeWrittenEndsThePrintBeforeItCanMislead) {
+  Rig rig;
+  rig.plant.timeline().at(TimePoint() + 200s, [&rig] { rig.storage.broken = true; });
+  const auto& report = rig.run();
+  EXPECT_EQ(report.state, kFault);
+  EXPECT_EQ(report.fault, FaultCode::kCannotWrite);
+  EXPECT_FALSE(rig.plant.light());
+}
+
+TEST(Print, LightsTellItsState) {
+  Rig rig(with_fault("lamp.dead@layer=5"));
+  const auto& report = rig.run();
+  EXPECT_EQ(report.fault, FaultCode::kLampDead);
+  EXPECT_EQ(rig.machine().panel().light(PanelLight::kFault), LightState::kOn);
+  EXPECT_EQ(rig.machine().panel().light(PanelLight::kPrinting), LightState::kOff);
+  EXPECT_GE(rig.machine().panel().beeps(), 1U);
+}
+
+TEST(PrintChecks, RefuseEachForItsReason) {
+  struct Row {
+    Check check;
+    FaultCode code;
+    std::function<void(PlantSettings&)> spoil;
+  };
+  const auto fault = [](const char* text) {
+    return [text](PlantSettings& plant) { plant.faults.push_back(parse_fault(text).value()); };
+  };
+  const Row rows[] = {
+      {Check::kPanel, FaultCode::kPanelSize, [](PlantSettings& plant) { plant.panel.columns = 128; }},
+      {Check::kPanel, FaultCode::kPanelFailed, fault("panel.dead@t=0s")},
+      {Check::kCover, FaultCode::kCoverOpen, fault("cover.opens@t=0s")},
+      {Check::kTemperatures, FaultCode::kResinTooCold, fault("temperature.resin_cold@t=0s")},
+      {Check::kTemperatures, FaultCode::kResinTooWarm, fault("temperature.resin_hot@t=0s")},
+      {Check::kTemperatures, FaultCode::kLampTooHot, fault("temperature.lamp_hot@t=0s")},
+      {Check::kTemperatures, FaultCode::kSensorDead, fault("temperature.lamp_sensor_dead@t=0s")},
+      {Check::kStage, FaultCode::kEndStopNotFound, fault("stage.endstop_dead@t=0s")},
+      {Check::kStage, FaultCode::kEndStopStuck, fault("stage.endstop_stuck@t=0s")},
+  };
+  for (const auto& row : rows) {
+    auto settings = rig_plant();
+    row.spoil(settings);
+    Rig rig(settings);
+    rig.plant.pass(1ms);  // what is due at 0 s has happened
+    const auto& report = rig.run();
+    EXPECT_EQ(report.state, kFault) << to_string(row.check);
+    EXPECT_EQ(report.fault, row.code) << report.fault_message.c_str();
+    EXPECT_THAT(rig.user.failed_checks, ElementsAre(row.check));
+    EXPECT_TRUE(rig.plant.lights().empty()) << "nothing was lit";
+  }
+}
+
+TEST(PrintChecks, RefuseAnExposureThatDoesNotCureALayer) {
+  Rig rig;
+  rig.profile.critical_energy = 8;  // the 8.75 mJ/cm2 of a layer cure 0.01 mm deep
+  EXPECT_EQ(rig.run().fault, FaultCode::kTooLittleLight);
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,246 @@
+#pragma once
+/// The real print job on the simulated plant, with a printer so small that a whole print takes milliseconds.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "firmware/mask_maker.hpp"
+#include "firmware/print_job.hpp"
+#include "firmware/print_session.hpp"
+#include "hal/sim/sim_machine.hpp"
+
+namespace plumbline {
+
+inline constexpr std::uint32_t kRigColumns = 130;
+inline constexpr std::uint32_t kRigRows = 64;
+inline constexpr double kRigPitchMm = 0.1;
+
+/// A leaning tower with a hole: every layer is another mask.
+inline bool in_tower(std::uint32_t x, std::uint32_t y, std::uint32_t layer) {
+  const std::uint32_t left = 10 + layer;
+  const bool hole = x >= left + 10 && x < left + 16 && y >= 20 && y < 30 && layer > 3;
+  return x >= left && x < left + 40 && y >= 8 && y < 50 && !hole;
+}
+
+/// An R-Rep from a formula.
+class TowerRRep {
+ public:
+  explicit TowerRRep(std::uint32_t layers) {
+    first_.push_back(0);
+    for (std::uint32_t layer = 0; layer < layers; ++layer) {
+      for (std::uint32_t y = 0; y < kRigRows; ++y) {
+        for (std::uint32_t x = 0; x < kRigColumns; ++x) {
+          if (in_tower(x, y, layer) != (layer > 0 && in_tower(x, y, layer - 1))) pixel_.push_back(y * kRigColumns + x);
+        }
+      }
+      first_.push_back(static_cast<std::uint32_t>(pixel_.size()));
+    }
+    const auto pitch = static_cast<float>(kRigPitchMm);
+    rrep_ = {.grid = {.columns = kRigColumns,
+                      .rows = kRigRows,
+                      .layers = layers,
+                      .pitch_x_mm = pitch,
+                      .pitch_y_mm = pitch,
+                      .layer_height_mm = 0.05F},
+             .first = first_,
+             .pixel = pixel_};
+  }
+  const RRep& rrep() const { return rrep_; }
+
+ private:
+  std::vector<std::uint32_t> first_;
+  std::vector<std::uint32_t> pixel_;
+  RRep rrep_;
+};
+
+inline MachineFile rig_machine() { return *read_board_file(PLUMBLINE_SOURCE_DIR "/board/sim2k.toml").value().machine; }
+
+/// Short exposures, 2 bottom layers of 5 s, 2 that fade.
+inline PrintProfile rig_profile() {
+  auto profile = read_print_profile(PLUMBLINE_SOURCE_DIR "/board/profiles/standard.toml").value();
+  profile.initial_exposure_time = 5;
+  profile.bottom_layer_count = 2;
+  profile.faded_layers = 2;
+  return profile;
+}
+
+inline PlantSettings rig_plant() {
+  PlantSettings plant;
+  const MachineFile machine = rig_machine();
+  const PrintProfile profile = rig_profile();
+  plant.panel.columns = kRigColumns;
+  plant.panel.rows = kRigRows;
+  plant.panel.pitch_x_mm = kRigPitchMm;
+  plant.panel.pitch_y_mm = kRigPitchMm;
+  plant.travel = {.lowest = ZPosition(),
+                  .highest = ZPosition(174_mm),
+                  .end_stop = ZPosition(175_mm),
+                  .fastest = mm_per_min(machine.max_speed_mm_min),
+                  .acceleration = Acceleration(machine.max_acceleration_mm_s2)};
+  plant.stage.end_stop = 175_mm;
+  plant.stage.upper_end = 178_mm;
+  plant.lamp = {.longest_exposure = std::chrono::seconds(60), .irradiance = Irradiance(machine.power_mw_cm2)};
+  plant.resin.critical = Dose(profile.critical_energy);
+  plant.resin.penetration_mm = profile.penetration_depth;
+  return plant;
+}
+
+/// The journal's medium in the plant: a write takes time, and of one that the power cut falls into the first bytes arrive.
+class PlantStorage final : public JournalStorage {
+ public:
+  PlantStorage(Plant& plant, std::uint32_t layers) : plant_(plant), medium_(Journal::bytes_needed(layers)) {}
+
+  std::size_t size() const override { return medium_.size(); }
+  Status read(std::size_t offset, std::span<std::byte> bytes) override {
+    std::copy_n(medium_.begin() + static_cast<std::ptrdiff_t>(offset), bytes.size(), bytes.begin());
+    return {};
+  }
+  Status write(std::size_t offset, std::span<const std::byte> bytes) override {
+    ++writes_;
+    if (broken) return fail(ErrorCode::kCannotWrite, "the storage is broken");
+    for (std::size_t i = 0; i < bytes.size(); ++i) {
+      if (writes_ == cut_in_write && i == cut_after_bytes) plant_.cut_power();
+      if (!plant_.pass(std::chrono::microseconds(20))) return fail(ErrorCode::kPowerLost, "cut");
+      medium_[offset + i] = bytes[i];
+    }
+    return {};
+  }
+  Status sync() override {
+    return plant_.pass(std::chrono::milliseconds(3)) ? Status() : Status(fail(ErrorCode::kPowerLost, "cut"));
+  }
+  std::vector<std::byte>& medium() { return medium_; }
+
+  int cut_in_write = -1;  ///< counted from 1, the header's included
+  std::size_t cut_after_bytes = 0;
+  bool broken = false;
+
+ private:
+  Plant& plant_;
+  std::vector<std::byte> medium_;
+  int writes_ = 0;
+};
+
+/// The user: presses start where a print waits, and gives up after an hour.
+class RigUser : public PrintObserver {
+ public:
+  explicit RigUser(Plant& plant) : plant_(plant) {}
+
+  bool update(const PrintStatus& status) override {
+    if (states.empty() || states.back() != status.state) {
+      states.push_back(status.state);
+      since_ = status.now;
+    }
+    const auto waited = status.now - since_;
+    const bool waits = status.state == PrintState::kPaused || status.state == PrintState::kFeedMe;
+    if (waits && presses_start && waited > std::chrono::seconds(10)) {
+      since_ = status.now;
+      plant_.press(EventKind::kStartPressed);
+    }
+    return waited < std::chrono::hours(1);
+  }
+  void checked(Check check, const CheckResult& result) override {
+    if (result.outcome == CheckOutcome::kFailed) failed_checks.push_back(check);
+  }
+
+  bool presses_start = true;
+  std::vector<PrintState> states;  ///< in order
+  std::vector<Check> failed_checks;
+
+ private:
+  Plant& plant_;
+  TimePoint since_;
+};
+
+/// Plant, storage and memory; each run() is one life of the firmware.
+class Rig {
+ public:
+  static constexpr std::uint32_t kLayers = 40;
+
+  explicit Rig(const PlantSettings& settings = rig_plant(), std::uint32_t layers = kLayers)
+      : tower_(layers), plant(settings), storage(plant, layers), user(plant), block_(std::size_t{1} << 20U) {
+    plan = plan_print(profile, rig_machine(), 0.05, layers).value();
+  }
+
+  /// Starts the print, or goes on with it where the journal says.
+  const PrintReport& run() {
+    arena_.emplace(std::span(block_));
+    machine_.reset();
+    machine_.emplace(plant);
+    stream_ = LayerStream::create(tower_.rrep(), *arena_).value();
+    masks_ = MaskMaker::create(*stream_, plan, *arena_).value();
+    auto opened = Journal::open(storage);
+    if (!opened && opened.error().code() == ErrorCode::kTruncated) opened = Journal::create(storage, 77, plan.layers);
+    EXPECT_TRUE(opened) << opened.error().message();
+    journal_ = *opened;
+    lines_.assign(2 * plan.layers + 50, {});
+    Machine machine = machine_->machine();
+    job_.emplace(machine, settings(), *masks_, &*journal_, lines_, user);
+    return job_->run(journal_->last());
+  }
+
+  PrintSettings settings() const {
+    PrintSettings settings;
+    const MachineFile machine = rig_machine();
+    settings.plan = plan;
+    settings.lamp_resume = Celsius(machine.lamp_resume_c);
+    settings.lamp_max = Celsius(machine.lamp_max_c);
+    settings.resin_min = Celsius(machine.resin_min_c);
+    settings.resin_max = Celsius(machine.resin_max_c);
+    settings.tank_ml = tank_ml;
+    settings.pixel_ml = resin_ml(1, kRigPitchMm, kRigPitchMm, 0.05);
+    settings.first_layer_pixels = 1;
+    settings.cured_pixels = 40U * 42U * plan.layers;
+    settings.cure_depth = cure_depth(profile, Irradiance(machine.power_mw_cm2), plan.exposure);
+    return settings;
+  }
+
+  /// What stands on the plate.
+  std::vector<std::vector<std::uint64_t>> part() const {
+    std::vector<std::vector<std::uint64_t>> layers;
+    plant.part().for_each_layer([&](const CuredLayer&, ConstBitImage cured) {
+      layers.emplace_back(cured.words().begin(), cured.words().end());
+    });
+    return layers;
+  }
+  std::size_t objections_of(ObjectionKind kind) const {
+    const auto all = plant.objections();
+    return static_cast<std::size_t>(
+        std::count_if(all.begin(), all.end(), [kind](const Objection& objection) { return objection.kind == kind; }));
+  }
+  std::string objections() const {
+    std::string text;
+    for (const auto& objection : plant.objections()) text += to_string(objection) + "\n";
+    return text;
+  }
+  SimMachine& machine() { return *machine_; }
+
+ private:
+  TowerRRep tower_;
+
+ public:
+  PrintProfile profile = rig_profile();
+  PrintPlan plan;
+  double tank_ml = 180;
+  Plant plant;
+  PlantStorage storage;
+  RigUser user;
+
+ private:
+  std::vector<std::byte> block_;
+  std::optional<Arena> arena_;
+  std::optional<SimMachine> machine_;
+  std::optional<LayerStream> stream_;
+  std::optional<MaskMaker> masks_;
+  std::optional<Journal> journal_;
+  std::vector<ExposureLine> lines_;
+  std::optional<PrintJob> job_;
+};
+
+}  // namespace plumbline
