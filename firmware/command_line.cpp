@@ -276,9 +276,10 @@ ExitCode run_command_line(int argc, char** argv, std::span<std::byte> arena_bloc
   auto* print_app = app.add_subcommand("print", "Print a scan");
   print_app->footer(kPrintFooter);
   auto* print_scan = add_job_options(*print_app, print.job)->required(false);
+  const SupportOptions print_supports(*print_app);
   add_print_options(*print_app, print);
   print_app->get_option("--printer")->required();
-  print_app->get_option("--resume")->excludes(print_scan);
+  print_app->get_option("--resume")->excludes(print_scan)->excludes("--supports");
 
   SampleOptions sample;
   const SampleSettings defaults;
@@ -299,6 +300,7 @@ ExitCode run_command_line(int argc, char** argv, std::span<std::byte> arena_bloc
   try {
     app.parse(argc, argv);
     slice.supports = supports.chosen();
+    print.supports = print_supports.chosen();
   } catch (const CLI::ParseError& error) {
     const int status = app.exit(error);  // prints help, version, or what is wrong
     return status == 0 ? ExitCode::kDone : ExitCode::kUsageError;

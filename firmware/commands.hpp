@@ -43,6 +43,7 @@ struct PrintOptions {
   std::string keep_part;  ///< folder for what a simulated printer has made; empty: none
   std::string report;     ///< file for the report as JSON; empty: none
   SimulationOptions simulation;
+  std::optional<SupportSettings> supports;  ///< none: no supports
 };
 
 /// Each writes results to standard output, progress, warnings and errors to standard error.

@@ -31,9 +31,12 @@ struct JobHeader {
   std::uint32_t version = kVersion;
   std::uint64_t facts_bytes = sizeof(JobFacts);
   std::uint64_t crossings = 0;
+  std::uint64_t supports = 0;
   PrintGrid grid;
+  SupportShape shape;  ///< of the supports
 };
 static_assert(std::is_trivially_copyable_v<JobFacts> && std::is_trivially_copyable_v<JobHeader>);
+static_assert(std::is_trivially_copyable_v<Support>);
 
 /// A descriptor that is closed.
 class File {
@@ -192,22 +195,25 @@ Status JobStore::end() {
   return {};
 }
 
-Expected<JournalFile> JobStore::begin(const JobFacts& facts, const RRep& rrep, std::uint64_t& job_hash) {
+Expected<JournalFile> JobStore::begin(const JobFacts& facts, const RRep& rrep, const Supports& supports,
+                                      std::uint64_t& job_hash) {
   PLUMBLINE_TRY(end());
-  PLUMBLINE_TRY(write_job(facts, rrep, job_hash));
+  PLUMBLINE_TRY(write_job(facts, rrep, supports, job_hash));
   return create_journal(rrep.grid.layers);
 }
 
-Status JobStore::write_job(const JobFacts& facts, const RRep& rrep, std::uint64_t& job_hash) {
+Status JobStore::write_job(const JobFacts& facts, const RRep& rrep, const Supports& supports, std::uint64_t& job_hash) {
   const File file(::openat(folder_, kNewJob, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, kMode));
   const char* folder = path_.c_str();
   if (file.get() < 0) return cannot_write(folder, kNewJob, errno);
   JobHeader header;
   header.crossings = rrep.crossings();
+  header.supports = supports.list.size();
   header.grid = rrep.grid;
+  header.shape = supports.shape;
   Hash64 hash;
   const std::span<const std::byte> parts[] = {bytes_of(header), bytes_of(facts), std::as_bytes(rrep.first),
-                                              std::as_bytes(rrep.pixel)};
+                                              std::as_bytes(rrep.pixel), std::as_bytes(supports.list)};
   for (const auto part : parts) {
     hash.add(part);
     if (!write_all(file.get(), part)) return cannot_write(folder, kNewJob, errno);
@@ -268,14 +274,17 @@ Expected<JobStore::Interrupted> JobStore::load(Arena& arena) {
   PLUMBLINE_TRY(first);
   const auto pixel = arena.take_bottom<std::uint32_t>(header.crossings, "r-rep");
   PLUMBLINE_TRY(pixel);
+  const auto supports = arena.take_bottom<Support>(header.supports, "supports");
+  PLUMBLINE_TRY(supports);
   std::uint64_t stored = 0;
   if (!read_all(file.get(), std::as_writable_bytes(*first)) || !read_all(file.get(), std::as_writable_bytes(*pixel)) ||
+      !read_all(file.get(), std::as_writable_bytes(*supports)) ||
       !read_all(file.get(), std::as_writable_bytes(std::span(&stored, 1)))) {
     return cannot_read(folder, kJob, errno);
   }
   Hash64 hash;
   const std::span<const std::byte> parts[] = {bytes_of(header), bytes_of(job.facts), std::as_bytes(*first),
-                                              std::as_bytes(*pixel)};
+                                              std::as_bytes(*pixel), std::as_bytes(*supports)};
   for (const auto part : parts) hash.add(part);
   if (hash.value() != stored) {
     return fail(ErrorCode::kMalformed,
@@ -284,6 +293,7 @@ Expected<JobStore::Interrupted> JobStore::load(Arena& arena) {
                 folder, kJob);
   }
   job.rrep = {.grid = header.grid, .first = *first, .pixel = *pixel};
+  job.supports = {.list = *supports, .shape = header.shape};
   job.job_hash = stored;
   job.journal.size_ = static_cast<std::size_t>(facts_of_journal.st_size);
   job.journal.file_ = journal.release();

@@ -2,7 +2,7 @@
 /// What the printer keeps of a print while it is at work: the job, to make every mask again, and the journal. Both in one folder
 /// of the printer's own storage, so the stick may leave.
 ///
-///   STATE/job       settings and R-Rep, written once before the first layer
+///   STATE/job       settings, R-Rep and supports, written once before the first layer
 ///   STATE/journal   what has been cured (firmware/journal.hpp)
 ///
 /// The journal is created last and removed first: where it is, the job it speaks of is whole.
@@ -16,6 +16,7 @@
 #include "firmware/print_plan.hpp"
 #include "slicer/core/arena.hpp"
 #include "slicer/rrep.hpp"
+#include "slicer/supports/supports.hpp"
 
 namespace plumbline {
 
@@ -24,7 +25,7 @@ using ShortName = std::array<char, 64>;
 ShortName short_name(std::string_view text);
 std::string_view view(const ShortName& name);
 
-/// All that a print is, but its R-Rep. Plain bytes: stored as it is.
+/// All that a print is, but its R-Rep and supports. Plain bytes: stored as it is.
 struct JobFacts {
   ShortName scan = {};  ///< file name
   ShortName printer = {};
@@ -72,11 +73,13 @@ class JobStore {
   /// Replaces what is there by a new print. Durable when it returns. Takes nothing from the heap.
   /// @returns the storage of its journal, all zeros; begin the journal with `job_hash`
   /// @retval ErrorCode::kCannotWrite
-  [[nodiscard]] Expected<JournalFile> begin(const JobFacts& facts, const RRep& rrep, std::uint64_t& job_hash);
+  [[nodiscard]] Expected<JournalFile> begin(const JobFacts& facts, const RRep& rrep, const Supports& supports,
+                                            std::uint64_t& job_hash);
 
   struct Interrupted {
     JobFacts facts;
-    RRep rrep;  ///< at the bottom of the arena
+    RRep rrep;          ///< at the bottom of the arena
+    Supports supports;  ///< there, too
     std::uint64_t job_hash = 0;
     JournalFile journal;
   };
@@ -93,7 +96,8 @@ class JobStore {
 
  private:
   JobStore() = default;
-  [[nodiscard]] Status write_job(const JobFacts& facts, const RRep& rrep, std::uint64_t& job_hash);
+  [[nodiscard]] Status write_job(const JobFacts& facts, const RRep& rrep, const Supports& supports,
+                                 std::uint64_t& job_hash);
   [[nodiscard]] Expected<JournalFile> create_journal(std::uint32_t layers);
   [[nodiscard]] Status sync_folder() const;
 

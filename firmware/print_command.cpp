@@ -48,7 +48,7 @@ Status make_ready(const PrintOptions& options, const JobSetup& setup, const Prin
   settings.threads = setup.threads;
   ProgressLines lines;
   JobProgress progress(silent ? nullptr : &lines);
-  return session.slice_scan(*scan, settings, printer.profile, &progress);
+  return session.slice_scan(*scan, settings, options.supports, printer.profile, &progress);
 }
 
 Status write_results(const PrintOptions& options, const PrintOutcome& outcome) {

@@ -1,5 +1,7 @@
 #include "firmware/print_session.hpp"
 
+#include "slicer/stage_scope.hpp"
+
 namespace plumbline {
 
 Expected<std::size_t> HashingSource::read(std::span<std::byte> buffer) {
@@ -13,7 +15,8 @@ PrintSession::PrintSession(const BoardFile& board, const MachineFile& machine, A
 
 PrintSession::~PrintSession() { arena_.release_bottom(bottom_); }
 
-Status PrintSession::slice_scan(ByteSource& scan, const SliceSettings& settings, const PrintProfile& profile,
+Status PrintSession::slice_scan(ByteSource& scan, const SliceSettings& settings,
+                                const std::optional<SupportSettings>& supports, const PrintProfile& profile,
                                 ProgressSink* progress) {
   const auto layer_height = static_cast<double>(settings.placement.layer_height_mm);
   // What no height changes is said before the minutes that slicing may take.
@@ -22,6 +25,7 @@ Status PrintSession::slice_scan(ByteSource& scan, const SliceSettings& settings,
   const auto rrep = slice(source, settings, arena_, progress, slice_report_);
   PLUMBLINE_TRY(rrep);
   rrep_ = *rrep;
+  if (supports) PLUMBLINE_TRY(add_supports(*supports, progress));
   const auto plan = plan_print(profile, machine_, layer_height, rrep_.grid.layers);
   PLUMBLINE_TRY(plan);
   facts_.scan = short_name(scan.name());
@@ -34,7 +38,7 @@ Status PrintSession::slice_scan(ByteSource& scan, const SliceSettings& settings,
   sweep();
   if (store_ == nullptr) return {};
   std::uint64_t job_hash = 0;
-  auto file = store_->begin(facts_, rrep_, job_hash);
+  auto file = store_->begin(facts_, rrep_, supports_, job_hash);
   PLUMBLINE_TRY(file);
   journal_file_ = std::move(*file);
   const auto journal = Journal::create(*journal_file_, job_hash, rrep_.grid.layers);
@@ -54,6 +58,7 @@ Status PrintSession::load(const PrintProfile& profile) {
   }
   facts_ = job->facts;
   rrep_ = job->rrep;
+  supports_ = job->supports;
   journal_file_ = std::move(job->journal);
   const auto journal = Journal::open(*journal_file_);
   PLUMBLINE_TRY(journal);
@@ -69,9 +74,18 @@ Status PrintSession::load(const PrintProfile& profile) {
   return {};
 }
 
+Status PrintSession::add_supports(const SupportSettings& settings, ProgressSink* progress) {
+  const StageScope stage(Stage::kSupports, arena_, progress, slice_report_.peak_bytes);
+  support_settings_ = settings;
+  const auto found = find_supports(rrep_, settings, arena_, progress, support_counts_);
+  PLUMBLINE_TRY(found);
+  supports_ = *found;
+  return {};
+}
+
 /// What slicing and loading have in common: streams and room for the report.
 Status PrintSession::make_ready(const PrintProfile& profile) {
-  auto stream = LayerStream::create(rrep_, arena_);
+  auto stream = LayerStream::create(rrep_, arena_, &supports_);
   PLUMBLINE_TRY(stream);
   stream_ = *stream;
   auto masks = MaskMaker::create(*stream_, facts_.plan, arena_);
@@ -91,10 +105,12 @@ Status PrintSession::make_ready(const PrintProfile& profile) {
 /// Every mask once, for the resin that the print takes: some milliseconds a thousand layers.
 void PrintSession::sweep() {
   facts_.cured_pixels = 0;
+  support_pixels_ = 0;
   for (std::uint32_t layer = 0; layer < rrep_.grid.layers; ++layer) {
     const std::uint64_t pixels = stream_->mask(layer).count();
     if (layer == 0) first_layer_pixels_ = pixels;
     facts_.cured_pixels += pixels;
+    support_pixels_ += stream_->support_pixels();
   }
 }
 

@@ -13,6 +13,7 @@
 #include "firmware/print_profile.hpp"
 #include "slicer/core/byte_source.hpp"
 #include "slicer/slicer.hpp"
+#include "slicer/supports/support_finder.hpp"
 
 namespace plumbline {
 
@@ -43,8 +44,10 @@ class PrintSession {
   PrintSession& operator=(const PrintSession&) = delete;
 
   /// Reads a scan and makes everything ready. When it returns the scan may go.
-  /// @retval any error of slice(), plan_print(), JobStore::begin()
-  [[nodiscard]] Status slice_scan(ByteSource& scan, const SliceSettings& settings, const PrintProfile& profile,
+  /// @param supports  that check_support_settings() takes; none: no supports
+  /// @retval any error of slice(), find_supports(), plan_print(), JobStore::begin()
+  [[nodiscard]] Status slice_scan(ByteSource& scan, const SliceSettings& settings,
+                                  const std::optional<SupportSettings>& supports, const PrintProfile& profile,
                                   ProgressSink* progress);
 
   /// Takes up the print that was interrupted.
@@ -60,11 +63,17 @@ class PrintSession {
   const PrintPlan& plan() const { return facts_.plan; }
   const PrintGrid& grid() const { return rrep_.grid; }
   const RRep& rrep() const { return rrep_; }
+  const Supports& supports() const { return supports_; }
+  /// Of a print whose scan was sliced here: what was asked for, what the supports are for, and the pixels they add.
+  const std::optional<SupportSettings>& support_settings() const { return support_settings_; }
+  const SupportCounts& support_counts() const { return support_counts_; }
+  std::uint64_t support_pixels() const { return support_pixels_; }
   MaskFigures mask_figures() const;
   double pixel_ml() const;
 
  private:
   [[nodiscard]] Status make_ready(const PrintProfile& profile);
+  [[nodiscard]] Status add_supports(const SupportSettings& settings, ProgressSink* progress);
   void sweep();
 
   const BoardFile& board_;
@@ -76,6 +85,10 @@ class PrintSession {
   SliceReport slice_report_;
   JobFacts facts_;
   RRep rrep_;
+  Supports supports_;
+  std::optional<SupportSettings> support_settings_;
+  SupportCounts support_counts_;
+  std::uint64_t support_pixels_ = 0;
   std::optional<LayerStream> stream_;
   std::optional<MaskMaker> masks_;
   std::optional<JournalFile> journal_file_;

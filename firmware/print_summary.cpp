@@ -75,6 +75,7 @@ Status write_print_summary(OutputFile& out, const PrintOutcome& outcome) {
   add_fault(text, report);
   text.add("time       %s, estimated %s; slowest layer %u: %.2f s\n", clock_text(report.elapsed).c_str(),
            clock_text(report.estimated).c_str(), report.slowest_layer, seconds(report.slowest));
+  if (!outcome.session.supports().empty()) text.add("supports   %zu\n", outcome.session.supports().list.size());
   text.add("resin      %.2f ml", report.resin_ml);
   const double cost = resin_cost(outcome.profile, report.resin_ml);
   if (cost > 0) text.add(", which cost %.2f", cost);
@@ -140,6 +141,7 @@ void write_print_report(JsonWriter& json, const PrintOutcome& outcome) {
   json.member("first_layer", report.first_layer);
   json.member("next_layer", report.next_layer);
   json.member("layer_height_mm", facts.plan.layer_height.millimetres());
+  json.member("supports", std::uint64_t{outcome.session.supports().list.size()});
   json.member("resin_ml", report.resin_ml);
   json.member("resin_needed_ml", static_cast<double>(facts.cured_pixels) * outcome.session.pixel_ml());
   json.member("cost", resin_cost(outcome.profile, report.resin_ml));

@@ -74,6 +74,9 @@ Status write_printed_part(const std::string& folder, const Witness& witness, con
   job.scan_name = view(session.facts().scan);
   job.printer_name = view(session.facts().printer);
   job.slice = session.sliced();
+  job.support_settings = session.support_settings();
+  job.supports = session.support_counts();
+  job.support_pixels = session.support_pixels();
   job.arena_bytes = arena.capacity();
   job.hash = job_hash(hashes);
   if (!hashes.empty()) {
@@ -85,6 +88,7 @@ Status write_printed_part(const std::string& folder, const Witness& witness, con
     caption.add("printed: %u of %u layers, %.1f ml", printed.layers, grid.layers,
                 static_cast<double>(job.cured_pixels) * session.pixel_ml());
     const std::array<std::string_view, 1> captions = {caption.view()};
+    // What was cured of the supports is in the layers already.
     const auto png = encode_preview({.grid = printed, .first = part.first, .pixel = part.pixel}, Supports{},
                                     {job.scan_name, captions}, arena, *pictures);
     if (png) {

@@ -23,7 +23,7 @@ int main(int argc, char** argv) {
   }
   constexpr std::string_view kFile = "file:";
   if (!line.starts_with(kFile) || firmware <= 0) {
-    std::fputs("plumbline-keeper: started by plumblined: --line file:PATH --firmware PID\n", stderr);
+    std::fputs("plumbline-keeper: started by the firmware: --line file:PATH --firmware PID\n", stderr);
     return 2;
   }
   // Both are for the deadline, and neither is allowed everywhere.

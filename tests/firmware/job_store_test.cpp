@@ -21,6 +21,11 @@ constexpr std::array<std::uint32_t, 5> kPixel = {1, 3, 1, 3, 7};
 
 RRep small_rrep() { return {.grid = {.columns = 4, .rows = 2, .layers = 3}, .first = kFirst, .pixel = kPixel}; }
 
+constexpr std::array<Support, 2> kSupports = {
+    {{.column = 1, .row = 1, .first = 0, .tip = 2, .end = 3}, {.column = 3, .row = 0, .first = 1, .tip = 2, .end = 2}}};
+
+Supports small_supports() { return {.list = kSupports, .shape = SupportShape(SupportSettings(), small_rrep().grid)}; }
+
 JobFacts facts() {
   JobFacts facts;
   facts.scan = short_name("bust.ply");
@@ -38,7 +43,7 @@ class JobStoreTest : public ::testing::Test {
     auto store = JobStore::open(state());
     ASSERT_TRUE(store) << store.error().message();
     std::uint64_t hash = 0;
-    auto file = store->begin(facts(), small_rrep(), hash);
+    auto file = store->begin(facts(), small_rrep(), small_supports(), hash);
     ASSERT_TRUE(file) << file.error().message();
     auto journal = Journal::create(*file, hash, 3);
     ASSERT_TRUE(journal);
@@ -68,6 +73,9 @@ TEST_F(JobStoreTest, GivesBackAnInterruptedPrint) {
   EXPECT_EQ(job->rrep.grid.layers, 3U);
   EXPECT_THAT(job->rrep.first, ElementsAreArray(kFirst));
   EXPECT_THAT(job->rrep.pixel, ElementsAreArray(kPixel));
+  EXPECT_THAT(job->supports.list, ElementsAreArray(kSupports));
+  EXPECT_EQ(job->supports.shape.head_radius(), small_supports().shape.head_radius());
+  EXPECT_EQ(job->supports.shape.pillar_radius(), small_supports().shape.pillar_radius());
   const auto journal = Journal::open(job->journal);
   ASSERT_TRUE(journal) << journal.error().message();
   EXPECT_EQ(journal->job_hash(), job->job_hash);

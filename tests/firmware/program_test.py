@@ -186,6 +186,31 @@ class Slice(Program):
         white = sum(bin(byte).count("1") for row in rows for byte in row)
         self.assertGreater(white, supports["on_plate"] * 100)
 
+    def test_print_cures_the_masks_that_slice_writes_supports_included(self):
+        write_sphere(self.scan)
+        same = ("--supports", "auto", "--printer", SOURCE_DIR / "board" / "sim2k.toml", "--scale", 0.5)
+        self.run_it("slice", self.scan, "-o", self.out, "--no-preview", *same)
+        sliced = self.manifest()
+        self.assertGreater(sliced["supports"]["count"], 4)
+        part, report, state = self.dir / "part", self.dir / "report.json", self.dir / "state"
+        done = self.run_it("print", self.scan, *same, "--keep-part", part, "--report", report)
+        self.assertIn(f"supports   {sliced['supports']['count']}\n", done.stdout)
+        printed = json.loads(report.read_text())
+        self.assertEqual((printed["state"], printed["objections"]), ("finished", []))
+        self.assertEqual([line["mask_hash"] for line in printed["exposures"]], sliced["hashes"]["layers"])
+        cured = json.loads((part / "manifest.json").read_text())
+        self.assertEqual(cured["hashes"], sliced["hashes"])
+        self.assertEqual(cured["supports"], sliced["supports"])
+        # Without power, and without the scan: what is stored has the supports, too.
+        cut = self.run_it("print", self.scan, *same, "--state", state, "--fault", "power.cut@layer=20", status=1)
+        self.assertIn("PL-901", cut.stdout)
+        self.run_it("print", "--resume", "--state", state, *same[2:4], "--report", report)
+        resumed = json.loads(report.read_text())
+        self.assertEqual((resumed["state"], resumed["supports"]), ("finished", sliced["supports"]["count"]))
+        self.assertLessEqual(resumed["first_layer"], 20)
+        hashes = [line["mask_hash"] for line in resumed["exposures"]]
+        self.assertEqual(hashes, sliced["hashes"]["layers"][resumed["first_layer"] :])
+
     def test_support_settings_that_make_no_sense_are_refused(self):
         for arguments, message in (
             (("--support-base-diameter", 3), "--support-base-diameter is for --supports auto"),
