@@ -1,10 +1,10 @@
 #include "hal/linux/file_lamp_line.hpp"
 
 #include <fcntl.h>
-#include <time.h>
 #include <unistd.h>
 
 #include <cstdio>
+#include <ctime>
 
 namespace plumbline {
 
