@@ -7,11 +7,11 @@
 #include <span>
 
 #include "slicer/cloud.hpp"
+#include "slicer/dipole_tree.hpp"
 
 namespace plumbline {
 
-/// A hierarchy of dipoles over the cloud (Barill et al., Fast Winding Numbers for Soups and Clouds, 2018, eq. 6, first
-/// order), built once, read by many threads.
+/// A hierarchy of dipoles over the cloud (Barill et al. 2018, eq. 6), built once, read by many threads.
 ///
 ///   W(x) = sum_i  a_i <n_i, p_i - x> / (4 pi |p_i - x|^3)
 ///
@@ -19,17 +19,11 @@ namespace plumbline {
 class WindingTree {
  public:
   static constexpr std::uint32_t kLeafPoints = 8;
+  using Node = DipoleNode;
 
-  static std::size_t nodes_needed(std::uint32_t points);
+  static std::size_t nodes_needed(std::uint32_t points) { return Tree::nodes_needed(points); }
   /// Bytes of arena for that many points.
   static std::size_t bytes_needed(std::uint32_t points);
-
-  struct Node {
-    Vec3f centre;            ///< mean position weighted by area, mm
-    float reach2 = 0;        ///< (opening * radius)^2, mm^2: farther away the node is one dipole
-    Vec3f dipole;            ///< sum of a_i n_i / (4 pi), mm^2
-    std::uint32_t skip = 0;  ///< next node when this one is not opened
-  };
 
   /// @param cloud  placed, radius[] set, in the order of its 3D tree: 8 points in a row are a leaf
   /// @param support_points  that radius[] was made for
@@ -48,9 +42,11 @@ class WindingTree {
   float operator()(const Vec3f& x) const;
 
  private:
+  using Tree = DipoleTree<kLeafPoints>;
+
   float sum(const Vec3f& x) const;
 
-  std::span<const Node> nodes_;
+  Tree tree_;
   std::span<const Vec3f> position_;
   std::span<const PackedNormal> normal_;
   std::span<const float> radius_;

@@ -1,0 +1,126 @@
+#pragma once
+/// A hierarchy of dipoles over the points of a cloud (Barill et al., Fast Winding Numbers for Soups and Clouds, 2018, first
+/// order): far away, the points of a node are one dipole at their middle.
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "slicer/core/vec.hpp"
+
+namespace plumbline {
+
+struct DipoleNode {
+  Vec3f centre;            ///< mean position weighted by area, mm
+  float reach2 = 0;        ///< (opening * radius)^2, mm^2: farther away the node is one dipole; -1: no point is in it
+  Vec3f dipole;            ///< sum of a_i n_i / (4 pi), mm^2
+  std::uint32_t skip = 0;  ///< next node when this one is not opened
+};
+
+/// What the points of a node add up to.
+struct DipoleSum {
+  Vec3f weighted = Vec3f::Zero();  ///< area * position
+  Vec3f dipole = Vec3f::Zero();
+  float area = 0;
+  Box3f box;
+
+  /// @param point_area    in any unit that is the same for all points
+  /// @param point_dipole  mm^2
+  void add(const Vec3f& position, float point_area, const Vec3f& point_dipole) {
+    weighted += position * point_area;
+    dipole += point_dipole;
+    area += point_area;
+    box.extend(position);
+  }
+  void add(const DipoleSum& other) {
+    weighted += other.weighted;
+    dipole += other.dipole;
+    area += other.area;
+    box.low = box.low.cwiseMin(other.box.low);
+    box.high = box.high.cwiseMax(other.box.high);
+  }
+};
+
+/// The nodes, depth first: what follows a node is what it is made of, up to its `skip`. The points are in the order of their
+/// 3D tree, so that LeafPoints in a row are neighbours: they are a leaf. A node over n leaves has 2 n - 1 nodes.
+template <std::uint32_t LeafPoints>
+class DipoleTree {
+ public:
+  static std::size_t nodes_needed(std::uint32_t points) {
+    return points == 0 ? 0 : std::size_t{leaves(points)} * 2 - 1;
+  }
+
+  DipoleTree() = default;
+  /// @param nodes  nodes_needed(points) of them
+  DipoleTree(std::uint32_t points, std::span<DipoleNode> nodes) : points_(points), nodes_(nodes) {}
+
+  /// @param add_point  add_point(i, sum): adds point i to the DipoleSum, or leaves it out
+  template <class AddPoint>
+  void build(AddPoint add_point) {
+    if (points_ > 0) build(0, 0, leaves(points_), add_point);
+  }
+
+  /// Visits what the field at x is made of, in the order of the nodes; may be called by many threads.
+  /// @param far   far(node, d, distance2): a node that has points, with d = node.centre - x and distance2 = <d, d>
+  /// @param near  near(i): a point of a leaf that x is too close to
+  template <class Far, class Near>
+  void walk(const Vec3f& x, Far far, Near near) const {
+    const auto count = static_cast<std::uint32_t>(nodes_.size());
+    std::uint32_t leaf = 0;  // leaves before node `at`
+    for (std::uint32_t at = 0; at < count;) {
+      const DipoleNode& node = nodes_[at];
+      const Vec3f d = node.centre - x;
+      const float distance2 = d.dot(d);
+      const std::uint32_t under = (node.skip - at + 1) / 2;
+      if (distance2 > node.reach2) {
+        if (node.reach2 >= 0) far(node, d, distance2);
+        leaf += under;
+        at = node.skip;
+      } else if (under > 1) {
+        ++at;
+      } else {
+        const std::uint32_t last = std::min(points_, (leaf + 1) * LeafPoints);
+        for (std::uint32_t i = leaf * LeafPoints; i < last; ++i) near(i);
+        ++leaf;
+        ++at;
+      }
+    }
+  }
+
+ private:
+  static constexpr float kOpening = 2.0F;  ///< times a node's radius: nearer, and it is opened
+
+  static std::uint32_t leaves(std::uint32_t points) { return (points + LeafPoints - 1) / LeafPoints; }
+
+  /// Builds the node `at` over leaves [first, last) and those it is made of.
+  template <class AddPoint>
+  DipoleSum build(std::uint32_t at, std::uint32_t first, std::uint32_t last, AddPoint& add_point) {
+    DipoleSum sum;
+    if (last - first == 1) {
+      const std::uint32_t end = std::min(points_, last * LeafPoints);
+      for (std::uint32_t i = first * LeafPoints; i < end; ++i) add_point(i, sum);
+    } else {
+      const std::uint32_t middle = first + (last - first) / 2;
+      sum = build(at + 1, first, middle, add_point);
+      sum.add(build(at + 2 * (middle - first), middle, last, add_point));
+    }
+    DipoleNode& node = nodes_[at];
+    node.skip = at + 2 * (last - first) - 1;
+    node.dipole = sum.dipole;
+    node.centre = Vec3f::Zero();
+    node.reach2 = -1;
+    if (!sum.box.empty()) {
+      node.centre = sum.area > 0 ? Vec3f(sum.weighted / sum.area) : sum.box.centre();
+      // The farthest corner of the box bounds the farthest point.
+      const Vec3f far = (sum.box.high - node.centre).cwiseMax(node.centre - sum.box.low);
+      node.reach2 = kOpening * kOpening * far.dot(far);
+    }
+    return sum;
+  }
+
+  std::uint32_t points_ = 0;
+  std::span<DipoleNode> nodes_;
+};
+
+}  // namespace plumbline
