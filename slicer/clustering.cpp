@@ -15,8 +15,9 @@ constexpr std::uint32_t kBatch = 256;  ///< candidates compared at a time: their
 constexpr const char* kStage = "clustering";
 
 constexpr std::int32_t kFewNeighbours = 8;  ///< fewer within epsilon do not measure a density
-constexpr float kOnSheet =
-    0.2F;  ///< of epsilon, or of their distance: a point's mean height over its neighbours' planes
+/// A point is on the sheet of its neighbours if its mean height over their planes is at most this share of epsilon, or of
+/// their distance where they lie farther.
+constexpr float kOnSheet = 0.2F;
 constexpr std::uint32_t kNoiseSample = 16384;
 constexpr float kCleanNoise = 0.02F;       ///< of epsilon: below, what looks like noise is mostly curvature
 constexpr float kFullNoise = 0.1F;         ///< of epsilon: from here on the support has its full size

@@ -21,13 +21,13 @@ struct ClusteringSettings {
   std::uint32_t min_points = 30;  ///< minPts of the thesis
   double same_type_share = 0.75;  ///< a core point has more of its epsilon-neighbours of its own type than this share
   /// Noise of the thesis that has this many points, itself included, within thin_reach * epsilon by the same metric keeps
-  /// its type: a part of the surface that few views saw. Not where most points are strays. A thin_reach of 0 leaves the noise as the thesis has it.
+  /// its type: a part of the surface that few views saw. Not where most points are strays. A thin_reach of 0 leaves the
+  /// noise as the thesis has it.
   std::uint32_t thin_points = 7;
   float thin_reach = 3;
   float least_support = 20;
   float most_support = 100;
-  std::uint32_t epsilon_sample =
-      16384;  ///< points whose neighbours are searched for epsilon; evenly spread over the order
+  std::uint32_t epsilon_sample = 16384;  ///< points whose neighbours are searched; evenly spread over the order
 };
 
 /// epsilon: median over the points of the distance to the (2 minPts)-th nearest other point, mm.

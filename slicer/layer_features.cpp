@@ -251,8 +251,8 @@ Expected<FeatureCounts> Sweep::edit(RRep& rrep, Arena& arena) {
 
 Expected<FeatureCounts> drop_small_features(RRep& rrep, const FeatureLimits& limits, Arena& arena) {
   const ArenaScope scope(arena);
-  const std::size_t bottom =
-      arena.bottom_mark();  // the stream of layers stands on the crossings; they need the room next
+  // The stream of layers stands on the crossings, which need its room when they are edited.
+  const std::size_t bottom = arena.bottom_mark();
   auto sweep = Sweep::create(rrep, limits, arena);
   if (sweep) sweep->run();
   arena.release_bottom(bottom);

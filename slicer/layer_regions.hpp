@@ -36,9 +36,8 @@ class LayerRegions {
   const Run& run(std::uint32_t i) const { return runs_[i]; }
   bool white(std::uint32_t row, std::uint32_t i) const { return ((i - row_first_[row]) & 1U) != 0; }
   std::uint32_t region(std::uint32_t i) const { return parent_[i]; }
-  std::uint32_t area(std::uint32_t region) const {
-    return area_[region];
-  }                                                              ///< pixels; of the outside: the most there is
+  /// Pixels; of the outside: the most there is.
+  std::uint32_t area(std::uint32_t region) const { return area_[region]; }
   std::uint32_t run_count() const { return row_first_.back(); }  ///< run 0 included
 
  private:

@@ -18,8 +18,7 @@ namespace plumbline {
 struct RRep {
   PrintGrid grid;
   std::span<const std::uint32_t> first;  ///< layers + 1 entries
-  std::span<const std::uint32_t>
-      pixel;  ///< row * columns + column, ascending within a layer, no pixel twice in a layer
+  std::span<const std::uint32_t> pixel;  ///< row * columns + column, ascending within a layer, none twice in one
 
   std::size_t crossings() const { return pixel.size(); }
 };

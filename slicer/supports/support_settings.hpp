@@ -25,8 +25,8 @@ struct SupportSettings {
   double base_diameter = 4;    ///< of the base on the plate; one that ends on the object has a head there instead
   double base_height = 1;      ///< of the base cone
   double critical_angle = 45;  ///< from the horizontal; a surface that is steeper carries itself
-  double max_bridge_length =
-      3;  ///< between two places that are held; what juts out from one is held from half of it on
+  /// Between two places that are held; what juts out from one is held from half of it on.
+  double max_bridge_length = 3;
 };
 
 /// One setting as files, command lines and reports have it.

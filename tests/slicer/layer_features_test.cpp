@@ -2,17 +2,16 @@
 
 #include <gtest/gtest.h>
 
-#include <functional>
+#include <algorithm>
 #include <map>
 #include <set>
 #include <utility>
 #include <vector>
 
 #include "slicer/layer_regions.hpp"
-#include "slicer/layer_stream.hpp"
 #include "slicer/rrep_edit.hpp"
 #include "tests/slicer/support/arena_block.hpp"
-#include "tests/slicer/support/pixels.hpp"
+#include "tests/slicer/support/solid.hpp"
 #include "tests/slicer/support/surfaces.hpp"
 
 namespace plumbline {
@@ -24,71 +23,40 @@ constexpr std::uint32_t kColumns = 70;
 constexpr std::uint32_t kRows = 40;
 constexpr std::uint32_t kLayers = 30;
 
-using Solid = std::function<bool(std::uint32_t column, std::uint32_t row, std::uint32_t layer)>;
+PrintGrid grid_of(std::uint32_t layers) { return {.columns = kColumns, .rows = kRows, .layers = layers}; }
 
-bool in_box(std::uint32_t c, std::uint32_t r, std::uint32_t k, std::uint32_t c0, std::uint32_t c1, std::uint32_t r0,
-            std::uint32_t r1, std::uint32_t k0, std::uint32_t k1) {
-  return c >= c0 && c < c1 && r >= r0 && r < r1 && k >= k0 && k < k1;
-}
-
-/// An R-Rep at the bottom of an arena, as the builder leaves it, from what is solid.
+/// The R-Rep of a solid at the bottom of an arena, as the builder leaves it.
 struct Voxels {
-  ArenaBlock block{std::size_t{8} << 20};
+  ArenaBlock block{8 * kMiB};
   RRep rrep;
 
-  explicit Voxels(const Solid& solid, std::uint32_t layers = kLayers) {
-    Arena& arena = *block;
-    rrep.grid.columns = kColumns;
-    rrep.grid.rows = kRows;
-    rrep.grid.layers = layers;
-    std::vector<std::uint32_t> first{0};
-    std::vector<std::uint32_t> pixel;
-    for (std::uint32_t k = 0; k < layers; ++k) {
-      for (std::uint32_t r = 0; r < kRows; ++r) {
-        for (std::uint32_t c = 0; c < kColumns; ++c) {
-          if (solid(c, r, k) != (k > 0 && solid(c, r, k - 1))) pixel.push_back(r * kColumns + c);
-        }
-      }
-      first.push_back(static_cast<std::uint32_t>(pixel.size()));
-    }
-    auto first_block = arena.take_bottom<std::uint32_t>(first.size(), "test");
-    auto pixel_block = arena.take_bottom<std::uint32_t>(pixel.size(), "test");
-    std::copy(first.begin(), first.end(), first_block->begin());
-    std::copy(pixel.begin(), pixel.end(), pixel_block->begin());
-    rrep.first = *first_block;
-    rrep.pixel = *pixel_block;
+  explicit Voxels(const Inside& inside) : rrep{grid_of(kLayers), {}, {}} {
+    const Solid solid(rrep.grid, inside);
+    const auto first = value_of(block->take_bottom<std::uint32_t>(solid.first.size(), "test"));
+    const auto pixel = value_of(block->take_bottom<std::uint32_t>(solid.pixel.size(), "test"));
+    std::copy(solid.first.begin(), solid.first.end(), first.begin());
+    std::copy(solid.pixel.begin(), solid.pixel.end(), pixel.begin());
+    rrep.first = first;
+    rrep.pixel = pixel;
   }
-
-  /// Voxels as (layer, row, column), by the crossings alone.
-  std::set<std::uint32_t> solid_pixels(std::uint32_t layer) const {
-    std::set<std::uint32_t> on;
-    for (std::uint32_t i = 0; i < rrep.first[layer + 1]; ++i) {
-      if (!on.insert(rrep.pixel[i]).second) on.erase(rrep.pixel[i]);
-    }
-    return on;
-  }
-  bool equals(const Solid& solid) const {
-    for (std::uint32_t k = 0; k < rrep.grid.layers; ++k) {
-      const auto on = solid_pixels(k);
-      for (std::uint32_t p = 0; p < kColumns * kRows; ++p) {
-        if ((on.count(p) > 0) != solid(p % kColumns, p / kColumns, k)) return false;
-      }
-    }
-    return true;
+  bool equals(const Inside& inside) const {
+    const Solid wanted(rrep.grid, inside);
+    return std::equal(wanted.first.begin(), wanted.first.end(), rrep.first.begin(), rrep.first.end()) &&
+           std::equal(wanted.pixel.begin(), wanted.pixel.end(), rrep.pixel.begin(), rrep.pixel.end());
   }
 };
 
 /// A block of 50 x 30 pixels and 20 layers; what is cut out of it and put on it differs from test to test.
-bool block(std::uint32_t c, std::uint32_t r, std::uint32_t k) { return in_box(c, r, k, 10, 60, 5, 35, 0, 20); }
+bool block(std::uint32_t c, std::uint32_t r, std::uint32_t k) { return Block{10, 60, 5, 35, 0, 20}.has(c, r, k); }
 
 constexpr FeatureLimits kLimits{40, 200};
 
 TEST(LayerFeatures, FillsADentThatOpensToTheOutsideInTheNextLayers) {
   // The block has a groove at its top, from a side inwards; under its inner end the surface dips for three layers.
-  const Solid wanted = [](auto c, auto r, auto k) {
-    return block(c, r, k) && !in_box(c, r, k, 20, 60, 15, 20, 15, 20);
+  const Inside wanted = [](auto c, auto r, auto k) {
+    return block(c, r, k) && !Block{20, 60, 15, 20, 15, 20}.has(c, r, k);
   };
-  Voxels voxels([&](auto c, auto r, auto k) { return wanted(c, r, k) && !in_box(c, r, k, 20, 24, 15, 20, 12, 15); });
+  Voxels voxels([&](auto c, auto r, auto k) { return wanted(c, r, k) && !Block{20, 24, 15, 20, 12, 15}.has(c, r, k); });
   const auto counts = drop_small_features(voxels.rrep, kLimits, *voxels.block);
   ASSERT_TRUE(counts.has_value());
   EXPECT_EQ(counts->holes, 1U);
@@ -99,10 +67,10 @@ TEST(LayerFeatures, FillsADentThatOpensToTheOutsideInTheNextLayers) {
 
 TEST(LayerFeatures, TakesOutABumpThatBeginsBeforeItMeetsTheObject) {
   // A ledge of the block begins at layer 10; beneath its end hang four layers of bump.
-  const Solid wanted = [](auto c, auto r, auto k) {
-    return in_box(c, r, k, 10, 40, 5, 35, 0, 20) || in_box(c, r, k, 40, 60, 5, 35, 10, 20);
+  const Inside wanted = [](auto c, auto r, auto k) {
+    return Block{10, 40, 5, 35, 0, 20}.has(c, r, k) || Block{40, 60, 5, 35, 10, 20}.has(c, r, k);
   };
-  Voxels voxels([&](auto c, auto r, auto k) { return wanted(c, r, k) || in_box(c, r, k, 50, 55, 10, 15, 6, 10); });
+  Voxels voxels([&](auto c, auto r, auto k) { return wanted(c, r, k) || Block{50, 55, 10, 15, 6, 10}.has(c, r, k); });
   const auto counts = drop_small_features(voxels.rrep, kLimits, *voxels.block);
   ASSERT_TRUE(counts.has_value());
   EXPECT_EQ(counts->islands, 1U);
@@ -111,7 +79,7 @@ TEST(LayerFeatures, TakesOutABumpThatBeginsBeforeItMeetsTheObject) {
 
 TEST(LayerFeatures, FillsABubbleAndDropsACrumb) {
   Voxels voxels([](auto c, auto r, auto k) {
-    return (block(c, r, k) && !in_box(c, r, k, 20, 24, 15, 19, 5, 9)) || in_box(c, r, k, 63, 67, 8, 12, 4, 8);
+    return (block(c, r, k) && !Block{20, 24, 15, 19, 5, 9}.has(c, r, k)) || Block{63, 67, 8, 12, 4, 8}.has(c, r, k);
   });
   const auto counts = drop_small_features(voxels.rrep, kLimits, *voxels.block);
   ASSERT_TRUE(counts.has_value());
@@ -121,7 +89,7 @@ TEST(LayerFeatures, FillsABubbleAndDropsACrumb) {
 }
 
 TEST(LayerFeatures, KeepsTheTipOfWhatGrowsAndTheBottomOfAPitThatWidens) {
-  const auto stays = [](const Solid& solid) {
+  const auto stays = [](const Inside& solid) {
     Voxels voxels(solid);
     const auto counts = drop_small_features(voxels.rrep, kLimits, *voxels.block);
     ASSERT_TRUE(counts.has_value());
@@ -131,19 +99,19 @@ TEST(LayerFeatures, KeepsTheTipOfWhatGrowsAndTheBottomOfAPitThatWidens) {
   // A chin: an island that is wider in each layer before it meets the block's ledge.
   stays([](auto c, auto r, auto k) {
     const std::uint32_t wide = k < 5 ? 0 : k - 3;
-    return in_box(c, r, k, 5, 30, 5, 35, 0, 20) || in_box(c, r, k, 30, 60, 5, 35, 16, 20) ||
-           in_box(c, r, k, 50 - std::min(wide, 9U), 50 + std::min(wide, 9U), 20 - wide, 20 + wide, 5, 16);
+    return Block{5, 30, 5, 35, 0, 20}.has(c, r, k) || Block{30, 60, 5, 35, 16, 20}.has(c, r, k) ||
+           Block{50 - std::min(wide, 9U), 50 + std::min(wide, 9U), 20 - wide, 20 + wide, 5, 16}.has(c, r, k);
   });
   // A funnel.
   stays([](auto c, auto r, auto k) {
     const std::uint32_t wide = k < 5 ? 0 : std::min(k - 4, 12U);
-    return block(c, r, k) && !in_box(c, r, k, 35 - wide, 35 + wide, 20 - wide, 20 + wide, 5, 20);
+    return block(c, r, k) && !Block{35 - wide, 35 + wide, 20 - wide, 20 + wide, 5, 20}.has(c, r, k);
   });
 }
 
 TEST(LayerFeatures, KeepsNeedlesAndShaftsOfManyVoxels) {
-  const Solid solid = [](auto c, auto r, auto k) {
-    return (block(c, r, k) && !in_box(c, r, k, 20, 24, 15, 19, 3, 20)) || in_box(c, r, k, 40, 44, 15, 19, 20, 30);
+  const Inside solid = [](auto c, auto r, auto k) {
+    return (block(c, r, k) && !Block{20, 24, 15, 19, 3, 20}.has(c, r, k)) || Block{40, 44, 15, 19, 20, 30}.has(c, r, k);
   };
   Voxels voxels(solid);
   const FeatureLimits limits{40, 150};  // the needle has 160 voxels, the shaft 272
@@ -154,7 +122,9 @@ TEST(LayerFeatures, KeepsNeedlesAndShaftsOfManyVoxels) {
 }
 
 TEST(LayerFeatures, GivesTheArenaBackAndLeavesAloneWhereItHasNoRoom) {
-  const Solid dented = [](auto c, auto r, auto k) { return block(c, r, k) && !in_box(c, r, k, 20, 24, 15, 19, 5, 9); };
+  const Inside dented = [](auto c, auto r, auto k) {
+    return block(c, r, k) && !Block{20, 24, 15, 19, 5, 9}.has(c, r, k);
+  };
   Voxels voxels(dented);
   Arena& arena = *voxels.block;
   const std::size_t top = arena.top_used();
@@ -256,7 +226,7 @@ TEST(RRepEdit, TogglesAsASetOfVoxelsWould) {
   for (int round = 0; round < 20; ++round) {
     std::vector<bool> on(std::size_t{kLayers} * kRows * kColumns);
     for (auto&& voxel : on) voxel = random.below(4) == 0;
-    const Solid solid = [&](auto c, auto r, auto k) { return on[(std::size_t{k} * kRows + r) * kColumns + c]; };
+    const Inside solid = [&](auto c, auto r, auto k) { return on[(std::size_t{k} * kRows + r) * kColumns + c]; };
     Voxels voxels(solid);
     std::vector<RRepToggle> toggles;
     for (std::uint32_t n = random.below(500); n > 0; --n) {
@@ -273,16 +243,11 @@ TEST(RRepEdit, TogglesAsASetOfVoxelsWould) {
     }
     ASSERT_TRUE(toggle_crossings(voxels.rrep, toggles, *voxels.block).has_value());
     EXPECT_TRUE(voxels.equals(solid));
-    for (std::uint32_t k = 0; k < kLayers; ++k) {
-      for (std::uint32_t i = voxels.rrep.first[k] + 1; i < voxels.rrep.first[k + 1]; ++i) {
-        EXPECT_LT(voxels.rrep.pixel[i - 1], voxels.rrep.pixel[i]);
-      }
-    }
   }
 }
 
 TEST(RRepEdit, TrimsEmptyLayersBelowTheObject) {
-  const Solid wanted = [](auto c, auto r, auto k) { return in_box(c, r, k, 10, 60, 5, 35, 0, 12); };
+  const Inside wanted = [](auto c, auto r, auto k) { return Block{10, 60, 5, 35, 0, 12}.has(c, r, k); };
   Voxels voxels([&](auto c, auto r, auto k) { return k >= 7 && wanted(c, r, k - 7); });
   EXPECT_EQ(trim_below(voxels.rrep), 7U);
   EXPECT_EQ(voxels.rrep.grid.layers, kLayers - 7);

@@ -8,41 +8,24 @@
 #include <cstring>
 #include <functional>
 #include <optional>
-#include <random>
 #include <vector>
+
+#include "tests/slicer/support/arena_block.hpp"
+#include "tests/slicer/support/scan_cloud.hpp"
 
 namespace plumbline {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-constexpr double kGoldenAngle = 2.39996322972865332;
+using namespace testing;
+using ::testing::HasSubstr;
 
-/// A point of a surface whose normal is known by a formula.
-struct Sample {
-  Vec3d position;
-  Vec3d outward;
-  bool has_normal = false;
-};
-using Surface = std::vector<Sample>;
-
-Surface sphere(std::uint32_t points, double radius, const Vec3d& centre) {
+/// At random: no two points are like their neighbours.
+Surface scattered_torus(std::uint32_t points, double ring, double tube) {
+  Random random(7);
   Surface surface;
   for (std::uint32_t i = 0; i < points; ++i) {
-    const double z = 1 - 2 * (i + 0.5) / points;
-    const double r = std::sqrt(1 - z * z);
-    const Vec3d n(r * std::cos(kGoldenAngle * i), r * std::sin(kGoldenAngle * i), z);
-    surface.push_back({centre + radius * n, n});
-  }
-  return surface;
-}
-
-Surface torus(std::uint32_t points, double ring, double tube) {
-  std::mt19937 random(7);
-  std::uniform_real_distribution<double> angle(0, 2 * kPi);
-  Surface surface;
-  for (std::uint32_t i = 0; i < points; ++i) {
-    const double u = angle(random);
-    const double v = angle(random);
+    const double u = random.uniform(0, 2 * kPi);
+    const double v = random.uniform(0, 2 * kPi);
     const Vec3d n(std::cos(u) * std::cos(v), std::sin(u) * std::cos(v), std::sin(v));
     surface.push_back({Vec3d(ring * std::cos(u), ring * std::sin(u), 0) + tube * n, n});
   }
@@ -50,25 +33,9 @@ Surface torus(std::uint32_t points, double ring, double tube) {
 }
 
 /// A box round the origin; every face is a square lattice of the given step that keeps half a step from the edges.
-Surface box(const Vec3d& half, double step) {
-  Surface surface;
-  for (int axis = 0; axis < 3; ++axis) {
-    const int a = (axis + 1) % 3;
-    const int b = (axis + 2) % 3;
-    for (const double side : {-1.0, 1.0}) {
-      for (double u = -half[a] + step / 2; u < half[a]; u += step) {
-        for (double v = -half[b] + step / 2; v < half[b]; v += step) {
-          Sample s{Vec3d::Zero(), Vec3d::Zero()};
-          s.position[axis] = side * half[axis];
-          s.position[a] = u;
-          s.position[b] = v;
-          s.outward[axis] = side;
-          surface.push_back(s);
-        }
-      }
-    }
-  }
-  return surface;
+Surface centred_box(const Vec3d& half, double step) {
+  Random unused(1);
+  return box(-half, half, step, 0, unused);
 }
 
 /// A height field over [-1, 1]^2 as a scanner above it sees it: one side only.
@@ -93,14 +60,13 @@ Surface operator+(Surface a, const Surface& b) {
 }
 
 Surface with_noise(Surface surface, double deviation) {
-  std::mt19937 random(11);
-  std::normal_distribution<double> noise(0, deviation);
-  for (Sample& s : surface) s.position += Vec3d(noise(random), noise(random), noise(random));
+  Random random(11);
+  add_noise(surface, deviation, 0, random);
   return surface;
 }
 
 Surface mirrored_normals(Surface surface) {
-  for (Sample& s : surface) s.outward = -s.outward;
+  for (SurfacePoint& p : surface) p.normal = -p.normal;
   return surface;
 }
 
@@ -109,21 +75,18 @@ class NormalsTest : public ::testing::Test {
  protected:
   void SetUp() override { omp_set_num_threads(2); }
 
-  void load(const Surface& surface) {
-    block_.assign(std::size_t{200} * surface.size() + (std::size_t{1} << 20), std::byte{0});
+  /// @param known  whether the scan has the normal of a point; empty: of none
+  void load(const Surface& surface, const std::vector<bool>& known = {}) {
+    block_.assign(std::size_t{200} * surface.size() + kMiB, std::byte{0});
     arena_.emplace(block_);
-    const auto size = static_cast<std::uint32_t>(surface.size());
-    cloud_ = Cloud::create(size, *arena_).value();
-    cloud_.size = size;
-    for (std::uint32_t i = 0; i < size; ++i) {
-      cloud_.position[i] = surface[i].position.cast<float>();
-      cloud_.normal[i] = PackedNormal{};
-      if (surface[i].has_normal) cloud_.normal[i].set(surface[i].outward.cast<float>());
+    cloud_ = cloud_of(surface, *arena_);
+    for (std::uint32_t i = 0; i < cloud_.size; ++i) {
+      if (known.empty() || !known[i]) cloud_.normal[i] = PackedNormal{};
     }
-    tree_ = KdTree3::build(cloud_.positions(), *arena_, "test").value();
+    tree_ = value_of(KdTree3::build(cloud_.positions(), *arena_, "test"));
     surface_.clear();
     for (const std::uint32_t i : tree_.order()) surface_.push_back(surface[i]);
-    ASSERT_TRUE(cloud_.reorder(tree_.order(), *arena_).has_value());
+    check(cloud_.reorder(tree_.order(), *arena_));
     tree_.adopt_order();
   }
 
@@ -136,7 +99,7 @@ class NormalsTest : public ::testing::Test {
     return *filled;
   }
 
-  double cosine(std::uint32_t i) const { return cloud_.normal[i].unpack().cast<double>().dot(surface_[i].outward); }
+  double cosine(std::uint32_t i) const { return cloud_.normal[i].unpack().cast<double>().dot(surface_[i].normal); }
   std::uint32_t facing_the_wrong_way() const {
     std::uint32_t wrong = 0;
     for (std::uint32_t i = 0; i < cloud_.size; ++i) wrong += cosine(i) > 0 ? 0U : 1U;
@@ -176,20 +139,20 @@ TEST_F(NormalsTest, OfASphereFaceOutwards) {
 }
 
 TEST_F(NormalsTest, OfATorusFaceOutwardsOnItsInnerSideToo) {
-  load(torus(20000, 10, 4));
+  load(scattered_torus(20000, 10, 4));
   estimate();
   EXPECT_EQ(facing_the_wrong_way(), 0U);
   EXPECT_LT(mean_degrees(), 3.0);
 }
 
 TEST_F(NormalsTest, OfABoxFaceOutwardsAcrossItsEdges) {
-  load(box(Vec3d(5, 4, 3), 0.1));
+  load(centred_box(Vec3d(5, 4, 3), 0.1));
   estimate();
   EXPECT_EQ(facing_the_wrong_way(), 0U);
 }
 
 TEST_F(NormalsTest, OfAThinSheetFaceAwayFromEachOtherOnItsTwoSides) {
-  load(box(Vec3d(5, 4, 0.25), 0.1));
+  load(centred_box(Vec3d(5, 4, 0.25), 0.1));
   estimate();
   EXPECT_EQ(facing_the_wrong_way(), 0U);
 }
@@ -208,7 +171,7 @@ TEST_F(NormalsTest, OfAHollowFaceIntoIt) {
 
 TEST_F(NormalsTest, OfPatchesWithGapsBetweenThemFaceTheSameWayAsTheWhole) {
   Surface patches;
-  for (const Sample& s : sphere(40000, 10, Vec3d(0, 0, 0))) {
+  for (const SurfacePoint& s : sphere(40000, 10, Vec3d(0, 0, 0))) {
     const bool gap = std::abs(std::fmod(std::abs(s.position[0]) + 1, 4.0)) < 0.6 || std::abs(s.position[2] - 2) < 0.4;
     if (!gap) patches.push_back(s);
   }
@@ -233,10 +196,13 @@ TEST_F(NormalsTest, OfANoisySphereFaceOutwardsThoughTheNoiseIsHalfTheSpacing) {
 }
 
 TEST_F(NormalsTest, OfStraysDoNotTurnTheObject) {
-  std::mt19937 random(3);
-  std::uniform_real_distribution<double> place(-100, 100);
+  Random random(3);
   Surface surface = sphere(20000, 10, Vec3d(0, 0, 0));
-  for (int i = 0; i < 400; ++i) surface.push_back({Vec3d(place(random), place(random), place(random)), Vec3d(0, 0, 1)});
+  for (int i = 0; i < 400; ++i) {
+    const double x = random.uniform(-100, 100);
+    const double y = random.uniform(-100, 100);
+    surface.push_back({Vec3d(x, y, random.uniform(-100, 100)), Vec3d(0, 0, 1)});
+  }
   load(surface);
   estimate();
   std::uint32_t wrong = 0;
@@ -249,9 +215,9 @@ TEST_F(NormalsTest, OfStraysDoNotTurnTheObject) {
 
 TEST_F(NormalsTest, ThatAreKnownAreKeptAndDecideForTheOthers) {
   // Inwards, against every rule of thumb; every tenth point says so.
-  Surface surface = mirrored_normals(sphere(10000, 10, Vec3d(0, 0, 0)));
-  for (std::size_t i = 0; i < surface.size(); i += 10) surface[i].has_normal = true;
-  load(surface);
+  std::vector<bool> known(10000);
+  for (std::size_t i = 0; i < known.size(); i += 10) known[i] = true;
+  load(mirrored_normals(sphere(10000, 10, Vec3d(0, 0, 0))), known);
   std::vector<PackedNormal> before(cloud_.normal.begin(), cloud_.normal.begin() + cloud_.size);
   EXPECT_EQ(estimate(), 9000U);
   EXPECT_EQ(facing_the_wrong_way(), 0U);
@@ -264,21 +230,20 @@ TEST_F(NormalsTest, ThatAreKnownAreKeptAndDecideForTheOthers) {
 
 TEST_F(NormalsTest, OfAFlatLidTakeTheirSideFromTheKnownOnesRoundTheGap) {
   Surface surface;
-  for (Sample s : box(Vec3d(5, 4, 3), 0.1)) {
-    const bool lid = s.outward[2] > 0.5;
-    if (lid && (std::abs(s.position[0]) > 4.5 || std::abs(s.position[1]) > 3.5)) continue;
-    s.has_normal = !lid;
-    surface.push_back(s);
+  std::vector<bool> known;
+  for (const SurfacePoint& p : centred_box(Vec3d(5, 4, 3), 0.1)) {
+    const bool lid = p.normal[2] > 0.5;
+    if (lid && (std::abs(p.position[0]) > 4.5 || std::abs(p.position[1]) > 3.5)) continue;
+    known.push_back(!lid);
+    surface.push_back(p);
   }
-  load(surface);
+  load(surface, known);
   EXPECT_GT(estimate(), 0U);
   EXPECT_EQ(facing_the_wrong_way(), 0U);
 }
 
 TEST_F(NormalsTest, AreNotTouchedWhereAllAreKnown) {
-  Surface surface = mirrored_normals(sphere(2000, 10, Vec3d(0, 0, 0)));
-  for (Sample& s : surface) s.has_normal = true;
-  load(surface);
+  load(mirrored_normals(sphere(2000, 10, Vec3d(0, 0, 0))), std::vector<bool>(2000, true));
   EXPECT_EQ(estimate(), 0U);
   EXPECT_EQ(facing_the_wrong_way(), 0U);
 }
@@ -299,8 +264,8 @@ TEST_F(NormalsTest, OfVeryFewPointsAreNoError) {
 }
 
 TEST_F(NormalsTest, AreTheSameBitsForAnyNumberOfThreads) {
-  const Surface surface =
-      with_noise(sphere(6000, 10, Vec3d(0, 0, 0)) + sphere(3000, 5, Vec3d(16, 0, 0)) + box(Vec3d(3, 2, 1), 0.2), 0.05);
+  const Surface surface = with_noise(
+      sphere(6000, 10, Vec3d(0, 0, 0)) + sphere(3000, 5, Vec3d(16, 0, 0)) + centred_box(Vec3d(3, 2, 1), 0.2), 0.05);
   std::vector<PackedNormal> first;
   for (const int threads : {1, 2, 3, 8}) {
     omp_set_num_threads(threads);
@@ -332,7 +297,7 @@ TEST_F(NormalsTest, SayThatTheArenaIsFull) {
     const auto filled = estimate_normals(cloud_, tree_, *arena_);
     if (filled) continue;  // a clean sphere is one sheet and needs less than planned
     EXPECT_EQ(filled.error().code(), ErrorCode::kOutOfMemory);
-    EXPECT_THAT(filled.error().message(), ::testing::HasSubstr("normals"));
+    EXPECT_THAT(filled.error().message(), HasSubstr("normals"));
     for (std::uint32_t i = 0; i < cloud_.size; ++i) cloud_.normal[i] = PackedNormal{};
   }
 }
