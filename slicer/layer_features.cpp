@@ -1,7 +1,6 @@
 #include "slicer/layer_features.hpp"
 
 #include <algorithm>
-#include <array>
 #include <utility>
 
 #include "slicer/layer_regions.hpp"
@@ -13,9 +12,12 @@ namespace {
 
 constexpr const char* kStage = "layer features";
 
-/// Of what the arena has left, for the features; the rest is for their voxels.
-constexpr std::size_t kShareOfArena = 4;
-constexpr std::size_t kMostRuns = std::size_t{1} << 20;
+/// Room a row of the grid, for the small regions of all layers and for the runs that they are made of. Scans of the suite
+/// and raw ones have up to 2.1 and 18.1 a row.
+constexpr std::size_t kRegionsPerRow = 16;
+constexpr std::size_t kRunsPerRow = 128;
+/// Toggles a row that are made at once; of more, one batch after the other. They fit where the two layers were.
+constexpr std::size_t kTogglesPerRow = 256;
 
 /// The small regions of consecutive layers that touch; one node a region, joined as a disjoint set.
 struct Feature {
@@ -67,18 +69,37 @@ void for_each_contact(const LayerRegions& below, const LayerRegions& above, Use 
 
 /// One layer with what is known of its regions.
 struct Layer {
+  static std::size_t most_regions(std::uint32_t rows) { return std::size_t{rows} * LayerRegions::kRunsPerRow + 1; }
+  static std::size_t bytes_needed(std::uint32_t rows) {
+    return LayerRegions::bytes_needed(rows) + Arena::rounded(most_regions(rows) * sizeof(std::uint32_t)) +
+           Arena::rounded(most_regions(rows) * sizeof(Contact));
+  }
+  static Expected<Layer> create(const PrintGrid& grid, Arena& arena);
+
   LayerRegions regions;
   std::span<std::uint32_t> feature;  ///< by region, kNone: not small
   std::span<Contact> contact;        ///< by region, with the layer it is compared with
   std::uint32_t small = 0;           ///< regions
 };
 
+Expected<Layer> Layer::create(const PrintGrid& grid, Arena& arena) {
+  auto regions = LayerRegions::create(grid.columns, grid.rows, arena);
+  if (!regions) return tl::unexpected<Error>(regions.error());
+  auto feature = arena.take_top<std::uint32_t>(most_regions(grid.rows), kStage);
+  if (!feature) return tl::unexpected<Error>(feature.error());
+  auto contact = arena.take_top<Contact>(most_regions(grid.rows), kStage);
+  if (!contact) return tl::unexpected<Error>(contact.error());
+  return Layer{*regions, *feature, *contact, 0};
+}
+
 class Sweep {
  public:
   static Expected<Sweep> create(const RRep& rrep, const FeatureLimits& limits, Arena& arena);
 
   /// Stops where the room does not suffice for all layers; what ends before that is complete.
-  void run();
+  /// @retval ErrorCode::kOutOfMemory  for the layers; nothing was looked at
+  Status run(Arena& arena);
+  /// Takes what run() has found out of `rrep`.
   Expected<FeatureCounts> edit(RRep& rrep, Arena& arena);
 
  private:
@@ -97,8 +118,6 @@ class Sweep {
 
   const RRep* rrep_ = nullptr;
   FeatureLimits limits_;
-  LayerStream stream_;
-  std::array<Layer, 2> layers_;
   std::span<Feature> features_;
   std::span<FeatureRun> runs_;
   std::uint32_t feature_count_ = 0;
@@ -109,26 +128,9 @@ Expected<Sweep> Sweep::create(const RRep& rrep, const FeatureLimits& limits, Are
   Sweep sweep;
   sweep.rrep_ = &rrep;
   sweep.limits_ = limits;
-  auto stream = LayerStream::create(rrep, arena);
-  if (!stream) return tl::unexpected<Error>(stream.error());
-  sweep.stream_ = *stream;
-  for (Layer& layer : sweep.layers_) {
-    auto regions = LayerRegions::create(rrep.grid.columns, rrep.grid.rows, arena);
-    if (!regions) return tl::unexpected<Error>(regions.error());
-    layer.regions = *regions;
-    const std::size_t most = std::size_t{rrep.grid.rows} * LayerRegions::kRunsPerRow + 1;
-    auto feature = arena.take_top<std::uint32_t>(most, kStage);
-    if (!feature) return tl::unexpected<Error>(feature.error());
-    layer.feature = *feature;
-    auto contact = arena.take_top<Contact>(most, kStage);
-    if (!contact) return tl::unexpected<Error>(contact.error());
-    layer.contact = *contact;
-  }
-  const std::size_t count =
-      std::min(kMostRuns, arena.available() / kShareOfArena / (sizeof(Feature) + sizeof(FeatureRun)));
-  auto features = arena.take_top<Feature>(count, kStage);
+  auto features = arena.take_top<Feature>(rrep.grid.rows * kRegionsPerRow, kStage);
   if (!features) return tl::unexpected<Error>(features.error());
-  auto runs = arena.take_top<FeatureRun>(count, kStage);
+  auto runs = arena.take_top<FeatureRun>(rrep.grid.rows * kRunsPerRow, kStage);
   if (!runs) return tl::unexpected<Error>(runs.error());
   sweep.features_ = *features;
   sweep.runs_ = *runs;
@@ -206,18 +208,29 @@ void Sweep::connect(Layer& below, Layer& above) {
   });
 }
 
-void Sweep::run() {
-  for (std::uint32_t k = 0; k < rrep_->grid.layers; ++k) {
-    Layer& below = layers_[(k + 1) % 2];
-    Layer& now = layers_[k % 2];
-    const ConstBitImage mask = stream_.mask(k);
-    if (!now.regions.label(mask) || !find_small(k, now, stream_.section())) {
-      // Who goes on into the layers that are not looked at must stay.
-      for (Feature& feature : features_.first(feature_count_)) features_[root(feature.parent)].continued = true;
-      return;
+Status Sweep::run(Arena& arena) {
+  // They stand on the crossings and on the features, which need their room when they are edited.
+  const ArenaScope scope(arena);
+  const std::size_t bottom = arena.bottom_mark();
+  auto stream = LayerStream::create(*rrep_, arena);
+  auto even = stream ? Layer::create(rrep_->grid, arena) : tl::unexpected<Error>(stream.error());
+  auto odd = even ? Layer::create(rrep_->grid, arena) : even;
+  std::uint32_t first_of_now = 0;  // feature of the layer, so that those of the two layers are known
+  for (std::uint32_t k = 0; odd && k < rrep_->grid.layers; ++k) {
+    Layer& below = k % 2 == 0 ? *odd : *even;
+    Layer& now = k % 2 == 0 ? *even : *odd;
+    const std::uint32_t first_of_below = std::exchange(first_of_now, feature_count_);
+    const ConstBitImage mask = stream->mask(k);
+    if (!now.regions.label(mask) || !find_small(k, now, stream->section())) {
+      // What may go on into the layers that are not looked at must stay.
+      for (std::uint32_t f = first_of_below; f < feature_count_; ++f) features_[root(f)].continued = true;
+      break;
     }
     if (k > 0 && below.small + now.small > 0) connect(below, now);
   }
+  arena.release_bottom(bottom);
+  if (!odd) return tl::unexpected<Error>(odd.error());
+  return {};
 }
 
 Expected<FeatureCounts> Sweep::edit(RRep& rrep, Arena& arena) {
@@ -228,35 +241,41 @@ Expected<FeatureCounts> Sweep::edit(RRep& rrep, Arena& arena) {
     ++(features_[f].white ? counts.islands : counts.holes);
     counts.voxels += features_[f].voxels;
   }
-  std::size_t toggles = 0;
-  for (const FeatureRun& run : runs_.first(run_count_)) {
-    if (removable(root(run.feature))) toggles += 2 * (std::size_t{1} + run.last - run.first);
-  }
-  auto block = arena.take_top<RRepToggle>(toggles, kStage);
+  auto block = arena.take_top<RRepToggle>(rrep.grid.rows * kTogglesPerRow, kStage);
   if (!block) return tl::unexpected<Error>(block.error());
-  std::size_t at = 0;
+  std::size_t toggles = 0;
+  const auto flush = [&] { return toggle_crossings(rrep, block->first(std::exchange(toggles, 0)), arena); };
   for (const FeatureRun& run : runs_.first(run_count_)) {
     if (!removable(root(run.feature))) continue;
     for (std::uint32_t c = run.first; c <= run.last; ++c) {
+      if (toggles + 2 > block->size()) PLUMBLINE_TRY(flush());
       const std::uint32_t pixel = run.row * rrep.grid.columns + c;
-      (*block)[at++] = {run.layer, pixel};
-      (*block)[at++] = {run.layer + 1, pixel};
+      (*block)[toggles++] = {run.layer, pixel};
+      (*block)[toggles++] = {run.layer + 1, pixel};
     }
   }
-  if (auto done = toggle_crossings(rrep, *block, arena); !done) return tl::unexpected<Error>(done.error());
+  PLUMBLINE_TRY(flush());
   return counts;
 }
 
 }  // namespace
 
+std::size_t layer_features_bytes(const PrintGrid& grid) {
+  const std::size_t rows = grid.rows;
+  const std::size_t found =
+      Arena::rounded(rows * kRegionsPerRow * sizeof(Feature)) + Arena::rounded(rows * kRunsPerRow * sizeof(FeatureRun));
+  const std::size_t looking = LayerStream::bytes_needed(grid, 0) + 2 * Layer::bytes_needed(grid.rows);
+  // A toggle may add a crossing before a later one takes it out.
+  const std::size_t editing = Arena::rounded(rows * kTogglesPerRow * sizeof(RRepToggle)) +
+                              Arena::rounded(rows * kTogglesPerRow * sizeof(std::uint32_t));
+  return found + std::max(looking, editing);
+}
+
 Expected<FeatureCounts> drop_small_features(RRep& rrep, const FeatureLimits& limits, Arena& arena) {
   const ArenaScope scope(arena);
-  // The stream of layers stands on the crossings, which need its room when they are edited.
-  const std::size_t bottom = arena.bottom_mark();
   auto sweep = Sweep::create(rrep, limits, arena);
-  if (sweep) sweep->run();
-  arena.release_bottom(bottom);
-  return sweep ? sweep->edit(rrep, arena) : FeatureCounts{};
+  if (!sweep || !sweep->run(arena)) return FeatureCounts{};
+  return sweep->edit(rrep, arena);
 }
 
 }  // namespace plumbline

@@ -21,6 +21,9 @@ struct FeatureCounts {
   std::uint64_t voxels = 0;   ///< of both
 };
 
+/// Bytes of arena beside the R-Rep that drop_small_features() takes.
+std::size_t layer_features_bytes(const PrintGrid& grid);
+
 /// Takes out the small islands and fills the small holes of the layers.
 ///
 /// A feature is what the small regions of consecutive layers make together. Where the scan has smoothed a crease, the
@@ -30,9 +33,10 @@ struct FeatureCounts {
 /// thing that grows and the bottom of a pit that widens, and everything of more voxels, so needles and shafts too.
 ///
 /// Works on the masks as they are shown, opened and closed, and edits the crossings.
+/// There is room for so many small regions; where a scan has more, the layers above stay as they are.
 /// @param rrep   the newest block at the bottom of the arena; its crossings may become more or fewer
-/// @param arena  scratch from the top, given back
-/// @retval ErrorCode::kOutOfMemory  the edited crossings do not fit; rrep is as before
+/// @param arena  layer_features_bytes() of scratch, given back
+/// @retval ErrorCode::kOutOfMemory  the edited crossings do not fit; some of the features may be gone
 [[nodiscard]] Expected<FeatureCounts> drop_small_features(RRep& rrep, const FeatureLimits& limits, Arena& arena);
 
 }  // namespace plumbline

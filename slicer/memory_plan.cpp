@@ -7,6 +7,7 @@
 #include "slicer/core/arena.hpp"
 #include "slicer/core/bit_image.hpp"
 #include "slicer/kd_tree.hpp"
+#include "slicer/layer_features.hpp"
 #include "slicer/layer_stream.hpp"
 #include "slicer/normals.hpp"
 #include "slicer/pieces.hpp"
@@ -72,7 +73,8 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
     store = store_bytes(*grid, yield);
     const std::size_t sorted = rrep_bytes(*grid, yield);
     // The store moves to the top of the arena first, so that it stands there twice for a moment.
-    set(Stage::kRRep, store + std::max({store, sorted, pieces_bytes(*grid, yield.rays, yield.crossings)}));
+    set(Stage::kRRep, std::max(store + std::max({store, sorted, pieces_bytes(*grid, yield.rays, yield.crossings)}),
+                               sorted + layer_features_bytes(*grid)));
     const std::uint32_t supports = most_supports(*grid);
     set(Stage::kSupports, sorted + find_supports_bytes(*grid));
     set(Stage::kLayers, sorted + supports * sizeof(Support) + LayerStream::bytes_needed(*grid, supports));

@@ -121,6 +121,53 @@ TEST(LayerFeatures, KeepsNeedlesAndShaftsOfManyVoxels) {
   EXPECT_TRUE(voxels.equals(solid));
 }
 
+/// A block as high as the grid, and full of cubic bubbles at this pitch.
+bool high_block(std::uint32_t c, std::uint32_t r, std::uint32_t k) {
+  return Block{1, kColumns - 1, 1, kRows - 1, 0, kLayers}.has(c, r, k);
+}
+Inside bubbly(std::uint32_t side, std::uint32_t pitch) {
+  return [=](auto c, auto r, auto k) {
+    // The last `side` of each pitch, in as many pitches as there are.
+    const auto hollow = [&](std::uint32_t at, std::uint32_t from, std::uint32_t to) {
+      return at >= from && (at - from) % pitch >= pitch - side && at - (at - from) % pitch + pitch < to;
+    };
+    return high_block(c, r, k) && !(hollow(c, 2, kColumns) && hollow(r, 2, kRows) && hollow(k, 0, kLayers));
+  };
+}
+
+TEST(LayerFeatures, FillsMoreVoxelsThanItTogglesAtOnce) {
+  Voxels voxels(bubbly(5, 8));
+  const auto counts = drop_small_features(voxels.rrep, kLimits, *voxels.block);
+  ASSERT_TRUE(counts.has_value());
+  EXPECT_EQ(counts->holes, 8U * 4 * 3);
+  EXPECT_EQ(counts->voxels, 8U * 4 * 3 * 125);
+  EXPECT_TRUE(voxels.equals(high_block));
+}
+
+TEST(LayerFeatures, LeavesTheLayersAsTheyAreFromWhereItHasNoRoomForMore) {
+  // 13 x 7 bubbles, each a region in three layers: more than there is room for when they come the third time.
+  const Inside all = bubbly(3, 5);
+  Voxels voxels(all);
+  const auto counts = drop_small_features(voxels.rrep, kLimits, *voxels.block);
+  ASSERT_TRUE(counts.has_value());
+  EXPECT_TRUE(counts->counted);
+  EXPECT_EQ(counts->holes, 13U * 7 * 2);
+  EXPECT_TRUE(voxels.equals([&](auto c, auto r, auto k) { return k < 10 ? high_block(c, r, k) : all(c, r, k); }));
+}
+
+TEST(LayerFeatures, TakeNoMoreOfTheArenaThanTheySay) {
+  for (const Inside& inside : {Inside(block), bubbly(5, 8), bubbly(3, 5)}) {
+    Voxels voxels(inside);
+    Arena& arena = *voxels.block;
+    const std::size_t before = arena.used();
+    arena.reset_peak();
+    ASSERT_TRUE(drop_small_features(voxels.rrep, kLimits, arena).has_value());
+    EXPECT_LE(arena.peak() - before, layer_features_bytes(voxels.rrep.grid));
+    EXPECT_GT(arena.peak() - before, layer_features_bytes(voxels.rrep.grid) / 2);
+    EXPECT_LE(arena.used(), before);
+  }
+}
+
 TEST(LayerFeatures, GivesTheArenaBackAndLeavesAloneWhereItHasNoRoom) {
   const Inside dented = [](auto c, auto r, auto k) {
     return block(c, r, k) && !Block{20, 24, 15, 19, 5, 9}.has(c, r, k);

@@ -103,8 +103,6 @@ TEST(MemoryPlan, HoldsForWhatTheStagesTake) {
       const auto stage = static_cast<Stage>(s);
       // Its store takes whatever is left, and gives back what no crossing took.
       if (stage == Stage::kRays) continue;
-      // Looks for small features in a share of what is free, and does without where that is too little.
-      if (stage == Stage::kRRep) continue;
       EXPECT_LE(report.peak_bytes[s], report.planned_bytes[s]) << to_string(stage);
     }
   }
