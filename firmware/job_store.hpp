@@ -33,6 +33,7 @@ struct JobFacts {
   std::uint64_t scan_hash = 0;     ///< of the file's bytes
   std::uint64_t printer_hash = 0;  ///< hash_of() of the board file's values
   std::uint64_t cured_pixels = 0;  ///< of all masks together
+  Distance cure_depth;             ///< under the light of a normal layer
   PrintPlan plan;
 };
 

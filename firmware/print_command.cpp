@@ -40,7 +40,7 @@ Expected<Printer> read_printer(const PrintOptions& options) {
 
 Status make_ready(const PrintOptions& options, const JobSetup& setup, const Printer& printer, PrintSession& session,
                   bool silent) {
-  if (options.resume) return session.load(printer.profile);
+  if (options.resume) return session.load();
   auto scan = FileSource::open(options.job.scan);
   PLUMBLINE_TRY(scan);
   SliceSettings settings;

@@ -33,8 +33,9 @@ Status PrintSession::slice_scan(ByteSource& scan, const SliceSettings& settings,
   facts_.profile = short_name(profile.name);
   facts_.scan_hash = source.hash();
   facts_.printer_hash = hash_of(board_);
+  facts_.cure_depth = cure_depth(profile, Irradiance(machine_.power_mw_cm2), plan->exposure);
   facts_.plan = *plan;
-  PLUMBLINE_TRY(make_ready(profile));
+  PLUMBLINE_TRY(make_ready());
   sweep();
   if (store_ == nullptr) return {};
   std::uint64_t job_hash = 0;
@@ -47,7 +48,7 @@ Status PrintSession::slice_scan(ByteSource& scan, const SliceSettings& settings,
   return {};
 }
 
-Status PrintSession::load(const PrintProfile& profile) {
+Status PrintSession::load() {
   auto job = store_->load(arena_);
   PLUMBLINE_TRY(job);
   if (job->facts.printer_hash != hash_of(board_)) {
@@ -69,7 +70,7 @@ Status PrintSession::load(const PrintProfile& profile) {
         "the print anew");
   }
   journal_ = *journal;
-  PLUMBLINE_TRY(make_ready(profile));
+  PLUMBLINE_TRY(make_ready());
   first_layer_pixels_ = stream_->mask(0).count();
   return {};
 }
@@ -84,7 +85,7 @@ Status PrintSession::add_supports(const SupportSettings& settings, ProgressSink*
 }
 
 /// What slicing and loading have in common: streams and room for the report.
-Status PrintSession::make_ready(const PrintProfile& profile) {
+Status PrintSession::make_ready() {
   auto stream = LayerStream::create(rrep_, arena_, &supports_);
   PLUMBLINE_TRY(stream);
   stream_ = *stream;
@@ -98,7 +99,6 @@ Status PrintSession::make_ready(const PrintProfile& profile) {
   const auto scratch = arena_.take_bottom<nanoseconds>(exposures, "report");
   PLUMBLINE_TRY(scratch);
   scratch_ = *scratch;
-  cure_depth_ = cure_depth(profile, Irradiance(machine_.power_mw_cm2), facts_.plan.exposure);
   return {};
 }
 
@@ -132,7 +132,7 @@ const PrintReport& PrintSession::print(Machine& machine, PrintObserver& observer
   settings.pixel_ml = pixel_ml();
   settings.cured_pixels = facts_.cured_pixels;
   settings.first_layer_pixels = first_layer_pixels_;
-  settings.cure_depth = cure_depth_;
+  settings.cure_depth = facts_.cure_depth;
   settings.memory_needed = arena_.used();
   settings.memory_budget = arena_.capacity();
   job_.emplace(machine, settings, *masks_, journal_ ? &*journal_ : nullptr, lines_, observer);

@@ -53,7 +53,7 @@ class PrintSession {
   /// Takes up the print that was interrupted.
   /// @retval any error of JobStore::load() and Journal::open()
   /// @retval ErrorCode::kUnsupported  it was made for another printer
-  [[nodiscard]] Status load(const PrintProfile& profile);
+  [[nodiscard]] Status load();
 
   /// Prints. slice_scan() or load() have been called, once. A print that ends for good is removed from the store.
   const PrintReport& print(Machine& machine, PrintObserver& observer);
@@ -72,7 +72,7 @@ class PrintSession {
   double pixel_ml() const;
 
  private:
-  [[nodiscard]] Status make_ready(const PrintProfile& profile);
+  [[nodiscard]] Status make_ready();
   [[nodiscard]] Status add_supports(const SupportSettings& settings, ProgressSink* progress);
   void sweep();
 
@@ -96,7 +96,6 @@ class PrintSession {
   std::span<ExposureLine> lines_;
   std::span<nanoseconds> scratch_;
   std::uint64_t first_layer_pixels_ = 0;
-  Distance cure_depth_;
   std::optional<PrintJob> job_;
   std::span<const ExposureLine> exposures_;
 };

@@ -1,0 +1,19 @@
+/// The program `plumblined`: owns the arena and calls the rest.
+
+#include <cstddef>
+
+#include "firmware/daemon_command_line.hpp"
+#include "slicer/core/arena.hpp"
+
+namespace {
+
+constexpr std::size_t kArenaBytes = std::size_t{PLUMBLINE_ARENA_MIB} * 1024 * 1024;
+
+/// All the memory that slicing and printing have. In .bss: what is not touched costs nothing.
+alignas(plumbline::Arena::kAlignment) std::byte arena_block[kArenaBytes];
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return static_cast<int>(plumbline::run_daemon_command_line(argc, argv, arena_block));
+}

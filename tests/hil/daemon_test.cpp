@@ -1,0 +1,202 @@
+/// The daemon on the plant: sticks, choices, interrupted prints, the same memory again and again.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/hil/session_rig.hpp"
+
+namespace plumbline {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using enum PrintState;
+
+TEST(Daemon, PrintsTheOnlyScanOnAStickAndIsReadyForTheNext) {
+  DaemonRig rig;
+  rig.put_scan("ball.ply");
+  rig.user.on_words.emplace("ready", [&] {
+    if (rig.user.reports.empty()) rig.plant.plug_stick(rig.stick());
+  });
+  rig.user.on_printed = [&] { rig.plant.press(EventKind::kShutdownRequested); };
+  ASSERT_TRUE(rig.run());
+  ASSERT_EQ(rig.user.reports.size(), 1U);
+  EXPECT_EQ(rig.user.reports[0].state, kFinished) << rig.user.reports[0].fault_message.c_str();
+  EXPECT_THAT(rig.user.scans, ElementsAre("ball.ply"));
+  EXPECT_THAT(rig.user.profiles, ElementsAre("standard"));
+  EXPECT_THAT(rig.user.said,
+              ElementsAre("ready", HasSubstr("reading ball.ply"), "the stick may be pulled", "ready", "shut down"));
+  EXPECT_EQ(rig.arena.used(), 0U);
+}
+
+TEST(Daemon, StickMayLeaveWhenTheScanHasBeenRead) {
+  DaemonRig rig;
+  rig.put_scan("ball.ply");
+  rig.plant.plug_stick(rig.stick());
+  rig.plant.inject(parse_fault("stick.pulled@layer=3").value());
+  rig.user.on_printed = [&] { rig.plant.press(EventKind::kShutdownRequested); };
+  ASSERT_TRUE(rig.run());
+  ASSERT_EQ(rig.user.reports.size(), 1U);
+  EXPECT_EQ(rig.user.reports[0].state, kFinished);
+}
+
+TEST(Daemon, StickPulledWhileItIsReadLeavesAClearStateAndTheNextIsPrinted) {
+  auto settings = session_plant();
+  settings.stick_bytes_per_second = 2e4;  // some 100 kB take 5 s
+  DaemonRig rig(settings);
+  rig.put_scan("ball.ply");
+  rig.plant.plug_stick(rig.stick());
+  rig.plant.timeline().at(TimePoint() + 2s, [&] { rig.plant.pull_stick(); });
+  rig.user.on_words.emplace("PL-107", [&] {
+    EXPECT_EQ(rig.arena.used(), 0U);
+    rig.plant.plug_stick(rig.stick());
+  });
+  rig.user.on_printed = [&] { rig.plant.press(EventKind::kShutdownRequested); };
+  ASSERT_TRUE(rig.run());
+  EXPECT_THAT(rig.user.said, Contains(HasSubstr("PL-107, stick pulled")));
+  ASSERT_EQ(rig.user.reports.size(), 1U);
+  EXPECT_EQ(rig.user.reports[0].state, kFinished);
+}
+
+TEST(Daemon, DoesWhatTheJobFileSays) {
+  DaemonRig rig;
+  rig.put_scan("a.ply");
+  rig.put_scan("b.ply");
+  write_text(rig.stick() + "/job.toml",
+             "[job]\nscan = 'b.ply'\nprofile = 'draft'\n[placement]\nscale = 1.5\nlayer_height = 0.2\n");
+  rig.plant.plug_stick(rig.stick());
+  rig.user.on_printed = [&] { rig.plant.press(EventKind::kShutdownRequested); };
+  ASSERT_TRUE(rig.run());
+  EXPECT_THAT(rig.user.scans, ElementsAre("b.ply"));
+  EXPECT_THAT(rig.user.profiles, ElementsAre("draft"));
+  EXPECT_EQ(rig.user.reports.at(0).layers, 30U) << "a ball of 6 mm";
+}
+
+TEST(Daemon, SaysWhatIsWrongInAJobFileAndStaysReady) {
+  DaemonRig rig;
+  rig.put_scan("a.ply");
+  write_text(rig.stick() + "/job.toml", "[job]\nscan = 'a.ply'\nscael = 2\n");
+  rig.plant.plug_stick(rig.stick());
+  rig.user.on_words.emplace("PL-106", [&] { rig.plant.press(EventKind::kShutdownRequested); });
+  ASSERT_TRUE(rig.run());
+  EXPECT_THAT(rig.user.said, Contains(HasSubstr("job.toml:3: [job] scael: unknown key")));
+  EXPECT_EQ(rig.fault, FaultCode::kBadSetting);
+}
+
+TEST(Daemon, LetsTheUserChooseAmongScansWithTheButtons) {
+  DaemonRig rig;
+  for (const char* name : {"c.ply", "a.ply", "b.PLY", ".hidden.ply", "notes.md"}) rig.put_scan(name);
+  rig.plant.plug_stick(rig.stick());
+  rig.user.on_words.emplace("scan 1 of 3: a.ply", [&] { rig.plant.press(EventKind::kPausePressed); });
+  rig.user.on_words.emplace("scan 2 of 3: b.PLY", [&] { rig.plant.press(EventKind::kStartPressed); });
+  rig.user.on_printed = [&] { rig.plant.press(EventKind::kShutdownRequested); };
+  ASSERT_TRUE(rig.run());
+  EXPECT_THAT(rig.user.scans, ElementsAre("b.PLY"));
+}
+
+TEST(Daemon, GivesUpAChoiceAndAScanThatCannotBeRead) {
+  DaemonRig rig;
+  rig.put_scan("a.ply");
+  rig.put_scan("b.ply");
+  rig.plant.plug_stick(rig.stick());
+  rig.user.on_words.emplace("scan 1 of 2", [&] { rig.plant.press(EventKind::kCancelPressed); });
+  rig.user.on_words.emplace("cancelled; ready", [&] {
+    rig.plant.pull_stick();
+    std::filesystem::remove(rig.stick() + "/a.ply");
+    write_text(rig.stick() + "/b.ply", "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nend_header\n1\n");
+    rig.plant.plug_stick(rig.stick());
+  });
+  rig.user.on_words.emplace("PL-102", [&] { rig.plant.press(EventKind::kShutdownRequested); });
+  ASSERT_TRUE(rig.run());
+  EXPECT_TRUE(rig.user.reports.empty());
+  EXPECT_EQ(rig.fault, FaultCode::kNotAScan);
+  EXPECT_EQ(rig.arena.used(), 0U);
+}
+
+TEST(Daemon, EmptyStickIsSaid) {
+  DaemonRig rig;
+  rig.plant.plug_stick(rig.stick());
+  rig.user.on_words.emplace("PL-103", [&] { rig.plant.press(EventKind::kShutdownRequested); });
+  ASSERT_TRUE(rig.run());
+  EXPECT_THAT(rig.user.said, Contains(HasSubstr("no scan on the stick")));
+}
+
+TEST(Daemon, GoesOnWithAPrintAfterAPowerCutWithoutItsStick) {
+  // The masks of an undisturbed print.
+  std::vector<std::uint64_t> whole;
+  {
+    DaemonRig rig;
+    rig.put_scan("ball.ply");
+    rig.plant.plug_stick(rig.stick());
+    rig.user.on_printed = [&] { rig.plant.press(EventKind::kShutdownRequested); };
+    ASSERT_TRUE(rig.run());
+    whole = rig.user.hashes.at(0);
+  }
+  auto settings = session_plant();
+  settings.faults.push_back(parse_fault("power.cut@layer=12+1s").value());
+  DaemonRig rig(settings);
+  rig.put_scan("ball.ply");
+  rig.plant.plug_stick(rig.stick());
+  static_cast<void>(rig.run());
+  ASSERT_EQ(rig.user.reports.size(), 1U);
+  EXPECT_EQ(rig.user.reports[0].state, kSuspended);
+
+  rig.plant.restore_power();
+  rig.plant.pull_stick();
+  rig.user.on_words.emplace("an interrupted print can go on", [&] { rig.plant.press(EventKind::kStartPressed); });
+  rig.user.on_printed = [&] { rig.plant.press(EventKind::kShutdownRequested); };
+  ASSERT_TRUE(rig.run());
+  ASSERT_EQ(rig.user.reports.size(), 2U);
+  EXPECT_EQ(rig.user.reports[1].state, kFinished) << rig.user.reports[1].fault_message.c_str();
+  EXPECT_EQ(rig.user.reports[1].first_layer, 12U);
+  EXPECT_EQ(rig.user.hashes[1], std::vector<std::uint64_t>(whole.begin() + 12, whole.end()));
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(rig.folder / "state"), {}), 0) << "it is over for good";
+}
+
+TEST(Daemon, SaysThatAJournalIsDamagedAndDoesNotFollowIt) {
+  auto settings = session_plant();
+  settings.faults.push_back(parse_fault("power.cut@layer=12").value());
+  DaemonRig rig(settings);
+  rig.put_scan("ball.ply");
+  rig.plant.plug_stick(rig.stick());
+  static_cast<void>(rig.run());
+  rig.plant.restore_power();
+  rig.plant.pull_stick();
+  const std::string path = (rig.folder / "state") + "/journal";
+  auto journal = read_text(path);
+  journal[5 * Journal::kRecordBytes + 20] ^= 1;
+  write_text(path, journal);
+  const auto lights = rig.plant.lights().size();
+  int asked = 0;
+  rig.user.on_words.emplace("an interrupted print can go on", [&] {
+    rig.plant.press(asked++ == 0 ? EventKind::kStartPressed : EventKind::kCancelPressed);
+  });
+  rig.user.on_words.emplace("PL-120", [&] { rig.plant.press(EventKind::kStartPressed); });
+  ASSERT_TRUE(rig.run());
+  EXPECT_THAT(rig.user.said, Contains(HasSubstr("PL-120, journal damaged")));
+  EXPECT_EQ(rig.plant.lights().size(), lights) << "nothing was lit";
+  EXPECT_EQ(rig.user.reports.size(), 1U);
+  EXPECT_FALSE(std::filesystem::exists(path)) << "the user gave it up";
+}
+
+TEST(Daemon, PrintsTenJobsInTheSameMemory) {
+  DaemonRig rig;
+  rig.put_scan("ball.ply", 1, 3000);
+  rig.plant.plug_stick(rig.stick());
+  std::vector<std::size_t> peaks;
+  rig.user.on_printed = [&] {
+    peaks.push_back(rig.arena.peak());
+    EXPECT_EQ(rig.arena.used(), 0U);
+    rig.arena.reset_peak();
+    rig.plant.press(rig.user.reports.size() < 10 ? EventKind::kStartPressed : EventKind::kShutdownRequested);
+  };
+  ASSERT_TRUE(rig.run());
+  ASSERT_EQ(rig.user.reports.size(), 10U);
+  for (const auto& hashes : rig.user.hashes) EXPECT_EQ(hashes, rig.user.hashes[0]);
+  for (const auto peak : peaks) EXPECT_EQ(peak, peaks[0]);
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,125 @@
+#pragma once
+/// A whole printer: scan, memory, state folder, plant. For sessions and the daemon.
+
+#include <gtest/gtest.h>
+#include <omp.h>
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "firmware/print_session.hpp"
+#include "firmware/printer_daemon.hpp"
+#include "hal/sim/sim_machine.hpp"
+#include "tests/firmware/job_fixture.hpp"
+#include "tests/hil/rig.hpp"
+
+namespace plumbline {
+
+inline BoardFile session_board() {
+  BoardFile board = read_board_file(PLUMBLINE_SOURCE_DIR "/board/sim2k.toml").value();
+  board.columns = kRigColumns;
+  board.rows = kRigRows;
+  board.pixel_pitch_x_mm = kRigPitchMm;
+  board.pixel_pitch_y_mm = kRigPitchMm;
+  return board;
+}
+
+/// What the daemon says and does, with a user who acts when nothing is printed.
+class ScriptedUser final : public DaemonObserver {
+ public:
+  explicit ScriptedUser(Plant& plant) : plant_(plant) {}
+
+  void say(std::string_view text) override {
+    said.emplace_back(text);
+    for (const auto& [word, action] : on_words) {
+      if (text.find(word) != std::string_view::npos) todo_.push_back(action);
+    }
+  }
+  bool update(const PrintStatus& status) override {
+    states.push_back(status.state);
+    return true;
+  }
+  void checked(Check /*check*/, const CheckResult& /*result*/) override {}
+  void printed(const PrintReport& report, const PrintSession& session, const PrintProfile& profile) override {
+    reports.push_back(report);
+    profiles.push_back(profile.name);
+    scans.emplace_back(view(session.facts().scan));
+    hashes.emplace_back();
+    for (const auto& line : report.exposures) hashes.back().push_back(line.mask_hash);
+    if (on_printed) todo_.push_back(on_printed);
+  }
+  void idle() override {
+    const auto todo = std::exchange(todo_, {});
+    for (const auto& action : todo) action();
+    if (++idle_turns > 20'000) plant_.press(EventKind::kShutdownRequested);  // an hour: the script is at its end
+  }
+
+  std::multimap<std::string, std::function<void()>> on_words;
+  std::function<void()> on_printed;
+  std::vector<std::string> said;
+  std::vector<PrintState> states;
+  std::vector<PrintReport> reports;
+  std::vector<std::string> profiles;
+  std::vector<std::string> scans;
+  std::vector<std::vector<std::uint64_t>> hashes;
+  int idle_turns = 0;
+
+ private:
+  Plant& plant_;
+  std::vector<std::function<void()>> todo_;
+};
+
+inline PlantSettings session_plant() {
+  PlantSettings settings = rig_plant();
+  settings.keep_part = false;
+  return settings;
+}
+
+/// A stick is a folder below `folder`; the state is another.
+class DaemonRig {
+ public:
+  explicit DaemonRig(const PlantSettings& settings = session_plant(), std::size_t arena_bytes = std::size_t{24} << 20U)
+      : plant(settings), user(plant), block_(arena_bytes), arena(std::span(block_)) {
+    omp_set_num_threads(1);
+    std::filesystem::create_directory(stick());
+  }
+
+  std::string stick() const { return folder / "stick"; }
+  void put_scan(const std::string& name, double radius_mm = 2, std::uint32_t points = 4000) const {
+    write_sphere_scan(stick() + "/" + name, points, radius_mm);
+  }
+
+  /// One life of the daemon.
+  Status run() {
+    auto store = JobStore::open(folder / "state");
+    EXPECT_TRUE(store) << store.error().message();
+    machine_.reset();
+    machine_.emplace(plant);
+    Machine machine = machine_->machine();
+    const DaemonSettings settings{session_board(), rig_machine(), PLUMBLINE_SOURCE_DIR "/board/sim2k.toml", 1};
+    PrinterDaemon daemon(machine, settings, arena, *store, user);
+    const auto served = daemon.run();
+    fault = daemon.fault();
+    return served;
+  }
+
+  TemporaryFolder folder;
+  Plant plant;
+  ScriptedUser user;
+  FaultCode fault = FaultCode::kNone;
+
+ private:
+  std::vector<std::byte> block_;
+
+ public:
+  Arena arena;
+
+ private:
+  std::optional<SimMachine> machine_;
+};
+
+}  // namespace plumbline
