@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <Eigen/LU>
 #include <fstream>
 
 #include "firmware/sample/analytic_bust.hpp"
