@@ -136,6 +136,11 @@ void add_print_options(CLI::App& app, PrintOptions& print) {
       ->type_name("FAULT")
       ->take_all()
       ->group(kSimulation);
+  app.add_option("--lamp-line", simulation.lamp_line,
+                 "Lamp line that plumbline-keeper lights as the simulated lamp is lit; file:PATH writes each change. "
+                 "Needs --speedup or --realtime")
+      ->type_name("LINE")
+      ->group(kSimulation);
   app.add_option("--keep-part", print.keep_part, "Write what was cured: layers, preview and manifest")
       ->type_name("DIR")
       ->group(kSimulation);
@@ -205,47 +210,35 @@ CLI::Option* add_job_options(CLI::App& app, JobOptions& job) {
   return scan;
 }
 
-/// `--supports`, and an option for each setting. What they say is known when the arguments have been parsed.
-class SupportOptions {
- public:
-  explicit SupportOptions(CLI::App& app) {
-    constexpr const char* kSupports = "Supports";
-    app.add_option("--supports", kind_, "none, or auto: below islands and overhangs, from the layers alone [none]")
-        ->type_name("KIND")
-        ->check(CLI::IsMember({"none", "auto"}).description(""))
+/// "--support-head-width" for support_head_width.
+std::string option_name(const SupportField& field) {
+  std::string name = "--" + std::string(field.key);
+  std::replace(name.begin(), name.end(), '_', '-');
+  return name;
+}
+
+/// `--supports`, and an option for each setting.
+/// @param otherwise   "[none]": what holds where the option is not given
+void add_support_options(CLI::App& app, SupportChoice& choice, const char* otherwise) {
+  constexpr const char* kSupports = "Supports";
+  app.add_option_function<std::string>(
+         "--supports", [&choice](const std::string& kind) { choice.enable = kind == "auto"; },
+         std::string("none, or auto: below islands and overhangs, from the layers alone ") + otherwise)
+      ->type_name("KIND")
+      ->check(CLI::IsMember({"none", "auto"}).description(""))
+      ->group(kSupports);
+  for (std::size_t i = 0; i < kSupportFields.size(); ++i) {
+    const SupportField& field = kSupportFields[i];
+    const std::string name = option_name(field);
+    char range[64];
+    std::snprintf(range, sizeof range, ", %g to %g %s [%g]", field.low, field.high, field.unit.data(),
+                  SupportSettings().*field.member);
+    app.add_option(name, choice.values[i], std::string(field.help) + range)
+        ->type_name(field.unit == "deg" ? "DEG" : "MM")
+        ->check(finite_range(field.low, field.high))
         ->group(kSupports);
-    for (std::size_t i = 0; i < kSupportFields.size(); ++i) {
-      const SupportField& field = kSupportFields[i];
-      std::string name = "--" + std::string(field.key);
-      std::replace(name.begin(), name.end(), '_', '-');
-      char range[64];
-      std::snprintf(range, sizeof range, ", %g to %g %s [%g]", field.low, field.high, field.unit.data(),
-                    settings_.*field.member);
-      options_[i] = app.add_option(name, settings_.*field.member, std::string(field.help) + range)
-                        ->type_name(field.unit == "deg" ? "DEG" : "MM")
-                        ->check(finite_range(field.low, field.high))
-                        ->group(kSupports);
-    }
   }
-
-  /// @throws CLI::ValidationError  settings that contradict each other, or that nothing uses
-  std::optional<SupportSettings> chosen() const {
-    if (kind_ == "auto") {
-      const auto good = check_support_settings(settings_);
-      if (!good) throw CLI::ValidationError(good.error().message());
-      return settings_;
-    }
-    for (const CLI::Option* option : options_) {
-      if (option->count() > 0) throw CLI::ValidationError(option->get_name() + " is for --supports auto");
-    }
-    return std::nullopt;
-  }
-
- private:
-  std::string kind_ = "none";
-  SupportSettings settings_;
-  std::array<CLI::Option*, kSupportFields.size()> options_ = {};
-};
+}
 
 }  // namespace
 
@@ -262,7 +255,8 @@ ExitCode run_command_line(int argc, char** argv, std::span<std::byte> arena_bloc
   slice_app->add_option("-o,--output", slice.output, "Directory for the layers; created if it is missing")
       ->required()
       ->type_name("OUT");
-  const SupportOptions supports(*slice_app);
+  SupportChoice slice_supports;
+  add_support_options(*slice_app, slice_supports, "[none]");
   bool no_preview = false;
   slice_app->add_flag("--no-preview", no_preview, "Do not draw preview.png");
 
@@ -276,10 +270,13 @@ ExitCode run_command_line(int argc, char** argv, std::span<std::byte> arena_bloc
   auto* print_app = app.add_subcommand("print", "Print a scan");
   print_app->footer(kPrintFooter);
   auto* print_scan = add_job_options(*print_app, print.job)->required(false);
-  const SupportOptions print_supports(*print_app);
+  add_support_options(*print_app, print.supports, "[as the profile has it]");
   add_print_options(*print_app, print);
   print_app->get_option("--printer")->required();
-  print_app->get_option("--resume")->excludes(print_scan)->excludes("--supports");
+  auto* resume = print_app->get_option("--resume")->excludes(print_scan)->excludes("--supports");
+  for (const SupportField& field : kSupportFields) {
+    resume->excludes(option_name(field));
+  }
 
   SampleOptions sample;
   const SampleSettings defaults;
@@ -299,8 +296,9 @@ ExitCode run_command_line(int argc, char** argv, std::span<std::byte> arena_bloc
 
   try {
     app.parse(argc, argv);
-    slice.supports = supports.chosen();
-    print.supports = print_supports.chosen();
+    const auto supports = slice_supports.over(false, {});
+    if (!supports) throw CLI::ValidationError(supports.error().message());
+    slice.supports = *supports;
   } catch (const CLI::ParseError& error) {
     const int status = app.exit(error);  // prints help, version, or what is wrong
     return status == 0 ? ExitCode::kDone : ExitCode::kUsageError;

@@ -9,7 +9,7 @@
 
 #include "firmware/back_end.hpp"
 #include "firmware/job_options.hpp"
-#include "slicer/supports/support_settings.hpp"
+#include "firmware/support_choice.hpp"
 
 namespace plumbline {
 
@@ -43,7 +43,7 @@ struct PrintOptions {
   std::string keep_part;  ///< folder for what a simulated printer has made; empty: none
   std::string report;     ///< file for the report as JSON; empty: none
   SimulationOptions simulation;
-  std::optional<SupportSettings> supports;  ///< none: no supports
+  SupportChoice supports;  ///< on top of the profile's
 };
 
 /// Each writes results to standard output, progress, warnings and errors to standard error.

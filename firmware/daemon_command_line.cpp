@@ -156,6 +156,10 @@ ExitCode run_daemon_command_line(int argc, char** argv, std::span<std::byte> are
       ->type_name("N")
       ->check(CLI::Range(0.1, 1e6).description(""))
       ->group(kSimulation);
+  app.add_option("--lamp-line", options.simulation.lamp_line,
+                 "Lamp line that plumbline-keeper lights as the simulated lamp is lit; file:PATH writes each change")
+      ->type_name("LINE")
+      ->group(kSimulation);
   app.add_option("--fault", options.simulation.faults, "What goes wrong, such as cover.opens@layer=40,for=5s")
       ->type_name("FAULT")
       ->take_all()

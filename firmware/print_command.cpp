@@ -41,6 +41,8 @@ Expected<Printer> read_printer(const PrintOptions& options) {
 Status make_ready(const PrintOptions& options, const JobSetup& setup, const Printer& printer, PrintSession& session,
                   bool silent) {
   if (options.resume) return session.load();
+  const auto supports = options.supports.over(printer.profile.supports_enable, printer.profile.supports);
+  PLUMBLINE_TRY(supports);
   auto scan = FileSource::open(options.job.scan);
   PLUMBLINE_TRY(scan);
   SliceSettings settings;
@@ -48,7 +50,7 @@ Status make_ready(const PrintOptions& options, const JobSetup& setup, const Prin
   settings.threads = setup.threads;
   ProgressLines lines;
   JobProgress progress(silent ? nullptr : &lines);
-  return session.slice_scan(*scan, settings, options.supports, printer.profile, &progress);
+  return session.slice_scan(*scan, settings, *supports, printer.profile, &progress);
 }
 
 Status write_results(const PrintOptions& options, const PrintOutcome& outcome) {

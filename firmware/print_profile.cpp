@@ -9,7 +9,7 @@ namespace {
 
 std::vector<SettingRule> rules_for(PrintProfile& p) {
   constexpr auto kOptional = Presence::kOptional;
-  return {
+  std::vector<SettingRule> rules = {
       {"profile", "name", TextSetting{&p.name}, 1, 63},
       {"resin", "penetration_depth", &p.penetration_depth, 0.01, 2, " mm"},
       {"resin", "critical_energy", &p.critical_energy, 0.1, 500, " mJ/cm2"},
@@ -32,7 +32,13 @@ std::vector<SettingRule> rules_for(PrintProfile& p) {
       {"print", "retract_speed2", &p.retract_speed2, 1, 1000, " mm/min"},
       {"print", "elefant_foot_compensation", &p.elefant_foot_compensation, 0, 1, " mm"},
       {"print", "pause_lift_height", &p.pause_lift_height, 1, 300, " mm"},
+      {"supports", "supports_enable", &p.supports_enable, 0, 0, "", kOptional},
   };
+  for (const SupportField& field : kSupportFields) {
+    rules.push_back({"supports", field.key, &(p.supports.*field.member), field.low, field.high,
+                     field.unit == "deg" ? " degrees" : " mm", kOptional});
+  }
+  return rules;
 }
 
 }  // namespace
@@ -43,6 +49,13 @@ Expected<PrintProfile> parse_print_profile(std::string_view text, std::string_vi
   const auto check = [&profile](const SettingRule& rule) -> std::string {
     if (rule.key == "retract_height2" && profile.retract_height2 > profile.lift_height + profile.lift_height2) {
       return "allowed is at most the whole lift, lift_height + lift_height2";
+    }
+    const SupportSettings& supports = profile.supports;
+    if (rule.key == "support_head_front_diameter" && supports.head_front_diameter > supports.pillar_diameter) {
+      return "allowed is at most support_pillar_diameter";
+    }
+    if (rule.key == "support_pillar_diameter" && supports.pillar_diameter > supports.base_diameter) {
+      return "allowed is at most support_base_diameter";
     }
     return {};
   };

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "slicer/core/error.hpp"
+#include "slicer/supports/support_settings.hpp"
 
 namespace plumbline {
 
@@ -34,6 +35,8 @@ struct PrintProfile {
   double retract_speed2 = 0;             ///< [print] mm/min
   double elefant_foot_compensation = 0;  ///< [print] mm, by which the outline of the bottom layers is drawn in
   double pause_lift_height = 0;          ///< [print] mm, to which a pause raises the part above the layer
+  bool supports_enable = false;          ///< [supports] where the job says nothing
+  SupportSettings supports;              ///< [supports] what they look like
 };
 
 /// Reads a profile; see read_settings_file() for the errors.

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "firmware/support_choice.hpp"
+
 namespace plumbline {
 namespace {
 
@@ -197,8 +199,10 @@ Status PrinterDaemon::print_scan() {
                                       .pitch_x_mm = static_cast<float>(settings_.board.pixel_pitch_x_mm),
                                       .pitch_y_mm = static_cast<float>(settings_.board.pixel_pitch_y_mm),
                                       .travel_mm = static_cast<float>(settings_.board.travel_mm)};
+    const auto supports = SupportChoice{job->supports, {}}.over(profile->supports_enable, profile->supports);
+    PLUMBLINE_TRY(supports);
     SliceListener listener(machine_);
-    const auto sliced = session.slice_scan(*scan, settings, std::nullopt, *profile, &listener);
+    const auto sliced = session.slice_scan(*scan, settings, *supports, *profile, &listener);
     if (listener.shutdown()) ending_ = true;
     PLUMBLINE_TRY(sliced);
   }
@@ -253,7 +257,7 @@ Status PrinterDaemon::refuse(const Error& error, FaultCode code) {
   apply(PrintEvent::kFailed);
   const FaultInfo& fault = info(fault_);
   FixedText<800> text;
-  text.add("PL-%u, %.*s: %s %.*s", static_cast<unsigned>(fault_), static_cast<int>(fault.title.size()),
+  text.add("PL-%u, %.*s: %s. %.*s", static_cast<unsigned>(fault_), static_cast<int>(fault.title.size()),
            fault.title.data(), error.message(), static_cast<int>(fault.next.size()), fault.next.data());
   observer_.say(text.view());
   return machine_.panel.beep(std::chrono::seconds(1));

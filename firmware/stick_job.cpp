@@ -11,6 +11,7 @@ namespace plumbline {
 namespace {
 
 constexpr std::array<std::string_view, 5> kUnitWords = {"mm", "cm", "m", "in", "auto"};
+constexpr std::array<std::string_view, 2> kSupportWords = {"none", "auto"};
 static_assert(static_cast<int>(Units::kMillimetres) == 0 && static_cast<int>(Units::kAuto) == 4);
 
 std::vector<SettingRule> rules_for(StickJob& job) {
@@ -18,6 +19,8 @@ std::vector<SettingRule> rules_for(StickJob& job) {
   return {
       {"job", "scan", TextSetting{&job.scan, TextKind::kPath}, 1, 255},
       {"job", "profile", TextSetting{&job.profile}, 1, 63, "", kOptional},
+      {"job", "supports", ChoiceSetting{kSupportWords, [&job](std::size_t word) { job.supports = word == 1; }}, 0, 0,
+       "", kOptional},
       {"placement", "units", choice(kUnitWords, job.units), 0, 0, "", kOptional},
       {"placement", "scale", &job.scale, kSmallestScale, kLargestScale, "", kOptional},
       {"placement", "fit", &job.fit, 0, 0, "", kOptional},

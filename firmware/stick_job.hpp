@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -21,7 +22,8 @@ struct StickJob {
   double scale = 1;
   bool fit = false;
   double rotate_x_deg = 0, rotate_y_deg = 0, rotate_z_deg = 0;
-  double layer_height = 0;  ///< mm; 0: the profile's
+  double layer_height = 0;       ///< mm; 0: the profile's
+  std::optional<bool> supports;  ///< none: as the profile has it
 };
 
 inline constexpr const char* kJobFile = "job.toml";

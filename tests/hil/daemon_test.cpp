@@ -105,7 +105,9 @@ TEST(Daemon, GivesUpAChoiceAndAScanThatCannotBeRead) {
   rig.user.on_words.emplace("cancelled; ready", [&] {
     rig.plant.pull_stick();
     std::filesystem::remove(rig.stick() + "/a.ply");
-    write_text(rig.stick() + "/b.ply", "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nend_header\n1\n");
+    write_text(rig.stick() + "/b.ply",
+               "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float "
+               "z\nend_header\n1 2 3\n");
     rig.plant.plug_stick(rig.stick());
   });
   rig.user.on_words.emplace("PL-102", [&] { rig.plant.press(EventKind::kShutdownRequested); });

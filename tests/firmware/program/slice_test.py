@@ -1,123 +1,15 @@
 #!/usr/bin/env python3
-"""The program plumbline as its users meet it: usage program_test.py PLUMBLINE SOURCE_DIR [unittest options]
-
-Files, standard output, standard error, exit status, signals, memory. PNG files, hashes and JSON are read here with nothing of
-plumbline's, so that a mistake on both sides would have to be made twice.
-"""
+"""plumbline slice, inspect and sample as their users meet them: files, both outputs, exit status, signals, memory."""
 
 import json
 import math
 import os
-import resource
 import signal
 import struct
 import subprocess
-import sys
-import tempfile
 import unittest
-import zlib
-from pathlib import Path
 
-PLUMBLINE = ""
-SOURCE_DIR = Path()
-U64 = 2**64 - 1
-STEP = 0x9E3779B97F4A7C15
-
-
-def write_sphere(path, points=20_000, radius=12.0, normals=True):
-    """A clean sphere round the origin: Fibonacci lattice, PLY, binary."""
-    head = ["ply", "format binary_little_endian 1.0", f"element vertex {points}"]
-    head += [f"property float {name}" for name in ("x", "y", "z") + (("nx", "ny", "nz") if normals else ())]
-    with open(path, "wb") as file:
-        file.write(("\n".join(head + ["end_header"]) + "\n").encode())
-        for i in range(points):
-            z = 1 - 2 * (i + 0.5) / points
-            r, angle = math.sqrt(1 - z * z), 2.39996322972865332 * i
-            x, y = r * math.cos(angle), r * math.sin(angle)
-            file.write(struct.pack("<3f", radius * x, radius * y, radius * z))
-            if normals:
-                file.write(struct.pack("<3f", x, y, z))
-
-
-def write_board(path, arena_mib=64):
-    """403 x 300 pixels of 0.1 mm, 50 mm high."""
-    path.write_text(
-        f'[printer]\nname = "small"\n[panel]\ncolumns = 403\nrows = 300\npixel_pitch_x_mm = 0.1\npixel_pitch_y_mm = 0.1\n'
-        f"[z_stage]\ntravel_mm = 50.0\n[print]\nlayer_height_mm = 0.1\n[memory]\narena_mib = {arena_mib}\n"
-    )
-
-
-def png_rows(path):
-    """Columns, and each row's bytes, of a 1-bit greyscale PNG without filters."""
-    data = path.read_bytes()
-    assert data[:8] == b"\x89PNG\r\n\x1a\n"
-    at, stream, header = 8, b"", None
-    while at < len(data):
-        length, kind = struct.unpack(">I4s", data[at : at + 8])
-        body = data[at + 8 : at + 8 + length]
-        assert zlib.crc32(kind + body) == struct.unpack(">I", data[at + 8 + length : at + 12 + length])[0]
-        if kind == b"IHDR":
-            header = struct.unpack(">IIBBBBB", body)
-        if kind == b"IDAT":
-            stream += body
-        at += 12 + length
-    columns, rows, depth, colour, _, _, interlace = header
-    assert (depth, colour, interlace) == (1, 0, 0)
-    raw, width = zlib.decompress(stream), (columns + 7) // 8
-    assert len(raw) == rows * (width + 1) and not any(raw[:: width + 1])
-    return columns, [raw[r * (width + 1) + 1 : (r + 1) * (width + 1)] for r in range(rows)]
-
-
-def mix(z):
-    z = ((z ^ (z >> 30)) * 0xBF58476D1CE4E5B9) & U64
-    z = ((z ^ (z >> 27)) * 0x94D049BB133111EB) & U64
-    return z ^ (z >> 31)
-
-
-def layer_hash(columns, rows):
-    """As the manifest's definition has it."""
-    total, place = mix((columns << 32) + len(rows)), 0
-    for row in rows:
-        row += bytes(-len(row) % 8)
-        for (word,) in struct.iter_unpack(">Q", row):
-            place += STEP
-            if word:
-                total += mix((word + place) & U64)
-    return mix(total & U64)
-
-
-def job_hash(layers):
-    h = mix(len(layers))
-    for layer in layers:
-        h = mix((h + STEP + layer) & U64)
-    return h
-
-
-class Program(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory(prefix="plumbline-")
-        self.addCleanup(folder.cleanup)
-        self.dir = Path(folder.name)
-        self.scan, self.board, self.out = self.dir / "sphere.ply", self.dir / "small.toml", self.dir / "out"
-        write_board(self.board)
-
-    def run_it(self, *arguments, status=0, **options):
-        done = subprocess.run(
-            [PLUMBLINE, *map(str, arguments)], capture_output=True, text=True, timeout=120, check=False, **options
-        )
-        self.assertEqual(done.returncode, status, done.stderr)
-        return done
-
-    def slice_it(self, *arguments, **options):
-        if not self.scan.exists():
-            write_sphere(self.scan)
-        return self.run_it("slice", self.scan, "-o", self.out, "--printer", self.board, *arguments, **options)
-
-    def layers(self):
-        return sorted(path.name for path in (self.out / "layers").iterdir())
-
-    def manifest(self):
-        return json.loads((self.out / "manifest.json").read_text())
+from case import PLUMBLINE, U64, Program, job_hash, layer_hash, main, png_rows, write_sphere
 
 
 class Slice(Program):
@@ -186,34 +78,9 @@ class Slice(Program):
         white = sum(bin(byte).count("1") for row in rows for byte in row)
         self.assertGreater(white, supports["on_plate"] * 100)
 
-    def test_print_cures_the_masks_that_slice_writes_supports_included(self):
-        write_sphere(self.scan)
-        same = ("--supports", "auto", "--printer", SOURCE_DIR / "board" / "sim2k.toml", "--scale", 0.5)
-        self.run_it("slice", self.scan, "-o", self.out, "--no-preview", *same)
-        sliced = self.manifest()
-        self.assertGreater(sliced["supports"]["count"], 4)
-        part, report, state = self.dir / "part", self.dir / "report.json", self.dir / "state"
-        done = self.run_it("print", self.scan, *same, "--keep-part", part, "--report", report)
-        self.assertIn(f"supports   {sliced['supports']['count']}\n", done.stdout)
-        printed = json.loads(report.read_text())
-        self.assertEqual((printed["state"], printed["objections"]), ("finished", []))
-        self.assertEqual([line["mask_hash"] for line in printed["exposures"]], sliced["hashes"]["layers"])
-        cured = json.loads((part / "manifest.json").read_text())
-        self.assertEqual(cured["hashes"], sliced["hashes"])
-        self.assertEqual(cured["supports"], sliced["supports"])
-        # Without power, and without the scan: what is stored has the supports, too.
-        cut = self.run_it("print", self.scan, *same, "--state", state, "--fault", "power.cut@layer=20", status=1)
-        self.assertIn("PL-901", cut.stdout)
-        self.run_it("print", "--resume", "--state", state, *same[2:4], "--report", report)
-        resumed = json.loads(report.read_text())
-        self.assertEqual((resumed["state"], resumed["supports"]), ("finished", sliced["supports"]["count"]))
-        self.assertLessEqual(resumed["first_layer"], 20)
-        hashes = [line["mask_hash"] for line in resumed["exposures"]]
-        self.assertEqual(hashes, sliced["hashes"]["layers"][resumed["first_layer"] :])
-
     def test_support_settings_that_make_no_sense_are_refused(self):
         for arguments, message in (
-            (("--support-base-diameter", 3), "--support-base-diameter is for --supports auto"),
+            (("--support-base-diameter", 3), "support_base_diameter is for supports"),
             (("--supports", "auto", "--support-critical-angle", 81), "not a number from 10 to 80"),
             (("--supports", "auto", "--support-pillar-diameter", 5), "more than support_base_diameter"),
             (("--supports", "yes"), "yes"),
@@ -316,120 +183,6 @@ class Interrupted(Program):
         self.interrupt(signal.SIGTERM)
 
 
-class WorldErrors(Program):
-    def refused(self, *arguments, message, **options):
-        done = self.run_it(*arguments, status=1, **options)
-        self.assertEqual(done.stdout, "")
-        self.assertRegex(done.stderr.splitlines()[-1], "^plumbline: " + message)
-
-    def test_missing_scan(self):
-        self.refused("slice", self.dir / "no.ply", "-o", self.out, message=".*no.ply: the scan cannot be opened: No such file")
-        self.refused("inspect", self.dir / "no.ply", message=".*no.ply: the scan cannot be opened: No such file")
-        self.assertFalse(self.out.exists())
-
-    def test_directory_for_a_scan(self):
-        self.refused("slice", self.dir, "-o", self.out, message=".*: is a directory. Name the scan in it")
-
-    def test_file_that_is_no_scan(self):
-        self.scan.write_bytes(bytes(range(256)) * 10)
-        self.refused("slice", self.scan, "-o", self.out, message="sphere.ply: ")
-        self.assertFalse(self.out.exists())
-
-    def test_empty_file(self):
-        self.scan.write_bytes(b"")
-        self.refused("slice", self.scan, "-o", self.out, message="sphere.ply: ")
-
-    def test_output_that_cannot_be_made(self):
-        write_sphere(self.scan)
-        self.refused("slice", self.scan, "-o", "/proc/plumbline", message="/proc/plumbline: the directory cannot be created")
-        self.refused("slice", self.scan, "-o", self.scan, message=".*sphere.ply: is a file, the output needs a directory")
-
-    @unittest.skipIf(os.geteuid() == 0, "root may write everywhere")
-    def test_output_that_may_not_be_written(self):
-        write_sphere(self.scan)
-        self.out.mkdir(mode=0o555)
-        self.refused("slice", self.scan, "-o", self.out, message=".*out/layers: the directory cannot be created: Permission")
-
-    def test_medium_that_fills_up_leaves_nothing_behind(self):
-        # No file may grow beyond a limit: for write() that is a full disk, and it can be had without one.
-        def limit():
-            resource.setrlimit(resource.RLIMIT_FSIZE, (700, 700))
-
-        write_sphere(self.scan)
-        arguments = ("slice", self.scan, "-o", self.out, "--printer", self.board, "--quiet")
-        self.refused(*arguments, message=r".*out/layers/\d+\.png: cannot be written: File too large\. Make room", preexec_fn=limit)
-        self.assertFalse(self.out.exists())
-
-    def test_full_standard_output(self):
-        write_sphere(self.scan)
-        with open("/dev/full", "w", encoding="ascii") as full:
-            done = subprocess.run(
-                [PLUMBLINE, "slice", self.scan, "-o", self.out, "--printer", self.board, "--json"],
-                stdout=full, stderr=subprocess.PIPE, text=True, timeout=120, check=False,
-            )
-        self.assertEqual(done.returncode, 1)
-        self.assertIn("standard output: cannot be written: No space left", done.stderr)
-
-    def test_board_file_that_is_missing_or_wrong(self):
-        write_sphere(self.scan)
-        self.refused("slice", self.scan, "-o", self.out, "--printer", self.dir / "no.toml", message=".*no.toml: No such file")
-        self.board.write_text("[printer]\nnaem = 'x'\n")
-        self.refused("slice", self.scan, "-o", self.out, "--printer", self.board, message=".*small.toml:2: .*naem")
-
-    def test_more_arena_than_was_built_in(self):
-        write_sphere(self.scan)
-        self.refused("slice", self.scan, "-o", self.out, "--arena-mib", 1048576, message="an arena of 1048576 MiB is asked for")
-        write_board(self.board, arena_mib=65536)
-        self.refused("slice", self.scan, "-o", self.out, "--printer", self.board, message="an arena of 65536 MiB .* board file")
-
-    def test_arena_that_no_job_fits_in(self):
-        write_sphere(self.scan)
-        arguments = ("slice", self.scan, "-o", self.out, "--printer", SOURCE_DIR / "board/mono2k.toml", "--arena-mib", 8)
-        self.refused(*arguments, message="the job cannot fit: the stage '.*' needs .* MiB")
-
-
-class Usage(Program):
-    def wrong(self, *arguments):
-        done = self.run_it(*arguments, status=2)
-        self.assertEqual(done.stdout, "")
-        self.assertNotEqual(done.stderr, "")
-        self.assertFalse(self.out.exists())
-
-    def test_wrong_command_lines(self):
-        base = ("slice", self.scan, "-o", self.out)
-        self.wrong()
-        self.wrong("print", self.scan)
-        self.wrong("slice")
-        self.wrong("slice", self.scan)
-        self.wrong(*base, "--what")
-        for option, values in {
-            "--pixel-pitch": ("0", "-0.05", "0.001", "2", "nan", "inf", "small", "0.05mm", ""),
-            "--layer-height": ("0", "nan", "1.5"),
-            "--scale": ("0", "-1", "nan", "inf", "1e9"),
-            "--rotate-x": ("nan", "361"),
-            "--units": ("parsec", "", "MM"),
-            "--threads": ("0", "65", "-1", "two", "1.5"),
-            "--arena-mib": ("0", "-1", "lots"),
-        }.items():
-            for value in values:
-                with self.subTest(option=option, value=value):
-                    self.wrong(*base, f"{option}={value}")
-        self.wrong(*base, "--fit")
-        self.wrong(*base, "--printer", self.board, "--fit", "--scale", 2)
-        self.wrong(*base, "--printer", self.board, "--pixel-pitch", 0.1)
-        self.wrong("sample", self.dir / "x.ply", "--points", 10)
-        self.wrong("sample", self.dir / "x.ply", "--seed", "-1")
-
-    def test_help_and_version(self):
-        version = self.run_it("--version").stdout
-        self.assertRegex(version, r"^plumbline \d+\.\d+\.\d+\n$")
-        self.assertIn("plumbline sample bust.ply", self.run_it("--help").stdout)
-        for command in ("slice", "inspect", "sample"):
-            text = self.run_it(command, "--help").stdout
-            self.assertIn("Examples:", text)
-            self.assertIn("What comes out:", text)
-
-
 class Inspect(Program):
     def test_measures_what_was_put_in(self):
         write_sphere(self.scan, points=20_000, radius=12)
@@ -499,5 +252,4 @@ class Sample(Program):
 
 
 if __name__ == "__main__":
-    PLUMBLINE, SOURCE_DIR = sys.argv[1], Path(sys.argv[2])
-    unittest.main(argv=[sys.argv[0], *sys.argv[3:]])
+    main()

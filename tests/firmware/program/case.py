@@ -1,0 +1,120 @@
+"""What the tests of the programs share: a scan, a printer, and readers of PNG files and hashes that have nothing of plumbline's, so that
+a mistake on both sides would have to be made twice.
+
+A test file is run as: FILE PROGRAMS SOURCE_DIR [unittest options], PROGRAMS the folder that holds plumbline and plumblined.
+"""
+
+import json
+import math
+import struct
+import subprocess
+import sys
+import tempfile
+import unittest
+import zlib
+from pathlib import Path
+
+PROGRAMS, SOURCE_DIR = Path(sys.argv[1]), Path(sys.argv[2])
+PLUMBLINE, PLUMBLINED = PROGRAMS / "plumbline", PROGRAMS / "plumblined"
+U64 = 2**64 - 1
+STEP = 0x9E3779B97F4A7C15
+
+
+def write_sphere(path, points=20_000, radius=12.0, normals=True):
+    """A clean sphere round the origin: Fibonacci lattice, PLY, binary."""
+    head = ["ply", "format binary_little_endian 1.0", f"element vertex {points}"]
+    head += [f"property float {name}" for name in ("x", "y", "z") + (("nx", "ny", "nz") if normals else ())]
+    with open(path, "wb") as file:
+        file.write(("\n".join(head + ["end_header"]) + "\n").encode())
+        for i in range(points):
+            z = 1 - 2 * (i + 0.5) / points
+            r, angle = math.sqrt(1 - z * z), 2.39996322972865332 * i
+            x, y = r * math.cos(angle), r * math.sin(angle)
+            file.write(struct.pack("<3f", radius * x, radius * y, radius * z))
+            if normals:
+                file.write(struct.pack("<3f", x, y, z))
+
+
+def write_board(path, arena_mib=64):
+    """403 x 300 pixels of 0.1 mm, 50 mm high."""
+    path.write_text(
+        f'[printer]\nname = "small"\n[panel]\ncolumns = 403\nrows = 300\npixel_pitch_x_mm = 0.1\npixel_pitch_y_mm = 0.1\n'
+        f"[z_stage]\ntravel_mm = 50.0\n[print]\nlayer_height_mm = 0.1\n[memory]\narena_mib = {arena_mib}\n"
+    )
+
+
+def png_rows(path):
+    """Columns, and each row's bytes, of a 1-bit greyscale PNG without filters."""
+    data = path.read_bytes()
+    assert data[:8] == b"\x89PNG\r\n\x1a\n"
+    at, stream, header = 8, b"", None
+    while at < len(data):
+        length, kind = struct.unpack(">I4s", data[at : at + 8])
+        body = data[at + 8 : at + 8 + length]
+        assert zlib.crc32(kind + body) == struct.unpack(">I", data[at + 8 + length : at + 12 + length])[0]
+        if kind == b"IHDR":
+            header = struct.unpack(">IIBBBBB", body)
+        if kind == b"IDAT":
+            stream += body
+        at += 12 + length
+    columns, rows, depth, colour, _, _, interlace = header
+    assert (depth, colour, interlace) == (1, 0, 0)
+    raw, width = zlib.decompress(stream), (columns + 7) // 8
+    assert len(raw) == rows * (width + 1) and not any(raw[:: width + 1])
+    return columns, [raw[r * (width + 1) + 1 : (r + 1) * (width + 1)] for r in range(rows)]
+
+
+def mix(z):
+    z = ((z ^ (z >> 30)) * 0xBF58476D1CE4E5B9) & U64
+    z = ((z ^ (z >> 27)) * 0x94D049BB133111EB) & U64
+    return z ^ (z >> 31)
+
+
+def layer_hash(columns, rows):
+    """As the manifest's definition has it."""
+    total, place = mix((columns << 32) + len(rows)), 0
+    for row in rows:
+        row += bytes(-len(row) % 8)
+        for (word,) in struct.iter_unpack(">Q", row):
+            place += STEP
+            if word:
+                total += mix((word + place) & U64)
+    return mix(total & U64)
+
+
+def job_hash(layers):
+    h = mix(len(layers))
+    for layer in layers:
+        h = mix((h + STEP + layer) & U64)
+    return h
+
+
+class Program(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="plumbline-")
+        self.addCleanup(folder.cleanup)
+        self.dir = Path(folder.name)
+        self.scan, self.board, self.out = self.dir / "sphere.ply", self.dir / "small.toml", self.dir / "out"
+        write_board(self.board)
+
+    def run_it(self, *arguments, status=0, **options):
+        done = subprocess.run(
+            [PLUMBLINE, *map(str, arguments)], capture_output=True, text=True, timeout=120, check=False, **options
+        )
+        self.assertEqual(done.returncode, status, done.stderr)
+        return done
+
+    def slice_it(self, *arguments, **options):
+        if not self.scan.exists():
+            write_sphere(self.scan)
+        return self.run_it("slice", self.scan, "-o", self.out, "--printer", self.board, *arguments, **options)
+
+    def layers(self):
+        return sorted(path.name for path in (self.out / "layers").iterdir())
+
+    def manifest(self):
+        return json.loads((self.out / "manifest.json").read_text())
+
+
+def main():
+    unittest.main(argv=[sys.argv[0], *sys.argv[3:]])

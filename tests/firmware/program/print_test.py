@@ -1,0 +1,167 @@
+#!/usr/bin/env python3
+"""plumbline print and plumblined as their users meet them."""
+
+import json
+import re
+import shutil
+import signal
+import subprocess
+import time
+
+from case import PLUMBLINED, SOURCE_DIR, Program, main, write_sphere
+
+SIM2K = SOURCE_DIR / "board" / "sim2k.toml"
+
+
+class Print(Program):
+    def test_print_cures_the_masks_that_slice_writes_supports_included(self):
+        write_sphere(self.scan)
+        same = ("--supports", "auto", "--printer", SOURCE_DIR / "board" / "sim2k.toml", "--scale", 0.5)
+        self.run_it("slice", self.scan, "-o", self.out, "--no-preview", *same)
+        sliced = self.manifest()
+        self.assertGreater(sliced["supports"]["count"], 4)
+        part, report, state = self.dir / "part", self.dir / "report.json", self.dir / "state"
+        done = self.run_it("print", self.scan, *same, "--keep-part", part, "--report", report)
+        self.assertIn(f"supports   {sliced['supports']['count']}\n", done.stdout)
+        printed = json.loads(report.read_text())
+        self.assertEqual((printed["state"], printed["objections"]), ("finished", []))
+        self.assertEqual([line["mask_hash"] for line in printed["exposures"]], sliced["hashes"]["layers"])
+        cured = json.loads((part / "manifest.json").read_text())
+        self.assertEqual(cured["hashes"], sliced["hashes"])
+        self.assertEqual(cured["supports"], sliced["supports"])
+        # Without power, and without the scan: what is stored has the supports, too.
+        cut = self.run_it("print", self.scan, *same, "--state", state, "--fault", "power.cut@layer=20", status=1)
+        self.assertIn("PL-901", cut.stdout)
+        self.run_it("print", "--resume", "--state", state, *same[2:4], "--report", report)
+        resumed = json.loads(report.read_text())
+        self.assertEqual((resumed["state"], resumed["supports"]), ("finished", sliced["supports"]["count"]))
+        self.assertLessEqual(resumed["first_layer"], 20)
+        hashes = [line["mask_hash"] for line in resumed["exposures"]]
+        self.assertEqual(hashes, sliced["hashes"]["layers"][resumed["first_layer"] :])
+
+    def test_resume_takes_what_is_stored_and_nothing_else(self):
+        state = self.dir / "state"
+        for more in (("x.ply",), ("--supports", "auto"), ("--support-head-width", 2)):
+            done = self.run_it("print", *more, "--resume", "--state", state, "--printer", SIM2K, status=2)
+            self.assertIn("excludes", done.stderr)
+        done = self.run_it("print", "--resume", "--state", state, "--printer", SIM2K, status=1)
+        self.assertIn("no interrupted print", done.stderr)
+
+    def test_supports_come_from_the_profile_where_nothing_is_said(self):
+        write_sphere(self.scan)
+        profile, report = self.dir / "mine.toml", self.dir / "report.json"
+        text = (SOURCE_DIR / "board/profiles/standard.toml").read_text()
+        profile.write_text(re.sub("supports_enable = false", "supports_enable = true", text))
+        same = ("print", self.scan, "--printer", SIM2K, "--scale", 0.5, "--profile", profile, "--report", report, "--quiet")
+        counts = []
+        for more in ((), ("--supports", "none"), ("--support-critical-angle", 80)):
+            self.run_it(*same, *more)
+            counts.append(json.loads(report.read_text())["supports"])
+        self.assertGreater(counts[0], 0)
+        self.assertEqual(counts[1], 0)
+        self.assertGreater(counts[2], counts[0])
+        done = self.run_it(*same, "--supports", "none", "--support-head-width", 2, status=1)
+        self.assertIn("support_head_width is for supports", done.stderr)
+
+    def test_lamp_line_is_lit_as_long_as_every_exposure(self):
+        write_sphere(self.scan)
+        line, report = self.dir / "line", self.dir / "report.json"
+        same = ("print", self.scan, "--printer", SIM2K, "--scale", 0.02, "--lamp-line", f"file:{line}")
+        done = self.run_it(*same, status=1)
+        self.assertIn("--speedup", done.stderr)
+        self.run_it(*same, "--speedup", 100, "--report", report, "--quiet")
+        asked = [exposure["asked_s"] for exposure in json.loads(report.read_text())["exposures"]]
+        changes = [text.split() for text in line.read_text().splitlines()]
+        self.assertEqual([word for word, _ in changes], ["on", "off"] * len(asked))
+        times = [int(at) for _, at in changes]
+        for on, off, seconds in zip(times[::2], times[1::2], asked):
+            self.assertLess((off - on) / 1e9, seconds / 100 + 0.05)
+
+
+class Daemon(Program):
+    """The user's hands: a folder that comes and goes, and signals."""
+
+    def setUp(self):
+        super().setUp()
+        self.stick, self.state = self.dir / "stick", self.dir / "state"
+
+    def start(self, *arguments, speedup=1e6):
+        command = [PLUMBLINED, "--printer", SIM2K, "--state", self.state, "--stick", self.stick, "--speedup", speedup, *arguments]
+        daemon = subprocess.Popen(list(map(str, command)), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(daemon.wait)
+        self.addCleanup(daemon.kill)
+        return daemon
+
+    def until(self, daemon, words):
+        """Reads what it says until the words come."""
+        said = ""
+        for line in daemon.stderr:
+            said += line
+            if words in line:
+                return said
+        self.fail(said)
+
+    def put_stick(self, *scans, job="", radius=2):
+        """As a stick is plugged in: all at once."""
+        folder = self.dir / "new"
+        folder.mkdir()
+        for name in scans:
+            write_sphere(folder / name, points=5000, radius=radius)
+        if job:
+            (folder / "job.toml").write_text(job)
+        folder.rename(self.stick)
+
+    def ends(self, daemon, status):
+        out, err = daemon.communicate(timeout=60)
+        self.assertEqual(daemon.returncode, status, err)
+        return out, err
+
+    def test_prints_what_the_job_on_the_stick_asks_for_and_waits_for_the_next(self):
+        daemon = self.start("--jobs", 2)
+        self.until(daemon, "ready")
+        self.put_stick("a.ply", "b.ply", job='[job]\nscan = "b.ply"\nprofile = "draft"\nsupports = "auto"\n', radius=6)
+        self.until(daemon, "ready")
+        report = json.loads((self.state / "report.json").read_text())
+        self.assertEqual((report["state"], report["scan"], report["profile"]), ("finished", "b.ply", "draft"))
+        self.assertGreater(report["supports"], 0)
+        shutil.rmtree(self.stick)
+        time.sleep(0.3)
+        self.put_stick("c.ply")
+        out, _ = self.ends(daemon, 0)
+        self.assertEqual(out.count("finished"), 2, out)
+
+    def test_bad_stick_is_told_and_the_next_one_works(self):
+        daemon = self.start("--jobs", 1)
+        self.until(daemon, "ready")
+        self.put_stick("a.ply", job='[job]\nscan = "a.ply"\nsupports = "yes"\n')
+        said = self.until(daemon, "PL-106")
+        self.assertIn("job.toml:3: [job] supports: found a string 'yes', allowed is one of the strings none or auto. Correct", said)
+        shutil.rmtree(self.stick)
+        time.sleep(0.3)
+        self.put_stick("a.ply")
+        self.ends(daemon, 0)
+
+    def test_ends_on_sigterm_and_goes_on_with_the_print_later(self):
+        self.put_stick("a.ply")
+        daemon = self.start(speedup=50)
+        self.until(daemon, "the stick may be pulled")
+        time.sleep(2)
+        daemon.send_signal(signal.SIGTERM)
+        self.ends(daemon, 0)
+        shutil.rmtree(self.stick)
+        daemon = self.start()
+        self.until(daemon, "an interrupted print can go on")
+        daemon.send_signal(signal.SIGTERM)
+        self.ends(daemon, 0)
+        report = self.dir / "report.json"
+        self.run_it("print", "--resume", "--state", self.state, "--printer", SIM2K, "--report", report)
+        self.assertEqual(json.loads(report.read_text())["state"], "finished")
+
+    def test_help_teaches(self):
+        done = subprocess.run([PLUMBLINED, "--help"], capture_output=True, text=True, timeout=60, check=True)
+        for words in ("job.toml", "--state", "--stick", "Examples:"):
+            self.assertIn(words, done.stdout)
+
+
+if __name__ == "__main__":
+    main()

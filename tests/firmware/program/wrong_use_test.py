@@ -1,0 +1,127 @@
+#!/usr/bin/env python3
+"""What plumbline says to wrong command lines, files and media."""
+
+import os
+import resource
+import subprocess
+import unittest
+
+from case import PLUMBLINE, SOURCE_DIR, Program, main, write_board, write_sphere
+
+
+class WorldErrors(Program):
+    def refused(self, *arguments, message, **options):
+        done = self.run_it(*arguments, status=1, **options)
+        self.assertEqual(done.stdout, "")
+        self.assertRegex(done.stderr.splitlines()[-1], "^plumbline: " + message)
+
+    def test_missing_scan(self):
+        self.refused("slice", self.dir / "no.ply", "-o", self.out, message=".*no.ply: the scan cannot be opened: No such file")
+        self.refused("inspect", self.dir / "no.ply", message=".*no.ply: the scan cannot be opened: No such file")
+        self.assertFalse(self.out.exists())
+
+    def test_directory_for_a_scan(self):
+        self.refused("slice", self.dir, "-o", self.out, message=".*: is a directory. Name the scan in it")
+
+    def test_file_that_is_no_scan(self):
+        self.scan.write_bytes(bytes(range(256)) * 10)
+        self.refused("slice", self.scan, "-o", self.out, message="sphere.ply: ")
+        self.assertFalse(self.out.exists())
+
+    def test_empty_file(self):
+        self.scan.write_bytes(b"")
+        self.refused("slice", self.scan, "-o", self.out, message="sphere.ply: ")
+
+    def test_output_that_cannot_be_made(self):
+        write_sphere(self.scan)
+        self.refused("slice", self.scan, "-o", "/proc/plumbline", message="/proc/plumbline: the directory cannot be created")
+        self.refused("slice", self.scan, "-o", self.scan, message=".*sphere.ply: is a file, the output needs a directory")
+
+    @unittest.skipIf(os.geteuid() == 0, "root may write everywhere")
+    def test_output_that_may_not_be_written(self):
+        write_sphere(self.scan)
+        self.out.mkdir(mode=0o555)
+        self.refused("slice", self.scan, "-o", self.out, message=".*out/layers: the directory cannot be created: Permission")
+
+    def test_medium_that_fills_up_leaves_nothing_behind(self):
+        # No file may grow beyond a limit: for write() that is a full disk, and it can be had without one.
+        def limit():
+            resource.setrlimit(resource.RLIMIT_FSIZE, (700, 700))
+
+        write_sphere(self.scan)
+        arguments = ("slice", self.scan, "-o", self.out, "--printer", self.board, "--quiet")
+        self.refused(*arguments, message=r".*out/layers/\d+\.png: cannot be written: File too large\. Make room", preexec_fn=limit)
+        self.assertFalse(self.out.exists())
+
+    def test_full_standard_output(self):
+        write_sphere(self.scan)
+        with open("/dev/full", "w", encoding="ascii") as full:
+            done = subprocess.run(
+                [PLUMBLINE, "slice", self.scan, "-o", self.out, "--printer", self.board, "--json"],
+                stdout=full, stderr=subprocess.PIPE, text=True, timeout=120, check=False,
+            )
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("standard output: cannot be written: No space left", done.stderr)
+
+    def test_board_file_that_is_missing_or_wrong(self):
+        write_sphere(self.scan)
+        self.refused("slice", self.scan, "-o", self.out, "--printer", self.dir / "no.toml", message=".*no.toml: No such file")
+        self.board.write_text("[printer]\nnaem = 'x'\n")
+        self.refused("slice", self.scan, "-o", self.out, "--printer", self.board, message=".*small.toml:2: .*naem")
+
+    def test_more_arena_than_was_built_in(self):
+        write_sphere(self.scan)
+        self.refused("slice", self.scan, "-o", self.out, "--arena-mib", 1048576, message="an arena of 1048576 MiB is asked for")
+        write_board(self.board, arena_mib=65536)
+        self.refused("slice", self.scan, "-o", self.out, "--printer", self.board, message="an arena of 65536 MiB .* board file")
+
+    def test_arena_that_no_job_fits_in(self):
+        write_sphere(self.scan)
+        arguments = ("slice", self.scan, "-o", self.out, "--printer", SOURCE_DIR / "board/mono2k.toml", "--arena-mib", 8)
+        self.refused(*arguments, message="the job cannot fit: the stage '.*' needs .* MiB")
+
+
+class Usage(Program):
+    def wrong(self, *arguments):
+        done = self.run_it(*arguments, status=2)
+        self.assertEqual(done.stdout, "")
+        self.assertNotEqual(done.stderr, "")
+        self.assertFalse(self.out.exists())
+
+    def test_wrong_command_lines(self):
+        base = ("slice", self.scan, "-o", self.out)
+        self.wrong()
+        self.wrong("print", self.scan)
+        self.wrong("slice")
+        self.wrong("slice", self.scan)
+        self.wrong(*base, "--what")
+        for option, values in {
+            "--pixel-pitch": ("0", "-0.05", "0.001", "2", "nan", "inf", "small", "0.05mm", ""),
+            "--layer-height": ("0", "nan", "1.5"),
+            "--scale": ("0", "-1", "nan", "inf", "1e9"),
+            "--rotate-x": ("nan", "361"),
+            "--units": ("parsec", "", "MM"),
+            "--threads": ("0", "65", "-1", "two", "1.5"),
+            "--arena-mib": ("0", "-1", "lots"),
+        }.items():
+            for value in values:
+                with self.subTest(option=option, value=value):
+                    self.wrong(*base, f"{option}={value}")
+        self.wrong(*base, "--fit")
+        self.wrong(*base, "--printer", self.board, "--fit", "--scale", 2)
+        self.wrong(*base, "--printer", self.board, "--pixel-pitch", 0.1)
+        self.wrong("sample", self.dir / "x.ply", "--points", 10)
+        self.wrong("sample", self.dir / "x.ply", "--seed", "-1")
+
+    def test_help_and_version(self):
+        version = self.run_it("--version").stdout
+        self.assertRegex(version, r"^plumbline \d+\.\d+\.\d+\n$")
+        self.assertIn("plumbline sample bust.ply", self.run_it("--help").stdout)
+        for command in ("slice", "inspect", "sample"):
+            text = self.run_it(command, "--help").stdout
+            self.assertIn("Examples:", text)
+            self.assertIn("What comes out:", text)
+
+
+if __name__ == "__main__":
+    main()
