@@ -1,5 +1,11 @@
 #include "firmware/back_end.hpp"
 
+#include <unistd.h>
+
+#include <array>
+#include <cmath>
+
+#include "hal/linux/lamp_keeper.hpp"
 #include "hal/sim/plant.hpp"
 #include "hal/sim/sim_machine.hpp"
 
@@ -34,9 +40,35 @@ PlantSettings plant_of(const BoardFile& board, const MachineFile& machine, const
   return plant;
 }
 
+/// The keeper is installed beside the program.
+std::string keeper_program() {
+  std::array<char, 4096> path{};
+  const auto length = ::readlink("/proc/self/exe", path.data(), path.size());
+  const std::string_view program(path.data(), length > 0 ? static_cast<std::size_t>(length) : 0);
+  return std::string(program.substr(0, program.rfind('/') + 1)) + "plumbline-keeper";
+}
+
+/// A line that is lit for as long as the simulated lamp is, in the host's time.
+class KeptWire final : public LampWire {
+ public:
+  KeptWire(LampKeeper keeper, double speedup) : keeper_(std::move(keeper)), speedup_(speedup) {}
+
+  bool light(std::chrono::nanoseconds cure) override {
+    // A simulation that falls behind ends an exposure late; the line does not wait for it.
+    return keeper_.light(nanoseconds(std::llround(static_cast<double>(cure.count()) / speedup_))).has_value();
+  }
+  // The keeper's deadline holds where it can't be told.
+  void darken() noexcept override { static_cast<void>(keeper_.darken()); }
+
+ private:
+  LampKeeper keeper_;
+  double speedup_;
+};
+
 class SimulatedBackEnd final : public BackEnd, public Witness {
  public:
-  explicit SimulatedBackEnd(const PlantSettings& settings) : plant_(settings), run_(plant_), machine_(run_.machine()) {}
+  SimulatedBackEnd(PlantSettings settings, std::unique_ptr<LampWire> wire)
+      : wire_(std::move(wire)), plant_(with(settings, wire_.get())), run_(plant_), machine_(run_.machine()) {}
 
   Machine& machine() override { return machine_; }
   Witness* witness() override { return this; }
@@ -55,6 +87,12 @@ class SimulatedBackEnd final : public BackEnd, public Witness {
   void press(EventKind button) override { plant_.press(button); }
 
  private:
+  static const PlantSettings& with(PlantSettings& settings, LampWire* wire) {
+    settings.lamp_wire = wire;
+    return settings;
+  }
+
+  std::unique_ptr<LampWire> wire_;
   Plant plant_;
   SimMachine run_;
   Machine machine_;
@@ -78,7 +116,16 @@ Expected<std::unique_ptr<BackEnd>> open_back_end(const BoardFile& board, const M
   settings.pace = {.speedup = options.speedup, .computing = options.computing};
   settings.stick = options.stick;
   settings.keep_part = options.keep_part;
-  return std::make_unique<SimulatedBackEnd>(settings);
+  std::unique_ptr<LampWire> wire;
+  if (!options.lamp_line.empty()) {
+    if (options.speedup <= 0) {
+      return fail(ErrorCode::kBadSetting, "a lamp's line is lit in real time: say how fast with --speedup");
+    }
+    auto keeper = LampKeeper::start(keeper_program(), options.lamp_line);
+    PLUMBLINE_TRY(keeper);
+    wire = std::make_unique<KeptWire>(std::move(*keeper), options.speedup);
+  }
+  return std::make_unique<SimulatedBackEnd>(std::move(settings), std::move(wire));
 }
 
 }  // namespace plumbline

@@ -23,6 +23,7 @@ struct SimulationOptions {
   std::vector<std::string> faults;  ///< "lamp.stuck_on@layer=40": hal/sim/README.md
   std::string stick;                ///< folder that plays the stick; empty: none
   bool keep_part = false;
+  std::string lamp_line;  ///< that plumbline-keeper holds and lights as the simulated lamp is lit; empty: none
 };
 
 /// What only a simulation knows.
@@ -53,7 +54,8 @@ class BackEnd {
 
 /// Opens all devices.
 /// @param profile  its resin is what the simulated vat holds
-/// @retval ErrorCode::kBadSetting   a fault that is none
+/// @retval ErrorCode::kBadSetting   a fault that is none, or a lamp's line without a speedup
+/// @retval ErrorCode::kLampFailed   the lamp's keeper could not be started
 /// @retval ErrorCode::kUnsupported  this build has no back end for the printer
 [[nodiscard]] Expected<std::unique_ptr<BackEnd>> open_back_end(const BoardFile& board, const MachineFile& machine,
                                                                const PrintProfile& profile,

@@ -14,6 +14,7 @@
 #include "hal/sim/cured_part.hpp"
 #include "hal/sim/fault.hpp"
 #include "hal/sim/lamp_model.hpp"
+#include "hal/sim/lamp_wire.hpp"
 #include "hal/sim/objection.hpp"
 #include "hal/sim/panel_model.hpp"
 #include "hal/sim/resin.hpp"
@@ -43,7 +44,8 @@ struct PlantSettings {
   nanoseconds compute_per_mask{};  ///< virtual time that each mask takes the firmware, besides Pace::computing
   Pace pace;
   std::vector<Fault> faults;
-  bool keep_part = true;  ///< false: part().for_each_layer() is not to be called
+  LampWire* lamp_wire = nullptr;  ///< follows the lamp's line; null: none. Outlives the plant
+  bool keep_part = true;          ///< false: part().for_each_layer() is not to be called
 };
 
 /// One time that there was light.

@@ -18,7 +18,8 @@ Expected<TimePoint> SimUvLamp::do_begin(nanoseconds cure) {
     return fail(ErrorCode::kLampFailed,
                 "the lamp's supply was cut because it would not go dark: have the lamp repaired");
   }
-  if (plant_.faulty(FaultKind::kLampUnarmed)) {
+  LampWire* const wire = plant_.settings().lamp_wire;
+  if (plant_.faulty(FaultKind::kLampUnarmed) || (wire != nullptr && !wire->light(cure))) {
     return fail(ErrorCode::kLampFailed,
                 "the lamp's keeper does not answer, so the lamp was not lit: restart the printer");
   }
@@ -41,6 +42,7 @@ void SimUvLamp::off(ExposureEnd end) {
   report_.end = end;
   report_.lit = plant_.now() - report_.began_at;
   plant_.timeline().cancel(deadline_);
+  if (LampWire* const wire = plant_.settings().lamp_wire) wire->darken();
   if (!plant_.powered()) return;
   plant_.lamp_line(false);
   plant_.tell(EventKind::kExposureEnded);
