@@ -1,0 +1,152 @@
+/// What the slicer spends its time on, in units that do not depend on the scan: a mask, a neighbourhood, a row of rays.
+
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <stdexcept>
+#include <vector>
+
+#include "slicer/layer_stream.hpp"
+#include "slicer/perfect_rays.hpp"
+#include "slicer/ray_grid.hpp"
+#include "slicer/winding_number.hpp"
+#include "tests/slicer/support/arena_block.hpp"
+#include "tests/slicer/support/scan_cloud.hpp"
+
+namespace plumbline {
+namespace {
+
+using namespace testing;
+
+/// An ellipsoid that fills panel and travel: half of the pixels, two crossings each.
+class Ellipsoid {
+ public:
+  Ellipsoid(std::uint32_t columns, std::uint32_t rows, std::uint32_t layers) {
+    std::vector<std::vector<std::uint32_t>> by_layer(layers);
+    for (std::uint32_t r = 0; r < rows; ++r) {
+      for (std::uint32_t c = 0; c < columns; ++c) {
+        const double u = 2.0 * (c + 0.5) / columns - 1;
+        const double v = 2.0 * (r + 0.5) / rows - 1;
+        const double rest = 1 - u * u - v * v;
+        if (rest <= 0) continue;
+        const auto half = static_cast<std::uint32_t>(0.5 * (layers - 2) * std::sqrt(rest));
+        by_layer[layers / 2 - half].push_back(r * columns + c);
+        by_layer[layers / 2 + half + 1].push_back(r * columns + c);
+      }
+    }
+    for (const auto& pixels : by_layer) {
+      first_.push_back(static_cast<std::uint32_t>(pixel_.size()));
+      pixel_.insert(pixel_.end(), pixels.begin(), pixels.end());
+    }
+    first_.push_back(static_cast<std::uint32_t>(pixel_.size()));
+    rrep_ = {{.columns = columns, .rows = rows, .layers = layers}, first_, pixel_};
+  }
+  Ellipsoid(const Ellipsoid&) = delete;
+  Ellipsoid& operator=(const Ellipsoid&) = delete;
+  const RRep& rrep() const { return rrep_; }
+
+ private:
+  std::vector<std::uint32_t> first_, pixel_;
+  RRep rrep_;
+};
+
+void panels(benchmark::internal::Benchmark* benchmark) {
+  benchmark->Args({1440, 2560})->Args({3840, 2400})->ArgNames({"columns", "rows"})->Unit(benchmark::kMicrosecond);
+}
+
+std::int64_t mask_bytes(std::int64_t columns, std::int64_t rows) { return columns * rows / 8; }
+
+/// The next mask of a print, mean over all of its layers, cleaned and with no supports.
+void mask_of_a_layer(benchmark::State& state) {
+  constexpr std::uint32_t kLayers = 2000;
+  const Ellipsoid solid(static_cast<std::uint32_t>(state.range(0)), static_cast<std::uint32_t>(state.range(1)),
+                        kLayers);
+  ArenaBlock arena(8 * kMiB);
+  LayerStream stream = value_of(LayerStream::create(solid.rrep(), *arena));
+  std::uint32_t layer = 0;
+  while (state.KeepRunning()) {
+    benchmark::DoNotOptimize(stream.mask(layer).row(0).data());
+    benchmark::ClobberMemory();
+    layer = (layer + 1) % kLayers;  // one mask in so many is made anew
+  }
+  state.SetBytesProcessed(state.iterations() * mask_bytes(state.range(0), state.range(1)));
+}
+BENCHMARK(mask_of_a_layer)->Apply(panels);
+
+/// What a mask would take if it stood ready: the bound that mask_of_a_layer is held against.
+void copy_of_a_mask(benchmark::State& state) {
+  const auto bytes = static_cast<std::size_t>(mask_bytes(state.range(0), state.range(1)));
+  const std::vector<std::byte> from(bytes, std::byte{0x55});
+  std::vector<std::byte> to(bytes);
+  while (state.KeepRunning()) {
+    std::memcpy(to.data(), from.data(), bytes);
+    benchmark::ClobberMemory();
+  }
+  state.SetBytesProcessed(state.iterations() * static_cast<std::int64_t>(bytes));
+}
+BENCHMARK(copy_of_a_mask)->Apply(panels);
+
+/// A noisy scan of a sphere of 30 mm, of some spacing of points.
+Surface scan(std::uint32_t points) {
+  Random random(71);
+  Surface surface = sphere(points, 30, Vec3d(32, 32, 32));
+  add_noise(surface, 0.02, 0.05, random);
+  shuffle(surface, random);
+  return surface;
+}
+
+/// The neighbours of one point after the other, in the order of the tree: what clustering and normals do.
+void nearest_neighbours(benchmark::State& state) {
+  constexpr std::uint32_t kPoints = 300'000;
+  ArenaBlock arena(64 * kMiB);
+  Cloud cloud = cloud_of(scan(kPoints), *arena);
+  const KdTree3 tree = sort_by_tree(cloud, *arena);
+  std::vector<Neighbour> found(static_cast<std::size_t>(state.range(0)));
+  std::uint32_t i = 0;
+  while (state.KeepRunning()) {
+    benchmark::DoNotOptimize(tree.nearest(cloud.position[i], found));
+    i = (i + 1) % kPoints;
+  }
+  state.SetItemsProcessed(state.iterations());
+}
+BENCHMARK(nearest_neighbours)->Arg(10)->Arg(60)->ArgName("k");
+
+/// A row of tiles of rays, from edge to edge of the sphere.
+void row_of_ray_tiles(benchmark::State& state) {
+  constexpr float kPitch = 0.05F;
+  constexpr std::uint32_t kSide = 1280;
+  constexpr std::uint32_t kTile = RayGatherer::kTile;
+  ArenaBlock arena(128 * kMiB);
+  const ClusteredScan scanned = clustered(scan(static_cast<std::uint32_t>(state.range(0))), *arena);
+  const auto nodes = value_of(arena->take_top<DipoleNode>(WindingTree::nodes_needed(scanned.cloud.size), "bench"));
+  const WindingTree winding = WindingTree::build(scanned.cloud, scanned.clustering.support_points, nodes);
+  const PrintGrid grid{.columns = kSide,
+                       .rows = kSide,
+                       .layers = kSide,
+                       .pitch_x_mm = kPitch,
+                       .pitch_y_mm = kPitch,
+                       .layer_height_mm = kPitch};
+  PerfectRaySettings settings;
+  settings.intersections.width = grid_width(scanned.cloud, scanned.tree, {});
+  settings.repair_spacing = std::max(kPitch, scanned.clustering.epsilon / 16);
+  RayPerfecter perfecter = value_of(
+      RayPerfecter::create(scanned.cloud, scanned.tree, winding, grid, scanned.max_radius(), 32768, settings, *arena));
+  const std::uint32_t row = kSide / 2 / kTile * kTile;
+  while (state.KeepRunning()) {
+    std::size_t crossings = 0;
+    for (std::uint32_t column = 0; column < kSide; column += kTile) {
+      perfecter.begin_tile(column, row);
+      for (std::uint32_t r = row; r < row + kTile; ++r) {
+        for (std::uint32_t c = column; c < column + kTile; ++c) crossings += perfecter.ray(c, r).depths.size();
+      }
+    }
+    if (crossings < kSide * kTile) throw std::runtime_error("the rays do not meet the sphere");
+  }
+  state.SetItemsProcessed(state.iterations() * kSide * kTile);
+}
+BENCHMARK(row_of_ray_tiles)->Arg(100'000)->Arg(300'000)->ArgName("points")->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace plumbline
