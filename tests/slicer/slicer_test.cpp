@@ -119,7 +119,7 @@ TEST(Slice, LeavesTheArenaAsItWasWhereverItRunsOut) {
   int crossings_refused = 0;
   int sliced = 0;
   for (const std::size_t kib :
-       {600, 1000, 1400, 1800, 2000, 2200, 2400, 2600, 2800, 3000, 3500, 4000, 5000, 8000, 16000}) {
+       {600U, 1000U, 1400U, 1800U, 2000U, 2200U, 2400U, 2600U, 2800U, 3000U, 3500U, 4000U, 5000U, 8000U, 16000U}) {
     ArenaBlock arena(kib * 1024);
     ASSERT_TRUE(arena->take_bottom<std::byte>(1000, "of the caller").has_value());
     ASSERT_TRUE(arena->take_top<std::byte>(500, "of the caller").has_value());
