@@ -7,13 +7,10 @@ namespace plumbline {
 namespace {
 
 constexpr const char* kStage = "perfect rays";
-constexpr std::uint32_t kMaxTileGaps = 64;
 constexpr std::uint32_t kMaxDepths = 4096;
 
-constexpr float kHalf = 0.5F;             ///< the surface, where there is none: halfway between outside and inside
-constexpr float kSure = 0.2F;             ///< farther from half than this, a whole tile is judged by its centre
-constexpr std::uint32_t kMaxLevels = 96;  ///< of an unsure gap
-constexpr std::uint32_t kMaxProfile = 4 * 1024;  ///< winding numbers of a tile: four corners a level
+constexpr float kHalf = 0.5F;  ///< the surface, where there is none: halfway between outside and inside
+constexpr float kSure = 0.2F;  ///< farther from half than this, one place tells for a whole tile
 constexpr std::uint32_t kBisections = 8;
 
 }  // namespace
@@ -31,7 +28,6 @@ const char* to_string(RayDecision decision) {
 
 std::size_t RayPerfecter::bytes_needed(std::uint32_t tile_capacity) {
   return RayGatherer::bytes_needed(tile_capacity) + RaySolver::bytes_needed() +
-         Arena::rounded(kMaxTileGaps * sizeof(TileGap)) + Arena::rounded(kMaxProfile * sizeof(float)) +
          Arena::rounded(kMaxDepths * sizeof(float));
 }
 
@@ -42,10 +38,6 @@ Expected<RayPerfecter> RayPerfecter::create(const Cloud& cloud, const KdTree2& t
   if (!gatherer) return tl::unexpected<Error>(gatherer.error());
   auto solver = RaySolver::create(settings.intersections, arena);
   if (!solver) return tl::unexpected<Error>(solver.error());
-  auto gaps = arena.take_top<TileGap>(kMaxTileGaps, kStage);
-  if (!gaps) return tl::unexpected<Error>(gaps.error());
-  auto profile = arena.take_top<float>(kMaxProfile, kStage);
-  if (!profile) return tl::unexpected<Error>(profile.error());
   auto depths = arena.take_top<float>(kMaxDepths, kStage);
   if (!depths) return tl::unexpected<Error>(depths.error());
 
@@ -55,60 +47,20 @@ Expected<RayPerfecter> RayPerfecter::create(const Cloud& cloud, const KdTree2& t
   perfecter.winding_ = &winding;
   perfecter.grid_ = grid;
   perfecter.settings_ = settings;
-  perfecter.tile_gaps_ = *gaps;
-  perfecter.profile_ = *profile;
   perfecter.depths_ = *depths;
   perfecter.top_ = static_cast<float>(grid.layers) * grid.layer_height_mm;
   perfecter.floor_ = std::max(0.0F, winding.base());
   return perfecter;
 }
 
-RayPerfecter::Verdict RayPerfecter::winding_verdict(float w) const {
-  if (w > kHalf + kSure) return Verdict::kInside;
-  return w < kHalf - kSure ? Verdict::kOutside : Verdict::kUnsure;
-}
-
-RayPerfecter::Verdict RayPerfecter::judge_column(std::uint32_t level) {
+void RayPerfecter::judge_tile(std::uint32_t level) {
   Verdict& verdict = column_verdicts_[level];
   if (verdict == Verdict::kUnknown) {
-    verdict = winding_verdict((*winding_)({column_centre_[0], column_centre_[1], level_height(level)}));
+    const float w = (*winding_)({column_centre_[0], column_centre_[1], level_height(level)});
+    verdict = w > kHalf + kSure ? Verdict::kInside : w < kHalf - kSure ? Verdict::kOutside : Verdict::kUnsure;
   }
-  return verdict;
-}
-
-RayPerfecter::Verdict RayPerfecter::judge_centre(float low, float high) {
-  // Both ends count: a gap that is air for its first tenth and solid above must not pass for solid.
-  const Vec2f centre = 0.5F * (tile_low_ + tile_high_);
-  const Verdict verdict = winding_verdict((*winding_)({centre[0], centre[1], low}));
-  if (verdict == Verdict::kUnsure || winding_verdict((*winding_)({centre[0], centre[1], high})) != verdict) {
-    return Verdict::kUnsure;
-  }
-  const auto first = static_cast<std::uint32_t>(std::max(low, 0.0F) / top_ * kLevels);
-  for (std::uint32_t level = first; level < kLevels && level_height(level) < high; ++level) {
-    if (level_height(level) > low && judge_column(level) != verdict) return Verdict::kUnsure;
-  }
-  return verdict;
-}
-
-void RayPerfecter::add_tile_gap(float low, float high) {
-  if (!(high > low) || tile_gap_count_ == kMaxTileGaps) return;
-  TileGap gap{low, high, judge_centre(low, high), 0, profile_size_};
-  if (gap.verdict == Verdict::kUnsure) {
-    // The winding number changes slowly where no point is near: the tile's corners tell it for all of its rays.
-    const std::uint32_t room = (kMaxProfile - profile_size_) / 4;
-    const float side = std::max(tile_high_[0] - tile_low_[0], grid_.layer_height_mm);
-    const float levels = std::min({std::ceil((high - low) / side) + 1, 1.0F * kMaxLevels, static_cast<float>(room)});
-    if (levels < 2) return;
-    gap.levels = static_cast<std::uint32_t>(levels);
-    for (std::uint32_t k = 0; k < gap.levels; ++k) {
-      const float z = gap.level(k);
-      profile_[profile_size_++] = (*winding_)({tile_low_[0], tile_low_[1], z});
-      profile_[profile_size_++] = (*winding_)({tile_high_[0], tile_low_[1], z});
-      profile_[profile_size_++] = (*winding_)({tile_low_[0], tile_high_[1], z});
-      profile_[profile_size_++] = (*winding_)({tile_high_[0], tile_high_[1], z});
-    }
-  }
-  tile_gaps_[tile_gap_count_++] = gap;
+  if (verdict == Verdict::kUnsure) return;
+  for (LevelSet& block : levels_) block.set(level, verdict == Verdict::kInside);
 }
 
 void RayPerfecter::begin_tile(std::uint32_t column, std::uint32_t row) {
@@ -119,11 +71,6 @@ void RayPerfecter::begin_tile(std::uint32_t column, std::uint32_t row) {
   const Vec2f high((last_column + 0.5F) * grid_.pitch_x_mm, (last_row + 0.5F) * grid_.pitch_y_mm);
   gatherer_.gather(low, high);
 
-  tile_low_ = low;
-  tile_high_ = high;
-  // What no point of the tile reaches, from the base plane to the top.
-  tile_gap_count_ = 0;
-  profile_size_ = 0;
   levels_.fill({});
   const std::uint32_t column_middle = column / kColumnSide * kColumnSide + kColumnSide / 2;
   const std::uint32_t row_middle = row / kColumnSide * kColumnSide + kColumnSide / 2;
@@ -131,15 +78,20 @@ void RayPerfecter::begin_tile(std::uint32_t column, std::uint32_t row) {
                             static_cast<float>(row_middle) * grid_.pitch_y_mm);
   if (column_centre != column_centre_) column_verdicts_.fill(Verdict::kUnknown);
   column_centre_ = column_centre;
-  float reached = floor_;
+  // Depths ascend; a wide support that reaches down to levels already judged does not take that back.
+  std::uint32_t level = 0;
+  const auto judge_below = [&](float height) {
+    for (; level < kLevels && level_height(level) < height; ++level) judge_tile(level);
+  };
+  const auto skip_to = [&](float height) {
+    while (level < kLevels && level_height(level) <= height) ++level;
+  };
+  skip_to(floor_);
   for (std::uint32_t t = 0; t < gatherer_.tile_points(); ++t) {
-    const float radius = gatherer_.tile_radius(t);
-    const float depth = gatherer_.tile_depth(t);
-    // Depths ascend; a wide support that reaches down into a gap only makes that gap a little longer than it is.
-    if (depth - radius > reached) add_tile_gap(reached, depth - radius);
-    reached = std::max(reached, depth + radius);
+    judge_below(gatherer_.tile_depth(t) - gatherer_.tile_radius(t));
+    skip_to(gatherer_.tile_depth(t) + gatherer_.tile_radius(t));
   }
-  add_tile_gap(reached, top_);
+  judge_below(top_);
 }
 
 bool RayPerfecter::alternates(const RaySurface& surface) const {
@@ -151,14 +103,6 @@ bool RayPerfecter::alternates(const RaySurface& surface) const {
   return !inside;
 }
 
-float RayPerfecter::profile(const TileGap& gap, std::uint32_t level, float x, float y) const {
-  const Vec2f side = tile_high_ - tile_low_;
-  const float u = side[0] > 0 ? (x - tile_low_[0]) / side[0] : 0;
-  const float v = side[1] > 0 ? (y - tile_low_[1]) / side[1] : 0;
-  const float* w = &profile_[gap.first + std::size_t{4} * level];
-  return (w[0] * (1 - u) + w[1] * u) * (1 - v) + (w[2] * (1 - u) + w[3] * u) * v;
-}
-
 void RayPerfecter::bisect(float x, float y, float low, float high, bool inside_at_low) {
   for (std::uint32_t i = 0; i < kBisections && high - low > grid_.layer_height_mm; ++i) {
     const float middle = 0.5F * (low + high);
@@ -167,46 +111,15 @@ void RayPerfecter::bisect(float x, float y, float low, float high, bool inside_a
   emit(0.5F * (low + high));
 }
 
-RayPerfecter::Gap RayPerfecter::trace_tile_gap(const TileGap& tile_gap, float x, float y) {
-  if (tile_gap.verdict != Verdict::kUnsure) {
-    const bool inside = tile_gap.verdict == Verdict::kInside;
-    return {inside, inside};
-  }
-  float before = profile(tile_gap, 0, x, y);
-  Gap gap{before > kHalf, before > kHalf};
-  for (std::uint32_t k = 1; k < tile_gap.levels; ++k) {
-    const float here = profile(tile_gap, k, x, y);
-    if ((here > kHalf) != gap.inside_at_high) {
-      const float share = (kHalf - before) / (here - before);
-      emit(tile_gap.level(k - 1) + share * (tile_gap.level(k) - tile_gap.level(k - 1)));
-      gap.inside_at_high = here > kHalf;
-    }
-    before = here;
-  }
-  return gap;
-}
-
 bool RayPerfecter::level_inside(std::uint32_t level, float x, float y) {
-  LevelSet& set = levels_[ray_block_];
-  const std::uint64_t bit = std::uint64_t{1} << level;
-  if ((set.known & bit) == 0) {
-    set.known |= bit;
-    if ((*winding_)({x, y, level_height(level)}) > kHalf) set.inside |= bit;
-  }
-  return (set.inside & bit) != 0;
+  LevelSet& block = levels_[ray_block_];
+  if (!block.knows(level)) block.set(level, (*winding_)({x, y, level_height(level)}) > kHalf);
+  return block.is_inside(level);
 }
 
 RayPerfecter::Gap RayPerfecter::decide_gap(float x, float y, float low, float high, bool below, bool above) {
   const std::uint32_t depths_before = depth_count_;
   GapWalk walk{x, y, low, below};
-  for (const TileGap& tile_gap : tile_gaps_.first(tile_gap_count_)) {
-    if (tile_gap.high <= low || tile_gap.low >= high) continue;
-    walk_levels(walk, tile_gap.low);
-    const Gap part = trace_tile_gap(tile_gap, x, y);
-    step(walk, tile_gap.low, part.inside_at_low);
-    walk.at = tile_gap.high;
-    walk.inside = part.inside_at_high;
-  }
   walk_levels(walk, high);
   // Both shores know better than a sum over the whole cloud where nothing was asked between them.
   if (!walk.begun) {

@@ -63,17 +63,6 @@ class RayPerfecter {
 
  private:
   enum class Verdict : std::uint8_t { kUnknown, kOutside, kInside, kUnsure };
-  /// A stretch of the tile's column that is farther from every point than their support.
-  struct TileGap {
-    float low = 0, high = 0;  ///< z, mm
-    Verdict verdict = Verdict::kUnsure;
-    std::uint32_t levels = 0;  ///< of the profile of an unsure gap, evenly from low to high
-    std::uint32_t first = 0;   ///< its place in the profile
-
-    float level(std::uint32_t k) const {
-      return low + (high - low) * static_cast<float>(k) / static_cast<float>(levels - 1);
-    }
-  };
   /// A stretch of a ray between two bands: inside or outside at both ends, crossings in between.
   struct Gap {
     bool inside_at_low, inside_at_high;
@@ -87,11 +76,19 @@ class RayPerfecter {
     bool begun = false;
     bool inside_at_low = false;  ///< what the lower shore must be
   };
-  /// Where points of the tile reach a height but none of a ray's own, winding numbers at fixed levels tell of sheets that the
-  /// scan has missed. Between rays that no point separates they change slowly: a block of rays shares them.
+  /// What winding numbers at fixed levels say between the bands, for a block of rays. Between rays that no point separates
+  /// they change slowly: the first ray of the block that asks for a level answers for all of it. Levels that no point of the
+  /// tile reaches are answered before, for all of its rays, by the middle of the column of tiles, where that is sure.
   struct LevelSet {
     std::uint64_t known = 0;  ///< bit k: level k has been asked
     std::uint64_t inside = 0;
+
+    bool knows(std::uint32_t level) const { return (known >> level & 1U) != 0; }
+    bool is_inside(std::uint32_t level) const { return (inside >> level & 1U) != 0; }
+    void set(std::uint32_t level, bool is_inside) {
+      known |= std::uint64_t{1} << level;
+      inside |= std::uint64_t{is_inside} << level;
+    }
   };
   static constexpr std::uint32_t kLevels = 64;
   static constexpr std::uint32_t kBlock = 4;  ///< rays a side
@@ -102,13 +99,8 @@ class RayPerfecter {
   void step(GapWalk& walk, float z, bool inside);
   void walk_levels(GapWalk& walk, float high);
 
-  Verdict winding_verdict(float w) const;
-  Verdict judge_column(std::uint32_t level);
-  Verdict judge_centre(float low, float high);
-  void add_tile_gap(float low, float high);
-  float profile(const TileGap& gap, std::uint32_t level, float x, float y) const;
+  void judge_tile(std::uint32_t level);
   void bisect(float x, float y, float low, float high, bool inside_at_low);
-  Gap trace_tile_gap(const TileGap& tile_gap, float x, float y);
   bool alternates(const RaySurface& surface) const;
   Gap decide_gap(float x, float y, float low, float high, bool below, bool above);
   void cross_band(const RaySurface& surface, const Band& band, bool from, bool to);
@@ -120,18 +112,12 @@ class RayPerfecter {
   const WindingTree* winding_ = nullptr;
   PrintGrid grid_;
   PerfectRaySettings settings_;
-  std::span<TileGap> tile_gaps_;
   std::span<float> depths_;
-  std::span<float> profile_;  ///< winding numbers at the corners of the tile, level by level
-  Vec2f tile_low_ = Vec2f::Zero();
-  Vec2f tile_high_ = Vec2f::Zero();
   /// Verdicts at the levels in the middle of the column of tiles that the tile belongs to, made when first asked for.
   std::array<Verdict, kLevels> column_verdicts_{};
   Vec2f column_centre_ = Vec2f::Constant(-1);
   std::array<LevelSet, (RayGatherer::kTile / kBlock) * (RayGatherer::kTile / kBlock)> levels_{};
   std::uint32_t ray_block_ = 0;  ///< of levels_, that the ray belongs to
-  std::uint32_t tile_gap_count_ = 0;
-  std::uint32_t profile_size_ = 0;
   std::uint32_t depth_count_ = 0;
   float floor_ = 0;  ///< mm, base plane
   float top_ = 0;    ///< mm
