@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <limits>
 #include <type_traits>
 #include <utility>
 
@@ -267,14 +268,17 @@ Expected<JobStore::Interrupted> JobStore::load(Arena& arena) {
     return fail(ErrorCode::kUnsupported, "%s/%s: stored by another version of plumbline, which alone can resume it",
                 folder, kJob);
   }
+  // More than a size_t counts, on a board of 32 bits: the arena refuses what is merely too much.
+  constexpr std::uint64_t kMost = std::numeric_limits<std::size_t>::max() / sizeof(Support);
+  if (header.crossings > kMost || header.supports > kMost) return cannot_read(folder, kJob, 0);
   if (header.grid.layers == 0 || header.grid.layers > PrintGrid::kMaxLayers) return cannot_read(folder, kJob, 0);
   Interrupted job;
   if (!read_all(file.get(), std::as_writable_bytes(std::span(&job.facts, 1)))) return cannot_read(folder, kJob, errno);
   const auto first = arena.take_bottom<std::uint32_t>(std::size_t{header.grid.layers} + 1, "r-rep");
   PLUMBLINE_TRY(first);
-  const auto pixel = arena.take_bottom<std::uint32_t>(header.crossings, "r-rep");
+  const auto pixel = arena.take_bottom<std::uint32_t>(static_cast<std::size_t>(header.crossings), "r-rep");
   PLUMBLINE_TRY(pixel);
-  const auto supports = arena.take_bottom<Support>(header.supports, "supports");
+  const auto supports = arena.take_bottom<Support>(static_cast<std::size_t>(header.supports), "supports");
   PLUMBLINE_TRY(supports);
   std::uint64_t stored = 0;
   if (!read_all(file.get(), std::as_writable_bytes(*first)) || !read_all(file.get(), std::as_writable_bytes(*pixel)) ||

@@ -1,6 +1,7 @@
 #include "slicer/memory_plan.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "slicer/cloud.hpp"
 #include "slicer/clustering.hpp"
@@ -26,6 +27,13 @@ constexpr std::size_t kSlack = 64 * Arena::kAlignment;  ///< rounding of blocks
 constexpr double kCoveredShare = 0.5;
 constexpr double kCrossingsPerRay = 3;
 
+/// A need that no block of memory can have, in 32 bits too: it stays larger than any budget, and sums with it do not wrap.
+constexpr std::size_t kTooMuch = std::numeric_limits<std::size_t>::max() / 8;
+
+std::size_t bounded(double bytes) {
+  return bytes < static_cast<double>(kTooMuch) ? static_cast<std::size_t>(bytes) : kTooMuch;
+}
+
 RayYield expected_yield(const PrintGrid& grid) {
   const double rays = kCoveredShare * grid.columns * grid.rows;
   return {rays, kCrossingsPerRay * rays};
@@ -35,11 +43,11 @@ RayYield expected_yield(const PrintGrid& grid) {
 
 std::size_t store_bytes(const PrintGrid& grid, const RayYield& yield) {
   const std::size_t tiles = std::size_t{(grid.columns + 7) / 8} * ((grid.rows + 7) / 8);
-  return 4 * tiles + static_cast<std::size_t>(yield.rays + 2 * yield.crossings);
+  return 4 * tiles + bounded(yield.rays + 2 * yield.crossings);
 }
 
 std::size_t rrep_bytes(const PrintGrid& grid, const RayYield& yield) {
-  return static_cast<std::size_t>(4 * yield.crossings) + 4 * (std::size_t{grid.layers} + 1);
+  return bounded(4 * yield.crossings) + 4 * (std::size_t{grid.layers} + 1);
 }
 
 std::size_t MemoryPlan::peak() const { return *std::max_element(bytes.begin(), bytes.end()); }
@@ -60,7 +68,8 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
   const std::size_t winding = WindingTree::bytes_needed(points);
   const std::size_t cloud = winding + Cloud::kBytesPerPoint * points;
   const std::size_t tree = KdTree3::kBytesPerPoint * std::size_t{points};
-  set(Stage::kRead, cloud + PointThinner::table_bytes(points) + kReaderWorkspace + evidence.reader_bytes);
+  const auto reader = static_cast<std::size_t>(std::min<std::uint64_t>(evidence.reader_bytes, kTooMuch));
+  set(Stage::kRead, cloud + PointThinner::table_bytes(points) + kReaderWorkspace + reader);
   set(Stage::kNormals, cloud + tree + normals_bytes(points));
   set(Stage::kTrees, cloud + tree + points / 8);
   set(Stage::kClustering, cloud + tree + 5 * std::size_t{points});

@@ -87,7 +87,8 @@ struct Sieve {
 
 std::size_t pieces_bytes(const PrintGrid& grid, double rays, double crossings) {
   // A ray with c crossings has c - 1 stretches inside; rows of the visitor and of the search.
-  const auto stretches = static_cast<std::size_t>(std::max(0.0, crossings - rays)) + 1;
+  constexpr auto kMost = static_cast<double>(std::numeric_limits<std::size_t>::max() / 64);  // in 32 bits, too
+  const auto stretches = static_cast<std::size_t>(std::clamp(crossings - rays, 0.0, kMost)) + 1;
   return 2 * sizeof(std::uint32_t) * stretches +
          grid.columns * (2 * sizeof(Ray) + sizeof(CrossingStore::RayRef) + 2 * sizeof(void*));
 }
@@ -97,7 +98,7 @@ PieceCounts drop_specks(CrossingStore& store, std::uint64_t fewest_voxels, Arena
   const PrintGrid& grid = store.grid();
   PieceCounts counts;
 
-  std::uint64_t stretch_count = 1;
+  std::size_t stretch_count = 1;  // fewer than the crossings, which are in memory
   store.for_each_row(arena, [&](std::uint32_t, std::span<CrossingStore::RayRef> row) {
     for (const auto& ray : row) stretch_count += Ray::numbered(ray.count());
   });

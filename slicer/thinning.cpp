@@ -40,7 +40,7 @@ std::uint32_t PointThinner::slot_of(const Key& key) const {
   hash = (hash ^ (hash >> 29)) + static_cast<std::uint64_t>(key.z) * 0x165667B19E3779F9U;
   hash = (hash ^ (hash >> 32)) * 0x9E3779B97F4A7C15U;
   const std::size_t mask = table_.size() - 1;
-  std::size_t slot = (hash >> 20) & mask;
+  std::size_t slot = static_cast<std::size_t>(hash >> 20) & mask;  // mask has fewer than 32 bits
   while (table_[slot] != 0 && !(key_of(cloud_.position[table_[slot] - 1]) == key)) slot = (slot + 1) & mask;
   return static_cast<std::uint32_t>(slot);
 }

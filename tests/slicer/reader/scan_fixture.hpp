@@ -69,9 +69,10 @@ class RepeatingSource final : public ByteSource {
 
  private:
   char at(std::uint64_t position) const {
-    if (position < head_.size()) return head_[position];
+    if (position < head_.size()) return head_[static_cast<std::size_t>(position)];
     position -= head_.size();
-    return position < middle_ ? piece_[position % piece_.size()] : tail_[position - middle_];
+    return position < middle_ ? piece_[static_cast<std::size_t>(position % piece_.size())]
+                              : tail_[static_cast<std::size_t>(position - middle_)];
   }
   std::string head_;
   std::string piece_;

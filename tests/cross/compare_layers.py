@@ -1,0 +1,128 @@
+#!/usr/bin/env python3
+"""The same scans sliced by two builds of plumbline: usage compare_layers.py HOST_PROGRAM [--scans FOLDER] -- TARGET_PROGRAM...
+
+What follows -- is the command that runs the other build, emulator included. Each scan is sliced by both; the hash of every layer
+and of the whole job must agree, and so must the bytes of the sample scans that both write. --scans is a folder of real scans, of
+which those in REAL are taken; where it has none this is said and the samples alone count.
+Exit status: 0 all agree, 1 some differ, 2 nothing could be compared.
+"""
+
+import json
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+BOARD = "BOARD"  # stands for the file with this in it
+BOARD_TOML = """[printer]
+name = "coarse"
+[panel]
+columns = 419
+rows = 683
+pixel_pitch_x_mm = 0.16
+pixel_pitch_y_mm = 0.14
+[z_stage]
+travel_mm = 80.0
+[print]
+layer_height_mm = 0.15
+[memory]
+arena_mib = 48
+"""
+
+# Name, arguments of `plumbline sample`, arguments of `plumbline slice`. Each reaches what the others do not: the printer's grid,
+# sines and cosines, normals that are estimated, thinning in a small arena, supports.
+SAMPLES = [
+    ("on a printer", ["--points", "20000", "--seed", "1"], ["--printer", BOARD]),
+    ("turned, scaled, supported", ["--points", "20000", "--seed", "2"],
+     ["--pixel-pitch", "0.15", "--layer-height", "0.15", "--rotate-x", "37", "--rotate-y", "-11.5", "--rotate-z", "201",
+      "--scale", "0.7", "--supports", "auto"]),
+    ("without normals", ["--points", "20000", "--seed", "3"], ["--pixel-pitch", "0.15", "--layer-height", "0.15"]),
+    ("thinned", ["--points", "400000", "--seed", "4"],
+     ["--pixel-pitch", "0.2", "--layer-height", "0.2", "--arena-mib", "12"]),
+]
+REAL = {
+    "ucicouple_front.ply": ["--fit", "--printer", BOARD],
+    "gargoyle.ply": ["--units", "auto", "--pixel-pitch", "0.5", "--layer-height", "0.5", "--arena-mib", "64"],
+}
+SOURCE_DIR = Path(__file__).resolve().parents[2]
+
+
+def run(command):
+    done = subprocess.run(command, cwd=SOURCE_DIR, capture_output=True, text=True)
+    if done.returncode != 0:
+        print(f"{' '.join(map(str, command))}\nended with {done.returncode}:\n{done.stdout}{done.stderr}")
+        sys.exit(1)
+
+
+def without_normals(ply, xyz):
+    """The positions of a binary PLY of six floats a vertex, as text with all their digits."""
+    import struct
+
+    data = ply.read_bytes()
+    body = data.index(b"end_header\n") + len(b"end_header\n")
+    with open(xyz, "w", encoding="ascii") as file:
+        for vertex in struct.iter_unpack("<6f", data[body:]):
+            file.write(f"{vertex[0]:.9g} {vertex[1]:.9g} {vertex[2]:.9g}\n")
+
+
+def hashes_of(program, scan, options, out):
+    board = out.parent / "coarse.toml"
+    board.write_text(BOARD_TOML)
+    options = [board if option == BOARD else option for option in options]
+    started = time.monotonic()
+    run([*program, "slice", scan, "-o", out, "--no-preview", "--quiet", *options])
+    return json.loads((out / "manifest.json").read_text())["hashes"], time.monotonic() - started
+
+
+def compare(name, scan, options, programs, work):
+    """Slices with both; true where all hashes agree."""
+    (host, host_s), (target, target_s) = (
+        hashes_of(program, scan, options, work / f"out{i}") for i, program in enumerate(programs)
+    )
+    layers = len(host["layers"])
+    if layers < 20 or len(set(host["layers"])) < 10:
+        print(f"FAILED  {name}: {layers} layers, hardly a scan: nothing was shown")
+        return False
+    if host == target:
+        print(f"ok      {name}: {layers} layers, host {host_s:.1f} s, target {target_s:.1f} s")
+        return True
+    differ = [k for k, (a, b) in enumerate(zip(host["layers"], target["layers"])) if a != b]
+    print(f"FAILED  {name}: host has {layers} layers, target {len(target['layers'])}; {len(differ)} differ, first {differ[:5]}")
+    return False
+
+
+def main(arguments):
+    if "--" not in arguments:
+        print(__doc__, file=sys.stderr)
+        return 2
+    split = arguments.index("--")
+    ours, target = arguments[:split], arguments[split + 1 :]
+    scans = Path(ours[2]) if len(ours) == 3 and ours[1] == "--scans" else None
+    programs = [[ours[0]], target]
+    agree = True
+    with tempfile.TemporaryDirectory(prefix="plumbline-cross-") as folder:
+        work = Path(folder)
+        for name, made, sliced in SAMPLES:
+            files = []
+            for i, program in enumerate(programs):
+                files.append(work / f"sample{i}.ply")
+                run([*program, "sample", files[-1], "--quiet", *made])
+            if files[0].read_bytes() != files[1].read_bytes():
+                print(f"FAILED  {name}: the two builds write different samples")
+                agree = False
+            scan = files[0]
+            if name == "without normals":
+                scan = work / "sample.xyz"
+                without_normals(files[0], scan)
+            agree &= compare(name, scan, sliced, programs, work)
+        real = [(scans / name, options) for name, options in REAL.items() if scans and (scans / name).is_file()]
+        for scan, options in real:
+            agree &= compare(scan.name, scan, options, programs, work)
+        if not real:
+            print("        no real scans here: the samples alone were compared")
+    return 0 if agree else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

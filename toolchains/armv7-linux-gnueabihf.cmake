@@ -1,0 +1,9 @@
+# 32-bit ARM boards with a floating-point unit: Debian's armhf. See README.md in this folder.
+set(CMAKE_SYSTEM_PROCESSOR armv7l)
+set(triplet arm-linux-gnueabihf)
+set(debian_arch armhf)
+include(${CMAKE_CURRENT_LIST_DIR}/debian_sysroot.cmake)
+# gcc 7 changed how some arguments are passed; no compiler of before that is met here, so its notes say nothing.
+set(CMAKE_CXX_FLAGS_INIT "-Wno-psabi")
+# ctest runs the tests under it.
+set(CMAKE_CROSSCOMPILING_EMULATOR qemu-arm;-L;${PLUMBLINE_SYSROOT})
