@@ -4,13 +4,34 @@
 
 #include <array>
 #include <cmath>
+#include <cstdio>
 
 #include "hal/linux/lamp_keeper.hpp"
+#ifdef PLUMBLINE_HAS_BOARD_DEVICES
+#include "hal/linux/examination.hpp"
+#include "hal/linux/linux_machine.hpp"
+#endif
 #include "hal/sim/plant.hpp"
 #include "hal/sim/sim_machine.hpp"
 
 namespace plumbline {
 namespace {
+
+nanoseconds milliseconds_of(double ms) { return nanoseconds(static_cast<nanoseconds::rep>(ms * 1e6)); }
+
+ZStage::Limits travel_of(const MachineFile& machine) {
+  const Distance end_stop = Distance::millimetres(machine.end_stop_height_mm);
+  return {.lowest = ZPosition(),
+          .highest = ZPosition(end_stop - Distance::millimetres(kEndStopClearanceMm)),
+          .end_stop = ZPosition(end_stop),
+          .fastest = mm_per_min(machine.max_speed_mm_min),
+          .acceleration = Acceleration(machine.max_acceleration_mm_s2)};
+}
+
+UvLamp::Limits lamp_of(const MachineFile& machine) {
+  return {.longest_exposure = milliseconds_of(machine.max_exposure_s * 1e3),
+          .irradiance = Irradiance(machine.power_mw_cm2)};
+}
 
 PlantSettings plant_of(const BoardFile& board, const MachineFile& machine, const PrintProfile& profile) {
   PlantSettings plant;
@@ -18,22 +39,17 @@ PlantSettings plant_of(const BoardFile& board, const MachineFile& machine, const
   plant.panel.rows = board.rows;
   plant.panel.pitch_x_mm = board.pixel_pitch_x_mm;
   plant.panel.pitch_y_mm = board.pixel_pitch_y_mm;
-  plant.panel.settling = nanoseconds(static_cast<nanoseconds::rep>(machine.refresh_delay_ms * 1e6));
+  plant.panel.settling = milliseconds_of(machine.refresh_delay_ms);
   const Distance end_stop = Distance::millimetres(machine.end_stop_height_mm);
   plant.stage.step = Distance::millimetres(machine.step_mm());
   plant.stage.start = Distance::millimetres(machine.end_stop_height_mm / 3);
   plant.stage.end_stop = end_stop;
   plant.stage.upper_end = end_stop + 3_mm;
-  plant.travel = {.lowest = ZPosition(),
-                  .highest = ZPosition(end_stop - Distance::millimetres(kEndStopClearanceMm)),
-                  .end_stop = ZPosition(end_stop),
-                  .fastest = mm_per_min(machine.max_speed_mm_min),
-                  .acceleration = Acceleration(machine.max_acceleration_mm_s2)};
-  plant.lamp = {.longest_exposure = nanoseconds(static_cast<nanoseconds::rep>(machine.max_exposure_s * 1e9)),
-                .irradiance = Irradiance(machine.power_mw_cm2)};
+  plant.travel = travel_of(machine);
+  plant.lamp = lamp_of(machine);
   // As fast down as up, so that a dose is the time asked for; 0 is not physical.
   const double warm_up_ms = machine.warm_up_ms > 0.01 ? machine.warm_up_ms : 0.01;
-  plant.lamp_rise = nanoseconds(static_cast<nanoseconds::rep>(warm_up_ms * 1e6));
+  plant.lamp_rise = milliseconds_of(warm_up_ms);
   plant.lamp_fall = plant.lamp_rise;
   plant.resin.critical = Dose(profile.critical_energy);
   plant.resin.penetration_mm = profile.penetration_depth;
@@ -72,6 +88,7 @@ class SimulatedBackEnd final : public BackEnd, public Witness {
 
   Machine& machine() override { return machine_; }
   Witness* witness() override { return this; }
+  std::string remark() const override { return {}; }
 
   void conclude(bool finished) override { plant_.conclude(finished ? JobEnd::kFinished : JobEnd::kAbandoned); }
   std::vector<std::string> objections() const override {
@@ -98,15 +115,139 @@ class SimulatedBackEnd final : public BackEnd, public Witness {
   Machine machine_;
 };
 
+#ifdef PLUMBLINE_HAS_BOARD_DEVICES
+
+LineSettings line_of(const WireFile& wire) {
+  return {.name = wire.line,
+          .chip = wire.chip,
+          .offset = wire.chip.empty() ? 0 : wire.offset,
+          .active_low = wire.active == WireFile::Active::kLow,
+          .bias = static_cast<LineBias>(wire.bias)};
+}
+
+LinuxSettings settings_of(const BoardFile& board, const MachineFile& machine) {
+  const WiringFile& wiring = machine.wiring;
+  LinuxSettings settings;
+  settings.panel = {.columns = board.columns,
+                    .rows = board.rows,
+                    .rotation_deg = machine.rotation_deg,
+                    .mirror = static_cast<PanelLayout::Mirror>(machine.mirror),
+                    .rgb = machine.packing == PixelPacking::kRgb};
+  settings.settling = milliseconds_of(machine.refresh_delay_ms);
+  settings.display = {.card = wiring.card,
+                      .connector = wiring.connector,
+                      .refresh_hz = wiring.refresh_hz,
+                      .plane = wiring.plane,
+                      .flip_timeout = milliseconds_of(wiring.flip_timeout_ms)};
+  settings.travel = travel_of(machine);
+  settings.mechanics = {.step_mm = machine.step_mm(), .find_speed = mm_per_min(machine.homing_speed_mm_min)};
+  settings.step = line_of(wiring.step);
+  settings.direction = line_of(wiring.direction);
+  settings.enable = line_of(wiring.enable);
+  settings.end_stop = line_of(wiring.end_stop);
+  settings.lamp = lamp_of(machine);
+  settings.lamp_line = line_of(wiring.lamp);
+  if (machine.has_cover_switch) settings.cover = line_of(wiring.cover);
+  settings.keeper = keeper_program();
+  settings.start_button = line_of(wiring.start);
+  settings.pause_button = line_of(wiring.pause);
+  settings.cancel_button = line_of(wiring.cancel);
+  for (std::size_t i = 0; i < kPanelLightCount; ++i) settings.lights[i] = line_of(wiring.lights[i]);
+  settings.buzzer = line_of(wiring.buzzer);
+  for (std::size_t i = 0; i < kTemperatureSiteCount; ++i) {
+    const SensorFile& sensor = wiring.sensors[i];
+    settings.thermals.sensors[i] = {sensor.hwmon, sensor.channel, sensor.thermal_zone, sensor.file};
+  }
+  for (std::size_t i = 0; i < kFanCount; ++i) {
+    const FanFile& fan = wiring.fans[i];
+    settings.thermals.fans[i] = {fan.hwmon, fan.channel, fan.pwm_chip, fan.period_us};
+  }
+  settings.stick = {.port = wiring.stick_port, .mount_point = wiring.mount_point};
+  return settings;
+}
+
+/// @retval ErrorCode::kBadSetting  tables without which the printer can't be driven
+Status check_wired(const BoardFile& board, const MachineFile& machine) {
+  auto missing = machine.wiring.missing();
+  if (machine.has_cover_switch && !machine.wiring.cover.given()) missing.emplace_back("cover_line");
+  if (missing.empty()) return {};
+  std::string names;
+  for (const auto name : missing) names += (names.empty() ? "[" : ", [") + std::string(name) + "]";
+  return fail(ErrorCode::kBadSetting,
+              "printer %s: its board file does not say how the printer is wired: %s missing. board/README.md explains "
+              "them; with --simulate it prints without a printer",
+              board.name.c_str(), names.c_str());
+}
+
+class LinuxBackEnd final : public BackEnd {
+ public:
+  explicit LinuxBackEnd(std::unique_ptr<LinuxMachine> devices)
+      : devices_(std::move(devices)), machine_(devices_->machine()) {}
+
+  Machine& machine() override { return machine_; }
+  Witness* witness() override { return nullptr; }
+  std::string remark() const override {
+    const StepRecord record = devices_->step_record();
+    std::array<char, 256> text{};
+    std::snprintf(text.data(), text.size(),
+                  "%llu steps, %llu late, the latest by %.2f ms; %llu times the motor had come to stand. Real-time "
+                  "priority: %s, locked memory: %s",
+                  static_cast<unsigned long long>(record.steps), static_cast<unsigned long long>(record.late),
+                  static_cast<double>(record.worst.count()) * 1e-6, static_cast<unsigned long long>(record.restarts),
+                  devices_->steps_first() ? "yes" : "no", devices_->memory_locked() ? "yes" : "no");
+    return text.data();
+  }
+
+ private:
+  std::unique_ptr<LinuxMachine> devices_;
+  Machine machine_;
+};
+
+Expected<std::unique_ptr<BackEnd>> open_board(const BoardFile& board, const MachineFile& machine) {
+  PLUMBLINE_TRY(check_wired(board, machine));
+  auto devices = LinuxMachine::open(settings_of(board, machine));
+  PLUMBLINE_TRY(devices);
+  return std::make_unique<LinuxBackEnd>(std::move(*devices));
+}
+
+#else
+
+tl::unexpected<Error> no_board(const BoardFile& board) {
+  return fail(
+      ErrorCode::kUnsupported,
+      "printer %s: this build drives simulated printers only, since libdrm, libgpiod or libusb was missing when "
+      "it was configured; print with --simulate to try the printer out",
+      board.name.c_str());
+}
+
+Expected<std::unique_ptr<BackEnd>> open_board(const BoardFile& board, const MachineFile& /*machine*/) {
+  return no_board(board);
+}
+
+#endif
+
 }  // namespace
+
+Expected<std::vector<MachineFinding>> examine_machine(const BoardFile& board, const MachineFile& machine) {
+  if (machine.simulated) {
+    return fail(ErrorCode::kUnsupported, "printer %s is a simulated one: there is no board to look at",
+                board.name.c_str());
+  }
+#ifdef PLUMBLINE_HAS_BOARD_DEVICES
+  std::vector<MachineFinding> findings;
+  for (auto& one : examine_board(settings_of(board, machine))) {
+    findings.push_back({static_cast<MachineFinding::Verdict>(one.verdict), std::move(one.what), std::move(one.found),
+                        std::move(one.advice)});
+  }
+  return findings;
+#else
+  return no_board(board);
+#endif
+}
 
 Expected<std::unique_ptr<BackEnd>> open_back_end(const BoardFile& board, const MachineFile& machine,
                                                  const PrintProfile& profile, const SimulationOptions& options) {
-  if (!machine.simulated && !options.simulate) {
-    return fail(ErrorCode::kUnsupported,
-                "printer %s: this build drives simulated printers only; print with --simulate to try it out",
-                board.name.c_str());
-  }
+  if (!machine.simulated && !options.simulate) return open_board(board, machine);
   PlantSettings settings = plant_of(board, machine, profile);
   for (const auto& text : options.faults) {
     const auto fault = parse_fault(text);

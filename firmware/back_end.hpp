@@ -50,6 +50,8 @@ class BackEnd {
   virtual Machine& machine() = 0;
   /// @returns null on a board
   virtual Witness* witness() = 0;
+  /// How well the machine kept its times, in a sentence; empty where nothing is to be said. @pre the stage stands
+  virtual std::string remark() const = 0;
 };
 
 /// Opens all devices.
@@ -57,8 +59,25 @@ class BackEnd {
 /// @retval ErrorCode::kBadSetting   a fault that is none, or a lamp's line without a speedup
 /// @retval ErrorCode::kLampFailed   the lamp's keeper could not be started
 /// @retval ErrorCode::kUnsupported  this build has no back end for the printer
+/// @retval ErrorCode::kBadSetting, kCannotOpen, ...  of a board's devices: which one, what was found, what to do
 [[nodiscard]] Expected<std::unique_ptr<BackEnd>> open_back_end(const BoardFile& board, const MachineFile& machine,
                                                                const PrintProfile& profile,
                                                                const SimulationOptions& options);
+
+/// What a look at this board found of one device or right that the printer needs.
+struct MachineFinding {
+  enum class Verdict : std::uint8_t {
+    kGood,
+    kPoor,   ///< it prints, but not as well as it could
+    kWrong,  ///< it does not print
+  } verdict = Verdict::kGood;
+  std::string what;
+  std::string found;
+  std::string advice;  ///< what to do; empty: nothing
+};
+
+/// Looks at the board that this runs on. Moves and lights nothing.
+/// @retval ErrorCode::kUnsupported  the printer is a simulated one, or this build drives no others
+[[nodiscard]] Expected<std::vector<MachineFinding>> examine_machine(const BoardFile& board, const MachineFile& machine);
 
 }  // namespace plumbline

@@ -1,6 +1,7 @@
 #include "firmware/board_file.hpp"
 
 #include <array>
+#include <utility>
 #include <vector>
 
 #include "slicer/core/print_grid.hpp"
@@ -17,7 +18,7 @@ constexpr std::array<std::uint32_t, 9> kMicrosteps = {1, 2, 4, 8, 16, 32, 64, 12
 /// The keys, in the order in which messages speak of them: board/README.md has the same table for people.
 std::vector<SettingRule> rules_for(BoardFile& board, MachineFile& machine) {
   constexpr auto kMachine = Presence::kAllOrNone;
-  return {
+  std::vector<SettingRule> rules = {
       {"printer", "name", TextSetting{&board.name}, 1, 63},
       {"printer", "simulated", &machine.simulated, 0, 0, "", kMachine},
       {"panel", "columns", &board.columns, 1, kMaxSide, " pixels"},
@@ -49,6 +50,8 @@ std::vector<SettingRule> rules_for(BoardFile& board, MachineFile& machine) {
       {"print", "profile", TextSetting{&machine.profile}, 1, 63, "", kMachine},
       {"memory", "arena_mib", &board.arena_mib, 8, 65536, " MiB"},
   };
+  add_wiring_rules(rules, machine.wiring);
+  return rules;
 }
 
 /// What no single key tells.
@@ -65,10 +68,14 @@ std::string check(const SettingRule& rule, const BoardFile& board, const Machine
   if (rule.key == "end_stop_height_mm" && machine.end_stop_height_mm < board.travel_mm + kEndStopClearanceMm) {
     return "allowed is travel_mm and 1 mm more, or above: the tallest print must not meet the end stop";
   }
-  if (rule.key == "packing" && machine.packing == PixelPacking::kRgb && board.columns % 3 != 0) {
-    return "allowed is \"none\": the columns are no multiple of 3";
+  const bool sideways = machine.rotation_deg % 180 != 0;
+  if (rule.key == "packing" && machine.packing == PixelPacking::kRgb &&
+      (sideways ? board.rows : board.columns) % 3 != 0) {
+    return sideways
+               ? "allowed is \"none\": the rows, which lie along the panel's rows as it is turned, are no multiple of 3"
+               : "allowed is \"none\": the columns are no multiple of 3";
   }
-  return {};
+  return check_wiring(rule, machine.wiring);
 }
 
 }  // namespace
@@ -81,7 +88,7 @@ Expected<BoardFile> parse_board_file(std::string_view text, std::string_view pat
   PLUMBLINE_TRY(parse_settings(text, path, {"a board file", rules, &has_machine, [&](const SettingRule& rule) {
                                               return has_machine ? check(rule, board, machine) : std::string();
                                             }}));
-  if (has_machine) board.machine = machine;
+  if (has_machine) board.machine = std::move(machine);
   return board;
 }
 

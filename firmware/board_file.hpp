@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "firmware/settings_file.hpp"
+#include "firmware/wiring_file.hpp"
 #include "slicer/core/error.hpp"
 
 namespace plumbline {
@@ -45,6 +46,7 @@ struct MachineFile {
   double resin_max_c = 0;                      ///< [temperatures]
   double tank_volume_ml = 0;                   ///< [tank] resin that the full tank holds
   std::string profile;                         ///< [print] name in board/profiles, where the user names none
+  WiringFile wiring;                           ///< [display], [lamp_line], ...: empty where the printer is simulated
 
   /// mm of travel for one pulse of the driver.
   double step_mm() const { return rotation_distance_mm / (full_steps_per_rotation * microsteps); }

@@ -7,11 +7,13 @@
 #include <sys/timerfd.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <csignal>
 #include <ctime>
 
+#include "hal/linux/contact.hpp"
 #include "hal/linux/keeper_protocol.hpp"
 
 namespace plumbline {
@@ -25,7 +27,10 @@ std::int64_t now_ns() {
 
 class Keeper {
  public:
-  Keeper(LampLine& line, int socket, int timer) : line_(line), socket_(socket), timer_(timer) {}
+  Keeper(LampLine& line, CoverLine* cover, int socket, int timer)
+      : line_(line), cover_(cover), socket_(socket), timer_(timer), open_(cover != nullptr && cover->open()) {
+    tell_cover(now_ns());
+  }
 
   void darken() {
     stuck_ = !line_.set(false);
@@ -36,6 +41,25 @@ class Keeper {
 
   /// The line could not be turned off: darken() is to be tried again.
   bool stuck() const { return stuck_; }
+
+  /// What the cover's switch has done: light ends at the first contact, before anybody is told.
+  void look_at_cover() {
+    if (cover_ == nullptr) return;
+    while (const auto edge = cover_->next_edge()) saw_cover(edge->open, edge->at);
+    // The edges of a bounce may be more than the kernel keeps.
+    const Contact::Time now(now_ns());
+    saw_cover(cover_->open(), now);
+    if (const auto closed = open_.settle(now)) tell_cover(closed->count());
+  }
+
+  /// For poll(): until the cover's contact has come to rest.
+  int wait_ms() const {
+    constexpr int kRetryMs = 1;
+    if (stuck_) return kRetryMs;
+    const auto due = open_.due();
+    if (!due) return -1;
+    return static_cast<int>(std::max<std::int64_t>(0, (due->count() - now_ns()) / 1'000'000 + 1));
+  }
 
   /// @returns false: the firmware has gone
   bool hear() {
@@ -54,14 +78,17 @@ class Keeper {
         return true;
       case KeeperWord::kLit:
       case KeeperWord::kDark:
-      case KeeperWord::kFailed: return false;
+      case KeeperWord::kFailed:
+      case KeeperWord::kCoverOpened:
+      case KeeperWord::kCoverClosed: return false;
     }
     return false;
   }
 
  private:
   void light(const KeeperMessage& message) {
-    if (lit_ || message.nanoseconds <= 0 || message.nanoseconds > kKeeperLongestNs) {
+    look_at_cover();
+    if (lit_ || open_.on() || message.nanoseconds <= 0 || message.nanoseconds > kKeeperLongestNs) {
       answer(KeeperWord::kFailed, message.request);
       return;
     }
@@ -78,18 +105,38 @@ class Keeper {
     answer(lit_ ? KeeperWord::kLit : KeeperWord::kFailed, message.request);
   }
 
-  void answer(KeeperWord word, std::uint64_t request) const {
+  void saw_cover(bool open, Contact::Time at) {
+    if (!open_.saw(open, at)) return;
+    if (lit_) {
+      // Dark first; that it is dark is said after why.
+      stuck_ = !line_.set(false);
+      tell_cover(at.count());
+      darken();
+    } else {
+      tell_cover(at.count());
+    }
+  }
+
+  void tell_cover(std::int64_t at) const {
+    if (cover_ != nullptr) say(open_.on() ? KeeperWord::kCoverOpened : KeeperWord::kCoverClosed, 0, at);
+  }
+
+  void answer(KeeperWord word, std::uint64_t request) const { say(word, request, now_ns()); }
+
+  void say(KeeperWord word, std::uint64_t request, std::int64_t at) const {
     KeeperMessage message;
     message.word = word;
     message.request = request;
-    message.nanoseconds = now_ns();
+    message.nanoseconds = at;
     // Who does not listen any more is noticed by the end of the socket.
     static_cast<void>(::send(socket_, &message, sizeof message, MSG_DONTWAIT | MSG_NOSIGNAL));
   }
 
   LampLine& line_;
+  CoverLine* cover_;
   int socket_;
   int timer_;
+  Contact open_;
   bool lit_ = false;
   bool stuck_ = false;
   std::uint64_t lit_request_ = 0;
@@ -97,7 +144,7 @@ class Keeper {
 
 }  // namespace
 
-int keep_lamp(LampLine& line, int socket, int firmware) {
+int keep_lamp(LampLine& line, CoverLine* cover, int socket, int firmware) {
   sigset_t signals;
   ::sigemptyset(&signals);
   for (const int number : {SIGTERM, SIGINT, SIGHUP}) ::sigaddset(&signals, number);
@@ -108,14 +155,18 @@ int keep_lamp(LampLine& line, int socket, int firmware) {
   const int process = static_cast<int>(::syscall(SYS_pidfd_open, firmware, 0));
   if (told < 0 || timer < 0 || process < 0) return 1;
 
-  Keeper keeper(line, socket, timer);
+  Keeper keeper(line, cover, socket, timer);
   bool serving = true;
   while (serving) {
     // poll() leaves out descriptors below 0 and reports hang-ups unasked.
-    std::array<pollfd, 4> fds = {{{socket, POLLIN, 0}, {timer, POLLIN, 0}, {process, POLLIN, 0}, {told, POLLIN, 0}}};
-    constexpr int kRetryMs = 1;
-    if (::poll(fds.data(), fds.size(), keeper.stuck() ? kRetryMs : -1) < 0 && errno != EINTR) break;
+    std::array<pollfd, 5> fds = {{{socket, POLLIN, 0},
+                                  {timer, POLLIN, 0},
+                                  {process, POLLIN, 0},
+                                  {told, POLLIN, 0},
+                                  {cover == nullptr ? -1 : cover->descriptor(), POLLIN, 0}}};
+    if (::poll(fds.data(), fds.size(), keeper.wait_ms()) < 0 && errno != EINTR) break;
     if (keeper.stuck()) keeper.darken();
+    keeper.look_at_cover();
     std::uint64_t times = 0;
     if (::read(timer, &times, sizeof times) == sizeof times) keeper.darken();
     if ((fds[2].revents | fds[3].revents) != 0) serving = false;

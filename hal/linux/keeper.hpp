@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "hal/linux/cover_line.hpp"
 #include "hal/linux/lamp_line.hpp"
 
 namespace plumbline {
@@ -11,10 +12,12 @@ namespace plumbline {
 /// is off when this returns.
 ///
 /// - the timer that turns it off is armed before the line goes on
-/// - what comes first turns it off: the deadline, a word of the firmware, the end of its socket, the end of its process
+/// - what comes first turns it off: the deadline, the cover, a word of the firmware, the end of its socket, the end of its
+///   process
+/// @param cover   null: the printer has no switch there
 /// @param socket  SOCK_SEQPACKET, connected to the firmware
 /// @param firmware  its process
 /// @returns exit status: 0, or 1 where timer, signals or socket could not be set up and nothing was lit
-int keep_lamp(LampLine& line, int socket, int firmware);
+int keep_lamp(LampLine& line, CoverLine* cover, int socket, int firmware);
 
 }  // namespace plumbline

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
@@ -10,6 +11,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <random>
 #include <string>
 #include <vector>
@@ -180,6 +182,91 @@ TEST(Keeper, LampIsDarkWithin50MsOfAnyInstantAtWhichTheFirmwareIsKilled) {
   }
   RecordProperty("slowest_us", static_cast<int>(slowest.count() / 1000));
   std::printf("slowest of 50: dark %.2f ms after kill -9\n", static_cast<double>(slowest.count()) / 1e6);
+}
+
+/// A cover's switch: a FIFO beside the line.
+class Cover {
+ public:
+  explicit Cover(const Line& line) : path_(line.option().substr(5) + ".cover") {
+    EXPECT_EQ(::mkfifo(path_.c_str(), 0600), 0);
+  }
+  std::string option() const { return "file:" + path_; }
+  void say(const char* words) const { std::ofstream(path_) << words << std::flush; }
+
+ private:
+  std::string path_;
+};
+
+/// The keeper's next news; a second at most.
+std::optional<LampKeeper::News> news_of(LampKeeper& keeper) {
+  const auto until = now() + 1s;
+  auto news = keeper.next_news();
+  while (!news && now() < until) {
+    ::usleep(500);
+    news = keeper.next_news();
+  }
+  return news;
+}
+
+TEST(Keeper, EndsTheLightWhenTheCoverIsOpenedAndSaysWhyFirst) {
+  using Kind = LampKeeper::News::Kind;
+  const Line line;
+  const Cover cover(line);
+  auto keeper = LampKeeper::start(kKeeper, line.option(), cover.option());
+  ASSERT_TRUE(keeper) << keeper.error().message();
+  EXPECT_EQ(news_of(*keeper)->kind, Kind::kCoverClosed) << "as it was found";
+  ASSERT_TRUE(keeper->light(10s));
+  cover.say("o");
+  const auto opened = news_of(*keeper);
+  ASSERT_TRUE(opened);
+  EXPECT_EQ(opened->kind, Kind::kCoverOpened);
+  const auto dark = news_of(*keeper);
+  ASSERT_TRUE(dark);
+  EXPECT_EQ(dark->kind, Kind::kDark);
+  const auto changes = line.changes();
+  ASSERT_EQ(changes.size(), 2U);
+  EXPECT_LE(changes[1].at - opened->at, 10ms);
+  EXPECT_EQ(keeper->light(1s).error().code(), ErrorCode::kLampFailed) << "not with the cover open";
+  EXPECT_EQ(line.changes().size(), 2U);
+  cover.say("cococ");
+  const auto closed = news_of(*keeper);
+  ASSERT_TRUE(closed);
+  EXPECT_EQ(closed->kind, Kind::kCoverClosed) << "once, when the contact rests";
+  EXPECT_FALSE(keeper->next_news());
+  EXPECT_TRUE(keeper->light(1s));
+}
+
+TEST(Keeper, IsDarkWhenTheCoverIsOpenedWhileTheFirmwareHangs) {
+  const Line line;
+  const Cover cover(line);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    auto keeper = LampKeeper::start(kKeeper, line.option(), cover.option());
+    if (!keeper || !keeper->light(10s)) ::_exit(3);
+    for (;;) ::pause();
+  }
+  ASSERT_EQ(line.wait_for(1).size(), 1U);
+  ASSERT_EQ(::kill(child, SIGSTOP), 0);
+  const auto opened = now();
+  cover.say("o");
+  const auto changes = line.wait_for(2);
+  ASSERT_EQ(changes.size(), 2U);
+  EXPECT_FALSE(changes[1].lit);
+  EXPECT_LE(changes[1].at - opened, 50ms) << "10 ms, on a machine that is not shared";
+  ::kill(child, SIGKILL);
+  ::waitpid(child, nullptr, 0);
+}
+
+TEST(Keeper, ThatEndsIsNews) {
+  const Line line;
+  auto keeper = LampKeeper::start(kKeeper, line.option());
+  ASSERT_TRUE(keeper);
+  ASSERT_TRUE(keeper->light(10s));
+  ASSERT_EQ(::kill(keeper->process(), SIGKILL), 0);
+  const auto news = news_of(*keeper);
+  ASSERT_TRUE(news);
+  EXPECT_EQ(news->kind, LampKeeper::News::Kind::kGone);
+  EXPECT_FALSE(keeper->next_news()) << "once";
 }
 
 TEST(Keeper, ThatDoesNotExistIsSaid) {

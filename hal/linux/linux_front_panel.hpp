@@ -1,0 +1,60 @@
+#pragma once
+/// Lights, buzzer and buttons of a board. The cover is the keeper's.
+
+#include <array>
+#include <optional>
+
+#include "hal/front_panel.hpp"
+#include "hal/linux/contact.hpp"
+#include "hal/linux/gpio_line.hpp"
+#include "hal/linux/lamp_watch.hpp"
+
+namespace plumbline {
+
+/// A button: its event comes at the first contact, once for each time it is pressed.
+class Button final : public EventSource {
+ public:
+  Button(InputLine line, EventKind kind, EventQueue& events);
+
+  int descriptor() const override { return line_.descriptor(); }
+  std::optional<std::chrono::nanoseconds> due() const override { return contact_.due(); }
+  void drain(std::chrono::nanoseconds now) override;
+
+ private:
+  InputLine line_;
+  EventKind kind_;
+  EventQueue& events_;
+  Contact contact_;
+};
+
+/// A light or a buzzer that the printer does not have does nothing. What blinks and how long a beep lasts is kept while the
+/// firmware waits for events; while it computes they stay as they are.
+class LinuxFrontPanel final : public FrontPanel, public EventSource {
+ public:
+  struct Lines {
+    std::array<std::optional<OutputLine>, kPanelLightCount> lights;
+    std::optional<OutputLine> buzzer;
+  };
+  static constexpr nanoseconds kBlink = std::chrono::milliseconds(500);  ///< on, and as long off
+
+  LinuxFrontPanel(Lines lines, LampWatch& watch, Interlock& interlock)
+      : FrontPanel(interlock), lines_(std::move(lines)), watch_(watch) {}
+
+  int descriptor() const override { return -1; }
+  std::optional<std::chrono::nanoseconds> due() const override;
+  void drain(std::chrono::nanoseconds now) override;
+
+ private:
+  bool do_cover_open() const override;
+  Status do_set_light(PanelLight light, LightState state) override;
+  Status do_beep(nanoseconds time) override;
+
+  Lines lines_;
+  LampWatch& watch_;
+  std::array<LightState, kPanelLightCount> states_{};
+  std::optional<nanoseconds> beep_ends_;
+  std::optional<nanoseconds> blink_at_;
+  bool blink_on_ = false;
+};
+
+}  // namespace plumbline

@@ -1,0 +1,107 @@
+/// What is known of lines without any: names, uses, bouncing contacts, the order of events.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "hal/linux/contact.hpp"
+#include "hal/linux/event_queue.hpp"
+#include "hal/linux/gpio_keeper_lines.hpp"
+#include "hal/linux/line_registry.hpp"
+
+namespace plumbline {
+namespace {
+
+using namespace std::chrono_literals;
+
+TEST(LineRegistry, RefusesOnePinUsedTwiceAndNamesBothUses) {
+  LineRegistry registry;
+  EXPECT_TRUE(registry.claim({"gpiochip0", 17}, "the lamp"));
+  EXPECT_TRUE(registry.claim({"gpiochip0", 18}, "the cover"));
+  EXPECT_TRUE(registry.claim({"gpiochip1", 17}, "the end stop"));
+  const auto twice = registry.claim({"gpiochip0", 17}, "the buzzer");
+  ASSERT_FALSE(twice);
+  EXPECT_EQ(twice.error().code(), ErrorCode::kBadSetting);
+  EXPECT_STREQ(twice.error().message(),
+               "the lamp and the buzzer have the same line, gpiochip0 17: correct the board file");
+}
+
+TEST(LineOption, IsReadAsItWasWritten) {
+  for (const bool low : {false, true}) {
+    for (const auto bias : {LineBias::kAsIs, LineBias::kDisabled, LineBias::kPullUp, LineBias::kPullDown}) {
+      LineSettings settings;
+      settings.active_low = low;
+      settings.bias = bias;
+      const auto option = parse_line_option(line_option({"gpiochip3", 54}, settings));
+      ASSERT_TRUE(option);
+      EXPECT_EQ(option->place, (LinePlace{"gpiochip3", 54}));
+      EXPECT_EQ(option->settings.active_low, low);
+      EXPECT_EQ(option->settings.bias, bias);
+    }
+  }
+}
+
+TEST(LineOption, IsRefusedWhereItIsNone) {
+  EXPECT_TRUE(parse_line_option("gpio:gpiochip0:0:low:pull-up"));
+  for (const char* text : {"", "gpio", "gpio:gpiochip0:1:high", "gpio:gpiochip0:1:high:as-is:", "gpio::1:high:as-is",
+                           "gpio:gpiochip0:-1:high:as-is", "gpio:gpiochip0:1x:high:as-is", "gpio:gpiochip0::high:as-is",
+                           "gpio:gpiochip0:1:middle:as-is", "gpio:gpiochip0:1:high:upwards",
+                           "pin:gpiochip0:1:high:as-is", "gpio:gpiochip0:4294967296:high:as-is"}) {
+    EXPECT_FALSE(parse_line_option(text)) << text;
+  }
+}
+
+TEST(Contact, GoesOnAtItsFirstContactAndOnceThoughItBounces) {
+  Contact contact(false);
+  EXPECT_TRUE(contact.saw(true, 100ms));
+  EXPECT_FALSE(contact.saw(false, 101ms));
+  EXPECT_FALSE(contact.saw(true, 102ms));
+  EXPECT_FALSE(contact.saw(false, 103ms));
+  EXPECT_FALSE(contact.saw(true, 104ms));
+  EXPECT_TRUE(contact.on());
+  EXPECT_FALSE(contact.due());
+  EXPECT_FALSE(contact.settle(10s));
+}
+
+TEST(Contact, GoesOffWhenItHasBeenOffForAWhile) {
+  Contact contact(true);
+  EXPECT_FALSE(contact.saw(false, 100ms));
+  EXPECT_FALSE(contact.saw(true, 110ms));
+  EXPECT_FALSE(contact.saw(false, 120ms));
+  EXPECT_FALSE(contact.saw(false, 140ms)) << "looked at again, which is no new bounce";
+  ASSERT_TRUE(contact.due());
+  EXPECT_EQ(*contact.due(), 120ms + Contact::kQuiet);
+  EXPECT_FALSE(contact.settle(120ms + Contact::kQuiet - 1ns));
+  EXPECT_TRUE(contact.on());
+  EXPECT_EQ(contact.settle(120ms + Contact::kQuiet), std::optional<Contact::Time>(120ms));
+  EXPECT_FALSE(contact.on());
+  EXPECT_FALSE(contact.settle(10s)) << "said once";
+  EXPECT_TRUE(contact.saw(true, 11s)) << "and can go on again";
+}
+
+TEST(EventQueue, GivesWhatHappenedFirstThoughItWasHeardOfLast) {
+  EventQueue queue;
+  EXPECT_FALSE(queue.take());
+  queue.add(EventKind::kMotionEnded, 5ms);
+  queue.add(EventKind::kCoverOpened, 3ms);
+  queue.add(EventKind::kExposureEnded, 3ms);
+  queue.add(EventKind::kPausePressed, 9ms);
+  std::vector<EventKind> kinds;
+  while (const auto event = queue.take()) kinds.push_back(event->kind);
+  EXPECT_THAT(kinds, testing::ElementsAre(EventKind::kCoverOpened, EventKind::kExposureEnded, EventKind::kMotionEnded,
+                                          EventKind::kPausePressed));
+}
+
+TEST(EventQueue, KeepsTheOldestWhenItIsFull) {
+  EventQueue queue;
+  for (std::size_t i = 0; i < EventQueue::kRoom; ++i) queue.add(EventKind::kStartPressed, std::chrono::nanoseconds(i));
+  queue.add(EventKind::kCancelPressed, 0ns);
+  std::size_t taken = 0;
+  while (const auto event = queue.take()) {
+    EXPECT_EQ(event->kind, EventKind::kStartPressed);
+    ++taken;
+  }
+  EXPECT_EQ(taken, EventQueue::kRoom);
+}
+
+}  // namespace
+}  // namespace plumbline
