@@ -61,6 +61,17 @@ constexpr const char* kPrintFooter =
     "\n"
     "Exit status: 0 printed, 1 a fault or an error, 2 a wrong command line, 130 cancelled.\n";
 
+constexpr const char* kDoctorFooter =
+    "\nExamples:\n"
+    "  plumbline doctor --printer board/my_printer.toml\n"
+    "\n"
+    "Looks for every line, the panel, sensors, fans, the stick's port and the rights that a print needs, and says what "
+    "it "
+    "found,\n"
+    "what is wrong and what to do. Moves and lights nothing, and disturbs no print that runs.\n"
+    "\n"
+    "Exit status: 0 it prints, though something may be poor; 1 something is wrong; 2 a wrong command line.\n";
+
 constexpr const char* kInspectFooter =
     "\nExamples:\n"
     "  plumbline inspect scan.ply\n"
@@ -294,6 +305,12 @@ ExitCode run_command_line(int argc, char** argv, std::span<std::byte> arena_bloc
       ->check(CLI::NonNegativeNumber.description(""));
   sample_app->add_flag("--quiet", sample.quiet, "Print errors only");
 
+  DoctorOptions doctor;
+  auto* doctor_app = app.add_subcommand("doctor", "Look at the board this runs on: is the printer's hardware there");
+  doctor_app->footer(kDoctorFooter);
+  doctor_app->add_option("--printer", doctor.printer, "The printer's board file")->required()->type_name("TOML");
+  doctor_app->add_flag("--json", doctor.json, "Print the findings as one JSON object, and nothing else");
+
   try {
     app.parse(argc, argv);
     const auto supports = slice_supports.over(false, {});
@@ -311,6 +328,7 @@ ExitCode run_command_line(int argc, char** argv, std::span<std::byte> arena_bloc
   if (slice_app->parsed()) return run_slice(slice, arena_block);
   if (inspect_app->parsed()) return run_inspect(inspect, arena_block);
   if (print_app->parsed()) return run_print(print, arena_block);
+  if (doctor_app->parsed()) return run_doctor(doctor);
   return run_sample(sample);
 }
 

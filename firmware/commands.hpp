@@ -46,12 +46,18 @@ struct PrintOptions {
   SupportChoice supports;  ///< on top of the profile's
 };
 
+struct DoctorOptions {
+  std::string printer;  ///< board file
+  bool json = false;
+};
+
 /// Each writes results to standard output, progress, warnings and errors to standard error.
 /// @param arena_block  the program's
 ExitCode run_slice(const SliceOptions& options, std::span<std::byte> arena_block);
 ExitCode run_inspect(const JobOptions& options, std::span<std::byte> arena_block);
 ExitCode run_print(const PrintOptions& options, std::span<std::byte> arena_block);
 ExitCode run_sample(const SampleOptions& options);
+ExitCode run_doctor(const DoctorOptions& options);
 
 /// Prints the sentence of an error. @returns what the shell is to see
 ExitCode report_error(const Error& error);

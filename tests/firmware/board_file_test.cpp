@@ -229,6 +229,59 @@ TEST(BoardFile, RefusesKeysThatContradictEachOther) {
   EXPECT_THAT(refusal(rgb), HasSubstr("packing: found a string 'rgb', allowed is \"none\""));
 }
 
+std::string rig_with(const std::string& from, const std::string& to) {
+  auto text = read_settings_text(PLUMBLINE_SOURCE_DIR "/board/rig.toml", "a board file").value();
+  const auto at = text.find(from);
+  if (at == std::string::npos) ADD_FAILURE() << from << " is not in rig.toml";
+  return text.replace(at, from.size(), to);
+}
+
+TEST(BoardFile, SaysHowThePrinterIsWired) {
+  const auto board = parse_board_file(
+      rig_with("offset = 5\nactive = \"high\"", "offset = 5\nactive = \"low\"\nbias = \"pull-up\""), "b.toml");
+  ASSERT_TRUE(board) << board.error().message();
+  const WiringFile& wiring = board->machine->wiring;
+  EXPECT_EQ(wiring.connector, "Virtual-1");
+  EXPECT_EQ(wiring.cover.chip, "9030000.pl061");
+  EXPECT_EQ(wiring.cover.offset, 5U);
+  EXPECT_EQ(wiring.cover.active, WireFile::Active::kLow);
+  EXPECT_EQ(wiring.cover.bias, WireFile::Bias::kPullUp);
+  EXPECT_EQ(wiring.sensors[1].file, "/run/rig/resin_temperature");
+  EXPECT_FALSE(wiring.pause.given());
+  EXPECT_TRUE(wiring.missing().empty());
+}
+
+TEST(BoardFile, KnowsWhichTablesOfTheWiringAreMissing) {
+  const auto board = read_board_file(PLUMBLINE_SOURCE_DIR "/board/mono2k.toml");
+  ASSERT_TRUE(board);
+  EXPECT_THAT(board->machine->wiring.missing(),
+              ::testing::UnorderedElementsAre("display", "lamp_line", "step_line", "direction_line", "end_stop_line",
+                                              "lamp_sensor", "resin_sensor", "board_sensor"));
+}
+
+TEST(BoardFile, RefusesALineThatIsGivenTwiceOrByHalf) {
+  EXPECT_THAT(refusal(rig_with("[lamp_line]", "[lamp_line]\nline = \"LAMP\"")),
+              HasSubstr("[lamp_line] line: found a string 'LAMP', but a line is given by line, or by chip and offset"));
+  EXPECT_THAT(refusal(rig_with("offset = 1\n", "")), HasSubstr("but chip and offset are given together"));
+  EXPECT_THAT(refusal(rig_with("[lamp_sensor]", "[lamp_sensor]\nhwmon = \"lm75\"")),
+              HasSubstr("a sensor is given by one of hwmon, thermal_zone and file"));
+  EXPECT_THAT(refusal(rig_with("[lamp_sensor]", "[lamp_fan]\nchannel = 1\n[lamp_sensor]")),
+              HasSubstr("a fan is given by hwmon or by pwm_chip"));
+  EXPECT_THAT(refusal(rig_with("offset = 1\n", "offset = 1024\n")), HasSubstr("an integer from 0 to 1023"));
+}
+
+TEST(BoardReadme, ExplainsEveryTableAndKeyOfTheWiring) {
+  const auto page = read_settings_text(PLUMBLINE_SOURCE_DIR "/board/README.md", "a page").value();
+  WiringFile wiring;
+  std::vector<SettingRule> rules;
+  add_wiring_rules(rules, wiring);
+  for (const auto& rule : rules) {
+    EXPECT_THAT(page, HasSubstr(std::string("`[").append(rule.table).append("]`")));
+    EXPECT_THAT(page, HasSubstr(std::string("`").append(rule.key).append("`")));
+  }
+  EXPECT_GE(rules.size(), 80U);
+}
+
 TEST(BoardFile, RefusesAFileOfAnotherKindBySize) {
   EXPECT_THAT(refusal(std::string(kMaxBoardFileBytes + 1, '\n'), ErrorCode::kMalformed),
               HasSubstr("larger than 65536 bytes"));
