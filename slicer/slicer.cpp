@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 
+#include "slicer/base_plane.hpp"
 #include "slicer/cloud_reader.hpp"
 #include "slicer/kd_tree.hpp"
 #include "slicer/layer_features.hpp"
@@ -29,9 +30,6 @@ constexpr float kMaxRadiusSupport = 40;  ///< points: a larger support is cut to
 
 /// Pieces and bubbles below this many cubes of epsilon are specks: a stray's support has some six.
 constexpr float kSpeck = 50;
-
-/// As many of the lowest points may be strays below the rim of an open underside.
-constexpr std::size_t kStrays = 12;
 
 /// Islands and holes of a layer below this many squares of epsilon, and this many cubes in all, are small features.
 constexpr float kFeature = 2;
@@ -225,20 +223,7 @@ class Job {
     const StageScope stage(Stage::kWindingTree, arena_, progress_, report_.peak_bytes);
     winding_ = WindingTree::build(cloud_, report_.clustering.support_points,
                                   winding_nodes_.first(WindingTree::nodes_needed(cloud_.size)));
-    report_.open_underside = winding_.set_base(lowest_rim());
-  }
-
-  /// Height of the lowest point that is not one of a few strays, mm.
-  float lowest_rim() const {
-    std::array<float, kStrays + 1> lowest;  // NOLINT(cppcoreguidelines-pro-type-member-init): a heap, the highest first
-    std::size_t count = 0;
-    for (const Vec3f& p : cloud_.positions()) {
-      if (count == lowest.size() && p[2] >= lowest[0]) continue;
-      if (count == lowest.size()) std::pop_heap(lowest.begin(), lowest.begin() + count--);
-      lowest[count++] = p[2];
-      std::push_heap(lowest.begin(), lowest.begin() + count);
-    }
-    return lowest[0];
+    report_.open_underside = winding_.set_base(base_plane(cloud_.positions(), report_.placement.grid.layer_height_mm));
   }
 
   /// Crossings that the surface will make: each point's share of it, seen from above, is crossed by so many rays.
