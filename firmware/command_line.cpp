@@ -86,7 +86,7 @@ constexpr const char* kSampleFooter =
     "  plumbline sample bust.ply\n"
     "  plumbline sample big.ply --points 5000000 --seed 7\n"
     "\n"
-    "What comes out: a virtual structured-light scan of an analytic bust, 16 views, with noise, a few strays and an "
+    "What comes out: a virtual structured-light scan of an analytic bust, 22 views, with noise, a few strays and an "
     "open\n"
     "underside. PLY, binary, mm, with normals. The same seed and count give the same file everywhere.\n";
 

@@ -13,6 +13,7 @@ namespace {
 constexpr double kDepthNoise = 0.02;  // mm, sigma for a surface seen straight on
 constexpr double kSteepest = 0.2079;  // cosine of 78 degrees: nothing is seen at a smaller angle
 constexpr double kFull = 0.6428;      // cosine of 50 degrees: below it the density falls
+constexpr double kStandTop = 0.01;    // mm: what is lower is the underside, which the stand covers
 
 }  // namespace
 
@@ -50,8 +51,9 @@ void RangeImage::trace_band(std::size_t first) {
     for (std::size_t j = first; j < end; ++j) {
       for (std::size_t i = left; i < std::min(left + kTile, columns_); ++i) {
         const double range = trace(direction(i, j), t);
+        if (range == 0.0 || (view_.eye + range * direction(i, j)).z() < kStandTop) continue;
         range_[index(i, j)] = range;
-        if (range > 0.0) state_[index(i, j)] = PixelState::kSeen;
+        state_[index(i, j)] = PixelState::kSeen;
       }
     }
   }

@@ -25,7 +25,8 @@ constexpr double kCoarsePitch = 0.8;  // of the first pass, which only counts
 constexpr double kMargin = 1.05;      // points aimed at for each point wanted, so that few views are scanned twice
 const Vec3d kMiddle{0.0, 1.0, 30.0};
 
-constexpr std::size_t kLowViews = 10, kHighViews = 6, kViews = kLowViews + kHighViews;
+constexpr std::size_t kLowViews = 10, kHighViews = 6, kUnderViews = 6;
+constexpr std::size_t kViews = kLowViews + kHighViews + kUnderViews;
 
 Station make_view(const Vec3d& towards_camera) {
   Station view;
@@ -67,6 +68,8 @@ std::array<Station, kViews> make_views(std::uint64_t seed) {
   std::array<Station, kViews> views;
   add_ring(views, 0, kLowViews, 0.93969262078590838, 0.34202014332566873, 0.80901699437494742, 0.58778525229247313);
   add_ring(views, kLowViews, kHighViews, 0.5, 0.86602540378443865, 0.5, 0.86602540378443865);
+  add_ring(views, kLowViews + kHighViews, kUnderViews, 0.93969262078590838, -0.34202014332566873, 0.5,
+           0.86602540378443865);
   const CounterRng rng(seed, 1);
   Vec3d mean_shift = Vec3d::Zero(), mean_rotation = Vec3d::Zero();
   for (std::size_t i = 0; i < kViews; ++i) {
@@ -237,7 +240,7 @@ Status write_bust_scan(const std::string& path, const SampleSettings& settings,
     const std::function<bool(double)>& progress_;
   };
   PLUMBLINE_TRY(check(settings));  // before an old file is replaced
-  const std::string seed = "seed " + std::to_string(settings.seed) + ", 10 views at 20 degrees, 6 at 60";
+  const std::string seed = "seed " + std::to_string(settings.seed) + ", 10 views at 20 degrees, 6 at 60, 6 at -20";
   const std::array<std::string_view, 4> comments{"plumbline sample: virtual structured-light scan of an analytic bust",
                                                  seed, "unit mm, z up, the underside at z = 0 was not seen",
                                                  "noise 0.02 mm in depth, 0.1 % stray points"};
