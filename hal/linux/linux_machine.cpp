@@ -152,6 +152,7 @@ Expected<std::unique_ptr<LinuxMachine>> LinuxMachine::open(const LinuxSettings& 
   const auto lines = BoardLines::find(settings);
   PLUMBLINE_TRY(lines);
   std::unique_ptr<LinuxMachine> machine(new LinuxMachine());
+  machine->events_.add(machine->shutdown_);
   machine->memory_locked_ = lock_memory();
   PLUMBLINE_TRY(machine->open_lamp(settings, *lines));
   PLUMBLINE_TRY(machine->open_stage(settings, *lines));

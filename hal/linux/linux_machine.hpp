@@ -13,6 +13,7 @@
 #include "hal/linux/linux_settings.hpp"
 #include "hal/linux/linux_thermals.hpp"
 #include "hal/linux/linux_uv_lamp.hpp"
+#include "hal/linux/shutdown_signal.hpp"
 #include "hal/machine.hpp"
 
 namespace plumbline {
@@ -66,6 +67,7 @@ class LinuxMachine {
   LinuxEvents events_{queue_};
   Interlock interlock_;
   LinuxClock clock_;
+  ShutdownSignal shutdown_{queue_};
   std::unique_ptr<LampWatch> watch_;
   std::unique_ptr<LinuxUvLamp> lamp_;
   std::unique_ptr<GpioStageLines> stage_lines_;

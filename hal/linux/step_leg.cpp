@@ -89,6 +89,7 @@ StepLegResult StepLegs::run(std::int64_t steps, Speed speed, LegUntil until, Tim
     const Time late = now - due;
     if (late > kMotorStands && done > base && !slowing) {
       ++record_.restarts;
+      record_.worst = std::max(record_.worst, late);
       base = done;
       start = now;
       last = now;

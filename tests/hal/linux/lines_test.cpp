@@ -2,11 +2,13 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <signal.h>
 
 #include "hal/linux/contact.hpp"
 #include "hal/linux/event_queue.hpp"
 #include "hal/linux/gpio_keeper_lines.hpp"
 #include "hal/linux/line_registry.hpp"
+#include "hal/linux/shutdown_signal.hpp"
 
 namespace plumbline {
 namespace {
@@ -101,6 +103,22 @@ TEST(EventQueue, KeepsTheOldestWhenItIsFull) {
     ++taken;
   }
   EXPECT_EQ(taken, EventQueue::kRoom);
+}
+
+TEST(ShutdownSignal, MakesAnEventOfTheSystemsWish) {
+  EventQueue queue;
+  {
+    ShutdownSignal shutdown(queue);
+    shutdown.drain(1ms);
+    EXPECT_FALSE(queue.take());
+    ::raise(SIGTERM);
+    shutdown.drain(2ms);
+    const auto event = queue.take();
+    ASSERT_TRUE(event);
+    EXPECT_EQ(event->kind, EventKind::kShutdownRequested);
+    EXPECT_EQ(event->at, TimePoint(2ms));
+  }
+  EXPECT_EXIT(::raise(SIGTERM), testing::KilledBySignal(SIGTERM), "") << "and leaves the signal as it was";
 }
 
 }  // namespace
