@@ -92,17 +92,28 @@ class Keeper {
       answer(KeeperWord::kFailed, message.request);
       return;
     }
-    itimerspec deadline{};
-    deadline.it_value.tv_sec = static_cast<time_t>(message.nanoseconds / 1'000'000'000);
-    deadline.it_value.tv_nsec = static_cast<long>(message.nanoseconds % 1'000'000'000);
-    if (::timerfd_settime(timer_, 0, &deadline, nullptr) != 0) {
+    if (!arm(0, message.nanoseconds)) {
       answer(KeeperWord::kFailed, message.request);
       return;
     }
     lit_ = line_.set(true);
     lit_request_ = message.request;
-    if (!lit_) static_cast<void>(line_.set(false));
-    answer(lit_ ? KeeperWord::kLit : KeeperWord::kFailed, message.request);
+    if (!lit_) {
+      static_cast<void>(line_.set(false));
+      answer(KeeperWord::kFailed, message.request);
+      return;
+    }
+    // The time that passed between arming and light is given back: where it can't be, the light is shorter by it.
+    const std::int64_t on_at = now_ns();
+    static_cast<void>(arm(TFD_TIMER_ABSTIME, on_at + message.nanoseconds));
+    say(KeeperWord::kLit, message.request, on_at);
+  }
+
+  bool arm(int flags, std::int64_t nanoseconds) const {
+    itimerspec deadline{};
+    deadline.it_value.tv_sec = static_cast<time_t>(nanoseconds / 1'000'000'000);
+    deadline.it_value.tv_nsec = static_cast<long>(nanoseconds % 1'000'000'000);
+    return ::timerfd_settime(timer_, flags, &deadline, nullptr) == 0;
   }
 
   void saw_cover(bool open, Contact::Time at) {
