@@ -10,6 +10,7 @@
 
 #include "firmware/sample/scan_sample.hpp"
 #include "firmware/version.hpp"
+#include "slicer/scan_sources.hpp"
 
 namespace plumbline {
 namespace {
@@ -33,6 +34,7 @@ constexpr const char* kSliceFooter =
     "plate\n"
     "  plumbline slice scan.ply -o out --printer board/mono2k.toml --fit   as large as the printer takes\n"
     "  plumbline slice scan.ply -o out --units m --rotate-x 90          a scan in metres whose y points up\n"
+    "  plumbline slice front.ply back.ply -o out                        a scan in several files, of one frame\n"
     "  plumbline slice scan.ply -o out --supports auto                  with supports below what would hang in the "
     "air\n"
     "\n"
@@ -159,9 +161,13 @@ void add_print_options(CLI::App& app, PrintOptions& print) {
 
 /// @returns the scan, which is required unless the caller says otherwise
 CLI::Option* add_job_options(CLI::App& app, JobOptions& job) {
-  auto* scan = app.add_option("scan", job.scan, "The scan: .ply, .pcd, .obj, .xyz, .pts, .asc or .txt")
-                   ->required()
-                   ->type_name("SCAN");
+  auto* scan =
+      app.add_option("scan", job.scans,
+                     "The scan: .ply, .pcd, .obj, .xyz, .pts, .asc or .txt. Several files in one frame are one "
+                     "scan, read in this order")
+          ->required()
+          ->expected(1, static_cast<int>(kMostScans))
+          ->type_name("SCAN");
   constexpr const char* kPrint = "Print";
   auto* printer =
       app.add_option("--printer", job.printer,
@@ -320,7 +326,7 @@ ExitCode run_command_line(int argc, char** argv, std::span<std::byte> arena_bloc
     const int status = app.exit(error);  // prints help, version, or what is wrong
     return status == 0 ? ExitCode::kDone : ExitCode::kUsageError;
   }
-  if (print_app->parsed() && !print.resume && print.job.scan.empty()) {
+  if (print_app->parsed() && !print.resume && print.job.scans.empty()) {
     const int status = app.exit(CLI::RequiredError("print: scan, or --resume with --state,"));
     return status == 0 ? ExitCode::kDone : ExitCode::kUsageError;
   }

@@ -1,9 +1,9 @@
 #include "firmware/commands.hpp"
-#include "firmware/file_source.hpp"
 #include "firmware/inspect_report.hpp"
 #include "firmware/interrupt.hpp"
 #include "firmware/job_progress.hpp"
 #include "firmware/progress_lines.hpp"
+#include "firmware/scan_files.hpp"
 
 namespace plumbline {
 
@@ -11,8 +11,8 @@ ExitCode run_inspect(const JobOptions& options, std::span<std::byte> arena_block
   const auto setup = set_up(options, arena_block);
   if (!setup) return report_error(setup.error());
   catch_interrupts();
-  auto source = FileSource::open(options.scan);
-  if (!source) return report_error(source.error());
+  const auto scan = ScanFiles::open(options.scans);
+  if (!scan) return report_error(scan.error());
   const bool silent = options.quiet || options.json;
   ProgressLines lines;
   JobProgress progress(silent ? nullptr : &lines);
@@ -21,12 +21,13 @@ ExitCode run_inspect(const JobOptions& options, std::span<std::byte> arena_block
   settings.placement = setup->placement;
   settings.threads = setup->threads;
   InspectReport report;
-  const auto done = inspect(*source, settings, arena, &progress, report);
+  const auto done = inspect(scan->sources(), settings, arena, &progress, report);
   if (!done) return report_error(done.error());
   if (options.quiet && !options.json) return ExitCode::kDone;
 
   ScanOutlook outlook = make_outlook(report, setup->placement, arena.capacity(), setup->threads);
-  outlook.scan_name = source->name();
+  outlook.scan_name = scan->title();
+  outlook.scan_names = scan->names();
   outlook.printer_name = setup->printer_name;
   OutputFile out = OutputFile::standard_output();
   JsonWriter json(out);

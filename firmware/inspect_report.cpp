@@ -5,6 +5,7 @@
 
 #include "firmware/fixed_text.hpp"
 #include "firmware/job_report.hpp"
+#include "firmware/manifest.hpp"
 #include "firmware/version.hpp"
 
 namespace plumbline {
@@ -27,6 +28,10 @@ void add_scan(Text& text, const ScanOutlook& o) {
   const ScanSummary& scan = o.scan.scan;
   text.add("scan       %s: %llu points, %s %s, %.1f MB\n", o.scan_name.c_str(), big(scan.points),
            to_string(scan.header.format), scan.header.encoding, static_cast<double>(scan.bytes) * 1e-6);
+  for (std::size_t i = 0; o.scan_names.size() > 1 && i < std::min(o.scan_names.size(), o.scan.scans.count); ++i) {
+    text.add("           %.60s: %llu points, %s\n", o.scan_names[i].c_str(), big(o.scan.scans.each[i].points),
+             o.scan.scans.each[i].header.has_normals ? "with normals" : "without normals");
+  }
   if (scan.not_finite > 0) text.add("           %llu more points are not finite and left out\n", big(scan.not_finite));
   if (scan.header.has_normals) {
     text.add("normals    %llu points have one, %llu have one of length zero\n", big(scan.points - scan.without_normal),
@@ -133,6 +138,7 @@ void write_scan(JsonWriter& json, const ScanOutlook& o) {
   json.member("zero_length", scan.header.has_normals ? scan.without_normal : std::uint64_t{0});
   json.end_object();
   json.member("normals_estimated", o.scan.normals_estimated);
+  if (o.scan_names.size() > 1) write_files(json, o.scan_names, o.scan.scans);
   json.end_object();
 }
 

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "firmware/json_writer.hpp"
 #include "firmware/output_file.hpp"
@@ -12,8 +13,9 @@ namespace plumbline {
 
 /// A scan on a printer or in a grid of its own.
 struct ScanOutlook {
-  std::string scan_name;
-  std::string printer_name;  ///< empty without a printer
+  std::string scan_name;                ///< title_of() its files
+  std::vector<std::string> scan_names;  ///< of the files
+  std::string printer_name;             ///< empty without a printer
   PlacementSettings placement;
   InspectReport scan;
   Units units = Units::kMillimetres;    ///< used

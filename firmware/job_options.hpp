@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "firmware/board_file.hpp"
 #include "slicer/placement.hpp"
@@ -15,7 +16,7 @@ namespace plumbline {
 
 /// As on the command line; what is absent comes from the board file or has a default.
 struct JobOptions {
-  std::string scan;
+  std::vector<std::string> scans;         ///< files of one scan, in this order; 1 to kMostScans
   std::string printer;                    ///< path of a board file; empty: none
   std::optional<double> pixel_pitch_mm;   ///< kFinestMm to kCoarsestMm; without a printer only
   std::optional<double> layer_height_mm;  ///< kFinestMm to kCoarsestMm

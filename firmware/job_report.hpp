@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "firmware/fixed_text.hpp"
 #include "slicer/slicer.hpp"
@@ -24,7 +25,8 @@ struct JobWarnings {
 };
 
 struct JobReport {
-  std::string scan_name;
+  std::string scan_name;                         ///< title_of() its files
+  std::vector<std::string> scan_names;           ///< of the files; empty where nobody knows them any more
   std::string printer_name;                      ///< empty: the grid is the object's own
   SliceReport slice;                             ///< peaks of the arena: up to Stage::kRRep
   std::array<double, kStageCount> seconds = {};  ///< by Stage

@@ -14,11 +14,20 @@ double percent(double part, double whole) { return whole > 0 ? 100 * part / whol
 
 unsigned long long big(std::uint64_t number) { return number; }
 
+/// Where there are several.
+void add_files(Text& text, std::span<const std::string> names, const ScanSummaries& scans) {
+  if (names.size() < 2) return;
+  for (std::size_t i = 0; i < std::min(names.size(), scans.count); ++i) {
+    text.add("           %.60s: %llu points\n", names[i].c_str(), big(scans.each[i].points));
+  }
+}
+
 void add_scan(Text& text, const JobReport& report) {
   const SliceReport& s = report.slice;
   text.add("scan       %s: %llu points, %s %s, %s\n", report.scan_name.c_str(), big(s.scan.points),
            to_string(s.scan.header.format), s.scan.header.encoding,
            s.scan.header.has_normals ? "with normals" : "without normals");
+  add_files(text, report.scan_names, s.scans);
   if (s.scan.not_finite > 0) text.add("           %llu points dropped: not finite\n", big(s.scan.not_finite));
   if (s.averaged_points > 0) {
     text.add("thinned    to %u points: one for each cell of %.3g mm (room for %u)\n", s.cloud_points,

@@ -38,6 +38,7 @@ void write_scan(JsonWriter& json, const JobReport& report) {
   json.member("points_not_finite", scan.not_finite);
   json.member("has_normals", scan.header.has_normals);
   json.member("points_without_normal", scan.header.has_normals ? scan.without_normal : scan.points);
+  if (report.scan_names.size() > 1) write_files(json, report.scan_names, report.slice.scans);
   json.end_object();
 }
 
@@ -182,6 +183,23 @@ void write_hashes(JsonWriter& json, const JobReport& report, std::span<const std
 }
 
 }  // namespace
+
+void write_files(JsonWriter& json, std::span<const std::string> names, const ScanSummaries& scans) {
+  json.key("files");
+  json.begin_array();
+  for (std::size_t i = 0; i < std::min(names.size(), scans.count); ++i) {
+    const ScanSummary& scan = scans.each[i];
+    json.begin_object(kOneLine);
+    json.member("name", std::string_view(names[i]));
+    json.member("format", to_string(scan.header.format));
+    json.member("encoding", scan.header.encoding);
+    json.member("bytes", scan.bytes);
+    json.member("points", scan.points);
+    json.member("has_normals", scan.header.has_normals);
+    json.end_object();
+  }
+  json.end_array();
+}
 
 void write_manifest(JsonWriter& json, const JobReport& report, std::span<const std::uint64_t> layer_hashes) {
   const SliceReport& slice = report.slice;

@@ -2,7 +2,6 @@
 
 #include "firmware/back_end.hpp"
 #include "firmware/commands.hpp"
-#include "firmware/file_source.hpp"
 #include "firmware/interrupt.hpp"
 #include "firmware/job_progress.hpp"
 #include "firmware/print_lines.hpp"
@@ -10,6 +9,7 @@
 #include "firmware/print_summary.hpp"
 #include "firmware/printed_part.hpp"
 #include "firmware/progress_lines.hpp"
+#include "firmware/scan_files.hpp"
 
 namespace plumbline {
 namespace {
@@ -43,14 +43,14 @@ Status make_ready(const PrintOptions& options, const JobSetup& setup, const Prin
   if (options.resume) return session.load();
   const auto supports = options.supports.over(printer.profile.supports_enable, printer.profile.supports);
   PLUMBLINE_TRY(supports);
-  auto scan = FileSource::open(options.job.scan);
+  const auto scan = ScanFiles::open(options.job.scans);
   PLUMBLINE_TRY(scan);
   SliceSettings settings;
   settings.placement = setup.placement;
   settings.threads = setup.threads;
   ProgressLines lines;
   JobProgress progress(silent ? nullptr : &lines);
-  return session.slice_scan(*scan, settings, *supports, printer.profile, &progress);
+  return session.slice_scan(scan->sources(), settings, *supports, printer.profile, &progress);
 }
 
 Status write_results(const PrintOptions& options, const PrintOutcome& outcome) {

@@ -1,5 +1,7 @@
 #include "firmware/print_session.hpp"
 
+#include <array>
+
 #include "slicer/stage_scope.hpp"
 
 namespace plumbline {
@@ -15,23 +17,48 @@ PrintSession::PrintSession(const BoardFile& board, const MachineFile& machine, A
 
 PrintSession::~PrintSession() { arena_.release_bottom(bottom_); }
 
-Status PrintSession::slice_scan(ByteSource& scan, const SliceSettings& settings,
+namespace {
+
+/// The files of a scan and their fingerprints.
+class HashingSources {
+ public:
+  explicit HashingSources(ScanSources scan) : count_(scan.size()) {
+    for (std::size_t i = 0; i < count_; ++i) pointers_[i] = &hashing_[i].emplace(*scan[i]);
+  }
+  ScanSources sources() const { return ScanSources(pointers_).first(count_); }
+  /// That of the file where there is one, else that of the files' fingerprints in their order.
+  std::uint64_t hash() const {
+    if (count_ == 1) return hashing_[0]->hash();
+    Hash64 all;
+    for (std::size_t i = 0; i < count_; ++i) all.add_value(hashing_[i]->hash());
+    return all.value();
+  }
+
+ private:
+  std::size_t count_;
+  std::array<std::optional<HashingSource>, kMostScans> hashing_;
+  std::array<ByteSource*, kMostScans> pointers_ = {};
+};
+
+}  // namespace
+
+Status PrintSession::slice_scan(ScanSources scan, const SliceSettings& settings,
                                 const std::optional<SupportSettings>& supports, const PrintProfile& profile,
                                 ProgressSink* progress) {
   const auto layer_height = static_cast<double>(settings.placement.layer_height_mm);
   // What no height changes is said before the minutes that slicing may take.
   PLUMBLINE_TRY(plan_print(profile, machine_, layer_height, 1));
-  HashingSource source(scan);
-  const auto rrep = slice(source, settings, arena_, progress, slice_report_);
+  const HashingSources hashing(scan);
+  const auto rrep = slice(hashing.sources(), settings, arena_, progress, slice_report_);
   PLUMBLINE_TRY(rrep);
   rrep_ = *rrep;
   if (supports) PLUMBLINE_TRY(add_supports(*supports, progress));
   const auto plan = plan_print(profile, machine_, layer_height, rrep_.grid.layers);
   PLUMBLINE_TRY(plan);
-  facts_.scan = short_name(scan.name());
+  facts_.scan = short_name(title_of(scan).c_str());
   facts_.printer = short_name(board_.name);
   facts_.profile = short_name(profile.name);
-  facts_.scan_hash = source.hash();
+  facts_.scan_hash = hashing.hash();
   facts_.printer_hash = hash_of(board_);
   facts_.cure_depth = cure_depth(profile, Irradiance(machine_.power_mw_cm2), plan->exposure);
   facts_.plan = *plan;

@@ -46,9 +46,15 @@ class PrintSession {
   /// Reads a scan and makes everything ready. When it returns the scan may go.
   /// @param supports  that check_support_settings() takes; none: no supports
   /// @retval any error of slice(), find_supports(), plan_print(), JobStore::begin()
-  [[nodiscard]] Status slice_scan(ByteSource& scan, const SliceSettings& settings,
+  [[nodiscard]] Status slice_scan(ScanSources scan, const SliceSettings& settings,
                                   const std::optional<SupportSettings>& supports, const PrintProfile& profile,
                                   ProgressSink* progress);
+  [[nodiscard]] Status slice_scan(ByteSource& scan, const SliceSettings& settings,
+                                  const std::optional<SupportSettings>& supports, const PrintProfile& profile,
+                                  ProgressSink* progress) {
+    ByteSource* const one[] = {&scan};
+    return slice_scan(ScanSources(one), settings, supports, profile, progress);
+  }
 
   /// Takes up the print that was interrupted.
   /// @retval any error of JobStore::load() and Journal::open()

@@ -33,7 +33,7 @@ ExitCode run_slice(const SliceOptions& options, std::span<std::byte> arena_block
   const auto setup = set_up(options.job, arena_block);
   if (!setup) return report_error(setup.error());
   SliceJobSettings settings;
-  settings.scan_path = options.job.scan;
+  settings.scan_paths = options.job.scans;
   settings.output_path = options.output;
   settings.printer_name = setup->printer_name;
   settings.slice.placement = setup->placement;
@@ -49,7 +49,9 @@ ExitCode run_slice(const SliceOptions& options, std::span<std::byte> arena_block
   JobProgress progress(silent ? nullptr : &lines);
   const auto done = job->run(progress);
   if (!done) {
-    if (done.error().code() == ErrorCode::kDoesNotFit) return report_error(done.error().with_prefix(options.job.scan));
+    if (done.error().code() == ErrorCode::kDoesNotFit) {
+      return report_error(done.error().with_prefix(job->report().scan_name));
+    }
     if (done.error().code() != ErrorCode::kCancelled) return report_error(done.error());
     return report_error(Error::format(ErrorCode::kCancelled, "interrupted; nothing of this job was left in %s",
                                       options.output.c_str()));

@@ -39,11 +39,11 @@ std::uint64_t cured_in(ConstBitImage mask) {
 }  // namespace
 
 Expected<SliceJob> SliceJob::prepare(const SliceJobSettings& settings, Arena& arena) {
-  auto source = FileSource::open(settings.scan_path);
-  PLUMBLINE_TRY(source);
+  auto scan = ScanFiles::open(settings.scan_paths);
+  PLUMBLINE_TRY(scan);
   auto directory = JobDirectory::open(settings.output_path);
   PLUMBLINE_TRY(directory);
-  SliceJob job(settings, arena, std::move(*source), std::move(*directory));
+  SliceJob job(settings, arena, std::move(*scan), std::move(*directory));
   if (const auto& printer = settings.slice.placement.printer) {
     auto masks = PngEncoder::for_masks(printer->columns, printer->rows);
     PLUMBLINE_TRY(masks);
@@ -55,7 +55,8 @@ Expected<SliceJob> SliceJob::prepare(const SliceJobSettings& settings, Arena& ar
     job.pictures_ = std::move(*pictures);
   }
   start_threads(settings.slice.threads);
-  job.report_.scan_name = job.source_.name();
+  job.report_.scan_name = job.scan_.title();
+  job.report_.scan_names = job.scan_.names();
   job.report_.printer_name = settings.printer_name;
   job.report_.arena_bytes = arena.capacity();
   job.report_.threads = settings.slice.threads;
@@ -71,7 +72,7 @@ Status SliceJob::run(JobProgress& progress) {
 }
 
 Status SliceJob::work(JobProgress& progress) {
-  const auto rrep = slice(source_, settings_.slice, *arena_, &progress, report_.slice);
+  const auto rrep = slice(scan_.sources(), settings_.slice, *arena_, &progress, report_.slice);
   PLUMBLINE_TRY(rrep);
   if (!masks_) {
     auto masks = PngEncoder::for_masks(rrep->grid.columns, rrep->grid.rows);

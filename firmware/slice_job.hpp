@@ -3,12 +3,13 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
-#include "firmware/file_source.hpp"
 #include "firmware/job_directory.hpp"
 #include "firmware/job_progress.hpp"
 #include "firmware/job_report.hpp"
 #include "firmware/png_writer.hpp"
+#include "firmware/scan_files.hpp"
 #include "slicer/core/arena.hpp"
 #include "slicer/slicer.hpp"
 #include "slicer/supports/supports.hpp"
@@ -16,7 +17,7 @@
 namespace plumbline {
 
 struct SliceJobSettings {
-  std::string scan_path;
+  std::vector<std::string> scan_paths;  ///< files of one scan, in this order
   std::string output_path;
   std::string printer_name;  ///< for the manifest; empty without a printer
   SliceSettings slice;
@@ -42,8 +43,8 @@ class SliceJob {
   const JobReport& report() const { return report_; }
 
  private:
-  SliceJob(const SliceJobSettings& settings, Arena& arena, FileSource source, JobDirectory directory)
-      : settings_(settings), arena_(&arena), source_(std::move(source)), directory_(std::move(directory)) {}
+  SliceJob(const SliceJobSettings& settings, Arena& arena, ScanFiles scan, JobDirectory directory)
+      : settings_(settings), arena_(&arena), scan_(std::move(scan)), directory_(std::move(directory)) {}
 
   [[nodiscard]] Status work(JobProgress& progress);
   [[nodiscard]] Expected<Supports> add_supports(const RRep& rrep, JobProgress& progress);
@@ -54,7 +55,7 @@ class SliceJob {
 
   SliceJobSettings settings_;
   Arena* arena_;
-  FileSource source_;
+  ScanFiles scan_;
   JobDirectory directory_;
   std::optional<PngEncoder> masks_;
   std::optional<PngEncoder> pictures_;

@@ -10,7 +10,7 @@
 #include "slicer/core/print_grid.hpp"
 #include "slicer/core/progress.hpp"
 #include "slicer/memory_plan.hpp"
-#include "slicer/reader/scan_point.hpp"
+#include "slicer/scan_sources.hpp"
 #include "slicer/winding_number.hpp"
 
 namespace plumbline {
@@ -25,7 +25,7 @@ struct CloudReadSettings {
 
 /// What stays at the top of the arena, and what was learned on the way.
 struct CloudReading {
-  ScanSummary scan;
+  ScanSummaries scans;
   Cloud cloud;  ///< as large as its points
   std::span<WindingTree::Node> winding_nodes;
   Vec3d offset = Vec3d::Zero();  ///< rotated scan coordinates of the cloud's origin
@@ -39,12 +39,19 @@ struct CloudReading {
 /// is an upper bound where the reader stops at it, and what makes no room larger than the arena's, ever.
 std::optional<std::uint64_t> most_points(const ScanHeader& header, std::optional<std::uint64_t> file_bytes);
 
-/// Reads a scan. The job is admitted twice: before the first byte by the printer's grid alone, and when the head of the
-/// scan has been read, before its first point, by what that says. More points than there is room for are thinned.
+/// Reads a scan, which may be in several files: one after the other, in one frame. The job is admitted twice: before the
+/// first byte by the printer's grid alone, and when the heads of the files have been read, before the first point, by what
+/// they say together. More points than there is room for are thinned.
+/// @param sources   1 to kMostScans, each read once from start to end
 /// @param progress  may be null
 /// @retval ErrorCode::kOutOfMemory  not even kFewestPoints fit: need and budget
 /// @retval all of read_scan()
-[[nodiscard]] Expected<CloudReading> read_cloud(ByteSource& source, const CloudReadSettings& settings, Arena& arena,
+[[nodiscard]] Expected<CloudReading> read_cloud(ScanSources sources, const CloudReadSettings& settings, Arena& arena,
                                                 ProgressSink* progress);
+[[nodiscard]] inline Expected<CloudReading> read_cloud(ByteSource& source, const CloudReadSettings& settings,
+                                                       Arena& arena, ProgressSink* progress) {
+  ByteSource* const one[] = {&source};
+  return read_cloud(ScanSources(one), settings, arena, progress);
+}
 
 }  // namespace plumbline

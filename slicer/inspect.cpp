@@ -44,9 +44,9 @@ double distance_from_plane(const Vec3f& point, std::span<const Neighbour> neighb
 
 class Inspection {
  public:
-  Inspection(ByteSource& source, const InspectSettings& settings, Arena& arena, ProgressSink* progress,
+  Inspection(ScanSources sources, const InspectSettings& settings, Arena& arena, ProgressSink* progress,
              InspectReport& report)
-      : source_(source), settings_(settings), arena_(arena), progress_(progress), report_(report) {}
+      : sources_(sources), settings_(settings), arena_(arena), progress_(progress), report_(report) {}
 
   Status run() {
     const ArenaScope scope(arena_);
@@ -82,11 +82,12 @@ class Inspection {
     reading.rotation = rotation_matrix(placement.rotation_degrees);
     if (placement.printer) reading.grid = panel_grid(*placement.printer, placement.layer_height_mm);
     reading.threads = settings_.threads;
-    const auto read = read_cloud(source_, reading, arena_, progress_);
+    const auto read = read_cloud(sources_, reading, arena_, progress_);
     PLUMBLINE_TRY(read);
     cloud_ = read->cloud;
     offset_ = read->offset;
-    report_.scan = read->scan;
+    report_.scans = read->scans;
+    report_.scan = sum_of(read->scans);
     report_.cloud_capacity = read->room;
     report_.cloud_points = cloud_.size;
     report_.averaged_points = read->averaged;
@@ -147,7 +148,7 @@ class Inspection {
     if (report_.bounds.empty()) report_.bounds = report_.bounds_with_noise;
   }
 
-  ByteSource& source_;
+  ScanSources sources_;
   const InspectSettings& settings_;
   Arena& arena_;
   ProgressSink* progress_;
@@ -158,12 +159,12 @@ class Inspection {
 
 }  // namespace
 
-Status inspect(ByteSource& source, const InspectSettings& settings, Arena& arena, ProgressSink* progress,
+Status inspect(ScanSources sources, const InspectSettings& settings, Arena& arena, ProgressSink* progress,
                InspectReport& report) {
   InspectSettings checked = settings;
   checked.threads = std::clamp<std::uint32_t>(settings.threads, 1, RayShooter::kMaxThreads);
   omp_set_num_threads(static_cast<int>(checked.threads));
-  return Inspection(source, checked, arena, progress, report).run();
+  return Inspection(sources, checked, arena, progress, report).run();
 }
 
 }  // namespace plumbline

@@ -10,7 +10,7 @@
 #include "slicer/core/progress.hpp"
 #include "slicer/memory_plan.hpp"
 #include "slicer/placement.hpp"
-#include "slicer/reader/scan_point.hpp"
+#include "slicer/scan_sources.hpp"
 
 namespace plumbline {
 
@@ -22,7 +22,8 @@ struct InspectSettings {
 
 /// Lengths are scan units: what a unit is, the scan does not say.
 struct InspectReport {
-  ScanSummary scan;
+  ScanSummary scan;                     ///< of all files: sum_of()
+  ScanSummaries scans;                  ///< of each file
   std::uint32_t cloud_capacity = 0;     ///< points the arena has room for
   std::uint32_t cloud_points = 0;       ///< points after thinning
   double thinning_cell = 0;             ///< 0: all points fit
@@ -40,10 +41,10 @@ struct InspectReport {
 inline constexpr std::uint32_t kPlaneNeighbours = 24;
 
 /// Reads a scan and measures it. The arena is as before when it returns.
-/// @param source  read once, from start to end
+/// @param sources  1 to kMostScans files of one frame, each read once from start to end, in this order
 /// @param report  filled as far as it went, also on error
 /// @retval ErrorCode::kOutOfMemory, kCancelled and all of read_scan()
-[[nodiscard]] Status inspect(ByteSource& source, const InspectSettings& settings, Arena& arena, ProgressSink* progress,
+[[nodiscard]] Status inspect(ScanSources sources, const InspectSettings& settings, Arena& arena, ProgressSink* progress,
                              InspectReport& report);
 
 }  // namespace plumbline

@@ -68,7 +68,8 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
   const std::size_t winding = WindingTree::bytes_needed(points);
   const std::size_t cloud = winding + Cloud::kBytesPerPoint * points;
   const std::size_t tree = KdTree3::kBytesPerPoint * std::size_t{points};
-  const auto reader = static_cast<std::size_t>(std::min<std::uint64_t>(evidence.reader_bytes, kTooMuch));
+  const auto reader =
+      static_cast<std::size_t>(std::min<std::uint64_t>(evidence.reader_bytes, kTooMuch) + evidence.kept_bytes);
   set(Stage::kRead, cloud + PointThinner::table_bytes(points) + kReaderWorkspace + reader);
   set(Stage::kNormals, cloud + tree + normals_bytes(points));
   set(Stage::kTrees, cloud + tree + points / 8);

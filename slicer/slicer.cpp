@@ -71,8 +71,8 @@ void drop_noise(Cloud& cloud) {
 /// One job, stage by stage; each method is one arrow of the data's way.
 class Job {
  public:
-  Job(ByteSource& source, const SliceSettings& settings, Arena& arena, ProgressSink* progress, SliceReport& report)
-      : source_(source), settings_(settings), arena_(arena), progress_(progress), report_(report) {}
+  Job(ScanSources sources, const SliceSettings& settings, Arena& arena, ProgressSink* progress, SliceReport& report)
+      : sources_(sources), settings_(settings), arena_(arena), progress_(progress), report_(report) {}
 
   Expected<RRep> run() {
     const std::size_t top = arena_.top_mark();
@@ -137,12 +137,13 @@ class Job {
     if (placement.printer) reading.grid = panel_grid(*placement.printer, placement.layer_height_mm);
     reading.threads = settings_.threads;
     reading.winding_nodes = true;
-    auto read = read_cloud(source_, reading, arena_, progress_);
+    auto read = read_cloud(sources_, reading, arena_, progress_);
     if (!read) return tl::unexpected<Error>(read.error());
     cloud_ = read->cloud;
     winding_nodes_ = read->winding_nodes;
     offset_ = read->offset;
-    report_.scan = read->scan;
+    report_.scans = read->scans;
+    report_.scan = sum_of(read->scans);
     report_.cloud_capacity = read->room;
     report_.cloud_points = cloud_.size;
     report_.averaged_points = read->averaged;
@@ -179,18 +180,17 @@ class Job {
     }
     drop_noise(cloud_);
     if (!is_surface(report_.clustering, cloud_.size)) {
+      const ScanTitle title = title_of(sources_);
       if (report_.cloud_points < report_.scan.points / 2) {
-        return fail(
-            ErrorCode::kNoSurface,
-            "%.*s: its %llu points were thinned to the %u that the arena has room for, and those are no surface. "
-            "Use a larger arena (--arena-mib), or check the normals of the scan",
-            static_cast<int>(source_.name().size()), source_.name().data(),
-            static_cast<unsigned long long>(report_.scan.points), report_.cloud_points);
+        return fail(ErrorCode::kNoSurface,
+                    "%s: its %llu points were thinned to the %u that the arena has room for, and those are no surface. "
+                    "Use a larger arena (--arena-mib), or check the normals of the scan",
+                    title.c_str(), static_cast<unsigned long long>(report_.scan.points), report_.cloud_points);
       }
       return fail(ErrorCode::kNoSurface,
-                  "%.*s: its %u points are no surface: most have too few neighbours that face the same way. Check the "
+                  "%s: its %u points are no surface: most have too few neighbours that face the same way. Check the "
                   "normals of the scan, or scan it denser",
-                  static_cast<int>(source_.name().size()), source_.name().data(), report_.cloud_points);
+                  title.c_str(), report_.cloud_points);
     }
     return {};
   }
@@ -318,7 +318,7 @@ class Job {
     return store;
   }
 
-  ByteSource& source_;
+  ScanSources sources_;
   const SliceSettings& settings_;
   Arena& arena_;
   ProgressSink* progress_;
@@ -332,12 +332,12 @@ class Job {
 
 }  // namespace
 
-Expected<RRep> slice(ByteSource& source, const SliceSettings& settings, Arena& arena, ProgressSink* progress,
+Expected<RRep> slice(ScanSources sources, const SliceSettings& settings, Arena& arena, ProgressSink* progress,
                      SliceReport& report) {
   SliceSettings checked = settings;
   checked.threads = std::clamp<std::uint32_t>(settings.threads, 1, RayShooter::kMaxThreads);
   omp_set_num_threads(static_cast<int>(checked.threads));
-  return Job(source, checked, arena, progress, report).run();
+  return Job(sources, checked, arena, progress, report).run();
 }
 
 }  // namespace plumbline

@@ -15,6 +15,7 @@
 #include "slicer/reader/scan_point.hpp"
 #include "slicer/rrep.hpp"
 #include "slicer/rrep_builder.hpp"
+#include "slicer/scan_sources.hpp"
 
 namespace plumbline {
 
@@ -26,7 +27,8 @@ struct SliceSettings {
 
 /// What happened, in numbers.
 struct SliceReport {
-  ScanSummary scan;
+  ScanSummary scan;                   ///< of all files: sum_of()
+  ScanSummaries scans;                ///< of each file
   std::uint32_t cloud_capacity = 0;   ///< points the arena has room for
   std::uint32_t cloud_points = 0;     ///< points after thinning
   double thinning_cell_mm = 0;        ///< 0: none
@@ -47,11 +49,16 @@ struct SliceReport {
 };
 
 /// Reads a scan and builds its R-Rep at the bottom of the arena. When it returns the top of the arena is as before.
-/// @param source  read once, from start to end
+/// @param sources  1 to kMostScans files of one frame, each read once from start to end, in this order
 /// @param report  filled as far as it went, also on error
 /// @retval ErrorCode::kOutOfMemory  before the scan is read where its header and the printer's grid tell; else by the stage
 /// @retval ErrorCode::kDoesNotFit, kNoPoints, kNoSurface, kCancelled and all of read_scan()
-[[nodiscard]] Expected<RRep> slice(ByteSource& source, const SliceSettings& settings, Arena& arena,
+[[nodiscard]] Expected<RRep> slice(ScanSources sources, const SliceSettings& settings, Arena& arena,
                                    ProgressSink* progress, SliceReport& report);
+[[nodiscard]] inline Expected<RRep> slice(ByteSource& source, const SliceSettings& settings, Arena& arena,
+                                          ProgressSink* progress, SliceReport& report) {
+  ByteSource* const one[] = {&source};
+  return slice(ScanSources(one), settings, arena, progress, report);
+}
 
 }  // namespace plumbline

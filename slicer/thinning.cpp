@@ -22,7 +22,10 @@ PointThinner::PointThinner(Cloud& cloud, std::span<std::byte> table, const Mat3d
   std::fill(table_.begin(), table_.end(), 0);
 }
 
-Status PointThinner::begin(const ScanHeader& /*header*/) { return {}; }
+Status PointThinner::begin(const ScanHeader& /*header*/) {
+  seen_before_ = seen_;
+  return {};
+}
 
 bool PointThinner::progress(double /*fraction*/) { return true; }
 
@@ -122,7 +125,7 @@ Status PointThinner::take(std::span<const ScanPoint> points) {
           ErrorCode::kMalformed,
           "point %llu lies at (%g, %g, %g): more than 1e18 from the first one. This is no scan of an object; export "
           "it again",
-          static_cast<unsigned long long>(seen_), point.x, point.y, point.z);
+          static_cast<unsigned long long>(seen_ - seen_before_), point.x, point.y, point.z);
     }
     PackedNormal normal;
     normal.set((rotation_ * Vec3d(point.nx, point.ny, point.nz)).cast<float>());

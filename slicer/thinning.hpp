@@ -25,6 +25,7 @@ class PointThinner final : public PointSink {
   /// @param cell      first cell in scan units; 0: no thinning until the places run out, then a cell from the extent
   PointThinner(Cloud& cloud, std::span<std::byte> table, const Mat3d& rotation, double cell);
 
+  /// Once for each file.
   Status begin(const ScanHeader& header) override;
   Status take(std::span<const ScanPoint> points) override;
   bool progress(double fraction) override;
@@ -52,6 +53,7 @@ class PointThinner final : public PointSink {
   double cell_;
   Vec3d offset_ = Vec3d::Zero();
   std::uint64_t seen_ = 0;
+  std::uint64_t seen_before_ = 0;  ///< in files before this one
   std::uint64_t averaged_ = 0;
 };
 

@@ -79,7 +79,7 @@ inline PrinterVolume small_printer() {
 
 inline SliceJobSettings sphere_job(const TemporaryFolder& folder) {
   SliceJobSettings settings;
-  settings.scan_path = folder / "sphere.ply";
+  settings.scan_paths = {folder / "sphere.ply"};
   settings.output_path = folder / "out";
   settings.printer_name = "small";
   settings.slice.placement.printer = small_printer();

@@ -70,7 +70,7 @@ Decoded decode(const std::string& path) {
 /// Expects that the files of a job are, pixel by pixel, what a LayerStream of the same scan makes.
 void expect_layers_of_stream(const SliceJobSettings& settings, const JobReport& report) {
   Arena arena(arena_block);
-  auto source = FileSource::open(settings.scan_path);
+  auto source = FileSource::open(settings.scan_paths[0]);
   ASSERT_TRUE(source.has_value());
   SliceReport ignored;
   const auto rrep = slice(*source, settings.slice, arena, nullptr, ignored);

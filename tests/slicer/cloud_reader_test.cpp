@@ -82,7 +82,7 @@ TEST(CloudReader, ThinsACompressedPcdWhoseColumnsLeaveLittleRoom) {
   ArenaBlock arena(12 * kMiB);
   MemorySource source(scan, "sphere.pcd");
   const CloudReading read = value_of(read_cloud(source, {}, *arena, nullptr));
-  EXPECT_EQ(read.scan.points, 300'000U);
+  EXPECT_EQ(read.scans.each[0].points, 300'000U);
   EXPECT_GT(read.averaged, 0U);
   EXPECT_LE(read.cloud.size, read.room);
   EXPECT_LE(read.plan.peak(), 12 * kMiB);

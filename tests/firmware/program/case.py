@@ -35,6 +35,17 @@ def write_sphere(path, points=20_000, radius=12.0, normals=True):
                 file.write(struct.pack("<3f", x, y, z))
 
 
+def split(scan, first, top, bottom):
+    """A binary PLY of write_sphere() into two: its first points and the others."""
+    data = scan.read_bytes()
+    start = data.index(b"end_header\n") + 11
+    head, points, size = data[:start], data[start:], 24
+    count = len(points) // size
+    for path, part in ((top, points[: first * size]), (bottom, points[first * size :])):
+        declared = head.replace(b"vertex %d\n" % count, b"vertex %d\n" % (len(part) // size))
+        path.write_bytes(declared + part)
+
+
 def write_board(path, arena_mib=64):
     """403 x 300 pixels of 0.1 mm, 50 mm high."""
     path.write_text(

@@ -8,7 +8,7 @@ import signal
 import subprocess
 import time
 
-from case import PLUMBLINED, SOURCE_DIR, Program, main, write_sphere
+from case import PLUMBLINED, SOURCE_DIR, Program, main, split, write_sphere
 
 SIM2K = SOURCE_DIR / "board" / "sim2k.toml"
 
@@ -38,6 +38,16 @@ class Print(Program):
         self.assertLessEqual(resumed["first_layer"], 20)
         hashes = [line["mask_hash"] for line in resumed["exposures"]]
         self.assertEqual(hashes, sliced["hashes"]["layers"][resumed["first_layer"] :])
+
+    def test_files_of_one_frame_are_one_print(self):
+        write_sphere(self.scan)
+        same = ("--printer", SIM2K, "--scale", 0.2)
+        self.run_it("slice", self.scan, "-o", self.out, "--no-preview", *same)
+        top, bottom, report = self.dir / "top.ply", self.dir / "bottom.ply", self.dir / "report.json"
+        split(self.scan, 7000, top, bottom)
+        self.run_it("print", top, bottom, *same, "--report", report)
+        hashes = [line["mask_hash"] for line in json.loads(report.read_text())["exposures"]]
+        self.assertEqual(hashes, self.manifest()["hashes"]["layers"])
 
     def test_resume_takes_what_is_stored_and_nothing_else(self):
         state = self.dir / "state"

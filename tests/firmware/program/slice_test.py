@@ -9,7 +9,7 @@ import struct
 import subprocess
 import unittest
 
-from case import PLUMBLINE, U64, Program, job_hash, layer_hash, main, png_rows, write_sphere
+from case import PLUMBLINE, U64, Program, job_hash, layer_hash, main, png_rows, split, write_sphere
 
 
 class Slice(Program):
@@ -88,6 +88,35 @@ class Slice(Program):
             done = self.slice_it(*arguments, status=2)
             self.assertIn(message, done.stderr)
             self.assertFalse(self.out.exists())
+
+    def test_files_of_one_frame_are_one_scan(self):
+        self.slice_it("--no-preview")
+        whole = self.manifest()
+        top, bottom = self.dir / "top.ply", self.dir / "bottom.ply"
+        split(self.scan, 7000, top, bottom)
+        same = ("--printer", self.board)
+        done = self.run_it("slice", top, bottom, "-o", self.out, "--no-preview", *same)
+        manifest = self.manifest()
+        self.assertEqual(manifest["hashes"], whole["hashes"])
+        self.assertEqual(manifest["scan"]["name"], "top.ply and 1 more")
+        self.assertEqual(manifest["scan"]["points"], 20_000)
+        told = [(file["name"], file["points"]) for file in manifest["scan"]["files"]]
+        self.assertEqual(told, [("top.ply", 7000), ("bottom.ply", 13_000)])
+        self.assertNotIn("files", whole["scan"])
+        self.assertIn("top.ply and 1 more: 20000 points", done.stdout)
+        self.assertIn("bottom.ply: 13000 points", done.stdout)
+        inspected = json.loads(self.run_it("inspect", top, bottom, "--json", *same).stdout)
+        self.assertEqual([file["name"] for file in inspected["scan"]["files"]], ["top.ply", "bottom.ply"])
+        self.assertEqual(inspected["scan"]["points"], 20_000)
+        self.assertIn("bottom.ply: 13000 points", self.run_it("inspect", top, bottom, *same).stdout)
+
+    def test_a_file_that_is_missing_among_several_is_named(self):
+        write_sphere(self.scan)
+        done = self.run_it("slice", self.scan, self.dir / "back.ply", "-o", self.out, status=1)
+        self.assertIn("back.ply: the scan cannot be opened", done.stderr)
+        self.assertFalse(self.out.exists())
+        done = self.run_it("slice", *[self.scan] * 33, "-o", self.out, status=2)
+        self.assertIn("scan", done.stderr)
 
     def test_json_is_the_manifest_without_the_layers_and_nothing_else(self):
         done = self.slice_it("--json")
