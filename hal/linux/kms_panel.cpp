@@ -23,11 +23,11 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-template <auto free>
+template <auto kFree>
 struct Freed {
   template <class T>
   void operator()(T* pointer) const {
-    free(pointer);
+    kFree(pointer);
   }
 };
 using Resources = std::unique_ptr<drmModeRes, Freed<drmModeFreeResources>>;
@@ -154,7 +154,7 @@ Expected<Found> find(const DisplaySettings& settings, std::uint32_t width, std::
   if (!settings.card.empty()) {
     cards.push_back(settings.card);
   } else {
-    for (int i = 0; i < 8; ++i) cards.push_back("/dev/dri/card" + std::to_string(i));
+    for (int i = 0; i < 8; ++i) cards.push_back(std::string("/dev/dri/card").append(std::to_string(i)));
   }
   std::string others;
   for (const auto& path : cards) {

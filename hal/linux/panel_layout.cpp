@@ -15,11 +15,11 @@ constexpr std::array<std::uint32_t, 8> kBackward = {0x000000, 0x0000FF, 0x00FF00
                                                     0xFF0000, 0xFF00FF, 0xFFFF00, 0xFFFFFF};
 
 /// Three bits of a row from `at` on.
-std::uint64_t three(std::span<const std::uint64_t> row, std::uint32_t at) {
+std::size_t three(std::span<const std::uint64_t> row, std::uint32_t at) {
   const std::uint32_t shift = at % 64;
   std::uint64_t bits = row[at / 64] >> shift;
   if (shift > 61) bits |= row[at / 64 + 1] << (64 - shift);
-  return bits & 7U;
+  return static_cast<std::size_t>(bits & 7U);
 }
 
 /// A row that lies as it does in the mask, or the other way round.
