@@ -22,6 +22,7 @@ Expected<LayerStream> LayerStream::create(const RRep& rrep, Arena& arena, const 
   stream.section_ = BitImage(*section, columns, rows);
   stream.mask_ = BitImage(*mask, columns, rows);
   stream.changed_ = BitImage(*changed, stride, rows);
+  stream.first_changed_ = rows;
   stream.section_.clear();
   stream.mask_.clear();
   stream.changed_.clear();
@@ -46,40 +47,44 @@ std::size_t LayerStream::bytes_needed(const PrintGrid& grid, std::size_t support
 
 void LayerStream::toggle(std::uint32_t layer) {
   const std::uint32_t columns = rrep_->grid.columns;
-  std::uint32_t row = 0;
-  std::uint32_t row_start = 0;
-  for (std::uint32_t i = rrep_->first[layer]; i < rrep_->first[layer + 1]; ++i) {
+  const std::uint32_t first = rrep_->first[layer];
+  const std::uint32_t last = rrep_->first[layer + 1];
+  if (first == last) return;
+  std::uint32_t row = rrep_->pixel[first] / columns;
+  std::uint32_t row_start = row * columns;
+  first_changed_ = std::min(first_changed_, row);
+  end_changed_ = std::max(end_changed_, rrep_->pixel[last - 1] / columns + 1);
+  for (std::uint32_t i = first; i < last; ++i) {
     const std::uint32_t pixel = rrep_->pixel[i];
     while (pixel - row_start >= columns) {  // pixels ascend: no division
       row_start += columns;
       ++row;
     }
     const std::uint32_t column = pixel - row_start;
-    section_.words()[std::size_t{row} * section_.stride() + column / 64] ^= std::uint64_t{1} << (column % 64);
-    changed_.set(column / 64, row);
+    const std::uint32_t word = column / 64;
+    const std::uint32_t bit = column % 64;
+    section_.words()[std::size_t{row} * section_.stride() + word] ^= std::uint64_t{1} << bit;
+    changed_.set(word, row);
+    if (bit < kOpenCloseReach && word > 0) changed_.set(word - 1, row);
+    if (bit >= 64 - kOpenCloseReach && word + 1 < section_.stride()) changed_.set(word + 1, row);
   }
 }
 
 void LayerStream::clean_changed() {
-  static_assert(kOpenCloseReach == 2, "rows and words around a change that are made anew");
+  static_assert(kOpenCloseReach == 2, "rows around a change that are made anew");
   const std::uint32_t rows = section_.rows();
   const std::uint32_t words = section_.stride();
   const std::uint32_t groups = changed_.stride();
   const bool with_supports = drawn_.rows() > 0;
-  for (std::uint32_t r = 0; r < rows; ++r) {
+  // Supports are drawn anywhere; without them most rows of a panel are far from any change.
+  const std::uint32_t begin = with_supports ? 0 : std::max(first_changed_, 2U) - 2;
+  const std::uint32_t end = with_supports ? rows : std::min(rows, end_changed_ + 2);
+  for (std::uint32_t r = begin; r < end; ++r) {
     const std::uint32_t from = r < 2 ? 0 : r - 2;
     const std::uint32_t to = std::min(rows - 1, r + 2);
-    std::uint64_t carry = 0;  // the last word of the group before was changed
     for (std::uint32_t g = 0; g < groups; ++g) {
-      std::uint64_t near = 0;
-      std::uint64_t next = 0;
-      for (std::uint32_t k = from; k <= to; ++k) {
-        const auto line = changed_.row(k);
-        near |= line[g];
-        if (g + 1 < groups) next |= line[g + 1];
-      }
-      std::uint64_t todo = near | near << 1 | near >> 1 | carry | next << 63;
-      carry = near >> 63;
+      std::uint64_t todo = 0;
+      for (std::uint32_t k = from; k <= to; ++k) todo |= changed_.row(k)[g];
       if (with_supports) todo |= drawn_.row(r)[g];  // away with them; what is beside was never theirs
       if (words - g * 64 < 64) todo &= (std::uint64_t{1} << (words - g * 64)) - 1;
       while (todo != 0) {
@@ -91,7 +96,12 @@ void LayerStream::clean_changed() {
       }
     }
   }
-  changed_.clear();
+  for (std::uint32_t r = first_changed_; r < end_changed_; ++r) {
+    const auto line = changed_.row(r);
+    std::fill(line.begin(), line.end(), 0);
+  }
+  first_changed_ = rows;
+  end_changed_ = 0;
   drawn_.clear();
 }
 
@@ -99,6 +109,8 @@ ConstBitImage LayerStream::mask(std::uint32_t layer) {
   if (static_cast<std::int64_t>(layer) < at_) {
     section_.clear();
     for (auto& word : changed_.words()) word = ~std::uint64_t{0};
+    first_changed_ = 0;
+    end_changed_ = section_.rows();
     at_ = -1;
   }
   while (at_ < static_cast<std::int64_t>(layer)) toggle(static_cast<std::uint32_t>(++at_));

@@ -47,11 +47,12 @@ class LayerStream {
   const RRep* rrep_ = nullptr;
   BitImage section_;  ///< as the crossings have it
   BitImage mask_;     ///< section_, opened and closed, and the supports
-  BitImage changed_;  ///< one bit a word of section_: toggled since mask_ was made
+  BitImage changed_;  ///< one bit a word of section_: a pixel in reach was toggled since mask_ was made
   BitImage drawn_;    ///< one bit a word of mask_: has a support in it; without supports of no size
   SupportPainter painter_;
   std::uint64_t support_pixels_ = 0;
-  std::int64_t at_ = -1;  ///< layer of section_, -1: before the first
+  std::uint32_t first_changed_ = 0, end_changed_ = 0;  ///< rows of changed_ that have a bit, none beyond
+  std::int64_t at_ = -1;                               ///< layer of section_, -1: before the first
 };
 
 }  // namespace plumbline
