@@ -20,11 +20,17 @@ namespace {
 
 constexpr const char* kLayers = "layers";
 constexpr const char* kPreview = "preview.png";
+constexpr const char* kComparison = "comparison.png";
+constexpr std::array kPictures = {kPreview, kComparison};
 constexpr const char* kManifest = "manifest.json";
 constexpr const char* kNewManifest = "manifest.json.part";
 
 /// How every manifest of ours begins; other programs name files manifest.json too.
 constexpr std::string_view kManifestStart = "{\n  \"plumbline\":";
+
+bool is_picture(std::string_view name) {
+  return std::find(kPictures.begin(), kPictures.end(), name) != kPictures.end();
+}
 
 /// The number in "00042.png".
 std::optional<std::uint32_t> layer_number(std::string_view name) {
@@ -145,7 +151,7 @@ Status JobDirectory::inspect() {
   const bool has_manifest = is_our_manifest(file_path(kManifest).c_str());
   PLUMBLINE_TRY(for_each_entry(path(), [&](const char* name) -> Status {
     const std::string_view entry = name;
-    if (has_manifest || entry == kLayers || entry == kPreview || entry == kNewManifest) return {};
+    if (has_manifest || entry == kLayers || entry == kNewManifest || is_picture(entry)) return {};
     return fail(
         ErrorCode::kCannotWrite,
         "%s: holds '%s', which no job of plumbline wrote; nothing was changed. Give a new or an empty directory "
@@ -180,7 +186,8 @@ Status JobDirectory::inspect_layers() {
 Status JobDirectory::begin() {
   begun_ = true;
   PLUMBLINE_TRY(remove_file(kManifest));
-  return remove_file(kPreview);
+  for (const char* picture : kPictures) PLUMBLINE_TRY(remove_file(picture));
+  return {};
 }
 
 Status JobDirectory::write_layer(std::uint32_t layer, std::span<const std::byte> png) {
@@ -190,6 +197,10 @@ Status JobDirectory::write_layer(std::uint32_t layer, std::span<const std::byte>
 
 Status JobDirectory::write_preview(std::span<const std::byte> png) {
   return write_file(file_path(kPreview).c_str(), png);
+}
+
+Status JobDirectory::write_comparison(std::span<const std::byte> png) {
+  return write_file(file_path(kComparison).c_str(), png);
 }
 
 Expected<OutputFile> JobDirectory::create_manifest() { return OutputFile::create(file_path(kNewManifest).c_str()); }
@@ -207,7 +218,8 @@ Status JobDirectory::finish(OutputFile& manifest) {
 void JobDirectory::discard() {
   if (!begun_) return;
   // This is the way out of an error, which is the one to report: whatever cannot be removed now stays.
-  for (const char* name : {kManifest, kNewManifest, kPreview}) static_cast<void>(remove_file(name));
+  for (const char* name : {kManifest, kNewManifest}) static_cast<void>(remove_file(name));
+  for (const char* name : kPictures) static_cast<void>(remove_file(name));
   static_cast<void>(remove_layers(0));
   if (created_layers_) ::rmdir(file_path(kLayers).c_str());
   if (created_) ::rmdir(path());

@@ -39,6 +39,41 @@ struct PartRRep {
   }
 };
 
+constexpr std::size_t kPreviewBytes = std::size_t{3} * kPreviewColumns * kPreviewRows;
+
+/// What was cured, and what was to be printed to the left of it.
+Status write_pictures(JobDirectory& directory, const PrintSession& session, const RRep& part, const JobReport& job,
+                      Arena& arena) {
+  auto encoder = PngEncoder::for_pictures(2 * kPreviewColumns, kPreviewRows);
+  PLUMBLINE_TRY(encoder);
+  std::vector<std::uint8_t> sliced(kPreviewBytes);
+  std::vector<std::uint8_t> printed(kPreviewBytes);
+  FixedText<128> caption;
+  caption.add("printed: %u of %u layers, %.1f ml", part.grid.layers, session.grid().layers,
+              static_cast<double>(job.cured_pixels) * session.pixel_ml());
+  const std::array<std::string_view, 1> printed_captions = {caption.view()};
+  const std::array<std::string_view, 1> sliced_captions = {"to be printed"};
+  PLUMBLINE_TRY(
+      draw_preview(session.rrep(), session.supports(), {job.scan_name, sliced_captions}, arena, std::span(sliced)));
+  // What was cured of the supports is in the layers already.
+  PLUMBLINE_TRY(draw_preview(part, Supports{}, {job.scan_name, printed_captions}, arena, std::span(printed)));
+  const auto preview = encoder->encode(printed, kPreviewColumns, kPreviewRows);
+  PLUMBLINE_TRY(preview);
+  PLUMBLINE_TRY(directory.write_preview(*preview));
+
+  std::vector<std::uint8_t> both;
+  both.reserve(2 * kPreviewBytes);
+  constexpr auto kRow = static_cast<std::ptrdiff_t>(3 * kPreviewColumns);
+  for (std::ptrdiff_t row = 0; row < std::ptrdiff_t{kPreviewRows}; ++row) {
+    for (const auto* picture : {&sliced, &printed}) {
+      both.insert(both.end(), picture->begin() + row * kRow, picture->begin() + (row + 1) * kRow);
+    }
+  }
+  const auto comparison = encoder->encode(both, 2 * kPreviewColumns, kPreviewRows);
+  PLUMBLINE_TRY(comparison);
+  return directory.write_comparison(*comparison);
+}
+
 }  // namespace
 
 Status write_printed_part(const std::string& folder, const Witness& witness, const PrintSession& session,
@@ -82,19 +117,9 @@ Status write_printed_part(const std::string& folder, const Witness& witness, con
   if (!hashes.empty()) {
     PrintGrid printed = grid;
     printed.layers = static_cast<std::uint32_t>(hashes.size());
-    auto pictures = PngEncoder::for_pictures(kPreviewColumns, kPreviewRows);
-    PLUMBLINE_TRY(pictures);
-    FixedText<128> caption;
-    caption.add("printed: %u of %u layers, %.1f ml", printed.layers, grid.layers,
-                static_cast<double>(job.cured_pixels) * session.pixel_ml());
-    const std::array<std::string_view, 1> captions = {caption.view()};
-    // What was cured of the supports is in the layers already.
-    const auto png = encode_preview({.grid = printed, .first = part.first, .pixel = part.pixel}, Supports{},
-                                    {job.scan_name, captions}, arena, *pictures);
-    if (png) {
-      PLUMBLINE_TRY(directory->write_preview(*png));
-      job.has_preview = true;
-    }
+    PLUMBLINE_TRY(
+        write_pictures(*directory, session, {.grid = printed, .first = part.first, .pixel = part.pixel}, job, arena));
+    job.has_preview = true;
   }
   if (session.sliced().placement.grid.layers != hashes.size()) return {};
   auto manifest = directory->create_manifest();

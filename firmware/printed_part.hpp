@@ -11,7 +11,7 @@
 namespace plumbline {
 
 /// Writes what was cured as `plumbline slice` writes what is to be printed: layers, preview.png, manifest.json where the scan
-/// was sliced by this session. For the desktop: takes memory from the heap.
+/// was sliced by this session; and comparison.png, what was to be printed beside it. For the desktop: takes memory from the heap.
 /// @param folder   as JobDirectory takes it
 /// @param arena    its free part is used for the picture
 /// @retval the errors of JobDirectory and PngEncoder
