@@ -23,11 +23,11 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-template <auto kFree>
+template <auto Free>
 struct Freed {
   template <class T>
   void operator()(T* pointer) const {
-    kFree(pointer);
+    Free(pointer);
   }
 };
 using Resources = std::unique_ptr<drmModeRes, Freed<drmModeFreeResources>>;

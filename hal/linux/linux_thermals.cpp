@@ -52,11 +52,11 @@ Expected<std::string> export_pwm(const std::string& chip, std::uint32_t channel)
 Expected<std::string> find_sensor(const SensorSettings& settings, const std::string& sysfs) {
   if (!settings.file.empty()) return settings.file;
   if (!settings.thermal_zone.empty()) {
-    const auto zone = find_named(sysfs + "/class/thermal", "type", settings.thermal_zone);
+    auto zone = find_named(sysfs + "/class/thermal", "type", settings.thermal_zone);
     if (!zone) return zone;
     return *zone + "/temp";
   }
-  const auto chip = find_named(sysfs + "/class/hwmon", "name", settings.hwmon);
+  auto chip = find_named(sysfs + "/class/hwmon", "name", settings.hwmon);
   if (!chip) return chip;
   return *chip + "/temp" + std::to_string(settings.channel) + "_input";
 }
@@ -67,7 +67,7 @@ Expected<std::string> find_fan(const FanSettings& settings, const std::string& s
     if (!fs::exists(chip)) return fail(ErrorCode::kBadSetting, "%s: this board has no such chip", chip.c_str());
     return chip + "/export";
   }
-  const auto chip = find_named(sysfs + "/class/hwmon", "name", settings.hwmon);
+  auto chip = find_named(sysfs + "/class/hwmon", "name", settings.hwmon);
   if (!chip) return chip;
   return *chip + "/pwm" + std::to_string(settings.channel);
 }

@@ -2,7 +2,8 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <signal.h>
+
+#include <csignal>
 
 #include "hal/linux/contact.hpp"
 #include "hal/linux/event_queue.hpp"
@@ -111,14 +112,14 @@ TEST(ShutdownSignal, MakesAnEventOfTheSystemsWish) {
     ShutdownSignal shutdown(queue);
     shutdown.drain(1ms);
     EXPECT_FALSE(queue.take());
-    ::raise(SIGTERM);
+    std::raise(SIGTERM);
     shutdown.drain(2ms);
     const auto event = queue.take();
     ASSERT_TRUE(event);
     EXPECT_EQ(event->kind, EventKind::kShutdownRequested);
     EXPECT_EQ(event->at, TimePoint(2ms));
   }
-  EXPECT_EXIT(::raise(SIGTERM), testing::KilledBySignal(SIGTERM), "") << "and leaves the signal as it was";
+  EXPECT_EXIT(std::raise(SIGTERM), testing::KilledBySignal(SIGTERM), "") << "and leaves the signal as it was";
 }
 
 }  // namespace

@@ -150,7 +150,7 @@ std::vector<std::vector<std::uint64_t>> random_masks(std::uint32_t columns, std:
     const auto changes = k % 5 == 0 ? 0 : k % 5 == 4 ? words.size() * 3 : random() % 40;
     for (std::size_t i = 0; i < changes; ++i) {
       const std::uint64_t change = random();
-      words[random() % words.size()] ^= change & (change >> 17);
+      words[static_cast<std::size_t>(random() % words.size())] ^= change & (change >> 17);
     }
     const BitImage image(words, columns, rows);
     for (std::uint32_t row = 0; row < rows; ++row) image.row(row).back() &= image.last_word_mask();
