@@ -185,6 +185,10 @@ CLI::Option* add_job_options(CLI::App& app, JobOptions& job) {
       ->check(finite_range(kFinestMm, kCoarsestMm))
       ->group(kPrint);
 
+  app.add_flag("--keep-all", job.keep_all,
+               "Keep stray pieces: small ones apart from the object, such as a bit of what stood behind it")
+      ->group(kPrint);
+
   constexpr const char* kPlacement = "Placement";
   app.add_option_function<std::string>(
          "--units", [&job](const std::string& name) { job.units = units_named(name); },

@@ -19,6 +19,7 @@ ExitCode run_inspect(const JobOptions& options, std::span<std::byte> arena_block
   Arena arena(setup->arena_block);
   InspectSettings settings;
   settings.placement = setup->placement;
+  settings.keep_all = setup->keep_all;
   settings.threads = setup->threads;
   InspectReport report;
   const auto done = inspect(scan->sources(), settings, arena, &progress, report);

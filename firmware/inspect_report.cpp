@@ -49,6 +49,7 @@ void add_extent(Text& text, const ScanOutlook& o) {
   if ((whole - size).maxCoeff() > 0.01 * size.maxCoeff()) {
     text.add("; %.6g x %.6g x %.6g with its strays", whole[0], whole[1], whole[2]);
   }
+  if (o.scan.strays.pieces > 0) text.add("\nstrays     %s", stray_warning(o.scan.strays).c_str());
   const Vec3d mm = size * o.unit_mm();
   text.add("\nsize       %.2f x %.2f x %.2f mm, taking a unit as 1 %s\n", mm[0], mm[1], mm[2], to_string(o.units));
   const double guessed = size.maxCoeff() * millimetres_per(o.guess);
@@ -257,6 +258,7 @@ void write_outlook(JsonWriter& json, const ScanOutlook& outlook) {
   json.member("neutral", points_of(s, PointClass::kNeutral));
   json.member("noise", points_of(s, PointClass::kNoise));
   json.end_object();
+  write_strays(json, s.strays);
   write_fit(json, outlook);
   write_plan(json, outlook);
   json.end_object();

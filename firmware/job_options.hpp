@@ -24,6 +24,7 @@ struct JobOptions {
   bool fit = false;                       ///< with a printer only
   std::array<double, 3> rotate_degrees = {};
   Units units = Units::kMillimetres;
+  bool keep_all = false;                   ///< stray pieces, too
   std::optional<std::uint32_t> arena_mib;  ///< MiB
   std::optional<std::uint32_t> threads;    ///< 1 to kMostThreads
   bool quiet = false;
@@ -42,6 +43,7 @@ struct JobSetup {
   PlacementSettings placement;
   std::string printer_name;  ///< empty without a printer
   std::span<std::byte> arena_block;
+  bool keep_all = false;
   std::uint32_t threads = 1;
 };
 

@@ -46,6 +46,17 @@ const char* to_string(ScanFormat format) {
   return "unknown";
 }
 
+FixedText<256> stray_warning(const StrayPieces& strays) {
+  FixedText<256> text;
+  if (strays.pieces == 0) return text;
+  const bool one = strays.pieces == 1;
+  text.add(
+      "%u stray piece%s left out: %u points, %.2g %% of the scan's surface, apart from the object. --keep-all keeps %s",
+      strays.pieces, one ? " was" : "s were", strays.points, 100 * static_cast<double>(strays.share),
+      one ? "it" : "them");
+  return text;
+}
+
 void find_warnings(JobReport& report) {
   const SliceReport& s = report.slice;
   const PrintGrid& grid = s.placement.grid;
@@ -81,6 +92,7 @@ void find_warnings(JobReport& report) {
         "preview.png",
         100 * report.share_of_rays(RayDecision::kWinding));
   }
+  if (s.strays.pieces > 0) report.warnings.add() = stray_warning(s.strays);
   if (s.pieces.counted && s.pieces.pieces > 1 && !report.support_settings) {
     report.warnings.add().add(
         "the object is %u separate pieces; those that do not stand on the plate need supports: --supports auto",

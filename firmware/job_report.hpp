@@ -16,7 +16,7 @@ namespace plumbline {
 
 /// Sentences that a user should read before printing.
 struct JobWarnings {
-  static constexpr std::size_t kMost = 8;
+  static constexpr std::size_t kMost = 12;
   std::array<FixedText<256>, kMost> lines = {};
   std::size_t count = 0;
 
@@ -58,6 +58,9 @@ struct JobReport {
 
 /// "PLY", "XYZ", "PCD", "OBJ".
 const char* to_string(ScanFormat format);
+
+/// What to say where stray pieces were left out; empty where none were.
+FixedText<256> stray_warning(const StrayPieces& strays);
 
 /// Looks for what a user should know before printing, and adds it to report.warnings.
 void find_warnings(JobReport& report);

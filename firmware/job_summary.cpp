@@ -57,6 +57,7 @@ void add_clusters(Text& text, const SliceReport& s) {
   text.add("points     entering %.1f %%, exiting %.1f %%, neutral %.1f %%, noise %.2f %%\n",
            share(PointClass::kEntering), share(PointClass::kExiting), share(PointClass::kNeutral),
            share(PointClass::kNoise));
+  if (s.strays.pieces > 0) text.add("strays     %s\n", stray_warning(s.strays).c_str());
   text.add("lengths    epsilon %.3g mm, width %.3g mm, noise %.3g mm\n", static_cast<double>(s.clustering.epsilon),
            static_cast<double>(s.width_mm), static_cast<double>(s.clustering.noise));
 }

@@ -109,6 +109,7 @@ void write_rays(JsonWriter& json, const SliceReport& slice) {
   json.member("hollow_specks_filled", pieces.filled_bubbles);
   json.member("speck_voxels", pieces.dropped_voxels);
   json.end_object();
+  write_strays(json, slice.strays);
   const FeatureCounts& features = slice.features;
   json.key("small_features");
   json.begin_object(kOneLine);
@@ -183,6 +184,15 @@ void write_hashes(JsonWriter& json, const JobReport& report, std::span<const std
 }
 
 }  // namespace
+
+void write_strays(JsonWriter& json, const StrayPieces& strays) {
+  json.key("stray_pieces");
+  json.begin_object(kOneLine);
+  json.member("pieces", strays.pieces);
+  json.member("points", strays.points);
+  json.member("share", strays.share);
+  json.end_object();
+}
 
 void write_files(JsonWriter& json, std::span<const std::string> names, const ScanSummaries& scans) {
   json.key("files");

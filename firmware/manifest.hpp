@@ -12,6 +12,9 @@ namespace plumbline {
 /// The files of a scan as the member "files", in the order in which they were read.
 void write_files(JsonWriter& json, std::span<const std::string> names, const ScanSummaries& scans);
 
+/// What was left out, as the member "stray_pieces".
+void write_strays(JsonWriter& json, const StrayPieces& strays);
+
 /// Raised when a key changes its meaning or goes away; new keys do not raise it.
 inline constexpr std::uint32_t kManifestFormat = 1;
 

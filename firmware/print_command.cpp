@@ -4,6 +4,7 @@
 #include "firmware/commands.hpp"
 #include "firmware/interrupt.hpp"
 #include "firmware/job_progress.hpp"
+#include "firmware/job_report.hpp"
 #include "firmware/print_lines.hpp"
 #include "firmware/print_session.hpp"
 #include "firmware/print_summary.hpp"
@@ -47,10 +48,18 @@ Status make_ready(const PrintOptions& options, const JobSetup& setup, const Prin
   PLUMBLINE_TRY(scan);
   SliceSettings settings;
   settings.placement = setup.placement;
+  settings.keep_all = setup.keep_all;
   settings.threads = setup.threads;
   ProgressLines lines;
   JobProgress progress(silent ? nullptr : &lines);
-  return session.slice_scan(scan->sources(), settings, *supports, printer.profile, &progress);
+  PLUMBLINE_TRY(session.slice_scan(scan->sources(), settings, *supports, printer.profile, &progress));
+  const StrayPieces& strays = session.sliced().strays;
+  if (!silent && strays.pieces > 0) {
+    FixedText<512> line;
+    line.add("plumbline: warning: %s\n", stray_warning(strays).c_str());
+    write_to_stderr(line.view());
+  }
+  return {};
 }
 
 Status write_results(const PrintOptions& options, const PrintOutcome& outcome) {

@@ -33,6 +33,18 @@ Box3f Cloud::bounds() const {
   return box;
 }
 
+void Cloud::drop_noise() {
+  std::uint32_t kept = 0;
+  for (std::uint32_t i = 0; i < size; ++i) {
+    if (normal[i].point_class == PointClass::kNoise) continue;
+    position[kept] = position[i];
+    normal[kept] = normal[i];
+    radius[kept] = radius[i];
+    ++kept;
+  }
+  size = kept;
+}
+
 Status Cloud::reorder(std::span<const std::uint32_t> order, Arena& arena) {
   const ArenaScope scope(arena);
   auto bits = arena.take_top<std::uint64_t>((size + 63) / 64, "reordering the cloud");

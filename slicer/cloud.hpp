@@ -49,6 +49,9 @@ struct Cloud {
   std::span<const Vec3f> positions() const { return position.first(size); }
   Box3f bounds() const;
 
+  /// Takes out the points of class kNoise and keeps the order of the others.
+  void drop_noise();
+
   /// Puts point order[i] at i, in place. Work space: one bit a point from the top of the arena.
   [[nodiscard]] Status reorder(std::span<const std::uint32_t> order, Arena& arena);
 };

@@ -63,7 +63,14 @@ class Inspection {
     auto result = cluster(cloud_, *tree, *epsilon, settings_.clustering, {}, arena_, {progress_, Stage::kClustering});
     PLUMBLINE_TRY(result);
     report_.clustering = *result;
-    find_bounds();
+    report_.bounds_with_noise = bounds();
+    cloud_.drop_noise();
+    if (!settings_.keep_all && cloud_.size > 0 && result->epsilon > 0) {
+      const auto strays = drop_stray_pieces(cloud_, result->epsilon, arena_);
+      PLUMBLINE_TRY(strays);
+      report_.strays = *strays;
+    }
+    report_.bounds = cloud_.size > 0 ? bounds() : report_.bounds_with_noise;
     return {};
   }
 
@@ -139,13 +146,11 @@ class Inspection {
     return {};
   }
 
-  void find_bounds() {
-    for (std::uint32_t i = 0; i < cloud_.size; ++i) {
-      const Vec3d p = cloud_.position[i].cast<double>() + offset_;
-      report_.bounds_with_noise.extend(p);
-      if (cloud_.normal[i].point_class != PointClass::kNoise) report_.bounds.extend(p);
-    }
-    if (report_.bounds.empty()) report_.bounds = report_.bounds_with_noise;
+  /// In rotated scan coordinates.
+  Box3d bounds() const {
+    Box3d box;
+    for (const Vec3f& p : cloud_.positions()) box.extend(p.cast<double>() + offset_);
+    return box;
   }
 
   ScanSources sources_;

@@ -11,12 +11,14 @@
 #include "slicer/memory_plan.hpp"
 #include "slicer/placement.hpp"
 #include "slicer/scan_sources.hpp"
+#include "slicer/stray_pieces.hpp"
 
 namespace plumbline {
 
 struct InspectSettings {
   PlacementSettings placement;  ///< its rotation and its printer; units and scale change no result
   ClusteringSettings clustering;
+  bool keep_all = false;      ///< stray pieces count as part of the object
   std::uint32_t threads = 1;  ///< 1 to 64; the result does not depend on it
 };
 
@@ -29,11 +31,12 @@ struct InspectReport {
   double thinning_cell = 0;             ///< 0: all points fit
   std::uint64_t averaged_points = 0;    ///< scan points that were averaged into another
   std::uint32_t normals_estimated = 0;  ///< points whose normal the scan did not have
-  Box3d bounds;                         ///< of the rotated scan without its noise
+  Box3d bounds;                         ///< of the rotated scan without its noise and stray pieces
   Box3d bounds_with_noise;              ///< of the rotated scan
   double spacing = 0;                   ///< median distance of a point from the nearest other one
   double roughness = 0;         ///< median distance of a point from the plane through its kPlaneNeighbours nearest
   ClusteringResult clustering;  ///< epsilon and noise in scan units
+  StrayPieces strays;           ///< that slice() would leave out
   std::array<std::size_t, kStageCount> peak_bytes = {};  ///< of the arena, by Stage
 };
 

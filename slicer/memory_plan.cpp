@@ -14,6 +14,7 @@
 #include "slicer/pieces.hpp"
 #include "slicer/reader/scan_reader.hpp"
 #include "slicer/rrep_builder.hpp"
+#include "slicer/stray_pieces.hpp"
 #include "slicer/supports/support_finder.hpp"
 #include "slicer/thinning.hpp"
 #include "slicer/winding_number.hpp"
@@ -73,7 +74,7 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
   set(Stage::kRead, cloud + PointThinner::table_bytes(points) + kReaderWorkspace + reader);
   set(Stage::kNormals, cloud + tree + normals_bytes(points));
   set(Stage::kTrees, cloud + tree + points / 8);
-  set(Stage::kClustering, cloud + tree + 5 * std::size_t{points});
+  set(Stage::kClustering, cloud + tree + std::max(5 * std::size_t{points}, stray_pieces_bytes()));
   set(Stage::kWindingTree, cloud);
   std::size_t image = 0;
   std::size_t store = 0;

@@ -16,6 +16,7 @@
 #include "slicer/ray_grid.hpp"
 #include "slicer/rrep_edit.hpp"
 #include "slicer/stage_scope.hpp"
+#include "slicer/stray_pieces.hpp"
 #include "slicer/winding_number.hpp"
 
 namespace plumbline {
@@ -53,19 +54,6 @@ constexpr double kLeastCoreShare = 0.25;
 bool is_surface(const ClusteringResult& clustering, std::uint32_t kept) {
   return kept > 0 && clustering.epsilon > 0 &&
          (clustering.coherent || clustering.core_points >= kLeastCoreShare * kept);
-}
-
-/// Drops the noise, keeps the order.
-void drop_noise(Cloud& cloud) {
-  std::uint32_t kept = 0;
-  for (std::uint32_t i = 0; i < cloud.size; ++i) {
-    if (cloud.normal[i].point_class == PointClass::kNoise) continue;
-    cloud.position[kept] = cloud.position[i];
-    cloud.normal[kept] = cloud.normal[i];
-    cloud.radius[kept] = cloud.radius[i];
-    ++kept;
-  }
-  cloud.size = kept;
 }
 
 /// One job, stage by stage; each method is one arrow of the data's way.
@@ -177,8 +165,13 @@ class Job {
       auto result = cluster(cloud_, *tree, *epsilon, settings_.clustering, {}, arena_, {progress_, Stage::kClustering});
       if (!result) return tl::unexpected<Error>(result.error());
       report_.clustering = *result;
+      cloud_.drop_noise();
+      if (!settings_.keep_all && is_surface(report_.clustering, cloud_.size)) {
+        const auto strays = drop_stray_pieces(cloud_, report_.clustering.epsilon, arena_);
+        PLUMBLINE_TRY(strays);
+        report_.strays = *strays;
+      }
     }
-    drop_noise(cloud_);
     if (!is_surface(report_.clustering, cloud_.size)) {
       const ScanTitle title = title_of(sources_);
       if (report_.cloud_points < report_.scan.points / 2) {

@@ -16,12 +16,14 @@
 #include "slicer/rrep.hpp"
 #include "slicer/rrep_builder.hpp"
 #include "slicer/scan_sources.hpp"
+#include "slicer/stray_pieces.hpp"
 
 namespace plumbline {
 
 struct SliceSettings {
   PlacementSettings placement;
   ClusteringSettings clustering;
+  bool keep_all = false;      ///< stray pieces, too
   std::uint32_t threads = 1;  ///< 1 to 64; the masks do not depend on it
 };
 
@@ -37,6 +39,7 @@ struct SliceReport {
   bool units_guessed = false;
   std::uint32_t normals_estimated = 0;  ///< points whose normal the scan did not have
   ClusteringResult clustering;          ///< epsilon in mm
+  StrayPieces strays;                   ///< left out before the object was placed
   float width_mm = 0;                   ///< w
   Placement placement;
   bool open_underside = false;  ///< closed flat at the lowest rim

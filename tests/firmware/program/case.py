@@ -46,6 +46,23 @@ def split(scan, first, top, bottom):
         path.write_bytes(declared + part)
 
 
+def add_ball(path, points, radius, centre):
+    """Another sphere into a file of write_sphere(), its points behind those that are there."""
+    data = path.read_bytes()
+    start = data.index(b"end_header\n") + 11
+    count = (len(data) - start) // 24
+    more = path.with_suffix(".more.ply")
+    write_sphere(more, points, radius)
+    ball = more.read_bytes()
+    more.unlink()
+    values = [list(v) for v in struct.iter_unpack("<6f", ball[ball.index(b"end_header\n") + 11 :])]
+    for v in values:
+        for axis in range(3):
+            v[axis] += centre[axis]
+    head = data[:start].replace(b"vertex %d\n" % count, b"vertex %d\n" % (count + points))
+    path.write_bytes(head + data[start:] + b"".join(struct.pack("<6f", *v) for v in values))
+
+
 def write_board(path, arena_mib=64):
     """403 x 300 pixels of 0.1 mm, 50 mm high."""
     path.write_text(

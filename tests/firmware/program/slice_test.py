@@ -9,7 +9,7 @@ import struct
 import subprocess
 import unittest
 
-from case import PLUMBLINE, U64, Program, job_hash, layer_hash, main, png_rows, split, write_sphere
+from case import PLUMBLINE, U64, Program, add_ball, job_hash, layer_hash, main, png_rows, split, write_sphere
 
 
 class Slice(Program):
@@ -117,6 +117,24 @@ class Slice(Program):
         self.assertFalse(self.out.exists())
         done = self.run_it("slice", *[self.scan] * 33, "-o", self.out, status=2)
         self.assertIn("scan", done.stderr)
+
+    def test_stray_piece_is_left_out_and_told_and_kept_on_request(self):
+        write_sphere(self.scan)
+        add_ball(self.scan, 200, 1.0, (40, 0, 0))
+        done = self.slice_it("--no-preview")
+        manifest = self.manifest()
+        self.assertEqual(manifest["stray_pieces"]["pieces"], 1)
+        self.assertEqual(manifest["stray_pieces"]["points"], 200)
+        self.assertAlmostEqual(manifest["size_mm"][0], 24, delta=0.1)
+        self.assertIn("warning: 1 stray piece was left out: 200 points", done.stderr)
+        self.assertIn("strays     1 stray piece was left out", done.stdout)
+        told = json.loads(self.run_it("inspect", self.scan, "--json", "--printer", self.board).stdout)
+        self.assertEqual((told["stray_pieces"]["pieces"], told["fits"]), (1, True))
+        kept = self.slice_it("--keep-all", "--no-preview", status=1)  # 53 mm do not fit on 40
+        self.assertRegex(kept.stderr, r"the object is 5[23]\.\d+ mm wide")
+        told = json.loads(self.run_it("inspect", self.scan, "--json", "--keep-all").stdout)
+        self.assertEqual(told["stray_pieces"]["pieces"], 0)
+        self.assertAlmostEqual(told["size_mm"][0], 53, delta=0.1)
 
     def test_json_is_the_manifest_without_the_layers_and_nothing_else(self):
         done = self.slice_it("--json")
