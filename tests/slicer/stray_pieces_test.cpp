@@ -25,7 +25,8 @@ TEST(StrayPieces, ASmallPieceFarFromTheObjectIsLeftOutBeforeItIsPlaced) {
   append(scan, ball(2.3, {60, 10, -40}));
   const Slicing without = sliced(scan);
   EXPECT_EQ(without.report().strays.pieces, 1U);
-  EXPECT_NEAR(without.report().strays.points, scan.size() - object.size(), 300) << "some were averaged";
+  EXPECT_NEAR(without.report().strays.points, static_cast<double>(scan.size() - object.size()), 300)
+      << "some were averaged";
   EXPECT_NEAR(without.report().strays.share, 0.014, 0.004);
   EXPECT_EQ(without.report().pieces.pieces, 1U);
   EXPECT_NEAR(without.report().placement.size_mm[2], 40, 0.1) << "the object stands on the plate, not the stray";
