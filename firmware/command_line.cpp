@@ -119,6 +119,14 @@ Units units_named(const std::string& name) {
   return *std::find_if(kUnits.begin(), kUnits.end(), [&](Units units) { return name == to_string(units); });
 }
 
+/// @param name  "none", "flat" or "auto"
+BaseChoice base_named(const std::string& name) {
+  for (const BaseChoice choice : {BaseChoice::kNone, BaseChoice::kFlat}) {
+    if (name == to_string(choice)) return choice;
+  }
+  return BaseChoice::kAuto;
+}
+
 void add_print_options(CLI::App& app, PrintOptions& print) {
   constexpr const char* kJob = "Job";
   app.add_option("--profile", print.profile, "Resin and print settings: a name in profiles/, or a file [the printer's]")
@@ -185,6 +193,13 @@ CLI::Option* add_job_options(CLI::App& app, JobOptions& job) {
       ->check(finite_range(kFinestMm, kCoarsestMm))
       ->group(kPrint);
 
+  app.add_option_function<std::string>(
+         "--base", [&job](const std::string& name) { job.base = base_named(name); },
+         "Underside: auto closes it flat where the scan is open there, flat always stands it on that plane, none "
+         "closes it as any other hole [auto]")
+      ->type_name("KIND")
+      ->check(CLI::IsMember({"none", "flat", "auto"}).description(""))
+      ->group(kPrint);
   app.add_flag("--keep-all", job.keep_all,
                "Keep stray pieces: small ones apart from the object, such as a bit of what stood behind it")
       ->group(kPrint);

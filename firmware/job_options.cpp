@@ -52,6 +52,7 @@ Expected<JobSetup> set_up(const JobOptions& options, std::span<std::byte> arena_
         arena_mib, options.arena_mib ? "by --arena-mib" : "by the board file", built_mib, built_mib, arena_mib);
   }
   setup.arena_block = arena_block.first(arena_mib * kMiB);
+  setup.base = options.base;
   setup.keep_all = options.keep_all;
   setup.threads = options.threads.value_or(default_threads());
   return setup;

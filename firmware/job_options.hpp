@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "firmware/board_file.hpp"
+#include "slicer/base_choice.hpp"
 #include "slicer/placement.hpp"
 
 namespace plumbline {
@@ -24,6 +25,7 @@ struct JobOptions {
   bool fit = false;                       ///< with a printer only
   std::array<double, 3> rotate_degrees = {};
   Units units = Units::kMillimetres;
+  BaseChoice base = BaseChoice::kAuto;
   bool keep_all = false;                   ///< stray pieces, too
   std::optional<std::uint32_t> arena_mib;  ///< MiB
   std::optional<std::uint32_t> threads;    ///< 1 to kMostThreads
@@ -43,6 +45,7 @@ struct JobSetup {
   PlacementSettings placement;
   std::string printer_name;  ///< empty without a printer
   std::span<std::byte> arena_block;
+  BaseChoice base = BaseChoice::kAuto;
   bool keep_all = false;
   std::uint32_t threads = 1;
 };

@@ -28,6 +28,7 @@ struct JobReport {
   std::string scan_name;                         ///< title_of() its files
   std::vector<std::string> scan_names;           ///< of the files; empty where nobody knows them any more
   std::string printer_name;                      ///< empty: the grid is the object's own
+  BaseChoice base = BaseChoice::kAuto;           ///< as asked for
   SliceReport slice;                             ///< peaks of the arena: up to Stage::kRRep
   std::array<double, kStageCount> seconds = {};  ///< by Stage
   double preview_seconds = 0;

@@ -234,6 +234,11 @@ void write_manifest(JsonWriter& json, const JobReport& report, std::span<const s
   json.end_object();
   json.member("scale_mm_per_unit", slice.placement.scale);
   write_grid(json, slice.placement);
+  json.key("underside");
+  json.begin_object(kOneLine);
+  json.member("base", to_string(report.base));
+  json.member("on_base_plane", slice.flat_underside);
+  json.end_object();
   write_points(json, slice);
   write_rays(json, slice);
   json.member("volume_mm3", report.volume_mm3());

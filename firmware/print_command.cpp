@@ -48,6 +48,7 @@ Status make_ready(const PrintOptions& options, const JobSetup& setup, const Prin
   PLUMBLINE_TRY(scan);
   SliceSettings settings;
   settings.placement = setup.placement;
+  settings.base = setup.base;
   settings.keep_all = setup.keep_all;
   settings.threads = setup.threads;
   ProgressLines lines;

@@ -37,6 +37,7 @@ ExitCode run_slice(const SliceOptions& options, std::span<std::byte> arena_block
   settings.output_path = options.output;
   settings.printer_name = setup->printer_name;
   settings.slice.placement = setup->placement;
+  settings.slice.base = setup->base;
   settings.slice.keep_all = setup->keep_all;
   settings.slice.threads = setup->threads;
   settings.preview = options.preview;

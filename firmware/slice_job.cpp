@@ -57,6 +57,7 @@ Expected<SliceJob> SliceJob::prepare(const SliceJobSettings& settings, Arena& ar
   start_threads(settings.slice.threads);
   job.report_.scan_name = job.scan_.title();
   job.report_.scan_names = job.scan_.names();
+  job.report_.base = settings.slice.base;
   job.report_.printer_name = settings.printer_name;
   job.report_.arena_bytes = arena.capacity();
   job.report_.threads = settings.slice.threads;

@@ -247,7 +247,7 @@ PerfectRay RayPerfecter::ray(std::uint32_t column, std::uint32_t row) {
   std::sort(depths_.begin(), depths_.begin() + depth_count_);
   drop_thin_stretches();
   if (used_winding_) decision = RayDecision::kWinding;
-  if (base && depth_count_ > 0) decision = RayDecision::kBase;
+  if (base && depth_count_ > 0) decision = winding_->has_base() ? RayDecision::kBase : RayDecision::kWinding;
   if (depth_count_ == 0) decision = RayDecision::kOutside;
   return {depths_.first(depth_count_ / 2 * 2), decision};
 }

@@ -56,6 +56,19 @@ bool is_surface(const ClusteringResult& clustering, std::uint32_t kept) {
          (clustering.coherent || clustering.core_points >= kLeastCoreShare * kept);
 }
 
+}  // namespace
+
+const char* to_string(BaseChoice choice) {
+  switch (choice) {
+    case BaseChoice::kAuto: return "auto";
+    case BaseChoice::kNone: return "none";
+    case BaseChoice::kFlat: return "flat";
+  }
+  return "unknown";
+}
+
+namespace {
+
 /// One job, stage by stage; each method is one arrow of the data's way.
 class Job {
  public:
@@ -216,7 +229,9 @@ class Job {
     const StageScope stage(Stage::kWindingTree, arena_, progress_, report_.peak_bytes);
     winding_ = WindingTree::build(cloud_, report_.clustering.support_points,
                                   winding_nodes_.first(WindingTree::nodes_needed(cloud_.size)));
-    report_.open_underside = winding_.set_base(base_plane(cloud_.positions(), report_.placement.grid.layer_height_mm));
+    if (settings_.base == BaseChoice::kNone) return;
+    const float height = base_plane(cloud_.positions(), report_.placement.grid.layer_height_mm);
+    report_.flat_underside = winding_.set_base(height, settings_.base == BaseChoice::kFlat);
   }
 
   /// Crossings that the surface will make: each point's share of it, seen from above, is crossed by so many rays.

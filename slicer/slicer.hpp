@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 
+#include "slicer/base_choice.hpp"
 #include "slicer/clustering.hpp"
 #include "slicer/core/arena.hpp"
 #include "slicer/core/byte_source.hpp"
@@ -23,6 +24,7 @@ namespace plumbline {
 struct SliceSettings {
   PlacementSettings placement;
   ClusteringSettings clustering;
+  BaseChoice base = BaseChoice::kAuto;
   bool keep_all = false;      ///< stray pieces, too
   std::uint32_t threads = 1;  ///< 1 to 64; the masks do not depend on it
 };
@@ -42,7 +44,7 @@ struct SliceReport {
   StrayPieces strays;                   ///< left out before the object was placed
   float width_mm = 0;                   ///< w
   Placement placement;
-  bool open_underside = false;  ///< closed flat at the lowest rim
+  bool flat_underside = false;  ///< it stands on the base plane
   RayCounts rays;
   PieceCounts pieces;
   FeatureCounts features;

@@ -30,9 +30,9 @@ WindingTree WindingTree::build(const Cloud& cloud, float support_points, std::sp
   return tree;
 }
 
-bool WindingTree::set_base(float height) {
+bool WindingTree::set_base(float height, bool always) {
   base_ = height;
-  has_base_ = false;
+  has_base_ = always;
   // On the plane itself the surface and its mirror image count the same: half each where it is open, nothing where the
   // surface closes above the plane.
   Box3f box;

@@ -32,8 +32,10 @@ class WindingTree {
 
   /// Mirrors the surface at the plane z = height, normals too: what is open there counts as closed flat (a closed object
   /// standing on the plane is left as it is, since outside of it its mirror image counts nothing).
-  /// @returns whether it is open there; if not, there is nothing to mirror
-  bool set_base(float height);
+  /// @param always  mirror it whether it is open there or not
+  /// @returns whether it is mirrored; a surface that is not open there has nothing to mirror
+  bool set_base(float height, bool always = false);
+  bool has_base() const { return has_base_; }
   /// mm; nothing is inside below. -infinity without one.
   float base() const { return has_base_ ? base_ : -std::numeric_limits<float>::infinity(); }
 

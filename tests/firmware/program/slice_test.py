@@ -136,6 +136,12 @@ class Slice(Program):
         self.assertEqual(told["stray_pieces"]["pieces"], 0)
         self.assertAlmostEqual(told["size_mm"][0], 53, delta=0.1)
 
+    def test_base_is_what_was_asked_for(self):
+        for kind, flat in (("none", False), ("flat", True)):
+            self.slice_it("--base", kind, "--no-preview")
+            self.assertEqual(self.manifest()["underside"], {"base": kind, "on_base_plane": flat})
+        self.assertIn("round", self.slice_it("--base", "round", status=2).stderr)
+
     def test_json_is_the_manifest_without_the_layers_and_nothing_else(self):
         done = self.slice_it("--json")
         told, manifest = json.loads(done.stdout), self.manifest()
