@@ -44,6 +44,7 @@ constexpr const char* kSliceFooter =
     "  OUT/layers/00000.png ...  a mask for each layer, lowest first: 1-bit greyscale, white cures; row 0 has the "
     "smallest y\n"
     "  OUT/preview.png           front, side and top view\n"
+    "  OUT/confidence.png        what each place rests on: the scan, a repair, or the base plane\n"
     "  OUT/manifest.json         grid, transform, hashes, counts, times; written last: where it is, the job is whole\n"
     "An older job in OUT is replaced. A directory with anything else in it is refused.\n"
     "\n"
@@ -78,10 +79,13 @@ constexpr const char* kInspectFooter =
     "\nExamples:\n"
     "  plumbline inspect scan.ply\n"
     "  plumbline inspect scan.ply --printer board/mono2k.toml --rotate-x 90\n"
+    "  plumbline inspect scan.ply --picture seen.png\n"
     "\n"
-    "What comes out: points and normals, extent, the unit that fits its size, spacing, noise, whether and how large "
-    "the\n"
-    "printer takes it, and the arena that each stage of slicing needs. Nothing is written to disk.\n";
+    "What comes out: points and normals, extent, the unit that fits its size, spacing, noise, what the scan has not "
+    "seen,\n"
+    "whether and how large the printer takes it, and the arena that each stage of slicing needs. For what it has not "
+    "seen\n"
+    "the scan is read a second time and sliced coarsely. Nothing but the picture is written to disk.\n";
 
 constexpr const char* kSampleFooter =
     "\nExamples:\n"
@@ -294,13 +298,15 @@ ExitCode run_command_line(int argc, char** argv, std::span<std::byte> arena_bloc
   SupportChoice slice_supports;
   add_support_options(*slice_app, slice_supports, "[none]");
   bool no_preview = false;
-  slice_app->add_flag("--no-preview", no_preview, "Do not draw preview.png");
+  slice_app->add_flag("--no-preview", no_preview, "Do not draw preview.png and confidence.png");
 
-  JobOptions inspect;
+  InspectOptions inspect;
   auto* inspect_app =
       app.add_subcommand("inspect", "Say what is in a scan, what slicing it needs, and whether it fits");
   inspect_app->footer(kInspectFooter);
-  add_job_options(*inspect_app, inspect);
+  add_job_options(*inspect_app, inspect.job);
+  inspect_app->add_option("--picture", inspect.picture, "Draw what the scan has seen and what it has not")
+      ->type_name("PNG");
 
   PrintOptions print;
   auto* print_app = app.add_subcommand("print", "Print a scan");

@@ -28,6 +28,11 @@ struct SliceOptions {
   std::optional<SupportSettings> supports;  ///< none: no supports
 };
 
+struct InspectOptions {
+  JobOptions job;
+  std::string picture;  ///< file for what the scan has not seen; empty: none
+};
+
 struct SampleOptions {
   std::string output;
   std::uint64_t points = 0;
@@ -54,7 +59,7 @@ struct DoctorOptions {
 /// Each writes results to standard output, progress, warnings and errors to standard error.
 /// @param arena_block  the program's
 ExitCode run_slice(const SliceOptions& options, std::span<std::byte> arena_block);
-ExitCode run_inspect(const JobOptions& options, std::span<std::byte> arena_block);
+ExitCode run_inspect(const InspectOptions& options, std::span<std::byte> arena_block);
 ExitCode run_print(const PrintOptions& options, std::span<std::byte> arena_block);
 ExitCode run_sample(const SampleOptions& options);
 ExitCode run_doctor(const DoctorOptions& options);

@@ -70,6 +70,16 @@ void add_surface(Text& text, const ScanOutlook& o) {
            percent * points_of(s, PointClass::kNeutral), percent * points_of(s, PointClass::kNoise));
 }
 
+void add_look(Text& text, const ScanOutlook& o) {
+  if (!o.look) {
+    text.add("seen       unknown: %s\n", o.no_look.c_str());
+  } else if (o.look->sentence().view().empty()) {
+    text.add("seen       all of the surface\n");
+  } else {
+    text.add("seen       not all: %s\n", o.look->sentence().c_str());
+  }
+}
+
 void add_fit(Text& text, const ScanOutlook& o) {
   if (o.placed) {
     const PrintGrid& grid = o.placed->grid;
@@ -217,7 +227,7 @@ ScanOutlook make_outlook(const InspectReport& scan, const PlacementSettings& pla
   } else if (o.placed) {
     grid = o.placed->grid;
   }
-  o.plan = largest_plan(arena_bytes, scan.cloud_points, grid, threads);
+  o.plan = largest_plan(arena_bytes, scan.cloud_points, grid, threads, {.confidence = true});
   return o;
 }
 
@@ -226,6 +236,7 @@ Status write_outlook(OutputFile& out, const ScanOutlook& outlook) {
   add_scan(text, outlook);
   add_extent(text, outlook);
   add_surface(text, outlook);
+  add_look(text, outlook);
   add_fit(text, outlook);
   add_plan(text, outlook);
   return out.write(text.view());
@@ -259,6 +270,16 @@ void write_outlook(JsonWriter& json, const ScanOutlook& outlook) {
   json.member("noise", points_of(s, PointClass::kNoise));
   json.end_object();
   write_strays(json, s.strays);
+  json.key("never_seen");
+  if (outlook.look) {
+    json.begin_object(kOneLine);
+    json.member("underside", outlook.look->underside_unseen());
+    json.member("underside_share", outlook.look->shares.of(Evidence::kBase));
+    json.member("rest_share", outlook.look->unseen());
+    json.end_object();
+  } else {
+    json.null();
+  }
   write_fit(json, outlook);
   write_plan(json, outlook);
   json.end_object();

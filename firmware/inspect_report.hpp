@@ -7,6 +7,7 @@
 
 #include "firmware/json_writer.hpp"
 #include "firmware/output_file.hpp"
+#include "firmware/scan_look.hpp"
 #include "slicer/inspect.hpp"
 
 namespace plumbline {
@@ -22,7 +23,9 @@ struct ScanOutlook {
   Units guess = Units::kMillimetres;    ///< by the size alone
   Expected<Placement> placed;           ///< at the scale asked for, or why it does not fit
   std::optional<double> largest_scale;  ///< that the printer takes; none without a printer
-  Expected<MemoryPlan> plan;            ///< for the points of this scan
+  std::optional<ScanLook> look;         ///< none: no_look says why
+  FixedText<512> no_look;
+  Expected<MemoryPlan> plan;  ///< for the points of this scan
   std::size_t arena_bytes = 0;
   std::uint32_t threads = 1;
 

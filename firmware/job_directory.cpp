@@ -21,7 +21,8 @@ namespace {
 constexpr const char* kLayers = "layers";
 constexpr const char* kPreview = "preview.png";
 constexpr const char* kComparison = "comparison.png";
-constexpr std::array kPictures = {kPreview, kComparison};
+constexpr const char* kConfidence = "confidence.png";
+constexpr std::array kPictures = {kPreview, kComparison, kConfidence};
 constexpr const char* kManifest = "manifest.json";
 constexpr const char* kNewManifest = "manifest.json.part";
 
@@ -197,6 +198,10 @@ Status JobDirectory::write_layer(std::uint32_t layer, std::span<const std::byte>
 
 Status JobDirectory::write_preview(std::span<const std::byte> png) {
   return write_file(file_path(kPreview).c_str(), png);
+}
+
+Status JobDirectory::write_confidence(std::span<const std::byte> png) {
+  return write_file(file_path(kConfidence).c_str(), png);
 }
 
 Status JobDirectory::write_comparison(std::span<const std::byte> png) {

@@ -3,6 +3,7 @@
 ///
 ///   out/layers/00000.png ...   the masks
 ///   out/preview.png
+///   out/confidence.png       of a sliced job
 ///   out/comparison.png         of a printed part: what was to be printed beside it
 ///   out/manifest.json          appears last, in one step: where it is, the job is whole
 ///
@@ -43,6 +44,7 @@ class JobDirectory {
   /// @retval ErrorCode::kCannotOpen, kCannotWrite  path, reason, what to do
   [[nodiscard]] Status write_layer(std::uint32_t layer, std::span<const std::byte> png);
   [[nodiscard]] Status write_preview(std::span<const std::byte> png);
+  [[nodiscard]] Status write_confidence(std::span<const std::byte> png);
   [[nodiscard]] Status write_comparison(std::span<const std::byte> png);  ///< of a printed part
 
   /// The manifest, under a name of its own until finish().

@@ -89,7 +89,7 @@ void find_warnings(JobReport& report) {
   if (report.share_of_rays(RayDecision::kWinding) > kRaysByEvidence) {
     report.warnings.add().add(
         "the scan has holes: for %.1f %% of the rays the winding number of all points decided what is inside. Look at "
-        "preview.png",
+        "confidence.png",
         100 * report.share_of_rays(RayDecision::kWinding));
   }
   if (s.strays.pieces > 0) report.warnings.add() = stray_warning(s.strays);

@@ -41,8 +41,10 @@ struct JobReport {
   std::uint64_t support_pixels = 0;                 ///< of these, what the supports add to the object
   std::optional<SupportSettings> support_settings;  ///< none: no supports were asked for
   SupportCounts supports;
-  std::uint64_t hash = 0;  ///< job_hash()
+  std::uint64_t hash = 0;                      ///< job_hash()
+  std::optional<ConfidenceShares> confidence;  ///< none: no map was kept
   bool has_preview = false;
+  bool has_confidence = false;  ///< its picture
   JobWarnings warnings;
 
   /// mm^3 of resin that the masks cure.

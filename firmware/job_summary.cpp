@@ -76,6 +76,16 @@ void add_rays(Text& text, const JobReport& report) {
            big(s.pieces.dropped_voxels));
 }
 
+void add_confidence(Text& text, const JobReport& report) {
+  if (!report.confidence) return;
+  text.add("surface    ");
+  for (std::size_t e = 0; e < kEvidenceCount; ++e) {
+    text.add("%s%s %.2f %%", e == 0 ? "" : ", ", to_string(static_cast<Evidence>(e)),
+             100 * report.confidence->surface[e]);
+  }
+  text.add("\n");
+}
+
 void add_supports(Text& text, const JobReport& report) {
   if (!report.support_settings) return;
   const SupportCounts& s = report.supports;
@@ -99,7 +109,8 @@ void add_stages(Text& text, const JobReport& report) {
     if (report.peak_bytes(stage) == 0) continue;  // a stage that had nothing to do
     add_stage(text, to_string(stage), report.seconds[i], report.peak_bytes(stage), report.slice.planned_bytes[i]);
   }
-  if (report.has_preview) add_stage(text, "preview", report.preview_seconds, report.preview_peak_bytes, 0);
+  if (report.has_preview || report.has_confidence)
+    add_stage(text, "preview", report.preview_seconds, report.preview_peak_bytes, 0);
 }
 
 }  // namespace
@@ -110,14 +121,17 @@ Status write_summary(OutputFile& out, const JobReport& report, const char* outpu
   add_object(text, report);
   add_clusters(text, report.slice);
   add_rays(text, report);
+  add_confidence(text, report);
   add_supports(text, report);
   add_stages(text, report);
   text.add("time       %.2f s with %u thread%s\n", report.total_seconds, report.threads,
            report.threads == 1 ? "" : "s");
   PLUMBLINE_TRY(out.write(text.view()));
   text.clear();
-  text.add("look at    %s%s, %s/manifest.json, %s/layers/00000.png to %05u.png\n", output,
-           report.has_preview ? "/preview.png" : "", output, output, report.slice.placement.grid.layers - 1);
+  text.add("look at    %s%s, ", output, report.has_preview ? "/preview.png" : "");
+  if (report.has_confidence) text.add("%s/confidence.png, ", output);
+  text.add("%s/manifest.json, %s/layers/00000.png to %05u.png\n", output, output,
+           report.slice.placement.grid.layers - 1);
   return out.write(text.view());
 }
 

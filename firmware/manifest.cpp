@@ -120,6 +120,36 @@ void write_rays(JsonWriter& json, const SliceReport& slice) {
   json.end_object();
 }
 
+template <class Values>
+void write_by_evidence(JsonWriter& json, std::string_view name, const Values& values) {
+  json.key(name);
+  json.begin_object(kOneLine);
+  for (std::size_t e = 0; e < kEvidenceCount; ++e) {
+    json.member(as_key(to_string(static_cast<Evidence>(e))).view(), values[e]);
+  }
+  json.end_object();
+}
+
+/// @param layers  empty: the manifest is written without them
+void write_confidence(JsonWriter& json, const std::optional<ConfidenceShares>& shares,
+                      std::span<const ConfidenceMap::Counts> layers) {
+  json.key("confidence");
+  if (!shares) {
+    json.null();
+    return;
+  }
+  json.begin_object();
+  write_by_evidence(json, "surface", shares->surface);
+  write_by_evidence(json, "crossings", shares->crossings);
+  if (!layers.empty()) {
+    json.key("layers");
+    json.begin_array();
+    for (const ConfidenceMap::Counts& layer : layers) write_row(json, layer);
+    json.end_array();
+  }
+  json.end_object();
+}
+
 void write_supports(JsonWriter& json, const JobReport& report) {
   json.key("supports");
   if (!report.support_settings) {
@@ -157,7 +187,8 @@ void write_stages(JsonWriter& json, const JobReport& report) {
     const auto stage = static_cast<Stage>(i);
     write_stage(to_string(stage), report.seconds[i], report.slice.planned_bytes[i], report.peak_bytes(stage));
   }
-  if (report.has_preview) write_stage("preview", report.preview_seconds, 0, report.preview_peak_bytes);
+  if (report.has_preview || report.has_confidence)
+    write_stage("preview", report.preview_seconds, 0, report.preview_peak_bytes);
   json.end_array();
   json.member("seconds", report.total_seconds);
   json.key("arena");
@@ -241,6 +272,8 @@ void write_manifest(JsonWriter& json, const JobReport& report, std::span<const s
   json.end_object();
   write_points(json, slice);
   write_rays(json, slice);
+  write_confidence(json, report.confidence,
+                   layer_hashes.empty() ? std::span<const ConfidenceMap::Counts>{} : slice.confidence.layers());
   json.member("volume_mm3", report.volume_mm3());
   write_supports(json, report);
   write_stages(json, report);

@@ -7,6 +7,7 @@
 #include <cstdio>
 
 #include "firmware/preview_font.hpp"
+#include "firmware/preview_page.hpp"
 #include "firmware/preview_shading.hpp"
 #include "firmware/preview_survey.hpp"
 #include "slicer/core/bit_image.hpp"
@@ -17,31 +18,13 @@ using namespace preview;
 
 namespace {
 
-constexpr Colour kSkyColour{46, 53, 63}, kFloorColour{70, 79, 91};
 /// Of the object and of its supports.
 constexpr std::array<Colour, 2> kMaterials{{{255, 243, 222}, {122, 178, 214}}};
-constexpr Colour kInk{236, 232, 224}, kPaleInk{158, 168, 180}, kLine{112, 123, 136};
-
-void draw_background(const Picture& picture) {
-  for (std::uint32_t row = 0; row < picture.rows; ++row) {
-    const float t = static_cast<float>(row) / static_cast<float>(picture.rows);
-    Colour colour;
-    for (std::size_t c = 0; c < 3; ++c) {
-      const float mixed = static_cast<float>(kSkyColour[c]) * (1 - t) + static_cast<float>(kFloorColour[c]) * t;
-      colour[c] = static_cast<std::uint8_t>(std::floor(mixed + 0.5F));
-    }
-    picture.fill(0, row, picture.columns, 1, colour);
-  }
-}
+constexpr Colour kLine{112, 123, 136};
 
 void draw_centred(const Picture& picture, std::int64_t centre, std::int64_t top, std::string_view text,
                   const TextStyle& style) {
   draw_text(picture, centre - text_width(text, style) / 2, top, text, style);
-}
-
-/// The part of a text that fits into `pixels`.
-std::string_view cut(std::string_view text, std::uint32_t pixels, const TextStyle& style) {
-  return text.substr(0, std::min<std::size_t>(text.size(), pixels / style.advance()));
 }
 
 /// A bar of a round length: 1, 2 or 5 times a power of ten, as long as possible but not above 200 pixels.

@@ -165,7 +165,7 @@ void smooth_depth(const DepthMap& map, std::span<float> scratch, const VoxelSize
 }
 
 void shade_depth(const DepthMap& map, const Picture& picture, std::int64_t left, std::int64_t top,
-                 const std::array<Colour, 2>& materials) {
+                 std::span<const Colour> materials) {
   const Shader shader(map);
   const Signed columns = (Signed{map.columns} + kSamplesPerPixel - 1) / kSamplesPerPixel;
   const Signed rows = (Signed{map.rows} + kSamplesPerPixel - 1) / kSamplesPerPixel;

@@ -15,7 +15,7 @@ struct DepthMap {
   static constexpr float kEmpty = 1e30F;  ///< no object here
 
   std::span<float> depth;            ///< columns * rows
-  std::span<std::uint8_t> material;  ///< columns * rows: 0 shows the first material, 1 the second
+  std::span<std::uint8_t> material;  ///< columns * rows: index of the material that is seen
   std::uint32_t columns = 0, rows = 0;
 
   float& at(std::uint32_t column, std::uint32_t row) const { return depth[std::size_t{row} * columns + column]; }
@@ -40,8 +40,8 @@ void smooth_depth(const DepthMap& map, std::span<float> scratch, const VoxelSize
 
 /// Draws the object, lit from the upper left, with soft shadows, darker in its creases.
 /// @param left, top  pixel of the picture where the map's first sample goes
-/// @param materials  the first and the second
+/// @param materials  as many as the map has, by index
 void shade_depth(const DepthMap& map, const Picture& picture, std::int64_t left, std::int64_t top,
-                 const std::array<Colour, 2>& materials);
+                 std::span<const Colour> materials);
 
 }  // namespace plumbline

@@ -2,10 +2,12 @@
 
 #include <omp.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <chrono>
 
+#include "firmware/confidence_picture.hpp"
 #include "firmware/json_writer.hpp"
 #include "firmware/manifest.hpp"
 #include "firmware/mask_hash.hpp"
@@ -54,6 +56,7 @@ Expected<SliceJob> SliceJob::prepare(const SliceJobSettings& settings, Arena& ar
     PLUMBLINE_TRY(pictures);
     job.pictures_ = std::move(*pictures);
   }
+  job.settings_.slice.confidence = true;
   start_threads(settings.slice.threads);
   job.report_.scan_name = job.scan_.title();
   job.report_.scan_names = job.scan_.names();
@@ -67,6 +70,7 @@ Expected<SliceJob> SliceJob::prepare(const SliceJobSettings& settings, Arena& ar
 Status SliceJob::run(JobProgress& progress) {
   const std::size_t bottom = arena_->bottom_mark();
   auto done = work(progress);
+  report_.slice.confidence = {};  // it was in the arena
   arena_->release_bottom(bottom);
   if (!done) directory_.discard();
   return done;
@@ -91,8 +95,12 @@ Status SliceJob::work(JobProgress& progress) {
   report_.layers_peak_bytes = arena_->peak();
   progress.end(Stage::kLayers, arena_->peak());
   PLUMBLINE_TRY(written);
+  report_.confidence = report_.slice.confidence.shares();
   find_warnings(report_);
-  if (pictures_) PLUMBLINE_TRY(write_preview(*rrep, *supports));
+  if (pictures_) {
+    PLUMBLINE_TRY(write_preview(*rrep, *supports));
+    PLUMBLINE_TRY(write_confidence(*rrep));
+  }
   report_.hash = job_hash(*hashes);
   report_.seconds = progress.seconds();
   report_.total_seconds = progress.total_seconds();
@@ -149,6 +157,21 @@ Status SliceJob::write_preview(const RRep& rrep, const Supports& supports) {
   PLUMBLINE_TRY(directory_.write_preview(*png));
   report_.has_preview = true;
   report_.preview_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return {};
+}
+
+Status SliceJob::write_confidence(const RRep& rrep) {
+  const auto start = std::chrono::steady_clock::now();
+  arena_->reset_peak();
+  const auto png = encode_confidence(rrep, report_.slice.confidence, {report_.scan_name, {}}, *arena_, *pictures_);
+  report_.preview_peak_bytes = std::max(report_.preview_peak_bytes, arena_->peak());
+  if (!png) {
+    report_.warnings.add().add("no confidence.png: %s", png.error().message());
+    return {};
+  }
+  PLUMBLINE_TRY(directory_.write_confidence(*png));
+  report_.has_confidence = true;
+  report_.preview_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return {};
 }
 

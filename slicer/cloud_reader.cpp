@@ -44,7 +44,8 @@ class AdmittingSink final : public PointSink {
     if (thinner_) return thinner_->begin(header);
     // Files are read one after the other: the columns of one are gone before those of the next come.
     const PlanEvidence evidence{.reader_bytes = std::max(header.reader_bytes, later_.reader_bytes),
-                                .kept_bytes = later_.kept_bytes};
+                                .kept_bytes = later_.kept_bytes,
+                                .confidence = settings_.confidence};
     const auto largest = largest_plan(budget_, std::nullopt, settings_.grid, settings_.threads, evidence);
     PLUMBLINE_TRY(largest);
     reading_.room = largest->points;
@@ -195,7 +196,8 @@ std::optional<std::uint64_t> most_points(const ScanHeader& header, std::optional
 Expected<CloudReading> read_cloud(ScanSources sources, const CloudReadSettings& settings, Arena& arena,
                                   ProgressSink* progress) {
   const std::size_t budget = arena.available();
-  PLUMBLINE_TRY(largest_plan(budget, std::nullopt, settings.grid, settings.threads));
+  PLUMBLINE_TRY(
+      largest_plan(budget, std::nullopt, settings.grid, settings.threads, {.confidence = settings.confidence}));
   const std::size_t top = arena.top_mark();
   const std::size_t bottom = arena.bottom_mark();
   auto reading = read_all(sources, settings, budget, arena, progress);

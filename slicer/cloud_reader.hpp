@@ -20,6 +20,7 @@ struct CloudReadSettings {
   double first_cell = 0;               ///< of the thinning, scan units; 0: none before the room is used up
   std::optional<PrintGrid> grid;       ///< of the printer, for the plan
   std::uint32_t threads = 1;           ///< for the plan
+  bool confidence = false;             ///< for the plan
   bool winding_nodes = false;          ///< whether their room is taken too: they outlive all but the cloud
 };
 

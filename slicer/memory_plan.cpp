@@ -5,6 +5,7 @@
 
 #include "slicer/cloud.hpp"
 #include "slicer/clustering.hpp"
+#include "slicer/confidence.hpp"
 #include "slicer/core/arena.hpp"
 #include "slicer/core/bit_image.hpp"
 #include "slicer/kd_tree.hpp"
@@ -78,22 +79,25 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
   set(Stage::kWindingTree, cloud);
   std::size_t image = 0;
   std::size_t store = 0;
+  // Without a grid of its own an object has some layers; the map is the larger part.
+  const std::size_t map = evidence.confidence ? ConfidenceMap::bytes_needed(grid ? grid->layers : 0) : 0;
   if (grid) {
     image = Arena::rounded(BitImage::words_needed(grid->columns, grid->rows) * sizeof(std::uint64_t));
     const RayYield yield = evidence.yield.value_or(expected_yield(*grid));
     store = store_bytes(*grid, yield);
     const std::size_t sorted = rrep_bytes(*grid, yield);
     // The store moves to the top of the arena first, so that it stands there twice for a moment.
-    set(Stage::kRRep, std::max(store + std::max({store, sorted, pieces_bytes(*grid, yield.rays, yield.crossings)}),
-                               sorted + layer_features_bytes(*grid)));
+    set(Stage::kRRep,
+        map + std::max(store + std::max({store, sorted, pieces_bytes(*grid, yield.rays, yield.crossings)}),
+                       sorted + layer_features_bytes(*grid)));
     const std::uint32_t supports = most_supports(*grid);
-    set(Stage::kSupports, sorted + find_supports_bytes(*grid));
-    set(Stage::kLayers, sorted + supports * sizeof(Support) + LayerStream::bytes_needed(*grid, supports));
+    set(Stage::kSupports, map + sorted + find_supports_bytes(*grid));
+    set(Stage::kLayers, map + sorted + supports * sizeof(Support) + LayerStream::bytes_needed(*grid, supports));
   }
   const std::size_t flat_tree = KdTree2::kBytesPerPoint * std::size_t{points};
   set(Stage::kRayGrid, cloud + flat_tree + 2 * image);
   const std::size_t workers = threads * RayShooter::bytes_needed(tile_capacity(points));
-  set(Stage::kRays, cloud + flat_tree + image + store + workers);
+  set(Stage::kRays, map + cloud + flat_tree + image + store + workers);
   return plan;
 }
 

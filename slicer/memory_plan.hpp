@@ -42,6 +42,7 @@ std::uint32_t tile_capacity(std::uint32_t points);
 struct PlanEvidence {
   std::uint64_t reader_bytes = 0;  ///< ScanHeader::reader_bytes, the largest of the scan's files
   std::uint64_t kept_bytes = 0;    ///< heads of files that wait for their turn
+  bool confidence = false;         ///< SliceSettings::confidence
   /// What the rays will make. Without them, those of an object that covers half of the grid: before a scan is read nothing
   /// tells how large its object is, and a board's memory has to do for what its panel can show. A smaller object leaves
   /// room unused; a larger one is refused when it has been placed, before its rays are shot, by its own figures.

@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 namespace plumbline {
 namespace {
 
 constexpr const char* kStage = "perfect rays";
-constexpr std::uint32_t kMaxDepths = 4096;
+constexpr std::uint32_t kMaxCrossingsFound = 4096;
 
 constexpr float kHalf = 0.5F;  ///< the surface, where there is none: halfway between outside and inside
 constexpr float kSure = 0.2F;  ///< farther from half than this, one place tells for a whole tile
@@ -28,7 +29,7 @@ const char* to_string(RayDecision decision) {
 
 std::size_t RayPerfecter::bytes_needed(std::uint32_t tile_capacity) {
   return RayGatherer::bytes_needed(tile_capacity) + RaySolver::bytes_needed() +
-         Arena::rounded(kMaxDepths * sizeof(float));
+         Arena::rounded(kMaxCrossingsFound * sizeof(RayCrossing));
 }
 
 Expected<RayPerfecter> RayPerfecter::create(const Cloud& cloud, const KdTree2& tree, const WindingTree& winding,
@@ -38,8 +39,8 @@ Expected<RayPerfecter> RayPerfecter::create(const Cloud& cloud, const KdTree2& t
   if (!gatherer) return tl::unexpected<Error>(gatherer.error());
   auto solver = RaySolver::create(settings.intersections, arena);
   if (!solver) return tl::unexpected<Error>(solver.error());
-  auto depths = arena.take_top<float>(kMaxDepths, kStage);
-  if (!depths) return tl::unexpected<Error>(depths.error());
+  auto crossings = arena.take_top<RayCrossing>(kMaxCrossingsFound, kStage);
+  if (!crossings) return tl::unexpected<Error>(crossings.error());
 
   RayPerfecter perfecter;
   perfecter.gatherer_ = *gatherer;
@@ -47,7 +48,7 @@ Expected<RayPerfecter> RayPerfecter::create(const Cloud& cloud, const KdTree2& t
   perfecter.winding_ = &winding;
   perfecter.grid_ = grid;
   perfecter.settings_ = settings;
-  perfecter.depths_ = *depths;
+  perfecter.crossings_ = *crossings;
   perfecter.top_ = static_cast<float>(grid.layers) * grid.layer_height_mm;
   perfecter.floor_ = std::max(0.0F, winding.base());
   return perfecter;
@@ -108,7 +109,7 @@ void RayPerfecter::bisect(float x, float y, float low, float high, bool inside_a
     const float middle = 0.5F * (low + high);
     (((*winding_)({x, y, middle}) > kHalf) == inside_at_low ? low : high) = middle;
   }
-  emit(0.5F * (low + high));
+  emit(0.5F * (low + high), Evidence::kWinding);
 }
 
 bool RayPerfecter::level_inside(std::uint32_t level, float x, float y) {
@@ -118,7 +119,7 @@ bool RayPerfecter::level_inside(std::uint32_t level, float x, float y) {
 }
 
 RayPerfecter::Gap RayPerfecter::decide_gap(float x, float y, float low, float high, bool below, bool above) {
-  const std::uint32_t depths_before = depth_count_;
+  const std::uint32_t crossings_before = crossing_count_;
   GapWalk walk{x, y, low, below};
   walk_levels(walk, high);
   // Both shores know better than a sum over the whole cloud where nothing was asked between them.
@@ -131,7 +132,7 @@ RayPerfecter::Gap RayPerfecter::decide_gap(float x, float y, float low, float hi
   }
   // The last place asked and the upper shore disagree: an unseen sheet between them, or a shore that faces the wrong way.
   if (walk.inside != above && ((*winding_)({x, y, high}) > kHalf) == above) step(walk, high, above);
-  if (depth_count_ != depths_before || walk.inside_at_low != below || walk.inside != above) used_winding_ = true;
+  if (crossing_count_ != crossings_before || walk.inside_at_low != below || walk.inside != above) used_winding_ = true;
   return {walk.inside_at_low, walk.inside};
 }
 
@@ -160,8 +161,23 @@ void RayPerfecter::walk_levels(GapWalk& walk, float high) {
   }
 }
 
-void RayPerfecter::emit(float depth) {
-  if (depth_count_ < depths_.size()) depths_[depth_count_++] = std::max(depth, floor_);
+void RayPerfecter::emit(float depth, Evidence evidence) {
+  if (crossing_count_ < crossings_.size()) crossings_[crossing_count_++] = {std::max(depth, floor_), evidence};
+}
+
+void RayPerfecter::remember(const RaySurface& surface) {
+  first_look_count_ = 0;
+  for (const auto& intersection : surface.intersections) {
+    if (first_look_count_ == kFirstLook) break;
+    first_look_[first_look_count_++] = intersection.depth;
+  }
+}
+
+Evidence RayPerfecter::evidence_of(float depth) const {
+  const auto seen = std::span(first_look_).first(first_look_count_);
+  const bool again = std::any_of(seen.begin(), seen.end(),
+                                 [&](float first) { return std::abs(first - depth) <= settings_.intersections.width; });
+  return again ? Evidence::kMeasured : Evidence::kRepaired;
 }
 
 void RayPerfecter::cross_band(const RaySurface& surface, const Band& band, bool from, bool to) {
@@ -174,28 +190,30 @@ void RayPerfecter::cross_band(const RaySurface& surface, const Band& band, bool 
     if (from == to) first = last;
   } else if (wrong_low) {
     if (first == last) {
-      emit(band.low);
+      emit(band.low, Evidence::kWinding);
     } else {
       ++first;
     }
   } else if (wrong_high) {
     if (first == last) {
-      emit(band.high);
+      emit(band.high, Evidence::kWinding);
     } else {
       --last;
     }
   }
-  for (std::uint32_t i = first; i < last; ++i) emit(surface.intersections[i].depth);
+  for (std::uint32_t i = first; i < last; ++i)
+    emit(surface.intersections[i].depth, evidence_of(surface.intersections[i].depth));
 }
 
 void RayPerfecter::drop_thin_stretches() {
-  while (depth_count_ > kMaxCrossings) {
+  while (crossing_count_ > kMaxCrossings) {
     std::uint32_t thinnest = 0;
-    for (std::uint32_t i = 1; i + 1 < depth_count_; ++i) {
-      if (depths_[i + 1] - depths_[i] < depths_[thinnest + 1] - depths_[thinnest]) thinnest = i;
+    const auto length = [&](std::uint32_t i) { return crossings_[i + 1].depth - crossings_[i].depth; };
+    for (std::uint32_t i = 1; i + 1 < crossing_count_; ++i) {
+      if (length(i) < length(thinnest)) thinnest = i;
     }
-    std::copy(depths_.begin() + thinnest + 2, depths_.begin() + depth_count_, depths_.begin() + thinnest);
-    depth_count_ -= 2;
+    std::copy(crossings_.begin() + thinnest + 2, crossings_.begin() + crossing_count_, crossings_.begin() + thinnest);
+    crossing_count_ -= 2;
   }
 }
 
@@ -206,13 +224,14 @@ PerfectRay RayPerfecter::ray(std::uint32_t column, std::uint32_t row) {
   ray_block_ = row % kTile / kBlock * (kTile / kBlock) + column % kTile / kBlock;
   const RayPoints& points = gatherer_.points_of_ray(x, y);
   RaySurface surface = solver_.solve(gatherer_, points);
+  remember(surface);
   RayDecision decision = RayDecision::kPerfect;
   if (!alternates(surface)) {
     surface = solver_.solve_uniform(gatherer_, points, settings_.repair_spacing);
     decision = RayDecision::kRepaired;
   }
 
-  depth_count_ = 0;
+  crossing_count_ = 0;
   used_winding_ = false;
   bool base = false;
   bool inside = false;  // MLS sign below the gap
@@ -231,7 +250,7 @@ PerfectRay RayPerfecter::ray(std::uint32_t column, std::uint32_t row) {
     }
     if (b == 0) {
       base = gap.inside_at_low;
-      if (base) emit(floor_);
+      if (base) emit(floor_, Evidence::kBase);
     } else {
       cross_band(surface, surface.bands[b - 1], was_inside, gap.inside_at_low);
     }
@@ -240,16 +259,18 @@ PerfectRay RayPerfecter::ray(std::uint32_t column, std::uint32_t row) {
       reached = std::max(reached, band->high);
     }
   }
-  if (gap.inside_at_high) emit(top_);
+  if (gap.inside_at_high) emit(top_, Evidence::kWinding);
 
   // Gaps have emitted before the bands below them, and neighbouring bands may stand in each other's way by a rounding: the
   // order is what makes crossings alternate.
-  std::sort(depths_.begin(), depths_.begin() + depth_count_);
+  std::sort(crossings_.begin(), crossings_.begin() + crossing_count_, [](const RayCrossing& a, const RayCrossing& b) {
+    return std::tie(a.depth, a.evidence) < std::tie(b.depth, b.evidence);
+  });
   drop_thin_stretches();
   if (used_winding_) decision = RayDecision::kWinding;
-  if (base && depth_count_ > 0) decision = winding_->has_base() ? RayDecision::kBase : RayDecision::kWinding;
-  if (depth_count_ == 0) decision = RayDecision::kOutside;
-  return {depths_.first(depth_count_ / 2 * 2), decision};
+  if (base && crossing_count_ > 0) decision = winding_->has_base() ? RayDecision::kBase : RayDecision::kWinding;
+  if (crossing_count_ == 0) decision = RayDecision::kOutside;
+  return {std::span<const RayCrossing>(crossings_).first(crossing_count_ / 2 * 2), decision};
 }
 
 }  // namespace plumbline

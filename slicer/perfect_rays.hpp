@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 
+#include "slicer/confidence.hpp"
 #include "slicer/core/print_grid.hpp"
 #include "slicer/intersections.hpp"
 #include "slicer/ray_points.hpp"
@@ -25,9 +26,14 @@ inline constexpr std::size_t kRayDecisionCount = 5;
 /// "outside", "perfect", "repaired", "winding number", "base plane".
 const char* to_string(RayDecision decision);
 
-/// Depths of the crossings of one ray, mm, ascending; even in number: entering, exiting, entering, ...
+struct RayCrossing {
+  float depth = 0;  ///< mm
+  Evidence evidence = Evidence::kMeasured;
+};
+
+/// Crossings of one ray, ascending in depth; even in number: entering, exiting, entering, ...
 struct PerfectRay {
-  std::span<const float> depths;
+  std::span<const RayCrossing> crossings;
   RayDecision decision = RayDecision::kOutside;
 };
 
@@ -104,7 +110,9 @@ class RayPerfecter {
   bool alternates(const RaySurface& surface) const;
   Gap decide_gap(float x, float y, float low, float high, bool below, bool above);
   void cross_band(const RaySurface& surface, const Band& band, bool from, bool to);
-  void emit(float depth);
+  void emit(float depth, Evidence evidence);
+  void remember(const RaySurface& surface);
+  Evidence evidence_of(float depth) const;
   void drop_thin_stretches();
 
   RayGatherer gatherer_;
@@ -112,13 +120,17 @@ class RayPerfecter {
   const WindingTree* winding_ = nullptr;
   PrintGrid grid_;
   PerfectRaySettings settings_;
-  std::span<float> depths_;
+  std::span<RayCrossing> crossings_;
   /// Verdicts at the levels in the middle of the column of tiles that the tile belongs to, made when first asked for.
   std::array<Verdict, kLevels> column_verdicts_{};
   Vec2f column_centre_ = Vec2f::Constant(-1);
   std::array<LevelSet, (RayGatherer::kTile / kBlock) * (RayGatherer::kTile / kBlock)> levels_{};
   std::uint32_t ray_block_ = 0;  ///< of levels_, that the ray belongs to
-  std::uint32_t depth_count_ = 0;
+  std::uint32_t crossing_count_ = 0;
+  /// Intersections of the ray that were found at the first look, mm: those of most rays. The others count as repaired.
+  static constexpr std::uint32_t kFirstLook = 32;
+  std::array<float, kFirstLook> first_look_{};
+  std::uint32_t first_look_count_ = 0;
   float floor_ = 0;  ///< mm, base plane
   float top_ = 0;    ///< mm
   bool used_winding_ = false;

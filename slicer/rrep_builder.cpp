@@ -14,13 +14,16 @@ constexpr std::uint32_t kTile = CrossingStore::kTile;
 constexpr std::uint32_t kRaysPerTile = kTile * kTile;
 
 /// Crossings of one ray as layers, those that no sampling height separates taken out in pairs.
-std::uint32_t to_layers(std::span<const float> depths, const PrintGrid& grid, std::uint16_t* out) {
+/// @param evidence  RayPerfecter::kMaxCrossings of them, for what each that is left rests on
+std::uint32_t to_layers(std::span<const RayCrossing> crossings, const PrintGrid& grid, std::uint16_t* out,
+                        Evidence* evidence) {
   std::uint32_t count = 0;
-  for (const float depth : depths) {
-    const std::uint32_t layer = layer_of(depth, grid);
+  for (const RayCrossing& crossing : crossings) {
+    const std::uint32_t layer = layer_of(crossing.depth, grid);
     if (count > 0 && out[count - 1] == layer) {
       --count;
     } else {
+      evidence[count] = crossing.evidence;
       out[count++] = static_cast<std::uint16_t>(layer);
     }
   }
@@ -149,6 +152,7 @@ Status RayShooter::shoot_tile(Worker& worker, std::uint32_t tile, CrossingStore&
   const std::uint32_t column = tile % store.tile_columns() * kTile;
   const std::uint32_t row = tile / store.tile_columns() * kTile;
   std::array<std::uint8_t, kRaysPerTile> counts{};
+  std::array<Evidence, RayPerfecter::kMaxCrossings> evidence{};
   std::uint32_t used = 0;
   bool begun = false;
   for (std::uint32_t r = 0; r < kTile && row + r < grid.rows; ++r) {
@@ -161,7 +165,10 @@ Status RayShooter::shoot_tile(Worker& worker, std::uint32_t tile, CrossingStore&
         worker.counts.thinned_tiles += worker.perfecter.tile_thinned() ? 1 : 0;
       }
       const PerfectRay ray = worker.perfecter.ray(column + c, row + r);
-      const std::uint32_t n = to_layers(ray.depths, grid, &worker.layers[used]);
+      const std::uint32_t n = to_layers(ray.crossings, grid, &worker.layers[used], evidence.data());
+      for (std::uint32_t i = 0; field_.confidence != nullptr && i < n; ++i) {
+        field_.confidence->add(column + c, row + r, worker.layers[used + i], evidence[i]);
+      }
       counts[r * kTile + c] = static_cast<std::uint8_t>(n);
       used += n;
       ++worker.counts.interested;

@@ -128,6 +128,7 @@ struct RayField {
   const KdTree2* tree = nullptr;
   const WindingTree* winding = nullptr;
   ConstBitImage interested;
+  ConfidenceMap* confidence = nullptr;  ///< null: none is kept
   PrintGrid grid;
   float max_radius = 0;  ///< mm
   std::uint32_t tile_capacity = 0;

@@ -81,6 +81,7 @@ class Job {
     auto store = crossings();
     arena_.release_top(top);
     if (!store) {
+      report_.confidence = {};
       arena_.release_bottom(bottom);
       return tl::unexpected<Error>(store.error());
     }
@@ -90,6 +91,7 @@ class Job {
     if (rrep) {
       finish(*rrep);
     } else {
+      report_.confidence = {};
       arena_.release_bottom(bottom);
     }
     return rrep;
@@ -118,6 +120,7 @@ class Job {
     // The lowest point may be a stray. What is printed stands on the plate, so the first layer is the first with a pixel.
     const std::uint32_t below = trim_below(rrep);
     report_.placement.grid.layers = rrep.grid.layers;
+    report_.confidence.trim_below(below);
     report_.placement.shift[2] -= static_cast<double>(below) * grid.layer_height_mm;
   }
 
@@ -138,6 +141,7 @@ class Job {
     if (placement.printer) reading.grid = panel_grid(*placement.printer, placement.layer_height_mm);
     reading.threads = settings_.threads;
     reading.winding_nodes = true;
+    reading.confidence = settings_.confidence;
     auto read = read_cloud(sources_, reading, arena_, progress_);
     if (!read) return tl::unexpected<Error>(read.error());
     cloud_ = read->cloud;
@@ -265,7 +269,8 @@ class Job {
     // What is planned: every ray leaves as often as it enters, whether the scan has seen both or not.
     const auto threads = settings_.threads;
     const MemoryPlan plan = plan_memory(cloud_.capacity(), grid, threads,
-                                        {.yield = yield_of(kPlannedShare * 2 * std::max(seen.entering, seen.exiting))});
+                                        {.confidence = settings_.confidence,
+                                         .yield = yield_of(kPlannedShare * 2 * std::max(seen.entering, seen.exiting))});
     for (const Stage stage : {Stage::kRayGrid, Stage::kRays, Stage::kRRep, Stage::kSupports, Stage::kLayers}) {
       report_.planned_bytes[static_cast<std::size_t>(stage)] = plan.bytes[static_cast<std::size_t>(stage)];
     }
@@ -273,7 +278,8 @@ class Job {
     const RayYield sure = yield_of(kSureShare * (seen.entering + seen.exiting));
     const std::size_t shooting =
         arena_.used() + threads * RayShooter::bytes_needed(tile_capacity(cloud_.capacity())) + store_bytes(grid, sure);
-    const std::size_t sorting = store_bytes(grid, sure) + rrep_bytes(grid, sure);
+    const std::size_t map = settings_.confidence ? ConfidenceMap::bytes_needed(grid.layers) : 0;
+    const std::size_t sorting = store_bytes(grid, sure) + rrep_bytes(grid, sure) + map;
     const std::size_t need = std::max(shooting, sorting);
     if (need <= arena_.capacity()) return {};
     constexpr double kMiB = 1024.0 * 1024.0;
@@ -301,6 +307,12 @@ class Job {
       interested = BitImage(*words, grid.columns, grid.rows);
       PLUMBLINE_TRY(find_interested_rays(cloud_, grid, report_.width_mm, interested, arena_));
     }
+    if (settings_.confidence) {
+      auto map = ConfidenceMap::create(grid, cloud_.bounds(), report_.clustering.epsilon, arena_);
+      PLUMBLINE_TRY(map);
+      for (const Vec3f& p : cloud_.positions()) map->add_point(p);
+      report_.confidence = *map;
+    }
     PLUMBLINE_TRY(admit_rays(interested));
     const StageScope stage(Stage::kRays, arena_, progress_, report_.peak_bytes);
     RayField field;
@@ -308,6 +320,7 @@ class Job {
     field.tree = &*tree;
     field.winding = &winding_;
     field.interested = interested;
+    field.confidence = settings_.confidence ? &report_.confidence : nullptr;
     field.grid = grid;
     field.max_radius = kMaxRadiusShare * report_.clustering.epsilon *
                        std::sqrt(std::max(1.0F, report_.clustering.support_points / kMaxRadiusSupport));

@@ -7,6 +7,7 @@
 
 #include "slicer/base_choice.hpp"
 #include "slicer/clustering.hpp"
+#include "slicer/confidence.hpp"
 #include "slicer/core/arena.hpp"
 #include "slicer/core/byte_source.hpp"
 #include "slicer/core/progress.hpp"
@@ -25,6 +26,7 @@ struct SliceSettings {
   PlacementSettings placement;
   ClusteringSettings clustering;
   BaseChoice base = BaseChoice::kAuto;
+  bool confidence = false;    ///< keep a map of what the surface rests on
   bool keep_all = false;      ///< stray pieces, too
   std::uint32_t threads = 1;  ///< 1 to 64; the masks do not depend on it
 };
@@ -49,6 +51,7 @@ struct SliceReport {
   PieceCounts pieces;
   FeatureCounts features;
   std::uint64_t crossings = 0;
+  ConfidenceMap confidence;  ///< in the arena below the R-Rep, and as long as that; empty where none was asked for
   std::array<std::size_t, kStageCount> planned_bytes = {};  ///< of the arena, by Stage
   std::array<std::size_t, kStageCount> peak_bytes = {};     ///< of the arena, by Stage
 };

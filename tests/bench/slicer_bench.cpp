@@ -139,7 +139,7 @@ void row_of_ray_tiles(benchmark::State& state) {
     for (std::uint32_t column = 0; column < kSide; column += kTile) {
       perfecter.begin_tile(column, row);
       for (std::uint32_t r = row; r < row + kTile; ++r) {
-        for (std::uint32_t c = column; c < column + kTile; ++c) crossings += perfecter.ray(c, r).depths.size();
+        for (std::uint32_t c = column; c < column + kTile; ++c) crossings += perfecter.ray(c, r).crossings.size();
       }
     }
     if (crossings < kSide * kTile) throw std::runtime_error("the rays do not meet the sphere");

@@ -132,6 +132,14 @@ class Program(unittest.TestCase):
         self.assertEqual(done.returncode, status, done.stderr)
         return done
 
+    def cut_below(self, height):
+        data = self.scan.read_bytes()
+        start = data.index(b"end_header\n") + 11
+        points = [data[at : at + 24] for at in range(start, len(data), 24)]
+        kept = [point for point in points if struct.unpack("<3f", point[:12])[2] > height]
+        head = data[:start].replace(b"vertex %d\n" % len(points), b"vertex %d\n" % len(kept))
+        self.scan.write_bytes(head + b"".join(kept))
+
     def slice_it(self, *arguments, **options):
         if not self.scan.exists():
             write_sphere(self.scan)

@@ -142,11 +142,36 @@ class Slice(Program):
             self.assertEqual(self.manifest()["underside"], {"base": kind, "on_base_plane": flat})
         self.assertIn("round", self.slice_it("--base", "round", status=2).stderr)
 
+    def test_surface_is_told_by_what_it_rests_on(self):
+        write_sphere(self.scan, points=40_000)
+        done = self.slice_it()
+        whole = self.manifest()["confidence"]
+        self.assertGreater(whole["surface"]["measured"], 0.99)
+        self.assertAlmostEqual(sum(whole["surface"].values()), 1)
+        self.assertIn("surface    measured ", done.stdout)
+        self.assertTrue((self.out / "confidence.png").read_bytes().startswith(b"\x89PNG"))
+        # Without what lies below z = -8: a disc of radius 8.9 on a surface of 4 pi 12^2.
+        self.cut_below(-8)
+        self.slice_it("--no-preview")
+        manifest = self.manifest()
+        part = manifest["confidence"]
+        self.assertFalse((self.out / "confidence.png").exists())
+        self.assertTrue(manifest["underside"]["on_base_plane"])
+        disc, cap = 12**2 - 8**2, 2 * 12 * (12 + 8)
+        self.assertAlmostEqual(part["surface"]["base_plane"], disc / (disc + cap), delta=0.05)
+        # What rays cross at the plane is told by the layers, lowest first: measured, repaired, winding number, base plane.
+        self.assertEqual(len(part["layers"]), manifest["grid"]["layers"])
+        self.assertEqual(sum(row[3] for row in part["layers"]), part["crossings"]["base_plane"])
+        self.assertEqual(part["layers"][0][3], part["crossings"]["base_plane"])
+        self.assertAlmostEqual(part["layers"][0][3] * 0.01, math.pi * disc, delta=30)
+        self.assertEqual(sum(part["layers"][100][1:]), 0)
+
     def test_json_is_the_manifest_without_the_layers_and_nothing_else(self):
         done = self.slice_it("--json")
         told, manifest = json.loads(done.stdout), self.manifest()
         self.assertEqual(done.stderr, "")
         del manifest["hashes"]["layers"]
+        del manifest["confidence"]["layers"]
         self.assertEqual(told, manifest)
 
     def test_quiet_says_nothing(self):
@@ -278,6 +303,33 @@ class Inspect(Program):
         done = self.run_it("inspect", self.scan, "--printer", self.board, "--scale", 3)
         for word in ("20000 points", "normals", "spacing", "noise", "MiB", "fits       no", "up to scale 1.2"):
             self.assertIn(word, done.stdout)
+
+    def test_warns_of_what_was_never_seen_with_a_picture(self):
+        write_sphere(self.scan, points=40_000)
+        done = self.run_it("inspect", self.scan)
+        self.assertIn("seen       all of the surface", done.stdout)
+        self.assertNotIn("warning", done.stderr)
+        self.cut_below(-8)
+        picture = self.dir / "seen.png"
+        done = self.run_it("inspect", self.scan, "--picture", picture)
+        self.assertIn(f"warning: the underside was never seen: see {picture}", done.stderr)
+        self.assertTrue(picture.read_bytes().startswith(b"\x89PNG"))
+        told = json.loads(self.run_it("inspect", self.scan, "--json").stdout)["never_seen"]
+        disc, cap = 12**2 - 8**2, 2 * 12 * (12 + 8)
+        self.assertTrue(told["underside"])
+        self.assertAlmostEqual(told["underside_share"], disc / (disc + cap), delta=0.05)
+        self.assertLess(told["rest_share"], 0.01)
+        done = self.run_it("inspect", self.scan, "--picture", self.dir / "no" / "seen.png", status=1)
+        self.assertIn("no/seen.png", done.stderr)
+
+    def test_says_that_a_pipe_is_not_looked_at_twice(self):
+        write_sphere(self.scan)
+        with open(self.scan, "rb") as scan:
+            cat = subprocess.Popen(["cat"], stdin=scan, stdout=subprocess.PIPE)
+            done = self.run_it("inspect", "/dev/stdin", stdin=cat.stdout)
+            cat.stdout.close()
+            cat.wait()
+        self.assertIn("seen       unknown: a pipe cannot be read twice", done.stdout)
 
     def test_says_that_normals_are_missing(self):
         write_sphere(self.scan, normals=False)
