@@ -89,6 +89,7 @@ class Inspection {
     reading.rotation = rotation_matrix(placement.rotation_degrees);
     if (placement.printer) reading.grid = panel_grid(*placement.printer, placement.layer_height_mm);
     reading.threads = settings_.threads;
+    reading.confidence = true;  // as `plumbline slice` has it
     const auto read = read_cloud(sources_, reading, arena_, progress_);
     PLUMBLINE_TRY(read);
     cloud_ = read->cloud;
