@@ -276,6 +276,7 @@ void write_outlook(JsonWriter& json, const ScanOutlook& outlook) {
     json.member("underside", outlook.look->underside_unseen());
     json.member("underside_share", outlook.look->shares.of(Evidence::kBase));
     json.member("rest_share", outlook.look->unseen());
+    json.member("encloses_nothing", outlook.look->outside);
     json.end_object();
   } else {
     json.null();

@@ -1,5 +1,7 @@
 #include "firmware/scan_look.hpp"
 
+#include <algorithm>
+
 #include "firmware/confidence_picture.hpp"
 #include "firmware/output_file.hpp"
 
@@ -8,6 +10,9 @@ namespace {
 
 /// Below this a share is that of edges, which a coarse look sees badly.
 constexpr double kWorthAWord = 0.01;
+
+/// Of the rays, some hundredths pass beside every object. A sheet seen from one side alone encloses nothing along nearly all.
+constexpr double kNoObject = 0.5;
 
 Status draw(const RRep& rrep, const ConfidenceMap& map, std::string_view name, const std::string& path, Arena& arena) {
   auto encoder = PngEncoder::for_pictures(kPreviewColumns, kPreviewRows);
@@ -23,6 +28,11 @@ bool ScanLook::underside_unseen() const { return on_base_plane && shares.of(Evid
 
 FixedText<128> ScanLook::sentence() const {
   FixedText<128> text;
+  if (outside > kNoObject) {
+    text.add("%.0f %% of the scan enclose nothing: its other side was never seen, or its normals are wrong",
+             100 * outside);
+    return text;
+  }
   const bool holes = unseen() > kWorthAWord;
   if (underside_unseen() && holes) {
     text.add("the underside and %.1f %% of the rest of the surface were never seen", 100 * unseen());
@@ -47,7 +57,9 @@ Expected<ScanLook> look_at_scan(ScanSources sources, const SliceSettings& settin
   SliceReport report;
   const auto rrep = slice(sources, coarse, arena, progress, report);
   PLUMBLINE_TRY(rrep);
-  const ScanLook look{report.confidence.shares(), report.flat_underside};
+  const auto outside = static_cast<double>(report.rays.decided[static_cast<std::size_t>(RayDecision::kOutside)]);
+  const auto shot = static_cast<double>(std::max<std::uint64_t>(1, report.rays.interested));
+  const ScanLook look{report.confidence.shares(), report.flat_underside, outside / shot};
   Status drawn;
   if (!picture.empty()) drawn = draw(*rrep, report.confidence, title_of(sources).c_str(), picture, arena);
   arena.release_bottom(bottom);

@@ -18,6 +18,7 @@ inline constexpr double kLookLayers = 160;
 struct ScanLook {
   ConfidenceShares shares;
   bool on_base_plane = false;
+  double outside = 0;  ///< share of the rays through the scan that meet no object, 0 to 1
 
   /// Share of the surface that no point is near, the underside apart; 0 to 1.
   double unseen() const { return shares.of(Evidence::kWinding) / (1 - shares.of(Evidence::kBase)); }

@@ -322,6 +322,17 @@ class Inspect(Program):
         done = self.run_it("inspect", self.scan, "--picture", self.dir / "no" / "seen.png", status=1)
         self.assertIn("no/seen.png", done.stderr)
 
+    def test_warns_of_a_scan_that_encloses_nothing(self):
+        write_sphere(self.scan, points=40_000)
+        self.cut_below(6)  # a cap
+        data = bytearray(self.scan.read_bytes())
+        for at in range(data.index(b"end_header\n") + 11, len(data), 24):  # whose normals look inwards
+            struct.pack_into("<3f", data, at + 12, *(-n for n in struct.unpack_from("<3f", data, at + 12)))
+        self.scan.write_bytes(data)
+        done = self.run_it("inspect", self.scan)
+        self.assertRegex(done.stderr, r"warning: \d+ % of the scan enclose nothing: its other side was never seen")
+        self.assertGreater(json.loads(self.run_it("inspect", self.scan, "--json").stdout)["never_seen"]["encloses_nothing"], 0.5)
+
     def test_says_that_a_pipe_is_not_looked_at_twice(self):
         write_sphere(self.scan)
         with open(self.scan, "rb") as scan:
