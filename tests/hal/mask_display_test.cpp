@@ -1,0 +1,63 @@
+/// What every back end of the HAL promises: The panel that shows the masks.
+
+#include "tests/hal/contract.hpp"
+
+namespace plumbline {
+namespace {
+
+using namespace std::chrono_literals;
+
+using MaskContract = Contract;
+
+TEST_P(MaskContract, AMaskIsLentOnceAndComesBackWhenItIsLetGo) {
+  MaskDisplay& display = rig_->machine().mask;
+  {
+    const auto mask = display.lend();
+    ASSERT_TRUE(mask);
+    EXPECT_EQ(mask->image().columns(), display.columns());
+    EXPECT_EQ(mask->image().rows(), display.rows());
+    EXPECT_TRUE(failed_with(display.lend(), ErrorCode::kBusy));
+  }
+  EXPECT_TRUE(display.lend());
+}
+
+TEST_P(MaskContract, AMaskThatIsOnThePanelCantBeWritten) {
+  MaskDisplay& display = rig_->machine().mask;
+  auto first = display.lend();
+  ASSERT_TRUE(first);
+  const auto* const words = first->image().words().data();
+  ASSERT_TRUE(display.present(std::move(*first)));
+  EXPECT_EQ(first->image().columns(), 0U);
+  const auto second = display.lend();
+  ASSERT_TRUE(second);
+  EXPECT_NE(second->image().words().data(), words);
+}
+
+TEST_P(MaskContract, AMaskIsPresentedUntilThePanelIsBlank) {
+  MaskDisplay& display = rig_->machine().mask;
+  EXPECT_FALSE(display.presented());
+  show_a_mask();
+  EXPECT_TRUE(display.presented());
+  ASSERT_TRUE(display.blank());
+  EXPECT_FALSE(display.presented());
+}
+
+TEST_P(MaskContract, NeitherMaskNorBlackIsShownUnderLight) {
+  const Machine machine = rig_->machine();
+  show_a_mask();
+  auto next = machine.mask.lend();
+  ASSERT_TRUE(next);
+  auto exposure = machine.lamp.begin_exposure(1s);
+  ASSERT_TRUE(exposure);
+  EXPECT_TRUE(failed_with(machine.mask.present(std::move(*next)), ErrorCode::kLampLit));
+  EXPECT_GT(next->image().columns(), 0U) << "a mask that was refused is still the caller's";
+  EXPECT_TRUE(failed_with(machine.mask.blank(), ErrorCode::kLampLit));
+  EXPECT_TRUE(machine.mask.presented());
+  ASSERT_TRUE(exposure->finish());
+  EXPECT_TRUE(machine.mask.present(std::move(*next)));
+}
+
+INSTANTIATE_TEST_SUITE_P(Hal, MaskContract, testing::ValuesIn(rig_makers()), rig_name);
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,122 @@
+/// What every back end of the HAL promises: The port that sticks are plugged into.
+
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <string>
+
+#include "tests/hal/contract.hpp"
+
+namespace plumbline {
+namespace {
+
+using namespace std::chrono_literals;
+
+class StickContract : public Contract {
+ protected:
+  void SetUp() override {
+    Contract::SetUp();
+    folder_ = std::filesystem::path(testing::TempDir()) / ("stick-" + std::to_string(::getpid()));
+    std::filesystem::remove_all(folder_);
+    std::filesystem::create_directories(folder_ / "scans");
+    write("bust.ply", std::string(300'000, 'p'));
+    write("job.toml", "[job]\n");
+    write(".hidden", "x");
+    write("scans/arm.xyz", "1 2 3\n");
+    std::filesystem::create_symlink("/etc/passwd", folder_ / "link.ply");
+    std::filesystem::create_directory_symlink("/etc", folder_ / "etc");
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+  void write(const char* name, const std::string& text) const {
+    std::ofstream(folder_ / name, std::ios::binary) << text;
+  }
+  void plug() {
+    rig_->plug_stick(folder_.string(), 0ns);
+    ASSERT_THAT(events_in(2s), testing::ElementsAre(EventKind::kStickArrived));
+  }
+  std::filesystem::path folder_;
+};
+
+TEST_P(StickContract, ArrivesIsMountedReadAndLeaves) {
+  StickPort& port = rig_->machine().stick;
+  EXPECT_FALSE(port.present());
+  EXPECT_TRUE(failed_with(port.identity(), ErrorCode::kNoStick));
+  EXPECT_TRUE(failed_with(port.mount(), ErrorCode::kNoStick));
+  plug();
+  EXPECT_TRUE(port.present());
+  EXPECT_NE(port.identity().value().vendor_id, 0);
+  {
+    const auto mount = port.mount();
+    ASSERT_TRUE(mount) << mount.error().message();
+    EXPECT_FALSE(mount->path().empty());
+    EXPECT_TRUE(failed_with(port.mount(), ErrorCode::kBusy));
+    auto file = mount->open("job.toml");
+    ASSERT_TRUE(file) << file.error().message();
+    EXPECT_EQ(file->name(), "job.toml");
+    EXPECT_EQ(file->size(), 6U);
+    std::array<std::byte, 100> buffer{};
+    EXPECT_EQ(file->read(buffer).value(), 6U);
+    EXPECT_EQ(file->read(buffer).value(), 0U);
+    EXPECT_TRUE(mount->open("scans/arm.xyz"));
+    EXPECT_TRUE(mount->open("./scans//arm.xyz"));
+  }
+  EXPECT_TRUE(port.mount());
+  rig_->pull_stick(0ns);
+  EXPECT_THAT(events_in(2s), testing::ElementsAre(EventKind::kStickDeparted));
+  EXPECT_FALSE(port.present());
+}
+
+TEST_P(StickContract, ListsItsPlainFiles) {
+  plug();
+  struct Names final : StickMount::FileVisitor {
+    void file(std::string_view name, std::uint64_t bytes) override { sizes[std::string(name)] = bytes; }
+    std::map<std::string, std::uint64_t> sizes;
+  } names;
+  const auto mount = rig_->machine().stick.mount();
+  ASSERT_TRUE(mount);
+  ASSERT_TRUE(mount->for_each_file(names));
+  ASSERT_TRUE(mount->for_each_file(names)) << "a second time too";
+  EXPECT_THAT(names.sizes, testing::ElementsAre(testing::Pair("bust.ply", 300'000), testing::Pair("job.toml", 6)));
+}
+
+TEST_P(StickContract, KeepsItsNamesBelowItsMount) {
+  plug();
+  const auto mount = rig_->machine().stick.mount();
+  ASSERT_TRUE(mount);
+  for (const char* name : {"", "/etc/passwd", "../x", "scans/../../x", "..", "link.ply", "etc/passwd", "scans",
+                           "none.ply", "scans/arm.xyz/", "."}) {
+    EXPECT_TRUE(failed_with(mount->open(name), ErrorCode::kCannotOpen)) << name;
+  }
+  EXPECT_TRUE(failed_with(mount->open(std::string(5000, 'a')), ErrorCode::kCannotOpen));
+  EXPECT_TRUE(failed_with(mount->open(std::string_view("job.toml\0x", 10)), ErrorCode::kCannotOpen));
+}
+
+TEST_P(StickContract, PulledInMidReadIsAnErrorAndTheNextOneIsRead) {
+  plug();
+  {
+    const auto mount = rig_->machine().stick.mount();
+    ASSERT_TRUE(mount);
+    auto file = mount->open("bust.ply");
+    ASSERT_TRUE(file);
+    std::array<std::byte, 1000> buffer{};
+    ASSERT_TRUE(file->read(buffer));
+    rig_->pull_stick(0ns);
+    EXPECT_THAT(events_in(1s), testing::ElementsAre(EventKind::kStickDeparted));
+    EXPECT_TRUE(failed_with(file->read(buffer), ErrorCode::kStickGone));
+    rig_->plug_stick(folder_.string(), 0ns);
+    EXPECT_THAT(events_in(1s), testing::ElementsAre(EventKind::kStickArrived));
+    EXPECT_TRUE(failed_with(file->read(buffer), ErrorCode::kStickGone))
+        << "that it is back helps no file that was open";
+  }
+  const auto mount = rig_->machine().stick.mount();
+  ASSERT_TRUE(mount);
+  EXPECT_TRUE(mount->open("bust.ply"));
+}
+
+INSTANTIATE_TEST_SUITE_P(Hal, StickContract, testing::ValuesIn(rig_makers()), rig_name);
+
+}  // namespace
+}  // namespace plumbline
