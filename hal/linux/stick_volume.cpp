@@ -52,6 +52,15 @@ bool has_size(const fs::path& block) {
   return !sectors.empty() && sectors != "0";
 }
 
+/// The kernel has looked for partitions. It tells udev of a medium when it has, and udev writes that down; where there is no udev
+/// nobody knows.
+bool was_scanned(const fs::path& block) {
+  const fs::path known = "/run/udev/data";
+  const std::string number = first_line(block / "dev");
+  std::error_code problem;
+  return number.empty() || !fs::exists(known, problem) || fs::exists(known / ("b" + number), problem);
+}
+
 /// "/dev/sda1"; the kernel's name, where udev has not been asked.
 std::string node_of(const fs::path& block) { return "/dev/" + block.filename().string(); }
 
@@ -84,7 +93,7 @@ std::vector<std::string> block_devices(const std::string& device) {
   std::sort(media.begin(), media.end());
   std::vector<std::string> nodes;
   for (const auto& medium : media) {
-    if (!has_size(medium)) continue;
+    if (!has_size(medium) || !was_scanned(medium)) continue;
     std::vector<std::pair<int, std::string>> partitions;
     std::error_code problem;
     for (const auto& entry : fs::directory_iterator(medium, problem)) {
