@@ -19,6 +19,10 @@
 namespace plumbline {
 namespace {
 
+/// The timer goes off this long before an exposure's end, ns, and the clock is watched from there: how late a process wakes is the
+/// scheduler's, up to a millisecond on a slow board.
+constexpr std::int64_t kWatched = 500'000;
+
 std::int64_t now_ns() {
   timespec now{};
   ::clock_gettime(CLOCK_MONOTONIC, &now);
@@ -37,6 +41,13 @@ class Keeper {
     if (stuck_) return;
     if (lit_) answer(KeeperWord::kDark, lit_request_);
     lit_ = false;
+  }
+
+  /// The timer has gone off.
+  void end_exposure() {
+    while (lit_ && now_ns() < end_) {
+    }
+    darken();
   }
 
   /// The line could not be turned off: darken() is to be tried again.
@@ -105,7 +116,8 @@ class Keeper {
     }
     // The time that passed between arming and light is given back: where it can't be, the light is shorter by it.
     const std::int64_t on_at = now_ns();
-    static_cast<void>(arm(TFD_TIMER_ABSTIME, on_at + message.nanoseconds));
+    end_ = on_at + message.nanoseconds;
+    static_cast<void>(arm(TFD_TIMER_ABSTIME, end_ - kWatched));
     say(KeeperWord::kLit, message.request, on_at);
   }
 
@@ -150,6 +162,7 @@ class Keeper {
   Contact open_;
   bool lit_ = false;
   bool stuck_ = false;
+  std::int64_t end_ = 0;  ///< of the light, CLOCK_MONOTONIC, ns
   std::uint64_t lit_request_ = 0;
 };
 
@@ -179,7 +192,7 @@ int keep_lamp(LampLine& line, CoverLine* cover, int socket, int firmware) {
     if (keeper.stuck()) keeper.darken();
     keeper.look_at_cover();
     std::uint64_t times = 0;
-    if (::read(timer, &times, sizeof times) == sizeof times) keeper.darken();
+    if (::read(timer, &times, sizeof times) == sizeof times) keeper.end_exposure();
     if ((fds[2].revents | fds[3].revents) != 0) serving = false;
     if (fds[0].revents != 0 && !keeper.hear()) serving = false;
   }
