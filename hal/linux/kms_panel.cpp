@@ -108,18 +108,17 @@ bool choose_crtc(const drmModeRes& resources, const drmModeConnector& connector,
 }
 
 /// Looks on one card. @param others  names of connectors seen, for the message
-/// @returns nothing where it has no such connector
-Expected<std::optional<Found>> look_on(const std::string& path, const DisplaySettings& settings, std::uint32_t width,
-                                       std::uint32_t height, std::string& others) {
-  Found found;
+/// @returns whether it has the connector; if so `found` is filled in
+Expected<bool> look_on(const std::string& path, const DisplaySettings& settings, std::uint32_t width,
+                       std::uint32_t height, std::string& others, Found& found) {
   found.path = path;
   found.card = File(::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NONBLOCK));
   if (found.card.get() < 0) {
     if (errno == EACCES) return panel_failed(path.c_str(), errno);
-    return std::optional<Found>();
+    return false;
   }
   const Resources resources(::drmModeGetResources(found.card.get()));
-  if (!resources) return std::optional<Found>();  // a card that only computes
+  if (!resources) return false;  // a card that only computes
   for (int i = 0; i < resources->count_connectors; ++i) {
     const Connector connector(::drmModeGetConnector(found.card.get(), resources->connectors[i]));
     if (!connector) continue;
@@ -144,9 +143,9 @@ Expected<std::optional<Found>> look_on(const std::string& path, const DisplaySet
     found.connector = connector->connector_id;
     found.mode = *mode;
     if (!choose_crtc(*resources, *connector, found)) return panel_failed("no controller for its connector", ENODEV);
-    return std::optional<Found>(std::move(found));
+    return true;
   }
-  return std::optional<Found>();
+  return false;
 }
 
 Expected<Found> find(const DisplaySettings& settings, std::uint32_t width, std::uint32_t height) {
@@ -158,9 +157,10 @@ Expected<Found> find(const DisplaySettings& settings, std::uint32_t width, std::
   }
   std::string others;
   for (const auto& path : cards) {
-    auto found = look_on(path, settings, width, height, others);
-    PLUMBLINE_TRY(found);
-    if (*found) return std::move(**found);
+    Found found;
+    const auto here = look_on(path, settings, width, height, others, found);
+    PLUMBLINE_TRY(here);
+    if (*here) return found;
   }
   return fail(ErrorCode::kBadSetting, "the panel: no display of this board has a connector %s; there is %s",
               settings.connector.c_str(), others.empty() ? "none" : others.c_str());
