@@ -1,0 +1,163 @@
+"""What an emulated board starts from: a kernel and an initramfs with plumbline's programs, made of a sysroot of Debian packages."""
+
+import os
+import re
+import shutil
+import stat
+import subprocess
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+SOURCE = HERE.parents[2]
+
+# Root packages of the guest's system; apt-get adds what they depend on.
+PACKAGES = (
+    "busybox-static udev libgomp1 libstdc++6 liblodepng-dev libdeflate0 libdrm2 libgpiod2 libusb-1.0-0"
+).split()
+KERNEL = {"arm64": "arm64", "armhf": "armmp"}
+TRIPLET = {"arm64": "aarch64-linux-gnu", "armhf": "arm-linux-gnueabihf"}
+
+# What is not built into Debian's kernels: the bus and its console, panel, sticks and their file systems, the board's own disk.
+MODULES = (
+    "virtio_pci virtio_mmio virtio_console virtio_blk virtio_gpu xhci_pci usb_storage uas sd_mod vfat exfat "
+    "nls_cp437 nls_ascii nls_utf8 nls_iso8859_1 ext4 crc32c_generic"
+).split()
+
+
+def cache():
+    return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "plumbline" / "rig"
+
+
+def make_root(arch):
+    """Fetches the guest's packages once. PLUMBLINE_RIG_KERNEL, such as 6.1.0-30, pins the kernel; else it is the newest."""
+    pinned = os.environ.get("PLUMBLINE_RIG_KERNEL")
+    kernel = f"linux-image-{pinned}-{KERNEL[arch]}" if pinned else f"linux-image-{KERNEL[arch]}"
+    root = cache() / arch / "root"
+    subprocess.run([SOURCE / "toolchains" / "make_sysroot", arch, root, kernel, *PACKAGES], check=True)
+    return root
+
+
+def kernel_of(root):
+    return next(root.glob("boot/vmlinuz-*"))
+
+
+class Archive:
+    """A cpio archive of the kind that a kernel unpacks ("newc")."""
+
+    def __init__(self):
+        self.parts, self.count, self.folders = [], 0, set()
+
+    def _entry(self, name, mode, data=b""):
+        self.count += 1
+        fields = (self.count, mode, 0, 0, 1, 0, len(data), 0, 0, 0, 0, len(name) + 1, 0)
+        head = b"070701" + b"".join(b"%08X" % field for field in fields) + name.encode() + b"\0"
+        self.parts += [head, bytes(-len(head) % 4), data, bytes(-len(data) % 4)]
+
+    def folder(self, name):
+        for at in [*reversed(Path(name).parents), Path(name)]:
+            if at.as_posix() not in (".", *self.folders):
+                self.folders.add(at.as_posix())
+                self._entry(at.as_posix(), stat.S_IFDIR | 0o755)
+
+    def file(self, name, data, mode=0o644):
+        self.folder(str(Path(name).parent))
+        self._entry(name, stat.S_IFREG | mode, data)
+
+    def link(self, name, target):
+        self.folder(str(Path(name).parent))
+        self._entry(name, stat.S_IFLNK | 0o777, target.encode())
+
+    def write(self, path):
+        self._entry("TRAILER!!!", 0)
+        path.write_bytes(b"".join(self.parts))
+
+
+def modules_in_order(root):
+    """(name, file) of MODULES and of what they depend on, each after what it needs."""
+    tree = next(root.glob("usr/lib/modules/*"))
+    files = {path.stem.replace("-", "_"): path for path in tree.rglob("*.ko")}
+    built_in = {Path(line).stem.replace("-", "_") for line in (tree / "modules.builtin").read_text().split()}
+    order = []
+
+    def add(name):
+        if name in built_in or name in order:
+            return
+        info = files[name].read_bytes()
+        depends = re.search(rb"\0depends=([^\0]*)\0", info)
+        # What a module asks for before itself; not every kernel has each as a module.
+        softly = re.findall(rb"\0softdep=pre: ([^\0]*)\0", info)
+        for other in depends.group(1).decode().split(",") if depends and depends.group(1) else []:
+            add(other.replace("-", "_"))
+        for other in b" ".join(softly).decode().split():
+            if other.replace("-", "_") in files:
+                add(other.replace("-", "_"))
+        order.append(name)
+
+    for name in MODULES:
+        add(name)
+    return [(name, files[name]) for name in order]
+
+
+def libraries_of(arch, root, programs):
+    """Files that the programs are linked with, and those that these are."""
+    folders = [root / "usr" / "lib" / TRIPLET[arch], root / "usr" / "lib"]
+    found, todo = {}, list(programs)
+    while todo:
+        command = [f"{TRIPLET[arch]}-readelf", "-d", "-l", todo.pop()]
+        text = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+        names = re.findall(r"\(NEEDED\).*\[(.*?)\]", text)
+        names += [Path(path).name for path in re.findall(r"interpreter: (.*?)\]", text)]
+        for name in names:
+            if name in found:
+                continue
+            found[name] = next(folder / name for folder in folders if (folder / name).exists())
+            todo.append(found[name])
+    return found
+
+
+def make_initramfs(arch, root, build, out):
+    """@param build  folder of a cross build of plumbline"""
+    archive = Archive()
+    for folder in ("dev", "proc", "sys", "tmp", "run", "mnt", "state", "var/lib"):
+        archive.folder(folder)
+    names = ("plumbline", "plumblined", "plumbline-keeper")
+    programs = [build / "firmware" / name for name in names]
+    udev = root / "usr" / "bin" / "udevadm"
+    archive.file("bin/busybox", (root / "usr/bin/busybox").resolve().read_bytes(), 0o755)
+    archive.file("bin/udevadm", udev.resolve().read_bytes(), 0o755)
+    archive.link("sbin/udevd", "/bin/udevadm")
+    for program in programs:
+        stripped = out.parent / program.name
+        subprocess.run([f"{TRIPLET[arch]}-strip", "-o", stripped, program], check=True)
+        archive.file(f"bin/{program.name}", stripped.read_bytes(), 0o755)
+        stripped.unlink()
+    for name, path in libraries_of(arch, root, [*programs, udev]).items():
+        archive.file(f"lib/{name}" if name.startswith("ld-linux") else f"lib/{TRIPLET[arch]}/{name}", path.read_bytes(), 0o755)
+    for number, (name, path) in enumerate(modules_in_order(root)):
+        archive.file(f"lib/modules/{number:02}_{name}.ko", path.read_bytes())
+    board = (SOURCE / "board" / "rig.toml").read_text().replace('profile = "draft"', 'profile = "quick"')
+    archive.file("board/rig.toml", board.encode())
+    archive.file("board/profiles/quick.toml", (HERE / "quick.toml").read_bytes())
+    archive.file("init", (HERE / "init").read_bytes(), 0o755)
+    archive.write(out)
+
+
+def make_stick(path, files, damaged=False):
+    """A stick of 48 MB with one FAT32 partition. @param damaged  its file allocation table is rubbish"""
+    sectors, first = 48 * 2048, 2048
+    entry = b"\0" + bytes(3) + b"\x0c" + bytes(3) + first.to_bytes(4, "little") + (sectors - first).to_bytes(4, "little")
+    with open(path, "wb") as image:
+        image.truncate(sectors * 512)
+        image.seek(446)
+        image.write(entry)
+        image.seek(510)
+        image.write(b"\x55\xaa")
+    mkfs = shutil.which("mkfs.vfat", path=os.environ.get("PATH", "") + ":/usr/sbin:/sbin")
+    command = [mkfs, "-F", "32", "-n", "STICK", "--offset", str(first), str(path), str((sectors - first) // 2)]
+    subprocess.run(command, check=True, capture_output=True)
+    for file in files:
+        subprocess.run(["mcopy", "-i", f"{path}@@1M", file, "::/"], check=True)
+    if damaged:
+        with open(path, "r+b") as image:
+            image.seek(first * 512)
+            image.write(b"\xa5" * 512)
