@@ -36,19 +36,19 @@ enum class ErrorCode : std::uint16_t {
   kFlipTimeout = 71,       ///< the panel did not take a mask in time: check its cable
   kPanelFailed = 72,       ///< the panel does not answer: check its cable
   kExposureTooLong = 80,   ///< above the lamp's limit: lower the exposure time in the profile
-  kLampLit = 81,           ///< refused what must not happen under light: a mistake in the firmware, or the lamp is stuck
-  kLampStuckOn = 82,       ///< light although it was turned off: pull the plug
-  kLampDead = 83,          ///< no light although it was turned on: check lamp and fuse
-  kLampFailed = 84,        ///< the lamp's keeper or line does not answer: nothing was lit; restart
-  kDoseOff = 85,           ///< the lamp gave another dose than it was asked for: check lamp and its supply
-  kOutsideTravel = 90,     ///< a height that the stage can't reach: nothing moved
-  kNotHomed = 91,          ///< the stage does not know its height: home it
-  kStageMoving = 92,       ///< refused what must not happen while the stage moves: a mistake in the firmware
-  kEndStopNotFound = 93,   ///< homing ran its whole way: check the end stop's switch and cable
-  kEndStopStuck = 94,      ///< the end stop is pressed where it can't be: check its switch
-  kStageStalled = 95,      ///< the motor could not follow: look for what blocks the stage, then home
-  kCoverOpen = 100,        ///< close the cover
-  kSensorDead = 110,       ///< a temperature sensor does not answer: check its plug
+  kLampLit = 81,          ///< refused what must not happen under light: a mistake in the firmware, or the lamp is stuck
+  kLampStuckOn = 82,      ///< light although it was turned off: pull the plug
+  kLampDead = 83,         ///< no light although it was turned on: check lamp and fuse
+  kLampFailed = 84,       ///< the lamp's keeper or line does not answer: nothing was lit; restart
+  kDoseOff = 85,          ///< the lamp gave another dose than it was asked for: check lamp and its supply
+  kOutsideTravel = 90,    ///< a height that the stage can't reach: nothing moved
+  kNotHomed = 91,         ///< the stage does not know its height: home it
+  kStageMoving = 92,      ///< refused what must not happen while the stage moves: a mistake in the firmware
+  kEndStopNotFound = 93,  ///< homing ran its whole way: check the end stop's switch and cable
+  kEndStopStuck = 94,     ///< the end stop is pressed where it can't be: check its switch
+  kStageStalled = 95,     ///< the motor could not follow: look for what blocks the stage, then home
+  kCoverOpen = 100,       ///< close the cover
+  kSensorDead = 110,      ///< a temperature sensor does not answer: check its plug
 };
 
 /// @returns the code's name without the k, such as "Truncated".

@@ -38,18 +38,18 @@ TEST(Error, APrefixStandsBeforeTheMessageAndCutsItsEnd) {
 
 TEST(Error, EveryCodeHasANameOfItsOwn) {
   std::set<std::string_view> names;
-  for (const ErrorCode code : {ErrorCode::kCannotOpen,      ErrorCode::kCannotRead,       ErrorCode::kCannotWrite,
-                               ErrorCode::kUnknownFormat,   ErrorCode::kMalformed,        ErrorCode::kTruncated,
-                               ErrorCode::kNoPoints,        ErrorCode::kUnsupported,      ErrorCode::kOutOfMemory,
-                               ErrorCode::kDoesNotFit,      ErrorCode::kBadSetting,       ErrorCode::kNoSurface,
-                               ErrorCode::kCancelled,       ErrorCode::kPowerLost,        ErrorCode::kBusy,
-                               ErrorCode::kDeviceTimeout,   ErrorCode::kNoStick,          ErrorCode::kStickGone,
-                               ErrorCode::kMountFailed,     ErrorCode::kMaskNotPresented, ErrorCode::kFlipTimeout,
-                               ErrorCode::kPanelFailed,     ErrorCode::kExposureTooLong,  ErrorCode::kLampLit,
-                               ErrorCode::kLampStuckOn,     ErrorCode::kLampDead,         ErrorCode::kLampFailed, ErrorCode::kDoseOff,
-                               ErrorCode::kOutsideTravel,   ErrorCode::kNotHomed,         ErrorCode::kStageMoving,
-                               ErrorCode::kEndStopNotFound, ErrorCode::kEndStopStuck,     ErrorCode::kStageStalled,
-                               ErrorCode::kCoverOpen,       ErrorCode::kSensorDead}) {
+  for (const ErrorCode code : {ErrorCode::kCannotOpen,    ErrorCode::kCannotRead,       ErrorCode::kCannotWrite,
+                               ErrorCode::kUnknownFormat, ErrorCode::kMalformed,        ErrorCode::kTruncated,
+                               ErrorCode::kNoPoints,      ErrorCode::kUnsupported,      ErrorCode::kOutOfMemory,
+                               ErrorCode::kDoesNotFit,    ErrorCode::kBadSetting,       ErrorCode::kNoSurface,
+                               ErrorCode::kCancelled,     ErrorCode::kPowerLost,        ErrorCode::kBusy,
+                               ErrorCode::kDeviceTimeout, ErrorCode::kNoStick,          ErrorCode::kStickGone,
+                               ErrorCode::kMountFailed,   ErrorCode::kMaskNotPresented, ErrorCode::kFlipTimeout,
+                               ErrorCode::kPanelFailed,   ErrorCode::kExposureTooLong,  ErrorCode::kLampLit,
+                               ErrorCode::kLampStuckOn,   ErrorCode::kLampDead,         ErrorCode::kLampFailed,
+                               ErrorCode::kDoseOff,       ErrorCode::kOutsideTravel,    ErrorCode::kNotHomed,
+                               ErrorCode::kStageMoving,   ErrorCode::kEndStopNotFound,  ErrorCode::kEndStopStuck,
+                               ErrorCode::kStageStalled,  ErrorCode::kCoverOpen,        ErrorCode::kSensorDead}) {
     EXPECT_TRUE(names.insert(to_string(code)).second) << to_string(code);
     EXPECT_NE(to_string(code), "Unknown");
   }
