@@ -29,9 +29,9 @@ std::uint16_t hexadecimal(const std::string& text) {
   return number;
 }
 
-template <std::size_t kSize>
-void copy_text(const std::string& text, std::array<char, kSize>& to) {
-  *std::copy_n(text.data(), std::min(text.size(), kSize - 1), to.begin()) = '\0';
+template <std::size_t Size>
+void copy_text(const std::string& text, std::array<char, Size>& to) {
+  *std::copy_n(text.data(), std::min(text.size(), Size - 1), to.begin()) = '\0';
 }
 
 /// Folders below `device` that are a medium: .../host0/target0:0:0/0:0:0:0/block/sda.

@@ -54,6 +54,6 @@ testing::AssertionResult failed_with(const Result& result, ErrorCode code) {
   return testing::AssertionFailure() << to_string(result.error().code()) << ": " << result.error().message();
 }
 
-inline const auto rig_name = [](const testing::TestParamInfo<RigMaker>& info) { return std::string(info.param.name); };
+inline const auto kRigName = [](const testing::TestParamInfo<RigMaker>& info) { return std::string(info.param.name); };
 
 }  // namespace plumbline

@@ -46,7 +46,7 @@ TEST_P(EventsContract, EventsComeInOrderWithTheTimeTheyHappenedAt) {
   EXPECT_FALSE(machine.events.next_event(start).value());
 }
 
-INSTANTIATE_TEST_SUITE_P(Hal, EventsContract, testing::ValuesIn(rig_makers()), rig_name);
+INSTANTIATE_TEST_SUITE_P(Hal, EventsContract, testing::ValuesIn(rig_makers()), kRigName);
 
 }  // namespace
 }  // namespace plumbline

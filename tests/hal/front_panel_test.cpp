@@ -37,7 +37,7 @@ TEST_P(PanelContract, TemperaturesAreThoseOfARoom) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Hal, PanelContract, testing::ValuesIn(rig_makers()), rig_name);
+INSTANTIATE_TEST_SUITE_P(Hal, PanelContract, testing::ValuesIn(rig_makers()), kRigName);
 
 }  // namespace
 }  // namespace plumbline

@@ -57,7 +57,7 @@ TEST_P(MaskContract, NeitherMaskNorBlackIsShownUnderLight) {
   EXPECT_TRUE(machine.mask.present(std::move(*next)));
 }
 
-INSTANTIATE_TEST_SUITE_P(Hal, MaskContract, testing::ValuesIn(rig_makers()), rig_name);
+INSTANTIATE_TEST_SUITE_P(Hal, MaskContract, testing::ValuesIn(rig_makers()), kRigName);
 
 }  // namespace
 }  // namespace plumbline

@@ -116,7 +116,7 @@ TEST_P(StickContract, PulledInMidReadIsAnErrorAndTheNextOneIsRead) {
   EXPECT_TRUE(mount->open("bust.ply"));
 }
 
-INSTANTIATE_TEST_SUITE_P(Hal, StickContract, testing::ValuesIn(rig_makers()), rig_name);
+INSTANTIATE_TEST_SUITE_P(Hal, StickContract, testing::ValuesIn(rig_makers()), kRigName);
 
 }  // namespace
 }  // namespace plumbline

@@ -132,7 +132,7 @@ TEST_P(LampContract, ALampRefusesWhatMustNotBeLit) {
   EXPECT_EQ(rig_->time_lit(), before);
 }
 
-INSTANTIATE_TEST_SUITE_P(Hal, LampContract, testing::ValuesIn(rig_makers()), rig_name);
+INSTANTIATE_TEST_SUITE_P(Hal, LampContract, testing::ValuesIn(rig_makers()), kRigName);
 
 }  // namespace
 }  // namespace plumbline

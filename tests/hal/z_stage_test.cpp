@@ -133,7 +133,7 @@ TEST_P(StageContract, TheEndOfAMotionIsAnEvent) {
   EXPECT_TRUE(motion->over());
 }
 
-INSTANTIATE_TEST_SUITE_P(Hal, StageContract, testing::ValuesIn(rig_makers()), rig_name);
+INSTANTIATE_TEST_SUITE_P(Hal, StageContract, testing::ValuesIn(rig_makers()), kRigName);
 
 }  // namespace
 }  // namespace plumbline

@@ -67,6 +67,7 @@ TEST(BasePlane, TouchesATip) {
 
 TEST(BasePlane, OfFewPointsIsTheLowestButADozen) {
   std::vector<Vec3f> points;
+  points.reserve(100);
   for (int i = 0; i < 100; ++i) points.emplace_back(0.0F, 0.0F, 0.01F * static_cast<float>(i));
   EXPECT_FLOAT_EQ(base_plane(points, kLayer), 0.12F);
   EXPECT_FLOAT_EQ(base_plane(std::span(points).first(3), kLayer), 0.02F) << "the highest of fewer than a dozen";
