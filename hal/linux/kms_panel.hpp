@@ -1,5 +1,5 @@
 #pragma once
-/// A panel on a connector of a display controller, through the kernel's mode setting. kms_panel.cpp is the file that knows libdrm.
+/// A panel on a connector of a display controller, through the kernel's mode setting. kms_panel.cpp and kms_search.* know libdrm.
 
 #include <array>
 #include <chrono>
