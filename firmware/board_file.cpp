@@ -107,4 +107,12 @@ Expected<MachineFile> machine_of(const BoardFile& board, std::string_view path) 
               static_cast<int>(path.size()), path.data());
 }
 
+PrinterVolume printer_volume(const BoardFile& board) {
+  return {.columns = board.columns,
+          .rows = board.rows,
+          .pitch_x_mm = static_cast<float>(board.pixel_pitch_x_mm),
+          .pitch_y_mm = static_cast<float>(board.pixel_pitch_y_mm),
+          .travel_mm = static_cast<float>(board.travel_mm)};
+}
+
 }  // namespace plumbline

@@ -9,6 +9,7 @@
 #include "firmware/settings_file.hpp"
 #include "firmware/wiring_file.hpp"
 #include "slicer/core/error.hpp"
+#include "slicer/placement.hpp"
 
 namespace plumbline {
 
@@ -79,5 +80,8 @@ inline constexpr std::size_t kMaxBoardFileBytes = kMaxSettingsFileBytes;
 
 /// @retval ErrorCode::kBadSetting  the file lacks the keys that printing needs: which, and where they are explained
 [[nodiscard]] Expected<MachineFile> machine_of(const BoardFile& board, std::string_view path);
+
+/// The room that a printer has for an object.
+PrinterVolume printer_volume(const BoardFile& board);
 
 }  // namespace plumbline

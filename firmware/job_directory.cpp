@@ -19,10 +19,8 @@ namespace plumbline {
 namespace {
 
 constexpr const char* kLayers = "layers";
-constexpr const char* kPreview = "preview.png";
-constexpr const char* kComparison = "comparison.png";
-constexpr const char* kConfidence = "confidence.png";
-constexpr std::array kPictures = {kPreview, kComparison, kConfidence};
+/// In the order of Picture.
+constexpr std::array kPictures = {"preview.png", "confidence.png", "comparison.png"};
 constexpr const char* kManifest = "manifest.json";
 constexpr const char* kNewManifest = "manifest.json.part";
 
@@ -196,16 +194,8 @@ Status JobDirectory::write_layer(std::uint32_t layer, std::span<const std::byte>
   return write_file(layer_path(layer).c_str(), png);
 }
 
-Status JobDirectory::write_preview(std::span<const std::byte> png) {
-  return write_file(file_path(kPreview).c_str(), png);
-}
-
-Status JobDirectory::write_confidence(std::span<const std::byte> png) {
-  return write_file(file_path(kConfidence).c_str(), png);
-}
-
-Status JobDirectory::write_comparison(std::span<const std::byte> png) {
-  return write_file(file_path(kComparison).c_str(), png);
+Status JobDirectory::write_picture(Picture picture, std::span<const std::byte> png) {
+  return write_file(file_path(kPictures[static_cast<std::size_t>(picture)]).c_str(), png);
 }
 
 Expected<OutputFile> JobDirectory::create_manifest() { return OutputFile::create(file_path(kNewManifest).c_str()); }

@@ -20,6 +20,12 @@
 
 namespace plumbline {
 
+enum class Picture : std::uint8_t {
+  kPreview,     ///< what is to be printed, or was
+  kConfidence,  ///< what it rests on
+  kComparison,  ///< of a printed part: what was to be printed beside it
+};
+
 class JobDirectory {
  public:
   /// Creates the folder, those above it and `layers` in it where they are missing, and makes sure that what is there may be
@@ -43,9 +49,7 @@ class JobDirectory {
   /// @param layer  0 to 65535
   /// @retval ErrorCode::kCannotOpen, kCannotWrite  path, reason, what to do
   [[nodiscard]] Status write_layer(std::uint32_t layer, std::span<const std::byte> png);
-  [[nodiscard]] Status write_preview(std::span<const std::byte> png);
-  [[nodiscard]] Status write_confidence(std::span<const std::byte> png);
-  [[nodiscard]] Status write_comparison(std::span<const std::byte> png);  ///< of a printed part
+  [[nodiscard]] Status write_picture(Picture picture, std::span<const std::byte> png);
 
   /// The manifest, under a name of its own until finish().
   [[nodiscard]] Expected<OutputFile> create_manifest();

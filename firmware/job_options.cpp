@@ -33,11 +33,7 @@ Expected<JobSetup> set_up(const JobOptions& options, std::span<std::byte> arena_
     const auto board = read_board_file(options.printer);
     PLUMBLINE_TRY(board);
     setup.printer_name = board->name;
-    placement.printer = PrinterVolume{.columns = board->columns,
-                                      .rows = board->rows,
-                                      .pitch_x_mm = static_cast<float>(board->pixel_pitch_x_mm),
-                                      .pitch_y_mm = static_cast<float>(board->pixel_pitch_y_mm),
-                                      .travel_mm = static_cast<float>(board->travel_mm)};
+    placement.printer = printer_volume(*board);
     placement.layer_height_mm = static_cast<float>(board->layer_height_mm);
     arena_mib = board->arena_mib;
   }

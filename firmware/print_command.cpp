@@ -82,25 +82,8 @@ Status write_results(const PrintOptions& options, const PrintOutcome& outcome) {
 }
 
 ExitCode exit_code(PrintState state) {
-  switch (state) {
-    case PrintState::kFinished: return ExitCode::kDone;
-    case PrintState::kCancelled: return ExitCode::kInterrupted;
-    case PrintState::kIdle:
-    case PrintState::kSlicing:
-    case PrintState::kChecks:
-    case PrintState::kHoming:
-    case PrintState::kPrinting:
-    case PrintState::kPausing:
-    case PrintState::kPaused:
-    case PrintState::kCoverOpen:
-    case PrintState::kCoolingDown:
-    case PrintState::kFeedMe:
-    case PrintState::kCancelling:
-    case PrintState::kFinishing:
-    case PrintState::kSuspended:
-    case PrintState::kFault: return ExitCode::kWorldError;
-  }
-  return ExitCode::kWorldError;
+  if (state == PrintState::kFinished) return ExitCode::kDone;
+  return state == PrintState::kCancelled ? ExitCode::kInterrupted : ExitCode::kWorldError;
 }
 
 }  // namespace

@@ -59,7 +59,7 @@ Status write_pictures(JobDirectory& directory, const PrintSession& session, cons
   PLUMBLINE_TRY(draw_preview(part, Supports{}, {job.scan_name, printed_captions}, arena, std::span(printed)));
   const auto preview = encoder->encode(printed, kPreviewColumns, kPreviewRows);
   PLUMBLINE_TRY(preview);
-  PLUMBLINE_TRY(directory.write_preview(*preview));
+  PLUMBLINE_TRY(directory.write_picture(Picture::kPreview, *preview));
 
   std::vector<std::uint8_t> both;
   both.reserve(2 * kPreviewBytes);
@@ -71,7 +71,7 @@ Status write_pictures(JobDirectory& directory, const PrintSession& session, cons
   }
   const auto comparison = encoder->encode(both, 2 * kPreviewColumns, kPreviewRows);
   PLUMBLINE_TRY(comparison);
-  return directory.write_comparison(*comparison);
+  return directory.write_picture(Picture::kComparison, *comparison);
 }
 
 }  // namespace

@@ -194,11 +194,7 @@ Status PrinterDaemon::print_scan() {
     placement.fit = job->fit;
     placement.rotation_degrees = {job->rotate_x_deg, job->rotate_y_deg, job->rotate_z_deg};
     placement.layer_height_mm = static_cast<float>(job->layer_height > 0 ? job->layer_height : profile->layer_height);
-    placement.printer = PrinterVolume{.columns = settings_.board.columns,
-                                      .rows = settings_.board.rows,
-                                      .pitch_x_mm = static_cast<float>(settings_.board.pixel_pitch_x_mm),
-                                      .pitch_y_mm = static_cast<float>(settings_.board.pixel_pitch_y_mm),
-                                      .travel_mm = static_cast<float>(settings_.board.travel_mm)};
+    placement.printer = printer_volume(settings_.board);
     const auto supports = SupportChoice{job->supports, {}}.over(profile->supports_enable, profile->supports);
     PLUMBLINE_TRY(supports);
     SliceListener listener(machine_);

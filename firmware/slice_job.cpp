@@ -154,7 +154,7 @@ Status SliceJob::write_preview(const RRep& rrep, const Supports& supports) {
     report_.warnings.add().add("no preview.png: %s", png.error().message());
     return {};
   }
-  PLUMBLINE_TRY(directory_.write_preview(*png));
+  PLUMBLINE_TRY(directory_.write_picture(Picture::kPreview, *png));
   report_.has_preview = true;
   report_.preview_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return {};
@@ -169,7 +169,7 @@ Status SliceJob::write_confidence(const RRep& rrep) {
     report_.warnings.add().add("no confidence.png: %s", png.error().message());
     return {};
   }
-  PLUMBLINE_TRY(directory_.write_confidence(*png));
+  PLUMBLINE_TRY(directory_.write_picture(Picture::kConfidence, *png));
   report_.has_confidence = true;
   report_.preview_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return {};

@@ -117,7 +117,7 @@ void RangeImage::add_noise(const CounterRng& rng) {
 Vec3d RangeImage::normal(std::size_t i, std::size_t j) const {
   // Four cells of about 0.2 mm, whatever the pitch: smaller ones show the noise, larger ones lose the strands of hair.
   // (At 300 000 points half of the normals are within 3.4 degrees of the truth, 90 % within 12.)
-  const std::size_t size = std::max<std::size_t>(1, static_cast<std::size_t>(0.2 / pitch_ + 0.5));
+  const std::size_t size = static_cast<std::size_t>(std::max(1L, std::lround(0.2 / pitch_)));
   const std::size_t here = index(i, j);
   Vec3d sum = Vec3d::Zero();
   if (i >= size && j >= size && i + size < columns_ && j + size < rows_) {

@@ -35,9 +35,11 @@ enum class PixelState : std::uint8_t {
 class RangeImage {
  public:
   /// @param pitch  of the pixels, mm at the distance of the middle
-  RangeImage(const Station& view, double pitch) : view_(view), pitch_(pitch) {
-    columns_ = static_cast<std::size_t>((view.high_u - view.low_u) / pitch) + 2;
-    rows_ = static_cast<std::size_t>((view.high_v - view.low_v) / pitch) + 2;
+  RangeImage(const Station& view, double pitch)
+      : view_(view),
+        pitch_(pitch),
+        columns_(static_cast<std::size_t>((view.high_u - view.low_u) / pitch) + 2),
+        rows_(static_cast<std::size_t>((view.high_v - view.low_v) / pitch) + 2) {
     range_.assign(columns_ * rows_, 0.0);
     state_.assign(columns_ * rows_, PixelState::kNothing);
   }

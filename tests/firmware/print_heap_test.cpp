@@ -16,12 +16,6 @@ namespace {
 
 alignas(64) std::byte print_arena[std::size_t{24} * 1024 * 1024];
 
-class Silent final : public PrintObserver {
- public:
-  bool update(const PrintStatus& /*status*/) override { return true; }
-  void checked(Check /*check*/, const CheckResult& /*result*/) override {}
-};
-
 TEST(Print, TakesNothingFromTheHeapFromItsAdmissionToItsReport) {
   const TemporaryFolder folder;
   write_sphere_scan(folder / "ball.ply", 4000, 2);
@@ -37,9 +31,10 @@ TEST(Print, TakesNothingFromTheHeapFromItsAdmissionToItsReport) {
   ASSERT_TRUE(scan);
   PlantSettings settings = session_plant();
   // Everything that has a way of its own through the firmware.
-  for (const char* fault : {"cover.opens@layer=7+1s,for=5s", "stick.pulled@layer=3", "panel.flip_slow@layer=9"}) {
+  for (const char* fault : {"cover.opens@layer=7+1s,for=5s", "stick.pulled@layer=3", "panel.slow@layer=9"}) {
     const auto parsed = parse_fault(fault);
-    if (parsed) settings.faults.push_back(*parsed);
+    ASSERT_TRUE(parsed) << parsed.error().message();
+    settings.faults.push_back(*parsed);
   }
   Plant plant(settings);
   SimMachine run(plant);
@@ -48,13 +43,7 @@ TEST(Print, TakesNothingFromTheHeapFromItsAdmissionToItsReport) {
   Silent observer;
   Arena arena(print_arena);
   PrintSession session(board, machine_file, arena, &*store);
-  SliceSettings slicing;
-  slicing.threads = 2;
-  slicing.placement.printer = PrinterVolume{.columns = board.columns,
-                                            .rows = board.rows,
-                                            .pitch_x_mm = static_cast<float>(board.pixel_pitch_x_mm),
-                                            .pitch_y_mm = static_cast<float>(board.pixel_pitch_y_mm),
-                                            .travel_mm = static_cast<float>(board.travel_mm)};
+  const SliceSettings slicing = slicing_for(board);
 
   HeapTrap trap;
   const auto sliced = session.slice_scan(*scan, slicing, SupportSettings(), profile, nullptr);

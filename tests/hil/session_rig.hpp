@@ -28,6 +28,21 @@ inline BoardFile session_board() {
   return board;
 }
 
+/// For a print on `board`, with the default layer height and two threads, whatever the machine has.
+inline SliceSettings slicing_for(const BoardFile& board) {
+  SliceSettings settings;
+  settings.threads = 2;
+  settings.placement.printer = printer_volume(board);
+  return settings;
+}
+
+/// Hears a print and lets it be.
+class Silent final : public PrintObserver {
+ public:
+  bool update(const PrintStatus& /*status*/) override { return true; }
+  void checked(Check /*check*/, const CheckResult& /*result*/) override {}
+};
+
 /// What the daemon says and does, with a user who acts when nothing is printed.
 class ScriptedUser final : public DaemonObserver {
  public:

@@ -47,12 +47,6 @@ TEST(Soak, HundredJobsRunInTheSameMemory) {
               static_cast<double>(resident.back()) / 1e6);
 }
 
-class Silent final : public PrintObserver {
- public:
-  bool update(const PrintStatus& /*status*/) override { return true; }
-  void checked(Check /*check*/, const CheckResult& /*result*/) override {}
-};
-
 PlantSettings plant_for(const BoardFile& board) {
   PlantSettings settings = rig_plant();
   settings.panel.columns = board.columns;
@@ -73,14 +67,8 @@ TEST(Soak, ThreeThousandLayersOnThe4kPanel) {
   PrintSession session(board, *board.machine, arena, nullptr);
   auto scan = FileSource::open(folder / "ball.ply");
   ASSERT_TRUE(scan);
-  SliceSettings settings;
-  settings.threads = 2;
+  SliceSettings settings = slicing_for(board);
   settings.placement.layer_height_mm = 0.025F;
-  settings.placement.printer = PrinterVolume{.columns = board.columns,
-                                             .rows = board.rows,
-                                             .pitch_x_mm = static_cast<float>(board.pixel_pitch_x_mm),
-                                             .pitch_y_mm = static_cast<float>(board.pixel_pitch_y_mm),
-                                             .travel_mm = static_cast<float>(board.travel_mm)};
   auto profile = rig_profile();
   const auto sliced = session.slice_scan(*scan, settings, std::nullopt, profile, nullptr);
   ASSERT_TRUE(sliced) << sliced.error().message();
@@ -113,13 +101,7 @@ TEST(Soak, BustOnTheSimulated2kPrinterIsTheBust) {
   PrintSession session(board, *board.machine, arena, nullptr);
   auto scan = FileSource::open(folder / "bust.ply");
   ASSERT_TRUE(scan);
-  SliceSettings settings;
-  settings.threads = 2;
-  settings.placement.printer = PrinterVolume{.columns = board.columns,
-                                             .rows = board.rows,
-                                             .pitch_x_mm = static_cast<float>(board.pixel_pitch_x_mm),
-                                             .pitch_y_mm = static_cast<float>(board.pixel_pitch_y_mm),
-                                             .travel_mm = static_cast<float>(board.travel_mm)};
+  const SliceSettings settings = slicing_for(board);
   const auto profile = read_print_profile(PLUMBLINE_SOURCE_DIR "/board/profiles/standard.toml").value();
   const auto sliced = session.slice_scan(*scan, settings, std::nullopt, profile, nullptr);
   ASSERT_TRUE(sliced) << sliced.error().message();
