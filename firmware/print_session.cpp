@@ -63,7 +63,7 @@ Status PrintSession::slice_scan(ScanSources scan, const SliceSettings& settings,
   facts_.cure_depth = cure_depth(profile, Irradiance(machine_.power_mw_cm2), plan->exposure);
   facts_.plan = *plan;
   PLUMBLINE_TRY(make_ready());
-  sweep();
+  PLUMBLINE_TRY(sweep(progress));
   if (store_ == nullptr) return {};
   std::uint64_t job_hash = 0;
   auto file = store_->begin(facts_, rrep_, supports_, job_hash);
@@ -129,16 +129,23 @@ Status PrintSession::make_ready() {
   return {};
 }
 
-/// Every mask once, for the resin that the print takes: some milliseconds a thousand layers.
-void PrintSession::sweep() {
+/// Every mask once, for the resin that the print takes: some milliseconds a thousand layers, on a large panel and a small board
+/// a minute for all.
+Status PrintSession::sweep(ProgressSink* progress) {
+  const StageScope stage(Stage::kLayers, arena_, progress, slice_report_.peak_bytes);
   facts_.cured_pixels = 0;
   support_pixels_ = 0;
   for (std::uint32_t layer = 0; layer < rrep_.grid.layers; ++layer) {
+    if (progress != nullptr && !progress->advance(Stage::kLayers, static_cast<double>(layer) / rrep_.grid.layers)) {
+      return fail(ErrorCode::kCancelled, "stopped while the resin was reckoned, at layer %u of %u", layer,
+                  rrep_.grid.layers);
+    }
     const std::uint64_t pixels = stream_->mask(layer).count();
     if (layer == 0) first_layer_pixels_ = pixels;
     facts_.cured_pixels += pixels;
     support_pixels_ += stream_->support_pixels();
   }
+  return {};
 }
 
 double PrintSession::pixel_ml() const {

@@ -46,6 +46,7 @@ class PrintSession {
   /// Reads a scan and makes everything ready. When it returns the scan may go.
   /// @param supports  that check_support_settings() takes; none: no supports
   /// @retval any error of slice(), find_supports(), plan_print(), JobStore::begin()
+  /// @retval ErrorCode::kCancelled
   [[nodiscard]] Status slice_scan(ScanSources scan, const SliceSettings& settings,
                                   const std::optional<SupportSettings>& supports, const PrintProfile& profile,
                                   ProgressSink* progress);
@@ -80,7 +81,7 @@ class PrintSession {
  private:
   [[nodiscard]] Status make_ready();
   [[nodiscard]] Status add_supports(const SupportSettings& settings, ProgressSink* progress);
-  void sweep();
+  [[nodiscard]] Status sweep(ProgressSink* progress);
 
   const BoardFile& board_;
   const MachineFile& machine_;

@@ -1,0 +1,52 @@
+/// A session from the scan to what comes of it, where no print is needed to see it.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/hil/session_rig.hpp"
+
+namespace plumbline {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// Cancels when it has been asked in the last stage so many times.
+class CancelsAtLayer final : public ProgressSink {
+ public:
+  explicit CancelsAtLayer(int layer) : left_(layer) {}
+  void begin(Stage /*stage*/) override {}
+  bool advance(Stage stage, double /*fraction*/) override { return stage != Stage::kLayers || left_-- > 0; }
+  void end(Stage /*stage*/, std::size_t /*peak_bytes*/) override {}
+
+ private:
+  int left_;
+};
+
+TEST(Session, IsCancelledWhileItsMasksAreSweptAndStoresNothing) {
+  const TemporaryFolder folder;
+  const std::string scan = folder / "ball.ply";
+  write_sphere_scan(scan, 4000, 2);
+  auto store = JobStore::open(folder / "state");
+  ASSERT_TRUE(store);
+  std::vector<std::byte> block(std::size_t{24} << 20U);
+  Arena arena{std::span(block)};
+  const BoardFile board = session_board();
+  const MachineFile machine = rig_machine();
+  const auto profile = read_print_profile(PLUMBLINE_SOURCE_DIR "/board/profiles/standard.toml");
+  ASSERT_TRUE(profile);
+  {
+    PrintSession session(board, machine, arena, &*store);
+    auto source = FileSource::open(scan);
+    ASSERT_TRUE(source);
+    CancelsAtLayer progress(3);
+    const auto sliced = session.slice_scan(*source, slicing_for(board), std::nullopt, *profile, &progress);
+    ASSERT_FALSE(sliced);
+    EXPECT_EQ(sliced.error().code(), ErrorCode::kCancelled);
+    EXPECT_THAT(sliced.error().message(), HasSubstr("at layer 3 of"));
+  }
+  EXPECT_FALSE(store->has_job());
+  EXPECT_EQ(arena.used(), 0U);
+}
+
+}  // namespace
+}  // namespace plumbline
