@@ -10,6 +10,9 @@
 #include "firmware/print_summary.hpp"
 #include "firmware/printer_daemon.hpp"
 #include "firmware/progress_lines.hpp"
+#include "firmware/service_events.hpp"
+#include "firmware/service_manager.hpp"
+#include "firmware/service_status.hpp"
 #include "firmware/version.hpp"
 
 namespace plumbline {
@@ -42,24 +45,29 @@ bool is_folder(const std::string& path) {
   return !path.empty() && ::stat(path.c_str(), &facts) == 0 && S_ISDIR(facts.st_mode);
 }
 
-/// Says everything on standard error, writes the reports, and plays the user's hand with a simulated stick.
+/// Says everything on standard error and to the service manager, writes the reports, and plays the user's hand with a simulated
+/// stick.
 class DaemonLog final : public DaemonObserver {
  public:
-  DaemonLog(const DaemonOptions& options, Witness* witness) : options_(options), witness_(witness) {}
+  DaemonLog(const DaemonOptions& options, Witness* witness, ServiceManager& manager)
+      : options_(options), witness_(witness), manager_(manager) {}
 
   void say(std::string_view text) override {
     FixedText<1000> line;
     line.add("plumblined: %.*s\n", static_cast<int>(text.size()), text.data());
     write_to_stderr(line.view());
+    manager_.tell(text == "ready" ? "ready: waiting for a stick" : text);
   }
   bool update(const PrintStatus& status) override {
     look_around();
     static_cast<void>(lines_.update(status));
+    manager_.tell(service_status(status).view());
     return true;
   }
   void checked(Check check, const CheckResult& result) override { lines_.checked(check, result); }
   void printed(const PrintReport& report, const PrintSession& session, const PrintProfile& profile) override {
     lines_.clear();
+    manager_.tell(service_status(report).view());
     const std::vector<std::string> objections =
         witness_ != nullptr ? witness_->objections() : std::vector<std::string>();
     const PrintOutcome outcome{report, session, profile, witness_ != nullptr, objections};
@@ -100,6 +108,7 @@ class DaemonLog final : public DaemonObserver {
 
   const DaemonOptions& options_;
   Witness* witness_;
+  ServiceManager& manager_;
   PrintLines lines_{true, std::nullopt};
   bool plugged_ = false;
   bool ended_ = false;
@@ -119,6 +128,8 @@ ExitCode serve(const DaemonOptions& options, std::span<std::byte> arena_block) {
   if (!setup) return report_error(setup.error());
   auto store = JobStore::open(options.state);
   if (!store) return report_error(store.error());
+  auto manager = ServiceManager::of_environment();
+  if (!manager) return report_error(manager.error());
   SimulationOptions simulation = options.simulation;
   simulation.stick.clear();  // plugged in by the log, when its folder is there
   auto back_end = open_back_end(*board, *machine, *profile, simulation);
@@ -127,8 +138,19 @@ ExitCode serve(const DaemonOptions& options, std::span<std::byte> arena_block) {
   catch_interrupts();
   const DaemonSettings settings{*board, *machine, options.printer, setup->threads};
   Arena arena(setup->arena_block);
-  DaemonLog log(options, (*back_end)->witness());
-  PrinterDaemon daemon((*back_end)->machine(), settings, arena, *store, log);
+  DaemonLog log(options, (*back_end)->witness(), *manager);
+  const Machine& devices = (*back_end)->machine();
+  ServiceEvents events(devices.events, devices.clock, *manager);
+  Machine watched{.clock = devices.clock,
+                  .events = events,
+                  .mask = devices.mask,
+                  .lamp = devices.lamp,
+                  .stage = devices.stage,
+                  .stick = devices.stick,
+                  .panel = devices.panel,
+                  .thermals = devices.thermals};
+  PrinterDaemon daemon(watched, settings, arena, *store, log);
+  if (const auto told = manager->ready(); !told) return report_error(told.error());
   const auto served = daemon.run();
   if (!served) return report_error(served.error());
   return daemon.fault() == FaultCode::kNone ? ExitCode::kDone : ExitCode::kWorldError;
