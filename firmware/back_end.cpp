@@ -88,7 +88,7 @@ class SimulatedBackEnd final : public BackEnd, public Witness {
 
   Machine& machine() override { return machine_; }
   Witness* witness() override { return this; }
-  std::string remark() const override { return {}; }
+  std::optional<StepFigures> take_step_figures() override { return std::nullopt; }
 
   void conclude(bool finished) override { plant_.conclude(finished ? JobEnd::kFinished : JobEnd::kAbandoned); }
   std::vector<std::string> objections() const override {
@@ -186,16 +186,14 @@ class LinuxBackEnd final : public BackEnd {
 
   Machine& machine() override { return machine_; }
   Witness* witness() override { return nullptr; }
-  std::string remark() const override {
-    const StepRecord record = devices_->step_record();
-    std::array<char, 256> text{};
-    std::snprintf(text.data(), text.size(),
-                  "%llu steps, %llu late, the latest by %.2f ms; %llu times the motor had come to stand. Real-time "
-                  "priority: %s, locked memory: %s",
-                  static_cast<unsigned long long>(record.steps), static_cast<unsigned long long>(record.late),
-                  static_cast<double>(record.worst.count()) * 1e-6, static_cast<unsigned long long>(record.restarts),
-                  devices_->steps_first() ? "yes" : "no", devices_->memory_locked() ? "yes" : "no");
-    return text.data();
+  std::optional<StepFigures> take_step_figures() override {
+    const StepRecord record = devices_->take_step_record();
+    return StepFigures{.steps = record.steps,
+                       .late = record.late,
+                       .worst_lateness = record.worst,
+                       .standstills = record.restarts,
+                       .real_time = devices_->steps_first(),
+                       .memory_locked = devices_->memory_locked()};
   }
 
  private:

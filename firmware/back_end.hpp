@@ -3,12 +3,14 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "firmware/board_file.hpp"
 #include "firmware/print_profile.hpp"
+#include "firmware/print_report.hpp"
 #include "hal/machine.hpp"
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/error.hpp"
@@ -50,8 +52,8 @@ class BackEnd {
   virtual Machine& machine() = 0;
   /// @returns null on a board
   virtual Witness* witness() = 0;
-  /// How well the machine kept its times, in a sentence; empty where nothing is to be said. @pre the stage stands
-  virtual std::string remark() const = 0;
+  /// How well the stage kept its times since this was last asked; none in simulation. @pre the stage stands
+  virtual std::optional<StepFigures> take_step_figures() = 0;
 };
 
 /// Opens all devices.

@@ -49,8 +49,8 @@ bool is_folder(const std::string& path) {
 /// stick.
 class DaemonLog final : public DaemonObserver {
  public:
-  DaemonLog(const DaemonOptions& options, Witness* witness, ServiceManager& manager)
-      : options_(options), witness_(witness), manager_(manager) {}
+  DaemonLog(const DaemonOptions& options, BackEnd& back_end, ServiceManager& manager)
+      : options_(options), back_end_(back_end), witness_(back_end.witness()), manager_(manager) {}
 
   void say(std::string_view text) override {
     FixedText<1000> line;
@@ -70,7 +70,8 @@ class DaemonLog final : public DaemonObserver {
     manager_.tell(service_status(report).view());
     const std::vector<std::string> objections =
         witness_ != nullptr ? witness_->objections() : std::vector<std::string>();
-    const PrintOutcome outcome{report, session, profile, witness_ != nullptr, objections};
+    const PrintOutcome outcome{
+        report, session, profile, witness_ != nullptr, objections, back_end_.take_step_figures()};
     OutputFile out = OutputFile::standard_output();
     // The part is on the plate; a report that can't be written is said, and no more.
     if (const auto told = write_print_summary(out, outcome); !told) say(told.error().message());
@@ -107,7 +108,8 @@ class DaemonLog final : public DaemonObserver {
   }
 
   const DaemonOptions& options_;
-  Witness* witness_;
+  BackEnd& back_end_;
+  Witness* witness_;  ///< the back end's
   ServiceManager& manager_;
   PrintLines lines_{true, std::nullopt};
   bool plugged_ = false;
@@ -138,7 +140,7 @@ ExitCode serve(const DaemonOptions& options, std::span<std::byte> arena_block) {
   catch_interrupts();
   const DaemonSettings settings{*board, *machine, options.printer, setup->threads};
   Arena arena(setup->arena_block);
-  DaemonLog log(options, (*back_end)->witness(), *manager);
+  DaemonLog log(options, **back_end, *manager);
   const Machine& devices = (*back_end)->machine();
   ServiceEvents events(devices.events, devices.clock, *manager);
   Machine watched{.clock = devices.clock,

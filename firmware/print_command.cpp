@@ -124,12 +124,9 @@ ExitCode run_print(const PrintOptions& options, std::span<std::byte> arena_block
     witness->conclude(report.state == PrintState::kFinished);
     objections = witness->objections();
   }
-  const auto written = write_results(options, {report, session, printer->profile, witness != nullptr, objections});
+  const auto written = write_results(
+      options, {report, session, printer->profile, witness != nullptr, objections, (*back_end)->take_step_figures()});
   if (!written) return report_error(written.error());
-  if (const std::string remark = (*back_end)->remark(); !silent && !remark.empty()) {
-    const auto said = OutputFile::standard_output().write("stage      " + remark + "\n");
-    if (!said) return report_error(said.error());
-  }
   if (witness != nullptr && !options.keep_part.empty()) {
     const auto kept = write_printed_part(options.keep_part, *witness, session, arena);
     if (!kept) return report_error(kept.error());

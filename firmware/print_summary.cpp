@@ -62,6 +62,15 @@ void add_masks(Text& text, const MaskFigures& masks) {
       masks.smallest_slack_layer);
 }
 
+void add_steps(Text& text, const StepFigures& steps) {
+  text.add(
+      "stage      %llu steps, %llu late, the latest by %.2f ms; %llu times the motor had come to stand. Real-time "
+      "priority: %s, locked memory: %s\n",
+      static_cast<unsigned long long>(steps.steps), static_cast<unsigned long long>(steps.late),
+      milliseconds(steps.worst_lateness), static_cast<unsigned long long>(steps.standstills),
+      steps.real_time ? "yes" : "no", steps.memory_locked ? "yes" : "no");
+}
+
 }  // namespace
 
 Status write_print_summary(OutputFile& out, const PrintOutcome& outcome) {
@@ -83,6 +92,7 @@ Status write_print_summary(OutputFile& out, const PrintOutcome& outcome) {
   add_doses(text, report);
   add_masks(text, outcome.session.mask_figures());
   if (report.pauses > 0) text.add("pauses     %u\n", report.pauses);
+  if (outcome.steps) add_steps(text, *outcome.steps);
   PLUMBLINE_TRY(out.write(text.view()));
   Status written;
   for_each_warning(report, [&](std::string_view warning) {
@@ -161,6 +171,19 @@ void write_print_report(JsonWriter& json, const PrintOutcome& outcome) {
   json.member("copy_ms", milliseconds(masks.median_copying));
   json.member("ratio_to_copy", masks.ratio());
   json.end_object();
+  json.key("stage");
+  if (outcome.steps) {
+    json.begin_object();
+    json.member("steps", outcome.steps->steps);
+    json.member("late_steps", outcome.steps->late);
+    json.member("worst_lateness_ms", milliseconds(outcome.steps->worst_lateness));
+    json.member("standstills", outcome.steps->standstills);
+    json.member("real_time_priority", outcome.steps->real_time);
+    json.member("locked_memory", outcome.steps->memory_locked);
+    json.end_object();
+  } else {
+    json.null();
+  }
   json.key("warnings");
   json.begin_array();
   for_each_warning(report, [&json](std::string_view warning) { json.value(warning); });

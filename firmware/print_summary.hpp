@@ -1,6 +1,7 @@
 #pragma once
 /// What a print has been, for people and for programs.
 
+#include <optional>
 #include <span>
 #include <string>
 
@@ -17,6 +18,7 @@ struct PrintOutcome {
   const PrintProfile& profile;
   bool simulated = false;
   std::span<const std::string> objections;  ///< of a simulated printer
+  std::optional<StepFigures> steps;         ///< of a real one, in this print
 };
 
 /// @retval ErrorCode::kCannotWrite

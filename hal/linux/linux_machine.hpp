@@ -49,8 +49,8 @@ class LinuxMachine {
   ~LinuxMachine();
 
   Machine machine();
-  /// How well the stage's deadlines were kept. @pre it stands
-  StepRecord step_record() const { return stage_->record(); }
+  /// How well the stage's deadlines were kept since this was last asked. @pre it stands
+  StepRecord take_step_record() { return stage_->take_record(); }
   /// Real-time priority and locked memory were permitted.
   bool steps_first() const { return stage_->runs_first(); }
   bool memory_locked() const { return memory_locked_; }

@@ -29,7 +29,7 @@ class LinuxZStage final : public ZStage {
   /// Moves ended motions into the queue.
   void drain(EventQueue& events);
   /// @pre no motion is under way
-  StepRecord record() const { return legs_.record(); }
+  StepRecord take_record() { return legs_.take_record(); }
   /// The thread has been given real-time priority.
   bool runs_first() const { return runs_first_; }
 

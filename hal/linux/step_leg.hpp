@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <utility>
 
 #include "hal/linux/stage_lines.hpp"
 #include "hal/ramp.hpp"
@@ -31,7 +32,7 @@ struct StepLegResult {
   std::int64_t switched = 0;  ///< kSwitched, kMetStop: the count of steps at the first contact
 };
 
-/// How well the deadlines were kept, since the program began.
+/// How well the deadlines were kept, since it was last taken.
 struct StepRecord {
   std::uint64_t steps = 0;
   std::uint64_t late = 0;            ///< later than half of the time to the next step, and than 100 us
@@ -68,8 +69,8 @@ class StepLegs {
   /// The latest end of the leg that runs, where it was put off by lateness; from any thread.
   Time put_off() const { return Time(put_off_.load(std::memory_order_relaxed)); }
   void forget_put_off() { put_off_.store(0, std::memory_order_relaxed); }
-  /// Of legs that have ended.
-  StepRecord record() const { return record_; }
+  /// Of legs that have ended; the next one begins from nothing. Not while a leg runs.
+  StepRecord take_record() { return std::exchange(record_, StepRecord()); }
 
  private:
   class Watch;

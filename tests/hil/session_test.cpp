@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "firmware/print_summary.hpp"
 #include "tests/hil/session_rig.hpp"
 
 namespace plumbline {
@@ -46,6 +47,37 @@ TEST(Session, IsCancelledWhileItsMasksAreSweptAndStoresNothing) {
   }
   EXPECT_FALSE(store->has_job());
   EXPECT_EQ(arena.used(), 0U);
+}
+
+/// @returns the report of a print that has not begun
+std::string report_with(const std::optional<StepFigures>& steps) {
+  const TemporaryFolder folder;
+  std::vector<std::byte> block(std::size_t{24} << 20U);
+  Arena arena{std::span(block)};
+  const BoardFile board = session_board();
+  const MachineFile machine = rig_machine();
+  const PrintSession session(board, machine, arena, nullptr);
+  const auto profile = read_print_profile(PLUMBLINE_SOURCE_DIR "/board/profiles/standard.toml").value();
+  const std::string path = folder / "report.json";
+  auto file = OutputFile::create(path.c_str());
+  JsonWriter json(*file);
+  write_print_report(json, {PrintReport(), session, profile, !steps, {}, steps});
+  EXPECT_TRUE(json.finish() && file->close());
+  return read_text(path);
+}
+
+TEST(Report, TellsHowWellARealStageKeptItsTimesAndNothingOfASimulatedOne) {
+  const std::string text = report_with(StepFigures{.steps = 123'456,
+                                                   .late = 7,
+                                                   .worst_lateness = std::chrono::microseconds(1250),
+                                                   .standstills = 1,
+                                                   .real_time = true,
+                                                   .memory_locked = false});
+  for (const char* words : {"\"steps\": 123456", "\"late_steps\": 7", "\"worst_lateness_ms\": 1.25",
+                            "\"standstills\": 1", "\"real_time_priority\": true", "\"locked_memory\": false"}) {
+    EXPECT_THAT(text, HasSubstr(words));
+  }
+  EXPECT_THAT(report_with(std::nullopt), HasSubstr("\"stage\": null"));
 }
 
 }  // namespace

@@ -131,7 +131,22 @@ TEST(StepLegs, TakeEachStepWhenTheRampHasCoveredItAndNotBefore) {
     const auto due = std::chrono::duration<double>(ramp.time_at_mm(static_cast<double>(k + 1) * kStep));
     EXPECT_GE(std::chrono::duration<double>(lines.taken[k] - second).count(), due.count() - 1e-6) << k;
   }
-  EXPECT_GE(legs.record().steps, 400U);
+  EXPECT_EQ(legs.take_record().steps, 400U);
+}
+
+TEST(StepLegs, CountWhatWasLateForTheReportThatTakesIt) {
+  FakeLines lines;
+  StepLegs legs(lines, kStep, Acceleration(2000));
+  // The first step is due 4.5 ms after the ramp has begun.
+  EXPECT_EQ(legs.run(40, Speed(50), LegUntil::kDone, monotonic_now() - 8ms).end, StepLegEnd::kDone);
+  const StepRecord record = legs.take_record();
+  EXPECT_EQ(record.steps, 40U);
+  EXPECT_GE(record.late + record.restarts, 1U);
+  EXPECT_GE(record.worst, 3500us);
+  const StepRecord taken = legs.take_record();
+  EXPECT_EQ(taken.steps, 0U);
+  EXPECT_EQ(taken.late, 0U);
+  EXPECT_EQ(taken.worst, 0ns) << "the next report counts its own";
 }
 
 TEST(StepLegs, AreNotDeceivedByAGlitchOfTheEndStop) {
