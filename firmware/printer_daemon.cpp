@@ -188,6 +188,8 @@ Status PrinterDaemon::print_scan() {
     observer_.say(text.view());
     SliceSettings settings;
     settings.threads = settings_.threads;
+    settings.base = job->base;
+    settings.keep_all = job->keep_all;
     PlacementSettings& placement = settings.placement;
     placement.units = job->units;
     placement.scale = job->scale;

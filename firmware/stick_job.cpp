@@ -12,7 +12,10 @@ namespace {
 
 constexpr std::array<std::string_view, 5> kUnitWords = {"mm", "cm", "m", "in", "auto"};
 constexpr std::array<std::string_view, 2> kSupportWords = {"none", "auto"};
+constexpr std::array<std::string_view, 3> kBaseWords = {"auto", "none", "flat"};
 static_assert(static_cast<int>(Units::kMillimetres) == 0 && static_cast<int>(Units::kAuto) == 4);
+static_assert(static_cast<int>(BaseChoice::kAuto) == 0 && static_cast<int>(BaseChoice::kNone) == 1 &&
+              static_cast<int>(BaseChoice::kFlat) == 2);
 
 std::vector<SettingRule> rules_for(StickJob& job) {
   constexpr auto kOptional = Presence::kOptional;
@@ -21,6 +24,8 @@ std::vector<SettingRule> rules_for(StickJob& job) {
       {"job", "profile", TextSetting{&job.profile}, 1, 63, "", kOptional},
       {"job", "supports", ChoiceSetting{kSupportWords, [&job](std::size_t word) { job.supports = word == 1; }}, 0, 0,
        "", kOptional},
+      {"job", "base", choice(kBaseWords, job.base), 0, 0, "", kOptional},
+      {"job", "keep_all", &job.keep_all, 0, 0, "", kOptional},
       {"placement", "units", choice(kUnitWords, job.units), 0, 0, "", kOptional},
       {"placement", "scale", &job.scale, kSmallestScale, kLargestScale, "", kOptional},
       {"placement", "fit", &job.fit, 0, 0, "", kOptional},

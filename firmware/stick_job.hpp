@@ -9,6 +9,7 @@
 
 #include "firmware/fixed_text.hpp"
 #include "hal/stick_port.hpp"
+#include "slicer/base_choice.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/placement.hpp"
 
@@ -24,6 +25,8 @@ struct StickJob {
   double rotate_x_deg = 0, rotate_y_deg = 0, rotate_z_deg = 0;
   double layer_height = 0;       ///< mm; 0: the profile's
   std::optional<bool> supports;  ///< none: as the profile has it
+  BaseChoice base = BaseChoice::kAuto;
+  bool keep_all = false;  ///< stray pieces, too
 };
 
 inline constexpr const char* kJobFile = "job.toml";

@@ -8,7 +8,7 @@ import signal
 import subprocess
 import time
 
-from case import PLUMBLINED, SOURCE_DIR, Program, main, split, write_sphere
+from case import PLUMBLINED, SOURCE_DIR, Program, add_ball, main, split, write_sphere
 
 SIM2K = SOURCE_DIR / "board" / "sim2k.toml"
 
@@ -139,6 +139,28 @@ class Daemon(Program):
         self.put_stick("c.ply")
         out, _ = self.ends(daemon, 0)
         self.assertEqual(out.count("finished"), 2, out)
+
+    def test_prints_from_a_stick_what_the_same_words_slice(self):
+        write_sphere(self.scan, radius=6)
+        self.cut_below(2)
+        add_ball(self.scan, 200, 0.4, (14, 0, 3))
+        sliced = set()
+        for job, options in (("", ()), ('base = "none"', ("--base", "none")), ("keep_all = true", ("--keep-all",))):
+            # Turned, so that the rim of the hole below is not where an even underside would be.
+            same = ("--printer", SIM2K, "--layer-height", 0.05, "--rotate-x", 20, *options)
+            self.run_it("slice", self.scan, "-o", self.out, "--no-preview", *same)
+            hashes = self.manifest()["hashes"]["layers"]
+            sliced.add(tuple(hashes))
+            folder = self.dir / "new"
+            folder.mkdir()
+            shutil.copy(self.scan, folder / "a.ply")
+            (folder / "job.toml").write_text(f'[job]\nscan = "a.ply"\n{job}\n[placement]\nrotate_x_deg = 20\nlayer_height = 0.05\n')
+            folder.rename(self.stick)
+            self.ends(self.start("--jobs", 1), 0)
+            shutil.rmtree(self.stick)
+            report = json.loads((self.state / "report.json").read_text())
+            self.assertEqual([line["mask_hash"] for line in report["exposures"]], hashes, job)
+        self.assertEqual(len(sliced), 3, "each word makes another part")
 
     def test_bad_stick_is_told_and_the_next_one_works(self):
         daemon = self.start("--jobs", 1)
