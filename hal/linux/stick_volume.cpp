@@ -54,8 +54,7 @@ bool has_size(const fs::path& block) {
 
 /// The kernel has looked for partitions. It tells udev of a medium when it has, and udev writes that down; where there is no udev
 /// nobody knows.
-bool was_scanned(const fs::path& block) {
-  const fs::path known = "/run/udev/data";
+bool was_scanned(const fs::path& block, const fs::path& known) {
   const std::string number = first_line(block / "dev");
   std::error_code problem;
   return number.empty() || !fs::exists(known, problem) || fs::exists(known / ("b" + number), problem);
@@ -86,14 +85,14 @@ StickIdentity read_identity(const std::string& device) {
   return identity;
 }
 
-std::vector<std::string> block_devices(const std::string& device) {
+std::vector<std::string> block_devices(const std::string& device, const std::string& udev) {
   constexpr int kDepth = 6;
   std::vector<fs::path> media;
   find_media(device, kDepth, media);
   std::sort(media.begin(), media.end());
   std::vector<std::string> nodes;
   for (const auto& medium : media) {
-    if (!has_size(medium) || !was_scanned(medium)) continue;
+    if (!has_size(medium) || !was_scanned(medium, udev)) continue;
     std::vector<std::pair<int, std::string>> partitions;
     std::error_code problem;
     for (const auto& entry : fs::directory_iterator(medium, problem)) {

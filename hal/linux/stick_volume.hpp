@@ -17,9 +17,10 @@ std::string usb_place(unsigned bus, const std::uint8_t* ports, int count);
 StickIdentity read_identity(const std::string& device);
 
 /// Device nodes that may hold the stick's file system, the likeliest first: partitions by number, then the whole medium. Empty
-/// while the kernel has not found it, and for a card reader without a card.
+/// while the kernel has not found it or not yet looked for its partitions, and for a card reader without a card.
 /// @param device  as above
-std::vector<std::string> block_devices(const std::string& device);
+/// @param udev    where udevd writes down what it has been told of; where it is missing nobody waits for that
+std::vector<std::string> block_devices(const std::string& device, const std::string& udev = "/run/udev/data");
 
 /// A file system, mounted read-only, nosuid, nodev, noexec. Unmounts when it ends. Move-only.
 class StickVolume {

@@ -168,5 +168,26 @@ TEST_F(Sysfs, AStickIsMountedFromItsFirstPartitionOrElseWhole) {
   EXPECT_THAT(block_devices(device), testing::ElementsAre("/dev/sdb2", "/dev/sdb10", "/dev/sdb"));
 }
 
+TEST_F(Sysfs, AStickIsWaitedForUntilTheKernelHasLookedForItsPartitions) {
+  const std::string device = (root_ / "usb/1-1").string();
+  const std::string udev = (root_ / "udev").string();
+  const std::string block = "usb/1-1/1-1:1.0/host0/target0:0:0/0:0:0:0/block/";
+  write(block + "sda/size", "196608");
+  write(block + "sda/dev", "8:0");
+  EXPECT_THAT(block_devices(device, udev), testing::ElementsAre("/dev/sda")) << "without udev nobody knows";
+  write("udev/b8:16", "I:1");
+  EXPECT_TRUE(block_devices(device, udev).empty())
+      << "the whole medium would be tried for the file system of its partition";
+  write(block + "sda/sda1/partition", "1");
+  write(block + "sda/sda1/size", "1000");
+  EXPECT_TRUE(block_devices(device, udev).empty()) << "more of them may come";
+  write("udev/b8:0", "I:2");
+  EXPECT_THAT(block_devices(device, udev), testing::ElementsAre("/dev/sda1", "/dev/sda"));
+  // Of a reader of two cards one is ready before the other.
+  write(block + "sdb/size", "500");
+  write(block + "sdb/dev", "8:32");
+  EXPECT_THAT(block_devices(device, udev), testing::ElementsAre("/dev/sda1", "/dev/sda"));
+}
+
 }  // namespace
 }  // namespace plumbline
