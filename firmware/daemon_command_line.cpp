@@ -6,6 +6,7 @@
 
 #include "firmware/back_end.hpp"
 #include "firmware/interrupt.hpp"
+#include "firmware/job_options.hpp"
 #include "firmware/print_lines.hpp"
 #include "firmware/print_summary.hpp"
 #include "firmware/printer_daemon.hpp"
@@ -138,6 +139,7 @@ ExitCode serve(const DaemonOptions& options, std::span<std::byte> arena_block) {
   if (!back_end) return report_error(back_end.error());
 
   catch_interrupts();
+  start_threads(setup->threads);  // and their stacks: after "ready" no memory is taken
   const DaemonSettings settings{*board, *machine, options.printer, setup->threads};
   Arena arena(setup->arena_block);
   DaemonLog log(options, **back_end, *manager);

@@ -54,4 +54,13 @@ Expected<JobSetup> set_up(const JobOptions& options, std::span<std::byte> arena_
   return setup;
 }
 
+void start_threads(std::uint32_t threads) {
+  omp_set_dynamic(0);
+  omp_set_num_threads(static_cast<int>(threads));
+  std::uint32_t started = 0;
+#pragma omp parallel reduction(+ : started)
+  ++started;
+  static_cast<void>(started);
+}
+
 }  // namespace plumbline

@@ -55,4 +55,8 @@ struct JobSetup {
 /// @retval any error of read_board_file()
 [[nodiscard]] Expected<JobSetup> set_up(const JobOptions& options, std::span<std::byte> arena_block);
 
+/// Starts the threads of all parallel regions to come: the first region makes them, the others find them waiting.
+/// @param threads  JobSetup::threads
+void start_threads(std::uint32_t threads);
+
 }  // namespace plumbline

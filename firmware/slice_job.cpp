@@ -1,13 +1,12 @@
 #include "firmware/slice_job.hpp"
 
-#include <omp.h>
-
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <chrono>
 
 #include "firmware/confidence_picture.hpp"
+#include "firmware/job_options.hpp"
 #include "firmware/json_writer.hpp"
 #include "firmware/manifest.hpp"
 #include "firmware/mask_hash.hpp"
@@ -18,16 +17,6 @@
 
 namespace plumbline {
 namespace {
-
-/// Starts the threads of all parallel regions to come: the first region makes them, the others find them waiting.
-void start_threads(std::uint32_t threads) {
-  omp_set_dynamic(0);
-  omp_set_num_threads(static_cast<int>(threads));
-  std::uint32_t started = 0;
-#pragma omp parallel reduction(+ : started)
-  ++started;
-  static_cast<void>(started);
-}
 
 /// Pixels that cure. Most words are black, and without its own instruction a processor counts bits slowly.
 std::uint64_t cured_in(ConstBitImage mask) {

@@ -154,6 +154,7 @@ Expected<std::unique_ptr<LinuxMachine>> LinuxMachine::open(const LinuxSettings& 
   std::unique_ptr<LinuxMachine> machine(new LinuxMachine());
   machine->events_.add(machine->shutdown_);
   machine->memory_locked_ = lock_memory();
+  hold_heap();
   PLUMBLINE_TRY(machine->open_lamp(settings, *lines));
   PLUMBLINE_TRY(machine->open_stage(settings, *lines));
   PLUMBLINE_TRY(machine->open_panel(settings, *lines));

@@ -16,4 +16,8 @@ inline constexpr int kStagePriority = 40;
 /// @returns false: not permitted, or more than RLIMIT_MEMLOCK
 bool lock_memory();
 
+/// The C library's heap asks the kernel for nothing more: room for what a stick that comes needs of it is taken now, all threads share
+/// it, and none of it is given back. To be called before the first other thread.
+void hold_heap();
+
 }  // namespace plumbline
