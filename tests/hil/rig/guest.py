@@ -115,13 +115,28 @@ def libraries_of(arch, root, programs):
     return found
 
 
-def make_initramfs(arch, root, build, out):
-    """@param build  folder of a cross build of plumbline"""
+def board_text(panel=None):
+    """board/rig.toml with the rig's short profile. @param panel  (columns, rows) of another panel, with pixels of 0.05 mm"""
+    text = (SOURCE / "board" / "rig.toml").read_text()
+    changes = {"profile": '"quick"'}
+    if panel:
+        changes.update({"columns": panel[0], "rows": panel[1], "pixel_pitch_x_mm": 0.05, "pixel_pitch_y_mm": 0.05})
+    for key, value in changes.items():
+        text, times = re.subn(rf"^{key} = [^ ]+", f"{key} = {value}", text, flags=re.MULTILINE)
+        assert times == 1, key
+    return text
+
+
+def make_initramfs(arch, root, build, out, board, programs):
+    """
+    @param build     folder of a cross build of plumbline
+    @param board     text of the board file
+    @param programs  of `build`, besides the firmware's
+    """
     archive = Archive()
     for folder in ("dev", "proc", "sys", "tmp", "run", "mnt", "state", "var/lib"):
         archive.folder(folder)
-    names = ("plumbline", "plumblined", "plumbline-keeper")
-    programs = [build / "firmware" / name for name in names]
+    programs = [build / "firmware" / "plumblined", build / "firmware" / "plumbline-keeper", *programs]
     udev = root / "usr" / "bin" / "udevadm"
     archive.file("bin/busybox", (root / "usr/bin/busybox").resolve().read_bytes(), 0o755)
     archive.file("bin/udevadm", udev.resolve().read_bytes(), 0o755)
@@ -135,7 +150,6 @@ def make_initramfs(arch, root, build, out):
         archive.file(f"lib/{name}" if name.startswith("ld-linux") else f"lib/{TRIPLET[arch]}/{name}", path.read_bytes(), 0o755)
     for number, (name, path) in enumerate(modules_in_order(root)):
         archive.file(f"lib/modules/{number:02}_{name}.ko", path.read_bytes())
-    board = (SOURCE / "board" / "rig.toml").read_text().replace('profile = "draft"', 'profile = "quick"')
     archive.file("board/rig.toml", board.encode())
     archive.file("board/profiles/quick.toml", (HERE / "quick.toml").read_bytes())
     archive.file("init", (HERE / "init").read_bytes(), 0o755)

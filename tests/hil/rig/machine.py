@@ -1,20 +1,14 @@
 """An emulated ARM board under QEMU: its shell, its lines, its panel's picture, its sticks."""
 
 import json
-import re
 import select
 import socket
-import struct
 import subprocess
 import threading
 import time
-import zlib
+from pathlib import Path
 
-# Lines of the PL061 of QEMU's machine "virt", as board/rig.toml has them.
-STEP, LAMP, DIRECTION, END_STOP, COVER, START, ENABLE = 0, 1, 2, 4, 5, 6, 7
-
-STEP_MM = 0.02
-END_STOP_MM = 32.0
+HERE = Path(__file__).resolve().parent
 
 
 class Channel:
@@ -49,16 +43,54 @@ class Channel:
         return line.decode(errors="replace").rstrip("\r")
 
 
+class Gate:
+    """The host's end of line_gate.c: at every change of a line the emulated processor stands still while at_change() is called."""
+
+    def __init__(self, folder):
+        self.library, path = folder / "line_gate.so", folder / "gate"
+        command = ["gcc", "-std=c11", "-D_GNU_SOURCE", "-O2", "-Wall", "-Wextra", "-Werror", "-fPIC", "-shared"]
+        subprocess.run([*command, "-fvisibility=hidden", "-o", self.library, HERE / "line_gate.c"], check=True)
+        self.option = f"{self.library},socket={path}"
+        self.at_change, self.failed = None, None
+        self.listener = socket.socket(socket.AF_UNIX)
+        self.listener.bind(str(path))
+        self.listener.listen(1)
+        # From the first change on: drivers set lines while the guest boots.
+        threading.Thread(target=self._answer, daemon=True).start()
+
+    def _answer(self):
+        questions = self.listener.accept()[0]
+        self.listener.close()
+        with questions:
+            while not self.failed and questions.recv(16):
+                if self.at_change:
+                    try:
+                        self.at_change()
+                    except Exception as problem:  # told by who waits for the guest, which ends with this
+                        self.failed = problem
+                        break
+                questions.sendall(b".")
+
+
 class Machine:
-    def __init__(self, folder, kernel, initramfs, arch="arm64", memory_mb=256, disk=None):
-        self.folder, self.events, self.edges = folder, [], []
-        self.answers, self.answered = [], threading.Condition()
-        self.level = {}
+    """
+    Two kinds. The usual one has two processors and runs in real time, as the host has time for it. With a gate it is exact: one
+    processor, whose clock is the count of its instructions, 2 ns each, and which stands still while the host looks at a line.
+    """
+
+    def __init__(self, folder, kernel, initramfs, arch="arm64", memory_mb=256, disk=None, panel=(640, 480), gate=None):
+        self.folder, self.panel, self.gate = folder, panel, gate
+        self.events, self.edges, self.level = [], [], {}
+        self.answers, self.answered, self.asking = [], threading.Condition(), threading.Lock()
         program, cpu, board = {
             "arm64": ("qemu-system-aarch64", "cortex-a53", "virt"),
             "armhf": ("qemu-system-arm", "cortex-a7", "virt,highmem=off"),
         }[arch]
-        command = [program, "-M", board, "-cpu", cpu, "-smp", "2", "-m", str(memory_mb), "-accel", "tcg,thread=multi"]
+        command = [program, "-M", board, "-cpu", cpu, "-m", str(memory_mb)]
+        if gate:
+            command += ["-smp", "1", "-accel", "tcg,thread=single", "-icount", "shift=1,sleep=off", "-plugin", gate.option]
+        else:
+            command += ["-smp", "2", "-accel", "tcg,thread=multi"]
         command += ["-display", "none", "-nic", "none", "-nodefaults", "-kernel", kernel, "-initrd", initramfs]
         command += ["-append", "console=ttyAMA0 rdinit=/init quiet panic=-1", "-serial", f"file:{folder}/console"]
         for name in ("qmp", "qtest"):
@@ -66,7 +98,7 @@ class Machine:
         command += ["-qtest-log", "/dev/null", "-device", "virtio-serial-pci"]
         command += ["-chardev", f"socket,id=shell,path={folder}/shell,server=on,wait=off"]
         command += ["-device", "virtserialport,chardev=shell", "-device", "qemu-xhci,id=xhci"]
-        command += ["-device", "virtio-gpu-pci,id=panel,xres=640,yres=480"]
+        command += ["-device", f"virtio-gpu-pci,id=panel,xres={panel[0]},yres={panel[1]}"]
         if disk:
             command += ["-drive", f"if=virtio,format=raw,file={disk},cache=writethrough"]
         self.out = open(folder / "qemu", "w", encoding="utf-8")
@@ -89,27 +121,37 @@ class Machine:
         self.shell.send(command)
         said = []
         while True:
-            line = self.shell.line(seconds)
+            try:
+                line = self.shell.line(seconds)
+            except EOFError:
+                if self.gate and self.gate.failed:
+                    raise self.gate.failed
+                raise
             if line.startswith("@status "):
                 return int(line.split()[1]), "\n".join(said)
             said.append(line)
 
     def ask(self, what, **arguments):
-        self.monitor.send(json.dumps({"execute": what, "arguments": arguments}))
-        while True:
-            answer = json.loads(self.monitor.line(60))
-            if "event" in answer:
-                self.events.append(answer)
-            elif "error" in answer:
-                raise RuntimeError(f"{what}: {answer['error']}")
-            else:
-                return answer["return"]
+        with self.asking:
+            self.monitor.send(json.dumps({"execute": what, "arguments": arguments}))
+            while True:
+                answer = json.loads(self.monitor.line(60))
+                if "event" in answer:
+                    self.events.append(answer)
+                elif "error" in answer:
+                    raise RuntimeError(f"{what}: {answer['error']}")
+                else:
+                    return answer["return"]
 
     def pin(self, command):
+        """@returns QEMU's answer; all edges before it are in `edges` by then"""
         with self.answered:
             self.pins.send(command)
             assert self.answered.wait_for(lambda: self.answers, 30), command
             return self.answers.pop(0)
+
+    def read_edges(self):
+        self.pin("readl 0x090303fc")  # the levels of all lines; that it answers is what counts
 
     def set_line(self, line, level):
         self.pin(f"set_irq_in {self.gpio} unnamed-gpio-in {line} {int(level)}")
@@ -121,7 +163,7 @@ class Machine:
                 if line.startswith("IRQ "):
                     _, kind, number = line.split()
                     self.level[int(number)] = kind == "raise"
-                    self.edges.append((time.monotonic(), int(number), kind == "raise"))
+                    self.edges.append((int(number), kind == "raise"))
                 else:
                     with self.answered:
                         self.answers.append(line)
@@ -144,7 +186,7 @@ class Machine:
         path = self.folder / "panel.ppm"
         self.ask("screendump", filename=str(path), device="panel")
         data = path.read_bytes().split(b"\n", 3)
-        assert data[0] == b"P6" and data[1] == b"640 480", data[:2]
+        assert data[0] == b"P6" and data[1] == b"%d %d" % self.panel, data[:2]
         red = data[3][0::3]
         assert red == data[3][1::3] == data[3][2::3], "a colour on a panel without colours"
         return red
@@ -179,76 +221,3 @@ class Machine:
         self.out.close()
         for channel in (self.shell, self.monitor, self.pins):
             channel.socket.close()
-
-
-class Stage:
-    """The host's part of the printer: the plate that the steps move, and the end stop that it presses."""
-
-    def __init__(self, machine, height_mm=30.5):
-        self.machine, self.steps = machine, round(height_mm / STEP_MM)
-        self.travelled, self.lights, self.trouble = 0, [], []
-        self.on_light = None
-        # What the lines did before is another stage's.
-        self.seen, self.pressed, self.ended = len(machine.edges), None, False
-        self.thread = threading.Thread(target=self._follow, daemon=True)
-        self.thread.start()
-
-    def height(self):
-        return self.steps * STEP_MM
-
-    def lit(self):
-        return bool(self.lights) and self.lights[-1][1] is None
-
-    def _follow(self):
-        machine, level = self.machine, dict(self.machine.level)
-        while not self.ended:
-            while self.seen < len(machine.edges):
-                at, line, up = machine.edges[self.seen]
-                self.seen += 1
-                level[line] = up
-                if line == STEP and up:
-                    self.steps += 1 if level.get(DIRECTION) else -1
-                    self.travelled += 1
-                    if level.get(LAMP):
-                        self.trouble.append("a step under light")
-                if line == LAMP and up:
-                    self.lights.append([at, None, self.steps])
-                    if self.on_light:
-                        self.on_light(len(self.lights) - 1)
-                if line == LAMP and not up and self.lit():
-                    self.lights[-1][1] = at
-            pressed = self.height() >= END_STOP_MM - STEP_MM / 2
-            if pressed != self.pressed:
-                self.pressed = pressed
-                machine.set_line(END_STOP, pressed)
-            time.sleep(0.0005)
-
-    def end(self):
-        self.ended = True
-        self.thread.join()
-
-
-def mask_pixels(path):
-    """A mask's PNG, 1 bit and unfiltered, as a byte a pixel."""
-    data, at, stream = path.read_bytes(), 8, b""
-    while at < len(data):
-        length, kind = struct.unpack(">I4s", data[at : at + 8])
-        body = data[at + 8 : at + 8 + length]
-        if kind == b"IHDR":
-            columns, rows = struct.unpack(">II", body[:8])
-        if kind == b"IDAT":
-            stream += body
-        at += 12 + length
-    raw, width = zlib.decompress(stream), 1 + (columns + 7) // 8
-    assert not any(raw[::width]), "a filter"
-    pixels = bytearray()
-    for row in range(rows):
-        bits = bin(int.from_bytes(b"\1" + raw[row * width + 1 : (row + 1) * width], "big"))[3:]
-        pixels += bits[:columns].encode()
-    return bytes(pixels).translate(bytes.maketrans(b"01", b"\0\xff"))
-
-
-def trace_times(text, gpio):
-    """(s in the guest's time, level) of one line, from the kernel's own trace of its lines."""
-    found = re.findall(rf"([0-9]+\.[0-9]+): gpio_value: {gpio} set ([01])", text)
-    return [(float(at), level == "1") for at, level in found]

@@ -1,0 +1,160 @@
+"""The host's part of the printer: the stage that the steps move, the end stop that it presses, and what the lamp lights."""
+
+import re
+import struct
+import threading
+import time
+import zlib
+from dataclasses import dataclass
+
+# Lines of the PL061 of QEMU's machine "virt", as board/rig.toml has them.
+STEP, LAMP, DIRECTION, END_STOP, COVER, START, ENABLE = 0, 1, 2, 4, 5, 6, 7
+
+STEP_MM = 0.02
+END_STOP_MM = 32.0
+
+
+@dataclass
+class Light:
+    """One time that the lamp was on."""
+
+    steps: int  # where the stage was, from the film
+    travelled: int  # steps in either direction since the stage began to be followed
+    before: bytes | None  # the panel's picture as the lamp went on; None where the host came too late to see it
+    after: bytes | None = None  # and as it went off; only an exact machine waits for that
+    over: bool = False
+
+
+class Stage:
+    """Follows the lines of a Machine: at each change where that one is exact, else in a thread of its own as it can."""
+
+    def __init__(self, machine, steps):
+        self.machine, self.steps, self.travelled, self.lights, self.trouble = machine, steps, 0, [], []
+        self.on_light = None  # called with the light's number, on an exact machine at its very instant
+        # What the lines did before is another stage's.
+        self.seen, self.level, self.pressed, self.ended = len(machine.edges), dict(machine.level), None, False
+        if machine.gate:
+            self._press()
+            machine.gate.at_change = self._see_exactly
+        else:
+            self.thread = threading.Thread(target=self._follow, daemon=True)
+            self.thread.start()
+
+    def height(self):
+        return self.steps * STEP_MM
+
+    def lit(self):
+        return bool(self.lights) and not self.lights[-1].over
+
+    def end(self):
+        self.ended = True
+        if self.machine.gate:
+            self.machine.gate.at_change = None
+        else:
+            self.thread.join()
+
+    def _see_exactly(self):
+        self.machine.read_edges()
+        self._see()
+
+    def _follow(self):
+        while not self.ended:
+            self._see()
+            time.sleep(0.0005)
+
+    def _see(self):
+        while self.seen < len(self.machine.edges):
+            line, up = self.machine.edges[self.seen]
+            self.seen += 1
+            if self.level.get(line, False) == up:
+                continue
+            self.level[line] = up
+            if line == STEP and up:
+                self._step()
+            elif line == LAMP and up:
+                light = Light(self.steps, self.travelled, self.machine.picture())
+                self.machine.read_edges()
+                if (LAMP, False) in self.machine.edges[self.seen :]:
+                    light.before = None
+                self.lights.append(light)
+                if self.on_light:
+                    self.on_light(len(self.lights) - 1)
+            elif line == LAMP and self.lights:
+                self.lights[-1].after = self.machine.picture() if self.machine.gate else None
+                self.lights[-1].over = True
+        self._press()
+
+    def _step(self):
+        self.steps += 1 if self.level.get(DIRECTION) else -1
+        self.travelled += 1
+        if self.level.get(LAMP):
+            self.trouble.append(f"light {len(self.lights) - 1}: a step under it")
+        if not self.level.get(ENABLE):
+            self.trouble.append(f"light {len(self.lights)}: a step before it, of a motor that is off")
+
+    def _press(self):
+        pressed = self.height() >= END_STOP_MM - STEP_MM / 2
+        if pressed != self.pressed:
+            self.pressed = pressed
+            self.machine.set_line(END_STOP, pressed)
+
+
+def objections(lights, masks, layer_steps, lift_steps, first=0):
+    """What is wrong with a print's lights, a sentence each, by light from 0. Pictures that nobody saw are not judged.
+
+    @param masks        what the panel has to show, a byte a pixel, for each light in order
+    @param layer_steps  of one layer
+    @param lift_steps   that the part is lifted between two layers
+    @param first        layer of the first light
+    """
+    found = [] if len(lights) == len(masks) else [f"{len(lights)} lights for {len(masks)} layers"]
+    for number, (light, mask) in enumerate(zip(lights, masks)):
+        off = light.steps - (first + number + 1) * layer_steps
+        if off:
+            found.append(f"light {number}: {abs(off)} steps too {'high' if off > 0 else 'low'}")
+        travel = light.travelled - lights[number - 1].travelled
+        if number and travel != 2 * lift_steps - layer_steps:
+            found.append(f"light {number}: {travel} steps before it and not {2 * lift_steps - layer_steps}")
+        for picture, when in ((light.before, "at its beginning"), (light.after, "at its end")):
+            if picture not in (None, mask):
+                wrong = sum(a != b for a, b in zip(picture, mask, strict=True))
+                found.append(f"light {number}: {wrong} pixels wrong {when}")
+    return found
+
+
+def mask_pixels(path):
+    """A mask's PNG, 1 bit and unfiltered, as a byte a pixel."""
+    data, at, stream = path.read_bytes(), 8, b""
+    while at < len(data):
+        length, kind = struct.unpack(">I4s", data[at : at + 8])
+        body = data[at + 8 : at + 8 + length]
+        if kind == b"IHDR":
+            columns, rows = struct.unpack(">II", body[:8])
+        if kind == b"IDAT":
+            stream += body
+        at += 12 + length
+    raw, width = zlib.decompress(stream), 1 + (columns + 7) // 8
+    assert not any(raw[::width]), "a filter"
+    pixels = bytearray()
+    for row in range(rows):
+        bits = bin(int.from_bytes(b"\1" + raw[row * width + 1 : (row + 1) * width], "big"))[3:]
+        pixels += bits[:columns].encode()
+    return bytes(pixels).translate(bytes.maketrans(b"01", b"\0\xff"))
+
+
+def trace_times(text, gpio):
+    """(s in the guest's time, level) of one line, from the kernel's own trace of its lines."""
+    found = re.findall(rf"([0-9]+\.[0-9]+): gpio_value: {gpio} set ([01])", text)
+    return [(float(at), level == "1") for at, level in found]
+
+
+def intervals(times):
+    """Seconds of each time that a line was on, from trace_times()."""
+    on, found = None, []
+    for at, level in times:
+        if level and on is None:
+            on = at
+        elif not level and on is not None:
+            found.append(at - on)
+            on = None
+    return found

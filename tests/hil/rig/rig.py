@@ -1,0 +1,230 @@
+"""What all tests of the emulated board have in common: a guest that is booted once, a daemon and a stage for each test."""
+
+import argparse
+import json
+import math
+import re
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+import guest
+from machine import Gate, Machine
+from printer import COVER, LAMP, START, STEP_MM, Stage, intervals, mask_pixels, objections, trace_times
+
+LAYER_STEPS = round(0.1 / STEP_MM)
+LIFT_STEPS = round(1.0 / STEP_MM)
+OPTIONS = None
+
+# To be judged by a host's clock: an emulated board on a busy host may take its time, and none of it is a fault.
+PATIENCE = 180
+
+
+def write_lentil(path, points=12000):
+    """A leaning lentil, 2 mm wide and 0.8 mm high, of which no two layers, nor one and its mirror image, are the same. PLY, binary.
+
+    An ellipsoid on a Fibonacci lattice, sheared along both axes; its normals are those of the sphere by the inverse transpose.
+    """
+    wide, high, lean_x, lean_y = 1.0, 0.4, 0.8, 0.3
+    head = ["ply", "format binary_little_endian 1.0", f"element vertex {points}"]
+    head += [f"property float {name}" for name in ("x", "y", "z", "nx", "ny", "nz")] + ["end_header", ""]
+    with open(path, "wb") as file:
+        file.write("\n".join(head).encode())
+        for i in range(points):
+            w = 1 - 2 * (i + 0.5) / points
+            r, angle = math.sqrt(1 - w * w), 2.39996322972865332 * i
+            u, v = r * math.cos(angle), r * math.sin(angle)
+            place = (wide * u + lean_x * high * w, wide * v + lean_y * high * w, high * w)
+            normal = (u / wide, v / wide, w / high - lean_x * u / wide - lean_y * v / wide)
+            length = math.hypot(*normal)
+            file.write(struct.pack("<6f", *place, *(part / length for part in normal)))
+
+
+def masks_of(scan, folder, panel=None):
+    """What `plumbline slice` of this machine writes for the rig's printer. @returns each layer, a byte a pixel"""
+    (folder / "board" / "profiles").mkdir(parents=True, exist_ok=True)
+    (folder / "board" / "rig.toml").write_text(guest.board_text(panel))
+    shutil.copy(guest.HERE / "quick.toml", folder / "board" / "profiles")
+    sliced = folder / "sliced"
+    command = [OPTIONS.host / "firmware" / "plumbline", "slice", scan, "-o", sliced, "--printer", folder / "board" / "rig.toml"]
+    subprocess.run([*command, "--layer-height", "0.1", "--quiet", "--no-preview"], check=True)
+    masks = [mask_pixels(path) for path in sorted((sliced / "layers").iterdir())]
+    shutil.rmtree(sliced)
+    return masks
+
+
+class Rig(unittest.TestCase):
+    EXACT = False  # the kind of Machine
+    DISK = True  # for the state; else it is in memory
+    PANEL = None  # (columns, rows), where it is not that of board/rig.toml
+    PROGRAMS = ()  # of the cross build, besides the firmware's
+
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory(prefix="plumbline-rig-")
+        cls.addClassCleanup(folder.cleanup)
+        cls.dir = Path(folder.name)
+        root = guest.make_root(OPTIONS.arch)
+        programs = [OPTIONS.cross / program for program in cls.PROGRAMS]
+        guest.make_initramfs(OPTIONS.arch, root, OPTIONS.cross, cls.dir / "initramfs", guest.board_text(cls.PANEL), programs)
+        cls.scans()
+        disk = None
+        if cls.DISK:
+            disk = cls.dir / "disk.img"
+            with open(disk, "wb") as image:
+                image.truncate(32 << 20)
+            subprocess.run([shutil.which("mkfs.ext4") or "/usr/sbin/mkfs.ext4", "-q", "-F", disk], check=True)
+        gate = Gate(cls.dir) if cls.EXACT else None
+        kernel = guest.kernel_of(root)
+        cls.plugs = 0
+        cls.machine = Machine(
+            cls.dir, kernel, cls.dir / "initramfs", OPTIONS.arch, disk=disk, panel=cls.PANEL or (640, 480), gate=gate
+        )
+        cls.addClassCleanup(cls.machine.end)
+        cls.boot()
+
+    @classmethod
+    def scans(cls):
+        """Makes scans, their masks and sticks."""
+        cls.scan = cls.dir / "lentil.ply"
+        write_lentil(cls.scan)
+        cls.masks = masks_of(cls.scan, cls.dir)
+        cls.stick = cls.dir / "lentil.img"
+        guest.make_stick(cls.stick, [cls.scan])
+
+    @classmethod
+    def boot(cls):
+        started = time.monotonic()
+        cls.machine.until_booted()
+        cls.tell(f"booted in {time.monotonic() - started:.1f} s: {cls.run_in_guest('uname -rm')}")
+        base = cls.run_in_guest("for c in /sys/class/gpio/gpiochip*; do grep -q pl061 $c/label && cat $c/base; done")
+        cls.lamp_gpio = int(base.split()[0]) + LAMP
+        cls.run_in_guest("cd /sys/kernel/tracing; echo mono > trace_clock;"
+                         f" echo gpio=={cls.lamp_gpio} > events/gpio/gpio_value/filter; echo 1 > events/gpio/gpio_value/enable")
+
+    @staticmethod
+    def tell(text):
+        print(text, file=sys.stderr, flush=True)
+
+    @classmethod
+    def run_in_guest(cls, command, seconds=60):
+        status, said = cls.machine.run(command, seconds)
+        assert status == 0, f"{command}: status {status}: {said}"
+        return said
+
+    def setUp(self):
+        self.plugged, self.stage = None, None
+        self.machine.set_line(COVER, 0)
+        self.machine.set_line(START, 0)
+        self.run_in_guest("rm -rf /state/*; echo > /sys/kernel/tracing/trace")
+
+    def tearDown(self):
+        if any(error for _, error in getattr(self._outcome, "errors", [])) or not self._outcome.success:
+            self.tell(self.log()[-3000:])
+        self.machine.run("killall -9 plumblined plumblined-broken; while pidof plumblined plumblined-broken plumbline-keeper;"
+                         " do usleep 50000; done")
+        if self.stage:
+            self.stage.end()
+        if self.plugged:
+            self.pull()
+        self.machine.run("umount /run/plumbline/*")
+
+    def follow(self):
+        """A stage that has seen nothing yet, which the lines move from now on. It is where the former one was."""
+        if self.stage:
+            self.stage.end()
+        self.stage = Stage(self.machine, self.stage.steps if self.stage else round(30.5 / STEP_MM))
+
+    def start_daemon(self, program="plumblined", environment=""):
+        self.run_in_guest(f"(cd /board; {environment} {program} --printer rig.toml --state /state > /tmp/log 2>&1;"
+                          " echo ended with $? >> /tmp/log) &")
+        self.until("ready", "interrupted")
+
+    def log(self):
+        return self.machine.run("cat /tmp/log")[1]
+
+    def until(self, *patterns, seconds=PATIENCE):
+        """Waits until the firmware has said what one of the patterns is found in."""
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            log = self.log()
+            if any(re.search(pattern, log, re.DOTALL) for pattern in patterns):
+                return log
+            time.sleep(0.2)
+        self.fail(f"not said in {seconds} s: {patterns}\n{self.log()[-2000:]}")
+
+    def until_over(self):
+        """Waits until a print has finished and its report is written."""
+        self.until("finished.*plumblined: ready")
+
+    def until_lit(self, lights):
+        end = time.monotonic() + PATIENCE
+        while len(self.stage.lights) < lights:
+            self.assertLess(time.monotonic(), end, f"{len(self.stage.lights)} lights\n{self.log()[-2000:]}")
+            time.sleep(0.001)
+
+    def prints(self, first=0, cut=None, but=()):
+        """
+        The print ends, with its lights right in every pixel and step.
+        @param first  layer of the first light that the stage has seen
+        @param cut    a light that was cut short: the next one is its layer's, too
+        @param but    what is not as in an undisturbed print, as objections() says it
+        """
+        self.until_over()
+        lights = [light for number, light in enumerate(self.stage.lights) if number != cut]
+        wrong = objections(lights, self.masks[first:], LAYER_STEPS, LIFT_STEPS, first)
+        self.assertEqual(wrong + self.stage.trouble, list(but))
+        seen = sum(light.before is not None for light in lights)
+        self.assertGreater(seen, len(lights) // 2, "pictures that the host was in time for")
+
+    def resumes(self):
+        self.start_daemon()
+        self.until("an interrupted print can go on")
+        self.follow()
+        self.press_start()
+        self.until_over()
+        report = self.report()
+        self.assertGreater(report["first_layer"], 0)
+        self.assertEqual(report["state"], "finished")
+        self.prints(report["first_layer"])
+
+    def plug(self, image, **how):
+        type(self).plugs += 1
+        name = f"stick{self.plugs}"
+        self.machine.plug(name, image, **how)
+        self.plugged = name
+
+    def pull(self):
+        self.machine.pull(self.plugged)
+        self.plugged = None
+
+    def press_start(self):
+        self.machine.set_line(START, 1)
+        time.sleep(0.15)
+        self.machine.set_line(START, 0)
+
+    def mounts(self):
+        return int(self.machine.run("grep -c /dev/sd /proc/mounts")[1])
+
+    def exposures(self):
+        """Seconds of each time that the lamp's line was on, in the guest's time."""
+        return intervals(trace_times(self.machine.run("cat /sys/kernel/tracing/trace")[1], self.lamp_gpio))
+
+    def report(self):
+        return json.loads(self.run_in_guest("cat /state/report.json"))
+
+
+def main(about):
+    """Runs the tests of the calling module: HOST_BUILD CROSS_BUILD [--arch arm64|armhf] [unittest's options]"""
+    global OPTIONS
+    parser = argparse.ArgumentParser(description=about, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("host", type=Path, help="build for this machine: its plumbline makes the masks that are compared with")
+    parser.add_argument("cross", type=Path, help="build for the board")
+    parser.add_argument("--arch", choices=("arm64", "armhf"), default="arm64")
+    OPTIONS, rest = parser.parse_known_args()
+    unittest.main(argv=[sys.argv[0], *rest])
