@@ -233,11 +233,9 @@ bool KmsPanel::Device::await_flip(Clock::time_point until) {
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now()).count();
     pollfd fd{card_.get(), POLLIN, 0};
     const int ready = ::poll(&fd, 1, static_cast<int>(std::max<std::int64_t>(0, left)));
-    if (ready > 0) {
-      if (::drmHandleEvent(card_.get(), &context) != 0) return false;
-    } else if (ready == 0 && left <= 0) {
-      return false;
-    }
+    if (ready > 0 && ::drmHandleEvent(card_.get(), &context) != 0) return false;
+    // Whatever else the card has to tell, or a signal, the wait ends in time.
+    if (pending_ && left <= 0) return false;
   }
   return true;
 }
@@ -277,6 +275,8 @@ Status KmsPanel::Device::flip() {
 }
 
 KmsPanel::Device::~Device() {
+  // While a flip is under way the kernel refuses the former picture.
+  static_cast<void>(await_flip(Clock::now() + flip_timeout_));
   if (former_ && former_->mode_valid != 0 && former_->buffer_id != 0) {
     static_cast<void>(::drmModeSetCrtc(card_.get(), crtc_, former_->buffer_id, former_->x, former_->y, &connector_, 1,
                                        &former_->mode));
