@@ -1,8 +1,10 @@
 #include "firmware/daemon_command_line.hpp"
 
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <csignal>
 
 #include "firmware/back_end.hpp"
 #include "firmware/interrupt.hpp"
@@ -103,9 +105,13 @@ class DaemonLog final : public DaemonObserver {
     }
   }
   void end() {
-    if (ended_ || witness_ == nullptr) return;
+    if (ended_) return;
     ended_ = true;
-    witness_->press(EventKind::kShutdownRequested);
+    if (witness_ != nullptr) {
+      witness_->press(EventKind::kShutdownRequested);
+    } else {
+      static_cast<void>(::kill(::getpid(), SIGTERM));  // of which the board's machine makes the same event
+    }
   }
 
   const DaemonOptions& options_;
