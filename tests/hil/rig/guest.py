@@ -115,13 +115,10 @@ def libraries_of(arch, root, programs):
     return found
 
 
-def board_text(panel=None):
-    """board/rig.toml with the rig's short profile. @param panel  (columns, rows) of another panel, with pixels of 0.05 mm"""
+def board_text(changes):
+    """board/rig.toml with the rig's short profile. @param changes  other values of its keys"""
     text = (SOURCE / "board" / "rig.toml").read_text()
-    changes = {"profile": '"quick"'}
-    if panel:
-        changes.update({"columns": panel[0], "rows": panel[1], "pixel_pitch_x_mm": 0.05, "pixel_pitch_y_mm": 0.05})
-    for key, value in changes.items():
+    for key, value in {"profile": '"quick"', **changes}.items():
         text, times = re.subn(rf"^{key} = [^ ]+", f"{key} = {value}", text, flags=re.MULTILINE)
         assert times == 1, key
     return text

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 STEP, LAMP, DIRECTION, END_STOP, COVER, START, ENABLE = 0, 1, 2, 4, 5, 6, 7
 
 STEP_MM = 0.02
-END_STOP_MM = 32.0
 
 
 @dataclass
@@ -28,8 +27,10 @@ class Light:
 class Stage:
     """Follows the lines of a Machine: at each change where that one is exact, else in a thread of its own as it can."""
 
-    def __init__(self, machine, steps):
-        self.machine, self.steps, self.travelled, self.lights, self.trouble = machine, steps, 0, [], []
+    def __init__(self, machine, steps, end_stop):
+        """@param steps, end_stop  where the stage is, and where it meets its end stop: steps from the film"""
+        self.machine, self.steps, self.end_stop = machine, steps, end_stop
+        self.travelled, self.lights, self.trouble = 0, [], []
         self.on_light = None  # called with the light's number, on an exact machine at its very instant
         # What the lines did before is another stage's.
         self.seen, self.level, self.pressed, self.ended = len(machine.edges), dict(machine.level), None, False
@@ -39,9 +40,6 @@ class Stage:
         else:
             self.thread = threading.Thread(target=self._follow, daemon=True)
             self.thread.start()
-
-    def height(self):
-        return self.steps * STEP_MM
 
     def lit(self):
         return bool(self.lights) and not self.lights[-1].over
@@ -93,7 +91,7 @@ class Stage:
             self.trouble.append(f"light {len(self.lights)}: a step before it, of a motor that is off")
 
     def _press(self):
-        pressed = self.height() >= END_STOP_MM - STEP_MM / 2
+        pressed = self.steps >= self.end_stop
         if pressed != self.pressed:
             self.pressed = pressed
             self.machine.set_line(END_STOP, pressed)

@@ -21,7 +21,7 @@ LAYER_STEPS = round(0.1 / STEP_MM)
 LIFT_STEPS = round(1.0 / STEP_MM)
 OPTIONS = None
 
-# To be judged by a host's clock: an emulated board on a busy host may take its time, and none of it is a fault.
+# s of the host's clock. A board that is emulated on a busy host takes its time, and that is no fault of the firmware's.
 PATIENCE = 180
 
 
@@ -45,15 +45,19 @@ def write_lentil(path, points=12000):
             file.write(struct.pack("<6f", *place, *(part / length for part in normal)))
 
 
-def masks_of(scan, folder, panel=None):
-    """What `plumbline slice` of this machine writes for the rig's printer. @returns each layer, a byte a pixel"""
+def masks_of(scan, folder, board, layers=None):
+    """
+    What `plumbline slice` of this machine writes for the rig's printer.
+    @param board    text of its board file
+    @returns the first `layers` layers, or all, a byte a pixel
+    """
     (folder / "board" / "profiles").mkdir(parents=True, exist_ok=True)
-    (folder / "board" / "rig.toml").write_text(guest.board_text(panel))
+    (folder / "board" / "rig.toml").write_text(board)
     shutil.copy(guest.HERE / "quick.toml", folder / "board" / "profiles")
     sliced = folder / "sliced"
     command = [OPTIONS.host / "firmware" / "plumbline", "slice", scan, "-o", sliced, "--printer", folder / "board" / "rig.toml"]
     subprocess.run([*command, "--layer-height", "0.1", "--quiet", "--no-preview"], check=True)
-    masks = [mask_pixels(path) for path in sorted((sliced / "layers").iterdir())]
+    masks = [mask_pixels(path) for path in sorted((sliced / "layers").iterdir())[:layers]]
     shutil.rmtree(sliced)
     return masks
 
@@ -61,7 +65,7 @@ def masks_of(scan, folder, panel=None):
 class Rig(unittest.TestCase):
     EXACT = False  # the kind of Machine
     DISK = True  # for the state; else it is in memory
-    PANEL = None  # (columns, rows), where it is not that of board/rig.toml
+    BOARD = {"columns": 640, "rows": 480, "end_stop_height_mm": 32}  # what differs from board/rig.toml
     PROGRAMS = ()  # of the cross build, besides the firmware's
 
     @classmethod
@@ -70,8 +74,9 @@ class Rig(unittest.TestCase):
         cls.addClassCleanup(folder.cleanup)
         cls.dir = Path(folder.name)
         root = guest.make_root(OPTIONS.arch)
+        cls.board = guest.board_text(cls.BOARD)
         programs = [OPTIONS.cross / program for program in cls.PROGRAMS]
-        guest.make_initramfs(OPTIONS.arch, root, OPTIONS.cross, cls.dir / "initramfs", guest.board_text(cls.PANEL), programs)
+        guest.make_initramfs(OPTIONS.arch, root, OPTIONS.cross, cls.dir / "initramfs", cls.board, programs)
         cls.scans()
         disk = None
         if cls.DISK:
@@ -82,9 +87,8 @@ class Rig(unittest.TestCase):
         gate = Gate(cls.dir) if cls.EXACT else None
         kernel = guest.kernel_of(root)
         cls.plugs = 0
-        cls.machine = Machine(
-            cls.dir, kernel, cls.dir / "initramfs", OPTIONS.arch, disk=disk, panel=cls.PANEL or (640, 480), gate=gate
-        )
+        panel = cls.BOARD["columns"], cls.BOARD["rows"]
+        cls.machine = Machine(cls.dir, kernel, cls.dir / "initramfs", OPTIONS.arch, disk=disk, panel=panel, gate=gate)
         cls.addClassCleanup(cls.machine.end)
         cls.boot()
 
@@ -93,7 +97,7 @@ class Rig(unittest.TestCase):
         """Makes scans, their masks and sticks."""
         cls.scan = cls.dir / "lentil.ply"
         write_lentil(cls.scan)
-        cls.masks = masks_of(cls.scan, cls.dir)
+        cls.masks = masks_of(cls.scan, cls.dir, cls.board)
         cls.stick = cls.dir / "lentil.img"
         guest.make_stick(cls.stick, [cls.scan])
 
@@ -138,7 +142,9 @@ class Rig(unittest.TestCase):
         """A stage that has seen nothing yet, which the lines move from now on. It is where the former one was."""
         if self.stage:
             self.stage.end()
-        self.stage = Stage(self.machine, self.stage.steps if self.stage else round(30.5 / STEP_MM))
+        end_stop = round(self.BOARD["end_stop_height_mm"] / STEP_MM)
+        below = round(1.5 / STEP_MM)  # where it is switched on
+        self.stage = Stage(self.machine, self.stage.steps if self.stage else end_stop - below, end_stop)
 
     def start_daemon(self, program="plumblined", environment=""):
         self.run_in_guest(f"(cd /board; {environment} {program} --printer rig.toml --state /state > /tmp/log 2>&1;"
@@ -162,8 +168,8 @@ class Rig(unittest.TestCase):
         """Waits until a print has finished and its report is written."""
         self.until("finished.*plumblined: ready")
 
-    def until_lit(self, lights):
-        end = time.monotonic() + PATIENCE
+    def until_lit(self, lights, seconds=PATIENCE):
+        end = time.monotonic() + seconds
         while len(self.stage.lights) < lights:
             self.assertLess(time.monotonic(), end, f"{len(self.stage.lights)} lights\n{self.log()[-2000:]}")
             time.sleep(0.001)
