@@ -1,0 +1,137 @@
+#!/usr/bin/env python3
+"""Instructions that a build for boards executes, stage by stage: count_instructions.py BUILD HOST_PROGRAM [--update] -- EMULATOR... PROGRAM
+
+BUILD is aarch64 or armv7, HOST_PROGRAM the plumbline of this machine, which makes the scans. What follows -- is the command that runs
+the other build under QEMU's user emulation, whose plug-in (count_instructions.cpp, compiled here with c++) counts. A sample scan is
+sliced and printed with one thread in a few ways that differ in one thing each, so that differences are what that thing costs.
+
+The counts depend on the program alone, not on the machine or its load: 10 % more than instructions.json has is a slow-down and an
+error. --update writes what was counted there. board/README.md has the table, and what it means in seconds.
+Exit status: 0 as few as before, 1 more, or not repeatable, 2 wrong use.
+"""
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+SOURCE_DIR = Path(__file__).resolve().parents[2]
+KEPT = Path(__file__).with_name("instructions.json")
+MARGIN = 0.10
+SPREAD = 0.001  # between two runs: addresses and times of day reach a few instructions
+
+POINTS = 100_000
+# At this size the sample has some 200 layers of 0.1 mm, and all but a few of its points are further apart than what is averaged.
+SCALE = 0.35
+SLICE = ["slice", "--printer", SOURCE_DIR / "board/mono2k.toml", "--no-preview", "-o", "OUT"]
+# A print makes the masks and nothing else of them; this one ends before its first layer.
+PRINT = ["print", "--printer", SOURCE_DIR / "board/sim2k.toml", "--fault", "power.cut@layer=0"]
+
+
+class Run:
+    """One run of the program: instructions of each stage, and in all."""
+
+    def __init__(self, counted, said, manifest):
+        *marks, end = counted.splitlines()
+        _, total, threads = end.split()
+        if threads != "1":
+            sys.exit(f"the program ran {threads} threads, of one of which the plug-in can tell")
+        self.total = int(total)
+        # Each stage says at its end, in one write, what it took.
+        self.stages, before = {}, 0
+        for mark, line in zip(marks, said.splitlines()):
+            words, at = line.split(), int(mark.split()[1])
+            if " s   arena " in line:
+                self.stages[" ".join(words[: words.index("s") - 1])] = at - before
+            before = at
+        self.layers = manifest["grid"]["layers"] if manifest else 0
+        self.rays = manifest["rays"]["interested"] if manifest else 0
+
+
+def count(target, plugin, work, scan, arguments, layer_height, status):
+    out, counted = work / "out", work / "counted"
+    command, options = arguments[0], [out if word == "OUT" else word for word in arguments[1:]]
+    arguments = [command, scan, *options, "--scale", SCALE, "--layer-height", layer_height, "--threads", 1]
+    done = subprocess.run(
+        list(map(str, [target[0], "-plugin", f"{plugin},out={counted}", *target[1:], *arguments])),
+        env={**os.environ, "OMP_NUM_THREADS": "1"}, capture_output=True, text=True, check=False,
+    )
+    if done.returncode != status or not counted.exists():
+        sys.exit(f"{' '.join(map(str, arguments))}\nended with {done.returncode}; counted: {counted.exists()}\n{done.stdout}{done.stderr}")
+    manifest = out / "manifest.json"
+    return Run(counted.read_text(), done.stderr, json.loads(manifest.read_text()) if manifest.exists() else None)
+
+
+def measure(host, command, work):
+    """The figures of a build, by name, and by how much two equal runs differ."""
+    plugin = work / "count.so"
+    source = Path(__file__).with_suffix(".cpp")
+    subprocess.run(["c++", "-std=c++20", "-O2", "-shared", "-fPIC", "-fvisibility=hidden", "-o", plugin, source], check=True)
+    scans = {}
+    for points in (POINTS, 2 * POINTS):
+        scans[points] = work / f"{points}.ply"
+        subprocess.run([host, "sample", scans[points], "--points", str(points), "--quiet"], check=True)
+
+    def of(points, arguments, layer_height=0.1, status=0):
+        return count(command, plugin, work, scans[points], arguments, layer_height, status)
+
+    printed = of(POINTS, PRINT, status=1)
+    base, again = of(POINTS, SLICE), of(POINTS, SLICE)
+    twice, fine = of(2 * POINTS, SLICE), of(POINTS, SLICE, layer_height=0.05)
+    more_millions = POINTS / 1e6
+    more_layers = fine.layers - base.layers
+    built = ("trees", "clustering", "winding", "ray grid")
+
+    def more(stages, run):
+        return sum(run.stages[stage] - base.stages[stage] for stage in stages)
+
+    figures = {
+        "read, a million points": more(["read"], twice) / more_millions,
+        "trees and clusters, a million points": more(built, twice) / more_millions,
+        "rays, a million points": more(["rays"], twice) / more_millions,
+        "rays, a thousand rays": base.stages["rays"] * 1000 / base.rays,
+        "R-Rep, a layer": more(["r-rep"], fine) / more_layers,
+        "mask, a layer": printed.stages["layers"] / base.layers,
+        "mask and its PNG file, a layer": more(["layers"], fine) / more_layers,
+        "slice of 100,000 points": base.total,
+    }
+    return {name: round(value) for name, value in figures.items()}, abs(again.total - base.total) / base.total
+
+
+def main(arguments):
+    if len(arguments) < 4 or "--" not in arguments:
+        print(__doc__, file=sys.stderr)
+        return 2
+    split = arguments.index("--")
+    ours, command = arguments[:split], arguments[split + 1 :]
+    build, host = ours[:2]
+    with tempfile.TemporaryDirectory(prefix="plumbline-count-") as folder:
+        figures, spread = measure(host, command, Path(folder))
+    kept = json.loads(KEPT.read_text()) if KEPT.exists() else {}
+    before = kept.get(build, {})
+    result = 0
+    for name, value in figures.items():
+        was = before.get(name)
+        change = f"{value / was - 1:+8.2%}" if was else "     new"
+        slower = was is not None and value > was * (1 + MARGIN)
+        print(f"{'FAILED' if slower else 'ok':8}{name:40}{value:18,}{change}")
+        result |= slower
+    print(f"two equal runs differ by {spread:.2g} of the count")
+    if spread > SPREAD:
+        print("FAILED  which is no count to compare with")
+        result = 1
+    if "--update" in ours:
+        KEPT.write_text(json.dumps({**kept, build: figures}, indent=2, sort_keys=True) + "\n")
+        return 0
+    if not before:
+        print(f"FAILED  {KEPT.name} has nothing of {build}: run this with --update")
+        return 1
+    if result:
+        print("if it is meant to take more: run this with --update, and correct the table in board/README.md")
+    return int(result)
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
