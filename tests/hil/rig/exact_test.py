@@ -40,7 +40,11 @@ class ExactPrint(rig.Rig):
         self.start_print()
         self.prints()
         self.assertTrue(all(light.before and light.after for light in self.stage.lights), "pictures")
-        asked = [line["asked_s"] for line in self.report()["exposures"]]
+        report = self.report()
+        steps = report["stage"]
+        self.assertEqual(steps["steps"], self.stage.travelled, "steps that the firmware says it took")
+        self.tell(f"{steps['steps']} steps, {steps['late_steps']} late, the worst by {steps['worst_lateness_ms']:.3f} ms")
+        asked = [line["asked_s"] for line in report["exposures"]]
         self.assertEqual(asked[0], 1.5)
         self.assertTrue(1.0 < asked[1] < 1.5, asked[1])
         self.assertEqual(set(asked[2:]), {1.0})
@@ -89,6 +93,7 @@ class ExactPrint(rig.Rig):
         wrong = [f"light {light}: 1 steps too low" for light in after]
         wrong.insert(1, f"light {after[0]}: 94 steps before it and not 95")
         self.assertEqual(self.wrong_with("lost-step"), wrong)
+        self.assertEqual(self.report()["stage"]["steps"], self.stage.travelled + 1)
 
     def test_a_wrong_pixel_is_found(self):
         wrong = [f"light {BROKEN_LIGHT}: 1 pixels wrong at its {when}" for when in ("beginning", "end")]
