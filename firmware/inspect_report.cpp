@@ -40,6 +40,10 @@ void add_scan(Text& text, const ScanOutlook& o) {
     text.add("normals    none in the file: slicing estimates them (done here for %u points)\n",
              o.scan.normals_estimated);
   }
+  const double turned = turned_share(o.scan.normals_turned, o.scan.cloud_points);
+  if (turned > kTurnedWorthAWord) {
+    text.add("           %.2g %% point into the object: slicing turns them over\n", 100 * turned);
+  }
 }
 
 void add_extent(Text& text, const ScanOutlook& o) {
@@ -149,6 +153,7 @@ void write_scan(JsonWriter& json, const ScanOutlook& o) {
   json.member("zero_length", scan.header.has_normals ? scan.without_normal : std::uint64_t{0});
   json.end_object();
   json.member("normals_estimated", o.scan.normals_estimated);
+  json.member("normals_turned", o.scan.normals_turned);
   if (o.scan_names.size() > 1) write_files(json, o.scan_names, o.scan.scans);
   json.end_object();
 }

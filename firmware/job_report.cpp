@@ -57,6 +57,10 @@ FixedText<256> stray_warning(const StrayPieces& strays) {
   return text;
 }
 
+double turned_share(std::uint32_t turned, std::uint32_t points) {
+  return points > 0 ? static_cast<double>(turned) / points : 0;
+}
+
 void find_warnings(JobReport& report) {
   const SliceReport& s = report.slice;
   const PrintGrid& grid = s.placement.grid;
@@ -97,6 +101,16 @@ void find_warnings(JobReport& report) {
     report.warnings.add().add(
         "the object is %u separate pieces; those that do not stand on the plate need supports: --supports auto",
         s.pieces.pieces);
+  }
+  if (turned_share(s.normals_turned, s.cloud_points) > kTurnedWorthAWord) {
+    report.warnings.add().add("%.2g %% of the normals pointed into the object and were turned over",
+                              100 * turned_share(s.normals_turned, s.cloud_points));
+  }
+  if (s.pieces.floating_pieces > 0) {
+    report.warnings.add().add(
+        "%u small piece%s left out that touch%s neither the object nor the plate. --keep-all keeps %s",
+        s.pieces.floating_pieces, s.pieces.floating_pieces == 1 ? " was" : "s were",
+        s.pieces.floating_pieces == 1 ? "es" : "", s.pieces.floating_pieces == 1 ? "it" : "them");
   }
   if (s.normals_estimated > 0) {
     report.warnings.add().add("%u points have no normal in the scan; theirs were estimated from their neighbours",

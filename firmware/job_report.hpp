@@ -65,6 +65,11 @@ const char* to_string(ScanFormat format);
 /// What to say where stray pieces were left out; empty where none were.
 FixedText<256> stray_warning(const StrayPieces& strays);
 
+/// Share of the normals that were turned over.
+double turned_share(std::uint32_t turned, std::uint32_t points);
+/// Below this nobody needs to know: flying pixels at edges.
+inline constexpr double kTurnedWorthAWord = 0.01;
+
 /// Looks for what a user should know before printing, and adds it to report.warnings.
 void find_warnings(JobReport& report);
 

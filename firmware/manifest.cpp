@@ -75,6 +75,7 @@ void write_points(JsonWriter& json, const SliceReport& slice) {
   json.member("room_for_points", slice.cloud_capacity);
   json.end_object();
   json.member("normals_estimated", slice.normals_estimated);
+  json.member("normals_turned", slice.normals_turned);
   json.key("points");
   json.begin_object(kOneLine);
   const auto& points = slice.clustering.points;
@@ -105,7 +106,8 @@ void write_rays(JsonWriter& json, const SliceReport& slice) {
   json.member("counted", pieces.counted);
   json.member("solids", pieces.pieces);
   json.member("hollows", pieces.bubbles);
-  json.member("solid_specks_removed", pieces.dropped_pieces);
+  json.member("solid_specks_removed", pieces.dropped_pieces - pieces.floating_pieces);
+  json.member("floating_removed", pieces.floating_pieces);
   json.member("hollow_specks_filled", pieces.filled_bubbles);
   json.member("speck_voxels", pieces.dropped_voxels);
   json.end_object();

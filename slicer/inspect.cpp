@@ -12,6 +12,7 @@
 #include "slicer/normals.hpp"
 #include "slicer/rrep_builder.hpp"
 #include "slicer/stage_scope.hpp"
+#include "slicer/turned_patches.hpp"
 
 namespace plumbline {
 namespace {
@@ -66,7 +67,7 @@ class Inspection {
     report_.bounds_with_noise = bounds();
     cloud_.drop_noise();
     if (!settings_.keep_all && cloud_.size > 0 && result->epsilon > 0) {
-      const auto strays = drop_stray_pieces(cloud_, result->epsilon, arena_);
+      const auto strays = drop_stray_pieces(cloud_, *result, arena_);
       PLUMBLINE_TRY(strays);
       report_.strays = *strays;
     }
@@ -113,12 +114,18 @@ class Inspection {
   }
 
   Status complete_normals(const KdTree3& tree) {
-    const auto normals = cloud_.normal.first(cloud_.size);
-    if (std::all_of(normals.begin(), normals.end(), [](const PackedNormal& n) { return n.known(); })) return {};
     const StageScope stage(Stage::kNormals, arena_, progress_, report_.peak_bytes);
-    auto estimated = estimate_normals(cloud_, tree, arena_, {progress_, Stage::kNormals});
-    PLUMBLINE_TRY(estimated);
-    report_.normals_estimated = *estimated;
+    const StageProgress progress{progress_, Stage::kNormals};
+    const auto normals = cloud_.normal.first(cloud_.size);
+    if (std::any_of(normals.begin(), normals.end(), [](const PackedNormal& n) { return !n.known(); })) {
+      const auto estimated = estimate_normals(cloud_, tree, arena_, progress);
+      PLUMBLINE_TRY(estimated);
+      report_.normals_estimated = *estimated;
+    }
+    if (report_.normals_estimated == cloud_.size) return {};
+    const auto turned = turn_patches(cloud_, tree, arena_, progress);
+    PLUMBLINE_TRY(turned);
+    report_.normals_turned = *turned;
     return {};
   }
 

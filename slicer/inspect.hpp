@@ -31,6 +31,7 @@ struct InspectReport {
   double thinning_cell = 0;             ///< 0: all points fit
   std::uint64_t averaged_points = 0;    ///< scan points that were averaged into another
   std::uint32_t normals_estimated = 0;  ///< points whose normal the scan did not have
+  std::uint32_t normals_turned = 0;     ///< points whose normal contradicted the others
   Box3d bounds;                         ///< of the rotated scan without its noise and stray pieces
   Box3d bounds_with_noise;              ///< of the rotated scan
   double spacing = 0;                   ///< median distance of a point from the nearest other one

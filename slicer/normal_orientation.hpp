@@ -16,13 +16,7 @@ std::size_t orientation_bytes(std::uint32_t points);
 /// Turns normals of estimated tangent planes so that they all point out of the object.
 ///
 /// 1. Sheets. Neighbours are joined from the surest pair to the least sure one, a spanning forest as of Hoppe et al. 1992,
-///    section 3.3 (Kruskal's algorithm over classes of weights). The chord d from one point to the other lies nearly in the
-///    surface, so that the normals' parts along it tell how the surface bends and only the rest tells the side:
-///
-///      w(i, j) = <n_i, n_j> - <n_i, d> <n_j, d> / <d, d>
-///
-///    Its sign is that of the join, its magnitude the confidence: 1 on a plane, 1/2 across a right edge, where the inner
-///    product alone says nothing, 0 through a thin wall, where the inner product alone says the wrong thing.
+///    section 3.3 (Kruskal's algorithm over classes of weights): join_weight(), its sign that of the join.
 /// 2. Sides of sheets, the largest first. Known normals decide by majority. Otherwise a sheet faces outwards,
 ///
 ///      sum_i a_i <n_i, p_i - c> > 0                                              (c: its centroid, a_i: area of a point)

@@ -8,6 +8,8 @@ namespace plumbline {
 namespace {
 
 constexpr const char* kStage = "pieces";
+/// A piece in the air goes if it has less than one in so many voxels of the largest.
+constexpr std::uint32_t kFloatingShare = 500;
 constexpr std::uint32_t kOutside = 0;  ///< the stretch that is everything beyond the object
 
 /// A ray's crossings and the number of its first stretch.
@@ -46,15 +48,21 @@ class Stretches {
     parent_[a] = b;  // the outside, number 0, stays its own root
   }
   void grow(std::uint32_t i, std::uint64_t voxels) {
-    volume_[i] = static_cast<std::uint32_t>(
-        std::min<std::uint64_t>(std::numeric_limits<std::uint32_t>::max(), volume_[i] + voxels));
+    const auto sum = std::min<std::uint64_t>(kMostVoxels, volume(i) + voxels);
+    volume_[i] = (volume_[i] & ~kMostVoxels) | static_cast<std::uint32_t>(sum);
   }
-  std::uint32_t volume(std::uint32_t i) const { return volume_[i]; }
+  std::uint32_t volume(std::uint32_t i) const { return volume_[i] & kMostVoxels; }
+
+  static constexpr std::uint32_t kMostVoxels = (1U << 30) - 1;
+  static constexpr std::uint32_t kAtPlate = 1U << 30;     ///< some of the set lies on the plate
+  static constexpr std::uint32_t kBelowPlate = 1U << 31;  ///< some lies below
+  void mark(std::uint32_t root, std::uint32_t where) { volume_[root] |= where; }
+  bool stands(std::uint32_t root) const { return (volume_[root] & (kAtPlate | kBelowPlate)) == kAtPlate; }
   std::uint32_t size() const { return static_cast<std::uint32_t>(parent_.size()); }
 
  private:
   std::span<std::uint32_t> parent_;
-  std::span<std::uint32_t> volume_;  ///< voxels, of a root all of its set's
+  std::span<std::uint32_t> volume_;  ///< voxels, of a root all of its set's, and marks
 };
 
 /// Joins the stretches of two neighbouring rays that share a layer and are of one kind.
@@ -74,14 +82,43 @@ void join(const Ray& a, const Ray& b, std::uint32_t layers, Stretches& stretches
 /// Whether a stretch belongs to a set that is to go.
 struct Sieve {
   Stretches& stretches;
-  std::uint64_t fewest;
+  std::uint64_t speck;     ///< voxels: fewer are one
+  std::uint64_t floating;  ///< voxels: fewer must stand on the plate
   std::uint32_t largest_piece;
-  bool specks(std::uint32_t number) const {
+  bool is_speck(std::uint32_t root) const {
+    return root != kOutside && root != largest_piece && stretches.volume(root) < speck;
+  }
+  bool floats(std::uint32_t root, bool solid) const {
+    return solid && root != largest_piece && !stretches.stands(root) && stretches.volume(root) < floating;
+  }
+  bool goes(std::uint32_t number, bool solid) const {
     if (number == kOutside) return false;
     const std::uint32_t root = stretches.root(number);
-    return root != kOutside && root != largest_piece && stretches.volume(root) < fewest;
+    return is_speck(root) || floats(root, solid);
   }
 };
+
+/// Marks the pieces that reach the plate, which is where the largest one begins, give or take so many layers.
+void mark_plate(CrossingStore& store, std::uint32_t largest, std::uint32_t layers, Stretches& stretches, Arena& arena) {
+  const auto for_each_solid = [&](auto visit) {
+    std::uint32_t first = 1;
+    store.for_each_row(arena, [&](std::uint32_t, std::span<CrossingStore::RayRef> row) {
+      for (const auto& ref : row) {
+        const Ray ray{ref.crossings(), first};
+        first += ray.inner();
+        for (std::uint32_t s = 1; s <= ray.inner(); s += 2) visit(stretches.root(ray.number(s)), ray.low(s));
+      }
+    });
+  };
+  std::uint32_t plate = std::numeric_limits<std::uint32_t>::max();
+  for_each_solid([&](std::uint32_t root, std::uint32_t low) {
+    if (root == largest) plate = std::min(plate, low);
+  });
+  for_each_solid([&](std::uint32_t root, std::uint32_t low) {
+    if (low <= plate + layers)
+      stretches.mark(root, low + layers < plate ? Stretches::kBelowPlate : Stretches::kAtPlate);
+  });
+}
 
 }  // namespace
 
@@ -93,7 +130,7 @@ std::size_t pieces_bytes(const PrintGrid& grid, double rays, double crossings) {
          grid.columns * (2 * sizeof(Ray) + sizeof(CrossingStore::RayRef) + 2 * sizeof(void*));
 }
 
-PieceCounts drop_specks(CrossingStore& store, std::uint64_t fewest_voxels, Arena& arena) {
+PieceCounts drop_pieces(CrossingStore& store, const PieceLimits& limits, Arena& arena) {
   const ArenaScope scope(arena);
   const PrintGrid& grid = store.grid();
   PieceCounts counts;
@@ -131,7 +168,7 @@ PieceCounts drop_specks(CrossingStore& store, std::uint64_t fewest_voxels, Arena
     const std::uint32_t root = stretches.root(i);
     if (root != i) stretches.grow(root, stretches.volume(i));
   }
-  Sieve sieve{stretches, fewest_voxels, kOutside};
+  Sieve sieve{stretches, limits.speck_voxels, 0, kOutside};
   const auto for_each_root = [&](auto visit) {
     std::uint32_t number = 1;
     store.for_each_row(arena, [&](std::uint32_t, std::span<CrossingStore::RayRef> row) {
@@ -148,8 +185,13 @@ PieceCounts drop_specks(CrossingStore& store, std::uint64_t fewest_voxels, Arena
         sieve.largest_piece == kOutside || stretches.volume(root) > stretches.volume(sieve.largest_piece);
     if (solid && larger) sieve.largest_piece = root;
   });
+  if (limits.drop_floating && sieve.largest_piece != kOutside) {
+    sieve.floating = stretches.volume(sieve.largest_piece) / kFloatingShare;
+    mark_plate(store, sieve.largest_piece, limits.plate_layers, stretches, arena);
+  }
   for_each_root([&](std::uint32_t root, bool solid) {
-    const bool goes = sieve.specks(root);
+    const bool goes = sieve.goes(root, solid);
+    if (goes && !sieve.is_speck(root)) ++counts.floating_pieces;
     if (goes) counts.dropped_voxels += stretches.volume(root);
     if (!goes && solid) counts.voxels += stretches.volume(root);
     ++(solid ? (goes ? counts.dropped_pieces : counts.pieces) : (goes ? counts.filled_bubbles : counts.bubbles));
@@ -163,7 +205,7 @@ PieceCounts drop_specks(CrossingStore& store, std::uint64_t fewest_voxels, Arena
       const auto count = static_cast<std::uint32_t>(old.crossings.size());
       number += old.inner();
       // A crossing stays if what lies below it and what lies above it differ when the specks have changed sides.
-      const auto solid = [&](std::uint32_t s) { return (s % 2 == 1) != sieve.specks(old.number(s)); };
+      const auto solid = [&](std::uint32_t s) { return (s % 2 == 1) != sieve.goes(old.number(s), s % 2 == 1); };
       ray.begin_rewrite();
       for (std::uint32_t s = 0; s < count; ++s) {
         if (solid(s) != solid(s + 1)) ray.keep(old.crossings[s]);

@@ -10,24 +10,34 @@
 namespace plumbline {
 
 struct PieceCounts {
-  bool counted = false;              ///< false: the arena had no room to look, and everything stayed
-  std::uint32_t pieces = 0;          ///< connected solids that stay
-  std::uint32_t bubbles = 0;         ///< enclosed hollows that stay
-  std::uint32_t dropped_pieces = 0;  ///< specks of solid taken out
-  std::uint32_t filled_bubbles = 0;  ///< specks of hollow filled
-  std::uint64_t dropped_voxels = 0;  ///< of both
-  std::uint64_t voxels = 0;          ///< of the solids that stay
+  bool counted = false;               ///< false: the arena had no room to look, and everything stayed
+  std::uint32_t pieces = 0;           ///< connected solids that stay
+  std::uint32_t bubbles = 0;          ///< enclosed hollows that stay
+  std::uint32_t dropped_pieces = 0;   ///< solids taken out: specks and floating ones
+  std::uint32_t floating_pieces = 0;  ///< of them, those that are no specks
+  std::uint32_t filled_bubbles = 0;   ///< specks of hollow filled
+  std::uint64_t dropped_voxels = 0;   ///< of both
+  std::uint64_t voxels = 0;           ///< of the solids that stay
 };
 
-/// Bytes of arena that drop_specks() takes.
+/// Bytes of arena that drop_pieces() takes.
 std::size_t pieces_bytes(const PrintGrid& grid, double rays, double crossings);
 
-/// Takes out every solid that has fewer than `fewest_voxels` voxels and touches no other, and fills every hollow of fewer
-/// that does not reach the outside. Voxels touch at faces. The largest piece always stays.
+struct PieceLimits {
+  std::uint64_t speck_voxels = 0;  ///< fewer: a speck
+  bool drop_floating = false;      ///< take out small pieces in the air
+  std::uint32_t plate_layers = 0;  ///< a piece that begins so close to where the largest one begins stands on the plate
+};
+
+/// Takes out every solid that is a speck and touches no other, and fills every hollow that is one and does not reach the
+/// outside. Voxels touch at faces. The largest piece always stays.
+///
+/// On request every solid goes, too, that does not stand on the plate and has less than a 500th of the largest one's
+/// voxels: background that was scanned along. Printed, it would fall into the tank.
 ///
 /// Works on the stretches between the crossings of each ray, not on voxels: a stretch joins the ones it overlaps on the
 /// rays beside it.
 /// @param arena  pieces_bytes() from the top, given back
-[[nodiscard]] PieceCounts drop_specks(CrossingStore& store, std::uint64_t fewest_voxels, Arena& arena);
+[[nodiscard]] PieceCounts drop_pieces(CrossingStore& store, const PieceLimits& limits, Arena& arena);
 
 }  // namespace plumbline

@@ -17,6 +17,7 @@
 #include "slicer/rrep_edit.hpp"
 #include "slicer/stage_scope.hpp"
 #include "slicer/stray_pieces.hpp"
+#include "slicer/turned_patches.hpp"
 #include "slicer/winding_number.hpp"
 
 namespace plumbline {
@@ -86,7 +87,7 @@ class Job {
       return tl::unexpected<Error>(store.error());
     }
     const StageScope stage(Stage::kRRep, arena_, progress_, report_.peak_bytes);
-    report_.pieces = drop_specks(*store, speck_voxels(), arena_);
+    report_.pieces = drop_pieces(*store, piece_limits(), arena_);
     auto rrep = CrossingStore::sort(*store, arena_);
     if (rrep) {
       finish(*rrep);
@@ -98,12 +99,16 @@ class Job {
   }
 
  private:
-  /// Smaller than this the scan cannot tell a thing from a few strays.
-  std::uint64_t speck_voxels() const {
+  PieceLimits piece_limits() const {
     const PrintGrid& grid = report_.placement.grid;
     const float epsilon = report_.clustering.epsilon;
-    return static_cast<std::uint64_t>(kSpeck * epsilon * epsilon * epsilon /
-                                      (grid.pitch_x_mm * grid.pitch_y_mm * grid.layer_height_mm));
+    PieceLimits limits;
+    // Smaller than this the scan cannot tell a thing from a few strays.
+    limits.speck_voxels = static_cast<std::uint64_t>(kSpeck * epsilon * epsilon * epsilon /
+                                                     (grid.pitch_x_mm * grid.pitch_y_mm * grid.layer_height_mm));
+    limits.drop_floating = !settings_.keep_all;
+    limits.plate_layers = static_cast<std::uint32_t>(epsilon / grid.layer_height_mm);
+    return limits;
   }
 
   /// What only the layers as a whole can tell.
@@ -175,6 +180,12 @@ class Job {
       if (!estimated) return tl::unexpected<Error>(estimated.error());
       report_.normals_estimated = *estimated;
     }
+    if (report_.normals_estimated < cloud_.size) {
+      const StageScope stage(Stage::kNormals, arena_, progress_, report_.peak_bytes);
+      auto turned = turn_patches(cloud_, *tree, arena_, {progress_, Stage::kNormals});
+      PLUMBLINE_TRY(turned);
+      report_.normals_turned = *turned;
+    }
     {
       const StageScope stage(Stage::kClustering, arena_, progress_, report_.peak_bytes);
       auto epsilon = density_epsilon(cloud_, *tree, settings_.clustering, arena_);
@@ -184,7 +195,7 @@ class Job {
       report_.clustering = *result;
       cloud_.drop_noise();
       if (!settings_.keep_all && is_surface(report_.clustering, cloud_.size)) {
-        const auto strays = drop_stray_pieces(cloud_, report_.clustering.epsilon, arena_);
+        const auto strays = drop_stray_pieces(cloud_, report_.clustering, arena_);
         PLUMBLINE_TRY(strays);
         report_.strays = *strays;
       }

@@ -42,6 +42,7 @@ struct SliceReport {
   Units units = Units::kMillimetres;  ///< used
   bool units_guessed = false;
   std::uint32_t normals_estimated = 0;  ///< points whose normal the scan did not have
+  std::uint32_t normals_turned = 0;     ///< points whose normal contradicted the others
   ClusteringResult clustering;          ///< epsilon in mm
   StrayPieces strays;                   ///< left out before the object was placed
   float width_mm = 0;                   ///< w

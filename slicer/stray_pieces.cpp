@@ -2,183 +2,241 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <cmath>
 #include <span>
 
 namespace plumbline {
 namespace {
 
 constexpr const char* kStage = "stray pieces";
-constexpr std::uint32_t kSide = 32;  ///< cells along the longest side, and one for its end
-constexpr std::size_t kMostCells = std::size_t{kSide + 1} * (kSide + 1) * (kSide + 1);
-constexpr float kLeastEpsilons = 4;
+
+constexpr std::uint32_t kFewestSlots = 1U << 10;
+constexpr std::uint32_t kMostSlots = 1U << 17;  ///< a surface of a million points fills half of them
+constexpr float kCellEpsilons = 1.5F;
+constexpr std::int64_t kSide = 1 << 20;  ///< cells along an axis, at most
+
 constexpr double kSmall = 0.02;      ///< of the largest piece's area
 constexpr double kAllStrays = 0.05;  ///< of the area of what stays
-constexpr int kRounds = 8;
+constexpr float kSure = 0.1F;        ///< a winding number this close to 0 or 1 is that
 
-constexpr std::uint32_t kEmpty = ~std::uint32_t{0};
+constexpr std::uint32_t kMostJudged = 256;        ///< small pieces; those beyond stay
+constexpr std::uint32_t kPlaces = 4;              ///< of a piece, where the winding number is asked
+constexpr std::uint32_t kFieldPoints = 1U << 14;  ///< of the cloud that stand for all of it
+constexpr float kPi = 3.14159265F;
 
-using Cell = std::array<std::uint32_t, 3>;
+struct Cell {
+  std::uint64_t key = 0;     ///< 0: empty
+  std::uint32_t parent = 0;  ///< slot
+  float area = 0;            ///< mm^2 of its points; of a root that of its piece
+};
 
-/// Occupied cells, joined to pieces.
+/// Occupied cells in a table of open addressing, joined to pieces.
 class Cells {
  public:
-  Cells(const Cloud& cloud, float epsilon, std::span<std::uint32_t> parent, std::span<double> area)
-      : cloud_(cloud), parent_(parent), area_(area) {
+  Cells(const Cloud& cloud, float edge, std::span<Cell> slots) : cloud_(cloud), slots_(slots) {
     const Box3f box = cloud.bounds();
     low_ = box.low;
-    const Vec3f size = box.size();
-    const float longest = std::max({size[0], size[1], size[2]});
-    const float cell = std::max(longest / kSide, kLeastEpsilons * epsilon);
-    inverse_ = 1 / cell;
-    for (int axis = 0; axis < 3; ++axis) {
-      const auto a = static_cast<std::size_t>(axis);
-      dims_[a] = std::min(kSide, static_cast<std::uint32_t>(size[axis] * inverse_)) + 1;
-    }
-    std::fill(parent_.begin(), parent_.end(), kEmpty);
-    std::fill(area_.begin(), area_.end(), 0);
-    for (std::uint32_t i = 0; i < cloud.size; ++i) {
-      const std::uint32_t cell_of_point = index_of(i);
-      parent_[cell_of_point] = cell_of_point;
-      area_[cell_of_point] += static_cast<double>(cloud.radius[i]) * static_cast<double>(cloud.radius[i]);
+    inverse_ = 1 / std::max(edge, box.size().maxCoeff() / static_cast<float>(kSide - 4));
+  }
+
+  /// @returns false: more cells are occupied than the table holds
+  [[nodiscard]] bool fill(float area_factor) {
+    std::fill(slots_.begin(), slots_.end(), Cell{});
+    std::size_t occupied = 0;
+    for (std::uint32_t i = 0; i < cloud_.size; ++i) {
+      const std::uint64_t key = key_of(cloud_.position[i]);
+      const std::uint32_t at = slot(key);
+      if (slots_[at].key == 0) {
+        if (++occupied > slots_.size() * 2 / 3) return false;
+        slots_[at] = {key, at, 0};
+      }
+      slots_[at].area +=
+          area_factor * cloud_.radius[i] * cloud_.radius[i] / static_cast<float>(cloud_.normal[i].weight);
     }
     join();
+    return true;
   }
 
-  /// The cell of a point.
-  std::uint32_t index_of(std::uint32_t point) const {
-    Cell cell{};
-    for (int axis = 0; axis < 3; ++axis) {
-      const float at = (cloud_.position[point][axis] - low_[axis]) * inverse_;
-      const auto a = static_cast<std::size_t>(axis);
-      cell[a] = std::min(dims_[a] - 1, static_cast<std::uint32_t>(std::max(at, 0.0F)));
-    }
-    return index(cell);
-  }
-  bool occupied(std::uint32_t i) const { return parent_[i] != kEmpty; }
-  std::uint32_t root(std::uint32_t i) const { return parent_[i]; }  ///< of an occupied cell; the piece's number
-  bool is_root(std::uint32_t i) const { return parent_[i] == i; }
-  double area(std::uint32_t root) const { return area_[root]; }
-
-  template <class Visit>
-  void for_each(Visit visit) const {
-    Cell cell{};
-    for (cell[2] = 0; cell[2] < dims_[2]; ++cell[2]) {
-      for (cell[1] = 0; cell[1] < dims_[1]; ++cell[1]) {
-        for (cell[0] = 0; cell[0] < dims_[0]; ++cell[0]) {
-          const std::uint32_t i = index(cell);
-          if (occupied(i)) visit(i, cell);
-        }
-      }
-    }
-  }
+  std::uint32_t piece_of(std::uint32_t point) const { return slots_[slot(key_of(cloud_.position[point]))].parent; }
+  bool is_root(std::uint32_t at) const { return slots_[at].key != 0 && slots_[at].parent == at; }
+  float area(std::uint32_t root) const { return slots_[root].area; }
+  std::uint32_t size() const { return static_cast<std::uint32_t>(slots_.size()); }
 
  private:
-  std::uint32_t index(const Cell& cell) const { return (cell[2] * dims_[1] + cell[1]) * dims_[0] + cell[0]; }
+  static constexpr int kBits = 21;
+
+  std::uint64_t key_of(const Vec3f& p) const {
+    std::uint64_t key = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      // Not 0 along any axis, so that a cell has neighbours on all sides and no key is 0.
+      const auto at = static_cast<std::uint64_t>((p[axis] - low_[axis]) * inverse_) + 1;
+      key = key << kBits | at;
+    }
+    return key;
+  }
+  std::uint32_t slot(std::uint64_t key) const {
+    const std::size_t mask = slots_.size() - 1;
+    std::size_t at = (key * 0x9E3779B97F4A7C15U >> 32) & mask;
+    while (slots_[at].key != 0 && slots_[at].key != key) at = (at + 1) & mask;
+    return static_cast<std::uint32_t>(at);
+  }
   std::uint32_t find(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    while (slots_[i].parent != i) i = slots_[i].parent = slots_[slots_[i].parent].parent;
     return i;
   }
   void join() {
-    for_each([&](std::uint32_t i, const Cell& cell) {
-      // Half of the 26 neighbours: those that come before it.
-      for (std::uint32_t n = 0; n < 13; ++n) {
-        const Cell step{n % 3, n / 3 % 3, n / 9};
-        Cell other{};
-        bool exists = true;
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-          other[axis] = cell[axis] + step[axis] - 1;  // wraps to a large number below 0
-          exists &= other[axis] < dims_[axis];
-        }
-        if (!exists || !occupied(index(other))) continue;
+    for (std::uint32_t i = 0; i < size(); ++i) {
+      if (slots_[i].key == 0) continue;
+      // Half of the 26 neighbours: the other half finds this one.
+      for (std::uint64_t n = 14; n < 27; ++n) {
+        const std::uint64_t step = n / 9 << 2 * kBits | n / 3 % 3 << kBits | n % 3;
+        constexpr std::uint64_t kMiddle = std::uint64_t{1} << 2 * kBits | std::uint64_t{1} << kBits | 1;
+        const std::uint32_t other = slot(slots_[i].key + step - kMiddle);
+        if (slots_[other].key == 0) continue;
         const std::uint32_t a = find(i);
-        const std::uint32_t b = find(index(other));
-        parent_[std::max(a, b)] = std::min(a, b);
+        const std::uint32_t b = find(other);
+        slots_[std::max(a, b)].parent = std::min(a, b);
       }
-    });
-    for_each([&](std::uint32_t i, const Cell&) {
-      parent_[i] = find(i);
-      if (!is_root(i)) area_[parent_[i]] += area_[i];
-    });
+    }
+    for (std::uint32_t i = 0; i < size(); ++i) {
+      if (slots_[i].key == 0) continue;
+      const std::uint32_t root = find(i);
+      slots_[i].parent = root;
+      if (root != i) slots_[root].area += slots_[i].area;
+    }
   }
 
   const Cloud& cloud_;
-  std::span<std::uint32_t> parent_;
-  std::span<double> area_;  ///< radius squared of the points; of a root all of its piece's
+  std::span<Cell> slots_;
   Vec3f low_ = Vec3f::Zero();
   float inverse_ = 0;
-  Cell dims_{};
 };
 
-/// Marks the roots of stray pieces. @returns how many there are, and their share of the area
-StrayPieces find_strays(const Cells& cells, std::span<std::uint8_t> stays) {
-  double largest = 0;
-  cells.for_each([&](std::uint32_t i, const Cell&) {
-    if (cells.is_root(i)) largest = std::max(largest, cells.area(i));
-  });
-  Cell low{kEmpty, kEmpty, kEmpty};
-  Cell high{0, 0, 0};
-  cells.for_each([&](std::uint32_t i, const Cell& cell) {
-    stays[cells.root(i)] = cells.area(cells.root(i)) >= kSmall * largest ? 1 : 0;
-    if (stays[cells.root(i)] == 0) return;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      low[axis] = std::min(low[axis], cell[axis]);
-      high[axis] = std::max(high[axis], cell[axis]);
-    }
-  });
-  cells.for_each([&](std::uint32_t i, const Cell& cell) {
-    bool near = true;
-    for (std::size_t axis = 0; axis < 3; ++axis) near &= cell[axis] + 1 >= low[axis] && cell[axis] <= high[axis] + 1;
-    if (near) stays[cells.root(i)] = 1;
-  });
-  StrayPieces strays;
-  double kept = 0;
-  double dropped = 0;
-  cells.for_each([&](std::uint32_t i, const Cell&) {
-    if (!cells.is_root(i)) return;
-    (stays[i] != 0 ? kept : dropped) += cells.area(i);
-    strays.pieces += stays[i] != 0 ? 0 : 1;
-  });
-  if (!(dropped < kAllStrays * kept)) return {};
-  strays.share = static_cast<float>(dropped / (dropped + kept));
-  return strays;
-}
+/// A piece that may be a stray.
+struct Suspect {
+  std::uint32_t root = 0;
+  std::uint32_t points = 0;
+  float area = 0;
+  bool stray = false;
+};
 
-/// @returns points dropped
-std::uint32_t drop(Cloud& cloud, const Cells& cells, std::span<const std::uint8_t> stays) {
-  // The cells know the points by their places: those first, while every point still has its own.
-  for (std::uint32_t i = 0; i < cloud.size; ++i) {
-    if (stays[cells.root(cells.index_of(i))] == 0) cloud.normal[i].point_class = PointClass::kNoise;
+class Search {
+ public:
+  Search(Cloud& cloud, const Cells& cells, float area_factor, std::span<Suspect> suspects)
+      : cloud_(cloud), cells_(cells), area_factor_(area_factor), suspects_(suspects) {}
+
+  StrayPieces drop() {
+    find_suspects();
+    if (suspects_.empty()) return {};
+    for (std::uint32_t i = 0; i < cloud_.size; ++i) {
+      if (Suspect* s = suspect(i)) ++s->points;
+    }
+    judge();
+    StrayPieces strays;
+    double dropped = 0;
+    for (const Suspect& s : suspects_) {
+      if (!s.stray) continue;
+      ++strays.pieces;
+      dropped += static_cast<double>(s.area);
+    }
+    if (strays.pieces == 0 || !(dropped < kAllStrays * (whole_ - dropped))) return {};
+    strays.share = static_cast<float>(dropped / whole_);
+    // The cells know the points by their places: all of them first, while every point still has its own.
+    for (std::uint32_t i = 0; i < cloud_.size; ++i) {
+      const Suspect* s = suspect(i);
+      if (s != nullptr && s->stray) cloud_.normal[i].point_class = PointClass::kNoise;
+    }
+    const std::uint32_t before = cloud_.size;
+    cloud_.drop_noise();
+    strays.points = before - cloud_.size;
+    return strays;
   }
-  const std::uint32_t before = cloud.size;
-  cloud.drop_noise();
-  return before - cloud.size;
+
+ private:
+  void find_suspects() {
+    float largest = 0;
+    for (std::uint32_t at = 0; at < cells_.size(); ++at) {
+      if (!cells_.is_root(at)) continue;
+      largest = std::max(largest, cells_.area(at));
+      whole_ += static_cast<double>(cells_.area(at));
+    }
+    std::uint32_t count = 0;
+    for (std::uint32_t at = 0; at < cells_.size() && count < suspects_.size(); ++at) {
+      if (cells_.is_root(at) && cells_.area(at) < static_cast<float>(kSmall) * largest) {
+        suspects_[count++] = {at, 0, cells_.area(at), false};
+      }
+    }
+    suspects_ = suspects_.first(count);  // in the order of their roots
+  }
+
+  Suspect* suspect(std::uint32_t point) const {
+    const std::uint32_t root = cells_.piece_of(point);
+    const auto found = std::lower_bound(suspects_.begin(), suspects_.end(), root,
+                                        [](const Suspect& s, std::uint32_t r) { return s.root < r; });
+    return found != suspects_.end() && found->root == root ? &*found : nullptr;
+  }
+
+  /// Asks the winding number of the others at some places of each suspect.
+  void judge() {
+    for (Suspect& s : suspects_) {
+      const std::uint32_t step = s.points / kPlaces + 1;
+      float sum = 0;
+      std::uint32_t places = 0;
+      std::uint32_t nth = step / 2;
+      for (std::uint32_t i = 0; i < cloud_.size; ++i) {
+        if (cells_.piece_of(i) != s.root || nth++ % step != 0) continue;
+        sum += winding_without(s.root, cloud_.position[i]);
+        ++places;
+      }
+      const float w = places > 0 ? sum / static_cast<float>(places) : 0.5F;
+      s.stray = w < kSure || w > 1 - kSure;
+    }
+  }
+
+  /// Of all points but those of one piece: of a share of them, evenly spread since they are in the order of their tree.
+  float winding_without(std::uint32_t root, const Vec3f& x) const {
+    const std::uint32_t step = cloud_.size / kFieldPoints + 1;
+    float w = 0;
+    for (std::uint32_t i = step / 2; i < cloud_.size; i += step) {
+      if (cells_.piece_of(i) == root) continue;
+      const Vec3f e = cloud_.position[i] - x;
+      const float distance2 = e.dot(e);
+      const float area = static_cast<float>(step) * area_factor_ * cloud_.radius[i] * cloud_.radius[i] /
+                         static_cast<float>(cloud_.normal[i].weight);
+      if (distance2 > 0) w += area * cloud_.normal[i].unpack().dot(e) / (distance2 * std::sqrt(distance2));
+    }
+    return w / (4 * kPi);
+  }
+
+  Cloud& cloud_;
+  const Cells& cells_;
+  float area_factor_;
+  std::span<Suspect> suspects_;
+  double whole_ = 0;  ///< mm^2
+};
+
+std::uint32_t slots_for(std::uint32_t points) {
+  return std::clamp(std::bit_ceil(points / 4), kFewestSlots, kMostSlots);
 }
 
 }  // namespace
 
-std::size_t stray_pieces_bytes() {
-  return Arena::rounded(kMostCells * sizeof(std::uint32_t)) + Arena::rounded(kMostCells * sizeof(double)) +
-         Arena::rounded(kMostCells);
+std::size_t stray_pieces_bytes(std::uint32_t points) {
+  return Arena::rounded(slots_for(points) * sizeof(Cell)) + Arena::rounded(kMostJudged * sizeof(Suspect));
 }
 
-Expected<StrayPieces> drop_stray_pieces(Cloud& cloud, float epsilon, Arena& arena) {
+Expected<StrayPieces> drop_stray_pieces(Cloud& cloud, const ClusteringResult& clustering, Arena& arena) {
   const ArenaScope scope(arena);
-  const auto parent = arena.take_top<std::uint32_t>(kMostCells, kStage);
-  PLUMBLINE_TRY(parent);
-  const auto area = arena.take_top<double>(kMostCells, kStage);
-  PLUMBLINE_TRY(area);
-  const auto stays = arena.take_top<std::uint8_t>(kMostCells, kStage);
-  PLUMBLINE_TRY(stays);
-  StrayPieces all;
-  for (int round = 0; round < kRounds; ++round) {
-    const Cells cells(cloud, epsilon, *parent, *area);
-    const StrayPieces found = find_strays(cells, *stays);
-    if (found.pieces == 0) break;
-    all.pieces += found.pieces;
-    all.share += (1 - all.share) * found.share;
-    all.points += drop(cloud, cells, *stays);
+  const auto slots = arena.take_top<Cell>(slots_for(cloud.size), kStage);
+  PLUMBLINE_TRY(slots);
+  const auto suspects = arena.take_top<Suspect>(kMostJudged, kStage);
+  PLUMBLINE_TRY(suspects);
+  const float area_factor = kPi;
+  for (float edge = kCellEpsilons * clustering.epsilon;; edge *= 2) {
+    Cells cells(cloud, edge, *slots);
+    if (cells.fill(area_factor)) return Search(cloud, cells, area_factor, *suspects).drop();
   }
-  return all;
 }
 
 }  // namespace plumbline

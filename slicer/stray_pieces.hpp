@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "slicer/cloud.hpp"
+#include "slicer/clustering.hpp"
 #include "slicer/core/arena.hpp"
 #include "slicer/core/error.hpp"
 
@@ -17,22 +18,22 @@ struct StrayPieces {
 };
 
 /// Bytes of arena that drop_stray_pieces() takes.
-std::size_t stray_pieces_bytes();
+std::size_t stray_pieces_bytes(std::uint32_t points);
 
 /// Drops stray pieces from the cloud, and keeps the order of the rest.
 ///
-/// The points are sorted into cells of a 32nd of the longest side, but at least four epsilon; a piece is what occupied cells
-/// join at sides, edges and corners, and its size the area of its points. A piece is a stray when all of this holds:
+/// The points are sorted into cells one and a half epsilon wide; a piece is what occupied cells join at sides, edges and corners, and
+/// its size the area of its points. A piece is a stray when all of this holds:
 ///   - it has less than a fiftieth of the largest piece's area,
-///   - no cell of it lies within one cell of the box round all pieces that have more,
+///   - the winding number of all other points is nearly 0 along it, or nearly 1: it hangs in the air, or where no scanner
+///     sees. What is seen through a mouth or at the bottom of a hole lies where that number says neither;
 ///   - all strays together have less than a twentieth of the area of what stays.
-/// So two legs are an object, as are a hundred beads round a ball and what is seen through a mouth; a patch of a wall far
-/// behind is not. What is left is looked at again, since without a far piece cells are finer: eight times at most.
+/// So two legs are an object, as are a hundred beads round a ball; a patch of a wall behind is not.
 ///
-/// @param cloud    scan units, radius[] set, without noise
-/// @param epsilon  scan units, above 0
-/// @param arena    stray_pieces_bytes() from the top, given back
+/// @param cloud       scan units, radius[] set by the clustering, without noise
+/// @param clustering  epsilon, in scan units, above 0
+/// @param arena       stray_pieces_bytes() from the top, given back
 /// @retval ErrorCode::kOutOfMemory
-[[nodiscard]] Expected<StrayPieces> drop_stray_pieces(Cloud& cloud, float epsilon, Arena& arena);
+[[nodiscard]] Expected<StrayPieces> drop_stray_pieces(Cloud& cloud, const ClusteringResult& clustering, Arena& arena);
 
 }  // namespace plumbline
