@@ -82,6 +82,21 @@ TEST_P(StickContract, ListsItsPlainFiles) {
   EXPECT_THAT(names.sizes, testing::ElementsAre(testing::Pair("bust.ply", 300'000), testing::Pair("job.toml", 6)));
 }
 
+TEST_P(StickContract, OpensAFileThatIsLargerThanAnAddressOf32Bits) {
+  // A hole: it takes no room. FAT32 ends one byte below this.
+  constexpr std::uint64_t kBytes = std::uint64_t{4} << 30U;
+  std::ofstream(folder_ / "large.ply") << "ply";
+  std::filesystem::resize_file(folder_ / "large.ply", kBytes);
+  plug();
+  const auto mount = rig_->machine().stick.mount();
+  ASSERT_TRUE(mount);
+  auto file = mount->open("large.ply");
+  ASSERT_TRUE(file) << file.error().message();
+  EXPECT_EQ(file->size(), kBytes);
+  std::array<std::byte, 3> buffer{};
+  EXPECT_EQ(file->read(buffer).value(), 3U);
+}
+
 TEST_P(StickContract, KeepsItsNamesBelowItsMount) {
   plug();
   const auto mount = rig_->machine().stick.mount();
