@@ -5,12 +5,12 @@
 #include <cmath>
 
 #include "slicer/loop_progress.hpp"
+#include "slicer/neighbourhood.hpp"
 
 namespace plumbline {
 namespace {
 
-constexpr std::uint32_t kBlock = 32;  ///< consecutive points that share one search: neighbours in the order of the tree
-constexpr std::uint32_t kBatch = 256;  ///< candidates compared at a time: their columns stay in the first-level cache
+constexpr std::uint32_t kBlock = kSharedSearch;
 
 constexpr const char* kStage = "clustering";
 
@@ -34,65 +34,6 @@ enum Flag : std::uint8_t { kCore = 1, kDense = 2, kOutlier = 4, kThin = 8 };
 /// For the pass in which other threads mark outliers in the same byte.
 bool is_core(std::uint8_t& flag) { return (std::atomic_ref(flag).load(std::memory_order_relaxed) & kCore) != 0; }
 
-/// Candidates of one block, as columns.
-struct Batch {
-  alignas(64) float x[kBatch];
-  alignas(64) float y[kBatch];
-  alignas(64) float z[kBatch];
-  alignas(64) float nx[kBatch];
-  alignas(64) float ny[kBatch];
-  alignas(64) float nz[kBatch];
-  alignas(64) std::int32_t type[kBatch];
-  alignas(64) std::uint32_t index[kBatch];
-  std::uint32_t size = 0;
-};
-
-/// A point of a block, unpacked.
-struct Member {
-  Vec3f position;
-  Vec3f normal;
-  std::int32_t type;
-};
-
-Member member(const Cloud& cloud, std::uint32_t i) {
-  return {cloud.position[i], cloud.normal[i].unpack(), static_cast<std::int32_t>(cloud.normal[i].point_class)};
-}
-
-/// Calls `use(batch)` for all points within `reach` of the box round points [first, last), a batch at a time.
-template <class Use>
-void for_neighbourhood(const Cloud& cloud, const KdTree3& tree, std::uint32_t first, std::uint32_t last, float reach,
-                       Use use) {
-  Box3f box;
-  for (std::uint32_t i = first; i < last; ++i) box.extend(cloud.position[i]);
-  const Vec3f margin = Vec3f::Constant(reach);
-  const Vec3f low = box.low - margin;
-  const Vec3f high = box.high + margin;
-  Batch batch;
-  tree.visit_box(low, high, [&](std::uint32_t from, std::uint32_t to) {
-    for (std::uint32_t i = from; i < to; ++i) {
-      const Vec3f& p = cloud.position[i];
-      const bool inside =
-          p[0] >= low[0] && p[0] <= high[0] && p[1] >= low[1] && p[1] <= high[1] && p[2] >= low[2] && p[2] <= high[2];
-      if (!inside) continue;
-      const std::uint32_t at = batch.size;
-      const Vec3f n = cloud.normal[i].unpack();
-      batch.x[at] = p[0];
-      batch.y[at] = p[1];
-      batch.z[at] = p[2];
-      batch.nx[at] = n[0];
-      batch.ny[at] = n[1];
-      batch.nz[at] = n[2];
-      batch.type[at] = static_cast<std::int32_t>(cloud.normal[i].point_class);
-      batch.index[at] = i;
-      if (++batch.size == kBatch) {
-        use(batch);
-        batch.size = 0;
-      }
-    }
-  });
-  if (batch.size > 0) use(batch);
-}
-
 /// The thesis' metric as a test: |d| / <n_i, n_j> <= epsilon, with the inner product positive. The square of the distance
 /// is compared, so there is no root and no division.
 struct Within {
@@ -100,7 +41,7 @@ struct Within {
   float cosine;
   bool near(float epsilon2) const { return cosine > 0 && distance2 <= epsilon2 * cosine * cosine; }
 };
-Within compare(const Member& m, const Batch& batch, std::uint32_t j) {
+Within compare(const Member& m, const Neighbourhood& batch, std::uint32_t j) {
   const float dx = batch.x[j] - m.position[0];
   const float dy = batch.y[j] - m.position[1];
   const float dz = batch.z[j] - m.position[2];
@@ -115,7 +56,7 @@ struct Counts {
   float offset = 0;            ///< sum over `near` of the point's height above their tangent planes, mm
 };
 
-void count(const Member& m, const Batch& batch, float epsilon2, Counts& counts) {
+void count(const Member& m, const Neighbourhood& batch, float epsilon2, Counts& counts) {
   std::int32_t near = 0;
   std::int32_t same_type = 0;
   std::int32_t sheet = 0;
@@ -262,7 +203,7 @@ Expected<ClusteringResult> cluster(Cloud& cloud, const KdTree3& tree, float epsi
     const std::uint32_t first = b * kBlock;
     const std::uint32_t last = std::min(size, first + kBlock);
     std::array<Counts, kBlock> counts{};
-    for_neighbourhood(cloud, tree, first, last, epsilon, [&](const Batch& batch) {
+    for_neighbourhood(cloud, tree, first, last, epsilon, [&](const Neighbourhood& batch) {
       for (std::uint32_t i = first; i < last; ++i) count(member(cloud, i), batch, epsilon2, counts[i - first]);
     });
     for (std::uint32_t i = first; i < last; ++i) {
@@ -300,11 +241,11 @@ Expected<ClusteringResult> cluster(Cloud& cloud, const KdTree3& tree, float epsi
     if (!joining.step(b)) continue;
     const std::uint32_t first = b * kBlock;
     const std::uint32_t last = std::min(size, first + kBlock);
-    for_neighbourhood(cloud, tree, first, last, epsilon, [&](const Batch& batch) {
+    for_neighbourhood(cloud, tree, first, last, epsilon, [&](const Neighbourhood& batch) {
       for (std::uint32_t i = first; i < last; ++i) {
         if ((flags[i] & kCore) == 0) continue;
         const Member m = member(cloud, i);
-        std::array<std::uint8_t, kBatch> near;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+        std::array<std::uint8_t, Neighbourhood::kMost> near;  // NOLINT(cppcoreguidelines-pro-type-member-init)
         for (std::uint32_t j = 0; j < batch.size; ++j) {
           const Within w = compare(m, batch, j);
           near[j] = static_cast<std::uint8_t>(w.near(epsilon2) & (batch.type[j] == m.type));
@@ -332,7 +273,7 @@ Expected<ClusteringResult> cluster(Cloud& cloud, const KdTree3& tree, float epsi
     nearest.fill(kNoCluster);
     if (!all_core) {
       std::array<float, kBlock> best{};
-      for_neighbourhood(cloud, tree, first, last, epsilon, [&](const Batch& batch) {
+      for_neighbourhood(cloud, tree, first, last, epsilon, [&](const Neighbourhood& batch) {
         for (std::uint32_t i = first; i < last; ++i) {
           if ((flags[i] & kCore) != 0) continue;
           const Member m = member(cloud, i);

@@ -76,7 +76,8 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
   set(Stage::kRead, cloud + PointThinner::table_bytes(points) + kReaderWorkspace + reader);
   set(Stage::kNormals, cloud + tree + std::max(normals_bytes(points), turned_patches_bytes(points)));
   set(Stage::kTrees, cloud + tree + points / 8);
-  set(Stage::kClustering, cloud + tree + std::max(5 * std::size_t{points}, stray_pieces_bytes(points)));
+  set(Stage::kClustering,
+      cloud + tree + std::max(sizeof(PackedNormal) * std::size_t{points}, stray_pieces_bytes(points)));
   set(Stage::kWindingTree, cloud);
   std::size_t image = 0;
   std::size_t store = 0;

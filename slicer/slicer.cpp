@@ -14,6 +14,7 @@
 #include "slicer/memory_plan.hpp"
 #include "slicer/normals.hpp"
 #include "slicer/ray_grid.hpp"
+#include "slicer/refined_normals.hpp"
 #include "slicer/rrep_edit.hpp"
 #include "slicer/stage_scope.hpp"
 #include "slicer/stray_pieces.hpp"
@@ -47,6 +48,8 @@ double first_cell(const PlacementSettings& p) {
 /// detail finer than that. It bounds the work: the farther apart the points, the more rays see each and the fewer queries a
 /// ray makes.
 constexpr float kRepairShare = 1.0F / 16;
+
+constexpr double kClusteringShare = 0.7;  ///< of its stage's time; sharper normals take the rest
 
 /// Where most points are strays, what is left of them is a surface if it has this share of core points. A surface has 0.5
 /// and more; what happens to face the same way among strays is mostly of mixed type: 0.1.
@@ -190,9 +193,12 @@ class Job {
       const StageScope stage(Stage::kClustering, arena_, progress_, report_.peak_bytes);
       auto epsilon = density_epsilon(cloud_, *tree, settings_.clustering, arena_);
       if (!epsilon) return tl::unexpected<Error>(epsilon.error());
-      auto result = cluster(cloud_, *tree, *epsilon, settings_.clustering, {}, arena_, {progress_, Stage::kClustering});
+      const StageProgress progress{progress_, Stage::kClustering};
+      auto result =
+          cluster(cloud_, *tree, *epsilon, settings_.clustering, {}, arena_, progress.part(0, kClusteringShare));
       if (!result) return tl::unexpected<Error>(result.error());
       report_.clustering = *result;
+      PLUMBLINE_TRY(refine(*tree, progress.part(kClusteringShare, 1)));
       cloud_.drop_noise();
       if (!settings_.keep_all && is_surface(report_.clustering, cloud_.size)) {
         const auto strays = drop_stray_pieces(cloud_, report_.clustering, arena_);
@@ -213,6 +219,17 @@ class Job {
                   "normals of the scan, or scan it denser",
                   title.c_str(), report_.cloud_points);
     }
+    return {};
+  }
+
+  /// The points of a clean scan know its normals better than it does.
+  Status refine(const KdTree3& tree, const StageProgress& progress) {
+    if (report_.normals_estimated > 0 || !normals_can_be_refined(report_.clustering)) return {};
+    const ArenaScope scope(arena_);
+    auto refined = arena_.take_top<PackedNormal>(cloud_.size, "normals");
+    PLUMBLINE_TRY(refined);
+    PLUMBLINE_TRY(refine_normals(cloud_, tree, report_.clustering, *refined, progress));
+    std::copy(refined->begin(), refined->end(), cloud_.normal.begin());
     return {};
   }
 

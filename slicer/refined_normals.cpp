@@ -1,0 +1,120 @@
+#include "slicer/refined_normals.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "slicer/loop_progress.hpp"
+#include "slicer/neighbourhood.hpp"
+
+namespace plumbline {
+namespace {
+
+constexpr float kMostNoise = 0.035F;  ///< of epsilon: with more, planes of so few points follow the noise
+constexpr float kPlanePoints = 24;
+constexpr float kFacing = 0.5F;  ///< least inner product of the normals
+constexpr std::uint32_t kFewest = 6;
+constexpr float kLeastWidth = 0.05F;  ///< of a plane's points across against along, squared: less is a line
+constexpr float kMostTilt = 1;        ///< tangent: more is another sheet
+
+/// Weighted moments of the points round one point.
+struct Moments {
+  std::uint32_t count = 0;
+  float weight = 0;
+  Vec3f first = Vec3f::Zero();
+  float xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
+
+  void add(const Vec3f& d, float w) {
+    const Vec3f wd = d * w;
+    ++count;
+    weight += w;
+    first += wd;
+    xx += wd[0] * d[0];
+    xy += wd[0] * d[1];
+    xz += wd[0] * d[2];
+    yy += wd[1] * d[1];
+    yz += wd[1] * d[2];
+    zz += wd[2] * d[2];
+  }
+  /// Weighted covariance along a and b, times the weight.
+  float along(const Vec3f& a, const Vec3f& b) const {
+    const Vec3f scatter_b(xx * b[0] + xy * b[1] + xz * b[2], xy * b[0] + yy * b[1] + yz * b[2],
+                          xz * b[0] + yz * b[1] + zz * b[2]);
+    return a.dot(scatter_b) - first.dot(a) * first.dot(b) / weight;
+  }
+};
+
+void add_all(const Member& m, float radius2, const Neighbourhood& batch, Moments& moments) {
+  const float inverse2 = 1 / radius2;
+  for (std::uint32_t j = 0; j < batch.size; ++j) {
+    const Vec3f d(batch.x[j] - m.position[0], batch.y[j] - m.position[1], batch.z[j] - m.position[2]);
+    const float distance2 = d.dot(d);
+    if (distance2 >= radius2 || batch.type[j] == static_cast<std::int32_t>(PointClass::kNoise)) continue;
+    if (batch.nx[j] * m.normal[0] + batch.ny[j] * m.normal[1] + batch.nz[j] * m.normal[2] < kFacing) continue;
+    const float t = 1 - distance2 * inverse2;
+    moments.add(d, t * t);
+  }
+}
+
+/// @returns the normal tilted to the plane of the points; as it was where there is none
+Vec3f tilted(const Vec3f& n, const Moments& moments) {
+  if (moments.count < kFewest) return n;
+  // Any direction across n will do; the axis that it has least of makes a sure one.
+  const int least = std::abs(n[0]) < std::abs(n[1]) ? (std::abs(n[0]) < std::abs(n[2]) ? 0 : 2)
+                                                    : (std::abs(n[1]) < std::abs(n[2]) ? 1 : 2);
+  Vec3f axis = Vec3f::Zero();
+  axis[least] = 1;
+  Vec3f t = axis - n * n[least];
+  t = t / std::sqrt(t.dot(t));
+  const Vec3f s(n[1] * t[2] - n[2] * t[1], n[2] * t[0] - n[0] * t[2], n[0] * t[1] - n[1] * t[0]);
+  const float tt = moments.along(t, t);
+  const float ss = moments.along(s, s);
+  const float ts = moments.along(t, s);
+  const float determinant = tt * ss - ts * ts;
+  // The product of the two variances against the square of their sum.
+  if (!(determinant > kLeastWidth * (tt + ss) * (tt + ss))) return n;
+  const float tn = moments.along(t, n);
+  const float sn = moments.along(s, n);
+  const float a = (tn * ss - sn * ts) / determinant;
+  const float b = (sn * tt - tn * ts) / determinant;
+  if (!(a * a + b * b < kMostTilt * kMostTilt)) return n;
+  return n - t * a - s * b;
+}
+
+}  // namespace
+
+bool normals_can_be_refined(const ClusteringResult& clustering) {
+  return clustering.coherent && clustering.noise < kMostNoise * clustering.epsilon;
+}
+
+Status refine_normals(const Cloud& cloud, const KdTree3& tree, const ClusteringResult& clustering,
+                      std::span<PackedNormal> refined, const StageProgress& progress) {
+  const std::uint32_t blocks = (cloud.size + kSharedSearch - 1) / kSharedSearch;
+  const float share = std::sqrt(kPlanePoints / clustering.support_points);
+  LoopProgress refining(progress, blocks);
+#pragma omp parallel for schedule(dynamic, 64)
+  for (std::uint32_t b = 0; b < blocks; ++b) {
+    if (!refining.step(b)) continue;
+    const std::uint32_t first = b * kSharedSearch;
+    const std::uint32_t last = std::min(cloud.size, first + kSharedSearch);
+    std::array<Moments, kSharedSearch> moments{};
+    float reach = 0;
+    for (std::uint32_t i = first; i < last; ++i) reach = std::max(reach, share * cloud.radius[i]);
+    for_neighbourhood(cloud, tree, first, last, reach, [&](const Neighbourhood& batch) {
+      for (std::uint32_t i = first; i < last; ++i) {
+        const float radius = share * cloud.radius[i];
+        add_all(member(cloud, i), radius * radius, batch, moments[i - first]);
+      }
+    });
+    for (std::uint32_t i = first; i < last; ++i) {
+      refined[i] = cloud.normal[i];
+      if (cloud.normal[i].point_class == PointClass::kNoise) continue;
+      refined[i].set(tilted(cloud.normal[i].unpack(), moments[i - first]));
+      refined[i].point_class = orientation_of(refined[i]);
+    }
+  }
+  if (refining.stopped()) return fail(ErrorCode::kCancelled, "cancelled while normals were refined");
+  return {};
+}
+
+}  // namespace plumbline

@@ -1,0 +1,31 @@
+#pragma once
+/// Normals of a clean scan, made sharper than the scanner's.
+
+#include <span>
+
+#include "slicer/cloud.hpp"
+#include "slicer/clustering.hpp"
+#include "slicer/core/progress.hpp"
+#include "slicer/kd_tree.hpp"
+
+namespace plumbline {
+
+/// Whether the points tell the normals better than the scan does: their noise is small against their spacing.
+bool normals_can_be_refined(const ClusteringResult& clustering);
+
+/// Fits a plane to the points round each point, in the frame of its normal n, and tilts the normal to that of the plane:
+///
+///   minimise  sum_j w_j (<d_j, n> - c - a <d_j, t> - b <d_j, s>)^2,   d_j = p_j - p_i,   n_i := n - a t - b s, unit length
+///   w_j = (1 - |d_j|^2 / r_i^2)^2, r_i the radius that holds 24 points; t, s: across n, at right angles
+///
+/// A scanner takes its normals from its own range image, several pixels wide, which are several times as far apart as the
+/// points of all views together: they are smooth, and round what is sharp. Points that face more than 60 degrees away, and
+/// noise, are not counted; where that leaves fewer than six the normal stays.
+///
+/// @param cloud    in the order of `tree`, radius[] and classes set by cluster()
+/// @param refined  cloud.size of them, out; the classes follow the normals
+/// @retval ErrorCode::kCancelled
+[[nodiscard]] Status refine_normals(const Cloud& cloud, const KdTree3& tree, const ClusteringResult& clustering,
+                                    std::span<PackedNormal> refined, const StageProgress& progress = {});
+
+}  // namespace plumbline

@@ -1,0 +1,96 @@
+#include "slicer/refined_normals.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "tests/slicer/support/arena_block.hpp"
+#include "tests/slicer/support/scan_cloud.hpp"
+
+namespace plumbline {
+namespace {
+
+using namespace testing;
+
+constexpr double kLength = 2;     ///< mm, of a wave
+constexpr double kHeight = 0.15;  ///< mm, its amplitude
+
+Vec3d wave_normal(double x, double blur) {
+  // A scanner's window damps what it sees of the slope.
+  const double slope = blur * kHeight * 2 * kPi / kLength * std::cos(2 * kPi * x / kLength);
+  const Vec3d n(-slope, 0, 1);
+  return n / std::sqrt(n.dot(n));
+}
+
+/// Waves along x over 16 mm x 16 mm, their slope seen as `blur` times what it is.
+Surface waves(double blur, double noise) {
+  Random random(5);
+  Surface surface;
+  for (double y = 0; y < 16; y += 0.1) {
+    for (double x = 0; x < 16; x += 0.1) {
+      const double at = x + random.uniform(-0.05, 0.05);
+      const double z = kHeight * std::sin(2 * kPi * at / kLength) + random.uniform(-noise, noise);
+      surface.push_back({Vec3d(at, y + random.uniform(-0.05, 0.05), z), wave_normal(at, blur)});
+    }
+  }
+  return surface;
+}
+
+struct Refined {
+  ArenaBlock block{32 * kMiB};
+  ClusteringResult clustering;
+  double before = 0, after = 0;  ///< degrees, mean error of the normals
+
+  explicit Refined(const Surface& surface) {
+    Arena& arena = *block;
+    Cloud cloud = cloud_of(surface, arena);
+    const KdTree3 tree = sort_by_tree(cloud, arena);
+    const float epsilon = value_of(density_epsilon(cloud, tree, {}, arena));
+    clustering = value_of(cluster(cloud, tree, epsilon, {}, {}, arena));
+    std::vector<PackedNormal> refined(cloud.size);
+    EXPECT_TRUE(refine_normals(cloud, tree, clustering, refined));
+    std::uint32_t counted = 0;
+    for (std::uint32_t i = 0; i < cloud.size; ++i) {
+      const Vec3f& p = cloud.position[i];
+      if (p[0] < 2 || p[0] > 14 || p[1] < 2 || p[1] > 14) continue;  // the rim sees one side only
+      const Vec3d truth = wave_normal(static_cast<double>(p[0]), 1);
+      before += angle(truth, cloud.normal[i].unpack());
+      after += angle(truth, refined[i].unpack());
+      EXPECT_EQ(refined[i].point_class, orientation_of(refined[i]));
+      ++counted;
+    }
+    before /= counted;
+    after /= counted;
+  }
+  static double angle(const Vec3d& a, const Vec3f& b) {
+    return std::acos(std::min(1.0, a.dot(b.cast<double>()))) * 180 / kPi;
+  }
+};
+
+TEST(RefinedNormals, AreSharperThanThoseOfAWideWindow) {
+  const Refined waves_seen_flat(waves(0.6, 0));
+  EXPECT_GT(waves_seen_flat.before, 5);
+  EXPECT_LT(waves_seen_flat.after, 0.4 * waves_seen_flat.before);
+}
+
+TEST(RefinedNormals, OfAnExactScanStayAsTheyAre) {
+  const Refined exact(waves(1, 0));
+  EXPECT_LT(exact.before, 0.2) << "as far as they can be written";
+  EXPECT_LT(exact.after, 3);
+}
+
+TEST(RefinedNormals, AreNotAskedOfANoisyScan) {
+  const auto can_be_refined = [](double noise) {
+    Random random(2);
+    Surface ball = sphere(30'000, 10, {0, 0, 0});
+    for (SurfacePoint& p : ball) p.position += p.normal * random.uniform(-noise, noise);
+    ArenaBlock block(32 * kMiB);
+    return normals_can_be_refined(clustered(ball, *block).clustering);
+  };
+  EXPECT_TRUE(can_be_refined(0));
+  EXPECT_FALSE(can_be_refined(0.1));
+}
+
+}  // namespace
+}  // namespace plumbline
