@@ -10,12 +10,13 @@
 namespace plumbline {
 namespace {
 
-constexpr float kMostNoise = 0.035F;  ///< of epsilon: with more, planes of so few points follow the noise
 constexpr float kPlanePoints = 24;
 constexpr float kFacing = 0.5F;  ///< least inner product of the normals
 constexpr std::uint32_t kFewest = 6;
-constexpr float kLeastWidth = 0.05F;  ///< of a plane's points across against along, squared: less is a line
-constexpr float kMostTilt = 1;        ///< tangent: more is another sheet
+constexpr float kLeastWidth = 0.05F;     ///< of a plane's points across against along, squared: less is a line
+constexpr float kMostTilt = 1;           ///< tangent: more is another sheet
+constexpr float kWeightsSpread = 0.55F;  ///< sum w^2 u^2 / sum w u^2 over a disc
+constexpr float kSure = 2;               ///< times the square that noise alone makes: of a tilt, so much is taken off
 
 /// Weighted moments of the points round one point.
 struct Moments {
@@ -56,8 +57,9 @@ void add_all(const Member& m, float radius2, const Neighbourhood& batch, Moments
   }
 }
 
-/// @returns the normal tilted to the plane of the points; as it was where there is none
-Vec3f tilted(const Vec3f& n, const Moments& moments) {
+/// @param noise  mm
+/// @returns the normal tilted to the plane of the points as far as noise does not explain it; as it was where there is none
+Vec3f tilted(const Vec3f& n, const Moments& moments, float noise) {
   if (moments.count < kFewest) return n;
   // Any direction across n will do; the axis that it has least of makes a sure one.
   const int least = std::abs(n[0]) < std::abs(n[1]) ? (std::abs(n[0]) < std::abs(n[2]) ? 0 : 2)
@@ -77,15 +79,13 @@ Vec3f tilted(const Vec3f& n, const Moments& moments) {
   const float sn = moments.along(s, n);
   const float a = (tn * ss - sn * ts) / determinant;
   const float b = (sn * tt - tn * ts) / determinant;
-  if (!(a * a + b * b < kMostTilt * kMostTilt)) return n;
-  return n - t * a - s * b;
+  const float tilt2 = a * a + b * b;
+  const float noise2 = kWeightsSpread * noise * noise * (tt + ss) / (tt * ss);
+  if (!(tilt2 < kMostTilt * kMostTilt && tilt2 > kSure * noise2)) return n;
+  return n - (t * a + s * b) * (1 - kSure * noise2 / tilt2);
 }
 
 }  // namespace
-
-bool normals_can_be_refined(const ClusteringResult& clustering) {
-  return clustering.coherent && clustering.noise < kMostNoise * clustering.epsilon;
-}
 
 Status refine_normals(const Cloud& cloud, const KdTree3& tree, const ClusteringResult& clustering,
                       std::span<PackedNormal> refined, const StageProgress& progress) {
@@ -109,7 +109,7 @@ Status refine_normals(const Cloud& cloud, const KdTree3& tree, const ClusteringR
     for (std::uint32_t i = first; i < last; ++i) {
       refined[i] = cloud.normal[i];
       if (cloud.normal[i].point_class == PointClass::kNoise) continue;
-      refined[i].set(tilted(cloud.normal[i].unpack(), moments[i - first]));
+      refined[i].set(tilted(cloud.normal[i].unpack(), moments[i - first], clustering.noise));
       refined[i].point_class = orientation_of(refined[i]);
     }
   }

@@ -1,5 +1,5 @@
 #pragma once
-/// Normals of a clean scan, made sharper than the scanner's.
+/// Normals made sharper than the scanner's.
 
 #include <span>
 
@@ -10,13 +10,14 @@
 
 namespace plumbline {
 
-/// Whether the points tell the normals better than the scan does: their noise is small against their spacing.
-bool normals_can_be_refined(const ClusteringResult& clustering);
-
 /// Fits a plane to the points round each point, in the frame of its normal n, and tilts the normal to that of the plane:
 ///
-///   minimise  sum_j w_j (<d_j, n> - c - a <d_j, t> - b <d_j, s>)^2,   d_j = p_j - p_i,   n_i := n - a t - b s, unit length
+///   minimise  sum_j w_j (<d_j, n> - c - a <d_j, t> - b <d_j, s>)^2,   d_j = p_j - p_i
 ///   w_j = (1 - |d_j|^2 / r_i^2)^2, r_i the radius that holds 24 points; t, s: across n, at right angles
+///   n_i := n - k (a t + b s), unit length,   k = max(0, 1 - 2 v / (a^2 + b^2))
+///
+/// v is what a^2 + b^2 comes to by the noise of the points alone, so that a tilt counts as far as noise does not explain it
+/// (the positive part of James and Stein, 1961).
 ///
 /// A scanner takes its normals from its own range image, several pixels wide, which are several times as far apart as the
 /// points of all views together: they are smooth, and round what is sharp. Points that face more than 60 degrees away, and

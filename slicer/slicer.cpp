@@ -222,9 +222,9 @@ class Job {
     return {};
   }
 
-  /// The points of a clean scan know its normals better than it does.
+  /// The points of all views know the normals better than each view does, as far as they are without noise.
   Status refine(const KdTree3& tree, const StageProgress& progress) {
-    if (report_.normals_estimated > 0 || !normals_can_be_refined(report_.clustering)) return {};
+    if (report_.normals_estimated > 0 || !report_.clustering.coherent) return {};
     const ArenaScope scope(arena_);
     auto refined = arena_.take_top<PackedNormal>(cloud_.size, "normals");
     PLUMBLINE_TRY(refined);

@@ -21,6 +21,7 @@ constexpr double kAllStrays = 0.05;  ///< of the area of what stays
 constexpr float kSure = 0.1F;        ///< a winding number this close to 0 or 1 is that
 
 constexpr std::uint32_t kMostJudged = 256;        ///< small pieces; those beyond stay
+constexpr std::uint32_t kFewestPoints = 32;       ///< of a stray; fewer are no more than specks
 constexpr std::uint32_t kPlaces = 4;              ///< of a piece, where the winding number is asked
 constexpr std::uint32_t kFieldPoints = 1U << 14;  ///< of the cloud that stand for all of it
 constexpr float kPi = 3.14159265F;
@@ -77,7 +78,7 @@ class Cells {
   }
   std::uint32_t slot(std::uint64_t key) const {
     const std::size_t mask = slots_.size() - 1;
-    std::size_t at = (key * 0x9E3779B97F4A7C15U >> 32) & mask;
+    std::size_t at = static_cast<std::size_t>(key * 0x9E3779B97F4A7C15U >> 32) & mask;
     while (slots_[at].key != 0 && slots_[at].key != key) at = (at + 1) & mask;
     return static_cast<std::uint32_t>(at);
   }
@@ -180,6 +181,7 @@ class Search {
   /// Asks the winding number of the others at some places of each suspect.
   void judge() {
     for (Suspect& s : suspects_) {
+      if (s.points < kFewestPoints) continue;
       const std::uint32_t step = s.points / kPlaces + 1;
       float sum = 0;
       std::uint32_t places = 0;
