@@ -52,8 +52,7 @@ class Cells {
         if (++occupied > slots_.size() * 2 / 3) return false;
         slots_[at] = {key, at, 0};
       }
-      slots_[at].area +=
-          area_factor * cloud_.radius[i] * cloud_.radius[i] / static_cast<float>(cloud_.normal[i].weight);
+      slots_[at].area += area_factor * cloud_.radius[i] * cloud_.radius[i];
     }
     join();
     return true;
@@ -204,8 +203,7 @@ class Search {
       if (cells_.piece_of(i) == root) continue;
       const Vec3f e = cloud_.position[i] - x;
       const float distance2 = e.dot(e);
-      const float area = static_cast<float>(step) * area_factor_ * cloud_.radius[i] * cloud_.radius[i] /
-                         static_cast<float>(cloud_.normal[i].weight);
+      const float area = static_cast<float>(step) * area_factor_ * cloud_.radius[i] * cloud_.radius[i];
       if (distance2 > 0) w += area * cloud_.normal[i].unpack().dot(e) / (distance2 * std::sqrt(distance2));
     }
     return w / (4 * kPi);
@@ -234,7 +232,7 @@ Expected<StrayPieces> drop_stray_pieces(Cloud& cloud, const ClusteringResult& cl
   PLUMBLINE_TRY(slots);
   const auto suspects = arena.take_top<Suspect>(kMostJudged, kStage);
   PLUMBLINE_TRY(suspects);
-  const float area_factor = kPi;
+  const float area_factor = kPi / clustering.support_points;
   for (float edge = kCellEpsilons * clustering.epsilon;; edge *= 2) {
     Cells cells(cloud, edge, *slots);
     if (cells.fill(area_factor)) return Search(cloud, cells, area_factor, *suspects).drop();

@@ -62,7 +62,7 @@ TEST(StrayPieces, WhatTouchesTheObjectOrLiesInItsHoleStays) {
   // A bowl's bottom seen through its mouth, and nothing between: as a scanner sees a deep hole.
   Surface hole;
   for (const SurfacePoint& p : ball(10, {0, 0, 0})) {
-    if (std::abs(p.position[0]) > 2.5 || std::abs(p.position[1]) > 2.5 || p.position[2] < 0) hole.push_back(p);
+    if (std::abs(p.position[0]) > 5 || std::abs(p.position[1]) > 5 || p.position[2] < 0) hole.push_back(p);
   }
   for (double x = -1; x <= 1; x += kSpacing) {
     for (double y = -1; y <= 1; y += kSpacing) hole.push_back({{x, y, 7}, {0, 0, 1}});
