@@ -38,9 +38,9 @@ void add_scan(Text& text, const ScanOutlook& o) {
              big(scan.without_normal));
   } else {
     text.add("normals    none in the file: slicing estimates them (done here for %u points)\n",
-             o.scan.normals_estimated);
+             o.scan.normals.estimated);
   }
-  const double turned = turned_share(o.scan.normals_turned, o.scan.cloud_points);
+  const double turned = turned_share(o.scan.normals.turned, o.scan.cloud_points);
   if (turned > kTurnedWorthAWord) {
     text.add("           %.2g %% point into the object: slicing turns them over\n", 100 * turned);
   }
@@ -152,8 +152,8 @@ void write_scan(JsonWriter& json, const ScanOutlook& o) {
   json.member("missing", missing_normals(scan));
   json.member("zero_length", scan.header.has_normals ? scan.without_normal : std::uint64_t{0});
   json.end_object();
-  json.member("normals_estimated", o.scan.normals_estimated);
-  json.member("normals_turned", o.scan.normals_turned);
+  json.member("normals_estimated", o.scan.normals.estimated);
+  json.member("normals_turned", o.scan.normals.turned);
   if (o.scan_names.size() > 1) write_files(json, o.scan_names, o.scan.scans);
   json.end_object();
 }

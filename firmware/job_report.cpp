@@ -61,6 +61,22 @@ double turned_share(std::uint32_t turned, std::uint32_t points) {
   return points > 0 ? static_cast<double>(turned) / points : 0;
 }
 
+void for_each_repair(const SliceReport& slice, FunctionRef<void(std::string_view)> tell) {
+  if (slice.strays.pieces > 0) tell(stray_warning(slice.strays).view());
+  FixedText<256> text;
+  const double turned = turned_share(slice.normals.turned, slice.cloud_points);
+  if (turned > kTurnedWorthAWord) {
+    text.add("%.2g %% of the normals pointed into the object and were turned over", 100 * turned);
+    tell(text.view());
+  }
+  if (slice.pieces.floating_pieces > 0) {
+    text = {};
+    text.add("%u small solids that touch neither the object nor the plate were left out. --keep-all keeps them",
+             slice.pieces.floating_pieces);
+    tell(text.view());
+  }
+}
+
 void find_warnings(JobReport& report) {
   const SliceReport& s = report.slice;
   const PrintGrid& grid = s.placement.grid;
@@ -96,25 +112,17 @@ void find_warnings(JobReport& report) {
         "confidence.png",
         100 * report.share_of_rays(RayDecision::kWinding));
   }
-  if (s.strays.pieces > 0) report.warnings.add() = stray_warning(s.strays);
+  for_each_repair(s, [&](std::string_view warning) {
+    report.warnings.add().add("%.*s", static_cast<int>(warning.size()), warning.data());
+  });
   if (s.pieces.counted && s.pieces.pieces > 1 && !report.support_settings) {
     report.warnings.add().add(
         "the object is %u separate pieces; those that do not stand on the plate need supports: --supports auto",
         s.pieces.pieces);
   }
-  if (turned_share(s.normals_turned, s.cloud_points) > kTurnedWorthAWord) {
-    report.warnings.add().add("%.2g %% of the normals pointed into the object and were turned over",
-                              100 * turned_share(s.normals_turned, s.cloud_points));
-  }
-  if (s.pieces.floating_pieces > 0) {
-    report.warnings.add().add(
-        "%u small piece%s left out that touch%s neither the object nor the plate. --keep-all keeps %s",
-        s.pieces.floating_pieces, s.pieces.floating_pieces == 1 ? " was" : "s were",
-        s.pieces.floating_pieces == 1 ? "es" : "", s.pieces.floating_pieces == 1 ? "it" : "them");
-  }
-  if (s.normals_estimated > 0) {
+  if (s.normals.estimated > 0) {
     report.warnings.add().add("%u points have no normal in the scan; theirs were estimated from their neighbours",
-                              s.normals_estimated);
+                              s.normals.estimated);
   }
 }
 

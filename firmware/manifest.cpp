@@ -74,8 +74,8 @@ void write_points(JsonWriter& json, const SliceReport& slice) {
   json.member("points_left", slice.cloud_points);
   json.member("room_for_points", slice.cloud_capacity);
   json.end_object();
-  json.member("normals_estimated", slice.normals_estimated);
-  json.member("normals_turned", slice.normals_turned);
+  json.member("normals_estimated", slice.normals.estimated);
+  json.member("normals_turned", slice.normals.turned);
   json.key("points");
   json.begin_object(kOneLine);
   const auto& points = slice.clustering.points;

@@ -54,12 +54,12 @@ Status make_ready(const PrintOptions& options, const JobSetup& setup, const Prin
   ProgressLines lines;
   JobProgress progress(silent ? nullptr : &lines);
   PLUMBLINE_TRY(session.slice_scan(scan->sources(), settings, *supports, printer.profile, &progress));
-  const StrayPieces& strays = session.sliced().strays;
-  if (!silent && strays.pieces > 0) {
+  if (silent) return {};
+  for_each_repair(session.sliced(), [](std::string_view warning) {
     FixedText<512> line;
-    line.add("plumbline: warning: %s\n", stray_warning(strays).c_str());
+    line.add("plumbline: warning: %.*s\n", static_cast<int>(warning.size()), warning.data());
     write_to_stderr(line.view());
-  }
+  });
   return {};
 }
 

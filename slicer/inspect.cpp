@@ -12,7 +12,6 @@
 #include "slicer/normals.hpp"
 #include "slicer/rrep_builder.hpp"
 #include "slicer/stage_scope.hpp"
-#include "slicer/turned_patches.hpp"
 
 namespace plumbline {
 namespace {
@@ -54,7 +53,7 @@ class Inspection {
     PLUMBLINE_TRY(read());
     auto tree = build_tree();
     PLUMBLINE_TRY(tree);
-    PLUMBLINE_TRY(complete_normals(*tree));
+    PLUMBLINE_TRY(find_normals(*tree));
     const StageScope stage(Stage::kClustering, arena_, progress_, report_.peak_bytes);
     PLUMBLINE_TRY(go_on());
     auto epsilon = density_epsilon(cloud_, *tree, settings_.clustering, arena_);
@@ -113,19 +112,11 @@ class Inspection {
     return tree;
   }
 
-  Status complete_normals(const KdTree3& tree) {
+  Status find_normals(const KdTree3& tree) {
     const StageScope stage(Stage::kNormals, arena_, progress_, report_.peak_bytes);
-    const StageProgress progress{progress_, Stage::kNormals};
-    const auto normals = cloud_.normal.first(cloud_.size);
-    if (std::any_of(normals.begin(), normals.end(), [](const PackedNormal& n) { return !n.known(); })) {
-      const auto estimated = estimate_normals(cloud_, tree, arena_, progress);
-      PLUMBLINE_TRY(estimated);
-      report_.normals_estimated = *estimated;
-    }
-    if (report_.normals_estimated == cloud_.size) return {};
-    const auto turned = turn_patches(cloud_, tree, arena_, progress);
-    PLUMBLINE_TRY(turned);
-    report_.normals_turned = *turned;
+    const auto normals = complete_normals(cloud_, tree, arena_, {progress_, Stage::kNormals});
+    PLUMBLINE_TRY(normals);
+    report_.normals = *normals;
     return {};
   }
 

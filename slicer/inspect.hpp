@@ -9,6 +9,7 @@
 #include "slicer/core/byte_source.hpp"
 #include "slicer/core/progress.hpp"
 #include "slicer/memory_plan.hpp"
+#include "slicer/normals.hpp"
 #include "slicer/placement.hpp"
 #include "slicer/scan_sources.hpp"
 #include "slicer/stray_pieces.hpp"
@@ -24,17 +25,16 @@ struct InspectSettings {
 
 /// Lengths are scan units: what a unit is, the scan does not say.
 struct InspectReport {
-  ScanSummary scan;                     ///< of all files: sum_of()
-  ScanSummaries scans;                  ///< of each file
-  std::uint32_t cloud_capacity = 0;     ///< points the arena has room for
-  std::uint32_t cloud_points = 0;       ///< points after thinning
-  double thinning_cell = 0;             ///< 0: all points fit
-  std::uint64_t averaged_points = 0;    ///< scan points that were averaged into another
-  std::uint32_t normals_estimated = 0;  ///< points whose normal the scan did not have
-  std::uint32_t normals_turned = 0;     ///< points whose normal contradicted the others
-  Box3d bounds;                         ///< of the rotated scan without its noise and stray pieces
-  Box3d bounds_with_noise;              ///< of the rotated scan
-  double spacing = 0;                   ///< median distance of a point from the nearest other one
+  ScanSummary scan;                   ///< of all files: sum_of()
+  ScanSummaries scans;                ///< of each file
+  std::uint32_t cloud_capacity = 0;   ///< points the arena has room for
+  std::uint32_t cloud_points = 0;     ///< points after thinning
+  double thinning_cell = 0;           ///< 0: all points fit
+  std::uint64_t averaged_points = 0;  ///< scan points that were averaged into another
+  NormalCounts normals;
+  Box3d bounds;                 ///< of the rotated scan without its noise and stray pieces
+  Box3d bounds_with_noise;      ///< of the rotated scan
+  double spacing = 0;           ///< median distance of a point from the nearest other one
   double roughness = 0;         ///< median distance of a point from the plane through its kPlaneNeighbours nearest
   ClusteringResult clustering;  ///< epsilon and noise in scan units
   StrayPieces strays;           ///< that slice() would leave out

@@ -18,7 +18,6 @@
 #include "slicer/stray_pieces.hpp"
 #include "slicer/supports/support_finder.hpp"
 #include "slicer/thinning.hpp"
-#include "slicer/turned_patches.hpp"
 #include "slicer/winding_number.hpp"
 
 namespace plumbline {
@@ -74,7 +73,7 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
   const auto reader =
       static_cast<std::size_t>(std::min<std::uint64_t>(evidence.reader_bytes, kTooMuch) + evidence.kept_bytes);
   set(Stage::kRead, cloud + PointThinner::table_bytes(points) + kReaderWorkspace + reader);
-  set(Stage::kNormals, cloud + tree + std::max(normals_bytes(points), turned_patches_bytes(points)));
+  set(Stage::kNormals, cloud + tree + normals_bytes(points));
   set(Stage::kTrees, cloud + tree + points / 8);
   set(Stage::kClustering,
       cloud + tree + std::max(sizeof(PackedNormal) * std::size_t{points}, stray_pieces_bytes(points)));

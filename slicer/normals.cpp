@@ -7,6 +7,7 @@
 
 #include "slicer/loop_progress.hpp"
 #include "slicer/normal_orientation.hpp"
+#include "slicer/turned_patches.hpp"
 
 namespace plumbline {
 namespace {
@@ -24,7 +25,8 @@ constexpr double kLeastWidth = 0.05;
 /// Below this share there is no plane: the points lie on a line or in one place.
 constexpr double kLine = 1e-6;
 
-constexpr double kEstimateShare = 0.7;  ///< of the time; turning them takes the rest
+constexpr double kCompletionShare = 0.7;  ///< of the time for what a scan lacks; what it has wrong takes the rest
+constexpr double kEstimateShare = 0.7;    ///< of the time; turning them takes the rest
 
 struct Plane {
   Vec3d normal = Vec3d::Zero();
@@ -95,7 +97,9 @@ class Estimator {
 
 }  // namespace
 
-std::size_t normals_bytes(std::uint32_t points) { return orientation_bytes(points) + (points + 7) / 8; }
+std::size_t normals_bytes(std::uint32_t points) {
+  return std::max(orientation_bytes(points) + (points + 7) / 8, turned_patches_bytes(points));
+}
 
 Expected<std::uint32_t> estimate_normals(Cloud& cloud, const KdTree3& tree, Arena& arena,
                                          const StageProgress& progress) {
@@ -123,6 +127,23 @@ Expected<std::uint32_t> estimate_normals(Cloud& cloud, const KdTree3& tree, Aren
   if (estimating.stopped()) return fail(ErrorCode::kCancelled, "cancelled while normals were estimated");
   if (filled > 0) PLUMBLINE_TRY(orient_normals(cloud, tree, estimated, arena, progress.part(kEstimateShare, 1)));
   return filled;
+}
+
+Expected<NormalCounts> complete_normals(Cloud& cloud, const KdTree3& tree, Arena& arena,
+                                        const StageProgress& progress) {
+  const auto normals = cloud.normal.first(cloud.size);
+  const auto missing = std::count_if(normals.begin(), normals.end(), [](const PackedNormal& n) { return !n.known(); });
+  NormalCounts counts;
+  if (missing > 0) {
+    const auto estimated = estimate_normals(cloud, tree, arena, progress.part(0, kCompletionShare));
+    PLUMBLINE_TRY(estimated);
+    counts.estimated = *estimated;
+  }
+  if (static_cast<std::uint32_t>(missing) == cloud.size) return counts;
+  const auto turned = turn_patches(cloud, tree, arena, missing > 0 ? progress.part(kCompletionShare, 1) : progress);
+  PLUMBLINE_TRY(turned);
+  counts.turned = *turned;
+  return counts;
 }
 
 }  // namespace plumbline

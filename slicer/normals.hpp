@@ -9,8 +9,7 @@
 
 namespace plumbline {
 
-/// Bytes of arena that estimate_normals() takes at most for a cloud of `points`, rounding of blocks apart: nine a point and
-/// a batch of neighbours.
+/// Bytes of arena that complete_normals() takes at most for a cloud of `points`, rounding of blocks apart.
 std::size_t normals_bytes(std::uint32_t points);
 
 /// Fills in the normals that are not known, facing outwards.
@@ -30,5 +29,18 @@ std::size_t normals_bytes(std::uint32_t points);
 /// @retval ErrorCode::kOutOfMemory, kCancelled
 [[nodiscard]] Expected<std::uint32_t> estimate_normals(Cloud& cloud, const KdTree3& tree, Arena& arena,
                                                        const StageProgress& progress = {});
+
+struct NormalCounts {
+  std::uint32_t estimated = 0;  ///< points whose normal the scan did not have
+  std::uint32_t turned = 0;     ///< points whose normal contradicted the others
+};
+
+/// Fills in what normals the scan lacks, and turns over what contradicts the rest (turn_patches()) where it has some of its
+/// own.
+///
+/// @param cloud  as for estimate_normals()
+/// @retval ErrorCode::kOutOfMemory, kCancelled
+[[nodiscard]] Expected<NormalCounts> complete_normals(Cloud& cloud, const KdTree3& tree, Arena& arena,
+                                                      const StageProgress& progress = {});
 
 }  // namespace plumbline

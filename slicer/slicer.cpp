@@ -18,7 +18,6 @@
 #include "slicer/rrep_edit.hpp"
 #include "slicer/stage_scope.hpp"
 #include "slicer/stray_pieces.hpp"
-#include "slicer/turned_patches.hpp"
 #include "slicer/winding_number.hpp"
 
 namespace plumbline {
@@ -176,18 +175,11 @@ class Job {
       PLUMBLINE_TRY(cloud_.reorder(tree->order(), arena_));
       tree->adopt_order();
     }
-    const auto normals = cloud_.normal.first(cloud_.size);
-    if (std::any_of(normals.begin(), normals.end(), [](const PackedNormal& n) { return !n.known(); })) {
+    {
       const StageScope stage(Stage::kNormals, arena_, progress_, report_.peak_bytes);
-      auto estimated = estimate_normals(cloud_, *tree, arena_, {progress_, Stage::kNormals});
-      if (!estimated) return tl::unexpected<Error>(estimated.error());
-      report_.normals_estimated = *estimated;
-    }
-    if (report_.normals_estimated < cloud_.size) {
-      const StageScope stage(Stage::kNormals, arena_, progress_, report_.peak_bytes);
-      auto turned = turn_patches(cloud_, *tree, arena_, {progress_, Stage::kNormals});
-      PLUMBLINE_TRY(turned);
-      report_.normals_turned = *turned;
+      const auto normals = complete_normals(cloud_, *tree, arena_, {progress_, Stage::kNormals});
+      PLUMBLINE_TRY(normals);
+      report_.normals = *normals;
     }
     {
       const StageScope stage(Stage::kClustering, arena_, progress_, report_.peak_bytes);
@@ -224,7 +216,7 @@ class Job {
 
   /// The points of all views know the normals better than each view does, as far as they are without noise.
   Status refine(const KdTree3& tree, const StageProgress& progress) {
-    if (report_.normals_estimated > 0 || !report_.clustering.coherent) return {};
+    if (report_.normals.estimated > 0 || !report_.clustering.coherent) return {};
     const ArenaScope scope(arena_);
     auto refined = arena_.take_top<PackedNormal>(cloud_.size, "normals");
     PLUMBLINE_TRY(refined);

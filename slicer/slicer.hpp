@@ -12,6 +12,7 @@
 #include "slicer/core/byte_source.hpp"
 #include "slicer/core/progress.hpp"
 #include "slicer/layer_features.hpp"
+#include "slicer/normals.hpp"
 #include "slicer/pieces.hpp"
 #include "slicer/placement.hpp"
 #include "slicer/reader/scan_point.hpp"
@@ -41,11 +42,10 @@ struct SliceReport {
   std::uint64_t averaged_points = 0;  ///< scan points that were averaged into another
   Units units = Units::kMillimetres;  ///< used
   bool units_guessed = false;
-  std::uint32_t normals_estimated = 0;  ///< points whose normal the scan did not have
-  std::uint32_t normals_turned = 0;     ///< points whose normal contradicted the others
-  ClusteringResult clustering;          ///< epsilon in mm
-  StrayPieces strays;                   ///< left out before the object was placed
-  float width_mm = 0;                   ///< w
+  NormalCounts normals;
+  ClusteringResult clustering;  ///< epsilon in mm
+  StrayPieces strays;           ///< left out before the object was placed
+  float width_mm = 0;           ///< w
   Placement placement;
   bool flat_underside = false;  ///< it stands on the base plane
   RayCounts rays;

@@ -1,7 +1,6 @@
 #include "slicer/stray_pieces.hpp"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 #include <span>
@@ -118,6 +117,9 @@ struct Suspect {
   std::uint32_t root = 0;
   std::uint32_t points = 0;
   float area = 0;
+  std::uint32_t met = 0;     ///< points that were asked whether they are one of the places
+  std::uint32_t places = 0;  ///< where the winding number of the others was asked
+  float winding = 0;         ///< sum over them
   bool stray = false;
 };
 
@@ -164,7 +166,9 @@ class Search {
     std::uint32_t count = 0;
     for (std::uint32_t at = 0; at < cells_.size() && count < suspects_.size(); ++at) {
       if (cells_.is_root(at) && cells_.area(at) < static_cast<float>(kSmall) * largest) {
-        suspects_[count++] = {at, 0, cells_.area(at), false};
+        Suspect& found = suspects_[count++] = {};
+        found.root = at;
+        found.area = cells_.area(at);
       }
     }
     suspects_ = suspects_.first(count);  // in the order of their roots
@@ -179,18 +183,15 @@ class Search {
 
   /// Asks the winding number of the others at some places of each suspect.
   void judge() {
+    for (std::uint32_t i = 0; i < cloud_.size; ++i) {
+      Suspect* s = suspect(i);
+      if (s == nullptr || s->points < kFewestPoints || s->met++ % (s->points / kPlaces + 1) != 0) continue;
+      s->winding += winding_without(s->root, cloud_.position[i]);
+      ++s->places;
+    }
     for (Suspect& s : suspects_) {
-      if (s.points < kFewestPoints) continue;
-      const std::uint32_t step = s.points / kPlaces + 1;
-      float sum = 0;
-      std::uint32_t places = 0;
-      std::uint32_t nth = step / 2;
-      for (std::uint32_t i = 0; i < cloud_.size; ++i) {
-        if (cells_.piece_of(i) != s.root || nth++ % step != 0) continue;
-        sum += winding_without(s.root, cloud_.position[i]);
-        ++places;
-      }
-      const float w = places > 0 ? sum / static_cast<float>(places) : 0.5F;
+      if (s.places == 0) continue;
+      const float w = s.winding / static_cast<float>(s.places);
       s.stray = w < kSure || w > 1 - kSure;
     }
   }

@@ -1,7 +1,6 @@
 #include "slicer/turned_patches.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "slicer/sheets.hpp"

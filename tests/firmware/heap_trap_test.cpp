@@ -106,7 +106,7 @@ TEST(Job, TakesNothingFromTheHeapWhenItEstimatesNormals) {
   const auto done = job->run(progress);
   const HeapUse use = trap.disarm();
   ASSERT_TRUE(done.has_value()) << done.error().message();
-  EXPECT_EQ(job->report().slice.normals_estimated, 20'000U);
+  EXPECT_EQ(job->report().slice.normals.estimated, 20'000U);
   EXPECT_EQ(use.trapped, 0);
   if (use.trapped > 0) HeapTrap::print_stacks();
 }

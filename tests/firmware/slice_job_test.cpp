@@ -208,7 +208,7 @@ TEST(JobWarnings, TellOfUnitsSizeThinningHolesAndNormals) {
   report->slice.rays.interested = 1000;
   report->slice.rays.decided[static_cast<std::size_t>(RayDecision::kBase)] = 11;
   report->slice.rays.decided[static_cast<std::size_t>(RayDecision::kWinding)] = 10;
-  report->slice.normals_estimated = 5;
+  report->slice.normals.estimated = 5;
   find_warnings(*report);
   const auto lines = report->warnings.all();
   ASSERT_EQ(lines.size(), 5U);

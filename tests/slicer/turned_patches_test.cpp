@@ -39,7 +39,7 @@ TEST(TurnedPatches, APatchThatFacesInwardsIsTurnedAndTheObjectIsWhole) {
   const std::uint32_t wrong = turn(scan, [](const Vec3d& p) { return p[0] > 8; });
   ASSERT_GT(wrong, 1000U);
   const Slicing with = sliced(scan);
-  EXPECT_NEAR(with.report().normals_turned, wrong, 0.02 * wrong) << "some were averaged";
+  EXPECT_NEAR(with.report().normals.turned, wrong, 0.02 * wrong) << "some were averaged";
   EXPECT_NEAR(with.volume(), sliced(right).volume(), 0.5);
 }
 
@@ -48,24 +48,24 @@ TEST(TurnedPatches, SingleNormalsAreTurned) {
   Random random(3);
   const std::uint32_t wrong = turn(scan, [&](const Vec3d&) { return random.uniform(0, 1) < 0.05; });
   const Slicing slicing = sliced(scan);
-  EXPECT_NEAR(slicing.report().normals_turned, wrong, 0.05 * wrong);
+  EXPECT_NEAR(slicing.report().normals.turned, wrong, 0.05 * wrong);
   EXPECT_NEAR(slicing.volume(), 4.0 / 3 * kPi * 1000, 10);
 }
 
 TEST(TurnedPatches, WhatContradictsNothingStays) {
   Surface apart = ball(10);
   append(apart, ball(4, {20, 0, 0}));
-  EXPECT_EQ(sliced(apart).report().normals_turned, 0U);
+  EXPECT_EQ(sliced(apart).report().normals.turned, 0U);
 
   Surface hollow = ball(10);
   Surface inside = ball(7);
   turn(inside, [](const Vec3d&) { return true; });
   append(hollow, inside);
-  EXPECT_EQ(sliced(hollow).report().normals_turned, 0U) << "the wall of a hollow faces into it";
+  EXPECT_EQ(sliced(hollow).report().normals.turned, 0U) << "the wall of a hollow faces into it";
 
   Random random(1);
   Surface plate = box({0, 0, 0}, {20, 20, 0.6}, kSpacing, 0.3, random);
-  EXPECT_EQ(sliced(plate).report().normals_turned, 0U) << "both sides of a thin wall are right";
+  EXPECT_EQ(sliced(plate).report().normals.turned, 0U) << "both sides of a thin wall are right";
 }
 
 TEST(TurnedPatches, ThreadsDoNotMatter) {
@@ -73,13 +73,13 @@ TEST(TurnedPatches, ThreadsDoNotMatter) {
   turn(scan, [](const Vec3d& p) { return p[2] > 7; });
   const int threads = omp_get_max_threads();
   omp_set_num_threads(1);
-  const auto one = sliced(scan).report().normals_turned;
+  const auto one = sliced(scan).report().normals.turned;
   omp_set_num_threads(3);
   SliceSettings settings = settings_with_pitch(0.2F);
   settings.threads = 3;
   const Slicing three(binary_ply(scan), settings, 64 * kMiB);
   omp_set_num_threads(threads);
-  EXPECT_EQ(three.report().normals_turned, one);
+  EXPECT_EQ(three.report().normals.turned, one);
 }
 
 }  // namespace
