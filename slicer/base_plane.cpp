@@ -13,8 +13,8 @@ namespace {
 constexpr std::size_t kStrays = 12;
 
 constexpr std::size_t kBinsALayer = 5;
-constexpr std::size_t kBins = 24 * kBinsALayer;      ///< from a layer below the lowest point but the strays
-constexpr std::size_t kWallsFrom = 5 * kBinsALayer;  ///< above the rise, whatever its noise
+constexpr std::size_t kBins = 24 * kBinsALayer;       ///< from a layer below the lowest point but the strays
+constexpr std::size_t kWallsFrom = 12 * kBinsALayer;  ///< above the rise, whatever its noise and the strays below it
 /// From a tenth to the half of the full density: a rim that noise has blurred rises within this many bins, a tip takes longer.
 constexpr std::size_t kSharpRise = 2 * kBinsALayer;
 constexpr std::uint64_t kFewest = 200;  ///< points of the walls, to tell a rise from chance

@@ -6,6 +6,7 @@
 
 #include "slicer/loop_progress.hpp"
 #include "slicer/neighbourhood.hpp"
+#include "slicer/thin_surface.hpp"
 
 namespace plumbline {
 namespace {
@@ -19,9 +20,8 @@ constexpr std::int32_t kFewNeighbours = 8;  ///< fewer within epsilon do not mea
 /// their distance where they lie farther.
 constexpr float kOnSheet = 0.2F;
 constexpr std::uint32_t kNoiseSample = 16384;
-constexpr float kCleanNoise = 0.02F;       ///< of epsilon: below, what looks like noise is mostly curvature
-constexpr float kFullNoise = 0.1F;         ///< of epsilon: from here on the support has its full size
-constexpr std::uint32_t kThinSearch = 16;  ///< nearest points looked at instead
+constexpr float kCleanNoise = 0.02F;  ///< of epsilon: below, what looks like noise is mostly curvature
+constexpr float kFullNoise = 0.1F;    ///< of epsilon: from here on the support has its full size
 
 /// Of the 2 minPts neighbours that epsilon holds round the median point this share faces the same way where there is a
 /// surface: scans have 0.6 to 1, a sphere of 150 points 0.43. Of normals at random, weighed by the metric, it is an
@@ -76,33 +76,6 @@ void count(const Member& m, const Neighbourhood& batch, float epsilon2, Counts& 
   counts.same_type += same_type;
   counts.sheet += sheet;
   for (const float part : offset) counts.offset += part;
-}
-
-/// Where epsilon holds too few points to count, the surface is thinly scanned or there is none: the nearest points that
-/// face the same way tell how far apart they lie. Sets the radius of point i by them.
-/// @returns kThin if enough of them lie within reach
-std::uint8_t look_farther(Cloud& cloud, const KdTree3& tree, std::uint32_t i, float epsilon,
-                          const ClusteringSettings& settings) {
-  std::array<Neighbour, kThinSearch> found;  // NOLINT(cppcoreguidelines-pro-type-member-init)
-  const std::uint32_t count = tree.nearest(cloud.position[i], found);
-  if (!(settings.thin_reach > 0)) return 0;
-  const float reach = settings.thin_reach * epsilon;
-  const Vec3f normal = cloud.normal[i].unpack();
-  std::uint32_t near = 0;
-  float farthest2 = 0;
-  float offset = 0;
-  float distance = 0;
-  for (std::uint32_t k = 0; k < count && near < settings.thin_points; ++k) {
-    const Vec3f other = cloud.normal[found[k].index].unpack();
-    if (!Within{found[k].distance2, normal.dot(other)}.near(reach * reach)) continue;
-    ++near;
-    farthest2 = found[k].distance2;
-    offset += other.dot(cloud.position[i] - cloud.position[found[k].index]);
-    distance += std::sqrt(farthest2);
-  }
-  if (near < settings.thin_points || std::abs(offset) > kOnSheet * distance) return 0;
-  cloud.radius[i] = std::max(cloud.radius[i], std::sqrt(farthest2 / static_cast<float>(near)));
-  return kThin;
 }
 
 tl::unexpected<Error> cancelled() { return fail(ErrorCode::kCancelled, "cancelled while clusters were found"); }
@@ -221,7 +194,12 @@ Expected<ClusteringResult> cluster(Cloud& cloud, const KdTree3& tree, float epsi
         const bool on_sheet = std::abs(c.offset) < kOnSheet * epsilon * static_cast<float>(c.near);
         if (settings.thin_reach > 0 && on_sheet) flags[i] |= kThin;
       } else {
-        flags[i] |= look_farther(cloud, tree, i, epsilon, settings);
+        // The surface is thinly scanned here or there is none: the nearest points tell how far apart they lie.
+        const auto radius = thin_surface_radius(cloud, tree, i, epsilon, settings);
+        if (radius) {
+          flags[i] |= kThin;
+          cloud.radius[i] = std::max(cloud.radius[i], *radius);
+        }
       }
     }
   }

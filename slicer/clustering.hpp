@@ -23,7 +23,7 @@ struct ClusteringSettings {
   /// Noise of the thesis that has this many points, itself included, within thin_reach * epsilon by the same metric keeps
   /// its type: a part of the surface that few views saw. Not where most points are strays. A thin_reach of 0 leaves the
   /// noise as the thesis has it.
-  std::uint32_t thin_points = 7;
+  std::uint32_t thin_points = 5;
   float thin_reach = 3;
   float least_support = 20;
   float most_support = 100;

@@ -6,13 +6,16 @@
 
 #include "slicer/loop_progress.hpp"
 #include "slicer/neighbourhood.hpp"
+#include "slicer/tangent_plane.hpp"
 
 namespace plumbline {
 namespace {
 
 constexpr float kPlanePoints = 24;
-constexpr float kFacing = 0.5F;  ///< least inner product of the normals
+constexpr float kStrayReach = 3;  ///< times epsilon
+constexpr float kFacing = 0.5F;   ///< least inner product of the normals
 constexpr std::uint32_t kFewest = 6;
+constexpr float kLeastSide = 0.2F;       ///< mean of the inner products with the normals of the others
 constexpr float kLeastWidth = 0.05F;     ///< of a plane's points across against along, squared: less is a line
 constexpr float kMostTilt = 1;           ///< tangent: more is another sheet
 constexpr float kWeightsSpread = 0.55F;  ///< sum w^2 u^2 / sum w u^2 over a disc
@@ -57,6 +60,23 @@ void add_all(const Member& m, float radius2, const Neighbourhood& batch, Moments
   }
 }
 
+/// The normal of the points round a point of noise, whatever normal it has itself: its side is the one that their normals
+/// are mostly on.
+/// @param reach  mm: with fewer than kFewest points so near it is a stray
+/// @returns its own where they have no plane, or no side
+Vec3f fitted(TangentPlanes& planes, const Cloud& cloud, std::uint32_t i, float reach) {
+  const Vec3f own = cloud.normal[i].unpack();
+  planes.look_at(i);
+  const auto nearest = planes.points();
+  if (nearest.size() < kFewest || nearest[kFewest - 1].distance2 > reach * reach) return own;
+  const auto normal = planes.normal();
+  if (!normal) return own;
+  float side = 0;
+  for (const Neighbour& n : planes.points()) side += normal->dot(cloud.normal[n.index].unpack());
+  if (std::abs(side) < kLeastSide * static_cast<float>(planes.points().size())) return own;
+  return side > 0 ? *normal : Vec3f(-*normal);
+}
+
 /// @param noise  mm
 /// @returns the normal tilted to the plane of the points as far as noise does not explain it; as it was where there is none
 Vec3f tilted(const Vec3f& n, const Moments& moments, float noise) {
@@ -97,6 +117,7 @@ Status refine_normals(const Cloud& cloud, const KdTree3& tree, const ClusteringR
     if (!refining.step(b)) continue;
     const std::uint32_t first = b * kSharedSearch;
     const std::uint32_t last = std::min(cloud.size, first + kSharedSearch);
+    TangentPlanes planes(cloud, tree);
     std::array<Moments, kSharedSearch> moments{};
     float reach = 0;
     for (std::uint32_t i = first; i < last; ++i) reach = std::max(reach, share * cloud.radius[i]);
@@ -108,7 +129,10 @@ Status refine_normals(const Cloud& cloud, const KdTree3& tree, const ClusteringR
     });
     for (std::uint32_t i = first; i < last; ++i) {
       refined[i] = cloud.normal[i];
-      if (cloud.normal[i].point_class == PointClass::kNoise) continue;
+      if (cloud.normal[i].point_class == PointClass::kNoise) {
+        refined[i].set(fitted(planes, cloud, i, kStrayReach * clustering.epsilon));
+        continue;
+      }
       refined[i].set(tilted(cloud.normal[i].unpack(), moments[i - first], clustering.noise));
       refined[i].point_class = orientation_of(refined[i]);
     }

@@ -23,6 +23,10 @@ namespace plumbline {
 /// points of all views together: they are smooth, and round what is sharp. Points that face more than 60 degrees away, and
 /// noise, are not counted; where that leaves fewer than six the normal stays.
 ///
+/// The normal of a point of noise is often why it is noise. It gets that of TangentPlanes, on the side that the normals round
+/// it are on (their mean inner product at least 0.2), and stays noise: rescue_thin_surface() asks again. One with fewer than
+/// six points within three epsilon keeps its own.
+///
 /// @param cloud    in the order of `tree`, radius[] and classes set by cluster()
 /// @param refined  cloud.size of them, out; the classes follow the normals
 /// @retval ErrorCode::kCancelled

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <tuple>
 
+#include "slicer/layer_stream.hpp"
+
 namespace plumbline {
 namespace {
 
@@ -24,6 +26,19 @@ std::span<RRepToggle> distinct(std::span<RRepToggle> toggles, std::uint32_t laye
     }
   }
   return toggles.first(count);
+}
+
+/// The first layer whose mask has a pixel; as many as there are if none has.
+Expected<std::uint32_t> first_printed(const RRep& rrep, Arena& arena) {
+  const std::size_t mark = arena.bottom_mark();
+  auto stream = LayerStream::create(rrep, arena);
+  std::uint32_t layer = 0;
+  if (stream) {
+    while (layer < rrep.grid.layers && stream->mask(layer).count() == 0) ++layer;
+  }
+  arena.release_bottom(mark);
+  if (!stream) return tl::unexpected<Error>(stream.error());
+  return layer;
 }
 
 }  // namespace
@@ -64,12 +79,29 @@ Status toggle_crossings(RRep& rrep, std::span<RRepToggle> toggles, Arena& arena)
   return {};
 }
 
-std::uint32_t trim_below(RRep& rrep) {
-  std::uint32_t below = 0;
-  while (below + 1 < rrep.grid.layers && rrep.first[below + 1] == 0) ++below;
-  rrep.first = rrep.first.subspan(below);
-  rrep.grid.layers -= below;
-  return below;
+Expected<std::uint32_t> trim_below(RRep& rrep, Arena& arena) {
+  const std::uint32_t layers = rrep.grid.layers;
+  const auto below = first_printed(rrep, arena);
+  PLUMBLINE_TRY(below);
+  if (*below == layers || *below == 0) return 0U;
+  {
+    // What grows on into the layers that stay begins with the first of them.
+    const ArenaScope scope(arena);
+    const std::uint32_t crossings = rrep.first[*below];
+    auto moves = arena.take_top<RRepToggle>(2 * std::size_t{crossings}, "R-Rep");
+    PLUMBLINE_TRY(moves);
+    std::size_t move = 0;
+    for (std::uint32_t layer = 0; layer < *below; ++layer) {
+      for (std::uint32_t i = rrep.first[layer]; i < rrep.first[layer + 1]; ++i) {
+        (*moves)[move++] = {layer, rrep.pixel[i]};
+        (*moves)[move++] = {*below, rrep.pixel[i]};
+      }
+    }
+    PLUMBLINE_TRY(toggle_crossings(rrep, *moves, arena));
+  }
+  rrep.first = rrep.first.subspan(*below);
+  rrep.grid.layers -= *below;
+  return *below;
 }
 
 }  // namespace plumbline

@@ -22,8 +22,11 @@ struct RRepToggle {
 /// @retval ErrorCode::kOutOfMemory  rrep is as before
 [[nodiscard]] Status toggle_crossings(RRep& rrep, std::span<RRepToggle> toggles, Arena& arena);
 
-/// Takes out the empty layers below the object, so that it stands on the plate.
+/// Takes out the layers below the first one that prints something, so that the object stands on the plate: those that are
+/// empty, and those with nothing but what the opening of the masks takes away, such as the tip of a stray.
+/// @param rrep  the newest block at the bottom of the arena; as before if no layer prints anything
 /// @returns how many there were
-[[nodiscard]] std::uint32_t trim_below(RRep& rrep);
+/// @retval ErrorCode::kOutOfMemory  for two images and the crossings of these layers; rrep is as before
+[[nodiscard]] Expected<std::uint32_t> trim_below(RRep& rrep, Arena& arena);
 
 }  // namespace plumbline

@@ -18,6 +18,7 @@
 #include "slicer/rrep_edit.hpp"
 #include "slicer/stage_scope.hpp"
 #include "slicer/stray_pieces.hpp"
+#include "slicer/thin_surface.hpp"
 #include "slicer/winding_number.hpp"
 
 namespace plumbline {
@@ -49,6 +50,7 @@ double first_cell(const PlacementSettings& p) {
 constexpr float kRepairShare = 1.0F / 16;
 
 constexpr double kClusteringShare = 0.7;  ///< of its stage's time; sharper normals take the rest
+constexpr double kRefiningShare = 0.9;    ///< of that; a second look at the noise takes the rest
 
 /// Where most points are strays, what is left of them is a surface if it has this share of core points. A surface has 0.5
 /// and more; what happens to face the same way among strays is mostly of mixed type: 0.1.
@@ -123,9 +125,9 @@ class Job {
                                                (grid.pitch_x_mm * grid.pitch_y_mm * grid.layer_height_mm));
     // Without room for it the print is as good as the scan: no reason to refuse it.
     if (const auto features = drop_small_features(rrep, limits, arena_)) report_.features = *features;
-    report_.crossings = rrep.crossings();
     // The lowest point may be a stray. What is printed stands on the plate, so the first layer is the first with a pixel.
-    const std::uint32_t below = trim_below(rrep);
+    const std::uint32_t below = trim_below(rrep, arena_).value_or(0);
+    report_.crossings = rrep.crossings();
     report_.placement.grid.layers = rrep.grid.layers;
     report_.confidence.trim_below(below);
     report_.placement.shift[2] -= static_cast<double>(below) * grid.layer_height_mm;
@@ -216,13 +218,14 @@ class Job {
 
   /// The points of all views know the normals better than each view does, as far as they are without noise.
   Status refine(const KdTree3& tree, const StageProgress& progress) {
-    if (report_.normals.estimated > 0 || !report_.clustering.coherent) return {};
+    if (!report_.clustering.coherent) return {};
     const ArenaScope scope(arena_);
     auto refined = arena_.take_top<PackedNormal>(cloud_.size, "normals");
     PLUMBLINE_TRY(refined);
-    PLUMBLINE_TRY(refine_normals(cloud_, tree, report_.clustering, *refined, progress));
+    PLUMBLINE_TRY(refine_normals(cloud_, tree, report_.clustering, *refined, progress.part(0, kRefiningShare)));
     std::copy(refined->begin(), refined->end(), cloud_.normal.begin());
-    return {};
+    return rescue_thin_surface(cloud_, tree, settings_.clustering, report_.clustering,
+                               progress.part(kRefiningShare, 1));
   }
 
   /// Only now is the extent of the object known without its strays.

@@ -37,6 +37,25 @@ TEST(BasePlane, IsNotMovedByADozenStrays) {
   EXPECT_NEAR(base_plane(points, kLayer), 3, 0.012);
 }
 
+// Flying pixels below a rim, as far down as half a millimetre: the plane was put where they begin.
+TEST(BasePlane, IsNotMovedByATailOfStraysBelowTheRim) {
+  auto points = cylinder(100'000, 3, 0.03F);
+  std::mt19937 engine(8);
+  std::uniform_real_distribution<float> uniform(0, 1);
+  for (int i = 0; i < 150; ++i) points.emplace_back(10.0F, 0.0F, 3 - 0.5F * uniform(engine));
+  EXPECT_NEAR(base_plane(points, kLayer), 3, 0.012);
+}
+
+TEST(BasePlane, OfSmallFeetIsWhereTheyEnd) {
+  auto points = cylinder(100'000, 3, 0.01F);
+  std::mt19937 engine(9);
+  std::uniform_real_distribution<float> uniform(0, 1);
+  for (int i = 0; i < 600; ++i) {  // walls with a fifth of the length round the object's, 0.5 mm tall
+    points.emplace_back(10.0F, uniform(engine), 2.5F + 0.5F * uniform(engine));
+  }
+  EXPECT_NEAR(base_plane(points, kLayer), 2.5, 0.06);
+}
+
 TEST(BasePlane, OfASeenUndersideIsTheUnderside) {
   auto points = cylinder(100'000, 3, 0.03F);
   std::mt19937 engine(6);

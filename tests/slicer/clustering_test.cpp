@@ -254,7 +254,7 @@ TEST(Clustering, KeepsSurfaceThatFewViewsSawWhereTheThesisCallsItNoise) {
   EXPECT_EQ(kept_of_a_sheet_with_spacing(0.3, 0), 0);
   EXPECT_GT(kept_of_a_sheet_with_spacing(0.3, 3), 0.98);
   EXPECT_GT(kept_of_a_sheet_with_spacing(0.45, 3), 0.9);
-  EXPECT_EQ(kept_of_a_sheet_with_spacing(1.4, 3), 0);
+  EXPECT_EQ(kept_of_a_sheet_with_spacing(2, 3), 0);
 }
 
 TEST(Clustering, DropsStraysBesideASurfaceEvenWhenItRescuesThinOnes) {

@@ -296,11 +296,30 @@ TEST(RRepEdit, TogglesAsASetOfVoxelsWould) {
 TEST(RRepEdit, TrimsEmptyLayersBelowTheObject) {
   const Inside wanted = [](auto c, auto r, auto k) { return Block{10, 60, 5, 35, 0, 12}.has(c, r, k); };
   Voxels voxels([&](auto c, auto r, auto k) { return k >= 7 && wanted(c, r, k - 7); });
-  EXPECT_EQ(trim_below(voxels.rrep), 7U);
+  EXPECT_EQ(value_of(trim_below(voxels.rrep, *voxels.block)), 7U);
   EXPECT_EQ(voxels.rrep.grid.layers, kLayers - 7);
   EXPECT_TRUE(voxels.equals(wanted));
-  EXPECT_EQ(trim_below(voxels.rrep), 0U);
+  EXPECT_EQ(value_of(trim_below(voxels.rrep, *voxels.block)), 0U);
   EXPECT_TRUE(voxels.equals(wanted));
+}
+
+// The print once began with layers that had nothing but the tip of a stray, one pixel wide: the masks had none of it.
+TEST(RRepEdit, TrimsLayersThatPrintNothingThough) {
+  const auto spur = [](auto c, auto r, auto k) { return c == 20 && r == 20 && k >= 2; };
+  const auto block_on_it = [](auto c, auto r, auto k) { return Block{10, 60, 5, 35, 0, 12}.has(c, r, k); };
+  const auto passing = [](auto c, auto r, auto k) { return c == 30 && r == 9 && k >= 1 && k < 5; };
+  Voxels voxels([&](auto c, auto r, auto k) {
+    return spur(c, r, k) || passing(c, r, k) || (k >= 7 && block_on_it(c, r, k - 7));
+  });
+  EXPECT_EQ(value_of(trim_below(voxels.rrep, *voxels.block)), 7U);
+  EXPECT_EQ(voxels.rrep.grid.layers, kLayers - 7);
+  EXPECT_TRUE(voxels.equals([&](auto c, auto r, auto k) { return block_on_it(c, r, k) || (c == 20 && r == 20); }));
+}
+
+TEST(RRepEdit, TrimsNothingWhereNoLayerPrints) {
+  Voxels voxels([](auto c, auto r, auto k) { return c == 20 && r == 20 && k >= 2; });
+  EXPECT_EQ(value_of(trim_below(voxels.rrep, *voxels.block)), 0U);
+  EXPECT_EQ(voxels.rrep.grid.layers, kLayers);
 }
 
 }  // namespace
