@@ -65,7 +65,7 @@ void add_all(const Member& m, float radius2, const Neighbourhood& batch, Moments
 /// @param reach  mm: with fewer than kFewest points so near it is a stray
 /// @returns its own where they have no plane, or no side
 Vec3f fitted(TangentPlanes& planes, const Cloud& cloud, std::uint32_t i, float reach) {
-  const Vec3f own = cloud.normal[i].unpack();
+  Vec3f own = cloud.normal[i].unpack();
   planes.look_at(i);
   const auto nearest = planes.points();
   if (nearest.size() < kFewest || nearest[kFewest - 1].distance2 > reach * reach) return own;

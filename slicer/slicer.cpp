@@ -34,7 +34,8 @@ constexpr float kMaxRadiusSupport = 40;  ///< points: a larger support is cut to
 /// Pieces and bubbles below this many cubes of epsilon are specks: a stray's support has some six.
 constexpr float kSpeck = 50;
 
-/// Islands and holes of a layer below this many squares of epsilon, and this many cubes in all, are small features.
+/// Islands and holes of a layer below this many squares of epsilon, and this many cubes in all, are small features; of a scan
+/// whose supports noise has widened, as many times the cubes as the supports have more points.
 constexpr float kFeature = 2;
 
 /// First cell of the thinning in scan units; 0 where the size of a scan unit on the print is not known yet.
@@ -51,6 +52,8 @@ constexpr float kRepairShare = 1.0F / 16;
 
 constexpr double kClusteringShare = 0.7;  ///< of its stage's time; sharper normals take the rest
 constexpr double kRefiningShare = 0.9;    ///< of that; a second look at the noise takes the rest
+
+constexpr float kSectionEpsilons = 2;  ///< from section to section above the base plane
 
 /// Where most points are strays, what is left of them is a surface if it has this share of core points. A surface has 0.5
 /// and more; what happens to face the same way among strays is mostly of mixed type: 0.1.
@@ -121,7 +124,9 @@ class Job {
     const float epsilon2 = report_.clustering.epsilon * report_.clustering.epsilon;
     FeatureLimits limits;
     limits.pixels = static_cast<std::uint32_t>(kFeature * epsilon2 / (grid.pitch_x_mm * grid.pitch_y_mm));
-    limits.voxels = static_cast<std::uint64_t>(kFeature * epsilon2 * report_.clustering.epsilon /
+    // Where noise makes supports wide, what one stray does goes farther.
+    const float width = report_.clustering.support_points / settings_.clustering.least_support;
+    limits.voxels = static_cast<std::uint64_t>(width * kFeature * epsilon2 * report_.clustering.epsilon /
                                                (grid.pitch_x_mm * grid.pitch_y_mm * grid.layer_height_mm));
     // Without room for it the print is as good as the scan: no reason to refuse it.
     if (const auto features = drop_small_features(rrep, limits, arena_)) report_.features = *features;
@@ -258,7 +263,8 @@ class Job {
                                   winding_nodes_.first(WindingTree::nodes_needed(cloud_.size)));
     if (settings_.base == BaseChoice::kNone) return;
     const float height = base_plane(cloud_.positions(), report_.placement.grid.layer_height_mm);
-    report_.flat_underside = winding_.set_base(height, settings_.base == BaseChoice::kFlat);
+    report_.flat_underside =
+        winding_.set_base(height, kSectionEpsilons * report_.clustering.epsilon, settings_.base == BaseChoice::kFlat);
   }
 
   /// Crossings that the surface will make: each point's share of it, seen from above, is crossed by so many rays.

@@ -7,6 +7,9 @@ namespace {
 
 constexpr std::uint32_t kBaseSamples = 48;  ///< a side, over the base plane
 constexpr float kBaseOpen = 0.1F;           ///< a fifth of what an opening counts there
+constexpr std::uint32_t kLeastOpen = 10;    ///< an open underside is at least one part in so many of the section above
+constexpr float kInside = 0.5F;
+constexpr int kSections = 8;
 constexpr float kInverse4Pi = 0.0795774715F;
 constexpr float kPi = 3.14159265F;
 
@@ -30,20 +33,29 @@ WindingTree WindingTree::build(const Cloud& cloud, float support_points, std::sp
   return tree;
 }
 
-bool WindingTree::set_base(float height, bool always) {
+bool WindingTree::set_base(float height, float step, bool always) {
   base_ = height;
-  has_base_ = always;
-  // On the plane itself the surface and its mirror image count the same: half each where it is open, nothing where the
-  // surface closes above the plane.
   Box3f box;
   for (const Vec3f& p : position_) box.extend(p);
   const auto sampled = [&](int axis, std::uint32_t i) {
     return box.low[axis] + (static_cast<float>(i) + 0.5F) / kBaseSamples * box.size()[axis];
   };
-  for (std::uint32_t i = 0; i < kBaseSamples * kBaseSamples && !has_base_; ++i) {
-    const std::uint32_t row = i / kBaseSamples;
-    has_base_ = sum({sampled(0, i % kBaseSamples), sampled(1, row), height}) > kBaseOpen;
+  const auto count_above = [&](float least, float z) {
+    std::uint32_t count = 0;
+    for (std::uint32_t i = 0; i < kBaseSamples * kBaseSamples; ++i) {
+      count += sum({sampled(0, i % kBaseSamples), sampled(1, i / kBaseSamples), z}) > least ? 1 : 0;
+    }
+    return count;
+  };
+  // On the plane itself the surface and its mirror image count the same: half each where it is open, nothing where the
+  // surface closes above the plane.
+  const std::uint32_t open = count_above(kBaseOpen, height);
+  // Strays lie below the object, and it may stand on a foot: its lowest section that is no smaller tells.
+  std::uint32_t solid = 0;
+  for (int k = 1; open > 0 && k <= kSections && solid < open; ++k) {
+    solid = count_above(kInside, height + static_cast<float>(k) * step);
   }
+  has_base_ = always || kLeastOpen * open > solid;
   return has_base_;
 }
 

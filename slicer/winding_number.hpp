@@ -32,9 +32,11 @@ class WindingTree {
 
   /// Mirrors the surface at the plane z = height, normals too: what is open there counts as closed flat (a closed object
   /// standing on the plane is left as it is, since outside of it its mirror image counts nothing).
+  /// @param step    mm: the lowest section of the object, for comparison with what is open at the plane, is looked for so far
+  ///                above it, twice as far, and on
   /// @param always  mirror it whether it is open there or not
-  /// @returns whether it is mirrored; a surface that is not open there has nothing to mirror
-  bool set_base(float height, bool always = false);
+  /// @returns whether it is mirrored: where less than a tenth is open the underside was seen, and has holes at most
+  bool set_base(float height, float step, bool always = false);
   bool has_base() const { return has_base_; }
   /// mm; nothing is inside below. -infinity without one.
   float base() const { return has_base_ ? base_ : -std::numeric_limits<float>::infinity(); }

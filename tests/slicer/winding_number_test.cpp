@@ -96,7 +96,7 @@ TEST(WindingNumber, OfAnOpenHemisphereIsOneInsideOnceTheBaseClosesIt) {
   WindingField field(upper_half(sphere(30000, 5, centre), 0));
   const Vec3d inside(10, 10, 1);
   EXPECT_LT(field.at(inside), 0.65);
-  field->set_base(0);
+  field->set_base(0, 0.5F);
   Random random(53);
   for (int i = 0; i < 200; ++i) {
     Vec3d direction = random.vector().normalized();
@@ -117,8 +117,26 @@ TEST(WindingNumber, OfAClosedSphereOnThePlaneDoesNotChangeWithTheBase) {
     places.push_back({random.uniform(2, 18), random.uniform(2, 18), random.uniform(0.3, 13)});
     before.push_back(field.at(places.back()));
   }
-  field->set_base(0);
+  field->set_base(0, 0.5F);
   for (std::size_t i = 0; i < places.size(); ++i) EXPECT_NEAR(field.at(places[i]), before[i], 0.06);
+}
+
+// A hole in an underside that was seen once made all of it count as open: it was closed at the height of the lowest strays.
+TEST(WindingNumber, HasABaseForAnOpenUndersideAndNotForAHoleInIt) {
+  Random random(55);
+  const Surface whole = box({0, 0, 0}, {20, 20, 10}, 0.3, 0.3, random);
+  const auto without_disc = [&](double radius) {
+    Surface open;
+    for (const SurfacePoint& p : whole) {
+      if (p.position[2] > 0.1 || std::hypot(p.position[0] - 10, p.position[1] - 10) > radius) open.push_back(p);
+    }
+    return open;
+  };
+  constexpr float kStrayDepth = 1.5F;
+  EXPECT_FALSE(WindingField(whole)->set_base(-kStrayDepth, 1));
+  EXPECT_FALSE(WindingField(without_disc(2))->set_base(-kStrayDepth, 1));
+  EXPECT_TRUE(WindingField(without_disc(2))->set_base(-kStrayDepth, 1, true)) << "asked for";
+  EXPECT_TRUE(WindingField(without_disc(20))->set_base(0, 1));
 }
 
 TEST(WindingNumber, OfOnePointAndOfNoneIsFinite) {
