@@ -50,7 +50,14 @@ inline void write_text(const std::string& path, std::string_view text) {
 }
 
 /// A clean sphere round the origin, evenly scanned (Fibonacci lattice), with outward normals, or ones of length zero.
-inline void write_sphere_scan(const std::string& path, std::uint32_t points, double radius_mm, bool normals = true) {
+inline void write_scan(const std::string& path, const std::vector<ScanPoint>& cloud) {
+  auto writer = PlyWriter::create(path, {}, cloud.size());
+  ASSERT_TRUE(writer.has_value()) << writer.error().message();
+  ASSERT_TRUE(writer->write(cloud).has_value());
+  ASSERT_TRUE(writer->close().has_value());
+}
+
+inline std::vector<ScanPoint> sphere_scan(std::uint32_t points, double radius_mm, bool normals = true) {
   std::vector<ScanPoint> cloud(points);
   constexpr double kGoldenAngle = 2.39996322972865332;
   for (std::uint32_t i = 0; i < points; ++i) {
@@ -66,10 +73,11 @@ inline void write_sphere_scan(const std::string& path, std::uint32_t points, dou
                 static_cast<float>(length * y),
                 static_cast<float>(length * z)};
   }
-  auto writer = PlyWriter::create(path, {}, points);
-  ASSERT_TRUE(writer.has_value()) << writer.error().message();
-  ASSERT_TRUE(writer->write(cloud).has_value());
-  ASSERT_TRUE(writer->close().has_value());
+  return cloud;
+}
+
+inline void write_sphere_scan(const std::string& path, std::uint32_t points, double radius_mm, bool normals = true) {
+  write_scan(path, sphere_scan(points, radius_mm, normals));
 }
 
 /// A printer small enough for tests: 40 x 30 x 50 mm in pixels of 0.1 mm; the rows are no multiple of a byte.

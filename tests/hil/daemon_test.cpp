@@ -74,6 +74,24 @@ TEST(Daemon, DoesWhatTheJobFileSays) {
   EXPECT_EQ(rig.user.reports.at(0).layers, 30U) << "a ball of 6 mm";
 }
 
+// A print from a stick once left out a stray piece of the scan, and turned its normals, without a word.
+TEST(Daemon, SaysWhatItLeftOutOfAScanAndTurned) {
+  DaemonRig rig;
+  std::vector<ScanPoint> scan = sphere_scan(4000, 2);
+  for (std::size_t i = 100; i < 300; ++i) {
+    for (float* n : {&scan[i].nx, &scan[i].ny, &scan[i].nz}) *n = -*n;
+  }
+  for (int i = 0; i < 36; ++i) {
+    scan.push_back({6 + 0.11 * (i % 6), 0.11 * (i / 6), 0, 0, 0, 1});  // a bit of the table
+  }
+  write_scan(rig.stick() + "/ball.ply", scan);
+  rig.plant.plug_stick(rig.stick());
+  rig.user.on_printed = [&] { rig.plant.press(EventKind::kShutdownRequested); };
+  ASSERT_TRUE(rig.run());
+  EXPECT_THAT(rig.user.said, Contains(HasSubstr("stray piece")));
+  EXPECT_THAT(rig.user.said, Contains(HasSubstr("% of the normals pointed into the object and were turned over")));
+}
+
 TEST(Daemon, SaysWhatIsWrongInAJobFileAndStaysReady) {
   DaemonRig rig;
   rig.put_scan("a.ply");
