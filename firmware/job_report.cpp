@@ -61,7 +61,7 @@ double turned_share(std::uint32_t turned, std::uint32_t points) {
   return points > 0 ? static_cast<double>(turned) / points : 0;
 }
 
-void for_each_repair(const SliceReport& slice, FunctionRef<void(std::string_view)> tell) {
+void for_each_remark(const SliceReport& slice, FunctionRef<void(std::string_view)> tell) {
   if (slice.strays.pieces > 0) tell(stray_warning(slice.strays).view());
   FixedText<256> text;
   const double turned = turned_share(slice.normals.turned, slice.cloud_points);
@@ -74,6 +74,15 @@ void for_each_repair(const SliceReport& slice, FunctionRef<void(std::string_view
     text.add("%u small solids that touch neither the object nor the plate were left out. --keep-all keeps them",
              slice.pieces.floating_pieces);
     tell(text.view());
+  }
+  const auto& points = slice.clustering.points;
+  const auto entering = points[static_cast<std::size_t>(PointClass::kEntering)];
+  const auto exiting = points[static_cast<std::size_t>(PointClass::kExiting)];
+  if (entering > 0 && exiting <= kOneSidedShare * entering) {
+    tell(
+        "the scan is of one side, and that faces down: most of it cannot be closed. Turned over it is printed as a "
+        "relief: "
+        "--rotate-x 180, or rotate_x_deg = 180 in job.toml");
   }
 }
 
@@ -112,7 +121,7 @@ void find_warnings(JobReport& report) {
         "confidence.png",
         100 * report.share_of_rays(RayDecision::kWinding));
   }
-  for_each_repair(s, [&](std::string_view warning) {
+  for_each_remark(s, [&](std::string_view warning) {
     report.warnings.add().add("%.*s", static_cast<int>(warning.size()), warning.data());
   });
   if (s.pieces.counted && s.pieces.pieces > 1 && !report.support_settings) {

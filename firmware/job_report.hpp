@@ -70,8 +70,8 @@ double turned_share(std::uint32_t turned, std::uint32_t points);
 /// Below this nobody needs to know: flying pixels at edges.
 inline constexpr double kTurnedWorthAWord = 0.01;
 
-/// What was left out of the scan or changed in it, a sentence each.
-void for_each_repair(const SliceReport& slice, FunctionRef<void(std::string_view)> tell);
+/// What was left out of the scan or changed in it, and what is wrong with the way it lies, a sentence each.
+void for_each_remark(const SliceReport& slice, FunctionRef<void(std::string_view)> tell);
 
 /// Looks for what a user should know before printing, and adds it to report.warnings.
 void find_warnings(JobReport& report);

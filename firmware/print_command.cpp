@@ -55,7 +55,7 @@ Status make_ready(const PrintOptions& options, const JobSetup& setup, const Prin
   JobProgress progress(silent ? nullptr : &lines);
   PLUMBLINE_TRY(session.slice_scan(scan->sources(), settings, *supports, printer.profile, &progress));
   if (silent) return {};
-  for_each_repair(session.sliced(), [](std::string_view warning) {
+  for_each_remark(session.sliced(), [](std::string_view warning) {
     FixedText<512> line;
     line.add("plumbline: warning: %.*s\n", static_cast<int>(warning.size()), warning.data());
     write_to_stderr(line.view());

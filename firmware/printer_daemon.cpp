@@ -204,7 +204,7 @@ Status PrinterDaemon::print_scan() {
     const auto sliced = session.slice_scan(*scan, settings, *supports, *profile, &listener);
     if (listener.shutdown()) ending_ = true;
     PLUMBLINE_TRY(sliced);
-    for_each_repair(session.sliced(), [&](std::string_view warning) { observer_.say(warning); });
+    for_each_remark(session.sliced(), [&](std::string_view warning) { observer_.say(warning); });
   }
   observer_.say("the stick may be pulled");
   apply(PrintEvent::kSliced);

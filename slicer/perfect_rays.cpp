@@ -243,10 +243,10 @@ PerfectRay RayPerfecter::ray(std::uint32_t column, std::uint32_t row) {
     const bool above = !last && band->inside_at_low;
     const float high = last ? top_ : band->low;
     const bool was_inside = gap.inside_at_high;
-    if (high > reached) {
+    if (high > reached && !(settings_.height_field && b == 0 && above)) {
       gap = decide_gap(x, y, reached, high, inside, above);
     } else {
-      gap = {above, above};  // the band starts at or below the base plane
+      gap = {above, above};  // or the band starts at or below the base plane
     }
     if (b == 0) {
       base = gap.inside_at_low;

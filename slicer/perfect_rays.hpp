@@ -40,6 +40,9 @@ struct PerfectRay {
 struct PerfectRaySettings {
   IntersectionSettings intersections;
   float repair_spacing = 0.05F;  ///< mm between the uniform queries of a repair
+  /// Nothing of the surface faces down, and there is a base plane: what lies below the lowest sheet of a ray is solid, seen
+  /// from the side or not.
+  bool height_field = false;
 };
 
 /// Decides one ray after another, tile by tile. One object a thread. What it has found out on the way serves the tiles of one

@@ -267,6 +267,12 @@ class Job {
         winding_.set_base(height, kSectionEpsilons * report_.clustering.epsilon, settings_.base == BaseChoice::kFlat);
   }
 
+  bool is_height_field() const {
+    const auto& points = report_.clustering.points;
+    const auto entering = points[static_cast<std::size_t>(PointClass::kEntering)];
+    return winding_.has_base() && entering <= kOneSidedShare * cloud_.size;
+  }
+
   /// Crossings that the surface will make: each point's share of it, seen from above, is crossed by so many rays.
   struct SeenSurface {
     double entering = 0, exiting = 0;
@@ -356,6 +362,7 @@ class Job {
     field.tile_capacity = tile_capacity(cloud_.capacity());
     field.settings.intersections.width = report_.width_mm;
     field.settings.repair_spacing = std::max(grid.layer_height_mm, kRepairShare * report_.clustering.epsilon);
+    field.settings.height_field = is_height_field();
     auto shooter = RayShooter::create(field, settings_.threads, arena_);
     if (!shooter) return tl::unexpected<Error>(shooter.error());
     auto store = CrossingStore::create(grid, arena_);

@@ -220,6 +220,26 @@ TEST(JobWarnings, TellOfUnitsSizeThinningHolesAndNormals) {
   for (const auto& line : lines) EXPECT_FALSE(line.cut()) << line.c_str();
 }
 
+TEST(JobWarnings, SayThatAScanOfOneSideLiesOnItsFace) {
+  const TemporaryFolder folder;
+  std::vector<ScanPoint> below = sphere_scan(20'000, kRadius);
+  std::erase_if(below, [](const ScanPoint& p) { return p.z > -1; });
+  write_scan(folder / "sphere.ply", below);
+  auto settings = sphere_job(folder);
+  const auto warnings = [&] {
+    std::string all;
+    auto report = run(settings);
+    EXPECT_TRUE(report.has_value());
+    if (report) {
+      for (const auto& line : report->warnings.all()) all += line.c_str() + std::string("\n");
+    }
+    return all;
+  };
+  EXPECT_THAT(warnings(), HasSubstr("--rotate-x 180"));
+  settings.slice.placement.rotation_degrees = {180, 0, 0};
+  EXPECT_THAT(warnings(), Not(HasSubstr("--rotate-x 180")));
+}
+
 TEST(JobWarnings, AreSilentAboutAnOrdinaryScan) {
   auto report = std::make_unique<JobReport>();
   report->slice.placement.size_mm = {40, 30, 60};

@@ -88,6 +88,26 @@ TEST(SliceShapes, AnOpenUndersideIsClosedFlatAtItsLowestRim) {
   EXPECT_LT(static_cast<double>(sliced.rays(RayDecision::kBase)), 1.02 * opening);
 }
 
+// What stands in front of the rest, and was seen from the front alone, was lost: it fills little of the field around it.
+TEST(SliceShapes, AScanOfOneSideIsARelief) {
+  Random random(66);
+  const auto on_board = [](double x, double y) { return x > 0 && x < 14 && std::abs(y) < 2; };
+  Surface surface;
+  for (const SurfacePoint& p : sphere(30000, 6, {0, 0, 0})) {
+    if (p.position[2] > 0 && !on_board(p.position[0], p.position[1])) surface.push_back(p);
+  }
+  // A board that leaves the dome's top to one side; its own sides hang over.
+  append(surface, sheet({0, -2, 6}, {14, 0, 0}, {0, 4, 0}, 0.12, 0.3, random));
+  const Slicing sliced(binary_ply(surface), settings_with_pitch(0.2F), 64 * kMiB);
+  expect_every_ray_closed(sliced);
+  const auto outside = [&](const Vec3d& p) {
+    const double dome = p.norm() - 6;
+    const Vec3d board = (Vec3d(7, 0, 3) - p).cwiseAbs() - Vec3d(7, 2, 3);
+    return std::min(dome, board.maxCoeff());
+  };
+  EXPECT_EQ(sliced.wrong_voxels(outside, 0.5), 0U);
+}
+
 TEST(SliceShapes, AClosedUndersideIsNotCountedAsTheBase) {
   Random random(61);
   const Slicing sliced(binary_ply(box({0, 0, 0}, {15, 12, 9}, 0.15, 0.4, random)), settings_with_pitch(0.2F),
