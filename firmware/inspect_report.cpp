@@ -82,6 +82,7 @@ void add_look(Text& text, const ScanOutlook& o) {
   } else {
     text.add("seen       not all: %s\n", o.look->sentence().c_str());
   }
+  if (lies_on_its_face(o.scan.clustering)) text.add("           %s\n", kOnItsFace);
 }
 
 void add_fit(Text& text, const ScanOutlook& o) {

@@ -61,6 +61,10 @@ double turned_share(std::uint32_t turned, std::uint32_t points) {
   return points > 0 ? static_cast<double>(turned) / points : 0;
 }
 
+bool lies_on_its_face(const ClusteringResult& clustering) {
+  return hardly_any(clustering, PointClass::kExiting) && !hardly_any(clustering, PointClass::kEntering);
+}
+
 void for_each_remark(const SliceReport& slice, FunctionRef<void(std::string_view)> tell) {
   if (slice.strays.pieces > 0) tell(stray_warning(slice.strays).view());
   FixedText<256> text;
@@ -71,19 +75,13 @@ void for_each_remark(const SliceReport& slice, FunctionRef<void(std::string_view
   }
   if (slice.pieces.floating_pieces > 0) {
     text = {};
-    text.add("%u small solids that touch neither the object nor the plate were left out. --keep-all keeps them",
-             slice.pieces.floating_pieces);
+    const bool one = slice.pieces.floating_pieces == 1;
+    text.add("%u small solid%s neither the object nor the plate %s left out. --keep-all keeps %s",
+             slice.pieces.floating_pieces, one ? " that touches" : "s that touch", one ? "was" : "were",
+             one ? "it" : "them");
     tell(text.view());
   }
-  const auto& points = slice.clustering.points;
-  const auto entering = points[static_cast<std::size_t>(PointClass::kEntering)];
-  const auto exiting = points[static_cast<std::size_t>(PointClass::kExiting)];
-  if (entering > 0 && exiting <= kOneSidedShare * entering) {
-    tell(
-        "the scan is of one side, and that faces down: most of it cannot be closed. Turned over it is printed as a "
-        "relief: "
-        "--rotate-x 180, or rotate_x_deg = 180 in job.toml");
-  }
+  if (lies_on_its_face(slice.clustering)) tell(kOnItsFace);
 }
 
 void find_warnings(JobReport& report) {

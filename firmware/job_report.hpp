@@ -70,6 +70,12 @@ double turned_share(std::uint32_t turned, std::uint32_t points);
 /// Below this nobody needs to know: flying pixels at edges.
 inline constexpr double kTurnedWorthAWord = 0.01;
 
+/// Whether the scan is of one side, and that faces down.
+bool lies_on_its_face(const ClusteringResult& clustering);
+inline constexpr const char* kOnItsFace =
+    "the scan is of one side, and that faces down: most of it cannot be closed. Turned over it is printed as a relief: "
+    "--rotate-x 180, or rotate_x_deg = 180 in job.toml";
+
 /// What was left out of the scan or changed in it, and what is wrong with the way it lies, a sentence each.
 void for_each_remark(const SliceReport& slice, FunctionRef<void(std::string_view)> tell);
 

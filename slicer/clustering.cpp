@@ -16,8 +16,7 @@ constexpr std::uint32_t kBlock = kSharedSearch;
 constexpr const char* kStage = "clustering";
 
 constexpr std::int32_t kFewNeighbours = 8;  ///< fewer within epsilon do not measure a density
-/// A point is on the sheet of its neighbours if its mean height over their planes is at most this share of epsilon, or of
-/// their distance where they lie farther.
+/// A point is on the sheet of its neighbours if its mean height over their planes is at most this share of epsilon.
 constexpr float kOnSheet = 0.2F;
 constexpr std::uint32_t kNoiseSample = 16384;
 constexpr float kCleanNoise = 0.02F;  ///< of epsilon: below, what looks like noise is mostly curvature
@@ -34,13 +33,6 @@ enum Flag : std::uint8_t { kCore = 1, kDense = 2, kOutlier = 4, kThin = 8 };
 /// For the pass in which other threads mark outliers in the same byte.
 bool is_core(std::uint8_t& flag) { return (std::atomic_ref(flag).load(std::memory_order_relaxed) & kCore) != 0; }
 
-/// The thesis' metric as a test: |d| / <n_i, n_j> <= epsilon, with the inner product positive. The square of the distance
-/// is compared, so there is no root and no division.
-struct Within {
-  float distance2;
-  float cosine;
-  bool near(float epsilon2) const { return cosine > 0 && distance2 <= epsilon2 * cosine * cosine; }
-};
 Within compare(const Member& m, const Neighbourhood& batch, std::uint32_t j) {
   const float dx = batch.x[j] - m.position[0];
   const float dy = batch.y[j] - m.position[1];
@@ -122,6 +114,15 @@ PointClass orientation_of(const PackedNormal& normal) {
   if (along > kNeutralSine) return PointClass::kExiting;
   if (along < -kNeutralSine) return PointClass::kEntering;
   return PointClass::kNeutral;
+}
+
+bool hardly_any(const ClusteringResult& clustering, PointClass point_class) {
+  constexpr std::uint64_t kOneIn = 1000;
+  std::uint64_t surface = 0;
+  for (const PointClass c : {PointClass::kEntering, PointClass::kExiting, PointClass::kNeutral}) {
+    surface += clustering.points[static_cast<std::size_t>(c)];
+  }
+  return kOneIn * clustering.points[static_cast<std::size_t>(point_class)] <= surface;
 }
 
 Expected<float> density_epsilon(const Cloud& cloud, const KdTree3& tree, const ClusteringSettings& settings,

@@ -50,6 +50,10 @@ struct ClusteringResult {
   float support_points = 0;  ///< points of a sheet that radius[] holds
 };
 
+/// Whether at most a thousandth of what is no noise is of this class. With hardly any entering points a scan is a height
+/// field; with hardly any exiting ones it lies on its face.
+bool hardly_any(const ClusteringResult& clustering, PointClass point_class);
+
 inline constexpr std::uint32_t kNoCluster = 0xFFFFFFFFU;
 
 /// Sorts every point into entering, exiting, neutral or noise, and sets its radius.

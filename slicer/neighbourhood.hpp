@@ -10,6 +10,14 @@ namespace plumbline {
 
 inline constexpr std::uint32_t kSharedSearch = 32;  ///< consecutive points that share one search
 
+/// The thesis' metric as a test: |d| / <n_i, n_j> <= epsilon, with the inner product positive. The square of the distance
+/// is compared, so there is no root and no division.
+struct Within {
+  float distance2;
+  float cosine;
+  bool near(float epsilon2) const { return cosine > 0 && distance2 <= epsilon2 * cosine * cosine; }
+};
+
 /// Candidates of one block, as columns.
 struct Neighbourhood {
   static constexpr std::uint32_t kMost = 256;  ///< their columns stay in the first-level cache

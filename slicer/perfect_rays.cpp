@@ -246,7 +246,7 @@ PerfectRay RayPerfecter::ray(std::uint32_t column, std::uint32_t row) {
     if (high > reached && !(settings_.height_field && b == 0 && above)) {
       gap = decide_gap(x, y, reached, high, inside, above);
     } else {
-      gap = {above, above};  // or the band starts at or below the base plane
+      gap = {above, above};  // the band starts at or below the base plane, or nothing unseen can lie below it
     }
     if (b == 0) {
       base = gap.inside_at_low;

@@ -12,8 +12,7 @@ namespace plumbline {
 namespace {
 
 constexpr float kPlanePoints = 24;
-constexpr float kStrayReach = 3;  ///< times epsilon
-constexpr float kFacing = 0.5F;   ///< least inner product of the normals
+constexpr float kFacing = 0.5F;  ///< least inner product of the normals
 constexpr std::uint32_t kFewest = 6;
 constexpr float kLeastSide = 0.2F;       ///< mean of the inner products with the normals of the others
 constexpr float kLeastWidth = 0.05F;     ///< of a plane's points across against along, squared: less is a line
@@ -107,8 +106,9 @@ Vec3f tilted(const Vec3f& n, const Moments& moments, float noise) {
 
 }  // namespace
 
-Status refine_normals(const Cloud& cloud, const KdTree3& tree, const ClusteringResult& clustering,
-                      std::span<PackedNormal> refined, const StageProgress& progress) {
+Status refine_normals(const Cloud& cloud, const KdTree3& tree, const ClusteringSettings& settings,
+                      const ClusteringResult& clustering, std::span<PackedNormal> refined,
+                      const StageProgress& progress) {
   const std::uint32_t blocks = (cloud.size + kSharedSearch - 1) / kSharedSearch;
   const float share = std::sqrt(kPlanePoints / clustering.support_points);
   LoopProgress refining(progress, blocks);
@@ -130,7 +130,7 @@ Status refine_normals(const Cloud& cloud, const KdTree3& tree, const ClusteringR
     for (std::uint32_t i = first; i < last; ++i) {
       refined[i] = cloud.normal[i];
       if (cloud.normal[i].point_class == PointClass::kNoise) {
-        refined[i].set(fitted(planes, cloud, i, kStrayReach * clustering.epsilon));
+        refined[i].set(fitted(planes, cloud, i, settings.thin_reach * clustering.epsilon));
         continue;
       }
       refined[i].set(tilted(cloud.normal[i].unpack(), moments[i - first], clustering.noise));

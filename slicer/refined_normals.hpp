@@ -25,12 +25,13 @@ namespace plumbline {
 ///
 /// The normal of a point of noise is often why it is noise. It gets that of TangentPlanes, on the side that the normals round
 /// it are on (their mean inner product at least 0.2), and stays noise: rescue_thin_surface() asks again. One with fewer than
-/// six points within three epsilon keeps its own.
+/// six points within settings.thin_reach * epsilon keeps its own.
 ///
 /// @param cloud    in the order of `tree`, radius[] and classes set by cluster()
 /// @param refined  cloud.size of them, out; the classes follow the normals
 /// @retval ErrorCode::kCancelled
-[[nodiscard]] Status refine_normals(const Cloud& cloud, const KdTree3& tree, const ClusteringResult& clustering,
-                                    std::span<PackedNormal> refined, const StageProgress& progress = {});
+[[nodiscard]] Status refine_normals(const Cloud& cloud, const KdTree3& tree, const ClusteringSettings& settings,
+                                    const ClusteringResult& clustering, std::span<PackedNormal> refined,
+                                    const StageProgress& progress = {});
 
 }  // namespace plumbline

@@ -227,7 +227,8 @@ class Job {
     const ArenaScope scope(arena_);
     auto refined = arena_.take_top<PackedNormal>(cloud_.size, "normals");
     PLUMBLINE_TRY(refined);
-    PLUMBLINE_TRY(refine_normals(cloud_, tree, report_.clustering, *refined, progress.part(0, kRefiningShare)));
+    PLUMBLINE_TRY(refine_normals(cloud_, tree, settings_.clustering, report_.clustering, *refined,
+                                 progress.part(0, kRefiningShare)));
     std::copy(refined->begin(), refined->end(), cloud_.normal.begin());
     return rescue_thin_surface(cloud_, tree, settings_.clustering, report_.clustering,
                                progress.part(kRefiningShare, 1));
@@ -267,11 +268,7 @@ class Job {
         winding_.set_base(height, kSectionEpsilons * report_.clustering.epsilon, settings_.base == BaseChoice::kFlat);
   }
 
-  bool is_height_field() const {
-    const auto& points = report_.clustering.points;
-    const auto entering = points[static_cast<std::size_t>(PointClass::kEntering)];
-    return winding_.has_base() && entering <= kOneSidedShare * cloud_.size;
-  }
+  bool is_height_field() const { return winding_.has_base() && hardly_any(report_.clustering, PointClass::kEntering); }
 
   /// Crossings that the surface will make: each point's share of it, seen from above, is crossed by so many rays.
   struct SeenSurface {

@@ -32,9 +32,6 @@ struct SliceSettings {
   std::uint32_t threads = 1;  ///< 1 to 64; the masks do not depend on it
 };
 
-/// A scan with at most this share of its points facing down (up) is of one side: a height field over (under) a plane.
-inline constexpr double kOneSidedShare = 1e-3;
-
 /// What happened, in numbers.
 struct SliceReport {
   ScanSummary scan;                   ///< of all files: sum_of()

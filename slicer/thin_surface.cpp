@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "slicer/loop_progress.hpp"
+#include "slicer/neighbourhood.hpp"
 
 namespace plumbline {
 namespace {
@@ -28,8 +29,7 @@ std::optional<float> thin_surface_radius(const Cloud& cloud, const KdTree3& tree
   float distance = 0;
   for (std::uint32_t k = 0; k < count && near < settings.thin_points; ++k) {
     const Vec3f other = cloud.normal[found[k].index].unpack();
-    const float cosine = normal.dot(other);
-    if (cosine <= 0 || found[k].distance2 > reach2 * cosine * cosine) continue;
+    if (!Within{found[k].distance2, normal.dot(other)}.near(reach2)) continue;
     ++near;
     farthest2 = found[k].distance2;
     height += 0.5F * (normal + other).dot(cloud.position[i] - cloud.position[found[k].index]);
@@ -41,7 +41,6 @@ std::optional<float> thin_surface_radius(const Cloud& cloud, const KdTree3& tree
 
 Status rescue_thin_surface(Cloud& cloud, const KdTree3& tree, const ClusteringSettings& settings,
                            ClusteringResult& result, const StageProgress& progress) {
-  if (!result.coherent) return {};
   const std::uint32_t blocks = (cloud.size + kBlock - 1) / kBlock;
   const float growth = std::sqrt(result.support_points);
   LoopProgress rescuing(progress, blocks);

@@ -23,8 +23,8 @@ namespace plumbline {
 std::optional<float> thin_surface_radius(const Cloud& cloud, const KdTree3& tree, std::uint32_t i, float epsilon,
                                          const ClusteringSettings& settings);
 
-/// Asks that of all noise once more. Noise with a normal of its own was often thrown out for that normal: call it when
-/// refine_normals() has fitted it one.
+/// Asks that of all noise once more. Noise was often thrown out for its normal: call it when refine_normals() has fitted it
+/// another, and not where most points are strays, of which a few always happen to face the same way.
 /// @param cloud   in the order of `tree`; the classes and radius[] of what is no noise any more are set
 /// @param result  of cluster(), its counts are brought up to date
 /// @retval ErrorCode::kCancelled

@@ -9,7 +9,7 @@ constexpr std::uint32_t kBaseSamples = 48;  ///< a side, over the base plane
 constexpr float kBaseOpen = 0.1F;           ///< a fifth of what an opening counts there
 constexpr std::uint32_t kLeastOpen = 10;    ///< an open underside is at least one part in so many of the section above
 constexpr float kInside = 0.5F;
-constexpr int kSections = 8;
+constexpr int kSections = 8;  ///< looked at at most
 constexpr float kInverse4Pi = 0.0795774715F;
 constexpr float kPi = 3.14159265F;
 
@@ -35,6 +35,8 @@ WindingTree WindingTree::build(const Cloud& cloud, float support_points, std::sp
 
 bool WindingTree::set_base(float height, float step, bool always) {
   base_ = height;
+  has_base_ = always;
+  if (always) return true;
   Box3f box;
   for (const Vec3f& p : position_) box.extend(p);
   const auto sampled = [&](int axis, std::uint32_t i) {
@@ -55,7 +57,7 @@ bool WindingTree::set_base(float height, float step, bool always) {
   for (int k = 1; open > 0 && k <= kSections && solid < open; ++k) {
     solid = count_above(kInside, height + static_cast<float>(k) * step);
   }
-  has_base_ = always || kLeastOpen * open > solid;
+  has_base_ = kLeastOpen * open > solid;
   return has_base_;
 }
 

@@ -8,13 +8,12 @@
 #include <cstring>
 #include <deque>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <optional>
 #include <regex>
 #include <string>
 #include <vector>
 
+#include "tests/slicer/support/shared_scan.hpp"
 #include "tests/slicer/support/slicing.hpp"
 
 namespace plumbline {
@@ -29,17 +28,10 @@ constexpr std::size_t kPlanePoints = 6;
 constexpr float kBeside = 0.6F;  ///< mm: their mean is no farther along the surface
 constexpr float kFacing = 0.5F;  ///< least inner product of normals of the same side
 
-std::filesystem::path scans() { return std::filesystem::path(PLUMBLINE_SOURCE_DIR) / ".." / "shared" / "scans"; }
-
-std::string content(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
-
 /// The views of a scan, each in a surface of its own.
 std::vector<Surface> views_of(const std::string& name) {
-  const std::string bytes = content(scans() / (name + ".ply"));
-  const std::string counts = content(scans() / (name + ".views.json"));
+  const std::string bytes = content_of(shared_scan(name + ".ply"));
+  const std::string counts = content_of(shared_scan(name + ".views.json"));
   constexpr std::size_t kPoint = 6 * sizeof(float);
   const std::string last_line = "end_header\n";
   std::size_t at = bytes.find(last_line) + last_line.size();
@@ -154,7 +146,7 @@ double percentile_95(std::vector<double>& values) {
 /// For each view: a print of the others is no farther from its points than 1.3 times what the views lie apart themselves,
 /// where one of the others saw the place. 95th percentiles.
 void expect_prints_between_the_views(const std::string& name) {
-  if (!std::filesystem::exists(scans() / (name + ".views.json"))) {
+  if (!std::filesystem::exists(shared_scan(name + ".views.json"))) {
     GTEST_SKIP() << name << " is not here: it is no part of the repository";
   }
   const std::vector<Surface> views = views_of(name);

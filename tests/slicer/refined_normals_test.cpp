@@ -49,7 +49,7 @@ struct Refined {
     const float epsilon = value_of(density_epsilon(cloud, tree, {}, arena));
     clustering = value_of(cluster(cloud, tree, epsilon, {}, {}, arena));
     std::vector<PackedNormal> refined(cloud.size);
-    EXPECT_TRUE(refine_normals(cloud, tree, clustering, refined));
+    EXPECT_TRUE(refine_normals(cloud, tree, {}, clustering, refined));
     std::uint32_t counted = 0;
     for (std::uint32_t i = 0; i < cloud.size; ++i) {
       const Vec3f& p = cloud.position[i];
@@ -93,7 +93,7 @@ TEST(RefinedNormals, DoNotFollowNoise) {
       value_of(cluster(cloud, tree, value_of(density_epsilon(cloud, tree, {}, *block)), {}, {}, *block));
   const auto mean_error = [&] {
     std::vector<PackedNormal> refined(cloud.size);
-    EXPECT_TRUE(refine_normals(cloud, tree, clustering, refined));
+    EXPECT_TRUE(refine_normals(cloud, tree, {}, clustering, refined));
     double sum = 0;
     for (const PackedNormal& n : refined) sum += Refined::angle(Vec3d(0, 0, 1), n.unpack());
     return sum / cloud.size;

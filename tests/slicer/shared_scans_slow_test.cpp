@@ -4,12 +4,11 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <numeric>
 #include <string>
 #include <vector>
 
+#include "tests/slicer/support/shared_scan.hpp"
 #include "tests/slicer/support/slicing.hpp"
 
 namespace plumbline {
@@ -69,10 +68,9 @@ class Solids {
 };
 
 void expect_a_whole_body(const std::string& name, double tallest_mm) {
-  const std::filesystem::path path = std::filesystem::path(PLUMBLINE_SOURCE_DIR) / ".." / "shared" / "scans" / name;
+  const std::filesystem::path path = shared_scan(name);
   if (!std::filesystem::exists(path)) GTEST_SKIP() << name << " is not here: it is no part of the repository";
-  std::ifstream file(path, std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  const std::string bytes = content_of(path);
 
   // As large as asked for, whatever the unit of the scan is.
   SliceSettings settings = settings_with_pitch(0.1F);

@@ -331,6 +331,8 @@ class Inspect(Program):
         self.scan.write_bytes(data)
         done = self.run_it("inspect", self.scan)
         self.assertRegex(done.stderr, r"warning: \d+ % of the scan enclose nothing: its other side was never seen")
+        self.assertIn("the scan is of one side, and that faces down", done.stdout)
+        self.assertIn("--rotate-x 180", done.stdout)
         self.assertGreater(json.loads(self.run_it("inspect", self.scan, "--json").stdout)["never_seen"]["encloses_nothing"], 0.5)
 
     def test_says_that_a_pipe_is_not_looked_at_twice(self):
