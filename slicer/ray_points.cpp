@@ -7,18 +7,12 @@ namespace plumbline {
 namespace {
 
 constexpr const char* kStage = "ray search";
-constexpr std::size_t kColumns = 10;  ///< the nine of RayPoints and the half chord
-
-std::size_t padded(std::uint32_t capacity) {
-  // Room for the padding, in whole cache lines.
-  return (std::size_t{capacity} + RayPoints::kLanes + 15) / 16 * 16;
-}
 
 }  // namespace
 
 std::size_t RayGatherer::bytes_needed(std::uint32_t capacity) {
-  return Arena::rounded(capacity * sizeof(TilePoint)) + Arena::rounded(padded(capacity)) +
-         Arena::rounded(kColumns * padded(capacity) * sizeof(float));
+  return Arena::rounded(capacity * sizeof(TilePoint)) + Arena::rounded(capacity) +
+         Arena::rounded(capacity * sizeof(float)) + RayPoints::bytes_needed(capacity);
 }
 
 Expected<RayGatherer> RayGatherer::create(const Cloud& cloud, const KdTree2& tree, std::uint32_t capacity,
@@ -30,20 +24,15 @@ Expected<RayGatherer> RayGatherer::create(const Cloud& cloud, const KdTree2& tre
   auto tile = arena.take_top<TilePoint>(capacity, kStage);
   if (!tile) return tl::unexpected<Error>(tile.error());
   gatherer.tile_ = *tile;
-  const std::size_t length = padded(capacity);
-  auto practical = arena.take_top<std::uint8_t>(length, kStage);
+  auto practical = arena.take_top<std::uint8_t>(capacity, kStage);
   if (!practical) return tl::unexpected<Error>(practical.error());
   gatherer.practical_ = *practical;
-  auto columns = arena.take_top<float>(kColumns * length, kStage);
+  auto half_chord = arena.take_top<float>(capacity, kStage);
+  if (!half_chord) return tl::unexpected<Error>(half_chord.error());
+  gatherer.half_chord_ = *half_chord;
+  auto columns = RayPoints::create(capacity, arena, kStage);
   if (!columns) return tl::unexpected<Error>(columns.error());
-  float* next = columns->data();
-  for (float** column : {&gatherer.columns_.depth, &gatherer.columns_.distance2, &gatherer.columns_.plane,
-                         &gatherer.columns_.slope, &gatherer.columns_.inverse_radius2, &gatherer.columns_.normal_x,
-                         &gatherer.columns_.normal_y, &gatherer.columns_.offset_x, &gatherer.columns_.offset_y}) {
-    *column = next;
-    next += length;
-  }
-  gatherer.half_chord_ = std::span(next, length);
+  gatherer.columns_ = *columns;
   return gatherer;
 }
 
@@ -92,8 +81,8 @@ void RayGatherer::gather(const Vec2f& low, const Vec2f& high) {
 
 const RayPoints& RayGatherer::points_of_ray(float x, float y) {
   RayPoints& c = columns_;
-  std::uint32_t size = 0;
-  float reach = 0;
+  c.size = 0;
+  c.reach = 0;
   for (std::uint32_t t = 0; t < count_; ++t) {
     const TilePoint& p = tile_[t];
     const float dx = x - p.position[0];
@@ -101,28 +90,12 @@ const RayPoints& RayGatherer::points_of_ray(float x, float y) {
     const float distance2 = dx * dx + dy * dy;
     const float radius2 = p.radius * p.radius;
     if (distance2 >= radius2) continue;
-    c.depth[size] = p.position[2];
-    c.distance2[size] = distance2;
-    c.plane[size] = p.normal[0] * dx + p.normal[1] * dy - p.normal[2] * p.position[2];
-    c.slope[size] = p.normal[2];
-    c.inverse_radius2[size] = 1.0F / radius2;
-    c.normal_x[size] = p.normal[0];
-    c.normal_y[size] = p.normal[1];
-    c.offset_x[size] = dx;
-    c.offset_y[size] = dy;
-    half_chord_[size] = std::sqrt(radius2 - distance2);
-    practical_[size] = p.practical ? 1 : 0;
-    reach = std::max(reach, p.radius);
-    ++size;
+    half_chord_[c.size] = std::sqrt(radius2 - distance2);
+    practical_[c.size] = p.practical ? 1 : 0;
+    c.reach = std::max(c.reach, p.radius);
+    c.add(dx, dy, p.position[2], p.normal, 1.0F / radius2);
   }
-  for (std::uint32_t j = size; j < size + RayPoints::kLanes; ++j) {
-    c.depth[j] = c.plane[j] = c.slope[j] = 0;
-    c.normal_x[j] = c.normal_y[j] = c.offset_x[j] = c.offset_y[j] = 0;
-    c.distance2[j] = 1;
-    c.inverse_radius2[j] = 2;
-  }
-  c.size = size;
-  c.reach = reach;
+  c.close();
   return c;
 }
 
