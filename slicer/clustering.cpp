@@ -116,13 +116,17 @@ PointClass orientation_of(const PackedNormal& normal) {
   return PointClass::kNeutral;
 }
 
+std::uint32_t points_of_surface(const ClusteringResult& clustering) {
+  std::uint32_t points = 0;
+  for (const PointClass c : {PointClass::kEntering, PointClass::kExiting, PointClass::kNeutral}) {
+    points += clustering.points[static_cast<std::size_t>(c)];
+  }
+  return points;
+}
+
 bool hardly_any(const ClusteringResult& clustering, PointClass point_class) {
   constexpr std::uint64_t kOneIn = 1000;
-  std::uint64_t surface = 0;
-  for (const PointClass c : {PointClass::kEntering, PointClass::kExiting, PointClass::kNeutral}) {
-    surface += clustering.points[static_cast<std::size_t>(c)];
-  }
-  return kOneIn * clustering.points[static_cast<std::size_t>(point_class)] <= surface;
+  return kOneIn * clustering.points[static_cast<std::size_t>(point_class)] <= points_of_surface(clustering);
 }
 
 Expected<float> density_epsilon(const Cloud& cloud, const KdTree3& tree, const ClusteringSettings& settings,

@@ -50,6 +50,9 @@ struct ClusteringResult {
   float support_points = 0;  ///< points of a sheet that radius[] holds
 };
 
+/// Points that are no noise.
+std::uint32_t points_of_surface(const ClusteringResult& clustering);
+
 /// Whether at most a thousandth of what is no noise is of this class. With hardly any entering points a scan is a height
 /// field; with hardly any exiting ones it lies on its face.
 bool hardly_any(const ClusteringResult& clustering, PointClass point_class);

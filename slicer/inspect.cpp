@@ -64,12 +64,12 @@ class Inspection {
     PLUMBLINE_TRY(result);
     report_.clustering = *result;
     report_.bounds_with_noise = bounds();
-    cloud_.drop_noise();
-    if (!settings_.keep_all && cloud_.size > 0 && result->epsilon > 0) {
-      const auto strays = drop_stray_pieces(cloud_, *result, arena_);
+    if (!settings_.keep_all && points_of_surface(*result) > 0 && result->epsilon > 0) {
+      const auto strays = mark_stray_pieces(cloud_, *result, arena_);
       PLUMBLINE_TRY(strays);
       report_.strays = *strays;
     }
+    cloud_.drop_noise();
     report_.bounds = cloud_.size > 0 ? bounds() : report_.bounds_with_noise;
     return {};
   }

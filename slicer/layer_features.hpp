@@ -19,6 +19,14 @@ struct FeatureCounts {
   std::uint32_t islands = 0;  ///< taken out
   std::uint32_t holes = 0;    ///< filled
   std::uint64_t voxels = 0;   ///< of both
+
+  FeatureCounts& operator+=(const FeatureCounts& other) {
+    counted |= other.counted;
+    islands += other.islands;
+    holes += other.holes;
+    voxels += other.voxels;
+    return *this;
+  }
 };
 
 /// Bytes of arena beside the R-Rep that drop_small_features() takes.

@@ -16,6 +16,7 @@
 #include "slicer/reader/scan_reader.hpp"
 #include "slicer/rrep_builder.hpp"
 #include "slicer/stray_pieces.hpp"
+#include "slicer/support_size.hpp"
 #include "slicer/supports/support_finder.hpp"
 #include "slicer/thinning.hpp"
 #include "slicer/winding_number.hpp"
@@ -76,7 +77,8 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
   set(Stage::kNormals, cloud + tree + normals_bytes(points));
   set(Stage::kTrees, cloud + tree + points / 8);
   set(Stage::kClustering,
-      cloud + tree + std::max(sizeof(PackedNormal) * std::size_t{points}, stray_pieces_bytes(points)));
+      cloud + tree +
+          std::max({sizeof(PackedNormal) * std::size_t{points}, stray_pieces_bytes(points), support_size_bytes()}));
   set(Stage::kWindingTree, cloud);
   std::size_t image = 0;
   std::size_t store = 0;

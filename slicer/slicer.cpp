@@ -18,6 +18,7 @@
 #include "slicer/rrep_edit.hpp"
 #include "slicer/stage_scope.hpp"
 #include "slicer/stray_pieces.hpp"
+#include "slicer/support_size.hpp"
 #include "slicer/thin_surface.hpp"
 #include "slicer/winding_number.hpp"
 
@@ -50,8 +51,9 @@ double first_cell(const PlacementSettings& p) {
 /// ray makes.
 constexpr float kRepairShare = 1.0F / 16;
 
-constexpr double kClusteringShare = 0.7;  ///< of its stage's time; sharper normals take the rest
-constexpr double kRefiningShare = 0.9;    ///< of that; a second look at the noise takes the rest
+constexpr double kClusteringShare = 0.6;  ///< of its stage's time; sharper normals come next
+constexpr double kRefiningEnd = 0.85;     ///< of the stage; wider supports take the rest
+constexpr double kRefiningShare = 0.9;    ///< of what is between; a second look at the noise takes the rest
 
 constexpr float kSectionEpsilons = 2;  ///< from section to section above the base plane
 
@@ -59,7 +61,8 @@ constexpr float kSectionEpsilons = 2;  ///< from section to section above the ba
 /// and more; what happens to face the same way among strays is mostly of mixed type: 0.1.
 constexpr double kLeastCoreShare = 0.25;
 
-bool is_surface(const ClusteringResult& clustering, std::uint32_t kept) {
+bool is_surface(const ClusteringResult& clustering) {
+  const std::uint32_t kept = points_of_surface(clustering);
   return kept > 0 && clustering.epsilon > 0 &&
          (clustering.coherent || clustering.core_points >= kLeastCoreShare * kept);
 }
@@ -128,8 +131,11 @@ class Job {
     const float width = report_.clustering.support_points / settings_.clustering.least_support;
     limits.voxels = static_cast<std::uint64_t>(width * kFeature * epsilon2 * report_.clustering.epsilon /
                                                (grid.pitch_x_mm * grid.pitch_y_mm * grid.layer_height_mm));
-    // Without room for it the print is as good as the scan: no reason to refuse it.
-    if (const auto features = drop_small_features(rrep, limits, arena_)) report_.features = *features;
+    // What is taken out may let the masks' opening cut off what it held: where there is noise there is a second sweep.
+    for (int sweep = 0; sweep < (width > 1 ? 2 : 1); ++sweep) {
+      // Without room for it the print is as good as the scan: no reason to refuse it.
+      if (const auto features = drop_small_features(rrep, limits, arena_)) report_.features += *features;
+    }
     // The lowest point may be a stray. What is printed stands on the plate, so the first layer is the first with a pixel.
     const std::uint32_t below = trim_below(rrep, arena_).value_or(0);
     report_.crossings = rrep.crossings();
@@ -197,15 +203,17 @@ class Job {
           cluster(cloud_, *tree, *epsilon, settings_.clustering, {}, arena_, progress.part(0, kClusteringShare));
       if (!result) return tl::unexpected<Error>(result.error());
       report_.clustering = *result;
-      PLUMBLINE_TRY(refine(*tree, progress.part(kClusteringShare, 1)));
-      cloud_.drop_noise();
-      if (!settings_.keep_all && is_surface(report_.clustering, cloud_.size)) {
-        const auto strays = drop_stray_pieces(cloud_, report_.clustering, arena_);
+      PLUMBLINE_TRY(refine(*tree, progress.part(kClusteringShare, kRefiningEnd)));
+      if (!settings_.keep_all && is_surface(report_.clustering)) {
+        const auto strays = mark_stray_pieces(cloud_, report_.clustering, arena_);
         PLUMBLINE_TRY(strays);
         report_.strays = *strays;
       }
+      PLUMBLINE_TRY(widen_supports(cloud_, *tree, settings_.clustering, report_.clustering, arena_,
+                                   progress.part(kRefiningEnd, 1)));
+      cloud_.drop_noise();
     }
-    if (!is_surface(report_.clustering, cloud_.size)) {
+    if (!is_surface(report_.clustering)) {
       const ScanTitle title = title_of(sources_);
       if (report_.cloud_points < report_.scan.points / 2) {
         return fail(ErrorCode::kNoSurface,

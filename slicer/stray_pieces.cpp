@@ -25,6 +25,8 @@ constexpr std::uint32_t kPlaces = 4;              ///< of a piece, where the win
 constexpr std::uint32_t kFieldPoints = 1U << 14;  ///< of the cloud that stand for all of it
 constexpr float kPi = 3.14159265F;
 
+bool is_surface(const Cloud& cloud, std::uint32_t i) { return cloud.normal[i].point_class != PointClass::kNoise; }
+
 struct Cell {
   std::uint64_t key = 0;     ///< 0: empty
   std::uint32_t parent = 0;  ///< slot
@@ -35,7 +37,10 @@ struct Cell {
 class Cells {
  public:
   Cells(const Cloud& cloud, float edge, std::span<Cell> slots) : cloud_(cloud), slots_(slots) {
-    const Box3f box = cloud.bounds();
+    Box3f box;
+    for (std::uint32_t i = 0; i < cloud.size; ++i) {
+      if (is_surface(cloud, i)) box.extend(cloud.position[i]);
+    }
     low_ = box.low;
     inverse_ = 1 / std::max(edge, box.size().maxCoeff() / static_cast<float>(kSide - 4));
   }
@@ -45,6 +50,7 @@ class Cells {
     std::fill(slots_.begin(), slots_.end(), Cell{});
     std::size_t occupied = 0;
     for (std::uint32_t i = 0; i < cloud_.size; ++i) {
+      if (!is_surface(cloud_, i)) continue;
       const std::uint64_t key = key_of(cloud_.position[i]);
       const std::uint32_t at = slot(key);
       if (slots_[at].key == 0) {
@@ -128,7 +134,7 @@ class Search {
   Search(Cloud& cloud, const Cells& cells, float area_factor, std::span<Suspect> suspects)
       : cloud_(cloud), cells_(cells), area_factor_(area_factor), suspects_(suspects) {}
 
-  StrayPieces drop() {
+  StrayPieces mark() {
     find_suspects();
     if (suspects_.empty()) return {};
     for (std::uint32_t i = 0; i < cloud_.size; ++i) {
@@ -144,14 +150,12 @@ class Search {
     }
     if (strays.pieces == 0 || !(dropped < kAllStrays * (whole_ - dropped))) return {};
     strays.share = static_cast<float>(dropped / whole_);
-    // The cells know the points by their places: all of them first, while every point still has its own.
     for (std::uint32_t i = 0; i < cloud_.size; ++i) {
       const Suspect* s = suspect(i);
-      if (s != nullptr && s->stray) cloud_.normal[i].point_class = PointClass::kNoise;
+      if (s == nullptr || !s->stray) continue;
+      cloud_.normal[i].point_class = PointClass::kNoise;
+      ++strays.points;
     }
-    const std::uint32_t before = cloud_.size;
-    cloud_.drop_noise();
-    strays.points = before - cloud_.size;
     return strays;
   }
 
@@ -174,7 +178,9 @@ class Search {
     suspects_ = suspects_.first(count);  // in the order of their roots
   }
 
+  /// The suspect that a point of the surface belongs to, or none.
   Suspect* suspect(std::uint32_t point) const {
+    if (!is_surface(cloud_, point)) return nullptr;
     const std::uint32_t root = cells_.piece_of(point);
     const auto found = std::lower_bound(suspects_.begin(), suspects_.end(), root,
                                         [](const Suspect& s, std::uint32_t r) { return s.root < r; });
@@ -201,7 +207,7 @@ class Search {
     const std::uint32_t step = cloud_.size / kFieldPoints + 1;
     float w = 0;
     for (std::uint32_t i = step / 2; i < cloud_.size; i += step) {
-      if (cells_.piece_of(i) == root) continue;
+      if (!is_surface(cloud_, i) || cells_.piece_of(i) == root) continue;
       const Vec3f e = cloud_.position[i] - x;
       const float distance2 = e.dot(e);
       const float area = static_cast<float>(step) * area_factor_ * cloud_.radius[i] * cloud_.radius[i];
@@ -227,7 +233,7 @@ std::size_t stray_pieces_bytes(std::uint32_t points) {
   return Arena::rounded(slots_for(points) * sizeof(Cell)) + Arena::rounded(kMostJudged * sizeof(Suspect));
 }
 
-Expected<StrayPieces> drop_stray_pieces(Cloud& cloud, const ClusteringResult& clustering, Arena& arena) {
+Expected<StrayPieces> mark_stray_pieces(Cloud& cloud, const ClusteringResult& clustering, Arena& arena) {
   const ArenaScope scope(arena);
   const auto slots = arena.take_top<Cell>(slots_for(cloud.size), kStage);
   PLUMBLINE_TRY(slots);
@@ -236,7 +242,7 @@ Expected<StrayPieces> drop_stray_pieces(Cloud& cloud, const ClusteringResult& cl
   const float area_factor = kPi / clustering.support_points;
   for (float edge = kCellEpsilons * clustering.epsilon;; edge *= 2) {
     Cells cells(cloud, edge, *slots);
-    if (cells.fill(area_factor)) return Search(cloud, cells, area_factor, *suspects).drop();
+    if (cells.fill(area_factor)) return Search(cloud, cells, area_factor, *suspects).mark();
   }
 }
 

@@ -17,10 +17,10 @@ struct StrayPieces {
   float share = 0;  ///< of the surface of all pieces, 0 to 1
 };
 
-/// Bytes of arena that drop_stray_pieces() takes.
+/// Bytes of arena that mark_stray_pieces() takes.
 std::size_t stray_pieces_bytes(std::uint32_t points);
 
-/// Drops stray pieces from the cloud, and keeps the order of the rest.
+/// Marks the points of stray pieces as noise.
 ///
 /// The points are sorted into cells one and a half epsilon wide; a piece is what occupied cells join at sides, edges and corners, and
 /// its size the area of its points. A piece is a stray when all of this holds:
@@ -30,10 +30,10 @@ std::size_t stray_pieces_bytes(std::uint32_t points);
 ///   - all strays together have less than a twentieth of the area of what stays.
 /// So two legs are an object, as are a hundred beads round a ball; a patch of a wall behind is not.
 ///
-/// @param cloud       scan units, radius[] set by the clustering, without noise
+/// @param cloud       scan units, radius[] set by the clustering, some of it no noise; what is noise is not looked at
 /// @param clustering  epsilon, in scan units, above 0
 /// @param arena       stray_pieces_bytes() from the top, given back
 /// @retval ErrorCode::kOutOfMemory
-[[nodiscard]] Expected<StrayPieces> drop_stray_pieces(Cloud& cloud, const ClusteringResult& clustering, Arena& arena);
+[[nodiscard]] Expected<StrayPieces> mark_stray_pieces(Cloud& cloud, const ClusteringResult& clustering, Arena& arena);
 
 }  // namespace plumbline
