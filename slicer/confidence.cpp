@@ -93,10 +93,10 @@ void ConfidenceMap::add(std::uint32_t column, std::uint32_t row, std::uint32_t l
 
 void ConfidenceMap::add_point(const Vec3f& p) { cells_[index(cell_of(p))] |= bit_of(Evidence::kMeasured); }
 
-void ConfidenceMap::trim_below(std::uint32_t layers) {
+void ConfidenceMap::trim(std::uint32_t below, std::uint32_t above) {
   if (empty()) return;
-  layers_ = layers_.subspan(std::min<std::size_t>(layers, layers_.size()));
-  low_[2] -= static_cast<float>(layers) * grid_.layer_height_mm;
+  layers_ = layers_.subspan(below, layers_.size() - below - above);
+  low_[2] -= static_cast<float>(below) * grid_.layer_height_mm;
 }
 
 std::array<std::uint64_t, kEvidenceCount> ConfidenceMap::crossings() const {

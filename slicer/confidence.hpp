@@ -57,8 +57,8 @@ class ConfidenceMap {
   void add(std::uint32_t column, std::uint32_t row, std::uint32_t layer, Evidence evidence);
   /// A point of the scan, mm. From one thread.
   void add_point(const Vec3f& p);
-  /// The lowest `layers` layers have gone.
-  void trim_below(std::uint32_t layers);
+  /// So many layers have gone at either end, fewer than there are.
+  void trim(std::uint32_t below, std::uint32_t above);
 
   /// Crossings of each layer, as they were shot: before specks and small features were taken out.
   std::span<const Counts> layers() const { return layers_; }

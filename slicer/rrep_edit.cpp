@@ -8,6 +8,8 @@
 namespace plumbline {
 namespace {
 
+constexpr std::uint32_t kLastLayers = 16;
+
 bool before(const RRepToggle& a, const RRepToggle& b) {
   return std::tie(a.layer, a.pixel) < std::tie(b.layer, b.pixel);
 }
@@ -28,17 +30,27 @@ std::span<RRepToggle> distinct(std::span<RRepToggle> toggles, std::uint32_t laye
   return toggles.first(count);
 }
 
-/// The first layer whose mask has a pixel; as many as there are if none has.
-Expected<std::uint32_t> first_printed(const RRep& rrep, Arena& arena) {
+/// Layers whose masks have no pixel, at either end; all are below where none has any.
+Expected<EmptyLayers> find_empty(const RRep& rrep, Arena& arena) {
   const std::size_t mark = arena.bottom_mark();
   auto stream = LayerStream::create(rrep, arena);
-  std::uint32_t layer = 0;
+  EmptyLayers empty;
   if (stream) {
-    while (layer < rrep.grid.layers && stream->mask(layer).count() == 0) ++layer;
+    const std::uint32_t layers = rrep.grid.layers;
+    const auto prints = [&](std::uint32_t layer) { return stream->mask(layer).count() > 0; };
+    while (empty.below < layers && !prints(empty.below)) ++empty.below;
+    // Masks are made upwards: the last few first, and more of them only if those are all empty.
+    std::uint32_t end = empty.below;  // beyond the last layer that prints
+    for (std::uint32_t last = kLastLayers; end == empty.below && end < layers; last *= 4) {
+      for (std::uint32_t k = std::max(empty.below, layers - std::min(layers, last)); k < layers; ++k) {
+        if (prints(k)) end = k + 1;
+      }
+    }
+    empty.above = layers - end;
   }
   arena.release_bottom(mark);
   if (!stream) return tl::unexpected<Error>(stream.error());
-  return layer;
+  return empty;
 }
 
 }  // namespace
@@ -79,29 +91,31 @@ Status toggle_crossings(RRep& rrep, std::span<RRepToggle> toggles, Arena& arena)
   return {};
 }
 
-Expected<std::uint32_t> trim_below(RRep& rrep, Arena& arena) {
-  const std::uint32_t layers = rrep.grid.layers;
-  const auto below = first_printed(rrep, arena);
-  PLUMBLINE_TRY(below);
-  if (*below == layers || *below == 0) return 0U;
-  {
+Expected<EmptyLayers> trim_empty_layers(RRep& rrep, Arena& arena) {
+  const auto empty = find_empty(rrep, arena);
+  PLUMBLINE_TRY(empty);
+  const auto [below, above] = *empty;
+  if (below == rrep.grid.layers) return EmptyLayers{};
+  if (below > 0) {
     // What grows on into the layers that stay begins with the first of them.
     const ArenaScope scope(arena);
-    const std::uint32_t crossings = rrep.first[*below];
+    const std::uint32_t crossings = rrep.first[below];
     auto moves = arena.take_top<RRepToggle>(2 * std::size_t{crossings}, "R-Rep");
     PLUMBLINE_TRY(moves);
     std::size_t move = 0;
-    for (std::uint32_t layer = 0; layer < *below; ++layer) {
+    for (std::uint32_t layer = 0; layer < below; ++layer) {
       for (std::uint32_t i = rrep.first[layer]; i < rrep.first[layer + 1]; ++i) {
         (*moves)[move++] = {layer, rrep.pixel[i]};
-        (*moves)[move++] = {*below, rrep.pixel[i]};
+        (*moves)[move++] = {below, rrep.pixel[i]};
       }
     }
     PLUMBLINE_TRY(toggle_crossings(rrep, *moves, arena));
   }
-  rrep.first = rrep.first.subspan(*below);
-  rrep.grid.layers -= *below;
-  return *below;
+  rrep.grid.layers -= below + above;
+  rrep.first = rrep.first.subspan(below, rrep.grid.layers + 1);
+  rrep.pixel = rrep.pixel.first(rrep.first.back());
+  arena.trim_bottom(rrep.pixel.data(), rrep.pixel.size_bytes());
+  return *empty;
 }
 
 }  // namespace plumbline

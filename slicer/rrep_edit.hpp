@@ -22,11 +22,17 @@ struct RRepToggle {
 /// @retval ErrorCode::kOutOfMemory  rrep is as before
 [[nodiscard]] Status toggle_crossings(RRep& rrep, std::span<RRepToggle> toggles, Arena& arena);
 
-/// Takes out the layers below the first one that prints something, so that the object stands on the plate: those that are
-/// empty, and those with nothing but what the opening of the masks takes away, such as the tip of a stray.
+struct EmptyLayers {
+  std::uint32_t below = 0;
+  std::uint32_t above = 0;
+};
+
+/// Takes out the layers below the first one that prints something, so that the object stands on the plate, and those above
+/// the last one: those that are empty, and those with nothing but what the opening of the masks takes away, such as the tip
+/// of a stray.
 /// @param rrep  the newest block at the bottom of the arena; as before if no layer prints anything
 /// @returns how many there were
-/// @retval ErrorCode::kOutOfMemory  for two images and the crossings of these layers; rrep is as before
-[[nodiscard]] Expected<std::uint32_t> trim_below(RRep& rrep, Arena& arena);
+/// @retval ErrorCode::kOutOfMemory  for two images and the crossings of the layers below; rrep is as before
+[[nodiscard]] Expected<EmptyLayers> trim_empty_layers(RRep& rrep, Arena& arena);
 
 }  // namespace plumbline

@@ -136,12 +136,13 @@ class Job {
       // Without room for it the print is as good as the scan: no reason to refuse it.
       if (const auto features = drop_small_features(rrep, limits, arena_)) report_.features += *features;
     }
-    // The lowest point may be a stray. What is printed stands on the plate, so the first layer is the first with a pixel.
-    const std::uint32_t below = trim_below(rrep, arena_).value_or(0);
+    // The lowest point may be a stray, and so may the highest. What is printed stands on the plate, so the first layer is the
+    // first with a pixel.
+    const EmptyLayers empty = trim_empty_layers(rrep, arena_).value_or(EmptyLayers{});
     report_.crossings = rrep.crossings();
     report_.placement.grid.layers = rrep.grid.layers;
-    report_.confidence.trim_below(below);
-    report_.placement.shift[2] -= static_cast<double>(below) * grid.layer_height_mm;
+    report_.confidence.trim(empty.below, empty.above);
+    report_.placement.shift[2] -= static_cast<double>(empty.below) * grid.layer_height_mm;
   }
 
   Expected<CrossingStore> crossings() {

@@ -293,17 +293,26 @@ TEST(RRepEdit, TogglesAsASetOfVoxelsWould) {
   }
 }
 
-TEST(RRepEdit, TrimsEmptyLayersBelowTheObject) {
+void expect_trimmed(Voxels& voxels, std::uint32_t below, std::uint32_t above) {
+  const std::uint32_t layers = voxels.rrep.grid.layers;
+  const EmptyLayers empty = value_of(trim_empty_layers(voxels.rrep, *voxels.block));
+  EXPECT_EQ(empty.below, below);
+  EXPECT_EQ(empty.above, above);
+  EXPECT_EQ(voxels.rrep.grid.layers, layers - below - above);
+  EXPECT_EQ(voxels.rrep.first.size(), voxels.rrep.grid.layers + 1U);
+  EXPECT_EQ(voxels.rrep.first.back(), voxels.rrep.crossings());
+}
+
+TEST(RRepEdit, TrimsEmptyLayersBelowAndAboveTheObject) {
   const Inside wanted = [](auto c, auto r, auto k) { return Block{10, 60, 5, 35, 0, 12}.has(c, r, k); };
   Voxels voxels([&](auto c, auto r, auto k) { return k >= 7 && wanted(c, r, k - 7); });
-  EXPECT_EQ(value_of(trim_below(voxels.rrep, *voxels.block)), 7U);
-  EXPECT_EQ(voxels.rrep.grid.layers, kLayers - 7);
+  expect_trimmed(voxels, 7, kLayers - 19);
   EXPECT_TRUE(voxels.equals(wanted));
-  EXPECT_EQ(value_of(trim_below(voxels.rrep, *voxels.block)), 0U);
+  expect_trimmed(voxels, 0, 0);
   EXPECT_TRUE(voxels.equals(wanted));
 }
 
-// The print once began with layers that had nothing but the tip of a stray, one pixel wide: the masks had none of it.
+// The print once began, and ended, with layers that had nothing but the tip of a stray, one pixel wide: the masks had none of it.
 TEST(RRepEdit, TrimsLayersThatPrintNothingThough) {
   const auto spur = [](auto c, auto r, auto k) { return c == 20 && r == 20 && k >= 2; };
   const auto block_on_it = [](auto c, auto r, auto k) { return Block{10, 60, 5, 35, 0, 12}.has(c, r, k); };
@@ -311,15 +320,21 @@ TEST(RRepEdit, TrimsLayersThatPrintNothingThough) {
   Voxels voxels([&](auto c, auto r, auto k) {
     return spur(c, r, k) || passing(c, r, k) || (k >= 7 && block_on_it(c, r, k - 7));
   });
-  EXPECT_EQ(value_of(trim_below(voxels.rrep, *voxels.block)), 7U);
-  EXPECT_EQ(voxels.rrep.grid.layers, kLayers - 7);
+  expect_trimmed(voxels, 7, kLayers - 19);
   EXPECT_TRUE(voxels.equals([&](auto c, auto r, auto k) { return block_on_it(c, r, k) || (c == 20 && r == 20); }));
+}
+
+TEST(RRepEdit, FindsTheLastLayerBelowManyEmptyOnes) {
+  const Inside low = [](auto c, auto r, auto k) { return Block{10, 60, 5, 35, 0, 2}.has(c, r, k); };
+  ASSERT_GT(kLayers, 20U) << "more than are looked at first";
+  Voxels voxels(low);
+  expect_trimmed(voxels, 0, kLayers - 2);
+  EXPECT_TRUE(voxels.equals(low));
 }
 
 TEST(RRepEdit, TrimsNothingWhereNoLayerPrints) {
   Voxels voxels([](auto c, auto r, auto k) { return c == 20 && r == 20 && k >= 2; });
-  EXPECT_EQ(value_of(trim_below(voxels.rrep, *voxels.block)), 0U);
-  EXPECT_EQ(voxels.rrep.grid.layers, kLayers);
+  expect_trimmed(voxels, 0, 0);
 }
 
 }  // namespace
