@@ -205,7 +205,8 @@ CLI::Option* add_job_options(CLI::App& app, JobOptions& job) {
       ->check(CLI::IsMember({"none", "flat", "auto"}).description(""))
       ->group(kPrint);
   app.add_flag("--keep-all", job.keep_all,
-               "Keep stray pieces: small ones apart from the object, such as a bit of what stood behind it")
+               "Keep stray pieces: small ones apart from the object, such as a bit of what stood behind it, and small "
+               "hollows inside it")
       ->group(kPrint);
 
   constexpr const char* kPlacement = "Placement";

@@ -81,6 +81,13 @@ void for_each_remark(const SliceReport& slice, FunctionRef<void(std::string_view
              one ? "it" : "them");
     tell(text.view());
   }
+  if (slice.pieces.sealed_bubbles > 0) {
+    text = {};
+    const bool one = slice.pieces.sealed_bubbles == 1;
+    text.add("%u small hollow%s inside the object, into which no scanner can have seen, %s filled. --keep-all keeps %s",
+             slice.pieces.sealed_bubbles, one ? "" : "s", one ? "was" : "were", one ? "it" : "them");
+    tell(text.view());
+  }
   if (lies_on_its_face(slice.clustering)) tell(kOnItsFace);
 }
 

@@ -73,7 +73,7 @@ void add_rays(Text& text, const JobReport& report) {
   if (!s.pieces.counted) return;
   text.add("pieces     %u solid, %u hollow inside; %u specks of solid removed, %u of hollow filled (%llu voxels)\n",
            s.pieces.pieces, s.pieces.bubbles, s.pieces.dropped_pieces - s.pieces.floating_pieces,
-           s.pieces.filled_bubbles, big(s.pieces.dropped_voxels));
+           s.pieces.filled_bubbles - s.pieces.sealed_bubbles, big(s.pieces.dropped_voxels));
 }
 
 void add_confidence(Text& text, const JobReport& report) {

@@ -108,7 +108,8 @@ void write_rays(JsonWriter& json, const SliceReport& slice) {
   json.member("hollows", pieces.bubbles);
   json.member("solid_specks_removed", pieces.dropped_pieces - pieces.floating_pieces);
   json.member("floating_removed", pieces.floating_pieces);
-  json.member("hollow_specks_filled", pieces.filled_bubbles);
+  json.member("hollow_specks_filled", pieces.filled_bubbles - pieces.sealed_bubbles);
+  json.member("sealed_hollows_filled", pieces.sealed_bubbles);
   json.member("speck_voxels", pieces.dropped_voxels);
   json.end_object();
   write_strays(json, slice.strays);

@@ -9,7 +9,7 @@ namespace {
 
 constexpr const char* kStage = "pieces";
 /// A piece in the air goes if it has less than one in so many voxels of the largest.
-constexpr std::uint32_t kFloatingShare = 500;
+constexpr std::uint32_t kSmallShare = 500;
 constexpr std::uint32_t kOutside = 0;  ///< the stretch that is everything beyond the object
 
 /// A ray's crossings and the number of its first stretch.
@@ -57,6 +57,9 @@ class Stretches {
   static constexpr std::uint32_t kAtPlate = 1U << 30;     ///< some of the set lies on the plate
   static constexpr std::uint32_t kBelowPlate = 1U << 31;  ///< some lies below
   void mark(std::uint32_t root, std::uint32_t where) { volume_[root] |= where; }
+  /// What becomes of a set; its volume is forgotten.
+  void decide(std::uint32_t root, bool goes) { volume_[root] = goes ? 1 : 0; }
+  bool goes(std::uint32_t i) { return root(i) != kOutside && volume_[root(i)] != 0; }
   bool stands(std::uint32_t root) const { return (volume_[root] & (kAtPlate | kBelowPlate)) == kAtPlate; }
   std::uint32_t size() const { return static_cast<std::uint32_t>(parent_.size()); }
 
@@ -82,19 +85,20 @@ void join(const Ray& a, const Ray& b, std::uint32_t layers, Stretches& stretches
 /// Whether a stretch belongs to a set that is to go.
 struct Sieve {
   Stretches& stretches;
-  std::uint64_t speck;     ///< voxels: fewer are one
-  std::uint64_t floating;  ///< voxels: fewer must stand on the plate
+  std::uint64_t speck;  ///< voxels: fewer are one
+  std::uint64_t small;  ///< voxels: a solid of fewer must stand on the plate, a hollow of fewer is none
   std::uint32_t largest_piece;
   bool is_speck(std::uint32_t root) const {
     return root != kOutside && root != largest_piece && stretches.volume(root) < speck;
   }
   bool floats(std::uint32_t root, bool solid) const {
-    return solid && root != largest_piece && !stretches.stands(root) && stretches.volume(root) < floating;
+    return solid && root != largest_piece && !stretches.stands(root) && stretches.volume(root) < small;
   }
-  bool goes(std::uint32_t number, bool solid) const {
-    if (number == kOutside) return false;
-    const std::uint32_t root = stretches.root(number);
-    return is_speck(root) || floats(root, solid);
+  bool is_sealed(std::uint32_t root, bool solid) const {
+    return !solid && root != kOutside && stretches.volume(root) < small;
+  }
+  bool goes(std::uint32_t root, bool solid) const {
+    return is_speck(root) || floats(root, solid) || is_sealed(root, solid);
   }
 };
 
@@ -175,26 +179,32 @@ PieceCounts drop_pieces(CrossingStore& store, const PieceLimits& limits, Arena& 
       for (const auto& ray : row) {
         const std::uint32_t inner = Ray::numbered(ray.count());
         for (std::uint32_t s = 1; s <= inner; ++s, ++number) {
-          if (stretches.root(number) == number) visit(number, s % 2 == 1);
+          // A set begins in the first row that it has a part in: what lies below it there is what encloses it.
+          if (stretches.root(number) == number) visit(number, s % 2 == 1, s == 1 ? kOutside : number - 1);
         }
       }
     });
   };
-  for_each_root([&](std::uint32_t root, bool solid) {
+  for_each_root([&](std::uint32_t root, bool solid, std::uint32_t) {
     const bool larger =
         sieve.largest_piece == kOutside || stretches.volume(root) > stretches.volume(sieve.largest_piece);
     if (solid && larger) sieve.largest_piece = root;
   });
-  if (limits.drop_floating && sieve.largest_piece != kOutside) {
-    sieve.floating = stretches.volume(sieve.largest_piece) / kFloatingShare;
+  if (limits.drop_strange && sieve.largest_piece != kOutside) {
+    sieve.small = stretches.volume(sieve.largest_piece) / kSmallShare;
     mark_plate(store, sieve.largest_piece, limits.plate_layers, stretches, arena);
   }
-  for_each_root([&](std::uint32_t root, bool solid) {
-    const bool goes = sieve.goes(root, solid);
-    if (goes && !sieve.is_speck(root)) ++counts.floating_pieces;
-    if (goes) counts.dropped_voxels += stretches.volume(root);
-    if (!goes && solid) counts.voxels += stretches.volume(root);
-    ++(solid ? (goes ? counts.dropped_pieces : counts.pieces) : (goes ? counts.filled_bubbles : counts.bubbles));
+  // Roots ascend, so what encloses a set is decided before it.
+  for_each_root([&](std::uint32_t root, bool solid, std::uint32_t encloser) {
+    const std::uint32_t voxels = stretches.volume(root);
+    const bool merges = stretches.goes(encloser);  // which is then of its own kind
+    const bool goes = !merges && sieve.goes(root, solid);
+    if (goes) counts.dropped_voxels += voxels;
+    if (goes && !sieve.is_speck(root)) ++(solid ? counts.floating_pieces : counts.sealed_bubbles);
+    if (!goes && solid) counts.voxels += voxels;
+    if (!merges)
+      ++(solid ? (goes ? counts.dropped_pieces : counts.pieces) : (goes ? counts.filled_bubbles : counts.bubbles));
+    stretches.decide(root, goes);
   });
   if (counts.dropped_pieces + counts.filled_bubbles == 0) return counts;
 
@@ -205,7 +215,7 @@ PieceCounts drop_pieces(CrossingStore& store, const PieceLimits& limits, Arena& 
       const auto count = static_cast<std::uint32_t>(old.crossings.size());
       number += old.inner();
       // A crossing stays if what lies below it and what lies above it differ when the specks have changed sides.
-      const auto solid = [&](std::uint32_t s) { return (s % 2 == 1) != sieve.goes(old.number(s), s % 2 == 1); };
+      const auto solid = [&](std::uint32_t s) { return (s % 2 == 1) != stretches.goes(old.number(s)); };
       ray.begin_rewrite();
       for (std::uint32_t s = 0; s < count; ++s) {
         if (solid(s) != solid(s + 1)) ray.keep(old.crossings[s]);

@@ -15,7 +15,8 @@ struct PieceCounts {
   std::uint32_t bubbles = 0;          ///< enclosed hollows that stay
   std::uint32_t dropped_pieces = 0;   ///< solids taken out: specks and floating ones
   std::uint32_t floating_pieces = 0;  ///< of them, those that are no specks
-  std::uint32_t filled_bubbles = 0;   ///< specks of hollow filled
+  std::uint32_t filled_bubbles = 0;   ///< hollows filled: specks and sealed ones
+  std::uint32_t sealed_bubbles = 0;   ///< of them, those that are no specks
   std::uint64_t dropped_voxels = 0;   ///< of both
   std::uint64_t voxels = 0;           ///< of the solids that stay
 };
@@ -25,7 +26,7 @@ std::size_t pieces_bytes(const PrintGrid& grid, double rays, double crossings);
 
 struct PieceLimits {
   std::uint64_t speck_voxels = 0;  ///< fewer: a speck
-  bool drop_floating = false;      ///< take out small pieces in the air
+  bool drop_strange = false;       ///< take out small pieces in the air, and fill small hollows
   std::uint32_t plate_layers = 0;  ///< a piece that begins so close to where the largest one begins stands on the plate
 };
 
@@ -33,7 +34,10 @@ struct PieceLimits {
 /// outside. Voxels touch at faces. The largest piece always stays.
 ///
 /// On request every solid goes, too, that does not stand on the plate and has less than a 500th of the largest one's
-/// voxels: background that was scanned along. Printed, it would fall into the tank.
+/// voxels: background that was scanned along. Printed, it would fall into the tank. And every hollow of fewer voxels is filled: no
+/// scanner has looked into it, strays made it.
+///
+/// What lies inside of what goes stays as it is, and is one with it then: a speck of solid in a hollow that is filled.
 ///
 /// Works on the stretches between the crossings of each ray, not on voxels: a stretch joins the ones it overlaps on the
 /// rays beside it.

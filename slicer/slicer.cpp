@@ -116,7 +116,7 @@ class Job {
     // Smaller than this the scan cannot tell a thing from a few strays.
     limits.speck_voxels = static_cast<std::uint64_t>(kSpeck * epsilon * epsilon * epsilon /
                                                      (grid.pitch_x_mm * grid.pitch_y_mm * grid.layer_height_mm));
-    limits.drop_floating = !settings_.keep_all;
+    limits.drop_strange = !settings_.keep_all;
     limits.plate_layers = static_cast<std::uint32_t>(epsilon / grid.layer_height_mm);
     return limits;
   }

@@ -174,6 +174,25 @@ TEST(SliceShapes, ABubbleInsideIsAHollow) {
   EXPECT_EQ(sliced.report().pieces.pieces, 1U);
 }
 
+// Background that was scanned along and came to lie inside the object, close to its wall, blew a bubble of 2 mm into a bust.
+TEST(SliceShapes, ASmallBubbleInsideIsFilledUnlessAllIsKept) {
+  Surface surface = sphere(120000, 10, {0, 0, 0});
+  for (SurfacePoint p : sphere(1700, 1.2, {0, 8, 0})) {
+    p.normal = -p.normal;
+    surface.push_back(p);
+  }
+  SliceSettings settings = settings_with_pitch(0.2F);
+  settings.keep_all = true;
+  const Slicing kept(binary_ply(surface), settings, 64 * kMiB);
+  EXPECT_EQ(kept.report().pieces.bubbles, 1U);
+  EXPECT_EQ(kept.report().pieces.sealed_bubbles, 0U);
+  settings.keep_all = false;
+  const Slicing filled(binary_ply(surface), settings, 64 * kMiB);
+  EXPECT_EQ(filled.report().pieces.bubbles, 0U);
+  EXPECT_EQ(filled.wrong_voxels([](const Vec3d& p) { return p.norm() - 10; }, 0.4), 0U);
+  EXPECT_EQ(filled.report().pieces.sealed_bubbles, 1U);
+}
+
 TEST(SliceShapes, RotatedAndScaledTheyStandAccordingly) {
   Random random(63);
   SliceSettings settings = settings_with_pitch(0.2F);
