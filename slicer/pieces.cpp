@@ -128,7 +128,8 @@ void mark_plate(CrossingStore& store, std::uint32_t largest, std::uint32_t layer
 
 std::size_t pieces_bytes(const PrintGrid& grid, double rays, double crossings) {
   // A ray with c crossings has c - 1 stretches inside; rows of the visitor and of the search.
-  constexpr auto kMost = static_cast<double>(std::numeric_limits<std::size_t>::max() / 64);  // in 32 bits, too
+  constexpr std::size_t kMostStretches = std::numeric_limits<std::size_t>::max() / 64;  // in 32 bits, too
+  constexpr auto kMost = static_cast<double>(kMostStretches);
   const auto stretches = static_cast<std::size_t>(std::clamp(crossings - rays, 0.0, kMost)) + 1;
   return 2 * sizeof(std::uint32_t) * stretches +
          grid.columns * (2 * sizeof(Ray) + sizeof(CrossingStore::RayRef) + 2 * sizeof(void*));

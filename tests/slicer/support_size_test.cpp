@@ -14,17 +14,18 @@ namespace {
 using namespace testing;
 
 constexpr double kSpacing = 0.15;  ///< mm
+constexpr int kRows = 134;         ///< of points
 
 /// A square of 20 mm with waves of this height and length across it, seen with noise.
 Surface waves(double height, double length, double noise, Random& random) {
   Surface surface;
-  for (double y = 0; y < 20; y += kSpacing) {
-    for (double x = 0; x < 20; x += kSpacing) {
-      const double at = x + random.uniform(-0.5, 0.5) * kSpacing;
+  for (int row = 0; row < kRows; ++row) {
+    for (int column = 0; column < kRows; ++column) {
+      const double at = (column + random.uniform(-0.5, 0.5)) * kSpacing;
       const double phase = 2 * kPi * at / length;
       const double z = height * std::sin(phase) + noise * random.normal();
       const double slope = height * 2 * kPi / length * std::cos(phase);
-      surface.push_back({Vec3d(at, y + random.uniform(-0.5, 0.5) * kSpacing, z), Vec3d(-slope, 0, 1).normalized()});
+      surface.push_back({Vec3d(at, (row + random.uniform(-0.5, 0.5)) * kSpacing, z), Vec3d(-slope, 0, 1).normalized()});
     }
   }
   return surface;
