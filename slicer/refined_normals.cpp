@@ -17,6 +17,7 @@ constexpr std::uint32_t kFewest = 6;
 constexpr float kLeastSide = 0.2F;       ///< mean of the inner products with the normals of the others
 constexpr float kLeastWidth = 0.05F;     ///< of a plane's points across against along, squared: less is a line
 constexpr float kMostTilt = 1;           ///< tangent: more is another sheet
+constexpr float kBeside = 0.1F;          ///< of epsilon: farther from the plane of those that face its way is beside it
 constexpr float kWeightsSpread = 0.55F;  ///< sum w^2 u^2 / sum w u^2 over a disc
 constexpr float kSure = 2;               ///< times the square that noise alone makes: of a tilt, so much is taken off
 
@@ -76,6 +77,11 @@ Vec3f fitted(TangentPlanes& planes, const Cloud& cloud, std::uint32_t i, float r
   return side > 0 ? *normal : Vec3f(-*normal);
 }
 
+/// Whether the points that face the way of a point's normal n lie farther than this on one side of it, mm.
+bool is_beside(const Vec3f& n, const Moments& moments, float limit) {
+  return moments.count >= kFewest && std::abs(moments.first.dot(n)) > limit * moments.weight;
+}
+
 /// @param noise  mm
 /// @returns the normal tilted to the plane of the points as far as noise does not explain it; as it was where there is none
 Vec3f tilted(const Vec3f& n, const Moments& moments, float noise) {
@@ -111,6 +117,7 @@ Status refine_normals(const Cloud& cloud, const KdTree3& tree, const ClusteringS
                       const StageProgress& progress) {
   const std::uint32_t blocks = (cloud.size + kSharedSearch - 1) / kSharedSearch;
   const float share = std::sqrt(kPlanePoints / clustering.support_points);
+  const float beside = std::max(kBeside * clustering.epsilon, clustering.noise);
   LoopProgress refining(progress, blocks);
 #pragma omp parallel for schedule(dynamic, 64)
   for (std::uint32_t b = 0; b < blocks; ++b) {
@@ -129,12 +136,14 @@ Status refine_normals(const Cloud& cloud, const KdTree3& tree, const ClusteringS
     });
     for (std::uint32_t i = first; i < last; ++i) {
       refined[i] = cloud.normal[i];
-      if (cloud.normal[i].point_class == PointClass::kNoise) {
+      const bool is_noise = cloud.normal[i].point_class == PointClass::kNoise;
+      const Vec3f n = cloud.normal[i].unpack();
+      if (is_noise || is_beside(n, moments[i - first], beside)) {
         refined[i].set(fitted(planes, cloud, i, settings.thin_reach * clustering.epsilon));
-        continue;
+      } else {
+        refined[i].set(tilted(n, moments[i - first], clustering.noise));
       }
-      refined[i].set(tilted(cloud.normal[i].unpack(), moments[i - first], clustering.noise));
-      refined[i].point_class = orientation_of(refined[i]);
+      if (!is_noise) refined[i].point_class = orientation_of(refined[i]);
     }
   }
   if (refining.stopped()) return fail(ErrorCode::kCancelled, "cancelled while normals were refined");

@@ -23,9 +23,11 @@ namespace plumbline {
 /// points of all views together: they are smooth, and round what is sharp. Points that face more than 60 degrees away, and
 /// noise, are not counted; where that leaves fewer than six the normal stays.
 ///
-/// The normal of a point of noise is often why it is noise. It gets that of TangentPlanes, on the side that the normals round
-/// it are on (their mean inner product at least 0.2), and stays noise: rescue_thin_surface() asks again. One with fewer than
-/// six points within settings.thin_reach * epsilon keeps its own.
+/// A point that lies more than a tenth of epsilon, and than the noise, off the plane of the others that face its way is
+/// beside their sheet, not on it: on the wall below an edge, where the scanner's window saw more of what is above. Its
+/// normal is not believed, nor that of noise, which is often why it is noise. Such a point gets that of TangentPlanes, on the
+/// side that the normals round it are on (their mean inner product at least 0.2). One with fewer than six points within
+/// settings.thin_reach * epsilon keeps its own. Noise stays noise: rescue_thin_surface() asks again.
 ///
 /// @param cloud    in the order of `tree`, radius[] and classes set by cluster()
 /// @param refined  cloud.size of them, out; the classes follow the normals

@@ -103,5 +103,32 @@ TEST(RefinedNormals, DoNotFollowNoise) {
   EXPECT_LT(error, 0.25 * mean_error()) << "degrees; against those that believe every point";
 }
 
+// A bore was closed where its walls had the normals of the face that it is in.
+TEST(RefinedNormals, OfAWallBelowAnEdgeDoNotStayThoseOfTheFaceAbove) {
+  Random random(3);
+  Surface scan = sheet({0, 0, 0}, {8, 0, 0}, {0, 8, 0}, 0.1, 0.5, random);
+  for (const SurfacePoint& p : sheet({8, 0, -8}, {0, 8, 0}, {0, 0, 8}, 0.1, 0.5, random)) {
+    const bool blurred = p.position[2] > -0.25;
+    scan.push_back({p.position, blurred ? Vec3d(0, 0, 1) : p.normal});
+  }
+  ArenaBlock block(32 * kMiB);
+  Cloud cloud = cloud_of(scan, *block);
+  const KdTree3 tree = sort_by_tree(cloud, *block);
+  const ClusteringResult clustering =
+      value_of(cluster(cloud, tree, value_of(density_epsilon(cloud, tree, {}, *block)), {}, {}, *block));
+  std::vector<PackedNormal> refined(cloud.size);
+  ASSERT_TRUE(refine_normals(cloud, tree, {}, clustering, refined));
+  std::uint32_t wrong = 0;
+  std::uint32_t count = 0;
+  for (std::uint32_t i = 0; i < cloud.size; ++i) {
+    const Vec3f& p = cloud.position[i];
+    if (p[0] < 7.999F || p[2] > -0.1F || p[2] < -0.25F || p[1] < 1 || p[1] > 7) continue;
+    ++count;
+    wrong += Refined::angle(Vec3d(1, 0, 0), refined[i].unpack()) > 30 ? 1 : 0;
+  }
+  EXPECT_GT(count, 60U);
+  EXPECT_LT(wrong, count / 3) << "all of them as they were scanned";
+}
+
 }  // namespace
 }  // namespace plumbline
