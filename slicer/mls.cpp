@@ -23,11 +23,28 @@ Lanes weight_of(const RayPoints& p, std::uint32_t j, Lanes dz) {
 float sum(Lanes v) { return (v[0] + v[1]) + (v[2] + v[3]); }
 
 constexpr float kAgree = 0.99F;   ///< |sum of w n| over sum of w: normals some 8 degrees from their mean
+constexpr float kFar = 0.25F;     ///< of the largest support: so far from the surface none of this changes the side
 constexpr float kSharpness = 2;   ///< a point counts where the cosine to the mean is above 1 - 1 / this
 constexpr float kUnlike = 0.02F;  ///< what it counts beyond that
 
-/// The sums of a value, each in four lanes.
+/// What a value is made of: sums over points.
 struct Sums {
+  float weight;
+  float distance;
+  Vec3f normal;
+  Vec3f offset;
+
+  float value() const {
+    const float mean_plane = normal[0] * offset[0] + normal[1] * offset[1] + normal[2] * offset[2];
+    return 0.5F * (distance + mean_plane / weight) / weight;
+  }
+};
+
+/// @param weigh  (weight by distance, the normal's three columns): the weight; all in four lanes
+template <class Weigh>
+Sums sums_of(const RayPoints& points, RayWindow window, float depth, Weigh weigh) {
+  const Lanes z = Lanes{} + depth;
+  // Not members of one object: some compilers would keep that in memory.
   Lanes weights{};
   Lanes distances{};
   Lanes normal_x{};
@@ -36,26 +53,27 @@ struct Sums {
   Lanes offset_x{};
   Lanes offset_y{};
   Lanes offset_z{};
-
-  void add(const RayPoints& points, std::uint32_t j, Lanes w, Lanes z, Lanes dz) {
-    const Lanes slope = load(points.slope + j);
+  // The last step may read beyond the window: points of no weight, or the padding.
+  for (std::uint32_t j = window.first; j < window.last; j += RayPoints::kLanes) {
+    const Lanes dz = z - load(points.depth + j);
+    const Lanes nx = load(points.normal_x + j);
+    const Lanes ny = load(points.normal_y + j);
+    const Lanes nz = load(points.slope + j);
+    const Lanes w = weigh(weight_of(points, j, dz), nx, ny, nz);
     weights += w;
-    distances += w * (load(points.plane + j) + slope * z);
-    normal_x += w * load(points.normal_x + j);
-    normal_y += w * load(points.normal_y + j);
-    normal_z += w * slope;
+    distances += w * (load(points.plane + j) + nz * z);
+    normal_x += w * nx;
+    normal_y += w * ny;
+    normal_z += w * nz;
     offset_x += w * load(points.offset_x + j);
     offset_y += w * load(points.offset_y + j);
     offset_z += w * dz;
   }
-  Vec3f normal() const { return {sum(normal_x), sum(normal_y), sum(normal_z)}; }
-  float distance() const {
-    const float weight = sum(weights);
-    const float mean_plane =
-        sum(normal_x) * sum(offset_x) + sum(normal_y) * sum(offset_y) + sum(normal_z) * sum(offset_z);
-    return 0.5F * (sum(distances) + mean_plane / weight) / weight;
-  }
-};
+  return {sum(weights),
+          sum(distances),
+          {sum(normal_x), sum(normal_y), sum(normal_z)},
+          {sum(offset_x), sum(offset_y), sum(offset_z)}};
+}
 
 std::size_t padded(std::uint32_t capacity) {
   // Room for the padding, in whole cache lines.
@@ -101,30 +119,21 @@ RayWindow window(const RayPoints& points, float low, float high) {
 }
 
 MlsValue mls_value(const RayPoints& points, RayWindow window, float depth) {
-  const Lanes z = Lanes{} + depth;
-  Sums all;
-  // The last step may read beyond the window: points of no weight, or the padding.
-  for (std::uint32_t j = window.first; j < window.last; j += RayPoints::kLanes) {
-    const Lanes dz = z - load(points.depth + j);
-    all.add(points, j, weight_of(points, j, dz), z, dz);
-  }
-  const float weight = sum(all.weights);
-  if (!(weight > 0)) return {};
-  const Vec3f normal = all.normal();
-  const float length2 = normal.dot(normal);
-  const float agreed = kAgree * weight;
-  if (length2 >= agreed * agreed || !(length2 > 0)) return {all.distance(), weight};
+  const Sums all = sums_of(points, window, depth, [](Lanes w, Lanes, Lanes, Lanes) { return w; });
+  if (!(all.weight > 0)) return {};
+  const float value = all.value();
+  const float length2 = all.normal.dot(all.normal);
+  const float agreed = kAgree * all.weight;
+  const bool agree = length2 >= agreed * agreed || !(length2 > 0);
+  if (agree || std::abs(value) > kFar * points.reach) return {value, all.weight};
 
-  const Vec3f mean = normal * (kSharpness / std::sqrt(length2));
-  Sums alike;
-  for (std::uint32_t j = window.first; j < window.last; j += RayPoints::kLanes) {
-    const Lanes dz = z - load(points.depth + j);
-    const Lanes t = mean[0] * load(points.normal_x + j) + mean[1] * load(points.normal_y + j) +
-                    mean[2] * load(points.slope + j) - (kSharpness - 1);
+  const Vec3f mean = all.normal * (kSharpness / std::sqrt(length2));
+  const Sums alike = sums_of(points, window, depth, [&](Lanes w, Lanes nx, Lanes ny, Lanes nz) {
+    const Lanes t = mean[0] * nx + mean[1] * ny + mean[2] * nz - (kSharpness - 1);
     const Lanes likeness = t > 0.0F ? t : Lanes{};
-    alike.add(points, j, weight_of(points, j, dz) * (likeness * likeness + kUnlike), z, dz);
-  }
-  return {alike.distance(), weight};
+    return w * (likeness * likeness + kUnlike);
+  });
+  return {alike.value(), all.weight};
 }
 
 Vec3f mls_normal(const RayPoints& points, RayWindow window, float depth) {

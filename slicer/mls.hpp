@@ -32,7 +32,8 @@ struct RayPoints {
   /// @retval ErrorCode::kOutOfMemory
   [[nodiscard]] static Expected<RayPoints> create(std::uint32_t capacity, Arena& arena, const char* stage);
 
-  /// Adds a point with normal `n` at depth z; (dx, dy) is the ray less the point in the plane, mm.
+  /// Adds a point with normal `n` at depth z; (dx, dy) is the ray less the point in the plane, mm. The
+  /// reach is its caller's to keep.
   void add(float dx, float dy, float z, const Vec3f& n, float inverse_h2) {
     depth[size] = z;
     distance2[size] = dx * dx + dy * dy;
@@ -69,7 +70,7 @@ struct MlsValue {
 ///   v_i(x) = w_i(x) a_i(x)
 ///   w_i(x) = (1 - |x - p_i|^2 / h_i^2)^2 inside h_i, 0 outside
 ///   a_i(x) = max(0, 2 <n_i, m> - 1)^2 + 0.02,   m = sum_i w_i n_i / |sum_i w_i n_i|
-///   a_i(x) = 1 where the points agree: |sum_i w_i n_i| >= 0.99 sum_i w_i
+///   a_i(x) = 1 where the points agree, |sum_i w_i n_i| >= 0.99 sum_i w_i, or where |f| is above a quarter of the reach then
 ///
 /// The first half is the mean distance to the points' tangent planes (Kolluri 2005, eq. 2), which on a curved surface lies
 /// outside of it by curvature * E[t^2] / 2, t being the distance of the points along the surface. The second half is the

@@ -29,7 +29,7 @@ struct Half {
   struct Point {
     Vec3f position;
     Vec3f normal;
-    float inverse_h2;  ///< mm^-2, of the present support
+    float h;  ///< mm, of the present support
   };
   std::span<Point> points;
   RayPoints columns;
@@ -37,12 +37,14 @@ struct Half {
 
   /// F at x, mm, with supports `growth` times as wide as now. Nothing where there is no weight.
   std::optional<float> distance(const Vec3f& x, float growth) {
-    const float shrunk = 1 / (growth * growth);
     columns.size = 0;
+    columns.reach = 0;
     for (const Point& p : points.first(size)) {
       const Vec3f d = x - p.position;
-      const float inverse_h2 = shrunk * p.inverse_h2;
-      if (d.dot(d) * inverse_h2 < 1) columns.add(d[0], d[1], p.position[2], p.normal, inverse_h2);
+      const float h = growth * p.h;
+      if (d.dot(d) >= h * h) continue;
+      columns.reach = std::max(columns.reach, h);
+      columns.add(d[0], d[1], p.position[2], p.normal, 1 / (h * h));
     }
     columns.close();
     const MlsValue value = mls_value(columns, {0, columns.size}, x[2]);
@@ -108,9 +110,8 @@ class RiskOfSizes {
           room = false;
           continue;
         }
-        const float h = cloud_.radius[batch.index[j]];
         half.points[half.size++] = {Vec3f(batch.x[j], batch.y[j], batch.z[j]),
-                                    Vec3f(batch.nx[j], batch.ny[j], batch.nz[j]), 1 / (h * h)};
+                                    Vec3f(batch.nx[j], batch.ny[j], batch.nz[j]), cloud_.radius[batch.index[j]]};
       }
     });
     return room;

@@ -90,8 +90,9 @@ def measure(host, command, work):
     figures = {
         "read, a million points": more(["read"], twice) / more_millions,
         "trees and clusters, a million points": more(built, twice) / more_millions,
-        "rays, a million points": more(["rays"], twice) / more_millions,
         "rays, a thousand rays": base.stages["rays"] * 1000 / base.rays,
+        # Not in proportion to the points: how wide supports are is asked of the scan.
+        "rays, a thousand rays, twice the points": twice.stages["rays"] * 1000 / twice.rays,
         "R-Rep, a layer": more(["r-rep"], fine) / more_layers,
         "mask, a layer": printed.stages["layers"] / base.layers,
         "mask and its PNG file, a layer": more(["layers"], fine) / more_layers,

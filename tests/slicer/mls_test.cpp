@@ -22,16 +22,19 @@ struct DirectSum {
   Vec3d normal = Vec3d::Zero();
   bool sure = true;  ///< rounding does not decide whether the normals agree, nor about their mean
 
-  DirectSum(const Cloud& cloud, double max_radius, const Vec3d& x) : cloud_(cloud), max_radius_(max_radius), x_(x) {
+  /// @param reach  mm, of the ray's points
+  DirectSum(const Cloud& cloud, double max_radius, double reach, const Vec3d& x)
+      : cloud_(cloud), max_radius_(max_radius), x_(x) {
     const Sums all = sums([](const Vec3d&) { return 1.0; });
     weight = all.weight;
     if (!(weight > 0)) return;
     normal = all.normals.normalized();
     const double agreement = all.normals.norm() / weight;
-    sure = std::abs(agreement - 0.99) > 1e-4 && agreement > 0.05;
+    const double plain = std::abs(all.distance());
+    sure = std::abs(agreement - 0.99) > 1e-4 && agreement > 0.05 && std::abs(plain - 0.25 * reach) > 1e-3;
     const auto likeness = [&](const Vec3d& n) {
       const double t = std::max(0.0, 2 * n.dot(normal) - 1);
-      return agreement >= 0.99 ? 1.0 : t * t + 0.02;
+      return agreement >= 0.99 || plain > 0.25 * reach ? 1.0 : t * t + 0.02;
     };
     distance = sums(likeness).distance();
   }
@@ -108,7 +111,7 @@ TEST_F(MlsOfRandomPoints, IsTheSumOverTheWholeCloud) {
       const RayPoints& points = gatherer_.points_of_ray(x, y);
       for (int query = 0; query < 10; ++query) {
         const auto z = static_cast<float>(random.uniform(-1, 11));
-        const DirectSum direct(cloud_, kMaxRadius, Vec3d(x, y, z));
+        const DirectSum direct(cloud_, kMaxRadius, static_cast<double>(points.reach), Vec3d(x, y, z));
         const RayWindow here = window(points, z, z);
         const MlsValue value = mls_value(points, here, z);
         ASSERT_NEAR(value.weight, direct.weight, 1e-4 * (1 + direct.weight));
@@ -197,7 +200,7 @@ TEST(Mls, AnEdgeIsRoundedMuchLessThanItsSupportIsWide) {
     gatherer.gather(x.head<2>().cast<float>(), x.head<2>().cast<float>());
     const RayPoints& points = gatherer.points_of_ray(static_cast<float>(x[0]), static_cast<float>(x[1]));
     error += std::abs(static_cast<double>(mls_value(points, window(points, 5, 5), 5).distance)) / 9;
-    plain += std::abs(DirectSum(cloud, 1, x).plain_distance()) / 9;
+    plain += std::abs(DirectSum(cloud, 1, 1, x).plain_distance()) / 9;
   }
   EXPECT_GT(plain, 0.015);
   EXPECT_LT(error, plain / 3);
