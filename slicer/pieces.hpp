@@ -34,8 +34,8 @@ struct PieceLimits {
 /// outside. Voxels touch at faces. The largest piece always stays.
 ///
 /// On request every solid goes, too, that does not stand on the plate and has less than a 500th of the largest one's
-/// voxels: background that was scanned along. Printed, it would fall into the tank. And every hollow of fewer voxels is filled: no
-/// scanner has looked into it, strays made it.
+/// voxels: background that was scanned along. Printed, it would fall into the tank. And every hollow of fewer voxels is
+/// filled: no scanner has looked into it, strays made it.
 ///
 /// What lies inside of what goes stays as it is, and is one with it then: a speck of solid in a hollow that is filled.
 ///

@@ -13,10 +13,12 @@
 #include "slicer/layer_features.hpp"
 #include "slicer/memory_plan.hpp"
 #include "slicer/normals.hpp"
+#include "slicer/ray_admission.hpp"
 #include "slicer/ray_grid.hpp"
 #include "slicer/refined_normals.hpp"
 #include "slicer/rrep_edit.hpp"
 #include "slicer/stage_scope.hpp"
+#include "slicer/stray_limits.hpp"
 #include "slicer/stray_pieces.hpp"
 #include "slicer/support_size.hpp"
 #include "slicer/thin_surface.hpp"
@@ -31,13 +33,6 @@ constexpr double kCellShare = 0.5;
 /// Supports are cut to this share of epsilon, so that a search reaches no farther where the scan is thin.
 constexpr float kMaxRadiusShare = 1.15F;
 constexpr float kMaxRadiusSupport = 40;  ///< points: a larger support is cut to a larger share, in proportion
-
-/// Pieces and bubbles below this many cubes of epsilon are specks: a stray's support has some six.
-constexpr float kSpeck = 50;
-
-/// Islands and holes of a layer below this many squares of epsilon, and this many cubes in all, are small features; of a scan
-/// whose supports noise has widened, as many times the cubes as the supports have more points.
-constexpr float kFeature = 2;
 
 /// First cell of the thinning in scan units; 0 where the size of a scan unit on the print is not known yet.
 double first_cell(const PlacementSettings& p) {
@@ -97,7 +92,9 @@ class Job {
       return tl::unexpected<Error>(store.error());
     }
     const StageScope stage(Stage::kRRep, arena_, progress_, report_.peak_bytes);
-    report_.pieces = drop_pieces(*store, piece_limits(), arena_);
+    PieceLimits limits = piece_limits(report_.clustering, report_.placement.grid);
+    limits.drop_strange = !settings_.keep_all;
+    report_.pieces = drop_pieces(*store, limits, arena_);
     auto rrep = CrossingStore::sort(*store, arena_);
     if (rrep) {
       finish(*rrep);
@@ -109,30 +106,13 @@ class Job {
   }
 
  private:
-  PieceLimits piece_limits() const {
-    const PrintGrid& grid = report_.placement.grid;
-    const float epsilon = report_.clustering.epsilon;
-    PieceLimits limits;
-    // Smaller than this the scan cannot tell a thing from a few strays.
-    limits.speck_voxels = static_cast<std::uint64_t>(kSpeck * epsilon * epsilon * epsilon /
-                                                     (grid.pitch_x_mm * grid.pitch_y_mm * grid.layer_height_mm));
-    limits.drop_strange = !settings_.keep_all;
-    limits.plate_layers = static_cast<std::uint32_t>(epsilon / grid.layer_height_mm);
-    return limits;
-  }
-
   /// What only the layers as a whole can tell.
   void finish(RRep& rrep) {
     const PrintGrid& grid = rrep.grid;
-    const float epsilon2 = report_.clustering.epsilon * report_.clustering.epsilon;
-    FeatureLimits limits;
-    limits.pixels = static_cast<std::uint32_t>(kFeature * epsilon2 / (grid.pitch_x_mm * grid.pitch_y_mm));
-    // Where noise makes supports wide, what one stray does goes farther.
-    const float width = report_.clustering.support_points / settings_.clustering.least_support;
-    limits.voxels = static_cast<std::uint64_t>(width * kFeature * epsilon2 * report_.clustering.epsilon /
-                                               (grid.pitch_x_mm * grid.pitch_y_mm * grid.layer_height_mm));
+    const float widened = report_.clustering.support_points / settings_.clustering.least_support;
+    const FeatureLimits limits = feature_limits(report_.clustering, widened, grid);
     // What is taken out may let the masks' opening cut off what it held: where there is noise there is a second sweep.
-    for (int sweep = 0; sweep < (width > 1 ? 2 : 1); ++sweep) {
+    for (int sweep = 0; sweep < (widened > 1 ? 2 : 1); ++sweep) {
       // Without room for it the print is as good as the scan: no reason to refuse it.
       if (const auto features = drop_small_features(rrep, limits, arena_)) report_.features += *features;
     }
@@ -279,58 +259,6 @@ class Job {
 
   bool is_height_field() const { return winding_.has_base() && hardly_any(report_.clustering, PointClass::kEntering); }
 
-  /// Crossings that the surface will make: each point's share of it, seen from above, is crossed by so many rays.
-  struct SeenSurface {
-    double entering = 0, exiting = 0;
-  };
-  SeenSurface seen_surface() const {
-    const PrintGrid& grid = report_.placement.grid;
-    constexpr double kPi = 3.14159265358979;
-    const double rays_a_mm2 = 1 / (static_cast<double>(grid.pitch_x_mm) * static_cast<double>(grid.pitch_y_mm));
-    SeenSurface seen;
-    for (std::uint32_t i = 0; i < cloud_.size; ++i) {
-      const double radius = cloud_.radius[i];
-      const double slope = cloud_.normal[i].unpack()[2];
-      (slope > 0 ? seen.exiting : seen.entering) += radius * radius * std::abs(slope);
-    }
-    const double factor = kPi / report_.clustering.support_points * rays_a_mm2;
-    return {seen.entering * factor, seen.exiting * factor};
-  }
-
-  /// The extent of the object is known now, and with it what its crossings take: a job that has no room for them ends here,
-  /// not when the arena is full of rays. On scans of closed objects the surface tells their number within 6 %.
-  Status admit_rays(ConstBitImage interested) {
-    constexpr double kSureShare = 0.9;
-    constexpr double kPlannedShare = 1.1;
-    const PrintGrid& grid = report_.placement.grid;
-    const SeenSurface seen = seen_surface();
-    const auto yield_of = [&](double crossings) {
-      return RayYield{std::min(crossings / 2, static_cast<double>(interested.count())), crossings};
-    };
-    // What is planned: every ray leaves as often as it enters, whether the scan has seen both or not.
-    const auto threads = settings_.threads;
-    const MemoryPlan plan = plan_memory(cloud_.capacity(), grid, threads,
-                                        {.confidence = settings_.confidence,
-                                         .yield = yield_of(kPlannedShare * 2 * std::max(seen.entering, seen.exiting))});
-    for (const Stage stage : {Stage::kRayGrid, Stage::kRays, Stage::kRRep, Stage::kSupports, Stage::kLayers}) {
-      report_.planned_bytes[static_cast<std::size_t>(stage)] = plan.bytes[static_cast<std::size_t>(stage)];
-    }
-    // What is refused: what the scan has seen does not fit. A job that might fit is let go on.
-    const RayYield sure = yield_of(kSureShare * (seen.entering + seen.exiting));
-    const std::size_t shooting =
-        arena_.used() + threads * RayShooter::bytes_needed(tile_capacity(cloud_.capacity())) + store_bytes(grid, sure);
-    const std::size_t map = settings_.confidence ? ConfidenceMap::bytes_needed(grid.layers) : 0;
-    const std::size_t sorting = store_bytes(grid, sure) + rrep_bytes(grid, sure) + map;
-    const std::size_t need = std::max(shooting, sorting);
-    if (need <= arena_.capacity()) return {};
-    constexpr double kMiB = 1024.0 * 1024.0;
-    return fail(ErrorCode::kOutOfMemory,
-                "%s: the object's %.0f crossings need about %.1f MiB of the arena, it has %.1f MiB. Use a larger arena "
-                "(--arena-mib), a coarser grid or a smaller --scale",
-                sorting > shooting ? "R-Rep" : "rays", sure.crossings, static_cast<double>(need) / kMiB,
-                static_cast<double>(arena_.capacity()) / kMiB);
-  }
-
   Expected<CrossingStore> shoot() {
     const PrintGrid& grid = report_.placement.grid;
     std::optional<KdTree2> tree;
@@ -354,7 +282,9 @@ class Job {
       for (const Vec3f& p : cloud_.positions()) map->add_point(p);
       report_.confidence = *map;
     }
-    PLUMBLINE_TRY(admit_rays(interested));
+    const PlacedObject object{
+        cloud_, report_.clustering.support_points, grid, interested, settings_.confidence, settings_.threads};
+    PLUMBLINE_TRY(admit_rays(object, arena_, report_.planned_bytes));
     const StageScope stage(Stage::kRays, arena_, progress_, report_.peak_bytes);
     RayField field;
     field.cloud = &cloud_;

@@ -15,7 +15,7 @@ constexpr const char* kStage = "support size";
 
 constexpr float kStep = 1.25F;          ///< from size to size
 constexpr float kMostPoints = 160;      ///< of a support: the time that rays take grows with it
-constexpr std::size_t kSizes = 9;       ///< tried, at most
+constexpr std::size_t kSizes = 10;      ///< steps from the narrowest supports to the widest
 constexpr std::uint32_t kPlaces = 128;  ///< as few as a place needs to have a mean, as many as make one of all
 constexpr std::uint32_t kSamples = 32;  ///< a place: points that are evenly spread over a part of the tree
 constexpr double kAsGood = 1.02;        ///< times the least risk
