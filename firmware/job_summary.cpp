@@ -58,6 +58,11 @@ void add_clusters(Text& text, const SliceReport& s) {
            share(PointClass::kEntering), share(PointClass::kExiting), share(PointClass::kNeutral),
            share(PointClass::kNoise));
   if (s.strays.pieces > 0) text.add("strays     %s\n", stray_warning(s.strays).c_str());
+  if (s.bore_walls.points > 0) {
+    text.add(
+        "bores      %.3g mm2 of their walls, which no view saw, were continued between what was seen from both ends\n",
+        static_cast<double>(s.bore_walls.area));
+  }
   text.add("lengths    epsilon %.3g mm, width %.3g mm, noise %.3g mm\n", static_cast<double>(s.clustering.epsilon),
            static_cast<double>(s.width_mm), static_cast<double>(s.clustering.noise));
 }

@@ -84,6 +84,11 @@ void write_points(JsonWriter& json, const SliceReport& slice) {
   json.member("neutral", points[static_cast<std::size_t>(PointClass::kNeutral)]);
   json.member("noise", points[static_cast<std::size_t>(PointClass::kNoise)]);
   json.end_object();
+  json.key("bore_walls_continued");
+  json.begin_object(kOneLine);
+  json.member("points", slice.bore_walls.points);
+  json.member("area_mm2", slice.bore_walls.area);
+  json.end_object();
   json.member("core_points", slice.clustering.core_points);
   json.member("epsilon_mm", slice.clustering.epsilon);
   json.member("noise_mm", slice.clustering.noise);

@@ -24,7 +24,7 @@ Expected<Cloud> Cloud::create(std::uint32_t capacity, Arena& arena) {
   if (!normal) return tl::unexpected<Error>(normal.error());
   const auto radius = arena.take_top<float>(capacity, "cloud");
   if (!radius) return tl::unexpected<Error>(radius.error());
-  return Cloud{*position, *normal, *radius, 0};
+  return Cloud{*position, *normal, *radius};
 }
 
 Box3f Cloud::bounds() const {

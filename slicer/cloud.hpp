@@ -41,8 +41,13 @@ struct Cloud {
   std::span<PackedNormal> normal;
   std::span<float> radius;  ///< mm; support of the point in the MLS surface, set by clustering
   std::uint32_t size = 0;   ///< points in use
+  /// The last so many are no points of the scan: walls of bores that continue_bore_walls() has continued.
+  std::uint32_t continued = 0;
 
   static constexpr std::size_t kBytesPerPoint = sizeof(Vec3f) + sizeof(PackedNormal) + sizeof(float);
+
+  /// Room that a cloud of so many points of a scan has for more of them.
+  static constexpr std::uint32_t spare(std::uint32_t points) { return points / 64; }
 
   [[nodiscard]] static Expected<Cloud> create(std::uint32_t capacity, Arena& arena);
   std::uint32_t capacity() const { return static_cast<std::uint32_t>(position.size()); }

@@ -55,7 +55,9 @@ class AdmittingSink final : public PointSink {
     PLUMBLINE_TRY(take_room(capacity));
     const auto table = arena_.take_top<std::byte>(PointThinner::table_bytes(capacity), kStage);
     PLUMBLINE_TRY(table);
-    thinner_.emplace(reading_.cloud, *table, settings_.rotation, settings_.first_cell);
+    read_ = reading_.cloud;
+    read_.position = read_.position.first(capacity);
+    thinner_.emplace(read_, *table, settings_.rotation, settings_.first_cell);
     return thinner_->begin(header);
   }
   Status take(std::span<const ScanPoint> points) override {
@@ -70,24 +72,25 @@ class AdmittingSink final : public PointSink {
   /// Gives back what the points did not take, and everything that was only for reading.
   /// @param top  mark of the arena before the room was taken
   Expected<CloudReading> finish(std::size_t top) {
-    const Cloud read = reading_.cloud;
     reading_.averaged = thinner_->points_averaged();
     reading_.cell = reading_.averaged > 0 ? thinner_->cell() : 0;
     reading_.offset = thinner_->offset();
     arena_.release_top(top);
-    PLUMBLINE_TRY(take_room(read.size));
+    PLUMBLINE_TRY(take_room(read_.size));
     // Every block moves up or stays, the highest first, so none lands on what has still to be moved.
-    const auto positions = read.positions();
-    const auto normals = read.normal.first(read.size);
-    std::copy_backward(positions.begin(), positions.end(), reading_.cloud.position.end());
-    std::copy_backward(normals.begin(), normals.end(), reading_.cloud.normal.end());
-    reading_.cloud.size = read.size;
+    const auto positions = read_.positions();
+    const auto normals = read_.normal.first(read_.size);
+    std::copy_backward(positions.begin(), positions.end(), reading_.cloud.position.begin() + read_.size);
+    std::copy_backward(normals.begin(), normals.end(), reading_.cloud.normal.begin() + read_.size);
+    reading_.cloud.size = read_.size;
     return reading_;
   }
   CloudReading& reading() { return reading_; }
 
  private:
+  /// For so many points of the scan, and what may be added to them.
   Status take_room(std::uint32_t points) {
+    points += Cloud::spare(points);
     const auto nodes =
         arena_.take_top<WindingTree::Node>(settings_.winding_nodes ? WindingTree::nodes_needed(points) : 0, kStage);
     PLUMBLINE_TRY(nodes);
@@ -106,6 +109,7 @@ class AdmittingSink final : public PointSink {
   const ByteSource* source_ = nullptr;  ///< the file that is being read
   ReadShare share_;
   CloudReading reading_;
+  Cloud read_;  ///< reading_.cloud, of its capacity only what is for the scan
   std::optional<PointThinner> thinner_;
 };
 

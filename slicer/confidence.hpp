@@ -17,8 +17,10 @@ namespace plumbline {
 enum class Evidence : std::uint8_t {
   kMeasured,  ///< an intersection with the surface of the points
   kRepaired,  ///< one that only the uniform queries of a repair found
-  kWinding,   ///< the winding number of the cloud: the scan has nothing there, or it contradicts itself
-  kBase,      ///< the base plane under an open underside
+  /// The winding number of the cloud, or walls of bores that were continued: the scan has nothing there, or it contradicts
+  /// itself.
+  kWinding,
+  kBase,  ///< the base plane under an open underside
 };
 inline constexpr std::size_t kEvidenceCount = 4;
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "slicer/bore_walls.hpp"
 #include "slicer/cloud.hpp"
 #include "slicer/clustering.hpp"
 #include "slicer/confidence.hpp"
@@ -68,17 +69,18 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
   const auto set = [&](Stage stage, std::size_t bytes) {
     plan.bytes[static_cast<std::size_t>(stage)] = bytes + kSlack;
   };
-  const std::size_t winding = WindingTree::bytes_needed(points);
-  const std::size_t cloud = winding + Cloud::kBytesPerPoint * points;
+  const std::uint32_t room = points + Cloud::spare(points);
+  const std::size_t winding = WindingTree::bytes_needed(room);
+  const std::size_t cloud = winding + Cloud::kBytesPerPoint * room;
   const std::size_t tree = KdTree3::kBytesPerPoint * std::size_t{points};
   const auto reader =
       static_cast<std::size_t>(std::min<std::uint64_t>(evidence.reader_bytes, kTooMuch) + evidence.kept_bytes);
   set(Stage::kRead, cloud + PointThinner::table_bytes(points) + kReaderWorkspace + reader);
   set(Stage::kNormals, cloud + tree + normals_bytes(points));
   set(Stage::kTrees, cloud + tree + points / 8);
-  set(Stage::kClustering,
-      cloud + tree +
-          std::max({sizeof(PackedNormal) * std::size_t{points}, stray_pieces_bytes(points), support_size_bytes()}));
+  set(Stage::kClustering, cloud + tree +
+                              std::max({sizeof(PackedNormal) * std::size_t{points}, stray_pieces_bytes(points),
+                                        support_size_bytes(), bore_walls_bytes(points)}));
   set(Stage::kWindingTree, cloud);
   std::size_t image = 0;
   std::size_t store = 0;
@@ -97,7 +99,7 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
     set(Stage::kSupports, map + sorted + find_supports_bytes(*grid));
     set(Stage::kLayers, map + sorted + supports * sizeof(Support) + LayerStream::bytes_needed(*grid, supports));
   }
-  const std::size_t flat_tree = KdTree2::kBytesPerPoint * std::size_t{points};
+  const std::size_t flat_tree = KdTree2::kBytesPerPoint * std::size_t{room};
   set(Stage::kRayGrid, cloud + flat_tree + 2 * image);
   const std::size_t workers = threads * RayShooter::bytes_needed(tile_capacity(points));
   set(Stage::kRays, map + cloud + flat_tree + image + store + workers);

@@ -174,6 +174,7 @@ void RayPerfecter::remember(const RaySurface& surface) {
 }
 
 Evidence RayPerfecter::evidence_of(float depth) const {
+  if (gatherer_.continued(depth)) return Evidence::kWinding;
   const auto seen = std::span(first_look_).first(first_look_count_);
   const bool again = std::any_of(seen.begin(), seen.end(),
                                  [&](float first) { return std::abs(first - depth) <= settings_.intersections.width; });

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace plumbline {
 namespace {
@@ -49,8 +50,12 @@ void RayGatherer::gather(const Vec2f& low, const Vec2f& high) {
   };
   const auto keep = [&](std::uint32_t i) {
     const PackedNormal& n = cloud_->normal[i];
-    tile_[count_++] = {cloud_->position[i], std::min(cloud_->radius[i], max_radius_), n.unpack(), i,
-                       n.point_class != PointClass::kNeutral};
+    tile_[count_++] = {cloud_->position[i],
+                       std::min(cloud_->radius[i], max_radius_),
+                       n.unpack(),
+                       i,
+                       n.point_class != PointClass::kNeutral,
+                       i >= cloud_->size - cloud_->continued};
   };
 
   count_ = 0;
@@ -83,6 +88,8 @@ const RayPoints& RayGatherer::points_of_ray(float x, float y) {
   RayPoints& c = columns_;
   c.size = 0;
   c.reach = 0;
+  continued_low_ = std::numeric_limits<float>::max();
+  continued_high_ = std::numeric_limits<float>::lowest();
   for (std::uint32_t t = 0; t < count_; ++t) {
     const TilePoint& p = tile_[t];
     const float dx = x - p.position[0];
@@ -94,6 +101,9 @@ const RayPoints& RayGatherer::points_of_ray(float x, float y) {
     practical_[c.size] = p.practical ? 1 : 0;
     c.reach = std::max(c.reach, p.radius);
     c.add(dx, dy, p.position[2], p.normal, 1.0F / radius2);
+    if (!p.continued) continue;
+    continued_low_ = std::min(continued_low_, p.position[2] - p.radius);
+    continued_high_ = std::max(continued_high_, p.position[2] + p.radius);
   }
   c.close();
   return c;

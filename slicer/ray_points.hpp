@@ -38,6 +38,8 @@ class RayGatherer {
   float half_chord(std::uint32_t j) const { return half_chord_[j]; }
   /// Point j of the last points_of_ray() is of a practical cluster: entering or exiting.
   bool practical(std::uint32_t j) const { return practical_[j] != 0; }
+  /// Whether a place on the ray of the last points_of_ray() is in reach of walls that were continued (Cloud::continued).
+  bool continued(float depth) const { return depth > continued_low_ && depth < continued_high_; }
 
  private:
   struct TilePoint {
@@ -46,6 +48,7 @@ class RayGatherer {
     Vec3f normal;
     std::uint32_t index;
     bool practical;
+    bool continued;
   };
 
   const Cloud* cloud_ = nullptr;
@@ -57,6 +60,8 @@ class RayGatherer {
   RayPoints columns_;
   std::uint32_t count_ = 0;
   bool thinned_ = false;
+  float continued_low_ = 0;  ///< mm
+  float continued_high_ = 0;
 };
 
 }  // namespace plumbline

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "slicer/base_plane.hpp"
+#include "slicer/bore_walls.hpp"
 #include "slicer/cloud_reader.hpp"
 #include "slicer/kd_tree.hpp"
 #include "slicer/layer_features.hpp"
@@ -47,7 +48,8 @@ double first_cell(const PlacementSettings& p) {
 constexpr float kRepairShare = 1.0F / 16;
 
 constexpr double kClusteringShare = 0.6;  ///< of its stage's time; sharper normals come next
-constexpr double kRefiningEnd = 0.85;     ///< of the stage; wider supports take the rest
+constexpr double kRefiningEnd = 0.85;     ///< of the stage; wider supports come next
+constexpr double kSizingEnd = 0.95;       ///< of the stage; walls of bores take the rest
 constexpr double kRefiningShare = 0.9;    ///< of what is between; a second look at the noise takes the rest
 
 constexpr float kSectionEpsilons = 2;  ///< from section to section above the base plane
@@ -191,7 +193,12 @@ class Job {
         report_.strays = *strays;
       }
       PLUMBLINE_TRY(widen_supports(cloud_, *tree, settings_.clustering, report_.clustering, arena_,
-                                   progress.part(kRefiningEnd, 1)));
+                                   progress.part(kRefiningEnd, kSizingEnd)));
+      if (is_surface(report_.clustering)) {
+        const auto walls = continue_bore_walls(cloud_, *tree, report_.clustering, arena_, progress.part(kSizingEnd, 1));
+        PLUMBLINE_TRY(walls);
+        report_.bore_walls = *walls;
+      }
       cloud_.drop_noise();
     }
     if (!is_surface(report_.clustering)) {
@@ -243,6 +250,7 @@ class Job {
     for (float& r : cloud_.radius.first(cloud_.size)) r *= static_cast<float>(scale);
     report_.clustering.epsilon *= static_cast<float>(scale);
     report_.clustering.noise *= static_cast<float>(scale);
+    report_.bore_walls.area *= static_cast<float>(scale * scale);
     report_.thinning_cell_mm *= scale;
     return {};
   }
@@ -279,7 +287,7 @@ class Job {
     if (settings_.confidence) {
       auto map = ConfidenceMap::create(grid, cloud_.bounds(), report_.clustering.epsilon, arena_);
       PLUMBLINE_TRY(map);
-      for (const Vec3f& p : cloud_.positions()) map->add_point(p);
+      for (const Vec3f& p : cloud_.position.first(cloud_.size - cloud_.continued)) map->add_point(p);
       report_.confidence = *map;
     }
     const PlacedObject object{

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "slicer/base_choice.hpp"
+#include "slicer/bore_walls.hpp"
 #include "slicer/clustering.hpp"
 #include "slicer/confidence.hpp"
 #include "slicer/core/arena.hpp"
@@ -45,6 +46,7 @@ struct SliceReport {
   NormalCounts normals;
   ClusteringResult clustering;  ///< epsilon in mm
   StrayPieces strays;           ///< left out before the object was placed
+  BoreWalls bore_walls;         ///< continued; area in mm^2
   float width_mm = 0;           ///< w
   Placement placement;
   bool flat_underside = false;  ///< it stands on the base plane
