@@ -1,0 +1,70 @@
+#include "slicer/perfect_rays.hpp"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "tests/slicer/support/arena_block.hpp"
+#include "tests/slicer/support/scan_cloud.hpp"
+
+namespace plumbline {
+namespace {
+
+using namespace testing;
+
+constexpr double kSpacing = 0.25;  ///< mm
+constexpr float kRadius = 1.2F;    ///< mm
+constexpr float kPointsInReach = static_cast<float>(kPi) * kRadius * kRadius / static_cast<float>(kSpacing * kSpacing);
+
+/// The crossings of the ray through (10, 10), mm.
+std::vector<float> crossings(const Surface& surface) {
+  ArenaBlock block(16 * kMiB);
+  Arena& arena = *block;
+  const Cloud cloud = cloud_of(surface, arena, kRadius);
+  std::vector<WindingTree::Node> nodes(WindingTree::nodes_needed(cloud.size));
+  const WindingTree winding = WindingTree::build(cloud, kPointsInReach, nodes);
+  const KdTree2 tree = value_of(KdTree2::build(cloud.positions(), arena, "test"));
+  PrintGrid grid;
+  grid.columns = grid.rows = 100;
+  grid.layers = 200;
+  grid.pitch_x_mm = grid.pitch_y_mm = 0.2F;
+  PerfectRaySettings settings;
+  settings.intersections.width = 0.3F;
+  RayPerfecter perfecter =
+      value_of(RayPerfecter::create(cloud, tree, winding, grid, kRadius, cloud.size, settings, arena));
+  perfecter.begin_tile(48, 48);
+  std::vector<float> depths;
+  for (const RayCrossing& crossing : perfecter.ray(50, 50).crossings) depths.push_back(crossing.depth);
+  return depths;
+}
+
+/// A plate of 20 x 20 x 1 mm, its sides left out.
+Surface plate(Random& random) {
+  Surface surface = sheet({0, 0, 5}, {0, 20, 0}, {20, 0, 0}, kSpacing, 0.2, random);
+  append(surface, sheet({0, 0, 6}, {20, 0, 0}, {0, 20, 0}, kSpacing, 0.2, random));
+  return surface;
+}
+
+TEST(PerfectRays, EnterAndLeaveAPlate) {
+  Random random(1);
+  const std::vector<float> found = crossings(plate(random));
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_NEAR(found[0], 5, 0.05);
+  EXPECT_NEAR(found[1], 6, 0.05);
+}
+
+// Wide supports beyond an edge once made a ray inside out at both ends, and all of it was left out: a shaft through the
+// object.
+TEST(PerfectRays, KeepWhatLiesBetweenTwoSheetsThatAreNone) {
+  Random random(2);
+  Surface surface = plate(random);
+  append(surface, sheet({9, 9, 4.2}, {2, 0, 0}, {0, 2, 0}, kSpacing, 0.2, random));
+  append(surface, sheet({9, 9, 6.8}, {0, 2, 0}, {2, 0, 0}, kSpacing, 0.2, random));
+  const std::vector<float> found = crossings(surface);
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_NEAR(found[0], 5, 0.3);
+  EXPECT_NEAR(found[1], 6, 0.3);
+}
+
+}  // namespace
+}  // namespace plumbline
