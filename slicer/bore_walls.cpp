@@ -13,6 +13,8 @@ namespace {
 constexpr const char* kStage = "bore walls";
 
 constexpr std::uint32_t kMostEnds = 4096;
+constexpr std::uint32_t kFewSparse = 16;  ///< one point in so many at most: of more, epsilon tells no density
+constexpr std::uint32_t kChunk = 1024;    ///< points between two looks at the progress
 constexpr float kSparse = 0.3F;      ///< of epsilon: the radius of a point's own share of a sparse surface, at least
 constexpr float kWidest = 8;         ///< times epsilon
 constexpr float kOpposite = -0.5F;   ///< most inner product of the normals of opposite walls
@@ -79,16 +81,11 @@ class Continuation {
         cells_(cells) {}
 
   Status run(const StageProgress& progress) {
-    std::size_t count = 0;
-    for (std::uint32_t i = 0; i < seen_ && count < ends_.size(); ++i) {
-      if (!is_surface(i) || cloud_.radius[i] < kSparse * epsilon_ * growth_) continue;
-      if (const auto width = width_at(i)) ends_[count++] = {i, *width};
-    }
-    ends_ = ends_.first(count);
-    for (std::size_t a = 0; a < count; ++a) {
-      if (!progress.advance(static_cast<double>(a) / static_cast<double>(count)))
-        return fail(ErrorCode::kCancelled, "cancelled while the walls of bores were continued");
-      for (std::size_t b = a + 1; b < count; ++b) {
+    PLUMBLINE_TRY(find_ends(progress.part(0, 0.5)));
+    const StageProgress joining = progress.part(0.5, 1);
+    for (std::size_t a = 0; a < ends_.size(); ++a) {
+      if (!joining.advance(static_cast<double>(a) / static_cast<double>(ends_.size()))) return cancelled();
+      for (std::size_t b = a + 1; b < ends_.size(); ++b) {
         if (const auto line = line_between(ends_[a], ends_[b])) fill(*line);
       }
     }
@@ -101,6 +98,23 @@ class Continuation {
   }
 
  private:
+  static Status cancelled() { return fail(ErrorCode::kCancelled, "cancelled while the walls of bores were continued"); }
+
+  Status find_ends(const StageProgress& progress) {
+    std::uint32_t sparse = 0;
+    for (std::uint32_t i = 0; i < seen_; ++i) sparse += is_sparse(i) ? 1 : 0;
+    std::size_t count = 0;
+    for (std::uint32_t i = 0; i < seen_ && sparse <= seen_ / kFewSparse && count < ends_.size(); ++i) {
+      if (i % kChunk == 0 && !progress.advance(1.0 * i / seen_)) return cancelled();
+      if (!is_sparse(i)) continue;
+      if (const auto width = width_at(i)) ends_[count++] = {i, *width};
+    }
+    ends_ = ends_.first(count);
+    return {};
+  }
+
+  bool is_sparse(std::uint32_t i) const { return is_surface(i) && cloud_.radius[i] >= kSparse * epsilon_ * growth_; }
+
   bool is_surface(std::uint32_t i) const { return cloud_.normal[i].point_class != PointClass::kNoise; }
 
   /// Squared; of the surface as it was seen.
@@ -173,11 +187,17 @@ class Continuation {
 
   /// Whether a point within `reach` of x faces this way.
   bool faces(const Vec3f& x, const Vec3f& way, float reach) const {
-    std::array<Neighbour, 8> found{};
-    const std::uint32_t count = tree_.nearest(x, found, [&](std::uint32_t i) { return is_surface(i); });
-    return std::any_of(found.begin(), found.begin() + count, [&](const Neighbour& other) {
+    return any_near(x, [&](const Neighbour& other) {
       return other.distance2 < reach * reach && cloud_.normal[other.index].unpack().dot(way) > kFacing;
     });
+  }
+
+  /// Whether it holds for one of the points of the surface that are nearest to x.
+  template <class Holds>
+  bool any_near(const Vec3f& x, Holds holds) const {
+    std::array<Neighbour, 8> found{};
+    const std::uint32_t count = tree_.nearest(x, found, [&](std::uint32_t i) { return is_surface(i); });
+    return std::any_of(found.begin(), found.begin() + count, holds);
   }
 
   void fill(const Line& line) {
@@ -204,9 +224,7 @@ class Continuation {
 
   /// Whether x lies in the share of the wall that a point was seen of.
   bool has_wall(const Vec3f& x, const Vec3f& normal) const {
-    std::array<Neighbour, 8> found{};
-    const std::uint32_t count = tree_.nearest(x, found, [&](std::uint32_t i) { return is_surface(i); });
-    return std::any_of(found.begin(), found.begin() + count, [&](const Neighbour& other) {
+    return any_near(x, [&](const Neighbour& other) {
       const float share = std::min(cloud_.radius[other.index] / growth_, epsilon_);
       return other.distance2 < share * share && cloud_.normal[other.index].unpack().dot(normal) > kAlike;
     });

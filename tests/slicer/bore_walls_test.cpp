@@ -135,6 +135,34 @@ TEST(BoreWalls, AreContinuedAsFarAsThereIsRoom) {
   EXPECT_EQ(cloud.size, surface.size());
 }
 
+TEST(BoreWalls, StopWhenToldTo) {
+  class Stop final : public ProgressSink {
+   public:
+    void begin(Stage /*stage*/) override {}
+    bool advance(Stage /*stage*/, double fraction) override { return ++heard < 3 && fraction < 1; }
+    void end(Stage /*stage*/, std::size_t /*peak_bytes*/) override {}
+    int heard = 0;
+  } stop;
+  Random random(1);
+  ArenaBlock block(64 * kMiB);
+  Cloud cloud = cloud_of(bored_block(random), *block);
+  const KdTree3 tree = sort_by_tree(cloud, *block);
+  const float epsilon = value_of(density_epsilon(cloud, tree, {}, *block));
+  const ClusteringResult clustering = value_of(cluster(cloud, tree, epsilon, {}, {}, *block));
+  const auto walls = continue_bore_walls(cloud, tree, clustering, *block, {&stop, Stage::kClustering});
+  ASSERT_FALSE(walls);
+  EXPECT_EQ(walls.error().code(), ErrorCode::kCancelled);
+  EXPECT_EQ(stop.heard, 3);
+}
+
+TEST(BoreWalls, AreNotLookedForWhereSparsenessIsNothingSpecial) {
+  Random random(1);
+  Surface surface = bored_block(random);
+  // Far off a large plate that is as sparse as the walls.
+  append(surface, sheet({-20, -20, 40}, {50, 0, 0}, {0, 50, 0}, kRare, 0.3, random));
+  EXPECT_EQ(Continued(surface).walls.points, 0U);
+}
+
 // The winding number alone plugs it: two caps are less than a tube.
 TEST(BoreWalls, LeaveTheBoreOpen) {
   Random random(4);
