@@ -54,7 +54,7 @@ class Cells {
     for (int axis = 0; axis < 3; ++axis) {
       key = key << 21U | (static_cast<std::uint64_t>((p[axis] - low_[axis]) * inverse_) & 0x1FFFFFU);
     }
-    std::size_t slot = key * 0x9E3779B97F4A7C15U >> (64 - std::bit_width(slots_.size() - 1));
+    auto slot = static_cast<std::size_t>(key * 0x9E3779B97F4A7C15U >> (64 - std::bit_width(slots_.size() - 1)));
     while (slots_[slot] != 0 && slots_[slot] != key) slot = (slot + 1) % slots_.size();
     if (slots_[slot] == key) return false;
     slots_[slot] = key;
