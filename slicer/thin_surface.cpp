@@ -20,9 +20,11 @@ std::optional<float> thin_surface_radius(const Cloud& cloud, const KdTree3& tree
                                          const ClusteringSettings& settings) {
   if (!(settings.thin_reach > 0)) return std::nullopt;  // even of points in one place
   std::array<Neighbour, kSearch> found;                 // NOLINT(cppcoreguidelines-pro-type-member-init)
-  const std::uint32_t count = tree.nearest(cloud.position[i], found);
   const float reach2 = settings.thin_reach * epsilon * settings.thin_reach * epsilon;
   const Vec3f normal = cloud.normal[i].unpack();
+  // Through a thin wall the points of its other side may be nearer, and many more.
+  const std::uint32_t count = tree.nearest(
+      cloud.position[i], found, [&](std::uint32_t other) { return cloud.normal[other].unpack().dot(normal) > 0; });
   std::uint32_t near = 0;
   float farthest2 = 0;
   float height = 0;

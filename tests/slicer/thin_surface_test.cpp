@@ -72,6 +72,21 @@ TEST(ThinSurface, IsTheWallOfANarrowBoreToo) {
   EXPECT_GT(Clustered(bored_plate(random)).kept(in_bore), 0.8);
 }
 
+// The wall of a cup, seen well from outside and hardly from inside: the nearest points were all of the outside, and the cup
+// was filled.
+TEST(ThinSurface, IsTheHardlySeenSideOfAThinWall) {
+  Random random(4);
+  Surface surface = sheet({-8, -8, 0}, {0, 16, 0}, {16, 0, 0}, 0.14, 0.3, random);
+  const auto from = static_cast<std::uint32_t>(surface.size());
+  append(surface, sheet({-4, -4, 0.7}, {8, 0, 0}, {0, 8, 0}, 0.8, 0.2, random));
+  ArenaBlock block(32 * kMiB);
+  const Cloud cloud = cloud_of(surface, *block);
+  const KdTree3 tree = value_of(KdTree3::build(cloud.positions(), *block, "test"));
+  for (std::uint32_t i = from; i < cloud.size; ++i) {
+    EXPECT_TRUE(thin_surface_radius(cloud, tree, i, 0.6F, {}).has_value()) << cloud.position[i].transpose();
+  }
+}
+
 TEST(ThinSurface, IsNotWhatLiesBesideIt) {
   Random random(2);
   Surface surface = bored_plate(random);
