@@ -18,7 +18,7 @@ constexpr const char* kStage = "confidence picture";
 /// By Evidence.
 constexpr std::array<Colour, kEvidenceCount> kColours{{{222, 222, 212}, {244, 202, 66}, {232, 78, 56}, {74, 138, 232}}};
 constexpr std::array<const char*, kEvidenceCount> kMeanings{"measured by the scan", "found by a second, finer look",
-                                                            "never seen: closed by the winding number of all points",
+                                                            "never seen: closed as the points around it tell",
                                                             "never seen: closed flat by the base plane"};
 
 void draw_legend(const Picture& picture, const ConfidenceMap& map) {

@@ -92,10 +92,7 @@ class Continuation {
     return {};
   }
 
-  BoreWalls added() const {
-    const float edge = kSpacing * epsilon_;
-    return {cloud_.size - seen_, edge * edge * static_cast<float>(cloud_.size - seen_)};
-  }
+  std::uint32_t added() const { return cloud_.size - seen_; }
 
  private:
   static Status cancelled() { return fail(ErrorCode::kCancelled, "cancelled while the walls of bores were continued"); }
@@ -232,7 +229,6 @@ class Continuation {
 
   void add(const Vec3f& x, const Vec3f& normal) {
     const std::uint32_t i = cloud_.size++;
-    ++cloud_.continued;
     cloud_.position[i] = x;
     cloud_.normal[i] = {};
     cloud_.normal[i].set(normal);
@@ -266,7 +262,9 @@ Expected<BoreWalls> continue_bore_walls(Cloud& cloud, const KdTree3& tree, const
   Cells cells(*slots, cloud.bounds().low, kSpacing * clustering.epsilon);
   Continuation continuation(cloud, tree, clustering, *ends, cells);
   PLUMBLINE_TRY(continuation.run(progress));
-  return continuation.added();
+  cloud.continued = continuation.added();
+  const float edge = kSpacing * clustering.epsilon;
+  return BoreWalls{cloud.continued, edge * edge * static_cast<float>(cloud.continued)};
 }
 
 }  // namespace plumbline

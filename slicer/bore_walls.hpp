@@ -1,5 +1,5 @@
 #pragma once
-/// Walls of bores and slots, continued where no view has seen them.
+/// Walls of bores, continued where no view has seen them.
 
 #include <cstddef>
 #include <cstdint>
@@ -32,7 +32,7 @@ std::size_t bore_walls_bytes(std::uint32_t points);
 ///   - there are walls all round the bore at either end, looked for in eight directions: two things that face each other
 ///     are no bore.
 /// The line between them gets a point each half epsilon, except where the wall has been seen. Nothing is done where more
-/// than a sixteenth of the points are sparse: epsilon tells no density there.
+/// than a sixteenth of the points are sparse: epsilon tells no density there. Of more than 4096 ends the first are taken.
 ///
 /// @param cloud       in the order of `tree`, classes and radius[] set; it grows, at most to its capacity. The new points
 ///                    are the last, counted in Cloud::continued

@@ -52,6 +52,7 @@ struct Cloud {
   [[nodiscard]] static Expected<Cloud> create(std::uint32_t capacity, Arena& arena);
   std::uint32_t capacity() const { return static_cast<std::uint32_t>(position.size()); }
   std::span<const Vec3f> positions() const { return position.first(size); }
+  std::uint32_t seen() const { return size - continued; }  ///< points of the scan, the first
   Box3f bounds() const;
 
   /// Takes out the points of class kNoise and keeps the order of the others.

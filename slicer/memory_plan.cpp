@@ -101,7 +101,7 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
   }
   const std::size_t flat_tree = KdTree2::kBytesPerPoint * std::size_t{room};
   set(Stage::kRayGrid, cloud + flat_tree + 2 * image);
-  const std::size_t workers = threads * RayShooter::bytes_needed(tile_capacity(points));
+  const std::size_t workers = threads * RayShooter::bytes_needed(tile_capacity(room));
   set(Stage::kRays, map + cloud + flat_tree + image + store + workers);
   return plan;
 }

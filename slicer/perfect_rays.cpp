@@ -181,22 +181,17 @@ Evidence RayPerfecter::evidence_of(float depth) const {
   return again ? Evidence::kMeasured : Evidence::kRepaired;
 }
 
-void RayPerfecter::cross_band(float x, float y, const RaySurface& surface, const Band& band, bool from, bool to) {
+void RayPerfecter::cross_band(const RaySurface& surface, const Band& band, bool from, bool to) {
   std::uint32_t first = band.first;
   std::uint32_t last = band.last;
   const bool wrong_low = band.inside_at_low != from;
   const bool wrong_high = band.inside_at_high != to;
   if (wrong_low && wrong_high) {
-    // Inside out: a patch that faces the wrong way. Its sheet stands where it is; a pair of sheets is left out. Of more the
-    // outermost are, where the winding number agrees with the inner ones: beyond an edge noise alone put them there.
-    const auto middle = [&](std::uint32_t i) {
-      return 0.5F * (surface.intersections[i].depth + surface.intersections[i + 1].depth);
-    };
-    if (from == to && last - first >= 4 && ((*winding_)({x, y, middle(first + 1)}) > kHalf) != from) {
+    // Inside out. Sheets at both ends are left out, as one is at one end; a sheet alone is a patch that faces the wrong way,
+    // and stands where it is.
+    if (last - first >= 2) {
       ++first;
       --last;
-    } else if (from == to) {
-      first = last;
     }
   } else if (wrong_low) {
     if (first == last) {
@@ -262,7 +257,7 @@ PerfectRay RayPerfecter::ray(std::uint32_t column, std::uint32_t row) {
       base = gap.inside_at_low;
       if (base) emit(floor_, Evidence::kBase);
     } else {
-      cross_band(x, y, surface, surface.bands[b - 1], was_inside, gap.inside_at_low);
+      cross_band(surface, surface.bands[b - 1], was_inside, gap.inside_at_low);
     }
     if (!last) {
       inside = band->inside_at_high;

@@ -112,7 +112,7 @@ class RayPerfecter {
   void bisect(float x, float y, float low, float high, bool inside_at_low);
   bool alternates(const RaySurface& surface) const;
   Gap decide_gap(float x, float y, float low, float high, bool below, bool above);
-  void cross_band(float x, float y, const RaySurface& surface, const Band& band, bool from, bool to);
+  void cross_band(const RaySurface& surface, const Band& band, bool from, bool to);
   void emit(float depth, Evidence evidence);
   void remember(const RaySurface& surface);
   Evidence evidence_of(float depth) const;

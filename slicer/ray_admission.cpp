@@ -41,7 +41,7 @@ Status admit_rays(const PlacedObject& object, const Arena& arena, std::array<std
   };
   // What is planned: every ray leaves as often as it enters, whether the scan has seen both or not.
   const MemoryPlan plan = plan_memory(
-      object.cloud.capacity(), object.grid, object.threads,
+      object.read_points, object.grid, object.threads,
       {.confidence = object.confidence, .yield = yield_of(kPlannedShare * 2 * std::max(seen.entering, seen.exiting))});
   for (const Stage stage : {Stage::kRayGrid, Stage::kRays, Stage::kRRep, Stage::kSupports, Stage::kLayers}) {
     planned_bytes[static_cast<std::size_t>(stage)] = plan.bytes[static_cast<std::size_t>(stage)];

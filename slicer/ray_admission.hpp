@@ -14,7 +14,8 @@ namespace plumbline {
 
 /// What is known when an object has been placed.
 struct PlacedObject {
-  const Cloud& cloud;  ///< mm
+  const Cloud& cloud;             ///< mm
+  std::uint32_t read_points = 0;  ///< that the cloud's room was made for
   float support_points = 0;
   PrintGrid grid;
   ConstBitImage interested;  ///< the rays that will be shot

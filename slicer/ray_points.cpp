@@ -50,12 +50,8 @@ void RayGatherer::gather(const Vec2f& low, const Vec2f& high) {
   };
   const auto keep = [&](std::uint32_t i) {
     const PackedNormal& n = cloud_->normal[i];
-    tile_[count_++] = {cloud_->position[i],
-                       std::min(cloud_->radius[i], max_radius_),
-                       n.unpack(),
-                       i,
-                       n.point_class != PointClass::kNeutral,
-                       i >= cloud_->size - cloud_->continued};
+    tile_[count_++] = {cloud_->position[i], std::min(cloud_->radius[i], max_radius_), n.unpack(), i,
+                       n.point_class != PointClass::kNeutral};
   };
 
   count_ = 0;
@@ -101,7 +97,7 @@ const RayPoints& RayGatherer::points_of_ray(float x, float y) {
     practical_[c.size] = p.practical ? 1 : 0;
     c.reach = std::max(c.reach, p.radius);
     c.add(dx, dy, p.position[2], p.normal, 1.0F / radius2);
-    if (!p.continued) continue;
+    if (p.index < cloud_->seen()) continue;
     continued_low_ = std::min(continued_low_, p.position[2] - p.radius);
     continued_high_ = std::max(continued_high_, p.position[2] + p.radius);
   }

@@ -48,7 +48,6 @@ class RayGatherer {
     Vec3f normal;
     std::uint32_t index;
     bool practical;
-    bool continued;
   };
 
   const Cloud* cloud_ = nullptr;

@@ -287,11 +287,16 @@ class Job {
     if (settings_.confidence) {
       auto map = ConfidenceMap::create(grid, cloud_.bounds(), report_.clustering.epsilon, arena_);
       PLUMBLINE_TRY(map);
-      for (const Vec3f& p : cloud_.position.first(cloud_.size - cloud_.continued)) map->add_point(p);
+      for (const Vec3f& p : cloud_.position.first(cloud_.seen())) map->add_point(p);
       report_.confidence = *map;
     }
-    const PlacedObject object{
-        cloud_, report_.clustering.support_points, grid, interested, settings_.confidence, settings_.threads};
+    const PlacedObject object{cloud_,
+                              report_.cloud_points,
+                              report_.clustering.support_points,
+                              grid,
+                              interested,
+                              settings_.confidence,
+                              settings_.threads};
     PLUMBLINE_TRY(admit_rays(object, arena_, report_.planned_bytes));
     const StageScope stage(Stage::kRays, arena_, progress_, report_.peak_bytes);
     RayField field;

@@ -13,9 +13,9 @@ namespace plumbline {
 PieceLimits piece_limits(const ClusteringResult& clustering, const PrintGrid& grid);
 
 /// Small features have at most two squares of epsilon in a layer and two cubes of it in all.
-/// @param clustering       epsilon in mm
-/// @param supports_widened by noise: so many times the points, 1 or more, and so many times the cubes: what one stray does
-///                         goes farther
+/// @param clustering        epsilon in mm
+/// @param supports_widened  by noise, to so many times the points, 1 or more: what one stray does goes farther, so there are
+///                          as many times the cubes
 FeatureLimits feature_limits(const ClusteringResult& clustering, float supports_widened, const PrintGrid& grid);
 
 }  // namespace plumbline

@@ -7,6 +7,7 @@
 #include "tests/slicer/support/arena_block.hpp"
 #include "tests/slicer/support/scan_cloud.hpp"
 #include "tests/slicer/support/slicing.hpp"
+#include "tests/slicer/support/stop.hpp"
 
 namespace plumbline {
 namespace {
@@ -136,13 +137,7 @@ TEST(BoreWalls, AreContinuedAsFarAsThereIsRoom) {
 }
 
 TEST(BoreWalls, StopWhenToldTo) {
-  class Stop final : public ProgressSink {
-   public:
-    void begin(Stage /*stage*/) override {}
-    bool advance(Stage /*stage*/, double fraction) override { return ++heard < 3 && fraction < 1; }
-    void end(Stage /*stage*/, std::size_t /*peak_bytes*/) override {}
-    int heard = 0;
-  } stop;
+  StopAtThird stop;
   Random random(1);
   ArenaBlock block(64 * kMiB);
   Cloud cloud = cloud_of(bored_block(random), *block);

@@ -7,6 +7,7 @@
 
 #include "tests/slicer/support/arena_block.hpp"
 #include "tests/slicer/support/scan_cloud.hpp"
+#include "tests/slicer/support/stop.hpp"
 
 namespace plumbline {
 namespace {
@@ -97,13 +98,7 @@ TEST(SupportSize, IsNotSwayedByWhatWasMarkedAsNoise) {
 }
 
 TEST(SupportSize, TellsItsProgressAndStopsWhenToldTo) {
-  class Stop final : public ProgressSink {
-   public:
-    void begin(Stage /*stage*/) override {}
-    bool advance(Stage /*stage*/, double fraction) override { return ++heard < 3 && fraction < 1; }
-    void end(Stage /*stage*/, std::size_t /*peak_bytes*/) override {}
-    int heard = 0;
-  } stop;
+  StopAtThird stop;
   Random random(5);
   ArenaBlock block(32 * kMiB);
   Arena& arena = *block;

@@ -10,6 +10,7 @@
 
 #include "tests/slicer/support/hanging.hpp"
 #include "tests/slicer/support/solid.hpp"
+#include "tests/slicer/support/stop.hpp"
 
 namespace plumbline {
 namespace {
@@ -289,11 +290,7 @@ TEST(Supports, AreRefusedWhereTheListIsFull) {
 }
 
 TEST(Supports, StopWhenAsked) {
-  struct Stop final : ProgressSink {
-    void begin(Stage) override {}
-    bool advance(Stage stage, double fraction) override { return stage == Stage::kSupports && fraction < 0.5; }
-    void end(Stage, std::size_t) override {}
-  } stop;
+  StopAtThird stop;
   const Solid solid(cubic_grid(kSide, 48), ball(32, 32, 27, 20));
   ArenaBlock arena(8 * kMiB);
   SupportCounts counts;

@@ -1,0 +1,17 @@
+#pragma once
+/// A listener that cancels a job.
+
+#include "slicer/core/progress.hpp"
+
+namespace plumbline::testing {
+
+/// Lets two looks pass and cancels at the third.
+class StopAtThird final : public ProgressSink {
+ public:
+  void begin(Stage /*stage*/) override {}
+  bool advance(Stage /*stage*/, double fraction) override { return ++heard < 3 && fraction < 1; }
+  void end(Stage /*stage*/, std::size_t /*peak_bytes*/) override {}
+  int heard = 0;
+};
+
+}  // namespace plumbline::testing
