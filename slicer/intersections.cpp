@@ -76,8 +76,9 @@ void RaySolver::solve_root(const RayPoints& points, float low, float low_value, 
   if (high - low <= enough && high_value != low_value) {
     root = std::clamp((low * high_value - high * low_value) / (high_value - low_value), low, high);
   }
-  intersections_[intersection_count_++] = {root, entering ? Direction::kEntering : Direction::kExiting,
-                                           mls_normal(points, range, root)};
+  const MlsFrame frame = mls_frame(points, range, root);
+  intersections_[intersection_count_++] = {root, entering ? Direction::kEntering : Direction::kExiting, frame.normal,
+                                           frame.off_centre};
 }
 
 template <class NextQuery>

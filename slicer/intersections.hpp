@@ -17,6 +17,7 @@ struct Intersection {
   float depth = 0;                             ///< z, mm
   Direction direction = Direction::kEntering;  ///< of a ray that goes up
   Vec3f normal = Vec3f::Zero();                ///< of the MLS surface, unit length
+  float off_centre = 0;                        ///< MlsFrame::off_centre
 };
 
 /// A stretch of the ray on which the MLS value is defined: the union of the points' supports. Outside of all bands the

@@ -40,6 +40,8 @@ struct Sums {
   }
 };
 
+constexpr auto kByDistance = [](Lanes w, Lanes, Lanes, Lanes) { return w; };
+
 /// @param weigh  (weight by distance, the normal's three columns): the weight; all in four lanes
 template <class Weigh>
 Sums sums_of(const RayPoints& points, RayWindow window, float depth, Weigh weigh) {
@@ -119,7 +121,7 @@ RayWindow window(const RayPoints& points, float low, float high) {
 }
 
 MlsValue mls_value(const RayPoints& points, RayWindow window, float depth) {
-  const Sums all = sums_of(points, window, depth, [](Lanes w, Lanes, Lanes, Lanes) { return w; });
+  const Sums all = sums_of(points, window, depth, kByDistance);
   if (!(all.weight > 0)) return {};
   const float value = all.value();
   const float length2 = all.normal.dot(all.normal);
@@ -136,20 +138,13 @@ MlsValue mls_value(const RayPoints& points, RayWindow window, float depth) {
   return {alike.value(), all.weight};
 }
 
-Vec3f mls_normal(const RayPoints& points, RayWindow window, float depth) {
-  const Lanes z = Lanes{} + depth;
-  Lanes x{};
-  Lanes y{};
-  Lanes slope{};
-  for (std::uint32_t j = window.first; j < window.last; j += RayPoints::kLanes) {
-    const Lanes w = weight_of(points, j, z - load(points.depth + j));
-    x += w * load(points.normal_x + j);
-    y += w * load(points.normal_y + j);
-    slope += w * load(points.slope + j);
-  }
-  const Vec3f n(sum(x), sum(y), sum(slope));
-  const float length = std::sqrt(n.dot(n));
-  return length > 0 ? Vec3f(n / length) : Vec3f(Vec3f::Zero());
+MlsFrame mls_frame(const RayPoints& points, RayWindow window, float depth) {
+  const Sums all = sums_of(points, window, depth, kByDistance);
+  const float length = std::sqrt(all.normal.dot(all.normal));
+  MlsFrame frame;
+  if (length > 0) frame.normal = all.normal / length;
+  if (all.weight > 0) frame.off_centre = std::sqrt(all.offset.dot(all.offset)) / (all.weight * points.reach);
+  return frame;
 }
 
 }  // namespace plumbline

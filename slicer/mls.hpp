@@ -85,7 +85,11 @@ struct MlsValue {
 /// and added in a fixed order, so vector units may be used where there are any.
 MlsValue mls_value(const RayPoints& points, RayWindow window, float depth);
 
-/// Weighted mean of the normals, unit length (zero where there is no weight).
-Vec3f mls_normal(const RayPoints& points, RayWindow window, float depth);
+/// How the points lie round a place of the surface.
+struct MlsFrame {
+  Vec3f normal = Vec3f::Zero();  ///< weighted mean of theirs, unit length; zero where there is no weight
+  float off_centre = 0;  ///< |sum_i w_i (x - p_i)| / sum_i w_i over the largest support: 0 amid them, 1 beyond all
+};
+MlsFrame mls_frame(const RayPoints& points, RayWindow window, float depth);
 
 }  // namespace plumbline

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <tuple>
 
+#include "slicer/extrapolated.hpp"
+
 namespace plumbline {
 namespace {
 
@@ -13,6 +15,7 @@ constexpr std::uint32_t kMaxCrossingsFound = 4096;
 constexpr float kHalf = 0.5F;  ///< the surface, where there is none: halfway between outside and inside
 constexpr float kSure = 0.2F;  ///< farther from half than this, one place tells for a whole tile
 constexpr std::uint32_t kBisections = 8;
+constexpr float kSettlingStep = 0.25F;  ///< of the reach of supports: noise is less, and so is what is to be found
 
 }  // namespace
 
@@ -161,8 +164,9 @@ void RayPerfecter::walk_levels(GapWalk& walk, float high) {
   }
 }
 
-void RayPerfecter::emit(float depth, Evidence evidence) {
-  if (crossing_count_ < crossings_.size()) crossings_[crossing_count_++] = {std::max(depth, floor_), evidence};
+void RayPerfecter::emit(float depth, Evidence evidence, bool extrapolated) {
+  if (crossing_count_ == crossings_.size()) return;
+  crossings_[crossing_count_++] = {std::max(depth, floor_), evidence, extrapolated};
 }
 
 void RayPerfecter::remember(const RaySurface& surface) {
@@ -206,8 +210,8 @@ void RayPerfecter::cross_band(const RaySurface& surface, const Band& band, bool 
       --last;
     }
   }
-  for (std::uint32_t i = first; i < last; ++i)
-    emit(surface.intersections[i].depth, evidence_of(surface.intersections[i].depth));
+  for (const Intersection& sheet : surface.intersections.subspan(first, last - first))
+    emit(sheet.depth, evidence_of(sheet.depth), sheet.off_centre > kExtrapolated);
 }
 
 void RayPerfecter::drop_thin_stretches() {
@@ -271,6 +275,9 @@ PerfectRay RayPerfecter::ray(std::uint32_t column, std::uint32_t row) {
   std::sort(crossings_.begin(), crossings_.begin() + crossing_count_, [](const RayCrossing& a, const RayCrossing& b) {
     return std::tie(a.depth, a.evidence) < std::tie(b.depth, b.evidence);
   });
+  std::span<RayCrossing> settled = crossings_.first(crossing_count_);
+  used_winding_ |= settle_extrapolated(settled, x, y, *winding_, kSettlingStep * points.reach);
+  crossing_count_ = static_cast<std::uint32_t>(settled.size());
   drop_thin_stretches();
   if (used_winding_) decision = RayDecision::kWinding;
   if (base && crossing_count_ > 0) decision = winding_->has_base() ? RayDecision::kBase : RayDecision::kWinding;

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <span>
 
-#include "slicer/confidence.hpp"
 #include "slicer/core/print_grid.hpp"
 #include "slicer/intersections.hpp"
+#include "slicer/ray_crossing.hpp"
 #include "slicer/ray_points.hpp"
 #include "slicer/winding_number.hpp"
 
@@ -25,11 +25,6 @@ inline constexpr std::size_t kRayDecisionCount = 5;
 
 /// "outside", "perfect", "repaired", "winding number", "base plane".
 const char* to_string(RayDecision decision);
-
-struct RayCrossing {
-  float depth = 0;  ///< mm
-  Evidence evidence = Evidence::kMeasured;
-};
 
 /// Crossings of one ray, ascending in depth; even in number: entering, exiting, entering, ...
 struct PerfectRay {
@@ -113,7 +108,7 @@ class RayPerfecter {
   bool alternates(const RaySurface& surface) const;
   Gap decide_gap(float x, float y, float low, float high, bool below, bool above);
   void cross_band(const RaySurface& surface, const Band& band, bool from, bool to);
-  void emit(float depth, Evidence evidence);
+  void emit(float depth, Evidence evidence, bool extrapolated = false);
   void remember(const RaySurface& surface);
   Evidence evidence_of(float depth) const;
   void drop_thin_stretches();

@@ -20,6 +20,7 @@ struct DirectSum {
   double distance = 0;
   double weight = 0;
   Vec3d normal = Vec3d::Zero();
+  double off_centre = 0;
   bool sure = true;  ///< rounding does not decide whether the normals agree, nor about their mean
 
   /// @param reach  mm, of the ray's points
@@ -29,6 +30,7 @@ struct DirectSum {
     weight = all.weight;
     if (!(weight > 0)) return;
     normal = all.normals.normalized();
+    off_centre = all.offsets.norm() / weight / reach;
     const double agreement = all.normals.norm() / weight;
     const double plain = std::abs(all.distance());
     sure = std::abs(agreement - 0.99) > 1e-4 && agreement > 0.05 && std::abs(plain - 0.25 * reach) > 1e-3;
@@ -118,7 +120,9 @@ TEST_F(MlsOfRandomPoints, IsTheSumOverTheWholeCloud) {
         // A weight at the brink of zero is no more exact than the subtraction that it comes from.
         if (direct.weight < 0.01 || !direct.sure) continue;
         ASSERT_NEAR(value.distance, direct.distance, 2e-4);
-        ASSERT_LT((mls_normal(points, here, z).cast<double>() - direct.normal).norm(), 2e-3);
+        const MlsFrame frame = mls_frame(points, here, z);
+        ASSERT_LT((frame.normal.cast<double>() - direct.normal).norm(), 2e-3);
+        ASSERT_NEAR(frame.off_centre, direct.off_centre, 2e-3);
       }
     }
   }
@@ -141,7 +145,25 @@ TEST_F(MlsOfRandomPoints, HasNoWeightAndNoValueWhereNoPointIsNear) {
   const MlsValue value = mls_value(points, window(points, 50, 50), 50);
   EXPECT_EQ(value.weight, 0);
   EXPECT_EQ(value.distance, 0);
-  EXPECT_EQ(mls_normal(points, window(points, 50, 50), 50), Vec3f(0, 0, 0));
+  EXPECT_EQ(mls_frame(points, window(points, 50, 50), 50).normal, Vec3f(0, 0, 0));
+}
+
+// The weights (1 - t^2)^2 over half a disc have their mean at 16 / (35 pi / 2) of its radius from the edge.
+TEST(Mls, IsAmidThePointsOfASheetAndOffTheCentreAtItsEdge) {
+  constexpr float kRadius = 1;
+  Random random(3);
+  ArenaBlock arena(16 * kMiB);
+  const Cloud cloud = cloud_of(sheet({0, 0, 5}, {10, 0, 0}, {0, 10, 0}, 0.05, 0.2, random), *arena, kRadius);
+  const KdTree2 tree = value_of(KdTree2::build(cloud.positions(), *arena, "test"));
+  RayGatherer gatherer = value_of(RayGatherer::create(cloud, tree, cloud.size, kRadius, *arena));
+  const auto off_centre = [&](float x) {
+    gatherer.gather({x, 5}, {x, 5});
+    const RayPoints& points = gatherer.points_of_ray(x, 5);
+    return mls_frame(points, window(points, 5, 5), 5).off_centre;
+  };
+  EXPECT_NEAR(off_centre(5), 0, 0.02);
+  EXPECT_NEAR(off_centre(0), 0.291, 0.02);
+  EXPECT_GT(off_centre(-0.4F), 0.5F);
 }
 
 TEST_F(MlsOfRandomPoints, TheColumnsOfARayAreItsPointsSortedByDepth) {

@@ -66,5 +66,17 @@ TEST(PerfectRays, KeepWhatLiesBetweenTwoSheetsThatAreNone) {
   EXPECT_NEAR(found[1], 6, 0.3);
 }
 
+// Noise tilts the planes that go on beyond an edge; they met below the rims of walls, and a print began with what hung there.
+TEST(PerfectRays, DoNotMeetWhatEndsBesideThem) {
+  Random random(3);
+  Surface surface = plate(random);
+  append(surface, sheet({8.4, 9, 8.3}, {0, 2, 0}, {1, 0, 0}, kSpacing, 0.2, random));
+  append(surface, sheet({8.4, 9, 8.8}, {1, 0, 0}, {0, 2, 0}, kSpacing, 0.2, random));
+  const std::vector<float> found = crossings(surface);
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_NEAR(found[0], 5, 0.05);
+  EXPECT_NEAR(found[1], 6, 0.05);
+}
+
 }  // namespace
 }  // namespace plumbline

@@ -1,0 +1,29 @@
+#pragma once
+/// The winding number of a surface, from its points as the slicer clusters them.
+
+#include "slicer/winding_number.hpp"
+#include "tests/slicer/support/arena_block.hpp"
+#include "tests/slicer/support/scan_cloud.hpp"
+
+namespace plumbline::testing {
+
+class WindingField {
+ public:
+  explicit WindingField(const Surface& surface)
+      : arena_(surface.size() * 140 + kMiB), scan_(clustered(surface, *arena_)) {
+    auto nodes = value_of(arena_->take_top<WindingTree::Node>(WindingTree::nodes_needed(scan_.cloud.size), "test"));
+    tree_ = WindingTree::build(scan_.cloud, scan_.clustering.support_points, nodes);
+  }
+  const WindingTree& operator*() const { return tree_; }
+  WindingTree& operator*() { return tree_; }
+  WindingTree* operator->() { return &tree_; }
+  double at(const Vec3d& x) const { return tree_(x.cast<float>()); }
+  const ClusteredScan& scan() const { return scan_; }
+
+ private:
+  ArenaBlock arena_;
+  ClusteredScan scan_;
+  WindingTree tree_;
+};
+
+}  // namespace plumbline::testing
