@@ -10,7 +10,7 @@ namespace plumbline {
 
 /// Off the centre of the points round it by more than this share of the reach (Intersection::off_centre) a sheet is
 /// extrapolated. On the straight edge of a sampled plane it is 0.29, in a right corner 0.41; of the crossings of the suite's
-/// scans 0.3 to 4 % have more, with a peak at 0.65, and hardly any are near 0.4.
+/// scans 0.2 % (gear clean) to 2 % (gear dirty) have more, most of them 0.55 to 0.8.
 inline constexpr float kExtrapolated = 0.4F;
 
 /// Moves each extrapolated crossing to where the winding number of the whole cloud has the sheet, or takes it out.

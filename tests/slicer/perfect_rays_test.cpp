@@ -45,12 +45,16 @@ Surface plate(Random& random) {
   return surface;
 }
 
+void expect_the_plate(const Surface& surface, float tolerance) {
+  const std::vector<float> found = crossings(surface);
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_NEAR(found[0], 5, tolerance);
+  EXPECT_NEAR(found[1], 6, tolerance);
+}
+
 TEST(PerfectRays, EnterAndLeaveAPlate) {
   Random random(1);
-  const std::vector<float> found = crossings(plate(random));
-  ASSERT_EQ(found.size(), 2U);
-  EXPECT_NEAR(found[0], 5, 0.05);
-  EXPECT_NEAR(found[1], 6, 0.05);
+  expect_the_plate(plate(random), 0.05F);
 }
 
 // Wide supports beyond an edge once made a ray inside out at both ends, and all of it was left out: a shaft through the
@@ -60,10 +64,7 @@ TEST(PerfectRays, KeepWhatLiesBetweenTwoSheetsThatAreNone) {
   Surface surface = plate(random);
   append(surface, sheet({9, 9, 4.2}, {2, 0, 0}, {0, 2, 0}, kSpacing, 0.2, random));
   append(surface, sheet({9, 9, 6.8}, {0, 2, 0}, {2, 0, 0}, kSpacing, 0.2, random));
-  const std::vector<float> found = crossings(surface);
-  ASSERT_EQ(found.size(), 2U);
-  EXPECT_NEAR(found[0], 5, 0.3);
-  EXPECT_NEAR(found[1], 6, 0.3);
+  expect_the_plate(surface, 0.3F);
 }
 
 // Noise tilts the planes that go on beyond an edge; they met below the rims of walls, and a print began with what hung there.
@@ -72,10 +73,7 @@ TEST(PerfectRays, DoNotMeetWhatEndsBesideThem) {
   Surface surface = plate(random);
   append(surface, sheet({8.4, 9, 8.3}, {0, 2, 0}, {1, 0, 0}, kSpacing, 0.2, random));
   append(surface, sheet({8.4, 9, 8.8}, {1, 0, 0}, {0, 2, 0}, kSpacing, 0.2, random));
-  const std::vector<float> found = crossings(surface);
-  ASSERT_EQ(found.size(), 2U);
-  EXPECT_NEAR(found[0], 5, 0.05);
-  EXPECT_NEAR(found[1], 6, 0.05);
+  expect_the_plate(surface, 0.05F);
 }
 
 }  // namespace
