@@ -20,8 +20,8 @@ inline constexpr float kExtrapolated = 0.4F;
 /// one side and nothing on the other, the nearest place where it changes takes its place; where there is none before the next
 /// crossing, both go. Nothing is moved outwards beyond the outermost sheets of the ray.
 /// @param crossings  of the ray at (x, y), mm; ascending, in turn entering and exiting. May become fewer, by pairs
-/// @param step       mm: what is looked at on either side first, and from place to place
+/// @param reach      mm, of the supports of its points
 /// @returns whether any was moved or taken out
-bool settle_extrapolated(std::span<RayCrossing>& crossings, float x, float y, const WindingTree& winding, float step);
+bool settle_extrapolated(std::span<RayCrossing>& crossings, float x, float y, const WindingTree& winding, float reach);
 
 }  // namespace plumbline

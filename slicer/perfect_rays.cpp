@@ -12,10 +12,7 @@ namespace {
 constexpr const char* kStage = "perfect rays";
 constexpr std::uint32_t kMaxCrossingsFound = 4096;
 
-constexpr float kHalf = 0.5F;  ///< the surface, where there is none: halfway between outside and inside
-constexpr float kSure = 0.2F;  ///< farther from half than this, one place tells for a whole tile
-constexpr std::uint32_t kBisections = 8;
-constexpr float kSettlingStep = 0.25F;  ///< of the reach of supports: noise is less, and so is what is to be found
+constexpr float kSure = 0.2F;  ///< farther from the surface's than this, one winding number tells for a whole tile
 
 }  // namespace
 
@@ -61,7 +58,9 @@ void RayPerfecter::judge_tile(std::uint32_t level) {
   Verdict& verdict = column_verdicts_[level];
   if (verdict == Verdict::kUnknown) {
     const float w = (*winding_)({column_centre_[0], column_centre_[1], level_height(level)});
-    verdict = w > kHalf + kSure ? Verdict::kInside : w < kHalf - kSure ? Verdict::kOutside : Verdict::kUnsure;
+    verdict = w > WindingTree::kSurface + kSure   ? Verdict::kInside
+              : w < WindingTree::kSurface - kSure ? Verdict::kOutside
+                                                  : Verdict::kUnsure;
   }
   if (verdict == Verdict::kUnsure) return;
   for (LevelSet& block : levels_) block.set(level, verdict == Verdict::kInside);
@@ -108,16 +107,12 @@ bool RayPerfecter::alternates(const RaySurface& surface) const {
 }
 
 void RayPerfecter::bisect(float x, float y, float low, float high, bool inside_at_low) {
-  for (std::uint32_t i = 0; i < kBisections && high - low > grid_.layer_height_mm; ++i) {
-    const float middle = 0.5F * (low + high);
-    (((*winding_)({x, y, middle}) > kHalf) == inside_at_low ? low : high) = middle;
-  }
-  emit(0.5F * (low + high), Evidence::kWinding);
+  emit(winding_->surface_between(x, y, low, high, inside_at_low, grid_.layer_height_mm), Evidence::kWinding);
 }
 
 bool RayPerfecter::level_inside(std::uint32_t level, float x, float y) {
   LevelSet& block = levels_[ray_block_];
-  if (!block.knows(level)) block.set(level, (*winding_)({x, y, level_height(level)}) > kHalf);
+  if (!block.knows(level)) block.set(level, winding_->inside({x, y, level_height(level)}));
   return block.is_inside(level);
 }
 
@@ -134,7 +129,7 @@ RayPerfecter::Gap RayPerfecter::decide_gap(float x, float y, float low, float hi
     return {below, above};
   }
   // The last place asked and the upper shore disagree: an unseen sheet between them, or a shore that faces the wrong way.
-  if (walk.inside != above && ((*winding_)({x, y, high}) > kHalf) == above) step(walk, high, above);
+  if (walk.inside != above && winding_->inside({x, y, high}) == above) step(walk, high, above);
   if (crossing_count_ != crossings_before || walk.inside_at_low != below || walk.inside != above) used_winding_ = true;
   return {walk.inside_at_low, walk.inside};
 }
@@ -144,7 +139,7 @@ void RayPerfecter::step(GapWalk& walk, float z, bool inside) {
     walk.begun = true;
     walk.inside_at_low = inside;
     // The first place asked and the lower shore disagree, as above.
-    if (inside != walk.inside && ((*winding_)({walk.x, walk.y, walk.at}) > kHalf) == walk.inside) {
+    if (inside != walk.inside && winding_->inside({walk.x, walk.y, walk.at}) == walk.inside) {
       walk.inside_at_low = walk.inside;
       bisect(walk.x, walk.y, walk.at, z, walk.inside);
     }
@@ -276,7 +271,7 @@ PerfectRay RayPerfecter::ray(std::uint32_t column, std::uint32_t row) {
     return std::tie(a.depth, a.evidence) < std::tie(b.depth, b.evidence);
   });
   std::span<RayCrossing> settled = crossings_.first(crossing_count_);
-  used_winding_ |= settle_extrapolated(settled, x, y, *winding_, kSettlingStep * points.reach);
+  used_winding_ |= settle_extrapolated(settled, x, y, *winding_, points.reach);
   crossing_count_ = static_cast<std::uint32_t>(settled.size());
   drop_thin_stretches();
   if (used_winding_) decision = RayDecision::kWinding;

@@ -8,8 +8,8 @@ namespace {
 constexpr std::uint32_t kBaseSamples = 48;  ///< a side, over the base plane
 constexpr float kBaseOpen = 0.1F;           ///< a fifth of what an opening counts there
 constexpr std::uint32_t kLeastOpen = 10;    ///< an open underside is at least one part in so many of the section above
-constexpr float kInside = 0.5F;
-constexpr int kSections = 8;  ///< looked at at most
+constexpr int kSections = 8;                ///< looked at at most
+constexpr int kBisections = 8;
 constexpr float kInverse4Pi = 0.0795774715F;
 constexpr float kPi = 3.14159265F;
 
@@ -55,7 +55,7 @@ bool WindingTree::set_base(float height, float step, bool always) {
   // Strays lie below the object, and it may stand on a foot: its lowest section that is no smaller tells.
   std::uint32_t solid = 0;
   for (int k = 1; open > 0 && k <= kSections && solid < open; ++k) {
-    solid = count_above(kInside, height + static_cast<float>(k) * step);
+    solid = count_above(kSurface, height + static_cast<float>(k) * step);
   }
   has_base_ = kLeastOpen * open > solid;
   return has_base_;
@@ -66,6 +66,14 @@ float WindingTree::operator()(const Vec3f& x) const {
   if (x[2] < base_) return 0;
   // The dipoles of the mirrored surface seen from x are those of the surface seen from the mirror image of x.
   return sum(x) + sum({x[0], x[1], 2 * base_ - x[2]});
+}
+
+float WindingTree::surface_between(float x, float y, float from, float to, bool inside_at_from, float tolerance) const {
+  for (int i = 0; i < kBisections && std::abs(to - from) > tolerance; ++i) {
+    const float middle = 0.5F * (from + to);
+    (inside({x, y, middle}) == inside_at_from ? from : to) = middle;
+  }
+  return 0.5F * (from + to);
 }
 
 float WindingTree::sum(const Vec3f& x) const {

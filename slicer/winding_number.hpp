@@ -19,6 +19,7 @@ namespace plumbline {
 class WindingTree {
  public:
   static constexpr std::uint32_t kLeafPoints = 8;
+  static constexpr float kSurface = 0.5F;  ///< its value on the surface, where that is open: halfway between out and in
   using Node = DipoleNode;
 
   static std::size_t nodes_needed(std::uint32_t points) { return Tree::nodes_needed(points); }
@@ -44,6 +45,11 @@ class WindingTree {
   /// @param x  print coordinates, mm
   /// @returns about 1 inside, 0 outside; below the base plane 0
   float operator()(const Vec3f& x) const;
+  bool inside(const Vec3f& x) const { return (*this)(x) > kSurface; }
+  /// Where the vertical line at (x, y) goes through the surface between two depths, of which one is inside, by bisection.
+  /// @param from, to   mm, either of them the lower
+  /// @param tolerance  mm: no nearer than that, nor than a 256th of the way
+  float surface_between(float x, float y, float from, float to, bool inside_at_from, float tolerance) const;
 
  private:
   using Tree = DipoleTree<kLeafPoints>;

@@ -12,7 +12,7 @@ namespace {
 
 using namespace testing;
 
-constexpr float kStep = 0.3F;  ///< mm
+constexpr float kReach = 1.2F;  ///< mm
 
 /// A ball from 5 to 15 mm on the ray through its centre.
 class ExtrapolatedSheets : public ::testing::Test {
@@ -20,7 +20,7 @@ class ExtrapolatedSheets : public ::testing::Test {
   void settle(std::initializer_list<RayCrossing> crossings) {
     crossings_ = crossings;
     std::span<RayCrossing> left = crossings_;
-    changed_ = settle_extrapolated(left, 10, 10, *field_, kStep);
+    changed_ = settle_extrapolated(left, 10, 10, *field_, kReach);
     crossings_.resize(left.size());
   }
   void expect_the_ball() const {

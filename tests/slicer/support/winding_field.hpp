@@ -15,7 +15,6 @@ class WindingField {
     tree_ = WindingTree::build(scan_.cloud, scan_.clustering.support_points, nodes);
   }
   const WindingTree& operator*() const { return tree_; }
-  WindingTree& operator*() { return tree_; }
   WindingTree* operator->() { return &tree_; }
   double at(const Vec3d& x) const { return tree_(x.cast<float>()); }
   const ClusteredScan& scan() const { return scan_; }
