@@ -106,13 +106,14 @@ bool RayPerfecter::alternates(const RaySurface& surface) const {
   return !inside;
 }
 
-void RayPerfecter::bisect(float x, float y, float low, float high, bool inside_at_low) {
-  emit(winding_->surface_between(x, y, low, high, inside_at_low, grid_.layer_height_mm), Evidence::kWinding);
+void RayPerfecter::bisect(float x, float y, float from, float to, bool inside_at_from) {
+  emit(winding_->surface_between(x, y, from, to, inside_at_from, grid_.layer_height_mm, Closing::kRound),
+       Evidence::kWinding);
 }
 
 bool RayPerfecter::level_inside(std::uint32_t level, float x, float y) {
   LevelSet& block = levels_[ray_block_];
-  if (!block.knows(level)) block.set(level, winding_->inside({x, y, level_height(level)}));
+  if (!block.knows(level)) block.set(level, winding_->inside({x, y, level_height(level)}, Closing::kRound));
   return block.is_inside(level);
 }
 
@@ -129,7 +130,7 @@ RayPerfecter::Gap RayPerfecter::decide_gap(float x, float y, float low, float hi
     return {below, above};
   }
   // The last place asked and the upper shore disagree: an unseen sheet between them, or a shore that faces the wrong way.
-  if (walk.inside != above && winding_->inside({x, y, high}) == above) step(walk, high, above);
+  if (walk.inside != above && winding_->inside({x, y, high}, Closing::kFlat) == above) step(walk, high, above);
   if (crossing_count_ != crossings_before || walk.inside_at_low != below || walk.inside != above) used_winding_ = true;
   return {walk.inside_at_low, walk.inside};
 }
@@ -139,7 +140,7 @@ void RayPerfecter::step(GapWalk& walk, float z, bool inside) {
     walk.begun = true;
     walk.inside_at_low = inside;
     // The first place asked and the lower shore disagree, as above.
-    if (inside != walk.inside && winding_->inside({walk.x, walk.y, walk.at}) == walk.inside) {
+    if (inside != walk.inside && winding_->inside({walk.x, walk.y, walk.at}, Closing::kFlat) == walk.inside) {
       walk.inside_at_low = walk.inside;
       bisect(walk.x, walk.y, walk.at, z, walk.inside);
     }
@@ -180,7 +181,16 @@ Evidence RayPerfecter::evidence_of(float depth) const {
   return again ? Evidence::kMeasured : Evidence::kRepaired;
 }
 
-void RayPerfecter::cross_band(const RaySurface& surface, const Band& band, bool from, bool to) {
+void RayPerfecter::emit_end(float x, float y, float end, float other_end, bool inside_at_end) {
+  const auto inside = [&](float z) { return winding_->inside({x, y, z}, Closing::kRound); };
+  if (inside(end) == inside_at_end && inside(other_end) != inside_at_end) {
+    bisect(x, y, end, other_end, inside_at_end);
+  } else {
+    emit(end, Evidence::kWinding);
+  }
+}
+
+void RayPerfecter::cross_band(float x, float y, const RaySurface& surface, const Band& band, bool from, bool to) {
   std::uint32_t first = band.first;
   std::uint32_t last = band.last;
   const bool wrong_low = band.inside_at_low != from;
@@ -194,13 +204,13 @@ void RayPerfecter::cross_band(const RaySurface& surface, const Band& band, bool 
     }
   } else if (wrong_low) {
     if (first == last) {
-      emit(band.low, Evidence::kWinding);
+      emit_end(x, y, band.low, band.high, from);
     } else {
       ++first;
     }
   } else if (wrong_high) {
     if (first == last) {
-      emit(band.high, Evidence::kWinding);
+      emit_end(x, y, band.high, band.low, to);
     } else {
       --last;
     }
@@ -256,7 +266,7 @@ PerfectRay RayPerfecter::ray(std::uint32_t column, std::uint32_t row) {
       base = gap.inside_at_low;
       if (base) emit(floor_, Evidence::kBase);
     } else {
-      cross_band(surface, surface.bands[b - 1], was_inside, gap.inside_at_low);
+      cross_band(x, y, surface, surface.bands[b - 1], was_inside, gap.inside_at_low);
     }
     if (!last) {
       inside = band->inside_at_high;

@@ -10,6 +10,8 @@ constexpr float kBaseOpen = 0.1F;           ///< a fifth of what an opening coun
 constexpr std::uint32_t kLeastOpen = 10;    ///< an open underside is at least one part in so many of the section above
 constexpr int kSections = 8;                ///< looked at at most
 constexpr int kBisections = 8;
+constexpr float kRounding = 0.3F;       ///< of c
+constexpr float kMostRounding = 0.12F;  ///< that comes of it at most: s (1 - s^2) is 0.385 or less
 constexpr float kInverse4Pi = 0.0795774715F;
 constexpr float kPi = 3.14159265F;
 
@@ -68,10 +70,20 @@ float WindingTree::operator()(const Vec3f& x) const {
   return sum(x) + sum({x[0], x[1], 2 * base_ - x[2]});
 }
 
-float WindingTree::surface_between(float x, float y, float from, float to, bool inside_at_from, float tolerance) const {
+bool WindingTree::inside(const Vec3f& x, Closing closing) const {
+  const float w = operator()(x) - kSurface;
+  if (closing == Closing::kFlat || std::abs(w) >= kMostRounding) return w > 0;
+  Lean lean;
+  add_lean(x, lean);
+  if (has_base_) add_lean({x[0], x[1], 2 * base_ - x[2]}, lean);
+  return w * lean.weight + kRounding * lean.outwards > 0;
+}
+
+float WindingTree::surface_between(float x, float y, float from, float to, bool inside_at_from, float tolerance,
+                                   Closing closing) const {
   for (int i = 0; i < kBisections && std::abs(to - from) > tolerance; ++i) {
     const float middle = 0.5F * (from + to);
-    (inside({x, y, middle}) == inside_at_from ? from : to) = middle;
+    (inside({x, y, middle}, closing) == inside_at_from ? from : to) = middle;
   }
   return 0.5F * (from + to);
 }
@@ -91,6 +103,26 @@ float WindingTree::sum(const Vec3f& x) const {
         w += area * kInverse4Pi * normal_[i].unpack().dot(e) / (softened * std::sqrt(softened));
       });
   return w;
+}
+
+void WindingTree::add_lean(const Vec3f& x, Lean& lean) const {
+  const auto add = [&](float area, float towards, float distance2) {
+    const float weight = area / (distance2 * distance2);
+    lean.weight += weight;
+    lean.outwards += weight * towards * (1 - towards * towards);
+  };
+  tree_.walk(
+      x,
+      [&](const Node& node, const Vec3f& d, float distance2) {
+        const float area = std::sqrt(node.dipole.dot(node.dipole));
+        if (area > 0) add(area, node.dipole.dot(d) / (area * std::sqrt(distance2)), distance2);
+      },
+      [&](std::uint32_t i) {
+        const Vec3f e = position_[i] - x;
+        const float area = area_factor_ * radius_[i] * radius_[i];
+        const float softened = e.dot(e) + area * (1.0F / kPi);
+        add(area * kInverse4Pi, normal_[i].unpack().dot(e) / std::sqrt(softened), softened);
+      });
 }
 
 }  // namespace plumbline

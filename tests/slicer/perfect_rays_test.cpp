@@ -76,5 +76,23 @@ TEST(PerfectRays, DoNotMeetWhatEndsBesideThem) {
   expect_the_plate(surface, 0.05F);
 }
 
+// A few points below the rim of a wall make a band that is inside all along; the object once began at its lower end.
+TEST(PerfectRays, BeginWhereTheObjectDoesBehindAWallThatGoesOnBelowIt) {
+  Random random(4);
+  const double x = 10.8;  // of the wall: the ray is behind it
+  Surface surface = sheet({x, 2, 3}, {0, 16, 0}, {0, 0, 1}, kSpacing, 0.2, random);
+  append(surface, sheet({x, 2, 7.5}, {0, 16, 0}, {0, 0, 1}, kSpacing, 0.2, random));  // a band ends between
+  append(surface, sheet({x - 8, 2, 3}, {0, 0, 5.5}, {0, 16, 0}, kSpacing, 0.2, random));
+  append(surface, sheet({x - 8, 2, 3}, {8, 0, 0}, {0, 0, 5.5}, kSpacing, 0.2, random));
+  append(surface, sheet({x - 8, 18, 3}, {0, 0, 5.5}, {8, 0, 0}, kSpacing, 0.2, random));
+  append(surface, sheet({x - 8, 2, 3}, {0, 16, 0}, {5.5, 0, 0}, kSpacing, 0.2, random));
+  append(surface, sheet({x - 8, 2, 8.5}, {8, 0, 0}, {0, 16, 0}, kSpacing, 0.2, random));
+  append(surface, sheet({x, 9.4, 1.4}, {0, 1.2, 0}, {0, 0, 1.6}, kSpacing, 0.2, random));  // what hangs below it
+  const std::vector<float> found = crossings(surface);
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_NEAR(found[0], 3, 1);  // the band begins at 0.56
+  EXPECT_NEAR(found[1], 8.5, 0.1F);
+}
+
 }  // namespace
 }  // namespace plumbline
