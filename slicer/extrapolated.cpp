@@ -18,8 +18,8 @@ std::optional<float> first_agreed(const WindingTree& winding, float x, float y, 
   const auto places = static_cast<int>(std::ceil(std::abs(next - depth) / step));
   for (int k = 2; k < places; ++k) {
     const float z = depth + static_cast<float>(k) * stride;
-    if (winding.inside({x, y, z}, Closing::kFlat) == solid)
-      return winding.surface_between(x, y, z - stride, z, !solid, kTolerance * step, Closing::kFlat);
+    if (winding.inside({x, y, z}) == solid)
+      return winding.surface_between(x, y, z - stride, z, !solid, kTolerance * step);
   }
   return {};
 }
@@ -39,7 +39,7 @@ bool settle_extrapolated(std::span<RayCrossing>& crossings, float x, float y, co
       const bool solid = lower % 2 == 0;
       const float next = crossings[up ? i : lower].depth;
       const float step = std::min(kStep * reach, 0.5F * std::abs(next - c.depth));
-      if (step == 0 || winding.inside({x, y, up ? c.depth + step : c.depth - step}, Closing::kFlat) == solid) continue;
+      if (step == 0 || winding.inside({x, y, up ? c.depth + step : c.depth - step}) == solid) continue;
       changed = true;
       if (const auto agreed = first_agreed(winding, x, y, c.depth, next, step, solid)) {
         c.depth = *agreed;

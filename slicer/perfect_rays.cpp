@@ -12,7 +12,8 @@ namespace {
 constexpr const char* kStage = "perfect rays";
 constexpr std::uint32_t kMaxCrossingsFound = 4096;
 
-constexpr float kSure = 0.2F;  ///< farther from the surface's than this, one winding number tells for a whole tile
+/// Farther from the surface's than this, one winding number tells for a whole tile. More than a hole's rounding can count.
+constexpr float kSure = 0.2F;
 
 }  // namespace
 
@@ -107,13 +108,12 @@ bool RayPerfecter::alternates(const RaySurface& surface) const {
 }
 
 void RayPerfecter::bisect(float x, float y, float from, float to, bool inside_at_from) {
-  emit(winding_->surface_between(x, y, from, to, inside_at_from, grid_.layer_height_mm, Closing::kRound),
-       Evidence::kWinding);
+  emit(winding_->surface_between(x, y, from, to, inside_at_from, grid_.layer_height_mm), Evidence::kWinding);
 }
 
 bool RayPerfecter::level_inside(std::uint32_t level, float x, float y) {
   LevelSet& block = levels_[ray_block_];
-  if (!block.knows(level)) block.set(level, winding_->inside({x, y, level_height(level)}, Closing::kRound));
+  if (!block.knows(level)) block.set(level, winding_->inside({x, y, level_height(level)}));
   return block.is_inside(level);
 }
 
@@ -130,7 +130,7 @@ RayPerfecter::Gap RayPerfecter::decide_gap(float x, float y, float low, float hi
     return {below, above};
   }
   // The last place asked and the upper shore disagree: an unseen sheet between them, or a shore that faces the wrong way.
-  if (walk.inside != above && winding_->inside({x, y, high}, Closing::kFlat) == above) step(walk, high, above);
+  if (walk.inside != above && winding_->inside({x, y, high}) == above) step(walk, high, above);
   if (crossing_count_ != crossings_before || walk.inside_at_low != below || walk.inside != above) used_winding_ = true;
   return {walk.inside_at_low, walk.inside};
 }
@@ -140,7 +140,7 @@ void RayPerfecter::step(GapWalk& walk, float z, bool inside) {
     walk.begun = true;
     walk.inside_at_low = inside;
     // The first place asked and the lower shore disagree, as above.
-    if (inside != walk.inside && winding_->inside({walk.x, walk.y, walk.at}, Closing::kFlat) == walk.inside) {
+    if (inside != walk.inside && winding_->inside({walk.x, walk.y, walk.at}) == walk.inside) {
       walk.inside_at_low = walk.inside;
       bisect(walk.x, walk.y, walk.at, z, walk.inside);
     }
@@ -182,7 +182,7 @@ Evidence RayPerfecter::evidence_of(float depth) const {
 }
 
 void RayPerfecter::emit_end(float x, float y, float end, float other_end, bool inside_at_end) {
-  const auto inside = [&](float z) { return winding_->inside({x, y, z}, Closing::kRound); };
+  const auto inside = [&](float z) { return winding_->inside({x, y, z}); };
   if (inside(end) == inside_at_end && inside(other_end) != inside_at_end) {
     bisect(x, y, end, other_end, inside_at_end);
   } else {

@@ -70,20 +70,19 @@ float WindingTree::operator()(const Vec3f& x) const {
   return sum(x) + sum({x[0], x[1], 2 * base_ - x[2]});
 }
 
-bool WindingTree::inside(const Vec3f& x, Closing closing) const {
+bool WindingTree::inside(const Vec3f& x) const {
   const float w = operator()(x) - kSurface;
-  if (closing == Closing::kFlat || std::abs(w) >= kMostRounding) return w > 0;
+  if (std::abs(w) >= kMostRounding) return w > 0;
   Lean lean;
   add_lean(x, lean);
   if (has_base_) add_lean({x[0], x[1], 2 * base_ - x[2]}, lean);
   return w * lean.weight + kRounding * lean.outwards > 0;
 }
 
-float WindingTree::surface_between(float x, float y, float from, float to, bool inside_at_from, float tolerance,
-                                   Closing closing) const {
+float WindingTree::surface_between(float x, float y, float from, float to, bool inside_at_from, float tolerance) const {
   for (int i = 0; i < kBisections && std::abs(to - from) > tolerance; ++i) {
     const float middle = 0.5F * (from + to);
-    (inside({x, y, middle}, closing) == inside_at_from ? from : to) = middle;
+    (inside({x, y, middle}) == inside_at_from ? from : to) = middle;
   }
   return 0.5F * (from + to);
 }

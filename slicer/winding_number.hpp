@@ -11,15 +11,6 @@
 
 namespace plumbline {
 
-/// How a hole of the scan is closed: where the winding number is 1/2, or as round as the surface about the hole.
-///
-/// Where W is 1/2 a hole is closed flat, and a bulge with a hole in it has lost its cap. Seen from the middle of the missing cap
-/// of a sphere, W is (1 - sin(t / 2)) / 2 if the normals along the rim lean t outwards. How far those round x lean outwards is
-///   c(x) = sum_i a_i s_i (1 - s_i^2) / r_i^4  /  sum_i a_i / r_i^4,   r_i = |p_i - x|,   s_i = <n_i, p_i - x> / r_i
-/// which counts the rim most, and of what faces x or turns its back to it (s = -1, 1: no rim) nothing. So W + 0.3 c is 1/2 in
-/// the middle of such a cap, within 0.01 up to t = 12 degrees; beyond, part of the cap stays lost. In a hollow c is negative.
-enum class Closing : std::uint8_t { kFlat, kRound };
-
 /// A hierarchy of dipoles over the cloud (Barill et al. 2018, eq. 6), built once, read by many threads.
 ///
 ///   W(x) = sum_i  a_i <n_i, p_i - x> / (4 pi |p_i - x|^3)
@@ -54,17 +45,25 @@ class WindingTree {
   /// @param x  print coordinates, mm
   /// @returns about 1 inside, 0 outside; below the base plane 0
   float operator()(const Vec3f& x) const;
-  bool inside(const Vec3f& x, Closing closing) const;
+  /// Whether x is inside, where a hole of the scan is closed as round as the surface about it.
+  ///
+  /// Where W is 1/2 a hole is closed flat, and a bulge with a hole in it has lost its cap. Seen from the middle of the missing
+  /// cap of a sphere, W is (1 - sin(t / 2)) / 2 if the normals along the rim lean t outwards. How far those round x lean
+  /// outwards is
+  ///   c(x) = sum_i a_i s_i (1 - s_i^2) / r_i^4  /  sum_i a_i / r_i^4,   r_i = |p_i - x|,   s_i = <n_i, p_i - x> / r_i
+  /// which counts the rim most, and of what faces x or turns its back to it (s = -1, 1: no rim) nothing. So W + 0.3 c is 1/2
+  /// in the middle of such a cap, within 0.01 up to t = 12 degrees; beyond, part of the cap stays lost. In a hollow c is
+  /// negative.
+  bool inside(const Vec3f& x) const;
   /// Where the vertical line at (x, y) goes through the surface between two depths, of which one is inside, by bisection.
   /// @param from, to   mm, either of them the lower
   /// @param tolerance  mm: no nearer than that, nor than a 256th of the way
-  float surface_between(float x, float y, float from, float to, bool inside_at_from, float tolerance,
-                        Closing closing) const;
+  float surface_between(float x, float y, float from, float to, bool inside_at_from, float tolerance) const;
 
  private:
   using Tree = DipoleTree<kLeafPoints>;
 
-  /// What c of Closing is the quotient of, over 4 pi.
+  /// What c of inside() is the quotient of, over 4 pi.
   struct Lean {
     float outwards = 0;
     float weight = 0;
