@@ -11,15 +11,16 @@
 namespace plumbline {
 namespace {
 
-constexpr float kPlanePoints = 24;
-constexpr float kFacing = 0.5F;  ///< least inner product of the normals
+constexpr float kPlanePoints = 24;          ///< of a scanner's normal
+constexpr float kPlaneSupports = 5.0F / 3;  ///< points of an estimated normal's plane, of those of a support
+constexpr float kFacing = 0.5F;             ///< least inner product of the normals
 constexpr std::uint32_t kFewest = 6;
 constexpr float kLeastSide = 0.2F;       ///< mean of the inner products with the normals of the others
 constexpr float kLeastWidth = 0.05F;     ///< of a plane's points across against along, squared: less is a line
 constexpr float kMostTilt = 1;           ///< tangent: more is another sheet
 constexpr float kBeside = 0.1F;          ///< of epsilon: farther from the plane of those that face its way is beside it
 constexpr float kWeightsSpread = 0.55F;  ///< sum w^2 u^2 / sum w u^2 over a disc
-constexpr float kSure = 2;               ///< times the square that noise alone makes: of a tilt, so much is taken off
+constexpr float kSure = 2;  ///< times the square that noise alone makes: of a scanner's tilt, so much is taken off
 
 /// Weighted moments of the points round one point.
 struct Moments {
@@ -82,7 +83,7 @@ bool is_beside(const Vec3f& n, const Moments& moments, float limit) {
   return moments.count >= kFewest && std::abs(moments.first.dot(n)) > limit * moments.weight;
 }
 
-/// @param noise  mm
+/// @param noise  mm; 0: it explains nothing
 /// @returns the normal tilted to the plane of the points as far as noise does not explain it; as it was where there is none
 Vec3f tilted(const Vec3f& n, const Moments& moments, float noise) {
   if (moments.count < kFewest) return n;
@@ -113,10 +114,12 @@ Vec3f tilted(const Vec3f& n, const Moments& moments, float noise) {
 }  // namespace
 
 Status refine_normals(const Cloud& cloud, const KdTree3& tree, const ClusteringSettings& settings,
-                      const ClusteringResult& clustering, std::span<PackedNormal> refined,
+                      const ClusteringResult& clustering, NormalSource source, std::span<PackedNormal> refined,
                       const StageProgress& progress) {
   const std::uint32_t blocks = (cloud.size + kSharedSearch - 1) / kSharedSearch;
-  const float share = std::sqrt(kPlanePoints / clustering.support_points);
+  const bool measured = source == NormalSource::kScanner;
+  const float share = std::sqrt(measured ? kPlanePoints / clustering.support_points : kPlaneSupports);
+  const float explained = measured ? clustering.noise : 0;
   const float beside = std::max(kBeside * clustering.epsilon, clustering.noise);
   LoopProgress refining(progress, blocks);
 #pragma omp parallel for schedule(dynamic, 64)
@@ -141,7 +144,7 @@ Status refine_normals(const Cloud& cloud, const KdTree3& tree, const ClusteringS
       if (is_noise || is_beside(n, moments[i - first], beside)) {
         refined[i].set(fitted(planes, cloud, i, settings.thin_reach * clustering.epsilon));
       } else {
-        refined[i].set(tilted(n, moments[i - first], clustering.noise));
+        refined[i].set(tilted(n, moments[i - first], explained));
       }
       if (!is_noise) refined[i].point_class = orientation_of(refined[i]);
     }

@@ -1,6 +1,7 @@
 #pragma once
 /// Normals made sharper than the scanner's.
 
+#include <cstdint>
 #include <span>
 
 #include "slicer/cloud.hpp"
@@ -10,14 +11,21 @@
 
 namespace plumbline {
 
+/// Whose the normals are that are refined.
+enum class NormalSource : std::uint8_t {
+  kScanner,  ///< its own: they tell what the points do not
+  kPoints,   ///< estimated from the points themselves
+};
+
 /// Fits a plane to the points round each point, in the frame of its normal n, and tilts the normal to that of the plane:
 ///
 ///   minimise  sum_j w_j (<d_j, n> - c - a <d_j, t> - b <d_j, s>)^2,   d_j = p_j - p_i
-///   w_j = (1 - |d_j|^2 / r_i^2)^2, r_i the radius that holds 24 points; t, s: across n, at right angles
-///   n_i := n - k (a t + b s), unit length,   k = max(0, 1 - 2 v / (a^2 + b^2))
+///   w_j = (1 - |d_j|^2 / r_i^2)^2, r_i the radius that holds m points; t, s: across n, at right angles
+///   n_i := n - k (a t + b s), unit length
 ///
-/// v is what a^2 + b^2 comes to by the noise of the points alone, so that a tilt counts as far as noise does not explain it
-/// (the positive part of James and Stein, 1961).
+/// For a scanner's normals m = 24 and k = max(0, 1 - 2 v / (a^2 + b^2)). v is what a^2 + b^2 comes to by the noise of the
+/// points alone, so that a tilt counts as far as noise does not explain it (the positive part of James and Stein, 1961).
+/// Normals that were estimated from 20 points are no evidence against more points: m = 5/3 support_points, k = 1.
 ///
 /// A scanner takes its normals from its own range image, several pixels wide, which are several times as far apart as the
 /// points of all views together: they are smooth, and round what is sharp. Points that face more than 60 degrees away, and
@@ -33,7 +41,7 @@ namespace plumbline {
 /// @param refined  cloud.size of them, out; the classes follow the normals
 /// @retval ErrorCode::kCancelled
 [[nodiscard]] Status refine_normals(const Cloud& cloud, const KdTree3& tree, const ClusteringSettings& settings,
-                                    const ClusteringResult& clustering, std::span<PackedNormal> refined,
-                                    const StageProgress& progress = {});
+                                    const ClusteringResult& clustering, NormalSource source,
+                                    std::span<PackedNormal> refined, const StageProgress& progress = {});
 
 }  // namespace plumbline

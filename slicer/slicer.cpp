@@ -8,7 +8,6 @@
 #include <optional>
 
 #include "slicer/base_plane.hpp"
-#include "slicer/bore_walls.hpp"
 #include "slicer/cloud_reader.hpp"
 #include "slicer/kd_tree.hpp"
 #include "slicer/layer_features.hpp"
@@ -16,13 +15,10 @@
 #include "slicer/normals.hpp"
 #include "slicer/ray_admission.hpp"
 #include "slicer/ray_grid.hpp"
-#include "slicer/refined_normals.hpp"
 #include "slicer/rrep_edit.hpp"
 #include "slicer/stage_scope.hpp"
 #include "slicer/stray_limits.hpp"
-#include "slicer/stray_pieces.hpp"
-#include "slicer/support_size.hpp"
-#include "slicer/thin_surface.hpp"
+#include "slicer/surface_points.hpp"
 #include "slicer/winding_number.hpp"
 
 namespace plumbline {
@@ -47,22 +43,7 @@ double first_cell(const PlacementSettings& p) {
 /// ray makes.
 constexpr float kRepairShare = 1.0F / 16;
 
-constexpr double kClusteringShare = 0.6;  ///< of its stage's time; sharper normals come next
-constexpr double kRefiningEnd = 0.85;     ///< of the stage; wider supports come next
-constexpr double kSizingEnd = 0.95;       ///< of the stage; walls of bores take the rest
-constexpr double kRefiningShare = 0.9;    ///< of what is between; a second look at the noise takes the rest
-
 constexpr float kSectionEpsilons = 2;  ///< from section to section above the base plane
-
-/// Where most points are strays, what is left of them is a surface if it has this share of core points. A surface has 0.5
-/// and more; what happens to face the same way among strays is mostly of mixed type: 0.1.
-constexpr double kLeastCoreShare = 0.25;
-
-bool is_surface(const ClusteringResult& clustering) {
-  const std::uint32_t kept = points_of_surface(clustering);
-  return kept > 0 && clustering.epsilon > 0 &&
-         (clustering.coherent || clustering.core_points >= kLeastCoreShare * kept);
-}
 
 }  // namespace
 
@@ -129,7 +110,7 @@ class Job {
 
   Expected<CrossingStore> crossings() {
     PLUMBLINE_TRY(read());
-    PLUMBLINE_TRY(find_clusters());
+    PLUMBLINE_TRY(find_surface());
     PLUMBLINE_TRY(place_object());
     build_winding_tree();
     return shoot();
@@ -160,9 +141,10 @@ class Job {
     return {};
   }
 
-  Status find_clusters() {
+  Status find_surface() {
     const ArenaScope scope(arena_);
     std::optional<KdTree3> tree;
+    bool found = false;
     {
       const StageScope stage(Stage::kTrees, arena_, progress_, report_.peak_bytes);
       auto built = KdTree3::build(cloud_.positions(), arena_, "trees", {progress_, Stage::kTrees});
@@ -179,29 +161,17 @@ class Job {
     }
     {
       const StageScope stage(Stage::kClustering, arena_, progress_, report_.peak_bytes);
-      auto epsilon = density_epsilon(cloud_, *tree, settings_.clustering, arena_);
-      if (!epsilon) return tl::unexpected<Error>(epsilon.error());
-      const StageProgress progress{progress_, Stage::kClustering};
-      auto result =
-          cluster(cloud_, *tree, *epsilon, settings_.clustering, {}, arena_, progress.part(0, kClusteringShare));
-      if (!result) return tl::unexpected<Error>(result.error());
-      report_.clustering = *result;
-      PLUMBLINE_TRY(refine(*tree, progress.part(kClusteringShare, kRefiningEnd)));
-      if (!settings_.keep_all && is_surface(report_.clustering)) {
-        const auto strays = mark_stray_pieces(cloud_, report_.clustering, arena_);
-        PLUMBLINE_TRY(strays);
-        report_.strays = *strays;
-      }
-      PLUMBLINE_TRY(widen_supports(cloud_, *tree, settings_.clustering, report_.clustering, arena_,
-                                   progress.part(kRefiningEnd, kSizingEnd)));
-      if (is_surface(report_.clustering)) {
-        const auto walls = continue_bore_walls(cloud_, *tree, report_.clustering, arena_, progress.part(kSizingEnd, 1));
-        PLUMBLINE_TRY(walls);
-        report_.bore_walls = *walls;
-      }
-      cloud_.drop_noise();
+      const bool estimated = report_.normals.estimated > report_.cloud_points / 2;
+      const SurfaceSettings settings{settings_.clustering, estimated ? NormalSource::kPoints : NormalSource::kScanner,
+                                     settings_.keep_all};
+      const auto surface = find_surface_points(cloud_, *tree, settings, arena_, {progress_, Stage::kClustering});
+      PLUMBLINE_TRY(surface);
+      report_.clustering = surface->clustering;
+      report_.strays = surface->strays;
+      report_.bore_walls = surface->bore_walls;
+      found = surface->found();
     }
-    if (!is_surface(report_.clustering)) {
+    if (!found) {
       const ScanTitle title = title_of(sources_);
       if (report_.cloud_points < report_.scan.points / 2) {
         return fail(ErrorCode::kNoSurface,
@@ -215,19 +185,6 @@ class Job {
                   title.c_str(), report_.cloud_points);
     }
     return {};
-  }
-
-  /// The points of all views know the normals better than each view does, as far as they are without noise.
-  Status refine(const KdTree3& tree, const StageProgress& progress) {
-    if (!report_.clustering.coherent) return {};
-    const ArenaScope scope(arena_);
-    auto refined = arena_.take_top<PackedNormal>(cloud_.size, "normals");
-    PLUMBLINE_TRY(refined);
-    PLUMBLINE_TRY(refine_normals(cloud_, tree, settings_.clustering, report_.clustering, *refined,
-                                 progress.part(0, kRefiningShare)));
-    std::copy(refined->begin(), refined->end(), cloud_.normal.begin());
-    return rescue_thin_surface(cloud_, tree, settings_.clustering, report_.clustering,
-                               progress.part(kRefiningShare, 1));
   }
 
   /// Only now is the extent of the object known without its strays.

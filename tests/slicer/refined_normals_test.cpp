@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <span>
 #include <vector>
 
+#include "slicer/normals.hpp"
 #include "tests/slicer/support/arena_block.hpp"
 #include "tests/slicer/support/scan_cloud.hpp"
 
@@ -42,14 +44,14 @@ struct Refined {
   ClusteringResult clustering;
   double before = 0, after = 0;  ///< degrees, mean error of the normals
 
-  explicit Refined(const Surface& surface) {
+  explicit Refined(const Surface& surface, NormalSource source = NormalSource::kScanner) {
     Arena& arena = *block;
     Cloud cloud = cloud_of(surface, arena);
     const KdTree3 tree = sort_by_tree(cloud, arena);
     const float epsilon = value_of(density_epsilon(cloud, tree, {}, arena));
     clustering = value_of(cluster(cloud, tree, epsilon, {}, {}, arena));
     std::vector<PackedNormal> refined(cloud.size);
-    EXPECT_TRUE(refine_normals(cloud, tree, {}, clustering, refined));
+    EXPECT_TRUE(refine_normals(cloud, tree, {}, clustering, source, refined));
     std::uint32_t counted = 0;
     for (std::uint32_t i = 0; i < cloud.size; ++i) {
       const Vec3f& p = cloud.position[i];
@@ -78,6 +80,7 @@ TEST(RefinedNormals, OfAnExactScanStayAsTheyAre) {
   const Refined exact(waves(1, 0));
   EXPECT_LT(exact.before, 0.2) << "as far as they can be written";
   EXPECT_LT(exact.after, 3);
+  EXPECT_LT(Refined(waves(1, 0), NormalSource::kPoints).after, 3);
 }
 
 TEST(RefinedNormals, DoNotFollowNoise) {
@@ -93,7 +96,7 @@ TEST(RefinedNormals, DoNotFollowNoise) {
       value_of(cluster(cloud, tree, value_of(density_epsilon(cloud, tree, {}, *block)), {}, {}, *block));
   const auto mean_error = [&] {
     std::vector<PackedNormal> refined(cloud.size);
-    EXPECT_TRUE(refine_normals(cloud, tree, {}, clustering, refined));
+    EXPECT_TRUE(refine_normals(cloud, tree, {}, clustering, NormalSource::kScanner, refined));
     double sum = 0;
     for (const PackedNormal& n : refined) sum += Refined::angle(Vec3d(0, 0, 1), n.unpack());
     return sum / cloud.size;
@@ -101,6 +104,31 @@ TEST(RefinedNormals, DoNotFollowNoise) {
   const double error = mean_error();
   clustering.noise = 0;
   EXPECT_LT(error, 0.25 * mean_error()) << "degrees; against those that believe every point";
+}
+
+// The surface of a noisy scan without normals was rougher than that of the same scan with normals.
+TEST(RefinedNormals, ThatWereEstimatedAreFittedToMorePointsWhereThereIsNoise) {
+  Random random(2);
+  Surface plane;
+  for (double y = 0; y < 16; y += 0.1) {
+    for (double x = 0; x < 16; x += 0.1) plane.push_back({Vec3d(x, y, random.uniform(-0.03, 0.03)), Vec3d(0, 0, 0)});
+  }
+  ArenaBlock block(32 * kMiB);
+  Cloud cloud = cloud_of(plane, *block);
+  const KdTree3 tree = sort_by_tree(cloud, *block);
+  EXPECT_EQ(value_of(complete_normals(cloud, tree, *block)).estimated, cloud.size);
+  const ClusteringResult clustering =
+      value_of(cluster(cloud, tree, value_of(density_epsilon(cloud, tree, {}, *block)), {}, {}, *block));
+  const auto mean_error = [&](std::span<const PackedNormal> normals) {
+    double sum = 0;
+    for (const PackedNormal& n : normals) sum += std::asin(std::hypot(n.unpack()[0], n.unpack()[1])) * 180 / kPi;
+    return sum / cloud.size;
+  };
+  std::vector<PackedNormal> as_scanned(cloud.size);
+  std::vector<PackedNormal> as_estimated(cloud.size);
+  EXPECT_TRUE(refine_normals(cloud, tree, {}, clustering, NormalSource::kScanner, as_scanned));
+  EXPECT_TRUE(refine_normals(cloud, tree, {}, clustering, NormalSource::kPoints, as_estimated));
+  EXPECT_LT(mean_error(as_estimated), 0.5 * mean_error(as_scanned)) << "degrees";
 }
 
 // A bore was closed where its walls had the normals of the face that it is in.
@@ -117,7 +145,7 @@ TEST(RefinedNormals, OfAWallBelowAnEdgeDoNotStayThoseOfTheFaceAbove) {
   const ClusteringResult clustering =
       value_of(cluster(cloud, tree, value_of(density_epsilon(cloud, tree, {}, *block)), {}, {}, *block));
   std::vector<PackedNormal> refined(cloud.size);
-  ASSERT_TRUE(refine_normals(cloud, tree, {}, clustering, refined));
+  ASSERT_TRUE(refine_normals(cloud, tree, {}, clustering, NormalSource::kScanner, refined));
   std::uint32_t wrong = 0;
   std::uint32_t count = 0;
   for (std::uint32_t i = 0; i < cloud.size; ++i) {

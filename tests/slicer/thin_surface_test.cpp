@@ -48,7 +48,7 @@ struct Clustered {
   }
   void rescue() {
     std::vector<PackedNormal> refined(cloud.size);
-    check(refine_normals(cloud, tree, {}, result, refined));
+    check(refine_normals(cloud, tree, {}, result, NormalSource::kScanner, refined));
     std::copy(refined.begin(), refined.end(), cloud.normal.begin());
     check(rescue_thin_surface(cloud, tree, {}, result));
   }
