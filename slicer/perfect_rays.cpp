@@ -181,13 +181,11 @@ Evidence RayPerfecter::evidence_of(float depth) const {
   return again ? Evidence::kMeasured : Evidence::kRepaired;
 }
 
-void RayPerfecter::emit_end(float x, float y, float end, float other_end, bool inside_at_end) {
+bool RayPerfecter::bisect_agreed(float x, float y, float end, float place, bool inside_at_end) {
   const auto inside = [&](float z) { return winding_->inside({x, y, z}); };
-  if (inside(end) == inside_at_end && inside(other_end) != inside_at_end) {
-    bisect(x, y, end, other_end, inside_at_end);
-  } else {
-    emit(end, Evidence::kWinding);
-  }
+  if (inside(end) != inside_at_end || inside(place) == inside_at_end) return false;
+  bisect(x, y, end, place, inside_at_end);
+  return true;
 }
 
 void RayPerfecter::cross_band(float x, float y, const RaySurface& surface, const Band& band, bool from, bool to) {
@@ -204,14 +202,14 @@ void RayPerfecter::cross_band(float x, float y, const RaySurface& surface, const
     }
   } else if (wrong_low) {
     if (first == last) {
-      emit_end(x, y, band.low, band.high, from);
-    } else {
+      if (!bisect_agreed(x, y, band.low, band.high, from)) emit(band.low, Evidence::kWinding);
+    } else if (!bisect_agreed(x, y, band.low, 0.5F * (band.low + surface.intersections[first].depth), from)) {
       ++first;
     }
   } else if (wrong_high) {
     if (first == last) {
-      emit_end(x, y, band.high, band.low, to);
-    } else {
+      if (!bisect_agreed(x, y, band.high, band.low, to)) emit(band.high, Evidence::kWinding);
+    } else if (!bisect_agreed(x, y, band.high, 0.5F * (band.high + surface.intersections[last - 1].depth), to)) {
       --last;
     }
   }

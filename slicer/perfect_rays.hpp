@@ -107,9 +107,9 @@ class RayPerfecter {
   void bisect(float x, float y, float from, float to, bool inside_at_from);
   bool alternates(const RaySurface& surface) const;
   Gap decide_gap(float x, float y, float low, float high, bool below, bool above);
-  /// Of a band without a sheet, where one end is not what the gap beside it says: the crossing is where the winding number
-  /// has it on the way to the other end, or at the end itself.
-  void emit_end(float x, float y, float end, float other_end, bool inside_at_end);
+  /// Emits a crossing between the end of a band, which the gap beside it says is not what the band has it, and a place in the
+  /// band, if the winding number agrees with both.
+  bool bisect_agreed(float x, float y, float end, float place, bool inside_at_end);
   void cross_band(float x, float y, const RaySurface& surface, const Band& band, bool from, bool to);
   void emit(float depth, Evidence evidence, bool extrapolated = false);
   void remember(const RaySurface& surface);

@@ -76,22 +76,33 @@ TEST(PerfectRays, DoNotMeetWhatEndsBesideThem) {
   expect_the_plate(surface, 0.05F);
 }
 
-// A few points below the rim of a wall make a band that is inside all along; the object once began at its lower end.
-TEST(PerfectRays, BeginWhereTheObjectDoesBehindAWallThatGoesOnBelowIt) {
+/// A box from z = 3 to 8.5, the ray just behind the wall at x = 10.8, with a few points below that wall's rim.
+/// @param gap  mm of the wall that were not seen
+Surface box_with_points_below_its_rim(double gap) {
   Random random(4);
-  const double x = 10.8;  // of the wall: the ray is behind it
-  Surface surface = sheet({x, 2, 3}, {0, 16, 0}, {0, 0, 1}, kSpacing, 0.2, random);
-  append(surface, sheet({x, 2, 7.5}, {0, 16, 0}, {0, 0, 1}, kSpacing, 0.2, random));  // a band ends between
+  const double x = 10.8;
+  const double strip = 0.5 * (5.5 - gap);
+  Surface surface = sheet({x, 2, 3}, {0, 16, 0}, {0, 0, strip}, kSpacing, 0.2, random);
+  append(surface, sheet({x, 2, 8.5 - strip}, {0, 16, 0}, {0, 0, strip}, kSpacing, 0.2, random));
   append(surface, sheet({x - 8, 2, 3}, {0, 0, 5.5}, {0, 16, 0}, kSpacing, 0.2, random));
   append(surface, sheet({x - 8, 2, 3}, {8, 0, 0}, {0, 0, 5.5}, kSpacing, 0.2, random));
   append(surface, sheet({x - 8, 18, 3}, {0, 0, 5.5}, {8, 0, 0}, kSpacing, 0.2, random));
   append(surface, sheet({x - 8, 2, 3}, {0, 16, 0}, {5.5, 0, 0}, kSpacing, 0.2, random));
   append(surface, sheet({x - 8, 2, 8.5}, {8, 0, 0}, {0, 16, 0}, kSpacing, 0.2, random));
-  append(surface, sheet({x, 9.4, 1.4}, {0, 1.2, 0}, {0, 0, 1.6}, kSpacing, 0.2, random));  // what hangs below it
-  const std::vector<float> found = crossings(surface);
-  ASSERT_EQ(found.size(), 2U);
-  EXPECT_NEAR(found[0], 3, 1);  // the band begins at 0.56
-  EXPECT_NEAR(found[1], 8.5, 0.1F);
+  append(surface, sheet({x, 9.4, 1.4}, {0, 1.2, 0}, {0, 0, 1.6}, kSpacing, 0.2, random));
+  return surface;
+}
+
+// Points below the rim make a band that is inside from 0.56 mm on. Without a sheet the object once began there; with one, the
+// top, that was left out, and all that is behind the wall with it.
+TEST(PerfectRays, BeginWhereTheObjectDoesBehindAWallThatGoesOnBelowIt) {
+  for (const double gap : {3.5, 0.0}) {
+    const std::vector<float> found = crossings(box_with_points_below_its_rim(gap));
+    ASSERT_EQ(found.size(), 2U) << gap;
+    EXPECT_GT(found[0], 1.4) << gap;
+    EXPECT_LT(found[0], 3.1) << gap;
+    EXPECT_NEAR(found[1], 8.5, 0.1F) << gap;
+  }
 }
 
 }  // namespace
