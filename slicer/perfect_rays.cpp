@@ -193,26 +193,18 @@ void RayPerfecter::cross_band(float x, float y, const RaySurface& surface, const
   std::uint32_t last = band.last;
   const bool wrong_low = band.inside_at_low != from;
   const bool wrong_high = band.inside_at_high != to;
-  if (wrong_low && wrong_high) {
-    // Inside out. Sheets at both ends are left out, as one is at one end; a sheet alone is a patch that faces the wrong way,
-    // and stands where it is.
-    if (last - first >= 2) {
-      ++first;
-      --last;
-    }
-  } else if (wrong_low) {
-    if (first == last) {
-      if (!bisect_agreed(x, y, band.low, band.high, from)) emit(band.low, Evidence::kWinding);
-    } else if (!bisect_agreed(x, y, band.low, 0.5F * (band.low + surface.intersections[first].depth), from)) {
-      ++first;
-    }
-  } else if (wrong_high) {
-    if (first == last) {
-      if (!bisect_agreed(x, y, band.high, band.low, to)) emit(band.high, Evidence::kWinding);
-    } else if (!bisect_agreed(x, y, band.high, 0.5F * (band.high + surface.intersections[last - 1].depth), to)) {
-      --last;
-    }
-  }
+  // How many sheets an end that the gap beside it contradicts costs: none where the winding number has a crossing before them.
+  const auto left_out = [&](float end, float other_end, std::uint32_t outermost, bool inside_at_end) {
+    const bool has_sheet = first != last;
+    const float place = has_sheet ? 0.5F * (end + surface.intersections[outermost].depth) : other_end;
+    if (bisect_agreed(x, y, end, place, inside_at_end)) return 0U;
+    if (!has_sheet) emit(end, Evidence::kWinding);
+    return has_sheet ? 1U : 0U;
+  };
+  // A sheet alone that is inside out is a patch that faces the wrong way, and stands where it is.
+  const bool turned = wrong_low && wrong_high && last - first < 2;
+  if (wrong_low && !turned) first += left_out(band.low, band.high, first, from);
+  if (wrong_high && !turned) last -= left_out(band.high, band.low, last - 1, to);
   for (const Intersection& sheet : surface.intersections.subspan(first, last - first))
     emit(sheet.depth, evidence_of(sheet.depth), sheet.off_centre > kExtrapolated);
 }
