@@ -11,7 +11,7 @@
 
 namespace plumbline {
 
-/// Whose the normals are that are refined.
+/// Whose most of the normals are that are refined.
 enum class NormalSource : std::uint8_t {
   kScanner,  ///< its own: they tell what the points do not
   kPoints,   ///< estimated from the points themselves
