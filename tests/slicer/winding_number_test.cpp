@@ -96,8 +96,9 @@ TEST(WindingNumber, OfAClosedSphereOnThePlaneDoesNotChangeWithTheBase) {
   std::vector<Vec3d> places;
   std::vector<double> before;
   for (int i = 0; i < 200; ++i) {
-    places.push_back({random.uniform(2, 18), random.uniform(2, 18), random.uniform(0.3, 13)});
-    before.push_back(field.at(places.back()));
+    const Vec3d place{random.uniform(2, 18), random.uniform(2, 18), random.uniform(0.3, 13)};  // in this order
+    places.push_back(place);
+    before.push_back(field.at(place));
   }
   field->set_base(0, 0.5F);
   for (std::size_t i = 0; i < places.size(); ++i) EXPECT_NEAR(field.at(places[i]), before[i], 0.06);
