@@ -44,7 +44,8 @@ TEST(BaseChoice, WithoutABaseARimThatRisesIsClosedAlongItself) {
   const Slicing none = sliced(slanted, BaseChoice::kNone);
   EXPECT_FALSE(none.report().flat_underside);
   EXPECT_EQ(none.rays(RayDecision::kBase), 0U);
-  EXPECT_NEAR(none.volume(), 800 - 150, 60);
+  EXPECT_GT(none.volume(), 800 - 150 - 5) << "all that is behind the walls is there";
+  EXPECT_LT(none.volume(), 800 - 150 + 80) << "what closes it bulges by less than 0.8 mm, since the walls lead on";
   const Slicing flat = sliced(slanted, BaseChoice::kFlat);
   EXPECT_TRUE(flat.report().flat_underside);
   EXPECT_GT(flat.volume(), none.volume() + 50) << "it stands on the plane, which the shorter wall does not reach";
