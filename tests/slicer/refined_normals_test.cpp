@@ -39,6 +39,20 @@ Surface waves(double blur, double noise) {
   return surface;
 }
 
+/// z = 0 over 16 mm x 16 mm, its points up to 0.03 mm off it.
+Surface noisy_plane(const Vec3d& normal) {
+  Random random(2);
+  Surface plane;
+  for (double y = 0; y < 16; y += 0.1) {
+    for (double x = 0; x < 16; x += 0.1) plane.push_back({Vec3d(x, y, random.uniform(-0.03, 0.03)), normal});
+  }
+  return plane;
+}
+
+ClusteringResult clustered(Cloud& cloud, const KdTree3& tree, Arena& arena) {
+  return value_of(cluster(cloud, tree, value_of(density_epsilon(cloud, tree, {}, arena)), {}, {}, arena));
+}
+
 struct Refined {
   ArenaBlock block{32 * kMiB};
   ClusteringResult clustering;
@@ -48,8 +62,7 @@ struct Refined {
     Arena& arena = *block;
     Cloud cloud = cloud_of(surface, arena);
     const KdTree3 tree = sort_by_tree(cloud, arena);
-    const float epsilon = value_of(density_epsilon(cloud, tree, {}, arena));
-    clustering = value_of(cluster(cloud, tree, epsilon, {}, {}, arena));
+    clustering = clustered(cloud, tree, arena);
     std::vector<PackedNormal> refined(cloud.size);
     EXPECT_TRUE(refine_normals(cloud, tree, {}, clustering, source, refined));
     std::uint32_t counted = 0;
@@ -84,16 +97,10 @@ TEST(RefinedNormals, OfAnExactScanStayAsTheyAre) {
 }
 
 TEST(RefinedNormals, DoNotFollowNoise) {
-  Random random(2);
-  Surface plane;
-  for (double y = 0; y < 16; y += 0.1) {
-    for (double x = 0; x < 16; x += 0.1) plane.push_back({Vec3d(x, y, random.uniform(-0.03, 0.03)), Vec3d(0, 0, 1)});
-  }
   ArenaBlock block(32 * kMiB);
-  Cloud cloud = cloud_of(plane, *block);
+  Cloud cloud = cloud_of(noisy_plane({0, 0, 1}), *block);
   const KdTree3 tree = sort_by_tree(cloud, *block);
-  ClusteringResult clustering =
-      value_of(cluster(cloud, tree, value_of(density_epsilon(cloud, tree, {}, *block)), {}, {}, *block));
+  ClusteringResult clustering = clustered(cloud, tree, *block);
   const auto mean_error = [&] {
     std::vector<PackedNormal> refined(cloud.size);
     EXPECT_TRUE(refine_normals(cloud, tree, {}, clustering, NormalSource::kScanner, refined));
@@ -108,17 +115,11 @@ TEST(RefinedNormals, DoNotFollowNoise) {
 
 // The surface of a noisy scan without normals was rougher than that of the same scan with normals.
 TEST(RefinedNormals, ThatWereEstimatedAreFittedToMorePointsWhereThereIsNoise) {
-  Random random(2);
-  Surface plane;
-  for (double y = 0; y < 16; y += 0.1) {
-    for (double x = 0; x < 16; x += 0.1) plane.push_back({Vec3d(x, y, random.uniform(-0.03, 0.03)), Vec3d(0, 0, 0)});
-  }
   ArenaBlock block(32 * kMiB);
-  Cloud cloud = cloud_of(plane, *block);
+  Cloud cloud = cloud_of(noisy_plane({0, 0, 0}), *block);
   const KdTree3 tree = sort_by_tree(cloud, *block);
   EXPECT_EQ(value_of(complete_normals(cloud, tree, *block)).estimated, cloud.size);
-  const ClusteringResult clustering =
-      value_of(cluster(cloud, tree, value_of(density_epsilon(cloud, tree, {}, *block)), {}, {}, *block));
+  const ClusteringResult clustering = clustered(cloud, tree, *block);
   const auto mean_error = [&](std::span<const PackedNormal> normals) {
     double sum = 0;
     for (const PackedNormal& n : normals) sum += std::asin(std::hypot(n.unpack()[0], n.unpack()[1])) * 180 / kPi;
@@ -142,8 +143,7 @@ TEST(RefinedNormals, OfAWallBelowAnEdgeDoNotStayThoseOfTheFaceAbove) {
   ArenaBlock block(32 * kMiB);
   Cloud cloud = cloud_of(scan, *block);
   const KdTree3 tree = sort_by_tree(cloud, *block);
-  const ClusteringResult clustering =
-      value_of(cluster(cloud, tree, value_of(density_epsilon(cloud, tree, {}, *block)), {}, {}, *block));
+  const ClusteringResult clustering = clustered(cloud, tree, *block);
   std::vector<PackedNormal> refined(cloud.size);
   ASSERT_TRUE(refine_normals(cloud, tree, {}, clustering, NormalSource::kScanner, refined));
   std::uint32_t wrong = 0;
