@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "slicer/frame.hpp"
 #include "slicer/loop_progress.hpp"
 #include "slicer/neighbourhood.hpp"
 #include "slicer/tangent_plane.hpp"
@@ -87,14 +88,7 @@ bool is_beside(const Vec3f& n, const Moments& moments, float limit) {
 /// @returns the normal tilted to the plane of the points as far as noise does not explain it; as it was where there is none
 Vec3f tilted(const Vec3f& n, const Moments& moments, float noise) {
   if (moments.count < kFewest) return n;
-  // Any direction across n will do; the axis that it has least of makes a sure one.
-  const int least = std::abs(n[0]) < std::abs(n[1]) ? (std::abs(n[0]) < std::abs(n[2]) ? 0 : 2)
-                                                    : (std::abs(n[1]) < std::abs(n[2]) ? 1 : 2);
-  Vec3f axis = Vec3f::Zero();
-  axis[least] = 1;
-  Vec3f t = axis - n * n[least];
-  t = t / std::sqrt(t.dot(t));
-  const Vec3f s(n[1] * t[2] - n[2] * t[1], n[2] * t[0] - n[0] * t[2], n[0] * t[1] - n[1] * t[0]);
+  const auto [t, s] = Frame(n);
   const float tt = moments.along(t, t);
   const float ss = moments.along(s, s);
   const float ts = moments.along(t, s);
