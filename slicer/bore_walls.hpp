@@ -24,7 +24,8 @@ std::size_t bore_walls_bytes(std::uint32_t points);
 /// wall.
 ///
 /// An end is a point of a sparse part of the surface (under a fifth of the density that epsilon tells) with another part
-/// opposite that faces it, at most eight epsilon away: the width. Two ends belong together if
+/// opposite that faces it, at most eight epsilon away: the width. Round bores come first (continue_round_bores()). For others
+/// two ends belong together if
 ///   - their normals agree to 60 degrees, and the line between them runs along the surface, to one part in five,
 ///   - they are at least two epsilon apart, and at most six widths; their widths differ by half at most,
 ///   - within epsilon of the middle half of the line, and within a third of the width of the line half a width before the
@@ -36,11 +37,11 @@ std::size_t bore_walls_bytes(std::uint32_t points);
 ///
 /// @param cloud       in the order of `tree`, classes and radius[] set; it grows, at most to its capacity. The new points
 ///                    are the last, counted in Cloud::continued
-/// @param clustering  epsilon above 0
+///                    Points of round bores get the normals of their walls
+/// @param clustering  epsilon above 0; its points by class follow
 /// @param arena       bore_walls_bytes() from the top, given back
 /// @retval ErrorCode::kOutOfMemory, kCancelled
-[[nodiscard]] Expected<BoreWalls> continue_bore_walls(Cloud& cloud, const KdTree3& tree,
-                                                      const ClusteringResult& clustering, Arena& arena,
-                                                      const StageProgress& progress = {});
+[[nodiscard]] Expected<BoreWalls> continue_bore_walls(Cloud& cloud, const KdTree3& tree, ClusteringResult& clustering,
+                                                      Arena& arena, const StageProgress& progress = {});
 
 }  // namespace plumbline
