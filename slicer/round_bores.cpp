@@ -15,6 +15,7 @@ constexpr float kMostTolerance = 0.4F;   ///< of the radius: more tells no cylin
 constexpr std::array<float, 7> kCoarse = {0.25F, 0.25F, 0.18F, 0.18F, 0.12F, 0.12F, 0.12F};  ///< of the width
 constexpr float kMostRadius = 1;      ///< of the width, of the first cylinder
 constexpr float kLeastRadius = 0.3F;  ///< of the width
+constexpr float kMostChange = 2;      ///< times the radius, on the way along the bore
 constexpr float kStep = 0.5F;         ///< of the radius
 constexpr float kLeastStep = 0.125F;  ///< of the radius: so near to a mouth it stops
 constexpr float kLongest = 16;        ///< radii
@@ -112,9 +113,11 @@ class RoundBores {
   void settle(const Bore& bore) {
     const Cylinder& c = bore.cylinder;
     for_stretch(c, bore.walled, kSwept * c.radius, [&](std::uint32_t i, const OnCylinder& seen) {
+      // Beyond the wall is the inside of the object, or of a thin wall its other side.
+      const bool other_side = seen.distance > c.radius && surface_.normal(i).dot(seen.outwards) > 0;
       if (is_wall(i, c, seen, tolerance_)) {
         surface_.turn(i, -seen.outwards);
-      } else if (surface_.hardly_seen(i)) {
+      } else if (surface_.hardly_seen(i) && !other_side) {
         surface_.drop(i);
       }
     });
@@ -201,6 +204,12 @@ class RoundBores {
   };
 
   std::optional<Bore> follow(Cylinder c) const {
+    const float first_radius = c.radius;
+    const auto fit_all = [&](const Stretch& stretch) {
+      return fit(c, stretch, tolerance_, true) && fit(c, stretch, tolerance_, true) &&
+             c.radius < kMostChange * first_radius && first_radius < kMostChange * c.radius;
+    };
+    if (tolerance_ > kMostTolerance * c.radius) return std::nullopt;
     std::array<Way, 2> ways{{{-1, kStep * c.radius}, {1, kStep * c.radius}}};
     std::uint32_t on = 0;
     std::uint32_t beside = 0;
@@ -219,12 +228,11 @@ class RoundBores {
         beside += s.beside;
         if (std::popcount(s.wall) >= kWall) way.walled = next;
         const Stretch stretch{ways[0].reached, ways[1].reached};
-        if (s.on > 0 && !(fit(c, stretch, tolerance_, true) && fit(c, stretch, tolerance_, true))) return std::nullopt;
+        if (s.on > 0 && !fit_all(stretch)) return std::nullopt;
         if (stretch.length() > kLongest * c.radius) ways[0].open = ways[1].open = false;
       }
     }
     const Stretch walled{ways[0].walled, ways[1].walled};
-    if (tolerance_ > kMostTolerance * c.radius) return std::nullopt;
     const float margin = kMargin * c.radius;
     for (int k = 0; k < 3; ++k) {
       if (!fit(c, {walled.from + margin, walled.to - margin}, tolerance_, false)) return std::nullopt;

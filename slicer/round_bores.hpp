@@ -19,8 +19,8 @@ namespace plumbline {
 ///   - at either end there is wall in seven of eight directions,
 ///   - it has three points or more of its wall for each of another wall beside it,
 ///   - between the ends more than two epsilon of its length have wall in fewer than five directions: others need no help.
-/// Then the points on it face its axis, noise among them too; what was hardly seen and lies beside its wall is noise; and it
-/// gets points, half an epsilon apart, where it has no wall.
+/// Then the points on it face its axis, noise among them too; what was hardly seen and lies beside its wall is noise, unless it
+/// is the other side of a thin one; and it gets points, half an epsilon apart, where it has no wall.
 ///
 /// @param ends  those of such bores are taken out, the others keep their order
 /// @returns those left

@@ -129,6 +129,34 @@ TEST(BoreWalls, OfARoundBoreDoNotRelyOnNormalsWhereItWasHardlySeen) {
   EXPECT_GT(walls, 50U);
 }
 
+TEST(BoreWalls, OfAPipeLeaveItsOutsideAlone) {
+  Random random(8);
+  Surface surface;
+  for (const double from : {0.0, kHigh - 1.5}) append(surface, wall(from, from + 1.5, kDense, random));
+  for (const double from : {1.5, kHigh - 3}) append(surface, wall(from, from + 1.5, kRare, random));
+  const double outside = kBore + 0.2;
+  const auto add_outside = [&](double from, double to, double spacing) {
+    for (SurfacePoint p : wall(from, to, spacing, random)) {
+      const Vec3d out = -p.normal;
+      surface.push_back({p.position + out * (outside - kBore), out});
+    }
+  };
+  add_outside(0, 4, kDense);
+  add_outside(4, 8, kRare);
+  add_outside(8, kHigh, kDense);
+  const Continued pipe(surface);
+  EXPECT_GT(pipe.walls.points, 0U);
+  std::uint32_t rare = 0;
+  for (std::uint32_t i = 0; i < pipe.cloud.size; ++i) {
+    const Vec3d p = pipe.cloud.position[i].cast<double>();
+    if (from_axis(p) < outside - 0.01) continue;
+    rare += p[2] > 4.5 && p[2] < 7.5 && pipe.cloud.normal[i].point_class != PointClass::kNoise ? 1 : 0;
+    const Vec3d inwards = (Vec3d(kSide / 2, kSide / 2, p[2]) - p).normalized();
+    ASSERT_LT(pipe.cloud.normal[i].unpack().cast<double>().dot(inwards), -0.99);
+  }
+  EXPECT_GT(rare, 50U) << "what was hardly seen of it is no noise";
+}
+
 TEST(BoreWalls, OfASquareBoreAreContinuedInTheirPlanes) {
   Random random(6);
   Surface surface;
