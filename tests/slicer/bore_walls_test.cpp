@@ -136,7 +136,7 @@ TEST(BoreWalls, OfAPipeLeaveItsOutsideAlone) {
   for (const double from : {1.5, kHigh - 3}) append(surface, wall(from, from + 1.5, kRare, random));
   const double outside = kBore + 0.2;
   const auto add_outside = [&](double from, double to, double spacing) {
-    for (SurfacePoint p : wall(from, to, spacing, random)) {
+    for (const SurfacePoint& p : wall(from, to, spacing, random)) {
       const Vec3d out = -p.normal;
       surface.push_back({p.position + out * (outside - kBore), out});
     }

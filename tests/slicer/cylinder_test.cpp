@@ -42,7 +42,7 @@ std::vector<Vec3f> wall(const Cylinder& cylinder) {
     const double angle = random.uniform(0, 2 * kPi / 3);
     const auto distance = static_cast<float>(static_cast<double>(cylinder.radius) + random.uniform(-0.05, 0.05));
     const Vec3f outwards = frame.at(static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle)));
-    points.push_back(cylinder.on_axis(static_cast<float>(random.uniform(-4, 4))) + outwards * distance);
+    points.emplace_back(cylinder.on_axis(static_cast<float>(random.uniform(-4, 4))) + outwards * distance);
   }
   return points;
 }
