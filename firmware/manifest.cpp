@@ -76,6 +76,14 @@ void write_points(JsonWriter& json, const SliceReport& slice) {
   json.end_object();
   json.member("normals_estimated", slice.normals.estimated);
   json.member("normals_turned", slice.normals.turned);
+  json.key("views");
+  json.begin_object(kOneLine);
+  json.member("found", slice.views.views);
+  json.member("points", slice.views.points);
+  json.member("moved_mm", slice.views.moved);
+  json.member("off_surface_before_mm", slice.views.before);
+  json.member("off_surface_after_mm", slice.views.after);
+  json.end_object();
   json.key("points");
   json.begin_object(kOneLine);
   const auto& points = slice.clustering.points;

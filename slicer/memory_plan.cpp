@@ -20,6 +20,7 @@
 #include "slicer/support_size.hpp"
 #include "slicer/supports/support_finder.hpp"
 #include "slicer/thinning.hpp"
+#include "slicer/views/align_views.hpp"
 #include "slicer/winding_number.hpp"
 
 namespace plumbline {
@@ -78,6 +79,7 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
   set(Stage::kRead, cloud + PointThinner::table_bytes(points) + kReaderWorkspace + reader);
   set(Stage::kNormals, cloud + tree + normals_bytes(points));
   set(Stage::kTrees, cloud + tree + points / 8);
+  set(Stage::kViews, cloud + tree + align_views_bytes(points));
   set(Stage::kClustering, cloud + tree +
                               std::max({sizeof(PackedNormal) * std::size_t{points}, stray_pieces_bytes(points),
                                         support_size_bytes(), bore_walls_bytes(points)}));

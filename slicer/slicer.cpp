@@ -43,6 +43,8 @@ double first_cell(const PlacementSettings& p) {
 /// ray makes.
 constexpr float kRepairShare = 1.0F / 16;
 
+constexpr double kAligned = 0.85;  ///< of the time for views; a new tree takes the rest
+
 constexpr float kSectionEpsilons = 2;  ///< from section to section above the base plane
 
 }  // namespace
@@ -141,23 +143,44 @@ class Job {
     return {};
   }
 
+  /// And puts the cloud into its order.
+  Expected<KdTree3> build_tree(const StageProgress& progress) {
+    auto tree = KdTree3::build(cloud_.positions(), arena_, "trees", progress);
+    PLUMBLINE_TRY(tree);
+    PLUMBLINE_TRY(cloud_.reorder(tree->order(), arena_));
+    tree->adopt_order();
+    return tree;
+  }
+
   Status find_surface() {
     const ArenaScope scope(arena_);
+    const std::size_t before_tree = arena_.top_mark();
     std::optional<KdTree3> tree;
     bool found = false;
     {
       const StageScope stage(Stage::kTrees, arena_, progress_, report_.peak_bytes);
-      auto built = KdTree3::build(cloud_.positions(), arena_, "trees", {progress_, Stage::kTrees});
-      if (!built) return tl::unexpected<Error>(built.error());
+      auto built = build_tree({progress_, Stage::kTrees});
+      PLUMBLINE_TRY(built);
       tree = *built;
-      PLUMBLINE_TRY(cloud_.reorder(tree->order(), arena_));
-      tree->adopt_order();
     }
     {
       const StageScope stage(Stage::kNormals, arena_, progress_, report_.peak_bytes);
       const auto normals = complete_normals(cloud_, *tree, arena_, {progress_, Stage::kNormals});
       PLUMBLINE_TRY(normals);
       report_.normals = *normals;
+    }
+    {
+      const StageScope stage(Stage::kViews, arena_, progress_, report_.peak_bytes);
+      const StageProgress progress{progress_, Stage::kViews};
+      const auto views = align_views(cloud_, *tree, arena_, progress.part(0, kAligned));
+      PLUMBLINE_TRY(views);
+      report_.views = *views;
+      if (views->moved > 0) {
+        arena_.release_top(before_tree);
+        auto built = build_tree(progress.part(kAligned, 1));
+        PLUMBLINE_TRY(built);
+        tree = *built;
+      }
     }
     {
       const StageScope stage(Stage::kClustering, arena_, progress_, report_.peak_bytes);
@@ -207,6 +230,9 @@ class Job {
     for (float& r : cloud_.radius.first(cloud_.size)) r *= static_cast<float>(scale);
     report_.clustering.epsilon *= static_cast<float>(scale);
     report_.clustering.noise *= static_cast<float>(scale);
+    report_.views.before *= static_cast<float>(scale);
+    report_.views.after *= static_cast<float>(scale);
+    report_.views.moved *= static_cast<float>(scale);
     report_.bore_walls.area *= static_cast<float>(scale * scale);
     report_.thinning_cell_mm *= scale;
     return {};

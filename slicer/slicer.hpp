@@ -21,6 +21,7 @@
 #include "slicer/rrep_builder.hpp"
 #include "slicer/scan_sources.hpp"
 #include "slicer/stray_pieces.hpp"
+#include "slicer/views/align_views.hpp"
 
 namespace plumbline {
 
@@ -44,6 +45,7 @@ struct SliceReport {
   Units units = Units::kMillimetres;  ///< used
   bool units_guessed = false;
   NormalCounts normals;
+  ViewAlignment views;          ///< lengths in mm
   ClusteringResult clustering;  ///< epsilon in mm
   StrayPieces strays;           ///< left out before the object was placed
   BoreWalls bore_walls;         ///< continued; area in mm^2

@@ -7,6 +7,7 @@ std::string_view to_string(Stage stage) {
     case Stage::kRead: return "read";
     case Stage::kNormals: return "normals";
     case Stage::kTrees: return "trees";
+    case Stage::kViews: return "views";
     case Stage::kClustering: return "clustering";
     case Stage::kWindingTree: return "winding";
     case Stage::kRayGrid: return "ray grid";

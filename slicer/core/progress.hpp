@@ -12,6 +12,7 @@ enum class Stage : std::uint8_t {
   kRead,
   kNormals,
   kTrees,
+  kViews,
   kClustering,
   kWindingTree,
   kRayGrid,
@@ -20,7 +21,7 @@ enum class Stage : std::uint8_t {
   kSupports,
   kLayers,
 };
-inline constexpr std::size_t kStageCount = 10;
+inline constexpr std::size_t kStageCount = 11;
 
 /// "read", "normals", ...: one word, lower case.
 std::string_view to_string(Stage stage);

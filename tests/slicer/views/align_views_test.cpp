@@ -1,0 +1,189 @@
+#include "slicer/views/align_views.hpp"
+
+#include <gtest/gtest.h>
+#include <omp.h>
+
+#include <cmath>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "slicer/views/find_views.hpp"
+#include "slicer/views/view_grid.hpp"
+#include "tests/slicer/support/arena_block.hpp"
+#include "tests/slicer/support/scan_cloud.hpp"
+#include "tests/slicer/support/stop.hpp"
+#include "tests/slicer/views/scanned_views.hpp"
+
+namespace plumbline {
+namespace {
+
+using namespace testing;
+
+constexpr float kSpacing = 0.2F;  ///< mm, of the scans' points
+
+/// A scan as align_views() gets it.
+struct Scan {
+  ArenaBlock block{48 * kMiB};
+  Cloud cloud;
+  KdTree3 tree;
+  std::vector<std::uint32_t> from;  ///< place in the scan of each point of the cloud
+
+  explicit Scan(const Surface& surface)
+      : cloud(cloud_of(surface, *block)), tree(value_of(KdTree3::build(cloud.positions(), *block, "test"))) {
+    from.assign(tree.order().begin(), tree.order().end());
+    check(cloud.reorder(tree.order(), *block));
+    tree.adopt_order();
+  }
+  ViewAlignment align() { return value_of(align_views(cloud, tree, *block)); }
+  std::vector<Vec3f> positions() const { return {cloud.positions().begin(), cloud.positions().end()}; }
+};
+
+/// How far the points are from where they would be had no view been moved, along the normal, root of the mean square, mm.
+double off(const Scan& scan, const ScannedViews& truth) {
+  double sum = 0;
+  for (std::uint32_t i = 0; i < scan.cloud.size; ++i) {
+    const Vec3d by = scan.cloud.position[i].cast<double>() - truth.unmoved[scan.from[i]];
+    const double along = by.dot(truth.surface[scan.from[i]].normal);
+    sum += along * along;
+  }
+  return std::sqrt(sum / scan.cloud.size);
+}
+
+TEST(ViewGridFit, FindsTheCameraFromAFewPixelsOff) {
+  const ScannedViews scan = scan_ellipsoid({.views = 1, .shift = 0, .turn = 0}, 1);
+  Random random(2);
+  ViewGrid grid;
+  grid.middle = scan.surface[scan.surface.size() / 2].position.cast<float>();
+  // The camera of station 0, without its perspective, and a third of a pixel off.
+  const Vec3d ahead = -sphere(1, 1, Vec3d::Zero())[0].normal;
+  const Vec3d right = ahead.cross(Vec3d(0.3, 0.2, 0.9)).normalized();
+  const double depth = 150 + ahead.dot(grid.middle.cast<double>());
+  grid.map.setZero();
+  grid.map.segment<3>(0) = right * 150 / depth / 0.4;
+  grid.map.segment<3>(4) = ahead.cross(right) * 150 / depth / 0.4;
+  grid.map[3] = 0.3;
+  grid.map[7] = -0.2;
+  for (double radius = 3; radius < 40; radius *= 1.4) {
+    for (const double width : {0.45, 0.3, 0.3, 0.2, 0.1}) {
+      ViewGridFit fit(grid, width, 30);
+      for (const SurfacePoint& p : scan.surface) {
+        if ((p.position.cast<float>() - grid.middle).norm() < radius) fit.add(p.position.cast<float>());
+      }
+      ASSERT_TRUE(fit.improve(grid));
+    }
+  }
+  for (const SurfacePoint& p : scan.surface) ASSERT_LT(grid.off_grid(p.position.cast<float>()), 0.002);
+}
+
+TEST(FindViews, TellsTheViewsOfAShuffledScanApart) {
+  const ScannedViews truth = scan_ellipsoid({}, 1);
+  Scan scan(truth.surface);
+  std::vector<std::uint8_t> found(scan.cloud.size);
+  const FoundViews views = value_of(find_views(scan.cloud, scan.tree, kSpacing, found, *scan.block));
+  EXPECT_GE(views.count, 11U);
+  EXPECT_LE(views.count, 16U);
+  EXPECT_GT(views.points, 0.9 * scan.cloud.size);
+  std::map<std::pair<std::uint8_t, std::uint8_t>, std::uint32_t> together;
+  for (std::uint32_t i = 0; i < scan.cloud.size; ++i) {
+    if (found[i] != kNoView) ++together[{found[i], truth.view[scan.from[i]]}];
+  }
+  std::uint32_t right = 0;
+  for (std::uint32_t v = 0; v < views.count; ++v) {
+    std::uint32_t most = 0;
+    for (const auto& [pair, points] : together) {
+      if (pair.first == v) most = std::max(most, points);
+    }
+    right += most;
+  }
+  EXPECT_GT(right, 0.98 * views.points);
+}
+
+TEST(ViewGrid, IsTheSameRoundAnotherMiddle) {
+  ViewGrid grid;
+  grid.middle = Vec3f(1, 2, 3);
+  grid.map << 2, 0.1, 0.3, 0.4, -0.2, 2.1, 0.5, -0.3, 0.004, 0.002, -0.005;
+  const ViewGrid moved = grid.around(Vec3f(-2, 5, 4));
+  const Vec3f point(7, -1, 2);
+  EXPECT_NEAR(moved.project(point).u, grid.project(point).u, 1e-9);
+  EXPECT_NEAR(moved.project(point).v, grid.project(point).v, 1e-9);
+  const Vec3d ray = grid.ray(point);
+  EXPECT_NEAR(ray.norm(), 1, 1e-12);
+  const Vec3f along = point + (ray * 4).cast<float>();
+  EXPECT_NEAR(grid.project(along).u, grid.project(point).u, 1e-5);
+  EXPECT_NEAR(grid.project(along).v, grid.project(point).v, 1e-5);
+}
+
+TEST(AlignViews, PutsViewsBackToWhereTheyAgree) {
+  const ScannedViews truth = scan_ellipsoid({}, 1);
+  Scan scan(truth.surface);
+  const double before = off(scan, truth);
+  const ViewAlignment done = scan.align();
+  EXPECT_GT(before, 0.04);
+  EXPECT_LT(off(scan, truth), before / 4);
+  EXPECT_GT(done.moved, 0.04F);
+  EXPECT_NEAR(done.after, 0.034, 0.004) << "noise of 0.05 mm along rays that meet the surface at all angles";
+  EXPECT_GT(done.before, done.after + 0.005F);
+}
+
+TEST(AlignViews, LeavesViewsThatAgree) {
+  const ScannedViews truth = scan_ellipsoid({.noise = 0.08, .shift = 0, .turn = 0}, 2);
+  Scan scan(truth.surface);
+  const std::vector<Vec3f> as_read = scan.positions();
+  const ViewAlignment done = scan.align();
+  EXPECT_GE(done.views, 11U);
+  EXPECT_EQ(done.moved, 0.0F);
+  EXPECT_EQ(scan.positions(), as_read);
+}
+
+TEST(AlignViews, LooksForNothingWhereThereIsNoNoise) {
+  Scan scan(scan_ellipsoid({.noise = 0.01, .shift = 0, .turn = 0}, 3).surface);
+  EXPECT_EQ(scan.align().views, 0U);
+}
+
+TEST(AlignViews, LeavesPointsThatAreOfNoView) {
+  Random random(4);
+  Surface anywhere;
+  for (int k = 0; k < 60000; ++k) {
+    const Vec3d n = random.vector().normalized();
+    anywhere.push_back({n * 15 + 0.05 * random.vector(), n});
+  }
+  Scan scan(anywhere);
+  const std::vector<Vec3f> as_read = scan.positions();
+  EXPECT_EQ(scan.align().moved, 0.0F);
+  EXPECT_EQ(scan.positions(), as_read);
+}
+
+TEST(AlignViews, GivesTheSameBitsForAnyNumberOfThreads) {
+  const ScannedViews truth = scan_ellipsoid({}, 5);
+  std::vector<std::vector<Vec3f>> results;
+  for (const int threads : {1, 3}) {
+    omp_set_num_threads(threads);
+    Scan scan(truth.surface);
+    EXPECT_GT(scan.align().moved, 0.0F);
+    results.push_back(scan.positions());
+  }
+  omp_set_num_threads(1);
+  EXPECT_EQ(results[0], results[1]);
+}
+
+TEST(AlignViews, TakesNoMoreThanItSays) {
+  const ScannedViews truth = scan_ellipsoid({}, 1);
+  Scan scan(truth.surface);
+  const std::size_t used = scan.block->used();
+  scan.block->reset_peak();
+  scan.align();
+  EXPECT_EQ(scan.block->used(), used);
+  EXPECT_LE(scan.block->peak() - used, align_views_bytes(scan.cloud.size) + 32 * Arena::kAlignment);
+}
+
+TEST(AlignViews, CanBeStopped) {
+  Scan scan(scan_ellipsoid({}, 1).surface);
+  StopAtThird sink;
+  const auto stopped = align_views(scan.cloud, scan.tree, *scan.block, {&sink, Stage::kViews});
+  ASSERT_FALSE(stopped.has_value());
+  EXPECT_EQ(stopped.error().code(), ErrorCode::kCancelled);
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,82 @@
+#include "slicer/views/patch_spectrum.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "tests/slicer/support/arena_block.hpp"
+#include "tests/slicer/support/scan_cloud.hpp"
+
+namespace plumbline {
+namespace {
+
+using namespace testing;
+
+TEST(Phasor, IsOnTheUnitCircle) {
+  for (int k = -4000; k <= 4000; ++k) {
+    const float turns = static_cast<float>(k) * 0.00123F;
+    const Phasor p = phasor(turns);
+    const double angle = 2 * kPi * static_cast<double>(turns);
+    ASSERT_NEAR(p.re, std::cos(angle), 3e-6) << turns;
+    ASSERT_NEAR(p.im, std::sin(angle), 3e-6) << turns;
+    const float back = angle_in_turns(p) - turns;
+    ASSERT_NEAR(back - std::round(back), 0, 1e-3) << turns;
+  }
+}
+
+constexpr double kPixel = 0.4;   ///< mm
+constexpr double kRadius = 5.5;  ///< mm
+
+bool in_patch(const Vec3d& p) { return p.head<2>().norm() < kRadius; }
+
+/// Points on rays along +z, kPixel apart, up to half a millimetre deep, and `others` times as many anywhere.
+std::vector<Vec3f> patch(double others) {
+  Random random(1);
+  std::vector<Vec3f> points;
+  const auto half = static_cast<int>(kRadius / kPixel);
+  for (int j = -half; j <= half; ++j) {
+    for (int i = -half; i <= half; ++i) {
+      const Vec3d p((i + 0.2) * kPixel, (j - 0.3) * kPixel, random.uniform(-0.5, 0.5));
+      if (in_patch(p)) points.emplace_back(p.cast<float>());
+    }
+  }
+  const auto all = static_cast<std::size_t>((1 + others) * static_cast<double>(points.size()));
+  while (points.size() < all) {
+    const Vec3d p(random.uniform(-kRadius, kRadius), random.uniform(-kRadius, kRadius), random.uniform(-0.5, 0.5));
+    if (in_patch(p)) points.emplace_back(p.cast<float>());
+  }
+  return points;
+}
+
+std::vector<SpectrumPeak> peaks_of(const std::vector<Vec3f>& points) {
+  ArenaBlock block(4 * kMiB);
+  PatchSpectrum spectrum = value_of(PatchSpectrum::create(*block));
+  const auto spacing = static_cast<float>(kRadius * std::sqrt(kPi / static_cast<double>(points.size())));
+  const auto peaks = spectrum.peaks(points, Vec3f::UnitZ(), static_cast<float>(kRadius), spacing);
+  return {peaks.begin(), peaks.end()};
+}
+
+TEST(PatchSpectrum, HasThePixelsOfAViewAmongSixTimesAsManyPoints) {
+  const std::vector<Vec3f> points = patch(6);
+  const auto peaks = peaks_of(points);
+  ASSERT_GE(peaks.size(), 2U);
+  for (const Vec3f& wanted : {Vec3f(Vec3f::UnitX() / kPixel), Vec3f(Vec3f::UnitY() / kPixel)}) {
+    EXPECT_TRUE(std::any_of(peaks.begin(), peaks.end(), [&](const SpectrumPeak& p) {
+      const Vec3f off = p.frequency - wanted * (p.frequency.dot(wanted) < 0 ? -1.0F : 1.0F);
+      return off.head<2>().norm() < 0.02F && std::abs(off[2]) < 0.15F;
+    })) << wanted.transpose();
+  }
+  // A seventh of the points is of the view.
+  EXPECT_NEAR(power_at(points, Vec3f::UnitX() / kPixel), static_cast<float>(points.size()) / 49, 20);
+}
+
+TEST(PatchSpectrum, HasNothingWherePointsLieAnywhere) {
+  std::vector<Vec3f> points = patch(6);
+  points.erase(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(points.size() / 7 + 1));
+  EXPECT_LE(peaks_of(points).size(), 1U);
+}
+
+}  // namespace
+}  // namespace plumbline
