@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "slicer/views/grid_growth.hpp"
 #include "slicer/views/patch_spectrum.hpp"
@@ -60,7 +61,7 @@ class ViewFinder {
     PLUMBLINE_TRY(patch);
     auto grids = arena.take_top<GrownGrid>(kMostViews, kStage);
     PLUMBLINE_TRY(grids);
-    growth_ = &*growth;
+    growth_ = *growth;
     candidates_ = *candidates;
     patch_ = *patch;
     grids_ = *grids;
@@ -287,7 +288,7 @@ class ViewFinder {
   const KdTree3& tree_;
   float spacing_;
   std::span<std::uint8_t> view_of_;
-  GridGrowth* growth_ = nullptr;
+  std::optional<GridGrowth> growth_;
   std::span<Candidate> candidates_;
   std::span<Vec3f> patch_;
   std::span<GrownGrid> grids_;

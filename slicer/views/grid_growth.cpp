@@ -135,7 +135,7 @@ std::span<const Vec3f> GridGrowth::take_sample(const Vec3f& middle, double radiu
                      });
   };
   const auto pick = [&](std::uint32_t inside, const auto& all) {
-    const std::uint32_t stride = (inside + kSample - 1) / kSample;
+    const std::uint32_t stride = std::max(1U, (inside + kSample - 1) / kSample);
     std::uint32_t at = 0;
     std::uint32_t size = 0;
     all([&](std::uint32_t i) {
