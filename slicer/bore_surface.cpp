@@ -1,6 +1,7 @@
 #include "slicer/bore_surface.hpp"
 
 #include <cmath>
+#include <numbers>
 
 namespace plumbline {
 namespace {
@@ -9,7 +10,7 @@ constexpr float kSparse = 0.3F;     ///< of epsilon: the radius of a point's own
 constexpr float kWidest = 8;        ///< times epsilon
 constexpr float kOpposite = -0.5F;  ///< most inner product of the normals of opposite walls
 constexpr float kAlike = 0.5F;      ///< least inner product of the normals of one wall
-constexpr float kPi = 3.14159265F;
+constexpr float kPi = std::numbers::pi_v<float>;
 
 }  // namespace
 

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 
+#include "slicer/core/median.hpp"
 #include "slicer/loop_progress.hpp"
 #include "slicer/neighbourhood.hpp"
 #include "slicer/thin_surface.hpp"
@@ -210,9 +211,8 @@ Expected<ClusteringResult> cluster(Cloud& cloud, const KdTree3& tree, float epsi
   }
 
   if (counting.stopped()) return cancelled();
-  const auto median_near = sampled_near.begin() + static_cast<std::ptrdiff_t>(sampled_near.size() / 2);
-  std::nth_element(sampled_near.begin(), median_near, sampled_near.end());
-  const bool coherent = static_cast<float>(*median_near) >= kFacingShare * 2 * static_cast<float>(settings.min_points);
+  const bool coherent =
+      static_cast<float>(median(std::span(sampled_near))) >= kFacingShare * 2 * static_cast<float>(settings.min_points);
   // Thin surface is a part of one. Among strays a few always happen to face the same way: no reason to keep them.
   const int kept_flags = coherent ? kDense | kThin : kDense;
 
@@ -287,9 +287,7 @@ Expected<ClusteringResult> cluster(Cloud& cloud, const KdTree3& tree, float epsi
   ClusteringResult result;
   result.epsilon = epsilon;
   result.coherent = coherent;
-  std::sort(heights.begin(), heights.end());
-  constexpr float kMedianToDeviation = 1.4826F;  // of a normal distribution
-  result.noise = kMedianToDeviation * heights[heights.size() / 2];
+  result.noise = static_cast<float>(kMedianToDeviation) * median(std::span(heights));
   const float noisy = std::clamp((result.noise / epsilon - kCleanNoise) / (kFullNoise - kCleanNoise), 0.0F, 1.0F);
   result.support_points = settings.least_support + noisy * (settings.most_support - settings.least_support);
   const float growth = std::sqrt(result.support_points);

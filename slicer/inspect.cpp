@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "slicer/cloud_reader.hpp"
+#include "slicer/core/median.hpp"
 #include "slicer/kd_tree.hpp"
 #include "slicer/normals.hpp"
 #include "slicer/rrep_builder.hpp"
@@ -18,13 +19,6 @@ namespace {
 
 /// Points that are measured, evenly spread over the tree's order: the medians of a larger cloud differ by about a percent.
 constexpr std::uint32_t kSample = 8192;
-
-double median(std::span<float> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return static_cast<double>(*middle);
-}
 
 /// Distance of `point` from the plane through `neighbours` in the sense of least squares.
 double distance_from_plane(const Vec3f& point, std::span<const Neighbour> neighbours,
@@ -140,8 +134,8 @@ class Inspection {
           count < 3 ? 0
                     : static_cast<float>(distance_from_plane(point, std::span(found).first(count), cloud_.positions()));
     }
-    report_.spacing = median(*spacing);
-    report_.roughness = median(*roughness);
+    report_.spacing = static_cast<double>(median(*spacing));
+    report_.roughness = static_cast<double>(median(*roughness));
     return {};
   }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "slicer/confidence.hpp"
 #include "slicer/memory_plan.hpp"
@@ -22,7 +23,7 @@ struct SeenSurface {
       const double slope = cloud.normal[i].unpack()[2];
       (slope > 0 ? exiting : entering) += radius * radius * std::abs(slope);
     }
-    constexpr double kPi = 3.14159265358979;
+    constexpr double kPi = std::numbers::pi;
     const double pixel_mm2 = static_cast<double>(object.grid.pitch_x_mm) * static_cast<double>(object.grid.pitch_y_mm);
     const double rays = kPi / (object.support_points * pixel_mm2);
     entering *= rays;

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <numbers>
+
+#include "slicer/core/median.hpp"
 
 namespace plumbline {
 namespace {
@@ -17,7 +20,7 @@ constexpr std::uint32_t kAreaSamples = 4096;
 constexpr float kMostRadius = 3;         ///< times the median: a share of the surface is not larger
 constexpr std::int64_t kUnit = 1 << 20;  ///< of the evidence, which is summed as whole numbers
 constexpr float kMostEvidence = 2;       ///< of one sample: a lid that fits its hole has about 1/2
-constexpr double kPi = 3.14159265358979323846;
+constexpr double kPi = std::numbers::pi;
 
 constexpr std::uint32_t kNoSheet = SidedSets::kIndex;
 
@@ -53,10 +56,9 @@ Status Sheets::limit_areas(Cloud& cloud, Arena& arena) {
   for (std::uint32_t s = 0; s < samples; ++s) {
     (*block)[s] = cloud.radius[static_cast<std::uint32_t>(std::uint64_t{s} * cloud.size / samples)];
   }
-  const auto middle = block->begin() + samples / 2;
-  std::nth_element(block->begin(), middle, block->end());
-  if (!(*middle > 0)) return {};
-  const float most = kMostRadius * *middle;
+  const float middle = median(*block);
+  if (!(middle > 0)) return {};
+  const float most = kMostRadius * middle;
   for (float& radius : cloud.radius.first(cloud.size)) radius = std::min(radius, most);
   return {};
 }

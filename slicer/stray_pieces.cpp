@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numbers>
 #include <span>
 
 namespace plumbline {
@@ -23,7 +24,7 @@ constexpr std::uint32_t kMostJudged = 256;        ///< small pieces; those beyon
 constexpr std::uint32_t kFewestPoints = 32;       ///< of a stray; fewer are no more than specks
 constexpr std::uint32_t kPlaces = 4;              ///< of a piece, where the winding number is asked
 constexpr std::uint32_t kFieldPoints = 1U << 14;  ///< of the cloud that stand for all of it
-constexpr float kPi = 3.14159265F;
+constexpr float kPi = std::numbers::pi_v<float>;
 
 bool is_surface(const Cloud& cloud, std::uint32_t i) { return cloud.normal[i].point_class != PointClass::kNoise; }
 

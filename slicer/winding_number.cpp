@@ -1,6 +1,7 @@
 #include "slicer/winding_number.hpp"
 
 #include <cmath>
+#include <numbers>
 
 namespace plumbline {
 namespace {
@@ -13,7 +14,7 @@ constexpr int kBisections = 8;
 constexpr float kRounding = 0.3F;       ///< of c
 constexpr float kMostRounding = 0.12F;  ///< that comes of it at most: s (1 - s^2) is 0.385 or less
 constexpr float kInverse4Pi = 0.0795774715F;
-constexpr float kPi = 3.14159265F;
+constexpr float kPi = std::numbers::pi_v<float>;
 
 }  // namespace
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace plumbline {
 namespace {
@@ -17,7 +18,7 @@ constexpr double kSmaller = 0.7;  ///< what a pixel may become while its grid gr
 constexpr double kLarger = 1.4;
 constexpr double kMostOfThem = 0.9;  ///< of a view's points lie within its tolerance
 constexpr double kMostChance = 0.3;  ///< of the points within it may be so by chance
-constexpr double kPi = 3.14159265358979;
+constexpr double kPi = std::numbers::pi;
 
 /// Points within a distance of the grid, and how many would be by chance.
 struct Score {

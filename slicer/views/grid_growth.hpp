@@ -41,10 +41,8 @@ class GridGrowth {
   std::optional<GrownGrid> grow(ViewGrid grid, double radius);
   /// How many of every few free points lie on a grid.
   std::uint32_t count(const GrownGrid& grid) const;
-  /// Every so manieth point of the scan, 65,536 at most.
+  /// Every few-th point of the scan, 65,536 at most.
   std::span<const std::uint32_t> thin() const { return thin_; }
-  /// Half the diagonal of the scan, mm.
-  double extent() const { return extent_; }
 
  private:
   GridGrowth(const Cloud& cloud, const KdTree3& tree, std::span<const std::uint8_t> view_of)
@@ -58,7 +56,7 @@ class GridGrowth {
   std::span<const std::uint8_t> view_of_;
   std::span<std::uint32_t> thin_;
   std::span<Vec3f> sample_;
-  double extent_ = 0;
+  double extent_ = 0;  ///< half the diagonal of the scan, mm
 };
 
 }  // namespace plumbline

@@ -5,13 +5,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "slicer/core/median.hpp"
+
 namespace plumbline {
 namespace {
 
-constexpr double kFlat = 0.15;        ///< least principal value of points on a surface over the middle one, at most
-constexpr double kOutlier = 3;        ///< deviations
-constexpr double kOfMedian = 1.4826;  ///< deviation of normally distributed values over the median of their size
-constexpr double kHeld = 1e-9;        ///< of the diagonal of the Gram matrix: points on a curve have no paraboloid
+constexpr double kFlat = 0.15;  ///< least principal value of points on a surface over the middle one, at most
+constexpr double kOutlier = 3;  ///< deviations
+constexpr double kHeld = 1e-9;  ///< of the diagonal of the Gram matrix: points on a curve have no paraboloid
 
 }  // namespace
 
@@ -39,8 +40,7 @@ bool LocalForm::fit(std::span<const Vec3d> points) {
   solve();
   std::array<double, kMostPoints> sizes;  // NOLINT(cppcoreguidelines-pro-type-member-init)
   std::transform(residual.begin(), residual.begin() + size, sizes.begin(), [](double r) { return std::abs(r); });
-  std::nth_element(sizes.begin(), sizes.begin() + size / 2, sizes.begin() + size);
-  deviation = kOfMedian * sizes[size / 2];
+  deviation = kMedianToDeviation * median(std::span(sizes).first(size));
   if (!(deviation > 0)) return false;
   std::uint32_t kept = 0;
   for (std::uint32_t k = 0; k < size; ++k) {
