@@ -59,10 +59,10 @@ void add_clusters(Text& text, const SliceReport& s) {
            share(PointClass::kNoise));
   if (s.views.moved > 0) {
     text.add(
-        "views      %u were told apart and moved by %.3g mm to agree: points lay %.3g mm off their surface, now %.3g "
-        "mm\n",
-        s.views.views, static_cast<double>(s.views.moved), static_cast<double>(s.views.before),
-        static_cast<double>(s.views.after));
+        "views      %u were told apart and moved by %.3g mm to agree, of which %.2g mm ripple: points lay %.3g mm off "
+        "their surface, now %.3g mm\n",
+        s.views.views, static_cast<double>(s.views.moved), static_cast<double>(s.views.ripple),
+        static_cast<double>(s.views.before), static_cast<double>(s.views.after));
   }
   if (s.strays.pieces > 0) text.add("strays     %s\n", stray_warning(s.strays).c_str());
   if (s.bore_walls.points > 0) {

@@ -81,6 +81,7 @@ void write_points(JsonWriter& json, const SliceReport& slice) {
   json.member("found", slice.views.views);
   json.member("points", slice.views.points);
   json.member("moved_mm", slice.views.moved);
+  json.member("ripple_mm", slice.views.ripple);
   json.member("off_surface_before_mm", slice.views.before);
   json.member("off_surface_after_mm", slice.views.after);
   json.end_object();

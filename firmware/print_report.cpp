@@ -2,18 +2,9 @@
 
 #include <algorithm>
 
+#include "slicer/core/median.hpp"
+
 namespace plumbline {
-namespace {
-
-/// @param times  reordered; not empty
-nanoseconds median(std::span<nanoseconds> times) {
-  const auto middle = times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2);
-  std::nth_element(times.begin(), middle, times.end());
-  return *middle;
-}
-
-}  // namespace
-
 std::string_view to_string(Check check) {
   switch (check) {
     case Check::kMemory: return "memory";

@@ -233,6 +233,7 @@ class Job {
     report_.views.before *= static_cast<float>(scale);
     report_.views.after *= static_cast<float>(scale);
     report_.views.moved *= static_cast<float>(scale);
+    report_.views.ripple *= static_cast<float>(scale);
     report_.bore_walls.area *= static_cast<float>(scale * scale);
     report_.thinning_cell_mm *= scale;
     return {};

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
+#include "slicer/core/median.hpp"
 #include "slicer/views/find_views.hpp"
 #include "slicer/views/local_form.hpp"
 #include "slicer/views/registration.hpp"
@@ -21,18 +23,10 @@ struct Roughness {
   float deviation = 0;  ///< of points from the surface round them, mm
 };
 
-template <std::size_t Size>
-float median(std::array<float, Size>& values, std::uint32_t count) {
-  if (count == 0) return 0;
-  std::nth_element(values.begin(), values.begin() + count / 2, values.begin() + count);
-  return values[count / 2];
-}
-
 /// Medians over the scan.
 Roughness roughness(const Cloud& cloud, const KdTree3& tree) {
   std::array<float, kSample> spacings = {};
   std::array<float, kSample> deviations = {};
-  std::uint32_t count = 0;
   std::uint32_t formed = 0;
   for (std::uint32_t k = 0; k < kSample; ++k) {
     const auto i = static_cast<std::uint32_t>(std::uint64_t{k} * cloud.size / kSample);
@@ -42,11 +36,12 @@ Roughness roughness(const Cloud& cloud, const KdTree3& tree) {
     for (std::uint32_t n = 0; n < near; ++n) {
       points[n] = (cloud.position[found[n].index] - cloud.position[i]).cast<double>();
     }
-    spacings[count++] = std::sqrt(3.14159265F * found[near - 1].distance2 / static_cast<float>(near));
+    spacings[k] = std::sqrt(std::numbers::pi_v<float> * found[near - 1].distance2 / static_cast<float>(near));
     LocalForm form;
     if (form.fit(std::span(points).first(near))) deviations[formed++] = static_cast<float>(form.deviation);
   }
-  return {median(spacings, count), median(deviations, formed)};
+  if (formed == 0) return {};
+  return {median(std::span<float>(spacings)), median(std::span(deviations).first(formed))};
 }
 
 }  // namespace
@@ -76,6 +71,7 @@ Expected<ViewAlignment> align_views(Cloud& cloud, const KdTree3& tree, Arena& ar
   alignment.before = registered->before;
   alignment.after = registered->after;
   alignment.moved = registered->moved;
+  alignment.ripple = registered->ripple;
   return alignment;
 }
 

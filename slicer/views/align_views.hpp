@@ -19,6 +19,7 @@ struct ViewAlignment {
   float before = 0;          ///< distance of points from the smooth surface round them, root of the mean square; mm
   float after = 0;           ///< the same with the views moved, mm
   float moved = 0;           ///< how far points of views were moved, root of the mean square; mm
+  float ripple = 0;          ///< how far they were off by their view's ripple, which is gone too, the same
 };
 
 /// Where noise is a fair share of the points' spacing: find_views(), register_views().

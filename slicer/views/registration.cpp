@@ -1,13 +1,13 @@
 #include "slicer/views/registration.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "slicer/views/depth_image.hpp"
 #include "slicer/views/find_views.hpp"
-#include "slicer/views/local_form.hpp"
+#include "slicer/views/moved_views.hpp"
+#include "slicer/views/shared_place.hpp"
 
 namespace plumbline {
 namespace {
@@ -15,33 +15,16 @@ namespace {
 constexpr const char* kStage = "views";
 
 constexpr std::uint32_t kPlaces = 16384;
-constexpr std::uint32_t kChunk = 256;    ///< places that are looked at before they are added up
-constexpr std::uint32_t kMostHere = 24;  ///< views of a place; more are left out
-constexpr int kRounds = 3;
-constexpr float kLeastCosine = 0.8F;     ///< of two normals of one smooth place
-constexpr float kMostBent = 0.05F;       ///< of a place's points: about an edge a paraboloid tells nothing
-constexpr float kFacingAway = -0.5F;     ///< cosine: the other side of a wall
-constexpr double kLeastIncidence = 0.5;  ///< cosine: noise along a grazing ray puts points outside of what is curved;
-constexpr double kGrazing = 0.05;        ///< weight of these, which may be all that tells where their view is
-constexpr double kWhole = 0.25;          ///< of the mean view's points: a part of a view says less of where the scan is
-constexpr double kFirstMotion = 2;       ///< spacings: standard deviation of what views are moved by, until it is seen
-constexpr double kOfMedian = 1.4826;     ///< standard deviation over the median of the magnitudes
-constexpr double kSamePlace = 10;        ///< points that err together: so much less do places say of a view's motion
-constexpr double kLeastGain = 0.03;      ///< of the mean square, or views stay where they are
+constexpr std::uint32_t kChunk = 64;  ///< places that are looked at before they are added up
+constexpr int kRounds = 5;
+constexpr int kSmooth = 2;           ///< rounds before ripple is looked for: views that are off look like ripple, too
+constexpr double kWhole = 0.25;      ///< of the mean view's points: a part of a view says less of where the scan is
+constexpr double kFirstMotion = 2;   ///< spacings: standard deviation of what views are moved by, until it is seen
+constexpr double kSamePlace = 10;    ///< points that err together: so much less do places say of a view's motion
+constexpr float kMostLeft = 0.985F;  ///< of the distances from the surface, or views stay where they are
 
-/// What one place says: for its views v and w, products[v][w] of <lever, motion of v> with that of w, and residuals[v].
-struct Place {
-  Vec6d lever;
-  std::uint32_t views = 0;
-  double mean_square = 0;  ///< of the residuals, mm^2
-  std::array<std::uint8_t, kMostHere> view;
-  std::array<double, kMostHere> residuals;
-  std::array<std::array<double, kMostHere>, kMostHere> products;
-};
-
-/// Solves a x = b for a symmetric positive definite a (n x n, row after row; the lower half is used and lost) in place of b.
-bool solve_in_place(std::span<double> a, std::span<double> b) {
-  const std::size_t n = b.size();
+/// A symmetric positive definite matrix, row after row, of which the lower half is used, becomes its Cholesky factor.
+bool factorize(std::span<double> a, std::size_t n) {
   for (std::size_t i = 0; i < n; ++i) {
     double* const row = &a[i * n];
     for (std::size_t j = 0; j <= i; ++j) {
@@ -56,73 +39,101 @@ bool solve_in_place(std::span<double> a, std::span<double> b) {
       }
     }
   }
-  for (std::size_t i = 0; i < n; ++i) {
-    for (std::size_t k = 0; k < i; ++k) b[i] -= a[i * n + k] * b[k];
-    b[i] /= a[i * n + i];
-  }
-  for (std::size_t i = n; i-- > 0;) {
-    for (std::size_t k = i + 1; k < n; ++k) b[i] -= a[k * n + i] * b[k];
-    b[i] /= a[i * n + i];
-  }
   return true;
+}
+
+/// Solves l x = b in place of b, of which all before `first` is nought.
+void solve_lower(std::span<const double> l, std::span<double> b, std::size_t first) {
+  const std::size_t n = b.size();
+  for (std::size_t i = first; i < n; ++i) {
+    for (std::size_t k = first; k < i; ++k) b[i] -= l[i * n + k] * b[k];
+    b[i] /= l[i * n + i];
+  }
+}
+
+/// Solves l^T x = b in place of b.
+void solve_upper(std::span<const double> l, std::span<double> b) {
+  const std::size_t n = b.size();
+  for (std::size_t i = n; i-- > 0;) {
+    for (std::size_t k = i + 1; k < n; ++k) b[i] -= l[k * n + i] * b[k];
+    b[i] /= l[i * n + i];
+  }
 }
 
 class Registrar {
  public:
-  Registrar(Cloud& cloud, const KdTree3& tree, const Views& views) : cloud_(cloud), tree_(tree), views_(views) {}
+  Registrar(Cloud& cloud, const KdTree3& tree, const MovedViews& views)
+      : cloud_(cloud),
+        tree_(tree),
+        views_(views),
+        motion2_(kFirstMotion * kFirstMotion * views.spacing() * views.spacing()) {}
 
   Expected<Registration> run(Arena& arena, const StageProgress& progress) {
-    const ArenaScope scope(arena);
-    const std::size_t unknowns = 6 * std::size_t{views_.grids.size()};
-    auto motions = arena.take_top<Vec6d>(views_.grids.size(), kStage);
-    PLUMBLINE_TRY(motions);
-    auto products = arena.take_top<double>(unknowns * unknowns, kStage);
-    PLUMBLINE_TRY(products);
-    auto residuals = arena.take_top<double>(unknowns, kStage);
-    PLUMBLINE_TRY(residuals);
-    auto places = arena.take_top<Place>(kChunk, kStage);
-    PLUMBLINE_TRY(places);
-    motions_ = *motions;
-    products_ = *products;
-    residuals_ = *residuals;
-    places_ = *places;
-    std::fill(motions_.begin(), motions_.end(), Vec6d::Zero());
-    std::fill(shares_.begin(), shares_.end(), 0);
-    for (std::uint32_t i = 0; i < cloud_.size; ++i) {
-      if (views_.of[i] != kNoView) shares_[views_.of[i]] += static_cast<double>(views_.grids.size()) / cloud_.size;
-    }
-    for (double& x : shares_) x = std::min(1.0, x / kWhole);
-    const Box3f bounds = cloud_.bounds();
-    middle_ = bounds.centre().cast<double>();
-    extent_ = 0.5 * static_cast<double>(bounds.size().maxCoeff());
+    const auto taken = take(arena);
+    PLUMBLINE_TRY(taken);
+    auto waves = WaveSearch::create(arena);
+    PLUMBLINE_TRY(waves);
+    weigh_views();
     Registration result;
     for (int round = 0; round <= kRounds; ++round) {
       const auto mean_square =
           look_at_places(progress.part(1.0 * round / (kRounds + 1), (round + 1.0) / (kRounds + 1)));
       PLUMBLINE_TRY(mean_square);
       if (!(*mean_square > 0)) return Registration{};
-      const auto rms = static_cast<float>(std::sqrt(*mean_square));
-      if (round == 0) result.before = rms;
-      result.after = rms;
-      if (round < kRounds && !improve()) return Registration{result.before, result.before, 0};
+      result.after = static_cast<float>(std::sqrt(*mean_square));
+      if (round == 0) result.before = result.after;
+      if (round == kRounds || !improve()) break;
+      if (round < kSmooth) continue;
+      for (std::size_t v = 0; v < views_.size(); ++v) {
+        DepthImage image = image_of(v);
+        waves->improve(views_.ripples[v], image);
+      }
     }
-    const double gain = 1 - static_cast<double>(result.after) * static_cast<double>(result.after) /
-                                (static_cast<double>(result.before) * static_cast<double>(result.before));
-    if (!(gain >= kLeastGain)) return Registration{result.before, result.before, 0};
-    result.moved = move();
+    if (result.after <= kMostLeft * result.before) {
+      move(result);
+    } else {
+      result.after = result.before;
+    }
     return result;
   }
 
  private:
-  Vec3d moved(std::uint32_t i) const {
-    const Vec3d x = cloud_.position[i].cast<double>() - middle_;
-    const Vec6d& m = motions_[views_.of[i]];
-    return x + m.head<3>() + m.tail<3>().cross(x) / extent_;
+  Status take(Arena& arena) {
+    const std::size_t views = views_.size();
+    auto products = arena.take_top<double>(36 * views * views, kStage);
+    PLUMBLINE_TRY(products);
+    auto residuals = arena.take_top<double>(6 * views, kStage);
+    PLUMBLINE_TRY(residuals);
+    auto places = arena.take_top<SharedPlace>(kChunk, kStage);
+    PLUMBLINE_TRY(places);
+    auto frames = arena.take_top<DepthFrame>(views, kStage);
+    PLUMBLINE_TRY(frames);
+    auto cells = arena.take_top<DepthImage::Cell>(views * DepthImage::kCells, kStage);
+    PLUMBLINE_TRY(cells);
+    products_ = *products;
+    residuals_ = *residuals;
+    places_ = *places;
+    frames_ = *frames;
+    cells_ = *cells;
+    for (std::size_t v = 0; v < views; ++v) frames_[v] = views_.frame(static_cast<std::uint8_t>(v));
+    return {};
+  }
+
+  void weigh_views() {
+    for (std::uint32_t i = 0; i < cloud_.size; ++i) {
+      if (views_.view_of(i) != kNoView) shares_[views_.view_of(i)] += static_cast<double>(views_.size()) / cloud_.size;
+    }
+    for (double& x : shares_) x = std::min(1.0, x / kWhole);
+  }
+
+  DepthImage image_of(std::size_t view) {
+    return {frames_[view], cells_.subspan(view * DepthImage::kCells, DepthImage::kCells)};
   }
 
   Expected<double> look_at_places(const StageProgress& progress) {
     std::fill(products_.begin(), products_.end(), 0);
     std::fill(residuals_.begin(), residuals_.end(), 0);
+    std::fill(cells_.begin(), cells_.end(), DepthImage::Cell{});
     double sum = 0;
     std::uint32_t count = 0;
     const std::uint32_t places = std::min(kPlaces, cloud_.size);
@@ -133,9 +144,9 @@ class Registrar {
 #pragma omp parallel for schedule(dynamic, 8)
       for (std::uint32_t k = 0; k < here; ++k) {
         const auto i = static_cast<std::uint32_t>(std::uint64_t{first + k} * cloud_.size / places);
-        if (!look_at(i, places_[k])) places_[k].views = 0;
+        if (!places_[k].look_at(cloud_, tree_, views_, i)) places_[k].views = 0;
       }
-      for (const Place& place : places_.first(here)) {
+      for (const SharedPlace& place : places_.first(here)) {
         if (place.views < 2) continue;
         add(place);
         sum += place.mean_square;
@@ -145,72 +156,7 @@ class Registrar {
     return count > 0 ? sum / count : 0;
   }
 
-  bool look_at(std::uint32_t i, Place& place) const {
-    if (views_.of[i] == kNoView) return false;
-    std::array<Neighbour, LocalForm::kMostPoints> found = {};
-    const std::uint32_t count =
-        tree_.nearest(cloud_.position[i], found, [this](std::uint32_t other) { return views_.of[other] != kNoView; });
-    const Vec3f facing = cloud_.normal[i].unpack();
-    std::array<Vec3d, LocalForm::kMostPoints> points;
-    std::array<std::uint32_t, LocalForm::kMostPoints> index = {};
-    std::uint32_t size = 0;
-    std::uint32_t bent = 0;
-    for (const Neighbour& n : std::span(found).first(count)) {
-      const float alike = cloud_.normal[n.index].unpack().dot(facing);
-      if (alike < kFacingAway) continue;
-      if (alike < kLeastCosine) {
-        ++bent;
-        continue;
-      }
-      points[size] = moved(n.index);
-      index[size++] = n.index;
-    }
-    if (static_cast<float>(bent) > kMostBent * static_cast<float>(count)) return false;
-    LocalForm form;
-    if (!form.fit(std::span(points).first(size))) return false;
-    double weights = 0;
-    for (std::uint32_t k = 0; k < form.size; ++k) {
-      const std::uint32_t at = index[form.point[k]];
-      const double incidence = std::abs(views_.grids[views_.of[at]].ray(cloud_.position[at]).dot(form.normal));
-      form.weight[k] = incidence < kLeastIncidence ? kGrazing : 1;
-      weights += form.weight[k];
-    }
-    form.solve();
-    place.views = 0;
-    place.mean_square = 0;
-    std::array<Vec6d, kMostHere> sums;
-    std::array<double, kMostHere> counts = {};
-    for (std::uint32_t k = 0; k < form.size; ++k) {
-      place.mean_square += form.weight[k] * form.residual[k] * form.residual[k] / weights;
-      const std::uint8_t of = views_.of[index[form.point[k]]];
-      std::uint32_t v = 0;
-      while (v < place.views && place.view[v] != of) ++v;
-      if (v == kMostHere) continue;
-      if (v == place.views) {
-        place.view[v] = of;
-        place.residuals[v] = 0;
-        sums[v].setZero();
-        ++place.views;
-      }
-      place.residuals[v] += form.weight[k] * form.residual[k];
-      sums[v] += form.weight[k] * form.terms[k];
-      counts[v] += form.weight[k];
-    }
-    const double weight = 1 / (form.deviation * form.deviation);
-    const auto factors = form.gram.ldlt();
-    for (std::uint32_t v = 0; v < place.views; ++v) {
-      const Vec6d solved = factors.solve(sums[v]);
-      for (std::uint32_t w = 0; w < place.views; ++w) {
-        place.products[v][w] = weight * ((v == w ? counts[v] : 0) - solved.dot(sums[w]));
-      }
-      place.residuals[v] *= weight;
-    }
-    place.lever.head<3>() = form.normal;
-    place.lever.tail<3>() = form.mean.cross(form.normal) / extent_;
-    return true;
-  }
-
-  void add(const Place& place) {
+  void add(const SharedPlace& place) {
     const std::size_t n = residuals_.size();
     for (std::uint32_t v = 0; v < place.views; ++v) {
       const std::size_t row = 6 * std::size_t{place.view[v]};
@@ -224,6 +170,10 @@ class Registrar {
         }
       }
     }
+    for (std::uint32_t k = 0; k < place.points; ++k) {
+      const std::uint32_t i = place.point[k];
+      image_of(views_.view_of(i)).add(views_.seen(i), place.off[k], place.weight[k]);
+    }
   }
 
   bool improve() {
@@ -231,68 +181,87 @@ class Registrar {
     double trace = 0;
     for (std::size_t k = 0; k < n; ++k) trace += products_[k * n + k];
     const double together = trace / static_cast<double>(n);
-    const double motion = likely_motion();
-    const double alone = kSamePlace / (motion * motion);
+    const double alone = kSamePlace / motion2_;
     for (std::size_t i = 0; i < n; ++i) {
       products_[i * n + i] += alone;
-      // The mean motion of the points is held at nought: the scan as a whole says nothing of where it is.
+      // The sum of all motions is held at nought: the scan as a whole says nothing of where it is.
       for (std::size_t j = i % 6; j <= i; j += 6) products_[i * n + j] += together * shares_[i / 6] * shares_[j / 6];
-      residuals_[i] -= alone * motions_[i / 6][static_cast<Eigen::Index>(i % 6)];
+      residuals_[i] -= alone * views_.motions[i / 6][static_cast<Eigen::Index>(i % 6)];
     }
-    if (!solve_in_place(products_, residuals_)) return false;
-    for (std::size_t i = 0; i < n; ++i) motions_[i / 6][static_cast<Eigen::Index>(i % 6)] += residuals_[i];
+    if (!factorize(products_, n)) return false;
+    solve_lower(products_, residuals_, 0);
+    solve_upper(products_, residuals_);
+    double square = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      double& motion = views_.motions[i / 6][static_cast<Eigen::Index>(i % 6)];
+      motion += residuals_[i];
+      square += motion * motion;
+    }
+    const double told = static_cast<double>(n) - alone * trace_of_inverse();
+    if (square > 0 && told > 0) motion2_ = square / told;
     return true;
   }
 
-  /// Standard deviation of what a view has to be moved by, mm: as the median of all motions so far tells it.
-  double likely_motion() const {
-    std::array<double, 6 * std::size_t{kMostViews}> all;  // NOLINT(cppcoreguidelines-pro-type-member-init)
-    const auto end = all.begin() + static_cast<std::ptrdiff_t>(residuals_.size());
-    auto next = all.begin();
-    for (const Vec6d& m : motions_) {
-      for (const double a : m) *next++ = std::abs(a);
+  /// Of the normal equations, which have been factorized.
+  double trace_of_inverse() {
+    const std::size_t n = residuals_.size();
+    double trace = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      std::fill(residuals_.begin(), residuals_.end(), 0);
+      residuals_[i] = 1;
+      solve_lower(products_, residuals_, i);
+      for (std::size_t k = i; k < n; ++k) trace += residuals_[k] * residuals_[k];
     }
-    const auto middle = all.begin() + (end - all.begin()) / 2;
-    std::nth_element(all.begin(), middle, end);
-    return *middle > 0 ? kOfMedian * *middle : kFirstMotion * static_cast<double>(views_.spacing);
+    return trace;
   }
 
-  float move() {
+  void move(Registration& result) {
     double sum = 0;
+    double ripple = 0;
     std::uint32_t count = 0;
     for (std::uint32_t i = 0; i < cloud_.size; ++i) {
-      if (views_.of[i] == kNoView) continue;
-      const Vec3f to = (moved(i) + middle_).cast<float>();
+      if (views_.view_of(i) == kNoView) continue;
+      const double depth = views_.ripples[views_.view_of(i)].depth(views_.seen(i));
+      const Vec3f to = (views_.moved(i) + views_.middle()).cast<float>();
       const Vec3f by = to - cloud_.position[i];
       sum += static_cast<double>(by.dot(by));
+      ripple += depth * depth;
       ++count;
       cloud_.position[i] = to;
     }
-    return static_cast<float>(std::sqrt(sum / std::max(1U, count)));
+    result.moved = static_cast<float>(std::sqrt(sum / std::max(1U, count)));
+    result.ripple = static_cast<float>(std::sqrt(ripple / std::max(1U, count)));
   }
 
   Cloud& cloud_;
   const KdTree3& tree_;
-  const Views& views_;
-  std::span<Vec6d> motions_;
+  MovedViews views_;
   std::span<double> products_;
   std::span<double> residuals_;
-  std::span<Place> places_;
-  std::array<double, kMostViews> shares_ = {};  ///< of the points, 1 for a view like the others
-  Vec3d middle_ = Vec3d::Zero();
-  double extent_ = 0;
+  std::span<SharedPlace> places_;
+  std::span<DepthFrame> frames_;
+  std::span<DepthImage::Cell> cells_;  ///< of each view's image
+  /// Variance of a component of what a view has to be moved by, mm^2: the squares of all motions over the number of those
+  /// that the scan tells of (MacKay, Bayesian interpolation, 1992); of the others it tells nothing, and they stay small.
+  double motion2_;
+  std::array<double, kMostViews> shares_ = {};  ///< of each view in where the scan is: 1, less for a part of a view
 };
 
 }  // namespace
 
 std::size_t register_views_bytes() {
   constexpr std::size_t kUnknowns = 6 * std::size_t{kMostViews};
-  return kUnknowns * (kUnknowns + 2) * sizeof(double) + kChunk * sizeof(Place);
+  return MovedViews::bytes(kMostViews) + WaveSearch::bytes() + kUnknowns * (kUnknowns + 1) * sizeof(double) +
+         kChunk * sizeof(SharedPlace) +
+         kMostViews * (sizeof(DepthFrame) + std::size_t{DepthImage::kCells} * sizeof(DepthImage::Cell));
 }
 
 Expected<Registration> register_views(Cloud& cloud, const KdTree3& tree, const Views& views, Arena& arena,
                                       const StageProgress& progress) {
-  return Registrar(cloud, tree, views).run(arena, progress);
+  const ArenaScope scope(arena);
+  const auto moved = MovedViews::create(cloud, views, arena);
+  PLUMBLINE_TRY(moved);
+  return Registrar(cloud, tree, *moved).run(arena, progress);
 }
 
 }  // namespace plumbline

@@ -1,21 +1,14 @@
 #pragma once
 /// Moves the views of a scan so that they agree.
 
-#include <cstdint>
-#include <span>
+#include <cstddef>
 
 #include "slicer/cloud.hpp"
 #include "slicer/core/progress.hpp"
 #include "slicer/kd_tree.hpp"
-#include "slicer/views/view_grid.hpp"
+#include "slicer/views/moved_views.hpp"
 
 namespace plumbline {
-
-struct Views {
-  std::span<const std::uint8_t> of;  ///< a point's view; what has none (kNoView) stays where it is and is not asked
-  std::span<const ViewGrid> grids;   ///< of each view, where its points were seen; kMostViews at most
-  float spacing = 0;                 ///< of the scan's points, mm
-};
 
 /// Bytes of arena that register_views() takes at most, rounding of blocks apart.
 std::size_t register_views_bytes();
@@ -25,14 +18,16 @@ struct Registration {
   float before = 0;  ///< points from the smooth surface round them, root of the mean square
   float after = 0;   ///< the same, once the views have moved; as before where they were left where they are
   float moved = 0;   ///< of a point of a view, root of the mean square
+  float ripple = 0;  ///< the share of this that was ripple
 };
 
 /// Moves each view as a rigid body, all of them at once, so that the points of different views about a place lie on one
 /// surface there: Gauss and Newton's method on the distances of points from a paraboloid through their neighbourhood (Chen
 /// and Medioni, Object modelling by registration of multiple range images, 1992, with the paraboloid eliminated instead of
 /// one view held). What nothing tells, such as how far a plate's upper side is from its lower, stays as it is: motions are
-/// held small, as if they were normally distributed with the deviation that most of them show. The sum of all motions is
-/// nought, so the scan as a whole stays where it is.
+/// held small, as if they were normally distributed with the deviation that those show which the scan does tell. The sum of
+/// all motions is nought, so the scan as a whole stays where it is. In turn with that, what each view is still off by is
+/// looked through for ripple (WaveSearch), which is taken out.
 ///
 /// @returns the same for any number of threads
 /// @retval ErrorCode::kOutOfMemory, kCancelled

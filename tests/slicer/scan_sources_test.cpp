@@ -75,13 +75,13 @@ TEST(ScanSources, ArePlannedAndThinnedTogether) {
   const MemorySource one(whole, "whole.ply");
   const MemorySource top(halves.top, "top.ply");
   const MemorySource bottom(halves.bottom, "bottom.ply");
-  // Either half would fit; both do not.
-  const CloudReading half = read({top}, 10 * kMiB);
+  constexpr std::size_t kForHalf = 13 * kMiB;  // either half would fit; both do not
+  const CloudReading half = read({top}, kForHalf);
   EXPECT_EQ(half.averaged, 0U);
-  const CloudReading thinned = read({top, bottom}, 10 * kMiB);
+  const CloudReading thinned = read({top, bottom}, kForHalf);
   EXPECT_GT(thinned.averaged, 0U);
   EXPECT_LE(thinned.cloud.size, thinned.room);
-  EXPECT_LE(thinned.plan.peak(), 10 * kMiB);
+  EXPECT_LE(thinned.plan.peak(), kForHalf);
   // With room enough the plan is that of their sum.
   EXPECT_EQ(read({top, bottom}, 100 * kMiB).plan.points, read({one}, 100 * kMiB).plan.points);
 }

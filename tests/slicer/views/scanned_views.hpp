@@ -1,6 +1,8 @@
 #pragma once
 /// An ellipsoid as cameras see it: every point on a ray through a pixel, whatever its noise, and each view a little off.
 
+#include <array>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -10,7 +12,7 @@ namespace plumbline::testing {
 
 struct ScannedViews {
   Surface surface;
-  std::vector<Vec3d> unmoved;      ///< of each point: where it would be had its view not been moved, mm
+  std::vector<Vec3d> unmoved;      ///< of each point: where it would be had its view no ripple and not been moved, mm
   std::vector<std::uint8_t> view;  ///< of each point
 };
 
@@ -20,6 +22,7 @@ struct Cameras {
   double noise = 0.05;       ///< mm along the ray, deviation
   double shift = 0.05;       ///< mm an axis, deviation over the views
   double turn = 0.002;       ///< radian an axis, deviation over the views
+  double ripple = 0;         ///< mm along the ray: height of each of two waves of 4 to 8 mm, other ones in each view
 };
 
 inline const Vec3d kEllipsoid = {20, 15, 12};  ///< half its axes, mm
@@ -48,6 +51,13 @@ inline ScannedViews scan_ellipsoid(const Cameras& cameras, std::uint32_t seed) {
     const Vec3d ahead = -stations[v].normal;
     const Vec3d right = ahead.cross(Vec3d(0.3, 0.2, 0.9)).normalized();
     const Vec3d down = ahead.cross(right);
+    std::array<Vec3d, 2> waves;
+    std::array<double, 2> phases = {};
+    for (std::size_t k = 0; k < waves.size() && cameras.ripple > 0; ++k) {
+      const double angle = random.uniform() * 2 * kPi;
+      waves[k] = (right * std::cos(angle) + down * std::sin(angle)) * 2 * kPi / (4 + 4 * random.uniform());
+      phases[k] = random.uniform() * 2 * kPi;
+    }
     for (int j = -half; j <= half; ++j) {
       for (int i = -half; i <= half; ++i) {
         const Vec3d ray = (ahead * kDistance + (right * i + down * j) * cameras.pixel).normalized();
@@ -63,7 +73,11 @@ inline ScannedViews scan_ellipsoid(const Cameras& cameras, std::uint32_t seed) {
         const Vec3d seen = at + ray * (cameras.noise * random.normal());
         scan.unmoved.push_back(seen);
         scan.view.push_back(static_cast<std::uint8_t>(v));
-        scan.surface.push_back({seen + (turns[v] - mean_turn).cross(seen) + shifts[v] - mean_shift, normal});
+        Vec3d rippled = seen;
+        for (std::size_t k = 0; k < waves.size() && cameras.ripple > 0; ++k) {
+          rippled += ray * (cameras.ripple * std::sin(waves[k].dot(at) + phases[k]));
+        }
+        scan.surface.push_back({rippled + (turns[v] - mean_turn).cross(seen) + shifts[v] - mean_shift, normal});
       }
     }
   }

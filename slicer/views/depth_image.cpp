@@ -1,0 +1,197 @@
+#include "slicer/views/depth_image.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "slicer/core/median.hpp"
+#include "slicer/frame.hpp"
+
+namespace plumbline {
+namespace {
+
+constexpr const char* kStage = "views";
+
+constexpr std::uint32_t kSide = DepthImage::kSide;
+constexpr std::uint32_t kSteps = 2 * kSide;      ///< of a turn
+constexpr std::uint32_t kRight = kSide / 2 + 1;  ///< frequencies: 0 to a wave of four cells, in half waves an image
+constexpr std::uint32_t kUp = 2 * kRight - 1;    ///< the same, either way
+constexpr float kLeastPower = 14;                ///< of a wave over chance
+constexpr std::uint32_t kLowest = 2;             ///< half waves an image: less is how a view lies
+constexpr double kApart = 3;                     ///< half waves: waves as close as that are one
+constexpr int kSearchSteps = 3;                  ///< Gauss and Newton's
+constexpr double kHeld = 1e-3;                   ///< of the diagonal of normal equations
+constexpr double kMostTurned = 0.5;              ///< turns at an image's side, of one step
+constexpr double kTurn = 2 * std::numbers::pi;
+
+}  // namespace
+
+DepthFrame::DepthFrame(const Vec3d& centre, const Vec3d& ray, double half_side)
+    : middle(centre), axis(ray), reach(half_side) {
+  const Frame frame(axis.cast<float>());
+  right = frame.t.cast<double>();
+  up = frame.s.cast<double>();
+}
+
+void DepthImage::add(const Vec3d& x, double off, double weight) {
+  const Vec3d d = x - frame_.middle;
+  const double scale = 0.5 * kSide / frame_.reach;
+  const double u = d.dot(frame_.right) * scale + 0.5 * kSide;
+  const double v = d.dot(frame_.up) * scale + 0.5 * kSide;
+  if (!(u >= 0 && u < kSide && v >= 0 && v < kSide)) return;
+  Cell& cell = cells_[static_cast<std::uint32_t>(v) * kSide + static_cast<std::uint32_t>(u)];
+  cell.weight += static_cast<float>(weight);
+  cell.off += static_cast<float>(off);
+  cell.depth += static_cast<float>(weight * d.dot(frame_.axis));
+}
+
+/// From the middle of the view's points to the middle of those of a cell that has any.
+Vec3d DepthImage::place(std::uint32_t cell) const {
+  const double size = 2 * frame_.reach / kSide;
+  const std::uint32_t row = cell / kSide;
+  const double right = (cell % kSide + 0.5) * size - frame_.reach;
+  const double up = (row + 0.5) * size - frame_.reach;
+  return frame_.right * right + frame_.up * up +
+         frame_.axis * static_cast<double>(cells_[cell].depth / cells_[cell].weight);
+}
+
+void DepthImage::fit(Wave& wave, bool frequency_too) {
+  using Vec5d = Eigen::Matrix<double, 5, 1>;
+  using Mat5d = Eigen::Matrix<double, 5, 5>;
+  // About the middle, so that a step of the frequency does not turn the wave there.
+  const Phasor middle = wave.at(frame_.middle);
+  Wave about = wave;
+  about.re = wave.re * static_cast<double>(middle.re) + wave.im * static_cast<double>(middle.im);
+  about.im = wave.im * static_cast<double>(middle.re) - wave.re * static_cast<double>(middle.im);
+  Mat5d products = Mat5d::Zero();
+  Vec5d right = Vec5d::Zero();
+  Vec5d terms = Vec5d::Zero();
+  for (std::uint32_t i = 0; i < kCells; ++i) {
+    if (!(cells_[i].weight > 0)) continue;
+    const Vec3d x = place(i);
+    const Phasor p = about.at(x);
+    terms[0] = static_cast<double>(p.re);
+    terms[1] = static_cast<double>(p.im);
+    if (frequency_too) terms.tail<3>() = (about.im * terms[0] - about.re * terms[1]) * kTurn * x;
+    products += static_cast<double>(cells_[i].weight) * terms * terms.transpose();
+    right += static_cast<double>(cells_[i].off) * terms;
+  }
+  const double of_amplitude = products.topLeftCorner<2, 2>().trace();
+  const double of_frequency = products.bottomRightCorner<3, 3>().trace();
+  if (!(of_amplitude > 0)) return;
+  products.diagonal().head<2>().array() += kHeld * of_amplitude;
+  products.diagonal().tail<3>().array() += of_frequency > 0 ? kHeld * of_frequency : 1;
+  Vec5d step = products.ldlt().solve(right);
+  const double turned = step.tail<3>().norm() * frame_.reach;
+  if (turned > kMostTurned) step.tail<3>() *= kMostTurned / turned;
+  const Wave before = about;
+  about.re += step[0];
+  about.im += step[1];
+  about.frequency += step.tail<3>();
+  for (std::uint32_t i = 0; i < kCells; ++i) {
+    if (!(cells_[i].weight > 0)) continue;
+    const Vec3d x = place(i);
+    cells_[i].off -= cells_[i].weight * static_cast<float>(about.depth(x) - before.depth(x));
+  }
+  const Phasor back = about.at(frame_.middle);
+  wave.frequency = about.frequency;
+  wave.re = about.re * static_cast<double>(back.re) - about.im * static_cast<double>(back.im);
+  wave.im = about.im * static_cast<double>(back.re) + about.re * static_cast<double>(back.im);
+}
+
+std::size_t WaveSearch::bytes() {
+  return (std::size_t{kSide} * kRight + kSteps) * sizeof(Phasor) + std::size_t{2} * kUp * kRight * sizeof(float);
+}
+
+Expected<WaveSearch> WaveSearch::create(Arena& arena) {
+  WaveSearch search;
+  auto rows = arena.take_top<Phasor>(std::size_t{kSide} * kRight, kStage);
+  PLUMBLINE_TRY(rows);
+  auto powers = arena.take_top<float>(std::size_t{kUp} * kRight, kStage);
+  PLUMBLINE_TRY(powers);
+  auto sorted = arena.take_top<float>(powers->size(), kStage);
+  PLUMBLINE_TRY(sorted);
+  auto turns = arena.take_top<Phasor>(kSteps, kStage);
+  PLUMBLINE_TRY(turns);
+  search.rows_ = *rows;
+  search.powers_ = *powers;
+  search.sorted_ = *sorted;
+  search.turns_ = *turns;
+  for (std::uint32_t k = 0; k < kSteps; ++k) search.turns_[k] = phasor(static_cast<float>(k) / kSteps);
+  return search;
+}
+
+/// Powers of the image's spectrum: first along its rows, then across them.
+void WaveSearch::transform(std::span<const DepthImage::Cell> cells) {
+#pragma omp parallel for schedule(static)
+  for (std::uint32_t y = 0; y < kSide; ++y) {
+    const auto row = rows_.subspan(std::size_t{y} * kRight, kRight);
+    std::fill(row.begin(), row.end(), Phasor{0, 0});
+    for (std::uint32_t x = 0; x < kSide; ++x) {
+      const float off = cells[y * kSide + x].off;
+      if (off == 0) continue;
+      for (std::uint32_t j = 0; j < kRight; ++j) {
+        const Phasor& w = turns_[j * x % kSteps];
+        row[j].re += off * w.re;
+        row[j].im -= off * w.im;
+      }
+    }
+  }
+#pragma omp parallel for schedule(static)
+  for (std::uint32_t l = 0; l < kUp; ++l) {
+    std::array<Phasor, kRight> sums;
+    sums.fill({0, 0});
+    for (std::uint32_t y = 0; y < kSide; ++y) {
+      const Phasor w = turns_[(l + kSteps - (kRight - 1)) * y % kSteps];
+      const auto row = rows_.subspan(std::size_t{y} * kRight, kRight);
+      for (std::uint32_t j = 0; j < kRight; ++j) {
+        sums[j].re += row[j].re * w.re + row[j].im * w.im;
+        sums[j].im += row[j].im * w.re - row[j].re * w.im;
+      }
+    }
+    for (std::uint32_t j = 0; j < kRight; ++j)
+      powers_[l * kRight + j] = sums[j].re * sums[j].re + sums[j].im * sums[j].im;
+  }
+}
+
+/// The frequency of the strongest wave that stands out and is none of those known.
+bool WaveSearch::strongest(const Ripple& ripple, const DepthFrame& frame, Wave& wave) {
+  const double step = 1 / (4 * frame.reach);  // half a wave in an image
+  std::copy(powers_.begin(), powers_.end(), sorted_.begin());
+  float most =
+      kLeastPower * median(sorted_) / std::numbers::ln2_v<float>;  // powers of noise are distributed exponentially
+  bool found = false;
+  for (std::uint32_t l = 0; l < kUp; ++l) {
+    const int up = static_cast<int>(l) - static_cast<int>(kRight - 1);
+    for (std::uint32_t right = 0; right < kRight; ++right) {
+      if (static_cast<std::uint32_t>(up * up) + right * right < kLowest * kLowest) continue;
+      if (!(powers_[l * kRight + right] > most)) continue;
+      const Vec3d frequency = (frame.right * right + frame.up * up) * step;
+      const auto is_same = [&](const Wave& other) {
+        const Vec3d across = other.frequency - frame.axis * frame.axis.dot(other.frequency);
+        return std::min((frequency - across).norm(), (frequency + across).norm()) < kApart * step;
+      };
+      if (std::any_of(ripple.wave.begin(), ripple.wave.begin() + ripple.waves, is_same)) continue;
+      most = powers_[l * kRight + right];
+      wave.frequency = frequency;
+      found = true;
+    }
+  }
+  return found;
+}
+
+void WaveSearch::improve(Ripple& ripple, DepthImage& image) {
+  for (std::uint32_t k = 0; k < ripple.waves; ++k) image.fit(ripple.wave[k], true);
+  while (ripple.waves < Ripple::kMostWaves) {
+    transform(image.cells());
+    Wave wave;
+    if (!strongest(ripple, image.frame(), wave)) return;
+    image.fit(wave, false);
+    for (int k = 0; k < kSearchSteps; ++k) image.fit(wave, true);
+    ripple.wave[ripple.waves++] = wave;
+  }
+}
+
+}  // namespace plumbline

@@ -1,0 +1,41 @@
+#pragma once
+/// The ripple that a scanner's fringes leave in the depth of a view.
+
+#include <array>
+#include <cstdint>
+
+#include "slicer/core/vec.hpp"
+#include "slicer/views/phasor.hpp"
+
+namespace plumbline {
+
+/// What lies at x is seen re cos a + im sin a too far along its ray, a = 2 pi <frequency, x>.
+struct Wave {
+  Vec3d frequency = Vec3d::Zero();  ///< per mm
+  double re = 0, im = 0;            ///< mm
+
+  /// exp(i a)
+  Phasor at(const Vec3d& x) const {
+    const double turns = frequency.dot(x);
+    return phasor(static_cast<float>(turns - std::floor(turns)));
+  }
+  double depth(const Vec3d& x) const {
+    const Phasor p = at(x);
+    return re * static_cast<double>(p.re) + im * static_cast<double>(p.im);
+  }
+};
+
+/// All waves of a view.
+struct Ripple {
+  static constexpr std::uint32_t kMostWaves = 8;
+  std::array<Wave, kMostWaves> wave;
+  std::uint32_t waves = 0;
+
+  double depth(const Vec3d& x) const {
+    double sum = 0;
+    for (std::uint32_t k = 0; k < waves; ++k) sum += wave[k].depth(x);
+    return sum;
+  }
+};
+
+}  // namespace plumbline
