@@ -15,6 +15,10 @@ constexpr std::uint32_t kMaxCrossingsFound = 4096;
 /// Farther from the surface's than this, one winding number tells for a whole tile. More than a hole's rounding can count.
 constexpr float kSure = 0.2F;
 
+/// Behind a sheet that stands alone the winding number is a half, whatever inside() makes of its rim. So it must be farther
+/// from the surface's than this for an object to be there.
+constexpr float kBeyondOneSheet = 0.05F;
+
 }  // namespace
 
 const char* to_string(RayDecision decision) {
@@ -181,6 +185,11 @@ Evidence RayPerfecter::evidence_of(float depth) const {
   return again ? Evidence::kMeasured : Evidence::kRepaired;
 }
 
+bool RayPerfecter::more_than_a_sheet(const Vec3f& x, bool is_inside) const {
+  const float w = (*winding_)(x)-WindingTree::kSurface;
+  return (is_inside ? w : -w) > kBeyondOneSheet;
+}
+
 bool RayPerfecter::bisect_agreed(float x, float y, float end, float place, bool inside_at_end) {
   const auto inside = [&](float z) { return winding_->inside({x, y, z}); };
   if (inside(end) != inside_at_end || inside(place) == inside_at_end) return false;
@@ -197,7 +206,8 @@ void RayPerfecter::cross_band(float x, float y, const RaySurface& surface, const
   const auto left_out = [&](float end, float other_end, std::uint32_t outermost, bool inside_at_end) {
     const bool has_sheet = first != last;
     const float place = has_sheet ? 0.5F * (end + surface.intersections[outermost].depth) : other_end;
-    if (bisect_agreed(x, y, end, place, inside_at_end)) return 0U;
+    const bool believed = !has_sheet || more_than_a_sheet({x, y, place}, !inside_at_end);
+    if (believed && bisect_agreed(x, y, end, place, inside_at_end)) return 0U;
     if (!has_sheet) emit(end, Evidence::kWinding);
     return has_sheet ? 1U : 0U;
   };

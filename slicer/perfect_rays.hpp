@@ -107,6 +107,8 @@ class RayPerfecter {
   void bisect(float x, float y, float from, float to, bool inside_at_from);
   bool alternates(const RaySurface& surface) const;
   Gap decide_gap(float x, float y, float low, float high, bool below, bool above);
+  /// Whether the winding number has x on that side and no sheet alone makes it so.
+  bool more_than_a_sheet(const Vec3f& x, bool is_inside) const;
   /// Emits a crossing between the end of a band, which the gap beside it says is not what the band has it, and a place in the
   /// band, if the winding number agrees with both.
   bool bisect_agreed(float x, float y, float end, float place, bool inside_at_end);

@@ -76,6 +76,15 @@ TEST(PerfectRays, DoNotMeetWhatEndsBesideThem) {
   expect_the_plate(surface, 0.05F);
 }
 
+// Behind a one-sided sheet the winding number is a half at most, and what closes holes as round as their rims lean may take it
+// for inside: background that stood across the object was printed as a flake.
+TEST(PerfectRays, MakeNoSolidBehindASheetThatHangsInTheAir) {
+  Random random(5);
+  Surface surface = box({1, 1, 5}, {19, 19, 6}, kSpacing, 0.2, random);
+  append(surface, sheet({2, 2, 12}, {16, 0, 0}, {0, 16, 0}, kSpacing, 0.2, random));
+  expect_the_plate(surface, 0.05F);
+}
+
 /// A box from z = 3 to 8.5, the ray just behind the wall at x = 10.8, with a few points below that wall's rim.
 /// @param gap  mm of the wall that were not seen
 Surface box_with_points_below_its_rim(double gap) {
