@@ -21,7 +21,6 @@ constexpr float kLeastWidth = 0.05F;     ///< of a plane's points across against
 constexpr float kMostTilt = 1;           ///< tangent: more is another sheet
 constexpr float kBeside = 0.1F;          ///< of epsilon: farther from the plane of those that face its way is beside it
 constexpr float kWeightsSpread = 0.55F;  ///< sum w^2 u^2 / sum w u^2 over a disc
-constexpr float kSure = 2;  ///< times the square that noise alone makes: of a scanner's tilt, so much is taken off
 
 /// Weighted moments of the points round one point.
 struct Moments {
@@ -84,25 +83,31 @@ bool is_beside(const Vec3f& n, const Moments& moments, float limit) {
   return moments.count >= kFewest && std::abs(moments.first.dot(n)) > limit * moments.weight;
 }
 
+/// How far a plane leans away from a normal n.
+struct Tilt {
+  Vec3f by = Vec3f::Zero();  ///< tangent, against the lean
+  float square = 0;          ///< of `by`
+  float of_noise = 0;        ///< what the square comes to by noise alone
+};
+
 /// @param noise  mm; 0: it explains nothing
-/// @returns the normal tilted to the plane of the points as far as noise does not explain it; as it was where there is none
-Vec3f tilted(const Vec3f& n, const Moments& moments, float noise) {
-  if (moments.count < kFewest) return n;
+/// @returns none where the points have no plane, or another sheet's
+Tilt tilt(const Vec3f& n, const Moments& moments, float noise) {
+  if (moments.count < kFewest) return {};
   const auto [t, s] = Frame(n);
   const float tt = moments.along(t, t);
   const float ss = moments.along(s, s);
   const float ts = moments.along(t, s);
   const float determinant = tt * ss - ts * ts;
   // The product of the two variances against the square of their sum.
-  if (!(determinant > kLeastWidth * (tt + ss) * (tt + ss))) return n;
+  if (!(determinant > kLeastWidth * (tt + ss) * (tt + ss))) return {};
   const float tn = moments.along(t, n);
   const float sn = moments.along(s, n);
   const float a = (tn * ss - sn * ts) / determinant;
   const float b = (sn * tt - tn * ts) / determinant;
-  const float tilt2 = a * a + b * b;
-  const float noise2 = kWeightsSpread * noise * noise * (tt + ss) / (tt * ss);
-  if (!(tilt2 < kMostTilt * kMostTilt && tilt2 > kSure * noise2)) return n;
-  return n - (t * a + s * b) * (1 - kSure * noise2 / tilt2);
+  const float square = a * a + b * b;
+  if (!(square < kMostTilt * kMostTilt)) return {};
+  return {t * a + s * b, square, kWeightsSpread * noise * noise * (tt + ss) / (tt * ss)};
 }
 
 }  // namespace
@@ -131,16 +136,27 @@ Status refine_normals(const Cloud& cloud, const KdTree3& tree, const ClusteringS
         add_all(member(cloud, i), radius * radius, batch, moments[i - first]);
       }
     });
+    std::array<Tilt, kSharedSearch> tilts{};
+    float squares = 0;
+    float of_noise = 0;
     for (std::uint32_t i = first; i < last; ++i) {
       refined[i] = cloud.normal[i];
       const bool is_noise = cloud.normal[i].point_class == PointClass::kNoise;
       const Vec3f n = cloud.normal[i].unpack();
       if (is_noise || is_beside(n, moments[i - first], beside)) {
         refined[i].set(fitted(planes, cloud, i, settings.thin_reach * clustering.epsilon));
-      } else {
-        refined[i].set(tilted(n, moments[i - first], explained));
+        continue;
       }
-      if (!is_noise) refined[i].point_class = orientation_of(refined[i]);
+      const Tilt& own = tilts[i - first] = tilt(n, moments[i - first], explained);
+      squares += own.square;
+      of_noise += own.of_noise;
+    }
+    for (std::uint32_t i = first; i < last; ++i) {
+      const Tilt& own = tilts[i - first];
+      const float share_of_noise = (own.of_noise + of_noise) / (own.square + squares);
+      if (own.square > 0 && share_of_noise < 1)
+        refined[i].set(cloud.normal[i].unpack() - own.by * (1 - share_of_noise));
+      if (cloud.normal[i].point_class != PointClass::kNoise) refined[i].point_class = orientation_of(refined[i]);
     }
   }
   if (refining.stopped()) return fail(ErrorCode::kCancelled, "cancelled while normals were refined");
