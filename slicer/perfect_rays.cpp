@@ -186,8 +186,8 @@ Evidence RayPerfecter::evidence_of(float depth) const {
 }
 
 bool RayPerfecter::more_than_a_sheet(const Vec3f& x, bool is_inside) const {
-  const float w = (*winding_)(x)-WindingTree::kSurface;
-  return (is_inside ? w : -w) > kBeyondOneSheet;
+  const float w = (*winding_)(x);
+  return is_inside ? w > WindingTree::kSurface + kBeyondOneSheet : w < WindingTree::kSurface - kBeyondOneSheet;
 }
 
 bool RayPerfecter::bisect_agreed(float x, float y, float end, float place, bool inside_at_end) {

@@ -153,9 +153,9 @@ Status refine_normals(const Cloud& cloud, const KdTree3& tree, const ClusteringS
     }
     for (std::uint32_t i = first; i < last; ++i) {
       const Tilt& own = tilts[i - first];
-      const float share_of_noise = (own.of_noise + of_noise) / (own.square + squares);
-      if (own.square > 0 && share_of_noise < 1)
-        refined[i].set(cloud.normal[i].unpack() - own.by * (1 - share_of_noise));
+      const float all = own.square + squares;
+      const float noise = own.of_noise + of_noise;
+      if (own.square > 0 && noise < all) refined[i].set(cloud.normal[i].unpack() - own.by * (1 - noise / all));
       if (cloud.normal[i].point_class != PointClass::kNoise) refined[i].point_class = orientation_of(refined[i]);
     }
   }
