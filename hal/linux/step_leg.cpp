@@ -18,7 +18,7 @@ std::chrono::nanoseconds whole(Ramp::Seconds time) { return std::chrono::round<s
 class StepLegs::Watch {
  public:
   Watch(StageLines& lines, bool wanted) : lines_(lines), wanted_(wanted) {
-    while (lines_.next_edge()) {  // of former legs
+    for (int i = 0; i < StageLines::kEdgesKept && lines_.next_edge(); ++i) {  // of former legs
     }
   }
 
@@ -27,14 +27,18 @@ class StepLegs::Watch {
   /// @param stepped  when the last one was taken
   /// @returns it is believed
   bool look(Time now, std::int64_t count, std::int64_t before, Time stepped) {
-    while (const auto edge = lines_.next_edge()) {
+    int edges = 0;
+    for (; edges <= StageLines::kEdgesKept; ++edges) {
+      const auto edge = lines_.next_edge();
+      if (!edge) break;
       if (edge->pressed != wanted_) {
         seen_ = false;
       } else if (!seen_) {
         begin(edge->at, edge->at < stepped ? before : count);
       }
     }
-    if (lines_.pressed() != wanted_) {
+    // Edges that come as fast as they are read are no rest, and the next step does not wait for their end.
+    if (edges > StageLines::kEdgesKept || lines_.pressed() != wanted_) {
       seen_ = false;
       return false;
     }

@@ -48,17 +48,21 @@ class FakeLines final : public StageLines {
     if (edges_.empty()) return std::nullopt;
     const Edge edge = edges_.front();
     edges_.pop_front();
+    if (hums) {
+      keep(true);
+      keep(false);
+    }
     return edge;
   }
   /// Something else than the stage presses the switch for the shortest time.
   void glitch() {
     const std::scoped_lock lock(mutex_);
-    edges_.push_back({true, monotonic_now()});
-    edges_.push_back({false, monotonic_now()});
+    keep(true);
+    keep(false);
   }
   void touch() {
     const bool now = never_pressed ? false : stuck || height >= stop_at;
-    if (now != pressed_) edges_.push_back({now, monotonic_now()});
+    if (now != pressed_) keep(now);
     pressed_ = now;
   }
 
@@ -68,9 +72,14 @@ class FakeLines final : public StageLines {
   bool broken = false;
   bool stuck = false;
   bool never_pressed = false;
+  bool hums = false;  // the switch's line changes faster than its changes are read
   std::vector<nanoseconds> taken;
 
  private:
+  void keep(bool pressed) {
+    if (edges_.size() < static_cast<std::size_t>(kEdgesKept)) edges_.push_back({pressed, monotonic_now()});
+  }
+
   mutable std::mutex mutex_;
   std::deque<Edge> edges_;
   bool up_ = false;
@@ -164,6 +173,16 @@ TEST(StepLegs, AreNotDeceivedByAGlitchOfTheEndStop) {
   done = true;
   noise.join();
   EXPECT_EQ(result.end, StepLegEnd::kDone);
+  EXPECT_EQ(lines.height, 400);
+}
+
+TEST(StepLegs, DoNotStandStillForAnEndStopThatHums) {
+  FakeLines lines;
+  StepLegs legs(lines, kStep, Acceleration(2000));
+  lines.hums = true;
+  lines.glitch();
+  lines.height = 100;
+  EXPECT_EQ(legs.run(300, Speed(50), LegUntil::kPressed, monotonic_now()).end, StepLegEnd::kDone);
   EXPECT_EQ(lines.height, 400);
 }
 
