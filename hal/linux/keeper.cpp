@@ -14,6 +14,7 @@
 #include <ctime>
 
 #include "hal/linux/contact.hpp"
+#include "hal/linux/edges.hpp"
 #include "hal/linux/keeper_protocol.hpp"
 
 namespace plumbline {
@@ -56,7 +57,7 @@ class Keeper {
   /// What the cover's switch has done: light ends at the first contact, before anybody is told.
   void look_at_cover() {
     if (cover_ == nullptr) return;
-    while (const auto edge = cover_->next_edge()) saw_cover(edge->open, edge->at);
+    see_edges(*cover_, [&](const CoverLine::Edge& edge) { saw_cover(edge.open, edge.at); });
     // The edges of a bounce may be more than the kernel keeps.
     const Contact::Time now(now_ns());
     saw_cover(cover_->open(), now);

@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "hal/linux/edges.hpp"
 #include "hal/linux/linux_clock.hpp"
 
 namespace plumbline {
@@ -12,10 +13,10 @@ Button::Button(InputLine line, EventKind kind, EventQueue& events)
     : line_(std::move(line)), kind_(kind), events_(events), contact_(line_.on().value_or(false)) {}
 
 void Button::drain(std::chrono::nanoseconds now) {
-  while (const auto edge = line_.next_edge()) {
-    if (contact_.saw(edge->on, edge->at)) events_.add(kind_, edge->at);
-  }
-  // The kernel keeps 16 edges: the last ones of a long bounce may be lost.
+  see_edges(line_, [&](const InputLine::Edge& edge) {
+    if (contact_.saw(edge.on, edge.at)) events_.add(kind_, edge.at);
+  });
+  // The last edges of a long bounce may be lost.
   const auto on = line_.on();
   if (on && !contact_.due() && *on != contact_.on() && contact_.saw(*on, now)) events_.add(kind_, now);
   static_cast<void>(contact_.settle(now));

@@ -14,8 +14,6 @@ class StageLines {
     std::chrono::nanoseconds at{};  ///< CLOCK_MONOTONIC
   };
 
-  static constexpr int kEdgesKept = 16;  ///< by the kernel; further ones are lost
-
   StageLines() = default;
   StageLines(const StageLines&) = delete;
   StageLines& operator=(const StageLines&) = delete;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hal/linux/edges.hpp"
 #include "hal/linux/linux_clock.hpp"
 
 namespace plumbline {
@@ -15,11 +16,11 @@ std::chrono::nanoseconds whole(Ramp::Seconds time) { return std::chrono::round<s
 }  // namespace
 
 /// The end stop in a leg, believed when it has been as waited for without a break for kConfirm. What counts is where it began.
+/// A line that changes as fast as it is read is not believed, and holds no step.
 class StepLegs::Watch {
  public:
   Watch(StageLines& lines, bool wanted) : lines_(lines), wanted_(wanted) {
-    for (int i = 0; i < StageLines::kEdgesKept && lines_.next_edge(); ++i) {  // of former legs
-    }
+    see_edges(lines_, [](const StageLines::Edge&) {});  // of former legs
   }
 
   /// @param count    steps now
@@ -27,18 +28,14 @@ class StepLegs::Watch {
   /// @param stepped  when the last one was taken
   /// @returns it is believed
   bool look(Time now, std::int64_t count, std::int64_t before, Time stepped) {
-    int edges = 0;
-    for (; edges <= StageLines::kEdgesKept; ++edges) {
-      const auto edge = lines_.next_edge();
-      if (!edge) break;
-      if (edge->pressed != wanted_) {
+    const bool rests = see_edges(lines_, [&](const StageLines::Edge& edge) {
+      if (edge.pressed != wanted_) {
         seen_ = false;
       } else if (!seen_) {
-        begin(edge->at, edge->at < stepped ? before : count);
+        begin(edge.at, edge.at < stepped ? before : count);
       }
-    }
-    // Edges that come as fast as they are read are no rest, and the next step does not wait for their end.
-    if (edges > StageLines::kEdgesKept || lines_.pressed() != wanted_) {
+    });
+    if (!rests || lines_.pressed() != wanted_) {
       seen_ = false;
       return false;
     }

@@ -90,10 +90,10 @@ def measure(host, command, work):
     figures = {
         "read, a million points": more(["read"], twice) / more_millions,
         "trees and clusters, a million points": more(built, twice) / more_millions,
-        # Nor this: up to its limits it looks for as long as it finds views.
+        # Not in proportion to the points: up to its limits it looks for as long as it finds views.
         "views of 100,000 points": base.stages["views"],
         "rays, a thousand rays": base.stages["rays"] * 1000 / base.rays,
-        # Not in proportion to the points: how wide supports are is asked of the scan.
+        # Nor these: how wide supports are is asked of the scan.
         "rays, a thousand rays, twice the points": twice.stages["rays"] * 1000 / twice.rays,
         "R-Rep, a layer": more(["r-rep"], fine) / more_layers,
         "mask, a layer": printed.stages["layers"] / base.layers,

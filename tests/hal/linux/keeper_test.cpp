@@ -7,6 +7,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
@@ -14,6 +15,7 @@
 #include <optional>
 #include <random>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "hal/linux/lamp_keeper.hpp"
@@ -191,7 +193,8 @@ class Cover {
     EXPECT_EQ(::mkfifo(path_.c_str(), 0600), 0);
   }
   std::string option() const { return "file:" + path_; }
-  void say(const char* words) const { std::ofstream(path_) << words << std::flush; }
+  std::ofstream opened() const { return std::ofstream(path_); }
+  void say(const char* words) const { opened() << words << std::flush; }
 
  private:
   std::string path_;
@@ -255,6 +258,27 @@ TEST(Keeper, IsDarkWhenTheCoverIsOpenedWhileTheFirmwareHangs) {
   EXPECT_LE(changes[1].at - opened, 50ms) << "10 ms, on a machine that is not shared";
   ::kill(child, SIGKILL);
   ::waitpid(child, nullptr, 0);
+}
+
+TEST(Keeper, HearsTheFirmwareWhileTheCoversLineHums) {
+  const Line line;
+  const Cover cover(line);
+  auto keeper = LampKeeper::start(kKeeper, line.option(), cover.option());
+  ASSERT_TRUE(keeper) << keeper.error().message();
+  ASSERT_TRUE(keeper->light(10s));
+  std::string words;
+  for (int i = 0; i < 2000; ++i) words += "oc";
+  std::atomic<bool> hums = true;
+  std::thread hum([&] {
+    std::ofstream switch_line = cover.opened();
+    while (hums) switch_line << words << std::flush;
+  });
+  EXPECT_FALSE(line.wait_for(2).back().lit);
+  EXPECT_TRUE(keeper->darken());
+  EXPECT_EQ(keeper->light(1s).error().code(), ErrorCode::kLampFailed) << "not with a cover that may be open";
+  hums = false;
+  hum.join();
+  EXPECT_EQ(line.changes().size(), 2U);
 }
 
 TEST(Keeper, ThatEndsIsNews) {

@@ -9,6 +9,7 @@
 #include <thread>
 #include <vector>
 
+#include "hal/linux/edges.hpp"
 #include "hal/linux/linux_clock.hpp"
 #include "hal/linux/linux_z_stage.hpp"
 #include "hal/mask_display.hpp"
