@@ -25,7 +25,7 @@ struct ClusteringSettings {
   /// noise as the thesis has it.
   std::uint32_t thin_points = 5;
   float thin_reach = 3;
-  float least_support = 16;
+  float least_support = 15;
   float most_support = 100;
   std::uint32_t epsilon_sample = 16384;  ///< points whose neighbours are searched; evenly spread over the order
 };

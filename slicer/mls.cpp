@@ -22,9 +22,9 @@ Lanes weight_of(const RayPoints& p, std::uint32_t j, Lanes dz) {
 }
 float sum(Lanes v) { return (v[0] + v[1]) + (v[2] + v[3]); }
 
-constexpr float kAgree = 0.99F;   ///< |sum of w n| over sum of w: normals some 8 degrees from their mean
+constexpr float kAgree = 0.997F;  ///< |sum of w n| over sum of w: normals some 4 degrees from their mean
 constexpr float kFar = 0.25F;     ///< of the largest support: so far from the surface none of this changes the side
-constexpr float kSharpness = 4;   ///< a point counts where the cosine to the mean is above 1 - 1 / this
+constexpr float kSharpness = 8;   ///< a point counts where the cosine to the mean is above 1 - 1 / this
 constexpr float kUnlike = 0.02F;  ///< what it counts beyond that
 
 /// What a value is made of: sums over points.

@@ -69,15 +69,15 @@ struct MlsValue {
 ///   f(x) = 1/2 [ sum_i v_i <n_i, x - p_i> / V  +  <sum_i v_i n_i, sum_i v_i (x - p_i)> / V^2 ],   V = sum_i v_i
 ///   v_i(x) = w_i(x) a_i(x)
 ///   w_i(x) = (1 - |x - p_i|^2 / h_i^2)^2 inside h_i, 0 outside
-///   a_i(x) = max(0, 4 <n_i, m> - 3)^2 + 0.02,   m = sum_i w_i n_i / |sum_i w_i n_i|
-///   a_i(x) = 1 where the points agree, |sum_i w_i n_i| >= 0.99 sum_i w_i, or where |f| is above a quarter of the reach then
+///   a_i(x) = max(0, 8 <n_i, m> - 7)^2 + 0.02,   m = sum_i w_i n_i / |sum_i w_i n_i|
+///   a_i(x) = 1 where the points agree, |sum_i w_i n_i| >= 0.997 sum_i w_i, or where |f| is above a quarter of the reach then
 ///
 /// The first half is the mean distance to the points' tangent planes (Kolluri 2005, eq. 2), which on a curved surface lies
 /// outside of it by curvature * E[t^2] / 2, t being the distance of the points along the surface. The second half is the
 /// distance to the mean plane (Adamson and Alexa 2003), which lies inside by as much. Their mean has no error of that
 /// order, so that supports may be wide enough to average the noise of a scan without rounding what it shows.
 ///
-/// Where a support reaches round an edge, points count the less the more their normals differ from the mean m, and 41
+/// Where a support reaches round an edge, points count the less the more their normals differ from the mean m, and 29
 /// degrees from it nearly nothing (Oeztireli, Guennebaud and Gross 2009, without their iteration). The small rest decides
 /// where all differ from their mean, as on the two sides of a thin wall.
 ///

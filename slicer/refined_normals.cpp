@@ -12,15 +12,15 @@
 namespace plumbline {
 namespace {
 
-constexpr float kPlanePoints = 24;          ///< of a scanner's normal
+constexpr float kPlanePoints = 26;          ///< of a scanner's normal
 constexpr float kPlaneSupports = 5.0F / 3;  ///< points of an estimated normal's plane, of those of a support
 constexpr float kFacing = 0.5F;             ///< least inner product of the normals
 constexpr std::uint32_t kFewest = 6;
-constexpr float kLeastSide = 0.2F;       ///< mean of the inner products with the normals of the others
-constexpr float kLeastWidth = 0.05F;     ///< of a plane's points across against along, squared: less is a line
-constexpr float kMostTilt = 1;           ///< tangent: more is another sheet
-constexpr float kBeside = 0.1F;          ///< of epsilon: farther from the plane of those that face its way is beside it
-constexpr float kWeightsSpread = 0.55F;  ///< sum w^2 u^2 / sum w u^2 over a disc
+constexpr float kLeastSide = 0.2F;      ///< mean of the inner products with the normals of the others
+constexpr float kLeastWidth = 0.05F;    ///< of a plane's points across against along, squared: less is a line
+constexpr float kMostTilt = 1;          ///< tangent: more is another sheet
+constexpr float kBeside = 0.1F;         ///< of epsilon: farther from the plane of those that face its way is beside it
+constexpr float kWeightsSpread = 0.4F;  ///< sum w^2 u^2 / sum w u^2 over a disc
 
 /// Weighted moments of the points round one point.
 struct Moments {

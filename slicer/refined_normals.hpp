@@ -23,7 +23,7 @@ enum class NormalSource : std::uint8_t {
 ///   w_j = (1 - |d_j|^2 / r_i^2)^2, r_i the radius that holds m points; t, s: across n, at right angles
 ///   n_i := n - k (a t + b s), unit length
 ///
-/// For a scanner's normals m = 24 and k = max(0, 1 - (v + V) / (a^2 + b^2 + T)). v is what a^2 + b^2 comes to by the noise of
+/// For a scanner's normals m = 26 and k = max(0, 1 - (v + V) / (a^2 + b^2 + T)). v is what a^2 + b^2 comes to by the noise of
 /// the points alone, V and T are the sums of both over the 32 points that share a search, so that tilts count as far as noise
 /// does not explain them there (Wiener's filter, of means instead of expectations).
 /// Normals that were estimated from 20 points are no evidence against more points: m = 5/3 support_points, k = 1.

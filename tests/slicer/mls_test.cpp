@@ -33,10 +33,10 @@ struct DirectSum {
     off_centre = all.offsets.norm() / weight / reach;
     const double agreement = all.normals.norm() / weight;
     const double plain = std::abs(all.distance());
-    sure = std::abs(agreement - 0.99) > 1e-4 && agreement > 0.05 && std::abs(plain - 0.25 * reach) > 1e-3;
+    sure = std::abs(agreement - 0.997) > 1e-4 && agreement > 0.05 && std::abs(plain - 0.25 * reach) > 1e-3;
     const auto likeness = [&](const Vec3d& n) {
-      const double t = std::max(0.0, 4 * n.dot(normal) - 3);
-      return agreement >= 0.99 || plain > 0.25 * reach ? 1.0 : t * t + 0.02;
+      const double t = std::max(0.0, 8 * n.dot(normal) - 7);
+      return agreement >= 0.997 || plain > 0.25 * reach ? 1.0 : t * t + 0.02;
     };
     distance = sums(likeness).distance();
   }
