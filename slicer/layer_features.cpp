@@ -23,7 +23,9 @@ constexpr std::size_t kTogglesPerRow = 256;
 struct Feature {
   std::uint32_t parent;
   bool white;
-  bool continued;  ///< above or below it, a region is nothing but its continuation
+  bool continued;             ///< above or below it, a region is nothing but its continuation
+  std::uint16_t first, last;  ///< layers, `last` included
+  std::uint32_t largest;      ///< pixels, of its regions
   std::uint64_t voxels;
 };
 
@@ -113,7 +115,8 @@ class Sweep {
   void connect(Layer& below, Layer& above);
   bool removable(std::uint32_t f) const {
     const Feature& feature = features_[f];
-    return !feature.continued && feature.voxels <= limits_.voxels;
+    const bool flat = feature.last - feature.first < static_cast<int>(limits_.flat_layers);
+    return !feature.continued && feature.voxels <= limits_.voxels && (flat || feature.largest <= limits_.narrow_pixels);
   }
 
   const RRep* rrep_ = nullptr;
@@ -145,6 +148,9 @@ void Sweep::unite(std::uint32_t a, std::uint32_t b) {
   features_[b].parent = a;
   features_[a].voxels += features_[b].voxels;
   features_[a].continued |= features_[b].continued;
+  features_[a].first = std::min(features_[a].first, features_[b].first);
+  features_[a].last = std::max(features_[a].last, features_[b].last);
+  features_[a].largest = std::max(features_[a].largest, features_[b].largest);
 }
 
 bool Sweep::find_small(std::uint32_t layer, Layer& now, ConstBitImage section) {
@@ -157,7 +163,9 @@ bool Sweep::find_small(std::uint32_t layer, Layer& now, ConstBitImage section) {
       if (regions.area(i) == 0 || regions.area(i) > limits_.pixels) continue;
       if (feature_count_ == features_.size()) return false;
       now.feature[i] = feature_count_;
-      features_[feature_count_] = {feature_count_, regions.white(r, i), false, regions.area(i)};
+      const auto in_layer = static_cast<std::uint16_t>(layer);
+      const std::uint32_t area = regions.area(i);
+      features_[feature_count_] = {feature_count_, regions.white(r, i), false, in_layer, in_layer, area, area};
       ++feature_count_;
       ++now.small;
     }

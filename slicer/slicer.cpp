@@ -94,10 +94,10 @@ class Job {
   /// What only the layers as a whole can tell.
   void finish(RRep& rrep) {
     const PrintGrid& grid = rrep.grid;
-    const float widened = report_.clustering.support_points / settings_.clustering.least_support;
-    const FeatureLimits limits = feature_limits(report_.clustering, widened, grid);
+    const FeatureLimits limits = feature_limits(report_.clustering, settings_.clustering, grid);
+    const bool noisy = report_.clustering.support_points > settings_.clustering.least_support;
     // What is taken out may let the masks' opening cut off what it held: where there is noise there is a second sweep.
-    for (int sweep = 0; sweep < (widened > 1 ? 2 : 1); ++sweep) {
+    for (int sweep = 0; sweep < (noisy ? 2 : 1); ++sweep) {
       // Without room for it the print is as good as the scan: no reason to refuse it.
       if (const auto features = drop_small_features(rrep, limits, arena_)) report_.features += *features;
     }

@@ -12,10 +12,16 @@ namespace plumbline {
 /// @param clustering  epsilon in mm
 PieceLimits piece_limits(const ClusteringResult& clustering, const PrintGrid& grid);
 
-/// Small features have at most two squares of epsilon in a layer and two cubes of it in all.
-/// @param clustering        epsilon in mm
-/// @param supports_widened  by noise, to so many times the points, 1 or more: what one stray does goes farther, so there are
-///                          as many times the cubes
-FeatureLimits feature_limits(const ClusteringResult& clustering, float supports_widened, const PrintGrid& grid);
+/// Small features have at most two cubes of epsilon, as many times more as noise has widened the supports, since what one
+/// stray does goes farther there. They are narrow, with at most a square of epsilon in any layer, or flat: of the area of a
+/// support and as high as noise makes a level surface rise and fall, in layers that any part of it reaches.
+///
+///   support = pi epsilon^2 support_points / (2 minPts)      a disc of radius epsilon has 2 minPts points (thesis III-2.b)
+///   height  = 6 noise / sqrt(support_points)                the surface is a mean over a support
+///
+/// @param clustering  epsilon and noise in mm, and the points of a support
+/// @param settings    that it was made with
+FeatureLimits feature_limits(const ClusteringResult& clustering, const ClusteringSettings& settings,
+                             const PrintGrid& grid);
 
 }  // namespace plumbline

@@ -49,7 +49,7 @@ struct Voxels {
 /// A block of 50 x 30 pixels and 20 layers; what is cut out of it and put on it differs from test to test.
 bool block(std::uint32_t c, std::uint32_t r, std::uint32_t k) { return Block{10, 60, 5, 35, 0, 20}.has(c, r, k); }
 
-constexpr FeatureLimits kLimits{40, 200};
+constexpr FeatureLimits kLimits{.pixels = 40, .voxels = 200, .narrow_pixels = 40, .flat_layers = 1};
 
 TEST(LayerFeatures, FillsADentThatOpensToTheOutsideInTheNextLayers) {
   // The block has a groove at its top, from a side inwards; under its inner end the surface dips for three layers.
@@ -114,11 +114,32 @@ TEST(LayerFeatures, KeepsNeedlesAndShaftsOfManyVoxels) {
     return (block(c, r, k) && !Block{20, 24, 15, 19, 3, 20}.has(c, r, k)) || Block{40, 44, 15, 19, 20, 30}.has(c, r, k);
   };
   Voxels voxels(solid);
-  const FeatureLimits limits{40, 150};  // the needle has 160 voxels, the shaft 272
+  FeatureLimits limits = kLimits;
+  limits.voxels = 150;  // the needle has 160 voxels, the shaft 272
   const auto counts = drop_small_features(voxels.rrep, limits, *voxels.block);
   ASSERT_TRUE(counts.has_value());
   EXPECT_EQ(counts->holes + counts->islands, 0U);
   EXPECT_TRUE(voxels.equals(solid));
+}
+
+TEST(LayerFeatures, KeepsDotsThatAreWideAndHighAndNoneThatAreFlatOrNarrow) {
+  // Two of each kind: one alone would be all that the layer below goes on as.
+  const auto dots = [](std::uint32_t side, std::uint32_t layers) {
+    return [=](auto c, auto r, auto k) {
+      return Block{15, 15 + side, 10, 10 + side, 20, 20 + layers}.has(c, r, k) ||
+             Block{40, 40 + side, 20, 20 + side, 20, 20 + layers}.has(c, r, k);
+    };
+  };
+  const FeatureLimits limits{.pixels = 100, .voxels = 1000, .narrow_pixels = 20, .flat_layers = 2};
+  const auto islands_removed = [&](std::uint32_t side, std::uint32_t layers) {
+    Voxels voxels([dot = dots(side, layers)](auto c, auto r, auto k) { return block(c, r, k) || dot(c, r, k); });
+    return value_of(drop_small_features(voxels.rrep, limits, *voxels.block)).islands;
+  };
+  EXPECT_EQ(islands_removed(8, 6), 0U);
+  EXPECT_EQ(islands_removed(8, 3), 0U);
+  EXPECT_EQ(islands_removed(8, 2), 2U);
+  EXPECT_EQ(islands_removed(5, 6), 0U);
+  EXPECT_EQ(islands_removed(4, 6), 2U);
 }
 
 /// A block as high as the grid, and full of cubic bubbles at this pitch.

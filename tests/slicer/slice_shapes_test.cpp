@@ -54,6 +54,37 @@ TEST(SliceShapes, ATorusStandingUpIsWhereItIs) {
   expect_every_ray_closed(sliced);
 }
 
+// They went as small features of the layers: two dozen points each, and wider than anything that noise makes.
+TEST(SliceShapes, APlateKeepsItsDots) {
+  constexpr double kPitch = 2.5;
+  constexpr double kRadius = 0.65;
+  constexpr double kHeight = 0.5;
+  const Vec3d high(20, 15, 3);
+  // From the middle of the dot that a place is nearest to.
+  const auto from_dot = [](double at) { return at - kPitch * (std::floor(at / kPitch) + 0.5); };
+  const auto dot = [&](const Vec3d& p) {
+    const double x = from_dot(p[0]);
+    const double y = from_dot(p[1]);
+    return kHeight * std::max(0.0, 1 - (x * x + y * y) / (kRadius * kRadius));
+  };
+  Random random(4);
+  Surface surface = box({0, 0, 0}, high, 0.26, 0.4, random);
+  for (SurfacePoint& p : surface) {
+    if (p.normal[2] < 0.5 || dot(p.position) == 0) continue;
+    p.normal = Vec3d(from_dot(p.position[0]), from_dot(p.position[1]), kRadius * kRadius / (2 * kHeight)).normalized();
+    p.position[2] += dot(p.position);
+  }
+  const Slicing sliced(binary_ply(surface), settings_with_pitch(0.05F), 64 * kMiB);
+  // What stands on the plate: of each dot, a paraboloid, what is more than one layer above it.
+  std::uint64_t voxels = 0;
+  sliced.for_each_section([&](std::uint32_t k, ConstBitImage section) {
+    if (sliced.middle_of(0, 0, k)[2] > high[2] + 0.05) voxels += section.count();
+  });
+  const double dots = 8 * 6;
+  const double wanted = dots * kPi * kRadius * kRadius / kHeight * (kHeight - 0.05) * (kHeight - 0.05) / 2;
+  EXPECT_NEAR(static_cast<double>(voxels) * 0.05 * 0.05 * 0.05, wanted, 0.15 * wanted);
+}
+
 TEST(SliceShapes, AMissingCapIsClosed) {
   Surface surface;
   for (const SurfacePoint& p : sphere(30000, 10, {0, 0, 0})) {
