@@ -45,7 +45,7 @@ bool settle_extrapolated(std::span<RayCrossing>& crossings, float x, float y, co
         c.depth = *agreed;
         c.evidence = Evidence::kWinding;
       } else {
-        std::copy(crossings.begin() + lower + 2, crossings.end(), crossings.begin() + lower);
+        std::ranges::copy(crossings.subspan(lower + 2), crossings.subspan(lower).begin());
         crossings = crossings.first(crossings.size() - 2);
         i = lower;
       }

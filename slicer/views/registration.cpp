@@ -158,15 +158,16 @@ class Registrar {
 
   void add(const SharedPlace& place) {
     const std::size_t n = residuals_.size();
+    const double* lever = place.lever.data();
     for (std::uint32_t v = 0; v < place.views; ++v) {
       const std::size_t row = 6 * std::size_t{place.view[v]};
-      for (int a = 0; a < 6; ++a) residuals_[row + a] -= place.residuals[v] * place.lever[a];
+      for (std::size_t a = 0; a < 6; ++a) residuals_[row + a] -= place.residuals[v] * lever[a];
       for (std::uint32_t w = 0; w < place.views; ++w) {
         const std::size_t column = 6 * std::size_t{place.view[w]};
         if (column > row) continue;
-        for (int a = 0; a < 6; ++a) {
-          const double factor = place.products[v][w] * place.lever[a];
-          for (int b = 0; b < 6; ++b) products_[(row + a) * n + column + b] += factor * place.lever[b];
+        for (std::size_t a = 0; a < 6; ++a) {
+          const double factor = place.products[v][w] * lever[a];
+          for (std::size_t b = 0; b < 6; ++b) products_[(row + a) * n + column + b] += factor * lever[b];
         }
       }
     }
