@@ -68,7 +68,7 @@ ExitCode run_inspect(const InspectOptions& inspect_options, std::span<std::byte>
   outlook.printer_name = setup->printer_name;
   const auto looked = look(inspect_options, *setup, outlook, arena);
   if (!looked) return report_error(looked.error());
-  if (!silent && outlook.look && outlook.look->sentence().view().size() > 0) {
+  if (!silent && outlook.look && !outlook.look->sentence().view().empty()) {
     FixedText<256> line;
     line.add("plumbline: warning: %s%s%s\n", outlook.look->sentence().c_str(),
              inspect_options.picture.empty() ? ". --picture FILE draws where" : ": see ",

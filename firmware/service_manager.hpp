@@ -28,7 +28,7 @@ class ServiceManager {
   ServiceManager& operator=(ServiceManager&&) = delete;
   ~ServiceManager();
 
-  bool watches() const { return watchdog_ > watchdog_.zero(); }
+  bool watches() const { return watchdog_ > std::chrono::microseconds::zero(); }
   std::chrono::microseconds watchdog() const { return watchdog_; }
 
   /// The devices are open and the memory is taken: jobs may come.

@@ -22,8 +22,11 @@ constexpr std::size_t kTogglesPerRow = 256;
 /// The small regions of consecutive layers that touch; one node a region, joined as a disjoint set.
 struct Feature {
   std::uint32_t parent;
-  bool white;
-  bool continued;             ///< above or below it, a region is nothing but its continuation
+  bool white : 1;
+  bool continued : 1;         ///< above or below it, a region is nothing but its continuation
+  bool below : 1;             ///< it touches a region below it that is no small one, or is a hole that begins there,
+  bool above : 1;             ///< or one above,
+  bool bears : 1;             ///< one that touches nothing but small regions on this side
   std::uint16_t first, last;  ///< layers, `last` included
   std::uint32_t largest;      ///< pixels, of its regions
   std::uint64_t voxels;
@@ -40,7 +43,8 @@ struct FeatureRun {
 /// What a region touches in the next layer on one side.
 struct Contact {
   std::uint32_t region = LayerRegions::kNone;
-  bool more = false;  ///< than one region
+  bool more = false;   ///< than one region
+  bool large = false;  ///< some of them are no small ones
   void note(std::uint32_t other) {
     if (region == LayerRegions::kNone) {
       region = other;
@@ -115,8 +119,13 @@ class Sweep {
   void connect(Layer& below, Layer& above);
   bool removable(std::uint32_t f) const {
     const Feature& feature = features_[f];
-    const bool flat = feature.last - feature.first < static_cast<int>(limits_.flat_layers);
-    return !feature.continued && feature.voxels <= limits_.voxels && (flat || feature.largest <= limits_.narrow_pixels);
+    if (feature.continued || (feature.white && feature.below && feature.above && feature.bears)) return false;
+    // All that there is, is no crumb of it.
+    const bool loose = !feature.below && !feature.above && (has_large_island_ || !feature.white);
+    if (loose && feature.voxels <= limits_.loose_voxels) return true;
+    const bool narrow = feature.largest <= limits_.narrow_pixels;
+    const std::uint32_t layers = narrow ? limits_.narrow_layers : limits_.flat_layers;
+    return feature.voxels <= limits_.voxels && feature.last - feature.first + 1U <= layers;
   }
 
   const RRep* rrep_ = nullptr;
@@ -125,6 +134,7 @@ class Sweep {
   std::span<FeatureRun> runs_;
   std::uint32_t feature_count_ = 0;
   std::uint32_t run_count_ = 0;
+  bool has_large_island_ = false;
 };
 
 Expected<Sweep> Sweep::create(const RRep& rrep, const FeatureLimits& limits, Arena& arena) {
@@ -148,6 +158,9 @@ void Sweep::unite(std::uint32_t a, std::uint32_t b) {
   features_[b].parent = a;
   features_[a].voxels += features_[b].voxels;
   features_[a].continued |= features_[b].continued;
+  features_[a].below |= features_[b].below;
+  features_[a].above |= features_[b].above;
+  features_[a].bears |= features_[b].bears;
   features_[a].first = std::min(features_[a].first, features_[b].first);
   features_[a].last = std::max(features_[a].last, features_[b].last);
   features_[a].largest = std::max(features_[a].largest, features_[b].largest);
@@ -160,12 +173,24 @@ bool Sweep::find_small(std::uint32_t layer, Layer& now, ConstBitImage section) {
     for (std::uint32_t i = regions.row_begin(r); i < regions.row_begin(r + 1); ++i) {
       if (regions.region(i) != i) continue;
       now.feature[i] = LayerRegions::kNone;
-      if (regions.area(i) == 0 || regions.area(i) > limits_.pixels) continue;
+      if (regions.area(i) == 0) continue;
+      if (regions.area(i) > limits_.pixels) {
+        has_large_island_ |= regions.white(r, i);
+        continue;
+      }
       if (feature_count_ == features_.size()) return false;
       now.feature[i] = feature_count_;
       const auto in_layer = static_cast<std::uint16_t>(layer);
       const std::uint32_t area = regions.area(i);
-      features_[feature_count_] = {feature_count_, regions.white(r, i), false, in_layer, in_layer, area, area};
+      Feature& feature = features_[feature_count_];
+      feature = {};
+      feature.parent = feature_count_;
+      feature.white = regions.white(r, i);
+      feature.below = !feature.white && layer == 0;
+      feature.above = !feature.white && layer + 1 == rrep_->grid.layers;
+      feature.first = feature.last = in_layer;
+      feature.largest = area;
+      feature.voxels = area;
       ++feature_count_;
       ++now.small;
     }
@@ -199,9 +224,12 @@ void Sweep::connect(Layer& below, Layer& above) {
   for_each_contact(below.regions, above.regions, [&](std::uint32_t a, std::uint32_t b) {
     below.contact[a].note(b);
     above.contact[b].note(a);
+    below.contact[a].large |= above.feature[b] == LayerRegions::kNone;
+    above.contact[b].large |= below.feature[a] == LayerRegions::kNone;
   });
-  const auto continues = [&](std::uint32_t small, const Contact& large) {
-    if (!large.more) features_[root(small)].continued = true;
+  const auto note_large = [](Feature& small, const Contact& large) {
+    small.continued |= !large.more;
+    small.bears |= !large.large;
   };
   for_each_contact(below.regions, above.regions, [&](std::uint32_t a, std::uint32_t b) {
     const std::uint32_t low = below.feature[a];
@@ -209,9 +237,11 @@ void Sweep::connect(Layer& below, Layer& above) {
     if (low != LayerRegions::kNone && high != LayerRegions::kNone) {
       unite(low, high);
     } else if (low != LayerRegions::kNone) {
-      continues(low, above.contact[b]);
+      features_[root(low)].above = true;
+      note_large(features_[root(low)], above.contact[b]);
     } else if (high != LayerRegions::kNone) {
-      continues(high, below.contact[a]);
+      features_[root(high)].below = true;
+      note_large(features_[root(high)], below.contact[a]);
     }
   });
 }

@@ -12,8 +12,10 @@ namespace plumbline {
 struct FeatureLimits {
   std::uint32_t pixels = 0;         ///< of one layer: a region of more is no small one
   std::uint64_t voxels = 0;         ///< of one feature over all of its layers
-  std::uint32_t narrow_pixels = 0;  ///< a feature none of whose regions has more may have any number of layers,
-  std::uint32_t flat_layers = 0;    ///< another one so many: what is wide and high is no fault of the scan
+  std::uint32_t narrow_pixels = 0;  ///< a feature none of whose regions has more is narrow
+  std::uint32_t narrow_layers = 0;  ///< of a narrow feature: a higher one is no fault of the scan
+  std::uint32_t flat_layers = 0;    ///< of any other
+  std::uint64_t loose_voxels = 0;   ///< of a feature that touches nothing: it goes whatever its form
 };
 
 struct FeatureCounts {
@@ -40,8 +42,10 @@ std::size_t layer_features_bytes(const PrintGrid& grid);
 /// surface dips under it, and the layers there have a hole of a few pixels that two layers on is open to the outside; a
 /// bump is an island first. Such a feature is removed: the regions that it touches above and below go on without it, so
 /// nothing begins, ends or is held by it. What stays is what a larger region is the only continuation of, the tip of a
-/// thing that grows and the bottom of a pit that widens, and everything of more voxels, so needles and shafts too. So does
-/// what is both wide and high, such as the dots of a text in Braille: noise makes flat crumbs, strays and creases narrow ones.
+/// thing that grows and the bottom of a pit that widens, and everything of more voxels or layers, so needles and shafts too,
+/// and the dots of a text in Braille: noise makes flat crumbs, strays and creases narrow ones that are not high. Islands stay
+/// if without them a larger one would hang in the air, or under nothing. What touches nothing at all goes: such is what the
+/// opening of the masks has cut off.
 ///
 /// Works on the masks as they are shown, opened and closed, and edits the crossings.
 /// There is room for so many small regions; where a scan has more, the layers above stay as they are.

@@ -7,9 +7,10 @@
 namespace plumbline {
 namespace {
 
-constexpr float kSpeck = 50;
-constexpr float kFeature = 2;  ///< cubes of epsilon
-constexpr float kCrumb = 6;    ///< standard deviations of a surface, from its lowest places to its highest
+constexpr float kSpeck = 50;         ///< cubes of epsilon
+constexpr float kFeature = 2;        ///< cubes of epsilon
+constexpr float kHeight = 2.0F / 3;  ///< epsilons: creases of clean scans make none that is higher
+constexpr float kCrumb = 6;          ///< standard deviations of a surface, from its lowest places to its highest
 
 float voxel_mm3(const PrintGrid& grid) { return grid.pitch_x_mm * grid.pitch_y_mm * grid.layer_height_mm; }
 
@@ -35,7 +36,11 @@ FeatureLimits feature_limits(const ClusteringResult& clustering, const Clusterin
   limits.pixels = static_cast<std::uint32_t>(std::max(support_mm2, epsilon2) / pixel_mm2);
   limits.narrow_pixels = static_cast<std::uint32_t>(epsilon2 / pixel_mm2);
   limits.flat_layers = 1 + static_cast<std::uint32_t>(std::ceil(crumb_mm / grid.layer_height_mm));
+  const auto creased_layers =
+      static_cast<std::uint32_t>(std::ceil(kHeight * clustering.epsilon / grid.layer_height_mm));
+  limits.narrow_layers = widened > 1 ? grid.layers : std::max(limits.flat_layers, creased_layers);
   limits.voxels = static_cast<std::uint64_t>(widened * kFeature * epsilon2 * clustering.epsilon / voxel_mm3(grid));
+  limits.loose_voxels = piece_limits(clustering, grid).speck_voxels;
   return limits;
 }
 

@@ -13,11 +13,12 @@ namespace plumbline {
 PieceLimits piece_limits(const ClusteringResult& clustering, const PrintGrid& grid);
 
 /// Small features have at most two cubes of epsilon, as many times more as noise has widened the supports, since what one
-/// stray does goes farther there. They are narrow, with at most a square of epsilon in any layer, or flat: of the area of a
-/// support and as high as noise makes a level surface rise and fall, in layers that any part of it reaches.
+/// stray does goes farther there. They are narrow, with at most a square of epsilon in any layer and, unless there is such
+/// noise, two thirds of epsilon high, or flat: of the area of a support and as high as noise makes a level surface rise and
+/// fall, in layers that any part of it reaches. What touches nothing may be as large as a speck.
 ///
 ///   support = pi epsilon^2 support_points / (2 minPts)      a disc of radius epsilon has 2 minPts points (thesis III-2.b)
-///   height  = 6 noise / sqrt(support_points)                the surface is a mean over a support
+///   flat    = 6 noise / sqrt(support_points)                the surface is a mean over a support
 ///
 /// @param clustering  epsilon and noise in mm, and the points of a support
 /// @param settings    that it was made with

@@ -49,7 +49,13 @@ struct Voxels {
 /// A block of 50 x 30 pixels and 20 layers; what is cut out of it and put on it differs from test to test.
 bool block(std::uint32_t c, std::uint32_t r, std::uint32_t k) { return Block{10, 60, 5, 35, 0, 20}.has(c, r, k); }
 
-constexpr FeatureLimits kLimits{.pixels = 40, .voxels = 200, .narrow_pixels = 40, .flat_layers = 1};
+/// A block as high as the grid.
+bool high_block(std::uint32_t c, std::uint32_t r, std::uint32_t k) {
+  return Block{1, kColumns - 1, 1, kRows - 1, 0, kLayers}.has(c, r, k);
+}
+
+constexpr FeatureLimits kLimits{
+    .pixels = 40, .voxels = 200, .narrow_pixels = 40, .narrow_layers = 20, .flat_layers = 1, .loose_voxels = 200};
 
 TEST(LayerFeatures, FillsADentThatOpensToTheOutsideInTheNextLayers) {
   // The block has a groove at its top, from a side inwards; under its inner end the surface dips for three layers.
@@ -109,17 +115,67 @@ TEST(LayerFeatures, KeepsTheTipOfWhatGrowsAndTheBottomOfAPitThatWidens) {
   });
 }
 
-TEST(LayerFeatures, KeepsNeedlesAndShaftsOfManyVoxels) {
+TEST(LayerFeatures, KeepsNeedlesAndShaftsOfManyVoxelsOrLayers) {
   const Inside solid = [](auto c, auto r, auto k) {
     return (block(c, r, k) && !Block{20, 24, 15, 19, 3, 20}.has(c, r, k)) || Block{40, 44, 15, 19, 20, 30}.has(c, r, k);
   };
-  Voxels voxels(solid);
+  FeatureLimits few_voxels = kLimits;
+  few_voxels.voxels = 150;  // the needle has 160 voxels, the shaft 272
+  FeatureLimits few_layers = kLimits;
+  few_layers.voxels = 300;
+  few_layers.narrow_layers = 9;  // they have 10 and 17
+  for (const FeatureLimits& limits : {few_voxels, few_layers}) {
+    Voxels voxels(solid);
+    const auto counts = drop_small_features(voxels.rrep, limits, *voxels.block);
+    ASSERT_TRUE(counts.has_value());
+    EXPECT_EQ(counts->holes + counts->islands, 0U);
+    EXPECT_TRUE(voxels.equals(solid));
+  }
+}
+
+// Letters lost what they stood on, and floated.
+TEST(LayerFeatures, KeepsTheStalksThatSomethingStandsOn) {
+  const Inside stalks = [](auto c, auto r, auto k) {
+    return Block{22, 26, 15, 19, 20, 24}.has(c, r, k) || Block{44, 48, 15, 19, 20, 24}.has(c, r, k);
+  };
+  const Inside on_stalks = [](auto c, auto r, auto k) { return Block{20, 50, 10, 25, 24, 28}.has(c, r, k); };
+  const Inside post = [](auto c, auto r, auto k) { return Block{30, 40, 10, 25, 20, 24}.has(c, r, k); };
+  const auto islands_removed = [&](const Inside& rest) {
+    Voxels voxels([&](auto c, auto r, auto k) { return rest(c, r, k) || stalks(c, r, k); });
+    return value_of(drop_small_features(voxels.rrep, kLimits, *voxels.block)).islands;
+  };
+  EXPECT_EQ(islands_removed([&](auto c, auto r, auto k) { return block(c, r, k) || on_stalks(c, r, k); }), 0U);
+  // With a post between them it stands without them.
+  EXPECT_EQ(
+      islands_removed([&](auto c, auto r, auto k) { return block(c, r, k) || on_stalks(c, r, k) || post(c, r, k); }),
+      2U);
+  // It hangs from them.
+  EXPECT_EQ(islands_removed([&](auto c, auto r, auto k) {
+              return Block{30, 40, 12, 22, 14, 20}.has(c, r, k) || Block{20, 50, 10, 25, 18, 20}.has(c, r, k) ||
+                     Block{5, 65, 2, 38, 24, 30}.has(c, r, k);
+            }),
+            0U);
+}
+
+// The opening of the masks had cut it off, and it was high enough to stay.
+TEST(LayerFeatures, TakesOutWhatTouchesNothingUnlessItIsAllThereIs) {
+  const auto needle = [](auto c, auto r, auto k) { return Block{63, 67, 8, 12, 4, 16}.has(c, r, k); };
+  const auto spur = [](auto c, auto r, auto k) { return Block{60, 63, 10, 11, 9, 10}.has(c, r, k); };
   FeatureLimits limits = kLimits;
-  limits.voxels = 150;  // the needle has 160 voxels, the shaft 272
-  const auto counts = drop_small_features(voxels.rrep, limits, *voxels.block);
-  ASSERT_TRUE(counts.has_value());
-  EXPECT_EQ(counts->holes + counts->islands, 0U);
-  EXPECT_TRUE(voxels.equals(solid));
+  limits.narrow_layers = 5;
+  Voxels attached([&](auto c, auto r, auto k) { return block(c, r, k) || spur(c, r, k) || needle(c, r, k); });
+  ASSERT_TRUE(drop_small_features(attached.rrep, limits, *attached.block).has_value());
+  EXPECT_TRUE(attached.equals([&](auto c, auto r, auto k) { return block(c, r, k) || spur(c, r, k); }));
+  const auto pierced = [](auto c, auto r, auto k) {
+    return high_block(c, r, k) && !Block{20, 24, 15, 19, 0, 10}.has(c, r, k) &&
+           !Block{40, 44, 15, 19, kLayers - 8, kLayers}.has(c, r, k);
+  };
+  Voxels open(pierced);
+  ASSERT_TRUE(drop_small_features(open.rrep, limits, *open.block).has_value());
+  EXPECT_TRUE(open.equals(pierced)) << "a blind hole opens below the first layer, or above the last one";
+  Voxels alone(needle);
+  ASSERT_TRUE(drop_small_features(alone.rrep, limits, *alone.block).has_value());
+  EXPECT_TRUE(alone.equals(needle));
 }
 
 TEST(LayerFeatures, KeepsDotsThatAreWideAndHighAndNoneThatAreFlatOrNarrow) {
@@ -130,7 +186,8 @@ TEST(LayerFeatures, KeepsDotsThatAreWideAndHighAndNoneThatAreFlatOrNarrow) {
              Block{40, 40 + side, 20, 20 + side, 20, 20 + layers}.has(c, r, k);
     };
   };
-  const FeatureLimits limits{.pixels = 100, .voxels = 1000, .narrow_pixels = 20, .flat_layers = 2};
+  const FeatureLimits limits{
+      .pixels = 100, .voxels = 1000, .narrow_pixels = 20, .narrow_layers = 6, .flat_layers = 2, .loose_voxels = 0};
   const auto islands_removed = [&](std::uint32_t side, std::uint32_t layers) {
     Voxels voxels([dot = dots(side, layers)](auto c, auto r, auto k) { return block(c, r, k) || dot(c, r, k); });
     return value_of(drop_small_features(voxels.rrep, limits, *voxels.block)).islands;
@@ -142,10 +199,7 @@ TEST(LayerFeatures, KeepsDotsThatAreWideAndHighAndNoneThatAreFlatOrNarrow) {
   EXPECT_EQ(islands_removed(4, 6), 2U);
 }
 
-/// A block as high as the grid, and full of cubic bubbles at this pitch.
-bool high_block(std::uint32_t c, std::uint32_t r, std::uint32_t k) {
-  return Block{1, kColumns - 1, 1, kRows - 1, 0, kLayers}.has(c, r, k);
-}
+/// The same, full of cubic bubbles at this pitch.
 Inside bubbly(std::uint32_t side, std::uint32_t pitch) {
   return [=](auto c, auto r, auto k) {
     // The last `side` of each pitch, in as many pitches as there are.

@@ -85,6 +85,45 @@ TEST(SliceShapes, APlateKeepsItsDots) {
   EXPECT_NEAR(static_cast<double>(voxels) * 0.05 * 0.05 * 0.05, wanted, 0.15 * wanted);
 }
 
+// They went, too: each is smaller than two cubes of epsilon.
+TEST(SliceShapes, APlateKeepsItsPins) {
+  constexpr double kPitch = 2;
+  constexpr double kRadius = 0.19;
+  constexpr double kHeight = 0.9;
+  const Vec3d high(10, 8, 2);
+  const auto from_pin = [](double at) { return at - kPitch * (std::floor(at / kPitch) + 0.5); };
+  Random random(8);
+  Surface surface = box({0, 0, 0}, high, 0.1, 0.4, random);
+  for (SurfacePoint& p : surface) {
+    const bool on_top = p.normal[2] > 0.5 && std::hypot(from_pin(p.position[0]), from_pin(p.position[1])) < kRadius;
+    if (on_top) p.position[2] += kHeight;
+  }
+  for (double x = kPitch / 2; x < high[0]; x += kPitch) {
+    for (double y = kPitch / 2; y < high[1]; y += kPitch) {
+      for (int i = 0; i < 110; ++i) {
+        const double angle = 2 * kPi * random.uniform();
+        const Vec3d out(std::cos(angle), std::sin(angle), 0);
+        surface.push_back({Vec3d(x, y, high[2] + kHeight * random.uniform()) + kRadius * out, out});
+      }
+    }
+  }
+  const Slicing sliced(binary_ply(surface), settings_with_pitch(0.05F), 64 * kMiB);
+  std::uint32_t layers = 0;
+  sliced.for_each_section([&](std::uint32_t k, ConstBitImage section) {
+    const Vec3d first = sliced.middle_of(0, 0, k);
+    if (first[2] < high[2] + 0.1 || first[2] > high[2] + kHeight - 0.1) return;
+    ++layers;
+    for (double x = kPitch / 2; x < high[0]; x += kPitch) {
+      for (double y = kPitch / 2; y < high[1]; y += kPitch) {
+        const auto column = static_cast<std::uint32_t>(std::lround((x - first[0]) / 0.05));
+        const auto row = static_cast<std::uint32_t>(std::lround((y - first[1]) / 0.05));
+        EXPECT_TRUE(section.at(column, row)) << "the pin at " << x << ", " << y << " mm, layer " << k;
+      }
+    }
+  });
+  EXPECT_GE(layers, 14U);
+}
+
 TEST(SliceShapes, AMissingCapIsClosed) {
   Surface surface;
   for (const SurfacePoint& p : sphere(30000, 10, {0, 0, 0})) {

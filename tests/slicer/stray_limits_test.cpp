@@ -54,5 +54,32 @@ TEST(StrayLimits, AFeatureMayHaveTheMoreVoxelsTheMoreNoiseHasWidenedTheSupports)
   EXPECT_GT(voxels(settings.least_support), 0);
 }
 
+TEST(StrayLimits, ANarrowFeatureIsTwoThirdsOfEpsilonHighUnlessNoiseHasWidenedTheSupports) {
+  const ClusteringSettings settings;
+  const PrintGrid grid{.layers = 800, .layer_height_mm = 0.05F};
+  const auto limits = [&](float widened, float noise) {
+    ClusteringResult found = sheet(0.1, settings, widened * settings.least_support);
+    found.epsilon = 0.47F;
+    found.noise = noise;
+    return feature_limits(found, settings, grid);
+  };
+  EXPECT_EQ(limits(1, 0).narrow_layers, 7U);  // 0.313 mm
+  EXPECT_GE(limits(1.2F, 0).narrow_layers, grid.layers) << "a stray cuts a shaft through all of the object";
+  // What may be flat may be narrow too.
+  EXPECT_EQ(limits(1, 1).narrow_layers, limits(1, 1).flat_layers);
+}
+
+TEST(StrayLimits, WhatTouchesNothingMayBeASpeckWhateverTheNoise) {
+  const ClusteringSettings settings;
+  const PrintGrid grid{.pitch_x_mm = 0.05F, .pitch_y_mm = 0.04F, .layer_height_mm = 0.1F};
+  ClusteringResult found = sheet(0.1, settings, settings.least_support);
+  found.epsilon = 0.5F;
+  for (const float widened : {1.0F, 4.0F}) {
+    found.support_points = widened * settings.least_support;
+    EXPECT_NEAR(static_cast<double>(feature_limits(found, settings, grid).loose_voxels), 31250, 1);  // 6.25 mm3
+    EXPECT_EQ(feature_limits(found, settings, grid).loose_voxels, piece_limits(found, grid).speck_voxels);
+  }
+}
+
 }  // namespace
 }  // namespace plumbline
