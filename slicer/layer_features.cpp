@@ -54,25 +54,6 @@ struct Contact {
   }
 };
 
-/// Calls use(a, b) for every pair of runs of one colour that share a column in the same row of both layers.
-template <class Use>
-void for_each_contact(const LayerRegions& below, const LayerRegions& above, Use use) {
-  for (std::uint32_t r = 0; r < below.rows(); ++r) {
-    std::uint32_t a = below.row_begin(r);
-    std::uint32_t b = above.row_begin(r);
-    const std::uint32_t a_end = below.row_begin(r + 1);
-    const std::uint32_t b_end = above.row_begin(r + 1);
-    while (a < a_end && b < b_end) {
-      const LayerRegions::Run ra = below.run(a);
-      const LayerRegions::Run rb = above.run(b);
-      const bool overlap = ra.first <= rb.last && rb.first <= ra.last && ra.first <= ra.last && rb.first <= rb.last;
-      if (overlap && below.white(r, a) == above.white(r, b)) use(below.region(a), above.region(b));
-      // An empty run stands only at the start of a row.
-      (rb.first > rb.last || (ra.first <= ra.last && rb.last <= ra.last)) ? ++b : ++a;
-    }
-  }
-}
-
 /// One layer with what is known of its regions.
 struct Layer {
   static std::size_t most_regions(std::uint32_t rows) { return std::size_t{rows} * LayerRegions::kRunsPerRow + 1; }
