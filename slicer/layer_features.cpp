@@ -101,7 +101,7 @@ class Sweep {
   bool removable(std::uint32_t f) const {
     const Feature& feature = features_[f];
     if (feature.continued || (feature.white && feature.below && feature.above && feature.bears)) return false;
-    // All that there is, is no crumb of it.
+    // Of an object as thin as this small islands are all that there is.
     const bool loose = !feature.below && !feature.above && (has_large_island_ || !feature.white);
     if (loose && feature.voxels <= limits_.loose_voxels) return true;
     const bool narrow = feature.largest <= limits_.narrow_pixels;

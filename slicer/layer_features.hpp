@@ -44,8 +44,8 @@ std::size_t layer_features_bytes(const PrintGrid& grid);
 /// nothing begins, ends or is held by it. What stays is what a larger region is the only continuation of, the tip of a
 /// thing that grows and the bottom of a pit that widens, and everything of more voxels or layers, so needles and shafts too,
 /// and the dots of a text in Braille: noise makes flat crumbs, strays and creases narrow ones that are not high. Islands stay
-/// if without them a larger one would hang in the air, or under nothing. What touches nothing at all goes: such is what the
-/// opening of the masks has cut off.
+/// if without them a larger one would hang in the air, or under nothing. What touches nothing at all goes, such as what the
+/// opening of the masks has cut off, unless no layer has a larger island.
 ///
 /// Works on the masks as they are shown, opened and closed, and edits the crossings.
 /// There is room for so many small regions; where a scan has more, the layers above stay as they are.

@@ -95,7 +95,7 @@ class Job {
   void finish(RRep& rrep) {
     const PrintGrid& grid = rrep.grid;
     const FeatureLimits limits = feature_limits(report_.clustering, settings_.clustering, grid);
-    const bool noisy = report_.clustering.support_points > settings_.clustering.least_support;
+    const bool noisy = widening(report_.clustering, settings_.clustering) > 1;
     // What is taken out may let the masks' opening cut off what it held: where there is noise there is a second sweep.
     for (int sweep = 0; sweep < (noisy ? 2 : 1); ++sweep) {
       // Without room for it the print is as good as the scan: no reason to refuse it.

@@ -16,6 +16,10 @@ float voxel_mm3(const PrintGrid& grid) { return grid.pitch_x_mm * grid.pitch_y_m
 
 }  // namespace
 
+float widening(const ClusteringResult& clustering, const ClusteringSettings& settings) {
+  return clustering.support_points / settings.least_support;
+}
+
 PieceLimits piece_limits(const ClusteringResult& clustering, const PrintGrid& grid) {
   const float epsilon = clustering.epsilon;
   PieceLimits limits;
@@ -29,7 +33,7 @@ FeatureLimits feature_limits(const ClusteringResult& clustering, const Clusterin
   const float epsilon2 = clustering.epsilon * clustering.epsilon;
   const float points_of_epsilon = 2 * static_cast<float>(settings.min_points);
   const float support_mm2 = std::numbers::pi_v<float> * epsilon2 * clustering.support_points / points_of_epsilon;
-  const float widened = clustering.support_points / settings.least_support;
+  const float widened = widening(clustering, settings);
   const float crumb_mm = kCrumb * clustering.noise / std::sqrt(std::max(clustering.support_points, 1.0F));
   const float pixel_mm2 = grid.pitch_x_mm * grid.pitch_y_mm;
   FeatureLimits limits;

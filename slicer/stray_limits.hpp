@@ -8,6 +8,9 @@
 
 namespace plumbline {
 
+/// How many times the points of a support that a scan without noise has; 1: the scan has none to speak of.
+float widening(const ClusteringResult& clustering, const ClusteringSettings& settings);
+
 /// What goes by its size alone: specks of solid and of hollow below 50 cubes of epsilon. A stray's support has some six.
 /// @param clustering  epsilon in mm
 PieceLimits piece_limits(const ClusteringResult& clustering, const PrintGrid& grid);

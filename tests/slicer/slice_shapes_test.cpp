@@ -54,24 +54,27 @@ TEST(SliceShapes, ATorusStandingUpIsWhereItIs) {
   expect_every_ray_closed(sliced);
 }
 
+/// Of a place, from the middle of the nearest of many in a row, one in each pitch.
+double from_nearest(double at, double pitch) { return at - pitch * (std::floor(at / pitch) + 0.5); }
+
 // They went as small features of the layers: two dozen points each, and wider than anything that noise makes.
 TEST(SliceShapes, APlateKeepsItsDots) {
   constexpr double kPitch = 2.5;
   constexpr double kRadius = 0.65;
   constexpr double kHeight = 0.5;
   const Vec3d high(20, 15, 3);
-  // From the middle of the dot that a place is nearest to.
-  const auto from_dot = [](double at) { return at - kPitch * (std::floor(at / kPitch) + 0.5); };
   const auto dot = [&](const Vec3d& p) {
-    const double x = from_dot(p[0]);
-    const double y = from_dot(p[1]);
+    const double x = from_nearest(p[0], kPitch);
+    const double y = from_nearest(p[1], kPitch);
     return kHeight * std::max(0.0, 1 - (x * x + y * y) / (kRadius * kRadius));
   };
   Random random(4);
   Surface surface = box({0, 0, 0}, high, 0.26, 0.4, random);
   for (SurfacePoint& p : surface) {
     if (p.normal[2] < 0.5 || dot(p.position) == 0) continue;
-    p.normal = Vec3d(from_dot(p.position[0]), from_dot(p.position[1]), kRadius * kRadius / (2 * kHeight)).normalized();
+    p.normal = Vec3d(from_nearest(p.position[0], kPitch), from_nearest(p.position[1], kPitch),
+                     kRadius * kRadius / (2 * kHeight))
+                   .normalized();
     p.position[2] += dot(p.position);
   }
   const Slicing sliced(binary_ply(surface), settings_with_pitch(0.05F), 64 * kMiB);
@@ -91,11 +94,11 @@ TEST(SliceShapes, APlateKeepsItsPins) {
   constexpr double kRadius = 0.19;
   constexpr double kHeight = 0.9;
   const Vec3d high(10, 8, 2);
-  const auto from_pin = [](double at) { return at - kPitch * (std::floor(at / kPitch) + 0.5); };
   Random random(8);
   Surface surface = box({0, 0, 0}, high, 0.1, 0.4, random);
   for (SurfacePoint& p : surface) {
-    const bool on_top = p.normal[2] > 0.5 && std::hypot(from_pin(p.position[0]), from_pin(p.position[1])) < kRadius;
+    const bool on_top = p.normal[2] > 0.5 &&
+                        std::hypot(from_nearest(p.position[0], kPitch), from_nearest(p.position[1], kPitch)) < kRadius;
     if (on_top) p.position[2] += kHeight;
   }
   for (double x = kPitch / 2; x < high[0]; x += kPitch) {
