@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-#include "firmware/command_line.hpp"
+#include "firmware/cli/command_line.hpp"
 #include "slicer/core/arena.hpp"
 
 namespace {

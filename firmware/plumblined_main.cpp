@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-#include "firmware/daemon_command_line.hpp"
+#include "firmware/daemon/daemon_command_line.hpp"
 #include "slicer/core/arena.hpp"
 
 namespace {

@@ -7,12 +7,12 @@
 #include <cmath>
 #include <optional>
 
-#include "slicer/cloud_reader.hpp"
+#include "slicer/cloud/cloud_reader.hpp"
+#include "slicer/cloud/kd_tree.hpp"
 #include "slicer/core/median.hpp"
-#include "slicer/kd_tree.hpp"
-#include "slicer/normals.hpp"
-#include "slicer/rrep_builder.hpp"
-#include "slicer/stage_scope.hpp"
+#include "slicer/core/stage_scope.hpp"
+#include "slicer/normals/normals.hpp"
+#include "slicer/rrep/crossing_store.hpp"
 
 namespace plumbline {
 namespace {

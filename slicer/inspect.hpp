@@ -4,15 +4,15 @@
 #include <array>
 #include <cstdint>
 
-#include "slicer/clustering.hpp"
 #include "slicer/core/arena.hpp"
 #include "slicer/core/byte_source.hpp"
 #include "slicer/core/progress.hpp"
-#include "slicer/memory_plan.hpp"
-#include "slicer/normals.hpp"
-#include "slicer/placement.hpp"
-#include "slicer/scan_sources.hpp"
-#include "slicer/stray_pieces.hpp"
+#include "slicer/normals/normals.hpp"
+#include "slicer/placement/placement.hpp"
+#include "slicer/plan/memory_plan.hpp"
+#include "slicer/reader/scan_sources.hpp"
+#include "slicer/surface/clustering.hpp"
+#include "slicer/surface/stray_pieces.hpp"
 
 namespace plumbline {
 

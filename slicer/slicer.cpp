@@ -7,19 +7,19 @@
 #include <cmath>
 #include <optional>
 
-#include "slicer/base_plane.hpp"
-#include "slicer/cloud_reader.hpp"
-#include "slicer/kd_tree.hpp"
-#include "slicer/layer_features.hpp"
-#include "slicer/memory_plan.hpp"
-#include "slicer/normals.hpp"
-#include "slicer/ray_admission.hpp"
-#include "slicer/ray_grid.hpp"
-#include "slicer/rrep_edit.hpp"
-#include "slicer/stage_scope.hpp"
-#include "slicer/stray_limits.hpp"
-#include "slicer/surface_points.hpp"
-#include "slicer/winding_number.hpp"
+#include "slicer/cloud/cloud_reader.hpp"
+#include "slicer/cloud/kd_tree.hpp"
+#include "slicer/core/stage_scope.hpp"
+#include "slicer/implicit/winding_number.hpp"
+#include "slicer/layers/feature_limits.hpp"
+#include "slicer/layers/layer_features.hpp"
+#include "slicer/layers/rrep_edit.hpp"
+#include "slicer/normals/normals.hpp"
+#include "slicer/placement/base_plane.hpp"
+#include "slicer/plan/memory_plan.hpp"
+#include "slicer/plan/ray_admission.hpp"
+#include "slicer/rays/ray_grid.hpp"
+#include "slicer/surface/surface_points.hpp"
 
 namespace plumbline {
 namespace {

@@ -7,9 +7,9 @@
 #include <string>
 #include <string_view>
 
-#include "firmware/output_file.hpp"
+#include "firmware/io/output_file.hpp"
 #include "slicer/core/error.hpp"
-#include "slicer/reader/scan_point.hpp"
+#include "slicer/reader/stream/scan_point.hpp"
 
 namespace plumbline {
 

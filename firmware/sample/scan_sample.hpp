@@ -6,7 +6,7 @@
 #include <string>
 
 #include "slicer/core/error.hpp"
-#include "slicer/reader/scan_point.hpp"
+#include "slicer/reader/stream/scan_point.hpp"
 
 namespace plumbline {
 

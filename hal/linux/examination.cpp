@@ -9,9 +9,9 @@
 #include <cstring>
 #include <fstream>
 
-#include "hal/linux/gpio_line.hpp"
+#include "hal/linux/events/real_time.hpp"
+#include "hal/linux/gpio/gpio_line.hpp"
 #include "hal/linux/linux_machine.hpp"
-#include "hal/linux/real_time.hpp"
 
 namespace plumbline {
 namespace {

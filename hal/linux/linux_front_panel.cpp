@@ -4,8 +4,8 @@
 #include <cerrno>
 #include <cstring>
 
-#include "hal/linux/edges.hpp"
-#include "hal/linux/linux_clock.hpp"
+#include "hal/linux/events/linux_clock.hpp"
+#include "hal/linux/gpio/edges.hpp"
 
 namespace plumbline {
 

@@ -5,9 +5,9 @@
 #include <optional>
 
 #include "hal/front_panel.hpp"
-#include "hal/linux/contact.hpp"
-#include "hal/linux/gpio_line.hpp"
-#include "hal/linux/lamp_watch.hpp"
+#include "hal/linux/gpio/contact.hpp"
+#include "hal/linux/gpio/gpio_line.hpp"
+#include "hal/linux/lamp/lamp_watch.hpp"
 
 namespace plumbline {
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "hal/linux/gpio_keeper_lines.hpp"
-#include "hal/linux/real_time.hpp"
+#include "hal/linux/events/real_time.hpp"
+#include "hal/linux/lamp/gpio_keeper_lines.hpp"
 
 namespace plumbline {
 

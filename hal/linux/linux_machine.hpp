@@ -4,16 +4,16 @@
 #include <memory>
 #include <vector>
 
-#include "hal/linux/gpio_stage_lines.hpp"
-#include "hal/linux/line_registry.hpp"
-#include "hal/linux/linux_clock.hpp"
-#include "hal/linux/linux_events.hpp"
+#include "hal/linux/display/linux_mask_display.hpp"
+#include "hal/linux/events/linux_clock.hpp"
+#include "hal/linux/events/linux_events.hpp"
+#include "hal/linux/events/shutdown_signal.hpp"
+#include "hal/linux/gpio/line_registry.hpp"
+#include "hal/linux/lamp/linux_uv_lamp.hpp"
 #include "hal/linux/linux_front_panel.hpp"
-#include "hal/linux/linux_mask_display.hpp"
 #include "hal/linux/linux_settings.hpp"
-#include "hal/linux/linux_thermals.hpp"
-#include "hal/linux/linux_uv_lamp.hpp"
-#include "hal/linux/shutdown_signal.hpp"
+#include "hal/linux/stage/gpio_stage_lines.hpp"
+#include "hal/linux/thermals/linux_thermals.hpp"
 #include "hal/machine.hpp"
 
 namespace plumbline {

@@ -5,12 +5,12 @@
 #include <string>
 
 #include "hal/front_panel.hpp"
-#include "hal/linux/kms_panel.hpp"
-#include "hal/linux/line_settings.hpp"
-#include "hal/linux/linux_stick_port.hpp"
-#include "hal/linux/linux_z_stage.hpp"
-#include "hal/linux/panel_layout.hpp"
-#include "hal/linux/thermal_settings.hpp"
+#include "hal/linux/display/kms_panel.hpp"
+#include "hal/linux/display/panel_layout.hpp"
+#include "hal/linux/gpio/line_settings.hpp"
+#include "hal/linux/stage/linux_z_stage.hpp"
+#include "hal/linux/stick/linux_stick_port.hpp"
+#include "hal/linux/thermals/thermal_settings.hpp"
 #include "hal/uv_lamp.hpp"
 
 namespace plumbline {

@@ -1,8 +1,8 @@
 #include "slicer/reader/scan_reader.hpp"
 
-#include "slicer/reader/format_probe.hpp"
-#include "slicer/reader/point_batch.hpp"
-#include "slicer/reader/scan_formats.hpp"
+#include "slicer/reader/formats/format_probe.hpp"
+#include "slicer/reader/formats/scan_formats.hpp"
+#include "slicer/reader/stream/point_batch.hpp"
 
 namespace plumbline {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "slicer/core/arena.hpp"
 #include "slicer/core/byte_source.hpp"
-#include "slicer/reader/scan_point.hpp"
+#include "slicer/reader/stream/scan_point.hpp"
 
 namespace plumbline {
 

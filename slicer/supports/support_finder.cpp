@@ -5,7 +5,7 @@
 #include <bit>
 #include <tuple>
 
-#include "slicer/layer_stream.hpp"
+#include "slicer/layers/layer_stream.hpp"
 #include "slicer/supports/held_area.hpp"
 #include "slicer/supports/islands.hpp"
 #include "slicer/supports/window.hpp"

@@ -7,7 +7,7 @@
 #include "slicer/core/arena.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/core/progress.hpp"
-#include "slicer/rrep.hpp"
+#include "slicer/rrep/rrep.hpp"
 #include "slicer/supports/support_settings.hpp"
 #include "slicer/supports/supports.hpp"
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "slicer/rrep.hpp"
+#include "slicer/rrep/rrep.hpp"
 
 namespace plumbline {
 

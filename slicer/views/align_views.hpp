@@ -3,9 +3,9 @@
 
 #include <cstdint>
 
-#include "slicer/cloud.hpp"
+#include "slicer/cloud/cloud.hpp"
+#include "slicer/cloud/kd_tree.hpp"
 #include "slicer/core/progress.hpp"
-#include "slicer/kd_tree.hpp"
 
 namespace plumbline {
 

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <span>
 
-#include "slicer/cloud.hpp"
+#include "slicer/cloud/cloud.hpp"
+#include "slicer/cloud/kd_tree.hpp"
 #include "slicer/core/progress.hpp"
-#include "slicer/kd_tree.hpp"
 #include "slicer/views/grid_growth.hpp"
 #include "slicer/views/view_grid.hpp"
 

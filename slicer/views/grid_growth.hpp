@@ -5,8 +5,8 @@
 #include <optional>
 #include <span>
 
-#include "slicer/cloud.hpp"
-#include "slicer/kd_tree.hpp"
+#include "slicer/cloud/cloud.hpp"
+#include "slicer/cloud/kd_tree.hpp"
 #include "slicer/views/view_grid.hpp"
 
 namespace plumbline {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "slicer/cloud.hpp"
+#include "slicer/cloud/cloud.hpp"
 #include "slicer/core/arena.hpp"
 #include "slicer/core/vec.hpp"
 #include "slicer/views/depth_image.hpp"

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "slicer/frame.hpp"
+#include "slicer/core/frame.hpp"
 
 namespace plumbline {
 namespace {

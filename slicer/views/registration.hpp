@@ -3,9 +3,9 @@
 
 #include <cstddef>
 
-#include "slicer/cloud.hpp"
+#include "slicer/cloud/cloud.hpp"
+#include "slicer/cloud/kd_tree.hpp"
 #include "slicer/core/progress.hpp"
-#include "slicer/kd_tree.hpp"
 #include "slicer/views/moved_views.hpp"
 
 namespace plumbline {

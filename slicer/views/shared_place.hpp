@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 
-#include "slicer/kd_tree.hpp"
+#include "slicer/cloud/kd_tree.hpp"
 #include "slicer/views/local_form.hpp"
 #include "slicer/views/moved_views.hpp"
 

@@ -8,10 +8,10 @@
 #include <stdexcept>
 #include <vector>
 
-#include "slicer/layer_stream.hpp"
-#include "slicer/perfect_rays.hpp"
-#include "slicer/ray_grid.hpp"
-#include "slicer/winding_number.hpp"
+#include "slicer/implicit/winding_number.hpp"
+#include "slicer/layers/layer_stream.hpp"
+#include "slicer/rays/ray_classifier.hpp"
+#include "slicer/rays/ray_grid.hpp"
 #include "tests/slicer/support/arena_block.hpp"
 #include "tests/slicer/support/scan_cloud.hpp"
 

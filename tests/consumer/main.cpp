@@ -4,7 +4,7 @@
 
 #include "slicer/core/arena.hpp"
 #include "slicer/core/vec.hpp"
-#include "slicer/layer_stream.hpp"
+#include "slicer/layers/layer_stream.hpp"
 
 // Takes a block from an arena of its own: headers, flags and libraries of the installed package fit each other.
 int main() {

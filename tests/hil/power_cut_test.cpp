@@ -91,7 +91,7 @@ TEST(PowerCut, At200InstantsThePrintGoesOnAtTheRightLayer) {
 
 TEST(PowerCut, InsideTheJournalsWritesThePrintGoesOnAtTheRightLayer) {
   std::mt19937_64 random(99);
-  // Write 1 is the header's, before the print: tests/firmware/journal_test.cpp.
+  // Write 1 is the header's, before the print: tests/firmware/print/journal_test.cpp.
   for (int write = 2; write <= static_cast<int>(Rig::kLayers) + 1; ++write) {
     SCOPED_TRACE(write);
     Rig rig;

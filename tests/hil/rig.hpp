@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "firmware/mask_maker.hpp"
-#include "firmware/print_job.hpp"
-#include "firmware/print_session.hpp"
+#include "firmware/print/mask_renderer.hpp"
+#include "firmware/print/print_job.hpp"
+#include "firmware/print/print_session.hpp"
 #include "hal/sim/sim_machine.hpp"
 
 namespace plumbline {

@@ -11,10 +11,10 @@
 #include <string>
 #include <vector>
 
-#include "firmware/print_session.hpp"
-#include "firmware/printer_daemon.hpp"
+#include "firmware/daemon/printer_daemon.hpp"
+#include "firmware/print/print_session.hpp"
 #include "hal/sim/sim_machine.hpp"
-#include "tests/firmware/job_fixture.hpp"
+#include "tests/firmware/support/job_fixture.hpp"
 #include "tests/hil/rig.hpp"
 
 namespace plumbline {

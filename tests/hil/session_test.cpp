@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "firmware/print_summary.hpp"
+#include "firmware/print/print_summary.hpp"
 #include "tests/hil/session_rig.hpp"
 
 namespace plumbline {

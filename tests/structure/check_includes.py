@@ -22,7 +22,7 @@ MAY_INCLUDE = {
 }
 
 # The one source file of the product that knows the back ends of the HAL, and opens one of them.
-COMPOSITION = {"firmware/back_end.cpp": {"hal/linux", "hal/sim"}}
+COMPOSITION = {"firmware/machine/back_end.cpp": {"hal/linux", "hal/sim"}}
 
 # Header of somebody else -> how many source files outside of tests include it. Each has one file that arranges it: its
 # memory, its exceptions, its types stay there. "exactly" also notices that a dependency is no longer used.

@@ -13,13 +13,13 @@ from check_includes import check
 GOOD = {
     "slicer/core/arena.hpp": '#include <cstddef>\n#include "slicer/core/error.hpp"\n',
     "slicer/core/error.hpp": "",
-    "slicer/kd_tree.cpp": '#include <nanoflann.hpp>\n#include "slicer/kd_tree.hpp"\n#include "slicer/core/arena.hpp"\n',
-    "slicer/kd_tree.hpp": "",
+    "slicer/cloud/kd_tree.cpp": '#include <nanoflann.hpp>\n#include "slicer/cloud/kd_tree.hpp"\n#include "slicer/core/arena.hpp"\n',
+    "slicer/cloud/kd_tree.hpp": "",
     "hal/clock.hpp": '#include "slicer/core/error.hpp"\n',
     "hal/linux/clock.cpp": '#include "hal/clock.hpp"\n#include <ctime>\n',
     "hal/sim/clock.hpp": '#include "hal/clock.hpp"\n',
-    "firmware/printer.cpp": '#include "hal/clock.hpp"\n#include "slicer/kd_tree.hpp"\n#include <lodepng.h>\n#include <thread>\n',
-    "firmware/back_end.cpp": '#include "hal/linux/clock.hpp"\n#include "hal/sim/clock.hpp"\n',
+    "firmware/printer.cpp": '#include "hal/clock.hpp"\n#include "slicer/cloud/kd_tree.hpp"\n#include <lodepng.h>\n#include <thread>\n',
+    "firmware/machine/back_end.cpp": '#include "hal/linux/clock.hpp"\n#include "hal/sim/clock.hpp"\n',
     "tests/png_test.cpp": '#include <lodepng.h>\n#include "hal/sim/clock.hpp"\n#include "firmware/printer.hpp"\n',
 }
 
@@ -43,7 +43,7 @@ class CheckIncludes(unittest.TestCase):
         self.assertEqual(self.violations({}), [])
 
     def test_core_includes_nothing_of_ours(self):
-        self.assert_only({"slicer/core/bad.hpp": '// why\n\n#include "slicer/kd_tree.hpp"\n'},
+        self.assert_only({"slicer/core/bad.hpp": '// why\n\n#include "slicer/cloud/kd_tree.hpp"\n'},
                          "slicer/core/bad.hpp:3", "slicer/core may not include slicer;")
 
     def test_slicer_does_not_include_firmware(self):
@@ -54,7 +54,7 @@ class CheckIncludes(unittest.TestCase):
         self.assert_only({"slicer/bad.cpp": '#include "hal/clock.hpp"\n'}, "slicer/bad.cpp:1", "may not include hal")
 
     def test_hal_does_not_include_slicer(self):
-        self.assert_only({"hal/bad.hpp": '#include "slicer/kd_tree.hpp"\n'}, "hal/bad.hpp:1", "hal may not include slicer;")
+        self.assert_only({"hal/bad.hpp": '#include "slicer/cloud/kd_tree.hpp"\n'}, "hal/bad.hpp:1", "hal may not include slicer;")
 
     def test_hal_does_not_include_its_back_ends(self):
         self.assert_only({"hal/bad.cpp": '#include "hal/linux/clock.hpp"\n'},
@@ -71,8 +71,8 @@ class CheckIncludes(unittest.TestCase):
     def test_product_opens_a_back_end_in_one_source_file_only(self):
         self.assert_only({"firmware/bad.cpp": '#include "hal/linux/clock.hpp"\n'},
                          "firmware/bad.cpp:1", "firmware may not include hal/linux")
-        self.assert_only({"firmware/back_end.hpp": '#include "hal/sim/clock.hpp"\n'},
-                         "firmware/back_end.hpp:1", "firmware may not include hal/sim")
+        self.assert_only({"firmware/machine/back_end.hpp": '#include "hal/sim/clock.hpp"\n'},
+                         "firmware/machine/back_end.hpp:1", "firmware may not include hal/sim")
 
     def test_product_does_not_include_tests(self):
         self.assert_only({"firmware/bad.cpp": '#include "tests/fake.hpp"\n'},
@@ -84,15 +84,15 @@ class CheckIncludes(unittest.TestCase):
         self.assert_only({"slicer/bad.cpp": '#include "slicer/../firmware/printer.hpp"\n'}, "slicer/bad.cpp:1", "from the top")
 
     def test_angle_brackets_do_not_hide_one_of_ours(self):
-        self.assert_only({"slicer/core/bad.cpp": "#include <slicer/kd_tree.hpp>\n"}, "slicer/core/bad.cpp:1", "quotes")
+        self.assert_only({"slicer/core/bad.cpp": "#include <slicer/cloud/kd_tree.hpp>\n"}, "slicer/core/bad.cpp:1", "quotes")
 
     def test_a_macro_does_not_hide_one_of_ours(self):
         self.assert_only({"slicer/bad.cpp": "#include HEADER\n"}, "slicer/bad.cpp:1", "macro")
 
     def test_nanoflann_is_in_exactly_one_source_file(self):
         found = self.violations({"slicer/second.cpp": "#include <nanoflann.hpp>\n"})
-        self.assertEqual([v.split(": ")[0] for v in found], ["slicer/kd_tree.cpp:1", "slicer/second.cpp:1"])
-        found = self.violations({"slicer/kd_tree.cpp": ""})
+        self.assertEqual([v.split(": ")[0] for v in found], ["slicer/cloud/kd_tree.cpp:1", "slicer/second.cpp:1"])
+        found = self.violations({"slicer/cloud/kd_tree.cpp": ""})
         self.assertEqual(len(found), 1, found)
         self.assertIn("here is none", found[0])
 

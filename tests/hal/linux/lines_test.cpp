@@ -5,11 +5,11 @@
 
 #include <csignal>
 
-#include "hal/linux/contact.hpp"
-#include "hal/linux/event_queue.hpp"
-#include "hal/linux/gpio_keeper_lines.hpp"
-#include "hal/linux/line_registry.hpp"
-#include "hal/linux/shutdown_signal.hpp"
+#include "hal/linux/events/event_queue.hpp"
+#include "hal/linux/events/shutdown_signal.hpp"
+#include "hal/linux/gpio/contact.hpp"
+#include "hal/linux/gpio/line_registry.hpp"
+#include "hal/linux/lamp/gpio_keeper_lines.hpp"
 
 namespace plumbline {
 namespace {

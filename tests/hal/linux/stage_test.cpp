@@ -9,9 +9,9 @@
 #include <thread>
 #include <vector>
 
-#include "hal/linux/edges.hpp"
-#include "hal/linux/linux_clock.hpp"
-#include "hal/linux/linux_z_stage.hpp"
+#include "hal/linux/events/linux_clock.hpp"
+#include "hal/linux/gpio/edges.hpp"
+#include "hal/linux/stage/linux_z_stage.hpp"
 #include "hal/mask_display.hpp"
 #include "hal/uv_lamp.hpp"
 

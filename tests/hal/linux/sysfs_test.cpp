@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "hal/linux/linux_thermals.hpp"
-#include "hal/linux/stick_volume.hpp"
+#include "hal/linux/stick/stick_volume.hpp"
+#include "hal/linux/thermals/linux_thermals.hpp"
 
 namespace plumbline {
 namespace {

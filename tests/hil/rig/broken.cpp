@@ -16,7 +16,7 @@
 #include <string_view>
 #include <thread>
 
-#include "hal/linux/kms_panel.hpp"
+#include "hal/linux/display/kms_panel.hpp"
 
 namespace plumbline {
 namespace {

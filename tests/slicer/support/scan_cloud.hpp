@@ -7,9 +7,9 @@
 #include <stdexcept>
 #include <string>
 
-#include "slicer/cloud.hpp"
-#include "slicer/clustering.hpp"
-#include "slicer/kd_tree.hpp"
+#include "slicer/cloud/cloud.hpp"
+#include "slicer/cloud/kd_tree.hpp"
+#include "slicer/surface/clustering.hpp"
 #include "tests/slicer/support/surfaces.hpp"
 
 namespace plumbline::testing {

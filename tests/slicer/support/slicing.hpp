@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "slicer/layer_stream.hpp"
+#include "slicer/layers/layer_stream.hpp"
 #include "slicer/slicer.hpp"
 #include "tests/slicer/reader/scan_fixture.hpp"
 #include "tests/slicer/support/arena_block.hpp"

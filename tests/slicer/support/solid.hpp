@@ -6,8 +6,8 @@
 #include <functional>
 #include <vector>
 
-#include "slicer/layer_stream.hpp"
-#include "slicer/rrep.hpp"
+#include "slicer/layers/layer_stream.hpp"
+#include "slicer/rrep/rrep.hpp"
 #include "slicer/supports/supports.hpp"
 #include "tests/slicer/support/arena_block.hpp"
 #include "tests/slicer/support/pixels.hpp"

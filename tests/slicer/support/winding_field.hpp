@@ -1,7 +1,7 @@
 #pragma once
 /// The winding number of a surface, from its points as the slicer clusters them.
 
-#include "slicer/winding_number.hpp"
+#include "slicer/implicit/winding_number.hpp"
 #include "tests/slicer/support/arena_block.hpp"
 #include "tests/slicer/support/scan_cloud.hpp"
 

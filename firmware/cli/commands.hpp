@@ -1,0 +1,70 @@
+#pragma once
+/// What the program `plumbline` does, a function a subcommand.
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "firmware/machine/back_end.hpp"
+#include "firmware/settings/job_options.hpp"
+#include "firmware/settings/support_choice.hpp"
+
+namespace plumbline {
+
+/// What a shell sees.
+enum class ExitCode : std::uint8_t {
+  kDone = 0,
+  kWorldError = 1,     ///< a file, a medium, an object: standard error has the sentence
+  kUsageError = 2,     ///< the command line
+  kInterrupted = 130,  ///< SIGINT or SIGTERM; as shells have it: 128 + SIGINT
+};
+
+struct SliceOptions {
+  JobOptions job;
+  std::string output;
+  bool preview = true;
+  std::optional<SupportSettings> supports;  ///< none: no supports
+};
+
+struct InspectOptions {
+  JobOptions job;
+  std::string picture;  ///< file for what the scan has not seen; empty: none
+};
+
+struct SampleOptions {
+  std::string output;
+  std::uint64_t points = 0;
+  std::uint64_t seed = 0;
+  bool quiet = false;
+};
+
+struct PrintOptions {
+  JobOptions job;         ///< the printer is required, the scan unless resume
+  std::string profile;    ///< name or path; empty: the board file's
+  std::string state;      ///< folder of journal and job; empty: none is kept
+  bool resume = false;    ///< what is in `state`
+  std::string keep_part;  ///< folder for what a simulated printer has made; empty: none
+  std::string report;     ///< file for the report as JSON; empty: none
+  SimulationOptions simulation;
+  SupportChoice supports;  ///< on top of the profile's
+};
+
+struct DoctorOptions {
+  std::string printer;  ///< board file
+  bool json = false;
+};
+
+/// Each writes results to standard output, progress, warnings and errors to standard error.
+/// @param arena_block  the program's
+ExitCode run_slice(const SliceOptions& options, std::span<std::byte> arena_block);
+ExitCode run_inspect(const InspectOptions& options, std::span<std::byte> arena_block);
+ExitCode run_print(const PrintOptions& options, std::span<std::byte> arena_block);
+ExitCode run_sample(const SampleOptions& options);
+ExitCode run_doctor(const DoctorOptions& options);
+
+/// Prints the sentence of an error. @returns what the shell is to see
+ExitCode report_error(const Error& error);
+
+}  // namespace plumbline

@@ -1,0 +1,295 @@
+#include "firmware/cli/inspect_report.hpp"
+
+#include <algorithm>
+#include <string_view>
+
+#include "firmware/io/fixed_text.hpp"
+#include "firmware/io/version.hpp"
+#include "firmware/slice/job_report.hpp"
+#include "firmware/slice/manifest.hpp"
+
+namespace plumbline {
+namespace {
+
+constexpr double kMiB = 1024.0 * 1024.0;
+constexpr auto kOneLine = JsonWriter::Layout::kOneLine;
+
+using Text = FixedText<4096>;
+
+unsigned long long big(std::uint64_t number) { return number; }
+
+std::uint64_t missing_normals(const ScanSummary& scan) { return scan.header.has_normals ? 0 : scan.points; }
+
+std::uint32_t points_of(const InspectReport& scan, PointClass c) {
+  return scan.clustering.points[static_cast<std::size_t>(c)];
+}
+
+void add_scan(Text& text, const ScanOutlook& o) {
+  const ScanSummary& scan = o.scan.scan;
+  text.add("scan       %s: %llu points, %s %s, %.1f MB\n", o.scan_name.c_str(), big(scan.points),
+           to_string(scan.header.format), scan.header.encoding, static_cast<double>(scan.bytes) * 1e-6);
+  for (std::size_t i = 0; o.scan_names.size() > 1 && i < std::min(o.scan_names.size(), o.scan.scans.count); ++i) {
+    text.add("           %.60s: %llu points, %s\n", o.scan_names[i].c_str(), big(o.scan.scans.each[i].points),
+             o.scan.scans.each[i].header.has_normals ? "with normals" : "without normals");
+  }
+  if (scan.not_finite > 0) text.add("           %llu more points are not finite and left out\n", big(scan.not_finite));
+  if (scan.header.has_normals) {
+    text.add("normals    %llu points have one, %llu have one of length zero\n", big(scan.points - scan.without_normal),
+             big(scan.without_normal));
+  } else {
+    text.add("normals    none in the file: slicing estimates them (done here for %u points)\n",
+             o.scan.normals.estimated);
+  }
+  const double turned = turned_share(o.scan.normals.turned, o.scan.cloud_points);
+  if (turned > kTurnedWorthAWord) {
+    text.add("           %.2g %% point into the object: slicing turns them over\n", 100 * turned);
+  }
+}
+
+void add_extent(Text& text, const ScanOutlook& o) {
+  const Vec3d size = o.scan.bounds.size();
+  const Vec3d whole = o.scan.bounds_with_noise.size();
+  text.add("extent     %.6g x %.6g x %.6g in the file's units", size[0], size[1], size[2]);
+  if ((whole - size).maxCoeff() > 0.01 * size.maxCoeff()) {
+    text.add("; %.6g x %.6g x %.6g with its strays", whole[0], whole[1], whole[2]);
+  }
+  if (o.scan.strays.pieces > 0) text.add("\nstrays     %s", stray_warning(o.scan.strays).c_str());
+  const Vec3d mm = size * o.unit_mm();
+  text.add("\nsize       %.2f x %.2f x %.2f mm, taking a unit as 1 %s\n", mm[0], mm[1], mm[2], to_string(o.units));
+  const double guessed = size.maxCoeff() * millimetres_per(o.guess);
+  text.add("units      by its size it is %s: %.4g %s long make %.4g mm%s\n", to_string(o.guess), size.maxCoeff(),
+           to_string(o.guess), guessed,
+           o.guess == o.units ? "" : "; say --units with the right one, this is only a guess");
+}
+
+void add_surface(Text& text, const ScanOutlook& o) {
+  const InspectReport& s = o.scan;
+  const double unit = o.unit_mm();
+  text.add("spacing    %.3g mm to the nearest point (median); epsilon %.3g mm\n", s.spacing * unit,
+           static_cast<double>(s.clustering.epsilon) * unit);
+  text.add("noise      %.3g mm from the plane through %u neighbours (median)\n", s.roughness * unit, kPlaneNeighbours);
+  const double percent = 100.0 / std::max(1U, s.cloud_points);
+  text.add("points     entering %.1f %%, exiting %.1f %%, neutral %.1f %%, noise %.2f %%\n",
+           percent * points_of(s, PointClass::kEntering), percent * points_of(s, PointClass::kExiting),
+           percent * points_of(s, PointClass::kNeutral), percent * points_of(s, PointClass::kNoise));
+}
+
+void add_look(Text& text, const ScanOutlook& o) {
+  if (!o.look) {
+    text.add("seen       unknown: %s\n", o.no_look.c_str());
+  } else if (o.look->sentence().view().empty()) {
+    text.add("seen       all of the surface\n");
+  } else {
+    text.add("seen       not all: %s\n", o.look->sentence().c_str());
+  }
+  if (lies_on_its_face(o.scan.clustering)) text.add("           %s\n", kOnItsFace);
+}
+
+void add_fit(Text& text, const ScanOutlook& o) {
+  if (o.placed) {
+    const PrintGrid& grid = o.placed->grid;
+    const double factor = o.placed->scale / o.unit_mm();
+    text.add("%s %u x %u px of %.4g x %.4g mm, %u layers of %.4g mm, at scale %.4g\n",
+             o.printer_name.empty() ? "grid      " : "fits       yes:", grid.columns, grid.rows,
+             static_cast<double>(grid.pitch_x_mm), static_cast<double>(grid.pitch_y_mm), grid.layers,
+             static_cast<double>(grid.layer_height_mm), factor);
+  } else {
+    text.add("fits       no: %s\n", o.placed.error().message());
+  }
+  if (o.placement.printer) {
+    const PrinterVolume& v = *o.placement.printer;
+    text.add("printer    %s: %.2f x %.2f x %.2f mm", o.printer_name.c_str(),
+             v.columns * static_cast<double>(v.pitch_x_mm), v.rows * static_cast<double>(v.pitch_y_mm),
+             static_cast<double>(v.travel_mm));
+    if (o.largest_scale) text.add("; takes it up to scale %.4g", *o.largest_scale);
+    text.add("\n");
+  }
+}
+
+void add_plan(Text& text, const ScanOutlook& o) {
+  const InspectReport& s = o.scan;
+  if (s.averaged_points > 0) {
+    text.add("thinning   from %llu to %u points: one for each cell of %.3g mm; the arena has room for %u\n",
+             big(s.scan.points), s.cloud_points, s.thinning_cell * o.unit_mm(), s.cloud_capacity);
+  } else {
+    text.add("thinning   none: the arena has room for %u points\n", s.cloud_capacity);
+  }
+  if (!o.plan) {
+    text.add("arena      %s\n", o.plan.error().message());
+    return;
+  }
+  text.add("arena      %.1f of %.0f MiB for %u points with %u thread%s; by stage:\n",
+           static_cast<double>(o.plan->peak()) / kMiB, static_cast<double>(o.arena_bytes) / kMiB, o.plan->points,
+           o.threads, o.threads == 1 ? "" : "s");
+  for (std::size_t i = 0; i < kStageCount; ++i) {
+    if (o.plan->bytes[i] == 0) continue;
+    const std::string_view name = to_string(static_cast<Stage>(i));
+    text.add("  %-11.*s %9.1f MiB\n", static_cast<int>(name.size()), name.data(),
+             static_cast<double>(o.plan->bytes[i]) / kMiB);
+  }
+}
+
+template <class Values>
+void write_row(JsonWriter& json, std::string_view name, const Values& values) {
+  json.key(name);
+  json.begin_array(kOneLine);
+  for (const double v : values) json.value(v);
+  json.end_array();
+}
+
+void write_scan(JsonWriter& json, const ScanOutlook& o) {
+  const ScanSummary& scan = o.scan.scan;
+  json.key("scan");
+  json.begin_object();
+  json.member("name", std::string_view(o.scan_name));
+  json.member("format", to_string(scan.header.format));
+  json.member("encoding", scan.header.encoding);
+  json.member("bytes", scan.bytes);
+  json.member("points", scan.points);
+  json.member("points_not_finite", scan.not_finite);
+  json.key("normals");
+  json.begin_object(kOneLine);
+  json.member("have", scan.points - std::max(scan.without_normal, missing_normals(scan)));
+  json.member("missing", missing_normals(scan));
+  json.member("zero_length", scan.header.has_normals ? scan.without_normal : std::uint64_t{0});
+  json.end_object();
+  json.member("normals_estimated", o.scan.normals.estimated);
+  json.member("normals_turned", o.scan.normals.turned);
+  if (o.scan_names.size() > 1) write_files(json, o.scan_names, o.scan.scans);
+  json.end_object();
+}
+
+void write_fit(JsonWriter& json, const ScanOutlook& o) {
+  json.key("printer");
+  if (o.placement.printer) {
+    json.value(std::string_view(o.printer_name));
+  } else {
+    json.null();
+  }
+  json.member("fits", o.placed.has_value());
+  if (!o.placed) json.member("fits_not_because", o.placed.error().message());
+  json.key("largest_scale");
+  if (o.largest_scale) {
+    json.value(*o.largest_scale);
+  } else {
+    json.null();
+  }
+  json.key("grid");
+  if (!o.placed) return json.null();
+  const PrintGrid& grid = o.placed->grid;
+  json.begin_object(kOneLine);
+  json.member("columns", grid.columns);
+  json.member("rows", grid.rows);
+  json.member("layers", grid.layers);
+  json.key("pixel_pitch_mm");
+  json.begin_array(kOneLine);
+  json.value(grid.pitch_x_mm);
+  json.value(grid.pitch_y_mm);
+  json.end_array();
+  json.member("layer_height_mm", grid.layer_height_mm);
+  json.end_object();
+}
+
+void write_plan(JsonWriter& json, const ScanOutlook& o) {
+  json.key("thinning");
+  json.begin_object(kOneLine);
+  json.member("cell_mm", o.scan.thinning_cell * o.unit_mm());
+  json.member("points_left", o.scan.cloud_points);
+  json.member("room_for_points", o.scan.cloud_capacity);
+  json.end_object();
+  json.key("arena");
+  json.begin_object();
+  json.member("bytes", o.arena_bytes);
+  json.member("threads", o.threads);
+  json.key("planned_bytes");
+  if (o.plan) {
+    json.begin_object(kOneLine);
+    for (std::size_t i = 0; i < kStageCount; ++i) json.member(to_string(static_cast<Stage>(i)), o.plan->bytes[i]);
+    json.end_object();
+  } else {
+    json.null();
+  }
+  json.end_object();
+}
+
+}  // namespace
+
+ScanOutlook make_outlook(const InspectReport& scan, const PlacementSettings& placement, std::size_t arena_bytes,
+                         std::uint32_t threads) {
+  ScanOutlook o;
+  o.scan = scan;
+  o.placement = placement;
+  o.arena_bytes = arena_bytes;
+  o.threads = threads;
+  o.guess = guess_units(scan.bounds.size().maxCoeff());
+  o.units = placement.units == Units::kAuto ? o.guess : placement.units;
+  o.placed = place(scan.bounds, o.unit_mm(), placement);
+  std::optional<PrintGrid> grid;
+  if (placement.printer) {
+    grid = panel_grid(*placement.printer, placement.layer_height_mm);
+    PlacementSettings fitted = placement;
+    fitted.fit = true;
+    if (const auto largest = place(scan.bounds, o.unit_mm(), fitted)) o.largest_scale = largest->scale / o.unit_mm();
+  } else if (o.placed) {
+    grid = o.placed->grid;
+  }
+  o.plan = largest_plan(arena_bytes, scan.cloud_points, grid, threads, {.confidence = true});
+  return o;
+}
+
+Status write_outlook(OutputFile& out, const ScanOutlook& outlook) {
+  Text text;
+  add_scan(text, outlook);
+  add_extent(text, outlook);
+  add_surface(text, outlook);
+  add_look(text, outlook);
+  add_fit(text, outlook);
+  add_plan(text, outlook);
+  return out.write(text.view());
+}
+
+void write_outlook(JsonWriter& json, const ScanOutlook& outlook) {
+  const InspectReport& s = outlook.scan;
+  const double unit = outlook.unit_mm();
+  json.begin_object();
+  json.key("plumbline");
+  json.begin_object(kOneLine);
+  json.member("version", kVersion);
+  json.end_object();
+  write_scan(json, outlook);
+  write_row(json, "extent_scan_units", s.bounds.size());
+  write_row(json, "extent_with_noise_scan_units", s.bounds_with_noise.size());
+  json.key("units");
+  json.begin_object(kOneLine);
+  json.member("used", to_string(outlook.units));
+  json.member("guess", to_string(outlook.guess));
+  json.end_object();
+  write_row(json, "size_mm", Vec3d(s.bounds.size() * unit));
+  json.member("spacing_mm", s.spacing * unit);
+  json.member("epsilon_mm", static_cast<double>(s.clustering.epsilon) * unit);
+  json.member("noise_mm", s.roughness * unit);
+  json.key("points");
+  json.begin_object(kOneLine);
+  json.member("entering", points_of(s, PointClass::kEntering));
+  json.member("exiting", points_of(s, PointClass::kExiting));
+  json.member("neutral", points_of(s, PointClass::kNeutral));
+  json.member("noise", points_of(s, PointClass::kNoise));
+  json.end_object();
+  write_strays(json, s.strays);
+  json.key("never_seen");
+  if (outlook.look) {
+    json.begin_object(kOneLine);
+    json.member("underside", outlook.look->underside_unseen());
+    json.member("underside_share", outlook.look->shares.of(Evidence::kBase));
+    json.member("rest_share", outlook.look->unseen());
+    json.member("encloses_nothing", outlook.look->outside);
+    json.end_object();
+  } else {
+    json.null();
+  }
+  write_fit(json, outlook);
+  write_plan(json, outlook);
+  json.end_object();
+}
+
+}  // namespace plumbline

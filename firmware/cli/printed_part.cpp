@@ -1,0 +1,133 @@
+#include "firmware/cli/printed_part.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <vector>
+
+#include "firmware/io/mask_hash.hpp"
+#include "firmware/pictures/png_writer.hpp"
+#include "firmware/pictures/preview.hpp"
+#include "firmware/slice/job_directory.hpp"
+#include "firmware/slice/job_report.hpp"
+#include "firmware/slice/manifest.hpp"
+
+namespace plumbline {
+namespace {
+
+/// What was cured, as an R-Rep: the pixels that differ from the layer below.
+struct PartRRep {
+  std::vector<std::uint32_t> first{0};
+  std::vector<std::uint32_t> pixel;
+  std::vector<std::uint64_t> below;
+
+  void add(ConstBitImage layer) {
+    below.resize(layer.words().size());
+    for (std::uint32_t r = 0; r < layer.rows(); ++r) {
+      const auto words = layer.row(r);
+      for (std::size_t w = 0; w < words.size(); ++w) {
+        std::uint64_t& before = below[std::size_t{r} * layer.stride() + w];
+        for (std::uint64_t changed = words[w] ^ before; changed != 0; changed &= changed - 1) {
+          const auto column =
+              static_cast<std::uint32_t>(w * 64) + static_cast<std::uint32_t>(std::countr_zero(changed));
+          pixel.push_back(r * layer.columns() + column);
+        }
+        before = words[w];
+      }
+    }
+    first.push_back(static_cast<std::uint32_t>(pixel.size()));
+  }
+};
+
+constexpr std::size_t kPreviewBytes = std::size_t{3} * kPreviewColumns * kPreviewRows;
+
+/// What was cured, and what was to be printed to the left of it.
+Status write_pictures(JobDirectory& directory, const PrintSession& session, const RRep& part, const JobReport& job,
+                      Arena& arena) {
+  auto encoder = PngEncoder::for_pictures(2 * kPreviewColumns, kPreviewRows);
+  PLUMBLINE_TRY(encoder);
+  std::vector<std::uint8_t> sliced(kPreviewBytes);
+  std::vector<std::uint8_t> printed(kPreviewBytes);
+  FixedText<128> caption;
+  caption.add("printed: %u of %u layers, %.1f ml", part.grid.layers, session.grid().layers,
+              static_cast<double>(job.cured_pixels) * session.pixel_ml());
+  const std::array<std::string_view, 1> printed_captions = {caption.view()};
+  const std::array<std::string_view, 1> sliced_captions = {"to be printed"};
+  PLUMBLINE_TRY(
+      draw_preview(session.rrep(), session.supports(), {job.scan_name, sliced_captions}, arena, std::span(sliced)));
+  // What was cured of the supports is in the layers already.
+  PLUMBLINE_TRY(draw_preview(part, Supports{}, {job.scan_name, printed_captions}, arena, std::span(printed)));
+  const auto preview = encoder->encode(printed, kPreviewColumns, kPreviewRows);
+  PLUMBLINE_TRY(preview);
+  PLUMBLINE_TRY(directory.write_picture(Picture::kPreview, *preview));
+
+  std::vector<std::uint8_t> both;
+  both.reserve(2 * kPreviewBytes);
+  constexpr auto kRow = static_cast<std::ptrdiff_t>(3 * kPreviewColumns);
+  for (std::ptrdiff_t row = 0; row < std::ptrdiff_t{kPreviewRows}; ++row) {
+    for (const auto* picture : {&sliced, &printed}) {
+      both.insert(both.end(), picture->begin() + row * kRow, picture->begin() + (row + 1) * kRow);
+    }
+  }
+  const auto comparison = encoder->encode(both, 2 * kPreviewColumns, kPreviewRows);
+  PLUMBLINE_TRY(comparison);
+  return directory.write_picture(Picture::kComparison, *comparison);
+}
+
+}  // namespace
+
+Status write_printed_part(const std::string& folder, const Witness& witness, const PrintSession& session,
+                          Arena& arena) {
+  auto directory = JobDirectory::open(folder);
+  PLUMBLINE_TRY(directory);
+  PLUMBLINE_TRY(directory->begin());
+  const PrintGrid& grid = session.grid();
+  auto masks = PngEncoder::for_masks(grid.columns, grid.rows);
+  PLUMBLINE_TRY(masks);
+  JobReport job;
+  PartRRep part;
+  std::vector<std::uint64_t> hashes;
+  Status done;
+  witness.for_each_cured_layer([&](ZPosition z, ConstBitImage cured) {
+    if (!done) return;
+    // A height without light is a layer without pixels: it has its place in the stack.
+    const std::int64_t height = session.plan().layer_height.nanometres();
+    const auto at = static_cast<std::size_t>((z.above_film().nanometres() + height / 2) / height);
+    const std::vector<std::uint64_t> black(cured.words().size());
+    while (done && hashes.size() < std::max<std::size_t>(at, 1)) {
+      const bool is_it = hashes.size() + 1 >= at;
+      const ConstBitImage layer = is_it ? cured : ConstBitImage(black, cured.columns(), cured.rows());
+      part.add(layer);
+      job.cured_pixels += layer.count();
+      const auto png = masks->encode(layer);
+      done = png ? directory->write_layer(static_cast<std::uint32_t>(hashes.size()), *png)
+                 : Status(tl::unexpected<Error>(png.error()));
+      hashes.push_back(mask_hash(layer));
+    }
+  });
+  PLUMBLINE_TRY(done);
+  job.scan_name = view(session.facts().scan);
+  job.printer_name = view(session.facts().printer);
+  job.slice = session.sliced();
+  job.support_settings = session.support_settings();
+  job.supports = session.support_counts();
+  job.support_pixels = session.support_pixels();
+  job.arena_bytes = arena.capacity();
+  job.hash = job_hash(hashes);
+  if (!hashes.empty()) {
+    PrintGrid printed = grid;
+    printed.layers = static_cast<std::uint32_t>(hashes.size());
+    PLUMBLINE_TRY(
+        write_pictures(*directory, session, {.grid = printed, .first = part.first, .pixel = part.pixel}, job, arena));
+    job.has_preview = true;
+  }
+  if (session.sliced().placement.grid.layers != hashes.size()) return {};
+  auto manifest = directory->create_manifest();
+  PLUMBLINE_TRY(manifest);
+  JsonWriter json(*manifest);
+  write_manifest(json, job, hashes);
+  PLUMBLINE_TRY(json.finish());
+  return directory->finish(*manifest);
+}
+
+}  // namespace plumbline

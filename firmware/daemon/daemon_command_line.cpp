@@ -1,0 +1,208 @@
+#include "firmware/daemon/daemon_command_line.hpp"
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <csignal>
+
+#include "firmware/daemon/printer_daemon.hpp"
+#include "firmware/daemon/service_events.hpp"
+#include "firmware/daemon/service_manager.hpp"
+#include "firmware/daemon/service_status.hpp"
+#include "firmware/io/interrupt.hpp"
+#include "firmware/io/progress_lines.hpp"
+#include "firmware/io/version.hpp"
+#include "firmware/machine/back_end.hpp"
+#include "firmware/print/print_lines.hpp"
+#include "firmware/print/print_summary.hpp"
+#include "firmware/settings/job_options.hpp"
+
+namespace plumbline {
+namespace {
+
+constexpr const char* kAbout =
+    "The printer's daemon: waits for a stick, takes its job, prints it, reports, and waits for the next.\n"
+    "\n"
+    "A stick's job is its job.toml, or the only scan in its top folder, or the one that the user chooses with the "
+    "buttons.\n"
+    "Journal and job are kept in --state: after a power cut the print goes on when start is pressed.\n";
+
+constexpr const char* kFooter =
+    "\nExamples:\n"
+    "  plumblined --printer board/sim2k.toml --state state --stick stick      a folder plays the stick: make it, and "
+    "it "
+    "is plugged in\n"
+    "\n"
+    "SIGTERM ends it in order: a print is dark within its bound and can go on later.\n";
+
+struct DaemonOptions {
+  std::string printer;
+  std::string state = "/var/lib/plumbline";
+  std::uint32_t jobs = 0;  ///< end after that many; 0: never
+  SimulationOptions simulation;
+};
+
+bool is_folder(const std::string& path) {
+  struct stat facts {};
+  return !path.empty() && ::stat(path.c_str(), &facts) == 0 && S_ISDIR(facts.st_mode);
+}
+
+/// Says everything on standard error and to the service manager, writes the reports, and plays the user's hand with a simulated
+/// stick.
+class DaemonLog final : public DaemonObserver {
+ public:
+  DaemonLog(const DaemonOptions& options, BackEnd& back_end, ServiceManager& manager)
+      : options_(options), back_end_(back_end), witness_(back_end.witness()), manager_(manager) {}
+
+  void say(std::string_view text) override {
+    FixedText<1000> line;
+    line.add("plumblined: %.*s\n", static_cast<int>(text.size()), text.data());
+    write_to_stderr(line.view());
+    manager_.tell(text == "ready" ? "ready: waiting for a stick" : text);
+  }
+  bool update(const PrintStatus& status) override {
+    look_around();
+    static_cast<void>(lines_.update(status));
+    manager_.tell(service_status(status).view());
+    return true;
+  }
+  void checked(Check check, const CheckResult& result) override { lines_.checked(check, result); }
+  void printed(const PrintReport& report, const PrintSession& session, const PrintProfile& profile) override {
+    lines_.clear();
+    manager_.tell(service_status(report).view());
+    const std::vector<std::string> objections =
+        witness_ != nullptr ? witness_->objections() : std::vector<std::string>();
+    const PrintOutcome outcome{
+        report, session, profile, witness_ != nullptr, objections, back_end_.take_step_figures()};
+    OutputFile out = OutputFile::standard_output();
+    // The part is on the plate; a report that can't be written is said, and no more.
+    if (const auto told = write_print_summary(out, outcome); !told) say(told.error().message());
+    if (const auto kept = write_report(outcome); !kept) say(kept.error().message());
+    if (++jobs_ == options_.jobs) end();
+  }
+  void idle() override { look_around(); }
+
+ private:
+  Status write_report(const PrintOutcome& outcome) const {
+    auto file = OutputFile::create((options_.state + "/report.json").c_str());
+    PLUMBLINE_TRY(file);
+    JsonWriter json(*file);
+    write_print_report(json, outcome);
+    PLUMBLINE_TRY(json.finish());
+    return file->close();
+  }
+  void look_around() {
+    if (interrupted()) end();
+    if (witness_ == nullptr) return;
+    const bool there = is_folder(options_.simulation.stick);
+    if (there == plugged_) return;
+    plugged_ = there;
+    if (there) {
+      witness_->plug_stick(options_.simulation.stick);
+    } else {
+      witness_->pull_stick();
+    }
+  }
+  void end() {
+    if (ended_) return;
+    ended_ = true;
+    if (witness_ != nullptr) {
+      witness_->press(EventKind::kShutdownRequested);
+    } else {
+      static_cast<void>(::kill(::getpid(), SIGTERM));  // of which the board's machine makes the same event
+    }
+  }
+
+  const DaemonOptions& options_;
+  BackEnd& back_end_;
+  Witness* witness_;  ///< the back end's
+  ServiceManager& manager_;
+  PrintLines lines_{true, std::nullopt};
+  bool plugged_ = false;
+  bool ended_ = false;
+  std::uint32_t jobs_ = 0;
+};
+
+ExitCode serve(const DaemonOptions& options, std::span<std::byte> arena_block) {
+  const auto board = read_board_file(options.printer);
+  if (!board) return report_error(board.error());
+  const auto machine = machine_of(*board, options.printer);
+  if (!machine) return report_error(machine.error());
+  const auto profile = read_print_profile(profile_path(machine->profile, options.printer));
+  if (!profile) return report_error(profile.error());
+  JobOptions job;
+  job.printer = options.printer;
+  const auto setup = set_up(job, arena_block);
+  if (!setup) return report_error(setup.error());
+  auto store = JobStore::open(options.state);
+  if (!store) return report_error(store.error());
+  auto manager = ServiceManager::of_environment();
+  if (!manager) return report_error(manager.error());
+  SimulationOptions simulation = options.simulation;
+  simulation.stick.clear();  // plugged in by the log, when its folder is there
+  auto back_end = open_back_end(*board, *machine, *profile, simulation);
+  if (!back_end) return report_error(back_end.error());
+
+  catch_interrupts();
+  start_threads(setup->threads);  // and their stacks: after "ready" no memory is taken
+  const DaemonSettings settings{*board, *machine, options.printer, setup->threads};
+  Arena arena(setup->arena_block);
+  DaemonLog log(options, **back_end, *manager);
+  const Machine& devices = (*back_end)->machine();
+  ServiceEvents events(devices.events, devices.clock, *manager);
+  Machine watched{.clock = devices.clock,
+                  .events = events,
+                  .mask = devices.mask,
+                  .lamp = devices.lamp,
+                  .stage = devices.stage,
+                  .stick = devices.stick,
+                  .panel = devices.panel,
+                  .thermals = devices.thermals};
+  PrinterDaemon daemon(watched, settings, arena, *store, log);
+  if (const auto told = manager->ready(); !told) return report_error(told.error());
+  const auto served = daemon.run();
+  if (!served) return report_error(served.error());
+  return daemon.fault() == FaultCode::kNone ? ExitCode::kDone : ExitCode::kWorldError;
+}
+
+}  // namespace
+
+ExitCode run_daemon_command_line(int argc, char** argv, std::span<std::byte> arena_block) {
+  CLI::App app(kAbout, "plumblined");
+  app.set_version_flag("--version", std::string("plumblined ") + kVersion);
+  app.footer(kFooter);
+  DaemonOptions options;
+  options.simulation.speedup = 1;  // who waits for a stick waits in real time
+  app.add_option("--printer", options.printer, "Board file")->required()->type_name("TOML");
+  app.add_option("--state", options.state, "Folder for journal, job and the last report [/var/lib/plumbline]")
+      ->type_name("DIR");
+  app.add_option("--jobs", options.jobs, "End after that many prints [never]")->type_name("N");
+  constexpr const char* kSimulation = "Simulation";
+  app.add_flag("--simulate", options.simulation.simulate, "Simulate the printer, also one that exists")
+      ->group(kSimulation);
+  app.add_option("--stick", options.simulation.stick, "Folder that plays the stick; it is plugged in while it is there")
+      ->type_name("DIR")
+      ->group(kSimulation);
+  app.add_option("--speedup", options.simulation.speedup, "Virtual seconds a second, 0.1 to 1000000 [1]")
+      ->type_name("N")
+      ->check(CLI::Range(0.1, 1e6).description(""))
+      ->group(kSimulation);
+  app.add_option("--lamp-line", options.simulation.lamp_line,
+                 "Lamp line that plumbline-keeper lights as the simulated lamp is lit; file:PATH writes each change")
+      ->type_name("LINE")
+      ->group(kSimulation);
+  app.add_option("--fault", options.simulation.faults, "What goes wrong, such as cover.opens@layer=40,for=5s")
+      ->type_name("FAULT")
+      ->take_all()
+      ->group(kSimulation);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    const int status = app.exit(error);
+    return status == 0 ? ExitCode::kDone : ExitCode::kUsageError;
+  }
+  return serve(options, arena_block);
+}
+
+}  // namespace plumbline

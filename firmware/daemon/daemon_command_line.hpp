@@ -1,0 +1,15 @@
+#pragma once
+/// The command line of `plumblined`.
+
+#include <cstddef>
+#include <span>
+
+#include "firmware/cli/commands.hpp"
+
+namespace plumbline {
+
+/// Parses the arguments, serves until it is told to end, and tells what the process is to return.
+/// @param arena_block  the program's static memory
+ExitCode run_daemon_command_line(int argc, char** argv, std::span<std::byte> arena_block);
+
+}  // namespace plumbline

@@ -1,0 +1,79 @@
+#pragma once
+/// The printer as a device: waits for a stick, takes its job, prints, reports; one job after the other in the same memory.
+
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "firmware/daemon/stick_job.hpp"
+#include "firmware/print/fault.hpp"
+#include "firmware/print/job_store.hpp"
+#include "firmware/print/print_job.hpp"
+#include "firmware/print/print_session.hpp"
+#include "firmware/settings/board_file.hpp"
+#include "firmware/settings/print_profile.hpp"
+#include "hal/machine.hpp"
+#include "slicer/core/arena.hpp"
+
+namespace plumbline {
+
+/// Who hears what the daemon does: a log, a test.
+class DaemonObserver : public PrintObserver {
+ public:
+  /// "ready", "reading bust.ply", ...
+  virtual void say(std::string_view text) = 0;
+  /// A print is over, for whatever reason.
+  virtual void printed(const PrintReport& report, const PrintSession& session, const PrintProfile& profile) = 0;
+  /// Now and then while nothing is printed.
+  virtual void idle() = 0;
+};
+
+struct DaemonSettings {
+  BoardFile board;
+  MachineFile machine;
+  std::string board_path;  ///< profiles are beside it
+  std::uint32_t threads = 1;
+};
+
+class PrinterDaemon {
+ public:
+  /// All outlive the daemon.
+  PrinterDaemon(Machine& machine, const DaemonSettings& settings, Arena& arena, JobStore& store,
+                DaemonObserver& observer);
+
+  /// Serves until the system shuts down.
+  /// @retval ErrorCode::kPowerLost
+  [[nodiscard]] Status run();
+
+  PrintState state() const { return state_; }  ///< between prints
+  FaultCode fault() const { return fault_; }   ///< of the last job; kNone: none
+
+ private:
+  enum class Choice : std::uint8_t { kStart, kCancel, kStickGone, kShutdown };
+
+  void apply(PrintEvent event);  ///< the one place that changes the state
+  Status serve();
+  Status serve_interrupted();
+  Status serve_stick();
+  Expected<StickJob> choose(const StickMount& mount);
+  Expected<Choice> ask(const std::function<void()>& on_next);
+  Status print_scan();
+  Status resume();
+  void print(PrintSession& session, const PrintProfile& profile);
+  Expected<PrintProfile> profile_of(const std::string& name) const;
+  Status refuse(const Error& error, FaultCode code);
+
+  Machine& machine_;
+  const DaemonSettings& settings_;
+  Arena& arena_;
+  JobStore& store_;
+  DaemonObserver& observer_;
+  PrintState state_ = PrintState::kIdle;
+  FaultCode fault_ = FaultCode::kNone;
+  bool served_ = false;  ///< the stick in the port has had its turn
+  bool ending_ = false;
+};
+
+}  // namespace plumbline

@@ -1,0 +1,124 @@
+#include "firmware/daemon/service_manager.hpp"
+
+#include <sys/socket.h>
+#include <sys/time.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cstddef>
+#include <cstdlib>
+#include <cstring>
+#include <optional>
+#include <utility>
+
+namespace plumbline {
+namespace {
+
+std::optional<std::int64_t> number(std::string_view text) {
+  std::int64_t value = 0;
+  const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (problem != std::errc() || end != text.data() + text.size() || value <= 0) return std::nullopt;
+  return value;
+}
+
+/// A variable of the environment that is a whole number above 0, or is not set.
+Expected<std::optional<std::int64_t>> number_of_environment(const char* name) {
+  const char* const text = std::getenv(name);
+  if (text == nullptr) return std::nullopt;
+  const auto value = number(text);
+  if (!value) {
+    return fail(ErrorCode::kBadSetting, "%s: found '%s', it has to be a whole number above 0: leave it to systemd",
+                name, text);
+  }
+  return value;
+}
+
+}  // namespace
+
+Expected<ServiceManager> ServiceManager::of_environment() {
+  const char* const address = std::getenv("NOTIFY_SOCKET");
+  if (address == nullptr) return ServiceManager();
+  const auto watchdog = number_of_environment("WATCHDOG_USEC");
+  PLUMBLINE_TRY(watchdog);
+  const auto watched = number_of_environment("WATCHDOG_PID");
+  PLUMBLINE_TRY(watched);
+  const bool watches = *watchdog && (!*watched || **watched == ::getpid());
+  return at(address, std::chrono::microseconds(watches ? **watchdog : 0));
+}
+
+Expected<ServiceManager> ServiceManager::at(std::string_view address, std::chrono::microseconds watchdog) {
+  sockaddr_un to{};
+  to.sun_family = AF_UNIX;
+  const bool abstract = address.starts_with('@');
+  if ((!abstract && !address.starts_with('/')) || address.size() < 2 || address.size() >= sizeof to.sun_path) {
+    return fail(ErrorCode::kBadSetting,
+                "NOTIFY_SOCKET: found '%.*s', it has to be a path, or @ and a name: leave it to systemd",
+                static_cast<int>(address.size()), address.data());
+  }
+  std::copy(address.begin(), address.end(), to.sun_path);
+  if (abstract) to.sun_path[0] = '\0';
+  // A path ends with its zero, an abstract name where the address does.
+  const auto length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + address.size() + (abstract ? 0 : 1));
+
+  ServiceManager manager;
+  manager.socket_ = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  // A manager that does not read must not hold the daemon up for longer.
+  timeval bound{};
+  bound.tv_sec = 1;
+  if (manager.socket_ < 0 || ::setsockopt(manager.socket_, SOL_SOCKET, SO_SNDTIMEO, &bound, sizeof bound) != 0 ||
+      ::connect(manager.socket_, reinterpret_cast<const sockaddr*>(&to), length) != 0) {
+    return fail(ErrorCode::kCannotOpen, "NOTIFY_SOCKET %.*s: %s: is systemd there?", static_cast<int>(address.size()),
+                address.data(), std::strerror(errno));
+  }
+  manager.watchdog_ = watchdog;
+  return manager;
+}
+
+ServiceManager::ServiceManager(ServiceManager&& other) noexcept
+    : socket_(std::exchange(other.socket_, -1)),
+      watchdog_(std::exchange(other.watchdog_, {})),
+      alive_said_(other.alive_said_),
+      told_(other.told_) {}
+
+ServiceManager::~ServiceManager() {
+  if (socket_ >= 0) ::close(socket_);
+}
+
+bool ServiceManager::send(std::string_view message, Urgency urgency) {
+  if (socket_ < 0) return true;
+  const int flags = MSG_NOSIGNAL | (urgency == Urgency::kMayBeLost ? MSG_DONTWAIT : 0);
+  for (;;) {
+    if (::send(socket_, message.data(), message.size(), flags) >= 0) return true;
+    if (errno != EINTR) return false;
+  }
+}
+
+Status ServiceManager::ready() {
+  if (send("READY=1", Urgency::kMustArrive)) return {};
+  return fail(ErrorCode::kCannotWrite, "systemd can't be told that the daemon is ready: %s: restart it",
+              std::strerror(errno));
+}
+
+void ServiceManager::tell(std::string_view text) {
+  // A line end would begin another message.
+  text = text.substr(0, text.find('\n'));
+  FixedText<256> told;
+  told.add("STATUS=%.*s", static_cast<int>(text.size()), text.data());
+  if (told.view() == told_.view()) return;
+  if (send(told.view(), Urgency::kMayBeLost)) told_ = told;
+}
+
+void ServiceManager::alive() {
+  if (!watches()) return;
+  const auto now = HostClock::now();
+  if (now - alive_said_ < std::chrono::nanoseconds(watchdog_) / 2) return;
+  // What did not arrive is tried again at the next turn.
+  if (send("WATCHDOG=1", Urgency::kMayBeLost)) alive_said_ = now;
+}
+
+void ServiceManager::stopping() { static_cast<void>(send("STOPPING=1", Urgency::kMustArrive)); }
+
+}  // namespace plumbline

@@ -1,0 +1,93 @@
+#include "firmware/daemon/stick_job.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <vector>
+
+#include "firmware/settings/job_options.hpp"
+#include "firmware/settings/settings_file.hpp"
+
+namespace plumbline {
+namespace {
+
+constexpr std::array<std::string_view, 5> kUnitWords = {"mm", "cm", "m", "in", "auto"};
+constexpr std::array<std::string_view, 2> kSupportWords = {"none", "auto"};
+constexpr std::array<std::string_view, 3> kBaseWords = {"auto", "none", "flat"};
+static_assert(static_cast<int>(Units::kMillimetres) == 0 && static_cast<int>(Units::kAuto) == 4);
+static_assert(static_cast<int>(BaseChoice::kAuto) == 0 && static_cast<int>(BaseChoice::kNone) == 1 &&
+              static_cast<int>(BaseChoice::kFlat) == 2);
+
+std::vector<SettingRule> rules_for(StickJob& job) {
+  constexpr auto kOptional = Presence::kOptional;
+  return {
+      {"job", "scan", TextSetting{&job.scan, TextKind::kPath}, 1, 255},
+      {"job", "profile", TextSetting{&job.profile}, 1, 63, "", kOptional},
+      {"job", "supports", ChoiceSetting{kSupportWords, [&job](std::size_t word) { job.supports = word == 1; }}, 0, 0,
+       "", kOptional},
+      {"job", "base", choice(kBaseWords, job.base), 0, 0, "", kOptional},
+      {"job", "keep_all", &job.keep_all, 0, 0, "", kOptional},
+      {"placement", "units", choice(kUnitWords, job.units), 0, 0, "", kOptional},
+      {"placement", "scale", &job.scale, kSmallestScale, kLargestScale, "", kOptional},
+      {"placement", "fit", &job.fit, 0, 0, "", kOptional},
+      {"placement", "rotate_x_deg", &job.rotate_x_deg, -360, 360, " degrees", kOptional},
+      {"placement", "rotate_y_deg", &job.rotate_y_deg, -360, 360, " degrees", kOptional},
+      {"placement", "rotate_z_deg", &job.rotate_z_deg, -360, 360, " degrees", kOptional},
+      {"placement", "layer_height", &job.layer_height, kFinestMm, kCoarsestMm, " mm", kOptional},
+  };
+}
+
+}  // namespace
+
+Expected<StickJob> parse_stick_job(std::string_view text, std::string_view path) {
+  StickJob job;
+  const auto rules = rules_for(job);
+  PLUMBLINE_TRY(parse_settings(text, path, {"a job file", rules, nullptr, nullptr}));
+  return job;
+}
+
+bool is_scan_name(std::string_view name) {
+  constexpr std::array<std::string_view, 7> kEndings = {".ply", ".pcd", ".obj", ".xyz", ".pts", ".asc", ".txt"};
+  return std::any_of(kEndings.begin(), kEndings.end(), [name](std::string_view ending) {
+    if (name.size() <= ending.size()) return false;
+    const auto tail = name.substr(name.size() - ending.size());
+    return std::equal(tail.begin(), tail.end(), ending.begin(),
+                      [](char a, char b) { return std::tolower(static_cast<unsigned char>(a)) == b; });
+  });
+}
+
+Expected<StickScans> list_scans(const StickMount& mount) {
+  struct Visitor final : StickMount::FileVisitor {
+    void file(std::string_view name, std::uint64_t /*bytes*/) override {
+      if (name == kJobFile) scans.has_job_file = true;
+      if (!is_scan_name(name)) return;
+      if (scans.count == StickScans::kMost) {
+        ++scans.left_out;
+        return;
+      }
+      scans.names[scans.count++].add("%.*s", static_cast<int>(name.size()), name.data());
+    }
+    StickScans scans;
+  } visitor;
+  PLUMBLINE_TRY(mount.for_each_file(visitor));
+  auto& names = visitor.scans.names;
+  std::sort(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(visitor.scans.count),
+            [](const auto& a, const auto& b) { return a.view() < b.view(); });
+  return visitor.scans;
+}
+
+Expected<StickJob> read_stick_job(const StickMount& mount) {
+  auto file = mount.open(kJobFile);
+  PLUMBLINE_TRY(file);
+  std::string text(kMaxSettingsFileBytes + 1, '\0');
+  std::size_t filled = 0;
+  while (filled < text.size()) {
+    const auto got = file->read(std::as_writable_bytes(std::span(text).subspan(filled)));
+    PLUMBLINE_TRY(got);
+    if (*got == 0) break;
+    filled += *got;
+  }
+  text.resize(filled);
+  return parse_stick_job(text, kJobFile);
+}
+
+}  // namespace plumbline

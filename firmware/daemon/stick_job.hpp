@@ -1,0 +1,56 @@
+#pragma once
+/// What is to be printed from a stick: job.toml, or the only scan on it, or the one that the user chooses.
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "firmware/io/fixed_text.hpp"
+#include "hal/stick_port.hpp"
+#include "slicer/core/error.hpp"
+#include "slicer/placement/base_choice.hpp"
+#include "slicer/placement/placement.hpp"
+
+namespace plumbline {
+
+/// board/README.md has the table of its keys.
+struct StickJob {
+  std::string scan;     ///< name on the stick
+  std::string profile;  ///< name of a profile; empty: the printer's
+  Units units = Units::kMillimetres;
+  double scale = 1;
+  bool fit = false;
+  double rotate_x_deg = 0, rotate_y_deg = 0, rotate_z_deg = 0;
+  double layer_height = 0;       ///< mm; 0: the profile's
+  std::optional<bool> supports;  ///< none: as the profile has it
+  BaseChoice base = BaseChoice::kAuto;
+  bool keep_all = false;  ///< stray pieces, too
+};
+
+inline constexpr const char* kJobFile = "job.toml";
+
+/// @param path  for messages
+/// @retval the errors of parse_settings()
+[[nodiscard]] Expected<StickJob> parse_stick_job(std::string_view text, std::string_view path);
+
+/// The scans in a stick's top folder, by name.
+struct StickScans {
+  static constexpr std::size_t kMost = 64;
+  std::array<FixedText<256>, kMost> names;
+  std::size_t count = 0;
+  std::size_t left_out = 0;  ///< for which there was no room
+  bool has_job_file = false;
+};
+
+/// A name that the slicer's readers know by its ending: .ply, .pcd, .obj, .xyz, .pts, .asc, .txt.
+bool is_scan_name(std::string_view name);
+
+/// @retval the errors of StickMount::for_each_file()
+[[nodiscard]] Expected<StickScans> list_scans(const StickMount& mount);
+
+/// @retval the errors of StickMount::open(), StickFile::read() and parse_stick_job()
+[[nodiscard]] Expected<StickJob> read_stick_job(const StickMount& mount);
+
+}  // namespace plumbline

@@ -1,0 +1,14 @@
+#include "firmware/cli/commands.hpp"
+#include "firmware/io/fixed_text.hpp"
+#include "firmware/io/progress_lines.hpp"
+
+namespace plumbline {
+
+ExitCode report_error(const Error& error) {
+  FixedText<Error::kCapacity + 32> line;
+  line.add("plumbline: %s\n", error.message());
+  write_to_stderr(line.view());
+  return error.code() == ErrorCode::kCancelled ? ExitCode::kInterrupted : ExitCode::kWorldError;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,80 @@
+#pragma once
+/// JSON as a stream.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+#include "firmware/io/output_file.hpp"
+#include "slicer/core/error.hpp"
+
+namespace plumbline {
+
+/// Writes one JSON value through a fixed buffer. A library would build the document on the heap, which a job must not
+/// touch; what a manifest needs is this page.
+///
+/// Numbers are the shortest that read back as the same bits, with a point whatever the locale; NaN and infinity, which
+/// JSON lacks, become null. Text may hold any bytes: what is not UTF-8 becomes U+FFFD.
+class JsonWriter {
+ public:
+  enum class Layout : std::uint8_t { kLines, kOneLine };
+  static constexpr std::size_t kMaxDepth = 12;
+
+  /// @param out  must outlive the writer
+  explicit JsonWriter(OutputFile& out) : out_(out) {}
+  JsonWriter(const JsonWriter&) = delete;
+  JsonWriter& operator=(const JsonWriter&) = delete;
+
+  void begin_object(Layout layout = Layout::kLines) { open('{', layout); }
+  void end_object() { shut('}'); }
+  void begin_array(Layout layout = Layout::kLines) { open('[', layout); }
+  void end_array() { shut(']'); }
+  void key(std::string_view name);
+
+  void value(std::string_view text);
+  void value(const char* text) { value(std::string_view(text)); }
+  void value(bool truth);
+  void value(std::uint64_t number);
+  void value(std::uint32_t number) { value(std::uint64_t{number}); }
+  void value(double number);
+  void value(float number);
+  void null();
+  /// Sixteen hexadecimal digits, as text: 64 bits are more than a JSON number holds for most readers.
+  void hex(std::uint64_t number);
+
+  template <class T>
+  void member(std::string_view name, const T& v) {
+    key(name);
+    value(v);
+  }
+
+  /// The last call: ends the line and empties the buffer.
+  /// @retval ErrorCode::kCannotWrite  the first failure of any call
+  [[nodiscard]] Status finish();
+
+ private:
+  void open(char bracket, Layout layout);
+  void shut(char bracket);
+  void separate();  ///< comma, line and indentation, before a key or an element
+  void begin_value();
+  void new_line();
+  void put(char c);
+  void put(std::string_view text);
+  void flush();
+
+  struct Level {
+    Layout layout = Layout::kLines;
+    bool empty = true;
+  };
+
+  OutputFile& out_;
+  Status status_;
+  std::array<Level, kMaxDepth> levels_ = {};
+  std::size_t depth_ = 0;
+  bool after_key_ = false;
+  std::array<char, 4096> buffer_ = {};
+  std::size_t filled_ = 0;
+};
+
+}  // namespace plumbline

@@ -1,0 +1,49 @@
+#include "firmware/io/mask_hash.hpp"
+
+namespace plumbline {
+namespace {
+
+constexpr std::uint64_t kStep = 0x9E3779B97F4A7C15U;  // 2^64 / golden ratio, odd
+
+/// The finaliser of SplitMix64 (Steele, Lea, Flood 2014): every bit of z reaches every bit of the result.
+std::uint64_t mix(std::uint64_t z) {
+  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9U;
+  z = (z ^ (z >> 27)) * 0x94D049BB133111EBU;
+  return z ^ (z >> 31);
+}
+
+/// Bit 0 to bit 63 and so on: a word of a mask has its first pixel in the low bit, PNG in the high one.
+std::uint64_t reversed(std::uint64_t word) {
+  word = ((word >> 1) & 0x5555555555555555U) | ((word & 0x5555555555555555U) << 1);
+  word = ((word >> 2) & 0x3333333333333333U) | ((word & 0x3333333333333333U) << 2);
+  word = ((word >> 4) & 0x0F0F0F0F0F0F0F0FU) | ((word & 0x0F0F0F0F0F0F0F0FU) << 4);
+  return __builtin_bswap64(word);
+}
+
+}  // namespace
+
+std::uint64_t mask_hash(ConstBitImage mask) {
+  std::uint64_t sum = mix((std::uint64_t{mask.columns()} << 32) + mask.rows());
+  std::uint64_t place = 0;
+  for (const std::uint64_t word : mask.words()) {
+    place += kStep;
+    if (word != 0) sum += mix(reversed(word) + place);
+  }
+  return mix(sum);
+}
+
+std::uint64_t job_hash(std::span<const std::uint64_t> layers) {
+  std::uint64_t hash = mix(layers.size());
+  for (const std::uint64_t layer : layers) hash = mix(hash + kStep + layer);
+  return hash;
+}
+
+const char* const kMaskHashDefinition =
+    "modulo 2^64: mix(z) is SplitMix64's finaliser; a layer is mix(mix(columns * 2^32 + rows) + sum of mix(word + s * "
+    "0x9E3779B97F4A7C15) over its non-zero words), where a word is 8 bytes of an image row as PNG has them, "
+    "big-endian, the "
+    "last one filled up with zeros, and s counts the words of the image from 1; a job starts as mix(number of layers) "
+    "and "
+    "takes in each layer as h = mix(h + 0x9E3779B97F4A7C15 + layer)";
+
+}  // namespace plumbline

@@ -1,0 +1,73 @@
+#include "firmware/io/output_file.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+namespace plumbline {
+
+Expected<OutputFile> OutputFile::create(const char* path) {
+  OutputFile file;
+  file.path_.add("%s", path);
+  constexpr mode_t kMode = 0666;  // the user's umask takes from it
+  file.file_ = ::open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOCTTY, kMode);
+  if (file.file_ < 0) {
+    return fail(ErrorCode::kCannotOpen, "%s: cannot be created: %s. Check its directory, or give another one with -o",
+                path, std::strerror(errno));
+  }
+  return file;
+}
+
+OutputFile OutputFile::standard_output() {
+  OutputFile file;
+  file.path_.add("standard output");
+  file.file_ = STDOUT_FILENO;
+  file.owned_ = false;
+  return file;
+}
+
+OutputFile::OutputFile(OutputFile&& other) noexcept
+    : file_(std::exchange(other.file_, -1)), owned_(other.owned_), path_(other.path_) {}
+
+OutputFile::~OutputFile() {
+  if (owned_ && file_ >= 0) ::close(file_);
+}
+
+tl::unexpected<Error> OutputFile::cannot_write(int reason) const {
+  return fail(ErrorCode::kCannotWrite, "%s: cannot be written: %s. %s", path_.c_str(), std::strerror(reason),
+              reason == ENOSPC || reason == EDQUOT || reason == EFBIG
+                  ? "Make room there, or give another directory with -o"
+                  : "Check the medium, or give another directory with -o");
+}
+
+Status OutputFile::write(std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t put = ::write(file_, bytes.data(), bytes.size());
+    if (put < 0) {
+      if (errno == EINTR) continue;
+      return cannot_write(errno);
+    }
+    bytes = bytes.subspan(static_cast<std::size_t>(put));
+  }
+  return {};
+}
+
+Status OutputFile::close() {
+  if (!owned_) return {};
+  const int file = std::exchange(file_, -1);
+  // EINTR of close() leaves the file closed on Linux.
+  if (::close(file) != 0 && errno != EINTR) return cannot_write(errno);
+  return {};
+}
+
+Status write_file(const char* path, std::span<const std::byte> bytes) {
+  auto file = OutputFile::create(path);
+  PLUMBLINE_TRY(file);
+  PLUMBLINE_TRY(file->write(bytes));
+  return file->close();
+}
+
+}  // namespace plumbline

@@ -1,0 +1,46 @@
+#pragma once
+/// Files that are written: plain system calls, because stdio and iostreams take their buffers from the heap.
+
+#include <cstddef>
+#include <span>
+#include <string_view>
+
+#include "firmware/io/fixed_text.hpp"
+#include "slicer/core/error.hpp"
+
+namespace plumbline {
+
+class OutputFile {
+ public:
+  /// @param path  created, or emptied where it exists
+  /// @retval ErrorCode::kCannotOpen  the path, the system's reason, what to do
+  [[nodiscard]] static Expected<OutputFile> create(const char* path);
+  /// Standard output, which is not closed.
+  static OutputFile standard_output();
+
+  OutputFile(OutputFile&& other) noexcept;
+  OutputFile& operator=(OutputFile&&) = delete;
+  ~OutputFile();
+
+  /// Writes all of it.
+  /// @retval ErrorCode::kCannotWrite  the path, the system's reason ("No space left on device"), what to do
+  [[nodiscard]] Status write(std::span<const std::byte> bytes);
+  [[nodiscard]] Status write(std::string_view text) { return write(std::as_bytes(std::span(text))); }
+
+  /// The last call: some file systems report only here that the bytes did not arrive.
+  /// @retval ErrorCode::kCannotWrite  as write()
+  [[nodiscard]] Status close();
+
+ private:
+  OutputFile() = default;
+  tl::unexpected<Error> cannot_write(int reason) const;
+
+  int file_ = -1;
+  bool owned_ = true;
+  FixedPath path_;
+};
+
+/// OutputFile::create(), write() and close().
+[[nodiscard]] Status write_file(const char* path, std::span<const std::byte> bytes);
+
+}  // namespace plumbline

@@ -1,0 +1,30 @@
+#include "firmware/io/scan_files.hpp"
+
+namespace plumbline {
+
+Expected<ScanFiles> ScanFiles::open(std::span<const std::string> paths) {
+  if (paths.empty() || paths.size() > kMostScans) {
+    return fail(
+        ErrorCode::kBadSetting,
+        "%zu files are given as one scan, it may have 1 to %zu. Join some of them: the points of text files can "
+        "stand one after the other",
+        paths.size(), kMostScans);
+  }
+  ScanFiles scan;
+  scan.files_.reserve(paths.size());
+  for (const std::string& path : paths) {
+    auto file = FileSource::open(path);
+    PLUMBLINE_TRY(file);
+    scan.files_.push_back(std::move(*file));
+  }
+  for (FileSource& file : scan.files_) scan.sources_.push_back(&file);
+  return scan;
+}
+
+std::vector<std::string> ScanFiles::names() const {
+  std::vector<std::string> names;
+  for (const FileSource& file : files_) names.emplace_back(file.name());
+  return names;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,149 @@
+#include "firmware/pictures/png_writer.hpp"
+
+#include <libdeflate.h>
+#include <lodepng.h>
+
+#include <bit>
+#include <cassert>
+#include <cstdlib>
+#include <cstring>
+#include <new>
+
+namespace plumbline {
+namespace {
+
+/// Size of all of a PNG file but its compressed pixels: signature, header, one data chunk's frame and the end chunk.
+constexpr std::size_t kFrameBytes = 8 + 25 + 12 + 12;
+
+std::uint64_t reversed(std::uint64_t word) {
+  word = ((word >> 1) & 0x5555555555555555U) | ((word & 0x5555555555555555U) << 1);
+  word = ((word >> 2) & 0x3333333333333333U) | ((word & 0x3333333333333333U) << 2);
+  word = ((word >> 4) & 0x0F0F0F0F0F0F0F0FU) | ((word & 0x0F0F0F0F0F0F0F0FU) << 4);
+  return __builtin_bswap64(word);
+}
+
+void store_big_endian(unsigned char* to, std::uint64_t word) {
+  if constexpr (std::endian::native == std::endian::little) word = __builtin_bswap64(word);
+  std::memcpy(to, &word, sizeof word);
+}
+
+/// Writes the pixels one after the other, first pixel in the high bit, rows not padded: what lodepng takes.
+/// @param to  8 bytes more than the pixels fill
+void pack(ConstBitImage mask, unsigned char* to) {
+  std::uint64_t waiting = 0;  // bits that do not fill a word yet, from the high end
+  unsigned filled = 0;
+  const auto put = [&](std::uint64_t bits, unsigned count) {
+    waiting |= bits >> filled;
+    if (filled + count >= 64) {
+      store_big_endian(to, waiting);
+      to += 8;
+      waiting = filled == 0 ? 0 : bits << (64 - filled);
+    }
+    filled = (filled + count) % 64;
+  };
+  for (std::uint32_t r = 0; r < mask.rows(); ++r) {
+    const auto row = mask.row(r);
+    for (std::uint32_t w = 0; w + 1 < mask.stride(); ++w) put(reversed(row[w]), 64);
+    put(reversed(row.back() & mask.last_word_mask()), mask.columns() - 64 * (mask.stride() - 1));
+  }
+  store_big_endian(to, waiting);
+}
+
+}  // namespace
+
+void PngEncoder::FreeCompressor::operator()(libdeflate_compressor* compressor) const {
+  libdeflate_free_compressor(compressor);
+}
+
+Expected<PngEncoder> PngEncoder::for_masks(std::uint32_t columns, std::uint32_t rows, int level) {
+  auto encoder = create((columns + std::size_t{7}) / 8, rows, level);
+  PLUMBLINE_TRY(encoder);
+  const std::size_t packed = (std::size_t{columns} * rows + 7) / 8 + 8;
+  encoder->packed_.bytes.reset(new (std::nothrow) unsigned char[packed]());
+  encoder->packed_.size = packed;
+  if (!encoder->packed_.bytes) return fail(ErrorCode::kOutOfMemory, "PNG encoder: no memory for a mask");
+  return encoder;
+}
+
+Expected<PngEncoder> PngEncoder::for_pictures(std::uint32_t columns, std::uint32_t rows, int level) {
+  return create(std::size_t{3} * columns, rows, level);
+}
+
+Expected<PngEncoder> PngEncoder::create(std::size_t row_bytes, std::uint32_t rows, int level) {
+  assert(row_bytes > 0 && rows > 0 && level >= 1 && level <= 12);
+  PngEncoder encoder;
+  encoder.compressor_.reset(libdeflate_alloc_compressor(level));
+  if (!encoder.compressor_) return fail(ErrorCode::kOutOfMemory, "PNG encoder: no memory for the compressor");
+  const std::size_t scan_lines = (1 + row_bytes) * rows;
+  const std::size_t bound = libdeflate_zlib_compress_bound(encoder.compressor_.get(), scan_lines);
+  // Zeroed, so that their pages are there before the first layer needs them.
+  encoder.compressed_ = {std::unique_ptr<unsigned char[]>(new (std::nothrow) unsigned char[bound]()), bound};
+  encoder.file_ = {std::unique_ptr<unsigned char[]>(new (std::nothrow) unsigned char[bound + kFrameBytes]()),
+                   bound + kFrameBytes};
+  if (!encoder.compressed_.bytes || !encoder.file_.bytes) {
+    return fail(ErrorCode::kOutOfMemory, "PNG encoder: no memory for %zu bytes of output", bound);
+  }
+  return encoder;
+}
+
+/// lodepng's hook for the zlib stream. `out` is freed by lodepng with free().
+unsigned PngEncoder::compress(unsigned char** out, std::size_t* out_size, const unsigned char* in, std::size_t in_size,
+                              const void* settings) {
+  constexpr unsigned kNoMemory = 83;  // lodepng's number
+  const auto* self =
+      static_cast<const PngEncoder*>(static_cast<const LodePNGCompressSettings*>(settings)->custom_context);
+  const std::size_t size = libdeflate_zlib_compress(self->compressor_.get(), in, in_size, self->compressed_.bytes.get(),
+                                                    self->compressed_.size);
+  if (size == 0) return kNoMemory;
+  // What lodepng owns is as large as the result, not as its bound.
+  *out = static_cast<unsigned char*>(std::malloc(size));
+  if (*out == nullptr) return kNoMemory;
+  std::memcpy(*out, self->compressed_.bytes.get(), size);
+  *out_size = size;
+  return 0;
+}
+
+Expected<std::span<const std::byte>> PngEncoder::encode_raw(const unsigned char* raw, std::uint32_t columns,
+                                                            std::uint32_t rows, bool is_mask) {
+  LodePNGState state;
+  lodepng_state_init(&state);
+  state.info_raw.colortype = is_mask ? LCT_GREY : LCT_RGB;
+  state.info_raw.bitdepth = is_mask ? 1 : 8;
+  state.info_png.color.colortype = state.info_raw.colortype;
+  state.info_png.color.bitdepth = state.info_raw.bitdepth;
+  state.encoder.auto_convert = 0;
+  state.encoder.filter_palette_zero = 1;
+  state.encoder.filter_strategy = is_mask ? LFS_ZERO : LFS_MINSUM;
+  state.encoder.zlibsettings.custom_zlib = [](unsigned char** out, std::size_t* out_size, const unsigned char* in,
+                                              std::size_t in_size, const LodePNGCompressSettings* settings) {
+    return compress(out, out_size, in, in_size, settings);
+  };
+  state.encoder.zlibsettings.custom_context = this;
+  unsigned char* out = nullptr;
+  std::size_t size = 0;
+  const unsigned error = lodepng_encode(&out, &size, raw, columns, rows, &state);
+  lodepng_state_cleanup(&state);
+  if (error == 0) {
+    assert(size <= file_.size);
+    std::memcpy(file_.bytes.get(), out, size);
+  }
+  std::free(out);
+  if (error != 0) return fail(ErrorCode::kOutOfMemory, "PNG encoder: %s", lodepng_error_text(error));
+  return std::as_bytes(std::span<const unsigned char>(file_.bytes.get(), size));
+}
+
+Expected<std::span<const std::byte>> PngEncoder::encode(ConstBitImage mask) {
+  assert(mask.columns() > 0 && mask.rows() > 0);
+  assert((std::size_t{mask.columns()} * mask.rows() + 7) / 8 + 8 <= packed_.size);
+  pack(mask, packed_.bytes.get());
+  return encode_raw(packed_.bytes.get(), mask.columns(), mask.rows(), true);
+}
+
+Expected<std::span<const std::byte>> PngEncoder::encode(std::span<const std::uint8_t> rgb, std::uint32_t columns,
+                                                        std::uint32_t rows) {
+  assert(columns > 0 && rows > 0 && rgb.size() == std::size_t{3} * columns * rows);
+  assert((1 + std::size_t{3} * columns) * rows <= compressed_.size);
+  return encode_raw(rgb.data(), columns, rows, false);
+}
+
+}  // namespace plumbline

@@ -1,0 +1,48 @@
+#pragma once
+/// A picture of what is going to be printed, drawn from the R-Rep alone.
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "firmware/pictures/png_writer.hpp"
+#include "slicer/core/arena.hpp"
+#include "slicer/core/error.hpp"
+#include "slicer/rrep/rrep.hpp"
+#include "slicer/supports/supports.hpp"
+
+namespace plumbline {
+
+inline constexpr std::uint32_t kPreviewColumns = 1600;  ///< pixels
+inline constexpr std::uint32_t kPreviewRows = 900;      ///< pixels
+
+/// What is written on the picture. ASCII; other bytes show as a box. Lines that do not fit are cut.
+struct PreviewText {
+  std::string_view name;                       ///< of the scan, top left
+  std::span<const std::string_view> captions;  ///< lines at the bottom, up to kMaxPreviewCaptions are drawn
+};
+inline constexpr std::size_t kMaxPreviewCaptions = 3;
+
+/// Bytes that draw_preview() takes from the top of the arena, and gives back.
+std::size_t preview_bytes(const PrintGrid& grid);
+
+/// Draws the object from the front (along +y), from the side (along +x) and from above (along -z), in one scale.
+///
+/// @param rrep      at least one layer; without crossings only the text is drawn
+/// @param supports  drawn in another colour
+/// @param arena     preview_bytes() of it are used from the top while this runs
+/// @param rgb       3 * kPreviewColumns * kPreviewRows bytes of the caller, row after row from the top; overwritten
+/// @retval ErrorCode::kOutOfMemory  the arena has less than preview_bytes() left
+[[nodiscard]] Status draw_preview(const RRep& rrep, const Supports& supports, const PreviewText& text, Arena& arena,
+                                  std::span<std::uint8_t> rgb);
+
+/// draw_preview() as a PNG file. Takes 3 * kPreviewColumns * kPreviewRows bytes more from the arena.
+/// @param encoder  made for pictures of at least kPreviewColumns x kPreviewRows
+/// @returns the file, in the encoder's memory, valid until its next use
+/// @retval ErrorCode::kOutOfMemory  the arena or lodepng found no room
+[[nodiscard]] Expected<std::span<const std::byte>> encode_preview(const RRep& rrep, const Supports& supports,
+                                                                  const PreviewText& text, Arena& arena,
+                                                                  PngEncoder& encoder);
+
+}  // namespace plumbline

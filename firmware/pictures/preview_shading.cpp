@@ -1,0 +1,196 @@
+#include "firmware/pictures/preview_shading.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace plumbline {
+namespace {
+
+constexpr float kSteepest = 6.0F;  // slope up to which neighbours are one surface
+
+using Signed = std::int64_t;
+
+/// One pass of the smoothing, along rows or along columns.
+void smooth_once(const DepthMap& from, std::span<float> to, const VoxelSize& voxel, bool along_rows) {
+  const auto reach = static_cast<Signed>(std::clamp(2.2F * voxel.across, 4.0F, 40.0F));
+  const Signed columns = from.columns, rows = from.rows;
+  const Signed step = along_rows ? 1 : columns;
+#pragma omp parallel for schedule(static)
+  for (Signed row = 0; row < rows; ++row) {
+    for (Signed column = 0; column < columns; ++column) {
+      const Signed here = row * columns + column;
+      const float depth = from.depth[static_cast<std::size_t>(here)];
+      if (depth == DepthMap::kEmpty) {
+        to[static_cast<std::size_t>(here)] = depth;
+        continue;
+      }
+      const Signed position = along_rows ? column : row, end = along_rows ? columns : rows;
+      float sum = depth * static_cast<float>(reach + 1), weight = static_cast<float>(reach + 1);
+      // Opposite neighbours in pairs: together they leave a slope as it is. They count while they bend no more than the
+      // stairs do; a stronger bend is the object's own.
+      for (Signed k = 1; k <= reach && position >= k && position + k < end; ++k) {
+        const float a = from.depth[static_cast<std::size_t>(here - k * step)];
+        const float b = from.depth[static_cast<std::size_t>(here + k * step)];
+        const float way = static_cast<float>(k), rise = std::abs(a - b);
+        const float stairs = 2.0F * voxel.deep + rise / way * voxel.across;
+        if (std::abs(a + b - 2.0F * depth) > stairs || rise > kSteepest * (way + voxel.across)) break;
+        const float w = static_cast<float>(reach + 1 - k);
+        sum += w * (a + b);
+        weight += 2.0F * w;
+      }
+      to[static_cast<std::size_t>(here)] = sum / weight;
+    }
+  }
+}
+
+struct Direction {
+  float right, up, near;
+};
+Direction unit(float right, float up, float near) {
+  const float length = std::sqrt(right * right + up * up + near * near);
+  return {right / length, up / length, near / length};
+}
+float dot(const Direction& a, const Direction& b) { return a.right * b.right + a.up * b.up + a.near * b.near; }
+
+class Shader {
+ public:
+  explicit Shader(const DepthMap& map) : map_(map) {
+    float way = 3.0F;
+    for (Step& step : towards_lamp_) {
+      const auto nearest = [](float x) { return static_cast<Signed>(x < 0 ? x - 0.5F : x + 0.5F); };
+      step = {nearest(kKey.right * way), nearest(-kKey.up * way), way};
+      way *= 1.22F;
+    }
+  }
+
+  /// Brightness of a sample that shows the object, 0 to 1.
+  float brightness(Signed column, Signed row) const {
+    const float depth = *sample(column, row);
+    const Direction normal = this->normal(column, row, depth);
+    const float open = openness(column, row, depth);
+    const float key = std::max(dot(normal, kKey), 0.0F) * light_reaching(column, row, depth);
+    const float fill = std::max(dot(normal, kFill), 0.0F);
+    const float sky = 0.5F + 0.5F * normal.up;
+    const float shine = std::max(dot(normal, kHalfway), 0.0F);
+    const float shine2 = shine * shine, shine8 = shine2 * shine2 * shine2 * shine2;
+    const float linear = open * (0.10F + 0.14F * sky + 0.13F * fill) + 0.62F * key + 0.07F * key * shine8 * shine8;
+    return std::sqrt(std::min(linear, 1.0F));  // to the screen: a gamma of 2
+  }
+
+  bool shows(Signed column, Signed row) const { return sample(column, row) != nullptr; }
+
+ private:
+  // The lamp hangs in front, above, to the left.
+  static inline const Direction kKey = unit(-0.55F, 0.62F, 0.62F);
+  static inline const Direction kFill = unit(0.85F, 0.10F, 0.50F);
+  static inline const Direction kHalfway = unit(-0.55F, 0.62F, 1.66F);
+
+  /// @returns nullptr outside the map and where the map is empty
+  const float* sample(Signed column, Signed row) const {
+    if (column < 0 || row < 0 || column >= map_.columns || row >= map_.rows) return nullptr;
+    const float& depth = map_.at(static_cast<std::uint32_t>(column), static_cast<std::uint32_t>(row));
+    return depth == DepthMap::kEmpty ? nullptr : &depth;
+  }
+
+  /// Slope between two neighbours that are one surface with the sample between them.
+  static float slope(const float* before, float here, const float* after) {
+    constexpr float kJump = 1.5F * kSteepest;
+    const bool has_before = before && std::abs(*before - here) < kJump;
+    const bool has_after = after && std::abs(*after - here) < kJump;
+    if (has_before && has_after) return 0.5F * (*after - *before);
+    if (has_before) return here - *before;
+    return has_after ? *after - here : 0.0F;
+  }
+
+  Direction normal(Signed column, Signed row, float depth) const {
+    const float right = slope(sample(column - 1, row), depth, sample(column + 1, row));
+    const float up = slope(sample(column, row + 1), depth, sample(column, row - 1));
+    return unit(right, up, 1.0F);
+  }
+
+  /// 1 on a free plane, less in creases: how high the surroundings stand above the sample, in eight directions.
+  float openness(Signed column, Signed row, float depth) const {
+    constexpr std::array<std::array<Signed, 2>, 8> kAround{
+        {{2, 0}, {-2, 0}, {0, 2}, {0, -2}, {1, 1}, {-1, 1}, {1, -1}, {-1, -1}}};
+    constexpr std::array<Signed, 4> kReach{3, 7, 14, 26};
+    float closed = 0.0F;
+    for (const auto& [x, y] : kAround) {
+      const float length = x * y == 0 ? 2.0F : 1.41421356F;
+      float steepest = 0.0F;
+      for (const Signed reach : kReach) {
+        const float* other = sample(column + x * reach, row + y * reach);
+        if (!other) continue;
+        const float rise = (depth - *other) / (length * static_cast<float>(reach));
+        // A far step in front is another part of the object, which shades less than a wall would.
+        steepest = std::max(steepest, std::min(rise, 2.0F));
+      }
+      closed += steepest / std::sqrt(1.0F + steepest * steepest);  // sine of the horizon's height
+    }
+    return std::max(1.0F - 0.85F * closed / 8.0F, 0.0F);
+  }
+
+  /// 0 in shadow, 1 in light, between where the lamp is partly hidden: a march over the map towards the lamp.
+  float light_reaching(Signed column, Signed row, float depth) const {
+    constexpr float kSoftness = 7.0F;
+    float light = 1.0F;
+    for (const Step& step : towards_lamp_) {
+      const Signed x = column + step.columns, y = row + step.rows;
+      if (x < 0 || y < 0 || x >= map_.columns || y >= map_.rows) break;
+      if (const float* other = sample(x, y)) {
+        const float clearance = *other - (depth - kKey.near * step.way) + 1.0F;
+        light = std::min(light, 0.5F + 0.5F * kSoftness * clearance / step.way);
+        if (light <= 0.0F) return 0.0F;
+      }
+    }
+    return light * light * (3.0F - 2.0F * light);
+  }
+
+  struct Step {
+    Signed columns, rows;
+    float way;  ///< samples from the start, along the ray
+  };
+  const DepthMap& map_;
+  std::array<Step, 22> towards_lamp_;
+};
+
+}  // namespace
+
+void smooth_depth(const DepthMap& map, std::span<float> scratch, const VoxelSize& voxel) {
+  const DepthMap other{scratch.first(map.depth.size()), map.material, map.columns, map.rows};
+  for (int pass = 0; pass < 2; ++pass) {
+    smooth_once(map, other.depth, voxel, true);
+    smooth_once(other, map.depth, voxel, false);
+  }
+}
+
+void shade_depth(const DepthMap& map, const Picture& picture, std::int64_t left, std::int64_t top,
+                 std::span<const Colour> materials) {
+  const Shader shader(map);
+  const Signed columns = (Signed{map.columns} + kSamplesPerPixel - 1) / kSamplesPerPixel;
+  const Signed rows = (Signed{map.rows} + kSamplesPerPixel - 1) / kSamplesPerPixel;
+#pragma omp parallel for schedule(dynamic, 8)
+  for (Signed row = 0; row < rows; ++row) {
+    for (Signed column = 0; column < columns; ++column) {
+      std::array<float, 3> sum = {};
+      std::uint32_t shown = 0;
+      for (std::uint32_t k = 0; k < kSamplesPerPixel * kSamplesPerPixel; ++k) {
+        const Signed x = column * kSamplesPerPixel + k % kSamplesPerPixel;
+        const Signed y = row * kSamplesPerPixel + k / kSamplesPerPixel;
+        if (!shader.shows(x, y)) continue;
+        const float brightness = shader.brightness(x, y);
+        const std::size_t sample = static_cast<std::size_t>(y) * map.columns + static_cast<std::size_t>(x);
+        for (std::size_t c = 0; c < 3; ++c)
+          sum[c] += brightness * static_cast<float>(materials[map.material[sample]][c]);
+        ++shown;
+      }
+      if (shown == 0) continue;
+      Colour colour;
+      for (std::size_t c = 0; c < 3; ++c) colour[c] = static_cast<std::uint8_t>(sum[c] / static_cast<float>(shown));
+      picture.blend(left + column, top + row, colour,
+                    static_cast<float>(shown) / (kSamplesPerPixel * kSamplesPerPixel));
+    }
+  }
+}
+
+}  // namespace plumbline

@@ -1,0 +1,80 @@
+#include "firmware/print/mask_renderer.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "firmware/io/mask_hash.hpp"
+
+namespace plumbline {
+namespace {
+
+using Row = std::span<const std::uint64_t>;
+
+/// Pixels of word `w` that have a white pixel on both sides.
+std::uint64_t between(Row row, std::size_t w) {
+  const std::uint64_t before = w == 0 ? 0 : row[w - 1] >> 63;
+  const std::uint64_t after = w + 1 == row.size() ? 0 : row[w + 1] << 63;
+  return ((row[w] << 1) | before) & ((row[w] >> 1) | after);
+}
+
+void erode_row(Row above, Row at, Row below, bool eight, std::span<std::uint64_t> out) {
+  for (std::size_t w = 0; w < at.size(); ++w) {
+    std::uint64_t kept = at[w] & between(at, w) & above[w] & below[w];
+    if (eight && kept != 0) kept &= between(above, w) & between(below, w);
+    out[w] = kept;
+  }
+}
+
+}  // namespace
+
+void erode(BitImage image, std::uint32_t steps, std::span<std::uint64_t> scratch) {
+  const std::size_t stride = image.stride();
+  for (std::uint32_t step = 0; step < steps; ++step) {
+    // Rows as they were: the one above is overwritten when its turn has passed.
+    auto above = scratch.first(stride);
+    auto at = scratch.subspan(stride, stride);
+    const auto black = scratch.subspan(2 * stride, stride);
+    std::fill(above.begin(), above.end(), 0);
+    std::fill(black.begin(), black.end(), 0);
+    for (std::uint32_t r = 0; r < image.rows(); ++r) {
+      const auto row = image.row(r);
+      std::copy(row.begin(), row.end(), at.begin());
+      const Row below = r + 1 < image.rows() ? Row(image.row(r + 1)) : Row(black);
+      erode_row(above, at, below, step % 2 == 1, row);
+      std::swap(above, at);
+    }
+  }
+}
+
+Expected<MaskMaker> MaskMaker::create(LayerStream& stream, const PrintPlan& plan, Arena& arena) {
+  const auto rows = arena.take_bottom<std::uint64_t>(3 * BitImage::words_needed(stream.grid().columns, 1), "masks");
+  PLUMBLINE_TRY(rows);
+  return MaskMaker(stream, plan, *rows);
+}
+
+std::size_t MaskMaker::bytes_needed(const PrintGrid& grid) {
+  return Arena::rounded(3 * BitImage::words_needed(grid.columns, 1) * sizeof(std::uint64_t));
+}
+
+MaskFacts MaskMaker::make(std::uint32_t layer, BitImage out) {
+  using HostClock = std::chrono::steady_clock;
+  MaskFacts facts;
+  const auto start = HostClock::now();
+  const ConstBitImage mask = stream_->mask(layer);
+  const auto made = HostClock::now();
+  std::copy(mask.words().begin(), mask.words().end(), out.words().begin());
+  const auto copied = HostClock::now();
+  facts.making = made - start;
+  facts.copying = copied - made;
+  const double pitch = (static_cast<double>(grid().pitch_x_mm) + static_cast<double>(grid().pitch_y_mm)) / 2;
+  const auto steps = static_cast<std::uint32_t>(std::lround(elephant_foot_of(plan_, layer).millimetres() / pitch));
+  if (steps > 0) {
+    erode(out, steps, rows_);
+    facts.making += HostClock::now() - copied;
+  }
+  facts.hash = mask_hash(out);
+  facts.pixels = ConstBitImage(out).count();
+  return facts;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,167 @@
+#include "firmware/print/print_plan.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "hal/ramp.hpp"
+
+namespace plumbline {
+namespace {
+
+nanoseconds seconds(double value) { return nanoseconds(std::llround(value * 1e9)); }
+
+Status check_speeds(const PrintProfile& profile, const MachineFile& machine) {
+  const struct {
+    const char* key;
+    double mm_min;
+  } speeds[] = {{"lift_speed", profile.lift_speed},
+                {"lift_speed2", profile.lift_speed2},
+                {"retract_speed", profile.retract_speed},
+                {"retract_speed2", profile.retract_speed2}};
+  for (const auto& speed : speeds) {
+    if (speed.mm_min <= machine.max_speed_mm_min) continue;
+    return fail(ErrorCode::kBadSetting,
+                "profile %s: %s is %g mm/min, this printer's stage moves with %g mm/min at most: lower it",
+                profile.name.c_str(), speed.key, speed.mm_min, machine.max_speed_mm_min);
+  }
+  return {};
+}
+
+Status check_exposures(const PrintProfile& profile, const MachineFile& machine) {
+  const double longest = std::max(profile.exposure_time, profile.initial_exposure_time);
+  if (longest <= machine.max_exposure_s) return {};
+  return fail(ErrorCode::kExposureTooLong,
+              "profile %s: an exposure of %g s, this printer's lamp is lit for %g s at most: lower %s",
+              profile.name.c_str(), longest, machine.max_exposure_s,
+              longest > profile.exposure_time ? "initial_exposure_time" : "exposure_time");
+}
+
+Status check_height(const PrintPlan& plan) {
+  const ZPosition top = height_of(plan, plan.layers - 1) + plan.lift + plan.lift2;
+  if (top <= plan.highest) return {};
+  return fail(
+      ErrorCode::kDoesNotFit,
+      "the lift of the last layer ends at %.2f mm, the stage goes up to %.2f mm: make the object %.2f mm lower, or "
+      "lift_height2 smaller",
+      top.above_film().millimetres(), plan.highest.above_film().millimetres(), (top - plan.highest).millimetres());
+}
+
+/// How far a layer is into the fade: 0 on the bottom layers, 1 after it.
+double fade_of(const PrintPlan& plan, std::uint32_t layer) {
+  if (layer < plan.bottom_layers) return 0;
+  const std::uint32_t step = layer - plan.bottom_layers + 1;
+  if (step > plan.faded_layers) return 1;
+  return static_cast<double>(step) / (plan.faded_layers + 1.0);
+}
+
+nanoseconds move_time(const PrintPlan& plan, Distance way, Speed speed) {
+  if (way <= Distance()) return {};
+  return seconds(Ramp(way, speed, plan.acceleration).duration().count());
+}
+
+}  // namespace
+
+Expected<PrintPlan> plan_print(const PrintProfile& profile, const MachineFile& machine, double layer_height_mm,
+                               std::uint32_t layers) {
+  PLUMBLINE_TRY(check_speeds(profile, machine));
+  PLUMBLINE_TRY(check_exposures(profile, machine));
+  PrintPlan plan;
+  plan.layers = layers;
+  plan.layer_height = Distance::millimetres(layer_height_mm);
+  plan.exposure = seconds(profile.exposure_time);
+  plan.initial_exposure = seconds(profile.initial_exposure_time);
+  plan.bottom_layers = profile.bottom_layer_count;
+  plan.faded_layers = profile.faded_layers;
+  plan.rest_before_exposure = seconds(profile.delay_before_exposure);
+  plan.rest_after_exposure = seconds(profile.delay_after_exposure);
+  plan.wait_after_lift = seconds(profile.wait_time_after_lift);
+  plan.lift = Distance::millimetres(profile.lift_height);
+  plan.lift2 = Distance::millimetres(profile.lift_height2);
+  plan.lift_speed = mm_per_min(profile.lift_speed);
+  plan.lift_speed2 = mm_per_min(profile.lift_speed2);
+  plan.retract2 = Distance::millimetres(profile.retract_height2);
+  plan.retract_speed = mm_per_min(profile.retract_speed);
+  plan.retract_speed2 = mm_per_min(profile.retract_speed2);
+  plan.pause_lift = Distance::millimetres(profile.pause_lift_height);
+  plan.elephant_foot = Distance::millimetres(profile.elefant_foot_compensation);
+  plan.highest = ZPosition(Distance::millimetres(machine.end_stop_height_mm - kEndStopClearanceMm));
+  plan.fastest = mm_per_min(machine.max_speed_mm_min);
+  plan.acceleration = Acceleration(machine.max_acceleration_mm_s2);
+  constexpr double kFrame = 1.0 / 60;  // panels are scanned out 60 times a second
+  plan.mask_change = seconds(kFrame + machine.refresh_delay_ms / 1000);
+  PLUMBLINE_TRY(check_height(plan));
+  return plan;
+}
+
+nanoseconds exposure_of(const PrintPlan& plan, std::uint32_t layer) {
+  const auto difference = static_cast<double>((plan.exposure - plan.initial_exposure).count());
+  return plan.initial_exposure + nanoseconds(std::llround(difference * fade_of(plan, layer)));
+}
+
+ZPosition height_of(const PrintPlan& plan, std::uint32_t layer) {
+  return ZPosition(plan.layer_height * (std::int64_t{layer} + 1));
+}
+
+TwoStageMove lift_from(const PrintPlan& plan, std::uint32_t layer) {
+  const ZPosition peeled = height_of(plan, layer) + plan.lift;
+  return {StageMove{peeled, plan.lift_speed}, StageMove{peeled + plan.lift2, plan.lift_speed2}};
+}
+
+TwoStageMove retract_to(const PrintPlan& plan, std::uint32_t layer) {
+  const ZPosition height = height_of(plan, layer);
+  return {StageMove{height + plan.retract2, plan.retract_speed}, StageMove{height, plan.retract_speed2}};
+}
+
+StageMove pause_above(const PrintPlan& plan, std::uint32_t layer) {
+  return {std::min(height_of(plan, layer) + plan.pause_lift, plan.highest), plan.lift_speed2};
+}
+
+Distance elephant_foot_of(const PrintPlan& plan, std::uint32_t layer) {
+  return Distance::micrometres(plan.elephant_foot.micrometres() * (1 - fade_of(plan, layer)));
+}
+
+nanoseconds layer_time(const PrintPlan& plan, std::uint32_t layer) {
+  // Down from where the lift of the layer below ended. The first layer's way from the top is print_time()'s.
+  const Distance down = plan.lift + plan.lift2 - plan.layer_height - plan.retract2;
+  nanoseconds time{};
+  if (layer > 0)
+    time += move_time(plan, down, plan.retract_speed) + move_time(plan, plan.retract2, plan.retract_speed2);
+  time += plan.rest_before_exposure + plan.mask_change + exposure_of(plan, layer) + plan.mask_change;
+  time += plan.rest_after_exposure;
+  time += move_time(plan, plan.lift, plan.lift_speed) + move_time(plan, plan.lift2, plan.lift_speed2);
+  return time + plan.wait_after_lift;
+}
+
+nanoseconds remaining_time(const PrintPlan& plan, std::uint32_t first) {
+  // All layers after the fade take the same time.
+  const std::uint32_t same_from = plan.bottom_layers + plan.faded_layers;
+  nanoseconds time{};
+  for (std::uint32_t layer = first; layer < std::min(plan.layers, same_from); ++layer) time += layer_time(plan, layer);
+  const std::uint32_t rest = std::max(first, same_from);
+  if (rest < plan.layers) time += layer_time(plan, rest) * (plan.layers - rest);
+  return time;
+}
+
+nanoseconds print_time(const PrintPlan& plan) {
+  const auto down = retract_to(plan, 0);
+  const ZPosition last = lift_from(plan, plan.layers - 1)[1].target;
+  return move_time(plan, plan.highest - down[0].target, plan.fastest) +
+         move_time(plan, plan.retract2, plan.retract_speed2) + remaining_time(plan, 0) +
+         move_time(plan, plan.highest - last, plan.fastest);
+}
+
+Distance cure_depth(const PrintProfile& profile, Irradiance irradiance, nanoseconds lit) {
+  const Dose dose = dose_of(irradiance, lit);
+  return Distance::millimetres(profile.penetration_depth * std::log(dose.value() / profile.critical_energy));
+}
+
+double resin_ml(std::uint64_t cured_pixels, double pitch_x_mm, double pitch_y_mm, double layer_height_mm) {
+  constexpr double kCubicMillimetresPerMillilitre = 1000;
+  return static_cast<double>(cured_pixels) * pitch_x_mm * pitch_y_mm * layer_height_mm / kCubicMillimetresPerMillilitre;
+}
+
+double resin_cost(const PrintProfile& profile, double ml) {
+  return profile.bottle_volume > 0 ? profile.bottle_cost * ml / profile.bottle_volume : 0;
+}
+
+}  // namespace plumbline

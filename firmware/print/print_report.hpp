@@ -1,0 +1,117 @@
+#pragma once
+/// What a print has been: checks, exposures, times, faults.
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+
+#include "firmware/io/fixed_text.hpp"
+#include "firmware/print/fault.hpp"
+#include "firmware/print/print_state.hpp"
+#include "hal/clock.hpp"
+#include "hal/units.hpp"
+#include "hal/uv_lamp.hpp"
+
+namespace plumbline {
+
+enum class Check : std::uint8_t {
+  kMemory,        ///< the print's part of the arena
+  kObject,        ///< on the plate, within the travel
+  kLight,         ///< resin sets through a layer
+  kLampDark,      ///<
+  kPanel,         ///< the size that the file says, and it takes a picture
+  kCover,         ///< closed
+  kTemperatures,  ///<
+  kResin,         ///< needed against the tank's
+  kJournal,       ///< where a power cut is survived
+  kStage,         ///< finds its end stop
+};
+inline constexpr std::size_t kCheckCount = 10;
+
+/// "memory", "object", ...
+std::string_view to_string(Check check);
+
+enum class CheckOutcome : std::uint8_t { kNotReached, kPassed, kWarned, kFailed };
+
+struct CheckResult {
+  CheckOutcome outcome = CheckOutcome::kNotReached;
+  FixedText<200> detail;  ///< "28.0 degrees, 18 to 40 allowed"
+};
+
+/// One time that the lamp was lit, and the mask that was made meanwhile.
+struct ExposureLine {
+  std::uint32_t layer = 0;
+  ExposureEnd end = ExposureEnd::kTimeUp;
+  DoseSource source = DoseSource::kComputed;
+  nanoseconds asked{};
+  nanoseconds lit{};
+  Dose expected;  ///< of `lit`, at the board file's irradiance
+  Dose dose;
+  std::uint64_t mask_hash = 0;
+  nanoseconds
+      slack{};  ///< left of the exposure when the next mask was ready; below 0: it was late. 0 with no next mask
+  bool next_made = false;  ///< there was a next mask, and so a slack
+  nanoseconds making{};    ///< of the next mask, by the processor's clock
+  nanoseconds copying{};
+};
+
+struct PrintReport {
+  PrintState state = PrintState::kIdle;  ///< at the end
+  FaultCode fault = FaultCode::kNone;
+  FixedText<448> fault_message;
+  std::array<CheckResult, kCheckCount> checks;
+
+  std::uint32_t layers = 0;
+  std::uint32_t first_layer = 0;  ///< not 0 for a print that was resumed
+  std::uint32_t next_layer = 0;   ///< all before it are cured
+  std::uint64_t cured_pixels = 0;
+  double resin_ml = 0;
+  nanoseconds elapsed{};    ///< of this run, from the checks on
+  nanoseconds estimated{};  ///< before it began
+  std::uint32_t slowest_layer = 0;
+  nanoseconds slowest{};
+  std::uint32_t late_masks = 0;
+  std::uint32_t pauses = 0;                   ///< of every kind
+  std::uint32_t doses_off = 0;                ///< exposures whose measured dose was more than 1 % off
+  Distance steps_lost;                        ///< found by the homing at the end
+  std::optional<std::uint32_t> marked_layer;  ///< may show where the print went on after a power cut
+
+  std::span<ExposureLine> exposures;   ///< in order
+  std::uint32_t exposures_untold = 0;  ///< for which there was no room
+};
+
+/// Figures of the masks that were made during exposures.
+struct MaskFigures {
+  std::uint32_t masks = 0;
+  nanoseconds smallest_slack{};
+  std::uint32_t smallest_slack_layer = 0;  ///< in whose exposure
+  nanoseconds median_making{};
+  nanoseconds worst_making{};
+  nanoseconds median_copying{};
+  /// Time to make a mask against the time to copy its bytes, medians; 0 without a mask.
+  double ratio() const {
+    return median_copying.count() > 0
+               ? static_cast<double>(median_making.count()) / static_cast<double>(median_copying.count())
+               : 0;
+  }
+};
+
+/// How well a real printer's stage kept its times.
+struct StepFigures {
+  std::uint64_t steps = 0;
+  std::uint64_t late = 0;         ///< by more than half of the time to the next step, and than 0.1 ms
+  nanoseconds worst_lateness{};   ///< of a step
+  std::uint64_t standstills = 0;  ///< so late that the motor stood: the rest of the way was a ramp of its own
+  bool real_time = false;         ///< the system lets the steps come first
+  bool memory_locked = false;     ///< the system lets the memory stay
+};
+
+/// @param scratch  as many as there are exposures
+MaskFigures mask_figures(std::span<const ExposureLine> exposures, std::span<nanoseconds> scratch);
+
+/// Sentences that the user should read, one after the other; none: nothing.
+void for_each_warning(const PrintReport& report, const std::function<void(std::string_view)>& tell);
+
+}  // namespace plumbline

@@ -1,0 +1,181 @@
+#include "firmware/print/print_session.hpp"
+
+#include <array>
+
+#include "slicer/core/stage_scope.hpp"
+
+namespace plumbline {
+
+Expected<std::size_t> HashingSource::read(std::span<std::byte> buffer) {
+  const auto got = source_.read(buffer);
+  if (got) hash_.add(buffer.first(*got));
+  return got;
+}
+
+PrintSession::PrintSession(const BoardFile& board, const MachineFile& machine, Arena& arena, JobStore* store)
+    : board_(board), machine_(machine), arena_(arena), store_(store), bottom_(arena.bottom_mark()) {}
+
+PrintSession::~PrintSession() { arena_.release_bottom(bottom_); }
+
+namespace {
+
+/// The files of a scan and their fingerprints.
+class HashingSources {
+ public:
+  explicit HashingSources(ScanSources scan) : count_(scan.size()) {
+    for (std::size_t i = 0; i < count_; ++i) pointers_[i] = &hashing_[i].emplace(*scan[i]);
+  }
+  ScanSources sources() const { return ScanSources(pointers_).first(count_); }
+  /// That of the file where there is one, else that of the files' fingerprints in their order.
+  std::uint64_t hash() const {
+    if (count_ == 1) return hashing_[0]->hash();
+    Hash64 all;
+    for (std::size_t i = 0; i < count_; ++i) all.add_value(hashing_[i]->hash());
+    return all.value();
+  }
+
+ private:
+  std::size_t count_;
+  std::array<std::optional<HashingSource>, kMostScans> hashing_;
+  std::array<ByteSource*, kMostScans> pointers_ = {};
+};
+
+}  // namespace
+
+Status PrintSession::slice_scan(ScanSources scan, const SliceSettings& settings,
+                                const std::optional<SupportSettings>& supports, const PrintProfile& profile,
+                                ProgressSink* progress) {
+  const auto layer_height = static_cast<double>(settings.placement.layer_height_mm);
+  // What no height changes is said before the minutes that slicing may take.
+  PLUMBLINE_TRY(plan_print(profile, machine_, layer_height, 1));
+  const HashingSources hashing(scan);
+  const auto rrep = slice(hashing.sources(), settings, arena_, progress, slice_report_);
+  PLUMBLINE_TRY(rrep);
+  rrep_ = *rrep;
+  if (supports) PLUMBLINE_TRY(add_supports(*supports, progress));
+  const auto plan = plan_print(profile, machine_, layer_height, rrep_.grid.layers);
+  PLUMBLINE_TRY(plan);
+  facts_.scan = short_name(title_of(scan).c_str());
+  facts_.printer = short_name(board_.name);
+  facts_.profile = short_name(profile.name);
+  facts_.scan_hash = hashing.hash();
+  facts_.printer_hash = hash_of(board_);
+  facts_.cure_depth = cure_depth(profile, Irradiance(machine_.power_mw_cm2), plan->exposure);
+  facts_.plan = *plan;
+  PLUMBLINE_TRY(make_ready());
+  PLUMBLINE_TRY(sweep(progress));
+  if (store_ == nullptr) return {};
+  std::uint64_t job_hash = 0;
+  auto file = store_->begin(facts_, rrep_, supports_, job_hash);
+  PLUMBLINE_TRY(file);
+  journal_file_ = std::move(*file);
+  const auto journal = Journal::create(*journal_file_, job_hash, rrep_.grid.layers);
+  PLUMBLINE_TRY(journal);
+  journal_ = *journal;
+  return {};
+}
+
+Status PrintSession::load() {
+  auto job = store_->load(arena_);
+  PLUMBLINE_TRY(job);
+  if (job->facts.printer_hash != hash_of(board_)) {
+    const auto printer = view(job->facts.printer);
+    return fail(ErrorCode::kUnsupported,
+                "the interrupted print was made for the printer %.*s as its file was then: resume it with that file",
+                static_cast<int>(printer.size()), printer.data());
+  }
+  facts_ = job->facts;
+  rrep_ = job->rrep;
+  supports_ = job->supports;
+  journal_file_ = std::move(job->journal);
+  const auto journal = Journal::open(*journal_file_);
+  PLUMBLINE_TRY(journal);
+  if (journal->job_hash() != job->job_hash || journal->layers() != rrep_.grid.layers) {
+    return fail(
+        ErrorCode::kMalformed,
+        "journal and job of the interrupted print do not belong together: take the part off the plate and start "
+        "the print anew");
+  }
+  journal_ = *journal;
+  PLUMBLINE_TRY(make_ready());
+  first_layer_pixels_ = stream_->mask(0).count();
+  return {};
+}
+
+Status PrintSession::add_supports(const SupportSettings& settings, ProgressSink* progress) {
+  const StageScope stage(Stage::kSupports, arena_, progress, slice_report_.peak_bytes);
+  support_settings_ = settings;
+  const auto found = find_supports(rrep_, settings, arena_, progress, support_counts_);
+  PLUMBLINE_TRY(found);
+  supports_ = *found;
+  return {};
+}
+
+/// What slicing and loading have in common: streams and room for the report.
+Status PrintSession::make_ready() {
+  auto stream = LayerStream::create(rrep_, arena_, &supports_);
+  PLUMBLINE_TRY(stream);
+  stream_ = *stream;
+  auto masks = MaskMaker::create(*stream_, facts_.plan, arena_);
+  PLUMBLINE_TRY(masks);
+  masks_ = *masks;
+  const std::size_t exposures = std::size_t{rrep_.grid.layers} + kSpareExposures;
+  const auto lines = arena_.take_bottom<ExposureLine>(exposures, "report");
+  PLUMBLINE_TRY(lines);
+  lines_ = *lines;
+  const auto scratch = arena_.take_bottom<nanoseconds>(exposures, "report");
+  PLUMBLINE_TRY(scratch);
+  scratch_ = *scratch;
+  return {};
+}
+
+/// Every mask once, for the resin that the print takes: some milliseconds a thousand layers, on a large panel and a small board
+/// a minute for all.
+Status PrintSession::sweep(ProgressSink* progress) {
+  const StageScope stage(Stage::kLayers, arena_, progress, slice_report_.peak_bytes);
+  facts_.cured_pixels = 0;
+  support_pixels_ = 0;
+  for (std::uint32_t layer = 0; layer < rrep_.grid.layers; ++layer) {
+    if (progress != nullptr && !progress->advance(Stage::kLayers, static_cast<double>(layer) / rrep_.grid.layers)) {
+      return fail(ErrorCode::kCancelled, "stopped while the resin was reckoned, at layer %u of %u", layer,
+                  rrep_.grid.layers);
+    }
+    const std::uint64_t pixels = stream_->mask(layer).count();
+    if (layer == 0) first_layer_pixels_ = pixels;
+    facts_.cured_pixels += pixels;
+    support_pixels_ += stream_->support_pixels();
+  }
+  return {};
+}
+
+double PrintSession::pixel_ml() const {
+  return resin_ml(1, board_.pixel_pitch_x_mm, board_.pixel_pitch_y_mm, facts_.plan.layer_height.millimetres());
+}
+
+MaskFigures PrintSession::mask_figures() const { return plumbline::mask_figures(exposures_, scratch_); }
+
+const PrintReport& PrintSession::print(Machine& machine, PrintObserver& observer) {
+  PrintSettings settings;
+  settings.plan = facts_.plan;
+  settings.lamp_resume = Celsius(machine_.lamp_resume_c);
+  settings.lamp_max = Celsius(machine_.lamp_max_c);
+  settings.resin_min = Celsius(machine_.resin_min_c);
+  settings.resin_max = Celsius(machine_.resin_max_c);
+  settings.has_cover_switch = machine_.has_cover_switch;
+  settings.tank_ml = machine_.tank_volume_ml;
+  settings.pixel_ml = pixel_ml();
+  settings.cured_pixels = facts_.cured_pixels;
+  settings.first_layer_pixels = first_layer_pixels_;
+  settings.cure_depth = facts_.cure_depth;
+  settings.memory_needed = arena_.used();
+  settings.memory_budget = arena_.capacity();
+  job_.emplace(machine, settings, *masks_, journal_ ? &*journal_ : nullptr, lines_, observer);
+  const PrintReport& report = job_->run(journal_ ? journal_->last() : JournalEntry());
+  exposures_ = report.exposures;
+  const bool for_good = report.state == PrintState::kFinished || report.state == PrintState::kCancelled;
+  // Where the journal can't be removed the next start offers to resume a print whose last layer is done.
+  if (for_good && store_ != nullptr) static_cast<void>(store_->end());
+  return report;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,110 @@
+#pragma once
+/// One print in the printer's memory: from a scan, or from what was stored of an interrupted one, to the report. The next one
+/// takes the same memory.
+
+#include <optional>
+#include <span>
+
+#include "firmware/io/hash64.hpp"
+#include "firmware/print/job_store.hpp"
+#include "firmware/print/mask_renderer.hpp"
+#include "firmware/print/print_job.hpp"
+#include "firmware/settings/board_file.hpp"
+#include "firmware/settings/print_profile.hpp"
+#include "slicer/core/byte_source.hpp"
+#include "slicer/slicer.hpp"
+#include "slicer/supports/support_finder.hpp"
+
+namespace plumbline {
+
+/// Passes a stream on and takes its fingerprint.
+class HashingSource final : public ByteSource {
+ public:
+  explicit HashingSource(ByteSource& source) : source_(source) {}
+  Expected<std::size_t> read(std::span<std::byte> buffer) override;
+  std::string_view name() const override { return source_.name(); }
+  std::optional<std::uint64_t> size() const override { return source_.size(); }
+  std::uint64_t hash() const { return hash_.value(); }
+
+ private:
+  ByteSource& source_;
+  Hash64 hash_;
+};
+
+class PrintSession {
+ public:
+  /// Exposures beyond one a layer that the report has room for.
+  static constexpr std::size_t kSpareExposures = 256;
+
+  /// @param arena  all of it is the session's; outlives it, as do board and store
+  /// @param store  null: nothing is stored, and a power cut ends the print for good
+  PrintSession(const BoardFile& board, const MachineFile& machine, Arena& arena, JobStore* store);
+  ~PrintSession();
+  PrintSession(const PrintSession&) = delete;
+  PrintSession& operator=(const PrintSession&) = delete;
+
+  /// Reads a scan and makes everything ready. When it returns the scan may go.
+  /// @param supports  that check_support_settings() takes; none: no supports
+  /// @retval any error of slice(), find_supports(), plan_print(), JobStore::begin()
+  /// @retval ErrorCode::kCancelled
+  [[nodiscard]] Status slice_scan(ScanSources scan, const SliceSettings& settings,
+                                  const std::optional<SupportSettings>& supports, const PrintProfile& profile,
+                                  ProgressSink* progress);
+  [[nodiscard]] Status slice_scan(ByteSource& scan, const SliceSettings& settings,
+                                  const std::optional<SupportSettings>& supports, const PrintProfile& profile,
+                                  ProgressSink* progress) {
+    ByteSource* const one[] = {&scan};
+    return slice_scan(ScanSources(one), settings, supports, profile, progress);
+  }
+
+  /// Takes up the print that was interrupted.
+  /// @retval any error of JobStore::load() and Journal::open()
+  /// @retval ErrorCode::kUnsupported  it was made for another printer
+  [[nodiscard]] Status load();
+
+  /// Prints. slice_scan() or load() have been called, once. A print that ends for good is removed from the store.
+  const PrintReport& print(Machine& machine, PrintObserver& observer);
+
+  const SliceReport& sliced() const { return slice_report_; }
+  const JobFacts& facts() const { return facts_; }
+  const PrintPlan& plan() const { return facts_.plan; }
+  const PrintGrid& grid() const { return rrep_.grid; }
+  const RRep& rrep() const { return rrep_; }
+  const Supports& supports() const { return supports_; }
+  /// Of a print whose scan was sliced here: what was asked for, what the supports are for, and the pixels they add.
+  const std::optional<SupportSettings>& support_settings() const { return support_settings_; }
+  const SupportCounts& support_counts() const { return support_counts_; }
+  std::uint64_t support_pixels() const { return support_pixels_; }
+  MaskFigures mask_figures() const;
+  double pixel_ml() const;
+
+ private:
+  [[nodiscard]] Status make_ready();
+  [[nodiscard]] Status add_supports(const SupportSettings& settings, ProgressSink* progress);
+  [[nodiscard]] Status sweep(ProgressSink* progress);
+
+  const BoardFile& board_;
+  const MachineFile& machine_;
+  Arena& arena_;
+  JobStore* store_;
+  std::size_t bottom_;
+
+  SliceReport slice_report_;
+  JobFacts facts_;
+  RRep rrep_;
+  Supports supports_;
+  std::optional<SupportSettings> support_settings_;
+  SupportCounts support_counts_;
+  std::uint64_t support_pixels_ = 0;
+  std::optional<LayerStream> stream_;
+  std::optional<MaskMaker> masks_;
+  std::optional<JournalFile> journal_file_;
+  std::optional<Journal> journal_;
+  std::span<ExposureLine> lines_;
+  std::span<nanoseconds> scratch_;
+  std::uint64_t first_layer_pixels_ = 0;
+  std::optional<PrintJob> job_;
+  std::span<const ExposureLine> exposures_;
+};
+
+}  // namespace plumbline

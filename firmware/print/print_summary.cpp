@@ -1,0 +1,217 @@
+#include "firmware/print/print_summary.hpp"
+
+#include "firmware/io/mask_hash.hpp"
+#include "firmware/print/print_lines.hpp"
+
+namespace plumbline {
+namespace {
+
+double seconds(nanoseconds time) { return std::chrono::duration<double>(time).count(); }
+double milliseconds(nanoseconds time) { return std::chrono::duration<double, std::milli>(time).count(); }
+
+const char* word_of(CheckOutcome outcome) {
+  switch (outcome) {
+    case CheckOutcome::kNotReached: return "not reached";
+    case CheckOutcome::kPassed: return "passed";
+    case CheckOutcome::kWarned: return "noted";
+    case CheckOutcome::kFailed: return "failed";
+  }
+  return "unknown";
+}
+
+const char* word_of(ExposureEnd end) {
+  switch (end) {
+    case ExposureEnd::kTimeUp: return "time up";
+    case ExposureEnd::kStopped: return "stopped";
+    case ExposureEnd::kCoverOpened: return "cover opened";
+  }
+  return "unknown";
+}
+
+using Text = FixedText<4096>;
+
+void add_fault(Text& text, const PrintReport& report) {
+  if (report.fault == FaultCode::kNone) return;
+  const FaultInfo& fault = info(report.fault);
+  text.add("fault      PL-%u, %.*s: %s\n           %.*s\n", static_cast<unsigned>(report.fault),
+           static_cast<int>(fault.title.size()), fault.title.data(), report.fault_message.c_str(),
+           static_cast<int>(fault.next.size()), fault.next.data());
+}
+
+void add_doses(Text& text, const PrintReport& report) {
+  if (report.exposures.empty()) return;
+  double worst = 0;
+  bool measured = true;
+  for (const auto& line : report.exposures) {
+    measured = measured && line.source == DoseSource::kMeasured;
+    if (line.end != ExposureEnd::kTimeUp || !(line.expected.value() > 0)) continue;
+    const double off = line.dose / line.expected - 1;
+    worst = std::abs(off) > std::abs(worst) ? off : worst;
+  }
+  text.add("doses      %zu exposures, %s; the worst %+.2f %% off\n", report.exposures.size(),
+           measured ? "measured" : "computed", 100 * worst);
+}
+
+void add_masks(Text& text, const MaskFigures& masks) {
+  if (masks.masks == 0) return;
+  text.add(
+      "masks      made while the layer below cured: median %.2f ms, worst %.2f ms, %.1f times the copying of its "
+      "bytes; "
+      "smallest slack %.3f s, under layer %u\n",
+      milliseconds(masks.median_making), milliseconds(masks.worst_making), masks.ratio(), seconds(masks.smallest_slack),
+      masks.smallest_slack_layer);
+}
+
+void add_steps(Text& text, const StepFigures& steps) {
+  text.add(
+      "stage      %llu steps, %llu late, the latest by %.2f ms; %llu times the motor had come to stand. Real-time "
+      "priority: %s, locked memory: %s\n",
+      static_cast<unsigned long long>(steps.steps), static_cast<unsigned long long>(steps.late),
+      milliseconds(steps.worst_lateness), static_cast<unsigned long long>(steps.standstills),
+      steps.real_time ? "yes" : "no", steps.memory_locked ? "yes" : "no");
+}
+
+}  // namespace
+
+Status write_print_summary(OutputFile& out, const PrintOutcome& outcome) {
+  const PrintReport& report = outcome.report;
+  Text text;
+  const auto state = to_string(report.state);
+  const auto scan = view(outcome.session.facts().scan);
+  text.add("print      %.*s: %.*s, %u of %u layers, %.2f mm\n", static_cast<int>(scan.size()), scan.data(),
+           static_cast<int>(state.size()), state.data(), report.next_layer, report.layers,
+           outcome.session.plan().layer_height.millimetres() * report.next_layer);
+  add_fault(text, report);
+  text.add("time       %s, estimated %s; slowest layer %u: %.2f s\n", clock_text(report.elapsed).c_str(),
+           clock_text(report.estimated).c_str(), report.slowest_layer, seconds(report.slowest));
+  if (!outcome.session.supports().empty()) text.add("supports   %zu\n", outcome.session.supports().list.size());
+  text.add("resin      %.2f ml", report.resin_ml);
+  const double cost = resin_cost(outcome.profile, report.resin_ml);
+  if (cost > 0) text.add(", which cost %.2f", cost);
+  text.add("\n");
+  add_doses(text, report);
+  add_masks(text, outcome.session.mask_figures());
+  if (report.pauses > 0) text.add("pauses     %u\n", report.pauses);
+  if (outcome.steps) add_steps(text, *outcome.steps);
+  PLUMBLINE_TRY(out.write(text.view()));
+  Status written;
+  for_each_warning(report, [&](std::string_view warning) {
+    Text line;
+    line.add("warning    %.*s\n", static_cast<int>(warning.size()), warning.data());
+    if (written) written = out.write(line.view());
+  });
+  PLUMBLINE_TRY(written);
+  if (!outcome.simulated) return {};
+  text.clear();
+  text.add("simulated  the plant objects to %zu thing%s\n", outcome.objections.size(),
+           outcome.objections.size() == 1 ? "" : "s");
+  PLUMBLINE_TRY(out.write(text.view()));
+  for (const auto& objection : outcome.objections) {
+    text.clear();
+    text.add("           %s\n", objection.c_str());
+    PLUMBLINE_TRY(out.write(text.view()));
+  }
+  return {};
+}
+
+void write_print_report(JsonWriter& json, const PrintOutcome& outcome) {
+  using Layout = JsonWriter::Layout;
+  const PrintReport& report = outcome.report;
+  const JobFacts& facts = outcome.session.facts();
+  json.begin_object();
+  json.member("scan", view(facts.scan));
+  json.member("printer", view(facts.printer));
+  json.member("profile", view(facts.profile));
+  json.member("state", to_string(report.state));
+  json.key("fault");
+  if (report.fault == FaultCode::kNone) {
+    json.null();
+  } else {
+    const FaultInfo& fault = info(report.fault);
+    FixedText<16> code;
+    code.add("PL-%u", static_cast<unsigned>(report.fault));
+    json.begin_object();
+    json.member("code", code.view());
+    json.member("title", fault.title);
+    json.member("message", report.fault_message.view());
+    json.member("next", fault.next);
+    json.end_object();
+  }
+  json.key("checks");
+  json.begin_array();
+  for (std::size_t i = 0; i < kCheckCount; ++i) {
+    json.begin_object(Layout::kOneLine);
+    json.member("check", to_string(static_cast<Check>(i)));
+    json.member("outcome", word_of(report.checks[i].outcome));
+    json.member("detail", report.checks[i].detail.view());
+    json.end_object();
+  }
+  json.end_array();
+  json.member("layers", report.layers);
+  json.member("first_layer", report.first_layer);
+  json.member("next_layer", report.next_layer);
+  json.member("layer_height_mm", facts.plan.layer_height.millimetres());
+  json.member("supports", std::uint64_t{outcome.session.supports().list.size()});
+  json.member("resin_ml", report.resin_ml);
+  json.member("resin_needed_ml", static_cast<double>(facts.cured_pixels) * outcome.session.pixel_ml());
+  json.member("cost", resin_cost(outcome.profile, report.resin_ml));
+  json.member("elapsed_s", seconds(report.elapsed));
+  json.member("estimated_s", seconds(report.estimated));
+  json.member("slowest_layer", report.slowest_layer);
+  json.member("slowest_layer_s", seconds(report.slowest));
+  json.member("pauses", report.pauses);
+  json.member("late_masks", report.late_masks);
+  const MaskFigures masks = outcome.session.mask_figures();
+  json.key("masks");
+  json.begin_object();
+  json.member("smallest_slack_s", seconds(masks.smallest_slack));
+  json.member("smallest_slack_layer", masks.smallest_slack_layer);
+  json.member("median_ms", milliseconds(masks.median_making));
+  json.member("worst_ms", milliseconds(masks.worst_making));
+  json.member("copy_ms", milliseconds(masks.median_copying));
+  json.member("ratio_to_copy", masks.ratio());
+  json.end_object();
+  json.key("stage");
+  if (outcome.steps) {
+    json.begin_object();
+    json.member("steps", outcome.steps->steps);
+    json.member("late_steps", outcome.steps->late);
+    json.member("worst_lateness_ms", milliseconds(outcome.steps->worst_lateness));
+    json.member("standstills", outcome.steps->standstills);
+    json.member("real_time_priority", outcome.steps->real_time);
+    json.member("locked_memory", outcome.steps->memory_locked);
+    json.end_object();
+  } else {
+    json.null();
+  }
+  json.key("warnings");
+  json.begin_array();
+  for_each_warning(report, [&json](std::string_view warning) { json.value(warning); });
+  json.end_array();
+  json.key("objections");
+  if (outcome.simulated) {
+    json.begin_array();
+    for (const auto& objection : outcome.objections) json.value(std::string_view(objection));
+    json.end_array();
+  } else {
+    json.null();
+  }
+  json.key("exposures");
+  json.begin_array();
+  for (const auto& line : report.exposures) {
+    json.begin_object(Layout::kOneLine);
+    json.member("layer", line.layer);
+    json.member("asked_s", seconds(line.asked));
+    json.member("lit_s", seconds(line.lit));
+    json.member("dose_mj_cm2", line.dose.value());
+    json.member("expected_mj_cm2", line.expected.value());
+    json.member("end", word_of(line.end));
+    json.key("mask_hash");
+    json.hex(line.mask_hash);
+    json.end_object();
+  }
+  json.end_array();
+  json.end_object();
+}
+
+}  // namespace plumbline

@@ -1,0 +1,30 @@
+#pragma once
+/// What a print has been, for people and for programs.
+
+#include <optional>
+#include <span>
+#include <string>
+
+#include "firmware/io/json_writer.hpp"
+#include "firmware/io/output_file.hpp"
+#include "firmware/print/print_session.hpp"
+
+namespace plumbline {
+
+/// What a report is made of.
+struct PrintOutcome {
+  const PrintReport& report;
+  const PrintSession& session;
+  const PrintProfile& profile;
+  bool simulated = false;
+  std::span<const std::string> objections;  ///< of a simulated printer
+  std::optional<StepFigures> steps;         ///< of a real one, in this print
+};
+
+/// @retval ErrorCode::kCannotWrite
+[[nodiscard]] Status write_print_summary(OutputFile& out, const PrintOutcome& outcome);
+
+/// One JSON object; firmware/README.md explains its keys.
+void write_print_report(JsonWriter& json, const PrintOutcome& outcome);
+
+}  // namespace plumbline

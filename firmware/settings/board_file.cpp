@@ -1,0 +1,118 @@
+#include "firmware/settings/board_file.hpp"
+
+#include <array>
+#include <utility>
+#include <vector>
+
+#include "slicer/core/print_grid.hpp"
+
+namespace plumbline {
+namespace {
+
+constexpr double kMaxSide = PrintGrid::kMaxSide;
+constexpr std::array<std::string_view, 2> kPackings = {"none", "rgb"};
+constexpr std::array<std::string_view, 3> kMirrors = {"none", "x", "y"};
+constexpr std::array<std::uint32_t, 4> kRotations = {0, 90, 180, 270};
+constexpr std::array<std::uint32_t, 9> kMicrosteps = {1, 2, 4, 8, 16, 32, 64, 128, 256};
+
+/// The keys, in the order in which messages speak of them: board/README.md has the same table for people.
+std::vector<SettingRule> rules_for(BoardFile& board, MachineFile& machine) {
+  constexpr auto kMachine = Presence::kAllOrNone;
+  std::vector<SettingRule> rules = {
+      {"printer", "name", TextSetting{&board.name}, 1, 63},
+      {"printer", "simulated", &machine.simulated, 0, 0, "", kMachine},
+      {"panel", "columns", &board.columns, 1, kMaxSide, " pixels"},
+      {"panel", "rows", &board.rows, 1, kMaxSide, " pixels"},
+      {"panel", "pixel_pitch_x_mm", &board.pixel_pitch_x_mm, 0.005, 1, " mm"},
+      {"panel", "pixel_pitch_y_mm", &board.pixel_pitch_y_mm, 0.005, 1, " mm"},
+      {"panel", "packing", choice(kPackings, machine.packing), 0, 0, "", kMachine},
+      {"panel", "mirror", choice(kMirrors, machine.mirror), 0, 0, "", kMachine},
+      {"panel", "rotation_deg", NumberChoiceSetting{kRotations, &machine.rotation_deg}, 0, 0, " degrees", kMachine},
+      {"panel", "refresh_delay_ms", &machine.refresh_delay_ms, 0, 1000, " ms", kMachine},
+      {"z_stage", "travel_mm", &board.travel_mm, 1, 2000, " mm"},
+      {"z_stage", "rotation_distance_mm", &machine.rotation_distance_mm, 0.1, 100, " mm", kMachine},
+      {"z_stage", "full_steps_per_rotation", &machine.full_steps_per_rotation, 20, 1000, " steps", kMachine},
+      {"z_stage", "microsteps", NumberChoiceSetting{kMicrosteps, &machine.microsteps}, 0, 0, "", kMachine},
+      {"z_stage", "max_speed_mm_min", &machine.max_speed_mm_min, 1, 6000, " mm/min", kMachine},
+      {"z_stage", "max_acceleration_mm_s2", &machine.max_acceleration_mm_s2, 1, 10000, " mm/s2", kMachine},
+      {"z_stage", "homing_speed_mm_min", &machine.homing_speed_mm_min, 1, 600, " mm/min", kMachine},
+      {"z_stage", "end_stop_height_mm", &machine.end_stop_height_mm, 1, 2100, " mm", kMachine},
+      {"lamp", "power_mw_cm2", &machine.power_mw_cm2, 0.1, 100, " mW/cm2", kMachine},
+      {"lamp", "max_exposure_s", &machine.max_exposure_s, 0.1, 300, " s", kMachine},
+      {"lamp", "warm_up_ms", &machine.warm_up_ms, 0, 1000, " ms", kMachine},
+      {"cover", "switch", &machine.has_cover_switch, 0, 0, "", kMachine},
+      {"temperatures", "lamp_resume_c", &machine.lamp_resume_c, 20, 100, " C", kMachine},
+      {"temperatures", "lamp_max_c", &machine.lamp_max_c, 30, 120, " C", kMachine},
+      {"temperatures", "resin_min_c", &machine.resin_min_c, 0, 60, " C", kMachine},
+      {"temperatures", "resin_max_c", &machine.resin_max_c, 0, 80, " C", kMachine},
+      {"tank", "volume_ml", &machine.tank_volume_ml, 1, 20000, " ml", kMachine},
+      {"print", "layer_height_mm", &board.layer_height_mm, 0.005, 1, " mm"},
+      {"print", "profile", TextSetting{&machine.profile}, 1, 63, "", kMachine},
+      {"memory", "arena_mib", &board.arena_mib, 8, 65536, " MiB"},
+  };
+  add_wiring_rules(rules, machine.wiring);
+  return rules;
+}
+
+/// What no single key tells.
+std::string check(const SettingRule& rule, const BoardFile& board, const MachineFile& machine) {
+  if (rule.key == "lamp_resume_c" && machine.lamp_resume_c >= machine.lamp_max_c) {
+    return "allowed is less than lamp_max_c";
+  }
+  if (rule.key == "resin_min_c" && machine.resin_min_c >= machine.resin_max_c) {
+    return "allowed is less than resin_max_c";
+  }
+  if (rule.key == "homing_speed_mm_min" && machine.homing_speed_mm_min > machine.max_speed_mm_min) {
+    return "allowed is at most max_speed_mm_min";
+  }
+  if (rule.key == "end_stop_height_mm" && machine.end_stop_height_mm < board.travel_mm + kEndStopClearanceMm) {
+    return "allowed is travel_mm and 1 mm more, or above: the tallest print must not meet the end stop";
+  }
+  const bool sideways = machine.rotation_deg % 180 != 0;
+  if (rule.key == "packing" && machine.packing == PixelPacking::kRgb &&
+      (sideways ? board.rows : board.columns) % 3 != 0) {
+    return sideways
+               ? "allowed is \"none\": the rows, which lie along the panel's rows as it is turned, are no multiple of 3"
+               : "allowed is \"none\": the columns are no multiple of 3";
+  }
+  return check_wiring(rule, machine.wiring);
+}
+
+}  // namespace
+
+Expected<BoardFile> parse_board_file(std::string_view text, std::string_view path) {
+  BoardFile board;
+  MachineFile machine;
+  bool has_machine = false;
+  const auto rules = rules_for(board, machine);
+  PLUMBLINE_TRY(parse_settings(text, path, {"a board file", rules, &has_machine, [&](const SettingRule& rule) {
+                                              return has_machine ? check(rule, board, machine) : std::string();
+                                            }}));
+  if (has_machine) board.machine = std::move(machine);
+  return board;
+}
+
+Expected<BoardFile> read_board_file(const std::string& path) {
+  const auto text = read_settings_text(path, "a board file");
+  PLUMBLINE_TRY(text);
+  return parse_board_file(*text, path);
+}
+
+Expected<MachineFile> machine_of(const BoardFile& board, std::string_view path) {
+  if (board.machine) return *board.machine;
+  return fail(ErrorCode::kBadSetting,
+              "%.*s: describes the panel, but not the machine: to print it also needs [panel] packing and the keys "
+              "beside it, [z_stage] rotation_distance_mm and the keys beside it, [lamp], [cover], [temperatures] and "
+              "[tank]. board/README.md explains them",
+              static_cast<int>(path.size()), path.data());
+}
+
+PrinterVolume printer_volume(const BoardFile& board) {
+  return {.columns = board.columns,
+          .rows = board.rows,
+          .pitch_x_mm = static_cast<float>(board.pixel_pitch_x_mm),
+          .pitch_y_mm = static_cast<float>(board.pixel_pitch_y_mm),
+          .travel_mm = static_cast<float>(board.travel_mm)};
+}
+
+}  // namespace plumbline

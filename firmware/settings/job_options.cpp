@@ -1,0 +1,66 @@
+#include "firmware/settings/job_options.hpp"
+
+#include <omp.h>
+
+#include <algorithm>
+#include <cstdlib>
+
+namespace plumbline {
+namespace {
+
+constexpr std::size_t kMiB = std::size_t{1024} * 1024;
+
+std::uint32_t default_threads() {
+  // OpenMP has read the variable; without it OpenMP would take all cores, however many.
+  const int wanted = std::getenv("OMP_NUM_THREADS") != nullptr  // NOLINT(concurrency-mt-unsafe): before any thread
+                         ? std::min(omp_get_max_threads(), static_cast<int>(kMostThreads))
+                         : std::min(omp_get_num_procs(), static_cast<int>(kMostDefaultThreads));
+  return static_cast<std::uint32_t>(std::max(1, wanted));
+}
+
+}  // namespace
+
+Expected<JobSetup> set_up(const JobOptions& options, std::span<std::byte> arena_block) {
+  JobSetup setup;
+  PlacementSettings& placement = setup.placement;
+  placement.units = options.units;
+  placement.scale = options.scale;
+  placement.fit = options.fit;
+  placement.rotation_degrees = {options.rotate_degrees[0], options.rotate_degrees[1], options.rotate_degrees[2]};
+  const auto built_mib = static_cast<std::uint32_t>(arena_block.size() / kMiB);
+  std::uint32_t arena_mib = built_mib;
+  if (!options.printer.empty()) {
+    const auto board = read_board_file(options.printer);
+    PLUMBLINE_TRY(board);
+    setup.printer_name = board->name;
+    placement.printer = printer_volume(*board);
+    placement.layer_height_mm = static_cast<float>(board->layer_height_mm);
+    arena_mib = board->arena_mib;
+  }
+  if (options.pixel_pitch_mm) placement.pixel_pitch_mm = static_cast<float>(*options.pixel_pitch_mm);
+  if (options.layer_height_mm) placement.layer_height_mm = static_cast<float>(*options.layer_height_mm);
+  if (options.arena_mib) arena_mib = *options.arena_mib;
+  if (arena_mib > built_mib) {
+    return fail(
+        ErrorCode::kBadSetting,
+        "an arena of %u MiB is asked for %s, this program was built with %u MiB. Use --arena-mib %u or less, or build "
+        "it with -DPLUMBLINE_ARENA_MIB=%u",
+        arena_mib, options.arena_mib ? "by --arena-mib" : "by the board file", built_mib, built_mib, arena_mib);
+  }
+  setup.arena_block = arena_block.first(arena_mib * kMiB);
+  setup.base = options.base;
+  setup.keep_all = options.keep_all;
+  setup.threads = options.threads.value_or(default_threads());
+  return setup;
+}
+
+void start_threads(std::uint32_t threads) {
+  omp_set_dynamic(0);
+  omp_set_num_threads(static_cast<int>(threads));
+  std::uint32_t started = 0;
+#pragma omp parallel reduction(+ : started)
+  ++started;
+  static_cast<void>(started);
+}
+
+}  // namespace plumbline

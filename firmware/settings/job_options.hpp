@@ -1,0 +1,62 @@
+#pragma once
+/// What a user asks of a job, and what becomes of it with the printer's board file and the machine at hand.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "firmware/settings/board_file.hpp"
+#include "slicer/placement/base_choice.hpp"
+#include "slicer/placement/placement.hpp"
+
+namespace plumbline {
+
+/// As on the command line; what is absent comes from the board file or has a default.
+struct JobOptions {
+  std::vector<std::string> scans;         ///< files of one scan, in this order; 1 to kMostScans
+  std::string printer;                    ///< path of a board file; empty: none
+  std::optional<double> pixel_pitch_mm;   ///< kFinestMm to kCoarsestMm; without a printer only
+  std::optional<double> layer_height_mm;  ///< kFinestMm to kCoarsestMm
+  double scale = 1;                       ///< kSmallestScale to kLargestScale
+  bool fit = false;                       ///< with a printer only
+  std::array<double, 3> rotate_degrees = {};
+  Units units = Units::kMillimetres;
+  BaseChoice base = BaseChoice::kAuto;
+  bool keep_all = false;                   ///< stray pieces, too
+  std::optional<std::uint32_t> arena_mib;  ///< MiB
+  std::optional<std::uint32_t> threads;    ///< 1 to kMostThreads
+  bool quiet = false;
+  bool json = false;
+};
+
+inline constexpr double kFinestMm = 0.005;
+inline constexpr double kCoarsestMm = 1;
+inline constexpr double kSmallestScale = 1e-6;
+inline constexpr double kLargestScale = 1e6;
+inline constexpr std::uint32_t kMostThreads = 64;
+inline constexpr std::uint32_t kMostDefaultThreads = 8;  ///< more bring little, and each takes its share of the arena
+
+/// The same with nothing left open.
+struct JobSetup {
+  PlacementSettings placement;
+  std::string printer_name;  ///< empty without a printer
+  std::span<std::byte> arena_block;
+  BaseChoice base = BaseChoice::kAuto;
+  bool keep_all = false;
+  std::uint32_t threads = 1;
+};
+
+/// @param arena_block  all that the program was built with
+/// @retval ErrorCode::kBadSetting  more arena than there is
+/// @retval any error of read_board_file()
+[[nodiscard]] Expected<JobSetup> set_up(const JobOptions& options, std::span<std::byte> arena_block);
+
+/// Starts the threads of all parallel regions to come: the first region makes them, the others find them waiting.
+/// @param threads  JobSetup::threads
+void start_threads(std::uint32_t threads);
+
+}  // namespace plumbline

@@ -1,0 +1,80 @@
+#include "firmware/settings/print_profile.hpp"
+
+#include <vector>
+
+#include "firmware/settings/settings_file.hpp"
+
+namespace plumbline {
+namespace {
+
+std::vector<SettingRule> rules_for(PrintProfile& p) {
+  constexpr auto kOptional = Presence::kOptional;
+  std::vector<SettingRule> rules = {
+      {"profile", "name", TextSetting{&p.name}, 1, 63},
+      {"resin", "penetration_depth", &p.penetration_depth, 0.01, 2, " mm"},
+      {"resin", "critical_energy", &p.critical_energy, 0.1, 500, " mJ/cm2"},
+      {"resin", "bottle_cost", &p.bottle_cost, 0, 100000, "", kOptional},
+      {"resin", "bottle_volume", &p.bottle_volume, 1, 100000, " ml", kOptional},
+      {"print", "layer_height", &p.layer_height, 0.005, 1, " mm"},
+      {"print", "exposure_time", &p.exposure_time, 0.1, 120, " s"},
+      {"print", "initial_exposure_time", &p.initial_exposure_time, 0.1, 300, " s"},
+      {"print", "bottom_layer_count", &p.bottom_layer_count, 1, 100, " layers"},
+      {"print", "faded_layers", &p.faded_layers, 0, 100, " layers"},
+      {"print", "delay_before_exposure", &p.delay_before_exposure, 0, 60, " s"},
+      {"print", "delay_after_exposure", &p.delay_after_exposure, 0, 60, " s"},
+      {"print", "lift_height", &p.lift_height, 0.5, 30, " mm"},
+      {"print", "lift_speed", &p.lift_speed, 1, 1000, " mm/min"},
+      {"print", "lift_height2", &p.lift_height2, 0, 30, " mm"},
+      {"print", "lift_speed2", &p.lift_speed2, 1, 1000, " mm/min"},
+      {"print", "wait_time_after_lift", &p.wait_time_after_lift, 0, 60, " s"},
+      {"print", "retract_speed", &p.retract_speed, 1, 1000, " mm/min"},
+      {"print", "retract_height2", &p.retract_height2, 0, 30, " mm"},
+      {"print", "retract_speed2", &p.retract_speed2, 1, 1000, " mm/min"},
+      {"print", "elefant_foot_compensation", &p.elefant_foot_compensation, 0, 1, " mm"},
+      {"print", "pause_lift_height", &p.pause_lift_height, 1, 300, " mm"},
+      {"supports", "supports_enable", &p.supports_enable, 0, 0, "", kOptional},
+  };
+  for (const SupportField& field : kSupportFields) {
+    rules.push_back({"supports", field.key, &(p.supports.*field.member), field.low, field.high,
+                     field.unit == "deg" ? " degrees" : " mm", kOptional});
+  }
+  return rules;
+}
+
+}  // namespace
+
+Expected<PrintProfile> parse_print_profile(std::string_view text, std::string_view path) {
+  PrintProfile profile;
+  const auto rules = rules_for(profile);
+  const auto check = [&profile](const SettingRule& rule) -> std::string {
+    if (rule.key == "retract_height2" && profile.retract_height2 > profile.lift_height + profile.lift_height2) {
+      return "allowed is at most the whole lift, lift_height + lift_height2";
+    }
+    const SupportSettings& supports = profile.supports;
+    if (rule.key == "support_head_front_diameter" && supports.head_front_diameter > supports.pillar_diameter) {
+      return "allowed is at most support_pillar_diameter";
+    }
+    if (rule.key == "support_pillar_diameter" && supports.pillar_diameter > supports.base_diameter) {
+      return "allowed is at most support_base_diameter";
+    }
+    return {};
+  };
+  PLUMBLINE_TRY(parse_settings(text, path, {"a profile", rules, nullptr, check}));
+  return profile;
+}
+
+Expected<PrintProfile> read_print_profile(const std::string& path) {
+  const auto text = read_settings_text(path, "a profile");
+  PLUMBLINE_TRY(text);
+  return parse_print_profile(*text, path);
+}
+
+std::string profile_path(const std::string& name_or_path, const std::string& board_path) {
+  const bool is_path = name_or_path.find('/') != std::string::npos || name_or_path.ends_with(".toml");
+  if (is_path) return name_or_path;
+  const auto slash = board_path.rfind('/');
+  const std::string folder = slash == std::string::npos ? "" : board_path.substr(0, slash + 1);
+  return folder + "profiles/" + name_or_path + ".toml";
+}
+
+}  // namespace plumbline

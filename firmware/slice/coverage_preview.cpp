@@ -1,0 +1,70 @@
+#include "firmware/slice/coverage_preview.hpp"
+
+#include <algorithm>
+
+#include "firmware/io/output_file.hpp"
+#include "firmware/pictures/coverage_picture.hpp"
+
+namespace plumbline {
+namespace {
+
+/// Below this a share is that of edges, which a coarse look sees badly.
+constexpr double kWorthAWord = 0.01;
+
+/// Of the rays, some hundredths pass beside every object. A sheet seen from one side alone encloses nothing along nearly all.
+constexpr double kNoObject = 0.5;
+
+Status draw(const RRep& rrep, const ConfidenceMap& map, std::string_view name, const std::string& path, Arena& arena) {
+  auto encoder = PngEncoder::for_pictures(kPreviewColumns, kPreviewRows);
+  PLUMBLINE_TRY(encoder);
+  const auto png = encode_confidence(rrep, map, {name, {}}, arena, *encoder);
+  PLUMBLINE_TRY(png);
+  return write_file(path.c_str(), *png);
+}
+
+}  // namespace
+
+bool ScanLook::underside_unseen() const { return on_base_plane && shares.of(Evidence::kBase) > kWorthAWord; }
+
+FixedText<128> ScanLook::sentence() const {
+  FixedText<128> text;
+  if (outside > kNoObject) {
+    text.add("%.0f %% of the scan enclose nothing: its other side was never seen, or its normals are wrong",
+             100 * outside);
+    return text;
+  }
+  const bool holes = unseen() > kWorthAWord;
+  if (underside_unseen() && holes) {
+    text.add("the underside and %.1f %% of the rest of the surface were never seen", 100 * unseen());
+  } else if (underside_unseen()) {
+    text.add("the underside was never seen");
+  } else if (holes) {
+    text.add("%.1f %% of the surface were never seen", 100 * unseen());
+  }
+  return text;
+}
+
+Expected<ScanLook> look_at_scan(ScanSources sources, const SliceSettings& settings, double longest_mm,
+                                const std::string& picture, Arena& arena, ProgressSink* progress) {
+  SliceSettings coarse = settings;
+  coarse.confidence = true;
+  coarse.placement.printer.reset();
+  coarse.placement.fit = false;
+  coarse.placement.scale = 1;
+  coarse.placement.pixel_pitch_mm = static_cast<float>(longest_mm / kLookLayers);
+  coarse.placement.layer_height_mm = coarse.placement.pixel_pitch_mm;
+  const std::size_t bottom = arena.bottom_mark();
+  SliceReport report;
+  const auto rrep = slice(sources, coarse, arena, progress, report);
+  PLUMBLINE_TRY(rrep);
+  const auto outside = static_cast<double>(report.rays.decided[static_cast<std::size_t>(RayDecision::kOutside)]);
+  const auto shot = static_cast<double>(std::max<std::uint64_t>(1, report.rays.interested));
+  const ScanLook look{report.confidence.shares(), report.flat_underside, outside / shot};
+  Status drawn;
+  if (!picture.empty()) drawn = draw(*rrep, report.confidence, title_of(sources).c_str(), picture, arena);
+  arena.release_bottom(bottom);
+  PLUMBLINE_TRY(drawn);
+  return look;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,83 @@
+#pragma once
+/// The folder that a job's files go to.
+///
+///   out/layers/00000.png ...   the masks
+///   out/preview.png
+///   out/confidence.png       of a sliced job
+///   out/comparison.png         of a printed part: what was to be printed beside it
+///   out/manifest.json          appears last, in one step: where it is, the job is whole
+///
+/// (Whole as long as the machine keeps running: nothing here waits for the medium, so a power cut may lose any of it.)
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "firmware/io/fixed_text.hpp"
+#include "firmware/io/output_file.hpp"
+#include "slicer/core/error.hpp"
+
+namespace plumbline {
+
+enum class Picture : std::uint8_t {
+  kPreview,     ///< what is to be printed, or was
+  kConfidence,  ///< what it rests on
+  kComparison,  ///< of a printed part: what was to be printed beside it
+};
+
+class JobDirectory {
+ public:
+  /// Creates the folder, those above it and `layers` in it where they are missing, and makes sure that what is there may be
+  /// replaced: an older job, whole or broken off, and nothing else. Locks it against other processes of plumbline.
+  ///
+  /// The older job stays as it is until begin(). What open() created is gone with the object, unless begin() was called.
+  ///
+  /// @param path  not empty
+  /// @retval ErrorCode::kCannotOpen   no folder can be there, or it cannot be written to: the path and the reason
+  /// @retval ErrorCode::kCannotWrite  it holds files that are not a job's, of which the message names one, or it is in use
+  [[nodiscard]] static Expected<JobDirectory> open(const std::string& path);
+  JobDirectory(JobDirectory&& other) noexcept;
+  JobDirectory& operator=(JobDirectory&&) = delete;
+  ~JobDirectory();
+
+  /// Takes the older job's manifest and preview away: from here on the folder holds no whole job. None of the calls from
+  /// here on takes memory from the heap.
+  /// @retval ErrorCode::kCannotWrite
+  [[nodiscard]] Status begin();
+
+  /// @param layer  0 to 65535
+  /// @retval ErrorCode::kCannotOpen, kCannotWrite  path, reason, what to do
+  [[nodiscard]] Status write_layer(std::uint32_t layer, std::span<const std::byte> png);
+  [[nodiscard]] Status write_picture(Picture picture, std::span<const std::byte> png);
+
+  /// The manifest, under a name of its own until finish().
+  [[nodiscard]] Expected<OutputFile> create_manifest();
+  /// Closes the manifest, removes layers that the older job had more, and gives the manifest its name.
+  [[nodiscard]] Status finish(OutputFile& manifest);
+
+  /// Removes what was written since begin(), and the older job's rest.
+  void discard();
+
+  const char* path() const { return path_.c_str(); }
+
+ private:
+  JobDirectory() = default;
+  [[nodiscard]] Status create_folders();
+  [[nodiscard]] Status inspect();
+  [[nodiscard]] Status inspect_layers();
+  [[nodiscard]] Status remove_file(const char* name);
+  [[nodiscard]] Status remove_layers(std::uint32_t from);
+  FixedPath file_path(const char* name) const;
+  FixedPath layer_path(std::uint32_t layer) const;
+
+  FixedPath path_;
+  int lock_ = -1;
+  bool created_ = false;  ///< the folder is ours
+  bool created_layers_ = false;
+  bool begun_ = false;
+  std::uint32_t older_end_ = 0;    ///< one past the older job's last layer
+  std::uint32_t written_end_ = 0;  ///< one past the last layer written
+};
+
+}  // namespace plumbline

@@ -1,0 +1,85 @@
+#pragma once
+/// What became of a job: what its manifest says and its last lines on the terminal.
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "firmware/io/fixed_text.hpp"
+#include "slicer/slicer.hpp"
+#include "slicer/supports/support_finder.hpp"
+
+namespace plumbline {
+
+/// Sentences that a user should read before printing.
+struct JobWarnings {
+  static constexpr std::size_t kMost = 12;
+  std::array<FixedText<256>, kMost> lines = {};
+  std::size_t count = 0;
+
+  FixedText<256>& add() { return lines[count < kMost ? count++ : kMost - 1]; }
+  std::span<const FixedText<256>> all() const { return std::span(lines).first(count); }
+};
+
+struct JobReport {
+  std::string scan_name;                         ///< title_of() its files
+  std::vector<std::string> scan_names;           ///< of the files; empty where nobody knows them any more
+  std::string printer_name;                      ///< empty: the grid is the object's own
+  BaseChoice base = BaseChoice::kAuto;           ///< as asked for
+  SliceReport slice;                             ///< peaks of the arena: up to Stage::kRRep
+  std::array<double, kStageCount> seconds = {};  ///< by Stage
+  double preview_seconds = 0;
+  double total_seconds = 0;
+  std::size_t layers_peak_bytes = 0;   ///< of the arena, in Stage::kLayers
+  std::size_t preview_peak_bytes = 0;  ///< of the arena
+  std::size_t arena_bytes = 0;         ///< the budget
+  std::uint32_t threads = 1;
+  std::uint64_t cured_pixels = 0;                   ///< of all layers
+  std::uint64_t support_pixels = 0;                 ///< of these, what the supports add to the object
+  std::optional<SupportSettings> support_settings;  ///< none: no supports were asked for
+  SupportCounts supports;
+  std::uint64_t hash = 0;                      ///< job_hash()
+  std::optional<ConfidenceShares> confidence;  ///< none: no map was kept
+  bool has_preview = false;
+  bool has_confidence = false;  ///< its picture
+  JobWarnings warnings;
+
+  /// mm^3 of resin that the masks cure.
+  double volume_mm3() const;
+  /// mm^3 of that for the supports.
+  double support_volume_mm3() const;
+  /// Highest use of the arena in any stage, bytes.
+  std::size_t peak_bytes() const;
+  /// Highest use of the arena in `stage`, bytes.
+  std::size_t peak_bytes(Stage stage) const;
+  /// 0 to 1, of the rays that were shot.
+  double share_of_rays(RayDecision decision) const;
+};
+
+/// "PLY", "XYZ", "PCD", "OBJ".
+const char* to_string(ScanFormat format);
+
+/// What to say where stray pieces were left out; empty where none were.
+FixedText<256> stray_warning(const StrayPieces& strays);
+
+/// Share of the normals that were turned over.
+double turned_share(std::uint32_t turned, std::uint32_t points);
+/// Below this nobody needs to know: flying pixels at edges.
+inline constexpr double kTurnedWorthAWord = 0.01;
+
+/// Whether the scan is of one side, and that faces down.
+bool lies_on_its_face(const ClusteringResult& clustering);
+inline constexpr const char* kOnItsFace =
+    "the scan is of one side, and that faces down: most of it cannot be closed. Turned over it is printed as a relief: "
+    "--rotate-x 180, or rotate_x_deg = 180 in job.toml";
+
+/// What was left out of the scan or changed in it, and what is wrong with the way it lies, a sentence each.
+void for_each_remark(const SliceReport& slice, FunctionRef<void(std::string_view)> tell);
+
+/// Looks for what a user should know before printing, and adds it to report.warnings.
+void find_warnings(JobReport& report);
+
+}  // namespace plumbline

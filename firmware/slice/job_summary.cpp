@@ -1,0 +1,150 @@
+#include "firmware/slice/job_summary.hpp"
+
+#include <algorithm>
+#include <string_view>
+
+namespace plumbline {
+namespace {
+
+constexpr double kMiB = 1024.0 * 1024.0;
+
+using Text = FixedText<4096>;
+
+double percent(double part, double whole) { return whole > 0 ? 100 * part / whole : 0; }
+
+unsigned long long big(std::uint64_t number) { return number; }
+
+/// Where there are several.
+void add_files(Text& text, std::span<const std::string> names, const ScanSummaries& scans) {
+  if (names.size() < 2) return;
+  for (std::size_t i = 0; i < std::min(names.size(), scans.count); ++i) {
+    text.add("           %.60s: %llu points\n", names[i].c_str(), big(scans.each[i].points));
+  }
+}
+
+void add_scan(Text& text, const JobReport& report) {
+  const SliceReport& s = report.slice;
+  text.add("scan       %s: %llu points, %s %s, %s\n", report.scan_name.c_str(), big(s.scan.points),
+           to_string(s.scan.header.format), s.scan.header.encoding,
+           s.scan.header.has_normals ? "with normals" : "without normals");
+  add_files(text, report.scan_names, s.scans);
+  if (s.scan.not_finite > 0) text.add("           %llu points dropped: not finite\n", big(s.scan.not_finite));
+  if (s.averaged_points > 0) {
+    text.add("thinned    to %u points: one for each cell of %.3g mm (room for %u)\n", s.cloud_points,
+             s.thinning_cell_mm, s.cloud_capacity);
+  } else {
+    text.add("thinned    no: all %u points fit (room for %u)\n", s.cloud_points, s.cloud_capacity);
+  }
+}
+
+void add_object(Text& text, const JobReport& report) {
+  const SliceReport& s = report.slice;
+  const PrintGrid& grid = s.placement.grid;
+  const Vec3d& size = s.placement.size_mm;
+  text.add("object     %.2f x %.2f x %.2f mm, %.2f ml of resin (scan units: %s%s; %.6g mm a unit)\n", size[0], size[1],
+           size[2], report.volume_mm3() / 1000, to_string(s.units), s.units_guessed ? ", guessed" : "",
+           s.placement.scale);
+  text.add("grid       %u x %u px of %.4g x %.4g mm%s%s, %u layers of %.4g mm\n", grid.columns, grid.rows,
+           static_cast<double>(grid.pitch_x_mm), static_cast<double>(grid.pitch_y_mm),
+           report.printer_name.empty() ? "" : ", printer ", report.printer_name.c_str(), grid.layers,
+           static_cast<double>(grid.layer_height_mm));
+}
+
+void add_clusters(Text& text, const SliceReport& s) {
+  const auto share = [&](PointClass c) {
+    return percent(s.clustering.points[static_cast<std::size_t>(c)], s.cloud_points);
+  };
+  text.add("points     entering %.1f %%, exiting %.1f %%, neutral %.1f %%, noise %.2f %%\n",
+           share(PointClass::kEntering), share(PointClass::kExiting), share(PointClass::kNeutral),
+           share(PointClass::kNoise));
+  if (s.views.moved > 0) {
+    text.add(
+        "views      %u were told apart and moved by %.3g mm to agree, of which %.2g mm ripple: points lay %.3g mm off "
+        "their surface, now %.3g mm\n",
+        s.views.views, static_cast<double>(s.views.moved), static_cast<double>(s.views.ripple),
+        static_cast<double>(s.views.before), static_cast<double>(s.views.after));
+  }
+  if (s.strays.pieces > 0) text.add("strays     %s\n", stray_warning(s.strays).c_str());
+  if (s.bore_walls.points > 0) {
+    text.add(
+        "bores      %.3g mm2 of their walls, which no view saw, were continued between what was seen from both ends\n",
+        static_cast<double>(s.bore_walls.area));
+  }
+  text.add("lengths    epsilon %.3g mm, width %.3g mm, noise %.3g mm\n", static_cast<double>(s.clustering.epsilon),
+           static_cast<double>(s.width_mm), static_cast<double>(s.clustering.noise));
+}
+
+void add_rays(Text& text, const JobReport& report) {
+  const SliceReport& s = report.slice;
+  text.add("rays       %llu shot:", big(s.rays.interested));
+  for (std::size_t i = 0; i < kRayDecisionCount; ++i) {
+    const auto decision = static_cast<RayDecision>(i);
+    text.add("%s %s %.2f %%", i == 0 ? "" : ",", to_string(decision), 100 * report.share_of_rays(decision));
+  }
+  text.add("; %llu crossings\n", big(s.crossings));
+  if (!s.pieces.counted) return;
+  text.add("pieces     %u solid, %u hollow inside; %u specks of solid removed, %u of hollow filled (%llu voxels)\n",
+           s.pieces.pieces, s.pieces.bubbles, s.pieces.dropped_pieces - s.pieces.floating_pieces,
+           s.pieces.filled_bubbles - s.pieces.sealed_bubbles, big(s.pieces.dropped_voxels));
+}
+
+void add_confidence(Text& text, const JobReport& report) {
+  if (!report.confidence) return;
+  text.add("surface    ");
+  for (std::size_t e = 0; e < kEvidenceCount; ++e) {
+    text.add("%s%s %.2f %%", e == 0 ? "" : ", ", to_string(static_cast<Evidence>(e)),
+             100 * report.confidence->surface[e]);
+  }
+  text.add("\n");
+}
+
+void add_supports(Text& text, const JobReport& report) {
+  if (!report.support_settings) return;
+  const SupportCounts& s = report.supports;
+  text.add(
+      "supports   %u: %u below islands, %u below overhangs; %u on the plate, %u on the object, %u on others; %.2f ml\n",
+      s.all(), s.islands, s.overhangs, s.on_plate, s.on_object, s.on_supports, report.support_volume_mm3() / 1000);
+}
+
+void add_stage(Text& text, std::string_view name, double seconds, std::size_t peak, std::size_t planned) {
+  text.add("  %-11.*s %8.2f s %9.1f MiB", static_cast<int>(name.size()), name.data(), seconds,
+           static_cast<double>(peak) / kMiB);
+  if (planned > 0) text.add(" %9.1f MiB", static_cast<double>(planned) / kMiB);
+  text.add("\n");
+}
+
+void add_stages(Text& text, const JobReport& report) {
+  text.add("arena      %.1f of %.0f MiB at most; by stage: time, peak, planned\n",
+           static_cast<double>(report.peak_bytes()) / kMiB, static_cast<double>(report.arena_bytes) / kMiB);
+  for (std::size_t i = 0; i < kStageCount; ++i) {
+    const auto stage = static_cast<Stage>(i);
+    if (report.peak_bytes(stage) == 0) continue;  // a stage that had nothing to do
+    add_stage(text, to_string(stage), report.seconds[i], report.peak_bytes(stage), report.slice.planned_bytes[i]);
+  }
+  if (report.has_preview || report.has_confidence)
+    add_stage(text, "preview", report.preview_seconds, report.preview_peak_bytes, 0);
+}
+
+}  // namespace
+
+Status write_summary(OutputFile& out, const JobReport& report, const char* output) {
+  Text text;
+  add_scan(text, report);
+  add_object(text, report);
+  add_clusters(text, report.slice);
+  add_rays(text, report);
+  add_confidence(text, report);
+  add_supports(text, report);
+  add_stages(text, report);
+  text.add("time       %.2f s with %u thread%s\n", report.total_seconds, report.threads,
+           report.threads == 1 ? "" : "s");
+  PLUMBLINE_TRY(out.write(text.view()));
+  text.clear();
+  text.add("look at    %s%s, ", output, report.has_preview ? "/preview.png" : "");
+  if (report.has_confidence) text.add("%s/confidence.png, ", output);
+  text.add("%s/manifest.json, %s/layers/00000.png to %05u.png\n", output, output,
+           report.slice.placement.grid.layers - 1);
+  return out.write(text.view());
+}
+
+}  // namespace plumbline

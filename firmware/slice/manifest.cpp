@@ -1,0 +1,305 @@
+#include "firmware/slice/manifest.hpp"
+
+#include <algorithm>
+#include <string_view>
+
+#include "firmware/io/mask_hash.hpp"
+#include "firmware/io/version.hpp"
+#include "slicer/core/progress.hpp"
+
+namespace plumbline {
+namespace {
+
+constexpr auto kOneLine = JsonWriter::Layout::kOneLine;
+
+/// "winding number" as a key: "winding_number".
+FixedText<32> as_key(std::string_view name) {
+  FixedText<32> key;
+  for (const char c : name) key.add("%c", c == ' ' || c == '-' ? '_' : c);
+  return key;
+}
+
+template <class Values>
+void write_row(JsonWriter& json, const Values& values) {
+  json.begin_array(kOneLine);
+  for (const auto& v : values) json.value(v);
+  json.end_array();
+}
+
+void write_scan(JsonWriter& json, const JobReport& report) {
+  const ScanSummary& scan = report.slice.scan;
+  json.key("scan");
+  json.begin_object();
+  json.member("name", std::string_view(report.scan_name));
+  json.member("format", to_string(scan.header.format));
+  json.member("encoding", scan.header.encoding);
+  json.member("bytes", scan.bytes);
+  json.member("points", scan.points);
+  json.member("points_not_finite", scan.not_finite);
+  json.member("has_normals", scan.header.has_normals);
+  json.member("points_without_normal", scan.header.has_normals ? scan.without_normal : scan.points);
+  if (report.scan_names.size() > 1) write_files(json, report.scan_names, report.slice.scans);
+  json.end_object();
+}
+
+void write_grid(JsonWriter& json, const Placement& placement) {
+  const PrintGrid& grid = placement.grid;
+  json.key("grid");
+  json.begin_object();
+  json.member("columns", grid.columns);
+  json.member("rows", grid.rows);
+  json.member("layers", grid.layers);
+  json.key("pixel_pitch_mm");
+  write_row(json, std::array{grid.pitch_x_mm, grid.pitch_y_mm});
+  json.member("layer_height_mm", grid.layer_height_mm);
+  json.key("origin_mm");
+  write_row(json, placement.origin_in_scan());
+  json.end_object();
+  json.key("transform");
+  json.begin_array();
+  const Mat4d transform = placement.transform();
+  for (int row = 0; row < 4; ++row) {
+    write_row(json, std::array{transform(row, 0), transform(row, 1), transform(row, 2), transform(row, 3)});
+  }
+  json.end_array();
+  json.key("size_mm");
+  write_row(json, placement.size_mm);
+}
+
+void write_points(JsonWriter& json, const SliceReport& slice) {
+  json.key("thinning");
+  json.begin_object(kOneLine);
+  json.member("cell_mm", slice.thinning_cell_mm);
+  json.member("averaged_points", slice.averaged_points);
+  json.member("points_left", slice.cloud_points);
+  json.member("room_for_points", slice.cloud_capacity);
+  json.end_object();
+  json.member("normals_estimated", slice.normals.estimated);
+  json.member("normals_turned", slice.normals.turned);
+  json.key("views");
+  json.begin_object(kOneLine);
+  json.member("found", slice.views.views);
+  json.member("points", slice.views.points);
+  json.member("moved_mm", slice.views.moved);
+  json.member("ripple_mm", slice.views.ripple);
+  json.member("off_surface_before_mm", slice.views.before);
+  json.member("off_surface_after_mm", slice.views.after);
+  json.end_object();
+  json.key("points");
+  json.begin_object(kOneLine);
+  const auto& points = slice.clustering.points;
+  json.member("entering", points[static_cast<std::size_t>(PointClass::kEntering)]);
+  json.member("exiting", points[static_cast<std::size_t>(PointClass::kExiting)]);
+  json.member("neutral", points[static_cast<std::size_t>(PointClass::kNeutral)]);
+  json.member("noise", points[static_cast<std::size_t>(PointClass::kNoise)]);
+  json.end_object();
+  json.key("bore_walls_continued");
+  json.begin_object(kOneLine);
+  json.member("points", slice.bore_walls.points);
+  json.member("area_mm2", slice.bore_walls.area);
+  json.end_object();
+  json.member("core_points", slice.clustering.core_points);
+  json.member("epsilon_mm", slice.clustering.epsilon);
+  json.member("noise_mm", slice.clustering.noise);
+  json.member("width_mm", slice.width_mm);
+}
+
+void write_rays(JsonWriter& json, const SliceReport& slice) {
+  json.key("rays");
+  json.begin_object();
+  json.member("interested", slice.rays.interested);
+  for (std::size_t i = 0; i < kRayDecisionCount; ++i) {
+    json.member(as_key(to_string(static_cast<RayDecision>(i))).view(), slice.rays.decided[i]);
+  }
+  json.member("thinned_tiles", slice.rays.thinned_tiles);
+  json.end_object();
+  json.member("crossings", slice.crossings);
+  const PieceCounts& pieces = slice.pieces;
+  json.key("pieces");
+  json.begin_object(kOneLine);
+  json.member("counted", pieces.counted);
+  json.member("solids", pieces.pieces);
+  json.member("hollows", pieces.bubbles);
+  json.member("solid_specks_removed", pieces.dropped_pieces - pieces.floating_pieces);
+  json.member("floating_removed", pieces.floating_pieces);
+  json.member("hollow_specks_filled", pieces.filled_bubbles - pieces.sealed_bubbles);
+  json.member("sealed_hollows_filled", pieces.sealed_bubbles);
+  json.member("speck_voxels", pieces.dropped_voxels);
+  json.end_object();
+  write_strays(json, slice.strays);
+  const FeatureCounts& features = slice.features;
+  json.key("small_features");
+  json.begin_object(kOneLine);
+  json.member("counted", features.counted);
+  json.member("islands_removed", features.islands);
+  json.member("holes_filled", features.holes);
+  json.member("voxels", features.voxels);
+  json.end_object();
+}
+
+template <class Values>
+void write_by_evidence(JsonWriter& json, std::string_view name, const Values& values) {
+  json.key(name);
+  json.begin_object(kOneLine);
+  for (std::size_t e = 0; e < kEvidenceCount; ++e) {
+    json.member(as_key(to_string(static_cast<Evidence>(e))).view(), values[e]);
+  }
+  json.end_object();
+}
+
+/// @param layers  empty: the manifest is written without them
+void write_confidence(JsonWriter& json, const std::optional<ConfidenceShares>& shares,
+                      std::span<const ConfidenceMap::Counts> layers) {
+  json.key("confidence");
+  if (!shares) {
+    json.null();
+    return;
+  }
+  json.begin_object();
+  write_by_evidence(json, "surface", shares->surface);
+  write_by_evidence(json, "crossings", shares->crossings);
+  if (!layers.empty()) {
+    json.key("layers");
+    json.begin_array();
+    for (const ConfidenceMap::Counts& layer : layers) write_row(json, layer);
+    json.end_array();
+  }
+  json.end_object();
+}
+
+void write_supports(JsonWriter& json, const JobReport& report) {
+  json.key("supports");
+  if (!report.support_settings) {
+    json.null();
+    return;
+  }
+  const SupportCounts& s = report.supports;
+  json.begin_object();
+  json.member("count", s.all());
+  json.member("below_islands", s.islands);
+  json.member("below_overhangs", s.overhangs);
+  json.member("on_plate", s.on_plate);
+  json.member("on_object", s.on_object);
+  json.member("on_supports", s.on_supports);
+  json.member("volume_mm3", report.support_volume_mm3());
+  json.key("settings");
+  json.begin_object();
+  for (const SupportField& field : kSupportFields) json.member(field.key, (*report.support_settings).*field.member);
+  json.end_object();
+  json.end_object();
+}
+
+void write_stages(JsonWriter& json, const JobReport& report) {
+  json.key("stages");
+  json.begin_array();
+  const auto write_stage = [&](std::string_view name, double seconds, std::uint64_t planned, std::uint64_t peak) {
+    json.begin_object(kOneLine);
+    json.member("name", name);
+    json.member("seconds", seconds);
+    json.member("planned_bytes", planned);
+    json.member("peak_bytes", peak);
+    json.end_object();
+  };
+  for (std::size_t i = 0; i < kStageCount; ++i) {
+    const auto stage = static_cast<Stage>(i);
+    write_stage(to_string(stage), report.seconds[i], report.slice.planned_bytes[i], report.peak_bytes(stage));
+  }
+  if (report.has_preview || report.has_confidence)
+    write_stage("preview", report.preview_seconds, 0, report.preview_peak_bytes);
+  json.end_array();
+  json.member("seconds", report.total_seconds);
+  json.key("arena");
+  json.begin_object(kOneLine);
+  json.member("bytes", report.arena_bytes);
+  json.member("peak_bytes", report.peak_bytes());
+  json.end_object();
+  json.member("threads", report.threads);
+}
+
+void write_hashes(JsonWriter& json, const JobReport& report, std::span<const std::uint64_t> layer_hashes) {
+  json.key("hashes");
+  json.begin_object();
+  json.member("definition", kMaskHashDefinition);
+  json.key("job");
+  json.hex(report.hash);
+  if (!layer_hashes.empty()) {
+    json.key("layers");
+    json.begin_array();
+    for (const std::uint64_t hash : layer_hashes) json.hex(hash);
+    json.end_array();
+  }
+  json.end_object();
+}
+
+}  // namespace
+
+void write_strays(JsonWriter& json, const StrayPieces& strays) {
+  json.key("stray_pieces");
+  json.begin_object(kOneLine);
+  json.member("pieces", strays.pieces);
+  json.member("points", strays.points);
+  json.member("share", strays.share);
+  json.end_object();
+}
+
+void write_files(JsonWriter& json, std::span<const std::string> names, const ScanSummaries& scans) {
+  json.key("files");
+  json.begin_array();
+  for (std::size_t i = 0; i < std::min(names.size(), scans.count); ++i) {
+    const ScanSummary& scan = scans.each[i];
+    json.begin_object(kOneLine);
+    json.member("name", std::string_view(names[i]));
+    json.member("format", to_string(scan.header.format));
+    json.member("encoding", scan.header.encoding);
+    json.member("bytes", scan.bytes);
+    json.member("points", scan.points);
+    json.member("has_normals", scan.header.has_normals);
+    json.end_object();
+  }
+  json.end_array();
+}
+
+void write_manifest(JsonWriter& json, const JobReport& report, std::span<const std::uint64_t> layer_hashes) {
+  const SliceReport& slice = report.slice;
+  json.begin_object();
+  // JobDirectory knows a manifest of ours by this key in this place.
+  json.key("plumbline");
+  json.begin_object(kOneLine);
+  json.member("version", kVersion);
+  json.member("manifest_format", kManifestFormat);
+  json.end_object();
+  write_scan(json, report);
+  json.key("printer");
+  if (report.printer_name.empty()) {
+    json.null();
+  } else {
+    json.value(std::string_view(report.printer_name));
+  }
+  json.key("units");
+  json.begin_object(kOneLine);
+  json.member("used", to_string(slice.units));
+  json.member("guessed", slice.units_guessed);
+  json.end_object();
+  json.member("scale_mm_per_unit", slice.placement.scale);
+  write_grid(json, slice.placement);
+  json.key("underside");
+  json.begin_object(kOneLine);
+  json.member("base", to_string(report.base));
+  json.member("on_base_plane", slice.flat_underside);
+  json.end_object();
+  write_points(json, slice);
+  write_rays(json, slice);
+  write_confidence(json, report.confidence,
+                   layer_hashes.empty() ? std::span<const ConfidenceMap::Counts>{} : slice.confidence.layers());
+  json.member("volume_mm3", report.volume_mm3());
+  write_supports(json, report);
+  write_stages(json, report);
+  json.key("warnings");
+  json.begin_array();
+  for (const auto& line : report.warnings.all()) json.value(line.view());
+  json.end_array();
+  write_hashes(json, report, layer_hashes);
+  json.end_object();
+}
+
+}  // namespace plumbline

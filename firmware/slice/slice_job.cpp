@@ -1,0 +1,176 @@
+#include "firmware/slice/slice_job.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <chrono>
+
+#include "firmware/io/json_writer.hpp"
+#include "firmware/io/mask_hash.hpp"
+#include "firmware/pictures/coverage_picture.hpp"
+#include "firmware/pictures/preview.hpp"
+#include "firmware/settings/job_options.hpp"
+#include "firmware/slice/manifest.hpp"
+#include "slicer/core/stage_scope.hpp"
+#include "slicer/layers/layer_stream.hpp"
+#include "slicer/supports/support_finder.hpp"
+
+namespace plumbline {
+namespace {
+
+/// Pixels that cure. Most words are black, and without its own instruction a processor counts bits slowly.
+std::uint64_t cured_in(ConstBitImage mask) {
+  std::uint64_t sum = 0;
+  for (const std::uint64_t word : mask.words()) {
+    if (word != 0) sum += static_cast<std::uint64_t>(std::popcount(word));
+  }
+  return sum;
+}
+
+}  // namespace
+
+Expected<SliceJob> SliceJob::prepare(const SliceJobSettings& settings, Arena& arena) {
+  auto scan = ScanFiles::open(settings.scan_paths);
+  PLUMBLINE_TRY(scan);
+  auto directory = JobDirectory::open(settings.output_path);
+  PLUMBLINE_TRY(directory);
+  SliceJob job(settings, arena, std::move(*scan), std::move(*directory));
+  if (const auto& printer = settings.slice.placement.printer) {
+    auto masks = PngEncoder::for_masks(printer->columns, printer->rows);
+    PLUMBLINE_TRY(masks);
+    job.masks_ = std::move(*masks);
+  }
+  if (settings.preview) {
+    auto pictures = PngEncoder::for_pictures(kPreviewColumns, kPreviewRows);
+    PLUMBLINE_TRY(pictures);
+    job.pictures_ = std::move(*pictures);
+  }
+  job.settings_.slice.confidence = true;
+  start_threads(settings.slice.threads);
+  job.report_.scan_name = job.scan_.title();
+  job.report_.scan_names = job.scan_.names();
+  job.report_.base = settings.slice.base;
+  job.report_.printer_name = settings.printer_name;
+  job.report_.arena_bytes = arena.capacity();
+  job.report_.threads = settings.slice.threads;
+  return job;
+}
+
+Status SliceJob::run(JobProgress& progress) {
+  const std::size_t bottom = arena_->bottom_mark();
+  auto done = work(progress);
+  report_.slice.confidence = {};  // it was in the arena
+  arena_->release_bottom(bottom);
+  if (!done) directory_.discard();
+  return done;
+}
+
+Status SliceJob::work(JobProgress& progress) {
+  const auto rrep = slice(scan_.sources(), settings_.slice, *arena_, &progress, report_.slice);
+  PLUMBLINE_TRY(rrep);
+  if (!masks_) {
+    auto masks = PngEncoder::for_masks(rrep->grid.columns, rrep->grid.rows);
+    PLUMBLINE_TRY(masks);
+    masks_ = std::move(*masks);
+  }
+  PLUMBLINE_TRY(directory_.begin());
+  const auto supports = add_supports(*rrep, progress);
+  PLUMBLINE_TRY(supports);
+  arena_->reset_peak();
+  auto hashes = arena_->take_bottom<std::uint64_t>(rrep->grid.layers, "layers");
+  PLUMBLINE_TRY(hashes);
+  progress.begin(Stage::kLayers);
+  auto written = write_layers(*rrep, *supports, *hashes, progress);
+  report_.layers_peak_bytes = arena_->peak();
+  progress.end(Stage::kLayers, arena_->peak());
+  PLUMBLINE_TRY(written);
+  report_.confidence = report_.slice.confidence.shares();
+  find_warnings(report_);
+  if (pictures_) {
+    PLUMBLINE_TRY(write_preview(*rrep, *supports));
+    PLUMBLINE_TRY(write_confidence(*rrep));
+  }
+  report_.hash = job_hash(*hashes);
+  report_.seconds = progress.seconds();
+  report_.total_seconds = progress.total_seconds();
+  return write_manifest_file(*hashes);
+}
+
+Expected<Supports> SliceJob::add_supports(const RRep& rrep, JobProgress& progress) {
+  if (!settings_.supports) return Supports{};
+  const StageScope stage(Stage::kSupports, *arena_, &progress, report_.slice.peak_bytes);
+  report_.support_settings = settings_.supports;
+  return find_supports(rrep, *settings_.supports, *arena_, &progress, report_.supports);
+}
+
+Status SliceJob::write_layers(const RRep& rrep, const Supports& supports, std::span<std::uint64_t> hashes,
+                              JobProgress& progress) {
+  auto stream = LayerStream::create(rrep, *arena_, &supports);
+  PLUMBLINE_TRY(stream);
+  const std::uint32_t layers = rrep.grid.layers;
+  for (std::uint32_t layer = 0; layer < layers; ++layer) {
+    if (!progress.advance(Stage::kLayers, static_cast<double>(layer) / layers)) {
+      return fail(ErrorCode::kCancelled, "stopped at layer %u of %u", layer, layers);
+    }
+    const ConstBitImage mask = stream->mask(layer);
+    hashes[layer] = mask_hash(mask);
+    report_.cured_pixels += cured_in(mask);
+    report_.support_pixels += stream->support_pixels();
+    const auto png = masks_->encode(mask);
+    PLUMBLINE_TRY(png);
+    PLUMBLINE_TRY(directory_.write_layer(layer, *png));
+  }
+  return {};
+}
+
+Status SliceJob::write_preview(const RRep& rrep, const Supports& supports) {
+  const auto start = std::chrono::steady_clock::now();
+  const SliceReport& s = report_.slice;
+  FixedText<128> size;
+  size.add("%.2f x %.2f x %.2f mm, %u layers of %.3g mm, %.1f ml", s.placement.size_mm[0], s.placement.size_mm[1],
+           s.placement.size_mm[2], rrep.grid.layers, static_cast<double>(rrep.grid.layer_height_mm),
+           report_.volume_mm3() / 1000);
+  FixedText<128> grid;
+  grid.add("%u x %u pixels of %.4g x %.4g mm%s%s", rrep.grid.columns, rrep.grid.rows,
+           static_cast<double>(rrep.grid.pitch_x_mm), static_cast<double>(rrep.grid.pitch_y_mm),
+           report_.printer_name.empty() ? "" : ", printer ", report_.printer_name.c_str());
+  const std::array<std::string_view, 2> captions = {size.view(), grid.view()};
+  arena_->reset_peak();
+  const auto png = encode_preview(rrep, supports, {report_.scan_name, captions}, *arena_, *pictures_);
+  report_.preview_peak_bytes = arena_->peak();
+  if (!png) {
+    // The layers are whole without their picture.
+    report_.warnings.add().add("no preview.png: %s", png.error().message());
+    return {};
+  }
+  PLUMBLINE_TRY(directory_.write_picture(Picture::kPreview, *png));
+  report_.has_preview = true;
+  report_.preview_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return {};
+}
+
+Status SliceJob::write_confidence(const RRep& rrep) {
+  const auto start = std::chrono::steady_clock::now();
+  arena_->reset_peak();
+  const auto png = encode_confidence(rrep, report_.slice.confidence, {report_.scan_name, {}}, *arena_, *pictures_);
+  report_.preview_peak_bytes = std::max(report_.preview_peak_bytes, arena_->peak());
+  if (!png) {
+    report_.warnings.add().add("no confidence.png: %s", png.error().message());
+    return {};
+  }
+  PLUMBLINE_TRY(directory_.write_picture(Picture::kConfidence, *png));
+  report_.has_confidence = true;
+  report_.preview_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return {};
+}
+
+Status SliceJob::write_manifest_file(std::span<const std::uint64_t> hashes) {
+  auto file = directory_.create_manifest();
+  PLUMBLINE_TRY(file);
+  JsonWriter json(*file);
+  write_manifest(json, report_, hashes);
+  PLUMBLINE_TRY(json.finish());
+  return directory_.finish(*file);
+}
+
+}  // namespace plumbline

@@ -1,0 +1,66 @@
+#pragma once
+/// `plumbline slice` without its command line: a scan file becomes a folder of layers.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "firmware/io/job_progress.hpp"
+#include "firmware/io/scan_files.hpp"
+#include "firmware/pictures/png_writer.hpp"
+#include "firmware/slice/job_directory.hpp"
+#include "firmware/slice/job_report.hpp"
+#include "slicer/core/arena.hpp"
+#include "slicer/slicer.hpp"
+#include "slicer/supports/supports.hpp"
+
+namespace plumbline {
+
+struct SliceJobSettings {
+  std::vector<std::string> scan_paths;  ///< files of one scan, in this order
+  std::string output_path;
+  std::string printer_name;  ///< for the manifest; empty without a printer
+  SliceSettings slice;
+  std::optional<SupportSettings> supports;  ///< none: no supports; what check_support_settings() takes
+  bool preview = true;
+};
+
+/// One job. What it needs of the heap it takes in prepare(); run() takes nothing but what lodepng takes and returns for each
+/// image. (Without a printer there is one exception: the encoder of the masks, because nobody knows their size before the
+/// scan has been read. It is made when they are admitted, before the first one.)
+class SliceJob {
+ public:
+  /// Opens the scan, the folder, the encoders and the team of threads.
+  /// @param arena  must outlive the job; all of it is the job's
+  /// @retval ErrorCode::kCannotOpen, kCannotWrite, kOutOfMemory
+  [[nodiscard]] static Expected<SliceJob> prepare(const SliceJobSettings& settings, Arena& arena);
+
+  /// Slices and writes. After an error the folder holds nothing of this job.
+  /// @retval ErrorCode::kCancelled  progress said so
+  /// @retval any error of slice(), JobDirectory and PngEncoder
+  [[nodiscard]] Status run(JobProgress& progress);
+
+  const JobReport& report() const { return report_; }
+
+ private:
+  SliceJob(const SliceJobSettings& settings, Arena& arena, ScanFiles scan, JobDirectory directory)
+      : settings_(settings), arena_(&arena), scan_(std::move(scan)), directory_(std::move(directory)) {}
+
+  [[nodiscard]] Status work(JobProgress& progress);
+  [[nodiscard]] Expected<Supports> add_supports(const RRep& rrep, JobProgress& progress);
+  [[nodiscard]] Status write_layers(const RRep& rrep, const Supports& supports, std::span<std::uint64_t> hashes,
+                                    JobProgress& progress);
+  [[nodiscard]] Status write_preview(const RRep& rrep, const Supports& supports);
+  [[nodiscard]] Status write_confidence(const RRep& rrep);
+  [[nodiscard]] Status write_manifest_file(std::span<const std::uint64_t> hashes);
+
+  SliceJobSettings settings_;
+  Arena* arena_;
+  ScanFiles scan_;
+  JobDirectory directory_;
+  std::optional<PngEncoder> masks_;
+  std::optional<PngEncoder> pictures_;
+  JobReport report_;
+};
+
+}  // namespace plumbline

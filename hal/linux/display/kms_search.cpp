@@ -1,0 +1,122 @@
+#include "hal/linux/display/kms_search.hpp"
+
+#include <fcntl.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <optional>
+#include <vector>
+
+namespace plumbline::kms {
+namespace {
+
+std::string connector_name(const drmModeConnector& connector) {
+  const char* const type = ::drmModeGetConnectorTypeName(connector.connector_type);
+  return std::string(type != nullptr ? type : "Unknown") + "-" + std::to_string(connector.connector_type_id);
+}
+
+std::optional<drmModeModeInfo> choose_mode(const drmModeConnector& connector, std::uint32_t width, std::uint32_t height,
+                                           std::uint32_t hz) {
+  for (int i = 0; i < connector.count_modes; ++i) {
+    const auto& mode = connector.modes[i];
+    if (mode.hdisplay == width && mode.vdisplay == height && (hz == 0 || mode.vrefresh == hz)) return mode;
+  }
+  return std::nullopt;
+}
+
+bool choose_crtc(const drmModeRes& resources, const drmModeConnector& connector, Found& found) {
+  for (int e = 0; e < connector.count_encoders; ++e) {
+    const Encoder encoder(::drmModeGetEncoder(found.card.get(), connector.encoders[e]));
+    if (!encoder) continue;
+    for (int c = 0; c < resources.count_crtcs; ++c) {
+      if ((encoder->possible_crtcs & (1U << static_cast<unsigned>(c))) == 0) continue;
+      found.crtc = resources.crtcs[c];
+      found.crtc_index = static_cast<std::uint32_t>(c);
+      return true;
+    }
+  }
+  return false;
+}
+
+/// Looks on one card. @param others  names of connectors seen, for the message
+/// @returns whether it has the connector; if so `found` is filled in
+Expected<bool> look_on(const std::string& path, const DisplaySettings& settings, std::uint32_t width,
+                       std::uint32_t height, std::string& others, Found& found) {
+  found.path = path;
+  found.card = File(::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NONBLOCK));
+  if (found.card.get() < 0) {
+    if (errno == EACCES) return panel_failed(path.c_str(), errno);
+    return false;
+  }
+  const Resources resources(::drmModeGetResources(found.card.get()));
+  if (!resources) return false;  // a card that only computes
+  for (int i = 0; i < resources->count_connectors; ++i) {
+    const Connector connector(::drmModeGetConnector(found.card.get(), resources->connectors[i]));
+    if (!connector) continue;
+    const std::string name = connector_name(*connector);
+    if (name != settings.connector) {
+      others += (others.empty() ? "" : ", ") + name;
+      continue;
+    }
+    if (connector->connection != DRM_MODE_CONNECTED || connector->count_modes == 0) {
+      return fail(ErrorCode::kPanelFailed, "the panel: nothing is connected to %s of %s: check its cable", name.c_str(),
+                  path.c_str());
+    }
+    const auto mode = choose_mode(*connector, width, height, settings.refresh_hz);
+    if (!mode) {
+      std::string modes;
+      for (int m = 0; m < std::min(connector->count_modes, 8); ++m) {
+        modes += (m == 0 ? "" : ", ") + mode_name(connector->modes[m]);
+      }
+      return fail(ErrorCode::kBadSetting, "the panel: %s has no mode of %ux%u pixels%s; it has %s", name.c_str(), width,
+                  height, settings.refresh_hz == 0 ? "" : " with this refresh rate", modes.c_str());
+    }
+    found.connector = connector->connector_id;
+    found.mode = *mode;
+    if (!choose_crtc(*resources, *connector, found)) return panel_failed("no controller for its connector", ENODEV);
+    return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+tl::unexpected<Error> panel_failed(const char* what, int reason) {
+  const char* next = "";
+  if (reason == EACCES || reason == EPERM) next = ": another program has the display, or no permission (group video)";
+  return fail(ErrorCode::kPanelFailed, "the panel: %s: %s%s", what, std::strerror(reason), next);
+}
+
+std::string mode_name(const drmModeModeInfo& mode) {
+  return std::to_string(mode.hdisplay) + "x" + std::to_string(mode.vdisplay) + " at " + std::to_string(mode.vrefresh) +
+         " Hz";
+}
+
+Expected<Found> find(const DisplaySettings& settings, std::uint32_t width, std::uint32_t height) {
+  std::vector<std::string> cards;
+  if (!settings.card.empty()) {
+    cards.push_back(settings.card);
+  } else {
+    for (int i = 0; i < 8; ++i) cards.push_back(std::string("/dev/dri/card").append(std::to_string(i)));
+  }
+  std::string others;
+  for (const auto& path : cards) {
+    Found found;
+    const auto here = look_on(path, settings, width, height, others, found);
+    PLUMBLINE_TRY(here);
+    if (*here) return found;
+  }
+  return fail(ErrorCode::kBadSetting, "the panel: no display of this board has a connector %s; there is %s",
+              settings.connector.c_str(), others.empty() ? "none" : others.c_str());
+}
+
+std::string driver_of(int card) {
+  drmVersion* const version = ::drmGetVersion(card);
+  if (version == nullptr) return "unknown";
+  std::string name(version->name, static_cast<std::size_t>(std::max(0, version->name_len)));
+  ::drmFreeVersion(version);
+  return name;
+}
+
+}  // namespace plumbline::kms

@@ -1,0 +1,41 @@
+#include "hal/linux/display/linux_mask_display.hpp"
+
+#include <algorithm>
+
+#include "hal/linux/events/linux_clock.hpp"
+
+namespace plumbline {
+
+LinuxMaskDisplay::LinuxMaskDisplay(const PanelLayout& layout, KmsPanel panel, std::chrono::nanoseconds settling,
+                                   Interlock& interlock)
+    : MaskDisplay(layout.columns, layout.rows, interlock),
+      layout_(layout),
+      panel_(std::move(panel)),
+      settling_(settling) {
+  for (auto& words : words_) words.resize(BitImage::words_needed(layout.columns, layout.rows));
+}
+
+Expected<BitImage> LinuxMaskDisplay::do_lend() { return BitImage(words_[lent_], layout_.columns, layout_.rows); }
+
+Status LinuxMaskDisplay::flip_and_settle() {
+  PLUMBLINE_TRY(panel_.flip());
+  sleep_until_monotonic(monotonic_now() + panel_.frame() + settling_);
+  return {};
+}
+
+Status LinuxMaskDisplay::do_present() {
+  const auto back = panel_.back();
+  if (!back) return tl::unexpected<Error>(back.error());
+  pack_pixels(layout_, ConstBitImage(words_[lent_], layout_.columns, layout_.rows), *back, panel_.pitch());
+  lent_ = 1 - lent_;
+  return flip_and_settle();
+}
+
+Status LinuxMaskDisplay::do_blank() {
+  const auto back = panel_.back();
+  if (!back) return tl::unexpected<Error>(back.error());
+  std::fill(back->begin(), back->end(), 0U);
+  return flip_and_settle();
+}
+
+}  // namespace plumbline

@@ -1,0 +1,31 @@
+#include "hal/linux/events/real_time.hpp"
+
+#include <malloc.h>
+#include <sched.h>
+#include <sys/mman.h>
+
+#include <cstdlib>
+#include <limits>
+
+namespace plumbline {
+
+bool run_first(int priority) {
+  sched_param parameters{};
+  parameters.sched_priority = priority;
+  return ::sched_setscheduler(0, SCHED_FIFO, &parameters) == 0;
+}
+
+bool lock_memory() { return ::mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) == 0; }
+
+void hold_heap() {
+  // libusb, sysfs and mount(2) take some ten KiB, of which the kernel would be asked in portions.
+  constexpr std::size_t kReserve = std::size_t{1} << 20;
+  ::mallopt(M_ARENA_MAX, 1);
+  ::mallopt(M_MMAP_MAX, 0);
+  ::mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
+  // Through a volatile: the compiler may leave out an allocation that nobody uses.
+  void* volatile reserve = std::malloc(kReserve);
+  std::free(reserve);
+}
+
+}  // namespace plumbline

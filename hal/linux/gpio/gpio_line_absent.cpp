@@ -1,0 +1,34 @@
+/// Stands for gpio_line.cpp in a build without libgpiod: every line is refused, and the message says why.
+
+#include "hal/linux/gpio/gpio_line.hpp"
+
+namespace plumbline {
+namespace {
+
+tl::unexpected<Error> absent(const std::string& use) {
+  return fail(ErrorCode::kUnsupported,
+              "the line of %s: this plumbline was built without libdrm, libgpiod or libusb, and drives no real printer",
+              use.c_str());
+}
+
+}  // namespace
+
+void ReleaseLine::operator()(gpiod_line* /*line*/) const {}
+
+Expected<LinePlace> find_line(const LineSettings& /*settings*/, const std::string& use) { return absent(use); }
+Expected<std::string> holder_of(const LinePlace& /*place*/) { return absent("the board"); }
+
+Expected<OutputLine> OutputLine::open(const LinePlace& /*place*/, const LineSettings& /*settings*/,
+                                      const std::string& use, bool /*on*/) {
+  return absent(use);
+}
+bool OutputLine::set(bool /*on*/) noexcept { return false; }
+
+Expected<InputLine> InputLine::open(const LinePlace& /*place*/, const LineSettings& /*settings*/,
+                                    const std::string& use) {
+  return absent(use);
+}
+std::optional<bool> InputLine::on() const noexcept { return std::nullopt; }
+std::optional<InputLine::Edge> InputLine::next_edge() noexcept { return std::nullopt; }
+
+}  // namespace plumbline

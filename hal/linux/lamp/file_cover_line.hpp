@@ -1,0 +1,27 @@
+#pragma once
+/// A cover's switch that is a FIFO: for simulation and tests.
+
+#include <string>
+
+#include "hal/linux/lamp/cover_line.hpp"
+
+namespace plumbline {
+
+/// Closed until it is told: each byte that arrives is a change, 'o' opens, 'c' closes.
+class FileCoverLine final : public CoverLine {
+ public:
+  /// @param path  of a FIFO that is there; ok() tells whether it could be opened
+  explicit FileCoverLine(const std::string& path);
+  ~FileCoverLine() override;
+
+  bool ok() const { return file_ >= 0; }
+  bool open() const noexcept override { return open_; }
+  std::optional<Edge> next_edge() noexcept override;
+  int descriptor() const override { return file_; }
+
+ private:
+  int file_ = -1;
+  bool open_ = false;
+};
+
+}  // namespace plumbline

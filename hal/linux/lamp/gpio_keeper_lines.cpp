@@ -1,0 +1,45 @@
+#include "hal/linux/lamp/gpio_keeper_lines.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+
+namespace plumbline {
+namespace {
+
+constexpr std::string_view kGpio = "gpio";
+
+}  // namespace
+
+std::string line_option(const LinePlace& place, const LineSettings& settings) {
+  std::string text(kGpio);
+  for (const auto& part : {place.chip, std::to_string(place.offset), std::string(settings.active_low ? "low" : "high"),
+                           std::string(kBiasWords[static_cast<std::size_t>(settings.bias)])}) {
+    text += ':';
+    text += part;
+  }
+  return text;
+}
+
+std::optional<LineOption> parse_line_option(std::string_view text) {
+  std::array<std::string_view, 5> parts;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const auto end = text.find(':');
+    if ((end == std::string_view::npos) != (i + 1 == parts.size())) return std::nullopt;
+    parts[i] = text.substr(0, end);
+    text.remove_prefix(std::min(text.size(), parts[i].size() + 1));
+  }
+  LineOption option;
+  option.place.chip = parts[1];
+  const auto [stop, problem] = std::from_chars(parts[2].data(), parts[2].data() + parts[2].size(), option.place.offset);
+  const auto* const bias = std::find(std::begin(kBiasWords), std::end(kBiasWords), parts[4]);
+  if (parts[0] != kGpio || parts[1].empty() || problem != std::errc() || stop != parts[2].data() + parts[2].size() ||
+      (parts[3] != "low" && parts[3] != "high") || bias == std::end(kBiasWords)) {
+    return std::nullopt;
+  }
+  option.settings.active_low = parts[3] == "low";
+  option.settings.bias = static_cast<LineBias>(bias - std::begin(kBiasWords));
+  return option;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,56 @@
+#include "hal/linux/lamp/linux_uv_lamp.hpp"
+
+#include "hal/linux/events/linux_clock.hpp"
+
+namespace plumbline {
+
+Expected<TimePoint> LinuxUvLamp::do_begin(nanoseconds cure) {
+  watch_.drain(monotonic_now());
+  if (watch_.gone()) {
+    return fail(ErrorCode::kLampFailed, "the lamp's keeper has gone: switch the printer off and on");
+  }
+  const auto lit = watch_.keeper().light(cure);
+  if (!lit) return tl::unexpected<Error>(lit.error());
+  began_at_ = *lit;
+  asked_ = cure;
+  watch_.began(*lit);
+  return TimePoint(*lit);
+}
+
+bool LinuxUvLamp::do_over() const { return !do_lit(); }
+
+bool LinuxUvLamp::do_lit() const {
+  watch_.drain(monotonic_now());
+  return watch_.lit();
+}
+
+void LinuxUvLamp::do_darken() noexcept {
+  if (!do_lit()) return;
+  // Without an answer it stays lit for us, which the report says; the keeper's deadline still holds.
+  static_cast<void>(watch_.keeper().darken());
+  watch_.drain(monotonic_now());
+}
+
+Expected<ExposureReport> LinuxUvLamp::do_report() {
+  if (do_lit()) {
+    return fail(ErrorCode::kLampStuckOn, "the lamp's line could not be turned off: pull the plug of the printer");
+  }
+  if (watch_.gone()) {
+    return fail(ErrorCode::kLampFailed, "the lamp's keeper ended in an exposure: switch the printer off and on");
+  }
+  constexpr nanoseconds kOnTime = std::chrono::milliseconds(1);
+  ExposureReport report;
+  report.began_at = TimePoint(began_at_);
+  report.asked = asked_;
+  report.lit = watch_.dark_at() - began_at_;
+  report.source = DoseSource::kComputed;
+  report.dose = dose_of(limits().irradiance, report.lit);
+  if (watch_.cut_by_cover()) {
+    report.end = ExposureEnd::kCoverOpened;
+  } else if (report.lit + kOnTime < asked_) {
+    report.end = ExposureEnd::kStopped;
+  }
+  return report;
+}
+
+}  // namespace plumbline

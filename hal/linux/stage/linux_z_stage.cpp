@@ -1,0 +1,255 @@
+#include "hal/linux/stage/linux_z_stage.hpp"
+
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+
+#include "hal/linux/events/linux_clock.hpp"
+#include "hal/linux/events/real_time.hpp"
+
+namespace plumbline {
+namespace {
+
+constexpr Distance kBackOffWay = 2_mm;
+constexpr Distance kReleaseWay = 1_mm;  // no more: where the switch lies, the part may be at the film
+constexpr Distance kSlack = 2_mm;       // that an approach goes beyond the end stop's nominal height
+constexpr Speed kApproachSpeed(5);
+constexpr auto kGrace = std::chrono::seconds(1);
+
+nanoseconds duration_of(Distance way, Speed speed, Acceleration acceleration) {
+  return std::chrono::round<nanoseconds>(Ramp(way < Distance() ? -way : way, speed, acceleration).duration());
+}
+
+}  // namespace
+
+LinuxZStage::LinuxZStage(const Limits& limits, const Mechanics& mechanics, StageLines& lines, Interlock& interlock)
+    : ZStage(limits, interlock),
+      mechanics_(mechanics),
+      lines_(lines),
+      legs_(lines, mechanics.step_mm, limits.acceleration),
+      wake_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+  std::unique_lock lock(mutex_);
+  thread_ = std::thread([this] { serve(); });
+  changed_.wait(lock, [this] { return order_ == Order::kNone && ended_at_ != nanoseconds(); });
+}
+
+LinuxZStage::~LinuxZStage() {
+  legs_.stop();
+  {
+    const std::scoped_lock lock(mutex_);
+    order_ = Order::kQuit;
+  }
+  changed_.notify_all();
+  thread_.join();
+  static_cast<void>(lines_.enable(false));
+  if (wake_ >= 0) ::close(wake_);
+}
+
+void LinuxZStage::serve() {
+  runs_first_ = run_first(kStagePriority);
+  std::unique_lock lock(mutex_);
+  ended_at_ = monotonic_now();  // says that the thread is there
+  changed_.notify_all();
+  for (;;) {
+    changed_.wait(lock, [this] { return order_ != Order::kNone; });
+    const Order order = order_;
+    if (order == Order::kQuit) return;
+    lock.unlock();
+    const Status outcome = order == Order::kMove ? move() : home();
+    lock.lock();
+    if (order_ != Order::kQuit) order_ = Order::kNone;
+    arrived_ = outcome.has_value();
+    const bool stopped = !outcome && outcome.error().code() == ErrorCode::kCancelled;
+    outcome_ = stopped ? Status() : outcome;
+    if (order == Order::kHome) homed_ = arrived_;
+    if (!outcome_) homed_ = false;
+    ended_at_ = monotonic_now();
+    if (ended_count_ < ended_.size()) ended_[ended_count_++] = ended_at_;
+    const std::uint64_t one = 1;
+    static_cast<void>(::write(wake_, &one, sizeof one));  // can only say that it is readable already
+    moving_ = false;
+    changed_.notify_all();
+  }
+}
+
+void LinuxZStage::drain(EventQueue& events) {
+  std::uint64_t times = 0;
+  if (::read(wake_, &times, sizeof times) != sizeof times) return;
+  const std::scoped_lock lock(mutex_);
+  for (std::size_t i = 0; i < ended_count_; ++i) events.add(EventKind::kMotionEnded, ended_[i]);
+  ended_count_ = 0;
+}
+
+std::int64_t LinuxZStage::steps_of(Distance way) const {
+  return std::llround(static_cast<double>(way.nanometres()) / (mechanics_.step_mm * 1e6));
+}
+
+Distance LinuxZStage::way_of(std::int64_t steps) const {
+  return Distance::nanometres(std::llround(static_cast<double>(steps) * mechanics_.step_mm * 1e6));
+}
+
+ZPosition LinuxZStage::height_of(std::int64_t count) const { return reference_ + way_of(count); }
+
+bool LinuxZStage::do_homed() const {
+  const std::scoped_lock lock(mutex_);
+  return homed_;
+}
+
+bool LinuxZStage::do_moving() const {
+  const std::scoped_lock lock(mutex_);
+  return moving_;
+}
+
+bool LinuxZStage::do_end_stop_pressed() const { return lines_.pressed(); }
+
+ZPosition LinuxZStage::do_position() const {
+  const std::scoped_lock lock(mutex_);
+  return height_of(legs_.count());
+}
+
+void LinuxZStage::give(Order order) {
+  legs_.forget_stop();
+  legs_.forget_put_off();
+  order_ = order;
+  moving_ = true;
+  arrived_ = false;
+  steps_lost_ = Distance();
+  outcome_ = Status();
+  changed_.notify_all();
+}
+
+Status LinuxZStage::do_begin_move(ZPosition target, Speed speed) {
+  const std::scoped_lock lock(mutex_);
+  target_ = steps_of(target - reference_);
+  speed_ = speed;
+  began_at_ = monotonic_now();
+  ends_by_ = began_at_ + duration_of(way_of(target_ - legs_.count()), speed, limits().acceleration);
+  give(Order::kMove);
+  return {};
+}
+
+Status LinuxZStage::do_begin_homing() {
+  const std::scoped_lock lock(mutex_);
+  was_homed_ = std::exchange(homed_, false);
+  began_at_ = monotonic_now();
+  const Distance whole = limits().end_stop - limits().lowest + kSlack;
+  const Distance ways = kReleaseWay + kBackOffWay * 2 + kSlack;  // the slow ones, twice as a margin
+  ends_by_ = began_at_ + duration_of(whole, std::min(kApproachSpeed, limits().fastest), limits().acceleration) +
+             2 * duration_of(ways, mechanics_.find_speed, limits().acceleration) + std::chrono::seconds(10);
+  give(Order::kHome);
+  return {};
+}
+
+TimePoint LinuxZStage::do_ends_by() const {
+  const std::scoped_lock lock(mutex_);
+  return TimePoint(std::max(ends_by_, legs_.put_off()));
+}
+
+Status LinuxZStage::do_stop() {
+  legs_.stop();
+  const std::scoped_lock lock(mutex_);
+  if (!moving_) return {};
+  legs_.forget_put_off();
+  const auto slowing = std::chrono::duration<double>(limits().fastest.value() / limits().acceleration.value());
+  ends_by_ = std::min(ends_by_, monotonic_now() + std::chrono::round<nanoseconds>(slowing));
+  return {};
+}
+
+Expected<MotionReport> LinuxZStage::do_finish() {
+  std::unique_lock lock(mutex_);
+  while (moving_) {
+    const nanoseconds until = std::max(ends_by_, legs_.put_off()) + kGrace;
+    if (monotonic_now() > until) {
+      return fail(ErrorCode::kDeviceTimeout, "the stage did not end its motion: switch the printer off and on");
+    }
+    changed_.wait_for(lock, until - monotonic_now() + std::chrono::milliseconds(1));
+  }
+  if (!outcome_) return tl::unexpected<Error>(outcome_.error());
+  return MotionReport{.began_at = TimePoint(began_at_),
+                      .ended_at = TimePoint(ended_at_),
+                      .at = height_of(legs_.count()),
+                      .arrived = arrived_,
+                      .steps_lost = steps_lost_};
+}
+
+Status LinuxZStage::leg(Distance way, Speed speed, LegUntil until, StepLegResult& result) {
+  result = legs_.run(steps_of(way), std::min(speed, limits().fastest), until, monotonic_now());
+  if (result.end == StepLegEnd::kFailed) {
+    return fail(ErrorCode::kStageStalled, "a line of the stage's driver can't be set: %s", std::strerror(errno));
+  }
+  if (result.end == StepLegEnd::kStopped) return fail(ErrorCode::kCancelled, "stopped");
+  return {};
+}
+
+Status LinuxZStage::move() {
+  if (!lines_.enable(true)) {
+    return fail(ErrorCode::kStageStalled, "the stage's driver can't be enabled: %s", std::strerror(errno));
+  }
+  const auto result = legs_.run(target_ - legs_.count(), speed_, LegUntil::kDone, began_at_);
+  switch (result.end) {
+    case StepLegEnd::kDone:
+    case StepLegEnd::kSwitched: return {};
+    case StepLegEnd::kStopped: return fail(ErrorCode::kCancelled, "stopped");
+    case StepLegEnd::kMetStop:
+      return fail(ErrorCode::kEndStopStuck,
+                  "the end stop closed %.2f mm below its place: check its switch, and what blocks the stage",
+                  (limits().end_stop - height_of(result.switched)).millimetres());
+    case StepLegEnd::kFailed:
+      return fail(ErrorCode::kStageStalled, "a line of the stage's driver can't be set: %s", std::strerror(errno));
+  }
+  return {};
+}
+
+Status LinuxZStage::home() {
+  if (!lines_.enable(true)) {
+    return fail(ErrorCode::kStageStalled, "the stage's driver can't be enabled: %s", std::strerror(errno));
+  }
+  PLUMBLINE_TRY(approach());
+  PLUMBLINE_TRY(find());
+  StepLegResult way_back;
+  return leg(limits().highest - height_of(legs_.count()), kApproachSpeed, LegUntil::kDone, way_back);
+}
+
+/// Ends a little below the end stop, which is open.
+Status LinuxZStage::approach() {
+  StepLegResult result;
+  if (lines_.pressed()) {
+    if (was_homed_ && height_of(legs_.count()) < limits().end_stop - kBackOffWay) {
+      return fail(ErrorCode::kEndStopStuck,
+                  "the end stop is pressed although the stage is not there: check its switch");
+    }
+    PLUMBLINE_TRY(leg(-kReleaseWay, mechanics_.find_speed, LegUntil::kReleased, result));
+    if (result.end != StepLegEnd::kSwitched) {
+      return fail(ErrorCode::kEndStopStuck, "the end stop stays pressed: check its switch");
+    }
+  } else {
+    PLUMBLINE_TRY(leg(limits().end_stop - limits().lowest + kSlack, kApproachSpeed, LegUntil::kPressed, result));
+    if (result.end != StepLegEnd::kSwitched) {
+      return fail(ErrorCode::kEndStopNotFound,
+                  "the stage went its whole way and met no end stop: check its switch and cable");
+    }
+    PLUMBLINE_TRY(leg(-kBackOffWay, kApproachSpeed, LegUntil::kDone, result));
+    if (lines_.pressed()) {
+      return fail(ErrorCode::kEndStopStuck, "the end stop stays pressed after backing off: check its switch");
+    }
+  }
+  return {};
+}
+
+Status LinuxZStage::find() {
+  StepLegResult result;
+  PLUMBLINE_TRY(leg(kBackOffWay + kSlack, mechanics_.find_speed, LegUntil::kPressed, result));
+  if (result.end != StepLegEnd::kSwitched) {
+    return fail(ErrorCode::kEndStopNotFound, "the end stop was met once and not again: check its switch");
+  }
+  const std::scoped_lock lock(mutex_);
+  if (was_homed_) steps_lost_ = height_of(result.switched) - limits().end_stop;
+  reference_ = limits().end_stop - way_of(result.switched);
+  return {};
+}
+
+}  // namespace plumbline

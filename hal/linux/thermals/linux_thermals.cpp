@@ -1,0 +1,171 @@
+#include "hal/linux/thermals/linux_thermals.hpp"
+
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+namespace plumbline {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::int64_t kHwmonFull = 255;
+
+std::string first_line(const fs::path& path) {
+  std::string text;
+  std::getline(std::ifstream(path) >> std::ws, text);
+  return text;
+}
+
+/// The folder below `root` whose file `file` says `name`.
+Expected<std::string> find_named(const fs::path& root, const char* file, const std::string& name) {
+  std::string others;
+  std::error_code problem;
+  for (const auto& entry : fs::directory_iterator(root, problem)) {
+    const std::string here = first_line(entry.path() / file);
+    if (here == name) return entry.path().string();
+    if (!here.empty()) others += (others.empty() ? "" : ", ") + here;
+  }
+  return fail(ErrorCode::kBadSetting, "%s: none is called %s; this board has %s", root.c_str(), name.c_str(),
+              others.empty() ? "none" : others.c_str());
+}
+
+/// sysfs makes a channel's folder when its number is written to "export".
+Expected<std::string> export_pwm(const std::string& chip, std::uint32_t channel) {
+  const std::string folder = chip + "/pwm" + std::to_string(channel);
+  if (fs::exists(folder)) return folder;
+  auto exporter = std::ofstream(chip + "/export");
+  exporter << channel << std::flush;
+  if (!exporter || !fs::exists(folder)) {
+    return fail(ErrorCode::kCannotOpen,
+                "%s: channel %u can't be had: it has no such channel, another driver has it, or "
+                "no permission",
+                chip.c_str(), channel);
+  }
+  return folder;
+}
+
+}  // namespace
+
+Expected<std::string> find_sensor(const SensorSettings& settings, const std::string& sysfs) {
+  if (!settings.file.empty()) return settings.file;
+  if (!settings.thermal_zone.empty()) {
+    auto zone = find_named(sysfs + "/class/thermal", "type", settings.thermal_zone);
+    if (!zone) return zone;
+    return *zone + "/temp";
+  }
+  auto chip = find_named(sysfs + "/class/hwmon", "name", settings.hwmon);
+  if (!chip) return chip;
+  return *chip + "/temp" + std::to_string(settings.channel) + "_input";
+}
+
+Expected<std::string> find_fan(const FanSettings& settings, const std::string& sysfs) {
+  if (settings.hwmon.empty()) {
+    const std::string chip = sysfs + "/class/pwm/" + settings.pwm_chip;
+    if (!fs::exists(chip)) return fail(ErrorCode::kBadSetting, "%s: this board has no such chip", chip.c_str());
+    return chip + "/export";
+  }
+  auto chip = find_named(sysfs + "/class/hwmon", "name", settings.hwmon);
+  if (!chip) return chip;
+  return *chip + "/pwm" + std::to_string(settings.channel);
+}
+
+Expected<LinuxFan> LinuxFan::open(const FanSettings& settings, const std::string& sysfs) {
+  const auto place = find_fan(settings, sysfs);
+  PLUMBLINE_TRY(place);
+  if (settings.hwmon.empty()) {
+    const auto channel = export_pwm(sysfs + "/class/pwm/" + settings.pwm_chip, settings.channel);
+    PLUMBLINE_TRY(channel);
+    const std::int64_t full = std::int64_t{settings.period_us} * 1000;
+    auto duty = NumberFile::open(*channel + "/duty_cycle", NumberFile::Access::kReadWrite);
+    PLUMBLINE_TRY(duty);
+    auto period = NumberFile::open(*channel + "/period", NumberFile::Access::kReadWrite);
+    PLUMBLINE_TRY(period);
+    auto enable = NumberFile::open(*channel + "/enable", NumberFile::Access::kReadWrite);
+    PLUMBLINE_TRY(enable);
+    // A period below the duty cycle is refused: 0 goes first. On a channel without a period 0 is refused, and is what it has.
+    static_cast<void>(duty->write(0));
+    if (!period->write(full) || !duty->write(0) || !enable->write(1)) {
+      return fail(ErrorCode::kCannotOpen, "%s: %s", channel->c_str(), std::strerror(errno));
+    }
+    return LinuxFan(std::move(*duty), full, std::nullopt);
+  }
+  const std::string chip = fs::path(*place).parent_path().string();
+  const std::string number = std::to_string(settings.channel);
+  auto duty = NumberFile::open(*place, NumberFile::Access::kReadWrite);
+  PLUMBLINE_TRY(duty);
+  // 1: by hand. Chips that know no other way have no such file.
+  if (auto mode = NumberFile::open(chip + "/pwm" + number + "_enable", NumberFile::Access::kReadWrite)) {
+    if (!mode->write(1)) return fail(ErrorCode::kCannotOpen, "%s: %s", chip.c_str(), std::strerror(errno));
+  }
+  if (!duty->write(0)) return fail(ErrorCode::kCannotOpen, "%s: %s", chip.c_str(), std::strerror(errno));
+  std::optional<NumberFile> turns;
+  if (auto file = NumberFile::open(chip + "/fan" + number + "_input", NumberFile::Access::kRead)) {
+    turns.emplace(std::move(*file));
+  }
+  return LinuxFan(std::move(*duty), kHwmonFull, std::move(turns));
+}
+
+bool LinuxFan::set(double duty) noexcept {
+  const bool turns = duty > 0;
+  if (turns && !asked_) asked_at_ = monotonic_now();
+  asked_ = turns;
+  return duty_.write(std::llround(duty * static_cast<double>(full_)));
+}
+
+FanHealth LinuxFan::health() const noexcept {
+  constexpr nanoseconds kStarts = std::chrono::seconds(2);
+  if (!turns_) return FanHealth::kNotMonitored;
+  if (!asked_ || monotonic_now() < asked_at_ + kStarts) return FanHealth::kAsAsked;
+  return turns_->read().value_or(0) > 0 ? FanHealth::kAsAsked : FanHealth::kStalled;
+}
+
+Expected<LinuxThermals::Devices> LinuxThermals::open(const ThermalSettings& settings, const std::string& sysfs) {
+  Devices devices;
+  for (std::size_t i = 0; i < kTemperatureSiteCount; ++i) {
+    const std::string name = "the " + std::string(to_string(static_cast<TemperatureSite>(i))) + "'s sensor";
+    const auto path = find_sensor(settings.sensors[i], sysfs);
+    if (!path) return tl::unexpected<Error>(path.error().with_prefix(name));
+    auto file = NumberFile::open(*path, NumberFile::Access::kRead);
+    if (!file) return tl::unexpected<Error>(file.error().with_prefix(name));
+    devices.sensors[i].emplace(std::move(*file));
+  }
+  for (std::size_t i = 0; i < kFanCount; ++i) {
+    if (!settings.fans[i].given()) continue;
+    const std::string name = "the " + std::string(to_string(static_cast<Fan>(i))) + " fan";
+    auto fan = LinuxFan::open(settings.fans[i], sysfs);
+    if (!fan) return tl::unexpected<Error>(fan.error().with_prefix(name));
+    devices.fans[i].emplace(std::move(*fan));
+  }
+  return devices;
+}
+
+Expected<Celsius> LinuxThermals::do_temperature(TemperatureSite site) const {
+  const auto& sensor = devices_.sensors[static_cast<std::size_t>(site)];
+  const auto read = sensor ? sensor->read() : std::nullopt;
+  if (!read) {
+    const auto where = to_string(site);
+    return fail(ErrorCode::kSensorDead, "the %.*s's temperature sensor does not answer: check its plug",
+                static_cast<int>(where.size()), where.data());
+  }
+  return Celsius(static_cast<double>(*read) / 1000);
+}
+
+Status LinuxThermals::do_set_fan(Fan fan, double duty) {
+  auto& device = devices_.fans[static_cast<std::size_t>(fan)];
+  if (device && !device->set(duty)) {
+    const auto which = to_string(fan);
+    return fail(ErrorCode::kDeviceTimeout, "the %.*s fan can't be set: %s", static_cast<int>(which.size()),
+                which.data(), std::strerror(errno));
+  }
+  return {};
+}
+
+FanHealth LinuxThermals::do_fan_health(Fan fan) const {
+  const auto& device = devices_.fans[static_cast<std::size_t>(fan)];
+  return device ? device->health() : FanHealth::kNotMonitored;
+}
+
+}  // namespace plumbline

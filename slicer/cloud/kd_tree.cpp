@@ -1,0 +1,276 @@
+#include "slicer/cloud/kd_tree.hpp"
+
+// nanoflann has no allocator hook: its pool calls ::malloc and ::free, its index is a std::vector. This is the one file
+// that includes it. Every header that nanoflann needs comes first; then malloc and free are redirected around that include
+// alone, and std::allocator is specialised, as the standard allows, for an index type of our own.
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <functional>
+#include <istream>
+#include <limits>
+#include <new>
+#include <numeric>
+#include <ostream>
+#include <stdexcept>
+#include <unordered_set>
+#include <vector>
+
+namespace plumbline {
+namespace {
+
+/// Where nanoflann's memory comes from while a tree is built. It asks for it in blocks of some 8 KiB, node after node, so
+/// that is also where the progress is heard of: a build that is told to stop gets no more.
+class Building {
+ public:
+  /// @param expected  bytes that the tree will take
+  Building(Arena& arena, const StageProgress& progress, std::size_t expected);
+  ~Building();
+  Building(const Building&) = delete;
+  Building& operator=(const Building&) = delete;
+
+  void* take(std::size_t bytes) {
+    const double fraction = static_cast<double>(arena_.top_used() - before_) / static_cast<double>(expected_);
+    cancelled_ = !progress_.advance(std::min(1.0, fraction));
+    if (cancelled_) return nullptr;
+    auto block = arena_.take_top<std::byte>(bytes, "kd-tree");
+    return block ? static_cast<void*>(block->data()) : nullptr;
+  }
+  bool cancelled() const { return cancelled_; }
+  std::size_t taken() const { return arena_.top_used() - before_; }
+
+ private:
+  Arena& arena_;
+  const StageProgress& progress_;
+  std::size_t before_;
+  std::size_t expected_;
+  bool cancelled_ = false;
+};
+
+/// Set while a tree is built, in the thread that builds it.
+thread_local Building* building = nullptr;  // NOLINT(cppcoreguidelines-avoid-non-const-global-variables)
+
+Building::Building(Arena& arena, const StageProgress& progress, std::size_t expected)
+    : arena_(arena), progress_(progress), before_(arena.top_used()), expected_(expected) {
+  building = this;
+}
+Building::~Building() { building = nullptr; }
+
+void* arena_bytes(std::size_t bytes) { return building == nullptr ? nullptr : building->take(bytes); }
+
+/// A point's index, as a type of ours.
+struct PointIndex {
+  std::uint32_t value = 0;
+  PointIndex() = default;
+  template <class Integer>
+  // NOLINTNEXTLINE(google-explicit-constructor): nanoflann's use
+  requires std::is_integral_v<Integer> PointIndex(Integer v) : value(static_cast<std::uint32_t>(v)) {}
+  operator std::uint32_t() const { return value; }  // NOLINT(google-explicit-constructor)
+};
+static_assert(sizeof(PointIndex) == sizeof(std::uint32_t));
+
+}  // namespace
+}  // namespace plumbline
+
+template <>
+class std::allocator<plumbline::PointIndex> {
+ public:
+  using value_type = plumbline::PointIndex;
+  using size_type = std::size_t;
+  using difference_type = std::ptrdiff_t;
+  using propagate_on_container_move_assignment = std::true_type;
+  using is_always_equal = std::true_type;
+  value_type* allocate(std::size_t count) {
+    void* block = plumbline::arena_bytes(count * sizeof(value_type));
+    if (block == nullptr) throw std::bad_alloc();
+    return static_cast<value_type*>(block);
+  }
+  void deallocate(value_type* /*block*/, std::size_t /*count*/) {}  // the arena's stack takes it back
+  [[maybe_unused]] friend bool operator==(const allocator& /*a*/, const allocator& /*b*/) { return true; }
+};
+
+void* plumbline_nanoflann_malloc(std::size_t bytes);
+void plumbline_nanoflann_free(void* block);
+// nanoflann answers a null pointer with a line on stderr and this very exception; the line is not for the user.
+void* plumbline_nanoflann_malloc(std::size_t bytes) {
+  void* block = plumbline::arena_bytes(bytes);
+  if (block == nullptr) throw std::bad_alloc();
+  return block;
+}
+void plumbline_nanoflann_free(void* /*block*/) {}
+
+#define malloc plumbline_nanoflann_malloc
+#define free plumbline_nanoflann_free
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wconversion"
+#pragma GCC diagnostic ignored "-Wsign-conversion"
+#pragma GCC diagnostic ignored "-Wshadow"
+#include <nanoflann.hpp>
+#pragma GCC diagnostic pop
+#undef malloc
+#undef free
+
+namespace plumbline {
+namespace {
+
+struct PointSet {
+  std::span<const Vec3f> points;
+  std::size_t kdtree_get_point_count() const { return points.size(); }
+  float kdtree_get_pt(PointIndex i, std::int32_t dimension) const { return points[i.value][dimension]; }
+  template <class BoundingBox>
+  bool kdtree_get_bbox(BoundingBox& /*box*/) const {
+    return false;
+  }
+};
+
+/// nanoflann's result set for the k nearest that are accepted, in the caller's buffer; equal distances by index, so that
+/// the result does not depend on the order of the leaves.
+class NearestSet {
+ public:
+  using DistanceType = float;
+  NearestSet(std::span<Neighbour> found, const FunctionRef<bool(std::uint32_t)>* accept)
+      : found_(found), accept_(accept) {}
+  std::size_t size() const { return count_; }
+  bool full() const { return count_ == found_.size(); }
+  float worstDist() const {  // NOLINT(readability-identifier-naming): nanoflann's name
+    // The next float up: a point at exactly the worst distance with a smaller index must still be seen.
+    return full() ? std::nextafter(found_[count_ - 1].distance2, std::numeric_limits<float>::infinity())
+                  : std::numeric_limits<float>::max();
+  }
+  bool addPoint(float distance2, PointIndex index) {  // NOLINT(readability-identifier-naming): nanoflann's name
+    if (accept_ != nullptr && !(*accept_)(index.value)) return true;
+    const auto before = [&](const Neighbour& other) {
+      return distance2 < other.distance2 || (distance2 == other.distance2 && index.value < other.index);
+    };
+    if (full() && !before(found_[count_ - 1])) return true;
+    std::size_t at = full() ? count_ - 1 : count_++;
+    for (; at > 0 && before(found_[at - 1]); --at) found_[at] = found_[at - 1];
+    found_[at] = {index.value, distance2};
+    return true;
+  }
+
+ private:
+  std::span<Neighbour> found_;
+  const FunctionRef<bool(std::uint32_t)>* accept_;
+  std::size_t count_ = 0;
+};
+
+}  // namespace
+
+template <int Dimension>
+struct KdTree<Dimension>::Impl {
+  using Metric = nanoflann::L2_Simple_Adaptor<float, PointSet, float, PointIndex>;
+  using Index = nanoflann::KDTreeSingleIndexAdaptor<Metric, PointSet, Dimension, PointIndex>;
+  using Node = typename Index::Node;
+
+  explicit Impl(std::span<const Vec3f> points)
+      : set{points}, index(Dimension, set, nanoflann::KDTreeSingleIndexAdaptorParams(kLeafSize)) {}
+
+  /// Joins adjacent leaves before it passes them on.
+  struct Visitor {
+    const float* low;
+    const float* high;
+    FunctionRef<void(std::uint32_t, std::uint32_t)> visit;
+    std::uint32_t first = 0, last = 0;
+
+    void leaf(std::uint32_t from, std::uint32_t to) {
+      if (from == last && last != first) {
+        last = to;
+        return;
+      }
+      flush();
+      first = from;
+      last = to;
+    }
+    void flush() {
+      if (first != last) visit(first, last);
+      first = last = 0;
+    }
+    void walk(const Node* node) {
+      while (node->child1 != nullptr) {
+        const auto& split = node->node_type.sub;
+        const bool left = low[split.divfeat] <= split.divlow;
+        const bool right = high[split.divfeat] >= split.divhigh;
+        if (left && right) walk(node->child1);
+        if (!right) {
+          if (!left) return;
+          node = node->child1;
+        } else {
+          node = node->child2;
+        }
+      }
+      leaf(static_cast<std::uint32_t>(node->node_type.lr.left), static_cast<std::uint32_t>(node->node_type.lr.right));
+    }
+  };
+
+  PointSet set;
+  Index index;
+};
+
+template <int Dimension>
+Expected<KdTree<Dimension>> KdTree<Dimension>::build(std::span<const Vec3f> points, Arena& arena, const char* stage,
+                                                     const StageProgress& progress) {
+  using Storage = std::aligned_storage_t<sizeof(Impl), alignof(Impl)>;
+  auto place = arena.take_top<Storage>(1, stage);
+  if (!place) return tl::unexpected<Error>(place.error());
+  const Building here(arena, progress, points.size() * kBytesPerPoint);
+  KdTree tree;
+  try {
+    tree.impl_ = new (place->data()) Impl(points);
+  } catch (const std::bad_alloc&) {
+    if (here.cancelled()) return fail(ErrorCode::kCancelled, "%s: cancelled while a tree was built", stage);
+    constexpr double kMiB = 1024.0 * 1024.0;
+    return fail(
+        ErrorCode::kOutOfMemory,
+        "%s: the %dD tree of %zu points has taken %.1f MiB and needs more; the arena has %.1f MiB. Use a larger "
+        "arena or fewer points",
+        stage, Dimension, points.size(), static_cast<double>(here.taken()) / kMiB,
+        static_cast<double>(arena.capacity()) / kMiB);
+  }
+  return tree;
+}
+
+template <int Dimension>
+std::span<const std::uint32_t> KdTree<Dimension>::order() const {
+  const auto& index = impl_->index.vAcc;
+  return {reinterpret_cast<const std::uint32_t*>(index.data()), index.size()};
+}
+
+template <int Dimension>
+void KdTree<Dimension>::adopt_order() {
+  auto& index = impl_->index.vAcc;
+  for (std::uint32_t i = 0; i < index.size(); ++i) index[i] = PointIndex(i);
+}
+
+template <int Dimension>
+std::uint32_t KdTree<Dimension>::nearest(const Vec3f& query, std::span<Neighbour> found) const {
+  NearestSet set(found, nullptr);
+  impl_->index.findNeighbors(set, query.data(), nanoflann::SearchParams());
+  return static_cast<std::uint32_t>(set.size());
+}
+
+template <int Dimension>
+std::uint32_t KdTree<Dimension>::nearest(const Vec3f& query, std::span<Neighbour> found,
+                                         FunctionRef<bool(std::uint32_t)> accept) const {
+  NearestSet set(found, &accept);
+  impl_->index.findNeighbors(set, query.data(), nanoflann::SearchParams());
+  return static_cast<std::uint32_t>(set.size());
+}
+
+template <int Dimension>
+void KdTree<Dimension>::visit_box(const Vec3f& low, const Vec3f& high,
+                                  FunctionRef<void(std::uint32_t, std::uint32_t)> visit) const {
+  if (impl_->index.root_node == nullptr) return;
+  typename Impl::Visitor visitor{low.data(), high.data(), visit};
+  visitor.walk(impl_->index.root_node);
+  visitor.flush();
+}
+
+template class KdTree<2>;
+template class KdTree<3>;
+
+}  // namespace plumbline

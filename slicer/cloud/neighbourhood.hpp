@@ -1,0 +1,82 @@
+#pragma once
+/// The points round a run of points that are neighbours in the order of their tree: one search serves all of them.
+
+#include <cstdint>
+
+#include "slicer/cloud/cloud.hpp"
+#include "slicer/cloud/kd_tree.hpp"
+
+namespace plumbline {
+
+inline constexpr std::uint32_t kSharedSearch = 32;  ///< consecutive points that share one search
+
+/// The thesis' metric as a test: |d| / <n_i, n_j> <= epsilon, with the inner product positive. The square of the distance
+/// is compared, so there is no root and no division.
+struct Within {
+  float distance2;
+  float cosine;
+  bool near(float epsilon2) const { return cosine > 0 && distance2 <= epsilon2 * cosine * cosine; }
+};
+
+/// Candidates of one block, as columns.
+struct Neighbourhood {
+  static constexpr std::uint32_t kMost = 256;  ///< their columns stay in the first-level cache
+
+  alignas(64) float x[kMost];
+  alignas(64) float y[kMost];
+  alignas(64) float z[kMost];
+  alignas(64) float nx[kMost];
+  alignas(64) float ny[kMost];
+  alignas(64) float nz[kMost];
+  alignas(64) std::int32_t type[kMost];
+  alignas(64) std::uint32_t index[kMost];
+  std::uint32_t size = 0;
+};
+
+/// A point of a block, unpacked.
+struct Member {
+  Vec3f position;
+  Vec3f normal;
+  std::int32_t type;
+};
+
+inline Member member(const Cloud& cloud, std::uint32_t i) {
+  return {cloud.position[i], cloud.normal[i].unpack(), static_cast<std::int32_t>(cloud.normal[i].point_class)};
+}
+
+/// Calls `use(batch)` for all points within `reach` of the box round points [first, last), some at a time.
+template <class Use>
+void for_neighbourhood(const Cloud& cloud, const KdTree3& tree, std::uint32_t first, std::uint32_t last, float reach,
+                       Use use) {
+  Box3f box;
+  for (std::uint32_t i = first; i < last; ++i) box.extend(cloud.position[i]);
+  const Vec3f margin = Vec3f::Constant(reach);
+  const Vec3f low = box.low - margin;
+  const Vec3f high = box.high + margin;
+  Neighbourhood batch;
+  tree.visit_box(low, high, [&](std::uint32_t from, std::uint32_t to) {
+    for (std::uint32_t i = from; i < to; ++i) {
+      const Vec3f& p = cloud.position[i];
+      const bool inside =
+          p[0] >= low[0] && p[0] <= high[0] && p[1] >= low[1] && p[1] <= high[1] && p[2] >= low[2] && p[2] <= high[2];
+      if (!inside) continue;
+      const std::uint32_t at = batch.size;
+      const Vec3f n = cloud.normal[i].unpack();
+      batch.x[at] = p[0];
+      batch.y[at] = p[1];
+      batch.z[at] = p[2];
+      batch.nx[at] = n[0];
+      batch.ny[at] = n[1];
+      batch.nz[at] = n[2];
+      batch.type[at] = static_cast<std::int32_t>(cloud.normal[i].point_class);
+      batch.index[at] = i;
+      if (++batch.size == Neighbourhood::kMost) {
+        use(batch);
+        batch.size = 0;
+      }
+    }
+  });
+  if (batch.size > 0) use(batch);
+}
+
+}  // namespace plumbline

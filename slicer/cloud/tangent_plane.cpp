@@ -1,0 +1,85 @@
+#include "slicer/cloud/tangent_plane.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+namespace plumbline {
+namespace {
+
+/// A neighbourhood suffices if it reaches this many residuals far. A right edge has 5.3, a ball of points 2.2.
+constexpr double kReachInResiduals = 4;
+/// and if its second variance is at least this share of the first: a disc has 1, a half disc 0.28, a scan line nearly 0.
+constexpr double kLeastWidth = 0.05;
+/// Below this share there is no plane: the points lie on a line or in one place.
+constexpr double kLine = 1e-6;
+
+struct Plane {
+  Vec3d normal = Vec3d::Zero();
+  double flatness = -1;  ///< second variance over least: larger is better. Below 0: no plane
+  bool sufficient = false;
+};
+
+Plane fit_plane(const Vec3f& point, std::span<const Neighbour> neighbours, const Cloud& cloud) {
+  const auto count = static_cast<double>(neighbours.size());
+  Vec3d sum = Vec3d::Zero();  // from `point`, so that nothing large cancels
+  Mat3d products = Mat3d::Zero();
+  for (const Neighbour& n : neighbours) {
+    const Vec3d d = (cloud.position[n.index] - point).cast<double>();
+    sum += d;
+    products += d * d.transpose();
+  }
+  const Mat3d scatter = products - sum * (sum.transpose() / count);
+  // compute(), not computeDirect(): the closed form takes sines, which differ from one C library to another.
+  const Eigen::SelfAdjointEigenSolver<Mat3d> solver(scatter);
+  const Vec3d& variance = solver.eigenvalues();
+  Plane plane;
+  if (!(variance[1] > kLine * variance[2])) return plane;
+  const double least = std::max(variance[0], 1e-12 * variance[2]);
+  plane.normal = solver.eigenvectors().col(0);
+  plane.flatness = variance[1] / least;
+  const auto reach2 = static_cast<double>(neighbours.back().distance2);
+  plane.sufficient =
+      reach2 >= kReachInResiduals * kReachInResiduals * least / count && variance[1] >= kLeastWidth * variance[2];
+  return plane;
+}
+
+}  // namespace
+
+/// @returns how many of the wanted kPoints[size] there are
+std::uint32_t TangentPlanes::search(std::size_t size) {
+  if (have_ < kPoints[size]) {
+    have_ = tree_.nearest(cloud_.position[at_], std::span(found_).first(kPoints[std::max(size, expected_)]));
+  }
+  return std::min(have_, kPoints[size]);
+}
+
+void TangentPlanes::look_at(std::uint32_t i) {
+  at_ = i;
+  have_ = 0;
+  used_ = search(0);
+}
+
+float TangentPlanes::share_radius() const {
+  const std::uint32_t count = std::min(have_, kPoints[0]);
+  return std::sqrt(found_[count - 1].distance2 / static_cast<float>(count));
+}
+
+std::optional<Vec3f> TangentPlanes::normal() {
+  Plane best;
+  for (std::size_t size = 0; size < kPoints.size(); ++size) {
+    const std::uint32_t count = search(size);
+    if (count < 3) break;
+    const Plane plane = fit_plane(cloud_.position[at_], std::span(found_).first(count), cloud_);
+    if (plane.flatness > best.flatness) {
+      best = plane;
+      used_ = count;
+    }
+    if (plane.sufficient || size + 1 == kPoints.size()) expected_ = size;
+    if (plane.sufficient || count < kPoints[size]) break;
+  }
+  if (best.flatness < 0) return std::nullopt;
+  return best.normal.cast<float>();
+}
+
+}  // namespace plumbline

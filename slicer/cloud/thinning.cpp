@@ -1,0 +1,137 @@
+#include "slicer/cloud/thinning.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace plumbline {
+namespace {
+
+/// Slots of the table: the power of two that keeps it between 1/3 and 2/3 full.
+std::size_t slots_for(std::uint32_t capacity) { return std::bit_ceil(std::size_t{capacity} * 3 / 2 + 16); }
+
+}  // namespace
+
+std::size_t PointThinner::table_bytes(std::uint32_t capacity) { return slots_for(capacity) * sizeof(std::uint32_t); }
+
+PointThinner::PointThinner(Cloud& cloud, std::span<std::byte> table, const Mat3d& rotation, double cell)
+    : cloud_(cloud),
+      table_(reinterpret_cast<std::uint32_t*>(table.data()), slots_for(cloud.capacity())),
+      rotation_(rotation),
+      cell_(cell) {
+  std::fill(table_.begin(), table_.end(), 0);
+}
+
+Status PointThinner::begin(const ScanHeader& /*header*/) {
+  seen_before_ = seen_;
+  return {};
+}
+
+bool PointThinner::progress(double /*fraction*/) { return true; }
+
+PointThinner::Key PointThinner::key_of(const Vec3f& p) const {
+  // Coordinates of 1e18 cells and more share a cell: a scan of that extent is a broken one, and this must not overflow.
+  const auto index = [&](float v) {
+    return static_cast<std::int64_t>(std::floor(std::clamp(static_cast<double>(v) / cell_, -1e18, 1e18)));
+  };
+  return {index(p[0]), index(p[1]), index(p[2])};
+}
+
+std::uint32_t PointThinner::slot_of(const Key& key) const {
+  std::uint64_t hash = static_cast<std::uint64_t>(key.x) * 0x9E3779B97F4A7C15U;
+  hash = (hash ^ (hash >> 32)) + static_cast<std::uint64_t>(key.y) * 0xC2B2AE3D27D4EB4FU;
+  hash = (hash ^ (hash >> 29)) + static_cast<std::uint64_t>(key.z) * 0x165667B19E3779F9U;
+  hash = (hash ^ (hash >> 32)) * 0x9E3779B97F4A7C15U;
+  const std::size_t mask = table_.size() - 1;
+  std::size_t slot = static_cast<std::size_t>(hash >> 20) & mask;  // mask has fewer than 32 bits
+  while (table_[slot] != 0 && !(key_of(cloud_.position[table_[slot] - 1]) == key)) slot = (slot + 1) & mask;
+  return static_cast<std::uint32_t>(slot);
+}
+
+void PointThinner::merge(std::uint32_t place, const Vec3f& p, const PackedNormal& normal) {
+  PackedNormal& kept = cloud_.normal[place];
+  const auto a = static_cast<float>(kept.weight);
+  const auto b = static_cast<float>(normal.weight);
+  cloud_.position[place] += (p - cloud_.position[place]) * (b / (a + b));
+  if (normal.known()) {
+    if (kept.known()) {
+      kept.set(kept.unpack() * a + normal.unpack() * b);
+    } else {
+      kept.set(normal.unpack());
+    }
+  }
+  // At 255 the mean becomes a moving one: old points fade, which a cell below the pixel pitch never shows.
+  kept.weight = static_cast<std::uint8_t>(std::min(255, kept.weight + normal.weight));
+}
+
+void PointThinner::add(const Vec3f& p, const PackedNormal& normal) {
+  if (cell_ > 0) {
+    const std::uint32_t slot = slot_of(key_of(p));
+    if (table_[slot] != 0) {
+      merge(table_[slot] - 1, p, normal);
+      ++averaged_;
+      return;
+    }
+    if (cloud_.size < cloud_.capacity()) table_[slot] = cloud_.size + 1;
+  }
+  if (cloud_.size == cloud_.capacity()) {
+    grow_cell();
+    add(p, normal);
+    return;
+  }
+  cloud_.position[cloud_.size] = p;
+  cloud_.normal[cloud_.size] = normal;
+  ++cloud_.size;
+}
+
+void PointThinner::grow_cell() {
+  // Eight cells meet at the origin, so no cell is large enough to leave fewer.
+  const auto goal = std::max<std::uint32_t>(8, static_cast<std::uint32_t>(kRefill * cloud_.capacity()));
+  do {
+    if (cell_ > 0) {
+      cell_ *= 2;
+    } else {
+      // 4096 cells along the longest side: finer than any panel shows it.
+      const Vec3f extent = cloud_.bounds().size();
+      const float longest = std::max({extent[0], extent[1], extent[2]});
+      cell_ = longest > 0 ? static_cast<double>(longest) / 4096 : 1.0;
+    }
+    std::fill(table_.begin(), table_.end(), 0);
+    const std::uint32_t count = cloud_.size;
+    cloud_.size = 0;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const Vec3f p = cloud_.position[i];
+      const PackedNormal normal = cloud_.normal[i];
+      const std::uint32_t slot = slot_of(key_of(p));
+      if (table_[slot] != 0) {
+        merge(table_[slot] - 1, p, normal);
+        ++averaged_;
+      } else {
+        cloud_.position[cloud_.size] = p;
+        cloud_.normal[cloud_.size] = normal;
+        table_[slot] = ++cloud_.size;
+      }
+    }
+  } while (cloud_.size > goal);
+}
+
+Status PointThinner::take(std::span<const ScanPoint> points) {
+  for (const ScanPoint& point : points) {
+    const Vec3d rotated = rotation_ * Vec3d(point.x, point.y, point.z);
+    if (seen_++ == 0) offset_ = rotated;
+    const Vec3f local = (rotated - offset_).cast<float>();
+    if (!(std::abs(local[0]) < 1e18F && std::abs(local[1]) < 1e18F && std::abs(local[2]) < 1e18F)) {
+      return fail(
+          ErrorCode::kMalformed,
+          "point %llu lies at (%g, %g, %g): more than 1e18 from the first one. This is no scan of an object; export "
+          "it again",
+          static_cast<unsigned long long>(seen_ - seen_before_), point.x, point.y, point.z);
+    }
+    PackedNormal normal;
+    normal.set((rotation_ * Vec3d(point.nx, point.ny, point.nz)).cast<float>());
+    add(local, normal);
+  }
+  return {};
+}
+
+}  // namespace plumbline

@@ -1,0 +1,41 @@
+#pragma once
+/// Winding number of part of a cloud and its gradient, while its normals are still being turned.
+
+#include <cstdint>
+#include <span>
+
+#include "slicer/cloud/cloud.hpp"
+#include "slicer/cloud/kd_tree.hpp"
+#include "slicer/implicit/dipole_tree.hpp"
+
+namespace plumbline {
+
+/// As WindingTree, but over larger leaves: it answers few questions and has to be small.
+class DipoleField {
+ public:
+  using Tree = DipoleTree<32>;
+  using Node = DipoleNode;
+  struct Value {
+    float winding = 0;
+    Vec3f gradient = Vec3f::Zero();  ///< 1/mm
+  };
+  using Sign = FunctionRef<float(std::uint32_t)>;
+
+  static std::size_t nodes_needed(std::uint32_t points) { return Tree::nodes_needed(points); }
+
+  /// @param cloud  in the order of its 3D tree; radius[i]^2 pi is the area of point i
+  /// @param nodes  nodes_needed(cloud.size) of them
+  DipoleField(const Cloud& cloud, std::span<Node> nodes) : cloud_(cloud), tree_(cloud.size, nodes) {}
+
+  /// @param sign  of the normal of point i: 1 or -1, 0 for points that are no part of the field
+  void build(Sign sign);
+
+  /// The field at x. `sign` as it was for build(); may be called by many threads.
+  Value operator()(const Vec3f& x, Sign sign) const;
+
+ private:
+  const Cloud& cloud_;
+  Tree tree_;
+};
+
+}  // namespace plumbline

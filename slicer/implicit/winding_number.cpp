@@ -1,0 +1,128 @@
+#include "slicer/implicit/winding_number.hpp"
+
+#include <cmath>
+#include <numbers>
+
+namespace plumbline {
+namespace {
+
+constexpr std::uint32_t kBaseSamples = 48;  ///< a side, over the base plane
+constexpr float kBaseOpen = 0.1F;           ///< a fifth of what an opening counts there
+constexpr std::uint32_t kLeastOpen = 10;    ///< an open underside is at least one part in so many of the section above
+constexpr int kSections = 8;                ///< looked at at most
+constexpr int kBisections = 8;
+constexpr float kRounding = 0.3F;       ///< of c
+constexpr float kMostRounding = 0.12F;  ///< that comes of it at most: s (1 - s^2) is 0.385 or less
+constexpr float kInverse4Pi = 0.0795774715F;
+constexpr float kPi = std::numbers::pi_v<float>;
+
+}  // namespace
+
+std::size_t WindingTree::bytes_needed(std::uint32_t points) {
+  return Arena::rounded(nodes_needed(points) * sizeof(Node));
+}
+
+WindingTree WindingTree::build(const Cloud& cloud, float support_points, std::span<Node> nodes) {
+  WindingTree tree;
+  tree.area_factor_ = kPi / support_points;
+  tree.tree_ = Tree(cloud.size, nodes);
+  tree.tree_.build([&](std::uint32_t i, DipoleSum& sum) {
+    const float area = tree.area_factor_ * cloud.radius[i] * cloud.radius[i];
+    sum.add(cloud.position[i], area, cloud.normal[i].unpack() * (area * kInverse4Pi));
+  });
+  tree.position_ = cloud.position.first(cloud.size);
+  tree.normal_ = cloud.normal.first(cloud.size);
+  tree.radius_ = cloud.radius.first(cloud.size);
+  return tree;
+}
+
+bool WindingTree::set_base(float height, float step, bool always) {
+  base_ = height;
+  has_base_ = always;
+  if (always) return true;
+  Box3f box;
+  for (const Vec3f& p : position_) box.extend(p);
+  const auto sampled = [&](int axis, std::uint32_t i) {
+    return box.low[axis] + (static_cast<float>(i) + 0.5F) / kBaseSamples * box.size()[axis];
+  };
+  const auto count_above = [&](float least, float z) {
+    std::uint32_t count = 0;
+    for (std::uint32_t i = 0; i < kBaseSamples * kBaseSamples; ++i) {
+      count += sum({sampled(0, i % kBaseSamples), sampled(1, i / kBaseSamples), z}) > least ? 1 : 0;
+    }
+    return count;
+  };
+  // On the plane itself the surface and its mirror image count the same: half each where it is open, nothing where the
+  // surface closes above the plane.
+  const std::uint32_t open = count_above(kBaseOpen, height);
+  // Strays lie below the object, and it may stand on a foot: its lowest section that is no smaller tells.
+  std::uint32_t solid = 0;
+  for (int k = 1; open > 0 && k <= kSections && solid < open; ++k) {
+    solid = count_above(kSurface, height + static_cast<float>(k) * step);
+  }
+  has_base_ = kLeastOpen * open > solid;
+  return has_base_;
+}
+
+float WindingTree::operator()(const Vec3f& x) const {
+  if (!has_base_) return sum(x);
+  if (x[2] < base_) return 0;
+  // The dipoles of the mirrored surface seen from x are those of the surface seen from the mirror image of x.
+  return sum(x) + sum({x[0], x[1], 2 * base_ - x[2]});
+}
+
+bool WindingTree::inside(const Vec3f& x) const {
+  const float w = operator()(x) - kSurface;
+  if (std::abs(w) >= kMostRounding) return w > 0;
+  Lean lean;
+  add_lean(x, lean);
+  if (has_base_) add_lean({x[0], x[1], 2 * base_ - x[2]}, lean);
+  return w * lean.weight + kRounding * lean.outwards > 0;
+}
+
+float WindingTree::surface_between(float x, float y, float from, float to, bool inside_at_from, float tolerance) const {
+  for (int i = 0; i < kBisections && std::abs(to - from) > tolerance; ++i) {
+    const float middle = 0.5F * (from + to);
+    (inside({x, y, middle}) == inside_at_from ? from : to) = middle;
+  }
+  return 0.5F * (from + to);
+}
+
+float WindingTree::sum(const Vec3f& x) const {
+  float w = 0;
+  tree_.walk(
+      x,
+      [&](const Node& node, const Vec3f& d, float distance2) {
+        w += node.dipole.dot(d) / (distance2 * std::sqrt(distance2));
+      },
+      [&](std::uint32_t i) {
+        const Vec3f e = position_[i] - x;
+        const float area = area_factor_ * radius_[i] * radius_[i];
+        // A disc seen from nearby fills half the sphere and no more; the dipole of a point would grow without bound.
+        const float softened = e.dot(e) + area * (1.0F / kPi);
+        w += area * kInverse4Pi * normal_[i].unpack().dot(e) / (softened * std::sqrt(softened));
+      });
+  return w;
+}
+
+void WindingTree::add_lean(const Vec3f& x, Lean& lean) const {
+  const auto add = [&](float area, float towards, float distance2) {
+    const float weight = area / (distance2 * distance2);
+    lean.weight += weight;
+    lean.outwards += weight * towards * (1 - towards * towards);
+  };
+  tree_.walk(
+      x,
+      [&](const Node& node, const Vec3f& d, float distance2) {
+        const float area = std::sqrt(node.dipole.dot(node.dipole));
+        if (area > 0) add(area, node.dipole.dot(d) / (area * std::sqrt(distance2)), distance2);
+      },
+      [&](std::uint32_t i) {
+        const Vec3f e = position_[i] - x;
+        const float area = area_factor_ * radius_[i] * radius_[i];
+        const float softened = e.dot(e) + area * (1.0F / kPi);
+        add(area * kInverse4Pi, normal_[i].unpack().dot(e) / std::sqrt(softened), softened);
+      });
+}
+
+}  // namespace plumbline

@@ -1,0 +1,51 @@
+#include "slicer/layers/feature_limits.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace plumbline {
+namespace {
+
+constexpr float kSpeck = 50;         ///< cubes of epsilon
+constexpr float kFeature = 2;        ///< cubes of epsilon
+constexpr float kHeight = 2.0F / 3;  ///< epsilons: creases of clean scans make none that is higher
+constexpr float kCrumb = 6;          ///< standard deviations of a surface, from its lowest places to its highest
+
+float voxel_mm3(const PrintGrid& grid) { return grid.pitch_x_mm * grid.pitch_y_mm * grid.layer_height_mm; }
+
+}  // namespace
+
+float widening(const ClusteringResult& clustering, const ClusteringSettings& settings) {
+  return clustering.support_points / settings.least_support;
+}
+
+PieceLimits piece_limits(const ClusteringResult& clustering, const PrintGrid& grid) {
+  const float epsilon = clustering.epsilon;
+  PieceLimits limits;
+  limits.speck_voxels = static_cast<std::uint64_t>(kSpeck * epsilon * epsilon * epsilon / voxel_mm3(grid));
+  limits.plate_layers = static_cast<std::uint32_t>(epsilon / grid.layer_height_mm);
+  return limits;
+}
+
+FeatureLimits feature_limits(const ClusteringResult& clustering, const ClusteringSettings& settings,
+                             const PrintGrid& grid) {
+  const float epsilon2 = clustering.epsilon * clustering.epsilon;
+  const float points_of_epsilon = 2 * static_cast<float>(settings.min_points);
+  const float support_mm2 = std::numbers::pi_v<float> * epsilon2 * clustering.support_points / points_of_epsilon;
+  const float widened = widening(clustering, settings);
+  const float crumb_mm = kCrumb * clustering.noise / std::sqrt(std::max(clustering.support_points, 1.0F));
+  const float pixel_mm2 = grid.pitch_x_mm * grid.pitch_y_mm;
+  FeatureLimits limits;
+  limits.pixels = static_cast<std::uint32_t>(std::max(support_mm2, epsilon2) / pixel_mm2);
+  limits.narrow_pixels = static_cast<std::uint32_t>(epsilon2 / pixel_mm2);
+  limits.flat_layers = 1 + static_cast<std::uint32_t>(std::ceil(crumb_mm / grid.layer_height_mm));
+  const auto creased_layers =
+      static_cast<std::uint32_t>(std::ceil(kHeight * clustering.epsilon / grid.layer_height_mm));
+  limits.narrow_layers = widened > 1 ? grid.layers : std::max(limits.flat_layers, creased_layers);
+  limits.voxels = static_cast<std::uint64_t>(widened * kFeature * epsilon2 * clustering.epsilon / voxel_mm3(grid));
+  limits.loose_voxels = piece_limits(clustering, grid).speck_voxels;
+  return limits;
+}
+
+}  // namespace plumbline

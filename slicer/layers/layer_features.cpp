@@ -1,0 +1,300 @@
+#include "slicer/layers/layer_features.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "slicer/layers/layer_regions.hpp"
+#include "slicer/layers/layer_stream.hpp"
+#include "slicer/layers/rrep_edit.hpp"
+
+namespace plumbline {
+namespace {
+
+constexpr const char* kStage = "layer features";
+
+/// Room a row of the grid, for the small regions of all layers and for the runs that they are made of. Scans of the suite
+/// and raw ones have up to 2.1 and 18.1 a row.
+constexpr std::size_t kRegionsPerRow = 16;
+constexpr std::size_t kRunsPerRow = 128;
+/// Toggles a row that are made at once; of more, one batch after the other. They fit where the two layers were.
+constexpr std::size_t kTogglesPerRow = 256;
+
+/// The small regions of consecutive layers that touch; one node a region, joined as a disjoint set.
+struct Feature {
+  std::uint32_t parent;
+  bool white : 1;
+  bool continued : 1;         ///< above or below it, a region is nothing but its continuation
+  bool below : 1;             ///< it touches a region below it that is no small one, or is a hole that begins there,
+  bool above : 1;             ///< or one above,
+  bool bears : 1;             ///< one that touches nothing but small regions on this side
+  std::uint16_t first, last;  ///< layers, `last` included
+  std::uint32_t largest;      ///< pixels, of its regions
+  std::uint64_t voxels;
+};
+
+/// Pixels of a feature that differ from what they shall be.
+struct FeatureRun {
+  std::uint32_t feature;
+  std::uint32_t layer;
+  std::uint32_t row;
+  std::uint16_t first, last;
+};
+
+/// What a region touches in the next layer on one side.
+struct Contact {
+  std::uint32_t region = LayerRegions::kNone;
+  bool more = false;   ///< than one region
+  bool large = false;  ///< some of them are no small ones
+  void note(std::uint32_t other) {
+    if (region == LayerRegions::kNone) {
+      region = other;
+    } else if (region != other) {
+      more = true;
+    }
+  }
+};
+
+/// One layer with what is known of its regions.
+struct Layer {
+  static std::size_t most_regions(std::uint32_t rows) { return std::size_t{rows} * LayerRegions::kRunsPerRow + 1; }
+  static std::size_t bytes_needed(std::uint32_t rows) {
+    return LayerRegions::bytes_needed(rows) + Arena::rounded(most_regions(rows) * sizeof(std::uint32_t)) +
+           Arena::rounded(most_regions(rows) * sizeof(Contact));
+  }
+  static Expected<Layer> create(const PrintGrid& grid, Arena& arena);
+
+  LayerRegions regions;
+  std::span<std::uint32_t> feature;  ///< by region, kNone: not small
+  std::span<Contact> contact;        ///< by region, with the layer it is compared with
+  std::uint32_t small = 0;           ///< regions
+};
+
+Expected<Layer> Layer::create(const PrintGrid& grid, Arena& arena) {
+  auto regions = LayerRegions::create(grid.columns, grid.rows, arena);
+  if (!regions) return tl::unexpected<Error>(regions.error());
+  auto feature = arena.take_top<std::uint32_t>(most_regions(grid.rows), kStage);
+  if (!feature) return tl::unexpected<Error>(feature.error());
+  auto contact = arena.take_top<Contact>(most_regions(grid.rows), kStage);
+  if (!contact) return tl::unexpected<Error>(contact.error());
+  return Layer{*regions, *feature, *contact, 0};
+}
+
+class Sweep {
+ public:
+  static Expected<Sweep> create(const RRep& rrep, const FeatureLimits& limits, Arena& arena);
+
+  /// Stops where the room does not suffice for all layers; what ends before that is complete.
+  /// @retval ErrorCode::kOutOfMemory  for the layers; nothing was looked at
+  Status run(Arena& arena);
+  /// Takes what run() has found out of `rrep`.
+  Expected<FeatureCounts> edit(RRep& rrep, Arena& arena);
+
+ private:
+  std::uint32_t root(std::uint32_t f) {
+    while (features_[f].parent != f) f = features_[f].parent = features_[features_[f].parent].parent;
+    return f;
+  }
+  void unite(std::uint32_t a, std::uint32_t b);
+  bool find_small(std::uint32_t layer, Layer& now, ConstBitImage section);
+  bool record(std::uint32_t layer, const Layer& now, ConstBitImage section);
+  void connect(Layer& below, Layer& above);
+  bool removable(std::uint32_t f) const {
+    const Feature& feature = features_[f];
+    if (feature.continued || (feature.white && feature.below && feature.above && feature.bears)) return false;
+    // Of an object as thin as this small islands are all that there is.
+    const bool loose = !feature.below && !feature.above && (has_large_island_ || !feature.white);
+    if (loose && feature.voxels <= limits_.loose_voxels) return true;
+    const bool narrow = feature.largest <= limits_.narrow_pixels;
+    const std::uint32_t layers = narrow ? limits_.narrow_layers : limits_.flat_layers;
+    return feature.voxels <= limits_.voxels && feature.last - feature.first + 1U <= layers;
+  }
+
+  const RRep* rrep_ = nullptr;
+  FeatureLimits limits_;
+  std::span<Feature> features_;
+  std::span<FeatureRun> runs_;
+  std::uint32_t feature_count_ = 0;
+  std::uint32_t run_count_ = 0;
+  bool has_large_island_ = false;
+};
+
+Expected<Sweep> Sweep::create(const RRep& rrep, const FeatureLimits& limits, Arena& arena) {
+  Sweep sweep;
+  sweep.rrep_ = &rrep;
+  sweep.limits_ = limits;
+  auto features = arena.take_top<Feature>(rrep.grid.rows * kRegionsPerRow, kStage);
+  if (!features) return tl::unexpected<Error>(features.error());
+  auto runs = arena.take_top<FeatureRun>(rrep.grid.rows * kRunsPerRow, kStage);
+  if (!runs) return tl::unexpected<Error>(runs.error());
+  sweep.features_ = *features;
+  sweep.runs_ = *runs;
+  return sweep;
+}
+
+void Sweep::unite(std::uint32_t a, std::uint32_t b) {
+  a = root(a);
+  b = root(b);
+  if (a == b) return;
+  if (b < a) std::swap(a, b);
+  features_[b].parent = a;
+  features_[a].voxels += features_[b].voxels;
+  features_[a].continued |= features_[b].continued;
+  features_[a].below |= features_[b].below;
+  features_[a].above |= features_[b].above;
+  features_[a].bears |= features_[b].bears;
+  features_[a].first = std::min(features_[a].first, features_[b].first);
+  features_[a].last = std::max(features_[a].last, features_[b].last);
+  features_[a].largest = std::max(features_[a].largest, features_[b].largest);
+}
+
+bool Sweep::find_small(std::uint32_t layer, Layer& now, ConstBitImage section) {
+  const LayerRegions& regions = now.regions;
+  now.small = 0;
+  for (std::uint32_t r = 0; r < regions.rows(); ++r) {
+    for (std::uint32_t i = regions.row_begin(r); i < regions.row_begin(r + 1); ++i) {
+      if (regions.region(i) != i) continue;
+      now.feature[i] = LayerRegions::kNone;
+      if (regions.area(i) == 0) continue;
+      if (regions.area(i) > limits_.pixels) {
+        has_large_island_ |= regions.white(r, i);
+        continue;
+      }
+      if (feature_count_ == features_.size()) return false;
+      now.feature[i] = feature_count_;
+      const auto in_layer = static_cast<std::uint16_t>(layer);
+      const std::uint32_t area = regions.area(i);
+      Feature& feature = features_[feature_count_];
+      feature = {};
+      feature.parent = feature_count_;
+      feature.white = regions.white(r, i);
+      feature.below = !feature.white && layer == 0;
+      feature.above = !feature.white && layer + 1 == rrep_->grid.layers;
+      feature.first = feature.last = in_layer;
+      feature.largest = area;
+      feature.voxels = area;
+      ++feature_count_;
+      ++now.small;
+    }
+  }
+  now.feature[LayerRegions::kOutside] = LayerRegions::kNone;
+  return now.small == 0 || record(layer, now, section);
+}
+
+bool Sweep::record(std::uint32_t layer, const Layer& now, ConstBitImage section) {
+  const LayerRegions& regions = now.regions;
+  for (std::uint32_t r = 0; r < regions.rows(); ++r) {
+    for (std::uint32_t i = regions.row_begin(r); i < regions.row_begin(r + 1); ++i) {
+      const std::uint32_t feature = now.feature[regions.region(i)];
+      const LayerRegions::Run run = regions.run(i);
+      if (feature == LayerRegions::kNone || run.first > run.last) continue;
+      // Opening and closing have changed some of its pixels; only those that the section has so too are to be toggled.
+      for (std::uint32_t c = run.first; c <= run.last; ++c) {
+        if (section.at(c, r) != regions.white(r, i)) continue;
+        if (run_count_ == runs_.size()) return false;
+        const auto first = static_cast<std::uint16_t>(c);
+        while (c < run.last && section.at(c + 1, r) == regions.white(r, i)) ++c;
+        runs_[run_count_++] = {feature, layer, r, first, static_cast<std::uint16_t>(c)};
+      }
+    }
+  }
+  return true;
+}
+
+void Sweep::connect(Layer& below, Layer& above) {
+  for (Layer* layer : {&below, &above}) std::fill_n(layer->contact.begin(), layer->regions.run_count(), Contact{});
+  for_each_contact(below.regions, above.regions, [&](std::uint32_t a, std::uint32_t b) {
+    below.contact[a].note(b);
+    above.contact[b].note(a);
+    below.contact[a].large |= above.feature[b] == LayerRegions::kNone;
+    above.contact[b].large |= below.feature[a] == LayerRegions::kNone;
+  });
+  const auto note_large = [](Feature& small, const Contact& large) {
+    small.continued |= !large.more;
+    small.bears |= !large.large;
+  };
+  for_each_contact(below.regions, above.regions, [&](std::uint32_t a, std::uint32_t b) {
+    const std::uint32_t low = below.feature[a];
+    const std::uint32_t high = above.feature[b];
+    if (low != LayerRegions::kNone && high != LayerRegions::kNone) {
+      unite(low, high);
+    } else if (low != LayerRegions::kNone) {
+      features_[root(low)].above = true;
+      note_large(features_[root(low)], above.contact[b]);
+    } else if (high != LayerRegions::kNone) {
+      features_[root(high)].below = true;
+      note_large(features_[root(high)], below.contact[a]);
+    }
+  });
+}
+
+Status Sweep::run(Arena& arena) {
+  // They stand on the crossings and on the features, which need their room when they are edited.
+  const ArenaScope scope(arena);
+  const std::size_t bottom = arena.bottom_mark();
+  auto stream = LayerStream::create(*rrep_, arena);
+  auto even = stream ? Layer::create(rrep_->grid, arena) : tl::unexpected<Error>(stream.error());
+  auto odd = even ? Layer::create(rrep_->grid, arena) : even;
+  std::uint32_t first_of_now = 0;  // feature of the layer, so that those of the two layers are known
+  for (std::uint32_t k = 0; odd && k < rrep_->grid.layers; ++k) {
+    Layer& below = k % 2 == 0 ? *odd : *even;
+    Layer& now = k % 2 == 0 ? *even : *odd;
+    const std::uint32_t first_of_below = std::exchange(first_of_now, feature_count_);
+    const ConstBitImage mask = stream->mask(k);
+    if (!now.regions.label(mask) || !find_small(k, now, stream->section())) {
+      // What may go on into the layers that are not looked at must stay.
+      for (std::uint32_t f = first_of_below; f < feature_count_; ++f) features_[root(f)].continued = true;
+      break;
+    }
+    if (k > 0 && below.small + now.small > 0) connect(below, now);
+  }
+  arena.release_bottom(bottom);
+  if (!odd) return tl::unexpected<Error>(odd.error());
+  return {};
+}
+
+Expected<FeatureCounts> Sweep::edit(RRep& rrep, Arena& arena) {
+  FeatureCounts counts;
+  counts.counted = true;
+  for (std::uint32_t f = 0; f < feature_count_; ++f) {
+    if (features_[f].parent != f || !removable(f)) continue;
+    ++(features_[f].white ? counts.islands : counts.holes);
+    counts.voxels += features_[f].voxels;
+  }
+  auto block = arena.take_top<RRepToggle>(rrep.grid.rows * kTogglesPerRow, kStage);
+  if (!block) return tl::unexpected<Error>(block.error());
+  std::size_t toggles = 0;
+  const auto flush = [&] { return toggle_crossings(rrep, block->first(std::exchange(toggles, 0)), arena); };
+  for (const FeatureRun& run : runs_.first(run_count_)) {
+    if (!removable(root(run.feature))) continue;
+    for (std::uint32_t c = run.first; c <= run.last; ++c) {
+      if (toggles + 2 > block->size()) PLUMBLINE_TRY(flush());
+      const std::uint32_t pixel = run.row * rrep.grid.columns + c;
+      (*block)[toggles++] = {run.layer, pixel};
+      (*block)[toggles++] = {run.layer + 1, pixel};
+    }
+  }
+  PLUMBLINE_TRY(flush());
+  return counts;
+}
+
+}  // namespace
+
+std::size_t layer_features_bytes(const PrintGrid& grid) {
+  const std::size_t rows = grid.rows;
+  const std::size_t found =
+      Arena::rounded(rows * kRegionsPerRow * sizeof(Feature)) + Arena::rounded(rows * kRunsPerRow * sizeof(FeatureRun));
+  const std::size_t looking = LayerStream::bytes_needed(grid, 0) + 2 * Layer::bytes_needed(grid.rows);
+  // A toggle may add a crossing before a later one takes it out.
+  const std::size_t editing = Arena::rounded(rows * kTogglesPerRow * sizeof(RRepToggle)) +
+                              Arena::rounded(rows * kTogglesPerRow * sizeof(std::uint32_t));
+  return found + std::max(looking, editing);
+}
+
+Expected<FeatureCounts> drop_small_features(RRep& rrep, const FeatureLimits& limits, Arena& arena) {
+  const ArenaScope scope(arena);
+  auto sweep = Sweep::create(rrep, limits, arena);
+  if (!sweep || !sweep->run(arena)) return FeatureCounts{};
+  return sweep->edit(rrep, arena);
+}
+
+}  // namespace plumbline

@@ -1,0 +1,115 @@
+#include "slicer/layers/layer_regions.hpp"
+
+#include <algorithm>
+#include <bit>
+
+namespace plumbline {
+namespace {
+
+constexpr const char* kStage = "layer features";
+
+/// First column from `from` on whose pixel is `white`, `columns` if there is none.
+std::uint32_t find(std::span<const std::uint64_t> row, std::uint32_t from, std::uint32_t columns, bool white) {
+  const std::uint64_t flip = white ? 0 : ~std::uint64_t{0};
+  std::uint32_t word = from / 64;
+  if (word >= row.size()) return columns;
+  std::uint64_t bits = (row[word] ^ flip) & (~std::uint64_t{0} << (from % 64));
+  while (bits == 0) {
+    if (++word == row.size()) return columns;
+    bits = row[word] ^ flip;
+  }
+  return std::min(columns, word * 64 + static_cast<std::uint32_t>(std::countr_zero(bits)));
+}
+
+}  // namespace
+
+std::size_t LayerRegions::bytes_needed(std::uint32_t rows) {
+  const std::size_t runs = std::size_t{rows} * kRunsPerRow + 1;
+  return Arena::rounded(runs * sizeof(Run)) + 2 * Arena::rounded(runs * sizeof(std::uint32_t)) +
+         Arena::rounded((std::size_t{rows} + 1) * sizeof(std::uint32_t));
+}
+
+Expected<LayerRegions> LayerRegions::create(std::uint32_t columns, std::uint32_t rows, Arena& arena) {
+  const std::size_t runs = std::size_t{rows} * kRunsPerRow + 1;
+  auto run_block = arena.take_top<Run>(runs, kStage);
+  if (!run_block) return tl::unexpected<Error>(run_block.error());
+  auto parent = arena.take_top<std::uint32_t>(runs, kStage);
+  if (!parent) return tl::unexpected<Error>(parent.error());
+  auto area = arena.take_top<std::uint32_t>(runs, kStage);
+  if (!area) return tl::unexpected<Error>(area.error());
+  auto row_first = arena.take_top<std::uint32_t>(std::size_t{rows} + 1, kStage);
+  if (!row_first) return tl::unexpected<Error>(row_first.error());
+  LayerRegions regions;
+  regions.columns_ = columns;
+  regions.runs_ = *run_block;
+  regions.parent_ = *parent;
+  regions.area_ = *area;
+  regions.row_first_ = *row_first;
+  std::fill(regions.row_first_.begin(), regions.row_first_.end(), 1);
+  return regions;
+}
+
+std::uint32_t LayerRegions::root(std::uint32_t i) {
+  while (parent_[i] != i) {
+    parent_[i] = parent_[parent_[i]];
+    i = parent_[i];
+  }
+  return i;
+}
+
+void LayerRegions::unite(std::uint32_t a, std::uint32_t b) {
+  a = root(a);
+  b = root(b);
+  parent_[std::max(a, b)] = std::min(a, b);
+}
+
+void LayerRegions::join_rows(std::uint32_t row) {
+  std::uint32_t above = row_first_[row - 1];
+  const std::uint32_t above_end = row_first_[row];
+  for (std::uint32_t i = row_first_[row]; i < row_first_[row + 1]; ++i) {
+    if (runs_[i].first > runs_[i].last) continue;
+    const bool is_white = white(row, i);
+    const std::uint32_t reach = is_white ? 1 : 0;  // white touches at corners too
+    while (above < above_end && runs_[above].last + reach < runs_[i].first) ++above;
+    for (std::uint32_t k = above; k < above_end && runs_[k].first <= runs_[i].last + reach; ++k) {
+      if (white(row - 1, k) == is_white && runs_[k].first <= runs_[k].last) unite(i, k);
+    }
+  }
+}
+
+bool LayerRegions::label(ConstBitImage mask) {
+  parent_[kOutside] = kOutside;
+  std::uint32_t count = 1;
+  for (std::uint32_t r = 0; r < mask.rows(); ++r) {
+    row_first_[r] = count;
+    std::uint32_t column = 0;
+    bool is_white = false;
+    do {
+      if (count == runs_.size()) {
+        std::fill(row_first_.begin(), row_first_.end(), 1);
+        return false;
+      }
+      const std::uint32_t end = find(mask.row(r), column, columns_, !is_white);
+      // Columns of an image fit 16 bits; a black run of no pixels is [1, 0], wherever it stands.
+      runs_[count] =
+          end > column ? Run{static_cast<std::uint16_t>(column), static_cast<std::uint16_t>(end - 1)} : Run{1, 0};
+      parent_[count] = count;
+      const bool at_border = column == 0 || end == columns_ || r == 0 || r + 1 == mask.rows();
+      if (!is_white && end > column && at_border) parent_[count] = kOutside;
+      ++count;
+      column = end;
+      is_white = !is_white;
+    } while (column < columns_);
+    row_first_[r + 1] = count;
+    if (r > 0) join_rows(r);
+  }
+  std::fill_n(area_.begin(), count, 0);
+  for (std::uint32_t i = 1; i < count; ++i) {
+    parent_[i] = root(i);
+    if (runs_[i].first <= runs_[i].last) area_[parent_[i]] += 1U + runs_[i].last - runs_[i].first;
+  }
+  area_[kOutside] = ~std::uint32_t{0};
+  return true;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,121 @@
+#include "slicer/layers/rrep_edit.hpp"
+
+#include <algorithm>
+#include <tuple>
+
+#include "slicer/layers/layer_stream.hpp"
+
+namespace plumbline {
+namespace {
+
+constexpr std::uint32_t kLastLayers = 16;
+
+bool before(const RRepToggle& a, const RRepToggle& b) {
+  return std::tie(a.layer, a.pixel) < std::tie(b.layer, b.pixel);
+}
+bool equal(const RRepToggle& a, const RRepToggle& b) { return a.layer == b.layer && a.pixel == b.pixel; }
+
+/// Sorts, leaves each that is there an odd number of times once.
+std::span<RRepToggle> distinct(std::span<RRepToggle> toggles, std::uint32_t layers) {
+  std::sort(toggles.begin(), toggles.end(), before);
+  std::size_t count = 0;
+  for (const RRepToggle& toggle : toggles) {
+    if (toggle.layer >= layers) continue;
+    if (count > 0 && equal(toggles[count - 1], toggle)) {
+      --count;
+    } else {
+      toggles[count++] = toggle;
+    }
+  }
+  return toggles.first(count);
+}
+
+/// Layers whose masks have no pixel, at either end; all are below where none has any.
+Expected<EmptyLayers> find_empty(const RRep& rrep, Arena& arena) {
+  const std::size_t mark = arena.bottom_mark();
+  auto stream = LayerStream::create(rrep, arena);
+  EmptyLayers empty;
+  if (stream) {
+    const std::uint32_t layers = rrep.grid.layers;
+    const auto prints = [&](std::uint32_t layer) { return stream->mask(layer).count() > 0; };
+    while (empty.below < layers && !prints(empty.below)) ++empty.below;
+    // Masks are made upwards: the last few first, and more of them only if those are all empty.
+    std::uint32_t end = empty.below;  // beyond the last layer that prints
+    for (std::uint32_t last = kLastLayers; end == empty.below && end < layers; last *= 4) {
+      for (std::uint32_t k = std::max(empty.below, layers - std::min(layers, last)); k < layers; ++k) {
+        if (prints(k)) end = k + 1;
+      }
+    }
+    empty.above = layers - end;
+  }
+  arena.release_bottom(mark);
+  if (!stream) return tl::unexpected<Error>(stream.error());
+  return empty;
+}
+
+}  // namespace
+
+Status toggle_crossings(RRep& rrep, std::span<RRepToggle> toggles, Arena& arena) {
+  const std::span<const RRepToggle> added = distinct(toggles, rrep.grid.layers);
+  // The block is the newest at the bottom: what is taken behind it is its continuation, but for the rounding of blocks.
+  auto more = arena.take_bottom<std::uint32_t>(added.size(), "R-Rep");
+  if (!more) return tl::unexpected<Error>(more.error());
+  std::uint32_t* const pixel = const_cast<std::uint32_t*>(rrep.pixel.data());
+  std::uint32_t* const first = const_cast<std::uint32_t*>(rrep.first.data());
+
+  // From the last crossing down, into the room behind it: nothing is written over before it is read.
+  const std::size_t room = rrep.pixel.size() + added.size();
+  std::size_t to = room;
+  std::size_t toggle = added.size();
+  std::uint32_t from = first[rrep.grid.layers];
+  for (std::uint32_t layer = rrep.grid.layers; layer-- > 0;) {
+    const std::size_t end = to;
+    const std::uint32_t begin = first[layer];
+    while (from > begin || (toggle > 0 && added[toggle - 1].layer == layer)) {
+      const bool is_added = toggle > 0 && added[toggle - 1].layer == layer;
+      if (is_added && from > begin && pixel[from - 1] == added[toggle - 1].pixel) {
+        --from;
+        --toggle;
+      } else if (is_added && (from == begin || added[toggle - 1].pixel > pixel[from - 1])) {
+        pixel[--to] = added[--toggle].pixel;
+      } else {
+        pixel[--to] = pixel[--from];
+      }
+    }
+    first[layer + 1] = static_cast<std::uint32_t>(end);
+  }
+  for (std::uint32_t k = 1; k <= rrep.grid.layers; ++k) first[k] -= static_cast<std::uint32_t>(to);
+  std::copy(pixel + to, pixel + room, pixel);
+  rrep.pixel = {pixel, room - to};
+  arena.trim_bottom(pixel, rrep.pixel.size_bytes());
+  return {};
+}
+
+Expected<EmptyLayers> trim_empty_layers(RRep& rrep, Arena& arena) {
+  const auto empty = find_empty(rrep, arena);
+  PLUMBLINE_TRY(empty);
+  const auto [below, above] = *empty;
+  if (below == rrep.grid.layers) return EmptyLayers{};
+  if (below > 0) {
+    // What grows on into the layers that stay begins with the first of them.
+    const ArenaScope scope(arena);
+    const std::uint32_t crossings = rrep.first[below];
+    auto moves = arena.take_top<RRepToggle>(2 * std::size_t{crossings}, "R-Rep");
+    PLUMBLINE_TRY(moves);
+    std::size_t move = 0;
+    for (std::uint32_t layer = 0; layer < below; ++layer) {
+      for (std::uint32_t i = rrep.first[layer]; i < rrep.first[layer + 1]; ++i) {
+        (*moves)[move++] = {layer, rrep.pixel[i]};
+        (*moves)[move++] = {below, rrep.pixel[i]};
+      }
+    }
+    PLUMBLINE_TRY(toggle_crossings(rrep, *moves, arena));
+  }
+  rrep.grid.layers -= below + above;
+  rrep.first = rrep.first.subspan(below, rrep.grid.layers + 1);
+  rrep.pixel = rrep.pixel.first(rrep.first.back());
+  arena.trim_bottom(rrep.pixel.data(), rrep.pixel.size_bytes());
+  return *empty;
+}
+
+}  // namespace plumbline

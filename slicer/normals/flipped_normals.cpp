@@ -1,0 +1,103 @@
+#include "slicer/normals/flipped_normals.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "slicer/normals/sheets.hpp"
+#include "slicer/normals/sided_sets.hpp"
+
+namespace plumbline {
+namespace {
+
+constexpr const char* kStage = "normals";
+
+constexpr std::uint32_t kGroup = 8;     ///< points in a row, the first of which looks for its nearest
+constexpr std::uint32_t kNearest = 16;  ///< of them
+constexpr std::uint32_t kInARow = 3;    ///< a point is joined with so many that follow it
+constexpr float kSameSide = 0.5F;       ///< least join_weight()
+constexpr float kNear2 = 4;             ///< times the squared distance of the farthest of the nearest
+constexpr std::uint32_t kBatch = 1024;  ///< groups whose nearest points are searched at a time
+constexpr double kJoinShare = 0.6;      ///< of the time; the field takes the rest
+
+class Patches {
+ public:
+  Patches(Cloud& cloud, const KdTree3& tree, Arena& arena, const StageProgress& progress)
+      : cloud_(cloud), tree_(tree), arena_(arena), progress_(progress) {}
+
+  Expected<std::uint32_t> turn() {
+    auto entries = arena_.take_top<std::uint32_t>(cloud_.size, kStage);
+    PLUMBLINE_TRY(entries);
+    sets_ = SidedSets(*entries);
+    for (std::uint32_t i = 0; i < cloud_.size; ++i) sets_.start(i, false);
+    PLUMBLINE_TRY(join());
+    PLUMBLINE_TRY(Sheets::limit_areas(cloud_, arena_));
+    if (!progress_.advance(kJoinShare)) return fail(ErrorCode::kCancelled, "cancelled while normals were turned");
+    return Sheets(cloud_, sets_, arena_).turn(FirstSide::kLargest);
+  }
+
+ private:
+  Status join() {
+    const ArenaScope scope(arena_);
+    const std::uint32_t groups = (cloud_.size + kGroup - 1) / kGroup;
+    auto block = arena_.take_top<Neighbour>(std::size_t{std::min(kBatch, groups)} * kNearest, kStage);
+    PLUMBLINE_TRY(block);
+    for (std::uint32_t first = 0; first < groups; first += kBatch) {
+      if (!progress_.advance(kJoinShare * first / groups)) {
+        return fail(ErrorCode::kCancelled, "cancelled while normals were turned");
+      }
+      const std::uint32_t count = std::min(kBatch, groups - first);
+#pragma omp parallel for schedule(dynamic, 32)
+      for (std::uint32_t g = 0; g < count; ++g) {
+        const std::span<Neighbour> found = block->subspan(std::size_t{g} * kNearest, kNearest);
+        const std::uint32_t have = tree_.nearest(cloud_.position[(first + g) * kGroup], found);
+        std::fill(found.begin() + have, found.end(), found[have - 1]);
+      }
+      for (std::uint32_t g = 0; g < count; ++g) {
+        join_group((first + g) * kGroup, block->subspan(std::size_t{g} * kNearest, kNearest));
+      }
+    }
+    return {};
+  }
+
+  void join_group(std::uint32_t first, std::span<const Neighbour> nearest) {
+    const float reach2 = nearest.back().distance2;
+    const std::uint32_t end = std::min(cloud_.size, first + kGroup);
+    for (const Neighbour& n : nearest) join_pair(first, n.index);
+    for (std::uint32_t i = first; i < end; ++i) {
+      cloud_.radius[i] = std::sqrt(reach2 / kNearest);
+      for (std::uint32_t j = i + 1; j <= i + kInARow && j < cloud_.size; ++j) {
+        const Vec3f d = cloud_.position[j] - cloud_.position[i];
+        if (d.dot(d) <= kNear2 * reach2) join_pair(i, j);
+      }
+    }
+  }
+
+  void join_pair(std::uint32_t i, std::uint32_t j) {
+    if (i == j || join_weight(cloud_, i, j) < kSameSide) return;
+    const SidedSets::Place a = sets_.find(i);
+    const SidedSets::Place b = sets_.find(j);
+    if (a.root != b.root) sets_.unite(a, b, false);
+  }
+
+  Cloud& cloud_;
+  const KdTree3& tree_;
+  Arena& arena_;
+  StageProgress progress_;
+  SidedSets sets_;
+};
+
+}  // namespace
+
+std::size_t turned_patches_bytes(std::uint32_t points) {
+  const std::size_t sides = sizeof(std::uint32_t) * std::size_t{points};
+  const std::size_t batch = sizeof(Neighbour) * kNearest * std::size_t{kBatch};
+  return sides + std::max(batch, Sheets::bytes_needed(points));
+}
+
+Expected<std::uint32_t> turn_patches(Cloud& cloud, const KdTree3& tree, Arena& arena, const StageProgress& progress) {
+  if (cloud.size == 0) return 0U;
+  const ArenaScope scope(arena);
+  return Patches(cloud, tree, arena, progress).turn();
+}
+
+}  // namespace plumbline

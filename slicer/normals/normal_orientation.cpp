@@ -1,0 +1,140 @@
+#include "slicer/normals/normal_orientation.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "slicer/normals/sheets.hpp"
+#include "slicer/normals/sided_sets.hpp"
+
+namespace plumbline {
+namespace {
+
+constexpr const char* kStage = "normals";
+
+constexpr std::uint32_t kPairs = 10;    ///< nearest points that a point is joined with
+constexpr std::uint32_t kBatch = 4096;  ///< points whose neighbours are searched at a time
+constexpr std::uint32_t kNobody = 0xFFFFFFFFU;
+
+/// Classes of weights, surest first. What is below the last one joins nothing: a single such pair, at the rim of a hole or
+/// where two sheets touch, would turn all of a sheet. That is left to the field.
+constexpr std::array<float, 3> kLeastWeight = {0.95F, 0.8F, 0.5F};
+constexpr std::uint8_t kNoClass = kLeastWeight.size();
+
+class Orientation {
+ public:
+  Orientation(Cloud& cloud, const KdTree3& tree, std::span<const std::uint64_t> estimated, Arena& arena,
+              const StageProgress& progress)
+      : cloud_(cloud), tree_(tree), estimated_(estimated), arena_(arena), progress_(progress) {}
+
+  Status run() {
+    auto entries = arena_.take_top<std::uint32_t>(cloud_.size, kStage);
+    if (!entries) return tl::unexpected<Error>(entries.error());
+    sets_ = SidedSets(*entries);
+    for (std::uint32_t i = 0; i < cloud_.size; ++i) sets_.start(i, !is_estimated(i));
+    PLUMBLINE_TRY(Sheets::limit_areas(cloud_, arena_));
+    PLUMBLINE_TRY(join());
+    PLUMBLINE_TRY(Sheets(cloud_, sets_, arena_).turn(FirstSide::kKnownOrConvex));
+    return {};
+  }
+
+ private:
+  bool is_estimated(std::uint32_t i) const { return ((estimated_[i / 64] >> (i % 64)) & 1U) != 0; }
+
+  static std::uint8_t class_of(float magnitude) {
+    std::uint8_t c = 0;
+    while (c < kNoClass && magnitude < kLeastWeight[c]) ++c;
+    return c;
+  }
+
+  /// Joins neighbours, class by class. A point is looked at again when a pair of it is due that joined nothing before.
+  Status join() {
+    const ArenaScope scope(arena_);
+    const std::uint32_t batch = std::min(kBatch, cloud_.size);
+    auto open_block = arena_.take_top<std::uint32_t>(batch, kStage);
+    if (!open_block) return tl::unexpected<Error>(open_block.error());
+    auto pair_block = arena_.take_top<std::uint32_t>(std::size_t{batch} * kPairs, kStage);
+    if (!pair_block) return tl::unexpected<Error>(pair_block.error());
+    auto class_block = arena_.take_top<std::uint8_t>(cloud_.size, kStage);
+    if (!class_block) return tl::unexpected<Error>(class_block.error());
+    open_ = *open_block;
+    pairs_ = *pair_block;
+    next_class_ = *class_block;
+    for (std::uint32_t i = 0; i < cloud_.size; ++i) next_class_[i] = cloud_.normal[i].known() ? 0 : kNoClass;
+    for (std::uint8_t c = 0; c < kNoClass; ++c) {
+      std::uint32_t next = 0;
+      while (next < cloud_.size) {
+        std::uint32_t count = 0;
+        for (; next < cloud_.size && count < batch; ++next) {
+          if (next_class_[next] <= c) open_[count++] = next;
+        }
+        // The first class looks at every point, the others at what it left.
+        const double done = c == 0 ? 0.5 * next / cloud_.size : 0.5 + 0.5 * c / kNoClass;
+        if (!progress_.advance(done)) return fail(ErrorCode::kCancelled, "cancelled while normals were turned");
+        search(count);
+        for (std::uint32_t k = 0; k < count; ++k) join_point(k, c);
+      }
+    }
+    return {};
+  }
+
+  void search(std::uint32_t count) {
+#pragma omp parallel for schedule(dynamic, 64)
+    for (std::uint32_t k = 0; k < count; ++k) {
+      const std::uint32_t i = open_[k];
+      std::array<Neighbour, kPairs + 1> found;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+      const std::uint32_t near = tree_.nearest(cloud_.position[i], found);
+      std::uint32_t pairs = 0;
+      for (std::uint32_t n = 0; n < near && pairs < kPairs; ++n) {
+        if (found[n].index != i && cloud_.normal[found[n].index].known()) pairs_[k * kPairs + pairs++] = found[n].index;
+      }
+      for (; pairs < kPairs; ++pairs) pairs_[k * kPairs + pairs] = kNobody;
+    }
+  }
+
+  /// One thread does this, in the order of the points: which join of a class comes first decides the signs.
+  void join_point(std::uint32_t k, std::uint8_t current) {
+    const std::uint32_t i = open_[k];
+    std::uint8_t next = kNoClass;
+    for (std::uint32_t p = k * kPairs; p < (k + 1) * kPairs && pairs_[p] != kNobody; ++p) {
+      const std::uint32_t j = pairs_[p];
+      const SidedSets::Place a = sets_.find(i);
+      const SidedSets::Place b = sets_.find(j);
+      if (a.root == b.root) continue;
+      const float w = join_weight(cloud_, i, j);
+      const std::uint8_t c = class_of(std::abs(w));
+      if (c <= current) {
+        sets_.unite(a, b, w < 0);
+      } else {
+        next = std::min(next, c);
+      }
+    }
+    next_class_[i] = next;
+  }
+
+  Cloud& cloud_;
+  const KdTree3& tree_;
+  std::span<const std::uint64_t> estimated_;
+  Arena& arena_;
+  StageProgress progress_;
+  SidedSets sets_;
+  std::span<std::uint32_t> open_;       ///< the points of a batch
+  std::span<std::uint32_t> pairs_;      ///< kPairs neighbours of each
+  std::span<std::uint8_t> next_class_;  ///< of each point: the surest class that may still join it to another set
+};
+
+}  // namespace
+
+std::size_t orientation_bytes(std::uint32_t points) {
+  const std::size_t sides = sizeof(std::uint32_t) * std::size_t{points};
+  const std::size_t batch = sizeof(std::uint32_t) * (kPairs + 1) * std::min(kBatch, points) + points;
+  return sides + std::max(batch, Sheets::bytes_needed(points));
+}
+
+Status orient_normals(Cloud& cloud, const KdTree3& tree, std::span<const std::uint64_t> estimated, Arena& arena,
+                      const StageProgress& progress) {
+  const ArenaScope scope(arena);
+  return Orientation(cloud, tree, estimated, arena, progress).run();
+}
+
+}  // namespace plumbline

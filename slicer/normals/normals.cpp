@@ -1,0 +1,74 @@
+#include "slicer/normals/normals.hpp"
+
+#include <algorithm>
+
+#include "slicer/cloud/tangent_plane.hpp"
+#include "slicer/core/loop_progress.hpp"
+#include "slicer/normals/flipped_normals.hpp"
+#include "slicer/normals/normal_orientation.hpp"
+
+namespace plumbline {
+namespace {
+
+constexpr const char* kStage = "normals";
+
+constexpr double kCompletionShare = 0.7;  ///< of the time for what a scan lacks; what it has wrong takes the rest
+constexpr double kEstimateShare = 0.7;    ///< of the time; turning them takes the rest
+
+}  // namespace
+
+std::size_t normals_bytes(std::uint32_t points) {
+  return std::max(orientation_bytes(points) + (points + 7) / 8, turned_patches_bytes(points));
+}
+
+Expected<std::uint32_t> estimate_normals(Cloud& cloud, const KdTree3& tree, Arena& arena,
+                                         const StageProgress& progress) {
+  const ArenaScope scope(arena);
+  const std::uint32_t size = cloud.size;
+  const std::uint32_t words = (size + 63) / 64;
+  auto bits = arena.take_top<std::uint64_t>(words, kStage);
+  if (!bits) return tl::unexpected<Error>(bits.error());
+  const std::span<std::uint64_t> estimated = *bits;
+  std::uint32_t filled = 0;
+  LoopProgress estimating(progress.part(0, kEstimateShare), words);
+#pragma omp parallel for schedule(dynamic, 16) reduction(+ : filled)
+  for (std::uint32_t w = 0; w < words; ++w) {
+    if (!estimating.step(w)) continue;
+    std::uint64_t word = 0;
+    const std::uint32_t last = std::min(size, w * 64 + 64);
+    TangentPlanes planes(cloud, tree);
+    for (std::uint32_t i = w * 64; i < last; ++i) {
+      planes.look_at(i);
+      cloud.radius[i] = planes.share_radius();
+      if (cloud.normal[i].known()) continue;
+      const auto normal = planes.normal();
+      if (!normal) continue;
+      cloud.normal[i].set(*normal);
+      word |= std::uint64_t{1} << (i % 64);
+      ++filled;
+    }
+    estimated[w] = word;
+  }
+  if (estimating.stopped()) return fail(ErrorCode::kCancelled, "cancelled while normals were estimated");
+  if (filled > 0) PLUMBLINE_TRY(orient_normals(cloud, tree, estimated, arena, progress.part(kEstimateShare, 1)));
+  return filled;
+}
+
+Expected<NormalCounts> complete_normals(Cloud& cloud, const KdTree3& tree, Arena& arena,
+                                        const StageProgress& progress) {
+  const auto normals = cloud.normal.first(cloud.size);
+  const auto missing = std::count_if(normals.begin(), normals.end(), [](const PackedNormal& n) { return !n.known(); });
+  NormalCounts counts;
+  if (missing > 0) {
+    const auto estimated = estimate_normals(cloud, tree, arena, progress.part(0, kCompletionShare));
+    PLUMBLINE_TRY(estimated);
+    counts.estimated = *estimated;
+  }
+  if (static_cast<std::uint32_t>(missing) == cloud.size) return counts;
+  const auto turned = turn_patches(cloud, tree, arena, missing > 0 ? progress.part(kCompletionShare, 1) : progress);
+  PLUMBLINE_TRY(turned);
+  counts.turned = *turned;
+  return counts;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,252 @@
+#include "slicer/normals/sheets.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <numbers>
+
+#include "slicer/core/median.hpp"
+
+namespace plumbline {
+namespace {
+
+constexpr const char* kStage = "normals";
+
+constexpr std::uint32_t kSmallestSheet = 32;  ///< points; smaller ones are turned point by point
+constexpr std::uint32_t kSheetSamples = 512;  ///< points of a sheet where the field is asked
+constexpr std::uint32_t kSizeClass = 4;  ///< sheets within this ratio of size are turned without regard to each other
+
+constexpr std::uint32_t kAreaSamples = 4096;
+constexpr float kMostRadius = 3;         ///< times the median: a share of the surface is not larger
+constexpr std::int64_t kUnit = 1 << 20;  ///< of the evidence, which is summed as whole numbers
+constexpr float kMostEvidence = 2;       ///< of one sample: a lid that fits its hole has about 1/2
+constexpr double kPi = std::numbers::pi;
+
+constexpr std::uint32_t kNoSheet = SidedSets::kIndex;
+
+std::uint32_t sheets_at_most(std::uint32_t points) { return points / kSmallestSheet; }
+
+std::int64_t whole(float value) {
+  if (!std::isfinite(value)) return 0;
+  return static_cast<std::int64_t>(std::clamp(value, -kMostEvidence, kMostEvidence) * static_cast<float>(kUnit));
+}
+/// Indices without the order of the tree in them.
+std::uint32_t scattered(std::uint32_t i) { return (i * 2654435761U) >> 8U; }
+
+}  // namespace
+
+float join_weight(const Cloud& cloud, std::uint32_t i, std::uint32_t j) {
+  const Vec3f n = cloud.normal[i].unpack();
+  const Vec3f m = cloud.normal[j].unpack();
+  const Vec3f d = cloud.position[j] - cloud.position[i];
+  const float d2 = d.dot(d);
+  if (!(d2 > 0)) return n.dot(m);
+  return n.dot(m) - n.dot(d) * m.dot(d) / d2;
+}
+
+std::size_t Sheets::bytes_needed(std::uint32_t points) {
+  return sizeof(DipoleField::Node) * DipoleField::nodes_needed(points) + sizeof(Sheet) * sheets_at_most(points);
+}
+
+Status Sheets::limit_areas(Cloud& cloud, Arena& arena) {
+  const ArenaScope scope(arena);
+  const std::uint32_t samples = std::min(kAreaSamples, cloud.size);
+  auto block = arena.take_top<float>(samples, kStage);
+  if (!block) return tl::unexpected<Error>(block.error());
+  for (std::uint32_t s = 0; s < samples; ++s) {
+    (*block)[s] = cloud.radius[static_cast<std::uint32_t>(std::uint64_t{s} * cloud.size / samples)];
+  }
+  const float middle = median(*block);
+  if (!(middle > 0)) return {};
+  const float most = kMostRadius * middle;
+  for (float& radius : cloud.radius.first(cloud.size)) radius = std::min(radius, most);
+  return {};
+}
+
+Expected<std::uint32_t> Sheets::turn(FirstSide first) {
+  const ArenaScope scope(arena_);
+  PLUMBLINE_TRY(list());
+  measure();
+  auto nodes = arena_.take_top<DipoleField::Node>(DipoleField::nodes_needed(cloud_.size), kStage);
+  PLUMBLINE_TRY(nodes);
+  DipoleField field(cloud_, *nodes);
+  find_sides(field, first);
+  turn_loose_points(field);
+  for (std::uint32_t i = 0; i < cloud_.size; ++i) {
+    const Sheet* sheet = sheet_of(i);
+    if (sheet == nullptr || sheet->side >= 0 || sets_.fixed(i)) continue;
+    turn_normal(i);
+    ++turned_;
+  }
+  return turned_;
+}
+
+Status Sheets::list() {
+  auto block = arena_.take_top<Sheet>(sheets_at_most(cloud_.size), kStage);
+  if (!block) return tl::unexpected<Error>(block.error());
+  std::uint32_t count = 0;
+  for (std::uint32_t i = 0; i < cloud_.size; ++i) {
+    if (!sets_.is_root(i)) continue;
+    if (sets_.value(i) >= kSmallestSheet && cloud_.normal[i].known()) {
+      Sheet sheet;
+      sheet.root = i;
+      sheet.points = sets_.value(i);
+      (*block)[count++] = sheet;
+    }
+  }
+  sheets_ = block->first(count);
+  std::sort(sheets_.begin(), sheets_.end(), [](const Sheet& a, const Sheet& b) {
+    return a.points != b.points ? a.points > b.points : a.root < b.root;
+  });
+  for (std::uint32_t i = 0; i < cloud_.size; ++i) {
+    if (sets_.is_root(i)) sets_.set_value(i, kNoSheet);
+  }
+  for (std::uint32_t s = 0; s < count; ++s) sets_.set_value(sheets_[s].root, s);
+  return {};
+}
+
+Sheet* Sheets::sheet_of(std::uint32_t i) const {
+  const std::uint32_t s = sets_.value(sets_.look(i).root);
+  return s == kNoSheet ? nullptr : &sheets_[s];
+}
+
+double Sheets::area(std::uint32_t i) const {
+  const auto radius = static_cast<double>(cloud_.radius[i]);
+  return kPi * radius * radius;
+}
+
+/// Turns the estimated normals of every sheet to one side, counts votes, sums area and flux.
+void Sheets::measure() {
+  for (std::uint32_t i = 0; i < cloud_.size; ++i) {
+    const bool turned = sets_.find(i).turned;
+    Sheet* sheet = sheet_of(i);
+    if (sheet == nullptr) continue;
+    if (sets_.fixed(i)) {
+      sheet->votes += turned ? -1 : 1;
+    } else if (turned) {
+      turn_normal(i);
+    }
+    sheet->area += area(i);
+    sheet->centroid += area(i) * cloud_.position[i].cast<double>();
+  }
+  for (Sheet& sheet : sheets_) {
+    if (sheet.area > 0) sheet.centroid /= sheet.area;
+  }
+  for (std::uint32_t i = 0; i < cloud_.size; ++i) {
+    Sheet* sheet = sheet_of(i);
+    if (sheet == nullptr) continue;
+    const Vec3d from_centre = cloud_.position[i].cast<double>() - sheet->centroid;
+    sheet->flux += area(i) * cloud_.normal[i].unpack().cast<double>().dot(from_centre);
+    sheet->reach += area(i) * std::sqrt(from_centre.dot(from_centre));
+  }
+}
+
+void Sheets::turn_normal(std::uint32_t i) {
+  PackedNormal& n = cloud_.normal[i];
+  n.x = static_cast<std::int16_t>(-n.x);
+  n.y = static_cast<std::int16_t>(-n.y);
+  n.z = static_cast<std::int16_t>(-n.z);
+}
+
+/// What the normal of point i counts in the field of the sheets whose side is known.
+float Sheets::side(std::uint32_t i) const {
+  if (sets_.fixed(i)) return cloud_.normal[i].known() ? 1.0F : 0.0F;
+  const Sheet* sheet = sheet_of(i);
+  return sheet == nullptr ? 0.0F : sheet->side;
+}
+
+/// Of every sheet, the largest first.
+void Sheets::find_sides(DipoleField& field, FirstSide rule) {
+  const auto side_of = [this](std::uint32_t i) { return side(i); };
+  bool any_known = false;
+  for (std::uint32_t i = 0; i < cloud_.size && !any_known; ++i) {
+    any_known = sets_.fixed(i) && cloud_.normal[i].known();
+  }
+  for (Sheet& sheet : sheets_) {
+    if (sheet.votes != 0) sheet.side = sheet.votes > 0 ? 1 : -1;
+  }
+  const bool convex = rule == FirstSide::kKnownOrConvex && !any_known;
+  if (!sheets_.empty()) {
+    if (rule == FirstSide::kLargest) sheets_[0].side = 1;
+    if (convex) sheets_[0].side = sheets_[0].flux < 0 ? -1 : 1;
+  }
+  for (std::uint32_t first = 0; first < sheets_.size();) {
+    if (sheets_[first].side != 0) {
+      ++first;
+      continue;
+    }
+    std::uint32_t last = first;
+    while (last < sheets_.size() && sheets_[last].points * kSizeClass >= sheets_[first].points) ++last;
+    field.build(side_of);
+    ask_field(field, first, last);
+    first = last;
+  }
+  // The largest may be a flat one that does not know its side; all together know it.
+  if (convex && total_flux() < 0) {
+    for (Sheet& sheet : sheets_) sheet.side = -sheet.side;
+  }
+}
+
+/// Sides of sheets [first, last) by the field of those whose side is known. Sums are of whole numbers, so that they do not
+/// depend on the order in which threads add.
+void Sheets::ask_field(const DipoleField& field, std::uint32_t first, std::uint32_t last) {
+  const auto side_of = [this](std::uint32_t i) { return side(i); };
+#pragma omp parallel for schedule(dynamic, 1024)
+  for (std::uint32_t i = 0; i < cloud_.size; ++i) {
+    if (sets_.fixed(i)) continue;
+    Sheet* sheet = sheet_of(i);
+    if (sheet == nullptr || sheet->side != 0 || sheet < &sheets_[first] || sheet >= sheets_.data() + last) continue;
+    if (scattered(i) % (sheet->points / kSheetSamples + 1) != 0) continue;
+    const DipoleField::Value value = field(cloud_.position[i], side_of);
+    const auto size = static_cast<float>(std::sqrt(sheet->area / kPi));
+    const float slope = -size * value.gradient.dot(cloud_.normal[i].unpack());
+    std::atomic_ref(sheet->winding).fetch_add(whole(value.winding), std::memory_order_relaxed);
+    std::atomic_ref(sheet->slope).fetch_add(whole(slope), std::memory_order_relaxed);
+    std::atomic_ref(sheet->samples).fetch_add(1, std::memory_order_relaxed);
+  }
+  for (Sheet& sheet : sheets_.subspan(first, last - first)) {
+    if (sheet.side != 0) continue;
+    const double samples = std::max(1.0, static_cast<double>(sheet.samples)) * kUnit;
+    const double winding = static_cast<double>(sheet.winding) / samples;
+    const double bulge = sheet.reach > 0 ? sheet.flux / sheet.reach : 0;
+    const double evidence = bulge * (1 - 2 * winding) + static_cast<double>(sheet.slope) / samples;
+    sheet.side = evidence < 0 ? -1 : 1;
+  }
+}
+
+/// Points in no sheet: strays, and crumbs at edges. They are no part of the field.
+void Sheets::turn_loose_points(DipoleField& field) {
+  const auto side_of = [this](std::uint32_t i) { return side(i); };
+  field.build(side_of);
+  std::uint32_t turned = 0;
+#pragma omp parallel for schedule(dynamic, 256) reduction(+ : turned)
+  for (std::uint32_t i = 0; i < cloud_.size; ++i) {
+    if (sets_.fixed(i) || !cloud_.normal[i].known() || sheet_of(i) != nullptr) continue;
+    if (!(field(cloud_.position[i], side_of).gradient.dot(cloud_.normal[i].unpack()) > 0)) continue;
+    turn_normal(i);
+    ++turned;
+  }
+  turned_ += turned;
+}
+
+/// Of everything oriented about one place: positive if it is not inside out as a whole.
+double Sheets::total_flux() const {
+  Vec3d centroid = Vec3d::Zero();
+  double total = 0;
+  for (const Sheet& sheet : sheets_) {
+    centroid += sheet.area * sheet.centroid;
+    total += sheet.area;
+  }
+  if (!(total > 0)) return 0;
+  centroid /= total;
+  double flux = 0;
+  for (std::uint32_t i = 0; i < cloud_.size; ++i) {
+    const float s = side(i);
+    if (s == 0) continue;
+    const Vec3d d = cloud_.position[i].cast<double>() - centroid;
+    flux += static_cast<double>(s) * area(i) * cloud_.normal[i].unpack().cast<double>().dot(d);
+  }
+  return flux;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,169 @@
+#include "slicer/placement/placement.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "slicer/core/degrees.hpp"
+
+namespace plumbline {
+namespace {
+
+constexpr std::uint32_t kMargin = 3;  ///< black pixels round an object in a grid of its own
+
+constexpr double kClear = 0.9998;     ///< of a scale that just fits: clear of the last rounding
+constexpr double kWholeLayer = 1e-3;  ///< layers by which a travel may miss a whole number of them by rounding
+
+/// The largest number of four digits that is not above `x`, so that a scale we name can be typed as we print it.
+double rounded_down(double x) {
+  if (!(x > 0)) return 0;
+  double unit = 1;
+  while (x < 1000 * unit) unit /= 10;
+  while (x >= 10000 * unit) unit *= 10;
+  return std::floor(x / unit) * unit;
+}
+
+std::uint32_t cells(double length, double pitch) {
+  return static_cast<std::uint32_t>(std::clamp(std::ceil(length / pitch - 1e-6), 1.0, 4.0e9));
+}
+
+}  // namespace
+
+const char* to_string(Units units) {
+  switch (units) {
+    case Units::kMillimetres: return "mm";
+    case Units::kCentimetres: return "cm";
+    case Units::kMetres: return "m";
+    case Units::kInches: return "in";
+    case Units::kAuto: return "auto";
+  }
+  return "unknown";
+}
+
+double millimetres_per(Units units) {
+  switch (units) {
+    case Units::kCentimetres: return 10;
+    case Units::kMetres: return 1000;
+    case Units::kInches: return 25.4;
+    case Units::kMillimetres:
+    case Units::kAuto: break;
+  }
+  return 1;
+}
+
+Units guess_units(double longest_side) {
+  for (const Units units : {Units::kMillimetres, Units::kMetres, Units::kCentimetres, Units::kInches}) {
+    const double mm = longest_side * millimetres_per(units);
+    if (mm >= 20 && mm <= 500) return units;
+  }
+  return Units::kMillimetres;
+}
+
+Mat3d rotation_matrix(const Vec3d& degrees) {
+  const SineCosine a = sine_cosine(degrees[0]);
+  const SineCosine b = sine_cosine(degrees[1]);
+  const SineCosine c = sine_cosine(degrees[2]);
+  Mat3d x;
+  Mat3d y;
+  Mat3d z;
+  x << 1, 0, 0, 0, a.cosine, -a.sine, 0, a.sine, a.cosine;
+  y << b.cosine, 0, b.sine, 0, 1, 0, -b.sine, 0, b.cosine;
+  z << c.cosine, -c.sine, 0, c.sine, c.cosine, 0, 0, 0, 1;
+  return z * (y * x);
+}
+
+Mat4d Placement::transform() const {
+  Mat4d m = Mat4d::Identity();
+  m.topLeftCorner<3, 3>() = rotation * scale;
+  m.topRightCorner<3, 1>() = shift;
+  return m;
+}
+
+Vec3d Placement::origin_in_scan() const { return rotation.transpose() * (-shift / scale); }
+
+PrintGrid panel_grid(const PrinterVolume& printer, float layer_height_mm) {
+  const float layers = std::ceil(printer.travel_mm / layer_height_mm);
+  return {.columns = printer.columns,
+          .rows = printer.rows,
+          .layers = static_cast<std::uint32_t>(std::clamp(layers, 1.0F, static_cast<float>(PrintGrid::kMaxLayers))),
+          .pitch_x_mm = printer.pitch_x_mm,
+          .pitch_y_mm = printer.pitch_y_mm,
+          .layer_height_mm = layer_height_mm};
+}
+
+Expected<Placement> place(const Box3d& bounds, double unit_mm, const PlacementSettings& settings) {
+  const Vec3d extent = bounds.size() * unit_mm;  // mm at scale 1
+  Placement p;
+  p.rotation = rotation_matrix(settings.rotation_degrees);
+  p.grid.layer_height_mm = settings.layer_height_mm;
+  double factor = settings.scale;
+  if (settings.printer) {
+    const PrinterVolume& v = *settings.printer;
+    p.grid.pitch_x_mm = v.pitch_x_mm;
+    p.grid.pitch_y_mm = v.pitch_y_mm;
+    p.grid.columns = v.columns;
+    p.grid.rows = v.rows;
+    const double lh = settings.layer_height_mm;
+    // A pixel of margin each side, so that the outline is inside of the panel after rounding.
+    const Vec3d room(
+        static_cast<double>(v.columns - 2) * static_cast<double>(v.pitch_x_mm),
+        static_cast<double>(v.rows - 2) * static_cast<double>(v.pitch_y_mm),
+        std::min(std::floor(static_cast<double>(v.travel_mm) / lh + kWholeLayer), double{PrintGrid::kMaxLayers}) * lh);
+    double largest = 1e30;
+    for (int a = 0; a < 3; ++a) {
+      if (extent[a] > 0) largest = std::min(largest, room[a] / extent[a]);
+    }
+    if (settings.fit) {
+      factor = largest * kClear;
+    } else if (factor > largest) {
+      static constexpr std::array<const char*, 3> kAxis = {"wide (x)", "deep (y)", "high (z)"};
+      int worst = 0;
+      for (int a = 1; a < 3; ++a) {
+        if (extent[a] * room[worst] > extent[worst] * room[a]) worst = a;
+      }
+      return fail(
+          ErrorCode::kDoesNotFit,
+          "the object is %.2f mm %s, the printer takes %.2f mm: %.2f mm too much. Use --scale %.4g or less, --fit, "
+          "or rotate it",
+          extent[worst] * factor, kAxis[static_cast<std::size_t>(worst)], room[worst],
+          extent[worst] * factor - room[worst], rounded_down(largest * kClear));
+    }
+    p.size_mm = extent * factor;
+    p.grid.layers = cells(p.size_mm[2], lh);
+    p.scale = unit_mm * factor;
+    const Vec3d centre = bounds.centre() * p.scale;
+    p.shift = {0.5 * v.columns * static_cast<double>(v.pitch_x_mm) - centre[0],
+               0.5 * v.rows * static_cast<double>(v.pitch_y_mm) - centre[1], -bounds.low[2] * p.scale};
+    return p;
+  }
+  const double pitch = settings.pixel_pitch_mm;
+  p.size_mm = extent * factor;
+  p.scale = unit_mm * factor;
+  // The grid's planes are those of the scan's own frame, whole pitches from its zero: how far a stray sticks out then does
+  // not decide where a flat underside falls between two sampling heights.
+  const Vec3d step(pitch, pitch, settings.layer_height_mm);
+  const Vec3d low = (bounds.low * p.scale).cwiseQuotient(step).array().floor().matrix().cwiseProduct(step);
+  const Vec3d reach = bounds.high * p.scale - low;
+  p.grid.pitch_x_mm = p.grid.pitch_y_mm = settings.pixel_pitch_mm;
+  // Whole bytes a row, as the panels of printers have them: the PNG encoder then takes a mask as it is.
+  p.grid.columns = (cells(reach[0], pitch) + 2 * kMargin + 7) / 8 * 8;
+  p.grid.rows = cells(reach[1], pitch) + 2 * kMargin;
+  p.grid.layers = cells(reach[2], settings.layer_height_mm);
+  if (p.grid.columns > PrintGrid::kMaxSide || p.grid.rows > PrintGrid::kMaxSide ||
+      p.grid.layers > PrintGrid::kMaxLayers) {
+    const double most = std::min({(PrintGrid::kMaxSide - 2.0 * kMargin) * pitch / std::max(extent[0], extent[1]),
+                                  PrintGrid::kMaxLayers * static_cast<double>(settings.layer_height_mm) / extent[2]});
+    return fail(
+        ErrorCode::kDoesNotFit,
+        "the object is %.5g x %.5g x %.5g mm, which is %u x %u pixels of %.4g mm and %u layers of %.4g mm; at most "
+        "%u x %u pixels and %u layers are possible. Use --scale %.4g or less, a coarser --pixel-pitch, or check "
+        "--units",
+        p.size_mm[0], p.size_mm[1], p.size_mm[2], p.grid.columns, p.grid.rows, pitch, p.grid.layers,
+        static_cast<double>(settings.layer_height_mm), PrintGrid::kMaxSide, PrintGrid::kMaxSide, PrintGrid::kMaxLayers,
+        rounded_down(most * kClear));
+  }
+  p.shift = Vec3d(kMargin * pitch, kMargin * pitch, 0) - low;
+  return p;
+}
+
+}  // namespace plumbline

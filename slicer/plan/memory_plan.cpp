@@ -1,0 +1,146 @@
+#include "slicer/plan/memory_plan.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "slicer/cloud/cloud.hpp"
+#include "slicer/cloud/kd_tree.hpp"
+#include "slicer/cloud/thinning.hpp"
+#include "slicer/core/arena.hpp"
+#include "slicer/core/bit_image.hpp"
+#include "slicer/implicit/winding_number.hpp"
+#include "slicer/layers/layer_features.hpp"
+#include "slicer/layers/layer_stream.hpp"
+#include "slicer/normals/normals.hpp"
+#include "slicer/reader/scan_reader.hpp"
+#include "slicer/rrep/components.hpp"
+#include "slicer/rrep/confidence.hpp"
+#include "slicer/rrep/crossing_store.hpp"
+#include "slicer/supports/support_finder.hpp"
+#include "slicer/surface/bores/bore_walls.hpp"
+#include "slicer/surface/clustering.hpp"
+#include "slicer/surface/stray_pieces.hpp"
+#include "slicer/surface/support_size.hpp"
+#include "slicer/views/align_views.hpp"
+
+namespace plumbline {
+namespace {
+
+constexpr std::size_t kSlack = 64 * Arena::kAlignment;  ///< rounding of blocks
+
+/// What is expected of an object before it is known: figures and animals have 2.3 to 3 crossings a ray.
+constexpr double kCoveredShare = 0.5;
+constexpr double kCrossingsPerRay = 3;
+
+/// A need that no block of memory can have, in 32 bits too: it stays larger than any budget, and sums with it do not wrap.
+constexpr std::size_t kTooMuch = std::numeric_limits<std::size_t>::max() / 8;
+
+std::size_t bounded(double bytes) {
+  return bytes < static_cast<double>(kTooMuch) ? static_cast<std::size_t>(bytes) : kTooMuch;
+}
+
+RayYield expected_yield(const PrintGrid& grid) {
+  const double rays = kCoveredShare * grid.columns * grid.rows;
+  return {rays, kCrossingsPerRay * rays};
+}
+
+}  // namespace
+
+std::size_t store_bytes(const PrintGrid& grid, const RayYield& yield) {
+  const std::size_t tiles = std::size_t{(grid.columns + 7) / 8} * ((grid.rows + 7) / 8);
+  return 4 * tiles + bounded(yield.rays + 2 * yield.crossings);
+}
+
+std::size_t rrep_bytes(const PrintGrid& grid, const RayYield& yield) {
+  return bounded(4 * yield.crossings) + 4 * (std::size_t{grid.layers} + 1);
+}
+
+std::size_t MemoryPlan::peak() const { return *std::max_element(bytes.begin(), bytes.end()); }
+
+Stage MemoryPlan::widest() const {
+  return static_cast<Stage>(std::max_element(bytes.begin(), bytes.end()) - bytes.begin());
+}
+
+std::uint32_t tile_capacity(std::uint32_t points) { return std::min<std::uint32_t>(points, 32768); }
+
+MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& grid, std::uint32_t threads,
+                       const PlanEvidence& evidence) {
+  MemoryPlan plan;
+  plan.points = points;
+  const auto set = [&](Stage stage, std::size_t bytes) {
+    plan.bytes[static_cast<std::size_t>(stage)] = bytes + kSlack;
+  };
+  const std::uint32_t room = points + Cloud::spare(points);
+  const std::size_t winding = WindingTree::bytes_needed(room);
+  const std::size_t cloud = winding + Cloud::kBytesPerPoint * room;
+  const std::size_t tree = KdTree3::kBytesPerPoint * std::size_t{points};
+  const auto reader =
+      static_cast<std::size_t>(std::min<std::uint64_t>(evidence.reader_bytes, kTooMuch) + evidence.kept_bytes);
+  set(Stage::kRead, cloud + PointThinner::table_bytes(points) + kReaderWorkspace + reader);
+  set(Stage::kNormals, cloud + tree + normals_bytes(points));
+  set(Stage::kTrees, cloud + tree + points / 8);
+  set(Stage::kViews, cloud + tree + align_views_bytes(points));
+  set(Stage::kClustering, cloud + tree +
+                              std::max({sizeof(PackedNormal) * std::size_t{points}, stray_pieces_bytes(points),
+                                        support_size_bytes(), bore_walls_bytes(points)}));
+  set(Stage::kWindingTree, cloud);
+  std::size_t image = 0;
+  std::size_t store = 0;
+  // Without a grid of its own an object has some layers; the map is the larger part.
+  const std::size_t map = evidence.confidence ? ConfidenceMap::bytes_needed(grid ? grid->layers : 0) : 0;
+  if (grid) {
+    image = Arena::rounded(BitImage::words_needed(grid->columns, grid->rows) * sizeof(std::uint64_t));
+    const RayYield yield = evidence.yield.value_or(expected_yield(*grid));
+    store = store_bytes(*grid, yield);
+    const std::size_t sorted = rrep_bytes(*grid, yield);
+    // The store moves to the top of the arena first, so that it stands there twice for a moment.
+    set(Stage::kRRep,
+        map + std::max(store + std::max({store, sorted, pieces_bytes(*grid, yield.rays, yield.crossings)}),
+                       sorted + layer_features_bytes(*grid)));
+    const std::uint32_t supports = most_supports(*grid);
+    set(Stage::kSupports, map + sorted + find_supports_bytes(*grid));
+    set(Stage::kLayers, map + sorted + supports * sizeof(Support) + LayerStream::bytes_needed(*grid, supports));
+  }
+  const std::size_t flat_tree = KdTree2::kBytesPerPoint * std::size_t{room};
+  set(Stage::kRayGrid, cloud + flat_tree + 2 * image);
+  const std::size_t workers = threads * RayShooter::bytes_needed(tile_capacity(room));
+  set(Stage::kRays, map + cloud + flat_tree + image + store + workers);
+  return plan;
+}
+
+Expected<MemoryPlan> largest_plan(std::size_t arena_bytes, std::optional<std::uint64_t> declared,
+                                  const std::optional<PrintGrid>& grid, std::uint32_t threads,
+                                  const PlanEvidence& evidence) {
+  const auto most =
+      static_cast<std::uint32_t>(std::clamp<std::uint64_t>(declared.value_or(kMostPoints), kFewestPoints, kMostPoints));
+  MemoryPlan plan = plan_memory(kFewestPoints, grid, threads, evidence);
+  if (plan.peak() > arena_bytes) {
+    constexpr double kMiB = 1024.0 * 1024.0;
+    if (evidence.reader_bytes > 0 && plan_memory(kFewestPoints, grid, threads).peak() <= arena_bytes) {
+      return fail(
+          ErrorCode::kOutOfMemory,
+          "the job cannot fit: this compressed PCD holds all x before all y, and keeping its columns takes %.1f "
+          "MiB while it is read, the arena has %.1f MiB. Save it as binary, or use a larger arena (--arena-mib)",
+          static_cast<double>(evidence.reader_bytes) / kMiB, static_cast<double>(arena_bytes) / kMiB);
+    }
+    return fail(
+        ErrorCode::kOutOfMemory,
+        "the job cannot fit: the stage '%.*s' needs %.1f MiB even when the scan is thinned to %u points, the arena "
+        "has %.1f MiB. Use a larger arena (--arena-mib), fewer threads or a smaller panel",
+        static_cast<int>(to_string(plan.widest()).size()), to_string(plan.widest()).data(),
+        static_cast<double>(plan.peak()) / kMiB, kFewestPoints, static_cast<double>(arena_bytes) / kMiB);
+  }
+  std::uint32_t low = kFewestPoints;
+  std::uint32_t high = most;
+  while (low < high) {
+    const std::uint32_t middle = low + (high - low + 1) / 2;
+    if (plan_memory(middle, grid, threads, evidence).peak() <= arena_bytes) {
+      low = middle;
+    } else {
+      high = middle - 1;
+    }
+  }
+  return plan_memory(low, grid, threads, evidence);
+}
+
+}  // namespace plumbline

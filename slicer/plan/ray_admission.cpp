@@ -1,0 +1,67 @@
+#include "slicer/plan/ray_admission.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "slicer/plan/memory_plan.hpp"
+#include "slicer/rrep/confidence.hpp"
+#include "slicer/rrep/crossing_store.hpp"
+
+namespace plumbline {
+namespace {
+
+/// Crossings that the surface will make: each point's share of it, seen from above, is crossed by so many rays.
+struct SeenSurface {
+  double entering = 0;
+  double exiting = 0;
+
+  explicit SeenSurface(const PlacedObject& object) {
+    const Cloud& cloud = object.cloud;
+    for (std::uint32_t i = 0; i < cloud.size; ++i) {
+      const double radius = cloud.radius[i];
+      const double slope = cloud.normal[i].unpack()[2];
+      (slope > 0 ? exiting : entering) += radius * radius * std::abs(slope);
+    }
+    constexpr double kPi = std::numbers::pi;
+    const double pixel_mm2 = static_cast<double>(object.grid.pitch_x_mm) * static_cast<double>(object.grid.pitch_y_mm);
+    const double rays = kPi / (object.support_points * pixel_mm2);
+    entering *= rays;
+    exiting *= rays;
+  }
+};
+
+}  // namespace
+
+Status admit_rays(const PlacedObject& object, const Arena& arena, std::array<std::size_t, kStageCount>& planned_bytes) {
+  constexpr double kSureShare = 0.9;
+  constexpr double kPlannedShare = 1.1;
+  const SeenSurface seen(object);
+  const auto yield_of = [&](double crossings) {
+    return RayYield{std::min(crossings / 2, static_cast<double>(object.interested.count())), crossings};
+  };
+  // What is planned: every ray leaves as often as it enters, whether the scan has seen both or not.
+  const MemoryPlan plan = plan_memory(
+      object.read_points, object.grid, object.threads,
+      {.confidence = object.confidence, .yield = yield_of(kPlannedShare * 2 * std::max(seen.entering, seen.exiting))});
+  for (const Stage stage : {Stage::kRayGrid, Stage::kRays, Stage::kRRep, Stage::kSupports, Stage::kLayers}) {
+    planned_bytes[static_cast<std::size_t>(stage)] = plan.bytes[static_cast<std::size_t>(stage)];
+  }
+  // What is refused.
+  const RayYield sure = yield_of(kSureShare * (seen.entering + seen.exiting));
+  const std::size_t shooting = arena.used() +
+                               object.threads * RayShooter::bytes_needed(tile_capacity(object.cloud.capacity())) +
+                               store_bytes(object.grid, sure);
+  const std::size_t map = object.confidence ? ConfidenceMap::bytes_needed(object.grid.layers) : 0;
+  const std::size_t sorting = store_bytes(object.grid, sure) + rrep_bytes(object.grid, sure) + map;
+  const std::size_t need = std::max(shooting, sorting);
+  if (need <= arena.capacity()) return {};
+  constexpr double kMiB = 1024.0 * 1024.0;
+  return fail(ErrorCode::kOutOfMemory,
+              "%s: the object's %.0f crossings need about %.1f MiB of the arena, it has %.1f MiB. Use a larger arena "
+              "(--arena-mib), a coarser grid or a smaller --scale",
+              sorting > shooting ? "R-Rep" : "rays", sure.crossings, static_cast<double>(need) / kMiB,
+              static_cast<double>(arena.capacity()) / kMiB);
+}
+
+}  // namespace plumbline

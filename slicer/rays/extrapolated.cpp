@@ -1,0 +1,58 @@
+#include "slicer/rays/extrapolated.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace plumbline {
+namespace {
+
+/// Of the reach, what is looked at on either side first, and from place to place: noise is less.
+constexpr float kStep = 0.25F;
+constexpr float kTolerance = 1.0F / 16;  ///< of the step
+
+/// Where, from a crossing on, the winding number has what lies between it and the next, solid all along or empty.
+std::optional<float> first_agreed(const WindingTree& winding, float x, float y, float depth, float next, float step,
+                                  bool solid) {
+  const float stride = next > depth ? step : -step;
+  const auto places = static_cast<int>(std::ceil(std::abs(next - depth) / step));
+  for (int k = 2; k < places; ++k) {
+    const float z = depth + static_cast<float>(k) * stride;
+    if (winding.inside({x, y, z}) == solid)
+      return winding.surface_between(x, y, z - stride, z, !solid, kTolerance * step);
+  }
+  return {};
+}
+
+}  // namespace
+
+bool settle_extrapolated(std::span<RayCrossing>& crossings, float x, float y, const WindingTree& winding, float reach) {
+  bool changed = false;
+  for (std::size_t i = 0; i < crossings.size();) {
+    const std::size_t at = i++;
+    RayCrossing& c = crossings[at];
+    if (!c.extrapolated) continue;
+    for (const bool up : {true, false}) {
+      // Beyond the outermost sheets there is nothing to end what would begin there.
+      if (up ? i == crossings.size() : at == 0) continue;
+      const std::size_t lower = up ? at : at - 1;
+      const bool solid = lower % 2 == 0;
+      const float next = crossings[up ? i : lower].depth;
+      const float step = std::min(kStep * reach, 0.5F * std::abs(next - c.depth));
+      if (step == 0 || winding.inside({x, y, up ? c.depth + step : c.depth - step}) == solid) continue;
+      changed = true;
+      if (const auto agreed = first_agreed(winding, x, y, c.depth, next, step, solid)) {
+        c.depth = *agreed;
+        c.evidence = Evidence::kWinding;
+      } else {
+        std::ranges::copy(crossings.subspan(lower + 2), crossings.subspan(lower).begin());
+        crossings = crossings.first(crossings.size() - 2);
+        i = lower;
+      }
+      break;
+    }
+  }
+  return changed;
+}
+
+}  // namespace plumbline

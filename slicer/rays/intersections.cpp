@@ -1,0 +1,132 @@
+#include "slicer/rays/intersections.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace plumbline {
+namespace {
+
+constexpr const char* kStage = "intersections";
+
+/// At the very end of a band every weight is zero; the sign there is taken this share of the reach inside of it.
+constexpr float kEndInset = 0.1F;
+
+}  // namespace
+
+std::size_t RaySolver::bytes_needed() {
+  return Arena::rounded(kMaxBands * sizeof(Band)) + Arena::rounded(kMaxIntersections * sizeof(Intersection));
+}
+
+Expected<RaySolver> RaySolver::create(const IntersectionSettings& settings, Arena& arena) {
+  RaySolver solver;
+  solver.settings_ = settings;
+  auto bands = arena.take_top<Band>(kMaxBands, kStage);
+  if (!bands) return tl::unexpected<Error>(bands.error());
+  auto intersections = arena.take_top<Intersection>(kMaxIntersections, kStage);
+  if (!intersections) return tl::unexpected<Error>(intersections.error());
+  solver.bands_ = *bands;
+  solver.intersections_ = *intersections;
+  return solver;
+}
+
+RaySurface RaySolver::surface() const { return {bands_.first(band_count_), intersections_.first(intersection_count_)}; }
+
+void RaySolver::find_bands(const RayGatherer& gatherer, const RayPoints& points) {
+  band_count_ = 0;
+  intersection_count_ = 0;
+  for (std::uint32_t j = 0; j < points.size; ++j) {
+    const float half = gatherer.half_chord(j);
+    float low = points.depth[j] - half;
+    float high = points.depth[j] + half;
+    // Depths ascend but the lower ends need not: a wide support may reach down into bands already closed.
+    while (band_count_ > 0 && (bands_[band_count_ - 1].high >= low || band_count_ == kMaxBands)) {
+      const Band& last = bands_[--band_count_];
+      low = std::min(low, last.low);
+      high = std::max(high, last.high);
+    }
+    bands_[band_count_++] = Band{low, high, 0, 0, false, false};
+  }
+}
+
+void RaySolver::solve_root(const RayPoints& points, float low, float low_value, float high, float high_value) {
+  if (intersection_count_ == kMaxIntersections) return;
+  const RayWindow range = window(points, low, high);
+  const bool entering = low_value > 0;  // from outside to inside while going up
+  const float enough = settings_.interval * settings_.width;
+  float root = 0.5F * (low + high);
+  // Illinois: regula falsi, and the value of an end that stays twice is halved, so that both ends close in.
+  int stayed = 0;
+  for (std::uint32_t i = 0; i < settings_.max_iterations && high - low > enough; ++i) {
+    root = (low * high_value - high * low_value) / (high_value - low_value);
+    if (!(root > low && root < high)) root = 0.5F * (low + high);
+    const float value = mls_value(points, range, root).distance;
+    if ((value > 0) == (low_value > 0)) {
+      low = root;
+      low_value = value;
+      if (stayed == -1) high_value *= 0.5F;
+      stayed = -1;
+    } else {
+      high = root;
+      high_value = value;
+      if (stayed == 1) low_value *= 0.5F;
+      stayed = 1;
+    }
+    if (value == 0) break;
+  }
+  if (high - low <= enough && high_value != low_value) {
+    root = std::clamp((low * high_value - high * low_value) / (high_value - low_value), low, high);
+  }
+  const MlsFrame frame = mls_frame(points, range, root);
+  intersections_[intersection_count_++] = {root, entering ? Direction::kEntering : Direction::kExiting, frame.normal,
+                                           frame.off_centre};
+}
+
+template <class NextQuery>
+void RaySolver::search(const RayPoints& points, Band& band, NextQuery next_query) {
+  band.first = intersection_count_;
+  const float inset = std::min(kEndInset * points.reach, 0.25F * (band.high - band.low));
+  const float start = band.low + inset;
+  const float end = band.high - inset;
+  float previous = start;
+  float previous_value = mls_value(points, window(points, start, start), start).distance;
+  band.inside_at_low = !(previous_value > 0);
+  for (;;) {
+    const float query = std::min(next_query(previous), end);
+    const MlsValue value = mls_value(points, window(points, query, query), query);
+    // Between the supports of thin scans a band may hold a place without weight: it says nothing.
+    if (value.weight > 0) {
+      if ((value.distance > 0) != (previous_value > 0))
+        solve_root(points, previous, previous_value, query, value.distance);
+      previous_value = value.distance;
+    }
+    previous = query;
+    if (query >= end) break;
+  }
+  band.inside_at_high = !(previous_value > 0);
+  band.last = intersection_count_;
+}
+
+RaySurface RaySolver::solve(const RayGatherer& gatherer, const RayPoints& points) {
+  find_bands(gatherer, points);
+  std::uint32_t candidate = 0;
+  for (Band& band : bands_.first(band_count_)) {
+    while (candidate < points.size && points.depth[candidate] < band.low) ++candidate;
+    search(points, band, [&](float previous) {
+      // The next candidate above the last query; one within w of it is merged into a query w above it.
+      while (candidate < points.size && (points.depth[candidate] <= previous)) ++candidate;
+      if (candidate == points.size || points.depth[candidate] > band.high) return band.high;
+      return std::max(points.depth[candidate], previous + settings_.width);
+    });
+  }
+  return surface();
+}
+
+RaySurface RaySolver::solve_uniform(const RayGatherer& gatherer, const RayPoints& points, float spacing) {
+  find_bands(gatherer, points);
+  for (Band& band : bands_.first(band_count_)) {
+    search(points, band, [&](float previous) { return previous + spacing; });
+  }
+  return surface();
+}
+
+}  // namespace plumbline

@@ -1,0 +1,293 @@
+#include "slicer/rays/ray_classifier.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "slicer/rays/extrapolated.hpp"
+
+namespace plumbline {
+namespace {
+
+constexpr const char* kStage = "perfect rays";
+constexpr std::uint32_t kMaxCrossingsFound = 4096;
+
+/// Farther from the surface's than this, one winding number tells for a whole tile. More than a hole's rounding can count.
+constexpr float kSure = 0.2F;
+
+/// Behind a sheet that stands alone the winding number is a half, whatever inside() makes of its rim. So it must be farther
+/// from the surface's than this for an object to be there.
+constexpr float kBeyondOneSheet = 0.05F;
+
+}  // namespace
+
+const char* to_string(RayDecision decision) {
+  switch (decision) {
+    case RayDecision::kOutside: return "outside";
+    case RayDecision::kPerfect: return "perfect";
+    case RayDecision::kRepaired: return "repaired";
+    case RayDecision::kWinding: return "winding number";
+    case RayDecision::kBase: return "base plane";
+  }
+  return "unknown";
+}
+
+std::size_t RayPerfecter::bytes_needed(std::uint32_t tile_capacity) {
+  return RayGatherer::bytes_needed(tile_capacity) + RaySolver::bytes_needed() +
+         Arena::rounded(kMaxCrossingsFound * sizeof(RayCrossing));
+}
+
+Expected<RayPerfecter> RayPerfecter::create(const Cloud& cloud, const KdTree2& tree, const WindingTree& winding,
+                                            const PrintGrid& grid, float max_radius, std::uint32_t tile_capacity,
+                                            const PerfectRaySettings& settings, Arena& arena) {
+  auto gatherer = RayGatherer::create(cloud, tree, tile_capacity, max_radius, arena);
+  if (!gatherer) return tl::unexpected<Error>(gatherer.error());
+  auto solver = RaySolver::create(settings.intersections, arena);
+  if (!solver) return tl::unexpected<Error>(solver.error());
+  auto crossings = arena.take_top<RayCrossing>(kMaxCrossingsFound, kStage);
+  if (!crossings) return tl::unexpected<Error>(crossings.error());
+
+  RayPerfecter perfecter;
+  perfecter.gatherer_ = *gatherer;
+  perfecter.solver_ = *solver;
+  perfecter.winding_ = &winding;
+  perfecter.grid_ = grid;
+  perfecter.settings_ = settings;
+  perfecter.crossings_ = *crossings;
+  perfecter.top_ = static_cast<float>(grid.layers) * grid.layer_height_mm;
+  perfecter.floor_ = std::max(0.0F, winding.base());
+  return perfecter;
+}
+
+void RayPerfecter::judge_tile(std::uint32_t level) {
+  Verdict& verdict = column_verdicts_[level];
+  if (verdict == Verdict::kUnknown) {
+    const float w = (*winding_)({column_centre_[0], column_centre_[1], level_height(level)});
+    verdict = w > WindingTree::kSurface + kSure   ? Verdict::kInside
+              : w < WindingTree::kSurface - kSure ? Verdict::kOutside
+                                                  : Verdict::kUnsure;
+  }
+  if (verdict == Verdict::kUnsure) return;
+  for (LevelSet& block : levels_) block.set(level, verdict == Verdict::kInside);
+}
+
+void RayPerfecter::begin_tile(std::uint32_t column, std::uint32_t row) {
+  const auto last_column = static_cast<float>(std::min(grid_.columns, column + RayGatherer::kTile) - 1);
+  const auto last_row = static_cast<float>(std::min(grid_.rows, row + RayGatherer::kTile) - 1);
+  const Vec2f low((static_cast<float>(column) + 0.5F) * grid_.pitch_x_mm,
+                  (static_cast<float>(row) + 0.5F) * grid_.pitch_y_mm);
+  const Vec2f high((last_column + 0.5F) * grid_.pitch_x_mm, (last_row + 0.5F) * grid_.pitch_y_mm);
+  gatherer_.gather(low, high);
+
+  levels_.fill({});
+  const std::uint32_t column_middle = column / kColumnSide * kColumnSide + kColumnSide / 2;
+  const std::uint32_t row_middle = row / kColumnSide * kColumnSide + kColumnSide / 2;
+  const Vec2f column_centre(static_cast<float>(column_middle) * grid_.pitch_x_mm,
+                            static_cast<float>(row_middle) * grid_.pitch_y_mm);
+  if (column_centre != column_centre_) column_verdicts_.fill(Verdict::kUnknown);
+  column_centre_ = column_centre;
+  // Depths ascend; a wide support that reaches down to levels already judged does not take that back.
+  std::uint32_t level = 0;
+  const auto judge_below = [&](float height) {
+    for (; level < kLevels && level_height(level) < height; ++level) judge_tile(level);
+  };
+  const auto skip_to = [&](float height) {
+    while (level < kLevels && level_height(level) <= height) ++level;
+  };
+  skip_to(floor_);
+  for (std::uint32_t t = 0; t < gatherer_.tile_points(); ++t) {
+    judge_below(gatherer_.tile_depth(t) - gatherer_.tile_radius(t));
+    skip_to(gatherer_.tile_depth(t) + gatherer_.tile_radius(t));
+  }
+  judge_below(top_);
+}
+
+bool RayPerfecter::alternates(const RaySurface& surface) const {
+  bool inside = false;
+  for (const Band& band : surface.bands) {
+    if (band.inside_at_low != inside) return false;
+    inside = band.inside_at_high;
+  }
+  return !inside;
+}
+
+void RayPerfecter::bisect(float x, float y, float from, float to, bool inside_at_from) {
+  emit(winding_->surface_between(x, y, from, to, inside_at_from, grid_.layer_height_mm), Evidence::kWinding);
+}
+
+bool RayPerfecter::level_inside(std::uint32_t level, float x, float y) {
+  LevelSet& block = levels_[ray_block_];
+  if (!block.knows(level)) block.set(level, winding_->inside({x, y, level_height(level)}));
+  return block.is_inside(level);
+}
+
+RayPerfecter::Gap RayPerfecter::decide_gap(float x, float y, float low, float high, bool below, bool above) {
+  const std::uint32_t crossings_before = crossing_count_;
+  GapWalk walk{x, y, low, below};
+  walk_levels(walk, high);
+  // Both shores know better than a sum over the whole cloud where nothing was asked between them.
+  if (!walk.begun) {
+    if (below != above) {
+      bisect(x, y, low, high, below);
+      used_winding_ = true;
+    }
+    return {below, above};
+  }
+  // The last place asked and the upper shore disagree: an unseen sheet between them, or a shore that faces the wrong way.
+  if (walk.inside != above && winding_->inside({x, y, high}) == above) step(walk, high, above);
+  if (crossing_count_ != crossings_before || walk.inside_at_low != below || walk.inside != above) used_winding_ = true;
+  return {walk.inside_at_low, walk.inside};
+}
+
+void RayPerfecter::step(GapWalk& walk, float z, bool inside) {
+  if (!walk.begun) {
+    walk.begun = true;
+    walk.inside_at_low = inside;
+    // The first place asked and the lower shore disagree, as above.
+    if (inside != walk.inside && winding_->inside({walk.x, walk.y, walk.at}) == walk.inside) {
+      walk.inside_at_low = walk.inside;
+      bisect(walk.x, walk.y, walk.at, z, walk.inside);
+    }
+  } else if (inside != walk.inside) {
+    bisect(walk.x, walk.y, walk.at, z, walk.inside);
+  }
+  walk.at = z;
+  walk.inside = inside;
+}
+
+void RayPerfecter::walk_levels(GapWalk& walk, float high) {
+  const float spacing = top_ / kLevels;
+  for (auto level = static_cast<std::uint32_t>(std::max(walk.at, 0.0F) / spacing); level < kLevels; ++level) {
+    const float z = level_height(level);
+    if (z >= high) break;
+    if (z > walk.at) step(walk, z, level_inside(level, walk.x, walk.y));
+  }
+}
+
+void RayPerfecter::emit(float depth, Evidence evidence, bool extrapolated) {
+  if (crossing_count_ == crossings_.size()) return;
+  crossings_[crossing_count_++] = {std::max(depth, floor_), evidence, extrapolated};
+}
+
+void RayPerfecter::remember(const RaySurface& surface) {
+  first_look_count_ = 0;
+  for (const auto& intersection : surface.intersections) {
+    if (first_look_count_ == kFirstLook) break;
+    first_look_[first_look_count_++] = intersection.depth;
+  }
+}
+
+Evidence RayPerfecter::evidence_of(float depth) const {
+  if (gatherer_.continued(depth)) return Evidence::kWinding;
+  const auto seen = std::span(first_look_).first(first_look_count_);
+  const bool again = std::any_of(seen.begin(), seen.end(),
+                                 [&](float first) { return std::abs(first - depth) <= settings_.intersections.width; });
+  return again ? Evidence::kMeasured : Evidence::kRepaired;
+}
+
+bool RayPerfecter::more_than_a_sheet(const Vec3f& x, bool is_inside) const {
+  const float w = (*winding_)(x);
+  return is_inside ? w > WindingTree::kSurface + kBeyondOneSheet : w < WindingTree::kSurface - kBeyondOneSheet;
+}
+
+bool RayPerfecter::bisect_agreed(float x, float y, float end, float place, bool inside_at_end) {
+  const auto inside = [&](float z) { return winding_->inside({x, y, z}); };
+  if (inside(end) != inside_at_end || inside(place) == inside_at_end) return false;
+  bisect(x, y, end, place, inside_at_end);
+  return true;
+}
+
+void RayPerfecter::cross_band(float x, float y, const RaySurface& surface, const Band& band, bool from, bool to) {
+  std::uint32_t first = band.first;
+  std::uint32_t last = band.last;
+  const bool wrong_low = band.inside_at_low != from;
+  const bool wrong_high = band.inside_at_high != to;
+  // How many sheets an end that the gap beside it contradicts costs: none where the winding number has a crossing before them.
+  const auto left_out = [&](float end, float other_end, std::uint32_t outermost, bool inside_at_end) {
+    const bool has_sheet = first != last;
+    const float place = has_sheet ? 0.5F * (end + surface.intersections[outermost].depth) : other_end;
+    const bool believed = !has_sheet || more_than_a_sheet({x, y, place}, !inside_at_end);
+    if (believed && bisect_agreed(x, y, end, place, inside_at_end)) return 0U;
+    if (!has_sheet) emit(end, Evidence::kWinding);
+    return has_sheet ? 1U : 0U;
+  };
+  // A sheet alone that is inside out is a patch that faces the wrong way, and stands where it is.
+  const bool turned = wrong_low && wrong_high && last - first < 2;
+  if (wrong_low && !turned) first += left_out(band.low, band.high, first, from);
+  if (wrong_high && !turned) last -= left_out(band.high, band.low, last - 1, to);
+  for (const Intersection& sheet : surface.intersections.subspan(first, last - first))
+    emit(sheet.depth, evidence_of(sheet.depth), sheet.off_centre > kExtrapolated);
+}
+
+void RayPerfecter::drop_thin_stretches() {
+  while (crossing_count_ > kMaxCrossings) {
+    std::uint32_t thinnest = 0;
+    const auto length = [&](std::uint32_t i) { return crossings_[i + 1].depth - crossings_[i].depth; };
+    for (std::uint32_t i = 1; i + 1 < crossing_count_; ++i) {
+      if (length(i) < length(thinnest)) thinnest = i;
+    }
+    std::copy(crossings_.begin() + thinnest + 2, crossings_.begin() + crossing_count_, crossings_.begin() + thinnest);
+    crossing_count_ -= 2;
+  }
+}
+
+PerfectRay RayPerfecter::ray(std::uint32_t column, std::uint32_t row) {
+  const float x = (static_cast<float>(column) + 0.5F) * grid_.pitch_x_mm;
+  const float y = (static_cast<float>(row) + 0.5F) * grid_.pitch_y_mm;
+  constexpr std::uint32_t kTile = RayGatherer::kTile;
+  ray_block_ = row % kTile / kBlock * (kTile / kBlock) + column % kTile / kBlock;
+  const RayPoints& points = gatherer_.points_of_ray(x, y);
+  RaySurface surface = solver_.solve(gatherer_, points);
+  remember(surface);
+  RayDecision decision = RayDecision::kPerfect;
+  if (!alternates(surface)) {
+    surface = solver_.solve_uniform(gatherer_, points, settings_.repair_spacing);
+    decision = RayDecision::kRepaired;
+  }
+
+  crossing_count_ = 0;
+  used_winding_ = false;
+  bool base = false;
+  bool inside = false;  // MLS sign below the gap
+  float reached = floor_;
+  Gap gap{false, false};
+  for (std::size_t b = 0; b <= surface.bands.size(); ++b) {
+    const bool last = b == surface.bands.size();
+    const Band* band = last ? nullptr : &surface.bands[b];
+    const bool above = !last && band->inside_at_low;
+    const float high = last ? top_ : band->low;
+    const bool was_inside = gap.inside_at_high;
+    if (high > reached && !(settings_.height_field && b == 0 && above)) {
+      gap = decide_gap(x, y, reached, high, inside, above);
+    } else {
+      gap = {above, above};  // the band starts at or below the base plane, or nothing unseen can lie below it
+    }
+    if (b == 0) {
+      base = gap.inside_at_low;
+      if (base) emit(floor_, Evidence::kBase);
+    } else {
+      cross_band(x, y, surface, surface.bands[b - 1], was_inside, gap.inside_at_low);
+    }
+    if (!last) {
+      inside = band->inside_at_high;
+      reached = std::max(reached, band->high);
+    }
+  }
+  if (gap.inside_at_high) emit(top_, Evidence::kWinding);
+
+  // Gaps have emitted before the bands below them, and neighbouring bands may stand in each other's way by a rounding: the
+  // order is what makes crossings alternate.
+  std::sort(crossings_.begin(), crossings_.begin() + crossing_count_, [](const RayCrossing& a, const RayCrossing& b) {
+    return std::tie(a.depth, a.evidence) < std::tie(b.depth, b.evidence);
+  });
+  std::span<RayCrossing> settled = crossings_.first(crossing_count_);
+  used_winding_ |= settle_extrapolated(settled, x, y, *winding_, points.reach);
+  crossing_count_ = static_cast<std::uint32_t>(settled.size());
+  drop_thin_stretches();
+  if (used_winding_) decision = RayDecision::kWinding;
+  if (base && crossing_count_ > 0) decision = winding_->has_base() ? RayDecision::kBase : RayDecision::kWinding;
+  if (crossing_count_ == 0) decision = RayDecision::kOutside;
+  return {std::span<const RayCrossing>(crossings_).first(crossing_count_ / 2 * 2), decision};
+}
+
+}  // namespace plumbline

@@ -1,0 +1,34 @@
+#pragma once
+/// The grid of rays: its natural width and which of its rays can meet the object (thesis III-2.c, III-4.a).
+
+#include <cstdint>
+
+#include "slicer/cloud/cloud.hpp"
+#include "slicer/cloud/kd_tree.hpp"
+#include "slicer/core/bit_image.hpp"
+#include "slicer/core/print_grid.hpp"
+
+namespace plumbline {
+
+struct RayGridSettings {
+  std::uint32_t neighbour = 10;       ///< k_2 of the thesis
+  std::uint32_t width_sample = 8192;  ///< points a class whose neighbours are searched, evenly spread over the order
+};
+
+/// Grid width w, mm: the scale of the queries; on a printer the pixels are the rays all the same.
+///
+///   w = sqrt(pi) * min(mean d'(entering), mean d'(exiting))                                  (thesis III-2.c)
+///
+/// d' is the distance in the plane to the k_2-th nearest other point of the same class. A class with no more than k_2
+/// points has no say.
+/// @returns mm; 0 when neither class has one
+float grid_width(const Cloud& cloud, const KdTree2& tree, const RayGridSettings& settings);
+
+/// Marks the interested rays: those with a point of the cloud within sqrt(2) w in the plane (passing rays), and all that
+/// passing rays enclose.
+/// @param interested  grid.columns x grid.rows, out
+/// @retval ErrorCode::kOutOfMemory  for one more image of that size
+[[nodiscard]] Status find_interested_rays(const Cloud& cloud, const PrintGrid& grid, float width, BitImage interested,
+                                          Arena& arena);
+
+}  // namespace plumbline

@@ -1,0 +1,108 @@
+#include "slicer/rays/ray_points.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace plumbline {
+namespace {
+
+constexpr const char* kStage = "ray search";
+
+}  // namespace
+
+std::size_t RayGatherer::bytes_needed(std::uint32_t capacity) {
+  return Arena::rounded(capacity * sizeof(TilePoint)) + Arena::rounded(capacity) +
+         Arena::rounded(capacity * sizeof(float)) + RayPoints::bytes_needed(capacity);
+}
+
+Expected<RayGatherer> RayGatherer::create(const Cloud& cloud, const KdTree2& tree, std::uint32_t capacity,
+                                          float max_radius, Arena& arena) {
+  RayGatherer gatherer;
+  gatherer.cloud_ = &cloud;
+  gatherer.tree_ = &tree;
+  gatherer.max_radius_ = max_radius;
+  auto tile = arena.take_top<TilePoint>(capacity, kStage);
+  if (!tile) return tl::unexpected<Error>(tile.error());
+  gatherer.tile_ = *tile;
+  auto practical = arena.take_top<std::uint8_t>(capacity, kStage);
+  if (!practical) return tl::unexpected<Error>(practical.error());
+  gatherer.practical_ = *practical;
+  auto half_chord = arena.take_top<float>(capacity, kStage);
+  if (!half_chord) return tl::unexpected<Error>(half_chord.error());
+  gatherer.half_chord_ = *half_chord;
+  auto columns = RayPoints::create(capacity, arena, kStage);
+  if (!columns) return tl::unexpected<Error>(columns.error());
+  gatherer.columns_ = *columns;
+  return gatherer;
+}
+
+void RayGatherer::gather(const Vec2f& low, const Vec2f& high) {
+  const Vec3f from(low[0] - max_radius_, low[1] - max_radius_, 0);
+  const Vec3f to(high[0] + max_radius_, high[1] + max_radius_, 0);
+  const auto order = tree_->order();
+  const auto seen = [&](std::uint32_t i) {
+    const Vec3f& p = cloud_->position[i];
+    const float radius = std::min(cloud_->radius[i], max_radius_);
+    const float dx = std::max({low[0] - p[0], 0.0F, p[0] - high[0]});
+    const float dy = std::max({low[1] - p[1], 0.0F, p[1] - high[1]});
+    return dx * dx + dy * dy < radius * radius;
+  };
+  const auto keep = [&](std::uint32_t i) {
+    const PackedNormal& n = cloud_->normal[i];
+    tile_[count_++] = {cloud_->position[i], std::min(cloud_->radius[i], max_radius_), n.unpack(), i,
+                       n.point_class != PointClass::kNeutral};
+  };
+
+  count_ = 0;
+  thinned_ = false;
+  std::uint32_t met = 0;
+  tree_->visit_box(from, to, [&](std::uint32_t first, std::uint32_t last) {
+    for (std::uint32_t at = first; at < last; ++at) {
+      if (!seen(order[at])) continue;
+      if (met++ < tile_.size()) keep(order[at]);
+    }
+  });
+  if (met > tile_.size()) {
+    // More than a surface can hold: every n-th point by index, so that the choice depends on nothing but the cloud.
+    thinned_ = true;
+    count_ = 0;
+    const auto stride = static_cast<std::uint32_t>((met + tile_.size() - 1) / tile_.size());
+    std::uint32_t nth = 0;
+    tree_->visit_box(from, to, [&](std::uint32_t first, std::uint32_t last) {
+      for (std::uint32_t at = first; at < last; ++at) {
+        if (seen(order[at]) && nth++ % stride == 0) keep(order[at]);
+      }
+    });
+  }
+  std::sort(tile_.begin(), tile_.begin() + count_, [](const TilePoint& a, const TilePoint& b) {
+    return a.position[2] < b.position[2] || (a.position[2] == b.position[2] && a.index < b.index);
+  });
+}
+
+const RayPoints& RayGatherer::points_of_ray(float x, float y) {
+  RayPoints& c = columns_;
+  c.size = 0;
+  c.reach = 0;
+  continued_low_ = std::numeric_limits<float>::max();
+  continued_high_ = std::numeric_limits<float>::lowest();
+  for (std::uint32_t t = 0; t < count_; ++t) {
+    const TilePoint& p = tile_[t];
+    const float dx = x - p.position[0];
+    const float dy = y - p.position[1];
+    const float distance2 = dx * dx + dy * dy;
+    const float radius2 = p.radius * p.radius;
+    if (distance2 >= radius2) continue;
+    half_chord_[c.size] = std::sqrt(radius2 - distance2);
+    practical_[c.size] = p.practical ? 1 : 0;
+    c.reach = std::max(c.reach, p.radius);
+    c.add(dx, dy, p.position[2], p.normal, 1.0F / radius2);
+    if (p.index < cloud_->seen()) continue;
+    continued_low_ = std::min(continued_low_, p.position[2] - p.radius);
+    continued_high_ = std::max(continued_high_, p.position[2] + p.radius);
+  }
+  c.close();
+  return c;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,170 @@
+#include "slicer/reader/formats/format_probe.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <optional>
+
+#include "slicer/reader/stream/number.hpp"
+#include "slicer/reader/stream/words.hpp"
+
+namespace plumbline {
+namespace {
+
+using std::string_view_literals::operator""sv;
+
+struct Mark {
+  std::string_view bytes;
+  const char* what;
+  const char* advice;
+};
+constexpr const char* kUnpack = "unpack it and give the scan inside";
+constexpr const char* kConvert = "convert it to PLY with the program that wrote it or with CloudCompare";
+constexpr const char* kMesh = "it is a mesh or a model, not a scan: export the scan's points as PLY";
+
+/// What people have on their sticks beside scans.
+constexpr Mark kMarks[] = {
+    {"\x1f\x8b"sv, "a gzip archive", kUnpack},
+    {"PK\x03\x04"sv, "a zip archive (or 3MF)", kUnpack},
+    {"PK\x05\x06"sv, "an empty zip archive", kUnpack},
+    {"7z\xbc\xaf\x27\x1c"sv, "a 7z archive", kUnpack},
+    {"Rar!\x1a\x07"sv, "a RAR archive", kUnpack},
+    {"\xfd"
+     "7zXZ\0"sv,
+     "an xz archive", kUnpack},
+    {"BZh"sv, "a bzip2 archive", kUnpack},
+    {"\x28\xb5\x2f\xfd"sv, "a zstd archive", kUnpack},
+    {"LASF"sv, "LAS or LAZ, an airborne scan", kConvert},
+    {"ASTM-E57"sv, "E57", kConvert},
+    {"glTF"sv, "glTF", kMesh},
+    {"Kaydara FBX"sv, "FBX", kMesh},
+    {"<?xml"sv, "XML", kConvert},
+};
+
+constexpr std::string_view kObjKeywords[] = {"v", "vn", "vt", "vp", "f",      "l",      "p",
+                                             "o", "g",  "s",  "mg", "mtllib", "usemtl", "usemap"};
+constexpr std::string_view kXyzEndings[] = {".xyz", ".txt", ".pts", ".asc", ".csv"};
+
+class Probe {
+ public:
+  Probe(ByteInput& input, std::string_view window) : input_(input), window_(window) {}
+
+  Expected<ScanFormat> format() {
+    PLUMBLINE_TRY(refuse_wide_text());
+    if (window_.starts_with("\xef\xbb\xbf")) {
+      input_.consume(3);
+      window_.remove_prefix(3);
+    }
+    if (window_.starts_with("ply") &&
+        (window_.size() == 3 || window_[3] == '\n' || window_[3] == '\r' || kBlanks(window_[3]))) {
+      return ScanFormat::kPly;
+    }
+    PLUMBLINE_TRY(refuse_other_formats());
+    if (window_.starts_with("# .PCD")) return ScanFormat::kPcd;
+
+    const auto line = first_line();
+    const auto word = Words(line, kBlanksAndCommas).next();
+    if (word == "VERSION" || word == "FIELDS" || word == "COLUMNS") return ScanFormat::kPcd;
+    const auto keyword = Words(line).next();
+    if (std::find(std::begin(kObjKeywords), std::end(kObjKeywords), keyword) != std::end(kObjKeywords)) {
+      return ScanFormat::kObj;
+    }
+    double number = 0;
+    const char* stop = word.empty() ? nullptr : parse_real(word.data(), word.data() + word.size(), number);
+    if (stop == word.data() + word.size() && stop != nullptr) return ScanFormat::kXyz;
+    return by_name(line);
+  }
+
+ private:
+  /// UTF-16 and UTF-32 with their byte order mark, or, without one, ASCII in every second byte.
+  Status refuse_wide_text() const {
+    const auto refuse = [&](const char* what) {
+      return input_.fail(ErrorCode::kUnsupported, "byte 0: the text is in %s; save it as UTF-8 or ASCII", what);
+    };
+    if (window_.starts_with("\xff\xfe\0\0"sv) || window_.starts_with("\0\0\xfe\xff"sv)) return refuse("UTF-32");
+    if (window_.starts_with("\xff\xfe") || window_.starts_with("\xfe\xff")) return refuse("UTF-16");
+    const std::size_t pairs = std::min<std::size_t>(window_.size() / 2, 16);
+    if (pairs < 4) return {};
+    for (const std::size_t text : {0U, 1U}) {
+      bool wide = true;
+      for (std::size_t i = 0; i < pairs && wide; ++i) {
+        const char letter = window_[2 * i + text];
+        wide =
+            window_[2 * i + 1 - text] == 0 && ((letter >= ' ' && letter <= '~') || (letter >= '\t' && letter <= '\r'));
+      }
+      if (wide) return refuse("UTF-16");
+    }
+    return {};
+  }
+
+  Status refuse_other_formats() const {
+    const auto refuse = [&](const char* what, const char* advice) {
+      return input_.fail(ErrorCode::kUnknownFormat, "this is %s; %s", what, advice);
+    };
+    for (const Mark& mark : kMarks) {
+      if (window_.starts_with(mark.bytes)) return refuse(mark.what, mark.advice);
+    }
+    if (is_stl()) return refuse("STL", kMesh);
+    const auto first = Words(window_.substr(0, window_.find_first_of("\r\n"))).next();
+    for (const std::string_view off : {"OFF", "COFF", "NOFF", "CNOFF", "STOFF", "4OFF", "nOFF"}) {
+      if (first == off) return refuse("OFF", kMesh);
+    }
+    return {};
+  }
+
+  /// Binary STL has no mark: 80 bytes of anything, the number of triangles, 50 bytes for each.
+  bool is_stl() const {
+    if (has_ending(input_.name(), ".stl")) return true;
+    if (window_.starts_with("solid") &&
+        (window_.find("facet") != std::string_view::npos || window_.find("endsolid") != std::string_view::npos)) {
+      return true;
+    }
+    constexpr std::size_t kHead = 84;
+    if (window_.size() < kHead || !input_.size()) return false;
+    std::uint64_t triangles = 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      triangles |= std::uint64_t{static_cast<unsigned char>(window_[80 + i])} << (8 * i);
+    }
+    return triangles > 0 && *input_.size() == kHead + 50 * triangles;
+  }
+
+  /// The first line that is neither empty nor a comment; empty where the window holds none.
+  std::string_view first_line() const {
+    std::string_view rest = window_;
+    while (!rest.empty()) {
+      const std::size_t end = std::min(rest.find_first_of("\r\n"), rest.size());
+      const auto line = rest.substr(0, end);
+      const auto word = Words(line).next();
+      if (!word.empty() && !word.starts_with('#') && !word.starts_with("//") && !word.starts_with(';')) return line;
+      rest.remove_prefix(std::min(end + 1, rest.size()));
+    }
+    return {};
+  }
+
+  Expected<ScanFormat> by_name(std::string_view line) const {
+    const bool is_text = window_.find('\0') == std::string_view::npos;
+    if (is_text && has_ending(input_.name(), ".obj")) return ScanFormat::kObj;
+    if (is_text && has_ending(input_.name(), ".pcd")) return ScanFormat::kPcd;
+    for (const std::string_view ending : kXyzEndings) {
+      if (is_text && has_ending(input_.name(), ending)) return ScanFormat::kXyz;
+    }
+    return input_.fail(ErrorCode::kUnknownFormat,
+                       "byte 0: expected a scan in PLY, XYZ, PTS, PCD or OBJ, found '%s'; %s",
+                       Quote(line.empty() ? window_ : line).c_str(), kConvert);
+  }
+
+  ByteInput& input_;
+  std::string_view window_;
+};
+
+}  // namespace
+
+Expected<ScanFormat> probe_format(ByteInput& input) {
+  const auto size = input.fill(input.capacity());
+  PLUMBLINE_TRY(size);
+  if (*size == 0) {
+    return input.fail(ErrorCode::kNoPoints, "the file is empty (0 bytes); copy or export the scan again");
+  }
+  return Probe(input, {input.begin(), *size}).format();
+}
+
+}  // namespace plumbline

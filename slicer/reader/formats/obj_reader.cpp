@@ -1,0 +1,176 @@
+#include <algorithm>
+#include <cassert>
+
+#include "slicer/reader/formats/scan_formats.hpp"
+#include "slicer/reader/records/record_text.hpp"
+#include "slicer/reader/stream/line_input.hpp"
+
+namespace plumbline {
+namespace {
+
+/// Bytes of a vertex line that is continued on the next one, put together.
+constexpr std::size_t kLongestJoined = 4096;
+
+/// Decides which normal is whose.
+///
+/// In OBJ a face ties normals to vertices by index. A stream can't wait for the faces, and a point cloud has none, so a
+/// normal is taken only where the file goes "vn v vn v" or "v vn v vn", as programs write point clouds: the first two
+/// such lines decide which. In a block of `v` and a block of `vn`, which meshes have, the points stay without normals.
+/// Where the pattern breaks further down, the points without exactly one `vn` beside them get none.
+class NormalPairing {
+ public:
+  explicit NormalPairing(PointBatch& batch) : batch_(batch) {}
+
+  Status vertex(const SlotValues& position) {
+    switch (order_) {
+      case Order::kUnknown:
+        if (held_ || normals_ > 1) {
+          PLUMBLINE_TRY(begin(Order::kNone));
+        } else if (normals_ == 1) {
+          PLUMBLINE_TRY(begin(Order::kNormalFirst));
+        } else {
+          break;
+        }
+        if (held_) PLUMBLINE_TRY(deliver());
+        break;
+      case Order::kVertexFirst: PLUMBLINE_TRY(deliver()); break;
+      case Order::kNormalFirst:
+      case Order::kNone: break;
+    }
+    std::copy_n(position, 3, point_ + kX);
+    held_ = true;
+    if (order_ == Order::kNormalFirst || order_ == Order::kNone) return deliver();
+    return {};
+  }
+
+  Status normal(const SlotValues& direction) {
+    if (order_ == Order::kUnknown && held_) PLUMBLINE_TRY(begin(Order::kVertexFirst));
+    std::copy_n(direction, 3, point_ + kNx);
+    normals_ = std::min(normals_ + 1, 2);
+    return {};
+  }
+
+  Status finish() {
+    if (order_ == Order::kUnknown) PLUMBLINE_TRY(begin(Order::kNone));
+    return held_ ? deliver() : Status{};
+  }
+
+ private:
+  enum class Order : std::uint8_t { kUnknown, kNormalFirst, kVertexFirst, kNone };
+
+  Status begin(Order order) {
+    order_ = order;
+    return batch_.begin(
+        {.format = ScanFormat::kObj, .encoding = "ascii", .has_normals = order != Order::kNone, .declared_points = {}});
+  }
+
+  Status deliver() {
+    if (normals_ != 1) std::fill_n(point_ + kNx, 3, 0.0);
+    batch_.add(point_);
+    held_ = false;
+    normals_ = 0;
+    return batch_.full() ? batch_.flush() : Status{};
+  }
+
+  PointBatch& batch_;
+  Order order_ = Order::kUnknown;
+  SlotValues point_ = {};
+  bool held_ = false;  ///< point_ has a position that is not delivered yet
+  int normals_ = 0;    ///< seen for point_: 0, 1, or 2 for more
+};
+
+bool is_continued(std::string_view text) { return !text.empty() && text.back() == '\\'; }
+
+class ObjReader {
+ public:
+  ObjReader(ByteInput& input, PointBatch& batch, std::span<char> joined)
+      : lines_(input), pairing_(batch), joined_(joined) {
+    for (const std::size_t slot : {kX, kY, kZ}) {
+      [[maybe_unused]] const bool fits = three_.add_field(ScalarType::kDouble, slot);
+      assert(fits);
+    }
+  }
+
+  Status read() {
+    for (;;) {
+      const auto found = lines_.next(line_);
+      PLUMBLINE_TRY(found);
+      if (!*found) return pairing_.finish();
+      const auto keyword = Words(line_.text).next();
+      const bool is_vertex = keyword == "v";
+      if (is_vertex || keyword == "vn") {
+        if (is_continued(line_.text)) PLUMBLINE_TRY(join());
+        Words words(line_.text);
+        words.next();
+        SlotValues row = {};
+        const RowOutcome outcome = parse_row(words.rest(), three_, kBlanks, row);
+        if (outcome.kind != RowOutcome::Kind::kWhole) return fail_row(lines_, line_, outcome);
+        PLUMBLINE_TRY(is_vertex ? pairing_.vertex(row) : pairing_.normal(row));
+      } else if (keyword.empty() || keyword.front() != '#') {
+        // A comment is not continued: "# C:\scans\" would swallow the vertex behind it.
+        PLUMBLINE_TRY(skip_continuation());
+      }
+    }
+  }
+
+ private:
+  /// Puts a continued line together in `joined_`.
+  Status join() {
+    std::size_t used = 0;
+    for (;;) {
+      const bool continued = is_continued(line_.text);
+      auto part = line_.text;
+      if (continued) part.remove_suffix(1);
+      if (line_.cut || part.size() + 1 > joined_.size() - used) {
+        return lines_.input().fail(ErrorCode::kUnsupported,
+                                   "line %llu: a vertex is continued over more than %zu bytes; export the file again",
+                                   static_cast<unsigned long long>(lines_.number()), joined_.size());
+      }
+      std::copy(part.begin(), part.end(), joined_.begin() + static_cast<std::ptrdiff_t>(used));
+      used += part.size();
+      joined_[used++] = ' ';
+      if (continued) {
+        const auto found = lines_.next(line_);
+        PLUMBLINE_TRY(found);
+        if (*found) continue;
+        line_.unterminated = true;
+        line_.cut = false;
+      }
+      line_.text = {joined_.data(), used};
+      return {};
+    }
+  }
+
+  /// Goes past the lines that continue the one just read, whatever their length.
+  Status skip_continuation() {
+    for (;;) {
+      bool continued = is_continued(line_.text) && !line_.cut;
+      if (line_.cut) {
+        const auto last = lines_.skip_rest();
+        PLUMBLINE_TRY(last);
+        continued = *last == '\\';
+      }
+      if (!continued) return {};
+      const auto found = lines_.next(line_);
+      PLUMBLINE_TRY(found);
+      if (!*found) return {};
+    }
+  }
+
+  LineInput lines_;
+  NormalPairing pairing_;
+  std::span<char> joined_;
+  Line line_;
+  RecordStep steps_[3];
+  RecordLayout three_{steps_};
+};
+
+}  // namespace
+
+Status read_obj(ByteInput& input, PointBatch& batch, Arena& memory) {
+  const auto joined = memory.take_bottom<char>(kLongestJoined, "reading OBJ");
+  PLUMBLINE_TRY(joined);
+  return ObjReader(input, batch, *joined).read();
+}
+
+}  // namespace plumbline

@@ -1,0 +1,39 @@
+#include "slicer/reader/formats/pcd_compressed.hpp"
+#include "slicer/reader/formats/pcd_header.hpp"
+#include "slicer/reader/formats/scan_formats.hpp"
+#include "slicer/reader/records/record_binary.hpp"
+#include "slicer/reader/records/record_text.hpp"
+#include "slicer/reader/stream/line_input.hpp"
+
+namespace plumbline {
+namespace {
+
+constexpr const char* encoding_of(PcdData data) {
+  switch (data) {
+    case PcdData::kAscii: return "ascii";
+    case PcdData::kBinary: return "binary little endian";
+    case PcdData::kBinaryCompressed: return "binary compressed";
+  }
+  return "";
+}
+
+}  // namespace
+
+Status read_pcd(ByteInput& input, PointBatch& batch, Arena& memory, Arena& columns) {
+  LineInput lines(input);
+  const auto header = read_pcd_header(lines, memory);
+  PLUMBLINE_TRY(header);
+  PLUMBLINE_TRY(batch.begin({.format = ScanFormat::kPcd,
+                             .encoding = encoding_of(header->data),
+                             .has_normals = header->layout.has_normal(),
+                             .declared_points = header->points,
+                             .reader_bytes = compressed_columns_bytes(*header)}));
+  switch (header->data) {
+    case PcdData::kAscii: return read_text_points(lines, header->layout, header->points, batch);
+    case PcdData::kBinary: return read_binary_points(input, header->layout, header->points, std::endian::little, batch);
+    case PcdData::kBinaryCompressed: return read_pcd_compressed(input, *header, batch, columns);
+  }
+  return {};
+}
+
+}  // namespace plumbline

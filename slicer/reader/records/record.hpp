@@ -1,0 +1,90 @@
+#pragma once
+/// What a record of a file (a PLY element, a PCD point, a row of columns) is made of.
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "slicer/reader/stream/point_batch.hpp"
+
+namespace plumbline {
+
+enum class ScalarType : std::uint8_t {
+  kInt8,
+  kUint8,
+  kInt16,
+  kUint16,
+  kInt32,
+  kUint32,
+  kInt64,
+  kUint64,
+  kFloat,
+  kDouble
+};
+
+/// Bytes in a binary file.
+constexpr std::size_t size_of(ScalarType type) {
+  switch (type) {
+    case ScalarType::kInt8:
+    case ScalarType::kUint8: return 1;
+    case ScalarType::kInt16:
+    case ScalarType::kUint16: return 2;
+    case ScalarType::kInt32:
+    case ScalarType::kUint32:
+    case ScalarType::kFloat: return 4;
+    case ScalarType::kInt64:
+    case ScalarType::kUint64:
+    case ScalarType::kDouble: return 8;
+  }
+  return 1;
+}
+constexpr bool is_integer(ScalarType type) { return type < ScalarType::kFloat; }
+
+/// The scalar of `type` at `bytes`, which need not be aligned.
+/// @param order  of the file's bytes
+double load_scalar(ScalarType type, const char* bytes, std::endian order);
+
+/// A record as steps to go through it: numbers that are wanted, and what lies between them. Neighbours that are not
+/// wanted are one step, so that ten thousand of them cost no more memory than one.
+struct RecordStep {
+  enum class Kind : std::uint8_t { kSkip, kField, kList };
+  Kind kind = Kind::kSkip;
+  ScalarType type = ScalarType::kInt8;  ///< of the field, or of the list's count
+  ScalarType item = ScalarType::kInt8;  ///< of the list's items
+  std::uint8_t slot = 0;                ///< where a field's value goes
+  std::uint64_t bytes = 0;              ///< of a skip or a field, in a binary file
+  std::uint64_t words = 0;              ///< of a skip, in a text
+};
+
+/// The steps of one record, in memory of the caller's.
+class RecordLayout {
+ public:
+  RecordLayout() = default;
+  explicit RecordLayout(std::span<RecordStep> room) : room_(room) {}
+
+  /// Each returns false where the room is used up.
+  [[nodiscard]] bool add_skip(std::uint64_t bytes, std::uint64_t words);
+  [[nodiscard]] bool add_field(ScalarType type, std::size_t slot);
+  [[nodiscard]] bool add_list(ScalarType count, ScalarType item);
+
+  std::span<const RecordStep> steps() const { return room_.first(used_); }
+  bool has(std::size_t slot) const { return (slots_ >> slot) & 1U; }
+  bool has_position() const { return has(kX) && has(kY) && has(kZ); }
+  bool has_normal() const { return has(kNx) && has(kNy) && has(kNz); }
+  bool has_lists() const { return lists_; }
+  /// In a binary file, the lists left out. The largest value where it is more than that.
+  std::uint64_t bytes() const { return bytes_; }
+
+ private:
+  std::span<RecordStep> room_;
+  std::size_t used_ = 0;
+  std::uint64_t bytes_ = 0;
+  std::uint8_t slots_ = 0;
+  bool lists_ = false;
+};
+
+}  // namespace plumbline

@@ -1,0 +1,117 @@
+#include "slicer/reader/records/record_binary.hpp"
+
+#include <algorithm>
+
+#include "slicer/reader/stream/number.hpp"
+
+namespace plumbline {
+namespace {
+
+using Kind = RecordStep::Kind;
+
+tl::unexpected<Error> fail_truncated(const ByteInput& input, const char* what, std::uint64_t came,
+                                     std::uint64_t promised) {
+  return input.fail(ErrorCode::kTruncated,
+                    "the file ends at byte %llu, after %llu of the %llu %s that its header promises; copy or export it "
+                    "again",
+                    static_cast<unsigned long long>(input.bytes_read()), static_cast<unsigned long long>(came),
+                    static_cast<unsigned long long>(promised), what);
+}
+
+/// One record, however long, in pieces.
+/// @returns false where the file ends within it
+Expected<bool> walk_record(ByteInput& input, const RecordLayout& layout, std::endian order, SlotValues& row) {
+  for (const RecordStep& step : layout.steps()) {
+    if (step.kind == Kind::kSkip) {
+      const auto skipped = input.skip(step.bytes);
+      PLUMBLINE_TRY(skipped);
+      if (*skipped < step.bytes) return false;
+      continue;
+    }
+    const std::size_t size = size_of(step.type);
+    const auto ready = input.fill(size);
+    PLUMBLINE_TRY(ready);
+    if (*ready < size) return false;
+    const double value = load_scalar(step.type, input.begin(), order);
+    if (step.kind == Kind::kField) {
+      row[step.slot] = value;
+      input.consume(size);
+      continue;
+    }
+    // A count of 64 bits that a double can't hold exactly is beyond any file anyway.
+    if (value < 0 || value > 1e15) {
+      return input.fail(ErrorCode::kMalformed,
+                        "byte %llu: a list must have 0 or more items, this one says %.0f; the file is damaged, export "
+                        "it again",
+                        static_cast<unsigned long long>(input.offset()), value);
+    }
+    input.consume(size);
+    const std::uint64_t bytes = static_cast<std::uint64_t>(value) * size_of(step.item);
+    const auto skipped = input.skip(bytes);
+    PLUMBLINE_TRY(skipped);
+    if (*skipped < bytes) return false;
+  }
+  return true;
+}
+
+/// Records of one size, as many at a time as the window holds.
+Status read_fixed(ByteInput& input, const RecordLayout& layout, std::uint64_t count, std::endian order,
+                  PointBatch& batch) {
+  const auto size = static_cast<std::size_t>(layout.bytes());
+  SlotValues row = {};
+  for (std::uint64_t done = 0; done < count;) {
+    const auto ready = input.fill(size);
+    PLUMBLINE_TRY(ready);
+    if (*ready < size) return fail_truncated(input, "points", done, count);
+    const std::uint64_t whole = std::min<std::uint64_t>(count - done, *ready / size);
+    for (std::uint64_t i = 0; i < whole; ++i) {
+      const char* at = input.begin();
+      for (const RecordStep& step : layout.steps()) {
+        if (step.kind == Kind::kField) row[step.slot] = load_scalar(step.type, at, order);
+        at += step.bytes;
+      }
+      input.consume(size);
+      batch.add(row);
+      if (batch.full()) PLUMBLINE_TRY(batch.flush());
+    }
+    done += whole;
+  }
+  return {};
+}
+
+}  // namespace
+
+Status read_binary_points(ByteInput& input, const RecordLayout& layout, std::uint64_t count, std::endian order,
+                          PointBatch& batch) {
+  if (!layout.has_lists() && layout.bytes() <= input.capacity()) {
+    return read_fixed(input, layout, count, order, batch);
+  }
+  SlotValues row = {};
+  for (std::uint64_t done = 0; done < count; ++done) {
+    const auto whole = walk_record(input, layout, order, row);
+    PLUMBLINE_TRY(whole);
+    if (!*whole) return fail_truncated(input, "points", done, count);
+    batch.add(row);
+    if (batch.full()) PLUMBLINE_TRY(batch.flush());
+  }
+  return {};
+}
+
+Status skip_binary_records(ByteInput& input, const RecordLayout& layout, std::uint64_t count, std::endian order) {
+  if (!layout.has_lists()) {
+    const std::uint64_t bytes = saturating_multiply(layout.bytes(), count);
+    const auto skipped = input.skip(bytes);
+    PLUMBLINE_TRY(skipped);
+    if (*skipped < bytes) return fail_truncated(input, "records before its points", *skipped / layout.bytes(), count);
+    return {};
+  }
+  SlotValues row = {};
+  for (std::uint64_t done = 0; done < count; ++done) {
+    const auto whole = walk_record(input, layout, order, row);
+    PLUMBLINE_TRY(whole);
+    if (!*whole) return fail_truncated(input, "records before its points", done, count);
+  }
+  return {};
+}
+
+}  // namespace plumbline

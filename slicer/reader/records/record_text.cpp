@@ -1,0 +1,126 @@
+#include "slicer/reader/records/record_text.hpp"
+
+#include "slicer/reader/stream/number.hpp"
+
+namespace plumbline {
+namespace {
+
+using Kind = RowOutcome::Kind;
+
+constexpr const char* kSlotNames[kSlots] = {"x", "y", "z", "the normal's x", "the normal's y", "the normal's z"};
+
+tl::unexpected<Error> fail_truncated(const LineInput& lines, const char* what, std::uint64_t came,
+                                     std::uint64_t promised) {
+  return lines.input().fail(
+      ErrorCode::kTruncated,
+      "the file ends behind line %llu, after %llu of the %llu %s that its header promises; copy or export it again",
+      static_cast<unsigned long long>(lines.number()), static_cast<unsigned long long>(came),
+      static_cast<unsigned long long>(promised), what);
+}
+
+/// @returns false where there are fewer than `count`
+bool skip_words(const char*& at, const char* last, std::uint64_t count, const Separators& separators) {
+  for (std::uint64_t i = 0; i < count; ++i) {
+    at = skip_separators(at, last, separators);
+    if (at == last) return false;
+    at = skip_word(at, last, separators);
+  }
+  return true;
+}
+
+}  // namespace
+
+bool is_blank(std::string_view text) {
+  return skip_separators(text.data(), text.data() + text.size(), kBlanks) == text.data() + text.size();
+}
+
+RowOutcome parse_row(std::string_view text, const RecordLayout& layout, const Separators& separators, SlotValues& row) {
+  const char* at = text.data();
+  const char* const last = at + text.size();
+  const auto steps = layout.steps();
+  for (const RecordStep& step : steps) {
+    if (step.kind == RecordStep::Kind::kSkip) {
+      if (!skip_words(at, last, step.words, separators)) return {.kind = Kind::kTooFew, .wanted = "a column"};
+      continue;
+    }
+    at = skip_separators(at, last, separators);
+    if (step.kind == RecordStep::Kind::kField) {
+      if (at == last) return {.kind = Kind::kTooFew, .wanted = kSlotNames[step.slot]};
+      const char* stop = parse_real(at, last, row[step.slot]);
+      if (stop == nullptr || (stop != last && !separators(*stop))) {
+        const auto length = static_cast<std::size_t>(skip_word(at, last, separators) - at);
+        return {.kind = Kind::kNotANumber, .word = {at, length}, .wanted = kSlotNames[step.slot]};
+      }
+      at = stop;
+      continue;
+    }
+    if (at == last && &step == &steps.back()) return {};
+    if (at == last) return {.kind = Kind::kTooFew, .wanted = "the length of a list"};
+    const char* stop = skip_word(at, last, separators);
+    const std::string_view word(at, static_cast<std::size_t>(stop - at));
+    const auto count = parse_count(word);
+    if (!count) return {.kind = Kind::kNotANumber, .word = word, .wanted = "the length of a list"};
+    at = stop;
+    if (!skip_words(at, last, *count, separators)) return {.kind = Kind::kTooFew, .wanted = "an item of a list"};
+  }
+  return {};
+}
+
+tl::unexpected<Error> fail_row(const LineInput& lines, const Line& line, const RowOutcome& outcome) {
+  const ByteInput& input = lines.input();
+  const auto number = static_cast<unsigned long long>(lines.number());
+  const bool at_end =
+      outcome.kind == Kind::kTooFew || outcome.word.data() + outcome.word.size() == line.text.data() + line.text.size();
+  if (line.cut && at_end) {
+    return input.fail(
+        ErrorCode::kUnsupported,
+        "line %llu: longer than the %zu bytes that are read as one row; export the points alone, one a line", number,
+        input.capacity());
+  }
+  if (line.unterminated && at_end) {
+    return input.fail(
+        ErrorCode::kTruncated,
+        "line %llu: the file ends in the middle of a point, where %s was expected; copy or export it again", number,
+        outcome.wanted);
+  }
+  if (outcome.kind == Kind::kTooFew) {
+    return input.fail(ErrorCode::kMalformed,
+                      "line %llu: too few numbers, %s is missing in '%s'; correct the line or export the file again",
+                      number, outcome.wanted, Quote(line.text).c_str());
+  }
+  return input.fail(ErrorCode::kMalformed,
+                    "line %llu: expected a number for %s, found '%s'; correct the line or export the file again",
+                    number, outcome.wanted, Quote(outcome.word).c_str());
+}
+
+Status read_text_points(LineInput& lines, const RecordLayout& layout, std::uint64_t count, PointBatch& batch) {
+  Line line;
+  SlotValues row = {};
+  for (std::uint64_t done = 0; done < count;) {
+    const auto found = lines.next(line);
+    PLUMBLINE_TRY(found);
+    if (!*found) return fail_truncated(lines, "points", done, count);
+    const RowOutcome outcome = parse_row(line.text, layout, kBlanks, row);
+    if (outcome.kind != Kind::kWhole) {
+      if (!line.cut && is_blank(line.text)) continue;
+      return fail_row(lines, line, outcome);
+    }
+    ++done;
+    batch.add(row);
+    if (batch.full()) PLUMBLINE_TRY(batch.flush());
+  }
+  return {};
+}
+
+Status skip_text_records(LineInput& lines, std::uint64_t count) {
+  Line line;
+  for (std::uint64_t done = 0; done < count;) {
+    const auto found = lines.next(line);
+    PLUMBLINE_TRY(found);
+    if (!*found) return fail_truncated(lines, "records before its points", done, count);
+    if (line.cut || !is_blank(line.text)) ++done;
+  }
+  return {};
+}
+
+}  // namespace plumbline

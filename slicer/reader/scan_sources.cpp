@@ -1,0 +1,35 @@
+#include "slicer/reader/scan_sources.hpp"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace plumbline {
+
+ScanTitle title_of(ScanSources sources) {
+  ScanTitle title;
+  const std::string_view first = sources.front()->name();
+  // Room for the rest of the sentence.
+  const auto length = static_cast<int>(std::min<std::size_t>(first.size(), title.text.size() - 24));
+  if (sources.size() == 1) {
+    std::snprintf(title.text.data(), title.text.size(), "%.*s", length, first.data());
+  } else {
+    std::snprintf(title.text.data(), title.text.size(), "%.*s and %zu more", length, first.data(), sources.size() - 1);
+  }
+  return title;
+}
+
+ScanSummary sum_of(const ScanSummaries& summaries) {
+  ScanSummary sum;
+  if (summaries.count == 0) return sum;
+  sum.header = summaries.each[0].header;
+  for (const ScanSummary& scan : summaries.all()) sum.header.has_normals |= scan.header.has_normals;
+  for (const ScanSummary& scan : summaries.all()) {
+    sum.points += scan.points;
+    sum.not_finite += scan.not_finite;
+    sum.bytes += scan.bytes;
+    if (sum.header.has_normals) sum.without_normal += scan.header.has_normals ? scan.without_normal : scan.points;
+  }
+  return sum;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,100 @@
+#include "slicer/reader/stream/byte_input.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cstdarg>
+#include <cstdio>
+#include <cstring>
+
+namespace plumbline {
+namespace {
+
+/// Often enough for a bar that moves on a slow stick, seldom enough to cost nothing where a source gives single bytes.
+constexpr std::uint64_t kReportEvery = 32 * 1024;
+
+/// The end of a long path tells more than its start, and the message needs its room for what went wrong.
+constexpr std::size_t kLongestName = 96;
+
+}  // namespace
+
+ByteInput::ByteInput(ByteSource& source, PointSink& sink, std::span<std::byte> buffer)
+    : source_(source), sink_(sink), data_(reinterpret_cast<char*>(buffer.data())), capacity_(buffer.size()) {
+  assert(!buffer.empty());
+}
+
+Expected<bool> ByteInput::more() {
+  assert(!full());
+  if (ended_) return false;
+  if (begin_ == end_) {
+    begin_ = end_ = 0;
+  } else if (end_ == capacity_) {
+    std::memmove(data_, data_ + begin_, available());
+    end_ -= begin_;
+    begin_ = 0;
+  }
+  const std::span<char> room(data_ + end_, capacity_ - end_);
+  const auto count = source_.read(std::as_writable_bytes(room));
+  PLUMBLINE_TRY(count);
+  assert(*count <= room.size());
+  if (*count == 0) {
+    ended_ = true;
+    return false;
+  }
+  end_ += *count;
+  bytes_read_ += *count;
+  if (bytes_read_ - reported_ >= kReportEvery) {
+    reported_ = bytes_read_;
+    const auto size = source_.size();
+    PLUMBLINE_TRY(
+        report(size && *size > 0 ? std::min(1.0, static_cast<double>(bytes_read_) / static_cast<double>(*size)) : 0.0));
+  }
+  return true;
+}
+
+Expected<std::size_t> ByteInput::fill(std::size_t bytes) {
+  assert(bytes <= capacity_);
+  while (available() < bytes) {
+    const auto grown = more();
+    PLUMBLINE_TRY(grown);
+    if (!*grown) break;
+  }
+  return available();
+}
+
+Expected<std::uint64_t> ByteInput::skip(std::uint64_t bytes) {
+  std::uint64_t left = bytes;
+  for (;;) {
+    const auto step = static_cast<std::size_t>(std::min<std::uint64_t>(left, available()));
+    consume(step);
+    left -= step;
+    if (left == 0) return bytes;
+    const auto grown = more();
+    PLUMBLINE_TRY(grown);
+    if (!*grown) return bytes - left;
+  }
+}
+
+Status ByteInput::finish() { return report(1.0); }
+
+Status ByteInput::report(double fraction) {
+  if (!sink_.progress(fraction)) {
+    return fail(ErrorCode::kCancelled, "reading was cancelled after %llu bytes",
+                static_cast<unsigned long long>(bytes_read_));
+  }
+  return {};
+}
+
+tl::unexpected<Error> ByteInput::fail(ErrorCode code, const char* pattern, ...) const {
+  char text[Error::kCapacity];
+  va_list args;
+  va_start(args, pattern);
+  std::vsnprintf(text, sizeof text, pattern, args);
+  va_end(args);
+  auto shown = name();
+  const bool cut = shown.size() > kLongestName;
+  if (cut) shown.remove_prefix(shown.size() - kLongestName);
+  return tl::unexpected<Error>(
+      Error::format(code, "%s%.*s: %s", cut ? "..." : "", static_cast<int>(shown.size()), shown.data(), text));
+}
+
+}  // namespace plumbline

@@ -1,0 +1,230 @@
+#include "slicer/rrep/components.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
+namespace plumbline {
+namespace {
+
+constexpr const char* kStage = "pieces";
+/// A piece in the air goes if it has less than one in so many voxels of the largest.
+constexpr std::uint32_t kSmallShare = 500;
+constexpr std::uint32_t kOutside = 0;  ///< the stretch that is everything beyond the object
+
+/// A ray's crossings and the number of its first stretch.
+///
+/// c crossings part the ray into stretches 0 to c; the odd ones are solid. Stretch 0, and stretch c when c is even, are
+/// outside; the others are numbered in the order of the rays.
+struct Ray {
+  std::span<const std::uint16_t> crossings;
+  std::uint32_t first = 0;
+
+  std::uint32_t inner() const { return numbered(static_cast<std::uint32_t>(crossings.size())); }
+  static std::uint32_t numbered(std::uint32_t count) { return count == 0 ? 0 : count - (count % 2 == 0 ? 1 : 0); }
+  std::uint32_t number(std::uint32_t stretch) const {
+    return stretch == 0 || stretch > inner() ? kOutside : first + stretch - 1;
+  }
+  std::uint32_t low(std::uint32_t stretch) const { return stretch == 0 ? 0 : crossings[stretch - 1]; }
+  std::uint32_t high(std::uint32_t stretch, std::uint32_t layers) const {
+    return stretch < crossings.size() ? crossings[stretch] : layers;
+  }
+};
+
+class Stretches {
+ public:
+  Stretches(std::span<std::uint32_t> parent, std::span<std::uint32_t> volume) : parent_(parent), volume_(volume) {
+    std::iota(parent_.begin(), parent_.end(), 0);
+    std::fill(volume_.begin(), volume_.end(), 0);
+  }
+  std::uint32_t root(std::uint32_t i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  void unite(std::uint32_t a, std::uint32_t b) {
+    a = root(a);
+    b = root(b);
+    if (a < b) std::swap(a, b);
+    parent_[a] = b;  // the outside, number 0, stays its own root
+  }
+  void grow(std::uint32_t i, std::uint64_t voxels) {
+    const auto sum = std::min<std::uint64_t>(kMostVoxels, volume(i) + voxels);
+    volume_[i] = (volume_[i] & ~kMostVoxels) | static_cast<std::uint32_t>(sum);
+  }
+  std::uint32_t volume(std::uint32_t i) const { return volume_[i] & kMostVoxels; }
+
+  static constexpr std::uint32_t kMostVoxels = (1U << 30) - 1;
+  static constexpr std::uint32_t kAtPlate = 1U << 30;     ///< some of the set lies on the plate
+  static constexpr std::uint32_t kBelowPlate = 1U << 31;  ///< some lies below
+  void mark(std::uint32_t root, std::uint32_t where) { volume_[root] |= where; }
+  /// What becomes of a set; its volume is forgotten.
+  void decide(std::uint32_t root, bool goes) { volume_[root] = goes ? 1 : 0; }
+  bool goes(std::uint32_t i) { return root(i) != kOutside && volume_[root(i)] != 0; }
+  bool stands(std::uint32_t root) const { return (volume_[root] & (kAtPlate | kBelowPlate)) == kAtPlate; }
+  std::uint32_t size() const { return static_cast<std::uint32_t>(parent_.size()); }
+
+ private:
+  std::span<std::uint32_t> parent_;
+  std::span<std::uint32_t> volume_;  ///< voxels, of a root all of its set's, and marks
+};
+
+/// Joins the stretches of two neighbouring rays that share a layer and are of one kind.
+void join(const Ray& a, const Ray& b, std::uint32_t layers, Stretches& stretches) {
+  std::uint32_t i = 0;
+  std::uint32_t j = 0;
+  while (i <= a.crossings.size() && j <= b.crossings.size()) {
+    const std::uint32_t high_a = a.high(i, layers);
+    const std::uint32_t high_b = b.high(j, layers);
+    const bool share = std::max(a.low(i), b.low(j)) < std::min(high_a, high_b);
+    if (share && i % 2 == j % 2) stretches.unite(a.number(i), b.number(j));
+    if (high_a <= high_b) ++i;
+    if (high_b <= high_a) ++j;
+  }
+}
+
+/// Whether a stretch belongs to a set that is to go.
+struct Sieve {
+  Stretches& stretches;
+  std::uint64_t speck;  ///< voxels: fewer are one
+  std::uint64_t small;  ///< voxels: a solid of fewer must stand on the plate, a hollow of fewer is none
+  std::uint32_t largest_piece;
+  bool is_speck(std::uint32_t root) const {
+    return root != kOutside && root != largest_piece && stretches.volume(root) < speck;
+  }
+  bool floats(std::uint32_t root, bool solid) const {
+    return solid && root != largest_piece && !stretches.stands(root) && stretches.volume(root) < small;
+  }
+  bool is_sealed(std::uint32_t root, bool solid) const {
+    return !solid && root != kOutside && stretches.volume(root) < small;
+  }
+  bool goes(std::uint32_t root, bool solid) const {
+    return is_speck(root) || floats(root, solid) || is_sealed(root, solid);
+  }
+};
+
+/// Marks the pieces that reach the plate, which is where the largest one begins, give or take so many layers.
+void mark_plate(CrossingStore& store, std::uint32_t largest, std::uint32_t layers, Stretches& stretches, Arena& arena) {
+  const auto for_each_solid = [&](auto visit) {
+    std::uint32_t first = 1;
+    store.for_each_row(arena, [&](std::uint32_t, std::span<CrossingStore::RayRef> row) {
+      for (const auto& ref : row) {
+        const Ray ray{ref.crossings(), first};
+        first += ray.inner();
+        for (std::uint32_t s = 1; s <= ray.inner(); s += 2) visit(stretches.root(ray.number(s)), ray.low(s));
+      }
+    });
+  };
+  std::uint32_t plate = std::numeric_limits<std::uint32_t>::max();
+  for_each_solid([&](std::uint32_t root, std::uint32_t low) {
+    if (root == largest) plate = std::min(plate, low);
+  });
+  for_each_solid([&](std::uint32_t root, std::uint32_t low) {
+    if (low <= plate + layers)
+      stretches.mark(root, low + layers < plate ? Stretches::kBelowPlate : Stretches::kAtPlate);
+  });
+}
+
+}  // namespace
+
+std::size_t pieces_bytes(const PrintGrid& grid, double rays, double crossings) {
+  // A ray with c crossings has c - 1 stretches inside; rows of the visitor and of the search.
+  constexpr std::size_t kMostStretches = std::numeric_limits<std::size_t>::max() / 64;  // in 32 bits, too
+  constexpr auto kMost = static_cast<double>(kMostStretches);
+  const auto stretches = static_cast<std::size_t>(std::clamp(crossings - rays, 0.0, kMost)) + 1;
+  return 2 * sizeof(std::uint32_t) * stretches +
+         grid.columns * (2 * sizeof(Ray) + sizeof(CrossingStore::RayRef) + 2 * sizeof(void*));
+}
+
+PieceCounts drop_pieces(CrossingStore& store, const PieceLimits& limits, Arena& arena) {
+  const ArenaScope scope(arena);
+  const PrintGrid& grid = store.grid();
+  PieceCounts counts;
+
+  std::size_t stretch_count = 1;  // fewer than the crossings, which are in memory
+  store.for_each_row(arena, [&](std::uint32_t, std::span<CrossingStore::RayRef> row) {
+    for (const auto& ray : row) stretch_count += Ray::numbered(ray.count());
+  });
+  auto parent = arena.take_top<std::uint32_t>(stretch_count, kStage);
+  auto volume = parent ? arena.take_top<std::uint32_t>(stretch_count, kStage) : parent;
+  auto rows = arena.take_top<Ray>(2 * std::size_t{grid.columns}, kStage);
+  if (!parent || !volume || !rows) return counts;
+  counts.counted = true;
+  Stretches stretches(*parent, *volume);
+
+  std::span<Ray> above = rows->first(grid.columns);
+  std::span<Ray> here = rows->last(grid.columns);
+  std::fill(above.begin(), above.end(), Ray{});
+  std::uint32_t next = 1;
+  store.for_each_row(arena, [&](std::uint32_t, std::span<CrossingStore::RayRef> row) {
+    for (std::uint32_t c = 0; c < grid.columns; ++c) {
+      here[c] = Ray{row[c].crossings(), next};
+      next += here[c].inner();
+      for (std::uint32_t s = 1; s <= here[c].inner(); ++s) {
+        stretches.grow(here[c].number(s), here[c].high(s, grid.layers) - here[c].low(s));
+      }
+      join(above[c], here[c], grid.layers, stretches);
+      if (c > 0) join(here[c - 1], here[c], grid.layers, stretches);
+    }
+    std::swap(above, here);
+  });
+
+  // Volumes go to the roots. A root's number is the lowest of its set, so every number above it is seen after it.
+  for (std::uint32_t i = 1; i < stretches.size(); ++i) {
+    const std::uint32_t root = stretches.root(i);
+    if (root != i) stretches.grow(root, stretches.volume(i));
+  }
+  Sieve sieve{stretches, limits.speck_voxels, 0, kOutside};
+  const auto for_each_root = [&](auto visit) {
+    std::uint32_t number = 1;
+    store.for_each_row(arena, [&](std::uint32_t, std::span<CrossingStore::RayRef> row) {
+      for (const auto& ray : row) {
+        const std::uint32_t inner = Ray::numbered(ray.count());
+        for (std::uint32_t s = 1; s <= inner; ++s, ++number) {
+          // A set begins in the first row that it has a part in: what lies below it there is what encloses it.
+          if (stretches.root(number) == number) visit(number, s % 2 == 1, s == 1 ? kOutside : number - 1);
+        }
+      }
+    });
+  };
+  for_each_root([&](std::uint32_t root, bool solid, std::uint32_t) {
+    const bool larger =
+        sieve.largest_piece == kOutside || stretches.volume(root) > stretches.volume(sieve.largest_piece);
+    if (solid && larger) sieve.largest_piece = root;
+  });
+  if (limits.drop_strange && sieve.largest_piece != kOutside) {
+    sieve.small = stretches.volume(sieve.largest_piece) / kSmallShare;
+    mark_plate(store, sieve.largest_piece, limits.plate_layers, stretches, arena);
+  }
+  // Roots ascend, so what encloses a set is decided before it.
+  for_each_root([&](std::uint32_t root, bool solid, std::uint32_t encloser) {
+    const std::uint32_t voxels = stretches.volume(root);
+    const bool merges = stretches.goes(encloser);  // which is then of its own kind
+    const bool goes = !merges && sieve.goes(root, solid);
+    if (goes) counts.dropped_voxels += voxels;
+    if (goes && !sieve.is_speck(root)) ++(solid ? counts.floating_pieces : counts.sealed_bubbles);
+    if (!goes && solid) counts.voxels += voxels;
+    if (!merges)
+      ++(solid ? (goes ? counts.dropped_pieces : counts.pieces) : (goes ? counts.filled_bubbles : counts.bubbles));
+    stretches.decide(root, goes);
+  });
+  if (counts.dropped_pieces + counts.filled_bubbles == 0) return counts;
+
+  std::uint32_t number = 1;
+  store.for_each_row(arena, [&](std::uint32_t, std::span<CrossingStore::RayRef> row) {
+    for (auto& ray : row) {
+      const Ray old{ray.crossings(), number};
+      const auto count = static_cast<std::uint32_t>(old.crossings.size());
+      number += old.inner();
+      // A crossing stays if what lies below it and what lies above it differ when the specks have changed sides.
+      const auto solid = [&](std::uint32_t s) { return (s % 2 == 1) != stretches.goes(old.number(s)); };
+      ray.begin_rewrite();
+      for (std::uint32_t s = 0; s < count; ++s) {
+        if (solid(s) != solid(s + 1)) ray.keep(old.crossings[s]);
+      }
+      ray.end_rewrite();
+    }
+  });
+  return counts;
+}
+
+}  // namespace plumbline

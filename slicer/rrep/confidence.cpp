@@ -1,0 +1,153 @@
+#include "slicer/rrep/confidence.hpp"
+
+#include <algorithm>
+#include <atomic>
+
+namespace plumbline {
+namespace {
+
+constexpr const char* kStage = "confidence map";
+
+constexpr std::uint8_t bit_of(Evidence evidence) {
+  return static_cast<std::uint8_t>(1U << static_cast<std::uint32_t>(evidence));
+}
+
+/// @param bits  not 0
+Evidence strongest(std::uint8_t bits) {
+  for (const Evidence evidence : {Evidence::kMeasured, Evidence::kBase, Evidence::kWinding}) {
+    if ((bits & bit_of(evidence)) != 0) return evidence;
+  }
+  return Evidence::kRepaired;
+}
+
+}  // namespace
+
+const char* to_string(Evidence evidence) {
+  switch (evidence) {
+    case Evidence::kMeasured: return "measured";
+    case Evidence::kRepaired: return "repaired";
+    case Evidence::kWinding: return "winding number";
+    case Evidence::kBase: return "base plane";
+  }
+  return "unknown";
+}
+
+std::size_t ConfidenceMap::bytes_needed(std::uint32_t layers) {
+  return Arena::rounded(std::size_t{layers} * sizeof(Counts)) + Arena::rounded(kMostCells);
+}
+
+Expected<ConfidenceMap> ConfidenceMap::create(const PrintGrid& grid, const Box3f& box, float least_cell, Arena& arena) {
+  ConfidenceMap map;
+  map.grid_ = grid;
+  map.low_ = box.low;
+  const Vec3f size = box.size();
+  float cell = std::max({least_cell, size.maxCoeff() / 256, 1e-3F});
+  const auto fit = [&] {
+    std::size_t count = 1;
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto cells = static_cast<std::int64_t>(size[axis] / cell) + 1;
+      map.dims_[static_cast<std::size_t>(axis)] = cells;
+      count *= static_cast<std::size_t>(cells);
+    }
+    return count <= kMostCells;
+  };
+  while (!fit()) cell *= 1.0625F;
+  map.inverse_ = 1 / cell;
+  const auto layers = arena.take_bottom<Counts>(grid.layers, kStage);
+  PLUMBLINE_TRY(layers);
+  const auto cells = arena.take_bottom<std::uint8_t>(kMostCells, kStage);
+  PLUMBLINE_TRY(cells);
+  map.layers_ = *layers;
+  map.cells_ = *cells;
+  std::fill(map.layers_.begin(), map.layers_.end(), Counts{});
+  std::fill(map.cells_.begin(), map.cells_.end(), std::uint8_t{0});
+  return map;
+}
+
+ConfidenceMap::Cell ConfidenceMap::cell_of(const Vec3f& p) const {
+  Cell cell{};
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto a = static_cast<std::size_t>(axis);
+    const float at = std::max(0.0F, (p[axis] - low_[axis]) * inverse_);
+    cell[a] = std::min(dims_[a] - 1, static_cast<std::int64_t>(at));
+  }
+  return cell;
+}
+
+Vec3f ConfidenceMap::middle_of(std::uint32_t column, std::uint32_t row, std::uint32_t layer) const {
+  return {(static_cast<float>(column) + 0.5F) * grid_.pitch_x_mm, (static_cast<float>(row) + 0.5F) * grid_.pitch_y_mm,
+          (static_cast<float>(layer) + 0.5F) * grid_.layer_height_mm};
+}
+
+void ConfidenceMap::add(std::uint32_t column, std::uint32_t row, std::uint32_t layer, Evidence evidence) {
+  if (layer < layers_.size()) {
+    std::atomic_ref(layers_[layer][static_cast<std::size_t>(evidence)]).fetch_add(1, std::memory_order_relaxed);
+  }
+  std::uint8_t& cell = cells_[index(cell_of(middle_of(column, row, layer)))];
+  const std::atomic_ref shared(cell);
+  // Nearly always it is there already, and reading is cheap.
+  if ((shared.load(std::memory_order_relaxed) & bit_of(evidence)) == 0) {
+    shared.fetch_or(bit_of(evidence), std::memory_order_relaxed);
+  }
+}
+
+void ConfidenceMap::add_point(const Vec3f& p) { cells_[index(cell_of(p))] |= bit_of(Evidence::kMeasured); }
+
+void ConfidenceMap::trim(std::uint32_t below, std::uint32_t above) {
+  if (empty()) return;
+  layers_ = layers_.subspan(below, layers_.size() - below - above);
+  low_[2] -= static_cast<float>(below) * grid_.layer_height_mm;
+}
+
+std::array<std::uint64_t, kEvidenceCount> ConfidenceMap::crossings() const {
+  std::array<std::uint64_t, kEvidenceCount> sum{};
+  for (const Counts& layer : layers_) {
+    for (std::size_t e = 0; e < kEvidenceCount; ++e) sum[e] += layer[e];
+  }
+  return sum;
+}
+
+std::array<double, kEvidenceCount> ConfidenceMap::surface() const {
+  // A plane of any direction passes through 1.5 cells for each area of a cell's side, the mean of |x| + |y| + |z| over the
+  // sphere. The base plane lies flat, and its rays tell its area.
+  constexpr double kCellsASide = 1.5;
+  const double side = 1 / static_cast<double>(inverse_);
+  std::array<double, kEvidenceCount> area{};
+  Cell cell{};
+  for (cell[2] = 0; cell[2] < dims_[2]; ++cell[2]) {
+    for (cell[1] = 0; cell[1] < dims_[1]; ++cell[1]) {
+      for (cell[0] = 0; cell[0] < dims_[0]; ++cell[0]) {
+        if (cells_[index(cell)] != 0) area[static_cast<std::size_t>(evidence_at(cell))] += side * side / kCellsASide;
+      }
+    }
+  }
+  constexpr auto kFlat = static_cast<std::size_t>(Evidence::kBase);
+  const double pixel = static_cast<double>(grid_.pitch_x_mm) * static_cast<double>(grid_.pitch_y_mm);
+  area[kFlat] = static_cast<double>(crossings()[kFlat]) * pixel;
+  double all = 0;
+  for (const double a : area) all += a;
+  for (double& a : area) a = all > 0 ? a / all : 0;
+  return area;
+}
+
+Evidence ConfidenceMap::evidence_at(const Cell& cell) const {
+  const std::uint8_t own = cells_[index(cell)];
+  if ((own & (bit_of(Evidence::kMeasured) | bit_of(Evidence::kBase))) != 0) return strongest(own);
+  std::uint8_t bits = own;
+  for (std::int64_t n = 0; n < 27; ++n) {
+    const Cell other{cell[0] + n % 3 - 1, cell[1] + n / 3 % 3 - 1, cell[2] + n / 9 - 1};
+    bool exists = true;
+    for (std::size_t axis = 0; axis < 3; ++axis) exists = exists && other[axis] >= 0 && other[axis] < dims_[axis];
+    if (exists) bits |= cells_[index(other)];
+  }
+  // What lies within a cell of the scan has been seen, even where a ray that grazes it needed help.
+  if ((bits & bit_of(Evidence::kMeasured)) != 0) return Evidence::kMeasured;
+  if (own != 0) return strongest(own);
+  return bits == 0 ? Evidence::kWinding : strongest(bits);
+}
+
+Evidence ConfidenceMap::at(std::uint32_t column, std::uint32_t row, std::uint32_t layer) const {
+  return evidence_at(cell_of(middle_of(column, row, layer)));
+}
+
+}  // namespace plumbline

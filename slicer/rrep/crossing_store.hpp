@@ -1,0 +1,166 @@
+#pragma once
+/// From perfect rays to the R-Rep at the bottom of the arena (DESIGN 3, stage 8).
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "slicer/core/arena.hpp"
+#include "slicer/core/bit_image.hpp"
+#include "slicer/core/progress.hpp"
+#include "slicer/rays/ray_classifier.hpp"
+#include "slicer/rrep/rrep.hpp"
+
+namespace plumbline {
+
+/// The layer that a crossing at this depth belongs to: the first one whose sampling height is not below it.
+/// @param depth  mm; below 0 counts as layer 0
+/// @returns 0 to grid.layers; grid.layers: above every sampling height
+std::uint32_t layer_of(float depth, const PrintGrid& grid);
+
+struct RayCounts {
+  std::uint64_t passing_tiles = 0;
+  std::uint64_t interested = 0;                               ///< rays
+  std::array<std::uint64_t, kRayDecisionCount> decided = {};  ///< rays, by RayDecision
+  std::uint64_t thinned_tiles = 0;                            ///< tiles with more points than their thread has room for
+};
+
+/// Crossings as the rays deliver them: tile after tile, each one 64 counts and then two bytes a crossing. Grows at the
+/// bottom of the arena, in whatever order the threads finish; a directory keeps where each tile begins.
+class CrossingStore {
+ public:
+  static constexpr std::uint32_t kTile = RayGatherer::kTile;
+  static constexpr std::uint32_t kEmpty = 0xFFFFFFFFU;
+
+  /// Takes the directory and everything that is left between the two ends of the arena.
+  [[nodiscard]] static Expected<CrossingStore> create(const PrintGrid& grid, Arena& arena);
+
+  std::uint32_t tile_columns() const { return tile_columns_; }
+  std::uint32_t tile_rows() const { return tile_rows_; }
+
+  /// Called from many threads, once a tile.
+  /// @param counts  crossings of each of its 64 rays, row by row
+  /// @param layers  the layer of each crossing, ray after ray
+  /// @retval ErrorCode::kOutOfMemory
+  [[nodiscard]] Status put(std::uint32_t tile, std::span<const std::uint8_t> counts,
+                           std::span<const std::uint16_t> layers);
+
+  const PrintGrid& grid() const { return grid_; }
+
+  /// One ray's entry: its crossings, which may be rewritten, fewer but not more.
+  class RayRef {
+   public:
+    std::uint32_t count() const { return *count_; }
+    std::span<const std::uint16_t> crossings() const { return {read_, *count_}; }
+    void begin_rewrite() { kept_ = 0; }
+    void keep(std::uint16_t layer) { (*write_)[kept_++] = layer; }
+    void end_rewrite() {
+      *count_ = static_cast<std::uint8_t>(kept_);
+      *write_ += kept_;
+    }
+
+   private:
+    friend class CrossingStore;
+    std::uint8_t* count_ = nullptr;
+    const std::uint16_t* read_ = nullptr;
+    std::uint16_t** write_ = nullptr;  ///< where the tile's crossings are packed to
+    std::uint32_t kept_ = 0;
+  };
+
+  /// Calls `visit(row, rays)` for every row of the grid, top to bottom, with a RayRef a column. When the visitor rewrites
+  /// rays it must rewrite all of them.
+  /// @param arena  a few words a column from the top; nothing is visited when it has none left
+  template <class Visit>
+  void for_each_row(Arena& arena, Visit visit);
+
+  /// Gives back what no crossing took.
+  void close(Arena& arena) { arena.trim_bottom(data_.data(), std::size_t{used_} * sizeof(std::uint16_t)); }
+
+  /// Sorts all crossings by layer. Everything else must be gone from the arena's top: the store moves there first.
+  [[nodiscard]] static Expected<RRep> sort(CrossingStore& store, Arena& arena);
+
+ private:
+  template <class Visit>
+  void for_each_crossing(std::span<std::uint32_t> cursor, Visit visit) const;
+
+  PrintGrid grid_;
+  std::uint32_t tile_columns_ = 0;
+  std::uint32_t tile_rows_ = 0;
+  std::size_t bottom_mark_ = 0;
+  std::span<std::uint32_t> directory_;  ///< where each tile begins, in units of 2 bytes
+  std::span<std::uint16_t> data_;
+  std::uint32_t used_ = 0;  ///< of data_
+};
+
+template <class Visit>
+void CrossingStore::for_each_row(Arena& arena, Visit visit) {
+  const ArenaScope scope(arena);
+  auto rays = arena.take_top<RayRef>(grid_.columns, "R-Rep");
+  auto reads = arena.take_top<std::uint16_t*>(tile_columns_, "R-Rep");
+  auto writes = arena.take_top<std::uint16_t*>(tile_columns_, "R-Rep");
+  if (!rays || !reads || !writes) return;
+  std::uint8_t none = 0;
+  for (std::uint32_t tile_row = 0; tile_row < tile_rows_; ++tile_row) {
+    const std::uint32_t* directory = &directory_[std::size_t{tile_row} * tile_columns_];
+    for (std::uint32_t t = 0; t < tile_columns_; ++t) {
+      (*reads)[t] = (*writes)[t] = directory[t] == kEmpty ? nullptr : &data_[directory[t] + kTile * kTile / 2];
+    }
+    for (std::uint32_t r = 0; r < kTile && tile_row * kTile + r < grid_.rows; ++r) {
+      for (std::uint32_t c = 0; c < grid_.columns; ++c) {
+        const std::uint32_t t = c / kTile;
+        RayRef& ray = (*rays)[c];
+        ray.count_ = &none;
+        ray.read_ = (*reads)[t];
+        ray.write_ = &(*writes)[t];
+        if (directory[t] != kEmpty) {
+          ray.count_ = reinterpret_cast<std::uint8_t*>(&data_[directory[t]]) + std::size_t{r} * kTile + c % kTile;
+          (*reads)[t] += *ray.count_;
+        }
+      }
+      visit(tile_row * kTile + r, *rays);
+    }
+  }
+}
+
+/// Everything that the ray stage reads.
+struct RayField {
+  const Cloud* cloud = nullptr;
+  const KdTree2* tree = nullptr;
+  const WindingTree* winding = nullptr;
+  ConstBitImage interested;
+  ConfidenceMap* confidence = nullptr;  ///< null: none is kept
+  PrintGrid grid;
+  float max_radius = 0;  ///< mm
+  std::uint32_t tile_capacity = 0;
+  PerfectRaySettings settings;
+};
+
+/// The workers that shoot the rays, one a thread.
+class RayShooter {
+ public:
+  static constexpr std::uint32_t kMaxThreads = 64;
+
+  /// Bytes of arena for one worker.
+  static std::size_t bytes_needed(std::uint32_t tile_capacity);
+
+  /// Takes the workers' memory from the top of the arena: before the store, which takes all that is left.
+  [[nodiscard]] static Expected<RayShooter> create(const RayField& field, std::uint32_t threads, Arena& arena);
+
+  /// Shoots every interested ray and stores its crossings. The result does not depend on the number of threads.
+  /// @retval ErrorCode::kOutOfMemory, kCancelled
+  [[nodiscard]] Expected<RayCounts> shoot(CrossingStore& store, ProgressSink* progress);
+
+ private:
+  struct Worker {
+    RayPerfecter perfecter;
+    std::span<std::uint16_t> layers;
+    RayCounts counts;
+  };
+  Status shoot_tile(Worker& worker, std::uint32_t tile, CrossingStore& store) const;
+
+  RayField field_;
+  std::array<Worker, kMaxThreads> workers_;
+  std::uint32_t threads_ = 1;
+};
+
+}  // namespace plumbline

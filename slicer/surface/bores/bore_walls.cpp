@@ -1,0 +1,206 @@
+#include "slicer/surface/bores/bore_walls.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <optional>
+
+#include "slicer/surface/bores/bore_surface.hpp"
+#include "slicer/surface/bores/round_bores.hpp"
+
+namespace plumbline {
+namespace {
+
+constexpr const char* kStage = "bore walls";
+
+constexpr std::uint32_t kMostEnds = 4096;
+constexpr std::uint32_t kFewSparse = 16;  ///< one point in so many at most: of more, epsilon tells no density
+constexpr std::uint32_t kChunk = 1024;    ///< points between two looks at the progress
+constexpr float kAlike = 0.5F;            ///< least inner product of the normals of two ends
+constexpr float kSlope = 0.2F;            ///< of the line between them against the wall, at most
+constexpr float kWidthRatio = 1.5F;       ///< of their widths, at most
+constexpr float kShortest = 2;            ///< times epsilon
+constexpr float kLongest = 6;             ///< times the width
+constexpr float kAround = 0.6F;           ///< of the width: walls all round an end are as near as this to a circle
+constexpr float kFacing = 0.3F;           ///< least inner product of their normals with the way to its middle
+constexpr float kClear = 0.3F;            ///< of the width: round the middle of the bore there is no point so near
+
+// Of the time, so far:
+constexpr double kFound = 0.5;
+constexpr double kRoundOnes = 0.75;
+
+/// Between two ends, along the wall.
+struct Line {
+  Vec3f from;
+  Vec3f chord;
+  float length;
+  Vec3f normal;  ///< of the wall
+};
+
+/// Cells that have a point already.
+class Cells {
+ public:
+  Cells(std::span<std::uint64_t> slots, const Vec3f& low, float edge) : slots_(slots), low_(low), inverse_(1 / edge) {
+    std::fill(slots_.begin(), slots_.end(), 0);
+  }
+  /// @returns false: it was taken
+  bool take(const Vec3f& p) {
+    std::uint64_t key = 1;
+    for (int axis = 0; axis < 3; ++axis) {
+      key = key << 21U | (static_cast<std::uint64_t>((p[axis] - low_[axis]) * inverse_) & 0x1FFFFFU);
+    }
+    auto slot = static_cast<std::size_t>(key * 0x9E3779B97F4A7C15U >> (64 - std::bit_width(slots_.size() - 1)));
+    while (slots_[slot] != 0 && slots_[slot] != key) slot = (slot + 1) % slots_.size();
+    if (slots_[slot] == key) return false;
+    slots_[slot] = key;
+    return true;
+  }
+
+ private:
+  std::span<std::uint64_t> slots_;  ///< 0: empty; a power of two of them, of which half stay empty
+  Vec3f low_;
+  float inverse_;
+};
+
+std::size_t slots_for(std::uint32_t room) { return std::bit_ceil(std::size_t{2} * room + 2); }
+
+/// Nothing where the surface is sparse in too many places.
+Expected<std::span<BoreEnd>> find_ends(const BoreSurface& surface, std::span<BoreEnd> room,
+                                       const StageProgress& progress) {
+  const auto is_sparse = [&](std::uint32_t i) { return surface.is_surface(i) && surface.hardly_seen(i); };
+  std::uint32_t sparse = 0;
+  for (std::uint32_t i = 0; i < surface.seen(); ++i) sparse += is_sparse(i) ? 1 : 0;
+  std::size_t count = 0;
+  for (std::uint32_t i = 0; i < surface.seen() && sparse <= surface.seen() / kFewSparse && count < room.size(); ++i) {
+    if (i % kChunk == 0 && !progress.advance(1.0 * i / surface.seen())) {
+      return fail(ErrorCode::kCancelled, "cancelled while bores were looked for");
+    }
+    if (!is_sparse(i)) continue;
+    if (const auto width = surface.width_at(i)) room[count++] = {i, *width};
+  }
+  return room.first(count);
+}
+
+/// Along lines between two ends, for bores that are not round.
+class Continuation {
+ public:
+  Continuation(BoreSurface& surface, Cells& cells) : surface_(surface), cells_(cells) {}
+
+  Status run(std::span<const BoreEnd> ends, const StageProgress& progress) {
+    for (std::size_t a = 0; a < ends.size(); ++a) {
+      if (!progress.advance(static_cast<double>(a) / static_cast<double>(ends.size()))) {
+        return fail(ErrorCode::kCancelled, "cancelled while the walls of bores were continued");
+      }
+      for (std::size_t b = a + 1; b < ends.size(); ++b) {
+        if (const auto line = line_between(ends[a], ends[b])) fill(*line);
+      }
+    }
+    return {};
+  }
+
+ private:
+  /// Nothing where they do not belong together.
+  std::optional<Line> line_between(const BoreEnd& a, const BoreEnd& b) const {
+    const Vec3f& p = surface_.position(a.point);
+    const Vec3f chord = surface_.position(b.point) - p;
+    const float width = std::min(a.width, b.width);
+    const float length2 = chord.dot(chord);
+    const float longest = kLongest * width;
+    const float shortest = kShortest * surface_.epsilon();
+    if (length2 > longest * longest || length2 < shortest * shortest) return std::nullopt;
+    if (std::max(a.width, b.width) > kWidthRatio * width) return std::nullopt;
+    const Vec3f normal_a = surface_.normal(a.point);
+    const Vec3f normal_b = surface_.normal(b.point);
+    if (normal_a.dot(normal_b) < kAlike) return std::nullopt;
+    const float length = std::sqrt(length2);
+    const Vec3f along = chord * (1 / length);
+    const Vec3f mean = normal_a + normal_b;
+    const float slope = mean.dot(along);
+    if (slope * slope > kSlope * kSlope * mean.dot(mean)) return std::nullopt;
+    const Vec3f across = mean - along * slope;
+    const Line line{p, chord, length, across * (1 / std::sqrt(across.dot(across)))};
+    if (!unseen(line, width) || !enclosed(p, line, width) || !enclosed(p + chord, line, width)) return std::nullopt;
+    return line;
+  }
+
+  /// Whether there are walls all round the bore at a place on its wall.
+  bool enclosed(const Vec3f& wall, const Line& line, float width) const {
+    const Vec3f axis = wall + line.normal * (0.5F * width);
+    const Vec3f sideways = line.chord.cross(line.normal) * (1 / line.length);
+    constexpr float kDiagonal = 0.70710678F;
+    constexpr std::array<std::array<float, 2>, 8> kRound{{{1, 0},
+                                                          {kDiagonal, kDiagonal},
+                                                          {0, 1},
+                                                          {-kDiagonal, kDiagonal},
+                                                          {-1, 0},
+                                                          {-kDiagonal, -kDiagonal},
+                                                          {0, -1},
+                                                          {kDiagonal, -kDiagonal}}};
+    return std::all_of(kRound.begin(), kRound.end(), [&](const auto& direction) {
+      const Vec3f outwards = line.normal * direction[0] + sideways * direction[1];
+      return faces(axis + outwards * (0.5F * width), outwards * -1, kAround * width);
+    });
+  }
+
+  /// Whether a point within `reach` of x faces this way.
+  bool faces(const Vec3f& x, const Vec3f& way, float reach) const {
+    return surface_.any_near(x, [&](const Neighbour& other) {
+      return other.distance2 < reach * reach && surface_.normal(other.index).dot(way) > kFacing;
+    });
+  }
+
+  void fill(const Line& line) {
+    const auto steps = static_cast<int>(line.length / (BoreSurface::kSpacing * surface_.epsilon()));
+    for (int k = 1; k < steps && !surface_.full(); ++k) {
+      const Vec3f x = line.from + line.chord * (static_cast<float>(k) / static_cast<float>(steps));
+      if (!surface_.has_wall(x, line.normal) && cells_.take(x)) surface_.add(x, line.normal);
+    }
+  }
+
+  bool unseen(const Line& line, float width) const {
+    const Vec3f along = line.chord * (1 / line.length);
+    const float step = 0.5F * surface_.epsilon();
+    for (float t = 0.25F * line.length; t < 0.75F * line.length; t += step) {
+      if (surface_.distance2(line.from + along * t) < surface_.epsilon() * surface_.epsilon()) return false;
+    }
+    const float clear2 = kClear * kClear * width * width;
+    const Vec3f middle = line.from + line.normal * (0.5F * width);
+    for (float t = step; t < line.length - step; t += 0.25F * width) {
+      if (surface_.distance2(middle + along * t) < clear2) return false;
+    }
+    return true;
+  }
+
+  BoreSurface& surface_;
+  Cells& cells_;
+};
+
+}  // namespace
+
+std::size_t bore_walls_bytes(std::uint32_t points) {
+  return Arena::rounded(kMostEnds * sizeof(BoreEnd)) +
+         Arena::rounded(slots_for(Cloud::spare(points)) * sizeof(std::uint64_t));
+}
+
+Expected<BoreWalls> continue_bore_walls(Cloud& cloud, const KdTree3& tree, ClusteringResult& clustering, Arena& arena,
+                                        const StageProgress& progress) {
+  const ArenaScope scope(arena);
+  const auto room = arena.take_top<BoreEnd>(kMostEnds, kStage);
+  PLUMBLINE_TRY(room);
+  const auto slots = arena.take_top<std::uint64_t>(slots_for(cloud.capacity() - cloud.size), kStage);
+  PLUMBLINE_TRY(slots);
+  const float edge = BoreSurface::kSpacing * clustering.epsilon;
+  Cells cells(*slots, cloud.bounds().low, edge);
+  BoreSurface surface(cloud, tree, clustering);
+  auto ends = find_ends(surface, *room, progress.part(0, kFound));
+  PLUMBLINE_TRY(ends);
+  ends = continue_round_bores(surface, *ends, progress.part(kFound, kRoundOnes));
+  PLUMBLINE_TRY(ends);
+  PLUMBLINE_TRY(Continuation(surface, cells).run(*ends, progress.part(kRoundOnes, 1)));
+  cloud.continued = surface.added();
+  return BoreWalls{cloud.continued, edge * edge * static_cast<float>(cloud.continued)};
+}
+
+}  // namespace plumbline

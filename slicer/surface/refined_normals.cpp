@@ -1,0 +1,166 @@
+#include "slicer/surface/refined_normals.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "slicer/cloud/neighbourhood.hpp"
+#include "slicer/cloud/tangent_plane.hpp"
+#include "slicer/core/frame.hpp"
+#include "slicer/core/loop_progress.hpp"
+
+namespace plumbline {
+namespace {
+
+constexpr float kPlanePoints = 26;          ///< of a scanner's normal
+constexpr float kPlaneSupports = 5.0F / 3;  ///< points of an estimated normal's plane, of those of a support
+constexpr float kFacing = 0.5F;             ///< least inner product of the normals
+constexpr std::uint32_t kFewest = 6;
+constexpr float kLeastSide = 0.2F;      ///< mean of the inner products with the normals of the others
+constexpr float kLeastWidth = 0.05F;    ///< of a plane's points across against along, squared: less is a line
+constexpr float kMostTilt = 1;          ///< tangent: more is another sheet
+constexpr float kBeside = 0.1F;         ///< of epsilon: farther from the plane of those that face its way is beside it
+constexpr float kWeightsSpread = 0.4F;  ///< sum w^2 u^2 / sum w u^2 over a disc
+
+/// Weighted moments of the points round one point.
+struct Moments {
+  std::uint32_t count = 0;
+  float weight = 0;
+  Vec3f first = Vec3f::Zero();
+  float xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
+
+  void add(const Vec3f& d, float w) {
+    const Vec3f wd = d * w;
+    ++count;
+    weight += w;
+    first += wd;
+    xx += wd[0] * d[0];
+    xy += wd[0] * d[1];
+    xz += wd[0] * d[2];
+    yy += wd[1] * d[1];
+    yz += wd[1] * d[2];
+    zz += wd[2] * d[2];
+  }
+  /// Weighted covariance along a and b, times the weight.
+  float along(const Vec3f& a, const Vec3f& b) const {
+    const Vec3f scatter_b(xx * b[0] + xy * b[1] + xz * b[2], xy * b[0] + yy * b[1] + yz * b[2],
+                          xz * b[0] + yz * b[1] + zz * b[2]);
+    return a.dot(scatter_b) - first.dot(a) * first.dot(b) / weight;
+  }
+};
+
+void add_all(const Member& m, float radius2, const Neighbourhood& batch, Moments& moments) {
+  const float inverse2 = 1 / radius2;
+  for (std::uint32_t j = 0; j < batch.size; ++j) {
+    const Vec3f d(batch.x[j] - m.position[0], batch.y[j] - m.position[1], batch.z[j] - m.position[2]);
+    const float distance2 = d.dot(d);
+    if (distance2 >= radius2 || batch.type[j] == static_cast<std::int32_t>(PointClass::kNoise)) continue;
+    if (batch.nx[j] * m.normal[0] + batch.ny[j] * m.normal[1] + batch.nz[j] * m.normal[2] < kFacing) continue;
+    const float t = 1 - distance2 * inverse2;
+    moments.add(d, t * t);
+  }
+}
+
+/// The normal of the points round a point of noise, whatever normal it has itself: its side is the one that their normals
+/// are mostly on.
+/// @param reach  mm: with fewer than kFewest points so near it is a stray
+/// @returns its own where they have no plane, or no side
+Vec3f fitted(TangentPlanes& planes, const Cloud& cloud, std::uint32_t i, float reach) {
+  Vec3f own = cloud.normal[i].unpack();
+  planes.look_at(i);
+  const auto nearest = planes.points();
+  if (nearest.size() < kFewest || nearest[kFewest - 1].distance2 > reach * reach) return own;
+  const auto normal = planes.normal();
+  if (!normal) return own;
+  float side = 0;
+  for (const Neighbour& n : planes.points()) side += normal->dot(cloud.normal[n.index].unpack());
+  if (std::abs(side) < kLeastSide * static_cast<float>(planes.points().size())) return own;
+  return side > 0 ? *normal : Vec3f(-*normal);
+}
+
+/// Whether the points that face the way of a point's normal n lie farther than this on one side of it, mm.
+bool is_beside(const Vec3f& n, const Moments& moments, float limit) {
+  return moments.count >= kFewest && std::abs(moments.first.dot(n)) > limit * moments.weight;
+}
+
+/// How far a plane leans away from a normal n.
+struct Tilt {
+  Vec3f by = Vec3f::Zero();  ///< tangent, against the lean
+  float square = 0;          ///< of `by`
+  float of_noise = 0;        ///< what the square comes to by noise alone
+};
+
+/// @param noise  mm; 0: it explains nothing
+/// @returns none where the points have no plane, or another sheet's
+Tilt tilt(const Vec3f& n, const Moments& moments, float noise) {
+  if (moments.count < kFewest) return {};
+  const auto [t, s] = Frame(n);
+  const float tt = moments.along(t, t);
+  const float ss = moments.along(s, s);
+  const float ts = moments.along(t, s);
+  const float determinant = tt * ss - ts * ts;
+  // The product of the two variances against the square of their sum.
+  if (!(determinant > kLeastWidth * (tt + ss) * (tt + ss))) return {};
+  const float tn = moments.along(t, n);
+  const float sn = moments.along(s, n);
+  const float a = (tn * ss - sn * ts) / determinant;
+  const float b = (sn * tt - tn * ts) / determinant;
+  const float square = a * a + b * b;
+  if (!(square < kMostTilt * kMostTilt)) return {};
+  return {t * a + s * b, square, kWeightsSpread * noise * noise * (tt + ss) / (tt * ss)};
+}
+
+}  // namespace
+
+Status refine_normals(const Cloud& cloud, const KdTree3& tree, const ClusteringSettings& settings,
+                      const ClusteringResult& clustering, NormalSource source, std::span<PackedNormal> refined,
+                      const StageProgress& progress) {
+  const std::uint32_t blocks = (cloud.size + kSharedSearch - 1) / kSharedSearch;
+  const bool measured = source == NormalSource::kScanner;
+  const float share = std::sqrt(measured ? kPlanePoints / clustering.support_points : kPlaneSupports);
+  const float explained = measured ? clustering.noise : 0;
+  const float beside = std::max(kBeside * clustering.epsilon, clustering.noise);
+  LoopProgress refining(progress, blocks);
+#pragma omp parallel for schedule(dynamic, 64)
+  for (std::uint32_t b = 0; b < blocks; ++b) {
+    if (!refining.step(b)) continue;
+    const std::uint32_t first = b * kSharedSearch;
+    const std::uint32_t last = std::min(cloud.size, first + kSharedSearch);
+    TangentPlanes planes(cloud, tree);
+    std::array<Moments, kSharedSearch> moments{};
+    float reach = 0;
+    for (std::uint32_t i = first; i < last; ++i) reach = std::max(reach, share * cloud.radius[i]);
+    for_neighbourhood(cloud, tree, first, last, reach, [&](const Neighbourhood& batch) {
+      for (std::uint32_t i = first; i < last; ++i) {
+        const float radius = share * cloud.radius[i];
+        add_all(member(cloud, i), radius * radius, batch, moments[i - first]);
+      }
+    });
+    std::array<Tilt, kSharedSearch> tilts{};
+    float squares = 0;
+    float of_noise = 0;
+    for (std::uint32_t i = first; i < last; ++i) {
+      refined[i] = cloud.normal[i];
+      const bool is_noise = cloud.normal[i].point_class == PointClass::kNoise;
+      const Vec3f n = cloud.normal[i].unpack();
+      if (is_noise || is_beside(n, moments[i - first], beside)) {
+        refined[i].set(fitted(planes, cloud, i, settings.thin_reach * clustering.epsilon));
+        continue;
+      }
+      const Tilt& own = tilts[i - first] = tilt(n, moments[i - first], explained);
+      squares += own.square;
+      of_noise += own.of_noise;
+    }
+    for (std::uint32_t i = first; i < last; ++i) {
+      const Tilt& own = tilts[i - first];
+      const float all = own.square + squares;
+      const float noise = own.of_noise + of_noise;
+      if (own.square > 0 && noise < all) refined[i].set(cloud.normal[i].unpack() - own.by * (1 - noise / all));
+      if (cloud.normal[i].point_class != PointClass::kNoise) refined[i].point_class = orientation_of(refined[i]);
+    }
+  }
+  if (refining.stopped()) return fail(ErrorCode::kCancelled, "cancelled while normals were refined");
+  return {};
+}
+
+}  // namespace plumbline

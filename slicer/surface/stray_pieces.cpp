@@ -1,0 +1,250 @@
+#include "slicer/surface/stray_pieces.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numbers>
+#include <span>
+
+namespace plumbline {
+namespace {
+
+constexpr const char* kStage = "stray pieces";
+
+constexpr std::uint32_t kFewestSlots = 1U << 10;
+constexpr std::uint32_t kMostSlots = 1U << 17;  ///< a surface of a million points fills half of them
+constexpr float kCellEpsilons = 1.5F;
+constexpr std::int64_t kSide = 1 << 20;  ///< cells along an axis, at most
+
+constexpr double kSmall = 0.02;      ///< of the largest piece's area
+constexpr double kAllStrays = 0.05;  ///< of the area of what stays
+constexpr float kSure = 0.1F;        ///< a winding number this close to 0 or 1 is that
+
+constexpr std::uint32_t kMostJudged = 256;        ///< small pieces; those beyond stay
+constexpr std::uint32_t kFewestPoints = 32;       ///< of a stray; fewer are no more than specks
+constexpr std::uint32_t kPlaces = 4;              ///< of a piece, where the winding number is asked
+constexpr std::uint32_t kFieldPoints = 1U << 14;  ///< of the cloud that stand for all of it
+constexpr float kPi = std::numbers::pi_v<float>;
+
+bool is_surface(const Cloud& cloud, std::uint32_t i) { return cloud.normal[i].point_class != PointClass::kNoise; }
+
+struct Cell {
+  std::uint64_t key = 0;     ///< 0: empty
+  std::uint32_t parent = 0;  ///< slot
+  float area = 0;            ///< mm^2 of its points; of a root that of its piece
+};
+
+/// Occupied cells in a table of open addressing, joined to pieces.
+class Cells {
+ public:
+  Cells(const Cloud& cloud, float edge, std::span<Cell> slots) : cloud_(cloud), slots_(slots) {
+    Box3f box;
+    for (std::uint32_t i = 0; i < cloud.size; ++i) {
+      if (is_surface(cloud, i)) box.extend(cloud.position[i]);
+    }
+    low_ = box.low;
+    inverse_ = 1 / std::max(edge, box.size().maxCoeff() / static_cast<float>(kSide - 4));
+  }
+
+  /// @returns false: more cells are occupied than the table holds
+  [[nodiscard]] bool fill(float area_factor) {
+    std::fill(slots_.begin(), slots_.end(), Cell{});
+    std::size_t occupied = 0;
+    for (std::uint32_t i = 0; i < cloud_.size; ++i) {
+      if (!is_surface(cloud_, i)) continue;
+      const std::uint64_t key = key_of(cloud_.position[i]);
+      const std::uint32_t at = slot(key);
+      if (slots_[at].key == 0) {
+        if (++occupied > slots_.size() * 2 / 3) return false;
+        slots_[at] = {key, at, 0};
+      }
+      slots_[at].area += area_factor * cloud_.radius[i] * cloud_.radius[i];
+    }
+    join();
+    return true;
+  }
+
+  std::uint32_t piece_of(std::uint32_t point) const { return slots_[slot(key_of(cloud_.position[point]))].parent; }
+  bool is_root(std::uint32_t at) const { return slots_[at].key != 0 && slots_[at].parent == at; }
+  float area(std::uint32_t root) const { return slots_[root].area; }
+  std::uint32_t size() const { return static_cast<std::uint32_t>(slots_.size()); }
+
+ private:
+  static constexpr int kBits = 21;
+
+  std::uint64_t key_of(const Vec3f& p) const {
+    std::uint64_t key = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      // Not 0 along any axis, so that a cell has neighbours on all sides and no key is 0.
+      const auto at = static_cast<std::uint64_t>((p[axis] - low_[axis]) * inverse_) + 1;
+      key = key << kBits | at;
+    }
+    return key;
+  }
+  std::uint32_t slot(std::uint64_t key) const {
+    const std::size_t mask = slots_.size() - 1;
+    std::size_t at = static_cast<std::size_t>(key * 0x9E3779B97F4A7C15U >> 32) & mask;
+    while (slots_[at].key != 0 && slots_[at].key != key) at = (at + 1) & mask;
+    return static_cast<std::uint32_t>(at);
+  }
+  std::uint32_t find(std::uint32_t i) {
+    while (slots_[i].parent != i) i = slots_[i].parent = slots_[slots_[i].parent].parent;
+    return i;
+  }
+  void join() {
+    for (std::uint32_t i = 0; i < size(); ++i) {
+      if (slots_[i].key == 0) continue;
+      // Half of the 26 neighbours: the other half finds this one.
+      for (std::uint64_t n = 14; n < 27; ++n) {
+        const std::uint64_t step = n / 9 << 2 * kBits | n / 3 % 3 << kBits | n % 3;
+        constexpr std::uint64_t kMiddle = std::uint64_t{1} << 2 * kBits | std::uint64_t{1} << kBits | 1;
+        const std::uint32_t other = slot(slots_[i].key + step - kMiddle);
+        if (slots_[other].key == 0) continue;
+        const std::uint32_t a = find(i);
+        const std::uint32_t b = find(other);
+        slots_[std::max(a, b)].parent = std::min(a, b);
+      }
+    }
+    for (std::uint32_t i = 0; i < size(); ++i) {
+      if (slots_[i].key == 0) continue;
+      const std::uint32_t root = find(i);
+      slots_[i].parent = root;
+      if (root != i) slots_[root].area += slots_[i].area;
+    }
+  }
+
+  const Cloud& cloud_;
+  std::span<Cell> slots_;
+  Vec3f low_ = Vec3f::Zero();
+  float inverse_ = 0;
+};
+
+/// A piece that may be a stray.
+struct Suspect {
+  std::uint32_t root = 0;
+  std::uint32_t points = 0;
+  float area = 0;
+  std::uint32_t met = 0;     ///< points that were asked whether they are one of the places
+  std::uint32_t places = 0;  ///< where the winding number of the others was asked
+  float winding = 0;         ///< sum over them
+  bool stray = false;
+};
+
+class Search {
+ public:
+  Search(Cloud& cloud, const Cells& cells, float area_factor, std::span<Suspect> suspects)
+      : cloud_(cloud), cells_(cells), area_factor_(area_factor), suspects_(suspects) {}
+
+  StrayPieces mark() {
+    find_suspects();
+    if (suspects_.empty()) return {};
+    for (std::uint32_t i = 0; i < cloud_.size; ++i) {
+      if (Suspect* s = suspect(i)) ++s->points;
+    }
+    judge();
+    StrayPieces strays;
+    double dropped = 0;
+    for (const Suspect& s : suspects_) {
+      if (!s.stray) continue;
+      ++strays.pieces;
+      dropped += static_cast<double>(s.area);
+    }
+    if (strays.pieces == 0 || !(dropped < kAllStrays * (whole_ - dropped))) return {};
+    strays.share = static_cast<float>(dropped / whole_);
+    for (std::uint32_t i = 0; i < cloud_.size; ++i) {
+      const Suspect* s = suspect(i);
+      if (s == nullptr || !s->stray) continue;
+      cloud_.normal[i].point_class = PointClass::kNoise;
+      ++strays.points;
+    }
+    return strays;
+  }
+
+ private:
+  void find_suspects() {
+    float largest = 0;
+    for (std::uint32_t at = 0; at < cells_.size(); ++at) {
+      if (!cells_.is_root(at)) continue;
+      largest = std::max(largest, cells_.area(at));
+      whole_ += static_cast<double>(cells_.area(at));
+    }
+    std::uint32_t count = 0;
+    for (std::uint32_t at = 0; at < cells_.size() && count < suspects_.size(); ++at) {
+      if (cells_.is_root(at) && cells_.area(at) < static_cast<float>(kSmall) * largest) {
+        Suspect& found = suspects_[count++] = {};
+        found.root = at;
+        found.area = cells_.area(at);
+      }
+    }
+    suspects_ = suspects_.first(count);  // in the order of their roots
+  }
+
+  /// The suspect that a point of the surface belongs to, or none.
+  Suspect* suspect(std::uint32_t point) const {
+    if (!is_surface(cloud_, point)) return nullptr;
+    const std::uint32_t root = cells_.piece_of(point);
+    const auto found = std::lower_bound(suspects_.begin(), suspects_.end(), root,
+                                        [](const Suspect& s, std::uint32_t r) { return s.root < r; });
+    return found != suspects_.end() && found->root == root ? &*found : nullptr;
+  }
+
+  /// Asks the winding number of the others at some places of each suspect.
+  void judge() {
+    for (std::uint32_t i = 0; i < cloud_.size; ++i) {
+      Suspect* s = suspect(i);
+      if (s == nullptr || s->points < kFewestPoints || s->met++ % (s->points / kPlaces + 1) != 0) continue;
+      s->winding += winding_without(s->root, cloud_.position[i]);
+      ++s->places;
+    }
+    for (Suspect& s : suspects_) {
+      if (s.places == 0) continue;
+      const float w = s.winding / static_cast<float>(s.places);
+      s.stray = w < kSure || w > 1 - kSure;
+    }
+  }
+
+  /// Of all points but those of one piece: of a share of them, evenly spread since they are in the order of their tree.
+  float winding_without(std::uint32_t root, const Vec3f& x) const {
+    const std::uint32_t step = cloud_.size / kFieldPoints + 1;
+    float w = 0;
+    for (std::uint32_t i = step / 2; i < cloud_.size; i += step) {
+      if (!is_surface(cloud_, i) || cells_.piece_of(i) == root) continue;
+      const Vec3f e = cloud_.position[i] - x;
+      const float distance2 = e.dot(e);
+      const float area = static_cast<float>(step) * area_factor_ * cloud_.radius[i] * cloud_.radius[i];
+      if (distance2 > 0) w += area * cloud_.normal[i].unpack().dot(e) / (distance2 * std::sqrt(distance2));
+    }
+    return w / (4 * kPi);
+  }
+
+  Cloud& cloud_;
+  const Cells& cells_;
+  float area_factor_;
+  std::span<Suspect> suspects_;
+  double whole_ = 0;  ///< mm^2
+};
+
+std::uint32_t slots_for(std::uint32_t points) {
+  return std::clamp(std::bit_ceil(points / 4), kFewestSlots, kMostSlots);
+}
+
+}  // namespace
+
+std::size_t stray_pieces_bytes(std::uint32_t points) {
+  return Arena::rounded(slots_for(points) * sizeof(Cell)) + Arena::rounded(kMostJudged * sizeof(Suspect));
+}
+
+Expected<StrayPieces> mark_stray_pieces(Cloud& cloud, const ClusteringResult& clustering, Arena& arena) {
+  const ArenaScope scope(arena);
+  const auto slots = arena.take_top<Cell>(slots_for(cloud.size), kStage);
+  PLUMBLINE_TRY(slots);
+  const auto suspects = arena.take_top<Suspect>(kMostJudged, kStage);
+  PLUMBLINE_TRY(suspects);
+  const float area_factor = kPi / clustering.support_points;
+  for (float edge = kCellEpsilons * clustering.epsilon;; edge *= 2) {
+    Cells cells(cloud, edge, *slots);
+    if (cells.fill(area_factor)) return Search(cloud, cells, area_factor, *suspects).mark();
+  }
+}
+
+}  // namespace plumbline

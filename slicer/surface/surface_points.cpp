@@ -1,0 +1,72 @@
+#include "slicer/surface/surface_points.hpp"
+
+#include <algorithm>
+
+#include "slicer/surface/sparse_surface.hpp"
+#include "slicer/surface/support_size.hpp"
+
+namespace plumbline {
+namespace {
+
+// Of the time, so far:
+constexpr double kClustered = 0.6;
+constexpr double kRefined = 0.82;
+constexpr double kRescued = 0.85;
+constexpr double kSized = 0.92;
+constexpr double kRefinedAgain = 0.95;
+
+/// Where most points are strays, what is left of them is a surface if it has this share of core points. A surface has 0.5
+/// and more; what happens to face the same way among strays is mostly of mixed type: 0.1.
+constexpr double kLeastCoreShare = 0.25;
+
+Status refine(Cloud& cloud, const KdTree3& tree, const SurfaceSettings& settings, const ClusteringResult& clustering,
+              Arena& arena, const StageProgress& progress) {
+  const ArenaScope scope(arena);
+  const auto refined = arena.take_top<PackedNormal>(cloud.size, "normals");
+  PLUMBLINE_TRY(refined);
+  PLUMBLINE_TRY(refine_normals(cloud, tree, settings.clustering, clustering, settings.normals, *refined, progress));
+  std::copy(refined->begin(), refined->end(), cloud.normal.begin());
+  return {};
+}
+
+}  // namespace
+
+bool SurfacePoints::found() const {
+  const std::uint32_t kept = points_of_surface(clustering);
+  return kept > 0 && clustering.epsilon > 0 &&
+         (clustering.coherent || clustering.core_points >= kLeastCoreShare * kept);
+}
+
+Expected<SurfacePoints> find_surface_points(Cloud& cloud, const KdTree3& tree, const SurfaceSettings& settings,
+                                            Arena& arena, const StageProgress& progress) {
+  const ClusteringSettings& clustering_settings = settings.clustering;
+  const auto epsilon = density_epsilon(cloud, tree, clustering_settings, arena);
+  PLUMBLINE_TRY(epsilon);
+  const auto clustered = cluster(cloud, tree, *epsilon, clustering_settings, {}, arena, progress.part(0, kClustered));
+  PLUMBLINE_TRY(clustered);
+  SurfacePoints surface{*clustered, {}, {}};
+  ClusteringResult& clustering = surface.clustering;
+  if (clustering.coherent) {
+    PLUMBLINE_TRY(refine(cloud, tree, settings, clustering, arena, progress.part(kClustered, kRefined)));
+    PLUMBLINE_TRY(rescue_thin_surface(cloud, tree, clustering_settings, clustering, progress.part(kRefined, kRescued)));
+  }
+  if (!settings.keep_strays && surface.found()) {
+    const auto strays = mark_stray_pieces(cloud, clustering, arena);
+    PLUMBLINE_TRY(strays);
+    surface.strays = *strays;
+  }
+  const float narrow = clustering.support_points;
+  PLUMBLINE_TRY(widen_supports(cloud, tree, clustering_settings, clustering, arena, progress.part(kRescued, kSized)));
+  if (settings.normals == NormalSource::kPoints && clustering.coherent && clustering.support_points > narrow) {
+    PLUMBLINE_TRY(refine(cloud, tree, settings, clustering, arena, progress.part(kSized, kRefinedAgain)));
+  }
+  if (surface.found()) {
+    const auto walls = continue_bore_walls(cloud, tree, clustering, arena, progress.part(kRefinedAgain, 1));
+    PLUMBLINE_TRY(walls);
+    surface.bore_walls = *walls;
+  }
+  cloud.drop_noise();
+  return surface;
+}
+
+}  // namespace plumbline

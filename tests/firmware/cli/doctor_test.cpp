@@ -1,0 +1,97 @@
+#include "firmware/cli/doctor.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+namespace plumbline {
+namespace {
+
+using testing::HasSubstr;
+using Verdict = MachineFinding::Verdict;
+
+const std::array<MachineFinding, 3> kFindings = {
+    MachineFinding{Verdict::kGood, "the lamp's line", "gpiochip0 line 17", ""},
+    MachineFinding{Verdict::kPoor, "locked memory", "not permitted", "give it CAP_IPC_LOCK"},
+    MachineFinding{Verdict::kWrong, "the panel", "no \"DSI-1\"", "see to its cable"}};
+
+/// What a writer puts into a file.
+template <class Write>
+std::string written(Write&& write) {
+  const std::string path = testing::TempDir() + "plumbline_doctor_test";
+  {
+    auto file = OutputFile::create(path.c_str());
+    EXPECT_TRUE(file);
+    EXPECT_TRUE(write(*file));
+    EXPECT_TRUE(file->close());
+  }
+  std::ifstream in(path);
+  std::string text{std::istreambuf_iterator<char>(in), {}};
+  std::filesystem::remove(path);
+  return text;
+}
+
+TEST(Doctor, SaysOfEachThingWhatWasFoundAndWhatToDo) {
+  EXPECT_EQ(written([](OutputFile& out) { return write_findings(out, "mine", kFindings); }),
+            "printer mine\n"
+            "  ok     the lamp's line             gpiochip0 line 17\n"
+            "  poor   locked memory               not permitted\n"
+            "         -> give it CAP_IPC_LOCK\n"
+            "  WRONG  the panel                   no \"DSI-1\"\n"
+            "         -> see to its cable\n"
+            "1 good, 1 poor, 1 wrong: it does not print before what is wrong is put right\n");
+}
+
+TEST(Doctor, SaysThatItPrintsWhereNothingIsWrong) {
+  EXPECT_FALSE(prints(kFindings));
+  const auto two = std::span(kFindings).first(2);
+  EXPECT_TRUE(prints(two));
+  EXPECT_THAT(written([&](OutputFile& out) { return write_findings(out, "mine", two); }),
+              HasSubstr("1 good, 1 poor, 0 wrong: it prints\n"));
+}
+
+TEST(Doctor, SaysTheSameToPrograms) {
+  const auto text = written([](OutputFile& out) { return write_findings_json(out, "mine", kFindings); });
+  EXPECT_THAT(text, HasSubstr("\"prints\": false"));
+  EXPECT_THAT(text, HasSubstr("\"verdict\": \"poor\""));
+  EXPECT_THAT(text, HasSubstr("\"found\": \"no \\\"DSI-1\\\"\""));
+}
+
+TEST(Doctor, HasNothingToLookAtWhereThePrinterIsSimulated) {
+  const auto board = read_board_file(PLUMBLINE_SOURCE_DIR "/board/sim2k.toml").value();
+  const auto findings = examine_machine(board, *board.machine);
+  ASSERT_FALSE(findings);
+  EXPECT_EQ(findings.error().code(), ErrorCode::kUnsupported);
+}
+
+#ifdef PLUMBLINE_HAS_BOARD_DEVICES
+TEST(Doctor, FindsEverythingWrongThatABoardWithoutAPrinterLacks) {
+  const auto board = read_board_file(PLUMBLINE_SOURCE_DIR "/board/mono2k.toml").value();
+  const auto findings = examine_machine(board, *board.machine);
+  ASSERT_TRUE(findings) << findings.error().message();
+  EXPECT_FALSE(prints(*findings));
+  int wrong = 0;
+  for (const auto& one : *findings) {
+    EXPECT_FALSE(one.what.empty() || one.found.empty());
+    EXPECT_EQ(one.advice.empty(), one.verdict == Verdict::kGood) << one.what;
+    wrong += one.verdict == Verdict::kWrong ? 1 : 0;
+  }
+  EXPECT_GE(wrong, 8) << "lamp, step, direction, end stop, panel, three sensors";
+}
+
+TEST(BackEnd, RefusesAPrinterWhoseFileDoesNotSayHowItIsWired) {
+  const auto board = read_board_file(PLUMBLINE_SOURCE_DIR "/board/mono2k.toml").value();
+  const auto opened = open_back_end(board, *board.machine, {}, {});
+  ASSERT_FALSE(opened);
+  EXPECT_EQ(opened.error().code(), ErrorCode::kBadSetting);
+  EXPECT_THAT(opened.error().message(),
+              testing::AllOf(HasSubstr("[lamp_line]"), HasSubstr("[cover_line]"), HasSubstr("--simulate")));
+}
+#endif
+
+}  // namespace
+}  // namespace plumbline

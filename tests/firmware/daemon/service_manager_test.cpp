@@ -1,0 +1,300 @@
+/// What the service manager hears, at the other end of a real socket.
+
+#include "firmware/daemon/service_manager.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <stdlib.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "firmware/daemon/service_events.hpp"
+#include "firmware/daemon/service_status.hpp"
+#include "tests/firmware/support/job_fixture.hpp"
+
+namespace plumbline {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::AllOf;
+using ::testing::Each;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+/// systemd's side.
+class Ear {
+ public:
+  explicit Ear(std::string address) : address_(std::move(address)) {
+    sockaddr_un at{};
+    at.sun_family = AF_UNIX;
+    std::copy(address_.begin(), address_.end(), at.sun_path);
+    if (address_[0] == '@') at.sun_path[0] = '\0';
+    socket_ = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    const auto length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + address_.size());
+    EXPECT_EQ(::bind(socket_, reinterpret_cast<const sockaddr*>(&at), length), 0) << address_;
+  }
+  Ear(const Ear&) = delete;
+  Ear& operator=(const Ear&) = delete;
+  ~Ear() { ::close(socket_); }
+
+  const std::string& address() const { return address_; }
+  /// All that has come since the last time, a datagram each.
+  std::vector<std::string> heard() {
+    std::vector<std::string> messages;
+    std::array<char, 4096> text{};
+    for (;;) {
+      const ssize_t got = ::recv(socket_, text.data(), text.size(), MSG_DONTWAIT);
+      if (got < 0) return messages;
+      messages.emplace_back(text.data(), static_cast<std::size_t>(got));
+    }
+  }
+
+ private:
+  std::string address_;
+  int socket_ = -1;
+};
+
+class Service : public testing::Test {
+ protected:
+  ServiceManager manager(std::chrono::microseconds watchdog = 0us) const {
+    auto made = ServiceManager::at(ear_path_.address(), watchdog);
+    EXPECT_TRUE(made) << made.error().message();
+    return std::move(*made);
+  }
+
+  TemporaryFolder folder_;
+  Ear ear_path_{folder_ / "notify"};
+};
+
+TEST_F(Service, HearsEachMessageAsADatagramOfItsOwn) {
+  auto manager = this->manager();
+  EXPECT_TRUE(manager.ready());
+  manager.tell("waiting for a stick");
+  manager.stopping();
+  EXPECT_THAT(ear_path_.heard(), ElementsAre("READY=1", "STATUS=waiting for a stick", "STOPPING=1"));
+}
+
+TEST_F(Service, HearsAtAnAbstractNameToo) {
+  Ear ear("@plumbline-test-" + std::to_string(::getpid()));
+  auto manager = ServiceManager::at(ear.address(), 0us);
+  ASSERT_TRUE(manager) << manager.error().message();
+  EXPECT_TRUE(manager->ready());
+  EXPECT_THAT(ear.heard(), ElementsAre("READY=1"));
+}
+
+TEST_F(Service, IsToldNothingTwiceAndNothingThatWouldBeAnotherMessage) {
+  auto manager = this->manager();
+  manager.tell("a scan\nREADY=1");
+  manager.tell("a scan");
+  manager.tell(std::string(1000, 'x'));
+  const auto heard = ear_path_.heard();
+  ASSERT_THAT(heard, SizeIs(2));
+  EXPECT_EQ(heard[0], "STATUS=a scan");
+  EXPECT_THAT(heard[1], SizeIs(255)) << "cut";
+}
+
+TEST_F(Service, HearsOfLifeWhenHalfOfItsTimeHasPassedAndNotBefore) {
+  auto patient = manager(60s);
+  for (int turn = 0; turn < 1000; ++turn) patient.alive();
+  EXPECT_THAT(ear_path_.heard(), ElementsAre("WATCHDOG=1")) << "a thousand turns take less than 30 s";
+  constexpr auto kShort = 1us;
+  auto hasty = manager(kShort);
+  for (int turn = 0; turn < 5; ++turn) {
+    // A turn alone may take less than half of it.
+    const auto said = std::chrono::steady_clock::now();
+    while (std::chrono::steady_clock::now() - said < kShort) {
+    }
+    hasty.alive();
+  }
+  EXPECT_THAT(ear_path_.heard(), AllOf(SizeIs(5), Each("WATCHDOG=1")));
+  auto unwatched = manager();
+  unwatched.alive();
+  EXPECT_THAT(ear_path_.heard(), IsEmpty());
+}
+
+TEST_F(Service, ThatDoesNotReadHoldsNobodyUp) {
+  auto manager = this->manager(1us);
+  // Far more than the kernel keeps for a reader.
+  for (int turn = 0; turn < 10'000; ++turn) {
+    manager.alive();
+    manager.tell(std::to_string(turn));
+  }
+  EXPECT_THAT(ear_path_.heard(), testing::Not(IsEmpty()));
+  manager.tell("9999");
+  EXPECT_THAT(ear_path_.heard(), ElementsAre("STATUS=9999")) << "what did not arrive is said when it is said again";
+}
+
+TEST_F(Service, ThatHasGoneIsAnErrorOnlyOfBeingReady) {
+  auto ear = std::make_unique<Ear>(folder_ / "gone");
+  auto manager = ServiceManager::at(ear->address(), 1us);
+  ASSERT_TRUE(manager);
+  ear.reset();
+  manager->tell("anybody there");
+  manager->alive();
+  const auto told = manager->ready();
+  ASSERT_FALSE(told);
+  EXPECT_EQ(told.error().code(), ErrorCode::kCannotWrite);
+}
+
+TEST_F(Service, NobodyIsToldEverythingAndHearsNothing) {
+  ServiceManager nobody;
+  EXPECT_TRUE(nobody.ready());
+  nobody.tell("ready");
+  nobody.alive();
+  nobody.stopping();
+  EXPECT_FALSE(nobody.watches());
+}
+
+/// The environment, put back afterwards.
+class ServiceEnvironment : public Service {
+ protected:
+  ~ServiceEnvironment() override { clear(); }
+  static void clear() {
+    for (const char* name : {"NOTIFY_SOCKET", "WATCHDOG_USEC", "WATCHDOG_PID"}) ::unsetenv(name);
+  }
+  static Expected<ServiceManager> with(const std::vector<std::pair<const char*, std::string>>& variables) {
+    clear();
+    for (const auto& [name, value] : variables) ::setenv(name, value.c_str(), 1);
+    return ServiceManager::of_environment();
+  }
+  std::string socket() const { return ear_path_.address(); }
+};
+
+TEST_F(ServiceEnvironment, SaysWhoIsThereAndWhetherItWatchesThisProcess) {
+  const auto nobody = with({});
+  ASSERT_TRUE(nobody);
+  EXPECT_FALSE(nobody->watches());
+  EXPECT_EQ(with({{"NOTIFY_SOCKET", socket()}})->watchdog(), 0us);
+  const std::string self = std::to_string(::getpid());
+  EXPECT_EQ(with({{"NOTIFY_SOCKET", socket()}, {"WATCHDOG_USEC", "120000000"}})->watchdog(), 120s);
+  EXPECT_EQ(with({{"NOTIFY_SOCKET", socket()}, {"WATCHDOG_USEC", "5000000"}, {"WATCHDOG_PID", self}})->watchdog(), 5s);
+  EXPECT_FALSE(with({{"NOTIFY_SOCKET", socket()}, {"WATCHDOG_USEC", "5000000"}, {"WATCHDOG_PID", "1"}})->watches())
+      << "what a parent was told is not for its children";
+}
+
+TEST_F(ServiceEnvironment, ThatIsWrongIsSaidBeforeAnythingBegins) {
+  const auto refused = [](const Expected<ServiceManager>& made, ErrorCode code, const char* words) {
+    ASSERT_FALSE(made);
+    EXPECT_EQ(made.error().code(), code);
+    EXPECT_THAT(made.error().message(), HasSubstr(words));
+  };
+  refused(with({{"NOTIFY_SOCKET", "notify"}}), ErrorCode::kBadSetting, "found 'notify'");
+  refused(with({{"NOTIFY_SOCKET", "@"}}), ErrorCode::kBadSetting, "found '@'");
+  refused(with({{"NOTIFY_SOCKET", "/" + std::string(107, 'x')}}), ErrorCode::kBadSetting, "a path");
+  refused(with({{"NOTIFY_SOCKET", folder_ / "nothing"}}), ErrorCode::kCannotOpen, "No such file");
+  for (const char* wrong : {"", "0", "-5", "5s", "99999999999999999999"}) {
+    refused(with({{"NOTIFY_SOCKET", socket()}, {"WATCHDOG_USEC", wrong}}), ErrorCode::kBadSetting, "WATCHDOG_USEC");
+  }
+}
+
+/// A machine on which nothing happens but what is asked for, and whose time passes in waiting.
+class Still final : public Clock, public Events {
+ public:
+  std::vector<TimePoint> deadlines;
+  std::optional<Event> event;  ///< comes at its time, once
+
+ private:
+  TimePoint do_now() const override { return now_; }
+  Status do_sleep_until(TimePoint deadline) override {
+    now_ = deadline;
+    return {};
+  }
+  Expected<std::optional<Event>> do_next_event(TimePoint deadline) override {
+    deadlines.push_back(deadline);
+    if (event && event->at <= deadline) {
+      now_ = std::max(now_, event->at);
+      return std::exchange(event, std::nullopt);
+    }
+    now_ = std::max(now_, deadline);
+    return std::nullopt;
+  }
+
+  TimePoint now_;
+};
+
+TEST_F(Service, HearsOfLifeInALongWaitWhichEndsWhenItShould) {
+  Still machine;
+  auto manager = this->manager(1us);
+  ServiceEvents events(machine, machine, manager);
+  EXPECT_EQ(*events.next_event(TimePoint(1us)), std::nullopt);
+  EXPECT_EQ(machine.now(), TimePoint(1us));
+  EXPECT_THAT(machine.deadlines, ElementsAre(TimePoint(250ns), TimePoint(500ns), TimePoint(750ns), TimePoint(1us)));
+  EXPECT_THAT(ear_path_.heard(), testing::Contains("WATCHDOG=1"));
+
+  machine.deadlines.clear();
+  auto patient = this->manager(1h);
+  ServiceEvents slow(machine, machine, patient);
+  EXPECT_EQ(*slow.next_event(TimePoint(3s)), std::nullopt);
+  EXPECT_THAT(machine.deadlines, SizeIs(3)) << "a turn a second, however long the watchdog waits";
+}
+
+TEST_F(Service, HearsOfLifeWhenEventsAreOnlyLookedFor) {
+  Still machine;
+  auto manager = this->manager(1h);
+  ServiceEvents events(machine, machine, manager);
+  for (int turn = 0; turn < 100; ++turn) EXPECT_EQ(*events.next_event(machine.now()), std::nullopt);
+  EXPECT_EQ(machine.now(), TimePoint()) << "without waiting";
+  EXPECT_THAT(ear_path_.heard(), ElementsAre("WATCHDOG=1"));
+}
+
+TEST_F(Service, LeavesEventsAsTheyCameAndHearsOfTheEnd) {
+  Still machine;
+  auto manager = this->manager(20s);
+  ServiceEvents events(machine, machine, manager);
+  machine.event = Event{TimePoint(2500ms), EventKind::kPausePressed};
+  auto got = events.next_event(TimePoint(1h));
+  ASSERT_TRUE(got && *got);
+  EXPECT_EQ((*got)->kind, EventKind::kPausePressed);
+  EXPECT_EQ(machine.now(), TimePoint(2500ms));
+  EXPECT_THAT(ear_path_.heard(), ElementsAre("WATCHDOG=1"));
+  machine.event = Event{TimePoint(3s), EventKind::kShutdownRequested};
+  got = events.next_event(TimePoint(1h));
+  ASSERT_TRUE(got && *got);
+  EXPECT_THAT(ear_path_.heard(), ElementsAre("STOPPING=1"));
+}
+
+TEST_F(Service, WithoutAWatchdogWaitsInOnePiece) {
+  Still machine;
+  auto manager = this->manager();
+  ServiceEvents events(machine, machine, manager);
+  EXPECT_EQ(*events.next_event(TimePoint(1h)), std::nullopt);
+  EXPECT_THAT(machine.deadlines, ElementsAre(TimePoint(1h)));
+}
+
+TEST(ServiceStatus, SaysWhichLayerOrWhyThereIsNone) {
+  PrintStatus status;
+  status.layer = 11;
+  status.layers = 300;
+  status.remaining = 45min + 10s;
+  const auto text = [&status](PrintState state) {
+    status.state = state;
+    return std::string(service_status(status).view());
+  };
+  EXPECT_EQ(text(PrintState::kHoming), "homing");
+  EXPECT_EQ(text(PrintState::kPrinting), "layer 12 of 300, 0:45:10 left");
+  EXPECT_EQ(text(PrintState::kPaused), "paused at layer 12 of 300: start goes on");
+  EXPECT_EQ(text(PrintState::kCoverOpen), "paused at layer 12 of 300: the cover is open");
+  EXPECT_THAT(text(PrintState::kCoolingDown), HasSubstr("too hot"));
+  EXPECT_THAT(text(PrintState::kFeedMe), HasSubstr("pour resin in"));
+  status.layer = 300;
+  EXPECT_EQ(text(PrintState::kPaused), "paused at layer 300 of 300: start goes on") << "all are cured";
+  PrintReport report;
+  report.state = PrintState::kFinished;
+  EXPECT_EQ(service_status(report).view(), "finished");
+  report.state = PrintState::kFault;
+  report.fault = FaultCode::kFlipTimeout;
+  EXPECT_THAT(std::string(service_status(report).view()), AllOf(HasSubstr("PL-201"), HasSubstr("cable")));
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,86 @@
+/// job.toml, the file in which a stick says what is to be printed.
+
+#include "firmware/daemon/stick_job.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <regex>
+#include <set>
+#include <sstream>
+
+namespace plumbline {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(StickJob, HasEveryKeyThatItsFileHas) {
+  const auto job = parse_stick_job(
+      "[job]\nscan = 'a b.ply'\nprofile = 'draft'\nsupports = 'auto'\nbase = 'flat'\nkeep_all = true\n"
+      "[placement]\nunits = 'in'\nscale = 2.5\nfit = true\nrotate_x_deg = 1\nrotate_y_deg = -2\nrotate_z_deg = 3\n"
+      "layer_height = 0.1\n",
+      "job.toml");
+  ASSERT_TRUE(job) << job.error().message();
+  EXPECT_EQ(job->scan, "a b.ply");
+  EXPECT_EQ(job->profile, "draft");
+  EXPECT_EQ(job->supports, true);
+  EXPECT_EQ(job->base, BaseChoice::kFlat);
+  EXPECT_TRUE(job->keep_all);
+  EXPECT_EQ(job->units, Units::kInches);
+  EXPECT_DOUBLE_EQ(job->scale, 2.5);
+  EXPECT_TRUE(job->fit);
+  EXPECT_DOUBLE_EQ(job->rotate_x_deg, 1);
+  EXPECT_DOUBLE_EQ(job->rotate_y_deg, -2);
+  EXPECT_DOUBLE_EQ(job->rotate_z_deg, 3);
+  EXPECT_DOUBLE_EQ(job->layer_height, 0.1);
+}
+
+TEST(StickJob, LeavesOpenWhatItsFileDoesNotSay) {
+  const auto job = parse_stick_job("[job]\nscan = 'a.ply'\n", "job.toml");
+  ASSERT_TRUE(job) << job.error().message();
+  EXPECT_FALSE(job->supports);
+  EXPECT_EQ(job->base, BaseChoice::kAuto);
+  EXPECT_FALSE(job->keep_all);
+  EXPECT_EQ(job->layer_height, 0);
+}
+
+TEST(StickJob, CallsTheUndersideAsTheCommandLineDoes) {
+  for (const BaseChoice base : {BaseChoice::kAuto, BaseChoice::kNone, BaseChoice::kFlat}) {
+    const auto text = std::string("[job]\nscan = 'a.ply'\nbase = '") + to_string(base) + "'\n";
+    const auto job = parse_stick_job(text, "job.toml");
+    ASSERT_TRUE(job) << job.error().message();
+    EXPECT_EQ(job->base, base);
+  }
+  const auto wrong = parse_stick_job("[job]\nscan = 'a.ply'\nbase = 'round'\n", "job.toml");
+  ASSERT_FALSE(wrong);
+  EXPECT_THAT(wrong.error().message(),
+              HasSubstr("job.toml:3: [job] base: found a string 'round', allowed is one of the strings"));
+}
+
+TEST(StickJob, IsExplainedKeyByKeyInTheReadme) {
+  std::ifstream page(PLUMBLINE_SOURCE_DIR "/board/README.md");
+  const std::regex row(R"(^\| (job|placement): (`[^|]*`) \+?.*)");
+  const std::regex key("`(\\w+)`");
+  int explained = 0;
+  for (std::string line; std::getline(page, line);) {
+    std::smatch match;
+    if (!std::regex_match(line, match, row)) continue;
+    const std::string table = match[1];
+    const std::string keys = line.substr(0, line.find('|', 1));
+    for (std::sregex_iterator name(keys.begin(), keys.end(), key), end; name != end; ++name) {
+      // Of a type that no key takes: the message tells a key that there is from one that there is not.
+      const std::string word = (*name)[1];
+      std::string text = word == "scan" ? "[job]\n" : "[job]\nscan = 'a.ply'\n";
+      if (table == "placement") text += "[placement]\n";
+      const auto parsed = parse_stick_job(text + word + " = [1]\n", "job.toml");
+      ASSERT_FALSE(parsed);
+      EXPECT_THAT(parsed.error().message(), HasSubstr("] " + word + ": found an array"));
+      ++explained;
+    }
+  }
+  EXPECT_EQ(explained, 12);
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,131 @@
+#include "firmware/pictures/png_writer.hpp"
+
+#include <gtest/gtest.h>
+#include <lodepng.h>
+
+#include <random>
+#include <vector>
+
+namespace plumbline {
+namespace {
+
+struct Mask {
+  Mask(std::uint32_t columns, std::uint32_t rows)
+      : words(BitImage::words_needed(columns, rows), 0), image(words, columns, rows) {}
+  std::vector<std::uint64_t> words;
+  BitImage image;
+};
+
+/// What lodepng makes of a file: one byte a pixel or a channel.
+struct Decoded {
+  std::vector<unsigned char> bytes;
+  unsigned columns = 0, rows = 0;
+  LodePNGColorType type = LCT_PALETTE;
+  unsigned depth = 0;
+};
+Decoded decode(std::span<const std::byte> png, LodePNGColorType type) {
+  Decoded decoded;
+  lodepng::State state;
+  state.info_raw.colortype = type;
+  state.info_raw.bitdepth = 8;
+  const auto* bytes = reinterpret_cast<const unsigned char*>(png.data());
+  EXPECT_EQ(lodepng::decode(decoded.bytes, decoded.columns, decoded.rows, state, bytes, png.size()), 0U);
+  decoded.type = state.info_png.color.colortype;
+  decoded.depth = state.info_png.color.bitdepth;
+  return decoded;
+}
+
+void expect_round_trip(PngEncoder& encoder, const Mask& mask) {
+  const auto png = encoder.encode(mask.image);
+  ASSERT_TRUE(png.has_value());
+  const Decoded decoded = decode(*png, LCT_GREY);
+  ASSERT_EQ(decoded.columns, mask.image.columns());
+  ASSERT_EQ(decoded.rows, mask.image.rows());
+  EXPECT_EQ(decoded.type, LCT_GREY);
+  EXPECT_EQ(decoded.depth, 1U);
+  for (std::uint32_t r = 0; r < decoded.rows; ++r) {
+    for (std::uint32_t c = 0; c < decoded.columns; ++c) {
+      ASSERT_EQ(decoded.bytes[std::size_t{r} * decoded.columns + c], mask.image.at(c, r) ? 255 : 0) << c << ' ' << r;
+    }
+  }
+}
+
+class PngOfAMask : public ::testing::TestWithParam<std::uint32_t> {};
+
+TEST_P(PngOfAMask, DecodesToTheSamePixels) {
+  std::mt19937_64 dice(GetParam());
+  for (const std::uint32_t rows : {1U, 2U, 7U, 33U}) {
+    auto encoder = PngEncoder::for_masks(GetParam(), rows);
+    ASSERT_TRUE(encoder.has_value());
+    Mask mask(GetParam(), rows);
+    expect_round_trip(*encoder, mask);  // black
+    for (std::uint32_t r = 0; r < rows; ++r) {
+      for (std::uint32_t c = 0; c < GetParam(); ++c) {
+        if (dice() % 3 == 0) mask.image.set(c, r);
+      }
+    }
+    expect_round_trip(*encoder, mask);  // noise, which does not compress
+    for (std::uint32_t r = 0; r < rows; ++r) {
+      for (std::uint32_t c = 0; c < GetParam(); ++c) mask.image.set(c, r);
+    }
+    expect_round_trip(*encoder, mask);  // white
+  }
+}
+INSTANTIATE_TEST_SUITE_P(OfAnyWidth, PngOfAMask,
+                         ::testing::Values(1, 7, 8, 9, 63, 64, 65, 100, 127, 128, 129, 1440, 3841));
+
+TEST(PngEncoder, TakesSmallerMasksThanItWasMadeForOneAfterTheOther) {
+  auto encoder = PngEncoder::for_masks(300, 200);
+  ASSERT_TRUE(encoder.has_value());
+  for (const std::uint32_t columns : {300U, 65U, 8U, 299U}) {
+    Mask mask(columns, 17);
+    for (std::uint32_t c = 0; c < columns; c += 3) mask.image.set(c, c % 17);
+    expect_round_trip(*encoder, mask);
+  }
+}
+
+TEST(PngEncoder, GivesTheSameBytesForTheSameMask) {
+  auto one = PngEncoder::for_masks(500, 300), other = PngEncoder::for_masks(1440, 2560);
+  ASSERT_TRUE(one.has_value() && other.has_value());
+  Mask mask(500, 300);
+  for (std::uint32_t r = 20; r < 250; ++r) {
+    for (std::uint32_t c = r / 2; c < r; ++c) mask.image.set(c, r);
+  }
+  const auto a = one->encode(mask.image), b = other->encode(mask.image);
+  ASSERT_TRUE(a.has_value() && b.has_value());
+  EXPECT_TRUE(std::equal(a->begin(), a->end(), b->begin(), b->end()));
+}
+
+TEST(PngEncoder, IgnoresBitsThatArePastTheLastColumn) {
+  auto encoder = PngEncoder::for_masks(70, 2);
+  ASSERT_TRUE(encoder.has_value());
+  Mask clean(70, 2), dirty(70, 2);
+  for (auto& word : dirty.words) word = 0;
+  dirty.words[1] = dirty.words[3] = ~dirty.image.last_word_mask();
+  const auto a = encoder->encode(clean.image);
+  ASSERT_TRUE(a.has_value());
+  const std::vector<std::byte> kept(a->begin(), a->end());
+  const auto b = encoder->encode(dirty.image);
+  ASSERT_TRUE(b.has_value());
+  EXPECT_TRUE(std::equal(kept.begin(), kept.end(), b->begin(), b->end()));
+}
+
+TEST(PngEncoder, RoundTripsPictures) {
+  std::mt19937_64 dice(3);
+  for (const std::uint32_t columns : {1U, 3U, 640U}) {
+    auto encoder = PngEncoder::for_pictures(columns, 41);
+    ASSERT_TRUE(encoder.has_value());
+    std::vector<std::uint8_t> rgb(std::size_t{3} * columns * 41);
+    for (auto& byte : rgb) byte = static_cast<std::uint8_t>(dice());
+    const auto png = encoder->encode(rgb, columns, 41);
+    ASSERT_TRUE(png.has_value());
+    const Decoded decoded = decode(*png, LCT_RGB);
+    EXPECT_EQ(decoded.columns, columns);
+    EXPECT_EQ(decoded.rows, 41U);
+    EXPECT_EQ(decoded.type, LCT_RGB);
+    EXPECT_EQ(decoded.bytes, rgb);
+  }
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,321 @@
+#include "firmware/pictures/preview.hpp"
+
+#include <gtest/gtest.h>
+#include <lodepng.h>
+
+#include <cmath>
+#include <functional>
+#include <string_view>
+#include <vector>
+
+#include "firmware/pictures/preview_font.hpp"
+
+namespace plumbline {
+namespace {
+
+using Inside = std::function<bool(double x, double y, double z)>;
+
+/// The R-Rep of a formula, by its definition: what differs from the layer below is toggled.
+struct Solid {
+  Solid(const PrintGrid& grid, const Inside& inside) {
+    std::vector<bool> before(std::size_t{grid.columns} * grid.rows);
+    for (std::uint32_t k = 0; k < grid.layers; ++k) {
+      first.push_back(static_cast<std::uint32_t>(pixel.size()));
+      for (std::uint32_t p = 0; p < before.size(); ++p) {
+        const double x = (p % grid.columns + 0.5) * double{grid.pitch_x_mm};
+        const std::uint32_t row = p / grid.columns;
+        const double y = (row + 0.5) * double{grid.pitch_y_mm};
+        const bool now = inside(x, y, (k + 0.5) * double{grid.layer_height_mm});
+        if (now != before[p]) pixel.push_back(p);
+        before[p] = now;
+      }
+    }
+    first.push_back(static_cast<std::uint32_t>(pixel.size()));
+    rrep = {grid, first, pixel};
+  }
+  std::vector<std::uint32_t> first, pixel;
+  RRep rrep;
+};
+
+struct Drawing {
+  explicit Drawing(const RRep& rrep, const PreviewText& text = {}, const Supports& supports = {})
+      : rgb(std::size_t{3} * kPreviewColumns * kPreviewRows), memory(preview_bytes(rrep.grid) + Arena::kAlignment) {
+    Arena arena(memory);
+    status = draw_preview(rrep, supports, text, arena, rgb);
+    peak = arena.peak();
+    left = arena.used();
+  }
+  bool same(const Drawing& other, std::uint32_t column, std::uint32_t row) const {
+    const std::size_t at = 3 * (std::size_t{row} * kPreviewColumns + column);
+    return std::equal(rgb.begin() + std::ptrdiff_t(at), rgb.begin() + std::ptrdiff_t(at + 3),
+                      other.rgb.begin() + std::ptrdiff_t(at));
+  }
+  int brightness(std::uint32_t column, std::uint32_t row) const {
+    const std::size_t at = 3 * (std::size_t{row} * kPreviewColumns + column);
+    return rgb[at] + rgb[at + 1] + rgb[at + 2];
+  }
+  std::vector<std::uint8_t> rgb;
+  std::vector<std::byte> memory;
+  Status status;
+  std::size_t peak = 0, left = 0;
+};
+
+struct Stretch {
+  std::uint32_t begin, end;
+  std::uint32_t length() const { return end - begin; }
+};
+/// Stretches of a row that differ from the empty page.
+std::vector<Stretch> runs(const Drawing& drawing, const Drawing& empty, std::uint32_t row) {
+  std::vector<Stretch> found;
+  for (std::uint32_t c = 0; c < kPreviewColumns; ++c) {
+    if (drawing.same(empty, c, row)) continue;
+    if (found.empty() || found.back().end != c) found.push_back({c, c});
+    found.back().end = c + 1;
+  }
+  return found;
+}
+
+Inside nothing() {
+  return [](double, double, double) { return false; };
+}
+Inside sphere(double centre, double radius) {
+  return [=](double x, double y, double z) {
+    return (x - centre) * (x - centre) + (y - centre) * (y - centre) + (z - centre) * (z - centre) < radius * radius;
+  };
+}
+PrintGrid cube(std::uint32_t side, float pitch) { return {side, side, side, pitch, pitch, pitch}; }
+
+// Below the title and the scale, above the captions.
+constexpr std::uint32_t kFirstRow = 125, kLastRow = 730;
+
+TEST(Preview, ShowsASphereAsThreeEqualDiscs) {
+  const Solid solid(cube(220, 0.1F), sphere(11, 10)), air(cube(220, 0.1F), nothing());
+  const Drawing drawing(solid.rrep), empty(air.rrep);
+  ASSERT_TRUE(drawing.status.has_value());
+  double area = 0;
+  std::uint32_t rows = 0, widest = 0;
+  std::vector<double> centres;
+  for (std::uint32_t row = kFirstRow; row < kLastRow; ++row) {
+    const auto found = runs(drawing, empty, row);
+    if (found.size() != 3 || found[1].length() != found[0].length()) {
+      if (widest > 0) break;  // the floor's line, and the labels under it
+      continue;
+    }
+    EXPECT_EQ(found[2].length(), found[0].length());
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double centre = 0.5 * (found[k].begin + found[k].end);
+      if (centres.size() < 3) centres.push_back(centre);
+      EXPECT_NEAR(centre, centres[k], 1.01);
+    }
+    area += found[0].length();
+    widest = std::max(widest, found[0].length());
+    ++rows;
+  }
+  EXPECT_GT(widest, 250U);
+  EXPECT_NEAR(rows, widest, 4);
+  EXPECT_NEAR(area / (widest * widest), 3.14159265 / 4, 0.02);
+}
+
+TEST(Preview, LightsASphereFromTheUpperLeft) {
+  const Solid solid(cube(220, 0.1F), sphere(11, 10)), air(cube(220, 0.1F), nothing());
+  const Drawing drawing(solid.rrep), empty(air.rrep);
+  const auto middle = runs(drawing, empty, 430);
+  ASSERT_EQ(middle.size(), 3U);
+  for (const Stretch& disc : middle) {
+    const std::uint32_t centre = (disc.begin + disc.end) / 2, third = disc.length() / 3;
+    const int lit = drawing.brightness(centre - third / 2, 430 - third);
+    EXPECT_GT(lit, drawing.brightness(centre, 430));
+    EXPECT_GT(drawing.brightness(centre, 430), drawing.brightness(centre + third, 430 + third / 2));
+    EXPECT_GT(lit, 2 * empty.brightness(centre, 430));
+  }
+}
+
+TEST(Preview, LooksFromTheNearSideAndDoesNotMirror) {
+  // A wall 12 x 8 x 16 mm with a block on its near, left, upper corner: x small, y small, z large.
+  const PrintGrid grid{160, 120, 200, 0.1F, 0.1F, 0.1F};
+  const Solid solid(grid, [](double x, double y, double z) {
+    const bool wall = x > 2 && x < 14 && y > 6 && y < 10 && z < 12;
+    const bool block = x > 2 && x < 5 && y > 2 && y < 10 && z < 16 && z > 8;
+    return wall || block;
+  });
+  const Solid air(grid, nothing());
+  const Drawing drawing(solid.rrep), empty(air.rrep);
+  // The uppermost row of the front and the side view holds the block alone.
+  for (std::uint32_t row = kFirstRow; row < kLastRow; ++row) {
+    const auto upper = runs(drawing, empty, row);
+    if (upper.size() < 2) continue;
+    const auto lower = runs(drawing, empty, row + 500);
+    ASSERT_GE(lower.size(), 2U);
+    EXPECT_NEAR(upper[0].begin, lower[0].begin, 2);              // front: x to the right, block at the left
+    EXPECT_NEAR(upper[0].length() * 4.0, lower[0].length(), 8);  // 3 of 12 mm
+    EXPECT_NEAR(upper[1].length(), 2.0 * lower[1].length(), 8);  // side: 8 mm above, the wall's 4 mm below
+    EXPECT_NEAR(upper[1].begin, lower[1].begin, 2);              // -y to the right: the block sticks out there
+    return;
+  }
+  FAIL() << "nothing drawn";
+}
+
+TEST(Preview, ShowsAHoleFromAbove) {
+  const PrintGrid grid{200, 200, 20, 0.1F, 0.1F, 0.1F};
+  const Solid solid(grid, [](double x, double y, double z) {
+    const double r = std::hypot(x - 10, y - 10);
+    return z < 1.5 && r < 9 && r > 4;
+  });
+  const Solid air(grid, nothing());
+  const Drawing drawing(solid.rrep), empty(air.rrep);
+  std::uint32_t row = kFirstRow;
+  std::vector<Stretch> at_hole;
+  for (; row < kLastRow; ++row) {  // the last row where the ring is two pieces beside a hole as wide as 8 of 18 mm
+    const auto found = runs(drawing, empty, row);
+    if (found.size() == 2 && found[0].begin > kPreviewColumns / 2) {
+      if (at_hole.empty() || found[1].begin - found[0].end > at_hole[1].begin - at_hole[0].end) at_hole = found;
+    }
+  }
+  ASSERT_EQ(at_hole.size(), 2U);
+  const double whole = at_hole[1].end - at_hole[0].begin, hole = at_hole[1].begin - at_hole[0].end;
+  EXPECT_NEAR(hole / whole, 8.0 / 18.0, 0.02);
+}
+
+TEST(Preview, KeepsTheShapeWherePixelsAreNotSquare) {
+  const PrintGrid grid{440, 110, 88, 0.05F, 0.2F, 0.25F};
+  const Solid solid(grid, sphere(11, 10)), air(grid, nothing());
+  const Drawing drawing(solid.rrep), empty(air.rrep);
+  const auto middle = runs(drawing, empty, 430);
+  ASSERT_EQ(middle.size(), 3U);
+  EXPECT_NEAR(middle[0].length(), middle[1].length(), 6);
+  EXPECT_NEAR(middle[0].length(), middle[2].length(), 6);
+}
+
+TEST(Preview, DrawsObjectsOfAnyShapeInsideThePage) {
+  for (const PrintGrid& grid : {PrintGrid{4, 3, 2000, 0.1F, 0.1F, 0.1F}, PrintGrid{3000, 3, 2, 0.1F, 0.1F, 0.1F},
+                                PrintGrid{3, 3000, 2, 0.1F, 0.1F, 0.1F}, PrintGrid{1, 1, 1, 0.05F, 0.05F, 0.05F},
+                                PrintGrid{5000, 10, 1, 0.01F, 0.01F, 0.01F}}) {
+    const Solid full(grid, [](double, double, double) { return true; });  // never ends, not even above the last layer
+    const Solid air(grid, nothing());
+    const Drawing drawing(full.rrep), empty(air.rrep);
+    ASSERT_TRUE(drawing.status.has_value());
+    EXPECT_NE(drawing.rgb, empty.rgb);
+    for (std::uint32_t row = 0; row < kPreviewRows; ++row) {
+      EXPECT_TRUE(drawing.same(empty, 0, row));
+      EXPECT_TRUE(drawing.same(empty, kPreviewColumns - 1, row));
+    }
+  }
+}
+
+/// A sphere above the plate on one pillar, from the middle of its foot.
+struct SphereOnAPillar {
+  SphereOnAPillar() : solid(cube(220, 0.1F), [](double x, double y, double z) { return sphere(11, 6)(x, y, z); }) {
+    supports = {list, SupportShape(SupportSettings{}, solid.rrep.grid)};
+  }
+  Solid solid;
+  const std::vector<Support> list{{.column = 110, .row = 110, .first = 0, .tip = 50, .end = 52}};
+  Supports supports;
+};
+
+TEST(Preview, ShowsSupportsInAnotherColour) {
+  const SphereOnAPillar scene;
+  const Solid air(cube(220, 0.1F), nothing());
+  const Drawing drawing(scene.solid.rrep, {}, scene.supports), empty(air.rrep);
+  ASSERT_TRUE(drawing.status.has_value());
+  std::size_t blue = 0, cream = 0;
+  double blue_row = 0, cream_row = 0;
+  for (std::uint32_t row = kFirstRow; row < kLastRow; ++row) {
+    for (std::uint32_t column = 0; column < kPreviewColumns / 2; ++column) {  // front and side
+      if (drawing.same(empty, column, row)) continue;
+      const std::size_t at = 3 * (std::size_t{row} * kPreviewColumns + column);
+      const int warmth = drawing.rgb[at] - drawing.rgb[at + 2];
+      if (warmth < -20) {
+        ++blue;
+        blue_row += row;
+      } else if (warmth > 4) {
+        ++cream;
+        cream_row += row;
+      }
+    }
+  }
+  EXPECT_GT(blue, 500U);
+  EXPECT_GT(cream, 10 * blue);
+  EXPECT_GT(blue_row / static_cast<double>(blue), cream_row / static_cast<double>(cream)) << "the pillar is below";
+}
+
+TEST(Preview, TellsTheSizeOfTheObjectAlone) {
+  const SphereOnAPillar scene;
+  const Drawing with(scene.solid.rrep, {}, scene.supports), without(scene.solid.rrep);
+  // The line of facts, upper right.
+  for (std::uint32_t row = 40; row < 80; ++row) {
+    for (std::uint32_t column = kPreviewColumns / 2; column < kPreviewColumns; ++column) {
+      ASSERT_TRUE(with.same(without, column, row));
+    }
+  }
+}
+
+TEST(Preview, TakesTheMemoryItSaidAndGivesItBack) {
+  const Solid solid(cube(100, 0.2F), sphere(10, 9));
+  const Drawing drawing(solid.rrep);
+  EXPECT_EQ(drawing.peak, preview_bytes(solid.rrep.grid));
+  EXPECT_EQ(drawing.left, 0U);
+}
+
+TEST(Preview, SaysSoWhenTheArenaIsTooSmall) {
+  const Solid solid(cube(100, 0.2F), sphere(10, 9));
+  std::vector<std::byte> memory(preview_bytes(solid.rrep.grid) / 2);
+  std::vector<std::uint8_t> rgb(std::size_t{3} * kPreviewColumns * kPreviewRows);
+  Arena arena(memory);
+  const Status status = draw_preview(solid.rrep, {}, {}, arena, rgb);
+  ASSERT_FALSE(status.has_value());
+  EXPECT_EQ(status.error().code(), ErrorCode::kOutOfMemory);
+  EXPECT_EQ(arena.used(), 0U);
+}
+
+TEST(Preview, BecomesAPngOfTheSamePixels) {
+  const Solid solid(cube(100, 0.2F), sphere(10, 9));
+  const std::string_view captions[] = {"one line", "and another"};
+  const PreviewText text{"sphere.ply", captions};
+  const Drawing drawing(solid.rrep, text);
+  std::vector<std::byte> memory(preview_bytes(solid.rrep.grid) + drawing.rgb.size() + 4 * Arena::kAlignment);
+  Arena arena(memory);
+  auto encoder = PngEncoder::for_pictures(kPreviewColumns, kPreviewRows);
+  ASSERT_TRUE(encoder.has_value());
+  const auto png = encode_preview(solid.rrep, {}, text, arena, *encoder);
+  ASSERT_TRUE(png.has_value());
+  EXPECT_EQ(arena.used(), 0U);
+  std::vector<unsigned char> decoded;
+  unsigned columns = 0, rows = 0;
+  ASSERT_EQ(lodepng::decode(decoded, columns, rows, reinterpret_cast<const unsigned char*>(png->data()), png->size(),
+                            LCT_RGB, 8),
+            0U);
+  EXPECT_EQ(columns, kPreviewColumns);
+  EXPECT_EQ(rows, kPreviewRows);
+  EXPECT_EQ(decoded, drawing.rgb);
+}
+
+TEST(Preview, CutsTextThatIsLongerThanThePage) {
+  const Solid solid(cube(20, 0.2F), sphere(2, 1.8));
+  const std::string long_text(5000, 'W');
+  const std::string_view captions[] = {long_text, long_text, long_text, long_text};
+  const Drawing drawing(solid.rrep, {long_text, captions}), plain(solid.rrep);
+  ASSERT_TRUE(drawing.status.has_value());
+  EXPECT_NE(drawing.rgb, plain.rgb);
+  for (std::uint32_t row = 0; row < kPreviewRows; ++row) EXPECT_TRUE(drawing.same(plain, kPreviewColumns - 1, row));
+}
+
+TEST(PreviewFont, HasADifferentGlyphForEveryCharacter) {
+  std::vector<std::vector<std::uint8_t>> drawn;
+  for (int c = 32; c <= 127; ++c) {
+    std::vector<std::uint8_t> rgb(std::size_t{3} * 12 * 20, 0);
+    const char letter = static_cast<char>(c);
+    draw_text({rgb, 12, 20}, 0, 0, {&letter, 1}, {.scale = 2});
+    for (const auto& other : drawn) EXPECT_NE(rgb, other) << letter;
+    drawn.push_back(rgb);
+  }
+}
+
+TEST(PreviewFont, IgnoresWhatIsOutsideThePicture) {
+  std::vector<std::uint8_t> rgb(std::size_t{3} * 10 * 10, 0);
+  draw_text({rgb, 10, 10}, -30, -7, "ABCDEFGHIJ", {.scale = 3});
+  draw_text({rgb, 10, 10}, 8, 8, "\xC3\xA9W", {.scale = 1});
+  SUCCEED();  // the sanitizers watch
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,163 @@
+#include "firmware/print/job_store.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <vector>
+
+#include "tests/firmware/support/job_fixture.hpp"
+
+namespace plumbline {
+namespace {
+
+using ::testing::ElementsAreArray;
+using ::testing::HasSubstr;
+
+constexpr std::array<std::uint32_t, 4> kFirst = {0, 2, 2, 5};
+constexpr std::array<std::uint32_t, 5> kPixel = {1, 3, 1, 3, 7};
+
+RRep small_rrep() { return {.grid = {.columns = 4, .rows = 2, .layers = 3}, .first = kFirst, .pixel = kPixel}; }
+
+constexpr std::array<Support, 2> kSupports = {
+    {{.column = 1, .row = 1, .first = 0, .tip = 2, .end = 3}, {.column = 3, .row = 0, .first = 1, .tip = 2, .end = 2}}};
+
+Supports small_supports() { return {.list = kSupports, .shape = SupportShape(SupportSettings(), small_rrep().grid)}; }
+
+JobFacts facts() {
+  JobFacts facts;
+  facts.scan = short_name("bust.ply");
+  facts.printer_hash = 7;
+  facts.plan.layers = 3;
+  facts.plan.exposure = std::chrono::milliseconds(2500);
+  return facts;
+}
+
+class JobStoreTest : public ::testing::Test {
+ protected:
+  std::string state() const { return folder_ / "state"; }
+  /// Stores a job whose first layer is cured.
+  void store() {
+    auto store = JobStore::open(state());
+    ASSERT_TRUE(store) << store.error().message();
+    std::uint64_t hash = 0;
+    auto file = store->begin(facts(), small_rrep(), small_supports(), hash);
+    ASSERT_TRUE(file) << file.error().message();
+    auto journal = Journal::create(*file, hash, 3);
+    ASSERT_TRUE(journal);
+    JournalEntry entry;
+    entry.next_layer = 1;
+    ASSERT_TRUE(journal->append(entry));
+  }
+  Expected<JobStore::Interrupted> load() {
+    arena_.release_bottom(0);
+    auto store = JobStore::open(state());
+    EXPECT_TRUE(store);
+    return store->load(arena_);
+  }
+
+  TemporaryFolder folder_;
+  alignas(Arena::kAlignment) std::array<std::byte, 4096> block_{};
+  Arena arena_{block_};
+};
+
+TEST_F(JobStoreTest, GivesBackAnInterruptedPrint) {
+  store();
+  auto job = load();
+  ASSERT_TRUE(job) << job.error().message();
+  EXPECT_EQ(view(job->facts.scan), "bust.ply");
+  EXPECT_EQ(job->facts.printer_hash, 7U);
+  EXPECT_EQ(job->facts.plan.exposure, std::chrono::milliseconds(2500));
+  EXPECT_EQ(job->rrep.grid.layers, 3U);
+  EXPECT_THAT(job->rrep.first, ElementsAreArray(kFirst));
+  EXPECT_THAT(job->rrep.pixel, ElementsAreArray(kPixel));
+  EXPECT_THAT(job->supports.list, ElementsAreArray(kSupports));
+  EXPECT_EQ(job->supports.shape.head_radius(), small_supports().shape.head_radius());
+  EXPECT_EQ(job->supports.shape.pillar_radius(), small_supports().shape.pillar_radius());
+  const auto journal = Journal::open(job->journal);
+  ASSERT_TRUE(journal) << journal.error().message();
+  EXPECT_EQ(journal->job_hash(), job->job_hash);
+  EXPECT_EQ(journal->last().next_layer, 1U);
+}
+
+TEST_F(JobStoreTest, HasNothingWhenItIsNewOrThePrintIsOver) {
+  {
+    auto store = JobStore::open(state());
+    ASSERT_TRUE(store);
+    EXPECT_FALSE(store->has_job());
+    EXPECT_EQ(store->load(arena_).error().code(), ErrorCode::kTruncated);
+  }
+  store();
+  {
+    auto store = JobStore::open(state());
+    ASSERT_TRUE(store);
+    EXPECT_TRUE(store->has_job());
+    ASSERT_TRUE(store->end());
+    EXPECT_FALSE(store->has_job());
+  }
+  EXPECT_EQ(load().error().code(), ErrorCode::kTruncated);
+}
+
+TEST_F(JobStoreTest, NeverFollowsADamagedJob) {
+  store();
+  const std::string path = state() + "/job";
+  const std::string whole = read_text(path);
+  for (std::size_t byte = 0; byte < whole.size(); ++byte) {
+    std::string damaged = whole;
+    damaged[byte] = static_cast<char>(damaged[byte] ^ 0x10);
+    write_text(path, damaged);
+    EXPECT_FALSE(load()) << "byte " << byte << " went unnoticed";
+  }
+  for (std::size_t size = 0; size < whole.size(); size += 7) {
+    write_text(path, std::string_view(whole).substr(0, size));
+    EXPECT_FALSE(load()) << "cut at " << size;
+  }
+  std::filesystem::remove(path);
+  EXPECT_EQ(load().error().code(), ErrorCode::kMalformed) << "a journal without its job";
+}
+
+TEST_F(JobStoreTest, ReplacesAnOlderPrint) {
+  store();
+  store();
+  const auto job = load();
+  ASSERT_TRUE(job);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(state()), {}), 2) << "no files left over";
+}
+
+TEST_F(JobStoreTest, BelongsToOneProcessAtATime) {
+  const auto first = JobStore::open(state());
+  ASSERT_TRUE(first);
+  const auto second = JobStore::open(state());
+  ASSERT_FALSE(second);
+  EXPECT_THAT(second.error().message(), HasSubstr("another plumbline"));
+}
+
+TEST_F(JobStoreTest, ThatDoesNotFitTheArenaSaysSo) {
+  store();
+  std::array<std::byte, 64> little{};
+  Arena arena(little);
+  auto store = JobStore::open(state());
+  ASSERT_TRUE(store);
+  EXPECT_EQ(store->load(arena).error().code(), ErrorCode::kOutOfMemory);
+}
+
+TEST(BoardHash, ChangesWithWhatTheMasksAndHeightsDependOnAndNotWithComments) {
+  const std::string path = PLUMBLINE_SOURCE_DIR "/board/sim2k.toml";
+  auto text = read_settings_text(path, "").value();
+  const auto hash = [](const std::string& toml) { return hash_of(parse_board_file(toml, "b").value()); };
+  const auto one = hash(text);
+  EXPECT_EQ(hash("# a comment\n" + text), one);
+  for (const auto& [from, to] : {std::pair<std::string, std::string>{"columns = 1440", "columns = 1441"},
+                                 {"mirror = \"x\"", "mirror = \"y\""},
+                                 {"rotation_distance_mm = 4.0", "rotation_distance_mm = 8.0"},
+                                 {"end_stop_height_mm = 175.0", "end_stop_height_mm = 176.0"}}) {
+    auto changed = text;
+    changed.replace(changed.find(from), from.size(), to);
+    EXPECT_NE(hash(changed), one) << to;
+  }
+}
+
+}  // namespace
+}  // namespace plumbline

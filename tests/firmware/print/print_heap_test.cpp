@@ -1,0 +1,63 @@
+/// A whole print, from the scan's first byte on the stick to the last layer, takes nothing from the heap: what the simulated machine
+/// takes for itself is its own.
+
+#include <gtest/gtest.h>
+#include <omp.h>
+
+#include "firmware/io/file_source.hpp"
+#include "firmware/print/print_session.hpp"
+#include "hal/sim/sim_machine.hpp"
+#include "tests/firmware/support/heap_trap.hpp"
+#include "tests/firmware/support/job_fixture.hpp"
+#include "tests/hil/session_rig.hpp"
+
+namespace plumbline {
+namespace {
+
+alignas(64) std::byte print_arena[std::size_t{24} * 1024 * 1024];
+
+TEST(Print, TakesNothingFromTheHeapFromItsAdmissionToItsReport) {
+  const TemporaryFolder folder;
+  write_sphere_scan(folder / "ball.ply", 4000, 2);
+  omp_set_num_threads(2);
+#pragma omp parallel  // the first region makes the threads
+  static_cast<void>(omp_get_thread_num());
+  const BoardFile board = session_board();
+  const MachineFile machine_file = rig_machine();
+  const PrintProfile profile = rig_profile();
+  auto store = JobStore::open(folder / "state");
+  ASSERT_TRUE(store) << store.error().message();
+  auto scan = FileSource::open(folder / "ball.ply");
+  ASSERT_TRUE(scan);
+  PlantSettings settings = session_plant();
+  // Everything that has a way of its own through the firmware.
+  for (const char* fault : {"cover.opens@layer=7+1s,for=5s", "stick.pulled@layer=3", "panel.slow@layer=9"}) {
+    const auto parsed = parse_fault(fault);
+    ASSERT_TRUE(parsed) << parsed.error().message();
+    settings.faults.push_back(*parsed);
+  }
+  Plant plant(settings);
+  SimMachine run(plant);
+  Machine machine = run.machine();
+  plant.timeline().at(TimePoint() + std::chrono::minutes(30), [&] { plant.press(EventKind::kStartPressed); });
+  Silent observer;
+  Arena arena(print_arena);
+  PrintSession session(board, machine_file, arena, &*store);
+  const SliceSettings slicing = slicing_for(board);
+
+  HeapTrap trap;
+  const auto sliced = session.slice_scan(*scan, slicing, SupportSettings(), profile, nullptr);
+  const PrintReport* const report = sliced ? &session.print(machine, observer) : nullptr;
+  const HeapUse use = trap.disarm();
+
+  ASSERT_TRUE(sliced) << sliced.error().message();
+  EXPECT_EQ(report->state, PrintState::kFinished) << report->fault_message.c_str();
+  EXPECT_GT(report->exposures.size(), 50U);
+  EXPECT_EQ(use.trapped, 0);
+  if (use.trapped > 0) HeapTrap::print_stacks();
+  EXPECT_GT(use.simulator, 0) << "the control that the trap was armed while it printed";
+  EXPECT_EQ(use.lodepng, 0);
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,150 @@
+#include "firmware/print/print_plan.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace plumbline {
+namespace {
+
+using namespace plumbline::literals;
+using namespace std::chrono_literals;
+using ::testing::HasSubstr;
+
+PrintProfile profile() { return read_print_profile(PLUMBLINE_SOURCE_DIR "/board/profiles/standard.toml").value(); }
+MachineFile machine() { return *read_board_file(PLUMBLINE_SOURCE_DIR "/board/sim2k.toml").value().machine; }
+PrintPlan plan(std::uint32_t layers = 1000) { return plan_print(profile(), machine(), 0.05, layers).value(); }
+
+double seconds(nanoseconds time) { return std::chrono::duration<double>(time).count(); }
+
+TEST(PrintPlan, ExposesBottomLayersLongAndFadesInEqualSteps) {
+  const auto p = plan();  // 30 s for 5 layers, 8 to fade, then 2.5 s
+  for (std::uint32_t layer = 0; layer < 5; ++layer) EXPECT_EQ(exposure_of(p, layer), 30s);
+  for (std::uint32_t j = 1; j <= 8; ++j) {
+    EXPECT_NEAR(seconds(exposure_of(p, 4 + j)), 30 + (2.5 - 30) * j / 9.0, 1e-9) << "step " << j;
+  }
+  EXPECT_EQ(exposure_of(p, 13), 2500ms);
+  EXPECT_EQ(exposure_of(p, 999), 2500ms);
+}
+
+TEST(PrintPlan, WithoutAFadeGoesFromBottomToNormalAtOnce) {
+  auto settings = profile();
+  settings.faded_layers = 0;
+  const auto p = plan_print(settings, machine(), 0.05, 100).value();
+  EXPECT_EQ(exposure_of(p, 4), 30s);
+  EXPECT_EQ(exposure_of(p, 5), 2500ms);
+}
+
+TEST(PrintPlan, CuresLayerKAtItsUpperFace) {
+  const auto p = plan();
+  EXPECT_EQ(height_of(p, 0), ZPosition(50_um));
+  EXPECT_EQ(height_of(p, 999), ZPosition(50_mm));
+}
+
+TEST(PrintPlan, HeightsAddUpWithoutRounding) {
+  const auto p = plan_print(profile(), machine(), 0.0123, 10000).value();
+  EXPECT_EQ(height_of(p, 9999).above_film().nanometres(), 123'000'000);
+}
+
+TEST(PrintPlan, LiftsSlowlyWhileItPeelsAndComesDownSlowlyNextToTheFilm) {
+  const auto p = plan();
+  const auto up = lift_from(p, 9);
+  EXPECT_EQ(up[0], (StageMove{ZPosition(4.5_mm), mm_per_min(60)}));
+  EXPECT_EQ(up[1], (StageMove{ZPosition(7.5_mm), mm_per_min(180)}));
+  const auto down = retract_to(p, 10);
+  EXPECT_EQ(down[0], (StageMove{ZPosition(2.55_mm), mm_per_min(180)}));
+  EXPECT_EQ(down[1], (StageMove{ZPosition(0.55_mm), mm_per_min(60)}));
+}
+
+TEST(PrintPlan, PauseRaisesThePartAsFarAsTheTravelGoes) {
+  const auto p = plan(3000);
+  EXPECT_EQ(pause_above(p, 0).target, ZPosition(50.05_mm));
+  EXPECT_EQ(pause_above(p, 2999).target, ZPosition(174_mm)) << "150 + 50 is above the end stop's 175 - 1";
+}
+
+TEST(PrintPlan, LayerTakesItsExposureItsRestsAndItsMoves) {
+  const auto p = plan();
+  // sim2k: 100 mm/s2. Trapezoids: d / v + v / a. A mask takes a frame and 20 ms to stand.
+  const auto move = [](double mm, double mm_min) { return mm / (mm_min / 60) + mm_min / 60 / 100; };
+  const double expected =
+      move(7 - 0.05 - 2, 180) + move(2, 60) + 0.5 + 2.5 + 2 * (1.0 / 60 + 0.02) + move(4, 60) + move(3, 180);
+  EXPECT_NEAR(seconds(layer_time(p, 100)), expected, 1e-6);
+}
+
+TEST(PrintPlan, TimeOfThePrintIsTheSumOfItsLayersAndTheWayDownAndUp) {
+  const auto p = plan(200);
+  nanoseconds sum{};
+  for (std::uint32_t layer = 0; layer < 200; ++layer) sum += layer_time(p, layer);
+  EXPECT_EQ(remaining_time(p, 0), sum);
+  EXPECT_EQ(remaining_time(p, 199), layer_time(p, 199));
+  EXPECT_EQ(remaining_time(p, 200), 0s);
+  EXPECT_EQ(remaining_time(p, 7),
+            sum - 5 * layer_time(p, 4) - layer_time(p, 5) - layer_time(p, 6) - layer_time(p, 0) + layer_time(p, 1))
+      << "the first layer has no way down";
+  const auto move = [](double mm, double mm_min) { return mm / (mm_min / 60) + mm_min / 60 / 100; };
+  EXPECT_NEAR(seconds(print_time(p) - sum), move(174 - 2.05, 300) + move(2, 60) + move(174 - 17, 300), 1e-6);
+}
+
+TEST(PrintPlan, DrawsInTheElephantFootAsMuchAsTheExposureIsLonger) {
+  auto settings = profile();
+  settings.elefant_foot_compensation = 0.18;
+  const auto p = plan_print(settings, machine(), 0.05, 100).value();
+  EXPECT_EQ(elephant_foot_of(p, 0), 180_um);
+  EXPECT_EQ(elephant_foot_of(p, 4), 180_um);
+  EXPECT_EQ(elephant_foot_of(p, 5), 160_um) << "180 (1 - 1/9)";
+  EXPECT_EQ(elephant_foot_of(p, 13), 0_um);
+}
+
+TEST(PrintPlan, RefusesWhatTheMachineCannotDo) {
+  auto fast = profile();
+  fast.retract_speed = 301;
+  const auto too_fast = plan_print(fast, machine(), 0.05, 100);
+  ASSERT_FALSE(too_fast);
+  EXPECT_EQ(too_fast.error().code(), ErrorCode::kBadSetting);
+  EXPECT_THAT(too_fast.error().message(), HasSubstr("retract_speed is 301 mm/min"));
+
+  auto bright = profile();
+  bright.initial_exposure_time = 61;
+  const auto too_long = plan_print(bright, machine(), 0.05, 100);
+  ASSERT_FALSE(too_long);
+  EXPECT_EQ(too_long.error().code(), ErrorCode::kExposureTooLong);
+  EXPECT_THAT(too_long.error().message(), HasSubstr("lower initial_exposure_time"));
+
+  EXPECT_TRUE(plan_print(profile(), machine(), 0.05, 3340)) << "167 + 7 mm is the highest point";
+  const auto too_high = plan_print(profile(), machine(), 0.05, 3341);
+  ASSERT_FALSE(too_high);
+  EXPECT_EQ(too_high.error().code(), ErrorCode::kDoesNotFit);
+}
+
+TEST(PrintPlan, CureDepthFollowsTheWorkingCurve) {
+  auto settings = profile();  // Dp 0.12 mm, Ec 3.2 mJ/cm2
+  const Irradiance lamp(3.5);
+  EXPECT_NEAR(cure_depth(settings, lamp, 2500ms).millimetres(), 0.12 * std::log(8.75 / 3.2), 1e-6);
+  EXPECT_LT(cure_depth(settings, lamp, 500ms), 0_um) << "1.75 mJ/cm2 set nothing";
+}
+
+TEST(PrintPlan, EveryProfileCuresThroughItsLayerOnEveryPrinter) {
+  for (const char* name : {"standard", "tough", "draft"}) {
+    for (const char* printer : {"mono2k", "mono4k", "mono8k", "sim2k"}) {
+      const std::string board = std::string(PLUMBLINE_SOURCE_DIR "/board/") + printer + ".toml";
+      const auto settings = read_print_profile(profile_path(name, board)).value();
+      const auto target = *read_board_file(board).value().machine;
+      const auto p = plan_print(settings, target, settings.layer_height, 100);
+      ASSERT_TRUE(p) << p.error().message();
+      EXPECT_GT(cure_depth(settings, Irradiance(target.power_mw_cm2), p->exposure), p->layer_height)
+          << name << " on " << printer;
+    }
+  }
+}
+
+TEST(PrintPlan, ResinIsTheVolumeOfThePixelsAndCostsItsShareOfTheBottle) {
+  EXPECT_NEAR(resin_ml(1'000'000, 0.1, 0.1, 0.05), 0.5, 1e-12);
+  auto settings = profile();
+  EXPECT_NEAR(resin_cost(settings, 100), 3.0, 1e-12);
+  settings.bottle_volume = 0;
+  EXPECT_EQ(resin_cost(settings, 100), 0);
+}
+
+}  // namespace
+}  // namespace plumbline

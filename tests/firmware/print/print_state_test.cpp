@@ -1,0 +1,141 @@
+#include "firmware/print/print_state.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <set>
+#include <sstream>
+#include <string>
+
+#include "firmware/print/fault.hpp"
+
+namespace plumbline {
+namespace {
+
+using ::testing::HasSubstr;
+using enum PrintState;
+using enum PrintEvent;
+
+constexpr auto state_at(std::size_t index) { return static_cast<PrintState>(index); }
+constexpr auto event_at(std::size_t index) { return static_cast<PrintEvent>(index); }
+
+// The way of an undisturbed print, at compile time.
+static_assert(next(kIdle, kJobTaken) == kSlicing);
+static_assert(next(kSlicing, kSliced) == kChecks);
+static_assert(next(kChecks, kChecksPassed) == kHoming);
+static_assert(next(kHoming, kHomed) == kPrinting);
+static_assert(next(kPrinting, kLastLayerDone) == kFinishing);
+static_assert(next(kFinishing, kRaised) == kFinished);
+static_assert(next(kFinished, kAcknowledged) == kIdle);
+
+TEST(PrintState, EveryPairHasANextStateAndAName) {
+  std::set<std::string_view> names;
+  for (std::size_t s = 0; s < kPrintStateCount; ++s) {
+    names.insert(to_string(state_at(s)));
+    for (std::size_t e = 0; e < kPrintEventCount; ++e) {
+      EXPECT_LT(static_cast<std::size_t>(next(state_at(s), event_at(e))), kPrintStateCount);
+    }
+  }
+  EXPECT_EQ(names.size(), kPrintStateCount);
+  EXPECT_FALSE(names.contains("unknown state"));
+  EXPECT_EQ(to_string(state_at(kPrintStateCount)), "unknown state") << "kPrintStateCount is all of them";
+  EXPECT_EQ(to_string(event_at(kPrintEventCount)), "unknown event") << "kPrintEventCount is all of them";
+}
+
+TEST(PrintState, EveryStateCanBeReachedAndLeft) {
+  std::set<PrintState> reached{kIdle};
+  for (std::size_t round = 0; round < kPrintStateCount; ++round) {
+    for (const PrintState from : std::set<PrintState>(reached)) {
+      for (std::size_t e = 0; e < kPrintEventCount; ++e) reached.insert(next(from, event_at(e)));
+    }
+  }
+  EXPECT_EQ(reached.size(), kPrintStateCount);
+  for (std::size_t s = 0; s < kPrintStateCount; ++s) {
+    bool left = false;
+    for (std::size_t e = 0; e < kPrintEventCount; ++e) left = left || next(state_at(s), event_at(e)) != state_at(s);
+    EXPECT_TRUE(left) << to_string(state_at(s));
+  }
+}
+
+TEST(PrintState, LightIsPossibleInOneStateAndTheUserDecidesToEnterItAfterACoverWasOpen) {
+  for (std::size_t s = 0; s < kPrintStateCount; ++s) {
+    EXPECT_EQ(may_expose(state_at(s)), state_at(s) == kPrinting);
+    for (std::size_t e = 0; e < kPrintEventCount; ++e) {
+      if (next(state_at(s), event_at(e)) != kPrinting || state_at(s) == kPrinting) continue;
+      const bool asked = event_at(e) == kResumeAsked || event_at(e) == kHomed || event_at(e) == kCooledDown;
+      EXPECT_TRUE(asked) << to_string(state_at(s)) << ", " << to_string(event_at(e));
+    }
+  }
+  EXPECT_EQ(next(kCoverOpen, kCoverClosed), kPaused);
+}
+
+TEST(PrintState, CoverOpenedCancelFailureAndShutdownEndThePrintingOfALayer) {
+  EXPECT_EQ(next(kPrinting, kCoverOpened), kCoverOpen);
+  EXPECT_EQ(next(kPrinting, kCancelAsked), kCancelling);
+  EXPECT_EQ(next(kPrinting, kFailed), kFault);
+  EXPECT_EQ(next(kPrinting, kShutdown), kSuspended);
+}
+
+TEST(PrintState, FailureAndShutdownAreHeardInEveryStateThatIsNotAtRest) {
+  for (std::size_t s = 0; s < kPrintStateCount; ++s) {
+    if (at_rest(state_at(s))) continue;
+    EXPECT_EQ(next(state_at(s), kFailed), kFault) << to_string(state_at(s));
+    EXPECT_EQ(next(state_at(s), kShutdown), kSuspended) << to_string(state_at(s));
+  }
+}
+
+TEST(PrintState, StatesAtRestAreLeftByTheUserOrANewJobOnly) {
+  for (const PrintState state : {kFinished, kCancelled, kSuspended, kFault}) {
+    for (std::size_t e = 0; e < kPrintEventCount; ++e) {
+      EXPECT_EQ(next(state, event_at(e)), event_at(e) == kAcknowledged ? kIdle : state);
+    }
+  }
+}
+
+TEST(PrintState, CoverMayBeOpenedToPourInResin) { EXPECT_EQ(next(kFeedMe, kCoverOpened), kFeedMe); }
+
+TEST(Fault, CodesAreSortedUniqueAndSaidInFull) {
+  const auto faults = all_faults();
+  EXPECT_TRUE(std::is_sorted(faults.begin(), faults.end(),
+                             [](const FaultInfo& a, const FaultInfo& b) { return a.code < b.code; }));
+  for (std::size_t i = 0; i < faults.size(); ++i) {
+    if (i > 0) {
+      EXPECT_NE(faults[i].code, faults[i - 1].code);
+    }
+    EXPECT_FALSE(faults[i].title.empty());
+    EXPECT_TRUE(faults[i].meaning.ends_with('.')) << faults[i].meaning;
+    EXPECT_TRUE(faults[i].next.ends_with('.')) << faults[i].next;
+    EXPECT_EQ(info(faults[i].code).title, faults[i].title);
+  }
+}
+
+TEST(Fault, ThatAnErrorBecomesIsInTheTable) {
+  int errors = 0;
+  for (std::uint16_t number = 1; number < 1000; ++number) {
+    const auto code = static_cast<ErrorCode>(number);
+    if (to_string(code) == "Unknown") continue;
+    const auto faults = all_faults();
+    EXPECT_TRUE(std::any_of(faults.begin(), faults.end(), [code](const FaultInfo& fault) {
+      return fault.code == fault_of(code);
+    })) << to_string(code);
+    ++errors;
+  }
+  EXPECT_GE(errors, 35);
+}
+
+TEST(Fault, TableInTheReadmeIsThisTable) {
+  std::ifstream file(PLUMBLINE_SOURCE_DIR "/firmware/README.md");
+  std::stringstream text;
+  text << file.rdbuf();
+  std::string rows;
+  for (const auto& fault : all_faults()) {
+    rows += "| PL-" + std::to_string(static_cast<int>(fault.code)) + " | " + std::string(fault.title) + " | " +
+            std::string(fault.meaning) + " | " + std::string(fault.next) + " |\n";
+  }
+  EXPECT_THAT(text.str(), HasSubstr(rows)) << "firmware/README.md lacks these rows, in this order:\n" << rows;
+}
+
+}  // namespace
+}  // namespace plumbline

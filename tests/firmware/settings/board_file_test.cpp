@@ -1,0 +1,317 @@
+#include "firmware/settings/board_file.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+namespace plumbline {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+constexpr const char* kGood = R"([printer]
+name = "test"
+[panel]
+columns = 1440
+rows = 2560
+pixel_pitch_x_mm = 0.04725
+pixel_pitch_y_mm = 0.05
+[z_stage]
+travel_mm = 160
+[print]
+layer_height_mm = 0.05
+[memory]
+arena_mib = 96
+)";
+
+/// kGood with its one occurrence of `from` replaced.
+std::string good_with(const std::string& from, const std::string& to) {
+  std::string text = kGood;
+  const auto at = text.find(from);
+  if (at == std::string::npos) ADD_FAILURE() << from << " is not in the good file";
+  return text.replace(at, from.size(), to);
+}
+
+/// The message, which must come with `code`.
+std::string refusal(const std::string& text, ErrorCode code = ErrorCode::kBadSetting) {
+  const auto board = parse_board_file(text, "b.toml");
+  if (board) {
+    ADD_FAILURE() << "was accepted:\n" << text;
+    return {};
+  }
+  EXPECT_EQ(board.error().code(), code) << board.error().message();
+  return board.error().message();
+}
+
+TEST(BoardFile, GivesEveryValue) {
+  const auto board = parse_board_file(kGood, "b.toml");
+  ASSERT_TRUE(board) << board.error().message();
+  EXPECT_EQ(board->name, "test");
+  EXPECT_EQ(board->columns, 1440U);
+  EXPECT_EQ(board->rows, 2560U);
+  EXPECT_EQ(board->pixel_pitch_x_mm, 0.04725);
+  EXPECT_EQ(board->pixel_pitch_y_mm, 0.05);
+  EXPECT_EQ(board->travel_mm, 160.0) << "an integer is a number, too";
+  EXPECT_EQ(board->layer_height_mm, 0.05);
+  EXPECT_EQ(board->arena_mib, 96U);
+}
+
+TEST(BoardFile, OfEveryBoardLoads) {
+  int boards = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(PLUMBLINE_SOURCE_DIR "/board")) {
+    if (entry.path().extension() != ".toml") continue;
+    const auto board = read_board_file(entry.path().string());
+    ASSERT_TRUE(board) << board.error().message();
+    EXPECT_EQ(board->name, entry.path().stem().string());
+    EXPECT_TRUE(board->machine) << entry.path() << " can't be printed with";
+    ++boards;
+  }
+  EXPECT_GE(boards, 4);
+}
+
+TEST(BoardFile, AllowsTheEndsOfARangeAndNothingBeyond) {
+  EXPECT_TRUE(parse_board_file(good_with("columns = 1440", "columns = 1"), "b.toml"));
+  EXPECT_TRUE(parse_board_file(good_with("columns = 1440", "columns = 16384"), "b.toml"));
+  EXPECT_EQ(refusal(good_with("columns = 1440", "columns = 0")),
+            "b.toml:4: [panel] columns: found an integer 0, allowed is an integer from 1 to 16384 pixels");
+  EXPECT_THAT(refusal(good_with("columns = 1440", "columns = 16385")), HasSubstr("found an integer 16385"));
+  EXPECT_THAT(refusal(good_with("columns = 1440", "columns = -1440")), HasSubstr("found an integer -1440"));
+  EXPECT_THAT(refusal(good_with("columns = 1440", "columns = 9223372036854775807")), HasSubstr("9223372036854775807"));
+  EXPECT_EQ(refusal(good_with("= 0.04725", "= 0.0047")),
+            "b.toml:6: [panel] pixel_pitch_x_mm: found a float 0.0047, allowed is a number from 0.005 to 1 mm");
+}
+
+TEST(BoardFile, RefusesNumbersThatAreNone) {
+  for (const char* value : {"nan", "inf", "-inf"}) {
+    EXPECT_THAT(
+        refusal(good_with("travel_mm = 160", std::string{"travel_mm = "} + value)),
+        AllOf(StartsWith("b.toml:9: [z_stage] travel_mm: found a float "), HasSubstr("a number from 1 to 2000 mm")));
+  }
+}
+
+TEST(BoardFile, RefusesAWrongType) {
+  EXPECT_EQ(refusal(good_with("columns = 1440", "columns = '1440'")),
+            "b.toml:4: [panel] columns: found a string '1440', allowed is an integer from 1 to 16384 pixels");
+  EXPECT_THAT(refusal(good_with("columns = 1440", "columns = 1440.0")), HasSubstr("found a float 1440,"));
+  EXPECT_THAT(refusal(good_with("travel_mm = 160", "travel_mm = true")), HasSubstr("found a boolean true,"));
+  EXPECT_THAT(refusal(good_with("travel_mm = 160", "travel_mm = [160]")), HasSubstr("found an array,"));
+  EXPECT_THAT(refusal(good_with("travel_mm = 160", "travel_mm = 1979-05-27")), HasSubstr("found a date 1979-05-27,"));
+  EXPECT_THAT(refusal(good_with("travel_mm = 160", "travel_mm = {mm = 160}")), HasSubstr("found a table,"));
+  EXPECT_THAT(refusal(good_with("\"test\"", "7")),
+              StartsWith("b.toml:2: [printer] name: found an integer 7, allowed is a string"));
+}
+
+TEST(BoardFile, RefusesANameThatIsEmptyTooLongOrWouldNeedQuoting) {
+  EXPECT_THAT(refusal(good_with("\"test\"", "''")), HasSubstr("allowed is a string of 1 to 63 letters, digits"));
+  EXPECT_THAT(refusal(good_with("test", std::string(64, 'a'))), HasSubstr("aaa..."));
+  EXPECT_TRUE(parse_board_file(good_with("test", std::string(63, 'a')), "b.toml"));
+  EXPECT_THAT(refusal(good_with("test", "a/b")), HasSubstr("'a/b'"));
+}
+
+TEST(BoardFile, RefusesAnUnknownKeyAndNamesTheNearest) {
+  EXPECT_EQ(refusal(good_with("columns = 1440", "colums = 1440")),
+            "b.toml:4: [panel] colums: unknown key; the nearest known one is columns. Allowed are columns, rows, "
+            "pixel_pitch_x_mm, pixel_pitch_y_mm, packing, mirror, rotation_deg, refresh_delay_ms");
+  EXPECT_THAT(refusal(good_with("pixel_pitch_y_mm", "pixel_pitch_mm_y")), HasSubstr("is pixel_pitch_"));
+  EXPECT_THAT(refusal(good_with("rows = 2560", "rows = 2560\nflip = true")),
+              StartsWith("b.toml:6: [panel] flip: unknown key;"));
+}
+
+TEST(BoardFile, ReportsTheUnknownKeyThatComesFirstInTheFile) {
+  EXPECT_THAT(refusal(good_with("columns = 1440", "zolumns = 1440") + "arena_mb = 1\n"), StartsWith("b.toml:4: "));
+  EXPECT_THAT(refusal("[zzz]\n" + std::string{kGood} + "arena_mb = 1\n"), StartsWith("b.toml:1: "));
+}
+
+TEST(BoardFile, RefusesAnUnknownTableAndNamesTheNearest) {
+  EXPECT_EQ(refusal(good_with("[z_stage]", "[zstage]")),
+            "b.toml:8: zstage: unknown; the nearest known table is [z_stage]. Allowed are the tables printer, panel, "
+            "z_stage, lamp, cover, temperatures, tank, print, memory, display, lamp_line, cover_line, step_line, "
+            "direction_line, enable_line, end_stop_line, start_button, pause_button, cancel_button, ready_light, "
+            "printing_light, attention_light, fault_light, buzzer, lamp_sensor, resin_sensor, board_sensor, lamp_fan, "
+            "chamber_fan, stick");
+}
+
+TEST(BoardFile, SaysWhereAKeyBelongs) {
+  EXPECT_EQ(refusal(good_with("[memory]\n", "")), "b.toml:12: [print] arena_mib: this key belongs in [memory]");
+  EXPECT_EQ(refusal("rows = 3\n" + std::string{kGood}), "b.toml:1: rows: this key belongs in [panel]");
+}
+
+TEST(BoardFile, RefusesAMissingKey) {
+  EXPECT_EQ(refusal(good_with("rows = 2560\n", "")),
+            "b.toml:3: [panel] rows: missing; allowed is an integer from 1 to 16384 pixels");
+}
+
+TEST(BoardFile, RefusesAMissingTable) {
+  EXPECT_EQ(
+      refusal(good_with("[memory]\narena_mib = 96\n", "")),
+      "b.toml:11: [memory] arena_mib: missing, the file has no [memory]; allowed is an integer from 8 to 65536 MiB");
+  EXPECT_THAT(refusal(""), StartsWith("b.toml:1: [printer] name: missing"));
+}
+
+TEST(BoardFile, RefusesWhatIsNoTable) {
+  EXPECT_EQ(refusal("memory = 96\n" + good_with("[memory]\narena_mib = 96\n", "")),
+            "b.toml:1: memory: found an integer 96, allowed is a table [memory]");
+  EXPECT_THAT(refusal(good_with("[memory]", "[[memory]]")),
+              HasSubstr("memory: found an array, allowed is a table [memory]"));
+}
+
+TEST(BoardFile, RefusesWhatIsNotToml) {
+  EXPECT_THAT(refusal(good_with("columns = 1440", "columns 1440"), ErrorCode::kMalformed),
+              StartsWith("b.toml:4: not TOML at column "));
+  EXPECT_THAT(refusal(good_with("rows", "columns"), ErrorCode::kMalformed), StartsWith("b.toml:5: not TOML"));
+  EXPECT_THAT(refusal("ply\nformat ascii 1.0\n", ErrorCode::kMalformed), StartsWith("b.toml:1: not TOML"));
+  EXPECT_THAT(refusal(std::string("\xFF\xFE[\0", 4), ErrorCode::kMalformed), StartsWith("b.toml:1: not TOML"));
+  EXPECT_THAT(refusal("a = " + std::string(10000, '['), ErrorCode::kMalformed), StartsWith("b.toml:1: not TOML"));
+}
+
+TEST(BoardFile, GivesTheMachineOfThePrinter) {
+  const auto board = read_board_file(PLUMBLINE_SOURCE_DIR "/board/sim2k.toml");
+  ASSERT_TRUE(board) << board.error().message();
+  const auto machine = machine_of(*board, "sim2k.toml");
+  ASSERT_TRUE(machine) << machine.error().message();
+  EXPECT_EQ(machine->packing, PixelPacking::kNone);
+  EXPECT_EQ(machine->mirror, PanelMirror::kX);
+  EXPECT_EQ(machine->rotation_deg, 0U);
+  EXPECT_DOUBLE_EQ(machine->step_mm(), 0.00125);
+  EXPECT_EQ(machine->power_mw_cm2, 3.5);
+  EXPECT_TRUE(machine->has_cover_switch);
+  EXPECT_EQ(machine->profile, "standard");
+}
+
+TEST(BoardFile, WithoutAnyOfTheMachinesKeysServesForSlicingAndNotForPrinting) {
+  const auto board = parse_board_file(kGood, "b.toml");
+  ASSERT_TRUE(board);
+  EXPECT_FALSE(board->machine);
+  const auto machine = machine_of(*board, "b.toml");
+  ASSERT_FALSE(machine);
+  EXPECT_THAT(machine.error().message(), AllOf(StartsWith("b.toml: describes the panel"), HasSubstr("[lamp]")));
+}
+
+TEST(BoardFile, WithOneOfTheMachinesKeysMustHaveAll) {
+  EXPECT_EQ(refusal(good_with("rows = 2560", "rows = 2560\nmirror = 'x'")),
+            "b.toml:1: [printer] simulated: missing; allowed is true or false");
+}
+
+std::string sim2k_with(const std::string& from, const std::string& to) {
+  auto text = read_settings_text(PLUMBLINE_SOURCE_DIR "/board/sim2k.toml", "a board file").value();
+  const auto at = text.find(from);
+  if (at == std::string::npos) ADD_FAILURE() << from << " is not in sim2k.toml";
+  return text.replace(at, from.size(), to);
+}
+
+TEST(BoardFile, RefusesWordsAndNumbersThatAreNoChoice) {
+  EXPECT_THAT(refusal(sim2k_with("mirror = \"x\"", "mirror = \"z\"")),
+              HasSubstr("[panel] mirror: found a string 'z', allowed is one of the strings none, x or y"));
+  EXPECT_THAT(refusal(sim2k_with("rotation_deg = 0", "rotation_deg = 45")),
+              HasSubstr("found an integer 45, allowed is one of the integers 0, 90, 180 or 270 degrees"));
+  EXPECT_THAT(refusal(sim2k_with("microsteps = 16", "microsteps = 12")), HasSubstr("found an integer 12"));
+  EXPECT_THAT(refusal(sim2k_with("switch = true", "switch = 1")), HasSubstr("allowed is true or false"));
+}
+
+TEST(BoardFile, RefusesKeysThatContradictEachOther) {
+  EXPECT_THAT(refusal(sim2k_with("lamp_resume_c = 50.0", "lamp_resume_c = 65.0")),
+              HasSubstr("lamp_resume_c: found a float 65, allowed is less than lamp_max_c"));
+  EXPECT_THAT(refusal(sim2k_with("resin_min_c = 18.0", "resin_min_c = 41.0")), HasSubstr("less than resin_max_c"));
+  EXPECT_THAT(refusal(sim2k_with("homing_speed_mm_min = 60.0", "homing_speed_mm_min = 301.0")),
+              HasSubstr("at most max_speed_mm_min"));
+  EXPECT_THAT(refusal(sim2k_with("end_stop_height_mm = 175.0", "end_stop_height_mm = 160.5")),
+              HasSubstr("travel_mm and 1 mm more"));
+  EXPECT_THAT(refusal(good_with("columns = 1440", "columns = 1441\npacking = 'rgb'")), HasSubstr("missing"));
+  auto rgb = sim2k_with("packing = \"none\"", "packing = \"rgb\"");
+  EXPECT_TRUE(parse_board_file(rgb, "b.toml"));
+  rgb.replace(rgb.find("columns = 1440"), 14, "columns = 1441");
+  EXPECT_THAT(refusal(rgb), HasSubstr("packing: found a string 'rgb', allowed is \"none\""));
+}
+
+std::string rig_with(const std::string& from, const std::string& to) {
+  auto text = read_settings_text(PLUMBLINE_SOURCE_DIR "/board/rig.toml", "a board file").value();
+  const auto at = text.find(from);
+  if (at == std::string::npos) ADD_FAILURE() << from << " is not in rig.toml";
+  return text.replace(at, from.size(), to);
+}
+
+TEST(BoardFile, SaysHowThePrinterIsWired) {
+  const auto board = parse_board_file(
+      rig_with("offset = 5\nactive = \"high\"", "offset = 5\nactive = \"low\"\nbias = \"pull-up\""), "b.toml");
+  ASSERT_TRUE(board) << board.error().message();
+  const WiringFile& wiring = board->machine->wiring;
+  EXPECT_EQ(wiring.connector, "Virtual-1");
+  EXPECT_EQ(wiring.cover.chip, "9030000.pl061");
+  EXPECT_EQ(wiring.cover.offset, 5U);
+  EXPECT_EQ(wiring.cover.active, WireFile::Active::kLow);
+  EXPECT_EQ(wiring.cover.bias, WireFile::Bias::kPullUp);
+  EXPECT_EQ(wiring.sensors[1].file, "/run/rig/resin_temperature");
+  EXPECT_FALSE(wiring.pause.given());
+  EXPECT_TRUE(wiring.missing().empty());
+}
+
+TEST(BoardFile, KnowsWhichTablesOfTheWiringAreMissing) {
+  const auto board = read_board_file(PLUMBLINE_SOURCE_DIR "/board/mono2k.toml");
+  ASSERT_TRUE(board);
+  EXPECT_THAT(board->machine->wiring.missing(),
+              ::testing::UnorderedElementsAre("display", "lamp_line", "step_line", "direction_line", "end_stop_line",
+                                              "lamp_sensor", "resin_sensor", "board_sensor"));
+}
+
+TEST(BoardFile, RefusesALineThatIsGivenTwiceOrByHalf) {
+  EXPECT_THAT(refusal(rig_with("[lamp_line]", "[lamp_line]\nline = \"LAMP\"")),
+              HasSubstr("[lamp_line] line: found a string 'LAMP', but a line is given by line, or by chip and offset"));
+  EXPECT_THAT(refusal(rig_with("offset = 1\n", "")), HasSubstr("but chip and offset are given together"));
+  EXPECT_THAT(refusal(rig_with("[lamp_sensor]", "[lamp_sensor]\nhwmon = \"lm75\"")),
+              HasSubstr("a sensor is given by one of hwmon, thermal_zone and file"));
+  EXPECT_THAT(refusal(rig_with("[lamp_sensor]", "[lamp_fan]\nchannel = 1\n[lamp_sensor]")),
+              HasSubstr("a fan is given by hwmon or by pwm_chip"));
+  EXPECT_THAT(refusal(rig_with("offset = 1\n", "offset = 1024\n")), HasSubstr("an integer from 0 to 1023"));
+}
+
+TEST(BoardReadme, ExplainsEveryTableAndKeyOfTheWiring) {
+  const auto page = read_settings_text(PLUMBLINE_SOURCE_DIR "/board/README.md", "a page").value();
+  WiringFile wiring;
+  std::vector<SettingRule> rules;
+  add_wiring_rules(rules, wiring);
+  for (const auto& rule : rules) {
+    EXPECT_THAT(page, HasSubstr(std::string("`[").append(rule.table).append("]`")));
+    EXPECT_THAT(page, HasSubstr(std::string("`").append(rule.key).append("`")));
+  }
+  EXPECT_GE(rules.size(), 80U);
+}
+
+TEST(BoardFile, RefusesAFileOfAnotherKindBySize) {
+  EXPECT_THAT(refusal(std::string(kMaxBoardFileBytes + 1, '\n'), ErrorCode::kMalformed),
+              HasSubstr("larger than 65536 bytes"));
+}
+
+TEST(BoardFile, MessageHoldsNothingThatATerminalObeys) {
+  EXPECT_THAT(refusal(good_with("columns = 1440", "\"\\u001B[31m\" = 1440")),
+              AllOf(HasSubstr("?[31m"), Not(HasSubstr("\x1B"))));
+}
+
+TEST(BoardFile, ThatCannotBeOpenedOrReadIsNamed) {
+  const auto missing = read_board_file("/nowhere/b.toml");
+  ASSERT_FALSE(missing);
+  EXPECT_EQ(missing.error().code(), ErrorCode::kCannotOpen);
+  EXPECT_STREQ(missing.error().message(), "/nowhere/b.toml: No such file or directory");
+
+  const auto folder = read_board_file(PLUMBLINE_SOURCE_DIR "/board");
+  ASSERT_FALSE(folder);
+  EXPECT_EQ(folder.error().code(), ErrorCode::kCannotRead);
+}
+
+TEST(BoardFile, IsReadFromAFile) {
+  const std::string path = ::testing::TempDir() + "plumbline_board_file_test.toml";
+  std::ofstream{path} << good_with("rows = 2560", "rows = 'many'");
+  const auto board = read_board_file(path);
+  std::filesystem::remove(path);
+  ASSERT_FALSE(board);
+  EXPECT_THAT(board.error().message(),
+              HasSubstr("plumbline_board_file_test.toml:5: [panel] rows: found a string 'many'"));
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,160 @@
+#include "firmware/settings/print_profile.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <regex>
+#include <set>
+#include <sstream>
+#include <string>
+
+#include "firmware/settings/board_file.hpp"
+#include "firmware/settings/settings_file.hpp"
+
+namespace plumbline {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+constexpr const char* kStandard = PLUMBLINE_SOURCE_DIR "/board/profiles/standard.toml";
+
+std::string standard_with(const std::string& from, const std::string& to) {
+  auto text = read_settings_text(kStandard, "a profile").value();
+  const auto at = text.find(from);
+  if (at == std::string::npos) ADD_FAILURE() << from << " is not in standard.toml";
+  return text.replace(at, from.size(), to);
+}
+
+std::string refusal(const std::string& text) {
+  const auto profile = parse_print_profile(text, "p.toml");
+  EXPECT_FALSE(profile) << "was accepted:\n" << text;
+  return profile ? std::string() : profile.error().message();
+}
+
+TEST(PrintProfile, OfEveryFileLoads) {
+  int profiles = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(PLUMBLINE_SOURCE_DIR "/board/profiles")) {
+    const auto profile = read_print_profile(entry.path().string());
+    ASSERT_TRUE(profile) << profile.error().message();
+    EXPECT_EQ(profile->name, entry.path().stem().string());
+    ++profiles;
+  }
+  EXPECT_GE(profiles, 3);
+}
+
+TEST(PrintProfile, GivesEveryValue) {
+  const auto p = read_print_profile(kStandard);
+  ASSERT_TRUE(p);
+  EXPECT_EQ(p->layer_height, 0.05);
+  EXPECT_EQ(p->exposure_time, 2.5);
+  EXPECT_EQ(p->initial_exposure_time, 30);
+  EXPECT_EQ(p->bottom_layer_count, 5U);
+  EXPECT_EQ(p->faded_layers, 8U);
+  EXPECT_EQ(p->lift_height2, 3);
+  EXPECT_EQ(p->retract_speed2, 60);
+  EXPECT_EQ(p->penetration_depth, 0.12);
+  EXPECT_EQ(p->critical_energy, 3.2);
+  EXPECT_EQ(p->bottle_cost, 30);
+}
+
+TEST(PrintProfile, MayLeaveOutWhatABottleCosts) {
+  auto text = standard_with("bottle_cost", "# bottle_cost");
+  const auto profile = parse_print_profile(text, "p.toml");
+  ASSERT_TRUE(profile) << profile.error().message();
+  EXPECT_EQ(profile->bottle_cost, 0);
+}
+
+TEST(PrintProfile, RefusesAMisspeltKeyAWrongUnitAndAWrongRange) {
+  EXPECT_THAT(refusal(standard_with("exposure_time", "exposure_tme")),
+              AllOf(StartsWith("p.toml:"), HasSubstr("[print] exposure_tme: unknown key; the nearest known one is "
+                                                     "exposure_time")));
+  EXPECT_THAT(refusal(standard_with("layer_height = 0.05", "layer_height = \"50 um\"")),
+              HasSubstr("[print] layer_height: found a string '50 um', allowed is a number from 0.005 to 1 mm"));
+  EXPECT_THAT(refusal(standard_with("layer_height = 0.05", "layer_height = 50")),
+              HasSubstr("found an integer 50, allowed is a number from 0.005 to 1 mm"));
+  EXPECT_THAT(refusal(standard_with("faded_layers = 8", "faded_layers = 8.5")), HasSubstr("allowed is an integer"));
+  EXPECT_THAT(refusal(standard_with("retract_height2 = 2.0", "retract_height2 = 7.1")),
+              HasSubstr("retract_height2: found a float 7.1, allowed is at most the whole lift"));
+}
+
+TEST(PrintProfile, IsFoundBesideTheBoardFileOrByItsPath) {
+  EXPECT_EQ(profile_path("standard", "board/sim2k.toml"), "board/profiles/standard.toml");
+  EXPECT_EQ(profile_path("standard", "sim2k.toml"), "profiles/standard.toml");
+  EXPECT_EQ(profile_path("mine.toml", "board/sim2k.toml"), "mine.toml");
+  EXPECT_EQ(profile_path("./mine", "board/sim2k.toml"), "./mine");
+}
+
+/// A row of the tables in board/README.md.
+struct Row {
+  std::string table;
+  std::string key;
+  std::string allowed;
+};
+
+std::vector<Row> documented() {
+  std::vector<Row> rows;
+  std::istringstream text(read_settings_text(PLUMBLINE_SOURCE_DIR "/board/README.md", "a page").value());
+  const std::regex row(R"(^\| `\[(\w+)\] (\w+)`[ *+]*\| ([^|]*) \|.*)");
+  for (std::string line; std::getline(text, line);) {
+    std::smatch match;
+    if (std::regex_match(line, match, row)) rows.push_back({match[1], match[2], match[3]});
+  }
+  return rows;
+}
+
+std::set<std::string> keys_in(const std::string& path) {
+  std::set<std::string> keys;
+  std::string table;
+  std::istringstream text(read_settings_text(path, "").value());
+  const std::regex key(R"(^(\w+) = .*)");
+  const std::regex heading(R"(^\[(\w+)\])");
+  for (std::string line; std::getline(text, line);) {
+    std::smatch match;
+    if (std::regex_match(line, match, heading)) table = match[1];
+    if (std::regex_match(line, match, key)) keys.insert(table + " " + match[1].str());
+  }
+  return keys;
+}
+
+TEST(BoardReadme, ExplainsEveryKeyAndNoOther) {
+  std::set<std::string> explained;
+  for (const auto& row : documented()) explained.insert(row.table + " " + row.key);
+  auto known = keys_in(PLUMBLINE_SOURCE_DIR "/board/sim2k.toml");
+  known.merge(keys_in(kStandard));
+  EXPECT_EQ(explained, known);
+}
+
+/// Replaces the value of a key, whatever it was.
+std::string with_value(const std::string& text, const std::string& table, const std::string& key,
+                       const std::string& value) {
+  const auto at = text.find("\n" + key + " = ", text.find("[" + table + "]")) + 1;
+  const auto end = text.find('\n', at);
+  return text.substr(0, at) + key + " = " + value + text.substr(end);
+}
+
+TEST(BoardReadme, GivesTheRangesThatTheProgramHolds) {
+  const auto sim2k = read_settings_text(PLUMBLINE_SOURCE_DIR "/board/sim2k.toml", "").value();
+  const auto standard = read_settings_text(kStandard, "").value();
+  int checked = 0;
+  for (const auto& row : documented()) {
+    std::smatch range;
+    if (!std::regex_search(row.allowed, range, std::regex(R"((integer, )?(-?[\d.]+) to ([\d.]+))"))) continue;
+    if (row.key == "name" || row.key == "profile") continue;  // characters
+    const bool is_board = sim2k.find("[" + row.table + "]") != std::string::npos &&
+                          sim2k.find("\n" + row.key + " = ") != std::string::npos;
+    const std::string text = with_value(is_board ? sim2k : standard, row.table, row.key, "1000000000");
+    const std::string said =
+        is_board ? parse_board_file(text, "x").error().message() : parse_print_profile(text, "x").error().message();
+    const std::string type = range[1].matched ? "an integer from " : "a number from ";
+    EXPECT_THAT(said, HasSubstr(row.key + ": found an integer 1000000000, allowed is " + type + range[2].str() +
+                                " to " + range[3].str()));
+    ++checked;
+  }
+  EXPECT_GE(checked, 35);
+}
+
+}  // namespace
+}  // namespace plumbline

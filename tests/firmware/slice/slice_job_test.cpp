@@ -1,0 +1,253 @@
+#include "firmware/slice/slice_job.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <lodepng.h>
+
+#include <cstdlib>
+#include <memory>
+
+#include "firmware/io/json_writer.hpp"
+#include "firmware/io/mask_hash.hpp"
+#include "firmware/slice/manifest.hpp"
+#include "slicer/layers/layer_stream.hpp"
+#include "slicer/supports/support_finder.hpp"
+#include "tests/firmware/support/job_fixture.hpp"
+
+namespace plumbline {
+namespace {
+
+using testing::HasSubstr;
+
+alignas(64) std::byte arena_block[std::size_t{64} * 1024 * 1024];
+
+constexpr double kRadius = 12;  ///< mm
+
+/// Runs a job in all of the test's arena. @returns its report
+Expected<JobReport> run(const SliceJobSettings& settings) {
+  Arena arena(arena_block);
+  auto job = SliceJob::prepare(settings, arena);
+  PLUMBLINE_TRY(job);
+  JobProgress progress(nullptr);
+  PLUMBLINE_TRY(job->run(progress));
+  EXPECT_EQ(arena.used(), 0U) << "a job gives back what it took";
+  return job->report();
+}
+
+std::string layer_path(const std::string& out, std::uint32_t layer) {
+  char name[32];
+  std::snprintf(name, sizeof name, "/layers/%05u.png", layer);
+  return out + name;
+}
+
+/// Pixels of a PNG, one byte each, and its own colour type.
+struct Decoded {
+  std::unique_ptr<unsigned char, decltype(&std::free)> pixels{nullptr, &std::free};
+  unsigned columns = 0;
+  unsigned rows = 0;
+  unsigned bit_depth = 0;
+  LodePNGColorType colour = LCT_MAX_OCTET_VALUE;
+};
+
+Decoded decode(const std::string& path) {
+  const std::string file = read_text(path);
+  Decoded image;
+  LodePNGState state;
+  lodepng_state_init(&state);
+  state.info_raw.colortype = LCT_GREY;
+  state.info_raw.bitdepth = 8;
+  unsigned char* pixels = nullptr;
+  const unsigned error = lodepng_decode(&pixels, &image.columns, &image.rows, &state,
+                                        reinterpret_cast<const unsigned char*>(file.data()), file.size());
+  image.pixels.reset(pixels);
+  image.bit_depth = state.info_png.color.bitdepth;
+  image.colour = state.info_png.color.colortype;
+  lodepng_state_cleanup(&state);
+  EXPECT_EQ(error, 0U) << path << ": " << lodepng_error_text(error);
+  return image;
+}
+
+/// Expects that the files of a job are, pixel by pixel, what a LayerStream of the same scan makes.
+void expect_layers_of_stream(const SliceJobSettings& settings, const JobReport& report) {
+  Arena arena(arena_block);
+  auto source = FileSource::open(settings.scan_paths[0]);
+  ASSERT_TRUE(source.has_value());
+  SliceReport ignored;
+  const auto rrep = slice(*source, settings.slice, arena, nullptr, ignored);
+  ASSERT_TRUE(rrep.has_value()) << rrep.error().message();
+  Supports supports;
+  SupportCounts counts;
+  if (settings.supports) {
+    auto found = find_supports(*rrep, *settings.supports, arena, nullptr, counts);
+    ASSERT_TRUE(found.has_value()) << found.error().message();
+    supports = *found;
+  }
+  EXPECT_EQ(report.supports.all(), supports.list.size());
+  auto stream = LayerStream::create(*rrep, arena, &supports);
+  ASSERT_TRUE(stream.has_value());
+  std::vector<std::uint64_t> hashes;
+  std::uint64_t differences = 0;
+  std::uint64_t cured = 0;
+  for (std::uint32_t layer = 0; layer < rrep->grid.layers; ++layer) {
+    const ConstBitImage mask = stream->mask(layer);
+    hashes.push_back(mask_hash(mask));
+    cured += mask.count();
+    const Decoded image = decode(layer_path(settings.output_path, layer));
+    ASSERT_EQ(image.columns, mask.columns());
+    ASSERT_EQ(image.rows, mask.rows());
+    ASSERT_EQ(image.bit_depth, 1U);
+    ASSERT_EQ(image.colour, LCT_GREY);
+    for (std::uint32_t r = 0; r < mask.rows(); ++r) {
+      for (std::uint32_t c = 0; c < mask.columns(); ++c) {
+        const int white = image.pixels.get()[std::size_t{r} * mask.columns() + c];
+        differences += white == (mask.at(c, r) ? 255 : 0) ? 0U : 1U;
+      }
+    }
+  }
+  EXPECT_EQ(differences, 0U);
+  EXPECT_EQ(report.hash, job_hash(hashes));
+  EXPECT_EQ(report.cured_pixels, cured);
+  EXPECT_FALSE(std::filesystem::exists(layer_path(settings.output_path, rrep->grid.layers)));
+}
+
+TEST(SliceJob, WritesExactlyTheMasksThatWouldBePrinted) {
+  const TemporaryFolder folder;
+  write_sphere_scan(folder / "sphere.ply", 40'000, kRadius);
+  const auto settings = sphere_job(folder);
+  const auto report = run(settings);
+  ASSERT_TRUE(report.has_value()) << report.error().message();
+  expect_layers_of_stream(settings, *report);
+  EXPECT_TRUE(std::filesystem::exists(settings.output_path + "/preview.png"));
+}
+
+TEST(SliceJob, WritesThemWithTheirSupports) {
+  const TemporaryFolder folder;
+  write_sphere_scan(folder / "sphere.ply", 40'000, kRadius);
+  auto settings = sphere_job(folder);
+  const auto without = run(settings);
+  ASSERT_TRUE(without.has_value()) << without.error().message();
+  settings.supports = SupportSettings{};
+  const auto report = run(settings);
+  ASSERT_TRUE(report.has_value()) << report.error().message();
+  expect_layers_of_stream(settings, *report);
+  EXPECT_GT(report->supports.all(), 0U);
+  EXPECT_EQ(report->cured_pixels - report->support_pixels, without->cured_pixels);
+  EXPECT_GT(report->peak_bytes(Stage::kSupports), 0U);
+  EXPECT_LE(report->peak_bytes(Stage::kSupports),
+            report->slice.planned_bytes[static_cast<std::size_t>(Stage::kSupports)]);
+  EXPECT_EQ(without->peak_bytes(Stage::kSupports), 0U);
+}
+
+TEST(SliceJob, WritesThemInAGridOfTheObjectsOwnToo) {
+  const TemporaryFolder folder;
+  write_sphere_scan(folder / "sphere.ply", 40'000, kRadius);
+  auto settings = sphere_job(folder);
+  settings.slice.placement.printer.reset();
+  settings.slice.placement.pixel_pitch_mm = 0.13F;
+  settings.preview = false;
+  const auto report = run(settings);
+  ASSERT_TRUE(report.has_value()) << report.error().message();
+  expect_layers_of_stream(settings, *report);
+  EXPECT_FALSE(std::filesystem::exists(settings.output_path + "/preview.png"));
+}
+
+TEST(SliceJob, CuresTheVolumeOfTheSphere) {
+  const TemporaryFolder folder;
+  write_sphere_scan(folder / "sphere.ply", 40'000, kRadius);
+  const auto report = run(sphere_job(folder));
+  ASSERT_TRUE(report.has_value()) << report.error().message();
+  const double volume = 4.0 / 3 * 3.14159265358979 * kRadius * kRadius * kRadius;
+  EXPECT_NEAR(report->volume_mm3(), volume, 0.005 * volume);
+}
+
+TEST(SliceJob, ReplacesAnOlderJobWithMoreLayers) {
+  const TemporaryFolder folder;
+  write_sphere_scan(folder / "sphere.ply", 20'000, kRadius);
+  auto settings = sphere_job(folder);
+  const auto first = run(settings);
+  ASSERT_TRUE(first.has_value()) << first.error().message();
+  settings.slice.placement.scale = 0.5;
+  const auto second = run(settings);
+  ASSERT_TRUE(second.has_value()) << second.error().message();
+  const std::uint32_t layers = second->slice.placement.grid.layers;
+  EXPECT_LT(layers, first->slice.placement.grid.layers);
+  EXPECT_TRUE(std::filesystem::exists(layer_path(settings.output_path, layers - 1)));
+  EXPECT_FALSE(std::filesystem::exists(layer_path(settings.output_path, layers)));
+}
+
+TEST(SliceJob, LeavesAnOlderJobAloneWhenTheScanCannotBeSliced) {
+  const TemporaryFolder folder;
+  write_sphere_scan(folder / "sphere.ply", 20'000, kRadius);
+  auto settings = sphere_job(folder);
+  ASSERT_TRUE(run(settings).has_value());
+  const std::string manifest = read_text(settings.output_path + "/manifest.json");
+  settings.slice.placement.scale = 10;
+  const auto refused = run(settings);
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_EQ(refused.error().code(), ErrorCode::kDoesNotFit);
+  EXPECT_EQ(read_text(settings.output_path + "/manifest.json"), manifest);
+}
+
+TEST(SliceJob, LeavesNothingBehindWhenTheScanIsBroken) {
+  const TemporaryFolder folder;
+  write_text(folder / "sphere.ply", "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\n");
+  const auto settings = sphere_job(folder);
+  const auto broken = run(settings);
+  ASSERT_FALSE(broken.has_value());
+  EXPECT_THAT(broken.error().message(), HasSubstr("sphere.ply"));
+  EXPECT_FALSE(std::filesystem::exists(settings.output_path));
+}
+
+TEST(JobWarnings, TellOfUnitsSizeThinningHolesAndNormals) {
+  auto report = std::make_unique<JobReport>();
+  report->slice.units_guessed = true;
+  report->slice.units = Units::kMetres;
+  report->slice.placement.size_mm = {700, 1, 1};
+  report->slice.placement.scale = 1000;
+  report->slice.thinning_cell_mm = 0.2;
+  report->slice.rays.interested = 1000;
+  report->slice.rays.decided[static_cast<std::size_t>(RayDecision::kBase)] = 11;
+  report->slice.rays.decided[static_cast<std::size_t>(RayDecision::kWinding)] = 10;
+  report->slice.normals.estimated = 5;
+  find_warnings(*report);
+  const auto lines = report->warnings.all();
+  ASSERT_EQ(lines.size(), 5U);
+  EXPECT_THAT(lines[0].c_str(), HasSubstr("units guessed: the scan is 0.7 units long, m make that 700 mm"));
+  EXPECT_THAT(lines[1].c_str(), HasSubstr("the object is 700 mm long"));
+  EXPECT_THAT(lines[2].c_str(), HasSubstr("cells of 0.2 mm, coarser than the pixels of 0.05 mm"));
+  EXPECT_THAT(lines[3].c_str(), HasSubstr("the underside is open over 1.1 % of the rays: closed flat at z = 0 mm"));
+  EXPECT_THAT(lines[4].c_str(), HasSubstr("5 points have no normal"));
+  for (const auto& line : lines) EXPECT_FALSE(line.cut()) << line.c_str();
+}
+
+TEST(JobWarnings, SayThatAScanOfOneSideLiesOnItsFace) {
+  const TemporaryFolder folder;
+  std::vector<ScanPoint> below = sphere_scan(20'000, kRadius);
+  std::erase_if(below, [](const ScanPoint& p) { return p.z > -1; });
+  write_scan(folder / "sphere.ply", below);
+  auto settings = sphere_job(folder);
+  const auto warnings = [&] {
+    std::string all;
+    auto report = run(settings);
+    EXPECT_TRUE(report.has_value());
+    if (report) {
+      for (const auto& line : report->warnings.all()) all += line.c_str() + std::string("\n");
+    }
+    return all;
+  };
+  EXPECT_THAT(warnings(), HasSubstr("--rotate-x 180"));
+  settings.slice.placement.rotation_degrees = {180, 0, 0};
+  EXPECT_THAT(warnings(), Not(HasSubstr("--rotate-x 180")));
+}
+
+TEST(JobWarnings, AreSilentAboutAnOrdinaryScan) {
+  auto report = std::make_unique<JobReport>();
+  report->slice.placement.size_mm = {40, 30, 60};
+  report->slice.rays.interested = 1000;
+  report->slice.rays.decided[static_cast<std::size_t>(RayDecision::kBase)] = 10;
+  find_warnings(*report);
+  EXPECT_TRUE(report->warnings.all().empty());
+}
+
+}  // namespace
+}  // namespace plumbline

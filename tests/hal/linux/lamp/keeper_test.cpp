@@ -1,0 +1,302 @@
+/// The keeper with real processes: a firmware that dies in any way leaves a dark lamp.
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <random>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "hal/linux/lamp/lamp_keeper.hpp"
+
+namespace plumbline {
+namespace {
+
+using namespace std::chrono_literals;
+using std::chrono::nanoseconds;
+
+constexpr const char* kKeeper = PLUMBLINE_KEEPER;
+
+nanoseconds now() {
+  timespec time{};
+  ::clock_gettime(CLOCK_MONOTONIC, &time);
+  return std::chrono::seconds(time.tv_sec) + nanoseconds(time.tv_nsec);
+}
+
+struct Change {
+  bool lit;
+  nanoseconds at;
+};
+
+/// A lamp's line: a file in a folder that goes away.
+class Line {
+ public:
+  Line() {
+    std::string pattern = (std::filesystem::temp_directory_path() / "plumbline-keeper-XXXXXX").string();
+    EXPECT_NE(::mkdtemp(pattern.data()), nullptr);
+    folder_ = pattern;
+  }
+  ~Line() { std::filesystem::remove_all(folder_); }
+  Line(const Line&) = delete;
+  Line& operator=(const Line&) = delete;
+
+  std::string option() const { return "file:" + path(); }
+  std::vector<Change> changes() const {
+    std::ifstream file(path());
+    std::vector<Change> changes;
+    std::string word;
+    for (long long at = 0; file >> word >> at;) changes.push_back({word == "on", nanoseconds(at)});
+    return changes;
+  }
+  /// Waits for that many changes; a second at most.
+  std::vector<Change> wait_for(std::size_t count) const {
+    const auto until = now() + 1s;
+    auto seen = changes();
+    while (seen.size() < count && now() < until) {
+      ::usleep(500);
+      seen = changes();
+    }
+    return seen;
+  }
+
+ private:
+  std::string path() const { return folder_ + "/line"; }
+  std::string folder_;
+};
+
+/// A process that lights the lamp again and again, as the firmware does.
+pid_t firmware(const Line& line, nanoseconds cure) {
+  const pid_t child = ::fork();
+  if (child != 0) return child;
+  auto keeper = LampKeeper::start(kKeeper, line.option());
+  if (!keeper) ::_exit(3);
+  for (;;) {
+    if (!keeper->light(cure)) ::_exit(4);
+    while (!keeper->went_dark()) ::usleep(200);
+  }
+}
+
+TEST(Keeper, LightsForTheTimeAskedAndNotForLonger) {
+  const Line line;
+  auto keeper = LampKeeper::start(kKeeper, line.option());
+  ASSERT_TRUE(keeper) << keeper.error().message();
+  EXPECT_TRUE(line.changes().empty());
+  const auto lit = keeper->light(50ms);
+  ASSERT_TRUE(lit) << lit.error().message();
+  const auto changes = line.wait_for(2);
+  ASSERT_EQ(changes.size(), 2U);
+  EXPECT_TRUE(changes[0].lit);
+  EXPECT_FALSE(changes[1].lit);
+  EXPECT_GE(changes[1].at - changes[0].at, 49ms);
+  EXPECT_LE(changes[1].at - changes[0].at, 80ms) << "on a machine that is shared";
+  EXPECT_TRUE(keeper->went_dark());
+}
+
+TEST(Keeper, DarkensWhenTold) {
+  const Line line;
+  auto keeper = LampKeeper::start(kKeeper, line.option());
+  ASSERT_TRUE(keeper);
+  ASSERT_TRUE(keeper->light(10s));
+  const auto dark = keeper->darken();
+  ASSERT_TRUE(dark);
+  const auto changes = line.changes();
+  ASSERT_EQ(changes.size(), 2U);
+  EXPECT_LE(changes[1].at, *dark);
+  EXPECT_TRUE(keeper->darken()) << "any number of times";
+  EXPECT_EQ(line.changes().size(), 2U);
+}
+
+TEST(Keeper, RefusesToLightTwiceForNothingOrForever) {
+  const Line line;
+  auto keeper = LampKeeper::start(kKeeper, line.option());
+  ASSERT_TRUE(keeper);
+  EXPECT_EQ(keeper->light(0ns).error().code(), ErrorCode::kLampFailed);
+  EXPECT_EQ(keeper->light(301s).error().code(), ErrorCode::kLampFailed);
+  EXPECT_TRUE(line.changes().empty());
+  ASSERT_TRUE(keeper->light(10s));
+  EXPECT_EQ(keeper->light(10s).error().code(), ErrorCode::kLampFailed);
+  EXPECT_FALSE(line.wait_for(2).back().lit) << "who is refused is dark";
+}
+
+TEST(Keeper, EndsDarkWithTheObjectThatHoldsIt) {
+  const Line line;
+  {
+    auto keeper = LampKeeper::start(kKeeper, line.option());
+    ASSERT_TRUE(keeper);
+    ASSERT_TRUE(keeper->light(10s));
+  }
+  const auto changes = line.changes();
+  ASSERT_EQ(changes.size(), 2U);
+  EXPECT_FALSE(changes.back().lit);
+}
+
+TEST(Keeper, ToldToEndIsDarkAndTheFirmwareLightsNothingMore) {
+  const Line line;
+  auto keeper = LampKeeper::start(kKeeper, line.option());
+  ASSERT_TRUE(keeper);
+  ASSERT_TRUE(keeper->light(10s));
+  ASSERT_EQ(::kill(keeper->process(), SIGTERM), 0);
+  EXPECT_FALSE(line.wait_for(2).back().lit);
+  EXPECT_EQ(keeper->light(1s).error().code(), ErrorCode::kLampFailed);
+}
+
+TEST(Keeper, HoldsItsDeadlineWhenTheFirmwareHangs) {
+  const Line line;
+  const pid_t child = firmware(line, 300ms);
+  ASSERT_EQ(line.wait_for(1).size(), 1U);
+  ASSERT_EQ(::kill(child, SIGSTOP), 0);
+  const auto changes = line.wait_for(2);
+  ASSERT_EQ(changes.size(), 2U);
+  EXPECT_NEAR(static_cast<double>((changes[1].at - changes[0].at).count()), 300e6, 50e6);
+  ::kill(child, SIGKILL);
+  ::waitpid(child, nullptr, 0);
+}
+
+TEST(Keeper, LampIsDarkWithin50MsOfAnyInstantAtWhichTheFirmwareIsKilled) {
+  std::mt19937 random(20240607);
+  nanoseconds slowest{};
+  for (int round = 0; round < 50; ++round) {
+    const Line line;
+    const pid_t child = firmware(line, 2s);
+    const auto lit = line.wait_for(1);
+    ASSERT_EQ(lit.size(), 1U) << "round " << round;
+    ::usleep(std::uniform_int_distribution<useconds_t>(0, 150'000)(random));
+    const auto killed = now();
+    ASSERT_EQ(::kill(child, SIGKILL), 0);
+    const auto changes = line.wait_for(2);
+    ::waitpid(child, nullptr, 0);
+    ASSERT_EQ(changes.size(), 2U) << "round " << round << ": the lamp is still lit";
+    ASSERT_FALSE(changes[1].lit);
+    ASSERT_GE(changes[1].at, killed) << "the kill was to fall into an exposure";
+    slowest = std::max(slowest, changes[1].at - killed);
+    EXPECT_LE(changes[1].at - killed, 50ms) << "round " << round;
+  }
+  RecordProperty("slowest_us", static_cast<int>(slowest.count() / 1000));
+  std::printf("slowest of 50: dark %.2f ms after kill -9\n", static_cast<double>(slowest.count()) / 1e6);
+}
+
+/// A cover's switch: a FIFO beside the line.
+class Cover {
+ public:
+  explicit Cover(const Line& line) : path_(line.option().substr(5) + ".cover") {
+    EXPECT_EQ(::mkfifo(path_.c_str(), 0600), 0);
+  }
+  std::string option() const { return "file:" + path_; }
+  std::ofstream opened() const { return std::ofstream(path_); }
+  void say(const char* words) const { opened() << words << std::flush; }
+
+ private:
+  std::string path_;
+};
+
+/// The keeper's next news; a second at most.
+std::optional<LampKeeper::News> news_of(LampKeeper& keeper) {
+  const auto until = now() + 1s;
+  auto news = keeper.next_news();
+  while (!news && now() < until) {
+    ::usleep(500);
+    news = keeper.next_news();
+  }
+  return news;
+}
+
+TEST(Keeper, EndsTheLightWhenTheCoverIsOpenedAndSaysWhyFirst) {
+  using Kind = LampKeeper::News::Kind;
+  const Line line;
+  const Cover cover(line);
+  auto keeper = LampKeeper::start(kKeeper, line.option(), cover.option());
+  ASSERT_TRUE(keeper) << keeper.error().message();
+  EXPECT_EQ(news_of(*keeper)->kind, Kind::kCoverClosed) << "as it was found";
+  ASSERT_TRUE(keeper->light(10s));
+  cover.say("o");
+  const auto opened = news_of(*keeper);
+  ASSERT_TRUE(opened);
+  EXPECT_EQ(opened->kind, Kind::kCoverOpened);
+  const auto dark = news_of(*keeper);
+  ASSERT_TRUE(dark);
+  EXPECT_EQ(dark->kind, Kind::kDark);
+  const auto changes = line.changes();
+  ASSERT_EQ(changes.size(), 2U);
+  EXPECT_LE(changes[1].at - opened->at, 10ms);
+  EXPECT_EQ(keeper->light(1s).error().code(), ErrorCode::kLampFailed) << "not with the cover open";
+  EXPECT_EQ(line.changes().size(), 2U);
+  cover.say("cococ");
+  const auto closed = news_of(*keeper);
+  ASSERT_TRUE(closed);
+  EXPECT_EQ(closed->kind, Kind::kCoverClosed) << "once, when the contact rests";
+  EXPECT_FALSE(keeper->next_news());
+  EXPECT_TRUE(keeper->light(1s));
+}
+
+TEST(Keeper, IsDarkWhenTheCoverIsOpenedWhileTheFirmwareHangs) {
+  const Line line;
+  const Cover cover(line);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    auto keeper = LampKeeper::start(kKeeper, line.option(), cover.option());
+    if (!keeper || !keeper->light(10s)) ::_exit(3);
+    for (;;) ::pause();
+  }
+  ASSERT_EQ(line.wait_for(1).size(), 1U);
+  ASSERT_EQ(::kill(child, SIGSTOP), 0);
+  const auto opened = now();
+  cover.say("o");
+  const auto changes = line.wait_for(2);
+  ASSERT_EQ(changes.size(), 2U);
+  EXPECT_FALSE(changes[1].lit);
+  EXPECT_LE(changes[1].at - opened, 50ms) << "10 ms, on a machine that is not shared";
+  ::kill(child, SIGKILL);
+  ::waitpid(child, nullptr, 0);
+}
+
+TEST(Keeper, HearsTheFirmwareWhileTheCoversLineHums) {
+  const Line line;
+  const Cover cover(line);
+  auto keeper = LampKeeper::start(kKeeper, line.option(), cover.option());
+  ASSERT_TRUE(keeper) << keeper.error().message();
+  ASSERT_TRUE(keeper->light(10s));
+  std::string words;
+  for (int i = 0; i < 2000; ++i) words += "oc";
+  std::atomic<bool> hums = true;
+  std::thread hum([&] {
+    std::ofstream switch_line = cover.opened();
+    while (hums) switch_line << words << std::flush;
+  });
+  EXPECT_FALSE(line.wait_for(2).back().lit);
+  EXPECT_TRUE(keeper->darken());
+  EXPECT_EQ(keeper->light(1s).error().code(), ErrorCode::kLampFailed) << "not with a cover that may be open";
+  hums = false;
+  hum.join();
+  EXPECT_EQ(line.changes().size(), 2U);
+}
+
+TEST(Keeper, ThatEndsIsNews) {
+  const Line line;
+  auto keeper = LampKeeper::start(kKeeper, line.option());
+  ASSERT_TRUE(keeper);
+  ASSERT_TRUE(keeper->light(10s));
+  ASSERT_EQ(::kill(keeper->process(), SIGKILL), 0);
+  const auto news = news_of(*keeper);
+  ASSERT_TRUE(news);
+  EXPECT_EQ(news->kind, LampKeeper::News::Kind::kGone);
+  EXPECT_FALSE(keeper->next_news()) << "once";
+}
+
+TEST(Keeper, ThatDoesNotExistIsSaid) {
+  const Line line;
+  EXPECT_EQ(LampKeeper::start("/nowhere/plumbline-keeper", line.option()).error().code(), ErrorCode::kLampFailed);
+}
+
+}  // namespace
+}  // namespace plumbline

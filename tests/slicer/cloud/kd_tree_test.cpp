@@ -1,0 +1,208 @@
+#include "slicer/cloud/kd_tree.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+#include <vector>
+
+#include "tests/slicer/support/arena_block.hpp"
+#include "tests/slicer/support/scan_cloud.hpp"
+
+namespace plumbline {
+namespace {
+
+using namespace testing;
+using Points = std::vector<Vec3f>;
+
+Points uniform_points(std::uint32_t count, Random& random) {
+  Points points(count);
+  for (Vec3f& p : points) p = Vec3d(random.uniform(0, 10), random.uniform(0, 10), random.uniform(0, 10)).cast<float>();
+  return points;
+}
+/// On whole numbers: many equal distances, many equal points.
+Points lattice_points(std::uint32_t count, Random& random) {
+  Points points(count);
+  for (Vec3f& p : points) {
+    for (int a = 0; a < 3; ++a) p[a] = static_cast<float>(random.below(6));
+  }
+  return points;
+}
+Points collinear_points(std::uint32_t count, Random& random) {
+  Points points(count);
+  for (Vec3f& p : points) p = Vec3f(1, 2, 3) + static_cast<float>(random.uniform(0, 10)) * Vec3f(1, -1, 0.5F);
+  return points;
+}
+Points equal_points(std::uint32_t count, Random& /*random*/) { return Points(count, Vec3f(1, 2, 3)); }
+
+/// As the tree sums it: in floats, dimension after dimension.
+template <int Dimension>
+float distance2(const Vec3f& a, const Vec3f& b) {
+  float sum = 0;
+  for (int d = 0; d < Dimension; ++d) sum += (a[d] - b[d]) * (a[d] - b[d]);
+  return sum;
+}
+
+template <int Dimension, class Accept>
+std::vector<Neighbour> nearest_by_looking(const Points& points, const Vec3f& query, std::size_t count, Accept accept) {
+  std::vector<Neighbour> all;
+  for (std::uint32_t i = 0; i < points.size(); ++i) {
+    if (accept(i)) all.push_back({i, distance2<Dimension>(points[i], query)});
+  }
+  std::sort(all.begin(), all.end(), [](const Neighbour& a, const Neighbour& b) {
+    return std::tie(a.distance2, a.index) < std::tie(b.distance2, b.index);
+  });
+  all.resize(std::min(all.size(), count));
+  return all;
+}
+
+template <int Dimension>
+void expect_nearest(const KdTree<Dimension>& tree, const Points& points, Random& random) {
+  const auto even = [](std::uint32_t i) { return i % 2 == 0; };
+  const auto any = [](std::uint32_t) { return true; };
+  for (int i = 0; i < 60; ++i) {
+    Vec3f query = Vec3d(random.uniform(-2, 12), random.uniform(-2, 12), random.uniform(-2, 12)).cast<float>();
+    if (i % 2 == 0) query = points[random.below(static_cast<std::uint32_t>(points.size()))];
+    for (const std::size_t wanted : {1U, 7U, 61U}) {
+      std::vector<Neighbour> found(wanted);
+      for (const bool only_even : {false, true}) {
+        found.resize(wanted);
+        found.resize(only_even ? tree.nearest(query, found, even) : tree.nearest(query, found));
+        const auto expected = only_even ? nearest_by_looking<Dimension>(points, query, wanted, even)
+                                        : nearest_by_looking<Dimension>(points, query, wanted, any);
+        ASSERT_EQ(found.size(), expected.size());
+        for (std::size_t k = 0; k < found.size(); ++k) {
+          ASSERT_EQ(found[k].index, expected[k].index) << "neighbour " << k << " of " << wanted;
+          ASSERT_EQ(found[k].distance2, expected[k].distance2);
+        }
+      }
+    }
+  }
+}
+
+template <int Dimension>
+void expect_boxes(const KdTree<Dimension>& tree, const Points& points, Random& random) {
+  const auto order = tree.order();
+  for (int i = 0; i < 60; ++i) {
+    Vec3f low;
+    Vec3f high;
+    for (int a = 0; a < 3; ++a) {
+      low[a] = static_cast<float>(random.uniform(-1, 10));
+      high[a] = low[a] + static_cast<float>(i % 3 == 0 ? 0 : random.uniform(0, 5));
+    }
+    if (i % 5 == 0) low = high = points[random.below(static_cast<std::uint32_t>(points.size()))];
+    std::vector<bool> visited(points.size(), false);
+    std::uint32_t end = 0;
+    bool first_call = true;
+    tree.visit_box(low, high, [&](std::uint32_t first, std::uint32_t last) {
+      ASSERT_LT(first, last);
+      ASSERT_LE(last, points.size());
+      ASSERT_TRUE(first_call || first > end) << "ascending, adjacent ranges joined";
+      first_call = false;
+      end = last;
+      for (std::uint32_t k = first; k < last; ++k) visited[order[k]] = true;
+    });
+    for (std::uint32_t p = 0; p < points.size(); ++p) {
+      bool inside = true;
+      for (int a = 0; a < Dimension; ++a) inside &= points[p][a] >= low[a] && points[p][a] <= high[a];
+      ASSERT_TRUE(!inside || visited[p]) << "point " << p << " was left out";
+    }
+  }
+}
+
+template <int Dimension>
+void expect_brute_force(Points (*make)(std::uint32_t, Random&)) {
+  for (const std::uint32_t count : {1U, 2U, 10U, 11U, 1000U}) {
+    Random random(count);
+    const Points points = make(count, random);
+    ArenaBlock arena(kMiB);
+    const auto tree = value_of(KdTree<Dimension>::build(points, *arena, "test"));
+    std::vector<std::uint32_t> order(tree.order().begin(), tree.order().end());
+    std::sort(order.begin(), order.end());
+    std::vector<std::uint32_t> all(count);
+    std::iota(all.begin(), all.end(), 0);
+    ASSERT_EQ(order, all) << "the order is a permutation";
+    expect_nearest<Dimension>(tree, points, random);
+    expect_boxes<Dimension>(tree, points, random);
+  }
+}
+
+TEST(KdTree, FindsWhatLookingAtEveryPointFindsInThreeDimensions) { expect_brute_force<3>(uniform_points); }
+TEST(KdTree, FindsWhatLookingAtEveryPointFindsInTwoDimensions) { expect_brute_force<2>(uniform_points); }
+TEST(KdTree, BreaksTiesByIndexInThreeDimensions) { expect_brute_force<3>(lattice_points); }
+TEST(KdTree, BreaksTiesByIndexInTwoDimensions) { expect_brute_force<2>(lattice_points); }
+TEST(KdTree, TakesPointsOnALine) {
+  expect_brute_force<3>(collinear_points);
+  expect_brute_force<2>(collinear_points);
+}
+TEST(KdTree, TakesPointsAllInOnePlace) {
+  expect_brute_force<3>(equal_points);
+  expect_brute_force<2>(equal_points);
+}
+
+TEST(KdTree, AnswersTheSameAfterThePointsHaveTakenItsOrder) {
+  Random random(8);
+  Points points = uniform_points(2000, random);
+  ArenaBlock arena(kMiB);
+  KdTree3 tree = value_of(KdTree3::build(points, *arena, "test"));
+  const std::vector<std::uint32_t> order(tree.order().begin(), tree.order().end());
+  const Points before = points;
+  for (std::uint32_t i = 0; i < points.size(); ++i) points[i] = before[order[i]];
+  tree.adopt_order();
+  for (std::uint32_t i = 0; i < points.size(); ++i) ASSERT_EQ(tree.order()[i], i);
+  expect_nearest<3>(tree, points, random);
+  expect_boxes<3>(tree, points, random);
+}
+
+TEST(KdTree, SeesNoThirdCoordinateInTwoDimensions) {
+  const Points points = {{1, 1, 900}, {2, 1, 0}, {4, 1, -900}};
+  ArenaBlock arena(kMiB);
+  const KdTree2 tree = value_of(KdTree2::build(points, *arena, "test"));
+  std::vector<Neighbour> found(3);
+  ASSERT_EQ(tree.nearest({0, 1, 0}, found), 3U);
+  EXPECT_EQ(found[0].index, 0U);
+  EXPECT_EQ(found[1].index, 1U);
+  EXPECT_EQ(found[2].distance2, 16);
+}
+
+TEST(KdTree, TakesItsBytesFromTheArenaAndFewerThanPlanned) {
+  Random random(9);
+  Surface surface = sphere(200000, 20, {20, 20, 20});
+  add_noise(surface, 0.02, 0, random);
+  shuffle(surface, random);
+  Points points;
+  for (const SurfacePoint& p : surface) points.push_back(p.position.cast<float>());
+  ArenaBlock arena(32 * kMiB);
+  ASSERT_TRUE(KdTree3::build(points, *arena, "test").has_value());
+  const std::size_t three = arena->top_used();
+  EXPECT_GT(three, points.size() * sizeof(std::uint32_t)) << "the index alone takes this";
+  EXPECT_LT(three, points.size() * KdTree3::kBytesPerPoint);
+  EXPECT_EQ(arena->bottom_used(), 0U);
+  ASSERT_TRUE(KdTree2::build(points, *arena, "test").has_value());
+  EXPECT_LT(arena->top_used() - three, points.size() * KdTree2::kBytesPerPoint);
+}
+
+TEST(KdTree, IsAnErrorInEveryArenaThatIsTooSmallForIt) {
+  Random random(10);
+  const Points points = uniform_points(20000, random);
+  std::size_t built = 0;
+  std::size_t refused = 0;
+  for (std::size_t bytes = 0; bytes < kMiB; bytes += 8191) {
+    ArenaBlock arena(bytes);
+    const auto tree = KdTree3::build(points, *arena, "the stage");
+    if (tree) {
+      ++built;
+      continue;
+    }
+    ++refused;
+    EXPECT_EQ(tree.error().code(), ErrorCode::kOutOfMemory);
+    EXPECT_NE(std::string(tree.error().message()).find("the stage"), std::string::npos);
+  }
+  EXPECT_GT(built, 0U);
+  EXPECT_GT(refused, 0U);
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,176 @@
+#include "slicer/implicit/winding_number.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "tests/slicer/support/winding_field.hpp"
+
+namespace plumbline {
+namespace {
+
+using namespace testing;
+
+/// Sum over every point, in double precision. Close to a point its disc counts, not its dipole, so the sum is only good
+/// for places some spacings away from all points.
+double direct_sum(const WindingField& field, const Vec3d& x) {
+  const Cloud& cloud = field.scan().cloud;
+  double sum = 0;
+  for (std::uint32_t i = 0; i < cloud.size; ++i) {
+    const Vec3d d = cloud.position[i].cast<double>() - x;
+    const double r = cloud.radius[i];
+    const double area = kPi * r * r / field.scan().clustering.support_points;
+    sum += area * cloud.normal[i].unpack().cast<double>().dot(d) / (4 * kPi * std::pow(d.norm(), 3));
+  }
+  return sum;
+}
+
+TEST(WindingNumber, IsOneInsideOfASphereAndNoughtOutside) {
+  const Vec3d centre(10, 10, 10);
+  const WindingField field(sphere(20000, 5, centre));
+  Random random(51);
+  for (int i = 0; i < 300; ++i) {
+    const Vec3d direction = random.vector().normalized();
+    EXPECT_NEAR(field.at(centre + random.uniform(0, 4.5) * direction), 1, 0.08);
+    EXPECT_NEAR(field.at(centre + random.uniform(5.5, 12) * direction), 0, 0.08);
+  }
+}
+
+TEST(WindingNumber, IsTheSumOverAllPoints) {
+  const Vec3d centre(10, 10, 10);
+  Surface surface;
+  for (const SurfacePoint& p : sphere(8000, 5, centre)) {
+    if (p.normal[0] < 0.3) surface.push_back(p);  // a large hole: values of all sizes
+  }
+  append(surface, torus(7, 1.5, centre + Vec3d(0, 0, 4), 0.2, 2));
+  const WindingField field(surface);
+  Random random(52);
+  double mean = 0;
+  for (int i = 0; i < 300; ++i) {
+    Vec3d x = centre + 0.9 * random.uniform() * 5 * random.vector().normalized();
+    if (i % 2 == 0) x = Vec3d(random.uniform(-5, 25), random.uniform(-5, 25), random.uniform(-8, 3.5));
+    const double off = std::abs(field.at(x) - direct_sum(field, x));
+    EXPECT_LT(off, 0.05) << x.transpose();
+    mean += off / 300;
+  }
+  EXPECT_LT(mean, 0.01);
+}
+
+TEST(WindingNumber, IsHalfOnTheSurfaceAndBoundedAtAPoint) {
+  const Vec3d centre(10, 10, 10);
+  const Surface surface = sphere(20000, 5, centre);
+  const WindingField field(surface);
+  for (std::size_t i = 0; i < surface.size(); i += 100) EXPECT_NEAR(field.at(surface[i].position), 0.5, 0.1);
+}
+
+Surface upper_half(const Surface& surface, double height) {
+  Surface half;
+  for (const SurfacePoint& p : surface) {
+    if (p.position[2] >= height) half.push_back(p);
+  }
+  return half;
+}
+
+TEST(WindingNumber, OfAnOpenHemisphereIsOneInsideOnceTheBaseClosesIt) {
+  const Vec3d centre(10, 10, 0);
+  WindingField field(upper_half(sphere(30000, 5, centre), 0));
+  const Vec3d inside(10, 10, 1);
+  EXPECT_LT(field.at(inside), 0.65);
+  field->set_base(0, 0.5F);
+  Random random(53);
+  for (int i = 0; i < 200; ++i) {
+    Vec3d direction = random.vector().normalized();
+    direction[2] = std::abs(direction[2]);
+    EXPECT_NEAR(field.at(centre + random.uniform(0, 4.4) * direction), 1, 0.1);
+    EXPECT_NEAR(field.at(centre + random.uniform(5.6, 12) * direction), 0, 0.1);
+    EXPECT_EQ(field.at(centre - random.uniform(0.001, 5) * direction.cwiseMax(1e-3)), 0) << "below the base";
+  }
+}
+
+TEST(WindingNumber, OfAClosedSphereOnThePlaneDoesNotChangeWithTheBase) {
+  const Vec3d centre(10, 10, 5);
+  WindingField field(sphere(20000, 5, centre));
+  Random random(54);
+  std::vector<Vec3d> places;
+  std::vector<double> before;
+  for (int i = 0; i < 200; ++i) {
+    const Vec3d place{random.uniform(2, 18), random.uniform(2, 18), random.uniform(0.3, 13)};  // in this order
+    places.push_back(place);
+    before.push_back(field.at(place));
+  }
+  field->set_base(0, 0.5F);
+  for (std::size_t i = 0; i < places.size(); ++i) EXPECT_NEAR(field.at(places[i]), before[i], 0.06);
+}
+
+// A hole in an underside that was seen once made all of it count as open: it was closed at the height of the lowest strays.
+TEST(WindingNumber, HasABaseForAnOpenUndersideAndNotForAHoleInIt) {
+  Random random(55);
+  const Surface whole = box({0, 0, 0}, {20, 20, 10}, 0.3, 0.3, random);
+  const auto without_disc = [&](double radius) {
+    Surface open;
+    for (const SurfacePoint& p : whole) {
+      if (p.position[2] > 0.1 || std::hypot(p.position[0] - 10, p.position[1] - 10) > radius) open.push_back(p);
+    }
+    return open;
+  };
+  constexpr float kStrayDepth = 1.5F;
+  EXPECT_FALSE(WindingField(whole)->set_base(-kStrayDepth, 1));
+  EXPECT_FALSE(WindingField(without_disc(2))->set_base(-kStrayDepth, 1));
+  EXPECT_TRUE(WindingField(without_disc(2))->set_base(-kStrayDepth, 1, true)) << "asked for";
+  EXPECT_TRUE(WindingField(without_disc(20))->set_base(0, 1));
+}
+
+/// Where the line upwards from the middle of a closed hole goes through what closes it, mm.
+double closed_at(const Surface& surface, const Vec3d& middle) {
+  const WindingField field(surface);
+  return (*field).surface_between(static_cast<float>(middle[0]), static_cast<float>(middle[1]),
+                                  static_cast<float>(middle[2]) - 2, static_cast<float>(middle[2]) + 2,
+                                  (*field).inside((middle - Vec3d(0, 0, 2)).cast<float>()), 0.001F);
+}
+
+/// A ball of 10 mm, or a hollow of that size in a larger one, without the cap less than so many degrees from the z axis.
+Surface without_cap(double degrees, bool hollow) {
+  Surface surface;
+  if (hollow) surface = sphere(120000, 20, Vec3d(12, 12, 12));
+  for (SurfacePoint p : sphere(60000, 10, Vec3d(12, 12, 12))) {
+    if (p.normal[2] > std::cos(degrees * kPi / 180)) continue;
+    if (hollow) p.normal = -p.normal;
+    surface.push_back(p);
+  }
+  return surface;
+}
+
+TEST(WindingNumber, ClosesAHoleAsRoundAsItsRim) {
+  for (const double degrees : {12.0, 20.0}) {
+    const double cap = 10 * (1 - std::cos(degrees * kPi / 180));
+    const Vec3d middle(12, 12, 22 - cap);
+    EXPECT_NEAR(closed_at(without_cap(degrees, false), middle), 22, 0.4 * cap) << degrees;
+    EXPECT_NEAR(closed_at(without_cap(degrees, true), middle), 22, 0.4 * cap) << degrees;
+  }
+}
+
+TEST(WindingNumber, ClosesAHoleInAPlaneFlat) {
+  Random random(55);
+  Surface surface;
+  for (const SurfacePoint& p : box({4, 4, 4}, {28, 28, 16}, 0.25, 0.2, random)) {
+    if ((p.position - Vec3d(16, 16, 16)).norm() > 2) surface.push_back(p);
+  }
+  EXPECT_NEAR(closed_at(surface, Vec3d(16, 16, 16)), 16, 0.1);
+}
+
+TEST(WindingNumber, OfOnePointAndOfNoneIsFinite) {
+  ArenaBlock arena(kMiB);
+  const Cloud one = cloud_of({{Vec3d(1, 1, 1), Vec3d(0, 0, 1)}}, *arena, 0.5F);
+  std::vector<WindingTree::Node> nodes(WindingTree::nodes_needed(1));
+  const WindingTree tree = WindingTree::build(one, 20, nodes);
+  EXPECT_TRUE(std::isfinite(tree({1, 1, 1})));
+  EXPECT_GT(tree({1, 1, 0.9F}), 0);
+  EXPECT_LT(tree({1, 1, 1.1F}), 0);
+  const Cloud none = value_of(Cloud::create(0, *arena));
+  EXPECT_EQ(WindingTree::build(none, 20, {})({1, 1, 1}), 0);
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,85 @@
+#include "slicer/layers/feature_limits.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace plumbline {
+namespace {
+
+constexpr float kNoise = 0.09F;  // mm
+
+/// What clustering finds on a flat sheet with a point every `spacing` mm, each in a square of its own.
+ClusteringResult sheet(double spacing, const ClusteringSettings& settings, float support_points) {
+  ClusteringResult found;
+  found.epsilon = static_cast<float>(spacing * std::sqrt(2.0 * settings.min_points / std::numbers::pi));
+  found.support_points = support_points;
+  found.noise = kNoise;
+  return found;
+}
+
+TEST(StrayLimits, AFeatureOfALayerIsSmallUpToTheSquaresOfASupportsPoints) {
+  const ClusteringSettings settings;
+  const PrintGrid grid{.pitch_x_mm = 0.05F, .pitch_y_mm = 0.04F};
+  constexpr double kSpacing = 0.2;
+  const double pixels_a_point = kSpacing * kSpacing / (0.05 * 0.04);
+  for (const float support : {40.0F, 60.0F, 100.0F}) {
+    const FeatureLimits limits = feature_limits(sheet(kSpacing, settings, support), settings, grid);
+    EXPECT_NEAR(limits.pixels, static_cast<double>(support) * pixels_a_point, 1) << support;
+    // A square of epsilon has 60 / pi points, in supports of any size.
+    EXPECT_NEAR(limits.narrow_pixels, 60 / std::numbers::pi * pixels_a_point, 1) << support;
+  }
+}
+
+TEST(StrayLimits, ACrumbIsAsHighAsNoiseLeavesASurfaceUneven) {
+  const ClusteringSettings settings;
+  const auto layers = [&](float support, float layer_height) {
+    return feature_limits(sheet(0.2, settings, support), settings, {.layer_height_mm = layer_height}).flat_layers;
+  };
+  // 0.09 mm of noise in 81 points are 0.01 mm in their mean, so that places differ by 0.06 mm.
+  EXPECT_EQ(layers(81, 0.05F), 3U);
+  EXPECT_EQ(layers(81, 0.025F), 4U);
+  EXPECT_EQ(layers(81, 0.1F), 2U);
+  EXPECT_EQ(layers(16, 0.05F), 4U);
+}
+
+TEST(StrayLimits, AFeatureMayHaveTheMoreVoxelsTheMoreNoiseHasWidenedTheSupports) {
+  const ClusteringSettings settings;
+  const PrintGrid grid;
+  const auto voxels = [&](float support) {
+    return static_cast<double>(feature_limits(sheet(0.2, settings, support), settings, grid).voxels);
+  };
+  EXPECT_NEAR(voxels(4 * settings.least_support), 4 * voxels(settings.least_support), 4);
+  EXPECT_GT(voxels(settings.least_support), 0);
+}
+
+TEST(StrayLimits, ANarrowFeatureIsTwoThirdsOfEpsilonHighUnlessNoiseHasWidenedTheSupports) {
+  const ClusteringSettings settings;
+  const PrintGrid grid{.layers = 800, .layer_height_mm = 0.05F};
+  const auto limits = [&](float widened, float noise) {
+    ClusteringResult found = sheet(0.1, settings, widened * settings.least_support);
+    found.epsilon = 0.47F;
+    found.noise = noise;
+    return feature_limits(found, settings, grid);
+  };
+  EXPECT_EQ(limits(1, 0).narrow_layers, 7U);  // 0.313 mm
+  EXPECT_GE(limits(1.2F, 0).narrow_layers, grid.layers) << "a stray cuts a shaft through all of the object";
+  // What may be flat may be narrow too.
+  EXPECT_EQ(limits(1, 1).narrow_layers, limits(1, 1).flat_layers);
+}
+
+TEST(StrayLimits, WhatTouchesNothingMayBeASpeckWhateverTheNoise) {
+  const ClusteringSettings settings;
+  const PrintGrid grid{.pitch_x_mm = 0.05F, .pitch_y_mm = 0.04F, .layer_height_mm = 0.1F};
+  ClusteringResult found = sheet(0.1, settings, settings.least_support);
+  found.epsilon = 0.5F;
+  for (const float widened : {1.0F, 4.0F}) {
+    found.support_points = widened * settings.least_support;
+    EXPECT_NEAR(static_cast<double>(feature_limits(found, settings, grid).loose_voxels), 31250, 1);  // 6.25 mm3
+    EXPECT_EQ(feature_limits(found, settings, grid).loose_voxels, piece_limits(found, grid).speck_voxels);
+  }
+}
+
+}  // namespace
+}  // namespace plumbline

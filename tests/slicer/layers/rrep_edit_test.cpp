@@ -1,0 +1,87 @@
+#include "slicer/layers/rrep_edit.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "tests/slicer/support/surfaces.hpp"
+#include "tests/slicer/support/voxels.hpp"
+
+namespace plumbline {
+namespace {
+
+using namespace testing;
+
+TEST(RRepEdit, TogglesAsASetOfVoxelsWould) {
+  Random random(9);
+  for (int round = 0; round < 20; ++round) {
+    std::vector<bool> on(std::size_t{kLayers} * kRows * kColumns);
+    for (auto&& voxel : on) voxel = random.below(4) == 0;
+    const Inside solid = [&](auto c, auto r, auto k) { return on[(std::size_t{k} * kRows + r) * kColumns + c]; };
+    Voxels voxels(solid);
+    std::vector<RRepToggle> toggles;
+    for (std::uint32_t n = random.below(500); n > 0; --n) {
+      const std::uint32_t k = random.below(kLayers + 1);
+      const std::uint32_t p = random.below(kRows * kColumns);
+      toggles.push_back({k, p});
+      if (random.below(8) == 0) toggles.push_back({k, p});  // a pair changes nothing
+    }
+    for (const RRepToggle& t : toggles) {
+      for (std::uint32_t k = t.layer; k < kLayers; ++k) {
+        auto bit = on[std::size_t{k} * kRows * kColumns + t.pixel];
+        bit = !bit;
+      }
+    }
+    ASSERT_TRUE(toggle_crossings(voxels.rrep, toggles, *voxels.block).has_value());
+    EXPECT_TRUE(voxels.equals(solid));
+  }
+}
+
+void expect_trimmed(Voxels& voxels, std::uint32_t below, std::uint32_t above) {
+  const std::uint32_t layers = voxels.rrep.grid.layers;
+  const EmptyLayers empty = value_of(trim_empty_layers(voxels.rrep, *voxels.block));
+  EXPECT_EQ(empty.below, below);
+  EXPECT_EQ(empty.above, above);
+  EXPECT_EQ(voxels.rrep.grid.layers, layers - below - above);
+  EXPECT_EQ(voxels.rrep.first.size(), voxels.rrep.grid.layers + 1U);
+  EXPECT_EQ(voxels.rrep.first.back(), voxels.rrep.crossings());
+}
+
+TEST(RRepEdit, TrimsEmptyLayersBelowAndAboveTheObject) {
+  const Inside wanted = [](auto c, auto r, auto k) { return Block{10, 60, 5, 35, 0, 12}.has(c, r, k); };
+  Voxels voxels([&](auto c, auto r, auto k) { return k >= 7 && wanted(c, r, k - 7); });
+  expect_trimmed(voxels, 7, kLayers - 19);
+  EXPECT_TRUE(voxels.equals(wanted));
+  expect_trimmed(voxels, 0, 0);
+  EXPECT_TRUE(voxels.equals(wanted));
+}
+
+// The print once began, and ended, with layers that had nothing but the tip of a stray, one pixel wide: the masks had none of it.
+TEST(RRepEdit, TrimsLayersThatPrintNothingThough) {
+  const auto spur = [](auto c, auto r, auto k) { return c == 20 && r == 20 && k >= 2; };
+  const auto block_on_it = [](auto c, auto r, auto k) { return Block{10, 60, 5, 35, 0, 12}.has(c, r, k); };
+  const auto passing = [](auto c, auto r, auto k) { return c == 30 && r == 9 && k >= 1 && k < 5; };
+  Voxels voxels([&](auto c, auto r, auto k) {
+    return spur(c, r, k) || passing(c, r, k) || (k >= 7 && block_on_it(c, r, k - 7));
+  });
+  expect_trimmed(voxels, 7, kLayers - 19);
+  EXPECT_TRUE(voxels.equals([&](auto c, auto r, auto k) { return block_on_it(c, r, k) || (c == 20 && r == 20); }));
+}
+
+TEST(RRepEdit, FindsTheLastLayerBelowManyEmptyOnes) {
+  const Inside low = [](auto c, auto r, auto k) { return Block{10, 60, 5, 35, 0, 2}.has(c, r, k); };
+  ASSERT_GT(kLayers, 20U) << "more than are looked at first";
+  Voxels voxels(low);
+  expect_trimmed(voxels, 0, kLayers - 2);
+  EXPECT_TRUE(voxels.equals(low));
+}
+
+TEST(RRepEdit, TrimsNothingWhereNoLayerPrints) {
+  Voxels voxels([](auto c, auto r, auto k) { return c == 20 && r == 20 && k >= 2; });
+  expect_trimmed(voxels, 0, 0);
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,86 @@
+#include "slicer/normals/flipped_normals.hpp"
+
+#include <gtest/gtest.h>
+#include <omp.h>
+
+#include <functional>
+#include <utility>
+
+#include "tests/slicer/support/scan_cloud.hpp"
+#include "tests/slicer/support/slicing.hpp"
+
+namespace plumbline {
+namespace {
+
+using namespace testing;
+
+constexpr double kSpacing = 0.2;  ///< mm
+
+Surface ball(double radius, const Vec3d& centre = Vec3d::Zero()) {
+  return sphere(sphere_points(radius, kSpacing), radius, centre);
+}
+
+/// Turns the normals over where `where` says so. @returns how many
+std::uint32_t turn(Surface& surface, const std::function<bool(const Vec3d&)>& where) {
+  std::uint32_t turned = 0;
+  for (SurfacePoint& p : surface) {
+    if (!where(p.position)) continue;
+    p.normal = -p.normal;
+    ++turned;
+  }
+  return turned;
+}
+
+Slicing sliced(const Surface& surface) { return Slicing(binary_ply(surface), settings_with_pitch(0.2F), 64 * kMiB); }
+
+TEST(TurnedPatches, APatchThatFacesInwardsIsTurnedAndTheObjectIsWhole) {
+  const Surface right = ball(10);
+  Surface scan = right;
+  const std::uint32_t wrong = turn(scan, [](const Vec3d& p) { return p[0] > 8; });
+  ASSERT_GT(wrong, 1000U);
+  const Slicing with = sliced(scan);
+  EXPECT_NEAR(with.report().normals.turned, wrong, 0.02 * wrong) << "some were averaged";
+  EXPECT_NEAR(with.volume(), sliced(right).volume(), 0.5);
+}
+
+TEST(TurnedPatches, SingleNormalsAreTurned) {
+  Surface scan = ball(10);
+  Random random(3);
+  const std::uint32_t wrong = turn(scan, [&](const Vec3d&) { return random.uniform(0, 1) < 0.05; });
+  const Slicing slicing = sliced(scan);
+  EXPECT_NEAR(slicing.report().normals.turned, wrong, 0.05 * wrong);
+  EXPECT_NEAR(slicing.volume(), 4.0 / 3 * kPi * 1000, 10);
+}
+
+TEST(TurnedPatches, WhatContradictsNothingStays) {
+  Surface apart = ball(10);
+  append(apart, ball(4, {20, 0, 0}));
+  EXPECT_EQ(sliced(apart).report().normals.turned, 0U);
+
+  Surface hollow = ball(10);
+  Surface inside = ball(7);
+  turn(inside, [](const Vec3d&) { return true; });
+  append(hollow, inside);
+  EXPECT_EQ(sliced(hollow).report().normals.turned, 0U) << "the wall of a hollow faces into it";
+
+  Random random(1);
+  Surface plate = box({0, 0, 0}, {20, 20, 0.6}, kSpacing, 0.3, random);
+  EXPECT_EQ(sliced(plate).report().normals.turned, 0U) << "both sides of a thin wall are right";
+}
+
+TEST(TurnedPatches, ThreadsDoNotMatter) {
+  Surface scan = ball(10);
+  turn(scan, [](const Vec3d& p) { return p[2] > 7; });
+  const int threads = omp_get_max_threads();
+  omp_set_num_threads(1);
+  const auto one = sliced(scan).report().normals.turned;
+  omp_set_num_threads(3);
+  SliceSettings settings = settings_with_pitch(0.2F);
+  settings.threads = 3;
+  const Slicing three(binary_ply(scan), settings, 64 * kMiB);
+  omp_set_num_threads(threads);
+  EXPECT_EQ(three.report().normals.turned, one);
+}
+
+}  // namespace
+}  // namespace plumbline

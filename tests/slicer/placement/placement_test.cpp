@@ -1,0 +1,220 @@
+#include "slicer/placement/placement.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <cstdlib>
+#include <string>
+
+#include "tests/slicer/support/scan_cloud.hpp"
+
+namespace plumbline {
+namespace {
+
+using namespace testing;
+
+Box3d box_of(const Vec3d& low, const Vec3d& high) {
+  Box3d box;
+  box.extend(low);
+  box.extend(high);
+  return box;
+}
+
+PlacementSettings on_a_printer() {
+  PlacementSettings settings;
+  settings.printer = PrinterVolume{1440, 2560, 0.05F, 0.05F, 150};
+  return settings;
+}
+
+TEST(Placement, KnowsHowLongTheUnitsAre) {
+  EXPECT_EQ(millimetres_per(Units::kMillimetres), 1);
+  EXPECT_EQ(millimetres_per(Units::kCentimetres), 10);
+  EXPECT_EQ(millimetres_per(Units::kMetres), 1000);
+  EXPECT_EQ(millimetres_per(Units::kInches), 25.4);
+}
+
+TEST(Placement, GuessesTheUnitThatMakesAThingForAPrinter) {
+  EXPECT_EQ(guess_units(80), Units::kMillimetres);
+  EXPECT_EQ(guess_units(0.15), Units::kMetres);
+  EXPECT_EQ(guess_units(7), Units::kCentimetres);
+  EXPECT_EQ(guess_units(1.5), Units::kInches) << "15 mm in cm, 1500 mm in m";
+  EXPECT_EQ(guess_units(1e6), Units::kMillimetres);
+  EXPECT_EQ(guess_units(0), Units::kMillimetres);
+}
+
+TEST(Placement, InAGridOfItsOwnTheObjectStandsInTheFirstLayerInsideAMargin) {
+  PlacementSettings settings;
+  settings.pixel_pitch_mm = 0.1F;
+  settings.layer_height_mm = 0.025F;
+  settings.scale = 2;
+  const Placement p = value_of(place(box_of({1, 2, 3}, {2, 4, 6}), 10, settings));
+  EXPECT_EQ(p.scale, 20);
+  EXPECT_TRUE(p.size_mm.isApprox(Vec3d(20, 40, 60)));
+  const double margin_x = 0.5 * (p.grid.columns * 0.1 - 20);
+  EXPECT_GT(margin_x, 0.1);
+  EXPECT_LT(margin_x, 1);
+  EXPECT_NEAR(p.grid.layers, 2400, 1);
+  const Vec3d low = p.scale * Vec3d(1, 2, 3) + p.shift;
+  const Vec3d high = p.scale * Vec3d(2, 4, 6) + p.shift;
+  EXPECT_NEAR(low[2], 0, 0.025);
+  EXPECT_GE(low[2], 0);
+  EXPECT_NEAR(high[2], p.grid.layers * 0.025, 0.025);
+  for (int a = 0; a < 2; ++a) {
+    EXPECT_GT(low[a], 0.1);
+    EXPECT_LT(high[a], (a == 0 ? p.grid.columns : p.grid.rows) * 0.1 - 0.1);
+  }
+}
+
+TEST(Placement, OnAPrinterTheObjectStandsInTheMiddleOfThePanel) {
+  const Placement p = value_of(place(box_of({-5, 10, 7}, {25, 30, 47}), 1, on_a_printer()));
+  EXPECT_EQ(p.grid.columns, 1440U);
+  EXPECT_EQ(p.grid.rows, 2560U);
+  EXPECT_EQ(p.grid.layers, 800U);
+  const Vec3d middle = p.scale * Vec3d(10, 20, 7) + p.shift;
+  EXPECT_NEAR(middle[0], 36, 1e-5);
+  EXPECT_NEAR(middle[1], 64, 1e-5);
+  EXPECT_NEAR(middle[2], 0, 1e-9);
+}
+
+TEST(Placement, FitTakesTheLargestScaleThatThePrinterTakes) {
+  for (const Vec3d& size :
+       {Vec3d(1, 1, 1), Vec3d(0.01, 0.02, 0.03), Vec3d(300, 1, 1), Vec3d(1, 3000, 1), Vec3d(1, 1, 1e6)}) {
+    PlacementSettings settings = on_a_printer();
+    settings.fit = true;
+    const Placement p = value_of(place(box_of({0, 0, 0}, size), 1, settings));
+    const double fullest = std::max({p.size_mm[0] / 72, p.size_mm[1] / 128, p.size_mm[2] / 150});
+    EXPECT_LE(fullest, 1);
+    EXPECT_GT(fullest, 0.995);
+    settings.fit = false;
+    settings.scale = p.scale;
+    EXPECT_TRUE(place(box_of({0, 0, 0}, size), 1, settings).has_value());
+    settings.scale = p.scale * 1.01;
+    EXPECT_FALSE(place(box_of({0, 0, 0}, size), 1, settings).has_value());
+  }
+}
+
+/// The number after `words` in a message.
+double number_after(const std::string& words, const std::string& message) {
+  const std::size_t at = message.find(words);
+  EXPECT_NE(at, std::string::npos) << message;
+  return at == std::string::npos ? 0 : std::strtod(message.c_str() + at + words.size(), nullptr);
+}
+
+void expect_the_scale_of_the_message_to_fit(const Box3d& bounds, double unit_mm, PlacementSettings settings) {
+  const auto refused = place(bounds, unit_mm, settings);
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_EQ(refused.error().code(), ErrorCode::kDoesNotFit);
+  const double scale = number_after("--scale ", refused.error().message());
+  ASSERT_GT(scale, 0) << refused.error().message();
+  settings.scale = scale;
+  ASSERT_TRUE(place(bounds, unit_mm, settings).has_value()) << refused.error().message();
+  settings.scale = 1.02 * scale;
+  EXPECT_FALSE(place(bounds, unit_mm, settings).has_value())
+      << "much more would have fitted: " << refused.error().message();
+}
+
+TEST(Placement, WhatDoesNotFitThePrinterIsToldAScaleThatDoes) {
+  Random random(81);
+  for (int i = 0; i < 200; ++i) {
+    const Vec3d size(random.uniform(1, 100), random.uniform(1, 100), random.uniform(160, 400));
+    expect_the_scale_of_the_message_to_fit(box_of({0, 0, 0}, size), 1, on_a_printer());
+    expect_the_scale_of_the_message_to_fit(box_of({0, 0, 0}, Vec3d(size[2], size[0], size[1])), 1, on_a_printer());
+  }
+}
+
+// The scale was once cut after its fourth decimal: 0 for a scan in micrometres.
+TEST(Placement, WhatIsFarTooLargeForThePrinterIsToldAScaleThatFits) {
+  for (const double size : {1e4, 3e5, 2e6, 7e7}) {
+    expect_the_scale_of_the_message_to_fit(box_of({0, 0, 0}, {size, size, size}), 1, on_a_printer());
+  }
+}
+
+// The scale was once rounded to four digits, and up as often as down.
+TEST(Placement, WhatNeedsTooManyPixelsIsToldAScaleThatFitsThem) {
+  Random random(82);
+  for (int i = 0; i < 200; ++i) {
+    const Vec3d size(random.uniform(1000, 9000), random.uniform(1, 9000), random.uniform(1, 9000));
+    expect_the_scale_of_the_message_to_fit(box_of({0, 0, 0}, size), 1, {});
+  }
+}
+
+TEST(Placement, SaysByHowMuchItDoesNotFit) {
+  const auto refused = place(box_of({0, 0, 0}, {10, 10, 170}), 1, on_a_printer());
+  ASSERT_FALSE(refused.has_value());
+  const std::string message = refused.error().message();
+  EXPECT_EQ(number_after("the object is ", message), 170);
+  EXPECT_NE(message.find("mm high"), std::string::npos) << message;
+  const double takes = number_after("takes ", message);
+  EXPECT_NEAR(takes, 150, 0.1);
+  EXPECT_NEAR(number_after("mm: ", message), 170 - takes, 0.005);
+}
+
+// 150 mm over the float 0.05 is a little less than 3000: the last layer must not be lost to that.
+TEST(Placement, TakesTheWholeTravel) {
+  EXPECT_TRUE(place(box_of({0, 0, 0}, {10, 10, 150}), 1, on_a_printer()).has_value());
+}
+
+TEST(RotationMatrix, IsExactAtMultiplesOfNinetyDegrees) {
+  for (int x = -4; x <= 8; ++x) {
+    for (int y = -4; y <= 8; ++y) {
+      for (int z = -4; z <= 8; ++z) {
+        const Mat3d m = rotation_matrix({90.0 * x, 90.0 * y, 90.0 * z});
+        for (int i = 0; i < 9; ++i) ASSERT_TRUE(m(i) == 0 || m(i) == 1 || m(i) == -1) << m;
+        ASSERT_EQ(m * m.transpose(), Mat3d(Mat3d::Identity()));
+        ASSERT_EQ(m.determinant(), 1);
+      }
+    }
+  }
+}
+
+TEST(RotationMatrix, TurnsRightHandedAboutXThenYThenZ) {
+  EXPECT_EQ(rotation_matrix({90, 0, 0}) * Vec3d(0, 1, 0), Vec3d(0, 0, 1));
+  EXPECT_EQ(rotation_matrix({0, 90, 0}) * Vec3d(0, 0, 1), Vec3d(1, 0, 0));
+  EXPECT_EQ(rotation_matrix({0, 0, 90}) * Vec3d(1, 0, 0), Vec3d(0, 1, 0));
+  EXPECT_EQ(rotation_matrix({90, 0, 90}) * Vec3d(0, 1, 0), Vec3d(0, 0, 1)) << "x first";
+}
+
+TEST(RotationMatrix, IsTheStandardLibrarysWithinALastBitAndOrthonormal) {
+  Random random(83);
+  for (int i = 0; i < 20000; ++i) {
+    const double angle = random.uniform(-400, 400);
+    // The argument's own rounding is angle * 1e-16: compared where it is small, with the angle reduced exactly.
+    const double reduced = std::remainder(angle, 360.0) * (kPi / 180);
+    const Mat3d z = rotation_matrix({0, 0, angle});
+    ASSERT_NEAR(z(1, 0), std::sin(reduced), 1e-15) << angle;
+    ASSERT_NEAR(z(0, 0), std::cos(reduced), 1e-15) << angle;
+    const Mat3d m = rotation_matrix({angle, random.uniform(-400, 400), random.uniform(-400, 400)});
+    ASSERT_LT((m * m.transpose() - Mat3d::Identity()).cwiseAbs().maxCoeff(), 1e-15);
+    ASSERT_NEAR(m.determinant(), 1, 2e-15);
+  }
+}
+
+TEST(Placement, TransformAndOriginAgree) {
+  Random random(84);
+  for (int i = 0; i < 200; ++i) {
+    PlacementSettings settings;
+    settings.scale = random.uniform(0.1, 3);
+    settings.rotation_degrees = 180 * random.vector();
+    const Vec3d low = 10 * random.vector();
+    const Placement p = value_of(place(box_of(low, low + Vec3d(1, 2, 3)), 10, settings));
+    const Mat4d m = p.transform();
+    EXPECT_EQ(m.row(3), Eigen::RowVector4d(0, 0, 0, 1));
+    // The scan's place of the grid's origin goes to the origin; any other as the definition says.
+    const Vec3d origin = (m * p.origin_in_scan().homogeneous()).head<3>();
+    EXPECT_LT(origin.norm(), 1e-11);
+    const Vec3d scan = random.vector();
+    const Vec3d print = p.scale * (p.rotation * scan) + p.shift;
+    EXPECT_LT(((m * scan.homogeneous()).head<3>() - print).norm(), 1e-11);
+    // The lowest corner of the rotated box is in the first layer, and the grid's planes are whole pitches from zero.
+    const double height = (low * p.scale + p.shift)[2];
+    EXPECT_GE(height, -1e-11);
+    EXPECT_LE(height, settings.layer_height_mm);
+    const Vec3d pitches =
+        p.shift.cwiseQuotient(Vec3d(settings.pixel_pitch_mm, settings.pixel_pitch_mm, settings.layer_height_mm));
+    EXPECT_LT((pitches - pitches.array().round().matrix()).norm(), 1e-9);
+  }
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,112 @@
+#include "slicer/plan/memory_plan.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <optional>
+#include <string>
+
+#include "tests/slicer/support/slicing.hpp"
+
+namespace plumbline {
+namespace {
+
+using namespace testing;
+using ::testing::HasSubstr;
+
+PrintGrid panel(std::uint32_t columns, std::uint32_t rows) {
+  PrintGrid grid;
+  grid.columns = columns;
+  grid.rows = rows;
+  grid.layers = 3000;
+  return grid;
+}
+
+TEST(MemoryPlan, NeedsMoreForMorePointsInEveryStage) {
+  for (const std::optional<PrintGrid>& grid : {std::optional<PrintGrid>(), std::optional(panel(1440, 2560))}) {
+    MemoryPlan before = plan_memory(1, grid, 1);
+    for (std::uint32_t points = 2; points < kMostPoints; points += points / 7 + 1) {
+      const MemoryPlan plan = plan_memory(points, grid, 1);
+      for (std::size_t s = 0; s < kStageCount; ++s)
+        ASSERT_GE(plan.bytes[s], before.bytes[s]) << points << ", stage " << s;
+      ASSERT_GT(plan.peak(), 24 * std::size_t{points});
+      before = plan;
+    }
+  }
+}
+
+TEST(MemoryPlan, NeedsMoreForMoreThreadsAndLargerPanels) {
+  const auto rays = static_cast<std::size_t>(Stage::kRays);
+  EXPECT_GT(plan_memory(100000, panel(1440, 2560), 8).bytes[rays],
+            plan_memory(100000, panel(1440, 2560), 1).bytes[rays]);
+  EXPECT_GT(plan_memory(1000, panel(3840, 2400), 1).peak(), plan_memory(1000, panel(1440, 2560), 1).peak());
+  // With few points it is the R-Rep that is largest, and no thread takes part in it.
+  EXPECT_EQ(plan_memory(1000, panel(1440, 2560), 2).widest(), Stage::kRRep);
+}
+
+TEST(MemoryPlan, NamesTheStageOfItsPeak) {
+  const MemoryPlan plan = plan_memory(500000, panel(1440, 2560), 2);
+  EXPECT_EQ(plan.bytes[static_cast<std::size_t>(plan.widest())], plan.peak());
+}
+
+TEST(MemoryPlan, IsTheLargestThatFits) {
+  for (const std::size_t mib : {64U, 96U, 500U}) {
+    const MemoryPlan plan = value_of(largest_plan(mib * kMiB, std::nullopt, panel(1440, 2560), 2));
+    EXPECT_LE(plan.peak(), mib * kMiB);
+    ASSERT_LT(plan.points, kMostPoints);
+    EXPECT_GT(plan_memory(plan.points + 1, panel(1440, 2560), 2).peak(), mib * kMiB);
+  }
+}
+
+TEST(MemoryPlan, PlansForNoMorePointsThanAreDeclaredAndNeverForNone) {
+  EXPECT_EQ(value_of(largest_plan(500 * kMiB, 123456, panel(1440, 2560), 1)).points, 123456U);
+  EXPECT_EQ(value_of(largest_plan(500 * kMiB, 0, panel(1440, 2560), 1)).points, kFewestPoints);
+  const std::uint64_t hostile = ~std::uint64_t{0};
+  EXPECT_LE(value_of(largest_plan(100 * kMiB, hostile, panel(1440, 2560), 1)).peak(), 100 * kMiB);
+}
+
+TEST(MemoryPlan, RefusesWhatCannotFitWithNeedAndBudget) {
+  const auto refused = largest_plan(2 * kMiB, std::nullopt, panel(1440, 2560), 1);
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_EQ(refused.error().code(), ErrorCode::kOutOfMemory);
+  EXPECT_THAT(refused.error().message(), HasSubstr("the arena has 2.0 MiB"));
+  EXPECT_THAT(refused.error().message(), HasSubstr("MiB even when"));
+}
+
+/// The object of the figure, smaller: it fills half of the panel.
+Surface half_a_panel(double pitch, std::uint32_t columns, std::uint32_t rows, std::uint32_t points) {
+  const double radius = std::min(columns, rows) * pitch * 0.4;
+  Random random(1);
+  Surface surface = sphere(points, radius, {0, 0, 0});
+  const double longer = 0.5 / 0.503 * rows / columns;
+  for (SurfacePoint& p : surface) {
+    p.position[1] *= longer;
+    p.normal[1] /= longer;
+    p.normal.normalize();
+  }
+  add_noise(surface, 0.02, 0.05, random);
+  shuffle(surface, random);
+  return surface;
+}
+
+TEST(MemoryPlan, HoldsForWhatTheStagesTake) {
+  SliceSettings settings = settings_with_pitch(0.1F);
+  settings.placement.printer = PrinterVolume{360, 640, 0.1F, 0.1F, 60};
+  for (const std::uint32_t threads : {1U, 4U}) {
+    settings.threads = threads;
+    // The plan is for what fits, so a small arena makes it a tight one.
+    const Slicing sliced(binary_ply(half_a_panel(0.1, 360, 640, 200000)), settings, (15 + 3 * threads) * kMiB);
+    const SliceReport& report = sliced.report();
+    EXPECT_GT(report.cloud_points, report.cloud_capacity / 2) << "the arena is not in use";
+    for (std::size_t s = 0; s < kStageCount; ++s) {
+      const auto stage = static_cast<Stage>(s);
+      // Its store takes whatever is left, and gives back what no crossing took.
+      if (stage == Stage::kRays) continue;
+      EXPECT_LE(report.peak_bytes[s], report.planned_bytes[s]) << to_string(stage);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace plumbline

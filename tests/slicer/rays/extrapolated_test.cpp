@@ -1,0 +1,103 @@
+#include "slicer/rays/extrapolated.hpp"
+
+#include <gtest/gtest.h>
+
+#include <initializer_list>
+#include <vector>
+
+#include "tests/slicer/support/winding_field.hpp"
+
+namespace plumbline {
+namespace {
+
+using namespace testing;
+
+constexpr float kReach = 1.2F;  ///< mm
+
+/// A ball from 5 to 15 mm on the ray through its centre.
+class ExtrapolatedSheets : public ::testing::Test {
+ protected:
+  void settle(std::initializer_list<RayCrossing> crossings) {
+    crossings_ = crossings;
+    std::span<RayCrossing> left = crossings_;
+    changed_ = settle_extrapolated(left, 10, 10, *field_, kReach);
+    crossings_.resize(left.size());
+  }
+  void expect_the_ball() const {
+    ASSERT_EQ(crossings_.size(), 2U);
+    EXPECT_NEAR(crossings_[0].depth, 5, 0.15);
+    EXPECT_NEAR(crossings_[1].depth, 15, 0.15);
+  }
+  static constexpr RayCrossing measured(float depth) { return {depth, Evidence::kMeasured, false}; }
+  static constexpr RayCrossing extrapolated(float depth) { return {depth, Evidence::kMeasured, true}; }
+
+  const WindingField field_{sphere(20000, 5, {10, 10, 10})};
+  std::vector<RayCrossing> crossings_;
+  bool changed_ = false;
+};
+
+TEST_F(ExtrapolatedSheets, StayWhereTheWindingNumberHasThemToo) {
+  settle({extrapolated(5), extrapolated(15)});
+  EXPECT_FALSE(changed_);
+  ASSERT_EQ(crossings_.size(), 2U);
+  EXPECT_EQ(crossings_[0].depth, 5);
+  EXPECT_EQ(crossings_[0].evidence, Evidence::kMeasured);
+  EXPECT_EQ(crossings_[1].depth, 15);
+}
+
+TEST_F(ExtrapolatedSheets, GoToWhereTheWindingNumberHasThem) {
+  settle({extrapolated(3), measured(15)});
+  EXPECT_TRUE(changed_);
+  expect_the_ball();
+  EXPECT_EQ(crossings_[0].evidence, Evidence::kWinding);
+  EXPECT_EQ(crossings_[1].evidence, Evidence::kMeasured);
+
+  settle({measured(5), extrapolated(19.5F)});
+  expect_the_ball();
+
+  settle({measured(1), measured(2), extrapolated(7.5F), measured(15)});
+  ASSERT_EQ(crossings_.size(), 4U);
+  EXPECT_NEAR(crossings_[2].depth, 5, 0.15);
+  settle({measured(5), extrapolated(12), measured(18), measured(19)});
+  ASSERT_EQ(crossings_.size(), 4U);
+  EXPECT_NEAR(crossings_[1].depth, 15, 0.15);
+}
+
+TEST_F(ExtrapolatedSheets, GoWithWhatTheyMakeInTheAir) {
+  settle({measured(1), extrapolated(2), measured(5), measured(15)});
+  EXPECT_TRUE(changed_);
+  expect_the_ball();
+  settle({measured(5), measured(15), extrapolated(16), extrapolated(17)});
+  expect_the_ball();
+}
+
+TEST_F(ExtrapolatedSheets, GoWithTheHollowThatTheyMake) {
+  settle({measured(5), measured(9), extrapolated(11), measured(15)});
+  EXPECT_TRUE(changed_);
+  expect_the_ball();
+}
+
+TEST_F(ExtrapolatedSheets, AreAskedForAloneNotWhatWasMeasured) {
+  settle({measured(1), measured(2), measured(5), measured(9), measured(10), measured(15)});
+  EXPECT_FALSE(changed_);
+  EXPECT_EQ(crossings_.size(), 6U);
+}
+
+TEST_F(ExtrapolatedSheets, AreNotMovedBeyondTheOutermost) {
+  settle({extrapolated(7.5F), extrapolated(12)});
+  EXPECT_FALSE(changed_);
+  ASSERT_EQ(crossings_.size(), 2U);
+  EXPECT_EQ(crossings_[0].depth, 7.5F);
+  EXPECT_EQ(crossings_[1].depth, 12);
+}
+
+TEST_F(ExtrapolatedSheets, MayLieOnEachOtherOrBeNone) {
+  settle({measured(5), extrapolated(5), extrapolated(5), measured(15)});
+  EXPECT_FALSE(changed_);
+  settle({});
+  EXPECT_FALSE(changed_);
+  EXPECT_TRUE(crossings_.empty());
+}
+
+}  // namespace
+}  // namespace plumbline

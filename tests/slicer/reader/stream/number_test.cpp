@@ -1,0 +1,97 @@
+#include "slicer/reader/stream/number.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <random>
+#include <string>
+
+namespace plumbline {
+namespace {
+
+std::optional<double> parse(const std::string& text) {
+  double value = 0;
+  const char* stop = parse_real(text.data(), text.data() + text.size(), value);
+  if (stop != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+TEST(ParseReal, AgreesWithTheCLibraryOnEveryWayToWriteANumber) {
+  for (const char* text : {"0",
+                           "-0",
+                           "1",
+                           "+1",
+                           "-1",
+                           "1.",
+                           ".5",
+                           "+.5",
+                           "-.5",
+                           "1e2",
+                           "1E2",
+                           "2.e1",
+                           "1e+2",
+                           "1e-2",
+                           "1e01",
+                           "0.1",
+                           "123456789012345678901234567890",
+                           "4.9e-324",
+                           "1.7976931348623157e308",
+                           "0.30000000000000004",
+                           "00012",
+                           "5e-5"}) {
+    EXPECT_EQ(parse(text), std::strtod(text, nullptr)) << text;
+  }
+}
+
+TEST(ParseReal, AgreesWithTheCLibraryOnRandomNumbers) {
+  std::mt19937_64 random(1);
+  for (int i = 0; i < 20000; ++i) {
+    char text[64];
+    const double value = std::ldexp(static_cast<double>(random()), static_cast<int>(random() % 400) - 230);
+    std::snprintf(text, sizeof text, "%.*g", static_cast<int>(random() % 20) + 1, value);
+    EXPECT_EQ(parse(text), std::strtod(text, nullptr)) << text;
+  }
+}
+
+TEST(ParseReal, WhatIsTooLargeIsInfiniteAndWhatIsTooSmallIsZero) {
+  EXPECT_EQ(parse("1e400"), HUGE_VAL);
+  EXPECT_EQ(parse("1e999999999999999999999999"), HUGE_VAL);
+  EXPECT_EQ(parse("-1e400"), HUGE_VAL) << "the sign does not matter: the point is dropped";
+  EXPECT_EQ(parse(std::string(400, '9')), HUGE_VAL);
+  EXPECT_EQ(parse("0.001e400"), HUGE_VAL);
+  EXPECT_EQ(parse("1e-400"), 0.0);
+  EXPECT_EQ(parse("1e-999999999999999999999999"), 0.0);
+  EXPECT_EQ(parse("0." + std::string(400, '0') + "1"), 0.0);
+  EXPECT_EQ(parse("1000e-400"), 0.0);
+  EXPECT_EQ(parse("0e999"), 0.0);
+}
+
+TEST(ParseReal, KnowsTheNamesOfWhatIsNoFiniteNumber) {
+  for (const char* text : {"nan", "NaN", "-nan", "+nan", "nan(0x1)", "1.#QNAN", "1.#IND", "-1.#IND00", "1.#INF"}) {
+    ASSERT_TRUE(parse(text).has_value()) << text;
+    EXPECT_TRUE(std::isnan(*parse(text))) << text;
+  }
+  for (const char* text : {"inf", "+Inf", "-INFINITY"}) {
+    ASSERT_TRUE(parse(text).has_value()) << text;
+    EXPECT_TRUE(std::isinf(*parse(text))) << text;
+  }
+}
+
+TEST(ParseReal, RefusesWhatIsNoNumber) {
+  for (const char* text : {"", "+", "-", ".", "e5", "+-1", "++1", "--1", "x1", "1x", "1e", "1,5", "0x10", "3.1+e2",
+                           "1 ", " 1", "1.#", "1.#FOO", "1_000"}) {
+    EXPECT_FALSE(parse(text).has_value()) << text;
+  }
+}
+
+TEST(ParseCount, TakesDigitsBelowTwoToThe64) {
+  EXPECT_EQ(parse_count("0"), 0U);
+  EXPECT_EQ(parse_count("18446744073709551615"), UINT64_MAX);
+  for (const char* word : {"", "-1", "+1", "1.0", "1e3", "18446744073709551616", "12a"}) {
+    EXPECT_FALSE(parse_count(word).has_value()) << word;
+  }
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,313 @@
+#include "slicer/surface/clustering.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "tests/slicer/support/arena_block.hpp"
+#include "tests/slicer/support/scan_cloud.hpp"
+
+namespace plumbline {
+namespace {
+
+using namespace testing;
+
+/// Thesis III-2.b by the book: every pair of points, in double precision.
+struct Textbook {
+  std::vector<PointClass> type;
+  std::vector<bool> core;
+  std::vector<std::uint32_t> label;
+  std::vector<std::uint32_t> near;  ///< points within epsilon, itself included
+
+  Textbook(const Cloud& cloud, double epsilon, const ClusteringSettings& settings) {
+    const std::uint32_t n = cloud.size;
+    const auto distance = [&](std::uint32_t i, std::uint32_t j) {
+      const double cosine = cloud.normal[i].unpack().cast<double>().dot(cloud.normal[j].unpack().cast<double>());
+      if (!(cosine > 0)) return std::numeric_limits<double>::infinity();
+      return (cloud.position[i].cast<double>() - cloud.position[j].cast<double>()).norm() / cosine;
+    };
+    for (std::uint32_t i = 0; i < n; ++i) {
+      const Vec3d normal = cloud.normal[i].unpack().cast<double>();
+      const double elevation = std::asin(std::clamp(normal[2], -1.0, 1.0)) * 180 / kPi;
+      type.push_back(elevation > 5    ? PointClass::kExiting
+                     : elevation < -5 ? PointClass::kEntering
+                                      : PointClass::kNeutral);
+    }
+    for (std::uint32_t i = 0; i < n; ++i) {
+      std::uint32_t all = 0;
+      std::uint32_t same = 0;
+      for (std::uint32_t j = 0; j < n; ++j) {
+        if (!(distance(i, j) <= epsilon)) continue;
+        ++all;
+        same += type[i] == type[j] ? 1 : 0;
+      }
+      near.push_back(all);
+      core.push_back(all > settings.min_points && same > settings.same_type_share * all);
+    }
+    label.assign(n, kNoCluster);
+    for (std::uint32_t seed = 0; seed < n; ++seed) {
+      if (!core[seed] || label[seed] != kNoCluster) continue;
+      std::vector<std::uint32_t> open{seed};
+      label[seed] = seed;
+      while (!open.empty()) {
+        const std::uint32_t i = open.back();
+        open.pop_back();
+        for (std::uint32_t j = 0; j < n; ++j) {
+          if (!core[j] || label[j] != kNoCluster || type[i] != type[j] || !(distance(i, j) <= epsilon)) continue;
+          label[j] = seed;
+          open.push_back(j);
+        }
+      }
+    }
+    for (std::uint32_t i = 0; i < n; ++i) {
+      if (core[i]) continue;
+      double nearest = epsilon;
+      std::uint32_t at = kNoCluster;
+      for (std::uint32_t j = 0; j < n; ++j) {
+        if (!core[j] || type[i] != type[j]) continue;
+        const double d = distance(i, j);
+        if (d <= nearest && (at == kNoCluster || d < nearest)) {
+          nearest = d;
+          at = j;
+        }
+      }
+      if (at != kNoCluster) label[i] = label[at];
+    }
+    for (std::uint32_t i = 0; i < n; ++i) {
+      if (label[i] == kNoCluster && near[i] < settings.min_points) type[i] = PointClass::kNoise;
+    }
+  }
+};
+
+/// `epsilon` is a little more than the median, so that no pair stands exactly at it: the two sides round differently.
+void expect_the_textbook_s_clusters(const Surface& surface) {
+  ArenaBlock arena(16 * kMiB);
+  Cloud cloud = cloud_of(surface, *arena);
+  const KdTree3 tree = sort_by_tree(cloud, *arena);
+  ClusteringSettings settings;
+  settings.thin_reach = 0;
+  const float epsilon = value_of(density_epsilon(cloud, tree, settings, *arena)) * 1.0001F;
+  std::vector<std::uint32_t> labels(cloud.size);
+  const std::size_t before = arena->top_used();
+  const ClusteringResult result = value_of(cluster(cloud, tree, epsilon, settings, labels, *arena));
+  EXPECT_EQ(arena->top_used(), before);
+
+  const Textbook book(cloud, epsilon, settings);
+  EXPECT_EQ(labels, book.label);
+  std::vector<PointClass> types;
+  for (std::uint32_t i = 0; i < cloud.size; ++i) types.push_back(cloud.normal[i].point_class);
+  EXPECT_EQ(types, book.type);
+
+  std::uint32_t clusters = 0;
+  for (std::uint32_t i = 0; i < cloud.size; ++i) clusters += book.label[i] == i ? 1 : 0;
+  EXPECT_EQ(result.clusters, clusters);
+  EXPECT_EQ(result.core_points, std::count(book.core.begin(), book.core.end(), true));
+  for (std::size_t c = 0; c < kPointClassCount; ++c) {
+    EXPECT_EQ(result.points[c], std::count(book.type.begin(), book.type.end(), static_cast<PointClass>(c)))
+        << "class " << c;
+  }
+}
+
+TEST(Clustering, SeparatesTwoParallelSheetsThatFaceApartAsTheTextbookDoes) {
+  Random random(11);
+  Surface surface = sheet({0, 0, 0}, {0, 4, 0}, {4, 0, 0}, 0.12, 0.5, random);
+  append(surface, sheet({0, 0, 0.2}, {4, 0, 0}, {0, 4, 0}, 0.12, 0.5, random));
+  expect_the_textbook_s_clusters(surface);
+}
+
+TEST(Clustering, JoinsTwoParallelSheetsThatFaceTheSameWayAsTheTextbookDoes) {
+  Random random(12);
+  Surface surface = sheet({0, 0, 0}, {4, 0, 0}, {0, 4, 0}, 0.12, 0.5, random);
+  append(surface, sheet({1, 1, 0.3}, {4, 0, 0}, {0, 4, 0}, 0.12, 0.5, random));
+  append(surface, sheet({0, 0, 4}, {4, 0, 0}, {0, 4, 0}, 0.12, 0.5, random));  // too far to be one with them
+  expect_the_textbook_s_clusters(surface);
+}
+
+TEST(Clustering, SortsANoisySphereAsTheTextbookDoes) {
+  Random random(13);
+  Surface surface = sphere(2000, 3, {5, 5, 5});
+  add_noise(surface, 0.05, 0.15, random);
+  shuffle(surface, random);
+  expect_the_textbook_s_clusters(surface);
+}
+
+TEST(Clustering, FollowsTheTextbookAlongTheEdgesOfACube) {
+  Random random(14);
+  Surface surface = box({0, 0, 0}, {3, 3, 3}, 0.16, 0.4, random);
+  add_noise(surface, 0.01, 0.05, random);
+  expect_the_textbook_s_clusters(surface);
+}
+
+TEST(Clustering, LeavesOutTheStraysThatTheTextbookLeavesOut) {
+  Random random(15);
+  Surface surface = sphere(1200, 3, {5, 5, 5});
+  for (int i = 0; i < 300; ++i) {
+    surface.push_back(
+        {Vec3d(random.uniform(0, 10), random.uniform(0, 10), random.uniform(0, 10)), random.vector().normalized()});
+  }
+  shuffle(surface, random);
+  expect_the_textbook_s_clusters(surface);
+}
+
+TEST(Clustering, TakesSurfacesOfAnyDensityAsTheTextbookDoes) {
+  Random random(16);
+  Surface surface = sheet({0, 0, 0}, {3, 0, 0}, {0, 3, 0}, 0.1, 0.5, random);
+  append(surface, sheet({3, 0, 0}, {3, 0, 0.8}, {0, 3, 0}, 0.25, 0.5, random));
+  append(surface, sheet({6, 0, 0.8}, {3, 0, 0.1}, {0, 3, 0}, 0.4, 0.5, random));
+  expect_the_textbook_s_clusters(surface);
+}
+
+// Seven points in one place have no thirty neighbours. The rescue of thin surface once kept them at a reach of 0 too.
+TEST(Clustering, LeavesTheThesisNoiseWhereACopiedPointStandsAlone) {
+  Random random(17);
+  Surface surface = sheet({0, 0, 0}, {4, 0, 0}, {0, 4, 0}, 0.12, 0.5, random);
+  for (int i = 0; i < 7; ++i) surface.push_back({Vec3d(2, 2, 9), Vec3d(0, 0, 1)});
+  expect_the_textbook_s_clusters(surface);
+}
+
+TEST(Clustering, TellsTheOrientationWithinFiveDegreesOfPerpendicular) {
+  const auto at = [](double degrees) {
+    PackedNormal normal;
+    const double a = degrees * kPi / 180;
+    normal.set(Vec3d(std::cos(a) * 0.6, std::cos(a) * 0.8, std::sin(a)).cast<float>());
+    return orientation_of(normal);
+  };
+  EXPECT_EQ(at(90), PointClass::kExiting);
+  EXPECT_EQ(at(5.02), PointClass::kExiting);
+  EXPECT_EQ(at(4.98), PointClass::kNeutral);
+  EXPECT_EQ(at(0), PointClass::kNeutral);
+  EXPECT_EQ(at(-4.98), PointClass::kNeutral);
+  EXPECT_EQ(at(-5.02), PointClass::kEntering);
+  EXPECT_EQ(at(-90), PointClass::kEntering);
+}
+
+TEST(DensityEpsilon, IsTheMedianOfTheSixtiethNeighbourDistances) {
+  for (const std::uint32_t points : {1500U, 1501U}) {
+    Random random(21);
+    Surface surface = sphere(points, 4, {5, 5, 5});
+    add_noise(surface, 0.2, 0, random);
+    ArenaBlock arena(4 * kMiB);
+    Cloud cloud = cloud_of(surface, *arena);
+    const KdTree3 tree = sort_by_tree(cloud, *arena);
+    std::vector<double> sixtieth;
+    for (const Vec3f& p : cloud.positions()) {
+      std::vector<double> distances;
+      for (const Vec3f& q : cloud.positions()) distances.push_back((p.cast<double>() - q.cast<double>()).norm());
+      std::nth_element(distances.begin(), distances.begin() + 60, distances.end());  // 0 is the point itself
+      sixtieth.push_back(distances[60]);
+    }
+    std::sort(sixtieth.begin(), sixtieth.end());
+    const double median = (sixtieth[points / 2] + sixtieth[(points - 1) / 2]) / 2;
+    EXPECT_NEAR(value_of(density_epsilon(cloud, tree, {}, *arena)), median, 1e-5 * median);
+  }
+}
+
+TEST(DensityEpsilon, OfASampleIsWithinOnePercentOfTheWhole) {
+  Random random(22);
+  Surface surface = sphere(40000, 10, {20, 20, 20});
+  append(surface, sheet({0, 0, 0}, {40, 0, 0}, {0, 40, 0}, 0.3, 0.5, random));  // much thinner
+  add_noise(surface, 0.03, 0, random);
+  shuffle(surface, random);
+  ArenaBlock arena(16 * kMiB);
+  Cloud cloud = cloud_of(surface, *arena);
+  const KdTree3 tree = sort_by_tree(cloud, *arena);
+  ClusteringSettings whole;
+  ASSERT_GT(cloud.size, 2 * whole.epsilon_sample);
+  whole.epsilon_sample = cloud.size;
+  const float full = value_of(density_epsilon(cloud, tree, whole, *arena));
+  const float sampled = value_of(density_epsilon(cloud, tree, {}, *arena));
+  EXPECT_NEAR(sampled, full, 0.01 * full);
+  EXPECT_NE(sampled, full) << "nothing was sampled";
+}
+
+TEST(DensityEpsilon, OfPointsInOnePlaceIsZero) {
+  ArenaBlock arena(kMiB);
+  Cloud cloud = cloud_of(Surface(200, {Vec3d(1, 2, 3), Vec3d(0, 0, 1)}), *arena);
+  const KdTree3 tree = sort_by_tree(cloud, *arena);
+  EXPECT_EQ(value_of(density_epsilon(cloud, tree, {}, *arena)), 0);
+}
+
+/// A dense sheet, and beside it one with the spacing asked for. Tells the share of the second that is not noise.
+double kept_of_a_sheet_with_spacing(double spacing, float thin_reach) {
+  Random random(31);
+  Surface surface = sheet({0, 0, 0}, {10, 0, 0}, {0, 10, 0}, 0.1, 0.3, random);
+  append(surface, sheet({20, 0, 0}, {10, 0, 0}, {0, 10, 0}, spacing, 0.3, random));
+  ArenaBlock arena(8 * kMiB);
+  ClusteringSettings settings;
+  settings.thin_reach = thin_reach;
+  const ClusteredScan scan = clustered(surface, *arena, settings);
+  double kept = 0;
+  double all = 0;
+  for (std::uint32_t i = 0; i < scan.cloud.size; ++i) {
+    if (scan.cloud.position[i][0] < 15) continue;
+    ++all;
+    kept += scan.cloud.normal[i].point_class != PointClass::kNoise ? 1 : 0;
+  }
+  return kept / all;
+}
+
+TEST(Clustering, KeepsSurfaceThatFewViewsSawWhereTheThesisCallsItNoise) {
+  EXPECT_EQ(kept_of_a_sheet_with_spacing(0.3, 0), 0);
+  EXPECT_GT(kept_of_a_sheet_with_spacing(0.3, 3), 0.98);
+  EXPECT_GT(kept_of_a_sheet_with_spacing(0.45, 3), 0.9);
+  EXPECT_EQ(kept_of_a_sheet_with_spacing(2, 3), 0);
+}
+
+TEST(Clustering, DropsStraysBesideASurfaceEvenWhenItRescuesThinOnes) {
+  Random random(32);
+  Surface surface = sheet({0, 0, 0}, {10, 0, 0}, {0, 10, 0}, 0.1, 0.3, random);
+  const std::size_t on_sheet = surface.size();
+  for (int i = 0; i < 100; ++i) {
+    surface.push_back(
+        {Vec3d(random.uniform(0, 10), random.uniform(0, 10), random.uniform(1, 10)), random.vector().normalized()});
+  }
+  ArenaBlock arena(8 * kMiB);
+  const ClusteredScan scan = clustered(surface, *arena);
+  EXPECT_EQ(scan.clustering.points[static_cast<std::size_t>(PointClass::kNoise)], surface.size() - on_sheet);
+}
+
+TEST(Clustering, GivesEveryPointTheDiscThatHoldsItsSupport) {
+  Random random(33);
+  const Surface surface = sheet({0, 0, 0}, {20, 0, 0}, {0, 20, 0}, 0.2, 0.2, random);
+  ArenaBlock arena(8 * kMiB);
+  const ClusteredScan scan = clustered(surface, *arena);
+  EXPECT_EQ(scan.clustering.support_points, ClusteringSettings{}.least_support);
+  EXPECT_LT(scan.clustering.noise, 1e-4F);
+  for (std::uint32_t i = 0; i < scan.cloud.size; ++i) {
+    const Vec3f& p = scan.cloud.position[i];
+    if (p.head<2>().minCoeff() < 2 || p.head<2>().maxCoeff() > 18) continue;
+    const double r = scan.cloud.radius[i];
+    EXPECT_NEAR(kPi * r * r / (0.2 * 0.2), scan.clustering.support_points, 0.2 * scan.clustering.support_points);
+  }
+}
+
+TEST(Clustering, MeasuresTheNoiseOfAScanAndWidensTheSupport) {
+  Random random(34);
+  Surface surface = sheet({0, 0, 0}, {20, 0, 0}, {0, 20, 0}, 0.1, 0.3, random);
+  for (SurfacePoint& p : surface) p.position[2] += 0.05 * random.normal();
+  ArenaBlock arena(8 * kMiB);
+  const ClusteredScan scan = clustered(surface, *arena);
+  EXPECT_NEAR(scan.clustering.noise, 0.05, 0.01);
+  EXPECT_GT(scan.clustering.support_points, 2 * ClusteringSettings{}.least_support);
+}
+
+TEST(Clustering, OutOfMemoryIsAnErrorAndLeavesTheArenaAsItWas) {
+  Random random(35);
+  const Surface surface = sheet({0, 0, 0}, {20, 0, 0}, {0, 20, 0}, 0.2, 0.2, random);
+  ArenaBlock arena(kMiB);
+  Cloud cloud = cloud_of(surface, *arena);
+  const KdTree3 tree = sort_by_tree(cloud, *arena);
+  ASSERT_TRUE(arena->take_top<std::byte>(arena->available() - 16384, "the rest").has_value());
+  const std::size_t used = arena->used();
+  const auto result = cluster(cloud, tree, 0.5F, {}, {}, *arena);
+  ASSERT_FALSE(result.has_value());
+  EXPECT_EQ(result.error().code(), ErrorCode::kOutOfMemory);
+  EXPECT_EQ(arena->used(), used);
+}
+
+}  // namespace
+}  // namespace plumbline

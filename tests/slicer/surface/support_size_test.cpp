@@ -1,0 +1,118 @@
+#include "slicer/surface/support_size.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/slicer/support/arena_block.hpp"
+#include "tests/slicer/support/scan_cloud.hpp"
+#include "tests/slicer/support/stop.hpp"
+
+namespace plumbline {
+namespace {
+
+using namespace testing;
+
+constexpr double kSpacing = 0.15;  ///< mm
+constexpr int kRows = 134;         ///< of points
+
+/// A square of 20 mm with waves of this height and length across it, seen with noise.
+Surface waves(double height, double length, double noise, Random& random) {
+  Surface surface;
+  for (int row = 0; row < kRows; ++row) {
+    for (int column = 0; column < kRows; ++column) {
+      const double at = (column + random.uniform(-0.5, 0.5)) * kSpacing;
+      const double phase = 2 * kPi * at / length;
+      const double z = height * std::sin(phase) + noise * random.normal();
+      const double slope = height * 2 * kPi / length * std::cos(phase);
+      surface.push_back({Vec3d(at, (row + random.uniform(-0.5, 0.5)) * kSpacing, z), Vec3d(-slope, 0, 1).normalized()});
+    }
+  }
+  return surface;
+}
+
+struct Widened {
+  ArenaBlock block{32 * kMiB};
+  ClusteringResult clustering;
+  float support_before = 0;
+  float growth = 1;       ///< of the radii, all by as much
+  std::size_t taken = 0;  ///< bytes of arena
+
+  /// @param marked  points from this height on are noise before the supports are widened
+  explicit Widened(const Surface& surface, float marked = 1e9F) {
+    Arena& arena = *block;
+    Cloud cloud = cloud_of(surface, arena);
+    const KdTree3 tree = sort_by_tree(cloud, arena);
+    const float epsilon = value_of(density_epsilon(cloud, tree, {}, arena));
+    clustering = value_of(cluster(cloud, tree, epsilon, {}, {}, arena));
+    for (std::uint32_t i = 0; i < cloud.size; ++i) {
+      if (cloud.position[i][2] > marked) cloud.normal[i].point_class = PointClass::kNoise;
+    }
+    support_before = clustering.support_points;
+    const float radius = cloud.radius[0];
+    const std::size_t used = arena.used();
+    arena.reset_peak();
+    EXPECT_TRUE(widen_supports(cloud, tree, {}, clustering, arena));
+    taken = arena.peak() - used;
+    EXPECT_EQ(arena.used(), used);
+    growth = cloud.radius[0] / radius;
+  }
+};
+
+TEST(SupportSize, WidensWhatIsSmoothAndNoisy) {
+  Random random(1);
+  const Widened smooth(waves(1, 20, 0.03, random));
+  EXPECT_GT(smooth.support_before, 20);
+  EXPECT_GT(smooth.clustering.support_points, 1.5F * smooth.support_before);
+  EXPECT_NEAR(smooth.growth, std::sqrt(smooth.clustering.support_points / smooth.support_before), 1e-4);
+  EXPECT_GT(smooth.taken, 0U);
+  EXPECT_LE(smooth.taken, support_size_bytes());
+}
+
+TEST(SupportSize, KeepsTheDetailThatTheNoiseDoesNotHide) {
+  Random random(2);
+  const Widened detailed(waves(0.3, 2, 0.03, random));
+  EXPECT_GT(detailed.support_before, 20);
+  EXPECT_EQ(detailed.clustering.support_points, detailed.support_before);
+  EXPECT_EQ(detailed.growth, 1);
+}
+
+TEST(SupportSize, AsksNothingOfAScanWithoutNoiseOrOfAFewPoints) {
+  Random random(3);
+  EXPECT_EQ(Widened(waves(1, 20, 0.001, random)).growth, 1);
+  Surface few = waves(1, 20, 0.03, random);
+  few.resize(2000);
+  EXPECT_EQ(Widened(few).growth, 1);
+}
+
+// What has been marked as no part of the object has no say in it: hanging above, and rougher.
+TEST(SupportSize, IsNotSwayedByWhatWasMarkedAsNoise) {
+  Random random(4);
+  Surface scan = waves(1, 20, 0.03, random);
+  for (SurfacePoint rough : waves(0.3, 2, 0.03, random)) {
+    rough.position[2] += 10;
+    scan.push_back(rough);
+  }
+  EXPECT_GT(Widened(scan, 5).growth, 1.1F * Widened(scan).growth);
+}
+
+TEST(SupportSize, TellsItsProgressAndStopsWhenToldTo) {
+  StopAtThird stop;
+  Random random(5);
+  ArenaBlock block(32 * kMiB);
+  Arena& arena = *block;
+  Cloud cloud = cloud_of(waves(1, 20, 0.03, random), arena);
+  const KdTree3 tree = sort_by_tree(cloud, arena);
+  const float epsilon = value_of(density_epsilon(cloud, tree, {}, arena));
+  ClusteringResult clustering = value_of(cluster(cloud, tree, epsilon, {}, {}, arena));
+  const float before = cloud.radius[0];
+  const Status status = widen_supports(cloud, tree, {}, clustering, arena, {&stop, Stage::kClustering});
+  ASSERT_FALSE(status);
+  EXPECT_EQ(status.error().code(), ErrorCode::kCancelled);
+  EXPECT_EQ(stop.heard, 3);
+  EXPECT_EQ(cloud.radius[0], before);
+}
+
+}  // namespace
+}  // namespace plumbline
