@@ -46,14 +46,27 @@ std::string_view to_string(ErrorCode code) {
   return "Unknown";
 }
 
-Error Error::format(ErrorCode code, const char* pattern, ...) {
+Error Error::format_list(ErrorCode code, const char* pattern, std::va_list args) {
   Error error;
   error.code_ = code;
-  va_list args;
-  va_start(args, pattern);
   std::vsnprintf(error.message_, sizeof error.message_, pattern, args);
+  return error;
+}
+
+Error Error::format(ErrorCode code, const char* pattern, ...) {
+  std::va_list args;
+  va_start(args, pattern);
+  Error error = format_list(code, pattern, args);
   va_end(args);
   return error;
+}
+
+tl::unexpected<Error> fail(ErrorCode code, const char* pattern, ...) {
+  std::va_list args;
+  va_start(args, pattern);
+  Error error = Error::format_list(code, pattern, args);
+  va_end(args);
+  return tl::unexpected<Error>(error);
 }
 
 Error Error::with_prefix(std::string_view prefix) const {

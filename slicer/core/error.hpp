@@ -68,6 +68,9 @@ class Error {
   Error with_prefix(std::string_view prefix) const;
 
  private:
+  static Error format_list(ErrorCode code, const char* pattern, std::va_list args);
+  friend tl::unexpected<Error> fail(ErrorCode code, const char* pattern, ...);
+
   ErrorCode code_ = ErrorCode::kMalformed;
   char message_[kCapacity] = {};
 };
@@ -76,15 +79,8 @@ template <class T>
 using Expected = tl::expected<T, Error>;
 using Status = tl::expected<void, Error>;
 
-/// The unexpected side of an Expected<T> or a Status, with a printf-style message.
-template <class... Args>
-[[nodiscard]] tl::unexpected<Error> fail(ErrorCode code, const char* pattern, Args... args) {
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wformat-nonliteral"
-#pragma GCC diagnostic ignored "-Wformat-security"
-  return tl::unexpected<Error>(Error::format(code, pattern, args...));
-#pragma GCC diagnostic pop
-}
+/// The unexpected side of an Expected<T> or a Status, with a printf-style message that the compiler checks.
+[[nodiscard, gnu::format(printf, 2, 3)]] tl::unexpected<Error> fail(ErrorCode code, const char* pattern, ...);
 
 }  // namespace plumbline
 
