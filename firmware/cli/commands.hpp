@@ -7,19 +7,12 @@
 #include <span>
 #include <string>
 
+#include "firmware/io/exit_code.hpp"
 #include "firmware/machine/back_end.hpp"
 #include "firmware/settings/job_options.hpp"
 #include "firmware/settings/support_choice.hpp"
 
 namespace plumbline {
-
-/// What a shell sees.
-enum class ExitCode : std::uint8_t {
-  kDone = 0,
-  kWorldError = 1,     ///< a file, a medium, an object: standard error has the sentence
-  kUsageError = 2,     ///< the command line
-  kInterrupted = 130,  ///< SIGINT or SIGTERM; as shells have it: 128 + SIGINT
-};
 
 struct SliceOptions {
   JobOptions job;
@@ -63,8 +56,5 @@ ExitCode run_inspect(const InspectOptions& options, std::span<std::byte> arena_b
 ExitCode run_print(const PrintOptions& options, std::span<std::byte> arena_block);
 ExitCode run_sample(const SampleOptions& options);
 ExitCode run_doctor(const DoctorOptions& options);
-
-/// Prints the sentence of an error. @returns what the shell is to see
-ExitCode report_error(const Error& error);
 
 }  // namespace plumbline

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <span>
 
-#include "firmware/cli/commands.hpp"
+#include "firmware/io/exit_code.hpp"
 
 namespace plumbline {
 

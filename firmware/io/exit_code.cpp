@@ -1,4 +1,5 @@
-#include "firmware/cli/commands.hpp"
+#include "firmware/io/exit_code.hpp"
+
 #include "firmware/io/fixed_text.hpp"
 #include "firmware/io/progress_lines.hpp"
 

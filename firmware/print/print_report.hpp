@@ -98,16 +98,6 @@ struct MaskFigures {
   }
 };
 
-/// How well a real printer's stage kept its times.
-struct StepFigures {
-  std::uint64_t steps = 0;
-  std::uint64_t late = 0;         ///< by more than half of the time to the next step, and than 0.1 ms
-  nanoseconds worst_lateness{};   ///< of a step
-  std::uint64_t standstills = 0;  ///< so late that the motor stood: the rest of the way was a ramp of its own
-  bool real_time = false;         ///< the system lets the steps come first
-  bool memory_locked = false;     ///< the system lets the memory stay
-};
-
 /// @param scratch  as many as there are exposures
 MaskFigures mask_figures(std::span<const ExposureLine> exposures, std::span<nanoseconds> scratch);
 

@@ -7,6 +7,7 @@
 
 #include "firmware/io/json_writer.hpp"
 #include "firmware/io/output_file.hpp"
+#include "firmware/machine/step_figures.hpp"
 #include "firmware/print/print_session.hpp"
 
 namespace plumbline {

@@ -16,13 +16,16 @@ MAY_INCLUDE = {
     "hal": {"slicer/core"},
     "hal/linux": {"slicer/core", "hal"},
     "hal/sim": {"slicer/core", "hal"},
-    # The back ends of the HAL are chosen in one place: see COMPOSITION.
+    # One file for each back end of the HAL may include it: see COMPOSITION.
     "firmware": {"slicer/core", "slicer", "hal"},
     "tests": {"slicer/core", "slicer", "hal", "hal/linux", "hal/sim", "firmware"},
 }
 
-# The one source file of the product that knows the back ends of the HAL, and opens one of them.
-COMPOSITION = {"firmware/machine/back_end.cpp": {"hal/linux", "hal/sim"}}
+# The one source file of the product that opens each back end of the HAL. firmware/machine/back_end.cpp chooses between them.
+COMPOSITION = {
+    "firmware/machine/linux_back_end.cpp": {"hal/linux"},
+    "firmware/machine/simulated_back_end.cpp": {"hal/sim"},
+}
 
 # Header of somebody else -> how many source files outside of tests include it. Each has one file that arranges it: its
 # memory, its exceptions, its types stay there. "exactly" also notices that a dependency is no longer used.

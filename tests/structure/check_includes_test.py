@@ -19,7 +19,8 @@ GOOD = {
     "hal/linux/clock.cpp": '#include "hal/clock.hpp"\n#include <ctime>\n',
     "hal/sim/clock.hpp": '#include "hal/clock.hpp"\n',
     "firmware/printer.cpp": '#include "hal/clock.hpp"\n#include "slicer/cloud/kd_tree.hpp"\n#include <lodepng.h>\n#include <thread>\n',
-    "firmware/machine/back_end.cpp": '#include "hal/linux/clock.hpp"\n#include "hal/sim/clock.hpp"\n',
+    "firmware/machine/linux_back_end.cpp": '#include "hal/linux/clock.hpp"\n',
+    "firmware/machine/simulated_back_end.cpp": '#include "hal/sim/clock.hpp"\n',
     "tests/png_test.cpp": '#include <lodepng.h>\n#include "hal/sim/clock.hpp"\n#include "firmware/printer.hpp"\n',
 }
 
@@ -68,11 +69,13 @@ class CheckIncludes(unittest.TestCase):
         self.assert_only({"firmware/bad.cpp": '#  include "hal/sim/clock.hpp"\n'},
                          "firmware/bad.cpp:1", "firmware may not include hal/sim")
 
-    def test_product_opens_a_back_end_in_one_source_file_only(self):
+    def test_product_opens_each_back_end_in_one_source_file(self):
         self.assert_only({"firmware/bad.cpp": '#include "hal/linux/clock.hpp"\n'},
                          "firmware/bad.cpp:1", "firmware may not include hal/linux")
-        self.assert_only({"firmware/machine/back_end.hpp": '#include "hal/sim/clock.hpp"\n'},
-                         "firmware/machine/back_end.hpp:1", "firmware may not include hal/sim")
+        self.assert_only({"firmware/machine/back_end.cpp": '#include "hal/sim/clock.hpp"\n'},
+                         "firmware/machine/back_end.cpp:1", "firmware may not include hal/sim")
+        self.assert_only({"firmware/machine/linux_back_end.cpp": '#include "hal/sim/clock.hpp"\n'},
+                         "firmware/machine/linux_back_end.cpp:1", "firmware may not include hal/sim")
 
     def test_product_does_not_include_tests(self):
         self.assert_only({"firmware/bad.cpp": '#include "tests/fake.hpp"\n'},

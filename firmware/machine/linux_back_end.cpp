@@ -1,0 +1,175 @@
+#include "firmware/machine/linux_back_end.hpp"
+
+#include <unistd.h>
+
+#include <array>
+#include <string_view>
+#include <utility>
+
+#include "firmware/machine/machine_limits.hpp"
+#include "hal/linux/lamp/lamp_keeper.hpp"
+#ifdef PLUMBLINE_HAS_BOARD_DEVICES
+#include "hal/linux/examination.hpp"
+#include "hal/linux/linux_machine.hpp"
+#endif
+
+namespace plumbline {
+namespace {
+
+/// The keeper is installed beside the program.
+std::string keeper_program() {
+  std::array<char, 4096> path{};
+  const auto length = ::readlink("/proc/self/exe", path.data(), path.size());
+  const std::string_view program(path.data(), length > 0 ? static_cast<std::size_t>(length) : 0);
+  return std::string(program.substr(0, program.rfind('/') + 1)) + "plumbline-keeper";
+}
+
+class KeeperLampLine final : public KeptLampLine {
+ public:
+  explicit KeeperLampLine(LampKeeper keeper) : keeper_(std::move(keeper)) {}
+
+  bool light(nanoseconds cure) override { return keeper_.light(cure).has_value(); }
+  // If the keeper does not answer, its deadline still turns the line off.
+  void darken() noexcept override { static_cast<void>(keeper_.darken()); }
+
+ private:
+  LampKeeper keeper_;
+};
+
+#ifdef PLUMBLINE_HAS_BOARD_DEVICES
+
+LineSettings line_of(const WireFile& wire) {
+  return {.name = wire.line,
+          .chip = wire.chip,
+          .offset = wire.chip.empty() ? 0 : wire.offset,
+          .active_low = wire.active == WireFile::Active::kLow,
+          .bias = static_cast<LineBias>(wire.bias)};
+}
+
+LinuxSettings settings_of(const BoardFile& board, const MachineFile& machine) {
+  const WiringFile& wiring = machine.wiring;
+  LinuxSettings settings;
+  settings.panel = {.columns = board.columns,
+                    .rows = board.rows,
+                    .rotation_deg = machine.rotation_deg,
+                    .mirror = static_cast<PanelLayout::Mirror>(machine.mirror),
+                    .rgb = machine.packing == PixelPacking::kRgb};
+  settings.settling = nanoseconds_of_ms(machine.refresh_delay_ms);
+  settings.display = {.card = wiring.card,
+                      .connector = wiring.connector,
+                      .refresh_hz = wiring.refresh_hz,
+                      .plane = wiring.plane,
+                      .flip_timeout = nanoseconds_of_ms(wiring.flip_timeout_ms)};
+  settings.travel = travel_limits(machine);
+  settings.mechanics = {.step_mm = machine.step_mm(), .find_speed = mm_per_min(machine.homing_speed_mm_min)};
+  settings.step = line_of(wiring.step);
+  settings.direction = line_of(wiring.direction);
+  settings.enable = line_of(wiring.enable);
+  settings.end_stop = line_of(wiring.end_stop);
+  settings.lamp = lamp_limits(machine);
+  settings.lamp_line = line_of(wiring.lamp);
+  if (machine.has_cover_switch) settings.cover = line_of(wiring.cover);
+  settings.keeper = keeper_program();
+  settings.start_button = line_of(wiring.start);
+  settings.pause_button = line_of(wiring.pause);
+  settings.cancel_button = line_of(wiring.cancel);
+  for (std::size_t i = 0; i < kPanelLightCount; ++i) settings.lights[i] = line_of(wiring.lights[i]);
+  settings.buzzer = line_of(wiring.buzzer);
+  for (std::size_t i = 0; i < kTemperatureSiteCount; ++i) {
+    const SensorFile& sensor = wiring.sensors[i];
+    settings.thermals.sensors[i] = {sensor.hwmon, sensor.channel, sensor.thermal_zone, sensor.file};
+  }
+  for (std::size_t i = 0; i < kFanCount; ++i) {
+    const FanFile& fan = wiring.fans[i];
+    settings.thermals.fans[i] = {fan.hwmon, fan.channel, fan.pwm_chip, fan.period_us};
+  }
+  settings.stick = {.port = wiring.stick_port, .mount_point = wiring.mount_point};
+  return settings;
+}
+
+/// @retval ErrorCode::kBadSetting  tables without which the printer can't be driven
+Status check_wired(const BoardFile& board, const MachineFile& machine) {
+  auto missing = machine.wiring.missing();
+  if (machine.has_cover_switch && !machine.wiring.cover.given()) missing.emplace_back("cover_line");
+  if (missing.empty()) return {};
+  std::string names;
+  for (const auto name : missing) names += (names.empty() ? "[" : ", [") + std::string(name) + "]";
+  return fail(ErrorCode::kBadSetting,
+              "printer %s: its board file does not say how the printer is wired: %s missing. board/README.md explains "
+              "them; with --simulate it prints without a printer",
+              board.name.c_str(), names.c_str());
+}
+
+class LinuxBackEnd final : public BackEnd {
+ public:
+  explicit LinuxBackEnd(std::unique_ptr<LinuxMachine> devices)
+      : devices_(std::move(devices)), machine_(devices_->machine()) {}
+
+  Machine& machine() override { return machine_; }
+  Witness* witness() override { return nullptr; }
+  std::optional<StepFigures> take_step_figures() override {
+    const StepRecord record = devices_->take_step_record();
+    return StepFigures{.steps = record.steps,
+                       .late = record.late,
+                       .worst_lateness = record.worst,
+                       .standstills = record.restarts,
+                       .real_time = devices_->steps_first(),
+                       .memory_locked = devices_->memory_locked()};
+  }
+
+ private:
+  std::unique_ptr<LinuxMachine> devices_;
+  Machine machine_;
+};
+
+#else
+
+tl::unexpected<Error> no_board_devices(const BoardFile& board) {
+  return fail(
+      ErrorCode::kUnsupported,
+      "printer %s: this build drives simulated printers only, since libdrm, libgpiod or libusb was missing when "
+      "it was configured; print with --simulate to try the printer out",
+      board.name.c_str());
+}
+
+#endif
+
+}  // namespace
+
+#ifdef PLUMBLINE_HAS_BOARD_DEVICES
+
+Expected<std::unique_ptr<BackEnd>> open_linux_back_end(const BoardFile& board, const MachineFile& machine) {
+  PLUMBLINE_TRY(check_wired(board, machine));
+  auto devices = LinuxMachine::open(settings_of(board, machine));
+  PLUMBLINE_TRY(devices);
+  return std::make_unique<LinuxBackEnd>(std::move(*devices));
+}
+
+Expected<std::vector<MachineFinding>> examine_linux_machine(const BoardFile& board, const MachineFile& machine) {
+  std::vector<MachineFinding> findings;
+  for (auto& one : examine_board(settings_of(board, machine))) {
+    findings.push_back({static_cast<MachineFinding::Verdict>(one.verdict), std::move(one.what), std::move(one.found),
+                        std::move(one.advice)});
+  }
+  return findings;
+}
+
+#else
+
+Expected<std::unique_ptr<BackEnd>> open_linux_back_end(const BoardFile& board, const MachineFile& /*machine*/) {
+  return no_board_devices(board);
+}
+
+Expected<std::vector<MachineFinding>> examine_linux_machine(const BoardFile& board, const MachineFile& /*machine*/) {
+  return no_board_devices(board);
+}
+
+#endif
+
+Expected<std::unique_ptr<KeptLampLine>> keep_lamp_line(const std::string& line) {
+  auto keeper = LampKeeper::start(keeper_program(), line);
+  PLUMBLINE_TRY(keeper);
+  return std::make_unique<KeeperLampLine>(std::move(*keeper));
+}
+
+}  // namespace plumbline

@@ -1,0 +1,30 @@
+#pragma once
+/// The back end over hal/linux. linux_back_end.cpp is the one file of the product that includes it.
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "firmware/machine/back_end.hpp"
+#include "firmware/machine/kept_lamp_line.hpp"
+
+namespace plumbline {
+
+/// Opens the devices of the board that this runs on.
+/// @retval ErrorCode::kUnsupported  this build has no board devices
+/// @retval ErrorCode::kBadSetting   the board file lacks wiring tables, or names a device that is not there
+/// @retval ErrorCode::kCannotOpen, kLampFailed, ...  of one device: the message names it, what was found, what to do
+[[nodiscard]] Expected<std::unique_ptr<BackEnd>> open_linux_back_end(const BoardFile& board,
+                                                                     const MachineFile& machine);
+
+/// Looks at the devices without moving or lighting anything.
+/// @retval ErrorCode::kUnsupported  this build has no board devices
+[[nodiscard]] Expected<std::vector<MachineFinding>> examine_linux_machine(const BoardFile& board,
+                                                                          const MachineFile& machine);
+
+/// Starts plumbline-keeper for one lamp line. Every build has it.
+/// @param line  as the keeper's --line takes it
+/// @retval ErrorCode::kLampFailed  the keeper could not be started
+[[nodiscard]] Expected<std::unique_ptr<KeptLampLine>> keep_lamp_line(const std::string& line);
+
+}  // namespace plumbline

@@ -1,0 +1,108 @@
+#include "firmware/machine/simulated_back_end.hpp"
+
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "firmware/machine/machine_limits.hpp"
+#include "hal/sim/plant.hpp"
+#include "hal/sim/sim_machine.hpp"
+
+namespace plumbline {
+namespace {
+
+PlantSettings plant_of(const BoardFile& board, const MachineFile& machine, const PrintProfile& profile) {
+  PlantSettings plant;
+  plant.panel.columns = board.columns;
+  plant.panel.rows = board.rows;
+  plant.panel.pitch_x_mm = board.pixel_pitch_x_mm;
+  plant.panel.pitch_y_mm = board.pixel_pitch_y_mm;
+  plant.panel.settling = nanoseconds_of_ms(machine.refresh_delay_ms);
+  const Distance end_stop = Distance::millimetres(machine.end_stop_height_mm);
+  plant.stage.step = Distance::millimetres(machine.step_mm());
+  plant.stage.start = Distance::millimetres(machine.end_stop_height_mm / 3);
+  plant.stage.end_stop = end_stop;
+  plant.stage.upper_end = end_stop + 3_mm;
+  plant.travel = travel_limits(machine);
+  plant.lamp = lamp_limits(machine);
+  // As fast down as up, so that a dose is the time asked for; 0 is not physical.
+  const double warm_up_ms = machine.warm_up_ms > 0.01 ? machine.warm_up_ms : 0.01;
+  plant.lamp_rise = nanoseconds_of_ms(warm_up_ms);
+  plant.lamp_fall = plant.lamp_rise;
+  plant.resin.critical = Dose(profile.critical_energy);
+  plant.resin.penetration_mm = profile.penetration_depth;
+  return plant;
+}
+
+/// Lights a real line for as long as the simulated lamp is lit, in the host's time.
+class HostTimeWire final : public LampWire {
+ public:
+  HostTimeWire(std::unique_ptr<KeptLampLine> line, double speedup) : line_(std::move(line)), speedup_(speedup) {}
+
+  bool light(nanoseconds cure) override {
+    // A simulation that falls behind ends an exposure late; the line does not wait for it.
+    return line_->light(nanoseconds(std::llround(static_cast<double>(cure.count()) / speedup_)));
+  }
+  void darken() noexcept override { line_->darken(); }
+
+ private:
+  std::unique_ptr<KeptLampLine> line_;
+  double speedup_;
+};
+
+class SimulatedBackEnd final : public BackEnd, public Witness {
+ public:
+  SimulatedBackEnd(PlantSettings settings, std::unique_ptr<LampWire> wire)
+      : wire_(std::move(wire)), plant_(with_wire(settings, wire_.get())), run_(plant_), machine_(run_.machine()) {}
+
+  Machine& machine() override { return machine_; }
+  Witness* witness() override { return this; }
+  std::optional<StepFigures> take_step_figures() override { return std::nullopt; }
+
+  void conclude(bool finished) override { plant_.conclude(finished ? JobEnd::kFinished : JobEnd::kAbandoned); }
+  std::vector<std::string> objections() const override {
+    std::vector<std::string> texts;
+    for (const auto& objection : plant_.objections()) texts.push_back(to_string(objection));
+    return texts;
+  }
+  void for_each_cured_layer(const std::function<void(ZPosition, ConstBitImage)>& visit) const override {
+    plant_.part().for_each_layer([&](const CuredLayer& layer, ConstBitImage cured) { visit(layer.z, cured); });
+  }
+  void plug_stick(const std::string& folder) override { plant_.plug_stick(folder); }
+  void pull_stick() override { plant_.pull_stick(); }
+  void press(EventKind button) override { plant_.press(button); }
+
+ private:
+  static const PlantSettings& with_wire(PlantSettings& settings, LampWire* wire) {
+    settings.lamp_wire = wire;
+    return settings;
+  }
+
+  std::unique_ptr<LampWire> wire_;
+  Plant plant_;
+  SimMachine run_;
+  Machine machine_;
+};
+
+}  // namespace
+
+Expected<std::unique_ptr<BackEnd>> open_simulated_back_end(const BoardFile& board, const MachineFile& machine,
+                                                           const PrintProfile& profile,
+                                                           const SimulationOptions& options,
+                                                           std::unique_ptr<KeptLampLine> lamp_line) {
+  PlantSettings settings = plant_of(board, machine, profile);
+  for (const auto& text : options.faults) {
+    const auto fault = parse_fault(text);
+    PLUMBLINE_TRY(fault);
+    settings.faults.push_back(*fault);
+  }
+  settings.pace = {.speedup = options.speedup, .computing = options.computing};
+  settings.stick = options.stick;
+  settings.keep_part = options.keep_part;
+  std::unique_ptr<LampWire> wire;
+  if (lamp_line) wire = std::make_unique<HostTimeWire>(std::move(lamp_line), options.speedup);
+  return std::make_unique<SimulatedBackEnd>(std::move(settings), std::move(wire));
+}
+
+}  // namespace plumbline
