@@ -15,52 +15,56 @@ namespace {
 constexpr const char* kStage = "views";
 
 constexpr std::uint32_t kSide = DepthImage::kSide;
-constexpr std::uint32_t kSteps = 2 * kSide;      ///< of a turn
-constexpr std::uint32_t kRight = kSide / 2 + 1;  ///< frequencies: 0 to a wave of four cells, in half waves an image
-constexpr std::uint32_t kUp = 2 * kRight - 1;    ///< the same, either way
-constexpr float kLeastPower = 14;                ///< of a wave over chance
-constexpr std::uint32_t kLowest = 2;             ///< half waves an image: less is how a view lies
-constexpr double kApart = 3;                     ///< half waves: waves as close as that are one
-constexpr int kSearchSteps = 3;                  ///< Gauss and Newton's
-constexpr double kHeld = 1e-3;                   ///< of the diagonal of normal equations
-constexpr double kMostTurned = 0.5;              ///< turns at an image's side, of one step
+// Frequencies of the spectrum are multiples of half a wave per image, twice as fine as an FFT's, so that no peak falls between.
+constexpr std::uint32_t kSteps = 2 * kSide;      ///< of a whole turn
+constexpr std::uint32_t kRight = kSide / 2 + 1;  ///< horizontal frequencies: from 0 to a wave of four cells
+constexpr std::uint32_t kUp = 2 * kRight - 1;    ///< vertical frequencies: the same range, both signs
+/// Power of a wave over the mean of noise. Noise exceeds it at one frequency with probability exp(-14), 8e-7; an image has
+/// 2145 frequencies.
+constexpr float kMinPower = 14;
+constexpr std::uint32_t kLowest = 2;  ///< half waves per image; anything lower may be the view's motion
+constexpr double kMinDistance = 3;    ///< half waves per image: closer peaks belong to one wave
+constexpr int kSearchSteps = 3;       ///< Gauss-Newton steps of a new wave; every later round adds one
+constexpr double kRidge = 1e-3;       ///< share of the trace added to the diagonal of the normal equations
+/// Largest change of the phase at the image's side in one step, turns. Beyond that the linearization means nothing.
+constexpr double kMaxTurned = 0.5;
 constexpr double kTurn = 2 * std::numbers::pi;
 
 }  // namespace
 
-DepthFrame::DepthFrame(const Vec3d& centre, const Vec3d& ray, double half_side)
-    : middle(centre), axis(ray), reach(half_side) {
+DepthFrame::DepthFrame(const Vec3d& centre, const Vec3d& ray, double half_side_mm)
+    : middle(centre), axis(ray), half_side(half_side_mm) {
   const Frame frame(axis.cast<float>());
   right = frame.t.cast<double>();
   up = frame.s.cast<double>();
 }
 
-void DepthImage::add(const Vec3d& x, double off, double weight) {
+void DepthImage::add(const Vec3d& x, double offset, double weight) {
   const Vec3d d = x - frame_.middle;
-  const double scale = 0.5 * kSide / frame_.reach;
+  const double scale = 0.5 * kSide / frame_.half_side;
   const double u = d.dot(frame_.right) * scale + 0.5 * kSide;
   const double v = d.dot(frame_.up) * scale + 0.5 * kSide;
   if (!(u >= 0 && u < kSide && v >= 0 && v < kSide)) return;
   Cell& cell = cells_[static_cast<std::uint32_t>(v) * kSide + static_cast<std::uint32_t>(u)];
   cell.weight += static_cast<float>(weight);
-  cell.off += static_cast<float>(off);
+  cell.offset += static_cast<float>(offset);
   cell.depth += static_cast<float>(weight * d.dot(frame_.axis));
 }
 
-/// From the middle of the view's points to the middle of those of a cell that has any.
+/// Vector from the middle of the view's points to the middle of a cell's, mm. The cell must have points.
 Vec3d DepthImage::place(std::uint32_t cell) const {
-  const double size = 2 * frame_.reach / kSide;
+  const double size = 2 * frame_.half_side / kSide;
   const std::uint32_t row = cell / kSide;
-  const double right = (cell % kSide + 0.5) * size - frame_.reach;
-  const double up = (row + 0.5) * size - frame_.reach;
+  const double right = (cell % kSide + 0.5) * size - frame_.half_side;
+  const double up = (row + 0.5) * size - frame_.half_side;
   return frame_.right * right + frame_.up * up +
          frame_.axis * static_cast<double>(cells_[cell].depth / cells_[cell].weight);
 }
 
-void DepthImage::fit(Wave& wave, bool frequency_too) {
+void DepthImage::fit(Wave& wave, bool fit_frequency) {
   using Vec5d = Eigen::Matrix<double, 5, 1>;
   using Mat5d = Eigen::Matrix<double, 5, 5>;
-  // About the middle, so that a step of the frequency does not turn the wave there.
+  // Take the phase at the middle, so that a step of the frequency does not change it there.
   const Phasor middle = wave.at(frame_.middle);
   Wave about = wave;
   about.re = wave.re * static_cast<double>(middle.re) + wave.im * static_cast<double>(middle.im);
@@ -74,18 +78,18 @@ void DepthImage::fit(Wave& wave, bool frequency_too) {
     const Phasor p = about.at(x);
     terms[0] = static_cast<double>(p.re);
     terms[1] = static_cast<double>(p.im);
-    if (frequency_too) terms.tail<3>() = (about.im * terms[0] - about.re * terms[1]) * kTurn * x;
+    if (fit_frequency) terms.tail<3>() = (about.im * terms[0] - about.re * terms[1]) * kTurn * x;
     products += static_cast<double>(cells_[i].weight) * terms * terms.transpose();
-    right += static_cast<double>(cells_[i].off) * terms;
+    right += static_cast<double>(cells_[i].offset) * terms;
   }
   const double of_amplitude = products.topLeftCorner<2, 2>().trace();
   const double of_frequency = products.bottomRightCorner<3, 3>().trace();
   if (!(of_amplitude > 0)) return;
-  products.diagonal().head<2>().array() += kHeld * of_amplitude;
-  products.diagonal().tail<3>().array() += of_frequency > 0 ? kHeld * of_frequency : 1;
+  products.diagonal().head<2>().array() += kRidge * of_amplitude;
+  products.diagonal().tail<3>().array() += of_frequency > 0 ? kRidge * of_frequency : 1;
   Vec5d step = products.ldlt().solve(right);
-  const double turned = step.tail<3>().norm() * frame_.reach;
-  if (turned > kMostTurned) step.tail<3>() *= kMostTurned / turned;
+  const double turned = step.tail<3>().norm() * frame_.half_side;
+  if (turned > kMaxTurned) step.tail<3>() *= kMaxTurned / turned;
   const Wave before = about;
   about.re += step[0];
   about.im += step[1];
@@ -93,7 +97,7 @@ void DepthImage::fit(Wave& wave, bool frequency_too) {
   for (std::uint32_t i = 0; i < kCells; ++i) {
     if (!(cells_[i].weight > 0)) continue;
     const Vec3d x = place(i);
-    cells_[i].off -= cells_[i].weight * static_cast<float>(about.depth(x) - before.depth(x));
+    cells_[i].offset -= cells_[i].weight * static_cast<float>(about.depth(x) - before.depth(x));
   }
   const Phasor back = about.at(frame_.middle);
   wave.frequency = about.frequency;
@@ -123,19 +127,19 @@ Expected<WaveSearch> WaveSearch::create(Arena& arena) {
   return search;
 }
 
-/// Powers of the image's spectrum: first along its rows, then across them.
+/// Computes the power spectrum of the image: first along the rows, then across them.
 void WaveSearch::transform(std::span<const DepthImage::Cell> cells) {
 #pragma omp parallel for schedule(static)
   for (std::uint32_t y = 0; y < kSide; ++y) {
     const auto row = rows_.subspan(std::size_t{y} * kRight, kRight);
     std::fill(row.begin(), row.end(), Phasor{0, 0});
     for (std::uint32_t x = 0; x < kSide; ++x) {
-      const float off = cells[y * kSide + x].off;
-      if (off == 0) continue;
+      const float offset = cells[y * kSide + x].offset;
+      if (offset == 0) continue;
       for (std::uint32_t j = 0; j < kRight; ++j) {
         const Phasor& w = turns_[j * x % kSteps];
-        row[j].re += off * w.re;
-        row[j].im -= off * w.im;
+        row[j].re += offset * w.re;
+        row[j].im -= offset * w.im;
       }
     }
   }
@@ -156,12 +160,12 @@ void WaveSearch::transform(std::span<const DepthImage::Cell> cells) {
   }
 }
 
-/// The frequency of the strongest wave that stands out and is none of those known.
-bool WaveSearch::strongest(const Ripple& ripple, const DepthFrame& frame, Wave& wave) {
-  const double step = 1 / (4 * frame.reach);  // half a wave in an image
+/// Finds the frequency of the strongest wave that stands out and is not known yet.
+bool WaveSearch::find_strongest(const Ripple& ripple, const DepthFrame& frame, Wave& wave) {
+  const double step = 1 / (4 * frame.half_side);  // half a wave per image
   std::copy(powers_.begin(), powers_.end(), sorted_.begin());
-  float most =
-      kLeastPower * median(sorted_) / std::numbers::ln2_v<float>;  // powers of noise are distributed exponentially
+  // Powers of noise are distributed exponentially: their mean is the median over ln 2.
+  float most = kMinPower * median(sorted_) / std::numbers::ln2_v<float>;
   bool found = false;
   for (std::uint32_t l = 0; l < kUp; ++l) {
     const int up = static_cast<int>(l) - static_cast<int>(kRight - 1);
@@ -171,7 +175,7 @@ bool WaveSearch::strongest(const Ripple& ripple, const DepthFrame& frame, Wave& 
       const Vec3d frequency = (frame.right * right + frame.up * up) * step;
       const auto is_same = [&](const Wave& other) {
         const Vec3d across = other.frequency - frame.axis * frame.axis.dot(other.frequency);
-        return std::min((frequency - across).norm(), (frequency + across).norm()) < kApart * step;
+        return std::min((frequency - across).norm(), (frequency + across).norm()) < kMinDistance * step;
       };
       if (std::any_of(ripple.wave.begin(), ripple.wave.begin() + ripple.waves, is_same)) continue;
       most = powers_[l * kRight + right];
@@ -184,10 +188,10 @@ bool WaveSearch::strongest(const Ripple& ripple, const DepthFrame& frame, Wave& 
 
 void WaveSearch::improve(Ripple& ripple, DepthImage& image) {
   for (std::uint32_t k = 0; k < ripple.waves; ++k) image.fit(ripple.wave[k], true);
-  while (ripple.waves < Ripple::kMostWaves) {
+  while (ripple.waves < Ripple::kMaxWaves) {
     transform(image.cells());
     Wave wave;
-    if (!strongest(ripple, image.frame(), wave)) return;
+    if (!find_strongest(ripple, image.frame(), wave)) return;
     image.fit(wave, false);
     for (int k = 0; k < kSearchSteps; ++k) image.fit(wave, true);
     ripple.wave[ripple.waves++] = wave;

@@ -1,5 +1,5 @@
 #pragma once
-/// How far off in depth a view is, as an image, and the ripple that it shows.
+/// Depth residuals of a view as an image, and the ripple in it.
 
 #include <cstdint>
 #include <span>
@@ -11,35 +11,37 @@
 
 namespace plumbline {
 
-/// Which place of an image has what of a view: square cells across the view's axis.
+/// Coordinate frame of a view's depth image: square cells across the view's axis.
 struct DepthFrame {
   Vec3d middle = Vec3d::Zero();  ///< of the view's points, mm
-  Vec3d axis = Vec3d::UnitZ();   ///< the ray there
+  Vec3d axis = Vec3d::UnitZ();   ///< direction of the ray at `middle`
   Vec3d right = Vec3d::UnitX();
   Vec3d up = Vec3d::UnitY();
-  double reach = 1;  ///< of the image from its middle to its sides, mm
+  double half_side = 1;  ///< of the image, mm
 
   DepthFrame() = default;
-  DepthFrame(const Vec3d& centre, const Vec3d& ray, double half_side);
+  DepthFrame(const Vec3d& centre, const Vec3d& ray, double half_side_mm);
 };
 
 class DepthImage {
  public:
+  /// Cells a side. Tells as much as 96 did, and takes less of a small arena from the points.
   static constexpr std::uint32_t kSide = 64;
   static constexpr std::uint32_t kCells = kSide * kSide;
 
   struct Cell {
     float weight = 0;
-    float off = 0;    ///< sum of weight times mm along the rays
-    float depth = 0;  ///< sum of weight times mm along the axis
+    float offset = 0;  ///< sum of weight times offset along the rays, mm
+    float depth = 0;   ///< sum of weight times position along the axis, mm
   };
 
   DepthImage(const DepthFrame& frame, std::span<Cell> cells) : frame_(frame), cells_(cells) {}
-  /// @param off  mm that what lies at x is too far along its ray, times weight
-  void add(const Vec3d& x, double off, double weight);
-  /// Fits a wave to what the image shows, least squares, and takes what it has changed by out of the image.
-  /// @param frequency_too  or its amplitude and phase alone
-  void fit(Wave& wave, bool frequency_too);
+  /// @param x       where the point was seen, mm from the middle of the scan
+  /// @param offset  weight times the distance (mm) that it lies too far along its ray
+  void add(const Vec3d& x, double offset, double weight);
+  /// Improves a wave by one least-squares step, and subtracts the change from the image.
+  /// @param fit_frequency  false fits only amplitude and phase
+  void fit(Wave& wave, bool fit_frequency);
 
   std::span<const Cell> cells() const { return cells_; }
   const DepthFrame& frame() const { return frame_; }
@@ -51,23 +53,24 @@ class DepthImage {
   std::span<Cell> cells_;
 };
 
-/// Looks for waves in depth images: peaks of their spectra.
+/// Finds waves in depth images: peaks of their spectra.
 class WaveSearch {
  public:
+  /// Upper bound of the arena bytes that create() takes, without alignment.
   static std::size_t bytes();
   static Expected<WaveSearch> create(Arena& arena);
 
-  /// Fits a view's waves to what they have left in its image, and adds those that stand out of it.
+  /// Fits the known waves of a view to what is left of them in its image, and adds waves that stand out.
   void improve(Ripple& ripple, DepthImage& image);
 
  private:
   void transform(std::span<const DepthImage::Cell> cells);
-  bool strongest(const Ripple& ripple, const DepthFrame& frame, Wave& wave);
+  bool find_strongest(const Ripple& ripple, const DepthFrame& frame, Wave& wave);
 
-  std::span<Phasor> rows_;   ///< of the image transformed, frequencies from 0
-  std::span<float> powers_;  ///< row after row, from the lowest of the frequencies upwards
-  std::span<float> sorted_;  ///< the same, in the median's order
-  std::span<Phasor> turns_;  ///< a whole turn in 2 kSide steps
+  std::span<Phasor> rows_;   ///< Fourier transform of each row, frequencies from 0
+  std::span<float> powers_;  ///< of the spectrum, row after row, from the lowest vertical frequency
+  std::span<float> sorted_;  ///< copy of the powers for the median
+  std::span<Phasor> turns_;  ///< exp(2 pi i k / (2 kSide))
 };
 
 }  // namespace plumbline

@@ -1,5 +1,5 @@
 #pragma once
-/// Tells the views of a merged scan apart by the grids that their points lie on.
+/// Finds the views of a merged scan by the pixel grids that their points lie on.
 
 #include <array>
 #include <cstdint>
@@ -13,27 +13,32 @@
 
 namespace plumbline {
 
-inline constexpr std::uint32_t kMostViews = 64;
+/// Views of a scan. A merged scan has a dozen or some more; view numbers are bytes, and the normal equations of the
+/// registration grow with the square of this.
+inline constexpr std::uint32_t kMaxViews = 64;
 
 struct FoundViews {
-  std::uint32_t count = 0;                 ///< of views
-  std::uint32_t points = 0;                ///< that are of one of them
-  std::array<ViewGrid, kMostViews> grids;  ///< of each view; the first `count` of them
+  std::uint32_t count = 0;                ///< number of views
+  std::uint32_t points = 0;               ///< points that belong to a view
+  std::array<ViewGrid, kMaxViews> grids;  ///< grid of each view; the first `count` are set
 };
 
-/// Bytes of arena that find_views() takes at most, rounding of blocks apart.
+/// Upper bound of the arena bytes that find_views() takes, without alignment.
 std::size_t find_views_bytes();
 
-/// A camera's noise moves a point along the ray of its pixel, so the points of a view lie on the view's rays however noisy
-/// they are and however the views were shuffled. In a patch of the scan the spectrum shows the grids of all views that see it
-/// (PatchSpectrum); each is followed over the scan (GridGrowth), takes its points, and leaves the others to be looked for
-/// again, until patch after patch shows none. A scanner whose points lie on no grid, since its software has resampled,
-/// smoothed or thinned them, has no views here.
+/// Assigns each point to its view.
 ///
-/// @param cloud    in the order of `tree`, with normals, to tell which way a patch faces. Points that are the mean of several
-///                 are not looked for views in, but may be of one
-/// @param spacing  side of a square as large as a point's share of the surface, mm
+/// A camera's noise moves a point along the ray of its pixel, so the points of a view lie on the view's rays, however noisy
+/// they are and in whatever order the file has them. The spectrum of a patch shows the grids of all views that see it
+/// (PatchGrids). Each grid is followed over the scan (GridGrowth) and takes its points; the search continues among the rest
+/// until several patches in a row show no grid. Scans that software has resampled, smoothed or thinned have no grid, so no
+/// views are found.
+///
+/// @param cloud    in the order of `tree`, with normals, which say what side a patch faces. The search uses only points that
+///                 are not averages of several; averages are assigned at the end
+/// @param spacing  side of a square of one point's share of the surface, mm
 /// @param view_of  set to each point's view, kNoView where none is known
+/// @returns the same for any number of threads
 /// @retval ErrorCode::kOutOfMemory, kCancelled
 [[nodiscard]] Expected<FoundViews> find_views(const Cloud& cloud, const KdTree3& tree, float spacing,
                                               std::span<std::uint8_t> view_of, Arena& arena,

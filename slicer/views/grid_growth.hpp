@@ -13,36 +13,38 @@ namespace plumbline {
 
 inline constexpr std::uint8_t kNoView = 255;
 
-/// A grid and how far it is known.
+/// A grid, and how far and how closely it fits.
 struct GrownGrid {
   ViewGrid grid;
-  double radius = 0;     ///< round the grid's middle: as far as it was followed, mm
-  double tolerance = 0;  ///< how far off the grid points of the view lie, pixels
+  double radius = 0;     ///< around the grid's middle within which it fits, mm
+  double tolerance = 0;  ///< distance from the grid within which its view's points lie, pixels
 
-  /// How far a point is off the grid, 1 for as far as one of the view may be, 2 for what is farther off or away.
-  double off(const Vec3f& point) const;
+  /// Distance of a point from the grid over `tolerance`: up to 1 for points of the view, 2 for all others.
+  double relative_distance(const Vec3f& point) const;
+  bool contains(const Vec3f& point) const { return relative_distance(point) <= 1; }
 };
 
-/// What points are free to be of a new view. Those of other views are not seen: each view that was found leaves less noise
-/// to the next.
+/// Fits grids to the points that belong to no view yet. Each view that is found leaves fewer points that would lie on the next
+/// grid by chance.
 class GridGrowth {
  public:
-  /// Bytes of arena that create() takes at most, rounding of blocks apart.
+  /// Upper bound of the arena bytes that create() takes, without alignment.
   static std::size_t bytes();
+  /// @param view_of  each point's view, kNoView where none is known; read at every call
   static Expected<GridGrowth> create(const Cloud& cloud, const KdTree3& tree, std::span<const std::uint8_t> view_of,
                                      Arena& arena);
 
-  /// Fits a grid to the points within a radius, with less and less play, then to more and more of the scan, as long as more
-  /// points lie on it than would by chance.
+  /// Fits a grid to the points within a radius, with an ever smaller tolerance, then to more and more of the scan, for as long
+  /// as clearly more points lie on it than would by chance.
   ///
-  /// @param grid    right to a third of a pixel or so within `radius` of its middle
+  /// @param grid    right to about a third of a pixel within `radius` of its middle
   /// @param radius  mm
-  /// @returns nothing where it is no grid
+  /// @returns nothing if the points lie on no such grid
   std::optional<GrownGrid> grow(ViewGrid grid, double radius);
-  /// How many of every few free points lie on a grid.
+  /// The number of free points on a grid, out of thinned().
   std::uint32_t count(const GrownGrid& grid) const;
-  /// Every few-th point of the scan, 65,536 at most.
-  std::span<const std::uint32_t> thin() const { return thin_; }
+  /// Indices of every n-th point of the scan, 65,536 at most.
+  std::span<const std::uint32_t> thinned() const { return thinned_; }
 
  private:
   GridGrowth(const Cloud& cloud, const KdTree3& tree, std::span<const std::uint8_t> view_of)
@@ -54,7 +56,7 @@ class GridGrowth {
   const Cloud* cloud_;
   const KdTree3* tree_;
   std::span<const std::uint8_t> view_of_;
-  std::span<std::uint32_t> thin_;
+  std::span<std::uint32_t> thinned_;
   std::span<Vec3f> sample_;
   double extent_ = 0;  ///< half the diagonal of the scan, mm
 };

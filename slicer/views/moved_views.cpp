@@ -39,33 +39,32 @@ Expected<MovedViews> MovedViews::create(const Cloud& cloud, const Views& views, 
   return moved;
 }
 
-Vec3d MovedViews::moved(std::uint32_t point) const {
-  Vec3d x = seen(point);
+Vec3d MovedViews::moved_position(std::uint32_t point) const {
+  Vec3d x = seen_position(point);
   const Ripple& ripple = ripples[view_of(point)];
   if (ripple.waves > 0) x -= ray(point) * ripple.depth(x);
   const Vec6d& m = motions[view_of(point)];
   return x + m.head<3>() + m.tail<3>().cross(x) / extent_;
 }
 
-/// Of an image that has all that the view saw.
-DepthFrame MovedViews::frame(std::uint8_t view) const {
+DepthFrame MovedViews::image_frame(std::uint8_t view) const {
   Vec3d sum = Vec3d::Zero();
   std::uint32_t count = 0;
   for (std::uint32_t i = 0; i < cloud_->size; ++i) {
     if (view_of(i) != view) continue;
-    sum += seen(i);
+    sum += seen_position(i);
     ++count;
   }
   const Vec3d mean = sum / std::max(1U, count);
   const Vec3d axis = views_.grids[view].ray((mean + middle_).cast<float>());
-  double reach2 = 0;
+  double radius2 = 0;
   for (std::uint32_t i = 0; i < cloud_->size; ++i) {
     if (view_of(i) != view) continue;
-    const Vec3d d = seen(i) - mean;
+    const Vec3d d = seen_position(i) - mean;
     const double along = d.dot(axis);
-    reach2 = std::max(reach2, d.squaredNorm() - along * along);
+    radius2 = std::max(radius2, d.squaredNorm() - along * along);
   }
-  return {mean, axis, std::sqrt(reach2)};
+  return {mean, axis, std::sqrt(radius2)};
 }
 
 }  // namespace plumbline

@@ -1,5 +1,5 @@
 #pragma once
-/// The views of a scan, each where it has been moved to and without its ripple.
+/// The views of a scan with their current motions, and without their ripple.
 
 #include <cstdint>
 #include <span>
@@ -9,19 +9,20 @@
 #include "slicer/core/vec.hpp"
 #include "slicer/views/depth_image.hpp"
 #include "slicer/views/grid_growth.hpp"
-#include "slicer/views/local_form.hpp"
+#include "slicer/views/local_paraboloid.hpp"
 #include "slicer/views/ripple.hpp"
 #include "slicer/views/view_grid.hpp"
 
 namespace plumbline {
 
 struct Views {
-  std::span<const std::uint8_t> of;  ///< a point's view; what has none (kNoView) stays where it is and is not asked
-  std::span<const ViewGrid> grids;   ///< of each view, where its points were seen; kMostViews at most
-  float spacing = 0;                 ///< of the scan's points, mm
+  std::span<const std::uint8_t>
+      of;                           ///< view of each point. Points without one (kNoView) are not used and stay in place
+  std::span<const ViewGrid> grids;  ///< of each view, where its points were seen; kMaxViews at most
+  float spacing = 0;                ///< of the scan's points, mm
 };
 
-/// Takes positions and normals from the cloud whenever it is asked.
+/// Reads positions and normals from the cloud at every call.
 class MovedViews {
  public:
   static std::size_t bytes(std::size_t views);
@@ -30,28 +31,29 @@ class MovedViews {
   std::size_t size() const { return motions.size(); }
   std::uint8_t view_of(std::uint32_t point) const { return views_.of[point]; }
   float spacing() const { return views_.spacing; }
-  /// Of the ray of a point that is of a view, away from the scanner, of length 1.
+  /// Unit vector of the ray that a point of a view was seen on, away from the scanner.
   Vec3d ray(std::uint32_t point) const {
     return views_.grids[views_.of[point]].ray(cloud_->position[point]) * outward_[views_.of[point]];
   }
   /// Where a point was seen, mm from the middle of the scan.
-  Vec3d seen(std::uint32_t point) const { return cloud_->position[point].cast<double>() - middle_; }
-  /// Where it is without ripple and after its view's motion, mm from the middle of the scan.
-  Vec3d moved(std::uint32_t point) const;
+  Vec3d seen_position(std::uint32_t point) const { return cloud_->position[point].cast<double>() - middle_; }
+  /// The same without ripple and after its view's motion.
+  Vec3d moved_position(std::uint32_t point) const;
   const Vec3d& middle() const { return middle_; }
   double extent() const { return extent_; }
-  DepthFrame frame(std::uint8_t view) const;
+  /// Frame of an image that holds all points of a view.
+  DepthFrame image_frame(std::uint8_t view) const;
 
-  std::span<Vec6d>
-      motions;  ///< of each view: mm along the axes, then turned about them, mm at `extent` from the middle
-  std::span<Ripple> ripples;  ///< of each view, over where points were seen
+  /// Motion of each view: translation in mm, then rotation in mm of arc at `extent` from the middle.
+  std::span<Vec6d> motions;
+  std::span<Ripple> ripples;  ///< of each view, a function of the seen position
 
  private:
   MovedViews(const Cloud& cloud, const Views& views) : cloud_(&cloud), views_(views) {}
 
   const Cloud* cloud_;
   Views views_;
-  std::span<double> outward_;  ///< 1 or -1: the grid's own ray may be either way
+  std::span<double> outward_;  ///< 1 or -1 for each view: ViewGrid::ray() has no sign of its own
   Vec3d middle_ = Vec3d::Zero();
   double extent_ = 0;  ///< half the longest side of the scan, mm
 };

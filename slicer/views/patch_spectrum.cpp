@@ -9,15 +9,24 @@
 namespace plumbline {
 namespace {
 
-constexpr float kLeastPower = 16;  ///< of a peak: of 200,000 places without order 2 % have one as high
-constexpr float kLowest = 0.11F;   ///< cycles a spacing
+/// Least power of a peak; 1 is chance. A random patch has one as high in its 200,000 samples with a probability of 2 %.
+constexpr float kMinPower = 16;
+// Frequencies of a peak, cycles per spacing. Many views share a patch, so the pixels of one are wider than the spacing of all.
+constexpr float kLowest = 0.11F;
 constexpr float kHighest = 0.77F;
-constexpr float kSteepest = 2;  ///< frequency across the patch over that in its plane: a form's own spectrum is steeper
-constexpr float kAcrossStep =
-    0.15F;  ///< over the patch's depth (rms): a step of frequency that a peak does not fall between
-constexpr std::uint32_t kMostSlices = 64;
-constexpr float kStreak =
-    0.4F;  ///< of a peak's power, as far off in its plane as a grid's falls to nothing: a flat wall's own spectrum
+/// Largest ratio of a peak's frequency across the patch to that in its plane. The object's own shape has steeper spectra.
+constexpr float kMaxSteepness = 2;
+/// Step of the frequency across the patch, over 1 / its RMS depth: small enough that no peak falls between two steps.
+constexpr float kAcrossStep = 0.15F;
+constexpr std::uint32_t kMaxSlices = 64;  ///< steps across the patch; bounds the time of deep patches
+/// Largest share of a peak's power that may be left 1 / radius beside it, where that of a grid has fallen to nothing. A flat
+/// wall has a streak there instead.
+constexpr float kMaxStreak = 0.4F;
+/// Distance of two peaks, over 1 / radius: the main lobe of one point grid's peak in a disc is about as wide (0.61 to its zero
+/// on either side).
+constexpr float kPeakDistance = 1.2F;
+/// Side of the transform over the patch's radius: the patch's diameter and a tenth of margin.
+constexpr float kImageSide = 2.2F;
 
 }  // namespace
 
@@ -39,7 +48,7 @@ float power_at(std::span<const Vec3f> points, const Vec3f& frequency) {
 }
 
 std::size_t PatchSpectrum::bytes() {
-  return (std::size_t{kSide} * kSide + kSide) * sizeof(Phasor) + (kMostCandidates + kMostPeaks) * sizeof(SpectrumPeak);
+  return (std::size_t{kSide} * kSide + kSide) * sizeof(Phasor) + (kMaxCandidates + kMaxPeaks) * sizeof(SpectrumPeak);
 }
 
 Expected<PatchSpectrum> PatchSpectrum::create(Arena& arena) {
@@ -48,9 +57,9 @@ Expected<PatchSpectrum> PatchSpectrum::create(Arena& arena) {
   PLUMBLINE_TRY(image);
   auto twiddles = arena.take_top<Phasor>(kSide, "views");
   PLUMBLINE_TRY(twiddles);
-  auto candidates = arena.take_top<SpectrumPeak>(kMostCandidates, "views");
+  auto candidates = arena.take_top<SpectrumPeak>(kMaxCandidates, "views");
   PLUMBLINE_TRY(candidates);
-  auto peaks = arena.take_top<SpectrumPeak>(kMostPeaks, "views");
+  auto peaks = arena.take_top<SpectrumPeak>(kMaxPeaks, "views");
   PLUMBLINE_TRY(peaks);
   spectrum.image_ = *image;
   spectrum.twiddles_ = *twiddles;
@@ -62,7 +71,7 @@ Expected<PatchSpectrum> PatchSpectrum::create(Arena& arena) {
   return spectrum;
 }
 
-/// Cooley and Tukey's transform of kSide values in place.
+/// Fast Fourier transform (Cooley and Tukey) of kSide values in place.
 void PatchSpectrum::transform_line(Phasor* line) const {
   for (std::uint32_t i = 1, j = 0; i < kSide; ++i) {
     std::uint32_t bit = kSide / 2;
@@ -97,7 +106,7 @@ void PatchSpectrum::transform() {
 }
 
 void PatchSpectrum::add(const SpectrumPeak& peak) {
-  if (candidate_count_ < kMostCandidates) {
+  if (candidate_count_ < kMaxCandidates) {
     candidates_[candidate_count_++] = peak;
     return;
   }
@@ -106,13 +115,13 @@ void PatchSpectrum::add(const SpectrumPeak& peak) {
   if (least->power < peak.power) *least = peak;
 }
 
-/// Frequencies are in the frame of the patch here: x and y in its plane, z across.
-void PatchSpectrum::look_for_peaks(float across, float cell, std::size_t count) {
+/// Adds the peaks of one slice. Frequencies are in the frame of the patch: x and y in its plane, z across.
+void PatchSpectrum::find_peaks(float across, float cell, std::size_t count) {
   const auto power = [&](std::uint32_t x, std::uint32_t y) {
     const Phasor& p = image_[std::size_t{y % kSide} * kSide + x % kSide];
     return p.re * p.re + p.im * p.im;
   };
-  const float least = kLeastPower * static_cast<float>(count);
+  const float least = kMinPower * static_cast<float>(count);
   const float step = 1 / (cell * static_cast<float>(kSide));
   const auto signed_index = [](std::uint32_t i) {
     return i < kSide / 2 ? static_cast<float>(i) : static_cast<float>(i) - static_cast<float>(kSide);
@@ -124,7 +133,7 @@ void PatchSpectrum::look_for_peaks(float across, float cell, std::size_t count) 
       const Vec3f f(signed_index(x) * step, signed_index(y) * step, across);
       const float in_plane = std::sqrt(f[0] * f[0] + f[1] * f[1]);
       const float all = std::sqrt(f.dot(f));
-      if (all < lowest_ || all > highest_ || in_plane * kSteepest < across) continue;
+      if (all < lowest_ || all > highest_ || in_plane * kMaxSteepness < across) continue;
       bool highest = true;
       for (const std::uint32_t dy : {kSide - 1, 0U, 1U}) {
         for (const std::uint32_t dx : {kSide - 1, 0U, 1U}) {
@@ -148,9 +157,9 @@ std::span<const SpectrumPeak> PatchSpectrum::peaks(std::span<const Vec3f> points
     depth2 += w * w;
   }
   const auto depth = static_cast<float>(std::sqrt(depth2 / static_cast<double>(points.size())));
-  const float steepest = highest_ * kSteepest / std::sqrt(1 + kSteepest * kSteepest);
-  const float step = std::max(kAcrossStep / std::max(depth, 1e-6F * radius), steepest / kMostSlices);
-  const float cell = 2.2F * radius / static_cast<float>(kSide);
+  const float steepest = highest_ * kMaxSteepness / std::sqrt(1 + kMaxSteepness * kMaxSteepness);
+  const float step = std::max(kAcrossStep / std::max(depth, 1e-6F * radius), steepest / kMaxSlices);
+  const float cell = kImageSide * radius / static_cast<float>(kSide);
   const auto side = static_cast<float>(kSide);
   for (float across = 0; across <= steepest; across += step) {
     std::fill(image_.begin(), image_.end(), Phasor{0, 0});
@@ -175,14 +184,14 @@ std::span<const SpectrumPeak> PatchSpectrum::peaks(std::span<const Vec3f> points
       put((row + 1) * kSide + column + 1, u * v);
     }
     transform();
-    look_for_peaks(across, cell, points.size());
+    find_peaks(across, cell, points.size());
   }
   const auto found = candidates_.first(candidate_count_);
   std::sort(found.begin(), found.end(), [](const SpectrumPeak& a, const SpectrumPeak& b) {
     if (a.power != b.power) return a.power > b.power;
     return std::lexicographical_compare(a.frequency.begin(), a.frequency.end(), b.frequency.begin(), b.frequency.end());
   });
-  const float apart = 1.2F / radius;
+  const float apart = kPeakDistance / radius;
   std::uint32_t kept = 0;
   for (const SpectrumPeak& c : found) {
     const Vec3f f = frame.t * c.frequency[0] + frame.s * c.frequency[1] + normal * c.frequency[2];
@@ -195,18 +204,19 @@ std::span<const SpectrumPeak> PatchSpectrum::peaks(std::span<const Vec3f> points
     const float in_plane = std::sqrt(c.frequency[0] * c.frequency[0] + c.frequency[1] * c.frequency[1]);
     const float here = power_at(points, f);
     const Vec3f aside = f / (radius * in_plane);
-    if (std::min(power_at(points, f + aside), power_at(points, f - aside)) > kStreak * here) continue;
+    if (std::min(power_at(points, f + aside), power_at(points, f - aside)) > kMaxStreak * here) continue;
     peaks_[kept++] = {f, c.power};
-    if (kept == kMostPeaks) break;
+    if (kept == kMaxPeaks) break;
   }
-  // To the top of each peak, from the nearest sample.
-  const std::array<Vec3f, 3> ways = {frame.t * (0.25F * apart), frame.s * (0.25F * apart), normal * (0.5F * step)};
+  // Move from the nearest sample to the top of each peak, in steps that halve.
+  const std::array<Vec3f, 3> directions = {frame.t * (0.25F * apart), frame.s * (0.25F * apart),
+                                           normal * (0.5F * step)};
   for (SpectrumPeak& p : peaks_.first(kept)) {
     p.power = power_at(points, p.frequency);
-    for (float reach = 1; reach > 0.05F; reach *= 0.5F) {
-      for (const Vec3f& way : ways) {
+    for (float scale = 1; scale > 0.05F; scale *= 0.5F) {
+      for (const Vec3f& direction : directions) {
         for (const float sign : {-1.0F, 1.0F}) {
-          const Vec3f f = p.frequency + way * (sign * reach);
+          const Vec3f f = p.frequency + direction * (sign * scale);
           const float there = power_at(points, f);
           if (there > p.power) p = {f, there};
         }

@@ -1,5 +1,5 @@
 #pragma once
-/// The spectrum of a patch of a scan: what grids its points lie on.
+/// The spectrum of a patch of a scan, which shows the grids that its points lie on.
 
 #include <cstdint>
 #include <span>
@@ -13,41 +13,43 @@ namespace plumbline {
 /// A frequency at which the points of a patch are periodic.
 struct SpectrumPeak {
   Vec3f frequency = Vec3f::Zero();  ///< cycles per mm, in the axes of the points
-  float power = 0;  ///< |sum of exp(-2 pi i <f, x>)|^2 over the number of points; 1 for points without order
+  float power = 0;                  ///< |sum of exp(-2 pi i <f, x>)|^2 over the number of points; 1 for random points
 };
 
-/// Sum of exp(2 pi i <f, x>) over the points, over their number.
+/// Mean of exp(2 pi i <f, x>) over the points.
 [[nodiscard]] Phasor coefficient(std::span<const Vec3f> points, const Vec3f& frequency);
 /// SpectrumPeak::power of one frequency.
 [[nodiscard]] float power_at(std::span<const Vec3f> points, const Vec3f& frequency);
 
 /// Finds the peaks of the spectrum in three dimensions.
 ///
-/// A scanner's view has its points on a grid of rays, and noise moves them along the rays. So across the rays they are
-/// periodic whatever the noise: peaks at the two reciprocal vectors of the grid and their sums. The patch is nearly flat, so
-/// that in its plane a discrete Fourier transform is taken, for each of a few frequencies across it.
+/// The points of a view lie on a grid of rays, and noise moves them along the rays. Across the rays they are periodic whatever
+/// the noise: the spectrum has peaks at the two reciprocal vectors of the grid and at their sums. The patch is nearly flat, so
+/// a 2D Fourier transform in its plane is taken for each of a few frequencies across it.
 class PatchSpectrum {
  public:
-  static constexpr std::uint32_t kSide = 128;  ///< samples of the transform a side
+  /// Samples of the transform a side. At the radius of the smallest patch a sample is 0.62 spacings wide, so that the highest
+  /// frequency looked for, 0.77 / spacing, stays below the transform's limit of 0.81 / spacing.
+  static constexpr std::uint32_t kSide = 128;
 
-  /// Bytes of arena that create() takes, rounding of blocks apart.
+  /// Upper bound of the arena bytes that create() takes, without alignment.
   static std::size_t bytes();
   static Expected<PatchSpectrum> create(Arena& arena);
 
   /// @param points   relative to the middle of the patch, mm
-  /// @param normal   of the patch, a unit vector
+  /// @param normal   unit normal of the patch
   /// @param radius   of the patch, mm
-  /// @param spacing  of its points, mm: peaks are looked for from 0.11 / spacing to 0.77 / spacing
-  /// @returns the highest peaks first; no two of them closer than 1.2 / radius
+  /// @param spacing  of its points, mm; peaks are searched from 0.11 / spacing to 0.77 / spacing
+  /// @returns peaks of falling power, no two closer than 1.2 / radius; valid until the next call
   std::span<const SpectrumPeak> peaks(std::span<const Vec3f> points, const Vec3f& normal, float radius, float spacing);
 
  private:
-  static constexpr std::uint32_t kMostPeaks = 24;
-  static constexpr std::uint32_t kMostCandidates = 512;
+  static constexpr std::uint32_t kMaxPeaks = 24;
+  static constexpr std::uint32_t kMaxCandidates = 512;
 
   void transform();
   void transform_line(Phasor* line) const;
-  void look_for_peaks(float across, float cell, std::size_t count);
+  void find_peaks(float across, float cell, std::size_t count);
   void add(const SpectrumPeak& peak);
 
   std::span<Phasor> image_;

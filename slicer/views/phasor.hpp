@@ -1,5 +1,5 @@
 #pragma once
-/// Points of the unit circle, the same bits on every machine: the sine of a C library is not.
+/// Points on the unit circle, bit-identical on every machine, which the sine of a C library is not.
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@ struct Phasor {
   float re = 1, im = 0;
 };
 
-/// exp(2 pi i turns), off by less than 1e-6. Taylor's series over an eighth of a turn to both sides of each quarter.
+/// exp(2 pi i turns), error below 1e-6. Taylor series over an eighth of a turn on either side of each quarter.
 inline Phasor phasor(float turns) {
   const float quarters = std::floor(4 * turns + 0.5F);
   const float x = (turns - 0.25F * quarters) * 6.2831853F;  // -pi/4 to pi/4
@@ -25,7 +25,7 @@ inline Phasor phasor(float turns) {
   }
 }
 
-/// The angle of (re, im) in turns, -1/2 to 1/2, off by less than a thousandth: enough to start a fit with.
+/// The angle of (re, im) in turns, -1/2 to 1/2, error below 0.001: enough to start a fit.
 inline float angle_in_turns(const Phasor& p) {
   const float a = std::abs(p.re);
   const float b = std::abs(p.im);

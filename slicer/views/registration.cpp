@@ -14,16 +14,21 @@ namespace {
 
 constexpr const char* kStage = "views";
 
-constexpr std::uint32_t kPlaces = 16384;
-constexpr std::uint32_t kChunk = 64;  ///< places that are looked at before they are added up
-constexpr int kRounds = 5;
-constexpr int kSmooth = 2;           ///< rounds before ripple is looked for: views that are off look like ripple, too
-constexpr double kWhole = 0.25;      ///< of the mean view's points: a part of a view says less of where the scan is
-constexpr double kFirstMotion = 2;   ///< spacings: standard deviation of what views are moved by, until it is seen
-constexpr double kSamePlace = 10;    ///< points that err together: so much less do places say of a view's motion
-constexpr float kMostLeft = 0.985F;  ///< of the distances from the surface, or views stay where they are
+constexpr std::uint32_t kPlaces = 16384;  ///< places measured in each round; sets the time
+constexpr std::uint32_t kChunk = 64;      ///< places measured in parallel before they are summed up in order
+constexpr int kRounds = 5;                ///< Gauss-Newton steps
+constexpr int kRoundsWithoutRipple = 2;   ///< first rounds: the residuals of misaligned views look like ripple
+/// Share of the mean view's points from which a view counts fully in holding the scan in place.
+constexpr double kWholeView = 0.25;
+/// Standard deviation of the motions before the first round, in spacings. Later rounds use the variance found.
+constexpr double kFirstMotion = 2;
+/// Number of points with correlated errors: the data counts that much less against the prior.
+constexpr double kCorrelatedPoints = 10;
+/// Views are moved if the RMS distance from the surface falls to this share of what it was, or below.
+constexpr float kMaxRemaining = 0.985F;
 
-/// A symmetric positive definite matrix, row after row, of which the lower half is used, becomes its Cholesky factor.
+/// Replaces the lower half of a symmetric positive definite matrix (row after row) by its Cholesky factor.
+/// @returns false if it is not positive definite
 bool factorize(std::span<double> a, std::size_t n) {
   for (std::size_t i = 0; i < n; ++i) {
     double* const row = &a[i * n];
@@ -42,7 +47,7 @@ bool factorize(std::span<double> a, std::size_t n) {
   return true;
 }
 
-/// Solves l x = b in place of b, of which all before `first` is nought.
+/// Solves l x = b in place of b, whose entries before `first` are 0.
 void solve_lower(std::span<const double> l, std::span<double> b, std::size_t first) {
   const std::size_t n = b.size();
   for (std::size_t i = first; i < n; ++i) {
@@ -69,27 +74,27 @@ class Registrar {
         motion2_(kFirstMotion * kFirstMotion * views.spacing() * views.spacing()) {}
 
   Expected<Registration> run(Arena& arena, const StageProgress& progress) {
-    const auto taken = take(arena);
+    const auto taken = allocate(arena);
     PLUMBLINE_TRY(taken);
     auto waves = WaveSearch::create(arena);
     PLUMBLINE_TRY(waves);
-    weigh_views();
+    set_shares();
     Registration result;
     for (int round = 0; round <= kRounds; ++round) {
       const auto mean_square =
-          look_at_places(progress.part(1.0 * round / (kRounds + 1), (round + 1.0) / (kRounds + 1)));
+          measure_places(progress.part(1.0 * round / (kRounds + 1), (round + 1.0) / (kRounds + 1)));
       PLUMBLINE_TRY(mean_square);
       if (!(*mean_square > 0)) return Registration{};
       result.after = static_cast<float>(std::sqrt(*mean_square));
       if (round == 0) result.before = result.after;
       if (round == kRounds || !improve()) break;
-      if (round < kSmooth) continue;
+      if (round < kRoundsWithoutRipple) continue;
       for (std::size_t v = 0; v < views_.size(); ++v) {
         DepthImage image = image_of(v);
         waves->improve(views_.ripples[v], image);
       }
     }
-    if (result.after <= kMostLeft * result.before) {
+    if (result.after <= kMaxRemaining * result.before) {
       move(result);
     } else {
       result.after = result.before;
@@ -98,7 +103,7 @@ class Registrar {
   }
 
  private:
-  Status take(Arena& arena) {
+  Status allocate(Arena& arena) {
     const std::size_t views = views_.size();
     auto products = arena.take_top<double>(36 * views * views, kStage);
     PLUMBLINE_TRY(products);
@@ -115,22 +120,22 @@ class Registrar {
     places_ = *places;
     frames_ = *frames;
     cells_ = *cells;
-    for (std::size_t v = 0; v < views; ++v) frames_[v] = views_.frame(static_cast<std::uint8_t>(v));
+    for (std::size_t v = 0; v < views; ++v) frames_[v] = views_.image_frame(static_cast<std::uint8_t>(v));
     return {};
   }
 
-  void weigh_views() {
+  void set_shares() {
     for (std::uint32_t i = 0; i < cloud_.size; ++i) {
       if (views_.view_of(i) != kNoView) shares_[views_.view_of(i)] += static_cast<double>(views_.size()) / cloud_.size;
     }
-    for (double& x : shares_) x = std::min(1.0, x / kWhole);
+    for (double& x : shares_) x = std::min(1.0, x / kWholeView);
   }
 
   DepthImage image_of(std::size_t view) {
     return {frames_[view], cells_.subspan(view * DepthImage::kCells, DepthImage::kCells)};
   }
 
-  Expected<double> look_at_places(const StageProgress& progress) {
+  Expected<double> measure_places(const StageProgress& progress) {
     std::fill(products_.begin(), products_.end(), 0);
     std::fill(residuals_.begin(), residuals_.end(), 0);
     std::fill(cells_.begin(), cells_.end(), DepthImage::Cell{});
@@ -144,7 +149,7 @@ class Registrar {
 #pragma omp parallel for schedule(dynamic, 8)
       for (std::uint32_t k = 0; k < here; ++k) {
         const auto i = static_cast<std::uint32_t>(std::uint64_t{first + k} * cloud_.size / places);
-        if (!places_[k].look_at(cloud_, tree_, views_, i)) places_[k].views = 0;
+        if (!places_[k].measure(cloud_, tree_, views_, i)) places_[k].views = 0;
       }
       for (const SharedPlace& place : places_.first(here)) {
         if (place.views < 2) continue;
@@ -173,7 +178,7 @@ class Registrar {
     }
     for (std::uint32_t k = 0; k < place.points; ++k) {
       const std::uint32_t i = place.point[k];
-      image_of(views_.view_of(i)).add(views_.seen(i), place.off[k], place.weight[k]);
+      image_of(views_.view_of(i)).add(views_.seen_position(i), place.offset[k], place.weight[k]);
     }
   }
 
@@ -181,13 +186,13 @@ class Registrar {
     const std::size_t n = residuals_.size();
     double trace = 0;
     for (std::size_t k = 0; k < n; ++k) trace += products_[k * n + k];
-    const double together = trace / static_cast<double>(n);
-    const double alone = kSamePlace / motion2_;
+    const double anchor = trace / static_cast<double>(n);
+    const double prior = kCorrelatedPoints / motion2_;
     for (std::size_t i = 0; i < n; ++i) {
-      products_[i * n + i] += alone;
-      // The sum of all motions is held at nought: the scan as a whole says nothing of where it is.
-      for (std::size_t j = i % 6; j <= i; j += 6) products_[i * n + j] += together * shares_[i / 6] * shares_[j / 6];
-      residuals_[i] -= alone * views_.motions[i / 6][static_cast<Eigen::Index>(i % 6)];
+      products_[i * n + i] += prior;
+      // Holds the sum of all motions at 0, since the points don't determine where the scan as a whole lies.
+      for (std::size_t j = i % 6; j <= i; j += 6) products_[i * n + j] += anchor * shares_[i / 6] * shares_[j / 6];
+      residuals_[i] -= prior * views_.motions[i / 6][static_cast<Eigen::Index>(i % 6)];
     }
     if (!factorize(products_, n)) return false;
     solve_lower(products_, residuals_, 0);
@@ -198,12 +203,12 @@ class Registrar {
       motion += residuals_[i];
       square += motion * motion;
     }
-    const double told = static_cast<double>(n) - alone * trace_of_inverse();
-    if (square > 0 && told > 0) motion2_ = square / told;
+    const double determined = static_cast<double>(n) - prior * trace_of_inverse();
+    if (square > 0 && determined > 0) motion2_ = square / determined;
     return true;
   }
 
-  /// Of the normal equations, which have been factorized.
+  /// Trace of the inverse of the normal equations, which must have been factorized. Overwrites the residuals.
   double trace_of_inverse() {
     const std::size_t n = residuals_.size();
     double trace = 0;
@@ -222,8 +227,8 @@ class Registrar {
     std::uint32_t count = 0;
     for (std::uint32_t i = 0; i < cloud_.size; ++i) {
       if (views_.view_of(i) == kNoView) continue;
-      const double depth = views_.ripples[views_.view_of(i)].depth(views_.seen(i));
-      const Vec3f to = (views_.moved(i) + views_.middle()).cast<float>();
+      const double depth = views_.ripples[views_.view_of(i)].depth(views_.seen_position(i));
+      const Vec3f to = (views_.moved_position(i) + views_.middle()).cast<float>();
       const Vec3f by = to - cloud_.position[i];
       sum += static_cast<double>(by.dot(by));
       ripple += depth * depth;
@@ -242,19 +247,19 @@ class Registrar {
   std::span<SharedPlace> places_;
   std::span<DepthFrame> frames_;
   std::span<DepthImage::Cell> cells_;  ///< of each view's image
-  /// Variance of a component of what a view has to be moved by, mm^2: the squares of all motions over the number of those
-  /// that the scan tells of (MacKay, Bayesian interpolation, 1992); of the others it tells nothing, and they stay small.
+  /// Variance of one component of a view's motion, mm^2: the sum of all squared components over the number of components
+  /// that the scan determines (MacKay, Bayesian interpolation, 1992). The others stay small.
   double motion2_;
-  std::array<double, kMostViews> shares_ = {};  ///< of each view in where the scan is: 1, less for a part of a view
+  std::array<double, kMaxViews> shares_ = {};  ///< of each view in holding the scan in place: 1, less for small views
 };
 
 }  // namespace
 
 std::size_t register_views_bytes() {
-  constexpr std::size_t kUnknowns = 6 * std::size_t{kMostViews};
-  return MovedViews::bytes(kMostViews) + WaveSearch::bytes() + kUnknowns * (kUnknowns + 1) * sizeof(double) +
+  constexpr std::size_t kUnknowns = 6 * std::size_t{kMaxViews};
+  return MovedViews::bytes(kMaxViews) + WaveSearch::bytes() + kUnknowns * (kUnknowns + 1) * sizeof(double) +
          kChunk * sizeof(SharedPlace) +
-         kMostViews * (sizeof(DepthFrame) + std::size_t{DepthImage::kCells} * sizeof(DepthImage::Cell));
+         kMaxViews * (sizeof(DepthFrame) + std::size_t{DepthImage::kCells} * sizeof(DepthImage::Cell));
 }
 
 Expected<Registration> register_views(Cloud& cloud, const KdTree3& tree, const Views& views, Arena& arena,

@@ -10,24 +10,26 @@
 
 namespace plumbline {
 
-/// Bytes of arena that register_views() takes at most, rounding of blocks apart.
+/// Upper bound of the arena bytes that register_views() takes, without alignment.
 std::size_t register_views_bytes();
 
-/// What registration did, mm.
+/// Result of register_views(), mm.
 struct Registration {
-  float before = 0;  ///< points from the smooth surface round them, root of the mean square
-  float after = 0;   ///< the same, once the views have moved; as before where they were left where they are
-  float moved = 0;   ///< of a point of a view, root of the mean square
-  float ripple = 0;  ///< the share of this that was ripple
+  float before = 0;  ///< RMS distance of the points from the smooth surface around them
+  float after = 0;   ///< the same after the views were moved; equal to `before` if they were left in place
+  float moved = 0;   ///< RMS motion of a view's points
+  float ripple = 0;  ///< RMS ripple that was removed; part of `moved`
 };
 
-/// Moves each view as a rigid body, all of them at once, so that the points of different views about a place lie on one
-/// surface there: Gauss and Newton's method on the distances of points from a paraboloid through their neighbourhood (Chen
-/// and Medioni, Object modelling by registration of multiple range images, 1992, with the paraboloid eliminated instead of
-/// one view held). What nothing tells, such as how far a plate's upper side is from its lower, stays as it is: motions are
-/// held small, as if they were normally distributed with the deviation that those show which the scan does tell. The sum of
-/// all motions is nought, so the scan as a whole stays where it is. In turn with that, what each view is still off by is
-/// looked through for ripple (WaveSearch), which is taken out.
+/// Moves all views at once, each as a rigid body, so that the points around a place lie on one surface, whatever view they
+/// belong to: Gauss-Newton on the distances of the points from a paraboloid through their neighbourhood (Chen and Medioni,
+/// Object modelling by registration of multiple range images, 1992; here the paraboloid is eliminated instead of one view held
+/// fixed). After the first rounds, ripple is estimated from each view's residuals (WaveSearch) and removed, in turn with the
+/// motions.
+///
+/// What the scan does not determine, such as the distance between a plate's upper and lower side, stays as it is: a normal
+/// prior keeps motions small, with a variance learnt from the motions that the scan does determine. The sum of all motions is
+/// 0, so that the scan as a whole stays in place.
 ///
 /// @returns the same for any number of threads
 /// @retval ErrorCode::kOutOfMemory, kCancelled

@@ -9,9 +9,9 @@
 
 namespace plumbline {
 
-/// What lies at x is seen re cos a + im sin a too far along its ray, a = 2 pi <frequency, x>.
+/// A point at x is seen re cos a + im sin a too far along its ray, with a = 2 pi <frequency, x>.
 struct Wave {
-  Vec3d frequency = Vec3d::Zero();  ///< per mm
+  Vec3d frequency = Vec3d::Zero();  ///< cycles per mm
   double re = 0, im = 0;            ///< mm
 
   /// exp(i a)
@@ -19,6 +19,7 @@ struct Wave {
     const double turns = frequency.dot(x);
     return phasor(static_cast<float>(turns - std::floor(turns)));
   }
+  /// mm
   double depth(const Vec3d& x) const {
     const Phasor p = at(x);
     return re * static_cast<double>(p.re) + im * static_cast<double>(p.im);
@@ -27,10 +28,11 @@ struct Wave {
 
 /// All waves of a view.
 struct Ripple {
-  static constexpr std::uint32_t kMostWaves = 8;
-  std::array<Wave, kMostWaves> wave;
+  static constexpr std::uint32_t kMaxWaves = 8;  ///< bounds the memory; a search ends when no peak stands out
+  std::array<Wave, kMaxWaves> wave;
   std::uint32_t waves = 0;
 
+  /// mm
   double depth(const Vec3d& x) const {
     double sum = 0;
     for (std::uint32_t k = 0; k < waves; ++k) sum += wave[k].depth(x);

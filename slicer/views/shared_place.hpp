@@ -1,40 +1,42 @@
 #pragma once
-/// What a place that several views have seen says of how they lie to each other.
+/// A place seen by several views, and its equations for their motions.
 
 #include <array>
 #include <cstdint>
 
 #include "slicer/cloud/kd_tree.hpp"
-#include "slicer/views/local_form.hpp"
+#include "slicer/views/local_paraboloid.hpp"
 #include "slicer/views/moved_views.hpp"
 
 namespace plumbline {
 
-/// The points about a place, and the smooth surface through them: how far each is off, and what the views that they are of
-/// would have to move by.
+/// The points around a place and the smooth surface through them: how far each point is off it, and how its view would have to
+/// move.
 struct SharedPlace {
-  static constexpr std::uint32_t kMostViews = 24;  ///< of a place; more are left out
+  static constexpr std::uint32_t kMaxViews =
+      24;  ///< of one place; further views are left out. Sets the size of `products`
 
-  /// For its views v and w, products[v][w] of <lever, motion of v> with that of w, and residuals[v]: an equation of the
-  /// motions, the surface eliminated.
+  /// Normal equations of the motions with the surface eliminated: products[v][w] is the coefficient of <lever, motion of v>
+  /// times <lever, motion of w>, residuals[v] the right-hand side of v.
   Vec6d lever;
   std::uint32_t views = 0;
-  std::array<std::uint8_t, kMostViews> view;
-  std::array<double, kMostViews> residuals;
-  std::array<std::array<double, kMostViews>, kMostViews> products;
+  std::array<std::uint8_t, kMaxViews> view;
+  std::array<double, kMaxViews> residuals;
+  std::array<std::array<double, kMaxViews>, kMaxViews> products;
 
-  double mean_square = 0;  ///< of the points from the surface, mm^2
+  double mean_square = 0;  ///< distance of the points from the surface, mm^2
   std::uint32_t points = 0;
-  std::array<std::uint32_t, LocalForm::kMostPoints> point;
-  std::array<double, LocalForm::kMostPoints> off;  ///< mm that it is too far along its ray, times:
-  std::array<double, LocalForm::kMostPoints> weight;
+  std::array<std::uint32_t, LocalParaboloid::kMaxPoints> point;
+  std::array<double, LocalParaboloid::kMaxPoints>
+      offset;  ///< distance along its ray beyond the surface, mm, times `weight`
+  std::array<double, LocalParaboloid::kMaxPoints> weight;
 
-  /// @param i  the point that the place is about
-  /// @returns false where it says nothing, and nothing of this is set
-  bool look_at(const Cloud& cloud, const KdTree3& tree, const MovedViews& views_now, std::uint32_t i);
+  /// Fits the surface around point `i` and sets all of the above.
+  /// @returns false if the place determines nothing; then the members are not valid
+  bool measure(const Cloud& cloud, const KdTree3& tree, const MovedViews& moved_views, std::uint32_t i);
 
  private:
-  void sum_up(const LocalForm& form, const MovedViews& views_now, double weight_here);
+  void sum_up(const LocalParaboloid& surface, const MovedViews& moved_views, double weight_here);
 };
 
 }  // namespace plumbline

@@ -8,22 +8,23 @@
 namespace plumbline {
 namespace {
 
-constexpr double kNearest =
-    0.05;  ///< least q: a point closer to the camera than this share of the middle is none of its view
-constexpr double kPixelNoise = 0.05;        ///< pixels, beside which perspective is held
-constexpr double kLikelyPerspective = 0.6;  ///< |c| times the extent: a camera stands some extents away
-constexpr double kHeld = 1e-9;
+/// Least q: points closer to the camera than this share of the middle's distance don't belong to its view. Avoids dividing by 0.
+constexpr double kMinQ = 0.05;
+// Prior on the perspective c, for points that don't determine it: a camera stands some extents away.
+constexpr double kPixelNoise = 0.05;        ///< pixels
+constexpr double kLikelyPerspective = 0.6;  ///< standard deviation of c times the extent
+constexpr double kRidge = 1e-9;  ///< share of the trace added to the diagonal, which keeps the matrix invertible
 
 }  // namespace
 
 ViewGrid::Pixel ViewGrid::project(const Vec3f& point) const {
   const Vec3d x = (point - middle).cast<double>();
   const double q = 1 + map.segment<3>(8).dot(x);
-  if (q < kNearest) return {0, 0, 0};
+  if (q < kMinQ) return {0, 0, 0};
   return {(map.segment<3>(0).dot(x) + map[3]) / q, (map.segment<3>(4).dot(x) + map[7]) / q, q};
 }
 
-double ViewGrid::off_grid(const Vec3f& point) const {
+double ViewGrid::distance_from_grid(const Vec3f& point) const {
   const Pixel p = project(point);
   if (p.q == 0) return 1;
   const double u = p.u - std::floor(p.u + 0.5);
@@ -81,7 +82,7 @@ bool ViewGridFit::improve(ViewGrid& grid) const {
   held.block<3, 4>(8, 4) = -by_v_.topRows<3>();
   held.block<3, 3>(8, 8) = by_square_.topLeftCorner<3, 3>();
   target << off_u_, off_v_, -off_both_.head<3>();
-  held.diagonal().array() += kHeld * plain_.trace();
+  held.diagonal().array() += kRidge * plain_.trace();
   const double perspective = kPixelNoise * kPixelNoise / (kLikelyPerspective * kLikelyPerspective);
   for (int k = 8; k < 11; ++k) {
     held(k, k) += perspective;

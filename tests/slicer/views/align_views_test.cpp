@@ -22,12 +22,12 @@ using namespace testing;
 
 constexpr float kSpacing = 0.2F;  ///< mm, of the scans' points
 
-/// A scan as align_views() gets it.
+/// A scan in the form that align_views() takes.
 struct Scan {
   ArenaBlock block{48 * kMiB};
   Cloud cloud;
   KdTree3 tree;
-  std::vector<std::uint32_t> from;  ///< place in the scan of each point of the cloud
+  std::vector<std::uint32_t> from;  ///< index in the scan of each point of the cloud
 
   explicit Scan(const Surface& surface)
       : cloud(cloud_of(surface, *block)), tree(value_of(KdTree3::build(cloud.positions(), *block, "test"))) {
@@ -39,8 +39,8 @@ struct Scan {
   std::vector<Vec3f> positions() const { return {cloud.positions().begin(), cloud.positions().end()}; }
 };
 
-/// How far the points are from where they would be had no view been moved, along the normal, root of the mean square, mm.
-double off(const Scan& scan, const ScannedViews& truth) {
+/// RMS distance of the points along the normal from where they would be had no view been moved, mm.
+double error(const Scan& scan, const ScannedViews& truth) {
   double sum = 0;
   for (std::uint32_t i = 0; i < scan.cloud.size; ++i) {
     const Vec3d by = scan.cloud.position[i].cast<double>() - truth.unmoved[scan.from[i]];
@@ -50,12 +50,12 @@ double off(const Scan& scan, const ScannedViews& truth) {
   return std::sqrt(sum / scan.cloud.size);
 }
 
-TEST(ViewGridFit, FindsTheCameraFromAFewPixelsOff) {
+TEST(ViewGridFit, FindsTheCameraFromAStartAThirdOfAPixelOff) {
   const ScannedViews scan = scan_ellipsoid({.views = 1, .shift = 0, .turn = 0}, 1);
   Random random(2);
   ViewGrid grid;
   grid.middle = scan.surface[scan.surface.size() / 2].position.cast<float>();
-  // The camera of station 0, without its perspective, and a third of a pixel off.
+  // The camera of station 0 without its perspective, a third of a pixel off.
   const Vec3d ahead = -sphere(1, 1, Vec3d::Zero())[0].normal;
   const Vec3d right = ahead.cross(Vec3d(0.3, 0.2, 0.9)).normalized();
   const double depth = 150 + ahead.dot(grid.middle.cast<double>());
@@ -73,10 +73,10 @@ TEST(ViewGridFit, FindsTheCameraFromAFewPixelsOff) {
       ASSERT_TRUE(fit.improve(grid));
     }
   }
-  for (const SurfacePoint& p : scan.surface) ASSERT_LT(grid.off_grid(p.position.cast<float>()), 0.002);
+  for (const SurfacePoint& p : scan.surface) ASSERT_LT(grid.distance_from_grid(p.position.cast<float>()), 0.002);
 }
 
-TEST(FindViews, TellsTheViewsOfAShuffledScanApartForAnyNumberOfThreads) {
+TEST(FindViews, FindsTheSameViewsOfAShuffledScanForAnyNumberOfThreads) {
   const ScannedViews truth = scan_ellipsoid({}, 1);
   Scan scan(truth.surface);
   std::vector<std::uint8_t> found(scan.cloud.size);
@@ -107,7 +107,7 @@ TEST(FindViews, TellsTheViewsOfAShuffledScanApartForAnyNumberOfThreads) {
   EXPECT_GT(right, 0.98 * views.points);
 }
 
-TEST(ViewGrid, IsTheSameRoundAnotherMiddle) {
+TEST(ViewGrid, ProjectsTheSameAroundAnotherMiddle) {
   ViewGrid grid;
   grid.middle = Vec3f(1, 2, 3);
   grid.map << 2, 0.1, 0.3, 0.4, -0.2, 2.1, 0.5, -0.3, 0.004, 0.002, -0.005;
@@ -122,33 +122,33 @@ TEST(ViewGrid, IsTheSameRoundAnotherMiddle) {
   EXPECT_NEAR(grid.project(along).v, grid.project(point).v, 1e-5);
 }
 
-TEST(AlignViews, PutsViewsBackToWhereTheyAgree) {
+TEST(AlignViews, MovesViewsBackToWhereTheyAgree) {
   const ScannedViews truth = scan_ellipsoid({}, 1);
   Scan scan(truth.surface);
-  const double before = off(scan, truth);
+  const double before = error(scan, truth);
   const std::size_t used = scan.block->used();
   scan.block->reset_peak();
   const ViewAlignment done = scan.align();
   EXPECT_EQ(scan.block->used(), used);
   EXPECT_LE(scan.block->peak() - used, align_views_bytes(scan.cloud.size) + 32 * Arena::kAlignment);
   EXPECT_GT(before, 0.04);
-  EXPECT_LT(off(scan, truth), before / 4);
+  EXPECT_LT(error(scan, truth), before / 4);
   EXPECT_GT(done.moved, 0.04F);
   EXPECT_NEAR(done.after, 0.034, 0.004) << "noise of 0.05 mm along rays that meet the surface at all angles";
   EXPECT_GT(done.before, done.after + 0.005F);
 }
 
-TEST(AlignViews, TakesOutWhatFringesLeave) {
+TEST(AlignViews, RemovesTheRippleThatFringesLeave) {
   const ScannedViews truth = scan_ellipsoid({.noise = 0.08, .shift = 0.02, .turn = 0.001, .ripple = 0.03}, 5);
   Scan scan(truth.surface);
-  const double before = off(scan, truth);
+  const double before = error(scan, truth);
   const ViewAlignment done = scan.align();
   EXPECT_GT(before, 0.025);
-  EXPECT_LT(off(scan, truth), before / 2.5);
+  EXPECT_LT(error(scan, truth), before / 2.5);
   EXPECT_NEAR(done.ripple, 0.03, 0.008) << "two waves of 0.03 mm";
 }
 
-TEST(AlignViews, LeavesViewsThatAgree) {
+TEST(AlignViews, LeavesViewsThatAgreeInPlace) {
   const ScannedViews truth = scan_ellipsoid({.noise = 0.08, .shift = 0, .turn = 0}, 2);
   Scan scan(truth.surface);
   const std::vector<Vec3f> as_read = scan.positions();
@@ -158,12 +158,12 @@ TEST(AlignViews, LeavesViewsThatAgree) {
   EXPECT_EQ(scan.positions(), as_read);
 }
 
-TEST(AlignViews, LooksForNothingWhereThereIsNoNoise) {
+TEST(AlignViews, SearchesNoViewsInAScanWithoutNoise) {
   Scan scan(scan_ellipsoid({.noise = 0.01, .shift = 0, .turn = 0}, 3).surface);
   EXPECT_EQ(scan.align().views, 0U);
 }
 
-TEST(AlignViews, LeavesPointsThatAreOfNoView) {
+TEST(AlignViews, LeavesPointsThatBelongToNoViewInPlace) {
   Random random(4);
   Surface anywhere;
   for (int k = 0; k < 60000; ++k) {
@@ -176,7 +176,7 @@ TEST(AlignViews, LeavesPointsThatAreOfNoView) {
   EXPECT_EQ(scan.positions(), as_read);
 }
 
-TEST(AlignViews, CanBeStopped) {
+TEST(AlignViews, StopsWhenCancelled) {
   Scan scan(scan_ellipsoid({}, 1).surface);
   StopAtThird sink;
   const auto stopped = align_views(scan.cloud, scan.tree, *scan.block, {&sink, Stage::kViews});

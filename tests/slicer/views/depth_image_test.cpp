@@ -17,7 +17,7 @@ using namespace testing;
 
 const DepthFrame kFrame({5, -3, 2}, Vec3d(0.6, 0, 0.8), 20);  // mm
 
-/// What is known of a bowl's points, which fill a circle of the image: `wave`s and noise.
+/// Image of a bowl whose points fill a circle, with `waves` and noise in depth.
 struct Bowl {
   std::vector<DepthImage::Cell> cells = std::vector<DepthImage::Cell>(DepthImage::kCells);
   DepthImage image{kFrame, cells};
@@ -29,14 +29,14 @@ struct Bowl {
       const double v = 38 * random.uniform() - 19;
       if (u * u + v * v > 19 * 19) continue;
       const Vec3d x = kFrame.middle + kFrame.right * u + kFrame.up * v + kFrame.axis * (0.02 * (u * u + v * v));
-      double off = noise * random.normal();
-      for (const Wave& wave : waves) off += wave.depth(x);
-      image.add(x, 2 * off, 2);
+      double offset = noise * random.normal();
+      for (const Wave& wave : waves) offset += wave.depth(x);
+      image.add(x, 2 * offset, 2);
     }
   }
 };
 
-TEST(WaveSearch, FindsTheWavesThatTheNoiseHides) {
+TEST(WaveSearch, FindsWavesBelowTheNoise) {
   ArenaBlock block(kMiB);
   WaveSearch search = value_of(WaveSearch::create(*block));
   const std::vector<Wave> waves = {{kFrame.right * 0.2 + kFrame.up * 0.07, 0.01, -0.006},

@@ -14,7 +14,7 @@ namespace {
 
 using namespace testing;
 
-TEST(Phasor, IsOnTheUnitCircle) {
+TEST(Phasor, LiesOnTheUnitCircleAtItsAngle) {
   for (int k = -4000; k <= 4000; ++k) {
     const float turns = static_cast<float>(k) * 0.00123F;
     const Phasor p = phasor(turns);
@@ -31,7 +31,7 @@ constexpr double kRadius = 5.5;  ///< mm
 
 bool in_patch(const Vec3d& p) { return p.head<2>().norm() < kRadius; }
 
-/// Points on rays along +z, kPixel apart, up to half a millimetre deep, and `others` times as many anywhere.
+/// Points on rays along +z, kPixel apart, up to half a millimetre deep, and `others` times as many random points.
 std::vector<Vec3f> patch(double others) {
   Random random(1);
   std::vector<Vec3f> points;
@@ -58,7 +58,7 @@ std::vector<SpectrumPeak> peaks_of(const std::vector<Vec3f>& points) {
   return {peaks.begin(), peaks.end()};
 }
 
-TEST(PatchSpectrum, HasThePixelsOfAViewAmongSixTimesAsManyPoints) {
+TEST(PatchSpectrum, ShowsThePixelsOfAViewAmongSixTimesAsManyPoints) {
   const std::vector<Vec3f> points = patch(6);
   const auto peaks = peaks_of(points);
   ASSERT_GE(peaks.size(), 2U);
@@ -68,11 +68,11 @@ TEST(PatchSpectrum, HasThePixelsOfAViewAmongSixTimesAsManyPoints) {
       return off.head<2>().norm() < 0.02F && std::abs(off[2]) < 0.15F;
     })) << wanted.transpose();
   }
-  // A seventh of the points is of the view.
+  // A seventh of the points belongs to the view.
   EXPECT_NEAR(power_at(points, Vec3f::UnitX() / kPixel), static_cast<float>(points.size()) / 49, 20);
 }
 
-TEST(PatchSpectrum, HasNothingWherePointsLieAnywhere) {
+TEST(PatchSpectrum, ShowsNoPeaksOfRandomPoints) {
   std::vector<Vec3f> points = patch(6);
   points.erase(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(points.size() / 7 + 1));
   EXPECT_LE(peaks_of(points).size(), 1U);

@@ -14,10 +14,11 @@ namespace {
 
 using namespace testing;
 
-/// A plate of 30 mm x 30 mm x 2 mm that three views saw from above and three from below, each shifted up or down.
-TEST(RegisterViews, KeepsAPlateAsThickAsItWasAlthoughPointsAreTakenForThoseOfTheOtherSide) {
-  constexpr std::array<double, 6> kShifts = {0.06, -0.02, -0.04, 0.07, -0.03, -0.04};  // mm; of each side 0 in the mean
-  constexpr double kStray = 0.02;  // of the points: on the grid of another view by chance
+/// A plate of 30 mm x 30 mm x 2 mm, seen by three views from above and three from below, each shifted up or down.
+TEST(RegisterViews, KeepsThePlatesThicknessWhenSomePointsAreAssignedToAViewOfTheOtherSide) {
+  constexpr std::array<double, 6> kShifts = {0.06, -0.02, -0.04,
+                                             0.07, -0.03, -0.04};  // mm; their mean over each side is 0
+  constexpr double kWrongShare = 0.02;  // of the points: on the grid of another view by chance
   Random random(1);
   Surface surface;
   std::vector<std::uint8_t> view;
@@ -26,8 +27,8 @@ TEST(RegisterViews, KeepsAPlateAsThickAsItWasAlthoughPointsAreTakenForThoseOfThe
     const double side = of < 3 ? 1 : -1;
     surface.push_back({{random.uniform(-15, 15), random.uniform(-15, 15), side + kShifts[of] + 0.03 * random.normal()},
                        {0, 0, side}});
-    // What is of the first view of a side is taken for the first of the other.
-    view.push_back(static_cast<std::uint8_t>(of % 3 == 0 && random.uniform() < 6 * kStray ? 3 - of : of));
+    // Some points of the first view of a side are assigned to the first view of the other side.
+    view.push_back(static_cast<std::uint8_t>(of % 3 == 0 && random.uniform() < 6 * kWrongShare ? 3 - of : of));
   }
   std::array<ViewGrid, 6> grids;
   for (ViewGrid& grid : grids) {  // all look along z

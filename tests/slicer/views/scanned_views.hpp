@@ -1,5 +1,5 @@
 #pragma once
-/// An ellipsoid as cameras see it: every point on a ray through a pixel, whatever its noise, and each view a little off.
+/// An ellipsoid as cameras see it: every point lies on the ray of a pixel, whatever its noise, and each view is a little off.
 
 #include <array>
 #include <cmath>
@@ -12,23 +12,23 @@ namespace plumbline::testing {
 
 struct ScannedViews {
   Surface surface;
-  std::vector<Vec3d> unmoved;      ///< of each point: where it would be had its view no ripple and not been moved, mm
-  std::vector<std::uint8_t> view;  ///< of each point
+  std::vector<Vec3d> unmoved;      ///< each point without its view's ripple and motion, mm
+  std::vector<std::uint8_t> view;  ///< view of each point
 };
 
 struct Cameras {
   std::uint32_t views = 12;  ///< 255 at most
   double pixel = 0.4;        ///< mm, on a plane through the middle of the ellipsoid
-  double noise = 0.05;       ///< mm along the ray, deviation
-  double shift = 0.05;       ///< mm an axis, deviation over the views
-  double turn = 0.002;       ///< radian an axis, deviation over the views
-  double ripple = 0;         ///< mm along the ray: height of each of two waves of 4 to 8 mm, other ones in each view
+  double noise = 0.05;       ///< standard deviation along the ray, mm
+  double shift = 0.05;       ///< standard deviation over the views along each axis, mm
+  double turn = 0.002;       ///< standard deviation over the views about each axis, radians
+  double ripple = 0;         ///< amplitude along the ray of each view's two waves of 4 to 8 mm, mm
 };
 
-inline const Vec3d kEllipsoid = {20, 15, 12};  ///< half its axes, mm
+inline const Vec3d kEllipsoid = {20, 15, 12};  ///< semi-axes, mm
 
-/// Cameras stand on a sphere 150 mm about the middle; what they see is kept where they look at it by 75 degrees at most. The
-/// means of shifts and of turns over the views are 0.
+/// Cameras stand on a sphere of 150 mm around the middle. Points seen at up to 75 degrees to the normal are kept. Shifts and
+/// turns have a mean of 0 over the views.
 inline ScannedViews scan_ellipsoid(const Cameras& cameras, std::uint32_t seed) {
   constexpr double kDistance = 150;
   constexpr double kLeastCosine = 0.26;

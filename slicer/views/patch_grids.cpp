@@ -1,0 +1,116 @@
+#include "slicer/views/patch_grids.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "slicer/views/grid_growth.hpp"
+
+namespace plumbline {
+namespace {
+
+constexpr const char* kStage = "views";
+
+/// Points of a patch. The power of a view's peak grows with them (a view that has 500 of 4096 points stands 60 times above
+/// chance), and so do the time and the curvature that a patch spans.
+constexpr std::uint32_t kMaxPoints = 4096;
+constexpr std::uint32_t kFullPatch = 2560;  ///< points; with fewer and no grid found, a larger patch is tried too
+constexpr std::uint32_t kMinPoints = 512;   ///< with fewer, a view's peak does not stand out
+/// Room for points within the radius before the nearest kMaxPoints are selected: a patch may be cut by several sheets.
+constexpr std::uint32_t kMaxCandidates = 4 * kMaxPoints;
+
+// Two peaks may be the frequencies of one grid if they are about perpendicular and about equal, since pixels are nearly square
+// and a patch seen obliquely stretches them; and if their sum and difference, which a grid has too, show power.
+constexpr float kMinSine2 = 0.5F;       ///< squared sine of the angle between them: 45 to 135 degrees
+constexpr float kMinRatio2 = 0.4F;      ///< squared ratio of their lengths: 0.63 and more
+constexpr float kMinIncidence = 0.15F;  ///< cosine of the ray to the patch's normal: a ray within 81 degrees of it
+constexpr float kMinSumPower = 10;      ///< SpectrumPeak::power; 1 is chance
+
+}  // namespace
+
+std::size_t PatchGrids::bytes() {
+  return PatchSpectrum::bytes() + kMaxCandidates * sizeof(Candidate) + kMaxPoints * sizeof(Vec3f);
+}
+
+Expected<PatchGrids> PatchGrids::create(const Cloud& cloud, const KdTree3& tree, std::span<const std::uint8_t> view_of,
+                                        float spacing, Arena& arena) {
+  auto spectrum = PatchSpectrum::create(arena);
+  PLUMBLINE_TRY(spectrum);
+  PatchGrids patch(cloud, tree, view_of, spacing, *spectrum);
+  auto candidates = arena.take_top<Candidate>(kMaxCandidates, kStage);
+  PLUMBLINE_TRY(candidates);
+  auto room = arena.take_top<Vec3f>(kMaxPoints, kStage);
+  PLUMBLINE_TRY(room);
+  patch.candidates_ = *candidates;
+  patch.room_ = *room;
+  return patch;
+}
+
+std::uint32_t PatchGrids::collect(const Vec3f& middle, float radius) {
+  std::uint32_t count = 0;
+  const Vec3f half_size = Vec3f::Constant(radius);
+  tree_->visit_box(middle - half_size, middle + half_size, [&](std::uint32_t first, std::uint32_t last) {
+    for (std::uint32_t i = first; i < last; ++i) {
+      if (view_of_[i] != kNoView || cloud_->normal[i].weight != 1) continue;
+      const Vec3f d = cloud_->position[i] - middle;
+      const float d2 = d.dot(d);
+      if (d2 <= radius * radius && count < candidates_.size()) candidates_[count++] = {d2, i};
+    }
+  });
+  return count;
+}
+
+bool PatchGrids::take(std::uint32_t seed, float radius) {
+  peaks_ = {};
+  middle_ = cloud_->position[seed];
+  radius_ = radius;
+  std::uint32_t count = collect(middle_, radius);
+  full_ = count >= kFullPatch;
+  if (count < kMinPoints) return false;
+  if (count > kMaxPoints) {
+    std::nth_element(candidates_.begin(), candidates_.begin() + kMaxPoints, candidates_.begin() + count,
+                     [](const Candidate& a, const Candidate& b) {
+                       return a.distance2 != b.distance2 ? a.distance2 < b.distance2 : a.index < b.index;
+                     });
+    radius_ = std::sqrt(candidates_[kMaxPoints].distance2);
+    count = kMaxPoints;
+  }
+  Vec3f normal = Vec3f::Zero();
+  const Vec3f facing = cloud_->normal[seed].unpack();
+  for (std::uint32_t k = 0; k < count; ++k) {
+    room_[k] = cloud_->position[candidates_[k].index] - middle_;
+    const Vec3f n = cloud_->normal[candidates_[k].index].unpack();
+    normal += n.dot(facing) < 0 ? Vec3f(-n) : n;
+  }
+  normal_ = normal / std::sqrt(normal.dot(normal));
+  points_ = room_.first(count);
+  peaks_ = spectrum_.peaks(points_, normal_, radius_, spacing_);
+  return true;
+}
+
+bool PatchGrids::may_be_grid(const Vec3f& f, const Vec3f& g) const {
+  const Vec3f ray = f.cross(g);
+  const float ray2 = ray.dot(ray);
+  const float f2 = f.dot(f);
+  const float g2 = g.dot(g);
+  if (ray2 < kMinSine2 * f2 * g2 || f2 < kMinRatio2 * g2 || g2 < kMinRatio2 * f2) return false;
+  if (std::abs(ray.dot(normal_)) < kMinIncidence * std::sqrt(ray2)) return false;
+  return power_at(points_, f + g) >= kMinSumPower && power_at(points_, f - g) >= kMinSumPower;
+}
+
+/// The camera is taken to be so far away that its rays are parallel; GridGrowth adds the perspective.
+std::optional<ViewGrid> PatchGrids::grid(std::size_t a, std::size_t b) const {
+  const Vec3f& f = peaks_[a].frequency;
+  const Vec3f& g = peaks_[b].frequency;
+  if (!may_be_grid(f, g)) return std::nullopt;
+  ViewGrid grid;
+  grid.middle = middle_;
+  grid.map.setZero();
+  grid.map.segment<3>(0) = f.cast<double>();
+  grid.map.segment<3>(4) = g.cast<double>();
+  grid.map[3] = -static_cast<double>(angle_in_turns(coefficient(points_, f)));
+  grid.map[7] = -static_cast<double>(angle_in_turns(coefficient(points_, g)));
+  return grid;
+}
+
+}  // namespace plumbline
