@@ -12,6 +12,7 @@
 #include "slicer/core/median.hpp"
 #include "slicer/core/stage_scope.hpp"
 #include "slicer/normals/normals.hpp"
+#include "slicer/plan/scan_admission.hpp"
 #include "slicer/rrep/crossing_store.hpp"
 
 namespace plumbline {
@@ -79,18 +80,20 @@ class Inspection {
   Status read() {
     const StageScope stage(Stage::kRead, arena_, progress_, report_.peak_bytes);
     const PlacementSettings& placement = settings_.placement;
-    CloudReadSettings reading;
-    reading.rotation = rotation_matrix(placement.rotation_degrees);
-    if (placement.printer) reading.grid = panel_grid(*placement.printer, placement.layer_height_mm);
-    reading.threads = settings_.threads;
-    reading.confidence = true;  // as `plumbline slice` has it
-    const auto read = read_cloud(sources_, reading, arena_, progress_);
+    std::optional<PrintGrid> panel;
+    if (placement.printer) panel = panel_grid(*placement.printer, placement.layer_height_mm);
+    // A confidence map, as `plumbline slice` keeps it.
+    auto admission = ScanAdmission::create(arena_.available(), panel, settings_.threads, true);
+    PLUMBLINE_TRY(admission);
+    const CloudReadSettings reading{.rotation = rotation_matrix(placement.rotation_degrees)};
+    const auto admit = [&](const ScanAnnouncement& announced) { return admission->admit(announced); };
+    const auto read = read_cloud(sources_, reading, admit, arena_, progress_);
     PLUMBLINE_TRY(read);
     cloud_ = read->cloud;
     offset_ = read->offset;
     report_.scans = read->scans;
     report_.scan = sum_of(read->scans);
-    report_.cloud_capacity = read->room;
+    report_.cloud_capacity = admission->room();
     report_.cloud_points = cloud_.size;
     report_.averaged_points = read->averaged;
     report_.thinning_cell = read->cell;

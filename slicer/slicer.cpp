@@ -18,6 +18,7 @@
 #include "slicer/placement/base_plane.hpp"
 #include "slicer/plan/memory_plan.hpp"
 #include "slicer/plan/ray_admission.hpp"
+#include "slicer/plan/scan_admission.hpp"
 #include "slicer/rays/ray_grid.hpp"
 #include "slicer/surface/surface_points.hpp"
 
@@ -114,32 +115,30 @@ class Job {
     PLUMBLINE_TRY(read());
     PLUMBLINE_TRY(find_surface());
     PLUMBLINE_TRY(place_object());
-    build_winding_tree();
+    PLUMBLINE_TRY(build_winding_tree());
     return shoot();
   }
 
   Status read() {
     const StageScope stage(Stage::kRead, arena_, progress_, report_.peak_bytes);
     const PlacementSettings& placement = settings_.placement;
-    CloudReadSettings reading;
-    reading.rotation = rotation_matrix(placement.rotation_degrees);
-    reading.first_cell = first_cell(placement);
-    if (placement.printer) reading.grid = panel_grid(*placement.printer, placement.layer_height_mm);
-    reading.threads = settings_.threads;
-    reading.winding_nodes = true;
-    reading.confidence = settings_.confidence;
-    auto read = read_cloud(sources_, reading, arena_, progress_);
-    if (!read) return tl::unexpected<Error>(read.error());
+    std::optional<PrintGrid> panel;
+    if (placement.printer) panel = panel_grid(*placement.printer, placement.layer_height_mm);
+    auto admission = ScanAdmission::create(arena_.available(), panel, settings_.threads, settings_.confidence);
+    PLUMBLINE_TRY(admission);
+    const CloudReadSettings reading{rotation_matrix(placement.rotation_degrees), first_cell(placement)};
+    const auto admit = [&](const ScanAnnouncement& announced) { return admission->admit(announced); };
+    const auto read = read_cloud(sources_, reading, admit, arena_, progress_);
+    PLUMBLINE_TRY(read);
     cloud_ = read->cloud;
-    winding_nodes_ = read->winding_nodes;
     offset_ = read->offset;
     report_.scans = read->scans;
     report_.scan = sum_of(read->scans);
-    report_.cloud_capacity = read->room;
+    report_.cloud_capacity = admission->room();
     report_.cloud_points = cloud_.size;
     report_.averaged_points = read->averaged;
     report_.thinning_cell_mm = read->cell;
-    report_.planned_bytes = read->plan.bytes;
+    report_.planned_bytes = admission->plan().bytes;
     return {};
   }
 
@@ -239,14 +238,16 @@ class Job {
     return {};
   }
 
-  void build_winding_tree() {
+  Status build_winding_tree() {
     const StageScope stage(Stage::kWindingTree, arena_, progress_, report_.peak_bytes);
-    winding_ = WindingTree::build(cloud_, report_.clustering.support_points,
-                                  winding_nodes_.first(WindingTree::nodes_needed(cloud_.size)));
-    if (settings_.base == BaseChoice::kNone) return;
+    const auto nodes = arena_.take_top<WindingTree::Node>(WindingTree::nodes_needed(cloud_.size), "winding number");
+    PLUMBLINE_TRY(nodes);
+    winding_ = WindingTree::build(cloud_, report_.clustering.support_points, *nodes);
+    if (settings_.base == BaseChoice::kNone) return {};
     const float height = base_plane(cloud_.positions(), report_.placement.grid.layer_height_mm);
     report_.flat_underside =
         winding_.set_base(height, kSectionEpsilons * report_.clustering.epsilon, settings_.base == BaseChoice::kFlat);
+    return {};
   }
 
   bool is_height_field() const { return winding_.has_base() && hardly_any(report_.clustering, PointClass::kEntering); }
@@ -316,7 +317,6 @@ class Job {
 
   Cloud cloud_;
   Vec3d offset_ = Vec3d::Zero();  ///< rotated scan coordinates of the cloud's origin
-  std::span<WindingTree::Node> winding_nodes_;
   WindingTree winding_;
 };
 

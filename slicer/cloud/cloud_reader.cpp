@@ -14,49 +14,43 @@ namespace {
 
 constexpr const char* kStage = "read";
 
-/// What is known of the files after the first one when that is begun.
-struct LaterScans {
-  std::uint64_t points = 0;        ///< at most, of all of them
-  std::uint64_t reader_bytes = 0;  ///< the largest
-  std::uint64_t kept_bytes = 0;    ///< of their heads
-};
-
-/// A part of the progress of reading: of file `from` to `to` of all bytes.
+/// Part of the reading's progress that one file takes: `from` to `to`.
 struct ReadShare {
   double from = 0, to = 1;
 };
 
-/// Makes room at the top of the arena when the head of the scan is known, and passes the points on to the thinning.
-class AdmittingSink final : public PointSink {
- public:
-  /// @param budget  bytes of the arena for all of the job, the reader's work space included
-  AdmittingSink(const CloudReadSettings& settings, std::size_t budget, const LaterScans& later, Arena& arena,
-                ProgressSink* progress)
-      : settings_(settings), budget_(budget), later_(later), arena_(arena), progress_(progress) {}
+/// Sums upper bounds of points. A point's index has 32 bits, so a file that promises more counts as 2^32.
+std::optional<std::uint64_t> sum_of_bounds(std::optional<std::uint64_t> a, std::optional<std::uint64_t> b) {
+  if (!a || !b) return std::nullopt;
+  return *a + std::min(*b, std::uint64_t{1} << 32);
+}
 
-  /// Before a file is read.
-  void turn_to(const ByteSource& source, ReadShare share) {
+/// Takes room at the top of the arena when the first header arrives, and passes the points on to the thinning.
+class CloudSink final : public PointSink {
+ public:
+  /// @param later  what the files after the first announce
+  CloudSink(const CloudReadSettings& settings, RoomForPoints room, const ScanAnnouncement& later, Arena& arena,
+            ProgressSink* progress)
+      : settings_(settings), room_(room), later_(later), arena_(arena), progress_(progress) {}
+
+  /// Call before each file is read.
+  void start_file(const ByteSource& source, ReadShare share) {
     source_ = &source;
     share_ = share;
   }
 
   Status begin(const ScanHeader& header) override {
     if (thinner_) return thinner_->begin(header);
-    // Files are read one after the other: the columns of one are gone before those of the next come.
-    const PlanEvidence evidence{.reader_bytes = std::max(header.reader_bytes, later_.reader_bytes),
-                                .kept_bytes = later_.kept_bytes,
-                                .confidence = settings_.confidence};
-    const auto largest = largest_plan(budget_, std::nullopt, settings_.grid, settings_.threads, evidence);
-    PLUMBLINE_TRY(largest);
-    reading_.room = largest->points;
-    const std::uint64_t most = most_points(header, source_->size()).value_or(kMostPoints) + later_.points;
-    const auto capacity = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(most, kFewestPoints, reading_.room));
-    reading_.plan = plan_memory(capacity, settings_.grid, settings_.threads, evidence);
-    PLUMBLINE_TRY(take_room(capacity));
-    const auto table = arena_.take_top<std::byte>(PointThinner::table_bytes(capacity), kStage);
+    // The columns of a compressed file are released before the next file is read, so the largest counts.
+    const auto capacity = room_({.points = sum_of_bounds(later_.points, most_points(header, source_->size())),
+                                 .reader_bytes = std::max(header.reader_bytes, later_.reader_bytes),
+                                 .kept_bytes = later_.kept_bytes});
+    PLUMBLINE_TRY(capacity);
+    PLUMBLINE_TRY(take_room(*capacity));
+    const auto table = arena_.take_top<std::byte>(PointThinner::table_bytes(*capacity), kStage);
     PLUMBLINE_TRY(table);
     read_ = reading_.cloud;
-    read_.position = read_.position.first(capacity);
+    read_.position = read_.position.first(*capacity);
     thinner_.emplace(read_, *table, settings_.rotation, settings_.first_cell);
     return thinner_->begin(header);
   }
@@ -69,7 +63,7 @@ class AdmittingSink final : public PointSink {
     return progress_ == nullptr || progress_->advance(Stage::kRead, share_.from + (share_.to - share_.from) * fraction);
   }
 
-  /// Gives back what the points did not take, and everything that was only for reading.
+  /// Releases the room that no point took, and everything that was only for reading.
   /// @param top  mark of the arena before the room was taken
   Expected<CloudReading> finish(std::size_t top) {
     reading_.averaged = thinner_->points_averaged();
@@ -77,7 +71,7 @@ class AdmittingSink final : public PointSink {
     reading_.offset = thinner_->offset();
     arena_.release_top(top);
     PLUMBLINE_TRY(take_room(read_.size));
-    // Every block moves up or stays, the highest first, so none lands on what has still to be moved.
+    // Each block moves up or stays. The highest moves first, so none overwrites one that is still to be moved.
     const auto positions = read_.positions();
     const auto normals = read_.normal.first(read_.size);
     std::copy_backward(positions.begin(), positions.end(), reading_.cloud.position.begin() + read_.size);
@@ -88,39 +82,34 @@ class AdmittingSink final : public PointSink {
   CloudReading& reading() { return reading_; }
 
  private:
-  /// For so many points of the scan, and what may be added to them.
+  /// Takes room for so many points of the scan, and for those that later stages may add.
   Status take_room(std::uint32_t points) {
-    points += Cloud::spare(points);
-    const auto nodes =
-        arena_.take_top<WindingTree::Node>(settings_.winding_nodes ? WindingTree::nodes_needed(points) : 0, kStage);
-    PLUMBLINE_TRY(nodes);
-    reading_.winding_nodes = *nodes;
-    const auto cloud = Cloud::create(points, arena_);
+    const auto cloud = Cloud::create(points + Cloud::spare(points), arena_);
     PLUMBLINE_TRY(cloud);
     reading_.cloud = *cloud;
     return {};
   }
 
   const CloudReadSettings& settings_;
-  std::size_t budget_;
-  LaterScans later_;
+  RoomForPoints room_;
+  ScanAnnouncement later_;
   Arena& arena_;
   ProgressSink* progress_;
   const ByteSource* source_ = nullptr;  ///< the file that is being read
   ReadShare share_;
   CloudReading reading_;
-  Cloud read_;  ///< reading_.cloud, of its capacity only what is for the scan
+  Cloud read_;  ///< reading_.cloud without its spare room
   std::optional<PointThinner> thinner_;
 };
 
-/// Files in the order in which they are read, those after the first with their heads looked at.
+/// The files in the order in which they are read. The heads of those after the first are read ahead.
 class ScanQueue {
  public:
   explicit ScanQueue(ScanSources sources) : sources_(sources) {}
 
-  /// @param workspace  kReaderWorkspace
-  Expected<LaterScans> peek(std::span<std::byte> workspace, Arena& arena) {
-    LaterScans later;
+  /// @param workspace  kReaderWorkspace bytes
+  Expected<ScanAnnouncement> peek(std::span<std::byte> workspace, Arena& arena) {
+    ScanAnnouncement later{.points = 0};
     for (std::size_t i = 1; i < sources_.size(); ++i) {
       const auto room = arena.take_bottom<std::byte>(PeekedSource::kBytes, kStage);
       PLUMBLINE_TRY(room);
@@ -128,12 +117,11 @@ class ScanQueue {
       peeked_[i].emplace(*sources_[i], *room);
       const auto head = peeked_[i]->peek(workspace);
       PLUMBLINE_TRY(head);
-      // Without its head a file promises what its size has room for.
+      // A file whose header is not understood yet may hold as many points as its size allows.
       ScanHeader unknown;
       unknown.encoding = "binary";
       const ScanHeader header = head->value_or(unknown);
-      later.points +=
-          std::min<std::uint64_t>(kMostPoints, most_points(header, sources_[i]->size()).value_or(kMostPoints));
+      later.points = sum_of_bounds(later.points, most_points(header, sources_[i]->size()));
       later.reader_bytes = std::max(later.reader_bytes, header.reader_bytes);
     }
     return later;
@@ -141,7 +129,7 @@ class ScanQueue {
   ByteSource& operator[](std::size_t i) { return i == 0 ? *sources_[0] : static_cast<ByteSource&>(*peeked_[i]); }
   std::size_t size() const { return sources_.size(); }
 
-  /// Of all bytes, or of the files where a size is unknown.
+  /// File i's share of all bytes; of the number of files where a size is unknown.
   ReadShare share(std::size_t i) const {
     double before = 0;
     double all = 0;
@@ -160,20 +148,20 @@ class ScanQueue {
   std::array<std::optional<PeekedSource>, kMostScans> peeked_;
 };
 
-/// Leaves what is at the bottom to the caller, and after an error what is at the top too.
-Expected<CloudReading> read_all(ScanSources sources, const CloudReadSettings& settings, std::size_t budget,
+/// Leaves the release of the bottom to the caller, and on error that of the top too.
+Expected<CloudReading> read_all(ScanSources sources, const CloudReadSettings& settings, RoomForPoints room,
                                 Arena& arena, ProgressSink* progress) {
   const std::size_t top = arena.top_mark();
-  // What the reader needs lies at the bottom meanwhile: how large the cloud at the top will be only its head tells.
+  // The reader's work space is at the bottom, since the size of the cloud at the top depends on the header it reads.
   const auto workspace = arena.take_bottom<std::byte>(kReaderWorkspace, kStage);
   PLUMBLINE_TRY(workspace);
   ScanQueue queue(sources);
   const auto later = queue.peek(*workspace, arena);
   PLUMBLINE_TRY(later);
   const std::size_t bottom = arena.bottom_mark();
-  AdmittingSink sink(settings, budget, *later, arena, progress);
+  CloudSink sink(settings, room, *later, arena, progress);
   for (std::size_t i = 0; i < queue.size(); ++i) {
-    sink.turn_to(queue[i], queue.share(i));
+    sink.start_file(queue[i], queue.share(i));
     const auto summary = read_scan(queue[i], sink, *workspace, &arena);
     PLUMBLINE_TRY(summary);
     arena.release_bottom(bottom);
@@ -185,26 +173,23 @@ Expected<CloudReading> read_all(ScanSources sources, const CloudReadSettings& se
 }  // namespace
 
 std::optional<std::uint64_t> most_points(const ScanHeader& header, std::optional<std::uint64_t> file_bytes) {
-  constexpr std::uint64_t kShortestRow = 6;     // "0 0 0" and its end
-  constexpr std::uint64_t kShortestRecord = 3;  // three numbers of a byte each
+  constexpr std::uint64_t kShortestRow = 6;     // "0 0 0" and the end of the line
+  constexpr std::uint64_t kShortestRecord = 3;  // three numbers of one byte each
   std::optional<std::uint64_t> most;
-  // A count in PTS stands before each part of a scan that was put together: more may follow.
+  // A merged PTS has a count before each of its parts, so the first one limits nothing.
   if (header.format == ScanFormat::kPly || header.format == ScanFormat::kPcd) most = header.declared_points;
-  // A compressed block has no least size a point.
+  // Compression leaves no smallest size of a point.
   if (!file_bytes || header.reader_bytes > 0) return most;
   const bool binary = std::string_view(header.encoding).starts_with("binary");
   const std::uint64_t rows = *file_bytes / (binary ? kShortestRecord : kShortestRow) + 1;
   return std::min(most.value_or(rows), rows);
 }
 
-Expected<CloudReading> read_cloud(ScanSources sources, const CloudReadSettings& settings, Arena& arena,
-                                  ProgressSink* progress) {
-  const std::size_t budget = arena.available();
-  PLUMBLINE_TRY(
-      largest_plan(budget, std::nullopt, settings.grid, settings.threads, {.confidence = settings.confidence}));
+Expected<CloudReading> read_cloud(ScanSources sources, const CloudReadSettings& settings, RoomForPoints room,
+                                  Arena& arena, ProgressSink* progress) {
   const std::size_t top = arena.top_mark();
   const std::size_t bottom = arena.bottom_mark();
-  auto reading = read_all(sources, settings, budget, arena, progress);
+  auto reading = read_all(sources, settings, room, arena, progress);
   arena.release_bottom(bottom);
   if (!reading) arena.release_top(top);
   return reading;

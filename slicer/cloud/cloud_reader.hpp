@@ -1,58 +1,53 @@
 #pragma once
-/// A scan becomes a cloud at the top of the arena: admitted, read, thinned (DESIGN sections 2 and 3, stage 1).
+/// Reads a scan into a cloud at the top of the arena, and thins what exceeds the room it is given (DESIGN 3, stage 1).
 
 #include <cstdint>
 #include <optional>
-#include <span>
 
 #include "slicer/cloud/cloud.hpp"
+#include "slicer/cloud/kd_tree.hpp"
 #include "slicer/core/byte_source.hpp"
-#include "slicer/core/print_grid.hpp"
 #include "slicer/core/progress.hpp"
-#include "slicer/implicit/winding_number.hpp"
-#include "slicer/plan/memory_plan.hpp"
 #include "slicer/reader/scan_sources.hpp"
 
 namespace plumbline {
 
 struct CloudReadSettings {
   Mat3d rotation = Mat3d::Identity();  ///< from scan axes to print axes
-  double first_cell = 0;               ///< of the thinning, scan units; 0: none before the room is used up
-  std::optional<PrintGrid> grid;       ///< of the printer, for the plan
-  std::uint32_t threads = 1;           ///< for the plan
-  bool confidence = false;             ///< for the plan
-  bool winding_nodes = false;          ///< whether their room is taken too: they outlive all but the cloud
+  double first_cell = 0;  ///< of the thinning, scan units; 0: points are thinned only when the room is full
 };
 
-/// What stays at the top of the arena, and what was learned on the way.
+/// What the headers of all files announce, known before the first point is read.
+struct ScanAnnouncement {
+  std::optional<std::uint64_t> points;  ///< at most; none where a file doesn't limit its number
+  std::uint64_t reader_bytes = 0;       ///< ScanHeader::reader_bytes, the largest of the files
+  std::uint64_t kept_bytes = 0;         ///< of the arena, for the heads of files that wait for their turn
+};
+
+/// Decides how many points the cloud gets room for. Called once, when the headers of all files were read.
+/// @returns 1 or more, or the error that read_cloud() returns
+using RoomForPoints = FunctionRef<Expected<std::uint32_t>(const ScanAnnouncement& announced)>;
+
+/// The cloud stays at the top of the arena.
 struct CloudReading {
   ScanSummaries scans;
-  Cloud cloud;  ///< as large as its points
-  std::span<WindingTree::Node> winding_nodes;
+  Cloud cloud;                   ///< its capacity is its size and Cloud::spare() of that
   Vec3d offset = Vec3d::Zero();  ///< rotated scan coordinates of the cloud's origin
-  std::uint32_t room = 0;        ///< points the arena has room for
-  std::uint64_t averaged = 0;    ///< scan points that went into another's place
+  std::uint64_t averaged = 0;    ///< scan points merged into another
   double cell = 0;               ///< of the thinning, scan units; 0: nothing was averaged
-  MemoryPlan plan;               ///< of what the header promised, as far as there is room
 };
 
-/// The most points that a scan can have, as its head and the size of its file tell. The head's count alone is a word: it
-/// is an upper bound where the reader stops at it, and what makes no room larger than the arena's, ever.
+/// The most points that a file can hold by its header and its size. A header's count is an upper bound where the reader
+/// stops at that count.
+/// @returns none where neither limits them
 std::optional<std::uint64_t> most_points(const ScanHeader& header, std::optional<std::uint64_t> file_bytes);
 
-/// Reads a scan, which may be in several files: one after the other, in one frame. The job is admitted twice: before the
-/// first byte by the printer's grid alone, and when the heads of the files have been read, before the first point, by what
-/// they say together. More points than there is room for are thinned.
+/// Reads a scan, which may be in several files: one after the other, in one frame.
 /// @param sources   1 to kMostScans, each read once from start to end
+/// @param room      asked before the first point; more points than it allows are thinned
 /// @param progress  may be null
-/// @retval ErrorCode::kOutOfMemory  not even kFewestPoints fit: need and budget
-/// @retval all of read_scan()
-[[nodiscard]] Expected<CloudReading> read_cloud(ScanSources sources, const CloudReadSettings& settings, Arena& arena,
-                                                ProgressSink* progress);
-[[nodiscard]] inline Expected<CloudReading> read_cloud(ByteSource& source, const CloudReadSettings& settings,
-                                                       Arena& arena, ProgressSink* progress) {
-  ByteSource* const one[] = {&source};
-  return read_cloud(ScanSources(one), settings, arena, progress);
-}
+/// @retval all of read_scan() and of `room`; ErrorCode::kOutOfMemory
+[[nodiscard]] Expected<CloudReading> read_cloud(ScanSources sources, const CloudReadSettings& settings,
+                                                RoomForPoints room, Arena& arena, ProgressSink* progress);
 
 }  // namespace plumbline

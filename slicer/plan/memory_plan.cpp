@@ -71,8 +71,9 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
     plan.bytes[static_cast<std::size_t>(stage)] = bytes + kSlack;
   };
   const std::uint32_t room = points + Cloud::spare(points);
-  const std::size_t winding = WindingTree::bytes_needed(room);
-  const std::size_t cloud = winding + Cloud::kBytesPerPoint * room;
+  // The nodes of the winding number tree stand from kWindingTree on. The earlier stages count them too: without them more
+  // points would be kept of a scan that is thinned, and its masks would change.
+  const std::size_t cloud = WindingTree::bytes_needed(room) + Cloud::kBytesPerPoint * room;
   const std::size_t tree = KdTree3::kBytesPerPoint * std::size_t{points};
   const auto reader =
       static_cast<std::size_t>(std::min<std::uint64_t>(evidence.reader_bytes, kTooMuch) + evidence.kept_bytes);

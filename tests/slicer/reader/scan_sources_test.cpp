@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "slicer/cloud/cloud_reader.hpp"
+#include "tests/slicer/support/admitted_cloud.hpp"
 #include "tests/slicer/support/slicing.hpp"
 
 namespace plumbline {
@@ -70,17 +70,17 @@ TEST(ScanSources, ArePlannedAndThinnedTogether) {
     std::vector<ByteSource*> sources;
     for (MemorySource& file : files) sources.push_back(&file);
     ArenaBlock arena(arena_bytes);
-    return value_of(read_cloud(sources, {}, *arena, nullptr));
+    return value_of(read_admitted(sources, *arena));
   };
   const MemorySource one(whole, "whole.ply");
   const MemorySource top(halves.top, "top.ply");
   const MemorySource bottom(halves.bottom, "bottom.ply");
   constexpr std::size_t kForHalf = 13 * kMiB;  // either half would fit; both do not
-  const CloudReading half = read({top}, kForHalf);
-  EXPECT_EQ(half.averaged, 0U);
-  const CloudReading thinned = read({top, bottom}, kForHalf);
-  EXPECT_GT(thinned.averaged, 0U);
-  EXPECT_LE(thinned.cloud.size, thinned.room);
+  const AdmittedCloud half = read({top}, kForHalf);
+  EXPECT_EQ(half.reading.averaged, 0U);
+  const AdmittedCloud thinned = read({top, bottom}, kForHalf);
+  EXPECT_GT(thinned.reading.averaged, 0U);
+  EXPECT_LE(thinned.reading.cloud.size, thinned.room);
   EXPECT_LE(thinned.plan.peak(), kForHalf);
   // With room enough the plan is that of their sum.
   EXPECT_EQ(read({top, bottom}, 100 * kMiB).plan.points, read({one}, 100 * kMiB).plan.points);
