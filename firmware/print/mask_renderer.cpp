@@ -10,7 +10,7 @@ namespace {
 
 using Row = std::span<const std::uint64_t>;
 
-/// Pixels of word `w` that have a white pixel on both sides.
+/// Bits of word `w` whose left and right neighbours are white.
 std::uint64_t between(Row row, std::size_t w) {
   const std::uint64_t before = w == 0 ? 0 : row[w - 1] >> 63;
   const std::uint64_t after = w + 1 == row.size() ? 0 : row[w + 1] << 63;
@@ -30,7 +30,7 @@ void erode_row(Row above, Row at, Row below, bool eight, std::span<std::uint64_t
 void erode(BitImage image, std::uint32_t steps, std::span<std::uint64_t> scratch) {
   const std::size_t stride = image.stride();
   for (std::uint32_t step = 0; step < steps; ++step) {
-    // Rows as they were: the one above is overwritten when its turn has passed.
+    // Copies of the old rows: each row is overwritten before the next one reads it.
     auto above = scratch.first(stride);
     auto at = scratch.subspan(stride, stride);
     const auto black = scratch.subspan(2 * stride, stride);
@@ -46,17 +46,17 @@ void erode(BitImage image, std::uint32_t steps, std::span<std::uint64_t> scratch
   }
 }
 
-Expected<MaskMaker> MaskMaker::create(LayerStream& stream, const PrintPlan& plan, Arena& arena) {
+Expected<MaskRenderer> MaskRenderer::create(LayerStream& stream, const PrintPlan& plan, Arena& arena) {
   const auto rows = arena.take_bottom<std::uint64_t>(3 * BitImage::words_needed(stream.grid().columns, 1), "masks");
   PLUMBLINE_TRY(rows);
-  return MaskMaker(stream, plan, *rows);
+  return MaskRenderer(stream, plan, *rows);
 }
 
-std::size_t MaskMaker::bytes_needed(const PrintGrid& grid) {
+std::size_t MaskRenderer::bytes_needed(const PrintGrid& grid) {
   return Arena::rounded(3 * BitImage::words_needed(grid.columns, 1) * sizeof(std::uint64_t));
 }
 
-MaskFacts MaskMaker::make(std::uint32_t layer, BitImage out) {
+MaskFacts MaskRenderer::render(std::uint32_t layer, BitImage out) {
   using HostClock = std::chrono::steady_clock;
   MaskFacts facts;
   const auto start = HostClock::now();

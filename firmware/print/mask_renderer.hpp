@@ -1,5 +1,5 @@
 #pragma once
-/// Masks for the panel: the layer stream's, with the outline of the bottom layers drawn in, in the panel's buffer.
+/// Draws masks into the panel's buffer: those of the layer stream, the bottom layers' outlines drawn in against elephant's foot.
 
 #include <chrono>
 #include <cstdint>
@@ -12,31 +12,31 @@
 
 namespace plumbline {
 
-/// What a mask took, by the processor's clock: the machine's may be virtual.
+/// One mask's facts. Times are the processor's: the machine's clock may be virtual.
 struct MaskFacts {
   std::uint64_t hash = 0;              ///< mask_hash()
   std::uint64_t pixels = 0;            ///< that let light through
-  std::chrono::nanoseconds making{};   ///< the layer stream's part
-  std::chrono::nanoseconds copying{};  ///< its bytes into the panel's buffer
+  std::chrono::nanoseconds making{};   ///< in the layer stream, and eroding
+  std::chrono::nanoseconds copying{};  ///< into the panel's buffer
 };
 
-class MaskMaker {
+class MaskRenderer {
  public:
-  /// Takes a few rows from the bottom of the arena.
-  /// @param stream  outlives the maker
+  /// Takes three rows from the bottom of the arena.
+  /// @param stream  must outlive the renderer
   /// @retval ErrorCode::kOutOfMemory
-  [[nodiscard]] static Expected<MaskMaker> create(LayerStream& stream, const PrintPlan& plan, Arena& arena);
+  [[nodiscard]] static Expected<MaskRenderer> create(LayerStream& stream, const PrintPlan& plan, Arena& arena);
 
   static std::size_t bytes_needed(const PrintGrid& grid);
 
   const PrintGrid& grid() const { return stream_->grid(); }
 
-  /// Draws the mask of a layer; every word of `out` is written. The layer after the last one costs least.
-  /// @param out  of the grid's columns and rows
-  MaskFacts make(std::uint32_t layer, BitImage out);
+  /// Draws the mask of a layer. Layers in ascending order cost least.
+  /// @param out  of the grid's columns and rows; every word is written
+  MaskFacts render(std::uint32_t layer, BitImage out);
 
  private:
-  MaskMaker(LayerStream& stream, const PrintPlan& plan, std::span<std::uint64_t> rows)
+  MaskRenderer(LayerStream& stream, const PrintPlan& plan, std::span<std::uint64_t> rows)
       : stream_(&stream), plan_(plan), rows_(rows) {}
 
   LayerStream* stream_;
@@ -44,8 +44,8 @@ class MaskMaker {
   std::span<std::uint64_t> rows_;  ///< three rows of scratch
 };
 
-/// Takes `steps` pixels off the outline, by turns from the 4 and the 8 neighbours of each pixel, so that what goes is nearly a
-/// disc. Outside of the image all is black.
+/// Takes `steps` pixels off the outline. Odd and even steps test 4 and 8 neighbours, so that what is removed is nearly a disc.
+/// Pixels outside the image count as black.
 /// @param scratch  3 rows of the image's stride
 void erode(BitImage image, std::uint32_t steps, std::span<std::uint64_t> scratch);
 

@@ -34,7 +34,7 @@ bool calls_the_user(PrintState state) {
 
 }  // namespace
 
-PrintJob::PrintJob(Machine& machine, const PrintSettings& settings, MaskMaker& masks, Journal* journal,
+PrintJob::PrintJob(Machine& machine, const PrintSettings& settings, MaskRenderer& masks, Journal* journal,
                    std::span<ExposureLine> exposures, PrintObserver& observer)
     : machine_(machine),
       settings_(settings),
@@ -143,7 +143,7 @@ Status PrintJob::draw(std::uint32_t layer) {
   mask_.reset();
   auto buffer = machine_.mask.lend();
   PLUMBLINE_TRY(buffer);
-  mask_facts_ = masks_.make(layer, buffer->image());
+  mask_facts_ = masks_.render(layer, buffer->image());
   mask_.emplace(std::move(*buffer));
   mask_layer_ = layer;
   return {};

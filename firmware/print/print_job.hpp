@@ -64,7 +64,7 @@ class PrintJob {
   /// @param masks      of the plan's layers
   /// @param journal    null: none is kept, and a power cut ends the print for good
   /// @param exposures  room for what the report tells of each; its size is what is told
-  PrintJob(Machine& machine, const PrintSettings& settings, MaskMaker& masks, Journal* journal,
+  PrintJob(Machine& machine, const PrintSettings& settings, MaskRenderer& masks, Journal* journal,
            std::span<ExposureLine> exposures, PrintObserver& observer);
 
   /// Prints until a state at rest. The report has what came of it, errors too.
@@ -116,7 +116,7 @@ class PrintJob {
   Machine& machine_;
   const PrintSettings settings_;
   const PrintPlan& plan_ = settings_.plan;
-  MaskMaker& masks_;
+  MaskRenderer& masks_;
   Journal* journal_;
   PrintObserver& observer_;
   std::span<ExposureLine> lines_;

@@ -1,46 +1,14 @@
 #include "firmware/print/print_session.hpp"
 
-#include <array>
-
+#include "firmware/io/hashing_source.hpp"
 #include "slicer/core/stage_scope.hpp"
 
 namespace plumbline {
-
-Expected<std::size_t> HashingSource::read(std::span<std::byte> buffer) {
-  const auto got = source_.read(buffer);
-  if (got) hash_.add(buffer.first(*got));
-  return got;
-}
 
 PrintSession::PrintSession(const BoardFile& board, const MachineFile& machine, Arena& arena, JobStore* store)
     : board_(board), machine_(machine), arena_(arena), store_(store), bottom_(arena.bottom_mark()) {}
 
 PrintSession::~PrintSession() { arena_.release_bottom(bottom_); }
-
-namespace {
-
-/// The files of a scan and their fingerprints.
-class HashingSources {
- public:
-  explicit HashingSources(ScanSources scan) : count_(scan.size()) {
-    for (std::size_t i = 0; i < count_; ++i) pointers_[i] = &hashing_[i].emplace(*scan[i]);
-  }
-  ScanSources sources() const { return ScanSources(pointers_).first(count_); }
-  /// That of the file where there is one, else that of the files' fingerprints in their order.
-  std::uint64_t hash() const {
-    if (count_ == 1) return hashing_[0]->hash();
-    Hash64 all;
-    for (std::size_t i = 0; i < count_; ++i) all.add_value(hashing_[i]->hash());
-    return all.value();
-  }
-
- private:
-  std::size_t count_;
-  std::array<std::optional<HashingSource>, kMostScans> hashing_;
-  std::array<ByteSource*, kMostScans> pointers_ = {};
-};
-
-}  // namespace
 
 Status PrintSession::slice_scan(ScanSources scan, const SliceSettings& settings,
                                 const std::optional<SupportSettings>& supports, const PrintProfile& profile,
@@ -116,7 +84,7 @@ Status PrintSession::make_ready() {
   auto stream = LayerStream::create(rrep_, arena_, &supports_);
   PLUMBLINE_TRY(stream);
   stream_ = *stream;
-  auto masks = MaskMaker::create(*stream_, facts_.plan, arena_);
+  auto masks = MaskRenderer::create(*stream_, facts_.plan, arena_);
   PLUMBLINE_TRY(masks);
   masks_ = *masks;
   const std::size_t exposures = std::size_t{rrep_.grid.layers} + kSpareExposures;

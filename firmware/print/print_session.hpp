@@ -5,7 +5,6 @@
 #include <optional>
 #include <span>
 
-#include "firmware/io/hash64.hpp"
 #include "firmware/print/job_store.hpp"
 #include "firmware/print/mask_renderer.hpp"
 #include "firmware/print/print_job.hpp"
@@ -16,20 +15,6 @@
 #include "slicer/supports/support_finder.hpp"
 
 namespace plumbline {
-
-/// Passes a stream on and takes its fingerprint.
-class HashingSource final : public ByteSource {
- public:
-  explicit HashingSource(ByteSource& source) : source_(source) {}
-  Expected<std::size_t> read(std::span<std::byte> buffer) override;
-  std::string_view name() const override { return source_.name(); }
-  std::optional<std::uint64_t> size() const override { return source_.size(); }
-  std::uint64_t hash() const { return hash_.value(); }
-
- private:
-  ByteSource& source_;
-  Hash64 hash_;
-};
 
 class PrintSession {
  public:
@@ -97,7 +82,7 @@ class PrintSession {
   SupportCounts support_counts_;
   std::uint64_t support_pixels_ = 0;
   std::optional<LayerStream> stream_;
-  std::optional<MaskMaker> masks_;
+  std::optional<MaskRenderer> masks_;
   std::optional<JournalFile> journal_file_;
   std::optional<Journal> journal_;
   std::span<ExposureLine> lines_;

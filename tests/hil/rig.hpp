@@ -174,7 +174,7 @@ class Rig {
     machine_.reset();
     machine_.emplace(plant);
     stream_ = LayerStream::create(tower_.rrep(), *arena_).value();
-    masks_ = MaskMaker::create(*stream_, plan, *arena_).value();
+    masks_ = MaskRenderer::create(*stream_, plan, *arena_).value();
     auto opened = Journal::open(storage);
     if (!opened && opened.error().code() == ErrorCode::kTruncated) opened = Journal::create(storage, 77, plan.layers);
     EXPECT_TRUE(opened) << opened.error().message();
@@ -237,7 +237,7 @@ class Rig {
   std::optional<Arena> arena_;
   std::optional<SimMachine> machine_;
   std::optional<LayerStream> stream_;
-  std::optional<MaskMaker> masks_;
+  std::optional<MaskRenderer> masks_;
   std::optional<Journal> journal_;
   std::vector<ExposureLine> lines_;
   std::optional<PrintJob> job_;

@@ -17,7 +17,7 @@ struct Image {
   BitImage image;
 };
 
-/// Pixel by pixel, as the docstring has it.
+/// The docstring, pixel by pixel.
 void erode_slowly(BitImage image, std::uint32_t steps) {
   for (std::uint32_t step = 0; step < steps; ++step) {
     Image before(image.columns(), image.rows());
@@ -42,7 +42,7 @@ void erode_slowly(BitImage image, std::uint32_t steps) {
   }
 }
 
-TEST(Erode, AgreesWithPixelByPixel) {
+TEST(Erode, AgreesWithAPixelByPixelLoop) {
   std::mt19937 random(7);
   for (const std::uint32_t columns : {1U, 5U, 63U, 64U, 65U, 130U, 192U}) {
     for (const std::uint32_t steps : {0U, 1U, 2U, 3U, 5U}) {

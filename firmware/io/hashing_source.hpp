@@ -1,0 +1,47 @@
+#pragma once
+/// Scans that are hashed while they are read.
+
+#include <array>
+#include <optional>
+#include <span>
+
+#include "firmware/io/hash64.hpp"
+#include "slicer/core/byte_source.hpp"
+#include "slicer/reader/scan_sources.hpp"
+
+namespace plumbline {
+
+/// Passes a stream on and hashes its bytes.
+class HashingSource final : public ByteSource {
+ public:
+  /// @param source  must outlive this
+  explicit HashingSource(ByteSource& source) : source_(source) {}
+  Expected<std::size_t> read(std::span<std::byte> buffer) override;
+  std::string_view name() const override { return source_.name(); }
+  std::optional<std::uint64_t> size() const override { return source_.size(); }
+  std::uint64_t hash() const { return hash_.value(); }  ///< of the bytes read so far
+
+ private:
+  ByteSource& source_;
+  Hash64 hash_;
+};
+
+/// The same for all files of a scan.
+class HashingSources {
+ public:
+  /// @param scan  1 to kMostScans files; they must outlive this
+  explicit HashingSources(ScanSources scan);
+  HashingSources(const HashingSources&) = delete;
+  HashingSources& operator=(const HashingSources&) = delete;
+
+  ScanSources sources() const { return ScanSources(pointers_).first(count_); }
+  /// One file: the hash of its bytes. Several: the hash of their hashes, in order.
+  std::uint64_t hash() const;
+
+ private:
+  std::size_t count_;
+  std::array<std::optional<HashingSource>, kMostScans> hashing_;
+  std::array<ByteSource*, kMostScans> pointers_ = {};
+};
+
+}  // namespace plumbline
