@@ -8,8 +8,9 @@
 
 namespace plumbline {
 
-/// Parses the arguments, does what they say, and tells what the process is to return.
+/// Parses the arguments and runs the subcommand.
 /// @param arena_block  the program's static memory
+/// @returns what the process is to return
 ExitCode run_command_line(int argc, char** argv, std::span<std::byte> arena_block);
 
 }  // namespace plumbline

@@ -1,5 +1,5 @@
 #pragma once
-/// What the program `plumbline` does, a function a subcommand.
+/// The subcommands of `plumbline`: their options, and what they do.
 
 #include <cstddef>
 #include <cstdint>
@@ -12,13 +12,17 @@
 #include "firmware/settings/job_options.hpp"
 #include "firmware/settings/support_choice.hpp"
 
+namespace CLI {
+class App;
+}
+
 namespace plumbline {
 
 struct SliceOptions {
   JobOptions job;
   std::string output;
   bool preview = true;
-  std::optional<SupportSettings> supports;  ///< none: no supports
+  SupportChoice supports;
 };
 
 struct InspectOptions {
@@ -28,8 +32,8 @@ struct InspectOptions {
 
 struct SampleOptions {
   std::string output;
-  std::uint64_t points = 0;
-  std::uint64_t seed = 0;
+  std::uint64_t points = 300'000;
+  std::uint64_t seed = 1;
   bool quiet = false;
 };
 
@@ -49,8 +53,15 @@ struct DoctorOptions {
   bool json = false;
 };
 
-/// Each writes results to standard output, progress, warnings and errors to standard error.
-/// @param arena_block  the program's
+/// Each adds a subcommand whose options are parsed into `options`, which must outlive the parsing.
+CLI::App* add_slice_command(CLI::App& app, SliceOptions& options);
+CLI::App* add_inspect_command(CLI::App& app, InspectOptions& options);
+CLI::App* add_print_command(CLI::App& app, PrintOptions& options);
+CLI::App* add_sample_command(CLI::App& app, SampleOptions& options);
+CLI::App* add_doctor_command(CLI::App& app, DoctorOptions& options);
+
+/// Each runs a subcommand. Results go to standard output; progress, warnings and errors to standard error.
+/// @param arena_block  the program's static memory
 ExitCode run_slice(const SliceOptions& options, std::span<std::byte> arena_block);
 ExitCode run_inspect(const InspectOptions& options, std::span<std::byte> arena_block);
 ExitCode run_print(const PrintOptions& options, std::span<std::byte> arena_block);

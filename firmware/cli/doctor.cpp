@@ -1,11 +1,22 @@
 #include "firmware/cli/doctor.hpp"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 
 #include "firmware/io/json_writer.hpp"
 
 namespace plumbline {
 namespace {
+
+constexpr const char* kFooter =
+    "\nExamples:\n"
+    "  plumbline doctor --printer my_printer.toml\n"
+    "\n"
+    "Run it on the printer's own board. It looks for every line, panel, sensor, fan, stick port and permission that a "
+    "print\n"
+    "needs, and says what it found, what is wrong and what to do. It moves and lights nothing and disturbs no print.\n"
+    "\n"
+    "Exit status: 0 ready to print, 1 something is wrong, 2 wrong command line.\n";
 
 using Verdict = MachineFinding::Verdict;
 
@@ -29,6 +40,14 @@ std::string padded(std::string text, std::size_t width) {
 }
 
 }  // namespace
+
+CLI::App* add_doctor_command(CLI::App& app, DoctorOptions& options) {
+  auto* command = app.add_subcommand("doctor", "Check the hardware of the printer this runs on");
+  command->footer(kFooter);
+  command->add_option("--printer", options.printer, "The printer's name or board file")->required()->type_name("NAME");
+  command->add_flag("--json", options.json, "Print the findings as one JSON object and nothing else");
+  return command;
+}
 
 bool prints(std::span<const MachineFinding> findings) { return count(findings, Verdict::kWrong) == 0; }
 

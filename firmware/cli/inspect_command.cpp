@@ -1,13 +1,25 @@
+#include <CLI/CLI.hpp>
+
 #include "firmware/cli/commands.hpp"
 #include "firmware/cli/inspect_report.hpp"
+#include "firmware/cli/shared_options.hpp"
 #include "firmware/io/interrupt.hpp"
 #include "firmware/io/job_progress.hpp"
 #include "firmware/io/progress_lines.hpp"
 #include "firmware/io/scan_files.hpp"
 
 namespace plumbline {
-
 namespace {
+
+constexpr const char* kFooter =
+    "\nExamples:\n"
+    "  plumbline inspect bust.ply\n"
+    "  plumbline inspect bust.ply --printer mono2k --rotate-x 90\n"
+    "  plumbline inspect bust.ply --picture seen.png\n"
+    "\n"
+    "Output: size, points and normals, noise, what the scanner did not see, and whether it fits the printer. For what "
+    "the\n"
+    "scanner did not see the scan is read a second time and sliced coarsely. Only the picture is written to disk.\n";
 
 /// Fills outlook.look, or says why not. A scan that has no surface has no look either, which is no error here.
 Status look(const InspectOptions& options, const JobSetup& setup, ScanOutlook& outlook, Arena& arena) {
@@ -44,6 +56,15 @@ Status look(const InspectOptions& options, const JobSetup& setup, ScanOutlook& o
 
 }  // namespace
 
+CLI::App* add_inspect_command(CLI::App& app, InspectOptions& options) {
+  auto* command = app.add_subcommand("inspect", "Show what is in a scan and whether it fits the printer");
+  command->footer(kFooter);
+  command->add_option("--picture", options.picture, "Draw what the scanner saw and what it did not")->type_name("PNG");
+  add_job_options(*command, options.job);
+  add_program_options(*command, options.job);
+  return command;
+}
+
 ExitCode run_inspect(const InspectOptions& inspect_options, std::span<std::byte> arena_block) {
   const JobOptions& options = inspect_options.job;
   const auto setup = set_up(options, arena_block);
@@ -52,7 +73,7 @@ ExitCode run_inspect(const InspectOptions& inspect_options, std::span<std::byte>
   const auto scan = ScanFiles::open(options.scans);
   if (!scan) return report_error(scan.error());
   const bool silent = options.quiet || options.json;
-  ProgressLines lines;
+  ProgressLines lines(options.verbose);
   JobProgress progress(silent ? nullptr : &lines);
   Arena arena(setup->arena_block);
   InspectSettings settings;

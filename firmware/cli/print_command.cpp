@@ -1,7 +1,9 @@
+#include <CLI/CLI.hpp>
 #include <algorithm>
 
 #include "firmware/cli/commands.hpp"
 #include "firmware/cli/printed_part.hpp"
+#include "firmware/cli/shared_options.hpp"
 #include "firmware/io/interrupt.hpp"
 #include "firmware/io/job_progress.hpp"
 #include "firmware/io/progress_lines.hpp"
@@ -17,6 +19,47 @@ namespace {
 
 /// Virtual time that a print may wait for a user who is not there.
 constexpr nanoseconds kNobodyComes = std::chrono::hours(1);
+
+constexpr const char* kFooter =
+    "\nExamples:\n"
+    "  plumbline print bust.ply --printer sim2k                     hours of printing in seconds\n"
+    "  plumbline print bust.ply --printer sim2k --keep-part part    and keep the part that came of it\n"
+    "  plumbline print bust.ply --printer sim2k --fault temperature.lamp_hot@layer=40,for=5s   it waits and goes on\n"
+    "  plumbline print bust.ply --printer sim2k --state job --fault power.cut@layer=40\n"
+    "  plumbline print --resume --printer sim2k --state job         go on after the power cut\n"
+    "\n"
+    "Output: the checks, a line that shows progress, and at the end time, resin and what went wrong. "
+    "firmware/README.md\n"
+    "explains the codes of faults; hal/sim/README.md lists those that can be simulated.\n"
+    "\n"
+    "Exit status: 0 printed, 1 a fault or an error, 2 wrong command line, 130 cancelled.\n";
+
+void add_simulation_options(CLI::App& app, PrintOptions& print) {
+  constexpr const char* kSimulation = "Simulation";
+  SimulationOptions& simulation = print.simulation;
+  app.add_flag("--simulate", simulation.simulate, "Simulate the printer even if it is a real one")->group(kSimulation);
+  auto* speedup = app.add_option("--speedup", simulation.speedup,
+                                 "Simulated seconds per second, 0.1 to 1000000 [as fast as this machine can]")
+                      ->type_name("N")
+                      ->check(finite_range(0.1, 1e6))
+                      ->group(kSimulation);
+  app.add_flag_callback(
+         "--realtime", [&simulation] { simulation.speedup = 1; }, "Same as --speedup 1")
+      ->excludes(speedup)
+      ->group(kSimulation);
+  app.add_option("--fault", simulation.faults, "What goes wrong, such as lamp.stuck_on@layer=40; may be repeated")
+      ->type_name("FAULT")
+      ->take_all()
+      ->group(kSimulation);
+  app.add_option("--lamp-line", simulation.lamp_line,
+                 "Line that plumbline-keeper switches together with the simulated lamp; file:PATH records the changes. "
+                 "Needs --speedup or --realtime")
+      ->type_name("LINE")
+      ->group(kSimulation);
+  app.add_option("--keep-part", print.keep_part, "Write what was cured: layers, preview and manifest")
+      ->type_name("DIR")
+      ->group(kSimulation);
+}
 
 struct Printer {
   BoardFile board;
@@ -51,7 +94,7 @@ Status make_ready(const PrintOptions& options, const JobSetup& setup, const Prin
   settings.base = setup.base;
   settings.keep_all = setup.keep_all;
   settings.threads = setup.threads;
-  ProgressLines lines;
+  ProgressLines lines(options.job.verbose);
   JobProgress progress(silent ? nullptr : &lines);
   PLUMBLINE_TRY(session.slice_scan(scan->sources(), settings, *supports, printer.profile, &progress));
   if (silent) return {};
@@ -87,6 +130,39 @@ ExitCode exit_code(PrintState state) {
 }
 
 }  // namespace
+
+CLI::App* add_print_command(CLI::App& app, PrintOptions& options) {
+  constexpr const char* kPrint = "Print";
+  auto* command = app.add_subcommand("print", "Print a scan");
+  command->footer(kFooter);
+  auto* scan = add_job_options(*command, options.job)->required(false);
+  command->get_option("--printer")->required();
+  add_support_options(*command, options.supports, "[as in the profile]");
+  command
+      ->add_option("--profile", options.profile,
+                   "Resin and print settings: a name, such as draft, or a profile's file [the printer's]")
+      ->type_name("NAME")
+      ->group(kPrint);
+  auto* state =
+      command->add_option("--state", options.state, "Folder for the journal, to go on after a power cut [no journal]")
+          ->type_name("DIR")
+          ->group(kPrint);
+  auto* resume = command->add_flag("--resume", options.resume, "Go on with the interrupted print in --state")
+                     ->needs(state)
+                     ->excludes(scan)
+                     ->excludes("--supports")
+                     ->group(kPrint);
+  for (const SupportField& field : kSupportFields) resume->excludes(option_name(field));
+  command->add_option("--report", options.report, "Write the report, with every exposure, as JSON")
+      ->type_name("FILE")
+      ->group(kPrint);
+  add_simulation_options(*command, options);
+  add_program_options(*command, options.job);
+  command->callback([&options] {
+    if (!options.resume && options.job.scans.empty()) throw CLI::RequiredError("a scan, or --resume with --state,");
+  });
+  return command;
+}
 
 ExitCode run_print(const PrintOptions& options, std::span<std::byte> arena_block) {
   const auto printer = read_printer(options);

@@ -1,4 +1,7 @@
+#include <CLI/CLI.hpp>
+
 #include "firmware/cli/commands.hpp"
+#include "firmware/cli/shared_options.hpp"
 #include "firmware/io/interrupt.hpp"
 #include "firmware/io/json_writer.hpp"
 #include "firmware/io/progress_lines.hpp"
@@ -8,6 +11,24 @@
 
 namespace plumbline {
 namespace {
+
+constexpr const char* kFooter =
+    "\nExamples:\n"
+    "  plumbline slice bust.ply -o out --printer mono2k         centred on the printer's plate\n"
+    "  plumbline slice bust.ply -o out --printer mono2k --fit   as large as the printer can\n"
+    "  plumbline slice bust.ply -o out --supports auto          with supports\n"
+    "  plumbline slice bust.ply -o out --rotate-x 90            a scan whose y points up\n"
+    "  plumbline slice front.ply back.ply -o out                one scan in two files\n"
+    "\n"
+    "Output:\n"
+    "  OUT/layers/00000.png ...  a mask per layer, lowest first: 1-bit greyscale, white cures, row 0 has the smallest "
+    "y\n"
+    "  OUT/preview.png           the print from the front, the side and above\n"
+    "  OUT/confidence.png        which parts of the surface were scanned, and which were closed\n"
+    "  OUT/manifest.json         grid, hashes, figures; written last, so a job that has it is complete\n"
+    "An older job in OUT is replaced. A folder that holds anything else is refused.\n"
+    "\n"
+    "Exit status: 0 done, 1 file, scan or disk error, 2 wrong command line, 130 interrupted.\n";
 
 Status write_result(const JobReport& report, const SliceOptions& options) {
   OutputFile out = OutputFile::standard_output();
@@ -29,6 +50,25 @@ void write_warnings(const JobWarnings& warnings) {
 
 }  // namespace
 
+CLI::App* add_slice_command(CLI::App& app, SliceOptions& options) {
+  auto* command = app.add_subcommand("slice", "Slice a scan into layer masks");
+  command->footer(kFooter);
+  command->add_option("-o,--output", options.output, "Folder for the layers; created if it is missing")
+      ->required()
+      ->type_name("OUT");
+  command->add_flag_callback(
+      "--no-preview", [&options] { options.preview = false; }, "Don't draw preview.png and confidence.png");
+  add_job_options(*command, options.job);
+  add_support_options(*command, options.supports, "[none]");
+  add_program_options(*command, options.job);
+  command->callback([&options] {
+    if (const auto supports = options.supports.over(false, {}); !supports) {
+      throw CLI::ValidationError(supports.error().message());
+    }
+  });
+  return command;
+}
+
 ExitCode run_slice(const SliceOptions& options, std::span<std::byte> arena_block) {
   const auto setup = set_up(options.job, arena_block);
   if (!setup) return report_error(setup.error());
@@ -41,13 +81,13 @@ ExitCode run_slice(const SliceOptions& options, std::span<std::byte> arena_block
   settings.slice.keep_all = setup->keep_all;
   settings.slice.threads = setup->threads;
   settings.preview = options.preview;
-  settings.supports = options.supports;
+  settings.supports = *options.supports.over(false, {});  // checked when the arguments were parsed
   catch_interrupts();
   Arena arena(setup->arena_block);
   auto job = SliceJob::prepare(settings, arena);
   if (!job) return report_error(job.error());
   const bool silent = options.job.quiet || options.job.json;
-  ProgressLines lines;
+  ProgressLines lines(options.job.verbose);
   JobProgress progress(silent ? nullptr : &lines);
   const auto done = job->run(progress);
   if (!done) {

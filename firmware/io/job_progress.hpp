@@ -1,5 +1,5 @@
 #pragma once
-/// Seconds of each stage, and the way to stop: what the slicer, which has no clock, tells the programs.
+/// Measures how long each stage takes, shows it, and lets an interrupt stop the work. The slicer itself has no clock.
 
 #include <array>
 #include <chrono>
@@ -8,19 +8,20 @@
 
 namespace plumbline {
 
-/// Who shows the work: a terminal, a log, nobody.
+/// Shows the work in progress, on a terminal or in a log.
 class ProgressDisplay {
  public:
   virtual ~ProgressDisplay() = default;
-  virtual void begin(std::string_view stage) = 0;
-  /// Often; the display decides how much of it to show.
-  /// @param seconds  since begin()
-  virtual void update(std::string_view stage, double fraction, double seconds) = 0;
-  /// @param peak_bytes  of the arena
-  virtual void end(std::string_view stage, double seconds, std::size_t peak_bytes) = 0;
+  virtual void begin(Stage stage) = 0;
+  /// Called often; the display decides how much of it to show.
+  /// @param fraction  of the stage, 0 to 1
+  /// @param seconds   since begin()
+  virtual void update(Stage stage, double fraction, double seconds) = 0;
+  /// @param peak_bytes  highest use of the arena in this stage
+  virtual void end(Stage stage, double seconds, std::size_t peak_bytes) = 0;
 };
 
-/// Measures the stages, asks whether to go on, and passes on to a display.
+/// Measures the stages and passes them on to a display.
 class JobProgress final : public ProgressSink {
  public:
   /// @param display  may be null
@@ -32,7 +33,7 @@ class JobProgress final : public ProgressSink {
   void end(Stage stage, std::size_t peak_bytes) override;
 
   const std::array<double, kStageCount>& seconds() const { return seconds_; }  ///< by Stage
-  /// Since this object was made.
+  /// Seconds since this object was made.
   double total_seconds() const;
 
  private:

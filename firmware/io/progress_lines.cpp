@@ -10,6 +10,8 @@
 namespace plumbline {
 namespace {
 
+constexpr double kSecondsBetween = 0.1;  ///< two drawings: the eye sees motion, a serial console keeps up
+
 constexpr int kBarWidth = 24;  ///< characters
 constexpr std::string_view kFull = "########################";
 constexpr std::string_view kEmpty = "........................";
@@ -17,6 +19,31 @@ static_assert(kFull.size() == kBarWidth && kEmpty.size() == kBarWidth);
 
 /// Back to the start of the line, and nothing on it.
 constexpr const char* kEraseLine = "\r\033[K";
+
+/// What a stage is to a user: a part of a step.
+struct StepPart {
+  std::string_view step;
+  double from, to;  ///< the share of the step's time, roughly as with the noisy sample scan
+};
+
+StepPart part_of(Stage stage) {
+  constexpr std::string_view kSurface = "finding the surface";
+  constexpr std::string_view kSlicing = "slicing";
+  switch (stage) {
+    case Stage::kRead: return {"reading the scan", 0, 1};
+    case Stage::kTrees: return {kSurface, 0, 0.02};
+    case Stage::kNormals: return {kSurface, 0.02, 0.05};
+    case Stage::kViews: return {kSurface, 0.05, 0.9};
+    case Stage::kClustering: return {kSurface, 0.9, 0.98};
+    case Stage::kWindingTree: return {kSurface, 0.98, 0.99};
+    case Stage::kRayGrid: return {kSurface, 0.99, 1};
+    case Stage::kRays: return {kSlicing, 0, 0.9};
+    case Stage::kRRep: return {kSlicing, 0.9, 1};
+    case Stage::kSupports: return {"placing supports", 0, 1};
+    case Stage::kLayers: return {"writing the layers", 0, 1};
+  }
+  return {};
+}
 
 }  // namespace
 
@@ -28,37 +55,56 @@ void write_to_stderr(std::string_view text) {
   }
 }
 
-ProgressLines::ProgressLines() : terminal_(::isatty(STDERR_FILENO) == 1) {}
+ProgressBar::ProgressBar() : terminal_(::isatty(STDERR_FILENO) == 1) {}
 
-void ProgressLines::begin(std::string_view stage) {
-  drawn_at_ = 0;
-  draw(stage, 0, 0);
-}
-
-void ProgressLines::update(std::string_view stage, double fraction, double seconds) {
-  if (seconds - drawn_at_ < kSecondsBetween) return;
-  drawn_at_ = seconds;
-  draw(stage, fraction, seconds);
-}
-
-void ProgressLines::draw(std::string_view stage, double fraction, double seconds) {
+void ProgressBar::update(std::string_view words, double fraction, double seconds) {
   if (!terminal_) return;
-  const double shown = std::clamp(fraction, 0.0, 1.0);
-  const int full = static_cast<int>(shown * kBarWidth);
+  if (shown_ && seconds >= drawn_at_ && seconds - drawn_at_ < kSecondsBetween) return;
+  shown_ = true;
+  drawn_at_ = seconds;
+  const double part = std::clamp(fraction, 0.0, 1.0);
+  const int full = static_cast<int>(part * kBarWidth);
   FixedText<128> line;
-  line.add("%s  %-11.*s %.*s%.*s %3d %% %6.1f s", kEraseLine, static_cast<int>(stage.size()), stage.data(), full,
-           kFull.data(), kBarWidth - full, kEmpty.data(), static_cast<int>(shown * 100), seconds);
+  line.add("%s  %-20.*s %.*s%.*s %3d %% %6.1f s", kEraseLine, static_cast<int>(words.size()), words.data(), full,
+           kFull.data(), kBarWidth - full, kEmpty.data(), static_cast<int>(part * 100), seconds);
   write_to_stderr(line.view());
 }
 
-void ProgressLines::clear() {
-  if (terminal_) write_to_stderr(kEraseLine);
+void ProgressBar::clear() {
+  if (shown_) write_to_stderr(kEraseLine);
+  shown_ = false;
 }
 
-void ProgressLines::end(std::string_view stage, double seconds, std::size_t peak_bytes) {
+void ProgressLines::begin(Stage stage) {
+  const StepPart part = part_of(stage);
+  if (verbose_ || part.step != step_) step_seconds_ = 0;
+  step_ = part.step;
+  update(stage, 0, 0);
+}
+
+void ProgressLines::update(Stage stage, double fraction, double seconds) {
+  const StepPart part = part_of(stage);
+  if (verbose_) {
+    bar_.update(to_string(stage), fraction, seconds);
+  } else {
+    bar_.update(part.step, part.from + (part.to - part.from) * fraction, step_seconds_ + seconds);
+  }
+}
+
+void ProgressLines::end(Stage stage, double seconds, std::size_t peak_bytes) {
+  const StepPart part = part_of(stage);
+  step_seconds_ += seconds;
   FixedText<128> line;
-  line.add("%s  %-11.*s %7.2f s   arena %7.1f MiB\n", terminal_ ? kEraseLine : "", static_cast<int>(stage.size()),
-           stage.data(), seconds, static_cast<double>(peak_bytes) / (1024.0 * 1024.0));
+  if (verbose_) {
+    const std::string_view name = to_string(stage);
+    line.add("  %-20.*s %7.2f s   arena %7.1f MiB\n", static_cast<int>(name.size()), name.data(), seconds,
+             static_cast<double>(peak_bytes) / (1024.0 * 1024.0));
+  } else if (part.to == 1) {
+    line.add("  %-20.*s %7.1f s\n", static_cast<int>(part.step.size()), part.step.data(), step_seconds_);
+  } else {
+    return;
+  }
+  bar_.clear();
   write_to_stderr(line.view());
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Progress on standard error: a bar that moves on a terminal, a line for each finished stage elsewhere.
+/// Progress on standard error: a bar that moves on a terminal, a line for each finished step elsewhere.
 
 #include <cstddef>
 #include <string_view>
@@ -8,28 +8,45 @@
 
 namespace plumbline {
 
-/// Takes no memory from the heap. A terminal is drawn to at most 10 times a second.
-class ProgressLines final : public ProgressDisplay {
+/// One line with words, a bar and seconds, which replaces itself. Takes no memory from the heap. Draws on a terminal only, at
+/// most 10 times a second.
+class ProgressBar {
  public:
-  static constexpr double kSecondsBetween = 0.1;
+  ProgressBar();
+  ~ProgressBar() { clear(); }
+  ProgressBar(const ProgressBar&) = delete;
+  ProgressBar& operator=(const ProgressBar&) = delete;
 
-  ProgressLines();
-
-  void begin(std::string_view stage) override;
-  void update(std::string_view stage, double fraction, double seconds) override;
-  void end(std::string_view stage, double seconds, std::size_t peak_bytes) override;
-
-  /// Takes an unfinished bar away.
+  /// @param fraction  0 to 1
+  /// @param seconds   since the work began
+  void update(std::string_view words, double fraction, double seconds);
+  /// Removes the bar, if one is shown.
   void clear();
 
  private:
-  void draw(std::string_view stage, double fraction, double seconds);
-
   bool terminal_;
-  double drawn_at_ = 0;  ///< seconds into the stage
+  bool shown_ = false;
+  double drawn_at_ = 0;  ///< seconds, as in update()
 };
 
-/// Writes text to standard error, and asks no questions: who closed it does not want to hear.
+/// The progress of slicing. Stages that mean nothing to a user are joined to steps: "reading the scan", "finding the surface".
+class ProgressLines final : public ProgressDisplay {
+ public:
+  /// @param verbose  a line for each stage of the slicer, with its time and its memory
+  explicit ProgressLines(bool verbose = false) : verbose_(verbose) {}
+
+  void begin(Stage stage) override;
+  void update(Stage stage, double fraction, double seconds) override;
+  void end(Stage stage, double seconds, std::size_t peak_bytes) override;
+
+ private:
+  bool verbose_;
+  ProgressBar bar_;
+  std::string_view step_;    ///< words of the step that runs
+  double step_seconds_ = 0;  ///< of its stages that have ended
+};
+
+/// Writes to standard error. A failure is ignored: there is nowhere left to report it.
 void write_to_stderr(std::string_view text);
 
 }  // namespace plumbline

@@ -29,6 +29,7 @@ struct JobOptions {
   bool keep_all = false;                   ///< stray pieces, too
   std::optional<std::uint32_t> arena_mib;  ///< MiB
   std::optional<std::uint32_t> threads;    ///< 1 to kMostThreads
+  bool verbose = false;                    ///< times, memory and counts, too
   bool quiet = false;
   bool json = false;
 };

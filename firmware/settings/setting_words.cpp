@@ -45,6 +45,13 @@ std::string_view nearest(std::string_view word, const std::vector<std::string_vi
                            [word](std::string_view a, std::string_view b) { return edits(word, a) < edits(word, b); });
 }
 
+std::optional<std::string_view> nearest_within(std::string_view word, const std::vector<std::string_view>& known) {
+  if (known.empty()) return std::nullopt;
+  const std::string_view near = nearest(word, known);
+  if (edits(word, near) > std::max<std::size_t>(1, word.size() / 3)) return std::nullopt;
+  return near;
+}
+
 std::string joined(const std::vector<std::string_view>& words) {
   std::string text;
   for (const auto word : words) text.append(text.empty() ? "" : ", ").append(word);

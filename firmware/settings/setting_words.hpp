@@ -1,6 +1,7 @@
 #pragma once
 /// Words of the messages about settings files.
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,6 +17,9 @@ std::string number(double value);
 /// @param known  not empty
 /// @returns that which takes the fewest insertions, deletions and replacements to become `word` (Levenshtein)
 std::string_view nearest(std::string_view word, const std::vector<std::string_view>& known);
+
+/// The same, if it is near enough to be what was meant: at most one change for every three characters, or one.
+std::optional<std::string_view> nearest_within(std::string_view word, const std::vector<std::string_view>& known);
 
 /// "columns, rows"
 std::string joined(const std::vector<std::string_view>& words);

@@ -72,7 +72,7 @@ class Slice(Program):
         self.assertEqual(supports["settings"]["support_pillar_diameter"], 1.5)
         self.assertEqual(supports["settings"]["support_critical_angle"], 45)
         self.assertIn(f"supports   {supports['count']}: ", done.stdout)
-        self.assertEqual([line.split()[0] for line in done.stderr.splitlines()].count("supports"), 1)
+        self.assertEqual(done.stderr.count("placing supports"), 1)
         # Every pillar stands beside the sphere's foot: the lowest layer has more than the sphere's own.
         _, rows = png_rows(self.out / "layers" / "00000.png")
         white = sum(bin(byte).count("1") for row in rows for byte in row)
@@ -178,15 +178,19 @@ class Slice(Program):
         done = self.slice_it("--quiet")
         self.assertEqual((done.stdout, done.stderr), ("", ""))
 
-    def test_report_goes_to_standard_output_and_a_line_for_each_stage_to_standard_error(self):
-        done = self.slice_it()
+    def test_verbose_adds_a_line_for_each_stage_with_its_memory(self):
+        done = self.slice_it("--verbose")
         for word in ("sphere.ply: 20000 points", " mm", "403 x 300 px", "crossings", "MiB", "manifest.json"):
             self.assertIn(word, done.stdout)
-        lines = done.stderr.splitlines()
-        stages = [line.split()[0] for line in lines if "MiB" in line]
+        stages = [line.split()[0] for line in done.stderr.splitlines() if "MiB" in line]
         for stage in ("read", "trees", "clustering", "rays", "layers"):
             self.assertEqual(stages.count(stage), 1)
         self.assertNotIn("\033", done.stderr)
+
+    def test_progress_speaks_of_the_scan_and_its_layers(self):
+        done = self.slice_it("--no-preview")
+        steps = [line[2:].rstrip("s 0123456789.") for line in done.stderr.splitlines() if line.startswith("  ")]
+        self.assertEqual(steps, ["reading the scan", "finding the surface", "slicing", "writing the layer"])
 
     def test_older_job_is_replaced_whole(self):
         self.slice_it()
@@ -246,7 +250,7 @@ class Interrupted(Program):
         arguments = ["slice", self.scan, "-o", self.out, "--pixel-pitch", "0.01", "--layer-height", "0.01"]
         child = subprocess.Popen([PLUMBLINE, *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         for line in child.stderr:  # not before the signal is caught: a stage has ended
-            if line.split()[0] == "read":
+            if line.startswith("  reading the scan"):
                 break
         child.send_signal(number)
         _, rest = child.communicate(timeout=120)

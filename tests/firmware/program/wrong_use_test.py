@@ -113,14 +113,36 @@ class Usage(Program):
         self.wrong("sample", self.dir / "x.ply", "--points", 10)
         self.wrong("sample", self.dir / "x.ply", "--seed", "-1")
 
+    def says(self, *arguments, message):
+        self.assertIn(message, self.run_it(*arguments, status=2).stderr)
+
+    def test_unknown_subcommand_is_named_with_those_that_there_are(self):
+        every = "Subcommands are slice, inspect, print, sample, doctor"
+        self.says("foo", message=f"plumbline: 'foo' is not a subcommand. {every}")
+        self.says("prnt", message=f"plumbline: 'prnt' is not a subcommand; did you mean print? {every}")
+        self.says(message=f"plumbline: no subcommand given. {every}")
+
+    def test_misspelt_option_is_named_with_the_nearest_one(self):
+        base = ("slice", self.scan, "-o", self.out)
+        self.says(*base, "--suports", "auto", message="plumbline slice: '--suports' is not an option; did you mean --supports?")
+        self.says(*base, "--layer-hight=0.1", message="'--layer-hight' is not an option; did you mean --layer-height?")
+        self.says("slice", self.scan, "--outptu", self.out, message="'--outptu' is not an option; did you mean --output?")
+        self.says(*base, "--frobnicate", message="'--frobnicate' is not an option. 'plumbline slice --help' lists them.")
+
+    def test_one_argument_too_many_is_named(self):
+        self.says("sample", "a.ply", "b.ply", message="plumbline sample: 'b.ply' is one argument too many.")
+        self.says("slice", *[self.scan] * 33, "-o", self.out, message="plumbline slice: too many files. A scan may have up to 32.")
+
     def test_help_and_version(self):
         version = self.run_it("--version").stdout
         self.assertRegex(version, r"^plumbline \d+\.\d+\.\d+\n$")
         self.assertIn("plumbline sample bust.ply", self.run_it("--help").stdout)
-        for command in ("slice", "inspect", "sample"):
+        for command in ("slice", "inspect", "print", "sample", "doctor"):
             text = self.run_it(command, "--help").stdout
             self.assertIn("Examples:", text)
-            self.assertIn("What comes out:", text)
+            self.assertRegex(text, "Output:|Exit status:")
+            self.assertNotIn("Excludes", text)
+            self.assertLessEqual(max(map(len, text.splitlines())), 120)
 
 
 if __name__ == "__main__":

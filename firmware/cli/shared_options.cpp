@@ -1,0 +1,159 @@
+#include "firmware/cli/shared_options.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "slicer/reader/scan_sources.hpp"
+
+namespace plumbline {
+namespace {
+
+constexpr std::array kUnits = {Units::kMillimetres, Units::kCentimetres, Units::kMetres, Units::kInches, Units::kAuto};
+
+std::vector<std::string> unit_names() {
+  std::vector<std::string> names;
+  names.reserve(kUnits.size());
+  for (const Units units : kUnits) names.emplace_back(to_string(units));
+  return names;
+}
+
+/// @param name  one of unit_names()
+Units units_named(const std::string& name) {
+  return *std::find_if(kUnits.begin(), kUnits.end(), [&](Units units) { return name == to_string(units); });
+}
+
+/// @param name  "none", "flat" or "auto"
+BaseChoice base_named(const std::string& name) {
+  for (const BaseChoice choice : {BaseChoice::kNone, BaseChoice::kFlat}) {
+    if (name == to_string(choice)) return choice;
+  }
+  return BaseChoice::kAuto;
+}
+
+/// @returns --printer, which others depend on
+CLI::Option* add_printer_options(CLI::App& app, JobOptions& job) {
+  auto* printer = app.add_option("--printer", job.printer,
+                                 "A printer's name, such as mono2k, or its board file. Without it the grid fits the "
+                                 "object")
+                      ->type_name("NAME")
+                      ->group(kPrinterGroup);
+  app.add_option("--layer-height", job.layer_height_mm, "0.005 to 1 mm [0.05, or the printer's]")
+      ->type_name("MM")
+      ->check(finite_range(kFinestMm, kCoarsestMm))
+      ->group(kPrinterGroup);
+  app.add_option("--pixel-pitch", job.pixel_pitch_mm, "Pixel size without a printer, 0.005 to 1 mm [0.05]")
+      ->type_name("MM")
+      ->check(finite_range(kFinestMm, kCoarsestMm))
+      ->excludes(printer)
+      ->group(kPrinterGroup);
+  return printer;
+}
+
+void add_object_options(CLI::App& app, JobOptions& job, CLI::Option* printer) {
+  app.add_option_function<std::string>(
+         "--units", [&job](const std::string& name) { job.units = units_named(name); },
+         "Unit of the scan: mm, cm, m, in, or auto (the one that makes it 20 to 500 mm long) [mm]")
+      ->type_name("UNIT")
+      ->check(CLI::IsMember(unit_names()).description(""))
+      ->group(kObjectGroup);
+  auto* scale = app.add_option("--scale", job.scale, "Print it this many times as large as it was scanned [1]")
+                    ->type_name("F")
+                    ->check(finite_range(kSmallestScale, kLargestScale))
+                    ->group(kObjectGroup);
+  app.add_flag("--fit", job.fit, "Print it as large as the printer can")
+      ->needs(printer)
+      ->excludes(scale)
+      ->group(kObjectGroup);
+  const char* const names[] = {"--rotate-x", "--rotate-y", "--rotate-z"};
+  const char* const help[] = {"Turn it about x, right-handed; done first [0]", "Turn it about y; done second [0]",
+                              "Turn it about z; done last [0]"};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    app.add_option(names[axis], job.rotate_degrees[axis], help[axis])
+        ->type_name("DEG")
+        ->check(finite_range(-360, 360))
+        ->group(kObjectGroup);
+  }
+  app.add_option_function<std::string>(
+         "--base", [&job](const std::string& name) { job.base = base_named(name); },
+         "Underside: auto closes it flat if the scan is open there, flat always does, none closes it like any other "
+         "hole [auto]")
+      ->type_name("KIND")
+      ->check(CLI::IsMember({"none", "flat", "auto"}).description(""))
+      ->group(kObjectGroup);
+  app.add_flag("--keep-all", job.keep_all, "Keep stray pieces apart from the object, and small cavities in it")
+      ->group(kObjectGroup);
+}
+
+}  // namespace
+
+CLI::Validator finite_range(double low, double high) {
+  return CLI::Validator(
+      [low, high](std::string& text) -> std::string {
+        double number = 0;
+        if (CLI::detail::lexical_cast(text, number) && number >= low && number <= high) return {};
+        char message[128];
+        std::snprintf(message, sizeof message, "'%.40s' is not a number from %g to %g", text.c_str(), low, high);
+        return message;
+      },
+      "");
+}
+
+CLI::Option* add_job_options(CLI::App& app, JobOptions& job) {
+  auto* scan =
+      app.add_option("scan", job.scans, "PLY, PCD, OBJ, XYZ, PTS, ASC or TXT. Several files in one frame make one scan")
+          ->required()
+          ->expected(1, static_cast<int>(kMostScans))
+          ->type_name("SCAN");
+  CLI::Option* printer = add_printer_options(app, job);
+  add_object_options(app, job, printer);
+  return scan;
+}
+
+void add_program_options(CLI::App& app, JobOptions& job) {
+  app.add_option("--arena-mib", job.arena_mib,
+                 "Memory for slicing, MiB; a scan too large for it is thinned [the printer's, or all there is]")
+      ->type_name("N")
+      ->check(CLI::Range(1U, 1U << 20U).description(""))
+      ->group(kProgramGroup);
+  app.add_option("--threads", job.threads, "1 to 64; the layers are the same [OMP_NUM_THREADS, or up to 8 cores]")
+      ->type_name("N")
+      ->check(CLI::Range(1U, kMostThreads).description(""))
+      ->group(kProgramGroup);
+  auto* verbose =
+      app.add_flag("-v,--verbose", job.verbose, "Also print times, memory and counts")->group(kProgramGroup);
+  app.add_flag("--quiet", job.quiet, "Print errors only")->excludes(verbose)->group(kProgramGroup);
+  app.add_flag("--json", job.json, "Print the report as one JSON object and nothing else")
+      ->excludes(verbose)
+      ->group(kProgramGroup);
+}
+
+std::string option_name(const SupportField& field) {
+  std::string name = "--" + std::string(field.key);
+  std::replace(name.begin(), name.end(), '_', '-');
+  return name;
+}
+
+void add_support_options(CLI::App& app, SupportChoice& choice, const char* default_kind) {
+  app.add_option_function<std::string>(
+         "--supports", [&choice](const std::string& kind) { choice.enable = kind == "auto"; },
+         std::string("auto puts supports under islands and overhangs; none ") + default_kind)
+      ->type_name("KIND")
+      ->check(CLI::IsMember({"none", "auto"}).description(""))
+      ->group(kSupportsGroup);
+  for (std::size_t i = 0; i < kSupportFields.size(); ++i) {
+    const SupportField& field = kSupportFields[i];
+    const std::string name = option_name(field);
+    char range[64];
+    std::snprintf(range, sizeof range, ", %g to %g %s [%g]", field.low, field.high, field.unit.data(),
+                  SupportSettings().*field.member);
+    app.add_option(name, choice.values[i], std::string(field.help) + range)
+        ->type_name(field.unit == "deg" ? "DEG" : "MM")
+        ->check(finite_range(field.low, field.high))
+        ->group(kSupportsGroup);
+  }
+}
+
+}  // namespace plumbline

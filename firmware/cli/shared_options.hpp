@@ -1,0 +1,34 @@
+#pragma once
+/// Options that several subcommands have.
+
+#include <CLI/CLI.hpp>
+
+#include "firmware/settings/job_options.hpp"
+#include "firmware/settings/support_choice.hpp"
+
+namespace plumbline {
+
+/// Headings of `--help`.
+inline constexpr const char* kPrinterGroup = "Printer and layers";
+inline constexpr const char* kObjectGroup = "Object";
+inline constexpr const char* kSupportsGroup = "Supports";
+inline constexpr const char* kProgramGroup = "Program";
+
+/// Accepts numbers from `low` to `high`. (CLI::Range lets NaN pass.)
+CLI::Validator finite_range(double low, double high);
+
+/// The scan, the printer, and the object's size and place.
+/// @returns the scan, which is required unless the caller changes that
+CLI::Option* add_job_options(CLI::App& app, JobOptions& job);
+
+/// What the program may use and print.
+void add_program_options(CLI::App& app, JobOptions& job);
+
+/// `--supports` and an option for each setting.
+/// @param default_kind  what applies without the option, as the help says it: "[none]"
+void add_support_options(CLI::App& app, SupportChoice& choice, const char* default_kind);
+
+/// "--support-head-width" for support_head_width.
+std::string option_name(const SupportField& field);
+
+}  // namespace plumbline
