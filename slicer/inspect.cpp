@@ -13,7 +13,7 @@
 #include "slicer/core/stage_scope.hpp"
 #include "slicer/normals/normals.hpp"
 #include "slicer/plan/scan_admission.hpp"
-#include "slicer/rrep/crossing_store.hpp"
+#include "slicer/rays/ray_shooter.hpp"
 
 namespace plumbline {
 namespace {

@@ -78,9 +78,9 @@ class Job {
       return tl::unexpected<Error>(store.error());
     }
     const StageScope stage(Stage::kRRep, arena_, progress_, report_.peak_bytes);
-    PieceLimits limits = piece_limits(report_.clustering, report_.placement.grid);
-    limits.drop_strange = !settings_.keep_all;
-    report_.pieces = drop_pieces(*store, limits, arena_);
+    ComponentLimits limits = component_limits(report_.clustering, report_.placement.grid);
+    limits.drop_floating = !settings_.keep_all;
+    report_.components = drop_small_components(*store, limits, arena_);
     auto rrep = CrossingStore::sort(*store, arena_);
     if (rrep) {
       finish(*rrep);

@@ -12,11 +12,11 @@
 #include "slicer/normals/normals.hpp"
 #include "slicer/placement/base_choice.hpp"
 #include "slicer/placement/placement.hpp"
+#include "slicer/rays/ray_shooter.hpp"
 #include "slicer/reader/scan_sources.hpp"
 #include "slicer/reader/stream/scan_point.hpp"
 #include "slicer/rrep/components.hpp"
 #include "slicer/rrep/confidence.hpp"
-#include "slicer/rrep/crossing_store.hpp"
 #include "slicer/rrep/rrep.hpp"
 #include "slicer/surface/bores/bore_walls.hpp"
 #include "slicer/surface/clustering.hpp"
@@ -53,7 +53,7 @@ struct SliceReport {
   Placement placement;
   bool flat_underside = false;  ///< it stands on the base plane
   RayCounts rays;
-  PieceCounts pieces;
+  ComponentCounts components;
   FeatureCounts features;
   std::uint64_t crossings = 0;
   ConfidenceMap confidence;  ///< in the arena below the R-Rep, and as long as that; empty where none was asked for

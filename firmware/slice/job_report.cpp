@@ -73,19 +73,19 @@ void for_each_remark(const SliceReport& slice, FunctionRef<void(std::string_view
     text.add("%.2g %% of the normals pointed into the object and were turned over", 100 * turned);
     tell(text.view());
   }
-  if (slice.pieces.floating_pieces > 0) {
+  if (slice.components.floating_solids > 0) {
     text = {};
-    const bool one = slice.pieces.floating_pieces == 1;
+    const bool one = slice.components.floating_solids == 1;
     text.add("%u small solid%s neither the object nor the plate %s left out. --keep-all keeps %s",
-             slice.pieces.floating_pieces, one ? " that touches" : "s that touch", one ? "was" : "were",
+             slice.components.floating_solids, one ? " that touches" : "s that touch", one ? "was" : "were",
              one ? "it" : "them");
     tell(text.view());
   }
-  if (slice.pieces.sealed_bubbles > 0) {
+  if (slice.components.sealed_cavities > 0) {
     text = {};
-    const bool one = slice.pieces.sealed_bubbles == 1;
+    const bool one = slice.components.sealed_cavities == 1;
     text.add("%u small hollow%s inside the object, into which no scanner can have seen, %s filled. --keep-all keeps %s",
-             slice.pieces.sealed_bubbles, one ? "" : "s", one ? "was" : "were", one ? "it" : "them");
+             slice.components.sealed_cavities, one ? "" : "s", one ? "was" : "were", one ? "it" : "them");
     tell(text.view());
   }
   if (lies_on_its_face(slice.clustering)) tell(kOnItsFace);
@@ -129,10 +129,10 @@ void find_warnings(JobReport& report) {
   for_each_remark(s, [&](std::string_view warning) {
     report.warnings.add().add("%.*s", static_cast<int>(warning.size()), warning.data());
   });
-  if (s.pieces.counted && s.pieces.pieces > 1 && !report.support_settings) {
+  if (s.components.counted && s.components.solids > 1 && !report.support_settings) {
     report.warnings.add().add(
         "the object is %u separate pieces; those that do not stand on the plate need supports: --supports auto",
-        s.pieces.pieces);
+        s.components.solids);
   }
   if (s.normals.estimated > 0) {
     report.warnings.add().add("%u points have no normal in the scan; theirs were estimated from their neighbours",

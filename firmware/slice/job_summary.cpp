@@ -82,10 +82,10 @@ void add_rays(Text& text, const JobReport& report) {
     text.add("%s %s %.2f %%", i == 0 ? "" : ",", to_string(decision), 100 * report.share_of_rays(decision));
   }
   text.add("; %llu crossings\n", big(s.crossings));
-  if (!s.pieces.counted) return;
+  if (!s.components.counted) return;
   text.add("pieces     %u solid, %u hollow inside; %u specks of solid removed, %u of hollow filled (%llu voxels)\n",
-           s.pieces.pieces, s.pieces.bubbles, s.pieces.dropped_pieces - s.pieces.floating_pieces,
-           s.pieces.filled_bubbles - s.pieces.sealed_bubbles, big(s.pieces.dropped_voxels));
+           s.components.solids, s.components.cavities, s.components.dropped_solids - s.components.floating_solids,
+           s.components.filled_cavities - s.components.sealed_cavities, big(s.components.changed_voxels));
 }
 
 void add_confidence(Text& text, const JobReport& report) {

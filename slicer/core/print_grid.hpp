@@ -20,4 +20,7 @@ struct PrintGrid {
   static constexpr std::uint32_t kMaxLayers = 65535;
 };
 
+/// Rays are shot and their crossings stored in square tiles of this many rays a side.
+inline constexpr std::uint32_t kTileSide = 8;
+
 }  // namespace plumbline

@@ -20,10 +20,10 @@ float widening(const ClusteringResult& clustering, const ClusteringSettings& set
   return clustering.support_points / settings.least_support;
 }
 
-PieceLimits piece_limits(const ClusteringResult& clustering, const PrintGrid& grid) {
+ComponentLimits component_limits(const ClusteringResult& clustering, const PrintGrid& grid) {
   const float epsilon = clustering.epsilon;
-  PieceLimits limits;
-  limits.speck_voxels = static_cast<std::uint64_t>(kSpeck * epsilon * epsilon * epsilon / voxel_mm3(grid));
+  ComponentLimits limits;
+  limits.min_voxels = static_cast<std::uint64_t>(kSpeck * epsilon * epsilon * epsilon / voxel_mm3(grid));
   limits.plate_layers = static_cast<std::uint32_t>(epsilon / grid.layer_height_mm);
   return limits;
 }
@@ -44,7 +44,7 @@ FeatureLimits feature_limits(const ClusteringResult& clustering, const Clusterin
       static_cast<std::uint32_t>(std::ceil(kHeight * clustering.epsilon / grid.layer_height_mm));
   limits.narrow_layers = widened > 1 ? grid.layers : std::max(limits.flat_layers, creased_layers);
   limits.voxels = static_cast<std::uint64_t>(widened * kFeature * epsilon2 * clustering.epsilon / voxel_mm3(grid));
-  limits.loose_voxels = piece_limits(clustering, grid).speck_voxels;
+  limits.loose_voxels = component_limits(clustering, grid).min_voxels;
   return limits;
 }
 

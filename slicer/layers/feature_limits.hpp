@@ -13,7 +13,7 @@ float widening(const ClusteringResult& clustering, const ClusteringSettings& set
 
 /// What goes by its size alone: specks of solid and of hollow below 50 cubes of epsilon. A stray's support has some six.
 /// @param clustering  epsilon in mm
-PieceLimits piece_limits(const ClusteringResult& clustering, const PrintGrid& grid);
+ComponentLimits component_limits(const ClusteringResult& clustering, const PrintGrid& grid);
 
 /// Small features have at most two cubes of epsilon, as many times more as noise has widened the supports, since what one
 /// stray does goes farther there. They are narrow, with at most a square of epsilon in any layer and, unless there is such

@@ -12,10 +12,10 @@
 #include "slicer/layers/layer_features.hpp"
 #include "slicer/layers/layer_stream.hpp"
 #include "slicer/normals/normals.hpp"
+#include "slicer/rays/ray_shooter.hpp"
 #include "slicer/reader/scan_reader.hpp"
 #include "slicer/rrep/components.hpp"
 #include "slicer/rrep/confidence.hpp"
-#include "slicer/rrep/crossing_store.hpp"
 #include "slicer/supports/support_finder.hpp"
 #include "slicer/surface/bores/bore_walls.hpp"
 #include "slicer/surface/clustering.hpp"
@@ -96,7 +96,7 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
     const std::size_t sorted = rrep_bytes(*grid, yield);
     // The store moves to the top of the arena first, so that it stands there twice for a moment.
     set(Stage::kRRep,
-        map + std::max(store + std::max({store, sorted, pieces_bytes(*grid, yield.rays, yield.crossings)}),
+        map + std::max(store + std::max({store, sorted, components_bytes(*grid, yield.rays, yield.crossings)}),
                        sorted + layer_features_bytes(*grid)));
     const std::uint32_t supports = most_supports(*grid);
     set(Stage::kSupports, map + sorted + find_supports_bytes(*grid));

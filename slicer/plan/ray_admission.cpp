@@ -5,8 +5,8 @@
 #include <numbers>
 
 #include "slicer/plan/memory_plan.hpp"
+#include "slicer/rays/ray_shooter.hpp"
 #include "slicer/rrep/confidence.hpp"
-#include "slicer/rrep/crossing_store.hpp"
 
 namespace plumbline {
 namespace {

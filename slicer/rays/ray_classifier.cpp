@@ -32,14 +32,14 @@ const char* to_string(RayDecision decision) {
   return "unknown";
 }
 
-std::size_t RayPerfecter::bytes_needed(std::uint32_t tile_capacity) {
+std::size_t RayClassifier::bytes_needed(std::uint32_t tile_capacity) {
   return RayGatherer::bytes_needed(tile_capacity) + RaySolver::bytes_needed() +
          Arena::rounded(kMaxCrossingsFound * sizeof(RayCrossing));
 }
 
-Expected<RayPerfecter> RayPerfecter::create(const Cloud& cloud, const KdTree2& tree, const WindingTree& winding,
-                                            const PrintGrid& grid, float max_radius, std::uint32_t tile_capacity,
-                                            const PerfectRaySettings& settings, Arena& arena) {
+Expected<RayClassifier> RayClassifier::create(const Cloud& cloud, const KdTree2& tree, const WindingTree& winding,
+                                              const PrintGrid& grid, float max_radius, std::uint32_t tile_capacity,
+                                              const RayClassifierSettings& settings, Arena& arena) {
   auto gatherer = RayGatherer::create(cloud, tree, tile_capacity, max_radius, arena);
   if (!gatherer) return tl::unexpected<Error>(gatherer.error());
   auto solver = RaySolver::create(settings.intersections, arena);
@@ -47,19 +47,19 @@ Expected<RayPerfecter> RayPerfecter::create(const Cloud& cloud, const KdTree2& t
   auto crossings = arena.take_top<RayCrossing>(kMaxCrossingsFound, kStage);
   if (!crossings) return tl::unexpected<Error>(crossings.error());
 
-  RayPerfecter perfecter;
-  perfecter.gatherer_ = *gatherer;
-  perfecter.solver_ = *solver;
-  perfecter.winding_ = &winding;
-  perfecter.grid_ = grid;
-  perfecter.settings_ = settings;
-  perfecter.crossings_ = *crossings;
-  perfecter.top_ = static_cast<float>(grid.layers) * grid.layer_height_mm;
-  perfecter.floor_ = std::max(0.0F, winding.base());
-  return perfecter;
+  RayClassifier classifier;
+  classifier.gatherer_ = *gatherer;
+  classifier.solver_ = *solver;
+  classifier.winding_ = &winding;
+  classifier.grid_ = grid;
+  classifier.settings_ = settings;
+  classifier.crossings_ = *crossings;
+  classifier.top_ = static_cast<float>(grid.layers) * grid.layer_height_mm;
+  classifier.floor_ = std::max(0.0F, winding.base());
+  return classifier;
 }
 
-void RayPerfecter::judge_tile(std::uint32_t level) {
+void RayClassifier::judge_tile(std::uint32_t level) {
   Verdict& verdict = column_verdicts_[level];
   if (verdict == Verdict::kUnknown) {
     const float w = (*winding_)({column_centre_[0], column_centre_[1], level_height(level)});
@@ -71,9 +71,9 @@ void RayPerfecter::judge_tile(std::uint32_t level) {
   for (LevelSet& block : levels_) block.set(level, verdict == Verdict::kInside);
 }
 
-void RayPerfecter::begin_tile(std::uint32_t column, std::uint32_t row) {
-  const auto last_column = static_cast<float>(std::min(grid_.columns, column + RayGatherer::kTile) - 1);
-  const auto last_row = static_cast<float>(std::min(grid_.rows, row + RayGatherer::kTile) - 1);
+void RayClassifier::begin_tile(std::uint32_t column, std::uint32_t row) {
+  const auto last_column = static_cast<float>(std::min(grid_.columns, column + kTileSide) - 1);
+  const auto last_row = static_cast<float>(std::min(grid_.rows, row + kTileSide) - 1);
   const Vec2f low((static_cast<float>(column) + 0.5F) * grid_.pitch_x_mm,
                   (static_cast<float>(row) + 0.5F) * grid_.pitch_y_mm);
   const Vec2f high((last_column + 0.5F) * grid_.pitch_x_mm, (last_row + 0.5F) * grid_.pitch_y_mm);
@@ -102,7 +102,7 @@ void RayPerfecter::begin_tile(std::uint32_t column, std::uint32_t row) {
   judge_below(top_);
 }
 
-bool RayPerfecter::alternates(const RaySurface& surface) const {
+bool RayClassifier::alternates(const RaySurface& surface) const {
   bool inside = false;
   for (const Band& band : surface.bands) {
     if (band.inside_at_low != inside) return false;
@@ -111,17 +111,17 @@ bool RayPerfecter::alternates(const RaySurface& surface) const {
   return !inside;
 }
 
-void RayPerfecter::bisect(float x, float y, float from, float to, bool inside_at_from) {
+void RayClassifier::bisect(float x, float y, float from, float to, bool inside_at_from) {
   emit(winding_->surface_between(x, y, from, to, inside_at_from, grid_.layer_height_mm), Evidence::kWinding);
 }
 
-bool RayPerfecter::level_inside(std::uint32_t level, float x, float y) {
+bool RayClassifier::level_inside(std::uint32_t level, float x, float y) {
   LevelSet& block = levels_[ray_block_];
   if (!block.knows(level)) block.set(level, winding_->inside({x, y, level_height(level)}));
   return block.is_inside(level);
 }
 
-RayPerfecter::Gap RayPerfecter::decide_gap(float x, float y, float low, float high, bool below, bool above) {
+RayClassifier::Gap RayClassifier::decide_gap(float x, float y, float low, float high, bool below, bool above) {
   const std::uint32_t crossings_before = crossing_count_;
   GapWalk walk{x, y, low, below};
   walk_levels(walk, high);
@@ -139,7 +139,7 @@ RayPerfecter::Gap RayPerfecter::decide_gap(float x, float y, float low, float hi
   return {walk.inside_at_low, walk.inside};
 }
 
-void RayPerfecter::step(GapWalk& walk, float z, bool inside) {
+void RayClassifier::step(GapWalk& walk, float z, bool inside) {
   if (!walk.begun) {
     walk.begun = true;
     walk.inside_at_low = inside;
@@ -155,7 +155,7 @@ void RayPerfecter::step(GapWalk& walk, float z, bool inside) {
   walk.inside = inside;
 }
 
-void RayPerfecter::walk_levels(GapWalk& walk, float high) {
+void RayClassifier::walk_levels(GapWalk& walk, float high) {
   const float spacing = top_ / kLevels;
   for (auto level = static_cast<std::uint32_t>(std::max(walk.at, 0.0F) / spacing); level < kLevels; ++level) {
     const float z = level_height(level);
@@ -164,12 +164,12 @@ void RayPerfecter::walk_levels(GapWalk& walk, float high) {
   }
 }
 
-void RayPerfecter::emit(float depth, Evidence evidence, bool extrapolated) {
+void RayClassifier::emit(float depth, Evidence evidence, bool extrapolated) {
   if (crossing_count_ == crossings_.size()) return;
   crossings_[crossing_count_++] = {std::max(depth, floor_), evidence, extrapolated};
 }
 
-void RayPerfecter::remember(const RaySurface& surface) {
+void RayClassifier::remember(const RaySurface& surface) {
   first_look_count_ = 0;
   for (const auto& intersection : surface.intersections) {
     if (first_look_count_ == kFirstLook) break;
@@ -177,7 +177,7 @@ void RayPerfecter::remember(const RaySurface& surface) {
   }
 }
 
-Evidence RayPerfecter::evidence_of(float depth) const {
+Evidence RayClassifier::evidence_of(float depth) const {
   if (gatherer_.continued(depth)) return Evidence::kWinding;
   const auto seen = std::span(first_look_).first(first_look_count_);
   const bool again = std::any_of(seen.begin(), seen.end(),
@@ -185,19 +185,19 @@ Evidence RayPerfecter::evidence_of(float depth) const {
   return again ? Evidence::kMeasured : Evidence::kRepaired;
 }
 
-bool RayPerfecter::more_than_a_sheet(const Vec3f& x, bool is_inside) const {
+bool RayClassifier::more_than_a_sheet(const Vec3f& x, bool is_inside) const {
   const float w = (*winding_)(x);
   return is_inside ? w > WindingTree::kSurface + kBeyondOneSheet : w < WindingTree::kSurface - kBeyondOneSheet;
 }
 
-bool RayPerfecter::bisect_agreed(float x, float y, float end, float place, bool inside_at_end) {
+bool RayClassifier::bisect_agreed(float x, float y, float end, float place, bool inside_at_end) {
   const auto inside = [&](float z) { return winding_->inside({x, y, z}); };
   if (inside(end) != inside_at_end || inside(place) == inside_at_end) return false;
   bisect(x, y, end, place, inside_at_end);
   return true;
 }
 
-void RayPerfecter::cross_band(float x, float y, const RaySurface& surface, const Band& band, bool from, bool to) {
+void RayClassifier::cross_band(float x, float y, const RaySurface& surface, const Band& band, bool from, bool to) {
   std::uint32_t first = band.first;
   std::uint32_t last = band.last;
   const bool wrong_low = band.inside_at_low != from;
@@ -219,7 +219,7 @@ void RayPerfecter::cross_band(float x, float y, const RaySurface& surface, const
     emit(sheet.depth, evidence_of(sheet.depth), sheet.off_centre > kExtrapolated);
 }
 
-void RayPerfecter::drop_thin_stretches() {
+void RayClassifier::drop_thin_stretches() {
   while (crossing_count_ > kMaxCrossings) {
     std::uint32_t thinnest = 0;
     const auto length = [&](std::uint32_t i) { return crossings_[i + 1].depth - crossings_[i].depth; };
@@ -231,11 +231,10 @@ void RayPerfecter::drop_thin_stretches() {
   }
 }
 
-PerfectRay RayPerfecter::ray(std::uint32_t column, std::uint32_t row) {
+ClassifiedRay RayClassifier::ray(std::uint32_t column, std::uint32_t row) {
   const float x = (static_cast<float>(column) + 0.5F) * grid_.pitch_x_mm;
   const float y = (static_cast<float>(row) + 0.5F) * grid_.pitch_y_mm;
-  constexpr std::uint32_t kTile = RayGatherer::kTile;
-  ray_block_ = row % kTile / kBlock * (kTile / kBlock) + column % kTile / kBlock;
+  ray_block_ = row % kTileSide / kBlock * (kTileSide / kBlock) + column % kTileSide / kBlock;
   const RayPoints& points = gatherer_.points_of_ray(x, y);
   RaySurface surface = solver_.solve(gatherer_, points);
   remember(surface);

@@ -27,12 +27,12 @@ inline constexpr std::size_t kRayDecisionCount = 5;
 const char* to_string(RayDecision decision);
 
 /// Crossings of one ray, ascending in depth; even in number: entering, exiting, entering, ...
-struct PerfectRay {
+struct ClassifiedRay {
   std::span<const RayCrossing> crossings;
   RayDecision decision = RayDecision::kOutside;
 };
 
-struct PerfectRaySettings {
+struct RayClassifierSettings {
   IntersectionSettings intersections;
   float repair_spacing = 0.05F;  ///< mm between the uniform queries of a repair
   /// Nothing of the surface faces down, and there is a base plane: what lies below the lowest sheet of a ray is solid, seen
@@ -47,21 +47,21 @@ struct PerfectRaySettings {
 /// the scan. Which of them is known from both neighbouring bands and, independently, from the winding number of the whole
 /// cloud; where those disagree the winding number has the last word, since it weighs every point of the scan and the band
 /// only a handful.
-class RayPerfecter {
+class RayClassifier {
  public:
-  static constexpr std::uint32_t kColumnSide = 2 * RayGatherer::kTile;  ///< rays
-  static constexpr std::uint32_t kMaxCrossings = 254;  ///< a ray; of more, the thinnest stretches are dropped
+  static constexpr std::uint32_t kColumnSide = 2 * kTileSide;  ///< rays
+  static constexpr std::uint32_t kMaxCrossings = 254;          ///< a ray; of more, the thinnest stretches are dropped
 
   static std::size_t bytes_needed(std::uint32_t tile_capacity);
-  [[nodiscard]] static Expected<RayPerfecter> create(const Cloud& cloud, const KdTree2& tree,
-                                                     const WindingTree& winding, const PrintGrid& grid,
-                                                     float max_radius, std::uint32_t tile_capacity,
-                                                     const PerfectRaySettings& settings, Arena& arena);
+  [[nodiscard]] static Expected<RayClassifier> create(const Cloud& cloud, const KdTree2& tree,
+                                                      const WindingTree& winding, const PrintGrid& grid,
+                                                      float max_radius, std::uint32_t tile_capacity,
+                                                      const RayClassifierSettings& settings, Arena& arena);
 
-  /// Turns to the tile whose first ray is pixel (column, row); RayGatherer::kTile rays a side.
+  /// Turns to the tile whose first ray is pixel (column, row); kTileSide rays a side.
   void begin_tile(std::uint32_t column, std::uint32_t row);
   /// A ray of that tile. The spans last until the next call.
-  PerfectRay ray(std::uint32_t column, std::uint32_t row);
+  ClassifiedRay ray(std::uint32_t column, std::uint32_t row);
 
   bool tile_thinned() const { return gatherer_.thinned(); }
 
@@ -122,12 +122,12 @@ class RayPerfecter {
   RaySolver solver_;
   const WindingTree* winding_ = nullptr;
   PrintGrid grid_;
-  PerfectRaySettings settings_;
+  RayClassifierSettings settings_;
   std::span<RayCrossing> crossings_;
   /// Verdicts at the levels in the middle of the column of tiles that the tile belongs to, made when first asked for.
   std::array<Verdict, kLevels> column_verdicts_{};
   Vec2f column_centre_ = Vec2f::Constant(-1);
-  std::array<LevelSet, (RayGatherer::kTile / kBlock) * (RayGatherer::kTile / kBlock)> levels_{};
+  std::array<LevelSet, (kTileSide / kBlock) * (kTileSide / kBlock)> levels_{};
   std::uint32_t ray_block_ = 0;  ///< of levels_, that the ray belongs to
   std::uint32_t crossing_count_ = 0;
   /// Intersections of the ray that were found at the first look, mm: those of most rays. The others count as repaired.

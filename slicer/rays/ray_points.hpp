@@ -13,8 +13,6 @@ namespace plumbline {
 /// a thread; its memory is taken once.
 class RayGatherer {
  public:
-  static constexpr std::uint32_t kTile = 8;  ///< rays a side of a tile
-
   /// Bytes of arena that a gatherer for tiles of up to `capacity` points takes.
   static std::size_t bytes_needed(std::uint32_t capacity);
 

@@ -126,7 +126,7 @@ void mark_plate(CrossingStore& store, std::uint32_t largest, std::uint32_t layer
 
 }  // namespace
 
-std::size_t pieces_bytes(const PrintGrid& grid, double rays, double crossings) {
+std::size_t components_bytes(const PrintGrid& grid, double rays, double crossings) {
   // A ray with c crossings has c - 1 stretches inside; rows of the visitor and of the search.
   constexpr std::size_t kMostStretches = std::numeric_limits<std::size_t>::max() / 64;  // in 32 bits, too
   constexpr auto kMost = static_cast<double>(kMostStretches);
@@ -135,10 +135,10 @@ std::size_t pieces_bytes(const PrintGrid& grid, double rays, double crossings) {
          grid.columns * (2 * sizeof(Ray) + sizeof(CrossingStore::RayRef) + 2 * sizeof(void*));
 }
 
-PieceCounts drop_pieces(CrossingStore& store, const PieceLimits& limits, Arena& arena) {
+ComponentCounts drop_small_components(CrossingStore& store, const ComponentLimits& limits, Arena& arena) {
   const ArenaScope scope(arena);
   const PrintGrid& grid = store.grid();
-  PieceCounts counts;
+  ComponentCounts counts;
 
   std::size_t stretch_count = 1;  // fewer than the crossings, which are in memory
   store.for_each_row(arena, [&](std::uint32_t, std::span<CrossingStore::RayRef> row) {
@@ -173,7 +173,7 @@ PieceCounts drop_pieces(CrossingStore& store, const PieceLimits& limits, Arena& 
     const std::uint32_t root = stretches.root(i);
     if (root != i) stretches.grow(root, stretches.volume(i));
   }
-  Sieve sieve{stretches, limits.speck_voxels, 0, kOutside};
+  Sieve sieve{stretches, limits.min_voxels, 0, kOutside};
   const auto for_each_root = [&](auto visit) {
     std::uint32_t number = 1;
     store.for_each_row(arena, [&](std::uint32_t, std::span<CrossingStore::RayRef> row) {
@@ -191,7 +191,7 @@ PieceCounts drop_pieces(CrossingStore& store, const PieceLimits& limits, Arena& 
         sieve.largest_piece == kOutside || stretches.volume(root) > stretches.volume(sieve.largest_piece);
     if (solid && larger) sieve.largest_piece = root;
   });
-  if (limits.drop_strange && sieve.largest_piece != kOutside) {
+  if (limits.drop_floating && sieve.largest_piece != kOutside) {
     sieve.small = stretches.volume(sieve.largest_piece) / kSmallShare;
     mark_plate(store, sieve.largest_piece, limits.plate_layers, stretches, arena);
   }
@@ -200,14 +200,14 @@ PieceCounts drop_pieces(CrossingStore& store, const PieceLimits& limits, Arena& 
     const std::uint32_t voxels = stretches.volume(root);
     const bool merges = stretches.goes(encloser);  // which is then of its own kind
     const bool goes = !merges && sieve.goes(root, solid);
-    if (goes) counts.dropped_voxels += voxels;
-    if (goes && !sieve.is_speck(root)) ++(solid ? counts.floating_pieces : counts.sealed_bubbles);
+    if (goes) counts.changed_voxels += voxels;
+    if (goes && !sieve.is_speck(root)) ++(solid ? counts.floating_solids : counts.sealed_cavities);
     if (!goes && solid) counts.voxels += voxels;
     if (!merges)
-      ++(solid ? (goes ? counts.dropped_pieces : counts.pieces) : (goes ? counts.filled_bubbles : counts.bubbles));
+      ++(solid ? (goes ? counts.dropped_solids : counts.solids) : (goes ? counts.filled_cavities : counts.cavities));
     stretches.decide(root, goes);
   });
-  if (counts.dropped_pieces + counts.filled_bubbles == 0) return counts;
+  if (counts.dropped_solids + counts.filled_cavities == 0) return counts;
 
   std::uint32_t number = 1;
   store.for_each_row(arena, [&](std::uint32_t, std::span<CrossingStore::RayRef> row) {

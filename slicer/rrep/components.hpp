@@ -9,24 +9,24 @@
 
 namespace plumbline {
 
-struct PieceCounts {
+struct ComponentCounts {
   bool counted = false;               ///< false: the arena had no room to look, and everything stayed
-  std::uint32_t pieces = 0;           ///< connected solids that stay
-  std::uint32_t bubbles = 0;          ///< enclosed hollows that stay
-  std::uint32_t dropped_pieces = 0;   ///< solids taken out: specks and floating ones
-  std::uint32_t floating_pieces = 0;  ///< of them, those that are no specks
-  std::uint32_t filled_bubbles = 0;   ///< hollows filled: specks and sealed ones
-  std::uint32_t sealed_bubbles = 0;   ///< of them, those that are no specks
-  std::uint64_t dropped_voxels = 0;   ///< of both
+  std::uint32_t solids = 0;           ///< connected solids that stay
+  std::uint32_t cavities = 0;         ///< enclosed hollows that stay
+  std::uint32_t dropped_solids = 0;   ///< solids taken out: specks and floating ones
+  std::uint32_t floating_solids = 0;  ///< of them, those that are no specks
+  std::uint32_t filled_cavities = 0;  ///< hollows filled: specks and sealed ones
+  std::uint32_t sealed_cavities = 0;  ///< of them, those that are no specks
+  std::uint64_t changed_voxels = 0;   ///< of both
   std::uint64_t voxels = 0;           ///< of the solids that stay
 };
 
-/// Bytes of arena that drop_pieces() takes.
-std::size_t pieces_bytes(const PrintGrid& grid, double rays, double crossings);
+/// Bytes of arena that drop_small_components() takes.
+std::size_t components_bytes(const PrintGrid& grid, double rays, double crossings);
 
-struct PieceLimits {
-  std::uint64_t speck_voxels = 0;  ///< fewer: a speck
-  bool drop_strange = false;       ///< take out small pieces in the air, and fill small hollows
+struct ComponentLimits {
+  std::uint64_t min_voxels = 0;    ///< fewer: a speck
+  bool drop_floating = false;      ///< take out small pieces in the air, and fill small hollows
   std::uint32_t plate_layers = 0;  ///< a piece that begins so close to where the largest one begins stands on the plate
 };
 
@@ -41,7 +41,7 @@ struct PieceLimits {
 ///
 /// Works on the stretches between the crossings of each ray, not on voxels: a stretch joins the ones it overlaps on the
 /// rays beside it.
-/// @param arena  pieces_bytes() from the top, given back
-[[nodiscard]] PieceCounts drop_pieces(CrossingStore& store, const PieceLimits& limits, Arena& arena);
+/// @param arena  components_bytes() from the top, given back
+[[nodiscard]] ComponentCounts drop_small_components(CrossingStore& store, const ComponentLimits& limits, Arena& arena);
 
 }  // namespace plumbline

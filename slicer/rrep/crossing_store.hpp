@@ -1,14 +1,12 @@
 #pragma once
-/// From perfect rays to the R-Rep at the bottom of the arena (DESIGN 3, stage 8).
+/// Collects the crossings of all rays and sorts them into the R-Rep (DESIGN 3, stage 8).
 
-#include <array>
 #include <cstdint>
 #include <span>
 
 #include "slicer/core/arena.hpp"
-#include "slicer/core/bit_image.hpp"
-#include "slicer/core/progress.hpp"
-#include "slicer/rays/ray_classifier.hpp"
+#include "slicer/core/error.hpp"
+#include "slicer/core/print_grid.hpp"
 #include "slicer/rrep/rrep.hpp"
 
 namespace plumbline {
@@ -18,18 +16,10 @@ namespace plumbline {
 /// @returns 0 to grid.layers; grid.layers: above every sampling height
 std::uint32_t layer_of(float depth, const PrintGrid& grid);
 
-struct RayCounts {
-  std::uint64_t passing_tiles = 0;
-  std::uint64_t interested = 0;                               ///< rays
-  std::array<std::uint64_t, kRayDecisionCount> decided = {};  ///< rays, by RayDecision
-  std::uint64_t thinned_tiles = 0;                            ///< tiles with more points than their thread has room for
-};
-
 /// Crossings as the rays deliver them: tile after tile, each one 64 counts and then two bytes a crossing. Grows at the
 /// bottom of the arena, in whatever order the threads finish; a directory keeps where each tile begins.
 class CrossingStore {
  public:
-  static constexpr std::uint32_t kTile = RayGatherer::kTile;
   static constexpr std::uint32_t kEmpty = 0xFFFFFFFFU;
 
   /// Takes the directory and everything that is left between the two ends of the arena.
@@ -103,64 +93,24 @@ void CrossingStore::for_each_row(Arena& arena, Visit visit) {
   for (std::uint32_t tile_row = 0; tile_row < tile_rows_; ++tile_row) {
     const std::uint32_t* directory = &directory_[std::size_t{tile_row} * tile_columns_];
     for (std::uint32_t t = 0; t < tile_columns_; ++t) {
-      (*reads)[t] = (*writes)[t] = directory[t] == kEmpty ? nullptr : &data_[directory[t] + kTile * kTile / 2];
+      (*reads)[t] = (*writes)[t] = directory[t] == kEmpty ? nullptr : &data_[directory[t] + kTileSide * kTileSide / 2];
     }
-    for (std::uint32_t r = 0; r < kTile && tile_row * kTile + r < grid_.rows; ++r) {
+    for (std::uint32_t r = 0; r < kTileSide && tile_row * kTileSide + r < grid_.rows; ++r) {
       for (std::uint32_t c = 0; c < grid_.columns; ++c) {
-        const std::uint32_t t = c / kTile;
+        const std::uint32_t t = c / kTileSide;
         RayRef& ray = (*rays)[c];
         ray.count_ = &none;
         ray.read_ = (*reads)[t];
         ray.write_ = &(*writes)[t];
         if (directory[t] != kEmpty) {
-          ray.count_ = reinterpret_cast<std::uint8_t*>(&data_[directory[t]]) + std::size_t{r} * kTile + c % kTile;
+          ray.count_ =
+              reinterpret_cast<std::uint8_t*>(&data_[directory[t]]) + std::size_t{r} * kTileSide + c % kTileSide;
           (*reads)[t] += *ray.count_;
         }
       }
-      visit(tile_row * kTile + r, *rays);
+      visit(tile_row * kTileSide + r, *rays);
     }
   }
 }
-
-/// Everything that the ray stage reads.
-struct RayField {
-  const Cloud* cloud = nullptr;
-  const KdTree2* tree = nullptr;
-  const WindingTree* winding = nullptr;
-  ConstBitImage interested;
-  ConfidenceMap* confidence = nullptr;  ///< null: none is kept
-  PrintGrid grid;
-  float max_radius = 0;  ///< mm
-  std::uint32_t tile_capacity = 0;
-  PerfectRaySettings settings;
-};
-
-/// The workers that shoot the rays, one a thread.
-class RayShooter {
- public:
-  static constexpr std::uint32_t kMaxThreads = 64;
-
-  /// Bytes of arena for one worker.
-  static std::size_t bytes_needed(std::uint32_t tile_capacity);
-
-  /// Takes the workers' memory from the top of the arena: before the store, which takes all that is left.
-  [[nodiscard]] static Expected<RayShooter> create(const RayField& field, std::uint32_t threads, Arena& arena);
-
-  /// Shoots every interested ray and stores its crossings. The result does not depend on the number of threads.
-  /// @retval ErrorCode::kOutOfMemory, kCancelled
-  [[nodiscard]] Expected<RayCounts> shoot(CrossingStore& store, ProgressSink* progress);
-
- private:
-  struct Worker {
-    RayPerfecter perfecter;
-    std::span<std::uint16_t> layers;
-    RayCounts counts;
-  };
-  Status shoot_tile(Worker& worker, std::uint32_t tile, CrossingStore& store) const;
-
-  RayField field_;
-  std::array<Worker, kMaxThreads> workers_;
-  std::uint32_t threads_ = 1;
-};
 
 }  // namespace plumbline

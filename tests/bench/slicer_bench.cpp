@@ -117,7 +117,7 @@ BENCHMARK(nearest_neighbours)->Arg(10)->Arg(60)->ArgName("k");
 void row_of_ray_tiles(benchmark::State& state) {
   constexpr float kPitch = 0.05F;
   constexpr std::uint32_t kSide = 1280;
-  constexpr std::uint32_t kTile = RayGatherer::kTile;
+  constexpr std::uint32_t kTile = kTileSide;
   ArenaBlock arena(128 * kMiB);
   const ClusteredScan scanned = clustered(scan(static_cast<std::uint32_t>(state.range(0))), *arena);
   const auto nodes = value_of(arena->take_top<DipoleNode>(WindingTree::nodes_needed(scanned.cloud.size), "bench"));
@@ -128,18 +128,18 @@ void row_of_ray_tiles(benchmark::State& state) {
                        .pitch_x_mm = kPitch,
                        .pitch_y_mm = kPitch,
                        .layer_height_mm = kPitch};
-  PerfectRaySettings settings;
+  RayClassifierSettings settings;
   settings.intersections.width = grid_width(scanned.cloud, scanned.tree, {});
   settings.repair_spacing = std::max(kPitch, scanned.clustering.epsilon / 16);
-  RayPerfecter perfecter = value_of(
-      RayPerfecter::create(scanned.cloud, scanned.tree, winding, grid, scanned.max_radius(), 32768, settings, *arena));
+  RayClassifier classifier = value_of(
+      RayClassifier::create(scanned.cloud, scanned.tree, winding, grid, scanned.max_radius(), 32768, settings, *arena));
   const std::uint32_t row = kSide / 2 / kTile * kTile;
   while (state.KeepRunning()) {
     std::size_t crossings = 0;
     for (std::uint32_t column = 0; column < kSide; column += kTile) {
-      perfecter.begin_tile(column, row);
+      classifier.begin_tile(column, row);
       for (std::uint32_t r = row; r < row + kTile; ++r) {
-        for (std::uint32_t c = column; c < column + kTile; ++c) crossings += perfecter.ray(c, r).crossings.size();
+        for (std::uint32_t c = column; c < column + kTile; ++c) crossings += classifier.ray(c, r).crossings.size();
       }
     }
     if (crossings < kSide * kTile) throw std::runtime_error("the rays do not meet the sphere");

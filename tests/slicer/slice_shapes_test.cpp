@@ -38,8 +38,8 @@ TEST(SliceShapes, ASphereHasItsVolumeWithinAThousandth) {
   expect_every_ray_closed(sliced);
   const auto distance = [](const Vec3d& p) { return p.norm() - 20; };
   EXPECT_EQ(sliced.wrong_voxels(distance, 0.05), 0U);
-  EXPECT_EQ(sliced.report().pieces.pieces, 1U);
-  EXPECT_EQ(sliced.report().pieces.bubbles, 0U);
+  EXPECT_EQ(sliced.report().components.solids, 1U);
+  EXPECT_EQ(sliced.report().components.cavities, 0U);
   EXPECT_EQ(sliced.rays(RayDecision::kBase), 0U);
 }
 
@@ -143,7 +143,7 @@ TEST(SliceShapes, AMissingCapIsClosed) {
   };
   EXPECT_EQ(sliced.wrong_voxels(distance, 0.3), 0U);
   EXPECT_GT(sliced.rays(RayDecision::kWinding), 100U);
-  EXPECT_EQ(sliced.report().pieces.pieces, 1U);
+  EXPECT_EQ(sliced.report().components.solids, 1U);
 }
 
 TEST(SliceShapes, AnOpenUndersideIsClosedFlatAtItsLowestRim) {
@@ -203,8 +203,8 @@ TEST(SliceShapes, APatchThatFacesTheWrongWayIsStillSolid) {
   const Slicing sliced(binary_ply(surface), settings_with_pitch(0.2F), 64 * kMiB);
   expect_every_ray_closed(sliced);
   EXPECT_NEAR(sliced.volume(), sphere_volume(10), 0.01 * sphere_volume(10));
-  EXPECT_EQ(sliced.report().pieces.pieces, 1U);
-  EXPECT_EQ(sliced.report().pieces.bubbles, 0U);
+  EXPECT_EQ(sliced.report().components.solids, 1U);
+  EXPECT_EQ(sliced.report().components.cavities, 0U);
 }
 
 // At the rim of the patch two sheets that contradict each other meet: a dent remains, of 4 mm^3 where the sphere has 4200.
@@ -228,8 +228,8 @@ TEST(SliceShapes, NoiseAndStraysLeaveOnePieceWithoutBubbles) {
   }
   const Slicing sliced(binary_ply(surface), settings_with_pitch(0.2F), 64 * kMiB);
   expect_every_ray_closed(sliced);
-  EXPECT_EQ(sliced.report().pieces.pieces, 1U);
-  EXPECT_EQ(sliced.report().pieces.bubbles, 0U);
+  EXPECT_EQ(sliced.report().components.solids, 1U);
+  EXPECT_EQ(sliced.report().components.cavities, 0U);
   EXPECT_NEAR(sliced.volume(), sphere_volume(10), 0.01 * sphere_volume(10));
   EXPECT_EQ(sliced.wrong_voxels([](const Vec3d& p) { return p.norm() - 10; }, 0.4), 0U);
 }
@@ -243,8 +243,8 @@ TEST(SliceShapes, ABubbleInsideIsAHollow) {
   const Slicing sliced(binary_ply(surface), settings_with_pitch(0.2F), 64 * kMiB);
   const auto distance = [](const Vec3d& p) { return std::max(p.norm() - 10, 5 - p.norm()); };
   EXPECT_EQ(sliced.wrong_voxels(distance, 0.15), 0U);
-  EXPECT_EQ(sliced.report().pieces.bubbles, 1U);
-  EXPECT_EQ(sliced.report().pieces.pieces, 1U);
+  EXPECT_EQ(sliced.report().components.cavities, 1U);
+  EXPECT_EQ(sliced.report().components.solids, 1U);
 }
 
 // Background that was scanned along and came to lie inside the object, close to its wall, blew a bubble of 2 mm into a bust.
@@ -257,13 +257,13 @@ TEST(SliceShapes, ASmallBubbleInsideIsFilledUnlessAllIsKept) {
   SliceSettings settings = settings_with_pitch(0.2F);
   settings.keep_all = true;
   const Slicing kept(binary_ply(surface), settings, 64 * kMiB);
-  EXPECT_EQ(kept.report().pieces.bubbles, 1U);
-  EXPECT_EQ(kept.report().pieces.sealed_bubbles, 0U);
+  EXPECT_EQ(kept.report().components.cavities, 1U);
+  EXPECT_EQ(kept.report().components.sealed_cavities, 0U);
   settings.keep_all = false;
   const Slicing filled(binary_ply(surface), settings, 64 * kMiB);
-  EXPECT_EQ(filled.report().pieces.bubbles, 0U);
+  EXPECT_EQ(filled.report().components.cavities, 0U);
   EXPECT_EQ(filled.wrong_voxels([](const Vec3d& p) { return p.norm() - 10; }, 0.4), 0U);
-  EXPECT_EQ(filled.report().pieces.sealed_bubbles, 1U);
+  EXPECT_EQ(filled.report().components.sealed_cavities, 1U);
 }
 
 TEST(SliceShapes, RotatedAndScaledTheyStandAccordingly) {

@@ -77,7 +77,7 @@ TEST(StrayLimits, WhatTouchesNothingMayBeASpeckWhateverTheNoise) {
   for (const float widened : {1.0F, 4.0F}) {
     found.support_points = widened * settings.least_support;
     EXPECT_NEAR(static_cast<double>(feature_limits(found, settings, grid).loose_voxels), 31250, 1);  // 6.25 mm3
-    EXPECT_EQ(feature_limits(found, settings, grid).loose_voxels, piece_limits(found, grid).speck_voxels);
+    EXPECT_EQ(feature_limits(found, settings, grid).loose_voxels, component_limits(found, grid).min_voxels);
   }
 }
 

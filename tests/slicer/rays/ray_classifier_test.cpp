@@ -28,13 +28,13 @@ std::vector<float> crossings(const Surface& surface) {
   grid.columns = grid.rows = 100;
   grid.layers = 200;
   grid.pitch_x_mm = grid.pitch_y_mm = 0.2F;
-  PerfectRaySettings settings;
+  RayClassifierSettings settings;
   settings.intersections.width = 0.3F;
-  RayPerfecter perfecter =
-      value_of(RayPerfecter::create(cloud, tree, winding, grid, kRadius, cloud.size, settings, arena));
-  perfecter.begin_tile(48, 48);
+  RayClassifier classifier =
+      value_of(RayClassifier::create(cloud, tree, winding, grid, kRadius, cloud.size, settings, arena));
+  classifier.begin_tile(48, 48);
   std::vector<float> depths;
-  for (const RayCrossing& crossing : perfecter.ray(50, 50).crossings) depths.push_back(crossing.depth);
+  for (const RayCrossing& crossing : classifier.ray(50, 50).crossings) depths.push_back(crossing.depth);
   return depths;
 }
 
@@ -52,14 +52,14 @@ void expect_the_plate(const Surface& surface, float tolerance) {
   EXPECT_NEAR(found[1], 6, tolerance);
 }
 
-TEST(PerfectRays, EnterAndLeaveAPlate) {
+TEST(RayClassifier, EnterAndLeaveAPlate) {
   Random random(1);
   expect_the_plate(plate(random), 0.05F);
 }
 
 // Wide supports beyond an edge once made a ray inside out at both ends, and all of it was left out: a shaft through the
 // object.
-TEST(PerfectRays, KeepWhatLiesBetweenTwoSheetsThatAreNone) {
+TEST(RayClassifier, KeepWhatLiesBetweenTwoSheetsThatAreNone) {
   Random random(2);
   Surface surface = plate(random);
   append(surface, sheet({9, 9, 4.2}, {2, 0, 0}, {0, 2, 0}, kSpacing, 0.2, random));
@@ -68,7 +68,7 @@ TEST(PerfectRays, KeepWhatLiesBetweenTwoSheetsThatAreNone) {
 }
 
 // Noise tilts the planes that go on beyond an edge; they met below the rims of walls, and a print began with what hung there.
-TEST(PerfectRays, DoNotMeetWhatEndsBesideThem) {
+TEST(RayClassifier, DoNotMeetWhatEndsBesideThem) {
   Random random(3);
   Surface surface = plate(random);
   append(surface, sheet({8.4, 9, 8.3}, {0, 2, 0}, {1, 0, 0}, kSpacing, 0.2, random));
@@ -78,7 +78,7 @@ TEST(PerfectRays, DoNotMeetWhatEndsBesideThem) {
 
 // Behind a one-sided sheet the winding number is a half at most, and what closes holes as round as their rims lean may take it
 // for inside: background that stood across the object was printed as a flake.
-TEST(PerfectRays, MakeNoSolidBehindASheetThatHangsInTheAir) {
+TEST(RayClassifier, MakeNoSolidBehindASheetThatHangsInTheAir) {
   Random random(5);
   Surface surface = box({1, 1, 5}, {19, 19, 6}, kSpacing, 0.2, random);
   append(surface, sheet({2, 2, 12}, {16, 0, 0}, {0, 16, 0}, kSpacing, 0.2, random));
@@ -104,7 +104,7 @@ Surface box_with_points_below_its_rim(double gap) {
 
 // Points below the rim make a band that is inside from 0.56 mm on. Without a sheet the object once began there; with one, the
 // top, that was left out, and all that is behind the wall with it.
-TEST(PerfectRays, BeginWhereTheObjectDoesBehindAWallThatGoesOnBelowIt) {
+TEST(RayClassifier, BeginWhereTheObjectDoesBehindAWallThatGoesOnBelowIt) {
   for (const double gap : {3.5, 0.0}) {
     const std::vector<float> found = crossings(box_with_points_below_its_rim(gap));
     ASSERT_EQ(found.size(), 2U) << gap;

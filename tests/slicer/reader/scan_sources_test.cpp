@@ -123,7 +123,7 @@ TEST(ScanSources, MayHaveNormalsInOneFileAndNoneInAnother) {
   ASSERT_TRUE(sliced.rrep.has_value()) << sliced.rrep.error().message();
   EXPECT_EQ(sliced.report.scan.without_normal, 15'000U);
   EXPECT_GT(sliced.report.normals.estimated, 14'000U);
-  const double volume = static_cast<double>(sliced.report.pieces.voxels) * 0.2 * 0.2 * 0.2;
+  const double volume = static_cast<double>(sliced.report.components.voxels) * 0.2 * 0.2 * 0.2;
   EXPECT_NEAR(volume, 4.0 / 3 * kPi * 1000, 40);
 }
 

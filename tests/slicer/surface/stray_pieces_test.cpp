@@ -28,12 +28,12 @@ TEST(StrayPieces, ASmallPieceFarFromTheObjectIsLeftOutBeforeItIsPlaced) {
   EXPECT_NEAR(without.report().strays.points, static_cast<double>(scan.size() - object.size()), 300)
       << "some were averaged";
   EXPECT_NEAR(without.report().strays.share, 0.014, 0.004);
-  EXPECT_EQ(without.report().pieces.pieces, 1U);
+  EXPECT_EQ(without.report().components.solids, 1U);
   EXPECT_NEAR(without.report().placement.size_mm[2], 40, 0.1) << "the object stands on the plate, not the stray";
   EXPECT_NEAR(without.volume(), 4.0 / 3 * kPi * 8000, 100);
   const Slicing with = sliced(scan, true);
   EXPECT_EQ(with.report().strays.pieces, 0U);
-  EXPECT_EQ(with.report().pieces.pieces, 2U);
+  EXPECT_EQ(with.report().components.solids, 2U);
   EXPECT_NEAR(with.report().placement.size_mm[2], 62.3, 0.1);
 }
 
@@ -51,7 +51,7 @@ TEST(StrayPieces, ManySmallPiecesAreAnObject) {
   }
   const Slicing slicing = sliced(scan);
   EXPECT_EQ(slicing.report().strays.pieces, 0U);
-  EXPECT_EQ(slicing.report().pieces.pieces, 9U);
+  EXPECT_EQ(slicing.report().components.solids, 9U);
 }
 
 TEST(StrayPieces, WhatTouchesTheObjectOrLiesInItsHoleStays) {
@@ -84,11 +84,11 @@ TEST(StrayPieces, ASmallPieceInTheAirWithPointsAllTheWayIsNotPrinted) {
   append(scan, sphere(sphere_points(1.12, kDense), 1.12, {0, 0, 11.62}));
   const Slicing without = sliced(scan, false, 0.2F);
   EXPECT_EQ(without.report().strays.pieces, 0U);
-  EXPECT_EQ(without.report().pieces.floating_pieces, 1U);
-  EXPECT_EQ(without.report().pieces.pieces, 1U);
+  EXPECT_EQ(without.report().components.floating_solids, 1U);
+  EXPECT_EQ(without.report().components.solids, 1U);
   const Slicing with = sliced(scan, true, 0.2F);
-  EXPECT_EQ(with.report().pieces.floating_pieces, 0U);
-  EXPECT_EQ(with.report().pieces.pieces, 2U);
+  EXPECT_EQ(with.report().components.floating_solids, 0U);
+  EXPECT_EQ(with.report().components.solids, 2U);
 }
 
 TEST(StrayPieces, ASmallPieceOnThePlateIsPrinted) {
@@ -96,7 +96,7 @@ TEST(StrayPieces, ASmallPieceOnThePlateIsPrinted) {
   Surface scan = box({0, 0, 0}, {20, 20, 20}, kSpacing, 0.3, random);
   append(scan, box({21.5, 0, 0}, {24, 3, 3}, kSpacing, 0.3, random));
   const Slicing slicing = sliced(scan);
-  EXPECT_EQ(slicing.report().pieces.floating_pieces, 0U);
+  EXPECT_EQ(slicing.report().components.floating_solids, 0U);
 }
 
 TEST(StrayPieces, AFarOneDoesNotHideANearerOne) {

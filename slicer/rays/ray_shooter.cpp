@@ -1,0 +1,127 @@
+#include "slicer/rays/ray_shooter.hpp"
+
+#include <omp.h>
+
+#include <algorithm>
+#include <atomic>
+
+namespace plumbline {
+namespace {
+
+constexpr std::uint32_t kRaysPerTile = kTileSide * kTileSide;
+
+/// Crossings of one ray as layers, those that no sampling height separates taken out in pairs.
+/// @param evidence  RayClassifier::kMaxCrossings of them, for what each that is left rests on
+std::uint32_t to_layers(std::span<const RayCrossing> crossings, const PrintGrid& grid, std::uint16_t* out,
+                        Evidence* evidence) {
+  std::uint32_t count = 0;
+  for (const RayCrossing& crossing : crossings) {
+    const std::uint32_t layer = layer_of(crossing.depth, grid);
+    if (count > 0 && out[count - 1] == layer) {
+      --count;
+    } else {
+      evidence[count] = crossing.evidence;
+      out[count++] = static_cast<std::uint16_t>(layer);
+    }
+  }
+  // What begins or ends above the last layer is never seen.
+  if (count > 0 && out[count - 1] >= grid.layers) --count;
+  return count;
+}
+
+}  // namespace
+
+std::size_t RayShooter::bytes_needed(std::uint32_t tile_capacity) {
+  return RayClassifier::bytes_needed(tile_capacity) +
+         Arena::rounded(sizeof(std::uint16_t) * kRaysPerTile * RayClassifier::kMaxCrossings);
+}
+
+Expected<RayShooter> RayShooter::create(const RayField& field, std::uint32_t threads, Arena& arena) {
+  RayShooter shooter;
+  shooter.field_ = field;
+  shooter.threads_ = std::clamp<std::uint32_t>(threads, 1, kMaxThreads);
+  for (Worker& worker : std::span(shooter.workers_).first(shooter.threads_)) {
+    auto classifier = RayClassifier::create(*field.cloud, *field.tree, *field.winding, field.grid, field.max_radius,
+                                            field.tile_capacity, field.settings, arena);
+    if (!classifier) return tl::unexpected<Error>(classifier.error());
+    auto layers = arena.take_top<std::uint16_t>(std::size_t{kRaysPerTile} * RayClassifier::kMaxCrossings, "R-Rep");
+    if (!layers) return tl::unexpected<Error>(layers.error());
+    worker.classifier = *classifier;
+    worker.layers = *layers;
+  }
+  return shooter;
+}
+
+Status RayShooter::shoot_tile(Worker& worker, std::uint32_t tile, CrossingStore& store) const {
+  const PrintGrid& grid = field_.grid;
+  const std::uint32_t column = tile % store.tile_columns() * kTileSide;
+  const std::uint32_t row = tile / store.tile_columns() * kTileSide;
+  std::array<std::uint8_t, kRaysPerTile> counts{};
+  std::array<Evidence, RayClassifier::kMaxCrossings> evidence{};
+  std::uint32_t used = 0;
+  bool begun = false;
+  for (std::uint32_t r = 0; r < kTileSide && row + r < grid.rows; ++r) {
+    for (std::uint32_t c = 0; c < kTileSide && column + c < grid.columns; ++c) {
+      if (!field_.interested.at(column + c, row + r)) continue;
+      if (!begun) {
+        worker.classifier.begin_tile(column, row);
+        begun = true;
+        ++worker.counts.passing_tiles;
+        worker.counts.thinned_tiles += worker.classifier.tile_thinned() ? 1 : 0;
+      }
+      const ClassifiedRay ray = worker.classifier.ray(column + c, row + r);
+      const std::uint32_t n = to_layers(ray.crossings, grid, &worker.layers[used], evidence.data());
+      for (std::uint32_t i = 0; field_.confidence != nullptr && i < n; ++i) {
+        field_.confidence->add(column + c, row + r, worker.layers[used + i], evidence[i]);
+      }
+      counts[r * kTileSide + c] = static_cast<std::uint8_t>(n);
+      used += n;
+      ++worker.counts.interested;
+      ++worker.counts.decided[static_cast<std::size_t>(ray.decision)];
+    }
+  }
+  return used > 0 ? store.put(tile, counts, worker.layers.first(used)) : Status{};
+}
+
+Expected<RayCounts> RayShooter::shoot(CrossingStore& store, ProgressSink* progress) {
+  // Tiles that share a column's winding numbers go to the same thread, one after another.
+  constexpr std::uint32_t kSide = RayClassifier::kColumnSide / kTileSide;
+  const std::uint32_t across = (store.tile_columns() + kSide - 1) / kSide;
+  const std::uint32_t columns = across * ((store.tile_rows() + kSide - 1) / kSide);
+  std::atomic<std::uint32_t> done = 0;
+  std::atomic<bool> stop = false;
+  Status status;
+#pragma omp parallel for schedule(dynamic, 2) num_threads(static_cast <int>(threads_))
+  for (std::uint32_t column = 0; column < columns; ++column) {
+    if (stop.load(std::memory_order_relaxed)) continue;
+    const int thread = omp_get_thread_num();
+    for (std::uint32_t t = 0; t < kSide * kSide; ++t) {
+      const std::uint32_t x = column % across * kSide + t % kSide;
+      const std::uint32_t y = column / across * kSide + t / kSide;
+      if (x >= store.tile_columns() || y >= store.tile_rows()) continue;
+      const Status stored = shoot_tile(workers_[static_cast<std::size_t>(thread)], y * store.tile_columns() + x, store);
+      if (!stored) {
+#pragma omp critical
+        status = stored;
+        stop = true;
+      }
+    }
+    const std::uint32_t before = done.fetch_add(1, std::memory_order_relaxed);
+    if (progress != nullptr && thread == 0 && before % 4 == 0 &&
+        !progress->advance(Stage::kRays, static_cast<double>(before) / columns)) {
+      stop = true;
+    }
+  }
+  if (!status) return tl::unexpected<Error>(status.error());
+  if (stop) return fail(ErrorCode::kCancelled, "cancelled while shooting rays");
+  RayCounts sum;
+  for (const Worker& worker : std::span(workers_).first(threads_)) {
+    sum.passing_tiles += worker.counts.passing_tiles;
+    sum.interested += worker.counts.interested;
+    sum.thinned_tiles += worker.counts.thinned_tiles;
+    for (std::size_t d = 0; d < kRayDecisionCount; ++d) sum.decided[d] += worker.counts.decided[d];
+  }
+  return sum;
+}
+
+}  // namespace plumbline

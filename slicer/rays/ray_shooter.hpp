@@ -1,0 +1,64 @@
+#pragma once
+/// Shoots all rays of the grid, on several threads, into the crossing store.
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "slicer/core/arena.hpp"
+#include "slicer/core/bit_image.hpp"
+#include "slicer/core/progress.hpp"
+#include "slicer/rays/ray_classifier.hpp"
+#include "slicer/rrep/crossing_store.hpp"
+
+namespace plumbline {
+
+struct RayCounts {
+  std::uint64_t passing_tiles = 0;
+  std::uint64_t interested = 0;                               ///< rays
+  std::array<std::uint64_t, kRayDecisionCount> decided = {};  ///< rays, by RayDecision
+  std::uint64_t thinned_tiles = 0;                            ///< tiles with more points than their thread has room for
+};
+
+/// Everything that the ray stage reads.
+struct RayField {
+  const Cloud* cloud = nullptr;
+  const KdTree2* tree = nullptr;
+  const WindingTree* winding = nullptr;
+  ConstBitImage interested;
+  ConfidenceMap* confidence = nullptr;  ///< null: none is kept
+  PrintGrid grid;
+  float max_radius = 0;  ///< mm
+  std::uint32_t tile_capacity = 0;
+  RayClassifierSettings settings;
+};
+
+/// The workers that shoot the rays, one a thread.
+class RayShooter {
+ public:
+  static constexpr std::uint32_t kMaxThreads = 64;
+
+  /// Bytes of arena for one worker.
+  static std::size_t bytes_needed(std::uint32_t tile_capacity);
+
+  /// Takes the workers' memory from the top of the arena: before the store, which takes all that is left.
+  [[nodiscard]] static Expected<RayShooter> create(const RayField& field, std::uint32_t threads, Arena& arena);
+
+  /// Shoots every interested ray and stores its crossings. The result does not depend on the number of threads.
+  /// @retval ErrorCode::kOutOfMemory, kCancelled
+  [[nodiscard]] Expected<RayCounts> shoot(CrossingStore& store, ProgressSink* progress);
+
+ private:
+  struct Worker {
+    RayClassifier classifier;
+    std::span<std::uint16_t> layers;
+    RayCounts counts;
+  };
+  Status shoot_tile(Worker& worker, std::uint32_t tile, CrossingStore& store) const;
+
+  RayField field_;
+  std::array<Worker, kMaxThreads> workers_;
+  std::uint32_t threads_ = 1;
+};
+
+}  // namespace plumbline
