@@ -9,10 +9,12 @@
 #include <string_view>
 #include <type_traits>
 
+#include "slicer/core/mix64.hpp"
+
 namespace plumbline {
 
-/// h = mix(h + step + word) for each eight bytes, little-endian, the last ones filled up with zeros; then the number of bytes
-/// in the same way. mix is SplitMix64's finaliser, as in mask_hash.hpp. How the bytes are cut into calls does not matter.
+/// h = mix64(h + kGoldenStep64 + word) for each eight bytes, little-endian, the last ones filled up with zeros; then the number of bytes
+/// in the same way. How the bytes are cut into calls does not matter.
 class Hash64 {
  public:
   void add(std::span<const std::byte> bytes) {
@@ -57,12 +59,7 @@ class Hash64 {
     partial_ = 0;
     filled_ = 0;
   }
-  void add_word(std::uint64_t word) {
-    std::uint64_t z = hash_ + 0x9E3779B97F4A7C15U + word;
-    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9U;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EBU;
-    hash_ = z ^ (z >> 31);
-  }
+  void add_word(std::uint64_t word) { hash_ = mix64(hash_ + kGoldenStep64 + word); }
 
   std::uint64_t hash_ = 0;
   std::uint64_t size_ = 0;

@@ -1,16 +1,9 @@
 #include "firmware/io/mask_hash.hpp"
 
+#include "slicer/core/mix64.hpp"
+
 namespace plumbline {
 namespace {
-
-constexpr std::uint64_t kStep = 0x9E3779B97F4A7C15U;  // 2^64 / golden ratio, odd
-
-/// The finaliser of SplitMix64 (Steele, Lea, Flood 2014): every bit of z reaches every bit of the result.
-std::uint64_t mix(std::uint64_t z) {
-  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9U;
-  z = (z ^ (z >> 27)) * 0x94D049BB133111EBU;
-  return z ^ (z >> 31);
-}
 
 /// Bit 0 to bit 63 and so on: a word of a mask has its first pixel in the low bit, PNG in the high one.
 std::uint64_t reversed(std::uint64_t word) {
@@ -23,18 +16,18 @@ std::uint64_t reversed(std::uint64_t word) {
 }  // namespace
 
 std::uint64_t mask_hash(ConstBitImage mask) {
-  std::uint64_t sum = mix((std::uint64_t{mask.columns()} << 32) + mask.rows());
+  std::uint64_t sum = mix64((std::uint64_t{mask.columns()} << 32) + mask.rows());
   std::uint64_t place = 0;
   for (const std::uint64_t word : mask.words()) {
-    place += kStep;
-    if (word != 0) sum += mix(reversed(word) + place);
+    place += kGoldenStep64;
+    if (word != 0) sum += mix64(reversed(word) + place);
   }
-  return mix(sum);
+  return mix64(sum);
 }
 
 std::uint64_t job_hash(std::span<const std::uint64_t> layers) {
-  std::uint64_t hash = mix(layers.size());
-  for (const std::uint64_t layer : layers) hash = mix(hash + kStep + layer);
+  std::uint64_t hash = mix64(layers.size());
+  for (const std::uint64_t layer : layers) hash = mix64(hash + kGoldenStep64 + layer);
   return hash;
 }
 

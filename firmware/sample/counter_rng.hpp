@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "slicer/core/mix64.hpp"
 #include "slicer/core/vec.hpp"
 
 namespace plumbline {
@@ -11,10 +12,10 @@ namespace plumbline {
 class CounterRng {
  public:
   /// @param stream  what the numbers are for; streams of one seed are unrelated
-  CounterRng(std::uint64_t seed, std::uint64_t stream) : key_(mix(mix(seed + kStep) ^ (stream * kOdd))) {}
+  CounterRng(std::uint64_t seed, std::uint64_t stream) : key_(mix64(mix64(seed + kGoldenStep64) ^ (stream * kOdd))) {}
 
   /// 64 bits, all equally likely.
-  std::uint64_t bits(std::uint64_t counter) const { return mix(key_ + counter * kStep); }
+  std::uint64_t bits(std::uint64_t counter) const { return mix64(key_ + counter * kGoldenStep64); }
 
   /// 0 to just below 1, in steps of 2^-53.
   double uniform(std::uint64_t counter) const {
@@ -36,15 +37,7 @@ class CounterRng {
   Vec3d normal3(std::uint64_t n) const { return {normal(3 * n), normal(3 * n + 1), normal(3 * n + 2)}; }
 
  private:
-  static constexpr std::uint64_t kStep = 0x9E3779B97F4A7C15U;  // 2^64 / golden ratio, odd
   static constexpr std::uint64_t kOdd = 0xD1B54A32D192ED03U;
-
-  /// The finaliser of SplitMix64 (Steele, Lea, Flood 2014).
-  static std::uint64_t mix(std::uint64_t z) {
-    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9U;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EBU;
-    return z ^ (z >> 31);
-  }
 
   std::uint64_t key_;
 };

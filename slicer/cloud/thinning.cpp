@@ -4,6 +4,8 @@
 #include <bit>
 #include <cmath>
 
+#include "slicer/core/mix64.hpp"
+
 namespace plumbline {
 namespace {
 
@@ -16,10 +18,10 @@ std::size_t PointThinner::table_bytes(std::uint32_t capacity) { return slots_for
 
 PointThinner::PointThinner(Cloud& cloud, std::span<std::byte> table, const Mat3d& rotation, double cell)
     : cloud_(cloud),
-      table_(reinterpret_cast<std::uint32_t*>(table.data()), slots_for(cloud.capacity())),
+      table_(std::span(reinterpret_cast<std::uint32_t*>(table.data()), slots_for(cloud.capacity()))),
       rotation_(rotation),
       cell_(cell) {
-  std::fill(table_.begin(), table_.end(), 0);
+  table_.clear();
 }
 
 Status PointThinner::begin(const ScanHeader& /*header*/) {
@@ -38,14 +40,11 @@ PointThinner::Key PointThinner::key_of(const Vec3f& p) const {
 }
 
 std::uint32_t PointThinner::slot_of(const Key& key) const {
-  std::uint64_t hash = static_cast<std::uint64_t>(key.x) * 0x9E3779B97F4A7C15U;
+  std::uint64_t hash = static_cast<std::uint64_t>(key.x) * kGoldenStep64;
   hash = (hash ^ (hash >> 32)) + static_cast<std::uint64_t>(key.y) * 0xC2B2AE3D27D4EB4FU;
   hash = (hash ^ (hash >> 29)) + static_cast<std::uint64_t>(key.z) * 0x165667B19E3779F9U;
-  hash = (hash ^ (hash >> 32)) * 0x9E3779B97F4A7C15U;
-  const std::size_t mask = table_.size() - 1;
-  std::size_t slot = static_cast<std::size_t>(hash >> 20) & mask;  // mask has fewer than 32 bits
-  while (table_[slot] != 0 && !(key_of(cloud_.position[table_[slot] - 1]) == key)) slot = (slot + 1) & mask;
-  return static_cast<std::uint32_t>(slot);
+  hash = (hash ^ (hash >> 32)) * kGoldenStep64;
+  return table_.find(hash >> 20, [&](std::uint32_t place) { return key_of(cloud_.position[place - 1]) == key; });
 }
 
 void PointThinner::merge(std::uint32_t place, const Vec3f& p, const PackedNormal& normal) {
@@ -96,7 +95,7 @@ void PointThinner::grow_cell() {
       const float longest = std::max({extent[0], extent[1], extent[2]});
       cell_ = longest > 0 ? static_cast<double>(longest) / 4096 : 1.0;
     }
-    std::fill(table_.begin(), table_.end(), 0);
+    table_.clear();
     const std::uint32_t count = cloud_.size;
     cloud_.size = 0;
     for (std::uint32_t i = 0; i < count; ++i) {

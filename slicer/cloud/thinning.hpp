@@ -5,6 +5,7 @@
 #include <span>
 
 #include "slicer/cloud/cloud.hpp"
+#include "slicer/core/cell_table.hpp"
 #include "slicer/reader/stream/scan_point.hpp"
 
 namespace plumbline {
@@ -48,7 +49,7 @@ class PointThinner final : public PointSink {
   void grow_cell();
 
   Cloud& cloud_;
-  std::span<std::uint32_t> table_;  ///< place + 1 of a cell's point, 0 when empty; a power of two of slots
+  CellTable<std::uint32_t> table_;  ///< place + 1 of a cell's point
   Mat3d rotation_;
   double cell_;
   Vec3d offset_ = Vec3d::Zero();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "slicer/core/disjoint_sets.hpp"
 #include "slicer/layers/layer_regions.hpp"
 #include "slicer/layers/layer_stream.hpp"
 #include "slicer/layers/rrep_edit.hpp"
@@ -90,11 +91,9 @@ class Sweep {
   Expected<FeatureCounts> edit(RRep& rrep, Arena& arena);
 
  private:
-  std::uint32_t root(std::uint32_t f) {
-    while (features_[f].parent != f) f = features_[f].parent = features_[features_[f].parent].parent;
-    return f;
-  }
-  void unite(std::uint32_t a, std::uint32_t b);
+  DisjointSets<Feature, &Feature::parent> sets() const { return DisjointSets<Feature, &Feature::parent>(features_); }
+  std::uint32_t root(std::uint32_t f) const { return sets().root(f); }
+  void unite(std::uint32_t low, std::uint32_t high);
   bool find_small(std::uint32_t layer, Layer& now, ConstBitImage section);
   bool record(std::uint32_t layer, const Layer& now, ConstBitImage section);
   void connect(Layer& below, Layer& above);
@@ -131,12 +130,9 @@ Expected<Sweep> Sweep::create(const RRep& rrep, const FeatureLimits& limits, Are
   return sweep;
 }
 
-void Sweep::unite(std::uint32_t a, std::uint32_t b) {
-  a = root(a);
-  b = root(b);
+void Sweep::unite(std::uint32_t low, std::uint32_t high) {
+  const auto [a, b] = sets().unite(low, high);
   if (a == b) return;
-  if (b < a) std::swap(a, b);
-  features_[b].parent = a;
   features_[a].voxels += features_[b].voxels;
   features_[a].continued |= features_[b].continued;
   features_[a].below |= features_[b].below;
@@ -256,7 +252,7 @@ Expected<FeatureCounts> Sweep::edit(RRep& rrep, Arena& arena) {
   FeatureCounts counts;
   counts.counted = true;
   for (std::uint32_t f = 0; f < feature_count_; ++f) {
-    if (features_[f].parent != f || !removable(f)) continue;
+    if (!sets().is_root(f) || !removable(f)) continue;
     ++(features_[f].white ? counts.islands : counts.holes);
     counts.voxels += features_[f].voxels;
   }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 
+#include "slicer/core/disjoint_sets.hpp"
+
 namespace plumbline {
 namespace {
 
@@ -33,8 +35,8 @@ Expected<LayerRegions> LayerRegions::create(std::uint32_t columns, std::uint32_t
   const std::size_t runs = std::size_t{rows} * kRunsPerRow + 1;
   auto run_block = arena.take_top<Run>(runs, kStage);
   if (!run_block) return tl::unexpected<Error>(run_block.error());
-  auto parent = arena.take_top<std::uint32_t>(runs, kStage);
-  if (!parent) return tl::unexpected<Error>(parent.error());
+  auto region = arena.take_top<std::uint32_t>(runs, kStage);
+  if (!region) return tl::unexpected<Error>(region.error());
   auto area = arena.take_top<std::uint32_t>(runs, kStage);
   if (!area) return tl::unexpected<Error>(area.error());
   auto row_first = arena.take_top<std::uint32_t>(std::size_t{rows} + 1, kStage);
@@ -42,28 +44,15 @@ Expected<LayerRegions> LayerRegions::create(std::uint32_t columns, std::uint32_t
   LayerRegions regions;
   regions.columns_ = columns;
   regions.runs_ = *run_block;
-  regions.parent_ = *parent;
+  regions.region_ = *region;
   regions.area_ = *area;
   regions.row_first_ = *row_first;
   std::fill(regions.row_first_.begin(), regions.row_first_.end(), 1);
   return regions;
 }
 
-std::uint32_t LayerRegions::root(std::uint32_t i) {
-  while (parent_[i] != i) {
-    parent_[i] = parent_[parent_[i]];
-    i = parent_[i];
-  }
-  return i;
-}
-
-void LayerRegions::unite(std::uint32_t a, std::uint32_t b) {
-  a = root(a);
-  b = root(b);
-  parent_[std::max(a, b)] = std::min(a, b);
-}
-
 void LayerRegions::join_rows(std::uint32_t row) {
+  DisjointSets sets(region_);
   std::uint32_t above = row_first_[row - 1];
   const std::uint32_t above_end = row_first_[row];
   for (std::uint32_t i = row_first_[row]; i < row_first_[row + 1]; ++i) {
@@ -72,13 +61,14 @@ void LayerRegions::join_rows(std::uint32_t row) {
     const std::uint32_t reach = is_white ? 1 : 0;  // white touches at corners too
     while (above < above_end && runs_[above].last + reach < runs_[i].first) ++above;
     for (std::uint32_t k = above; k < above_end && runs_[k].first <= runs_[i].last + reach; ++k) {
-      if (white(row - 1, k) == is_white && runs_[k].first <= runs_[k].last) unite(i, k);
+      if (white(row - 1, k) == is_white && runs_[k].first <= runs_[k].last) sets.unite(i, k);
     }
   }
 }
 
 bool LayerRegions::label(ConstBitImage mask) {
-  parent_[kOutside] = kOutside;
+  DisjointSets sets(region_);
+  sets.start(kOutside);
   std::uint32_t count = 1;
   for (std::uint32_t r = 0; r < mask.rows(); ++r) {
     row_first_[r] = count;
@@ -93,9 +83,9 @@ bool LayerRegions::label(ConstBitImage mask) {
       // Columns of an image fit 16 bits; a black run of no pixels is [1, 0], wherever it stands.
       runs_[count] =
           end > column ? Run{static_cast<std::uint16_t>(column), static_cast<std::uint16_t>(end - 1)} : Run{1, 0};
-      parent_[count] = count;
+      sets.start(count);
       const bool at_border = column == 0 || end == columns_ || r == 0 || r + 1 == mask.rows();
-      if (!is_white && end > column && at_border) parent_[count] = kOutside;
+      if (!is_white && end > column && at_border) sets.unite(count, kOutside);
       ++count;
       column = end;
       is_white = !is_white;
@@ -103,10 +93,10 @@ bool LayerRegions::label(ConstBitImage mask) {
     row_first_[r + 1] = count;
     if (r > 0) join_rows(r);
   }
+  sets.flatten(count);
   std::fill_n(area_.begin(), count, 0);
   for (std::uint32_t i = 1; i < count; ++i) {
-    parent_[i] = root(i);
-    if (runs_[i].first <= runs_[i].last) area_[parent_[i]] += 1U + runs_[i].last - runs_[i].first;
+    if (runs_[i].first <= runs_[i].last) area_[region_[i]] += 1U + runs_[i].last - runs_[i].first;
   }
   area_[kOutside] = ~std::uint32_t{0};
   return true;

@@ -35,19 +35,17 @@ class LayerRegions {
   std::uint32_t row_begin(std::uint32_t row) const { return row_first_[row]; }
   const Run& run(std::uint32_t i) const { return runs_[i]; }
   bool white(std::uint32_t row, std::uint32_t i) const { return ((i - row_first_[row]) & 1U) != 0; }
-  std::uint32_t region(std::uint32_t i) const { return parent_[i]; }
+  std::uint32_t region(std::uint32_t i) const { return region_[i]; }
   /// Pixels; of the outside: the most there is.
   std::uint32_t area(std::uint32_t region) const { return area_[region]; }
   std::uint32_t run_count() const { return row_first_.back(); }  ///< run 0 included
 
  private:
-  std::uint32_t root(std::uint32_t i);
-  void unite(std::uint32_t a, std::uint32_t b);
   void join_rows(std::uint32_t row);
 
   std::uint32_t columns_ = 0;
   std::span<Run> runs_;
-  std::span<std::uint32_t> parent_;  ///< of a run; the region when label() has ended
+  std::span<std::uint32_t> region_;  ///< of a run; while label() runs, the parent in disjoint sets of runs
   std::span<std::uint32_t> area_;
   std::span<std::uint32_t> row_first_;  ///< rows + 1
 };

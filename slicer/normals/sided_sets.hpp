@@ -7,7 +7,11 @@
 
 namespace plumbline {
 
-/// Disjoint sets whose members know their side relative to their root. For one thread. Four bytes a member:
+/// Disjoint sets whose members know their side relative to their root. For one thread.
+///
+/// Not built on DisjointSets, whose root is the lowest index: here the root is a member of the largest part, since a sheet
+/// faces the way its root does, and a union turns the fewest members. Side, mark and size share the parent's word.
+/// Four bytes a member:
 ///   a root    kRoot, kFixed, members of its set (or what set_value() put there)
 ///   another   kTurned against its parent, kFixed, parent
 class SidedSets {

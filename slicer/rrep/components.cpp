@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <limits>
-#include <numeric>
+
+#include "slicer/core/disjoint_sets.hpp"
 
 namespace plumbline {
 namespace {
@@ -33,20 +34,13 @@ struct Ray {
 
 class Stretches {
  public:
-  Stretches(std::span<std::uint32_t> parent, std::span<std::uint32_t> volume) : parent_(parent), volume_(volume) {
-    std::iota(parent_.begin(), parent_.end(), 0);
+  Stretches(std::span<std::uint32_t> parent, std::span<std::uint32_t> volume) : sets_(parent), volume_(volume) {
+    sets_.start_all();
     std::fill(volume_.begin(), volume_.end(), 0);
   }
-  std::uint32_t root(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void unite(std::uint32_t a, std::uint32_t b) {
-    a = root(a);
-    b = root(b);
-    if (a < b) std::swap(a, b);
-    parent_[a] = b;  // the outside, number 0, stays its own root
-  }
+  /// The lowest of the set: that of the outside is number 0.
+  std::uint32_t root(std::uint32_t i) const { return sets_.root(i); }
+  void unite(std::uint32_t a, std::uint32_t b) { sets_.unite(a, b); }
   void grow(std::uint32_t i, std::uint64_t voxels) {
     const auto sum = std::min<std::uint64_t>(kMostVoxels, volume(i) + voxels);
     volume_[i] = (volume_[i] & ~kMostVoxels) | static_cast<std::uint32_t>(sum);
@@ -61,10 +55,10 @@ class Stretches {
   void decide(std::uint32_t root, bool goes) { volume_[root] = goes ? 1 : 0; }
   bool goes(std::uint32_t i) { return root(i) != kOutside && volume_[root(i)] != 0; }
   bool stands(std::uint32_t root) const { return (volume_[root] & (kAtPlate | kBelowPlate)) == kAtPlate; }
-  std::uint32_t size() const { return static_cast<std::uint32_t>(parent_.size()); }
+  std::uint32_t size() const { return sets_.size(); }
 
  private:
-  std::span<std::uint32_t> parent_;
+  DisjointSets<> sets_;
   std::span<std::uint32_t> volume_;  ///< voxels, of a root all of its set's, and marks
 };
 

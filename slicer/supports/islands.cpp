@@ -76,19 +76,13 @@ void IslandFinder::read_runs(ConstBitImage mask, ConstBitImage below, ConstBitIm
   }
 }
 
-std::uint32_t IslandFinder::root(std::uint32_t piece) const {
-  while (pieces_[piece].parent != piece) piece = pieces_[piece].parent = pieces_[pieces_[piece].parent].parent;
-  return piece;
-}
-
 void IslandFinder::join_with_row_above() {
+  Sets sets(pieces_);
   std::uint32_t a = 0;
   std::uint32_t h = 0;
   while (a < above_count_ && h < here_count_) {
     if (above_[a].begin < here_[h].end && here_[h].begin < above_[a].end) {
-      std::uint32_t kept = root(above_[a].piece);
-      std::uint32_t joined = root(here_[h].piece);
-      if (joined < kept) std::swap(kept, joined);
+      const auto [kept, joined] = sets.unite(above_[a].piece, here_[h].piece);
       if (joined != kept) {
         Piece& to = pieces_[kept];
         const Piece& from = pieces_[joined];
@@ -98,7 +92,6 @@ void IslandFinder::join_with_row_above() {
         }
         to.held |= from.held;
         to.goes_on = true;
-        pieces_[joined].parent = kept;
       }
     }
     if (above_[a].end <= here_[h].end) {
@@ -110,11 +103,12 @@ void IslandFinder::join_with_row_above() {
 }
 
 void IslandFinder::keep_what_goes_on() {
+  const Sets sets(pieces_);
   std::uint32_t kept = 0;
   // A piece that is copied leaves its new number in its width, which is not needed any more.
-  for (std::uint32_t i = 0; i < here_count_; ++i) pieces_[root(here_[i].piece)].goes_on = false;
+  for (std::uint32_t i = 0; i < here_count_; ++i) pieces_[sets.root(here_[i].piece)].goes_on = false;
   for (std::uint32_t i = 0; i < here_count_; ++i) {
-    const std::uint32_t piece = root(here_[i].piece);
+    const std::uint32_t piece = sets.root(here_[i].piece);
     if (!pieces_[piece].goes_on) {
       pieces_[piece].goes_on = true;
       kept_[kept] = pieces_[piece];

@@ -6,6 +6,7 @@
 
 #include "slicer/core/arena.hpp"
 #include "slicer/core/bit_image.hpp"
+#include "slicer/core/disjoint_sets.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/supports/window.hpp"
 
@@ -67,10 +68,11 @@ class IslandFinder {
     bool goes_on = false;     ///< into the row that is read
   };
 
+  using Sets = DisjointSets<Piece, &Piece::parent>;
+
   void read_runs(ConstBitImage mask, ConstBitImage below, ConstBitImage fresh, std::uint32_t row, const Window& window);
   void join_with_row_above();
   void keep_what_goes_on();
-  std::uint32_t root(std::uint32_t piece) const;
 
   std::span<Run> above_, here_;
   std::uint32_t above_count_ = 0, here_count_ = 0;

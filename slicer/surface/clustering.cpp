@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "slicer/cloud/neighbourhood.hpp"
+#include "slicer/core/disjoint_sets.hpp"
 #include "slicer/core/loop_progress.hpp"
 #include "slicer/core/median.hpp"
 #include "slicer/surface/sparse_surface.hpp"
@@ -73,41 +74,6 @@ void count(const Member& m, const Neighbourhood& batch, float epsilon2, Counts& 
 
 tl::unexpected<Error> cancelled() { return fail(ErrorCode::kCancelled, "cancelled while clusters were found"); }
 
-/// Disjoint sets under concurrent unions. The root of a set is its lowest index, whoever came first, so the outcome does
-/// not depend on the threads. Parents only ever decrease.
-class DisjointSets {
- public:
-  explicit DisjointSets(std::span<std::uint32_t> parent) : parent_(parent) {
-    for (std::uint32_t i = 0; i < parent.size(); ++i) parent[i] = i;
-  }
-  std::uint32_t root(std::uint32_t i) {
-    for (;;) {
-      const std::uint32_t up = load(i);
-      if (up == i) return i;
-      const std::uint32_t above = load(up);
-      if (above != up) {
-        std::uint32_t expected = up;
-        std::atomic_ref(parent_[i]).compare_exchange_weak(expected, above, std::memory_order_relaxed);
-      }
-      i = above;
-    }
-  }
-  void unite(std::uint32_t a, std::uint32_t b) {
-    for (;;) {
-      a = root(a);
-      b = root(b);
-      if (a == b) return;
-      if (a < b) std::swap(a, b);
-      std::uint32_t expected = a;
-      if (std::atomic_ref(parent_[a]).compare_exchange_strong(expected, b, std::memory_order_relaxed)) return;
-    }
-  }
-
- private:
-  std::uint32_t load(std::uint32_t i) { return std::atomic_ref(parent_[i]).load(std::memory_order_relaxed); }
-  std::span<std::uint32_t> parent_;
-};
-
 }  // namespace
 
 PointClass orientation_of(const PackedNormal& normal) {
@@ -160,6 +126,7 @@ Expected<ClusteringResult> cluster(Cloud& cloud, const KdTree3& tree, float epsi
   if (!flag_bytes) return tl::unexpected<Error>(flag_bytes.error());
   std::span<std::uint8_t> flags = *flag_bytes;
   DisjointSets sets(*parent);
+  sets.start_all();
 
   const float epsilon2 = epsilon * epsilon;
   const std::uint32_t blocks = (size + kBlock - 1) / kBlock;
@@ -235,7 +202,7 @@ Expected<ClusteringResult> cluster(Cloud& cloud, const KdTree3& tree, float epsi
         }
         for (std::uint32_t j = 0; j < batch.size; ++j) {
           const std::uint32_t other = batch.index[j];
-          if (near[j] != 0 && other < i && (flags[other] & kCore) != 0) sets.unite(i, other);
+          if (near[j] != 0 && other < i && (flags[other] & kCore) != 0) sets.unite_shared(i, other);
         }
       }
     });
@@ -297,7 +264,7 @@ Expected<ClusteringResult> cluster(Cloud& cloud, const KdTree3& tree, float epsi
     if ((flags[i] & kOutlier) != 0) cloud.normal[i].point_class = PointClass::kNoise;
     ++result.points[static_cast<std::size_t>(cloud.normal[i].point_class)];
     if (core) ++result.core_points;
-    if (core && !cluster.empty() && sets.root(i) == i) ++result.clusters;
+    if (core && !cluster.empty() && sets.is_root(i)) ++result.clusters;
   }
   return result;
 }

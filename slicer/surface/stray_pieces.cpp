@@ -6,6 +6,9 @@
 #include <numbers>
 #include <span>
 
+#include "slicer/core/cell_table.hpp"
+#include "slicer/core/disjoint_sets.hpp"
+
 namespace plumbline {
 namespace {
 
@@ -14,7 +17,6 @@ constexpr const char* kStage = "stray pieces";
 constexpr std::uint32_t kFewestSlots = 1U << 10;
 constexpr std::uint32_t kMostSlots = 1U << 17;  ///< a surface of a million points fills half of them
 constexpr float kCellEpsilons = 1.5F;
-constexpr std::int64_t kSide = 1 << 20;  ///< cells along an axis, at most
 
 constexpr double kSmall = 0.02;      ///< of the largest piece's area
 constexpr double kAllStrays = 0.05;  ///< of the area of what stays
@@ -28,95 +30,70 @@ constexpr float kPi = std::numbers::pi_v<float>;
 
 bool is_surface(const Cloud& cloud, std::uint32_t i) { return cloud.normal[i].point_class != PointClass::kNoise; }
 
+Box3f surface_bounds(const Cloud& cloud) {
+  Box3f box;
+  for (std::uint32_t i = 0; i < cloud.size; ++i) {
+    if (is_surface(cloud, i)) box.extend(cloud.position[i]);
+  }
+  return box;
+}
+
 struct Cell {
   std::uint64_t key = 0;     ///< 0: empty
   std::uint32_t parent = 0;  ///< slot
   float area = 0;            ///< mm^2 of its points; of a root that of its piece
 };
 
-/// Occupied cells in a table of open addressing, joined to pieces.
+/// Occupied cells, joined to pieces.
 class Cells {
  public:
-  Cells(const Cloud& cloud, float edge, std::span<Cell> slots) : cloud_(cloud), slots_(slots) {
-    Box3f box;
-    for (std::uint32_t i = 0; i < cloud.size; ++i) {
-      if (is_surface(cloud, i)) box.extend(cloud.position[i]);
-    }
-    low_ = box.low;
-    inverse_ = 1 / std::max(edge, box.size().maxCoeff() / static_cast<float>(kSide - 4));
-  }
+  Cells(const Cloud& cloud, float edge, std::span<Cell> slots)
+      : cloud_(cloud), grid_(surface_bounds(cloud), edge), table_(slots), sets_(slots) {}
 
   /// @returns false: more cells are occupied than the table holds
   [[nodiscard]] bool fill(float area_factor) {
-    std::fill(slots_.begin(), slots_.end(), Cell{});
-    std::size_t occupied = 0;
+    table_.clear();
+    std::uint32_t occupied = 0;
     for (std::uint32_t i = 0; i < cloud_.size; ++i) {
       if (!is_surface(cloud_, i)) continue;
-      const std::uint64_t key = key_of(cloud_.position[i]);
-      const std::uint32_t at = slot(key);
-      if (slots_[at].key == 0) {
-        if (++occupied > slots_.size() * 2 / 3) return false;
-        slots_[at] = {key, at, 0};
+      const std::uint64_t key = grid_.key(cloud_.position[i]);
+      const std::uint32_t at = table_.find_key(key);
+      if (!table_.occupied(at)) {
+        if (++occupied > table_.size() * 2 / 3) return false;
+        table_[at] = {key, at, 0};
       }
-      slots_[at].area += area_factor * cloud_.radius[i] * cloud_.radius[i];
+      table_[at].area += area_factor * cloud_.radius[i] * cloud_.radius[i];
     }
     join();
     return true;
   }
 
-  std::uint32_t piece_of(std::uint32_t point) const { return slots_[slot(key_of(cloud_.position[point]))].parent; }
-  bool is_root(std::uint32_t at) const { return slots_[at].key != 0 && slots_[at].parent == at; }
-  float area(std::uint32_t root) const { return slots_[root].area; }
-  std::uint32_t size() const { return static_cast<std::uint32_t>(slots_.size()); }
+  std::uint32_t piece_of(std::uint32_t point) const {
+    return table_[table_.find_key(grid_.key(cloud_.position[point]))].parent;
+  }
+  bool is_root(std::uint32_t at) const { return table_.occupied(at) && sets_.is_root(at); }
+  float area(std::uint32_t root) const { return table_[root].area; }
+  std::uint32_t size() const { return table_.size(); }
 
  private:
-  static constexpr int kBits = 21;
-
-  std::uint64_t key_of(const Vec3f& p) const {
-    std::uint64_t key = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-      // Not 0 along any axis, so that a cell has neighbours on all sides and no key is 0.
-      const auto at = static_cast<std::uint64_t>((p[axis] - low_[axis]) * inverse_) + 1;
-      key = key << kBits | at;
-    }
-    return key;
-  }
-  std::uint32_t slot(std::uint64_t key) const {
-    const std::size_t mask = slots_.size() - 1;
-    std::size_t at = static_cast<std::size_t>(key * 0x9E3779B97F4A7C15U >> 32) & mask;
-    while (slots_[at].key != 0 && slots_[at].key != key) at = (at + 1) & mask;
-    return static_cast<std::uint32_t>(at);
-  }
-  std::uint32_t find(std::uint32_t i) {
-    while (slots_[i].parent != i) i = slots_[i].parent = slots_[slots_[i].parent].parent;
-    return i;
-  }
   void join() {
     for (std::uint32_t i = 0; i < size(); ++i) {
-      if (slots_[i].key == 0) continue;
-      // Half of the 26 neighbours: the other half finds this one.
-      for (std::uint64_t n = 14; n < 27; ++n) {
-        const std::uint64_t step = n / 9 << 2 * kBits | n / 3 % 3 << kBits | n % 3;
-        constexpr std::uint64_t kMiddle = std::uint64_t{1} << 2 * kBits | std::uint64_t{1} << kBits | 1;
-        const std::uint32_t other = slot(slots_[i].key + step - kMiddle);
-        if (slots_[other].key == 0) continue;
-        const std::uint32_t a = find(i);
-        const std::uint32_t b = find(other);
-        slots_[std::max(a, b)].parent = std::min(a, b);
+      if (!table_.occupied(i)) continue;
+      for (std::uint32_t n = 14; n < 27; ++n) {
+        const std::uint32_t other = table_.find_key(CellGrid::neighbour(table_[i].key, n));
+        if (table_.occupied(other)) sets_.unite(i, other);
       }
     }
+    sets_.flatten(size());
     for (std::uint32_t i = 0; i < size(); ++i) {
-      if (slots_[i].key == 0) continue;
-      const std::uint32_t root = find(i);
-      slots_[i].parent = root;
-      if (root != i) slots_[root].area += slots_[i].area;
+      if (table_.occupied(i) && !sets_.is_root(i)) table_[table_[i].parent].area += table_[i].area;
     }
   }
 
   const Cloud& cloud_;
-  std::span<Cell> slots_;
-  Vec3f low_ = Vec3f::Zero();
-  float inverse_ = 0;
+  CellGrid grid_;
+  CellTable<Cell, &Cell::key> table_;
+  DisjointSets<Cell, &Cell::parent> sets_;  ///< of the occupied slots
 };
 
 /// A piece that may be a stray.

@@ -6,7 +6,9 @@
 #include <bit>
 #include <cmath>
 #include <optional>
+#include <utility>
 
+#include "slicer/core/cell_table.hpp"
 #include "slicer/surface/bores/bore_surface.hpp"
 #include "slicer/surface/bores/round_bores.hpp"
 
@@ -42,26 +44,19 @@ struct Line {
 /// Cells that have a point already.
 class Cells {
  public:
-  Cells(std::span<std::uint64_t> slots, const Vec3f& low, float edge) : slots_(slots), low_(low), inverse_(1 / edge) {
-    std::fill(slots_.begin(), slots_.end(), 0);
+  Cells(std::span<std::uint64_t> slots, const Box3f& box, float edge) : grid_(box, edge), table_(slots) {
+    table_.clear();
   }
   /// @returns false: it was taken
   bool take(const Vec3f& p) {
-    std::uint64_t key = 1;
-    for (int axis = 0; axis < 3; ++axis) {
-      key = key << 21U | (static_cast<std::uint64_t>((p[axis] - low_[axis]) * inverse_) & 0x1FFFFFU);
-    }
-    auto slot = static_cast<std::size_t>(key * 0x9E3779B97F4A7C15U >> (64 - std::bit_width(slots_.size() - 1)));
-    while (slots_[slot] != 0 && slots_[slot] != key) slot = (slot + 1) % slots_.size();
-    if (slots_[slot] == key) return false;
-    slots_[slot] = key;
-    return true;
+    const std::uint64_t key = grid_.key(p);
+    const std::uint32_t slot = table_.find_key(key);
+    return std::exchange(table_[slot], key) == 0;
   }
 
  private:
-  std::span<std::uint64_t> slots_;  ///< 0: empty; a power of two of them, of which half stay empty
-  Vec3f low_;
-  float inverse_;
+  CellGrid grid_;
+  CellTable<std::uint64_t> table_;  ///< keys; half of the slots stay empty
 };
 
 std::size_t slots_for(std::uint32_t room) { return std::bit_ceil(std::size_t{2} * room + 2); }
@@ -192,7 +187,7 @@ Expected<BoreWalls> continue_bore_walls(Cloud& cloud, const KdTree3& tree, Clust
   const auto slots = arena.take_top<std::uint64_t>(slots_for(cloud.capacity() - cloud.size), kStage);
   PLUMBLINE_TRY(slots);
   const float edge = BoreSurface::kSpacing * clustering.epsilon;
-  Cells cells(*slots, cloud.bounds().low, edge);
+  Cells cells(*slots, cloud.bounds(), edge);
   BoreSurface surface(cloud, tree, clustering);
   auto ends = find_ends(surface, *room, progress.part(0, kFound));
   PLUMBLINE_TRY(ends);
