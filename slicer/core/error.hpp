@@ -68,7 +68,7 @@ class Error {
   Error with_prefix(std::string_view prefix) const;
 
  private:
-  static Error format_list(ErrorCode code, const char* pattern, std::va_list args);
+  [[gnu::format(printf, 2, 0)]] static Error format_list(ErrorCode code, const char* pattern, std::va_list args);
   friend tl::unexpected<Error> fail(ErrorCode code, const char* pattern, ...);
 
   ErrorCode code_ = ErrorCode::kMalformed;
