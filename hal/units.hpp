@@ -25,8 +25,8 @@ class Distance {
   static constexpr Distance millimetres(double value) { return micrometres(value * 1e3); }
 
   constexpr std::int64_t nanometres() const { return nanometres_; }
-  constexpr double micrometres() const { return static_cast<double>(nanometres_) * 1e-3; }
-  constexpr double millimetres() const { return static_cast<double>(nanometres_) * 1e-6; }
+  constexpr double micrometres() const { return static_cast<double>(nanometres_) / 1e3; }
+  constexpr double millimetres() const { return static_cast<double>(nanometres_) / 1e6; }
 
   constexpr auto operator<=>(const Distance&) const =
       default;  // NOLINT(modernize-use-nullptr): compares with literal 0

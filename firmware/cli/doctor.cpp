@@ -91,7 +91,7 @@ Status write_findings_json(OutputFile& out, const std::string& printer, std::spa
 ExitCode run_doctor(const DoctorOptions& options) {
   const auto board = read_board_file(options.printer);
   if (!board) return report_error(board.error());
-  const auto machine = machine_of(*board, options.printer);
+  const auto machine = machine_of(*board, board->path);
   if (!machine) return report_error(machine.error());
   const auto findings = examine_machine(*board, *machine);
   if (!findings) return report_error(findings.error());

@@ -72,11 +72,11 @@ Expected<Printer> read_printer(const PrintOptions& options) {
   auto board = read_board_file(options.job.printer);
   PLUMBLINE_TRY(board);
   printer.board = std::move(*board);
-  auto machine = machine_of(printer.board, options.job.printer);
+  auto machine = machine_of(printer.board, printer.board.path);
   PLUMBLINE_TRY(machine);
   printer.machine = std::move(*machine);
   const std::string& name = options.profile.empty() ? printer.machine.profile : options.profile;
-  auto profile = read_print_profile(profile_path(name, options.job.printer));
+  auto profile = read_print_profile(name, printer.board.path);
   PLUMBLINE_TRY(profile);
   printer.profile = std::move(*profile);
   return printer;

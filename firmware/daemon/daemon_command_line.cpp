@@ -127,9 +127,9 @@ class DaemonLog final : public DaemonObserver {
 ExitCode serve(const DaemonOptions& options, std::span<std::byte> arena_block) {
   const auto board = read_board_file(options.printer);
   if (!board) return report_error(board.error());
-  const auto machine = machine_of(*board, options.printer);
+  const auto machine = machine_of(*board, board->path);
   if (!machine) return report_error(machine.error());
-  const auto profile = read_print_profile(profile_path(machine->profile, options.printer));
+  const auto profile = read_print_profile(machine->profile, board->path);
   if (!profile) return report_error(profile.error());
   JobOptions job;
   job.printer = options.printer;
@@ -146,7 +146,7 @@ ExitCode serve(const DaemonOptions& options, std::span<std::byte> arena_block) {
 
   catch_interrupts();
   start_threads(setup->threads);  // and their stacks: after "ready" no memory is taken
-  const DaemonSettings settings{*board, *machine, options.printer, setup->threads};
+  const DaemonSettings settings{*board, *machine, board->path, setup->threads};
   Arena arena(setup->arena_block);
   DaemonLog log(options, **back_end, *manager);
   const Machine& devices = (*back_end)->machine();

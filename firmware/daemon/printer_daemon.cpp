@@ -168,7 +168,7 @@ Expected<StickJob> PrinterDaemon::choose(const StickMount& mount) {
 
 Expected<PrintProfile> PrinterDaemon::profile_of(const std::string& name) const {
   // A name, not a path: what is on a stick says nothing about the printer's files.
-  return read_print_profile(profile_path(name.empty() ? settings_.machine.profile : name, settings_.board_path));
+  return read_print_profile(name.empty() ? settings_.machine.profile : name, settings_.board_path);
 }
 
 Status PrinterDaemon::print_scan() {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <string>
 #include <vector>
 
 #include "firmware/settings/job_options.hpp"
@@ -46,12 +47,17 @@ Expected<StickJob> parse_stick_job(std::string_view text, std::string_view path)
 }
 
 bool is_scan_name(std::string_view name) {
-  constexpr std::array<std::string_view, 7> kEndings = {".ply", ".pcd", ".obj", ".xyz", ".pts", ".asc", ".txt"};
-  return std::any_of(kEndings.begin(), kEndings.end(), [name](std::string_view ending) {
-    if (name.size() <= ending.size()) return false;
-    const auto tail = name.substr(name.size() - ending.size());
-    return std::equal(tail.begin(), tail.end(), ending.begin(),
-                      [](char a, char b) { return std::tolower(static_cast<unsigned char>(a)) == b; });
+  constexpr std::array<std::string_view, 8> kEndings = {".ply", ".pcd", ".obj",    ".xyz",
+                                                        ".pts", ".asc", ".xyzrgb", ".txt"};
+  // Texts that come with scans: no scan is called so.
+  constexpr std::array<std::string_view, 7> kTexts = {"readme.txt",  "read me.txt",   "license.txt", "licence.txt",
+                                                      "copying.txt", "changelog.txt", "notes.txt"};
+  std::string lower(name);
+  std::transform(lower.begin(), lower.end(), lower.begin(),
+                 [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); });
+  if (std::find(kTexts.begin(), kTexts.end(), lower) != kTexts.end()) return false;
+  return std::any_of(kEndings.begin(), kEndings.end(), [&lower](std::string_view ending) {
+    return lower.size() > ending.size() && std::string_view(lower).ends_with(ending);
   });
 }
 

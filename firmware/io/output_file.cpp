@@ -15,8 +15,8 @@ Expected<OutputFile> OutputFile::create(const char* path) {
   constexpr mode_t kMode = 0666;  // the user's umask takes from it
   file.file_ = ::open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOCTTY, kMode);
   if (file.file_ < 0) {
-    return fail(ErrorCode::kCannotOpen, "%s: cannot be created: %s. Check its directory, or give another one with -o",
-                path, std::strerror(errno));
+    return fail(ErrorCode::kCannotOpen, "%s: cannot be created: %s. Check the folder, or choose another one", path,
+                std::strerror(errno));
   }
   return file;
 }
@@ -38,9 +38,8 @@ OutputFile::~OutputFile() {
 
 tl::unexpected<Error> OutputFile::cannot_write(int reason) const {
   return fail(ErrorCode::kCannotWrite, "%s: cannot be written: %s. %s", path_.c_str(), std::strerror(reason),
-              reason == ENOSPC || reason == EDQUOT || reason == EFBIG
-                  ? "Make room there, or give another directory with -o"
-                  : "Check the medium, or give another directory with -o");
+              reason == ENOSPC || reason == EDQUOT || reason == EFBIG ? "Make room there, or choose another folder"
+                                                                      : "Check the medium, or choose another folder");
 }
 
 Status OutputFile::write(std::span<const std::byte> bytes) {

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "firmware/settings/settings_folders.hpp"
 #include "slicer/core/print_grid.hpp"
 
 namespace plumbline {
@@ -92,10 +93,16 @@ Expected<BoardFile> parse_board_file(std::string_view text, std::string_view pat
   return board;
 }
 
-Expected<BoardFile> read_board_file(const std::string& path) {
-  const auto text = read_settings_text(path, "a board file");
+Expected<BoardFile> read_board_file(const std::string& name_or_path) {
+  const auto path = find_board_file(name_or_path);
+  PLUMBLINE_TRY(path);
+  const auto text = read_settings_text(*path, "a board file");
   PLUMBLINE_TRY(text);
-  return parse_board_file(*text, path);
+  auto board = parse_board_file(*text, *path);
+  PLUMBLINE_TRY(board);
+  PLUMBLINE_TRY(check_file_name(*path, "[printer] name", board->name));
+  board->path = *path;
+  return board;
 }
 
 Expected<MachineFile> machine_of(const BoardFile& board, std::string_view path) {

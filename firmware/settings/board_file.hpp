@@ -55,6 +55,7 @@ struct MachineFile {
 
 /// What a printer is, as its board file has it. Every number is inside the range that board/README.md gives.
 struct BoardFile {
+  std::string path;             ///< that it was read from; empty if it came from memory
   std::string name;             ///< [printer]
   std::uint32_t columns = 0;    ///< [panel] pixels along x
   std::uint32_t rows = 0;       ///< [panel] pixels along y
@@ -70,9 +71,10 @@ struct BoardFile {
 /// Largest board file that is read, bytes.
 inline constexpr std::size_t kMaxBoardFileBytes = kMaxSettingsFileBytes;
 
-/// Reads a board file; see read_settings_file() for the errors.
-/// @param path  as it is to appear in messages
-[[nodiscard]] Expected<BoardFile> read_board_file(const std::string& path);
+/// Reads a board file, which must be named after its printer.
+/// @param name_or_path  see find_board_file()
+/// @retval the errors of find_board_file(), check_file_name() and read_settings_file()
+[[nodiscard]] Expected<BoardFile> read_board_file(const std::string& name_or_path);
 
 /// The same from text in memory.
 /// @param path  for messages only

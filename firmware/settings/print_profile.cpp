@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "firmware/settings/settings_file.hpp"
+#include "firmware/settings/settings_folders.hpp"
 
 namespace plumbline {
 namespace {
@@ -69,12 +70,10 @@ Expected<PrintProfile> read_print_profile(const std::string& path) {
   return parse_print_profile(*text, path);
 }
 
-std::string profile_path(const std::string& name_or_path, const std::string& board_path) {
-  const bool is_path = name_or_path.find('/') != std::string::npos || name_or_path.ends_with(".toml");
-  if (is_path) return name_or_path;
-  const auto slash = board_path.rfind('/');
-  const std::string folder = slash == std::string::npos ? "" : board_path.substr(0, slash + 1);
-  return folder + "profiles/" + name_or_path + ".toml";
+Expected<PrintProfile> read_print_profile(const std::string& name_or_path, const std::string& board_path) {
+  const auto path = find_profile(name_or_path, board_path);
+  PLUMBLINE_TRY(path);
+  return read_print_profile(*path);
 }
 
 }  // namespace plumbline

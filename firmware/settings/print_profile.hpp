@@ -46,8 +46,8 @@ struct PrintProfile {
 /// The same from text in memory.
 [[nodiscard]] Expected<PrintProfile> parse_print_profile(std::string_view text, std::string_view path);
 
-/// Where a profile's file is: what has a slash or ends in .toml is a path, anything else the name of a file in `profiles`
-/// beside the board file.
-std::string profile_path(const std::string& name_or_path, const std::string& board_path);
+/// The same by name.
+/// @param name_or_path, board_path  see find_profile()
+[[nodiscard]] Expected<PrintProfile> read_print_profile(const std::string& name_or_path, const std::string& board_path);
 
 }  // namespace plumbline

@@ -25,13 +25,20 @@ std::size_t edits(std::string_view from, std::string_view to) {
 
 }  // namespace
 
-std::string printable(std::string_view text) {
-  constexpr std::size_t kLongest = 60;
-  std::string shown{text.substr(0, kLongest)};
+std::string printable(std::string_view text, std::size_t longest) {
+  std::string shown{text};
   for (char& c : shown) {
     if (c < ' ' || c > '~') c = '?';
   }
-  return text.size() > kLongest ? shown + "..." : shown;
+  return shortened(shown, longest);
+}
+
+std::string shortened(std::string_view text, std::size_t longest) {
+  if (text.size() <= longest) return std::string{text};
+  const std::size_t space = text.rfind(' ', longest);
+  // A word that is longer than half of the room is cut.
+  const std::size_t end = space == std::string_view::npos || space < longest / 2 ? longest : space;
+  return std::string{text.substr(0, end)} + "...";
 }
 
 std::string number(double value) {

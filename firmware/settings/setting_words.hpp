@@ -1,5 +1,5 @@
 #pragma once
-/// Words of the messages about settings files.
+/// Words of messages about settings and options.
 
 #include <optional>
 #include <string>
@@ -8,14 +8,18 @@
 
 namespace plumbline {
 
-/// A file may hold what a terminal would obey, and more of it than fits a message: neither is left.
-std::string printable(std::string_view text);
+/// Replaces what a terminal would obey, and what is not ASCII, by question marks, and shortens the rest.
+std::string printable(std::string_view text, std::size_t longest = 60);
 
-/// Nine digits, and no more than are needed.
+/// The whole words that fit, and "..." if that is not all.
+/// @param longest  characters, without the "..."
+std::string shortened(std::string_view text, std::size_t longest);
+
+/// As few digits as are needed, nine at most.
 std::string number(double value);
 
+/// The known word that takes the fewest insertions, deletions and replacements to become `word` (Levenshtein).
 /// @param known  not empty
-/// @returns that which takes the fewest insertions, deletions and replacements to become `word` (Levenshtein)
 std::string_view nearest(std::string_view word, const std::vector<std::string_view>& known);
 
 /// The same, if it is near enough to be what was meant: at most one change for every three characters, or one.

@@ -16,6 +16,8 @@
 namespace plumbline {
 namespace {
 
+constexpr std::size_t kLongestPath = 150;  ///< characters of a path in a message, so that there is room for the rest
+
 using Rules = std::span<const SettingRule>;
 
 constexpr std::string_view kNameCharacters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789 ._-";
@@ -146,7 +148,7 @@ bool store(const SettingRule& rule, const toml::node& node) {
 class SettingsReader {
  public:
   SettingsReader(const toml::table& root, std::string_view path, std::size_t lines, const SettingsSchema& schema)
-      : root_(root), path_(printable(path)), last_line_(lines), schema_(schema), rules_(schema.rules) {}
+      : root_(root), path_(printable(path, kLongestPath)), last_line_(lines), schema_(schema), rules_(schema.rules) {}
 
   Status read() {
     PLUMBLINE_TRY(refuse_unknown());
@@ -252,7 +254,8 @@ class SettingsReader {
   }
 
   tl::unexpected<Error> refuse(std::size_t line, const std::string& key, const std::string& reason) const {
-    return fail(ErrorCode::kBadSetting, "%s:%zu: %s: %s", path_.c_str(), line, key.c_str(), reason.c_str());
+    const std::string message = path_ + ":" + std::to_string(line) + ": " + key + ": " + reason;
+    return fail(ErrorCode::kBadSetting, "%s", shortened(message, Error::kCapacity - 4).c_str());
   }
 
   const toml::table& root_;
@@ -266,7 +269,7 @@ class SettingsReader {
 
 Status parse_settings(std::string_view text, std::string_view path, const SettingsSchema& schema) {
   if (text.size() > kMaxSettingsFileBytes) {
-    return fail(ErrorCode::kMalformed, "%s: larger than %zu bytes, so not %s", printable(path).c_str(),
+    return fail(ErrorCode::kMalformed, "%s: larger than %zu bytes, so not %s", printable(path, kLongestPath).c_str(),
                 kMaxSettingsFileBytes, schema.kind);
   }
   try {
@@ -274,9 +277,9 @@ Status parse_settings(std::string_view text, std::string_view path, const Settin
     const auto lines = static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
     return SettingsReader{root, path, std::max<std::size_t>(lines, 1), schema}.read();
   } catch (const toml::parse_error& error) {
-    return fail(ErrorCode::kMalformed, "%s:%u: not TOML at column %u: %s", printable(path).c_str(),
+    return fail(ErrorCode::kMalformed, "%s:%u: not TOML at column %u: %s", printable(path, kLongestPath).c_str(),
                 static_cast<unsigned>(error.source().begin.line), static_cast<unsigned>(error.source().begin.column),
-                printable(error.description()).c_str());
+                printable(error.description(), 250).c_str());
   }
 }
 
@@ -286,15 +289,15 @@ Expected<std::string> read_settings_text(const std::string& path, const char* ki
   };
   const std::unique_ptr<std::FILE, Close> file{std::fopen(path.c_str(), "rb")};
   if (!file) {
-    return fail(ErrorCode::kCannotOpen, "%s: %s", printable(path).c_str(), std::strerror(errno));
+    return fail(ErrorCode::kCannotOpen, "%s: %s", printable(path, kLongestPath).c_str(), std::strerror(errno));
   }
   std::string text(kMaxSettingsFileBytes + 1, '\0');
   text.resize(std::fread(text.data(), 1, text.size(), file.get()));
   if (std::ferror(file.get()) != 0) {
-    return fail(ErrorCode::kCannotRead, "%s: %s", printable(path).c_str(), std::strerror(errno));
+    return fail(ErrorCode::kCannotRead, "%s: %s", printable(path, kLongestPath).c_str(), std::strerror(errno));
   }
   if (text.size() > kMaxSettingsFileBytes) {
-    return fail(ErrorCode::kMalformed, "%s: larger than %zu bytes, so not %s", printable(path).c_str(),
+    return fail(ErrorCode::kMalformed, "%s: larger than %zu bytes, so not %s", printable(path, kLongestPath).c_str(),
                 kMaxSettingsFileBytes, kind);
   }
   return text;

@@ -82,5 +82,13 @@ TEST(StickJob, IsExplainedKeyByKeyInTheReadme) {
   EXPECT_EQ(explained, 12);
 }
 
+TEST(ScanName, IsKnownByItsEnding) {
+  for (const char* name : {"a.ply", "A.PLY", "b.xyzrgb", "c.xyz", "points.txt", "d.asc"})
+    EXPECT_TRUE(is_scan_name(name)) << name;
+  for (const char* name : {".ply", "job.toml", "a.stl", "README.txt", "Read me.txt", "LICENSE.txt"}) {
+    EXPECT_FALSE(is_scan_name(name)) << name;
+  }
+}
+
 }  // namespace
 }  // namespace plumbline

@@ -128,7 +128,7 @@ TEST(PrintPlan, EveryProfileCuresThroughItsLayerOnEveryPrinter) {
   for (const char* name : {"standard", "tough", "draft"}) {
     for (const char* printer : {"mono2k", "mono4k", "mono8k", "sim2k"}) {
       const std::string board = std::string(PLUMBLINE_SOURCE_DIR "/board/") + printer + ".toml";
-      const auto settings = read_print_profile(profile_path(name, board)).value();
+      const auto settings = read_print_profile(name, board).value();
       const auto target = *read_board_file(board).value().machine;
       const auto p = plan_print(settings, target, settings.layer_height, 100);
       ASSERT_TRUE(p) << p.error().message();

@@ -71,7 +71,7 @@ class Print(Program):
         self.assertEqual(counts[1], 0)
         self.assertGreater(counts[2], counts[0])
         done = self.run_it(*same, "--supports", "none", "--support-head-width", 2, status=1)
-        self.assertIn("support_head_width is for supports", done.stderr)
+        self.assertIn("support_head_width is given, but supports are off", done.stderr)
 
     def test_lamp_line_is_lit_as_long_as_every_exposure(self):
         write_sphere(self.scan)

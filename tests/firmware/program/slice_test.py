@@ -80,7 +80,7 @@ class Slice(Program):
 
     def test_support_settings_that_make_no_sense_are_refused(self):
         for arguments, message in (
-            (("--support-base-diameter", 3), "support_base_diameter is for supports"),
+            (("--support-base-diameter", 3), "support_base_diameter is given, but supports are off"),
             (("--supports", "auto", "--support-critical-angle", 81), "not a number from 10 to 80"),
             (("--supports", "auto", "--support-pillar-diameter", 5), "more than support_base_diameter"),
             (("--supports", "yes"), "yes"),

@@ -34,14 +34,14 @@ class WorldErrors(Program):
 
     def test_output_that_cannot_be_made(self):
         write_sphere(self.scan)
-        self.refused("slice", self.scan, "-o", "/proc/plumbline", message="/proc/plumbline: the directory cannot be created")
-        self.refused("slice", self.scan, "-o", self.scan, message=".*sphere.ply: is a file, the output needs a directory")
+        self.refused("slice", self.scan, "-o", "/proc/plumbline", message="/proc/plumbline: the folder cannot be created")
+        self.refused("slice", self.scan, "-o", self.scan, message=".*sphere.ply: is a file, not a folder")
 
     @unittest.skipIf(os.geteuid() == 0, "root may write everywhere")
     def test_output_that_may_not_be_written(self):
         write_sphere(self.scan)
         self.out.mkdir(mode=0o555)
-        self.refused("slice", self.scan, "-o", self.out, message=".*out/layers: the directory cannot be created: Permission")
+        self.refused("slice", self.scan, "-o", self.out, message=".*out/layers: the folder cannot be created: Permission")
 
     def test_medium_that_fills_up_leaves_nothing_behind(self):
         # No file may grow beyond a limit: for write() that is a full disk, and it can be had without one.
@@ -65,9 +65,25 @@ class WorldErrors(Program):
 
     def test_board_file_that_is_missing_or_wrong(self):
         write_sphere(self.scan)
-        self.refused("slice", self.scan, "-o", self.out, "--printer", self.dir / "no.toml", message=".*no.toml: No such file")
+        self.refused("slice", self.scan, "-o", self.out, "--printer", self.dir / "no.toml", message=".*no.toml: no such board file. .* mono2k")
+        self.refused("inspect", self.scan, "--printer", "mono3k", message="no printer is called mono3k. Did you mean mono2k\\?.* in board, ")
         self.board.write_text("[printer]\nnaem = 'x'\n")
         self.refused("slice", self.scan, "-o", self.out, "--printer", self.board, message=".*small.toml:2: .*naem")
+
+    def test_printer_is_found_by_its_name_wherever_the_program_is_called(self):
+        write_sphere(self.scan)
+        said = self.run_it("inspect", self.scan, "--printer", "mono2k", "--json", cwd=self.dir).stdout
+        self.assertIn('"printer": "mono2k"', said)
+
+    def test_board_file_is_called_as_its_printer(self):
+        other = self.dir / "other.toml"
+        self.board.rename(other)
+        write_sphere(self.scan)
+        self.refused("inspect", self.scan, "--printer", other, message=r'.*\[printer\] name is "small", but the file is called other')
+
+    def test_sample_advises_no_option_that_it_lacks(self):
+        done = self.run_it("sample", self.dir / "no/bust.ply", status=1)
+        self.assertNotIn("-o", done.stderr.split("bust.ply: ")[1])
 
     def test_more_arena_than_was_built_in(self):
         write_sphere(self.scan)

@@ -296,11 +296,20 @@ TEST(BoardFile, ThatCannotBeOpenedOrReadIsNamed) {
   const auto missing = read_board_file("/nowhere/b.toml");
   ASSERT_FALSE(missing);
   EXPECT_EQ(missing.error().code(), ErrorCode::kCannotOpen);
-  EXPECT_STREQ(missing.error().message(), "/nowhere/b.toml: No such file or directory");
+  EXPECT_THAT(missing.error().message(), StartsWith("/nowhere/b.toml: no such board file. Check the path, or name"));
 
   const auto folder = read_board_file(PLUMBLINE_SOURCE_DIR "/board");
   ASSERT_FALSE(folder);
   EXPECT_EQ(folder.error().code(), ErrorCode::kCannotRead);
+}
+
+TEST(BoardFile, ShowsTheReasonOfAParseErrorInWholeWords) {
+  const std::string said = refusal("a = " + std::string(10000, '['), ErrorCode::kMalformed);
+  EXPECT_THAT(said, HasSubstr("exceeded maximum nested value depth"));
+  // Paths that are long leave room for the reason.
+  const auto far = parse_board_file("x", std::string(1000, 'p'));
+  ASSERT_FALSE(far);
+  EXPECT_THAT(far.error().message(), HasSubstr("...:1: not TOML at column 2: "));
 }
 
 TEST(BoardFile, IsReadFromAFile) {

@@ -80,13 +80,6 @@ TEST(PrintProfile, RefusesAMisspeltKeyAWrongUnitAndAWrongRange) {
               HasSubstr("retract_height2: found a float 7.1, allowed is at most the whole lift"));
 }
 
-TEST(PrintProfile, IsFoundBesideTheBoardFileOrByItsPath) {
-  EXPECT_EQ(profile_path("standard", "board/sim2k.toml"), "board/profiles/standard.toml");
-  EXPECT_EQ(profile_path("standard", "sim2k.toml"), "profiles/standard.toml");
-  EXPECT_EQ(profile_path("mine.toml", "board/sim2k.toml"), "mine.toml");
-  EXPECT_EQ(profile_path("./mine", "board/sim2k.toml"), "./mine");
-}
-
 /// A row of the tables in board/README.md.
 struct Row {
   std::string table;

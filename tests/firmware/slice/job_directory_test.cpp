@@ -127,7 +127,7 @@ TEST(JobDirectory, RefusesAFolderWithSomethingElseInIt) {
   const TemporaryFolder folder;
   std::filesystem::create_directories(folder / "out/layers");
   write_text(folder / "out/thesis.doc", "years of work");
-  expect_refused(folder / "out", "holds 'thesis.doc', which no job of plumbline wrote");
+  expect_refused(folder / "out", "holds 'thesis.doc', which plumbline did not write");
 }
 
 TEST(JobDirectory, RefusesLayersThatAreNotItsOwn) {
@@ -142,7 +142,7 @@ TEST(JobDirectory, RefusesAManifestOfAnotherProgram) {
   const TemporaryFolder folder;
   std::filesystem::create_directories(folder / "out");
   write_text(folder / "out/manifest.json", "{\"short_name\": \"a web page\"}");
-  expect_refused(folder / "out", "holds 'manifest.json', which no job of plumbline wrote");
+  expect_refused(folder / "out", "holds 'manifest.json', which plumbline did not write");
 }
 
 TEST(JobDirectory, RefusesLayersThatAreALinkElsewhere) {
@@ -150,7 +150,7 @@ TEST(JobDirectory, RefusesLayersThatAreALinkElsewhere) {
   std::filesystem::create_directories(folder / "elsewhere");
   std::filesystem::create_directories(folder / "out");
   std::filesystem::create_directory_symlink(folder / "elsewhere", folder / "out/layers");
-  expect_refused(folder / "out", "is not a directory");
+  expect_refused(folder / "out", "is not a folder");
 }
 
 TEST(JobDirectory, IsForOneJobAtATime) {
@@ -167,11 +167,11 @@ TEST(JobDirectory, SaysWhyItCannotBeMade) {
   write_text(folder / "file", "");
   const auto on_file = JobDirectory::open(folder / "file");
   ASSERT_FALSE(on_file.has_value());
-  EXPECT_THAT(on_file.error().message(), HasSubstr("is a file, the output needs a directory"));
+  EXPECT_THAT(on_file.error().message(), HasSubstr("is a file, not a folder"));
   const auto in_proc = JobDirectory::open("/proc/plumbline");
   ASSERT_FALSE(in_proc.has_value());
   EXPECT_EQ(in_proc.error().code(), ErrorCode::kCannotOpen);
-  EXPECT_THAT(in_proc.error().message(), HasSubstr("/proc/plumbline: the directory cannot be created"));
+  EXPECT_THAT(in_proc.error().message(), HasSubstr("/proc/plumbline: the folder cannot be created"));
   EXPECT_FALSE(JobDirectory::open("").has_value());
   EXPECT_FALSE(JobDirectory::open(std::string(5000, 'x')).has_value());
 }
