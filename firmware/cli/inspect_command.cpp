@@ -2,6 +2,7 @@
 
 #include "firmware/cli/commands.hpp"
 #include "firmware/cli/inspect_report.hpp"
+#include "firmware/cli/print_time.hpp"
 #include "firmware/cli/shared_options.hpp"
 #include "firmware/io/interrupt.hpp"
 #include "firmware/io/job_progress.hpp"
@@ -54,6 +55,14 @@ Status look(const InspectOptions& options, const JobSetup& setup, ScanOutlook& o
   return {};
 }
 
+/// In words; empty where nobody knows.
+std::string print_time_of(const ScanOutlook& outlook, const std::optional<BoardFile>& board) {
+  if (!board || !outlook.placed) return {};
+  const PrintGrid& grid = outlook.placed->grid;
+  const auto time = estimate_print_time(*board, grid.layers, static_cast<double>(grid.layer_height_mm));
+  return time ? time->text() : std::string();
+}
+
 }  // namespace
 
 CLI::App* add_inspect_command(CLI::App& app, InspectOptions& options) {
@@ -100,7 +109,8 @@ ExitCode run_inspect(const InspectOptions& inspect_options, std::span<std::byte>
   OutputFile out = OutputFile::standard_output();
   JsonWriter json(out);
   if (options.json) write_outlook(json, outlook);
-  const auto written = options.json ? json.finish() : write_outlook(out, outlook);
+  const auto written =
+      options.json ? json.finish() : write_outlook(out, outlook, print_time_of(outlook, setup->board), options.verbose);
   return written ? ExitCode::kDone : report_error(written.error());
 }
 

@@ -41,7 +41,7 @@ void add_scan(Text& text, const ScanOutlook& o) {
              o.scan.normals.estimated);
   }
   const double turned = turned_share(o.scan.normals.turned, o.scan.cloud_points);
-  if (turned > kTurnedWorthAWord) {
+  if (turned > kFewTurned) {
     text.add("           %.2g %% point into the object: slicing turns them over\n", 100 * turned);
   }
 }
@@ -76,11 +76,11 @@ void add_surface(Text& text, const ScanOutlook& o) {
 
 void add_look(Text& text, const ScanOutlook& o) {
   if (!o.look) {
-    text.add("seen       unknown: %s\n", o.no_look.c_str());
+    text.add("scanned    unknown: %s\n", o.no_look.c_str());
   } else if (o.look->sentence().view().empty()) {
-    text.add("seen       all of the surface\n");
+    text.add("scanned    all of the surface\n");
   } else {
-    text.add("seen       not all: %s\n", o.look->sentence().c_str());
+    text.add("scanned    not all: %s\n", o.look->sentence().c_str());
   }
   if (lies_on_its_face(o.scan.clustering)) text.add("           %s\n", kOnItsFace);
 }
@@ -237,14 +237,17 @@ ScanOutlook make_outlook(const InspectReport& scan, const PlacementSettings& pla
   return o;
 }
 
-Status write_outlook(OutputFile& out, const ScanOutlook& outlook) {
+Status write_outlook(OutputFile& out, const ScanOutlook& outlook, std::string_view print_time, bool verbose) {
   Text text;
   add_scan(text, outlook);
   add_extent(text, outlook);
-  add_surface(text, outlook);
   add_look(text, outlook);
   add_fit(text, outlook);
-  add_plan(text, outlook);
+  if (!print_time.empty()) text.add("time       %.*s\n", static_cast<int>(print_time.size()), print_time.data());
+  if (verbose) {
+    add_surface(text, outlook);
+    add_plan(text, outlook);
+  }
   return out.write(text.view());
 }
 
@@ -281,7 +284,7 @@ void write_outlook(JsonWriter& json, const ScanOutlook& outlook) {
     json.begin_object(kOneLine);
     json.member("underside", outlook.look->underside_unseen());
     json.member("underside_share", outlook.look->shares.of(Evidence::kBase));
-    json.member("rest_share", outlook.look->unseen());
+    json.member("rest_share", Unseen::of(outlook.look->shares).elsewhere);
     json.member("encloses_nothing", outlook.look->outside);
     json.end_object();
   } else {

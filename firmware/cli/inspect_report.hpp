@@ -37,8 +37,11 @@ struct ScanOutlook {
 ScanOutlook make_outlook(const InspectReport& scan, const PlacementSettings& placement, std::size_t arena_bytes,
                          std::uint32_t threads);
 
+/// @param print_time  how long printing takes, in words; empty: unknown
+/// @param verbose     also spacing, noise, classes of points, and the memory of each stage
 /// @retval ErrorCode::kCannotWrite
-[[nodiscard]] Status write_outlook(OutputFile& out, const ScanOutlook& outlook);
+[[nodiscard]] Status write_outlook(OutputFile& out, const ScanOutlook& outlook, std::string_view print_time,
+                                   bool verbose);
 
 /// As one JSON object, lengths in mm but where a key says "scan_units".
 void write_outlook(JsonWriter& json, const ScanOutlook& outlook);

@@ -53,10 +53,13 @@ Status write_pictures(JobDirectory& directory, const PrintSession& session, cons
               static_cast<double>(job.cured_pixels) * session.pixel_ml());
   const std::array<std::string_view, 1> printed_captions = {caption.view()};
   const std::array<std::string_view, 1> sliced_captions = {"to be printed"};
-  PLUMBLINE_TRY(
-      draw_preview(session.rrep(), session.supports(), {job.scan_name, sliced_captions}, arena, std::span(sliced)));
+  // A print that was resumed from its store has no placement.
+  const Placement& placement = session.sliced().placement;
+  const auto size = placement.grid.layers > 0 ? size_text(placement) : FixedText<96>();
+  PLUMBLINE_TRY(draw_preview(session.rrep(), session.supports(), {job.scan_name, size.view(), sliced_captions}, arena,
+                             std::span(sliced)));
   // What was cured of the supports is in the layers already.
-  PLUMBLINE_TRY(draw_preview(part, Supports{}, {job.scan_name, printed_captions}, arena, std::span(printed)));
+  PLUMBLINE_TRY(draw_preview(part, Supports{}, {job.scan_name, {}, printed_captions}, arena, std::span(printed)));
   const auto preview = encoder->encode(printed, kPreviewColumns, kPreviewRows);
   PLUMBLINE_TRY(preview);
   PLUMBLINE_TRY(directory.write_picture(Picture::kPreview, *preview));

@@ -103,7 +103,8 @@ CLI::Validator finite_range(double low, double high) {
 
 CLI::Option* add_job_options(CLI::App& app, JobOptions& job) {
   auto* scan =
-      app.add_option("scan", job.scans, "PLY, PCD, OBJ or text (XYZ, XYZRGB, PTS, ASC, TXT). Several files in one frame make one scan")
+      app.add_option("scan", job.scans,
+                     "PLY, PCD, OBJ or text (XYZ, XYZRGB, PTS, ASC, TXT). Several files in one frame make one scan")
           ->required()
           ->expected(1, static_cast<int>(kMostScans))
           ->type_name("SCAN");

@@ -1,6 +1,7 @@
 #include <CLI/CLI.hpp>
 
 #include "firmware/cli/commands.hpp"
+#include "firmware/cli/print_time.hpp"
 #include "firmware/cli/shared_options.hpp"
 #include "firmware/io/interrupt.hpp"
 #include "firmware/io/json_writer.hpp"
@@ -24,20 +25,23 @@ constexpr const char* kFooter =
     "  OUT/layers/00000.png ...  a mask per layer, lowest first: 1-bit greyscale, white cures, row 0 has the smallest "
     "y\n"
     "  OUT/preview.png           the print from the front, the side and above\n"
-    "  OUT/confidence.png        which parts of the surface were scanned, and which were closed\n"
+    "  OUT/coverage.png          which parts of the surface were scanned, and which were closed\n"
     "  OUT/manifest.json         grid, hashes, figures; written last, so a job that has it is complete\n"
     "An older job in OUT is replaced. A folder that holds anything else is refused.\n"
     "\n"
     "Exit status: 0 done, 1 file, scan or disk error, 2 wrong command line, 130 interrupted.\n";
 
-Status write_result(const JobReport& report, const SliceOptions& options) {
+Status write_result(const JobReport& report, const SliceOptions& options, const std::optional<BoardFile>& board) {
   OutputFile out = OutputFile::standard_output();
   if (options.job.json) {
     JsonWriter json(out);
     write_manifest(json, report, {});
     return json.finish();
   }
-  return write_summary(out, report, options.output.c_str());
+  const PrintGrid& grid = report.slice.placement.grid;
+  std::optional<PrintTime> time;
+  if (board) time = estimate_print_time(*board, grid.layers, static_cast<double>(grid.layer_height_mm));
+  return write_summary(out, report, options.output.c_str(), time ? time->text() : std::string(), options.job.verbose);
 }
 
 void write_warnings(const JobWarnings& warnings) {
@@ -57,7 +61,7 @@ CLI::App* add_slice_command(CLI::App& app, SliceOptions& options) {
       ->required()
       ->type_name("OUT");
   command->add_flag_callback(
-      "--no-preview", [&options] { options.preview = false; }, "Don't draw preview.png and confidence.png");
+      "--no-preview", [&options] { options.preview = false; }, "Don't draw preview.png and coverage.png");
   add_job_options(*command, options.job);
   add_support_options(*command, options.supports, "[none]");
   add_program_options(*command, options.job);
@@ -100,7 +104,7 @@ ExitCode run_slice(const SliceOptions& options, std::span<std::byte> arena_block
   }
   if (!silent) write_warnings(job->report().warnings);
   if (options.job.quiet && !options.job.json) return ExitCode::kDone;
-  const auto written = write_result(job->report(), options);
+  const auto written = write_result(job->report(), options, setup->board);
   return written ? ExitCode::kDone : report_error(written.error());
 }
 

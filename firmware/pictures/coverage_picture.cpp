@@ -13,13 +13,13 @@ using namespace preview;
 
 namespace {
 
-constexpr const char* kStage = "confidence picture";
+constexpr const char* kStage = "coverage picture";
 
 /// By Evidence.
 constexpr std::array<Colour, kEvidenceCount> kColours{{{222, 222, 212}, {244, 202, 66}, {232, 78, 56}, {74, 138, 232}}};
-constexpr std::array<const char*, kEvidenceCount> kMeanings{"measured by the scan", "found by a second, finer look",
-                                                            "never seen: closed as the points around it tell",
-                                                            "never seen: closed flat by the base plane"};
+constexpr std::array<const char*, kEvidenceCount> kMeanings{"scanned", "scanned, found by a finer search",
+                                                            "not scanned: closed to fit its surroundings",
+                                                            "not scanned: underside, closed flat"};
 
 void draw_legend(const Picture& picture, const ConfidenceMap& map) {
   const auto share = map.surface();
@@ -40,14 +40,14 @@ Status draw(const RRep& rrep, const ConfidenceMap& map, const PreviewText& text,
   draw_background(picture);
   const TextStyle title{.scale = 4, .colour = kInk};
   draw_text(picture, kMargin, 38, cut(text.name, kPreviewColumns - 700, title), title);
-  constexpr std::string_view kAbout = "what the print rests on";
+  constexpr std::string_view kAbout = "which parts of the surface were scanned";
   const TextStyle plain{.scale = 2, .colour = kInk};
   draw_text(picture, std::int64_t{kPreviewColumns} - kMargin - text_width(kAbout, plain), 52, kAbout, plain);
   draw_legend(picture, map);
 
   const Extent extent = find_extent(rrep, *words);
   if (extent.empty()) return {};
-  const ConfidenceLayout layout = ConfidenceLayout::of(extent, grid);
+  const CoverageLayout layout = CoverageLayout::of(extent, grid);
   const auto in_samples = [&](float mm) { return std::max(1.0F, mm * static_cast<float>(layout.samples_per_mm)); };
   std::int64_t left = layout.left;
   // Two views at a time: memory for all four would be the most that a small job takes.
@@ -63,9 +63,8 @@ Status draw(const RRep& rrep, const ConfidenceMap& map, const PreviewText& text,
     std::fill(depths->begin(), depths->end(), DepthMap::kEmpty);
     const DepthMap first{depths->first(samples), materials->first(samples), columns, rows};
     const DepthMap second{depths->last(samples), materials->last(samples), columns, rows};
-    const ConfidenceViews views =
-        walls ? ConfidenceViews{first, second, {}, {}} : ConfidenceViews{{}, {}, first, second};
-    PLUMBLINE_TRY(survey_confidence(rrep, map, extent, layout, *words, arena, views));
+    const CoverageViews views = walls ? CoverageViews{first, second, {}, {}} : CoverageViews{{}, {}, first, second};
+    PLUMBLINE_TRY(survey_coverage(rrep, map, extent, layout, *words, arena, views));
 
     const auto scratch = arena.take_top<float>(samples, kStage);
     PLUMBLINE_TRY(scratch);
@@ -89,8 +88,8 @@ Status draw(const RRep& rrep, const ConfidenceMap& map, const PreviewText& text,
 
 }  // namespace
 
-Expected<std::span<const std::byte>> encode_confidence(const RRep& rrep, const ConfidenceMap& map,
-                                                       const PreviewText& text, Arena& arena, PngEncoder& encoder) {
+Expected<std::span<const std::byte>> encode_coverage(const RRep& rrep, const ConfidenceMap& map,
+                                                     const PreviewText& text, Arena& arena, PngEncoder& encoder) {
   const ArenaScope scope(arena);
   const auto rgb = arena.take_top<std::uint8_t>(std::size_t{3} * kPreviewColumns * kPreviewRows, kStage);
   PLUMBLINE_TRY(rgb);

@@ -15,8 +15,8 @@ namespace plumbline {
 /// @param encoder  made for pictures of at least kPreviewColumns x kPreviewRows
 /// @returns the file, in the encoder's memory, valid until its next use
 /// @retval ErrorCode::kOutOfMemory  the arena or lodepng found no room
-[[nodiscard]] Expected<std::span<const std::byte>> encode_confidence(const RRep& rrep, const ConfidenceMap& map,
-                                                                     const PreviewText& text, Arena& arena,
-                                                                     PngEncoder& encoder);
+[[nodiscard]] Expected<std::span<const std::byte>> encode_coverage(const RRep& rrep, const ConfidenceMap& map,
+                                                                   const PreviewText& text, Arena& arena,
+                                                                   PngEncoder& encoder);
 
 }  // namespace plumbline

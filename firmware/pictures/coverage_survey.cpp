@@ -8,16 +8,16 @@
 namespace plumbline::preview {
 namespace {
 
-constexpr const char* kStage = "confidence picture";
+constexpr const char* kStage = "coverage picture";
 constexpr std::uint32_t kNone = 0xFFFFFFFFU;
 constexpr std::uint16_t kNever = 0xFFFF;
 constexpr std::int64_t kBetween = 60;  ///< pixels between two views
 
 class Surveyor {
  public:
-  Surveyor(const RRep& rrep, const ConfidenceMap& confidence, const Extent& extent, const ConfidenceLayout& layout)
+  Surveyor(const RRep& rrep, const ConfidenceMap& map, const Extent& extent, const CoverageLayout& layout)
       : rrep_(rrep),
-        confidence_(confidence),
+        map_(map),
         extent_(extent),
         samples_per_mm_(layout.samples_per_mm),
         step_(height_step(rrep.grid)),
@@ -39,7 +39,7 @@ class Surveyor {
     return {};
   }
 
-  void survey(std::span<std::uint64_t> words, const ConfidenceViews& views) {
+  void survey(std::span<std::uint64_t> words, const CoverageViews& views) {
     std::fill(highest_.begin(), highest_.end(), std::uint16_t{0});
     std::fill(lowest_.begin(), lowest_.end(), kNever);
     BitImage section(words, rrep_.grid.columns, rrep_.grid.rows);
@@ -115,7 +115,7 @@ class Surveyor {
             std::uint32_t layer) const {
     const std::size_t sample = std::size_t{v} * map.columns + u;
     map.depth[sample] = depth;
-    map.material[sample] = static_cast<std::uint8_t>(confidence_.at(column, row, layer));
+    map.material[sample] = static_cast<std::uint8_t>(map_.at(column, row, layer));
   }
   /// A line of the front view, or of the back view, which has its left where the front view has its right.
   void draw_wall(const DepthMap& map, std::uint32_t line, std::uint32_t layer, bool front) const {
@@ -146,7 +146,7 @@ class Surveyor {
   }
 
   const RRep& rrep_;
-  const ConfidenceMap& confidence_;
+  const ConfidenceMap& map_;
   const Extent& extent_;
   double samples_per_mm_;
   std::uint32_t step_;   ///< pixels between two heights
@@ -158,7 +158,7 @@ class Surveyor {
 
 }  // namespace
 
-ConfidenceLayout ConfidenceLayout::of(const Extent& extent, const PrintGrid& grid) {
+CoverageLayout CoverageLayout::of(const Extent& extent, const PrintGrid& grid) {
   const double width_mm = (extent.column_end - extent.column) * double{grid.pitch_x_mm};
   const double depth_mm = (extent.row_end - extent.row) * double{grid.pitch_y_mm};
   const double height_mm = (extent.layer_end - extent.layer) * double{grid.layer_height_mm};
@@ -166,7 +166,7 @@ ConfidenceLayout ConfidenceLayout::of(const Extent& extent, const PrintGrid& gri
   const double pixels_per_mm =
       std::min({across / (4 * width_mm), kAreaRows / std::max(height_mm, depth_mm), kMostPixelsPerMm});
   const auto pixels = [&](double mm) { return std::max(1U, static_cast<std::uint32_t>(mm * pixels_per_mm)); };
-  ConfidenceLayout layout;
+  CoverageLayout layout;
   layout.samples_per_mm = pixels_per_mm * kSamplesPerPixel;
   layout.width = pixels(width_mm);
   layout.depth = pixels(depth_mm);
@@ -177,11 +177,10 @@ ConfidenceLayout ConfidenceLayout::of(const Extent& extent, const PrintGrid& gri
   return layout;
 }
 
-Status survey_confidence(const RRep& rrep, const ConfidenceMap& confidence, const Extent& extent,
-                         const ConfidenceLayout& layout, std::span<std::uint64_t> section, Arena& arena,
-                         const ConfidenceViews& views) {
+Status survey_coverage(const RRep& rrep, const ConfidenceMap& map, const Extent& extent, const CoverageLayout& layout,
+                       std::span<std::uint64_t> section, Arena& arena, const CoverageViews& views) {
   const ArenaScope scope(arena);
-  Surveyor surveyor(rrep, confidence, extent, layout);
+  Surveyor surveyor(rrep, map, extent, layout);
   PLUMBLINE_TRY(surveyor.take(arena));
   surveyor.survey(section, views);
   return {};

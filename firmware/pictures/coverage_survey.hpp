@@ -1,5 +1,5 @@
 #pragma once
-/// The depth maps of the confidence picture, each sample with the evidence of its place.
+/// The depth maps of the coverage picture, each sample with the evidence of its place.
 
 #include <cstdint>
 #include <span>
@@ -13,16 +13,16 @@
 namespace plumbline::preview {
 
 /// Four views of one scale, and where they go on the page.
-struct ConfidenceLayout {
+struct CoverageLayout {
   double samples_per_mm = 0;
   std::uint32_t width = 0, depth = 0, height = 0;  ///< pixels
   std::int64_t left = 0, step = 0;                 ///< of the first view, and to the next one's left
 
-  static ConfidenceLayout of(const Extent& extent, const PrintGrid& grid);
+  static CoverageLayout of(const Extent& extent, const PrintGrid& grid);
 };
 
 /// DepthMap::material is an Evidence.
-struct ConfidenceViews {
+struct CoverageViews {
   DepthMap front, back, top, below;
 };
 
@@ -30,8 +30,8 @@ struct ConfidenceViews {
 /// @param section  an image of the grid, as scratch
 /// @param arena    for the heights of the surface, from the top, given back
 /// @retval ErrorCode::kOutOfMemory
-[[nodiscard]] Status survey_confidence(const RRep& rrep, const ConfidenceMap& confidence, const Extent& extent,
-                                       const ConfidenceLayout& layout, std::span<std::uint64_t> section, Arena& arena,
-                                       const ConfidenceViews& views);
+[[nodiscard]] Status survey_coverage(const RRep& rrep, const ConfidenceMap& map, const Extent& extent,
+                                     const CoverageLayout& layout, std::span<std::uint64_t> section, Arena& arena,
+                                     const CoverageViews& views);
 
 }  // namespace plumbline::preview

@@ -100,8 +100,6 @@ Status draw_preview(const RRep& rrep, const Supports& supports, const PreviewTex
   draw_background(picture);
   const TextStyle title{.scale = 4, .colour = kInk}, plain{.scale = 2, .colour = kInk},
       pale{.scale = 2, .colour = kPaleInk};
-  char facts[128] = "empty";
-
   const Extent object = find_extent(rrep, *words);
   if (!object.empty()) {
     const Extent extent = with_supports(object, supports, grid);
@@ -144,14 +142,12 @@ Status draw_preview(const RRep& rrep, const Supports& supports, const PreviewTex
     draw_centred(picture, layout.side_left + layout.depth / 2, label, "side", pale);
     draw_centred(picture, layout.top_left + layout.width / 2, label, "top", pale);
     draw_scale_bar(picture, layout.pixels_per_mm, kMargin, 106);
-    const Layout size = lay_out(object, grid);
-    std::snprintf(facts, sizeof facts, "%.1f x %.1f x %.1f mm    %u layers of %g mm", size.width_mm, size.depth_mm,
-                  size.height_mm, object.layer_end - object.layer, double{grid.layer_height_mm});
   }
 
-  const std::uint32_t facts_width = text_width(facts, plain);
-  draw_text(picture, std::int64_t{kPreviewColumns} - kMargin - facts_width, 52, facts, plain);
-  draw_text(picture, kMargin, 38, cut(text.name, kPreviewColumns - 3 * kMargin - facts_width, title), title);
+  const std::string_view size = object.empty() ? "empty" : text.size;
+  const std::uint32_t size_width = text_width(size, plain);
+  draw_text(picture, std::int64_t{kPreviewColumns} - kMargin - size_width, 52, size, plain);
+  draw_text(picture, kMargin, 38, cut(text.name, kPreviewColumns - 3 * kMargin - size_width, title), title);
   std::int64_t line = 806;
   for (const auto caption : text.captions.first(std::min(text.captions.size(), kMaxPreviewCaptions))) {
     draw_text(picture, kMargin, line, cut(caption, kPreviewColumns - 2 * kMargin, pale), pale);

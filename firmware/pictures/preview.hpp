@@ -20,6 +20,7 @@ inline constexpr std::uint32_t kPreviewRows = 900;      ///< pixels
 /// What is written on the picture. ASCII; other bytes show as a box. Lines that do not fit are cut.
 struct PreviewText {
   std::string_view name;                       ///< of the scan, top left
+  std::string_view size;                       ///< of the object and its layers, top right
   std::span<const std::string_view> captions;  ///< lines at the bottom, up to kMaxPreviewCaptions are drawn
 };
 inline constexpr std::size_t kMaxPreviewCaptions = 3;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <utility>
 
 namespace plumbline {
 namespace {
@@ -30,12 +31,13 @@ Expected<JobSetup> set_up(const JobOptions& options, std::span<std::byte> arena_
   const auto built_mib = static_cast<std::uint32_t>(arena_block.size() / kMiB);
   std::uint32_t arena_mib = built_mib;
   if (!options.printer.empty()) {
-    const auto board = read_board_file(options.printer);
+    auto board = read_board_file(options.printer);
     PLUMBLINE_TRY(board);
     setup.printer_name = board->name;
     placement.printer = printer_volume(*board);
     placement.layer_height_mm = static_cast<float>(board->layer_height_mm);
     arena_mib = board->arena_mib;
+    setup.board = std::move(*board);
   }
   if (options.pixel_pitch_mm) placement.pixel_pitch_mm = static_cast<float>(*options.pixel_pitch_mm);
   if (options.layer_height_mm) placement.layer_height_mm = static_cast<float>(*options.layer_height_mm);

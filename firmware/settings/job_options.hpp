@@ -18,7 +18,7 @@ namespace plumbline {
 /// As on the command line; what is absent comes from the board file or has a default.
 struct JobOptions {
   std::vector<std::string> scans;         ///< files of one scan, in this order; 1 to kMostScans
-  std::string printer;                    ///< path of a board file; empty: none
+  std::string printer;                    ///< a printer's name or board file; empty: none
   std::optional<double> pixel_pitch_mm;   ///< kFinestMm to kCoarsestMm; without a printer only
   std::optional<double> layer_height_mm;  ///< kFinestMm to kCoarsestMm
   double scale = 1;                       ///< kSmallestScale to kLargestScale
@@ -44,7 +44,8 @@ inline constexpr std::uint32_t kMostDefaultThreads = 8;  ///< more bring little,
 /// The same with nothing left open.
 struct JobSetup {
   PlacementSettings placement;
-  std::string printer_name;  ///< empty without a printer
+  std::string printer_name;        ///< empty without a printer
+  std::optional<BoardFile> board;  ///< none without a printer
   std::span<std::byte> arena_block;
   BaseChoice base = BaseChoice::kAuto;
   bool keep_all = false;

@@ -4,12 +4,10 @@
 
 #include "firmware/io/output_file.hpp"
 #include "firmware/pictures/coverage_picture.hpp"
+#include "firmware/slice/job_report.hpp"
 
 namespace plumbline {
 namespace {
-
-/// Below this a share is that of edges, which a coarse look sees badly.
-constexpr double kWorthAWord = 0.01;
 
 /// Of the rays, some hundredths pass beside every object. A sheet seen from one side alone encloses nothing along nearly all.
 constexpr double kNoObject = 0.5;
@@ -17,30 +15,23 @@ constexpr double kNoObject = 0.5;
 Status draw(const RRep& rrep, const ConfidenceMap& map, std::string_view name, const std::string& path, Arena& arena) {
   auto encoder = PngEncoder::for_pictures(kPreviewColumns, kPreviewRows);
   PLUMBLINE_TRY(encoder);
-  const auto png = encode_confidence(rrep, map, {name, {}}, arena, *encoder);
+  const auto png = encode_coverage(rrep, map, {name, {}, {}}, arena, *encoder);
   PLUMBLINE_TRY(png);
   return write_file(path.c_str(), *png);
 }
 
 }  // namespace
 
-bool ScanLook::underside_unseen() const { return on_base_plane && shares.of(Evidence::kBase) > kWorthAWord; }
+bool ScanLook::underside_unseen() const { return on_base_plane && Unseen::of(shares).underside > Unseen::kNegligible; }
 
 FixedText<128> ScanLook::sentence() const {
   FixedText<128> text;
   if (outside > kNoObject) {
-    text.add("%.0f %% of the scan enclose nothing: its other side was never seen, or its normals are wrong",
+    text.add("%.0f %% of the scan encloses nothing: its other side was not scanned, or its normals are wrong",
              100 * outside);
     return text;
   }
-  const bool holes = unseen() > kWorthAWord;
-  if (underside_unseen() && holes) {
-    text.add("the underside and %.1f %% of the rest of the surface were never seen", 100 * unseen());
-  } else if (underside_unseen()) {
-    text.add("the underside was never seen");
-  } else if (holes) {
-    text.add("%.1f %% of the surface were never seen", 100 * unseen());
-  }
+  text = unseen_sentence(Unseen::of(shares));
   return text;
 }
 

@@ -20,10 +20,8 @@ struct ScanLook {
   bool on_base_plane = false;
   double outside = 0;  ///< share of the rays through the scan that meet no object, 0 to 1
 
-  /// Share of the surface that no point is near, the underside apart; 0 to 1.
-  double unseen() const { return shares.of(Evidence::kWinding) / (1 - shares.of(Evidence::kBase)); }
   bool underside_unseen() const;
-  /// "the underside and 4.1 % of the rest of the surface were never seen"; empty where all was.
+  /// unseen_sentence(), or what is wrong with a scan that encloses nothing; empty where all of the surface was scanned.
   FixedText<128> sentence() const;
 };
 

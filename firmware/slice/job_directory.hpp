@@ -3,7 +3,7 @@
 ///
 ///   out/layers/00000.png ...   the masks
 ///   out/preview.png
-///   out/confidence.png       of a sliced job
+///   out/coverage.png           of a sliced job: which parts of the surface were scanned
 ///   out/comparison.png         of a printed part: what was to be printed beside it
 ///   out/manifest.json          appears last, in one step: where it is, the job is whole
 ///
@@ -22,7 +22,7 @@ namespace plumbline {
 
 enum class Picture : std::uint8_t {
   kPreview,     ///< what is to be printed, or was
-  kConfidence,  ///< what it rests on
+  kCoverage,    ///< which parts of the surface were scanned
   kComparison,  ///< of a printed part: what was to be printed beside it
 };
 

@@ -5,9 +5,8 @@
 namespace plumbline {
 namespace {
 
-constexpr double kSmallestUsual = 5;      ///< mm, longest side of what people print
-constexpr double kLargestUsual = 500;     ///< mm
-constexpr double kRaysByEvidence = 0.01;  ///< share of rays above which a hole in the scan is worth a word
+constexpr double kSmallestUsual = 5;   ///< mm, longest side of what people print
+constexpr double kLargestUsual = 500;  ///< mm
 
 double voxel_mm3(const PrintGrid& grid) {
   return static_cast<double>(grid.pitch_x_mm) * static_cast<double>(grid.pitch_y_mm) *
@@ -46,12 +45,36 @@ const char* to_string(ScanFormat format) {
   return "unknown";
 }
 
+FixedText<128> unseen_sentence(const Unseen& unseen) {
+  FixedText<128> text;
+  if (unseen.is_negligible()) return text;
+  const bool underside = unseen.underside > Unseen::kNegligible;
+  const bool elsewhere = unseen.elsewhere > Unseen::kNegligible;
+  if (underside) text.add("the underside (%.1f %% of the surface)", 100 * unseen.underside);
+  if (underside && elsewhere) {
+    text.add(" and %.1f %% elsewhere were not scanned", 100 * unseen.elsewhere);
+  } else if (underside) {
+    text.add(" was not scanned");
+  } else {
+    text.add("%.1f %% of the surface was not scanned", 100 * unseen.elsewhere);
+  }
+  return text;
+}
+
+FixedText<96> size_text(const Placement& placement) {
+  FixedText<96> text;
+  const Vec3d& size = placement.size_mm;
+  text.add("%.2f x %.2f x %.2f mm, %u layers of %.4g mm", size[0], size[1], size[2], placement.grid.layers,
+           static_cast<double>(placement.grid.layer_height_mm));
+  return text;
+}
+
 FixedText<256> stray_warning(const StrayPieces& strays) {
   FixedText<256> text;
   if (strays.pieces == 0) return text;
   const bool one = strays.pieces == 1;
   text.add(
-      "%u stray piece%s left out: %u points, %.2g %% of the scan's surface, apart from the object. --keep-all keeps %s",
+      "%u stray piece%s apart from the object left out: %u points, %.2g %% of the scan's surface. --keep-all keeps %s",
       strays.pieces, one ? " was" : "s were", strays.points, 100 * static_cast<double>(strays.share),
       one ? "it" : "them");
   return text;
@@ -65,13 +88,13 @@ bool lies_on_its_face(const ClusteringResult& clustering) {
   return hardly_any(clustering, PointClass::kExiting) && !hardly_any(clustering, PointClass::kEntering);
 }
 
-void for_each_remark(const SliceReport& slice, FunctionRef<void(std::string_view)> tell) {
-  if (slice.strays.pieces > 0) tell(stray_warning(slice.strays).view());
+void for_each_remark(const SliceReport& slice, FunctionRef<void(std::string_view)> visit) {
+  if (slice.strays.pieces > 0) visit(stray_warning(slice.strays).view());
   FixedText<256> text;
   const double turned = turned_share(slice.normals.turned, slice.cloud_points);
-  if (turned > kTurnedWorthAWord) {
-    text.add("%.2g %% of the normals pointed into the object and were turned over", 100 * turned);
-    tell(text.view());
+  if (turned > kFewTurned) {
+    text.add("%.2g %% of the normals pointed into the object and were flipped", 100 * turned);
+    visit(text.view());
   }
   if (slice.components.floating_solids > 0) {
     text = {};
@@ -79,16 +102,16 @@ void for_each_remark(const SliceReport& slice, FunctionRef<void(std::string_view
     text.add("%u small solid%s neither the object nor the plate %s left out. --keep-all keeps %s",
              slice.components.floating_solids, one ? " that touches" : "s that touch", one ? "was" : "were",
              one ? "it" : "them");
-    tell(text.view());
+    visit(text.view());
   }
   if (slice.components.sealed_cavities > 0) {
     text = {};
     const bool one = slice.components.sealed_cavities == 1;
-    text.add("%u small hollow%s inside the object, into which no scanner can have seen, %s filled. --keep-all keeps %s",
-             slice.components.sealed_cavities, one ? "" : "s", one ? "was" : "were", one ? "it" : "them");
-    tell(text.view());
+    text.add("%u small enclosed cavit%s, which no scanner can have seen, %s filled. --keep-all keeps %s",
+             slice.components.sealed_cavities, one ? "y" : "ies", one ? "was" : "were", one ? "it" : "them");
+    visit(text.view());
   }
-  if (lies_on_its_face(slice.clustering)) tell(kOnItsFace);
+  if (lies_on_its_face(slice.clustering)) visit(kOnItsFace);
 }
 
 void find_warnings(JobReport& report) {
@@ -97,45 +120,42 @@ void find_warnings(JobReport& report) {
   const double longest = s.placement.size_mm.maxCoeff();
   if (s.units_guessed) {
     report.warnings.add().add(
-        "units guessed: the scan is %.4g units long, %s make that %.4g mm. Say --units %s to be sure, or another one",
+        "the scan is %.4g units long and says no unit; %s, which make it %.4g mm, are a guess. Confirm it with --units "
+        "%s, or "
+        "give another unit",
         longest / s.placement.scale, to_string(s.units), longest, to_string(s.units));
   }
   if (longest < kSmallestUsual) {
-    report.warnings.add().add("the object is only %.3g mm long. If that is wrong, say --units m, cm or in, or --scale",
+    report.warnings.add().add("the object is only %.3g mm long. If that is wrong, give --units m, cm or in, or --scale",
                               longest);
   } else if (longest > kLargestUsual) {
     report.warnings.add().add(
-        "the object is %.4g mm long. If that is wrong, say --units, --scale, or --fit with --printer", longest);
+        "the object is %.4g mm long. If that is wrong, give --units or --scale, or --fit with --printer", longest);
   }
   const auto pitch = static_cast<double>(std::min(grid.pitch_x_mm, grid.pitch_y_mm));
   if (s.thinning_cell_mm > pitch) {
     report.warnings.add().add(
-        "points were averaged in cells of %.3g mm, coarser than the pixels of %.3g mm: the arena has room for %u "
-        "points. "
-        "A larger --arena-mib keeps more detail",
-        s.thinning_cell_mm, pitch, s.cloud_capacity);
+        "the scan has more points than memory holds (%u): they were averaged in cells of %.3g mm, coarser than the "
+        "pixels "
+        "of %.3g mm. A larger --arena-mib keeps more detail",
+        s.cloud_capacity, s.thinning_cell_mm, pitch);
   }
-  if (report.share_of_rays(RayDecision::kBase) > kRaysByEvidence) {
-    report.warnings.add().add(
-        "the underside is open over %.1f %% of the rays: closed flat at z = 0 mm of the print (z = %.4g of the scan)",
-        100 * report.share_of_rays(RayDecision::kBase), s.placement.origin_in_scan()[2]);
-  }
-  if (report.share_of_rays(RayDecision::kWinding) > kRaysByEvidence) {
-    report.warnings.add().add(
-        "the scan has holes: for %.1f %% of the rays the winding number of all points decided what is inside. Look at "
-        "confidence.png",
-        100 * report.share_of_rays(RayDecision::kWinding));
+  if (report.coverage) {
+    const auto unseen = unseen_sentence(Unseen::of(*report.coverage));
+    if (!unseen.view().empty()) {
+      report.warnings.add().add("%s and had to be closed: look at coverage.png", unseen.c_str());
+    }
   }
   for_each_remark(s, [&](std::string_view warning) {
     report.warnings.add().add("%.*s", static_cast<int>(warning.size()), warning.data());
   });
   if (s.components.counted && s.components.solids > 1 && !report.support_settings) {
     report.warnings.add().add(
-        "the object is %u separate pieces; those that do not stand on the plate need supports: --supports auto",
+        "the object has %u separate parts; those that do not stand on the plate need supports: --supports auto",
         s.components.solids);
   }
   if (s.normals.estimated > 0) {
-    report.warnings.add().add("%u points have no normal in the scan; theirs were estimated from their neighbours",
+    report.warnings.add().add("%u points of the scan have no normal; normals were estimated from neighbouring points",
                               s.normals.estimated);
   }
 }

@@ -41,10 +41,10 @@ struct JobReport {
   std::uint64_t support_pixels = 0;                 ///< of these, what the supports add to the object
   std::optional<SupportSettings> support_settings;  ///< none: no supports were asked for
   SupportCounts supports;
-  std::uint64_t hash = 0;                      ///< job_hash()
-  std::optional<ConfidenceShares> confidence;  ///< none: no map was kept
+  std::uint64_t hash = 0;                    ///< job_hash()
+  std::optional<ConfidenceShares> coverage;  ///< what the surface rests on; none: no map was kept
   bool has_preview = false;
-  bool has_confidence = false;  ///< its picture
+  bool has_coverage = false;  ///< its picture
   JobWarnings warnings;
 
   /// mm^3 of resin that the masks cure.
@@ -62,13 +62,32 @@ struct JobReport {
 /// "PLY", "XYZ", "PCD", "OBJ".
 const char* to_string(ScanFormat format);
 
+/// Shares of the whole surface that the scanner did not see, 0 to 1: the one definition for reports, warnings and pictures.
+struct Unseen {
+  double underside = 0;  ///< closed flat by the base plane
+  double elsewhere = 0;  ///< closed to fit its surroundings
+
+  /// Smaller shares are edges and creases, where a cell of the map may hold no point by chance.
+  static constexpr double kNegligible = 0.01;
+  static Unseen of(const ConfidenceShares& shares) {
+    return {shares.of(Evidence::kBase), shares.of(Evidence::kWinding)};
+  }
+  bool is_negligible() const { return underside <= kNegligible && elsewhere <= kNegligible; }
+};
+
+/// "the underside (12.6 % of the surface) and 4.1 % elsewhere were not scanned"; empty where both are negligible.
+FixedText<128> unseen_sentence(const Unseen& unseen);
+
+/// "39.85 x 30.08 x 59.30 mm, 1184 layers of 0.05 mm": the size of the placed object, without supports.
+FixedText<96> size_text(const Placement& placement);
+
 /// What to say where stray pieces were left out; empty where none were.
 FixedText<256> stray_warning(const StrayPieces& strays);
 
 /// Share of the normals that were turned over.
 double turned_share(std::uint32_t turned, std::uint32_t points);
 /// Below this nobody needs to know: flying pixels at edges.
-inline constexpr double kTurnedWorthAWord = 0.01;
+inline constexpr double kFewTurned = 0.01;
 
 /// Whether the scan is of one side, and that faces down.
 bool lies_on_its_face(const ClusteringResult& clustering);
@@ -77,7 +96,7 @@ inline constexpr const char* kOnItsFace =
     "--rotate-x 180, or rotate_x_deg = 180 in job.toml";
 
 /// What was left out of the scan or changed in it, and what is wrong with the way it lies, a sentence each.
-void for_each_remark(const SliceReport& slice, FunctionRef<void(std::string_view)> tell);
+void for_each_remark(const SliceReport& slice, FunctionRef<void(std::string_view)> visit);
 
 /// Looks for what a user should know before printing, and adds it to report.warnings.
 void find_warnings(JobReport& report);

@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kMiB = 1024.0 * 1024.0;
 
-using Text = FixedText<4096>;
+using Text = FixedText<3 * kMaxPath>;
 
 double percent(double part, double whole) { return whole > 0 ? 100 * part / whole : 0; }
 
@@ -37,17 +37,40 @@ void add_scan(Text& text, const JobReport& report) {
   }
 }
 
-void add_object(Text& text, const JobReport& report) {
+/// What a person needs to know before printing.
+void add_print(Text& text, const JobReport& report, std::string_view print_time) {
+  const SliceReport& s = report.slice;
+  const std::string& printer = report.printer_name;
+  text.add("print      %s: %s%s%s\n", report.scan_name.c_str(), size_text(s.placement).c_str(),
+           printer.empty() ? "" : " on ", printer.c_str());
+  text.add("resin      %.1f ml", report.volume_mm3() / 1000);
+  if (report.support_settings) {
+    text.add(", %.1f ml of it in %u supports", report.support_volume_mm3() / 1000, report.supports.all());
+  }
+  text.add("\n");
+  if (!print_time.empty()) {
+    text.add("time       %.*s\n", static_cast<int>(print_time.size()), print_time.data());
+  }
+  if (report.coverage) {
+    const Unseen unseen = Unseen::of(*report.coverage);
+    text.add("scanned    %.1f %% of the surface; closed: underside %.1f %%, elsewhere %.1f %%\n",
+             100 * (1 - unseen.underside - unseen.elsewhere), 100 * unseen.underside, 100 * unseen.elsewhere);
+  }
+}
+
+void add_look_at(Text& text, const JobReport& report, const char* output) {
+  text.add("look at    ");
+  if (report.has_preview) text.add("%s/preview.png, ", output);
+  if (report.has_coverage) text.add("%s/coverage.png, ", output);
+  text.add("%s/layers/00000.png to %05u.png\n", output, report.slice.placement.grid.layers - 1);
+}
+
+void add_grid(Text& text, const JobReport& report) {
   const SliceReport& s = report.slice;
   const PrintGrid& grid = s.placement.grid;
-  const Vec3d& size = s.placement.size_mm;
-  text.add("object     %.2f x %.2f x %.2f mm, %.2f ml of resin (scan units: %s%s; %.6g mm a unit)\n", size[0], size[1],
-           size[2], report.volume_mm3() / 1000, to_string(s.units), s.units_guessed ? ", guessed" : "",
-           s.placement.scale);
-  text.add("grid       %u x %u px of %.4g x %.4g mm%s%s, %u layers of %.4g mm\n", grid.columns, grid.rows,
-           static_cast<double>(grid.pitch_x_mm), static_cast<double>(grid.pitch_y_mm),
-           report.printer_name.empty() ? "" : ", printer ", report.printer_name.c_str(), grid.layers,
-           static_cast<double>(grid.layer_height_mm));
+  text.add("grid       %u x %u px of %.4g x %.4g mm; scan units: %s%s, %.6g mm each\n", grid.columns, grid.rows,
+           static_cast<double>(grid.pitch_x_mm), static_cast<double>(grid.pitch_y_mm), to_string(s.units),
+           s.units_guessed ? ", guessed" : "", s.placement.scale);
 }
 
 void add_clusters(Text& text, const SliceReport& s) {
@@ -59,16 +82,16 @@ void add_clusters(Text& text, const SliceReport& s) {
            share(PointClass::kNoise));
   if (s.views.moved > 0) {
     text.add(
-        "views      %u were told apart and moved by %.3g mm to agree, of which %.2g mm ripple: points lay %.3g mm off "
-        "their surface, now %.3g mm\n",
+        "views      %u found and moved by %.3g mm to agree, %.2g mm of it ripple: points were %.3g mm off their "
+        "surface, "
+        "now %.3g mm\n",
         s.views.views, static_cast<double>(s.views.moved), static_cast<double>(s.views.ripple),
         static_cast<double>(s.views.before), static_cast<double>(s.views.after));
   }
   if (s.strays.pieces > 0) text.add("strays     %s\n", stray_warning(s.strays).c_str());
   if (s.bore_walls.points > 0) {
-    text.add(
-        "bores      %.3g mm2 of their walls, which no view saw, were continued between what was seen from both ends\n",
-        static_cast<double>(s.bore_walls.area));
+    text.add("bores      %.3g mm2 of wall that no view saw was continued between the two ends\n",
+             static_cast<double>(s.bore_walls.area));
   }
   text.add("lengths    epsilon %.3g mm, width %.3g mm, noise %.3g mm\n", static_cast<double>(s.clustering.epsilon),
            static_cast<double>(s.width_mm), static_cast<double>(s.clustering.noise));
@@ -83,17 +106,17 @@ void add_rays(Text& text, const JobReport& report) {
   }
   text.add("; %llu crossings\n", big(s.crossings));
   if (!s.components.counted) return;
-  text.add("pieces     %u solid, %u hollow inside; %u specks of solid removed, %u of hollow filled (%llu voxels)\n",
+  text.add("components %u solid, %u cavities; removed %u small solids, filled %u small cavities (%llu voxels)\n",
            s.components.solids, s.components.cavities, s.components.dropped_solids - s.components.floating_solids,
            s.components.filled_cavities - s.components.sealed_cavities, big(s.components.changed_voxels));
 }
 
-void add_confidence(Text& text, const JobReport& report) {
-  if (!report.confidence) return;
+void add_evidence(Text& text, const JobReport& report) {
+  if (!report.coverage) return;
   text.add("surface    ");
   for (std::size_t e = 0; e < kEvidenceCount; ++e) {
     text.add("%s%s %.2f %%", e == 0 ? "" : ", ", to_string(static_cast<Evidence>(e)),
-             100 * report.confidence->surface[e]);
+             100 * report.coverage->surface[e]);
   }
   text.add("\n");
 }
@@ -101,9 +124,8 @@ void add_confidence(Text& text, const JobReport& report) {
 void add_supports(Text& text, const JobReport& report) {
   if (!report.support_settings) return;
   const SupportCounts& s = report.supports;
-  text.add(
-      "supports   %u: %u below islands, %u below overhangs; %u on the plate, %u on the object, %u on others; %.2f ml\n",
-      s.all(), s.islands, s.overhangs, s.on_plate, s.on_object, s.on_supports, report.support_volume_mm3() / 1000);
+  text.add("supports   %u below islands, %u below overhangs; %u on the plate, %u on the object, %u on other supports\n",
+           s.islands, s.overhangs, s.on_plate, s.on_object, s.on_supports);
 }
 
 void add_stage(Text& text, std::string_view name, double seconds, std::size_t peak, std::size_t planned) {
@@ -121,29 +143,30 @@ void add_stages(Text& text, const JobReport& report) {
     if (report.peak_bytes(stage) == 0) continue;  // a stage that had nothing to do
     add_stage(text, to_string(stage), report.seconds[i], report.peak_bytes(stage), report.slice.planned_bytes[i]);
   }
-  if (report.has_preview || report.has_confidence)
+  if (report.has_preview || report.has_coverage)
     add_stage(text, "preview", report.preview_seconds, report.preview_peak_bytes, 0);
 }
 
 }  // namespace
 
-Status write_summary(OutputFile& out, const JobReport& report, const char* output) {
+Status write_summary(OutputFile& out, const JobReport& report, const char* output, std::string_view print_time,
+                     bool verbose) {
   Text text;
+  add_print(text, report, print_time);
+  add_look_at(text, report, output);
+  if (!verbose) return out.write(text.view());
   add_scan(text, report);
-  add_object(text, report);
+  add_grid(text, report);
   add_clusters(text, report.slice);
   add_rays(text, report);
-  add_confidence(text, report);
+  add_evidence(text, report);
   add_supports(text, report);
-  add_stages(text, report);
-  text.add("time       %.2f s with %u thread%s\n", report.total_seconds, report.threads,
-           report.threads == 1 ? "" : "s");
   PLUMBLINE_TRY(out.write(text.view()));
   text.clear();
-  text.add("look at    %s%s, ", output, report.has_preview ? "/preview.png" : "");
-  if (report.has_confidence) text.add("%s/confidence.png, ", output);
-  text.add("%s/manifest.json, %s/layers/00000.png to %05u.png\n", output, output,
-           report.slice.placement.grid.layers - 1);
+  add_stages(text, report);
+  text.add("took       %.2f s with %u thread%s\n", report.total_seconds, report.threads,
+           report.threads == 1 ? "" : "s");
+  text.add("manifest   %s/manifest.json\n", output);
   return out.write(text.view());
 }
 

@@ -115,16 +115,16 @@ void write_rays(JsonWriter& json, const SliceReport& slice) {
   json.end_object();
   json.member("crossings", slice.crossings);
   const ComponentCounts& components = slice.components;
-  json.key("pieces");
+  json.key("components");
   json.begin_object(kOneLine);
   json.member("counted", components.counted);
   json.member("solids", components.solids);
-  json.member("hollows", components.cavities);
-  json.member("solid_specks_removed", components.dropped_solids - components.floating_solids);
-  json.member("floating_removed", components.floating_solids);
-  json.member("hollow_specks_filled", components.filled_cavities - components.sealed_cavities);
-  json.member("sealed_hollows_filled", components.sealed_cavities);
-  json.member("speck_voxels", components.changed_voxels);
+  json.member("cavities", components.cavities);
+  json.member("small_solids_removed", components.dropped_solids - components.floating_solids);
+  json.member("floating_solids_removed", components.floating_solids);
+  json.member("small_cavities_filled", components.filled_cavities - components.sealed_cavities);
+  json.member("sealed_cavities_filled", components.sealed_cavities);
+  json.member("voxels_changed", components.changed_voxels);
   json.end_object();
   write_strays(json, slice.strays);
   const FeatureCounts& features = slice.features;
@@ -148,9 +148,9 @@ void write_by_evidence(JsonWriter& json, std::string_view name, const Values& va
 }
 
 /// @param layers  empty: the manifest is written without them
-void write_confidence(JsonWriter& json, const std::optional<ConfidenceShares>& shares,
-                      std::span<const ConfidenceMap::Counts> layers) {
-  json.key("confidence");
+void write_evidence(JsonWriter& json, const std::optional<ConfidenceShares>& shares,
+                    std::span<const ConfidenceMap::Counts> layers) {
+  json.key("evidence");
   if (!shares) {
     json.null();
     return;
@@ -204,7 +204,7 @@ void write_stages(JsonWriter& json, const JobReport& report) {
     const auto stage = static_cast<Stage>(i);
     write_stage(to_string(stage), report.seconds[i], report.slice.planned_bytes[i], report.peak_bytes(stage));
   }
-  if (report.has_preview || report.has_confidence)
+  if (report.has_preview || report.has_coverage)
     write_stage("preview", report.preview_seconds, 0, report.preview_peak_bytes);
   json.end_array();
   json.member("seconds", report.total_seconds);
@@ -289,8 +289,8 @@ void write_manifest(JsonWriter& json, const JobReport& report, std::span<const s
   json.end_object();
   write_points(json, slice);
   write_rays(json, slice);
-  write_confidence(json, report.confidence,
-                   layer_hashes.empty() ? std::span<const ConfidenceMap::Counts>{} : slice.confidence.layers());
+  write_evidence(json, report.coverage,
+                 layer_hashes.empty() ? std::span<const ConfidenceMap::Counts>{} : slice.confidence.layers());
   json.member("volume_mm3", report.volume_mm3());
   write_supports(json, report);
   write_stages(json, report);

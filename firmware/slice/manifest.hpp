@@ -16,7 +16,7 @@ void write_files(JsonWriter& json, std::span<const std::string> names, const Sca
 void write_strays(JsonWriter& json, const StrayPieces& strays);
 
 /// Raised when a key changes its meaning or goes away; new keys do not raise it.
-inline constexpr std::uint32_t kManifestFormat = 1;
+inline constexpr std::uint32_t kManifestFormat = 2;
 
 /// Writes the manifest as one JSON object. firmware/README.md explains its keys.
 /// @param layer_hashes  mask_hash() of each layer; empty: the manifest is written without them

@@ -84,11 +84,11 @@ Status SliceJob::work(JobProgress& progress) {
   report_.layers_peak_bytes = arena_->peak();
   progress.end(Stage::kLayers, arena_->peak());
   PLUMBLINE_TRY(written);
-  report_.confidence = report_.slice.confidence.shares();
+  report_.coverage = report_.slice.confidence.shares();
   find_warnings(report_);
   if (pictures_) {
     PLUMBLINE_TRY(write_preview(*rrep, *supports));
-    PLUMBLINE_TRY(write_confidence(*rrep));
+    PLUMBLINE_TRY(write_coverage(*rrep));
   }
   report_.hash = job_hash(*hashes);
   report_.seconds = progress.seconds();
@@ -126,17 +126,16 @@ Status SliceJob::write_layers(const RRep& rrep, const Supports& supports, std::s
 Status SliceJob::write_preview(const RRep& rrep, const Supports& supports) {
   const auto start = std::chrono::steady_clock::now();
   const SliceReport& s = report_.slice;
-  FixedText<128> size;
-  size.add("%.2f x %.2f x %.2f mm, %u layers of %.3g mm, %.1f ml", s.placement.size_mm[0], s.placement.size_mm[1],
-           s.placement.size_mm[2], rrep.grid.layers, static_cast<double>(rrep.grid.layer_height_mm),
-           report_.volume_mm3() / 1000);
+  const auto size = size_text(s.placement);
+  FixedText<64> resin;
+  resin.add("%.1f ml of resin", report_.volume_mm3() / 1000);
   FixedText<128> grid;
   grid.add("%u x %u pixels of %.4g x %.4g mm%s%s", rrep.grid.columns, rrep.grid.rows,
            static_cast<double>(rrep.grid.pitch_x_mm), static_cast<double>(rrep.grid.pitch_y_mm),
            report_.printer_name.empty() ? "" : ", printer ", report_.printer_name.c_str());
-  const std::array<std::string_view, 2> captions = {size.view(), grid.view()};
+  const std::array<std::string_view, 2> captions = {resin.view(), grid.view()};
   arena_->reset_peak();
-  const auto png = encode_preview(rrep, supports, {report_.scan_name, captions}, *arena_, *pictures_);
+  const auto png = encode_preview(rrep, supports, {report_.scan_name, size.view(), captions}, *arena_, *pictures_);
   report_.preview_peak_bytes = arena_->peak();
   if (!png) {
     // The layers are whole without their picture.
@@ -149,17 +148,17 @@ Status SliceJob::write_preview(const RRep& rrep, const Supports& supports) {
   return {};
 }
 
-Status SliceJob::write_confidence(const RRep& rrep) {
+Status SliceJob::write_coverage(const RRep& rrep) {
   const auto start = std::chrono::steady_clock::now();
   arena_->reset_peak();
-  const auto png = encode_confidence(rrep, report_.slice.confidence, {report_.scan_name, {}}, *arena_, *pictures_);
+  const auto png = encode_coverage(rrep, report_.slice.confidence, {report_.scan_name, {}, {}}, *arena_, *pictures_);
   report_.preview_peak_bytes = std::max(report_.preview_peak_bytes, arena_->peak());
   if (!png) {
-    report_.warnings.add().add("no confidence.png: %s", png.error().message());
+    report_.warnings.add().add("no coverage.png: %s", png.error().message());
     return {};
   }
-  PLUMBLINE_TRY(directory_.write_picture(Picture::kConfidence, *png));
-  report_.has_confidence = true;
+  PLUMBLINE_TRY(directory_.write_picture(Picture::kCoverage, *png));
+  report_.has_coverage = true;
   report_.preview_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return {};
 }

@@ -51,7 +51,7 @@ class SliceJob {
   [[nodiscard]] Status write_layers(const RRep& rrep, const Supports& supports, std::span<std::uint64_t> hashes,
                                     JobProgress& progress);
   [[nodiscard]] Status write_preview(const RRep& rrep, const Supports& supports);
-  [[nodiscard]] Status write_confidence(const RRep& rrep);
+  [[nodiscard]] Status write_coverage(const RRep& rrep);
   [[nodiscard]] Status write_manifest_file(std::span<const std::uint64_t> hashes);
 
   SliceJobSettings settings_;

@@ -270,7 +270,7 @@ TEST(Preview, SaysSoWhenTheArenaIsTooSmall) {
 TEST(Preview, BecomesAPngOfTheSamePixels) {
   const Solid solid(cube(100, 0.2F), sphere(10, 9));
   const std::string_view captions[] = {"one line", "and another"};
-  const PreviewText text{"sphere.ply", captions};
+  const PreviewText text{"sphere.ply", "24.0 x 24.0 x 24.0 mm", captions};
   const Drawing drawing(solid.rrep, text);
   std::vector<std::byte> memory(preview_bytes(solid.rrep.grid) + drawing.rgb.size() + 4 * Arena::kAlignment);
   Arena arena(memory);
@@ -293,7 +293,7 @@ TEST(Preview, CutsTextThatIsLongerThanThePage) {
   const Solid solid(cube(20, 0.2F), sphere(2, 1.8));
   const std::string long_text(5000, 'W');
   const std::string_view captions[] = {long_text, long_text, long_text, long_text};
-  const Drawing drawing(solid.rrep, {long_text, captions}), plain(solid.rrep);
+  const Drawing drawing(solid.rrep, {long_text, {}, captions}), plain(solid.rrep);
   ASSERT_TRUE(drawing.status.has_value());
   EXPECT_NE(drawing.rgb, plain.rgb);
   for (std::uint32_t row = 0; row < kPreviewRows; ++row) EXPECT_TRUE(drawing.same(plain, kPreviewColumns - 1, row));

@@ -71,7 +71,7 @@ class Slice(Program):
         self.assertAlmostEqual(manifest["volume_mm3"] - supports["volume_mm3"], without["volume_mm3"], places=3)
         self.assertEqual(supports["settings"]["support_pillar_diameter"], 1.5)
         self.assertEqual(supports["settings"]["support_critical_angle"], 45)
-        self.assertIn(f"supports   {supports['count']}: ", done.stdout)
+        self.assertIn(f" ml of it in {supports['count']} supports\n", done.stdout)
         self.assertEqual(done.stderr.count("placing supports"), 1)
         # Every pillar stands beside the sphere's foot: the lowest layer has more than the sphere's own.
         _, rows = png_rows(self.out / "layers" / "00000.png")
@@ -95,7 +95,7 @@ class Slice(Program):
         top, bottom = self.dir / "top.ply", self.dir / "bottom.ply"
         split(self.scan, 7000, top, bottom)
         same = ("--printer", self.board)
-        done = self.run_it("slice", top, bottom, "-o", self.out, "--no-preview", *same)
+        done = self.run_it("slice", top, bottom, "-o", self.out, "--no-preview", "--verbose", *same)
         manifest = self.manifest()
         self.assertEqual(manifest["hashes"], whole["hashes"])
         self.assertEqual(manifest["scan"]["name"], "top.ply and 1 more")
@@ -126,8 +126,7 @@ class Slice(Program):
         self.assertEqual(manifest["stray_pieces"]["pieces"], 1)
         self.assertEqual(manifest["stray_pieces"]["points"], 200)
         self.assertAlmostEqual(manifest["size_mm"][0], 24, delta=0.1)
-        self.assertIn("warning: 1 stray piece was left out: 200 points", done.stderr)
-        self.assertIn("strays     1 stray piece was left out", done.stdout)
+        self.assertIn("warning: 1 stray piece apart from the object was left out: 200 points", done.stderr)
         told = json.loads(self.run_it("inspect", self.scan, "--json", "--printer", self.board).stdout)
         self.assertEqual((told["stray_pieces"]["pieces"], told["fits"]), (1, True))
         kept = self.slice_it("--keep-all", "--no-preview", status=1)  # 53 mm do not fit on 40
@@ -145,17 +144,18 @@ class Slice(Program):
     def test_surface_is_told_by_what_it_rests_on(self):
         write_sphere(self.scan, points=40_000)
         done = self.slice_it()
-        whole = self.manifest()["confidence"]
+        whole = self.manifest()["evidence"]
         self.assertGreater(whole["surface"]["measured"], 0.99)
         self.assertAlmostEqual(sum(whole["surface"].values()), 1)
-        self.assertIn("surface    measured ", done.stdout)
-        self.assertTrue((self.out / "confidence.png").read_bytes().startswith(b"\x89PNG"))
+        self.assertRegex(done.stdout, r"scanned    (99\.[0-9]|100\.0) % of the surface; closed: underside 0\.0 %, elsewhere 0\.[0-9] %")
+        self.assertTrue((self.out / "coverage.png").read_bytes().startswith(b"\x89PNG"))
         # Without what lies below z = -8: a disc of radius 8.9 on a surface of 4 pi 12^2.
         self.cut_below(-8)
-        self.slice_it("--no-preview")
+        done = self.slice_it("--no-preview")
+        self.assertRegex(done.stderr, r"warning: the underside \(1\d\.\d % of the surface\) was not scanned")
         manifest = self.manifest()
-        part = manifest["confidence"]
-        self.assertFalse((self.out / "confidence.png").exists())
+        part = manifest["evidence"]
+        self.assertFalse((self.out / "coverage.png").exists())
         self.assertTrue(manifest["underside"]["on_base_plane"])
         disc, cap = 12**2 - 8**2, 2 * 12 * (12 + 8)
         self.assertAlmostEqual(part["surface"]["base_plane"], disc / (disc + cap), delta=0.05)
@@ -171,7 +171,7 @@ class Slice(Program):
         told, manifest = json.loads(done.stdout), self.manifest()
         self.assertEqual(done.stderr, "")
         del manifest["hashes"]["layers"]
-        del manifest["confidence"]["layers"]
+        del manifest["evidence"]["layers"]
         self.assertEqual(told, manifest)
 
     def test_quiet_says_nothing(self):
@@ -218,7 +218,7 @@ class Slice(Program):
     def test_units_are_guessed_on_request_and_said_so(self):
         write_sphere(self.scan, radius=0.012)
         done = self.slice_it("--units", "auto")
-        self.assertIn("warning: units guessed", done.stderr)
+        self.assertIn("says no unit; m, which make it 24 mm, are a guess", done.stderr)
         manifest = self.manifest()
         self.assertEqual(manifest["units"], {"used": "m", "guessed": True})
         self.assertAlmostEqual(manifest["size_mm"][2], 24, delta=0.1)
@@ -305,18 +305,22 @@ class Inspect(Program):
     def test_speaks_to_people_too(self):
         write_sphere(self.scan)
         done = self.run_it("inspect", self.scan, "--printer", self.board, "--scale", 3)
-        for word in ("20000 points", "normals", "spacing", "noise", "MiB", "fits       no", "up to scale 1.2"):
+        for word in ("20000 points", "normals", "fits       no", "up to scale 1.2"):
+            self.assertIn(word, done.stdout)
+        self.assertNotIn("MiB", done.stdout)
+        done = self.run_it("inspect", self.scan, "--printer", self.board, "--verbose")
+        for word in ("spacing", "noise", "MiB"):
             self.assertIn(word, done.stdout)
 
     def test_warns_of_what_was_never_seen_with_a_picture(self):
         write_sphere(self.scan, points=40_000)
         done = self.run_it("inspect", self.scan)
-        self.assertIn("seen       all of the surface", done.stdout)
+        self.assertIn("scanned    all of the surface", done.stdout)
         self.assertNotIn("warning", done.stderr)
         self.cut_below(-8)
         picture = self.dir / "seen.png"
         done = self.run_it("inspect", self.scan, "--picture", picture)
-        self.assertIn(f"warning: the underside was never seen: see {picture}", done.stderr)
+        self.assertRegex(done.stderr, rf"warning: the underside \(\d+\.\d % of the surface\) was not scanned: see {picture}")
         self.assertTrue(picture.read_bytes().startswith(b"\x89PNG"))
         told = json.loads(self.run_it("inspect", self.scan, "--json").stdout)["never_seen"]
         disc, cap = 12**2 - 8**2, 2 * 12 * (12 + 8)
@@ -334,7 +338,7 @@ class Inspect(Program):
             struct.pack_into("<3f", data, at + 12, *(-n for n in struct.unpack_from("<3f", data, at + 12)))
         self.scan.write_bytes(data)
         done = self.run_it("inspect", self.scan)
-        self.assertRegex(done.stderr, r"warning: \d+ % of the scan enclose nothing: its other side was never seen")
+        self.assertRegex(done.stderr, r"warning: \d+ % of the scan encloses nothing: its other side was not scanned")
         self.assertIn("the scan is of one side, and that faces down", done.stdout)
         self.assertIn("--rotate-x 180", done.stdout)
         self.assertGreater(json.loads(self.run_it("inspect", self.scan, "--json").stdout)["never_seen"]["encloses_nothing"], 0.5)
@@ -346,7 +350,7 @@ class Inspect(Program):
             done = self.run_it("inspect", "/dev/stdin", stdin=cat.stdout)
             cat.stdout.close()
             cat.wait()
-        self.assertIn("seen       unknown: a pipe cannot be read twice", done.stdout)
+        self.assertIn("scanned    unknown: a pipe cannot be read twice", done.stdout)
 
     def test_says_that_normals_are_missing(self):
         write_sphere(self.scan, normals=False)

@@ -205,19 +205,26 @@ TEST(JobWarnings, TellOfUnitsSizeThinningHolesAndNormals) {
   report->slice.placement.size_mm = {700, 1, 1};
   report->slice.placement.scale = 1000;
   report->slice.thinning_cell_mm = 0.2;
-  report->slice.rays.interested = 1000;
-  report->slice.rays.decided[static_cast<std::size_t>(RayDecision::kBase)] = 11;
-  report->slice.rays.decided[static_cast<std::size_t>(RayDecision::kWinding)] = 10;
+  report->coverage = ConfidenceShares{.surface = {0.979, 0, 0.01, 0.011}};
   report->slice.normals.estimated = 5;
   find_warnings(*report);
   const auto lines = report->warnings.all();
   ASSERT_EQ(lines.size(), 5U);
-  EXPECT_THAT(lines[0].c_str(), HasSubstr("units guessed: the scan is 0.7 units long, m make that 700 mm"));
+  EXPECT_THAT(lines[0].c_str(),
+              HasSubstr("the scan is 0.7 units long and says no unit; m, which make it 700 mm, are a guess"));
   EXPECT_THAT(lines[1].c_str(), HasSubstr("the object is 700 mm long"));
   EXPECT_THAT(lines[2].c_str(), HasSubstr("cells of 0.2 mm, coarser than the pixels of 0.05 mm"));
-  EXPECT_THAT(lines[3].c_str(), HasSubstr("the underside is open over 1.1 % of the rays: closed flat at z = 0 mm"));
-  EXPECT_THAT(lines[4].c_str(), HasSubstr("5 points have no normal"));
+  EXPECT_THAT(lines[3].c_str(), HasSubstr("the underside (1.1 % of the surface) was not scanned and had to be closed"));
+  EXPECT_THAT(lines[4].c_str(), HasSubstr("5 points of the scan have no normal"));
   for (const auto& line : lines) EXPECT_FALSE(line.cut()) << line.c_str();
+}
+
+TEST(Unseen, IsToldAsSharesOfTheWholeSurface) {
+  EXPECT_STREQ(unseen_sentence({0.126, 0.041}).c_str(),
+               "the underside (12.6 % of the surface) and 4.1 % elsewhere were not scanned");
+  EXPECT_STREQ(unseen_sentence({0.126, 0.004}).c_str(), "the underside (12.6 % of the surface) was not scanned");
+  EXPECT_STREQ(unseen_sentence({0, 0.041}).c_str(), "4.1 % of the surface was not scanned");
+  EXPECT_STREQ(unseen_sentence({0.01, 0.01}).c_str(), "");
 }
 
 TEST(JobWarnings, SayThatAScanOfOneSideLiesOnItsFace) {
@@ -243,8 +250,7 @@ TEST(JobWarnings, SayThatAScanOfOneSideLiesOnItsFace) {
 TEST(JobWarnings, AreSilentAboutAnOrdinaryScan) {
   auto report = std::make_unique<JobReport>();
   report->slice.placement.size_mm = {40, 30, 60};
-  report->slice.rays.interested = 1000;
-  report->slice.rays.decided[static_cast<std::size_t>(RayDecision::kBase)] = 10;
+  report->coverage = ConfidenceShares{.surface = {0.98, 0, 0.01, 0.01}};
   find_warnings(*report);
   EXPECT_TRUE(report->warnings.all().empty());
 }
