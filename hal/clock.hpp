@@ -1,5 +1,5 @@
 #pragma once
-/// The machine's time.
+/// The machine's clock.
 
 #include <chrono>
 
@@ -7,7 +7,7 @@
 
 namespace plumbline {
 
-/// Tag of the machine's time line. It starts at an unknown moment, never jumps, and does not survive a restart.
+/// The machine's time scale. Its zero is arbitrary, it never jumps, and it doesn't survive a restart.
 struct MachineTime {
   using duration = std::chrono::nanoseconds;
   using rep = duration::rep;
@@ -18,8 +18,8 @@ struct MachineTime {
 using TimePoint = MachineTime::time_point;
 using std::chrono::nanoseconds;
 
-/// The only source of time for the firmware: what it measures, it measures here. In simulation time is virtual: it passes in
-/// the calls of devices, and computing takes what the simulation was told (hal/sim/README.md).
+/// The firmware's only source of time. In simulation, time is virtual: it passes during device calls, and computing takes as
+/// long as the simulation's settings say (hal/sim/README.md).
 class Clock {
  public:
   Clock() = default;
@@ -29,8 +29,8 @@ class Clock {
 
   TimePoint now() const { return do_now(); }
 
-  /// Returns at `deadline` or just after it; at once where it has passed. Nothing interrupts it: a wait in which something may
-  /// happen is Events::next_event().
+  /// Returns at `deadline` or just after; at once if it has passed. Nothing interrupts it: to handle events while waiting, use
+  /// Events::next_event().
   /// @retval ErrorCode::kPowerLost
   [[nodiscard]] Status sleep_until(TimePoint deadline) { return do_sleep_until(deadline); }
 

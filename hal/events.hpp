@@ -1,5 +1,5 @@
 #pragma once
-/// What happens to the machine, in order. Asking for the next event is how the firmware waits.
+/// What happens to the machine, in order. The firmware waits by asking for the next event.
 
 #include <cstdint>
 #include <optional>
@@ -11,27 +11,27 @@
 namespace plumbline {
 
 enum class EventKind : std::uint8_t {
-  kStartPressed,       ///< button: print, or resume where paused
+  kStartPressed,       ///< button: print, or resume a paused print
   kPausePressed,       ///< button
   kCancelPressed,      ///< button
-  kCoverOpened,        ///< the lamp is dark already: see UvLamp
+  kCoverOpened,        ///< the lamp is already dark: see UvLamp
   kCoverClosed,        ///<
-  kStickArrived,       ///< and can be mounted
-  kStickDeparted,      ///< pulled, or no longer answering
-  kExposureEnded,      ///< the lamp's line is off again, for whatever reason: Exposure::finish() tells
-  kMotionEnded,        ///< the stage stands, for whatever reason: Motion::finish() tells
-  kShutdownRequested,  ///< by the system: finish what is in hand within seconds
+  kStickArrived,       ///< the stick can be mounted
+  kStickDeparted,      ///< the stick was pulled or stopped answering
+  kExposureEnded,      ///< the lamp's line is off again; Exposure::finish() says why
+  kMotionEnded,        ///< the stage has stopped; Motion::finish() says why
+  kShutdownRequested,  ///< the system wants the program to end within seconds
 };
 
 /// "start pressed", "cover opened", ...
 std::string_view to_string(EventKind kind);
 
 struct Event {
-  TimePoint at;  ///< when it happened, not when it was asked for
+  TimePoint at;  ///< when it happened, not when it was delivered
   EventKind kind = EventKind::kShutdownRequested;
 };
 
-/// One queue for all devices. Nothing is lost and nothing comes twice; bouncing contacts have been quieted.
+/// One queue for all devices. Each event is delivered exactly once; contacts are debounced.
 class Events {
  public:
   Events() = default;
@@ -39,9 +39,8 @@ class Events {
   Events& operator=(const Events&) = delete;
   virtual ~Events() = default;
 
-  /// The oldest event that has not been delivered, waiting for it until `deadline` at most. With a deadline that has passed it
-  /// polls.
-  /// @returns nothing when the deadline passes without an event
+  /// Delivers the oldest undelivered event. Waits for one until `deadline`; polls if that has passed.
+  /// @returns nothing if the deadline passes without an event
   /// @retval ErrorCode::kPowerLost
   [[nodiscard]] Expected<std::optional<Event>> next_event(TimePoint deadline) { return do_next_event(deadline); }
 

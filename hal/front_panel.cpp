@@ -5,12 +5,12 @@
 namespace plumbline {
 
 Status FrontPanel::set_light(PanelLight light, LightState state) {
-  PLUMBLINE_TRY(interlock_.power());
+  PLUMBLINE_TRY(interlock_.check_power());
   return do_set_light(light, state);
 }
 
 Status FrontPanel::beep(nanoseconds time) {
-  PLUMBLINE_TRY(interlock_.power());
+  PLUMBLINE_TRY(interlock_.check_power());
   return do_beep(std::clamp(time, nanoseconds::zero(), kLongestBeep));
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-/// What the user sees, hears and touches: cover, lights, buzzer. Buttons and the cover's switch are events (hal/events.hpp).
+/// The user's side of the machine: cover, lights, buzzer. Buttons and cover changes arrive as events (hal/events.hpp).
 
 #include <chrono>
 #include <cstdint>
@@ -11,9 +11,9 @@
 namespace plumbline {
 
 enum class PanelLight : std::uint8_t {
-  kReady,      ///< takes a job
+  kReady,      ///< ready for a job
   kPrinting,   ///<
-  kAttention,  ///< something waits for the user
+  kAttention,  ///< waiting for the user
   kFault,      ///<
 };
 inline constexpr std::size_t kPanelLightCount = 4;
@@ -22,24 +22,25 @@ enum class LightState : std::uint8_t { kOff, kOn, kBlinking };
 
 class FrontPanel {
  public:
+  /// A longer beep would only annoy; no caller needs one.
   static constexpr nanoseconds kLongestBeep = std::chrono::seconds(5);
 
   FrontPanel(const FrontPanel&) = delete;
   FrontPanel& operator=(const FrontPanel&) = delete;
   virtual ~FrontPanel() = default;
 
-  /// As the switch is now. A switch that can't be read counts as open.
+  /// The switch's present state. A switch that can't be read counts as open.
   bool cover_open() const { return do_cover_open(); }
 
   /// @retval ErrorCode::kPowerLost
   [[nodiscard]] Status set_light(PanelLight light, LightState state);
 
-  /// Starts a beep and returns at once; a longer time than kLongestBeep is cut to it. A new beep ends the last one.
+  /// Starts a beep of `time`, at most kLongestBeep, and returns at once. It replaces a beep that is still sounding.
   /// @retval ErrorCode::kPowerLost
   [[nodiscard]] Status beep(nanoseconds time);
 
  protected:
-  explicit FrontPanel(Interlock& interlock) : interlock_(interlock) { interlock.enter(*this); }
+  explicit FrontPanel(Interlock& interlock) : interlock_(interlock) { interlock.add(*this); }
 
  private:
   virtual bool do_cover_open() const = 0;

@@ -9,8 +9,8 @@
 
 namespace plumbline {
 
-Status Interlock::power() const {
-  if (!powered_) return fail(ErrorCode::kPowerLost, "the power has gone: resume the job when it is back");
+Status Interlock::check_power() const {
+  if (!powered_) return fail(ErrorCode::kPowerLost, "the power failed: resume the job when it is back");
   return {};
 }
 

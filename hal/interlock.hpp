@@ -1,5 +1,5 @@
 #pragma once
-/// What one device must know of the others before it does anything.
+/// What each device checks about the others before it acts.
 
 #include "slicer/core/error.hpp"
 
@@ -10,32 +10,32 @@ class MaskDisplay;
 class UvLamp;
 class ZStage;
 
-/// Introduces the devices of one machine to each other, so that the refusals that keep a print and its user safe are in the
-/// bases, once, for every back end. Made first; each device enters itself when it is constructed and lives as long.
+/// Connects the devices of one machine, so that the base classes can refuse what would harm a print or its user, once for every
+/// back end. Made before the devices; each adds itself in its constructor.
 ///
-///   light needs     a mask on the panel, the cover closed, the stage at rest
-///   a new mask      needs darkness
-///   motion          needs darkness
+///   light       needs a mask on the panel, the cover closed and the stage at rest
+///   a new mask  needs the lamp off
+///   motion      needs the lamp off
 class Interlock {
  public:
   Interlock() = default;
   Interlock(const Interlock&) = delete;
   Interlock& operator=(const Interlock&) = delete;
 
-  /// Called by the back end when the supply fails: from then on every call of every device says so.
+  /// The back end calls this when the supply fails. From then on every device call returns kPowerLost.
   void lose_power() { powered_ = false; }
   /// @retval ErrorCode::kPowerLost
-  [[nodiscard]] Status power() const;
+  [[nodiscard]] Status check_power() const;
 
   bool lamp_lit() const;        ///< UvLamp::lit()
   bool stage_moving() const;    ///< ZStage::moving()
   bool mask_presented() const;  ///< MaskDisplay::presented()
   bool cover_open() const;      ///< FrontPanel::cover_open()
 
-  void enter(const UvLamp& lamp) { lamp_ = &lamp; }
-  void enter(const ZStage& stage) { stage_ = &stage; }
-  void enter(const MaskDisplay& mask) { mask_ = &mask; }
-  void enter(const FrontPanel& panel) { panel_ = &panel; }
+  void add(const UvLamp& lamp) { lamp_ = &lamp; }
+  void add(const ZStage& stage) { stage_ = &stage; }
+  void add(const MaskDisplay& mask) { mask_ = &mask; }
+  void add(const FrontPanel& panel) { panel_ = &panel; }
 
  private:
   bool powered_ = true;

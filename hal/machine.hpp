@@ -1,5 +1,5 @@
 #pragma once
-/// All devices of one printer, as the firmware takes them: by reference. A back end owns them.
+/// References to all devices of one printer. A back end owns the devices.
 
 #include "hal/clock.hpp"
 #include "hal/events.hpp"

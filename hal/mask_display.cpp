@@ -6,26 +6,25 @@ namespace plumbline {
 
 MaskBuffer& MaskBuffer::operator=(MaskBuffer&& other) noexcept {
   if (this != &other) {
-    give_back();
+    release();
     display_ = std::exchange(other.display_, nullptr);
     image_ = std::exchange(other.image_, BitImage());
   }
   return *this;
 }
 
-void MaskBuffer::give_back() {
+void MaskBuffer::release() {
   if (display_ == nullptr) return;
-  display_->do_give_back();
+  display_->do_release();
   display_->lent_ = false;
   display_ = nullptr;
   image_ = BitImage();
 }
 
 Expected<MaskBuffer> MaskDisplay::lend() {
-  PLUMBLINE_TRY(interlock_.power());
+  PLUMBLINE_TRY(interlock_.check_power());
   if (lent_) {
-    return fail(ErrorCode::kBusy,
-                "the mask's buffer has been lent already: present it or let it go before asking again");
+    return fail(ErrorCode::kBusy, "the mask's buffer is already lent: present or release it before asking again");
   }
   auto image = do_lend();
   if (!image) return tl::unexpected<Error>(image.error());
@@ -35,10 +34,10 @@ Expected<MaskBuffer> MaskDisplay::lend() {
 }
 
 Status MaskDisplay::present(MaskBuffer&& buffer) {
-  assert(buffer.display_ == this && "a mask is presented where it was lent");
-  PLUMBLINE_TRY(interlock_.power());
+  assert(buffer.display_ == this && "present a buffer on the display that lent it");
+  PLUMBLINE_TRY(interlock_.check_power());
   if (interlock_.lamp_lit()) {
-    return fail(ErrorCode::kLampLit, "the mask was not changed because the lamp is lit: darken it first");
+    return fail(ErrorCode::kLampLit, "the mask can't change while the lamp is lit: turn it off first");
   }
   presented_ = false;
   auto shown = do_present();
@@ -50,9 +49,9 @@ Status MaskDisplay::present(MaskBuffer&& buffer) {
 }
 
 Status MaskDisplay::blank() {
-  PLUMBLINE_TRY(interlock_.power());
+  PLUMBLINE_TRY(interlock_.check_power());
   if (interlock_.lamp_lit()) {
-    return fail(ErrorCode::kLampLit, "the mask was not blanked because the lamp is lit: darken it first");
+    return fail(ErrorCode::kLampLit, "the mask can't be blanked while the lamp is lit: turn it off first");
   }
   presented_ = false;
   return do_blank();

@@ -1,5 +1,5 @@
 #pragma once
-/// The LCD panel that lets the light through where the resin is to cure.
+/// The LCD panel that lets light through where resin is to cure.
 
 #include <cstdint>
 #include <utility>
@@ -12,8 +12,8 @@ namespace plumbline {
 
 class MaskDisplay;
 
-/// A mask that may be written: lent by the display, given back by presenting it or by letting it go. Move-only; a mask that is
-/// on the panel has no MaskBuffer.
+/// A writable mask, lent by the display until it is presented or destroyed. Move-only. A mask that is on the panel has no
+/// MaskBuffer, so nobody can write it.
 class MaskBuffer {
  public:
   MaskBuffer(MaskBuffer&& other) noexcept
@@ -21,23 +21,22 @@ class MaskBuffer {
   MaskBuffer& operator=(MaskBuffer&& other) noexcept;
   MaskBuffer(const MaskBuffer&) = delete;
   MaskBuffer& operator=(const MaskBuffer&) = delete;
-  ~MaskBuffer() { give_back(); }
+  ~MaskBuffer() { release(); }
 
-  /// Print coordinates, as PrintGrid has them: one bit a pixel, one lets light through. Its content is what a former mask
-  /// left: write every word. Empty (no columns) after the buffer was presented or moved from.
+  /// One bit a pixel in PrintGrid coordinates; 1 lets light through. It holds an older mask, so write every word. Empty (no
+  /// columns) once the buffer was presented or moved from.
   BitImage image() const { return image_; }
 
  private:
   friend class MaskDisplay;
   MaskBuffer(MaskDisplay& display, BitImage image) : display_(&display), image_(image) {}
-  void give_back();
+  void release();
 
   MaskDisplay* display_ = nullptr;
   BitImage image_;
 };
 
-/// The panel, with two buffers: one on the panel, one to write. How pixels are packed, mirrored and rotated is the back end's,
-/// from the board file.
+/// The panel, with two buffers: one shown, one to write. The back end packs, mirrors and rotates pixels as the board file says.
 class MaskDisplay {
  public:
   MaskDisplay(const MaskDisplay&) = delete;
@@ -47,40 +46,40 @@ class MaskDisplay {
   std::uint32_t columns() const { return columns_; }  ///< pixels along x
   std::uint32_t rows() const { return rows_; }        ///< pixels along y
 
-  /// Lends the buffer that is not on the panel. It can be written while the lamp shines through the other.
-  /// @retval ErrorCode::kBusy       it has been lent already and is not back
+  /// Lends the buffer that is not on the panel. It may be written while the lamp shines through the other one.
+  /// @retval ErrorCode::kBusy       it is still lent
   /// @retval ErrorCode::kPowerLost
   [[nodiscard]] Expected<MaskBuffer> lend();
 
-  /// Shows a mask. Returns when the panel has it, all rows of it, settled: after the flip and the scan-out, within a bound that
-  /// the board file sets.
-  /// @param buffer  empty after it; where the call was refused (kLampLit) still the caller's
+  /// Shows a mask. Returns when the flip and the scan-out are over and all rows have settled, or when the board file's time limit
+  /// has passed.
+  /// @param buffer  empty afterwards; still the caller's if the call was refused (kLampLit, kPowerLost)
   /// @retval ErrorCode::kLampLit      a mask must not change under light
-  /// @retval ErrorCode::kFlipTimeout  the panel did not take it in time. What it shows is unknown, presented() is false
+  /// @retval ErrorCode::kFlipTimeout  the flip took too long. What the panel shows is unknown; presented() is false
   /// @retval ErrorCode::kPanelFailed  the panel does not answer
   /// @retval ErrorCode::kPowerLost
   [[nodiscard]] Status present(MaskBuffer&& buffer);
 
-  /// Shows black. Returns as present() does.
+  /// Shows black, and returns like present().
   /// @retval ErrorCode::kLampLit, kFlipTimeout, kPanelFailed, kPowerLost
   [[nodiscard]] Status blank();
 
-  /// A mask has been scanned out, and nothing else since.
+  /// Whether the panel shows the mask that was presented last.
   bool presented() const { return presented_; }
 
  protected:
   MaskDisplay(std::uint32_t columns, std::uint32_t rows, Interlock& interlock)
       : columns_(columns), rows_(rows), interlock_(interlock) {
-    interlock.enter(*this);
+    interlock.add(*this);
   }
 
  private:
   friend class MaskBuffer;
 
-  /// @returns columns() x rows(), valid until do_present() or do_give_back()
+  /// @returns columns() x rows() pixels, valid until do_present() or do_release()
   virtual Expected<BitImage> do_lend() = 0;
-  virtual void do_give_back() = 0;
-  /// Puts the lent buffer on the panel. The other one is free afterwards.
+  virtual void do_release() = 0;
+  /// Puts the lent buffer on the panel. The other one can be lent afterwards.
   virtual Status do_present() = 0;
   virtual Status do_blank() = 0;
 

@@ -7,11 +7,11 @@
 namespace plumbline {
 
 Ramp::Ramp(Distance distance, Speed speed, Acceleration acceleration) : acceleration_(acceleration.value()) {
-  const double way = distance.millimetres();
-  assert(way >= 0 && speed.value() > 0 && acceleration_ > 0);
-  peak_ = std::min(speed.value(), std::sqrt(way * acceleration_));
+  const double distance_mm = distance.millimetres();
+  assert(distance_mm >= 0 && speed.value() > 0 && acceleration_ > 0);
+  peak_ = std::min(speed.value(), std::sqrt(distance_mm * acceleration_));
   accelerating_ = peak_ / acceleration_;
-  if (peak_ > 0) cruising_ = std::max(0.0, way / peak_ - accelerating_);
+  if (peak_ > 0) cruising_ = std::max(0.0, distance_mm / peak_ - accelerating_);
 }
 
 double Ramp::travelled_mm(Seconds time) const {
@@ -22,13 +22,13 @@ double Ramp::travelled_mm(Seconds time) const {
   return length_mm() - 0.5 * acceleration_ * left * left;
 }
 
-Ramp::Seconds Ramp::time_at_mm(double way) const {
-  if (way <= 0) return Seconds(0);
-  if (way >= length_mm()) return duration();
-  const double speeding_up = 0.5 * peak_ * accelerating_;  // way in each of the two slopes
-  if (way <= speeding_up) return Seconds(std::sqrt(2 * way / acceleration_));
-  if (way <= length_mm() - speeding_up) return Seconds(way / peak_ + 0.5 * accelerating_);
-  return Seconds(duration().count() - std::sqrt(2 * (length_mm() - way) / acceleration_));
+Ramp::Seconds Ramp::time_at_mm(double distance_mm) const {
+  if (distance_mm <= 0) return Seconds(0);
+  if (distance_mm >= length_mm()) return duration();
+  const double speeding_up = 0.5 * peak_ * accelerating_;  // mm covered in each of the two slopes
+  if (distance_mm <= speeding_up) return Seconds(std::sqrt(2 * distance_mm / acceleration_));
+  if (distance_mm <= length_mm() - speeding_up) return Seconds(distance_mm / peak_ + 0.5 * accelerating_);
+  return Seconds(duration().count() - std::sqrt(2 * (length_mm() - distance_mm) / acceleration_));
 }
 
 Speed Ramp::speed_at(Seconds time) const {

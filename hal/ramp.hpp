@@ -1,6 +1,5 @@
 #pragma once
-/// The trapezoidal ramp that every move of the stage follows: for back ends that step it, and for whoever wants to know how long
-/// a move takes.
+/// The trapezoidal ramp of every move of the stage: times the steps, and predicts how long a move takes.
 
 #include <chrono>
 
@@ -8,12 +7,12 @@
 
 namespace plumbline {
 
-/// Speeds up with constant acceleration, cruises, slows down with the same acceleration to stand at the distance asked for.
+/// Speeds up with constant acceleration, cruises, and brakes with the same acceleration to stop at the given distance.
 ///
 ///   v^2 / a <  d    trapezoid:  T = d / v + v / a
 ///   v^2 / a >= d    triangle:   T = 2 sqrt(d / a), the cruising speed v is never reached (peak sqrt(d a))
 ///
-/// Times are seconds since the start of the move, distances are along the way and not negative.
+/// Times are seconds since the start of the move; distances are covered millimetres and never negative.
 class Ramp {
  public:
   using Seconds = std::chrono::duration<double>;
@@ -26,22 +25,21 @@ class Ramp {
 
   Seconds duration() const { return Seconds(2 * accelerating_ + cruising_); }
   Speed peak() const { return Speed(peak_); }
-  /// The way in all, mm.
   double length_mm() const { return peak_ * (accelerating_ + cruising_); }
 
-  /// The way covered at `time`, mm; 0 before the start, length_mm() after the end.
+  /// Distance covered at `time`, mm: 0 before the start, length_mm() after the end.
   double travelled_mm(Seconds time) const;
-  /// When that much of the way is covered; duration() where it never is. The inverse of travelled_mm().
-  Seconds time_at_mm(double way) const;
+  /// When `distance_mm` is covered, or duration() if it never is. Inverse of travelled_mm().
+  Seconds time_at_mm(double distance_mm) const;
   Speed speed_at(Seconds time) const;
 
-  /// The ramp that slows down from `time` on: same until then, shorter after it.
+  /// The same ramp, but braking from `time` on.
   Ramp stopped_at(Seconds time) const;
 
  private:
   double acceleration_ = 1;  // mm/s^2
   double peak_ = 0;          // mm/s
-  double accelerating_ = 0;  // s, and as long slowing down
+  double accelerating_ = 0;  // s; braking takes as long
   double cruising_ = 0;      // s
 };
 

@@ -13,8 +13,8 @@
 namespace plumbline {
 namespace {
 
-/// A relative name that does not leave the folder.
-bool stays_below(std::string_view name) {
+/// Whether a name is relative and can't leave its folder.
+bool stays_inside(std::string_view name) {
   if (name.empty() || name.front() == '/' || name.find('\0') != std::string_view::npos) return false;
   while (!name.empty()) {
     const auto part = name.substr(0, name.find('/'));
@@ -24,8 +24,8 @@ bool stays_below(std::string_view name) {
   return true;
 }
 
-/// Opens folder by folder, so that no part of the way is a symbolic link (O_NOFOLLOW looks at the last one only).
-/// @returns the descriptor, or -1 with errno
+/// Opens folder by folder, to refuse a symbolic link anywhere in the path: O_NOFOLLOW checks only the last part.
+/// @returns the descriptor, or -1 with errno set
 int open_below(int folder, std::string_view name) {
   std::array<char, 256> part{};
   int at = ::dup(folder);
@@ -40,7 +40,7 @@ int open_below(int folder, std::string_view name) {
     std::copy_n(name.data(), length, part.begin());
     part[length] = '\0';
     name.remove_prefix(last ? length : length + 1);
-    // O_NONBLOCK: opening a FIFO would wait for its writer.
+    // O_NONBLOCK: otherwise opening a FIFO would wait for its writer.
     const int flags = O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK | (last ? 0 : O_DIRECTORY);
     const int next = ::openat(at, length == 0 ? "." : part.data(), flags);
     const int reason = errno;
@@ -71,7 +71,7 @@ StickFile::~StickFile() {
 }
 
 Expected<std::size_t> StickFile::read(std::span<std::byte> buffer) {
-  PLUMBLINE_TRY(port_->interlock_.power());
+  PLUMBLINE_TRY(port_->interlock_.check_power());
   auto got = port_->do_read(file_, buffer);
   if (!got) return tl::unexpected<Error>(got.error().with_prefix(name()));
   return got;
@@ -94,8 +94,8 @@ StickMount::~StickMount() {
 Expected<StickFile> StickMount::open(std::string_view name) const {
   PLUMBLINE_TRY(port_->check_mounted());
   const int shown = static_cast<int>(std::min<std::size_t>(name.size(), 200));
-  if (!stays_below(name)) {
-    return fail(ErrorCode::kCannotOpen, "%.*s: name a file on the stick, without .. and not from the root", shown,
+  if (!stays_inside(name)) {
+    return fail(ErrorCode::kCannotOpen, "%.*s: name a file on the stick, without a leading / and without ..", shown,
                 name.data());
   }
   const int file = open_below(folder_, name);
@@ -108,14 +108,14 @@ Expected<StickFile> StickMount::open(std::string_view name) const {
   }
   if (!S_ISREG(facts.st_mode)) {
     ::close(file);
-    return fail(ErrorCode::kCannotOpen, "%.*s: not a plain file", shown, name.data());
+    return fail(ErrorCode::kCannotOpen, "%.*s: not a regular file", shown, name.data());
   }
   return StickFile(*port_, file, name, static_cast<std::uint64_t>(facts.st_size));
 }
 
 Status StickMount::for_each_file(FileVisitor& visitor) const {
   PLUMBLINE_TRY(port_->check_mounted());
-  // Opened anew: a directory stream keeps its place in the descriptor, and closes it.
+  // A descriptor of its own: a directory stream moves its descriptor's position and closes it.
   const int again = ::openat(folder_, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   DIR* const folder = again < 0 ? nullptr : ::fdopendir(again);
   if (folder == nullptr) {
@@ -129,7 +129,7 @@ Status StickMount::for_each_file(FileVisitor& visitor) const {
     struct stat facts {};
     if (entry->d_name[0] != '.' && ::fstatat(folder_, entry->d_name, &facts, AT_SYMLINK_NOFOLLOW) == 0 &&
         S_ISREG(facts.st_mode)) {
-      visitor.file(entry->d_name, static_cast<std::uint64_t>(facts.st_size));
+      visitor.on_file(entry->d_name, static_cast<std::uint64_t>(facts.st_size));
     }
     errno = 0;
   }
@@ -141,18 +141,18 @@ Status StickMount::for_each_file(FileVisitor& visitor) const {
 }
 
 Expected<StickIdentity> StickPort::identity() const {
-  PLUMBLINE_TRY(interlock_.power());
+  PLUMBLINE_TRY(interlock_.check_power());
   return do_identity();
 }
 
 Status StickPort::check_mounted() const {
-  PLUMBLINE_TRY(interlock_.power());
+  PLUMBLINE_TRY(interlock_.check_power());
   return do_check_mounted();
 }
 
 Expected<StickMount> StickPort::mount() {
-  PLUMBLINE_TRY(interlock_.power());
-  if (mounted_) return fail(ErrorCode::kBusy, "the stick is mounted already");
+  PLUMBLINE_TRY(interlock_.check_power());
+  if (mounted_) return fail(ErrorCode::kBusy, "the stick is already mounted");
   std::array<char, StickMount::kMaxPath> path{};
   PLUMBLINE_TRY(do_mount(path));
   path.back() = '\0';

@@ -1,5 +1,5 @@
 #pragma once
-/// The port that USB sticks are plugged into. Arrival and departure are events (hal/events.hpp).
+/// The port for USB sticks. Arrivals and departures are events (hal/events.hpp).
 
 #include <array>
 #include <cstddef>
@@ -16,7 +16,7 @@ namespace plumbline {
 
 class StickPort;
 
-/// Who a stick says it is. Texts are cut to their arrays and end with 0.
+/// A stick's own description. Texts are truncated to their arrays and end with 0.
 struct StickIdentity {
   std::uint16_t vendor_id = 0;
   std::uint16_t product_id = 0;
@@ -26,6 +26,7 @@ struct StickIdentity {
 };
 
 /// A file on a stick, read once from start to end. Move-only.
+/// Read it here and not through its path: a back end can tell a pulled stick from a bad sector.
 class StickFile final : public ByteSource {
  public:
   StickFile(StickFile&& other) noexcept;
@@ -35,10 +36,10 @@ class StickFile final : public ByteSource {
   ~StickFile() override;
 
   /// @retval ErrorCode::kStickGone   the stick was pulled
-  /// @retval ErrorCode::kCannotRead  bad sectors, a damaged file system
+  /// @retval ErrorCode::kCannotRead  bad sectors or a damaged file system
   /// @retval ErrorCode::kPowerLost
   [[nodiscard]] Expected<std::size_t> read(std::span<std::byte> buffer) override;
-  /// The name it was opened with.
+  /// The name passed to StickMount::open().
   std::string_view name() const override { return {name_.data(), name_size_}; }
   std::optional<std::uint64_t> size() const override { return size_; }
 
@@ -53,10 +54,10 @@ class StickFile final : public ByteSource {
   std::uint64_t size_ = 0;
 };
 
-/// A stick that is mounted: read-only, and nothing on it is run or believed. Unmounts when it ends; its files end before it.
+/// A mounted stick: read-only, nothing on it is executed. The destructor unmounts it; close its files first.
 class StickMount {
  public:
-  static constexpr std::size_t kMaxPath = 1024;  ///< bytes of a mount point, terminator included
+  static constexpr std::size_t kMaxPath = 1024;  ///< bytes of a mount point including the final 0
 
   StickMount(StickMount&& other) noexcept;
   StickMount& operator=(StickMount&&) = delete;
@@ -64,20 +65,20 @@ class StickMount {
   StickMount& operator=(const StickMount&) = delete;
   ~StickMount();
 
-  /// Where it is mounted, for messages.
+  /// The mount point, for messages.
   std::string_view path() const { return path_.data(); }
 
-  /// @param name  below the mount point; neither absolute, nor with "..", nor through a symbolic link
-  /// @retval ErrorCode::kCannotOpen  no such file, not a plain one, or a name as above
+  /// @param name  relative to the mount point, without ".." and symbolic links
+  /// @retval ErrorCode::kCannotOpen  no such file, not a regular file, or a forbidden name
   /// @retval ErrorCode::kStickGone, kPowerLost
   [[nodiscard]] Expected<StickFile> open(std::string_view name) const;
 
-  /// Hears of the plain files in the stick's top folder, hidden ones left out, in no order.
   class FileVisitor {
    public:
     virtual ~FileVisitor() = default;
-    virtual void file(std::string_view name, std::uint64_t bytes) = 0;
+    virtual void on_file(std::string_view name, std::uint64_t bytes) = 0;
   };
+  /// Visits the regular files in the stick's top folder in no particular order, without hidden ones.
   /// @retval ErrorCode::kCannotRead, kStickGone, kPowerLost
   [[nodiscard]] Status for_each_file(FileVisitor& visitor) const;
 
@@ -90,22 +91,22 @@ class StickMount {
   std::array<char, kMaxPath> path_{};
 };
 
-/// The port. One stick at a time; a second one is not seen before the first is gone.
+/// The port. It serves one stick at a time: a second one is ignored until the first is gone.
 class StickPort {
  public:
   StickPort(const StickPort&) = delete;
   StickPort& operator=(const StickPort&) = delete;
   virtual ~StickPort() = default;
 
-  /// A stick that was there before the firmware came counts, and is no event.
-  bool present() const { return do_present(); }
+  /// Includes a stick that was plugged in before the firmware started, for which there is no event.
+  bool has_stick() const { return do_has_stick(); }
 
   /// @retval ErrorCode::kNoStick, kPowerLost
   [[nodiscard]] Expected<StickIdentity> identity() const;
 
   /// @retval ErrorCode::kNoStick
-  /// @retval ErrorCode::kMountFailed  no partition, a file system that is not known or damaged
-  /// @retval ErrorCode::kBusy         it is mounted already
+  /// @retval ErrorCode::kMountFailed  no partition, or its file system is unknown or damaged
+  /// @retval ErrorCode::kBusy         it is already mounted
   /// @retval ErrorCode::kPowerLost
   [[nodiscard]] Expected<StickMount> mount();
 
@@ -118,14 +119,14 @@ class StickPort {
 
   Status check_mounted() const;
 
-  virtual bool do_present() const = 0;
+  virtual bool do_has_stick() const = 0;
   virtual Expected<StickIdentity> do_identity() const = 0;
-  /// Mounts and writes the mount point, ended by 0, to `path`.
+  /// Mounts the stick and writes the mount point, with a final 0, to `path`.
   virtual Status do_mount(std::span<char> path) = 0;
   virtual void do_unmount() = 0;
-  /// Reads as read(2) does and says what went wrong as StickFile::read() does.
+  /// Reads like read(2), with the errors of StickFile::read().
   virtual Expected<std::size_t> do_read(int file, std::span<std::byte> buffer) = 0;
-  /// Is the stick that was mounted still there?
+  /// @retval ErrorCode::kStickGone  the mounted stick was pulled, even if another one was plugged in since
   virtual Status do_check_mounted() const = 0;
 
   Interlock& interlock_;

@@ -11,10 +11,10 @@
 
 namespace plumbline {
 
-/// Where a temperature is taken.
+/// Where a temperature is measured.
 enum class TemperatureSite : std::uint8_t {
   kLamp,   ///< the LEDs' heat sink
-  kResin,  ///< the vat, or the air beside it
+  kResin,  ///< the tank, or the air beside it
   kBoard,  ///< the processor
 };
 inline constexpr std::size_t kTemperatureSiteCount = 3;
@@ -24,7 +24,7 @@ std::string_view to_string(TemperatureSite site);
 
 enum class Fan : std::uint8_t {
   kLamp,     ///< blows over the LEDs' heat sink
-  kChamber,  ///< draws vapour out
+  kChamber,  ///< extracts vapour
 };
 inline constexpr std::size_t kFanCount = 2;
 
@@ -32,10 +32,14 @@ inline constexpr std::size_t kFanCount = 2;
 std::string_view to_string(Fan fan);
 
 enum class FanHealth : std::uint8_t {
-  kAsAsked,       ///< turns when it is to turn
-  kStalled,       ///< does not, although it is to
-  kNotMonitored,  ///< the fan has no wire that tells
+  kOk,            ///< turns if it should
+  kStalled,       ///< should turn, but doesn't
+  kNotMonitored,  ///< the fan has no tachometer
 };
+
+/// A reading outside of these is a broken or unplugged sensor: no printer runs that cold or that hot.
+inline constexpr Celsius kColdestReading(-30);
+inline constexpr Celsius kHottestReading(150);
 
 class Thermals {
  public:
@@ -43,16 +47,16 @@ class Thermals {
   Thermals& operator=(const Thermals&) = delete;
   virtual ~Thermals() = default;
 
-  /// A recent temperature, not older than 2 s.
-  /// @retval ErrorCode::kSensorDead  no answer, or one that no printer can have (below -30 or above 150 degrees)
+  /// A temperature at most 2 s old.
+  /// @retval ErrorCode::kSensorDead  no answer, or outside kColdestReading to kHottestReading
   /// @retval ErrorCode::kPowerLost
   [[nodiscard]] Expected<Celsius> temperature(TemperatureSite site) const;
 
-  /// @param duty  0 to 1, clamped
+  /// @param duty  share of full power, clamped to 0 to 1
   /// @retval ErrorCode::kPowerLost
   [[nodiscard]] Status set_fan(Fan fan, double duty);
 
-  /// A fan that has been asked to turn less than 2 s ago is kAsAsked.
+  /// A fan has 2 s to spin up, during which it counts as kOk.
   FanHealth fan_health(Fan fan) const { return do_fan_health(fan); }
 
  protected:

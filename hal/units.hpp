@@ -1,5 +1,5 @@
 #pragma once
-/// Units that refuse mixed sums. A position and a distance are different types, as are a speed and an acceleration.
+/// Unit types that can't be mixed in sums. Positions and distances are different types, as are speeds and accelerations.
 /// Times are std::chrono's.
 
 #include <chrono>
@@ -8,7 +8,7 @@
 
 namespace plumbline {
 
-/// A length along Z, in whole nanometres: layer heights add up without rounding, 65535 layers of them too.
+/// A length along Z in whole nanometres, so that any number of layer heights adds up without rounding.
 class Distance {
  public:
   constexpr Distance() = default;
@@ -17,11 +17,11 @@ class Distance {
     distance.nanometres_ = count;
     return distance;
   }
-  /// Rounded to the nearest nanometre, halves away from zero. |value| below 9e12 um.
+  /// Rounded to the nearest nanometre, halves away from zero. |value| is below 9e12 um.
   static constexpr Distance micrometres(double value) {
     return nanometres(static_cast<std::int64_t>(value * 1e3 + (value < 0 ? -0.5 : 0.5)));
   }
-  /// Rounded as micrometres() does.
+  /// Rounded like micrometres().
   static constexpr Distance millimetres(double value) { return micrometres(value * 1e3); }
 
   constexpr std::int64_t nanometres() const { return nanometres_; }
@@ -39,8 +39,8 @@ class Distance {
   std::int64_t nanometres_ = 0;
 };
 
-/// The height of the build plate's face above the film (the bottom of the vat): 0 where they touch, up is positive.
-/// Layer k of height h is cured at (k + 1) h.
+/// Height of the build plate's face above the film (the bottom of the tank): 0 where they touch, up is positive. Layer k of height
+/// h is cured at (k + 1) h.
 class ZPosition {
  public:
   constexpr ZPosition() = default;
@@ -58,7 +58,7 @@ class ZPosition {
   Distance above_film_;
 };
 
-/// A real number with a unit, which its tag names.
+/// A real number whose tag names the unit.
 template <class Unit>
 class Quantity {
  public:
@@ -84,10 +84,10 @@ using Irradiance = Quantity<struct MilliwattsPerSquareCentimetre>;
 using Dose = Quantity<struct MillijoulesPerSquareCentimetre>;
 using Celsius = Quantity<struct DegreesCelsius>;
 
-/// Resin profiles give speeds per minute.
+/// Resin profiles give speeds in mm/min.
 constexpr Speed mm_per_min(double value) { return Speed(value / 60.0); }
 
-/// Light of constant strength: dose = irradiance * time.
+/// Dose of constant light: irradiance * time.
 constexpr Dose dose_of(Irradiance irradiance, std::chrono::duration<double> lit) {
   return Dose(irradiance.value() * lit.count());
 }

@@ -1,5 +1,5 @@
 #pragma once
-/// The lamp that cures the resin. It is asked for bounded times and never simply switched on.
+/// The lamp that cures the resin. It lights for a bounded time; there is no plain "on".
 
 #include <chrono>
 #include <cstdint>
@@ -14,30 +14,30 @@ namespace plumbline {
 
 class UvLamp;
 
-/// Why the lamp went dark.
+/// Why the lamp went off.
 enum class ExposureEnd : std::uint8_t {
-  kTimeUp,       ///< the time asked for was over
-  kStopped,      ///< Exposure::finish() or UvLamp::darken() came before that
-  kCoverOpened,  ///< the interlock cut it
+  kTimeUp,       ///< the requested time was over
+  kStopped,      ///< Exposure::finish() or UvLamp::turn_off() ended it early
+  kCoverOpened,  ///< opening the cover ended it early
 };
 
 /// Where a dose comes from.
 enum class DoseSource : std::uint8_t {
-  kMeasured,  ///< the lamp's monitor: a photodiode, or its current
-  kComputed,  ///< lit time times the board file's irradiance, on a board without a monitor
+  kMeasured,  ///< the lamp's monitor: a photodiode or the lamp's current
+  kComputed,  ///< lit time * the board file's irradiance, on a board without a monitor
 };
 
-/// What an exposure has been.
+/// The result of an exposure.
 struct ExposureReport {
   TimePoint began_at;
   nanoseconds asked{};
-  nanoseconds lit{};  ///< time that the lamp's line was on. asked - lit is what is still to be cured
+  nanoseconds lit{};  ///< how long the lamp's line was on; asked - lit is still to be cured
   ExposureEnd end = ExposureEnd::kTimeUp;
   Dose dose;  ///< at the film
   DoseSource source = DoseSource::kComputed;
 };
 
-/// A lamp that is lit. It goes dark by itself at ends_by(), and when this object ends. Move-only.
+/// A lit lamp. It goes off by itself at ends_by(), and when this object is destroyed. Move-only.
 class [[nodiscard]] Exposure {
  public:
   Exposure(Exposure&& other) noexcept
@@ -49,12 +49,12 @@ class [[nodiscard]] Exposure {
 
   TimePoint began_at() const { return began_at_; }
   TimePoint ends_by() const { return began_at_ + asked_; }
-  /// The lamp's line is off again.
+  /// Whether the lamp's line is off again.
   bool over() const;
 
-  /// Ends the exposure, now where it is not over yet, and looks whether the lamp did as it was told. The object is spent.
-  /// @retval ErrorCode::kLampStuckOn  there is light, although the line is off. The user pulls the plug
-  /// @retval ErrorCode::kLampDead     there was no light, although the line was on
+  /// Ends the exposure if it is not over, and checks whether the lamp obeyed. Call it once.
+  /// @retval ErrorCode::kLampStuckOn  light although the line is off: the user must pull the plug
+  /// @retval ErrorCode::kLampDead     no light although the line was on
   /// @retval ErrorCode::kPowerLost
   [[nodiscard]] Expected<ExposureReport> finish();
 
@@ -67,16 +67,16 @@ class [[nodiscard]] Exposure {
   nanoseconds asked_;
 };
 
-/// The lamp. Every back end holds to these, whatever the firmware is doing or has ceased to do:
-/// - off is armed before on: the deadline stands with somebody else (a keeper process, a timer) before the line goes on
-/// - dark by the deadline, within 1 ms
-/// - dark within 10 ms of the cover's opening
-/// - dark within 50 ms of the firmware's end, however it ends
+/// The lamp. Every back end guarantees the following, even if the firmware hangs or dies:
+/// - off is armed before on: somebody else (a keeper process, a timer) holds the deadline before the line goes on
+/// - off within 1 ms of the deadline
+/// - off within 10 ms of the cover's opening
+/// - off within 50 ms of the firmware's end, however it ends
 class UvLamp {
  public:
   struct Limits {
-    nanoseconds longest_exposure{};  ///< of one exposure; above 0
-    Irradiance irradiance;           ///< at the film, as the board file has it
+    nanoseconds longest_exposure{};  ///< above 0
+    Irradiance irradiance;           ///< at the film, from the board file
   };
 
   UvLamp(const UvLamp&) = delete;
@@ -85,45 +85,45 @@ class UvLamp {
 
   const Limits& limits() const { return limits_; }
 
-  /// Lights the lamp for `cure` and returns at once, so that the next mask can be made meanwhile.
+  /// Lights the lamp for `cure` and returns at once, so that the next mask can be drawn meanwhile.
   /// @param cure  above 0, at most limits().longest_exposure
   /// @retval ErrorCode::kExposureTooLong   above the limit; nothing was lit
   /// @retval ErrorCode::kBadSetting        0 or less; nothing was lit
-  /// @retval ErrorCode::kBusy              it is lit already
-  /// @retval ErrorCode::kMaskNotPresented  the panel is blank or its last mask has not been scanned out; nothing was lit
+  /// @retval ErrorCode::kBusy              it is already lit
+  /// @retval ErrorCode::kMaskNotPresented  the panel is blank or its last mask is not settled; nothing was lit
   /// @retval ErrorCode::kCoverOpen         nothing was lit
   /// @retval ErrorCode::kStageMoving       nothing was lit
-  /// @retval ErrorCode::kLampFailed        off could not be armed, so on was not tried
+  /// @retval ErrorCode::kLampFailed        off could not be armed; nothing was lit
   /// @retval ErrorCode::kPowerLost
   [[nodiscard]] Expected<Exposure> begin_exposure(nanoseconds cure);
 
-  /// begin_exposure(), a wait that nothing but the cover interrupts, and Exposure::finish().
-  /// @retval the errors of both
+  /// Calls begin_exposure(), sleeps until the end and calls Exposure::finish(), with the errors of both. Only the cover can end the
+  /// light early.
   [[nodiscard]] Expected<ExposureReport> expose(nanoseconds cure);
 
-  /// Off, now. Always allowed, any number of times.
-  void darken() noexcept { do_darken(); }
+  /// Turns the lamp off now. Always allowed, also if it is off.
+  void turn_off() noexcept { do_turn_off(); }
 
-  /// There is light: from the lamp's monitor, on a board without one the line read back.
+  /// Whether there is light: measured by the lamp's monitor, or on a board without one, the state of its line.
   bool lit() const { return do_lit(); }
 
  protected:
   UvLamp(const Limits& limits, Interlock& interlock, Clock& clock)
       : limits_(limits), interlock_(interlock), clock_(clock) {
-    interlock.enter(*this);
+    interlock.add(*this);
   }
 
  private:
   friend class Exposure;
 
-  /// Arms off for `cure` after the moment of on, then turns on.
-  /// @returns that moment
+  /// Arms off, then turns the line on for `cure`.
+  /// @returns when the line went on
   virtual Expected<TimePoint> do_begin(nanoseconds cure) = 0;
-  /// The line is off.
+  /// Whether the line is off.
   virtual bool do_over() const = 0;
-  virtual void do_darken() noexcept = 0;
+  virtual void do_turn_off() noexcept = 0;
   virtual bool do_lit() const = 0;
-  /// Called with the line off, once for each do_begin() whose exposure is finished. `asked` need not be filled in.
+  /// Called once for each finished exposure, with the line off. The caller fills in `asked`.
   virtual Expected<ExposureReport> do_report() = 0;
 
   Limits limits_;

@@ -6,63 +6,62 @@ namespace plumbline {
 
 Motion::~Motion() {
   if (stage_ == nullptr || !stage_->moving()) return;
-  // Both can only fail with the power gone, and then nothing moves any more.
+  // Both fail only when the power is lost, and then nothing moves.
   static_cast<void>(stage_->do_stop());
   static_cast<void>(stage_->do_finish());
 }
 
 TimePoint Motion::ends_by() const {
-  assert(stage_ != nullptr && "this motion is finished");
+  assert(stage_ != nullptr && "finish() was already called");
   return stage_->do_ends_by();
 }
 
 bool Motion::over() const {
-  assert(stage_ != nullptr && "this motion is finished");
+  assert(stage_ != nullptr && "finish() was already called");
   return !stage_->moving();
 }
 
 Status Motion::stop() {
-  assert(stage_ != nullptr && "this motion is finished");
-  PLUMBLINE_TRY(stage_->interlock_.power());
+  assert(stage_ != nullptr && "finish() was already called");
+  PLUMBLINE_TRY(stage_->interlock_.check_power());
   return stage_->do_stop();
 }
 
 Expected<MotionReport> Motion::finish() {
-  assert(stage_ != nullptr && "this motion is finished");
+  assert(stage_ != nullptr && "finish() was already called");
   ZStage& stage = *std::exchange(stage_, nullptr);
-  PLUMBLINE_TRY(stage.interlock_.power());
+  PLUMBLINE_TRY(stage.interlock_.check_power());
   return stage.do_finish();
 }
 
 Expected<ZPosition> ZStage::position() const {
-  PLUMBLINE_TRY(interlock_.power());
-  if (!homed()) return fail(ErrorCode::kNotHomed, "the stage does not know its height: home it first");
+  PLUMBLINE_TRY(interlock_.check_power());
+  if (!homed()) return fail(ErrorCode::kNotHomed, "the stage is not homed, so its height is unknown: home it first");
   return do_position();
 }
 
 Expected<Motion> ZStage::begin_homing() {
-  PLUMBLINE_TRY(interlock_.power());
-  if (moving()) return fail(ErrorCode::kBusy, "the stage moves already");
-  if (interlock_.lamp_lit()) return fail(ErrorCode::kLampLit, "the stage stands still while the lamp is lit");
+  PLUMBLINE_TRY(interlock_.check_power());
+  if (moving()) return fail(ErrorCode::kBusy, "the stage is already moving");
+  if (interlock_.lamp_lit()) return fail(ErrorCode::kLampLit, "the stage does not move while the lamp is lit");
   PLUMBLINE_TRY(do_begin_homing());
   return Motion(*this);
 }
 
 Expected<Motion> ZStage::begin_move(ZPosition target, Speed speed) {
-  PLUMBLINE_TRY(interlock_.power());
-  if (moving()) return fail(ErrorCode::kBusy, "the stage moves already");
+  PLUMBLINE_TRY(interlock_.check_power());
+  if (moving()) return fail(ErrorCode::kBusy, "the stage is already moving");
   if (target < limits_.lowest || target > limits_.highest) {
-    return fail(ErrorCode::kOutsideTravel, "the stage was asked to go to %.4f mm: its travel is %.4f mm to %.4f mm",
+    return fail(ErrorCode::kOutsideTravel, "a move to %.4f mm: the stage travels from %.4f to %.4f mm",
                 target.above_film().millimetres(), limits_.lowest.above_film().millimetres(),
                 limits_.highest.above_film().millimetres());
   }
   if (!(speed.value() > 0) || speed > limits_.fastest) {
-    return fail(ErrorCode::kBadSetting,
-                "the stage was asked for %g mm/s: it moves with more than 0 and at most %g mm/s", speed.value(),
-                limits_.fastest.value());
+    return fail(ErrorCode::kBadSetting, "a move at %g mm/s: the speed must be above 0 and at most %g mm/s",
+                speed.value(), limits_.fastest.value());
   }
-  if (!homed()) return fail(ErrorCode::kNotHomed, "the stage does not know its height: home it first");
-  if (interlock_.lamp_lit()) return fail(ErrorCode::kLampLit, "the stage stands still while the lamp is lit");
+  if (!homed()) return fail(ErrorCode::kNotHomed, "the stage is not homed, so its height is unknown: home it first");
+  if (interlock_.lamp_lit()) return fail(ErrorCode::kLampLit, "the stage does not move while the lamp is lit");
   PLUMBLINE_TRY(do_begin_move(target, speed));
   return Motion(*this);
 }

@@ -1,5 +1,5 @@
 #pragma once
-/// The stage that carries the build plate up and down.
+/// The Z stage, which moves the build plate up and down.
 
 #include <cstdint>
 #include <utility>
@@ -13,18 +13,18 @@ namespace plumbline {
 
 class ZStage;
 
-/// What a motion has been.
+/// The result of a motion.
 struct MotionReport {
   TimePoint began_at;
   TimePoint ended_at;
-  ZPosition at;          ///< where the stage stands, by the steps counted
+  ZPosition position;    ///< where the stage stopped, by counted steps
   bool arrived = false;  ///< false: it was stopped on its way
-  /// Homing of a stage that had been homed: where the end stop was found, less where it should have been. More than a step or
-  /// two says that steps were lost since. 0 for moves and for a first homing.
+  /// When a homed stage is homed again: where the end stop was found, less where it was expected. More than a step or two means
+  /// that steps were lost in between. 0 for moves and for the first homing.
   Distance steps_lost;
 };
 
-/// A stage that moves. It slows down and stands when this object ends. Move-only.
+/// A moving stage. It brakes and stops when this object is destroyed. Move-only.
 class [[nodiscard]] Motion {
  public:
   Motion(Motion&& other) noexcept : stage_(std::exchange(other.stage_, nullptr)) {}
@@ -33,17 +33,17 @@ class [[nodiscard]] Motion {
   Motion& operator=(const Motion&) = delete;
   ~Motion();
 
-  /// The latest end; for a move the exact one. Earlier after stop().
+  /// The latest time at which it ends; exact for a move. stop() brings it forward.
   TimePoint ends_by() const;
   bool over() const;
 
-  /// Slows down with the stage's acceleration from now on, losing no step. over() follows.
+  /// Starts braking with the stage's acceleration, so that no step is lost. over() is true once the stage has stopped.
   /// @retval ErrorCode::kPowerLost
   [[nodiscard]] Status stop();
 
-  /// Waits for the rest of the motion, which nothing interrupts, and looks how it went. The object is spent.
+  /// Waits for the end of the motion and returns its result; nothing interrupts the wait. Call it once.
   /// @retval ErrorCode::kStageStalled     the motor could not follow; homed() is false
-  /// @retval ErrorCode::kEndStopNotFound  homing went its whole way; homed() is false
+  /// @retval ErrorCode::kEndStopNotFound  homing covered the whole travel; homed() is false
   /// @retval ErrorCode::kEndStopStuck     the end stop is pressed where it can't be; homed() is false
   /// @retval ErrorCode::kPowerLost
   [[nodiscard]] Expected<MotionReport> finish();
@@ -55,16 +55,16 @@ class [[nodiscard]] Motion {
   ZStage* stage_ = nullptr;
 };
 
-/// The stage. The end stop is at the top, so that homing moves a half-made part away from the film: after a power cut there is
-/// one on the plate.
+/// The Z stage. Its end stop is at the top, so that homing moves away from the film: after a power cut there is a part on the
+/// plate.
 class ZStage {
  public:
   struct Limits {
-    ZPosition lowest;           ///< of moves; 0 where the plate touches the film
-    ZPosition highest;          ///< of moves; below the end stop
-    ZPosition end_stop;         ///< where homing finds itself
+    ZPosition lowest;           ///< lowest target of a move; 0 where the plate touches the film
+    ZPosition highest;          ///< highest target of a move; below the end stop
+    ZPosition end_stop;         ///< where the end stop closes
     Speed fastest;              ///< above 0
-    Acceleration acceleration;  ///< of every move, up and down; above 0
+    Acceleration acceleration;  ///< of every move and of braking; above 0
   };
 
   ZStage(const ZStage&) = delete;
@@ -76,31 +76,29 @@ class ZStage {
   bool moving() const { return do_moving(); }
   bool end_stop_pressed() const { return do_end_stop_pressed(); }
 
-  /// By the steps counted, also while it moves.
+  /// By counted steps, also during a motion.
   /// @retval ErrorCode::kNotHomed
   [[nodiscard]] Expected<ZPosition> position() const;
 
-  /// Finds the end stop: up fast, back off, up slowly. Ends at limits().highest.
+  /// Finds the end stop: up fast, back off, up slowly. Stops at limits().highest.
   /// @retval ErrorCode::kLampLit    no motion under light
-  /// @retval ErrorCode::kBusy       it moves already
+  /// @retval ErrorCode::kBusy       it is already moving
   /// @retval ErrorCode::kPowerLost
   [[nodiscard]] Expected<Motion> begin_homing();
 
-  /// Moves by a trapezoidal ramp (hal/ramp.hpp). The target is checked before the first step.
-  /// @retval ErrorCode::kOutsideTravel  below lowest or above highest; it did not move
-  /// @retval ErrorCode::kBadSetting     speed 0, less, or above limits().fastest; it did not move
+  /// Moves by a trapezoidal ramp (hal/ramp.hpp). A refused move takes no step.
+  /// @retval ErrorCode::kOutsideTravel  target below lowest or above highest
+  /// @retval ErrorCode::kBadSetting     speed 0 or less, or above limits().fastest
   /// @retval ErrorCode::kNotHomed, kLampLit, kBusy, kPowerLost
   [[nodiscard]] Expected<Motion> begin_move(ZPosition target, Speed speed);
 
-  /// begin_homing() and Motion::finish(): nothing interrupts it. The print loop uses await() in hal/await.hpp.
+  /// begin_homing() and Motion::finish(). Nothing interrupts it; to handle events meanwhile use await() (hal/await.hpp).
   [[nodiscard]] Expected<MotionReport> home();
-  /// begin_move() and Motion::finish(); see home().
+  /// begin_move() and Motion::finish(), like home().
   [[nodiscard]] Expected<MotionReport> move_to(ZPosition target, Speed speed);
 
  protected:
-  ZStage(const Limits& limits, Interlock& interlock) : limits_(limits), interlock_(interlock) {
-    interlock.enter(*this);
-  }
+  ZStage(const Limits& limits, Interlock& interlock) : limits_(limits), interlock_(interlock) { interlock.add(*this); }
 
  private:
   friend class Motion;
@@ -114,7 +112,7 @@ class ZStage {
   virtual Status do_begin_move(ZPosition target, Speed speed) = 0;
   virtual TimePoint do_ends_by() const = 0;
   virtual Status do_stop() = 0;
-  /// Waits until the stage stands, then says how the last motion went.
+  /// Waits until the stage has stopped, then reports the last motion.
   virtual Expected<MotionReport> do_finish() = 0;
 
   Limits limits_;

@@ -65,7 +65,7 @@ Status PrinterDaemon::run() {
 
 Status PrinterDaemon::serve() {
   if (store_.has_job() && state_ != PrintState::kFault) return serve_interrupted();
-  if (machine_.stick.present() && !served_) return serve_stick();
+  if (machine_.stick.has_stick() && !served_) return serve_stick();
   const auto event = machine_.events.next_event(machine_.clock.now() + kTurn);
   PLUMBLINE_TRY(event);
   observer_.idle();
@@ -230,7 +230,7 @@ void PrinterDaemon::print(PrintSession& session, const PrintProfile& profile) {
   const PrintReport& report = session.print(machine_, observer_);
   observer_.printed(report, session, profile);
   // A stick that has gone meanwhile can come again; one that is there has had its turn.
-  served_ = machine_.stick.present();
+  served_ = machine_.stick.has_stick();
   fault_ = report.fault;
   if (report.state == PrintState::kFault) {
     apply(PrintEvent::kFailed);

@@ -63,7 +63,7 @@ bool is_scan_name(std::string_view name) {
 
 Expected<StickScans> list_scans(const StickMount& mount) {
   struct Visitor final : StickMount::FileVisitor {
-    void file(std::string_view name, std::uint64_t /*bytes*/) override {
+    void on_file(std::string_view name, std::uint64_t /*bytes*/) override {
       if (name == kJobFile) scans.has_job_file = true;
       if (!is_scan_name(name)) return;
       if (scans.count == StickScans::kMost) {

@@ -12,6 +12,7 @@
 #include "firmware/settings/board_file.hpp"
 #include "firmware/settings/print_profile.hpp"
 #include "hal/machine.hpp"
+#include "hal/machine_finding.hpp"
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/error.hpp"
 
@@ -64,18 +65,6 @@ class BackEnd {
 [[nodiscard]] Expected<std::unique_ptr<BackEnd>> open_back_end(const BoardFile& board, const MachineFile& machine,
                                                                const PrintProfile& profile,
                                                                const SimulationOptions& options);
-
-/// One device or permission that the printer needs, and what is there of it.
-struct MachineFinding {
-  enum class Verdict : std::uint8_t {
-    kGood,
-    kPoor,   ///< it prints, but not as well as it could
-    kWrong,  ///< it does not print
-  } verdict = Verdict::kGood;
-  std::string what;
-  std::string found;
-  std::string advice;  ///< what to do; empty: nothing
-};
 
 /// Checks the board that this runs on. Moves and lights nothing.
 /// @retval ErrorCode::kUnsupported  the printer is a simulated one, or this build has no board devices

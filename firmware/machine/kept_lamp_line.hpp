@@ -15,7 +15,7 @@ class KeptLampLine {
   /// @param cure  host time, above 0
   /// @returns false: the line is off, because turning it off could not be armed
   virtual bool light(nanoseconds cure) = 0;
-  virtual void darken() noexcept = 0;
+  virtual void turn_off() noexcept = 0;
 };
 
 }  // namespace plumbline

@@ -7,10 +7,11 @@
 #include <utility>
 
 #include "firmware/machine/machine_limits.hpp"
+#include "firmware/settings/wiring_file.hpp"
 #include "hal/linux/lamp/lamp_keeper.hpp"
 #ifdef PLUMBLINE_HAS_BOARD_DEVICES
 #include "hal/linux/examination.hpp"
-#include "hal/linux/linux_machine.hpp"
+#include "hal/linux/machine.hpp"
 #endif
 
 namespace plumbline {
@@ -30,7 +31,7 @@ class KeeperLampLine final : public KeptLampLine {
 
   bool light(nanoseconds cure) override { return keeper_.light(cure).has_value(); }
   // If the keeper does not answer, its deadline still turns the line off.
-  void darken() noexcept override { static_cast<void>(keeper_.darken()); }
+  void turn_off() noexcept override { static_cast<void>(keeper_.turn_off()); }
 
  private:
   LampKeeper keeper_;
@@ -38,58 +39,22 @@ class KeeperLampLine final : public KeptLampLine {
 
 #ifdef PLUMBLINE_HAS_BOARD_DEVICES
 
-LineSettings line_of(const WireFile& wire) {
-  return {.name = wire.line,
-          .chip = wire.chip,
-          .offset = wire.chip.empty() ? 0 : wire.offset,
-          .active_low = wire.active == WireFile::Active::kLow,
-          .bias = static_cast<LineBias>(wire.bias)};
-}
-
-LinuxSettings settings_of(const BoardFile& board, const MachineFile& machine) {
-  const WiringFile& wiring = machine.wiring;
-  LinuxSettings settings;
-  settings.panel = {.columns = board.columns,
-                    .rows = board.rows,
-                    .rotation_deg = machine.rotation_deg,
-                    .mirror = static_cast<PanelLayout::Mirror>(machine.mirror),
-                    .rgb = machine.packing == PixelPacking::kRgb};
-  settings.settling = nanoseconds_of_ms(machine.refresh_delay_ms);
-  settings.display = {.card = wiring.card,
-                      .connector = wiring.connector,
-                      .refresh_hz = wiring.refresh_hz,
-                      .plane = wiring.plane,
-                      .flip_timeout = nanoseconds_of_ms(wiring.flip_timeout_ms)};
-  settings.travel = travel_limits(machine);
-  settings.mechanics = {.step_mm = machine.step_mm(), .find_speed = mm_per_min(machine.homing_speed_mm_min)};
-  settings.step = line_of(wiring.step);
-  settings.direction = line_of(wiring.direction);
-  settings.enable = line_of(wiring.enable);
-  settings.end_stop = line_of(wiring.end_stop);
-  settings.lamp = lamp_limits(machine);
-  settings.lamp_line = line_of(wiring.lamp);
-  if (machine.has_cover_switch) settings.cover = line_of(wiring.cover);
-  settings.keeper = keeper_program();
-  settings.start_button = line_of(wiring.start);
-  settings.pause_button = line_of(wiring.pause);
-  settings.cancel_button = line_of(wiring.cancel);
-  for (std::size_t i = 0; i < kPanelLightCount; ++i) settings.lights[i] = line_of(wiring.lights[i]);
-  settings.buzzer = line_of(wiring.buzzer);
-  for (std::size_t i = 0; i < kTemperatureSiteCount; ++i) {
-    const SensorFile& sensor = wiring.sensors[i];
-    settings.thermals.sensors[i] = {sensor.hwmon, sensor.channel, sensor.thermal_zone, sensor.file};
-  }
-  for (std::size_t i = 0; i < kFanCount; ++i) {
-    const FanFile& fan = wiring.fans[i];
-    settings.thermals.fans[i] = {fan.hwmon, fan.channel, fan.pwm_chip, fan.period_us};
-  }
-  settings.stick = {.port = wiring.stick_port, .mount_point = wiring.mount_point};
+LinuxSettings settings_of(const MachineFile& machine) {
+  LinuxSettings settings{
+      .panel = machine.panel,
+      .settling = nanoseconds_of_ms(machine.refresh_delay_ms),
+      .travel = travel_limits(machine),
+      .mechanics = {.step_mm = machine.step_mm(), .find_speed = mm_per_min(machine.homing_speed_mm_min)},
+      .lamp = lamp_limits(machine),
+      .keeper = keeper_program(),
+      .wiring = machine.wiring};
+  if (!machine.has_cover_switch) settings.wiring.cover = LineSettings();
   return settings;
 }
 
 /// @retval ErrorCode::kBadSetting  tables without which the printer can't be driven
 Status check_wired(const BoardFile& board, const MachineFile& machine) {
-  auto missing = machine.wiring.missing();
+  auto missing = missing_tables(machine.wiring);
   if (machine.has_cover_switch && !machine.wiring.cover.given()) missing.emplace_back("cover_line");
   if (missing.empty()) return {};
   std::string names;
@@ -112,8 +77,8 @@ class LinuxBackEnd final : public BackEnd {
     return StepFigures{.steps = record.steps,
                        .late = record.late,
                        .worst_lateness = record.worst,
-                       .standstills = record.restarts,
-                       .real_time = devices_->steps_first(),
+                       .standstills = record.standstills,
+                       .real_time = devices_->has_real_time_priority(),
                        .memory_locked = devices_->memory_locked()};
   }
 
@@ -140,18 +105,13 @@ tl::unexpected<Error> no_board_devices(const BoardFile& board) {
 
 Expected<std::unique_ptr<BackEnd>> open_linux_back_end(const BoardFile& board, const MachineFile& machine) {
   PLUMBLINE_TRY(check_wired(board, machine));
-  auto devices = LinuxMachine::open(settings_of(board, machine));
+  auto devices = LinuxMachine::open(settings_of(machine));
   PLUMBLINE_TRY(devices);
   return std::make_unique<LinuxBackEnd>(std::move(*devices));
 }
 
-Expected<std::vector<MachineFinding>> examine_linux_machine(const BoardFile& board, const MachineFile& machine) {
-  std::vector<MachineFinding> findings;
-  for (auto& one : examine_board(settings_of(board, machine))) {
-    findings.push_back({static_cast<MachineFinding::Verdict>(one.verdict), std::move(one.what), std::move(one.found),
-                        std::move(one.advice)});
-  }
-  return findings;
+Expected<std::vector<MachineFinding>> examine_linux_machine(const BoardFile& /*board*/, const MachineFile& machine) {
+  return examine_board(settings_of(machine));
 }
 
 #else

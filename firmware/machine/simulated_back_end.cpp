@@ -44,7 +44,7 @@ class HostTimeWire final : public LampWire {
     // A simulation that falls behind ends an exposure late; the line does not wait for it.
     return line_->light(nanoseconds(std::llround(static_cast<double>(cure.count()) / speedup_)));
   }
-  void darken() noexcept override { line_->darken(); }
+  void turn_off() noexcept override { line_->turn_off(); }
 
  private:
   std::unique_ptr<KeptLampLine> line_;

@@ -118,10 +118,10 @@ std::uint64_t hash_of(const BoardFile& board) {
   number(board.travel_mm);
   if (board.machine) {
     const MachineFile& m = *board.machine;
-    for (const double value :
-         {static_cast<double>(m.packing), static_cast<double>(m.mirror), static_cast<double>(m.rotation_deg),
-          m.rotation_distance_mm, static_cast<double>(m.full_steps_per_rotation), static_cast<double>(m.microsteps),
-          m.end_stop_height_mm, m.power_mw_cm2}) {
+    for (const double value : {static_cast<double>(m.panel.rgb), static_cast<double>(m.panel.mirror),
+                               static_cast<double>(m.panel.rotation_deg), m.rotation_distance_mm,
+                               static_cast<double>(m.full_steps_per_rotation), static_cast<double>(m.microsteps),
+                               m.end_stop_height_mm, m.power_mw_cm2}) {
       number(value);
     }
   }

@@ -72,7 +72,7 @@ void PrintJob::check_resin() {
 }
 
 Status PrintJob::check_devices() {
-  machine_.lamp.darken();
+  machine_.lamp.turn_off();
   const bool lit = machine_.lamp.lit();
   result(Check::kLampDark).detail.add("%s", lit ? "there is light although the lamp is off: pull the plug" : "dark");
   conclude(Check::kLampDark, lit ? CheckOutcome::kFailed : CheckOutcome::kPassed, FaultCode::kLampStuckOn);

@@ -379,7 +379,7 @@ Status PrintJob::cool_down() {
 /// However the print ended: dark, black, the part off the film, the light that a layer has had already written down. What fails
 /// here has been told, or is the loss of power.
 void PrintJob::make_safe() {
-  machine_.lamp.darken();
+  machine_.lamp.turn_off();
   mask_.reset();
   static_cast<void>(machine_.mask.blank());
   const bool goes_on = state_ == PrintState::kFault || state_ == PrintState::kSuspended;

@@ -5,23 +5,23 @@ namespace plumbline {
 /// What means nothing in this state is not even a reason to stop waiting.
 Waiting PrintJob::leave_for(PrintEvent event, bool& heard) {
   heard = heard || next(state_, event) != state_;
-  return heard ? Waiting::kLeave : Waiting::kGoOn;
+  return heard ? Waiting::kReturn : Waiting::kContinue;
 }
 
 Waiting PrintJob::hear(const Event& event) {
   switch (event.kind) {
-    case EventKind::kStartPressed: resume_ = true; return Waiting::kGoOn;
-    case EventKind::kPausePressed: pause_ = true; return Waiting::kGoOn;  // after the layer: half of one would show
+    case EventKind::kStartPressed: resume_ = true; return Waiting::kContinue;
+    case EventKind::kPausePressed: pause_ = true; return Waiting::kContinue;  // after the layer: half of one would show
     case EventKind::kCancelPressed: return leave_for(PrintEvent::kCancelAsked, cancel_);
     case EventKind::kCoverOpened: cover_closed_ = false; return leave_for(PrintEvent::kCoverOpened, cover_opened_);
-    case EventKind::kCoverClosed: cover_closed_ = true; return Waiting::kGoOn;
+    case EventKind::kCoverClosed: cover_closed_ = true; return Waiting::kContinue;
     case EventKind::kShutdownRequested: return leave_for(PrintEvent::kShutdown, shutdown_);
     case EventKind::kStickArrived:
     case EventKind::kStickDeparted:
     case EventKind::kExposureEnded:
-    case EventKind::kMotionEnded: return Waiting::kGoOn;
+    case EventKind::kMotionEnded: return Waiting::kContinue;
   }
-  return Waiting::kGoOn;
+  return Waiting::kContinue;
 }
 
 /// Turns what was heard into a change of state, the most urgent first. @returns true: the state has changed

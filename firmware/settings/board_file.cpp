@@ -5,18 +5,19 @@
 #include <vector>
 
 #include "firmware/settings/settings_folders.hpp"
+#include "firmware/settings/wiring_file.hpp"
 #include "slicer/core/print_grid.hpp"
 
 namespace plumbline {
 namespace {
 
 constexpr double kMaxSide = PrintGrid::kMaxSide;
-constexpr std::array<std::string_view, 2> kPackings = {"none", "rgb"};
-constexpr std::array<std::string_view, 3> kMirrors = {"none", "x", "y"};
+constexpr std::array<std::string_view, 2> kPackings = {"none", "rgb"};    // by PanelLayout::rgb
+constexpr std::array<std::string_view, 3> kMirrors = {"none", "x", "y"};  // by PanelLayout::Mirror
 constexpr std::array<std::uint32_t, 4> kRotations = {0, 90, 180, 270};
 constexpr std::array<std::uint32_t, 9> kMicrosteps = {1, 2, 4, 8, 16, 32, 64, 128, 256};
 
-/// The keys, in the order in which messages speak of them: board/README.md has the same table for people.
+/// The keys in the order in which messages list them. board/README.md explains them in the same order.
 std::vector<SettingRule> rules_for(BoardFile& board, MachineFile& machine) {
   constexpr auto kMachine = Presence::kAllOrNone;
   std::vector<SettingRule> rules = {
@@ -26,9 +27,10 @@ std::vector<SettingRule> rules_for(BoardFile& board, MachineFile& machine) {
       {"panel", "rows", &board.rows, 1, kMaxSide, " pixels"},
       {"panel", "pixel_pitch_x_mm", &board.pixel_pitch_x_mm, 0.005, 1, " mm"},
       {"panel", "pixel_pitch_y_mm", &board.pixel_pitch_y_mm, 0.005, 1, " mm"},
-      {"panel", "packing", choice(kPackings, machine.packing), 0, 0, "", kMachine},
-      {"panel", "mirror", choice(kMirrors, machine.mirror), 0, 0, "", kMachine},
-      {"panel", "rotation_deg", NumberChoiceSetting{kRotations, &machine.rotation_deg}, 0, 0, " degrees", kMachine},
+      {"panel", "packing", choice(kPackings, machine.panel.rgb), 0, 0, "", kMachine},
+      {"panel", "mirror", choice(kMirrors, machine.panel.mirror), 0, 0, "", kMachine},
+      {"panel", "rotation_deg", NumberChoiceSetting{kRotations, &machine.panel.rotation_deg}, 0, 0, " degrees",
+       kMachine},
       {"panel", "refresh_delay_ms", &machine.refresh_delay_ms, 0, 1000, " ms", kMachine},
       {"z_stage", "travel_mm", &board.travel_mm, 1, 2000, " mm"},
       {"z_stage", "rotation_distance_mm", &machine.rotation_distance_mm, 0.1, 100, " mm", kMachine},
@@ -55,7 +57,7 @@ std::vector<SettingRule> rules_for(BoardFile& board, MachineFile& machine) {
   return rules;
 }
 
-/// What no single key tells.
+/// What is wrong with a key given the others; empty: nothing.
 std::string check(const SettingRule& rule, const BoardFile& board, const MachineFile& machine) {
   if (rule.key == "lamp_resume_c" && machine.lamp_resume_c >= machine.lamp_max_c) {
     return "allowed is less than lamp_max_c";
@@ -67,14 +69,12 @@ std::string check(const SettingRule& rule, const BoardFile& board, const Machine
     return "allowed is at most max_speed_mm_min";
   }
   if (rule.key == "end_stop_height_mm" && machine.end_stop_height_mm < board.travel_mm + kEndStopClearanceMm) {
-    return "allowed is travel_mm and 1 mm more, or above: the tallest print must not meet the end stop";
+    return "allowed is at least travel_mm + 1: the tallest print must not reach the end stop";
   }
-  const bool sideways = machine.rotation_deg % 180 != 0;
-  if (rule.key == "packing" && machine.packing == PixelPacking::kRgb &&
-      (sideways ? board.rows : board.columns) % 3 != 0) {
-    return sideways
-               ? "allowed is \"none\": the rows, which lie along the panel's rows as it is turned, are no multiple of 3"
-               : "allowed is \"none\": the columns are no multiple of 3";
+  if (rule.key == "packing" && !machine.panel.check()) {
+    const bool sideways = machine.panel.rotation_deg % 180 != 0;
+    return std::string("allowed is \"none\": with this rotation_deg, ") + (sideways ? "rows" : "columns") +
+           " must be a multiple of 3 to be packed";
   }
   return check_wiring(rule, machine.wiring);
 }
@@ -86,9 +86,12 @@ Expected<BoardFile> parse_board_file(std::string_view text, std::string_view pat
   MachineFile machine;
   bool has_machine = false;
   const auto rules = rules_for(board, machine);
-  PLUMBLINE_TRY(parse_settings(text, path, {"a board file", rules, &has_machine, [&](const SettingRule& rule) {
-                                              return has_machine ? check(rule, board, machine) : std::string();
-                                            }}));
+  const auto check_key = [&](const SettingRule& rule) {
+    machine.panel.columns = board.columns;
+    machine.panel.rows = board.rows;
+    return has_machine ? check(rule, board, machine) : std::string();
+  };
+  PLUMBLINE_TRY(parse_settings(text, path, {"a board file", rules, &has_machine, check_key}));
   if (has_machine) board.machine = std::move(machine);
   return board;
 }
@@ -107,11 +110,11 @@ Expected<BoardFile> read_board_file(const std::string& name_or_path) {
 
 Expected<MachineFile> machine_of(const BoardFile& board, std::string_view path) {
   if (board.machine) return *board.machine;
-  return fail(ErrorCode::kBadSetting,
-              "%.*s: describes the panel, but not the machine: to print it also needs [panel] packing and the keys "
-              "beside it, [z_stage] rotation_distance_mm and the keys beside it, [lamp], [cover], [temperatures] and "
-              "[tank]. board/README.md explains them",
-              static_cast<int>(path.size()), path.data());
+  return fail(
+      ErrorCode::kBadSetting,
+      "%.*s: describes a panel but no machine. To print, add the keys that board/README.md marks with *: the rest "
+      "of [panel] and [z_stage], and [lamp], [cover], [temperatures] and [tank]",
+      static_cast<int>(path.size()), path.data());
 }
 
 PrinterVolume printer_volume(const BoardFile& board) {

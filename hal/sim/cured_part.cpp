@@ -55,9 +55,9 @@ void CuredPart::expose(ZPosition z, ConstBitImage mask, TimePoint began, TimePoi
   }
 }
 
-// For each word that differs from the layer before: how many equal ones are skipped (7 bits a byte, low first, the high bit says
-// that more follow), which of the difference's bytes are not 0 (a bit each), and those bytes. A layer ends with a skip past its
-// last word and no bytes.
+// For each word that differs from the layer before: the number of equal words to skip (7 bits a byte, low first; the high bit means
+// that more follow), a bit for each byte of the difference that is not 0, and those bytes. A layer ends with a skip past its last
+// word.
 void CuredPart::pack_open_layer() {
   if (layers_.back().depth_mm <= 0) std::fill(open_.begin(), open_.end(), 0);
   std::size_t next = 0;

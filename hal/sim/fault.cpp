@@ -10,7 +10,7 @@
 namespace plumbline {
 namespace {
 
-/// Letters to change, add or leave out to get from `a` to `b` (Levenshtein).
+/// Letters to change, add or remove to get from `a` to `b` (Levenshtein distance).
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
   for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
@@ -56,14 +56,14 @@ Status read_moment(std::string_view moment, const Text& text, Fault& fault) {
     fault.delay = *time;
     return {};
   }
-  if (!moment.starts_with("layer=")) return text.wrong("say when: @layer=40, @layer=40+1.5s or @t=123.4s");
+  if (!moment.starts_with("layer=")) return text.wrong("add a time: @layer=40, @layer=40+1.5s or @t=123.4s");
   moment.remove_prefix(6);
   const auto plus = moment.find('+');
   fault.layer = whole_number<std::uint32_t>(moment.substr(0, plus));
-  if (!fault.layer) return text.wrong("layer= takes a whole number, 0 is the first layer");
+  if (!fault.layer) return text.wrong("layer= takes a whole number; 0 is the first layer");
   if (plus == std::string_view::npos) return {};
   const auto delay = time_of(moment.substr(plus + 1));
-  if (!delay) return text.wrong("after the layer come seconds from 0 to 1e8, such as layer=40+1.5s");
+  if (!delay) return text.wrong("+ takes seconds from 0 to 1e8, such as layer=40+1.5s");
   fault.delay = *delay;
   return {};
 }
@@ -74,8 +74,8 @@ Status read_option(std::string_view option, const Text& text, const FaultRow& ro
     if (!fault.lasts) return text.wrong("for= takes seconds from 0 to 1e8, such as for=5s");
     return {};
   }
-  if (!option.starts_with("by=")) return text.wrong("after a comma comes for=5s or by=0.2");
-  if (row.by.empty()) return text.wrong("this fault has no amount: leave by= out");
+  if (!option.starts_with("by=")) return text.wrong("after a comma, write for=5s or by=0.2");
+  if (row.by.empty()) return text.wrong("this fault has no amount: remove by=");
   const auto amount = whole_number<double>(option.substr(3));
   if (!amount || !(*amount >= row.least && *amount <= row.most)) {
     return fail(ErrorCode::kBadSetting, "fault \"%.*s\": by= takes %g to %g (%.*s)", static_cast<int>(text.all.size()),
@@ -96,11 +96,11 @@ Expected<Fault> parse_fault(std::string_view all) {
     const auto nearest = std::min_element(table.begin(), table.end(), [&](const FaultRow& a, const FaultRow& b) {
       return edit_distance(a.name, name.substr(0, 64)) < edit_distance(b.name, name.substr(0, 64));
     });
-    return fail(ErrorCode::kBadSetting, "fault \"%.*s\": not known; did you mean %.*s?",
+    return fail(ErrorCode::kBadSetting, "fault \"%.*s\": unknown; did you mean %.*s?",
                 static_cast<int>(std::min<std::size_t>(all.size(), 120)), all.data(),
                 static_cast<int>(nearest->name.size()), nearest->name.data());
   }
-  if (name.size() == all.size()) return text.wrong("say when: @layer=40, @layer=40+1.5s or @t=123.4s");
+  if (name.size() == all.size()) return text.wrong("add a time: @layer=40, @layer=40+1.5s or @t=123.4s");
   Fault fault{.kind = row->kind, .layer = std::nullopt, .delay = {}, .lasts = std::nullopt, .amount = row->amount};
   auto rest = all.substr(name.size() + 1);
   const auto moment = rest.substr(0, rest.find(','));

@@ -1,5 +1,5 @@
 #pragma once
-/// What can go wrong in the plant, and the language that asks for it: README.md has the table.
+/// What can go wrong in the plant, and how to ask for it. README.md has the table.
 
 #include <cstdint>
 #include <optional>
@@ -55,10 +55,10 @@ enum class FaultKind : std::uint8_t {
 };
 inline constexpr std::size_t kFaultKindCount = 40;
 
-/// When a fault for layer N comes.
+/// When a fault for layer N starts.
 enum class FaultMoment : std::uint8_t {
-  kBeforeLayer,  ///< when layer N-1 has gone dark, for layer 0 at once: it meets all that is done for layer N
-  kInExposure,   ///< when layer N is lit
+  kBeforeLayer,  ///< when the exposure of layer N-1 ends, for layer 0 at once: it affects everything done for layer N
+  kInExposure,   ///< when the exposure of layer N begins
 };
 
 /// One row of the table.
@@ -66,8 +66,8 @@ struct FaultRow {
   FaultKind kind;
   std::string_view name;  ///< "lamp.stuck_on"
   FaultMoment moment = FaultMoment::kBeforeLayer;
-  double amount = 0;           ///< of `by=` when it is left out
-  std::string_view by;         ///< unit and meaning of the amount, "" where there is none
+  double amount = 0;           ///< without `by=`
+  std::string_view by;         ///< unit and meaning of the amount; "": the fault has none
   double least = 0, most = 0;  ///< of the amount
   std::string_view what;       ///< what goes wrong
 };
@@ -76,22 +76,22 @@ struct FaultRow {
 std::span<const FaultRow, kFaultKindCount> fault_table();
 inline const FaultRow& row_of(FaultKind kind) { return fault_table()[static_cast<std::size_t>(kind)]; }
 
-/// A fault that is to come.
+/// A requested fault.
 struct Fault {
   FaultKind kind = FaultKind::kPowerCut;
-  std::optional<std::uint32_t> layer;  ///< 0-based; none: at a time
-  nanoseconds delay{};                 ///< after the layer's moment, or the time since the plant's start
-  std::optional<nanoseconds> lasts;    ///< none: for good, where it is a state
+  std::optional<std::uint32_t> layer;  ///< 0-based; none: the fault starts at a time
+  nanoseconds delay{};                 ///< after the layer's moment; without a layer, after the plant's start
+  std::optional<nanoseconds> lasts;    ///< none: forever
   double amount = 0;
 };
 
-/// Reads a fault:
+/// Parses a fault, written without blanks:
 ///
 ///   device.fault @ layer=N [+SECONDSs] [,for=SECONDSs] [,by=AMOUNT]        stage.skips@layer=40,by=0.2
 ///   device.fault @ t=SECONDSs [,for=SECONDSs] [,by=AMOUNT]                 cover.opens@t=123.4s,for=5s
 ///
-/// without blanks. Seconds are 0 to 1e8.
-/// @retval ErrorCode::kBadSetting  what was found, what is allowed; for an unknown fault the nearest known one
+/// Seconds are 0 to 1e8.
+/// @retval ErrorCode::kBadSetting  what is wrong and what is allowed; for an unknown fault, the nearest known one
 [[nodiscard]] Expected<Fault> parse_fault(std::string_view all);
 
 }  // namespace plumbline

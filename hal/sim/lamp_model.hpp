@@ -1,5 +1,5 @@
 #pragma once
-/// The lamp's light: it rises and falls in straight lines, and its dose is the area below them.
+/// The lamp's light. It rises and falls linearly; the dose is the area below the curve.
 
 #include <chrono>
 
@@ -15,13 +15,13 @@ class LampModel {
   LampModel(Irradiance irradiance, nanoseconds rise, nanoseconds fall)
       : irradiance_(irradiance), rise_(rise), fall_(fall) {}
 
-  /// From `now` on the light goes towards `level`.
+  /// From `now` on the light approaches `level`.
   void drive(TimePoint now, double level);
   void set_rise(nanoseconds rise) { rise_ = rise; }
 
   double driven() const { return target_; }
   double level(TimePoint now) const { return level_after(now - mark_); }
-  /// When the level is where it was driven to.
+  /// When the light reaches the driven level.
   TimePoint settles_at() const;
   /// Dose since the last call.
   Dose take_dose(TimePoint now);
@@ -29,7 +29,7 @@ class LampModel {
  private:
   double level_after(nanoseconds time) const;
   double seconds_to_target() const;
-  /// Adds up until `now` and starts from there.
+  /// Integrates up to `now`.
   void mark(TimePoint now);
 
   Irradiance irradiance_;
@@ -37,8 +37,8 @@ class LampModel {
   nanoseconds fall_;
   TimePoint mark_;
   double level_ = 0;   ///< at mark_
-  double target_ = 0;  ///< that it goes to
-  double area_ = 0;    ///< level seconds until mark_
+  double target_ = 0;  ///< driven level
+  double area_ = 0;    ///< integral of the level until mark_, s
 };
 
 }  // namespace plumbline

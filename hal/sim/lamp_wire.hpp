@@ -1,5 +1,5 @@
 #pragma once
-/// The simulated lamp's line as a wire that exists, for who looks at it from outside.
+/// A real line that follows the simulated lamp, so that another process can observe it.
 
 #include <chrono>
 
@@ -13,10 +13,10 @@ class LampWire {
   virtual ~LampWire() = default;
 
   /// Arms off, then turns on.
-  /// @param cure  virtual time after which it is to be off by itself
-  /// @returns false: it is off, for off could not be armed
+  /// @param cure  virtual time after which the line goes off by itself
+  /// @returns false if off could not be armed; then the line is off
   virtual bool light(std::chrono::nanoseconds cure) = 0;
-  virtual void darken() noexcept = 0;
+  virtual void turn_off() noexcept = 0;
 };
 
 }  // namespace plumbline

@@ -13,14 +13,14 @@ namespace plumbline {
 
 enum class ObjectionKind : std::uint8_t {
   kMaskChangedUnderLight,  ///< a flip or a blank began while there was light
-  kMaskTornUnderLight,     ///< light through a panel whose rows are not all those of the mask that was presented
+  kMaskTornUnderLight,     ///< light through a panel that does not show all rows of the presented mask
   kMotionUnderLight,       ///< the stage moved while there was light, or light began while it moved
-  kLightWithCoverOpen,     ///< light more than 10 ms after the cover opened, or begun with it open
+  kLightWithCoverOpen,     ///< light that begins with the cover open, or lasts until 10 ms after it opened
   kExposureWithoutMask,    ///< light through a blank panel
-  kTravelPastEnd,          ///< the plate or the part was pressed into the film, or the carriage into its upper end
-  kLiftSkipped,            ///< a layer was exposed while the last one stuck to the film
-  kDoseOff,                ///< a layer got more than 1 % more or less than was asked for it
-  kNotBonded,              ///< a layer cured less deep than the gap to what is above it
+  kTravelPastEnd,          ///< the plate or part was pressed into the film, or the carriage into its upper end
+  kLiftSkipped,            ///< a layer was exposed while the last one still stuck to the film
+  kDoseOff,                ///< a layer's dose was more than 1 % off
+  kNotBonded,              ///< a layer cured less deep than the gap to the layer above it
 };
 inline constexpr std::size_t kObjectionKindCount = 9;
 
@@ -30,8 +30,8 @@ std::string_view to_string(ObjectionKind kind);
 struct Objection {
   ObjectionKind kind = ObjectionKind::kDoseOff;
   TimePoint at;
-  ZPosition z;              ///< of the plate, as it really was
-  std::uint32_t layer = 0;  ///< the one being made, 0-based
+  ZPosition z;              ///< true height of the plate
+  std::uint32_t layer = 0;  ///< in progress, 0-based
   std::string detail;
 };
 

@@ -17,8 +17,8 @@ void PanelModel::flip(bool black, std::function<void()> on_settled) {
     if (on_change) on_change();
     changing_ = true;
     was_black_ = black_;
-    true_ = !stays && !tears;
-    if (!stays) {
+    matches_mask_ = !stale && !torn;
+    if (!stale) {
       black_ = black;
       if (!black) shown_ = 1 - shown_;
     }
@@ -33,11 +33,11 @@ void PanelModel::cut() {
   timeline_.cancel(due_);
   changing_ = false;
   black_ = true;
-  true_ = true;
+  matches_mask_ = true;
 }
 
-ConstBitImage PanelModel::seen() {
-  if (!changing_ && (true_ || !tears)) return image(shown_);
+ConstBitImage PanelModel::visible() {
+  if (!changing_ && (matches_mask_ || !torn)) return image(shown_);
   torn_.resize(buffers_[0].size());
   const auto half = static_cast<std::ptrdiff_t>(torn_.size() / build_.rows * (build_.rows / 2));
   const auto& upper = buffers_[shown_];

@@ -1,5 +1,5 @@
 #pragma once
-/// The panel: two buffers, a flip at the next frame, rows that change from top to bottom.
+/// The panel: two buffers and a flip at the next frame, which changes the rows from top to bottom.
 
 #include <array>
 #include <cstdint>
@@ -19,33 +19,33 @@ class PanelModel {
     double pitch_x_mm = 0.04725;
     double pitch_y_mm = 0.04725;
     nanoseconds frame{16'666'667};          ///< 60 Hz
-    nanoseconds settling{20'000'000};       ///< that the liquid crystals take after the scan-out
-    nanoseconds flip_timeout{500'000'000};  ///< bound of present()
+    nanoseconds settling{20'000'000};       ///< from the end of the scan-out until the liquid crystals have settled
+    nanoseconds flip_timeout{500'000'000};  ///< time limit of present()
   };
 
   PanelModel(Timeline& timeline, const Build& build);
 
-  /// The buffer that is not shown.
+  /// The hidden buffer.
   BitImage back() { return image(1 - shown_); }
-  /// Shows the back buffer, or black: at the next frame, row by row during that frame, settled after it.
-  /// @param on_settled  told when it is
+  /// Shows the back buffer, or black: changes row by row during the next frame, then settles.
+  /// @param on_settled  called when it has settled
   void flip(bool black, std::function<void()> on_settled);
-  /// No power.
+  /// Cuts the power.
   void cut();
 
   bool changing() const { return changing_; }  ///< between the flip and its settling
   bool black() const { return black_; }
-  bool true_to_mask() const { return true_; }  ///< all rows are those of the last flip
-  /// What lets light through now. Where the last flip was torn: the upper half of the new mask, the lower half of the old.
-  ConstBitImage seen();
+  bool matches_mask() const { return matches_mask_; }  ///< whether all rows are those of the last flip
+  /// The pixels that let light through now. After a torn flip: the upper half of the new mask, the lower half of the old.
+  ConstBitImage visible();
 
-  /// Called just before a flip begins to change rows.
+  /// Called just before a flip starts changing rows.
   std::function<void()> on_change;
 
   // Faults.
   bool never_flips = false;
-  bool tears = false;
-  bool stays = false;
+  bool torn = false;
+  bool stale = false;
   nanoseconds extra{};
 
  private:
@@ -59,7 +59,7 @@ class PanelModel {
   bool black_ = true;
   bool was_black_ = true;
   bool changing_ = false;
-  bool true_ = true;
+  bool matches_mask_ = true;
   Timeline::Due due_;
 };
 

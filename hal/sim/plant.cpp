@@ -7,8 +7,9 @@
 namespace plumbline {
 namespace {
 
-constexpr auto kCoverBound = std::chrono::milliseconds(10);
-constexpr Distance kGentlePress = 20_um;  ///< of the part on the film, which the film takes
+constexpr auto kCoverBound = std::chrono::milliseconds(10);  ///< after which UvLamp promises darkness
+/// The film yields this far. Less would object to rounding by steps, more would miss a plate pressed in by a thin layer.
+constexpr Distance kGentlePress = 20_um;
 
 [[gnu::format(printf, 1, 2)]] std::string text(const char* pattern, ...) {
   std::array<char, 192> line{};
@@ -33,54 +34,54 @@ Plant::Plant(const PlantSettings& settings)
       last_stick_(settings.stick) {
   panel_.on_change = [this] {
     if (!light_) return;
-    object(ObjectionKind::kMaskChangedUnderLight, "");
+    raise(ObjectionKind::kMaskChangedUnderLight, "");
     cure();
   };
-  stage_.on_leg = [this](const StageModel::Leg& leg) { feel(leg); };
+  stage_.on_leg = [this](const StageModel::Leg& leg) { on_leg(leg); };
   for (const Fault& fault : settings.faults) inject(fault);
-  meet_faults(FaultMoment::kBeforeLayer, 0);
+  trigger_faults(FaultMoment::kBeforeLayer, 0);
 }
 
-Status Plant::power() const {
-  if (!powered_) return fail(ErrorCode::kPowerLost, "the power has gone: resume the job when it is back");
+Status Plant::check_power() const {
+  if (!powered_) return fail(ErrorCode::kPowerLost, "the power failed: resume the job when it is back");
   return {};
 }
 
-bool Plant::pass(nanoseconds time) {
+bool Plant::wait(nanoseconds time) {
   return wait_until(now() + time, [] { return false; }).has_value();
 }
 
-void Plant::object(ObjectionKind kind, std::string detail) {
+void Plant::raise(ObjectionKind kind, std::string detail) {
   objections_.push_back({.kind = kind, .at = now(), .z = z(), .layer = layer(), .detail = std::move(detail)});
 }
 
 void Plant::open_cover() {
   if (cover_open_) return;
   cover_open_ = true;
-  tell(EventKind::kCoverOpened);
+  push_event(EventKind::kCoverOpened);
   if (on_cover_opened) on_cover_opened();
   timeline_.at(now() + kCoverBound, [this] {
-    if (light_ && cover_open_) object(ObjectionKind::kLightWithCoverOpen, "still lit 10 ms after it was opened");
+    if (light_ && cover_open_) raise(ObjectionKind::kLightWithCoverOpen, "still lit 10 ms after it opened");
   });
 }
 
 void Plant::close_cover() {
-  if (!cover_open_ || faulty(FaultKind::kCoverSwitchDead)) return;
+  if (!cover_open_ || has_fault(FaultKind::kCoverSwitchDead)) return;
   cover_open_ = false;
-  tell(EventKind::kCoverClosed);
+  push_event(EventKind::kCoverClosed);
 }
 
 void Plant::plug_stick(const std::string& folder) {
   stick_ = folder;
   last_stick_ = folder;
   ++sticks_plugged_;
-  tell(EventKind::kStickArrived);
+  push_event(EventKind::kStickArrived);
 }
 
 void Plant::pull_stick() {
   if (stick_.empty()) return;
   stick_.clear();
-  tell(EventKind::kStickDeparted);
+  push_event(EventKind::kStickDeparted);
 }
 
 void Plant::cut_power() {
@@ -95,7 +96,7 @@ void Plant::cut_power() {
 }
 
 void Plant::restore_power() {
-  // Whatever was due when the power went has come to its end: the lamp is dark, the stage stands.
+  // Let everything that was pending end: the lamp is dark and the stage at rest.
   timeline_.advance_until(now() + std::chrono::seconds(5), [] { return false; });
   powered_ = true;
   supply_ = true;
@@ -104,19 +105,20 @@ void Plant::restore_power() {
   drive_lamp();
 }
 
-void Plant::start_leg(Distance way, Speed speed, StageSwitch until, std::function<void(const LegResult&)> on_rest) {
-  if (light_) object(ObjectionKind::kMotionUnderLight, text("%.3f mm", way.millimetres()));
-  stage_.start(way, speed, settings_.travel.acceleration, until, std::move(on_rest));
+void Plant::start_leg(Distance distance, Speed speed, StageSwitch until,
+                      std::function<void(const LegResult&)> on_rest) {
+  if (light_) raise(ObjectionKind::kMotionUnderLight, text("%.3f mm", distance.millimetres()));
+  stage_.start(distance, speed, settings_.travel.acceleration, until, std::move(on_rest));
 }
 
-void Plant::feel(const StageModel::Leg& leg) {
+void Plant::on_leg(const StageModel::Leg& leg) {
   if (leg.to < -kGentlePress) {
-    object(ObjectionKind::kTravelPastEnd, text("the plate was pressed %.3f mm into the film", -leg.to.millimetres()));
+    raise(ObjectionKind::kTravelPastEnd, text("the plate was pressed %.3f mm into the film", -leg.to.millimetres()));
   } else if (!part_.layers().empty() && leg.to < part_.layers().back().z.above_film() - kGentlePress) {
-    object(ObjectionKind::kTravelPastEnd, text("the part was pressed %.3f mm into the film",
-                                               (part_.layers().back().z - ZPosition(leg.to)).millimetres()));
+    raise(ObjectionKind::kTravelPastEnd, text("the part was pressed %.3f mm into the film",
+                                              (part_.layers().back().z - ZPosition(leg.to)).millimetres()));
   } else if (leg.to >= settings_.stage.upper_end && leg.end == LegEnd::kStalled && leg.until == StageSwitch::kNone) {
-    object(ObjectionKind::kTravelPastEnd, "the carriage ran into its upper end");
+    raise(ObjectionKind::kTravelPastEnd, "the carriage ran into its upper end");
   }
   if (!stuck_at_) return;
   const Distance free = stuck_at_->above_film() + settings_.resin.film_stretch;
@@ -129,7 +131,7 @@ void Plant::feel(const StageModel::Leg& leg) {
 
 void Plant::peel(TimePoint time) {
   if (!stuck_at_ || !stretched_since_) return;
-  const double times = faulty(FaultKind::kResinSticks) ? amount(FaultKind::kResinSticks) : 1;
+  const double times = has_fault(FaultKind::kResinSticks) ? amount(FaultKind::kResinSticks) : 1;
   const auto needed = std::chrono::duration<double>(settings_.resin.time_to_peel(stuck_cm2_)) * times;
   if (time - *stretched_since_ >= needed) stuck_at_.reset();
 }
@@ -151,16 +153,16 @@ void Plant::lamp_supply(bool on) {
 }
 
 void Plant::drive_lamp() {
-  const bool stuck = faulty(FaultKind::kLampStuckOn) || faulty(FaultKind::kLampRunaway);
+  const bool stuck = has_fault(FaultKind::kLampStuckOn) || has_fault(FaultKind::kLampRunaway);
   if (!stuck || !powered_) latched_ = false;
   if (stuck && line_ && powered_) latched_ = true;
-  const bool supplied = supply_ || (latched_ && faulty(FaultKind::kLampRunaway));
-  const bool on = powered_ && supplied && (line_ || latched_) && !died_ && !faulty(FaultKind::kLampDead);
+  const bool supplied = supply_ || (latched_ && has_fault(FaultKind::kLampRunaway));
+  const bool on = powered_ && supplied && (line_ || latched_) && !died_ && !has_fault(FaultKind::kLampDead);
   double level = on ? 1 : 0;
-  if (faulty(FaultKind::kLampWeak)) level *= amount(FaultKind::kLampWeak);
-  if (dimmed_ && faulty(FaultKind::kLampFlickers)) level *= amount(FaultKind::kLampFlickers);
+  if (has_fault(FaultKind::kLampWeak)) level *= amount(FaultKind::kLampWeak);
+  if (dimmed_ && has_fault(FaultKind::kLampFlickers)) level *= amount(FaultKind::kLampFlickers);
   if (level == lamp_.driven()) return;
-  lamp_.set_rise(faulty(FaultKind::kLampSlowRise)
+  lamp_.set_rise(has_fault(FaultKind::kLampSlowRise)
                      ? nanoseconds(static_cast<nanoseconds::rep>(amount(FaultKind::kLampSlowRise) * 1e9))
                      : settings_.lamp_rise);
   lamp_.drive(now(), level);
@@ -170,7 +172,7 @@ void Plant::drive_lamp() {
 }
 
 void Plant::flicker() {
-  if (!light_ || !faulty(FaultKind::kLampFlickers)) return;
+  if (!light_ || !has_fault(FaultKind::kLampFlickers)) return;
   dimmed_ = !dimmed_;
   drive_lamp();
   timeline_.at(now() + std::chrono::milliseconds(20), [this] { flicker(); });
@@ -182,23 +184,23 @@ void Plant::begin_light() {
   lit_layer_ = layer();
   thermals_.set_lit(now(), true);
   if (lit_layer_ > judged_) judge_last_layer(true);
-  if (cover_open_) object(ObjectionKind::kLightWithCoverOpen, "lit while it is open");
-  if (stage_.moving()) object(ObjectionKind::kMotionUnderLight, "lit while the stage moves");
+  if (cover_open_) raise(ObjectionKind::kLightWithCoverOpen, "the lamp was lit while it was open");
+  if (stage_.moving()) raise(ObjectionKind::kMotionUnderLight, "lit while the stage moved");
   if (panel_.changing()) {
-    object(ObjectionKind::kMaskTornUnderLight, "lit before the scan-out was over");
-  } else if (!panel_.true_to_mask()) {
-    object(ObjectionKind::kMaskTornUnderLight, "not all rows are those of the mask that was presented");
+    raise(ObjectionKind::kMaskTornUnderLight, "lit before the scan-out was over");
+  } else if (!panel_.matches_mask()) {
+    raise(ObjectionKind::kMaskTornUnderLight, "not all rows were those of the presented mask");
   } else if (panel_.black()) {
-    object(ObjectionKind::kExposureWithoutMask, "");
+    raise(ObjectionKind::kExposureWithoutMask, "");
   }
   peel(now());
   if (stuck_at_ && (z() - *stuck_at_ > 1_um || *stuck_at_ - z() > 1_um)) {
-    object(ObjectionKind::kLiftSkipped,
-           text("%.1f cm2 stick to the film since %.3f mm", stuck_cm2_, stuck_at_->above_film().millimetres()));
+    raise(ObjectionKind::kLiftSkipped,
+          text("%.1f cm2 still stuck to the film since %.3f mm", stuck_cm2_, stuck_at_->above_film().millimetres()));
   }
-  meet_faults(FaultMoment::kInExposure, lit_layer_);
-  if (faulty(FaultKind::kLampFlickers)) flicker();
-  if (faulty(FaultKind::kLampDies)) {
+  trigger_faults(FaultMoment::kInExposure, lit_layer_);
+  if (has_fault(FaultKind::kLampFlickers)) flicker();
+  if (has_fault(FaultKind::kLampDies)) {
     const auto after = std::chrono::duration<double>(amount(FaultKind::kLampDies));
     timeline_.at(now() + std::chrono::duration_cast<nanoseconds>(after), [this, lit_at = lit_at_] {
       if (!light_ || lit_at != lit_at_) return;
@@ -214,7 +216,7 @@ void Plant::end_light() {
   thermals_.set_lit(now(), false);
   cure();
   asked_ = nanoseconds::zero();
-  for (; uncured_layer_ <= lit_layer_ + 1; ++uncured_layer_) meet_faults(FaultMoment::kBeforeLayer, uncured_layer_);
+  for (; uncured_layer_ <= lit_layer_ + 1; ++uncured_layer_) trigger_faults(FaultMoment::kBeforeLayer, uncured_layer_);
 }
 
 void Plant::cure() {
@@ -222,10 +224,10 @@ void Plant::cure() {
   monitored_ = monitored_ + dose;
   const ZPosition here = z();
   lights_.push_back({.layer = layer(), .z = here, .began = lit_at_, .ended = now(), .asked = asked_, .dose = dose});
-  if (panel_.black() && panel_.true_to_mask() && !panel_.changing()) return;
+  if (panel_.black() && panel_.matches_mask() && !panel_.changing()) return;
   Resin resin = settings_.resin;
-  if (faulty(FaultKind::kResinWeak)) resin.critical = resin.critical * amount(FaultKind::kResinWeak);
-  part_.expose(here, panel_.seen(), lit_at_, now(), dose_of(settings_.lamp.irradiance, asked_), dose, resin);
+  if (has_fault(FaultKind::kResinWeak)) resin.critical = resin.critical * amount(FaultKind::kResinWeak);
+  part_.expose(here, panel_.visible(), lit_at_, now(), dose_of(settings_.lamp.irradiance, asked_), dose, resin);
   const CuredLayer& layer = part_.layers().back();
   if (layer.depth_mm <= 0 || layer.pixels == 0) return;
   stuck_at_ = here;
@@ -238,20 +240,20 @@ void Plant::judge_last_layer(bool whole) {
   if (layers.empty() || judged_ >= layers.size()) return;
   judged_ = static_cast<std::uint32_t>(layers.size());
   const CuredLayer& last = layers.back();
-  const auto object_to = [&](ObjectionKind kind, std::string detail) {
+  const auto raise_for_layer = [&](ObjectionKind kind, std::string detail) {
     objections_.push_back(
         {.kind = kind, .at = last.ended, .z = last.z, .layer = judged_ - 1, .detail = std::move(detail)});
   };
   const double ratio = last.asked.value() > 0 ? last.dose / last.asked : 1;
   if (ratio > 1.01 || (whole && ratio < 0.99)) {
-    object_to(ObjectionKind::kDoseOff,
-              text("%.3f of %.3f mJ/cm2, %+.1f %%", last.dose.value(), last.asked.value(), 100 * (ratio - 1)));
+    raise_for_layer(ObjectionKind::kDoseOff,
+                    text("%.3f of %.3f mJ/cm2, %+.1f %%", last.dose.value(), last.asked.value(), 100 * (ratio - 1)));
   }
   if (!whole || last.pixels == 0) return;
   const ZPosition above = layers.size() > 1 ? layers[layers.size() - 2].z : ZPosition();
   const double gap = (last.z - above).millimetres();
   if (last.depth_mm < gap) {
-    object_to(ObjectionKind::kNotBonded, text("cured %.4f mm deep, the gap is %.4f mm", last.depth_mm, gap));
+    raise_for_layer(ObjectionKind::kNotBonded, text("cured %.4f mm deep, the gap is %.4f mm", last.depth_mm, gap));
   }
 }
 

@@ -1,7 +1,7 @@
 #pragma once
-/// The printer that is simulated: one physical model behind all devices.
+/// The simulated printer: one physical model behind all devices.
 ///
-/// It has two sides. The firmware sees devices (sim_machine.hpp); a test, or whoever plays the user, pulls the wires here.
+/// It has two sides. The firmware sees devices (sim_machine.hpp); tests, or whoever plays the user, act on the plant itself.
 
 #include <deque>
 #include <functional>
@@ -39,29 +39,30 @@ struct PlantSettings {
   nanoseconds lamp_fall{1'000'000};
   Resin resin;
   Celsius room = Celsius(25);
-  std::string stick;  ///< folder that plays the stick; empty: none is plugged in
+  std::string stick;  ///< folder that plays the stick; empty: no stick
   double stick_bytes_per_second = 20e6;
-  nanoseconds compute_per_mask{};  ///< virtual time that each mask takes the firmware, besides Pace::computing
+  nanoseconds
+      compute_per_mask{};  ///< virtual time that the firmware needs for each mask, in addition to Pace::computing
   Pace pace;
   std::vector<Fault> faults;
-  LampWire* lamp_wire = nullptr;  ///< follows the lamp's line; null: none. Outlives the plant
-  bool keep_part = true;          ///< false: part().for_each_layer() is not to be called
+  LampWire* lamp_wire = nullptr;  ///< follows the lamp's line; null: none. Must outlive the plant
+  bool keep_part = true;          ///< needed for part().for_each_layer()
 };
 
-/// One time that there was light.
+/// One period of light.
 struct LightRecord {
   std::uint32_t layer = 0;
   ZPosition z;
   TimePoint began;
   TimePoint ended;
-  nanoseconds asked{};  ///< 0: nobody did
+  nanoseconds asked{};  ///< 0: unrequested
   Dose dose;
 };
 
-/// How a job ended, for the last layer's judgement.
+/// How a job ended, which decides how the last layer is judged.
 enum class JobEnd : std::uint8_t {
-  kFinished,   ///< all layers had to be whole
-  kAbandoned,  ///< the last one may have been cut short
+  kFinished,   ///< all layers must be complete
+  kAbandoned,  ///< the last layer may be underexposed
 };
 
 class Plant {
@@ -79,72 +80,72 @@ class Plant {
   bool cover_open() const { return cover_open_; }
   void plug_stick(const std::string& folder);
   void pull_stick();
-  void press(EventKind button) { tell(button); }
+  void press(EventKind button) { push_event(button); }
   void inject(const Fault& fault);
 
-  // Power. A cut stops everything where it is: from then on each call of each device returns kPowerLost and no time passes in it.
+  // Power. A cut stops everything where it is. From then on every device call returns kPowerLost and takes no time.
   void cut_power();
-  /// Before a new SimMachine is made: as after switching on. What was cured stays, the stage stands where it stood.
+  /// Switches the power on again; then make a new SimMachine. Cured resin and the stage's height are kept.
   void restore_power();
   bool powered() const { return powered_; }
 
-  /// Lets time pass, as for writing a file. @returns powered(): false where the power was cut meanwhile
-  bool pass(nanoseconds time);
+  /// Lets time pass, such as for writing a file. @returns powered(): false if the power was cut meanwhile
+  bool wait(nanoseconds time);
 
-  // What has come of it.
+  // Results.
   std::span<const Objection> objections() const { return objections_; }
   const CuredPart& part() const { return part_; }
   std::span<const LightRecord> lights() const { return lights_; }
-  /// Judges the last layer; once, when the job is over.
+  /// Judges the last layer. Call it once, when the job is over.
   void conclude(JobEnd end);
   bool light() const { return light_; }
 
-  // The wires, for the back end and for tests that play a wrong one.
+  // The wires, for the back end and for tests that play a faulty one.
   Timeline& timeline() { return timeline_; }
   StageModel& stage() { return stage_; }
   PanelModel& panel() { return panel_; }
   ThermalModel& thermals() { return thermals_; }
-  void start_leg(Distance way, Speed speed, StageSwitch until, std::function<void(const LegResult&)> on_rest);
-  /// The dose that the next light is to have; without it none is judged.
+  void start_leg(Distance distance, Speed speed, StageSwitch until, std::function<void(const LegResult&)> on_rest);
+  /// Announces an exposure; only announced light is judged by its dose.
   void expect_light(nanoseconds asked);
   void lamp_line(bool on);
   void lamp_supply(bool on);
   Dose monitored_dose() const { return monitored_; }  ///< since the last expect_light()
   std::deque<Event>& events() { return events_; }
-  void tell(EventKind kind) { events_.push_back({.at = now(), .kind = kind}); }
+  void push_event(EventKind kind) { events_.push_back({.at = now(), .kind = kind}); }
   const std::string& stick() const { return stick_; }  ///< empty: none
   std::uint32_t sticks_plugged() const { return sticks_plugged_; }
   nanoseconds mask_cost() const { return settings_.compute_per_mask + extra_mask_cost_; }
-  bool faulty(FaultKind kind) const { return active_[static_cast<std::size_t>(kind)].has_value(); }
+  bool has_fault(FaultKind kind) const { return active_[static_cast<std::size_t>(kind)].has_value(); }
   double amount(FaultKind kind) const { return active_[static_cast<std::size_t>(kind)].value_or(0); }
 
-  /// Lets time pass until `enough` or the deadline.
+  /// Lets time pass until `enough` returns true or the deadline.
   /// @retval ErrorCode::kPowerLost
   template <class Enough>
   [[nodiscard]] Status wait_until(TimePoint deadline, Enough&& enough) {
     if (powered_) timeline_.advance_until(deadline, [&] { return !powered_ || enough(); });
-    return power();
+    return check_power();
   }
-  [[nodiscard]] Status power() const;
+  [[nodiscard]] Status check_power() const;
 
-  /// What a back end does when the world changes. Set by the SimMachine that runs.
+  /// The running SimMachine sets these to react to the world.
   std::function<void()> on_cover_opened;
   std::function<void()> on_power_lost;
 
  private:
-  void object(ObjectionKind kind, std::string detail);
+  void raise(ObjectionKind kind, std::string detail);
   void drive_lamp();
   void flicker();
   void begin_light();
   void end_light();
   void cure();
   void judge_last_layer(bool whole);
-  void feel(const StageModel::Leg& leg);
-  /// What has been stretched for long enough at `time` has come off the film.
+  void on_leg(const StageModel::Leg& leg);
+  /// Frees the part from the film if it has pulled for long enough at `time`.
   void peel(TimePoint time);
-  void meet_faults(FaultMoment moment, std::uint32_t layer);
-  void begin(const Fault& fault);
-  void end(FaultKind kind);
+  void trigger_faults(FaultMoment moment, std::uint32_t layer);
+  void activate(const Fault& fault);
+  void deactivate(FaultKind kind);
   void apply(FaultKind kind, bool active, double amount);
   void apply_to_temperatures(FaultKind kind, bool active, double amount);
   std::uint32_t layer() const { return part_.layer_at(z()); }
@@ -169,7 +170,7 @@ class Plant {
   // The lamp.
   bool line_ = false;
   bool supply_ = true;
-  bool latched_ = false;  ///< lit once since it is stuck
+  bool latched_ = false;  ///< stuck on: it was lit since the fault began
   bool died_ = false;
   bool dimmed_ = false;
   bool light_ = false;
@@ -177,7 +178,7 @@ class Plant {
   Dose monitored_;
   TimePoint lit_at_;
   std::uint32_t lit_layer_ = 0;
-  std::uint32_t uncured_layer_ = 1;  ///< the next layer whose kBeforeLayer faults have not been met
+  std::uint32_t uncured_layer_ = 1;  ///< the next layer whose kBeforeLayer faults are still to come
   Timeline::Due dark_due_;
 
   // The film.

@@ -11,40 +11,40 @@ void Plant::inject(const Fault& fault) {
   if (fault.layer) {
     waiting_.push_back(fault);
   } else {
-    timeline_.at(TimePoint(fault.delay), [this, fault] { begin(fault); });
+    timeline_.at(TimePoint(fault.delay), [this, fault] { activate(fault); });
   }
 }
 
-void Plant::meet_faults(FaultMoment moment, std::uint32_t layer) {
+void Plant::trigger_faults(FaultMoment moment, std::uint32_t layer) {
   const auto met = [&](const Fault& fault) {
     if (fault.layer != layer || row_of(fault.kind).moment != moment) return false;
     if (fault.delay == nanoseconds::zero() && moment == FaultMoment::kBeforeLayer) {
-      begin(fault);
+      activate(fault);
     } else {
-      timeline_.at(now() + fault.delay, [this, fault] { begin(fault); });
+      timeline_.at(now() + fault.delay, [this, fault] { activate(fault); });
     }
     return true;
   };
   std::erase_if(waiting_, met);
 }
 
-void Plant::begin(const Fault& fault) {
+void Plant::activate(const Fault& fault) {
   active_[static_cast<std::size_t>(fault.kind)] = fault.amount;
   apply(fault.kind, true, fault.amount);
-  if (fault.lasts) timeline_.at(now() + *fault.lasts, [this, kind = fault.kind] { end(kind); });
+  if (fault.lasts) timeline_.at(now() + *fault.lasts, [this, kind = fault.kind] { deactivate(kind); });
 }
 
-void Plant::end(FaultKind kind) {
+void Plant::deactivate(FaultKind kind) {
   active_[static_cast<std::size_t>(kind)].reset();
   apply(kind, false, 0);
 }
 
-// What a model must be told. The other faults are asked for where they matter, with faulty().
+// Passes on the faults that a model must know. The other faults are checked with has_fault() where they matter.
 void Plant::apply(FaultKind kind, bool active, double amount) {
   switch (kind) {
     case FaultKind::kPanelFlipTimeout: panel_.never_flips = active; break;
-    case FaultKind::kPanelTorn: panel_.tears = active; break;
-    case FaultKind::kPanelStale: panel_.stays = active; break;
+    case FaultKind::kPanelTorn: panel_.torn = active; break;
+    case FaultKind::kPanelStale: panel_.stale = active; break;
     case FaultKind::kPanelSlow: panel_.extra = time_of(amount); break;
     case FaultKind::kStageEndStopStuck: stage_.end_stop_stuck = active; break;
     case FaultKind::kStageEndStopDead: stage_.end_stop_dead = active; break;
@@ -64,7 +64,7 @@ void Plant::apply(FaultKind kind, bool active, double amount) {
       if (active) press(EventKind::kCancelPressed);
       break;
     case FaultKind::kSystemShutdown:
-      if (active) tell(EventKind::kShutdownRequested);
+      if (active) push_event(EventKind::kShutdownRequested);
       break;
     case FaultKind::kPowerCut:
       if (active) cut_power();

@@ -1,5 +1,5 @@
 #pragma once
-/// Resin: how deep it cures, how long it sticks.
+/// Resin: how deep it cures and how long it sticks to the film.
 
 #include <chrono>
 
@@ -8,13 +8,13 @@
 
 namespace plumbline {
 
-/// A resin of the usual kind for 405 nm LCD printers; the figures are of their order, not of one product.
+/// A typical resin for 405 nm LCD printers. The figures are of the usual order of magnitude, not of one product.
 struct Resin {
-  Dose critical = Dose(2.4);           ///< Ec: less does not gel
-  double penetration_mm = 0.11;        ///< Dp: where the light has fallen to 1/e
-  Distance film_stretch = 1_mm;        ///< the film follows the part that far before it comes off
-  nanoseconds peel_time{200'000'000};  ///< that a small area takes to come off
-  double peel_s_per_cm2 = 0.03;        ///< and what a larger one takes more
+  Dose critical = Dose(2.4);           ///< Ec: a lower dose does not gel
+  double penetration_mm = 0.11;        ///< Dp: depth at which the light has fallen to 1/e
+  Distance film_stretch = 1_mm;        ///< how far the film follows the part before it comes off
+  nanoseconds peel_time{200'000'000};  ///< until a small area comes off
+  double peel_s_per_cm2 = 0.03;        ///< additional time for larger areas
 
   /// Working curve: Cd = Dp ln(E / Ec), 0 where E <= Ec  (P. F. Jacobs, Rapid Prototyping & Manufacturing, 1992, ch. 4).
   /// @returns mm

@@ -4,7 +4,7 @@
 
 namespace plumbline {
 
-/// Stands at the top of each call of a simulated device: the time since the last one, the firmware has computed.
+/// First object in each call of a simulated device. The time since the last call counts as the firmware's computing.
 class SimCall {
  public:
   explicit SimCall(Plant& plant) : timeline_(plant.timeline()) { timeline_.enter_call(); }

@@ -73,7 +73,7 @@ SimMachine::SimMachine(Plant& plant)
     lamp_.power_lost();
   };
   if (!plant_.powered()) interlock_.lose_power();
-  plant_.events().clear();  // a new run hears of what happens from now on
+  plant_.events().clear();  // a new run starts without old events
 }
 
 SimMachine::~SimMachine() {

@@ -1,5 +1,5 @@
 #pragma once
-/// The devices that the firmware sees of a plant.
+/// The devices of a plant, as the firmware sees them.
 
 #include <array>
 
@@ -62,8 +62,8 @@ class SimThermals final : public Thermals {
   Plant& plant_;
 };
 
-/// One run of the firmware on a plant, from switching on to switching off. One at a time; after a power cut a new one, once the
-/// plant's power is restored. When it ends, the keeper turns the lamp off and the stage stands, as when a process is killed.
+/// One run of the firmware on a plant, from switching on to switching off. Only one at a time; after a power cut, restore the plant's
+/// power and make a new one. Its destructor acts like a killed process: the keeper turns the lamp off and the stage stops.
 class SimMachine {
  public:
   /// @param plant  must outlive it

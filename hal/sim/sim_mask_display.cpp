@@ -11,7 +11,7 @@ SimMaskDisplay::SimMaskDisplay(Plant& plant, Interlock& interlock)
 
 Expected<BitImage> SimMaskDisplay::do_lend() {
   const SimCall call(plant_);
-  // Drawing it takes the firmware that much, whatever the host needs for it.
+  // The virtual cost of drawing the mask, whatever the host needs.
   if (plant_.mask_cost() > nanoseconds::zero()) {
     PLUMBLINE_TRY(plant_.wait_until(plant_.now() + plant_.mask_cost(), [] { return false; }));
   }
@@ -20,14 +20,14 @@ Expected<BitImage> SimMaskDisplay::do_lend() {
 
 Status SimMaskDisplay::show(bool black) {
   const SimCall call(plant_);
-  if (plant_.faulty(FaultKind::kPanelDead)) {
+  if (plant_.has_fault(FaultKind::kPanelDead)) {
     return fail(ErrorCode::kPanelFailed, "the panel does not answer: check its cable");
   }
-  // Outlives this call: a panel that is too slow answers after it.
+  // Shared, because a slow panel settles after this call.
   const auto settled = std::make_shared<bool>(false);
   plant_.panel().flip(black, [settled] { *settled = true; });
   PLUMBLINE_TRY(plant_.wait_until(plant_.now() + plant_.settings().panel.flip_timeout, [&] { return *settled; }));
-  if (!*settled) return fail(ErrorCode::kFlipTimeout, "the panel did not take the mask in time: check its cable");
+  if (!*settled) return fail(ErrorCode::kFlipTimeout, "the panel did not show the mask in time: check its cable");
   return {};
 }
 

@@ -12,7 +12,7 @@ class SimMaskDisplay final : public MaskDisplay {
 
  private:
   Expected<BitImage> do_lend() override;
-  void do_give_back() override {}
+  void do_release() override {}
   Status do_present() override { return show(false); }
   Status do_blank() override { return show(true); }
   Status show(bool black);

@@ -11,17 +11,17 @@
 namespace plumbline {
 namespace {
 
-tl::unexpected<Error> none() { return fail(ErrorCode::kNoStick, "there is no stick: plug one in"); }
+tl::unexpected<Error> none() { return fail(ErrorCode::kNoStick, "no stick: plug one in"); }
 
 }  // namespace
 
-bool SimStickPort::do_present() const {
+bool SimStickPort::do_has_stick() const {
   const SimCall call(plant_);
   return !plant_.stick().empty();
 }
 
 Expected<StickIdentity> SimStickPort::do_identity() const {
-  if (!do_present()) return none();
+  if (!do_has_stick()) return none();
   StickIdentity identity{.vendor_id = 0x1209, .product_id = 0x0001, .maker = {}, .product = {}, .serial = {}};
   std::copy_n("plumbline", 9, identity.maker.begin());
   std::copy_n("simulated stick", 15, identity.product.begin());
@@ -32,9 +32,9 @@ Expected<StickIdentity> SimStickPort::do_identity() const {
 }
 
 Status SimStickPort::do_mount(std::span<char> path) {
-  if (!do_present()) return none();
+  if (!do_has_stick()) return none();
   const auto& folder = plant_.stick();
-  if (plant_.faulty(FaultKind::kStickMountFails) || folder.size() >= path.size()) {
+  if (plant_.has_fault(FaultKind::kStickMountFails) || folder.size() >= path.size()) {
     return fail(ErrorCode::kMountFailed, "the stick's file system can't be read: format it as FAT32 or exFAT");
   }
   *std::copy(folder.begin(), folder.end(), path.begin()) = '\0';
@@ -43,25 +43,25 @@ Status SimStickPort::do_mount(std::span<char> path) {
 }
 
 Status SimStickPort::do_check_mounted() const {
-  if (do_present() && mounted_stick_ == plant_.sticks_plugged()) return {};
+  if (do_has_stick() && mounted_stick_ == plant_.sticks_plugged()) return {};
   return fail(ErrorCode::kStickGone, "the stick was pulled: plug it in and start again");
 }
 
 Expected<std::size_t> SimStickPort::do_read(int file, std::span<std::byte> buffer) {
   const SimCall call(plant_);
   PLUMBLINE_TRY(do_check_mounted());
-  // As much as a stick gives in one go: a pull meets the middle of a file, not only its end.
+  // Small reads, so that a pull can also hit the middle of a file.
   buffer = buffer.first(std::min<std::size_t>(buffer.size(), 65536));
   const auto got = ::read(file, buffer.data(), buffer.size());
   if (got < 0) return fail(ErrorCode::kCannotRead, "%s", std::strerror(errno));
-  const double slower = plant_.faulty(FaultKind::kStickSlow) ? plant_.amount(FaultKind::kStickSlow) : 1;
+  const double slower = plant_.has_fault(FaultKind::kStickSlow) ? plant_.amount(FaultKind::kStickSlow) : 1;
   const std::chrono::duration<double> takes(static_cast<double>(got) /
                                             (plant_.settings().stick_bytes_per_second * slower));
   PLUMBLINE_TRY(plant_.wait_until(plant_.now() + std::chrono::duration_cast<nanoseconds>(takes),
                                   [this] { return !do_check_mounted(); }));
   PLUMBLINE_TRY(do_check_mounted());
-  if (plant_.faulty(FaultKind::kStickBadSector)) {
-    return fail(ErrorCode::kCannotRead, "the stick has bad sectors: copy the scan to another one");
+  if (plant_.has_fault(FaultKind::kStickBadSector)) {
+    return fail(ErrorCode::kCannotRead, "the stick has bad sectors: copy the scan to another stick");
   }
   return static_cast<std::size_t>(got);
 }

@@ -11,7 +11,7 @@ class SimStickPort final : public StickPort {
   SimStickPort(Plant& plant, Interlock& interlock) : StickPort(interlock), plant_(plant) {}
 
  private:
-  bool do_present() const override;
+  bool do_has_stick() const override;
   Expected<StickIdentity> do_identity() const override;
   Status do_mount(std::span<char> path) override;
   void do_unmount() override {}
@@ -19,7 +19,7 @@ class SimStickPort final : public StickPort {
   Status do_check_mounted() const override;
 
   Plant& plant_;
-  std::uint32_t mounted_stick_ = 0;  ///< the count of sticks when it was mounted
+  std::uint32_t mounted_stick_ = 0;  ///< Plant::sticks_plugged() when it was mounted
 };
 
 }  // namespace plumbline

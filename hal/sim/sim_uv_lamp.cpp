@@ -16,12 +16,12 @@ Expected<TimePoint> SimUvLamp::do_begin(nanoseconds cure) {
   const SimCall call(plant_);
   if (supply_cut_) {
     return fail(ErrorCode::kLampFailed,
-                "the lamp's supply was cut because it would not go dark: have the lamp repaired");
+                "the lamp's supply was cut because the lamp would not go off: have the lamp repaired");
   }
   LampWire* const wire = plant_.settings().lamp_wire;
-  if (plant_.faulty(FaultKind::kLampUnarmed) || (wire != nullptr && !wire->light(cure))) {
+  if (plant_.has_fault(FaultKind::kLampUnarmed) || (wire != nullptr && !wire->light(cure))) {
     return fail(ErrorCode::kLampFailed,
-                "the lamp's keeper does not answer, so the lamp was not lit: restart the printer");
+                "the lamp's keeper does not answer, so nothing was lit: switch the printer off and on");
   }
   deadline_ = plant_.timeline().at(plant_.now() + cure, [this] { off(ExposureEnd::kTimeUp); });
   report_ = {.began_at = plant_.now(),
@@ -42,10 +42,10 @@ void SimUvLamp::off(ExposureEnd end) {
   report_.end = end;
   report_.lit = plant_.now() - report_.began_at;
   plant_.timeline().cancel(deadline_);
-  if (LampWire* const wire = plant_.settings().lamp_wire) wire->darken();
+  if (LampWire* const wire = plant_.settings().lamp_wire) wire->turn_off();
   if (!plant_.powered()) return;
   plant_.lamp_line(false);
-  plant_.tell(EventKind::kExposureEnded);
+  plant_.push_event(EventKind::kExposureEnded);
   watch_ = plant_.timeline().at(plant_.now() + kStuckAfter, [this] {
     if (!plant_.light() || on_) return;
     supply_cut_ = true;
@@ -63,7 +63,7 @@ bool SimUvLamp::do_over() const {
   return !on_;
 }
 
-void SimUvLamp::do_darken() noexcept {
+void SimUvLamp::do_turn_off() noexcept {
   const SimCall call(plant_);
   off(ExposureEnd::kStopped);
 }
@@ -77,16 +77,15 @@ Expected<ExposureReport> SimUvLamp::do_report() {
   const SimCall call(plant_);
   PLUMBLINE_TRY(plant_.wait_until(plant_.now() + 3 * kStuckAfter, [this] { return !plant_.light(); }));
   if (plant_.light()) {
-    return fail(ErrorCode::kLampStuckOn,
-                "the lamp does not go dark, nor with its supply cut: pull the plug of the printer");
+    return fail(ErrorCode::kLampStuckOn, "the lamp stays on even with its supply cut: pull the printer's plug");
   }
   if (supply_cut_) {
-    return fail(ErrorCode::kLampStuckOn, "the lamp did not go dark until its supply was cut: have the lamp repaired");
+    return fail(ErrorCode::kLampStuckOn, "the lamp went off only when its supply was cut: have the lamp repaired");
   }
   report_.dose = plant_.monitored_dose();
-  // What a monitor takes for light at all.
+  // Less than 1 % of the expected dose counts as no light.
   if (report_.dose.value() < 0.01 * dose_of(limits().irradiance, report_.lit).value()) {
-    return fail(ErrorCode::kLampDead, "the lamp gave no light: check lamp and fuse");
+    return fail(ErrorCode::kLampDead, "the lamp gave no light: check the lamp and its fuse");
   }
   return report_;
 }

@@ -5,15 +5,16 @@
 
 namespace plumbline {
 
-/// The plant's lamp, with the keeper that a board has in a process of its own: it ends every exposure, watches the cover, and cuts
-/// the lamp's supply when there is light without its line.
+/// The plant's lamp, with the keeper that is a separate process on a board. The keeper ends every exposure, watches the cover, and
+/// cuts the lamp's supply if there is light while the line is off.
 class SimUvLamp final : public UvLamp {
  public:
-  static constexpr auto kCoverReaction = std::chrono::milliseconds(2);
-  static constexpr auto kStuckAfter = std::chrono::milliseconds(10);  ///< light without the line
+  static constexpr auto kCoverReaction = std::chrono::milliseconds(2);  ///< any value below the promised 10 ms
+  /// Light this long after the line went off means that the lamp is stuck: well above lamp_fall, 1 ms.
+  static constexpr auto kStuckAfter = std::chrono::milliseconds(10);
 
   SimUvLamp(Plant& plant, Interlock& interlock, Clock& clock);
-  /// The keeper sees that the firmware is gone.
+  /// Turns the lamp off, as the keeper does when the firmware is gone.
   ~SimUvLamp() override;
 
   void cover_opened();
@@ -22,7 +23,7 @@ class SimUvLamp final : public UvLamp {
  private:
   Expected<TimePoint> do_begin(nanoseconds cure) override;
   bool do_over() const override;
-  void do_darken() noexcept override;
+  void do_turn_off() noexcept override;
   bool do_lit() const override;
   Expected<ExposureReport> do_report() override;
   void off(ExposureEnd end);

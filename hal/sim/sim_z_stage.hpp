@@ -5,14 +5,14 @@
 
 namespace plumbline {
 
-/// The plant's stage: counts steps, and finds its end stop.
+/// The plant's stage. Counts steps and homes at its end stop.
 class SimZStage final : public ZStage {
  public:
   SimZStage(Plant& plant, Interlock& interlock);
   ~SimZStage() override;
 
  private:
-  /// The legs of homing, in order.
+  /// A move, and the legs of homing in order.
   enum class Phase : std::uint8_t { kMove, kRelease, kApproach, kBackOff, kFind, kReturn };
 
   bool do_homed() const override;
@@ -25,11 +25,11 @@ class SimZStage final : public ZStage {
   Status do_stop() override;
   Expected<MotionReport> do_finish() override;
 
-  void start(Phase phase, Distance way, Speed speed, StageSwitch until);
+  void start(Phase phase, Distance distance, Speed speed, StageSwitch until);
   void on_rest(const LegResult& leg);
-  void home_further(const LegResult& leg);
-  void found(const LegResult& leg);
-  void rest(bool arrived, ErrorCode problem, const char* message);
+  void continue_homing(const LegResult& leg);
+  void on_end_stop_found(const LegResult& leg);
+  void finish_motion(bool arrived, ErrorCode problem, const char* message);
 
   Plant& plant_;
   Phase phase_ = Phase::kMove;
@@ -37,7 +37,7 @@ class SimZStage final : public ZStage {
   bool stopping_ = false;
   bool homed_ = false;
   bool was_homed_ = false;  ///< before the homing that runs
-  ZPosition at_;            ///< by the steps counted, at rest
+  ZPosition position_;      ///< at rest, by counted steps
   TimePoint ends_by_;
   MotionReport report_;
   bool failed_ = false;

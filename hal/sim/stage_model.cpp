@@ -11,7 +11,7 @@ TimePoint after(TimePoint start, Ramp::Seconds time) {
   return start + nanoseconds(static_cast<nanoseconds::rep>(std::ceil(time.count() * 1e9)));
 }
 
-Distance magnitude(Distance way) { return way < Distance() ? -way : way; }
+Distance magnitude(Distance distance) { return distance < Distance() ? -distance : distance; }
 
 }  // namespace
 
@@ -19,15 +19,15 @@ TimePoint StageModel::Leg::passes(Distance height) const {
   return after(began, ramp.time_at_mm(magnitude(height - from).millimetres()));
 }
 
-Distance StageModel::rounded(Distance way) const {
+Distance StageModel::rounded(Distance distance) const {
   const auto step = build_.step.nanometres();
-  const auto half = way < Distance() ? -step / 2 : step / 2;
-  return Distance::nanometres((way.nanometres() + half) / step * step);
+  const auto half = distance < Distance() ? -step / 2 : step / 2;
+  return Distance::nanometres((distance.nanometres() + half) / step * step);
 }
 
-Distance StageModel::stepped(double way_mm) const {
-  const Distance way = rounded(Distance::millimetres(way_mm));
-  return up_ ? way : -way;
+Distance StageModel::stepped(double distance_mm) const {
+  const Distance distance = rounded(Distance::millimetres(distance_mm));
+  return up_ ? distance : -distance;
 }
 
 Distance StageModel::moved() const {
@@ -43,12 +43,12 @@ bool StageModel::end_stop_pressed() const {
   return !end_stop_dead && height() >= build_.end_stop;
 }
 
-void StageModel::start(Distance way, Speed speed, Acceleration acceleration, StageSwitch until,
+void StageModel::start(Distance distance, Speed speed, Acceleration acceleration, StageSwitch until,
                        std::function<void(const LegResult&)> on_rest) {
   assert(!moving_);
-  way_ = rounded(way);
-  up_ = way_ > Distance();
-  ramp_ = Ramp(magnitude(way_), speed, acceleration);
+  distance_ = rounded(distance);
+  up_ = distance_ > Distance();
+  ramp_ = Ramp(magnitude(distance_), speed, acceleration);
   until_ = until;
   on_rest_ = std::move(on_rest);
   began_ = timeline_.now();
@@ -58,22 +58,22 @@ void StageModel::start(Distance way, Speed speed, Acceleration acceleration, Sta
   schedule();
 }
 
-// The next thing that happens to the leg: it is blocked, its switch comes, or it is over.
+// Schedules the leg's next event: a stall, an edge of the end stop, or its end.
 void StageModel::schedule() {
   timeline_.cancel(due_);
   TimePoint when = after(began_, ramp_.duration());
-  auto what = [this] { end(edge_ ? LegEnd::kSwitched : stopped_ ? LegEnd::kStopped : LegEnd::kWholeWay); };
+  auto what = [this] { end(edge_ ? LegEnd::kSwitched : stopped_ ? LegEnd::kStopped : LegEnd::kComplete); };
   due_ = timeline_.at(when, what);
-  const auto sooner = [&](double way_mm, auto&& happens) {
-    if (way_mm > ramp_.length_mm()) return;
-    const TimePoint then = after(began_, ramp_.time_at_mm(std::max(0.0, way_mm)));
+  const auto sooner = [&](double distance_mm, auto&& happens) {
+    if (distance_mm > ramp_.length_mm()) return;
+    const TimePoint then = after(began_, ramp_.time_at_mm(std::max(0.0, distance_mm)));
     if (then >= when) return;
     timeline_.cancel(due_);
     due_ = timeline_.at(then, happens);
     when = then;
   };
   if (stalls_at <= 1) {
-    sooner(stalls_at * magnitude(way_).millimetres(), [this] {
+    sooner(stalls_at * magnitude(distance_).millimetres(), [this] {
       stalls_at = 2;
       end(LegEnd::kStalled);
     });
@@ -110,12 +110,13 @@ void StageModel::cut() {
 
 void StageModel::end(LegEnd how) {
   timeline_.cancel(due_);
-  const Distance way = how == LegEnd::kWholeWay ? way_ : moved();
-  const LegResult result{.end = how, .moved = way, .switched = edge_ ? switched_ : way, .at = timeline_.now()};
+  const Distance distance = how == LegEnd::kComplete ? distance_ : moved();
+  const LegResult result{
+      .end = how, .moved = distance, .switched = edge_ ? switched_ : distance, .at = timeline_.now()};
   const Distance from = height_;
   moving_ = false;
-  height_ = height_ + way;
-  if (how == LegEnd::kWholeWay && skips != Distance()) height_ = height_ - std::exchange(skips, Distance());
+  height_ = height_ + distance;
+  if (how == LegEnd::kComplete && skips != Distance()) height_ = height_ - std::exchange(skips, Distance());
   if (on_leg) on_leg(Leg{.began = began_, .from = from, .to = height_, .ramp = ramp_, .until = until_, .end = how});
   if (on_rest_) {
     const auto on_rest = std::exchange(on_rest_, nullptr);

@@ -1,5 +1,5 @@
 #pragma once
-/// The stage's mechanics: a motor that moves a carriage along a screw between the film and an upper end.
+/// The stage's mechanics: a motor moves a carriage on a screw between the film and the frame's upper end.
 
 #include <cstdint>
 #include <functional>
@@ -9,7 +9,7 @@
 
 namespace plumbline {
 
-/// What ends a leg before its whole way.
+/// What ends a leg early.
 enum class StageSwitch : std::uint8_t {
   kNone,
   kPressed,   ///< the end stop's edge to pressed
@@ -17,17 +17,17 @@ enum class StageSwitch : std::uint8_t {
 };
 
 enum class LegEnd : std::uint8_t {
-  kWholeWay,
-  kSwitched,  ///< the end stop came; the carriage stands a braking distance behind
+  kComplete,
+  kSwitched,  ///< the end stop switched; the carriage stopped one braking distance later
   kStopped,   ///< by stop()
-  kStalled,   ///< blocked, at once, and steps are lost
+  kStalled,   ///< blocked: it stopped at once and lost steps
 };
 
 /// One ramp from rest to rest.
 struct LegResult {
-  LegEnd end = LegEnd::kWholeWay;
-  Distance moved;     ///< as the motor was stepped, up is positive
-  Distance switched;  ///< of it, until the end stop's edge
+  LegEnd end = LegEnd::kComplete;
+  Distance moved;     ///< by motor steps, up is positive
+  Distance switched;  ///< the part of `moved` before the end stop's edge
   TimePoint at;
 };
 
@@ -36,51 +36,51 @@ class StageModel {
   struct Build {
     Distance step = Distance::nanometres(1250);  ///< of the motor
     Distance start = 60_mm;                      ///< height of the plate when the plant begins
-    Distance end_stop = 172_mm;                  ///< height at which the switch is pressed
+    Distance end_stop = 172_mm;                  ///< height at which the end stop closes
     Distance upper_end = 175_mm;                 ///< where the carriage meets the frame
   };
-  /// Heights that a leg passes, for what the part and the film feel.
+  /// A finished leg, for its effect on part and film.
   struct Leg {
     TimePoint began;
     Distance from;  ///< true height
     Distance to;    ///< true height where it ended
     Ramp ramp;
     StageSwitch until = StageSwitch::kNone;
-    LegEnd end = LegEnd::kWholeWay;
-    TimePoint passes(Distance height) const;  ///< where `height` is between from and to
+    LegEnd end = LegEnd::kComplete;
+    TimePoint passes(Distance height) const;  ///< when it passes a height between from and to
   };
 
   StageModel(Timeline& timeline, const Build& build) : timeline_(timeline), build_(build), height_(build.start) {}
 
-  /// @param way      whole steps, up is positive
-  /// @param on_rest  hears how the leg went
-  void start(Distance way, Speed speed, Acceleration acceleration, StageSwitch until,
+  /// @param distance  rounded to whole steps, up is positive
+  /// @param on_rest   called with the result
+  void start(Distance distance, Speed speed, Acceleration acceleration, StageSwitch until,
              std::function<void(const LegResult&)> on_rest);
-  /// Slows down. No effect at rest.
+  /// Brakes. No effect at rest.
   void stop();
-  /// The motor has lost its power: stands at once.
+  /// Cuts the motor's power: the stage stops at once.
   void cut();
 
   bool moving() const { return moving_; }
-  Distance height() const;               ///< true height of the plate, at any time
-  Distance moved() const;                ///< by the leg that runs, as stepped
-  TimePoint ends_at() const;             ///< of the leg that runs
-  bool end_stop_pressed() const;         ///< as the switch says
-  Distance rounded(Distance way) const;  ///< to whole steps
+  Distance height() const;                    ///< true height of the plate, also while it moves
+  Distance moved() const;                     ///< by the running leg, in motor steps
+  TimePoint ends_at() const;                  ///< of the running leg
+  bool end_stop_pressed() const;              ///< as the switch says
+  Distance rounded(Distance distance) const;  ///< to whole steps
 
-  /// Hears of each leg when it is over.
+  /// Called after each leg.
   std::function<void(const Leg&)> on_leg;
 
   // Faults.
   bool end_stop_stuck = false;
   bool end_stop_dead = false;
-  Distance skips;        ///< the next leg that goes its way ends that much too low
-  double stalls_at = 2;  ///< of the next leg's way; above 1: it does not
+  Distance skips;        ///< the next complete leg ends this much too low
+  double stalls_at = 2;  ///< share of the next leg at which it stalls; above 1: never
 
  private:
   void schedule();
   void end(LegEnd how);
-  Distance stepped(double way_mm) const;
+  Distance stepped(double distance_mm) const;
 
   Timeline& timeline_;
   Build build_;
@@ -90,7 +90,7 @@ class StageModel {
   bool stopped_ = false;
   StageSwitch until_ = StageSwitch::kNone;
   Ramp ramp_;
-  Distance way_;       ///< asked for
+  Distance distance_;  ///< asked for
   Distance switched_;  ///< at the edge
   bool edge_ = false;
   TimePoint began_;

@@ -13,7 +13,7 @@ std::size_t index(Fan fan) { return static_cast<std::size_t>(fan); }
 bool ThermalModel::lamp_cooled() const { return duty_[index(Fan::kLamp)] > 0 && !stalled_[index(Fan::kLamp)]; }
 
 double ThermalModel::lamp_at(TimePoint now) const {
-  const double goal = room_.value() + (!lit_ ? 0 : lamp_cooled() ? 25 : 60);
+  const double goal = room_.value() + (!lit_ ? 0 : lamp_cooled() ? 25 : 60);  // see ThermalModel
   const double time = std::chrono::duration<double>(now - mark_).count();
   return goal + (lamp_ - goal) * std::exp(-time / 90);
 }
@@ -49,7 +49,7 @@ Celsius ThermalModel::temperature(TimePoint now, TemperatureSite site) const {
 }
 
 FanHealth ThermalModel::fan_health(Fan fan) const {
-  return duty_[index(fan)] > 0 && stalled_[index(fan)] ? FanHealth::kStalled : FanHealth::kAsAsked;
+  return duty_[index(fan)] > 0 && stalled_[index(fan)] ? FanHealth::kStalled : FanHealth::kOk;
 }
 
 }  // namespace plumbline

@@ -1,5 +1,5 @@
 #pragma once
-/// Temperatures: the lamp warms while it is lit and its fan cools it, the rest keeps its own.
+/// Temperatures: the lamp warms while it is lit, its fan cools it, and everything else stays constant.
 
 #include <array>
 #include <optional>
@@ -9,8 +9,8 @@
 
 namespace plumbline {
 
-/// First-order: the lamp goes towards room + 25 degrees when lit with its fan, + 60 without, room when dark, each with a time
-/// constant of 90 s.
+/// First order: the lamp approaches room temperature when off, 25 degrees above when lit with its fan, 60 without, with a time
+/// constant of 90 s. Plausible figures, not measured ones: with its fan the lamp stays below lamp_max_c of board/sim2k.toml, without it does not.
 class ThermalModel {
  public:
   explicit ThermalModel(Celsius room) : room_(room), lamp_(room.value()) {}

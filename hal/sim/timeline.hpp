@@ -1,5 +1,5 @@
 #pragma once
-/// Virtual time: what is due happens in order, and nothing waits unless a pace was asked for.
+/// Virtual time: due actions run in order, without waiting unless a pace is set.
 
 #include <chrono>
 #include <cstdint>
@@ -11,31 +11,30 @@
 
 namespace plumbline {
 
-/// How virtual time goes with the host's.
+/// How virtual time relates to the host's.
 struct Pace {
-  /// Virtual seconds a host second: 1 is real time, 10 ten times as fast. 0: as fast as the host can.
+  /// Virtual seconds per host second: 1 is real time, 10 is ten times as fast. 0: as fast as the host can.
   double speedup = 0;
-  /// Virtual seconds that pass while the firmware computes for a host second. 0: computing takes no time, and a run is
-  /// the same every time. 1: as slow as this host; 20: as a board a twentieth as fast.
+  /// Virtual seconds per host second that the firmware computes. 0: computing takes no time and every run is the same; 1: as fast as
+  /// this host; 20: as slow as a board a twentieth as fast.
   double computing = 0;
 };
 
 class Timeline {
  public:
   using Action = std::function<void()>;
-  /// Names something that is due. Default-constructed: nothing.
+  /// Identifies a scheduled action. Default-constructed: none.
   using Due = std::pair<TimePoint, std::uint64_t>;
 
   explicit Timeline(const Pace& pace) : pace_(pace) {}
 
   TimePoint now() const { return now_; }
 
-  /// `action` happens at `time`, or now where that has passed; what is due at the same time happens in the order asked for.
+  /// Schedules `action` at `time`, or now if that has passed. Actions due at the same time run in the order of scheduling.
   Due at(TimePoint time, Action action);
   void cancel(const Due& due) { due_.erase(due); }
 
-  /// Lets time pass until `time`, or until `enough` says so, which is asked after everything that happened.
-  /// Not to be called by an action.
+  /// Lets time pass until `time`, or until `enough` returns true; it is checked after each action. Actions must not call this.
   template <class Enough>
   void advance_until(TimePoint time, Enough&& enough) {
     while (!enough()) {
@@ -43,14 +42,14 @@ class Timeline {
     }
   }
 
-  /// Begin and end of a call of the firmware's: between an end and the next begin it computed.
+  /// Begin and end of a device call. Between a call's end and the next begin the firmware computes.
   void enter_call();
   void leave_call();
 
  private:
   using HostClock = std::chrono::steady_clock;
 
-  /// Lets the next thing happen that is due until `time`. @returns false: there was none, and it is `time` now
+  /// Runs the next action due until `time`. @returns false if there was none; then it is `time` now
   bool step(TimePoint time);
   void set_now(TimePoint time);
 

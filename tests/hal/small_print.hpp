@@ -20,7 +20,7 @@ struct SmallPrint {
 
 /// Homes, then prints. Whoever's cover is opened ends the print.
 inline Status print_layers(const Machine& machine, const SmallPrint& print) {
-  const auto go_on = [](const Event&) { return Waiting::kGoOn; };
+  const auto go_on = [](const Event&) { return Waiting::kContinue; };
   PLUMBLINE_TRY(machine.stage.home());
   for (std::uint32_t k = 0; k < print.layers; ++k) {
     auto mask = machine.mask.lend();

@@ -42,11 +42,11 @@ class StickContract : public Contract {
 
 TEST_P(StickContract, ArrivesIsMountedReadAndLeaves) {
   StickPort& port = rig_->machine().stick;
-  EXPECT_FALSE(port.present());
+  EXPECT_FALSE(port.has_stick());
   EXPECT_TRUE(failed_with(port.identity(), ErrorCode::kNoStick));
   EXPECT_TRUE(failed_with(port.mount(), ErrorCode::kNoStick));
   plug();
-  EXPECT_TRUE(port.present());
+  EXPECT_TRUE(port.has_stick());
   EXPECT_NE(port.identity().value().vendor_id, 0);
   {
     const auto mount = port.mount();
@@ -66,13 +66,13 @@ TEST_P(StickContract, ArrivesIsMountedReadAndLeaves) {
   EXPECT_TRUE(port.mount());
   rig_->pull_stick(0ns);
   EXPECT_THAT(events_in(2s), testing::ElementsAre(EventKind::kStickDeparted));
-  EXPECT_FALSE(port.present());
+  EXPECT_FALSE(port.has_stick());
 }
 
 TEST_P(StickContract, ListsItsPlainFiles) {
   plug();
   struct Names final : StickMount::FileVisitor {
-    void file(std::string_view name, std::uint64_t bytes) override { sizes[std::string(name)] = bytes; }
+    void on_file(std::string_view name, std::uint64_t bytes) override { sizes[std::string(name)] = bytes; }
     std::map<std::string, std::uint64_t> sizes;
   } names;
   const auto mount = rig_->machine().stick.mount();

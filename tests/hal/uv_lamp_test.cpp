@@ -61,7 +61,7 @@ TEST_P(LampContract, AnExposureThatIsFinishedEarlySaysHowMuchIsMissing) {
   rig_->press(EventKind::kPausePressed, 300ms);
   auto exposure = machine.lamp.begin_exposure(2s);
   ASSERT_TRUE(exposure);
-  const auto over = await(*exposure, machine.events, machine.clock, [](const Event&) { return Waiting::kLeave; });
+  const auto over = await(*exposure, machine.events, machine.clock, [](const Event&) { return Waiting::kReturn; });
   ASSERT_TRUE(over);
   EXPECT_FALSE(*over);
   const auto report = exposure->finish();

@@ -40,7 +40,7 @@ TEST_P(StageContract, AMoveArrivesInTheTimeOfItsRamp) {
     EXPECT_TRUE(moved->arrived);
     EXPECT_NEAR(std::chrono::duration<double>(moved->ended_at - moved->began_at).count(), ramp.duration().count(),
                 0.005);
-    EXPECT_NEAR(moved->at.above_film().micrometres(), height.micrometres(), 1);
+    EXPECT_NEAR(moved->position.above_film().micrometres(), height.micrometres(), 1);
     EXPECT_NEAR(rig_->plate_height().micrometres(), height.micrometres(), 5);
     EXPECT_EQ(moved->steps_lost, Distance());
   }
@@ -80,7 +80,7 @@ TEST_P(StageContract, AMotionIsInterruptedByWhatHappensMeanwhileAndKnowsItsHeigh
   ASSERT_TRUE(motion);
   const TimePoint planned = motion->ends_by();
   EXPECT_TRUE(failed_with(machine.stage.begin_move(ZPosition(50_mm), Speed(5)), ErrorCode::kBusy));
-  const auto over = await(*motion, machine.events, machine.clock, [](const Event&) { return Waiting::kLeave; });
+  const auto over = await(*motion, machine.events, machine.clock, [](const Event&) { return Waiting::kReturn; });
   ASSERT_TRUE(over);
   EXPECT_FALSE(*over);
   ASSERT_TRUE(motion->stop());
@@ -90,9 +90,9 @@ TEST_P(StageContract, AMotionIsInterruptedByWhatHappensMeanwhileAndKnowsItsHeigh
   ASSERT_TRUE(report);
   EXPECT_FALSE(report->arrived);
   // 1 s at 5 mm/s, less half of speeding up, and half of slowing down: 5 mm
-  EXPECT_NEAR((machine.stage.limits().highest - report->at).millimetres(), 5.0, 0.1);
-  EXPECT_NEAR(rig_->plate_height().micrometres(), report->at.above_film().micrometres(), 5);
-  EXPECT_EQ(machine.stage.position().value(), report->at);
+  EXPECT_NEAR((machine.stage.limits().highest - report->position).millimetres(), 5.0, 0.1);
+  EXPECT_NEAR(rig_->plate_height().micrometres(), report->position.above_film().micrometres(), 5);
+  EXPECT_EQ(machine.stage.position().value(), report->position);
 }
 
 TEST_P(StageContract, AStageStandsWhenItsMotionGoesOutOfScope) {

@@ -221,7 +221,7 @@ TEST(PrintChecks, RefuseEachForItsReason) {
     auto settings = rig_plant();
     row.spoil(settings);
     Rig rig(settings);
-    rig.plant.pass(1ms);  // what is due at 0 s has happened
+    rig.plant.wait(1ms);  // what is due at 0 s has happened
     const auto& report = rig.run();
     EXPECT_EQ(report.state, kFault) << to_string(row.check);
     EXPECT_EQ(report.fault, row.code) << report.fault_message.c_str();

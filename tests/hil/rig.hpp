@@ -107,13 +107,13 @@ class PlantStorage final : public JournalStorage {
     if (broken) return fail(ErrorCode::kCannotWrite, "the storage is broken");
     for (std::size_t i = 0; i < bytes.size(); ++i) {
       if (writes_ == cut_in_write && i == cut_after_bytes) plant_.cut_power();
-      if (!plant_.pass(std::chrono::microseconds(20))) return fail(ErrorCode::kPowerLost, "cut");
+      if (!plant_.wait(std::chrono::microseconds(20))) return fail(ErrorCode::kPowerLost, "cut");
       medium_[offset + i] = bytes[i];
     }
     return {};
   }
   Status sync() override {
-    return plant_.pass(std::chrono::milliseconds(3)) ? Status() : Status(fail(ErrorCode::kPowerLost, "cut"));
+    return plant_.wait(std::chrono::milliseconds(3)) ? Status() : Status(fail(ErrorCode::kPowerLost, "cut"));
   }
   std::vector<std::byte>& medium() { return medium_; }
 

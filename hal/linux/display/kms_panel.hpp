@@ -1,5 +1,5 @@
 #pragma once
-/// A panel on a connector of a display controller, through the kernel's mode setting. kms_panel.cpp and kms_search.* know libdrm.
+/// A panel on a connector of a display controller, through the kernel's mode setting. Only the kms_* files know libdrm.
 
 #include <array>
 #include <chrono>
@@ -8,56 +8,48 @@
 #include <span>
 #include <string>
 
+#include "hal/wiring.hpp"
 #include "slicer/core/error.hpp"
 
 namespace plumbline {
 
-/// Where the panel is: as the board file has it.
-struct DisplaySettings {
-  std::string card;              ///< "/dev/dri/card0"; empty: the first one that has the connector
-  std::string connector;         ///< "DSI-1", "HDMI-A-1", ...
-  std::uint32_t refresh_hz = 0;  ///< of the mode; 0: any that has the panel's size
-  std::uint32_t plane = 0;       ///< object number, as modetest shows; 0: the controller's primary one
-  std::chrono::nanoseconds flip_timeout = std::chrono::milliseconds(500);  ///< the longest that a flip may take
-};
-
-/// What a look at the display found; for people.
+/// The display found, for people.
 struct DisplayFinding {
   std::string card;  ///< "/dev/dri/card0, driver vc4"
   std::string mode;  ///< "480x2560 at 60 Hz"
   bool atomic = false;
 };
 
-/// Two buffers of XRGB8888, mapped for good: one is scanned out, the other can be written. Move-only.
+/// Two buffers of XRGB8888: one is scanned out, the other can be written. Move-only.
 class KmsPanel {
  public:
   /// Takes the display and its console, and shows black.
-  /// @param width, height  of the mode
-  /// @retval ErrorCode::kBadSetting   no such card, connector, mode or plane: what there is
-  /// @retval ErrorCode::kPanelFailed  nothing is connected, another program has the display, or it refused: the reason
+  /// @param width, height  of the mode, pixels
+  /// @retval ErrorCode::kBadSetting   no such card, connector, mode or plane; the message lists those available
+  /// @retval ErrorCode::kPanelFailed  nothing is connected, another program has the display, or the driver refused
   [[nodiscard]] static Expected<KmsPanel> open(const DisplaySettings& settings, std::uint32_t width,
                                                std::uint32_t height);
-  /// The same without taking anything.
-  [[nodiscard]] static Expected<DisplayFinding> look(const DisplaySettings& settings, std::uint32_t width,
-                                                     std::uint32_t height);
+  /// Finds the same display without taking it.
+  [[nodiscard]] static Expected<DisplayFinding> examine(const DisplaySettings& settings, std::uint32_t width,
+                                                        std::uint32_t height);
   KmsPanel(KmsPanel&&) noexcept;
   KmsPanel& operator=(KmsPanel&&) = delete;
   KmsPanel(const KmsPanel&) = delete;
   KmsPanel& operator=(const KmsPanel&) = delete;
-  /// The console is as it was.
+  /// Restores the console.
   ~KmsPanel();
 
-  /// The buffer that is not scanned out, nor about to be.
-  /// @retval ErrorCode::kFlipTimeout  a flip that was given up has still not happened: both buffers may be in use
+  /// The buffer that is neither scanned out nor about to be.
+  /// @retval ErrorCode::kFlipTimeout  a flip that timed out has still not happened, so both buffers may be in use
   [[nodiscard]] Expected<std::span<std::uint32_t>> back();
   std::size_t pitch() const;  ///< words a row
 
-  /// Shows the back buffer, from a frame's first row on. Returns after the flip; its last row is out a frame() later.
-  /// @retval ErrorCode::kFlipTimeout  the flip was not done in time
-  /// @retval ErrorCode::kPanelFailed  the display refused
+  /// Shows the back buffer from the next frame's first row on. Returns after the flip; the last row is shown one frame() later.
+  /// @retval ErrorCode::kFlipTimeout  the flip took too long
+  /// @retval ErrorCode::kPanelFailed  the driver refused
   [[nodiscard]] Status flip();
 
-  std::chrono::nanoseconds frame() const;  ///< time to scan one out
+  std::chrono::nanoseconds frame() const;  ///< time to scan out one frame
 
  private:
   class Device;

@@ -25,7 +25,7 @@ std::optional<drmModeModeInfo> choose_mode(const drmModeConnector& connector, st
   return std::nullopt;
 }
 
-bool choose_crtc(const drmModeRes& resources, const drmModeConnector& connector, Found& found) {
+bool choose_crtc(const drmModeRes& resources, const drmModeConnector& connector, FoundPanel& found) {
   for (int e = 0; e < connector.count_encoders; ++e) {
     const Encoder encoder(::drmModeGetEncoder(found.card.get(), connector.encoders[e]));
     if (!encoder) continue;
@@ -39,18 +39,20 @@ bool choose_crtc(const drmModeRes& resources, const drmModeConnector& connector,
   return false;
 }
 
-/// Looks on one card. @param others  names of connectors seen, for the message
-/// @returns whether it has the connector; if so `found` is filled in
-Expected<bool> look_on(const std::string& path, const DisplaySettings& settings, std::uint32_t width,
-                       std::uint32_t height, std::string& others, Found& found) {
+/// Searches one card.
+/// @param others  gets the names of other connectors, for the message
+/// @param found   filled in if the card has the connector
+/// @returns whether it has
+Expected<bool> search_card(const std::string& path, const DisplaySettings& settings, std::uint32_t width,
+                           std::uint32_t height, std::string& others, FoundPanel& found) {
   found.path = path;
   found.card = File(::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NONBLOCK));
   if (found.card.get() < 0) {
-    if (errno == EACCES) return panel_failed(path.c_str(), errno);
+    if (errno == EACCES) return panel_failed("can't be reached", errno);
     return false;
   }
   const Resources resources(::drmModeGetResources(found.card.get()));
-  if (!resources) return false;  // a card that only computes
+  if (!resources) return false;  // a card without displays
   for (int i = 0; i < resources->count_connectors; ++i) {
     const Connector connector(::drmModeGetConnector(found.card.get(), resources->connectors[i]));
     if (!connector) continue;
@@ -60,7 +62,7 @@ Expected<bool> look_on(const std::string& path, const DisplaySettings& settings,
       continue;
     }
     if (connector->connection != DRM_MODE_CONNECTED || connector->count_modes == 0) {
-      return fail(ErrorCode::kPanelFailed, "the panel: nothing is connected to %s of %s: check its cable", name.c_str(),
+      return fail(ErrorCode::kPanelFailed, "the panel: nothing is connected to %s of %s: check the cable", name.c_str(),
                   path.c_str());
     }
     const auto mode = choose_mode(*connector, width, height, settings.refresh_hz);
@@ -74,7 +76,7 @@ Expected<bool> look_on(const std::string& path, const DisplaySettings& settings,
     }
     found.connector = connector->connector_id;
     found.mode = *mode;
-    if (!choose_crtc(*resources, *connector, found)) return panel_failed("no controller for its connector", ENODEV);
+    if (!choose_crtc(*resources, *connector, found)) return panel_failed("has no controller for its connector", ENODEV);
     return true;
   }
   return false;
@@ -84,8 +86,9 @@ Expected<bool> look_on(const std::string& path, const DisplaySettings& settings,
 
 tl::unexpected<Error> panel_failed(const char* what, int reason) {
   const char* next = "";
-  if (reason == EACCES || reason == EPERM) next = ": another program has the display, or no permission (group video)";
-  return fail(ErrorCode::kPanelFailed, "the panel: %s: %s%s", what, std::strerror(reason), next);
+  if (reason == EACCES || reason == EPERM)
+    next = ": another program has the display, or permission is missing (group video)";
+  return fail(ErrorCode::kPanelFailed, "the panel %s: %s%s", what, std::strerror(reason), next);
 }
 
 std::string mode_name(const drmModeModeInfo& mode) {
@@ -93,7 +96,7 @@ std::string mode_name(const drmModeModeInfo& mode) {
          " Hz";
 }
 
-Expected<Found> find(const DisplaySettings& settings, std::uint32_t width, std::uint32_t height) {
+Expected<FoundPanel> find_panel(const DisplaySettings& settings, std::uint32_t width, std::uint32_t height) {
   std::vector<std::string> cards;
   if (!settings.card.empty()) {
     cards.push_back(settings.card);
@@ -102,12 +105,12 @@ Expected<Found> find(const DisplaySettings& settings, std::uint32_t width, std::
   }
   std::string others;
   for (const auto& path : cards) {
-    Found found;
-    const auto here = look_on(path, settings, width, height, others, found);
+    FoundPanel found;
+    const auto here = search_card(path, settings, width, height, others, found);
     PLUMBLINE_TRY(here);
     if (*here) return found;
   }
-  return fail(ErrorCode::kBadSetting, "the panel: no display of this board has a connector %s; there is %s",
+  return fail(ErrorCode::kBadSetting, "the panel: this board has no connector %s; it has %s",
               settings.connector.c_str(), others.empty() ? "none" : others.c_str());
 }
 

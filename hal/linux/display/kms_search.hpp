@@ -1,5 +1,5 @@
 #pragma once
-/// Which card, connector and mode a panel has. With kms_panel.cpp this is what knows libdrm: nobody else includes it.
+/// Finds the card, connector and mode of a panel. Only the kms_* files include libdrm.
 
 #include <unistd.h>
 #include <xf86drm.h>
@@ -32,7 +32,7 @@ using Properties = std::unique_ptr<drmModeObjectProperties, Freed<drmModeFreeObj
 using Property = std::unique_ptr<drmModePropertyRes, Freed<drmModeFreeProperty>>;
 using Request = std::unique_ptr<drmModeAtomicReq, Freed<drmModeAtomicFree>>;
 
-/// A descriptor that is closed.
+/// Closes its descriptor.
 class File {
  public:
   explicit File(int file) : file_(file) {}
@@ -50,27 +50,28 @@ class File {
   int file_;
 };
 
-/// What an open card has for the panel.
-struct Found {
+/// A panel and its open card.
+struct FoundPanel {
   File card{-1};
   std::string path;
-  std::uint32_t connector = 0;
+  std::uint32_t connector = 0;  ///< object number
   drmModeModeInfo mode{};
-  std::uint32_t crtc = 0;
-  std::uint32_t crtc_index = 0;
+  std::uint32_t crtc = 0;        ///< object number of the controller
+  std::uint32_t crtc_index = 0;  ///< its place among the card's controllers
 };
 
-/// @param width, height  of the mode
-/// @retval ErrorCode::kBadSetting   no such connector or mode: what there is
-/// @retval ErrorCode::kPanelFailed  nothing is connected, or no permission
-[[nodiscard]] Expected<Found> find(const DisplaySettings& settings, std::uint32_t width, std::uint32_t height);
+/// @param width, height  of the mode, pixels
+/// @retval ErrorCode::kBadSetting   no such connector or mode; the message lists those available
+/// @retval ErrorCode::kPanelFailed  nothing is connected, or permission is missing
+[[nodiscard]] Expected<FoundPanel> find_panel(const DisplaySettings& settings, std::uint32_t width,
+                                              std::uint32_t height);
 
 /// "480x2560 at 60 Hz"
 std::string mode_name(const drmModeModeInfo& mode);
 /// "vc4"
 std::string driver_of(int card);
 
-/// What failed, the system's reason, and what to do.
+/// "the panel WHAT: REASON", and what to do about it.
 /// @param reason  an errno
 tl::unexpected<Error> panel_failed(const char* what, int reason);
 

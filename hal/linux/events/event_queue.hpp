@@ -1,5 +1,5 @@
 #pragma once
-/// Events of all devices, in the order in which they happened.
+/// Events of all devices in the order in which they happened.
 
 #include <algorithm>
 #include <array>
@@ -9,14 +9,14 @@
 
 namespace plumbline {
 
-/// A fixed room. Devices tell of things a little after they happened, so a new event may belong before one that is waiting.
+/// Fixed capacity. Devices report with a delay, so a new event may be older than one that is already queued.
 class EventQueue {
  public:
-  static constexpr std::size_t kRoom = 256;
+  static constexpr std::size_t kCapacity = 256;  ///< the firmware reads events as they come, so a few would do
 
-  /// A full queue loses the newest event: what is lost is a button's, which no one waited for through 255 others.
+  /// A full queue drops the new event. Nobody misses a button press behind 256 unread events.
   void add(EventKind kind, std::chrono::nanoseconds at) {
-    if (count_ == kRoom) return;
+    if (count_ == kCapacity) return;
     const Event event{TimePoint(at), kind};
     const auto end = events_.begin() + static_cast<std::ptrdiff_t>(count_);
     const auto place =
@@ -35,7 +35,7 @@ class EventQueue {
   }
 
  private:
-  std::array<Event, kRoom> events_{};
+  std::array<Event, kCapacity> events_{};
   std::size_t count_ = 0;
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-/// A device that has news of its own.
+/// A device that causes events.
 
 #include <chrono>
 #include <optional>
@@ -13,11 +13,11 @@ class EventSource {
   EventSource& operator=(const EventSource&) = delete;
   virtual ~EventSource() = default;
 
-  /// Readable when there is news; -1: this device has none to wait for.
+  /// For poll(): readable when drain() has something to do; -1: none.
   virtual int descriptor() const = 0;
-  /// When it is to be asked although its descriptor is silent; nothing: not at all. CLOCK_MONOTONIC.
+  /// When drain() must be called even if the descriptor is not readable, CLOCK_MONOTONIC; nothing: no need.
   virtual std::optional<std::chrono::nanoseconds> due() const { return std::nullopt; }
-  /// Puts its news into the machine's queue. Never waits.
+  /// Moves pending events to the machine's queue. Never waits.
   virtual void drain(std::chrono::nanoseconds now) = 0;
 };
 

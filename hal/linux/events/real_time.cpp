@@ -9,7 +9,7 @@
 
 namespace plumbline {
 
-bool run_first(int priority) {
+bool set_real_time_priority(int priority) {
   sched_param parameters{};
   parameters.sched_priority = priority;
   return ::sched_setscheduler(0, SCHED_FIFO, &parameters) == 0;
@@ -17,13 +17,13 @@ bool run_first(int priority) {
 
 bool lock_memory() { return ::mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) == 0; }
 
-void hold_heap() {
-  // libusb, sysfs and mount(2) take some ten KiB, of which the kernel would be asked in portions.
+void reserve_heap() {
+  // libusb, sysfs and mount(2) need some 10 KiB for a stick, which the heap would otherwise request from the kernel bit by bit.
   constexpr std::size_t kReserve = std::size_t{1} << 20;
   ::mallopt(M_ARENA_MAX, 1);
   ::mallopt(M_MMAP_MAX, 0);
   ::mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
-  // Through a volatile: the compiler may leave out an allocation that nobody uses.
+  // volatile: otherwise the compiler may remove the unused allocation.
   void* volatile reserve = std::malloc(kReserve);
   std::free(reserve);
 }

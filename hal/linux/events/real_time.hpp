@@ -1,23 +1,23 @@
 #pragma once
-/// What a thread or process needs to keep its deadlines. Neither is allowed everywhere.
+/// What a thread or process needs to meet its deadlines. Needs permission.
 
 namespace plumbline {
 
-/// The calling thread runs before all others that are not real-time (SCHED_FIFO).
+/// Runs the calling thread before all threads of lower or no real-time priority (SCHED_FIFO).
 /// @param priority  1 to 99
-/// @returns false: not permitted. It runs as before
-bool run_first(int priority);
+/// @returns false if not permitted; then the thread runs as before
+bool set_real_time_priority(int priority);
 
-/// Priorities of ours: the keeper goes before the stage.
+/// Turning the lamp off comes before steps. Both stay below 50, where Linux runs threaded interrupts, or level with it.
 inline constexpr int kKeeperPriority = 50;
 inline constexpr int kStagePriority = 40;
 
-/// No page of the process, once touched, is ever written out or fetched again. (The arena is larger than what a job touches.)
-/// @returns false: not permitted, or more than RLIMIT_MEMLOCK
+/// Keeps every page in memory once it was touched. Untouched pages are not loaded, because the arena is larger than a job needs.
+/// @returns false if not permitted, or above RLIMIT_MEMLOCK
 bool lock_memory();
 
-/// The C library's heap asks the kernel for nothing more: room for what a stick that comes needs of it is taken now, all threads share
-/// it, and none of it is given back. To be called before the first other thread.
-void hold_heap();
+/// Reserves heap for later allocations (a stick's arrival needs some), so that the process never asks the kernel for more: one heap
+/// for all threads, of which nothing is returned. Call it before starting threads.
+void reserve_heap();
 
 }  // namespace plumbline

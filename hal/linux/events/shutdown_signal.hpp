@@ -1,5 +1,5 @@
 #pragma once
-/// The system's wish to end the program, as an event.
+/// Turns SIGTERM into an event.
 
 #include <csignal>
 
@@ -8,8 +8,8 @@
 
 namespace plumbline {
 
-/// Takes SIGTERM out of the program's hands while it lives: it becomes EventKind::kShutdownRequested, which a print ends in order.
-/// Made before the threads that are to leave it alone. SIGINT stays what it was.
+/// While it lives, SIGTERM becomes EventKind::kShutdownRequested, so that a print can end in order. Make it before starting threads,
+/// which inherit the blocked signal. SIGINT is unaffected.
 class ShutdownSignal final : public EventSource {
  public:
   explicit ShutdownSignal(EventQueue& events);

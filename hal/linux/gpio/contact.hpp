@@ -1,5 +1,5 @@
 #pragma once
-/// A switch whose contact bounces.
+/// Debounces a switch.
 
 #include <chrono>
 #include <optional>
@@ -7,41 +7,41 @@
 
 namespace plumbline {
 
-/// Believes a contact that closes at once, and one that opens when it has stayed open for a while: the cover's opening and a
-/// pressed button must not wait, and neither may come twice. Times are CLOCK_MONOTONIC.
+/// Accepts "on" at the first contact and "off" once the line has been off for kBounceTime: an opened cover and a pressed button
+/// must not wait, and each must be reported once. Times are CLOCK_MONOTONIC.
 class Contact {
  public:
   using Time = std::chrono::nanoseconds;
-  static constexpr Time kQuiet = std::chrono::milliseconds(30);  ///< bouncing is over after it
+  static constexpr Time kBounceTime =
+      std::chrono::milliseconds(30);  ///< longer rides out worse contacts, but delays "cover closed" and the next press
 
-  /// @param on  as it is found
+  /// @param on  initial state
   explicit Contact(bool on) : on_(on) {}
 
-  /// As believed.
+  /// The debounced state.
   bool on() const { return on_; }
 
-  /// The line was seen so at `at`.
-  /// @returns true: it has just gone on
-  bool saw(bool on, Time at) {
+  /// Takes a reading of the line made at `at`.
+  /// @returns whether it has just gone on
+  bool update(bool on, Time at) {
     if (on) {
       off_since_.reset();
-      const bool news = !on_;
-      on_ = true;
-      return news;
+      return !std::exchange(on_, true);
     }
-    if (on_ && !off_since_) off_since_ = at;  // a bounce goes on in between, which starts the wait anew
+    if (on_ && !off_since_) off_since_ = at;  // a bounce turns it on in between, which restarts the wait
     return false;
   }
 
-  /// When settle() is to be called; nothing: there is nothing to wait for.
+  /// When to call settle(); nothing if the contact is at rest.
   std::optional<Time> due() const {
     if (!off_since_) return std::nullopt;
-    return *off_since_ + kQuiet;
+    return *off_since_ + kBounceTime;
   }
 
-  /// @returns when it went off, where it has been off for kQuiet and this was not said yet
+  /// Call it at due() or later.
+  /// @returns when the contact went off, once, after it has been off for kBounceTime
   std::optional<Time> settle(Time now) {
-    if (!off_since_ || now < *off_since_ + kQuiet) return std::nullopt;
+    if (!off_since_ || now < *off_since_ + kBounceTime) return std::nullopt;
     on_ = false;
     return std::exchange(off_since_, std::nullopt);
   }

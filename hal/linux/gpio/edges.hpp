@@ -1,18 +1,18 @@
 #pragma once
-/// What an input line has done since somebody last looked.
+/// Reads the changes of an input line.
 
 namespace plumbline {
 
-/// Changes of a line that the kernel keeps until they are asked for; further ones are lost.
-inline constexpr int kEdgesKept = 16;
+/// The kernel buffers this many changes of a line and drops further ones.
+inline constexpr int kKernelEdges = 16;
 
-/// Calls `see` with each change of a line that was not asked for yet, the oldest first: with one more than the kernel keeps at most, for
-/// a line that hums changes as fast as it is read.
-/// @param line  has next_edge(), which gives nothing when there is no change left
-/// @returns false: there may be more; they are left for the next look
+/// Calls `see` with each unread change of a line, oldest first. Stops after one more than the kernel buffers, because a line that hums
+/// changes as fast as it is read.
+/// @param line  has next_edge(), which returns nothing when no change is left
+/// @returns false if there may be more, left for the next call
 template <typename Line, typename See>
-bool see_edges(Line& line, See see) {
-  for (int seen = 0; seen <= kEdgesKept; ++seen) {
+bool for_each_edge(Line& line, See see) {
+  for (int seen = 0; seen <= kKernelEdges; ++seen) {
     const auto edge = line.next_edge();
     if (!edge) return true;
     see(*edge);

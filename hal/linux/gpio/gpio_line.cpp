@@ -11,10 +11,10 @@ namespace {
 
 constexpr const char* kConsumer = "plumbline";
 
-std::string shown(const LinePlace& place) { return place.chip + " line " + std::to_string(place.offset); }
+std::string to_text(const LinePlace& place) { return place.chip + " line " + std::to_string(place.offset); }
 
-/// The line, with its chip open. @returns null with errno
-HeldLine take(const LinePlace& place) {
+/// Opens a line's chip. @returns null with errno set
+HeldLine open_line(const LinePlace& place) {
   gpiod_chip* const chip = ::gpiod_chip_open_by_name(place.chip.c_str());
   if (chip == nullptr) return nullptr;
   gpiod_line* const line = ::gpiod_chip_get_line(chip, place.offset);
@@ -40,11 +40,11 @@ gpiod_line_request_config config_of(const LineSettings& settings, int type) {
   return config;
 }
 
-tl::unexpected<Error> refused(const LinePlace& place, const std::string& use, int reason) {
+tl::unexpected<Error> cannot_use(const LinePlace& place, const std::string& use, int reason) {
   const char* next = "";
   if (reason == EBUSY) next = ": another program or driver holds it, see gpioinfo";
-  if (reason == EACCES || reason == EPERM) next = ": run as a user of the group gpio";
-  return fail(ErrorCode::kCannotOpen, "the line of %s, %s: %s%s", use.c_str(), shown(place).c_str(),
+  if (reason == EACCES || reason == EPERM) next = ": run as a member of the group gpio";
+  return fail(ErrorCode::kCannotOpen, "the line of %s, %s: %s%s", use.c_str(), to_text(place).c_str(),
               std::strerror(reason), next);
 }
 
@@ -88,8 +88,8 @@ Expected<LinePlace> find_line(const LineSettings& settings, const std::string& u
 }
 
 Expected<std::string> holder_of(const LinePlace& place) {
-  const HeldLine line = take(place);
-  if (!line) return refused(place, "the board", errno);
+  const HeldLine line = open_line(place);
+  if (!line) return cannot_use(place, "the board", errno);
   if (!::gpiod_line_is_used(line.get())) return std::string();
   const char* const consumer = ::gpiod_line_consumer(line.get());
   return std::string(consumer != nullptr ? consumer : "the kernel");
@@ -97,21 +97,21 @@ Expected<std::string> holder_of(const LinePlace& place) {
 
 Expected<OutputLine> OutputLine::open(const LinePlace& place, const LineSettings& settings, const std::string& use,
                                       bool on) {
-  HeldLine line = take(place);
+  HeldLine line = open_line(place);
   const auto config = config_of(settings, GPIOD_LINE_REQUEST_DIRECTION_OUTPUT);
-  if (!line || ::gpiod_line_request(line.get(), &config, on ? 1 : 0) != 0) return refused(place, use, errno);
+  if (!line || ::gpiod_line_request(line.get(), &config, on ? 1 : 0) != 0) return cannot_use(place, use, errno);
   return OutputLine(std::move(line));
 }
 
 bool OutputLine::set(bool on) noexcept { return ::gpiod_line_set_value(line_.get(), on ? 1 : 0) == 0; }
 
 Expected<InputLine> InputLine::open(const LinePlace& place, const LineSettings& settings, const std::string& use) {
-  HeldLine line = take(place);
+  HeldLine line = open_line(place);
   const auto config = config_of(settings, GPIOD_LINE_REQUEST_EVENT_BOTH_EDGES);
-  if (!line || ::gpiod_line_request(line.get(), &config, 0) != 0) return refused(place, use, errno);
+  if (!line || ::gpiod_line_request(line.get(), &config, 0) != 0) return cannot_use(place, use, errno);
   const int events = ::gpiod_line_event_get_fd(line.get());
   const int flags = events < 0 ? -1 : ::fcntl(events, F_GETFL);
-  if (flags < 0 || ::fcntl(events, F_SETFL, flags | O_NONBLOCK) != 0) return refused(place, use, errno);
+  if (flags < 0 || ::fcntl(events, F_SETFL, flags | O_NONBLOCK) != 0) return cannot_use(place, use, errno);
   return InputLine(std::move(line), events);
 }
 

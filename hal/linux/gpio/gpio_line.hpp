@@ -1,31 +1,31 @@
 #pragma once
-/// Lines of GPIO chips. gpio_line.cpp is the one file that knows libgpiod, version 1.6.
+/// Lines of GPIO chips. Only gpio_line.cpp includes libgpiod (version 1.6).
 ///
-/// Values are logical: true is on, pressed, open, whatever the voltage. What libgpiod takes from the heap it takes while a line
-/// is opened.
+/// Values are logical: true means on, pressed or open, at either voltage. libgpiod allocates only while a line is opened.
 
 #include <chrono>
 #include <memory>
 #include <optional>
 #include <string>
 
-#include "hal/linux/gpio/line_settings.hpp"
+#include "hal/linux/gpio/line_place.hpp"
+#include "hal/wiring.hpp"
 #include "slicer/core/error.hpp"
 
 struct gpiod_line;
 
 namespace plumbline {
 
-/// Looks the line up; requests nothing.
+/// Looks a line up without requesting it.
 /// @param use  "the lamp", for messages
 /// @retval ErrorCode::kBadSetting  the board has no such line
-/// @retval ErrorCode::kCannotOpen  its chip can't be opened: the message has the reason
+/// @retval ErrorCode::kCannotOpen  its chip can't be opened: the reason
 [[nodiscard]] Expected<LinePlace> find_line(const LineSettings& settings, const std::string& use);
 
-/// Who holds the line, as the kernel has it; empty: nobody.
+/// Who holds the line, according to the kernel; empty: nobody.
 [[nodiscard]] Expected<std::string> holder_of(const LinePlace& place);
 
-/// Gives a line and its chip back.
+/// Releases a line and its chip.
 struct ReleaseLine {
   void operator()(gpiod_line* line) const;
 };
@@ -33,12 +33,12 @@ using HeldLine = std::unique_ptr<gpiod_line, ReleaseLine>;
 
 class OutputLine {
  public:
-  /// @param on  what it is from the moment of the request
-  /// @retval ErrorCode::kCannotOpen  busy, no permission, no output: the message has the reason
+  /// @param on  its value from the moment of the request
+  /// @retval ErrorCode::kCannotOpen  busy, no permission, or not an output: the reason
   [[nodiscard]] static Expected<OutputLine> open(const LinePlace& place, const LineSettings& settings,
                                                  const std::string& use, bool on);
 
-  /// @returns false: the kernel refused; errno has the reason
+  /// @returns false with errno set if the kernel refused
   [[nodiscard]] bool set(bool on) noexcept;
 
  private:
@@ -46,7 +46,7 @@ class OutputLine {
   HeldLine line_;
 };
 
-/// An input whose changes are kept by the kernel, 16 of them, with the time of each.
+/// An input. The kernel buffers its last changes, up to 16, with the time of each.
 class InputLine {
  public:
   struct Edge {
@@ -54,15 +54,15 @@ class InputLine {
     std::chrono::nanoseconds at{};  ///< CLOCK_MONOTONIC
   };
 
-  /// @retval ErrorCode::kCannotOpen  as above, or the line has no interrupt
+  /// @retval ErrorCode::kCannotOpen  busy, no permission, or without an interrupt: the reason
   [[nodiscard]] static Expected<InputLine> open(const LinePlace& place, const LineSettings& settings,
                                                 const std::string& use);
 
-  /// As it is now; nothing: it can't be read.
+  /// Its present value; nothing if it can't be read.
   std::optional<bool> on() const noexcept;
-  /// The oldest change that was not asked for yet. Never waits.
+  /// The oldest unread change. Never waits.
   std::optional<Edge> next_edge() noexcept;
-  /// To wait for with poll(): readable when there is an edge.
+  /// For poll(): readable when there is an edge.
   int descriptor() const { return events_; }
 
  private:

@@ -1,4 +1,4 @@
-/// Stands for gpio_line.cpp in a build without libgpiod: every line is refused, and the message says why.
+/// Replaces gpio_line.cpp in a build without libgpiod: refuses every line and says why.
 
 #include "hal/linux/gpio/gpio_line.hpp"
 
@@ -6,9 +6,10 @@ namespace plumbline {
 namespace {
 
 tl::unexpected<Error> absent(const std::string& use) {
-  return fail(ErrorCode::kUnsupported,
-              "the line of %s: this plumbline was built without libdrm, libgpiod or libusb, and drives no real printer",
-              use.c_str());
+  return fail(
+      ErrorCode::kUnsupported,
+      "the line of %s: this plumbline was built without libdrm, libgpiod or libusb, so it can't drive a printer",
+      use.c_str());
 }
 
 }  // namespace

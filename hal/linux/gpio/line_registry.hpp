@@ -1,19 +1,19 @@
 #pragma once
-/// Which line is used for what, so that no pin is used twice.
+/// Refuses to use a line twice.
 
 #include <string>
 #include <vector>
 
-#include "hal/linux/gpio/line_settings.hpp"
+#include "hal/linux/gpio/line_place.hpp"
 #include "slicer/core/error.hpp"
 
 namespace plumbline {
 
-/// Filled while the devices are opened; the kernel would notice a second use in this process only as "busy".
+/// Filled while the devices are opened. The kernel would report a second use only as "busy".
 class LineRegistry {
  public:
-  /// @param use  "the lamp": for the message to whoever wants the same line
-  /// @retval ErrorCode::kBadSetting  another device has it: both are named
+  /// @param use  "the lamp", for the message
+  /// @retval ErrorCode::kBadSetting  another device has it; the message names both
   [[nodiscard]] Status claim(const LinePlace& place, const std::string& use);
 
  private:

@@ -1,12 +1,12 @@
 #pragma once
-/// The cover's switch, as the keeper holds it.
+/// The cover switch, held by the keeper.
 
 #include <chrono>
 #include <optional>
 
 namespace plumbline {
 
-/// Logical levels: which voltage means open is the line's own knowledge.
+/// Levels are logical; the line knows which voltage means open.
 class CoverLine {
  public:
   struct Edge {
@@ -19,11 +19,11 @@ class CoverLine {
   CoverLine& operator=(const CoverLine&) = delete;
   virtual ~CoverLine() = default;
 
-  /// As it is now. A switch that can't be read counts as open.
+  /// Its present state. A switch that can't be read counts as open.
   virtual bool open() const noexcept = 0;
-  /// The oldest change that was not asked for yet, bounces included. Never waits.
+  /// The oldest unread change, including bounces. Never waits.
   virtual std::optional<Edge> next_edge() noexcept = 0;
-  /// To wait for with poll().
+  /// For poll(): readable when there is a change.
   virtual int descriptor() const = 0;
 };
 

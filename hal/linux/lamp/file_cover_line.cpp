@@ -3,11 +3,11 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include "hal/linux/events/linux_clock.hpp"
+#include "hal/linux/events/clock.hpp"
 
 namespace plumbline {
 
-// O_RDWR: a FIFO without a writer would be readable, at its end, all the time.
+// O_RDWR: a FIFO without a writer would always be readable, at end of file.
 FileCoverLine::FileCoverLine(const std::string& path) : file_(::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC)) {}
 
 FileCoverLine::~FileCoverLine() {

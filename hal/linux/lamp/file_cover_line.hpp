@@ -1,5 +1,5 @@
 #pragma once
-/// A cover's switch that is a FIFO: for simulation and tests.
+/// A cover switch played by a FIFO, for simulation and tests.
 
 #include <string>
 
@@ -7,10 +7,10 @@
 
 namespace plumbline {
 
-/// Closed until it is told: each byte that arrives is a change, 'o' opens, 'c' closes.
+/// Closed at first. Each byte that arrives is a change: 'o' opens, 'c' closes.
 class FileCoverLine final : public CoverLine {
  public:
-  /// @param path  of a FIFO that is there; ok() tells whether it could be opened
+  /// @param path  of an existing FIFO; ok() says whether it could be opened
   explicit FileCoverLine(const std::string& path);
   ~FileCoverLine() override;
 

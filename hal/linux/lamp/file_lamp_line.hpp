@@ -1,5 +1,5 @@
 #pragma once
-/// A lamp's line that is a file: for simulation and tests.
+/// A lamp line played by a file, for simulation and tests.
 
 #include <string>
 
@@ -7,10 +7,10 @@
 
 namespace plumbline {
 
-/// Appends a line of text for each change: "on 123456789" or "off 123456789", CLOCK_MONOTONIC in ns.
+/// Appends a line of text for each change: "on 123456789" or "off 123456789", with CLOCK_MONOTONIC in ns.
 class FileLampLine final : public LampLine {
  public:
-  /// @param path  created where it is missing; ok() tells whether it could be
+  /// @param path  created if it is missing; ok() says whether it could be opened
   explicit FileLampLine(const std::string& path);
   ~FileLampLine() override;
 

@@ -14,7 +14,7 @@ constexpr std::string_view kGpio = "gpio";
 std::string line_option(const LinePlace& place, const LineSettings& settings) {
   std::string text(kGpio);
   for (const auto& part : {place.chip, std::to_string(place.offset), std::string(settings.active_low ? "low" : "high"),
-                           std::string(kBiasWords[static_cast<std::size_t>(settings.bias)])}) {
+                           std::string(kLineBiasWords[static_cast<std::size_t>(settings.bias)])}) {
     text += ':';
     text += part;
   }
@@ -32,13 +32,13 @@ std::optional<LineOption> parse_line_option(std::string_view text) {
   LineOption option;
   option.place.chip = parts[1];
   const auto [stop, problem] = std::from_chars(parts[2].data(), parts[2].data() + parts[2].size(), option.place.offset);
-  const auto* const bias = std::find(std::begin(kBiasWords), std::end(kBiasWords), parts[4]);
+  const auto* const bias = std::find(kLineBiasWords.begin(), kLineBiasWords.end(), parts[4]);
   if (parts[0] != kGpio || parts[1].empty() || problem != std::errc() || stop != parts[2].data() + parts[2].size() ||
-      (parts[3] != "low" && parts[3] != "high") || bias == std::end(kBiasWords)) {
+      (parts[3] != "low" && parts[3] != "high") || bias == kLineBiasWords.end()) {
     return std::nullopt;
   }
   option.settings.active_low = parts[3] == "low";
-  option.settings.bias = static_cast<LineBias>(bias - std::begin(kBiasWords));
+  option.settings.bias = static_cast<LineBias>(bias - kLineBiasWords.begin());
   return option;
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-/// The keeper's two lines on GPIO chips, and how they are written on its command line.
+/// The keeper's two lines on GPIO chips, and their form on its command line.
 
 #include <optional>
 #include <string>
@@ -36,17 +36,14 @@ class GpioCoverLine final : public CoverLine {
   InputLine line_;
 };
 
-/// "gpio:gpiochip0:17:high:as-is": a line that was found, with the level that is "on" and its bias.
+/// "gpio:gpiochip0:17:high:as-is": the line's place, the voltage that means "on", and its bias.
 std::string line_option(const LinePlace& place, const LineSettings& settings);
 
 struct LineOption {
   LinePlace place;
   LineSettings settings;
 };
-/// The reverse. @returns nothing where the text is no such option
+/// Parses what line_option() wrote. @returns nothing for any other text
 std::optional<LineOption> parse_line_option(std::string_view text);
-
-/// Words of the board file and of the option, in the order of LineBias.
-inline constexpr std::string_view kBiasWords[] = {"as-is", "disabled", "pull-up", "pull-down"};
 
 }  // namespace plumbline

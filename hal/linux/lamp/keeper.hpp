@@ -1,5 +1,5 @@
 #pragma once
-/// The keeper: a process of its own that holds the lamp's line and knows one thing, when to turn it off.
+/// The keeper: a separate process that holds the lamp's line and turns it off in time.
 
 #include <cstdint>
 
@@ -8,16 +8,14 @@
 
 namespace plumbline {
 
-/// Serves the firmware until its socket or its process ends, or the keeper is told to end (SIGTERM, SIGINT, SIGHUP). The line
-/// is off when this returns.
+/// Serves the firmware until its socket or process ends, or until SIGTERM, SIGINT or SIGHUP. The line is off when this returns.
 ///
-/// - the timer that turns it off is armed before the line goes on
-/// - what comes first turns it off: the deadline, the cover, a word of the firmware, the end of its socket, the end of its
-///   process
-/// @param cover   null: the printer has no switch there
-/// @param socket  SOCK_SEQPACKET, connected to the firmware
-/// @param firmware  its process
-/// @returns exit status: 0, or 1 where timer, signals or socket could not be set up and nothing was lit
+/// - the timer that turns the line off is armed before the line goes on
+/// - the line goes off at the first of: the deadline, an open cover, a request, the end of the firmware's socket or process
+/// @param cover     null: the printer has no cover switch
+/// @param socket    SOCK_SEQPACKET, connected to the firmware
+/// @param firmware  process ID
+/// @returns exit status: 0, or 1 if timer, signals or process could not be watched; then nothing was lit
 int keep_lamp(LampLine& line, CoverLine* cover, int socket, int firmware);
 
 }  // namespace plumbline

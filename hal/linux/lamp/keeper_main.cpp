@@ -1,9 +1,9 @@
 /// The program `plumbline-keeper`: holds the lamp's line for the firmware, which starts it.
 ///
-///   plumbline-keeper --line LINE [--cover LINE] --firmware PID       socket to the firmware: descriptor 3
+///   plumbline-keeper --line LINE [--cover LINE] --firmware PID       descriptor 3 is the socket to the firmware
 ///
-/// LINE is gpio:CHIP:OFFSET:high|low:BIAS, where high or low is what lights the lamp or says that the cover is open, or
-/// file:PATH for tests: the lamp's changes are written there, the cover's come from a FIFO.
+/// LINE is gpio:CHIP:OFFSET:high|low:BIAS, where high or low is the voltage that lights the lamp or means an open cover; or for
+/// tests file:PATH, to which the lamp's changes are written, or a FIFO from which the cover's are read.
 
 #include <cerrno>
 #include <cstdio>
@@ -24,7 +24,6 @@ namespace {
 
 constexpr std::string_view kFile = "file:";
 
-/// A pointer, or the sentence why there is none.
 template <class Line>
 using Opened = Expected<std::unique_ptr<Line>>;
 
@@ -57,9 +56,9 @@ Opened<CoverLine> open_cover(std::string_view text) {
 
 int run(std::string_view lamp_text, std::string_view cover_text, int firmware) {
   constexpr int kSocket = 3;
-  // Both are for the deadline, and neither is allowed everywhere.
+  // Both help to meet the deadline. The keeper also works where they are not permitted.
   static_cast<void>(lock_memory());
-  static_cast<void>(run_first(kKeeperPriority));
+  static_cast<void>(set_real_time_priority(kKeeperPriority));
 
   const auto lamp = open_lamp(lamp_text);
   const auto cover = open_cover(cover_text);

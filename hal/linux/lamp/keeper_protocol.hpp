@@ -1,15 +1,15 @@
 #pragma once
-/// What firmware and keeper say to each other, over a socket of whole messages (SOCK_SEQPACKET).
+/// The messages between firmware and keeper, over a SOCK_SEQPACKET socket.
 ///
-///   firmware -> keeper   light N ns, as request R      keeper arms its timer, turns the line on, answers "lit"
-///   firmware -> keeper   darken, as request R          keeper turns the line off, answers "dark"
-///   keeper -> firmware   lit R at T                    T: CLOCK_MONOTONIC, ns
-///   keeper -> firmware   dark R at T                   also unasked, when the time of R is over
-///   keeper -> firmware   failed R                      nothing was lit
-///   keeper -> firmware   cover opened at T             unasked; what was lit is dark already, and "dark" follows
-///   keeper -> firmware   cover closed at T             unasked; once when it starts, either this or the other
+///   firmware -> keeper   request R: light for N ns     keeper arms its timer, turns the line on, replies "lit"
+///   firmware -> keeper   request R: turn off           keeper turns the line off, replies "dark"
+///   keeper -> firmware   R lit at T                    T: CLOCK_MONOTONIC, ns
+///   keeper -> firmware   R dark at T                   also unrequested, when the time of R is over
+///   keeper -> firmware   R failed                      nothing was lit
+///   keeper -> firmware   cover opened at T             unrequested; the lamp is already off, and "dark" follows if it was lit
+///   keeper -> firmware   cover closed at T             unrequested; the keeper also reports the cover's state when it starts
 ///
-/// The end of the socket means dark: the keeper turns the line off and ends.
+/// When the socket ends, the keeper turns the line off and exits.
 
 #include <cstdint>
 #include <type_traits>
@@ -18,7 +18,7 @@ namespace plumbline {
 
 enum class KeeperWord : std::uint32_t {
   kLight = 1,
-  kDarken = 2,
+  kTurnOff = 2,
   kLit = 3,
   kDark = 4,
   kFailed = 5,
@@ -29,13 +29,13 @@ enum class KeeperWord : std::uint32_t {
 struct KeeperMessage {
   static constexpr std::uint32_t kMagic = 0x504C4B31;  // "PLK1"
   std::uint32_t magic = kMagic;
-  KeeperWord word = KeeperWord::kDarken;
+  KeeperWord word = KeeperWord::kTurnOff;
   std::uint64_t request = 0;
-  std::int64_t nanoseconds = 0;  ///< kLight: how long; else: when
+  std::int64_t nanoseconds = 0;  ///< kLight: duration; otherwise CLOCK_MONOTONIC
 };
 static_assert(sizeof(KeeperMessage) == 24 && std::is_trivially_copyable_v<KeeperMessage>);
 
-/// Nothing is lit for longer, whatever is asked for.
+/// The keeper refuses longer exposures: 300 s, the largest max_exposure_s of a board file.
 inline constexpr std::int64_t kKeeperLongestNs = 300'000'000'000;
 
 }  // namespace plumbline

@@ -19,7 +19,7 @@
 namespace plumbline {
 namespace {
 
-constexpr int kKeeperSocket = 3;  // where the keeper finds it
+constexpr int kKeeperSocket = 3;  // the keeper's descriptor for the socket
 
 bool send(int socket, const KeeperMessage& message) {
   return ::send(socket, &message, sizeof message, MSG_NOSIGNAL) == sizeof message;
@@ -48,7 +48,7 @@ Expected<LampKeeper> LampKeeper::start(const std::string& program, const std::st
   posix_spawn_file_actions_t actions;
   ::posix_spawn_file_actions_init(&actions);
   ::posix_spawn_file_actions_adddup2(&actions, sockets[1], kKeeperSocket);
-  // A group of its own: Ctrl-C in a terminal is the firmware's to handle.
+  // In a process group of its own: Ctrl-C in a terminal must reach only the firmware.
   posix_spawnattr_t attributes;
   ::posix_spawnattr_init(&attributes);
   ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
@@ -58,11 +58,11 @@ Expected<LampKeeper> LampKeeper::start(const std::string& program, const std::st
   ::close(sockets[1]);
   if (failed != 0) {
     keeper.process_ = -1;
-    return fail(ErrorCode::kLampFailed, "%s: the lamp's keeper does not start: %s", program.c_str(),
+    return fail(ErrorCode::kLampFailed, "%s: can't start the lamp's keeper: %s", program.c_str(),
                 std::strerror(failed));
   }
-  // It answers when it holds the line.
-  PLUMBLINE_TRY(keeper.darken());
+  // The keeper replies once it holds the line.
+  PLUMBLINE_TRY(keeper.turn_off());
   return keeper;
 }
 
@@ -73,8 +73,8 @@ LampKeeper::LampKeeper(LampKeeper&& other) noexcept
       lit_request_(other.lit_request_),
       dark_at_(other.dark_at_),
       gone_(other.gone_),
-      news_(other.news_),
-      news_count_(other.news_count_) {}
+      notices_(other.notices_),
+      notice_count_(other.notice_count_) {}
 
 LampKeeper::~LampKeeper() {
   if (socket_ >= 0) ::close(socket_);
@@ -87,19 +87,19 @@ Expected<LampKeeper::Nanoseconds> LampKeeper::await_answer(std::uint32_t word) {
     pollfd fd{socket_, POLLIN, 0};
     const int ready = ::poll(&fd, 1,
                              word == static_cast<std::uint32_t>(KeeperWord::kDark) && request_ == 1
-                                 ? 20 * kAnswerMs  // a new process takes its time
+                                 ? 20 * kAnswerMs  // the first reply includes starting the process
                                  : kAnswerMs);
     if (ready < 0 && errno == EINTR) continue;
     KeeperMessage message;
     if (ready <= 0 || ::recv(socket_, &message, sizeof message, 0) != sizeof message) {
       return fail(ErrorCode::kLampFailed, "the lamp's keeper does not answer: switch the printer off and on");
     }
-    take(message);
+    handle(message);
     const bool answers = message.request == request_;
     if (answers && message.word == KeeperWord::kFailed) {
       return fail(ErrorCode::kLampFailed, "the lamp's keeper could not arm its timer or set the line: nothing was lit");
     }
-    // The end of a light is an answer to "darken"; what is late and of an older request is none.
+    // A lamp that goes off by itself also answers a request to turn it off; late replies to older requests don't.
     const bool ends_light = message.word == KeeperWord::kDark && message.request == lit_request_;
     if ((answers || ends_light) && static_cast<std::uint32_t>(message.word) == word) {
       return Nanoseconds(message.nanoseconds);
@@ -117,13 +117,13 @@ Expected<LampKeeper::Nanoseconds> LampKeeper::light(Nanoseconds cure) {
     return fail(ErrorCode::kLampFailed, "the lamp's keeper has gone: switch the printer off and on");
   }
   auto lit = await_answer(static_cast<std::uint32_t>(KeeperWord::kLit));
-  if (!lit) static_cast<void>(darken());
+  if (!lit) static_cast<void>(turn_off());
   return lit;
 }
 
-Expected<LampKeeper::Nanoseconds> LampKeeper::darken() {
+Expected<LampKeeper::Nanoseconds> LampKeeper::turn_off() {
   KeeperMessage message;
-  message.word = KeeperWord::kDarken;
+  message.word = KeeperWord::kTurnOff;
   message.request = ++request_;
   if (!send(socket_, message)) {
     return fail(ErrorCode::kLampFailed, "the lamp's keeper has gone: switch the printer off and on");
@@ -131,53 +131,53 @@ Expected<LampKeeper::Nanoseconds> LampKeeper::darken() {
   return await_answer(static_cast<std::uint32_t>(KeeperWord::kDark));
 }
 
-void LampKeeper::keep(News::Kind kind, Nanoseconds at) {
-  // 64 changes of the cover that nobody asked for: the oldest ones are of no use any more.
-  if (news_count_ == news_.size()) {
-    std::move(news_.begin() + 1, news_.end(), news_.begin());
-    --news_count_;
+void LampKeeper::store(Notice::Kind kind, Nanoseconds at) {
+  // After 64 unread notices the oldest is of no use.
+  if (notice_count_ == notices_.size()) {
+    std::move(notices_.begin() + 1, notices_.end(), notices_.begin());
+    --notice_count_;
   }
-  news_[news_count_++] = {kind, at};
+  notices_[notice_count_++] = {kind, at};
 }
 
-void LampKeeper::take(const KeeperMessage& message) {
+void LampKeeper::handle(const KeeperMessage& message) {
   const Nanoseconds at(message.nanoseconds);
   switch (message.word) {
     case KeeperWord::kDark:
       if (message.request != lit_request_ || dark_at_) return;
       dark_at_ = at;
-      return keep(News::Kind::kDark, at);
-    case KeeperWord::kCoverOpened: return keep(News::Kind::kCoverOpened, at);
-    case KeeperWord::kCoverClosed: return keep(News::Kind::kCoverClosed, at);
+      return store(Notice::Kind::kDark, at);
+    case KeeperWord::kCoverOpened: return store(Notice::Kind::kCoverOpened, at);
+    case KeeperWord::kCoverClosed: return store(Notice::Kind::kCoverClosed, at);
     case KeeperWord::kLight:
-    case KeeperWord::kDarken:
+    case KeeperWord::kTurnOff:
     case KeeperWord::kLit:
     case KeeperWord::kFailed: return;
   }
 }
 
-void LampKeeper::listen() {
+void LampKeeper::receive() {
   KeeperMessage message;
   ssize_t got = 0;
-  while ((got = ::recv(socket_, &message, sizeof message, MSG_DONTWAIT)) == sizeof message) take(message);
+  while ((got = ::recv(socket_, &message, sizeof message, MSG_DONTWAIT)) == sizeof message) handle(message);
   const bool ended = got == 0 || (got < 0 && errno != EAGAIN && errno != EINTR);
   if (ended && !gone_) {
     gone_ = true;
-    keep(News::Kind::kGone, Nanoseconds());
+    store(Notice::Kind::kGone, Nanoseconds());
   }
 }
 
 std::optional<LampKeeper::Nanoseconds> LampKeeper::went_dark() {
-  listen();
+  receive();
   return dark_at_;
 }
 
-std::optional<LampKeeper::News> LampKeeper::next_news() {
-  listen();
-  if (news_count_ == 0) return std::nullopt;
-  const News oldest = news_.front();
-  std::move(news_.begin() + 1, news_.begin() + static_cast<std::ptrdiff_t>(news_count_), news_.begin());
-  --news_count_;
+std::optional<LampKeeper::Notice> LampKeeper::next_notice() {
+  receive();
+  if (notice_count_ == 0) return std::nullopt;
+  const Notice oldest = notices_.front();
+  std::move(notices_.begin() + 1, notices_.begin() + static_cast<std::ptrdiff_t>(notice_count_), notices_.begin());
+  --notice_count_;
   return oldest;
 }
 

@@ -1,9 +1,9 @@
 #pragma once
-/// The wire that turns the lamp on, as the keeper holds it.
+/// The wire that turns the lamp on, held by the keeper.
 
 namespace plumbline {
 
-/// Logical levels: which voltage lights the lamp is the line's own knowledge. Off when it is made and when it ends.
+/// Levels are logical; the line knows which voltage lights the lamp. Off when constructed and when destroyed.
 class LampLine {
  public:
   LampLine() = default;
@@ -11,7 +11,7 @@ class LampLine {
   LampLine& operator=(const LampLine&) = delete;
   virtual ~LampLine() = default;
 
-  /// @returns false: the line could not be set
+  /// @returns false if the line could not be set
   virtual bool set(bool lit) noexcept = 0;
 };
 

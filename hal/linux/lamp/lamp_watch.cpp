@@ -2,19 +2,19 @@
 
 namespace plumbline {
 
-LampWatch::LampWatch(LampKeeper keeper, EventQueue& events, bool has_cover, std::function<void()> hold_dark)
-    : keeper_(std::move(keeper)), events_(events), has_cover_(has_cover), hold_dark_(std::move(hold_dark)) {
-  // It said how it found the cover before it said that it was ready.
-  while (const auto news = keeper_.next_news()) open_ = news->kind != LampKeeper::News::Kind::kCoverClosed;
+LampWatch::LampWatch(LampKeeper keeper, EventQueue& events, bool has_cover, std::function<void()> hold_line_off)
+    : keeper_(std::move(keeper)), events_(events), has_cover_(has_cover), hold_line_off_(std::move(hold_line_off)) {
+  // The keeper reported the cover's state before it was ready.
+  while (const auto notice = keeper_.next_notice()) open_ = notice->kind != LampKeeper::Notice::Kind::kCoverClosed;
 }
 
-void LampWatch::began(Time at) {
+void LampWatch::on_lit(Time at) {
   lit_ = true;
   cut_by_cover_ = false;
   dark_at_ = at;
 }
 
-void LampWatch::ended(Time at) {
+void LampWatch::on_dark(Time at) {
   if (!lit_) return;
   lit_ = false;
   dark_at_ = at;
@@ -23,22 +23,22 @@ void LampWatch::ended(Time at) {
 
 void LampWatch::drain(Time now) {
   if (gone_) return;
-  while (const auto news = keeper_.next_news()) {
-    switch (news->kind) {
-      case LampKeeper::News::Kind::kDark: ended(news->at); break;
-      case LampKeeper::News::Kind::kCoverOpened:
-        if (!open_) events_.add(EventKind::kCoverOpened, news->at);
+  while (const auto notice = keeper_.next_notice()) {
+    switch (notice->kind) {
+      case LampKeeper::Notice::Kind::kDark: on_dark(notice->at); break;
+      case LampKeeper::Notice::Kind::kCoverOpened:
+        if (!open_) events_.add(EventKind::kCoverOpened, notice->at);
         open_ = true;
         cut_by_cover_ = cut_by_cover_ || lit_;
         break;
-      case LampKeeper::News::Kind::kCoverClosed:
-        if (open_) events_.add(EventKind::kCoverClosed, news->at);
+      case LampKeeper::Notice::Kind::kCoverClosed:
+        if (open_) events_.add(EventKind::kCoverClosed, notice->at);
         open_ = false;
         break;
-      case LampKeeper::News::Kind::kGone:
+      case LampKeeper::Notice::Kind::kGone:
         gone_ = true;
-        hold_dark_();
-        ended(now);
+        hold_line_off_();
+        on_dark(now);
         if (has_cover_) open_ = true;
         return;
     }

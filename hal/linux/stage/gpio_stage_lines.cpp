@@ -1,11 +1,11 @@
 #include "hal/linux/stage/gpio_stage_lines.hpp"
 
-#include "hal/linux/events/linux_clock.hpp"
+#include "hal/linux/events/clock.hpp"
 
 namespace plumbline {
 
 bool GpioStageLines::step() noexcept {
-  // Drivers want 2 us high and low (A4988: 1 us, DRV8825: 1.9 us); the way to sleep and back would take longer than that.
+  // Drivers need up to 1.9 us high and low (A4988: 1 us, DRV8825: 1.9 us). Spin, because going to sleep takes longer.
   constexpr auto kPulse = std::chrono::microseconds(2);
   if (!step_.set(true)) return false;
   const auto until = monotonic_now() + kPulse;

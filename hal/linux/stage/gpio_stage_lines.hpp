@@ -1,5 +1,5 @@
 #pragma once
-/// A stage's wires on GPIO lines.
+/// The stage's wires on GPIO lines.
 
 #include "hal/linux/gpio/gpio_line.hpp"
 #include "hal/linux/stage/stage_lines.hpp"

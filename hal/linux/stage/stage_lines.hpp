@@ -1,12 +1,12 @@
 #pragma once
-/// The wires of a stage: a step motor's driver and the end stop.
+/// The wires of a stage: the stepper driver's and the end stop's.
 
 #include <chrono>
 #include <optional>
 
 namespace plumbline {
 
-/// Logical levels. Used by one thread at a time, but for pressed(), which any may ask.
+/// Levels are logical. One thread at a time may use it, except for pressed(), which any thread may call.
 class StageLines {
  public:
   struct Edge {
@@ -19,15 +19,15 @@ class StageLines {
   StageLines& operator=(const StageLines&) = delete;
   virtual ~StageLines() = default;
 
-  /// The driver holds the motor. @returns false: the line could not be set; so below
+  /// Lets the driver hold the motor. This and the next two return false if a line could not be set.
   virtual bool enable(bool on) noexcept = 0;
   virtual bool set_direction(bool up) noexcept = 0;
-  /// One pulse: a microstep.
+  /// Sends one pulse, which is a microstep.
   virtual bool step() noexcept = 0;
 
-  /// The end stop as it is. One that can't be read counts as pressed: nothing moves towards it.
+  /// The end stop's present state. One that can't be read counts as pressed, so that nothing moves towards it.
   virtual bool pressed() const noexcept = 0;
-  /// The oldest change of the end stop that was not asked for yet; bounces included.
+  /// The oldest unread change of the end stop, including bounces.
   virtual std::optional<Edge> next_edge() noexcept = 0;
 };
 

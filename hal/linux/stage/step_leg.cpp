@@ -3,32 +3,33 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hal/linux/events/linux_clock.hpp"
+#include "hal/linux/events/clock.hpp"
 #include "hal/linux/gpio/edges.hpp"
 
 namespace plumbline {
 namespace {
 
-constexpr std::chrono::nanoseconds kAlwaysOnTime = std::chrono::microseconds(100);
+/// A step counts as late only above this, so that the scheduler's jitter isn't counted at high speeds. Affects the record only.
+constexpr std::chrono::nanoseconds kMinLateness = std::chrono::microseconds(100);
 
 std::chrono::nanoseconds whole(Ramp::Seconds time) { return std::chrono::round<std::chrono::nanoseconds>(time); }
 
 }  // namespace
 
-/// The end stop in a leg, believed when it has been as waited for without a break for kConfirm. What counts is where it began.
-/// A line that changes as fast as it is read is not believed, and holds no step.
+/// Watches the end stop during a leg. It counts as switched once it has kept the wanted state for kConfirm; the position is that of
+/// the first contact. A line that changes as fast as it is read never counts and delays no step.
 class StepLegs::Watch {
  public:
   Watch(StageLines& lines, bool wanted) : lines_(lines), wanted_(wanted) {
-    see_edges(lines_, [](const StageLines::Edge&) {});  // of former legs
+    for_each_edge(lines_, [](const StageLines::Edge&) {});  // left from earlier legs
   }
 
-  /// @param count    steps now
-  /// @param before   steps before the last one
-  /// @param stepped  when the last one was taken
-  /// @returns it is believed
-  bool look(Time now, std::int64_t count, std::int64_t before, Time stepped) {
-    const bool rests = see_edges(lines_, [&](const StageLines::Edge& edge) {
+  /// @param count    steps counted now
+  /// @param before   steps counted before the last step
+  /// @param stepped  when the last step was taken
+  /// @returns whether the end stop has switched
+  bool confirm(Time now, std::int64_t count, std::int64_t before, Time stepped) {
+    const bool rests = for_each_edge(lines_, [&](const StageLines::Edge& edge) {
       if (edge.pressed != wanted_) {
         seen_ = false;
       } else if (!seen_) {
@@ -42,20 +43,20 @@ class StepLegs::Watch {
     if (!seen_) begin(now, count);
     return now - began_ >= kConfirm;
   }
-  std::int64_t place() const { return place_; }
+  std::int64_t switched_at() const { return switched_at_; }
 
  private:
   void begin(Time at, std::int64_t place) {
     seen_ = true;
     began_ = at;
-    place_ = place;
+    switched_at_ = place;
   }
 
   StageLines& lines_;
   bool wanted_;
   bool seen_ = false;
   Time began_{};
-  std::int64_t place_ = 0;
+  std::int64_t switched_at_ = 0;
 };
 
 StepLegResult StepLegs::run(std::int64_t steps, Speed speed, LegUntil until, Time start) {
@@ -89,14 +90,14 @@ StepLegResult StepLegs::run(std::int64_t steps, Speed speed, LegUntil until, Tim
     const Time now = monotonic_now();
     const Time late = now - due;
     if (late > kMotorStands && done > base && !slowing) {
-      ++record_.restarts;
+      ++record_.standstills;
       record_.worst = std::max(record_.worst, late);
       base = done;
       start = now;
       last = now;
       last_due = now;
       ramp = ramp_for(total - done);
-      put_off_.store((start + whole(ramp.duration())).count(), std::memory_order_relaxed);
+      delayed_end_.store((start + whole(ramp.duration())).count(), std::memory_order_relaxed);
       continue;
     }
     if (!lines_.step()) return {.end = StepLegEnd::kFailed};
@@ -104,13 +105,13 @@ StepLegResult StepLegs::run(std::int64_t steps, Speed speed, LegUntil until, Tim
     const auto count = count_.load(std::memory_order_relaxed) + direction;
     count_.store(count, std::memory_order_relaxed);
     ++record_.steps;
-    if (late > std::max(kAlwaysOnTime, (due - last_due) / 2)) ++record_.late;
+    if (late > std::max(kMinLateness, (due - last_due) / 2)) ++record_.late;
     record_.worst = std::max(record_.worst, late);
     last = now;
     last_due = due;
-    if (watching && result.end == StepLegEnd::kDone && watch.look(now, count, count - direction, now)) {
+    if (watching && result.end == StepLegEnd::kDone && watch.confirm(now, count, count - direction, now)) {
       result.end = until == LegUntil::kDone ? StepLegEnd::kMetStop : StepLegEnd::kSwitched;
-      result.switched = watch.place();
+      result.switched = watch.switched_at();
     }
   }
   return result;

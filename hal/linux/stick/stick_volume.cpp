@@ -34,7 +34,7 @@ void copy_text(const std::string& text, std::array<char, Size>& to) {
   *std::copy_n(text.data(), std::min(text.size(), Size - 1), to.begin()) = '\0';
 }
 
-/// Folders below `device` that are a medium: .../host0/target0:0:0/0:0:0:0/block/sda.
+/// Finds the block devices below a USB device: .../host0/target0:0:0/0:0:0:0/block/sda.
 void find_media(const fs::path& folder, int depth, std::vector<fs::path>& media) {
   std::error_code problem;
   for (const auto& entry : fs::directory_iterator(folder, problem)) {
@@ -52,15 +52,15 @@ bool has_size(const fs::path& block) {
   return !sectors.empty() && sectors != "0";
 }
 
-/// The kernel has looked for partitions. It tells udev of a medium when it has, and udev writes that down; where there is no udev
-/// nobody knows.
+/// Whether the kernel has looked for partitions. It announces a medium to udev afterwards, and udev records it. Without udev, assume
+/// that it has.
 bool was_scanned(const fs::path& block, const fs::path& known) {
   const std::string number = first_line(block / "dev");
   std::error_code problem;
   return number.empty() || !fs::exists(known, problem) || fs::exists(known / ("b" + number), problem);
 }
 
-/// "/dev/sda1"; the kernel's name, where udev has not been asked.
+/// "/dev/sda1", the kernel's own name.
 std::string node_of(const fs::path& block) { return "/dev/" + block.filename().string(); }
 
 }  // namespace
@@ -107,7 +107,7 @@ std::vector<std::string> block_devices(const std::string& device, const std::str
 }
 
 void unmount_all(const std::string& folder) {
-  // Detached: a pulled stick's files may be open, and must not keep the next one out.
+  // Detached, because open files of a pulled stick must not block the next one.
   for (int times = 0; times < 8 && ::umount2(folder.c_str(), MNT_DETACH | UMOUNT_NOFOLLOW) == 0; ++times) {
   }
 }
@@ -117,8 +117,7 @@ Expected<StickVolume> StickVolume::mount(const std::vector<std::string>& nodes, 
     const char* name;
     const char* options;
   };
-  // Any user may read what it holds and nobody may write or run it; names are UTF-8. errors=continue: a read-only mount has
-  // nothing to protect.
+  // Everybody may read, nobody may write or execute; names are UTF-8. errors=continue: a read-only mount has nothing to lose.
   constexpr std::array kKinds = {Kind{"vfat", "utf8,fmask=0333,dmask=0222,errors=continue"},
                                  Kind{"exfat", "iocharset=utf8,fmask=0333,dmask=0222,errors=continue"}};
   constexpr unsigned long kFlags = MS_RDONLY | MS_NOSUID | MS_NODEV | MS_NOEXEC;
@@ -130,15 +129,15 @@ Expected<StickVolume> StickVolume::mount(const std::vector<std::string>& nodes, 
   for (const auto& node : nodes) {
     for (const auto& kind : kKinds) {
       if (::mount(node.c_str(), folder.c_str(), kind.name, kFlags, kind.options) == 0) return StickVolume(folder);
-      // EINVAL is "not of this kind", ENODEV "a kind that this kernel does not know": what else is said says more.
+      // EINVAL means another file system, ENODEV an unknown one. Any other error says more.
       if (reason == 0 || (errno != EINVAL && errno != ENODEV)) reason = errno;
     }
   }
   if (nodes.empty()) {
-    return fail(ErrorCode::kMountFailed, "the stick has no medium that the board can see: try another stick");
+    return fail(ErrorCode::kMountFailed, "the board finds no storage on the stick: try another stick");
   }
   if (reason == EPERM || reason == EACCES) {
-    return fail(ErrorCode::kMountFailed, "%s: no permission to mount: run as a service, see board/README.md",
+    return fail(ErrorCode::kMountFailed, "%s: no permission to mount: run plumblined as a service, see board/README.md",
                 nodes.front().c_str());
   }
   return fail(ErrorCode::kMountFailed, "the stick's file system can't be read (%s: %s): format it as FAT32 or exFAT",

@@ -16,7 +16,7 @@ namespace {
 
 bool is_mass_storage(libusb_device* device) {
   libusb_config_descriptor* configuration = nullptr;
-  // The active one is what the kernel's driver has taken; a device that has just come may have none yet.
+  // Prefer the active configuration, which the kernel's driver uses. A new device may not have one yet.
   if (::libusb_get_active_config_descriptor(device, &configuration) != 0 &&
       ::libusb_get_config_descriptor(device, 0, &configuration) != 0) {
     return false;
@@ -33,7 +33,7 @@ bool is_mass_storage(libusb_device* device) {
 }
 
 std::string place_of(libusb_device* device) {
-  std::array<std::uint8_t, 7> ports{};  // the deepest that USB allows
+  std::array<std::uint8_t, 7> ports{};  // USB allows 7 tiers
   const int count = ::libusb_get_port_numbers(device, ports.data(), static_cast<int>(ports.size()));
   return usb_place(::libusb_get_bus_number(device), ports.data(), count);
 }
@@ -98,9 +98,9 @@ class UsbSticks::Context {
   static int changed(libusb_context* /*context*/, libusb_device* device, libusb_hotplug_event event, void* self) {
     Listener& listener = static_cast<Context*>(self)->listener_;
     if (event == LIBUSB_HOTPLUG_EVENT_DEVICE_LEFT) {
-      listener.departed(place_of(device));  // of any kind: the listener knows which was a stick
+      listener.on_departed(place_of(device));  // any kind of device: the listener knows which ones are sticks
     } else if (is_mass_storage(device)) {
-      listener.arrived(place_of(device));
+      listener.on_arrived(place_of(device));
     }
     return 0;
   }

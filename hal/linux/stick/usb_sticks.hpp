@@ -1,5 +1,5 @@
 #pragma once
-/// Which sticks are plugged in. usb_sticks.cpp is the one file that knows libusb.
+/// Watches for USB sticks. Only usb_sticks.cpp includes libusb.
 
 #include <chrono>
 #include <memory>
@@ -9,18 +9,18 @@
 
 namespace plumbline {
 
-/// Hears of USB mass storage that arrives and departs, also of what is there from the start.
+/// Reports arriving and departing USB mass storage, including what is plugged in at the start.
 class UsbSticks {
  public:
   class Listener {
    public:
     virtual ~Listener() = default;
-    /// @param place  its folder's name in /sys/bus/usb/devices
-    virtual void arrived(const std::string& place) = 0;
-    virtual void departed(const std::string& place) = 0;
+    /// @param place  name of its folder in /sys/bus/usb/devices
+    virtual void on_arrived(const std::string& place) = 0;
+    virtual void on_departed(const std::string& place) = 0;
   };
 
-  /// @param listener  hears of what is there already before this returns; must outlive it
+  /// @param listener  must outlive it; called for present sticks before this returns
   /// @retval ErrorCode::kCannotOpen  libusb's reason
   [[nodiscard]] static Expected<UsbSticks> open(Listener& listener);
   UsbSticks(UsbSticks&&) noexcept;
@@ -29,9 +29,9 @@ class UsbSticks {
   UsbSticks& operator=(const UsbSticks&) = delete;
   ~UsbSticks();
 
-  /// Readable when there is news.
+  /// For poll(): readable when drain() has something to do.
   int descriptor() const;
-  /// Tells the listener. Never waits.
+  /// Notifies the listener. Never waits.
   void drain();
 
  private:

@@ -1,5 +1,5 @@
 #pragma once
-/// A file of sysfs that holds a number.
+/// A sysfs file that holds a number.
 
 #include <cstdint>
 #include <optional>
@@ -9,7 +9,7 @@
 
 namespace plumbline {
 
-/// Stays open, so that asking takes nothing from the heap. Move-only.
+/// Stays open, so that reading and writing never allocate. Move-only.
 class NumberFile {
  public:
   enum class Access : std::uint8_t { kRead, kReadWrite };
@@ -22,9 +22,9 @@ class NumberFile {
   NumberFile& operator=(const NumberFile&) = delete;
   ~NumberFile();
 
-  /// @returns nothing: it can't be read, or holds no number; errno has the reason or is 0
+  /// @returns nothing if it can't be read (errno is set) or holds no number (errno is 0)
   std::optional<std::int64_t> read() const noexcept;
-  /// @returns false: it can't be written; errno has the reason
+  /// @returns false with errno set if it can't be written
   [[nodiscard]] bool write(std::int64_t number) noexcept;
 
  private:

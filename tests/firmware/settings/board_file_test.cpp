@@ -7,6 +7,8 @@
 #include <fstream>
 #include <string>
 
+#include "firmware/settings/wiring_file.hpp"
+
 namespace plumbline {
 namespace {
 
@@ -175,9 +177,9 @@ TEST(BoardFile, GivesTheMachineOfThePrinter) {
   ASSERT_TRUE(board) << board.error().message();
   const auto machine = machine_of(*board, "sim2k.toml");
   ASSERT_TRUE(machine) << machine.error().message();
-  EXPECT_EQ(machine->packing, PixelPacking::kNone);
-  EXPECT_EQ(machine->mirror, PanelMirror::kX);
-  EXPECT_EQ(machine->rotation_deg, 0U);
+  EXPECT_FALSE(machine->panel.rgb);
+  EXPECT_EQ(machine->panel.mirror, PanelLayout::Mirror::kX);
+  EXPECT_EQ(machine->panel.rotation_deg, 0U);
   EXPECT_DOUBLE_EQ(machine->step_mm(), 0.00125);
   EXPECT_EQ(machine->power_mw_cm2, 3.5);
   EXPECT_TRUE(machine->has_cover_switch);
@@ -190,7 +192,7 @@ TEST(BoardFile, WithoutAnyOfTheMachinesKeysServesForSlicingAndNotForPrinting) {
   EXPECT_FALSE(board->machine);
   const auto machine = machine_of(*board, "b.toml");
   ASSERT_FALSE(machine);
-  EXPECT_THAT(machine.error().message(), AllOf(StartsWith("b.toml: describes the panel"), HasSubstr("[lamp]")));
+  EXPECT_THAT(machine.error().message(), AllOf(StartsWith("b.toml: describes a panel"), HasSubstr("[lamp]")));
 }
 
 TEST(BoardFile, WithOneOfTheMachinesKeysMustHaveAll) {
@@ -221,7 +223,7 @@ TEST(BoardFile, RefusesKeysThatContradictEachOther) {
   EXPECT_THAT(refusal(sim2k_with("homing_speed_mm_min = 60.0", "homing_speed_mm_min = 301.0")),
               HasSubstr("at most max_speed_mm_min"));
   EXPECT_THAT(refusal(sim2k_with("end_stop_height_mm = 175.0", "end_stop_height_mm = 160.5")),
-              HasSubstr("travel_mm and 1 mm more"));
+              HasSubstr("at least travel_mm + 1"));
   EXPECT_THAT(refusal(good_with("columns = 1440", "columns = 1441\npacking = 'rgb'")), HasSubstr("missing"));
   auto rgb = sim2k_with("packing = \"none\"", "packing = \"rgb\"");
   EXPECT_TRUE(parse_board_file(rgb, "b.toml"));
@@ -240,39 +242,40 @@ TEST(BoardFile, SaysHowThePrinterIsWired) {
   const auto board = parse_board_file(
       rig_with("offset = 5\nactive = \"high\"", "offset = 5\nactive = \"low\"\nbias = \"pull-up\""), "b.toml");
   ASSERT_TRUE(board) << board.error().message();
-  const WiringFile& wiring = board->machine->wiring;
-  EXPECT_EQ(wiring.connector, "Virtual-1");
+  const Wiring& wiring = board->machine->wiring;
+  EXPECT_EQ(wiring.display.connector, "Virtual-1");
   EXPECT_EQ(wiring.cover.chip, "9030000.pl061");
   EXPECT_EQ(wiring.cover.offset, 5U);
-  EXPECT_EQ(wiring.cover.active, WireFile::Active::kLow);
-  EXPECT_EQ(wiring.cover.bias, WireFile::Bias::kPullUp);
-  EXPECT_EQ(wiring.sensors[1].file, "/run/rig/resin_temperature");
-  EXPECT_FALSE(wiring.pause.given());
-  EXPECT_TRUE(wiring.missing().empty());
+  EXPECT_TRUE(wiring.cover.active_low);
+  EXPECT_EQ(wiring.cover.bias, LineBias::kPullUp);
+  EXPECT_EQ(wiring.thermals.sensors[1].file, "/run/rig/resin_temperature");
+  EXPECT_FALSE(wiring.pause_button.given());
+  EXPECT_TRUE(missing_tables(wiring).empty());
 }
 
 TEST(BoardFile, KnowsWhichTablesOfTheWiringAreMissing) {
   const auto board = read_board_file(PLUMBLINE_SOURCE_DIR "/board/mono2k.toml");
   ASSERT_TRUE(board);
-  EXPECT_THAT(board->machine->wiring.missing(),
+  EXPECT_THAT(missing_tables(board->machine->wiring),
               ::testing::UnorderedElementsAre("display", "lamp_line", "step_line", "direction_line", "end_stop_line",
                                               "lamp_sensor", "resin_sensor", "board_sensor"));
 }
 
 TEST(BoardFile, RefusesALineThatIsGivenTwiceOrByHalf) {
-  EXPECT_THAT(refusal(rig_with("[lamp_line]", "[lamp_line]\nline = \"LAMP\"")),
-              HasSubstr("[lamp_line] line: found a string 'LAMP', but a line is given by line, or by chip and offset"));
-  EXPECT_THAT(refusal(rig_with("offset = 1\n", "")), HasSubstr("but chip and offset are given together"));
+  EXPECT_THAT(
+      refusal(rig_with("[lamp_line]", "[lamp_line]\nline = \"LAMP\"")),
+      HasSubstr("[lamp_line] line: found a string 'LAMP', but a line is given either by line or by chip and offset"));
+  EXPECT_THAT(refusal(rig_with("offset = 1\n", "")), HasSubstr("but chip and offset go together"));
   EXPECT_THAT(refusal(rig_with("[lamp_sensor]", "[lamp_sensor]\nhwmon = \"lm75\"")),
-              HasSubstr("a sensor is given by one of hwmon, thermal_zone and file"));
+              HasSubstr("a sensor is given by exactly one of hwmon, thermal_zone and file"));
   EXPECT_THAT(refusal(rig_with("[lamp_sensor]", "[lamp_fan]\nchannel = 1\n[lamp_sensor]")),
-              HasSubstr("a fan is given by hwmon or by pwm_chip"));
+              HasSubstr("a fan is given either by hwmon or by pwm_chip"));
   EXPECT_THAT(refusal(rig_with("offset = 1\n", "offset = 1024\n")), HasSubstr("an integer from 0 to 1023"));
 }
 
 TEST(BoardReadme, ExplainsEveryTableAndKeyOfTheWiring) {
   const auto page = read_settings_text(PLUMBLINE_SOURCE_DIR "/board/README.md", "a page").value();
-  WiringFile wiring;
+  Wiring wiring;
   std::vector<SettingRule> rules;
   add_wiring_rules(rules, wiring);
   for (const auto& rule : rules) {

@@ -25,7 +25,7 @@ TEST(LineRegistry, RefusesOnePinUsedTwiceAndNamesBothUses) {
   ASSERT_FALSE(twice);
   EXPECT_EQ(twice.error().code(), ErrorCode::kBadSetting);
   EXPECT_STREQ(twice.error().message(),
-               "the lamp and the buzzer have the same line, gpiochip0 17: correct the board file");
+               "the lamp and the buzzer use the same line, gpiochip0 17: correct the board file");
 }
 
 TEST(LineOption, IsReadAsItWasWritten) {
@@ -55,11 +55,11 @@ TEST(LineOption, IsRefusedWhereItIsNone) {
 
 TEST(Contact, GoesOnAtItsFirstContactAndOnceThoughItBounces) {
   Contact contact(false);
-  EXPECT_TRUE(contact.saw(true, 100ms));
-  EXPECT_FALSE(contact.saw(false, 101ms));
-  EXPECT_FALSE(contact.saw(true, 102ms));
-  EXPECT_FALSE(contact.saw(false, 103ms));
-  EXPECT_FALSE(contact.saw(true, 104ms));
+  EXPECT_TRUE(contact.update(true, 100ms));
+  EXPECT_FALSE(contact.update(false, 101ms));
+  EXPECT_FALSE(contact.update(true, 102ms));
+  EXPECT_FALSE(contact.update(false, 103ms));
+  EXPECT_FALSE(contact.update(true, 104ms));
   EXPECT_TRUE(contact.on());
   EXPECT_FALSE(contact.due());
   EXPECT_FALSE(contact.settle(10s));
@@ -67,18 +67,18 @@ TEST(Contact, GoesOnAtItsFirstContactAndOnceThoughItBounces) {
 
 TEST(Contact, GoesOffWhenItHasBeenOffForAWhile) {
   Contact contact(true);
-  EXPECT_FALSE(contact.saw(false, 100ms));
-  EXPECT_FALSE(contact.saw(true, 110ms));
-  EXPECT_FALSE(contact.saw(false, 120ms));
-  EXPECT_FALSE(contact.saw(false, 140ms)) << "looked at again, which is no new bounce";
+  EXPECT_FALSE(contact.update(false, 100ms));
+  EXPECT_FALSE(contact.update(true, 110ms));
+  EXPECT_FALSE(contact.update(false, 120ms));
+  EXPECT_FALSE(contact.update(false, 140ms)) << "looked at again, which is no new bounce";
   ASSERT_TRUE(contact.due());
-  EXPECT_EQ(*contact.due(), 120ms + Contact::kQuiet);
-  EXPECT_FALSE(contact.settle(120ms + Contact::kQuiet - 1ns));
+  EXPECT_EQ(*contact.due(), 120ms + Contact::kBounceTime);
+  EXPECT_FALSE(contact.settle(120ms + Contact::kBounceTime - 1ns));
   EXPECT_TRUE(contact.on());
-  EXPECT_EQ(contact.settle(120ms + Contact::kQuiet), std::optional<Contact::Time>(120ms));
+  EXPECT_EQ(contact.settle(120ms + Contact::kBounceTime), std::optional<Contact::Time>(120ms));
   EXPECT_FALSE(contact.on());
   EXPECT_FALSE(contact.settle(10s)) << "said once";
-  EXPECT_TRUE(contact.saw(true, 11s)) << "and can go on again";
+  EXPECT_TRUE(contact.update(true, 11s)) << "and can go on again";
 }
 
 TEST(EventQueue, GivesWhatHappenedFirstThoughItWasHeardOfLast) {
@@ -96,14 +96,15 @@ TEST(EventQueue, GivesWhatHappenedFirstThoughItWasHeardOfLast) {
 
 TEST(EventQueue, KeepsTheOldestWhenItIsFull) {
   EventQueue queue;
-  for (std::size_t i = 0; i < EventQueue::kRoom; ++i) queue.add(EventKind::kStartPressed, std::chrono::nanoseconds(i));
+  for (std::size_t i = 0; i < EventQueue::kCapacity; ++i)
+    queue.add(EventKind::kStartPressed, std::chrono::nanoseconds(i));
   queue.add(EventKind::kCancelPressed, 0ns);
   std::size_t taken = 0;
   while (const auto event = queue.take()) {
     EXPECT_EQ(event->kind, EventKind::kStartPressed);
     ++taken;
   }
-  EXPECT_EQ(taken, EventQueue::kRoom);
+  EXPECT_EQ(taken, EventQueue::kCapacity);
 }
 
 TEST(ShutdownSignal, MakesAnEventOfTheSystemsWish) {

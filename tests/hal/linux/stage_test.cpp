@@ -9,9 +9,9 @@
 #include <thread>
 #include <vector>
 
-#include "hal/linux/events/linux_clock.hpp"
+#include "hal/linux/events/clock.hpp"
 #include "hal/linux/gpio/edges.hpp"
-#include "hal/linux/stage/linux_z_stage.hpp"
+#include "hal/linux/stage/z_stage.hpp"
 #include "hal/mask_display.hpp"
 #include "hal/uv_lamp.hpp"
 
@@ -78,7 +78,7 @@ class FakeLines final : public StageLines {
 
  private:
   void keep(bool pressed) {
-    if (edges_.size() < static_cast<std::size_t>(kEdgesKept)) edges_.push_back({pressed, monotonic_now()});
+    if (edges_.size() < static_cast<std::size_t>(kKernelEdges)) edges_.push_back({pressed, monotonic_now()});
   }
 
   mutable std::mutex mutex_;
@@ -102,7 +102,7 @@ class DarkLamp final : public UvLamp {
  private:
   Expected<TimePoint> do_begin(nanoseconds /*cure*/) override { return TimePoint(); }
   bool do_over() const override { return true; }
-  void do_darken() noexcept override {}
+  void do_turn_off() noexcept override {}
   bool do_lit() const override { return false; }
   Expected<ExposureReport> do_report() override { return ExposureReport{}; }
 };
@@ -151,7 +151,7 @@ TEST(StepLegs, CountWhatWasLateForTheReportThatTakesIt) {
   EXPECT_EQ(legs.run(40, Speed(50), LegUntil::kDone, monotonic_now() - 8ms).end, StepLegEnd::kDone);
   const StepRecord record = legs.take_record();
   EXPECT_EQ(record.steps, 40U);
-  EXPECT_GE(record.late + record.restarts, 1U);
+  EXPECT_GE(record.late + record.standstills, 1U);
   EXPECT_GE(record.worst, 3500us);
   const StepRecord taken = legs.take_record();
   EXPECT_EQ(taken.steps, 0U);
@@ -220,7 +220,7 @@ TEST_F(Stage, MovesToTheStepNearestToItsTarget) {
     ASSERT_TRUE(moved) << moved.error().message();
     EXPECT_TRUE(moved->arrived);
     EXPECT_NEAR(height_mm(), target, kStep / 2 + 1e-9);
-    EXPECT_NEAR(moved->at.above_film().millimetres(), height_mm(), 1e-6);
+    EXPECT_NEAR(moved->position.above_film().millimetres(), height_mm(), 1e-6);
   }
 }
 
@@ -245,7 +245,7 @@ TEST_F(Stage, StopsOnItsWayAndKnowsWhere) {
   EXPECT_FALSE(report->arrived);
   EXPECT_TRUE(stage().homed());
   EXPECT_GT(height_mm(), 2.5);
-  EXPECT_NEAR(report->at.above_film().millimetres(), height_mm(), 1e-6);
+  EXPECT_NEAR(report->position.above_film().millimetres(), height_mm(), 1e-6);
 }
 
 TEST_F(Stage, SaysThatTheEndStopIsNotThere) {

@@ -8,7 +8,7 @@
 #include <fstream>
 
 #include "hal/linux/stick/stick_volume.hpp"
-#include "hal/linux/thermals/linux_thermals.hpp"
+#include "hal/linux/thermals/thermals.hpp"
 
 namespace plumbline {
 namespace {
@@ -107,7 +107,7 @@ TEST_F(Sysfs, AFanIsTakenFromTheKernelAndTurnsAsAsked) {
   EXPECT_EQ(read("class/hwmon/hwmon4/pwm1"), "128");
   ASSERT_TRUE(thermals->set_fan(Fan::kLamp, 7));
   EXPECT_EQ(read("class/hwmon/hwmon4/pwm1"), "255");
-  EXPECT_EQ(thermals->fan_health(Fan::kLamp), FanHealth::kAsAsked) << "it has just been asked";
+  EXPECT_EQ(thermals->fan_health(Fan::kLamp), FanHealth::kOk) << "it has just been asked";
 }
 
 TEST_F(Sysfs, AFanThatIsNotThereDoesNothingAndIsNotMonitored) {

@@ -75,7 +75,7 @@ std::vector<Effect> effects() {
     // Too low by 0.2 mm: the end stop comes 0.2 mm later than the steps say.
     EXPECT_NEAR(machine.stage.home().value().steps_lost.millimetres(), 0.2, 0.00126);
   };
-  const auto stick_is_gone = [](const Machine& machine, Plant&) { EXPECT_FALSE(machine.stick.present()); };
+  const auto stick_is_gone = [](const Machine& machine, Plant&) { EXPECT_FALSE(machine.stick.has_stick()); };
   const auto first_read = [](const Machine& machine, ErrorCode code) {
     const auto mount = machine.stick.mount();
     ASSERT_TRUE(mount);
@@ -88,7 +88,7 @@ std::vector<Effect> effects() {
   };
   const auto fan_stalls = [](Fan fan) {
     return [fan](const Machine& machine, Plant&) {
-      EXPECT_EQ(machine.thermals.fan_health(fan), FanHealth::kAsAsked) << "it is not to turn";
+      EXPECT_EQ(machine.thermals.fan_health(fan), FanHealth::kOk) << "it is not to turn";
       ASSERT_TRUE(machine.thermals.set_fan(fan, 0.5));
       EXPECT_EQ(machine.thermals.fan_health(fan), FanHealth::kStalled);
     };
@@ -145,7 +145,7 @@ std::vector<Effect> effects() {
        .option = ",for=1s",
        .then =
            [](const Machine& machine, Plant& plant) {
-             ASSERT_TRUE(plant.pass(1s));
+             ASSERT_TRUE(plant.wait(1s));
              EXPECT_FALSE(machine.panel.cover_open());
            }},
       {.kind = F::kCoverSwitchDead,
@@ -158,7 +158,7 @@ std::vector<Effect> effects() {
       {.kind = F::kStickPulled, .then = stick_is_gone},
       {.kind = F::kStickPulled,
        .option = ",for=1s",
-       .then = [](const Machine& machine, Plant&) { EXPECT_TRUE(machine.stick.present()); }},
+       .then = [](const Machine& machine, Plant&) { EXPECT_TRUE(machine.stick.has_stick()); }},
       {.kind = F::kStickSlow,
        .then =
            [](const Machine& machine, Plant&) {
@@ -215,7 +215,7 @@ TEST_P(FaultEffect, IsThatOfTheTable) {
     ASSERT_TRUE(printed) << printed.error().message();
   }
   if (row_of(effect.kind).name.starts_with("button") || effect.kind == FaultKind::kSystemShutdown) {
-    ASSERT_TRUE(plant.pass(60s));
+    ASSERT_TRUE(plant.wait(60s));
   }
   EXPECT_EQ(kinds_of(plant.objections()), effect.objections) << testing::PrintToString(texts_of(plant.objections()));
   for (const Objection& objection : plant.objections()) EXPECT_GE(objection.layer, 2U);

@@ -103,8 +103,8 @@ TEST(PanelModel, ShowsTheNewMaskAfterTheFrameAndItsSettling) {
   timeline.advance_until(at(1s), [] { return false; });
   // The flip is at the first frame after 5 ms.
   EXPECT_EQ(settled, at(build.frame * 2 + build.settling));
-  EXPECT_TRUE(panel.true_to_mask());
-  EXPECT_EQ(panel.seen().count(), 1U);
+  EXPECT_TRUE(panel.matches_mask());
+  EXPECT_EQ(panel.visible().count(), 1U);
   EXPECT_EQ(panel.back().count(), 0U);
 }
 
@@ -121,11 +121,11 @@ TEST(PanelModel, TornShowsTheUpperHalfOfTheNewMaskAndTheLowerOfTheOld) {
     timeline.advance_until(timeline.now() + 1s, [] { return false; });
   };
   show(3);
-  panel.tears = true;
+  panel.torn = true;
   show(66);
   for (std::uint32_t row = 0; row < 10; ++row) {
-    EXPECT_EQ(panel.seen().at(66, row), row < 5);
-    EXPECT_EQ(panel.seen().at(3, row), row >= 5);
+    EXPECT_EQ(panel.visible().at(66, row), row < 5);
+    EXPECT_EQ(panel.visible().at(3, row), row >= 5);
   }
 }
 

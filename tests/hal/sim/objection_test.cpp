@@ -37,13 +37,13 @@ class Objections : public testing::Test {
   void show(bool black = false) {
     for (auto& word : plant_.panel().back().words()) word = 1;
     plant_.panel().flip(black, [] {});
-    plant_.pass(1s);
+    plant_.wait(1s);
   }
   void light(nanoseconds time) {
     plant_.lamp_line(true);
-    plant_.pass(time);
+    plant_.wait(time);
     plant_.lamp_line(false);
-    plant_.pass(10ms);
+    plant_.wait(10ms);
   }
   auto objections() { return kinds_of(plant_.objections()); }
 
@@ -83,14 +83,14 @@ TEST_F(Objections, ToBlankingUnderLight) {
 TEST_F(Objections, ToLightBeforeTheScanOutIsOver) {
   go_to(150_um);
   plant_.panel().flip(false, [] {});
-  plant_.pass(30ms);
+  plant_.wait(30ms);
   light(1s);
   EXPECT_THAT(objections(), ElementsAre(ObjectionKind::kMaskTornUnderLight));
 }
 
 TEST_F(Objections, ToLightThroughATornMask) {
   go_to(150_um);
-  plant_.panel().tears = true;
+  plant_.panel().torn = true;
   show();
   light(1s);
   EXPECT_THAT(objections(), ElementsAre(ObjectionKind::kMaskTornUnderLight));
@@ -108,7 +108,7 @@ TEST_F(Objections, ToMotionUnderLight) {
 TEST_F(Objections, ToLightWhileTheStageMoves) {
   show();
   plant_.start_leg(-1_mm, Speed(1), StageSwitch::kNone, [](const LegResult&) {});
-  plant_.pass(100ms);
+  plant_.wait(100ms);
   light(10ms);
   EXPECT_THAT(objections(), ElementsAre(ObjectionKind::kMotionUnderLight));
 }
@@ -117,11 +117,11 @@ TEST_F(Objections, ToLightThatTheOpenCoverDoesNotEnd) {
   go_to(150_um);
   show();
   plant_.lamp_line(true);
-  plant_.pass(1s);
+  plant_.wait(1s);
   plant_.open_cover();
-  plant_.pass(9ms);
+  plant_.wait(9ms);
   EXPECT_THAT(objections(), IsEmpty());
-  plant_.pass(2ms);
+  plant_.wait(2ms);
   plant_.lamp_line(false);
   EXPECT_THAT(objections(), ElementsAre(ObjectionKind::kLightWithCoverOpen));
 }
@@ -130,7 +130,7 @@ TEST_F(Objections, ToLightThatBeginsWithTheCoverOpen) {
   go_to(150_um);
   show();
   plant_.open_cover();
-  plant_.pass(1s);
+  plant_.wait(1s);
   light(1ms);
   EXPECT_THAT(objections(), ElementsAre(ObjectionKind::kLightWithCoverOpen));
 }
@@ -144,7 +144,7 @@ TEST_F(Objections, ToLightThroughABlankPanel) {
 TEST_F(Objections, ToThePlateInTheFilm) {
   Plant empty(small_printer());
   empty.start_leg(-1_mm - empty.stage().height(), Speed(4), StageSwitch::kNone, [](const LegResult&) {});
-  empty.pass(100s);
+  empty.wait(100s);
   EXPECT_THAT(kinds_of(empty.objections()), ElementsAre(ObjectionKind::kTravelPastEnd));
 }
 
@@ -208,7 +208,7 @@ TEST_F(Objections, NotToADoseThatCameInTwoParts) {
   plant_.expect_light(2s);
   light(700ms);
   go_to(40_mm);
-  plant_.pass(600s);
+  plant_.wait(600s);
   go_to(150_um);
   plant_.expect_light(1300ms);
   light(1300ms);

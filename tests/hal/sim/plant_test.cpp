@@ -107,7 +107,7 @@ TEST(Plant, AfterAPowerCutAtAnyInstantThePrintGoesOnWithTheSamePart) {
       EXPECT_TRUE(power_lost(devices.panel.beep(1s)));
       EXPECT_TRUE(power_lost(devices.thermals.temperature(TemperatureSite::kLamp)));
       EXPECT_TRUE(power_lost(devices.thermals.set_fan(Fan::kLamp, 1)));
-      EXPECT_FALSE(plant.pass(1s));
+      EXPECT_FALSE(plant.wait(1s));
       EXPECT_EQ(plant.now(), now);
     }
     const auto cured = static_cast<std::uint32_t>(plant.part().layers().size());
@@ -152,7 +152,7 @@ TEST(Plant, IsDarkAndStillWhenTheFirmwareIsKilled) {
   new (left.data()) Exposure(std::move(*exposure));
   EXPECT_TRUE(plant.light());
   machine.reset();
-  ASSERT_TRUE(plant.pass(50ms));
+  ASSERT_TRUE(plant.wait(50ms));
   EXPECT_FALSE(plant.light());
 }
 
@@ -171,7 +171,7 @@ TEST(Plant, TheFirmwareSeesTimePassForAMaskThatTakesTime) {
   lend();
   ASSERT_TRUE(print_layers(devices, {.layers = 2}));
   lend();
-  ASSERT_TRUE(plant.pass(30s));
+  ASSERT_TRUE(plant.wait(30s));
   lend();
   EXPECT_THAT(takes, testing::ElementsAre(0.3, 1.8, 0.3));
 }

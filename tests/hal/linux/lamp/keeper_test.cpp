@@ -108,12 +108,12 @@ TEST(Keeper, DarkensWhenTold) {
   auto keeper = LampKeeper::start(kKeeper, line.option());
   ASSERT_TRUE(keeper);
   ASSERT_TRUE(keeper->light(10s));
-  const auto dark = keeper->darken();
+  const auto dark = keeper->turn_off();
   ASSERT_TRUE(dark);
   const auto changes = line.changes();
   ASSERT_EQ(changes.size(), 2U);
   EXPECT_LE(changes[1].at, *dark);
-  EXPECT_TRUE(keeper->darken()) << "any number of times";
+  EXPECT_TRUE(keeper->turn_off()) << "any number of times";
   EXPECT_EQ(line.changes().size(), 2U);
 }
 
@@ -200,19 +200,19 @@ class Cover {
   std::string path_;
 };
 
-/// The keeper's next news; a second at most.
-std::optional<LampKeeper::News> news_of(LampKeeper& keeper) {
+/// The keeper's next notice; a second at most.
+std::optional<LampKeeper::Notice> news_of(LampKeeper& keeper) {
   const auto until = now() + 1s;
-  auto news = keeper.next_news();
-  while (!news && now() < until) {
+  auto notice = keeper.next_notice();
+  while (!notice && now() < until) {
     ::usleep(500);
-    news = keeper.next_news();
+    notice = keeper.next_notice();
   }
-  return news;
+  return notice;
 }
 
 TEST(Keeper, EndsTheLightWhenTheCoverIsOpenedAndSaysWhyFirst) {
-  using Kind = LampKeeper::News::Kind;
+  using Kind = LampKeeper::Notice::Kind;
   const Line line;
   const Cover cover(line);
   auto keeper = LampKeeper::start(kKeeper, line.option(), cover.option());
@@ -235,7 +235,7 @@ TEST(Keeper, EndsTheLightWhenTheCoverIsOpenedAndSaysWhyFirst) {
   const auto closed = news_of(*keeper);
   ASSERT_TRUE(closed);
   EXPECT_EQ(closed->kind, Kind::kCoverClosed) << "once, when the contact rests";
-  EXPECT_FALSE(keeper->next_news());
+  EXPECT_FALSE(keeper->next_notice());
   EXPECT_TRUE(keeper->light(1s));
 }
 
@@ -274,7 +274,7 @@ TEST(Keeper, HearsTheFirmwareWhileTheCoversLineHums) {
     while (hums) switch_line << words << std::flush;
   });
   EXPECT_FALSE(line.wait_for(2).back().lit);
-  EXPECT_TRUE(keeper->darken());
+  EXPECT_TRUE(keeper->turn_off());
   EXPECT_EQ(keeper->light(1s).error().code(), ErrorCode::kLampFailed) << "not with a cover that may be open";
   hums = false;
   hum.join();
@@ -287,10 +287,10 @@ TEST(Keeper, ThatEndsIsNews) {
   ASSERT_TRUE(keeper);
   ASSERT_TRUE(keeper->light(10s));
   ASSERT_EQ(::kill(keeper->process(), SIGKILL), 0);
-  const auto news = news_of(*keeper);
-  ASSERT_TRUE(news);
-  EXPECT_EQ(news->kind, LampKeeper::News::Kind::kGone);
-  EXPECT_FALSE(keeper->next_news()) << "once";
+  const auto notice = news_of(*keeper);
+  ASSERT_TRUE(notice);
+  EXPECT_EQ(notice->kind, LampKeeper::Notice::Kind::kGone);
+  EXPECT_FALSE(keeper->next_notice()) << "once";
 }
 
 TEST(Keeper, ThatDoesNotExistIsSaid) {

@@ -1,27 +1,27 @@
 #pragma once
-/// Temperatures and fans of a board, through sysfs.
+/// Temperature sensors and fans of a board, through sysfs.
 
 #include <optional>
 
-#include "hal/linux/events/linux_clock.hpp"
+#include "hal/linux/events/clock.hpp"
 #include "hal/linux/thermals/number_file.hpp"
-#include "hal/linux/thermals/thermal_settings.hpp"
+#include "hal/wiring.hpp"
 
 namespace plumbline {
 
-/// The file that holds a sensor's temperature.
+/// The path of a sensor's file.
 /// @param sysfs  "/sys"
-/// @retval ErrorCode::kBadSetting  no chip or zone of that name: those that there are
+/// @retval ErrorCode::kBadSetting  no chip or zone of that name; the message lists the others
 [[nodiscard]] Expected<std::string> find_sensor(const SensorSettings& settings, const std::string& sysfs);
 
-/// The file that sets a fan's speed: of a hwmon chip, or the folder of a PWM chip, whose channels come when they are asked for.
+/// The path of the file that controls a fan: pwm1 of a hwmon chip, or "export" of a PWM chip, which creates its channels.
 /// @retval ErrorCode::kBadSetting  no such chip
 [[nodiscard]] Expected<std::string> find_fan(const FanSettings& settings, const std::string& sysfs);
 
-/// A fan whose speed is set by pulses.
+/// A fan with PWM speed control.
 class LinuxFan {
  public:
-  /// Takes it over from the kernel, standing. @pre settings.given()
+  /// Takes control of the fan from the kernel and stops it. @pre settings.given()
   /// @retval ErrorCode::kBadSetting  no such chip
   /// @retval ErrorCode::kCannotOpen  no permission, or another program has the channel
   [[nodiscard]] static Expected<LinuxFan> open(const FanSettings& settings, const std::string& sysfs);
@@ -31,13 +31,13 @@ class LinuxFan {
   FanHealth health() const noexcept;
 
  private:
-  LinuxFan(NumberFile duty, std::int64_t full, std::optional<NumberFile> turns)
-      : duty_(std::move(duty)), full_(full), turns_(std::move(turns)) {}
+  LinuxFan(NumberFile duty, std::int64_t full, std::optional<NumberFile> tachometer)
+      : duty_(std::move(duty)), full_(full), tachometer_(std::move(tachometer)) {}
   NumberFile duty_;
-  std::int64_t full_;                // what it is at full speed
-  std::optional<NumberFile> turns_;  // a minute; absent: the fan has no wire that tells
-  bool asked_ = false;
-  nanoseconds asked_at_{};
+  std::int64_t full_;                     // what it is at full speed
+  std::optional<NumberFile> tachometer_;  // a minute; absent: the fan has no wire that tells
+  bool on_ = false;
+  nanoseconds turned_on_at_{};  // CLOCK_MONOTONIC
 };
 
 class LinuxThermals final : public Thermals {
@@ -47,7 +47,7 @@ class LinuxThermals final : public Thermals {
     std::array<std::optional<LinuxFan>, kFanCount> fans;
   };
   /// @param sysfs  "/sys"
-  /// @retval those of find_sensor() and LinuxFan::open(), with the sensor's or the fan's name
+  /// @retval the errors of find_sensor() and LinuxFan::open(), with the name of the sensor or fan
   [[nodiscard]] static Expected<Devices> open(const ThermalSettings& settings, const std::string& sysfs);
 
   LinuxThermals(Devices devices, Interlock& interlock) : Thermals(interlock), devices_(std::move(devices)) {}

@@ -1,4 +1,4 @@
-#include "hal/linux/display/panel_layout.hpp"
+#include "hal/linux/display/pack_pixels.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,27 +8,27 @@ namespace plumbline {
 namespace {
 
 constexpr std::uint32_t kWhite = 0x00FFFFFF;
-/// By three bits, the first neighbour the lowest: red is the highest byte of the three.
+/// Pixel for three bits, the first neighbour the lowest bit: the first is red, the highest byte.
 constexpr std::array<std::uint32_t, 8> kForward = {0x000000, 0xFF0000, 0x00FF00, 0xFFFF00,
                                                    0x0000FF, 0xFF00FF, 0x00FFFF, 0xFFFFFF};
 constexpr std::array<std::uint32_t, 8> kBackward = {0x000000, 0x0000FF, 0x00FF00, 0x00FFFF,
                                                     0xFF0000, 0xFF00FF, 0xFFFF00, 0xFFFFFF};
 
-/// Three bits of a row from `at` on.
-std::size_t three(std::span<const std::uint64_t> row, std::uint32_t at) {
+/// Three bits of a row, starting at `at`.
+std::size_t three_bits(std::span<const std::uint64_t> row, std::uint32_t at) {
   const std::uint32_t shift = at % 64;
   std::uint64_t bits = row[at / 64] >> shift;
   if (shift > 61) bits |= row[at / 64 + 1] << (64 - shift);
   return static_cast<std::size_t>(bits & 7U);
 }
 
-/// A row that lies as it does in the mask, or the other way round.
+/// Packs a row of the mask, forward or backward.
 void pack_row(std::span<const std::uint64_t> row, std::uint32_t columns, bool rgb, bool backward,
               std::span<std::uint32_t> out) {
   if (rgb) {
     const auto& colours = backward ? kBackward : kForward;
     for (std::uint32_t i = 0; i < out.size(); ++i) {
-      out[i] = colours[three(row, backward ? columns - 3 * (i + 1) : 3 * i)];
+      out[i] = colours[three_bits(row, backward ? columns - 3 * (i + 1) : 3 * i)];
     }
     return;
   }
@@ -38,7 +38,7 @@ void pack_row(std::span<const std::uint64_t> row, std::uint32_t columns, bool rg
   }
 }
 
-/// A row that is a column of the mask, read downwards or upwards.
+/// Packs a column of the mask, read downward or upward, as a row.
 void pack_column(ConstBitImage mask, std::uint32_t column, bool rgb, bool upward, std::span<std::uint32_t> out) {
   std::uint32_t row = upward ? mask.rows() - 1 : 0;
   const std::uint32_t next = upward ? ~0U : 1U;
@@ -56,15 +56,6 @@ void pack_column(ConstBitImage mask, std::uint32_t column, bool rgb, bool upward
 
 }  // namespace
 
-Status PanelLayout::check() const {
-  if (rgb && picture_width() % 3 != 0) {
-    return fail(ErrorCode::kBadSetting,
-                "the panel packs three pixels of a row into one, but has %u of them a row as it is turned",
-                picture_width());
-  }
-  return {};
-}
-
 void pack_pixels(const PanelLayout& layout, ConstBitImage mask, std::span<std::uint32_t> pixels, std::size_t pitch) {
   assert(mask.columns() == layout.columns && mask.rows() == layout.rows && pitch >= layout.mode_width());
   const bool flip_x = layout.mirror == PanelLayout::Mirror::kX;
@@ -73,16 +64,16 @@ void pack_pixels(const PanelLayout& layout, ConstBitImage mask, std::span<std::u
   for (std::uint32_t r = 0; r < height; ++r) {
     const auto row = pixels.subspan(r * pitch, pitch);
     const auto out = row.first(layout.mode_width());
-    const std::uint32_t turned = flip_y ? height - 1 - r : r;  // the row of the turned picture
+    const std::uint32_t rotated = flip_y ? height - 1 - r : r;  // row of the rotated mask
     switch (layout.rotation_deg) {
-      case 90:  // its top row is the mask's rightmost column, read downwards
-        pack_column(mask, layout.columns - 1 - turned, layout.rgb, flip_x, out);
+      case 90:  // the top row is the mask's rightmost column, read downward
+        pack_column(mask, layout.columns - 1 - rotated, layout.rgb, flip_x, out);
         break;
-      case 180: pack_row(mask.row(layout.rows - 1 - turned), layout.columns, layout.rgb, !flip_x, out); break;
-      case 270:  // the leftmost column, read upwards
-        pack_column(mask, turned, layout.rgb, !flip_x, out);
+      case 180: pack_row(mask.row(layout.rows - 1 - rotated), layout.columns, layout.rgb, !flip_x, out); break;
+      case 270:  // the top row is the leftmost column, read upward
+        pack_column(mask, rotated, layout.rgb, !flip_x, out);
         break;
-      default: pack_row(mask.row(turned), layout.columns, layout.rgb, flip_x, out); break;
+      default: pack_row(mask.row(rotated), layout.columns, layout.rgb, flip_x, out); break;
     }
     std::fill(row.begin() + static_cast<std::ptrdiff_t>(out.size()), row.end(), 0U);
   }

@@ -1,4 +1,4 @@
-#include "hal/linux/stage/linux_z_stage.hpp"
+#include "hal/linux/stage/z_stage.hpp"
 
 #include <sys/eventfd.h>
 #include <unistd.h>
@@ -8,20 +8,23 @@
 #include <cmath>
 #include <cstring>
 
-#include "hal/linux/events/linux_clock.hpp"
+#include "hal/linux/events/clock.hpp"
 #include "hal/linux/events/real_time.hpp"
 
 namespace plumbline {
 namespace {
 
-constexpr Distance kBackOffWay = 2_mm;
-constexpr Distance kReleaseWay = 1_mm;  // no more: where the switch lies, the part may be at the film
-constexpr Distance kSlack = 2_mm;       // that an approach goes beyond the end stop's nominal height
-constexpr Speed kApproachSpeed(5);
-constexpr auto kGrace = std::chrono::seconds(1);
+constexpr Distance kBackOff =
+    2_mm;  // after the fast approach: more than its braking distance and the switch's hysteresis
+constexpr Distance kRelease =
+    1_mm;  // down from a pressed switch; no more, because a faulty one may be pressed near the film
+constexpr Distance kOvertravel = 2_mm;  // how far an approach continues above the end stop's nominal height
+constexpr Speed kApproachSpeed(5);      // mm/s; faster saves seconds, but brakes longer past the switch (v^2 / 2a)
+constexpr auto kGrace = std::chrono::seconds(1);  // past ends_by(), before the stage counts as hung
 
-nanoseconds duration_of(Distance way, Speed speed, Acceleration acceleration) {
-  return std::chrono::round<nanoseconds>(Ramp(way < Distance() ? -way : way, speed, acceleration).duration());
+nanoseconds duration_of(Distance distance, Speed speed, Acceleration acceleration) {
+  return std::chrono::round<nanoseconds>(
+      Ramp(distance < Distance() ? -distance : distance, speed, acceleration).duration());
 }
 
 }  // namespace
@@ -33,7 +36,7 @@ LinuxZStage::LinuxZStage(const Limits& limits, const Mechanics& mechanics, Stage
       legs_(lines, mechanics.step_mm, limits.acceleration),
       wake_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
   std::unique_lock lock(mutex_);
-  thread_ = std::thread([this] { serve(); });
+  thread_ = std::thread([this] { run_thread(); });
   changed_.wait(lock, [this] { return order_ == Order::kNone && ended_at_ != nanoseconds(); });
 }
 
@@ -49,10 +52,10 @@ LinuxZStage::~LinuxZStage() {
   if (wake_ >= 0) ::close(wake_);
 }
 
-void LinuxZStage::serve() {
-  runs_first_ = run_first(kStagePriority);
+void LinuxZStage::run_thread() {
+  has_real_time_priority_ = set_real_time_priority(kStagePriority);
   std::unique_lock lock(mutex_);
-  ended_at_ = monotonic_now();  // says that the thread is there
+  ended_at_ = monotonic_now();  // shows the constructor that the thread runs
   changed_.notify_all();
   for (;;) {
     changed_.wait(lock, [this] { return order_ != Order::kNone; });
@@ -70,7 +73,7 @@ void LinuxZStage::serve() {
     ended_at_ = monotonic_now();
     if (ended_count_ < ended_.size()) ended_[ended_count_++] = ended_at_;
     const std::uint64_t one = 1;
-    static_cast<void>(::write(wake_, &one, sizeof one));  // can only say that it is readable already
+    static_cast<void>(::write(wake_, &one, sizeof one));  // fails only if it is already readable
     moving_ = false;
     changed_.notify_all();
   }
@@ -84,15 +87,15 @@ void LinuxZStage::drain(EventQueue& events) {
   ended_count_ = 0;
 }
 
-std::int64_t LinuxZStage::steps_of(Distance way) const {
-  return std::llround(static_cast<double>(way.nanometres()) / (mechanics_.step_mm * 1e6));
+std::int64_t LinuxZStage::steps_of(Distance distance) const {
+  return std::llround(static_cast<double>(distance.nanometres()) / (mechanics_.step_mm * 1e6));
 }
 
-Distance LinuxZStage::way_of(std::int64_t steps) const {
+Distance LinuxZStage::distance_of(std::int64_t steps) const {
   return Distance::nanometres(std::llround(static_cast<double>(steps) * mechanics_.step_mm * 1e6));
 }
 
-ZPosition LinuxZStage::height_of(std::int64_t count) const { return reference_ + way_of(count); }
+ZPosition LinuxZStage::height_of(std::int64_t count) const { return reference_ + distance_of(count); }
 
 bool LinuxZStage::do_homed() const {
   const std::scoped_lock lock(mutex_);
@@ -111,9 +114,9 @@ ZPosition LinuxZStage::do_position() const {
   return height_of(legs_.count());
 }
 
-void LinuxZStage::give(Order order) {
-  legs_.forget_stop();
-  legs_.forget_put_off();
+void LinuxZStage::start(Order order) {
+  legs_.clear_stop();
+  legs_.clear_delayed_end();
   order_ = order;
   moving_ = true;
   arrived_ = false;
@@ -127,8 +130,8 @@ Status LinuxZStage::do_begin_move(ZPosition target, Speed speed) {
   target_ = steps_of(target - reference_);
   speed_ = speed;
   began_at_ = monotonic_now();
-  ends_by_ = began_at_ + duration_of(way_of(target_ - legs_.count()), speed, limits().acceleration);
-  give(Order::kMove);
+  ends_by_ = began_at_ + duration_of(distance_of(target_ - legs_.count()), speed, limits().acceleration);
+  start(Order::kMove);
   return {};
 }
 
@@ -136,24 +139,24 @@ Status LinuxZStage::do_begin_homing() {
   const std::scoped_lock lock(mutex_);
   was_homed_ = std::exchange(homed_, false);
   began_at_ = monotonic_now();
-  const Distance whole = limits().end_stop - limits().lowest + kSlack;
-  const Distance ways = kReleaseWay + kBackOffWay * 2 + kSlack;  // the slow ones, twice as a margin
-  ends_by_ = began_at_ + duration_of(whole, std::min(kApproachSpeed, limits().fastest), limits().acceleration) +
-             2 * duration_of(ways, mechanics_.find_speed, limits().acceleration) + std::chrono::seconds(10);
-  give(Order::kHome);
+  const Distance travel = limits().end_stop - limits().lowest + kOvertravel;
+  const Distance slow_legs = kRelease + kBackOff * 2 + kOvertravel;  // counted twice below, as a margin
+  ends_by_ = began_at_ + duration_of(travel, std::min(kApproachSpeed, limits().fastest), limits().acceleration) +
+             2 * duration_of(slow_legs, mechanics_.find_speed, limits().acceleration) + std::chrono::seconds(10);
+  start(Order::kHome);
   return {};
 }
 
 TimePoint LinuxZStage::do_ends_by() const {
   const std::scoped_lock lock(mutex_);
-  return TimePoint(std::max(ends_by_, legs_.put_off()));
+  return TimePoint(std::max(ends_by_, legs_.delayed_end()));
 }
 
 Status LinuxZStage::do_stop() {
   legs_.stop();
   const std::scoped_lock lock(mutex_);
   if (!moving_) return {};
-  legs_.forget_put_off();
+  legs_.clear_delayed_end();
   const auto slowing = std::chrono::duration<double>(limits().fastest.value() / limits().acceleration.value());
   ends_by_ = std::min(ends_by_, monotonic_now() + std::chrono::round<nanoseconds>(slowing));
   return {};
@@ -162,7 +165,7 @@ Status LinuxZStage::do_stop() {
 Expected<MotionReport> LinuxZStage::do_finish() {
   std::unique_lock lock(mutex_);
   while (moving_) {
-    const nanoseconds until = std::max(ends_by_, legs_.put_off()) + kGrace;
+    const nanoseconds until = std::max(ends_by_, legs_.delayed_end()) + kGrace;
     if (monotonic_now() > until) {
       return fail(ErrorCode::kDeviceTimeout, "the stage did not end its motion: switch the printer off and on");
     }
@@ -171,13 +174,13 @@ Expected<MotionReport> LinuxZStage::do_finish() {
   if (!outcome_) return tl::unexpected<Error>(outcome_.error());
   return MotionReport{.began_at = TimePoint(began_at_),
                       .ended_at = TimePoint(ended_at_),
-                      .at = height_of(legs_.count()),
+                      .position = height_of(legs_.count()),
                       .arrived = arrived_,
                       .steps_lost = steps_lost_};
 }
 
-Status LinuxZStage::leg(Distance way, Speed speed, LegUntil until, StepLegResult& result) {
-  result = legs_.run(steps_of(way), std::min(speed, limits().fastest), until, monotonic_now());
+Status LinuxZStage::run_leg(Distance distance, Speed speed, LegUntil until, StepLegResult& result) {
+  result = legs_.run(steps_of(distance), std::min(speed, limits().fastest), until, monotonic_now());
   if (result.end == StepLegEnd::kFailed) {
     return fail(ErrorCode::kStageStalled, "a line of the stage's driver can't be set: %s", std::strerror(errno));
   }
@@ -196,7 +199,7 @@ Status LinuxZStage::move() {
     case StepLegEnd::kStopped: return fail(ErrorCode::kCancelled, "stopped");
     case StepLegEnd::kMetStop:
       return fail(ErrorCode::kEndStopStuck,
-                  "the end stop closed %.2f mm below its place: check its switch, and what blocks the stage",
+                  "the end stop closed %.2f mm too low: check the switch and what blocks the stage",
                   (limits().end_stop - height_of(result.switched)).millimetres());
     case StepLegEnd::kFailed:
       return fail(ErrorCode::kStageStalled, "a line of the stage's driver can't be set: %s", std::strerror(errno));
@@ -209,30 +212,30 @@ Status LinuxZStage::home() {
     return fail(ErrorCode::kStageStalled, "the stage's driver can't be enabled: %s", std::strerror(errno));
   }
   PLUMBLINE_TRY(approach());
-  PLUMBLINE_TRY(find());
-  StepLegResult way_back;
-  return leg(limits().highest - height_of(legs_.count()), kApproachSpeed, LegUntil::kDone, way_back);
+  PLUMBLINE_TRY(find_end_stop());
+  StepLegResult back;
+  return run_leg(limits().highest - height_of(legs_.count()), kApproachSpeed, LegUntil::kDone, back);
 }
 
-/// Ends a little below the end stop, which is open.
+/// Brings the stage just below the end stop, which is then released.
 Status LinuxZStage::approach() {
   StepLegResult result;
   if (lines_.pressed()) {
-    if (was_homed_ && height_of(legs_.count()) < limits().end_stop - kBackOffWay) {
-      return fail(ErrorCode::kEndStopStuck,
-                  "the end stop is pressed although the stage is not there: check its switch");
+    if (was_homed_ && height_of(legs_.count()) < limits().end_stop - kBackOff) {
+      return fail(ErrorCode::kEndStopStuck, "the end stop is pressed, but the stage is elsewhere: check the switch");
     }
-    PLUMBLINE_TRY(leg(-kReleaseWay, mechanics_.find_speed, LegUntil::kReleased, result));
+    PLUMBLINE_TRY(run_leg(-kRelease, mechanics_.find_speed, LegUntil::kReleased, result));
     if (result.end != StepLegEnd::kSwitched) {
       return fail(ErrorCode::kEndStopStuck, "the end stop stays pressed: check its switch");
     }
   } else {
-    PLUMBLINE_TRY(leg(limits().end_stop - limits().lowest + kSlack, kApproachSpeed, LegUntil::kPressed, result));
+    PLUMBLINE_TRY(
+        run_leg(limits().end_stop - limits().lowest + kOvertravel, kApproachSpeed, LegUntil::kPressed, result));
     if (result.end != StepLegEnd::kSwitched) {
       return fail(ErrorCode::kEndStopNotFound,
-                  "the stage went its whole way and met no end stop: check its switch and cable");
+                  "the stage covered its whole travel without meeting the end stop: check switch and cable");
     }
-    PLUMBLINE_TRY(leg(-kBackOffWay, kApproachSpeed, LegUntil::kDone, result));
+    PLUMBLINE_TRY(run_leg(-kBackOff, kApproachSpeed, LegUntil::kDone, result));
     if (lines_.pressed()) {
       return fail(ErrorCode::kEndStopStuck, "the end stop stays pressed after backing off: check its switch");
     }
@@ -240,15 +243,15 @@ Status LinuxZStage::approach() {
   return {};
 }
 
-Status LinuxZStage::find() {
+Status LinuxZStage::find_end_stop() {
   StepLegResult result;
-  PLUMBLINE_TRY(leg(kBackOffWay + kSlack, mechanics_.find_speed, LegUntil::kPressed, result));
+  PLUMBLINE_TRY(run_leg(kBackOff + kOvertravel, mechanics_.find_speed, LegUntil::kPressed, result));
   if (result.end != StepLegEnd::kSwitched) {
-    return fail(ErrorCode::kEndStopNotFound, "the end stop was met once and not again: check its switch");
+    return fail(ErrorCode::kEndStopNotFound, "the end stop switched once but not again: check the switch");
   }
   const std::scoped_lock lock(mutex_);
   if (was_homed_) steps_lost_ = height_of(result.switched) - limits().end_stop;
-  reference_ = limits().end_stop - way_of(result.switched);
+  reference_ = limits().end_stop - distance_of(result.switched);
   return {};
 }
 

@@ -5,10 +5,10 @@
 
 namespace plumbline {
 
-/// CLOCK_MONOTONIC since its start: the time of lines' edges and of the keeper, too.
+/// CLOCK_MONOTONIC, which the kernel also uses for GPIO edges and the keeper for its messages.
 nanoseconds monotonic_now();
 
-/// Returns at `deadline` or just after it; signals do not interrupt it.
+/// Returns at `deadline` or just after; signals don't interrupt it.
 void sleep_until_monotonic(nanoseconds deadline);
 
 class LinuxClock final : public Clock {

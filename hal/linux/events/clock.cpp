@@ -1,4 +1,4 @@
-#include "hal/linux/events/linux_clock.hpp"
+#include "hal/linux/events/clock.hpp"
 
 #include <cerrno>
 #include <ctime>

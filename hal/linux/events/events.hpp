@@ -1,5 +1,5 @@
 #pragma once
-/// Waits for all devices of a board at once.
+/// Waits for events of all devices of a board.
 
 #include <array>
 #include <span>
@@ -11,21 +11,22 @@ namespace plumbline {
 
 class LinuxEvents final : public Events {
  public:
-  static constexpr std::size_t kMostSources = 16;
+  static constexpr std::size_t kMaxSources =
+      16;  ///< a board has at most 8: lamp, stage, panel, 3 buttons, stick, shutdown
 
   explicit LinuxEvents(EventQueue& queue) : queue_(queue) {}
 
-  /// @pre fewer than kMostSources were added
+  /// @pre fewer than kMaxSources were added
   void add(EventSource& source);
-  /// Nobody asked for what has happened until now: what a device finds when it is opened is no event.
-  void forget();
+  /// Drops all events so far: the state in which a device is opened is no event.
+  void discard_pending();
 
  private:
   Expected<std::optional<Event>> do_next_event(TimePoint deadline) override;
   void drain();
 
   EventQueue& queue_;
-  std::array<EventSource*, kMostSources> sources_{};
+  std::array<EventSource*, kMaxSources> sources_{};
   std::size_t count_ = 0;
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-/// The lamp of a board, behind its keeper. It has no monitor: lit is what the keeper says of the line, a dose is computed.
+/// The lamp of a board, driven by the keeper. It has no monitor: "lit" is the line's state, and a dose is computed.
 
 #include "hal/linux/lamp/lamp_watch.hpp"
 #include "hal/uv_lamp.hpp"
@@ -15,7 +15,7 @@ class LinuxUvLamp final : public UvLamp {
  private:
   Expected<TimePoint> do_begin(nanoseconds cure) override;
   bool do_over() const override;
-  void do_darken() noexcept override;
+  void do_turn_off() noexcept override;
   bool do_lit() const override;
   Expected<ExposureReport> do_report() override;
 

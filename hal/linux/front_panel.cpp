@@ -1,10 +1,10 @@
-#include "hal/linux/linux_front_panel.hpp"
+#include "hal/linux/front_panel.hpp"
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
 
-#include "hal/linux/events/linux_clock.hpp"
+#include "hal/linux/events/clock.hpp"
 #include "hal/linux/gpio/edges.hpp"
 
 namespace plumbline {
@@ -13,12 +13,12 @@ Button::Button(InputLine line, EventKind kind, EventQueue& events)
     : line_(std::move(line)), kind_(kind), events_(events), contact_(line_.on().value_or(false)) {}
 
 void Button::drain(std::chrono::nanoseconds now) {
-  see_edges(line_, [&](const InputLine::Edge& edge) {
-    if (contact_.saw(edge.on, edge.at)) events_.add(kind_, edge.at);
+  for_each_edge(line_, [&](const InputLine::Edge& edge) {
+    if (contact_.update(edge.on, edge.at)) events_.add(kind_, edge.at);
   });
-  // The last edges of a long bounce may be lost.
+  // The kernel may have dropped the last edges of a long bounce.
   const auto on = line_.on();
-  if (on && !contact_.due() && *on != contact_.on() && contact_.saw(*on, now)) events_.add(kind_, now);
+  if (on && !contact_.due() && *on != contact_.on() && contact_.update(*on, now)) events_.add(kind_, now);
   static_cast<void>(contact_.settle(now));
 }
 

@@ -1,4 +1,4 @@
-#include "hal/linux/thermals/linux_thermals.hpp"
+#include "hal/linux/thermals/thermals.hpp"
 
 #include <cerrno>
 #include <cmath>
@@ -11,7 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::int64_t kHwmonFull = 255;
+constexpr std::int64_t kFullHwmonDuty = 255;  // pwm1 of a hwmon chip at full speed: Linux, hwmon/sysfs-interface
 
 std::string first_line(const fs::path& path) {
   std::string text;
@@ -28,11 +28,11 @@ Expected<std::string> find_named(const fs::path& root, const char* file, const s
     if (here == name) return entry.path().string();
     if (!here.empty()) others += (others.empty() ? "" : ", ") + here;
   }
-  return fail(ErrorCode::kBadSetting, "%s: none is called %s; this board has %s", root.c_str(), name.c_str(),
+  return fail(ErrorCode::kBadSetting, "%s: no device is called %s; this board has %s", root.c_str(), name.c_str(),
               others.empty() ? "none" : others.c_str());
 }
 
-/// sysfs makes a channel's folder when its number is written to "export".
+/// Writes a channel's number to "export", which makes sysfs create its folder.
 Expected<std::string> export_pwm(const std::string& chip, std::uint32_t channel) {
   const std::string folder = chip + "/pwm" + std::to_string(channel);
   if (fs::exists(folder)) return folder;
@@ -40,8 +40,7 @@ Expected<std::string> export_pwm(const std::string& chip, std::uint32_t channel)
   exporter << channel << std::flush;
   if (!exporter || !fs::exists(folder)) {
     return fail(ErrorCode::kCannotOpen,
-                "%s: channel %u can't be had: it has no such channel, another driver has it, or "
-                "no permission",
+                "%s: can't use channel %u: it doesn't exist, another driver has it, or permission is missing",
                 chip.c_str(), channel);
   }
   return folder;
@@ -64,7 +63,7 @@ Expected<std::string> find_sensor(const SensorSettings& settings, const std::str
 Expected<std::string> find_fan(const FanSettings& settings, const std::string& sysfs) {
   if (settings.hwmon.empty()) {
     const std::string chip = sysfs + "/class/pwm/" + settings.pwm_chip;
-    if (!fs::exists(chip)) return fail(ErrorCode::kBadSetting, "%s: this board has no such chip", chip.c_str());
+    if (!fs::exists(chip)) return fail(ErrorCode::kBadSetting, "%s: this board has no such PWM chip", chip.c_str());
     return chip + "/export";
   }
   auto chip = find_named(sysfs + "/class/hwmon", "name", settings.hwmon);
@@ -85,7 +84,7 @@ Expected<LinuxFan> LinuxFan::open(const FanSettings& settings, const std::string
     PLUMBLINE_TRY(period);
     auto enable = NumberFile::open(*channel + "/enable", NumberFile::Access::kReadWrite);
     PLUMBLINE_TRY(enable);
-    // A period below the duty cycle is refused: 0 goes first. On a channel without a period 0 is refused, and is what it has.
+    // The kernel refuses a period below the duty cycle, so set that to 0 first. On a new channel this fails, but there it is 0.
     static_cast<void>(duty->write(0));
     if (!period->write(full) || !duty->write(0) || !enable->write(1)) {
       return fail(ErrorCode::kCannotOpen, "%s: %s", channel->c_str(), std::strerror(errno));
@@ -96,30 +95,30 @@ Expected<LinuxFan> LinuxFan::open(const FanSettings& settings, const std::string
   const std::string number = std::to_string(settings.channel);
   auto duty = NumberFile::open(*place, NumberFile::Access::kReadWrite);
   PLUMBLINE_TRY(duty);
-  // 1: by hand. Chips that know no other way have no such file.
+  // 1 is manual control. Chips without automatic control have no such file.
   if (auto mode = NumberFile::open(chip + "/pwm" + number + "_enable", NumberFile::Access::kReadWrite)) {
     if (!mode->write(1)) return fail(ErrorCode::kCannotOpen, "%s: %s", chip.c_str(), std::strerror(errno));
   }
   if (!duty->write(0)) return fail(ErrorCode::kCannotOpen, "%s: %s", chip.c_str(), std::strerror(errno));
-  std::optional<NumberFile> turns;
+  std::optional<NumberFile> tachometer;
   if (auto file = NumberFile::open(chip + "/fan" + number + "_input", NumberFile::Access::kRead)) {
-    turns.emplace(std::move(*file));
+    tachometer.emplace(std::move(*file));
   }
-  return LinuxFan(std::move(*duty), kHwmonFull, std::move(turns));
+  return LinuxFan(std::move(*duty), kFullHwmonDuty, std::move(tachometer));
 }
 
 bool LinuxFan::set(double duty) noexcept {
-  const bool turns = duty > 0;
-  if (turns && !asked_) asked_at_ = monotonic_now();
-  asked_ = turns;
+  const bool on = duty > 0;
+  if (on && !on_) turned_on_at_ = monotonic_now();
+  on_ = on;
   return duty_.write(std::llround(duty * static_cast<double>(full_)));
 }
 
 FanHealth LinuxFan::health() const noexcept {
-  constexpr nanoseconds kStarts = std::chrono::seconds(2);
-  if (!turns_) return FanHealth::kNotMonitored;
-  if (!asked_ || monotonic_now() < asked_at_ + kStarts) return FanHealth::kAsAsked;
-  return turns_->read().value_or(0) > 0 ? FanHealth::kAsAsked : FanHealth::kStalled;
+  constexpr nanoseconds kSpinUp = std::chrono::seconds(2);
+  if (!tachometer_) return FanHealth::kNotMonitored;
+  if (!on_ || monotonic_now() < turned_on_at_ + kSpinUp) return FanHealth::kOk;
+  return tachometer_->read().value_or(0) > 0 ? FanHealth::kOk : FanHealth::kStalled;
 }
 
 Expected<LinuxThermals::Devices> LinuxThermals::open(const ThermalSettings& settings, const std::string& sysfs) {

@@ -1,8 +1,8 @@
-#include "hal/linux/display/linux_mask_display.hpp"
+#include "hal/linux/display/mask_display.hpp"
 
 #include <algorithm>
 
-#include "hal/linux/events/linux_clock.hpp"
+#include "hal/linux/events/clock.hpp"
 
 namespace plumbline {
 

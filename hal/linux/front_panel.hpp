@@ -1,5 +1,5 @@
 #pragma once
-/// Lights, buzzer and buttons of a board. The cover is the keeper's.
+/// Lights, buzzer and buttons of a board. The keeper watches the cover.
 
 #include <array>
 #include <optional>
@@ -11,7 +11,7 @@
 
 namespace plumbline {
 
-/// A button: its event comes at the first contact, once for each time it is pressed.
+/// A button. Each press causes one event, at the first contact.
 class Button final : public EventSource {
  public:
   Button(InputLine line, EventKind kind, EventQueue& events);
@@ -27,15 +27,15 @@ class Button final : public EventSource {
   Contact contact_;
 };
 
-/// A light or a buzzer that the printer does not have does nothing. What blinks and how long a beep lasts is kept while the
-/// firmware waits for events; while it computes they stay as they are.
+/// Setting a light or buzzer that the printer lacks does nothing. Blinking lights and beeps change only while the firmware waits for
+/// events; while it computes they stay as they are.
 class LinuxFrontPanel final : public FrontPanel, public EventSource {
  public:
   struct Lines {
     std::array<std::optional<OutputLine>, kPanelLightCount> lights;
     std::optional<OutputLine> buzzer;
   };
-  static constexpr nanoseconds kBlink = std::chrono::milliseconds(500);  ///< on, and as long off
+  static constexpr nanoseconds kBlink = std::chrono::milliseconds(500);  ///< on, and equally long off
 
   LinuxFrontPanel(Lines lines, LampWatch& watch, Interlock& interlock)
       : FrontPanel(interlock), lines_(std::move(lines)), watch_(watch) {}

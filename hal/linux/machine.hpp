@@ -1,58 +1,61 @@
 #pragma once
-/// The devices of a board, opened.
+/// Opens and owns the devices of a board.
 
 #include <memory>
 #include <vector>
 
-#include "hal/linux/display/linux_mask_display.hpp"
-#include "hal/linux/events/linux_clock.hpp"
-#include "hal/linux/events/linux_events.hpp"
+#include "hal/linux/display/mask_display.hpp"
+#include "hal/linux/events/clock.hpp"
+#include "hal/linux/events/events.hpp"
 #include "hal/linux/events/shutdown_signal.hpp"
+#include "hal/linux/front_panel.hpp"
 #include "hal/linux/gpio/line_registry.hpp"
-#include "hal/linux/lamp/linux_uv_lamp.hpp"
-#include "hal/linux/linux_front_panel.hpp"
-#include "hal/linux/linux_settings.hpp"
+#include "hal/linux/lamp/uv_lamp.hpp"
+#include "hal/linux/settings.hpp"
 #include "hal/linux/stage/gpio_stage_lines.hpp"
-#include "hal/linux/thermals/linux_thermals.hpp"
+#include "hal/linux/stick/stick_port.hpp"
+#include "hal/linux/thermals/thermals.hpp"
 #include "hal/machine.hpp"
 
 namespace plumbline {
 
-/// Where each line of the board file is.
-struct BoardLines {
+/// The places of a wiring's lines, which must outlive it.
+class BoardLines {
+ public:
   struct Line {
     const LineSettings* settings = nullptr;
     std::string use;  ///< "the lamp"
     LinePlace place;
   };
-  std::vector<Line> all;
 
-  /// Looks up every line that is given.
-  /// @retval ErrorCode::kBadSetting  a line that must be given is not, is not on this board, or has two uses
+  /// Looks up every given line.
+  /// @retval ErrorCode::kBadSetting  a required line is not given, or a line doesn't exist or has two uses
   /// @retval ErrorCode::kCannotOpen  a chip can't be opened
-  [[nodiscard]] static Expected<BoardLines> find(const LinuxSettings& settings);
-  /// @returns null: not given
+  [[nodiscard]] static Expected<BoardLines> find(const Wiring& wiring);
+  /// @returns null if the line is not given
   const Line* of(const LineSettings& settings) const;
+
+ private:
+  Status add(const LineRole& role, const LineSettings& settings, LineRegistry& registry);
+
+  std::vector<Line> all_;
 };
 
-/// The lines of the settings with their names, those that are not given included: for whoever looks at each.
-std::vector<BoardLines::Line> lines_of(const LinuxSettings& settings);
-
-/// Owns a board's devices. Off and standing when it ends.
+/// Owns a board's devices. The destructor turns the lamp off and stops the stage.
 class LinuxMachine {
  public:
-  /// Opens all devices, the lamp first: what is found wrong leaves it dark.
-  /// @retval those of the devices: the message names the device, what was found and what to do
+  /// Opens all devices, the lamp first, so that it stays off if another one fails.
+  /// @retval the errors of the devices; the message names the device, the problem and what to do
   [[nodiscard]] static Expected<std::unique_ptr<LinuxMachine>> open(const LinuxSettings& settings);
   LinuxMachine(const LinuxMachine&) = delete;
   LinuxMachine& operator=(const LinuxMachine&) = delete;
   ~LinuxMachine();
 
   Machine machine();
-  /// How well the stage's deadlines were kept since this was last asked. @pre it stands
+  /// How well the stage met its deadlines since the last call. @pre the stage is at rest
   StepRecord take_step_record() { return stage_->take_record(); }
-  /// Real-time priority and locked memory were permitted.
-  bool steps_first() const { return stage_->runs_first(); }
+  /// Whether real-time priority and locked memory were permitted.
+  bool has_real_time_priority() const { return stage_->has_real_time_priority(); }
   bool memory_locked() const { return memory_locked_; }
 
  private:

@@ -1,4 +1,4 @@
-#include "hal/linux/display/panel_layout.hpp"
+#include "hal/linux/display/pack_pixels.hpp"
 
 #include <gtest/gtest.h>
 

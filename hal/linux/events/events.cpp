@@ -1,16 +1,16 @@
-#include "hal/linux/events/linux_events.hpp"
+#include "hal/linux/events/events.hpp"
 
 #include <poll.h>
 
 #include <cassert>
 #include <ctime>
 
-#include "hal/linux/events/linux_clock.hpp"
+#include "hal/linux/events/clock.hpp"
 
 namespace plumbline {
 
 void LinuxEvents::add(EventSource& source) {
-  assert(count_ < kMostSources);
+  assert(count_ < kMaxSources);
   sources_[count_++] = &source;
 }
 
@@ -19,7 +19,7 @@ void LinuxEvents::drain() {
   for (std::size_t i = 0; i < count_; ++i) sources_[i]->drain(now);
 }
 
-void LinuxEvents::forget() {
+void LinuxEvents::discard_pending() {
   drain();
   while (queue_.take()) {
   }
@@ -32,7 +32,7 @@ Expected<std::optional<Event>> LinuxEvents::do_next_event(TimePoint deadline) {
     const auto now = monotonic_now();
     auto wake = deadline.time_since_epoch();
     if (now >= wake) return std::nullopt;
-    std::array<pollfd, kMostSources> fds{};
+    std::array<pollfd, kMaxSources> fds{};
     for (std::size_t i = 0; i < count_; ++i) {
       fds[i] = {sources_[i]->descriptor(), POLLIN, 0};
       if (const auto due = sources_[i]->due()) wake = std::min(wake, *due);
@@ -41,7 +41,7 @@ Expected<std::optional<Event>> LinuxEvents::do_next_event(TimePoint deadline) {
     timespec time{};
     time.tv_sec = static_cast<time_t>(wait.count() / 1'000'000'000);
     time.tv_nsec = static_cast<long>(wait.count() % 1'000'000'000);
-    // A signal ends the wait early and the loop begins it anew.
+    // After a signal or a readable descriptor the loop starts over.
     static_cast<void>(::ppoll(fds.data(), count_, &time, nullptr));
   }
 }

@@ -1,5 +1,5 @@
 #pragma once
-/// The stage of a board: a thread of its own takes the steps, so that the firmware can compute meanwhile.
+/// The stage of a board. A separate thread takes the steps, so that the firmware can compute meanwhile.
 
 #include <array>
 #include <condition_variable>
@@ -15,23 +15,23 @@ namespace plumbline {
 class LinuxZStage final : public ZStage {
  public:
   struct Mechanics {
-    double step_mm = 0;  ///< of travel for a pulse
-    Speed find_speed;    ///< of the second, slow approach of the end stop
+    double step_mm = 0;  ///< travel for one pulse
+    Speed find_speed;    ///< of the second, slow approach to the end stop
   };
 
   /// @param lines  must outlive it
   LinuxZStage(const Limits& limits, const Mechanics& mechanics, StageLines& lines, Interlock& interlock);
-  /// A motion under way slows down first; the motor is let go.
+  /// Brakes if the stage moves, then releases the motor.
   ~LinuxZStage() override;
 
-  /// Readable when a motion has ended.
+  /// For poll(): readable when a motion has ended.
   int descriptor() const { return wake_; }
-  /// Moves ended motions into the queue.
+  /// Adds an event for each motion that has ended.
   void drain(EventQueue& events);
-  /// @pre no motion is under way
+  /// @pre the stage is at rest
   StepRecord take_record() { return legs_.take_record(); }
-  /// The thread has been given real-time priority.
-  bool runs_first() const { return runs_first_; }
+  /// Whether the thread has real-time priority.
+  bool has_real_time_priority() const { return has_real_time_priority_; }
 
  private:
   enum class Order : std::uint8_t { kNone, kMove, kHome, kQuit };
@@ -46,17 +46,17 @@ class LinuxZStage final : public ZStage {
   Status do_stop() override;
   Expected<MotionReport> do_finish() override;
 
-  void serve();
-  void give(Order order);
-  /// The legs of a motion, in the thread. @returns what ended it early, if anything did
+  void run_thread();
+  void start(Order order);
+  // These run in the thread and return an error for whatever ended the motion early.
   Status move();
   Status home();
   Status approach();
-  Status find();
+  Status find_end_stop();
   /// @retval ErrorCode::kCancelled  stopped
-  Status leg(Distance way, Speed speed, LegUntil until, StepLegResult& result);
-  std::int64_t steps_of(Distance way) const;
-  Distance way_of(std::int64_t steps) const;
+  Status run_leg(Distance distance, Speed speed, LegUntil until, StepLegResult& result);
+  std::int64_t steps_of(Distance distance) const;
+  Distance distance_of(std::int64_t steps) const;
   ZPosition height_of(std::int64_t count) const;
 
   Mechanics mechanics_;
@@ -74,16 +74,16 @@ class LinuxZStage final : public ZStage {
   nanoseconds began_at_{};
   nanoseconds ended_at_{};
   nanoseconds ends_by_{};
-  std::int64_t target_ = 0;  // steps, as StepLegs counts them
+  std::int64_t target_ = 0;  // counted steps, see StepLegs::count()
   Speed speed_;
   Distance steps_lost_;
   Status outcome_;
-  std::array<nanoseconds, 8> ended_{};  // not told yet
+  std::array<nanoseconds, 8> ended_{};  // for drain()
   std::size_t ended_count_ = 0;
-  // Where the stage was at count 0, as far as is known; changed by homing, by the thread.
+  // Height at step count 0. Homing sets it, in the thread.
   ZPosition reference_;
 
-  bool runs_first_ = false;
+  bool has_real_time_priority_ = false;
   std::thread thread_;
 };
 

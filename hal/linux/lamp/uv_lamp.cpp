@@ -1,19 +1,19 @@
-#include "hal/linux/lamp/linux_uv_lamp.hpp"
+#include "hal/linux/lamp/uv_lamp.hpp"
 
-#include "hal/linux/events/linux_clock.hpp"
+#include "hal/linux/events/clock.hpp"
 
 namespace plumbline {
 
 Expected<TimePoint> LinuxUvLamp::do_begin(nanoseconds cure) {
   watch_.drain(monotonic_now());
   if (watch_.gone()) {
-    return fail(ErrorCode::kLampFailed, "the lamp's keeper has gone: switch the printer off and on");
+    return fail(ErrorCode::kLampFailed, "the lamp's keeper is gone: switch the printer off and on");
   }
   const auto lit = watch_.keeper().light(cure);
   if (!lit) return tl::unexpected<Error>(lit.error());
   began_at_ = *lit;
   asked_ = cure;
-  watch_.began(*lit);
+  watch_.on_lit(*lit);
   return TimePoint(*lit);
 }
 
@@ -24,10 +24,10 @@ bool LinuxUvLamp::do_lit() const {
   return watch_.lit();
 }
 
-void LinuxUvLamp::do_darken() noexcept {
+void LinuxUvLamp::do_turn_off() noexcept {
   if (!do_lit()) return;
-  // Without an answer it stays lit for us, which the report says; the keeper's deadline still holds.
-  static_cast<void>(watch_.keeper().darken());
+  // Without a reply the lamp counts as lit, which do_report() reports. The keeper's deadline still holds.
+  static_cast<void>(watch_.keeper().turn_off());
   watch_.drain(monotonic_now());
 }
 
@@ -36,9 +36,9 @@ Expected<ExposureReport> LinuxUvLamp::do_report() {
     return fail(ErrorCode::kLampStuckOn, "the lamp's line could not be turned off: pull the plug of the printer");
   }
   if (watch_.gone()) {
-    return fail(ErrorCode::kLampFailed, "the lamp's keeper ended in an exposure: switch the printer off and on");
+    return fail(ErrorCode::kLampFailed, "the lamp's keeper died during an exposure: switch the printer off and on");
   }
-  constexpr nanoseconds kOnTime = std::chrono::milliseconds(1);
+  constexpr nanoseconds kOnTime = std::chrono::milliseconds(1);  // UvLamp promises the deadline to within 1 ms
   ExposureReport report;
   report.began_at = TimePoint(began_at_);
   report.asked = asked_;

@@ -1,0 +1,21 @@
+#pragma once
+/// Converts a mask to the pixels that go over the panel's cable.
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "hal/panel_layout.hpp"
+#include "slicer/core/bit_image.hpp"
+
+namespace plumbline {
+
+/// Writes a mask as XRGB8888, little endian: a pixel that lets light through is 255 in its colour, or in all three without packing.
+/// Writes each byte of the rows once, in order, and reads none, because display memory is slow to read.
+/// @param layout  must pass check()
+/// @param mask    layout.columns x layout.rows pixels
+/// @param pixels  layout.mode_height() rows of `pitch` words
+/// @param pitch   words a row, layout.mode_width() or more; the rest of a row becomes black
+void pack_pixels(const PanelLayout& layout, ConstBitImage mask, std::span<std::uint32_t> pixels, std::size_t pitch);
+
+}  // namespace plumbline

@@ -1,0 +1,41 @@
+#pragma once
+/// How a panel expects the pixels of a mask.
+
+#include <cstdint>
+
+#include "slicer/core/error.hpp"
+
+namespace plumbline {
+
+/// From mask to panel: the mask is rotated, then mirrored, then packed.
+struct PanelLayout {
+  enum class Mirror : std::uint8_t {
+    kNone,
+    kX,  ///< swaps left and right
+    kY,  ///< swaps top and bottom
+  };
+
+  std::uint32_t columns = 0;       ///< of the mask, 1 to 16384
+  std::uint32_t rows = 0;          ///< of the mask, 1 to 16384
+  std::uint32_t rotation_deg = 0;  ///< 0, 90, 180 or 270, counter-clockwise seen with row 0 at the top
+  Mirror mirror = Mirror::kNone;
+  /// Three neighbours of a row are red, green and blue of one pixel, as on a monochrome panel made from a colour one.
+  bool rgb = false;
+
+  /// Size of the video mode that the panel needs, pixels.
+  std::uint32_t mode_width() const { return picture_width() / (rgb ? 3 : 1); }
+  std::uint32_t mode_height() const { return sideways() ? columns : rows; }
+
+  /// @retval ErrorCode::kBadSetting  rgb, and the rotated width is not a multiple of 3
+  [[nodiscard]] Status check() const {
+    if (!rgb || picture_width() % 3 == 0) return {};
+    return fail(ErrorCode::kBadSetting, "the panel packs three pixels into one, but its rotated width is %u pixels",
+                picture_width());
+  }
+
+ private:
+  bool sideways() const { return rotation_deg == 90 || rotation_deg == 270; }
+  std::uint32_t picture_width() const { return sideways() ? rows : columns; }
+};
+
+}  // namespace plumbline
