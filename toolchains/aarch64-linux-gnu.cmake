@@ -3,5 +3,5 @@ set(CMAKE_SYSTEM_PROCESSOR aarch64)
 set(triplet aarch64-linux-gnu)
 set(debian_arch arm64)
 include(${CMAKE_CURRENT_LIST_DIR}/debian_sysroot.cmake)
-# ctest runs the tests under it.
+# ctest runs the tests under this.
 set(CMAKE_CROSSCOMPILING_EMULATOR qemu-aarch64;-L;${PLUMBLINE_SYSROOT})

@@ -3,7 +3,7 @@ set(CMAKE_SYSTEM_PROCESSOR armv7l)
 set(triplet arm-linux-gnueabihf)
 set(debian_arch armhf)
 include(${CMAKE_CURRENT_LIST_DIR}/debian_sysroot.cmake)
-# gcc 7 changed how some arguments are passed; no compiler of before that is met here, so its notes say nothing.
+# gcc notes where gcc 7 changed how arguments are passed. No code here was compiled by an older one.
 set(CMAKE_CXX_FLAGS_INIT "-Wno-psabi")
-# ctest runs the tests under it.
+# ctest runs the tests under this.
 set(CMAKE_CROSSCOMPILING_EMULATOR qemu-arm;-L;${PLUMBLINE_SYSROOT})

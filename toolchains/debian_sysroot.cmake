@@ -1,5 +1,5 @@
-# What the cross builds have in common: included by them with `triplet` (as in aarch64-linux-gnu) and `debian_arch` set.
-# The sysroot is made by toolchains/make_sysroot; PLUMBLINE_SYSROOT names another.
+# Shared by the cross builds. Set `triplet` (such as aarch64-linux-gnu) and `debian_arch` before including it.
+# toolchains/make_sysroot makes the sysroot; PLUMBLINE_SYSROOT names another one.
 set(CMAKE_SYSTEM_NAME Linux)
 set(CMAKE_LIBRARY_ARCHITECTURE ${triplet})
 set(CMAKE_C_COMPILER ${triplet}-gcc)
@@ -15,7 +15,7 @@ if(NOT PLUMBLINE_SYSROOT)
   endif()
 endif()
 if(NOT EXISTS ${PLUMBLINE_SYSROOT}/usr/include)
-  message(FATAL_ERROR "there is no sysroot in ${PLUMBLINE_SYSROOT}: run toolchains/make_sysroot ${debian_arch}")
+  message(FATAL_ERROR "no sysroot in ${PLUMBLINE_SYSROOT}: run toolchains/make_sysroot ${debian_arch}")
 endif()
 # try_compile() reads this file again, without the cache.
 set(CMAKE_TRY_COMPILE_PLATFORM_VARIABLES PLUMBLINE_SYSROOT)

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""The Debian package of a build: deb_test.py CPACK BUILD_DIR SOURCE_DIR ARCHITECTURE READELF
+"""Tests the Debian package of a build: deb_test.py CPACK BUILD_DIR SOURCE_DIR ARCHITECTURE READELF
 
-Makes it with cpack and looks at what is in it: each file that an installed printer needs and no other, programs of the architecture that it
-is for, and a dependency for every library that they load, new enough for what they use of it, and none for a library that they do not.
+Makes the package with cpack and checks that it has exactly the files that an installed printer needs, that its programs are of its
+architecture, and that it depends on exactly the libraries that they load, in versions new enough for them.
 """
 
 import re
@@ -15,9 +15,9 @@ from pathlib import Path
 CPACK, BUILD_DIR, SOURCE_DIR, ARCHITECTURE, READELF = sys.argv[1:]
 PROGRAMS = ("plumbline", "plumblined", "plumbline-keeper")
 MACHINE = {"amd64": "X86-64", "arm64": "AArch64", "armhf": "ARM"}
-# Of the C library's package; ld-linux is the loader.
+# Libraries in the C library's package; ld-linux is the loader.
 C_LIBRARY = re.compile(r"lib(c|m|pthread|dl|rt)\.so\.|ld-linux")
-# Used without being loaded by the programs: who says that sticks come, who makes the daemon's user.
+# Needed but not loaded by the programs: udev reports sticks, passwd creates the daemon's user.
 NOT_LIBRARIES = {"udev", "passwd"}
 
 
@@ -26,7 +26,7 @@ def run(*command):
 
 
 def package_of(library):
-    """Debian's name for what has a shared library, by its rule: libusb-1.0.so.0 is in libusb-1.0-0, libgcc_s.so.1 in libgcc-s1."""
+    """Debian's name for the package of a shared library: libusb-1.0.so.0 is in libusb-1.0-0, libgcc_s.so.1 in libgcc-s1."""
     if C_LIBRARY.match(library):
         return "libc6"
     name, number = library.replace("_", "-").split(".so.")
@@ -53,7 +53,7 @@ class Deb(unittest.TestCase):
         text = run(READELF, "--dynamic", "--version-info", "--wide", self.root / "usr/bin" / program)
         return re.findall(r"\(NEEDED\).*\[(.*)\]", text), text
 
-    def test_has_every_file_and_no_other(self):
+    def test_has_exactly_the_files_that_a_printer_needs(self):
         files = {path.relative_to(self.root).as_posix() for path in self.root.rglob("*") if path.is_file()}
         files = {name for name in files if not name.startswith("DEBIAN/")}
         board = Path(SOURCE_DIR) / "board"
@@ -63,18 +63,18 @@ class Deb(unittest.TestCase):
         expected |= {f"usr/share/plumbline/board/{path.relative_to(board)}" for path in board.rglob("*.toml")}
         self.assertEqual(files, expected)
 
-    def test_is_of_its_architecture(self):
+    def test_programs_match_the_architecture(self):
         self.assertEqual(self.control["Architecture"], ARCHITECTURE)
         self.assertRegex(self.deb.name, rf"^plumbline_\d+\.\d+\.\d+_{ARCHITECTURE}\.deb$")
         for program in PROGRAMS:
             self.assertRegex(run(READELF, "--file-header", self.root / "usr/bin" / program), rf"Machine: .*{MACHINE[ARCHITECTURE]}")
 
-    def test_depends_on_the_libraries_that_its_programs_load_and_on_no_other(self):
+    def test_depends_on_exactly_the_libraries_that_its_programs_load(self):
         needed = {package_of(library) for program in PROGRAMS for library in self.dynamic(program)[0]}
         self.assertGreater(len(needed), 5)
         self.assertEqual(set(self.depends) - NOT_LIBRARIES, needed)
 
-    def test_wants_its_c_and_cpp_libraries_new_enough(self):
+    def test_requires_c_and_cpp_libraries_that_are_new_enough(self):
         for name, symbol in (("libc6", r"GLIBC_(\d+)\.(\d+)"), ("libstdc++6", r"GLIBCXX_(\d+)\.(\d+)\.(\d+)")):
             used = max(
                 tuple(map(int, match)) for program in PROGRAMS for match in re.findall(symbol, self.dynamic(program)[1])
@@ -83,10 +83,10 @@ class Deb(unittest.TestCase):
             if name == "libc6":
                 self.assertGreaterEqual(tuple(map(int, stated.split("."))), used)
             else:
-                # GLIBCXX_3.4.30 came with gcc 12, and each release of gcc since 9 had one or two numbers: that is the one to look at.
+                # gcc 12 added GLIBCXX_3.4.30, and Debian's package is versioned by gcc.
                 self.assertEqual((stated, used <= (3, 4, 30)), ("12", True), used)
 
-    def test_scripts_and_programs_can_be_run_and_nothing_else_can(self):
+    def test_only_scripts_and_programs_are_executable(self):
         for path in self.root.rglob("*"):
             if path.is_file():
                 is_run = path.parent.name == "bin" or path.name in ("postinst", "prerm")

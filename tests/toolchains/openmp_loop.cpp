@@ -1,6 +1,5 @@
-// Two parallel loops, the second of which reads what the first one wrote on other threads. With the argument "race" a
-// third one sums without a reduction. Shows that ThreadSanitizer understands the OpenMP run time that we build with,
-// and that it still sees a race: a sanitizer that is silent proves nothing.
+// Two parallel loops: the second reads what the first wrote on other threads. With the argument "race" a third loop sums without a
+// reduction. Shows that ThreadSanitizer understands our OpenMP run time and still reports a real race.
 #include <cstdio>
 #include <cstring>
 #include <vector>
