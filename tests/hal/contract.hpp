@@ -1,5 +1,5 @@
 #pragma once
-/// What every back end of the HAL promises is run against each rig of rigs.cpp: the base of those tests.
+/// Base of the contract tests, which run against each rig of rigs.cpp.
 
 #include <gtest/gtest.h>
 
@@ -36,7 +36,7 @@ class Contract : public testing::TestWithParam<RigMaker> {
     while (rig_->machine().events.next_event(TimePoint())->has_value()) {
     }
   }
-  /// The kinds of all that happens in `time`.
+  /// The kinds of all events in the next `time`.
   std::vector<EventKind> events_in(nanoseconds time) {
     std::vector<EventKind> kinds;
     const TimePoint end = rig_->machine().clock.now() + time;

@@ -1,4 +1,4 @@
-/// What every back end of the HAL promises: Time and events.
+/// Contract of every back end: time and events.
 
 #include "tests/hal/contract.hpp"
 
@@ -19,7 +19,7 @@ TEST_P(EventsContract, TimePassesAndNeverGoesBack) {
   EXPECT_LT(clock.now(), start + 120ms);
 }
 
-TEST_P(EventsContract, WaitingForAnEventEndsAtItsDeadline) {
+TEST_P(EventsContract, WaitingEndsAtTheDeadline) {
   const Machine machine = rig_->machine();
   const TimePoint start = machine.clock.now();
   const auto event = machine.events.next_event(start + 50ms);
@@ -29,7 +29,7 @@ TEST_P(EventsContract, WaitingForAnEventEndsAtItsDeadline) {
   EXPECT_LT(machine.clock.now(), start + 150ms);
 }
 
-TEST_P(EventsContract, EventsComeInOrderWithTheTimeTheyHappenedAt) {
+TEST_P(EventsContract, EventsArriveInOrderWithTheTimeAtWhichTheyHappened) {
   const Machine machine = rig_->machine();
   const TimePoint start = machine.clock.now();
   rig_->press(EventKind::kPausePressed, 30ms);

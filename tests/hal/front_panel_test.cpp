@@ -1,4 +1,4 @@
-/// What every back end of the HAL promises: Cover, lights, buzzer, temperatures and fans.
+/// Contract of every back end: cover, lights, buzzer, temperatures and fans.
 
 #include <gmock/gmock.h>
 
@@ -11,7 +11,7 @@ using namespace std::chrono_literals;
 
 using PanelContract = Contract;
 
-TEST_P(PanelContract, ThePanelSaysWhetherTheCoverIsOpen) {
+TEST_P(PanelContract, PanelReportsAnOpenCover) {
   const Machine machine = rig_->machine();
   EXPECT_FALSE(machine.panel.cover_open());
   rig_->open_cover(0ns);
@@ -23,7 +23,7 @@ TEST_P(PanelContract, ThePanelSaysWhetherTheCoverIsOpen) {
   EXPECT_TRUE(machine.panel.beep(10ms));
 }
 
-TEST_P(PanelContract, TemperaturesAreThoseOfARoom) {
+TEST_P(PanelContract, TemperaturesArePlausible) {
   const Machine machine = rig_->machine();
   for (const auto site : {TemperatureSite::kLamp, TemperatureSite::kResin, TemperatureSite::kBoard}) {
     const auto read = machine.thermals.temperature(site);

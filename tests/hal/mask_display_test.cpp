@@ -1,4 +1,4 @@
-/// What every back end of the HAL promises: The panel that shows the masks.
+/// Contract of every back end: the panel.
 
 #include "tests/hal/contract.hpp"
 
@@ -9,7 +9,7 @@ using namespace std::chrono_literals;
 
 using MaskContract = Contract;
 
-TEST_P(MaskContract, AMaskIsLentOnceAndComesBackWhenItIsLetGo) {
+TEST_P(MaskContract, MaskIsLentOnceUntilReleased) {
   MaskDisplay& display = rig_->machine().mask;
   {
     const auto mask = display.lend();
@@ -21,7 +21,7 @@ TEST_P(MaskContract, AMaskIsLentOnceAndComesBackWhenItIsLetGo) {
   EXPECT_TRUE(display.lend());
 }
 
-TEST_P(MaskContract, AMaskThatIsOnThePanelCantBeWritten) {
+TEST_P(MaskContract, MaskOnThePanelCannotBeWritten) {
   MaskDisplay& display = rig_->machine().mask;
   auto first = display.lend();
   ASSERT_TRUE(first);
@@ -33,7 +33,7 @@ TEST_P(MaskContract, AMaskThatIsOnThePanelCantBeWritten) {
   EXPECT_NE(second->image().words().data(), words);
 }
 
-TEST_P(MaskContract, AMaskIsPresentedUntilThePanelIsBlank) {
+TEST_P(MaskContract, MaskIsPresentedUntilThePanelIsBlanked) {
   MaskDisplay& display = rig_->machine().mask;
   EXPECT_FALSE(display.presented());
   show_a_mask();
@@ -42,7 +42,7 @@ TEST_P(MaskContract, AMaskIsPresentedUntilThePanelIsBlank) {
   EXPECT_FALSE(display.presented());
 }
 
-TEST_P(MaskContract, NeitherMaskNorBlackIsShownUnderLight) {
+TEST_P(MaskContract, PanelDoesNotChangeUnderLight) {
   const Machine machine = rig_->machine();
   show_a_mask();
   auto next = machine.mask.lend();
@@ -50,7 +50,7 @@ TEST_P(MaskContract, NeitherMaskNorBlackIsShownUnderLight) {
   auto exposure = machine.lamp.begin_exposure(1s);
   ASSERT_TRUE(exposure);
   EXPECT_TRUE(failed_with(machine.mask.present(std::move(*next)), ErrorCode::kLampLit));
-  EXPECT_GT(next->image().columns(), 0U) << "a mask that was refused is still the caller's";
+  EXPECT_GT(next->image().columns(), 0U) << "a refused mask still belongs to the caller";
   EXPECT_TRUE(failed_with(machine.mask.blank(), ErrorCode::kLampLit));
   EXPECT_TRUE(machine.mask.presented());
   ASSERT_TRUE(exposure->finish());

@@ -17,14 +17,14 @@ TEST(Ramp, TakesTheTimeOfATrapezoid) {
   EXPECT_DOUBLE_EQ(ramp.peak().value(), 3);
 }
 
-TEST(Ramp, TakesTheTimeOfATriangleWhereItNeverCruises) {
+TEST(Ramp, TakesTheTimeOfATriangleIfItNeverCruises) {
   // 2 sqrt(d / a) = 2 sqrt(0.05 / 50)
   const Ramp ramp(50_um, Speed(3), Acceleration(50));
   EXPECT_DOUBLE_EQ(ramp.duration().count(), 2 * std::sqrt(0.05 / 50));
   EXPECT_DOUBLE_EQ(ramp.peak().value(), std::sqrt(0.05 * 50));
 }
 
-TEST(Ramp, IsTheAreaBelowItsSpeedAndKeepsToItsAcceleration) {
+TEST(Ramp, CoversTheIntegralOfItsSpeedWithinItsAcceleration) {
   std::mt19937 random(1);
   for (int i = 0; i < 200; ++i) {
     const double way = std::uniform_real_distribution(0.001, 20.0)(random);
@@ -46,7 +46,7 @@ TEST(Ramp, IsTheAreaBelowItsSpeedAndKeepsToItsAcceleration) {
   }
 }
 
-TEST(Ramp, KnowsWhenItPassesAPlace) {
+TEST(Ramp, KnowsWhenItPassesADistance) {
   for (const Distance way : {40_um, 6_mm}) {
     const Ramp ramp(way, Speed(3), Acceleration(50));
     for (int percent = 0; percent <= 100; ++percent) {
@@ -58,7 +58,7 @@ TEST(Ramp, KnowsWhenItPassesAPlace) {
   }
 }
 
-TEST(Ramp, SlowsDownFromAnyMomentWithinItsBrakingDistance) {
+TEST(Ramp, BrakesFromAnyMomentWithinItsBrakingDistance) {
   const Acceleration acceleration(50);
   const Ramp ramp(6_mm, Speed(3), acceleration);
   for (int percent = 0; percent < 100; ++percent) {
@@ -72,7 +72,7 @@ TEST(Ramp, SlowsDownFromAnyMomentWithinItsBrakingDistance) {
   }
 }
 
-TEST(Ramp, OfNoDistanceTakesNoTime) {
+TEST(Ramp, TakesNoTimeForNoDistance) {
   const Ramp ramp(0_mm, Speed(3), Acceleration(50));
   EXPECT_EQ(ramp.duration(), Seconds(0));
   EXPECT_EQ(ramp.travelled_mm(Seconds(1)), 0);

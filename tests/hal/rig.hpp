@@ -1,5 +1,5 @@
 #pragma once
-/// A machine under test with somebody at it: what every back end is tested through.
+/// A machine under test and a tester who operates and observes it.
 
 #include <chrono>
 #include <functional>
@@ -20,26 +20,26 @@ class Rig {
 
   virtual Machine machine() = 0;
 
-  // Somebody's hands. Each acts `after` from now, while the machine may be at work.
+  // The tester's hands. Each acts `after` from now, also while the machine works.
   virtual void open_cover(nanoseconds after) = 0;
   virtual void close_cover(nanoseconds after) = 0;
   virtual void press(EventKind button, nanoseconds after) = 0;
   virtual void plug_stick(const std::string& folder, nanoseconds after) = 0;
   virtual void pull_stick(nanoseconds after) = 0;
 
-  // Somebody's eyes.
-  virtual bool light() = 0;             ///< a photodiode of the tester's own
-  virtual nanoseconds time_lit() = 0;   ///< in all
-  virtual Distance plate_height() = 0;  ///< a gauge of the tester's own
+  // The tester's eyes.
+  virtual bool light() = 0;             ///< the tester's photodiode
+  virtual nanoseconds time_lit() = 0;   ///< in total
+  virtual Distance plate_height() = 0;  ///< the tester's gauge
 };
 
-/// One way to make a rig, and its name.
+/// Makes a rig of one back end.
 struct RigMaker {
   const char* name;
   std::function<std::unique_ptr<Rig>()> make;
 };
 
-/// The rigs of all back ends in this build: rigs.cpp.
+/// The rigs of all back ends in this build (rigs.cpp).
 std::vector<RigMaker> rig_makers();
 
 }  // namespace plumbline

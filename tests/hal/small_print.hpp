@@ -1,5 +1,5 @@
 #pragma once
-/// A print of a few layers through the HAL alone, as plain as one can be: no checks, no pauses, the first error ends it.
+/// The simplest print of a few layers with the HAL alone: no checks, no pauses, and the first error ends it.
 
 #include <cstdint>
 #include <functional>
@@ -15,10 +15,11 @@ struct SmallPrint {
   nanoseconds cure = std::chrono::milliseconds(2500);
   Distance lift = 5_mm;
   Speed speed = Speed(4);
-  std::function<void(std::uint32_t, BitImage)> draw = nullptr;  ///< the mask of a layer; without it all of the panel
+  std::function<void(std::uint32_t, BitImage)> draw =
+      nullptr;  ///< draws a layer's mask; without it the whole panel is white
 };
 
-/// Homes, then prints. Whoever's cover is opened ends the print.
+/// Homes, then prints. An opened cover ends the print.
 inline Status print_layers(const Machine& machine, const SmallPrint& print) {
   const auto go_on = [](const Event&) { return Waiting::kContinue; };
   PLUMBLINE_TRY(machine.stage.home());

@@ -1,4 +1,4 @@
-/// What every back end of the HAL promises: The port that sticks are plugged into.
+/// Contract of every back end: the port for sticks.
 
 #include <gmock/gmock.h>
 #include <unistd.h>
@@ -40,7 +40,7 @@ class StickContract : public Contract {
   std::filesystem::path folder_;
 };
 
-TEST_P(StickContract, ArrivesIsMountedReadAndLeaves) {
+TEST_P(StickContract, StickArrivesIsMountedIsReadAndLeaves) {
   StickPort& port = rig_->machine().stick;
   EXPECT_FALSE(port.has_stick());
   EXPECT_TRUE(failed_with(port.identity(), ErrorCode::kNoStick));
@@ -69,7 +69,7 @@ TEST_P(StickContract, ArrivesIsMountedReadAndLeaves) {
   EXPECT_FALSE(port.has_stick());
 }
 
-TEST_P(StickContract, ListsItsPlainFiles) {
+TEST_P(StickContract, ListsRegularFiles) {
   plug();
   struct Names final : StickMount::FileVisitor {
     void on_file(std::string_view name, std::uint64_t bytes) override { sizes[std::string(name)] = bytes; }
@@ -78,12 +78,12 @@ TEST_P(StickContract, ListsItsPlainFiles) {
   const auto mount = rig_->machine().stick.mount();
   ASSERT_TRUE(mount);
   ASSERT_TRUE(mount->for_each_file(names));
-  ASSERT_TRUE(mount->for_each_file(names)) << "a second time too";
+  ASSERT_TRUE(mount->for_each_file(names)) << "also a second time";
   EXPECT_THAT(names.sizes, testing::ElementsAre(testing::Pair("bust.ply", 300'000), testing::Pair("job.toml", 6)));
 }
 
-TEST_P(StickContract, OpensAFileThatIsLargerThanAnAddressOf32Bits) {
-  // A hole: it takes no room. FAT32 ends one byte below this.
+TEST_P(StickContract, OpensAFileOf4GiB) {
+  // A sparse file, which takes no space. FAT32 allows one byte less.
   constexpr std::uint64_t kBytes = std::uint64_t{4} << 30U;
   std::ofstream(folder_ / "large.ply") << "ply";
   std::filesystem::resize_file(folder_ / "large.ply", kBytes);
@@ -97,7 +97,7 @@ TEST_P(StickContract, OpensAFileThatIsLargerThanAnAddressOf32Bits) {
   EXPECT_EQ(file->read(buffer).value(), 3U);
 }
 
-TEST_P(StickContract, KeepsItsNamesBelowItsMount) {
+TEST_P(StickContract, OpensNothingOutsideItsMount) {
   plug();
   const auto mount = rig_->machine().stick.mount();
   ASSERT_TRUE(mount);
@@ -109,7 +109,7 @@ TEST_P(StickContract, KeepsItsNamesBelowItsMount) {
   EXPECT_TRUE(failed_with(mount->open(std::string_view("job.toml\0x", 10)), ErrorCode::kCannotOpen));
 }
 
-TEST_P(StickContract, PulledInMidReadIsAnErrorAndTheNextOneIsRead) {
+TEST_P(StickContract, ReportsAPullDuringAReadAndReadsTheNextStick) {
   plug();
   {
     const auto mount = rig_->machine().stick.mount();
@@ -124,7 +124,7 @@ TEST_P(StickContract, PulledInMidReadIsAnErrorAndTheNextOneIsRead) {
     rig_->plug_stick(folder_.string(), 0ns);
     EXPECT_THAT(events_in(1s), testing::ElementsAre(EventKind::kStickArrived));
     EXPECT_TRUE(failed_with(file->read(buffer), ErrorCode::kStickGone))
-        << "that it is back helps no file that was open";
+        << "files opened before the pull stay unreadable";
   }
   const auto mount = rig_->machine().stick.mount();
   ASSERT_TRUE(mount);

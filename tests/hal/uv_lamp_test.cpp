@@ -1,4 +1,4 @@
-/// What every back end of the HAL promises: The lamp.
+/// Contract of every back end: the lamp.
 
 #include <gmock/gmock.h>
 
@@ -12,7 +12,7 @@ using namespace std::chrono_literals;
 
 using LampContract = Contract;
 
-TEST_P(LampContract, ALampIsLitForTheTimeAsked) {
+TEST_P(LampContract, LampIsLitForTheRequestedTime) {
   const Machine machine = rig_->machine();
   show_a_mask();
   for (const nanoseconds cure : {100ms, 650ms, 1ms, 37ms}) {
@@ -24,14 +24,14 @@ TEST_P(LampContract, ALampIsLitForTheTimeAsked) {
     EXPECT_LE(std::chrono::abs(report->lit - cure), 1ms);
     EXPECT_LE(std::chrono::abs(rig_->time_lit() - before - cure), 2ms);
     EXPECT_FALSE(rig_->light());
-    // The 1 ms above, and 1 %.
+    // The promised 1 ms, and 1 %.
     const Irradiance irradiance = machine.lamp.limits().irradiance;
     const double dose = dose_of(irradiance, cure).value();
     EXPECT_NEAR(report->dose.value(), dose, dose_of(irradiance, 1ms).value() + 0.01 * dose);
   }
 }
 
-TEST_P(LampContract, ALampGoesDarkByItselfWhileTheFirmwareComputes) {
+TEST_P(LampContract, LampGoesOffByItselfWhileTheFirmwareComputes) {
   const Machine machine = rig_->machine();
   show_a_mask();
   auto exposure = machine.lamp.begin_exposure(200ms);
@@ -47,7 +47,7 @@ TEST_P(LampContract, ALampGoesDarkByItselfWhileTheFirmwareComputes) {
   EXPECT_LE(std::chrono::abs(report->lit - 200ms), 1ms);
 }
 
-TEST_P(LampContract, TheEndOfAnExposureIsAnEvent) {
+TEST_P(LampContract, EndOfAnExposureIsAnEvent) {
   const Machine machine = rig_->machine();
   show_a_mask();
   auto exposure = machine.lamp.begin_exposure(200ms);
@@ -55,7 +55,7 @@ TEST_P(LampContract, TheEndOfAnExposureIsAnEvent) {
   EXPECT_THAT(events_in(500ms), testing::ElementsAre(EventKind::kExposureEnded));
 }
 
-TEST_P(LampContract, AnExposureThatIsFinishedEarlySaysHowMuchIsMissing) {
+TEST_P(LampContract, ExposureFinishedEarlyReportsHowMuchIsMissing) {
   const Machine machine = rig_->machine();
   show_a_mask();
   rig_->press(EventKind::kPausePressed, 300ms);
@@ -71,7 +71,7 @@ TEST_P(LampContract, AnExposureThatIsFinishedEarlySaysHowMuchIsMissing) {
   EXPECT_FALSE(rig_->light());
 }
 
-TEST_P(LampContract, ALampIsDarkWhenItsExposureGoesOutOfScope) {
+TEST_P(LampContract, LampGoesOffWhenItsExposureGoesOutOfScope) {
   const Machine machine = rig_->machine();
   show_a_mask();
   {
@@ -84,7 +84,7 @@ TEST_P(LampContract, ALampIsDarkWhenItsExposureGoesOutOfScope) {
   EXPECT_FALSE(machine.lamp.lit());
 }
 
-TEST_P(LampContract, ALampIsDarkTenMillisecondsAfterTheCoverOpenedWhateverTheFirmwareDoes) {
+TEST_P(LampContract, LampIsOffTenMillisecondsAfterTheCoverOpensEvenIfTheFirmwareIsBusy) {
   const Machine machine = rig_->machine();
   show_a_mask();
   rig_->open_cover(300ms);
@@ -106,7 +106,7 @@ TEST_P(LampContract, ALampIsDarkTenMillisecondsAfterTheCoverOpenedWhateverTheFir
   EXPECT_TRUE(machine.lamp.begin_exposure(1s));
 }
 
-TEST_P(LampContract, ALampRefusesWhatMustNotBeLit) {
+TEST_P(LampContract, LampRefusesUnsafeExposures) {
   const Machine machine = rig_->machine();
   EXPECT_TRUE(failed_with(machine.lamp.begin_exposure(1s), ErrorCode::kMaskNotPresented));
   show_a_mask();

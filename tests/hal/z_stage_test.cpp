@@ -1,4 +1,4 @@
-/// What every back end of the HAL promises: The stage.
+/// Contract of every back end: the stage.
 
 #include <gmock/gmock.h>
 
@@ -13,7 +13,7 @@ using namespace std::chrono_literals;
 
 using StageContract = Contract;
 
-TEST_P(StageContract, AStageKnowsItsHeightOnceItIsHomed) {
+TEST_P(StageContract, StageKnowsItsHeightOnceHomed) {
   ZStage& stage = rig_->machine().stage;
   EXPECT_FALSE(stage.homed());
   EXPECT_TRUE(failed_with(stage.position(), ErrorCode::kNotHomed));
@@ -27,7 +27,7 @@ TEST_P(StageContract, AStageKnowsItsHeightOnceItIsHomed) {
   EXPECT_FALSE(stage.end_stop_pressed());
 }
 
-TEST_P(StageContract, AMoveArrivesInTheTimeOfItsRamp) {
+TEST_P(StageContract, MoveArrivesInTheTimeOfItsRamp) {
   const Machine machine = rig_->machine();
   home();
   for (const auto& [height, speed] :
@@ -46,7 +46,7 @@ TEST_P(StageContract, AMoveArrivesInTheTimeOfItsRamp) {
   }
 }
 
-TEST_P(StageContract, AStageDoesNotTakeAStepBeyondItsTravel) {
+TEST_P(StageContract, StageTakesNoStepBeyondItsTravel) {
   const Machine machine = rig_->machine();
   home();
   const Distance before = rig_->plate_height();
@@ -61,7 +61,7 @@ TEST_P(StageContract, AStageDoesNotTakeAStepBeyondItsTravel) {
   EXPECT_EQ(rig_->plate_height(), before);
 }
 
-TEST_P(StageContract, AStageDoesNotMoveUnderLight) {
+TEST_P(StageContract, StageDoesNotMoveUnderLight) {
   const Machine machine = rig_->machine();
   home();
   show_a_mask();
@@ -72,7 +72,7 @@ TEST_P(StageContract, AStageDoesNotMoveUnderLight) {
   EXPECT_FALSE(machine.stage.moving());
 }
 
-TEST_P(StageContract, AMotionIsInterruptedByWhatHappensMeanwhileAndKnowsItsHeightAfterwards) {
+TEST_P(StageContract, StageKnowsItsHeightAfterAnEventStopsItsMotion) {
   const Machine machine = rig_->machine();
   home();
   rig_->press(EventKind::kCancelPressed, 1s);
@@ -89,13 +89,13 @@ TEST_P(StageContract, AMotionIsInterruptedByWhatHappensMeanwhileAndKnowsItsHeigh
   const auto report = motion->finish();
   ASSERT_TRUE(report);
   EXPECT_FALSE(report->arrived);
-  // 1 s at 5 mm/s, less half of speeding up, and half of slowing down: 5 mm
+  // 1 s at 5 mm/s, less half of the acceleration phase, plus half of the braking phase: 5 mm
   EXPECT_NEAR((machine.stage.limits().highest - report->position).millimetres(), 5.0, 0.1);
   EXPECT_NEAR(rig_->plate_height().micrometres(), report->position.above_film().micrometres(), 5);
   EXPECT_EQ(machine.stage.position().value(), report->position);
 }
 
-TEST_P(StageContract, AStageStandsWhenItsMotionGoesOutOfScope) {
+TEST_P(StageContract, StageStopsWhenItsMotionGoesOutOfScope) {
   const Machine machine = rig_->machine();
   home();
   {
@@ -111,7 +111,7 @@ TEST_P(StageContract, AStageStandsWhenItsMotionGoesOutOfScope) {
   EXPECT_TRUE(machine.stage.homed());
 }
 
-TEST_P(StageContract, HomingCanBeStoppedAndThenTheHeightIsNotKnown) {
+TEST_P(StageContract, StoppedHomingLeavesTheHeightUnknown) {
   const Machine machine = rig_->machine();
   auto motion = machine.stage.begin_homing();
   ASSERT_TRUE(motion);
@@ -125,7 +125,7 @@ TEST_P(StageContract, HomingCanBeStoppedAndThenTheHeightIsNotKnown) {
   EXPECT_TRUE(machine.stage.homed());
 }
 
-TEST_P(StageContract, TheEndOfAMotionIsAnEvent) {
+TEST_P(StageContract, EndOfAMotionIsAnEvent) {
   home();
   auto motion = rig_->machine().stage.begin_move(ZPosition(165_mm), Speed(5));
   ASSERT_TRUE(motion);

@@ -35,7 +35,7 @@ class LinuxFan {
       : duty_(std::move(duty)), full_(full), tachometer_(std::move(tachometer)) {}
   NumberFile duty_;
   std::int64_t full_;                     // what it is at full speed
-  std::optional<NumberFile> tachometer_;  // a minute; absent: the fan has no wire that tells
+  std::optional<NumberFile> tachometer_;  // revolutions a minute; absent: the fan has no tachometer
   bool on_ = false;
   nanoseconds turned_on_at_{};  // CLOCK_MONOTONIC
 };

@@ -40,7 +40,7 @@ std::string good_with(const std::string& from, const std::string& to) {
   return text.replace(at, from.size(), to);
 }
 
-/// The message, which must come with `code`.
+/// The message of the error, which must have `code`.
 std::string refusal(const std::string& text, ErrorCode code = ErrorCode::kBadSetting) {
   const auto board = parse_board_file(text, "b.toml");
   if (board) {
@@ -51,7 +51,7 @@ std::string refusal(const std::string& text, ErrorCode code = ErrorCode::kBadSet
   return board.error().message();
 }
 
-TEST(BoardFile, GivesEveryValue) {
+TEST(BoardFile, ReadsEveryValue) {
   const auto board = parse_board_file(kGood, "b.toml");
   ASSERT_TRUE(board) << board.error().message();
   EXPECT_EQ(board->name, "test");
@@ -59,12 +59,12 @@ TEST(BoardFile, GivesEveryValue) {
   EXPECT_EQ(board->rows, 2560U);
   EXPECT_EQ(board->pixel_pitch_x_mm, 0.04725);
   EXPECT_EQ(board->pixel_pitch_y_mm, 0.05);
-  EXPECT_EQ(board->travel_mm, 160.0) << "an integer is a number, too";
+  EXPECT_EQ(board->travel_mm, 160.0) << "an integer is also a number";
   EXPECT_EQ(board->layer_height_mm, 0.05);
   EXPECT_EQ(board->arena_mib, 96U);
 }
 
-TEST(BoardFile, OfEveryBoardLoads) {
+TEST(BoardFile, LoadsEveryBoard) {
   int boards = 0;
   for (const auto& entry : std::filesystem::directory_iterator(PLUMBLINE_SOURCE_DIR "/board")) {
     if (entry.path().extension() != ".toml") continue;
@@ -77,7 +77,7 @@ TEST(BoardFile, OfEveryBoardLoads) {
   EXPECT_GE(boards, 4);
 }
 
-TEST(BoardFile, AllowsTheEndsOfARangeAndNothingBeyond) {
+TEST(BoardFile, AllowsExactlyTheRange) {
   EXPECT_TRUE(parse_board_file(good_with("columns = 1440", "columns = 1"), "b.toml"));
   EXPECT_TRUE(parse_board_file(good_with("columns = 1440", "columns = 16384"), "b.toml"));
   EXPECT_EQ(refusal(good_with("columns = 1440", "columns = 0")),
@@ -89,7 +89,7 @@ TEST(BoardFile, AllowsTheEndsOfARangeAndNothingBeyond) {
             "b.toml:6: [panel] pixel_pitch_x_mm: found a float 0.0047, allowed is a number from 0.005 to 1 mm");
 }
 
-TEST(BoardFile, RefusesNumbersThatAreNone) {
+TEST(BoardFile, RefusesNanAndInfinity) {
   for (const char* value : {"nan", "inf", "-inf"}) {
     EXPECT_THAT(
         refusal(good_with("travel_mm = 160", std::string{"travel_mm = "} + value)),
@@ -109,7 +109,7 @@ TEST(BoardFile, RefusesAWrongType) {
               StartsWith("b.toml:2: [printer] name: found an integer 7, allowed is a string"));
 }
 
-TEST(BoardFile, RefusesANameThatIsEmptyTooLongOrWouldNeedQuoting) {
+TEST(BoardFile, RefusesNamesThatAreEmptyTooLongOrNeedQuoting) {
   EXPECT_THAT(refusal(good_with("\"test\"", "''")), HasSubstr("allowed is a string of 1 to 63 letters, digits"));
   EXPECT_THAT(refusal(good_with("test", std::string(64, 'a'))), HasSubstr("aaa..."));
   EXPECT_TRUE(parse_board_file(good_with("test", std::string(63, 'a')), "b.toml"));
@@ -139,7 +139,7 @@ TEST(BoardFile, RefusesAnUnknownTableAndNamesTheNearest) {
             "chamber_fan, stick");
 }
 
-TEST(BoardFile, SaysWhereAKeyBelongs) {
+TEST(BoardFile, SaysInWhichTableAKeyBelongs) {
   EXPECT_EQ(refusal(good_with("[memory]\n", "")), "b.toml:12: [print] arena_mib: this key belongs in [memory]");
   EXPECT_EQ(refusal("rows = 3\n" + std::string{kGood}), "b.toml:1: rows: this key belongs in [panel]");
 }
@@ -156,14 +156,14 @@ TEST(BoardFile, RefusesAMissingTable) {
   EXPECT_THAT(refusal(""), StartsWith("b.toml:1: [printer] name: missing"));
 }
 
-TEST(BoardFile, RefusesWhatIsNoTable) {
+TEST(BoardFile, RefusesAValueInPlaceOfATable) {
   EXPECT_EQ(refusal("memory = 96\n" + good_with("[memory]\narena_mib = 96\n", "")),
             "b.toml:1: memory: found an integer 96, allowed is a table [memory]");
   EXPECT_THAT(refusal(good_with("[memory]", "[[memory]]")),
               HasSubstr("memory: found an array, allowed is a table [memory]"));
 }
 
-TEST(BoardFile, RefusesWhatIsNotToml) {
+TEST(BoardFile, RefusesTextThatIsNotToml) {
   EXPECT_THAT(refusal(good_with("columns = 1440", "columns 1440"), ErrorCode::kMalformed),
               StartsWith("b.toml:4: not TOML at column "));
   EXPECT_THAT(refusal(good_with("rows", "columns"), ErrorCode::kMalformed), StartsWith("b.toml:5: not TOML"));
@@ -172,7 +172,7 @@ TEST(BoardFile, RefusesWhatIsNotToml) {
   EXPECT_THAT(refusal("a = " + std::string(10000, '['), ErrorCode::kMalformed), StartsWith("b.toml:1: not TOML"));
 }
 
-TEST(BoardFile, GivesTheMachineOfThePrinter) {
+TEST(BoardFile, ReadsTheMachine) {
   const auto board = read_board_file(PLUMBLINE_SOURCE_DIR "/board/sim2k.toml");
   ASSERT_TRUE(board) << board.error().message();
   const auto machine = machine_of(*board, "sim2k.toml");
@@ -186,7 +186,7 @@ TEST(BoardFile, GivesTheMachineOfThePrinter) {
   EXPECT_EQ(machine->profile, "standard");
 }
 
-TEST(BoardFile, WithoutAnyOfTheMachinesKeysServesForSlicingAndNotForPrinting) {
+TEST(BoardFile, ServesOnlyForSlicingWithoutTheMachinesKeys) {
   const auto board = parse_board_file(kGood, "b.toml");
   ASSERT_TRUE(board);
   EXPECT_FALSE(board->machine);
@@ -195,7 +195,7 @@ TEST(BoardFile, WithoutAnyOfTheMachinesKeysServesForSlicingAndNotForPrinting) {
   EXPECT_THAT(machine.error().message(), AllOf(StartsWith("b.toml: describes a panel"), HasSubstr("[lamp]")));
 }
 
-TEST(BoardFile, WithOneOfTheMachinesKeysMustHaveAll) {
+TEST(BoardFile, NeedsAllOfTheMachinesKeysOrNone) {
   EXPECT_EQ(refusal(good_with("rows = 2560", "rows = 2560\nmirror = 'x'")),
             "b.toml:1: [printer] simulated: missing; allowed is true or false");
 }
@@ -207,7 +207,7 @@ std::string sim2k_with(const std::string& from, const std::string& to) {
   return text.replace(at, from.size(), to);
 }
 
-TEST(BoardFile, RefusesWordsAndNumbersThatAreNoChoice) {
+TEST(BoardFile, RefusesWordsAndNumbersThatAreNotAChoice) {
   EXPECT_THAT(refusal(sim2k_with("mirror = \"x\"", "mirror = \"z\"")),
               HasSubstr("[panel] mirror: found a string 'z', allowed is one of the strings none, x or y"));
   EXPECT_THAT(refusal(sim2k_with("rotation_deg = 0", "rotation_deg = 45")),
@@ -238,7 +238,7 @@ std::string rig_with(const std::string& from, const std::string& to) {
   return text.replace(at, from.size(), to);
 }
 
-TEST(BoardFile, SaysHowThePrinterIsWired) {
+TEST(BoardFile, ReadsTheWiring) {
   const auto board = parse_board_file(
       rig_with("offset = 5\nactive = \"high\"", "offset = 5\nactive = \"low\"\nbias = \"pull-up\""), "b.toml");
   ASSERT_TRUE(board) << board.error().message();
@@ -253,7 +253,7 @@ TEST(BoardFile, SaysHowThePrinterIsWired) {
   EXPECT_TRUE(missing_tables(wiring).empty());
 }
 
-TEST(BoardFile, KnowsWhichTablesOfTheWiringAreMissing) {
+TEST(BoardFile, ListsMissingWiringTables) {
   const auto board = read_board_file(PLUMBLINE_SOURCE_DIR "/board/mono2k.toml");
   ASSERT_TRUE(board);
   EXPECT_THAT(missing_tables(board->machine->wiring),
@@ -261,7 +261,7 @@ TEST(BoardFile, KnowsWhichTablesOfTheWiringAreMissing) {
                                               "lamp_sensor", "resin_sensor", "board_sensor"));
 }
 
-TEST(BoardFile, RefusesALineThatIsGivenTwiceOrByHalf) {
+TEST(BoardFile, RefusesALineGivenTwiceOrIncompletely) {
   EXPECT_THAT(
       refusal(rig_with("[lamp_line]", "[lamp_line]\nline = \"LAMP\"")),
       HasSubstr("[lamp_line] line: found a string 'LAMP', but a line is given either by line or by chip and offset"));
@@ -290,12 +290,12 @@ TEST(BoardFile, RefusesAFileOfAnotherKindBySize) {
               HasSubstr("larger than 65536 bytes"));
 }
 
-TEST(BoardFile, MessageHoldsNothingThatATerminalObeys) {
+TEST(BoardFile, KeepsControlCharactersOutOfMessages) {
   EXPECT_THAT(refusal(good_with("columns = 1440", "\"\\u001B[31m\" = 1440")),
               AllOf(HasSubstr("?[31m"), Not(HasSubstr("\x1B"))));
 }
 
-TEST(BoardFile, ThatCannotBeOpenedOrReadIsNamed) {
+TEST(BoardFile, NamesAFileThatCannotBeOpenedOrRead) {
   const auto missing = read_board_file("/nowhere/b.toml");
   ASSERT_FALSE(missing);
   EXPECT_EQ(missing.error().code(), ErrorCode::kCannotOpen);

@@ -1,4 +1,4 @@
-/// What is known of lines without any: names, uses, bouncing contacts, the order of events.
+/// Lines and events without hardware: names, uses, bouncing contacts, order.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-TEST(LineRegistry, RefusesOnePinUsedTwiceAndNamesBothUses) {
+TEST(LineRegistry, RefusesAPinUsedTwiceAndNamesBothUses) {
   LineRegistry registry;
   EXPECT_TRUE(registry.claim({"gpiochip0", 17}, "the lamp"));
   EXPECT_TRUE(registry.claim({"gpiochip0", 18}, "the cover"));
@@ -28,7 +28,7 @@ TEST(LineRegistry, RefusesOnePinUsedTwiceAndNamesBothUses) {
                "the lamp and the buzzer use the same line, gpiochip0 17: correct the board file");
 }
 
-TEST(LineOption, IsReadAsItWasWritten) {
+TEST(LineOption, ParsesBackToWhatWasWritten) {
   for (const bool low : {false, true}) {
     for (const auto bias : {LineBias::kAsIs, LineBias::kDisabled, LineBias::kPullUp, LineBias::kPullDown}) {
       LineSettings settings;
@@ -43,7 +43,7 @@ TEST(LineOption, IsReadAsItWasWritten) {
   }
 }
 
-TEST(LineOption, IsRefusedWhereItIsNone) {
+TEST(LineOption, RefusesAnythingElse) {
   EXPECT_TRUE(parse_line_option("gpio:gpiochip0:0:low:pull-up"));
   for (const char* text : {"", "gpio", "gpio:gpiochip0:1:high", "gpio:gpiochip0:1:high:as-is:", "gpio::1:high:as-is",
                            "gpio:gpiochip0:-1:high:as-is", "gpio:gpiochip0:1x:high:as-is", "gpio:gpiochip0::high:as-is",
@@ -53,7 +53,7 @@ TEST(LineOption, IsRefusedWhereItIsNone) {
   }
 }
 
-TEST(Contact, GoesOnAtItsFirstContactAndOnceThoughItBounces) {
+TEST(Contact, GoesOnOnceAtItsFirstContactEvenIfItBounces) {
   Contact contact(false);
   EXPECT_TRUE(contact.update(true, 100ms));
   EXPECT_FALSE(contact.update(false, 101ms));
@@ -65,23 +65,23 @@ TEST(Contact, GoesOnAtItsFirstContactAndOnceThoughItBounces) {
   EXPECT_FALSE(contact.settle(10s));
 }
 
-TEST(Contact, GoesOffWhenItHasBeenOffForAWhile) {
+TEST(Contact, GoesOffAfterTheBounceTime) {
   Contact contact(true);
   EXPECT_FALSE(contact.update(false, 100ms));
   EXPECT_FALSE(contact.update(true, 110ms));
   EXPECT_FALSE(contact.update(false, 120ms));
-  EXPECT_FALSE(contact.update(false, 140ms)) << "looked at again, which is no new bounce";
+  EXPECT_FALSE(contact.update(false, 140ms)) << "a repeated reading is no new bounce";
   ASSERT_TRUE(contact.due());
   EXPECT_EQ(*contact.due(), 120ms + Contact::kBounceTime);
   EXPECT_FALSE(contact.settle(120ms + Contact::kBounceTime - 1ns));
   EXPECT_TRUE(contact.on());
   EXPECT_EQ(contact.settle(120ms + Contact::kBounceTime), std::optional<Contact::Time>(120ms));
   EXPECT_FALSE(contact.on());
-  EXPECT_FALSE(contact.settle(10s)) << "said once";
-  EXPECT_TRUE(contact.update(true, 11s)) << "and can go on again";
+  EXPECT_FALSE(contact.settle(10s)) << "only once";
+  EXPECT_TRUE(contact.update(true, 11s)) << "it can go on again";
 }
 
-TEST(EventQueue, GivesWhatHappenedFirstThoughItWasHeardOfLast) {
+TEST(EventQueue, ReturnsTheEarliestEventEvenIfItWasReportedLast) {
   EventQueue queue;
   EXPECT_FALSE(queue.take());
   queue.add(EventKind::kMotionEnded, 5ms);
@@ -94,7 +94,7 @@ TEST(EventQueue, GivesWhatHappenedFirstThoughItWasHeardOfLast) {
                                           EventKind::kPausePressed));
 }
 
-TEST(EventQueue, KeepsTheOldestWhenItIsFull) {
+TEST(EventQueue, DropsNewEventsWhenItIsFull) {
   EventQueue queue;
   for (std::size_t i = 0; i < EventQueue::kCapacity; ++i)
     queue.add(EventKind::kStartPressed, std::chrono::nanoseconds(i));
@@ -107,7 +107,7 @@ TEST(EventQueue, KeepsTheOldestWhenItIsFull) {
   EXPECT_EQ(taken, EventQueue::kCapacity);
 }
 
-TEST(ShutdownSignal, MakesAnEventOfTheSystemsWish) {
+TEST(ShutdownSignal, TurnsSigtermIntoAnEvent) {
   EventQueue queue;
   {
     ShutdownSignal shutdown(queue);
@@ -120,7 +120,7 @@ TEST(ShutdownSignal, MakesAnEventOfTheSystemsWish) {
     EXPECT_EQ(event->kind, EventKind::kShutdownRequested);
     EXPECT_EQ(event->at, TimePoint(2ms));
   }
-  EXPECT_EXIT(std::raise(SIGTERM), testing::KilledBySignal(SIGTERM), "") << "and leaves the signal as it was";
+  EXPECT_EXIT(std::raise(SIGTERM), testing::KilledBySignal(SIGTERM), "") << "the signal's old action is restored";
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-/// Steps on their deadlines, and homing, on a stage of numbers in real time.
+/// Step deadlines and homing, on a simulated stage in real time.
 
 #include <gtest/gtest.h>
 
@@ -55,7 +55,7 @@ class FakeLines final : public StageLines {
     }
     return edge;
   }
-  /// Something else than the stage presses the switch for the shortest time.
+  /// Presses the switch briefly, as interference does.
   void glitch() {
     const std::scoped_lock lock(mutex_);
     keep(true);
@@ -73,7 +73,7 @@ class FakeLines final : public StageLines {
   bool broken = false;
   bool stuck = false;
   bool never_pressed = false;
-  bool hums = false;  // the switch's line changes faster than its changes are read
+  bool hums = false;  // the switch's line changes faster than it is read
   std::vector<nanoseconds> taken;
 
  private:
@@ -128,7 +128,7 @@ class Stage : public testing::Test {
   std::optional<LinuxZStage> stage_;
 };
 
-TEST(StepLegs, TakeEachStepWhenTheRampHasCoveredItAndNotBefore) {
+TEST(StepLegs, TakeEachStepOnceTheRampHasCoveredIt) {
   FakeLines lines;
   StepLegs legs(lines, kStep, Acceleration(2000));
   lines.height = 0;
@@ -144,7 +144,7 @@ TEST(StepLegs, TakeEachStepWhenTheRampHasCoveredItAndNotBefore) {
   EXPECT_EQ(legs.take_record().steps, 400U);
 }
 
-TEST(StepLegs, CountWhatWasLateForTheReportThatTakesIt) {
+TEST(StepLegs, CountLateStepsSinceTheLastReport) {
   FakeLines lines;
   StepLegs legs(lines, kStep, Acceleration(2000));
   // The first step is due 4.5 ms after the ramp has begun.
@@ -156,10 +156,10 @@ TEST(StepLegs, CountWhatWasLateForTheReportThatTakesIt) {
   const StepRecord taken = legs.take_record();
   EXPECT_EQ(taken.steps, 0U);
   EXPECT_EQ(taken.late, 0U);
-  EXPECT_EQ(taken.worst, 0ns) << "the next report counts its own";
+  EXPECT_EQ(taken.worst, 0ns) << "each report starts from zero";
 }
 
-TEST(StepLegs, AreNotDeceivedByAGlitchOfTheEndStop) {
+TEST(StepLegs, IgnoreAGlitchOfTheEndStop) {
   FakeLines lines;
   StepLegs legs(lines, kStep, Acceleration(2000));
   std::atomic<bool> done = false;
@@ -177,7 +177,7 @@ TEST(StepLegs, AreNotDeceivedByAGlitchOfTheEndStop) {
   EXPECT_EQ(lines.height, 400);
 }
 
-TEST(StepLegs, DoNotStandStillForAnEndStopThatHums) {
+TEST(StepLegs, KeepMovingIfTheEndStopHums) {
   FakeLines lines;
   StepLegs legs(lines, kStep, Acceleration(2000));
   lines.hums = true;
@@ -187,7 +187,7 @@ TEST(StepLegs, DoNotStandStillForAnEndStopThatHums) {
   EXPECT_EQ(lines.height, 400);
 }
 
-TEST(StepLegs, KnowTheStepAtWhichTheEndStopClosed) {
+TEST(StepLegs, ReportTheStepAtWhichTheEndStopClosed) {
   FakeLines lines;
   StepLegs legs(lines, kStep, Acceleration(2000));
   lines.height = 0;
@@ -195,10 +195,11 @@ TEST(StepLegs, KnowTheStepAtWhichTheEndStopClosed) {
   EXPECT_EQ(result.end, StepLegEnd::kSwitched);
   EXPECT_EQ(result.switched, 500);
   EXPECT_EQ(lines.height, legs.count());
-  EXPECT_LT(legs.count(), 560) << "it slows down from there: v^2 / 2a is 5 steps, and some pass until it is believed";
+  EXPECT_LT(legs.count(), 560)
+      << "it brakes from there: v^2 / 2a is 5 steps, and some more pass until the switch counts";
 }
 
-TEST_F(Stage, HomesUpwardAndKnowsItsHeight) {
+TEST_F(Stage, HomesUpwardAndThenKnowsItsHeight) {
   home();
   EXPECT_TRUE(stage().homed());
   EXPECT_TRUE(lines_.enabled);
@@ -224,16 +225,16 @@ TEST_F(Stage, MovesToTheStepNearestToItsTarget) {
   }
 }
 
-TEST_F(Stage, FindsTheStepsThatWereLost) {
+TEST_F(Stage, ReportsLostStepsWhenItHomesAgain) {
   home();
-  lines_.height -= 7;  // somebody held it
+  lines_.height -= 7;  // somebody blocked it
   const auto homed = stage().home();
   ASSERT_TRUE(homed);
   EXPECT_NEAR(homed->steps_lost.millimetres(), 7 * kStep, kStep / 2);
   EXPECT_NEAR(height_mm(), 9, kStep);
 }
 
-TEST_F(Stage, StopsOnItsWayAndKnowsWhere) {
+TEST_F(Stage, StopsOnItsWayAndKnowsItsHeight) {
   home();
   auto motion = stage().begin_move(ZPosition(2_mm), Speed(10));
   ASSERT_TRUE(motion);
@@ -248,7 +249,7 @@ TEST_F(Stage, StopsOnItsWayAndKnowsWhere) {
   EXPECT_NEAR(report->position.above_film().millimetres(), height_mm(), 1e-6);
 }
 
-TEST_F(Stage, SaysThatTheEndStopIsNotThere) {
+TEST_F(Stage, ReportsAMissingEndStop) {
   lines_.never_pressed = true;
   const auto homed = stage().home();
   ASSERT_FALSE(homed);
@@ -256,16 +257,16 @@ TEST_F(Stage, SaysThatTheEndStopIsNotThere) {
   EXPECT_FALSE(stage().homed());
 }
 
-TEST_F(Stage, SaysThatTheEndStopIsStuck) {
+TEST_F(Stage, ReportsAStuckEndStop) {
   lines_.stuck = true;
   lines_.touch();
   const auto homed = stage().home();
   ASSERT_FALSE(homed);
   EXPECT_EQ(homed.error().code(), ErrorCode::kEndStopStuck);
-  EXPECT_GE(height_mm(), 9 - 1.1) << "no more than a millimetre towards the film";
+  EXPECT_GE(height_mm(), 9 - 1.1) << "at most a millimetre towards the film";
 }
 
-TEST_F(Stage, IsNotDrivenIntoAnEndStopThatClosesTooEarly) {
+TEST_F(Stage, StopsAtAnEndStopThatClosesTooEarly) {
   home();
   ASSERT_TRUE(stage().move_to(ZPosition(1_mm), Speed(50)));
   lines_.stop_at = 200;  // the stage slipped upward by 6 mm
@@ -276,7 +277,7 @@ TEST_F(Stage, IsNotDrivenIntoAnEndStopThatClosesTooEarly) {
   EXPECT_FALSE(stage().homed());
 }
 
-TEST_F(Stage, SaysThatItsDriverCannotBeSet) {
+TEST_F(Stage, ReportsADriverThatCannotBeSet) {
   home();
   lines_.broken = true;
   const auto moved = stage().move_to(ZPosition(5_mm), Speed(20));
@@ -284,7 +285,7 @@ TEST_F(Stage, SaysThatItsDriverCannotBeSet) {
   EXPECT_EQ(moved.error().code(), ErrorCode::kStageStalled);
 }
 
-TEST_F(Stage, TellsOfTheEndOfEachMotion) {
+TEST_F(Stage, CausesAnEventAtTheEndOfEachMotion) {
   home();
   ASSERT_TRUE(stage().move_to(ZPosition(8_mm), Speed(50)));
   EventQueue events;

@@ -1,4 +1,4 @@
-/// Temperatures, fans and sticks against folders that look as sysfs does.
+/// Temperatures, fans and sticks on folders that look like sysfs.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -67,7 +67,7 @@ class Sysfs : public testing::Test {
   Interlock interlock_;
 };
 
-TEST_F(Sysfs, TemperaturesAreFoundByNameAndReadEachTime) {
+TEST_F(Sysfs, FindsSensorsByNameAndReadsThemEachTime) {
   const auto thermals = open(settings());
   ASSERT_TRUE(thermals);
   EXPECT_DOUBLE_EQ(thermals->temperature(TemperatureSite::kLamp)->value(), 31.25);
@@ -77,7 +77,7 @@ TEST_F(Sysfs, TemperaturesAreFoundByNameAndReadEachTime) {
   EXPECT_DOUBLE_EQ(thermals->temperature(TemperatureSite::kLamp)->value(), 66.0);
 }
 
-TEST_F(Sysfs, ASensorThatSaysNothingOrNonsenseIsDead) {
+TEST_F(Sysfs, ReportsASensorWithoutAPlausibleReadingAsDead) {
   const auto thermals = open(settings());
   ASSERT_TRUE(thermals);
   for (const char* text : {"", "no", "200000", "12x"}) {
@@ -88,7 +88,7 @@ TEST_F(Sysfs, ASensorThatSaysNothingOrNonsenseIsDead) {
   }
 }
 
-TEST_F(Sysfs, ASensorThatIsNotThereIsNamedWithThoseThatAre) {
+TEST_F(Sysfs, NamesAMissingSensorAndThoseThatExist) {
   auto wrong = settings();
   wrong.sensors[0].hwmon = "ds18b20";
   const auto opened = LinuxThermals::open(wrong, root_.string());
@@ -98,7 +98,7 @@ TEST_F(Sysfs, ASensorThatIsNotThereIsNamedWithThoseThatAre) {
                                                        HasSubstr("lm75"), HasSubstr("cpu")));
 }
 
-TEST_F(Sysfs, AFanIsTakenFromTheKernelAndTurnsAsAsked) {
+TEST_F(Sysfs, TakesAFanFromTheKernelAndSetsItsSpeed) {
   const auto thermals = open(settings());
   ASSERT_TRUE(thermals);
   EXPECT_EQ(read("class/hwmon/hwmon4/pwm1_enable"), "1");
@@ -107,17 +107,17 @@ TEST_F(Sysfs, AFanIsTakenFromTheKernelAndTurnsAsAsked) {
   EXPECT_EQ(read("class/hwmon/hwmon4/pwm1"), "128");
   ASSERT_TRUE(thermals->set_fan(Fan::kLamp, 7));
   EXPECT_EQ(read("class/hwmon/hwmon4/pwm1"), "255");
-  EXPECT_EQ(thermals->fan_health(Fan::kLamp), FanHealth::kOk) << "it has just been asked";
+  EXPECT_EQ(thermals->fan_health(Fan::kLamp), FanHealth::kOk) << "it has just been turned on";
 }
 
-TEST_F(Sysfs, AFanThatIsNotThereDoesNothingAndIsNotMonitored) {
+TEST_F(Sysfs, IgnoresAMissingFan) {
   const auto thermals = open(settings());
   ASSERT_TRUE(thermals);
   EXPECT_TRUE(thermals->set_fan(Fan::kChamber, 1));
   EXPECT_EQ(thermals->fan_health(Fan::kChamber), FanHealth::kNotMonitored);
 }
 
-TEST_F(Sysfs, AFanOnAPwmChipGetsItsPeriodAndIsEnabled) {
+TEST_F(Sysfs, SetsThePeriodOfAPwmChipAndEnablesIt) {
   write("class/pwm/pwmchip0/pwm1/duty_cycle", "0");
   write("class/pwm/pwmchip0/pwm1/period", "0");
   write("class/pwm/pwmchip0/pwm1/enable", "0");
@@ -131,13 +131,13 @@ TEST_F(Sysfs, AFanOnAPwmChipGetsItsPeriodAndIsEnabled) {
   EXPECT_EQ(read("class/pwm/pwmchip0/pwm1/enable"), "1");
 }
 
-TEST_F(Sysfs, AStickIsNamedByItsPlaceOnTheBus) {
+TEST_F(Sysfs, NamesAStickByItsPlaceOnTheBus) {
   const std::uint8_t ports[] = {1, 4, 2};
   EXPECT_EQ(usb_place(1, ports, 3), "1-1.4.2");
   EXPECT_EQ(usb_place(2, ports, 1), "2-1");
 }
 
-TEST_F(Sysfs, AStickSaysWhoItIs) {
+TEST_F(Sysfs, ReadsAStickIdentity) {
   write("usb/1-1/idVendor", "0781");
   write("usb/1-1/idProduct", "5581");
   write("usb/1-1/manufacturer", "SanDisk");
@@ -146,11 +146,12 @@ TEST_F(Sysfs, AStickSaysWhoItIs) {
   EXPECT_EQ(identity.vendor_id, 0x0781);
   EXPECT_EQ(identity.product_id, 0x5581);
   EXPECT_STREQ(identity.maker.data(), "SanDisk");
-  EXPECT_EQ(std::string(identity.product.data()), std::string(identity.product.size() - 1, 'u')) << "cut, and ended";
+  EXPECT_EQ(std::string(identity.product.data()), std::string(identity.product.size() - 1, 'u'))
+      << "truncated, with a final 0";
   EXPECT_STREQ(identity.serial.data(), "") << "not every stick has one";
 }
 
-TEST_F(Sysfs, AStickIsMountedFromItsFirstPartitionOrElseWhole) {
+TEST_F(Sysfs, PrefersAStickFirstPartitionToTheWholeMedium) {
   const std::string device = (root_ / "usb/1-1").string();
   EXPECT_TRUE(block_devices(device).empty()) << "the kernel has not found its medium yet";
   const std::string block = "usb/1-1/1-1:1.0/host0/target0:0:0/0:0:0:0/block/";
@@ -168,22 +169,22 @@ TEST_F(Sysfs, AStickIsMountedFromItsFirstPartitionOrElseWhole) {
   EXPECT_THAT(block_devices(device), testing::ElementsAre("/dev/sdb2", "/dev/sdb10", "/dev/sdb"));
 }
 
-TEST_F(Sysfs, AStickIsWaitedForUntilTheKernelHasLookedForItsPartitions) {
+TEST_F(Sysfs, WaitsUntilTheKernelHasLookedForPartitions) {
   const std::string device = (root_ / "usb/1-1").string();
   const std::string udev = (root_ / "udev").string();
   const std::string block = "usb/1-1/1-1:1.0/host0/target0:0:0/0:0:0:0/block/";
   write(block + "sda/size", "196608");
   write(block + "sda/dev", "8:0");
-  EXPECT_THAT(block_devices(device, udev), testing::ElementsAre("/dev/sda")) << "without udev nobody knows";
+  EXPECT_THAT(block_devices(device, udev), testing::ElementsAre("/dev/sda"))
+      << "without udev partitions are not waited for";
   write("udev/b8:16", "I:1");
-  EXPECT_TRUE(block_devices(device, udev).empty())
-      << "the whole medium would be tried for the file system of its partition";
+  EXPECT_TRUE(block_devices(device, udev).empty()) << "or else the whole medium would be tried first";
   write(block + "sda/sda1/partition", "1");
   write(block + "sda/sda1/size", "1000");
-  EXPECT_TRUE(block_devices(device, udev).empty()) << "more of them may come";
+  EXPECT_TRUE(block_devices(device, udev).empty()) << "more partitions may follow";
   write("udev/b8:0", "I:2");
   EXPECT_THAT(block_devices(device, udev), testing::ElementsAre("/dev/sda1", "/dev/sda"));
-  // Of a reader of two cards one is ready before the other.
+  // In a reader with two cards, one may be ready before the other.
   write(block + "sdb/size", "500");
   write(block + "sdb/dev", "8:32");
   EXPECT_THAT(block_devices(device, udev), testing::ElementsAre("/dev/sda1", "/dev/sda"));

@@ -1,4 +1,4 @@
-/// Every fault of the table does what the table says: a small print meets it at layer 2 of 5.
+/// Every fault has the effect that the table gives: each starts at layer 2 of a 5-layer print.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -19,13 +19,13 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// What a fault at layer 2 comes to, with a firmware that looks at nothing but errors.
+/// The effect of a fault at layer 2 on a firmware that checks nothing but errors.
 struct Effect {
   FaultKind kind;
-  std::optional<ErrorCode> error = std::nullopt;          ///< that ends the print
+  std::optional<ErrorCode> error = std::nullopt;          ///< ends the print
   std::vector<ObjectionKind> objections = {};             ///< in the whole print
   const char* option = "";                                ///< for the fault
-  std::function<void(const Machine&, Plant&)> then = {};  ///< looked at after the print
+  std::function<void(const Machine&, Plant&)> then = {};  ///< checks after the print
 };
 
 std::ostream& operator<<(std::ostream& out, const Effect& effect) { return out << row_of(effect.kind).name; }
@@ -72,7 +72,7 @@ std::vector<Effect> effects() {
   const auto not_homed = [](const Machine& machine, Plant&) { EXPECT_FALSE(machine.stage.homed()); };
   const auto lost_steps = [](const Machine& machine, Plant& plant) {
     EXPECT_NEAR((machine.stage.position().value().above_film() - plant.stage().height()).millimetres(), 0.2, 1e-6);
-    // Too low by 0.2 mm: the end stop comes 0.2 mm later than the steps say.
+    // The plate is 0.2 mm too low, so it meets the end stop 0.2 mm later than expected.
     EXPECT_NEAR(machine.stage.home().value().steps_lost.millimetres(), 0.2, 0.00126);
   };
   const auto stick_is_gone = [](const Machine& machine, Plant&) { EXPECT_FALSE(machine.stick.has_stick()); };
@@ -88,7 +88,7 @@ std::vector<Effect> effects() {
   };
   const auto fan_stalls = [](Fan fan) {
     return [fan](const Machine& machine, Plant&) {
-      EXPECT_EQ(machine.thermals.fan_health(fan), FanHealth::kOk) << "it is not to turn";
+      EXPECT_EQ(machine.thermals.fan_health(fan), FanHealth::kOk) << "it should not turn";
       ASSERT_TRUE(machine.thermals.set_fan(fan, 0.5));
       EXPECT_EQ(machine.thermals.fan_health(fan), FanHealth::kStalled);
     };
@@ -99,7 +99,7 @@ std::vector<Effect> effects() {
   const auto dead = [](TemperatureSite site) {
     return [=](const Machine& machine, Plant&) { sensor_is_dead(machine, site); };
   };
-  // The events of layer 2's exposure go to the print; a second press comes when it is over.
+  // The print reads the events during layer 2's exposure, so press again afterwards.
   const auto pressed = [](EventKind button) {
     return [button](const Machine& machine, Plant&) { EXPECT_THAT(all_events(machine), testing::Contains(button)); };
   };
@@ -115,7 +115,7 @@ std::vector<Effect> effects() {
       {.kind = F::kLampUnarmed, .error = E::kLampFailed},
       {.kind = F::kPanelFlipTimeout, .error = E::kFlipTimeout},
       {.kind = F::kPanelTorn, .objections = {O::kMaskTornUnderLight, O::kMaskTornUnderLight, O::kMaskTornUnderLight}},
-      // The old one is the black that came after the last layer: what was to be cured is not.
+      // The old mask is the black one after the last layer, so nothing cures.
       {.kind = F::kPanelStale, .objections = {O::kMaskTornUnderLight, O::kMaskTornUnderLight, O::kMaskTornUnderLight}},
       {.kind = F::kPanelDead, .error = E::kPanelFailed},
       {.kind = F::kPanelSlow},
@@ -125,7 +125,7 @@ std::vector<Effect> effects() {
            [](const Machine& machine, Plant& plant) {
              const Distance before = plant.stage().height();
              EXPECT_EQ(code_of_homing(machine), E::kEndStopStuck);
-             EXPECT_EQ(plant.stage().height(), before) << "homing does not begin where the end stop can't be";
+             EXPECT_EQ(plant.stage().height(), before) << "homing does not start where the end stop can't be";
            }},
       {.kind = F::kStageEndStopDead,
        .then =
@@ -133,7 +133,7 @@ std::vector<Effect> effects() {
              EXPECT_EQ(code_of_homing(machine), E::kEndStopNotFound);
              EXPECT_FALSE(machine.stage.homed());
            }},
-      // Layer 2 at 0.15 mm is 50 um below the film; the next ones are above it again.
+      // At 0.15 mm, layer 2 is 50 um below the film; later layers are above it again.
       {.kind = F::kStageSkips, .objections = {O::kTravelPastEnd}, .then = lost_steps},
       {.kind = F::kStageStalls, .error = E::kStageStalled, .then = not_homed},
       {.kind = F::kResinSticks, .objections = {O::kLiftSkipped, O::kLiftSkipped, O::kLiftSkipped}},
@@ -194,7 +194,7 @@ std::vector<Effect> effects() {
 
 class FaultEffect : public testing::TestWithParam<Effect> {};
 
-TEST_P(FaultEffect, IsThatOfTheTable) {
+TEST_P(FaultEffect, MatchesTheTable) {
   const Effect& effect = GetParam();
   const auto folder = std::filesystem::path(testing::TempDir()) / ("fault-stick-" + std::to_string(::getpid()));
   std::filesystem::create_directories(folder);
@@ -209,7 +209,7 @@ TEST_P(FaultEffect, IsThatOfTheTable) {
   if (effect.error) {
     ASSERT_FALSE(printed);
     EXPECT_EQ(printed.error().code(), *effect.error) << printed.error().message();
-    EXPECT_LE(plant.part().layers().size(), 3U) << "layers 0 and 1 were whole, 2 may have begun";
+    EXPECT_LE(plant.part().layers().size(), 3U) << "layers 0 and 1 are complete, 2 may have begun";
     EXPECT_GE(plant.part().layers().size(), 2U);
   } else {
     ASSERT_TRUE(printed) << printed.error().message();
@@ -232,7 +232,7 @@ const auto kName = [](const auto& info) {
 };
 INSTANTIATE_TEST_SUITE_P(Sim, FaultEffect, testing::ValuesIn(effects()), kName);
 
-TEST(FaultEffects, AreThoseOfEveryFaultInTheTable) {
+TEST(FaultEffects, CoverTheWholeTable) {
   std::vector<bool> seen(kFaultKindCount, false);
   for (const Effect& effect : effects()) seen[static_cast<std::size_t>(effect.kind)] = true;
   for (const FaultRow& row : fault_table()) EXPECT_TRUE(seen[static_cast<std::size_t>(row.kind)]) << row.name;

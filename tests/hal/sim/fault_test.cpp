@@ -15,7 +15,7 @@ namespace {
 using namespace std::chrono_literals;
 using testing::HasSubstr;
 
-TEST(Fault, IsReadAsItIsWritten) {
+TEST(Fault, ParsesItsText) {
   const Fault layer = parse_fault("lamp.stuck_on@layer=40").value();
   EXPECT_EQ(layer.kind, FaultKind::kLampStuckOn);
   EXPECT_EQ(layer.layer, 40U);
@@ -35,14 +35,14 @@ TEST(Fault, IsReadAsItIsWritten) {
   EXPECT_EQ(all.amount, -0.25);
 }
 
-TEST(Fault, WithoutAnAmountHasThatOfTheTable) {
+TEST(Fault, TakesTheTablesAmountByDefault) {
   for (const FaultRow& row : fault_table()) {
     EXPECT_EQ(parse_fault(std::string(row.name) + "@layer=3").value().amount, row.amount) << row.name;
     EXPECT_EQ(parse_fault(std::string(row.name) + "@t=3s").value().kind, row.kind);
   }
 }
 
-TEST(Fault, SaysWhatIsWrongWithItsText) {
+TEST(Fault, ReportsWhatIsWrongWithItsText) {
   const std::pair<const char*, const char*> wrong[] = {
       {"", "not known"},
       {"lamp.stuck@layer=4", "did you mean lamp.stuck_on?"},
@@ -75,7 +75,7 @@ TEST(Fault, SaysWhatIsWrongWithItsText) {
   }
 }
 
-TEST(Fault, TableHasThirtyOrMoreWithNamesOfTheirOwnAndStandsInTheReadme) {
+TEST(Fault, TableHasDifferentNamesAndMatchesTheReadme) {
   std::ifstream file(PLUMBLINE_SOURCE_DIR "/hal/sim/README.md");
   std::stringstream readme;
   readme << file.rdbuf();

@@ -1,4 +1,4 @@
-/// The pieces of physics, each against its formula or brute force.
+/// Each piece of physics against its formula or brute force.
 
 #include <gtest/gtest.h>
 
@@ -21,7 +21,7 @@ using namespace std::chrono_literals;
 
 TimePoint at(nanoseconds time) { return TimePoint(time); }
 
-TEST(Resin, CuresAsDeepAsJacobsSays) {
+TEST(Resin, CuresToTheDepthOfTheWorkingCurve) {
   const Resin resin;
   const double ec = resin.critical.value();
   EXPECT_EQ(resin.cure_depth_mm(Dose(0)), 0);
@@ -29,12 +29,12 @@ TEST(Resin, CuresAsDeepAsJacobsSays) {
   for (const double times : {1.01, 2.0, 2.718281828459045, 10.0, 100.0}) {
     EXPECT_DOUBLE_EQ(resin.cure_depth_mm(Dose(ec * times)), resin.penetration_mm * std::log(times));
   }
-  // The curve's meaning: the dose left at the depth cured is just Ec, after Beer and Lambert.
+  // By Beer-Lambert, the dose at the cured depth is Ec.
   const double depth = resin.cure_depth_mm(Dose(20));
   EXPECT_NEAR(20 * std::exp(-depth / resin.penetration_mm), ec, 1e-12);
 }
 
-TEST(LampModel, DoseIsTheAreaBelowItsLight) {
+TEST(LampModel, DoseIsTheIntegralOfTheLight) {
   std::mt19937 random(2);
   for (int run = 0; run < 50; ++run) {
     LampModel lamp(Irradiance(3), 4ms, 7ms);
@@ -56,7 +56,7 @@ TEST(LampModel, DoseIsTheAreaBelowItsLight) {
   }
 }
 
-TEST(LampModel, WithEqualSlopesADoseIsIrradianceTimesTime) {
+TEST(LampModel, DoseIsIrradianceTimesTimeForEqualSlopes) {
   LampModel lamp(Irradiance(3), 1ms, 1ms);
   lamp.drive(at(10ms), 1);
   lamp.drive(at(2510ms), 0);
@@ -64,7 +64,7 @@ TEST(LampModel, WithEqualSlopesADoseIsIrradianceTimesTime) {
   EXPECT_NEAR(lamp.take_dose(at(3s)).value(), 7.5, 1e-12);
 }
 
-TEST(StageModel, StandsWhereTheEndStopAndTheFrameStopIt) {
+TEST(StageModel, StopsAtTheEndStopAndAtTheFrame) {
   Timeline timeline{Pace()};
   const StageModel::Build build;
   StageModel stage(timeline, build);
@@ -88,7 +88,7 @@ TEST(StageModel, StandsWhereTheEndStopAndTheFrameStopIt) {
   EXPECT_EQ(stage.height(), build.upper_end);
 }
 
-TEST(PanelModel, ShowsTheNewMaskAfterTheFrameAndItsSettling) {
+TEST(PanelModel, ShowsTheNewMaskOnceItHasSettled) {
   Timeline timeline{Pace()};
   PanelModel::Build build;
   build.columns = 70;
@@ -108,7 +108,7 @@ TEST(PanelModel, ShowsTheNewMaskAfterTheFrameAndItsSettling) {
   EXPECT_EQ(panel.back().count(), 0U);
 }
 
-TEST(PanelModel, TornShowsTheUpperHalfOfTheNewMaskAndTheLowerOfTheOld) {
+TEST(PanelModel, ShowsHalfOfEachMaskWhenTorn) {
   Timeline timeline{Pace()};
   PanelModel::Build build;
   build.columns = 70;
@@ -129,7 +129,7 @@ TEST(PanelModel, TornShowsTheUpperHalfOfTheNewMaskAndTheLowerOfTheOld) {
   }
 }
 
-TEST(ThermalModel, TheLampNearsItsTemperatureWithItsTimeConstant) {
+TEST(ThermalModel, LampApproachesItsTemperatureWithTheTimeConstant) {
   ThermalModel thermals(Celsius(20));
   thermals.set_fan(at(0s), Fan::kLamp, 1);
   thermals.set_lit(at(0s), true);
@@ -141,7 +141,7 @@ TEST(ThermalModel, TheLampNearsItsTemperatureWithItsTimeConstant) {
   EXPECT_NEAR(thermals.temperature(at(6000s), TemperatureSite::kLamp).value(), 20, 1e-3);
 }
 
-/// Masks that differ in anything from nothing to all of it.
+/// Masks of which anything from no pixel to all of them differ.
 std::vector<std::vector<std::uint64_t>> random_masks(std::uint32_t columns, std::uint32_t rows, std::size_t count) {
   std::mt19937_64 random(3);
   std::vector<std::uint64_t> words(BitImage::words_needed(columns, rows), 0);
@@ -159,7 +159,7 @@ std::vector<std::vector<std::uint64_t>> random_masks(std::uint32_t columns, std:
   return masks;
 }
 
-TEST(CuredPart, GivesBackEveryLayerAsItWasCured) {
+TEST(CuredPart, ReturnsEveryLayerAsItWasCured) {
   constexpr std::uint32_t kColumns = 1000;
   constexpr std::uint32_t kRows = 37;
   const auto masks = random_masks(kColumns, kRows, 60);
@@ -168,7 +168,7 @@ TEST(CuredPart, GivesBackEveryLayerAsItWasCured) {
     const ZPosition z(50_um * static_cast<std::int64_t>(k + 1));
     const ConstBitImage mask(masks[k], kColumns, kRows);
     EXPECT_EQ(part.layer_at(z), k);
-    // Every seventh in two goes, of which the first would not cure; every eleventh gets too little.
+    // Every seventh layer in two exposures, the first too short to cure; every eleventh gets too little.
     const double whole = k % 11 == 0 ? 1.0 : 8.0;
     if (k % 7 == 0) {
       part.expose(z, mask, at(1s), at(2s), Dose(8), Dose(whole / 4), Resin());
@@ -198,7 +198,7 @@ TEST(CuredPart, GivesBackEveryLayerAsItWasCured) {
   }
 }
 
-TEST(CuredPart, ALayerThatIsLikeTheOneBelowTakesNextToNothing) {
+TEST(CuredPart, PacksEqualLayersIntoFewBytes) {
   constexpr std::uint32_t kColumns = 1440;
   constexpr std::uint32_t kRows = 2560;
   const auto masks = random_masks(kColumns, kRows, 2);
@@ -210,13 +210,13 @@ TEST(CuredPart, ALayerThatIsLikeTheOneBelowTakesNextToNothing) {
   EXPECT_LT(part.packed_bytes(), 1000U);
 }
 
-TEST(Timeline, WhatIsDueHappensInOrderAndWhatIsCancelledDoesNot) {
+TEST(Timeline, RunsDueActionsInOrderWithoutCancelledOnes) {
   Timeline timeline{Pace()};
   std::vector<int> happened;
   timeline.at(at(20ms), [&] { happened.push_back(3); });
   timeline.at(at(10ms), [&] {
     happened.push_back(1);
-    timeline.at(at(5ms), [&] { happened.push_back(2); });  // has passed: now
+    timeline.at(at(5ms), [&] { happened.push_back(2); });  // in the past, so it runs now
   });
   const auto cancelled = timeline.at(at(15ms), [&] { happened.push_back(9); });
   timeline.at(at(20ms), [&] { happened.push_back(4); });
@@ -227,14 +227,14 @@ TEST(Timeline, WhatIsDueHappensInOrderAndWhatIsCancelledDoesNot) {
   EXPECT_EQ(timeline.now(), at(30ms));
 }
 
-TEST(Timeline, KeepsPaceWithTheHost) {
+TEST(Timeline, FollowsThePace) {
   Timeline timeline({.speedup = 20, .computing = 0});
   const auto start = std::chrono::steady_clock::now();
   timeline.advance_until(at(1s), [] { return false; });
   EXPECT_GE(std::chrono::steady_clock::now() - start, 45ms);
 }
 
-TEST(Timeline, CountsWhatTheFirmwareComputes) {
+TEST(Timeline, ChargesTheFirmwaresComputing) {
   Timeline timeline({.speedup = 0, .computing = 100});
   timeline.enter_call();
   timeline.leave_call();

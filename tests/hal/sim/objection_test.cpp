@@ -1,4 +1,4 @@
-/// The plant objects: each objection provoked once, by a firmware or a back end that does wrong.
+/// Provokes each objection once, with a faulty firmware or back end.
 
 #include "hal/sim/objection.hpp"
 
@@ -19,7 +19,7 @@ using namespace std::chrono_literals;
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-/// Two layers printed as they should be; then the wires are the test's.
+/// Prints two correct layers, then leaves the wires to the test.
 class Objections : public testing::Test {
  protected:
   void SetUp() override {
@@ -50,7 +50,7 @@ class Objections : public testing::Test {
   Plant plant_{small_printer()};
 };
 
-TEST_F(Objections, NoneWhereABackEndDoesRight) {
+TEST_F(Objections, NoneToACorrectBackEnd) {
   go_to(150_um);
   show();
   plant_.expect_light(2s);
@@ -80,7 +80,7 @@ TEST_F(Objections, ToBlankingUnderLight) {
   EXPECT_THAT(objections(), ElementsAre(ObjectionKind::kMaskChangedUnderLight));
 }
 
-TEST_F(Objections, ToLightBeforeTheScanOutIsOver) {
+TEST_F(Objections, ToLightBeforeTheEndOfTheScanOut) {
   go_to(150_um);
   plant_.panel().flip(false, [] {});
   plant_.wait(30ms);
@@ -113,7 +113,7 @@ TEST_F(Objections, ToLightWhileTheStageMoves) {
   EXPECT_THAT(objections(), ElementsAre(ObjectionKind::kMotionUnderLight));
 }
 
-TEST_F(Objections, ToLightThatTheOpenCoverDoesNotEnd) {
+TEST_F(Objections, ToLightThatOutlastsTheOpeningOfTheCover) {
   go_to(150_um);
   show();
   plant_.lamp_line(true);
@@ -126,7 +126,7 @@ TEST_F(Objections, ToLightThatTheOpenCoverDoesNotEnd) {
   EXPECT_THAT(objections(), ElementsAre(ObjectionKind::kLightWithCoverOpen));
 }
 
-TEST_F(Objections, ToLightThatBeginsWithTheCoverOpen) {
+TEST_F(Objections, ToLightWithTheCoverOpen) {
   go_to(150_um);
   show();
   plant_.open_cover();
@@ -158,7 +158,7 @@ TEST_F(Objections, ToTheCarriageInTheFrame) {
   EXPECT_THAT(objections(), ElementsAre(ObjectionKind::kTravelPastEnd));
 }
 
-TEST_F(Objections, ToALiftThatWasSkipped) {
+TEST_F(Objections, ToASkippedLift) {
   go_to(150_um);
   show();
   light(2s);
@@ -167,21 +167,21 @@ TEST_F(Objections, ToALiftThatWasSkipped) {
   EXPECT_THAT(objections(), ElementsAre(ObjectionKind::kLiftSkipped));
 }
 
-TEST_F(Objections, ToALiftThatIsTooShortForTheFilm) {
+TEST_F(Objections, ToALiftTooShortForTheFilm) {
   go_to(150_um);
   show();
   light(2s);
-  go_to(1100_um);  // it stretches 1 mm
+  go_to(1100_um);  // the film stretches 1 mm
   go_to(200_um);
   light(2s);
   EXPECT_THAT(objections(), ElementsAre(ObjectionKind::kLiftSkipped));
 }
 
-TEST_F(Objections, ToALiftThatIsTooQuickForTheArea) {
+TEST_F(Objections, ToALiftTooFastForTheArea) {
   go_to(150_um);
   show();
   light(2s);
-  go_to(1200_um);  // 50 um above where the film is stretched, up and down: less than the 0.2 s that it takes
+  go_to(1200_um);  // 100 um of travel above the stretched film's height: less than the 0.2 s that peeling takes
   go_to(200_um);
   light(2s);
   EXPECT_THAT(objections(), ElementsAre(ObjectionKind::kLiftSkipped));
@@ -202,7 +202,7 @@ TEST_F(Objections, ToADoseThatIsOffByMoreThanOnePercent) {
   EXPECT_EQ(plant_.objections()[1].layer, 5U);
 }
 
-TEST_F(Objections, NotToADoseThatCameInTwoParts) {
+TEST_F(Objections, NoneToADoseInTwoParts) {
   go_to(150_um);
   show();
   plant_.expect_light(2s);
@@ -217,7 +217,7 @@ TEST_F(Objections, NotToADoseThatCameInTwoParts) {
   EXPECT_EQ(plant_.part().layers().back().exposures, 2U);
 }
 
-TEST_F(Objections, ToTheLastLayersDoseOnlyWhereTheJobWasToBeFinished) {
+TEST_F(Objections, ToTheLastLayersDoseOnlyIfTheJobFinished) {
   go_to(150_um);
   show();
   plant_.expect_light(2s);
@@ -226,7 +226,7 @@ TEST_F(Objections, ToTheLastLayersDoseOnlyWhereTheJobWasToBeFinished) {
   EXPECT_THAT(texts_of(plant_.objections()), IsEmpty());
 }
 
-TEST_F(Objections, ToALayerThatDoesNotReachTheOneAbove) {
+TEST_F(Objections, ToALayerThatDoesNotReachTheLayerAbove) {
   // Cd = 0.11 ln(6 / 2.4) = 0.1008 mm
   go_to(200_um);  // 100 um below the last one
   show();
@@ -243,7 +243,7 @@ TEST_F(Objections, ToALayerThatDoesNotReachTheOneAbove) {
   EXPECT_EQ(plant_.objections()[0].layer, 3U);
 }
 
-TEST_F(Objections, SayTimeLayerAndHeight) {
+TEST_F(Objections, ReportTimeLayerAndHeight) {
   go_to(150_um);
   light(1s);
   const Objection& objection = plant_.objections()[0];
@@ -252,7 +252,7 @@ TEST_F(Objections, SayTimeLayerAndHeight) {
   EXPECT_THAT(to_string(objection), testing::HasSubstr(" s, layer 2, 0.150 mm: exposure without a mask"));
 }
 
-TEST_F(Objections, HaveNamesOfTheirOwn) {
+TEST_F(Objections, HaveDifferentNames) {
   std::set<std::string_view> names;
   for (std::size_t i = 0; i < kObjectionKindCount; ++i) names.insert(to_string(static_cast<ObjectionKind>(i)));
   EXPECT_EQ(names.size(), kObjectionKindCount);

@@ -20,7 +20,7 @@ using namespace std::chrono_literals;
 using testing::IsEmpty;
 using testing::SizeIs;
 
-TEST(Plant, HasNoObjectionToACarefulPrintAndKeepsWhatItCured) {
+TEST(Plant, AcceptsACarefulPrintAndKeepsThePart) {
   Plant plant(small_printer());
   SimMachine machine(plant);
   const auto printed = print_layers(machine.machine(), {.layers = 20, .draw = draw_random});
@@ -43,7 +43,7 @@ TEST(Plant, HasNoObjectionToACarefulPrintAndKeepsWhatItCured) {
   EXPECT_EQ(k, 20U);
 }
 
-TEST(Plant, IsTheSameEveryTime) {
+TEST(Plant, RunsTheSameEveryTime) {
   std::vector<std::string> runs;
   for (int run = 0; run < 2; ++run) {
     Plant plant(small_printer({"lamp.flickers@layer=2", "stage.skips@layer=3,by=0.01"}));
@@ -60,7 +60,7 @@ TEST(Plant, IsTheSameEveryTime) {
   EXPECT_THAT(runs[0], testing::HasSubstr("dose off"));
 }
 
-/// What a firmware of three lines does after a power cut: it knows the layer, not how much light it had.
+/// A minimal recovery after a power cut: it knows the layer, but not how much light the layer got.
 Status resume(const Machine& machine, std::uint32_t from, std::uint32_t layers) {
   PLUMBLINE_TRY(machine.stage.home());
   for (std::uint32_t k = from; k < layers; ++k) {
@@ -76,8 +76,8 @@ Status resume(const Machine& machine, std::uint32_t from, std::uint32_t layers) 
   return {};
 }
 
-TEST(Plant, AfterAPowerCutAtAnyInstantThePrintGoesOnWithTheSamePart) {
-  // Some instants in homing, then all over the five layers, which take some 6 s each.
+TEST(Plant, ContinuesTheSamePartAfterAPowerCutAtAnyTime) {
+  // Some times during homing, the others spread over five layers of some 6 s each.
   for (int percent = 0; percent < 100; percent += 3) {
     SCOPED_TRACE(percent);
     Plant plant(small_printer({"power.cut@t=" + std::to_string(20 + 0.5 * percent) + "s"}));
@@ -87,7 +87,7 @@ TEST(Plant, AfterAPowerCutAtAnyInstantThePrintGoesOnWithTheSamePart) {
       ASSERT_FALSE(printed);
       EXPECT_EQ(printed.error().code(), ErrorCode::kPowerLost);
       EXPECT_FALSE(plant.powered());
-      // All devices say so, and no time passes.
+      // All devices report it, and no time passes.
       const Machine devices = machine.machine();
       const TimePoint now = plant.now();
       const auto power_lost = [](const auto& result) {
@@ -111,7 +111,7 @@ TEST(Plant, AfterAPowerCutAtAnyInstantThePrintGoesOnWithTheSamePart) {
       EXPECT_EQ(plant.now(), now);
     }
     const auto cured = static_cast<std::uint32_t>(plant.part().layers().size());
-    // The last layer again where its light was cut short.
+    // Print the last layer again if its exposure was cut short.
     const bool cut_short = cured > 0 && plant.lights().back().ended - plant.lights().back().began < 2500ms;
     plant.restore_power();
     EXPECT_FALSE(plant.light());
@@ -128,7 +128,7 @@ TEST(Plant, AfterAPowerCutAtAnyInstantThePrintGoesOnWithTheSamePart) {
       draw_random(k++, BitImage(words, 100, 60));
       EXPECT_TRUE(std::equal(words.begin(), words.end(), image.words().begin())) << k;
     });
-    // The mark: the layer that was cut short got more than was asked for.
+    // The expected trace: the interrupted layer got more light than requested.
     if (cut_short) {
       EXPECT_THAT(kinds_of(plant.objections()), testing::ElementsAre(ObjectionKind::kDoseOff));
       EXPECT_EQ(plant.objections()[0].layer, cured - 1);
@@ -138,7 +138,7 @@ TEST(Plant, AfterAPowerCutAtAnyInstantThePrintGoesOnWithTheSamePart) {
   }
 }
 
-TEST(Plant, IsDarkAndStillWhenTheFirmwareIsKilled) {
+TEST(Plant, TurnsOffAndStopsWhenTheFirmwareIsKilled) {
   Plant plant(small_printer());
   auto machine = std::make_unique<SimMachine>(plant);
   ASSERT_TRUE(print_layers(machine->machine(), {.layers = 2}));
@@ -147,7 +147,7 @@ TEST(Plant, IsDarkAndStillWhenTheFirmwareIsKilled) {
   ASSERT_TRUE(machine->machine().mask.present(std::move(*mask)));
   auto exposure = machine->machine().lamp.begin_exposure(60s);
   ASSERT_TRUE(exposure);
-  // Killed: no destructor of the firmware's runs, so the exposure is left where it lies.
+  // Killed: no destructor of the firmware runs, so leak the exposure.
   alignas(Exposure) std::array<std::byte, sizeof(Exposure)> left{};
   new (left.data()) Exposure(std::move(*exposure));
   EXPECT_TRUE(plant.light());
@@ -156,7 +156,7 @@ TEST(Plant, IsDarkAndStillWhenTheFirmwareIsKilled) {
   EXPECT_FALSE(plant.light());
 }
 
-TEST(Plant, TheFirmwareSeesTimePassForAMaskThatTakesTime) {
+TEST(Plant, ChargesTheTimeOfDrawingAMask) {
   PlantSettings settings = small_printer({"compute.slow@layer=2,by=1.5,for=30s"});
   settings.compute_per_mask = 300ms;
   Plant plant(settings);

@@ -11,7 +11,7 @@ namespace {
 
 using Picture = std::vector<std::vector<bool>>;  // rows from the top
 
-/// Counter-clockwise, a quarter at a time, by what the word says: the right edge becomes the top.
+/// Rotates by quarter turns counter-clockwise, by definition: the right edge becomes the top.
 Picture turned(const Picture& picture, std::uint32_t degrees) {
   if (degrees == 0) return picture;
   const std::size_t rows = picture.size();
@@ -37,7 +37,7 @@ std::uint32_t pixel(const Picture& picture, std::size_t r, std::size_t c, bool r
          (picture[r][3 * c + 2] ? 0x0000FFU : 0U);
 }
 
-TEST(PanelLayout, PutsEveryPixelWhereTurningTurningOverAndPackingPutIt) {
+TEST(PanelLayout, PacksEveryPixelWhereRotationMirrorAndPackingPutIt) {
   std::mt19937 random(4);
   int layouts = 0;
   for (const auto& [columns, rows] : {std::pair{195U, 66U}, {63U, 129U}, {3U, 3U}, {192U, 192U}}) {
@@ -77,7 +77,7 @@ TEST(PanelLayout, PutsEveryPixelWhereTurningTurningOverAndPackingPutIt) {
   EXPECT_EQ(layouts, 4 * 4 * 3 * 2);
 }
 
-TEST(PanelLayout, RefusesToPackWhatIsNoMultipleOfThreeAsItIsTurned) {
+TEST(PanelLayout, RefusesToPackARotatedWidthThatIsNoMultipleOfThree) {
   EXPECT_TRUE((PanelLayout{1440, 2560, 0, PanelLayout::Mirror::kNone, true}.check()));
   const auto refused = PanelLayout{1440, 2560, 90, PanelLayout::Mirror::kNone, true}.check();
   ASSERT_FALSE(refused);

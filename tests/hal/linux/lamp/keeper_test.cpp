@@ -1,4 +1,4 @@
-/// The keeper with real processes: a firmware that dies in any way leaves a dark lamp.
+/// The keeper with real processes: however the firmware dies, the lamp goes off.
 
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -39,7 +39,7 @@ struct Change {
   nanoseconds at;
 };
 
-/// A lamp's line: a file in a folder that goes away.
+/// A lamp line: a file in a temporary folder.
 class Line {
  public:
   Line() {
@@ -59,7 +59,7 @@ class Line {
     for (long long at = 0; file >> word >> at;) changes.push_back({word == "on", nanoseconds(at)});
     return changes;
   }
-  /// Waits for that many changes; a second at most.
+  /// Waits for that many changes, at most 1 s.
   std::vector<Change> wait_for(std::size_t count) const {
     const auto until = now() + 1s;
     auto seen = changes();
@@ -75,7 +75,7 @@ class Line {
   std::string folder_;
 };
 
-/// A process that lights the lamp again and again, as the firmware does.
+/// A process that lights the lamp repeatedly, as the firmware does.
 pid_t firmware(const Line& line, nanoseconds cure) {
   const pid_t child = ::fork();
   if (child != 0) return child;
@@ -87,7 +87,7 @@ pid_t firmware(const Line& line, nanoseconds cure) {
   }
 }
 
-TEST(Keeper, LightsForTheTimeAskedAndNotForLonger) {
+TEST(Keeper, LightsForExactlyTheRequestedTime) {
   const Line line;
   auto keeper = LampKeeper::start(kKeeper, line.option());
   ASSERT_TRUE(keeper) << keeper.error().message();
@@ -99,11 +99,11 @@ TEST(Keeper, LightsForTheTimeAskedAndNotForLonger) {
   EXPECT_TRUE(changes[0].lit);
   EXPECT_FALSE(changes[1].lit);
   EXPECT_GE(changes[1].at - changes[0].at, 49ms);
-  EXPECT_LE(changes[1].at - changes[0].at, 80ms) << "on a machine that is shared";
+  EXPECT_LE(changes[1].at - changes[0].at, 80ms) << "with tolerance for a busy machine";
   EXPECT_TRUE(keeper->went_dark());
 }
 
-TEST(Keeper, DarkensWhenTold) {
+TEST(Keeper, TurnsOffOnRequest) {
   const Line line;
   auto keeper = LampKeeper::start(kKeeper, line.option());
   ASSERT_TRUE(keeper);
@@ -113,11 +113,11 @@ TEST(Keeper, DarkensWhenTold) {
   const auto changes = line.changes();
   ASSERT_EQ(changes.size(), 2U);
   EXPECT_LE(changes[1].at, *dark);
-  EXPECT_TRUE(keeper->turn_off()) << "any number of times";
+  EXPECT_TRUE(keeper->turn_off()) << "also if it is off";
   EXPECT_EQ(line.changes().size(), 2U);
 }
 
-TEST(Keeper, RefusesToLightTwiceForNothingOrForever) {
+TEST(Keeper, RefusesASecondAZeroAndAnEndlessExposure) {
   const Line line;
   auto keeper = LampKeeper::start(kKeeper, line.option());
   ASSERT_TRUE(keeper);
@@ -126,10 +126,10 @@ TEST(Keeper, RefusesToLightTwiceForNothingOrForever) {
   EXPECT_TRUE(line.changes().empty());
   ASSERT_TRUE(keeper->light(10s));
   EXPECT_EQ(keeper->light(10s).error().code(), ErrorCode::kLampFailed);
-  EXPECT_FALSE(line.wait_for(2).back().lit) << "who is refused is dark";
+  EXPECT_FALSE(line.wait_for(2).back().lit) << "a refused exposure is off";
 }
 
-TEST(Keeper, EndsDarkWithTheObjectThatHoldsIt) {
+TEST(Keeper, TurnsOffWhenItsObjectIsDestroyed) {
   const Line line;
   {
     auto keeper = LampKeeper::start(kKeeper, line.option());
@@ -141,7 +141,7 @@ TEST(Keeper, EndsDarkWithTheObjectThatHoldsIt) {
   EXPECT_FALSE(changes.back().lit);
 }
 
-TEST(Keeper, ToldToEndIsDarkAndTheFirmwareLightsNothingMore) {
+TEST(Keeper, TurnsOffOnSigtermAndTheFirmwareCannotLightAgain) {
   const Line line;
   auto keeper = LampKeeper::start(kKeeper, line.option());
   ASSERT_TRUE(keeper);
@@ -151,7 +151,7 @@ TEST(Keeper, ToldToEndIsDarkAndTheFirmwareLightsNothingMore) {
   EXPECT_EQ(keeper->light(1s).error().code(), ErrorCode::kLampFailed);
 }
 
-TEST(Keeper, HoldsItsDeadlineWhenTheFirmwareHangs) {
+TEST(Keeper, MeetsItsDeadlineWhenTheFirmwareHangs) {
   const Line line;
   const pid_t child = firmware(line, 300ms);
   ASSERT_EQ(line.wait_for(1).size(), 1U);
@@ -163,7 +163,7 @@ TEST(Keeper, HoldsItsDeadlineWhenTheFirmwareHangs) {
   ::waitpid(child, nullptr, 0);
 }
 
-TEST(Keeper, LampIsDarkWithin50MsOfAnyInstantAtWhichTheFirmwareIsKilled) {
+TEST(Keeper, TurnsOffWithin50MsWheneverTheFirmwareIsKilled) {
   std::mt19937 random(20240607);
   nanoseconds slowest{};
   for (int round = 0; round < 50; ++round) {
@@ -178,7 +178,7 @@ TEST(Keeper, LampIsDarkWithin50MsOfAnyInstantAtWhichTheFirmwareIsKilled) {
     ::waitpid(child, nullptr, 0);
     ASSERT_EQ(changes.size(), 2U) << "round " << round << ": the lamp is still lit";
     ASSERT_FALSE(changes[1].lit);
-    ASSERT_GE(changes[1].at, killed) << "the kill was to fall into an exposure";
+    ASSERT_GE(changes[1].at, killed) << "the kill should hit an exposure";
     slowest = std::max(slowest, changes[1].at - killed);
     EXPECT_LE(changes[1].at - killed, 50ms) << "round " << round;
   }
@@ -186,7 +186,7 @@ TEST(Keeper, LampIsDarkWithin50MsOfAnyInstantAtWhichTheFirmwareIsKilled) {
   std::printf("slowest of 50: dark %.2f ms after kill -9\n", static_cast<double>(slowest.count()) / 1e6);
 }
 
-/// A cover's switch: a FIFO beside the line.
+/// A cover switch: a FIFO beside the line.
 class Cover {
  public:
   explicit Cover(const Line& line) : path_(line.option().substr(5) + ".cover") {
@@ -200,8 +200,8 @@ class Cover {
   std::string path_;
 };
 
-/// The keeper's next notice; a second at most.
-std::optional<LampKeeper::Notice> news_of(LampKeeper& keeper) {
+/// The keeper's next notice, waiting at most 1 s.
+std::optional<LampKeeper::Notice> next_notice_of(LampKeeper& keeper) {
   const auto until = now() + 1s;
   auto notice = keeper.next_notice();
   while (!notice && now() < until) {
@@ -211,19 +211,19 @@ std::optional<LampKeeper::Notice> news_of(LampKeeper& keeper) {
   return notice;
 }
 
-TEST(Keeper, EndsTheLightWhenTheCoverIsOpenedAndSaysWhyFirst) {
+TEST(Keeper, TurnsOffWhenTheCoverOpensAndReportsTheReasonFirst) {
   using Kind = LampKeeper::Notice::Kind;
   const Line line;
   const Cover cover(line);
   auto keeper = LampKeeper::start(kKeeper, line.option(), cover.option());
   ASSERT_TRUE(keeper) << keeper.error().message();
-  EXPECT_EQ(news_of(*keeper)->kind, Kind::kCoverClosed) << "as it was found";
+  EXPECT_EQ(next_notice_of(*keeper)->kind, Kind::kCoverClosed) << "the state at the start";
   ASSERT_TRUE(keeper->light(10s));
   cover.say("o");
-  const auto opened = news_of(*keeper);
+  const auto opened = next_notice_of(*keeper);
   ASSERT_TRUE(opened);
   EXPECT_EQ(opened->kind, Kind::kCoverOpened);
-  const auto dark = news_of(*keeper);
+  const auto dark = next_notice_of(*keeper);
   ASSERT_TRUE(dark);
   EXPECT_EQ(dark->kind, Kind::kDark);
   const auto changes = line.changes();
@@ -232,14 +232,14 @@ TEST(Keeper, EndsTheLightWhenTheCoverIsOpenedAndSaysWhyFirst) {
   EXPECT_EQ(keeper->light(1s).error().code(), ErrorCode::kLampFailed) << "not with the cover open";
   EXPECT_EQ(line.changes().size(), 2U);
   cover.say("cococ");
-  const auto closed = news_of(*keeper);
+  const auto closed = next_notice_of(*keeper);
   ASSERT_TRUE(closed);
-  EXPECT_EQ(closed->kind, Kind::kCoverClosed) << "once, when the contact rests";
+  EXPECT_EQ(closed->kind, Kind::kCoverClosed) << "once, when the contact has settled";
   EXPECT_FALSE(keeper->next_notice());
   EXPECT_TRUE(keeper->light(1s));
 }
 
-TEST(Keeper, IsDarkWhenTheCoverIsOpenedWhileTheFirmwareHangs) {
+TEST(Keeper, TurnsOffWhenTheCoverOpensWhileTheFirmwareHangs) {
   const Line line;
   const Cover cover(line);
   const pid_t child = ::fork();
@@ -255,12 +255,12 @@ TEST(Keeper, IsDarkWhenTheCoverIsOpenedWhileTheFirmwareHangs) {
   const auto changes = line.wait_for(2);
   ASSERT_EQ(changes.size(), 2U);
   EXPECT_FALSE(changes[1].lit);
-  EXPECT_LE(changes[1].at - opened, 50ms) << "10 ms, on a machine that is not shared";
+  EXPECT_LE(changes[1].at - opened, 50ms) << "10 ms, with tolerance for a busy machine";
   ::kill(child, SIGKILL);
   ::waitpid(child, nullptr, 0);
 }
 
-TEST(Keeper, HearsTheFirmwareWhileTheCoversLineHums) {
+TEST(Keeper, AnswersTheFirmwareWhileTheCoverLineHums) {
   const Line line;
   const Cover cover(line);
   auto keeper = LampKeeper::start(kKeeper, line.option(), cover.option());
@@ -275,25 +275,25 @@ TEST(Keeper, HearsTheFirmwareWhileTheCoversLineHums) {
   });
   EXPECT_FALSE(line.wait_for(2).back().lit);
   EXPECT_TRUE(keeper->turn_off());
-  EXPECT_EQ(keeper->light(1s).error().code(), ErrorCode::kLampFailed) << "not with a cover that may be open";
+  EXPECT_EQ(keeper->light(1s).error().code(), ErrorCode::kLampFailed) << "the cover may be open";
   hums = false;
   hum.join();
   EXPECT_EQ(line.changes().size(), 2U);
 }
 
-TEST(Keeper, ThatEndsIsNews) {
+TEST(Keeper, SendsANoticeWhenItEnds) {
   const Line line;
   auto keeper = LampKeeper::start(kKeeper, line.option());
   ASSERT_TRUE(keeper);
   ASSERT_TRUE(keeper->light(10s));
   ASSERT_EQ(::kill(keeper->process(), SIGKILL), 0);
-  const auto notice = news_of(*keeper);
+  const auto notice = next_notice_of(*keeper);
   ASSERT_TRUE(notice);
   EXPECT_EQ(notice->kind, LampKeeper::Notice::Kind::kGone);
-  EXPECT_FALSE(keeper->next_notice()) << "once";
+  EXPECT_FALSE(keeper->next_notice()) << "only once";
 }
 
-TEST(Keeper, ThatDoesNotExistIsSaid) {
+TEST(Keeper, ReportsAMissingProgram) {
   const Line line;
   EXPECT_EQ(LampKeeper::start("/nowhere/plumbline-keeper", line.option()).error().code(), ErrorCode::kLampFailed);
 }
