@@ -46,7 +46,7 @@ void erode(BitImage image, std::uint32_t steps, std::span<std::uint64_t> scratch
   }
 }
 
-Expected<MaskRenderer> MaskRenderer::create(LayerStream& stream, const PrintPlan& plan, Arena& arena) {
+Expected<MaskRenderer> MaskRenderer::create(MaskStream& stream, const PrintPlan& plan, Arena& arena) {
   const auto rows = arena.take_bottom<std::uint64_t>(3 * BitImage::words_needed(stream.grid().columns, 1), "masks");
   PLUMBLINE_TRY(rows);
   return MaskRenderer(stream, plan, *rows);

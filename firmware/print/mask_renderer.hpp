@@ -8,7 +8,7 @@
 #include "firmware/print/print_plan.hpp"
 #include "slicer/core/arena.hpp"
 #include "slicer/core/bit_image.hpp"
-#include "slicer/layers/layer_stream.hpp"
+#include "slicer/supports/mask_stream.hpp"
 
 namespace plumbline {
 
@@ -25,7 +25,7 @@ class MaskRenderer {
   /// Takes three rows from the bottom of the arena.
   /// @param stream  must outlive the renderer
   /// @retval ErrorCode::kOutOfMemory
-  [[nodiscard]] static Expected<MaskRenderer> create(LayerStream& stream, const PrintPlan& plan, Arena& arena);
+  [[nodiscard]] static Expected<MaskRenderer> create(MaskStream& stream, const PrintPlan& plan, Arena& arena);
 
   static std::size_t bytes_needed(const PrintGrid& grid);
 
@@ -36,10 +36,10 @@ class MaskRenderer {
   MaskFacts render(std::uint32_t layer, BitImage out);
 
  private:
-  MaskRenderer(LayerStream& stream, const PrintPlan& plan, std::span<std::uint64_t> rows)
+  MaskRenderer(MaskStream& stream, const PrintPlan& plan, std::span<std::uint64_t> rows)
       : stream_(&stream), plan_(plan), rows_(rows) {}
 
-  LayerStream* stream_;
+  MaskStream* stream_;
   PrintPlan plan_;
   std::span<std::uint64_t> rows_;  ///< three rows of scratch
 };

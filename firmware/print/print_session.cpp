@@ -81,7 +81,7 @@ Status PrintSession::add_supports(const SupportSettings& settings, ProgressSink*
 
 /// What slicing and loading have in common: streams and room for the report.
 Status PrintSession::make_ready() {
-  auto stream = LayerStream::create(rrep_, arena_, &supports_);
+  auto stream = MaskStream::create(rrep_, supports_, arena_);
   PLUMBLINE_TRY(stream);
   stream_ = *stream;
   auto masks = MaskRenderer::create(*stream_, facts_.plan, arena_);

@@ -81,7 +81,7 @@ class PrintSession {
   std::optional<SupportSettings> support_settings_;
   SupportCounts support_counts_;
   std::uint64_t support_pixels_ = 0;
-  std::optional<LayerStream> stream_;
+  std::optional<MaskStream> stream_;
   std::optional<MaskRenderer> masks_;
   std::optional<JournalFile> journal_file_;
   std::optional<Journal> journal_;

@@ -12,7 +12,7 @@
 #include "firmware/settings/job_options.hpp"
 #include "firmware/slice/manifest.hpp"
 #include "slicer/core/stage_scope.hpp"
-#include "slicer/layers/layer_stream.hpp"
+#include "slicer/supports/mask_stream.hpp"
 #include "slicer/supports/support_finder.hpp"
 
 namespace plumbline {
@@ -105,7 +105,7 @@ Expected<Supports> SliceJob::add_supports(const RRep& rrep, JobProgress& progres
 
 Status SliceJob::write_layers(const RRep& rrep, const Supports& supports, std::span<std::uint64_t> hashes,
                               JobProgress& progress) {
-  auto stream = LayerStream::create(rrep, *arena_, &supports);
+  auto stream = MaskStream::create(rrep, supports, *arena_);
   PLUMBLINE_TRY(stream);
   const std::uint32_t layers = rrep.grid.layers;
   for (std::uint32_t layer = 0; layer < layers; ++layer) {

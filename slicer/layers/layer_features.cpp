@@ -279,7 +279,7 @@ std::size_t layer_features_bytes(const PrintGrid& grid) {
   const std::size_t rows = grid.rows;
   const std::size_t found =
       Arena::rounded(rows * kRegionsPerRow * sizeof(Feature)) + Arena::rounded(rows * kRunsPerRow * sizeof(FeatureRun));
-  const std::size_t looking = LayerStream::bytes_needed(grid, 0) + 2 * Layer::bytes_needed(grid.rows);
+  const std::size_t looking = LayerStream::bytes_needed(grid) + 2 * Layer::bytes_needed(grid.rows);
   // A toggle may add a crossing before a later one takes it out.
   const std::size_t editing = Arena::rounded(rows * kTogglesPerRow * sizeof(RRepToggle)) +
                               Arena::rounded(rows * kTogglesPerRow * sizeof(std::uint32_t));

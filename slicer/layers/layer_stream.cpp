@@ -7,18 +7,18 @@
 
 namespace plumbline {
 
-Expected<LayerStream> LayerStream::create(const RRep& rrep, Arena& arena, const Supports* supports) {
+Expected<LayerStream> LayerStream::create(const RRep& rrep, Arena& arena) {
   const std::uint32_t columns = rrep.grid.columns;
   const std::uint32_t rows = rrep.grid.rows;
   const std::uint32_t stride = (columns + 63) / 64;
   LayerStream stream;
   stream.rrep_ = &rrep;
   auto section = arena.take_bottom<std::uint64_t>(BitImage::words_needed(columns, rows), "layer stream");
-  if (!section) return tl::unexpected<Error>(section.error());
+  PLUMBLINE_TRY(section);
   auto mask = arena.take_bottom<std::uint64_t>(BitImage::words_needed(columns, rows), "layer stream");
-  if (!mask) return tl::unexpected<Error>(mask.error());
+  PLUMBLINE_TRY(mask);
   auto changed = arena.take_bottom<std::uint64_t>(BitImage::words_needed(stride, rows), "layer stream");
-  if (!changed) return tl::unexpected<Error>(changed.error());
+  PLUMBLINE_TRY(changed);
   stream.section_ = BitImage(*section, columns, rows);
   stream.mask_ = BitImage(*mask, columns, rows);
   stream.changed_ = BitImage(*changed, stride, rows);
@@ -26,23 +26,13 @@ Expected<LayerStream> LayerStream::create(const RRep& rrep, Arena& arena, const 
   stream.section_.clear();
   stream.mask_.clear();
   stream.changed_.clear();
-  if (supports != nullptr && !supports->empty()) {
-    auto drawn = arena.take_bottom<std::uint64_t>(BitImage::words_needed(stride, rows), "layer stream");
-    if (!drawn) return tl::unexpected<Error>(drawn.error());
-    auto painter = SupportPainter::create(*supports, arena);
-    if (!painter) return tl::unexpected<Error>(painter.error());
-    stream.drawn_ = BitImage(*drawn, stride, rows);
-    stream.drawn_.clear();
-    stream.painter_ = *painter;
-  }
   return stream;
 }
 
-std::size_t LayerStream::bytes_needed(const PrintGrid& grid, std::size_t supports) {
+std::size_t LayerStream::bytes_needed(const PrintGrid& grid) {
   const std::size_t image = BitImage::words_needed(grid.columns, grid.rows) * sizeof(std::uint64_t);
   const std::size_t changed = BitImage::words_needed((grid.columns + 63) / 64, grid.rows) * sizeof(std::uint64_t);
-  const std::size_t painting = supports == 0 ? 0 : Arena::rounded(changed) + SupportPainter::bytes_needed(supports);
-  return 2 * Arena::rounded(image) + Arena::rounded(changed) + painting;
+  return 2 * Arena::rounded(image) + Arena::rounded(changed);
 }
 
 void LayerStream::toggle(std::uint32_t layer) {
@@ -70,22 +60,19 @@ void LayerStream::toggle(std::uint32_t layer) {
   }
 }
 
-void LayerStream::clean_changed() {
-  static_assert(kOpenCloseReach == 2, "rows around a change that are made anew");
+void LayerStream::remake_changed() {
+  static_assert(kOpenCloseReach == 2, "a change affects two rows above and below it");
   const std::uint32_t rows = section_.rows();
   const std::uint32_t words = section_.stride();
   const std::uint32_t groups = changed_.stride();
-  const bool with_supports = drawn_.rows() > 0;
-  // Supports are drawn anywhere; without them most rows of a panel are far from any change.
-  const std::uint32_t begin = with_supports ? 0 : std::max(first_changed_, 2U) - 2;
-  const std::uint32_t end = with_supports ? rows : std::min(rows, end_changed_ + 2);
+  const std::uint32_t begin = std::max(first_changed_, 2U) - 2;
+  const std::uint32_t end = std::min(rows, end_changed_ + 2);
   for (std::uint32_t r = begin; r < end; ++r) {
     const std::uint32_t from = r < 2 ? 0 : r - 2;
     const std::uint32_t to = std::min(rows - 1, r + 2);
     for (std::uint32_t g = 0; g < groups; ++g) {
       std::uint64_t todo = 0;
       for (std::uint32_t k = from; k <= to; ++k) todo |= changed_.row(k)[g];
-      if (with_supports) todo |= drawn_.row(r)[g];  // away with them; what is beside was never theirs
       if (words - g * 64 < 64) todo &= (std::uint64_t{1} << (words - g * 64)) - 1;
       while (todo != 0) {
         const auto first = static_cast<std::uint32_t>(std::countr_zero(todo));
@@ -102,7 +89,6 @@ void LayerStream::clean_changed() {
   }
   first_changed_ = rows;
   end_changed_ = 0;
-  drawn_.clear();
 }
 
 ConstBitImage LayerStream::mask(std::uint32_t layer) {
@@ -114,8 +100,7 @@ ConstBitImage LayerStream::mask(std::uint32_t layer) {
     at_ = -1;
   }
   while (at_ < static_cast<std::int64_t>(layer)) toggle(static_cast<std::uint32_t>(++at_));
-  clean_changed();
-  if (drawn_.rows() > 0) support_pixels_ = painter_.draw(layer, mask_, drawn_);
+  remake_changed();
   return mask_;
 }
 

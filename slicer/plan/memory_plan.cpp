@@ -10,12 +10,12 @@
 #include "slicer/core/bit_image.hpp"
 #include "slicer/implicit/winding_number.hpp"
 #include "slicer/layers/layer_features.hpp"
-#include "slicer/layers/layer_stream.hpp"
 #include "slicer/normals/normals.hpp"
 #include "slicer/rays/ray_shooter.hpp"
 #include "slicer/reader/scan_reader.hpp"
 #include "slicer/rrep/components.hpp"
 #include "slicer/rrep/confidence.hpp"
+#include "slicer/supports/mask_stream.hpp"
 #include "slicer/supports/support_finder.hpp"
 #include "slicer/surface/bores/bore_walls.hpp"
 #include "slicer/surface/clustering.hpp"
@@ -100,7 +100,7 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
                        sorted + layer_features_bytes(*grid)));
     const std::uint32_t supports = most_supports(*grid);
     set(Stage::kSupports, map + sorted + find_supports_bytes(*grid));
-    set(Stage::kLayers, map + sorted + supports * sizeof(Support) + LayerStream::bytes_needed(*grid, supports));
+    set(Stage::kLayers, map + sorted + supports * sizeof(Support) + MaskStream::bytes_needed(*grid, supports));
   }
   const std::size_t flat_tree = KdTree2::kBytesPerPoint * std::size_t{room};
   set(Stage::kRayGrid, cloud + flat_tree + 2 * image);

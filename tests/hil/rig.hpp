@@ -173,7 +173,7 @@ class Rig {
     arena_.emplace(std::span(block_));
     machine_.reset();
     machine_.emplace(plant);
-    stream_ = LayerStream::create(tower_.rrep(), *arena_).value();
+    stream_ = MaskStream::create(tower_.rrep(), supports_, *arena_).value();
     masks_ = MaskRenderer::create(*stream_, plan, *arena_).value();
     auto opened = Journal::open(storage);
     if (!opened && opened.error().code() == ErrorCode::kTruncated) opened = Journal::create(storage, 77, plan.layers);
@@ -236,7 +236,8 @@ class Rig {
   std::vector<std::byte> block_;
   std::optional<Arena> arena_;
   std::optional<SimMachine> machine_;
-  std::optional<LayerStream> stream_;
+  Supports supports_;  ///< none
+  std::optional<MaskStream> stream_;
   std::optional<MaskRenderer> masks_;
   std::optional<Journal> journal_;
   std::vector<ExposureLine> lines_;

@@ -10,7 +10,7 @@
 #include "firmware/io/json_writer.hpp"
 #include "firmware/io/mask_hash.hpp"
 #include "firmware/slice/manifest.hpp"
-#include "slicer/layers/layer_stream.hpp"
+#include "slicer/supports/mask_stream.hpp"
 #include "slicer/supports/support_finder.hpp"
 #include "tests/firmware/support/job_fixture.hpp"
 
@@ -67,7 +67,7 @@ Decoded decode(const std::string& path) {
   return image;
 }
 
-/// Expects that the files of a job are, pixel by pixel, what a LayerStream of the same scan makes.
+/// Expects that the files of a job are, pixel by pixel, what a MaskStream of the same scan makes.
 void expect_layers_of_stream(const SliceJobSettings& settings, const JobReport& report) {
   Arena arena(arena_block);
   auto source = FileSource::open(settings.scan_paths[0]);
@@ -83,7 +83,7 @@ void expect_layers_of_stream(const SliceJobSettings& settings, const JobReport& 
     supports = *found;
   }
   EXPECT_EQ(report.supports.all(), supports.list.size());
-  auto stream = LayerStream::create(*rrep, arena, &supports);
+  auto stream = MaskStream::create(*rrep, supports, arena);
   ASSERT_TRUE(stream.has_value());
   std::vector<std::uint64_t> hashes;
   std::uint64_t differences = 0;

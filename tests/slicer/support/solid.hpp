@@ -6,8 +6,8 @@
 #include <functional>
 #include <vector>
 
-#include "slicer/layers/layer_stream.hpp"
 #include "slicer/rrep/rrep.hpp"
+#include "slicer/supports/mask_stream.hpp"
 #include "slicer/supports/supports.hpp"
 #include "tests/slicer/support/arena_block.hpp"
 #include "tests/slicer/support/pixels.hpp"
@@ -38,7 +38,8 @@ struct Solid {
 
   std::vector<Pixels> masks(const Supports* supports = nullptr) const {
     ArenaBlock arena(4 * kMiB);
-    LayerStream stream = value_of(LayerStream::create(rrep, *arena, supports));
+    const Supports none;
+    MaskStream stream = value_of(MaskStream::create(rrep, supports != nullptr ? *supports : none, *arena));
     std::vector<Pixels> all;
     for (std::uint32_t k = 0; k < rrep.grid.layers; ++k) all.emplace_back(stream.mask(k));
     return all;

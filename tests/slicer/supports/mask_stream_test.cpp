@@ -1,4 +1,4 @@
-#include "slicer/supports/support_painter.hpp"
+#include "slicer/supports/mask_stream.hpp"
 
 #include <gtest/gtest.h>
 
@@ -70,12 +70,12 @@ struct Scene {
   Supports supports;
 };
 
-TEST(SupportPainter, DrawsDiscsIntoTheMasksOfTheStream) {
+TEST(MaskStream, DrawsTheSupportsIntoTheObjectsMasks) {
   const Scene scene;
   const auto object = scene.solid.masks();
   ArenaBlock arena(4 * kMiB);
-  LayerStream stream = value_of(LayerStream::create(scene.solid.rrep, *arena, &scene.supports));
-  EXPECT_EQ(arena->bottom_used(), LayerStream::bytes_needed(scene.solid.rrep.grid, scene.list.size()));
+  MaskStream stream = value_of(MaskStream::create(scene.solid.rrep, scene.supports, *arena));
+  EXPECT_EQ(arena->bottom_used(), MaskStream::bytes_needed(scene.solid.rrep.grid, scene.list.size()));
   for (std::uint32_t k = 0; k < 40; ++k) {
     const Pixels mask(stream.mask(k));
     ASSERT_EQ(mask, scene.mask_by_definition(object[k], k)) << "layer " << k;
@@ -83,11 +83,11 @@ TEST(SupportPainter, DrawsDiscsIntoTheMasksOfTheStream) {
   }
 }
 
-TEST(SupportPainter, DrawsAnyLayerInAnyOrder) {
+TEST(MaskStream, DrawsAnyLayerInAnyOrder) {
   const Scene scene;
   const auto masks = scene.solid.masks(&scene.supports);
   ArenaBlock arena(4 * kMiB);
-  LayerStream stream = value_of(LayerStream::create(scene.solid.rrep, *arena, &scene.supports));
+  MaskStream stream = value_of(MaskStream::create(scene.solid.rrep, scene.supports, *arena));
   Random random(6);
   for (int i = 0; i < 100; ++i) {
     const std::uint32_t k = random.below(40);
@@ -96,20 +96,20 @@ TEST(SupportPainter, DrawsAnyLayerInAnyOrder) {
   }
 }
 
-TEST(SupportPainter, LeavesTheStreamAloneWithoutSupports) {
+TEST(MaskStream, GivesTheObjectsMasksWithoutSupports) {
   const Scene scene;
   const Supports none{{}, scene.supports.shape};
   EXPECT_EQ(scene.solid.masks(&none), scene.solid.masks());
   ArenaBlock arena(4 * kMiB);
-  ASSERT_TRUE(LayerStream::create(scene.solid.rrep, *arena, &none).has_value());
+  ASSERT_TRUE(MaskStream::create(scene.solid.rrep, none, *arena).has_value());
   EXPECT_EQ(arena->bottom_used(), LayerStream::bytes_needed(scene.solid.rrep.grid));
 }
 
-TEST(SupportPainter, IsRefusedWhereItsListDoesNotFit) {
+TEST(MaskStream, IsRefusedWhereItsListDoesNotFit) {
   const Scene scene;
-  const std::size_t bytes = LayerStream::bytes_needed(scene.solid.rrep.grid, scene.list.size());
+  const std::size_t bytes = MaskStream::bytes_needed(scene.solid.rrep.grid, scene.list.size());
   ArenaBlock arena(bytes - Arena::kAlignment);
-  const auto stream = LayerStream::create(scene.solid.rrep, *arena, &scene.supports);
+  const auto stream = MaskStream::create(scene.solid.rrep, scene.supports, *arena);
   ASSERT_FALSE(stream.has_value());
   EXPECT_EQ(stream.error().code(), ErrorCode::kOutOfMemory);
 }
