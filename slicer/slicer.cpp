@@ -97,14 +97,16 @@ class Job {
     const PrintGrid& grid = rrep.grid;
     const FeatureLimits limits = feature_limits(report_.clustering, settings_.clustering, grid);
     const bool noisy = widening(report_.clustering, settings_.clustering) > 1;
-    // What is taken out may let the masks' opening cut off what it held: where there is noise there is a second sweep.
-    for (int sweep = 0; sweep < (noisy ? 2 : 1); ++sweep) {
+    // Removing a feature can let the mask's opening cut off what it supported, so noisy scans get a second sweep.
+    for (int sweep = 0; sweep < (noisy ? 2 : 1) && !report_.features.totals; ++sweep) {
       // Without room for it the print is as good as the scan: no reason to refuse it.
       if (const auto features = drop_small_features(rrep, limits, arena_)) report_.features += *features;
     }
     // The lowest point may be a stray, and so may the highest. What is printed stands on the plate, so the first layer is the
     // first with a pixel.
-    const EmptyLayers empty = trim_empty_layers(rrep, arena_).value_or(EmptyLayers{});
+    const auto& totals = report_.features.totals;
+    const std::optional<EmptyLayers> known = totals ? std::optional(totals->empty) : std::nullopt;
+    const EmptyLayers empty = trim_empty_layers(rrep, arena_, known).value_or(EmptyLayers{});
     report_.crossings = rrep.crossings();
     report_.placement.grid.layers = rrep.grid.layers;
     report_.confidence.trim(empty.below, empty.above);

@@ -97,12 +97,17 @@ Status PrintSession::make_ready() {
   return {};
 }
 
-/// Every mask once, for the resin that the print takes: some milliseconds a thousand layers, on a large panel and a small board
-/// a minute for all.
+/// Counts the pixels that cure, for the resin that the print takes. Makes every mask, unless slicing has counted them: some
+/// milliseconds a thousand layers; on a large panel and a small board a minute for all.
 Status PrintSession::sweep(ProgressSink* progress) {
   const StageScope stage(Stage::kLayers, arena_, progress, slice_report_.peak_bytes);
   facts_.cured_pixels = 0;
   support_pixels_ = 0;
+  if (const auto& totals = slice_report_.features.totals; totals && supports_.empty()) {
+    first_layer_pixels_ = totals->first_pixels;
+    facts_.cured_pixels = totals->pixels;
+    return {};
+  }
   for (std::uint32_t layer = 0; layer < rrep_.grid.layers; ++layer) {
     if (progress != nullptr && !progress->advance(Stage::kLayers, static_cast<double>(layer) / rrep_.grid.layers)) {
       return fail(ErrorCode::kCancelled, "stopped while the resin was reckoned, at layer %u of %u", layer,

@@ -114,6 +114,8 @@ class Sweep {
   std::span<FeatureRun> runs_;
   std::uint32_t feature_count_ = 0;
   std::uint32_t run_count_ = 0;
+  LayerTotals totals_;
+  bool stopped_ = false;  ///< before the last layer, for want of room
   bool has_large_island_ = false;
 };
 
@@ -146,11 +148,13 @@ void Sweep::unite(std::uint32_t low, std::uint32_t high) {
 bool Sweep::find_small(std::uint32_t layer, Layer& now, ConstBitImage section) {
   const LayerRegions& regions = now.regions;
   now.small = 0;
+  std::uint64_t white_pixels = 0;
   for (std::uint32_t r = 0; r < regions.rows(); ++r) {
     for (std::uint32_t i = regions.row_begin(r); i < regions.row_begin(r + 1); ++i) {
       if (regions.region(i) != i) continue;
       now.feature[i] = LayerRegions::kNone;
       if (regions.area(i) == 0) continue;
+      if (regions.white(r, i)) white_pixels += regions.area(i);
       if (regions.area(i) > limits_.pixels) {
         has_large_island_ |= regions.white(r, i);
         continue;
@@ -173,6 +177,7 @@ bool Sweep::find_small(std::uint32_t layer, Layer& now, ConstBitImage section) {
     }
   }
   now.feature[LayerRegions::kOutside] = LayerRegions::kNone;
+  totals_.add(white_pixels);
   return now.small == 0 || record(layer, now, section);
 }
 
@@ -239,6 +244,7 @@ Status Sweep::run(Arena& arena) {
     if (!now.regions.label(mask) || !find_small(k, now, stream->section())) {
       // What may go on into the layers that are not looked at must stay.
       for (std::uint32_t f = first_of_below; f < feature_count_; ++f) features_[root(f)].continued = true;
+      stopped_ = true;
       break;
     }
     if (k > 0 && below.small + now.small > 0) connect(below, now);
@@ -256,6 +262,7 @@ Expected<FeatureCounts> Sweep::edit(RRep& rrep, Arena& arena) {
     ++(features_[f].white ? counts.islands : counts.holes);
     counts.voxels += features_[f].voxels;
   }
+  if (counts.voxels == 0 && !stopped_) counts.totals = totals_;
   auto block = arena.take_top<RRepToggle>(rrep.grid.rows * kTogglesPerRow, kStage);
   if (!block) return tl::unexpected<Error>(block.error());
   std::size_t toggles = 0;

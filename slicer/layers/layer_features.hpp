@@ -2,9 +2,11 @@
 /// Islands and holes in the layers that are too small to be more than a fault of the scan (DESIGN 3, stage 9).
 
 #include <cstdint>
+#include <optional>
 
 #include "slicer/core/arena.hpp"
 #include "slicer/core/error.hpp"
+#include "slicer/layers/layer_totals.hpp"
 #include "slicer/rrep/rrep.hpp"
 
 namespace plumbline {
@@ -23,12 +25,15 @@ struct FeatureCounts {
   std::uint32_t islands = 0;  ///< taken out
   std::uint32_t holes = 0;    ///< filled
   std::uint64_t voxels = 0;   ///< of both
+  /// Counted by the way. Known if the sweep reached the last layer and left all masks as they were.
+  std::optional<LayerTotals> totals;
 
   FeatureCounts& operator+=(const FeatureCounts& other) {
     counted |= other.counted;
     islands += other.islands;
     holes += other.holes;
     voxels += other.voxels;
+    totals = other.totals;
     return *this;
   }
 };

@@ -91,8 +91,8 @@ Status toggle_crossings(RRep& rrep, std::span<RRepToggle> toggles, Arena& arena)
   return {};
 }
 
-Expected<EmptyLayers> trim_empty_layers(RRep& rrep, Arena& arena) {
-  const auto empty = find_empty(rrep, arena);
+Expected<EmptyLayers> trim_empty_layers(RRep& rrep, Arena& arena, std::optional<EmptyLayers> known) {
+  const Expected<EmptyLayers> empty = known ? Expected<EmptyLayers>(*known) : find_empty(rrep, arena);
   PLUMBLINE_TRY(empty);
   const auto [below, above] = *empty;
   if (below == rrep.grid.layers) return EmptyLayers{};

@@ -2,10 +2,12 @@
 /// Changes to an R-Rep that stands.
 
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "slicer/core/arena.hpp"
 #include "slicer/core/error.hpp"
+#include "slicer/layers/layer_totals.hpp"
 #include "slicer/rrep/rrep.hpp"
 
 namespace plumbline {
@@ -22,17 +24,13 @@ struct RRepToggle {
 /// @retval ErrorCode::kOutOfMemory  rrep is as before
 [[nodiscard]] Status toggle_crossings(RRep& rrep, std::span<RRepToggle> toggles, Arena& arena);
 
-struct EmptyLayers {
-  std::uint32_t below = 0;
-  std::uint32_t above = 0;
-};
-
 /// Takes out the layers below the first one that prints something, so that the object stands on the plate, and those above
 /// the last one: those that are empty, and those with nothing but what the opening of the masks takes away, such as the tip
 /// of a stray.
-/// @param rrep  the newest block at the bottom of the arena; as before if no layer prints anything
+/// @param rrep   the newest block at the bottom of the arena; as before if no layer prints anything
+/// @param known  the empty layers, if a sweep has found them; else the masks at both ends are made to look
 /// @returns how many there were
 /// @retval ErrorCode::kOutOfMemory  for two images and the crossings of the layers below; rrep is as before
-[[nodiscard]] Expected<EmptyLayers> trim_empty_layers(RRep& rrep, Arena& arena);
+[[nodiscard]] Expected<EmptyLayers> trim_empty_layers(RRep& rrep, Arena& arena, std::optional<EmptyLayers> known = {});
 
 }  // namespace plumbline

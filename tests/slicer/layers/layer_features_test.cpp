@@ -48,7 +48,26 @@ TEST(LayerFeatures, TakesOutABumpThatBeginsBeforeItMeetsTheObject) {
   EXPECT_TRUE(voxels.equals(wanted));
 }
 
-TEST(LayerFeatures, FillsABubbleAndDropsACrumb) {
+TEST(LayerFeatures, CountsThePixelsOfMasksThatItLeavesAlone) {
+  Voxels voxels([](auto c, auto r, auto k) { return k >= 3 && k < 17 && block(c, r, k) && (c < 40 || k > 9); });
+  const auto counts = drop_small_features(voxels.rrep, kLimits, *voxels.block);
+  ASSERT_TRUE(counts.has_value());
+  ASSERT_TRUE(counts->totals.has_value());
+  EXPECT_EQ(counts->totals->empty.below, 3U);
+  EXPECT_EQ(counts->totals->empty.above, kLayers - 17);
+  EXPECT_EQ(counts->totals->first_pixels, 30U * 30);
+  EXPECT_EQ(counts->totals->pixels, 7U * 30 * 30 + 7U * 50 * 30);
+}
+
+TEST(LayerFeatures, CountsNoPixelsOfMasksThatItChanges) {
+  Voxels voxels([](auto c, auto r, auto k) { return block(c, r, k) && !Block{20, 24, 15, 19, 5, 9}.has(c, r, k); });
+  const auto counts = drop_small_features(voxels.rrep, kLimits, *voxels.block);
+  ASSERT_TRUE(counts.has_value());
+  EXPECT_EQ(counts->holes, 1U);
+  EXPECT_FALSE(counts->totals.has_value());
+}
+
+TEST(LayerFeatures, FillsACavityAndDropsALooseIsland) {
   Voxels voxels([](auto c, auto r, auto k) {
     return (block(c, r, k) && !Block{20, 24, 15, 19, 5, 9}.has(c, r, k)) || Block{63, 67, 8, 12, 4, 8}.has(c, r, k);
   });
