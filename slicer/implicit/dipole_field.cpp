@@ -5,7 +5,7 @@
 namespace plumbline {
 namespace {
 
-/// Adds <dipole, e> / |e|^3 and its gradient by x, where e = p - x and |e|^2 is `distance2`.
+/// Adds <dipole, e> / |e|^3 and its gradient in x, with e = p - x and distance2 = |e|^2.
 void add(const Vec3f& dipole, const Vec3f& e, float distance2, DipoleField::Value& value) {
   const float inverse2 = 1 / distance2;
   const float inverse3 = inverse2 * std::sqrt(inverse2);
@@ -20,7 +20,7 @@ void DipoleField::build(Sign sign) {
   tree_.build([&](std::uint32_t i, DipoleSum& sum) {
     const float s = sign(i);
     if (s == 0) return;
-    const float area4pi = cloud_.radius[i] * cloud_.radius[i] * 0.25F;  // over 4 pi, as the dipoles are
+    const float area4pi = cloud_.radius[i] * cloud_.radius[i] * 0.25F;  // divided by 4 pi, like the dipoles
     sum.add(cloud_.position[i], area4pi, cloud_.normal[i].unpack() * (s * area4pi));
   });
 }
@@ -34,7 +34,7 @@ DipoleField::Value DipoleField::operator()(const Vec3f& x, Sign sign) const {
         const float radius2 = cloud_.radius[i] * cloud_.radius[i];
         if (s == 0 || radius2 == 0) return;
         const Vec3f e = cloud_.position[i] - x;
-        // Softened: a disc seen from nearby fills half the sphere and no more.
+        // Softened: a disc seen from nearby fills at most half the sphere, where a dipole would grow without bound.
         add(cloud_.normal[i].unpack() * (s * radius2 * 0.25F), e, e.dot(e) + radius2, value);
       });
   return value;

@@ -1,5 +1,5 @@
 #pragma once
-/// Winding number of part of a cloud and its gradient, while its normals are still being turned.
+/// Winding number of part of a cloud, and its gradient, for the stage that orients normals.
 
 #include <cstdint>
 #include <span>
@@ -10,7 +10,7 @@
 
 namespace plumbline {
 
-/// As WindingTree, but over larger leaves: it answers few questions and has to be small.
+/// As WindingTree, but with larger leaves: it is asked little and has to be small.
 class DipoleField {
  public:
   using Tree = DipoleTree<32>;
@@ -27,10 +27,11 @@ class DipoleField {
   /// @param nodes  nodes_needed(cloud.size) of them
   DipoleField(const Cloud& cloud, std::span<Node> nodes) : cloud_(cloud), tree_(cloud.size, nodes) {}
 
-  /// @param sign  of the normal of point i: 1 or -1, 0 for points that are no part of the field
+  /// @param sign  factor for the normal of point i: 1 or -1; 0 leaves the point out
   void build(Sign sign);
 
-  /// The field at x. `sign` as it was for build(); may be called by many threads.
+  /// The field at x, mm. Thread-safe.
+  /// @param sign  as for build()
   Value operator()(const Vec3f& x, Sign sign) const;
 
  private:

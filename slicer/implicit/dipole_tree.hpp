@@ -1,6 +1,6 @@
 #pragma once
 /// A hierarchy of dipoles over the points of a cloud (Barill et al., Fast Winding Numbers for Soups and Clouds, 2018, first
-/// order): far away, the points of a node are one dipole at their middle.
+/// order). Seen from far away, the points of a node act as one dipole at their centre.
 
 #include <algorithm>
 #include <cstddef>
@@ -12,13 +12,13 @@
 namespace plumbline {
 
 struct DipoleNode {
-  Vec3f centre;            ///< mean position weighted by area, mm
-  float reach2 = 0;        ///< (opening * radius)^2, mm^2: farther away the node is one dipole; -1: no point is in it
+  Vec3f centre;            ///< mean position of the points, weighted by area, mm
+  float reach2 = 0;        ///< (opening * radius)^2, mm^2: beyond it the node acts as one dipole; -1: it has no points
   Vec3f dipole;            ///< sum of a_i n_i / (4 pi), mm^2
-  std::uint32_t skip = 0;  ///< next node when this one is not opened
+  std::uint32_t skip = 0;  ///< index of the next node if this one is not opened
 };
 
-/// What the points of a node add up to.
+/// Sums over the points of a node.
 struct DipoleSum {
   Vec3f weighted = Vec3f::Zero();  ///< area * position
   Vec3f dipole = Vec3f::Zero();
@@ -42,8 +42,8 @@ struct DipoleSum {
   }
 };
 
-/// The nodes, depth first: what follows a node is what it is made of, up to its `skip`. The points are in the order of their
-/// 3D tree, so that LeafPoints in a row are neighbours: they are a leaf. A node over n leaves has 2 n - 1 nodes.
+/// The nodes in depth-first order: a node is followed by its descendants, up to `skip`. The points must be in the order of
+/// their 3D tree, so that LeafPoints in a row are neighbours and make a leaf. A subtree over n leaves has 2 n - 1 nodes.
 template <std::uint32_t LeafPoints>
 class DipoleTree {
  public:
@@ -61,13 +61,13 @@ class DipoleTree {
     if (points_ > 0) build(0, 0, leaves(points_), add_point);
   }
 
-  /// Visits what the field at x is made of, in the order of the nodes; may be called by many threads.
-  /// @param far   far(node, d, distance2): a node that has points, with d = node.centre - x and distance2 = <d, d>
-  /// @param near  near(i): a point of a leaf that x is too close to
+  /// Visits the nodes and points that make up the field at x, in the order of the nodes. Thread-safe.
+  /// @param far   far(node, d, distance2) for each node that acts as one dipole; d = node.centre - x, distance2 = <d, d>
+  /// @param near  near(i) for each point of a leaf that is too close for that
   template <class Far, class Near>
   void walk(const Vec3f& x, Far far, Near near) const {
     const auto count = static_cast<std::uint32_t>(nodes_.size());
-    std::uint32_t leaf = 0;  // leaves before node `at`
+    std::uint32_t leaf = 0;  // number of leaves before node `at`
     for (std::uint32_t at = 0; at < count;) {
       const DipoleNode& node = nodes_[at];
       const Vec3f d = node.centre - x;
@@ -89,11 +89,11 @@ class DipoleTree {
   }
 
  private:
-  static constexpr float kOpening = 2.0F;  ///< times a node's radius: nearer, and it is opened
+  static constexpr float kOpening = 2.0F;  ///< node radii: a closer node is opened. Larger: more exact, slower
 
   static std::uint32_t leaves(std::uint32_t points) { return (points + LeafPoints - 1) / LeafPoints; }
 
-  /// Builds the node `at` over leaves [first, last) and those it is made of.
+  /// Builds node `at` over leaves [first, last), and its descendants.
   template <class AddPoint>
   DipoleSum build(std::uint32_t at, std::uint32_t first, std::uint32_t last, AddPoint& add_point) {
     DipoleSum sum;

@@ -7,7 +7,7 @@
 namespace plumbline {
 namespace {
 
-/// Four floats side by side: gcc and clang map it to the vector unit, or to four scalars, with the same result.
+/// Four floats: gcc and clang use the vector unit or four scalars, with the same result.
 using Lanes = float __attribute__((vector_size(16)));
 
 Lanes load(const float* from) {
@@ -22,12 +22,12 @@ Lanes weight_of(const RayPoints& p, std::uint32_t j, Lanes dz) {
 }
 float sum(Lanes v) { return (v[0] + v[1]) + (v[2] + v[3]); }
 
-constexpr float kAgree = 0.997F;  ///< |sum of w n| over sum of w: normals some 4 degrees from their mean
-constexpr float kFar = 0.25F;     ///< of the largest support: so far from the surface none of this changes the side
-constexpr float kSharpness = 8;   ///< a point counts where the cosine to the mean is above 1 - 1 / this
-constexpr float kUnlike = 0.02F;  ///< what it counts beyond that
+constexpr float kAgree = 0.997F;  ///< |sum w n| / sum w above which normals agree: about 4 degrees from their mean
+constexpr float kFar = 0.25F;     ///< share of the reach: farther from the surface, a_i does not change the sign
+constexpr float kSharpness = 8;   ///< a point counts if the cosine to the mean is above 1 - 1 / kSharpness
+constexpr float kUnlike = 0.02F;  ///< weight beyond that; decides where all normals differ from their mean
 
-/// What a value is made of: sums over points.
+/// Sums over points that make up a value.
 struct Sums {
   float weight;
   float distance;
@@ -42,11 +42,11 @@ struct Sums {
 
 constexpr auto kByDistance = [](Lanes w, Lanes, Lanes, Lanes) { return w; };
 
-/// @param weigh  (weight by distance, the normal's three columns): the weight; all in four lanes
+/// @param weigh  weigh(w, nx, ny, nz) returns the weight of four points, from their weight by distance and their normals
 template <class Weigh>
 Sums sums_of(const RayPoints& points, RayWindow window, float depth, Weigh weigh) {
   const Lanes z = Lanes{} + depth;
-  // Not members of one object: some compilers would keep that in memory.
+  // Separate variables: some compilers keep an object in memory instead of registers.
   Lanes weights{};
   Lanes distances{};
   Lanes normal_x{};
@@ -55,7 +55,7 @@ Sums sums_of(const RayPoints& points, RayWindow window, float depth, Weigh weigh
   Lanes offset_x{};
   Lanes offset_y{};
   Lanes offset_z{};
-  // The last step may read beyond the window: points of no weight, or the padding.
+  // The last step may read past the window: points without weight, or the padding.
   for (std::uint32_t j = window.first; j < window.last; j += RayPoints::kLanes) {
     const Lanes dz = z - load(points.depth + j);
     const Lanes nx = load(points.normal_x + j);
@@ -78,7 +78,7 @@ Sums sums_of(const RayPoints& points, RayWindow window, float depth, Weigh weigh
 }
 
 std::size_t padded(std::uint32_t capacity) {
-  // Room for the padding, in whole cache lines.
+  // With padding, rounded to whole cache lines.
   return (std::size_t{capacity} + RayPoints::kLanes + 15) / 16 * 16;
 }
 constexpr std::size_t kColumns = 9;

@@ -6,13 +6,15 @@
 namespace plumbline {
 namespace {
 
-constexpr std::uint32_t kBaseSamples = 48;  ///< a side, over the base plane
-constexpr float kBaseOpen = 0.1F;           ///< a fifth of what an opening counts there
-constexpr std::uint32_t kLeastOpen = 10;    ///< an open underside is at least one part in so many of the section above
-constexpr int kSections = 8;                ///< looked at at most
-constexpr int kBisections = 8;
-constexpr float kRounding = 0.3F;       ///< of c
-constexpr float kMostRounding = 0.12F;  ///< that comes of it at most: s (1 - s^2) is 0.385 or less
+constexpr std::uint32_t kBaseSamples = 48;  ///< samples a side, over the base plane
+/// An opening in the base plane has winding number 1/2 there, a closed underside 0. Not kSurface, which asks inside or outside:
+/// this asks open or closed. A larger value misses narrow openings, a smaller one takes noise for an opening.
+constexpr float kBaseOpen = 0.1F;
+constexpr std::uint32_t kLeastOpen = 10;  ///< an open underside is at least 1 / kLeastOpen of the section above it
+constexpr int kSections = 8;              ///< sections looked at, at most
+constexpr int kBisections = 8;            ///< leave a 256th of the interval
+constexpr float kRounding = 0.3F;         ///< factor of c, see inside()
+constexpr float kMostRounding = 0.12F;    ///< largest kRounding * |c|: s (1 - s^2) is at most 0.385
 constexpr float kInverse4Pi = 0.0795774715F;
 constexpr float kPi = std::numbers::pi_v<float>;
 
@@ -52,10 +54,10 @@ bool WindingTree::set_base(float height, float step, bool always) {
     }
     return count;
   };
-  // On the plane itself the surface and its mirror image count the same: half each where it is open, nothing where the
-  // surface closes above the plane.
+  // On the plane the surface and its mirror image have the same winding number: 1/2 where the surface is open there, 0 where
+  // it closes above the plane.
   const std::uint32_t open = count_above(kBaseOpen, height);
-  // Strays lie below the object, and it may stand on a foot: its lowest section that is no smaller tells.
+  // Outliers may lie below the object, and it may stand on a foot: compare with the lowest section that is no smaller.
   std::uint32_t solid = 0;
   for (int k = 1; open > 0 && k <= kSections && solid < open; ++k) {
     solid = count_above(kSurface, height + static_cast<float>(k) * step);
@@ -67,7 +69,7 @@ bool WindingTree::set_base(float height, float step, bool always) {
 float WindingTree::operator()(const Vec3f& x) const {
   if (!has_base_) return sum(x);
   if (x[2] < base_) return 0;
-  // The dipoles of the mirrored surface seen from x are those of the surface seen from the mirror image of x.
+  // The mirrored surface seen from x is the surface seen from the mirror image of x.
   return sum(x) + sum({x[0], x[1], 2 * base_ - x[2]});
 }
 
@@ -98,7 +100,7 @@ float WindingTree::sum(const Vec3f& x) const {
       [&](std::uint32_t i) {
         const Vec3f e = position_[i] - x;
         const float area = area_factor_ * radius_[i] * radius_[i];
-        // A disc seen from nearby fills half the sphere and no more; the dipole of a point would grow without bound.
+        // Softened: a disc seen from nearby fills at most half the sphere, where a dipole would grow without bound.
         const float softened = e.dot(e) + area * (1.0F / kPi);
         w += area * kInverse4Pi * normal_[i].unpack().dot(e) / (softened * std::sqrt(softened));
       });
