@@ -59,7 +59,7 @@ class Inspection {
     PLUMBLINE_TRY(result);
     report_.clustering = *result;
     report_.bounds_with_noise = bounds();
-    if (!settings_.keep_all && points_of_surface(*result) > 0 && result->epsilon > 0) {
+    if (!settings_.keep_all && result->points.surface() > 0 && result->epsilon > 0) {
       const auto strays = mark_stray_pieces(cloud_, *result, arena_);
       PLUMBLINE_TRY(strays);
       report_.strays = *strays;

@@ -252,7 +252,9 @@ class Job {
     return {};
   }
 
-  bool is_height_field() const { return winding_.has_base() && hardly_any(report_.clustering, PointClass::kEntering); }
+  bool is_height_field() const {
+    return winding_.has_base() && report_.clustering.points.is_negligible(PointClass::kEntering);
+  }
 
   Expected<CrossingStore> shoot() {
     const PrintGrid& grid = report_.placement.grid;

@@ -20,9 +20,7 @@ unsigned long long big(std::uint64_t number) { return number; }
 
 std::uint64_t missing_normals(const ScanSummary& scan) { return scan.header.has_normals ? 0 : scan.points; }
 
-std::uint32_t points_of(const InspectReport& scan, PointClass c) {
-  return scan.clustering.points[static_cast<std::size_t>(c)];
-}
+std::uint32_t points_of(const InspectReport& scan, PointClass c) { return scan.clustering.points[c]; }
 
 void add_scan(Text& text, const ScanOutlook& o) {
   const ScanSummary& scan = o.scan.scan;

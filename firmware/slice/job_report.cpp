@@ -85,7 +85,8 @@ double turned_share(std::uint32_t turned, std::uint32_t points) {
 }
 
 bool lies_on_its_face(const ClusteringResult& clustering) {
-  return hardly_any(clustering, PointClass::kExiting) && !hardly_any(clustering, PointClass::kEntering);
+  return clustering.points.is_negligible(PointClass::kExiting) &&
+         !clustering.points.is_negligible(PointClass::kEntering);
 }
 
 void for_each_remark(const SliceReport& slice, FunctionRef<void(std::string_view)> visit) {

@@ -74,9 +74,7 @@ void add_grid(Text& text, const JobReport& report) {
 }
 
 void add_clusters(Text& text, const SliceReport& s) {
-  const auto share = [&](PointClass c) {
-    return percent(s.clustering.points[static_cast<std::size_t>(c)], s.cloud_points);
-  };
+  const auto share = [&](PointClass c) { return percent(s.clustering.points[c], s.cloud_points); };
   text.add("points     entering %.1f %%, exiting %.1f %%, neutral %.1f %%, noise %.2f %%\n",
            share(PointClass::kEntering), share(PointClass::kExiting), share(PointClass::kNeutral),
            share(PointClass::kNoise));

@@ -88,10 +88,10 @@ void write_points(JsonWriter& json, const SliceReport& slice) {
   json.key("points");
   json.begin_object(kOneLine);
   const auto& points = slice.clustering.points;
-  json.member("entering", points[static_cast<std::size_t>(PointClass::kEntering)]);
-  json.member("exiting", points[static_cast<std::size_t>(PointClass::kExiting)]);
-  json.member("neutral", points[static_cast<std::size_t>(PointClass::kNeutral)]);
-  json.member("noise", points[static_cast<std::size_t>(PointClass::kNoise)]);
+  json.member("entering", points[PointClass::kEntering]);
+  json.member("exiting", points[PointClass::kExiting]);
+  json.member("neutral", points[PointClass::kNeutral]);
+  json.member("noise", points[PointClass::kNoise]);
   json.end_object();
   json.key("bore_walls_continued");
   json.begin_object(kOneLine);

@@ -17,7 +17,7 @@ float voxel_mm3(const PrintGrid& grid) { return grid.pitch_x_mm * grid.pitch_y_m
 }  // namespace
 
 float widening(const ClusteringResult& clustering, const ClusteringSettings& settings) {
-  return clustering.support_points / settings.least_support;
+  return clustering.support_points / settings.min_support;
 }
 
 ComponentLimits component_limits(const ClusteringResult& clustering, const PrintGrid& grid) {

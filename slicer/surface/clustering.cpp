@@ -1,6 +1,7 @@
 #include "slicer/surface/clustering.hpp"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 
@@ -13,26 +14,32 @@
 namespace plumbline {
 namespace {
 
-constexpr std::uint32_t kBlock = kSharedSearch;
+constexpr std::uint32_t kBlock = kSharedSearch;  ///< points that share one search of the tree
 
 constexpr const char* kStage = "clustering";
 
-constexpr std::int32_t kFewNeighbours = 8;  ///< fewer within epsilon do not measure a density
-/// A point is on the sheet of its neighbours if its mean height over their planes is at most this share of epsilon.
-constexpr float kOnSheet = 0.2F;
-constexpr std::uint32_t kNoiseSample = 16384;
-constexpr float kCleanNoise = 0.02F;  ///< of epsilon: below, what looks like noise is mostly curvature
-constexpr float kFullNoise = 0.1F;    ///< of epsilon: from here on the support has its full size
+/// Points within epsilon that measure a density. With fewer, the distances of the nearest points measure it.
+constexpr std::int32_t kFewNeighbours = 8;
+/// Largest mean height of a point over its neighbours' planes, in epsilons, for a point on their sheet.
+constexpr float kMaxHeight = 0.2F;
+constexpr std::uint32_t kNoiseSample = 16384;  ///< points of which the noise is measured
+// Noise over epsilon between which supports grow from the least to the most points.
+constexpr float kCleanNoise = 0.02F;  ///< less is mostly curvature
+constexpr float kFullNoise = 0.1F;
 
-/// Of the 2 minPts neighbours that epsilon holds round the median point this share faces the same way where there is a
-/// surface: scans have 0.6 to 1, a sphere of 150 points 0.43. Of normals at random, weighed by the metric, it is an
-/// eighth; of normals fitted to points at random 0.3.
+/// Share of the 2 minPts points within epsilon of the median point that face its way where there is a surface. Scans
+/// have 0.6 to 1, a sphere of 150 points 0.43; random normals have 1/8 by the metric, normals fitted to random points
+/// 0.3.
 constexpr float kFacingShare = 0.4F;
 
-/// Kept beside the classes, because a point's type must not change while others still compare with it.
-enum Flag : std::uint8_t { kCore = 1, kDense = 2, kOutlier = 4, kThin = 8 };
+// Progress at the end of each step, 0 to 1.
+constexpr double kMeasured = 0.5;
+constexpr double kJoined = 0.8;
 
-/// For the pass in which other threads mark outliers in the same byte.
+/// Kept apart from the classes: a point's type must not change while others compare with it.
+enum Flag : std::uint8_t { kCore = 1, kDense = 2, kNoisePoint = 4, kSparse = 8 };
+
+/// For the pass in which other threads mark noise in the same byte.
 bool is_core(std::uint8_t& flag) { return (std::atomic_ref(flag).load(std::memory_order_relaxed) & kCore) != 0; }
 
 Within compare(const Member& m, const Neighbourhood& batch, std::uint32_t j) {
@@ -44,9 +51,9 @@ Within compare(const Member& m, const Neighbourhood& batch, std::uint32_t j) {
 }
 
 struct Counts {
-  std::int32_t near = 0;       ///< within epsilon by the thesis' metric
-  std::int32_t same_type = 0;  ///< of those, of the same type
-  std::int32_t sheet = 0;      ///< within epsilon by the plain metric, facing the same way
+  std::int32_t near = 0;       ///< points within epsilon by the thesis' metric
+  std::int32_t same_type = 0;  ///< those of the same type
+  std::int32_t sheet = 0;      ///< points within epsilon by the Euclidean metric that face the same way
   float offset = 0;            ///< sum over `near` of the point's height above their tangent planes, mm
 };
 
@@ -72,29 +79,198 @@ void count(const Member& m, const Neighbourhood& batch, float epsilon2, Counts& 
   for (const float part : offset) counts.offset += part;
 }
 
-tl::unexpected<Error> cancelled() { return fail(ErrorCode::kCancelled, "cancelled while clusters were found"); }
+class Clusterer {
+ public:
+  Clusterer(Cloud& cloud, const KdTree3& tree, float epsilon, const ClusteringSettings& settings,
+            std::span<std::uint32_t> labels)
+      : cloud_(cloud),
+        tree_(tree),
+        epsilon_(epsilon),
+        settings_(settings),
+        labels_(labels),
+        blocks_((cloud.size + kBlock - 1) / kBlock),
+        noise_step_(cloud.size / kNoiseSample + 1) {}
+
+  Expected<ClusteringResult> run(Arena& arena, const StageProgress& progress) {
+    PLUMBLINE_TRY(allocate(arena));
+    for (PackedNormal& normal : cloud_.normal.first(cloud_.size)) normal.point_class = orientation_of(normal);
+    if (!measure(progress.part(0, kMeasured)) || !join_core_points(progress.part(kMeasured, kJoined)) ||
+        !assign_others(progress.part(kJoined, 1))) {
+      return fail(ErrorCode::kCancelled, "cancelled while clusters were found");
+    }
+    return finish();
+  }
+
+ private:
+  Status allocate(Arena& arena) {
+    const auto parents = arena.take_top<std::uint32_t>(cloud_.size, kStage);
+    PLUMBLINE_TRY(parents);
+    const auto flags = arena.take_top<std::uint8_t>(cloud_.size, kStage);
+    PLUMBLINE_TRY(flags);
+    const auto heights = arena.take_top<float>((cloud_.size + noise_step_ - 1) / noise_step_, kStage);
+    PLUMBLINE_TRY(heights);
+    const auto near = arena.take_top<std::int32_t>(heights->size(), kStage);
+    PLUMBLINE_TRY(near);
+    flags_ = *flags;
+    heights_ = *heights;
+    near_ = *near;
+    sets_ = DisjointSets(*parents);
+    sets_.start_all();
+    return {};
+  }
+
+  /// Finds core points, and the density and noise of the surface around each point. Sets radius[] to that of one
+  /// point's share.
+  bool measure(const StageProgress& progress) {
+    LoopProgress loop(progress, blocks_);
+#pragma omp parallel for schedule(dynamic, 64)
+    for (std::uint32_t b = 0; b < blocks_; ++b) {
+      if (!loop.step(b)) continue;
+      const std::uint32_t begin = b * kBlock;
+      const std::uint32_t end = std::min(cloud_.size, begin + kBlock);
+      const float epsilon2 = epsilon_ * epsilon_;
+      std::array<Counts, kBlock> counts{};
+      for_neighbourhood(cloud_, tree_, begin, end, epsilon_, [&](const Neighbourhood& batch) {
+        for (std::uint32_t i = begin; i < end; ++i) count(member(cloud_, i), batch, epsilon2, counts[i - begin]);
+      });
+      for (std::uint32_t i = begin; i < end; ++i) evaluate(i, counts[i - begin]);
+    }
+    if (loop.stopped()) return false;
+    coherent_ = static_cast<float>(median(near_)) >= kFacingShare * 2 * static_cast<float>(settings_.min_points);
+    return true;
+  }
+
+  void evaluate(std::uint32_t i, const Counts& c) {
+    const auto min_points = static_cast<std::int32_t>(settings_.min_points);
+    const bool dense = c.near >= min_points;
+    const bool core = c.near > min_points && c.same_type > settings_.same_type_share * c.near;
+    flags_[i] = static_cast<std::uint8_t>((core ? kCore : 0) | (dense ? kDense : 0));
+    cloud_.radius[i] = epsilon_ / std::sqrt(static_cast<float>(std::max(1, c.sheet)));
+    if (i % noise_step_ == 0) {
+      heights_[i / noise_step_] = std::abs(c.offset) / static_cast<float>(std::max(1, c.near));
+      near_[i / noise_step_] = c.near;
+    }
+    if (c.near >= kFewNeighbours) {
+      // A point beside a sheet is an outlier, such as a flying pixel, however many neighbours it has on the sheet.
+      const bool on_sheet = std::abs(c.offset) < kMaxHeight * epsilon_ * static_cast<float>(c.near);
+      if (settings_.sparse_radius > 0 && on_sheet) flags_[i] |= kSparse;
+    } else if (const auto radius = sparse_surface_radius(cloud_, tree_, i, epsilon_, settings_)) {
+      flags_[i] |= kSparse;
+      cloud_.radius[i] = std::max(cloud_.radius[i], *radius);
+    }
+  }
+
+  /// Joins core points of one type within epsilon of each other, if labels are wanted.
+  bool join_core_points(const StageProgress& progress) {
+    if (labels_.empty()) return true;
+    LoopProgress loop(progress, blocks_);
+#pragma omp parallel for schedule(dynamic, 64)
+    for (std::uint32_t b = 0; b < blocks_; ++b) {
+      if (!loop.step(b)) continue;
+      const std::uint32_t begin = b * kBlock;
+      const std::uint32_t end = std::min(cloud_.size, begin + kBlock);
+      const float epsilon2 = epsilon_ * epsilon_;
+      for_neighbourhood(cloud_, tree_, begin, end, epsilon_, [&](const Neighbourhood& batch) {
+        for (std::uint32_t i = begin; i < end; ++i) {
+          if ((flags_[i] & kCore) == 0) continue;
+          const Member m = member(cloud_, i);
+          std::array<std::uint8_t, Neighbourhood::kMost> near;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+          for (std::uint32_t j = 0; j < batch.size; ++j) {
+            const Within w = compare(m, batch, j);
+            near[j] = static_cast<std::uint8_t>(w.near(epsilon2) & (batch.type[j] == m.type));
+          }
+          for (std::uint32_t j = 0; j < batch.size; ++j) {
+            const std::uint32_t other = batch.index[j];
+            if (near[j] != 0 && other < i && (flags_[other] & kCore) != 0) sets_.unite_shared(i, other);
+          }
+        }
+      });
+    }
+    return !loop.stopped();
+  }
+
+  /// Joins the other points to the nearest core point of their type, and marks noise.
+  bool assign_others(const StageProgress& progress) {
+    // Sparse surface belongs to a dense one. Among outliers a few always happen to face the same way.
+    const int kept = coherent_ ? kDense | kSparse : kDense;
+    LoopProgress loop(progress, blocks_);
+#pragma omp parallel for schedule(dynamic, 64)
+    for (std::uint32_t b = 0; b < blocks_; ++b) {
+      if (!loop.step(b)) continue;
+      const std::uint32_t begin = b * kBlock;
+      const std::uint32_t end = std::min(cloud_.size, begin + kBlock);
+      std::array<std::uint32_t, kBlock> nearest;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+      nearest.fill(kNoCluster);
+      find_nearest_core_points(begin, end, nearest);
+      for (std::uint32_t i = begin; i < end; ++i) {
+        const std::uint32_t core = (flags_[i] & kCore) != 0 ? i : nearest[i - begin];
+        if (!labels_.empty()) labels_[i] = core == kNoCluster ? kNoCluster : sets_.root(core);
+        if (core == kNoCluster && (flags_[i] & kept) == 0)
+          std::atomic_ref(flags_[i]).fetch_or(kNoisePoint, std::memory_order_relaxed);
+      }
+    }
+    return !loop.stopped();
+  }
+
+  void find_nearest_core_points(std::uint32_t first, std::uint32_t last, std::array<std::uint32_t, kBlock>& nearest) {
+    const bool all_core =
+        std::all_of(flags_.begin() + first, flags_.begin() + last, [](std::uint8_t f) { return (f & kCore) != 0; });
+    if (all_core) return;
+    const float epsilon2 = epsilon_ * epsilon_;
+    std::array<float, kBlock> best{};
+    for_neighbourhood(cloud_, tree_, first, last, epsilon_, [&](const Neighbourhood& batch) {
+      for (std::uint32_t i = first; i < last; ++i) {
+        if ((flags_[i] & kCore) != 0) continue;
+        const Member m = member(cloud_, i);
+        for (std::uint32_t j = 0; j < batch.size; ++j) {
+          const Within w = compare(m, batch, j);
+          if (!w.near(epsilon2) || batch.type[j] != m.type || !is_core(flags_[batch.index[j]])) continue;
+          const float distance2 = w.distance2 / (w.cosine * w.cosine);
+          std::uint32_t& at = nearest[i - first];
+          float& least = best[i - first];
+          if (at == kNoCluster || distance2 < least || (distance2 == least && batch.index[j] < at)) {
+            at = batch.index[j];
+            least = distance2;
+          }
+        }
+      }
+    });
+  }
+
+  ClusteringResult finish() {
+    ClusteringResult result;
+    result.epsilon = epsilon_;
+    result.coherent = coherent_;
+    result.noise = static_cast<float>(kMedianToDeviation) * median(heights_);
+    const float noisy = std::clamp((result.noise / epsilon_ - kCleanNoise) / (kFullNoise - kCleanNoise), 0.0F, 1.0F);
+    result.support_points = settings_.min_support + noisy * (settings_.max_support - settings_.min_support);
+    const float growth = std::sqrt(result.support_points);
+    for (float& radius : cloud_.radius.first(cloud_.size)) radius *= growth;
+    for (std::uint32_t i = 0; i < cloud_.size; ++i) {
+      const bool core = (flags_[i] & kCore) != 0;
+      if ((flags_[i] & kNoisePoint) != 0) cloud_.normal[i].point_class = PointClass::kNoise;
+      if (core) ++result.core_points;
+      if (core && !labels_.empty() && sets_.is_root(i)) ++result.clusters;
+    }
+    result.points = count_classes(cloud_.normal.first(cloud_.size));
+    return result;
+  }
+
+  Cloud& cloud_;
+  const KdTree3& tree_;
+  float epsilon_;
+  const ClusteringSettings& settings_;
+  std::span<std::uint32_t> labels_;
+  std::uint32_t blocks_;
+  std::uint32_t noise_step_;  ///< one point in so many is a sample of the noise
+  DisjointSets<> sets_;
+  std::span<std::uint8_t> flags_;
+  std::span<float> heights_;      ///< of the samples, over the planes of their neighbours, mm
+  std::span<std::int32_t> near_;  ///< points near the samples
+  bool coherent_ = true;
+};
 
 }  // namespace
-
-PointClass orientation_of(const PackedNormal& normal) {
-  const float along = static_cast<float>(normal.z) / PackedNormal::kScale;
-  if (along > kNeutralSine) return PointClass::kExiting;
-  if (along < -kNeutralSine) return PointClass::kEntering;
-  return PointClass::kNeutral;
-}
-
-std::uint32_t points_of_surface(const ClusteringResult& clustering) {
-  std::uint32_t points = 0;
-  for (const PointClass c : {PointClass::kEntering, PointClass::kExiting, PointClass::kNeutral}) {
-    points += clustering.points[static_cast<std::size_t>(c)];
-  }
-  return points;
-}
-
-bool hardly_any(const ClusteringResult& clustering, PointClass point_class) {
-  constexpr std::uint64_t kOneIn = 1000;
-  return kOneIn * clustering.points[static_cast<std::size_t>(point_class)] <= points_of_surface(clustering);
-}
 
 Expected<float> density_epsilon(const Cloud& cloud, const KdTree3& tree, const ClusteringSettings& settings,
                                 Arena& arena) {
@@ -103,7 +279,7 @@ Expected<float> density_epsilon(const Cloud& cloud, const KdTree3& tree, const C
   const std::uint32_t samples = std::min(settings.epsilon_sample, cloud.size);
   if (wanted < 2) return 0.0F;
   auto distances = arena.take_top<float>(samples, kStage);
-  if (!distances) return tl::unexpected<Error>(distances.error());
+  PLUMBLINE_TRY(distances);
   std::span<float> d2 = *distances;
 #pragma omp parallel for schedule(dynamic, 64)
   for (std::uint32_t s = 0; s < samples; ++s) {
@@ -117,156 +293,9 @@ Expected<float> density_epsilon(const Cloud& cloud, const KdTree3& tree, const C
 }
 
 Expected<ClusteringResult> cluster(Cloud& cloud, const KdTree3& tree, float epsilon, const ClusteringSettings& settings,
-                                   std::span<std::uint32_t> cluster, Arena& arena, const StageProgress& progress) {
+                                   std::span<std::uint32_t> labels, Arena& arena, const StageProgress& progress) {
   const ArenaScope scope(arena);
-  const std::uint32_t size = cloud.size;
-  auto parent = arena.take_top<std::uint32_t>(size, kStage);
-  if (!parent) return tl::unexpected<Error>(parent.error());
-  auto flag_bytes = arena.take_top<std::uint8_t>(size, kStage);
-  if (!flag_bytes) return tl::unexpected<Error>(flag_bytes.error());
-  std::span<std::uint8_t> flags = *flag_bytes;
-  DisjointSets sets(*parent);
-  sets.start_all();
-
-  const float epsilon2 = epsilon * epsilon;
-  const std::uint32_t blocks = (size + kBlock - 1) / kBlock;
-  const auto min_points = static_cast<std::int32_t>(settings.min_points);
-  for (std::uint32_t i = 0; i < size; ++i) cloud.normal[i].point_class = orientation_of(cloud.normal[i]);
-
-  const std::uint32_t noise_step = size / kNoiseSample + 1;
-  auto height_block = arena.take_top<float>((size + noise_step - 1) / noise_step, kStage);
-  if (!height_block) return tl::unexpected<Error>(height_block.error());
-  std::span<float> heights = *height_block;
-  auto near_block = arena.take_top<std::int32_t>(heights.size(), kStage);
-  if (!near_block) return tl::unexpected<Error>(near_block.error());
-  std::span<std::int32_t> sampled_near = *near_block;
-
-  // Who is core, how dense the surface is, and how far its points lie off it. radius[] is that of one point's share first.
-  LoopProgress counting(progress.part(0, 0.5), blocks);
-#pragma omp parallel for schedule(dynamic, 64)
-  for (std::uint32_t b = 0; b < blocks; ++b) {
-    if (!counting.step(b)) continue;
-    const std::uint32_t first = b * kBlock;
-    const std::uint32_t last = std::min(size, first + kBlock);
-    std::array<Counts, kBlock> counts{};
-    for_neighbourhood(cloud, tree, first, last, epsilon, [&](const Neighbourhood& batch) {
-      for (std::uint32_t i = first; i < last; ++i) count(member(cloud, i), batch, epsilon2, counts[i - first]);
-    });
-    for (std::uint32_t i = first; i < last; ++i) {
-      const Counts& c = counts[i - first];
-      const bool dense = c.near >= min_points;
-      const bool core = c.near > min_points && c.same_type > settings.same_type_share * c.near;
-      flags[i] = static_cast<std::uint8_t>((core ? kCore : 0) | (dense ? kDense : 0));
-      cloud.radius[i] = epsilon / std::sqrt(static_cast<float>(std::max(1, c.sheet)));
-      if (i % noise_step == 0) {
-        heights[i / noise_step] = std::abs(c.offset) / static_cast<float>(std::max(1, c.near));
-        sampled_near[i / noise_step] = c.near;
-      }
-      if (c.near >= kFewNeighbours) {
-        // Beside a sheet, not on it: a stray or a flying pixel, however many neighbours the sheet lends it.
-        const bool on_sheet = std::abs(c.offset) < kOnSheet * epsilon * static_cast<float>(c.near);
-        if (settings.thin_reach > 0 && on_sheet) flags[i] |= kThin;
-      } else {
-        // The surface is thinly scanned here or there is none: the nearest points tell how far apart they lie.
-        const auto radius = thin_surface_radius(cloud, tree, i, epsilon, settings);
-        if (radius) {
-          flags[i] |= kThin;
-          cloud.radius[i] = std::max(cloud.radius[i], *radius);
-        }
-      }
-    }
-  }
-
-  if (counting.stopped()) return cancelled();
-  const bool coherent =
-      static_cast<float>(median(std::span(sampled_near))) >= kFacingShare * 2 * static_cast<float>(settings.min_points);
-  // Thin surface is a part of one. Among strays a few always happen to face the same way: no reason to keep them.
-  const int kept_flags = coherent ? kDense | kThin : kDense;
-
-  // Core points within epsilon of one another are one cluster.
-  const std::uint32_t blocks_to_join = cluster.empty() ? 0 : blocks;
-  LoopProgress joining(progress.part(0.5, 0.8), blocks);
-#pragma omp parallel for schedule(dynamic, 64)
-  for (std::uint32_t b = 0; b < blocks_to_join; ++b) {
-    if (!joining.step(b)) continue;
-    const std::uint32_t first = b * kBlock;
-    const std::uint32_t last = std::min(size, first + kBlock);
-    for_neighbourhood(cloud, tree, first, last, epsilon, [&](const Neighbourhood& batch) {
-      for (std::uint32_t i = first; i < last; ++i) {
-        if ((flags[i] & kCore) == 0) continue;
-        const Member m = member(cloud, i);
-        std::array<std::uint8_t, Neighbourhood::kMost> near;  // NOLINT(cppcoreguidelines-pro-type-member-init)
-        for (std::uint32_t j = 0; j < batch.size; ++j) {
-          const Within w = compare(m, batch, j);
-          near[j] = static_cast<std::uint8_t>(w.near(epsilon2) & (batch.type[j] == m.type));
-        }
-        for (std::uint32_t j = 0; j < batch.size; ++j) {
-          const std::uint32_t other = batch.index[j];
-          if (near[j] != 0 && other < i && (flags[other] & kCore) != 0) sets.unite_shared(i, other);
-        }
-      }
-    });
-  }
-
-  if (joining.stopped()) return cancelled();
-
-  // The others join the nearest core point of their type.
-  LoopProgress assigning(progress.part(0.8, 1), blocks);
-#pragma omp parallel for schedule(dynamic, 64)
-  for (std::uint32_t b = 0; b < blocks; ++b) {
-    if (!assigning.step(b)) continue;
-    const std::uint32_t first = b * kBlock;
-    const std::uint32_t last = std::min(size, first + kBlock);
-    const bool all_core =
-        std::all_of(flags.begin() + first, flags.begin() + last, [](std::uint8_t f) { return (f & kCore) != 0; });
-    std::array<std::uint32_t, kBlock> nearest;  // NOLINT(cppcoreguidelines-pro-type-member-init)
-    nearest.fill(kNoCluster);
-    if (!all_core) {
-      std::array<float, kBlock> best{};
-      for_neighbourhood(cloud, tree, first, last, epsilon, [&](const Neighbourhood& batch) {
-        for (std::uint32_t i = first; i < last; ++i) {
-          if ((flags[i] & kCore) != 0) continue;
-          const Member m = member(cloud, i);
-          for (std::uint32_t j = 0; j < batch.size; ++j) {
-            const Within w = compare(m, batch, j);
-            if (!w.near(epsilon2) || batch.type[j] != m.type || !is_core(flags[batch.index[j]])) continue;
-            const float distance2 = w.distance2 / (w.cosine * w.cosine);
-            std::uint32_t& at = nearest[i - first];
-            float& least = best[i - first];
-            if (at == kNoCluster || distance2 < least || (distance2 == least && batch.index[j] < at)) {
-              at = batch.index[j];
-              least = distance2;
-            }
-          }
-        }
-      });
-    }
-    for (std::uint32_t i = first; i < last; ++i) {
-      const std::uint32_t core = (flags[i] & kCore) != 0 ? i : nearest[i - first];
-      if (!cluster.empty()) cluster[i] = core == kNoCluster ? kNoCluster : sets.root(core);
-      if (core == kNoCluster && (flags[i] & kept_flags) == 0)
-        std::atomic_ref(flags[i]).fetch_or(kOutlier, std::memory_order_relaxed);
-    }
-  }
-
-  if (assigning.stopped()) return cancelled();
-
-  ClusteringResult result;
-  result.epsilon = epsilon;
-  result.coherent = coherent;
-  result.noise = static_cast<float>(kMedianToDeviation) * median(std::span(heights));
-  const float noisy = std::clamp((result.noise / epsilon - kCleanNoise) / (kFullNoise - kCleanNoise), 0.0F, 1.0F);
-  result.support_points = settings.least_support + noisy * (settings.most_support - settings.least_support);
-  const float growth = std::sqrt(result.support_points);
-  for (float& radius : cloud.radius.first(size)) radius *= growth;
-  for (std::uint32_t i = 0; i < size; ++i) {
-    const bool core = (flags[i] & kCore) != 0;
-    if ((flags[i] & kOutlier) != 0) cloud.normal[i].point_class = PointClass::kNoise;
-    ++result.points[static_cast<std::size_t>(cloud.normal[i].point_class)];
-    if (core) ++result.core_points;
-    if (core && !cluster.empty() && sets.is_root(i)) ++result.clusters;
-  }
-  return result;
+  return Clusterer(cloud, tree, epsilon, settings, labels).run(arena, progress);
 }
 
 }  // namespace plumbline

@@ -12,17 +12,21 @@
 namespace plumbline {
 namespace {
 
-constexpr float kPlanePoints = 26;          ///< of a scanner's normal
-constexpr float kPlaneSupports = 5.0F / 3;  ///< points of an estimated normal's plane, of those of a support
-constexpr float kFacing = 0.5F;             ///< least inner product of the normals
-constexpr std::uint32_t kFewest = 6;
-constexpr float kLeastSide = 0.2F;      ///< mean of the inner products with the normals of the others
-constexpr float kLeastWidth = 0.05F;    ///< of a plane's points across against along, squared: less is a line
-constexpr float kMostTilt = 1;          ///< tangent: more is another sheet
-constexpr float kBeside = 0.1F;         ///< of epsilon: farther from the plane of those that face its way is beside it
-constexpr float kWeightsSpread = 0.4F;  ///< sum w^2 u^2 / sum w u^2 over a disc
+// Points of a plane: more average noise out, fewer keep detail.
+constexpr float kPlanePoints = 26;  ///< for a scanner's normal; best IoU of the test scans: slicer/EXPERIMENTS.md
+constexpr float kPlaneSupports = 5.0F / 3;  ///< for an estimated normal, as a multiple of support_points
+constexpr float kFacing = 0.5F;          ///< least inner product with the normals of the points that count: 60 degrees
+constexpr std::uint32_t kMinPoints = 6;  ///< of a plane; it has three unknowns
+constexpr float kMinSide = 0.2F;         ///< least mean inner product with the normals around, or the side is not sure
+/// Least ratio of the two variances' product to their sum's square: 0.25 for a disc, 0 for a line, which has no plane.
+constexpr float kMinWidth2 = 0.05F;
+constexpr float kMaxTilt = 1;  ///< tangent of the largest tilt; points of a steeper plane are another sheet
+/// Epsilons off the plane of the points that face its way; farther is beside the sheet.
+constexpr float kMaxOffset = 0.1F;
+/// sum w^2 u^2 / sum w u^2 over a disc with the weights w above; u is the coordinate along one axis of the plane.
+constexpr float kWeightsSpread = 0.4F;
 
-/// Weighted moments of the points round one point.
+/// Weighted moments of the points around one point.
 struct Moments {
   std::uint32_t count = 0;
   float weight = 0;
@@ -41,8 +45,8 @@ struct Moments {
     yz += wd[1] * d[2];
     zz += wd[2] * d[2];
   }
-  /// Weighted covariance along a and b, times the weight.
-  float along(const Vec3f& a, const Vec3f& b) const {
+  /// Weighted covariance of the coordinates along a and b, times the weight.
+  float covariance(const Vec3f& a, const Vec3f& b) const {
     const Vec3f scatter_b(xx * b[0] + xy * b[1] + xz * b[2], xy * b[0] + yy * b[1] + yz * b[2],
                           xz * b[0] + yz * b[1] + zz * b[2]);
     return a.dot(scatter_b) - first.dot(a) * first.dot(b) / weight;
@@ -61,52 +65,50 @@ void add_all(const Member& m, float radius2, const Neighbourhood& batch, Moments
   }
 }
 
-/// The normal of the points round a point of noise, whatever normal it has itself: its side is the one that their normals
-/// are mostly on.
-/// @param reach  mm: with fewer than kFewest points so near it is a stray
-/// @returns its own where they have no plane, or no side
-Vec3f fitted(TangentPlanes& planes, const Cloud& cloud, std::uint32_t i, float reach) {
+/// The normal of the points around a point whose own can't be used, on the side that most of their normals face.
+/// @param search_radius  mm; a point with fewer than kMinPoints points within it is an outlier and keeps its normal
+/// @returns the point's own normal if the others lie on no plane, or don't agree on a side
+Vec3f fit_normal(TangentPlanes& planes, const Cloud& cloud, std::uint32_t i, float search_radius) {
   Vec3f own = cloud.normal[i].unpack();
   planes.look_at(i);
   const auto nearest = planes.points();
-  if (nearest.size() < kFewest || nearest[kFewest - 1].distance2 > reach * reach) return own;
+  if (nearest.size() < kMinPoints || nearest[kMinPoints - 1].distance2 > search_radius * search_radius) return own;
   const auto normal = planes.normal();
   if (!normal) return own;
   float side = 0;
   for (const Neighbour& n : planes.points()) side += normal->dot(cloud.normal[n.index].unpack());
-  if (std::abs(side) < kLeastSide * static_cast<float>(planes.points().size())) return own;
+  if (std::abs(side) < kMinSide * static_cast<float>(planes.points().size())) return own;
   return side > 0 ? *normal : Vec3f(-*normal);
 }
 
-/// Whether the points that face the way of a point's normal n lie farther than this on one side of it, mm.
+/// Whether the points that face the way of a point's normal n lie farther than `limit` (mm) to one side of it.
 bool is_beside(const Vec3f& n, const Moments& moments, float limit) {
-  return moments.count >= kFewest && std::abs(moments.first.dot(n)) > limit * moments.weight;
+  return moments.count >= kMinPoints && std::abs(moments.first.dot(n)) > limit * moments.weight;
 }
 
-/// How far a plane leans away from a normal n.
+/// How far a plane is tilted against a normal n.
 struct Tilt {
-  Vec3f by = Vec3f::Zero();  ///< tangent, against the lean
+  Vec3f by = Vec3f::Zero();  ///< a t + b s of refine_normals()
   float square = 0;          ///< of `by`
-  float of_noise = 0;        ///< what the square comes to by noise alone
+  float of_noise = 0;        ///< expected square from noise alone
 };
 
-/// @param noise  mm; 0: it explains nothing
-/// @returns none where the points have no plane, or another sheet's
-Tilt tilt(const Vec3f& n, const Moments& moments, float noise) {
-  if (moments.count < kFewest) return {};
+/// @param noise  mm; 0 to take the whole tilt
+/// @returns no tilt if the points lie on no plane, or on another sheet's
+Tilt measure_tilt(const Vec3f& n, const Moments& moments, float noise) {
+  if (moments.count < kMinPoints) return {};
   const auto [t, s] = Frame(n);
-  const float tt = moments.along(t, t);
-  const float ss = moments.along(s, s);
-  const float ts = moments.along(t, s);
+  const float tt = moments.covariance(t, t);
+  const float ss = moments.covariance(s, s);
+  const float ts = moments.covariance(t, s);
   const float determinant = tt * ss - ts * ts;
-  // The product of the two variances against the square of their sum.
-  if (!(determinant > kLeastWidth * (tt + ss) * (tt + ss))) return {};
-  const float tn = moments.along(t, n);
-  const float sn = moments.along(s, n);
+  if (!(determinant > kMinWidth2 * (tt + ss) * (tt + ss))) return {};
+  const float tn = moments.covariance(t, n);
+  const float sn = moments.covariance(s, n);
   const float a = (tn * ss - sn * ts) / determinant;
   const float b = (sn * tt - tn * ts) / determinant;
   const float square = a * a + b * b;
-  if (!(square < kMostTilt * kMostTilt)) return {};
+  if (!(square < kMaxTilt * kMaxTilt)) return {};
   return {t * a + s * b, square, kWeightsSpread * noise * noise * (tt + ss) / (tt * ss)};
 }
 
@@ -119,7 +121,7 @@ Status refine_normals(const Cloud& cloud, const KdTree3& tree, const ClusteringS
   const bool measured = source == NormalSource::kScanner;
   const float share = std::sqrt(measured ? kPlanePoints / clustering.support_points : kPlaneSupports);
   const float explained = measured ? clustering.noise : 0;
-  const float beside = std::max(kBeside * clustering.epsilon, clustering.noise);
+  const float max_offset = std::max(kMaxOffset * clustering.epsilon, clustering.noise);
   LoopProgress refining(progress, blocks);
 #pragma omp parallel for schedule(dynamic, 64)
   for (std::uint32_t b = 0; b < blocks; ++b) {
@@ -128,9 +130,9 @@ Status refine_normals(const Cloud& cloud, const KdTree3& tree, const ClusteringS
     const std::uint32_t last = std::min(cloud.size, first + kSharedSearch);
     TangentPlanes planes(cloud, tree);
     std::array<Moments, kSharedSearch> moments{};
-    float reach = 0;
-    for (std::uint32_t i = first; i < last; ++i) reach = std::max(reach, share * cloud.radius[i]);
-    for_neighbourhood(cloud, tree, first, last, reach, [&](const Neighbourhood& batch) {
+    float search_radius = 0;
+    for (std::uint32_t i = first; i < last; ++i) search_radius = std::max(search_radius, share * cloud.radius[i]);
+    for_neighbourhood(cloud, tree, first, last, search_radius, [&](const Neighbourhood& batch) {
       for (std::uint32_t i = first; i < last; ++i) {
         const float radius = share * cloud.radius[i];
         add_all(member(cloud, i), radius * radius, batch, moments[i - first]);
@@ -143,11 +145,11 @@ Status refine_normals(const Cloud& cloud, const KdTree3& tree, const ClusteringS
       refined[i] = cloud.normal[i];
       const bool is_noise = cloud.normal[i].point_class == PointClass::kNoise;
       const Vec3f n = cloud.normal[i].unpack();
-      if (is_noise || is_beside(n, moments[i - first], beside)) {
-        refined[i].set(fitted(planes, cloud, i, settings.thin_reach * clustering.epsilon));
+      if (is_noise || is_beside(n, moments[i - first], max_offset)) {
+        refined[i].set(fit_normal(planes, cloud, i, settings.sparse_radius * clustering.epsilon));
         continue;
       }
-      const Tilt& own = tilts[i - first] = tilt(n, moments[i - first], explained);
+      const Tilt& own = tilts[i - first] = measure_tilt(n, moments[i - first], explained);
       squares += own.square;
       of_noise += own.of_noise;
     }

@@ -1,5 +1,5 @@
 #pragma once
-/// Normals made sharper than the scanner's.
+/// Sharpens the scanner's normals.
 
 #include <cstdint>
 #include <span>
@@ -11,35 +11,37 @@
 
 namespace plumbline {
 
-/// Whose most of the normals are that are refined.
+/// Where most normals of a scan come from.
 enum class NormalSource : std::uint8_t {
-  kScanner,  ///< its own: they tell what the points do not
+  kScanner,  ///< the file: evidence of its own beside the points
   kPoints,   ///< estimated from the points themselves
 };
 
-/// Fits a plane to the points round each point, in the frame of its normal n, and tilts the normal to that of the plane:
+/// Fits a plane to the points around each point, in the frame of its normal n, and tilts the normal towards the
+/// plane's:
 ///
 ///   minimise  sum_j w_j (<d_j, n> - c - a <d_j, t> - b <d_j, s>)^2,   d_j = p_j - p_i
-///   w_j = (1 - |d_j|^2 / r_i^2)^2, r_i the radius that holds m points; t, s: across n, at right angles
-///   n_i := n - k (a t + b s), unit length
+///   w_j = (1 - |d_j|^2 / r_i^2)^2; r_i is the radius that holds m points; t and s are perpendicular to n and each
+///   other n_i := n - k (a t + b s), unit length
 ///
-/// For a scanner's normals m = 26 and k = max(0, 1 - (v + V) / (a^2 + b^2 + T)). v is what a^2 + b^2 comes to by the noise of
-/// the points alone, V and T are the sums of both over the 32 points that share a search, so that tilts count as far as noise
-/// does not explain them there (Wiener's filter, of means instead of expectations).
-/// Normals that were estimated from 20 points are no evidence against more points: m = 5/3 support_points, k = 1.
+/// For a scanner's normals m = 26 and k = max(0, 1 - (v + V) / (a^2 + b^2 + T)). v is the value of a^2 + b^2 expected
+/// from the noise of the points alone; V and T are the sums of v and of a^2 + b^2 over the 32 points that share a
+/// search. So a tilt counts as far as noise does not explain it (a Wiener filter with means in place of expectations).
+/// Normals estimated from 20 points are no evidence against more points: m = 5/3 support_points and k = 1.
 ///
-/// A scanner takes its normals from its own range image, several pixels wide, which are several times as far apart as the
-/// points of all views together: they are smooth, and round what is sharp. Points that face more than 60 degrees away, and
-/// noise, are not counted; where that leaves fewer than six the normal stays.
+/// A scanner computes its normals from several pixels of one range image. These are several times as far apart as the
+/// points of all views together, so its normals are smooth, and rounded at edges. Points that face more than 60 degrees
+/// away, and noise, don't count; where fewer than six points are left the normal stays.
 ///
-/// A point that lies more than a tenth of epsilon, and than the noise, off the plane of the others that face its way is
-/// beside their sheet, not on it: on the wall below an edge, where the scanner's window saw more of what is above. Its
-/// normal is not believed, nor that of noise, which is often why it is noise. Such a point gets that of TangentPlanes, on the
-/// side that the normals round it are on (their mean inner product at least 0.2). One with fewer than six points within
-/// settings.thin_reach * epsilon keeps its own. Noise stays noise: rescue_thin_surface() asks again.
+/// A point more than a tenth of epsilon, and more than the noise, off the plane of the others that face its way lies
+/// beside their sheet: it is on the wall below an edge, where the scanner's window saw more of the face above. Neither
+/// its normal nor that of noise, which often is noise because of its normal, is used. Such a point gets the normal of
+/// TangentPlanes, on the side of the normals around it (their mean inner product must be at least 0.2). A point with
+/// fewer than six points within settings.sparse_radius * epsilon keeps its own. Noise stays noise;
+/// rescue_sparse_surface() tests it again.
 ///
 /// @param cloud    in the order of `tree`, radius[] and classes set by cluster()
-/// @param refined  cloud.size of them, out; the classes follow the normals
+/// @param refined  cloud.size normals, output; their classes follow the normals
 /// @retval ErrorCode::kCancelled
 [[nodiscard]] Status refine_normals(const Cloud& cloud, const KdTree3& tree, const ClusteringSettings& settings,
                                     const ClusteringResult& clustering, NormalSource source,

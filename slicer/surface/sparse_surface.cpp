@@ -10,39 +10,41 @@
 namespace plumbline {
 namespace {
 
-constexpr std::uint32_t kSearch = 16;  ///< nearest points looked at
-constexpr float kOnSheet = 0.2F;       ///< most of the mean height of the mean distance of the neighbours
-constexpr std::uint32_t kBlock = 1024;
+/// Nearest points searched: more than the 5 needed, since some are too far by the metric of the clustering.
+constexpr std::uint32_t kSearch = 16;
+/// Largest mean height over the mean distance of the neighbours for a point on their sheet.
+constexpr float kMaxHeight = 0.2F;
+constexpr std::uint32_t kBlock = 1024;  ///< points that a thread takes at a time
 
 }  // namespace
 
-std::optional<float> thin_surface_radius(const Cloud& cloud, const KdTree3& tree, std::uint32_t i, float epsilon,
-                                         const ClusteringSettings& settings) {
-  if (!(settings.thin_reach > 0)) return std::nullopt;  // even of points in one place
-  std::array<Neighbour, kSearch> found;                 // NOLINT(cppcoreguidelines-pro-type-member-init)
-  const float reach2 = settings.thin_reach * epsilon * settings.thin_reach * epsilon;
+std::optional<float> sparse_surface_radius(const Cloud& cloud, const KdTree3& tree, std::uint32_t i, float epsilon,
+                                           const ClusteringSettings& settings) {
+  if (!(settings.sparse_radius > 0)) return std::nullopt;  // copies of a point would be within 0 of it
+  std::array<Neighbour, kSearch> found;                    // NOLINT(cppcoreguidelines-pro-type-member-init)
+  const float radius2 = settings.sparse_radius * epsilon * settings.sparse_radius * epsilon;
   const Vec3f normal = cloud.normal[i].unpack();
-  // Through a thin wall the points of its other side may be nearer, and many more.
+  // Behind a thin wall the points of the other side may be nearer, and many more.
   const std::uint32_t count = tree.nearest(
       cloud.position[i], found, [&](std::uint32_t other) { return cloud.normal[other].unpack().dot(normal) > 0; });
   std::uint32_t near = 0;
   float farthest2 = 0;
   float height = 0;
   float distance = 0;
-  for (std::uint32_t k = 0; k < count && near < settings.thin_points; ++k) {
+  for (std::uint32_t k = 0; k < count && near < settings.sparse_points; ++k) {
     const Vec3f other = cloud.normal[found[k].index].unpack();
-    if (!Within{found[k].distance2, normal.dot(other)}.near(reach2)) continue;
+    if (!Within{found[k].distance2, normal.dot(other)}.near(radius2)) continue;
     ++near;
     farthest2 = found[k].distance2;
     height += 0.5F * (normal + other).dot(cloud.position[i] - cloud.position[found[k].index]);
     distance += std::sqrt(farthest2);
   }
-  if (near < settings.thin_points || std::abs(height) > kOnSheet * distance) return std::nullopt;
+  if (near < settings.sparse_points || std::abs(height) > kMaxHeight * distance) return std::nullopt;
   return std::sqrt(farthest2 / static_cast<float>(near));
 }
 
-Status rescue_thin_surface(Cloud& cloud, const KdTree3& tree, const ClusteringSettings& settings,
-                           ClusteringResult& result, const StageProgress& progress) {
+Status rescue_sparse_surface(Cloud& cloud, const KdTree3& tree, const ClusteringSettings& settings,
+                             ClusteringResult& result, const StageProgress& progress) {
   const std::uint32_t blocks = (cloud.size + kBlock - 1) / kBlock;
   const float growth = std::sqrt(result.support_points);
   LoopProgress rescuing(progress, blocks);
@@ -53,19 +55,16 @@ Status rescue_thin_surface(Cloud& cloud, const KdTree3& tree, const ClusteringSe
     for (std::uint32_t i = b * kBlock; i < last; ++i) {
       PackedNormal& normal = cloud.normal[i];
       if (normal.point_class != PointClass::kNoise || !normal.known()) continue;
-      // Neither classes nor radii of others are read, so the order does not count.
-      const auto radius = thin_surface_radius(cloud, tree, i, result.epsilon, settings);
+      // Reads no class or radius of another point, so the order of the points does not matter.
+      const auto radius = sparse_surface_radius(cloud, tree, i, result.epsilon, settings);
       if (!radius) continue;
       normal.point_class = orientation_of(normal);
       cloud.radius[i] = std::max(cloud.radius[i], growth * *radius);
     }
   }
   if (rescuing.stopped())
-    return fail(ErrorCode::kCancelled, "cancelled while thin parts of the surface were looked for");
-  result.points = {};
-  for (const PackedNormal& normal : cloud.normal.first(cloud.size)) {
-    ++result.points[static_cast<std::size_t>(normal.point_class)];
-  }
+    return fail(ErrorCode::kCancelled, "cancelled while sparse parts of the surface were looked for");
+  result.points = count_classes(cloud.normal.first(cloud.size));
   return {};
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Parts of the surface that few views saw: too thin for the density of the clustering, and no noise.
+/// Parts of the surface that few views saw: too sparse for the density that the clustering asks for, but not noise.
 
 #include <cstdint>
 #include <optional>
@@ -11,24 +11,24 @@
 
 namespace plumbline {
 
-/// Whether point i lies on a sheet of points that face its way. It does if settings.thin_points of its 16 nearest, itself
-/// included, lie within settings.thin_reach * epsilon by the metric of the clustering, and if its mean height over them is
-/// at most a fifth of their mean distance:
+/// Tests whether point i lies on a sparse sheet of points that face its way. Of its 16 nearest points that face its
+/// way, settings.sparse_points (itself included) must lie within settings.sparse_radius * epsilon by the metric of the
+/// clustering, and its mean height over them must be at most a fifth of their mean distance:
 ///
 ///   height = 1/2 <n_i + n_j, p_i - p_j>
 ///
-/// The two halves of a height are alike and opposite where the surface is curved, and add up where the point lies off it.
+/// On a curved surface the two halves of a height cancel; for a point off the surface they add up.
 ///
-/// @returns the radius of a disc as large as its share of that sheet, mm; none where it is on none
-std::optional<float> thin_surface_radius(const Cloud& cloud, const KdTree3& tree, std::uint32_t i, float epsilon,
-                                         const ClusteringSettings& settings);
+/// @returns the radius of a disc as large as the point's share of that sheet, mm; nothing if it lies on none
+std::optional<float> sparse_surface_radius(const Cloud& cloud, const KdTree3& tree, std::uint32_t i, float epsilon,
+                                           const ClusteringSettings& settings);
 
-/// Asks that of all noise once more. Noise was often thrown out for its normal: call it when refine_normals() has fitted it
-/// another, and not where most points are strays, of which a few always happen to face the same way.
-/// @param cloud   in the order of `tree`; the classes and radius[] of what is no noise any more are set
-/// @param result  of cluster(), its counts are brought up to date
+/// Repeats that test for all noise points. Many were noise because of a wrong normal, so call it after refine_normals()
+/// has fitted new ones. Don't call it where most points are outliers: a few of them always happen to face the same way.
+/// @param cloud   in the order of `tree`; sets class and radius[] of the points that are noise no more
+/// @param result  of cluster(); its counts are updated
 /// @retval ErrorCode::kCancelled
-[[nodiscard]] Status rescue_thin_surface(Cloud& cloud, const KdTree3& tree, const ClusteringSettings& settings,
-                                         ClusteringResult& result, const StageProgress& progress = {});
+[[nodiscard]] Status rescue_sparse_surface(Cloud& cloud, const KdTree3& tree, const ClusteringSettings& settings,
+                                           ClusteringResult& result, const StageProgress& progress = {});
 
 }  // namespace plumbline

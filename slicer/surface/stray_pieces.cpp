@@ -14,18 +14,23 @@ namespace {
 
 constexpr const char* kStage = "stray pieces";
 
-constexpr std::uint32_t kFewestSlots = 1U << 10;
-constexpr std::uint32_t kMostSlots = 1U << 17;  ///< a surface of a million points fills half of them
+constexpr std::uint32_t kMinSlots = 1U << 10;
+/// Of the cell table; the surface of a million points fills half of them.
+constexpr std::uint32_t kMaxSlots = 1U << 17;
+/// Edge of a cell. Cells must join the sparse parts of one surface, and not two things that stand apart.
 constexpr float kCellEpsilons = 1.5F;
 
-constexpr double kSmall = 0.02;      ///< of the largest piece's area
-constexpr double kAllStrays = 0.05;  ///< of the area of what stays
-constexpr float kSure = 0.1F;        ///< a winding number this close to 0 or 1 is that
+constexpr double kMaxShare = 0.02;     ///< area of a stray piece over that of the largest piece: a fiftieth
+constexpr double kMaxAllShare = 0.05;  ///< area of all stray pieces over that of what stays: a twentieth
+/// Distance of the winding number from 0 or 1 within which it counts as that. A wider range would drop surface in
+/// holes, a narrower one would keep strays in front of openings.
+constexpr float kSure = 0.1F;
 
-constexpr std::uint32_t kMostJudged = 256;        ///< small pieces; those beyond stay
-constexpr std::uint32_t kFewestPoints = 32;       ///< of a stray; fewer are no more than specks
-constexpr std::uint32_t kPlaces = 4;              ///< of a piece, where the winding number is asked
-constexpr std::uint32_t kFieldPoints = 1U << 14;  ///< of the cloud that stand for all of it
+constexpr std::uint32_t kMaxSuspects = 256;  ///< small pieces that are tested; any others stay
+constexpr std::uint32_t kMinPoints = 32;     ///< of a stray piece; fewer make only components too small to stay
+// The winding number is evaluated directly, so its time grows with the product of these two.
+constexpr std::uint32_t kPlaces = 4;              ///< of a piece
+constexpr std::uint32_t kFieldPoints = 1U << 14;  ///< points that represent the whole cloud
 constexpr float kPi = std::numbers::pi_v<float>;
 
 bool is_surface(const Cloud& cloud, std::uint32_t i) { return cloud.normal[i].point_class != PointClass::kNoise; }
@@ -41,7 +46,7 @@ Box3f surface_bounds(const Cloud& cloud) {
 struct Cell {
   std::uint64_t key = 0;     ///< 0: empty
   std::uint32_t parent = 0;  ///< slot
-  float area = 0;            ///< mm^2 of its points; of a root that of its piece
+  float area = 0;            ///< of its points, mm^2; a root has that of its piece
 };
 
 /// Occupied cells, joined to pieces.
@@ -50,7 +55,7 @@ class Cells {
   Cells(const Cloud& cloud, float edge, std::span<Cell> slots)
       : cloud_(cloud), grid_(surface_bounds(cloud), edge), table_(slots), sets_(slots) {}
 
-  /// @returns false: more cells are occupied than the table holds
+  /// @returns false if more cells are occupied than the table holds
   [[nodiscard]] bool fill(float area_factor) {
     table_.clear();
     std::uint32_t occupied = 0;
@@ -96,14 +101,14 @@ class Cells {
   DisjointSets<Cell, &Cell::parent> sets_;  ///< of the occupied slots
 };
 
-/// A piece that may be a stray.
+/// A small piece, which may be a stray piece.
 struct Suspect {
   std::uint32_t root = 0;
   std::uint32_t points = 0;
   float area = 0;
-  std::uint32_t met = 0;     ///< points that were asked whether they are one of the places
-  std::uint32_t places = 0;  ///< where the winding number of the others was asked
-  float winding = 0;         ///< sum over them
+  std::uint32_t visited = 0;  ///< points visited to choose the places
+  std::uint32_t places = 0;   ///< points at which the winding number was evaluated
+  float winding = 0;          ///< sum over the places
   bool stray = false;
 };
 
@@ -118,16 +123,16 @@ class Search {
     for (std::uint32_t i = 0; i < cloud_.size; ++i) {
       if (Suspect* s = suspect(i)) ++s->points;
     }
-    judge();
+    decide();
     StrayPieces strays;
-    double dropped = 0;
+    double dropped_area = 0;
     for (const Suspect& s : suspects_) {
       if (!s.stray) continue;
       ++strays.pieces;
-      dropped += static_cast<double>(s.area);
+      dropped_area += static_cast<double>(s.area);
     }
-    if (strays.pieces == 0 || !(dropped < kAllStrays * (whole_ - dropped))) return {};
-    strays.share = static_cast<float>(dropped / whole_);
+    if (strays.pieces == 0 || !(dropped_area < kMaxAllShare * (total_area_ - dropped_area))) return {};
+    strays.share = static_cast<float>(dropped_area / total_area_);
     for (std::uint32_t i = 0; i < cloud_.size; ++i) {
       const Suspect* s = suspect(i);
       if (s == nullptr || !s->stray) continue;
@@ -143,20 +148,20 @@ class Search {
     for (std::uint32_t at = 0; at < cells_.size(); ++at) {
       if (!cells_.is_root(at)) continue;
       largest = std::max(largest, cells_.area(at));
-      whole_ += static_cast<double>(cells_.area(at));
+      total_area_ += static_cast<double>(cells_.area(at));
     }
     std::uint32_t count = 0;
     for (std::uint32_t at = 0; at < cells_.size() && count < suspects_.size(); ++at) {
-      if (cells_.is_root(at) && cells_.area(at) < static_cast<float>(kSmall) * largest) {
+      if (cells_.is_root(at) && cells_.area(at) < static_cast<float>(kMaxShare) * largest) {
         Suspect& found = suspects_[count++] = {};
         found.root = at;
         found.area = cells_.area(at);
       }
     }
-    suspects_ = suspects_.first(count);  // in the order of their roots
+    suspects_ = suspects_.first(count);  // sorted by root
   }
 
-  /// The suspect that a point of the surface belongs to, or none.
+  /// The suspect that a point belongs to; nullptr for noise and for points of other pieces.
   Suspect* suspect(std::uint32_t point) const {
     if (!is_surface(cloud_, point)) return nullptr;
     const std::uint32_t root = cells_.piece_of(point);
@@ -165,11 +170,11 @@ class Search {
     return found != suspects_.end() && found->root == root ? &*found : nullptr;
   }
 
-  /// Asks the winding number of the others at some places of each suspect.
-  void judge() {
+  /// Decides by the winding number of all other points at some places of each suspect.
+  void decide() {
     for (std::uint32_t i = 0; i < cloud_.size; ++i) {
       Suspect* s = suspect(i);
-      if (s == nullptr || s->points < kFewestPoints || s->met++ % (s->points / kPlaces + 1) != 0) continue;
+      if (s == nullptr || s->points < kMinPoints || s->visited++ % (s->points / kPlaces + 1) != 0) continue;
       s->winding += winding_without(s->root, cloud_.position[i]);
       ++s->places;
     }
@@ -180,7 +185,8 @@ class Search {
     }
   }
 
-  /// Of all points but those of one piece: of a share of them, evenly spread since they are in the order of their tree.
+  /// Winding number at x of all points but those of one piece. Uses every n-th point; they are evenly spread, since
+  /// they are in the order of their tree.
   float winding_without(std::uint32_t root, const Vec3f& x) const {
     const std::uint32_t step = cloud_.size / kFieldPoints + 1;
     float w = 0;
@@ -198,24 +204,22 @@ class Search {
   const Cells& cells_;
   float area_factor_;
   std::span<Suspect> suspects_;
-  double whole_ = 0;  ///< mm^2
+  double total_area_ = 0;  ///< mm^2
 };
 
-std::uint32_t slots_for(std::uint32_t points) {
-  return std::clamp(std::bit_ceil(points / 4), kFewestSlots, kMostSlots);
-}
+std::uint32_t slots_for(std::uint32_t points) { return std::clamp(std::bit_ceil(points / 4), kMinSlots, kMaxSlots); }
 
 }  // namespace
 
 std::size_t stray_pieces_bytes(std::uint32_t points) {
-  return Arena::rounded(slots_for(points) * sizeof(Cell)) + Arena::rounded(kMostJudged * sizeof(Suspect));
+  return Arena::rounded(slots_for(points) * sizeof(Cell)) + Arena::rounded(kMaxSuspects * sizeof(Suspect));
 }
 
 Expected<StrayPieces> mark_stray_pieces(Cloud& cloud, const ClusteringResult& clustering, Arena& arena) {
   const ArenaScope scope(arena);
   const auto slots = arena.take_top<Cell>(slots_for(cloud.size), kStage);
   PLUMBLINE_TRY(slots);
-  const auto suspects = arena.take_top<Suspect>(kMostJudged, kStage);
+  const auto suspects = arena.take_top<Suspect>(kMaxSuspects, kStage);
   PLUMBLINE_TRY(suspects);
   const float area_factor = kPi / clustering.support_points;
   for (float edge = kCellEpsilons * clustering.epsilon;; edge *= 2) {

@@ -1,5 +1,6 @@
 #pragma once
-/// Pieces of the scan that are not the object: a bit of the wall behind it, of the turntable, of a hand that held it.
+/// Finds pieces of the scan that are not the object: parts of the wall behind it, of the turntable, of a hand that held
+/// it.
 
 #include <cstddef>
 #include <cstdint>
@@ -14,25 +15,25 @@ namespace plumbline {
 struct StrayPieces {
   std::uint32_t pieces = 0;
   std::uint32_t points = 0;
-  float share = 0;  ///< of the surface of all pieces, 0 to 1
+  float share = 0;  ///< of the area of all pieces, 0 to 1
 };
 
-/// Bytes of arena that mark_stray_pieces() takes.
+/// Arena bytes that mark_stray_pieces() takes.
 std::size_t stray_pieces_bytes(std::uint32_t points);
 
 /// Marks the points of stray pieces as noise.
 ///
-/// The points are sorted into cells one and a half epsilon wide; a piece is what occupied cells join at sides, edges and corners, and
-/// its size the area of its points. A piece is a stray when all of this holds:
+/// The points are sorted into cells of 1.5 epsilon. Occupied cells that touch at faces, edges or corners form a piece;
+/// its size is the area of its points. A piece is a stray piece if
 ///   - it has less than a fiftieth of the largest piece's area,
-///   - the winding number of all other points is nearly 0 along it, or nearly 1: it hangs in the air, or where no scanner
-///     sees. What is seen through a mouth or at the bottom of a hole lies where that number says neither;
-///   - all strays together have less than a twentieth of the area of what stays.
-/// So two legs are an object, as are a hundred beads round a ball; a patch of a wall behind is not.
+///   - the winding number of all other points along it is nearly 0 or nearly 1: it is in the air, or inside where no
+///     scanner sees. At surface seen through a mouth or at the bottom of a hole that number is neither,
+///   - all stray pieces together have less than a twentieth of the area of what stays.
+/// So two legs are an object, and a hundred beads around a ball are; a part of the wall behind is not.
 ///
-/// @param cloud       scan units, radius[] set by the clustering, some of it no noise; what is noise is not looked at
-/// @param clustering  epsilon, in scan units, above 0
-/// @param arena       stray_pieces_bytes() from the top, given back
+/// @param cloud       scan units; radius[] set by the clustering. Noise is not used, and there must be other points
+/// @param clustering  epsilon in scan units, above 0
+/// @param arena       stray_pieces_bytes() from the top, released on return
 /// @retval ErrorCode::kOutOfMemory
 [[nodiscard]] Expected<StrayPieces> mark_stray_pieces(Cloud& cloud, const ClusteringResult& clustering, Arena& arena);
 

@@ -13,29 +13,31 @@ namespace {
 
 constexpr const char* kStage = "support size";
 
-constexpr float kStep = 1.25F;          ///< from size to size
-constexpr float kMostPoints = 160;      ///< of a support: the time that rays take grows with it
-constexpr std::size_t kSizes = 10;      ///< steps from the narrowest supports to the widest
-constexpr std::uint32_t kPlaces = 128;  ///< as few as a place needs to have a mean, as many as make one of all
-constexpr std::uint32_t kSamples = 32;  ///< a place: points that are evenly spread over a part of the tree
-constexpr double kAsGood = 1.02;        ///< times the least risk
-constexpr float kProjection = 60;       ///< points of the supports by which a sample is put on the surface
-constexpr int kProjections = 2;
-constexpr float kReachMargin = 1.2F;   ///< radii of neighbours differ by less
-constexpr std::uint32_t kRoom = 1024;  ///< points of half a scan round a sample; where there are more it is left out
+constexpr float kStep = 1.25F;         ///< ratio of one number of points to the one before
+constexpr float kMaxPoints = 160;      ///< of a support; the time of the rays grows with it
+constexpr std::size_t kMaxSizes = 10;  ///< tried, from the present number of points to 1.25^9 = 7.5 times as many
+// Samples: a place needs some for a mean of its own, and places must show all of the object. Together they set the
+// time.
+constexpr std::uint32_t kPlaces = 128;
+constexpr std::uint32_t kSamples = 32;   ///< points of a place, spread evenly over a part of the tree
+constexpr double kRiskTolerance = 1.02;  ///< times the least risk; narrower supports within it are as good
+constexpr float kProjectionPoints = 60;  ///< points of the supports with which a sample is moved onto the surface
+constexpr int kProjectionSteps = 2;
+constexpr float kRadiusMargin = 1.2F;          ///< largest ratio of a neighbour's radius to the sample's
+constexpr std::uint32_t kHalfCapacity = 1024;  ///< points of a half around a sample; samples with more are left out
 
-/// Every other point round a sample.
+/// The points around a sample that belong to one half.
 struct Half {
   struct Point {
     Vec3f position;
     Vec3f normal;
-    float h;  ///< mm, of the present support
+    float h;  ///< present support radius, mm
   };
   std::span<Point> points;
   RayPoints columns;
   std::uint32_t size = 0;
 
-  /// F at x, mm, with supports `growth` times as wide as now. Nothing where there is no weight.
+  /// F at x, mm, with support radii `growth` times the present. Nothing if no point is within its radius of x.
   std::optional<float> distance(const Vec3f& x, float growth) {
     columns.size = 0;
     columns.reach = 0;
@@ -57,19 +59,20 @@ class RiskOfSizes {
  public:
   RiskOfSizes(const Cloud& cloud, const KdTree3& tree, float present, float least, std::array<Half, 2>& halves)
       : cloud_(cloud), tree_(tree), present_(present), halves_(halves) {
-    for (float size = present; count_ < kSizes && size <= kMostPoints; size *= kStep) sizes_[count_++] = size;
+    for (float size = present; count_ < kMaxSizes && size <= kMaxPoints; size *= kStep) sizes_[count_++] = size;
     least_growth_ = std::sqrt(least / present);
   }
 
-  /// @returns whether the samples of this place had surface round them
+  /// Adds the risks of one place.
+  /// @returns false if none of its samples has surface around it
   bool add_place(std::uint32_t place) {
-    std::array<double, kSizes> variance{};
-    std::array<double, kSizes> bias2{};
+    std::array<double, kMaxSizes> variance{};
+    std::array<double, kMaxSizes> bias2{};
     std::uint32_t used = 0;
     for (std::uint32_t s = place * kSamples; s < (place + 1) * kSamples; ++s) {
       const auto i = static_cast<std::uint32_t>(std::uint64_t{s} * cloud_.size / (kPlaces * kSamples));
-      if (cloud_.normal[i].point_class == PointClass::kNoise || !gather(i)) continue;
-      const auto x = projected(i);
+      if (cloud_.normal[i].point_class == PointClass::kNoise || !collect(i)) continue;
+      const auto x = project(i);
       if (!x) continue;
       const auto least_a = halves_[0].distance(*x, least_growth_);
       const auto least_b = halves_[1].distance(*x, least_growth_);
@@ -88,25 +91,26 @@ class RiskOfSizes {
     return true;
   }
 
-  /// @returns points
+  /// The number of points to take for a support.
   float best_size() const {
     const double least = *std::min_element(risk_.begin(), risk_.begin() + static_cast<std::ptrdiff_t>(count_));
     std::size_t k = 0;
-    while (risk_[k] > kAsGood * least) ++k;
+    while (risk_[k] > kRiskTolerance * least) ++k;
     return sizes_[k];
   }
 
  private:
-  /// Fills the halves with all points whose widest supports may reach point i.
-  bool gather(std::uint32_t i) {
-    const float reach = kReachMargin * std::sqrt(kMostPoints / present_) * cloud_.radius[i];
+  /// Fills the halves with all points whose widest supports may contain point i.
+  /// @returns false if there are too many
+  bool collect(std::uint32_t i) {
+    const float search_radius = kRadiusMargin * std::sqrt(kMaxPoints / present_) * cloud_.radius[i];
     for (Half& half : halves_) half.size = 0;
     bool room = true;
-    for_neighbourhood(cloud_, tree_, i, i + 1, reach, [&](const Neighbourhood& batch) {
+    for_neighbourhood(cloud_, tree_, i, i + 1, search_radius, [&](const Neighbourhood& batch) {
       for (std::uint32_t j = 0; j < batch.size; ++j) {
         if (batch.type[j] == static_cast<std::int32_t>(PointClass::kNoise)) continue;
         Half& half = halves_[batch.index[j] % 2];
-        if (half.size == kRoom) {
+        if (half.size == kHalfCapacity) {
           room = false;
           continue;
         }
@@ -117,12 +121,12 @@ class RiskOfSizes {
     return room;
   }
 
-  /// Point i on the surface of both halves.
-  std::optional<Vec3f> projected(std::uint32_t i) {
+  /// Moves point i onto the mean of the surfaces of both halves.
+  std::optional<Vec3f> project(std::uint32_t i) {
     const Vec3f n = cloud_.normal[i].unpack();
-    const float growth = std::sqrt(kProjection / present_);
+    const float growth = std::sqrt(kProjectionPoints / present_);
     Vec3f x = cloud_.position[i];
-    for (int step = 0; step < kProjections; ++step) {
+    for (int step = 0; step < kProjectionSteps; ++step) {
       const auto a = halves_[0].distance(x, growth);
       const auto b = halves_[1].distance(x, growth);
       if (!a || !b) return std::nullopt;
@@ -136,32 +140,32 @@ class RiskOfSizes {
   float present_;
   float least_growth_ = 1;
   std::array<Half, 2>& halves_;
-  std::array<float, kSizes> sizes_{};
+  std::array<float, kMaxSizes> sizes_{};
   std::size_t count_ = 0;
-  std::array<double, kSizes> risk_{};
+  std::array<double, kMaxSizes> risk_{};
 };
 
 }  // namespace
 
 std::size_t support_size_bytes() {
-  return 2 * (Arena::rounded(kRoom * sizeof(Half::Point)) + RayPoints::bytes_needed(kRoom));
+  return 2 * (Arena::rounded(kHalfCapacity * sizeof(Half::Point)) + RayPoints::bytes_needed(kHalfCapacity));
 }
 
 Status widen_supports(Cloud& cloud, const KdTree3& tree, const ClusteringSettings& settings,
                       ClusteringResult& clustering, Arena& arena, const StageProgress& progress) {
   const float present = clustering.support_points;
-  if (!(present > settings.least_support) || cloud.size < kPlaces * kSamples) return {};
+  if (!(present > settings.min_support) || cloud.size < kPlaces * kSamples) return {};
   const ArenaScope scope(arena);
   std::array<Half, 2> halves;
   for (Half& half : halves) {
-    const auto points = arena.take_top<Half::Point>(kRoom, kStage);
+    const auto points = arena.take_top<Half::Point>(kHalfCapacity, kStage);
     PLUMBLINE_TRY(points);
     half.points = *points;
-    const auto columns = RayPoints::create(kRoom, arena, kStage);
+    const auto columns = RayPoints::create(kHalfCapacity, arena, kStage);
     PLUMBLINE_TRY(columns);
     half.columns = *columns;
   }
-  RiskOfSizes risk(cloud, tree, present, settings.least_support, halves);
+  RiskOfSizes risk(cloud, tree, present, settings.min_support, halves);
   bool any = false;
   for (std::uint32_t place = 0; place < kPlaces; ++place) {
     if (!progress.advance(1.0 * place / kPlaces))

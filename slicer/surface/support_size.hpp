@@ -1,5 +1,5 @@
 #pragma once
-/// How wide supports should be, asked of the scan itself.
+/// Chooses the support radius of a noisy scan by cross-validation.
 
 #include <cstddef>
 
@@ -7,26 +7,27 @@
 
 namespace plumbline {
 
-/// Bytes of arena that widen_supports() takes.
+/// Arena bytes that widen_supports() takes.
 std::size_t support_size_bytes();
 
-/// Widens the supports of a noisy scan to as many points as give the surface the least risk: noise that is left over and
-/// detail that is lost, together.
+/// Widens the supports of a noisy scan to the number of points with the least risk: remaining noise and lost detail
+/// together.
 ///
-/// The cloud is taken as two scans, A and B, of every other point each, and the distance F to the surface (mls.hpp) is
-/// asked of both at points of the surface, with supports of k points. Both show the same detail with noise of their own, so
+/// The cloud is split into two scans A and B of every other point each. The distance F to the surface (mls.hpp) is
+/// evaluated in both at points of the surface, with supports of k points. Both show the same detail with independent
+/// noise, so
 ///
-///   variance(k) = E[(F_A - F_B)^2] / 4                     the noise that the surface of all points is left with
-///   bias(k)^2   = E[(F_A - F_A,least) (F_B - F_B,least)]   the detail lost against supports of least_support points
+///   variance(k) = E[(F_A - F_B)^2] / 4                     noise left on the surface of all points
+///   bias(k)^2   = E[(F_A - F_A,least) (F_B - F_B,least)]   detail lost against supports of min_support points
 ///
-/// with means over places of the surface. risk(k) is the mean of sqrt(variance + bias^2) over the places, and the
-/// narrowest supports within 2 % of the least risk are taken. None narrower than they were: by as much as views disagree
-/// the two halves agree, so that counts as detail, though it is none.
+/// with means over the samples of a place. risk(k) is the mean of sqrt(variance + bias^2) over the places; the
+/// narrowest supports within 2 % of the least risk are taken. Supports never get narrower: an offset between two views
+/// is the same in both halves, so it would count as detail.
 ///
-/// A scan without noise, or too small to tell, keeps its supports.
-/// @param cloud       in the order of `tree`; radius[] and classes set by cluster(), noise is not looked at. radius[] grows
-/// @param clustering  support_points grows with it
-/// @param arena       support_size_bytes() from the top, given back
+/// A scan without noise, or with too few points to measure, keeps its supports.
+/// @param cloud       in the order of `tree`; radius[] and classes set by cluster(), noise is not used. radius[] grows
+/// @param clustering  support_points grows
+/// @param arena       support_size_bytes() from the top, released on return
 /// @retval ErrorCode::kOutOfMemory, kCancelled
 [[nodiscard]] Status widen_supports(Cloud& cloud, const KdTree3& tree, const ClusteringSettings& settings,
                                     ClusteringResult& clustering, Arena& arena, const StageProgress& progress = {});

@@ -32,7 +32,7 @@ Status refine(Cloud& cloud, const KdTree3& tree, const SurfaceSettings& settings
 }  // namespace
 
 bool SurfacePoints::found() const {
-  const std::uint32_t kept = points_of_surface(clustering);
+  const std::uint32_t kept = clustering.points.surface();
   return kept > 0 && clustering.epsilon > 0 &&
          (clustering.coherent || clustering.core_points >= kLeastCoreShare * kept);
 }
@@ -48,7 +48,8 @@ Expected<SurfacePoints> find_surface_points(Cloud& cloud, const KdTree3& tree, c
   ClusteringResult& clustering = surface.clustering;
   if (clustering.coherent) {
     PLUMBLINE_TRY(refine(cloud, tree, settings, clustering, arena, progress.part(kClustered, kRefined)));
-    PLUMBLINE_TRY(rescue_thin_surface(cloud, tree, clustering_settings, clustering, progress.part(kRefined, kRescued)));
+    PLUMBLINE_TRY(
+        rescue_sparse_surface(cloud, tree, clustering_settings, clustering, progress.part(kRefined, kRescued)));
   }
   if (!settings.keep_strays && surface.found()) {
     const auto strays = mark_stray_pieces(cloud, clustering, arena);

@@ -27,7 +27,7 @@ struct SurfacePoints {
   bool found() const;
 };
 
-/// cluster() and what goes beyond the thesis from there: refine_normals(), rescue_thin_surface(), mark_stray_pieces(),
+/// cluster() and what goes beyond the thesis from there: refine_normals(), rescue_sparse_surface(), mark_stray_pieces(),
 /// widen_supports() and continue_bore_walls(), in that order. Estimated normals are fitted anew when supports are wider.
 ///
 /// @param cloud  in the order of `tree`, with normals; on return noise is gone, classes and radius[] are set

@@ -16,7 +16,8 @@ namespace {
 /// Points of a scan. The search needs patches of some thousand points, and several of them.
 constexpr std::uint32_t kMinPoints = 32768;
 constexpr std::uint32_t kSample = 256;  ///< places at which noise and spacing are measured; their medians are used
-/// Noise over spacing. Below it, misaligned views are not the scan's largest error, and the search would only take time.
+/// Noise over spacing. Below it, misaligned views are not the scan's largest error, and the search would only take
+/// time.
 constexpr float kMinNoise = 0.2F;
 constexpr double kFound = 0.6;  ///< progress when the views are found, 0 to 1
 

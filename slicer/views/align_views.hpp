@@ -24,8 +24,8 @@ struct ViewAlignment {
 
 /// Calls find_views() and register_views() where noise exceeds a fifth of the points' spacing.
 ///
-/// @param cloud  in the order of `tree`. Where views are moved positions change, and the tree must be built again. Normals
-///               don't change, since views turn by hundredths of a degree
+/// @param cloud  in the order of `tree`. Where views are moved positions change, and the tree must be built again.
+///               Normals don't change, since views turn by hundredths of a degree
 /// @returns lengths in the unit of the cloud; the same for any number of threads
 /// @retval ErrorCode::kOutOfMemory, kCancelled
 [[nodiscard]] Expected<ViewAlignment> align_views(Cloud& cloud, const KdTree3& tree, Arena& arena,

@@ -15,12 +15,13 @@ namespace {
 constexpr const char* kStage = "views";
 
 constexpr std::uint32_t kSide = DepthImage::kSide;
-// Frequencies of the spectrum are multiples of half a wave per image, twice as fine as an FFT's, so that no peak falls between.
+// Frequencies of the spectrum are multiples of half a wave per image, twice as fine as an FFT's, so that no peak falls
+// between.
 constexpr std::uint32_t kSteps = 2 * kSide;      ///< of a whole turn
 constexpr std::uint32_t kRight = kSide / 2 + 1;  ///< horizontal frequencies: from 0 to a wave of four cells
 constexpr std::uint32_t kUp = 2 * kRight - 1;    ///< vertical frequencies: the same range, both signs
-/// Power of a wave over the mean of noise. Noise exceeds it at one frequency with probability exp(-14), 8e-7; an image has
-/// 2145 frequencies.
+/// Power of a wave over the mean of noise. Noise exceeds it at one frequency with probability exp(-14), 8e-7; an image
+/// has 2145 frequencies.
 constexpr float kMinPower = 14;
 constexpr std::uint32_t kLowest = 2;  ///< half waves per image; anything lower may be the view's motion
 constexpr double kMinDistance = 3;    ///< half waves per image: closer peaks belong to one wave

@@ -10,8 +10,8 @@ namespace {
 
 constexpr const char* kStage = "views";
 
-/// Radii of patches, in spacings, tried from the smallest: of evenly spread points the smallest holds 4072, as many as a patch
-/// takes. Larger ones are for places where other views have taken most points.
+/// Radii of patches, in spacings, tried from the smallest: of evenly spread points the smallest holds 4072, as many as
+/// a patch takes. Larger ones are for places where other views have taken most points.
 constexpr std::array<float, 3> kPatchRadii = {36, 50, 70};
 
 // Limits of the search. They trade time for small views that may be missed.
@@ -164,7 +164,8 @@ class ViewFinder {
       best = *grown;
     };
     try_from(best.grid, best.radius);
-    // A grid fitted to flat faces alone may be off by whole pixels between them. Growing it from another place corrects that.
+    // A grid fitted to flat faces alone may be off by whole pixels between them. Growing it from another place corrects
+    // that.
     for (std::uint32_t k = 1; k <= kMaxRestarts && best.tolerance > kFine; ++k) {
       std::uint32_t left = most * k / (kMaxRestarts + 1);
       const auto thinned = growth_->thinned();

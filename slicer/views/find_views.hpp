@@ -28,14 +28,14 @@ std::size_t find_views_bytes();
 
 /// Assigns each point to its view.
 ///
-/// A camera's noise moves a point along the ray of its pixel, so the points of a view lie on the view's rays, however noisy
-/// they are and in whatever order the file has them. The spectrum of a patch shows the grids of all views that see it
-/// (PatchGrids). Each grid is followed over the scan (GridGrowth) and takes its points; the search continues among the rest
-/// until several patches in a row show no grid. Scans that software has resampled, smoothed or thinned have no grid, so no
-/// views are found.
+/// A camera's noise moves a point along the ray of its pixel, so the points of a view lie on the view's rays, however
+/// noisy they are and in whatever order the file has them. The spectrum of a patch shows the grids of all views that
+/// see it (PatchGrids). Each grid is followed over the scan (GridGrowth) and takes its points; the search continues
+/// among the rest until several patches in a row show no grid. Scans that software has resampled, smoothed or thinned
+/// have no grid, so no views are found.
 ///
-/// @param cloud    in the order of `tree`, with normals, which say what side a patch faces. The search uses only points that
-///                 are not averages of several; averages are assigned at the end
+/// @param cloud    in the order of `tree`, with normals, which say what side a patch faces. The search uses only points
+///                 that are not averages of several; averages are assigned at the end
 /// @param spacing  side of a square of one point's share of the surface, mm
 /// @param view_of  set to each point's view, kNoView where none is known
 /// @returns the same for any number of threads

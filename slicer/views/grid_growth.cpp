@@ -12,8 +12,8 @@ constexpr const char* kStage = "views";
 // Sizes that bound memory and time: a view with a fiftieth of the points still has 160 of a sample.
 constexpr std::uint32_t kSample = 8192;          ///< points that a grid is fitted to
 constexpr std::uint32_t kThinnedPoints = 65536;  ///< points that samples of large parts of the scan are taken from
-/// Growth of the radius in one step. The grid must be right to a third of a pixel at the new radius, so that larger steps lose
-/// it and smaller ones take longer.
+/// Growth of the radius in one step. The grid must be right to a third of a pixel at the new radius, so that larger
+/// steps lose it and smaller ones take longer.
 constexpr double kGrowth = 1.4;
 // Widths in which points count, pixels: from one that a start off by a third of a pixel needs down to what decides.
 constexpr double kCoarse = 0.3;
@@ -103,8 +103,8 @@ std::optional<GrownGrid> GridGrowth::grow(ViewGrid grid, double radius) {
   return grown;
 }
 
-/// Fits the grid once more, then returns the smallest width that holds most of its points, in pixels. 0 if too many points
-/// would lie within it by chance.
+/// Fits the grid once more, then returns the smallest width that holds most of its points, in pixels. 0 if too many
+/// points would lie within it by chance.
 double GridGrowth::tolerance_of(ViewGrid& grid, double radius) {
   constexpr double kWidest = 0.1;
   const auto sample = take_sample(grid.middle, radius);

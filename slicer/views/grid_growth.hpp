@@ -24,8 +24,8 @@ struct GrownGrid {
   bool contains(const Vec3f& point) const { return relative_distance(point) <= 1; }
 };
 
-/// Fits grids to the points that belong to no view yet. Each view that is found leaves fewer points that would lie on the next
-/// grid by chance.
+/// Fits grids to the points that belong to no view yet. Each view that is found leaves fewer points that would lie on
+/// the next grid by chance.
 class GridGrowth {
  public:
   /// Upper bound of the arena bytes that create() takes, without alignment.
@@ -34,8 +34,8 @@ class GridGrowth {
   static Expected<GridGrowth> create(const Cloud& cloud, const KdTree3& tree, std::span<const std::uint8_t> view_of,
                                      Arena& arena);
 
-  /// Fits a grid to the points within a radius, with an ever smaller tolerance, then to more and more of the scan, for as long
-  /// as clearly more points lie on it than would by chance.
+  /// Fits a grid to the points within a radius, with an ever smaller tolerance, then to more and more of the scan, for
+  /// as long as clearly more points lie on it than would by chance.
   ///
   /// @param grid    right to about a third of a pixel within `radius` of its middle
   /// @param radius  mm

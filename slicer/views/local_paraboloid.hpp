@@ -12,8 +12,8 @@ namespace plumbline {
 using Vec6d = Eigen::Matrix<double, 6, 1>;
 using Mat6d = Eigen::Matrix<double, 6, 6>;
 
-/// Height over the points' plane as a polynomial of second degree: least squares, repeated without points that lie more than 3
-/// standard deviations off.
+/// Height over the points' plane as a polynomial of second degree: least squares, repeated without points that lie more
+/// than 3 standard deviations off.
 struct LocalParaboloid {
   static constexpr std::uint32_t kMaxPoints = 80;
   static constexpr std::uint32_t kMinPoints = 30;  ///< five for each of the six coefficients

@@ -16,8 +16,8 @@
 namespace plumbline {
 
 struct Views {
-  std::span<const std::uint8_t>
-      of;                           ///< view of each point. Points without one (kNoView) are not used and stay in place
+  /// View of each point. Points without one (kNoView) are not used and stay in place.
+  std::span<const std::uint8_t> of;
   std::span<const ViewGrid> grids;  ///< of each view, where its points were seen; kMaxViews at most
   float spacing = 0;                ///< of the scan's points, mm
 };

@@ -11,16 +11,16 @@ namespace {
 
 constexpr const char* kStage = "views";
 
-/// Points of a patch. The power of a view's peak grows with them (a view that has 500 of 4096 points stands 60 times above
-/// chance), and so do the time and the curvature that a patch spans.
+/// Points of a patch. The power of a view's peak grows with them (a view that has 500 of 4096 points stands 60 times
+/// above chance), and so do the time and the curvature that a patch spans.
 constexpr std::uint32_t kMaxPoints = 4096;
 constexpr std::uint32_t kFullPatch = 2560;  ///< points; with fewer and no grid found, a larger patch is tried too
 constexpr std::uint32_t kMinPoints = 512;   ///< with fewer, a view's peak does not stand out
 /// Room for points within the radius before the nearest kMaxPoints are selected: a patch may be cut by several sheets.
 constexpr std::uint32_t kMaxCandidates = 4 * kMaxPoints;
 
-// Two peaks may be the frequencies of one grid if they are about perpendicular and about equal, since pixels are nearly square
-// and a patch seen obliquely stretches them; and if their sum and difference, which a grid has too, show power.
+// Two peaks may be the frequencies of one grid if they are about perpendicular and about equal, since pixels are nearly
+// square and a patch seen obliquely stretches them; and if their sum and difference, which a grid has too, show power.
 constexpr float kMinSine2 = 0.5F;       ///< squared sine of the angle between them: 45 to 135 degrees
 constexpr float kMinRatio2 = 0.4F;      ///< squared ratio of their lengths: 0.63 and more
 constexpr float kMinIncidence = 0.15F;  ///< cosine of the ray to the patch's normal: a ray within 81 degrees of it

@@ -11,19 +11,21 @@ namespace {
 
 /// Least power of a peak; 1 is chance. A random patch has one as high in its 200,000 samples with a probability of 2 %.
 constexpr float kMinPower = 16;
-// Frequencies of a peak, cycles per spacing. Many views share a patch, so the pixels of one are wider than the spacing of all.
+// Frequencies of a peak, cycles per spacing. Many views share a patch, so the pixels of one are wider than the spacing
+// of all.
 constexpr float kLowest = 0.11F;
 constexpr float kHighest = 0.77F;
-/// Largest ratio of a peak's frequency across the patch to that in its plane. The object's own shape has steeper spectra.
+/// Largest ratio of a peak's frequency across the patch to that in its plane. The object's own shape has steeper
+/// spectra.
 constexpr float kMaxSteepness = 2;
 /// Step of the frequency across the patch, over 1 / its RMS depth: small enough that no peak falls between two steps.
 constexpr float kAcrossStep = 0.15F;
 constexpr std::uint32_t kMaxSlices = 64;  ///< steps across the patch; bounds the time of deep patches
-/// Largest share of a peak's power that may be left 1 / radius beside it, where that of a grid has fallen to nothing. A flat
-/// wall has a streak there instead.
+/// Largest share of a peak's power that may be left 1 / radius beside it, where that of a grid has fallen to nothing. A
+/// flat wall has a streak there instead.
 constexpr float kMaxStreak = 0.4F;
-/// Distance of two peaks, over 1 / radius: the main lobe of one point grid's peak in a disc is about as wide (0.61 to its zero
-/// on either side).
+/// Distance of two peaks, over 1 / radius: the main lobe of one point grid's peak in a disc is about as wide (0.61 to
+/// its zero on either side).
 constexpr float kPeakDistance = 1.2F;
 /// Side of the transform over the patch's radius: the patch's diameter and a tenth of margin.
 constexpr float kImageSide = 2.2F;

@@ -23,13 +23,13 @@ struct SpectrumPeak {
 
 /// Finds the peaks of the spectrum in three dimensions.
 ///
-/// The points of a view lie on a grid of rays, and noise moves them along the rays. Across the rays they are periodic whatever
-/// the noise: the spectrum has peaks at the two reciprocal vectors of the grid and at their sums. The patch is nearly flat, so
-/// a 2D Fourier transform in its plane is taken for each of a few frequencies across it.
+/// The points of a view lie on a grid of rays, and noise moves them along the rays. Across the rays they are periodic
+/// whatever the noise: the spectrum has peaks at the two reciprocal vectors of the grid and at their sums. The patch is
+/// nearly flat, so a 2D Fourier transform in its plane is taken for each of a few frequencies across it.
 class PatchSpectrum {
  public:
-  /// Samples of the transform a side. At the radius of the smallest patch a sample is 0.62 spacings wide, so that the highest
-  /// frequency looked for, 0.77 / spacing, stays below the transform's limit of 0.81 / spacing.
+  /// Samples of the transform a side. At the radius of the smallest patch a sample is 0.62 spacings wide, so that the
+  /// highest frequency looked for, 0.77 / spacing, stays below the transform's limit of 0.81 / spacing.
   static constexpr std::uint32_t kSide = 128;
 
   /// Upper bound of the arena bytes that create() takes, without alignment.

@@ -247,8 +247,8 @@ class Registrar {
   std::span<SharedPlace> places_;
   std::span<DepthFrame> frames_;
   std::span<DepthImage::Cell> cells_;  ///< of each view's image
-  /// Variance of one component of a view's motion, mm^2: the sum of all squared components over the number of components
-  /// that the scan determines (MacKay, Bayesian interpolation, 1992). The others stay small.
+  /// Variance of one component of a view's motion, mm^2: the sum of all squared components over the number of
+  /// components that the scan determines (MacKay, Bayesian interpolation, 1992). The others stay small.
   double motion2_;
   std::array<double, kMaxViews> shares_ = {};  ///< of each view in holding the scan in place: 1, less for small views
 };

@@ -21,15 +21,15 @@ struct Registration {
   float ripple = 0;  ///< RMS ripple that was removed; part of `moved`
 };
 
-/// Moves all views at once, each as a rigid body, so that the points around a place lie on one surface, whatever view they
-/// belong to: Gauss-Newton on the distances of the points from a paraboloid through their neighbourhood (Chen and Medioni,
-/// Object modelling by registration of multiple range images, 1992; here the paraboloid is eliminated instead of one view held
-/// fixed). After the first rounds, ripple is estimated from each view's residuals (WaveSearch) and removed, in turn with the
-/// motions.
+/// Moves all views at once, each as a rigid body, so that the points around a place lie on one surface, whatever view
+/// they belong to: Gauss-Newton on the distances of the points from a paraboloid through their neighbourhood (Chen and
+/// Medioni, Object modelling by registration of multiple range images, 1992; here the paraboloid is eliminated instead
+/// of one view held fixed). After the first rounds, ripple is estimated from each view's residuals (WaveSearch) and
+/// removed, in turn with the motions.
 ///
-/// What the scan does not determine, such as the distance between a plate's upper and lower side, stays as it is: a normal
-/// prior keeps motions small, with a variance learnt from the motions that the scan does determine. The sum of all motions is
-/// 0, so that the scan as a whole stays in place.
+/// What the scan does not determine, such as the distance between a plate's upper and lower side, stays as it is: a
+/// normal prior keeps motions small, with a variance learnt from the motions that the scan does determine. The sum of
+/// all motions is 0, so that the scan as a whole stays in place.
 ///
 /// @returns the same for any number of threads
 /// @retval ErrorCode::kOutOfMemory, kCancelled

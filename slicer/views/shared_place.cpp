@@ -9,10 +9,11 @@ namespace plumbline {
 namespace {
 
 constexpr float kMinCosine = 0.8F;  ///< of the normals of one smooth place: within 37 degrees of its middle point's
-constexpr float kMaxBentShare =
-    0.05F;  ///< share of points whose normals differ more; at an edge a paraboloid does not fit
+/// Share of points whose normals differ more; at an edge a paraboloid does not fit.
+constexpr float kMaxBentShare = 0.05F;
 constexpr float kFacingAway = -0.5F;  ///< cosine below which a point is on the other side of a wall, not at an edge
-/// Cosine of ray and normal below which a ray grazes. Noise along a grazing ray moves points outside of a curved surface.
+/// Cosine of ray and normal below which a ray grazes. Noise along a grazing ray moves points outside of a curved
+/// surface.
 constexpr double kMinIncidence = 0.5;
 /// Weight of such points. Not 0: they may be all that determines where their view lies.
 constexpr double kGrazingWeight = 0.05;
@@ -38,8 +39,8 @@ bool SharedPlace::measure(const Cloud& cloud, const KdTree3& tree, const MovedVi
       continue;
     }
     ray[points] = moved_views.ray(n.index);
-    // A point that faces away from its view is on the view's grid by chance. Such points are few, but where no view saw both
-    // an upper and a lower side they alone would determine the distance between the two.
+    // A point that faces away from its view is on the view's grid by chance. Such points are few, but where no view saw
+    // both an upper and a lower side they alone would determine the distance between the two.
     if (ray[points].dot(normal.cast<double>()) > 0) continue;
     position[points] = moved_views.moved_position(n.index);
     point[points++] = n.index;

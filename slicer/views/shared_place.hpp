@@ -10,14 +10,14 @@
 
 namespace plumbline {
 
-/// The points around a place and the smooth surface through them: how far each point is off it, and how its view would have to
-/// move.
+/// The points around a place and the smooth surface through them: how far each point is off it, and how its view would
+/// have to move.
 struct SharedPlace {
-  static constexpr std::uint32_t kMaxViews =
-      24;  ///< of one place; further views are left out. Sets the size of `products`
+  /// Of one place; further views are left out. Sets the size of `products`.
+  static constexpr std::uint32_t kMaxViews = 24;
 
-  /// Normal equations of the motions with the surface eliminated: products[v][w] is the coefficient of <lever, motion of v>
-  /// times <lever, motion of w>, residuals[v] the right-hand side of v.
+  /// Normal equations of the motions with the surface eliminated: products[v][w] is the coefficient of <lever, motion
+  /// of v> times <lever, motion of w>, residuals[v] the right-hand side of v.
   Vec6d lever;
   std::uint32_t views = 0;
   std::array<std::uint8_t, kMaxViews> view;
@@ -27,8 +27,8 @@ struct SharedPlace {
   double mean_square = 0;  ///< distance of the points from the surface, mm^2
   std::uint32_t points = 0;
   std::array<std::uint32_t, LocalParaboloid::kMaxPoints> point;
-  std::array<double, LocalParaboloid::kMaxPoints>
-      offset;  ///< distance along its ray beyond the surface, mm, times `weight`
+  /// Distance of each point along its ray beyond the surface, mm, times `weight`.
+  std::array<double, LocalParaboloid::kMaxPoints> offset;
   std::array<double, LocalParaboloid::kMaxPoints> weight;
 
   /// Fits the surface around point `i` and sets all of the above.

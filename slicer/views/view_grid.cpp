@@ -8,7 +8,8 @@
 namespace plumbline {
 namespace {
 
-/// Least q: points closer to the camera than this share of the middle's distance don't belong to its view. Avoids dividing by 0.
+/// Least q: points closer to the camera than this share of the middle's distance don't belong to its view. Avoids
+/// dividing by 0.
 constexpr double kMinQ = 0.05;
 // Prior on the perspective c, for points that don't determine it: a camera stands some extents away.
 constexpr double kPixelNoise = 0.05;        ///< pixels

@@ -8,8 +8,9 @@
 
 namespace plumbline {
 
-/// Projection of a point to pixels: (u, v) = ((a0 + <a, x>) / q, (b0 + <b, x>) / q) with q = 1 + <c, x>. Points of the view
-/// have integer u and v. This covers a camera without distortion, and with c = 0 a scanner that sweeps in parallel.
+/// Projection of a point to pixels: (u, v) = ((a0 + <a, x>) / q, (b0 + <b, x>) / q) with q = 1 + <c, x>. Points of the
+/// view have integer u and v. This covers a camera without distortion, and with c = 0 a scanner that sweeps in
+/// parallel.
 struct ViewGrid {
   Vec3f middle = Vec3f::Zero();           ///< origin of x, mm
   Eigen::Matrix<double, 11, 1> map = {};  ///< a, a0, b, b0, c; pixels per mm, pixels, 1/mm
@@ -27,12 +28,13 @@ struct ViewGrid {
   ViewGrid around(const Vec3f& other) const;
 };
 
-/// One Gauss-Newton step that fits a grid to points, not all of which belong to the view. Each point has Tukey's biweight of
-/// its distance from the grid.
+/// One Gauss-Newton step that fits a grid to points, not all of which belong to the view. Each point has Tukey's
+/// biweight of its distance from the grid.
 class ViewGridFit {
  public:
   /// @param width   pixels; points farther from the grid don't count
-  /// @param extent  size of the scan, mm: scale of the prior that keeps perspective small where the points don't determine it
+  /// @param extent  size of the scan, mm: scale of the prior that keeps perspective small where the points don't
+  ///                determine it
   ViewGridFit(const ViewGrid& grid, double width, double extent) : grid_(grid), width_(width), extent_(extent) {}
   void add(const Vec3f& point);
   /// @returns false, and leaves `grid` unchanged, if the points don't determine a step
@@ -45,8 +47,8 @@ class ViewGridFit {
   ViewGrid grid_;
   double width_;
   double extent_;
-  // Weighted sums over the points, with y = (x, 1) / q and (du, dv) the distance from the grid: of y y^T; of the same times u,
-  // v and u^2 + v^2; of y times du, dv and u du + v dv.
+  // Weighted sums over the points, with y = (x, 1) / q and (du, dv) the distance from the grid: of y y^T; of the same
+  // times u, v and u^2 + v^2; of y times du, dv and u du + v dv.
   Eigen::Matrix4d plain_ = Eigen::Matrix4d::Zero();
   Eigen::Matrix4d by_u_ = Eigen::Matrix4d::Zero();
   Eigen::Matrix4d by_v_ = Eigen::Matrix4d::Zero();

@@ -6,10 +6,18 @@
 namespace plumbline {
 namespace {
 
-constexpr float kSparse = 0.3F;     ///< of epsilon: the radius of a point's own share of a sparse surface, at least
-constexpr float kWidest = 8;        ///< times epsilon
-constexpr float kOpposite = -0.5F;  ///< most inner product of the normals of opposite walls
-constexpr float kAlike = 0.5F;      ///< least inner product of the normals of one wall
+/// Least radius of a point's share_radius on a sparse surface, in epsilons. About 60 points within epsilon have shares
+/// of 0.13, a fifth of that density of 0.29.
+constexpr float kSparse = 0.3F;
+constexpr float kMaxWidth = 8;  ///< epsilons between two walls of a bore; wider ones are seen from outside
+/// Largest inner product of the normals of opposite walls: within 60 degrees of opposed.
+constexpr float kOpposite = -0.5F;
+constexpr float kSameWall = 0.5F;  ///< least inner product of the normals of one wall: within 60 degrees
+// Steps and radii of the search for the opposite wall. It may be as sparse as this one, so the radius grows with the
+// distance.
+constexpr float kMinStep = 0.5F;      ///< epsilons; also the least width and the least radius
+constexpr float kRadiusShare = 0.4F;  ///< of the distance gone
+constexpr float kStepShare = 0.5F;    ///< of the distance to the nearest point
 constexpr float kPi = std::numbers::pi_v<float>;
 
 }  // namespace
@@ -18,10 +26,12 @@ BoreSurface::BoreSurface(Cloud& cloud, const KdTree3& tree, ClusteringResult& cl
     : cloud_(cloud),
       tree_(tree),
       clustering_(clustering),
-      growth_(std::sqrt(clustering.support_points)),
-      seen_(cloud.size) {}
+      support_over_share_(std::sqrt(clustering.support_points)),
+      scanned_(cloud.size) {}
 
-bool BoreSurface::hardly_seen(std::uint32_t i) const { return cloud_.radius[i] >= kSparse * epsilon() * growth_; }
+bool BoreSurface::is_sparse(std::uint32_t i) const {
+  return cloud_.radius[i] >= kSparse * epsilon() * support_over_share_;
+}
 
 float BoreSurface::distance2(const Vec3f& x) const {
   std::array<Neighbour, 1> found{};
@@ -32,24 +42,24 @@ float BoreSurface::distance2(const Vec3f& x) const {
 std::optional<float> BoreSurface::width_at(std::uint32_t i) const {
   const Vec3f n = normal(i);
   const Vec3f& p = cloud_.position[i];
-  for (float t = epsilon(); t < kWidest * epsilon();) {
+  for (float t = epsilon(); t < kMaxWidth * epsilon();) {
     std::array<Neighbour, 8> found{};
     const std::uint32_t count = tree_.nearest(p + n * t, found, [&](std::uint32_t j) { return is_surface(j); });
-    const float reach = std::max(0.5F * epsilon(), 0.4F * t);  // the wall may be as sparse there
+    const float search_radius = std::max(kMinStep * epsilon(), kRadiusShare * t);
     for (const Neighbour& other : std::span(found).first(count)) {
-      if (other.distance2 > reach * reach || normal(other.index).dot(n) > kOpposite) continue;
+      if (other.distance2 > search_radius * search_radius || normal(other.index).dot(n) > kOpposite) continue;
       const float width = (cloud_.position[other.index] - p).dot(n);
-      if (width >= 0.5F * epsilon()) return width;
+      if (width >= kMinStep * epsilon()) return width;
     }
-    t += std::max(0.5F * epsilon(), 0.5F * std::sqrt(found[0].distance2));
+    t += std::max(kMinStep * epsilon(), kStepShare * std::sqrt(found[0].distance2));
   }
   return std::nullopt;
 }
 
 bool BoreSurface::has_wall(const Vec3f& x, const Vec3f& facing) const {
   return any_near(x, [&](const Neighbour& other) {
-    const float own = std::max(share(other.index), kSpacing * epsilon());
-    return other.distance2 < own * own && normal(other.index).dot(facing) > kAlike;
+    const float own = std::max(share_radius(other.index), kSpacing * epsilon());
+    return other.distance2 < own * own && normal(other.index).dot(facing) > kSameWall;
   });
 }
 
@@ -60,20 +70,20 @@ void BoreSurface::add(const Vec3f& x, const Vec3f& normal) {
   cloud_.normal[i] = {};
   cloud_.normal[i].set(normal);
   cloud_.normal[i].point_class = orientation_of(cloud_.normal[i]);
-  cloud_.radius[i] = growth_ * kSpacing * epsilon() / std::sqrt(kPi);
+  cloud_.radius[i] = support_over_share_ * kSpacing * epsilon() / std::sqrt(kPi);
 }
 
-void BoreSurface::turn(std::uint32_t i, const Vec3f& normal) {
+void BoreSurface::set_normal(std::uint32_t i, const Vec3f& normal) {
   cloud_.normal[i].set(normal);
-  reclass(i, orientation_of(cloud_.normal[i]));
+  set_class(i, orientation_of(cloud_.normal[i]));
 }
 
-void BoreSurface::drop(std::uint32_t i) { reclass(i, PointClass::kNoise); }
+void BoreSurface::mark_noise(std::uint32_t i) { set_class(i, PointClass::kNoise); }
 
-void BoreSurface::reclass(std::uint32_t i, PointClass point_class) {
+void BoreSurface::set_class(std::uint32_t i, PointClass point_class) {
   PointClass& current = cloud_.normal[i].point_class;
-  --clustering_.points[static_cast<std::size_t>(current)];
-  ++clustering_.points[static_cast<std::size_t>(point_class)];
+  --clustering_.points[current];
+  ++clustering_.points[point_class];
   current = point_class;
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-/// The surface of a scan as those ask it who look for bores.
+/// The surface of a scan as the search for bores needs it.
 
 #include <algorithm>
 #include <array>
@@ -10,44 +10,46 @@
 
 namespace plumbline {
 
-/// A point of a wall that was hardly seen, with a wall that faces it.
+/// A point on a sparse wall that has another wall opposite.
 struct BoreEnd {
   std::uint32_t point = 0;
-  float width = 0;     ///< from wall to wall
-  bool tried = false;  ///< no round bore starts here
+  float width = 0;         ///< distance of the two walls
+  bool not_round = false;  ///< no round bore was found from here
 };
 
 /// Lengths are in the unit of the cloud.
 class BoreSurface {
  public:
-  static constexpr float kSpacing = 0.5F;  ///< of epsilon, of the points that are added
+  /// Distance of added points, in epsilons. Epsilon is a radius that holds about 60 scanned points, so added walls are
+  /// sparser than the scan, but less so than what counts as sparse (BoreSurface::is_sparse).
+  static constexpr float kSpacing = 0.5F;
 
-  /// @param cloud  classes and radius[] set; points that are added are its last
+  /// @param cloud  classes and radius[] set; added points become its last
   BoreSurface(Cloud& cloud, const KdTree3& tree, ClusteringResult& clustering);
 
   float epsilon() const { return clustering_.epsilon; }
   float noise() const { return clustering_.noise; }
-  std::uint32_t seen() const { return seen_; }  ///< points of the scan
-  std::uint32_t added() const { return cloud_.size - seen_; }
+  std::uint32_t scanned() const { return scanned_; }  ///< points of the scan, the first of the cloud
+  std::uint32_t added() const { return cloud_.size - scanned_; }
   bool full() const { return cloud_.size == cloud_.capacity(); }
   const Vec3f& position(std::uint32_t i) const { return cloud_.position[i]; }
   Vec3f normal(std::uint32_t i) const { return cloud_.normal[i].unpack(); }
 
   bool is_surface(std::uint32_t i) const { return cloud_.normal[i].point_class != PointClass::kNoise; }
 
-  /// Radius of a disc as large as the share of the surface that point i stands for, epsilon at most.
-  float share(std::uint32_t i) const { return std::min(cloud_.radius[i] / growth_, epsilon()); }
+  /// Radius of a disc as large as point i's share of the surface, epsilon at most.
+  float share_radius(std::uint32_t i) const { return std::min(cloud_.radius[i] / support_over_share_, epsilon()); }
 
-  /// Whether the surface round point i has less than a fifth of the density that epsilon tells.
-  bool hardly_seen(std::uint32_t i) const;
+  /// Whether the surface around point i has less than a fifth of the density that epsilon stands for.
+  bool is_sparse(std::uint32_t i) const;
 
-  /// How far off point i the wall is that faces it; nothing if there is none within eight epsilon.
+  /// Distance from point i to the wall that faces it; nothing if there is none within eight epsilon.
   std::optional<float> width_at(std::uint32_t i) const;
 
-  /// From x to the surface as it was seen, squared.
+  /// Squared distance from x to the nearest point of the scanned surface.
   float distance2(const Vec3f& x) const;
 
-  /// Whether it holds for one of the eight points of the surface that are nearest to x.
+  /// Whether `holds` is true for any of the eight surface points nearest to x.
   template <class Holds>
   bool any_near(const Vec3f& x, Holds holds) const {
     std::array<Neighbour, 8> found{};
@@ -55,7 +57,7 @@ class BoreSurface {
     return std::any_of(found.begin(), found.begin() + count, holds);
   }
 
-  /// Calls visit(i) for the points of the scan in a box, noise included, and some outside it.
+  /// Calls visit(i) for the points of the scan in a box, noise included, and for some outside it.
   template <class Visit>
   void visit_box(const Vec3f& low, const Vec3f& high, Visit visit) const {
     tree_.visit_box(low, high, [&](std::uint32_t from, std::uint32_t to) {
@@ -63,23 +65,25 @@ class BoreSurface {
     });
   }
 
-  /// Whether a point of the wall was seen that x lies in the share of, or so near that none is added.
+  /// Whether x lies within the share of a scanned point of this wall, or closer to one than added points are to each
+  /// other.
   bool has_wall(const Vec3f& x, const Vec3f& facing) const;
 
-  /// Adds a point that stands for a square of kSpacing epsilon; not if there is no room.
+  /// Adds a point that stands for a square of kSpacing epsilon. Does nothing when the cloud is full.
   void add(const Vec3f& x, const Vec3f& normal);
 
-  void turn(std::uint32_t i, const Vec3f& normal);  ///< and makes it one of the surface
-  void drop(std::uint32_t i);                       ///< makes it noise
+  /// Sets the normal of a point and makes it part of the surface.
+  void set_normal(std::uint32_t i, const Vec3f& normal);
+  void mark_noise(std::uint32_t i);
 
  private:
-  void reclass(std::uint32_t i, PointClass point_class);
+  void set_class(std::uint32_t i, PointClass point_class);
 
   Cloud& cloud_;
   const KdTree3& tree_;
   ClusteringResult& clustering_;
-  float growth_;  ///< of a support's radius over that of one point's share
-  std::uint32_t seen_;
+  float support_over_share_;  ///< support radius over the radius of one point's share
+  std::uint32_t scanned_;
 };
 
 }  // namespace plumbline

@@ -17,23 +17,26 @@ namespace {
 
 constexpr const char* kStage = "bore walls";
 
-constexpr std::uint32_t kMostEnds = 4096;
-constexpr std::uint32_t kFewSparse = 16;  ///< one point in so many at most: of more, epsilon tells no density
-constexpr std::uint32_t kChunk = 1024;    ///< points between two looks at the progress
-constexpr float kAlike = 0.5F;            ///< least inner product of the normals of two ends
-constexpr float kSlope = 0.2F;            ///< of the line between them against the wall, at most
-constexpr float kWidthRatio = 1.5F;       ///< of their widths, at most
-constexpr float kShortest = 2;            ///< times epsilon
-constexpr float kLongest = 6;             ///< times the width
-constexpr float kAround = 0.6F;           ///< of the width: walls all round an end are as near as this to a circle
-constexpr float kFacing = 0.3F;           ///< least inner product of their normals with the way to its middle
-constexpr float kClear = 0.3F;            ///< of the width: round the middle of the bore there is no point so near
+constexpr std::uint32_t kMaxEnds = 4096;  ///< bounds memory and, with its square, time
+constexpr std::uint32_t kMaxSparse = 16;  ///< at most one point in so many is sparse, or epsilon stands for no density
+constexpr std::uint32_t kChunk = 1024;    ///< points between two calls of the progress
+// Two ends of one wall. Wider limits join walls of different bores; narrower ones miss walls with noisy normals.
+constexpr float kMinCosine = 0.5F;  ///< of their normals: 60 degrees
+constexpr float kMaxSlope = 0.2F;   ///< of the line between them against the wall
+constexpr float kMaxWidthRatio = 1.5F;
+constexpr float kMinLength = 2;  ///< epsilons; shorter gaps are closed without help
+constexpr float kMaxLength = 6;  ///< widths; longer lines may join different bores
+// Walls around an end and the space between them, in widths.
+/// Of a point from the circle of that width; corners of square bores are 0.21 off.
+constexpr float kWallDistance = 0.6F;
+constexpr float kWallCosine = 0.3F;  ///< least inner product of its normal with the direction to the middle: 73 degrees
+constexpr float kClear = 0.3F;       ///< radius around the bore's middle line that must be free of points
 
-// Of the time, so far:
+// Progress at the end of each step, 0 to 1.
 constexpr double kFound = 0.5;
-constexpr double kRoundOnes = 0.75;
+constexpr double kRoundDone = 0.75;
 
-/// Between two ends, along the wall.
+/// The line between two ends, along the wall.
 struct Line {
   Vec3f from;
   Vec3f chord;
@@ -41,13 +44,14 @@ struct Line {
   Vec3f normal;  ///< of the wall
 };
 
-/// Cells that have a point already.
+/// Cells that have an added point.
 class Cells {
  public:
   Cells(std::span<std::uint64_t> slots, const Box3f& box, float edge) : grid_(box, edge), table_(slots) {
     table_.clear();
   }
-  /// @returns false: it was taken
+  /// Marks the cell of p.
+  /// @returns false if it was marked before
   bool take(const Vec3f& p) {
     const std::uint64_t key = grid_.key(p);
     const std::uint32_t slot = table_.find_key(key);
@@ -61,15 +65,16 @@ class Cells {
 
 std::size_t slots_for(std::uint32_t room) { return std::bit_ceil(std::size_t{2} * room + 2); }
 
-/// Nothing where the surface is sparse in too many places.
+/// @returns no ends where too much of the surface is sparse
 Expected<std::span<BoreEnd>> find_ends(const BoreSurface& surface, std::span<BoreEnd> room,
                                        const StageProgress& progress) {
-  const auto is_sparse = [&](std::uint32_t i) { return surface.is_surface(i) && surface.hardly_seen(i); };
+  const auto is_sparse = [&](std::uint32_t i) { return surface.is_surface(i) && surface.is_sparse(i); };
   std::uint32_t sparse = 0;
-  for (std::uint32_t i = 0; i < surface.seen(); ++i) sparse += is_sparse(i) ? 1 : 0;
+  for (std::uint32_t i = 0; i < surface.scanned(); ++i) sparse += is_sparse(i) ? 1 : 0;
   std::size_t count = 0;
-  for (std::uint32_t i = 0; i < surface.seen() && sparse <= surface.seen() / kFewSparse && count < room.size(); ++i) {
-    if (i % kChunk == 0 && !progress.advance(1.0 * i / surface.seen())) {
+  for (std::uint32_t i = 0; i < surface.scanned() && sparse <= surface.scanned() / kMaxSparse && count < room.size();
+       ++i) {
+    if (i % kChunk == 0 && !progress.advance(1.0 * i / surface.scanned())) {
       return fail(ErrorCode::kCancelled, "cancelled while bores were looked for");
     }
     if (!is_sparse(i)) continue;
@@ -78,50 +83,51 @@ Expected<std::span<BoreEnd>> find_ends(const BoreSurface& surface, std::span<Bor
   return room.first(count);
 }
 
-/// Along lines between two ends, for bores that are not round.
-class Continuation {
+/// Extends walls along lines between two ends, for bores that are not round.
+class StraightWalls {
  public:
-  Continuation(BoreSurface& surface, Cells& cells) : surface_(surface), cells_(cells) {}
+  StraightWalls(BoreSurface& surface, Cells& cells) : surface_(surface), cells_(cells) {}
 
   Status run(std::span<const BoreEnd> ends, const StageProgress& progress) {
     for (std::size_t a = 0; a < ends.size(); ++a) {
       if (!progress.advance(static_cast<double>(a) / static_cast<double>(ends.size()))) {
-        return fail(ErrorCode::kCancelled, "cancelled while the walls of bores were continued");
+        return fail(ErrorCode::kCancelled, "cancelled while the walls of bores were extended");
       }
       for (std::size_t b = a + 1; b < ends.size(); ++b) {
-        if (const auto line = line_between(ends[a], ends[b])) fill(*line);
+        if (const auto line = line_between(ends[a], ends[b])) add_points(*line);
       }
     }
     return {};
   }
 
  private:
-  /// Nothing where they do not belong together.
+  /// @returns nothing if the two don't belong to one wall
   std::optional<Line> line_between(const BoreEnd& a, const BoreEnd& b) const {
     const Vec3f& p = surface_.position(a.point);
     const Vec3f chord = surface_.position(b.point) - p;
     const float width = std::min(a.width, b.width);
     const float length2 = chord.dot(chord);
-    const float longest = kLongest * width;
-    const float shortest = kShortest * surface_.epsilon();
+    const float longest = kMaxLength * width;
+    const float shortest = kMinLength * surface_.epsilon();
     if (length2 > longest * longest || length2 < shortest * shortest) return std::nullopt;
-    if (std::max(a.width, b.width) > kWidthRatio * width) return std::nullopt;
+    if (std::max(a.width, b.width) > kMaxWidthRatio * width) return std::nullopt;
     const Vec3f normal_a = surface_.normal(a.point);
     const Vec3f normal_b = surface_.normal(b.point);
-    if (normal_a.dot(normal_b) < kAlike) return std::nullopt;
+    if (normal_a.dot(normal_b) < kMinCosine) return std::nullopt;
     const float length = std::sqrt(length2);
     const Vec3f along = chord * (1 / length);
     const Vec3f mean = normal_a + normal_b;
     const float slope = mean.dot(along);
-    if (slope * slope > kSlope * kSlope * mean.dot(mean)) return std::nullopt;
+    if (slope * slope > kMaxSlope * kMaxSlope * mean.dot(mean)) return std::nullopt;
     const Vec3f across = mean - along * slope;
     const Line line{p, chord, length, across * (1 / std::sqrt(across.dot(across)))};
-    if (!unseen(line, width) || !enclosed(p, line, width) || !enclosed(p + chord, line, width)) return std::nullopt;
+    if (!is_unseen(line, width) || !is_enclosed(p, line, width) || !is_enclosed(p + chord, line, width))
+      return std::nullopt;
     return line;
   }
 
-  /// Whether there are walls all round the bore at a place on its wall.
-  bool enclosed(const Vec3f& wall, const Line& line, float width) const {
+  /// Whether there is wall in eight directions around the bore, seen from a place on its wall.
+  bool is_enclosed(const Vec3f& wall, const Line& line, float width) const {
     const Vec3f axis = wall + line.normal * (0.5F * width);
     const Vec3f sideways = line.chord.cross(line.normal) * (1 / line.length);
     constexpr float kDiagonal = 0.70710678F;
@@ -135,18 +141,18 @@ class Continuation {
                                                           {kDiagonal, -kDiagonal}}};
     return std::all_of(kRound.begin(), kRound.end(), [&](const auto& direction) {
       const Vec3f outwards = line.normal * direction[0] + sideways * direction[1];
-      return faces(axis + outwards * (0.5F * width), outwards * -1, kAround * width);
+      return has_point_facing(axis + outwards * (0.5F * width), outwards * -1, kWallDistance * width);
     });
   }
 
-  /// Whether a point within `reach` of x faces this way.
-  bool faces(const Vec3f& x, const Vec3f& way, float reach) const {
+  /// Whether a surface point within `distance` of x faces `way`.
+  bool has_point_facing(const Vec3f& x, const Vec3f& way, float distance) const {
     return surface_.any_near(x, [&](const Neighbour& other) {
-      return other.distance2 < reach * reach && surface_.normal(other.index).dot(way) > kFacing;
+      return other.distance2 < distance * distance && surface_.normal(other.index).dot(way) > kWallCosine;
     });
   }
 
-  void fill(const Line& line) {
+  void add_points(const Line& line) {
     const auto steps = static_cast<int>(line.length / (BoreSurface::kSpacing * surface_.epsilon()));
     for (int k = 1; k < steps && !surface_.full(); ++k) {
       const Vec3f x = line.from + line.chord * (static_cast<float>(k) / static_cast<float>(steps));
@@ -154,7 +160,8 @@ class Continuation {
     }
   }
 
-  bool unseen(const Line& line, float width) const {
+  /// Whether no point lies on the middle half of the line, and none in the middle of the bore in front of it.
+  bool is_unseen(const Line& line, float width) const {
     const Vec3f along = line.chord * (1 / line.length);
     const float step = 0.5F * surface_.epsilon();
     for (float t = 0.25F * line.length; t < 0.75F * line.length; t += step) {
@@ -175,14 +182,14 @@ class Continuation {
 }  // namespace
 
 std::size_t bore_walls_bytes(std::uint32_t points) {
-  return Arena::rounded(kMostEnds * sizeof(BoreEnd)) +
+  return Arena::rounded(kMaxEnds * sizeof(BoreEnd)) +
          Arena::rounded(slots_for(Cloud::spare(points)) * sizeof(std::uint64_t));
 }
 
 Expected<BoreWalls> continue_bore_walls(Cloud& cloud, const KdTree3& tree, ClusteringResult& clustering, Arena& arena,
                                         const StageProgress& progress) {
   const ArenaScope scope(arena);
-  const auto room = arena.take_top<BoreEnd>(kMostEnds, kStage);
+  const auto room = arena.take_top<BoreEnd>(kMaxEnds, kStage);
   PLUMBLINE_TRY(room);
   const auto slots = arena.take_top<std::uint64_t>(slots_for(cloud.capacity() - cloud.size), kStage);
   PLUMBLINE_TRY(slots);
@@ -191,9 +198,9 @@ Expected<BoreWalls> continue_bore_walls(Cloud& cloud, const KdTree3& tree, Clust
   BoreSurface surface(cloud, tree, clustering);
   auto ends = find_ends(surface, *room, progress.part(0, kFound));
   PLUMBLINE_TRY(ends);
-  ends = continue_round_bores(surface, *ends, progress.part(kFound, kRoundOnes));
+  ends = continue_round_bores(surface, *ends, progress.part(kFound, kRoundDone));
   PLUMBLINE_TRY(ends);
-  PLUMBLINE_TRY(Continuation(surface, cells).run(*ends, progress.part(kRoundOnes, 1)));
+  PLUMBLINE_TRY(StraightWalls(surface, cells).run(*ends, progress.part(kRoundDone, 1)));
   cloud.continued = surface.added();
   return BoreWalls{cloud.continued, edge * edge * static_cast<float>(cloud.continued)};
 }

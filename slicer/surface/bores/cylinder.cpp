@@ -8,12 +8,14 @@
 namespace plumbline {
 namespace {
 
-constexpr double kInertia = 1e-4;  ///< of the weight of the points: what holds a cylinder where they do not
-constexpr double kFarthest = 2;    ///< radii, of a step
+/// Added to the diagonal of the normal equations, over the weight of the points: keeps the parameters that they don't
+/// determine.
+constexpr double kRidge = 1e-4;
+constexpr double kMaxStep = 2;  ///< radii; a larger step has left the points
 
 }  // namespace
 
-OnCylinder seen_from(const Cylinder& cylinder, const Vec3f& point) {
+OnCylinder cylinder_coordinates(const Cylinder& cylinder, const Vec3f& point) {
   const Vec3f d = point - cylinder.middle;
   OnCylinder seen;
   seen.along = d.dot(cylinder.axis);
@@ -32,7 +34,7 @@ CylinderFit::CylinderFit(const Cylinder& start) : radius_(start.radius) {
 void CylinderFit::add(const OnCylinder& point, float weight) {
   const double t = point.outwards.dot(t_);
   const double s = point.outwards.dot(s_);
-  const double along = point.along / radius_;  // so that a tilt is told by how far it moves the wall, as a shift is
+  const double along = point.along / radius_;  // so that tilts and shifts both are lengths at the wall
   Vec5d change;
   change << t, s, along * t, along * s, 1;
   const double w = weight;
@@ -44,9 +46,9 @@ void CylinderFit::add(const OnCylinder& point, float weight) {
 bool CylinderFit::improve(Cylinder& cylinder) const {
   if (!(weight_ > 0)) return false;
   Mat5d held = products_;
-  held.diagonal().array() += kInertia * weight_;
+  held.diagonal().array() += kRidge * weight_;
   const Vec5d step = held.ldlt().solve(residuals_);
-  if (!(step.cwiseAbs().maxCoeff() < kFarthest * radius_)) return false;
+  if (!(step.cwiseAbs().maxCoeff() < kMaxStep * radius_)) return false;
   const Eigen::Matrix<float, 5, 1> by = step.cast<float>();
   cylinder.middle += t_ * by[0] + s_ * by[1];
   const Vec3f axis = cylinder.axis + (t_ * by[2] + s_ * by[3]) / radius_;

@@ -9,37 +9,45 @@
 namespace plumbline {
 namespace {
 
+// Distance from the cylinder within which a point is on its wall: the larger of these two.
 constexpr float kToleranceEpsilons = 0.1F;
-constexpr float kToleranceNoise = 2.5F;  ///< times the standard deviation of a point from its sheet
-constexpr float kMostTolerance = 0.4F;   ///< of the radius: more tells no cylinder
-constexpr std::array<float, 7> kCoarse = {0.25F, 0.25F, 0.18F, 0.18F, 0.12F, 0.12F, 0.12F};  ///< of the width
-constexpr float kMostRadius = 1;      ///< of the width, of the first cylinder
-constexpr float kLeastRadius = 0.3F;  ///< of the width
-constexpr float kMostChange = 2;      ///< times the radius, on the way along the bore
-constexpr float kStep = 0.5F;         ///< of the radius
-constexpr float kLeastStep = 0.125F;  ///< of the radius: so near to a mouth it stops
-constexpr float kLongest = 16;        ///< radii
-constexpr float kUnseen = 2;          ///< times epsilon
-constexpr float kMargin = 0.2F;       ///< of the radius: what is so near to an end does not tell the last fit anything
-constexpr float kRound = 1.5F;        ///< radii: what is farther from the axis is not looked at
-constexpr float kWithin = 0.6F;       ///< radii: what is nearer to the axis stands in the bore
-constexpr std::uint32_t kBottom = 4;  ///< points of the surface within a step of a bore are its bottom
-constexpr float kAcross = 0.7F;       ///< least inner product of a face's normal with the axis
-constexpr float kFacing = 0.3F;       ///< least inner product of a wall's normal with the way to the axis
-constexpr int kWall = 7, kBare = 5;   ///< of eight directions
-constexpr int kMouth = 4;             ///< of eight directions
-constexpr std::uint32_t kSurer = 3;   ///< points of its wall for each of another
-constexpr float kApart = 0.3F;        ///< of the width: nothing starts so near to where nothing started
-constexpr float kSwept = 1.3F;        ///< radii: what is nearer to the axis belongs to the bore
+constexpr float kToleranceNoise = 2.5F;  ///< standard deviations of the noise
+constexpr float kMaxTolerance = 0.4F;    ///< radii; with more, any points make a cylinder
+// The first fit, within the width of the bore. Its tolerances, in widths, narrow down from the error of the first
+// guess.
+constexpr std::array<float, 7> kCoarseTolerances = {0.25F, 0.25F, 0.18F, 0.18F, 0.12F, 0.12F, 0.12F};
+constexpr float kMaxRadius = 1;  ///< widths; a round bore has 0.5, where the width was measured across a diameter
+constexpr float kMinRadius = 0.3F;
+// Following the bore, in radii.
+constexpr float kMaxChange = 2;  ///< ratio of the radius to the first; more is another cylinder
+constexpr float kStep = 0.5F;
+constexpr float kMinStep = 0.125F;  ///< a step that met something is halved down to this
+constexpr float kMaxLength = 16;
+constexpr float kMargin = 0.2F;  ///< left out of the last fit at either end
+constexpr float kMinUnseen = 2;  ///< epsilons of the length without wall; shorter gaps are closed without help
+// What a point around the cylinder is, by its distance from the axis, in radii, and its normal.
+constexpr float kSurveyRadius = 1.5F;  ///< farther points don't count
+constexpr float kInsideRadius = 0.6F;  ///< nearer points are inside the bore
+constexpr float kBoreRadius = 1.3F;    ///< nearer points belong to the bore
+constexpr float kFaceCosine = 0.7F;    ///< least inner product of a face's normal with the axis: 45 degrees
+constexpr float kWallCosine = 0.3F;    ///< least inner product of a wall's normal with the direction to the axis
+// When a step has left the bore, or the bore is one.
+constexpr std::uint32_t kBottomPoints = 4;  ///< points inside a step that make a bottom
+constexpr int kFaced = 4;                   ///< of eight directions with a face around: the bore's mouth
+constexpr int kWalled = 7;                  ///< of eight directions with wall: walls all around
+constexpr int kBare = 5;                    ///< with fewer, a step counts as unseen
+constexpr std::uint32_t kMinRatio = 3;      ///< points of its own wall for each point of another
+constexpr float kRetryDistance = 0.3F;      ///< widths; no new attempt starts closer to one that failed
 
-/// A turn by the angle that has this tangent of its half. No sine is asked for: they differ from one C library to another.
+/// A rotation that advances in equal steps. Its step is given by the tangent of half the angle, since sines differ
+/// between C libraries.
 class Turn {
  public:
   explicit Turn(float half)
       : step_cosine_((1 - half * half) / (1 + half * half)), step_sine_(2 * half / (1 + half * half)) {}
   float cosine() const { return cosine_; }
   float sine() const { return sine_; }
-  void go_on() {
+  void advance() {
     const float cosine = cosine_ * step_cosine_ - sine_ * step_sine_;
     const float sine = sine_ * step_cosine_ + cosine_ * step_sine_;
     past_half_ |= sine < 0;
@@ -54,15 +62,15 @@ class Turn {
   float cosine_ = 1, sine_ = 0;
   bool past_half_ = false, full_ = false;
 };
-constexpr float kTwelfth = 0.13165250F;  ///< tan(7.5 degrees)
+constexpr float kTwelfth = 0.13165250F;  ///< tan(7.5 degrees): half a step of 15 degrees
 
-/// What there is round a stretch of a cylinder.
-struct Section {
-  std::uint32_t wall = 0;    ///< a bit for each of eight directions that has some
-  std::uint32_t mouth = 0;   ///< and for those that have a face round it
+/// What lies around a stretch of a cylinder.
+struct Survey {
+  std::uint32_t wall = 0;    ///< bit for each of eight directions that has wall
+  std::uint32_t mouth = 0;   ///< bit for each direction that has a face around the mouth
   std::uint32_t on = 0;      ///< points of its wall
-  std::uint32_t beside = 0;  ///< of other walls that face its axis
-  std::uint32_t within = 0;
+  std::uint32_t beside = 0;  ///< points of other walls that face its axis
+  std::uint32_t inside = 0;  ///< points inside the bore
 };
 
 struct Stretch {
@@ -85,17 +93,17 @@ class RoundBores {
       : surface_(surface),
         tolerance_(std::max(kToleranceEpsilons * surface.epsilon(), kToleranceNoise * surface.noise())) {}
 
-  std::optional<Bore> from(const BoreEnd& end) const {
+  std::optional<Bore> find_from(const BoreEnd& end) const {
     const Vec3f n = surface_.normal(end.point);
     const float width = end.width;
     const Frame frame(n);
     Turn turn(kTwelfth);
-    for (int k = 0; k < 12; ++k, turn.go_on()) {
+    for (int k = 0; k < 12; ++k, turn.advance()) {
       Cylinder c{surface_.position(end.point) + n * (0.5F * width), frame.at(turn.cosine(), turn.sine()), 0.5F * width};
-      if (std::popcount(section(c, {-0.5F * width, 0.5F * width}, 0.25F * width, 0).wall) < kWall) continue;
-      const bool fits = std::all_of(kCoarse.begin(), kCoarse.end(), [&](float tolerance) {
+      if (std::popcount(survey(c, {-0.5F * width, 0.5F * width}, 0.25F * width, 0).wall) < kWalled) continue;
+      const bool fits = std::all_of(kCoarseTolerances.begin(), kCoarseTolerances.end(), [&](float tolerance) {
         return fit(c, {-width, width}, std::max(tolerance * width, tolerance_), true) &&
-               c.radius < kMostRadius * width && c.radius > kLeastRadius * width;
+               c.radius < kMaxRadius * width && c.radius > kMinRadius * width;
       });
       if (!fits) continue;
       if (auto bore = follow(c)) return bore;
@@ -105,20 +113,20 @@ class RoundBores {
 
   bool contains(const Bore& bore, const Vec3f& x) const {
     const Cylinder& c = bore.cylinder;
-    const OnCylinder seen = seen_from(c, x);
-    return seen.distance < kSwept * c.radius && seen.along > bore.walled.from - c.radius &&
-           seen.along < bore.walled.to + c.radius;
+    const OnCylinder at = cylinder_coordinates(c, x);
+    return at.distance < kBoreRadius * c.radius && at.along > bore.walled.from - c.radius &&
+           at.along < bore.walled.to + c.radius;
   }
 
-  void settle(const Bore& bore) {
+  void extend(const Bore& bore) {
     const Cylinder& c = bore.cylinder;
-    for_stretch(c, bore.walled, kSwept * c.radius, [&](std::uint32_t i, const OnCylinder& seen) {
-      // Beyond the wall is the inside of the object, or of a thin wall its other side.
-      const bool other_side = seen.distance > c.radius && surface_.normal(i).dot(seen.outwards) > 0;
-      if (is_wall(i, c, seen, tolerance_)) {
-        surface_.turn(i, -seen.outwards);
-      } else if (surface_.hardly_seen(i) && !other_side) {
-        surface_.drop(i);
+    for_stretch(c, bore.walled, kBoreRadius * c.radius, [&](std::uint32_t i, const OnCylinder& at) {
+      // Outside the wall is the inside of the object, or the other side of a thin wall.
+      const bool other_side = at.distance > c.radius && surface_.normal(i).dot(at.outwards) > 0;
+      if (is_wall(i, c, at, tolerance_)) {
+        surface_.set_normal(i, -at.outwards);
+      } else if (surface_.is_sparse(i) && !other_side) {
+        surface_.mark_noise(i);
       }
     });
     const float spacing = BoreSurface::kSpacing * surface_.epsilon();
@@ -127,7 +135,7 @@ class RoundBores {
     for (int k = 0; k <= rings; ++k) {
       const float share = static_cast<float>(k) / static_cast<float>(rings);
       const Vec3f middle = c.on_axis(bore.walled.from + bore.walled.length() * share);
-      for (Turn turn(0.5F * spacing / c.radius); !turn.full() && !surface_.full(); turn.go_on()) {
+      for (Turn turn(0.5F * spacing / c.radius); !turn.full() && !surface_.full(); turn.advance()) {
         const Vec3f outwards = frame.at(turn.cosine(), turn.sine());
         const Vec3f x = middle + outwards * c.radius;
         if (!surface_.has_wall(x, -outwards)) surface_.add(x, -outwards);
@@ -136,70 +144,71 @@ class RoundBores {
   }
 
  private:
-  /// Calls visit(i, seen) for the points of the scan at most so far from the axis.
+  /// Calls visit(i, coordinates) for the points of the scan along a stretch, up to a distance from the axis.
   template <class Visit>
-  void for_stretch(const Cylinder& c, const Stretch& stretch, float reach, Visit visit) const {
+  void for_stretch(const Cylinder& c, const Stretch& stretch, float max_distance, Visit visit) const {
     Box3f box;
     box.extend(c.on_axis(stretch.from));
     box.extend(c.on_axis(stretch.to));
-    const Vec3f margin = Vec3f::Constant(reach);
+    const Vec3f margin = Vec3f::Constant(max_distance);
     surface_.visit_box(box.low - margin, box.high + margin, [&](std::uint32_t i) {
-      const OnCylinder seen = seen_from(c, surface_.position(i));
-      if (seen.along >= stretch.from && seen.along < stretch.to && seen.distance <= reach) visit(i, seen);
+      const OnCylinder at = cylinder_coordinates(c, surface_.position(i));
+      if (at.along >= stretch.from && at.along < stretch.to && at.distance <= max_distance) visit(i, at);
     });
   }
 
-  /// Whether it lies on the cylinder and is not seen well to be something else: a face, or the outside of a thin wall.
-  bool is_wall(std::uint32_t i, const Cylinder& c, const OnCylinder& seen, float tolerance) const {
-    if (std::abs(seen.distance - c.radius) >= tolerance) return false;
-    if (surface_.hardly_seen(i)) return true;
+  /// Whether a point is on the cylinder's wall: within the tolerance, and not clearly on a face or on the outside of a
+  /// thin wall.
+  bool is_wall(std::uint32_t i, const Cylinder& c, const OnCylinder& at, float tolerance) const {
+    if (std::abs(at.distance - c.radius) >= tolerance) return false;
+    if (surface_.is_sparse(i)) return true;
     const Vec3f n = surface_.normal(i);
-    return std::abs(n.dot(c.axis)) <= kAcross && n.dot(seen.outwards) <= 0;
+    return std::abs(n.dot(c.axis)) <= kFaceCosine && n.dot(at.outwards) <= 0;
   }
 
-  /// @param by_share  what was seen seldom counts for more: it lies deep in the bore, and tells the axis
-  bool fit(Cylinder& c, const Stretch& stretch, float tolerance, bool by_share) const {
+  /// @param weigh_by_share  gives sparse points more weight: they lie deep in the bore and determine its axis
+  bool fit(Cylinder& c, const Stretch& stretch, float tolerance, bool weigh_by_share) const {
     CylinderFit fit(c);
-    for_stretch(c, stretch, c.radius + tolerance, [&](std::uint32_t i, const OnCylinder& seen) {
-      if (!is_wall(i, c, seen, tolerance)) return;
-      const float off = (seen.distance - c.radius) / tolerance;
+    for_stretch(c, stretch, c.radius + tolerance, [&](std::uint32_t i, const OnCylinder& at) {
+      if (!is_wall(i, c, at, tolerance)) return;
+      const float off = (at.distance - c.radius) / tolerance;
       const float near = 1 - off * off;
-      const float share = by_share ? surface_.share(i) : 1;
-      fit.add(seen, near * near * share * share);
+      const float share = weigh_by_share ? surface_.share_radius(i) : 1;
+      fit.add(at, near * near * share * share);
     });
     return fit.improve(c) && c.radius > 0.25F * surface_.epsilon();
   }
 
-  /// @param way  1 or -1: a mouth's face looks this way along the axis; 0: none is looked for
-  Section section(const Cylinder& c, const Stretch& stretch, float tolerance, float way) const {
-    Section s;
+  /// @param way  1 or -1: direction along the axis that a face around the mouth looks; 0 finds no faces
+  Survey survey(const Cylinder& c, const Stretch& stretch, float tolerance, float way) const {
+    Survey s;
     const Frame frame(c.axis);
-    for_stretch(c, stretch, kRound * c.radius, [&](std::uint32_t i, const OnCylinder& seen) {
-      const std::uint32_t direction = 1U << octant(seen.outwards.dot(frame.t), seen.outwards.dot(frame.s));
-      if (is_wall(i, c, seen, tolerance)) {
+    for_stretch(c, stretch, kSurveyRadius * c.radius, [&](std::uint32_t i, const OnCylinder& at) {
+      const std::uint32_t direction = 1U << octant(at.outwards.dot(frame.t), at.outwards.dot(frame.s));
+      if (is_wall(i, c, at, tolerance)) {
         s.wall |= direction;
         ++s.on;
         return;
       }
       if (!surface_.is_surface(i)) return;
       const Vec3f n = surface_.normal(i);
-      if (seen.distance < kWithin * c.radius) {
-        ++s.within;
-      } else if (seen.distance > c.radius && !surface_.hardly_seen(i) && n.dot(c.axis) * way > kAcross) {
+      if (at.distance < kInsideRadius * c.radius) {
+        ++s.inside;
+      } else if (at.distance > c.radius && !surface_.is_sparse(i) && n.dot(c.axis) * way > kFaceCosine) {
         s.mouth |= direction;
-      } else if (n.dot(seen.outwards) < -kFacing) {
+      } else if (n.dot(at.outwards) < -kWallCosine) {
         ++s.beside;
       }
     });
     return s;
   }
 
-  /// One of the two ways along a bore.
+  /// One of the two directions along a bore.
   struct Way {
     float sign;
     float step;
     float reached = 0;
-    float walled = 0;  ///< the last place with wall all round
+    float walled = 0;  ///< last position with wall all around
     bool open = true;
   };
 
@@ -207,9 +216,9 @@ class RoundBores {
     const float first_radius = c.radius;
     const auto fit_all = [&](const Stretch& stretch) {
       return fit(c, stretch, tolerance_, true) && fit(c, stretch, tolerance_, true) &&
-             c.radius < kMostChange * first_radius && first_radius < kMostChange * c.radius;
+             c.radius < kMaxChange * first_radius && first_radius < kMaxChange * c.radius;
     };
-    if (tolerance_ > kMostTolerance * c.radius) return std::nullopt;
+    if (tolerance_ > kMaxTolerance * c.radius) return std::nullopt;
     std::array<Way, 2> ways{{{-1, kStep * c.radius}, {1, kStep * c.radius}}};
     std::uint32_t on = 0;
     std::uint32_t beside = 0;
@@ -217,19 +226,19 @@ class RoundBores {
       for (Way& way : ways) {
         if (!way.open) continue;
         const float next = way.reached + way.sign * way.step;
-        const Section s = section(c, {std::min(way.reached, next), std::max(way.reached, next)}, tolerance_, way.sign);
-        if (s.within >= kBottom || std::popcount(s.mouth) >= kMouth) {
+        const Survey s = survey(c, {std::min(way.reached, next), std::max(way.reached, next)}, tolerance_, way.sign);
+        if (s.inside >= kBottomPoints || std::popcount(s.mouth) >= kFaced) {
           way.step *= 0.5F;
-          way.open = way.step >= kLeastStep * c.radius;
+          way.open = way.step >= kMinStep * c.radius;
           continue;
         }
         way.reached = next;
         on += s.on;
         beside += s.beside;
-        if (std::popcount(s.wall) >= kWall) way.walled = next;
+        if (std::popcount(s.wall) >= kWalled) way.walled = next;
         const Stretch stretch{ways[0].reached, ways[1].reached};
         if (s.on > 0 && !fit_all(stretch)) return std::nullopt;
-        if (stretch.length() > kLongest * c.radius) ways[0].open = ways[1].open = false;
+        if (stretch.length() > kMaxLength * c.radius) ways[0].open = ways[1].open = false;
       }
     }
     const Stretch walled{ways[0].walled, ways[1].walled};
@@ -237,16 +246,16 @@ class RoundBores {
     for (int k = 0; k < 3; ++k) {
       if (!fit(c, {walled.from + margin, walled.to - margin}, tolerance_, false)) return std::nullopt;
     }
-    if (on < kSurer * beside || !(unseen(c, walled) > kUnseen * surface_.epsilon())) return std::nullopt;
+    if (on < kMinRatio * beside || !(unseen_length(c, walled) > kMinUnseen * surface_.epsilon())) return std::nullopt;
     return Bore{c, walled};
   }
 
-  /// How much of a stretch has hardly any wall.
-  float unseen(const Cylinder& c, const Stretch& walled) const {
+  /// Length of a stretch that has little wall.
+  float unseen_length(const Cylinder& c, const Stretch& walled) const {
     const float step = kStep * c.radius;
     float length = 0;
     for (float t = walled.from; t + step <= walled.to; t += step) {
-      if (std::popcount(section(c, {t, t + step}, tolerance_, 0).wall) < kBare) length += step;
+      if (std::popcount(survey(c, {t, t + step}, tolerance_, 0).wall) < kBare) length += step;
     }
     return length;
   }
@@ -264,19 +273,19 @@ Expected<std::span<BoreEnd>> continue_round_bores(BoreSurface& surface, std::spa
   std::size_t next = 0;
   while (next < ends.size()) {
     if (!progress.advance(1 - static_cast<double>(ends.size() - next) / all)) {
-      return fail(ErrorCode::kCancelled, "cancelled while the walls of round bores were continued");
+      return fail(ErrorCode::kCancelled, "cancelled while the walls of round bores were extended");
     }
     BoreEnd& end = ends[next];
     const auto before = ends.first(next++);
     const bool tried_near = std::any_of(before.begin(), before.end(), [&](const BoreEnd& o) {
       const Vec3f d = surface.position(o.point) - surface.position(end.point);
-      return o.tried && d.dot(d) < kApart * kApart * o.width * o.width;
+      return o.not_round && d.dot(d) < kRetryDistance * kRetryDistance * o.width * o.width;
     });
     if (tried_near) continue;
-    const auto bore = bores.from(end);
-    end.tried = !bore;
+    const auto bore = bores.find_from(end);
+    end.not_round = !bore;
     if (!bore) continue;
-    bores.settle(*bore);
+    bores.extend(*bore);
     const auto on_it = [&](const BoreEnd& o) { return bores.contains(*bore, surface.position(o.point)); };
     const auto done = ends.first(next);
     next -= static_cast<std::size_t>(std::count_if(done.begin(), done.end(), on_it));

@@ -50,15 +50,15 @@ TEST(StrayLimits, AFeatureMayHaveTheMoreVoxelsTheMoreNoiseHasWidenedTheSupports)
   const auto voxels = [&](float support) {
     return static_cast<double>(feature_limits(sheet(0.2, settings, support), settings, grid).voxels);
   };
-  EXPECT_NEAR(voxels(4 * settings.least_support), 4 * voxels(settings.least_support), 4);
-  EXPECT_GT(voxels(settings.least_support), 0);
+  EXPECT_NEAR(voxels(4 * settings.min_support), 4 * voxels(settings.min_support), 4);
+  EXPECT_GT(voxels(settings.min_support), 0);
 }
 
 TEST(StrayLimits, ANarrowFeatureIsTwoThirdsOfEpsilonHighUnlessNoiseHasWidenedTheSupports) {
   const ClusteringSettings settings;
   const PrintGrid grid{.layers = 800, .layer_height_mm = 0.05F};
   const auto limits = [&](float widened, float noise) {
-    ClusteringResult found = sheet(0.1, settings, widened * settings.least_support);
+    ClusteringResult found = sheet(0.1, settings, widened * settings.min_support);
     found.epsilon = 0.47F;
     found.noise = noise;
     return feature_limits(found, settings, grid);
@@ -72,10 +72,10 @@ TEST(StrayLimits, ANarrowFeatureIsTwoThirdsOfEpsilonHighUnlessNoiseHasWidenedThe
 TEST(StrayLimits, WhatTouchesNothingMayBeASpeckWhateverTheNoise) {
   const ClusteringSettings settings;
   const PrintGrid grid{.pitch_x_mm = 0.05F, .pitch_y_mm = 0.04F, .layer_height_mm = 0.1F};
-  ClusteringResult found = sheet(0.1, settings, settings.least_support);
+  ClusteringResult found = sheet(0.1, settings, settings.min_support);
   found.epsilon = 0.5F;
   for (const float widened : {1.0F, 4.0F}) {
-    found.support_points = widened * settings.least_support;
+    found.support_points = widened * settings.min_support;
     EXPECT_NEAR(static_cast<double>(feature_limits(found, settings, grid).loose_voxels), 31250, 1);  // 6.25 mm3
     EXPECT_EQ(feature_limits(found, settings, grid).loose_voxels, component_limits(found, grid).min_voxels);
   }

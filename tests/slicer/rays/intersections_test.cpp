@@ -304,7 +304,7 @@ TEST(Intersections, BesideAVerticalWallAreThoseOfTheLidAndTheFloor) {
   Random random(45);
   const double spacing = 0.15;
   RayLaboratory laboratory(box({2, 2, 2}, {10, 10, 10}, spacing, 0.3, random));
-  ASSERT_GT(laboratory.scan().clustering.points[static_cast<std::size_t>(PointClass::kNeutral)], 1000U);
+  ASSERT_GT(laboratory.scan().clustering.points[PointClass::kNeutral], 1000U);
   for (const double off : {0.5, 1.0, 2.0, 5.0, 20.0}) {
     for (int i = 0; i < 20; ++i) {
       const double y = random.uniform(3, 9);

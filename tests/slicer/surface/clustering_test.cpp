@@ -83,13 +83,14 @@ struct Textbook {
   }
 };
 
-/// `epsilon` is a little more than the median, so that no pair stands exactly at it: the two sides round differently.
-void expect_the_textbook_s_clusters(const Surface& surface) {
+/// Epsilon is a little more than the median, so that no pair lies exactly at it, where the two programs round
+/// differently.
+void expect_textbook_clusters(const Surface& surface) {
   ArenaBlock arena(16 * kMiB);
   Cloud cloud = cloud_of(surface, *arena);
   const KdTree3 tree = sort_by_tree(cloud, *arena);
   ClusteringSettings settings;
-  settings.thin_reach = 0;
+  settings.sparse_radius = 0;
   const float epsilon = value_of(density_epsilon(cloud, tree, settings, *arena)) * 1.0001F;
   std::vector<std::uint32_t> labels(cloud.size);
   const std::size_t before = arena->top_used();
@@ -106,43 +107,42 @@ void expect_the_textbook_s_clusters(const Surface& surface) {
   for (std::uint32_t i = 0; i < cloud.size; ++i) clusters += book.label[i] == i ? 1 : 0;
   EXPECT_EQ(result.clusters, clusters);
   EXPECT_EQ(result.core_points, std::count(book.core.begin(), book.core.end(), true));
-  for (std::size_t c = 0; c < kPointClassCount; ++c) {
-    EXPECT_EQ(result.points[c], std::count(book.type.begin(), book.type.end(), static_cast<PointClass>(c)))
-        << "class " << c;
+  for (const PointClass c : {PointClass::kEntering, PointClass::kExiting, PointClass::kNeutral, PointClass::kNoise}) {
+    EXPECT_EQ(result.points[c], std::count(book.type.begin(), book.type.end(), c)) << "class " << static_cast<int>(c);
   }
 }
 
-TEST(Clustering, SeparatesTwoParallelSheetsThatFaceApartAsTheTextbookDoes) {
+TEST(Clustering, SeparatesParallelSheetsThatFaceOppositeWaysLikeTheTextbook) {
   Random random(11);
   Surface surface = sheet({0, 0, 0}, {0, 4, 0}, {4, 0, 0}, 0.12, 0.5, random);
   append(surface, sheet({0, 0, 0.2}, {4, 0, 0}, {0, 4, 0}, 0.12, 0.5, random));
-  expect_the_textbook_s_clusters(surface);
+  expect_textbook_clusters(surface);
 }
 
-TEST(Clustering, JoinsTwoParallelSheetsThatFaceTheSameWayAsTheTextbookDoes) {
+TEST(Clustering, JoinsParallelSheetsThatFaceTheSameWayLikeTheTextbook) {
   Random random(12);
   Surface surface = sheet({0, 0, 0}, {4, 0, 0}, {0, 4, 0}, 0.12, 0.5, random);
   append(surface, sheet({1, 1, 0.3}, {4, 0, 0}, {0, 4, 0}, 0.12, 0.5, random));
-  append(surface, sheet({0, 0, 4}, {4, 0, 0}, {0, 4, 0}, 0.12, 0.5, random));  // too far to be one with them
-  expect_the_textbook_s_clusters(surface);
+  append(surface, sheet({0, 0, 4}, {4, 0, 0}, {0, 4, 0}, 0.12, 0.5, random));  // too far to join them
+  expect_textbook_clusters(surface);
 }
 
-TEST(Clustering, SortsANoisySphereAsTheTextbookDoes) {
+TEST(Clustering, ClassifiesANoisySphereLikeTheTextbook) {
   Random random(13);
   Surface surface = sphere(2000, 3, {5, 5, 5});
   add_noise(surface, 0.05, 0.15, random);
   shuffle(surface, random);
-  expect_the_textbook_s_clusters(surface);
+  expect_textbook_clusters(surface);
 }
 
-TEST(Clustering, FollowsTheTextbookAlongTheEdgesOfACube) {
+TEST(Clustering, ClassifiesTheEdgesOfACubeLikeTheTextbook) {
   Random random(14);
   Surface surface = box({0, 0, 0}, {3, 3, 3}, 0.16, 0.4, random);
   add_noise(surface, 0.01, 0.05, random);
-  expect_the_textbook_s_clusters(surface);
+  expect_textbook_clusters(surface);
 }
 
-TEST(Clustering, LeavesOutTheStraysThatTheTextbookLeavesOut) {
+TEST(Clustering, FindsTheSameOutliersAsTheTextbook) {
   Random random(15);
   Surface surface = sphere(1200, 3, {5, 5, 5});
   for (int i = 0; i < 300; ++i) {
@@ -150,39 +150,24 @@ TEST(Clustering, LeavesOutTheStraysThatTheTextbookLeavesOut) {
         {Vec3d(random.uniform(0, 10), random.uniform(0, 10), random.uniform(0, 10)), random.vector().normalized()});
   }
   shuffle(surface, random);
-  expect_the_textbook_s_clusters(surface);
+  expect_textbook_clusters(surface);
 }
 
-TEST(Clustering, TakesSurfacesOfAnyDensityAsTheTextbookDoes) {
+TEST(Clustering, ClassifiesSurfacesOfDifferentDensityLikeTheTextbook) {
   Random random(16);
   Surface surface = sheet({0, 0, 0}, {3, 0, 0}, {0, 3, 0}, 0.1, 0.5, random);
   append(surface, sheet({3, 0, 0}, {3, 0, 0.8}, {0, 3, 0}, 0.25, 0.5, random));
   append(surface, sheet({6, 0, 0.8}, {3, 0, 0.1}, {0, 3, 0}, 0.4, 0.5, random));
-  expect_the_textbook_s_clusters(surface);
+  expect_textbook_clusters(surface);
 }
 
-// Seven points in one place have no thirty neighbours. The rescue of thin surface once kept them at a reach of 0 too.
-TEST(Clustering, LeavesTheThesisNoiseWhereACopiedPointStandsAlone) {
+// Seven points in one place don't have thirty neighbours. The rescue of sparse surface once kept them even with a
+// radius of 0.
+TEST(Clustering, CallsCopiesOfALonePointNoiseLikeTheTextbook) {
   Random random(17);
   Surface surface = sheet({0, 0, 0}, {4, 0, 0}, {0, 4, 0}, 0.12, 0.5, random);
   for (int i = 0; i < 7; ++i) surface.push_back({Vec3d(2, 2, 9), Vec3d(0, 0, 1)});
-  expect_the_textbook_s_clusters(surface);
-}
-
-TEST(Clustering, TellsTheOrientationWithinFiveDegreesOfPerpendicular) {
-  const auto at = [](double degrees) {
-    PackedNormal normal;
-    const double a = degrees * kPi / 180;
-    normal.set(Vec3d(std::cos(a) * 0.6, std::cos(a) * 0.8, std::sin(a)).cast<float>());
-    return orientation_of(normal);
-  };
-  EXPECT_EQ(at(90), PointClass::kExiting);
-  EXPECT_EQ(at(5.02), PointClass::kExiting);
-  EXPECT_EQ(at(4.98), PointClass::kNeutral);
-  EXPECT_EQ(at(0), PointClass::kNeutral);
-  EXPECT_EQ(at(-4.98), PointClass::kNeutral);
-  EXPECT_EQ(at(-5.02), PointClass::kEntering);
-  EXPECT_EQ(at(-90), PointClass::kEntering);
+  expect_textbook_clusters(surface);
 }
 
 TEST(DensityEpsilon, IsTheMedianOfTheSixtiethNeighbourDistances) {
@@ -206,10 +191,10 @@ TEST(DensityEpsilon, IsTheMedianOfTheSixtiethNeighbourDistances) {
   }
 }
 
-TEST(DensityEpsilon, OfASampleIsWithinOnePercentOfTheWhole) {
+TEST(DensityEpsilon, OfASampleIsWithinOnePercentOfTheWholeClouds) {
   Random random(22);
   Surface surface = sphere(40000, 10, {20, 20, 20});
-  append(surface, sheet({0, 0, 0}, {40, 0, 0}, {0, 40, 0}, 0.3, 0.5, random));  // much thinner
+  append(surface, sheet({0, 0, 0}, {40, 0, 0}, {0, 40, 0}, 0.3, 0.5, random));  // much sparser
   add_noise(surface, 0.03, 0, random);
   shuffle(surface, random);
   ArenaBlock arena(16 * kMiB);
@@ -231,14 +216,14 @@ TEST(DensityEpsilon, OfPointsInOnePlaceIsZero) {
   EXPECT_EQ(value_of(density_epsilon(cloud, tree, {}, *arena)), 0);
 }
 
-/// A dense sheet, and beside it one with the spacing asked for. Tells the share of the second that is not noise.
-double kept_of_a_sheet_with_spacing(double spacing, float thin_reach) {
+/// Clusters a dense sheet and beside it one with the given spacing. Returns the share of the second that is not noise.
+double kept_share_of_a_sheet_with_spacing(double spacing, float sparse_radius) {
   Random random(31);
   Surface surface = sheet({0, 0, 0}, {10, 0, 0}, {0, 10, 0}, 0.1, 0.3, random);
   append(surface, sheet({20, 0, 0}, {10, 0, 0}, {0, 10, 0}, spacing, 0.3, random));
   ArenaBlock arena(8 * kMiB);
   ClusteringSettings settings;
-  settings.thin_reach = thin_reach;
+  settings.sparse_radius = sparse_radius;
   const ClusteredScan scan = clustered(surface, *arena, settings);
   double kept = 0;
   double all = 0;
@@ -250,14 +235,14 @@ double kept_of_a_sheet_with_spacing(double spacing, float thin_reach) {
   return kept / all;
 }
 
-TEST(Clustering, KeepsSurfaceThatFewViewsSawWhereTheThesisCallsItNoise) {
-  EXPECT_EQ(kept_of_a_sheet_with_spacing(0.3, 0), 0);
-  EXPECT_GT(kept_of_a_sheet_with_spacing(0.3, 3), 0.98);
-  EXPECT_GT(kept_of_a_sheet_with_spacing(0.45, 3), 0.9);
-  EXPECT_EQ(kept_of_a_sheet_with_spacing(2, 3), 0);
+TEST(Clustering, KeepsSparseSurfaceThatTheThesisCallsNoise) {
+  EXPECT_EQ(kept_share_of_a_sheet_with_spacing(0.3, 0), 0);
+  EXPECT_GT(kept_share_of_a_sheet_with_spacing(0.3, 3), 0.98);
+  EXPECT_GT(kept_share_of_a_sheet_with_spacing(0.45, 3), 0.9);
+  EXPECT_EQ(kept_share_of_a_sheet_with_spacing(2, 3), 0);
 }
 
-TEST(Clustering, DropsStraysBesideASurfaceEvenWhenItRescuesThinOnes) {
+TEST(Clustering, CallsOutliersBesideASurfaceNoiseEvenWhenItKeepsSparseSurface) {
   Random random(32);
   Surface surface = sheet({0, 0, 0}, {10, 0, 0}, {0, 10, 0}, 0.1, 0.3, random);
   const std::size_t on_sheet = surface.size();
@@ -267,15 +252,15 @@ TEST(Clustering, DropsStraysBesideASurfaceEvenWhenItRescuesThinOnes) {
   }
   ArenaBlock arena(8 * kMiB);
   const ClusteredScan scan = clustered(surface, *arena);
-  EXPECT_EQ(scan.clustering.points[static_cast<std::size_t>(PointClass::kNoise)], surface.size() - on_sheet);
+  EXPECT_EQ(scan.clustering.points[PointClass::kNoise], surface.size() - on_sheet);
 }
 
-TEST(Clustering, GivesEveryPointTheDiscThatHoldsItsSupport) {
+TEST(Clustering, SetsRadiiOfDiscsThatHoldTheSupportPoints) {
   Random random(33);
   const Surface surface = sheet({0, 0, 0}, {20, 0, 0}, {0, 20, 0}, 0.2, 0.2, random);
   ArenaBlock arena(8 * kMiB);
   const ClusteredScan scan = clustered(surface, *arena);
-  EXPECT_EQ(scan.clustering.support_points, ClusteringSettings{}.least_support);
+  EXPECT_EQ(scan.clustering.support_points, ClusteringSettings{}.min_support);
   EXPECT_LT(scan.clustering.noise, 1e-4F);
   for (std::uint32_t i = 0; i < scan.cloud.size; ++i) {
     const Vec3f& p = scan.cloud.position[i];
@@ -285,17 +270,17 @@ TEST(Clustering, GivesEveryPointTheDiscThatHoldsItsSupport) {
   }
 }
 
-TEST(Clustering, MeasuresTheNoiseOfAScanAndWidensTheSupport) {
+TEST(Clustering, MeasuresTheNoiseOfAScanAndWidensTheSupports) {
   Random random(34);
   Surface surface = sheet({0, 0, 0}, {20, 0, 0}, {0, 20, 0}, 0.1, 0.3, random);
   for (SurfacePoint& p : surface) p.position[2] += 0.05 * random.normal();
   ArenaBlock arena(8 * kMiB);
   const ClusteredScan scan = clustered(surface, *arena);
   EXPECT_NEAR(scan.clustering.noise, 0.05, 0.01);
-  EXPECT_GT(scan.clustering.support_points, 2 * ClusteringSettings{}.least_support);
+  EXPECT_GT(scan.clustering.support_points, 2 * ClusteringSettings{}.min_support);
 }
 
-TEST(Clustering, OutOfMemoryIsAnErrorAndLeavesTheArenaAsItWas) {
+TEST(Clustering, ReportsAFullArenaAndReleasesWhatItTook) {
   Random random(35);
   const Surface surface = sheet({0, 0, 0}, {20, 0, 0}, {0, 20, 0}, 0.2, 0.2, random);
   ArenaBlock arena(kMiB);

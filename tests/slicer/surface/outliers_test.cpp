@@ -1,4 +1,4 @@
-/// Points that lie on no surface, alone and round one that is thinly scanned.
+/// Scans of outliers alone, and of outliers around a surface.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ using ::testing::HasSubstr;
 
 constexpr double kSide = 20;
 
-Surface strays(std::uint32_t points) {
+Surface outliers(std::uint32_t points) {
   Random random(5);
   Surface surface;
   for (std::uint32_t i = 0; i < points; ++i) {
@@ -40,32 +40,32 @@ class LastStage final : public ProgressSink {
 void expect_no_surface_before_any_ray(const Surface& surface) {
   ArenaBlock arena(64 * kMiB);
   const std::string scan = binary_ply(surface);
-  MemorySource source(scan, "strays.ply");
+  MemorySource source(scan, "outliers.ply");
   SliceReport report;
   LastStage stage;
   const auto rrep = slice(source, settings_with_pitch(0.05F), *arena, &stage, report);
   ASSERT_FALSE(rrep.has_value());
   EXPECT_EQ(rrep.error().code(), ErrorCode::kNoSurface) << rrep.error().message();
-  EXPECT_THAT(rrep.error().message(), HasSubstr("strays.ply"));
+  EXPECT_THAT(rrep.error().message(), HasSubstr("outliers.ply"));
   EXPECT_EQ(stage.last(), Stage::kClustering);
   EXPECT_EQ(arena->used(), 0U);
 }
 
-// Their neighbours' heights average out, so the rescue of thin surface once took them for one; the rays, each through half
-// of the cloud, then took minutes and all of the arena.
-TEST(Strays, AreNoSurface) {
-  for (const std::uint32_t points : {700U, 1500U, 6000U}) expect_no_surface_before_any_ray(strays(points));
+// The heights of random neighbours average out, so the rescue of sparse surface once took outliers for a surface. Rays
+// through half of the cloud then took minutes and all of the arena.
+TEST(Outliers, AreNoSurface) {
+  for (const std::uint32_t points : {700U, 1500U, 6000U}) expect_no_surface_before_any_ray(outliers(points));
 }
 
-TEST(Strays, AreNoSurfaceWhenTheirNormalsAreEstimated) {
+TEST(Outliers, WithoutNormalsAreNoSurface) {
   for (const std::uint32_t points : {1500U, 6000U}) {
-    Surface surface = strays(points);
+    Surface surface = outliers(points);
     for (SurfacePoint& p : surface) p.normal.setZero();
     expect_no_surface_before_any_ray(surface);
   }
 }
 
-TEST(Strays, AndFewPointsOnASurfaceAreNotTheSame) {
+TEST(Outliers, AreToldFromASurfaceOfFewPoints) {
   for (const std::uint32_t points : {400U, 1500U}) {
     const Slicing sliced(binary_ply(sphere(points, 10, {0, 0, 0})), settings_with_pitch(0.2F), 64 * kMiB);
     EXPECT_TRUE(sliced.report().clustering.coherent);
@@ -73,8 +73,8 @@ TEST(Strays, AndFewPointsOnASurfaceAreNotTheSame) {
   }
 }
 
-TEST(Strays, DoNotHideASurfaceOfFewerPoints) {
-  Surface surface = strays(6000);
+TEST(Outliers, DontHideASurfaceOfFewerPoints) {
+  Surface surface = outliers(6000);
   append(surface, sphere(2500, 7, {10, 10, 10}));
   Random random(6);
   shuffle(surface, random);

@@ -15,17 +15,17 @@ namespace {
 
 using namespace testing;
 
-constexpr double kLength = 2;     ///< mm, of a wave
-constexpr double kHeight = 0.15;  ///< mm, its amplitude
+constexpr double kLength = 2;     ///< wavelength, mm
+constexpr double kHeight = 0.15;  ///< amplitude of the waves, mm
 
 Vec3d wave_normal(double x, double blur) {
-  // A scanner's window damps what it sees of the slope.
+  // A scanner's window damps the slope that it sees.
   const double slope = blur * kHeight * 2 * kPi / kLength * std::cos(2 * kPi * x / kLength);
   const Vec3d n(-slope, 0, 1);
   return n / std::sqrt(n.dot(n));
 }
 
-/// Waves along x over 16 mm x 16 mm, their slope seen as `blur` times what it is.
+/// Waves along x over 16 mm x 16 mm, whose normals have `blur` times the true slope.
 Surface waves(double blur, double noise) {
   Random random(5);
   Surface surface;
@@ -39,7 +39,7 @@ Surface waves(double blur, double noise) {
   return surface;
 }
 
-/// z = 0 over 16 mm x 16 mm, its points up to 0.03 mm off it.
+/// The plane z = 0 over 16 mm x 16 mm with points up to 0.03 mm off it.
 Surface noisy_plane(const Vec3d& normal) {
   Random random(2);
   Surface plane;
@@ -56,7 +56,7 @@ ClusteringResult clustered(Cloud& cloud, const KdTree3& tree, Arena& arena) {
 struct Refined {
   ArenaBlock block{32 * kMiB};
   ClusteringResult clustering;
-  double before = 0, after = 0;  ///< degrees, mean error of the normals
+  double before = 0, after = 0;  ///< mean error of the normals, degrees
 
   explicit Refined(const Surface& surface, NormalSource source = NormalSource::kScanner) {
     Arena& arena = *block;
@@ -68,7 +68,7 @@ struct Refined {
     std::uint32_t counted = 0;
     for (std::uint32_t i = 0; i < cloud.size; ++i) {
       const Vec3f& p = cloud.position[i];
-      if (p[0] < 2 || p[0] > 14 || p[1] < 2 || p[1] > 14) continue;  // the rim sees one side only
+      if (p[0] < 2 || p[0] > 14 || p[1] < 2 || p[1] > 14) continue;  // the rim has neighbours on one side only
       const Vec3d truth = wave_normal(static_cast<double>(p[0]), 1);
       before += angle(truth, cloud.normal[i].unpack());
       after += angle(truth, refined[i].unpack());
@@ -89,14 +89,14 @@ TEST(RefinedNormals, AreSharperThanThoseOfAWideWindow) {
   EXPECT_LT(waves_seen_flat.after, 0.4 * waves_seen_flat.before);
 }
 
-TEST(RefinedNormals, OfAnExactScanStayAsTheyAre) {
+TEST(RefinedNormals, OfAnExactScanStayExact) {
   const Refined exact(waves(1, 0));
-  EXPECT_LT(exact.before, 0.2) << "as far as they can be written";
+  EXPECT_LT(exact.before, 0.2) << "rounding of packed normals";
   EXPECT_LT(exact.after, 3);
   EXPECT_LT(Refined(waves(1, 0), NormalSource::kPoints).after, 3);
 }
 
-TEST(RefinedNormals, DoNotFollowNoise) {
+TEST(RefinedNormals, DontFollowNoise) {
   ArenaBlock block(32 * kMiB);
   Cloud cloud = cloud_of(noisy_plane({0, 0, 1}), *block);
   const KdTree3 tree = sort_by_tree(cloud, *block);
@@ -110,11 +110,11 @@ TEST(RefinedNormals, DoNotFollowNoise) {
   };
   const double error = mean_error();
   clustering.noise = 0;
-  EXPECT_LT(error, 0.25 * mean_error()) << "degrees; against those that believe every point";
+  EXPECT_LT(error, 0.25 * mean_error()) << "degrees; against normals that follow every point";
 }
 
 // The surface of a noisy scan without normals was rougher than that of the same scan with normals.
-TEST(RefinedNormals, ThatWereEstimatedAreFittedToMorePointsWhereThereIsNoise) {
+TEST(RefinedNormals, AreFittedToMorePointsIfEstimatedFromANoisyScan) {
   ArenaBlock block(32 * kMiB);
   Cloud cloud = cloud_of(noisy_plane({0, 0, 0}), *block);
   const KdTree3 tree = sort_by_tree(cloud, *block);
@@ -132,8 +132,8 @@ TEST(RefinedNormals, ThatWereEstimatedAreFittedToMorePointsWhereThereIsNoise) {
   EXPECT_LT(mean_error(as_estimated), 0.5 * mean_error(as_scanned)) << "degrees";
 }
 
-// A bore was closed where its walls had the normals of the face that it is in.
-TEST(RefinedNormals, OfAWallBelowAnEdgeDoNotStayThoseOfTheFaceAbove) {
+// A bore was closed because its walls had the normals of the face around its mouth.
+TEST(RefinedNormals, BelowAnEdgeDontStayThoseOfTheFaceAbove) {
   Random random(3);
   Surface scan = sheet({0, 0, 0}, {8, 0, 0}, {0, 8, 0}, 0.1, 0.5, random);
   for (const SurfacePoint& p : sheet({8, 0, -8}, {0, 8, 0}, {0, 0, 8}, 0.1, 0.5, random)) {
@@ -155,7 +155,7 @@ TEST(RefinedNormals, OfAWallBelowAnEdgeDoNotStayThoseOfTheFaceAbove) {
     wrong += Refined::angle(Vec3d(1, 0, 0), refined[i].unpack()) > 30 ? 1 : 0;
   }
   EXPECT_GT(count, 60U);
-  EXPECT_LT(wrong, count / 3) << "all of them as they were scanned";
+  EXPECT_LT(wrong, count / 3) << "all of them are wrong as scanned";
 }
 
 }  // namespace

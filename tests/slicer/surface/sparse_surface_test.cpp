@@ -50,9 +50,9 @@ struct Clustered {
     std::vector<PackedNormal> refined(cloud.size);
     check(refine_normals(cloud, tree, {}, result, NormalSource::kScanner, refined));
     std::copy(refined.begin(), refined.end(), cloud.normal.begin());
-    check(rescue_thin_surface(cloud, tree, {}, result));
+    check(rescue_sparse_surface(cloud, tree, {}, result));
   }
-  /// Of the points that `where` lets through, the share that is no noise.
+  /// Share of the points accepted by `where` that are not noise.
   template <class Where>
   double kept(Where where) const {
     double all = 0;
@@ -66,15 +66,15 @@ struct Clustered {
   }
 };
 
-// A narrow bore curves away within the few points there are: heights over the planes of the neighbours alone called it noise.
-TEST(ThinSurface, IsTheWallOfANarrowBoreToo) {
+// The wall of a narrow bore curves away within few points. Heights over the neighbours' planes alone made it noise.
+TEST(SparseSurface, IncludesTheWallOfANarrowBore) {
   Random random(1);
   EXPECT_GT(Clustered(bored_plate(random)).kept(in_bore), 0.8);
 }
 
-// The wall of a cup, seen well from outside and hardly from inside: the nearest points were all of the outside, and the cup
-// was filled.
-TEST(ThinSurface, IsTheHardlySeenSideOfAThinWall) {
+// The wall of a cup has many points outside and few inside. When the nearest points were all on the outside, the inside
+// became noise and the cup was filled.
+TEST(SparseSurface, IncludesTheSparseSideOfAThinWall) {
   Random random(4);
   Surface surface = sheet({-8, -8, 0}, {0, 16, 0}, {16, 0, 0}, 0.14, 0.3, random);
   const auto from = static_cast<std::uint32_t>(surface.size());
@@ -83,11 +83,11 @@ TEST(ThinSurface, IsTheHardlySeenSideOfAThinWall) {
   const Cloud cloud = cloud_of(surface, *block);
   const KdTree3 tree = value_of(KdTree3::build(cloud.positions(), *block, "test"));
   for (std::uint32_t i = from; i < cloud.size; ++i) {
-    EXPECT_TRUE(thin_surface_radius(cloud, tree, i, 0.6F, {}).has_value()) << cloud.position[i].transpose();
+    EXPECT_TRUE(sparse_surface_radius(cloud, tree, i, 0.6F, {}).has_value()) << cloud.position[i].transpose();
   }
 }
 
-TEST(ThinSurface, IsNotWhatLiesBesideIt) {
+TEST(SparseSurface, LeavesOutPointsBesideIt) {
   Random random(2);
   Surface surface = bored_plate(random);
   const auto from = static_cast<std::uint32_t>(surface.size());
@@ -96,11 +96,11 @@ TEST(ThinSurface, IsNotWhatLiesBesideIt) {
   const Cloud cloud = cloud_of(surface, *block);
   const KdTree3 tree = value_of(KdTree3::build(cloud.positions(), *block, "test"));
   for (std::uint32_t i = from; i < cloud.size; ++i) {
-    EXPECT_FALSE(thin_surface_radius(cloud, tree, i, 0.55F, {}).has_value()) << cloud.position[i].transpose();
+    EXPECT_FALSE(sparse_surface_radius(cloud, tree, i, 0.55F, {}).has_value()) << cloud.position[i].transpose();
   }
 }
 
-TEST(ThinSurface, IsRescuedWhenItsNormalsWereWrong) {
+TEST(SparseSurface, IsRescuedWhereItsNormalsWereWrong) {
   Random random(3);
   Surface surface = bored_plate(random);
   for (SurfacePoint& p : surface) {
@@ -111,25 +111,22 @@ TEST(ThinSurface, IsRescuedWhenItsNormalsWereWrong) {
         {Vec3d(random.uniform(-8, 8), random.uniform(-8, 8), random.uniform(2, 12)), random.vector().normalized()});
   }
   Clustered scan(surface);
-  const auto stray = [](const Vec3f& p) { return p[2] > 1; };
+  const auto outlier = [](const Vec3f& p) { return p[2] > 1; };
   const double before = scan.kept(in_bore);
   EXPECT_LT(before, 0.85);
   scan.rescue();
   EXPECT_GT(scan.kept(in_bore), before + 0.1);
-  EXPECT_LT(scan.kept(stray), 0.02);
-  std::array<std::uint32_t, kPointClassCount> points{};
-  for (const PackedNormal& n : scan.cloud.normal.first(scan.cloud.size))
-    ++points[static_cast<std::size_t>(n.point_class)];
-  EXPECT_EQ(scan.result.points, points);
+  EXPECT_LT(scan.kept(outlier), 0.02);
+  EXPECT_EQ(scan.result.points, count_classes(scan.cloud.normal.first(scan.cloud.size)));
 }
 
-TEST(ThinSurface, IsNotLookedForWhereTheReachIsNothing) {
+TEST(SparseSurface, IsOffWithARadiusOfZero) {
   ArenaBlock block(kMiB);
   const Cloud cloud = cloud_of(Surface(20, {Vec3d(1, 2, 3), Vec3d(0, 0, 1)}), *block);
   const KdTree3 tree = value_of(KdTree3::build(cloud.positions(), *block, "test"));
   ClusteringSettings settings;
-  settings.thin_reach = 0;
-  EXPECT_FALSE(thin_surface_radius(cloud, tree, 0, 1, settings).has_value());
+  settings.sparse_radius = 0;
+  EXPECT_FALSE(sparse_surface_radius(cloud, tree, 0, 1, settings).has_value());
 }
 
 }  // namespace

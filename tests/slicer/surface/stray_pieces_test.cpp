@@ -9,7 +9,7 @@ namespace {
 
 using namespace testing;
 
-constexpr double kSpacing = 0.2;  ///< mm; small balls are no specks then
+constexpr double kSpacing = 0.2;  ///< mm; dense enough for small balls to be more than small features
 
 Surface ball(double radius, const Vec3d& centre) { return sphere(sphere_points(radius, kSpacing), radius, centre); }
 
@@ -19,7 +19,7 @@ Slicing sliced(const Surface& surface, bool keep_all = false, float pitch_mm = 0
   return Slicing(binary_ply(surface), settings, 64 * kMiB);
 }
 
-TEST(StrayPieces, ASmallPieceFarFromTheObjectIsLeftOutBeforeItIsPlaced) {
+TEST(StrayPieces, AreLeftOutBeforeTheObjectIsPlaced) {
   const Surface object = ball(20, {0, 0, 0});
   Surface scan = object;
   append(scan, ball(2.3, {60, 10, -40}));
@@ -29,7 +29,7 @@ TEST(StrayPieces, ASmallPieceFarFromTheObjectIsLeftOutBeforeItIsPlaced) {
       << "some were averaged";
   EXPECT_NEAR(without.report().strays.share, 0.014, 0.004);
   EXPECT_EQ(without.report().components.solids, 1U);
-  EXPECT_NEAR(without.report().placement.size_mm[2], 40, 0.1) << "the object stands on the plate, not the stray";
+  EXPECT_NEAR(without.report().placement.size_mm[2], 40, 0.1) << "the object stands on the plate, not the stray piece";
   EXPECT_NEAR(without.volume(), 4.0 / 3 * kPi * 8000, 100);
   const Slicing with = sliced(scan, true);
   EXPECT_EQ(with.report().strays.pieces, 0U);
@@ -37,14 +37,14 @@ TEST(StrayPieces, ASmallPieceFarFromTheObjectIsLeftOutBeforeItIsPlaced) {
   EXPECT_NEAR(with.report().placement.size_mm[2], 62.3, 0.1);
 }
 
-TEST(StrayPieces, TwoLegsAreAnObject) {
+TEST(StrayPieces, DontIncludeOneOfTwoLegs) {
   Random random(1);
   Surface scan = box({0, 0, 0}, {3, 3, 20}, kSpacing, 0.3, random);
   append(scan, box({40, 0, 0}, {43, 3, 20}, kSpacing, 0.3, random));
   EXPECT_EQ(sliced(scan).report().strays.pieces, 0U);
 }
 
-TEST(StrayPieces, ManySmallPiecesAreAnObject) {
+TEST(StrayPieces, DontIncludeManySmallPieces) {
   Surface scan = ball(20, {0, 0, 0});
   for (int i = 0; i < 8; ++i) {
     append(scan, ball(2.75, {45 * std::cos(i * kPi / 4), 45 * std::sin(i * kPi / 4), 0}));
@@ -54,12 +54,12 @@ TEST(StrayPieces, ManySmallPiecesAreAnObject) {
   EXPECT_EQ(slicing.report().components.solids, 9U);
 }
 
-TEST(StrayPieces, WhatTouchesTheObjectOrLiesInItsHoleStays) {
+TEST(StrayPieces, DontIncludePiecesThatTouchTheObjectOrLieInAHole) {
   Surface close = ball(10, {0, 0, 0});
   append(close, ball(1, {0, 0, 11.5}));
   EXPECT_EQ(sliced(close).report().strays.pieces, 0U);
 
-  // A bowl's bottom seen through its mouth, and nothing between: as a scanner sees a deep hole.
+  // The bottom of a hole, seen through its mouth, with no wall seen between: so a scanner sees a deep hole.
   Surface hole;
   for (const SurfacePoint& p : ball(10, {0, 0, 0})) {
     if (std::abs(p.position[0]) > 5 || std::abs(p.position[1]) > 5 || p.position[2] < 0) hole.push_back(p);
@@ -70,15 +70,15 @@ TEST(StrayPieces, WhatTouchesTheObjectOrLiesInItsHoleStays) {
   EXPECT_EQ(sliced(hole).report().strays.pieces, 0U);
 }
 
-TEST(StrayPieces, WhatHangsBesideTheObjectIsLeftOut) {
+TEST(StrayPieces, IncludeAPieceInTheAirInsideARing) {
   Surface scan = torus(20, 3, {0, 0, 0}, kSpacing, 2);
   append(scan, ball(1.6, {0, 0, 0}));
   EXPECT_EQ(sliced(scan).report().strays.pieces, 1U);
   EXPECT_EQ(sliced(scan, true).report().strays.pieces, 0U);
 }
 
-TEST(StrayPieces, ASmallPieceInTheAirWithPointsAllTheWayIsNotPrinted) {
-  // A stray so close that cells join it with the object; its solid hangs free all the same.
+TEST(StrayPieces, AreFoundAsFloatingSolidWhereCellsJoinThemToTheObject) {
+  // A stray piece so close that cells join it to the object. Its solid is still apart.
   constexpr double kDense = 0.1;
   Surface scan = sphere(sphere_points(10, kDense), 10, {0, 0, 0});
   append(scan, sphere(sphere_points(1.12, kDense), 1.12, {0, 0, 11.62}));
@@ -91,7 +91,7 @@ TEST(StrayPieces, ASmallPieceInTheAirWithPointsAllTheWayIsNotPrinted) {
   EXPECT_EQ(with.report().components.solids, 2U);
 }
 
-TEST(StrayPieces, ASmallPieceOnThePlateIsPrinted) {
+TEST(StrayPieces, DontIncludeAPieceOnThePlate) {
   Random random(1);
   Surface scan = box({0, 0, 0}, {20, 20, 20}, kSpacing, 0.3, random);
   append(scan, box({21.5, 0, 0}, {24, 3, 3}, kSpacing, 0.3, random));
@@ -99,7 +99,7 @@ TEST(StrayPieces, ASmallPieceOnThePlateIsPrinted) {
   EXPECT_EQ(slicing.report().components.floating_solids, 0U);
 }
 
-TEST(StrayPieces, AFarOneDoesNotHideANearerOne) {
+TEST(StrayPieces, AreAllFoundWhenOneIsFarAway) {
   Surface scan = ball(10, {0, 0, 0});
   append(scan, ball(1, {1000, 0, 0}));
   append(scan, ball(1, {0, 22, 0}));

@@ -17,7 +17,7 @@ using namespace testing;
 constexpr double kSpacing = 0.15;  ///< mm
 constexpr int kRows = 134;         ///< of points
 
-/// A square of 20 mm with waves of this height and length across it, seen with noise.
+/// A square of 20 mm with waves of the given amplitude and length, scanned with noise.
 Surface waves(double height, double length, double noise, Random& random) {
   Surface surface;
   for (int row = 0; row < kRows; ++row) {
@@ -36,10 +36,10 @@ struct Widened {
   ArenaBlock block{32 * kMiB};
   ClusteringResult clustering;
   float support_before = 0;
-  float growth = 1;       ///< of the radii, all by as much
+  float growth = 1;       ///< of all radii
   std::size_t taken = 0;  ///< bytes of arena
 
-  /// @param marked  points from this height on are noise before the supports are widened
+  /// @param marked  points above this height are marked as noise before the supports are widened
   explicit Widened(const Surface& surface, float marked = 1e9F) {
     Arena& arena = *block;
     Cloud cloud = cloud_of(surface, arena);
@@ -60,7 +60,7 @@ struct Widened {
   }
 };
 
-TEST(SupportSize, WidensWhatIsSmoothAndNoisy) {
+TEST(SupportSize, WidensSupportsOfASmoothNoisySurface) {
   Random random(1);
   const Widened smooth(waves(1, 20, 0.03, random));
   EXPECT_GT(smooth.support_before, 20);
@@ -70,7 +70,7 @@ TEST(SupportSize, WidensWhatIsSmoothAndNoisy) {
   EXPECT_LE(smooth.taken, support_size_bytes());
 }
 
-TEST(SupportSize, KeepsTheDetailThatTheNoiseDoesNotHide) {
+TEST(SupportSize, KeepsSupportsWhereDetailExceedsTheNoise) {
   Random random(2);
   const Widened detailed(waves(0.3, 2, 0.03, random));
   EXPECT_GT(detailed.support_before, 20);
@@ -78,7 +78,7 @@ TEST(SupportSize, KeepsTheDetailThatTheNoiseDoesNotHide) {
   EXPECT_EQ(detailed.growth, 1);
 }
 
-TEST(SupportSize, AsksNothingOfAScanWithoutNoiseOrOfAFewPoints) {
+TEST(SupportSize, KeepsSupportsOfAScanWithoutNoiseOrWithFewPoints) {
   Random random(3);
   EXPECT_EQ(Widened(waves(1, 20, 0.001, random)).growth, 1);
   Surface few = waves(1, 20, 0.03, random);
@@ -86,8 +86,8 @@ TEST(SupportSize, AsksNothingOfAScanWithoutNoiseOrOfAFewPoints) {
   EXPECT_EQ(Widened(few).growth, 1);
 }
 
-// What has been marked as no part of the object has no say in it: hanging above, and rougher.
-TEST(SupportSize, IsNotSwayedByWhatWasMarkedAsNoise) {
+// A rougher surface above, marked as noise, does not count.
+TEST(SupportSize, IgnoresPointsMarkedAsNoise) {
   Random random(4);
   Surface scan = waves(1, 20, 0.03, random);
   for (SurfacePoint rough : waves(0.3, 2, 0.03, random)) {
@@ -97,7 +97,7 @@ TEST(SupportSize, IsNotSwayedByWhatWasMarkedAsNoise) {
   EXPECT_GT(Widened(scan, 5).growth, 1.1F * Widened(scan).growth);
 }
 
-TEST(SupportSize, TellsItsProgressAndStopsWhenToldTo) {
+TEST(SupportSize, ReportsProgressAndStopsWhenCancelled) {
   StopAtThird stop;
   Random random(5);
   ArenaBlock block(32 * kMiB);

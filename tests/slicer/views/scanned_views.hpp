@@ -1,5 +1,6 @@
 #pragma once
-/// An ellipsoid as cameras see it: every point lies on the ray of a pixel, whatever its noise, and each view is a little off.
+/// An ellipsoid as cameras see it: every point lies on the ray of a pixel, whatever its noise, and each view is a
+/// little off.
 
 #include <array>
 #include <cmath>
@@ -27,8 +28,8 @@ struct Cameras {
 
 inline const Vec3d kEllipsoid = {20, 15, 12};  ///< semi-axes, mm
 
-/// Cameras stand on a sphere of 150 mm around the middle. Points seen at up to 75 degrees to the normal are kept. Shifts and
-/// turns have a mean of 0 over the views.
+/// Cameras stand on a sphere of 150 mm around the middle. Points seen at up to 75 degrees to the normal are kept.
+/// Shifts and turns have a mean of 0 over the views.
 inline ScannedViews scan_ellipsoid(const Cameras& cameras, std::uint32_t seed) {
   constexpr double kDistance = 150;
   constexpr double kLeastCosine = 0.26;

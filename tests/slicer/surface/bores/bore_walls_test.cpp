@@ -14,11 +14,11 @@ namespace {
 
 using namespace testing;
 
-constexpr double kBore = 1;      ///< mm, radius
-constexpr double kHigh = 12;     ///< mm, of the block
-constexpr double kSide = 12;     ///< mm
-constexpr double kDense = 0.12;  ///< mm, between the points of what every view saw
-constexpr double kRare = 0.5;    ///< mm, between those deep in a bore
+constexpr double kBore = 1;      ///< radius, mm
+constexpr double kHigh = 12;     ///< height of the block, mm
+constexpr double kSide = 12;     ///< of the block, mm
+constexpr double kDense = 0.12;  ///< spacing where every view saw, mm
+constexpr double kRare = 0.5;    ///< spacing deep in a bore, mm
 
 double from_axis(const Vec3d& p) { return std::hypot(p[0] - kSide / 2, p[1] - kSide / 2); }
 
@@ -37,7 +37,7 @@ Surface wall(double low, double high, double spacing, Random& random) {
   return surface;
 }
 
-/// A block with a bore through it, of whose walls the scanner saw 1.5 mm well from either mouth and 3 mm somehow.
+/// A block with a bore through it. The scanner saw 1.5 mm of its wall well from either mouth, and 1.5 mm more sparsely.
 Surface bored_block(Random& random) {
   Surface surface;
   for (const SurfacePoint& p : box({0, 0, 0}, {kSide, kSide, kHigh}, kDense, 0.3, random)) {
@@ -85,7 +85,7 @@ struct Continued {
   }
 };
 
-TEST(BoreWalls, AreContinuedBetweenWhatWasSeenFromBothEnds) {
+TEST(BoreWalls, AreExtendedBetweenThePartsSeenFromBothEnds) {
   Random random(1);
   const Continued bore(bored_block(random));
   ASSERT_GT(bore.walls.points, 0U);
@@ -107,8 +107,8 @@ TEST(BoreWalls, AreContinuedBetweenWhatWasSeenFromBothEnds) {
   EXPECT_LT(where_it_was_seen_well, bore.walls.points / 50);
 }
 
-// Estimated from the nearest points, which are all round the bore, normals deep in it point anywhere.
-TEST(BoreWalls, OfARoundBoreDoNotRelyOnNormalsWhereItWasHardlySeen) {
+// Deep in a bore the nearest points are all around it, so normals estimated from them point anywhere.
+TEST(BoreWalls, OfARoundBoreDontDependOnTheNormalsOfSparsePoints) {
   Random random(5);
   Surface surface = bored_block(random);
   const auto deep = [](const Vec3d& p) { return p[2] > 1.6 && p[2] < kHigh - 1.6 && from_axis(p) < kBore + 0.01; };
@@ -129,7 +129,7 @@ TEST(BoreWalls, OfARoundBoreDoNotRelyOnNormalsWhereItWasHardlySeen) {
   EXPECT_GT(walls, 50U);
 }
 
-TEST(BoreWalls, OfAPipeLeaveItsOutsideAlone) {
+TEST(BoreWalls, OfAPipeDontChangeItsOutside) {
   Random random(8);
   Surface surface;
   for (const double from : {0.0, kHigh - 1.5}) append(surface, wall(from, from + 1.5, kDense, random));
@@ -154,10 +154,10 @@ TEST(BoreWalls, OfAPipeLeaveItsOutsideAlone) {
     const Vec3d inwards = (Vec3d(kSide / 2, kSide / 2, p[2]) - p).normalized();
     ASSERT_LT(pipe.cloud.normal[i].unpack().cast<double>().dot(inwards), -0.99);
   }
-  EXPECT_GT(rare, 50U) << "what was hardly seen of it is no noise";
+  EXPECT_GT(rare, 50U) << "its sparse part is not noise";
 }
 
-TEST(BoreWalls, OfASquareBoreAreContinuedInTheirPlanes) {
+TEST(BoreWalls, OfASquareBoreAreExtendedInTheirPlanes) {
   Random random(6);
   Surface surface;
   const auto square = [](const Vec3d& p) {
@@ -182,7 +182,7 @@ TEST(BoreWalls, OfASquareBoreAreContinuedInTheirPlanes) {
   }
 }
 
-TEST(BoreWalls, AreNotContinuedOverTheGapOfAFork) {
+TEST(BoreWalls, AreNotExtendedAcrossTheGapOfAFork) {
   Random random(7);
   Surface surface;
   const auto prong = [&](double low, double high) {
@@ -202,25 +202,25 @@ TEST(BoreWalls, AreNotContinuedOverTheGapOfAFork) {
   }
 }
 
-TEST(BoreWalls, AreNotContinuedThroughABottomThatWasSeen) {
+TEST(BoreWalls, AreNotExtendedThroughABottomThatWasSeen) {
   Random random(2);
   Surface surface = bored_block(random);
   append(surface, bottoms(random));
   EXPECT_EQ(Continued(surface).walls.points, 0U);
 }
 
-TEST(BoreWalls, OnTheOutsideOfAThingAreLeftAlone) {
+TEST(BoreWalls, AreNotExtendedOnTheOutsideOfTheObject) {
   Random random(3);
-  // Two blocks in line: their sides would make one wall over the air between them.
+  // Two blocks in line, whose sides would make one wall across the air between them.
   Surface surface = box({0, 0, 0}, {6, 6, 4}, kDense, 0.3, random);
   append(surface, box({0, 0, 8}, {6, 6, 12}, kDense, 0.3, random));
-  // One side of each was hardly seen.
+  // One side of each is sparse.
   std::erase_if(surface, [&](const SurfacePoint& p) { return p.normal[0] > 0.5 && random.uniform() > 0.06; });
   const Continued blocks(surface);
   EXPECT_EQ(blocks.walls.points, 0U);
 }
 
-TEST(BoreWalls, AreContinuedAsFarAsThereIsRoom) {
+TEST(BoreWalls, AreExtendedAsFarAsTheCloudHasRoom) {
   Random random(1);
   const Surface surface = bored_block(random);
   ArenaBlock block(64 * kMiB);
@@ -232,7 +232,7 @@ TEST(BoreWalls, AreContinuedAsFarAsThereIsRoom) {
   EXPECT_EQ(cloud.size, surface.size());
 }
 
-TEST(BoreWalls, StopWhenToldTo) {
+TEST(BoreWalls, StopWhenCancelled) {
   StopAtThird stop;
   Random random(1);
   ArenaBlock block(64 * kMiB);
@@ -246,16 +246,16 @@ TEST(BoreWalls, StopWhenToldTo) {
   EXPECT_EQ(stop.heard, 3);
 }
 
-TEST(BoreWalls, AreNotLookedForWhereSparsenessIsNothingSpecial) {
+TEST(BoreWalls, AreNotSearchedWhereMuchOfTheScanIsSparse) {
   Random random(1);
   Surface surface = bored_block(random);
-  // Far off a large plate that is as sparse as the walls.
+  // Far away is a large plate as sparse as the walls.
   append(surface, sheet({-20, -20, 40}, {50, 0, 0}, {0, 50, 0}, kRare, 0.3, random));
   EXPECT_EQ(Continued(surface).walls.points, 0U);
 }
 
-// The winding number alone plugs it: two caps are less than a tube.
-TEST(BoreWalls, LeaveTheBoreOpen) {
+// The winding number alone plugs it: two caps are less surface than a tube.
+TEST(BoreWalls, KeepTheBoreOpen) {
   Random random(4);
   SliceSettings settings = settings_with_pitch(0.1F);
   settings.confidence = true;
