@@ -90,7 +90,7 @@ class StageModel {
   bool stopped_ = false;
   StageSwitch until_ = StageSwitch::kNone;
   Ramp ramp_;
-  Distance distance_;  ///< asked for
+  Distance distance_;  ///< requested
   Distance switched_;  ///< at the edge
   bool edge_ = false;
   TimePoint began_;

@@ -101,6 +101,7 @@ Expected<FoundPanel> find_panel(const DisplaySettings& settings, std::uint32_t w
   if (!settings.card.empty()) {
     cards.push_back(settings.card);
   } else {
+    // More than any board has; cards that don't exist are skipped.
     for (int i = 0; i < 8; ++i) cards.push_back(std::string("/dev/dri/card").append(std::to_string(i)));
   }
   std::string others;

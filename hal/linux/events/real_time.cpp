@@ -19,7 +19,7 @@ bool lock_memory() { return ::mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) =
 
 void reserve_heap() {
   // libusb, sysfs and mount(2) need some 10 KiB for a stick, which the heap would otherwise request from the kernel bit by bit.
-  constexpr std::size_t kReserve = std::size_t{1} << 20;
+  constexpr std::size_t kReserve = std::size_t{1} << 20;  // a hundred times that, and small for a board
   ::mallopt(M_ARENA_MAX, 1);
   ::mallopt(M_MMAP_MAX, 0);
   ::mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());

@@ -198,6 +198,7 @@ int keep_lamp(LampLine& line, CoverLine* cover, int socket, int firmware) {
     if (fds[0].revents != 0 && !keeper.receive()) serving = false;
   }
   keeper.turn_off();
+  // If the line still refuses, retry for about 1 s: the firmware is gone, so nothing else turns it off.
   for (int tries = 0; tries < 1000 && !line.set(false); ++tries) ::usleep(1000);
   for (const int fd : {signal_file, timer, process}) ::close(fd);
   return 0;

@@ -36,7 +36,7 @@ struct StepLegResult {
 struct StepRecord {
   std::uint64_t steps = 0;
   std::uint64_t late = 0;            ///< later than half of the time to the next step, and than 100 us
-  std::uint64_t standstills = 0;     ///< so late that the motor stood: the rest of the leg got a ramp of its own
+  std::uint64_t standstills = 0;     ///< pauses in which the motor stopped, each followed by a new ramp
   std::chrono::nanoseconds worst{};  ///< lateness
 };
 
@@ -68,7 +68,7 @@ class StepLegs {
 
   /// Steps up less steps down since the program started. From any thread.
   std::int64_t count() const { return count_.load(std::memory_order_relaxed); }
-  /// The latest end of the leg that runs, where it was put off by lateness; from any thread.
+  /// The expected end of the running leg if a pause has delayed it, else 0. From any thread.
   Time delayed_end() const { return Time(delayed_end_.load(std::memory_order_relaxed)); }
   void clear_delayed_end() { delayed_end_.store(0, std::memory_order_relaxed); }
   /// Returns the record of all finished legs and resets it. @pre no leg runs

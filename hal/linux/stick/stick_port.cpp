@@ -110,7 +110,7 @@ Expected<std::size_t> LinuxStickPort::do_read(int file, std::span<std::byte> buf
   const int reason = errno;
   PLUMBLINE_TRY(do_check_mounted());
   if (got >= 0) return static_cast<std::size_t>(got);
-  // Reads of a pulled stick fail shortly before its device disappears.
+  // Reads of a pulled stick fail shortly before its device disappears. Waiting longer only delays the report of a bad sector.
   constexpr auto kGoes = std::chrono::seconds(1);
   for (const auto until = monotonic_now() + kGoes; monotonic_now() < until;) {
     sleep_until_monotonic(monotonic_now() + std::chrono::milliseconds(10));

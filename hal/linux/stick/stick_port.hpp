@@ -16,9 +16,9 @@ namespace plumbline {
 class LinuxStickPort final : public StickPort, public EventSource, private UsbSticks::Listener {
  public:
   static constexpr nanoseconds kPollInterval =
-      std::chrono::milliseconds(100);  ///< of looking for the kernel's block device
-  static constexpr nanoseconds kMaxWait =
-      std::chrono::seconds(10);  ///< after which a stick without one counts as arrived
+      std::chrono::milliseconds(100);  ///< of looking for the block device; shorter costs CPU, longer delays an arrival
+  static constexpr nanoseconds kMaxWait = std::chrono::seconds(
+      10);  ///< after which a stick without a block device counts as arrived, so that mounting it can report the problem
 
   LinuxStickPort(StickSettings settings, EventQueue& events, Interlock& interlock);
 

@@ -86,7 +86,8 @@ StickIdentity read_identity(const std::string& device) {
 }
 
 std::vector<std::string> block_devices(const std::string& device, const std::string& udev) {
-  constexpr int kDepth = 6;
+  constexpr int kDepth =
+      6;  // folders between the device and "sda": interface, host, target, LUN, "block", and one to spare
   std::vector<fs::path> media;
   find_media(device, kDepth, media);
   std::sort(media.begin(), media.end());
@@ -107,7 +108,8 @@ std::vector<std::string> block_devices(const std::string& device, const std::str
 }
 
 void unmount_all(const std::string& folder) {
-  // Detached, because open files of a pulled stick must not block the next one.
+  // Detached, because open files of a pulled stick must not block the next one. Repeated, because mounts can lie on top of each
+  // other; one is usual.
   for (int times = 0; times < 8 && ::umount2(folder.c_str(), MNT_DETACH | UMOUNT_NOFOLLOW) == 0; ++times) {
   }
 }

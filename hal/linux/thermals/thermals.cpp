@@ -115,7 +115,7 @@ bool LinuxFan::set(double duty) noexcept {
 }
 
 FanHealth LinuxFan::health() const noexcept {
-  constexpr nanoseconds kSpinUp = std::chrono::seconds(2);
+  constexpr nanoseconds kSpinUp = std::chrono::seconds(2);  // as Thermals::fan_health() promises
   if (!tachometer_) return FanHealth::kNotMonitored;
   if (!on_ || monotonic_now() < turned_on_at_ + kSpinUp) return FanHealth::kOk;
   return tachometer_->read().value_or(0) > 0 ? FanHealth::kOk : FanHealth::kStalled;
