@@ -44,12 +44,12 @@ TEST(Fault, TakesTheTablesAmountByDefault) {
 
 TEST(Fault, ReportsWhatIsWrongWithItsText) {
   const std::pair<const char*, const char*> wrong[] = {
-      {"", "not known"},
+      {"", "unknown"},
       {"lamp.stuck@layer=4", "did you mean lamp.stuck_on?"},
       {"stage.skip@layer=4", "did you mean stage.skips?"},
-      {"lamp.dead", "say when"},
-      {"lamp.dead@", "say when"},
-      {"lamp.dead@soon", "say when"},
+      {"lamp.dead", "add a time"},
+      {"lamp.dead@", "add a time"},
+      {"lamp.dead@soon", "add a time"},
       {"lamp.dead@layer=", "whole number"},
       {"lamp.dead@layer=-1", "whole number"},
       {"lamp.dead@layer=4x", "whole number"},
