@@ -7,11 +7,12 @@
 namespace plumbline {
 namespace {
 
-/// Of the reach, what is looked at on either side first, and from place to place: noise is less.
+/// Step of the search on either side of a crossing, as a share of the reach. Must be wider than the noise.
 constexpr float kStep = 0.25F;
-constexpr float kTolerance = 1.0F / 16;  ///< of the step
+constexpr float kTolerance = 1.0F / 16;  ///< of the bisection, as a share of the step
 
-/// Where, from a crossing on, the winding number has what lies between it and the next, solid all along or empty.
+/// First depth, from a crossing towards the next, where the winding number agrees with the interval between them.
+/// @param solid  whether that interval is solid
 std::optional<float> first_agreed(const WindingTree& winding, float x, float y, float depth, float next, float step,
                                   bool solid) {
   const float stride = next > depth ? step : -step;
@@ -33,7 +34,7 @@ bool settle_extrapolated(std::span<RayCrossing>& crossings, float x, float y, co
     RayCrossing& c = crossings[at];
     if (!c.extrapolated) continue;
     for (const bool up : {true, false}) {
-      // Beyond the outermost sheets there is nothing to end what would begin there.
+      // Nothing beyond the outermost crossings would end what begins there.
       if (up ? i == crossings.size() : at == 0) continue;
       const std::size_t lower = up ? at : at - 1;
       const bool solid = lower % 2 == 0;

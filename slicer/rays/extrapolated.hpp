@@ -1,5 +1,5 @@
 #pragma once
-/// Sheets that are there only because supports reach beyond the edge of what was seen.
+/// Crossings that MLS has extrapolated beyond the edge of what was scanned.
 
 #include <span>
 
@@ -8,20 +8,20 @@
 
 namespace plumbline {
 
-/// Off the centre of the points round it by more than this share of the reach (Intersection::off_centre) a sheet is
-/// extrapolated. On the straight edge of a sampled plane it is 0.29, in a right corner 0.41; of the crossings of the suite's
-/// scans 0.2 % (gear clean) to 2 % (gear dirty) have more, most of them 0.55 to 0.8.
+/// A crossing is extrapolated if Intersection::off_centre (a share of the reach) exceeds this. It is 0.29 on the straight edge
+/// of a sampled plane and 0.41 in a right-angled corner. Of the crossings of the suite's scans 0.2 % (gear clean) to 2 % (gear
+/// dirty) exceed 0.4, most of them with 0.55 to 0.8.
 inline constexpr float kExtrapolated = 0.4F;
 
-/// Moves each extrapolated crossing to where the winding number of the whole cloud has the sheet, or takes it out.
+/// Moves each extrapolated crossing to where the winding number of the whole cloud changes, or removes it.
 ///
-/// Without points on all sides MLS goes on as a plane, and noise tilts it: below the rim of a vertical wall it meets rays
-/// that see nothing else (Adamson and Alexa 2004 end a surface there). If the winding number knows of no sheet, solid on the
-/// one side and nothing on the other, the nearest place where it changes takes its place; where there is none before the next
-/// crossing, both go. Nothing is moved outwards beyond the outermost sheets of the ray.
-/// @param crossings  of the ray at (x, y), mm; ascending, in turn entering and exiting. May become fewer, by pairs
-/// @param reach      mm, of the supports of its points
-/// @returns whether any was moved or taken out
+/// Without points on all sides MLS continues the surface as a plane, which noise tilts: below the rim of a vertical wall that
+/// plane crosses rays that meet nothing else (Adamson and Alexa 2004 end the surface there). If the winding number is not
+/// solid on one side of the crossing and empty on the other, the crossing moves to the nearest place where it changes. If there
+/// is none before the next crossing, both are removed. The outermost crossings of the ray are never moved outwards.
+/// @param crossings  of the ray at (x, y), mm; ascending, alternately entering and exiting. Shrinks by pairs
+/// @param reach      largest support radius of its points, mm
+/// @returns whether any crossing was moved or removed
 bool settle_extrapolated(std::span<RayCrossing>& crossings, float x, float y, const WindingTree& winding, float reach);
 
 }  // namespace plumbline

@@ -8,7 +8,7 @@ namespace {
 
 constexpr const char* kStage = "intersections";
 
-/// At the very end of a band every weight is zero; the sign there is taken this share of the reach inside of it.
+/// Every weight is zero at the very end of a band, so the sign is taken this share of the reach inside of it.
 constexpr float kEndInset = 0.1F;
 
 }  // namespace
@@ -38,7 +38,7 @@ void RaySolver::find_bands(const RayGatherer& gatherer, const RayPoints& points)
     const float half = gatherer.half_chord(j);
     float low = points.depth[j] - half;
     float high = points.depth[j] + half;
-    // Depths ascend but the lower ends need not: a wide support may reach down into bands already closed.
+    // Depths ascend, but the lower ends need not: a wide support radius may reach down into bands already closed.
     while (band_count_ > 0 && (bands_[band_count_ - 1].high >= low || band_count_ == kMaxBands)) {
       const Band& last = bands_[--band_count_];
       low = std::min(low, last.low);
@@ -54,7 +54,7 @@ void RaySolver::solve_root(const RayPoints& points, float low, float low_value, 
   const bool entering = low_value > 0;  // from outside to inside while going up
   const float enough = settings_.interval * settings_.width;
   float root = 0.5F * (low + high);
-  // Illinois: regula falsi, and the value of an end that stays twice is halved, so that both ends close in.
+  // Illinois method: regula falsi that halves the value of an end that stays twice, so that both ends close in.
   int stayed = 0;
   for (std::uint32_t i = 0; i < settings_.max_iterations && high - low > enough; ++i) {
     root = (low * high_value - high * low_value) / (high_value - low_value);
@@ -93,7 +93,7 @@ void RaySolver::search(const RayPoints& points, Band& band, NextQuery next_query
   for (;;) {
     const float query = std::min(next_query(previous), end);
     const MlsValue value = mls_value(points, window(points, query, query), query);
-    // Between the supports of thin scans a band may hold a place without weight: it says nothing.
+    // In sparse scans a band may hold a place without weight, which has no sign.
     if (value.weight > 0) {
       if ((value.distance > 0) != (previous_value > 0))
         solve_root(points, previous, previous_value, query, value.distance);

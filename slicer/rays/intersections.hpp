@@ -12,7 +12,7 @@ namespace plumbline {
 
 enum class Direction : std::uint8_t { kEntering, kExiting };
 
-/// A place where the ray meets the surface.
+/// A zero of the MLS value on the ray: the ray meets the surface.
 struct Intersection {
   float depth = 0;                             ///< z, mm
   Direction direction = Direction::kEntering;  ///< of a ray that goes up
@@ -20,43 +20,43 @@ struct Intersection {
   float off_centre = 0;                        ///< MlsFrame::off_centre
 };
 
-/// A stretch of the ray on which the MLS value is defined: the union of the points' supports. Outside of all bands the
-/// scan says nothing about the ray.
+/// A stretch of the ray on which the MLS value is defined: the union of the points' support radii. The scan says nothing about
+/// the ray outside of all bands.
 struct Band {
   float low = 0, high = 0;            ///< z, mm
   std::uint32_t first = 0, last = 0;  ///< its intersections
-  bool inside_at_low = false;         ///< sign of the MLS value at its ends
+  bool inside_at_low = false;         ///< sign of the MLS value at the ends
   bool inside_at_high = false;
 };
 
-/// Numbers of thesis III-3, in units of the grid width w.
+/// Parameters of thesis III-3, relative to the grid width w.
 struct IntersectionSettings {
   float width = 0.1F;                 ///< w, mm: queries closer than delta = w are merged
   std::uint32_t max_iterations = 10;  ///< of the Illinois method
   float interval = 0.1F;              ///< gamma / w: root found when it is enclosed this narrowly
 };
 
-/// What a ray's search found; the spans are the solver's and last until its next call.
+/// Result of the search on one ray. The spans are valid until the solver's next call.
 struct RaySurface {
   std::span<const Band> bands;                  ///< ascending, disjoint
   std::span<const Intersection> intersections;  ///< ascending
 };
 
-/// Solves one ray after another. One object a thread.
+/// Finds the intersections of one ray after another. One object a thread.
 class RaySolver {
  public:
-  static constexpr std::uint32_t kMaxBands = 256;           ///< a ray; more are joined with the last
-  static constexpr std::uint32_t kMaxIntersections = 1024;  ///< a ray; more are not looked for
+  static constexpr std::uint32_t kMaxBands = 256;           ///< a ray; further ones are joined with the last
+  static constexpr std::uint32_t kMaxIntersections = 1024;  ///< a ray; further ones are ignored
 
   static std::size_t bytes_needed();
   [[nodiscard]] static Expected<RaySolver> create(const IntersectionSettings& settings, Arena& arena);
 
-  /// Query points where the points of practical clusters project on the ray, merged within w (thesis III-3.a), the ends of
-  /// the bands added; a sign change between two queries of a band encloses an intersection.
+  /// Queries the MLS value at the depths of the points, merged within w (thesis III-3.a), and at the ends of the bands. A sign
+  /// change between two queries of a band encloses an intersection.
   /// @param gatherer  after points_of_ray() for this ray
   RaySurface solve(const RayGatherer& gatherer, const RayPoints& points);
 
-  /// The same with queries spread evenly over the bands (thesis III-4.a), for rays that came out imperfect.
+  /// The same with evenly spaced queries (thesis III-4.a), for rays whose crossings do not alternate.
   /// @param spacing  mm
   RaySurface solve_uniform(const RayGatherer& gatherer, const RayPoints& points, float spacing);
 

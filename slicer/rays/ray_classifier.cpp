@@ -12,11 +12,17 @@ namespace {
 constexpr const char* kStage = "perfect rays";
 constexpr std::uint32_t kMaxCrossingsFound = 4096;
 
-/// Farther from the surface's than this, one winding number tells for a whole tile. More than a hole's rounding can count.
+/// "Is the winding number sure?" has three answers, since it is asked in three places; joining them would change masks.
+///   kSure 0.2            for a whole tile from one place: more than the rounding of holes can contribute (kMostRounding 0.12)
+///   kBeyondOneSheet 0.05 for one place: more than a sheet that stands alone
+///   kBaseOpen 0.1        whether the base plane is open (winding_number.cpp): one side of a fold, not inside or outside
+///
+/// kSure: margin around 1/2 beyond which the winding number in the centre decides a level for all tiles of the column.
 constexpr float kSure = 0.2F;
 
-/// Behind a sheet that stands alone the winding number is a half, whatever inside() makes of its rim. So it must be farther
-/// from the surface's than this for an object to be there.
+/// The winding number behind a sheet that stands alone is 1/2, whatever inside() makes of its rim. It must differ from 1/2 by
+/// more than this for solid to be there. Measured on nefertiti with outliers: IoU .99884 to .99900, wrong islands and holes
+/// 89 to 8; gear dirty did not change.
 constexpr float kBeyondOneSheet = 0.05F;
 
 }  // namespace
@@ -86,7 +92,7 @@ void RayClassifier::begin_tile(std::uint32_t column, std::uint32_t row) {
                             static_cast<float>(row_middle) * grid_.pitch_y_mm);
   if (column_centre != column_centre_) column_verdicts_.fill(Verdict::kUnknown);
   column_centre_ = column_centre;
-  // Depths ascend; a wide support that reaches down to levels already judged does not take that back.
+  // Depths ascend. A wide support radius that reaches down to levels already decided does not undo that.
   std::uint32_t level = 0;
   const auto judge_below = [&](float height) {
     for (; level < kLevels && level_height(level) < height; ++level) judge_tile(level);
@@ -125,7 +131,7 @@ RayClassifier::Gap RayClassifier::decide_gap(float x, float y, float low, float 
   const std::uint32_t crossings_before = crossing_count_;
   GapWalk walk{x, y, low, below};
   walk_levels(walk, high);
-  // Both shores know better than a sum over the whole cloud where nothing was asked between them.
+  // No level lies in the gap: the bands on both sides know better than a sum over the whole cloud.
   if (!walk.begun) {
     if (below != above) {
       bisect(x, y, low, high, below);
@@ -133,7 +139,7 @@ RayClassifier::Gap RayClassifier::decide_gap(float x, float y, float low, float 
     }
     return {below, above};
   }
-  // The last place asked and the upper shore disagree: an unseen sheet between them, or a shore that faces the wrong way.
+  // The last level and the band above disagree: an unseen sheet lies between them, or the band faces the wrong way.
   if (walk.inside != above && winding_->inside({x, y, high}) == above) step(walk, high, above);
   if (crossing_count_ != crossings_before || walk.inside_at_low != below || walk.inside != above) used_winding_ = true;
   return {walk.inside_at_low, walk.inside};
@@ -143,7 +149,7 @@ void RayClassifier::step(GapWalk& walk, float z, bool inside) {
   if (!walk.begun) {
     walk.begun = true;
     walk.inside_at_low = inside;
-    // The first place asked and the lower shore disagree, as above.
+    // The first level and the band below disagree: as above.
     if (inside != walk.inside && winding_->inside({walk.x, walk.y, walk.at}) == walk.inside) {
       walk.inside_at_low = walk.inside;
       bisect(walk.x, walk.y, walk.at, z, walk.inside);
@@ -202,7 +208,8 @@ void RayClassifier::cross_band(float x, float y, const RaySurface& surface, cons
   std::uint32_t last = band.last;
   const bool wrong_low = band.inside_at_low != from;
   const bool wrong_high = band.inside_at_high != to;
-  // How many sheets an end that the gap beside it contradicts costs: none where the winding number has a crossing before them.
+  // Number of intersections to drop at an end where band and gap disagree: none if the winding number has a crossing before
+  // them.
   const auto left_out = [&](float end, float other_end, std::uint32_t outermost, bool inside_at_end) {
     const bool has_sheet = first != last;
     const float place = has_sheet ? 0.5F * (end + surface.intersections[outermost].depth) : other_end;
@@ -211,7 +218,7 @@ void RayClassifier::cross_band(float x, float y, const RaySurface& surface, cons
     if (!has_sheet) emit(end, Evidence::kWinding);
     return has_sheet ? 1U : 0U;
   };
-  // A sheet alone that is inside out is a patch that faces the wrong way, and stands where it is.
+  // A single sheet that is inside out faces the wrong way, but stands where it is.
   const bool turned = wrong_low && wrong_high && last - first < 2;
   if (wrong_low && !turned) first += left_out(band.low, band.high, first, from);
   if (wrong_high && !turned) last -= left_out(band.high, band.low, last - 1, to);
@@ -247,7 +254,7 @@ ClassifiedRay RayClassifier::ray(std::uint32_t column, std::uint32_t row) {
   crossing_count_ = 0;
   used_winding_ = false;
   bool base = false;
-  bool inside = false;  // MLS sign below the gap
+  bool inside = false;  // by the band below the gap
   float reached = floor_;
   Gap gap{false, false};
   for (std::size_t b = 0; b <= surface.bands.size(); ++b) {
@@ -274,8 +281,8 @@ ClassifiedRay RayClassifier::ray(std::uint32_t column, std::uint32_t row) {
   }
   if (gap.inside_at_high) emit(top_, Evidence::kWinding);
 
-  // Gaps have emitted before the bands below them, and neighbouring bands may stand in each other's way by a rounding: the
-  // order is what makes crossings alternate.
+  // Gaps emit before the bands below them, and neighbouring bands may overlap by a rounding error. Crossings alternate once
+  // they are sorted.
   std::sort(crossings_.begin(), crossings_.begin() + crossing_count_, [](const RayCrossing& a, const RayCrossing& b) {
     return std::tie(a.depth, a.evidence) < std::tie(b.depth, b.evidence);
   });

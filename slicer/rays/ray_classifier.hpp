@@ -1,5 +1,5 @@
 #pragma once
-/// Every ray perfect: entering and exiting in turn, nothing left open (thesis III-4.a, DESIGN 3, stage 7).
+/// Decides the crossings of every ray, so that they alternate between entering and exiting (thesis III-4.a, DESIGN 3, stage 7).
 
 #include <array>
 #include <cstdint>
@@ -13,20 +13,20 @@
 
 namespace plumbline {
 
-/// What decided a ray.
+/// What decided the crossings of a ray.
 enum class RayDecision : std::uint8_t {
-  kOutside,   ///< not interested, or nothing on it: black at every height
-  kPerfect,   ///< its intersections obey the winding rule, and the winding number of the cloud agrees
-  kRepaired,  ///< uniform queries found what was missing
-  kWinding,   ///< the winding number of the cloud closed what the scan had left open
-  kBase,      ///< its lowest crossing is the base plane: the underside was open there
+  kOutside,   ///< no crossings: black at every height
+  kPerfect,   ///< its intersections alternate, and the winding number of the cloud agrees
+  kRepaired,  ///< uniform queries found the missing intersections
+  kWinding,   ///< the winding number of the cloud added or moved crossings
+  kBase,      ///< its lowest crossing is the base plane, under an open underside
 };
 inline constexpr std::size_t kRayDecisionCount = 5;
 
 /// "outside", "perfect", "repaired", "winding number", "base plane".
 const char* to_string(RayDecision decision);
 
-/// Crossings of one ray, ascending in depth; even in number: entering, exiting, entering, ...
+/// Crossings of one ray, ascending in depth, even in number: entering, exiting, entering, ...
 struct ClassifiedRay {
   std::span<const RayCrossing> crossings;
   RayDecision decision = RayDecision::kOutside;
@@ -35,22 +35,22 @@ struct ClassifiedRay {
 struct RayClassifierSettings {
   IntersectionSettings intersections;
   float repair_spacing = 0.05F;  ///< mm between the uniform queries of a repair
-  /// Nothing of the surface faces down, and there is a base plane: what lies below the lowest sheet of a ray is solid, seen
-  /// from the side or not.
+  /// Nothing of the surface faces down and there is a base plane, so the ray is solid below its lowest crossing, whether the
+  /// side walls were scanned or not.
   bool height_field = false;
 };
 
-/// Decides one ray after another, tile by tile. One object a thread. What it has found out on the way serves the tiles of one
-/// column of kColumnSide x kColumnSide rays; the result does not depend on the order of the tiles.
+/// Decides one ray after another, tile by tile. One object a thread. Winding numbers are cached for the tiles of a column of
+/// kColumnSide x kColumnSide rays; the result does not depend on the order of the tiles.
 ///
-/// Between the bands where the scan is near, a ray is either inside or outside all along, or it passes through a hole of
-/// the scan. Which of them is known from both neighbouring bands and, independently, from the winding number of the whole
-/// cloud; where those disagree the winding number has the last word, since it weighs every point of the scan and the band
-/// only a handful.
+/// In the gap between two bands a ray is inside all along, outside all along, or passes a hole in the scan. Both bands and the
+/// winding number of the cloud are evidence for this. Where they disagree the winding number wins, since it weighs all points
+/// of the scan and a band only a few.
 class RayClassifier {
  public:
   static constexpr std::uint32_t kColumnSide = 2 * kTileSide;  ///< rays
-  static constexpr std::uint32_t kMaxCrossings = 254;          ///< a ray; of more, the thinnest stretches are dropped
+  static constexpr std::uint32_t kMaxCrossings =
+      254;  ///< a ray; if it has more, the thinnest intervals are dropped. Counts fit a byte
 
   static std::size_t bytes_needed(std::uint32_t tile_capacity);
   [[nodiscard]] static Expected<RayClassifier> create(const Cloud& cloud, const KdTree2& tree,
@@ -58,33 +58,33 @@ class RayClassifier {
                                                       float max_radius, std::uint32_t tile_capacity,
                                                       const RayClassifierSettings& settings, Arena& arena);
 
-  /// Turns to the tile whose first ray is pixel (column, row); kTileSide rays a side.
+  /// Begins the tile whose first ray is pixel (column, row); kTileSide rays a side.
   void begin_tile(std::uint32_t column, std::uint32_t row);
-  /// A ray of that tile. The spans last until the next call.
+  /// Decides a ray of that tile. The spans are valid until the next call.
   ClassifiedRay ray(std::uint32_t column, std::uint32_t row);
 
   bool tile_thinned() const { return gatherer_.thinned(); }
 
  private:
   enum class Verdict : std::uint8_t { kUnknown, kOutside, kInside, kUnsure };
-  /// A stretch of a ray between two bands: inside or outside at both ends, crossings in between.
+  /// The part of a ray between two bands.
   struct Gap {
     bool inside_at_low, inside_at_high;
   };
 
-  /// On the way up through a gap.
+  /// State while walking up through a gap.
   struct GapWalk {
     float x, y;
-    float at;     ///< mm, where the last answer is from; first the lower shore
-    bool inside;  ///< there
+    float at;     ///< depth of the last answer, mm; at first the lower end
+    bool inside;  ///< at that depth
     bool begun = false;
-    bool inside_at_low = false;  ///< what the lower shore must be
+    bool inside_at_low = false;  ///< decided for the lower end
   };
-  /// What winding numbers at fixed levels say between the bands, for a block of rays. Between rays that no point separates
-  /// they change slowly: the first ray of the block that asks for a level answers for all of it. Levels that no point of the
-  /// tile reaches are answered before, for all of its rays, by the middle of the column of tiles, where that is sure.
+  /// Inside or outside by the winding number at fixed levels, for a block of rays. Away from points the number changes slowly,
+  /// so the first ray of the block that asks for a level answers for all. Levels that no point of the tile reaches are
+  /// answered for the whole tile by the centre of the column of tiles, if the number there is sure (kSure).
   struct LevelSet {
-    std::uint64_t known = 0;  ///< bit k: level k has been asked
+    std::uint64_t known = 0;  ///< bit k: level k is answered
     std::uint64_t inside = 0;
 
     bool knows(std::uint32_t level) const { return (known >> level & 1U) != 0; }
@@ -107,10 +107,10 @@ class RayClassifier {
   void bisect(float x, float y, float from, float to, bool inside_at_from);
   bool alternates(const RaySurface& surface) const;
   Gap decide_gap(float x, float y, float low, float high, bool below, bool above);
-  /// Whether the winding number has x on that side and no sheet alone makes it so.
+  /// Whether the winding number puts x on that side by more than a sheet that stands alone would (kBeyondOneSheet).
   bool more_than_a_sheet(const Vec3f& x, bool is_inside) const;
-  /// Emits a crossing between the end of a band, which the gap beside it says is not what the band has it, and a place in the
-  /// band, if the winding number agrees with both.
+  /// Emits a crossing between the end of a band, where gap and band disagree, and a place in the band, if the winding number
+  /// agrees with the gap at the end and with the band at the place.
   bool bisect_agreed(float x, float y, float end, float place, bool inside_at_end);
   void cross_band(float x, float y, const RaySurface& surface, const Band& band, bool from, bool to);
   void emit(float depth, Evidence evidence, bool extrapolated = false);
@@ -124,13 +124,13 @@ class RayClassifier {
   PrintGrid grid_;
   RayClassifierSettings settings_;
   std::span<RayCrossing> crossings_;
-  /// Verdicts at the levels in the middle of the column of tiles that the tile belongs to, made when first asked for.
+  /// Verdicts at the levels in the centre of the column of tiles, found when first needed.
   std::array<Verdict, kLevels> column_verdicts_{};
   Vec2f column_centre_ = Vec2f::Constant(-1);
   std::array<LevelSet, (kTileSide / kBlock) * (kTileSide / kBlock)> levels_{};
-  std::uint32_t ray_block_ = 0;  ///< of levels_, that the ray belongs to
+  std::uint32_t ray_block_ = 0;  ///< index into levels_ for the ray
   std::uint32_t crossing_count_ = 0;
-  /// Intersections of the ray that were found at the first look, mm: those of most rays. The others count as repaired.
+  /// Depths of the intersections found by the first queries, mm. All others count as repaired. Few rays have more than 32.
   static constexpr std::uint32_t kFirstLook = 32;
   std::array<float, kFirstLook> first_look_{};
   std::uint32_t first_look_count_ = 0;

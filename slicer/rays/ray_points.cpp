@@ -64,7 +64,7 @@ void RayGatherer::gather(const Vec2f& low, const Vec2f& high) {
     }
   });
   if (met > tile_.size()) {
-    // More than a surface can hold: every n-th point by index, so that the choice depends on nothing but the cloud.
+    // Too many points: use every n-th in the order of the tree, so that the choice depends on the cloud alone.
     thinned_ = true;
     count_ = 0;
     const auto stride = static_cast<std::uint32_t>((met + tile_.size() - 1) / tile_.size());

@@ -1,5 +1,5 @@
 #pragma once
-/// Which points a ray meets: one search in the 2D tree for a tile of rays (DESIGN 3, stage 6).
+/// Gathers the points near a ray, with one search in the 2D tree for a tile of rays (DESIGN 3, stage 6).
 
 #include <cstdint>
 
@@ -9,34 +9,34 @@
 
 namespace plumbline {
 
-/// Gathers the points round a tile of rays once, sorts them by depth, and hands each ray of the tile its own. One object
-/// a thread; its memory is taken once.
+/// Gathers the points around a tile of rays once, sorts them by depth and picks those of each ray. One object a thread; its
+/// memory is taken once.
 class RayGatherer {
  public:
-  /// Bytes of arena that a gatherer for tiles of up to `capacity` points takes.
+  /// Bytes of arena for tiles of up to `capacity` points.
   static std::size_t bytes_needed(std::uint32_t capacity);
 
-  /// @param capacity    points a tile: of more, an even share in depth is used
-  /// @param max_radius  mm; supports are cut to this, so that a search reaches no farther
+  /// @param capacity    points a tile; if it has more, every n-th is used
+  /// @param max_radius  mm; larger support radii are cut to this, which bounds the search
   [[nodiscard]] static Expected<RayGatherer> create(const Cloud& cloud, const KdTree2& tree, std::uint32_t capacity,
                                                     float max_radius, Arena& arena);
 
   /// Gathers for rays in the rectangle [low, high], mm.
   void gather(const Vec2f& low, const Vec2f& high);
   std::uint32_t tile_points() const { return count_; }
-  bool thinned() const { return thinned_; }  ///< the last gather() met more points than it has room for
+  bool thinned() const { return thinned_; }  ///< the last gather() found more points than `capacity`
 
-  /// Depth of tile point t, t ascending, and the radius within which it is seen, mm.
+  /// Depth of tile point t and its support radius, mm. Depths ascend with t.
   float tile_depth(std::uint32_t t) const { return tile_[t].position[2]; }
   float tile_radius(std::uint32_t t) const { return tile_[t].radius; }
 
-  /// The columns for the ray at (x, y) of the tile; valid until the next call.
+  /// The points of the ray at (x, y), which must be in the tile. Valid until the next call.
   const RayPoints& points_of_ray(float x, float y);
-  /// Half the depth over which point j of the last points_of_ray() has weight on the ray, mm.
+  /// Half the length of ray, mm, on which point j of the last points_of_ray() has weight.
   float half_chord(std::uint32_t j) const { return half_chord_[j]; }
-  /// Point j of the last points_of_ray() is of a practical cluster: entering or exiting.
+  /// Whether point j of the last points_of_ray() is of a practical cluster: entering or exiting.
   bool practical(std::uint32_t j) const { return practical_[j] != 0; }
-  /// Whether a place on the ray of the last points_of_ray() is in reach of walls that were continued (Cloud::continued).
+  /// Whether points of continued bore walls (Cloud::continued) have weight at that depth of the last ray, mm.
   bool continued(float depth) const { return depth > continued_low_ && depth < continued_high_; }
 
  private:

@@ -10,8 +10,9 @@ namespace {
 
 constexpr std::uint32_t kRaysPerTile = kTileSide * kTileSide;
 
-/// Crossings of one ray as layers, those that no sampling height separates taken out in pairs.
-/// @param evidence  RayClassifier::kMaxCrossings of them, for what each that is left rests on
+/// Turns the crossings of one ray into layers. Neighbours with no sampling height between them cancel in pairs.
+/// @param evidence  out, of each crossing that is left; room for RayClassifier::kMaxCrossings
+/// @returns how many are left
 std::uint32_t to_layers(std::span<const RayCrossing> crossings, const PrintGrid& grid, std::uint16_t* out,
                         Evidence* evidence) {
   std::uint32_t count = 0;
@@ -24,7 +25,7 @@ std::uint32_t to_layers(std::span<const RayCrossing> crossings, const PrintGrid&
       out[count++] = static_cast<std::uint16_t>(layer);
     }
   }
-  // What begins or ends above the last layer is never seen.
+  // A crossing above the last sampling height has no effect.
   if (count > 0 && out[count - 1] >= grid.layers) --count;
   return count;
 }
@@ -84,7 +85,7 @@ Status RayShooter::shoot_tile(Worker& worker, std::uint32_t tile, CrossingStore&
 }
 
 Expected<RayCounts> RayShooter::shoot(CrossingStore& store, ProgressSink* progress) {
-  // Tiles that share a column's winding numbers go to the same thread, one after another.
+  // One thread shoots all tiles that share a column's winding numbers.
   constexpr std::uint32_t kSide = RayClassifier::kColumnSide / kTileSide;
   const std::uint32_t across = (store.tile_columns() + kSide - 1) / kSide;
   const std::uint32_t columns = across * ((store.tile_rows() + kSide - 1) / kSide);

@@ -17,23 +17,23 @@ struct RayCounts {
   std::uint64_t passing_tiles = 0;
   std::uint64_t interested = 0;                               ///< rays
   std::array<std::uint64_t, kRayDecisionCount> decided = {};  ///< rays, by RayDecision
-  std::uint64_t thinned_tiles = 0;                            ///< tiles with more points than their thread has room for
+  std::uint64_t thinned_tiles = 0;  ///< tiles of which only a share of the points was used, for want of room
 };
 
-/// Everything that the ray stage reads.
+/// Inputs of the ray stage.
 struct RayField {
   const Cloud* cloud = nullptr;
   const KdTree2* tree = nullptr;
   const WindingTree* winding = nullptr;
   ConstBitImage interested;
-  ConfidenceMap* confidence = nullptr;  ///< null: none is kept
+  ConfidenceMap* confidence = nullptr;  ///< may be null
   PrintGrid grid;
-  float max_radius = 0;  ///< mm
-  std::uint32_t tile_capacity = 0;
+  float max_radius = 0;             ///< mm, see RayGatherer::create()
+  std::uint32_t tile_capacity = 0;  ///< points
   RayClassifierSettings settings;
 };
 
-/// The workers that shoot the rays, one a thread.
+/// Shoots the rays of the grid with one worker a thread.
 class RayShooter {
  public:
   static constexpr std::uint32_t kMaxThreads = 64;
@@ -41,7 +41,8 @@ class RayShooter {
   /// Bytes of arena for one worker.
   static std::size_t bytes_needed(std::uint32_t tile_capacity);
 
-  /// Takes the workers' memory from the top of the arena: before the store, which takes all that is left.
+  /// Takes the workers' memory from the top of the arena. Call it before CrossingStore::create(), which takes all that is left.
+  /// @retval ErrorCode::kOutOfMemory
   [[nodiscard]] static Expected<RayShooter> create(const RayField& field, std::uint32_t threads, Arena& arena);
 
   /// Shoots every interested ray and stores its crossings. The result does not depend on the number of threads.

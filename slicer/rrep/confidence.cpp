@@ -85,7 +85,7 @@ void ConfidenceMap::add(std::uint32_t column, std::uint32_t row, std::uint32_t l
   }
   std::uint8_t& cell = cells_[index(cell_of(middle_of(column, row, layer)))];
   const std::atomic_ref shared(cell);
-  // Nearly always it is there already, and reading is cheap.
+  // The bit is nearly always set already, and reading is cheap.
   if ((shared.load(std::memory_order_relaxed) & bit_of(evidence)) == 0) {
     shared.fetch_or(bit_of(evidence), std::memory_order_relaxed);
   }
@@ -108,8 +108,8 @@ std::array<std::uint64_t, kEvidenceCount> ConfidenceMap::crossings() const {
 }
 
 std::array<double, kEvidenceCount> ConfidenceMap::surface() const {
-  // A plane of any direction passes through 1.5 cells for each area of a cell's side, the mean of |x| + |y| + |z| over the
-  // sphere. The base plane lies flat, and its rays tell its area.
+  // A plane in a random direction passes through 1.5 cells per area of a cell's face: the mean of |x| + |y| + |z| over the
+  // unit sphere. The base plane is horizontal, so its area follows from its rays.
   constexpr double kCellsASide = 1.5;
   const double side = 1 / static_cast<double>(inverse_);
   std::array<double, kEvidenceCount> area{};
@@ -140,7 +140,7 @@ Evidence ConfidenceMap::evidence_at(const Cell& cell) const {
     for (std::size_t axis = 0; axis < 3; ++axis) exists = exists && other[axis] >= 0 && other[axis] < dims_[axis];
     if (exists) bits |= cells_[index(other)];
   }
-  // What lies within a cell of the scan has been seen, even where a ray that grazes it needed help.
+  // Within a cell of the scan the surface was seen, even where a grazing ray needed other evidence.
   if ((bits & bit_of(Evidence::kMeasured)) != 0) return Evidence::kMeasured;
   if (own != 0) return strongest(own);
   return bits == 0 ? Evidence::kWinding : strongest(bits);

@@ -1,5 +1,5 @@
 #pragma once
-/// What the print rests on, place by place: the scan, or what was put where the scan had nothing.
+/// What each place of the surface rests on: the scan, or what was added where the scan had nothing.
 
 #include <array>
 #include <cstddef>
@@ -17,8 +17,7 @@ namespace plumbline {
 enum class Evidence : std::uint8_t {
   kMeasured,  ///< an intersection with the surface of the points
   kRepaired,  ///< one that only the uniform queries of a repair found
-  /// The winding number of the cloud, or walls of bores that were continued: the scan has nothing there, or it contradicts
-  /// itself.
+  /// The winding number of the cloud, or a continued bore wall: the scan has nothing there or contradicts itself.
   kWinding,
   kBase,  ///< the base plane under an open underside
 };
@@ -27,7 +26,7 @@ inline constexpr std::size_t kEvidenceCount = 4;
 /// "measured", "repaired", "winding number", "base plane".
 const char* to_string(Evidence evidence);
 
-/// All layers and all of the surface in a few numbers, by Evidence.
+/// Totals over all layers and the whole surface, by Evidence.
 struct ConfidenceShares {
   std::array<std::uint64_t, kEvidenceCount> crossings = {};
   std::array<double, kEvidenceCount> surface = {};  ///< 0 to 1
@@ -35,42 +34,42 @@ struct ConfidenceShares {
   double of(Evidence evidence) const { return surface[static_cast<std::size_t>(evidence)]; }
 };
 
-/// Counts by layer, and a coarse map of the surface: what each cell of it rests on. All memory is the arena's, its size fixed
-/// by the number of layers. Written by many threads; what is in it does not depend on their order.
+/// Counts of crossings by layer, and a coarse map of what each cell of the surface rests on. The memory is the arena's; its
+/// size depends on the number of layers alone. Many threads may write; the result does not depend on their order.
 class ConfidenceMap {
  public:
-  static constexpr std::size_t kMostCells = std::size_t{1} << 19U;  ///< some 80 a side, a byte each
+  static constexpr std::size_t kMostCells = std::size_t{1} << 19U;  ///< about 80 a side, one byte each, half a MiB
 
   using Counts = std::array<std::uint32_t, kEvidenceCount>;  ///< crossings, by Evidence
 
-  /// Bytes that create() takes.
+  /// Bytes of arena that create() takes.
   static std::size_t bytes_needed(std::uint32_t layers);
   /// @param box         of the placed points, mm
-  /// @param least_cell  mm; a surface has a point in nearly every cell of that side
+  /// @param least_cell  smallest side of a cell, mm, so large that nearly every cell on the surface holds a point
   /// @param arena       bytes_needed() from the bottom
   /// @retval ErrorCode::kOutOfMemory
   [[nodiscard]] static Expected<ConfidenceMap> create(const PrintGrid& grid, const Box3f& box, float least_cell,
                                                       Arena& arena);
 
-  /// No map was asked for.
+  /// Whether there is no map.
   bool empty() const { return cells_.empty(); }
 
-  /// A crossing. From any thread.
+  /// Adds a crossing. Thread-safe.
   void add(std::uint32_t column, std::uint32_t row, std::uint32_t layer, Evidence evidence);
-  /// A point of the scan, mm. From one thread.
+  /// Adds a point of the scan, mm. Not thread-safe.
   void add_point(const Vec3f& p);
-  /// So many layers have gone at either end, fewer than there are.
+  /// Removes layers at both ends. At least one must be left.
   void trim(std::uint32_t below, std::uint32_t above);
 
-  /// Crossings of each layer, as they were shot: before specks and small features were taken out.
+  /// Crossings of each layer as shot, before small components and small features were removed.
   std::span<const Counts> layers() const { return layers_; }
   std::array<std::uint64_t, kEvidenceCount> crossings() const;
 
-  /// Share of the surface, by Evidence. Its area is that of the cells that it passes through, where what was measured, in
-  /// the cell or beside it, comes before what was not; that of the base plane is its rays'.
+  /// Share of the surface, by Evidence, 0 to 1. Areas are counted in cells; a cell is measured if it or a neighbour was. The
+  /// area of the base plane is that of its rays.
   std::array<double, kEvidenceCount> surface() const;
   ConfidenceShares shares() const { return {crossings(), surface()}; }
-  /// What the surface at a voxel rests on. Where neither a point nor a crossing is near it was never seen: kWinding.
+  /// What the surface at a voxel rests on; kWinding if neither a point nor a crossing is near.
   Evidence at(std::uint32_t column, std::uint32_t row, std::uint32_t layer) const;
 
  private:
@@ -84,9 +83,9 @@ class ConfidenceMap {
 
   PrintGrid grid_;
   std::span<Counts> layers_;
-  std::span<std::uint8_t> cells_;  ///< a bit for each Evidence that was found there
+  std::span<std::uint8_t> cells_;  ///< one bit for each Evidence found there
   Vec3f low_ = Vec3f::Zero();      ///< mm
-  float inverse_ = 0;              ///< cells a mm
+  float inverse_ = 0;              ///< cells per mm
   Cell dims_{};
 };
 

@@ -53,7 +53,7 @@ Status CrossingStore::put(std::uint32_t tile, std::span<const std::uint8_t> coun
 
 template <class Visit>
 void CrossingStore::for_each_crossing(std::span<std::uint32_t> cursor, Visit visit) const {
-  // Row after row over the whole grid, so that each layer's pixels come out in ascending order.
+  // Row by row over the whole grid, so that each layer's pixels ascend.
   for (std::uint32_t tile_row = 0; tile_row < tile_rows_; ++tile_row) {
     const std::uint32_t* directory = &directory_[std::size_t{tile_row} * tile_columns_];
     for (std::uint32_t t = 0; t < tile_columns_; ++t)
@@ -75,7 +75,7 @@ void CrossingStore::for_each_crossing(std::span<std::uint32_t> cursor, Visit vis
 Expected<RRep> CrossingStore::sort(CrossingStore& store, Arena& arena) {
   const ArenaScope scope(arena);
   const PrintGrid& grid = store.grid_;
-  // What stays until the print ends belongs at the bottom, where the store is: move the store out of its way.
+  // The R-Rep stays until the print ends, so it belongs at the bottom: move the store out of its way.
   auto data = arena.take_top<std::uint16_t>(store.used_, "R-Rep");
   if (!data) return tl::unexpected<Error>(data.error());
   auto directory = arena.take_top<std::uint32_t>(store.directory_.size(), "R-Rep");
@@ -97,7 +97,7 @@ Expected<RRep> CrossingStore::sort(CrossingStore& store, Arena& arena) {
   auto pixel_block = arena.take_bottom<std::uint32_t>(first.back(), "R-Rep");
   if (!pixel_block) return tl::unexpected<Error>(pixel_block.error());
   std::span<std::uint32_t> pixel = *pixel_block;
-  // first[k] serves as the place of the layer's next crossing; when all stand, it has become first[k + 1].
+  // first[k] is where the layer's next crossing goes; after the last one it has become first[k + 1].
   store.for_each_crossing(*cursor, [&](std::uint16_t layer, std::uint32_t at) { pixel[first[layer]++] = at; });
   for (std::size_t k = first.size() - 1; k > 0; --k) first[k] = first[k - 1];
   first[0] = 0;

@@ -11,25 +11,26 @@
 
 namespace plumbline {
 
-/// The layer that a crossing at this depth belongs to: the first one whose sampling height is not below it.
+/// The layer of a crossing at this depth: the first whose sampling height is not below it.
 /// @param depth  mm; below 0 counts as layer 0
-/// @returns 0 to grid.layers; grid.layers: above every sampling height
+/// @returns 0 to grid.layers; grid.layers means above all sampling heights
 std::uint32_t layer_of(float depth, const PrintGrid& grid);
 
-/// Crossings as the rays deliver them: tile after tile, each one 64 counts and then two bytes a crossing. Grows at the
-/// bottom of the arena, in whatever order the threads finish; a directory keeps where each tile begins.
+/// Crossings in the order in which the rays deliver them: per tile 64 counts of one byte, then two bytes a crossing. Tiles are
+/// stored at the bottom of the arena in the order in which the threads finish; a directory says where each begins.
 class CrossingStore {
  public:
   static constexpr std::uint32_t kEmpty = 0xFFFFFFFFU;
 
-  /// Takes the directory and everything that is left between the two ends of the arena.
+  /// Takes the directory, and all that is left of the arena for the crossings.
+  /// @retval ErrorCode::kOutOfMemory
   [[nodiscard]] static Expected<CrossingStore> create(const PrintGrid& grid, Arena& arena);
 
   std::uint32_t tile_columns() const { return tile_columns_; }
   std::uint32_t tile_rows() const { return tile_rows_; }
 
-  /// Called from many threads, once a tile.
-  /// @param counts  crossings of each of its 64 rays, row by row
+  /// Stores a tile. Thread-safe; call it once a tile.
+  /// @param counts  number of crossings of each of its 64 rays, row by row
   /// @param layers  the layer of each crossing, ray after ray
   /// @retval ErrorCode::kOutOfMemory
   [[nodiscard]] Status put(std::uint32_t tile, std::span<const std::uint8_t> counts,
@@ -37,7 +38,7 @@ class CrossingStore {
 
   const PrintGrid& grid() const { return grid_; }
 
-  /// One ray's entry: its crossings, which may be rewritten, fewer but not more.
+  /// The crossings of one ray. They may be rewritten, but not become more.
   class RayRef {
    public:
     std::uint32_t count() const { return *count_; }
@@ -53,20 +54,22 @@ class CrossingStore {
     friend class CrossingStore;
     std::uint8_t* count_ = nullptr;
     const std::uint16_t* read_ = nullptr;
-    std::uint16_t** write_ = nullptr;  ///< where the tile's crossings are packed to
+    std::uint16_t** write_ = nullptr;  ///< where the next crossing of the tile is written
     std::uint32_t kept_ = 0;
   };
 
-  /// Calls `visit(row, rays)` for every row of the grid, top to bottom, with a RayRef a column. When the visitor rewrites
-  /// rays it must rewrite all of them.
-  /// @param arena  a few words a column from the top; nothing is visited when it has none left
+  /// Calls `visit(row, rays)` for each row of the grid, in order, with one RayRef a column. A visitor that rewrites a ray must
+  /// rewrite all rays.
+  /// @param arena  a few words a column from the top, given back; without room nothing is visited
   template <class Visit>
   void for_each_row(Arena& arena, Visit visit);
 
-  /// Gives back what no crossing took.
+  /// Gives the unused memory back.
   void close(Arena& arena) { arena.trim_bottom(data_.data(), std::size_t{used_} * sizeof(std::uint16_t)); }
 
-  /// Sorts all crossings by layer. Everything else must be gone from the arena's top: the store moves there first.
+  /// Sorts all crossings by layer, into the R-Rep at the bottom of the arena. The store moves to the top first, so release
+  /// all else there before.
+  /// @retval ErrorCode::kOutOfMemory
   [[nodiscard]] static Expected<RRep> sort(CrossingStore& store, Arena& arena);
 
  private:

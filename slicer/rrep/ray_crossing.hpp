@@ -1,5 +1,5 @@
 #pragma once
-/// Where a ray enters or leaves the object, and what tells so.
+/// Where a ray enters or leaves the object, and the evidence for it.
 
 #include "slicer/rrep/confidence.hpp"
 
@@ -8,7 +8,7 @@ namespace plumbline {
 struct RayCrossing {
   float depth = 0;  ///< mm
   Evidence evidence = Evidence::kMeasured;
-  bool extrapolated = false;  ///< all points that tell of it lie to one side of it, as beyond an edge
+  bool extrapolated = false;  ///< its points all lie to one side, as beyond an edge
 };
 
 }  // namespace plumbline

@@ -1,5 +1,5 @@
 #pragma once
-/// The ray representation of the object, as it is kept while it prints.
+/// The ray representation of the object, kept until the print ends.
 
 #include <cstdint>
 #include <span>
