@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
-"""The same scans sliced by two builds of plumbline: usage compare_layers.py HOST_PROGRAM [--scans FOLDER] -- TARGET_PROGRAM...
+"""Compares the masks of two builds of plumbline: compare_layers.py HOST_PROGRAM [--scans FOLDER] -- TARGET_PROGRAM...
 
-What follows -- is the command that runs the other build, emulator included. Each scan is sliced by both; the hash of every layer
-and of the whole job must agree, and so must the bytes of the sample scans that both write. --scans is a folder of real scans, of
-which those in REAL are taken; where it has none this is said and the samples alone count.
+The words after -- run the other build, emulator included. Both builds slice each scan; the hash of every layer and of the whole job
+must agree, and so must the bytes of the sample scans that both write. --scans names a folder of real scans; those in REAL are
+sliced too. Without them only the samples count; in CI (environment variable CI) with ../shared beside the repository that is an error.
 Exit status: 0 all agree, 1 some differ, 2 nothing could be compared.
 """
 
 import json
+import os
 import subprocess
 import sys
 import tempfile
@@ -30,8 +31,8 @@ layer_height_mm = 0.15
 arena_mib = 48
 """
 
-# Name, arguments of `plumbline sample`, arguments of `plumbline slice`. Each reaches what the others do not: the printer's grid,
-# sines and cosines, normals that are estimated, thinning in a small arena, supports.
+# Name, arguments of `plumbline sample`, arguments of `plumbline slice`. Each covers something of its own: the printer's grid, sines
+# and cosines with supports, estimated normals, thinning in a small arena.
 SAMPLES = [
     ("on a printer", ["--points", "20000", "--seed", "1"], ["--printer", BOARD]),
     ("turned, scaled, supported", ["--points", "20000", "--seed", "2"],
@@ -76,13 +77,13 @@ def hashes_of(program, scan, options, out):
 
 
 def compare(name, scan, options, programs, work):
-    """Slices with both; true where all hashes agree."""
+    """Slices with both; True if all hashes agree."""
     (host, host_s), (target, target_s) = (
         hashes_of(program, scan, options, work / f"out{i}") for i, program in enumerate(programs)
     )
     layers = len(host["layers"])
     if layers < 20 or len(set(host["layers"])) < 10:
-        print(f"FAILED  {name}: {layers} layers, hardly a scan: nothing was shown")
+        print(f"FAILED  {name}: {layers} layers are too few to compare")
         return False
     if host == target:
         print(f"ok      {name}: {layers} layers, host {host_s:.1f} s, target {target_s:.1f} s")
@@ -119,8 +120,11 @@ def main(arguments):
         real = [(scans / name, options) for name, options in REAL.items() if scans and (scans / name).is_file()]
         for scan, options in real:
             agree &= compare(scan.name, scan, options, programs, work)
-        if not real:
-            print("        no real scans here: the samples alone were compared")
+        if not real and "CI" in os.environ and (SOURCE_DIR.parent / "shared").is_dir():
+            print(f"FAILED  no real scans in {scans}")
+            agree = False
+        elif not real:
+            print("        no real scans beside the repository: only samples were compared")
     return 0 if agree else 1
 
 

@@ -1,4 +1,4 @@
-/// The masks do not depend on the number of threads: the crossings do not, bit by bit.
+/// The masks depend neither on the number of threads nor on the arena's size: the crossings are the same bit by bit.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@ namespace {
 
 using namespace testing;
 
-/// A thing with what makes threads meet: noise, strays, a hole, an open underside, walls, two bodies.
+/// A scan in which threads share work: noise, outliers, a hole, an open underside, walls, two bodies.
 Surface awkward_scan() {
   Random random(91);
   Surface surface;
@@ -45,13 +45,14 @@ TEST(Determinism, TheRRepIsTheSameForAnyNumberOfThreads) {
     EXPECT_TRUE(std::ranges::equal(many.rrep().first, one.rrep().first)) << threads;
     EXPECT_TRUE(std::ranges::equal(many.rrep().pixel, one.rrep().pixel)) << threads;
     EXPECT_EQ(many.report().clustering.points, one.report().clustering.points) << threads;
-    EXPECT_EQ(many.report().clustering.points, one.report().clustering.points) << threads;
+    EXPECT_EQ(many.report().clustering.core_points, one.report().clustering.core_points) << threads;
+    EXPECT_EQ(many.report().clustering.noise, one.report().clustering.noise) << threads;
     EXPECT_EQ(many.report().rays.decided, one.report().rays.decided) << threads;
     EXPECT_EQ(many.report().width_mm, one.report().width_mm) << threads;
   }
 }
 
-TEST(Determinism, TheRRepIsTheSameInALargerArenaWhereNothingIsThinned) {
+TEST(Determinism, TheRRepIsTheSameInALargerArenaIfNothingIsThinned) {
   const std::string scan = binary_ply(awkward_scan());
   SliceSettings settings;
   settings.placement.pixel_pitch_mm = 0.2F;

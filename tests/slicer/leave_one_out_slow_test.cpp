@@ -147,7 +147,7 @@ double percentile_95(std::vector<double>& values) {
 /// where one of the others saw the place. 95th percentiles.
 void expect_prints_between_the_views(const std::string& name) {
   if (!std::filesystem::exists(shared_scan(name + ".views.json"))) {
-    GTEST_SKIP() << name << " is not here: it is no part of the repository";
+    GTEST_SKIP() << "needs " << shared_scan(name + ".ply") << ", which is not part of the repository";
   }
   const std::vector<Surface> views = views_of(name);
   ASSERT_GE(views.size(), 3U);

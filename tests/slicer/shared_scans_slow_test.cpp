@@ -69,7 +69,7 @@ class Solids {
 
 void expect_a_whole_body(const std::string& name, double tallest_mm) {
   const std::filesystem::path path = shared_scan(name);
-  if (!std::filesystem::exists(path)) GTEST_SKIP() << name << " is not here: it is no part of the repository";
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << "needs " << path << ", which is not part of the repository";
   const std::string bytes = content_of(path);
 
   // As large as asked for, whatever the unit of the scan is.

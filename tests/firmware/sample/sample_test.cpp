@@ -232,7 +232,7 @@ TEST_F(SampleFile, ThatCannotBeCreatedIsNamedInTheError) {
 }
 
 TEST_F(SampleFile, ThatCannotBeWrittenIsNamedInTheErrorAndADeviceStays) {
-  if (!std::filesystem::is_character_file("/dev/full")) GTEST_SKIP();
+  if (!std::filesystem::is_character_file("/dev/full")) GTEST_SKIP() << "needs /dev/full";
   const auto result = write_bust_scan("/dev/full", {.points = 1000});
   ASSERT_FALSE(result.has_value());
   EXPECT_EQ(result.error().code(), ErrorCode::kCannotWrite);

@@ -184,7 +184,8 @@ std::string bytes_of_file(const std::filesystem::path& path) {
 }
 
 TEST(ScanCorpus, EveryFileGivesItsPointsOrItsError) {
-  if (!std::filesystem::exists(corpus())) GTEST_SKIP() << "no corpus beside the sources";
+  if (!std::filesystem::exists(corpus()))
+    GTEST_SKIP() << "needs " << corpus() << ", which is not part of the repository";
   for (const auto& file : kFiles) {
     const auto bytes = bytes_of_file(corpus() / file.path);
     for (const auto& pieces : std::vector<std::vector<std::size_t>>{{}, {1021}}) {
@@ -203,7 +204,8 @@ TEST(ScanCorpus, EveryFileGivesItsPointsOrItsError) {
 }
 
 TEST(ScanCorpus, NoFileIsLeftOut) {
-  if (!std::filesystem::exists(corpus())) GTEST_SKIP() << "no corpus beside the sources";
+  if (!std::filesystem::exists(corpus()))
+    GTEST_SKIP() << "needs " << corpus() << ", which is not part of the repository";
   std::map<std::string, int> known;
   for (const auto& file : kFiles) known[file.path] = 1;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(corpus())) {
@@ -213,7 +215,8 @@ TEST(ScanCorpus, NoFileIsLeftOut) {
 }
 
 TEST(ScanCorpus, TheSmallestWorkspaceReadsAllButTheOneLargeCompressedFile) {
-  if (!std::filesystem::exists(corpus())) GTEST_SKIP() << "no corpus beside the sources";
+  if (!std::filesystem::exists(corpus()))
+    GTEST_SKIP() << "needs " << corpus() << ", which is not part of the repository";
   for (const auto& file : kFiles) {
     const auto reading = read(bytes_of_file(corpus() / file.path), file.path);
     const bool too_large = std::string_view(file.path) == "pcl_pcd/cturtle.pcd";

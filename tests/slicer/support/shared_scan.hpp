@@ -1,5 +1,5 @@
 #pragma once
-/// Real scans beside the repository, which a user does not have.
+/// Real scans, in a folder beside the repository that users don't have: their tests are skipped there. In CI a skip fails.
 
 #include <filesystem>
 #include <fstream>
