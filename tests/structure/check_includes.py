@@ -1,34 +1,45 @@
 #!/usr/bin/env python3
-"""Checks that no file includes what its folder may not: usage check_includes.py REPOSITORY
+"""Checks that each file includes only what its folder may: check_includes.py REPOSITORY
 
-Prints file:line and the reason for each violation. Exit status: 0 none, 1 some, 2 nothing was looked at.
+Prints file:line and the reason for each violation. Exit status: 0 none, 1 some, 2 no files found.
 """
 
 import re
 import sys
 from pathlib import Path
 
-# Folder -> folders that it may include from, besides itself. The deepest folder that holds a file is the one that counts,
-# so that "hal" as a target does not mean "hal/linux".
+# Target -> targets it may include, besides itself. A file belongs to the deepest target that holds it: "hal" excludes "hal/linux".
 MAY_INCLUDE = {
     "slicer/core": set(),
     "slicer": {"slicer/core"},
+    "slicer/example": {"slicer/core", "slicer"},  # a program as users of the library write it
     "hal": {"slicer/core"},
     "hal/linux": {"slicer/core", "hal"},
     "hal/sim": {"slicer/core", "hal"},
     # One file for each back end of the HAL may include it: see COMPOSITION.
-    "firmware": {"slicer/core", "slicer", "hal"},
-    "tests": {"slicer/core", "slicer", "hal", "hal/linux", "hal/sim", "firmware"},
+    "firmware": {"slicer/core", "slicer", "hal", "firmware/pictures"},
+    "firmware/pictures": {"slicer/core", "slicer"},
+    "tests": {"slicer/core", "slicer", "hal", "hal/linux", "hal/sim", "firmware", "firmware/pictures"},
 }
 
-# The one source file of the product that opens each back end of the HAL. firmware/machine/back_end.cpp chooses between them.
+# Folder -> its subfolders in the data's order. Each may include those before it. The files directly in the folder come last
+# and may include all of them; no subfolder includes those files.
+ORDER = {
+    "slicer": ["core", "reader", "cloud", "placement", "implicit", "normals", "views", "surface", "rrep", "rays", "layers",
+               "supports", "plan"],
+    "slicer/reader": ["stream", "records", "formats"],
+    "hal/linux": ["gpio", "events", "lamp", "stage", "display", "stick", "thermals"],
+    "firmware": ["io", "settings", "pictures", "sample", "machine", "slice", "print", "daemon", "cli"],
+}
+
+# The source file that opens each back end of the HAL. firmware/machine/back_end.cpp chooses between them.
 COMPOSITION = {
     "firmware/machine/linux_back_end.cpp": {"hal/linux"},
     "firmware/machine/simulated_back_end.cpp": {"hal/sim"},
 }
 
-# Header of somebody else -> how many source files outside of tests include it. Each has one file that arranges it: its
-# memory, its exceptions, its types stay there. "exactly" also notices that a dependency is no longer used.
+# External header -> how many source files outside tests include it. One file wraps each library and keeps its memory, exceptions
+# and types to itself. "exactly" also reports a dependency that is no longer used.
 ONE_SOURCE_FILE = {
     "nanoflann.hpp": "exactly",
     "lodepng.h": "at most",
@@ -38,7 +49,7 @@ ONE_SOURCE_FILE = {
     "libusb.h": "at most",
 }
 
-# The slicer has no threads but OpenMP's, no files, no devices and no clock.
+# The slicer uses no threads except OpenMP's, and no files, devices or clock.
 NOT_IN_SLICER = re.compile(
     r"thread|jthread|mutex|shared_mutex|condition_variable|future|pthread\.h|"
     r"fstream|filesystem|iostream|fcntl\.h|unistd\.h|sys/.*|linux/.*|"
@@ -54,6 +65,34 @@ def folder_of(path):
     """The deepest folder of MAY_INCLUDE that holds `path`, or None."""
     parents = [parent.as_posix() for parent in Path(path).parents]
     return next((parent for parent in parents if parent in MAY_INCLUDE), None)
+
+
+def position(parent, path):
+    """
+    Where `path` stands in the order of `parent`.
+    @returns (rank, folder), the higher the later; rank None for a subfolder that has no place in the order
+    """
+    rest = path[len(parent) + 1 :].split("/")
+    if len(rest) == 1:
+        return len(ORDER[parent]), parent
+    rank = ORDER[parent].index(rest[0]) if rest[0] in ORDER[parent] else None
+    return rank, f"{parent}/{rest[0]}"
+
+
+def wrong_way(path, included):
+    """Why `path` may not include `included` by ORDER, or None."""
+    for parent, order in ORDER.items():
+        if folder_of(path) == "slicer/example":
+            continue
+        if not (path.startswith(parent + "/") and included.startswith(parent + "/")):
+            continue
+        (from_rank, here), (to_rank, there) = position(parent, path), position(parent, included)
+        for rank, folder in ((from_rank, here), (to_rank, there)):
+            if rank is None:
+                return f"{folder} has no place in the order of {parent}: give it one in ORDER ({', '.join(order)})"
+        if to_rank > from_rank:
+            return f"{here} -> {there} is the wrong way: the order in {parent} is {', '.join(order)}, then {parent}'s own files"
+    return None
 
 
 def includes(file):
@@ -74,13 +113,13 @@ def our_files(root):
 
 
 def check(root):
-    """(files looked at, ["path:line: reason", ...])"""
+    """(number of files, ["path:line: reason", ...])"""
     root = Path(root)
     violations = []
     users = {header: [] for header in ONE_SOURCE_FILE}
-    looked_at = 0
+    files = 0
     for file in our_files(root):
-        looked_at += 1
+        files += 1
         path = file.relative_to(root).as_posix()
         here = folder_of(path)
         for number, quoted, angled, other in includes(file):
@@ -91,35 +130,38 @@ def check(root):
                 there = folder_of(quoted)
                 if there is None or ".." in quoted.split("/"):
                     violations.append(f'{at}: "{quoted}": write our headers from the top, as in "slicer/core/arena.hpp"')
-                elif there != here and there not in MAY_INCLUDE[here] | COMPOSITION.get(path, set()):
+                    continue
+                if there != here and there not in MAY_INCLUDE[here] | COMPOSITION.get(path, set()):
                     allowed = ", ".join(sorted(MAY_INCLUDE[here])) or "nothing else of ours"
                     violations.append(f'{at}: "{quoted}": {here} may not include {there}; it may include {allowed}')
+                elif reason := wrong_way(path, quoted):
+                    violations.append(f'{at}: "{quoted}": {reason}')
             else:
                 if folder_of(angled) is not None and (root / angled).exists():
                     violations.append(f'{at}: <{angled}>: our headers go in quotes')
                 if here in ("slicer", "slicer/core") and NOT_IN_SLICER.fullmatch(angled):
-                    violations.append(f"{at}: <{angled}>: the slicer has no threads but OpenMP's, no files, no devices, no clock")
+                    violations.append(f"{at}: <{angled}>: the slicer uses no threads except OpenMP's, no files, devices or clock")
                 if angled in users and here != "tests":
                     users[angled].append(at)
                     if file.suffix in HEADERS:
-                        violations.append(f"{at}: <{angled}>: in a source file only, so that it goes no further")
+                        violations.append(f"{at}: <{angled}>: include it in a source file only, so that it goes no further")
     for header, places in users.items():
         if len(places) > 1:
-            violations += [f"{at}: <{header}>: one source file includes it, here are {len(places)}" for at in places]
+            violations += [f"{at}: <{header}>: one source file may include it, and {len(places)} do" for at in places]
         if not places and ONE_SOURCE_FILE[header] == "exactly":
-            violations.append(f"slicer:0: <{header}>: exactly one source file includes it, here is none")
-    return looked_at, violations
+            violations.append(f"slicer:0: <{header}>: one source file should include it, and none does")
+    return files, violations
 
 
 def main(arguments):
     if len(arguments) != 1:
         print(__doc__, file=sys.stderr)
         return 2
-    looked_at, violations = check(arguments[0])
+    files, violations = check(arguments[0])
     for violation in violations:
         print(violation)
-    print(f"{looked_at} files, {len(violations)} violations")
-    if looked_at == 0:
+    print(f"{files} files, {len(violations)} violations")
+    if files == 0:
         return 2
     return 1 if violations else 0
 
