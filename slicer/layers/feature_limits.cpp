@@ -7,10 +7,10 @@
 namespace plumbline {
 namespace {
 
-constexpr float kSpeck = 50;         ///< cubes of epsilon
+constexpr float kSpeck = 50;         ///< epsilon^3; what a single outlier makes has about 6
 constexpr float kFeature = 2;        ///< cubes of epsilon
-constexpr float kHeight = 2.0F / 3;  ///< epsilons: creases of clean scans make none that is higher
-constexpr float kCrumb = 6;          ///< standard deviations of a surface, from its lowest places to its highest
+constexpr float kHeight = 2.0F / 3;  ///< epsilons: smoothed creases of clean scans make no higher feature (measured)
+constexpr float kCrumb = 6;          ///< standard deviations of the surface between its lowest and highest places: +-3
 
 float voxel_mm3(const PrintGrid& grid) { return grid.pitch_x_mm * grid.pitch_y_mm * grid.layer_height_mm; }
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Below which sizes what a scan shows cannot be told from what a few strays make.
+/// Sizes below which a scan cannot tell a part of the object from what a few outliers make.
 
 #include "slicer/core/print_grid.hpp"
 #include "slicer/layers/layer_features.hpp"
@@ -8,23 +8,25 @@
 
 namespace plumbline {
 
-/// How many times the points of a support that a scan without noise has; 1: the scan has none to speak of.
+/// Points within a support radius, relative to a scan without noise. 1 if the scan has little noise.
 float widening(const ClusteringResult& clustering, const ClusteringSettings& settings);
 
-/// What goes by its size alone: specks of solid and of hollow below 50 cubes of epsilon. A stray's support has some six.
+/// Limits of components: solids and cavities below 50 epsilon^3 go. What a single outlier makes has about 6 epsilon^3.
 /// @param clustering  epsilon in mm
 ComponentLimits component_limits(const ClusteringResult& clustering, const PrintGrid& grid);
 
-/// Small features have at most two cubes of epsilon, as many times more as noise has widened the supports, since what one
-/// stray does goes farther there. They are narrow, with at most a square of epsilon in any layer and, unless there is such
-/// noise, two thirds of epsilon high, or flat: of the area of a support and as high as noise makes a level surface rise and
-/// fall, in layers that any part of it reaches. What touches nothing may be as large as a speck.
+/// Limits of small features. They have at most 2 epsilon^3, times widening(), since an outlier reaches farther with a wider
+/// support radius. They are narrow or flat:
+///   narrow  at most epsilon^2 in any layer and, without noise, at most 2/3 epsilon high
+///   flat    at most the area of a support radius, and as high as noise makes a level surface rise and fall
+/// A feature that touches nothing may be as large as a small component.
 ///
-///   support = pi epsilon^2 support_points / (2 minPts)      a disc of radius epsilon has 2 minPts points (thesis III-2.b)
-///   flat    = 6 noise / sqrt(support_points)                the surface is a mean over a support
+///   area of a support radius = pi epsilon^2 support_points / (2 minPts)      a disc of radius epsilon has 2 minPts points
+///                                                                            (thesis III-2.b)
+///   height of a flat feature = 6 noise / sqrt(support_points)                the surface is a mean over the support radius
 ///
-/// @param clustering  epsilon and noise in mm, and the points of a support
-/// @param settings    that it was made with
+/// @param clustering  epsilon and noise in mm, and the points within a support radius
+/// @param settings    of the clustering
 FeatureLimits feature_limits(const ClusteringResult& clustering, const ClusteringSettings& settings,
                              const PrintGrid& grid);
 

@@ -13,27 +13,27 @@ namespace {
 
 constexpr const char* kStage = "layer features";
 
-/// Room a row of the grid, for the small regions of all layers and for the runs that they are made of. Scans of the suite
-/// and raw ones have up to 2.1 and 18.1 a row.
+/// Room for the small regions of all layers and for their runs, per row of the grid. The suite's and raw scans need up to 2.1
+/// and 18.1.
 constexpr std::size_t kRegionsPerRow = 16;
 constexpr std::size_t kRunsPerRow = 128;
-/// Toggles a row that are made at once; of more, one batch after the other. They fit where the two layers were.
+/// Toggles in one batch, per row of the grid. They reuse the memory of the two layers.
 constexpr std::size_t kTogglesPerRow = 256;
 
-/// The small regions of consecutive layers that touch; one node a region, joined as a disjoint set.
+/// Small regions of consecutive layers that touch, as a disjoint set with a node for each region.
 struct Feature {
   std::uint32_t parent;
   bool white : 1;
-  bool continued : 1;         ///< above or below it, a region is nothing but its continuation
-  bool below : 1;             ///< it touches a region below it that is no small one, or is a hole that begins there,
-  bool above : 1;             ///< or one above,
-  bool bears : 1;             ///< one that touches nothing but small regions on this side
+  bool continued : 1;         ///< a larger region above or below touches nothing else
+  bool below : 1;             ///< it touches a larger region below, or is a hole in the first layer
+  bool above : 1;             ///< the same above, or a hole in the last layer
+  bool bears : 1;             ///< a larger region touches only small regions on this side
   std::uint16_t first, last;  ///< layers, `last` included
-  std::uint32_t largest;      ///< pixels, of its regions
+  std::uint32_t largest;      ///< pixels of its largest region
   std::uint64_t voxels;
 };
 
-/// Pixels of a feature that differ from what they shall be.
+/// A run of pixels to toggle if the feature goes.
 struct FeatureRun {
   std::uint32_t feature;
   std::uint32_t layer;
@@ -41,11 +41,11 @@ struct FeatureRun {
   std::uint16_t first, last;
 };
 
-/// What a region touches in the next layer on one side.
+/// What a region touches in the layer above or below.
 struct Contact {
   std::uint32_t region = LayerRegions::kNone;
-  bool more = false;   ///< than one region
-  bool large = false;  ///< some of them are no small ones
+  bool more = false;   ///< more than one region
+  bool large = false;  ///< at least one that is not small
   void note(std::uint32_t other) {
     if (region == LayerRegions::kNone) {
       region = other;
@@ -55,7 +55,7 @@ struct Contact {
   }
 };
 
-/// One layer with what is known of its regions.
+/// The regions of one layer.
 struct Layer {
   static std::size_t most_regions(std::uint32_t rows) { return std::size_t{rows} * LayerRegions::kRunsPerRow + 1; }
   static std::size_t bytes_needed(std::uint32_t rows) {
@@ -65,8 +65,8 @@ struct Layer {
   static Expected<Layer> create(const PrintGrid& grid, Arena& arena);
 
   LayerRegions regions;
-  std::span<std::uint32_t> feature;  ///< by region, kNone: not small
-  std::span<Contact> contact;        ///< by region, with the layer it is compared with
+  std::span<std::uint32_t> feature;  ///< by region; kNone: not small
+  std::span<Contact> contact;        ///< by region, with the layer that it is compared with
   std::uint32_t small = 0;           ///< regions
 };
 
@@ -84,10 +84,10 @@ class Sweep {
  public:
   static Expected<Sweep> create(const RRep& rrep, const FeatureLimits& limits, Arena& arena);
 
-  /// Stops where the room does not suffice for all layers; what ends before that is complete.
-  /// @retval ErrorCode::kOutOfMemory  for the layers; nothing was looked at
+  /// Finds the features. Stops where the room ends; features that end below that are complete.
+  /// @retval ErrorCode::kOutOfMemory  no room for two layers; nothing was looked at
   Status run(Arena& arena);
-  /// Takes what run() has found out of `rrep`.
+  /// Removes the features that run() has found from `rrep`.
   Expected<FeatureCounts> edit(RRep& rrep, Arena& arena);
 
  private:
@@ -100,7 +100,7 @@ class Sweep {
   bool removable(std::uint32_t f) const {
     const Feature& feature = features_[f];
     if (feature.continued || (feature.white && feature.below && feature.above && feature.bears)) return false;
-    // Of an object as thin as this small islands are all that there is.
+    // If no layer has a larger island, the object consists of small ones.
     const bool loose = !feature.below && !feature.above && (has_large_island_ || !feature.white);
     if (loose && feature.voxels <= limits_.loose_voxels) return true;
     const bool narrow = feature.largest <= limits_.narrow_pixels;
@@ -188,7 +188,7 @@ bool Sweep::record(std::uint32_t layer, const Layer& now, ConstBitImage section)
       const std::uint32_t feature = now.feature[regions.region(i)];
       const LayerRegions::Run run = regions.run(i);
       if (feature == LayerRegions::kNone || run.first > run.last) continue;
-      // Opening and closing have changed some of its pixels; only those that the section has so too are to be toggled.
+      // Opening and closing have changed some pixels of the region. Toggle only those that the section agrees with.
       for (std::uint32_t c = run.first; c <= run.last; ++c) {
         if (section.at(c, r) != regions.white(r, i)) continue;
         if (run_count_ == runs_.size()) return false;
@@ -229,20 +229,20 @@ void Sweep::connect(Layer& below, Layer& above) {
 }
 
 Status Sweep::run(Arena& arena) {
-  // They stand on the crossings and on the features, which need their room when they are edited.
+  // The layers are released at the end: edit() needs their memory.
   const ArenaScope scope(arena);
   const std::size_t bottom = arena.bottom_mark();
   auto stream = LayerStream::create(*rrep_, arena);
   auto even = stream ? Layer::create(rrep_->grid, arena) : tl::unexpected<Error>(stream.error());
   auto odd = even ? Layer::create(rrep_->grid, arena) : even;
-  std::uint32_t first_of_now = 0;  // feature of the layer, so that those of the two layers are known
+  std::uint32_t first_of_now = 0;  // first feature of the layer
   for (std::uint32_t k = 0; odd && k < rrep_->grid.layers; ++k) {
     Layer& below = k % 2 == 0 ? *odd : *even;
     Layer& now = k % 2 == 0 ? *even : *odd;
     const std::uint32_t first_of_below = std::exchange(first_of_now, feature_count_);
     const ConstBitImage mask = stream->mask(k);
     if (!now.regions.label(mask) || !find_small(k, now, stream->section())) {
-      // What may go on into the layers that are not looked at must stay.
+      // A feature that may continue into the layers not looked at must stay.
       for (std::uint32_t f = first_of_below; f < feature_count_; ++f) features_[root(f)].continued = true;
       stopped_ = true;
       break;
@@ -287,7 +287,7 @@ std::size_t layer_features_bytes(const PrintGrid& grid) {
   const std::size_t found =
       Arena::rounded(rows * kRegionsPerRow * sizeof(Feature)) + Arena::rounded(rows * kRunsPerRow * sizeof(FeatureRun));
   const std::size_t looking = LayerStream::bytes_needed(grid) + 2 * Layer::bytes_needed(grid.rows);
-  // A toggle may add a crossing before a later one takes it out.
+  // A toggle may add a crossing that a later one removes.
   const std::size_t editing = Arena::rounded(rows * kTogglesPerRow * sizeof(RRepToggle)) +
                               Arena::rounded(rows * kTogglesPerRow * sizeof(std::uint32_t));
   return found + std::max(looking, editing);

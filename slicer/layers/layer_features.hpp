@@ -1,5 +1,5 @@
 #pragma once
-/// Islands and holes in the layers that are too small to be more than a fault of the scan (DESIGN 3, stage 9).
+/// Removes islands and holes of layers that are below what the scan resolves (DESIGN 3, stage 9).
 
 #include <cstdint>
 #include <optional>
@@ -12,17 +12,17 @@
 namespace plumbline {
 
 struct FeatureLimits {
-  std::uint32_t pixels = 0;         ///< of one layer: a region of more is no small one
-  std::uint64_t voxels = 0;         ///< of one feature over all of its layers
-  std::uint32_t narrow_pixels = 0;  ///< a feature none of whose regions has more is narrow
-  std::uint32_t narrow_layers = 0;  ///< of a narrow feature: a higher one is no fault of the scan
-  std::uint32_t flat_layers = 0;    ///< of any other
-  std::uint64_t loose_voxels = 0;   ///< of a feature that touches nothing: it goes whatever its form
+  std::uint32_t pixels = 0;         ///< in one layer: a region with more is not small
+  std::uint64_t voxels = 0;         ///< of a feature, over all of its layers
+  std::uint32_t narrow_pixels = 0;  ///< a feature is narrow if none of its regions has more
+  std::uint32_t narrow_layers = 0;  ///< height of a narrow feature; higher ones stay
+  std::uint32_t flat_layers = 0;    ///< height of any other
+  std::uint64_t loose_voxels = 0;   ///< of a feature that touches nothing, whatever its shape
 };
 
 struct FeatureCounts {
-  bool counted = false;       ///< false: the arena had no room to look, and everything stayed
-  std::uint32_t islands = 0;  ///< taken out
+  bool counted = false;       ///< false: the arena had no room, and nothing was removed
+  std::uint32_t islands = 0;  ///< removed
   std::uint32_t holes = 0;    ///< filled
   std::uint64_t voxels = 0;   ///< of both
   /// Counted by the way. Known if the sweep reached the last layer and left all masks as they were.
@@ -41,19 +41,20 @@ struct FeatureCounts {
 /// Bytes of arena beside the R-Rep that drop_small_features() takes.
 std::size_t layer_features_bytes(const PrintGrid& grid);
 
-/// Takes out the small islands and fills the small holes of the layers.
+/// Removes small islands and fills small holes of the layers.
 ///
-/// A feature is what the small regions of consecutive layers make together. Where the scan has smoothed a crease, the
-/// surface dips under it, and the layers there have a hole of a few pixels that two layers on is open to the outside; a
-/// bump is an island first. Such a feature is removed: the regions that it touches above and below go on without it, so
-/// nothing begins, ends or is held by it. What stays is what a larger region is the only continuation of, the tip of a
-/// thing that grows and the bottom of a pit that widens, and everything of more voxels or layers, so needles and shafts too,
-/// and the dots of a text in Braille: noise makes flat crumbs, strays and creases narrow ones that are not high. Islands stay
-/// if without them a larger one would hang in the air, or under nothing. What touches nothing at all goes, such as what the
-/// opening of the masks has cut off, unless no layer has a larger island.
+/// A feature is a set of small regions of consecutive layers that touch. Example: where the scan has smoothed a crease, the
+/// surface dips under it, so a layer has a hole of a few pixels that opens to the outside two layers on. A bump begins as an
+/// island in the same way. Noise makes flat features, outliers and creases make narrow, low ones.
 ///
-/// Works on the masks as they are shown, opened and closed, and edits the crossings.
-/// There is room for so many small regions; where a scan has more, the layers above stay as they are.
+/// These stay:
+///   - a feature that is all a larger region touches above or below: the tip of a part that grows, the bottom of a pit;
+///   - a feature with more voxels or layers than the limits: needles, shafts, the dots of Braille;
+///   - an island between two larger ones, if without it one of them would hang in the air.
+/// A feature that touches nothing goes, such as what the mask's opening has cut off, unless no layer has a larger island.
+///
+/// Works on opened and closed masks, and edits the crossings. If a scan has more small regions than there is room for, the
+/// layers above stay as they are.
 /// @param rrep   the newest block at the bottom of the arena; its crossings may become more or fewer
 /// @param arena  layer_features_bytes() of scratch, given back
 /// @retval ErrorCode::kOutOfMemory  the edited crossings do not fit; some of the features may be gone

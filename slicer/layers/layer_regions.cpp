@@ -80,7 +80,7 @@ bool LayerRegions::label(ConstBitImage mask) {
         return false;
       }
       const std::uint32_t end = find(mask.row(r), column, columns_, !is_white);
-      // Columns of an image fit 16 bits; a black run of no pixels is [1, 0], wherever it stands.
+      // Columns fit 16 bits. An empty black run is [1, 0].
       runs_[count] =
           end > column ? Run{static_cast<std::uint16_t>(column), static_cast<std::uint16_t>(end - 1)} : Run{1, 0};
       sets.start(count);

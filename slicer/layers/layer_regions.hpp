@@ -10,15 +10,15 @@
 
 namespace plumbline {
 
-/// Regions of one layer, as runs of pixels. White pixels touch at sides and corners, black ones at sides; what is black at
-/// the image's border is one region, the outside. A region is named by the index of its first run.
+/// Regions of one layer, as runs of pixels. White pixels are joined at sides and corners, black ones at sides. Black pixels at
+/// the border belong to one region, the outside. The index of its first run names a region.
 class LayerRegions {
  public:
   struct Run {
     std::uint16_t first, last;  ///< columns, `last` included
   };
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
-  static constexpr std::uint32_t kOutside = 0;  ///< region of the outside: run 0 is no run of the image
+  static constexpr std::uint32_t kOutside = 0;  ///< the outside region; run 0 is not a run of the image
   static constexpr std::uint32_t kRunsPerRow = 64;
 
   static std::size_t bytes_needed(std::uint32_t rows);
@@ -26,17 +26,17 @@ class LayerRegions {
   [[nodiscard]] static Expected<LayerRegions> create(std::uint32_t columns, std::uint32_t rows, Arena& arena);
 
   /// Finds the regions of `mask`.
-  /// @returns false if it has more runs than kRunsPerRow a row on average; then there are no regions
+  /// @returns false if it has more than kRunsPerRow runs a row on average; then there are no regions
   bool label(ConstBitImage mask);
 
   std::uint32_t rows() const { return static_cast<std::uint32_t>(row_first_.size() - 1); }
-  /// Runs of a row are [row_begin(r), row_begin(r + 1)), from left to right, black and white in turn, black first; a
-  /// black run of no pixels has first > last.
+  /// The runs of row r are [row_begin(r), row_begin(r + 1)), from left to right, alternately black and white, black first. An
+  /// empty black run has first > last.
   std::uint32_t row_begin(std::uint32_t row) const { return row_first_[row]; }
   const Run& run(std::uint32_t i) const { return runs_[i]; }
   bool white(std::uint32_t row, std::uint32_t i) const { return ((i - row_first_[row]) & 1U) != 0; }
   std::uint32_t region(std::uint32_t i) const { return region_[i]; }
-  /// Pixels; of the outside: the most there is.
+  /// Pixels; of the outside: the largest value.
   std::uint32_t area(std::uint32_t region) const { return area_[region]; }
   std::uint32_t run_count() const { return row_first_.back(); }  ///< run 0 included
 

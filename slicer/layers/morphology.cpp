@@ -3,7 +3,7 @@
 namespace plumbline {
 namespace {
 
-/// A word with its two neighbours in the row, of which the bits next to it count.
+/// A word with its two neighbours in the row; only their adjacent bits matter.
 struct Triple {
   std::uint64_t before = 0, word = 0, after = 0;
 
@@ -21,12 +21,12 @@ Triple load(ConstBitImage image, std::int64_t row, std::uint32_t word) {
   return {word > 0 ? line[word - 1] : 0, line[word], word + 1 < image.stride() ? line[word + 1] : 0};
 }
 
-/// White where the pixel, the next one, and the two below them are.
+/// White where the pixel, the next one and the two below them are white.
 Triple erode(const Triple& row, const Triple& below) {
   const Triple both = row & below;
   return both & both.from_next();
 }
-/// White where the pixel, the one before, or one of the two above them is.
+/// White where the pixel, the one before or one of the two above them is white.
 Triple dilate(const Triple& above, const Triple& row) {
   const Triple either = above | row;
   return either | either.from_previous();

@@ -1,5 +1,5 @@
 #pragma once
-/// Opening and closing of masks, 64 pixels an operation (thesis III-4.b).
+/// Opens and closes masks, 64 pixels an operation (thesis III-4.b).
 
 #include <cstdint>
 
@@ -7,18 +7,17 @@
 
 namespace plumbline {
 
-/// How far a pixel of the result looks: rows, and columns, on every side.
+/// A pixel of the result depends on pixels up to this many rows and columns away.
 inline constexpr std::uint32_t kOpenCloseReach = 2;
 
 /// `out` = closing of the opening of `in`, both with a square of 2 x 2 pixels, in words [first, last) of one row.
 ///
-/// Opening keeps exactly the pixels that belong to some white square of 2 x 2: single pixels and lines of one pixel go,
-/// and nothing wider than two pixels in every direction does. Closing does the same for the black. Outside of the image
-/// all is black.
-/// @param out  same size, other memory
+/// Opening keeps the pixels that lie in a white square of 2 x 2: single pixels and lines of one pixel go, nothing that is at
+/// least two pixels wide in both directions does. Closing does the same for black. Outside of the image all is black.
+/// @param out  same size, separate memory
 void open_and_close_run(ConstBitImage in, BitImage out, std::uint32_t row, std::uint32_t first, std::uint32_t last);
 
-/// The same for the whole image.
+/// The same for a whole image.
 void open_and_close(ConstBitImage in, BitImage out);
 
 }  // namespace plumbline

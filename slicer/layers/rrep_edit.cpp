@@ -8,14 +8,14 @@
 namespace plumbline {
 namespace {
 
-constexpr std::uint32_t kLastLayers = 16;
+constexpr std::uint32_t kLastLayers = 16;  ///< layers looked at first, from the top; affects the cost only
 
 bool before(const RRepToggle& a, const RRepToggle& b) {
   return std::tie(a.layer, a.pixel) < std::tie(b.layer, b.pixel);
 }
 bool equal(const RRepToggle& a, const RRepToggle& b) { return a.layer == b.layer && a.pixel == b.pixel; }
 
-/// Sorts, leaves each that is there an odd number of times once.
+/// Sorts the toggles and keeps one of each that occurs an odd number of times.
 std::span<RRepToggle> distinct(std::span<RRepToggle> toggles, std::uint32_t layers) {
   std::sort(toggles.begin(), toggles.end(), before);
   std::size_t count = 0;
@@ -30,7 +30,7 @@ std::span<RRepToggle> distinct(std::span<RRepToggle> toggles, std::uint32_t laye
   return toggles.first(count);
 }
 
-/// Layers whose masks have no pixel, at either end; all are below where none has any.
+/// Counts the layers at both ends whose masks are empty.
 Expected<EmptyLayers> find_empty(const RRep& rrep, Arena& arena) {
   const std::size_t mark = arena.bottom_mark();
   auto stream = LayerStream::create(rrep, arena);
@@ -39,7 +39,7 @@ Expected<EmptyLayers> find_empty(const RRep& rrep, Arena& arena) {
     const std::uint32_t layers = rrep.grid.layers;
     const auto prints = [&](std::uint32_t layer) { return stream->mask(layer).count() > 0; };
     while (empty.below < layers && !prints(empty.below)) ++empty.below;
-    // Masks are made upwards: the last few first, and more of them only if those are all empty.
+    // Masks are made upwards: look at the last few first, and at more of them only if those are all empty.
     std::uint32_t end = empty.below;  // beyond the last layer that prints
     for (std::uint32_t last = kLastLayers; end == empty.below && end < layers; last *= 4) {
       for (std::uint32_t k = std::max(empty.below, layers - std::min(layers, last)); k < layers; ++k) {
@@ -57,13 +57,13 @@ Expected<EmptyLayers> find_empty(const RRep& rrep, Arena& arena) {
 
 Status toggle_crossings(RRep& rrep, std::span<RRepToggle> toggles, Arena& arena) {
   const std::span<const RRepToggle> added = distinct(toggles, rrep.grid.layers);
-  // The block is the newest at the bottom: what is taken behind it is its continuation, but for the rounding of blocks.
+  // rrep is the newest block at the bottom, so this block continues it, but for the rounding of blocks.
   auto more = arena.take_bottom<std::uint32_t>(added.size(), "R-Rep");
   if (!more) return tl::unexpected<Error>(more.error());
   std::uint32_t* const pixel = const_cast<std::uint32_t*>(rrep.pixel.data());
   std::uint32_t* const first = const_cast<std::uint32_t*>(rrep.first.data());
 
-  // From the last crossing down, into the room behind it: nothing is written over before it is read.
+  // Merges from the last crossing down into the room behind: nothing is overwritten before it is read.
   const std::size_t room = rrep.pixel.size() + added.size();
   std::size_t to = room;
   std::size_t toggle = added.size();
@@ -97,7 +97,7 @@ Expected<EmptyLayers> trim_empty_layers(RRep& rrep, Arena& arena, std::optional<
   const auto [below, above] = *empty;
   if (below == rrep.grid.layers) return EmptyLayers{};
   if (below > 0) {
-    // What grows on into the layers that stay begins with the first of them.
+    // Crossings of the removed layers move to the first layer that stays.
     const ArenaScope scope(arena);
     const std::uint32_t crossings = rrep.first[below];
     auto moves = arena.take_top<RRepToggle>(2 * std::size_t{crossings}, "R-Rep");

@@ -1,5 +1,5 @@
 #pragma once
-/// Changes to an R-Rep that stands.
+/// Edits a finished R-Rep.
 
 #include <cstdint>
 #include <optional>
@@ -12,25 +12,24 @@
 
 namespace plumbline {
 
-/// One pixel changes its colour from `layer` upwards.
+/// A pixel changes its colour from `layer` upwards.
 struct RRepToggle {
-  std::uint32_t layer;  ///< grid.layers and above: never seen
+  std::uint32_t layer;  ///< grid.layers or more: no effect
   std::uint32_t pixel;  ///< row * columns + column
 };
 
-/// Adds crossings, and takes out those that meet one of the same layer and pixel.
+/// Adds crossings; one that meets a crossing of the same layer and pixel cancels it.
 /// @param rrep     the newest block at the bottom of the arena
-/// @param toggles  any order, are sorted; a pair of equal ones cancels
-/// @retval ErrorCode::kOutOfMemory  rrep is as before
+/// @param toggles  in any order; sorted in place; equal pairs cancel
+/// @retval ErrorCode::kOutOfMemory  rrep is unchanged
 [[nodiscard]] Status toggle_crossings(RRep& rrep, std::span<RRepToggle> toggles, Arena& arena);
 
-/// Takes out the layers below the first one that prints something, so that the object stands on the plate, and those above
-/// the last one: those that are empty, and those with nothing but what the opening of the masks takes away, such as the tip
-/// of a stray.
-/// @param rrep   the newest block at the bottom of the arena; as before if no layer prints anything
+/// Removes the layers at both ends whose masks are empty, so that the object stands on the plate. A layer with nothing but
+/// what opening removes, such as the tip of an outlier, counts as empty.
+/// @param rrep   the newest block at the bottom of the arena; unchanged if all masks are empty
 /// @param known  the empty layers, if a sweep has found them; else the masks at both ends are made to look
-/// @returns how many there were
-/// @retval ErrorCode::kOutOfMemory  for two images and the crossings of the layers below; rrep is as before
+/// @returns how many layers were removed
+/// @retval ErrorCode::kOutOfMemory  no room for two images and the crossings below; rrep is unchanged
 [[nodiscard]] Expected<EmptyLayers> trim_empty_layers(RRep& rrep, Arena& arena, std::optional<EmptyLayers> known = {});
 
 }  // namespace plumbline

@@ -9,13 +9,14 @@ namespace plumbline {
 namespace {
 
 constexpr const char* kStage = "pieces";
-/// A piece in the air goes if it has less than one in so many voxels of the largest.
+/// A solid may float, or a cavity be sealed, below 1 / kSmallShare of the largest solid's voxels. Larger values keep more
+/// background, smaller ones lose detached parts of the object.
 constexpr std::uint32_t kSmallShare = 500;
-constexpr std::uint32_t kOutside = 0;  ///< the stretch that is everything beyond the object
+constexpr std::uint32_t kOutside = 0;  ///< number of the interval outside the object
 
-/// A ray's crossings and the number of its first stretch.
+/// A ray's crossings and the number of its first inner interval.
 ///
-/// c crossings part the ray into stretches 0 to c; the odd ones are solid. Stretch 0, and stretch c when c is even, are
+/// c crossings part the ray into intervals 0 to c; the odd ones are solid. Interval 0, and interval c if c is even, are
 /// outside; the others are numbered in the order of the rays.
 struct Ray {
   std::span<const std::uint16_t> crossings;
@@ -48,10 +49,10 @@ class Stretches {
   std::uint32_t volume(std::uint32_t i) const { return volume_[i] & kMostVoxels; }
 
   static constexpr std::uint32_t kMostVoxels = (1U << 30) - 1;
-  static constexpr std::uint32_t kAtPlate = 1U << 30;     ///< some of the set lies on the plate
-  static constexpr std::uint32_t kBelowPlate = 1U << 31;  ///< some lies below
+  static constexpr std::uint32_t kAtPlate = 1U << 30;     ///< some of the component begins on the plate
+  static constexpr std::uint32_t kBelowPlate = 1U << 31;  ///< some of it begins below
   void mark(std::uint32_t root, std::uint32_t where) { volume_[root] |= where; }
-  /// What becomes of a set; its volume is forgotten.
+  /// Records whether a component goes, in place of its volume.
   void decide(std::uint32_t root, bool goes) { volume_[root] = goes ? 1 : 0; }
   bool goes(std::uint32_t i) { return root(i) != kOutside && volume_[root(i)] != 0; }
   bool stands(std::uint32_t root) const { return (volume_[root] & (kAtPlate | kBelowPlate)) == kAtPlate; }
@@ -59,10 +60,10 @@ class Stretches {
 
  private:
   DisjointSets<> sets_;
-  std::span<std::uint32_t> volume_;  ///< voxels, of a root all of its set's, and marks
+  std::span<std::uint32_t> volume_;  ///< voxels (a root's: of the whole component) and marks
 };
 
-/// Joins the stretches of two neighbouring rays that share a layer and are of one kind.
+/// Joins intervals of two neighbouring rays that share a layer and are both solid or both hollow.
 void join(const Ray& a, const Ray& b, std::uint32_t layers, Stretches& stretches) {
   std::uint32_t i = 0;
   std::uint32_t j = 0;
@@ -76,11 +77,11 @@ void join(const Ray& a, const Ray& b, std::uint32_t layers, Stretches& stretches
   }
 }
 
-/// Whether a stretch belongs to a set that is to go.
+/// Decides which components go.
 struct Sieve {
   Stretches& stretches;
-  std::uint64_t speck;  ///< voxels: fewer are one
-  std::uint64_t small;  ///< voxels: a solid of fewer must stand on the plate, a hollow of fewer is none
+  std::uint64_t speck;  ///< voxels: a component with fewer goes
+  std::uint64_t small;  ///< voxels: a solid with fewer must stand on the plate, a cavity with fewer is filled
   std::uint32_t largest_piece;
   bool is_speck(std::uint32_t root) const {
     return root != kOutside && root != largest_piece && stretches.volume(root) < speck;
@@ -96,7 +97,7 @@ struct Sieve {
   }
 };
 
-/// Marks the pieces that reach the plate, which is where the largest one begins, give or take so many layers.
+/// Marks the solids that begin within `layers` of the plate, which is where the largest one begins.
 void mark_plate(CrossingStore& store, std::uint32_t largest, std::uint32_t layers, Stretches& stretches, Arena& arena) {
   const auto for_each_solid = [&](auto visit) {
     std::uint32_t first = 1;
@@ -121,7 +122,7 @@ void mark_plate(CrossingStore& store, std::uint32_t largest, std::uint32_t layer
 }  // namespace
 
 std::size_t components_bytes(const PrintGrid& grid, double rays, double crossings) {
-  // A ray with c crossings has c - 1 stretches inside; rows of the visitor and of the search.
+  // A ray with c crossings has c - 1 inner intervals. Then rows of the visitor and of the search.
   constexpr std::size_t kMostStretches = std::numeric_limits<std::size_t>::max() / 64;  // in 32 bits, too
   constexpr auto kMost = static_cast<double>(kMostStretches);
   const auto stretches = static_cast<std::size_t>(std::clamp(crossings - rays, 0.0, kMost)) + 1;
@@ -174,7 +175,7 @@ ComponentCounts drop_small_components(CrossingStore& store, const ComponentLimit
       for (const auto& ray : row) {
         const std::uint32_t inner = Ray::numbered(ray.count());
         for (std::uint32_t s = 1; s <= inner; ++s, ++number) {
-          // A set begins in the first row that it has a part in: what lies below it there is what encloses it.
+          // The interval below a component's root, in its first row, belongs to the component that encloses it.
           if (stretches.root(number) == number) visit(number, s % 2 == 1, s == 1 ? kOutside : number - 1);
         }
       }
@@ -189,10 +190,10 @@ ComponentCounts drop_small_components(CrossingStore& store, const ComponentLimit
     sieve.small = stretches.volume(sieve.largest_piece) / kSmallShare;
     mark_plate(store, sieve.largest_piece, limits.plate_layers, stretches, arena);
   }
-  // Roots ascend, so what encloses a set is decided before it.
+  // Roots ascend, so an enclosing component is decided before those inside it.
   for_each_root([&](std::uint32_t root, bool solid, std::uint32_t encloser) {
     const std::uint32_t voxels = stretches.volume(root);
-    const bool merges = stretches.goes(encloser);  // which is then of its own kind
+    const bool merges = stretches.goes(encloser);  // with the encloser, which then becomes the same kind
     const bool goes = !merges && sieve.goes(root, solid);
     if (goes) counts.changed_voxels += voxels;
     if (goes && !sieve.is_speck(root)) ++(solid ? counts.floating_solids : counts.sealed_cavities);
@@ -209,7 +210,7 @@ ComponentCounts drop_small_components(CrossingStore& store, const ComponentLimit
       const Ray old{ray.crossings(), number};
       const auto count = static_cast<std::uint32_t>(old.crossings.size());
       number += old.inner();
-      // A crossing stays if what lies below it and what lies above it differ when the specks have changed sides.
+      // A crossing stays if the intervals on both sides of it still differ once components have changed.
       const auto solid = [&](std::uint32_t s) { return (s % 2 == 1) != stretches.goes(old.number(s)); };
       ray.begin_rewrite();
       for (std::uint32_t s = 0; s < count; ++s) {

@@ -1,5 +1,5 @@
 #pragma once
-/// Pieces and bubbles of the object, and the specks among them (DESIGN 3, stage 7: never salt and pepper).
+/// Finds the solid and hollow components of the object and removes small ones (DESIGN 3, stage 7: never salt and pepper).
 
 #include <cstdint>
 
@@ -10,37 +10,38 @@
 namespace plumbline {
 
 struct ComponentCounts {
-  bool counted = false;               ///< false: the arena had no room to look, and everything stayed
-  std::uint32_t solids = 0;           ///< connected solids that stay
-  std::uint32_t cavities = 0;         ///< enclosed hollows that stay
-  std::uint32_t dropped_solids = 0;   ///< solids taken out: specks and floating ones
-  std::uint32_t floating_solids = 0;  ///< of them, those that are no specks
-  std::uint32_t filled_cavities = 0;  ///< hollows filled: specks and sealed ones
-  std::uint32_t sealed_cavities = 0;  ///< of them, those that are no specks
-  std::uint64_t changed_voxels = 0;   ///< of both
+  bool counted = false;               ///< false: the arena had no room, and nothing was removed
+  std::uint32_t solids = 0;           ///< solid components that stay
+  std::uint32_t cavities = 0;         ///< cavities that stay
+  std::uint32_t dropped_solids = 0;   ///< solids removed: small and floating ones
+  std::uint32_t floating_solids = 0;  ///< of those, the ones with min_voxels or more
+  std::uint32_t filled_cavities = 0;  ///< cavities filled: small and sealed ones
+  std::uint32_t sealed_cavities = 0;  ///< of those, the ones with min_voxels or more
+  std::uint64_t changed_voxels = 0;   ///< of all components removed or filled
   std::uint64_t voxels = 0;           ///< of the solids that stay
 };
 
 /// Bytes of arena that drop_small_components() takes.
+/// @param rays, crossings  how many there will be
 std::size_t components_bytes(const PrintGrid& grid, double rays, double crossings);
 
 struct ComponentLimits {
-  std::uint64_t min_voxels = 0;    ///< fewer: a speck
-  bool drop_floating = false;      ///< take out small pieces in the air, and fill small hollows
-  std::uint32_t plate_layers = 0;  ///< a piece that begins so close to where the largest one begins stands on the plate
+  std::uint64_t min_voxels = 0;    ///< a component with fewer goes
+  bool drop_floating = false;      ///< also remove floating solids and fill sealed cavities
+  std::uint32_t plate_layers = 0;  ///< a solid that begins this close to where the largest begins stands on the plate
 };
 
-/// Takes out every solid that is a speck and touches no other, and fills every hollow that is one and does not reach the
-/// outside. Voxels touch at faces. The largest piece always stays.
+/// Removes solid components and fills cavities of fewer than `min_voxels`. Voxels are joined at faces. The largest solid
+/// always stays.
 ///
-/// On request every solid goes, too, that does not stand on the plate and has less than a 500th of the largest one's
-/// voxels: background that was scanned along. Printed, it would fall into the tank. And every hollow of fewer voxels is
-/// filled: no scanner has looked into it, strays made it.
+/// With `drop_floating` it also removes floating solids: those that do not stand on the plate and have less than a 500th of
+/// the largest solid's voxels. They are scanned background, and would fall into the tank. Sealed cavities of fewer voxels than
+/// that are filled: no scanner can have looked into them, so outliers made them.
 ///
-/// What lies inside of what goes stays as it is, and is one with it then: a speck of solid in a hollow that is filled.
+/// A component inside a removed one becomes part of it unchanged: a solid in a cavity that is filled.
 ///
-/// Works on the stretches between the crossings of each ray, not on voxels: a stretch joins the ones it overlaps on the
-/// rays beside it.
+/// Works on the intervals between the crossings of each ray, not on voxels: an interval joins those that it overlaps on
+/// neighbouring rays.
 /// @param arena  components_bytes() from the top, given back
 [[nodiscard]] ComponentCounts drop_small_components(CrossingStore& store, const ComponentLimits& limits, Arena& arena);
 

@@ -7,11 +7,11 @@
 namespace plumbline {
 namespace {
 
-/// Of kSteps single steps, so many go to the corners too: octagons with sides as equal as they can be.
+/// Of kSteps steps, kStepsToCorners go to the corners too: 5 / 12 is close to sqrt(2) - 1, the ratio of a regular octagon.
 constexpr std::uint64_t kSteps = 12;
 constexpr std::uint64_t kStepsToCorners = 5;
 
-/// The largest discs of any settings.
+/// Largest support_max_bridge_length, mm: bounds the memory for the disc.
 constexpr double kLongestBridge = 30;
 static_assert(kSupportFields.back().key == "support_max_bridge_length" && kSupportFields.back().high == kLongestBridge);
 
@@ -74,7 +74,7 @@ void HeldArea::next_layer(std::uint32_t layer, ConstBitImage mask) {
 void HeldArea::grow(std::uint32_t layer, ConstBitImage mask) {
   const auto steps = [&](Nanometres pitch) {
     const Nanometres due = growth_ * layer / pitch - growth_ * (layer - 1) / pitch;
-    return std::min(due, reach_ / pitch);  // more would hold no more
+    return std::min(due, reach_ / pitch);  // a larger step would hold nothing more
   };
   const Nanometres columns = steps(pitch_.x);
   const Nanometres rows = steps(pitch_.y);
@@ -93,7 +93,7 @@ void HeldArea::grow_one(bool columns, bool rows, bool corners, ConstBitImage mas
     if (w + 1 < line.size()) wide |= line[w + 1] << 63;
     return wide;
   };
-  // What has grown must not grow again at once: a row is written down when the next one has been looked at.
+  // New pixels must not grow in the same step: a row is written once the next one has been read.
   for (std::uint32_t r = window_.row; r <= window_.row_end; ++r) {
     if (r < window_.row_end) {
       const auto line = mask.row(r);

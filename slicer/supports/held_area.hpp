@@ -1,5 +1,5 @@
 #pragma once
-/// What of a layer is held from below, and how far the rest is from it.
+/// Tracks which pixels of a layer are held from below.
 
 #include <cstdint>
 
@@ -15,31 +15,32 @@ namespace plumbline {
 
 /// The held pixels of a layer, made from those of the layer below.
 ///
-/// They are those of the layer below, as far as the object goes on above them, and what is within
-///   g = layer_height / tan(critical_angle)
-/// of them; with tips' discs, and with all pixels that the object has had for reach() / g layers. What is new and farther
-/// than reach() from all of them is not held.
+/// A pixel of the object is held if it lies
+///   - above a held pixel, or within g = layer_height / tan(critical_angle) of one that continues;
+///   - in a tip's disc;
+///   - where the object has been for reach() / g layers.
+/// New pixels farther than reach() from all held ones need a support.
 ///
-/// g is a few pixels, or less than one: the area grows by single pixels, in each layer by as many as make g on the whole.
-/// Some of these steps go to the four neighbours of a pixel, the others to all eight, in the ratio that makes an octagon
-/// (Rosenfeld and Pfaltz 1968): it is round to 8 %.
+/// g is a few pixels or less than one, so the area grows in steps of one pixel, as many per layer as add up to g over the
+/// layers. Some steps go to the four neighbours, the others to all eight, in the ratio that makes an octagon (Rosenfeld and
+/// Pfaltz 1968), which is round to 8 %.
 class HeldArea {
  public:
   HeldArea() = default;
-  /// @param window  where masks have pixels
+  /// @param window  holds all pixels of all masks
   /// @retval ErrorCode::kOutOfMemory  bytes_needed() from the top of the arena
   [[nodiscard]] static Expected<HeldArea> create(const PrintGrid& grid, const SupportSettings& settings,
                                                  const Window& window, Arena& arena);
   static std::size_t bytes_needed(const PrintGrid& grid);
 
-  /// The first layer: the plate holds all of it.
+  /// Starts with the first layer, all of which the plate holds.
   void begin(ConstBitImage mask);
-  /// The next one, before its tips are known.
+  /// Goes to the next layer, before its tips are known.
   void next_layer(std::uint32_t layer, ConstBitImage mask);
-  /// A tip holds what it meets.
+  /// A tip holds the pixels of its disc.
   void add_disc(std::uint32_t column, std::uint32_t row, Nanometres radius, ConstBitImage mask);
 
-  /// Of `fresh`, leaves what is farther than reach() from all that is held.
+  /// Clears the pixels of `fresh` that are within reach() of a held one.
   void drop_what_is_near(BitImage fresh) const;
 
   Nanometres reach() const { return reach_; }  ///< half of the longest bridge
@@ -52,11 +53,11 @@ class HeldArea {
   PixelPitch pitch_;
   Nanometres reach_ = 0;
   Nanometres growth_ = 1;            ///< g
-  std::uint32_t settle_layers_ = 1;  ///< after which what is there is held
-  std::uint64_t steps_ = 0;          ///< in both directions, up to now
+  std::uint32_t settle_layers_ = 1;  ///< a pixel that is there this long is held
+  std::uint64_t steps_ = 0;          ///< steps along both axes so far
   Disc bridge_;
   BitImage held_;
-  BitImage settling_;  ///< what all layers have had since the last multiple of settle_layers_
+  BitImage settling_;  ///< pixels that all layers have had since the last multiple of settle_layers_
   BitImage grown_;     ///< scratch
 };
 

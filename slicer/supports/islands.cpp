@@ -12,7 +12,7 @@ constexpr const char* kStage = "supports";
 
 std::size_t most_runs(std::uint32_t columns) { return columns / 2 + 1; }
 
-/// Whether any of the columns [begin, end) of a row is in both images; outside of the image none is.
+/// Whether both images are white in any of the columns [begin, end) of a row. Outside of the image all is black.
 bool both_in(ConstBitImage a, ConstBitImage b, std::int64_t row, std::uint32_t begin, std::uint32_t end) {
   if (row < 0 || row >= a.rows()) return false;
   const auto line_a = a.row(static_cast<std::uint32_t>(row));
@@ -57,7 +57,7 @@ void IslandFinder::read_runs(ConstBitImage mask, ConstBitImage below, ConstBitIm
       const auto length = static_cast<std::uint32_t>(std::countr_one(rest >> first));
       const std::uint32_t begin = w * 64 + first;
       if (here_count_ > 0 && here_[here_count_ - 1].end == begin) {
-        here_[here_count_ - 1].end += length;  // goes on from the word before
+        here_[here_count_ - 1].end += length;  // continues from the word before
       } else {
         here_[here_count_++] = {begin, begin + length, 0};
       }
@@ -105,7 +105,7 @@ void IslandFinder::join_with_row_above() {
 void IslandFinder::keep_what_goes_on() {
   const Sets sets(pieces_);
   std::uint32_t kept = 0;
-  // A piece that is copied leaves its new number in its width, which is not needed any more.
+  // The width of a copied piece is no longer needed and holds its new number.
   for (std::uint32_t i = 0; i < here_count_; ++i) pieces_[sets.root(here_[i].piece)].goes_on = false;
   for (std::uint32_t i = 0; i < here_count_; ++i) {
     const std::uint32_t piece = sets.root(here_[i].piece);

@@ -1,5 +1,5 @@
 #pragma once
-/// Islands: what begins in a layer and hangs on nothing.
+/// Finds islands: regions of a layer that nothing below holds.
 
 #include <cstdint>
 #include <span>
@@ -12,27 +12,26 @@
 
 namespace plumbline {
 
-/// Finds the pieces of a layer that have no pixel above the layer below. Pixels are neighbours at their sides, not at
-/// their corners, where a print would tear.
+/// Finds the regions of a layer that have no pixel above the layer below. Pixels are joined at sides, not at corners, where a
+/// print would tear.
 ///
-/// Such a piece is all new. So only what is new in the layer is looked at, row by row in runs of pixels (the two-row
-/// labelling of Rosenfeld and Pfaltz 1966 with labels given back at the end of each row): memory for two rows, and time
-/// for what changes.
+/// All pixels of an island are new. So only new pixels are looked at, as runs, row by row (the two-row labelling of Rosenfeld
+/// and Pfaltz 1966, with labels reused after each row). It takes memory for two rows, and time for what changes.
 class IslandFinder {
  public:
   /// @retval ErrorCode::kOutOfMemory  bytes_needed() from the top of the arena
   [[nodiscard]] static Expected<IslandFinder> create(std::uint32_t columns, Arena& arena);
   static std::size_t bytes_needed(std::uint32_t columns);
 
-  /// A pixel in the middle of the widest run of an island.
+  /// The middle pixel of the widest run of an island.
   struct Place {
     std::uint32_t column = 0, row = 0;
   };
 
   /// Takes the next row of a layer, the first one after create() or end().
   /// @param mask    of the layer
-  /// @param below   what there is under it
-  /// @param fresh   mask without below
+  /// @param below   of the layer below, with heads of supports
+  /// @param fresh   new pixels: mask and not below
   /// @param window  where `fresh` may have pixels
   /// @param visit   called with a Place for each island that ended above this row
   template <class Visit>
@@ -62,10 +61,10 @@ class IslandFinder {
   };
   struct Piece {
     std::uint32_t parent = 0;
-    std::uint32_t width = 0;  ///< of its widest run
-    Place middle;             ///< of that
-    bool held = false;        ///< beside something that goes on from below
-    bool goes_on = false;     ///< into the row that is read
+    std::uint32_t width = 0;  ///< pixels of its widest run
+    Place middle;             ///< of that run
+    bool held = false;        ///< beside a pixel that continues from below
+    bool goes_on = false;     ///< into the row being read
   };
 
   using Sets = DisjointSets<Piece, &Piece::parent>;

@@ -15,15 +15,15 @@ namespace {
 
 constexpr const char* kStage = "supports";
 
-/// Where a tip goes for the first pixel, in reading order, that needs one: below it and to the side, so that its reach
-/// is used on all sides. In 64ths of the reach; the pixel itself is always left.
+/// Where to put the tip for the first pixel, in reading order, that needs one: in later rows or to the side, so that the tip
+/// holds pixels all around it. Offsets and shares are in 64ths of the reach; the fallback is the pixel itself.
 struct Offset {
   std::int32_t columns, rows;
 };
 constexpr std::array<Offset, 4> kDirections = {{{45, 45}, {-45, 45}, {0, 60}, {60, 0}}};
 constexpr std::array<std::int32_t, 5> kShares = {64, 48, 32, 16, 8};
 
-/// The sweep; each method is one step of it.
+/// The sweep; each method is one step.
 class Sweep {
  public:
   Sweep(const RRep& rrep, const SupportSettings& settings)
@@ -66,7 +66,7 @@ class Sweep {
     return {};
   }
 
-  /// In the order that the painter wants.
+  /// The supports in the order that the painter needs.
   std::span<const Support> sorted() {
     const auto found = list_.first(count_);
     std::sort(found.begin(), found.end(), [](const Support& a, const Support& b) {
@@ -82,7 +82,8 @@ class Sweep {
     return top_[std::size_t{row - window_.row} * window_.columns() + column - window_.word * 64];
   }
 
-  /// What is new, and where the object has ended below. @returns whether anything is new
+  /// Finds new pixels, and notes where the object ends.
+  /// @returns whether there are new pixels
   bool compare_with_below(std::uint32_t layer, ConstBitImage mask) {
     bool any = false;
     for (std::uint32_t r = window_.row; r < window_.row_end; ++r) {
@@ -129,7 +130,7 @@ class Sweep {
     return {};
   }
 
-  /// A place for the tip that holds (column, row) and as much beside it as there is.
+  /// Place for the tip that holds (column, row) and as many pixels beside it as possible.
   IslandFinder::Place place_for(std::uint32_t column, std::uint32_t row) const {
     const auto reach_x = static_cast<std::int64_t>(held_.reach() / shape_.pitch().x);
     const auto reach_y = static_cast<std::int64_t>(held_.reach() / shape_.pitch().y);
@@ -177,9 +178,9 @@ class Sweep {
     return {};
   }
 
-  /// Ends a support on the highest layer of an earlier one that holds its axis. Undersides with a grain are full of
-  /// islands; without this each had a pillar of its own, through and beside the others.
-  /// @returns whether there is one
+  /// Ends a support on the highest layer of an earlier one that contains its axis. Rough undersides are full of islands;
+  /// without this each would have a pillar of its own, through and beside the others.
+  /// @returns whether there is such a support
   bool branch_off(Support& support) const {
     const std::uint32_t lowest = support.first;
     for (const Support& other : list_.first(count_)) {
@@ -187,7 +188,7 @@ class Sweep {
       const Nanometres dy = (Nanometres{other.row} - support.row) * shape_.pitch().y;
       const Nanometres apart = dx * dx + dy * dy;
       if (apart > shape_.pillar_radius() * shape_.pillar_radius()) continue;
-      // Down its head, which is narrow at its tip.
+      // The head is narrow at its tip, so look downwards.
       const std::uint32_t down_to = std::max(other.first, support.first);
       for (std::uint32_t k = std::min(other.end, support.tip); k-- > down_to;) {
         const Nanometres radius = shape_.radius(other, k);
@@ -199,7 +200,7 @@ class Sweep {
     return support.first > lowest;
   }
 
-  /// The layer becomes the one below, with the heads that are in it. A head ends where the object above it does.
+  /// Keeps the layer as the one below, with the heads in it. A head ends where the object above its tip ends.
   void keep_as_below(std::uint32_t layer, ConstBitImage mask) {
     for (std::uint32_t r = window_.row; r < window_.row_end; ++r) {
       const auto from = mask.row(r).subspan(window_.word, window_.word_end - window_.word);
@@ -227,10 +228,10 @@ class Sweep {
   SupportCounts counts_;
   std::span<Support> list_;  ///< by tip
   std::size_t count_ = 0;
-  std::size_t heads_ = 0;         ///< first of the list whose head may be in the layer
-  std::span<std::uint16_t> top_;  ///< of each pixel of the window: first layer above what is below it, 0: nothing is
-  BitImage below_;                ///< the layer below, heads included
-  BitImage fresh_;                ///< what is new in the layer; then what of it is not held
+  std::size_t heads_ = 0;         ///< index of the first support whose head may be in the layer
+  std::span<std::uint16_t> top_;  ///< per pixel of the window: first layer above the object below it; 0: plate
+  BitImage below_;                ///< the layer below, with heads
+  BitImage fresh_;                ///< new pixels of the layer, then those that are not held
   HeldArea held_;
   IslandFinder islands_;
 };

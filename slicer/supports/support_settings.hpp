@@ -1,5 +1,5 @@
 #pragma once
-/// What the supports of a resin print look like and where they are needed, in the words of resin slicers.
+/// Settings of supports: their shape and where they are needed, in the words of resin slicers.
 
 #include <array>
 #include <string_view>
@@ -19,21 +19,21 @@ namespace plumbline {
 ///     ----------- plate
 struct SupportSettings {
   double head_front_diameter = 0.4;  ///< where a support meets the object
-  double head_penetration = 0.2;     ///< how far the head goes on into the object; never through it
+  double head_penetration = 0.2;     ///< how far the head reaches into the object; never through it
   double head_width = 1;             ///< length of the head cone, along the support
   double pillar_diameter = 1;
-  double base_diameter = 4;    ///< of the base on the plate; one that ends on the object has a head there instead
+  double base_diameter = 4;    ///< of the base on the plate; a support that ends on the object has a head there instead
   double base_height = 1;      ///< of the base cone
-  double critical_angle = 45;  ///< from the horizontal; a surface that is steeper carries itself
-  /// Between two places that are held; what juts out from one is held from half of it on.
+  double critical_angle = 45;  ///< from the horizontal; a steeper surface needs no supports
+  /// Between two held places; an overhang longer than half of it gets supports.
   double max_bridge_length = 3;
 };
 
-/// One setting as files, command lines and reports have it.
+/// A setting, as in files, command lines and reports.
 struct SupportField {
   std::string_view key;  ///< as in PrusaSlicer: "support_pillar_diameter"
   double SupportSettings::*member;
-  double low, high;  ///< both allowed
+  double low, high;  ///< inclusive
   std::string_view unit;
   std::string_view help;  ///< one line
 };
@@ -53,8 +53,8 @@ inline constexpr std::array<SupportField, 8> kSupportFields = {{
      "Between two places that are held; half of it may jut out"},
 }};
 
-/// @retval ErrorCode::kBadSetting  a value outside of its range, or a head wider than the pillar, or that than the base:
-///                                 names the key, the value and what is allowed
+/// @retval ErrorCode::kBadSetting  a value is out of range, the head is wider than the pillar, or the pillar wider than the base;
+///                                 the message names the key, the value and what is allowed
 [[nodiscard]] Status check_support_settings(const SupportSettings& settings);
 
 }  // namespace plumbline

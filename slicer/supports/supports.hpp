@@ -1,5 +1,5 @@
 #pragma once
-/// The supports of a print: a short list, and the shape that all of them have.
+/// The supports of a print: a short list, and their common shape.
 
 #include <cstdint>
 #include <span>
@@ -10,29 +10,29 @@
 
 namespace plumbline {
 
-/// One support: upright, round, its axis through the centre of a pixel.
+/// A vertical round support with its axis through the centre of a pixel.
 struct Support {
   std::uint16_t column = 0;
   std::uint16_t row = 0;
-  std::uint16_t first = 0;  ///< lowest layer that it is in. 0: on the plate; else it stands on the object or a support
+  std::uint16_t first = 0;  ///< lowest layer. 0: on the plate; else on the object or a support
   std::uint16_t tip = 0;    ///< first layer of the object above it
-  std::uint16_t end = 0;    ///< past the last layer that its head reaches into; tip or more
+  std::uint16_t end = 0;    ///< layer after the last of its head; at least `tip`
 
   bool on_plate() const { return first == 0; }
   bool is_in(std::uint32_t layer) const { return first <= layer && layer < end; }
   bool operator==(const Support&) const = default;
 };
 
-/// How thick supports are. Their discs are made of integers, so they are the same everywhere.
+/// Radii of supports. They are integers, so discs are the same on all machines.
 class SupportShape {
  public:
   SupportShape() = default;
   /// @param settings  that check_support_settings() takes
   SupportShape(const SupportSettings& settings, const PrintGrid& grid);
 
-  /// Of the disc that `support` is in `layer`, nm: at the layer's middle, the narrowest of the cone below its tip, the
-  /// pillar, and the cone above its foot on something else; or the base on the plate, where that is wider. A base is never
-  /// taller than a third of its support.
+  /// Radius of the disc of `support` in `layer`, nm, at the layer's middle: the smallest of the cone below the tip, the pillar,
+  /// and the cone above a foot on the object or a support; or that of the base on the plate, if larger. A base is at most a
+  /// third as high as its support.
   Nanometres radius(const Support& support, std::uint32_t layer) const;
 
   Nanometres head_radius() const { return head_; }

@@ -1,5 +1,5 @@
 #pragma once
-/// The part of the panel that the object is over.
+/// The part of the panel that the object covers.
 
 #include <algorithm>
 #include <cstdint>
