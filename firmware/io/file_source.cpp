@@ -24,12 +24,12 @@ Expected<FileSource> FileSource::open(const std::string& path) {
     return fail(ErrorCode::kCannotOpen, "%s: %s", path.c_str(), std::strerror(errno));
   }
   if (S_ISDIR(status.st_mode)) {
-    return fail(ErrorCode::kCannotOpen, "%s: is a directory. Name the scan in it: a .ply, .xyz, .pcd or .obj file",
+    return fail(ErrorCode::kCannotOpen, "%s: is a folder. Name the scan in it: a .ply, .pcd, .obj or .xyz file",
                 path.c_str());
   }
   if (S_ISREG(status.st_mode)) {
     source.size_ = static_cast<std::uint64_t>(status.st_size);
-    // Only a hint, so its result is of no interest: the kernel reads ahead twice as far.
+    // A hint that doubles the kernel's read-ahead; it may fail.
     static_cast<void>(::posix_fadvise(source.file_, 0, 0, POSIX_FADV_SEQUENTIAL));
   }
   source.name_ = path.substr(path.find_last_of('/') + 1);

@@ -1,5 +1,5 @@
 #pragma once
-/// A scan on a file system.
+/// A scan file.
 
 #include <string>
 
@@ -7,11 +7,11 @@
 
 namespace plumbline {
 
-/// Reads a file from start to end with plain reads: no buffer of its own, no heap after open().
+/// Reads a file from start to end with system calls: it has no buffer, and takes nothing from the heap after open().
 class FileSource final : public ByteSource {
  public:
   /// @param path  a file, or a pipe
-  /// @retval ErrorCode::kCannotOpen  missing, a directory or not allowed: the path, the reason, what to do
+  /// @retval ErrorCode::kCannotOpen  missing, a folder or not readable: the path, the reason, what to do
   [[nodiscard]] static Expected<FileSource> open(const std::string& path);
   FileSource(FileSource&& other) noexcept;
   FileSource& operator=(FileSource&&) = delete;

@@ -1,5 +1,5 @@
 #pragma once
-/// Text in a fixed place: lines for the terminal and paths, written while the heap must not be touched.
+/// Text of a fixed capacity: lines and paths, written where the heap must not be used.
 
 #include <cstdarg>
 #include <cstddef>
@@ -8,13 +8,13 @@
 
 namespace plumbline {
 
-/// At most Capacity - 1 characters and a terminator. What does not fit is cut, and cut() says so.
+/// At most Capacity - 1 characters and a terminator. Longer text is cut, and cut() returns true.
 template <std::size_t Capacity>
 class FixedText {
  public:
   FixedText() = default;
 
-  /// printf-style, after what is there. Never allocates for integers, strings and numbers of fewer than 32 digits.
+  /// Appends, printf-style. Does not allocate for integers, strings, and numbers of fewer than 32 digits.
   [[gnu::format(printf, 2, 3)]] void add(const char* pattern, ...) {
     va_list args;
     va_start(args, pattern);

@@ -1,5 +1,5 @@
 #pragma once
-/// Fingerprint of a stream of bytes, the same on every machine. It finds errors, it does not resist forgery.
+/// Hash of a stream of bytes, the same on every machine. It detects errors; it does not resist forgery.
 
 #include <bit>
 #include <cstddef>

@@ -6,7 +6,7 @@ namespace plumbline {
 namespace {
 
 volatile std::sig_atomic_t mark =
-    0;  // NOLINT(cppcoreguidelines-avoid-non-const-global-variables): a handler's only way
+    0;  // NOLINT(cppcoreguidelines-avoid-non-const-global-variables): all a signal handler may write
 
 extern "C" void set_mark(int /*signal*/) { mark = 1; }
 

@@ -1,13 +1,13 @@
 #pragma once
-/// Ctrl-C, and the polite way of ending a process from outside.
+/// Ctrl-C (SIGINT) and SIGTERM.
 
 namespace plumbline {
 
-/// From now on SIGINT and SIGTERM only set a mark, so that a job can end in order. The second of a kind ends the process at
-/// once, as if this had never been called. Writing past a file size limit or into a closed pipe becomes an error of write().
+/// From now on SIGINT and SIGTERM only set a flag, so that a job can end in order. A second signal of the same kind ends the
+/// process at once. Writing past a file size limit or into a closed pipe becomes an error of write().
 void catch_interrupts();
 
-/// A signal has come since catch_interrupts().
+/// Whether a signal has arrived since catch_interrupts().
 bool interrupted();
 
 }  // namespace plumbline

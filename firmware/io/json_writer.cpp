@@ -15,7 +15,7 @@ std::size_t utf8_length(std::string_view text) {
   if (lead < 0x80) return 1;
   if (lead >= 0xC2 && lead <= 0xDF) return follows(1) ? 2 : 0;
   if (lead >= 0xE0 && lead <= 0xEF) {
-    // Too long a form, and the halves of UTF-16 pairs.
+    // Overlong forms, and halves of UTF-16 pairs.
     if ((lead == 0xE0 && byte(1) < 0xA0) || (lead == 0xED && byte(1) > 0x9F)) return 0;
     return follows(1) && follows(2) ? 3 : 0;
   }

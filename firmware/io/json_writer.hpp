@@ -1,5 +1,5 @@
 #pragma once
-/// JSON as a stream.
+/// Writes JSON as a stream.
 
 #include <array>
 #include <cstddef>
@@ -11,11 +11,10 @@
 
 namespace plumbline {
 
-/// Writes one JSON value through a fixed buffer. A library would build the document on the heap, which a job must not
-/// touch; what a manifest needs is this page.
+/// Writes one JSON value through a fixed buffer. Libraries build the document on the heap, which a job must not use.
 ///
-/// Numbers are the shortest that read back as the same bits, with a point whatever the locale; NaN and infinity, which
-/// JSON lacks, become null. Text may hold any bytes: what is not UTF-8 becomes U+FFFD.
+/// Numbers have the fewest digits that read back as the same value, with a point in every locale; NaN and infinity become
+/// null. Text may hold any bytes: what is not UTF-8 becomes U+FFFD.
 class JsonWriter {
  public:
   enum class Layout : std::uint8_t { kLines, kOneLine };
@@ -40,7 +39,7 @@ class JsonWriter {
   void value(double number);
   void value(float number);
   void null();
-  /// Sixteen hexadecimal digits, as text: 64 bits are more than a JSON number holds for most readers.
+  /// Sixteen hexadecimal digits in quotes, since most readers can't hold 64 bits in a JSON number.
   void hex(std::uint64_t number);
 
   template <class T>
@@ -49,7 +48,7 @@ class JsonWriter {
     value(v);
   }
 
-  /// The last call: ends the line and empties the buffer.
+  /// Must be the last call: ends the line and empties the buffer.
   /// @retval ErrorCode::kCannotWrite  the first failure of any call
   [[nodiscard]] Status finish();
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Files that are written: plain system calls, because stdio and iostreams take their buffers from the heap.
+/// Output files, by plain system calls: stdio and iostreams take their buffers from the heap.
 
 #include <cstddef>
 #include <span>
@@ -27,7 +27,7 @@ class OutputFile {
   [[nodiscard]] Status write(std::span<const std::byte> bytes);
   [[nodiscard]] Status write(std::string_view text) { return write(std::as_bytes(std::span(text))); }
 
-  /// The last call: some file systems report only here that the bytes did not arrive.
+  /// Must be the last call: some file systems report only here that the data was not written.
   /// @retval ErrorCode::kCannotWrite  as write()
   [[nodiscard]] Status close();
 

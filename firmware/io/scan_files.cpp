@@ -6,8 +6,7 @@ Expected<ScanFiles> ScanFiles::open(std::span<const std::string> paths) {
   if (paths.empty() || paths.size() > kMostScans) {
     return fail(
         ErrorCode::kBadSetting,
-        "%zu files are given as one scan, it may have 1 to %zu. Join some of them: the points of text files can "
-        "stand one after the other",
+        "a scan of %zu files was given; it may have 1 to %zu. Join some of them: text files can be concatenated",
         paths.size(), kMostScans);
   }
   ScanFiles scan;

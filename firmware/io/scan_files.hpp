@@ -1,5 +1,5 @@
 #pragma once
-/// The files of a job's scan, open.
+/// The open files of a job's scan.
 
 #include <span>
 #include <string>
@@ -12,18 +12,18 @@ namespace plumbline {
 
 class ScanFiles {
  public:
-  /// @param paths  1 to kMostScans, in the order in which they are to be read
+  /// @param paths  1 to kMostScans, in the order to read them
   /// @retval ErrorCode::kCannotOpen   any of them: FileSource::open()
   /// @retval ErrorCode::kBadSetting   too many, or none
   [[nodiscard]] static Expected<ScanFiles> open(std::span<const std::string> paths);
 
   ScanSources sources() const { return sources_; }
   std::string title() const { return title_of(sources_).c_str(); }
-  /// Without their folders.
+  /// File names without folders.
   std::vector<std::string> names() const;
 
  private:
-  std::vector<FileSource> files_;     ///< as long as it was when sources_ was made
+  std::vector<FileSource> files_;     ///< never grows after sources_ points into it
   std::vector<ByteSource*> sources_;  ///< into files_
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-/// The version of the programs, as CMake has it.
+/// The version of the programs, from CMake.
 
 namespace plumbline {
 

@@ -50,7 +50,7 @@ Status draw(const RRep& rrep, const ConfidenceMap& map, const PreviewText& text,
   const CoverageLayout layout = CoverageLayout::of(extent, grid);
   const auto in_samples = [&](float mm) { return std::max(1.0F, mm * static_cast<float>(layout.samples_per_mm)); };
   std::int64_t left = layout.left;
-  // Two views at a time: memory for all four would be the most that a small job takes.
+  // Two views at a time: all four at once would need more memory than any other stage of a small job.
   const auto draw_pair = [&](bool walls) -> Status {
     const ArenaScope pair(arena);
     const std::uint32_t columns = layout.width * kSamplesPerPixel;

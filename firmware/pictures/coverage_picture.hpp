@@ -1,17 +1,17 @@
 #pragma once
-/// A picture of what the print rests on: the scan, or what was put where the scan had nothing.
+/// The coverage picture: which parts of the surface were scanned, and which were closed.
 
 #include "firmware/pictures/preview.hpp"
 #include "slicer/rrep/confidence.hpp"
 
 namespace plumbline {
 
-/// Draws the object from the front, the back, above and below, in one scale, each place in the colour of what it rests on,
-/// and a legend with the shares of the surface. As large as the preview.
+/// Draws the object from the front, the back, above and below, at one scale, coloured by what each place of the surface rests
+/// on, with a legend that gives the share of each colour. As large as the preview.
 /// @param rrep     at least one layer
 /// @param map      not empty
-/// @param text     its captions are not drawn: the legend has their place
-/// @param arena    for pictures and depths, from the top, given back
+/// @param text     only its name is drawn
+/// @param arena    for pictures and depths: taken from the top and given back
 /// @param encoder  made for pictures of at least kPreviewColumns x kPreviewRows
 /// @returns the file, in the encoder's memory, valid until its next use
 /// @retval ErrorCode::kOutOfMemory  the arena or lodepng found no room

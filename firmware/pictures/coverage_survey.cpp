@@ -95,7 +95,7 @@ class Surveyor {
     }
   }
 
-  /// The first row that holds each column, from the front or from the back.
+  /// Finds the nearest row of each column, seen from the front or from the back.
   void see(const BitImage& section, bool from_front) {
     std::fill(nearest_.begin(), nearest_.end(), kNone);
     std::fill(found_.begin(), found_.end(), std::uint64_t{0});
@@ -117,7 +117,7 @@ class Surveyor {
     map.depth[sample] = depth;
     map.material[sample] = static_cast<std::uint8_t>(map_.at(column, row, layer));
   }
-  /// A line of the front view, or of the back view, which has its left where the front view has its right.
+  /// Draws a line of the front view, or of the back view, which is mirrored.
   void draw_wall(const DepthMap& map, std::uint32_t line, std::uint32_t layer, bool front) const {
     for (std::uint32_t u = 0; u < map.columns; ++u) {
       const std::uint32_t column = column_of(front ? u : map.columns - 1 - u);
@@ -127,7 +127,7 @@ class Surveyor {
       show(map, u, line, samples(deep, rrep_.grid.pitch_y_mm), column, row, layer);
     }
   }
-  /// From above the back is at the upper end of the picture, from below the front is.
+  /// Draws the view from above, with the back at the upper end, or from below, with the front there.
   void draw_flat(const DepthMap& map, const BitImage& last, bool top) const {
     for (std::uint32_t v = 0; v < map.rows; ++v) {
       const std::uint32_t row = row_of(top ? map.rows - v - 0.5 : v + 0.5) / step_;
@@ -135,7 +135,7 @@ class Surveyor {
         const std::uint32_t column = column_of(u) / step_;
         const std::size_t at = std::size_t{row} * cells_ + column;
         if (lowest_[at] == kNever) continue;
-        // What goes on above the last layer ends nowhere.
+        // Columns that are still solid in the last layer end at the top of the grid.
         const bool goes_on = last.at(column * step_, row * step_);
         const std::uint32_t end = goes_on ? extent_.layer_end : highest_[at];
         const std::uint32_t deep = top ? extent_.layer_end - end : lowest_[at] - extent_.layer;

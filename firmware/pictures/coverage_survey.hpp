@@ -1,5 +1,5 @@
 #pragma once
-/// The depth maps of the coverage picture, each sample with the evidence of its place.
+/// The depth maps of the coverage picture: for each sample the depth and what the surface there rests on.
 
 #include <cstdint>
 #include <span>
@@ -12,7 +12,7 @@
 
 namespace plumbline::preview {
 
-/// Four views of one scale, and where they go on the page.
+/// The scale that four views share, and where they go on the page.
 struct CoverageLayout {
   double samples_per_mm = 0;
   std::uint32_t width = 0, depth = 0, height = 0;  ///< pixels
@@ -26,9 +26,9 @@ struct CoverageViews {
   DepthMap front, back, top, below;
 };
 
-/// Fills those of the four maps that have any samples, in one sweep over the layers.
-/// @param section  an image of the grid, as scratch
-/// @param arena    for the heights of the surface, from the top, given back
+/// Fills the maps that have samples, in one sweep over the layers.
+/// @param section  scratch: an image of the grid
+/// @param arena    for the heights of the surface, taken from the top and given back
 /// @retval ErrorCode::kOutOfMemory
 [[nodiscard]] Status survey_coverage(const RRep& rrep, const ConfidenceMap& map, const Extent& extent,
                                      const CoverageLayout& layout, std::span<std::uint64_t> section, Arena& arena,

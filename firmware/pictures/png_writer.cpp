@@ -12,7 +12,7 @@
 namespace plumbline {
 namespace {
 
-/// Size of all of a PNG file but its compressed pixels: signature, header, one data chunk's frame and the end chunk.
+/// Bytes of a PNG file besides its compressed pixels: signature, header, frame of one data chunk, end chunk.
 constexpr std::size_t kFrameBytes = 8 + 25 + 12 + 12;
 
 std::uint64_t reversed(std::uint64_t word) {
@@ -27,10 +27,10 @@ void store_big_endian(unsigned char* to, std::uint64_t word) {
   std::memcpy(to, &word, sizeof word);
 }
 
-/// Writes the pixels one after the other, first pixel in the high bit, rows not padded: what lodepng takes.
+/// Packs the pixels as lodepng takes them: first pixel in the high bit, rows not padded.
 /// @param to  8 bytes more than the pixels fill
 void pack(ConstBitImage mask, unsigned char* to) {
-  std::uint64_t waiting = 0;  // bits that do not fill a word yet, from the high end
+  std::uint64_t waiting = 0;  // bits that don't fill a word yet, from the high end
   unsigned filled = 0;
   const auto put = [&](std::uint64_t bits, unsigned count) {
     waiting |= bits >> filled;
@@ -76,7 +76,7 @@ Expected<PngEncoder> PngEncoder::create(std::size_t row_bytes, std::uint32_t row
   if (!encoder.compressor_) return fail(ErrorCode::kOutOfMemory, "PNG encoder: no memory for the compressor");
   const std::size_t scan_lines = (1 + row_bytes) * rows;
   const std::size_t bound = libdeflate_zlib_compress_bound(encoder.compressor_.get(), scan_lines);
-  // Zeroed, so that their pages are there before the first layer needs them.
+  // Zeroed, so that their pages exist before the first layer needs them.
   encoder.compressed_ = {std::unique_ptr<unsigned char[]>(new (std::nothrow) unsigned char[bound]()), bound};
   encoder.file_ = {std::unique_ptr<unsigned char[]>(new (std::nothrow) unsigned char[bound + kFrameBytes]()),
                    bound + kFrameBytes};
@@ -95,7 +95,7 @@ unsigned PngEncoder::compress(unsigned char** out, std::size_t* out_size, const 
   const std::size_t size = libdeflate_zlib_compress(self->compressor_.get(), in, in_size, self->compressed_.bytes.get(),
                                                     self->compressed_.size);
   if (size == 0) return kNoMemory;
-  // What lodepng owns is as large as the result, not as its bound.
+  // lodepng keeps this block, so it is as large as the result, not as the bound.
   *out = static_cast<unsigned char*>(std::malloc(size));
   if (*out == nullptr) return kNoMemory;
   std::memcpy(*out, self->compressed_.bytes.get(), size);

@@ -13,10 +13,10 @@ struct libdeflate_compressor;
 
 namespace plumbline {
 
-/// Encodes images one after the other. Takes its buffers and its compressor once, when it is made.
+/// Encodes one image after another, with buffers and a compressor that it takes once, when it is made.
 ///
-/// lodepng takes memory of its own for every image, by malloc: Debian's library is built with its allocators inside, so
-/// it cannot be given others. For a mask these are 8 blocks, all freed before encode() returns. One is large, with
+/// For each image lodepng takes memory with malloc: Debian builds the library with its own allocators, which can't be
+/// replaced. For a mask it takes 8 blocks, all freed before encode() returns. One is large, with
 /// rows * (1 + ceil(columns / 8)) bytes: 463 360 for 1440 x 2560, 1 154 400 for 3840 x 2400. (A width that is not a
 /// multiple of 8 takes a second one like it.) Two are as large as the compressed file, 5 to 25 kB, the rest is some
 /// 100 bytes. A heap that is to stay as it is needs M_MMAP_THRESHOLD and M_TRIM_THRESHOLD above the large one, and one
@@ -40,7 +40,7 @@ class PngEncoder {
   /// @retval ErrorCode::kOutOfMemory  the heap has no room for the buffers
   [[nodiscard]] static Expected<PngEncoder> for_pictures(std::uint32_t columns, std::uint32_t rows, int level = 6);
 
-  /// 1-bit greyscale, white (1) where the mask is set, that is: where resin cures.
+  /// 1-bit greyscale, white (1) where resin cures.
   /// @param mask  1 x 1 or more, not larger than the encoder was made for
   /// @returns the whole file, valid until the next call
   /// @retval ErrorCode::kOutOfMemory  lodepng found no memory

@@ -18,7 +18,7 @@ using namespace preview;
 
 namespace {
 
-/// Of the object and of its supports.
+/// Colours of the object and of its supports.
 constexpr std::array<Colour, 2> kMaterials{{{255, 243, 222}, {122, 178, 214}}};
 constexpr Colour kLine{112, 123, 136};
 
@@ -27,7 +27,7 @@ void draw_centred(const Picture& picture, std::int64_t centre, std::int64_t top,
   draw_text(picture, centre - text_width(text, style) / 2, top, text, style);
 }
 
-/// A bar of a round length: 1, 2 or 5 times a power of ten, as long as possible but not above 200 pixels.
+/// Draws a scale bar: the longest of 1, 2 or 5 times a power of ten mm that takes at most 200 pixels.
 void draw_scale_bar(const Picture& picture, double pixels_per_mm, std::int64_t left, std::int64_t top) {
   double length = 0.01;
   for (const double factor : {1.0, 10.0, 100.0, 1000.0, 10000.0}) {
@@ -44,7 +44,7 @@ void draw_scale_bar(const Picture& picture, double pixels_per_mm, std::int64_t l
   draw_text(picture, left + pixels + 14, top, label, {.scale = 2, .colour = kInk});
 }
 
-/// A line under a view, fading out at both ends, for the object to stand on.
+/// Draws the line that the object stands on, fading out at both ends.
 void draw_floor(const Picture& picture, std::int64_t left, std::int64_t width, std::int64_t row) {
   constexpr std::int64_t kFade = 40;
   for (std::int64_t x = -kFade; x < width + kFade; ++x) {
@@ -54,10 +54,6 @@ void draw_floor(const Picture& picture, std::int64_t left, std::int64_t width, s
     picture.blend(left + x, row + 1, kLine, 0.4F * cover);
   }
 }
-
-}  // namespace
-
-namespace {
 
 std::size_t material_bytes(const PrintGrid& grid) {
   return std::max<std::size_t>(height_cells(grid), std::max(grid.columns, grid.rows));

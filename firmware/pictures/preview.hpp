@@ -1,5 +1,5 @@
 #pragma once
-/// A picture of what is going to be printed, drawn from the R-Rep alone.
+/// The preview: the print from three sides, drawn from the R-Rep.
 
 #include <cstddef>
 #include <cstdint>
@@ -17,22 +17,22 @@ namespace plumbline {
 inline constexpr std::uint32_t kPreviewColumns = 1600;  ///< pixels
 inline constexpr std::uint32_t kPreviewRows = 900;      ///< pixels
 
-/// What is written on the picture. ASCII; other bytes show as a box. Lines that do not fit are cut.
+/// Text on the picture. ASCII; other bytes show as a box. Lines that are too long are cut.
 struct PreviewText {
   std::string_view name;                       ///< of the scan, top left
   std::string_view size;                       ///< of the object and its layers, top right
-  std::span<const std::string_view> captions;  ///< lines at the bottom, up to kMaxPreviewCaptions are drawn
+  std::span<const std::string_view> captions;  ///< lines at the bottom; the first kMaxPreviewCaptions are drawn
 };
 inline constexpr std::size_t kMaxPreviewCaptions = 3;
 
-/// Bytes that draw_preview() takes from the top of the arena, and gives back.
+/// Bytes that draw_preview() takes from the top of the arena and gives back.
 std::size_t preview_bytes(const PrintGrid& grid);
 
-/// Draws the object from the front (along +y), from the side (along +x) and from above (along -z), in one scale.
+/// Draws the object from the front (along +y), from the side (along +x) and from above (along -z), at one scale.
 ///
 /// @param rrep      at least one layer; without crossings only the text is drawn
 /// @param supports  drawn in another colour
-/// @param arena     preview_bytes() of it are used from the top while this runs
+/// @param arena     preview_bytes() are taken from its top and given back
 /// @param rgb       3 * kPreviewColumns * kPreviewRows bytes of the caller, row after row from the top; overwritten
 /// @retval ErrorCode::kOutOfMemory  the arena has less than preview_bytes() left
 [[nodiscard]] Status draw_preview(const RRep& rrep, const Supports& supports, const PreviewText& text, Arena& arena,

@@ -7,11 +7,12 @@
 namespace plumbline {
 namespace {
 
-constexpr float kSteepest = 6.0F;  // slope up to which neighbours are one surface
+/// Slope up to which two samples belong to one surface: 81 degrees. Steeper steps are edges and stay sharp.
+constexpr float kSteepest = 6.0F;
 
 using Signed = std::int64_t;
 
-/// One pass of the smoothing, along rows or along columns.
+/// Smooths once, along rows or along columns.
 void smooth_once(const DepthMap& from, std::span<float> to, const VoxelSize& voxel, bool along_rows) {
   const auto reach = static_cast<Signed>(std::clamp(2.2F * voxel.across, 4.0F, 40.0F));
   const Signed columns = from.columns, rows = from.rows;
@@ -27,8 +28,8 @@ void smooth_once(const DepthMap& from, std::span<float> to, const VoxelSize& vox
       }
       const Signed position = along_rows ? column : row, end = along_rows ? columns : rows;
       float sum = depth * static_cast<float>(reach + 1), weight = static_cast<float>(reach + 1);
-      // Opposite neighbours in pairs: together they leave a slope as it is. They count while they bend no more than the
-      // stairs do; a stronger bend is the object's own.
+      // Opposite neighbours count in pairs, which leaves slopes unchanged, as long as they bend no more than the steps do. A
+      // stronger bend belongs to the object.
       for (Signed k = 1; k <= reach && position >= k && position + k < end; ++k) {
         const float a = from.depth[static_cast<std::size_t>(here - k * step)];
         const float b = from.depth[static_cast<std::size_t>(here + k * step)];
@@ -93,7 +94,7 @@ class Shader {
     return depth == DepthMap::kEmpty ? nullptr : &depth;
   }
 
-  /// Slope between two neighbours that are one surface with the sample between them.
+  /// Slope at a sample, from the neighbours that belong to its surface.
   static float slope(const float* before, float here, const float* after) {
     constexpr float kJump = 1.5F * kSteepest;
     const bool has_before = before && std::abs(*before - here) < kJump;
@@ -109,7 +110,7 @@ class Shader {
     return unit(right, up, 1.0F);
   }
 
-  /// 1 on a free plane, less in creases: how high the surroundings stand above the sample, in eight directions.
+  /// 1 on a free plane, less in creases, from how high the surroundings rise in eight directions.
   float openness(Signed column, Signed row, float depth) const {
     constexpr std::array<std::array<Signed, 2>, 8> kAround{
         {{2, 0}, {-2, 0}, {0, 2}, {0, -2}, {1, 1}, {-1, 1}, {1, -1}, {-1, -1}}};
@@ -122,7 +123,7 @@ class Shader {
         const float* other = sample(column + x * reach, row + y * reach);
         if (!other) continue;
         const float rise = (depth - *other) / (length * static_cast<float>(reach));
-        // A far step in front is another part of the object, which shades less than a wall would.
+        // A high step in front is another part of the object, which shades less than a wall would.
         steepest = std::max(steepest, std::min(rise, 2.0F));
       }
       closed += steepest / std::sqrt(1.0F + steepest * steepest);  // sine of the horizon's height
@@ -130,7 +131,7 @@ class Shader {
     return std::max(1.0F - 0.85F * closed / 8.0F, 0.0F);
   }
 
-  /// 0 in shadow, 1 in light, between where the lamp is partly hidden: a march over the map towards the lamp.
+  /// 0 in shadow, 1 in light, in between where the lamp is partly hidden. Marches over the map towards the lamp.
   float light_reaching(Signed column, Signed row, float depth) const {
     constexpr float kSoftness = 7.0F;
     float light = 1.0F;

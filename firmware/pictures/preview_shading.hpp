@@ -1,5 +1,5 @@
 #pragma once
-/// From a map of depths to a shaded picture of the object.
+/// Shades a depth map.
 
 #include <array>
 #include <cstdint>
@@ -9,8 +9,8 @@
 
 namespace plumbline {
 
-/// Distances from the viewer's plane, rows from the top. Lengths are in samples of the map itself, so that a slope of one
-/// is 45 degrees.
+/// Distance of the object from the viewer's plane, rows from the top. Depths are in samples of the map, so that a slope of 1 is
+/// 45 degrees.
 struct DepthMap {
   static constexpr float kEmpty = 1e30F;  ///< no object here
 
@@ -19,26 +19,26 @@ struct DepthMap {
   std::uint32_t columns = 0, rows = 0;
 
   float& at(std::uint32_t column, std::uint32_t row) const { return depth[std::size_t{row} * columns + column]; }
-  void show(std::uint32_t column, std::uint32_t row, float how_deep, bool second_material) const {
+  void show(std::uint32_t column, std::uint32_t row, float depth_in_samples, bool second_material) const {
     const std::size_t sample = std::size_t{row} * columns + column;
-    depth[sample] = how_deep;
+    depth[sample] = depth_in_samples;
     material[sample] = second_material ? 1 : 0;
   }
 };
 
 inline constexpr std::uint32_t kSamplesPerPixel = 2;  ///< of a depth map, on each side of a pixel of the picture
 
-/// A voxel as a view sees it, in samples of the map; 1 or more.
+/// A voxel as a view sees it, in samples of the map, at least 1.
 struct VoxelSize {
   float across = 1;  ///< the larger of its sides in the picture's plane
   float deep = 1;    ///< along the view
 };
 
-/// Smooths the stairs of pixels and layers, not across edges of the object.
+/// Smooths the steps of pixels and layers, but not across edges of the object.
 /// @param scratch  as many as map.depth
 void smooth_depth(const DepthMap& map, std::span<float> scratch, const VoxelSize& voxel);
 
-/// Draws the object, lit from the upper left, with soft shadows, darker in its creases.
+/// Draws the object lit from the upper left, with soft shadows and darker creases.
 /// @param left, top  pixel of the picture where the map's first sample goes
 /// @param materials  as many as the map has, by index
 void shade_depth(const DepthMap& map, const Picture& picture, std::int64_t left, std::int64_t top,

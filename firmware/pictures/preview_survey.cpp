@@ -3,46 +3,13 @@
 #include <algorithm>
 #include <bit>
 
+#include "firmware/pictures/preview_section.hpp"
+
 namespace plumbline::preview {
 namespace {
 
-constexpr std::uint32_t kMostHeights = 2048;  // cells a side of the map of highest surfaces
-
-/// The section as the crossings have it, layer after layer.
-class Section {
- public:
-  Section(const RRep& rrep, std::span<std::uint64_t> words)
-      : rrep_(rrep), image_(words, rrep.grid.columns, rrep.grid.rows) {
-    image_.clear();
-  }
-
-  /// Toggles the crossings of `layer`, which is the one after the last.
-  /// @param heard  called with column, row and whether the pixel is inside now
-  template <class Heard>
-  void advance(std::uint32_t layer, Heard heard) {
-    for (std::uint32_t k = rrep_.first[layer]; k < rrep_.first[layer + 1]; ++k) {
-      const std::uint32_t pixel = rrep_.pixel[k], row = pixel / rrep_.grid.columns;
-      const std::uint32_t column = pixel - row * rrep_.grid.columns;
-      std::uint64_t& word = image_.row(row)[column / 64];
-      const std::uint64_t bit = std::uint64_t{1} << (column % 64);
-      word ^= bit;
-      heard(column, row, (word & bit) != 0);
-    }
-  }
-  const BitImage& image() const { return image_; }
-
- private:
-  const RRep& rrep_;
-  BitImage image_;
-};
-
-/// Calls visit(row, begin, end) for what a support is in a layer.
-template <class Visit>
-void for_each_span(const Supports& supports, const Support& support, std::uint32_t layer, const PrintGrid& grid,
-                   Visit visit) {
-  for_each_disc_span(supports.shape.pitch(), support.column, support.row, supports.shape.radius(support, layer),
-                     grid.columns, grid.rows, visit);
-}
+/// Cells on a side of the map of the highest surfaces: above the 1600 pixels of the picture more would not show.
+constexpr std::uint32_t kMostHeights = 2048;
 
 /// What a sample of a depth map shows.
 enum class Material : std::uint8_t { kObject, kSupport };
@@ -62,8 +29,8 @@ class Surveyor {
   void survey(const DepthMap& front, const DepthMap& side, const DepthMap& top) {
     const std::uint32_t step = height_step(rrep_.grid);
     std::fill(scratch_.heights.begin(), scratch_.heights.end(), std::uint16_t{0});
-    // A surface that ends at layer k ends at its underside, k layer heights up. 0: nothing ended here.
-    const auto heard = [&](std::uint32_t layer) {
+    // A surface that ends in layer k ends at the underside of k, k layer heights up. 0: nothing has ended here.
+    const auto keep_height = [&](std::uint32_t layer) {
       return [&, layer](std::uint32_t column, std::uint32_t row, bool inside) {
         if (inside || ((column | row) & (step - 1)) != 0) return;
         scratch_.heights[std::size_t{row >> shift_} * cells_ + (column >> shift_)] = static_cast<std::uint16_t>(layer);
@@ -72,7 +39,7 @@ class Surveyor {
     Section section(rrep_, scratch_.section);
     std::int64_t line = std::int64_t{front.rows} - 1;  // of the front and the side view, from the underside up
     for (std::uint32_t layer = 0; layer < extent_.layer_end; ++layer) {
-      section.advance(layer, heard(layer));
+      section.advance(layer, keep_height(layer));
       if (layer < extent_.layer || line < 0 || layer_of(line, front.rows) > layer) continue;
       see_along_rows(section.image());
       see_supports(layer, true);
@@ -86,7 +53,7 @@ class Surveyor {
         draw_side(side, static_cast<std::uint32_t>(again));
       }
     }
-    if (extent_.layer_end < rrep_.grid.layers) section.advance(extent_.layer_end, heard(extent_.layer_end));
+    if (extent_.layer_end < rrep_.grid.layers) section.advance(extent_.layer_end, keep_height(extent_.layer_end));
     see_supports_from_above();
     draw_top(top, section.image());
   }
@@ -102,7 +69,7 @@ class Surveyor {
   std::uint32_t column_of(std::uint32_t sample) const {
     return cell(sample + 0.5, double{rrep_.grid.pitch_x_mm}, extent_.column, extent_.column_end);
   }
-  /// Of sample `sample` counted from the back, where the side view has its left and the top view its upper end.
+  /// @param sample  counted from the back: the left of the side view, the upper end of the top view
   std::uint32_t row_of(std::uint32_t sample, std::uint32_t samples) const {
     return cell(samples - sample - 0.5, double{rrep_.grid.pitch_y_mm}, extent_.row, extent_.row_end);
   }
@@ -141,7 +108,7 @@ class Surveyor {
     }
   }
 
-  /// Of each column or row, whether a support is nearer than the object.
+  /// Finds the columns or rows where a support is nearer than the object.
   void see_supports(std::uint32_t layer, bool along_rows) const {
     const auto nearest = scratch_.nearest;
     const auto materials = scratch_.materials;
@@ -165,7 +132,7 @@ class Surveyor {
     const std::uint32_t low_bits = (std::uint32_t{1} << shift_) - 1;
     std::fill(scratch_.materials.begin(), scratch_.materials.end(), to_byte(Material::kObject));
     for (const Support& support : supports_.list) {
-      Nanometres seen = -1;  // what is no wider than what is above it is hidden
+      Nanometres seen = -1;  // a disc no wider than one above it is hidden
       for (std::uint32_t layer = support.end; layer-- > support.first;) {
         const Nanometres radius = supports_.shape.radius(support, layer);
         if (radius <= seen) continue;
@@ -245,61 +212,6 @@ std::uint32_t height_step(const PrintGrid& grid) {
 std::size_t height_cells(const PrintGrid& grid) {
   const std::uint32_t step = height_step(grid);
   return std::size_t{(grid.columns + step - 1) / step} * ((grid.rows + step - 1) / step);
-}
-
-Extent find_extent(const RRep& rrep, std::span<std::uint64_t> words) {
-  Extent extent{rrep.grid.columns, 0, rrep.grid.rows, 0, rrep.grid.layers, 0};
-  Section section(rrep, words);
-  std::int64_t inside = 0;
-  for (std::uint32_t layer = 0; layer < rrep.grid.layers; ++layer) {
-    if (rrep.first[layer] == rrep.first[layer + 1]) continue;
-    extent.layer = std::min(extent.layer, layer);
-    extent.layer_end = layer;
-    section.advance(layer, [&](std::uint32_t column, std::uint32_t row, bool is_inside) {
-      extent.hold(row, column, column + 1);
-      inside += is_inside ? 1 : -1;
-    });
-  }
-  if (inside > 0) extent.layer_end = rrep.grid.layers;  // the object goes on above the last layer
-  return extent;
-}
-
-Extent with_supports(Extent extent, const Supports& supports, const PrintGrid& grid) {
-  const auto hold = [&](std::uint32_t row, std::uint32_t begin, std::uint32_t end) { extent.hold(row, begin, end); };
-  for (const Support& support : supports.list) {
-    extent.layer = std::min<std::uint32_t>(extent.layer, support.first);
-    extent.layer_end = std::max<std::uint32_t>(extent.layer_end, support.end);
-    // Widest at the plate, or else in the middle.
-    for (const std::uint32_t layer : {std::uint32_t{support.first}, (std::uint32_t{support.first} + support.tip) / 2}) {
-      for_each_span(supports, support, layer, grid, hold);
-    }
-  }
-  return extent;
-}
-
-Layout lay_out(const Extent& extent, const PrintGrid& grid) {
-  Layout page;
-  page.width_mm = (extent.column_end - extent.column) * double{grid.pitch_x_mm};
-  page.depth_mm = (extent.row_end - extent.row) * double{grid.pitch_y_mm};
-  page.height_mm = (extent.layer_end - extent.layer) * double{grid.layer_height_mm};
-  const double across = kAreaColumns / (2.0 * page.width_mm + page.depth_mm);
-  const double up = kAreaRows / std::max(page.height_mm, page.depth_mm);
-  page.pixels_per_mm = std::min({across, up, kMostPixelsPerMm});
-  const auto pixels = [&](double mm, std::uint32_t most) {
-    return std::clamp(static_cast<std::uint32_t>(mm * page.pixels_per_mm), 1U, most);
-  };
-  page.width = pixels(page.width_mm, kAreaColumns / 2);
-  page.depth = pixels(page.depth_mm, std::min(kAreaColumns - 2 * page.width, kAreaRows));
-  page.height = pixels(page.height_mm, kAreaRows);
-  page.tall = std::max(page.height, page.depth);
-  // What is left of the area's width goes between and beside the views.
-  const std::int64_t spare = std::int64_t{kPreviewColumns} - 2 * kMargin - 2 * std::int64_t{page.width} - page.depth;
-  const std::int64_t gap = std::clamp<std::int64_t>(spare / 4, kGap, 2 * kGap);
-  page.front_left = (std::int64_t{kPreviewColumns} - 2 * std::int64_t{page.width} - page.depth - 2 * gap) / 2;
-  page.side_left = page.front_left + page.width + gap;
-  page.top_left = page.side_left + page.depth + gap;
-  page.floor = (std::int64_t{kTop} + kBottom + page.tall) / 2;
-  return page;
 }
 
 void survey(const RRep& rrep, const Supports& supports, const Extent& extent, const Layout& layout,

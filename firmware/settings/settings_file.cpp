@@ -11,6 +11,7 @@
 #include <sstream>
 #include <vector>
 
+#include "firmware/settings/setting_rules.hpp"
 #include "firmware/settings/setting_words.hpp"
 
 namespace plumbline {
@@ -21,37 +22,6 @@ constexpr std::size_t kLongestPath = 150;  ///< characters of a path in a messag
 using Rules = std::span<const SettingRule>;
 
 constexpr std::string_view kNameCharacters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789 ._-";
-
-/// "none, x or y"
-template <class Item>
-std::string listed(std::span<const Item> items) {
-  std::ostringstream text;
-  for (std::size_t i = 0; i < items.size(); ++i) {
-    text << (i == 0 ? "" : i + 1 == items.size() ? " or " : ", ") << items[i];
-  }
-  return text.str();
-}
-
-/// "an integer from 1 to 16384 pixels"
-std::string allowed(const SettingRule& rule) {
-  const std::string range = number(rule.low) + " to " + number(rule.high);
-  struct Words {
-    const SettingRule& rule;
-    const std::string& range;
-    std::string operator()(const TextSetting& text) const {
-      return "a string of " + range +
-             (text.kind == TextKind::kName ? " letters, digits, spaces and . _ -" : " characters");
-    }
-    std::string operator()(const std::uint32_t*) const { return "an integer from " + range + rule.unit; }
-    std::string operator()(const double*) const { return "a number from " + range + rule.unit; }
-    std::string operator()(const bool*) const { return "true or false"; }
-    std::string operator()(const ChoiceSetting& choice) const { return "one of the strings " + listed(choice.words); }
-    std::string operator()(const NumberChoiceSetting& choice) const {
-      return "one of the integers " + listed(choice.numbers) + rule.unit;
-    }
-  };
-  return std::visit(Words{rule, range}, rule.value);
-}
 
 /// "a string '1440'"
 std::string found(const toml::node& node) {
@@ -72,22 +42,6 @@ std::string found(const toml::node& node) {
   std::ostringstream value;
   value << toml::node_view<const toml::node>{node};
   return std::string{type} + " " + printable(value.str());
-}
-
-std::vector<std::string_view> known_tables(Rules rules) {
-  std::vector<std::string_view> tables;
-  for (const auto& rule : rules) {
-    if (std::find(tables.begin(), tables.end(), rule.table) == tables.end()) tables.push_back(rule.table);
-  }
-  return tables;
-}
-
-std::vector<std::string_view> known_keys(Rules rules, std::string_view table) {
-  std::vector<std::string_view> keys;
-  for (const auto& rule : rules) {
-    if (rule.table == table) keys.push_back(rule.key);
-  }
-  return keys;
 }
 
 bool store_text(const TextSetting& text, const SettingRule& rule, const toml::node& node) {

@@ -5,7 +5,7 @@
 namespace plumbline {
 namespace {
 
-constexpr double kSmallestUsual = 5;   ///< mm, longest side of what people print
+constexpr double kSmallestUsual = 5;   ///< mm, longest side; smaller and larger prints are rare, and wrong units common
 constexpr double kLargestUsual = 500;  ///< mm
 
 double voxel_mm3(const PrintGrid& grid) {
@@ -74,7 +74,7 @@ FixedText<256> stray_warning(const StrayPieces& strays) {
   if (strays.pieces == 0) return text;
   const bool one = strays.pieces == 1;
   text.add(
-      "%u stray piece%s apart from the object left out: %u points, %.2g %% of the scan's surface. --keep-all keeps %s",
+      "%u stray piece%s left out: %u points apart from the object, %.2g %% of the scan's surface. --keep-all keeps %s",
       strays.pieces, one ? " was" : "s were", strays.points, 100 * static_cast<double>(strays.share),
       one ? "it" : "them");
   return text;

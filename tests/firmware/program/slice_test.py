@@ -126,7 +126,7 @@ class Slice(Program):
         self.assertEqual(manifest["stray_pieces"]["pieces"], 1)
         self.assertEqual(manifest["stray_pieces"]["points"], 200)
         self.assertAlmostEqual(manifest["size_mm"][0], 24, delta=0.1)
-        self.assertIn("warning: 1 stray piece apart from the object was left out: 200 points", done.stderr)
+        self.assertIn("warning: 1 stray piece was left out: 200 points apart from the object", done.stderr)
         told = json.loads(self.run_it("inspect", self.scan, "--json", "--printer", self.board).stdout)
         self.assertEqual((told["stray_pieces"]["pieces"], told["fits"]), (1, True))
         kept = self.slice_it("--keep-all", "--no-preview", status=1)  # 53 mm do not fit on 40

@@ -1,0 +1,59 @@
+#pragma once
+/// What a picture shows of the print, and where each view goes on the page.
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+
+#include "firmware/pictures/preview.hpp"
+#include "firmware/pictures/preview_shading.hpp"
+#include "slicer/rrep/rrep.hpp"
+#include "slicer/supports/supports.hpp"
+
+namespace plumbline::preview {
+
+// The page, in pixels.
+inline constexpr std::uint32_t kMargin = 60;
+inline constexpr std::uint32_t kTop = 120, kBottom = 740;  // of the area for the views
+inline constexpr std::uint32_t kGap = 90;                  // between two views
+inline constexpr std::uint32_t kAreaColumns = kPreviewColumns - 2 * kMargin - 2 * kGap, kAreaRows = kBottom - kTop;
+inline constexpr double kMostPixelsPerMm = 120.0;
+inline constexpr std::size_t kSamples =
+    std::size_t{kAreaColumns} * kSamplesPerPixel * kAreaRows * kSamplesPerPixel;  // of all three maps together
+
+/// Half-open ranges of pixels and layers that hold the object.
+struct Extent {
+  std::uint32_t column = 0, column_end = 0, row = 0, row_end = 0, layer = 0, layer_end = 0;
+
+  bool empty() const { return column >= column_end; }
+  /// Grows the extent to hold columns [begin, end) of a row.
+  void hold(std::uint32_t in_row, std::uint32_t begin, std::uint32_t end) {
+    column = std::min(column, begin);
+    column_end = std::max(column_end, end);
+    row = std::min(row, in_row);
+    row_end = std::max(row_end, in_row + 1);
+  }
+};
+
+/// The extent of the object.
+/// @param words  scratch: an image of the grid
+Extent find_extent(const RRep& rrep, std::span<std::uint64_t> words);
+/// `extent` grown to hold the supports.
+Extent with_supports(Extent extent, const Supports& supports, const PrintGrid& grid);
+
+/// The scale that three views share, and where they go.
+struct Layout {
+  double width_mm = 0, depth_mm = 0, height_mm = 0;  // x, y, z
+  double pixels_per_mm = 0;
+  std::uint32_t width = 0, depth = 0, height = 0;  // pixels
+  std::uint32_t tall = 0;                          // pixels of the tallest view
+  std::int64_t front_left = 0, side_left = 0, top_left = 0;
+  std::int64_t floor = 0;  // row of the underside in the front and the side view
+
+  double samples_per_mm() const { return pixels_per_mm * kSamplesPerPixel; }
+};
+
+/// Chooses the largest scale at which all three views fit the page.
+Layout lay_out(const Extent& extent, const PrintGrid& grid);
+
+}  // namespace plumbline::preview
