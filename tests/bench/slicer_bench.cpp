@@ -1,4 +1,4 @@
-/// What the slicer spends its time on, in units that do not depend on the scan: a mask, a neighbourhood, a row of rays.
+/// Benchmarks of the slicer's inner work, in units that do not depend on the scan: a mask, a neighbourhood, a row of rays.
 
 #include <benchmark/benchmark.h>
 
@@ -58,7 +58,7 @@ void panels(benchmark::internal::Benchmark* benchmark) {
 
 std::int64_t mask_bytes(std::int64_t columns, std::int64_t rows) { return columns * rows / 8; }
 
-/// The next mask of a print, mean over all of its layers, cleaned and with no supports.
+/// The next mask of a print without supports, opened and closed: mean over all layers.
 void mask_of_a_layer(benchmark::State& state) {
   constexpr std::uint32_t kLayers = 2000;
   const Ellipsoid solid(static_cast<std::uint32_t>(state.range(0)), static_cast<std::uint32_t>(state.range(1)),
@@ -69,13 +69,13 @@ void mask_of_a_layer(benchmark::State& state) {
   while (state.KeepRunning()) {
     benchmark::DoNotOptimize(stream.mask(layer).row(0).data());
     benchmark::ClobberMemory();
-    layer = (layer + 1) % kLayers;  // one mask in so many is made anew
+    layer = (layer + 1) % kLayers;  // layer 0 starts from nothing
   }
   state.SetBytesProcessed(state.iterations() * mask_bytes(state.range(0), state.range(1)));
 }
 BENCHMARK(mask_of_a_layer)->Apply(panels);
 
-/// What a mask would take if it stood ready: the bound that mask_of_a_layer is held against.
+/// Copying a mask: the lower bound for mask_of_a_layer.
 void copy_of_a_mask(benchmark::State& state) {
   const auto bytes = static_cast<std::size_t>(mask_bytes(state.range(0), state.range(1)));
   const std::vector<std::byte> from(bytes, std::byte{0x55});
@@ -88,7 +88,7 @@ void copy_of_a_mask(benchmark::State& state) {
 }
 BENCHMARK(copy_of_a_mask)->Apply(panels);
 
-/// A noisy scan of a sphere of 30 mm, of some spacing of points.
+/// A noisy scan of a sphere of radius 30 mm.
 Surface scan(std::uint32_t points) {
   Random random(71);
   Surface surface = sphere(points, 30, Vec3d(32, 32, 32));
@@ -97,7 +97,7 @@ Surface scan(std::uint32_t points) {
   return surface;
 }
 
-/// The neighbours of one point after the other, in the order of the tree: what clustering and normals do.
+/// The nearest neighbours of each point in the order of the tree, as clustering and normals ask for them.
 void nearest_neighbours(benchmark::State& state) {
   constexpr std::uint32_t kPoints = 300'000;
   ArenaBlock arena(64 * kMiB);
@@ -113,7 +113,7 @@ void nearest_neighbours(benchmark::State& state) {
 }
 BENCHMARK(nearest_neighbours)->Arg(10)->Arg(60)->ArgName("k");
 
-/// A row of tiles of rays, from edge to edge of the sphere.
+/// A row of tiles of rays, from one edge of the sphere to the other.
 void row_of_ray_tiles(benchmark::State& state) {
   constexpr float kPitch = 0.05F;
   constexpr std::uint32_t kSide = 1280;

@@ -1,10 +1,10 @@
-/// A plug-in of QEMU's user emulation that counts the instructions which a program executes: tests/cross/count_instructions.py builds
-/// it, loads it with -plugin FILE,out=PATH, and reads what it writes to PATH when the program ends:
+/// Plug-in for QEMU's user emulation that counts the instructions a program executes. tests/cross/count_instructions.py builds it,
+/// loads it with -plugin FILE,out=PATH, and reads what it writes to PATH when the program ends:
 ///
-///     stderr COUNT     for each write(2) to standard error, in order: executed until then
+///     stderr COUNT     for each write(2) to standard error, in order: instructions so far
 ///     end COUNT THREADS
 ///
-/// Debian has no header for QEMU's plug-ins (docs/devel/tcg-plugins.rst of its sources); what is used of version 1 is declared here.
+/// Debian has no header for QEMU's plug-ins (docs/devel/tcg-plugins.rst in its sources), so the used part of version 1 is declared here.
 
 #include <array>
 #include <cinttypes>
@@ -18,7 +18,7 @@ using PluginId = std::uint64_t;
 struct qemu_plugin_tb;  // a translated block: a run of instructions with one way in
 enum class InlineOperation { kAddU64 };
 
-// The first member of QEMU's qemu_info_t, which is all that is read of it.
+// The first member of QEMU's qemu_info_t; the rest is not read.
 struct TargetInfo {
   const char* target_name;
 };
@@ -61,7 +61,7 @@ void on_call(PluginId /*id*/, unsigned /*index*/, std::int64_t number, std::uint
 
 void on_exit(PluginId /*id*/, void* /*data*/) {
   std::FILE* const file = std::fopen(out.c_str(), "w");
-  if (file == nullptr) return;  // the script misses it
+  if (file == nullptr) return;  // the script reports that the file is missing
   for (std::size_t i = 0; i < mark_count; ++i) std::fprintf(file, "stderr %" PRIu64 "\n", marks[i]);
   std::fprintf(file, "end %" PRIu64 " %u\n", executed, threads);
   std::fclose(file);

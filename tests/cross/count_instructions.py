@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Instructions that a build for boards executes, stage by stage: count_instructions.py BUILD HOST_PROGRAM [--update] -- EMULATOR... PROGRAM
+"""Counts the instructions of each stage in a build for boards: count_instructions.py BUILD HOST_PROGRAM [--update] -- EMULATOR... PROGRAM
 
-BUILD is aarch64 or armv7, HOST_PROGRAM the plumbline of this machine, which makes the scans. What follows -- is the command that runs
-the other build under QEMU's user emulation, whose plug-in (count_instructions.cpp, compiled here with c++) counts. A sample scan is
-sliced and printed with one thread in a few ways that differ in one thing each, so that differences are what that thing costs.
+BUILD is aarch64 or armv7. HOST_PROGRAM is this machine's plumbline, which makes the scans. The words after -- run the other build
+under QEMU's user emulation, where a plug-in counts (count_instructions.cpp, compiled here with c++). It slices and prints a sample scan
+with one thread in several runs. Two runs differ in one thing, so the difference of their counts is what that thing costs.
 
-The counts depend on the program alone, not on the machine or its load: 10 % more than instructions.json has is a slow-down and an
-error. --update writes what was counted there. board/README.md has the table, and what it means in seconds.
-Exit status: 0 as few as before, 1 more, or not repeatable, 2 wrong use.
+The counts depend on the program, not on the machine or its load. More than 10 % above instructions.json is an error. --update writes
+the counts there. board/README.md has the table and what it means in seconds.
+Exit status: 0 no slower than before, 1 slower or not repeatable, 2 wrong use.
 """
 
 import json
@@ -20,26 +20,26 @@ from pathlib import Path
 SOURCE_DIR = Path(__file__).resolve().parents[2]
 KEPT = Path(__file__).with_name("instructions.json")
 MARGIN = 0.10
-SPREAD = 0.001  # between two runs: addresses and times of day reach a few instructions
+SPREAD = 0.001  # of the count, between equal runs: addresses and the time of day change a few instructions
 
 POINTS = 100_000
-# At this size the sample has some 200 layers of 0.1 mm, and all but a few of its points are further apart than what is averaged.
+# At this size the sample has about 200 layers of 0.1 mm, and its points lie too far apart to be averaged, but for a few.
 SCALE = 0.35
-SLICE = ["slice", "--printer", SOURCE_DIR / "board/mono2k.toml", "--no-preview", "-o", "OUT"]
-# A print makes the masks and nothing else of them; this one ends before its first layer.
-PRINT = ["print", "--printer", SOURCE_DIR / "board/sim2k.toml", "--fault", "power.cut@layer=0"]
+SLICE = ["slice", "--printer", SOURCE_DIR / "board/mono2k.toml", "--no-preview", "--verbose", "-o", "OUT"]
+# A print makes the masks but no PNG files; this one ends before its first layer.
+PRINT = ["print", "--printer", SOURCE_DIR / "board/sim2k.toml", "--verbose", "--fault", "power.cut@layer=0"]
 
 
 class Run:
-    """One run of the program: instructions of each stage, and in all."""
+    """One run of the program: instructions of each stage and in all."""
 
     def __init__(self, counted, said, manifest):
         *marks, end = counted.splitlines()
         _, total, threads = end.split()
         if threads != "1":
-            sys.exit(f"the program ran {threads} threads, of one of which the plug-in can tell")
+            sys.exit(f"the program ran {threads} threads, but the plug-in counts only one")
         self.total = int(total)
-        # Each stage says at its end, in one write, what it took.
+        # --verbose: at its end each stage writes one line with its time, in one write(2).
         self.stages, before = {}, 0
         for mark, line in zip(marks, said.splitlines()):
             words, at = line.split(), int(mark.split()[1])
@@ -65,7 +65,7 @@ def count(target, plugin, work, scan, arguments, layer_height, status):
 
 
 def measure(host, command, work):
-    """The figures of a build, by name, and by how much two equal runs differ."""
+    """Counts of a build by name, and the relative difference of two equal runs."""
     plugin = work / "count.so"
     source = Path(__file__).with_suffix(".cpp")
     subprocess.run(["c++", "-std=c++20", "-O2", "-shared", "-fPIC", "-fvisibility=hidden", "-o", plugin, source], check=True)
@@ -90,10 +90,10 @@ def measure(host, command, work):
     figures = {
         "read, a million points": more(["read"], twice) / more_millions,
         "trees and clusters, a million points": more(built, twice) / more_millions,
-        # Not in proportion to the points: up to its limits it looks for as long as it finds views.
+        # Not proportional to the points: the search goes on while it finds views.
         "views of 100,000 points": base.stages["views"],
         "rays, a thousand rays": base.stages["rays"] * 1000 / base.rays,
-        # Nor these: how wide supports are is asked of the scan.
+        # Not proportional either: the support radius depends on the scan.
         "rays, a thousand rays, twice the points": twice.stages["rays"] * 1000 / twice.rays,
         "R-Rep, a layer": more(["r-rep"], fine) / more_layers,
         "mask, a layer": printed.stages["layers"] / base.layers,
@@ -123,16 +123,16 @@ def main(arguments):
         result |= slower
     print(f"two equal runs differ by {spread:.2g} of the count")
     if spread > SPREAD:
-        print("FAILED  which is no count to compare with")
+        print("FAILED  the counts vary too much to compare")
         result = 1
     if "--update" in ours:
         KEPT.write_text(json.dumps({**kept, build: figures}, indent=2, sort_keys=True) + "\n")
         return 0
     if not before:
-        print(f"FAILED  {KEPT.name} has nothing of {build}: run this with --update")
+        print(f"FAILED  {KEPT.name} has no counts of {build}: run this with --update")
         return 1
     if result:
-        print("if it is meant to take more: run this with --update, and correct the table in board/README.md")
+        print("if the increase is intended: run this with --update and correct the table in board/README.md")
     return int(result)
 
 
