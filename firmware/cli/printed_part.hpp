@@ -1,5 +1,5 @@
 #pragma once
-/// The part that a simulated printer has made: a stack of layers, and its picture.
+/// Writes the part that a simulated printer has made: its layers and its picture.
 
 #include <cstdint>
 #include <string>
@@ -10,8 +10,8 @@
 
 namespace plumbline {
 
-/// Writes what was cured as `plumbline slice` writes what is to be printed: layers, preview.png, manifest.json where the scan
-/// was sliced by this session; and comparison.png, what was to be printed beside it. For the desktop: takes memory from the heap.
+/// Writes what was cured as `plumbline slice` writes its layers: layers, preview.png, manifest.json if this session sliced the
+/// scan, and comparison.png, which shows beside it what was to be printed. For the desktop: takes memory from the heap.
 /// @param folder   as JobDirectory takes it
 /// @param arena    its free part is used for the picture
 /// @retval the errors of JobDirectory and PngEncoder

@@ -6,10 +6,11 @@
 namespace plumbline {
 namespace {
 
-// Ellipsoids, tapered capsules and displaced shells give bounds that grow a little faster than the distance.
+// Scales the result: ellipsoids, tapered capsules and displaced shells give values that grow a little faster than the
+// distance. Smaller is safer and takes more steps.
 constexpr double kSafety = 0.6;
 
-// A part whose bounding sphere is farther than this is not looked at: no blend reaches so far.
+// A part whose bounding sphere is farther away than this is skipped: no blend reaches that far.
 constexpr double kFar = 2.5;  // mm
 
 double absolute(double a) { return a < 0 ? -a : a; }
@@ -46,8 +47,8 @@ Vec3d mirrored(const Vec3d& p, double round) { return {std::sqrt(p.x() * p.x() +
 
 double sphere(const Vec3d& p, const Vec3d& centre, double radius) { return (p - centre).norm() - radius; }
 
-// Always inlined, so that the reciprocals of constant radii and lengths are computed by the compiler: a distance is
-// asked for some ten million times a scan.
+// Always inlined, so that the compiler computes the reciprocals of constant radii and lengths: a scan evaluates the
+// distance some ten million times.
 [[gnu::always_inline]] inline double ellipsoid(const Vec3d& p, const Vec3d& centre, const Vec3d& radii) {
   const Vec3d inverse{1.0 / radii.x(), 1.0 / radii.y(), 1.0 / radii.z()};
   const Vec3d q = (p - centre).cwiseProduct(inverse);
@@ -89,7 +90,7 @@ double hair(const Vec3d& p, double mass) {
   const double sway = wave(p.y() * 0.16 + 0.02 * p.z()) - 0.5;
   const double angle = diamond_angle(p.z() - 46.0, p.x());
   const double strands = wave(angle * 12.0 + 0.5 + 0.5 * sway);
-  // The grooves are steeper than the rest. Both terms bound the distance, so the larger one does.
+  // The grooves are steeper than the rest. Both terms bound the distance, so their maximum does.
   return std::max(mass - kStrandDepth, 0.45 * (mass - kStrandDepth * strands));
 }
 

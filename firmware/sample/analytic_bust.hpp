@@ -1,6 +1,5 @@
 #pragma once
-/// The project's own sculpture: a bust that is a formula. A scan of it costs no download, carries no licence, and its
-/// true surface is known everywhere.
+/// A bust defined by a formula: its scans need no download and no licence, and its true surface is known everywhere.
 
 #include "slicer/core/vec.hpp"
 
@@ -10,10 +9,10 @@ namespace plumbline {
 ///
 /// A union of ellipsoids and capsules, blended by the polynomial smooth minimum
 ///   smin(a, b) = min(a, b) - h^2 / (4 k),  h = max(k - |a - b|, 0)            (Quilez 2013, quadratic form)
-/// and cut flat at the underside, z = 0. Outside, the value is never above the true distance, so that a step of that
-/// length along any ray does not pass the surface; this makes it a bound and not the distance itself.
+/// and cut flat at the underside, z = 0. Outside, the value never exceeds the true distance, so a step of that length along
+/// any ray does not pass the surface. It is a bound, not the distance itself.
 ///
-/// Made of + - * / and sqrt alone: the same bits on every machine.
+/// Uses only + - * / and sqrt, so it gives the same bits on every machine.
 ///
 /// @param p  bust coordinates, mm: z up from the underside, the face looks towards -y and a little towards -x
 /// @returns mm

@@ -1,6 +1,6 @@
 #pragma once
-/// Random numbers without a state: the n-th number of a stream is a function of n, so that no number depends on how
-/// many were drawn before it.
+/// Random numbers without state: the n-th number of a stream is a function of n, so it does not depend on how many were
+/// drawn before.
 
 #include <cstdint>
 

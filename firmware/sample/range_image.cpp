@@ -11,20 +11,20 @@ namespace plumbline {
 namespace {
 
 constexpr double kDepthNoise = 0.02;  // mm, sigma for a surface seen straight on
-constexpr double kSteepest = 0.2079;  // cosine of 78 degrees: nothing is seen at a smaller angle
+constexpr double kSteepest = 0.2079;  // cosine of 78 degrees: steeper surfaces are not measured
 constexpr double kFull = 0.6428;      // cosine of 50 degrees: below it the density falls
 constexpr double kStandTop = 0.01;    // mm: what is lower is the underside, which the stand covers
 
 }  // namespace
 
-/// @returns the range along `direction`, or 0 where the ray passes by
+/// @returns the range along `direction`, or 0 if the ray misses the bust
 double RangeImage::trace(const Vec3d& direction, double from) const {
   double t = from, before = 0.0, step = 0.0;
   for (int i = 0; i < 300 && t < kFarEnd; ++i) {
     const double d = bust_distance(view_.eye + t * direction);
     if (std::abs(d) < kHit) return t;
-    // Close to the surface the bound is nearly linear: the secant gets there in two or three steps where steps of the
-    // bound itself only halve what is left. It may pass the surface; then d is negative and it steps back.
+    // Near the surface the bound is almost linear: the secant arrives in two or three steps, while steps of the bound only
+    // halve the rest. It may overshoot; then d is negative and it steps back.
     const double slope = step != 0.0 ? (before - d) / step : 0.0;
     const bool secant = std::abs(d) < 0.3 && slope > 0.15;
     step = secant ? d / slope : d;
@@ -37,7 +37,7 @@ double RangeImage::trace(const Vec3d& direction, double from) const {
 void RangeImage::trace_band(std::size_t first) {
   const std::size_t end = std::min(first + kTile, rows_);
   for (std::size_t left = 0; left < columns_; left += kTile) {
-    // One march for the cone round the tile's rays finds where the nearest of them may hit.
+    // One march for the cone around the tile's rays finds where the nearest of them may hit.
     const double half = 0.5 * (kTile - 1);
     const Vec3d axis = direction(double(left) + half, double(first) + half);
     const double spread = 1.5 * half * pitch_ / kStationDistance;  // > sqrt(2): radius of the cone at range 1

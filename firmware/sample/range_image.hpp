@@ -1,5 +1,5 @@
 #pragma once
-/// What one station of the virtual scanner sees of the bust.
+/// The range image that one station of the virtual scanner takes of the bust.
 
 #include <algorithm>
 #include <cmath>
@@ -28,10 +28,10 @@ inline constexpr double kBoundingRadius = 38.0;    ///< of the bust about its mi
 enum class PixelState : std::uint8_t {
   kNothing,  ///< the ray passes by
   kSeen,     ///< the camera sees the bust
-  kKept,     ///< camera and projector do, and the point was not lost
+  kKept,     ///< camera and projector see it, and the point was not lost
 };
 
-/// What one camera sees: rays through a grid of pixel centres, row after row from below.
+/// Ranges along rays through a grid of pixel centres, row by row from below.
 class RangeImage {
  public:
   /// @param pitch  of the pixels, mm at the distance of the middle
@@ -58,17 +58,17 @@ class RangeImage {
   Vec3d direction(std::size_t i, std::size_t j) const { return direction(double(i), double(j)); }
   Vec3d point(std::size_t i, std::size_t j) const { return view_.eye + range_[index(i, j)] * direction(i, j); }
 
-  /// True where the depth jumps between two seen pixels: no surface connects them.
+  /// Whether the depth jumps between two seen pixels, so that no surface connects them.
   bool jump(std::size_t a, std::size_t b) const {
     return std::abs(range_[a] - range_[b]) > std::max(4.0 * pitch_, 0.4);
   }
 
   /// Finds the range of every pixel of the rows [first, first + kTile).
   void trace_band(std::size_t first);
-  /// Decides which of the traced pixels both devices measure: all rows have been traced.
+  /// Decides which pixels both camera and projector see. All rows must have been traced.
   /// @returns their number
   std::size_t select(const CounterRng& rng);
-  /// After select(): the noise grows where the surface turns away.
+  /// Adds noise, more where the surface turns away. Call after select().
   void add_noise(const CounterRng& rng);
   /// Unit normal from cross products over the neighbourhood; faces the camera.
   Vec3d normal(std::size_t i, std::size_t j) const;

@@ -54,7 +54,7 @@ Station make_view(const Vec3d& towards_camera) {
 /// `count` directions round the z axis, `step` being cosine and sine of the angle between two of them.
 void add_ring(std::array<Station, kViews>& views, std::size_t first, std::size_t count, double cos_elevation,
               double sin_elevation, double cos_step, double sin_step) {
-  // Turned off the symmetry plane of the plinth, so that no view is the mirror image of another.
+  // Rotated away from the symmetry plane of the plinth, so that no view mirrors another.
   double x = 0.28, y = -0.96;
   for (std::size_t i = 0; i < count; ++i) {
     views[first + i] = make_view({cos_elevation * x, cos_elevation * y, sin_elevation});
@@ -78,7 +78,7 @@ std::array<Station, kViews> make_views(std::uint64_t seed) {
     mean_shift += views[i].shift / double{kViews};
     mean_rotation += views[i].rotation / double{kViews};
   }
-  // Registration spreads its error over the views: the whole does not drift.
+  // Registration spreads its error over the views, so the whole does not drift.
   for (Station& view : views) {
     view.shift -= mean_shift;
     view.rotation -= mean_rotation;
@@ -124,7 +124,7 @@ Expected<std::size_t> look(RangeImage& image, const CounterRng& rng, PointSink& 
   return image.select(rng);
 }
 
-/// Puts a pixel beside an edge of the depth somewhere between the two surfaces, now and then.
+/// Moves a few pixels beside depth edges to somewhere between the two surfaces: flying pixels.
 double flying_range(const RangeImage& image, std::size_t pixel, const CounterRng& rng) {
   const double range = image.range(pixel);
   const std::array<std::size_t, 4> beside{pixel - 1, pixel + 1, pixel - image.columns(), pixel + image.columns()};
@@ -156,7 +156,7 @@ Status emit(const Station& view, const RangeImage& image, std::uint64_t kept, st
   return {};
 }
 
-/// Points of nothing: dust, reflections. In a box of 1.5 times the bust, not below the table.
+/// Outliers: dust and reflections, in a box 1.5 times the size of the bust, not below the table.
 Status emit_strays(std::uint64_t first, std::uint64_t count, std::uint64_t seed, Batch& batch) {
   const CounterRng rng(seed, 2);
   const Box3d box = bust_bounds();
@@ -172,7 +172,7 @@ Status emit_strays(std::uint64_t first, std::uint64_t count, std::uint64_t seed,
 
 Status check(const SampleSettings& settings) {
   if (settings.points < kMinSamplePoints || settings.points > kMaxSamplePoints) {
-    return fail(ErrorCode::kBadSetting, "%llu sample points asked for; between %llu and %llu can be made",
+    return fail(ErrorCode::kBadSetting, "%llu sample points were asked for; %llu to %llu can be made",
                 static_cast<unsigned long long>(settings.points), static_cast<unsigned long long>(kMinSamplePoints),
                 static_cast<unsigned long long>(kMaxSamplePoints));
   }
@@ -187,7 +187,7 @@ Status scan_bust(const SampleSettings& settings, PointSink& sink) {
   const std::array<Station, kViews> views = make_views(settings.seed);
   const auto stream = [](std::size_t view, std::uint64_t use) { return 100 + 8 * std::uint64_t{view} + use; };
 
-  // A coarse pass tells each view's share of the points and the pitch that gives it.
+  // A coarse pass finds each view's share of the points and the pitch that yields it.
   constexpr double kCoarseShare = 0.1;  // of the time, at 300 000 points
   std::array<std::uint64_t, kViews + 1> before{};
   for (std::size_t v = 0; v < kViews; ++v) {

@@ -11,18 +11,18 @@
 namespace plumbline {
 
 struct SampleSettings {
-  std::uint64_t points = 300'000;  ///< kMinSamplePoints to kMaxSamplePoints; exactly so many are made
+  std::uint64_t points = 300'000;  ///< exactly this many; kMinSamplePoints to kMaxSamplePoints
   std::uint64_t seed = 1;          ///< any; one seed and one count give the same bytes on every machine
 };
 
 inline constexpr std::uint64_t kMinSamplePoints = 1'000;
 inline constexpr std::uint64_t kMaxSamplePoints = 50'000'000;
 
-/// Scans the bust from a turntable's stations and hands the points to `sink`, one view after the other.
+/// Scans the bust from the stations of a turntable and gives the points to `sink`, view by view.
 ///
-/// Ten views at 20 degrees above the horizon, six at 60, and six from 20 degrees below it, without which shoulders and chin
-/// hide from every view. The bust stands on a stand of its own size, so the underside stays open. A point is kept
-/// where camera and projector both see the surface, the less likely the more it turns away. Noise of the depth, sigma
+/// Ten views at 20 degrees above the horizon, six at 60, and six from 20 degrees below it, without which no view
+/// would see under shoulders and chin. The bust stands on a stand of its own size, so the underside stays open. A point is kept
+/// if camera and projector both see it, less often the more the surface turns away. Noise of the depth, sigma
 /// 0.02 mm at normal incidence; misregistration of every view, sigma 0.02 mm an axis; a few flying pixels at the edges
 /// of the depth; one stray point in a thousand. Normals are estimated from each view's noisy range image.
 ///
@@ -36,8 +36,8 @@ inline constexpr std::uint64_t kMaxSamplePoints = 50'000'000;
 
 /// Scans the bust into a file: PLY, binary little-endian, float x y z nx ny nz, 24 bytes a point.
 ///
-/// @param path      replaced if it exists; removed again when the scan does not get to its end
-/// @param progress  hears 0 to 1, and stops the scan by returning false; may be empty
+/// @param path      replaced if it exists; removed if the scan is not completed
+/// @param progress  called with 0 to 1; returns false to stop the scan; may be empty
 /// @retval ErrorCode::kCannotOpen   the file could not be created; with its name and the system's reason
 /// @retval ErrorCode::kCannotWrite  the medium failed or is full; with the file's name and the system's reason
 /// @retval ErrorCode::kBadSetting, kCancelled  as scan_bust()

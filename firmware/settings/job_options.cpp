@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t kMiB = std::size_t{1024} * 1024;
 
 std::uint32_t default_threads() {
-  // OpenMP has read the variable; without it OpenMP would take all cores, however many.
+  // OpenMP obeys the variable. Without it OpenMP would take every core.
   const int wanted = std::getenv("OMP_NUM_THREADS") != nullptr  // NOLINT(concurrency-mt-unsafe): before any thread
                          ? std::min(omp_get_max_threads(), static_cast<int>(kMostThreads))
                          : std::min(omp_get_num_procs(), static_cast<int>(kMostDefaultThreads));
@@ -45,9 +45,9 @@ Expected<JobSetup> set_up(const JobOptions& options, std::span<std::byte> arena_
   if (arena_mib > built_mib) {
     return fail(
         ErrorCode::kBadSetting,
-        "an arena of %u MiB is asked for %s, this program was built with %u MiB. Use --arena-mib %u or less, or build "
-        "it with -DPLUMBLINE_ARENA_MIB=%u",
-        arena_mib, options.arena_mib ? "by --arena-mib" : "by the board file", built_mib, built_mib, arena_mib);
+        "%s asks for an arena of %u MiB, but this program has %u MiB. Use --arena-mib %u or less, or build with "
+        "-DPLUMBLINE_ARENA_MIB=%u",
+        options.arena_mib ? "--arena-mib" : "the board file", arena_mib, built_mib, built_mib, arena_mib);
   }
   setup.arena_block = arena_block.first(arena_mib * kMiB);
   setup.base = options.base;

@@ -1,5 +1,5 @@
 #pragma once
-/// What a user asks of a job, and what becomes of it with the printer's board file and the machine at hand.
+/// What a user asks for, and the same completed by the printer's board file and this computer.
 
 #include <array>
 #include <cstddef>
@@ -15,7 +15,7 @@
 
 namespace plumbline {
 
-/// As on the command line; what is absent comes from the board file or has a default.
+/// As on the command line. What is absent comes from the board file or has a default.
 struct JobOptions {
   std::vector<std::string> scans;         ///< files of one scan, in this order; 1 to kMostScans
   std::string printer;                    ///< a printer's name or board file; empty: none
@@ -26,7 +26,7 @@ struct JobOptions {
   std::array<double, 3> rotate_degrees = {};
   Units units = Units::kMillimetres;
   BaseChoice base = BaseChoice::kAuto;
-  bool keep_all = false;                   ///< stray pieces, too
+  bool keep_all = false;                   ///< keep stray pieces and small cavities
   std::optional<std::uint32_t> arena_mib;  ///< MiB
   std::optional<std::uint32_t> threads;    ///< 1 to kMostThreads
   bool verbose = false;                    ///< times, memory and counts, too
@@ -39,9 +39,9 @@ inline constexpr double kCoarsestMm = 1;
 inline constexpr double kSmallestScale = 1e-6;
 inline constexpr double kLargestScale = 1e6;
 inline constexpr std::uint32_t kMostThreads = 64;
-inline constexpr std::uint32_t kMostDefaultThreads = 8;  ///< more bring little, and each takes its share of the arena
+inline constexpr std::uint32_t kMostDefaultThreads = 8;  ///< more gain little, and each takes a share of the arena
 
-/// The same with nothing left open.
+/// The same, complete.
 struct JobSetup {
   PlacementSettings placement;
   std::string printer_name;        ///< empty without a printer
@@ -52,12 +52,13 @@ struct JobSetup {
   std::uint32_t threads = 1;
 };
 
-/// @param arena_block  all that the program was built with
-/// @retval ErrorCode::kBadSetting  more arena than there is
+/// Completes the options.
+/// @param arena_block  the whole arena the program was built with
+/// @retval ErrorCode::kBadSetting  the job asks for more arena than that
 /// @retval any error of read_board_file()
 [[nodiscard]] Expected<JobSetup> set_up(const JobOptions& options, std::span<std::byte> arena_block);
 
-/// Starts the threads of all parallel regions to come: the first region makes them, the others find them waiting.
+/// Starts the threads now that later parallel regions use, so that none is made while a job runs.
 /// @param threads  JobSetup::threads
 void start_threads(std::uint32_t threads);
 

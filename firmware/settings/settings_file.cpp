@@ -32,7 +32,7 @@ std::string found(const toml::node& node) {
     case toml::node_type::array: return "an array";
     case toml::node_type::string: type = "a string"; break;
     case toml::node_type::integer: type = "an integer"; break;
-    // toml++ writes all 17 digits: 0.0047 would be 0.0047000000000000002, which the file does not have.
+    // toml++ writes 17 digits: 0.0047 would show as 0.0047000000000000002.
     case toml::node_type::floating_point: return "a float " + number(node.value_or(0.0));
     case toml::node_type::boolean: type = "a boolean"; break;
     case toml::node_type::date: type = "a date"; break;
@@ -50,12 +50,12 @@ bool store_text(const TextSetting& text, const SettingRule& rule, const toml::no
     return false;
   }
   if (text.kind == TextKind::kName && value->find_first_not_of(kNameCharacters) != std::string_view::npos) return false;
-  if (value->find('\0') != std::string_view::npos) return false;  // a path would end there
+  if (value->find('\0') != std::string_view::npos) return false;  // it would cut a path short
   *text.value = *value;
   return true;
 }
 
-/// @returns false, and stores nothing, where the value is not what the rule allows
+/// @returns false and stores nothing if the rule does not allow the value
 bool store(const SettingRule& rule, const toml::node& node) {
   struct Store {
     const SettingRule& rule;
@@ -124,10 +124,10 @@ class SettingsReader {
     return table != nullptr && table->is_table() ? table->as_table()->get(rule.key) : nullptr;
   }
 
-  /// The unknown key that comes first in the file, if there is one: most often a known one, misspelt.
+  /// Refuses the first unknown key of the file: usually a misspelt one.
   Status refuse_unknown() const {
     const toml::key* first = nullptr;
-    std::string_view first_table;  // empty: the key stands outside of any table
+    std::string_view first_table;  // empty: the key is in no table
     const auto visit = [&](const toml::key& key, std::string_view table) {
       if (first != nullptr && first->source().begin.line <= key.source().begin.line) return;
       first = &key;
@@ -141,7 +141,7 @@ class SettingsReader {
         continue;
       }
       const toml::table* table = node.as_table();
-      if (table == nullptr) continue;  // read_key() says so
+      if (table == nullptr) continue;  // read_key() reports it
       const auto keys = known_keys(rules_, *known);
       for (auto&& [key, value] : *table) {
         if (std::find(keys.begin(), keys.end(), key.str()) == keys.end()) visit(key, *known);

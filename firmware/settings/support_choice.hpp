@@ -1,5 +1,5 @@
 #pragma once
-/// What is said of supports for one job: on, off or nothing, and some of their settings. The rest is a profile's.
+/// What a job says about supports: on, off or nothing, and some of their settings. The profile has the rest.
 
 #include <array>
 #include <optional>
@@ -10,12 +10,13 @@
 namespace plumbline {
 
 struct SupportChoice {
-  std::optional<bool> enable;                                       ///< nothing said: as the profile has it
+  std::optional<bool> enable;                                       ///< none: as in the profile
   std::array<std::optional<double>, kSupportFields.size()> values;  ///< in the order of kSupportFields
 
+  /// Applies the choice to a profile.
   /// @param enabled, settings  of the profile
-  /// @returns what the job gets; none: no supports
-  /// @retval ErrorCode::kBadSetting  settings that contradict each other, or one that nothing uses
+  /// @returns the settings of the job; none: no supports
+  /// @retval ErrorCode::kBadSetting  settings contradict each other, or one is given although supports are off
   [[nodiscard]] Expected<std::optional<SupportSettings>> over(bool enabled, SupportSettings settings) const;
 };
 

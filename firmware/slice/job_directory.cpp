@@ -24,7 +24,7 @@ constexpr std::array kPictures = {"preview.png", "coverage.png", "comparison.png
 constexpr const char* kManifest = "manifest.json";
 constexpr const char* kNewManifest = "manifest.json.part";
 
-/// How every manifest of ours begins; other programs name files manifest.json too.
+/// The start of every manifest of plumbline. Other programs call files manifest.json, too.
 constexpr std::string_view kManifestStart = "{\n  \"plumbline\":";
 
 bool is_picture(std::string_view name) {
@@ -71,7 +71,7 @@ Status for_each_entry(const char* path, Visit visit) {
 
 /// @returns whether the folder was missing and is there now
 Expected<bool> make_folder(const char* path) {
-  constexpr mode_t kMode = 0777;  // the user's umask takes from it
+  constexpr mode_t kMode = 0777;  // less the user's umask
   if (::mkdir(path, kMode) == 0) return true;
   const int reason = errno;
   struct stat status = {};
@@ -98,7 +98,7 @@ Expected<JobDirectory> JobDirectory::open(const std::string& path) {
   if (directory.lock_ < 0) {
     return fail(ErrorCode::kCannotOpen, "%s: cannot be opened: %s", directory.path(), std::strerror(errno));
   }
-  // A file system without locks is no reason to refuse: the lock only catches an accident.
+  // A file system without locks is accepted: the lock only guards against accidents.
   if (::flock(directory.lock_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
     return fail(ErrorCode::kCannotWrite,
                 "%s: another plumbline is writing there. Wait for it, or choose another folder", directory.path());
@@ -211,7 +211,7 @@ Status JobDirectory::finish(OutputFile& manifest) {
 
 void JobDirectory::discard() {
   if (!begun_) return;
-  // This is the way out of an error, which is the one to report: whatever cannot be removed now stays.
+  // Runs after an error, which is the one to report. What can't be removed stays.
   for (const char* name : {kManifest, kNewManifest}) static_cast<void>(remove_file(name));
   for (const char* name : kPictures) static_cast<void>(remove_file(name));
   static_cast<void>(remove_layers(0));
@@ -227,7 +227,7 @@ Status JobDirectory::remove_file(const char* name) {
   return {};
 }
 
-/// By number, because listing a folder takes its buffer from the heap.
+/// Removes by number: listing the folder would take memory from the heap.
 Status JobDirectory::remove_layers(std::uint32_t from) {
   const std::uint32_t end = std::max(older_end_, written_end_);
   for (std::uint32_t layer = from; layer < end; ++layer) {

@@ -4,10 +4,10 @@
 ///   out/layers/00000.png ...   the masks
 ///   out/preview.png
 ///   out/coverage.png           of a sliced job: which parts of the surface were scanned
-///   out/comparison.png         of a printed part: what was to be printed beside it
-///   out/manifest.json          appears last, in one step: where it is, the job is whole
+///   out/comparison.png         of a printed part: beside it what was to be printed
+///   out/manifest.json          appears last, in one step: a folder that has it holds a complete job
 ///
-/// (Whole as long as the machine keeps running: nothing here waits for the medium, so a power cut may lose any of it.)
+/// Nothing here waits until the data is on disk, so a power cut may lose any of it.
 
 #include <cstddef>
 #include <cstdint>
@@ -28,21 +28,21 @@ enum class Picture : std::uint8_t {
 
 class JobDirectory {
  public:
-  /// Creates the folder, those above it and `layers` in it where they are missing, and makes sure that what is there may be
-  /// replaced: an older job, whole or broken off, and nothing else. Locks it against other processes of plumbline.
+  /// Creates the folder, its parents and `layers` where missing, and checks that it holds nothing but an older job, complete or
+  /// not, which may be replaced. Locks it against other plumbline processes.
   ///
-  /// The older job stays as it is until begin(). What open() created is gone with the object, unless begin() was called.
+  /// The older job stays until begin(). What open() created is removed with the object unless begin() was called.
   ///
   /// @param path  not empty
-  /// @retval ErrorCode::kCannotOpen   no folder can be there, or it cannot be written to: the path and the reason
-  /// @retval ErrorCode::kCannotWrite  it holds files that are not a job's, of which the message names one, or it is in use
+  /// @retval ErrorCode::kCannotOpen   the folder can't be made or written to: the path and the reason
+  /// @retval ErrorCode::kCannotWrite  it holds other files, one of which the message names, or it is in use
   [[nodiscard]] static Expected<JobDirectory> open(const std::string& path);
   JobDirectory(JobDirectory&& other) noexcept;
   JobDirectory& operator=(JobDirectory&&) = delete;
   ~JobDirectory();
 
-  /// Takes the older job's manifest and preview away: from here on the folder holds no whole job. None of the calls from
-  /// here on takes memory from the heap.
+  /// Removes the older job's manifest and pictures: from now on the folder holds no complete job. This and all later calls
+  /// take no memory from the heap.
   /// @retval ErrorCode::kCannotWrite
   [[nodiscard]] Status begin();
 
@@ -51,12 +51,12 @@ class JobDirectory {
   [[nodiscard]] Status write_layer(std::uint32_t layer, std::span<const std::byte> png);
   [[nodiscard]] Status write_picture(Picture picture, std::span<const std::byte> png);
 
-  /// The manifest, under a name of its own until finish().
+  /// The manifest, under a temporary name until finish().
   [[nodiscard]] Expected<OutputFile> create_manifest();
-  /// Closes the manifest, removes layers that the older job had more, and gives the manifest its name.
+  /// Closes the manifest, removes the older job's surplus layers, and gives the manifest its name.
   [[nodiscard]] Status finish(OutputFile& manifest);
 
-  /// Removes what was written since begin(), and the older job's rest.
+  /// Removes what was written since begin(), and what was left of the older job.
   void discard();
 
   const char* path() const { return path_.c_str(); }

@@ -1,5 +1,5 @@
 #pragma once
-/// What became of a job: what its manifest says and its last lines on the terminal.
+/// The results of a job, for its manifest and its report.
 
 #include <array>
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace plumbline {
 
-/// Sentences that a user should read before printing.
+/// Sentences to read before printing.
 struct JobWarnings {
   static constexpr std::size_t kMost = 12;
   std::array<FixedText<256>, kMost> lines = {};
@@ -26,8 +26,8 @@ struct JobWarnings {
 
 struct JobReport {
   std::string scan_name;                         ///< title_of() its files
-  std::vector<std::string> scan_names;           ///< of the files; empty where nobody knows them any more
-  std::string printer_name;                      ///< empty: the grid is the object's own
+  std::vector<std::string> scan_names;           ///< of each file; empty for a print resumed from its store
+  std::string printer_name;                      ///< empty without a printer
   BaseChoice base = BaseChoice::kAuto;           ///< as asked for
   SliceReport slice;                             ///< peaks of the arena: up to Stage::kRRep
   std::array<double, kStageCount> seconds = {};  ///< by Stage
@@ -38,8 +38,8 @@ struct JobReport {
   std::size_t arena_bytes = 0;         ///< the budget
   std::uint32_t threads = 1;
   std::uint64_t cured_pixels = 0;                   ///< of all layers
-  std::uint64_t support_pixels = 0;                 ///< of these, what the supports add to the object
-  std::optional<SupportSettings> support_settings;  ///< none: no supports were asked for
+  std::uint64_t support_pixels = 0;                 ///< those that supports add to the object
+  std::optional<SupportSettings> support_settings;  ///< none: supports are off
   SupportCounts supports;
   std::uint64_t hash = 0;                    ///< job_hash()
   std::optional<ConfidenceShares> coverage;  ///< what the surface rests on; none: no map was kept
@@ -47,15 +47,15 @@ struct JobReport {
   bool has_coverage = false;  ///< its picture
   JobWarnings warnings;
 
-  /// mm^3 of resin that the masks cure.
+  /// mm^3 of resin that the masks cure, supports included.
   double volume_mm3() const;
-  /// mm^3 of that for the supports.
+  /// mm^3 of it in supports.
   double support_volume_mm3() const;
   /// Highest use of the arena in any stage, bytes.
   std::size_t peak_bytes() const;
   /// Highest use of the arena in `stage`, bytes.
   std::size_t peak_bytes(Stage stage) const;
-  /// 0 to 1, of the rays that were shot.
+  /// Share of the rays that were shot, 0 to 1.
   double share_of_rays(RayDecision decision) const;
 };
 
@@ -81,24 +81,25 @@ FixedText<128> unseen_sentence(const Unseen& unseen);
 /// "39.85 x 30.08 x 59.30 mm, 1184 layers of 0.05 mm": the size of the placed object, without supports.
 FixedText<96> size_text(const Placement& placement);
 
-/// What to say where stray pieces were left out; empty where none were.
+/// The sentence about stray pieces that were left out; empty if there were none.
 FixedText<256> stray_warning(const StrayPieces& strays);
 
-/// Share of the normals that were turned over.
+/// Share of the normals that were flipped, 0 to 1.
 double turned_share(std::uint32_t turned, std::uint32_t points);
-/// Below this nobody needs to know: flying pixels at edges.
+/// A smaller share is not worth a warning: it comes from flying pixels at edges.
 inline constexpr double kFewTurned = 0.01;
 
-/// Whether the scan is of one side, and that faces down.
+/// Whether the scan shows one side only, and that side faces down.
 bool lies_on_its_face(const ClusteringResult& clustering);
 inline constexpr const char* kOnItsFace =
-    "the scan is of one side, and that faces down: most of it cannot be closed. Turned over it is printed as a relief: "
+    "the scan shows one side only, which faces down, so most of it can't be closed. Turn it over to print it as a "
+    "relief: "
     "--rotate-x 180, or rotate_x_deg = 180 in job.toml";
 
-/// What was left out of the scan or changed in it, and what is wrong with the way it lies, a sentence each.
+/// A sentence each for what was left out of the scan, what was changed in it, and a bad orientation.
 void for_each_remark(const SliceReport& slice, FunctionRef<void(std::string_view)> visit);
 
-/// Looks for what a user should know before printing, and adds it to report.warnings.
+/// Adds to report.warnings what a user should know before printing.
 void find_warnings(JobReport& report);
 
 }  // namespace plumbline

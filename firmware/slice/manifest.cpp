@@ -262,7 +262,7 @@ void write_files(JsonWriter& json, std::span<const std::string> names, const Sca
 void write_manifest(JsonWriter& json, const JobReport& report, std::span<const std::uint64_t> layer_hashes) {
   const SliceReport& slice = report.slice;
   json.begin_object();
-  // JobDirectory knows a manifest of ours by this key in this place.
+  // JobDirectory recognises a manifest of plumbline by this first key.
   json.key("plumbline");
   json.begin_object(kOneLine);
   json.member("version", kVersion);

@@ -18,7 +18,7 @@
 namespace plumbline {
 namespace {
 
-/// Pixels that cure. Most words are black, and without its own instruction a processor counts bits slowly.
+/// Pixels that cure. Most words are black, and processors without a bit-counting instruction count slowly.
 std::uint64_t cured_in(ConstBitImage mask) {
   std::uint64_t sum = 0;
   for (const std::uint64_t word : mask.words()) {
@@ -59,7 +59,7 @@ Expected<SliceJob> SliceJob::prepare(const SliceJobSettings& settings, Arena& ar
 Status SliceJob::run(JobProgress& progress) {
   const std::size_t bottom = arena_->bottom_mark();
   auto done = work(progress);
-  report_.slice.confidence = {};  // it was in the arena
+  report_.slice.confidence = {};  // its memory is given back to the arena
   arena_->release_bottom(bottom);
   if (!done) directory_.discard();
   return done;
@@ -138,7 +138,7 @@ Status SliceJob::write_preview(const RRep& rrep, const Supports& supports) {
   const auto png = encode_preview(rrep, supports, {report_.scan_name, size.view(), captions}, *arena_, *pictures_);
   report_.preview_peak_bytes = arena_->peak();
   if (!png) {
-    // The layers are whole without their picture.
+    // The layers are complete without the picture.
     report_.warnings.add().add("no preview.png: %s", png.error().message());
     return {};
   }

@@ -19,9 +19,9 @@ namespace plumbline {
 struct SliceJobSettings {
   std::vector<std::string> scan_paths;  ///< files of one scan, in this order
   std::string output_path;
-  std::string printer_name;  ///< for the manifest; empty without a printer
+  std::string printer_name;  ///< for the manifest; empty: none
   SliceSettings slice;
-  std::optional<SupportSettings> supports;  ///< none: no supports; what check_support_settings() takes
+  std::optional<SupportSettings> supports;  ///< as check_support_settings() accepts; none: no supports
   bool preview = true;
 };
 

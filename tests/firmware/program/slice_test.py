@@ -339,7 +339,7 @@ class Inspect(Program):
         self.scan.write_bytes(data)
         done = self.run_it("inspect", self.scan)
         self.assertRegex(done.stderr, r"warning: \d+ % of the scan encloses nothing: its other side was not scanned")
-        self.assertIn("the scan is of one side, and that faces down", done.stdout)
+        self.assertIn("the scan shows one side only, which faces down", done.stdout)
         self.assertIn("--rotate-x 180", done.stdout)
         self.assertGreater(json.loads(self.run_it("inspect", self.scan, "--json").stdout)["never_seen"]["encloses_nothing"], 0.5)
 
