@@ -35,7 +35,7 @@ std::string written(Write&& write) {
   return text;
 }
 
-TEST(Doctor, SaysOfEachThingWhatWasFoundAndWhatToDo) {
+TEST(Doctor, ReportsWhatWasFoundAndWhatToDo) {
   EXPECT_EQ(written([](OutputFile& out) { return write_findings(out, "mine", kFindings); }),
             "printer mine\n"
             "  ok     the lamp's line             gpiochip0 line 17\n"
@@ -46,7 +46,7 @@ TEST(Doctor, SaysOfEachThingWhatWasFoundAndWhatToDo) {
             "1 good, 1 poor, 1 wrong: it does not print before what is wrong is put right\n");
 }
 
-TEST(Doctor, SaysThatItPrintsWhereNothingIsWrong) {
+TEST(Doctor, SaysThatItPrintsIfNothingIsWrong) {
   EXPECT_FALSE(prints(kFindings));
   const auto two = std::span(kFindings).first(2);
   EXPECT_TRUE(prints(two));
@@ -54,14 +54,14 @@ TEST(Doctor, SaysThatItPrintsWhereNothingIsWrong) {
               HasSubstr("1 good, 1 poor, 0 wrong: it prints\n"));
 }
 
-TEST(Doctor, SaysTheSameToPrograms) {
+TEST(Doctor, ReportsTheSameAsJson) {
   const auto text = written([](OutputFile& out) { return write_findings_json(out, "mine", kFindings); });
   EXPECT_THAT(text, HasSubstr("\"prints\": false"));
   EXPECT_THAT(text, HasSubstr("\"verdict\": \"poor\""));
   EXPECT_THAT(text, HasSubstr("\"found\": \"no \\\"DSI-1\\\"\""));
 }
 
-TEST(Doctor, HasNothingToLookAtWhereThePrinterIsSimulated) {
+TEST(Doctor, RefusesASimulatedPrinter) {
   const auto board = read_board_file(PLUMBLINE_SOURCE_DIR "/board/sim2k.toml").value();
   const auto findings = examine_machine(board, *board.machine);
   ASSERT_FALSE(findings);
@@ -69,7 +69,7 @@ TEST(Doctor, HasNothingToLookAtWhereThePrinterIsSimulated) {
 }
 
 #ifdef PLUMBLINE_HAS_BOARD_DEVICES
-TEST(Doctor, FindsEverythingWrongThatABoardWithoutAPrinterLacks) {
+TEST(Doctor, FindsWhatABoardWithoutAPrinterLacks) {
   const auto board = read_board_file(PLUMBLINE_SOURCE_DIR "/board/mono2k.toml").value();
   const auto findings = examine_machine(board, *board.machine);
   ASSERT_TRUE(findings) << findings.error().message();
@@ -83,7 +83,7 @@ TEST(Doctor, FindsEverythingWrongThatABoardWithoutAPrinterLacks) {
   EXPECT_GE(wrong, 8) << "lamp, step, direction, end stop, panel, three sensors";
 }
 
-TEST(BackEnd, RefusesAPrinterWhoseFileDoesNotSayHowItIsWired) {
+TEST(BackEnd, RefusesABoardFileWithoutWiring) {
   const auto board = read_board_file(PLUMBLINE_SOURCE_DIR "/board/mono2k.toml").value();
   const auto opened = open_back_end(board, *board.machine, {}, {});
   ASSERT_FALSE(opened);

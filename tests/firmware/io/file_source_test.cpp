@@ -9,7 +9,7 @@
 namespace plumbline {
 namespace {
 
-TEST(FileSource, GivesTheBytesOfAFileItsNameAndItsSize) {
+TEST(FileSource, ReadsBytesNameAndSizeOfAFile) {
   const TemporaryFolder folder;
   const std::string content(100'000, 'q');
   write_text(folder / "a.ply", content);
@@ -28,7 +28,7 @@ TEST(FileSource, GivesTheBytesOfAFileItsNameAndItsSize) {
   EXPECT_EQ(all, content);
 }
 
-TEST(FileSource, SaysWhatIsMissing) {
+TEST(FileSource, NamesAMissingFile) {
   const auto source = FileSource::open("/nowhere/a.ply");
   ASSERT_FALSE(source.has_value());
   EXPECT_EQ(source.error().code(), ErrorCode::kCannotOpen);
@@ -44,7 +44,7 @@ TEST(FileSource, RefusesADirectory) {
   EXPECT_NE(std::string(source.error().message()).find("is a directory"), std::string::npos);
 }
 
-TEST(FileSource, SaysAtWhichByteTheMediumFailed) {
+TEST(FileSource, NamesTheByteAtWhichReadingFailed) {
   // The first page of a process is never mapped, so reading its memory there fails as a broken sector does.
   auto source = FileSource::open("/proc/self/mem");
   ASSERT_TRUE(source.has_value()) << source.error().message();

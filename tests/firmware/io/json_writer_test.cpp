@@ -22,7 +22,7 @@ std::string written(Write write) {
   return read_text(path);
 }
 
-TEST(JsonWriter, LaysOutObjectsInLinesAndRowsInOne) {
+TEST(JsonWriter, PutsObjectsOnSeveralLinesAndRowsOnOne) {
   const std::string text = written([](JsonWriter& json) {
     json.begin_object();
     json.member("a", 1U);
@@ -51,7 +51,7 @@ TEST(JsonWriter, WritesNumbersThatReadBackAsTheSameBits) {
             "18446744073709551615\n");
 }
 
-TEST(JsonWriter, WritesNullForWhatJsonHasNoNumberFor) {
+TEST(JsonWriter, WritesNullForNanAndInfinity) {
   EXPECT_EQ(written([](JsonWriter& json) { json.value(std::numeric_limits<double>::quiet_NaN()); }), "null\n");
   EXPECT_EQ(written([](JsonWriter& json) { json.value(-std::numeric_limits<float>::infinity()); }), "null\n");
 }
@@ -61,7 +61,7 @@ TEST(JsonWriter, WritesHashesAsSixteenDigits) {
   EXPECT_EQ(written([](JsonWriter& json) { json.hex(0); }), "\"0000000000000000\"\n");
 }
 
-TEST(JsonWriter, EscapesWhatAFileNameMayHold) {
+TEST(JsonWriter, EscapesQuotesAndControlCharacters) {
   EXPECT_EQ(written([](JsonWriter& json) { json.value("a\"b\\c\n\x7f"); }), "\"a\\\"b\\\\c\\u000a\\u007f\"\n");
   EXPECT_EQ(written([](JsonWriter& json) { json.value("b\xC3\xBCste \xF0\x9F\x97\xBF"); }),
             "\"b\xC3\xBCste \xF0\x9F\x97\xBF\"\n");
@@ -75,12 +75,12 @@ TEST(JsonWriter, ReplacesBytesThatAreNotUtf8) {
   EXPECT_EQ(written([](JsonWriter& json) { json.value("\xED\xA0\x80"); }), "\"\\ufffd\\ufffd\\ufffd\"\n");
 }
 
-TEST(JsonWriter, PassesMoreThanItsBufferHolds) {
+TEST(JsonWriter, WritesMoreThanItsBufferHolds) {
   const std::string long_text(10'000, 'x');
   EXPECT_EQ(written([&](JsonWriter& json) { json.value(long_text); }), "\"" + long_text + "\"\n");
 }
 
-TEST(JsonWriter, TellsAtTheEndThatTheMediumIsFull) {
+TEST(JsonWriter, ReportsAFullDiskAtTheEnd) {
   auto file = OutputFile::create("/dev/full");
   ASSERT_TRUE(file.has_value());
   JsonWriter json(*file);

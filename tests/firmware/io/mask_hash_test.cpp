@@ -53,14 +53,14 @@ std::uint64_t hash_by_definition(ConstBitImage mask) {
   return mix(sum);
 }
 
-TEST(MaskHash, IsWhatItsDefinitionSaysForAnyWidth) {
+TEST(MaskHash, FollowsItsDefinitionForAnyWidth) {
   for (const std::uint32_t columns : {1U, 7U, 63U, 64U, 65U, 403U}) {
     const Mask mask = random_mask(columns, 5, columns);
     EXPECT_EQ(mask_hash(mask.image), hash_by_definition(mask.image)) << columns;
   }
 }
 
-TEST(MaskHash, StaysWhatItWas) {
+TEST(MaskHash, IsTheSameInEveryVersion) {
   // Manifests outlive versions. The numbers come from the definition in another language, with integers of any size.
   Mask mask(10, 2);
   mask.image.set(0, 0);
@@ -69,7 +69,7 @@ TEST(MaskHash, StaysWhatItWas) {
   EXPECT_EQ(job_hash(std::array<std::uint64_t, 2>{0x1c003cdfe0e8e72fU, 0}), 0x923831b8e7be15faU);
 }
 
-TEST(MaskHash, ChangesWithEachPixelWithItsPlaceAndWithTheSize) {
+TEST(MaskHash, DependsOnEveryPixelItsPlaceAndTheSize) {
   std::set<std::uint64_t> hashes = {mask_hash(Mask(100, 30).image), mask_hash(Mask(30, 100).image)};
   for (std::uint32_t r = 0; r < 30; ++r) {
     for (std::uint32_t c = 0; c < 100; ++c) {
@@ -81,7 +81,7 @@ TEST(MaskHash, ChangesWithEachPixelWithItsPlaceAndWithTheSize) {
   EXPECT_EQ(hashes.size(), 2U + 100 * 30);
 }
 
-TEST(JobHash, ChangesWithTheOrderAndTheNumberOfLayers) {
+TEST(JobHash, DependsOnTheOrderAndTheNumberOfLayers) {
   const std::array<std::uint64_t, 3> layers = {1, 2, 3};
   const std::array<std::uint64_t, 3> swapped = {2, 1, 3};
   const std::array<std::uint64_t, 4> longer = {1, 2, 3, 0};

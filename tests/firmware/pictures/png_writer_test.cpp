@@ -74,7 +74,7 @@ TEST_P(PngOfAMask, DecodesToTheSamePixels) {
 INSTANTIATE_TEST_SUITE_P(OfAnyWidth, PngOfAMask,
                          ::testing::Values(1, 7, 8, 9, 63, 64, 65, 100, 127, 128, 129, 1440, 3841));
 
-TEST(PngEncoder, TakesSmallerMasksThanItWasMadeForOneAfterTheOther) {
+TEST(PngEncoder, EncodesSmallerMasksOneAfterAnother) {
   auto encoder = PngEncoder::for_masks(300, 200);
   ASSERT_TRUE(encoder.has_value());
   for (const std::uint32_t columns : {300U, 65U, 8U, 299U}) {
@@ -84,7 +84,7 @@ TEST(PngEncoder, TakesSmallerMasksThanItWasMadeForOneAfterTheOther) {
   }
 }
 
-TEST(PngEncoder, GivesTheSameBytesForTheSameMask) {
+TEST(PngEncoder, WritesTheSameBytesForTheSameMask) {
   auto one = PngEncoder::for_masks(500, 300), other = PngEncoder::for_masks(1440, 2560);
   ASSERT_TRUE(one.has_value() && other.has_value());
   Mask mask(500, 300);
@@ -96,7 +96,7 @@ TEST(PngEncoder, GivesTheSameBytesForTheSameMask) {
   EXPECT_TRUE(std::equal(a->begin(), a->end(), b->begin(), b->end()));
 }
 
-TEST(PngEncoder, IgnoresBitsThatArePastTheLastColumn) {
+TEST(PngEncoder, IgnoresBitsPastTheLastColumn) {
   auto encoder = PngEncoder::for_masks(70, 2);
   ASSERT_TRUE(encoder.has_value());
   Mask clean(70, 2), dirty(70, 2);

@@ -133,7 +133,7 @@ TEST(Preview, LightsASphereFromTheUpperLeft) {
   }
 }
 
-TEST(Preview, LooksFromTheNearSideAndDoesNotMirror) {
+TEST(Preview, ShowsTheNearSideUnmirrored) {
   // A wall 12 x 8 x 16 mm with a block on its near, left, upper corner: x small, y small, z large.
   const PrintGrid grid{160, 120, 200, 0.1F, 0.1F, 0.1F};
   const Solid solid(grid, [](double x, double y, double z) {
@@ -179,7 +179,7 @@ TEST(Preview, ShowsAHoleFromAbove) {
   EXPECT_NEAR(hole / whole, 8.0 / 18.0, 0.02);
 }
 
-TEST(Preview, KeepsTheShapeWherePixelsAreNotSquare) {
+TEST(Preview, KeepsTheShapeIfPixelsAreNotSquare) {
   const PrintGrid grid{440, 110, 88, 0.05F, 0.2F, 0.25F};
   const Solid solid(grid, sphere(11, 10)), air(grid, nothing());
   const Drawing drawing(solid.rrep), empty(air.rrep);
@@ -241,25 +241,27 @@ TEST(Preview, ShowsSupportsInAnotherColour) {
   EXPECT_GT(blue_row / static_cast<double>(blue), cream_row / static_cast<double>(cream)) << "the pillar is below";
 }
 
-TEST(Preview, TellsTheSizeOfTheObjectAlone) {
+TEST(Preview, WritesTheSizeThatItIsGivenUpperRight) {
   const SphereOnAPillar scene;
-  const Drawing with(scene.solid.rrep, {}, scene.supports), without(scene.solid.rrep);
-  // The line of facts, upper right.
+  const Drawing with(scene.solid.rrep, {.name = {}, .size = "10.00 x 10.00 x 14.00 mm", .captions = {}}),
+      without(scene.solid.rrep);
+  std::size_t differences = 0;
   for (std::uint32_t row = 40; row < 80; ++row) {
     for (std::uint32_t column = kPreviewColumns / 2; column < kPreviewColumns; ++column) {
-      ASSERT_TRUE(with.same(without, column, row));
+      differences += with.same(without, column, row) ? 0 : 1;
     }
   }
+  EXPECT_GT(differences, 100U);
 }
 
-TEST(Preview, TakesTheMemoryItSaidAndGivesItBack) {
+TEST(Preview, TakesThePlannedMemoryAndReturnsIt) {
   const Solid solid(cube(100, 0.2F), sphere(10, 9));
   const Drawing drawing(solid.rrep);
   EXPECT_EQ(drawing.peak, preview_bytes(solid.rrep.grid));
   EXPECT_EQ(drawing.left, 0U);
 }
 
-TEST(Preview, SaysSoWhenTheArenaIsTooSmall) {
+TEST(Preview, ReportsAnArenaThatIsTooSmall) {
   const Solid solid(cube(100, 0.2F), sphere(10, 9));
   std::vector<std::byte> memory(preview_bytes(solid.rrep.grid) / 2);
   std::vector<std::uint8_t> rgb(std::size_t{3} * kPreviewColumns * kPreviewRows);
@@ -270,7 +272,7 @@ TEST(Preview, SaysSoWhenTheArenaIsTooSmall) {
   EXPECT_EQ(arena.used(), 0U);
 }
 
-TEST(Preview, BecomesAPngOfTheSamePixels) {
+TEST(Preview, EncodesTheSamePixelsAsPng) {
   const Solid solid(cube(100, 0.2F), sphere(10, 9));
   const std::string_view captions[] = {"one line", "and another"};
   const PreviewText text{"sphere.ply", "24.0 x 24.0 x 24.0 mm", captions};
@@ -313,7 +315,7 @@ TEST(PreviewFont, HasADifferentGlyphForEveryCharacter) {
   }
 }
 
-TEST(PreviewFont, IgnoresWhatIsOutsideThePicture) {
+TEST(PreviewFont, IgnoresPixelsOutsideThePicture) {
   // The picture lies between two guards.
   constexpr std::ptrdiff_t kBytes = 3 * 10 * 10;
   std::vector<std::uint8_t> memory(3 * kBytes, 77);

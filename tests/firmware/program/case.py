@@ -1,5 +1,5 @@
-"""What the tests of the programs share: a scan, a printer, and readers of PNG files and hashes that have nothing of plumbline's, so that
-a mistake on both sides would have to be made twice.
+"""Shared by the tests of the programs: a scan, a printer, and readers of PNG files and hashes. The readers share no code with
+plumbline, so a mistake would have to be made twice to go unnoticed.
 
 A test file is run as: FILE PROGRAMS SOURCE_DIR [unittest options], PROGRAMS the folder that holds plumbline and plumblined.
 """
@@ -21,7 +21,7 @@ STEP = 0x9E3779B97F4A7C15
 
 
 def write_sphere(path, points=20_000, radius=12.0, normals=True):
-    """A clean sphere round the origin: Fibonacci lattice, PLY, binary."""
+    """Writes a clean sphere about the origin: Fibonacci lattice, binary PLY."""
     head = ["ply", "format binary_little_endian 1.0", f"element vertex {points}"]
     head += [f"property float {name}" for name in ("x", "y", "z") + (("nx", "ny", "nz") if normals else ())]
     with open(path, "wb") as file:
@@ -36,7 +36,7 @@ def write_sphere(path, points=20_000, radius=12.0, normals=True):
 
 
 def split(scan, first, top, bottom):
-    """A binary PLY of write_sphere() into two: its first points and the others."""
+    """Splits a PLY of write_sphere() in two: its first points and the rest."""
     data = scan.read_bytes()
     start = data.index(b"end_header\n") + 11
     head, points, size = data[:start], data[start:], 24
@@ -47,7 +47,7 @@ def split(scan, first, top, bottom):
 
 
 def add_ball(path, points, radius, centre):
-    """Another sphere into a file of write_sphere(), its points behind those that are there."""
+    """Appends another sphere to a file of write_sphere()."""
     data = path.read_bytes()
     start = data.index(b"end_header\n") + 11
     count = (len(data) - start) // 24
@@ -72,7 +72,7 @@ def write_board(path, arena_mib=64):
 
 
 def png_rows(path):
-    """Columns, and each row's bytes, of a 1-bit greyscale PNG without filters."""
+    """Columns and row bytes of a 1-bit greyscale PNG without filters."""
     data = path.read_bytes()
     assert data[:8] == b"\x89PNG\r\n\x1a\n"
     at, stream, header = 8, b"", None
@@ -99,7 +99,7 @@ def mix(z):
 
 
 def layer_hash(columns, rows):
-    """As the manifest's definition has it."""
+    """The hash of a layer as the manifest defines it."""
     total, place = mix((columns << 32) + len(rows)), 0
     for row in rows:
         row += bytes(-len(row) % 8)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""plumbline slice, inspect and sample as their users meet them: files, both outputs, exit status, signals, memory."""
+"""plumbline slice, inspect and sample as users run them: files, output, exit status, signals, memory."""
 
 import json
 import math
@@ -13,7 +13,7 @@ from case import PLUMBLINE, U64, Program, add_ball, job_hash, layer_hash, main, 
 
 
 class Slice(Program):
-    def test_manifest_tells_what_the_files_are(self):
+    def test_manifest_describes_the_files(self):
         self.slice_it("--threads", 2)
         manifest = self.manifest()
         grid = manifest["grid"]
@@ -42,7 +42,7 @@ class Slice(Program):
         for coordinate in printed[:3]:
             self.assertAlmostEqual(coordinate, 0, places=9)
         self.assertEqual(matrix[3], [0, 0, 0, 1])
-        # The middle of the sphere stands over the middle of the panel, its radius above the plate.
+        # The sphere's centre is over the middle of the panel, one radius above the plate.
         for found, wanted in zip([row[3] for row in matrix[:3]], (20.15, 15, 9)):
             self.assertAlmostEqual(found, wanted, delta=0.02)
 
@@ -53,11 +53,11 @@ class Slice(Program):
             jobs.add(json.dumps(self.manifest()["hashes"]))
         self.assertEqual(len(jobs), 1)
 
-    def test_threads_come_from_openmp_where_nothing_is_said(self):
+    def test_threads_default_to_openmp_s(self):
         self.slice_it("--no-preview", env={**os.environ, "OMP_NUM_THREADS": "3"})
         self.assertEqual(self.manifest()["threads"], 3)
 
-    def test_supports_hold_the_sphere_and_are_told(self):
+    def test_supports_hold_the_sphere_and_are_reported(self):
         self.slice_it("--no-preview")
         without = self.manifest()
         self.assertIsNone(without["supports"])
@@ -78,7 +78,7 @@ class Slice(Program):
         white = sum(bin(byte).count("1") for row in rows for byte in row)
         self.assertGreater(white, supports["on_plate"] * 100)
 
-    def test_support_settings_that_make_no_sense_are_refused(self):
+    def test_wrong_support_settings_are_refused(self):
         for arguments, message in (
             (("--support-base-diameter", 3), "support_base_diameter is given, but supports are off"),
             (("--supports", "auto", "--support-critical-angle", 81), "not a number from 10 to 80"),
@@ -110,7 +110,7 @@ class Slice(Program):
         self.assertEqual(inspected["scan"]["points"], 20_000)
         self.assertIn("bottom.ply: 13000 points", self.run_it("inspect", top, bottom, *same).stdout)
 
-    def test_a_file_that_is_missing_among_several_is_named(self):
+    def test_missing_file_among_several_is_named(self):
         write_sphere(self.scan)
         done = self.run_it("slice", self.scan, self.dir / "back.ply", "-o", self.out, status=1)
         self.assertIn("back.ply: the scan cannot be opened", done.stderr)
@@ -118,7 +118,7 @@ class Slice(Program):
         done = self.run_it("slice", *[self.scan] * 33, "-o", self.out, status=2)
         self.assertIn("scan", done.stderr)
 
-    def test_stray_piece_is_left_out_and_told_and_kept_on_request(self):
+    def test_stray_piece_is_left_out_reported_and_kept_on_request(self):
         write_sphere(self.scan)
         add_ball(self.scan, 200, 1.0, (40, 0, 0))
         done = self.slice_it("--no-preview")
@@ -141,7 +141,7 @@ class Slice(Program):
             self.assertEqual(self.manifest()["underside"], {"base": kind, "on_base_plane": flat})
         self.assertIn("round", self.slice_it("--base", "round", status=2).stderr)
 
-    def test_surface_is_told_by_what_it_rests_on(self):
+    def test_manifest_says_what_the_surface_rests_on(self):
         write_sphere(self.scan, points=40_000)
         done = self.slice_it()
         whole = self.manifest()["evidence"]
@@ -174,7 +174,7 @@ class Slice(Program):
         del manifest["evidence"]["layers"]
         self.assertEqual(told, manifest)
 
-    def test_quiet_says_nothing(self):
+    def test_quiet_prints_nothing(self):
         done = self.slice_it("--quiet")
         self.assertEqual((done.stdout, done.stderr), ("", ""))
 
@@ -200,22 +200,22 @@ class Slice(Program):
         self.assertLess(after, before)
         self.assertEqual(len(self.layers()), after)
 
-    def test_directory_with_something_else_is_left_alone(self):
+    def test_folder_with_other_files_is_left_alone(self):
         self.out.mkdir()
         (self.out / "thesis.doc").write_text("years of work")
         done = self.slice_it(status=1)
         self.assertIn("holds 'thesis.doc'", done.stderr)
         self.assertEqual([path.name for path in self.out.iterdir()], ["thesis.doc"])
 
-    def test_fit_makes_it_as_large_as_the_printer_takes(self):
+    def test_fit_prints_as_large_as_the_printer_can(self):
         self.slice_it("--fit", "--no-preview")
         self.assertAlmostEqual(max(self.manifest()["size_mm"][:2]), 29.8, delta=0.1)
 
-    def test_what_does_not_fit_is_told_with_the_scale_that_does(self):
+    def test_error_about_a_large_object_gives_the_scale_that_fits(self):
         done = self.slice_it("--scale", 2, status=1)
         self.assertRegex(done.stderr, r"sphere\.ply: the object is 4\d\.\d+ mm .* Use --scale 1\.2")
 
-    def test_units_are_guessed_on_request_and_said_so(self):
+    def test_guessed_units_are_reported(self):
         write_sphere(self.scan, radius=0.012)
         done = self.slice_it("--units", "auto")
         self.assertIn("says no unit; m, which make it 24 mm, are a guess", done.stderr)
@@ -223,12 +223,12 @@ class Slice(Program):
         self.assertEqual(manifest["units"], {"used": "m", "guessed": True})
         self.assertAlmostEqual(manifest["size_mm"][2], 24, delta=0.1)
 
-    def test_small_object_gets_a_hint(self):
+    def test_small_object_gets_a_warning(self):
         write_sphere(self.scan, radius=1)
         self.assertIn("warning: the object is only 2 mm long", self.slice_it().stderr)
 
     @unittest.skipIf("PLUMBLINE_SANITIZED" in os.environ, "a sanitizer's memory is not the program's")
-    def test_peak_memory_is_the_arena_and_16_mib(self):
+    def test_peak_memory_is_at_most_the_arena_and_16_mib(self):
         write_sphere(self.scan, points=100_000)
         arena_mib = 16
         child = subprocess.Popen(
@@ -249,7 +249,7 @@ class Interrupted(Program):
         write_sphere(self.scan, points=100_000)
         arguments = ["slice", self.scan, "-o", self.out, "--pixel-pitch", "0.01", "--layer-height", "0.01"]
         child = subprocess.Popen([PLUMBLINE, *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        for line in child.stderr:  # not before the signal is caught: a stage has ended
+        for line in child.stderr:  # the program catches signals by the time a step has ended
             if line.startswith("  reading the scan"):
                 break
         child.send_signal(number)
@@ -266,7 +266,7 @@ class Interrupted(Program):
 
 
 class Inspect(Program):
-    def test_measures_what_was_put_in(self):
+    def test_measures_the_sphere(self):
         write_sphere(self.scan, points=20_000, radius=12)
         done = self.run_it("inspect", self.scan, "--printer", self.board, "--json")
         self.assertEqual(done.stderr, "")
@@ -283,7 +283,7 @@ class Inspect(Program):
         self.assertAlmostEqual(told["largest_scale"], 29.8 / 24, delta=0.01)
         self.assertFalse(self.out.exists())
 
-    def test_tells_noise_from_surface(self):
+    def test_measures_noise(self):
         write_sphere(self.scan, points=20_000, radius=12)
         data = bytearray(self.scan.read_bytes())
         start = data.index(b"end_header\n") + 11
@@ -302,7 +302,7 @@ class Inspect(Program):
         # Of a triangular distribution the median distance from its middle is sqrt(6) (1 - sqrt(1/2)) = 0.717 of its deviation.
         self.assertAlmostEqual(told["noise_mm"], 0.0717, delta=0.015)
 
-    def test_speaks_to_people_too(self):
+    def test_report_is_readable(self):
         write_sphere(self.scan)
         done = self.run_it("inspect", self.scan, "--printer", self.board, "--scale", 3)
         for word in ("20000 points", "normals", "fits       no", "up to scale 1.2"):
@@ -312,7 +312,7 @@ class Inspect(Program):
         for word in ("spacing", "noise", "MiB"):
             self.assertIn(word, done.stdout)
 
-    def test_warns_of_what_was_never_seen_with_a_picture(self):
+    def test_warns_of_what_was_not_scanned_and_draws_it(self):
         write_sphere(self.scan, points=40_000)
         done = self.run_it("inspect", self.scan)
         self.assertIn("scanned    all of the surface", done.stdout)
@@ -343,7 +343,7 @@ class Inspect(Program):
         self.assertIn("--rotate-x 180", done.stdout)
         self.assertGreater(json.loads(self.run_it("inspect", self.scan, "--json").stdout)["never_seen"]["encloses_nothing"], 0.5)
 
-    def test_says_that_a_pipe_is_not_looked_at_twice(self):
+    def test_says_that_a_pipe_cannot_be_read_twice(self):
         write_sphere(self.scan)
         with open(self.scan, "rb") as scan:
             cat = subprocess.Popen(["cat"], stdin=scan, stdout=subprocess.PIPE)
@@ -366,13 +366,13 @@ class Inspect(Program):
 
 
 class Sample(Program):
-    def test_is_a_scan_that_can_be_inspected(self):
+    def test_can_be_inspected(self):
         path = self.dir / "bust.ply"
         self.run_it("sample", path, "--points", 5000, "--seed", 3)
         told = json.loads(self.run_it("inspect", path, "--json").stdout)
         self.assertEqual(told["scan"]["points"], 5000)
 
-    def test_cannot_be_written_where_no_folder_is(self):
+    def test_cannot_be_written_without_a_folder(self):
         done = self.run_it("sample", self.dir / "no/bust.ply", status=1)
         self.assertIn("no/bust.ply", done.stderr)
 

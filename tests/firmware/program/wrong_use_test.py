@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What plumbline says to wrong command lines, files and media."""
+"""What plumbline says about wrong command lines, files and disks."""
 
 import ctypes
 import os
@@ -24,7 +24,7 @@ class WorldErrors(Program):
     def test_directory_for_a_scan(self):
         self.refused("slice", self.dir, "-o", self.out, message=".*: is a folder. Name the scan in it")
 
-    def test_file_that_is_no_scan(self):
+    def test_file_that_is_not_a_scan(self):
         self.scan.write_bytes(bytes(range(256)) * 10)
         self.refused("slice", self.scan, "-o", self.out, message="sphere.ply: ")
         self.assertFalse(self.out.exists())
@@ -33,12 +33,12 @@ class WorldErrors(Program):
         self.scan.write_bytes(b"")
         self.refused("slice", self.scan, "-o", self.out, message="sphere.ply: ")
 
-    def test_output_that_cannot_be_made(self):
+    def test_output_that_cannot_be_created(self):
         write_sphere(self.scan)
         self.refused("slice", self.scan, "-o", "/proc/plumbline", message="/proc/plumbline: the folder cannot be created")
         self.refused("slice", self.scan, "-o", self.scan, message=".*sphere.ply: is a file, not a folder")
 
-    def test_output_that_may_not_be_written(self):
+    def test_output_without_permission(self):
         def obey_permissions():
             if os.geteuid() == 0:
                 pr_capbset_drop, cap_dac_override = 24, 1  # without it root, too, may write only where permissions say so
@@ -49,8 +49,8 @@ class WorldErrors(Program):
         self.refused("slice", self.scan, "-o", self.out, message=".*out/layers: the folder cannot be created: Permission",
                      preexec_fn=obey_permissions)
 
-    def test_medium_that_fills_up_leaves_nothing_behind(self):
-        # No file may grow beyond a limit: for write() that is a full disk, and it can be had without one.
+    def test_full_disk_leaves_nothing_behind(self):
+        # A limit on file sizes makes write() fail as a full disk does.
         def limit():
             resource.setrlimit(resource.RLIMIT_FSIZE, (700, 700))
 
@@ -76,28 +76,28 @@ class WorldErrors(Program):
         self.board.write_text("[printer]\nnaem = 'x'\n")
         self.refused("slice", self.scan, "-o", self.out, "--printer", self.board, message=".*small.toml:2: .*naem")
 
-    def test_printer_is_found_by_its_name_wherever_the_program_is_called(self):
+    def test_printer_is_found_by_name_from_any_folder(self):
         write_sphere(self.scan)
         said = self.run_it("inspect", self.scan, "--printer", "mono2k", "--json", cwd=self.dir).stdout
         self.assertIn('"printer": "mono2k"', said)
 
-    def test_board_file_is_called_as_its_printer(self):
+    def test_board_file_must_be_named_after_its_printer(self):
         other = self.dir / "other.toml"
         self.board.rename(other)
         write_sphere(self.scan)
         self.refused("inspect", self.scan, "--printer", other, message=r'.*\[printer\] name is "small", but the file is called other')
 
-    def test_sample_advises_no_option_that_it_lacks(self):
+    def test_sample_does_not_advise_options_that_it_lacks(self):
         done = self.run_it("sample", self.dir / "no/bust.ply", status=1)
         self.assertNotIn("-o", done.stderr.split("bust.ply: ")[1])
 
-    def test_more_arena_than_was_built_in(self):
+    def test_more_arena_than_there_is(self):
         write_sphere(self.scan)
         self.refused("slice", self.scan, "-o", self.out, "--arena-mib", 1048576, message="--arena-mib asks for an arena of 1048576 MiB")
         write_board(self.board, arena_mib=65536)
         self.refused("slice", self.scan, "-o", self.out, "--printer", self.board, message="the board file asks for an arena of 65536 MiB")
 
-    def test_arena_that_no_job_fits_in(self):
+    def test_arena_too_small_for_any_job(self):
         write_sphere(self.scan)
         arguments = ("slice", self.scan, "-o", self.out, "--printer", SOURCE_DIR / "board/mono2k.toml", "--arena-mib", 8)
         self.refused(*arguments, message="the job cannot fit: the stage '.*' needs .* MiB")
@@ -138,7 +138,7 @@ class Usage(Program):
     def says(self, *arguments, message):
         self.assertIn(message, self.run_it(*arguments, status=2).stderr)
 
-    def test_unknown_subcommand_is_named_with_those_that_there_are(self):
+    def test_unknown_subcommand_is_named_with_all_subcommands(self):
         every = "Subcommands are slice, inspect, print, sample, doctor"
         self.says("foo", message=f"plumbline: 'foo' is not a subcommand. {every}")
         self.says("prnt", message=f"plumbline: 'prnt' is not a subcommand; did you mean print? {every}")

@@ -43,7 +43,7 @@ std::vector<Vec3d> surface_points(std::size_t count) {
   return points;
 }
 
-TEST(Bust, NeverClaimsToBeFartherAwayThanItsNearestSurfacePoint) {
+TEST(Bust, NeverOverestimatesTheDistanceToItsSurface) {
   const auto surface = surface_points(20000);
   Dice dice;
   Box3d box = bust_bounds();
@@ -57,7 +57,7 @@ TEST(Bust, NeverClaimsToBeFartherAwayThanItsNearestSurfacePoint) {
   }
 }
 
-TEST(Bust, NeverClaimsToBeFartherAwayThanASurfacePointCloseBy) {
+TEST(Bust, NeverOverestimatesTheDistanceCloseToItsSurface) {
   Dice dice;
   for (const Vec3d& s : surface_points(20000)) {
     const Vec3d p = s + Vec3d{dice(-0.3, 0.3), dice(-0.3, 0.3), dice(-0.3, 0.3)};
@@ -65,7 +65,7 @@ TEST(Bust, NeverClaimsToBeFartherAwayThanASurfacePointCloseBy) {
   }
 }
 
-TEST(Bust, IsClosedSoThatNoLineFromOutsideEndsInIt) {
+TEST(Bust, IsClosed) {
   // Walk right through it: inside and outside alternate, and the far end is outside.
   const Box3d box = bust_bounds();
   for (double x = box.low.x(); x <= box.high.x(); x += 0.9) {
@@ -82,7 +82,7 @@ TEST(Bust, IsClosedSoThatNoLineFromOutsideEndsInIt) {
   }
 }
 
-TEST(Bust, IsOnePiece) {
+TEST(Bust, IsOneComponent) {
   // Flood the inside on a grid from a point of the neck.
   constexpr int kSide = 160;
   const Box3d box = bust_bounds();

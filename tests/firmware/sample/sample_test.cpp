@@ -86,7 +86,7 @@ TEST(Sample, IsTheSameForTheSameSeedOnEveryMachine) { EXPECT_EQ(hash(scan(20000,
 
 TEST(Sample, DiffersForAnotherSeed) { EXPECT_NE(hash(scan(2000, 1)), hash(scan(2000, 2))); }
 
-TEST(Sample, LiesOnTheSurfaceButForNoiseAndAFewStrays) {
+TEST(Sample, LiesOnTheSurfaceExceptForNoiseAndAFewOutliers) {
   const auto points = scan(30000, 3);
   // sigma along the ray 0.02 to 0.059 mm, of a view's shift 0.02 mm an axis: 0.3 mm is beyond five sigmas of both.
   std::vector<double> off;
@@ -120,7 +120,7 @@ TEST(Sample, HasNoPointOfTheUnderside) {
   EXPECT_LE(low, 2U);  // a stray may be anywhere
 }
 
-TEST(Sample, SeesEverySideFromTheFrontToTheTop) {
+TEST(Sample, SeesEverySide) {
   const auto points = scan(30000, 6);
   const auto count = [&](auto predicate) {
     return static_cast<double>(std::count_if(points.begin(), points.end(), predicate)) / 30000.0;
@@ -161,7 +161,7 @@ TEST(Sample, HasUnitNormalsThatFaceOutwards) {
   EXPECT_GT(static_cast<double>(good), 0.75 * static_cast<double>(near));
 }
 
-TEST(Sample, StopsWhenItIsToldTo) {
+TEST(Sample, StopsOnRequest) {
   Collector sink;
   sink.stop_after = 0.4;
   const auto result = scan_bust({.points = 5000}, sink);
@@ -170,7 +170,7 @@ TEST(Sample, StopsWhenItIsToldTo) {
   EXPECT_LT(sink.last_fraction, 0.6);
 }
 
-TEST(Sample, RefusesNumbersOfPointsThatItCannotMake) {
+TEST(Sample, RefusesTooFewAndTooManyPoints) {
   for (const std::uint64_t points : {std::uint64_t{0}, kMinSamplePoints - 1, kMaxSamplePoints + 1}) {
     Collector sink;
     const auto result = scan_bust({.points = points}, sink);
@@ -224,14 +224,14 @@ TEST_F(SampleFile, IsLittleEndianPlyOfSixFloatsAPoint) {
   }
 }
 
-TEST_F(SampleFile, ThatCannotBeCreatedIsNamedInTheError) {
+TEST_F(SampleFile, IsNamedInTheErrorIfItCannotBeCreated) {
   const auto result = write_bust_scan(path("no/such/folder/bust.ply"), {.points = 1000});
   ASSERT_FALSE(result.has_value());
   EXPECT_EQ(result.error().code(), ErrorCode::kCannotOpen);
   EXPECT_THAT(result.error().message(), HasSubstr("no/such/folder/bust.ply"));
 }
 
-TEST_F(SampleFile, ThatCannotBeWrittenIsNamedInTheErrorAndADeviceStays) {
+TEST_F(SampleFile, IsNamedInTheErrorIfItCannotBeWritten) {
   if (!std::filesystem::is_character_file("/dev/full")) GTEST_SKIP() << "needs /dev/full";
   const auto result = write_bust_scan("/dev/full", {.points = 1000});
   ASSERT_FALSE(result.has_value());
@@ -240,20 +240,20 @@ TEST_F(SampleFile, ThatCannotBeWrittenIsNamedInTheErrorAndADeviceStays) {
   EXPECT_TRUE(std::filesystem::exists("/dev/full"));
 }
 
-TEST_F(SampleFile, OfACancelledScanIsRemoved) {
+TEST_F(SampleFile, IsRemovedIfTheScanIsCancelled) {
   const auto result = write_bust_scan(path("bust.ply"), {.points = 5000}, [](double done) { return done < 0.5; });
   ASSERT_FALSE(result.has_value());
   EXPECT_EQ(result.error().code(), ErrorCode::kCancelled);
   EXPECT_FALSE(std::filesystem::exists(path("bust.ply")));
 }
 
-TEST_F(SampleFile, IsLeftAloneWhenTheSettingsAreWrong) {
+TEST_F(SampleFile, IsKeptIfTheSettingsAreWrong) {
   std::ofstream(path("bust.ply")) << "mine";
   EXPECT_FALSE(write_bust_scan(path("bust.ply"), {.points = 3}).has_value());
   EXPECT_EQ(std::filesystem::file_size(path("bust.ply")), 4U);
 }
 
-TEST(CounterRng, GivesNormalDeviatesOfMeanZeroAndVarianceOne) {
+TEST(CounterRng, MakesNormalDeviatesOfMeanZeroAndVarianceOne) {
   const CounterRng rng(1, 2);
   constexpr int kCount = 200000;
   double sum = 0, squares = 0;
@@ -269,7 +269,7 @@ TEST(CounterRng, GivesNormalDeviatesOfMeanZeroAndVarianceOne) {
   EXPECT_NEAR(beyond_two / double{kCount}, 0.0455, 0.004);
 }
 
-TEST(CounterRng, GivesUnrelatedStreams) {
+TEST(CounterRng, MakesUnrelatedStreams) {
   const CounterRng a(1, 1), b(1, 2), c(2, 1);
   int equal = 0;
   for (std::uint64_t i = 0; i < 1000; ++i) {

@@ -34,7 +34,7 @@ std::string refusal(const std::string& text) {
   return profile ? std::string() : profile.error().message();
 }
 
-TEST(PrintProfile, OfEveryFileLoads) {
+TEST(PrintProfile, LoadsEveryFile) {
   int profiles = 0;
   for (const auto& entry : std::filesystem::directory_iterator(PLUMBLINE_SOURCE_DIR "/board/profiles")) {
     const auto profile = read_print_profile(entry.path().string());
@@ -45,7 +45,7 @@ TEST(PrintProfile, OfEveryFileLoads) {
   EXPECT_GE(profiles, 3);
 }
 
-TEST(PrintProfile, GivesEveryValue) {
+TEST(PrintProfile, ReadsEveryValue) {
   const auto p = read_print_profile(kStandard);
   ASSERT_TRUE(p);
   EXPECT_EQ(p->layer_height, 0.05);
@@ -60,7 +60,7 @@ TEST(PrintProfile, GivesEveryValue) {
   EXPECT_EQ(p->bottle_cost, 30);
 }
 
-TEST(PrintProfile, MayLeaveOutWhatABottleCosts) {
+TEST(PrintProfile, DoesNotNeedTheCostOfABottle) {
   auto text = standard_with("bottle_cost", "# bottle_cost");
   const auto profile = parse_print_profile(text, "p.toml");
   ASSERT_TRUE(profile) << profile.error().message();
@@ -128,7 +128,7 @@ std::string with_value(const std::string& text, const std::string& table, const 
   return text.substr(0, at) + key + " = " + value + text.substr(end);
 }
 
-TEST(BoardReadme, GivesTheRangesThatTheProgramHolds) {
+TEST(BoardReadme, GivesTheRangesThatTheProgramChecks) {
   const auto sim2k = read_settings_text(PLUMBLINE_SOURCE_DIR "/board/sim2k.toml", "").value();
   const auto standard = read_settings_text(kStandard, "").value();
   int checked = 0;

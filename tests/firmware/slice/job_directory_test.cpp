@@ -50,14 +50,14 @@ void expect_refused(const std::string& path, const std::string& reason) {
   EXPECT_EQ(tree(path), before);
 }
 
-TEST(JobDirectory, IsMadeWithTheFoldersAboveIt) {
+TEST(JobDirectory, CreatesItsParents) {
   const TemporaryFolder folder;
   write_job(folder / "a/b/out", 2);
   EXPECT_THAT(tree(folder / "a/b/out"),
               ElementsAre("layers", "layers/00000.png", "layers/00001.png", "manifest.json", "preview.png"));
 }
 
-TEST(JobDirectory, LeavesNothingWhereNoJobBegan) {
+TEST(JobDirectory, LeavesNothingIfNoJobBegan) {
   const TemporaryFolder folder;
   { const auto directory = JobDirectory::open(folder / "out"); }
   EXPECT_FALSE(std::filesystem::exists(folder / "out"));
@@ -92,7 +92,7 @@ TEST(JobDirectory, HasNoManifestWhileAJobIsBeingWritten) {
   EXPECT_FALSE(std::filesystem::exists(folder / "out/manifest.json"));
 }
 
-TEST(JobDirectory, TakesUpWhatAKilledJobLeft) {
+TEST(JobDirectory, ReplacesWhatAKilledJobLeft) {
   const TemporaryFolder folder;
   std::filesystem::create_directories(folder / "out/layers");
   write_text(folder / "out/layers/00007.png", "cut");
@@ -101,7 +101,7 @@ TEST(JobDirectory, TakesUpWhatAKilledJobLeft) {
   EXPECT_THAT(tree(folder / "out"), ElementsAre("layers", "layers/00000.png", "manifest.json", "preview.png"));
 }
 
-TEST(JobDirectory, IsGoneAfterADiscardedJob) {
+TEST(JobDirectory, IsRemovedWithADiscardedJob) {
   const TemporaryFolder folder;
   auto directory = JobDirectory::open(folder / "out");
   ASSERT_TRUE(directory.has_value());
@@ -112,7 +112,7 @@ TEST(JobDirectory, IsGoneAfterADiscardedJob) {
   EXPECT_FALSE(std::filesystem::exists(folder / "out"));
 }
 
-TEST(JobDirectory, StaysWhenItWasThereBeforeADiscardedJob) {
+TEST(JobDirectory, StaysIfItExistedBeforeADiscardedJob) {
   const TemporaryFolder folder;
   std::filesystem::create_directories(folder / "out");
   auto directory = JobDirectory::open(folder / "out");
@@ -123,7 +123,7 @@ TEST(JobDirectory, StaysWhenItWasThereBeforeADiscardedJob) {
   EXPECT_THAT(tree(folder / "out"), IsEmpty());
 }
 
-TEST(JobDirectory, RefusesAFolderWithSomethingElseInIt) {
+TEST(JobDirectory, RefusesAFolderThatHoldsOtherFiles) {
   const TemporaryFolder folder;
   std::filesystem::create_directories(folder / "out/layers");
   write_text(folder / "out/thesis.doc", "years of work");
@@ -145,7 +145,7 @@ TEST(JobDirectory, RefusesAManifestOfAnotherProgram) {
   expect_refused(folder / "out", "holds 'manifest.json', which plumbline did not write");
 }
 
-TEST(JobDirectory, RefusesLayersThatAreALinkElsewhere) {
+TEST(JobDirectory, RefusesLayersThatAreALink) {
   const TemporaryFolder folder;
   std::filesystem::create_directories(folder / "elsewhere");
   std::filesystem::create_directories(folder / "out");
@@ -153,7 +153,7 @@ TEST(JobDirectory, RefusesLayersThatAreALinkElsewhere) {
   expect_refused(folder / "out", "is not a folder");
 }
 
-TEST(JobDirectory, IsForOneJobAtATime) {
+TEST(JobDirectory, ServesOneJobAtATime) {
   const TemporaryFolder folder;
   const auto first = JobDirectory::open(folder / "out");
   ASSERT_TRUE(first.has_value());

@@ -120,7 +120,7 @@ TEST(SliceJob, WritesExactlyTheMasksThatWouldBePrinted) {
   EXPECT_TRUE(std::filesystem::exists(settings.output_path + "/preview.png"));
 }
 
-TEST(SliceJob, WritesThemWithTheirSupports) {
+TEST(SliceJob, WritesMasksWithTheirSupports) {
   const TemporaryFolder folder;
   write_sphere_scan(folder / "sphere.ply", 40'000, kRadius);
   auto settings = sphere_job(folder);
@@ -138,7 +138,7 @@ TEST(SliceJob, WritesThemWithTheirSupports) {
   EXPECT_EQ(without->peak_bytes(Stage::kSupports), 0U);
 }
 
-TEST(SliceJob, WritesThemInAGridOfTheObjectsOwnToo) {
+TEST(SliceJob, WritesMasksWithoutAPrinterToo) {
   const TemporaryFolder folder;
   write_sphere_scan(folder / "sphere.ply", 40'000, kRadius);
   auto settings = sphere_job(folder);
@@ -175,7 +175,7 @@ TEST(SliceJob, ReplacesAnOlderJobWithMoreLayers) {
   EXPECT_FALSE(std::filesystem::exists(layer_path(settings.output_path, layers)));
 }
 
-TEST(SliceJob, LeavesAnOlderJobAloneWhenTheScanCannotBeSliced) {
+TEST(SliceJob, KeepsAnOlderJobIfTheScanCannotBeSliced) {
   const TemporaryFolder folder;
   write_sphere_scan(folder / "sphere.ply", 20'000, kRadius);
   auto settings = sphere_job(folder);
@@ -188,7 +188,7 @@ TEST(SliceJob, LeavesAnOlderJobAloneWhenTheScanCannotBeSliced) {
   EXPECT_EQ(read_text(settings.output_path + "/manifest.json"), manifest);
 }
 
-TEST(SliceJob, LeavesNothingBehindWhenTheScanIsBroken) {
+TEST(SliceJob, LeavesNothingBehindIfTheScanIsBroken) {
   const TemporaryFolder folder;
   write_text(folder / "sphere.ply", "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\n");
   const auto settings = sphere_job(folder);
@@ -198,7 +198,7 @@ TEST(SliceJob, LeavesNothingBehindWhenTheScanIsBroken) {
   EXPECT_FALSE(std::filesystem::exists(settings.output_path));
 }
 
-TEST(JobWarnings, TellOfUnitsSizeThinningHolesAndNormals) {
+TEST(JobWarnings, NameUnitsSizeThinningHolesAndNormals) {
   auto report = std::make_unique<JobReport>();
   report->slice.units_guessed = true;
   report->slice.units = Units::kMetres;
@@ -219,7 +219,7 @@ TEST(JobWarnings, TellOfUnitsSizeThinningHolesAndNormals) {
   for (const auto& line : lines) EXPECT_FALSE(line.cut()) << line.c_str();
 }
 
-TEST(Unseen, IsToldAsSharesOfTheWholeSurface) {
+TEST(Unseen, IsReportedAsSharesOfTheWholeSurface) {
   EXPECT_STREQ(unseen_sentence({0.126, 0.041}).c_str(),
                "the underside (12.6 % of the surface) and 4.1 % elsewhere were not scanned");
   EXPECT_STREQ(unseen_sentence({0.126, 0.004}).c_str(), "the underside (12.6 % of the surface) was not scanned");
