@@ -47,7 +47,7 @@ class CutStorage final : public JournalStorage {
 
  private:
   std::vector<std::byte> medium_;
-  std::size_t left_ = std::size_t{1} << 40U;
+  std::size_t left_ = std::size_t{1} << 30U;  ///< bytes until the cut; by default more than a test writes
 };
 
 constexpr std::uint64_t kJob = 0x1234'5678'9ABC'DEF0U;
