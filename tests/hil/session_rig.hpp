@@ -28,6 +28,18 @@ inline BoardFile session_board() {
   return board;
 }
 
+/// The plant of a board file: its panel and its lamp.
+inline PlantSettings plant_for(const BoardFile& board) {
+  PlantSettings settings = rig_plant();
+  settings.panel.columns = board.columns;
+  settings.panel.rows = board.rows;
+  settings.panel.pitch_x_mm = board.pixel_pitch_x_mm;
+  settings.panel.pitch_y_mm = board.pixel_pitch_y_mm;
+  settings.lamp.irradiance = Irradiance(board.machine->power_mw_cm2);
+  settings.pace.computing = 1;
+  return settings;
+}
+
 /// For a print on `board`, with the default layer height and two threads, whatever the machine has.
 inline SliceSettings slicing_for(const BoardFile& board) {
   SliceSettings settings;

@@ -109,7 +109,7 @@ bool at_an_edge(ConstBitImage mask, std::uint32_t column, std::uint32_t row, std
   return black && white;
 }
 
-TEST(ThinningSlow, AHundredMillionPointsPassThroughTheArenaOfAPrinterAndPrintTheSame) {
+TEST(ThinningLong, AHundredMillionPointsPassThroughTheArenaOfAPrinterAndPrintTheSame) {
   SliceSettings settings = settings_with_pitch(0.05F);
   settings.placement.printer = PrinterVolume{1440, 2560, 0.04725F, 0.04725F, 160};
   constexpr double kRadius = 25;

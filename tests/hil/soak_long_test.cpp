@@ -1,14 +1,11 @@
-/// What takes minutes: a hundred jobs, three thousand layers on a 4K panel, the bust against its formula.
+/// Soaks: a hundred jobs in the same memory, three thousand layers on a 4K panel.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <Eigen/LU>
 #include <fstream>
 
-#include "firmware/sample/analytic_bust.hpp"
-#include "firmware/sample/scan_sample.hpp"
 #include "tests/hil/session_rig.hpp"
 
 namespace plumbline {
@@ -47,17 +44,6 @@ TEST(Soak, HundredJobsRunInTheSameMemory) {
               static_cast<double>(resident.back()) / 1e6);
 }
 
-PlantSettings plant_for(const BoardFile& board) {
-  PlantSettings settings = rig_plant();
-  settings.panel.columns = board.columns;
-  settings.panel.rows = board.rows;
-  settings.panel.pitch_x_mm = board.pixel_pitch_x_mm;
-  settings.panel.pitch_y_mm = board.pixel_pitch_y_mm;
-  settings.lamp.irradiance = Irradiance(board.machine->power_mw_cm2);
-  settings.pace.computing = 1;
-  return settings;
-}
-
 TEST(Soak, ThreeThousandLayersOnThe4kPanel) {
   const auto board = read_board_file(PLUMBLINE_SOURCE_DIR "/board/mono4k.toml").value();
   const TemporaryFolder folder;
@@ -90,56 +76,6 @@ TEST(Soak, ThreeThousandLayersOnThe4kPanel) {
               report.layers, report.resin_ml, static_cast<double>(masks.median_making.count()) / 1e6,
               static_cast<double>(masks.worst_making.count()) / 1e6, masks.ratio(),
               std::chrono::duration<double>(masks.smallest_slack).count());
-}
-
-TEST(Soak, BustOnTheSimulated2kPrinterIsTheBust) {
-  const auto board = read_board_file(PLUMBLINE_SOURCE_DIR "/board/sim2k.toml").value();
-  const TemporaryFolder folder;
-  ASSERT_TRUE(write_bust_scan(folder / "bust.ply", {}, [](double) { return true; }));
-  std::vector<std::byte> block(std::size_t{board.arena_mib} << 20U);
-  Arena arena(block);
-  PrintSession session(board, *board.machine, arena, nullptr);
-  auto scan = FileSource::open(folder / "bust.ply");
-  ASSERT_TRUE(scan);
-  const SliceSettings settings = slicing_for(board);
-  const auto profile = read_print_profile(PLUMBLINE_SOURCE_DIR "/board/profiles/standard.toml").value();
-  const auto sliced = session.slice_scan(*scan, settings, std::nullopt, profile, nullptr);
-  ASSERT_TRUE(sliced) << sliced.error().message();
-
-  Plant plant(plant_for(board));
-  SimMachine run(plant);
-  Machine machine = run.machine();
-  Silent observer;
-  const auto& report = session.print(machine, observer);
-  plant.conclude(JobEnd::kFinished);
-  ASSERT_EQ(report.state, kFinished) << report.fault_message.c_str();
-  for (const auto& objection : plant.objections()) ADD_FAILURE() << to_string(objection);
-
-  // Voxel by voxel, at the height at which a layer is the section of the object.
-  const Mat4d to_scan = session.sliced().placement.transform().inverse();
-  const PrintGrid& grid = session.grid();
-  std::uint64_t both = 0;
-  std::uint64_t either = 0;
-  std::uint32_t layer = 0;
-  plant.part().for_each_layer([&](const CuredLayer&, ConstBitImage cured) {
-    const double z = (layer + 0.5) * static_cast<double>(grid.layer_height_mm);
-    // A ninth of the voxels of every layer, in a pattern that leaves no column out.
-    for (std::uint32_t y = layer % 3; y < grid.rows; y += 3) {
-      for (std::uint32_t x = y % 3; x < grid.columns; x += 3) {
-        const Eigen::Vector4d at((x + 0.5) * static_cast<double>(grid.pitch_x_mm),
-                                 (y + 0.5) * static_cast<double>(grid.pitch_y_mm), z, 1);
-        const bool printed = cured.at(x, y);
-        const Eigen::Vector4d place = to_scan * at;
-        const bool bust = bust_inside(place.head<3>());
-        both += printed && bust ? 1 : 0;
-        either += printed || bust ? 1 : 0;
-      }
-    }
-    ++layer;
-  });
-  const double iou = static_cast<double>(both) / static_cast<double>(either);
-  std::printf("bust: IoU %.5f over %llu voxels\n", iou, static_cast<unsigned long long>(either));
-  EXPECT_GE(iou, 0.995);
 }
 
 }  // namespace
