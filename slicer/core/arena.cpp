@@ -19,11 +19,12 @@ Expected<void*> Arena::take_bytes(std::size_t count, std::size_t size, const cha
   const bool overflows = count > (std::numeric_limits<std::size_t>::max() - kAlignment) / size;
   const std::size_t need = overflows ? std::numeric_limits<std::size_t>::max() : rounded(count * size);
   if (need > available()) {
-    return fail(ErrorCode::kOutOfMemory,
-                "%s: needs %.1f MiB, %.1f MiB of the arena's %.1f MiB are left. Use a larger arena, fewer points or a "
-                "coarser grid",
-                stage, static_cast<double>(need) / kMiB, static_cast<double>(available()) / kMiB,
-                static_cast<double>(capacity_) / kMiB);
+    return fail(
+        ErrorCode::kOutOfMemory,
+        "%s: needs %.1f MiB, but %.1f MiB of the arena's %.1f MiB are left. Use a larger arena, fewer points or a "
+        "coarser grid",
+        stage, static_cast<double>(need) / kMiB, static_cast<double>(available()) / kMiB,
+        static_cast<double>(capacity_) / kMiB);
   }
   std::size_t offset = bottom_;
   if (bottom) {

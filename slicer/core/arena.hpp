@@ -1,10 +1,10 @@
 #pragma once
-/// The one block of memory that everything of the slicer lives in.
+/// The one block of memory that holds all of the slicer's data.
 ///
-///   bottom  what lives until the print ends ->  ...free...  <- what a stage needs only while it runs  top
+///   bottom  data kept until the print ends ->  ...free...  <- scratch of the running stage  top
 ///
-/// Both ends are stacks. A stage takes its scratch from the top inside an ArenaScope, which gives it back in order.
-/// An arena never grows, never asks the system for memory, and does not own its block.
+/// Both ends are stacks. A stage takes scratch from the top inside an ArenaScope, which releases it in order. An arena
+/// never grows, never allocates, and does not own its block.
 
 #include <algorithm>
 #include <cstddef>
@@ -18,9 +18,9 @@ namespace plumbline {
 
 class Arena {
  public:
-  static constexpr std::size_t kAlignment = 64;  ///< bytes; one cache line, so that no two blocks share one
+  static constexpr std::size_t kAlignment = 64;  ///< bytes: a cache line, so that no two blocks share one
 
-  /// @param block  caller's memory, kept by the caller, at least as long as the arena lives. Any alignment, any size.
+  /// @param block  caller's memory, of any alignment and size; must outlive the arena
   explicit Arena(std::span<std::byte> block);
   Arena(const Arena&) = delete;
   Arena& operator=(const Arena&) = delete;
@@ -33,14 +33,14 @@ class Arena {
   std::size_t peak() const { return peak_; }  ///< highest used() since the last reset_peak(), bytes
   void reset_peak() { peak_ = used(); }
 
-  /// `count` objects from the bottom, until release_bottom() to an earlier mark. Not initialised.
-  /// @param stage  who asks, for the error
-  /// @retval ErrorCode::kOutOfMemory  names stage, need and what is left
+  /// Takes `count` uninitialised objects from the bottom. They stay until release_bottom() to an earlier mark.
+  /// @param stage  named in the error
+  /// @retval ErrorCode::kOutOfMemory  the message gives stage, bytes needed and bytes left
   template <class T>
   [[nodiscard]] Expected<std::span<T>> take_bottom(std::size_t count, const char* stage) {
     return take<T>(count, stage, true);
   }
-  /// `count` objects from the top; see take_bottom().
+  /// Takes `count` objects from the top; see take_bottom().
   template <class T>
   [[nodiscard]] Expected<std::span<T>> take_top(std::size_t count, const char* stage) {
     return take<T>(count, stage, false);
@@ -51,10 +51,10 @@ class Arena {
   void release_bottom(std::size_t mark) { bottom_ = mark; }
   void release_top(std::size_t mark) { top_ = mark; }
 
-  /// Gives back the unused end of the newest block at the bottom, `used` bytes of which stay.
+  /// Shrinks the newest block at the bottom to its first `used` bytes.
   void trim_bottom(const void* block, std::size_t used);
 
-  /// Bytes that `count` objects of `size` bytes take, rounding included.
+  /// Bytes that a block of `bytes` takes, rounded up to whole cache lines.
   static constexpr std::size_t rounded(std::size_t bytes) { return (bytes + kAlignment - 1) / kAlignment * kAlignment; }
 
  private:
@@ -75,7 +75,7 @@ class Arena {
   std::size_t peak_ = 0;
 };
 
-/// Gives back, at its end, what was taken from the top since its start.
+/// At its end, releases everything taken from the top since its start.
 class ArenaScope {
  public:
   explicit ArenaScope(Arena& arena) : arena_(arena), mark_(arena.top_mark()) {}

@@ -1,5 +1,5 @@
 #pragma once
-/// Images of one bit a pixel, 64 pixels a word: masks and the sets of rays.
+/// Images of one bit a pixel, 64 pixels a word: masks and sets of rays.
 
 #include <bit>
 #include <cstdint>
@@ -8,12 +8,12 @@
 namespace plumbline {
 
 /// A view of `rows` rows of `columns` pixels. Pixel (column, row) is bit column % 64 of word
-/// row * stride() + column / 64. Bits past the last column are zero: every function keeps it so.
+/// row * stride() + column / 64. Bits past the last column are always zero.
 template <class Word>
 class BasicBitImage {
  public:
   BasicBitImage() = default;
-  /// @param words  words_needed(columns, rows) of them, owned by the caller
+  /// @param words  words_needed(columns, rows) words, owned by the caller
   BasicBitImage(std::span<Word> words, std::uint32_t columns, std::uint32_t rows)
       : words_(words), columns_(columns), rows_(rows), stride_((columns + 63) / 64) {}
   template <class Other>

@@ -1,5 +1,5 @@
 #pragma once
-/// Where a scan's bytes come from. The slicer opens no files: its caller does.
+/// A scan's bytes as a stream. The caller opens the files; the slicer never does.
 
 #include <cstddef>
 #include <cstdint>
@@ -11,20 +11,20 @@
 
 namespace plumbline {
 
-/// A stream of bytes, read once from start to end.
+/// A stream of bytes that is read once, from start to end.
 class ByteSource {
  public:
   virtual ~ByteSource() = default;
 
-  /// Fills the start of `buffer`, which is not empty.
-  /// @returns bytes written, 1 or more; 0 at the end of the stream
+  /// Reads up to buffer.size() bytes into `buffer`, which must not be empty.
+  /// @returns bytes read, 1 or more; 0 at the end of the stream
   /// @retval ErrorCode::kCannotRead  the medium failed
   [[nodiscard]] virtual Expected<std::size_t> read(std::span<std::byte> buffer) = 0;
 
-  /// For messages, and for the format where the bytes do not tell it: "bust.ply".
+  /// File name such as "bust.ply": shown in messages, and decides the format where the bytes do not.
   virtual std::string_view name() const = 0;
 
-  /// Bytes in the whole stream where that is known, for progress.
+  /// Bytes in the whole stream, if known. Used for progress and to bound the number of points.
   virtual std::optional<std::uint64_t> size() const = 0;
 };
 

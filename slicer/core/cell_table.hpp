@@ -18,7 +18,7 @@ namespace plumbline {
 class CellGrid {
  public:
   static constexpr int kBitsPerAxis = 21;  ///< of a key: three axes fit a word
-  /// Most cells along an axis; larger boxes get larger cells. Half of what a key has room for.
+  /// Most cells along an axis: half of what a key has room for. A box that would need more gets larger cells.
   static constexpr std::uint32_t kMostCells = 1U << (kBitsPerAxis - 1);
 
   /// @param edge  of a cell, in the unit of the box, positive
@@ -36,8 +36,7 @@ class CellGrid {
     return key;
   }
 
-  /// Key of one of the 26 neighbours of a cell. Neighbours 14 to 26 are half of them: each of the others has the cell
-  /// among its own 14 to 26.
+  /// Key of one of the 26 neighbours of a cell. Visiting neighbours 14 to 26 of every cell visits each pair once.
   /// @param n  0 to 26; 13 is the cell itself
   static std::uint64_t neighbour(std::uint64_t key, std::uint32_t n) {
     const auto pack = [](std::uint64_t x, std::uint64_t y, std::uint64_t z) {
@@ -51,16 +50,15 @@ class CellGrid {
   float inverse_;
 };
 
-/// Hash table of occupied cells in the caller's slots: open addressing with linear probing. Nothing is ever taken out.
+/// Hash table of occupied cells in the caller's slots: open addressing with linear probing. Entries are never removed.
 ///
-/// @tparam Mark  what gives the mark of a slot, which is 0 where the slot is empty: the slot itself, or a pointer to its
-///               member
+/// @tparam Mark  gives the mark of a slot, which is 0 in an empty one: the slot itself, or a pointer to its member
 template <class Slot, auto Mark = std::identity{}>
 class CellTable {
  public:
   CellTable() = default;
-  /// @param slots  a power of two of them, cleared before the first search; at least one must stay empty, and searches take long
-  ///               when more than two thirds are occupied
+  /// @param slots  a power of two of them. clear() them before the first search. One must stay empty, or find() does not
+  ///               end; above two thirds occupied, searches become long
   explicit CellTable(std::span<Slot> slots) : slots_(slots) { assert(std::has_single_bit(slots.size())); }
 
   void clear() const { std::fill(slots_.begin(), slots_.end(), Slot{}); }

@@ -1,12 +1,12 @@
 #pragma once
-/// Sines that are the same bits on every machine, which those of libm are not.
+/// Sines that are bit-identical on every machine. Those of libm are not.
 
 #include <cmath>
 #include <cstdint>
 
 namespace plumbline {
 
-/// Sine and cosine of an angle in degrees by Taylor series on [-45, 45]: the error is below 1e-16.
+/// Sine and cosine of an angle in degrees, by Taylor series on [-45, 45]. The error is below 1e-16.
 struct SineCosine {
   double sine, cosine;
 };
@@ -17,7 +17,7 @@ inline SineCosine sine_cosine(double degrees) {
   const double x2 = x * x;
   double sine = 0;
   double cosine = 0;
-  for (int k = 20; k > 0; k -= 2) {  // Horner from the small end: x^20 / 20! is far below the last bit
+  for (int k = 20; k > 0; k -= 2) {  // Horner's scheme from the smallest term: x^20 / 20! is far below the last bit
     sine = (1 - sine) * x2 / (k * (k + 1));
     cosine = (1 - cosine) * x2 / (k * (k - 1));
   }

@@ -14,7 +14,7 @@ namespace plumbline {
 ///
 /// root() halves the paths it walks (Tarjan and van Leeuwen 1984): O(log n) amortised, without a rank to store.
 ///
-/// @tparam Parent  what gives the parent (std::uint32_t&) of an entry: the entry itself, or a pointer to its member
+/// @tparam Parent  gives the parent (std::uint32_t&) of an entry: the entry itself, or a pointer to its member
 template <class Entry = std::uint32_t, auto Parent = std::identity{}>
 class DisjointSets {
  public:
@@ -23,7 +23,7 @@ class DisjointSets {
 
   std::uint32_t size() const { return static_cast<std::uint32_t>(entries_.size()); }
 
-  /// Makes i a set of its own. Every index is started before it is used.
+  /// Makes i a set of its own. Call it before any other use of i.
   void start(std::uint32_t i) { parent(i) = i; }
   void start_all() {
     for (std::uint32_t i = 0; i < size(); ++i) start(i);
@@ -31,13 +31,13 @@ class DisjointSets {
 
   bool is_root(std::uint32_t i) const { return load(i) == i; }
 
-  /// Lowest index of the set that i is in. Any thread may call it, also while others unite_shared().
+  /// Lowest index of the set that holds i. Any thread may call it, also while others call unite_shared().
   std::uint32_t root(std::uint32_t i) const {
     for (;;) {
       const std::uint32_t up = load(i);
       const std::uint32_t above = load(up);
       if (above == up) return up;
-      // Whatever other threads do meanwhile, `above` stays an ancestor of i.
+      // `above` stays an ancestor of i, whatever other threads do meanwhile.
       std::atomic_ref(parent(i)).store(above, std::memory_order_relaxed);
       i = above;
     }
@@ -45,7 +45,7 @@ class DisjointSets {
 
   struct Union {
     std::uint32_t root = 0;      ///< of the joined set
-    std::uint32_t absorbed = 0;  ///< the root that is one no more; equal to `root` where a and b were in one set
+    std::uint32_t absorbed = 0;  ///< the other set's former root; equal to `root` if a and b were in one set already
   };
   /// Joins the sets of a and b. For one thread.
   Union unite(std::uint32_t a, std::uint32_t b) {
@@ -55,7 +55,7 @@ class DisjointSets {
     parent(b) = a;
     return {a, b};
   }
-  /// Joins the sets of a and b while other threads do the same. The sets at the end do not depend on the threads.
+  /// Joins the sets of a and b; other threads may do the same meanwhile. The result does not depend on their order.
   void unite_shared(std::uint32_t a, std::uint32_t b) {
     for (;;) {
       a = root(a);
@@ -67,9 +67,10 @@ class DisjointSets {
     }
   }
 
-  /// Makes every one of the first `count` indices point to its root, so that its entry's parent is the root.
+  /// Sets the parent of each of the first `count` indices to its root.
   void flatten(std::uint32_t count) {
-    for (std::uint32_t i = 0; i < count; ++i) parent(i) = parent(parent(i));  // lower ones point to their roots already
+    // A parent is a lower index, so it already points to its root.
+    for (std::uint32_t i = 0; i < count; ++i) parent(i) = parent(parent(i));
   }
 
  private:

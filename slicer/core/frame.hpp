@@ -1,5 +1,5 @@
 #pragma once
-/// Two directions across a third.
+/// A right-handed frame about a direction.
 
 #include <Eigen/Geometry>
 #include <cmath>
@@ -8,8 +8,8 @@
 
 namespace plumbline {
 
-/// Unit vectors t and s across a unit vector n, so that t, s and n are at right angles and n x t = s. Any turn about n would
-/// do; t lies towards the coordinate axis that n has least of.
+/// Unit vectors t and s perpendicular to a unit vector n, with n x t = s. Of all frames about n, t is the projection of
+/// the coordinate axis along which n is shortest.
 struct Frame {
   Vec3f t;
   Vec3f s;

@@ -1,5 +1,5 @@
 #pragma once
-/// The middle of many values, and what it tells of their deviation.
+/// Median, and the standard deviation that follows from it.
 
 #include <algorithm>
 #include <cstddef>
@@ -7,10 +7,11 @@
 
 namespace plumbline {
 
-/// Standard deviation of normally distributed values over the median of their magnitudes.
+/// Standard deviation of normally distributed values, divided by the median of their magnitudes: 1 / 0.6745, the upper
+/// quartile of the normal distribution.
 inline constexpr double kMedianToDeviation = 1.4826;
 
-/// The middle one of `values`, the upper of two. Reorders them.
+/// The median of `values`; of an even number, the upper of the two in the middle. Reorders them.
 /// @param values  not empty
 template <typename T>
 T median(std::span<T> values) {

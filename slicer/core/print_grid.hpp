@@ -1,13 +1,13 @@
 #pragma once
-/// The grid of pixels and layers that a print is made of; also the grid of rays.
+/// The grid of pixels and layers of a print. A ray goes through the centre of each pixel.
 
 #include <cstdint>
 
 namespace plumbline {
 
-/// Print coordinates, mm: x along a row, y from row to row, z up. The outer corner of pixel (0, 0) on the underside of
-/// layer 0 is the origin. Pixel (i, j) is sampled at its centre ((i + 1/2) pitch_x, (j + 1/2) pitch_y), layer k at the
-/// height (k + 1/2) layer_height.
+/// Print coordinates, mm: x along a row, y from row to row, z up. The origin is the outer corner of pixel (0, 0) on the
+/// underside of layer 0. Pixel (i, j) is sampled at its centre ((i + 1/2) pitch_x, (j + 1/2) pitch_y), layer k at height
+/// (k + 1/2) layer_height.
 struct PrintGrid {
   std::uint32_t columns = 0;      ///< pixels, 1 to 16384
   std::uint32_t rows = 0;         ///< pixels, 1 to 16384
@@ -20,7 +20,7 @@ struct PrintGrid {
   static constexpr std::uint32_t kMaxLayers = 65535;
 };
 
-/// Rays are shot and their crossings stored in square tiles of this many rays a side.
+/// Rays a side of a square tile. Rays are shot, and crossings stored, a tile at a time: rays of a tile share neighbours.
 inline constexpr std::uint32_t kTileSide = 8;
 
 }  // namespace plumbline

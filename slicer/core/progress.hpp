@@ -1,5 +1,5 @@
 #pragma once
-/// What a caller hears while the slicer works. The slicer has no clock: who wants seconds takes the time here.
+/// Progress reports to the caller. The slicer has no clock: a caller that wants times takes them here.
 
 #include <cstddef>
 #include <cstdint>
@@ -7,7 +7,7 @@
 
 namespace plumbline {
 
-/// The stages of DESIGN section 3, in the order of the data's way.
+/// The stages of DESIGN section 3, in the order in which they run.
 enum class Stage : std::uint8_t {
   kRead,
   kNormals,
@@ -30,22 +30,25 @@ class ProgressSink {
  public:
   virtual ~ProgressSink() = default;
   virtual void begin(Stage stage) = 0;
-  /// @param fraction  0 to 1 of the stage; often, and from one thread only
+  /// Called often, from one thread only.
+  /// @param fraction  of the stage, 0 to 1
   /// @returns false to cancel: the stage returns ErrorCode::kCancelled
   virtual bool advance(Stage stage, double fraction) = 0;
-  /// @param peak_bytes  highest use of the arena while the stage ran
+  /// @param peak_bytes  most bytes of the arena in use while the stage ran
   virtual void end(Stage stage, std::size_t peak_bytes) = 0;
 };
 
-/// A part of a stage's progress, for who works for the stage without knowing it.
+/// Maps the progress of one step, 0 to 1, to its part of a stage. A step need not know which stage it serves.
 struct StageProgress {
   ProgressSink* sink = nullptr;
   Stage stage = Stage::kRead;
-  double from = 0, to = 1;  ///< of the stage
+  double from = 0, to = 1;  ///< fractions of the stage
 
-  /// @param fraction  0 to 1 of the part; from one thread only
+  /// Call from one thread only.
+  /// @param fraction  of this part, 0 to 1
   /// @returns false to cancel
   bool advance(double fraction) const { return sink == nullptr || sink->advance(stage, from + (to - from) * fraction); }
+  /// The part of this part from `first` to `last`, 0 to 1.
   StageProgress part(double first, double last) const {
     return {sink, stage, from + (to - from) * first, from + (to - from) * last};
   }

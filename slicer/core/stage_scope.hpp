@@ -1,5 +1,5 @@
 #pragma once
-/// Says when a stage begins and ends, and what it took of the arena.
+/// Reports the start and end of a stage, and records how much of the arena it used.
 
 #include <array>
 #include <cstddef>
@@ -12,7 +12,7 @@ namespace plumbline {
 class StageScope {
  public:
   /// @param progress    may be null
-  /// @param peak_bytes  by Stage; the stage's entry is set at the end of the scope
+  /// @param peak_bytes  indexed by Stage; the destructor sets the stage's entry
   StageScope(Stage stage, Arena& arena, ProgressSink* progress, std::array<std::size_t, kStageCount>& peak_bytes)
       : stage_(stage), arena_(arena), progress_(progress), peak_bytes_(peak_bytes) {
     arena_.reset_peak();

@@ -1,6 +1,6 @@
 #pragma once
-/// Vectors are Eigen's. Its explicit vectorisation is off: it sums in another order, and fuses multiply and add,
-/// on some machines, and the masks must be the same bits on all of them.
+/// Vectors are Eigen's. Its explicit vectorisation is off: on some machines it sums in another order or fuses multiply
+/// and add, and the masks must be the same bits on all of them.
 
 #ifndef EIGEN_DONT_VECTORIZE
 #error "compile with EIGEN_DONT_VECTORIZE: the target plumbline::core sets it"
@@ -15,7 +15,7 @@ using Vec3d = Eigen::Vector3d;
 using Mat3d = Eigen::Matrix3d;
 using Mat4d = Eigen::Matrix4d;
 
-/// Axis-aligned box, in the unit of the points that made it. Empty until it has been extended once.
+/// Axis-aligned box, in the unit of its points. Empty until extend() is called.
 template <class Vec>
 struct Box {
   using Scalar = typename Vec::Scalar;
