@@ -1,8 +1,8 @@
 #include "slicer/cloud/kd_tree.hpp"
 
-// nanoflann has no allocator hook: its pool calls ::malloc and ::free, its index is a std::vector. This is the one file
-// that includes it. Every header that nanoflann needs comes first; then malloc and free are redirected around that include
-// alone, and std::allocator is specialised, as the standard allows, for an index type of our own.
+// nanoflann has no allocator hook: its pool calls ::malloc and ::free, and its index is a std::vector. Only this file
+// includes it. All headers that nanoflann needs come first. Then malloc and free are redirected around that one include,
+// and std::allocator is specialised for an index type of our own, as the standard allows.
 #include <algorithm>
 #include <array>
 #include <cassert>
@@ -23,11 +23,11 @@
 namespace plumbline {
 namespace {
 
-/// Where nanoflann's memory comes from while a tree is built. It asks for it in blocks of some 8 KiB, node after node, so
-/// that is also where the progress is heard of: a build that is told to stop gets no more.
+/// Gives nanoflann memory of the arena while it builds a tree. nanoflann asks for blocks of some 8 KiB as it adds nodes, so
+/// this also reports the progress. A cancelled build gets no more memory.
 class Building {
  public:
-  /// @param expected  bytes that the tree will take
+  /// @param expected  bytes of the finished tree
   Building(Arena& arena, const StageProgress& progress, std::size_t expected);
   ~Building();
   Building(const Building&) = delete;
@@ -62,7 +62,7 @@ Building::~Building() { building = nullptr; }
 
 void* arena_bytes(std::size_t bytes) { return building == nullptr ? nullptr : building->take(bytes); }
 
-/// A point's index, as a type of ours.
+/// A point's index as a type of our own, for which std::allocator may be specialised.
 struct PointIndex {
   std::uint32_t value = 0;
   PointIndex() = default;
@@ -95,7 +95,7 @@ class std::allocator<plumbline::PointIndex> {
 
 void* plumbline_nanoflann_malloc(std::size_t bytes);
 void plumbline_nanoflann_free(void* block);
-// nanoflann answers a null pointer with a line on stderr and this very exception; the line is not for the user.
+// nanoflann answers a null pointer with a line on stderr and this exception. Throwing it here keeps stderr clean.
 void* plumbline_nanoflann_malloc(std::size_t bytes) {
   void* block = plumbline::arena_bytes(bytes);
   if (block == nullptr) throw std::bad_alloc();
@@ -127,8 +127,8 @@ struct PointSet {
   }
 };
 
-/// nanoflann's result set for the k nearest that are accepted, in the caller's buffer; equal distances by index, so that
-/// the result does not depend on the order of the leaves.
+/// nanoflann's result set for the k nearest accepted points, in the caller's buffer. Ties are broken by index, so the
+/// result does not depend on the order of the leaves.
 class NearestSet {
  public:
   using DistanceType = float;
@@ -137,7 +137,7 @@ class NearestSet {
   std::size_t size() const { return count_; }
   bool full() const { return count_ == found_.size(); }
   float worstDist() const {  // NOLINT(readability-identifier-naming): nanoflann's name
-    // The next float up: a point at exactly the worst distance with a smaller index must still be seen.
+    // The next float up: a point at exactly the worst distance with a smaller index must not be pruned.
     return full() ? std::nextafter(found_[count_ - 1].distance2, std::numeric_limits<float>::infinity())
                   : std::numeric_limits<float>::max();
   }
@@ -170,7 +170,7 @@ struct KdTree<Dimension>::Impl {
   explicit Impl(std::span<const Vec3f> points)
       : set{points}, index(Dimension, set, nanoflann::KDTreeSingleIndexAdaptorParams(kLeafSize)) {}
 
-  /// Joins adjacent leaves before it passes them on.
+  /// Walks the leaves that overlap a box, and joins adjacent ones before it passes them to `visit`.
   struct Visitor {
     const float* low;
     const float* high;
@@ -222,12 +222,12 @@ Expected<KdTree<Dimension>> KdTree<Dimension>::build(std::span<const Vec3f> poin
   try {
     tree.impl_ = new (place->data()) Impl(points);
   } catch (const std::bad_alloc&) {
-    if (here.cancelled()) return fail(ErrorCode::kCancelled, "%s: cancelled while a tree was built", stage);
+    if (here.cancelled()) return fail(ErrorCode::kCancelled, "%s: cancelled while building a tree", stage);
     constexpr double kMiB = 1024.0 * 1024.0;
     return fail(
         ErrorCode::kOutOfMemory,
-        "%s: the %dD tree of %zu points has taken %.1f MiB and needs more; the arena has %.1f MiB. Use a larger "
-        "arena or fewer points",
+        "%s: the %dD tree of %zu points needs more than the %.1f MiB that were left of the arena's %.1f MiB. Use a "
+        "larger arena or fewer points",
         stage, Dimension, points.size(), static_cast<double>(here.taken()) / kMiB,
         static_cast<double>(arena.capacity()) / kMiB);
   }

@@ -13,7 +13,7 @@
 
 namespace plumbline {
 
-/// A reference to something callable; nothing is copied, nothing allocated.
+/// A reference to a callable object. Copies and allocates nothing.
 template <class Signature>
 class FunctionRef;
 template <class Result, class... Args>
@@ -40,36 +40,36 @@ struct Neighbour {
 
 /// A kd-tree over the first Dimension coordinates of the points. Searches are const and may run in many threads.
 ///
-/// Lives in the arena from build() on, at the top; it is gone when the arena releases it. The points must stay where they
-/// are; they may be permuted by order() if adopt_order() follows.
+/// build() puts it at the top of the arena, where it stays until the arena releases it. The points must not move or change,
+/// except that they may be permuted by order() if adopt_order() follows.
 template <int Dimension>
 class KdTree {
  public:
-  static constexpr std::size_t kLeafSize = 10;
+  static constexpr std::size_t kLeafSize = 10;  ///< points at most; nanoflann's recommendation, and the thesis' choice
 
-  /// What is planned of the arena a point, its index included. Scans and shapes take 12.7 to 14.9 in the plane and 13.0 to
-  /// 16.4 in space. Hostile ones (points that a middle split peels off one by one) may take more and then get kOutOfMemory.
+  /// Planned bytes of arena a point, its index included. Scans and shapes take 12.7 to 14.9 in two dimensions and 13.0 to
+  /// 16.4 in three. Adversarial ones (points that a middle split peels off one by one) may take more and get kOutOfMemory.
   static constexpr std::size_t kBytesPerPoint = Dimension == 2 ? 16 : 18;
 
   /// @param points  at least one, finite
-  /// @param stage   for the error
+  /// @param stage   named in errors
   /// @retval ErrorCode::kOutOfMemory, kCancelled
   [[nodiscard]] static Expected<KdTree> build(std::span<const Vec3f> points, Arena& arena, const char* stage,
                                               const StageProgress& progress = {});
 
-  /// Indices of the points, leaf after leaf: neighbours in space are mostly neighbours in this order.
+  /// Indices of the points, leaf by leaf: neighbours in space are mostly neighbours in this order.
   std::span<const std::uint32_t> order() const;
 
-  /// Tells the tree that point order()[i] now stands at i. order() is 0, 1, 2, ... from then on.
+  /// Call after moving point order()[i] to i for every i. From then on, order() is 0, 1, 2, ...
   void adopt_order();
 
-  /// The `found.size()` nearest of the points that `accept` lets through, nearest first, equal distances by index.
-  /// @returns how many there are
+  /// Finds the `found.size()` nearest points (of those that `accept` returns true for), nearest first, ties by index.
+  /// @returns how many it found
   std::uint32_t nearest(const Vec3f& query, std::span<Neighbour> found) const;
   std::uint32_t nearest(const Vec3f& query, std::span<Neighbour> found, FunctionRef<bool(std::uint32_t)> accept) const;
 
   /// Calls `visit(first, last)` for ranges of order() that together hold every point in the box [low, high], and some
-  /// outside it. In ascending order, adjacent leaves joined.
+  /// outside it. The ranges ascend and don't touch: adjacent leaves are joined.
   void visit_box(const Vec3f& low, const Vec3f& high, FunctionRef<void(std::uint32_t, std::uint32_t)> visit) const;
 
  private:

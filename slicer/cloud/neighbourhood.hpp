@@ -1,5 +1,5 @@
 #pragma once
-/// The points round a run of points that are neighbours in the order of their tree: one search serves all of them.
+/// The points near a block of consecutive points in the order of the tree: one search serves the whole block.
 
 #include <cstdint>
 
@@ -8,19 +8,20 @@
 
 namespace plumbline {
 
-inline constexpr std::uint32_t kSharedSearch = 32;  ///< consecutive points that share one search
+/// Points of a block. Larger blocks save searches, but compare each point with more candidates that are out of its reach.
+inline constexpr std::uint32_t kSharedSearch = 32;
 
-/// The thesis' metric as a test: |d| / <n_i, n_j> <= epsilon, with the inner product positive. The square of the distance
-/// is compared, so there is no root and no division.
+/// The thesis' metric as a test (III-2.b): |d| / <n_i, n_j> <= epsilon, and the inner product is positive. It compares
+/// squares, without a root or a division.
 struct Within {
   float distance2;
   float cosine;
   bool near(float epsilon2) const { return cosine > 0 && distance2 <= epsilon2 * cosine * cosine; }
 };
 
-/// Candidates of one block, as columns.
+/// Candidates of one block, one array a coordinate.
 struct Neighbourhood {
-  static constexpr std::uint32_t kMost = 256;  ///< their columns stay in the first-level cache
+  static constexpr std::uint32_t kMost = 256;  ///< points: 8 KiB, which stay in the first-level cache
 
   alignas(64) float x[kMost];
   alignas(64) float y[kMost];
@@ -44,7 +45,7 @@ inline Member member(const Cloud& cloud, std::uint32_t i) {
   return {cloud.position[i], cloud.normal[i].unpack(), static_cast<std::int32_t>(cloud.normal[i].point_class)};
 }
 
-/// Calls `use(batch)` for all points within `reach` of the box round points [first, last), some at a time.
+/// Calls `use(batch)` for batches of all points within `reach` of the bounding box of points [first, last).
 template <class Use>
 void for_neighbourhood(const Cloud& cloud, const KdTree3& tree, std::uint32_t first, std::uint32_t last, float reach,
                        Use use) {

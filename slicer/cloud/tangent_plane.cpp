@@ -7,22 +7,22 @@
 namespace plumbline {
 namespace {
 
-/// A neighbourhood suffices if it reaches this many residuals far. A right edge has 5.3, a ball of points 2.2.
+/// A neighbourhood suffices if its radius is at least this many residuals. A right edge has 5.3, a ball of points 2.2.
 constexpr double kReachInResiduals = 4;
-/// and if its second variance is at least this share of the first: a disc has 1, a half disc 0.28, a scan line nearly 0.
+/// Its second variance must also be at least this share of the first. A disc has 1, a half disc 0.28, a scan line nearly 0.
 constexpr double kLeastWidth = 0.05;
-/// Below this share there is no plane: the points lie on a line or in one place.
+/// Below this share of the first variance, the points lie on a line or in one place: there is no plane.
 constexpr double kLine = 1e-6;
 
 struct Plane {
   Vec3d normal = Vec3d::Zero();
-  double flatness = -1;  ///< second variance over least: larger is better. Below 0: no plane
+  double flatness = -1;  ///< second variance divided by the least; negative: no plane
   bool sufficient = false;
 };
 
 Plane fit_plane(const Vec3f& point, std::span<const Neighbour> neighbours, const Cloud& cloud) {
   const auto count = static_cast<double>(neighbours.size());
-  Vec3d sum = Vec3d::Zero();  // from `point`, so that nothing large cancels
+  Vec3d sum = Vec3d::Zero();  // relative to `point`, to avoid cancellation
   Mat3d products = Mat3d::Zero();
   for (const Neighbour& n : neighbours) {
     const Vec3d d = (cloud.position[n.index] - point).cast<double>();
@@ -30,7 +30,7 @@ Plane fit_plane(const Vec3f& point, std::span<const Neighbour> neighbours, const
     products += d * d.transpose();
   }
   const Mat3d scatter = products - sum * (sum.transpose() / count);
-  // compute(), not computeDirect(): the closed form takes sines, which differ from one C library to another.
+  // compute(), not computeDirect(): the closed form uses sines, which differ between C libraries.
   const Eigen::SelfAdjointEigenSolver<Mat3d> solver(scatter);
   const Vec3d& variance = solver.eigenvalues();
   Plane plane;

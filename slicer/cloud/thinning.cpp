@@ -9,7 +9,7 @@
 namespace plumbline {
 namespace {
 
-/// Slots of the table: the power of two that keeps it between 1/3 and 2/3 full.
+/// Slots of the table: the power of two that leaves it 1/3 to 2/3 full when the cloud is.
 std::size_t slots_for(std::uint32_t capacity) { return std::bit_ceil(std::size_t{capacity} * 3 / 2 + 16); }
 
 }  // namespace
@@ -32,7 +32,7 @@ Status PointThinner::begin(const ScanHeader& /*header*/) {
 bool PointThinner::progress(double /*fraction*/) { return true; }
 
 PointThinner::Key PointThinner::key_of(const Vec3f& p) const {
-  // Coordinates of 1e18 cells and more share a cell: a scan of that extent is a broken one, and this must not overflow.
+  // All coordinates beyond 1e18 cells share a cell, so the conversion can't overflow. No intact scan is that large.
   const auto index = [&](float v) {
     return static_cast<std::int64_t>(std::floor(std::clamp(static_cast<double>(v) / cell_, -1e18, 1e18)));
   };
@@ -59,7 +59,7 @@ void PointThinner::merge(std::uint32_t place, const Vec3f& p, const PackedNormal
       kept.set(normal.unpack());
     }
   }
-  // At 255 the mean becomes a moving one: old points fade, which a cell below the pixel pitch never shows.
+  // From 255 points on, the mean is a moving one that favours later points. In a cell below the pixel pitch that can't show.
   kept.weight = static_cast<std::uint8_t>(std::min(255, kept.weight + normal.weight));
 }
 
@@ -84,13 +84,13 @@ void PointThinner::add(const Vec3f& p, const PackedNormal& normal) {
 }
 
 void PointThinner::grow_cell() {
-  // Eight cells meet at the origin, so no cell is large enough to leave fewer.
+  // Eight cells meet at the origin, so cells of any size may leave eight points.
   const auto goal = std::max<std::uint32_t>(8, static_cast<std::uint32_t>(kRefill * cloud_.capacity()));
   do {
     if (cell_ > 0) {
       cell_ *= 2;
     } else {
-      // 4096 cells along the longest side: finer than any panel shows it.
+      // 1/4096 of the longest side is finer than most panels' pixels, so little is lost before cells have to grow.
       const Vec3f extent = cloud_.bounds().size();
       const float longest = std::max({extent[0], extent[1], extent[2]});
       cell_ = longest > 0 ? static_cast<double>(longest) / 4096 : 1.0;
@@ -122,8 +122,7 @@ Status PointThinner::take(std::span<const ScanPoint> points) {
     if (!(std::abs(local[0]) < 1e18F && std::abs(local[1]) < 1e18F && std::abs(local[2]) < 1e18F)) {
       return fail(
           ErrorCode::kMalformed,
-          "point %llu lies at (%g, %g, %g): more than 1e18 from the first one. This is no scan of an object; export "
-          "it again",
+          "point %llu lies at (%g, %g, %g), more than 1e18 from the first one: the file is damaged. Export it again",
           static_cast<unsigned long long>(seen_ - seen_before_), point.x, point.y, point.z);
     }
     PackedNormal normal;

@@ -1,5 +1,5 @@
 #pragma once
-/// Any number of scan points into a fixed number of places (DESIGN 3, stage 1a).
+/// Thins any number of scan points to a fixed number (DESIGN 3, stage 1a).
 
 #include <cstdint>
 #include <span>
@@ -10,31 +10,33 @@
 
 namespace plumbline {
 
-/// Averages the points of each cell of a cubic grid while they stream in. When all places are taken the cell doubles, in
-/// place, until at most kRefill of them are. The result depends on the order of the points and on nothing else.
+/// Averages the points in each cell of a cubic grid while they stream in. When the cloud is full, cells double in size, in
+/// place, until at most kRefill of the capacity is used. The result depends only on the points and their order.
 class PointThinner final : public PointSink {
  public:
-  /// Share of the capacity that may stay taken after the cell has grown: a scan that ends soon after loses little.
+  /// Most of the capacity that may stay used after the cell has grown. A lower value would thin more than needed if the scan
+  /// ends soon after; a higher one could find the cloud full again at once.
   static constexpr double kRefill = 0.9;
 
-  /// Bytes of scratch a place of capacity, for the table of cells.
+  /// Bytes of the table of cells for a cloud of `capacity` points.
   static std::size_t table_bytes(std::uint32_t capacity);
 
-  /// @param cloud     empty, its capacity is the budget
+  /// @param cloud     empty; its capacity is the limit
   /// @param table     table_bytes(cloud.capacity()) bytes, aligned to 4
   /// @param rotation  from scan axes to print axes, applied to every point and normal
-  /// @param cell      first cell in scan units; 0: no thinning until the places run out, then a cell from the extent
+  /// @param cell      edge of the first cells, scan units; 0: no thinning until the cloud is full, then 1/4096 of the
+  ///                  longest side
   PointThinner(Cloud& cloud, std::span<std::byte> table, const Mat3d& rotation, double cell);
 
-  /// Once for each file.
+  /// Call once for each file.
   Status begin(const ScanHeader& header) override;
   Status take(std::span<const ScanPoint> points) override;
   bool progress(double fraction) override;
 
-  double cell() const { return cell_; }  ///< scan units; 0: nothing was averaged
+  double cell() const { return cell_; }  ///< edge, scan units; 0: nothing was averaged
   std::uint64_t points_seen() const { return seen_; }
-  std::uint64_t points_averaged() const { return averaged_; }  ///< seen points that went into another's place
-  /// Scan coordinates, rotated, of the cloud's origin.
+  std::uint64_t points_averaged() const { return averaged_; }  ///< points merged into another one
+  /// Rotated scan coordinates of the cloud's origin.
   const Vec3d& offset() const { return offset_; }
 
  private:
@@ -43,13 +45,13 @@ class PointThinner final : public PointSink {
     bool operator==(const Key&) const = default;
   };
   Key key_of(const Vec3f& p) const;
-  std::uint32_t slot_of(const Key& key) const;  ///< the slot that holds the cell, or the empty one where it would stand
+  std::uint32_t slot_of(const Key& key) const;  ///< the slot of the cell, or the empty one where it belongs
   void merge(std::uint32_t place, const Vec3f& p, const PackedNormal& normal);
   void add(const Vec3f& p, const PackedNormal& normal);
   void grow_cell();
 
   Cloud& cloud_;
-  CellTable<std::uint32_t> table_;  ///< place + 1 of a cell's point
+  CellTable<std::uint32_t> table_;  ///< index + 1 of a cell's point; keys are computed from its position
   Mat3d rotation_;
   double cell_;
   Vec3d offset_ = Vec3d::Zero();

@@ -11,17 +11,20 @@ namespace {
 
 constexpr const char* kStage = "normals";
 
-constexpr std::uint32_t kGroup = 8;     ///< points in a row, the first of which looks for its nearest
-constexpr std::uint32_t kNearest = 16;  ///< of them
-constexpr std::uint32_t kInARow = 3;    ///< a point is joined with so many that follow it
-constexpr float kSameSide = 0.5F;       ///< least join_weight()
-constexpr float kNear2 = 4;             ///< times the squared distance of the farthest of the nearest
-constexpr std::uint32_t kBatch = 1024;  ///< groups whose nearest points are searched at a time
-constexpr double kJoinShare = 0.6;      ///< of the time; the field takes the rest
+// A group is eight consecutive points in the order of the tree, which are neighbours in space. Only its first point searches
+// its nearest points, since the searches take most of the time. Larger groups are faster, but join sparse surfaces less well.
+constexpr std::uint32_t kGroup = 8;  ///< points in a group, of which only the first searches its nearest
+constexpr std::uint32_t kNearest =
+    16;  ///< nearest points that the first is joined with: twice a group, to reach the next
+constexpr std::uint32_t kInARow = 3;  ///< following points that each point is joined with
+constexpr float kSameSide = 0.5F;     ///< least join_weight(): what a right edge has
+constexpr float kNear2 = 4;  ///< followers are joined up to twice the distance of the farthest of the nearest; squared
+constexpr std::uint32_t kBatch = 1024;  ///< groups that are searched at once, in parallel: 128 KiB of scratch
+constexpr double kJoinShare = 0.6;      ///< of the time, for progress only; the field takes the rest
 
-class Patches {
+class FlippedNormals {
  public:
-  Patches(Cloud& cloud, const KdTree3& tree, Arena& arena, const StageProgress& progress)
+  FlippedNormals(Cloud& cloud, const KdTree3& tree, Arena& arena, const StageProgress& progress)
       : cloud_(cloud), tree_(tree), arena_(arena), progress_(progress) {}
 
   Expected<std::uint32_t> turn() {
@@ -31,7 +34,7 @@ class Patches {
     for (std::uint32_t i = 0; i < cloud_.size; ++i) sets_.start(i, false);
     PLUMBLINE_TRY(join());
     PLUMBLINE_TRY(Sheets::limit_areas(cloud_, arena_));
-    if (!progress_.advance(kJoinShare)) return fail(ErrorCode::kCancelled, "cancelled while normals were turned");
+    if (!progress_.advance(kJoinShare)) return fail(ErrorCode::kCancelled, "cancelled while orienting normals");
     return Sheets(cloud_, sets_, arena_).turn(FirstSide::kLargest);
   }
 
@@ -43,7 +46,7 @@ class Patches {
     PLUMBLINE_TRY(block);
     for (std::uint32_t first = 0; first < groups; first += kBatch) {
       if (!progress_.advance(kJoinShare * first / groups)) {
-        return fail(ErrorCode::kCancelled, "cancelled while normals were turned");
+        return fail(ErrorCode::kCancelled, "cancelled while orienting normals");
       }
       const std::uint32_t count = std::min(kBatch, groups - first);
 #pragma omp parallel for schedule(dynamic, 32)
@@ -60,14 +63,14 @@ class Patches {
   }
 
   void join_group(std::uint32_t first, std::span<const Neighbour> nearest) {
-    const float reach2 = nearest.back().distance2;
+    const float farthest2 = nearest.back().distance2;
     const std::uint32_t end = std::min(cloud_.size, first + kGroup);
     for (const Neighbour& n : nearest) join_pair(first, n.index);
     for (std::uint32_t i = first; i < end; ++i) {
-      cloud_.radius[i] = std::sqrt(reach2 / kNearest);
+      cloud_.radius[i] = std::sqrt(farthest2 / kNearest);
       for (std::uint32_t j = i + 1; j <= i + kInARow && j < cloud_.size; ++j) {
         const Vec3f d = cloud_.position[j] - cloud_.position[i];
-        if (d.dot(d) <= kNear2 * reach2) join_pair(i, j);
+        if (d.dot(d) <= kNear2 * farthest2) join_pair(i, j);
       }
     }
   }
@@ -88,16 +91,17 @@ class Patches {
 
 }  // namespace
 
-std::size_t turned_patches_bytes(std::uint32_t points) {
+std::size_t flipped_normals_bytes(std::uint32_t points) {
   const std::size_t sides = sizeof(std::uint32_t) * std::size_t{points};
   const std::size_t batch = sizeof(Neighbour) * kNearest * std::size_t{kBatch};
   return sides + std::max(batch, Sheets::bytes_needed(points));
 }
 
-Expected<std::uint32_t> turn_patches(Cloud& cloud, const KdTree3& tree, Arena& arena, const StageProgress& progress) {
+Expected<std::uint32_t> turn_flipped_normals(Cloud& cloud, const KdTree3& tree, Arena& arena,
+                                             const StageProgress& progress) {
   if (cloud.size == 0) return 0U;
   const ArenaScope scope(arena);
-  return Patches(cloud, tree, arena, progress).turn();
+  return FlippedNormals(cloud, tree, arena, progress).turn();
 }
 
 }  // namespace plumbline

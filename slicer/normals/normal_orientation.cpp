@@ -12,12 +12,12 @@ namespace {
 
 constexpr const char* kStage = "normals";
 
-constexpr std::uint32_t kPairs = 10;    ///< nearest points that a point is joined with
-constexpr std::uint32_t kBatch = 4096;  ///< points whose neighbours are searched at a time
-constexpr std::uint32_t kNobody = 0xFFFFFFFFU;
+constexpr std::uint32_t kPairs = 10;  ///< nearest points that may be joined to a point; more bridge gaps but cost time
+constexpr std::uint32_t kBatch = 4096;  ///< points whose neighbours are searched at once, in parallel: 180 KB
+constexpr std::uint32_t kNoPoint = 0xFFFFFFFFU;
 
-/// Classes of weights, surest first. What is below the last one joins nothing: a single such pair, at the rim of a hole or
-/// where two sheets touch, would turn all of a sheet. That is left to the field.
+/// Lower limits of |join_weight()| of each class, surest first. Pairs below the last are not joined: one such pair, at the
+/// rim of a hole or where two sheets touch, could turn a whole sheet the wrong way. The field decides instead.
 constexpr std::array<float, 3> kLeastWeight = {0.95F, 0.8F, 0.5F};
 constexpr std::uint8_t kNoClass = kLeastWeight.size();
 
@@ -47,7 +47,7 @@ class Orientation {
     return c;
   }
 
-  /// Joins neighbours, class by class. A point is looked at again when a pair of it is due that joined nothing before.
+  /// Joins neighbours, class by class. A later class only searches points that still have a pair of it to join.
   Status join() {
     const ArenaScope scope(arena_);
     const std::uint32_t batch = std::min(kBatch, cloud_.size);
@@ -68,9 +68,9 @@ class Orientation {
         for (; next < cloud_.size && count < batch; ++next) {
           if (next_class_[next] <= c) open_[count++] = next;
         }
-        // The first class looks at every point, the others at what it left.
+        // The first class searches every point, the others only those that it left.
         const double done = c == 0 ? 0.5 * next / cloud_.size : 0.5 + 0.5 * c / kNoClass;
-        if (!progress_.advance(done)) return fail(ErrorCode::kCancelled, "cancelled while normals were turned");
+        if (!progress_.advance(done)) return fail(ErrorCode::kCancelled, "cancelled while orienting normals");
         search(count);
         for (std::uint32_t k = 0; k < count; ++k) join_point(k, c);
       }
@@ -88,15 +88,15 @@ class Orientation {
       for (std::uint32_t n = 0; n < near && pairs < kPairs; ++n) {
         if (found[n].index != i && cloud_.normal[found[n].index].known()) pairs_[k * kPairs + pairs++] = found[n].index;
       }
-      for (; pairs < kPairs; ++pairs) pairs_[k * kPairs + pairs] = kNobody;
+      for (; pairs < kPairs; ++pairs) pairs_[k * kPairs + pairs] = kNoPoint;
     }
   }
 
-  /// One thread does this, in the order of the points: which join of a class comes first decides the signs.
+  /// Runs in one thread, in the order of the points: the order of the joins of a class decides the signs.
   void join_point(std::uint32_t k, std::uint8_t current) {
     const std::uint32_t i = open_[k];
     std::uint8_t next = kNoClass;
-    for (std::uint32_t p = k * kPairs; p < (k + 1) * kPairs && pairs_[p] != kNobody; ++p) {
+    for (std::uint32_t p = k * kPairs; p < (k + 1) * kPairs && pairs_[p] != kNoPoint; ++p) {
       const std::uint32_t j = pairs_[p];
       const SidedSets::Place a = sets_.find(i);
       const SidedSets::Place b = sets_.find(j);
@@ -118,9 +118,9 @@ class Orientation {
   Arena& arena_;
   StageProgress progress_;
   SidedSets sets_;
-  std::span<std::uint32_t> open_;       ///< the points of a batch
-  std::span<std::uint32_t> pairs_;      ///< kPairs neighbours of each
-  std::span<std::uint8_t> next_class_;  ///< of each point: the surest class that may still join it to another set
+  std::span<std::uint32_t> open_;       ///< points of the batch
+  std::span<std::uint32_t> pairs_;      ///< kPairs neighbours of each point of the batch
+  std::span<std::uint8_t> next_class_;  ///< of each point: the surest class that may still join it to another sheet
 };
 
 }  // namespace

@@ -12,13 +12,14 @@ namespace {
 
 constexpr const char* kStage = "normals";
 
-constexpr double kCompletionShare = 0.7;  ///< of the time for what a scan lacks; what it has wrong takes the rest
-constexpr double kEstimateShare = 0.7;    ///< of the time; turning them takes the rest
+// Shares of the time, for progress only.
+constexpr double kCompletionShare = 0.7;  ///< estimating missing normals; turning flipped ones takes the rest
+constexpr double kEstimateShare = 0.7;    ///< of estimating: the tangent planes; orienting them takes the rest
 
 }  // namespace
 
 std::size_t normals_bytes(std::uint32_t points) {
-  return std::max(orientation_bytes(points) + (points + 7) / 8, turned_patches_bytes(points));
+  return std::max(orientation_bytes(points) + (points + 7) / 8, flipped_normals_bytes(points));
 }
 
 Expected<std::uint32_t> estimate_normals(Cloud& cloud, const KdTree3& tree, Arena& arena,
@@ -49,7 +50,7 @@ Expected<std::uint32_t> estimate_normals(Cloud& cloud, const KdTree3& tree, Aren
     }
     estimated[w] = word;
   }
-  if (estimating.stopped()) return fail(ErrorCode::kCancelled, "cancelled while normals were estimated");
+  if (estimating.stopped()) return fail(ErrorCode::kCancelled, "cancelled while estimating normals");
   if (filled > 0) PLUMBLINE_TRY(orient_normals(cloud, tree, estimated, arena, progress.part(kEstimateShare, 1)));
   return filled;
 }
@@ -65,7 +66,8 @@ Expected<NormalCounts> complete_normals(Cloud& cloud, const KdTree3& tree, Arena
     counts.estimated = *estimated;
   }
   if (static_cast<std::uint32_t>(missing) == cloud.size) return counts;
-  const auto turned = turn_patches(cloud, tree, arena, missing > 0 ? progress.part(kCompletionShare, 1) : progress);
+  const auto turned =
+      turn_flipped_normals(cloud, tree, arena, missing > 0 ? progress.part(kCompletionShare, 1) : progress);
   PLUMBLINE_TRY(turned);
   counts.turned = *turned;
   return counts;

@@ -12,25 +12,30 @@ namespace {
 
 constexpr const char* kStage = "normals";
 
-constexpr std::uint32_t kSmallestSheet = 32;  ///< points; smaller ones are turned point by point
-constexpr std::uint32_t kSheetSamples = 512;  ///< points of a sheet where the field is asked
-constexpr std::uint32_t kSizeClass = 4;  ///< sheets within this ratio of size are turned without regard to each other
+constexpr std::uint32_t kSmallestSheet = 32;  ///< points; limits the sheets' memory. Points of smaller ones turn singly
+constexpr std::uint32_t kSheetSamples = 512;  ///< most points of a sheet that evaluate the field: time against noise
+/// Sheets whose sizes differ by less than this factor are turned without regard to each other. Each class of sizes costs a
+/// rebuild of the field.
+constexpr std::uint32_t kSizeClass = 4;
 
-constexpr std::uint32_t kAreaSamples = 4096;
-constexpr float kMostRadius = 3;         ///< times the median: a share of the surface is not larger
-constexpr std::int64_t kUnit = 1 << 20;  ///< of the evidence, which is summed as whole numbers
-constexpr float kMostEvidence = 2;       ///< of one sample: a lid that fits its hole has about 1/2
+constexpr std::uint32_t kAreaSamples =
+    4096;                         ///< points for the median radius: standard error 2 % of the radii's spread
+constexpr float kMostRadius = 3;  ///< times the median: no point of a surface has a larger share of it
+/// Units of evidence, which is summed as integers so that the order of the threads does not matter.
+constexpr std::int64_t kUnit = 1 << 20;
+constexpr float kMostEvidence = 2;  ///< of one sample: a lid that fits its hole has about 1/2
 constexpr double kPi = std::numbers::pi;
 
 constexpr std::uint32_t kNoSheet = SidedSets::kIndex;
 
 std::uint32_t sheets_at_most(std::uint32_t points) { return points / kSmallestSheet; }
 
-std::int64_t whole(float value) {
+/// Evidence in units, limited.
+std::int64_t to_units(float value) {
   if (!std::isfinite(value)) return 0;
   return static_cast<std::int64_t>(std::clamp(value, -kMostEvidence, kMostEvidence) * static_cast<float>(kUnit));
 }
-/// Indices without the order of the tree in them.
+/// Hashes an index, so that samples don't follow the order of the tree (Knuth's multiplicative hash, 2^32 / golden ratio).
 std::uint32_t scattered(std::uint32_t i) { return (i * 2654435761U) >> 8U; }
 
 }  // namespace
@@ -115,7 +120,7 @@ double Sheets::area(std::uint32_t i) const {
   return kPi * radius * radius;
 }
 
-/// Turns the estimated normals of every sheet to one side, counts votes, sums area and flux.
+/// Turns the normals of each sheet to one side, counts votes, and sums area and flux.
 void Sheets::measure() {
   for (std::uint32_t i = 0; i < cloud_.size; ++i) {
     const bool turned = sets_.find(i).turned;
@@ -148,14 +153,14 @@ void Sheets::turn_normal(std::uint32_t i) {
   n.z = static_cast<std::int16_t>(-n.z);
 }
 
-/// What the normal of point i counts in the field of the sheets whose side is known.
+/// Weight of point i in the field of the oriented sheets: 1, -1, or 0 while its side is unknown.
 float Sheets::side(std::uint32_t i) const {
   if (sets_.fixed(i)) return cloud_.normal[i].known() ? 1.0F : 0.0F;
   const Sheet* sheet = sheet_of(i);
   return sheet == nullptr ? 0.0F : sheet->side;
 }
 
-/// Of every sheet, the largest first.
+/// Finds the side of every sheet, the largest first.
 void Sheets::find_sides(DipoleField& field, FirstSide rule) {
   const auto side_of = [this](std::uint32_t i) { return side(i); };
   bool any_known = false;
@@ -178,18 +183,17 @@ void Sheets::find_sides(DipoleField& field, FirstSide rule) {
     std::uint32_t last = first;
     while (last < sheets_.size() && sheets_[last].points * kSizeClass >= sheets_[first].points) ++last;
     field.build(side_of);
-    ask_field(field, first, last);
+    find_sides_by_field(field, first, last);
     first = last;
   }
-  // The largest may be a flat one that does not know its side; all together know it.
+  // The largest sheet may be flat, and its side a guess. The flux of all sheets corrects it.
   if (convex && total_flux() < 0) {
     for (Sheet& sheet : sheets_) sheet.side = -sheet.side;
   }
 }
 
-/// Sides of sheets [first, last) by the field of those whose side is known. Sums are of whole numbers, so that they do not
-/// depend on the order in which threads add.
-void Sheets::ask_field(const DipoleField& field, std::uint32_t first, std::uint32_t last) {
+/// Finds the sides of sheets [first, last) by the field of those whose side is known.
+void Sheets::find_sides_by_field(const DipoleField& field, std::uint32_t first, std::uint32_t last) {
   const auto side_of = [this](std::uint32_t i) { return side(i); };
 #pragma omp parallel for schedule(dynamic, 1024)
   for (std::uint32_t i = 0; i < cloud_.size; ++i) {
@@ -200,8 +204,8 @@ void Sheets::ask_field(const DipoleField& field, std::uint32_t first, std::uint3
     const DipoleField::Value value = field(cloud_.position[i], side_of);
     const auto size = static_cast<float>(std::sqrt(sheet->area / kPi));
     const float slope = -size * value.gradient.dot(cloud_.normal[i].unpack());
-    std::atomic_ref(sheet->winding).fetch_add(whole(value.winding), std::memory_order_relaxed);
-    std::atomic_ref(sheet->slope).fetch_add(whole(slope), std::memory_order_relaxed);
+    std::atomic_ref(sheet->winding).fetch_add(to_units(value.winding), std::memory_order_relaxed);
+    std::atomic_ref(sheet->slope).fetch_add(to_units(slope), std::memory_order_relaxed);
     std::atomic_ref(sheet->samples).fetch_add(1, std::memory_order_relaxed);
   }
   for (Sheet& sheet : sheets_.subspan(first, last - first)) {
@@ -214,7 +218,7 @@ void Sheets::ask_field(const DipoleField& field, std::uint32_t first, std::uint3
   }
 }
 
-/// Points in no sheet: strays, and crumbs at edges. They are no part of the field.
+/// Turns the points that are in no sheet: outliers, and small groups at edges. They are not part of the field.
 void Sheets::turn_loose_points(DipoleField& field) {
   const auto side_of = [this](std::uint32_t i) { return side(i); };
   field.build(side_of);
@@ -229,7 +233,7 @@ void Sheets::turn_loose_points(DipoleField& field) {
   turned_ += turned;
 }
 
-/// Of everything oriented about one place: positive if it is not inside out as a whole.
+/// Flux of all oriented points about their centroid: negative if the whole is inside out.
 double Sheets::total_flux() const {
   Vec3d centroid = Vec3d::Zero();
   double total = 0;

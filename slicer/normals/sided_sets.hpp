@@ -1,5 +1,5 @@
 #pragma once
-/// Union and find for things that have two sides.
+/// Disjoint sets of things that have two sides.
 
 #include <cstdint>
 #include <span>
@@ -9,27 +9,27 @@ namespace plumbline {
 
 /// Disjoint sets whose members know their side relative to their root. For one thread.
 ///
-/// Not built on DisjointSets, whose root is the lowest index: here the root is a member of the largest part, since a sheet
-/// faces the way its root does, and a union turns the fewest members. Side, mark and size share the parent's word.
-/// Four bytes a member:
-///   a root    kRoot, kFixed, members of its set (or what set_value() put there)
-///   another   kTurned against its parent, kFixed, parent
+/// Not built on DisjointSets, whose root is the lowest index: here the larger of two joined sets keeps its root, which a
+/// sheet's side is relative to. Side, mark and size share the parent's word, four bytes a member:
+///   root     kRoot, kFixed, number of members (or what set_value() put there)
+///   others   kTurned (relative to the parent), kFixed, parent
 class SidedSets {
  public:
   SidedSets() = default;
-  /// @param entries  one a member, at most kIndex of them, each to be start()ed
+  /// @param entries  one a member, at most kIndex members; start() each of them first
   explicit SidedSets(std::span<std::uint32_t> entries) : entries_(entries) {}
-  /// @param fixed  a mark that stays with the member, for the caller
+  /// Makes i a set of its own.
+  /// @param fixed  a mark of the member, for the caller
   void start(std::uint32_t i, bool fixed) { entries_[i] = kRoot | (fixed ? kFixed : 0U) | 1U; }
 
   struct Place {
     std::uint32_t root = 0;
-    bool turned = false;  ///< against the root
+    bool turned = false;  ///< relative to the root
   };
-  /// Shortens the way for the next time.
+  /// Finds the root of i and shortens the path to it.
   Place find(std::uint32_t i) {
     const Place place = look(i);
-    // Everyone on the way points to the root from now on.
+    // All members on the path point to the root from now on.
     bool turned = place.turned;
     while ((entries_[i] & kRoot) == 0 && (entries_[i] & kIndex) != place.root) {
       const std::uint32_t entry = entries_[i];
@@ -39,7 +39,7 @@ class SidedSets {
     }
     return place;
   }
-  /// The same without shortening: may be called by many threads.
+  /// Finds the root without shortening the path, so that many threads may call it.
   Place look(std::uint32_t i) const {
     bool turned = false;
     while ((entries_[i] & kRoot) == 0) {
@@ -48,8 +48,8 @@ class SidedSets {
     }
     return {i, turned};
   }
-  /// Makes one set of the sets of two members of which a and b were found; they are not the same set.
-  /// @param turned  the members face opposite sides
+  /// Joins two different sets, given what find() returned for a member of each.
+  /// @param turned  whether the two members face opposite sides
   void unite(Place a, Place b, bool turned) {
     if (value(a.root) < value(b.root)) std::swap(a, b);
     entries_[a.root] += value(b.root);
@@ -58,7 +58,7 @@ class SidedSets {
   }
   bool is_root(std::uint32_t i) const { return (entries_[i] & kRoot) != 0; }
   bool fixed(std::uint32_t i) const { return (entries_[i] & kFixed) != 0; }
-  /// Of a root: points of its set, or what set_value() put there.
+  /// Number of members of a root's set, or what set_value() put there.
   std::uint32_t value(std::uint32_t root) const { return entries_[root] & kIndex; }
   void set_value(std::uint32_t root, std::uint32_t v) { entries_[root] = (entries_[root] & ~kIndex) | v; }
 

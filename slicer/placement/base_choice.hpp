@@ -1,14 +1,14 @@
 #pragma once
-/// What becomes of an underside that the scan has not seen.
+/// How to close an underside that the scan did not see.
 
 #include <cstdint>
 
 namespace plumbline {
 
 enum class BaseChoice : std::uint8_t {
-  kAuto,  ///< closed flat at the base plane where the surface is open there
-  kNone,  ///< no base plane: what is open is closed as any other hole, by the winding number
-  kFlat,  ///< stands on the base plane whether the surface looks open there or not; nothing is printed below it
+  kAuto,  ///< flat, at the base plane, where the surface is open there
+  kNone,  ///< no base plane: the winding number closes the underside like any other hole
+  kFlat,  ///< flat, at the base plane, even where the surface looks closed; nothing is printed below it
 };
 
 /// "auto", "none", "flat".

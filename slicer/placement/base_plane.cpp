@@ -9,18 +9,19 @@
 namespace plumbline {
 namespace {
 
-/// As many of the lowest points may be strays.
-constexpr std::size_t kStrays = 12;
+/// Points: so many of the lowest may be outliers. More would cut the tip of a sparse scan, fewer let outliers move the plane.
+constexpr std::size_t kOutliers = 12;
 
-constexpr std::size_t kBinsALayer = 5;
-constexpr std::size_t kBins = 24 * kBinsALayer;       ///< from a layer below the lowest point but the strays
-constexpr std::size_t kWallsFrom = 12 * kBinsALayer;  ///< above the rise, whatever its noise and the strays below it
-/// From a tenth to the half of the full density: a rim that noise has blurred rises within this many bins, a tip takes longer.
+constexpr std::size_t kBinsALayer = 5;  ///< resolution of the plane's height: errors far below a layer don't show
+constexpr std::size_t kBins = 24 * kBinsALayer;       ///< of the histogram, from a layer below the lowest point
+constexpr std::size_t kWallsFrom = 12 * kBinsALayer;  ///< first bin of the walls: above any rise that noise has blurred
+/// Bins in which the density rises from a tenth to half of the walls': a rim blurred by noise takes fewer, a tip more.
 constexpr std::size_t kSharpRise = 2 * kBinsALayer;
-constexpr std::uint64_t kFewest = 200;  ///< points of the walls, to tell a rise from chance
+constexpr std::uint64_t kFewest = 200;  ///< points in the walls' bins; of fewer, a rise may be chance
 
-float lowest_but_strays(std::span<const Vec3f> points) {
-  std::array<float, kStrays + 1> lowest{};  // a heap, the highest first
+/// Height of the lowest point after the kOutliers lowest.
+float lowest_without_outliers(std::span<const Vec3f> points) {
+  std::array<float, kOutliers + 1> lowest{};  // a heap, the highest first
   std::size_t count = 0;
   for (const Vec3f& p : points) {
     if (count == lowest.size() && p[2] >= lowest[0]) continue;
@@ -35,7 +36,7 @@ float lowest_but_strays(std::span<const Vec3f> points) {
 
 float base_plane(std::span<const Vec3f> points, float resolution) {
   assert(!points.empty() && resolution > 0);
-  const float lowest = lowest_but_strays(points);
+  const float lowest = lowest_without_outliers(points);
   const float bin = resolution / kBinsALayer;
   const float start = lowest - resolution;
   std::array<std::uint32_t, kBins> counts{};
@@ -47,20 +48,20 @@ float base_plane(std::span<const Vec3f> points, float resolution) {
   for (std::size_t i = kWallsFrom; i < kBins; ++i) walls += counts[i];
   if (walls < kFewest) return lowest;
 
-  // A layer's sum at a time, compared with that of the walls.
+  // Compares the density of each layer, a window of kBinsALayer bins, with that of the walls.
   constexpr std::uint64_t kWallBins = kBins - kWallsFrom;
-  const auto reached = [&](std::uint64_t share_in, std::uint64_t sum) {
-    return sum * kWallBins * share_in >= walls * kBinsALayer;
+  const auto reaches_share = [&](std::uint64_t divisor, std::uint64_t sum) {
+    return sum * kWallBins * divisor >= walls * kBinsALayer;
   };
   std::size_t tenth = kBins;
   std::uint64_t sum = 0;
   for (std::size_t end = 0; end < kWallsFrom; ++end) {
     sum += counts[end];
     if (end >= kBinsALayer) sum -= counts[end - kBinsALayer];
-    if (tenth == kBins && reached(10, sum)) tenth = end;
-    if (!reached(2, sum)) continue;
+    if (tenth == kBins && reaches_share(10, sum)) tenth = end;
+    if (!reaches_share(2, sum)) continue;
     if (end - tenth > kSharpRise) break;
-    // The middle of the bins that were summed.
+    // The middle of the window.
     return std::max(lowest, start + (static_cast<float>(end) + 1 - 0.5F * kBinsALayer) * bin);
   }
   return lowest;

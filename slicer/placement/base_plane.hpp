@@ -1,5 +1,5 @@
 #pragma once
-/// Where an object stood while it was scanned.
+/// Finds the plane on which an object stood while it was scanned.
 
 #include <span>
 
@@ -7,15 +7,15 @@
 
 namespace plumbline {
 
-/// Height of the plane that an object stood on, from the points of its walls.
+/// Height of the base plane, from the points of the object's walls.
 ///
-/// Walls end at that plane, and noise blurs where: a point in two lies below the place at which the density of points over height
-/// has risen to half of what it is above. Where it rises slowly the object has a tip and no rim, and the plane touches the tip.
-/// A dozen strays below count for nothing either way.
+/// Walls end at the base plane, but noise blurs their ends. The plane lies where the density of points over height rises to
+/// half of its value in the walls. If it rises slowly, the object has a tip instead of a rim, and the plane touches the tip.
+/// Up to a dozen outliers below are ignored in either case.
 ///
 /// @param points      print coordinates, mm; at least one
-/// @param resolution  mm, above 0: the layer height. The rise is looked for at a fifth of it
-/// @returns mm, not below the lowest point
+/// @param resolution  mm, above 0: the layer height. The height is found to a fifth of it
+/// @returns mm, not below the lowest point that is no outlier
 [[nodiscard]] float base_plane(std::span<const Vec3f> points, float resolution);
 
 }  // namespace plumbline

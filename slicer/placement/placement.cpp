@@ -9,12 +9,12 @@
 namespace plumbline {
 namespace {
 
-constexpr std::uint32_t kMargin = 3;  ///< black pixels round an object in a grid of its own
+constexpr std::uint32_t kMargin = 3;  ///< pixels round an object in a grid of its own; opening and closing reach one
 
-constexpr double kClear = 0.9998;     ///< of a scale that just fits: clear of the last rounding
-constexpr double kWholeLayer = 1e-3;  ///< layers by which a travel may miss a whole number of them by rounding
+constexpr double kClear = 0.9998;     ///< of the largest scale: keeps the object inside despite rounding
+constexpr double kWholeLayer = 1e-3;  ///< layers: a travel this much short of a whole layer is short by rounding only
 
-/// The largest number of four digits that is not above `x`, so that a scale we name can be typed as we print it.
+/// The largest number of four digits not above `x`: a scale that we suggest still fits when typed as printed.
 double rounded_down(double x) {
   if (!(x > 0)) return 0;
   double unit = 1;
@@ -104,7 +104,7 @@ Expected<Placement> place(const Box3d& bounds, double unit_mm, const PlacementSe
     p.grid.columns = v.columns;
     p.grid.rows = v.rows;
     const double lh = settings.layer_height_mm;
-    // A pixel of margin each side, so that the outline is inside of the panel after rounding.
+    // A margin of one pixel on each side keeps the outline on the panel after rounding.
     const Vec3d room(
         static_cast<double>(v.columns - 2) * static_cast<double>(v.pitch_x_mm),
         static_cast<double>(v.rows - 2) * static_cast<double>(v.pitch_y_mm),
@@ -123,8 +123,8 @@ Expected<Placement> place(const Box3d& bounds, double unit_mm, const PlacementSe
       }
       return fail(
           ErrorCode::kDoesNotFit,
-          "the object is %.2f mm %s, the printer takes %.2f mm: %.2f mm too much. Use --scale %.4g or less, --fit, "
-          "or rotate it",
+          "the object is %.2f mm %s, but the printer has room for %.2f mm: %.2f mm too much. Use --scale %.4g or less, "
+          "--fit, or rotate it",
           extent[worst] * factor, kAxis[static_cast<std::size_t>(worst)], room[worst],
           extent[worst] * factor - room[worst], rounded_down(largest * kClear));
     }
@@ -139,13 +139,13 @@ Expected<Placement> place(const Box3d& bounds, double unit_mm, const PlacementSe
   const double pitch = settings.pixel_pitch_mm;
   p.size_mm = extent * factor;
   p.scale = unit_mm * factor;
-  // The grid's planes are those of the scan's own frame, whole pitches from its zero: how far a stray sticks out then does
-  // not decide where a flat underside falls between two sampling heights.
+  // The grid's planes are whole pitches from the scan's own zero. Otherwise the farthest outlier would decide where a flat
+  // underside falls between two sampling heights.
   const Vec3d step(pitch, pitch, settings.layer_height_mm);
   const Vec3d low = (bounds.low * p.scale).cwiseQuotient(step).array().floor().matrix().cwiseProduct(step);
   const Vec3d reach = bounds.high * p.scale - low;
   p.grid.pitch_x_mm = p.grid.pitch_y_mm = settings.pixel_pitch_mm;
-  // Whole bytes a row, as the panels of printers have them: the PNG encoder then takes a mask as it is.
+  // Rows of whole bytes, as printers' panels have: the PNG encoder can then use a mask unchanged.
   p.grid.columns = (cells(reach[0], pitch) + 2 * kMargin + 7) / 8 * 8;
   p.grid.rows = cells(reach[1], pitch) + 2 * kMargin;
   p.grid.layers = cells(reach[2], settings.layer_height_mm);
@@ -153,14 +153,13 @@ Expected<Placement> place(const Box3d& bounds, double unit_mm, const PlacementSe
       p.grid.layers > PrintGrid::kMaxLayers) {
     const double most = std::min({(PrintGrid::kMaxSide - 2.0 * kMargin) * pitch / std::max(extent[0], extent[1]),
                                   PrintGrid::kMaxLayers * static_cast<double>(settings.layer_height_mm) / extent[2]});
-    return fail(
-        ErrorCode::kDoesNotFit,
-        "the object is %.5g x %.5g x %.5g mm, which is %u x %u pixels of %.4g mm and %u layers of %.4g mm; at most "
-        "%u x %u pixels and %u layers are possible. Use --scale %.4g or less, a coarser --pixel-pitch, or check "
-        "--units",
-        p.size_mm[0], p.size_mm[1], p.size_mm[2], p.grid.columns, p.grid.rows, pitch, p.grid.layers,
-        static_cast<double>(settings.layer_height_mm), PrintGrid::kMaxSide, PrintGrid::kMaxSide, PrintGrid::kMaxLayers,
-        rounded_down(most * kClear));
+    return fail(ErrorCode::kDoesNotFit,
+                "the object is %.5g x %.5g x %.5g mm, which is %u x %u pixels of %.4g mm and %u layers of %.4g mm; the "
+                "limit is "
+                "%u x %u pixels and %u layers. Use --scale %.4g or less, a coarser --pixel-pitch, or check --units",
+                p.size_mm[0], p.size_mm[1], p.size_mm[2], p.grid.columns, p.grid.rows, pitch, p.grid.layers,
+                static_cast<double>(settings.layer_height_mm), PrintGrid::kMaxSide, PrintGrid::kMaxSide,
+                PrintGrid::kMaxLayers, rounded_down(most * kClear));
   }
   p.shift = Vec3d(kMargin * pitch, kMargin * pitch, 0) - low;
   return p;

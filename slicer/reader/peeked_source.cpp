@@ -8,12 +8,12 @@
 namespace plumbline {
 namespace {
 
-/// Stops the reader as soon as it knows the head.
+/// Stops the reader as soon as it has read the header.
 class HeadSink final : public PointSink {
  public:
   Status begin(const ScanHeader& header) override {
     header_ = header;
-    return fail(ErrorCode::kCancelled, "the head has been read");
+    return fail(ErrorCode::kCancelled, "the header has been read");
   }
   Status take(std::span<const ScanPoint> /*points*/) override { return {}; }
   bool progress(double /*fraction*/) override { return true; }
@@ -34,7 +34,7 @@ Expected<std::optional<ScanHeader>> PeekedSource::peek(std::span<std::byte> work
   }
   HeadSink sink;
   peeking_ = true;
-  // Ends with an error either way: by the sink, or because the kept bytes are not the whole scan.
+  // Always ends with an error: the sink's, or one because the kept bytes are not a whole scan.
   static_cast<void>(read_scan(*this, sink, workspace));
   peeking_ = false;
   at_ = 0;

@@ -1,5 +1,5 @@
 #pragma once
-/// The head of a stream, looked at before its turn comes.
+/// Reads the header of a stream ahead of its turn.
 
 #include <cstddef>
 #include <optional>
@@ -10,20 +10,21 @@
 
 namespace plumbline {
 
-/// Keeps the first bytes of a stream, which may be read once as a stream of their own before all of it is read.
+/// Keeps the first bytes of a stream, so that its header can be read before the stream itself is.
 class PeekedSource final : public ByteSource {
  public:
-  /// The head of nearly every scan, and the first rows of those that have none.
+  /// Bytes kept of each waiting file: nearly every header, and the first rows of files without one. Where a header is
+  /// longer, memory is planned by the file's size.
   static constexpr std::size_t kBytes = 4096;
 
   /// @param source  outlives this
-  /// @param room    kBytes
+  /// @param room    kBytes bytes
   PeekedSource(ByteSource& source, std::span<std::byte> room) : source_(source), room_(room) {}
 
-  /// What the head says, as far as the kept bytes tell; nothing where they end too soon or are no scan, which will be told
-  /// when the stream is read.
-  /// @param workspace  as for read_scan(), free again when it returns
-  /// @retval ErrorCode::kCannotRead  of the stream
+  /// Reads the header from the first kBytes bytes. A damaged header is no error here: read_scan() reports it.
+  /// @param workspace  as for read_scan(); free again when this returns
+  /// @returns the header; nothing if it is longer than kBytes or not that of a scan
+  /// @retval ErrorCode::kCannotRead  the source failed
   [[nodiscard]] Expected<std::optional<ScanHeader>> peek(std::span<std::byte> workspace);
 
   [[nodiscard]] Expected<std::size_t> read(std::span<std::byte> buffer) override;
@@ -35,7 +36,7 @@ class PeekedSource final : public ByteSource {
   std::span<std::byte> room_;
   std::size_t kept_ = 0;
   std::size_t at_ = 0;
-  bool peeking_ = false;  ///< what is kept is the whole stream
+  bool peeking_ = false;  ///< the kept bytes stand for the whole stream
 };
 
 }  // namespace plumbline

@@ -7,7 +7,8 @@
 namespace plumbline {
 namespace {
 
-/// The longest row of a text, and the longest line of a header, that is read as a whole.
+/// Bytes: the longest row of a text file, and the longest line of a header. Rows of scans are far shorter, so a larger
+/// window would only cost memory.
 constexpr std::size_t kWindow = std::size_t{64} * 1024;
 
 Status read_as(ScanFormat format, ByteInput& input, PointBatch& batch, Arena& memory, Arena* lent) {
@@ -40,8 +41,8 @@ Expected<ScanSummary> read_scan(ByteSource& source, PointSink& sink, std::span<s
   summary.bytes = input.bytes_read();
   if (summary.points == 0) {
     return input.fail(ErrorCode::kNoPoints,
-                      "no usable point: %llu were found, and all of them dropped because a coordinate was not finite; "
-                      "export the scan again",
+                      "no usable point: all of its %llu points have a coordinate that is not finite; export the scan "
+                      "again",
                       static_cast<unsigned long long>(summary.not_finite));
   }
   return summary;

@@ -1,5 +1,5 @@
 #pragma once
-/// Any scan format that plumbline reads, as a stream, in fixed memory.
+/// Reads any supported scan format as a stream, in fixed memory.
 
 #include <cstddef>
 #include <span>
@@ -10,18 +10,19 @@
 
 namespace plumbline {
 
-/// Bytes of work space that read_scan() needs for any file but a large PCD with compressed columns.
+/// Bytes of workspace that read_scan() needs for any file but a large compressed PCD: the 64 KiB window, 1024 points, the
+/// largest header, and compressed columns of some 45,000 points.
 inline constexpr std::size_t kReaderWorkspace = std::size_t{512} * 1024;
 
-/// Reads a scan from start to end and hands its points to `sink`.
+/// Reads a scan from start to end and passes its points to `sink`.
 ///
-/// The format is told by the first bytes; XYZ, which has no mark, also by the name's ending (.xyz .txt .pts .asc).
+/// The first bytes decide the format. XYZ has no signature, so the name's ending (.xyz .txt .pts .asc .csv) counts too.
 /// @param workspace  at least kReaderWorkspace bytes, uninitialised
-/// @param lent       may be null; what its bottom has free when the points begin may be used until the end, for the columns
-///                   of a compressed PCD: ScanHeader::reader_bytes. The caller releases it
-/// @returns what was read; at least one point
-/// @retval ErrorCode::kUnknownFormat, kMalformed, kTruncated, kUnsupported, kNoPoints  with source.name(), byte or line,
-///         what was expected and what was found
+/// @param lent       may be null. The columns of a compressed PCD (ScanHeader::reader_bytes) are kept at its bottom. The
+///                   caller releases them
+/// @returns what was read: at least one point
+/// @retval ErrorCode::kUnknownFormat, kMalformed, kTruncated, kUnsupported, kNoPoints  the message gives source.name(),
+///         byte or line, what was expected and what was found
 /// @retval any error of the source or the sink
 [[nodiscard]] Expected<ScanSummary> read_scan(ByteSource& source, PointSink& sink, std::span<std::byte> workspace,
                                               Arena* lent = nullptr);

@@ -8,7 +8,7 @@ namespace plumbline {
 ScanTitle title_of(ScanSources sources) {
   ScanTitle title;
   const std::string_view first = sources.front()->name();
-  // Room for the rest of the sentence.
+  // Leaves room for " and 31 more".
   const auto length = static_cast<int>(std::min<std::size_t>(first.size(), title.text.size() - 24));
   if (sources.size() == 1) {
     std::snprintf(title.text.data(), title.text.size(), "%.*s", length, first.data());

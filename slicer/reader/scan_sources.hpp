@@ -1,5 +1,5 @@
 #pragma once
-/// The files of one job: parts of one scan in one frame, read one after the other.
+/// The files of one job: parts of one scan in a common frame, read one after another.
 
 #include <array>
 #include <cstddef>
@@ -11,19 +11,19 @@
 
 namespace plumbline {
 
-/// 1 to kMostScans streams, in the order in which they are read. The order counts: where points are thinned, the first of a
-/// cell gives it its place.
+/// 1 to kMostScans streams, in the order in which they are read. Thinning depends on the order: the first point of a cell
+/// fixes the cell's place in the cloud.
 using ScanSources = std::span<ByteSource* const>;
-inline constexpr std::size_t kMostScans = 32;
+inline constexpr std::size_t kMostScans = 32;  ///< files; each costs 4 KiB of arena for its header
 
-/// What a message calls them: "bust.ply", or "bust.ply and 2 more".
+/// Names the files in a message: "bust.ply", or "bust.ply and 2 more".
 struct ScanTitle {
   std::array<char, 128> text = {};
   const char* c_str() const { return text.data(); }
 };
 ScanTitle title_of(ScanSources sources);
 
-/// What was read of each file, in their order.
+/// What was read from each file, in order.
 struct ScanSummaries {
   std::array<ScanSummary, kMostScans> each = {};
   std::size_t count = 0;
@@ -32,8 +32,8 @@ struct ScanSummaries {
   std::span<const ScanSummary> all() const { return std::span(each).first(count); }
 };
 
-/// All files as if they were one: the head of the first, the sums of all. Where some have normals and others none, the
-/// points of those count as points without one.
+/// The files as one: the header of the first, the sums of all. If only some files have normals, the points of the others
+/// count as points without a normal.
 ScanSummary sum_of(const ScanSummaries& summaries);
 
 }  // namespace plumbline

@@ -21,7 +21,7 @@ constexpr const char* kUnpack = "unpack it and give the scan inside";
 constexpr const char* kConvert = "convert it to PLY with the program that wrote it or with CloudCompare";
 constexpr const char* kMesh = "it is a mesh or a model, not a scan: export the scan's points as PLY";
 
-/// What people have on their sticks beside scans.
+/// Other files that people have on their sticks.
 constexpr Mark kMarks[] = {
     {"\x1f\x8b"sv, "a gzip archive", kUnpack},
     {"PK\x03\x04"sv, "a zip archive (or 3MF)", kUnpack},
@@ -75,7 +75,7 @@ class Probe {
   }
 
  private:
-  /// UTF-16 and UTF-32 with their byte order mark, or, without one, ASCII in every second byte.
+  /// Refuses UTF-16 and UTF-32: a byte order mark or, without one, ASCII in every second byte.
   Status refuse_wide_text() const {
     const auto refuse = [&](const char* what) {
       return input_.fail(ErrorCode::kUnsupported, "byte 0: the text is in %s; save it as UTF-8 or ASCII", what);
@@ -111,7 +111,7 @@ class Probe {
     return {};
   }
 
-  /// Binary STL has no mark: 80 bytes of anything, the number of triangles, 50 bytes for each.
+  /// Binary STL has no signature: 80 arbitrary bytes, the number of triangles, 50 bytes for each.
   bool is_stl() const {
     if (has_ending(input_.name(), ".stl")) return true;
     if (window_.starts_with("solid") &&
@@ -127,7 +127,7 @@ class Probe {
     return triangles > 0 && *input_.size() == kHead + 50 * triangles;
   }
 
-  /// The first line that is neither empty nor a comment; empty where the window holds none.
+  /// The first line that is neither empty nor a comment; empty if the window holds none.
   std::string_view first_line() const {
     std::string_view rest = window_;
     while (!rest.empty()) {

@@ -22,9 +22,10 @@ Expected<std::span<const char>> LzfStream::next() {
 
 Status LzfStream::need(std::size_t bytes) {
   if (compressed_left_ < bytes) {
-    return input_.fail(ErrorCode::kMalformed,
-                       "byte %llu: the compressed block ends in the middle of a step; save the file again",
-                       static_cast<unsigned long long>(input_.offset()));
+    return input_.fail(
+        ErrorCode::kMalformed,
+        "byte %llu: the compressed block ends in the middle of a step: it is damaged. Save the file again",
+        static_cast<unsigned long long>(input_.offset()));
   }
   const auto ready = input_.fill(bytes);
   PLUMBLINE_TRY(ready);
@@ -60,7 +61,7 @@ Status LzfStream::reference(unsigned control) {
   }
   input_.consume(extra);
   compressed_left_ -= extra;
-  // Byte by byte: source and target may overlap, which repeats the bytes between them.
+  // Byte by byte: where source and target overlap, the bytes between them repeat.
   char* to = window_.data() + end_;
   const char* from = to - distance;
   for (std::size_t i = 0; i < length; ++i) to[i] = from[i];

@@ -8,15 +8,15 @@
 namespace plumbline {
 namespace {
 
-/// Bytes of a vertex line that is continued on the next one, put together.
+/// Bytes: the longest vertex that is continued over several lines. Six numbers take some 150.
 constexpr std::size_t kLongestJoined = 4096;
 
-/// Decides which normal is whose.
+/// Assigns normals to vertices.
 ///
-/// In OBJ a face ties normals to vertices by index. A stream can't wait for the faces, and a point cloud has none, so a
-/// normal is taken only where the file goes "vn v vn v" or "v vn v vn", as programs write point clouds: the first two
-/// such lines decide which. In a block of `v` and a block of `vn`, which meshes have, the points stay without normals.
-/// Where the pattern breaks further down, the points without exactly one `vn` beside them get none.
+/// In OBJ, faces link normals to vertices by index. A stream can't wait for the faces, and a point cloud has none. So
+/// normals are used only if the file alternates "vn v vn v" or "v vn v vn", as programs write point clouds; its first two
+/// such lines decide which. Meshes have a block of `v` and a block of `vn`: their points stay without normals. Where the
+/// pattern breaks later, a point without exactly one `vn` beside it gets none.
 class NormalPairing {
  public:
   explicit NormalPairing(PointBatch& batch) : batch_(batch) {}
@@ -75,8 +75,8 @@ class NormalPairing {
   PointBatch& batch_;
   Order order_ = Order::kUnknown;
   SlotValues point_ = {};
-  bool held_ = false;  ///< point_ has a position that is not delivered yet
-  int normals_ = 0;    ///< seen for point_: 0, 1, or 2 for more
+  bool held_ = false;  ///< point_ has a position that was not delivered yet
+  int normals_ = 0;    ///< found for point_: 0, 1, or 2 if more
 };
 
 bool is_continued(std::string_view text) { return !text.empty() && text.back() == '\\'; }
@@ -107,14 +107,14 @@ class ObjReader {
         if (outcome.kind != RowOutcome::Kind::kWhole) return fail_row(lines_, line_, outcome);
         PLUMBLINE_TRY(is_vertex ? pairing_.vertex(row) : pairing_.normal(row));
       } else if (keyword.empty() || keyword.front() != '#') {
-        // A comment is not continued: "# C:\scans\" would swallow the vertex behind it.
+        // Comments are not continued: "# C:\scans\" would swallow the vertex on the next line.
         PLUMBLINE_TRY(skip_continuation());
       }
     }
   }
 
  private:
-  /// Puts a continued line together in `joined_`.
+  /// Joins a continued line in `joined_`.
   Status join() {
     std::size_t used = 0;
     for (;;) {
@@ -141,7 +141,7 @@ class ObjReader {
     }
   }
 
-  /// Goes past the lines that continue the one just read, whatever their length.
+  /// Skips the lines that continue the current one, whatever their length.
   Status skip_continuation() {
     for (;;) {
       bool continued = is_continued(line_.text) && !line_.cut;

@@ -12,8 +12,8 @@
 namespace plumbline {
 namespace {
 
-/// The block holds all the values of the first field, then all of the second, and so on. The wanted columns are kept as
-/// they are in the file; the last of them is not, because with each of its values a point is complete.
+/// The block holds all values of the first field, then all of the second, and so on. The wanted columns are kept as they
+/// are in the file. The last of them need not be kept: each of its values completes a point.
 class ColumnReader {
  public:
   ColumnReader(ByteInput& input, const PcdHeader& header, PointBatch& batch, LzfStream& block)
@@ -44,15 +44,15 @@ class ColumnReader {
         return input_.fail(
             ErrorCode::kTruncated,
             "the file ends at byte %llu, in its compressed block, after %llu of the %llu points that its "
-            "header promises; copy or save it again",
+            "header declares; copy or save it again",
             static_cast<unsigned long long>(input_.bytes_read()), static_cast<unsigned long long>(complete_),
             static_cast<unsigned long long>(header_.points));
       }
       PLUMBLINE_TRY(next);
       if (next->empty()) {
         return input_.fail(ErrorCode::kMalformed,
-                           "byte %llu: the compressed block holds fewer bytes than the %llu points promised take; save "
-                           "the file again",
+                           "byte %llu: the compressed block is too short for the %llu points that the header declares; "
+                           "save the file again",
                            static_cast<unsigned long long>(input_.offset()),
                            static_cast<unsigned long long>(header_.points));
       }
@@ -104,7 +104,7 @@ class ColumnReader {
   PointBatch& batch_;
   LzfStream& block_;
   std::array<std::span<char>, kSlots> kept_;
-  std::span<const char> piece_;  ///< decoded, not used yet
+  std::span<const char> piece_;  ///< decompressed, not used yet
   std::uint64_t complete_ = 0;   ///< points
 };
 
@@ -148,7 +148,7 @@ Status read_pcd_compressed(ByteInput& input, const PcdHeader& header, PointBatch
   if (sizes[1] != expected) {
     return input.fail(
         ErrorCode::kMalformed,
-        "byte %llu: the compressed block must hold %llu bytes (%llu points of %llu), it says %llu; save the "
+        "byte %llu: expected a compressed block of %llu bytes (%llu points of %llu), found one of %llu; save the "
         "file again",
         static_cast<unsigned long long>(input.offset() + sizeof(std::uint32_t)),
         static_cast<unsigned long long>(expected), static_cast<unsigned long long>(header.points),
@@ -162,8 +162,8 @@ Status read_pcd_compressed(ByteInput& input, const PcdHeader& header, PointBatch
   if (need > memory.available()) {
     return input.fail(
         ErrorCode::kUnsupported,
-        "binary_compressed holds all x before all y, and keeping %llu points meanwhile takes %llu bytes of "
-        "work space, of which %zu are free; save it as binary",
+        "binary_compressed stores its columns one after another; keeping those of %llu points takes %llu bytes, "
+        "but %zu are free. Save the file as binary",
         static_cast<unsigned long long>(header.points), static_cast<unsigned long long>(need), memory.available());
   }
   const auto window = memory.take_bottom<char>(LzfStream::kWindow, "reading PCD");

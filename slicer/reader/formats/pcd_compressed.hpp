@@ -1,5 +1,5 @@
 #pragma once
-/// The points of a PCD file with DATA binary_compressed.
+/// Reads the points of a PCD file with DATA binary_compressed.
 
 #include "slicer/core/arena.hpp"
 #include "slicer/reader/formats/pcd_header.hpp"
@@ -8,10 +8,10 @@
 
 namespace plumbline {
 
-/// Bytes that read_pcd_compressed() takes of its memory, saturated; 0 where the file is not compressed.
+/// Bytes that read_pcd_compressed() takes from `memory`, saturated; 0 if the file is not compressed.
 std::uint64_t compressed_columns_bytes(const PcdHeader& header);
 
-/// See read_pcd() for what it needs and refuses.
+/// Reads the points; see read_pcd() for memory and errors.
 [[nodiscard]] Status read_pcd_compressed(ByteInput& input, const PcdHeader& header, PointBatch& batch, Arena& memory);
 
 }  // namespace plumbline

@@ -9,7 +9,7 @@
 namespace plumbline {
 namespace {
 
-/// Far above what any scanner writes; a file beyond it is hostile.
+/// Far above what any scanner writes; more only come from an attack or a damaged file.
 constexpr std::size_t kMaxFields = 1024;
 
 std::optional<ScalarType> type_of(char kind, std::uint32_t size) {
@@ -40,7 +40,7 @@ class HeaderParser {
       PLUMBLINE_TRY(found);
       if (!*found) {
         return lines_.input().fail(ErrorCode::kTruncated,
-                                   "the file ends behind line %llu, before 'DATA'; copy or export it again", number());
+                                   "the file ends after line %llu, before 'DATA'; copy or export it again", number());
       }
       Words words(line.text);
       const auto keyword = words.next();
@@ -73,7 +73,7 @@ class HeaderParser {
     if (keyword == "WIDTH") return parse_number(words.next(), width_);
     if (keyword == "HEIGHT") return parse_number(words.next(), height_);
     if (keyword == "POINTS") return parse_number(words.next(), points_);
-    if (keyword == "VIEWPOINT") return {};  // where the scanner stood: the points are not relative to it
+    if (keyword == "VIEWPOINT") return {};  // the scanner's pose; points are not relative to it
     return expected("a line of a PCD header", keyword);
   }
 
@@ -82,7 +82,7 @@ class HeaderParser {
       if (word == known) return {};
     }
     return lines_.input().fail(ErrorCode::kUnsupported,
-                               "line %llu: PCD versions 0.5 to 0.7 can be read, this is '%s'; save it as 0.7", number(),
+                               "line %llu: PCD version '%s' is not supported; save the file as 0.5 to 0.7", number(),
                                Quote(word).c_str());
   }
 
@@ -91,7 +91,7 @@ class HeaderParser {
     for (auto name = words.next(); !name.empty(); name = words.next()) {
       if (used_ == room_.size()) {
         return lines_.input().fail(ErrorCode::kUnsupported,
-                                   "line %llu: more than %zu fields; save the file with x, y and z alone", number(),
+                                   "line %llu: more than %zu fields; save the file with only x, y and z", number(),
                                    room_.size());
       }
       room_[used_++] = {.slot = static_cast<std::uint8_t>(slot_of(name))};
@@ -155,10 +155,10 @@ class HeaderParser {
       if (field.slot >= kNx && !whole_normal) field.slot = kSlots;
       if (field.slot < kSlots) {
         const auto type = type_of(field.kind, field.size);
-        if (!type) return expected("SIZE and TYPE of a coordinate to be a number's", "another combination");
+        if (!type) return expected("a number's SIZE and TYPE for a coordinate", "another combination");
         if (field.count != 1) return expected("COUNT 1 for a coordinate", "another one");
         field.type = *type;
-        if (layout_.has(field.slot)) field.slot = kSlots;  // of two fields with one name the first counts
+        if (layout_.has(field.slot)) field.slot = kSlots;  // if two fields have the same name, the first counts
       }
       const bool fits = field.slot < kSlots ? layout_.add_field(field.type, field.slot)
                                             : layout_.add_skip(field.bytes(), field.count);
@@ -166,8 +166,7 @@ class HeaderParser {
     }
     if (!layout_.has_position()) {
       return lines_.input().fail(ErrorCode::kNoPoints,
-                                 "line %llu: there is no field '%s' among the FIELDS; save the file with x, y and z",
-                                 number(),
+                                 "line %llu: the FIELDS have no '%s'; save the file with x, y and z", number(),
                                  !layout_.has(kX)   ? "x"
                                  : !layout_.has(kY) ? "y"
                                                     : "z");
@@ -177,7 +176,7 @@ class HeaderParser {
     return header_;
   }
 
-  /// WIDTH times HEIGHT and POINTS say the same twice; versions before 0.7 may leave either out.
+  /// WIDTH times HEIGHT must equal POINTS. Versions before 0.7 may leave out either.
   Status count_points() {
     if (!width_ && !points_) return expected("a line 'WIDTH' or 'POINTS' before the data", "neither");
     const auto area = width_ ? saturating_multiply(*width_, height_.value_or(1)) : *points_;
@@ -185,7 +184,7 @@ class HeaderParser {
     if (header_.points != area) {
       return lines_.input().fail(
           ErrorCode::kMalformed,
-          "the header promises %llu points, but WIDTH times HEIGHT is %llu; export the file again",
+          "the header declares %llu points, but WIDTH times HEIGHT is %llu; export the file again",
           static_cast<unsigned long long>(header_.points), static_cast<unsigned long long>(area));
     }
     if (header_.points == 0) {
@@ -209,7 +208,7 @@ class HeaderParser {
 Expected<PcdHeader> read_pcd_header(LineInput& lines, Arena& memory) {
   const auto fields = memory.take_bottom<PcdField>(kMaxFields, "reading PCD");
   PLUMBLINE_TRY(fields);
-  // Six wanted fields at most, and a skip before, between and behind them.
+  // At most six wanted fields, with a skip before, between and after them.
   const auto steps = memory.take_bottom<RecordStep>(2 * kSlots + 1, "reading PCD");
   PLUMBLINE_TRY(steps);
   return HeaderParser(lines, *fields, *steps).parse();

@@ -1,5 +1,5 @@
 #pragma once
-/// The head of a PCD file.
+/// The header of a PCD file.
 
 #include <cstdint>
 #include <span>
@@ -14,7 +14,7 @@ struct PcdField {
   std::uint64_t count = 1;               ///< values a point
   std::uint32_t size = 4;                ///< bytes a value
   char kind = 'F';                       ///< I, U or F
-  std::uint8_t slot = kSlots;            ///< kSlots for what is not wanted
+  std::uint8_t slot = kSlots;            ///< kSlots if not wanted
   ScalarType type = ScalarType::kFloat;  ///< of a wanted field
 
   std::uint64_t bytes() const { return count * size; }  ///< a point; can't overflow, see read_pcd_header()
@@ -29,10 +29,10 @@ struct PcdHeader {
   RecordLayout layout;               ///< of one point
 };
 
-/// Reads up to and with the line `DATA`.
-/// @param memory  for the fields
+/// Reads up to and including the line `DATA`.
+/// @param memory  holds the fields
 /// @retval ErrorCode::kMalformed, kTruncated, kUnsupported
-/// @retval ErrorCode::kNoPoints  no points, or none with x, y and z
+/// @retval ErrorCode::kNoPoints  it declares no points, or no x, y and z
 [[nodiscard]] Expected<PcdHeader> read_pcd_header(LineInput& lines, Arena& memory);
 
 }  // namespace plumbline

@@ -6,7 +6,7 @@
 namespace plumbline {
 namespace {
 
-/// Far above what any scanner writes; a file beyond it is hostile.
+/// Far above what any scanner writes; more only come from an attack or a damaged file.
 constexpr std::size_t kMaxSteps = 1024;
 constexpr std::size_t kMaxElementsBefore = 64;
 
@@ -40,7 +40,7 @@ class HeaderParser {
       PLUMBLINE_TRY(found);
       if (!*found) {
         return lines_.input().fail(ErrorCode::kTruncated,
-                                   "the file ends behind line %llu, before 'end_header'; copy or export it again",
+                                   "the file ends after line %llu, before 'end_header'; copy or export it again",
                                    number());
       }
       Words words(line.text);
@@ -61,13 +61,14 @@ class HeaderParser {
       } else if (place_ != Place::kStart) {
         return expected("'element', 'property', 'comment' or 'end_header'", keyword);
       }
-      // Before the first element an unknown line is a comment whose keyword was forgotten (Blender once did): it can't
-      // shift any column. Behind it, it could.
+      // Before the first element, an unknown line is a comment without its keyword (Blender once wrote such): it can't
+      // shift a column. After the first element it could.
     }
   }
 
  private:
-  enum class Place : std::uint8_t { kStart, kBefore, kVertex, kBehind };
+  /// The element whose properties are being read: none yet, one before the vertices, the vertices, one after them.
+  enum class Place : std::uint8_t { kStart, kBefore, kVertex, kAfter };
 
   unsigned long long number() const { return static_cast<unsigned long long>(lines_.number()); }
 
@@ -88,7 +89,8 @@ class HeaderParser {
       return expected("a format ascii, binary_little_endian or binary_big_endian", encoding);
     }
     if (version != "1.0") {
-      return lines_.input().fail(ErrorCode::kUnsupported, "line %llu: PLY version 1.0 can be read, this is '%s'",
+      return lines_.input().fail(ErrorCode::kUnsupported,
+                                 "line %llu: PLY version '%s' is not supported; export the file as version 1.0",
                                  number(), Quote(version).c_str());
     }
     has_format_ = true;
@@ -102,8 +104,8 @@ class HeaderParser {
     if (name.empty()) return expected("the name of an element", name);
     if (!count) return expected("a number of elements from 0 to 2^64 - 1", count_word);
     if (place_ == Place::kVertex) close(header_.vertex);
-    if (place_ == Place::kVertex || place_ == Place::kBehind) {
-      place_ = Place::kBehind;
+    if (place_ == Place::kVertex || place_ == Place::kAfter) {
+      place_ = Place::kAfter;
       return {};
     }
     if (place_ == Place::kBefore) close(elements_[before_++]);
@@ -112,7 +114,7 @@ class HeaderParser {
     } else {
       if (before_ == elements_.size()) {
         return lines_.input().fail(ErrorCode::kUnsupported,
-                                   "line %llu: more than %zu elements before the vertices; export the points alone",
+                                   "line %llu: more than %zu elements before the vertices; export only the points",
                                    number(), elements_.size());
       }
       place_ = Place::kBefore;
@@ -124,7 +126,7 @@ class HeaderParser {
 
   Status parse_property(Words& words) {
     if (place_ == Place::kStart) return expected("an element before its properties", "property");
-    if (place_ == Place::kBehind) return {};
+    if (place_ == Place::kAfter) return {};
     auto word = words.next();
     const bool is_list = word == "list";
     std::optional<ScalarType> count;
@@ -144,14 +146,14 @@ class HeaderParser {
                       : slot < kSlots ? layout_.add_field(*type, slot)
                                       : layout_.add_skip(size_of(*type), 1);
     if (!fits) {
-      return lines_.input().fail(
-          ErrorCode::kUnsupported,
-          "line %llu: too many properties (%zu parts can be told apart); export the points alone", number(), kMaxSteps);
+      return lines_.input().fail(ErrorCode::kUnsupported,
+                                 "line %llu: too many properties (at most %zu can be read); export only the points",
+                                 number(), kMaxSteps);
     }
     return {};
   }
 
-  /// The open element is complete: what its layout did not use of the steps is the next one's.
+  /// Completes the open element. The steps that it did not use are left for the next one.
   void close(PlyElement& element) {
     element = {count_, layout_};
     steps_ = steps_.subspan(layout_.steps().size());

@@ -1,5 +1,5 @@
 #pragma once
-/// The head of a PLY file.
+/// The header of a PLY file.
 
 #include <bit>
 #include <cstdint>
@@ -18,16 +18,16 @@ struct PlyElement {
 
 struct PlyHeader {
   bool ascii = true;
-  std::endian order = std::endian::little;  ///< where not ascii
+  std::endian order = std::endian::little;  ///< unless ascii
   PlyElement vertex;
-  std::span<const PlyElement> before_vertex;  ///< what stands between the head and the vertices, in order
+  std::span<const PlyElement> before_vertex;  ///< elements between the header and the vertices, in order
 };
 
-/// Reads up to and with the line `end_header`. What is declared behind the vertices is not looked at: no byte of it is
-/// needed.
-/// @param memory  for the layouts
+/// Reads up to and including the line `end_header`. Elements declared after the vertices are ignored, since none of their
+/// bytes is needed.
+/// @param memory  holds the layouts
 /// @retval ErrorCode::kMalformed, kTruncated, kUnsupported
-/// @retval ErrorCode::kNoPoints  no vertices, or none with x, y and z
+/// @retval ErrorCode::kNoPoints  it declares no vertices, or no x, y and z
 [[nodiscard]] Expected<PlyHeader> read_ply_header(LineInput& lines, Arena& memory);
 
 }  // namespace plumbline

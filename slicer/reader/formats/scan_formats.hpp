@@ -1,6 +1,6 @@
 #pragma once
-/// One reader a format. Each takes the input at the first byte of the file, or behind its byte order mark, begins the
-/// batch once and adds every point; the last batch is flushed by the caller.
+/// One reader for each format. Each starts at the first byte of the file, or after its byte order mark, calls
+/// PointBatch::begin() once and adds every point. The caller flushes the last batch.
 
 #include "slicer/core/arena.hpp"
 #include "slicer/reader/stream/byte_input.hpp"
@@ -8,7 +8,7 @@
 
 namespace plumbline {
 
-/// Polygon file format: ascii, binary of both byte orders.
+/// Polygon file format: ascii, and binary in both byte orders.
 [[nodiscard]] Status read_ply(ByteInput& input, PointBatch& batch, Arena& memory);
 
 /// Rows of numbers: .xyz, .txt, .asc, .pts.
@@ -16,13 +16,12 @@ namespace plumbline {
 
 /// Point Cloud Library, versions 0.5 to 0.7: ascii, binary, binary compressed.
 ///
-/// @param columns  binary_compressed holds one column behind the other, so all the wanted columns but the last one must
-///                 be kept until that one comes: 8 bytes a point for x, y, z of 4 bytes each, 20 with normals. May be
-///                 `memory`
-/// @retval ErrorCode::kUnsupported  a compressed file whose columns do not fit in what is left of `columns`
+/// @param columns  holds the columns of binary_compressed, which come one after another: all wanted ones but the last are
+///                 kept until the last comes. 8 bytes a point for x, y, z of 4 bytes each, 20 with normals. May be `memory`
+/// @retval ErrorCode::kUnsupported  the columns of a compressed file do not fit in the rest of `columns`
 [[nodiscard]] Status read_pcd(ByteInput& input, PointBatch& batch, Arena& memory, Arena& columns);
 
-/// The vertices of a Wavefront OBJ; its normals where `vn` lines go with `v` lines one by one.
+/// The vertices of a Wavefront OBJ; its normals only where `vn` and `v` lines alternate.
 [[nodiscard]] Status read_obj(ByteInput& input, PointBatch& batch, Arena& memory);
 
 }  // namespace plumbline

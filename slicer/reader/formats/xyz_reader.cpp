@@ -10,7 +10,8 @@
 namespace plumbline {
 namespace {
 
-/// Rows that are looked at before the columns are decided.
+/// Rows that decide what the columns are. More rows make it less likely that colours pass for normals (columns_by_values);
+/// they are kept in memory, 9 KiB for 64.
 constexpr std::size_t kSampleRows = 64;
 
 bool is_comment(std::string_view text) {
@@ -33,8 +34,8 @@ XyzRow parse_numbers(std::string_view text) {
   return row;
 }
 
-/// "1,25 3,5 7,0": read with the comma as a separator it would be six wrong columns. Told by commas right between two
-/// digits beside other separators, and no decimal point in the whole row.
+/// Whether a row looks like "1,25 3,5 7,0", which would be six wrong columns with the comma as a separator: commas between
+/// two digits, other separators too, and no decimal point in the whole row.
 bool has_decimal_commas(std::string_view text) {
   bool inner_comma = false;
   bool other = false;
@@ -60,11 +61,11 @@ class XyzReader {
     PLUMBLINE_TRY(decide_columns());
     PLUMBLINE_TRY(deliver_sample());
     if (!ended_) PLUMBLINE_TRY(read_rest());
-    if (promised_ && rows_ < *promised_) {
+    if (declared_ && rows_ < *declared_) {
       return input_.fail(ErrorCode::kTruncated,
-                         "the file ends behind line %llu, after %llu of the %llu points that it promises; copy or "
-                         "export it again",
-                         number(), static_cast<unsigned long long>(rows_), static_cast<unsigned long long>(*promised_));
+                         "the file ends after line %llu, with %llu of the %llu points that it declares; copy or export "
+                         "it again",
+                         number(), static_cast<unsigned long long>(rows_), static_cast<unsigned long long>(*declared_));
     }
     return {};
   }
@@ -72,7 +73,7 @@ class XyzReader {
  private:
   unsigned long long number() const { return static_cast<unsigned long long>(lines_.number()); }
 
-  /// Up to kSampleRows rows, and what may stand before them: comments, one line of names, one count.
+  /// Reads up to kSampleRows rows, and what may precede them: comments, one line of names, one count.
   Status read_sample() {
     while (sampled_ < sample_.size()) {
       const auto found = lines_.next(line_);
@@ -113,27 +114,27 @@ class XyzReader {
     }
   }
 
-  /// A line of one whole number is how many points follow, in PTS. Scans put together have one before each part.
+  /// In PTS, a line of one whole number is the number of points that follow. Merged scans have one before each part.
   Expected<bool> take_count(std::string_view text) {
-    if (rows_ > 0 && rows_ != promised_) return false;
+    if (rows_ > 0 && rows_ != declared_) return false;
     Words words(text, kBlanksAndCommas);
     const auto count = parse_count(words.next());
     if (!count || !words.next().empty()) return false;
-    if (promised_ && rows_ == 0) {
+    if (declared_ && rows_ == 0) {
       return input_.fail(ErrorCode::kUnsupported,
-                         "line %llu: two counts before the first point, as in PTX, a grid of ranges that is not read; "
-                         "export it as PLY or PTS",
+                         "line %llu: two counts before the first point, as in PTX, which is not supported; export the "
+                         "scan as PLY or PTS",
                          number());
     }
-    promised_ = saturating_add(promised_.value_or(0), *count);
+    declared_ = saturating_add(declared_.value_or(0), *count);
     return true;
   }
 
   Status check(const XyzRow& row, std::string_view text) {
     if (row.columns == 0 && sampled_ == 0) {
       return input_.fail(ErrorCode::kUnknownFormat,
-                         "line %llu: expected a row of numbers, x y z, found '%s': this is not a table of points; "
-                         "scans are read from PLY, XYZ, PTS, PCD and OBJ",
+                         "line %llu: expected a row of numbers x y z, found '%s'; give a scan in PLY, XYZ, PTS, PCD or "
+                         "OBJ",
                          number(), Quote(text).c_str());
     }
     if (row.columns < 3) {
@@ -171,15 +172,14 @@ class XyzReader {
     return batch_.begin({.format = ScanFormat::kXyz,
                          .encoding = "ascii",
                          .has_normals = columns_.has_normals(),
-                         .declared_points = promised_});
+                         .declared_points = declared_});
   }
 
   Status deliver_sample() {
     for (const XyzRow& from : sample_.first(sampled_)) {
       if (from.columns < columns_.needed()) {
         return input_.fail(ErrorCode::kMalformed,
-                           "line %llu: too few numbers, %zu where the rows before have %zu; correct the line or export "
-                           "the file again",
+                           "line %llu: too few numbers, %zu instead of %zu; correct the line or export the file again",
                            static_cast<unsigned long long>(from.line), from.columns, columns_.needed());
       }
       SlotValues row = {};
@@ -219,12 +219,12 @@ class XyzReader {
   std::span<XyzRow> sample_;
   std::size_t sampled_ = 0;
   std::optional<XyzColumns> named_;
-  std::size_t names_ = 0;  ///< words in the line that named_ comes from
+  std::size_t names_ = 0;  ///< names in the line that named_ comes from
   XyzColumns columns_;
   RecordStep steps_[kMaxColumns];
   RecordLayout layout_{steps_};
   Line line_;
-  std::optional<std::uint64_t> promised_;
+  std::optional<std::uint64_t> declared_;
   std::uint64_t rows_ = 0;
   bool has_words_ = false;
   bool ended_ = false;

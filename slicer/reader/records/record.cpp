@@ -47,7 +47,7 @@ bool RecordLayout::add_skip(std::uint64_t bytes, std::uint64_t words) {
 }
 
 bool RecordLayout::add_field(ScalarType type, std::size_t slot) {
-  // Of two fields with one name the first counts.
+  // If two fields have the same name, the first counts.
   if (has(slot)) return add_skip(size_of(type), 1);
   if (used_ == room_.size()) return false;
   bytes_ = saturating_add(bytes_, size_of(type));

@@ -1,5 +1,5 @@
 #pragma once
-/// What a record of a file (a PLY element, a PCD point, a row of columns) is made of.
+/// The layout of a record: a PLY element, a PCD point, or a row of columns.
 
 #include <bit>
 #include <cstddef>
@@ -26,7 +26,7 @@ enum class ScalarType : std::uint8_t {
   kDouble
 };
 
-/// Bytes in a binary file.
+/// Bytes of a scalar in a binary file.
 constexpr std::size_t size_of(ScalarType type) {
   switch (type) {
     case ScalarType::kInt8:
@@ -44,29 +44,29 @@ constexpr std::size_t size_of(ScalarType type) {
 }
 constexpr bool is_integer(ScalarType type) { return type < ScalarType::kFloat; }
 
-/// The scalar of `type` at `bytes`, which need not be aligned.
-/// @param order  of the file's bytes
+/// Loads the scalar of `type` at `bytes`, which need not be aligned.
+/// @param order  byte order of the file
 double load_scalar(ScalarType type, const char* bytes, std::endian order);
 
-/// A record as steps to go through it: numbers that are wanted, and what lies between them. Neighbours that are not
-/// wanted are one step, so that ten thousand of them cost no more memory than one.
+/// A step through a record: a field to read, or what to skip before the next one. Adjacent unwanted fields are one step,
+/// so ten thousand of them cost no more memory than one.
 struct RecordStep {
   enum class Kind : std::uint8_t { kSkip, kField, kList };
   Kind kind = Kind::kSkip;
   ScalarType type = ScalarType::kInt8;  ///< of the field, or of the list's count
   ScalarType item = ScalarType::kInt8;  ///< of the list's items
-  std::uint8_t slot = 0;                ///< where a field's value goes
+  std::uint8_t slot = 0;                ///< of a field's value
   std::uint64_t bytes = 0;              ///< of a skip or a field, in a binary file
-  std::uint64_t words = 0;              ///< of a skip, in a text
+  std::uint64_t words = 0;              ///< of a skip, in a text file
 };
 
-/// The steps of one record, in memory of the caller's.
+/// The steps of one record, in the caller's memory.
 class RecordLayout {
  public:
   RecordLayout() = default;
   explicit RecordLayout(std::span<RecordStep> room) : room_(room) {}
 
-  /// Each returns false where the room is used up.
+  /// Each returns false if there is no room for another step.
   [[nodiscard]] bool add_skip(std::uint64_t bytes, std::uint64_t words);
   [[nodiscard]] bool add_field(ScalarType type, std::size_t slot);
   [[nodiscard]] bool add_list(ScalarType count, ScalarType item);
@@ -76,7 +76,7 @@ class RecordLayout {
   bool has_position() const { return has(kX) && has(kY) && has(kZ); }
   bool has_normal() const { return has(kNx) && has(kNy) && has(kNz); }
   bool has_lists() const { return lists_; }
-  /// In a binary file, the lists left out. The largest value where it is more than that.
+  /// Bytes of a record in a binary file, not counting lists. Saturates at the largest value.
   std::uint64_t bytes() const { return bytes_; }
 
  private:

@@ -12,14 +12,14 @@ using Kind = RecordStep::Kind;
 tl::unexpected<Error> fail_truncated(const ByteInput& input, const char* what, std::uint64_t came,
                                      std::uint64_t promised) {
   return input.fail(ErrorCode::kTruncated,
-                    "the file ends at byte %llu, after %llu of the %llu %s that its header promises; copy or export it "
+                    "the file ends at byte %llu, after %llu of the %llu %s that its header declares; copy or export it "
                     "again",
                     static_cast<unsigned long long>(input.bytes_read()), static_cast<unsigned long long>(came),
                     static_cast<unsigned long long>(promised), what);
 }
 
-/// One record, however long, in pieces.
-/// @returns false where the file ends within it
+/// Reads one record piece by piece: it may be longer than the window.
+/// @returns false if the file ends within it
 Expected<bool> walk_record(ByteInput& input, const RecordLayout& layout, std::endian order, SlotValues& row) {
   for (const RecordStep& step : layout.steps()) {
     if (step.kind == Kind::kSkip) {
@@ -38,11 +38,10 @@ Expected<bool> walk_record(ByteInput& input, const RecordLayout& layout, std::en
       input.consume(size);
       continue;
     }
-    // A count of 64 bits that a double can't hold exactly is beyond any file anyway.
+    // 1e15 is more than any file holds, and a double is exact up to there.
     if (value < 0 || value > 1e15) {
       return input.fail(ErrorCode::kMalformed,
-                        "byte %llu: a list must have 0 or more items, this one says %.0f; the file is damaged, export "
-                        "it again",
+                        "byte %llu: a list claims to have %.0f items; the file is damaged, export it again",
                         static_cast<unsigned long long>(input.offset()), value);
     }
     input.consume(size);
@@ -54,7 +53,7 @@ Expected<bool> walk_record(ByteInput& input, const RecordLayout& layout, std::en
   return true;
 }
 
-/// Records of one size, as many at a time as the window holds.
+/// Reads records of a fixed size, as many at a time as the window holds.
 Status read_fixed(ByteInput& input, const RecordLayout& layout, std::uint64_t count, std::endian order,
                   PointBatch& batch) {
   const auto size = static_cast<std::size_t>(layout.bytes());

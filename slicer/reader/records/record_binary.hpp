@@ -1,5 +1,5 @@
 #pragma once
-/// Records of a binary file.
+/// Reads records of a binary file.
 
 #include <bit>
 #include <cstdint>
@@ -9,13 +9,13 @@
 
 namespace plumbline {
 
-/// `count` records as points.
-/// @retval ErrorCode::kTruncated  the file ends before
-/// @retval ErrorCode::kMalformed  a list with a negative number of items
+/// Reads `count` records as points.
+/// @retval ErrorCode::kTruncated  the file ends before the last of them
+/// @retval ErrorCode::kMalformed  a list has a negative number of items
 [[nodiscard]] Status read_binary_points(ByteInput& input, const RecordLayout& layout, std::uint64_t count,
                                         std::endian order, PointBatch& batch);
 
-/// Goes past `count` records. Errors as above.
+/// Skips `count` records. Errors as above.
 [[nodiscard]] Status skip_binary_records(ByteInput& input, const RecordLayout& layout, std::uint64_t count,
                                          std::endian order);
 

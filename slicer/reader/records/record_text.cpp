@@ -13,12 +13,12 @@ tl::unexpected<Error> fail_truncated(const LineInput& lines, const char* what, s
                                      std::uint64_t promised) {
   return lines.input().fail(
       ErrorCode::kTruncated,
-      "the file ends behind line %llu, after %llu of the %llu %s that its header promises; copy or export it again",
+      "the file ends after line %llu, with %llu of the %llu %s that its header declares; copy or export it again",
       static_cast<unsigned long long>(lines.number()), static_cast<unsigned long long>(came),
       static_cast<unsigned long long>(promised), what);
 }
 
-/// @returns false where there are fewer than `count`
+/// @returns false if there are fewer than `count`
 bool skip_words(const char*& at, const char* last, std::uint64_t count, const Separators& separators) {
   for (std::uint64_t i = 0; i < count; ++i) {
     at = skip_separators(at, last, separators);
@@ -72,16 +72,14 @@ tl::unexpected<Error> fail_row(const LineInput& lines, const Line& line, const R
   const bool at_end =
       outcome.kind == Kind::kTooFew || outcome.word.data() + outcome.word.size() == line.text.data() + line.text.size();
   if (line.cut && at_end) {
-    return input.fail(
-        ErrorCode::kUnsupported,
-        "line %llu: longer than the %zu bytes that are read as one row; export the points alone, one a line", number,
-        input.capacity());
+    return input.fail(ErrorCode::kUnsupported,
+                      "line %llu: longer than a row may be (%zu bytes); export only the points, one a line", number,
+                      input.capacity());
   }
   if (line.unterminated && at_end) {
-    return input.fail(
-        ErrorCode::kTruncated,
-        "line %llu: the file ends in the middle of a point, where %s was expected; copy or export it again", number,
-        outcome.wanted);
+    return input.fail(ErrorCode::kTruncated,
+                      "line %llu: the file ends in the middle of a point, before %s; copy or export it again", number,
+                      outcome.wanted);
   }
   if (outcome.kind == Kind::kTooFew) {
     return input.fail(ErrorCode::kMalformed,

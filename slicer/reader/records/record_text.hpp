@@ -1,5 +1,5 @@
 #pragma once
-/// Records of a text: one a line.
+/// Reads records of a text file, one a line.
 
 #include <cstdint>
 #include <string_view>
@@ -13,29 +13,29 @@ namespace plumbline {
 struct RowOutcome {
   enum class Kind : std::uint8_t { kWhole, kTooFew, kNotANumber };
   Kind kind = Kind::kWhole;
-  std::string_view word = {};  ///< what stands where a number must
-  const char* wanted = "";     ///< what that number would have been: "x"
+  std::string_view word = {};  ///< what was found instead of a number
+  const char* wanted = "";     ///< what was expected: "x"
 };
 
-/// One row of numbers. Numbers behind the last one of the layout do not matter. A list at the very end may be missing
-/// altogether: some exporters leave out an empty one together with its count.
+/// Parses one row of numbers. Words after the layout's last step are ignored. A list at the very end may be missing: some
+/// exporters leave out an empty list together with its count.
 [[nodiscard]] RowOutcome parse_row(std::string_view text, const RecordLayout& layout, const Separators& separators,
                                    SlotValues& row);
 
-/// The error of a row that is not whole. A row that ends with the file rather than with its line was cut off:
-/// kTruncated.
-/// @param line  as LineInput gave it, or with `text` put together from several
+/// The error for a row that is not whole. kTruncated if the file ended before the line did.
+/// @param line  as from LineInput, or with `text` joined from several lines
 tl::unexpected<Error> fail_row(const LineInput& lines, const Line& line, const RowOutcome& outcome);
 
-/// `count` rows as points; empty lines do not count.
-/// @retval ErrorCode::kTruncated, kMalformed, kUnsupported  the last for a row longer than the window
+/// Reads `count` rows as points, ignoring empty lines.
+/// @retval ErrorCode::kTruncated, kMalformed
+/// @retval ErrorCode::kUnsupported  a row is longer than the window
 [[nodiscard]] Status read_text_points(LineInput& lines, const RecordLayout& layout, std::uint64_t count,
                                       PointBatch& batch);
 
-/// Goes past `count` rows of any length.
+/// Skips `count` rows of any length.
 [[nodiscard]] Status skip_text_records(LineInput& lines, std::uint64_t count);
 
-/// Nothing but blanks.
+/// Whether a line has nothing but blanks.
 bool is_blank(std::string_view text);
 
 }  // namespace plumbline

@@ -9,10 +9,12 @@
 namespace plumbline {
 namespace {
 
-/// Often enough for a bar that moves on a slow stick, seldom enough to cost nothing where a source gives single bytes.
+/// Bytes between two progress reports: a progress bar moves even on a slow stick (1 MB/s: 30 reports a second), and a
+/// source that delivers single bytes doesn't report each of them.
 constexpr std::uint64_t kReportEvery = 32 * 1024;
 
-/// The end of a long path tells more than its start, and the message needs its room for what went wrong.
+/// Characters of a file's name in a message. Longer paths lose their start, which says less than their end; the message
+/// (Error::kCapacity) needs the room for what went wrong.
 constexpr std::size_t kLongestName = 96;
 
 }  // namespace

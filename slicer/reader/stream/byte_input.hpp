@@ -1,5 +1,5 @@
 #pragma once
-/// A window over a ByteSource: what every scan reader takes its bytes from.
+/// A window over a ByteSource, from which every scan reader takes its bytes.
 
 #include <cstddef>
 #include <cstdint>
@@ -11,13 +11,12 @@
 
 namespace plumbline {
 
-/// The bytes that have been read and not yet used lie side by side in one fixed buffer, however small the pieces are in
-/// which the source delivers. Progress and cancelling are here, because this is the one loop that every reader,
-/// skipping or parsing, must pass.
+/// Bytes that were read but not yet consumed lie contiguously in one fixed buffer, whatever the size of the source's
+/// reads. Progress and cancellation are handled here, because every reader, skipping or parsing, passes this loop.
 class ByteInput {
  public:
-  /// @param sink    hears the progress
-  /// @param buffer  not empty; its size is the longest line or record that can be looked at as a whole
+  /// @param sink    gets the progress
+  /// @param buffer  not empty; its size limits the line or record that can be parsed as a whole
   ByteInput(ByteSource& source, PointSink& sink, std::span<std::byte> buffer);
   ByteInput(const ByteInput&) = delete;
   ByteInput& operator=(const ByteInput&) = delete;
@@ -33,7 +32,7 @@ class ByteInput {
   std::uint64_t offset() const { return bytes_read_ - available(); }  ///< of begin() in the stream, bytes
   std::uint64_t bytes_read() const { return bytes_read_; }
 
-  /// Reads more behind the window, which must not be full(). Moves the window: pointers into it are void.
+  /// Reads more bytes into the window, which must not be full(). Invalidates pointers into it.
   /// @returns false at the end of the stream
   /// @retval ErrorCode::kCancelled  the sink asked to stop
   [[nodiscard]] Expected<bool> more();
@@ -43,11 +42,11 @@ class ByteInput {
   /// @returns available()
   [[nodiscard]] Expected<std::size_t> fill(std::size_t bytes);
 
-  /// Uses up `bytes` bytes unseen, or what there is.
-  /// @returns how many there were
+  /// Consumes `bytes` bytes, or all that are left if there are fewer.
+  /// @returns how many it consumed
   [[nodiscard]] Expected<std::uint64_t> skip(std::uint64_t bytes);
 
-  /// Tells the sink that reading is over, also where the rest of the file did not matter.
+  /// Reports to the sink that reading is done, even if the rest of the file was not needed.
   [[nodiscard]] Status finish();
 
   std::string_view name() const { return source_.name(); }

@@ -14,7 +14,7 @@ const char* LineInput::find_end(const char* first, const char* last) {
         return p;
       }
       if (*p == '\r') {
-        // CR LF or CR alone: the byte behind tells, and a second CR ("\r\r\n", text converted twice) does not.
+        // CR LF or CR alone: the next byte that is no CR decides. "\r\r\n" comes from text that was converted twice.
         const char* behind = p;
         while (behind != last && *behind == '\r') ++behind;
         if (behind == last) return nullptr;
@@ -31,7 +31,7 @@ const char* LineInput::find_end(const char* first, const char* last) {
 
 Expected<bool> LineInput::next(Line& line) {
   if (rest_) PLUMBLINE_TRY(skip_rest());
-  std::size_t seen = 0;  // bytes known to hold no line end, so that a slow source does not make the search quadratic
+  std::size_t seen = 0;  // bytes without a line end: not searched again, or small reads would make the search quadratic
   for (;;) {
     const char* first = input_.begin();
     const char* last = input_.end();
@@ -56,7 +56,7 @@ Expected<bool> LineInput::next(Line& line) {
     line.text = {first, static_cast<std::size_t>(end - first)};
     input_.consume(static_cast<std::size_t>(end - first) + (end == input_.end() ? 0 : 1));
     if (line.cut) {
-      // Half of a number must not pass for a number.
+      // Drop the last word: it may be half of a number.
       while (!line.text.empty() && !kBlanksAndCommas(line.text.back())) line.text.remove_suffix(1);
     }
     while (!line.cut && !line.text.empty() && line.text.back() == '\r') line.text.remove_suffix(1);
@@ -75,7 +75,7 @@ Expected<char> LineInput::skip_rest() {
     const bool found = end != nullptr;
     if (!found) {
       end = last;
-      // A CR whose next byte is not here yet may be a line end of its own or half of one: it waits.
+      // Keep a CR at the end of the window: until the next byte comes, it may be a line end or half of one.
       while (terminator_ == 0 && end != first && end[-1] == '\r') --end;
       if (end == first && input_.full()) terminator_ = '\r';
     }

@@ -1,5 +1,5 @@
 #pragma once
-/// Lines of a text, or of a binary file's head.
+/// Lines of a text file, or of a binary file's header.
 
 #include <cstdint>
 #include <string_view>
@@ -10,12 +10,12 @@ namespace plumbline {
 
 struct Line {
   std::string_view text;      ///< without its end; valid until the next call of LineInput or ByteInput
-  bool cut = false;           ///< longer than the window: `text` is its start, up to the end of a word
+  bool cut = false;           ///< longer than the window: `text` is its start, cut after a separator
   bool unterminated = false;  ///< the file ended before the line did
 };
 
-/// Lines end with LF, with CR LF or with CR alone. Which, the first line end of the file decides once for all:
-/// behind a head that ends its lines with CR, a first data byte of 10 is data.
+/// Lines end with LF, CR LF or CR alone. The first line end of the file decides which: after a header whose lines end
+/// with CR, a first data byte of 10 is data and not part of a line end.
 class LineInput {
  public:
   explicit LineInput(ByteInput& input) : input_(input) {}
@@ -23,15 +23,15 @@ class LineInput {
   /// @returns false at the end of the file
   [[nodiscard]] Expected<bool> next(Line& line);
 
-  /// Uses up what next() left of a line that was cut, in pieces.
-  /// @returns the last byte of the line, 0 where nothing was left: a backslash there continues the line
+  /// Consumes the rest of a line that next() cut.
+  /// @returns the last byte of the line, 0 if nothing was left. A backslash there continues the line in OBJ
   [[nodiscard]] Expected<char> skip_rest();
 
-  std::uint64_t number() const { return number_; }  ///< of the line that next() gave last, from 1
+  std::uint64_t number() const { return number_; }  ///< of the last line that next() returned, from 1
   ByteInput& input() const { return input_; }
 
  private:
-  /// @returns the line's end in [first, last), nullptr where it is not in sight
+  /// @returns the line's end in [first, last), nullptr if it is not there
   const char* find_end(const char* first, const char* last);
 
   ByteInput& input_;

@@ -10,10 +10,10 @@ namespace {
 
 constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-/// std::from_chars says "out of range" for too large and for too small alike. A number of either kind is hundreds of
-/// powers of ten away from one, so the power of its first digit tells which.
+/// Whether a number that std::from_chars calls out of range is too large, not too small. Either is hundreds of powers of
+/// ten away from one, so the power of its first digit tells them apart.
 bool is_huge(const char* first, const char* last) {
-  constexpr std::int64_t kPlenty = 1'000'000'000'000;
+  constexpr std::int64_t kPlenty = 1'000'000'000'000;  // far above any exponent, far below an overflow
   std::int64_t power = 0;
   bool point = false;
   bool digits = false;
@@ -40,7 +40,8 @@ bool is_huge(const char* first, const char* last) {
   return power + (negative ? -exponent : exponent) > 0;
 }
 
-/// "1.#INF", "-1.#IND", "1.#QNAN0": none of them is a number that can be printed, so one NaN stands for all.
+/// Parses what follows "1." in "1.#INF", "-1.#IND", "1.#QNAN0". None is a usable coordinate, so all count as NaN.
+/// @returns the byte after it, nullptr if it is none of them
 const char* parse_microsoft_nan(const char* first, const char* last) {
   for (const std::string_view mark : {"#INF", "#IND", "#QNAN", "#SNAN"}) {
     if (static_cast<std::size_t>(last - first) < mark.size()) continue;

@@ -1,5 +1,5 @@
 #pragma once
-/// Points on their way to the sink.
+/// Collects points for the sink.
 
 #include <cfloat>
 #include <cmath>
@@ -10,32 +10,32 @@
 
 namespace plumbline {
 
-/// The numbers of a point that a reader looks for, in the order of a row of six doubles.
+/// The numbers of a point that readers look for; also the order of a row of six doubles.
 enum Slot : std::uint8_t { kX, kY, kZ, kNx, kNy, kNz };
 inline constexpr std::size_t kSlots = 6;
 using SlotValues = double[kSlots];
 
-/// What a property, field or column called `name` is: x, y, z, nx or normal_x and so on, in any case.
-/// @returns kSlots for anything else
+/// The slot of a property, field or column called `name`: x, y, z, nx or normal_x and so on, ignoring case.
+/// @returns kSlots for any other name
 std::size_t slot_of(std::string_view name);
 
-/// Collects points, drops those that are nowhere, and counts for the report.
+/// Collects points into batches, drops those with a coordinate that is not finite, and counts both for the report.
 class PointBatch {
  public:
-  static constexpr std::size_t kPoints = 1024;
+  static constexpr std::size_t kPoints = 1024;  ///< 40 KiB; enough to hide the cost of a virtual call a batch
 
-  /// @param room     kPoints of them
-  /// @param summary  counted into
+  /// @param room     kPoints points
+  /// @param summary  gets the counts
   PointBatch(PointSink& sink, std::span<ScanPoint> room, ScanSummary& summary)
       : sink_(sink), room_(room), summary_(summary) {}
 
-  /// Before the first add().
+  /// Call before the first add().
   [[nodiscard]] Status begin(const ScanHeader& header) {
     summary_.header = header;
     return sink_.begin(header);
   }
 
-  /// Takes one row; there must be room: flush() when full().
+  /// Adds one row. The batch must not be full(): call flush() then.
   void add(const SlotValues& row) {
     if (!std::isfinite(row[kX]) || !std::isfinite(row[kY]) || !std::isfinite(row[kZ])) {
       ++summary_.not_finite;
@@ -47,7 +47,7 @@ class PointBatch {
     point.z = row[kZ];
     point.nx = point.ny = point.nz = 0;
     if (!summary_.header.has_normals) return;
-    // The comparison is false for NaN too. A float holds no more than FLT_MAX.
+    // A normal becomes float: larger components are dropped, as is NaN, for which the comparison is false.
     if (std::abs(row[kNx]) <= FLT_MAX && std::abs(row[kNy]) <= FLT_MAX && std::abs(row[kNz]) <= FLT_MAX) {
       point.nx = static_cast<float>(row[kNx]);
       point.ny = static_cast<float>(row[kNy]);
@@ -57,7 +57,7 @@ class PointBatch {
   }
   bool full() const { return count_ == room_.size(); }
 
-  /// Hands over what there is, if anything.
+  /// Passes the collected points to the sink, if there are any.
   [[nodiscard]] Status flush();
 
  private:

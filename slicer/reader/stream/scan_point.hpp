@@ -1,5 +1,5 @@
 #pragma once
-/// What a reader delivers.
+/// What a reader delivers: header, points, summary.
 
 #include <cstdint>
 #include <optional>
@@ -10,24 +10,25 @@
 
 namespace plumbline {
 
-/// One point as the file has it. Every number is finite.
+/// One point as in the file. Every number is finite.
 struct ScanPoint {
   double x = 0, y = 0, z = 0;    ///< scan units
-  float nx = 0, ny = 0, nz = 0;  ///< any length; all zero where the file has no usable normal for this point
+  float nx = 0, ny = 0, nz = 0;  ///< any length; all zero if the file has no usable normal for this point
 };
 
 enum class ScanFormat : std::uint8_t { kPly, kXyz, kPcd, kObj };
 
-/// What the head of a scan says, known before its first point.
+/// What the header of a scan declares, known before its first point.
 struct ScanHeader {
   ScanFormat format = ScanFormat::kPly;
   const char* encoding = "";                     ///< "ascii", "binary little endian", "binary compressed", ...
-  bool has_normals = false;                      ///< columns or properties for them exist
-  std::optional<std::uint64_t> declared_points;  ///< as the header says; hostile until the points have come
-  std::uint64_t reader_bytes = 0;                ///< that the reader keeps beside its work space; as hostile
+  bool has_normals = false;                      ///< it has columns or properties for normals
+  std::optional<std::uint64_t> declared_points;  ///< not to be trusted before as many points have been read
+  std::uint64_t reader_bytes = 0;  ///< the reader keeps beyond its workspace; computed from the header, so
+                                   ///< not to be trusted either
 };
 
-/// Takes the points in the order of the file, in batches.
+/// Receives the points in the order of the file, in batches.
 class PointSink {
  public:
   virtual ~PointSink() = default;
@@ -35,11 +36,12 @@ class PointSink {
   [[nodiscard]] virtual Status begin(const ScanHeader& header) = 0;
   /// @param points  one or more, valid only during the call
   [[nodiscard]] virtual Status take(std::span<const ScanPoint> points) = 0;
-  /// @param fraction  0 to 1 of the file, where its size is known; false cancels
+  /// @param fraction  of the file, 0 to 1; 0 while its size is unknown
+  /// @returns false to cancel
   virtual bool progress(double fraction) = 0;
 };
 
-/// What was read, for the report.
+/// What was read from a file, for the report.
 struct ScanSummary {
   ScanHeader header;
   std::uint64_t points = 0;          ///< delivered to the sink

@@ -1,5 +1,5 @@
 #pragma once
-/// Words of a line, and how they are shown in a message.
+/// Splits lines into words, and quotes them in messages.
 
 #include <array>
 #include <cstddef>
@@ -7,7 +7,7 @@
 
 namespace plumbline {
 
-/// The bytes that separate words; a table, because rows are looked at byte by byte, a hundred million times a scan.
+/// The bytes that separate words. A table, since a large scan looks up a hundred million bytes.
 class Separators {
  public:
   constexpr explicit Separators(std::string_view bytes) {
@@ -30,7 +30,7 @@ inline const char* skip_word(const char* first, const char* last, const Separato
   return first;
 }
 
-/// Takes a line apart, from the left.
+/// Splits a line into words, from the left.
 class Words {
  public:
   explicit Words(std::string_view line, const Separators& separators = kBlanks)
@@ -42,7 +42,7 @@ class Words {
     first_ = skip_word(word, last_, *separators_);
     return {word, static_cast<std::size_t>(first_ - word)};
   }
-  /// What has not been taken yet.
+  /// What next() has not returned yet.
   std::string_view rest() const { return {first_, static_cast<std::size_t>(last_ - first_)}; }
 
  private:
@@ -51,20 +51,20 @@ class Words {
   const Separators* separators_;
 };
 
-/// Equal but for the case of ASCII letters.
+/// Whether two words are equal, ignoring the case of ASCII letters.
 bool same_word(std::string_view a, std::string_view b);
 
-/// `name` ends with `ending`, whatever the case: "BUST.PLY", ".ply".
+/// Whether `name` ends with `ending`, ignoring case: "BUST.PLY" ends with ".ply".
 bool has_ending(std::string_view name, std::string_view ending);
 
-/// The start of some bytes of a file, fit to be shown: no control bytes, never longer than a message can take.
+/// The start of some bytes of a file, for a message: at most kLongest characters, '?' for each that is not printable.
 class Quote {
  public:
   explicit Quote(std::string_view bytes);
   const char* c_str() const { return text_; }
 
  private:
-  static constexpr std::size_t kLongest = 32;
+  static constexpr std::size_t kLongest = 32;  ///< characters; leaves the message room for what went wrong
   char text_[kLongest + 4] = {};
 };
 

@@ -40,7 +40,7 @@ TEST(XyzReader, ThePointCountOfPtsIsAPromise) {
   EXPECT_EQ(read("2\n1 2 3\n-4 5.5 60\n").summary->header.declared_points, 2U);
   const auto cut = read("3\n1 2 3\n-4 5.5 60\n", "bust.pts");
   EXPECT_EQ(cut.code(), ErrorCode::kTruncated);
-  EXPECT_THAT(cut.message(), HasSubstr("bust.pts: the file ends behind line 3, after 2 of the 3 points"));
+  EXPECT_THAT(cut.message(), HasSubstr("bust.pts: the file ends after line 3, with 2 of the 3 points"));
   EXPECT_EQ(read("1\n1 2 3\n9\n-4 5.5 60\n").code(), ErrorCode::kTruncated);
   EXPECT_EQ(read("18446744073709551615\n1 2 3\n-4 5.5 60\n").code(), ErrorCode::kTruncated);
 }
