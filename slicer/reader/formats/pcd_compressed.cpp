@@ -41,12 +41,11 @@ class ColumnReader {
     while (piece_.empty()) {
       const auto next = block_.next();
       if (!next && next.error().code() == ErrorCode::kTruncated) {
-        return input_.fail(
-            ErrorCode::kTruncated,
-            "the file ends at byte %llu, in its compressed block, after %llu of the %llu points that its "
-            "header declares; copy or save it again",
-            static_cast<unsigned long long>(input_.bytes_read()), static_cast<unsigned long long>(complete_),
-            static_cast<unsigned long long>(header_.points));
+        return input_.fail(ErrorCode::kTruncated,
+                           "the file ends at byte %llu, in its compressed block, with %llu of the %llu points that its "
+                           "header declares; copy or save it again",
+                           static_cast<unsigned long long>(input_.bytes_read()),
+                           static_cast<unsigned long long>(complete_), static_cast<unsigned long long>(header_.points));
       }
       PLUMBLINE_TRY(next);
       if (next->empty()) {

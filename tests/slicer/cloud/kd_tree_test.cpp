@@ -129,20 +129,20 @@ void expect_brute_force(Points (*make)(std::uint32_t, Random&)) {
   }
 }
 
-TEST(KdTree, FindsWhatLookingAtEveryPointFindsInThreeDimensions) { expect_brute_force<3>(uniform_points); }
-TEST(KdTree, FindsWhatLookingAtEveryPointFindsInTwoDimensions) { expect_brute_force<2>(uniform_points); }
+TEST(KdTree, AgreesWithBruteForceInThreeDimensions) { expect_brute_force<3>(uniform_points); }
+TEST(KdTree, AgreesWithBruteForceInTwoDimensions) { expect_brute_force<2>(uniform_points); }
 TEST(KdTree, BreaksTiesByIndexInThreeDimensions) { expect_brute_force<3>(lattice_points); }
 TEST(KdTree, BreaksTiesByIndexInTwoDimensions) { expect_brute_force<2>(lattice_points); }
-TEST(KdTree, TakesPointsOnALine) {
+TEST(KdTree, AcceptsPointsOnALine) {
   expect_brute_force<3>(collinear_points);
   expect_brute_force<2>(collinear_points);
 }
-TEST(KdTree, TakesPointsAllInOnePlace) {
+TEST(KdTree, AcceptsPointsAllInOnePlace) {
   expect_brute_force<3>(equal_points);
   expect_brute_force<2>(equal_points);
 }
 
-TEST(KdTree, AnswersTheSameAfterThePointsHaveTakenItsOrder) {
+TEST(KdTree, FindsTheSameAfterThePointsTookItsOrder) {
   Random random(8);
   Points points = uniform_points(2000, random);
   ArenaBlock arena(kMiB);
@@ -156,7 +156,7 @@ TEST(KdTree, AnswersTheSameAfterThePointsHaveTakenItsOrder) {
   expect_boxes<3>(tree, points, random);
 }
 
-TEST(KdTree, SeesNoThirdCoordinateInTwoDimensions) {
+TEST(KdTree, IgnoresTheThirdCoordinateInTwoDimensions) {
   const Points points = {{1, 1, 900}, {2, 1, 0}, {4, 1, -900}};
   ArenaBlock arena(kMiB);
   const KdTree2 tree = value_of(KdTree2::build(points, *arena, "test"));
@@ -167,7 +167,7 @@ TEST(KdTree, SeesNoThirdCoordinateInTwoDimensions) {
   EXPECT_EQ(found[2].distance2, 16);
 }
 
-TEST(KdTree, TakesItsBytesFromTheArenaAndFewerThanPlanned) {
+TEST(KdTree, TakesNoMoreOfTheArenaThanPlanned) {
   Random random(9);
   Surface surface = sphere(200000, 20, {20, 20, 20});
   add_noise(surface, 0.02, 0, random);
@@ -184,7 +184,7 @@ TEST(KdTree, TakesItsBytesFromTheArenaAndFewerThanPlanned) {
   EXPECT_LT(arena->top_used() - three, points.size() * KdTree2::kBytesPerPoint);
 }
 
-TEST(KdTree, IsAnErrorInEveryArenaThatIsTooSmallForIt) {
+TEST(KdTree, ReturnsOutOfMemoryInEveryArenaThatIsTooSmall) {
   Random random(10);
   const Points points = uniform_points(20000, random);
   std::size_t built = 0;

@@ -51,7 +51,7 @@ Cell cell_of(const Vec3d& p, double side) {
           static_cast<std::int64_t>(std::floor(p[2] / side))};
 }
 
-TEST(PointThinner, KeepsAScanThatFitsAsItIs) {
+TEST(PointThinner, KeepsAScanThatFitsUnchanged) {
   Random random(1);
   Surface surface = sphere(5000, 10, {100, 200, -300});
   shuffle(surface, random);
@@ -67,7 +67,7 @@ TEST(PointThinner, KeepsAScanThatFitsAsItIs) {
   }
 }
 
-TEST(PointThinner, PutsTheMeanOfItsPointsIntoEachCell) {
+TEST(PointThinner, AveragesThePointsOfEachCell) {
   const double side = 0.5;
   Random random(2);
   Surface surface = sphere(4000, 4, {0, 0, 0});
@@ -98,7 +98,7 @@ TEST(PointThinner, PutsTheMeanOfItsPointsIntoEachCell) {
   EXPECT_EQ(weights, 4000U);
 }
 
-TEST(PointThinner, DoublesItsCellAndNeverHoldsMoreThanItsCapacity) {
+TEST(PointThinner, DoublesItsCellsAndStaysWithinItsCapacity) {
   Random random(3);
   Surface surface = sphere(60000, 10, {0, 0, 0});
   shuffle(surface, random);
@@ -148,7 +148,7 @@ TEST(PointThinner, DependsOnTheOrderOfThePointsAndNotOnHowTheyAreBatched) {
   for (std::uint32_t i = 0; i < cloud.size; ++i) ASSERT_EQ(cloud.position[i], one_by_one.cloud().position[i]);
 }
 
-TEST(PointThinner, WithoutACellItTakesOneFromTheExtentWhenThePlacesRunOut) {
+TEST(PointThinner, ChoosesACellFromTheExtentWhenItIsFull) {
   Random random(5);
   Surface surface = sphere(3000, 1000, {0, 0, 0});
   shuffle(surface, random);
@@ -159,7 +159,7 @@ TEST(PointThinner, WithoutACellItTakesOneFromTheExtentWhenThePlacesRunOut) {
   EXPECT_GT(thinning.cloud().size, 400U);
 }
 
-TEST(PointThinner, TurnsPositionsAndNormals) {
+TEST(PointThinner, RotatesPositionsAndNormals) {
   Random random(6);
   const Surface surface = sphere(100, 10, {1, 2, 3});
   const Mat3d rotation = rotation_matrix({30, 40, 50});
@@ -180,7 +180,7 @@ TEST(PointThinner, KeepsItsPrecisionFarFromTheOrigin) {
   for (std::uint32_t i = 0; i < 1000; ++i) EXPECT_LT((thinning.scan_position(i) - surface[i].position).norm(), 1e-5);
 }
 
-TEST(PointThinner, TakesExtentsThatOverflowTheIndexOfACell) {
+TEST(PointThinner, AcceptsExtentsThatOverflowTheIndexOfACell) {
   Random random(8);
   Thinning thinning(50, 1e-9);
   for (int i = 0; i < 5000; ++i) check(thinning.take(1e17 * random.vector()));
@@ -196,7 +196,7 @@ TEST(PointThinner, RefusesCoordinatesThatNoFloatHolds) {
   EXPECT_EQ(status.error().code(), ErrorCode::kMalformed);
 }
 
-TEST(PointThinner, TakesAnyNumberOfPointsInOnePlace) {
+TEST(PointThinner, AcceptsAnyNumberOfPointsInOnePlace) {
   for (const double cell : {0.0, 0.1}) {
     Thinning thinning(16, cell);
     for (int i = 0; i < 5000; ++i) check(thinning.take({1, 2, 3}, {0, 0, -1}));
@@ -206,7 +206,7 @@ TEST(PointThinner, TakesAnyNumberOfPointsInOnePlace) {
   }
 }
 
-TEST(PointThinner, APointWithoutANormalDoesNotSpoilThatOfItsCell) {
+TEST(PointThinner, IgnoresAMissingNormalWhenItAverages) {
   Thinning thinning(16, 1);
   check(thinning.take({0.1, 0.1, 0.1}, {0, 0, 0}));
   EXPECT_FALSE(thinning.cloud().normal[0].known());

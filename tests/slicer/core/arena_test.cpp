@@ -30,7 +30,7 @@ TEST_F(ArenaTest, StartsEmptyWithWholeCacheLines) {
   EXPECT_EQ(arena_.available(), arena_.capacity());
 }
 
-TEST_F(ArenaTest, GivesDisjointAlignedBlocksInsideItsMemoryFromBothEnds) {
+TEST_F(ArenaTest, TakesDisjointAlignedBlocksFromBothEnds) {
   struct Range {
     std::size_t low, high;
   };
@@ -52,7 +52,7 @@ TEST_F(ArenaTest, GivesDisjointAlignedBlocksInsideItsMemoryFromBothEnds) {
   }
 }
 
-TEST_F(ArenaTest, WorksWhateverTheAlignmentAndTheSizeOfItsBlock) {
+TEST_F(ArenaTest, AcceptsABlockOfAnyAlignmentAndSize) {
   for (std::size_t skip = 0; skip < 70; ++skip) {
     for (const std::size_t size : {0U, 1U, 63U, 64U, 65U, 127U, 128U, 1000U}) {
       Arena arena{std::span<std::byte>(block_).subspan(skip, size)};
@@ -70,7 +70,7 @@ TEST_F(ArenaTest, WorksWhateverTheAlignmentAndTheSizeOfItsBlock) {
   }
 }
 
-TEST_F(ArenaTest, GivesTheSamePlaceAgainAfterItsRelease) {
+TEST_F(ArenaTest, ReusesReleasedBlocks) {
   const std::size_t bottom = arena_.bottom_mark();
   const auto first = arena_.take_bottom<int>(100, "a");
   arena_.release_bottom(bottom);
@@ -84,7 +84,7 @@ TEST_F(ArenaTest, GivesTheSamePlaceAgainAfterItsRelease) {
   EXPECT_EQ(third->data(), fourth->data());
 }
 
-TEST_F(ArenaTest, ScopesGiveBackTheTopInOrderAndLeaveTheBottom) {
+TEST_F(ArenaTest, ScopesReleaseTheTopInOrderAndLeaveTheBottom) {
   ASSERT_TRUE(arena_.take_top<std::byte>(64, "outer").has_value());
   {
     const ArenaScope outer(arena_);
@@ -101,7 +101,7 @@ TEST_F(ArenaTest, ScopesGiveBackTheTopInOrderAndLeaveTheBottom) {
   EXPECT_EQ(arena_.bottom_used(), 128U);
 }
 
-TEST_F(ArenaTest, RemembersTheMostThatWasUsedSinceTheLastReset) {
+TEST_F(ArenaTest, RecordsThePeakSinceTheLastReset) {
   {
     const ArenaScope scope(arena_);
     ASSERT_TRUE(arena_.take_top<std::byte>(6400, "a").has_value());
@@ -115,7 +115,7 @@ TEST_F(ArenaTest, RemembersTheMostThatWasUsedSinceTheLastReset) {
   EXPECT_EQ(arena_.peak(), 640U) << "what was refused was never used";
 }
 
-TEST_F(ArenaTest, ExhaustionNamesTheStageWhatItNeedsAndWhatIsLeft) {
+TEST_F(ArenaTest, NamesStageNeedAndRestWhenItIsFull) {
   std::vector<std::byte> block(4 << 20);
   Arena arena(block);
   ASSERT_TRUE(arena.take_bottom<std::byte>(1 << 20, "first").has_value());
@@ -129,7 +129,7 @@ TEST_F(ArenaTest, ExhaustionNamesTheStageWhatItNeedsAndWhatIsLeft) {
   EXPECT_EQ(arena.used(), before);
 }
 
-TEST_F(ArenaTest, ACountWhoseBytesOverflowIsRefused) {
+TEST_F(ArenaTest, RefusesACountWhoseBytesOverflow) {
   constexpr std::size_t kMost = std::numeric_limits<std::size_t>::max();
   for (const std::size_t count : {kMost, kMost - 1, kMost - 64, kMost / 8 + 1, kMost / 8, kMost / 4, kMost / 2 + 1}) {
     EXPECT_FALSE(arena_.take_top<std::uint64_t>(count, "overflow").has_value()) << count;
@@ -138,7 +138,7 @@ TEST_F(ArenaTest, ACountWhoseBytesOverflowIsRefused) {
   EXPECT_EQ(arena_.used(), 0U);
 }
 
-TEST_F(ArenaTest, TrimmingKeepsWhatIsUsedOfTheNewestBlock) {
+TEST_F(ArenaTest, TrimmingShrinksTheNewestBlock) {
   ASSERT_TRUE(arena_.take_bottom<std::byte>(128, "below").has_value());
   const auto block = arena_.take_bottom<std::byte>(arena_.available(), "all that is left");
   ASSERT_TRUE(block.has_value());
@@ -148,7 +148,7 @@ TEST_F(ArenaTest, TrimmingKeepsWhatIsUsedOfTheNewestBlock) {
   EXPECT_EQ(next->data(), block->data() + 128);
 }
 
-TEST_F(ArenaTest, NothingTakesNothing) {
+TEST_F(ArenaTest, TakingNoObjectsTakesNoBytes) {
   ASSERT_TRUE(arena_.take_top<int>(0, "none").has_value());
   ASSERT_TRUE(arena_.take_bottom<int>(0, "none").has_value());
   EXPECT_EQ(arena_.used(), 0U);

@@ -8,7 +8,7 @@
 namespace plumbline {
 namespace {
 
-TEST(BitImage, HoldsEveryPixelInABitOfItsOwn) {
+TEST(BitImage, StoresEachPixelInItsOwnBit) {
   for (const std::uint32_t columns : {1U, 63U, 64U, 65U, 129U}) {
     constexpr std::uint32_t kRows = 5;
     std::vector<std::uint64_t> words(BitImage::words_needed(columns, kRows), 0);
@@ -28,7 +28,7 @@ TEST(BitImage, HoldsEveryPixelInABitOfItsOwn) {
   }
 }
 
-TEST(BitImage, PixelStandsWhereItIsDocumented) {
+TEST(BitImage, StoresPixelsInTheDocumentedOrder) {
   std::vector<std::uint64_t> words(BitImage::words_needed(130, 3), 0);
   const BitImage image(words, 130, 3);
   image.set(70, 2);
@@ -39,7 +39,7 @@ TEST(BitImage, PixelStandsWhereItIsDocumented) {
   EXPECT_TRUE(view.at(70, 2));
 }
 
-TEST(BitImage, LastWordsMaskHasOneBitForEachPixelInIt) {
+TEST(BitImage, LastWordMaskHasOneBitForEachOfItsPixels) {
   for (std::uint32_t columns = 1; columns <= 200; ++columns) {
     const BitImage image({}, columns, 0);
     const std::uint64_t mask = image.last_word_mask();

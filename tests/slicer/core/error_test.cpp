@@ -19,7 +19,7 @@ TEST(Error, FormatsItsMessage) {
   EXPECT_STREQ(error.message(), "bust.ply:12: expected a number");
 }
 
-TEST(Error, CutsAMessageThatIsLongerThanItsRoom) {
+TEST(Error, CutsAMessageLongerThanItsCapacity) {
   const std::string all(1000, 'x');
   for (const std::size_t length :
        {Error::kCapacity - 2, Error::kCapacity - 1, Error::kCapacity, Error::kCapacity + 1}) {
@@ -28,7 +28,7 @@ TEST(Error, CutsAMessageThatIsLongerThanItsRoom) {
   }
 }
 
-TEST(Error, APrefixStandsBeforeTheMessageAndCutsItsEnd) {
+TEST(Error, PutsAPrefixBeforeTheMessageAndCutsItsEnd) {
   const Error error = Error::format(ErrorCode::kTruncated, "%s", std::string(1000, 'x').c_str());
   const Error prefixed = error.with_prefix(std::string_view("bust.ply and more").substr(0, 8));
   EXPECT_EQ(prefixed.code(), ErrorCode::kTruncated);
@@ -36,7 +36,7 @@ TEST(Error, APrefixStandsBeforeTheMessageAndCutsItsEnd) {
   EXPECT_EQ(std::strlen(prefixed.message()), Error::kCapacity - 1);
 }
 
-TEST(Error, EveryCodeHasANameOfItsOwn) {
+TEST(Error, EveryCodeHasItsOwnName) {
   std::set<std::string_view> names;
   for (const ErrorCode code : {ErrorCode::kCannotOpen,    ErrorCode::kCannotRead,       ErrorCode::kCannotWrite,
                                ErrorCode::kUnknownFormat, ErrorCode::kMalformed,        ErrorCode::kTruncated,
@@ -65,7 +65,7 @@ Expected<int> half(int number) {
   return number / 2;
 }
 
-TEST(Error, TryPassesOnTheErrorAndNothingElse) {
+TEST(Error, TryReturnsOnlyErrors) {
   EXPECT_EQ(half(8).value(), 4);
   const auto refused = half(7);
   ASSERT_FALSE(refused.has_value());

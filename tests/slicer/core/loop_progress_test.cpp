@@ -22,14 +22,14 @@ class Recorder final : public ProgressSink {
 };
 
 // Some OpenMP run times let a thread that is done take steps from before its own.
-TEST(LoopProgress, NeverGoesBackWhereTheStepsAreDealtOutOfOrder) {
+TEST(LoopProgress, NeverGoesBackWhenStepsRunOutOfOrder) {
   Recorder recorder;
   LoopProgress progress({&recorder, Stage::kClustering, 0.5, 1}, 256);
   for (const std::uint32_t step : {128U, 192U, 193U, 0U, 64U}) EXPECT_TRUE(progress.step(step));
   EXPECT_THAT(recorder.heard, testing::ElementsAre(0.5, 0.625, 0.75, 0.875));
 }
 
-TEST(LoopProgress, LeavesOutEveryStepAfterItWasCancelled) {
+TEST(LoopProgress, SkipsAllStepsAfterACancel) {
   Recorder recorder;
   recorder.limit = 2;
   LoopProgress progress({&recorder, Stage::kClustering}, 256);

@@ -33,7 +33,7 @@ std::uint32_t turn(Surface& surface, const std::function<bool(const Vec3d&)>& wh
 
 Slicing sliced(const Surface& surface) { return Slicing(binary_ply(surface), settings_with_pitch(0.2F), 64 * kMiB); }
 
-TEST(TurnedPatches, APatchThatFacesInwardsIsTurnedAndTheObjectIsWhole) {
+TEST(FlippedNormals, OfASheetAreTurnedAndTheObjectIsWhole) {
   const Surface right = ball(10);
   Surface scan = right;
   const std::uint32_t wrong = turn(scan, [](const Vec3d& p) { return p[0] > 8; });
@@ -43,7 +43,7 @@ TEST(TurnedPatches, APatchThatFacesInwardsIsTurnedAndTheObjectIsWhole) {
   EXPECT_NEAR(with.volume(), sliced(right).volume(), 0.5);
 }
 
-TEST(TurnedPatches, SingleNormalsAreTurned) {
+TEST(FlippedNormals, AreTurnedOneByOneToo) {
   Surface scan = ball(10);
   Random random(3);
   const std::uint32_t wrong = turn(scan, [&](const Vec3d&) { return random.uniform(0, 1) < 0.05; });
@@ -52,7 +52,7 @@ TEST(TurnedPatches, SingleNormalsAreTurned) {
   EXPECT_NEAR(slicing.volume(), 4.0 / 3 * kPi * 1000, 10);
 }
 
-TEST(TurnedPatches, WhatContradictsNothingStays) {
+TEST(FlippedNormals, AreOnlyThoseThatContradictOthers) {
   Surface apart = ball(10);
   append(apart, ball(4, {20, 0, 0}));
   EXPECT_EQ(sliced(apart).report().normals.turned, 0U);
@@ -68,7 +68,7 @@ TEST(TurnedPatches, WhatContradictsNothingStays) {
   EXPECT_EQ(sliced(plate).report().normals.turned, 0U) << "both sides of a thin wall are right";
 }
 
-TEST(TurnedPatches, ThreadsDoNotMatter) {
+TEST(FlippedNormals, AreTheSameForAnyNumberOfThreads) {
   Surface scan = ball(10);
   turn(scan, [](const Vec3d& p) { return p[2] > 7; });
   const int threads = omp_get_max_threads();

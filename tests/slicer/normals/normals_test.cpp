@@ -157,19 +157,19 @@ TEST_F(NormalsTest, OfAThinSheetFaceAwayFromEachOtherOnItsTwoSides) {
   EXPECT_EQ(facing_the_wrong_way(), 0U);
 }
 
-TEST_F(NormalsTest, OfThreeSphericalShellsThatTouchNowhereFaceOutwardsEach) {
+TEST_F(NormalsTest, OfThreeSeparateShellsEachFaceOutwards) {
   load(sphere(8000, 10, Vec3d(0, 0, 0)) + sphere(7000, 10, Vec3d(25, 0, 0)) + sphere(500, 2, Vec3d(0, 15, 9)));
   estimate();
   EXPECT_EQ(facing_the_wrong_way(), 0U);
 }
 
-TEST_F(NormalsTest, OfAHollowFaceIntoIt) {
+TEST_F(NormalsTest, OfACavityFaceIntoIt) {
   load(sphere(20000, 10, Vec3d(0, 0, 0)) + mirrored_normals(sphere(5000, 5, Vec3d(1, 0, 0))));
   estimate();
   EXPECT_EQ(facing_the_wrong_way(), 0U);
 }
 
-TEST_F(NormalsTest, OfPatchesWithGapsBetweenThemFaceTheSameWayAsTheWhole) {
+TEST_F(NormalsTest, OfSheetsWithGapsBetweenThemFaceOutwards) {
   Surface patches;
   for (const SurfacePoint& s : sphere(40000, 10, Vec3d(0, 0, 0))) {
     const bool gap = std::abs(std::fmod(std::abs(s.position[0]) + 1, 4.0)) < 0.6 || std::abs(s.position[2] - 2) < 0.4;
@@ -187,7 +187,7 @@ TEST_F(NormalsTest, OfAReliefSeenFromItsFrontFaceTheScanner) {
   EXPECT_EQ(facing_the_wrong_way(), 0U);
 }
 
-TEST_F(NormalsTest, OfANoisySphereFaceOutwardsThoughTheNoiseIsHalfTheSpacing) {
+TEST_F(NormalsTest, OfASphereWithNoiseOfHalfTheSpacingFaceOutwards) {
   const double spacing = std::sqrt(4 * kPi * 100 / 20000);
   load(with_noise(sphere(20000, 10, Vec3d(0, 0, 0)), 0.5 * spacing));
   EXPECT_EQ(estimate(), 20000U);
@@ -195,7 +195,7 @@ TEST_F(NormalsTest, OfANoisySphereFaceOutwardsThoughTheNoiseIsHalfTheSpacing) {
   EXPECT_LT(mean_degrees(), 12.0);
 }
 
-TEST_F(NormalsTest, OfStraysDoNotTurnTheObject) {
+TEST_F(NormalsTest, OfOutliersDoNotTurnTheObject) {
   Random random(3);
   Surface surface = sphere(20000, 10, Vec3d(0, 0, 0));
   for (int i = 0; i < 400; ++i) {
@@ -228,7 +228,7 @@ TEST_F(NormalsTest, ThatAreKnownAreKeptAndDecideForTheOthers) {
   }
 }
 
-TEST_F(NormalsTest, OfAFlatLidTakeTheirSideFromTheKnownOnesRoundTheGap) {
+TEST_F(NormalsTest, OfAFlatLidTakeTheirSideFromTheKnownOnesAroundIt) {
   Surface surface;
   std::vector<bool> known;
   for (const SurfacePoint& p : centred_box(Vec3d(5, 4, 3), 0.1)) {
@@ -242,7 +242,7 @@ TEST_F(NormalsTest, OfAFlatLidTakeTheirSideFromTheKnownOnesRoundTheGap) {
   EXPECT_EQ(facing_the_wrong_way(), 0U);
 }
 
-TEST_F(NormalsTest, AreNotTouchedWhereAllAreKnown) {
+TEST_F(NormalsTest, StayTheSameWhenAllAreKnown) {
   load(mirrored_normals(sphere(2000, 10, Vec3d(0, 0, 0))), std::vector<bool>(2000, true));
   EXPECT_EQ(estimate(), 0U);
   EXPECT_EQ(facing_the_wrong_way(), 0U);
@@ -256,7 +256,7 @@ TEST_F(NormalsTest, StayUnknownOnALineAndInOnePlace) {
   EXPECT_EQ(estimate(), 0U);
 }
 
-TEST_F(NormalsTest, OfVeryFewPointsAreNoError) {
+TEST_F(NormalsTest, OfVeryFewPointsGiveNoError) {
   for (std::uint32_t points = 1; points < 40; ++points) {
     load(sphere(points, 10, Vec3d(0, 0, 0)));
     EXPECT_LE(estimate(), points);
@@ -277,7 +277,7 @@ TEST_F(NormalsTest, AreTheSameBitsForAnyNumberOfThreads) {
   }
 }
 
-TEST_F(NormalsTest, TakeNoMoreOfTheArenaThanTheySayAndGiveItBack) {
+TEST_F(NormalsTest, TakeNoMoreMemoryThanPlannedAndReleaseIt) {
   for (const std::uint32_t points : {10U, 1000U, 30000U}) {
     load(sphere(points, 10, Vec3d(0, 0, 0)));
     const std::size_t before = arena_->used();
@@ -288,7 +288,7 @@ TEST_F(NormalsTest, TakeNoMoreOfTheArenaThanTheySayAndGiveItBack) {
   }
 }
 
-TEST_F(NormalsTest, SayThatTheArenaIsFull) {
+TEST_F(NormalsTest, ReturnOutOfMemoryWhenTheArenaIsFull) {
   load(sphere(30000, 10, Vec3d(0, 0, 0)));
   // Every amount that is too little by a step: no stage of the work may overlook it.
   for (std::size_t left = 0; left + 4096 < normals_bytes(30000); left += 16384) {

@@ -42,7 +42,7 @@ Slicing sliced(const Surface& surface, BaseChoice base) {
   return Slicing(binary_ply(surface), settings, 64 * kMiB);
 }
 
-TEST(BaseChoice, AnOpenUndersideIsClosedFlat) {
+TEST(BaseChoice, AutoClosesAnOpenUndersideFlat) {
   const Surface open = box_cut_off(0);
   const Slicing by_itself = sliced(open, BaseChoice::kAuto);
   const Slicing flat = sliced(open, BaseChoice::kFlat);
@@ -52,7 +52,7 @@ TEST(BaseChoice, AnOpenUndersideIsClosedFlat) {
   EXPECT_TRUE(std::ranges::equal(by_itself.rrep().pixel, flat.rrep().pixel));
 }
 
-TEST(BaseChoice, WithoutABaseARimThatRisesIsClosedAlongItself) {
+TEST(BaseChoice, NoneClosesASlopingRimAlongTheRim) {
   const Surface slanted = box_cut_off(0.3);
   const Slicing none = sliced(slanted, BaseChoice::kNone);
   EXPECT_FALSE(none.report().flat_underside);
@@ -64,7 +64,7 @@ TEST(BaseChoice, WithoutABaseARimThatRisesIsClosedAlongItself) {
   EXPECT_GT(flat.volume(), none.volume() + 50) << "it stands on the plane, which the shorter wall does not reach";
 }
 
-TEST(BaseChoice, AClosedObjectIsTheSameWithEach) {
+TEST(BaseChoice, DoesNotChangeAClosedObject) {
   const Surface closed = sphere(sphere_points(5, 0.15), 5, {0, 0, 0});
   const Slicing by_itself = sliced(closed, BaseChoice::kAuto);
   const Slicing none = sliced(closed, BaseChoice::kNone);

@@ -25,20 +25,20 @@ std::vector<Vec3f> cylinder(std::size_t count, float height, float noise) {
   return points;
 }
 
-TEST(BasePlane, OfWallsIsWhereTheyEndWhateverTheNoise) {
+TEST(BasePlane, IsWhereWallsEndDespiteNoise) {
   for (const float noise : {0.0F, 0.01F, 0.03F, 0.05F}) {
     EXPECT_NEAR(base_plane(cylinder(100'000, 3, noise), kLayer), 3, 0.02) << "noise " << noise << " mm";
   }
 }
 
-TEST(BasePlane, IsNotMovedByADozenStrays) {
+TEST(BasePlane, IsNotMovedByADozenOutliers) {
   auto points = cylinder(100'000, 3, 0.03F);
   for (int i = 0; i < 12; ++i) points.emplace_back(0.0F, 0.0F, 0.1F * static_cast<float>(i));
   EXPECT_NEAR(base_plane(points, kLayer), 3, 0.012);
 }
 
 // Flying pixels below a rim, as far down as half a millimetre: the plane was put where they begin.
-TEST(BasePlane, IsNotMovedByATailOfStraysBelowTheRim) {
+TEST(BasePlane, IsNotMovedByATailOfOutliersBelowTheRim) {
   auto points = cylinder(100'000, 3, 0.03F);
   std::mt19937 engine(8);
   std::uniform_real_distribution<float> uniform(0, 1);
@@ -46,7 +46,7 @@ TEST(BasePlane, IsNotMovedByATailOfStraysBelowTheRim) {
   EXPECT_NEAR(base_plane(points, kLayer), 3, 0.012);
 }
 
-TEST(BasePlane, OfSmallFeetIsWhereTheyEnd) {
+TEST(BasePlane, IsWhereSmallFeetEnd) {
   auto points = cylinder(100'000, 3, 0.01F);
   std::mt19937 engine(9);
   std::uniform_real_distribution<float> uniform(0, 1);
@@ -56,7 +56,7 @@ TEST(BasePlane, OfSmallFeetIsWhereTheyEnd) {
   EXPECT_NEAR(base_plane(points, kLayer), 2.5, 0.06);
 }
 
-TEST(BasePlane, OfASeenUndersideIsTheUnderside) {
+TEST(BasePlane, IsTheUndersideWhereItWasScanned) {
   auto points = cylinder(100'000, 3, 0.03F);
   std::mt19937 engine(6);
   std::uniform_real_distribution<float> uniform(-7, 7);
@@ -84,7 +84,7 @@ TEST(BasePlane, TouchesATip) {
   EXPECT_LE(below, 12);
 }
 
-TEST(BasePlane, OfFewPointsIsTheLowestButADozen) {
+TEST(BasePlane, OfFewPointsIsTheLowestAfterADozen) {
   std::vector<Vec3f> points;
   points.reserve(100);
   for (int i = 0; i < 100; ++i) points.emplace_back(0.0F, 0.0F, 0.01F * static_cast<float>(i));

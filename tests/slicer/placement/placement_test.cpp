@@ -27,14 +27,14 @@ PlacementSettings on_a_printer() {
   return settings;
 }
 
-TEST(Placement, KnowsHowLongTheUnitsAre) {
+TEST(Placement, KnowsTheLengthOfEachUnit) {
   EXPECT_EQ(millimetres_per(Units::kMillimetres), 1);
   EXPECT_EQ(millimetres_per(Units::kCentimetres), 10);
   EXPECT_EQ(millimetres_per(Units::kMetres), 1000);
   EXPECT_EQ(millimetres_per(Units::kInches), 25.4);
 }
 
-TEST(Placement, GuessesTheUnitThatMakesAThingForAPrinter) {
+TEST(Placement, GuessesTheUnitThatGivesAPrintableSize) {
   EXPECT_EQ(guess_units(80), Units::kMillimetres);
   EXPECT_EQ(guess_units(0.15), Units::kMetres);
   EXPECT_EQ(guess_units(7), Units::kCentimetres);
@@ -43,7 +43,7 @@ TEST(Placement, GuessesTheUnitThatMakesAThingForAPrinter) {
   EXPECT_EQ(guess_units(0), Units::kMillimetres);
 }
 
-TEST(Placement, InAGridOfItsOwnTheObjectStandsInTheFirstLayerInsideAMargin) {
+TEST(Placement, StandsInTheFirstLayerInsideAMarginWithoutAPrinter) {
   PlacementSettings settings;
   settings.pixel_pitch_mm = 0.1F;
   settings.layer_height_mm = 0.025F;
@@ -66,7 +66,7 @@ TEST(Placement, InAGridOfItsOwnTheObjectStandsInTheFirstLayerInsideAMargin) {
   }
 }
 
-TEST(Placement, OnAPrinterTheObjectStandsInTheMiddleOfThePanel) {
+TEST(Placement, StandsInTheMiddleOfThePanelOnAPrinter) {
   const Placement p = value_of(place(box_of({-5, 10, 7}, {25, 30, 47}), 1, on_a_printer()));
   EXPECT_EQ(p.grid.columns, 1440U);
   EXPECT_EQ(p.grid.rows, 2560U);
@@ -77,7 +77,7 @@ TEST(Placement, OnAPrinterTheObjectStandsInTheMiddleOfThePanel) {
   EXPECT_NEAR(middle[2], 0, 1e-9);
 }
 
-TEST(Placement, FitTakesTheLargestScaleThatThePrinterTakes) {
+TEST(Placement, FitUsesTheLargestScaleThatFitsThePrinter) {
   for (const Vec3d& size :
        {Vec3d(1, 1, 1), Vec3d(0.01, 0.02, 0.03), Vec3d(300, 1, 1), Vec3d(1, 3000, 1), Vec3d(1, 1, 1e6)}) {
     PlacementSettings settings = on_a_printer();
@@ -114,7 +114,7 @@ void expect_the_scale_of_the_message_to_fit(const Box3d& bounds, double unit_mm,
       << "much more would have fitted: " << refused.error().message();
 }
 
-TEST(Placement, WhatDoesNotFitThePrinterIsToldAScaleThatDoes) {
+TEST(Placement, SuggestsAScaleThatFitsThePrinter) {
   Random random(81);
   for (int i = 0; i < 200; ++i) {
     const Vec3d size(random.uniform(1, 100), random.uniform(1, 100), random.uniform(160, 400));
@@ -124,14 +124,14 @@ TEST(Placement, WhatDoesNotFitThePrinterIsToldAScaleThatDoes) {
 }
 
 // The scale was once cut after its fourth decimal: 0 for a scan in micrometres.
-TEST(Placement, WhatIsFarTooLargeForThePrinterIsToldAScaleThatFits) {
+TEST(Placement, SuggestsAScaleForAnObjectThatIsFarTooLarge) {
   for (const double size : {1e4, 3e5, 2e6, 7e7}) {
     expect_the_scale_of_the_message_to_fit(box_of({0, 0, 0}, {size, size, size}), 1, on_a_printer());
   }
 }
 
 // The scale was once rounded to four digits, and up as often as down.
-TEST(Placement, WhatNeedsTooManyPixelsIsToldAScaleThatFitsThem) {
+TEST(Placement, SuggestsAScaleForAGridOfTooManyPixels) {
   Random random(82);
   for (int i = 0; i < 200; ++i) {
     const Vec3d size(random.uniform(1000, 9000), random.uniform(1, 9000), random.uniform(1, 9000));
@@ -139,7 +139,7 @@ TEST(Placement, WhatNeedsTooManyPixelsIsToldAScaleThatFitsThem) {
   }
 }
 
-TEST(Placement, SaysByHowMuchItDoesNotFit) {
+TEST(Placement, SaysByHowMuchTheObjectIsTooLarge) {
   const auto refused = place(box_of({0, 0, 0}, {10, 10, 170}), 1, on_a_printer());
   ASSERT_FALSE(refused.has_value());
   const std::string message = refused.error().message();
@@ -151,7 +151,7 @@ TEST(Placement, SaysByHowMuchItDoesNotFit) {
 }
 
 // 150 mm over the float 0.05 is a little less than 3000: the last layer must not be lost to that.
-TEST(Placement, TakesTheWholeTravel) {
+TEST(Placement, UsesTheWholeTravel) {
   EXPECT_TRUE(place(box_of({0, 0, 0}, {10, 10, 150}), 1, on_a_printer()).has_value());
 }
 
@@ -175,7 +175,7 @@ TEST(RotationMatrix, TurnsRightHandedAboutXThenYThenZ) {
   EXPECT_EQ(rotation_matrix({90, 0, 90}) * Vec3d(0, 1, 0), Vec3d(0, 0, 1)) << "x first";
 }
 
-TEST(RotationMatrix, IsTheStandardLibrarysWithinALastBitAndOrthonormal) {
+TEST(RotationMatrix, AgreesWithTheStandardLibraryAndIsOrthonormal) {
   Random random(83);
   for (int i = 0; i < 20000; ++i) {
     const double angle = random.uniform(-400, 400);

@@ -183,7 +183,7 @@ std::string bytes_of_file(const std::filesystem::path& path) {
   return bytes.str();
 }
 
-TEST(ScanCorpus, EveryFileGivesItsPointsOrItsError) {
+TEST(ScanCorpus, EveryFileGivesTheExpectedPointsOrError) {
   if (!std::filesystem::exists(corpus()))
     GTEST_SKIP() << "needs " << corpus() << ", which is not part of the repository";
   for (const auto& file : kFiles) {
@@ -203,7 +203,7 @@ TEST(ScanCorpus, EveryFileGivesItsPointsOrItsError) {
   }
 }
 
-TEST(ScanCorpus, NoFileIsLeftOut) {
+TEST(ScanCorpus, TestsEveryFileOfTheFolder) {
   if (!std::filesystem::exists(corpus()))
     GTEST_SKIP() << "needs " << corpus() << ", which is not part of the repository";
   std::map<std::string, int> known;

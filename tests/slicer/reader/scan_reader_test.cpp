@@ -71,7 +71,7 @@ std::vector<Sample> samples(int points) {
   };
 }
 
-TEST(ScanReader, EveryFormatGivesTheSamePoints) {
+TEST(ScanReader, ReadsTheSamePointsFromEveryFormat) {
   for (const auto& sample : samples(3000)) {
     const auto reading = read(sample.bytes, sample.name);
     ASSERT_TRUE(reading.summary.has_value()) << reading.message();
@@ -90,7 +90,7 @@ TEST(ScanReader, EveryFormatGivesTheSamePoints) {
   }
 }
 
-TEST(ScanReader, ThePiecesInWhichBytesComeDoNotMatter) {
+TEST(ScanReader, DoesNotDependOnTheSizeOfTheReads) {
   for (const auto& sample : samples(1500)) {
     const auto whole = read(sample.bytes, sample.name);
     for (const auto& pieces : std::vector<std::vector<std::size_t>>{{1}, {3}, {1, 2, 5000, 7}, {65535}, {4096}}) {
@@ -102,7 +102,7 @@ TEST(ScanReader, ThePiecesInWhichBytesComeDoNotMatter) {
   }
 }
 
-TEST(ScanReader, EveryTruncationEndsWithAnErrorOrWithTheFirstPoints) {
+TEST(ScanReader, ReadsATruncatedFileAsAnErrorOrAsItsFirstPoints) {
   for (const auto& sample : samples(5)) {
     const auto whole = read(sample.bytes, sample.name);
     ASSERT_TRUE(whole.summary.has_value()) << whole.message();
@@ -123,7 +123,7 @@ TEST(ScanReader, EveryTruncationEndsWithAnErrorOrWithTheFirstPoints) {
   }
 }
 
-TEST(ScanReader, OneWrongByteAnywhereNeverBreaksTheReader) {
+TEST(ScanReader, SurvivesAnySingleWrongByte) {
   for (const auto& sample : samples(3)) {
     for (std::size_t at = 0; at < sample.bytes.size(); ++at) {
       for (const int flip : {0x01, 0x20, 0x80, 0xff}) {
@@ -139,7 +139,7 @@ TEST(ScanReader, OneWrongByteAnywhereNeverBreaksTheReader) {
   }
 }
 
-TEST(ScanReader, TellsProgressByBytesAndEndsWithOne) {
+TEST(ScanReader, ReportsProgressByBytesAndEndsAtOne) {
   const auto all = samples(10000);
   const auto reading = read(all[0].bytes, all[0].name);
   ASSERT_TRUE(reading.summary.has_value());
@@ -164,7 +164,7 @@ TEST(ScanReader, StopsWhenTheSinkCancels) {
   }
 }
 
-TEST(ScanReader, ErrorsOfTheSourceAndOfTheSinkComeThroughAsTheyAre) {
+TEST(ScanReader, ReturnsErrorsOfSourceAndSinkUnchanged) {
   for (const auto& sample : samples(5000)) {
     for (const std::size_t position : {std::size_t{0}, std::size_t{65536}}) {
       if (position >= sample.bytes.size()) continue;
@@ -188,7 +188,7 @@ TEST(ScanReader, ErrorsOfTheSourceAndOfTheSinkComeThroughAsTheyAre) {
   }
 }
 
-TEST(ScanReader, AWorkspaceOfAnyAlignmentWillDo) {
+TEST(ScanReader, AcceptsAWorkspaceOfAnyAlignment) {
   const auto all = samples(10);
   for (const auto& sample : all) {
     std::vector<std::byte> memory(kReaderWorkspace + 3);
@@ -198,14 +198,14 @@ TEST(ScanReader, AWorkspaceOfAnyAlignmentWillDo) {
   }
 }
 
-TEST(ScanReader, AWorkspaceThatIsTooSmallIsOutOfMemory) {
+TEST(ScanReader, ReturnsOutOfMemoryForATooSmallWorkspace) {
   for (const auto& sample : samples(10)) {
     EXPECT_EQ(read(sample.bytes, sample.name, {}, 1024).code(), ErrorCode::kOutOfMemory);
   }
 }
 
 /// Files that promise more than there is, or hold one thing a million times. None may take memory or time beyond its bytes.
-TEST(HostileHeaders, EndQuicklyWhateverTheyPromise) {
+TEST(HostileHeaders, EndQuicklyWhateverTheyDeclare) {
   std::string properties;
   for (int i = 0; i < 10000; ++i) properties += "property double p" + std::to_string(i) + "\n";
   std::string lists = replaced(properties, "property double", "property list uint double");
@@ -260,7 +260,7 @@ TEST(HostileHeaders, EndQuicklyWhateverTheyPromise) {
   }
 }
 
-TEST(HostileHeaders, TenThousandPropertiesAreReadWhereTheyAreThere) {
+TEST(HostileHeaders, AllowTenThousandPropertiesThatExist) {
   std::string file = "ply\nformat binary_little_endian 1.0\nelement vertex 2\n";
   for (int i = 0; i < 10000; ++i) file += "property double p\n";
   file += "property uchar x\nproperty uchar y\nproperty uchar z\nend_header\n";
@@ -270,7 +270,7 @@ TEST(HostileHeaders, TenThousandPropertiesAreReadWhereTheyAreThere) {
   EXPECT_TRUE(same_points(reading.points(), {{'a', 'b', 'c', 0, 0, 0}, {'a', 'b', 'c', 0, 0, 0}}));
 }
 
-TEST(HostileHeaders, ALineOfAHundredMegabytesIsNoReasonToHangOrToGrow) {
+TEST(HostileHeaders, ALineOfAHundredMegabytesTakesNoExtraTimeOrMemory) {
   constexpr std::uint64_t kPieces = 10'000'000;
   const std::string head =
       "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n";

@@ -47,7 +47,7 @@ struct Sliced {
   Expected<RRep> rrep;
 };
 
-TEST(ScanSources, MakeTheSameObjectAsTheirPointsInOneFile) {
+TEST(ScanSources, GiveTheSameObjectAsOneFile) {
   const Halves halves(30'000, 11'000);
   const std::string whole = binary_ply(halves.whole);
   const Sliced one({MemorySource(whole, "whole.ply")});
@@ -86,7 +86,7 @@ TEST(ScanSources, ArePlannedAndThinnedTogether) {
   EXPECT_EQ(read({top, bottom}, 100 * kMiB).plan.points, read({one}, 100 * kMiB).plan.points);
 }
 
-TEST(ScanSources, NameTheFileThatIsWrong) {
+TEST(ScanSources, NameTheFileWithTheError) {
   const Halves halves(20'000, 9000);
   const std::string cut = halves.bottom.substr(0, halves.bottom.size() / 2);
   const MemorySource top(halves.top, "top.ply");
@@ -127,7 +127,7 @@ TEST(ScanSources, MayHaveNormalsInOneFileAndNoneInAnother) {
   EXPECT_NEAR(volume, 4.0 / 3 * kPi * 1000, 40);
 }
 
-TEST(ScanSources, NeedNoSizes) {
+TEST(ScanSources, MayHaveUnknownSizes) {
   const Halves halves(20'000, 9000);
   MemorySource top(halves.top, "top.ply");
   MemorySource bottom(halves.bottom, "bottom.ply");

@@ -9,7 +9,7 @@ namespace {
 using ::testing::HasSubstr;
 using std::string_literals::operator""s;
 
-TEST(FormatProbe, SaysWhatAFileIsThatIsNoScanAndWhatToDo) {
+TEST(FormatProbe, NamesAFormatThatIsNoScanAndSaysWhatToDo) {
   const std::tuple<std::string, const char*, const char*> cases[] = {
       {"\x1f\x8b\x08\x00 rest"s, "gzip", "unpack it"},
       {"PK\x03\x04 rest", "zip", "unpack it"},
@@ -32,7 +32,7 @@ TEST(FormatProbe, SaysWhatAFileIsThatIsNoScanAndWhatToDo) {
   }
 }
 
-TEST(FormatProbe, TextInWideCharactersIsUnsupportedWithAndWithoutMark) {
+TEST(FormatProbe, RefusesWideTextWithAndWithoutByteOrderMark) {
   std::string wide, swapped, four;
   for (const char c : "v 1 2 3\nv 4 5 6\n"s) {
     wide += c;
@@ -52,18 +52,18 @@ TEST(FormatProbe, TextInWideCharactersIsUnsupportedWithAndWithoutMark) {
   EXPECT_THAT(reading.message(), HasSubstr("UTF-32"));
 }
 
-TEST(FormatProbe, AnEmptyFileHasNoPoints) {
+TEST(FormatProbe, FindsNoPointsInAnEmptyFile) {
   for (const char* name : {"a.ply", "a.obj", "a.xyz", "a"}) EXPECT_EQ(read("", name).code(), ErrorCode::kNoPoints);
   EXPECT_THAT(read("", "a.ply").message(), HasSubstr("0 bytes"));
 }
 
-TEST(FormatProbe, TheBytesCountMoreThanTheName) {
+TEST(FormatProbe, PrefersTheBytesToTheName) {
   EXPECT_EQ(read("v 1 2 3\n", "scan.xyz").summary->header.format, ScanFormat::kObj);
   EXPECT_EQ(read("1 2 3\n", "scan.ply").summary->header.format, ScanFormat::kXyz);
   EXPECT_EQ(read("# hello\n\n  mtllib x\nv 1 2 3\n", "scan").summary->header.format, ScanFormat::kObj);
 }
 
-TEST(FormatProbe, TheNameDecidesWhereTheFirstLineDoesNotTell) {
+TEST(FormatProbe, UsesTheNameIfTheFirstLineIsUndecided) {
   const std::string table = "left right up\n1 2 3\n";
   EXPECT_EQ(read(table, "SCAN.XYZ").summary->header.format, ScanFormat::kXyz);
   EXPECT_EQ(read(table, "scan.csv").summary->header.format, ScanFormat::kXyz);
@@ -71,7 +71,7 @@ TEST(FormatProbe, TheNameDecidesWhereTheFirstLineDoesNotTell) {
   EXPECT_EQ(read("exported by a program\nv 1 2 3\n", "scan.obj").summary->header.format, ScanFormat::kObj);
 }
 
-TEST(FormatProbe, BinaryRubbishIsOfUnknownFormatUnderAnyName) {
+TEST(FormatProbe, RefusesBinaryRubbishUnderAnyName) {
   const auto rubbish = "\x01\x00\x00\x00\x03\x7f\x00\x00 abc\n"s;
   for (const char* name : {"a.ply", "a.obj", "a.xyz", "a.pcd", "a.meshb"}) {
     const auto reading = read(rubbish, name);
@@ -80,12 +80,12 @@ TEST(FormatProbe, BinaryRubbishIsOfUnknownFormatUnderAnyName) {
   }
 }
 
-TEST(FormatProbe, AWordThatBeginsLikeAMarkIsNone) {
+TEST(FormatProbe, IgnoresAWordThatOnlyBeginsLikeASignature) {
   EXPECT_EQ(read("plywood\n", "a").code(), ErrorCode::kUnknownFormat);
   EXPECT_EQ(read("OFFSET 1\n", "a").code(), ErrorCode::kUnknownFormat);
 }
 
-TEST(FormatProbe, ALongNameDoesNotPushTheReasonOutOfTheMessage) {
+TEST(FormatProbe, ALongNameLeavesRoomForTheReason) {
   const auto reading = read("", std::string(1000, 'd') + "/bust.ply");
   EXPECT_THAT(reading.message(), HasSubstr("/bust.ply: the file is empty"));
 }

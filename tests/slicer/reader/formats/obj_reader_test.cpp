@@ -30,22 +30,22 @@ TEST(ObjReader, ReadsVerticesAndIgnoresEverythingElse) {
   expect_points(read("\xef\xbb\xbf" + file), kBare, false);
 }
 
-TEST(ObjReader, WeightsAndColoursBehindTheCoordinatesDoNotMatter) {
+TEST(ObjReader, IgnoresWeightsAndColoursAfterTheCoordinates) {
   expect_points(read("v 1 2 3 1.0\nv 4 5 6 0.5 0.5 0.5\n"), kBare, false);
 }
 
-TEST(ObjReader, ANormalBeforeOrBehindEachVertexIsItsNormal) {
+TEST(ObjReader, TakesANormalBeforeOrAfterEachVertex) {
   expect_points(read("vn 0 0 1\nv 1 2 3\nvn 0 1 0\nv 4 5 6\n"), kWithNormals, true);
   expect_points(read("v 1 2 3\nvn 0 0 1\nv 4 5 6\nvn 0 1 0\n"), kWithNormals, true);
   expect_points(read("v 1 2 3\n# a\nvt 0 0\nvn 0 0 1\n\nv 4 5 6\nvn 0 1 0\nf 1//1 2//2\n"), kWithNormals, true);
 }
 
-TEST(ObjReader, NormalsInABlockOfTheirOwnAreLeftOut) {
+TEST(ObjReader, IgnoresNormalsInASeparateBlock) {
   expect_points(read("v 1 2 3\nv 4 5 6\nvn 0 0 1\nvn 0 1 0\n"), kBare, false);
   expect_points(read("vn 0 0 1\nvn 0 1 0\nv 1 2 3\nv 4 5 6\n"), kBare, false);
 }
 
-TEST(ObjReader, WhereThePatternBreaksAPointHasNoNormal) {
+TEST(ObjReader, LeavesAPointWithoutNormalWhereThePatternBreaks) {
   expect_points(read("vn 0 0 1\nv 1 2 3\nv 4 5 6\n"), {kWithNormals[0], kBare[1]}, true);
   expect_points(read("v 1 2 3\nvn 0 0 1\nv 4 5 6\nvn 0 1 0\nvn 1 0 0\n"), {kWithNormals[0], kBare[1]}, true);
   expect_points(read("vn 0 0 1\nv 1 2 3\nvn 0 1 0\nvn 1 0 0\nv 4 5 6\n"), {kWithNormals[0], kBare[1]}, true);
@@ -62,7 +62,7 @@ TEST(ObjReader, ABackslashContinuesTheLine) {
   EXPECT_EQ(read(parts + "2 3\n", "a.obj").code(), ErrorCode::kUnsupported);
 }
 
-TEST(ObjReader, LinesOfAnyLengthAreSkippedInPieces) {
+TEST(ObjReader, SkipsLinesOfAnyLength) {
   std::string face = "f";
   for (int i = 0; i < 100000; ++i) face += " 1 2";
   expect_points(read("v 1 2 3\n" + face + "\nv 4 5 6\n"), kBare, false);
@@ -71,12 +71,12 @@ TEST(ObjReader, LinesOfAnyLengthAreSkippedInPieces) {
   expect_points(read(std::string("v 1 2 3") + std::string(200000, ' ') + "\nv 4 5 6\n"), kBare, false);
 }
 
-TEST(ObjReader, HalfANumberAtTheEndOfALineThatIsTooLongDoesNotPassForANumber) {
+TEST(ObjReader, DoesNotReadHalfANumberAtTheEndOfACutLine) {
   const auto reading = read(std::string("v 1 2") + std::string(65536 - 8, ' ') + "1.2345\n", "a.obj");
   EXPECT_EQ(reading.code(), ErrorCode::kUnsupported) << reading.message();
 }
 
-TEST(ObjReader, NamesTheLineThatIsWrong) {
+TEST(ObjReader, NamesTheLineWithTheError) {
   const auto reading = read("v 1 2 3\nv 4 XXX5 6\n", "head.obj");
   EXPECT_EQ(reading.code(), ErrorCode::kMalformed);
   EXPECT_THAT(reading.message(), HasSubstr("head.obj: line 2: expected a number for y, found 'XXX5'"));
@@ -86,7 +86,7 @@ TEST(ObjReader, NamesTheLineThatIsWrong) {
   EXPECT_EQ(read("v 1 2 3\nv 4 5").code(), ErrorCode::kTruncated);
 }
 
-TEST(ObjReader, AFileWithoutVerticesHasNoPoints) {
+TEST(ObjReader, FindsNoPointsInAFileWithoutVertices) {
   EXPECT_EQ(read("o head\nf 1 2 3\n").code(), ErrorCode::kNoPoints);
   const auto nowhere = read("v inf nan +inf\nv 3 NaN -NaN\n");
   EXPECT_EQ(nowhere.code(), ErrorCode::kNoPoints);

@@ -36,7 +36,7 @@ TEST(PcdReader, ReadsAllThreeEncodings) {
                 kTwo);
 }
 
-TEST(PcdReader, TakesEveryKindOfLineEnd) {
+TEST(PcdReader, AcceptsEveryLineEnd) {
   for (const char* end : {"\r\n", "\r"}) {
     expect_points(read(replaced(kHead + "DATA ascii\n1 2 3\n-4 5.5 60\n", "\n", end)), kTwo);
     expect_points(read(replaced(kHead + "DATA binary\n", "\n", end) + little(1.0F, 2.0F, 3.0F, -4.0F, 5.5F, 60.0F)),
@@ -44,7 +44,7 @@ TEST(PcdReader, TakesEveryKindOfLineEnd) {
   }
 }
 
-TEST(PcdReader, OlderVersionsMayLeaveOutHeightViewpointAndPoints) {
+TEST(PcdReader, DoesNotNeedHeightViewpointAndPointsInOlderVersions) {
   for (const char* version : {".5", "0.5", ".6", ".7"}) {
     expect_points(read(std::string("# .PCD v.5\nVERSION ") + version +
                        "\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 2\nDATA ascii\n1 2 3\n-4 5.5 60\n"),
@@ -62,7 +62,7 @@ const std::string kOddHead =
     "I F U U F F\nCOUNT 3 1 1 1 1 1 5 1 1 0\nWIDTH 1\nHEIGHT 2\nPOINTS 2\n";
 const std::vector<ScanPoint> kOdd = {{-7, 4e9, 0.125, 0, 1, 0}, {9, 1, -8, -1, 0, 0}};
 
-TEST(PcdReader, FieldsMayStandInAnyOrderWithPaddingAndAnyType) {
+TEST(PcdReader, AcceptsFieldsOfAnyOrderPaddingAndType) {
   const auto row = [](float ny, double z, std::int16_t x, float nz, std::uint32_t y, double nx) {
     return "___" + little(ny, z) + "rgba" + little(x, nz) + "descr" + little(y, nx);
   };
@@ -87,13 +87,13 @@ TEST(PcdReader, DropsAndCountsPointsThatAreNotFinite) {
   EXPECT_EQ(binary.summary->not_finite, 1U);
 }
 
-TEST(PcdReader, SaysHowManyPointsOfHowManyCame) {
+TEST(PcdReader, SaysHowManyOfTheDeclaredPointsItRead) {
   for (const auto& file :
        {kHead + "DATA ascii\n1 2 3\n", kHead + "DATA binary\n" + little(1.0F, 2.0F, 3.0F, -4.0F, 5.5F)}) {
     const auto reading = read(file, "bust.pcd");
     EXPECT_EQ(reading.code(), ErrorCode::kTruncated);
     EXPECT_THAT(reading.message(), HasSubstr("bust.pcd: "));
-    EXPECT_THAT(reading.message(), HasSubstr("after 1 of the 2 points"));
+    EXPECT_THAT(reading.message(), HasSubstr("with 1 of the 2 points"));
   }
   const auto whole = kHead + "DATA binary_compressed\n" + compressed(little(1.0F, -4.0F, 2.0F, 5.5F, 3.0F, 60.0F));
   const auto cut = read(whole.substr(0, whole.size() - 3));
@@ -101,7 +101,7 @@ TEST(PcdReader, SaysHowManyPointsOfHowManyCame) {
   EXPECT_THAT(cut.message(), HasSubstr("of the 2 points"));
 }
 
-TEST(PcdReader, RefusesHeadersThatMakeNoSense) {
+TEST(PcdReader, RefusesInvalidHeaders) {
   const auto file = kHead + "DATA ascii\n1 2 3\n-4 5.5 60\n";
   const std::pair<std::string, ErrorCode> cases[] = {
       {replaced(file, "POINTS 2", "POINTS 3"), ErrorCode::kMalformed},
@@ -145,14 +145,14 @@ std::string curve(std::size_t points, std::vector<ScanPoint>& truth) {
          count + "\nDATA binary_compressed\n" + compressed(x + y + z);
 }
 
-TEST(PcdReader, CompressedColumnsLongerThanTheWindowOfTheCompressionComeOutWhole) {
+TEST(PcdReader, ReadsCompressedColumnsLongerThanTheWindow) {
   std::vector<ScanPoint> truth;
   const auto file = curve(20000, truth);
   expect_points(read(file), truth);
   expect_points(read(file, "scan", {1, 7, 4096}), truth);
 }
 
-TEST(PcdReader, CompressedColumnsThatDoNotFitAreRefusedBeforehandAndFitInALargerWorkspace) {
+TEST(PcdReader, RefusesCompressedColumnsThatDoNotFitTheWorkspace) {
   // 60,000 points of zeros: references of the greatest length, to the byte before.
   std::string block(1, '\0');
   block += '\0';
@@ -174,14 +174,14 @@ TEST(PcdReader, CompressedColumnsThatDoNotFitAreRefusedBeforehandAndFitInALarger
   EXPECT_EQ(refused.code(), ErrorCode::kUnsupported);
   EXPECT_THAT(refused.message(), HasSubstr("bust.pcd: "));
   EXPECT_THAT(refused.message(), HasSubstr("60000 points"));
-  EXPECT_THAT(refused.message(), HasSubstr("save it as binary"));
+  EXPECT_THAT(refused.message(), HasSubstr("Save the file as binary"));
   EXPECT_TRUE(refused.sink.points.empty());
   const auto read_whole = read(file, "bust.pcd", {}, 2 * kReaderWorkspace);
   ASSERT_TRUE(read_whole.summary.has_value()) << read_whole.message();
   EXPECT_EQ(read_whole.summary->points, 60000U);
 }
 
-TEST(PcdReader, CompressedBlocksThatContradictThemselvesAreMalformed) {
+TEST(PcdReader, RefusesInvalidCompressedBlocks) {
   const auto columns = little(1.0F, -4.0F, 2.0F, 5.5F, 3.0F, 60.0F);
   const auto block = lzf_compress(columns);
   const auto head = kHead + "DATA binary_compressed\n";

@@ -32,14 +32,14 @@ TEST(PlyReader, ReadsAsciiWithNormalsAndIgnoresFaces) {
   expect_ascii_cube(reading);
 }
 
-TEST(PlyReader, TakesEveryKindOfLineEnd) {
+TEST(PlyReader, AcceptsEveryLineEnd) {
   for (const char* end : {"\r\n", "\r", "\r\r\n"}) {
     auto reading = read(replaced(kAsciiCube, "\n", end));
     expect_ascii_cube(reading);
   }
 }
 
-TEST(PlyReader, ToleratesAByteOrderMarkAndExtraWhiteSpace) {
+TEST(PlyReader, AcceptsAByteOrderMarkAndExtraWhiteSpace) {
   auto marked = read("\xef\xbb\xbf" + kAsciiCube);
   expect_ascii_cube(marked);
   auto spaced = read(replaced(replaced(kAsciiCube, " ", " \t "), "\n", "  \n\n \n"));
@@ -73,7 +73,7 @@ TEST(PlyReader, ReadsBothByteOrdersAnyTypesAnyOrderListsAndElementsBeforeTheVert
   }
 }
 
-TEST(PlyReader, BehindAHeadThatEndsItsLinesWithCrTheFirstDataByteMayBeALineFeed) {
+TEST(PlyReader, ReadsALineFeedAsDataAfterAHeaderWithCrLineEnds) {
   std::string head =
       "ply\rformat binary_little_endian 1.0\relement vertex 1\rproperty uchar x\rproperty uchar "
       "y\rproperty uchar z\rend_header\r";
@@ -82,7 +82,7 @@ TEST(PlyReader, BehindAHeadThatEndsItsLinesWithCrTheFirstDataByteMayBeALineFeed)
   EXPECT_TRUE(same_points(reading.points(), {{10, 13, 10, 0, 0, 0}}));
 }
 
-TEST(PlyReader, SkipsAsciiElementsAndListsWhereverTheyStand) {
+TEST(PlyReader, SkipsAsciiElementsAndListsAnywhere) {
   auto reading = read(
       "ply\nformat ascii 1.0\nelement strip 2\nproperty list int int i\nelement vertex 2\nproperty list uchar int "
       "neighbours\nproperty int y\nproperty float s\nproperty int x\nproperty int z\nproperty list uchar int "
@@ -92,7 +92,7 @@ TEST(PlyReader, SkipsAsciiElementsAndListsWhereverTheyStand) {
   EXPECT_FALSE(reading.summary->header.has_normals);
 }
 
-TEST(PlyReader, TwoOfThreeNormalPropertiesAreNoNormals) {
+TEST(PlyReader, NeedsAllThreePropertiesOfANormal) {
   auto reading = read(replaced(kAsciiCube, "property float nz", "property float curvature"));
   ASSERT_TRUE(reading.summary.has_value());
   EXPECT_FALSE(reading.summary->header.has_normals);
@@ -111,7 +111,7 @@ TEST(PlyReader, DropsAndCountsPointsThatAreNotFinite) {
   EXPECT_TRUE(same_points(reading.points(), {{1, 2, 3, 0, 0, 0}, {0, 0, 0, 0, 0, 0}}));
 }
 
-TEST(PlyReader, ANormalThatIsNoNumberOrTooLargeForAFloatIsNone) {
+TEST(PlyReader, DropsNormalsThatAreNanOrTooLargeForAFloat) {
   auto reading = read(
       "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty double "
       "nx\nproperty double ny\nproperty double nz\nend_header\n1 2 3 nan 0 1\n1 2 3 0 1e300 1\n1 2 3 0 0 30\n");
@@ -120,26 +120,26 @@ TEST(PlyReader, ANormalThatIsNoNumberOrTooLargeForAFloatIsNone) {
   EXPECT_EQ(reading.summary->without_normal, 2U);
 }
 
-TEST(PlyReader, IgnoresDataBehindThePromisedCount) {
+TEST(PlyReader, IgnoresDataAfterTheDeclaredCount) {
   auto reading = read(replaced(kAsciiCube, "vertex 3", "vertex 2"));
   ASSERT_TRUE(reading.summary.has_value());
   EXPECT_EQ(reading.summary->points, 2U);
 }
 
-TEST(PlyReader, SaysHowManyPointsOfHowManyCame) {
+TEST(PlyReader, SaysHowManyOfTheDeclaredPointsItRead) {
   auto ascii = read(replaced(kAsciiCube, "vertex 3", "vertex 9"), "bust.ply");
   EXPECT_EQ(ascii.code(), ErrorCode::kMalformed) << "the row of a face is not a point";
   auto shorter = read(kAsciiCube.substr(0, kAsciiCube.find("7 8 9")), "bust.ply");
   EXPECT_EQ(shorter.code(), ErrorCode::kTruncated);
   EXPECT_THAT(shorter.message(), HasSubstr("bust.ply: "));
-  EXPECT_THAT(shorter.message(), HasSubstr("after 2 of the 3 points"));
+  EXPECT_THAT(shorter.message(), HasSubstr("with 2 of the 3 points"));
   const auto whole = binary_with_everything<std::endian::little>();
   auto binary = read(whole.substr(0, whole.size() - 1), "bust.ply");
   EXPECT_EQ(binary.code(), ErrorCode::kTruncated);
-  EXPECT_THAT(binary.message(), HasSubstr("after 1 of the 2 points"));
+  EXPECT_THAT(binary.message(), HasSubstr("with 1 of the 2 points"));
 }
 
-TEST(PlyReader, ARowThatEndsWithTheFileWasCutOffAndOneThatEndsWithItsLineIsWrong) {
+TEST(PlyReader, DistinguishesATruncatedRowFromAnIncompleteOne) {
   const auto start = kAsciiCube.substr(0, kAsciiCube.find("7 8 9"));
   EXPECT_EQ(read(start + "7 8").code(), ErrorCode::kTruncated);
   EXPECT_EQ(read(start + "7 8 -").code(), ErrorCode::kTruncated);
@@ -148,18 +148,18 @@ TEST(PlyReader, ARowThatEndsWithTheFileWasCutOffAndOneThatEndsWithItsLineIsWrong
   EXPECT_THAT(wrong.message(), HasSubstr("line 17: too few numbers"));
 }
 
-TEST(PlyReader, NamesTheLineAndTheWordThatIsNoNumber) {
+TEST(PlyReader, NamesTheLineAndTheWordThatIsNotANumber) {
   const auto reading = read(replaced(kAsciiCube, "+2", "2,5"), "bust.ply");
   EXPECT_EQ(reading.code(), ErrorCode::kMalformed);
   EXPECT_THAT(reading.message(), HasSubstr("bust.ply: line 16: expected a number for y, found '2,5'"));
 }
 
-TEST(PlyReader, RowsWrappedOverTwoLinesAreRefusedRatherThanMisread) {
+TEST(PlyReader, RefusesRowsWrappedOverTwoLines) {
   const auto reading = read(replaced(kAsciiCube, "1e1 0 0 1", "1e1\n0 0 1"));
   EXPECT_EQ(reading.code(), ErrorCode::kMalformed);
 }
 
-TEST(PlyReader, AListThatIsMissingAtTheEndOfARowIsEmpty) {
+TEST(PlyReader, TakesAMissingListAtTheEndOfARowAsEmpty) {
   auto reading = read(
       "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\nproperty list "
       "uchar uint vertex_indices\nend_header\n1 2 3\n4 5 6\n");
@@ -167,14 +167,14 @@ TEST(PlyReader, AListThatIsMissingAtTheEndOfARowIsEmpty) {
   EXPECT_EQ(reading.summary->points, 2U);
 }
 
-TEST(PlyReader, AForgottenCommentKeywordIsForgivenBeforeTheFirstElementOnly) {
+TEST(PlyReader, IgnoresUnknownLinesOnlyBeforeTheFirstElement) {
   EXPECT_TRUE(read(replaced(kAsciiCube, "comment made", "made")).summary.has_value());
   const auto reading = read(replaced(kAsciiCube, "property float y", "propery float y"));
   EXPECT_EQ(reading.code(), ErrorCode::kMalformed);
   EXPECT_THAT(reading.message(), HasSubstr("line 7"));
 }
 
-TEST(PlyReader, RefusesHeadersThatMakeNoSense) {
+TEST(PlyReader, RefusesInvalidHeaders) {
   const std::pair<std::string, ErrorCode> cases[] = {
       {replaced(kAsciiCube, "ascii 1.0", "ascii 2.0"), ErrorCode::kUnsupported},
       {replaced(kAsciiCube, "ascii 1.0", "utf8 1.0"), ErrorCode::kMalformed},
@@ -197,13 +197,13 @@ TEST(PlyReader, RefusesHeadersThatMakeNoSense) {
   for (const auto& [file, code] : cases) EXPECT_EQ(read(file).code(), code) << file;
 }
 
-TEST(PlyReader, ANegativeListLengthInABinaryFileIsMalformed) {
+TEST(PlyReader, RefusesANegativeListLength) {
   const auto reading = read(
       "ply\nformat binary_little_endian 1.0\nelement vertex 1\nproperty list int8 float l\nproperty uchar x\nproperty "
       "uchar y\nproperty uchar z\nend_header\n\xff"
       "abc");
   EXPECT_EQ(reading.code(), ErrorCode::kMalformed);
-  EXPECT_THAT(reading.message(), HasSubstr("this one says -1"));
+  EXPECT_THAT(reading.message(), HasSubstr("claims to have -1 items"));
 }
 
 }  // namespace

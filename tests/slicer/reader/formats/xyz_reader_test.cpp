@@ -18,7 +18,7 @@ void expect_points(Reading reading, const std::vector<ScanPoint>& points, bool n
 const std::vector<ScanPoint> kTwo = {{1, 2, 3, 0, 0, 0}, {-4, 5.5, 60, 0, 0, 0}};
 const std::vector<ScanPoint> kTwoNormals = {{1, 2, 3, 0, 0, 1}, {-4, 5.5, 60, 0.6F, -0.8F, 0}};
 
-TEST(XyzReader, TakesEverySeparatorAndEveryLineEnd) {
+TEST(XyzReader, AcceptsEverySeparatorAndLineEnd) {
   for (const char* separator : {" ", "\t", ",", ";", ", ", " ; ", "   "}) {
     for (const char* end : {"\n", "\r\n", "\r", " \n", "\n\n"}) {
       const auto file = replaced(replaced("1_2_3\n-4_5.5_6e1\n", "_", separator), "\n", end);
@@ -28,13 +28,13 @@ TEST(XyzReader, TakesEverySeparatorAndEveryLineEnd) {
   }
 }
 
-TEST(XyzReader, GoesPastCommentsAHeaderLineAndAByteOrderMark) {
+TEST(XyzReader, SkipsCommentsAHeaderLineAndAByteOrderMark) {
   expect_points(read("\xef\xbb\xbf# one\n// two\n; three\n  # four\n\nX Y Z\n1 2 3\n# five\n-4 5.5 60\n; six", "a.xyz"),
                 kTwo, false);
   expect_points(read("Easting;Northing;Height\n1;2;3\n-4;5.5;60\n", "a.csv"), kTwo, false);
 }
 
-TEST(XyzReader, ThePointCountOfPtsIsAPromise) {
+TEST(XyzReader, ChecksThePointCountOfPts) {
   expect_points(read("2\n1 2 3\n-4 5.5 60\n"), kTwo, false);
   expect_points(read("1\n1 2 3\n1\n-4 5.5 60\n"), kTwo, false);
   EXPECT_EQ(read("2\n1 2 3\n-4 5.5 60\n").summary->header.declared_points, 2U);
@@ -45,7 +45,7 @@ TEST(XyzReader, ThePointCountOfPtsIsAPromise) {
   EXPECT_EQ(read("18446744073709551615\n1 2 3\n-4 5.5 60\n").code(), ErrorCode::kTruncated);
 }
 
-TEST(XyzReader, ACountBetweenPartsIsFoundBehindTheSampledRowsToo) {
+TEST(XyzReader, FindsACountBetweenPartsAfterTheSampledRows) {
   std::string part = "100\n";
   for (int i = 0; i < 100; ++i) part += "1 2 3\n";
   const auto reading = read(part + part);
@@ -53,24 +53,24 @@ TEST(XyzReader, ACountBetweenPartsIsFoundBehindTheSampledRowsToo) {
   EXPECT_EQ(reading.summary->points, 200U);
 }
 
-TEST(XyzReader, ThreeColumnsOfLengthOneAreNormals) {
+TEST(XyzReader, TakesThreeColumnsOfLengthOneForNormals) {
   expect_points(read("1 2 3 0 0 1\n-4 5.5 60 .6 -.8 0\n"), kTwoNormals, true);
   expect_points(read("1 2 3 0 0 1 0.5\n-4 5.5 60 .6 -.8 0 0.5\n"), kTwoNormals, true);
 }
 
-TEST(XyzReader, NormalsBehindColoursAndIntensityAreFound) {
+TEST(XyzReader, FindsNormalsAfterColoursAndIntensity) {
   expect_points(read("1 2 3 255 0 9 0 0 1\n-4 5.5 60 7 7 7 .6 -.8 0\n"), kTwoNormals, true);
   expect_points(read("1 2 3 -500 255 0 9 0 0 1\n-4 5.5 60 20 7 7 7 .6 -.8 0\n"), kTwoNormals, true);
 }
 
-TEST(XyzReader, ARowWithoutANormalAmongOthersHasAZeroNormal) {
+TEST(XyzReader, GivesARowWithoutNormalAZeroNormal) {
   const auto reading = read("1 2 3 0 0 0\n-4 5.5 60 .6 -.8 0\n1 1 1 nan nan nan\n");
   ASSERT_TRUE(reading.summary.has_value());
   EXPECT_TRUE(reading.summary->header.has_normals);
   EXPECT_EQ(reading.summary->without_normal, 2U);
 }
 
-TEST(XyzReader, ColoursIntensitiesAndBlackAreNoNormals) {
+TEST(XyzReader, DoesNotTakeColoursIntensitiesOrBlackForNormals) {
   expect_points(read("1 2 3 255 128 0\n-4 5.5 60 1 0 0\n"), kTwo, false);
   expect_points(read("1 2 3 0.5 0.5 0.5\n-4 5.5 60 1 0 0\n"), kTwo, false);
   expect_points(read("1 2 3 0 0 0\n-4 5.5 60 0 0 0\n"), kTwo, false);
@@ -78,7 +78,7 @@ TEST(XyzReader, ColoursIntensitiesAndBlackAreNoNormals) {
   expect_points(read("1 2 3 17\n-4 5.5 60 17\n"), kTwo, false);
 }
 
-TEST(XyzReader, OnlyTheFirst64RowsDecideWhetherThereAreNormals) {
+TEST(XyzReader, DecidesByTheFirst64RowsWhetherThereAreNormals) {
   std::string rows;
   for (int i = 0; i < 64; ++i) rows += "1 2 3 0 1 0\n";
   const auto late = read(rows + "1 2 3 9 9 9\n");
@@ -89,7 +89,7 @@ TEST(XyzReader, OnlyTheFirst64RowsDecideWhetherThereAreNormals) {
   EXPECT_FALSE(in_time.summary->header.has_normals);
 }
 
-TEST(XyzReader, NamedColumnsAreTakenByTheirNames) {
+TEST(XyzReader, TakesNamedColumnsByTheirNames) {
   expect_points(read("//Nx Ny Nz X Y Z\n0 0 1 1 2 3\n.6 -.8 0 -4 5.5 60\n"), kTwoNormals, true);
   expect_points(read("id,x,y,z\n77,1,2,3\n78,-4,5.5,60\n", "a.csv"), kTwo, false);
   expect_points(read("\"x\",\"y\",\"z\"\n1,2,3\n-4,5.5,60\n", "a.csv"), kTwo, false);
@@ -104,7 +104,7 @@ TEST(XyzReader, DropsAndCountsPointsThatAreNotFinite) {
   EXPECT_EQ(reading.summary->not_finite, 2U);
 }
 
-TEST(XyzReader, NamesTheLineThatIsWrong) {
+TEST(XyzReader, NamesTheLineWithTheError) {
   for (const int rows : {1, 100}) {  // within the sampled rows and behind them
     std::string file = "# bust\n";
     for (int i = 0; i < rows; ++i) file += "1 2 3\n";
@@ -120,7 +120,7 @@ TEST(XyzReader, NamesTheLineThatIsWrong) {
   }
 }
 
-TEST(XyzReader, RowsThatLackTheNormalsOfTheOthersAreMalformed) {
+TEST(XyzReader, RefusesRowsThatLackTheNormalsOfTheOthers) {
   std::string file;
   for (int i = 0; i < 100; ++i) file += "1 2 3 0 1 0\n";
   EXPECT_EQ(read(file + "1 2 3 0\n").code(), ErrorCode::kMalformed);
@@ -138,7 +138,7 @@ TEST(XyzReader, RefusesDecimalCommasInsteadOfReadingTwiceTheColumns) {
   EXPECT_TRUE(read("1 ,2 ,3\n").summary.has_value());
 }
 
-TEST(XyzReader, TextThatIsNoTableIsOfUnknownFormat) {
+TEST(XyzReader, RefusesTextThatIsNoTable) {
   const auto reading = read("Dear printer,\nplease print my head.\nThanks\n", "letter.txt");
   EXPECT_EQ(reading.code(), ErrorCode::kUnknownFormat);
   EXPECT_EQ(read("5\n5\n1 0 0\n").code(), ErrorCode::kUnsupported) << "PTX";

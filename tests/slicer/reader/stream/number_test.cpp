@@ -17,7 +17,7 @@ std::optional<double> parse(const std::string& text) {
   return value;
 }
 
-TEST(ParseReal, AgreesWithTheCLibraryOnEveryWayToWriteANumber) {
+TEST(ParseReal, AgreesWithTheCLibraryOnEveryNotation) {
   for (const char* text : {"0",
                            "-0",
                            "1",
@@ -54,7 +54,7 @@ TEST(ParseReal, AgreesWithTheCLibraryOnRandomNumbers) {
   }
 }
 
-TEST(ParseReal, WhatIsTooLargeIsInfiniteAndWhatIsTooSmallIsZero) {
+TEST(ParseReal, OverflowGivesInfinityAndUnderflowZero) {
   EXPECT_EQ(parse("1e400"), HUGE_VAL);
   EXPECT_EQ(parse("1e999999999999999999999999"), HUGE_VAL);
   EXPECT_EQ(parse("-1e400"), HUGE_VAL) << "the sign does not matter: the point is dropped";
@@ -67,7 +67,7 @@ TEST(ParseReal, WhatIsTooLargeIsInfiniteAndWhatIsTooSmallIsZero) {
   EXPECT_EQ(parse("0e999"), 0.0);
 }
 
-TEST(ParseReal, KnowsTheNamesOfWhatIsNoFiniteNumber) {
+TEST(ParseReal, ReadsTheNamesOfNanAndInfinity) {
   for (const char* text : {"nan", "NaN", "-nan", "+nan", "nan(0x1)", "1.#QNAN", "1.#IND", "-1.#IND00", "1.#INF"}) {
     ASSERT_TRUE(parse(text).has_value()) << text;
     EXPECT_TRUE(std::isnan(*parse(text))) << text;
@@ -78,14 +78,14 @@ TEST(ParseReal, KnowsTheNamesOfWhatIsNoFiniteNumber) {
   }
 }
 
-TEST(ParseReal, RefusesWhatIsNoNumber) {
+TEST(ParseReal, RefusesOtherWords) {
   for (const char* text : {"", "+", "-", ".", "e5", "+-1", "++1", "--1", "x1", "1x", "1e", "1,5", "0x10", "3.1+e2",
                            "1 ", " 1", "1.#", "1.#FOO", "1_000"}) {
     EXPECT_FALSE(parse(text).has_value()) << text;
   }
 }
 
-TEST(ParseCount, TakesDigitsBelowTwoToThe64) {
+TEST(ParseCount, ReadsDigitsBelowTwoToThe64) {
   EXPECT_EQ(parse_count("0"), 0U);
   EXPECT_EQ(parse_count("18446744073709551615"), UINT64_MAX);
   for (const char* word : {"", "-1", "+1", "1.0", "1e3", "18446744073709551616", "12a"}) {
