@@ -1,5 +1,5 @@
 #pragma once
-/// What must be true of any bytes at all that are read as a scan.
+/// Reads any bytes as a scan and checks what must always hold.
 
 #include <algorithm>
 #include <cmath>
@@ -19,7 +19,7 @@ inline void require(bool truth, const char* what) {
   std::abort();
 }
 
-/// Pieces of 1 to 97 bytes, the same for the same bytes; or everything at once.
+/// Delivers bytes in pieces of 1 to 97, always the same for the same input; or all at once.
 class Pieces final : public ByteSource {
  public:
   Pieces(std::string_view bytes, const char* name, bool whole) : bytes_(bytes), name_(name), whole_(whole) {}
@@ -94,19 +94,19 @@ struct Outcome {
 
 inline Outcome read(std::string_view bytes, const char* name, bool whole) {
   static std::byte workspace[kReaderWorkspace];
-  // Not zeroed between runs: what a scan left there must not matter to the next one.
+  // Not cleared between runs: what one scan leaves must not affect the next.
   Pieces source(bytes, name, whole);
   CheckingSink sink;
   auto summary = read_scan(source, sink, workspace);
   return {summary, sink};
 }
 
-/// Reads `bytes` under `name`, whole and in pieces, and aborts where
+/// Reads `bytes` as file `name`, at once and in pieces, and aborts if
 ///  - a point is not finite, or a batch is empty, too large or before begin();
-///  - the summary does not count what was delivered;
+///  - the summary's counts differ from what was delivered;
 ///  - an error has no message, or a success no point;
-///  - the pieces give other points, counts or errors than the whole.
-/// @returns 0, as libFuzzer wants it
+///  - points, counts or errors depend on the pieces.
+/// @returns 0, as libFuzzer requires
 inline int check_scan(const char* name, const std::uint8_t* bytes, std::size_t size) {
   const std::string_view file(reinterpret_cast<const char*>(bytes), size);
   const Outcome whole = read(file, name, true);

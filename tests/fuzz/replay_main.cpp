@@ -1,4 +1,4 @@
-// main() for a fuzz target in a build without libFuzzer: runs the files in the given folders once each.
+// main() of a fuzz target in a build without libFuzzer: runs each file of the given folders once.
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
@@ -23,7 +23,7 @@ int main(int argc, char** argv) {
   }
   for (const auto& path : files) {
     std::printf("%s\n", path.c_str());
-    std::fflush(stdout);  // so that the last line names the file that crashed
+    std::fflush(stdout);  // the last line then names the file that crashed
     std::ifstream file(path, std::ios::binary);
     const std::vector<char> bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
     (void)LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());

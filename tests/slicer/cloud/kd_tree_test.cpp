@@ -22,7 +22,7 @@ Points uniform_points(std::uint32_t count, Random& random) {
   for (Vec3f& p : points) p = Vec3d(random.uniform(0, 10), random.uniform(0, 10), random.uniform(0, 10)).cast<float>();
   return points;
 }
-/// On whole numbers: many equal distances, many equal points.
+/// Points with integer coordinates: many equal distances, many equal points.
 Points lattice_points(std::uint32_t count, Random& random) {
   Points points(count);
   for (Vec3f& p : points) {
@@ -37,7 +37,7 @@ Points collinear_points(std::uint32_t count, Random& random) {
 }
 Points equal_points(std::uint32_t count, Random& /*random*/) { return Points(count, Vec3f(1, 2, 3)); }
 
-/// As the tree sums it: in floats, dimension after dimension.
+/// Summed as the tree does: in floats, one dimension after another.
 template <int Dimension>
 float distance2(const Vec3f& a, const Vec3f& b) {
   float sum = 0;

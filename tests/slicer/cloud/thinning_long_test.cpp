@@ -1,4 +1,4 @@
-/// A hundred million points through the arena of a printer with 96 MiB (board/mono2k.toml).
+/// Thins a hundred million points in the arena of a printer with 96 MiB (board/mono2k.toml).
 
 #include <gtest/gtest.h>
 
@@ -18,8 +18,8 @@ namespace {
 
 using namespace testing;
 
-/// A sphere scanned in passes of a million points, each over the whole sphere and between the points of those before. Made
-/// as it is read: a spiral from the top down, turned on by a complex multiplication a point.
+/// A sphere scanned in passes of a million points, each over the whole sphere and between the points of earlier passes.
+/// Generated while it is read: a spiral from the top down, advanced by one complex multiplication a point.
 class SphereStream final : public ByteSource {
  public:
   static constexpr std::uint32_t kPass = 1'000'000;
@@ -147,7 +147,7 @@ TEST(ThinningLong, AHundredMillionPointsPassThroughTheArenaOfAPrinterAndPrintThe
   RecordProperty("cell_um", static_cast<int>(1000 * thinned.report().thinning_cell_mm));
   RecordProperty("different_pixels", std::to_string(different));
   EXPECT_GT(white, 100'000'000U);
-  // A sphere's lowest and highest layers are all edge: a micrometre there is many pixels wide.
+  // A sphere's lowest and highest layers are nearly flat: a micrometre of height moves their edge by many pixels.
   EXPECT_LT(beyond_the_edge, white / 1'000'000);
   EXPECT_LT(different, white / 1000);
 }

@@ -76,7 +76,7 @@ TEST(PointThinner, AveragesThePointsOfEachCell) {
   thinning.take(surface);
   EXPECT_EQ(thinning.thinner().cell(), side);
 
-  // By hand: cells are counted from the first point, in the order in which they were met.
+  // The expected cells: counted from the first point, in the order of their first points.
   std::map<Cell, std::vector<Vec3d>> cells;
   for (const SurfacePoint& p : surface) {
     cells[cell_of((p.position - surface[0].position).cast<float>().cast<double>(), side)].push_back(p.position);
@@ -117,7 +117,7 @@ TEST(PointThinner, DoublesItsCellsAndStaysWithinItsCapacity) {
   }
   EXPECT_GT(cell, first_cell);
   EXPECT_GT(thinning.cloud().size, 400U) << "four cells become one on a surface: no less is kept than that";
-  // Still the sphere: means of points in a cell lie a sagitta below it.
+  // Means of the points in a cell lie at most the cell's sagitta below the sphere.
   for (std::uint32_t i = 0; i < thinning.cloud().size; ++i) {
     const Vec3d p = thinning.scan_position(i);
     ASSERT_NEAR(p.norm(), 10, cell * cell * 3 / 20 + 1e-3);
@@ -137,7 +137,7 @@ TEST(PointThinner, DependsOnTheOrderOfThePointsAndNotOnHowTheyAreBatched) {
     all.push_back({p.position[0], p.position[1], p.position[2], static_cast<float>(p.normal[0]),
                    static_cast<float>(p.normal[1]), static_cast<float>(p.normal[2])});
   }
-  // Through the same PointSink that a reader fills.
+  // The same PointSink that a reader fills.
   ArenaBlock arena(kMiB);
   Cloud cloud = value_of(Cloud::create(1500, *arena));
   PointThinner thinner(cloud, value_of(arena->take_top<std::byte>(PointThinner::table_bytes(1500), "test")),
@@ -173,7 +173,7 @@ TEST(PointThinner, RotatesPositionsAndNormals) {
 
 TEST(PointThinner, KeepsItsPrecisionFarFromTheOrigin) {
   Random random(7);
-  const Vec3d far(6.1e6, -4.2e6, 1.7e5);  // a survey's coordinates, mm below
+  const Vec3d far(6.1e6, -4.2e6, 1.7e5);  // coordinates as of a land survey
   const Surface surface = sphere(1000, 5, far);
   Thinning thinning(1000, 0);
   thinning.take(surface);

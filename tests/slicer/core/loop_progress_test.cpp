@@ -12,21 +12,21 @@ class Recorder final : public ProgressSink {
  public:
   void begin(Stage /*stage*/) override {}
   bool advance(Stage /*stage*/, double fraction) override {
-    heard.push_back(fraction);
-    return heard.size() < limit;
+    reports.push_back(fraction);
+    return reports.size() < limit;
   }
   void end(Stage /*stage*/, std::size_t /*peak_bytes*/) override {}
 
-  std::vector<double> heard;
+  std::vector<double> reports;
   std::size_t limit = 100;  ///< advances before it cancels
 };
 
-// Some OpenMP run times let a thread that is done take steps from before its own.
+// Some OpenMP runtimes let an idle thread take steps that come before its last one.
 TEST(LoopProgress, NeverGoesBackWhenStepsRunOutOfOrder) {
   Recorder recorder;
   LoopProgress progress({&recorder, Stage::kClustering, 0.5, 1}, 256);
   for (const std::uint32_t step : {128U, 192U, 193U, 0U, 64U}) EXPECT_TRUE(progress.step(step));
-  EXPECT_THAT(recorder.heard, testing::ElementsAre(0.5, 0.625, 0.75, 0.875));
+  EXPECT_THAT(recorder.reports, testing::ElementsAre(0.5, 0.625, 0.75, 0.875));
 }
 
 TEST(LoopProgress, SkipsAllStepsAfterACancel) {

@@ -20,7 +20,8 @@ Surface ball(double radius, const Vec3d& centre = Vec3d::Zero()) {
   return sphere(sphere_points(radius, kSpacing), radius, centre);
 }
 
-/// Turns the normals over where `where` says so. @returns how many
+/// Turns over the normals of all points for which `where` is true.
+/// @returns how many
 std::uint32_t turn(Surface& surface, const std::function<bool(const Vec3d&)>& where) {
   std::uint32_t turned = 0;
   for (SurfacePoint& p : surface) {

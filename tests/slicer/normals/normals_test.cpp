@@ -19,7 +19,7 @@ namespace {
 using namespace testing;
 using ::testing::HasSubstr;
 
-/// At random: no two points are like their neighbours.
+/// Random points, so that no two neighbourhoods are alike.
 Surface scattered_torus(std::uint32_t points, double ring, double tube) {
   Random random(7);
   Surface surface;
@@ -32,13 +32,13 @@ Surface scattered_torus(std::uint32_t points, double ring, double tube) {
   return surface;
 }
 
-/// A box round the origin; every face is a square lattice of the given step that keeps half a step from the edges.
+/// A box around the origin. Each face is a square lattice of the given step, half a step away from the edges.
 Surface centred_box(const Vec3d& half, double step) {
   Random unused(1);
   return box(-half, half, step, 0, unused);
 }
 
-/// A height field over [-1, 1]^2 as a scanner above it sees it: one side only.
+/// A height field over [-1, 1]^2, seen from above only.
 Surface relief(const std::function<double(double, double)>& height, std::uint32_t side) {
   Surface surface;
   constexpr double kStep = 1e-5;
@@ -70,12 +70,12 @@ Surface mirrored_normals(Surface surface) {
   return surface;
 }
 
-/// A cloud in an arena of its own, in the order of its tree, and what it was made of in the same order.
+/// A cloud in its own arena, in the order of its tree, and the surface it came from in the same order.
 class NormalsTest : public ::testing::Test {
  protected:
   void SetUp() override { omp_set_num_threads(2); }
 
-  /// @param known  whether the scan has the normal of a point; empty: of none
+  /// @param known  whether the scan has a point's normal; empty: it has none
   void load(const Surface& surface, const std::vector<bool>& known = {}) {
     block_.assign(std::size_t{200} * surface.size() + kMiB, std::byte{0});
     arena_.emplace(block_);
@@ -214,7 +214,7 @@ TEST_F(NormalsTest, OfOutliersDoNotTurnTheObject) {
 }
 
 TEST_F(NormalsTest, ThatAreKnownAreKeptAndDecideForTheOthers) {
-  // Inwards, against every rule of thumb; every tenth point says so.
+  // Every tenth normal is known and faces inwards, against the rules for unknown ones.
   std::vector<bool> known(10000);
   for (std::size_t i = 0; i < known.size(); i += 10) known[i] = true;
   load(mirrored_normals(sphere(10000, 10, Vec3d(0, 0, 0))), known);
@@ -290,12 +290,12 @@ TEST_F(NormalsTest, TakeNoMoreMemoryThanPlannedAndReleaseIt) {
 
 TEST_F(NormalsTest, ReturnOutOfMemoryWhenTheArenaIsFull) {
   load(sphere(30000, 10, Vec3d(0, 0, 0)));
-  // Every amount that is too little by a step: no stage of the work may overlook it.
+  // Arenas that are too small by any number of steps: every stage must notice.
   for (std::size_t left = 0; left + 4096 < normals_bytes(30000); left += 16384) {
     const ArenaScope scope(*arena_);
     ASSERT_TRUE(arena_->take_top<std::byte>(arena_->available() - left, "test").has_value());
     const auto filled = estimate_normals(cloud_, tree_, *arena_);
-    if (filled) continue;  // a clean sphere is one sheet and needs less than planned
+    if (filled) continue;  // a clean sphere is one sheet, which needs less than planned
     EXPECT_EQ(filled.error().code(), ErrorCode::kOutOfMemory);
     EXPECT_THAT(filled.error().message(), HasSubstr("normals"));
     for (std::uint32_t i = 0; i < cloud_.size; ++i) cloud_.normal[i] = PackedNormal{};

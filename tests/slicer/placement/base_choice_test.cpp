@@ -15,7 +15,7 @@ using namespace testing;
 
 constexpr double kPitch = 0.2;  ///< mm
 
-/// 10 x 10 x 8 mm, without what lies below a plane that rises by `slope` along x.
+/// A box of 10 x 10 x 8 mm without the part below a plane that rises by `slope` along x.
 Surface box_cut_off(double slope) {
   Random random(7);
   const Surface whole = box({0, 0, 0}, {10, 10, 8}, 0.15, 0.3, random);
@@ -25,7 +25,7 @@ Surface box_cut_off(double slope) {
   return open;
 }
 
-/// mm^2, of the layer at a height in the scan's coordinates, mm.
+/// Area of the layer at a height, mm^2. The height is in scan coordinates, mm.
 double area_at(const Slicing& slicing, double height) {
   double area = 0;
   slicing.for_each_section([&](std::uint32_t k, ConstBitImage section) {

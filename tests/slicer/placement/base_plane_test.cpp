@@ -11,7 +11,7 @@ namespace {
 
 constexpr float kLayer = 0.05F;
 
-/// Walls of a cylinder of radius 10 mm on the plane at `height`, 20 mm tall.
+/// Walls of a cylinder of 10 mm radius and 20 mm height that stands at `height`.
 std::vector<Vec3f> cylinder(std::size_t count, float height, float noise) {
   std::mt19937 engine(5);
   std::uniform_real_distribution<float> uniform(0, 1);
@@ -37,7 +37,7 @@ TEST(BasePlane, IsNotMovedByADozenOutliers) {
   EXPECT_NEAR(base_plane(points, kLayer), 3, 0.012);
 }
 
-// Flying pixels below a rim, as far down as half a millimetre: the plane was put where they begin.
+// Flying pixels up to half a millimetre below a rim once moved the plane to their lower end.
 TEST(BasePlane, IsNotMovedByATailOfOutliersBelowTheRim) {
   auto points = cylinder(100'000, 3, 0.03F);
   std::mt19937 engine(8);
@@ -50,7 +50,7 @@ TEST(BasePlane, IsWhereSmallFeetEnd) {
   auto points = cylinder(100'000, 3, 0.01F);
   std::mt19937 engine(9);
   std::uniform_real_distribution<float> uniform(0, 1);
-  for (int i = 0; i < 600; ++i) {  // walls with a fifth of the length round the object's, 0.5 mm tall
+  for (int i = 0; i < 600; ++i) {  // feet with a fifth of the object's outline, 0.5 mm tall
     points.emplace_back(10.0F, uniform(engine), 2.5F + 0.5F * uniform(engine));
   }
   EXPECT_NEAR(base_plane(points, kLayer), 2.5, 0.06);
@@ -70,7 +70,7 @@ TEST(BasePlane, TouchesATip) {
   std::uniform_real_distribution<float> uniform(0, 1);
   std::vector<Vec3f> points;
   for (int i = 0; i < 100'000; ++i) {
-    const float z = 20 * std::sqrt(uniform(engine));  // an even density on a cone
+    const float z = 20 * std::sqrt(uniform(engine));  // even density on a cone
     const float angle = 6.2831853F * uniform(engine);
     points.emplace_back(z * std::cos(angle), z * std::sin(angle), 2 + z);
   }

@@ -123,14 +123,14 @@ TEST(Placement, SuggestsAScaleThatFitsThePrinter) {
   }
 }
 
-// The scale was once cut after its fourth decimal: 0 for a scan in micrometres.
+// The scale was once printed with four decimals: 0 for a scan in micrometres.
 TEST(Placement, SuggestsAScaleForAnObjectThatIsFarTooLarge) {
   for (const double size : {1e4, 3e5, 2e6, 7e7}) {
     expect_the_scale_of_the_message_to_fit(box_of({0, 0, 0}, {size, size, size}), 1, on_a_printer());
   }
 }
 
-// The scale was once rounded to four digits, and up as often as down.
+// The scale was once rounded to the nearest four digits, so half of the suggestions did not fit.
 TEST(Placement, SuggestsAScaleForAGridOfTooManyPixels) {
   Random random(82);
   for (int i = 0; i < 200; ++i) {
@@ -150,7 +150,7 @@ TEST(Placement, SaysByHowMuchTheObjectIsTooLarge) {
   EXPECT_NEAR(number_after("mm: ", message), 170 - takes, 0.005);
 }
 
-// 150 mm over the float 0.05 is a little less than 3000: the last layer must not be lost to that.
+// 150 mm divided by the float 0.05 is slightly less than 3000. The last layer must not be lost to rounding.
 TEST(Placement, UsesTheWholeTravel) {
   EXPECT_TRUE(place(box_of({0, 0, 0}, {10, 10, 150}), 1, on_a_printer()).has_value());
 }

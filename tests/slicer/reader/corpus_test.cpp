@@ -20,11 +20,11 @@ struct CorpusFile {
   std::optional<ErrorCode> code;
 };
 
-/// Files of other projects' tests. The numbers were counted by a script that shares nothing with the reader: vertices that
-/// the header promises and the bytes hold, lines that begin with "v", columns undone with another LZF.
+/// Files of other projects' tests. A script that shares no code with the reader counted the points: vertices that the header
+/// declares and the bytes hold, lines that begin with "v", columns decompressed with another LZF.
 ///
-/// corrupted_invalid_vertex_count.ply promises 14 vertices where there were 12, and its faces hold enough bytes for two more:
-/// a reader that does not look at faces can't tell. cturtle.pcd does not fit in the smallest workspace, see below.
+/// corrupted_invalid_vertex_count.ply declares 14 vertices instead of 12, and its faces have enough bytes for two more. A
+/// reader that ignores faces can't notice. cturtle.pcd does not fit in the smallest workspace; see below.
 constexpr CorpusFile kFiles[] = {
     // clang-format off
     {"assimp/LICENSE", 0, 0, ErrorCode::kUnknownFormat},

@@ -1,5 +1,5 @@
 #pragma once
-/// Scans made in memory, and what came out of reading them.
+/// Scans in memory, and the results of reading them.
 
 #include <algorithm>
 #include <bit>
@@ -16,7 +16,7 @@
 
 namespace plumbline::testing {
 
-/// Bytes delivered in pieces of the given lengths, round and round; an empty list gives all that is asked for.
+/// Delivers bytes in pieces of the given lengths, cyclically; with an empty list, as many as requested.
 class MemorySource final : public ByteSource {
  public:
   MemorySource(std::string_view bytes, std::string_view name, std::vector<std::size_t> pieces = {})
@@ -47,7 +47,7 @@ class MemorySource final : public ByteSource {
   bool knows_size_ = true;
 };
 
-/// `head`, then `piece` as often as said, then `tail`: files larger than the memory of a test.
+/// Delivers `head`, then `piece` many times, then `tail`: files larger than a test's memory.
 class RepeatingSource final : public ByteSource {
  public:
   RepeatingSource(std::string head, std::string piece, std::uint64_t times, std::string tail, std::string name)
@@ -82,7 +82,7 @@ class RepeatingSource final : public ByteSource {
   std::uint64_t position_ = 0;
 };
 
-/// Keeps everything, and what was wrong about how it came.
+/// Keeps everything, and notes violations of PointSink's rules.
 class CollectingSink final : public PointSink {
  public:
   Status begin(const ScanHeader& scan) override {
@@ -125,7 +125,7 @@ struct Reading {
 };
 
 inline Reading read(ByteSource& source, std::size_t workspace = kReaderWorkspace) {
-  // Filled with a pattern, because a workspace is uninitialised and a reader must not count on zeros.
+  // Filled with a pattern: a workspace is uninitialised, so a reader must not rely on zeros.
   std::vector<std::byte> memory(workspace, std::byte{0xa5});
   CollectingSink sink;
   auto summary = read_scan(source, sink, memory);
@@ -138,7 +138,7 @@ inline Reading read(std::string_view bytes, std::string_view name = "scan", std:
   return read(source, workspace);
 }
 
-/// The bytes of numbers, as a binary file has them.
+/// The bytes of numbers in a binary file.
 template <std::endian Order, class... Numbers>
 std::string bytes_of(Numbers... numbers) {
   std::string out;
@@ -176,7 +176,7 @@ inline bool same_points(const std::vector<ScanPoint>& a, const std::vector<ScanP
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), same_point);
 }
 
-/// LZF without any cleverness: the longest earlier match of 3 bytes or more among the last 8192, found by looking.
+/// A simple LZF compressor: finds the longest match of 3 bytes or more in the last 8192 by brute force.
 inline std::string lzf_compress(std::string_view in) {
   std::string out;
   std::string literals;

@@ -18,7 +18,7 @@ struct Sample {
   std::string bytes;
 };
 
-/// A small file of each format and encoding, with 3000 points so that there are several batches.
+/// A small file of each format and encoding. 3000 points make several batches.
 std::vector<Sample> samples(int points) {
   const auto count = std::to_string(points);
   const std::string properties =
@@ -111,7 +111,7 @@ TEST(ScanReader, ReadsATruncatedFileAsAnErrorOrAsItsFirstPoints) {
       ASSERT_LE(cut.sink.points.size(), 5U);
       if (cut.summary) {
         EXPECT_EQ(cut.summary->points, cut.sink.points.size());
-        // The last row of a text may have lost digits of its last number, which nothing can tell; the others are whole.
+        // The last number of a text may have lost digits, which no reader can notice. All other rows are whole.
         for (std::size_t i = 0; i + 1 < cut.sink.points.size(); ++i) {
           EXPECT_EQ(cut.sink.points[i].x, whole.sink.points[i].x) << sample.name << " cut at " << length;
           EXPECT_EQ(cut.sink.points[i].z, whole.sink.points[i].z) << sample.name << " cut at " << length;
@@ -204,7 +204,8 @@ TEST(ScanReader, ReturnsOutOfMemoryForATooSmallWorkspace) {
   }
 }
 
-/// Files that promise more than there is, or hold one thing a million times. None may take memory or time beyond its bytes.
+/// Files that declare more than they hold, or repeat one thing a million times. Memory and time must not exceed what their
+/// bytes need.
 TEST(HostileHeaders, EndQuicklyWhateverTheyDeclare) {
   std::string properties;
   for (int i = 0; i < 10000; ++i) properties += "property double p" + std::to_string(i) + "\n";

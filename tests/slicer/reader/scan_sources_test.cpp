@@ -82,7 +82,7 @@ TEST(ScanSources, ArePlannedAndThinnedTogether) {
   EXPECT_GT(thinned.reading.averaged, 0U);
   EXPECT_LE(thinned.reading.cloud.size, thinned.room);
   EXPECT_LE(thinned.plan.peak(), kForHalf);
-  // With room enough the plan is that of their sum.
+  // With enough room, the plan is that of all points together.
   EXPECT_EQ(read({top, bottom}, 100 * kMiB).plan.points, read({one}, 100 * kMiB).plan.points);
 }
 
@@ -106,7 +106,7 @@ TEST(ScanSources, NameTheFileWithTheError) {
   const Sliced far_away({top, MemorySource(far, "far.xyz")});
   ASSERT_FALSE(far_away.rrep.has_value());
   EXPECT_THAT(far_away.rrep.error().message(), HasSubstr("far.xyz: point 2 lies at"));
-  // No surface in any: all of them are meant.
+  // None has a surface, so the message names all of them.
   const std::string dust = text_of(Surface(40, SurfacePoint{{0, 0, 0}, {0, 0, 1}}));
   const Sliced nothing({MemorySource(dust, "a.xyz"), MemorySource(dust, "b.xyz"), MemorySource(dust, "c.xyz")});
   ASSERT_FALSE(nothing.rrep.has_value());

@@ -1,5 +1,5 @@
 #pragma once
-/// An arena with memory of its own.
+/// An arena that owns its memory.
 
 #include <cstddef>
 #include <memory>
@@ -10,7 +10,7 @@ namespace plumbline::testing {
 
 class ArenaBlock {
  public:
-  /// Only the pages that are touched cost memory.
+  /// Only touched pages use memory.
   explicit ArenaBlock(std::size_t bytes)
       : block_(std::make_unique_for_overwrite<std::byte[]>(bytes)), arena_({block_.get(), bytes}) {}
   Arena& operator*() { return arena_; }

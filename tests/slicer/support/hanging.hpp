@@ -1,5 +1,5 @@
 #pragma once
-/// What a print hangs on, by brute force: flood fill and distances, nothing shared with the supports' own code.
+/// Islands and overhangs by brute force: flood fill and distances, sharing no code with the supports.
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@
 
 namespace plumbline::testing {
 
-/// Pieces of the masks, pixels joined at their sides, that have no pixel above the mask below; layer 0 has none.
+/// Islands: regions of pixels joined at their sides, none of which is above a pixel of the layer below. Layer 0 has none.
 inline std::uint32_t floating_islands(const std::vector<Pixels>& masks) {
   std::uint32_t islands = 0;
   for (std::size_t k = 1; k < masks.size(); ++k) {
@@ -42,15 +42,15 @@ inline std::uint32_t floating_islands(const std::vector<Pixels>& masks) {
   return islands;
 }
 
-/// The farthest that a pixel hangs out when its layer is cured, in pixels.
+/// The farthest that a pixel overhangs when its layer is cured, in pixels.
 ///
 ///   hang_k(p) = max(0, min over q of hang_(k-1)(q) + |p - q| - growth),   0 in layer 0 and at a tip,
 ///                                                                         |p - t| at most beside a tip t
-/// over the pixels q of the layer below: how far one has to go down and sideways to what is held, less what a surface at
-/// the critical angle may go in a layer.
+/// over the pixels q of the layer below: the way down and sideways to what is held, less what a surface at the critical
+/// angle may advance in a layer.
 /// @param masks   of the object, without supports
 /// @param growth  pixels
-/// @param most    pixels; what hangs farther is reported as this
+/// @param most    pixels; larger overhangs are reported as this
 inline double farthest_hang(const std::vector<Pixels>& masks, std::span<const Support> tips, double growth, int most) {
   const auto columns = static_cast<int>(masks[0].columns());
   const auto rows = static_cast<int>(masks[0].rows());

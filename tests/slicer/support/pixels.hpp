@@ -1,5 +1,5 @@
 #pragma once
-/// Images one pixel at a time: what the images of 64 pixels a word are compared with.
+/// Images with one byte a pixel, to compare with the images of 64 pixels a word.
 
 #include <cstdint>
 #include <ostream>
@@ -9,7 +9,7 @@
 
 namespace plumbline::testing {
 
-/// A BitImage with memory of its own, black.
+/// A black BitImage that owns its memory.
 class OwnedImage {
  public:
   OwnedImage(std::uint32_t columns, std::uint32_t rows)
@@ -30,7 +30,7 @@ class OwnedImage {
   std::uint32_t rows_;
 };
 
-/// One byte a pixel; black outside.
+/// One byte a pixel; pixels outside are black.
 class Pixels {
  public:
   Pixels(std::uint32_t columns, std::uint32_t rows)
@@ -79,7 +79,7 @@ class Pixels {
   std::vector<std::uint8_t> pixels_;
 };
 
-/// Whether (column, row) belongs to some square of 2 x 2 pixels of one colour.
+/// Whether (column, row) is in a square of 2 x 2 pixels of one colour.
 inline bool in_a_square(const Pixels& pixels, std::int64_t column, std::int64_t row, bool white) {
   for (const std::int64_t c : {column - 1, column}) {
     for (const std::int64_t r : {row - 1, row}) {
@@ -92,7 +92,7 @@ inline bool in_a_square(const Pixels& pixels, std::int64_t column, std::int64_t 
   return false;
 }
 
-/// The closing of the opening with a square of 2 x 2: white stays where it fills a square, then black does.
+/// The closing of the opening with a square of 2 x 2: white stays where it fills a square, then black likewise.
 inline Pixels opened_and_closed_by_definition(const Pixels& in) {
   Pixels opened(in.columns(), in.rows());
   Pixels closed(in.columns(), in.rows());

@@ -1,5 +1,5 @@
 #pragma once
-/// Surfaces as the stages of the slicer see them.
+/// Surfaces as clouds, at each stage of the slicer.
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +14,7 @@
 
 namespace plumbline::testing {
 
-/// The value, or a test that ends with the error's message.
+/// The value; on error, ends the test with the error's message.
 template <class T>
 T value_of(Expected<T> expected) {
   if (!expected) throw std::runtime_error(expected.error().message());
@@ -37,7 +37,7 @@ inline Cloud cloud_of(const Surface& surface, Arena& arena, float radius = 0) {
   return cloud;
 }
 
-/// In the order of its 3D tree, which stays in the arena.
+/// Builds the 3D tree, which stays in the arena, and puts the cloud in its order.
 inline KdTree3 sort_by_tree(Cloud& cloud, Arena& arena) {
   KdTree3 tree = value_of(KdTree3::build(cloud.positions(), arena, "test"));
   check(cloud.reorder(tree.order(), arena));
@@ -45,7 +45,7 @@ inline KdTree3 sort_by_tree(Cloud& cloud, Arena& arena) {
   return tree;
 }
 
-/// A cloud as it is when the rays begin: clustered, its 2D tree built.
+/// A cloud as it is when rays are shot: clustered, with its 2D tree.
 struct ClusteredScan {
   Cloud cloud;
   ClusteringResult clustering;

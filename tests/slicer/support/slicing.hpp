@@ -1,5 +1,5 @@
 #pragma once
-/// A scan sliced from end to end, in an arena of its own, and what came out of it by voxel.
+/// Slices a scan in its own arena, and gives the result by voxel.
 
 #include <cstdint>
 #include <string>
@@ -30,7 +30,7 @@ class Slicing {
   Arena& arena() { return *arena_; }
   std::uint64_t rays(RayDecision decision) const { return report_.rays.decided[static_cast<std::size_t>(decision)]; }
 
-  /// Calls visit(layer, section) for every layer: the crossings as they are, nothing opened or closed.
+  /// Calls visit(layer, section) for every layer, before opening and closing.
   template <class Visit>
   void for_each_section(Visit visit) const {
     OwnedImage section(grid().columns, grid().rows);
@@ -44,7 +44,7 @@ class Slicing {
     }
   }
 
-  /// Sum of the sections, mm^3.
+  /// Volume of the sections, mm^3.
   double volume() const {
     std::uint64_t voxels = 0;
     for_each_section([&](std::uint32_t, ConstBitImage section) { voxels += section.count(); });
@@ -61,8 +61,8 @@ class Slicing {
     return p.rotation.transpose() * (print - p.shift) / p.scale;
   }
 
-  /// Voxels whose side of the surface is wrong although they are farther from it than `tolerance`, in scan units.
-  /// @param distance  signed distance of a place from the surface, negative inside
+  /// Voxels on the wrong side of the surface that are farther from it than `tolerance`, scan units.
+  /// @param distance  signed distance from the surface, negative inside
   template <class Distance>
   std::uint64_t wrong_voxels(Distance distance, double tolerance) const {
     std::uint64_t wrong = 0;

@@ -1,5 +1,5 @@
 #pragma once
-/// R-Reps of formulas, and their masks with and without supports, a pixel at a time.
+/// R-Reps of solids given by formulas, and their masks with and without supports.
 
 #include <algorithm>
 #include <cstdint>
@@ -18,7 +18,7 @@ namespace plumbline::testing {
 /// Whether the voxel (column, row, layer) is inside.
 using Inside = std::function<bool(std::uint32_t, std::uint32_t, std::uint32_t)>;
 
-/// By the definition of the R-Rep: what differs from the layer below is toggled.
+/// Built by the definition of the R-Rep: pixels that differ from the layer below are toggled.
 struct Solid {
   Solid(const PrintGrid& grid, const Inside& inside) {
     std::vector<bool> before(std::size_t{grid.columns} * grid.rows);

@@ -1,11 +1,11 @@
 #pragma once
-/// A listener that cancels a job.
+/// A progress sink that cancels a job.
 
 #include "slicer/core/progress.hpp"
 
 namespace plumbline::testing {
 
-/// Lets two looks pass and cancels at the third.
+/// Cancels at the third report of progress.
 class StopAtThird final : public ProgressSink {
  public:
   void begin(Stage /*stage*/) override {}

@@ -1,5 +1,5 @@
 #pragma once
-/// Points on surfaces whose formula is known, with their exact normals.
+/// Points on surfaces given by formulas, with exact normals.
 
 #include <Eigen/Geometry>
 #include <cmath>
@@ -19,14 +19,14 @@ struct SurfacePoint {
 };
 using Surface = std::vector<SurfacePoint>;
 
-/// The same numbers with every standard library, which the distributions of <random> do not promise.
+/// Random numbers that are the same with every standard library; the distributions of <random> are not.
 class Random {
  public:
   explicit Random(std::uint32_t seed) : engine_(seed) {}
   std::uint32_t bits() { return static_cast<std::uint32_t>(engine_()); }
   std::uint32_t below(std::uint32_t end) { return bits() % end; }
   double uniform(double low = 0, double high = 1) { return low + (high - low) * (bits() + 0.5) / 4294967296.0; }
-  /// Sum of twelve: mean 0, deviation 1.
+  /// Mean 0, standard deviation 1: the sum of twelve uniform numbers.
   double normal() {
     double sum = -6;
     for (int i = 0; i < 12; ++i) sum += uniform();
@@ -42,7 +42,7 @@ class Random {
   std::mt19937 engine_;
 };
 
-/// An even spread over the sphere (Fibonacci lattice), from top to bottom.
+/// Points spread evenly over a sphere (Fibonacci lattice), from top to bottom.
 inline Surface sphere(std::uint32_t points, double radius, const Vec3d& centre) {
   constexpr double kGoldenAngle = 2.39996322972865332;
   Surface surface;
@@ -56,12 +56,12 @@ inline Surface sphere(std::uint32_t points, double radius, const Vec3d& centre) 
   return surface;
 }
 
-/// Points of a Fibonacci sphere that are `spacing` apart.
+/// Number of points of a Fibonacci sphere that are `spacing` apart.
 inline std::uint32_t sphere_points(double radius, double spacing) {
   return static_cast<std::uint32_t>(4 * kPi * radius * radius / (spacing * spacing));
 }
 
-/// A parallelogram from `corner` along `u` and `v`, its normal along u x v. Every point is moved by up to `jitter` of
+/// A parallelogram from `corner` along `u` and `v`, with its normal along u x v. Points are moved by up to `jitter` times
 /// the spacing within the plane.
 inline Surface sheet(const Vec3d& corner, const Vec3d& u, const Vec3d& v, double spacing, double jitter,
                      Random& random) {
@@ -95,8 +95,8 @@ inline Surface box(const Vec3d& low, const Vec3d& high, double spacing, double j
   return all;
 }
 
-/// A torus round an axis through `centre`, its circles of `tube` radius at `ring` from the axis.
-/// @param axis  2: it lies flat; 0: it stands
+/// A torus around an axis through `centre`: a tube of radius `tube`, whose centre line is `ring` from the axis.
+/// @param axis  2: it lies flat; 0: it stands upright
 inline Surface torus(double ring, double tube, const Vec3d& centre, double spacing, int axis) {
   Surface surface;
   const auto around = static_cast<std::uint32_t>(std::ceil(2 * kPi * tube / spacing));
@@ -118,7 +118,7 @@ inline Surface torus(double ring, double tube, const Vec3d& centre, double spaci
   return surface;
 }
 
-/// Moves every point by a normal distribution of that deviation an axis, and turns the normals alike.
+/// Adds normally distributed noise to positions and normals.
 inline void add_noise(Surface& surface, double deviation_mm, double normal_deviation, Random& random) {
   for (SurfacePoint& p : surface) {
     p.position += deviation_mm * random.vector();
@@ -126,7 +126,7 @@ inline void add_noise(Surface& surface, double deviation_mm, double normal_devia
   }
 }
 
-/// In an order that has nothing to do with where the points are.
+/// Shuffles the points.
 inline void shuffle(Surface& surface, Random& random) {
   for (std::uint32_t i = static_cast<std::uint32_t>(surface.size()); i > 1; --i) {
     std::swap(surface[i - 1], surface[random.below(i)]);

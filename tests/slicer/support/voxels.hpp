@@ -1,5 +1,5 @@
 #pragma once
-/// A small R-Rep in an arena of its own, to be edited and compared voxel by voxel.
+/// A small R-Rep in its own arena, to be edited and compared voxel by voxel.
 
 #include <algorithm>
 #include <cstdint>
@@ -13,7 +13,7 @@ inline constexpr std::uint32_t kColumns = 70;
 inline constexpr std::uint32_t kRows = 40;
 inline constexpr std::uint32_t kLayers = 30;
 
-/// The R-Rep of a solid at the bottom of an arena, as the builder leaves it.
+/// The R-Rep of a solid at the bottom of an arena, as it is after building.
 struct Voxels {
   ArenaBlock block{8 * kMiB};
   RRep rrep;

@@ -1,5 +1,5 @@
 #pragma once
-/// The winding number of a surface, from its points as the slicer clusters them.
+/// The winding number of a surface, from its clustered points.
 
 #include "slicer/implicit/winding_number.hpp"
 #include "tests/slicer/support/arena_block.hpp"

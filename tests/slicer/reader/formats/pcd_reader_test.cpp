@@ -55,7 +55,7 @@ TEST(PcdReader, DoesNotNeedHeightViewpointAndPointsInOlderVersions) {
             ErrorCode::kUnsupported);
 }
 
-/// Fields in an unusual order and of every kind of type, with padding between them.
+/// Fields of every type in an unusual order, with padding between them.
 const std::string kOddHead =
     "VERSION 0.7\nFIELDS _ normal_y z rgb x normal_z descriptor y normal_x empty\nSIZE 1 4 8 4 2 4 1 4 8 4\nTYPE U F F "
     "U "
@@ -153,7 +153,7 @@ TEST(PcdReader, ReadsCompressedColumnsLongerThanTheWindow) {
 }
 
 TEST(PcdReader, RefusesCompressedColumnsThatDoNotFitTheWorkspace) {
-  // 60,000 points of zeros: references of the greatest length, to the byte before.
+  // 60,000 points of zeros: back references of the greatest length and the least distance.
   std::string block(1, '\0');
   block += '\0';
   std::uint32_t made = 1;

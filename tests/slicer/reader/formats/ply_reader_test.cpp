@@ -62,7 +62,7 @@ std::string binary_with_everything() {
                           std::uint32_t{4000000000U}, 0.0, std::int32_t{1}, std::uint8_t{9});
   file += bytes_of<Order>(std::uint8_t{0}, -1e-3, std::uint8_t{0}, std::int16_t{12}, -1.0F, 0.0F, std::uint32_t{1}, 0.0,
                           std::int32_t{0});
-  return file;  // the seven faces are missing: no byte of them is needed
+  return file;  // without its seven faces, which are not needed
 }
 
 TEST(PlyReader, ReadsBothByteOrdersAnyTypesAnyOrderListsAndElementsBeforeTheVertices) {

@@ -93,7 +93,7 @@ TEST(XyzReader, TakesNamedColumnsByTheirNames) {
   expect_points(read("//Nx Ny Nz X Y Z\n0 0 1 1 2 3\n.6 -.8 0 -4 5.5 60\n"), kTwoNormals, true);
   expect_points(read("id,x,y,z\n77,1,2,3\n78,-4,5.5,60\n", "a.csv"), kTwo, false);
   expect_points(read("\"x\",\"y\",\"z\"\n1,2,3\n-4,5.5,60\n", "a.csv"), kTwo, false);
-  // Names that do not fit the rows are a remark, no more.
+  // Names that do not fit the rows are only a comment.
   expect_points(read("# the z of x and y\n1 2 3\n-4 5.5 60\n"), kTwo, false);
 }
 
@@ -105,7 +105,7 @@ TEST(XyzReader, DropsAndCountsPointsThatAreNotFinite) {
 }
 
 TEST(XyzReader, NamesTheLineWithTheError) {
-  for (const int rows : {1, 100}) {  // within the sampled rows and behind them
+  for (const int rows : {1, 100}) {  // within the sampled rows and after them
     std::string file = "# bust\n";
     for (int i = 0; i < rows; ++i) file += "1 2 3\n";
     const auto line = "line " + std::to_string(rows + 2) + ": ";
