@@ -53,7 +53,7 @@ Status Cloud::reorder(std::span<const std::uint32_t> order, Arena& arena) {
   std::fill(done.begin(), done.end(), 0);
   for (std::uint32_t start = 0; start < size; ++start) {
     if ((done[start / 64] >> (start % 64)) & 1U) continue;
-    // Follow the cycle that starts here: every place takes the point that order names for it.
+    // Follow the cycle of the permutation that starts here.
     const Vec3f first_position = position[start];
     const PackedNormal first_normal = normal[start];
     const float first_radius = radius[start];
