@@ -21,7 +21,7 @@ Status check_speeds(const PrintProfile& profile, const MachineFile& machine) {
   for (const auto& speed : speeds) {
     if (speed.mm_min <= machine.max_speed_mm_min) continue;
     return fail(ErrorCode::kBadSetting,
-                "profile %s: %s is %g mm/min, this printer's stage moves with %g mm/min at most: lower it",
+                "profile %s: %s is %g mm/min, this printer's Z stage moves at %g mm/min at most: lower it",
                 profile.name.c_str(), speed.key, speed.mm_min, machine.max_speed_mm_min);
   }
   return {};
@@ -31,7 +31,7 @@ Status check_exposures(const PrintProfile& profile, const MachineFile& machine) 
   const double longest = std::max(profile.exposure_time, profile.initial_exposure_time);
   if (longest <= machine.max_exposure_s) return {};
   return fail(ErrorCode::kExposureTooLong,
-              "profile %s: an exposure of %g s, this printer's lamp is lit for %g s at most: lower %s",
+              "profile %s: an exposure is %g s, this printer's lamp may be lit for %g s at most: lower %s",
               profile.name.c_str(), longest, machine.max_exposure_s,
               longest > profile.exposure_time ? "initial_exposure_time" : "exposure_time");
 }
@@ -41,12 +41,12 @@ Status check_height(const PrintPlan& plan) {
   if (top <= plan.highest) return {};
   return fail(
       ErrorCode::kDoesNotFit,
-      "the lift of the last layer ends at %.2f mm, the stage goes up to %.2f mm: make the object %.2f mm lower, or "
+      "the lift of the last layer ends at %.2f mm, the Z stage goes up to %.2f mm: make the object %.2f mm lower, or "
       "lift_height2 smaller",
       top.above_film().millimetres(), plan.highest.above_film().millimetres(), (top - plan.highest).millimetres());
 }
 
-/// How far a layer is into the fade: 0 on the bottom layers, 1 after it.
+/// How far the fade has come: 0 on the bottom layers, 1 after the faded ones.
 double fade_of(const PrintPlan& plan, std::uint32_t layer) {
   if (layer < plan.bottom_layers) return 0;
   const std::uint32_t step = layer - plan.bottom_layers + 1;
@@ -121,7 +121,7 @@ Distance elephant_foot_of(const PrintPlan& plan, std::uint32_t layer) {
 }
 
 nanoseconds layer_time(const PrintPlan& plan, std::uint32_t layer) {
-  // Down from where the lift of the layer below ended. The first layer's way from the top is print_time()'s.
+  // Down from where the lift of the layer below ended. print_time() adds the first layer's way from the top.
   const Distance down = plan.lift + plan.lift2 - plan.layer_height - plan.retract2;
   nanoseconds time{};
   if (layer > 0)

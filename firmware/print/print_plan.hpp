@@ -1,8 +1,8 @@
 #pragma once
-/// What a print does, layer by layer: exposures, motions, waits, and how long all of it takes. Pure functions.
+/// Exposures, moves and waits of a print, layer by layer, and how long they take. Pure functions.
 ///
-/// Layer k of height h is cured with the plate's face at (k + 1) h above the film. After it the part is lifted in two parts,
-/// slow while it peels and then fast, and comes down in two parts to the next layer, fast and then slow next to the film:
+/// Layer k of height h is cured with the plate's face at (k + 1) h above the film. Then the part is lifted in two moves, slow
+/// while it peels and then fast, and comes down to the next layer in two moves, fast and then slow near the film:
 ///
 ///     lift     (k + 1) h  ->  + lift_height at lift_speed  ->  + lift_height2 at lift_speed2
 ///     retract  (k + 2) h + retract_height2 at retract_speed  ->  (k + 2) h at retract_speed2
@@ -19,7 +19,7 @@
 
 namespace plumbline {
 
-/// A move of the stage: where to, how fast.
+/// A move of the Z stage.
 struct StageMove {
   ZPosition target;
   Speed speed;
@@ -43,22 +43,22 @@ struct PrintPlan {
   Speed retract_speed, retract_speed2;
   Distance pause_lift;
   Distance elephant_foot;
-  // The machine's.
-  ZPosition highest;  ///< of all moves
-  Speed fastest;      ///< of the way down to the first layer, and up from the last
+  // Of the machine:
+  ZPosition highest;  ///< that any move goes
+  Speed fastest;      ///< down to the first layer, and up from the last
   Acceleration acceleration;
-  nanoseconds mask_change{};  ///< from presenting a mask to its standing still, about
+  nanoseconds mask_change{};  ///< from presenting a mask until it has settled, estimated
 };
 
 /// @param layers  1 to PrintGrid::kMaxLayers
-/// @param layer_height_mm  0.005 to 1: the profile's, or the user's
-/// @retval ErrorCode::kBadSetting       a speed above the stage's
+/// @param layer_height_mm  0.005 to 1
+/// @retval ErrorCode::kBadSetting       a speed above the Z stage's
 /// @retval ErrorCode::kExposureTooLong  an exposure above the lamp's longest
-/// @retval ErrorCode::kDoesNotFit       the last layer's lift ends above the highest point of the stage's moves: by how much
+/// @retval ErrorCode::kDoesNotFit       the last layer's lift ends above the Z stage's highest point: by how much
 [[nodiscard]] Expected<PrintPlan> plan_print(const PrintProfile& profile, const MachineFile& machine,
                                              double layer_height_mm, std::uint32_t layers);
 
-/// Time under light of a layer:
+/// Exposure time of a layer:
 ///
 ///     k < bottom                      initial
 ///     k = bottom + j - 1, j <= faded  initial + (normal - initial) j / (faded + 1)
@@ -68,36 +68,35 @@ nanoseconds exposure_of(const PrintPlan& plan, std::uint32_t layer);
 /// Height at which a layer is cured.
 ZPosition height_of(const PrintPlan& plan, std::uint32_t layer);
 
-/// Peels the part off the film and raises it. The second part goes nowhere where lift_height2 is 0.
+/// Peels the part off the film and raises it. The second move is empty where lift_height2 is 0.
 TwoStageMove lift_from(const PrintPlan& plan, std::uint32_t layer);
 
-/// Down to a layer. The second part goes nowhere where retract_height2 is 0.
+/// Down to a layer. The second move is empty where retract_height2 is 0.
 TwoStageMove retract_to(const PrintPlan& plan, std::uint32_t layer);
 
 /// Where a pause holds the part: pause_lift above the layer, or as far as the travel goes.
 StageMove pause_above(const PrintPlan& plan, std::uint32_t layer);
 
-/// By how much the outline of a layer is drawn in: whole on the bottom layers, then falling to nothing as the exposure does.
+/// How far a layer's outline is drawn in: in full on the bottom layers, then fading to 0 with the exposure.
 Distance elephant_foot_of(const PrintPlan& plan, std::uint32_t layer);
 
-/// Time from the start of a layer's way down to the end of its lift.
+/// Time from the start of a layer's retract to the end of its lift.
 nanoseconds layer_time(const PrintPlan& plan, std::uint32_t layer);
 
-/// Time of the layers [first, plan.layers), without homing and the way from and to the top.
+/// Time of the layers [first, plan.layers), without homing and the moves from and to the top.
 nanoseconds remaining_time(const PrintPlan& plan, std::uint32_t first);
 
-/// Time of the whole print from the homed stage on: down, all layers, up.
+/// Time of the whole print after homing: down, all layers, up.
 nanoseconds print_time(const PrintPlan& plan);
 
-/// Depth to which the resin sets under a layer's light (Jacobs 1992): Dp ln(E / Ec), E = irradiance x time. Negative where the
-/// dose is too small for the resin to set at all.
+/// Cure depth (Jacobs 1992): Dp ln(E / Ec), E = irradiance x time. Negative where the dose is too small to cure anything.
 Distance cure_depth(const PrintProfile& profile, Irradiance irradiance, nanoseconds lit);
 
-/// Resin in masks, ml.
+/// Resin in the masks, ml.
 /// @param cured_pixels  of all layers together
 double resin_ml(std::uint64_t cured_pixels, double pitch_x_mm, double pitch_y_mm, double layer_height_mm);
 
-/// What that resin costs, in the profile's currency; 0 where the profile does not say.
+/// Cost in the profile's currency; 0 where the profile has no bottle volume.
 double resin_cost(const PrintProfile& profile, double ml);
 
 }  // namespace plumbline

@@ -1,5 +1,4 @@
-/// A whole print, from the scan's first byte on the stick to the last layer, takes nothing from the heap: what the simulated machine
-/// takes for itself is its own.
+/// A whole print, from the scan's first byte to the last layer, takes nothing from the heap. The simulated machine may.
 
 #include <gtest/gtest.h>
 #include <omp.h>
@@ -30,7 +29,7 @@ TEST(Print, TakesNothingFromTheHeapFromItsAdmissionToItsReport) {
   auto scan = FileSource::open(folder / "ball.ply");
   ASSERT_TRUE(scan);
   PlantSettings settings = session_plant();
-  // Everything that has a way of its own through the firmware.
+  // Each takes another path through the firmware.
   for (const char* fault : {"cover.opens@layer=7+1s,for=5s", "stick.pulled@layer=3", "panel.slow@layer=9"}) {
     const auto parsed = parse_fault(fault);
     ASSERT_TRUE(parsed) << parsed.error().message();
@@ -55,7 +54,7 @@ TEST(Print, TakesNothingFromTheHeapFromItsAdmissionToItsReport) {
   EXPECT_GT(report->exposures.size(), 50U);
   EXPECT_EQ(use.trapped, 0);
   if (use.trapped > 0) HeapTrap::print_stacks();
-  EXPECT_GT(use.simulator, 0) << "the control that the trap was armed while it printed";
+  EXPECT_GT(use.simulator, 0) << "the trap was armed during the print";
   EXPECT_EQ(use.lodepng, 0);
 }
 

@@ -18,7 +18,7 @@ PrintPlan plan(std::uint32_t layers = 1000) { return plan_print(profile(), machi
 
 double seconds(nanoseconds time) { return std::chrono::duration<double>(time).count(); }
 
-TEST(PrintPlan, ExposesBottomLayersLongAndFadesInEqualSteps) {
+TEST(PrintPlan, ExposesBottomLayersLongerAndFadesInEqualSteps) {
   const auto p = plan();  // 30 s for 5 layers, 8 to fade, then 2.5 s
   for (std::uint32_t layer = 0; layer < 5; ++layer) EXPECT_EQ(exposure_of(p, layer), 30s);
   for (std::uint32_t j = 1; j <= 8; ++j) {
@@ -28,7 +28,7 @@ TEST(PrintPlan, ExposesBottomLayersLongAndFadesInEqualSteps) {
   EXPECT_EQ(exposure_of(p, 999), 2500ms);
 }
 
-TEST(PrintPlan, WithoutAFadeGoesFromBottomToNormalAtOnce) {
+TEST(PrintPlan, WithoutAFadeChangesFromBottomToNormalAtOnce) {
   auto settings = profile();
   settings.faded_layers = 0;
   const auto p = plan_print(settings, machine(), 0.05, 100).value();
@@ -47,7 +47,7 @@ TEST(PrintPlan, HeightsAddUpWithoutRounding) {
   EXPECT_EQ(height_of(p, 9999).above_film().nanometres(), 123'000'000);
 }
 
-TEST(PrintPlan, LiftsSlowlyWhileItPeelsAndComesDownSlowlyNextToTheFilm) {
+TEST(PrintPlan, LiftsSlowlyWhilePeelingAndRetractsSlowlyNearTheFilm) {
   const auto p = plan();
   const auto up = lift_from(p, 9);
   EXPECT_EQ(up[0], (StageMove{ZPosition(4.5_mm), mm_per_min(60)}));
@@ -57,13 +57,13 @@ TEST(PrintPlan, LiftsSlowlyWhileItPeelsAndComesDownSlowlyNextToTheFilm) {
   EXPECT_EQ(down[1], (StageMove{ZPosition(0.55_mm), mm_per_min(60)}));
 }
 
-TEST(PrintPlan, PauseRaisesThePartAsFarAsTheTravelGoes) {
+TEST(PrintPlan, PauseRaisesThePartWithinTheTravel) {
   const auto p = plan(3000);
   EXPECT_EQ(pause_above(p, 0).target, ZPosition(50.05_mm));
   EXPECT_EQ(pause_above(p, 2999).target, ZPosition(174_mm)) << "150 + 50 is above the end stop's 175 - 1";
 }
 
-TEST(PrintPlan, LayerTakesItsExposureItsRestsAndItsMoves) {
+TEST(PrintPlan, LayerTimeIsExposureWaitsAndMoves) {
   const auto p = plan();
   // sim2k: 100 mm/s2. Trapezoids: d / v + v / a. A mask takes a frame and 20 ms to stand.
   const auto move = [](double mm, double mm_min) { return mm / (mm_min / 60) + mm_min / 60 / 100; };
@@ -72,7 +72,7 @@ TEST(PrintPlan, LayerTakesItsExposureItsRestsAndItsMoves) {
   EXPECT_NEAR(seconds(layer_time(p, 100)), expected, 1e-6);
 }
 
-TEST(PrintPlan, TimeOfThePrintIsTheSumOfItsLayersAndTheWayDownAndUp) {
+TEST(PrintPlan, PrintTimeIsTheSumOfItsLayersAndTheMovesDownAndUp) {
   const auto p = plan(200);
   nanoseconds sum{};
   for (std::uint32_t layer = 0; layer < 200; ++layer) sum += layer_time(p, layer);
@@ -86,7 +86,7 @@ TEST(PrintPlan, TimeOfThePrintIsTheSumOfItsLayersAndTheWayDownAndUp) {
   EXPECT_NEAR(seconds(print_time(p) - sum), move(174 - 2.05, 300) + move(2, 60) + move(174 - 17, 300), 1e-6);
 }
 
-TEST(PrintPlan, DrawsInTheElephantFootAsMuchAsTheExposureIsLonger) {
+TEST(PrintPlan, FadesTheElephantFootWithTheExposure) {
   auto settings = profile();
   settings.elefant_foot_compensation = 0.18;
   const auto p = plan_print(settings, machine(), 0.05, 100).value();

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""plumbline print is killed with SIGKILL at 50 random instants while its lamp is lit, and goes on each time.
+"""plumbline print is killed with SIGKILL at 50 random instants while its lamp is lit, and resumes each time.
 
-The lamp's line is real to the operating system: a file that plumbline-keeper writes with the time of each change.
+The lamp's line is a file in which plumbline-keeper records the time of each change.
 """
 
 import json
@@ -24,7 +24,7 @@ class Killed(Program):
         return [(word, int(at)) for word, at in (line.split() for line in text[: text.rfind("\n") + 1].splitlines())]
 
     def kill_while_lit(self, arguments, delay):
-        """@returns ms from the kill to the dark; None: the kill fell between two exposures"""
+        """@returns ms from the kill to darkness; None: the kill fell between two exposures"""
         command = [PLUMBLINE, *arguments, "--state", self.state, "--printer", self.board, "--quiet"]
         command += ["--speedup", 50, "--lamp-line", f"file:{self.line}"]
         before = len(self.changes())
@@ -46,7 +46,7 @@ class Killed(Program):
         self.assertEqual(last, "off", "the lamp is lit without its firmware")
         return (at - killed) / 1e6 if at >= killed else None
 
-    def test_lamp_is_dark_each_time_and_the_part_is_whole(self):
+    def test_the_lamp_goes_dark_each_time_and_the_part_is_whole(self):
         seed = random.randrange(10**9)
         chance = random.Random(seed)
         write_sphere(self.scan)

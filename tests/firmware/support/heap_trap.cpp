@@ -12,7 +12,7 @@
 #include <cstdlib>
 #include <cstring>
 
-// What is replaced below, under the names that the C library keeps for itself.
+// The functions replaced below, under the C library's own names.
 extern "C" {
 void* real_malloc(std::size_t size) asm("__libc_malloc");
 void* real_calloc(std::size_t count, std::size_t size) asm("__libc_calloc");
@@ -34,7 +34,7 @@ void* stacks[kMostStacks][kFrames];
 int stack_sizes[kMostStacks];
 thread_local bool in_trap = false;
 
-/// Blocks that lodepng took and nobody has freed yet.
+/// Blocks of lodepng that have not been freed yet.
 constexpr std::size_t kMostBlocks = 256;
 void* lodepng_blocks[kMostBlocks];
 std::size_t lodepng_live = 0;

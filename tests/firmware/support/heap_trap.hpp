@@ -1,22 +1,22 @@
 #pragma once
-/// Traps every block that anybody takes from the heap while it is armed.
+/// Counts every allocation while it is armed.
 ///
-/// The program has its own malloc and its relatives, in front of those of the C library: whoever is linked into it, statically
-/// or not, calls these. A call is lodepng's when code of lodepng's shared library is on the stack, and the simulated machine's
-/// when a member of a plumbline::Sim... class is: no board runs either of its own accord.
+/// The program has its own malloc and relatives in front of those of the C library, which everything linked into it calls. An
+/// allocation is lodepng's when code of lodepng's shared library is on the stack, and the simulated machine's when a member of a
+/// plumbline::Sim... class is.
 
 #include <cstddef>
 
 namespace plumbline {
 
-/// What has been taken since the last trap was armed.
+/// Allocations since the trap was armed.
 struct HeapUse {
-  int trapped = 0;                ///< blocks that nobody may take
+  int trapped = 0;                ///< blocks that nothing may take
   int lodepng = 0;                ///< blocks
   int simulator = 0;              ///< blocks
-  std::size_t lodepng_live = 0;   ///< bytes that it has not freed
+  std::size_t lodepng_live = 0;   ///< bytes not freed yet
   std::size_t lodepng_peak = 0;   ///< bytes
-  bool lodepng_overflow = false;  ///< more blocks than could be followed
+  bool lodepng_overflow = false;  ///< more blocks than the trap can track
 };
 
 /// Armed from construction to destruction. One at a time.
@@ -26,9 +26,9 @@ class HeapTrap {
   ~HeapTrap() { disarm(); }
   HeapTrap(const HeapTrap&) = delete;
   HeapTrap& operator=(const HeapTrap&) = delete;
-  /// May be called again.
+  /// Also harmless when disarmed already.
   HeapUse disarm();
-  /// Where the first blocks were taken, on standard error.
+  /// Prints where the first blocks were taken to standard error.
   static void print_stacks();
 };
 

@@ -1,4 +1,4 @@
-/// After a job has been admitted nothing takes memory from the heap but lodepng, and lodepng only for the image at hand.
+/// After its admission a job takes nothing from the heap, except lodepng for the image at hand.
 
 #include "tests/firmware/support/heap_trap.hpp"
 
@@ -18,14 +18,14 @@ namespace {
 
 alignas(64) std::byte arena_block[std::size_t{64} * 1024 * 1024];
 
-/// Hides from the compiler where a block goes, so that it cannot leave out taking it.
+/// Hides a block from the compiler, so that it can't remove the allocation.
 void* escaped(void* block) {
   static void* volatile anybody_may_look;
   anybody_may_look = block;
   return anybody_may_look;
 }
 
-TEST(HeapTrap, SeesWhatTheCLibraryAndTheLanguageTake) {
+TEST(HeapTrap, CountsAllocationsOfCAndCpp) {
   HeapTrap trap;
   void* const kept[] = {escaped(std::malloc(10)), escaped(::operator new(10)), escaped(std::calloc(1, 10)),
                         escaped(std::aligned_alloc(64, 64))};
@@ -37,7 +37,7 @@ TEST(HeapTrap, SeesWhatTheCLibraryAndTheLanguageTake) {
   EXPECT_EQ(found, 4);
 }
 
-TEST(HeapTrap, SeesWhatOtherThreadsTake) {
+TEST(HeapTrap, CountsAllocationsOfOtherThreads) {
   omp_set_dynamic(0);
   const auto take = [] {
 #pragma omp parallel num_threads(2)
@@ -50,7 +50,7 @@ TEST(HeapTrap, SeesWhatOtherThreadsTake) {
   EXPECT_EQ(use.trapped, 2);
 }
 
-TEST(HeapTrap, SeesTheBuffersOfStandardFiles) {
+TEST(HeapTrap, CountsBuffersOfStandardFiles) {
   HeapTrap trap;
   std::FILE* file = std::fopen("/dev/null", "w");
   const HeapUse use = trap.disarm();
@@ -59,7 +59,7 @@ TEST(HeapTrap, SeesTheBuffersOfStandardFiles) {
   EXPECT_GE(use.trapped, 1);
 }
 
-TEST(Job, TakesNothingFromTheHeapAfterItsAdmissionButWhatLodepngReturns) {
+TEST(Job, TakesNothingFromTheHeapAfterItsAdmissionExceptInLodepng) {
   const TemporaryFolder folder;
   write_sphere_scan(folder / "sphere.ply", 60'000, 12);
   Arena arena(arena_block);
@@ -84,10 +84,10 @@ TEST(Job, TakesNothingFromTheHeapAfterItsAdmissionButWhatLodepngReturns) {
   EXPECT_EQ(use.trapped, 0);
   if (use.trapped > 0) HeapTrap::print_stacks();
 
-  // The control that the masks and the preview did go through lodepng.
+  // Masks and preview did go through lodepng.
   EXPECT_GE(use.lodepng, static_cast<int>(job->report().slice.placement.grid.layers));
   EXPECT_FALSE(use.lodepng_overflow);
-  EXPECT_EQ(use.lodepng_live, 0U) << "bytes of lodepng that nobody has freed";
+  EXPECT_EQ(use.lodepng_live, 0U) << "bytes that lodepng has not freed";
   // The largest image is the preview; lodepng holds it filtered, compressed, and as a file.
   constexpr std::size_t kPreviewBytes = std::size_t{3} * kPreviewColumns * kPreviewRows;
   EXPECT_LE(use.lodepng_peak, 3 * kPreviewBytes);
@@ -111,7 +111,7 @@ TEST(Job, TakesNothingFromTheHeapWhenItEstimatesNormals) {
   if (use.trapped > 0) HeapTrap::print_stacks();
 }
 
-TEST(Job, TakesNothingFromTheHeapOnAnErrorsWayOut) {
+TEST(Job, TakesNothingFromTheHeapWhenItFails) {
   const TemporaryFolder folder;
   write_sphere_scan(folder / "sphere.ply", 20'000, 12);
   Arena arena(arena_block);

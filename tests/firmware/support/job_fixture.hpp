@@ -1,5 +1,5 @@
 #pragma once
-/// What the tests of jobs share: a folder that goes away, and a scan whose shape is known.
+/// Shared by the tests of jobs: a temporary folder, and a scan whose shape is known.
 
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@
 
 namespace plumbline {
 
-/// A folder of its own for each test, removed with all that is in it.
+/// A folder for one test, removed at the end with its contents.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -49,7 +49,6 @@ inline void write_text(const std::string& path, std::string_view text) {
   std::ofstream(path, std::ios::binary).write(text.data(), static_cast<std::streamsize>(text.size()));
 }
 
-/// A clean sphere round the origin, evenly scanned (Fibonacci lattice), with outward normals, or ones of length zero.
 inline void write_scan(const std::string& path, const std::vector<ScanPoint>& cloud) {
   auto writer = PlyWriter::create(path, {}, cloud.size());
   ASSERT_TRUE(writer.has_value()) << writer.error().message();
@@ -57,6 +56,7 @@ inline void write_scan(const std::string& path, const std::vector<ScanPoint>& cl
   ASSERT_TRUE(writer->close().has_value());
 }
 
+/// A clean sphere round the origin, evenly scanned (Fibonacci lattice), with outward normals or normals of length 0.
 inline std::vector<ScanPoint> sphere_scan(std::uint32_t points, double radius_mm, bool normals = true) {
   std::vector<ScanPoint> cloud(points);
   constexpr double kGoldenAngle = 2.39996322972865332;
@@ -80,7 +80,7 @@ inline void write_sphere_scan(const std::string& path, std::uint32_t points, dou
   write_scan(path, sphere_scan(points, radius_mm, normals));
 }
 
-/// A printer small enough for tests: 40 x 30 x 50 mm in pixels of 0.1 mm; the rows are no multiple of a byte.
+/// A printer small enough for tests: 40 x 30 x 50 mm in pixels of 0.1 mm; its rows do not end at a byte.
 inline PrinterVolume small_printer() {
   return {.columns = 403, .rows = 300, .pitch_x_mm = 0.1F, .pitch_y_mm = 0.1F, .travel_mm = 50};
 }
