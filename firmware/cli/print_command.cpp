@@ -121,7 +121,13 @@ Status write_results(const PrintOptions& options, const PrintOutcome& outcome) {
     write_print_report(json, outcome);
     return json.finish();
   }
-  return options.job.quiet ? Status() : write_print_summary(out, outcome);
+  if (options.job.quiet) return {};
+  std::string look_at = options.report;
+  if (!options.keep_part.empty()) {
+    look_at = options.keep_part + "/preview.png, " + options.keep_part + "/comparison.png" +
+              (look_at.empty() ? "" : ", " + look_at);
+  }
+  return write_print_summary(out, outcome, look_at, options.job.verbose);
 }
 
 ExitCode exit_code(PrintState state) {
@@ -187,10 +193,19 @@ ExitCode run_print(const PrintOptions& options, std::span<std::byte> arena_block
   // After slicing: a simulated machine's time begins with its first use.
   SimulationOptions simulation = options.simulation;
   simulation.keep_part = !options.keep_part.empty();
+  if (options.resume) {
+    const auto progress = store->progress();
+    if (!progress) return report_error(progress.error());
+    simulation.layers_on_plate = progress->next_layer;
+    simulation.height_on_plate = progress->height;
+  }
   auto back_end = open_back_end(printer->board, printer->machine, printer->profile, simulation);
   if (!back_end) return report_error(back_end.error());
   Witness* const witness = (*back_end)->witness();
-  PrintLines lines(!silent, witness != nullptr ? std::optional(kNobodyComes) : std::nullopt);
+  const auto show = silent        ? PrintLines::Show::kNothing
+                    : job.verbose ? PrintLines::Show::kEverything
+                                  : PrintLines::Show::kPrint;
+  PrintLines lines(show, witness != nullptr ? std::optional(kNobodyComes) : std::nullopt);
   const PrintReport& report = session.print((*back_end)->machine(), lines);
   lines.clear();
   if (lines.gave_up()) write_to_stderr("plumbline: the print waited an hour for its user and was cancelled\n");

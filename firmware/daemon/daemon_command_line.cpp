@@ -22,24 +22,22 @@ namespace plumbline {
 namespace {
 
 constexpr const char* kAbout =
-    "The printer's daemon: waits for a stick, takes its job, prints it, reports, and waits for the next.\n"
+    "The printer's daemon: waits for a stick, prints its job, reports, and waits for the next.\n"
     "\n"
-    "A stick's job is its job.toml, or the only scan in its top folder, or the one that the user chooses with the "
+    "A stick's job is its job.toml, the only scan in its top folder, or the scan that the user chooses with the "
     "buttons.\n"
-    "Journal and job are kept in --state: after a power cut the print goes on when start is pressed.\n";
+    "The journal is kept in --state: after a power cut the print resumes when start is pressed.\n";
 
 constexpr const char* kFooter =
     "\nExamples:\n"
-    "  plumblined --printer board/sim2k.toml --state state --stick stick      a folder plays the stick: make it, and "
-    "it "
-    "is plugged in\n"
+    "  plumblined --printer board/sim2k.toml --state state --stick stick      creating the folder plugs the stick in\n"
     "\n"
-    "SIGTERM ends it in order: a print is dark within its bound and can go on later.\n";
+    "SIGTERM ends it in order: the lamp goes dark, the part is lifted, and the print can resume later.\n";
 
 struct DaemonOptions {
   std::string printer;
   std::string state = "/var/lib/plumbline";
-  std::uint32_t jobs = 0;  ///< end after that many; 0: never
+  std::uint32_t jobs = 0;  ///< end after that many prints; 0: never
   SimulationOptions simulation;
 };
 
@@ -48,8 +46,7 @@ bool is_folder(const std::string& path) {
   return !path.empty() && ::stat(path.c_str(), &facts) == 0 && S_ISDIR(facts.st_mode);
 }
 
-/// Says everything on standard error and to the service manager, writes the reports, and plays the user's hand with a simulated
-/// stick.
+/// Logs to standard error and the service manager, writes reports, and plugs the simulated stick in and out.
 class DaemonLog final : public DaemonObserver {
  public:
   DaemonLog(const DaemonOptions& options, BackEnd& back_end, ServiceManager& manager)
@@ -59,33 +56,34 @@ class DaemonLog final : public DaemonObserver {
     FixedText<1000> line;
     line.add("plumblined: %.*s\n", static_cast<int>(text.size()), text.data());
     write_to_stderr(line.view());
-    manager_.tell(text == "ready" ? "ready: waiting for a stick" : text);
+    manager_.status(text == "ready" ? "ready: waiting for a stick" : text);
   }
   bool update(const PrintStatus& status) override {
     look_around();
     static_cast<void>(lines_.update(status));
-    manager_.tell(service_status(status).view());
+    manager_.status(status_text(status).view());
     return true;
   }
   void checked(Check check, const CheckResult& result) override { lines_.checked(check, result); }
   void printed(const PrintReport& report, const PrintSession& session, const PrintProfile& profile) override {
     lines_.clear();
-    manager_.tell(service_status(report).view());
+    manager_.status(service_status(report).view());
     const std::vector<std::string> objections =
         witness_ != nullptr ? witness_->objections() : std::vector<std::string>();
     const PrintOutcome outcome{
         report, session, profile, witness_ != nullptr, objections, back_end_.take_step_figures()};
     OutputFile out = OutputFile::standard_output();
-    // The part is on the plate; a report that can't be written is said, and no more.
-    if (const auto told = write_print_summary(out, outcome); !told) say(told.error().message());
+    // The part is on the plate, so a report that can't be written is only logged.
+    if (const auto told = write_print_summary(out, outcome, report_path(), false); !told) say(told.error().message());
     if (const auto kept = write_report(outcome); !kept) say(kept.error().message());
     if (++jobs_ == options_.jobs) end();
   }
   void idle() override { look_around(); }
 
  private:
+  std::string report_path() const { return options_.state + "/report.json"; }
   Status write_report(const PrintOutcome& outcome) const {
-    auto file = OutputFile::create((options_.state + "/report.json").c_str());
+    auto file = OutputFile::create(report_path().c_str());
     PLUMBLINE_TRY(file);
     JsonWriter json(*file);
     write_print_report(json, outcome);
@@ -110,7 +108,7 @@ class DaemonLog final : public DaemonObserver {
     if (witness_ != nullptr) {
       witness_->press(EventKind::kShutdownRequested);
     } else {
-      static_cast<void>(::kill(::getpid(), SIGTERM));  // of which the board's machine makes the same event
+      static_cast<void>(::kill(::getpid(), SIGTERM));  // the board's machine turns it into the same event
     }
   }
 
@@ -118,7 +116,7 @@ class DaemonLog final : public DaemonObserver {
   BackEnd& back_end_;
   Witness* witness_;  ///< the back end's
   ServiceManager& manager_;
-  PrintLines lines_{true, std::nullopt};
+  PrintLines lines_{PrintLines::Show::kPrint, std::nullopt};
   bool plugged_ = false;
   bool ended_ = false;
   std::uint32_t jobs_ = 0;
@@ -140,12 +138,17 @@ ExitCode serve(const DaemonOptions& options, std::span<std::byte> arena_block) {
   auto manager = ServiceManager::of_environment();
   if (!manager) return report_error(manager.error());
   SimulationOptions simulation = options.simulation;
-  simulation.stick.clear();  // plugged in by the log, when its folder is there
+  simulation.stick.clear();  // the log plugs it in when its folder is there
+  // A damaged journal is reported when the user asks to resume.
+  if (const auto progress = store->progress()) {
+    simulation.layers_on_plate = progress->next_layer;
+    simulation.height_on_plate = progress->height;
+  }
   auto back_end = open_back_end(*board, *machine, *profile, simulation);
   if (!back_end) return report_error(back_end.error());
 
   catch_interrupts();
-  start_threads(setup->threads);  // and their stacks: after "ready" no memory is taken
+  start_threads(setup->threads);  // with their stacks: no memory is taken after "ready"
   const DaemonSettings settings{*board, *machine, board->path, setup->threads};
   Arena arena(setup->arena_block);
   DaemonLog log(options, **back_end, *manager);
@@ -173,26 +176,27 @@ ExitCode run_daemon_command_line(int argc, char** argv, std::span<std::byte> are
   app.set_version_flag("--version", std::string("plumblined ") + kVersion);
   app.footer(kFooter);
   DaemonOptions options;
-  options.simulation.speedup = 1;  // who waits for a stick waits in real time
+  options.simulation.speedup = 1;  // a stick is plugged in and out in real time
   app.add_option("--printer", options.printer, "Board file")->required()->type_name("TOML");
   app.add_option("--state", options.state, "Folder for journal, job and the last report [/var/lib/plumbline]")
       ->type_name("DIR");
-  app.add_option("--jobs", options.jobs, "End after that many prints [never]")->type_name("N");
+  app.add_option("--jobs", options.jobs, "End after N prints [never]")->type_name("N");
   constexpr const char* kSimulation = "Simulation";
-  app.add_flag("--simulate", options.simulation.simulate, "Simulate the printer, also one that exists")
+  app.add_flag("--simulate", options.simulation.simulate, "Simulate the printer even if it is a real one")
       ->group(kSimulation);
-  app.add_option("--stick", options.simulation.stick, "Folder that plays the stick; it is plugged in while it is there")
+  app.add_option("--stick", options.simulation.stick, "Folder that plays the stick: plugged in while the folder exists")
       ->type_name("DIR")
       ->group(kSimulation);
-  app.add_option("--speedup", options.simulation.speedup, "Virtual seconds a second, 0.1 to 1000000 [1]")
+  app.add_option("--speedup", options.simulation.speedup, "Simulated seconds per second, 0.1 to 1000000 [1]")
       ->type_name("N")
       ->check(CLI::Range(0.1, 1e6).description(""))
       ->group(kSimulation);
   app.add_option("--lamp-line", options.simulation.lamp_line,
-                 "Lamp line that plumbline-keeper lights as the simulated lamp is lit; file:PATH writes each change")
+                 "Line that plumbline-keeper switches together with the simulated lamp; file:PATH records the changes")
       ->type_name("LINE")
       ->group(kSimulation);
-  app.add_option("--fault", options.simulation.faults, "What goes wrong, such as cover.opens@layer=40,for=5s")
+  app.add_option("--fault", options.simulation.faults,
+                 "What goes wrong, such as cover.opens@layer=40,for=5s; may be repeated")
       ->type_name("FAULT")
       ->take_all()
       ->group(kSimulation);

@@ -8,7 +8,7 @@
 
 namespace plumbline {
 
-/// Parses the arguments, serves until it is told to end, and tells what the process is to return.
+/// Parses the arguments and runs the daemon until it is told to end. @returns the process's exit code
 /// @param arena_block  the program's static memory
 ExitCode run_daemon_command_line(int argc, char** argv, std::span<std::byte> arena_block);
 

@@ -2,18 +2,20 @@
 
 #include <algorithm>
 
+#include "firmware/daemon/stick_words.hpp"
 #include "firmware/settings/support_choice.hpp"
 #include "firmware/slice/job_report.hpp"
 
 namespace plumbline {
 namespace {
 
-constexpr nanoseconds kTurn = std::chrono::milliseconds(200);
+/// How long the daemon waits for an event before it looks around: quick for a person, idle for the processor.
+constexpr nanoseconds kLook = std::chrono::milliseconds(200);
 
-/// While a scan is read and sliced: buttons are heard, and the way to stop is asked for.
-class SliceListener final : public ProgressSink {
+/// Reads the buttons while a scan is read and sliced.
+class SliceButtons final : public ProgressSink {
  public:
-  explicit SliceListener(Machine& machine) : machine_(machine) {}
+  explicit SliceButtons(Machine& machine) : machine_(machine) {}
 
   void begin(Stage /*stage*/) override {}
   bool advance(Stage /*stage*/, double /*fraction*/) override {
@@ -43,7 +45,7 @@ PrinterDaemon::PrinterDaemon(Machine& machine, const DaemonSettings& settings, A
 void PrinterDaemon::apply(PrintEvent event) {
   state_ = next(state_, event);
   const auto on_if = [](bool on) { return on ? LightState::kOn : LightState::kOff; };
-  // Lights that fail are no reason to refuse a job.
+  // A light that fails is no reason to refuse a job.
   static_cast<void>(machine_.panel.set_light(PanelLight::kReady, on_if(state_ == PrintState::kIdle)));
   static_cast<void>(machine_.panel.set_light(PanelLight::kFault, on_if(state_ == PrintState::kFault)));
   static_cast<void>(machine_.panel.set_light(
@@ -66,7 +68,7 @@ Status PrinterDaemon::run() {
 Status PrinterDaemon::serve() {
   if (store_.has_job() && state_ != PrintState::kFault) return serve_interrupted();
   if (machine_.stick.has_stick() && !served_) return serve_stick();
-  const auto event = machine_.events.next_event(machine_.clock.now() + kTurn);
+  const auto event = machine_.events.next_event(machine_.clock.now() + kLook);
   PLUMBLINE_TRY(event);
   observer_.idle();
   if (!*event) return {};
@@ -88,12 +90,12 @@ Status PrinterDaemon::serve() {
   return {};
 }
 
-/// Waits for a button. Pause is "the next one".
+/// Waits for a button. Pause means "the next one".
 Expected<PrinterDaemon::Choice> PrinterDaemon::ask(const std::function<void()>& on_next) {
   static_cast<void>(machine_.panel.set_light(PanelLight::kAttention, LightState::kBlinking));
   std::optional<Choice> choice;
   while (!choice) {
-    const auto event = machine_.events.next_event(machine_.clock.now() + kTurn);
+    const auto event = machine_.events.next_event(machine_.clock.now() + kLook);
     PLUMBLINE_TRY(event);
     observer_.idle();
     if (!*event) continue;
@@ -115,9 +117,9 @@ Expected<PrinterDaemon::Choice> PrinterDaemon::ask(const std::function<void()>& 
   return *choice;
 }
 
-/// A print was interrupted. Its part hangs in the printer, so the user decides: nothing moves before.
+/// A print was interrupted and its part hangs in the printer, so nothing moves until the user decides.
 Status PrinterDaemon::serve_interrupted() {
-  observer_.say("an interrupted print can go on: press start, or cancel to give it up");
+  observer_.say("an interrupted print can go on: press start to resume it, or cancel to give it up");
   auto choice = Choice::kStickGone;
   while (choice == Choice::kStickGone) {
     const auto asked = ask([] {});
@@ -145,16 +147,16 @@ Expected<StickJob> PrinterDaemon::choose(const StickMount& mount) {
   }
   std::size_t chosen = 0;
   if (scans->count > 1) {
-    const auto tell = [&] {
+    const auto show = [&] {
       FixedText<400> text;
-      text.add("scan %zu of %zu: %s. Start prints it, pause shows the next one, cancel none", chosen + 1, scans->count,
-               scans->names[chosen].c_str());
+      text.add("scan %zu of %zu: %s. Press start to print it, pause for the next one, cancel for none", chosen + 1,
+               scans->count, scans->names[chosen].c_str());
       observer_.say(text.view());
     };
-    tell();
+    show();
     const auto choice = ask([&] {
       chosen = (chosen + 1) % scans->count;
-      tell();
+      show();
     });
     PLUMBLINE_TRY(choice);
     if (*choice == Choice::kStickGone)
@@ -167,7 +169,7 @@ Expected<StickJob> PrinterDaemon::choose(const StickMount& mount) {
 }
 
 Expected<PrintProfile> PrinterDaemon::profile_of(const std::string& name) const {
-  // A name, not a path: what is on a stick says nothing about the printer's files.
+  // A name, not a path: a stick must not reach the printer's files.
   return read_print_profile(name.empty() ? settings_.machine.profile : name, settings_.board_path);
 }
 
@@ -200,11 +202,11 @@ Status PrinterDaemon::print_scan() {
     placement.printer = printer_volume(settings_.board);
     const auto supports = SupportChoice{job->supports, {}}.over(profile->supports_enable, profile->supports);
     PLUMBLINE_TRY(supports);
-    SliceListener listener(machine_);
-    const auto sliced = session.slice_scan(*scan, settings, *supports, *profile, &listener);
-    if (listener.shutdown()) ending_ = true;
+    SliceButtons buttons(machine_);
+    const auto sliced = session.slice_scan(*scan, settings, *supports, *profile, &buttons);
+    if (buttons.shutdown()) ending_ = true;
     PLUMBLINE_TRY(sliced);
-    for_each_remark(session.sliced(), [&](std::string_view warning) { observer_.say(warning); });
+    for_each_remark(session.sliced(), [&](std::string_view warning) { observer_.say(in_stick_words(warning).view()); });
   }
   observer_.say("the stick may be pulled");
   apply(PrintEvent::kSliced);
@@ -229,7 +231,7 @@ Status PrinterDaemon::resume() {
 void PrinterDaemon::print(PrintSession& session, const PrintProfile& profile) {
   const PrintReport& report = session.print(machine_, observer_);
   observer_.printed(report, session, profile);
-  // A stick that has gone meanwhile can come again; one that is there has had its turn.
+  // The same stick is not printed twice unless it is plugged in again.
   served_ = machine_.stick.has_stick();
   fault_ = report.fault;
   if (report.state == PrintState::kFault) {
@@ -238,27 +240,32 @@ void PrinterDaemon::print(PrintSession& session, const PrintProfile& profile) {
     apply(PrintEvent::kShutdown);
     ending_ = true;
   } else {
-    // Finished or cancelled on the user's word: for who waits for the next job both are over.
+    // Finished, or cancelled by the user: ready for the next job either way.
     apply(PrintEvent::kCancelAsked);
     apply(PrintEvent::kAcknowledged);
     observer_.say("ready");
   }
 }
 
-/// A job that could not be printed: said, and the printer is ready for the next.
+/// Says why a job could not be printed. The printer is ready for the next one.
 Status PrinterDaemon::refuse(const Error& error, FaultCode code) {
   if (error.code() == ErrorCode::kCancelled) {
     apply(PrintEvent::kCancelAsked);
     apply(PrintEvent::kAcknowledged);
-    observer_.say(ending_ ? "reading was ended" : "cancelled; ready");
+    observer_.say(ending_ ? "reading stopped" : "cancelled; ready");
     return {};
   }
   fault_ = code;
   apply(PrintEvent::kFailed);
-  const FaultInfo& fault = info(fault_);
-  FixedText<800> text;
-  text.add("PL-%u, %.*s: %s. %.*s", static_cast<unsigned>(fault_), static_cast<int>(fault.title.size()),
-           fault.title.data(), error.message(), static_cast<int>(fault.next.size()), fault.next.data());
+  const FaultText fault = explain(fault_, error.message());
+  auto advice = in_stick_words(fault.advice.view());
+  if (advice.view().find("--") != std::string_view::npos) {
+    // It takes an option that job.toml does not have.
+    advice.clear();
+    advice.add("%.*s", static_cast<int>(info(fault_).next.size()), info(fault_).next.data());
+  }
+  FixedText<1000> text;
+  text.add("%s. %s", fault.what.c_str(), advice.c_str());
   observer_.say(text.view());
   return machine_.panel.beep(std::chrono::seconds(1));
 }

@@ -1,5 +1,5 @@
 #pragma once
-/// The printer as a device: waits for a stick, takes its job, prints, reports; one job after the other in the same memory.
+/// Runs the printer: waits for a stick, slices and prints its job, reports; job after job in the same memory.
 
 #include <functional>
 #include <optional>
@@ -9,9 +9,9 @@
 
 #include "firmware/daemon/stick_job.hpp"
 #include "firmware/print/fault.hpp"
-#include "firmware/print/job_store.hpp"
 #include "firmware/print/print_job.hpp"
 #include "firmware/print/print_session.hpp"
+#include "firmware/print/store/job_store.hpp"
 #include "firmware/settings/board_file.hpp"
 #include "firmware/settings/print_profile.hpp"
 #include "hal/machine.hpp"
@@ -19,31 +19,31 @@
 
 namespace plumbline {
 
-/// Who hears what the daemon does: a log, a test.
+/// Follows the daemon: a log, or a test.
 class DaemonObserver : public PrintObserver {
  public:
   /// "ready", "reading bust.ply", ...
   virtual void say(std::string_view text) = 0;
-  /// A print is over, for whatever reason.
+  /// A print has ended, for whatever reason.
   virtual void printed(const PrintReport& report, const PrintSession& session, const PrintProfile& profile) = 0;
-  /// Now and then while nothing is printed.
+  /// Called several times a second while nothing is printed.
   virtual void idle() = 0;
 };
 
 struct DaemonSettings {
   BoardFile board;
   MachineFile machine;
-  std::string board_path;  ///< profiles are beside it
+  std::string board_path;  ///< the profiles are in profiles/ beside it
   std::uint32_t threads = 1;
 };
 
 class PrinterDaemon {
  public:
-  /// All outlive the daemon.
+  /// All must outlive the daemon.
   PrinterDaemon(Machine& machine, const DaemonSettings& settings, Arena& arena, JobStore& store,
                 DaemonObserver& observer);
 
-  /// Serves until the system shuts down.
+  /// Prints jobs until the system shuts down.
   /// @retval ErrorCode::kPowerLost
   [[nodiscard]] Status run();
 
@@ -72,7 +72,7 @@ class PrinterDaemon {
   DaemonObserver& observer_;
   PrintState state_ = PrintState::kIdle;
   FaultCode fault_ = FaultCode::kNone;
-  bool served_ = false;  ///< the stick in the port has had its turn
+  bool served_ = false;  ///< the stick in the port has been printed
   bool ending_ = false;
 };
 

@@ -1,16 +1,16 @@
 #pragma once
-/// The machine's events, with the service manager told meanwhile that the work goes round.
+/// The machine's events, with a sign of life to the service manager on every look for one.
 
 #include "firmware/daemon/service_manager.hpp"
 #include "hal/events.hpp"
 
 namespace plumbline {
 
-/// All that the firmware waits for it waits for here, and while it computes it looks here now and then for the buttons: who comes
-/// by here is alive. No thread of its own says so, which would go on when the work hangs.
+/// The firmware waits only here, and looks here for buttons while it computes, so whatever calls this is alive. A thread of its own
+/// would still report life when the work hangs.
 class ServiceEvents final : public Events {
  public:
-  /// @param events, clock  the machine's; both outlive this, as does the manager
+  /// @param events, clock  the the machine's; both must outlive this, as must the manager
   ServiceEvents(Events& events, const Clock& clock, ServiceManager& manager);
 
  private:

@@ -24,14 +24,14 @@ std::optional<std::int64_t> number(std::string_view text) {
   return value;
 }
 
-/// A variable of the environment that is a whole number above 0, or is not set.
+/// An environment variable: a whole number above 0, or not set.
 Expected<std::optional<std::int64_t>> number_of_environment(const char* name) {
   const char* const text = std::getenv(name);
   if (text == nullptr) return std::nullopt;
   const auto value = number(text);
   if (!value) {
-    return fail(ErrorCode::kBadSetting, "%s: found '%s', it has to be a whole number above 0: leave it to systemd",
-                name, text);
+    return fail(ErrorCode::kBadSetting, "%s: found '%s', allowed is a whole number above 0: let systemd set it", name,
+                text);
   }
   return value;
 }
@@ -55,17 +55,17 @@ Expected<ServiceManager> ServiceManager::at(std::string_view address, std::chron
   const bool abstract = address.starts_with('@');
   if ((!abstract && !address.starts_with('/')) || address.size() < 2 || address.size() >= sizeof to.sun_path) {
     return fail(ErrorCode::kBadSetting,
-                "NOTIFY_SOCKET: found '%.*s', it has to be a path, or @ and a name: leave it to systemd",
+                "NOTIFY_SOCKET: found '%.*s', allowed is a path, or @ and a name: let systemd set it",
                 static_cast<int>(address.size()), address.data());
   }
   std::copy(address.begin(), address.end(), to.sun_path);
   if (abstract) to.sun_path[0] = '\0';
-  // A path ends with its zero, an abstract name where the address does.
+  // A path is terminated by 0, an abstract name by its length.
   const auto length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + address.size() + (abstract ? 0 : 1));
 
   ServiceManager manager;
   manager.socket_ = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  // A manager that does not read must not hold the daemon up for longer.
+  // A manager that does not read holds the daemon up for 1 s at most.
   timeval bound{};
   bound.tv_sec = 1;
   if (manager.socket_ < 0 || ::setsockopt(manager.socket_, SOL_SOCKET, SO_SNDTIMEO, &bound, sizeof bound) != 0 ||
@@ -80,8 +80,8 @@ Expected<ServiceManager> ServiceManager::at(std::string_view address, std::chron
 ServiceManager::ServiceManager(ServiceManager&& other) noexcept
     : socket_(std::exchange(other.socket_, -1)),
       watchdog_(std::exchange(other.watchdog_, {})),
-      alive_said_(other.alive_said_),
-      told_(other.told_) {}
+      alive_at_(other.alive_at_),
+      status_(other.status_) {}
 
 ServiceManager::~ServiceManager() {
   if (socket_ >= 0) ::close(socket_);
@@ -98,25 +98,24 @@ bool ServiceManager::send(std::string_view message, Urgency urgency) {
 
 Status ServiceManager::ready() {
   if (send("READY=1", Urgency::kMustArrive)) return {};
-  return fail(ErrorCode::kCannotWrite, "systemd can't be told that the daemon is ready: %s: restart it",
-              std::strerror(errno));
+  return fail(ErrorCode::kCannotWrite, "systemd can't be told that the daemon is ready: %s", std::strerror(errno));
 }
 
-void ServiceManager::tell(std::string_view text) {
-  // A line end would begin another message.
+void ServiceManager::status(std::string_view text) {
+  // A line break would begin another assignment.
   text = text.substr(0, text.find('\n'));
-  FixedText<256> told;
-  told.add("STATUS=%.*s", static_cast<int>(text.size()), text.data());
-  if (told.view() == told_.view()) return;
-  if (send(told.view(), Urgency::kMayBeLost)) told_ = told;
+  FixedText<256> message;
+  message.add("STATUS=%.*s", static_cast<int>(text.size()), text.data());
+  if (message.view() == status_.view()) return;
+  if (send(message.view(), Urgency::kMayBeLost)) status_ = message;
 }
 
 void ServiceManager::alive() {
   if (!watches()) return;
   const auto now = HostClock::now();
-  if (now - alive_said_ < std::chrono::nanoseconds(watchdog_) / 2) return;
-  // What did not arrive is tried again at the next turn.
-  if (send("WATCHDOG=1", Urgency::kMayBeLost)) alive_said_ = now;
+  if (now - alive_at_ < std::chrono::nanoseconds(watchdog_) / 2) return;
+  // If it is lost, the next call tries again.
+  if (send("WATCHDOG=1", Urgency::kMayBeLost)) alive_at_ = now;
 }
 
 void ServiceManager::stopping() { static_cast<void>(send("STOPPING=1", Urgency::kMustArrive)); }

@@ -26,7 +26,9 @@ struct SimulationOptions {
   std::vector<std::string> faults;  ///< "lamp.stuck_on@layer=40": hal/sim/README.md
   std::string stick;                ///< folder that plays the stick; empty: none
   bool keep_part = false;
-  std::string lamp_line;  ///< plumbline-keeper lights it whenever the simulated lamp is lit; empty: none
+  std::uint32_t layers_on_plate = 0;  ///< cured by an earlier run that this one resumes
+  ZPosition height_on_plate;          ///< of the last of them
+  std::string lamp_line;              ///< plumbline-keeper lights it whenever the simulated lamp is lit; empty: none
 };
 
 /// What only a simulation knows, and the user's hands for whoever plays the user.

@@ -100,6 +100,8 @@ Expected<std::unique_ptr<BackEnd>> open_simulated_back_end(const BoardFile& boar
   settings.pace = {.speedup = options.speedup, .computing = options.computing};
   settings.stick = options.stick;
   settings.keep_part = options.keep_part;
+  settings.layers_on_plate = options.layers_on_plate;
+  settings.height_on_plate = options.height_on_plate;
   std::unique_ptr<LampWire> wire;
   if (lamp_line) wire = std::make_unique<HostTimeWire>(std::move(lamp_line), options.speedup);
   return std::make_unique<SimulatedBackEnd>(std::move(settings), std::move(wire));

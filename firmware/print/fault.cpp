@@ -2,85 +2,129 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cctype>
 
 namespace plumbline {
 namespace {
 
 constexpr std::array kFaults{
-    FaultInfo{FaultCode::kScanUnreadable, "scan can't be read", "The file could not be opened, or its medium failed.",
-              "Check name and medium, copy the scan again."},
-    FaultInfo{FaultCode::kNotAScan, "not a scan", "The file is of no kind that plumbline reads, or it is damaged.",
+    FaultInfo{FaultCode::kScanUnreadable, "scan can't be read", "The file can't be opened, or its medium failed.",
+              "Check the name and the medium, or copy the scan again."},
+    FaultInfo{FaultCode::kNotAScan, "not a scan", "The file is damaged, or of a kind that plumbline does not read.",
               "Export the scan again as PLY, PCD, OBJ or XYZ."},
-    FaultInfo{FaultCode::kNothingToPrint, "nothing to print", "There are no points in the scan, or no surface in them.",
-              "Look at the scan in the scanner's program; export it with its points."},
+    FaultInfo{FaultCode::kNothingToPrint, "nothing to print",
+              "The scan has no points, no surface, or nothing that stands on the plate.",
+              "Look at the scan in the scanner's program, then export it with its points."},
     FaultInfo{FaultCode::kOutOfMemory, "does not fit into memory", "The job needs more than the printer's arena.",
-              "Print it smaller, or with thicker layers."},
+              "Print the object smaller, or with thicker layers."},
     FaultInfo{FaultCode::kDoesNotFit, "does not fit the printer", "The object is larger than the plate or the travel.",
-              "Scale or turn it; the message says by how much."},
+              "Scale the object down, or turn it."},
     FaultInfo{FaultCode::kBadSetting, "wrong setting", "A key of a board file, a profile or job.toml is wrong.",
               "Correct the line that the message names."},
     FaultInfo{FaultCode::kStickGone, "stick pulled", "The stick was pulled while the scan was being read.",
-              "Plug it in again; the job starts anew."},
-    FaultInfo{FaultCode::kNoStick, "no stick", "There is no stick in the port.", "Plug one in."},
+              "Plug the stick in again; the job starts from the beginning."},
+    FaultInfo{FaultCode::kNoStick, "no stick", "There is no stick in the port.", "Plug a stick in."},
     FaultInfo{FaultCode::kStickUnreadable, "stick can't be read", "The stick has no file system that can be read.",
-              "Format it as FAT32 or exFAT, and copy the scan again."},
+              "Format the stick as FAT32 or exFAT, then copy the scan again."},
     FaultInfo{FaultCode::kCannotWrite, "journal can't be written", "The printer's own storage is full or fails.",
-              "Make room or replace the storage; without a journal a power cut ends a print for good."},
-    FaultInfo{FaultCode::kJournalDamaged, "journal damaged", "What was stored of an interrupted print is damaged.",
-              "It can't be gone on with: take the part off, start anew."},
+              "Make room or replace the storage. Without a journal a power cut ends a print for good."},
+    FaultInfo{FaultCode::kJournalDamaged, "journal damaged",
+              "What was stored of an interrupted print is damaged, so that print can't be resumed.",
+              "Take the part off the plate, then start the print again."},
     FaultInfo{FaultCode::kJournalOfAnother, "journal of another printer",
-              "The interrupted print was made with another printer's file or another version.",
-              "Resume with the board file of that print, or take the part off and start anew."},
-    FaultInfo{FaultCode::kFlipTimeout, "panel did not take a mask", "The panel took too long to show a picture.",
+              "The interrupted print was made with another board file or by another version of plumbline.",
+              "Resume with the board file and version of that print, or take the part off the plate and start again."},
+    FaultInfo{FaultCode::kFlipTimeout, "panel did not take a mask", "The panel took too long to show a mask.",
               "Check the panel's cable, then resume."},
-    FaultInfo{FaultCode::kPanelFailed, "panel does not answer", "No picture can be shown.",
+    FaultInfo{FaultCode::kPanelFailed, "panel does not answer", "No mask can be shown.",
               "Check the panel's cable, then resume."},
-    FaultInfo{FaultCode::kPanelSize, "wrong panel", "The panel has other pixels than the board file says.",
+    FaultInfo{FaultCode::kPanelSize, "wrong panel", "The panel has another number of pixels than the board file says.",
               "Use the board file of this printer."},
     FaultInfo{FaultCode::kLampStuckOn, "lamp stuck on", "There is light although the lamp was turned off.",
-              "Pull the plug, now. Have the lamp's driver replaced."},
+              "Pull the plug now, then have the lamp's driver replaced."},
     FaultInfo{FaultCode::kLampDead, "lamp dead", "There is no light although the lamp was turned on.",
-              "Check lamp, cable and fuse, then resume."},
-    FaultInfo{FaultCode::kLampKeeper, "lamp not guarded", "Turning the lamp off could not be armed, so it stayed dark.",
+              "Check the lamp, its cable and its fuse, then resume."},
+    FaultInfo{FaultCode::kLampKeeper, "lamp not guarded",
+              "Turning the lamp off could not be armed, so the lamp stayed dark.",
               "Switch the printer off and on, then resume."},
-    FaultInfo{FaultCode::kExposureTooLong, "exposure too long", "The profile exposes longer than the lamp may be lit.",
+    FaultInfo{FaultCode::kExposureTooLong, "exposure too long",
+              "The profile exposes for longer than the lamp may be lit.",
               "Lower exposure_time or initial_exposure_time."},
-    FaultInfo{FaultCode::kDoseOff, "dose off", "The lamp gave more than 5 % more or less light than it should.",
+    FaultInfo{FaultCode::kDoseOff, "dose off", "The lamp gave over 5 % more or less light than asked for.",
               "Have the lamp measured, correct power_mw_cm2, then resume."},
     FaultInfo{FaultCode::kTooLittleLight, "too little light",
-              "With this exposure the resin would not set through a whole layer.",
+              "At this exposure the resin would not cure through a whole layer.",
               "Raise exposure_time, or use the profile of this resin."},
-    FaultInfo{FaultCode::kEndStopNotFound, "end stop not found", "Homing went its whole way.",
+    FaultInfo{FaultCode::kEndStopNotFound, "end stop not found",
+              "Homing travelled the whole way without meeting the end stop.",
               "Check the end stop's switch and cable, then resume."},
     FaultInfo{FaultCode::kEndStopStuck, "end stop stuck", "The end stop is pressed where it can't be.",
-              "Free its switch, then resume."},
+              "Free the end stop's switch, then resume."},
     FaultInfo{FaultCode::kStageStalled, "stage stalled", "The motor could not follow.",
-              "Look for what blocks the stage, then resume."},
-    FaultInfo{FaultCode::kOutsideTravel, "outside the travel", "A height was asked for that the stage can't reach.",
-              "Print the object lower, or correct the board file."},
-    FaultInfo{FaultCode::kStepsLost, "steps lost", "The stage was not where its steps said.",
-              "Look for what blocks the stage; the print may have a step where it went on."},
+              "Look for what blocks the Z stage, then resume."},
+    FaultInfo{FaultCode::kOutsideTravel, "outside the travel", "A height was asked for that the Z stage can't reach.",
+              "Make the object lower, or correct the board file."},
+    FaultInfo{FaultCode::kStepsLost, "steps lost", "The Z stage was not where its steps said.",
+              "Look for what blocks the Z stage, and look at the part for a step."},
     FaultInfo{FaultCode::kCoverOpen, "cover open", "The cover was open when the print was to start.",
-              "Close it and start again."},
-    FaultInfo{FaultCode::kSensorDead, "sensor dead", "A temperature sensor does not answer.",
-              "Check its plug, then resume."},
+              "Close the cover, then start again."},
+    FaultInfo{FaultCode::kSensorDead, "sensor dead", "A temperature sensor does not answer, or says what can't be.",
+              "Check the sensor's plug, then resume."},
     FaultInfo{FaultCode::kLampTooHot, "lamp too hot", "The lamp was above its limit when the print was to start.",
-              "Wait until it is cool; look whether its fan turns."},
-    FaultInfo{FaultCode::kResinTooCold, "resin too cold", "Cold resin is thick and does not cure as it should.",
+              "Wait until the lamp is cool, and check that its fan turns."},
+    FaultInfo{FaultCode::kResinTooCold, "resin too cold", "Cold resin is thick and cures too little.",
               "Warm the room or the resin, then start again."},
     FaultInfo{FaultCode::kResinTooWarm, "resin too warm", "Warm resin cures too deep.",
-              "Let it cool, then start again."},
-    FaultInfo{FaultCode::kFanStalled, "fan stalled", "The lamp's fan does not turn although it is to.",
-              "Clean or replace it, then resume."},
-    FaultInfo{FaultCode::kPowerLost, "power lost", "The supply failed.", "Switch on and resume."},
-    FaultInfo{FaultCode::kDeviceTimeout, "device does not answer", "A device did not end what it had begun.",
+              "Let the resin cool, then start again."},
+    FaultInfo{FaultCode::kFanStalled, "fan stalled", "The lamp's fan is on and does not turn.",
+              "Clean or replace the fan, then resume."},
+    FaultInfo{FaultCode::kPowerLost, "power lost", "The supply failed.", "Switch the printer on, then resume."},
+    FaultInfo{FaultCode::kDeviceTimeout, "device does not answer", "A device did not finish what it had begun.",
               "Switch the printer off and on, then resume."},
     FaultInfo{FaultCode::kFirmware, "mistake in the firmware",
-              "The firmware asked a device for what must not be, and was refused.",
+              "The firmware asked a device for something that is not allowed, and was refused.",
               "Resume, and report the message to plumbline's maintainers."},
 };
 
+/// Words that begin advice in our messages, which read "what happened: what to do" or "What happened. What to do".
+constexpr std::array<std::string_view, 24> kAdviceVerbs = {
+    "use",  "check", "make", "put",  "print",   "save",   "say",   "correct", "export", "try",  "format", "plug",
+    "copy", "press", "have", "give", "restart", "resume", "lower", "raise",   "close",  "pull", "switch", "choose"};
+
+/// Where the advice begins; the message's size where it has none.
+std::size_t find_advice(std::string_view message) {
+  for (std::size_t at = message.size(); at-- > 2;) {
+    const char stop = message[at - 2];
+    if (message[at - 1] != ' ' || (stop != ':' && stop != '.' && stop != ';')) continue;
+    const auto first = message.substr(at, message.find_first_of(" ,", at) - at);
+    const bool is_verb = std::any_of(kAdviceVerbs.begin(), kAdviceVerbs.end(), [first](std::string_view verb) {
+      return std::equal(first.begin(), first.end(), verb.begin(), verb.end(),
+                        [](char a, char b) { return std::tolower(static_cast<unsigned char>(a)) == b; });
+    });
+    if (is_verb) return at;
+  }
+  return message.size();
+}
+
 }  // namespace
+
+FaultText explain(FaultCode code, std::string_view message) {
+  const FaultInfo& fault = info(code);
+  const std::size_t at = find_advice(message);
+  FaultText text;
+  text.what.add("PL-%u, %.*s", static_cast<unsigned>(code), static_cast<int>(fault.title.size()), fault.title.data());
+  std::string_view what = message.substr(0, at);
+  while (!what.empty() && std::string_view(" :.;").find(what.back()) != std::string_view::npos) what.remove_suffix(1);
+  if (!what.empty()) text.what.add(": ");
+  text.message_at = text.what.view().size();
+  text.what.add("%.*s", static_cast<int>(what.size()), what.data());
+  // A message about a scan or a setting has the better advice: it knows the numbers. A device does not know about resuming.
+  std::string_view advice = message.substr(at);
+  if (advice.empty() || code > FaultCode::kBadSetting) advice = fault.next;
+  text.advice.add("%c%.*s%s", std::toupper(static_cast<unsigned char>(advice[0])), static_cast<int>(advice.size()) - 1,
+                  advice.data() + 1, advice.ends_with('.') ? "" : ".");
+  return text;
+}
 
 std::span<const FaultInfo> all_faults() { return kFaults; }
 

@@ -1,11 +1,12 @@
 #pragma once
-/// Faults as users meet them: a stable code, what it means, what to do next. firmware/README.md shows the table.
+/// Faults as users meet them: a stable code, what it means, what to do next. firmware/README.md has the table.
 
 #include <array>
 #include <cstdint>
 #include <span>
 #include <string_view>
 
+#include "firmware/io/fixed_text.hpp"
 #include "slicer/core/error.hpp"
 
 namespace plumbline {
@@ -52,7 +53,7 @@ enum class FaultCode : std::uint16_t {
 
 struct FaultInfo {
   FaultCode code;
-  std::string_view title;    ///< "the lamp is stuck on"
+  std::string_view title;    ///< "lamp stuck on"
   std::string_view meaning;  ///< a sentence
   std::string_view next;     ///< what the user does
 };
@@ -63,7 +64,19 @@ std::span<const FaultInfo> all_faults();
 /// @param code  not kNone
 const FaultInfo& info(FaultCode code);
 
-/// What an error of slicer, device or file is to the user.
+/// A fault for a person, with its advice once.
+struct FaultText {
+  FixedText<800> what;         ///< "PL-601, sensor dead: the lamp's temperature sensor does not answer"
+  std::size_t message_at = 0;  ///< where the message begins in `what`; its size where there is none
+  FixedText<400> advice;       ///< "Check the sensor's plug, then resume."
+};
+
+/// Joins a fault's title with the message of its error. Advice in the message replaces that of the table where the fault is about
+/// a scan or a setting (PL-101 to PL-106), and gives way to it where it is about a device.
+/// @param code  not kNone
+FaultText explain(FaultCode code, std::string_view message);
+
+/// The fault that an error of the slicer, a device or a file becomes.
 FaultCode fault_of(ErrorCode code);
 
 }  // namespace plumbline

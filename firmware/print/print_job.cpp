@@ -3,34 +3,24 @@
 #include <algorithm>
 #include <cmath>
 
+#include "firmware/print/state_lights.hpp"
+
 namespace plumbline {
 namespace {
 
-/// A tank is never emptied to the film: what is left of it does not flow under the plate.
+/// Share of a full tank that is printed before the print asks for more. The rest no longer flows under the plate. A trade-off: a
+/// larger share risks layers without resin, a smaller one asks too early.
 constexpr double kUsableTank = 0.95;
-/// Measured doses that are this far off are faults; the resin's own tolerance is of that order.
+/// Measured doses that are off by more, as a share, end the print. A trade-off: resins forgive about as much.
 constexpr double kDoseFault = 0.05;
+/// Measured doses that are off by more are counted for the report.
 constexpr double kDoseNoted = 0.01;
+/// How often a waiting print looks at its switches and tells its observer: quick for a person, idle for the processor.
+constexpr auto kLook = std::chrono::milliseconds(200);
+/// How often the lamp's temperature is read while it cools, which takes minutes.
+constexpr auto kCoolingLook = std::chrono::seconds(2);
 
 double seconds(nanoseconds time) { return std::chrono::duration<double>(time).count(); }
-
-LightState light_of(PanelLight light, PrintState state) {
-  const auto on_if = [](bool on) { return on ? LightState::kOn : LightState::kOff; };
-  const bool waits = state == PrintState::kPaused || state == PrintState::kCoverOpen || state == PrintState::kFeedMe;
-  switch (light) {
-    case PanelLight::kReady: return on_if(at_rest(state) && state != PrintState::kFault);
-    case PanelLight::kPrinting:
-      if (at_rest(state)) return LightState::kOff;
-      return state == PrintState::kPrinting ? LightState::kOn : LightState::kBlinking;
-    case PanelLight::kAttention: return waits ? LightState::kBlinking : on_if(state == PrintState::kFinished);
-    case PanelLight::kFault: return on_if(state == PrintState::kFault);
-  }
-  return LightState::kOff;
-}
-
-bool calls_the_user(PrintState state) {
-  return state == PrintState::kFeedMe || state == PrintState::kFinished || state == PrintState::kFault;
-}
 
 }  // namespace
 
@@ -62,6 +52,7 @@ const PrintReport& PrintJob::run(const JournalEntry& from) {
   report_.cured_pixels = entry_.cured_pixels;
   report_.resin_ml = used_ml();
   report_.elapsed = machine_.clock.now() - began_;
+  report_.steps_lost = plate_.steps_lost();
   return report_;
 }
 
@@ -69,14 +60,47 @@ void PrintJob::apply(PrintEvent event) {
   const PrintState before = state_;
   state_ = next(state_, event);
   if (state_ == before) return;
-  if (before == PrintState::kPrinting && !at_rest(state_)) report_.pauses += state_ != PrintState::kFinishing ? 1 : 0;
-  // Lights that fail are no reason to end a print.
-  for (std::size_t i = 0; i < kPanelLightCount; ++i) {
-    const auto light = static_cast<PanelLight>(i);
-    static_cast<void>(machine_.panel.set_light(light, light_of(light, state_)));
+  if (before == PrintState::kPrinting && is_pause(state_)) ++report_.pauses;
+  show_on_panel(machine_.panel, state_);
+  notify();
+}
+
+/// Turns the pending request into a change of state. @returns true: the state has changed
+bool PrintJob::apply_pending() {
+  const PrintState before = state_;
+  switch (watch_.take()) {
+    case Request::kShutdown: apply(PrintEvent::kShutdown); break;
+    case Request::kCancel: apply(PrintEvent::kCancelAsked); break;
+    case Request::kCoverOpened: apply(PrintEvent::kCoverOpened); break;
+    case Request::kPause: apply(PrintEvent::kPauseAsked); break;
+    case Request::kResume: resume(); break;
+    case Request::kNone: break;
   }
-  if (calls_the_user(state_)) static_cast<void>(machine_.panel.beep(std::chrono::seconds(1)));
-  tell();
+  return state_ != before;
+}
+
+/// Start was pressed. With the cover open the lamp could not light: the answer is a beep.
+void PrintJob::resume() {
+  if (machine_.panel.cover_open()) {
+    static_cast<void>(machine_.panel.beep(std::chrono::milliseconds(200)));
+    return;
+  }
+  if (state_ == PrintState::kFeedMe) poured_ml_ = used_ml();
+  apply(PrintEvent::kResumeAsked);
+}
+
+void PrintJob::notify() {
+  PrintStatus status;
+  status.state = state_;
+  status.layer = entry_.next_layer;
+  status.layers = plan_.layers;
+  status.height = height_of(plan_, layer_at_hand());
+  status.now = machine_.clock.now();
+  status.elapsed = elapsed();
+  status.remaining = remaining_time(plan_, entry_.next_layer);
+  status.slack = slack_;
+  status.resin_ml = used_ml();
+  if (!observer_.update(status)) watch_.request(Request::kCancel);
 }
 
 void PrintJob::fault(FaultCode code, const char* message) {
@@ -90,16 +114,14 @@ void PrintJob::fault(FaultCode code, const char* message) {
 void PrintJob::fail_with(const Error& error) { fault(fault_of(error.code()), error.message()); }
 
 Status PrintJob::step() {
-  if (cancel_ || shutdown_) {
-    if (heed()) return {};
-  }
+  if (watch_.pending() >= Request::kCancel && apply_pending()) return {};
   switch (state_) {
     case PrintState::kChecks: return run_checks();
     case PrintState::kHoming: return home();
     case PrintState::kPrinting: return print_layer();
     case PrintState::kPausing: return raise_to_pause();
     case PrintState::kPaused:
-    case PrintState::kFeedMe: return wait_for_user();
+    case PrintState::kFeedMe: return wait_for_start();
     case PrintState::kCoverOpen: return wait_for_cover();
     case PrintState::kCoolingDown: return cool_down();
     case PrintState::kCancelling:
@@ -114,56 +136,33 @@ Status PrintJob::step() {
   return {};
 }
 
-Status PrintJob::home() {
-  auto motion = machine_.stage.begin_homing();
-  if (!motion) {
-    result(Check::kStage).detail.add("%s", motion.error().message());
-    conclude(Check::kStage, CheckOutcome::kFailed, fault_of(motion.error().code()));
-    return tl::unexpected<Error>(motion.error());
-  }
-  const auto homed = finish(std::move(*motion));
-  if (!homed) {
-    result(Check::kStage).detail.add("%s", homed.error().message());
-    conclude(Check::kStage, CheckOutcome::kFailed, fault_of(homed.error().code()));
-    return tl::unexpected<Error>(homed.error());
-  }
-  report_.steps_lost = Distance();  // found before the print is none of its own
-  if (!*homed) {
-    heed();
+Status PrintJob::run_checks() {
+  PLUMBLINE_TRY(checks_.run(masks_.grid(), entry_.cured_pixels, journal_ != nullptr));
+  if (checks_.fault() != FaultCode::kNone) {
+    fault(checks_.fault(), checks_.fault_message());
     return {};
   }
-  result(Check::kStage)
-      .detail.add("end stop found at %.2f mm", machine_.stage.limits().end_stop.above_film().millimetres());
-  conclude(Check::kStage, CheckOutcome::kPassed, FaultCode::kNone);
+  PLUMBLINE_TRY(machine_.thermals.set_fan(Fan::kLamp, 1));
+  PLUMBLINE_TRY(machine_.thermals.set_fan(Fan::kChamber, 1));
+  if (report_.first_layer > 0) report_.marked_layer = report_.first_layer;
+  apply(PrintEvent::kChecksPassed);
+  return {};
+}
+
+Status PrintJob::home() {
+  const auto homed = plate_.home();
+  if (!homed) {
+    checks_.stage_failed(homed.error());
+    return tl::unexpected<Error>(homed.error());
+  }
+  plate_.forget_steps_lost();  // lost before this print
+  if (!*homed) {
+    apply_pending();
+    return {};
+  }
+  checks_.stage_homed();
   apply(PrintEvent::kHomed);
   return {};
-}
-
-Status PrintJob::draw(std::uint32_t layer) {
-  mask_.reset();
-  auto buffer = machine_.mask.lend();
-  PLUMBLINE_TRY(buffer);
-  mask_facts_ = masks_.render(layer, buffer->image());
-  mask_.emplace(std::move(*buffer));
-  mask_layer_ = layer;
-  return {};
-}
-
-Expected<bool> PrintJob::lower() {
-  const auto down = retract_to(plan_, entry_.next_layer);
-  const auto at = machine_.stage.position();
-  PLUMBLINE_TRY(at);
-  // From a pause or the top: fast to where the lift of a layer ends.
-  const ZPosition near = std::min(down[1].target + plan_.lift + plan_.lift2, plan_.highest);
-  if (*at > near) {
-    const auto moved = move({near, plan_.fastest});
-    if (!moved || !*moved) return moved;
-  }
-  for (const auto& leg : down) {
-    const auto moved = move(leg);
-    if (!moved || !*moved) return moved;
-  }
-  return true;
 }
 
 Status PrintJob::print_layer() {
@@ -172,21 +171,19 @@ Status PrintJob::print_layer() {
     apply(PrintEvent::kLastLayerDone);
     return {};
   }
-  layer_began_ = machine_.clock.now();
-  PLUMBLINE_TRY(look_after_temperatures());
+  const TimePoint layer_began = machine_.clock.now();
+  PLUMBLINE_TRY(check_temperatures());
   if (state_ != PrintState::kPrinting) return {};
-  if (!mask_ || mask_layer_ != layer) PLUMBLINE_TRY(draw(layer));
-  const double needed_ml = used_ml() - poured_ml_ + static_cast<double>(mask_facts_.pixels) * settings_.pixel_ml;
-  if (needed_ml > kUsableTank * settings_.tank_ml) {
+  if (!mask_ || mask_layer_ != layer) PLUMBLINE_TRY(render(layer));
+  if (needs_resin()) {
     apply(PrintEvent::kResinLow);
     return {};
   }
-  const auto lowered = lower();
+  const auto lowered = plate_.lower_to(layer);
   PLUMBLINE_TRY(lowered);
-  const auto rested = pass(*lowered ? plan_.rest_before_exposure : nanoseconds());
-  PLUMBLINE_TRY(rested);
-  if (!*rested || pause_) {
-    heed();
+  if (*lowered) PLUMBLINE_TRY(watch_.wait(plan_.rest_before_exposure));
+  if (watch_.pending() != Request::kNone) {
+    apply_pending();
     return {};
   }
   PLUMBLINE_TRY(machine_.mask.present(std::move(*mask_)));
@@ -196,69 +193,104 @@ Status PrintJob::print_layer() {
   PLUMBLINE_TRY(cured);
   PLUMBLINE_TRY(machine_.mask.blank());
   if (!*cured) {
-    heed();
+    apply_pending();
     return {};
   }
-  entry_.next_layer = layer + 1;
-  entry_.height = height_of(plan_, layer);
-  entry_.cured_pixels += shown_facts_.pixels;
-  entry_.lit = {};
-  PLUMBLINE_TRY(write_journal());
-
-  const auto rested_after = pass(plan_.rest_after_exposure);
-  PLUMBLINE_TRY(rested_after);
-  for (const auto& leg : lift_from(plan_, layer)) {
-    const auto moved = move(leg);
-    PLUMBLINE_TRY(moved);
-    if (!*moved) break;  // how the part comes up is then the next state's
-  }
-  PLUMBLINE_TRY(pass(asked_to_stop() ? nanoseconds() : plan_.wait_after_lift));
-  const nanoseconds took = machine_.clock.now() - layer_began_;
+  PLUMBLINE_TRY(layer_cured());
+  const nanoseconds took = machine_.clock.now() - layer_began;
   if (took > report_.slowest) {
     report_.slowest = took;
     report_.slowest_layer = layer;
   }
-  tell();
-  if (entry_.next_layer == plan_.layers && !asked_to_stop()) {
+  notify();
+  if (entry_.next_layer == plan_.layers && !watch_.interrupted()) {
     apply(PrintEvent::kLastLayerDone);
   } else {
-    heed();
+    apply_pending();
   }
   return {};
 }
 
-/// @returns false: stopped before the layer had all its light
+/// Before each layer: a hot lamp has to cool down; a stalled fan, a dead sensor and resin out of range end the print.
+Status PrintJob::check_temperatures() {
+  const auto lamp = machine_.thermals.temperature(TemperatureSite::kLamp);
+  PLUMBLINE_TRY(lamp);
+  const auto resin = machine_.thermals.temperature(TemperatureSite::kResin);
+  PLUMBLINE_TRY(resin);
+  if (machine_.thermals.fan_health(Fan::kLamp) == FanHealth::kStalled) {
+    fault(FaultCode::kFanStalled, "the lamp's fan is on and does not turn");
+  } else if (*lamp > settings_.lamp_max) {
+    apply(PrintEvent::kTooHot);
+  } else if (*resin < settings_.resin_min || *resin > settings_.resin_max) {
+    FixedText<128> text;
+    text.add("the resin is at %.1f degrees C, %.0f to %.0f allowed", resin->value(), settings_.resin_min.value(),
+             settings_.resin_max.value());
+    fault(*resin < settings_.resin_min ? FaultCode::kResinTooCold : FaultCode::kResinTooWarm, text.c_str());
+  }
+  return {};
+}
+
+Status PrintJob::render(std::uint32_t layer) {
+  mask_.reset();
+  auto buffer = machine_.mask.lend();
+  PLUMBLINE_TRY(buffer);
+  mask_facts_ = masks_.render(layer, buffer->image());
+  mask_.emplace(std::move(*buffer));
+  mask_layer_ = layer;
+  return {};
+}
+
+/// For the layer whose mask is rendered.
+bool PrintJob::needs_resin() const {
+  const double layer_ml = static_cast<double>(mask_facts_.pixels) * settings_.pixel_ml;
+  return used_ml() - poured_ml_ + layer_ml > kUsableTank * settings_.tank_ml;
+}
+
+/// @returns false: interrupted before the layer had all its light
 Expected<bool> PrintJob::expose() {
   const std::uint32_t layer = entry_.next_layer;
   const nanoseconds cure = exposure_of(plan_, layer) - entry_.lit;
   if (cure <= nanoseconds::zero()) return true;
   auto exposure = machine_.lamp.begin_exposure(cure);
   if (!exposure && exposure.error().code() == ErrorCode::kCoverOpen) {
-    cover_opened_ = true;
+    watch_.request(Request::kCoverOpened);
     return false;
   }
   PLUMBLINE_TRY(exposure);
   slack_.reset();
-  const bool has_next = layer + 1 < plan_.layers;
-  if (has_next) {
-    PLUMBLINE_TRY(draw(layer + 1));
+  if (layer + 1 < plan_.layers) {
+    PLUMBLINE_TRY(render(layer + 1));
     slack_ = exposure->ends_by() - machine_.clock.now();
     if (*slack_ < nanoseconds::zero()) ++report_.late_masks;
   }
-  const auto over =
-      await(*exposure, machine_.events, machine_.clock, [this](const Event& event) { return hear(event); });
-  PLUMBLINE_TRY(over);
+  PLUMBLINE_TRY(watch_.wait_for(*exposure));
   const auto report = exposure->finish();
   PLUMBLINE_TRY(report);
   entry_.lit += report->lit;
-  note(*report);
+  record(*report);
   if (state_ != PrintState::kPrinting) return false;
-  // The event of the cover may still be in the queue; the light is out already.
-  if (report->end == ExposureEnd::kCoverOpened) cover_opened_ = true;
+  // The cover's event may still be in the queue: the lamp goes dark before it arrives.
+  if (report->end == ExposureEnd::kCoverOpened) watch_.request(Request::kCoverOpened);
   return report->end == ExposureEnd::kTimeUp;
 }
 
-void PrintJob::note(const ExposureReport& exposure) {
+/// The layer is durable before it is lifted, so that a power cut never cures it again in the wrong place.
+Status PrintJob::layer_cured() {
+  const std::uint32_t layer = entry_.next_layer;
+  entry_.next_layer = layer + 1;
+  entry_.height = height_of(plan_, layer);
+  entry_.cured_pixels += shown_facts_.pixels;
+  entry_.lit = {};
+  PLUMBLINE_TRY(write_journal());
+  PLUMBLINE_TRY(watch_.wait(plan_.rest_after_exposure));
+  const auto lifted = plate_.lift(layer);
+  PLUMBLINE_TRY(lifted);
+  // An interrupted lift is finished by the state that follows.
+  if (*lifted) PLUMBLINE_TRY(watch_.wait(plan_.wait_after_lift));
+  return {};
+}
+
+void PrintJob::record(const ExposureReport& exposure) {
   const Dose expected = dose_of(machine_.lamp.limits().irradiance, exposure.lit);
   if (report_.exposures.size() < lines_.size()) {
     ExposureLine& line = lines_[report_.exposures.size()];
@@ -270,93 +302,73 @@ void PrintJob::note(const ExposureReport& exposure) {
             .expected = expected,
             .dose = exposure.dose,
             .mask_hash = shown_facts_.hash,
-            .slack = slack_.value_or(nanoseconds()),
             .next_made = slack_.has_value(),
+            .slack = slack_.value_or(nanoseconds()),
             .making = slack_ ? mask_facts_.making : nanoseconds(),
             .copying = slack_ ? mask_facts_.copying : nanoseconds()};
     report_.exposures = lines_.first(report_.exposures.size() + 1);
   } else {
-    ++report_.exposures_untold;
+    ++report_.exposures_left_out;
   }
-  if (exposure.source == DoseSource::kComputed || exposure.end != ExposureEnd::kTimeUp) return;
+  if (exposure.source == DoseSource::kMeasured && exposure.end == ExposureEnd::kTimeUp) check_dose(exposure, expected);
+}
+
+void PrintJob::check_dose(const ExposureReport& exposure, Dose expected) {
   const double off = std::abs(exposure.dose / expected - 1);
   if (off > kDoseNoted) ++report_.doses_off;
-  if (off > kDoseFault) {
-    FixedText<160> text;
-    text.add("layer %u got %.3g mJ/cm2 in %.2f s, it should have been %.3g mJ/cm2", entry_.next_layer,
-             exposure.dose.value(), seconds(exposure.lit), expected.value());
-    fault(FaultCode::kDoseOff, text.c_str());
-  }
+  if (off <= kDoseFault) return;
+  FixedText<160> text;
+  text.add("layer %u got %.3g mJ/cm2 in %.2f s instead of %.3g mJ/cm2", entry_.next_layer + 1, exposure.dose.value(),
+           seconds(exposure.lit), expected.value());
+  fault(FaultCode::kDoseOff, text.c_str());
 }
 
 Status PrintJob::write_journal() {
   if (journal_ == nullptr) return {};
-  entry_.elapsed = before_ + (machine_.clock.now() - began_);
+  entry_.elapsed = elapsed();
   return journal_->append(entry_);
 }
 
-/// Peels what may stick to the film, slowly, then goes up. @returns false: something came up, and the stage stands
-Expected<bool> PrintJob::raise(const StageMove& to) {
-  const auto at = machine_.stage.position();
-  PLUMBLINE_TRY(at);
-  if (*at >= to.target) return !asked_to_stop();
-  const std::uint32_t layer = std::min(entry_.next_layer, plan_.layers - 1);
-  if (*at < height_of(plan_, layer) + plan_.lift) {
-    const auto peeled = move({std::min(*at + plan_.lift, to.target), plan_.lift_speed});
-    if (!peeled || !*peeled) return peeled;
-  }
-  return move(to);
+Expected<bool> PrintJob::raise_for_pause() {
+  return plate_.raise(layer_at_hand(), pause_above(plan_, layer_at_hand()));
 }
 
 Status PrintJob::raise_to_pause() {
-  const auto raised = raise(pause_above(plan_, std::min(entry_.next_layer, plan_.layers - 1)));
+  const auto raised = raise_for_pause();
   PLUMBLINE_TRY(raised);
-  if (!heed() && *raised) apply(PrintEvent::kRaised);
+  if (!apply_pending() && *raised) apply(PrintEvent::kRaised);
   return {};
 }
 
 Status PrintJob::raise_to_end() {
-  const auto raised = raise({plan_.highest, plan_.fastest});
+  const auto raised = plate_.raise(layer_at_hand(), {plan_.highest, plan_.fastest});
   PLUMBLINE_TRY(raised);
   if (*raised) {
-    // Up there the end stop tells whether the stage still was where its steps said.
-    auto motion = machine_.stage.begin_homing();
-    PLUMBLINE_TRY(motion);
-    const auto homed = finish(std::move(*motion));
-    PLUMBLINE_TRY(homed);
+    // Homing again shows whether the stage still was where its steps said.
+    PLUMBLINE_TRY(plate_.home());
     apply(PrintEvent::kRaised);
   }
-  heed();
+  apply_pending();
   return {};
 }
 
-Status PrintJob::wait_for_user() {
+Status PrintJob::wait_for_start() {
   mask_.reset();
-  resume_ = false;
-  pause_ = false;
+  if (watch_.pending() <= Request::kPause) watch_.take();  // pressed before the wait began
   const PrintState waiting = state_;
-  const auto raised = raise(pause_above(plan_, std::min(entry_.next_layer, plan_.layers - 1)));
-  PLUMBLINE_TRY(raised);
-  while (!heed() && state_ == waiting) {
-    PLUMBLINE_TRY(pass(std::chrono::milliseconds(200)));
-    tell();
-    if (!resume_ || asked_to_stop()) continue;
-    resume_ = false;
-    if (machine_.panel.cover_open()) {
-      static_cast<void>(machine_.panel.beep(std::chrono::milliseconds(200)));
-      continue;
-    }
-    if (state_ == PrintState::kFeedMe) poured_ml_ = used_ml();
-    apply(PrintEvent::kResumeAsked);
+  PLUMBLINE_TRY(raise_for_pause());
+  while (!apply_pending() && state_ == waiting) {
+    PLUMBLINE_TRY(watch_.wait(kLook));
+    notify();
   }
   return {};
 }
 
 Status PrintJob::wait_for_cover() {
   mask_.reset();
-  while (!heed() && state_ == PrintState::kCoverOpen) {
-    PLUMBLINE_TRY(pass(std::chrono::milliseconds(200)));
-    tell();
+  while (!apply_pending() && state_ == PrintState::kCoverOpen) {
+    PLUMBLINE_TRY(watch_.wait(kLook));
+    notify();
     if (!machine_.panel.cover_open()) apply(PrintEvent::kCoverClosed);
   }
   return {};
@@ -364,11 +376,10 @@ Status PrintJob::wait_for_cover() {
 
 Status PrintJob::cool_down() {
   mask_.reset();
-  const auto raised = raise(pause_above(plan_, std::min(entry_.next_layer, plan_.layers - 1)));
-  PLUMBLINE_TRY(raised);
-  while (!heed() && state_ == PrintState::kCoolingDown) {
-    PLUMBLINE_TRY(pass(std::chrono::seconds(2)));
-    tell();
+  PLUMBLINE_TRY(raise_for_pause());
+  while (!apply_pending() && state_ == PrintState::kCoolingDown) {
+    PLUMBLINE_TRY(watch_.wait(kCoolingLook));
+    notify();
     const auto lamp = machine_.thermals.temperature(TemperatureSite::kLamp);
     PLUMBLINE_TRY(lamp);
     if (*lamp < settings_.lamp_resume) apply(PrintEvent::kCooledDown);
@@ -376,20 +387,21 @@ Status PrintJob::cool_down() {
   return {};
 }
 
-/// However the print ended: dark, black, the part off the film, the light that a layer has had already written down. What fails
-/// here has been told, or is the loss of power.
+/// However the print ended: lamp dark, panel black, part off the film, the light that the layer has had in the journal. What
+/// fails here has been reported already, or is the loss of power.
 void PrintJob::make_safe() {
   machine_.lamp.turn_off();
   mask_.reset();
   static_cast<void>(machine_.mask.blank());
-  const bool goes_on = state_ == PrintState::kFault || state_ == PrintState::kSuspended;
+  const bool can_resume = state_ == PrintState::kFault || state_ == PrintState::kSuspended;
   const bool powered = report_.fault != FaultCode::kPowerLost;
-  if (goes_on && powered && entry_.lit > nanoseconds::zero()) static_cast<void>(write_journal());
-  shutdown_ = cancel_ = cover_opened_ = false;
-  if (goes_on && machine_.stage.homed() && !machine_.panel.cover_open()) {
-    const std::uint32_t layer = std::min(entry_.next_layer, plan_.layers - 1);
-    // Whoever shuts down has seconds.
-    static_cast<void>(raise(state_ == PrintState::kFault ? pause_above(plan_, layer) : lift_from(plan_, layer)[1]));
+  if (can_resume && powered && entry_.lit > nanoseconds::zero()) static_cast<void>(write_journal());
+  watch_.take();
+  if (can_resume && machine_.stage.homed() && !machine_.panel.cover_open()) {
+    // A system that shuts down leaves seconds: the lift of a layer only.
+    const std::uint32_t layer = layer_at_hand();
+    const StageMove to = state_ == PrintState::kFault ? pause_above(plan_, layer) : lift_from(plan_, layer)[1];
+    static_cast<void>(plate_.raise(layer, to));
   }
   static_cast<void>(machine_.thermals.set_fan(Fan::kLamp, 0));
   static_cast<void>(machine_.thermals.set_fan(Fan::kChamber, 0));

@@ -1,117 +1,77 @@
 #pragma once
-/// A print from the checks to the raised part: the loop of DESIGN section 5 on the devices of a Machine.
+/// A print from the checks to the raised part, on the devices of a Machine:
 ///
-///     checks -> home -> [ down -> rest -> mask -> light -> dark -> journal -> rest -> lift ] for each layer -> up
+///     checks -> home -> [ lower -> rest -> show mask -> expose -> blank -> journal -> rest -> lift ] for each layer -> raise
 ///
-/// The mask of layer k + 1 is made while layer k cures. Whatever ends an exposure, the lamp is dark before anything moves.
+/// The mask of layer k + 1 is rendered while layer k cures. Whatever ends an exposure, the lamp is dark before anything moves.
 
 #include <cstdint>
 #include <optional>
 #include <span>
 
-#include "firmware/print/journal.hpp"
 #include "firmware/print/mask_renderer.hpp"
-#include "firmware/print/print_plan.hpp"
+#include "firmware/print/plate_moves.hpp"
+#include "firmware/print/print_checks.hpp"
+#include "firmware/print/print_observer.hpp"
 #include "firmware/print/print_report.hpp"
+#include "firmware/print/print_settings.hpp"
 #include "firmware/print/print_state.hpp"
-#include "hal/await.hpp"
+#include "firmware/print/print_watch.hpp"
+#include "firmware/print/store/journal.hpp"
 #include "hal/machine.hpp"
 
 namespace plumbline {
 
-/// Limits of the printer and facts of the job that the print needs beside its plan.
-struct PrintSettings {
-  PrintPlan plan;
-  Celsius lamp_resume, lamp_max;  ///< of the board file
-  Celsius resin_min, resin_max;   ///< of the board file
-  bool has_cover_switch = true;
-  double tank_ml = 0;              ///< of a full tank; the print begins with one
-  double pixel_ml = 0;             ///< resin in a pixel of a layer
-  std::uint64_t cured_pixels = 0;  ///< of all masks together
-  std::uint64_t first_layer_pixels = 0;
-  Distance cure_depth;                               ///< under the light of a normal layer
-  std::size_t memory_needed = 0, memory_budget = 0;  ///< of the arena, bytes
-};
-
-/// Where a print is, for whoever watches it.
-struct PrintStatus {
-  PrintState state = PrintState::kIdle;
-  std::uint32_t layer = 0;  ///< at hand, from 0
-  std::uint32_t layers = 0;
-  ZPosition height;  ///< of that layer
-  TimePoint now;
-  nanoseconds elapsed{};
-  nanoseconds remaining{};
-  std::optional<nanoseconds> slack;  ///< of the last mask
-  double resin_ml = 0;               ///< used
-};
-
-/// Hears of everything that a print comes to.
-class PrintObserver {
- public:
-  virtual ~PrintObserver() = default;
-  /// After each layer, in each new state, and now and then while nothing happens.
-  /// @returns false: cancel
-  virtual bool update(const PrintStatus& status) = 0;
-  /// A check is over.
-  virtual void checked(Check check, const CheckResult& result) = 0;
-};
-
 /// One print, run once. Takes nothing from the heap.
 class PrintJob {
  public:
-  /// @param machine    all devices; outlives the job, as do the others
+  /// @param machine    all devices; must outlive the job, as must the others
   /// @param masks      of the plan's layers
   /// @param journal    null: none is kept, and a power cut ends the print for good
-  /// @param exposures  room for what the report tells of each; its size is what is told
+  /// @param exposures  room for the report's exposures; those beyond it are only counted
   PrintJob(Machine& machine, const PrintSettings& settings, MaskRenderer& masks, Journal* journal,
            std::span<ExposureLine> exposures, PrintObserver& observer);
+  PrintJob(const PrintJob&) = delete;
+  PrintJob& operator=(const PrintJob&) = delete;
 
-  /// Prints until a state at rest. The report has what came of it, errors too.
-  /// @param from  the journal's last entry, or that of a print which has not begun
+  /// Prints until a state at rest. Errors become the report's fault.
+  /// @param from  the journal's last entry; a default one for a new print
   const PrintReport& run(const JournalEntry& from);
 
  private:
-  // print_job.cpp: the loop
   void apply(PrintEvent event);  ///< the one place that changes the state
+  bool apply_pending();
+  void resume();
+  void notify();
   void fault(FaultCode code, const char* message);
   void fail_with(const Error& error);
+
   Status step();
+  Status run_checks();
   Status home();
   Status print_layer();
-  Expected<bool> lower();
+  Status check_temperatures();
+  Status render(std::uint32_t layer);
+  bool needs_resin() const;
   Expected<bool> expose();
+  Status layer_cured();
+  void record(const ExposureReport& exposure);
+  void check_dose(const ExposureReport& exposure, Dose expected);
   Status write_journal();
-  void note(const ExposureReport& exposure);
-  Status draw(std::uint32_t layer);
-  Expected<bool> raise(const StageMove& to);
-  Status raise_to_end();
+  Expected<bool> raise_for_pause();
   Status raise_to_pause();
-  Status wait_for_user();
+  Status raise_to_end();
+  Status wait_for_start();
   Status wait_for_cover();
   Status cool_down();
   void make_safe();
 
-  // print_job_waits.cpp: waiting, and hearing of what happens meanwhile
-  Waiting hear(const Event& event);
-  Waiting leave_for(PrintEvent event, bool& heard);
-  bool asked_to_stop() const { return shutdown_ || cancel_ || cover_opened_; }
-  bool heed();
-  Expected<bool> pass(nanoseconds time);
-  Expected<bool> move(const StageMove& to);
-  Expected<bool> finish(Motion motion);
-  void tell();
-
-  // print_checks.cpp
-  Status run_checks();
-  void check_job();
-  void check_resin();
-  Status check_devices();
-  Status check_temperatures();
-  CheckResult& result(Check check) { return report_.checks[static_cast<std::size_t>(check)]; }
-  void conclude(Check check, CheckOutcome outcome, FaultCode code);
-  Status look_after_temperatures();
   double used_ml() const { return static_cast<double>(entry_.cured_pixels) * settings_.pixel_ml; }
+  /// The next layer to cure, or the last one where all are cured.
+  std::uint32_t layer_at_hand() const {
+    return entry_.next_layer < plan_.layers ? entry_.next_layer : plan_.layers - 1;
+  }
+  nanoseconds elapsed() const { return before_ + (machine_.clock.now() - began_); }
 
   Machine& machine_;
   const PrintSettings settings_;
@@ -123,27 +83,18 @@ class PrintJob {
   PrintReport report_;
 
   PrintState state_ = PrintState::kIdle;
-  JournalEntry entry_;    ///< as it would be written now
-  nanoseconds before_{};  ///< time of the print's former parts
+  PrintWatch watch_{machine_, state_};
+  PlateMoves plate_{machine_.stage, plan_, watch_};
+  PrintChecks checks_{machine_, settings_, report_.checks, observer_};
+  JournalEntry entry_;    ///< what the journal would say now
+  nanoseconds before_{};  ///< printing time of earlier runs
   TimePoint began_;
-  TimePoint layer_began_;
-  std::optional<MaskBuffer> mask_;  ///< drawn, not presented yet
+  std::optional<MaskBuffer> mask_;  ///< rendered, not presented yet
   std::uint32_t mask_layer_ = 0;    ///< whose it is
   MaskFacts mask_facts_;            ///< of it
   MaskFacts shown_facts_;           ///< of the mask on the panel
   std::optional<nanoseconds> slack_;
-  double poured_ml_ = 0;  ///< used_ml() when the tank was full last
-
-  FaultCode refused_ = FaultCode::kNone;  ///< of the first check that failed
-  Check refused_by_ = Check::kMemory;
-
-  // Heard, not yet heeded.
-  bool shutdown_ = false;
-  bool cancel_ = false;
-  bool cover_opened_ = false;
-  bool cover_closed_ = false;
-  bool pause_ = false;
-  bool resume_ = false;
+  double poured_ml_ = 0;  ///< used_ml() when the tank was last full
 };
 
 }  // namespace plumbline

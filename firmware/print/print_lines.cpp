@@ -2,6 +2,8 @@
 
 #include <unistd.h>
 
+#include <algorithm>
+
 #include "firmware/io/interrupt.hpp"
 #include "firmware/io/progress_lines.hpp"
 
@@ -9,11 +11,8 @@ namespace plumbline {
 namespace {
 
 constexpr const char* kEraseLine = "\r\033[K";
-
-bool waits_for_user(PrintState state) {
-  return state == PrintState::kPaused || state == PrintState::kCoverOpen || state == PrintState::kFeedMe ||
-         state == PrintState::kCoolingDown;
-}
+/// Between two drawings on a terminal: quick for an eye, cheap for the print.
+constexpr auto kRedraw = std::chrono::milliseconds(100);
 
 const char* word_of(CheckOutcome outcome) {
   switch (outcome) {
@@ -25,53 +24,95 @@ const char* word_of(CheckOutcome outcome) {
   return "?";
 }
 
-FixedText<240> line_of(const PrintStatus& status) {
-  FixedText<240> line;
-  const auto state = to_string(status.state);
-  line.add("%-12.*s layer %5u/%u %8.3f mm  %s elapsed  %s left", static_cast<int>(state.size()), state.data(),
-           status.layer, status.layers, status.height.above_film().millimetres(), clock_text(status.elapsed).c_str(),
-           clock_text(status.remaining).c_str());
-  if (status.slack) line.add("  slack %.2f s", std::chrono::duration<double>(*status.slack).count());
-  line.add("  %.1f ml", status.resin_ml);
-  return line;
+/// Why a print waits and what makes it go on; null where it does not wait.
+const char* reason_to_wait(PrintState state) {
+  switch (state) {
+    case PrintState::kPausing:
+    case PrintState::kPaused: return "press start to go on";
+    case PrintState::kCoverOpen: return "the cover is open, close it";
+    case PrintState::kCoolingDown: return "the lamp is too hot, the print goes on when it has cooled down";
+    case PrintState::kFeedMe: return "the tank is nearly empty, pour in resin and press start";
+    case PrintState::kIdle:
+    case PrintState::kSlicing:
+    case PrintState::kChecks:
+    case PrintState::kHoming:
+    case PrintState::kPrinting:
+    case PrintState::kCancelling:
+    case PrintState::kFinishing:
+    case PrintState::kFinished:
+    case PrintState::kCancelled:
+    case PrintState::kSuspended:
+    case PrintState::kFault: return nullptr;
+  }
+  return nullptr;
+}
+
+void add_figures(FixedText<400>& text, const PrintStatus& status) {
+  text.add("  (%.3f mm, %s elapsed, %.1f ml", status.height.above_film().millimetres(),
+           duration_text(status.elapsed).c_str(), status.resin_ml);
+  if (status.slack) text.add(", slack %.2f s", std::chrono::duration<double>(*status.slack).count());
+  text.add(")");
 }
 
 }  // namespace
 
-FixedText<24> clock_text(nanoseconds time) {
+FixedText<24> duration_text(nanoseconds time) {
   const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(time).count();
+  const auto minutes = static_cast<long long>(seconds / 60);
   FixedText<24> text;
-  text.add("%lld:%02d:%02d", static_cast<long long>(seconds / 3600), static_cast<int>(seconds / 60 % 60),
-           static_cast<int>(seconds % 60));
+  if (minutes >= 60) {
+    text.add("%lld h %02lld min", minutes / 60, minutes % 60);
+  } else if (minutes >= 10) {
+    text.add("%lld min", minutes);
+  } else if (minutes > 0) {
+    text.add("%lld min %02lld s", minutes, static_cast<long long>(seconds % 60));
+  } else {
+    text.add("%lld s", static_cast<long long>(seconds));
+  }
   return text;
 }
 
-PrintLines::PrintLines(bool show, std::optional<nanoseconds> longest_wait)
+FixedText<200> status_text(const PrintStatus& status) {
+  FixedText<200> text;
+  const std::uint32_t layer = std::min(status.layer + 1, status.layers);
+  if (const char* const reason = reason_to_wait(status.state)) {
+    text.add("paused at layer %u of %u: %s", layer, status.layers, reason);
+  } else if (status.state == PrintState::kPrinting) {
+    text.add("printing layer %u of %u, %s left", layer, status.layers, duration_text(status.remaining).c_str());
+  } else {
+    const auto state = to_string(status.state);
+    text.add("%.*s", static_cast<int>(state.size()), state.data());
+  }
+  return text;
+}
+
+PrintLines::PrintLines(Show show, std::optional<nanoseconds> longest_wait)
     : show_(show), terminal_(::isatty(STDERR_FILENO) == 1), longest_wait_(longest_wait) {}
 
 bool PrintLines::update(const PrintStatus& status) {
   const bool new_state = status.state != shown_;
   if (new_state) state_began_ = status.now;
   shown_ = status.state;
-  if (longest_wait_ && waits_for_user(status.state) && status.now - state_began_ > *longest_wait_) gave_up_ = true;
-  if (show_) {
-    // On a terminal one line that moves; elsewhere the states, and every tenth of the layers.
+  if (longest_wait_ && is_pause(status.state) && status.now - state_began_ > *longest_wait_) gave_up_ = true;
+  if (show_ != Show::kNothing) {
     const std::uint32_t tenths = status.layers == 0 ? 0 : status.layer * 10 / status.layers;
     const auto now = HostClock::now();
-    const bool due = terminal_ ? now - drawn_at_ > std::chrono::milliseconds(100) : tenths != told_tenths_;
+    const bool due = terminal_ ? now - drawn_at_ > kRedraw : tenths != shown_tenths_;
     if (new_state || due) {
-      FixedText<320> text;
-      text.add("%s%s%s", terminal_ ? kEraseLine : "", line_of(status).c_str(), terminal_ && !new_state ? "" : "\n");
+      FixedText<400> text;
+      text.add("%s%s", terminal_ ? kEraseLine : "", status_text(status).c_str());
+      if (show_ == Show::kEverything) add_figures(text, status);
+      text.add("%s", terminal_ && !new_state ? "" : "\n");
       write_to_stderr(text.view());
       drawn_at_ = now;
-      told_tenths_ = tenths;
+      shown_tenths_ = tenths;
     }
   }
   return !interrupted() && !gave_up_;
 }
 
 void PrintLines::checked(Check check, const CheckResult& result) {
-  if (!show_) return;
+  if (show_ == Show::kNothing || (show_ == Show::kPrint && result.outcome == CheckOutcome::kPassed)) return;
   FixedText<320> line;
   const auto name = to_string(check);
   line.add("  check %-13.*s %-6s %s\n", static_cast<int>(name.size()), name.data(), word_of(result.outcome),
@@ -80,7 +121,7 @@ void PrintLines::checked(Check check, const CheckResult& result) {
 }
 
 void PrintLines::clear() {
-  if (show_ && terminal_) write_to_stderr(kEraseLine);
+  if (show_ != Show::kNothing && terminal_) write_to_stderr(kEraseLine);
 }
 
 }  // namespace plumbline

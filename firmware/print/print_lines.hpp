@@ -1,41 +1,49 @@
 #pragma once
-/// A print on the terminal: a live line, the checks as they pass, a line for each change of state.
+/// A print on standard error: a live line on a terminal, elsewhere a line for each change of state and every tenth of the layers.
 
 #include <chrono>
 #include <optional>
 
-#include "firmware/print/print_job.hpp"
+#include "firmware/print/print_observer.hpp"
 
 namespace plumbline {
 
 class PrintLines final : public PrintObserver {
  public:
-  /// @param show          false: only listens for Ctrl-C
+  enum class Show : std::uint8_t {
+    kNothing,     ///< only looks for Ctrl-C
+    kPrint,       ///< where the print is, and the checks that did not pass
+    kEverything,  ///< all checks, times, heights and resin, too
+  };
+
   /// @param longest_wait  machine time after which a print that waits for its user is cancelled; none: it waits
-  PrintLines(bool show, std::optional<nanoseconds> longest_wait);
+  PrintLines(Show show, std::optional<nanoseconds> longest_wait);
 
   bool update(const PrintStatus& status) override;
   void checked(Check check, const CheckResult& result) override;
 
-  /// Takes an unfinished line away.
+  /// Removes an unfinished line.
   void clear();
-  /// Nobody came.
+  /// The print was cancelled because nobody came.
   bool gave_up() const { return gave_up_; }
 
  private:
   using HostClock = std::chrono::steady_clock;
 
-  bool show_;
+  Show show_;
   bool terminal_;
   std::optional<nanoseconds> longest_wait_;
   PrintState shown_ = PrintState::kIdle;
   TimePoint state_began_;
   HostClock::time_point drawn_at_;
-  std::uint32_t told_tenths_ = 0;
+  std::uint32_t shown_tenths_ = 0;
   bool gave_up_ = false;
 };
 
-/// "1:02:03"
-FixedText<24> clock_text(nanoseconds time);
+/// "printing layer 12 of 1184, 2 h 10 min left", "paused at layer 12 of 1184: press start to go on", "homing". Layers count from 1.
+FixedText<200> status_text(const PrintStatus& status);
+
+/// "2 h 05 min", "3 min 20 s", "45 min": whole seconds below 10 min, else minutes.
+FixedText<24> duration_text(nanoseconds time);
 
 }  // namespace plumbline

@@ -5,6 +5,7 @@
 #include "slicer/core/median.hpp"
 
 namespace plumbline {
+
 std::string_view to_string(Check check) {
   switch (check) {
     case Check::kMemory: return "memory";
@@ -51,26 +52,28 @@ void for_each_warning(const PrintReport& report, const std::function<void(std::s
     text.clear();
   };
   if (report.marked_layer) {
-    text.add("the print went on at layer %u after it had been interrupted: that layer may show a mark",
-             *report.marked_layer);
+    text.add("the print was interrupted before layer %u, which may show a mark", *report.marked_layer + 1);
     say();
   }
   if (report.late_masks > 0) {
-    text.add("%u masks were late: those exposures began later, none was shorter", report.late_masks);
+    text.add("%u mask%s late; the exposures waited for them and are whole", report.late_masks,
+             report.late_masks == 1 ? " was" : "s were");
     say();
   }
   if (report.doses_off > 0) {
-    text.add("%u exposures were more than 1 %% off their dose: have the lamp measured", report.doses_off);
+    text.add("%u exposure%s more than 1 %% off in dose: have the lamp measured", report.doses_off,
+             report.doses_off == 1 ? " was" : "s were");
     say();
   }
-  constexpr Distance kNoticed = Distance::nanometres(10'000);
+  // Ten microns: below any layer height, above what homing repeats to.
+  constexpr Distance kNoticed = Distance::micrometres(10);
   if (report.steps_lost > kNoticed || -report.steps_lost > kNoticed) {
-    text.add("PL-%u: the stage had lost %.3f mm when it came back to its end stop: the part may have a step",
+    text.add("PL-%u: the Z stage was %.3f mm off when it came back to its end stop, so the part may have a step",
              static_cast<unsigned>(FaultCode::kStepsLost), report.steps_lost.millimetres());
     say();
   }
-  if (report.exposures_untold > 0) {
-    text.add("%u exposures more than the report has room for", report.exposures_untold);
+  if (report.exposures_left_out > 0) {
+    text.add("the report has no room for %u more exposures", report.exposures_left_out);
     say();
   }
 }

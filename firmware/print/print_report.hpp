@@ -1,5 +1,5 @@
 #pragma once
-/// What a print has been: checks, exposures, times, faults.
+/// The record of a print: checks, exposures, times, fault.
 
 #include <array>
 #include <cstdint>
@@ -17,15 +17,15 @@
 namespace plumbline {
 
 enum class Check : std::uint8_t {
-  kMemory,        ///< the print's part of the arena
-  kObject,        ///< on the plate, within the travel
-  kLight,         ///< resin sets through a layer
+  kMemory,        ///< the print's share of the arena
+  kObject,        ///< stands on the plate, within the travel
+  kLight,         ///< cures through a layer
   kLampDark,      ///<
-  kPanel,         ///< the size that the file says, and it takes a picture
+  kPanel,         ///< has the board file's size and takes a mask
   kCover,         ///< closed
   kTemperatures,  ///<
-  kResin,         ///< needed against the tank's
-  kJournal,       ///< where a power cut is survived
+  kResin,         ///< needed, against a full tank
+  kJournal,       ///< kept, so that a power cut is survived
   kStage,         ///< finds its end stop
 };
 inline constexpr std::size_t kCheckCount = 10;
@@ -40,7 +40,7 @@ struct CheckResult {
   FixedText<200> detail;  ///< "28.0 degrees, 18 to 40 allowed"
 };
 
-/// One time that the lamp was lit, and the mask that was made meanwhile.
+/// One exposure, and the next mask, which was rendered meanwhile.
 struct ExposureLine {
   std::uint32_t layer = 0;
   ExposureEnd end = ExposureEnd::kTimeUp;
@@ -50,9 +50,8 @@ struct ExposureLine {
   Dose expected;  ///< of `lit`, at the board file's irradiance
   Dose dose;
   std::uint64_t mask_hash = 0;
-  nanoseconds
-      slack{};  ///< left of the exposure when the next mask was ready; below 0: it was late. 0 with no next mask
-  bool next_made = false;  ///< there was a next mask, and so a slack
+  bool next_made = false;  ///< a next mask was rendered; otherwise the rest is 0
+  nanoseconds slack{};     ///< left of the exposure when the next mask was ready; below 0: it was late
   nanoseconds making{};    ///< of the next mask, by the processor's clock
   nanoseconds copying{};
 };
@@ -64,33 +63,33 @@ struct PrintReport {
   std::array<CheckResult, kCheckCount> checks;
 
   std::uint32_t layers = 0;
-  std::uint32_t first_layer = 0;  ///< not 0 for a print that was resumed
+  std::uint32_t first_layer = 0;  ///< above 0: resumed
   std::uint32_t next_layer = 0;   ///< all before it are cured
   std::uint64_t cured_pixels = 0;
   double resin_ml = 0;
-  nanoseconds elapsed{};    ///< of this run, from the checks on
+  nanoseconds elapsed{};    ///< of this run, checks included
   nanoseconds estimated{};  ///< before it began
   std::uint32_t slowest_layer = 0;
   nanoseconds slowest{};
   std::uint32_t late_masks = 0;
-  std::uint32_t pauses = 0;                   ///< of every kind
-  std::uint32_t doses_off = 0;                ///< exposures whose measured dose was more than 1 % off
-  Distance steps_lost;                        ///< found by the homing at the end
-  std::optional<std::uint32_t> marked_layer;  ///< may show where the print went on after a power cut
+  std::uint32_t pauses = 0;                   ///< by the user, the cover, a hot lamp or low resin
+  std::uint32_t doses_off = 0;                ///< exposures whose measured dose was over 1 % off
+  Distance steps_lost;                        ///< by the homing at the end
+  std::optional<std::uint32_t> marked_layer;  ///< may show that the print was interrupted
 
-  std::span<ExposureLine> exposures;   ///< in order
-  std::uint32_t exposures_untold = 0;  ///< for which there was no room
+  std::span<ExposureLine> exposures;     ///< in order
+  std::uint32_t exposures_left_out = 0;  ///< beyond the room for them
 };
 
-/// Figures of the masks that were made during exposures.
+/// Figures of the masks that were rendered during exposures.
 struct MaskFigures {
   std::uint32_t masks = 0;
   nanoseconds smallest_slack{};
-  std::uint32_t smallest_slack_layer = 0;  ///< in whose exposure
+  std::uint32_t smallest_slack_layer = 0;  ///< the layer exposed meanwhile
   nanoseconds median_making{};
   nanoseconds worst_making{};
   nanoseconds median_copying{};
-  /// Time to make a mask against the time to copy its bytes, medians; 0 without a mask.
+  /// Median time to render a mask over median time to copy its bytes; 0 without a mask.
   double ratio() const {
     return median_copying.count() > 0
                ? static_cast<double>(median_making.count()) / static_cast<double>(median_copying.count())
@@ -98,10 +97,10 @@ struct MaskFigures {
   }
 };
 
-/// @param scratch  as many as there are exposures
+/// @param scratch  as large as `exposures`
 MaskFigures mask_figures(std::span<const ExposureLine> exposures, std::span<nanoseconds> scratch);
 
-/// Sentences that the user should read, one after the other; none: nothing.
+/// Passes each sentence that the user should read to `tell`.
 void for_each_warning(const PrintReport& report, const std::function<void(std::string_view)>& tell);
 
 }  // namespace plumbline

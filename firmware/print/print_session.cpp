@@ -14,7 +14,7 @@ Status PrintSession::slice_scan(ScanSources scan, const SliceSettings& settings,
                                 const std::optional<SupportSettings>& supports, const PrintProfile& profile,
                                 ProgressSink* progress) {
   const auto layer_height = static_cast<double>(settings.placement.layer_height_mm);
-  // What no height changes is said before the minutes that slicing may take.
+  // Checks that don't depend on the height run before slicing, which may take minutes.
   PLUMBLINE_TRY(plan_print(profile, machine_, layer_height, 1));
   const HashingSources hashing(scan);
   const auto rrep = slice(hashing.sources(), settings, arena_, progress, slice_report_);
@@ -44,25 +44,23 @@ Status PrintSession::slice_scan(ScanSources scan, const SliceSettings& settings,
 }
 
 Status PrintSession::load() {
-  auto job = store_->load(arena_);
-  PLUMBLINE_TRY(job);
-  if (job->facts.printer_hash != hash_of(board_)) {
-    const auto printer = view(job->facts.printer);
+  auto stored = store_->load(arena_);
+  PLUMBLINE_TRY(stored);
+  const StoredJob& job = stored->job;
+  if (job.facts.printer_hash != hash_of(board_)) {
+    const auto printer = view(job.facts.printer);
     return fail(ErrorCode::kUnsupported,
-                "the interrupted print was made for the printer %.*s as its file was then: resume it with that file",
+                "the interrupted print was made for printer %.*s, whose board file was another then",
                 static_cast<int>(printer.size()), printer.data());
   }
-  facts_ = job->facts;
-  rrep_ = job->rrep;
-  supports_ = job->supports;
-  journal_file_ = std::move(job->journal);
+  facts_ = job.facts;
+  rrep_ = job.rrep;
+  supports_ = job.supports;
+  journal_file_ = std::move(stored->journal);
   const auto journal = Journal::open(*journal_file_);
   PLUMBLINE_TRY(journal);
-  if (journal->job_hash() != job->job_hash || journal->layers() != rrep_.grid.layers) {
-    return fail(
-        ErrorCode::kMalformed,
-        "journal and job of the interrupted print do not belong together: take the part off the plate and start "
-        "the print anew");
+  if (journal->job_hash() != job.hash || journal->layers() != rrep_.grid.layers) {
+    return fail(ErrorCode::kMalformed, "the stored job and its journal are of different prints");
   }
   journal_ = *journal;
   PLUMBLINE_TRY(make_ready());
@@ -79,7 +77,7 @@ Status PrintSession::add_supports(const SupportSettings& settings, ProgressSink*
   return {};
 }
 
-/// What slicing and loading have in common: streams and room for the report.
+/// Makes the streams and the room for the report, after slicing or loading.
 Status PrintSession::make_ready() {
   auto stream = MaskStream::create(rrep_, supports_, arena_);
   PLUMBLINE_TRY(stream);
@@ -97,8 +95,8 @@ Status PrintSession::make_ready() {
   return {};
 }
 
-/// Counts the pixels that cure, for the resin that the print takes. Makes every mask, unless slicing has counted them: some
-/// milliseconds a thousand layers; on a large panel and a small board a minute for all.
+/// Counts the pixels that cure, for the resin. Renders every mask unless slicing has counted them: milliseconds a thousand layers on
+/// a desktop, a minute for a large panel on a small board.
 Status PrintSession::sweep(ProgressSink* progress) {
   const StageScope stage(Stage::kLayers, arena_, progress, slice_report_.peak_bytes);
   facts_.cured_pixels = 0;
@@ -110,7 +108,7 @@ Status PrintSession::sweep(ProgressSink* progress) {
   }
   for (std::uint32_t layer = 0; layer < rrep_.grid.layers; ++layer) {
     if (progress != nullptr && !progress->advance(Stage::kLayers, static_cast<double>(layer) / rrep_.grid.layers)) {
-      return fail(ErrorCode::kCancelled, "stopped while the resin was reckoned, at layer %u of %u", layer,
+      return fail(ErrorCode::kCancelled, "stopped while counting the resin, at layer %u of %u", layer,
                   rrep_.grid.layers);
     }
     const std::uint64_t pixels = stream_->mask(layer).count();
@@ -146,7 +144,7 @@ const PrintReport& PrintSession::print(Machine& machine, PrintObserver& observer
   const PrintReport& report = job_->run(journal_ ? journal_->last() : JournalEntry());
   exposures_ = report.exposures;
   const bool for_good = report.state == PrintState::kFinished || report.state == PrintState::kCancelled;
-  // Where the journal can't be removed the next start offers to resume a print whose last layer is done.
+  // If the journal can't be removed, the next start offers to resume a print whose last layer is done.
   if (for_good && store_ != nullptr) static_cast<void>(store_->end());
   return report;
 }

@@ -1,13 +1,13 @@
 #pragma once
-/// One print in the printer's memory: from a scan, or from what was stored of an interrupted one, to the report. The next one
-/// takes the same memory.
+/// One print in the printer's memory, from its scan or from what was stored of an interrupted print, to its report. The next
+/// print takes the same memory.
 
 #include <optional>
 #include <span>
 
-#include "firmware/print/job_store.hpp"
 #include "firmware/print/mask_renderer.hpp"
 #include "firmware/print/print_job.hpp"
+#include "firmware/print/store/job_store.hpp"
 #include "firmware/settings/board_file.hpp"
 #include "firmware/settings/print_profile.hpp"
 #include "slicer/core/byte_source.hpp"
@@ -18,18 +18,18 @@ namespace plumbline {
 
 class PrintSession {
  public:
-  /// Exposures beyond one a layer that the report has room for.
+  /// Room in the report for exposures beyond one a layer: a layer that was interrupted takes two.
   static constexpr std::size_t kSpareExposures = 256;
 
-  /// @param arena  all of it is the session's; outlives it, as do board and store
-  /// @param store  null: nothing is stored, and a power cut ends the print for good
+  /// @param arena  all of it is the session's. Must outlive it, as must board and store
+  /// @param store  null: nothing is stored, so a power cut ends the print for good
   PrintSession(const BoardFile& board, const MachineFile& machine, Arena& arena, JobStore* store);
   ~PrintSession();
   PrintSession(const PrintSession&) = delete;
   PrintSession& operator=(const PrintSession&) = delete;
 
-  /// Reads a scan and makes everything ready. When it returns the scan may go.
-  /// @param supports  that check_support_settings() takes; none: no supports
+  /// Slices a scan and gets ready to print. The scan is not needed afterwards.
+  /// @param supports  valid by check_support_settings(); none: no supports
   /// @retval any error of slice(), find_supports(), plan_print(), JobStore::begin()
   /// @retval ErrorCode::kCancelled
   [[nodiscard]] Status slice_scan(ScanSources scan, const SliceSettings& settings,
@@ -42,12 +42,12 @@ class PrintSession {
     return slice_scan(ScanSources(one), settings, supports, profile, progress);
   }
 
-  /// Takes up the print that was interrupted.
+  /// Loads the interrupted print.
   /// @retval any error of JobStore::load() and Journal::open()
-  /// @retval ErrorCode::kUnsupported  it was made for another printer
+  /// @retval ErrorCode::kUnsupported  it was made for another printer, or by another version
   [[nodiscard]] Status load();
 
-  /// Prints. slice_scan() or load() have been called, once. A print that ends for good is removed from the store.
+  /// Prints. @pre slice_scan() or load() was called, once. A print that ends for good is removed from the store.
   const PrintReport& print(Machine& machine, PrintObserver& observer);
 
   const SliceReport& sliced() const { return slice_report_; }
@@ -56,7 +56,7 @@ class PrintSession {
   const PrintGrid& grid() const { return rrep_.grid; }
   const RRep& rrep() const { return rrep_; }
   const Supports& supports() const { return supports_; }
-  /// Of a print whose scan was sliced here: what was asked for, what the supports are for, and the pixels they add.
+  /// Known only after slice_scan(): the settings asked for, the supports by purpose, and the pixels that they add.
   const std::optional<SupportSettings>& support_settings() const { return support_settings_; }
   const SupportCounts& support_counts() const { return support_counts_; }
   std::uint64_t support_pixels() const { return support_pixels_; }

@@ -1,6 +1,6 @@
 #pragma once
-/// The state machine of a print: a pure, total function. Nothing but PrintJob and the daemon keep a state, and each assigns it
-/// in one place.
+/// The state machine of a print: a pure, total function. Only PrintJob and the daemon hold a state, and each assigns it in one
+/// place.
 
 #include <array>
 #include <cstdint>
@@ -10,41 +10,41 @@ namespace plumbline {
 
 enum class PrintState : std::uint8_t {
   kIdle,         ///< waits for a job
-  kSlicing,      ///< reads the scan and makes the R-Rep
-  kChecks,       ///< looks whether printer and job are fit to print
-  kHoming,       ///< the stage finds its end stop, the plate goes down
+  kSlicing,      ///< reads the scan and builds the R-Rep
+  kChecks,       ///< checks printer and job
+  kHoming,       ///< the stage finds its end stop
   kPrinting,     ///< layer after layer
   kPausing,      ///< raises the part; the lamp is dark
-  kPaused,       ///< holds the part up until the user goes on
+  kPaused,       ///< holds the part up until the user presses start
   kCoverOpen,    ///< the lamp is dark until the cover is closed
   kCoolingDown,  ///< the lamp is dark until it is cool
-  kFeedMe,       ///< waits for resin
+  kFeedMe,       ///< waits for resin, and for start
   kCancelling,   ///< raises what has been printed
   kFinishing,    ///< raises the finished part
   kFinished,     ///< the part is ready
-  kCancelled,    ///< on the user's word; what has been printed is on the plate
-  kSuspended,    ///< the power has gone, or the system goes down: the journal knows where to go on
-  kFault,        ///< something failed; the fault's code says what, and what the user does next
+  kCancelled,    ///< by the user; what has been printed is on the plate
+  kSuspended,    ///< power lost or system shut down: the journal knows where to resume
+  kFault,        ///< something failed: the fault's code says what, and what the user does next
 };
 inline constexpr std::size_t kPrintStateCount = 16;
 
 enum class PrintEvent : std::uint8_t {
   kJobTaken,       ///< a scan is to be printed
-  kJobResumed,     ///< the journal has a job to go on with
-  kSliced,         ///< the R-Rep stands
+  kJobResumed,     ///< a job is ready to print: sliced, or loaded with its journal
+  kSliced,         ///< the R-Rep is ready
   kChecksPassed,   ///<
-  kHomed,          ///< the plate is where the layer begins
+  kHomed,          ///< the stage knows its height
   kPauseAsked,     ///< by the user
-  kRaised,         ///< the stage has brought the part up
+  kRaised,         ///< the part is up
   kResumeAsked,    ///< by the user
   kCoverOpened,    ///<
   kCoverClosed,    ///<
   kTooHot,         ///< the lamp
   kCooledDown,     ///<
-  kResinLow,       ///< less in the tank than the next layers need
+  kResinLow,       ///< the tank has less than the next layer needs
   kLastLayerDone,  ///<
   kCancelAsked,    ///< by the user
-  kShutdown,       ///< power lost, or the system goes down
+  kShutdown,       ///< power lost, or the system shuts down
   kFailed,         ///< a fault
   kAcknowledged,   ///< the user has seen the result
 };
@@ -55,7 +55,7 @@ std::string_view to_string(PrintState state);
 /// "pause asked", ...
 std::string_view to_string(PrintEvent event);
 
-/// No job is at work: the lamp has no reason to light and the stage none to move.
+/// No job is running: nothing lights or moves.
 constexpr bool at_rest(PrintState state) {
   switch (state) {
     case PrintState::kIdle:
@@ -78,11 +78,22 @@ constexpr bool at_rest(PrintState state) {
   return true;
 }
 
-/// The lamp may be lit, and only in this state.
+/// Waits for the user to press start.
+constexpr bool waits_for_start(PrintState state) {
+  return state == PrintState::kPaused || state == PrintState::kFeedMe;
+}
+
+/// A pause of any kind, which the print can leave to go on.
+constexpr bool is_pause(PrintState state) {
+  return waits_for_start(state) || state == PrintState::kPausing || state == PrintState::kCoverOpen ||
+         state == PrintState::kCoolingDown;
+}
+
+/// The only state in which the lamp may be lit.
 constexpr bool may_expose(PrintState state) { return state == PrintState::kPrinting; }
 
-/// What the states in which a print waits, dark and raised, have in common; the others differ in how it goes on.
-constexpr PrintState next_waiting(PrintState state, PrintEvent event) {
+/// Transitions that all running states share.
+constexpr PrintState next_running(PrintState state, PrintEvent event) {
   switch (event) {
     case PrintEvent::kCoverOpened: return PrintState::kCoverOpen;
     case PrintEvent::kCancelAsked: return PrintState::kCancelling;
@@ -106,7 +117,7 @@ constexpr PrintState next_waiting(PrintState state, PrintEvent event) {
   return PrintState::kFault;
 }
 
-/// The state after `event`. Total: an event that means nothing in a state leaves it as it is.
+/// The state after `event`. Total: events that a state does not know leave it unchanged.
 constexpr PrintState next(PrintState state, PrintEvent event) {
   switch (state) {
     case PrintState::kIdle:
@@ -116,7 +127,7 @@ constexpr PrintState next(PrintState state, PrintEvent event) {
       return state;
     case PrintState::kSlicing:
       if (event == PrintEvent::kSliced) return PrintState::kChecks;
-      if (event == PrintEvent::kCancelAsked) return PrintState::kCancelled;  // nothing has moved: nothing to raise
+      if (event == PrintEvent::kCancelAsked) return PrintState::kCancelled;  // nothing has moved, so nothing is raised
       if (event == PrintEvent::kShutdown) return PrintState::kSuspended;
       if (event == PrintEvent::kFailed) return PrintState::kFault;
       return state;
@@ -128,31 +139,31 @@ constexpr PrintState next(PrintState state, PrintEvent event) {
       return state;
     case PrintState::kHoming:
       if (event == PrintEvent::kHomed) return PrintState::kPrinting;
-      return next_waiting(state, event);
+      return next_running(state, event);
     case PrintState::kPrinting:
       if (event == PrintEvent::kPauseAsked) return PrintState::kPausing;
       if (event == PrintEvent::kTooHot) return PrintState::kCoolingDown;
       if (event == PrintEvent::kResinLow) return PrintState::kFeedMe;
       if (event == PrintEvent::kLastLayerDone) return PrintState::kFinishing;
-      return next_waiting(state, event);
+      return next_running(state, event);
     case PrintState::kPausing:
       if (event == PrintEvent::kRaised) return PrintState::kPaused;
-      return next_waiting(state, event);
+      return next_running(state, event);
     case PrintState::kPaused:
       if (event == PrintEvent::kResumeAsked) return PrintState::kPrinting;
-      return next_waiting(state, event);
+      return next_running(state, event);
     case PrintState::kCoverOpen:
-      // Not on with the print: somebody had a hand in there, and says when it is out.
+      // Paused, not printing: whoever had a hand inside presses start when it is out.
       if (event == PrintEvent::kCoverClosed) return PrintState::kPaused;
-      return next_waiting(state, event);
+      return next_running(state, event);
     case PrintState::kCoolingDown:
       if (event == PrintEvent::kCooledDown) return PrintState::kPrinting;
       if (event == PrintEvent::kPauseAsked) return PrintState::kPaused;
-      return next_waiting(state, event);
+      return next_running(state, event);
     case PrintState::kFeedMe:
-      if (event == PrintEvent::kCoverOpened) return state;  // resin is poured in through it
+      if (event == PrintEvent::kCoverOpened) return state;  // resin is poured in with the cover open
       if (event == PrintEvent::kResumeAsked) return PrintState::kPrinting;
-      return next_waiting(state, event);
+      return next_running(state, event);
     case PrintState::kCancelling:
       if (event == PrintEvent::kRaised) return PrintState::kCancelled;
       if (event == PrintEvent::kShutdown) return PrintState::kSuspended;

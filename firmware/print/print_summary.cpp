@@ -1,6 +1,8 @@
 #include "firmware/print/print_summary.hpp"
 
-#include "firmware/io/mask_hash.hpp"
+#include <algorithm>
+#include <cmath>
+
 #include "firmware/print/print_lines.hpp"
 
 namespace plumbline {
@@ -32,10 +34,8 @@ using Text = FixedText<4096>;
 
 void add_fault(Text& text, const PrintReport& report) {
   if (report.fault == FaultCode::kNone) return;
-  const FaultInfo& fault = info(report.fault);
-  text.add("fault      PL-%u, %.*s: %s\n           %.*s\n", static_cast<unsigned>(report.fault),
-           static_cast<int>(fault.title.size()), fault.title.data(), report.fault_message.c_str(),
-           static_cast<int>(fault.next.size()), fault.next.data());
+  const FaultText fault = explain(report.fault, report.fault_message.view());
+  text.add("fault      %s\n           %s\n", fault.what.c_str(), fault.advice.c_str());
 }
 
 void add_doses(Text& text, const PrintReport& report) {
@@ -48,70 +48,92 @@ void add_doses(Text& text, const PrintReport& report) {
     const double off = line.dose / line.expected - 1;
     worst = std::abs(off) > std::abs(worst) ? off : worst;
   }
-  text.add("doses      %zu exposures, %s; the worst %+.2f %% off\n", report.exposures.size(),
+  text.add("doses      %zu exposures, %s; the worst is %+.2f %% off\n", report.exposures.size(),
            measured ? "measured" : "computed", 100 * worst);
 }
 
 void add_masks(Text& text, const MaskFigures& masks) {
   if (masks.masks == 0) return;
   text.add(
-      "masks      made while the layer below cured: median %.2f ms, worst %.2f ms, %.1f times the copying of its "
-      "bytes; "
-      "smallest slack %.3f s, under layer %u\n",
-      milliseconds(masks.median_making), milliseconds(masks.worst_making), masks.ratio(), seconds(masks.smallest_slack),
-      masks.smallest_slack_layer);
+      "masks      rendered while the layer below cured: median %.2f ms (%.1f times the copying of their bytes), worst "
+      "%.2f ms; smallest slack %.3f s, under layer %u\n",
+      milliseconds(masks.median_making), masks.ratio(), milliseconds(masks.worst_making), seconds(masks.smallest_slack),
+      masks.smallest_slack_layer + 1);
 }
 
 void add_steps(Text& text, const StepFigures& steps) {
   text.add(
-      "stage      %llu steps, %llu late, the latest by %.2f ms; %llu times the motor had come to stand. Real-time "
-      "priority: %s, locked memory: %s\n",
+      "stage      %llu steps, %llu late, the worst by %.2f ms; the motor stopped %llu times. Real-time priority: %s, "
+      "locked memory: %s\n",
       static_cast<unsigned long long>(steps.steps), static_cast<unsigned long long>(steps.late),
       milliseconds(steps.worst_lateness), static_cast<unsigned long long>(steps.standstills),
       steps.real_time ? "yes" : "no", steps.memory_locked ? "yes" : "no");
 }
 
-}  // namespace
-
-Status write_print_summary(OutputFile& out, const PrintOutcome& outcome) {
+void add_print(Text& text, const PrintOutcome& outcome) {
   const PrintReport& report = outcome.report;
-  Text text;
   const auto state = to_string(report.state);
   const auto scan = view(outcome.session.facts().scan);
   text.add("print      %.*s: %.*s, %u of %u layers, %.2f mm\n", static_cast<int>(scan.size()), scan.data(),
            static_cast<int>(state.size()), state.data(), report.next_layer, report.layers,
            outcome.session.plan().layer_height.millimetres() * report.next_layer);
   add_fault(text, report);
-  text.add("time       %s, estimated %s; slowest layer %u: %.2f s\n", clock_text(report.elapsed).c_str(),
-           clock_text(report.estimated).c_str(), report.slowest_layer, seconds(report.slowest));
-  if (!outcome.session.supports().empty()) text.add("supports   %zu\n", outcome.session.supports().list.size());
-  text.add("resin      %.2f ml", report.resin_ml);
-  const double cost = resin_cost(outcome.profile, report.resin_ml);
-  if (cost > 0) text.add(", which cost %.2f", cost);
+  text.add("time       %s, %s estimated", duration_text(report.elapsed).c_str(),
+           duration_text(report.estimated).c_str());
+  if (report.pauses > 0) text.add(", paused %u time%s", report.pauses, report.pauses == 1 ? "" : "s");
   text.add("\n");
+  if (!outcome.session.supports().empty()) text.add("supports   %zu\n", outcome.session.supports().list.size());
+  text.add("resin      %.1f ml", report.resin_ml);
+  const double cost = resin_cost(outcome.profile, report.resin_ml);
+  if (cost > 0) text.add(", cost %.2f", cost);
+  text.add("\n");
+}
+
+void add_details(Text& text, const PrintOutcome& outcome) {
+  const PrintReport& report = outcome.report;
+  if (report.slowest.count() > 0) {
+    text.add("slowest    layer %u, %.2f s\n", report.slowest_layer + 1, seconds(report.slowest));
+  }
   add_doses(text, report);
   add_masks(text, outcome.session.mask_figures());
-  if (report.pauses > 0) text.add("pauses     %u\n", report.pauses);
   if (outcome.steps) add_steps(text, *outcome.steps);
+}
+
+Status write_objections(OutputFile& out, std::span<const std::string> objections) {
+  Text text;
+  if (objections.empty()) return out.write(std::string_view("simulated  no objections\n"));
+  text.add("simulated  %zu objection%s:\n", objections.size(), objections.size() == 1 ? "" : "s");
   PLUMBLINE_TRY(out.write(text.view()));
-  Status written;
-  for_each_warning(report, [&](std::string_view warning) {
-    Text line;
-    line.add("warning    %.*s\n", static_cast<int>(warning.size()), warning.data());
-    if (written) written = out.write(line.view());
-  });
-  PLUMBLINE_TRY(written);
-  if (!outcome.simulated) return {};
-  text.clear();
-  text.add("simulated  the plant objects to %zu thing%s\n", outcome.objections.size(),
-           outcome.objections.size() == 1 ? "" : "s");
-  PLUMBLINE_TRY(out.write(text.view()));
-  for (const auto& objection : outcome.objections) {
+  for (const auto& objection : objections) {
     text.clear();
     text.add("           %s\n", objection.c_str());
     PLUMBLINE_TRY(out.write(text.view()));
   }
   return {};
+}
+
+/// Reports give millilitres, milliseconds and mJ/cm2 to three decimals, which is more than they are known to.
+double thousandths(double value) { return std::round(value * 1e3) / 1e3; }
+
+}  // namespace
+
+Status write_print_summary(OutputFile& out, const PrintOutcome& outcome, std::string_view look_at, bool verbose) {
+  Text text;
+  add_print(text, outcome);
+  if (verbose) add_details(text, outcome);
+  PLUMBLINE_TRY(out.write(text.view()));
+  Status written;
+  for_each_warning(outcome.report, [&](std::string_view warning) {
+    Text line;
+    line.add("warning    %.*s\n", static_cast<int>(warning.size()), warning.data());
+    if (written) written = out.write(line.view());
+  });
+  PLUMBLINE_TRY(written);
+  if (outcome.simulated) PLUMBLINE_TRY(write_objections(out, outcome.objections));
+  if (look_at.empty()) return {};
+  text.clear();
+  text.add("look at    %.*s\n", static_cast<int>(look_at.size()), look_at.data());
+  return out.write(text.view());
 }
 
 void write_print_report(JsonWriter& json, const PrintOutcome& outcome) {
@@ -127,14 +149,14 @@ void write_print_report(JsonWriter& json, const PrintOutcome& outcome) {
   if (report.fault == FaultCode::kNone) {
     json.null();
   } else {
-    const FaultInfo& fault = info(report.fault);
+    const FaultText text = explain(report.fault, report.fault_message.view());
     FixedText<16> code;
     code.add("PL-%u", static_cast<unsigned>(report.fault));
     json.begin_object();
     json.member("code", code.view());
-    json.member("title", fault.title);
-    json.member("message", report.fault_message.view());
-    json.member("next", fault.next);
+    json.member("title", info(report.fault).title);
+    json.member("message", text.what.view().substr(text.message_at));
+    json.member("next", text.advice.view());
     json.end_object();
   }
   json.key("checks");
@@ -152,9 +174,9 @@ void write_print_report(JsonWriter& json, const PrintOutcome& outcome) {
   json.member("next_layer", report.next_layer);
   json.member("layer_height_mm", facts.plan.layer_height.millimetres());
   json.member("supports", std::uint64_t{outcome.session.supports().list.size()});
-  json.member("resin_ml", report.resin_ml);
-  json.member("resin_needed_ml", static_cast<double>(facts.cured_pixels) * outcome.session.pixel_ml());
-  json.member("cost", resin_cost(outcome.profile, report.resin_ml));
+  json.member("resin_ml", thousandths(report.resin_ml));
+  json.member("resin_needed_ml", thousandths(static_cast<double>(facts.cured_pixels) * outcome.session.pixel_ml()));
+  json.member("cost", thousandths(resin_cost(outcome.profile, report.resin_ml)));
   json.member("elapsed_s", seconds(report.elapsed));
   json.member("estimated_s", seconds(report.estimated));
   json.member("slowest_layer", report.slowest_layer);
@@ -166,10 +188,10 @@ void write_print_report(JsonWriter& json, const PrintOutcome& outcome) {
   json.begin_object();
   json.member("smallest_slack_s", seconds(masks.smallest_slack));
   json.member("smallest_slack_layer", masks.smallest_slack_layer);
-  json.member("median_ms", milliseconds(masks.median_making));
-  json.member("worst_ms", milliseconds(masks.worst_making));
-  json.member("copy_ms", milliseconds(masks.median_copying));
-  json.member("ratio_to_copy", masks.ratio());
+  json.member("median_ms", thousandths(milliseconds(masks.median_making)));
+  json.member("worst_ms", thousandths(milliseconds(masks.worst_making)));
+  json.member("copy_ms", thousandths(milliseconds(masks.median_copying)));
+  json.member("ratio_to_copy", thousandths(masks.ratio()));
   json.end_object();
   json.key("stage");
   if (outcome.steps) {
@@ -203,8 +225,8 @@ void write_print_report(JsonWriter& json, const PrintOutcome& outcome) {
     json.member("layer", line.layer);
     json.member("asked_s", seconds(line.asked));
     json.member("lit_s", seconds(line.lit));
-    json.member("dose_mj_cm2", line.dose.value());
-    json.member("expected_mj_cm2", line.expected.value());
+    json.member("dose_mj_cm2", thousandths(line.dose.value()));
+    json.member("expected_mj_cm2", thousandths(line.expected.value()));
     json.member("end", word_of(line.end));
     json.key("mask_hash");
     json.hex(line.mask_hash);

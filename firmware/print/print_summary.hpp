@@ -1,5 +1,5 @@
 #pragma once
-/// What a print has been, for people and for programs.
+/// The report of a print, for people and for programs.
 
 #include <optional>
 #include <span>
@@ -12,7 +12,7 @@
 
 namespace plumbline {
 
-/// What a report is made of.
+/// What a report is made from.
 struct PrintOutcome {
   const PrintReport& report;
   const PrintSession& session;
@@ -22,8 +22,12 @@ struct PrintOutcome {
   std::optional<StepFigures> steps;         ///< of a real one, in this print
 };
 
+/// What a person needs: how far the print came, what went wrong and what to do, time, resin, warnings, files to look at.
+/// @param look_at  files, for the last line; empty: none
+/// @param verbose  doses, masks, steps and the slowest layer, too
 /// @retval ErrorCode::kCannotWrite
-[[nodiscard]] Status write_print_summary(OutputFile& out, const PrintOutcome& outcome);
+[[nodiscard]] Status write_print_summary(OutputFile& out, const PrintOutcome& outcome, std::string_view look_at,
+                                         bool verbose);
 
 /// One JSON object; firmware/README.md explains its keys.
 void write_print_report(JsonWriter& json, const PrintOutcome& outcome);

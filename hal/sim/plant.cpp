@@ -39,7 +39,7 @@ Plant::Plant(const PlantSettings& settings)
   };
   stage_.on_leg = [this](const StageModel::Leg& leg) { on_leg(leg); };
   for (const Fault& fault : settings.faults) inject(fault);
-  trigger_faults(FaultMoment::kBeforeLayer, 0);
+  trigger_faults(FaultMoment::kBeforeLayer, settings.layers_on_plate);
 }
 
 Status Plant::check_power() const {
@@ -183,7 +183,7 @@ void Plant::begin_light() {
   lit_at_ = now();
   lit_layer_ = layer();
   thermals_.set_lit(now(), true);
-  if (lit_layer_ > judged_) judge_last_layer(true);
+  if (lit_layer_ > first_layer() + judged_) judge_last_layer(true);
   if (cover_open_) raise(ObjectionKind::kLightWithCoverOpen, "the lamp was lit while it was open");
   if (stage_.moving()) raise(ObjectionKind::kMotionUnderLight, "lit while the stage moved");
   if (panel_.changing()) {
@@ -241,8 +241,11 @@ void Plant::judge_last_layer(bool whole) {
   judged_ = static_cast<std::uint32_t>(layers.size());
   const CuredLayer& last = layers.back();
   const auto raise_for_layer = [&](ObjectionKind kind, std::string detail) {
-    objections_.push_back(
-        {.kind = kind, .at = last.ended, .z = last.z, .layer = judged_ - 1, .detail = std::move(detail)});
+    objections_.push_back({.kind = kind,
+                           .at = last.ended,
+                           .z = last.z,
+                           .layer = first_layer() + judged_ - 1,
+                           .detail = std::move(detail)});
   };
   const double ratio = last.asked.value() > 0 ? last.dose / last.asked : 1;
   if (ratio > 1.01 || (whole && ratio < 0.99)) {
@@ -250,7 +253,8 @@ void Plant::judge_last_layer(bool whole) {
                     text("%.3f of %.3f mJ/cm2, %+.1f %%", last.dose.value(), last.asked.value(), 100 * (ratio - 1)));
   }
   if (!whole || last.pixels == 0) return;
-  const ZPosition above = layers.size() > 1 ? layers[layers.size() - 2].z : ZPosition();
+  const ZPosition plate_or_part = first_layer() > 0 ? settings_.height_on_plate : ZPosition();
+  const ZPosition above = layers.size() > 1 ? layers[layers.size() - 2].z : plate_or_part;
   const double gap = (last.z - above).millimetres();
   if (last.depth_mm < gap) {
     raise_for_layer(ObjectionKind::kNotBonded, text("cured %.4f mm deep, the gap is %.4f mm", last.depth_mm, gap));

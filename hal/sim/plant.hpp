@@ -47,6 +47,9 @@ struct PlantSettings {
   std::vector<Fault> faults;
   LampWire* lamp_wire = nullptr;  ///< follows the lamp's line; null: none. Must outlive the plant
   bool keep_part = true;          ///< needed for part().for_each_layer()
+  /// What an earlier plant left on the plate. A print that lights above it resumes that part.
+  std::uint32_t layers_on_plate = 0;
+  ZPosition height_on_plate;
 };
 
 /// One period of light.
@@ -148,7 +151,12 @@ class Plant {
   void deactivate(FaultKind kind);
   void apply(FaultKind kind, bool active, double amount);
   void apply_to_temperatures(FaultKind kind, bool active, double amount);
-  std::uint32_t layer() const { return part_.layer_at(z()); }
+  std::uint32_t layer() const { return first_layer() + part_.layer_at(z()); }
+  /// Layers that were cured before this plant began.
+  std::uint32_t first_layer() const {
+    const ZPosition lowest = part_.layers().empty() ? z() : part_.layers().front().z;
+    return lowest > settings_.height_on_plate ? settings_.layers_on_plate : 0;
+  }
   ZPosition z() const { return ZPosition(stage_.height()); }
 
   PlantSettings settings_;
@@ -178,7 +186,8 @@ class Plant {
   Dose monitored_;
   TimePoint lit_at_;
   std::uint32_t lit_layer_ = 0;
-  std::uint32_t uncured_layer_ = 1;  ///< the next layer whose kBeforeLayer faults are still to come
+  /// The next layer whose kBeforeLayer faults are still to come.
+  std::uint32_t uncured_layer_ = settings_.layers_on_plate + 1;
   Timeline::Due dark_due_;
 
   // The film.

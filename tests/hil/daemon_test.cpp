@@ -1,4 +1,4 @@
-/// The daemon on the plant: sticks, choices, interrupted prints, the same memory again and again.
+/// The daemon on the plant: sticks, choices, interrupted prints, job after job in the same memory.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ TEST(Daemon, PrintsTheOnlyScanOnAStickAndIsReadyForTheNext) {
   EXPECT_EQ(rig.arena.used(), 0U);
 }
 
-TEST(Daemon, StickMayLeaveWhenTheScanHasBeenRead) {
+TEST(Daemon, DoesNotNeedTheStickOnceTheScanIsRead) {
   DaemonRig rig;
   rig.put_scan("ball.ply");
   rig.plant.plug_stick(rig.stick());
@@ -42,7 +42,7 @@ TEST(Daemon, StickMayLeaveWhenTheScanHasBeenRead) {
   EXPECT_EQ(rig.user.reports[0].state, kFinished);
 }
 
-TEST(Daemon, StickPulledWhileItIsReadLeavesAClearStateAndTheNextIsPrinted) {
+TEST(Daemon, PrintsTheNextStickAfterOneWasPulledWhileItWasRead) {
   auto settings = session_plant();
   settings.stick_bytes_per_second = 2e4;  // some 100 kB take 5 s
   DaemonRig rig(settings);
@@ -60,7 +60,7 @@ TEST(Daemon, StickPulledWhileItIsReadLeavesAClearStateAndTheNextIsPrinted) {
   EXPECT_EQ(rig.user.reports[0].state, kFinished);
 }
 
-TEST(Daemon, DoesWhatTheJobFileSays) {
+TEST(Daemon, FollowsTheJobFile) {
   DaemonRig rig;
   rig.put_scan("a.ply");
   rig.put_scan("b.ply");
@@ -74,8 +74,8 @@ TEST(Daemon, DoesWhatTheJobFileSays) {
   EXPECT_EQ(rig.user.reports.at(0).layers, 30U) << "a ball of 6 mm";
 }
 
-// A print from a stick once left out a stray piece of the scan, and turned its normals, without a word.
-TEST(Daemon, SaysWhatItLeftOutOfAScanAndTurned) {
+// Once it left out a stray piece and turned normals over without saying so.
+TEST(Daemon, SaysWhatItLeftOutOfAScanAndWhichNormalsItTurned) {
   DaemonRig rig;
   std::vector<ScanPoint> scan = sphere_scan(4000, 2);
   for (std::size_t i = 100; i < 300; ++i) {
@@ -92,7 +92,7 @@ TEST(Daemon, SaysWhatItLeftOutOfAScanAndTurned) {
   EXPECT_THAT(rig.user.said, Contains(HasSubstr("% of the normals pointed into the object and were turned over")));
 }
 
-TEST(Daemon, SaysWhatIsWrongInAJobFileAndStaysReady) {
+TEST(Daemon, ReportsAMistakeInAJobFileAndStaysReady) {
   DaemonRig rig;
   rig.put_scan("a.ply");
   write_text(rig.stick() + "/job.toml", "[job]\nscan = 'a.ply'\nscael = 2\n");
@@ -103,9 +103,10 @@ TEST(Daemon, SaysWhatIsWrongInAJobFileAndStaysReady) {
   EXPECT_EQ(rig.fault, FaultCode::kBadSetting);
 }
 
-TEST(Daemon, LetsTheUserChooseAmongScansWithTheButtons) {
+TEST(Daemon, LetsTheUserChooseAScanWithTheButtons) {
   DaemonRig rig;
   for (const char* name : {"c.ply", "a.ply", "b.PLY", ".hidden.ply", "notes.md"}) rig.put_scan(name);
+  write_text(rig.stick() + "/README.txt", "Scans of the bust, in mm\n");
   rig.plant.plug_stick(rig.stick());
   rig.user.on_words.emplace("scan 1 of 3: a.ply", [&] { rig.plant.press(EventKind::kPausePressed); });
   rig.user.on_words.emplace("scan 2 of 3: b.PLY", [&] { rig.plant.press(EventKind::kStartPressed); });
@@ -114,7 +115,7 @@ TEST(Daemon, LetsTheUserChooseAmongScansWithTheButtons) {
   EXPECT_THAT(rig.user.scans, ElementsAre("b.PLY"));
 }
 
-TEST(Daemon, GivesUpAChoiceAndAScanThatCannotBeRead) {
+TEST(Daemon, GivesUpACancelledChoiceAndAnUnreadableScan) {
   DaemonRig rig;
   rig.put_scan("a.ply");
   rig.put_scan("b.ply");
@@ -135,7 +136,7 @@ TEST(Daemon, GivesUpAChoiceAndAScanThatCannotBeRead) {
   EXPECT_EQ(rig.arena.used(), 0U);
 }
 
-TEST(Daemon, EmptyStickIsSaid) {
+TEST(Daemon, ReportsAnEmptyStick) {
   DaemonRig rig;
   rig.plant.plug_stick(rig.stick());
   rig.user.on_words.emplace("PL-103", [&] { rig.plant.press(EventKind::kShutdownRequested); });
@@ -143,7 +144,7 @@ TEST(Daemon, EmptyStickIsSaid) {
   EXPECT_THAT(rig.user.said, Contains(HasSubstr("no scan on the stick")));
 }
 
-TEST(Daemon, GoesOnWithAPrintAfterAPowerCutWithoutItsStick) {
+TEST(Daemon, ResumesAPrintAfterAPowerCutWithoutItsStick) {
   // The masks of an undisturbed print.
   std::vector<std::uint64_t> whole;
   {
@@ -172,10 +173,11 @@ TEST(Daemon, GoesOnWithAPrintAfterAPowerCutWithoutItsStick) {
   EXPECT_EQ(rig.user.reports[1].state, kFinished) << rig.user.reports[1].fault_message.c_str();
   EXPECT_EQ(rig.user.reports[1].first_layer, 12U);
   EXPECT_EQ(rig.user.hashes[1], std::vector<std::uint64_t>(whole.begin() + 12, whole.end()));
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(rig.folder / "state"), {}), 0) << "it is over for good";
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(rig.folder / "state"), {}), 0)
+      << "the print is removed from the store";
 }
 
-TEST(Daemon, SaysThatAJournalIsDamagedAndDoesNotFollowIt) {
+TEST(Daemon, ReportsADamagedJournalAndDoesNotResume) {
   auto settings = session_plant();
   settings.faults.push_back(parse_fault("power.cut@layer=12").value());
   DaemonRig rig(settings);

@@ -1,9 +1,10 @@
-/// Every fault of the plant at the start, in the middle and at the end of a print: README.md in this folder has the table.
+/// Every fault of the plant at the start, in the middle and at the end of a print; those of the stick while a scan is read.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/hil/rig.hpp"
+#include "tests/hil/session_rig.hpp"
 
 namespace plumbline {
 namespace {
@@ -20,7 +21,7 @@ struct End {
 constexpr End kAsIfNothing{kFinished};
 constexpr End faulted(FaultCode code) { return {kFault, code}; }
 
-/// What the plant may object to: where a fault is one that no firmware could notice or undo.
+/// Whether the plant may object: only to faults that no firmware could notice or undo.
 enum class May : std::uint8_t { kNothing, kObjectToItself };
 
 struct Row {
@@ -30,7 +31,8 @@ struct Row {
   May may = May::kNothing;
 };
 
-// A stage that stalls while it homes has met something before its end stop. Where a fault comes "in exposure" of the last layer, nothing looks at it any more.
+// A stage that stalls while homing met something before its end stop. A fault in the exposure of the last layer comes too late to
+// be noticed.
 const Row kRows[] = {
     {"lamp.stuck_on", "", faulted(FaultCode::kLampStuckOn), faulted(FaultCode::kLampStuckOn),
      faulted(FaultCode::kLampStuckOn), May::kObjectToItself},
@@ -63,10 +65,6 @@ const Row kRows[] = {
     {"compute.slow", "", kAsIfNothing, kAsIfNothing, kAsIfNothing},
     {"cover.opens", ",for=5s", kAsIfNothing, kAsIfNothing, kAsIfNothing},
     {"cover.switch_dead", "", {kCancelled}, {kCancelled}, {kCancelled}},
-    {"stick.pulled", "", kAsIfNothing, kAsIfNothing, kAsIfNothing},
-    {"stick.slow", "", kAsIfNothing, kAsIfNothing, kAsIfNothing},
-    {"stick.bad_sector", "", kAsIfNothing, kAsIfNothing, kAsIfNothing},
-    {"stick.mount_fails", "", kAsIfNothing, kAsIfNothing, kAsIfNothing},
     {"temperature.lamp_hot", ",for=900s", kAsIfNothing, kAsIfNothing, kAsIfNothing},
     {"temperature.lamp_sensor_dead", "", faulted(FaultCode::kSensorDead), faulted(FaultCode::kSensorDead),
      kAsIfNothing},
@@ -106,7 +104,7 @@ class EveryFault : public ::testing::TestWithParam<Row> {
 
     EXPECT_EQ(to_string(report.state), to_string(expected.state)) << report.fault_message.c_str();
     EXPECT_EQ(static_cast<int>(report.fault), static_cast<int>(expected.code)) << report.fault_message.c_str();
-    if (!rig.plant.powered()) rig.plant.restore_power();  // lets the lamp's last millisecond pass
+    if (!rig.plant.powered()) rig.plant.restore_power();  // lets the lamp go dark
     const bool can_be_dark = std::string_view(row.fault) != "lamp.runaway";
     EXPECT_EQ(rig.plant.light(), !can_be_dark);
     EXPECT_EQ(rig.objections_of(ObjectionKind::kLightWithCoverOpen), 0U);
@@ -116,7 +114,7 @@ class EveryFault : public ::testing::TestWithParam<Row> {
     check_journal(rig, report);
   }
 
-  /// Of a print that ended before its end the last layer may have too little light, and nothing else may be wrong.
+  /// A print that did not finish may have given its last layer too little light; nothing else may be wrong.
   static void check_objections(const Rig& rig, const PrintReport& report) {
     for (const auto& objection : rig.plant.objections()) {
       const bool unfinished =
@@ -126,7 +124,7 @@ class EveryFault : public ::testing::TestWithParam<Row> {
     }
   }
 
-  /// Nothing is lost that the user had: the journal knows every layer that was cured.
+  /// Nothing is lost: the journal has every layer that was cured.
   static void check_journal(Rig& rig, const PrintReport& report) {
     const auto journal = Journal::open(rig.storage);
     ASSERT_TRUE(journal) << journal.error().message();
@@ -144,15 +142,84 @@ INSTANTIATE_TEST_SUITE_P(Hil, EveryFault, ::testing::ValuesIn(kRows), [](const a
   return name;
 });
 
-TEST(Faults, OfThePlantAreAllInTheTable) {
+/// A fault of the stick, and what the daemon does.
+struct StickRow {
+  const char* fault;
+  FaultCode code;      ///< while the scan is read
+  double seconds = 0;  ///< that reading takes longer than without the fault
+};
+
+const StickRow kStickRows[] = {
+    {"stick.pulled", FaultCode::kStickGone},
+    {"stick.slow", FaultCode::kNone, 100},
+    {"stick.bad_sector", FaultCode::kScanUnreadable},
+    {"stick.mount_fails", FaultCode::kStickUnreadable},
+};
+
+void PrintTo(const StickRow& row, std::ostream* out) { *out << row.fault; }
+
+class EveryStickFault : public ::testing::TestWithParam<StickRow> {
+ protected:
+  /// Prints the scan of a stick that meets the fault.
+  /// @returns plant time of the print's first check; none: the scan was not read
+  static std::optional<double> time_to_print(const std::string& fault, FaultCode expected) {
+    SCOPED_TRACE(fault);
+    auto settings = session_plant();
+    settings.stick_bytes_per_second = 1e5;  // about 100 kB take 1 s
+    if (!fault.empty()) settings.faults.push_back(parse_fault(fault).value());
+    DaemonRig rig(settings);
+    rig.put_scan("ball.ply");
+    rig.plant.wait(std::chrono::milliseconds(1));  // what is due at 0 s has happened
+    rig.plant.plug_stick(rig.stick());
+    const auto end = [&rig] { rig.plant.press(EventKind::kShutdownRequested); };
+    rig.user.on_printed = end;
+    rig.user.on_words.emplace("PL-1", end);
+    EXPECT_TRUE(rig.run());
+    EXPECT_EQ(static_cast<int>(rig.fault), static_cast<int>(expected));
+    EXPECT_EQ(rig.arena.used(), 0U);
+    if (expected != FaultCode::kNone) {
+      EXPECT_TRUE(rig.user.reports.empty());
+      EXPECT_TRUE(rig.plant.lights().empty()) << "nothing was lit";
+      return std::nullopt;
+    }
+    EXPECT_EQ(rig.user.reports.size(), 1U);
+    if (rig.user.reports.size() != 1 || rig.plant.lights().empty()) return std::nullopt;
+    EXPECT_EQ(rig.user.reports[0].state, kFinished) << rig.user.reports[0].fault_message.c_str();
+    return std::chrono::duration<double>(rig.plant.lights().front().began - TimePoint()).count();
+  }
+};
+
+TEST_P(EveryStickFault, WhileTheScanIsRead) {
+  const StickRow& row = GetParam();
+  // A stick that is pulled has to be there first; the others are faulty from the start.
+  const bool pulled = row.code == FaultCode::kStickGone;
+  const auto began = time_to_print(std::string(row.fault) + (pulled ? "@t=0.5s" : "@t=0s"), row.code);
+  if (row.code != FaultCode::kNone) return;
+  const auto undisturbed = time_to_print("", FaultCode::kNone);
+  ASSERT_TRUE(began && undisturbed);
+  EXPECT_NEAR(*began - *undisturbed, row.seconds, 20);
+}
+
+TEST_P(EveryStickFault, DoesNotDisturbAPrintWhoseScanHasBeenRead) {
+  time_to_print(std::string(GetParam().fault) + "@layer=3", FaultCode::kNone);
+}
+
+INSTANTIATE_TEST_SUITE_P(Hil, EveryStickFault, ::testing::ValuesIn(kStickRows), [](const auto& row) {
+  std::string name = row.param.fault;
+  std::replace(name.begin(), name.end(), '.', '_');
+  return name;
+});
+
+TEST(Faults, OfThePlantAreAllInTheTables) {
   for (const auto& known : fault_table()) {
-    EXPECT_TRUE(std::any_of(std::begin(kRows), std::end(kRows), [&](const Row& row) {
-      return row.fault == known.name;
-    })) << known.name;
+    const auto is_it = [&](const auto& row) { return row.fault == known.name; };
+    EXPECT_TRUE(std::any_of(std::begin(kRows), std::end(kRows), is_it) ||
+                std::any_of(std::begin(kStickRows), std::end(kStickRows), is_it))
+        << known.name;
   }
 }
 
-TEST(Faults, StepsThatWereLostAreFoundWhenThePartIsRaised) {
+TEST(Faults, LostStepsAreFoundWhenThePartIsRaised) {
   auto settings = rig_plant();
   settings.faults.push_back(parse_fault("stage.skips@layer=20,by=0.2").value());
   Rig rig(settings);

@@ -1,5 +1,5 @@
-/// The power is cut at any instant, also inside of the journal's writes: the print goes on at the right layer, and the part is the
-/// same but for the mark that the report warns of.
+/// The power is cut at any instant, also inside the journal's writes: the print resumes at the right layer and makes the same part,
+/// but for the mark that the report warns of.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -64,12 +64,12 @@ int print_with_cuts(Rig& rig) {
 void judge(Rig& rig, int cuts) {
   rig.plant.conclude(JobEnd::kFinished);
   EXPECT_EQ(rig.part(), reference().part);
-  // The layer that was being cured has its light a second time, at most once for each cut; nothing else is wrong.
+  // The layer being cured gets its light a second time, at most once per cut; nothing else is wrong.
   EXPECT_LE(rig.plant.objections().size(), static_cast<std::size_t>(cuts)) << rig.objections();
   EXPECT_EQ(rig.objections_of(ObjectionKind::kDoseOff), rig.plant.objections().size()) << rig.objections();
 }
 
-TEST(PowerCut, At200InstantsThePrintGoesOnAtTheRightLayer) {
+TEST(PowerCut, At200InstantsThePrintResumesAtTheRightLayer) {
   std::mt19937_64 random(1234);
   int cut = 0;
   for (int round = 0; round < 200; ++round) {
@@ -89,9 +89,9 @@ TEST(PowerCut, At200InstantsThePrintGoesOnAtTheRightLayer) {
   EXPECT_EQ(cut, 200);
 }
 
-TEST(PowerCut, InsideTheJournalsWritesThePrintGoesOnAtTheRightLayer) {
+TEST(PowerCut, InsideTheJournalsWritesThePrintResumesAtTheRightLayer) {
   std::mt19937_64 random(99);
-  // Write 1 is the header's, before the print: tests/firmware/print/journal_test.cpp.
+  // Write 1 is the header's, before the print: tests/firmware/print/store/journal_test.cpp.
   for (int write = 2; write <= static_cast<int>(Rig::kLayers) + 1; ++write) {
     SCOPED_TRACE(write);
     Rig rig;
@@ -117,7 +117,7 @@ TEST(PowerCut, AgainAndAgainThePartIsStillTheSame) {
   judge(rig, cuts);
 }
 
-TEST(PowerCut, DamagedJournalIsNotFollowed) {
+TEST(PowerCut, ADamagedJournalIsNotResumed) {
   auto settings = rig_plant();
   settings.faults.push_back(parse_fault("power.cut@layer=20").value());
   Rig rig(settings);

@@ -35,7 +35,7 @@ std::vector<std::vector<std::uint64_t>> whole_part(std::uint32_t layers = Rig::k
   return part;
 }
 
-TEST(Print, MakesThePartThatWasAskedForAndNobodyObjects) {
+TEST(Print, MakesThePartAskedForWithoutObjections) {
   Rig rig;
   const auto& report = rig.run();
   rig.plant.conclude(JobEnd::kFinished);
@@ -68,11 +68,11 @@ TEST(Print, TakesAsLongAsThePlanSays) {
   const auto& report = rig.run();
   const double planned = std::chrono::duration<double>(report.estimated).count();
   const double took = std::chrono::duration<double>(report.elapsed).count();
-  EXPECT_GT(took, planned) << "homing comes on top";
-  EXPECT_LT(took - planned, 80) << "twice to the end stop and back";
+  EXPECT_GT(took, planned) << "homing is added";
+  EXPECT_LT(took - planned, 80) << "to the end stop and back, twice";
 }
 
-TEST(Print, MakesTheNextMaskWhileALayerCures) {
+TEST(Print, RendersTheNextMaskWhileALayerCures) {
   auto settings = rig_plant();
   settings.compute_per_mask = 800ms;
   Rig rig(settings);
@@ -115,12 +115,13 @@ TEST(Print, CancelledIsDarkAtOnceAndRaised) {
   rig.plant.conclude(JobEnd::kAbandoned);
   EXPECT_EQ(report.state, kCancelled);
   EXPECT_EQ(report.next_layer, 20U);
+  EXPECT_EQ(report.pauses, 0U) << "a cancel is no pause";
   EXPECT_EQ(rig.objections(), "");
   EXPECT_EQ(report.exposures.back().lit, 1s) << "the layer was not finished";
   EXPECT_EQ(rig.plant.stage().height(), 174_mm);
 }
 
-TEST(Print, CoverOpenedIsDarkWithin10MsAndTheLayerGetsTheRestOfItsLight) {
+TEST(Print, OpenedCoverDarkensTheLampWithin10MsAndTheLayerGetsTheRestOfItsLight) {
   for (const char* when : {"0s", "0.3s", "1.2s", "2.4s"}) {
     Rig rig(with_fault(std::string("cover.opens@layer=20+") + when + ",for=30s"));
     const auto& report = rig.run();
@@ -128,7 +129,7 @@ TEST(Print, CoverOpenedIsDarkWithin10MsAndTheLayerGetsTheRestOfItsLight) {
     EXPECT_EQ(report.state, kFinished) << when;
     EXPECT_THAT(rig.user.states,
                 ElementsAre(kChecks, kHoming, kPrinting, kCoverOpen, kPaused, kPrinting, kFinishing, kFinished));
-    EXPECT_EQ(rig.objections(), "") << when << ": the dose of the layer is whole, too";
+    EXPECT_EQ(rig.objections(), "") << when << ": the layer's dose is whole, too";
     EXPECT_EQ(rig.part(), whole_part());
   }
 }
@@ -168,7 +169,7 @@ TEST(Print, AsksForResinWhenTheTankIsNearlyEmpty) {
   EXPECT_EQ(rig.objections(), "");
 }
 
-TEST(Print, ShutDownWithinALayerGoesOnWithTheRestOfItsLight) {
+TEST(Print, ShutDownWithinALayerResumesWithTheRestOfItsLight) {
   Rig rig(with_fault("system.shutdown@layer=20+1s"));
   EXPECT_EQ(rig.run().state, kSuspended);
   const auto& report = rig.run();
@@ -179,7 +180,7 @@ TEST(Print, ShutDownWithinALayerGoesOnWithTheRestOfItsLight) {
   EXPECT_EQ(rig.objections(), "") << "the light it had was in the journal";
 }
 
-TEST(Print, JournalThatCannotBeWrittenEndsThePrintBeforeItCanMislead) {
+TEST(Print, EndsWhenItsJournalCannotBeWritten) {
   Rig rig;
   rig.plant.timeline().at(TimePoint() + 200s, [&rig] { rig.storage.broken = true; });
   const auto& report = rig.run();
@@ -188,7 +189,7 @@ TEST(Print, JournalThatCannotBeWrittenEndsThePrintBeforeItCanMislead) {
   EXPECT_FALSE(rig.plant.light());
 }
 
-TEST(Print, LightsTellItsState) {
+TEST(Print, ShowsItsStateOnThePanelsLights) {
   Rig rig(with_fault("lamp.dead@layer=5"));
   const auto& report = rig.run();
   EXPECT_EQ(report.fault, FaultCode::kLampDead);
@@ -197,7 +198,7 @@ TEST(Print, LightsTellItsState) {
   EXPECT_GE(rig.machine().panel().beeps(), 1U);
 }
 
-TEST(PrintChecks, RefuseEachForItsReason) {
+TEST(PrintChecks, FailForEachReason) {
   struct Row {
     Check check;
     FaultCode code;
@@ -230,7 +231,24 @@ TEST(PrintChecks, RefuseEachForItsReason) {
   }
 }
 
-TEST(PrintChecks, RefuseAnExposureThatDoesNotCureALayer) {
+TEST(Print, ResumedInAnotherProcessGoesOnWithThePartOnThePlate) {
+  Rig rig(with_fault("power.cut@layer=20"));
+  EXPECT_EQ(rig.run().state, kSuspended);
+  // The simulated printer of the next process has not seen the first layers.
+  auto settings = rig_plant();
+  settings.layers_on_plate = 20;
+  settings.height_on_plate = height_of(rig.plan, 19);
+  Rig resumed(settings);
+  resumed.storage.medium() = rig.storage.medium();
+  const auto& report = resumed.run();
+  resumed.plant.conclude(JobEnd::kFinished);
+  EXPECT_EQ(report.state, kFinished);
+  EXPECT_EQ(report.first_layer, 20U);
+  EXPECT_EQ(resumed.objections(), "");
+  EXPECT_EQ(resumed.plant.lights().front().layer, 20U);
+}
+
+TEST(PrintChecks, FailForAnExposureThatDoesNotCureALayer) {
   Rig rig;
   rig.profile.critical_energy = 8;  // the 8.75 mJ/cm2 of a layer cure 0.01 mm deep
   EXPECT_EQ(rig.run().fault, FaultCode::kTooLittleLight);

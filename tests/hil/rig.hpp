@@ -1,5 +1,5 @@
 #pragma once
-/// The real print job on the simulated plant, with a printer so small that a whole print takes milliseconds.
+/// The real print job on the simulated plant. The printer is so small that a whole print takes milliseconds.
 
 #include <gtest/gtest.h>
 
@@ -22,14 +22,14 @@ inline constexpr std::uint32_t kRigColumns = 130;
 inline constexpr std::uint32_t kRigRows = 64;
 inline constexpr double kRigPitchMm = 0.1;
 
-/// A leaning tower with a hole: every layer is another mask.
+/// A leaning tower with a hole: no two layers have the same mask.
 inline bool in_tower(std::uint32_t x, std::uint32_t y, std::uint32_t layer) {
   const std::uint32_t left = 10 + layer;
   const bool hole = x >= left + 10 && x < left + 16 && y >= 20 && y < 30 && layer > 3;
   return x >= left && x < left + 40 && y >= 8 && y < 50 && !hole;
 }
 
-/// An R-Rep from a formula.
+/// The R-Rep of in_tower().
 class TowerRRep {
  public:
   explicit TowerRRep(std::uint32_t layers) {
@@ -62,7 +62,7 @@ class TowerRRep {
 
 inline MachineFile rig_machine() { return *read_board_file(PLUMBLINE_SOURCE_DIR "/board/sim2k.toml").value().machine; }
 
-/// Short exposures, 2 bottom layers of 5 s, 2 that fade.
+/// Two bottom layers of 5 s, two that fade, then 2.5 s.
 inline PrintProfile rig_profile() {
   auto profile = read_print_profile(PLUMBLINE_SOURCE_DIR "/board/profiles/standard.toml").value();
   profile.initial_exposure_time = 5;
@@ -92,7 +92,7 @@ inline PlantSettings rig_plant() {
   return plant;
 }
 
-/// The journal's medium in the plant: a write takes time, and of one that the power cut falls into the first bytes arrive.
+/// The journal's medium in the plant. A write takes plant time; a power cut during it keeps the bytes before.
 class PlantStorage final : public JournalStorage {
  public:
   PlantStorage(Plant& plant, std::uint32_t layers) : plant_(plant), medium_(Journal::bytes_needed(layers)) {}
@@ -117,7 +117,7 @@ class PlantStorage final : public JournalStorage {
   }
   std::vector<std::byte>& medium() { return medium_; }
 
-  int cut_in_write = -1;  ///< counted from 1, the header's included
+  int cut_in_write = -1;  ///< counted from 1, which is the header's
   std::size_t cut_after_bytes = 0;
   bool broken = false;
 
@@ -127,7 +127,7 @@ class PlantStorage final : public JournalStorage {
   int writes_ = 0;
 };
 
-/// The user: presses start where a print waits, and gives up after an hour.
+/// Plays the user: presses start after 10 s of waiting, gives up after an hour.
 class RigUser : public PrintObserver {
  public:
   explicit RigUser(Plant& plant) : plant_(plant) {}
@@ -158,7 +158,7 @@ class RigUser : public PrintObserver {
   TimePoint since_;
 };
 
-/// Plant, storage and memory; each run() is one life of the firmware.
+/// Plant, storage and memory. Each run() is one process of the firmware.
 class Rig {
  public:
   static constexpr std::uint32_t kLayers = 40;
@@ -168,7 +168,7 @@ class Rig {
     plan = plan_print(profile, rig_machine(), 0.05, layers).value();
   }
 
-  /// Starts the print, or goes on with it where the journal says.
+  /// Starts the print, or resumes it where the journal says.
   const PrintReport& run() {
     arena_.emplace(std::span(block_));
     machine_.reset();

@@ -1,5 +1,5 @@
 #pragma once
-/// A whole printer: scan, memory, state folder, plant. For sessions and the daemon.
+/// A whole printer for sessions and the daemon: scan, memory, state folder, plant.
 
 #include <gtest/gtest.h>
 #include <omp.h>
@@ -40,7 +40,7 @@ inline PlantSettings plant_for(const BoardFile& board) {
   return settings;
 }
 
-/// For a print on `board`, with the default layer height and two threads, whatever the machine has.
+/// For a print on `board` with the default layer height and two threads.
 inline SliceSettings slicing_for(const BoardFile& board) {
   SliceSettings settings;
   settings.threads = 2;
@@ -48,14 +48,14 @@ inline SliceSettings slicing_for(const BoardFile& board) {
   return settings;
 }
 
-/// Hears a print and lets it be.
+/// Ignores the print.
 class Silent final : public PrintObserver {
  public:
   bool update(const PrintStatus& /*status*/) override { return true; }
   void checked(Check /*check*/, const CheckResult& /*result*/) override {}
 };
 
-/// What the daemon says and does, with a user who acts when nothing is printed.
+/// Records what the daemon says and does. Its actions run when nothing is printed.
 class ScriptedUser final : public DaemonObserver {
  public:
   explicit ScriptedUser(Plant& plant) : plant_(plant) {}
@@ -82,7 +82,7 @@ class ScriptedUser final : public DaemonObserver {
   void idle() override {
     const auto todo = std::exchange(todo_, {});
     for (const auto& action : todo) action();
-    if (++idle_turns > 20'000) plant_.press(EventKind::kShutdownRequested);  // an hour: the script is at its end
+    if (++idle_turns > 20'000) plant_.press(EventKind::kShutdownRequested);  // over an hour: the script has ended
   }
 
   std::multimap<std::string, std::function<void()>> on_words;
@@ -106,7 +106,7 @@ inline PlantSettings session_plant() {
   return settings;
 }
 
-/// A stick is a folder below `folder`; the state is another.
+/// The stick and the state are folders below `folder`.
 class DaemonRig {
  public:
   explicit DaemonRig(const PlantSettings& settings = session_plant(), std::size_t arena_bytes = std::size_t{24} << 20U)
@@ -120,7 +120,7 @@ class DaemonRig {
     write_sphere_scan(stick() + "/" + name, points, radius_mm);
   }
 
-  /// One life of the daemon.
+  /// One process of the daemon.
   Status run() {
     auto store = JobStore::open(folder / "state");
     EXPECT_TRUE(store) << store.error().message();

@@ -1,4 +1,4 @@
-/// A session from the scan to what comes of it, where no print is needed to see it.
+/// Sessions and reports, as far as they need no print.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// Cancels when it has been asked in the last stage so many times.
+/// Cancels after that many calls in the last stage.
 class CancelsAtLayer final : public ProgressSink {
  public:
   explicit CancelsAtLayer(int layer) : left_(layer) {}
@@ -23,7 +23,7 @@ class CancelsAtLayer final : public ProgressSink {
   int left_;
 };
 
-TEST(Session, IsCancelledWhileItsMasksAreSweptAndStoresNothing) {
+TEST(Session, CancelledWhileCountingResinStoresNothing) {
   const TemporaryFolder folder;
   const std::string scan = folder / "ball.ply";
   write_sphere_scan(scan, 4000, 2);
@@ -66,7 +66,7 @@ std::string report_with(const std::optional<StepFigures>& steps) {
   return read_text(path);
 }
 
-TEST(Report, TellsHowWellARealStageKeptItsTimesAndNothingOfASimulatedOne) {
+TEST(Report, HasTheStepsOfARealStageAndNoneOfASimulatedOne) {
   const std::string text = report_with(StepFigures{.steps = 123'456,
                                                    .late = 7,
                                                    .worst_lateness = std::chrono::microseconds(1250),

@@ -38,7 +38,7 @@ TEST(Soak, HundredJobsRunInTheSameMemory) {
   ASSERT_EQ(rig.user.reports.size(), 100U);
   for (const auto& report : rig.user.reports) EXPECT_EQ(report.state, kFinished);
   for (const auto peak : peaks) EXPECT_EQ(peak, peaks[0]);
-  // The plant and this test remember every light; the firmware nothing.
+  // The plant and this test record every light; the firmware keeps nothing.
   EXPECT_LE(resident.back() - resident[1], std::size_t{1} << 20U);
   std::printf("resident after job 2: %.2f MB, after job 100: %.2f MB\n", static_cast<double>(resident[1]) / 1e6,
               static_cast<double>(resident.back()) / 1e6);

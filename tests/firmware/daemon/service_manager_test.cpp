@@ -1,4 +1,4 @@
-/// What the service manager hears, at the other end of a real socket.
+/// The messages to the service manager, received from a real socket.
 
 #include "firmware/daemon/service_manager.hpp"
 
@@ -31,10 +31,10 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
-/// systemd's side.
-class Ear {
+/// systemd's end of the socket.
+class ManagerSocket {
  public:
-  explicit Ear(std::string address) : address_(std::move(address)) {
+  explicit ManagerSocket(std::string address) : address_(std::move(address)) {
     sockaddr_un at{};
     at.sun_family = AF_UNIX;
     std::copy(address_.begin(), address_.end(), at.sun_path);
@@ -43,13 +43,13 @@ class Ear {
     const auto length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + address_.size());
     EXPECT_EQ(::bind(socket_, reinterpret_cast<const sockaddr*>(&at), length), 0) << address_;
   }
-  Ear(const Ear&) = delete;
-  Ear& operator=(const Ear&) = delete;
-  ~Ear() { ::close(socket_); }
+  ManagerSocket(const ManagerSocket&) = delete;
+  ManagerSocket& operator=(const ManagerSocket&) = delete;
+  ~ManagerSocket() { ::close(socket_); }
 
   const std::string& address() const { return address_; }
-  /// All that has come since the last time, a datagram each.
-  std::vector<std::string> heard() {
+  /// The datagrams since the last call.
+  std::vector<std::string> received() {
     std::vector<std::string> messages;
     std::array<char, 4096> text{};
     for (;;) {
@@ -67,46 +67,46 @@ class Ear {
 class Service : public testing::Test {
  protected:
   ServiceManager manager(std::chrono::microseconds watchdog = 0us) const {
-    auto made = ServiceManager::at(ear_path_.address(), watchdog);
+    auto made = ServiceManager::at(socket_.address(), watchdog);
     EXPECT_TRUE(made) << made.error().message();
     return std::move(*made);
   }
 
   TemporaryFolder folder_;
-  Ear ear_path_{folder_ / "notify"};
+  ManagerSocket socket_{folder_ / "notify"};
 };
 
-TEST_F(Service, HearsEachMessageAsADatagramOfItsOwn) {
+TEST_F(Service, GetsEachMessageInItsOwnDatagram) {
   auto manager = this->manager();
   EXPECT_TRUE(manager.ready());
-  manager.tell("waiting for a stick");
+  manager.status("waiting for a stick");
   manager.stopping();
-  EXPECT_THAT(ear_path_.heard(), ElementsAre("READY=1", "STATUS=waiting for a stick", "STOPPING=1"));
+  EXPECT_THAT(socket_.received(), ElementsAre("READY=1", "STATUS=waiting for a stick", "STOPPING=1"));
 }
 
-TEST_F(Service, HearsAtAnAbstractNameToo) {
-  Ear ear("@plumbline-test-" + std::to_string(::getpid()));
-  auto manager = ServiceManager::at(ear.address(), 0us);
+TEST_F(Service, GetsMessagesAtAnAbstractName) {
+  ManagerSocket other("@plumbline-test-" + std::to_string(::getpid()));
+  auto manager = ServiceManager::at(other.address(), 0us);
   ASSERT_TRUE(manager) << manager.error().message();
   EXPECT_TRUE(manager->ready());
-  EXPECT_THAT(ear.heard(), ElementsAre("READY=1"));
+  EXPECT_THAT(other.received(), ElementsAre("READY=1"));
 }
 
-TEST_F(Service, IsToldNothingTwiceAndNothingThatWouldBeAnotherMessage) {
+TEST_F(Service, GetsNoStatusTwiceAndNoneThatHoldsAnotherMessage) {
   auto manager = this->manager();
-  manager.tell("a scan\nREADY=1");
-  manager.tell("a scan");
-  manager.tell(std::string(1000, 'x'));
-  const auto heard = ear_path_.heard();
-  ASSERT_THAT(heard, SizeIs(2));
-  EXPECT_EQ(heard[0], "STATUS=a scan");
-  EXPECT_THAT(heard[1], SizeIs(255)) << "cut";
+  manager.status("a scan\nREADY=1");
+  manager.status("a scan");
+  manager.status(std::string(1000, 'x'));
+  const auto received = socket_.received();
+  ASSERT_THAT(received, SizeIs(2));
+  EXPECT_EQ(received[0], "STATUS=a scan");
+  EXPECT_THAT(received[1], SizeIs(255)) << "cut";
 }
 
-TEST_F(Service, HearsOfLifeWhenHalfOfItsTimeHasPassedAndNotBefore) {
+TEST_F(Service, GetsASignOfLifeAfterHalfTheWatchdogTimeAndNotBefore) {
   auto patient = manager(60s);
   for (int turn = 0; turn < 1000; ++turn) patient.alive();
-  EXPECT_THAT(ear_path_.heard(), ElementsAre("WATCHDOG=1")) << "a thousand turns take less than 30 s";
+  EXPECT_THAT(socket_.received(), ElementsAre("WATCHDOG=1")) << "a thousand turns take less than 30 s";
   constexpr auto kShort = 1us;
   auto hasty = manager(kShort);
   for (int turn = 0; turn < 5; ++turn) {
@@ -116,46 +116,46 @@ TEST_F(Service, HearsOfLifeWhenHalfOfItsTimeHasPassedAndNotBefore) {
     }
     hasty.alive();
   }
-  EXPECT_THAT(ear_path_.heard(), AllOf(SizeIs(5), Each("WATCHDOG=1")));
+  EXPECT_THAT(socket_.received(), AllOf(SizeIs(5), Each("WATCHDOG=1")));
   auto unwatched = manager();
   unwatched.alive();
-  EXPECT_THAT(ear_path_.heard(), IsEmpty());
+  EXPECT_THAT(socket_.received(), IsEmpty());
 }
 
-TEST_F(Service, ThatDoesNotReadHoldsNobodyUp) {
+TEST_F(Service, DoesNotHoldTheDaemonUpByNotReading) {
   auto manager = this->manager(1us);
   // Far more than the kernel keeps for a reader.
   for (int turn = 0; turn < 10'000; ++turn) {
     manager.alive();
-    manager.tell(std::to_string(turn));
+    manager.status(std::to_string(turn));
   }
-  EXPECT_THAT(ear_path_.heard(), testing::Not(IsEmpty()));
-  manager.tell("9999");
-  EXPECT_THAT(ear_path_.heard(), ElementsAre("STATUS=9999")) << "what did not arrive is said when it is said again";
+  EXPECT_THAT(socket_.received(), testing::Not(IsEmpty()));
+  manager.status("9999");
+  EXPECT_THAT(socket_.received(), ElementsAre("STATUS=9999")) << "a status that was lost is sent when it is set again";
 }
 
-TEST_F(Service, ThatHasGoneIsAnErrorOnlyOfBeingReady) {
-  auto ear = std::make_unique<Ear>(folder_ / "gone");
-  auto manager = ServiceManager::at(ear->address(), 1us);
+TEST_F(Service, ThatHasGoneIsAnErrorOnlyForReady) {
+  auto gone = std::make_unique<ManagerSocket>(folder_ / "gone");
+  auto manager = ServiceManager::at(gone->address(), 1us);
   ASSERT_TRUE(manager);
-  ear.reset();
-  manager->tell("anybody there");
+  gone.reset();
+  manager->status("anybody there");
   manager->alive();
   const auto told = manager->ready();
   ASSERT_FALSE(told);
   EXPECT_EQ(told.error().code(), ErrorCode::kCannotWrite);
 }
 
-TEST_F(Service, NobodyIsToldEverythingAndHearsNothing) {
+TEST_F(Service, MayBeMissing) {
   ServiceManager nobody;
   EXPECT_TRUE(nobody.ready());
-  nobody.tell("ready");
+  nobody.status("ready");
   nobody.alive();
   nobody.stopping();
   EXPECT_FALSE(nobody.watches());
 }
 
-/// The environment, put back afterwards.
+/// Restores the environment afterwards.
 class ServiceEnvironment : public Service {
  protected:
   ~ServiceEnvironment() override { clear(); }
@@ -167,10 +167,10 @@ class ServiceEnvironment : public Service {
     for (const auto& [name, value] : variables) ::setenv(name, value.c_str(), 1);
     return ServiceManager::of_environment();
   }
-  std::string socket() const { return ear_path_.address(); }
+  std::string socket() const { return socket_.address(); }
 };
 
-TEST_F(ServiceEnvironment, SaysWhoIsThereAndWhetherItWatchesThisProcess) {
+TEST_F(ServiceEnvironment, NamesTheSocketAndTheWatchdog) {
   const auto nobody = with({});
   ASSERT_TRUE(nobody);
   EXPECT_FALSE(nobody->watches());
@@ -179,10 +179,10 @@ TEST_F(ServiceEnvironment, SaysWhoIsThereAndWhetherItWatchesThisProcess) {
   EXPECT_EQ(with({{"NOTIFY_SOCKET", socket()}, {"WATCHDOG_USEC", "120000000"}})->watchdog(), 120s);
   EXPECT_EQ(with({{"NOTIFY_SOCKET", socket()}, {"WATCHDOG_USEC", "5000000"}, {"WATCHDOG_PID", self}})->watchdog(), 5s);
   EXPECT_FALSE(with({{"NOTIFY_SOCKET", socket()}, {"WATCHDOG_USEC", "5000000"}, {"WATCHDOG_PID", "1"}})->watches())
-      << "what a parent was told is not for its children";
+      << "the watchdog is another process's";
 }
 
-TEST_F(ServiceEnvironment, ThatIsWrongIsSaidBeforeAnythingBegins) {
+TEST_F(ServiceEnvironment, IsCheckedBeforeAnythingElse) {
   const auto refused = [](const Expected<ServiceManager>& made, ErrorCode code, const char* words) {
     ASSERT_FALSE(made);
     EXPECT_EQ(made.error().code(), code);
@@ -197,7 +197,7 @@ TEST_F(ServiceEnvironment, ThatIsWrongIsSaidBeforeAnythingBegins) {
   }
 }
 
-/// A machine on which nothing happens but what is asked for, and whose time passes in waiting.
+/// A machine with one event, whose time passes only in waits.
 class Still final : public Clock, public Events {
  public:
   std::vector<TimePoint> deadlines;
@@ -222,14 +222,14 @@ class Still final : public Clock, public Events {
   TimePoint now_;
 };
 
-TEST_F(Service, HearsOfLifeInALongWaitWhichEndsWhenItShould) {
+TEST_F(Service, GetsSignsOfLifeDuringALongWait) {
   Still machine;
   auto manager = this->manager(1us);
   ServiceEvents events(machine, machine, manager);
   EXPECT_EQ(*events.next_event(TimePoint(1us)), std::nullopt);
   EXPECT_EQ(machine.now(), TimePoint(1us));
   EXPECT_THAT(machine.deadlines, ElementsAre(TimePoint(250ns), TimePoint(500ns), TimePoint(750ns), TimePoint(1us)));
-  EXPECT_THAT(ear_path_.heard(), testing::Contains("WATCHDOG=1"));
+  EXPECT_THAT(socket_.received(), testing::Contains("WATCHDOG=1"));
 
   machine.deadlines.clear();
   auto patient = this->manager(1h);
@@ -238,16 +238,16 @@ TEST_F(Service, HearsOfLifeInALongWaitWhichEndsWhenItShould) {
   EXPECT_THAT(machine.deadlines, SizeIs(3)) << "a turn a second, however long the watchdog waits";
 }
 
-TEST_F(Service, HearsOfLifeWhenEventsAreOnlyLookedFor) {
+TEST_F(Service, GetsASignOfLifeFromPolling) {
   Still machine;
   auto manager = this->manager(1h);
   ServiceEvents events(machine, machine, manager);
   for (int turn = 0; turn < 100; ++turn) EXPECT_EQ(*events.next_event(machine.now()), std::nullopt);
   EXPECT_EQ(machine.now(), TimePoint()) << "without waiting";
-  EXPECT_THAT(ear_path_.heard(), ElementsAre("WATCHDOG=1"));
+  EXPECT_THAT(socket_.received(), ElementsAre("WATCHDOG=1"));
 }
 
-TEST_F(Service, LeavesEventsAsTheyCameAndHearsOfTheEnd) {
+TEST_F(Service, DoesNotChangeEventsAndGetsTheEnd) {
   Still machine;
   auto manager = this->manager(20s);
   ServiceEvents events(machine, machine, manager);
@@ -256,14 +256,14 @@ TEST_F(Service, LeavesEventsAsTheyCameAndHearsOfTheEnd) {
   ASSERT_TRUE(got && *got);
   EXPECT_EQ((*got)->kind, EventKind::kPausePressed);
   EXPECT_EQ(machine.now(), TimePoint(2500ms));
-  EXPECT_THAT(ear_path_.heard(), ElementsAre("WATCHDOG=1"));
+  EXPECT_THAT(socket_.received(), ElementsAre("WATCHDOG=1"));
   machine.event = Event{TimePoint(3s), EventKind::kShutdownRequested};
   got = events.next_event(TimePoint(1h));
   ASSERT_TRUE(got && *got);
-  EXPECT_THAT(ear_path_.heard(), ElementsAre("STOPPING=1"));
+  EXPECT_THAT(socket_.received(), ElementsAre("STOPPING=1"));
 }
 
-TEST_F(Service, WithoutAWatchdogWaitsInOnePiece) {
+TEST_F(Service, WithoutAWatchdogCausesNoWakeUps) {
   Still machine;
   auto manager = this->manager();
   ServiceEvents events(machine, machine, manager);
@@ -271,29 +271,13 @@ TEST_F(Service, WithoutAWatchdogWaitsInOnePiece) {
   EXPECT_THAT(machine.deadlines, ElementsAre(TimePoint(1h)));
 }
 
-TEST(ServiceStatus, SaysWhichLayerOrWhyThereIsNone) {
-  PrintStatus status;
-  status.layer = 11;
-  status.layers = 300;
-  status.remaining = 45min + 10s;
-  const auto text = [&status](PrintState state) {
-    status.state = state;
-    return std::string(service_status(status).view());
-  };
-  EXPECT_EQ(text(PrintState::kHoming), "homing");
-  EXPECT_EQ(text(PrintState::kPrinting), "layer 12 of 300, 0:45:10 left");
-  EXPECT_EQ(text(PrintState::kPaused), "paused at layer 12 of 300: start goes on");
-  EXPECT_EQ(text(PrintState::kCoverOpen), "paused at layer 12 of 300: the cover is open");
-  EXPECT_THAT(text(PrintState::kCoolingDown), HasSubstr("too hot"));
-  EXPECT_THAT(text(PrintState::kFeedMe), HasSubstr("pour resin in"));
-  status.layer = 300;
-  EXPECT_EQ(text(PrintState::kPaused), "paused at layer 300 of 300: start goes on") << "all are cured";
+TEST(ServiceStatus, SaysHowThePrintEnded) {
   PrintReport report;
   report.state = PrintState::kFinished;
   EXPECT_EQ(service_status(report).view(), "finished");
   report.state = PrintState::kFault;
   report.fault = FaultCode::kFlipTimeout;
-  EXPECT_THAT(std::string(service_status(report).view()), AllOf(HasSubstr("PL-201"), HasSubstr("cable")));
+  EXPECT_EQ(service_status(report).view(), "PL-201, panel did not take a mask. Check the panel's cable, then resume.");
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ using enum PrintEvent;
 constexpr auto state_at(std::size_t index) { return static_cast<PrintState>(index); }
 constexpr auto event_at(std::size_t index) { return static_cast<PrintEvent>(index); }
 
-// The way of an undisturbed print, at compile time.
+// An undisturbed print, at compile time.
 static_assert(next(kIdle, kJobTaken) == kSlicing);
 static_assert(next(kSlicing, kSliced) == kChecks);
 static_assert(next(kChecks, kChecksPassed) == kHoming);
@@ -59,7 +59,7 @@ TEST(PrintState, EveryStateCanBeReachedAndLeft) {
   }
 }
 
-TEST(PrintState, LightIsPossibleInOneStateAndTheUserDecidesToEnterItAfterACoverWasOpen) {
+TEST(PrintState, OnlyOneStateMayExposeAndAnOpenedCoverNeedsTheUserToReturnToIt) {
   for (std::size_t s = 0; s < kPrintStateCount; ++s) {
     EXPECT_EQ(may_expose(state_at(s)), state_at(s) == kPrinting);
     for (std::size_t e = 0; e < kPrintEventCount; ++e) {
@@ -71,14 +71,14 @@ TEST(PrintState, LightIsPossibleInOneStateAndTheUserDecidesToEnterItAfterACoverW
   EXPECT_EQ(next(kCoverOpen, kCoverClosed), kPaused);
 }
 
-TEST(PrintState, CoverOpenedCancelFailureAndShutdownEndThePrintingOfALayer) {
+TEST(PrintState, CoverCancelFailureAndShutdownEndALayer) {
   EXPECT_EQ(next(kPrinting, kCoverOpened), kCoverOpen);
   EXPECT_EQ(next(kPrinting, kCancelAsked), kCancelling);
   EXPECT_EQ(next(kPrinting, kFailed), kFault);
   EXPECT_EQ(next(kPrinting, kShutdown), kSuspended);
 }
 
-TEST(PrintState, FailureAndShutdownAreHeardInEveryStateThatIsNotAtRest) {
+TEST(PrintState, FailureAndShutdownWorkInEveryRunningState) {
   for (std::size_t s = 0; s < kPrintStateCount; ++s) {
     if (at_rest(state_at(s))) continue;
     EXPECT_EQ(next(state_at(s), kFailed), kFault) << to_string(state_at(s));
@@ -86,7 +86,7 @@ TEST(PrintState, FailureAndShutdownAreHeardInEveryStateThatIsNotAtRest) {
   }
 }
 
-TEST(PrintState, StatesAtRestAreLeftByTheUserOrANewJobOnly) {
+TEST(PrintState, OnlyTheUserLeavesAStateAtRest) {
   for (const PrintState state : {kFinished, kCancelled, kSuspended, kFault}) {
     for (std::size_t e = 0; e < kPrintEventCount; ++e) {
       EXPECT_EQ(next(state, event_at(e)), event_at(e) == kAcknowledged ? kIdle : state);
@@ -96,7 +96,7 @@ TEST(PrintState, StatesAtRestAreLeftByTheUserOrANewJobOnly) {
 
 TEST(PrintState, CoverMayBeOpenedToPourInResin) { EXPECT_EQ(next(kFeedMe, kCoverOpened), kFeedMe); }
 
-TEST(Fault, CodesAreSortedUniqueAndSaidInFull) {
+TEST(Fault, CodesAreSortedAndUniqueAndTextsAreSentences) {
   const auto faults = all_faults();
   EXPECT_TRUE(std::is_sorted(faults.begin(), faults.end(),
                              [](const FaultInfo& a, const FaultInfo& b) { return a.code < b.code; }));
@@ -111,7 +111,7 @@ TEST(Fault, CodesAreSortedUniqueAndSaidInFull) {
   }
 }
 
-TEST(Fault, ThatAnErrorBecomesIsInTheTable) {
+TEST(Fault, TableHasTheFaultOfEveryError) {
   int errors = 0;
   for (std::uint16_t number = 1; number < 1000; ++number) {
     const auto code = static_cast<ErrorCode>(number);
@@ -123,6 +123,24 @@ TEST(Fault, ThatAnErrorBecomesIsInTheTable) {
     ++errors;
   }
   EXPECT_GE(errors, 35);
+}
+
+TEST(Fault, GivesItsAdviceOnce) {
+  const auto dead = explain(FaultCode::kSensorDead, "the lamp's temperature sensor does not answer: check its plug");
+  EXPECT_EQ(dead.what.view(), "PL-601, sensor dead: the lamp's temperature sensor does not answer");
+  EXPECT_EQ(dead.advice.view(), "Check the sensor's plug, then resume.") << "the device does not know about resuming";
+
+  const auto large = explain(FaultCode::kDoesNotFit, "the object is 3 mm too high. Use --scale 0.5 or less");
+  EXPECT_EQ(large.what.view(), "PL-105, does not fit the printer: the object is 3 mm too high");
+  EXPECT_EQ(large.advice.view(), "Use --scale 0.5 or less.") << "the message knows the numbers";
+
+  const auto reason = explain(FaultCode::kScanUnreadable, "a.ply: No such file or directory");
+  EXPECT_EQ(reason.what.view(), "PL-101, scan can't be read: a.ply: No such file or directory");
+  EXPECT_EQ(reason.advice.view(), info(FaultCode::kScanUnreadable).next);
+
+  const auto bare = explain(FaultCode::kPowerLost, "");
+  EXPECT_EQ(bare.what.view(), "PL-901, power lost");
+  EXPECT_EQ(bare.what.view().substr(bare.message_at), "");
 }
 
 TEST(Fault, TableInTheReadmeIsThisTable) {

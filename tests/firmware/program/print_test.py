@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""plumbline print and plumblined as their users meet them."""
+"""plumbline print and plumblined as their users see them."""
 
 import json
 import re
@@ -29,12 +29,14 @@ class Print(Program):
         cured = json.loads((part / "manifest.json").read_text())
         self.assertEqual(cured["hashes"], sliced["hashes"])
         self.assertEqual(cured["supports"], sliced["supports"])
-        # Without power, and without the scan: what is stored has the supports, too.
+        # After a power cut, without the scan: the stored job has the supports, too.
         cut = self.run_it("print", self.scan, *same, "--state", state, "--fault", "power.cut@layer=20", status=1)
         self.assertIn("PL-901", cut.stdout)
         self.run_it("print", "--resume", "--state", state, *same[2:4], "--report", report)
         resumed = json.loads(report.read_text())
         self.assertEqual((resumed["state"], resumed["supports"]), ("finished", sliced["supports"]["count"]))
+        self.assertEqual(resumed["objections"], [], "the simulated printer knows that a part is on the plate")
+        self.assertEqual(resumed["layer_height_mm"], 0.05)
         self.assertLessEqual(resumed["first_layer"], 20)
         hashes = [line["mask_hash"] for line in resumed["exposures"]]
         self.assertEqual(hashes, sliced["hashes"]["layers"][resumed["first_layer"] :])
@@ -49,6 +51,26 @@ class Print(Program):
         hashes = [line["mask_hash"] for line in json.loads(report.read_text())["exposures"]]
         self.assertEqual(hashes, self.manifest()["hashes"]["layers"])
 
+    def test_report_is_short_and_verbose_adds_the_figures(self):
+        write_sphere(self.scan)
+        same = ("print", self.scan, "--printer", SIM2K, "--scale", 0.05)
+        short, long = self.run_it(*same), self.run_it(*same, "--verbose")
+        for words in ("finished", "time ", "resin ", "no objections"):
+            self.assertIn(words, short.stdout)
+        for words in ("doses ", "masks ", "slowest "):
+            self.assertNotIn(words, short.stdout)
+            self.assertIn(words, long.stdout)
+        self.assertRegex(short.stderr, r"printing layer 1 of \d+, .* left")
+        self.assertNotIn("slack", short.stderr)
+        self.assertNotIn("check memory", short.stderr)
+        self.assertIn("check memory", long.stderr)
+
+    def test_a_fault_gives_its_advice_once(self):
+        write_sphere(self.scan)
+        done = self.run_it("print", self.scan, "--printer", SIM2K, "--scale", 0.05, "--fault", "panel.dead@layer=2", status=1)
+        self.assertIn("PL-202, panel does not answer", done.stdout)
+        self.assertEqual(done.stdout.count("cable"), 1, done.stdout)
+
     def test_resume_takes_what_is_stored_and_nothing_else(self):
         state = self.dir / "state"
         for more in (("x.ply",), ("--supports", "auto"), ("--support-head-width", 2)):
@@ -57,7 +79,7 @@ class Print(Program):
         done = self.run_it("print", "--resume", "--state", state, "--printer", SIM2K, status=1)
         self.assertIn("no interrupted print", done.stderr)
 
-    def test_supports_come_from_the_profile_where_nothing_is_said(self):
+    def test_supports_come_from_the_profile_by_default(self):
         write_sphere(self.scan)
         profile, report = self.dir / "mine.toml", self.dir / "report.json"
         text = (SOURCE_DIR / "board/profiles/standard.toml").read_text()
@@ -89,7 +111,7 @@ class Print(Program):
 
 
 class Daemon(Program):
-    """The user's hands: a folder that comes and goes, and signals."""
+    """Plays the user: a folder that comes and goes, and signals."""
 
     def setUp(self):
         super().setUp()
@@ -103,7 +125,7 @@ class Daemon(Program):
         return daemon
 
     def until(self, daemon, words):
-        """Reads what it says until the words come."""
+        """Reads its log until a line has the words."""
         said = ""
         for line in daemon.stderr:
             said += line
@@ -112,7 +134,7 @@ class Daemon(Program):
         self.fail(said)
 
     def put_stick(self, *scans, job="", radius=2):
-        """As a stick is plugged in: all at once."""
+        """Plugs a stick in: all its files appear at once."""
         folder = self.dir / "new"
         folder.mkdir()
         for name in scans:
@@ -140,13 +162,13 @@ class Daemon(Program):
         out, _ = self.ends(daemon, 0)
         self.assertEqual(out.count("finished"), 2, out)
 
-    def test_prints_from_a_stick_what_the_same_words_slice(self):
+    def test_prints_from_a_stick_what_the_same_options_slice(self):
         write_sphere(self.scan, radius=6)
         self.cut_below(2)
         add_ball(self.scan, 200, 0.4, (14, 0, 3))
         sliced = set()
         for job, options in (("", ()), ('base = "none"', ("--base", "none")), ("keep_all = true", ("--keep-all",))):
-            # Turned, so that the rim of the hole below is not where an even underside would be.
+            # Turned, so that the hole's rim is not level and each option makes another part.
             same = ("--printer", SIM2K, "--layer-height", 0.05, "--rotate-x", 20, *options)
             self.run_it("slice", self.scan, "-o", self.out, "--no-preview", *same)
             hashes = self.manifest()["hashes"]["layers"]
@@ -160,9 +182,9 @@ class Daemon(Program):
             shutil.rmtree(self.stick)
             report = json.loads((self.state / "report.json").read_text())
             self.assertEqual([line["mask_hash"] for line in report["exposures"]], hashes, job)
-        self.assertEqual(len(sliced), 3, "each word makes another part")
+        self.assertEqual(len(sliced), 3, "each option makes another part")
 
-    def test_bad_stick_is_told_and_the_next_one_works(self):
+    def test_a_bad_stick_is_reported_and_the_next_one_works(self):
         daemon = self.start("--jobs", 1)
         self.until(daemon, "ready")
         self.put_stick("a.ply", job='[job]\nscan = "a.ply"\nsupports = "yes"\n')
@@ -173,7 +195,19 @@ class Daemon(Program):
         self.put_stick("a.ply")
         self.ends(daemon, 0)
 
-    def test_ends_on_sigterm_and_goes_on_with_the_print_later(self):
+    def test_advice_is_for_a_user_with_a_stick_and_buttons(self):
+        daemon = self.start("--jobs", 1)
+        self.until(daemon, "ready")
+        self.put_stick("a.ply", job='[job]\nscan = "a.ply"\n[placement]\nscale = 1000\n')
+        said = self.until(daemon, "PL-105")
+        self.assertNotIn("--", said)
+        self.assertIn("job.toml", said)
+        shutil.rmtree(self.stick)
+        time.sleep(0.3)
+        self.put_stick("a.ply")
+        self.ends(daemon, 0)
+
+    def test_ends_on_sigterm_and_resumes_the_print_later(self):
         self.put_stick("a.ply")
         daemon = self.start(speedup=50)
         self.until(daemon, "the stick may be pulled")

@@ -55,9 +55,9 @@ class ExactPrint(rig.Rig):
     def test_cover_that_opens_with_the_light_ends_it_within_10_ms(self):
         self.stage.on_light = lambda light: light == 2 and self.machine.set_line(COVER, 1)
         self.start_print()
-        self.until("cover open")
+        self.until("the cover is open")
         self.machine.set_line(COVER, 0)
-        self.until("paused")
+        self.until("press start to go on")
         self.assertEqual(len(self.stage.lights), 3)
         self.press_start()
         # The rest of the layer comes after the pause's lift, which is 10 mm (quick.toml).

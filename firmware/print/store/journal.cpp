@@ -1,4 +1,4 @@
-#include "firmware/print/journal.hpp"
+#include "firmware/print/store/journal.hpp"
 
 #include <algorithm>
 #include <array>
@@ -14,7 +14,7 @@ namespace {
 constexpr std::uint32_t kHeaderMagic = 0x314A4C50;  // "PLJ1"
 constexpr std::uint32_t kRecordMagic = 0x524A4C50;  // "PLJR"
 
-/// As on the medium: little-endian, no gaps. The hash is that of the bytes before it.
+/// As on the medium: little-endian, no padding. The hash covers the bytes before it.
 struct Header {
   std::uint32_t magic = kHeaderMagic;
   std::uint32_t layers = 0;
@@ -45,7 +45,7 @@ std::uint64_t hash_of(std::span<const std::byte> bytes) {
   Hash64 hash;
   hash.add(bytes.first(kHashAt));
   const std::uint64_t value = hash.value();
-  return value != 0 ? value : 1;  // a hash of zeros could not be told from one that was not written
+  return value != 0 ? value : 1;  // 0 would look like a hash that was not written
 }
 
 template <class T>
@@ -58,7 +58,7 @@ Bytes sealed(T value) {
 
 enum class Found : std::uint8_t { kWhole, kNothing, kCutShort, kDamaged };
 
-/// @param expected  what every record here begins with, however it goes on
+/// @param expected  the first bytes of every valid record
 Found judge(const Bytes& bytes, std::span<const std::byte> expected) {
   const auto last = std::find_if(bytes.rbegin(), bytes.rend(), [](std::byte byte) { return byte != std::byte{0}; });
   const auto written = static_cast<std::size_t>(bytes.rend() - last);  // up to the last byte that is not zero
@@ -68,7 +68,7 @@ Found judge(const Bytes& bytes, std::span<const std::byte> expected) {
     return Found::kDamaged;
   }
   if (written <= kHashAt) return Found::kCutShort;
-  // As much of the hash as was written must be right.
+  // The part of the hash that was written must be right.
   const std::uint64_t hash = hash_of(bytes);
   const auto right = std::as_bytes(std::span(&hash, 1));
   if (std::equal(bytes.begin() + kHashAt, bytes.end(), right.begin())) return Found::kWhole;
@@ -78,11 +78,7 @@ Found judge(const Bytes& bytes, std::span<const std::byte> expected) {
 }
 
 tl::unexpected<Error> damaged(std::size_t record, const char* how) {
-  return fail(
-      ErrorCode::kMalformed,
-      "the journal of the interrupted print is damaged at record %zu: %s. It is not followed: take the part off "
-      "the plate and start the print anew",
-      record, how);
+  return fail(ErrorCode::kMalformed, "the journal of the interrupted print is damaged at record %zu: %s", record, how);
 }
 
 }  // namespace
@@ -107,8 +103,9 @@ Expected<Journal> Journal::open(JournalStorage& storage) {
   PLUMBLINE_TRY(storage.read(0, bytes));
   switch (judge(bytes, std::as_bytes(std::span(&kHeaderMagic, 1)))) {
     case Found::kNothing:
-    case Found::kCutShort: return fail(ErrorCode::kTruncated, "no journal: the print was interrupted before it began");
-    case Found::kDamaged: return damaged(0, "its header does not add up");
+    case Found::kCutShort:
+      return fail(ErrorCode::kTruncated, "no journal: the print was interrupted before its first layer");
+    case Found::kDamaged: return damaged(0, "its hash is wrong");
     case Found::kWhole: break;
   }
   Header header;
@@ -126,7 +123,7 @@ Expected<Journal> Journal::open(JournalStorage& storage) {
       ended = true;
       continue;
     }
-    if (found == Found::kDamaged) return damaged(i, "its bytes do not add up");
+    if (found == Found::kDamaged) return damaged(i, "its hash is wrong");
     if (ended) return damaged(i, "it comes after the end");
     if (found == Found::kCutShort) {
       journal.cut_short_ = true;
@@ -154,8 +151,7 @@ Status Journal::append(const JournalEntry& entry) {
   assert(entry.next_layer == last_.next_layer || entry.next_layer == last_.next_layer + 1);
   const std::size_t at = records_ + 1;
   if ((at + 1) * kRecordBytes > storage_->size()) {
-    return fail(ErrorCode::kCannotWrite,
-                "the journal is full: the print has been interrupted too often to go on safely");
+    return fail(ErrorCode::kCannotWrite, "the journal is full: the print has been interrupted too often");
   }
   Record record;
   record.next_layer = entry.next_layer;

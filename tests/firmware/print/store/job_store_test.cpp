@@ -1,4 +1,4 @@
-#include "firmware/print/job_store.hpp"
+#include "firmware/print/store/job_store.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -63,26 +63,27 @@ class JobStoreTest : public ::testing::Test {
   Arena arena_{block_};
 };
 
-TEST_F(JobStoreTest, GivesBackAnInterruptedPrint) {
+TEST_F(JobStoreTest, LoadsAnInterruptedPrint) {
   store();
   auto job = load();
   ASSERT_TRUE(job) << job.error().message();
-  EXPECT_EQ(view(job->facts.scan), "bust.ply");
-  EXPECT_EQ(job->facts.printer_hash, 7U);
-  EXPECT_EQ(job->facts.plan.exposure, std::chrono::milliseconds(2500));
-  EXPECT_EQ(job->rrep.grid.layers, 3U);
-  EXPECT_THAT(job->rrep.first, ElementsAreArray(kFirst));
-  EXPECT_THAT(job->rrep.pixel, ElementsAreArray(kPixel));
-  EXPECT_THAT(job->supports.list, ElementsAreArray(kSupports));
-  EXPECT_EQ(job->supports.shape.head_radius(), small_supports().shape.head_radius());
-  EXPECT_EQ(job->supports.shape.pillar_radius(), small_supports().shape.pillar_radius());
+  EXPECT_EQ(view(job->job.facts.scan), "bust.ply");
+  EXPECT_EQ(job->job.facts.printer_hash, 7U);
+  EXPECT_EQ(job->job.facts.plan.exposure, std::chrono::milliseconds(2500));
+  EXPECT_EQ(job->job.rrep.grid.layers, 3U);
+  EXPECT_THAT(job->job.rrep.first, ElementsAreArray(kFirst));
+  EXPECT_THAT(job->job.rrep.pixel, ElementsAreArray(kPixel));
+  EXPECT_THAT(job->job.supports.list, ElementsAreArray(kSupports));
+  EXPECT_EQ(job->job.supports.shape.head_radius(), small_supports().shape.head_radius());
+  EXPECT_EQ(job->job.supports.shape.pillar_radius(), small_supports().shape.pillar_radius());
   const auto journal = Journal::open(job->journal);
   ASSERT_TRUE(journal) << journal.error().message();
-  EXPECT_EQ(journal->job_hash(), job->job_hash);
+  EXPECT_EQ(journal->job_hash(), job->job.hash);
   EXPECT_EQ(journal->last().next_layer, 1U);
+  EXPECT_EQ(JobStore::open(state())->progress()->next_layer, 1U);
 }
 
-TEST_F(JobStoreTest, HasNothingWhenItIsNewOrThePrintIsOver) {
+TEST_F(JobStoreTest, IsEmptyWhenNewAndAfterThePrint) {
   {
     auto store = JobStore::open(state());
     ASSERT_TRUE(store);
@@ -100,7 +101,7 @@ TEST_F(JobStoreTest, HasNothingWhenItIsNewOrThePrintIsOver) {
   EXPECT_EQ(load().error().code(), ErrorCode::kTruncated);
 }
 
-TEST_F(JobStoreTest, NeverFollowsADamagedJob) {
+TEST_F(JobStoreTest, NoticesEveryDamagedByteOfAJob) {
   store();
   const std::string path = state() + "/job";
   const std::string whole = read_text(path);
@@ -134,7 +135,7 @@ TEST_F(JobStoreTest, BelongsToOneProcessAtATime) {
   EXPECT_THAT(second.error().message(), HasSubstr("another plumbline"));
 }
 
-TEST_F(JobStoreTest, ThatDoesNotFitTheArenaSaysSo) {
+TEST_F(JobStoreTest, RefusesAJobLargerThanTheArena) {
   store();
   std::array<std::byte, 64> little{};
   Arena arena(little);
@@ -143,7 +144,7 @@ TEST_F(JobStoreTest, ThatDoesNotFitTheArenaSaysSo) {
   EXPECT_EQ(store->load(arena).error().code(), ErrorCode::kOutOfMemory);
 }
 
-TEST(BoardHash, ChangesWithWhatTheMasksAndHeightsDependOnAndNotWithComments) {
+TEST(BoardHash, ChangesWithMasksAndHeightsAndNotWithComments) {
   const std::string path = PLUMBLINE_SOURCE_DIR "/board/sim2k.toml";
   auto text = read_settings_text(path, "").value();
   const auto hash = [](const std::string& toml) { return hash_of(parse_board_file(toml, "b").value()); };

@@ -1,4 +1,4 @@
-#include "firmware/print/journal.hpp"
+#include "firmware/print/store/journal.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,13 +15,13 @@ using namespace plumbline::literals;
 using namespace std::chrono_literals;
 using ::testing::HasSubstr;
 
-/// A medium that loses its power: of the write at hand the first bytes arrive, of what comes later nothing.
+/// A medium that loses its power: the first bytes of the write arrive, later writes do not.
 class CutStorage final : public JournalStorage {
  public:
   explicit CutStorage(std::uint32_t layers) : medium_(Journal::bytes_needed(layers)) {}
   explicit CutStorage(std::vector<std::byte> medium) : medium_(std::move(medium)) {}
 
-  /// After that many more bytes nothing is written.
+  /// Nothing is written after that many more bytes.
   void cut_after(std::size_t bytes) { left_ = bytes; }
   std::vector<std::byte>& medium() { return medium_; }
 
@@ -68,7 +68,7 @@ CutStorage storage_with(std::uint32_t cured) {
   return storage;
 }
 
-TEST(Journal, TellsWhatWasCuredLast) {
+TEST(Journal, KnowsTheLastCuredLayer) {
   for (const std::uint32_t cured : {0U, 1U, 7U, 20U}) {
     auto storage = storage_with(cured);
     const auto journal = Journal::open(storage);
@@ -85,16 +85,16 @@ TEST(Journal, IsDurableAfterEveryLayer) {
   EXPECT_EQ(storage.syncs, 8) << "the header and each entry";
 }
 
-TEST(Journal, GoesOnAfterItWasOpened) {
+TEST(Journal, AppendsAfterReopening) {
   auto storage = storage_with(3);
   auto journal = Journal::open(storage);
   ASSERT_TRUE(journal);
-  EXPECT_TRUE(journal->append(after(3))) << "the print goes on";
+  EXPECT_TRUE(journal->append(after(3))) << "the print resumes";
   EXPECT_TRUE(journal->append(after(4)));
   EXPECT_EQ(Journal::open(storage)->last(), after(4));
 }
 
-TEST(Journal, CutAtAnyByteOfAnEntryHasThatEntryWholeOrNotAtAll) {
+TEST(Journal, CutAtAnyByteKeepsTheEntryWholeOrNotAtAll) {
   for (std::size_t bytes = 0; bytes <= Journal::kRecordBytes; ++bytes) {
     auto storage = storage_with(5);
     auto journal = Journal::open(storage).value();
@@ -106,7 +106,7 @@ TEST(Journal, CutAtAnyByteOfAnEntryHasThatEntryWholeOrNotAtAll) {
   }
 }
 
-TEST(Journal, GoesOnOverAnEntryThatWasCutShort) {
+TEST(Journal, OverwritesAnEntryThatWasCutShort) {
   for (std::size_t bytes = 1; bytes < Journal::kRecordBytes; ++bytes) {
     auto storage = storage_with(5);
     auto journal = Journal::open(storage).value();
@@ -119,7 +119,7 @@ TEST(Journal, GoesOnOverAnEntryThatWasCutShort) {
   }
 }
 
-TEST(Journal, CutInItsHeaderIsNone) {
+TEST(Journal, CutInItsHeaderCountsAsMissing) {
   for (std::size_t bytes = 0; bytes < Journal::kRecordBytes; ++bytes) {
     CutStorage storage(20);
     storage.cut_after(bytes);
@@ -130,7 +130,7 @@ TEST(Journal, CutInItsHeaderIsNone) {
   }
 }
 
-TEST(Journal, WithAnyBitFlippedIsNeverFollowed) {
+TEST(Journal, NoticesEveryFlippedBit) {
   const auto whole = storage_with(4).medium();
   int flips = 0;
   for (std::size_t byte = 0; byte < 5 * Journal::kRecordBytes; ++byte) {
@@ -146,14 +146,13 @@ TEST(Journal, WithAnyBitFlippedIsNeverFollowed) {
   EXPECT_EQ(flips, 5 * 64 * 8);
 }
 
-TEST(Journal, DamagedSaysWhatToDo) {
+TEST(Journal, SaysWhichRecordIsDamaged) {
   auto storage = storage_with(4);
   storage.medium()[3 * Journal::kRecordBytes + 20] ^= std::byte{1};
-  EXPECT_THAT(Journal::open(storage).error().message(),
-              AllOf(HasSubstr("record 3"), HasSubstr("not followed"), HasSubstr("start the print anew")));
+  EXPECT_THAT(Journal::open(storage).error().message(), HasSubstr("damaged at record 3"));
 }
 
-TEST(Journal, WithSomethingBehindItsEndOrARecordLostIsDamaged) {
+TEST(Journal, NoticesBytesPastItsEndAndLostOrForeignRecords) {
   auto behind = storage_with(4);
   behind.medium()[9 * Journal::kRecordBytes + 3] = std::byte{7};
   EXPECT_EQ(Journal::open(behind).error().code(), ErrorCode::kMalformed);
@@ -184,7 +183,7 @@ TEST(Journal, WithSomethingBehindItsEndOrARecordLostIsDamaged) {
   EXPECT_EQ(Journal::open(other).error().code(), ErrorCode::kMalformed) << "a record of another print";
 }
 
-TEST(Journal, ThatIsFullSaysSo) {
+TEST(Journal, RefusesAnEntryWhenFull) {
   CutStorage storage(1);
   auto journal = Journal::create(storage, kJob, 1).value();
   ASSERT_TRUE(journal.append(after(1)));
@@ -192,7 +191,7 @@ TEST(Journal, ThatIsFullSaysSo) {
   EXPECT_EQ(journal.append(after(1)).error().code(), ErrorCode::kCannotWrite);
 }
 
-TEST(Hash64, DoesNotDependOnHowTheBytesAreCut) {
+TEST(Hash64, IsTheSameHoweverTheBytesAreSplit) {
   std::vector<std::byte> bytes(100);
   for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<std::byte>(i * 37 + 1);
   Hash64 whole;
@@ -205,7 +204,7 @@ TEST(Hash64, DoesNotDependOnHowTheBytesAreCut) {
   }
 }
 
-TEST(Hash64, TellsZerosAtTheEndApart) {
+TEST(Hash64, CountsZerosAtTheEnd) {
   const std::vector<std::byte> zeros(9);
   std::vector<std::uint64_t> values;
   for (std::size_t size = 0; size <= zeros.size(); ++size) {

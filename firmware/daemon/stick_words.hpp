@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string_view>
+
+#include "firmware/io/fixed_text.hpp"
+
+namespace plumbline {
+
+/// Rewrites advice that names options of the command line into keys of job.toml, which is what the user of a printer has:
+/// "Use --scale 0.5 or less, --fit" becomes "Use scale = 0.5 or less, fit = true (in job.toml on the stick)". Text without such
+/// options stays as it is.
+FixedText<1000> in_stick_words(std::string_view text);
+
+}  // namespace plumbline

@@ -1,0 +1,57 @@
+#pragma once
+/// The checks before a print.
+
+#include <array>
+#include <cstdint>
+
+#include "firmware/print/fault.hpp"
+#include "firmware/print/print_observer.hpp"
+#include "firmware/print/print_report.hpp"
+#include "firmware/print/print_settings.hpp"
+#include "hal/machine.hpp"
+#include "slicer/core/print_grid.hpp"
+
+namespace plumbline {
+
+class PrintChecks {
+ public:
+  /// @param results  of all checks; the observer is told of each. All must outlive this
+  PrintChecks(Machine& machine, const PrintSettings& settings, std::array<CheckResult, kCheckCount>& results,
+              PrintObserver& observer)
+      : machine_(machine), settings_(settings), results_(results), observer_(observer) {}
+
+  /// Runs all checks but that of the stage, so that the user learns everything that is wrong at once. Nothing moves or lights.
+  /// @param masks         the grid of the print's masks
+  /// @param cured_pixels  before this run
+  /// @retval ErrorCode::kPowerLost
+  [[nodiscard]] Status run(const PrintGrid& masks, std::uint64_t cured_pixels, bool has_journal);
+
+  /// The stage's check is the homing at the start.
+  void stage_homed();
+  void stage_failed(const Error& error);
+
+  /// Of the first check that failed; kNone: none has.
+  FaultCode fault() const { return fault_; }
+  const char* fault_message() const { return result(failed_).detail.c_str(); }
+
+ private:
+  void check_job(bool has_journal);
+  void check_resin(std::uint64_t cured_pixels);
+  [[nodiscard]] Status check_panel(const PrintGrid& masks);
+  void check_lamp_dark();
+  void check_cover();
+  [[nodiscard]] Status check_temperatures();
+  CheckResult& result(Check check) { return results_[static_cast<std::size_t>(check)]; }
+  const CheckResult& result(Check check) const { return results_[static_cast<std::size_t>(check)]; }
+  /// @param code  where the outcome is kFailed
+  void conclude(Check check, CheckOutcome outcome, FaultCode code = FaultCode::kNone);
+
+  Machine& machine_;
+  const PrintSettings& settings_;
+  std::array<CheckResult, kCheckCount>& results_;
+  PrintObserver& observer_;
+  FaultCode fault_ = FaultCode::kNone;
+  Check failed_ = Check::kMemory;
+};
+
+}  // namespace plumbline

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "firmware/print/print_report.hpp"
+#include "firmware/print/print_state.hpp"
+#include "hal/clock.hpp"
+#include "hal/units.hpp"
+
+namespace plumbline {
+
+/// Where a print is.
+struct PrintStatus {
+  PrintState state = PrintState::kIdle;
+  std::uint32_t layer = 0;  ///< the next one to cure, from 0; equals `layers` when all are cured
+  std::uint32_t layers = 0;
+  ZPosition height;  ///< of that layer
+  TimePoint now;
+  nanoseconds elapsed{};
+  nanoseconds remaining{};
+  std::optional<nanoseconds> slack;  ///< of the last mask
+  double resin_ml = 0;               ///< used so far
+};
+
+/// Follows a print.
+class PrintObserver {
+ public:
+  virtual ~PrintObserver() = default;
+  /// Called after each layer, on each change of state, and several times a second while the print waits.
+  /// @returns false: cancel the print
+  virtual bool update(const PrintStatus& status) = 0;
+  /// Called after each check.
+  virtual void checked(Check check, const CheckResult& result) = 0;
+};
+
+}  // namespace plumbline

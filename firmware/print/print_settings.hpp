@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "firmware/print/print_plan.hpp"
+#include "hal/thermals.hpp"
+#include "hal/units.hpp"
+
+namespace plumbline {
+
+/// The plan of a print, with the printer's limits and the job's facts that the checks and the print need.
+struct PrintSettings {
+  PrintPlan plan;
+  Celsius lamp_resume, lamp_max;  ///< from the board file
+  Celsius resin_min, resin_max;   ///< from the board file
+  bool has_cover_switch = true;
+  double tank_ml = 0;              ///< of a full tank; the print begins with one
+  double pixel_ml = 0;             ///< resin in one pixel of one layer
+  std::uint64_t cured_pixels = 0;  ///< of all masks together
+  std::uint64_t first_layer_pixels = 0;
+  Distance cure_depth;                               ///< at a normal layer's exposure
+  std::size_t memory_needed = 0, memory_budget = 0;  ///< of the arena, bytes
+};
+
+}  // namespace plumbline

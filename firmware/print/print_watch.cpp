@@ -1,0 +1,40 @@
+#include "firmware/print/print_watch.hpp"
+
+namespace plumbline {
+
+void PrintWatch::request_if_it_matters(PrintEvent event, Request request) {
+  if (next(state_, event) != state_) this->request(request);
+}
+
+Waiting PrintWatch::on_event(const Event& event) {
+  switch (event.kind) {
+    case EventKind::kStartPressed:
+      if (waits_for_start(state_)) request(Request::kResume);
+      break;
+    case EventKind::kPausePressed:
+      // Not by next(): a pause asked for while homing holds for the first layer.
+      if (!waits_for_start(state_)) request(Request::kPause);
+      break;
+    case EventKind::kCancelPressed: request_if_it_matters(PrintEvent::kCancelAsked, Request::kCancel); break;
+    case EventKind::kCoverOpened: request_if_it_matters(PrintEvent::kCoverOpened, Request::kCoverOpened); break;
+    case EventKind::kShutdownRequested: request_if_it_matters(PrintEvent::kShutdown, Request::kShutdown); break;
+    case EventKind::kCoverClosed:  // the switch itself is asked
+    case EventKind::kStickArrived:
+    case EventKind::kStickDeparted:
+    case EventKind::kExposureEnded:
+    case EventKind::kMotionEnded: break;
+  }
+  return interrupted() ? Waiting::kReturn : Waiting::kContinue;
+}
+
+Expected<bool> PrintWatch::wait(nanoseconds time) {
+  const TimePoint until = machine_.clock.now() + time;
+  while (!interrupted() && machine_.clock.now() < until) {
+    const auto event = machine_.events.next_event(until);
+    PLUMBLINE_TRY(event);
+    if (*event) static_cast<void>(on_event(**event));
+  }
+  return !interrupted();
+}
+
+}  // namespace plumbline

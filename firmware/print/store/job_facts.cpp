@@ -1,0 +1,41 @@
+#include "firmware/print/store/job_facts.hpp"
+
+#include <algorithm>
+#include <bit>
+
+#include "firmware/io/hash64.hpp"
+
+namespace plumbline {
+
+ShortName short_name(std::string_view text) {
+  ShortName name = {};
+  std::copy_n(text.begin(), std::min(text.size(), name.size()), name.begin());
+  return name;
+}
+
+std::string_view view(const ShortName& name) {
+  return {name.data(), static_cast<std::size_t>(std::find(name.begin(), name.end(), '\0') - name.begin())};
+}
+
+std::uint64_t hash_of(const BoardFile& board) {
+  Hash64 hash;
+  const auto number = [&hash](double value) { hash.add_value(std::bit_cast<std::uint64_t>(value)); };
+  hash.add_text(board.name);
+  number(board.columns);
+  number(board.rows);
+  number(board.pixel_pitch_x_mm);
+  number(board.pixel_pitch_y_mm);
+  number(board.travel_mm);
+  if (board.machine) {
+    const MachineFile& m = *board.machine;
+    for (const double value : {static_cast<double>(m.panel.rgb), static_cast<double>(m.panel.mirror),
+                               static_cast<double>(m.panel.rotation_deg), m.rotation_distance_mm,
+                               static_cast<double>(m.full_steps_per_rotation), static_cast<double>(m.microsteps),
+                               m.end_stop_height_mm, m.power_mw_cm2}) {
+      number(value);
+    }
+  }
+  return hash.value();
+}
+
+}  // namespace plumbline

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+#include "firmware/print/print_plan.hpp"
+#include "firmware/settings/board_file.hpp"
+#include "hal/units.hpp"
+
+namespace plumbline {
+
+/// A short text of fixed size, cut where it is longer, filled with 0 where it is shorter.
+using ShortName = std::array<char, 64>;
+ShortName short_name(std::string_view text);
+std::string_view view(const ShortName& name);
+
+/// All of a print but its R-Rep and supports. Stored as it is, so it holds no pointers.
+struct JobFacts {
+  ShortName scan = {};  ///< file name
+  ShortName printer = {};
+  ShortName profile = {};
+  std::uint64_t scan_hash = 0;     ///< of the file's bytes
+  std::uint64_t printer_hash = 0;  ///< hash_of() the board file
+  std::uint64_t cured_pixels = 0;  ///< of all masks together
+  Distance cure_depth;             ///< at a normal layer's exposure
+  PrintPlan plan;
+};
+
+/// Hash of the values of a board file that masks and heights depend on. Layout and comments do not count.
+std::uint64_t hash_of(const BoardFile& board);
+
+}  // namespace plumbline

@@ -1,0 +1,108 @@
+#include "firmware/print/store/job_file.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <limits>
+#include <type_traits>
+
+#include "firmware/io/hash64.hpp"
+
+namespace plumbline {
+namespace {
+
+/// Change the version with whatever is stored, JobFacts and PrintPlan included.
+constexpr std::uint32_t kMagic = 0x424F4A50;  // "PJOB"
+constexpr std::uint32_t kVersion = 1;
+
+struct JobHeader {
+  std::uint32_t magic = kMagic;
+  std::uint32_t version = kVersion;
+  std::uint64_t facts_bytes = sizeof(JobFacts);
+  std::uint64_t crossings = 0;
+  std::uint64_t supports = 0;
+  PrintGrid grid;
+  SupportShape shape;  ///< of the supports
+};
+static_assert(std::is_trivially_copyable_v<JobFacts> && std::is_trivially_copyable_v<JobHeader>);
+static_assert(std::is_trivially_copyable_v<Support>);
+
+template <class T>
+std::span<const std::byte> bytes_of(const T& value) {
+  return std::as_bytes(std::span(&value, 1));
+}
+
+template <class T>
+std::span<std::byte> writable_bytes_of(T& value) {
+  return std::as_writable_bytes(std::span(&value, 1));
+}
+
+tl::unexpected<Error> damaged(const char* path, const char* how) {
+  return fail(ErrorCode::kMalformed, "%s: the stored job is %s and can't be resumed", path, how);
+}
+
+/// After read_all() has failed.
+tl::unexpected<Error> cannot_read(const char* path) {
+  if (errno == 0) return damaged(path, "cut off");
+  return fail(ErrorCode::kCannotRead, "%s: %s", path, std::strerror(errno));
+}
+
+Status check(const JobHeader& header, const char* path) {
+  if (header.magic != kMagic) return damaged(path, "damaged");
+  if (header.version != kVersion || header.facts_bytes != sizeof(JobFacts)) {
+    return fail(ErrorCode::kUnsupported,
+                "%s: the job was stored by another version of plumbline; only that one can resume it", path);
+  }
+  // The arena refuses what is too much for it; this refuses what overflows a size_t of 32 bits.
+  constexpr std::uint64_t kMost = std::numeric_limits<std::size_t>::max() / sizeof(Support);
+  const bool sizes = header.crossings <= kMost && header.supports <= kMost;
+  const bool layers = header.grid.layers > 0 && header.grid.layers <= PrintGrid::kMaxLayers;
+  return sizes && layers ? Status() : Status(damaged(path, "damaged"));
+}
+
+}  // namespace
+
+bool write_job(const Descriptor& file, const JobFacts& facts, const RRep& rrep, const Supports& supports,
+               std::uint64_t& hash) {
+  JobHeader header;
+  header.crossings = rrep.crossings();
+  header.supports = supports.list.size();
+  header.grid = rrep.grid;
+  header.shape = supports.shape;
+  Hash64 all;
+  const std::span<const std::byte> parts[] = {bytes_of(header), bytes_of(facts), std::as_bytes(rrep.first),
+                                              std::as_bytes(rrep.pixel), std::as_bytes(supports.list)};
+  for (const auto part : parts) {
+    all.add(part);
+    if (!file.write_all(part)) return false;
+  }
+  hash = all.value();
+  return file.write_all(bytes_of(hash));
+}
+
+Expected<StoredJob> read_job(const Descriptor& file, const char* path, Arena& arena) {
+  JobHeader header;
+  if (!file.read_all(writable_bytes_of(header))) return cannot_read(path);
+  PLUMBLINE_TRY(check(header, path));
+  StoredJob job;
+  if (!file.read_all(writable_bytes_of(job.facts))) return cannot_read(path);
+  const auto first = arena.take_bottom<std::uint32_t>(std::size_t{header.grid.layers} + 1, "r-rep");
+  PLUMBLINE_TRY(first);
+  const auto pixel = arena.take_bottom<std::uint32_t>(static_cast<std::size_t>(header.crossings), "r-rep");
+  PLUMBLINE_TRY(pixel);
+  const auto supports = arena.take_bottom<Support>(static_cast<std::size_t>(header.supports), "supports");
+  PLUMBLINE_TRY(supports);
+  if (!file.read_all(std::as_writable_bytes(*first)) || !file.read_all(std::as_writable_bytes(*pixel)) ||
+      !file.read_all(std::as_writable_bytes(*supports)) || !file.read_all(writable_bytes_of(job.hash))) {
+    return cannot_read(path);
+  }
+  Hash64 hash;
+  const std::span<const std::byte> parts[] = {bytes_of(header), bytes_of(job.facts), std::as_bytes(*first),
+                                              std::as_bytes(*pixel), std::as_bytes(*supports)};
+  for (const auto part : parts) hash.add(part);
+  if (hash.value() != job.hash) return damaged(path, "damaged");
+  job.rrep = {.grid = header.grid, .first = *first, .pixel = *pixel};
+  job.supports = {.list = *supports, .shape = header.shape};
+  return job;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,137 @@
+#include "firmware/print/store/job_store.hpp"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+namespace plumbline {
+namespace {
+
+constexpr const char* kJob = "job";
+constexpr const char* kJournal = "journal";
+constexpr const char* kNewJob = "job.new";
+constexpr const char* kNewJournal = "journal.new";
+constexpr mode_t kFileMode = 0644;
+constexpr mode_t kFolderMode = 0755;
+
+}  // namespace
+
+FixedPath JobStore::path_of(const char* name) const {
+  FixedPath path = path_;
+  path.add("/%s", name);
+  return path;
+}
+
+tl::unexpected<Error> JobStore::cannot_write(const char* name) const {
+  const int reason = errno;
+  return fail(ErrorCode::kCannotWrite, "%s: cannot be written: %s", path_of(name).c_str(), std::strerror(reason));
+}
+
+tl::unexpected<Error> JobStore::cannot_read(const char* name) const {
+  const int reason = errno;
+  return fail(ErrorCode::kCannotRead, "%s: %s", path_of(name).c_str(), std::strerror(reason));
+}
+
+Expected<JobStore> JobStore::open(const std::string& folder) {
+  JobStore store;
+  store.path_.add("%s", folder.c_str());
+  if (::mkdir(folder.c_str(), kFolderMode) != 0 && errno != EEXIST) {
+    return fail(ErrorCode::kCannotOpen, "%s: cannot be created: %s", folder.c_str(), std::strerror(errno));
+  }
+  store.folder_ = Descriptor(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (!store.folder_.is_open()) return fail(ErrorCode::kCannotOpen, "%s: %s", folder.c_str(), std::strerror(errno));
+  if (::flock(store.folder_.get(), LOCK_EX | LOCK_NB) != 0) {
+    return fail(ErrorCode::kCannotWrite,
+                "%s: another plumbline is printing with this folder; give another one with --state", folder.c_str());
+  }
+  if (::faccessat(store.folder_.get(), ".", W_OK, AT_EACCESS) != 0) return store.cannot_write(kJob);
+  return store;
+}
+
+bool JobStore::has_job() const { return ::faccessat(folder_.get(), kJournal, F_OK, 0) == 0; }
+
+Status JobStore::sync_folder() const { return ::fsync(folder_.get()) == 0 ? Status() : Status(cannot_write(".")); }
+
+Status JobStore::end() {
+  if (::unlinkat(folder_.get(), kJournal, 0) != 0 && errno != ENOENT) return cannot_write(kJournal);
+  PLUMBLINE_TRY(sync_folder());
+  // Without its journal the job is only taking up room.
+  static_cast<void>(::unlinkat(folder_.get(), kJob, 0));
+  return {};
+}
+
+Expected<JournalFile> JobStore::begin(const JobFacts& facts, const RRep& rrep, const Supports& supports,
+                                      std::uint64_t& job_hash) {
+  PLUMBLINE_TRY(end());
+  PLUMBLINE_TRY(write_job_file(facts, rrep, supports, job_hash));
+  return create_journal(rrep.grid.layers);
+}
+
+Status JobStore::write_job_file(const JobFacts& facts, const RRep& rrep, const Supports& supports,
+                                std::uint64_t& job_hash) {
+  const Descriptor file(::openat(folder_.get(), kNewJob, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, kFileMode));
+  if (!file.is_open() || !write_job(file, facts, rrep, supports, job_hash) || ::fdatasync(file.get()) != 0 ||
+      ::renameat(folder_.get(), kNewJob, folder_.get(), kJob) != 0) {
+    return cannot_write(kNewJob);
+  }
+  return sync_folder();
+}
+
+Expected<JournalFile> JobStore::create_journal(std::uint32_t layers) {
+  Descriptor file(::openat(folder_.get(), kNewJournal, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, kFileMode));
+  if (!file.is_open()) return cannot_write(kNewJournal);
+  const std::size_t size = Journal::bytes_needed(layers);
+  // Written, not only reserved: appending must find its room and leave the file's map as it is.
+  constexpr std::array<std::byte, 4096> kZeros = {};
+  for (std::size_t done = 0; done < size; done += kZeros.size()) {
+    if (!file.write_all(std::span(kZeros).first(std::min(kZeros.size(), size - done)))) {
+      return cannot_write(kNewJournal);
+    }
+  }
+  if (::fsync(file.get()) != 0 || ::renameat(folder_.get(), kNewJournal, folder_.get(), kJournal) != 0) {
+    return cannot_write(kNewJournal);
+  }
+  PLUMBLINE_TRY(sync_folder());
+  return JournalFile(std::move(file), size);
+}
+
+Expected<JournalFile> JobStore::open_journal() const {
+  Descriptor file(::openat(folder_.get(), kJournal, O_RDWR | O_CLOEXEC));
+  if (!file.is_open() && errno == ENOENT) {
+    return fail(ErrorCode::kTruncated, "%s: no interrupted print is stored here", path_.c_str());
+  }
+  struct stat facts {};
+  if (!file.is_open() || ::fstat(file.get(), &facts) != 0) return cannot_read(kJournal);
+  return JournalFile(std::move(file), static_cast<std::size_t>(facts.st_size));
+}
+
+Expected<JournalEntry> JobStore::progress() const {
+  auto file = open_journal();
+  PLUMBLINE_TRY(file);
+  const auto journal = Journal::open(*file);
+  PLUMBLINE_TRY(journal);
+  return journal->last();
+}
+
+Expected<JobStore::Interrupted> JobStore::load(Arena& arena) {
+  auto journal = open_journal();
+  PLUMBLINE_TRY(journal);
+  const FixedPath path = path_of(kJob);
+  const Descriptor file(::openat(folder_.get(), kJob, O_RDONLY | O_CLOEXEC));
+  if (!file.is_open() && errno == ENOENT) {
+    return fail(ErrorCode::kMalformed, "%s: the stored job is missing and can't be resumed", path.c_str());
+  }
+  if (!file.is_open()) return cannot_read(kJob);
+  const auto job = read_job(file, path.c_str(), arena);
+  PLUMBLINE_TRY(job);
+  return Interrupted{.job = *job, .journal = std::move(*journal)};
+}
+
+}  // namespace plumbline

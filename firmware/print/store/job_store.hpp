@@ -1,0 +1,67 @@
+#pragma once
+/// What the printer's own storage keeps of a print, so that the stick may leave and the print survives a power cut:
+///
+///   STATE/job       settings, R-Rep and supports, written once before the first layer (job_file.hpp)
+///   STATE/journal   what has been cured (journal.hpp)
+///
+/// The journal is created last and removed first: where it exists, its job is complete.
+
+#include <cstdint>
+#include <string>
+
+#include "firmware/io/descriptor.hpp"
+#include "firmware/io/fixed_text.hpp"
+#include "firmware/print/store/job_file.hpp"
+#include "firmware/print/store/journal_file.hpp"
+
+namespace plumbline {
+
+class JobStore {
+ public:
+  /// Creates the folder where it is missing, and locks it against other processes.
+  /// @retval ErrorCode::kCannotOpen, kCannotWrite  the path, the reason
+  [[nodiscard]] static Expected<JobStore> open(const std::string& folder);
+
+  /// There is a journal: a print was interrupted.
+  bool has_job() const;
+
+  /// Replaces whatever is stored by a new print. Durable when it returns. Takes nothing from the heap.
+  /// @returns storage for its journal, all zeros; create the journal with `job_hash`
+  /// @retval ErrorCode::kCannotWrite
+  [[nodiscard]] Expected<JournalFile> begin(const JobFacts& facts, const RRep& rrep, const Supports& supports,
+                                            std::uint64_t& job_hash);
+
+  struct Interrupted {
+    StoredJob job;
+    JournalFile journal;
+  };
+  /// Loads the interrupted print.
+  /// @retval ErrorCode::kTruncated  there is none
+  /// @retval any error of read_job()
+  [[nodiscard]] Expected<Interrupted> load(Arena& arena);
+
+  /// How far the interrupted print has come, without loading it.
+  /// @retval ErrorCode::kTruncated  there is none
+  /// @retval ErrorCode::kCannotRead, and any error of Journal::open()
+  [[nodiscard]] Expected<JournalEntry> progress() const;
+
+  /// Removes the print: there is nothing to resume.
+  /// @retval ErrorCode::kCannotWrite
+  [[nodiscard]] Status end();
+
+ private:
+  JobStore() = default;
+  [[nodiscard]] Status write_job_file(const JobFacts& facts, const RRep& rrep, const Supports& supports,
+                                      std::uint64_t& job_hash);
+  [[nodiscard]] Expected<JournalFile> create_journal(std::uint32_t layers);
+  [[nodiscard]] Expected<JournalFile> open_journal() const;
+  [[nodiscard]] Status sync_folder() const;
+  FixedPath path_of(const char* name) const;
+  tl::unexpected<Error> cannot_write(const char* name) const;
+  tl::unexpected<Error> cannot_read(const char* name) const;
+
+  FixedPath path_;
+  Descriptor folder_;
+};
+
+}  // namespace plumbline

@@ -1,0 +1,40 @@
+#include "firmware/print/print_lines.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace plumbline {
+namespace {
+
+using namespace std::chrono_literals;
+
+TEST(PrintLines, SayWhichLayerIsPrintedOrWhatThePrintWaitsFor) {
+  PrintStatus status;
+  status.layer = 11;
+  status.layers = 1184;
+  status.remaining = 2h + 10min + 10s;
+  const auto text = [&status](PrintState state) {
+    status.state = state;
+    return std::string(status_text(status).view());
+  };
+  EXPECT_EQ(text(PrintState::kHoming), "homing");
+  EXPECT_EQ(text(PrintState::kPrinting), "printing layer 12 of 1184, 2 h 10 min left");
+  EXPECT_EQ(text(PrintState::kPaused), "paused at layer 12 of 1184: press start to go on");
+  EXPECT_EQ(text(PrintState::kCoverOpen), "paused at layer 12 of 1184: the cover is open, close it");
+  EXPECT_NE(text(PrintState::kCoolingDown).find("too hot"), std::string::npos);
+  EXPECT_NE(text(PrintState::kFeedMe).find("pour in resin"), std::string::npos);
+  status.layer = 1184;
+  EXPECT_EQ(text(PrintState::kPaused), "paused at layer 1184 of 1184: press start to go on") << "all are cured";
+}
+
+TEST(PrintLines, GiveTimesInTheUnitsThatMatter) {
+  EXPECT_EQ(duration_text(0s).view(), "0 s");
+  EXPECT_EQ(duration_text(59s).view(), "59 s");
+  EXPECT_EQ(duration_text(200s).view(), "3 min 20 s");
+  EXPECT_EQ(duration_text(45min + 59s).view(), "45 min");
+  EXPECT_EQ(duration_text(125min).view(), "2 h 05 min");
+}
+
+}  // namespace
+}  // namespace plumbline
