@@ -74,7 +74,7 @@ TEST(Job, TakesNothingFromTheHeapAfterItsAdmissionExceptInLodepng) {
 
   HeapTrap trap;
   const auto done = job->run(progress);
-  const auto told = write_summary(*summary, job->report(), "out");
+  const auto told = write_summary(*summary, job->report(), "out", "", true);
   const HeapUse use = trap.disarm();
 
   ASSERT_TRUE(done.has_value()) << done.error().message();
