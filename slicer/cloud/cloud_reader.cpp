@@ -19,7 +19,7 @@ struct ReadShare {
   double from = 0, to = 1;
 };
 
-/// Sums upper bounds of points. A point's index has 32 bits, so a file that promises more counts as 2^32.
+/// Sums upper bounds of points. A point's index has 32 bits, so a file that declares more counts as 2^32.
 std::optional<std::uint64_t> sum_of_bounds(std::optional<std::uint64_t> a, std::optional<std::uint64_t> b) {
   if (!a || !b) return std::nullopt;
   return *a + std::min(*b, std::uint64_t{1} << 32);
@@ -152,7 +152,7 @@ class ScanQueue {
 Expected<CloudReading> read_all(ScanSources sources, const CloudReadSettings& settings, RoomForPoints room,
                                 Arena& arena, ProgressSink* progress) {
   const std::size_t top = arena.top_mark();
-  // The reader's work space is at the bottom, since the size of the cloud at the top depends on the header it reads.
+  // The reader's workspace is at the bottom, since the size of the cloud at the top depends on the header it reads.
   const auto workspace = arena.take_bottom<std::byte>(kReaderWorkspace, kStage);
   PLUMBLINE_TRY(workspace);
   ScanQueue queue(sources);

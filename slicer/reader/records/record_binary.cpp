@@ -9,13 +9,13 @@ namespace {
 
 using Kind = RecordStep::Kind;
 
-tl::unexpected<Error> fail_truncated(const ByteInput& input, const char* what, std::uint64_t came,
-                                     std::uint64_t promised) {
+tl::unexpected<Error> fail_truncated(const ByteInput& input, const char* what, std::uint64_t read,
+                                     std::uint64_t declared) {
   return input.fail(ErrorCode::kTruncated,
                     "the file ends at byte %llu, with %llu of the %llu %s that its header declares; copy or export it "
                     "again",
-                    static_cast<unsigned long long>(input.bytes_read()), static_cast<unsigned long long>(came),
-                    static_cast<unsigned long long>(promised), what);
+                    static_cast<unsigned long long>(input.bytes_read()), static_cast<unsigned long long>(read),
+                    static_cast<unsigned long long>(declared), what);
 }
 
 /// Reads one record piece by piece: it may be longer than the window.

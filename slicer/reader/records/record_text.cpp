@@ -9,13 +9,13 @@ using Kind = RowOutcome::Kind;
 
 constexpr const char* kSlotNames[kSlots] = {"x", "y", "z", "the normal's x", "the normal's y", "the normal's z"};
 
-tl::unexpected<Error> fail_truncated(const LineInput& lines, const char* what, std::uint64_t came,
-                                     std::uint64_t promised) {
+tl::unexpected<Error> fail_truncated(const LineInput& lines, const char* what, std::uint64_t read,
+                                     std::uint64_t declared) {
   return lines.input().fail(
       ErrorCode::kTruncated,
       "the file ends after line %llu, with %llu of the %llu %s that its header declares; copy or export it again",
-      static_cast<unsigned long long>(lines.number()), static_cast<unsigned long long>(came),
-      static_cast<unsigned long long>(promised), what);
+      static_cast<unsigned long long>(lines.number()), static_cast<unsigned long long>(read),
+      static_cast<unsigned long long>(declared), what);
 }
 
 /// @returns false if there are fewer than `count`

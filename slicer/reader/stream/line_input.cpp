@@ -15,11 +15,11 @@ const char* LineInput::find_end(const char* first, const char* last) {
       }
       if (*p == '\r') {
         // CR LF or CR alone: the next byte that is no CR decides. "\r\r\n" comes from text that was converted twice.
-        const char* behind = p;
-        while (behind != last && *behind == '\r') ++behind;
-        if (behind == last) return nullptr;
-        terminator_ = *behind == '\n' ? '\n' : '\r';
-        return terminator_ == '\n' ? behind : p;
+        const char* after = p;
+        while (after != last && *after == '\r') ++after;
+        if (after == last) return nullptr;
+        terminator_ = *after == '\n' ? '\n' : '\r';
+        return terminator_ == '\n' ? after : p;
       }
     }
     return nullptr;

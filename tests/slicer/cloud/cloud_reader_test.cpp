@@ -45,7 +45,7 @@ TEST(CloudReader, AsksForRoomOnceWithWhatAllHeadersAnnounce) {
   const auto room = [&](const ScanAnnouncement& announced) {
     ++asked;
     EXPECT_EQ(announced.points, 2000U);
-    EXPECT_GT(announced.kept_bytes, 0U) << "the second file's head";
+    EXPECT_GT(announced.kept_bytes, 0U) << "the header of the second file";
     return Expected<std::uint32_t>(1500);
   };
   const CloudReading read = value_of(read_cloud(sources, {}, room, *arena, nullptr));
@@ -84,7 +84,7 @@ TEST(CloudReader, CountsNoMorePointsThanHeaderAndFileAllow) {
   header.format = ScanFormat::kPcd;
   header.encoding = "binary compressed";
   header.reader_bytes = 100'000;
-  EXPECT_EQ(most_points(header, 300), 1000U) << "a block of nothing but repetitions is short";
+  EXPECT_EQ(most_points(header, 300), 1000U) << "a compressed block of repetitions is short";
 }
 
 }  // namespace

@@ -107,7 +107,7 @@ void expect_boxes(const KdTree<Dimension>& tree, const Points& points, Random& r
     for (std::uint32_t p = 0; p < points.size(); ++p) {
       bool inside = true;
       for (int a = 0; a < Dimension; ++a) inside &= points[p][a] >= low[a] && points[p][a] <= high[a];
-      ASSERT_TRUE(!inside || visited[p]) << "point " << p << " was left out";
+      ASSERT_TRUE(!inside || visited[p]) << "point " << p << " was not visited";
     }
   }
 }
@@ -177,7 +177,7 @@ TEST(KdTree, TakesNoMoreOfTheArenaThanPlanned) {
   ArenaBlock arena(32 * kMiB);
   ASSERT_TRUE(KdTree3::build(points, *arena, "test").has_value());
   const std::size_t three = arena->top_used();
-  EXPECT_GT(three, points.size() * sizeof(std::uint32_t)) << "the index alone takes this";
+  EXPECT_GT(three, points.size() * sizeof(std::uint32_t)) << "the index alone needs this";
   EXPECT_LT(three, points.size() * KdTree3::kBytesPerPoint);
   EXPECT_EQ(arena->bottom_used(), 0U);
   ASSERT_TRUE(KdTree2::build(points, *arena, "test").has_value());

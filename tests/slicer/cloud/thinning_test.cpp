@@ -112,11 +112,11 @@ TEST(PointThinner, DoublesItsCellsAndStaysWithinItsCapacity) {
     const double doublings = std::log2(thinning.thinner().cell() / cell);
     ASSERT_EQ(doublings, std::round(doublings));
     ASSERT_GE(doublings, 1);
-    ASSERT_LE(thinning.cloud().size, 1801U) << "the share that may stay taken, and the point that came";
+    ASSERT_LE(thinning.cloud().size, 1801U) << "the share that may stay used, and one new point";
     cell = thinning.thinner().cell();
   }
   EXPECT_GT(cell, first_cell);
-  EXPECT_GT(thinning.cloud().size, 400U) << "four cells become one on a surface: no less is kept than that";
+  EXPECT_GT(thinning.cloud().size, 400U) << "on a surface, four cells become one, so a quarter stays";
   // Means of the points in a cell lie at most the cell's sagitta below the sphere.
   for (std::uint32_t i = 0; i < thinning.cloud().size; ++i) {
     const Vec3d p = thinning.scan_position(i);

@@ -112,7 +112,7 @@ TEST_F(ArenaTest, RecordsThePeakSinceTheLastReset) {
   arena_.reset_peak();
   EXPECT_EQ(arena_.peak(), 640U);
   EXPECT_FALSE(arena_.take_top<std::byte>(1 << 20, "too much").has_value());
-  EXPECT_EQ(arena_.peak(), 640U) << "what was refused was never used";
+  EXPECT_EQ(arena_.peak(), 640U) << "a refused block does not count";
 }
 
 TEST_F(ArenaTest, NamesStageNeedAndRestWhenItIsFull) {

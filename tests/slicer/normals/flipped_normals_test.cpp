@@ -62,7 +62,7 @@ TEST(FlippedNormals, AreOnlyThoseThatContradictOthers) {
   Surface inside = ball(7);
   turn(inside, [](const Vec3d&) { return true; });
   append(hollow, inside);
-  EXPECT_EQ(sliced(hollow).report().normals.turned, 0U) << "the wall of a hollow faces into it";
+  EXPECT_EQ(sliced(hollow).report().normals.turned, 0U) << "the wall of a cavity faces into it";
 
   Random random(1);
   Surface plate = box({0, 0, 0}, {20, 20, 0.6}, kSpacing, 0.3, random);

@@ -170,12 +170,12 @@ TEST_F(NormalsTest, OfACavityFaceIntoIt) {
 }
 
 TEST_F(NormalsTest, OfSheetsWithGapsBetweenThemFaceOutwards) {
-  Surface patches;
+  Surface sheets;
   for (const SurfacePoint& s : sphere(40000, 10, Vec3d(0, 0, 0))) {
     const bool gap = std::abs(std::fmod(std::abs(s.position[0]) + 1, 4.0)) < 0.6 || std::abs(s.position[2] - 2) < 0.4;
-    if (!gap) patches.push_back(s);
+    if (!gap) sheets.push_back(s);
   }
-  load(patches);
+  load(sheets);
   estimate();
   EXPECT_EQ(facing_the_wrong_way(), 0U);
 }
@@ -207,8 +207,8 @@ TEST_F(NormalsTest, OfOutliersDoNotTurnTheObject) {
   estimate();
   std::uint32_t wrong = 0;
   for (std::uint32_t i = 0; i < cloud_.size; ++i) {
-    const bool stray = std::abs(surface_[i].position.dot(surface_[i].position) - 100) > 1e-6;
-    if (!stray && cosine(i) <= 0) ++wrong;
+    const bool outlier = std::abs(surface_[i].position.dot(surface_[i].position) - 100) > 1e-6;
+    if (!outlier && cosine(i) <= 0) ++wrong;
   }
   EXPECT_EQ(wrong, 0U);
 }

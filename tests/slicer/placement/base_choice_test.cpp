@@ -57,11 +57,11 @@ TEST(BaseChoice, NoneClosesASlopingRimAlongTheRim) {
   const Slicing none = sliced(slanted, BaseChoice::kNone);
   EXPECT_FALSE(none.report().flat_underside);
   EXPECT_EQ(none.rays(RayDecision::kBase), 0U);
-  EXPECT_NEAR(area_at(none, 4.5), 100, 0.5) << "mm^2: all that is behind the walls is there";
-  EXPECT_LT(none.volume(), 800 - 150 + 80) << "what closes it bulges by less than 0.8 mm, since the walls lead on";
+  EXPECT_NEAR(area_at(none, 4.5), 100, 0.5) << "mm^2: nothing inside the walls is missing";
+  EXPECT_LT(none.volume(), 800 - 150 + 80) << "the closing bulges by less than 0.8 mm, since it continues the walls";
   const Slicing flat = sliced(slanted, BaseChoice::kFlat);
   EXPECT_TRUE(flat.report().flat_underside);
-  EXPECT_GT(flat.volume(), none.volume() + 50) << "it stands on the plane, which the shorter wall does not reach";
+  EXPECT_GT(flat.volume(), none.volume() + 50) << "it reaches down to the plane, the shorter wall does not";
 }
 
 TEST(BaseChoice, DoesNotChangeAClosedObject) {

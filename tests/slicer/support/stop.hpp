@@ -9,9 +9,9 @@ namespace plumbline::testing {
 class StopAtThird final : public ProgressSink {
  public:
   void begin(Stage /*stage*/) override {}
-  bool advance(Stage /*stage*/, double fraction) override { return ++heard < 3 && fraction < 1; }
+  bool advance(Stage /*stage*/, double fraction) override { return ++reports < 3 && fraction < 1; }
   void end(Stage /*stage*/, std::size_t /*peak_bytes*/) override {}
-  int heard = 0;
+  int reports = 0;
 };
 
 }  // namespace plumbline::testing

@@ -110,7 +110,7 @@ TEST(SupportSize, ReportsProgressAndStopsWhenCancelled) {
   const Status status = widen_supports(cloud, tree, {}, clustering, arena, {&stop, Stage::kClustering});
   ASSERT_FALSE(status);
   EXPECT_EQ(status.error().code(), ErrorCode::kCancelled);
-  EXPECT_EQ(stop.heard, 3);
+  EXPECT_EQ(stop.reports, 3);
   EXPECT_EQ(cloud.radius[0], before);
 }
 

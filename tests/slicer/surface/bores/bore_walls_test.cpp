@@ -243,7 +243,7 @@ TEST(BoreWalls, StopWhenCancelled) {
   const auto walls = continue_bore_walls(cloud, tree, clustering, *block, {&stop, Stage::kClustering});
   ASSERT_FALSE(walls);
   EXPECT_EQ(walls.error().code(), ErrorCode::kCancelled);
-  EXPECT_EQ(stop.heard, 3);
+  EXPECT_EQ(stop.reports, 3);
 }
 
 TEST(BoreWalls, AreNotSearchedWhereMuchOfTheScanIsSparse) {
