@@ -1,54 +1,48 @@
 #pragma once
-/// A look at a scan without slicing it: its first stages, and what the others would need.
+/// Measures a scan and slices it coarsely, to tell beforehand what slice() will make of it.
 
-#include <array>
-#include <cstdint>
-
+#include "slicer/cloud/kd_tree.hpp"
 #include "slicer/core/arena.hpp"
-#include "slicer/core/byte_source.hpp"
+#include "slicer/core/length.hpp"
 #include "slicer/core/progress.hpp"
-#include "slicer/normals/normals.hpp"
-#include "slicer/placement/placement.hpp"
-#include "slicer/plan/memory_plan.hpp"
 #include "slicer/reader/scan_sources.hpp"
-#include "slicer/surface/clustering.hpp"
-#include "slicer/surface/stray_pieces.hpp"
+#include "slicer/rrep/rrep.hpp"
+#include "slicer/slice_report.hpp"
+#include "slicer/slice_settings.hpp"
 
 namespace plumbline {
 
-struct InspectSettings {
-  PlacementSettings placement;  ///< its rotation and its printer; units and scale change no result
-  ClusteringSettings clustering;
-  bool keep_all = false;      ///< stray pieces count as part of the object
-  std::uint32_t threads = 1;  ///< 1 to 64; the result does not depend on it
+/// What prepare() found, in scan units, and more.
+struct InspectReport : PreparationReport {
+  Box3d bounds;             ///< of the rotated scan without its noise points and stray pieces, scan units
+  Box3d bounds_with_noise;  ///< of the rotated scan, scan units
+  ScanLength spacing;       ///< median distance of a point from the nearest other one
+  ScanLength roughness;     ///< median distance of a point from the plane through its kPlaneNeighbours nearest
+  Units units = Units::kMillimetres;  ///< used
+  /// As in slice(), or why the object doesn't fit. Its layers are those that the coarse R-Rep has.
+  Expected<Placement> placement;
+  Status sliced;       ///< why there is no coarse R-Rep: ErrorCode::kNoSurface, kOutOfMemory or kDoesNotFit
+  SliceReport coarse;  ///< of the coarse R-Rep; its confidence map ends with that
 };
 
-/// Lengths are scan units: what a unit is, the scan does not say.
-struct InspectReport {
-  ScanSummary scan;                   ///< of all files: sum_of()
-  ScanSummaries scans;                ///< of each file
-  std::uint32_t cloud_capacity = 0;   ///< points the arena has room for
-  std::uint32_t cloud_points = 0;     ///< points after thinning
-  double thinning_cell = 0;           ///< 0: all points fit
-  std::uint64_t averaged_points = 0;  ///< scan points that were averaged into another
-  NormalCounts normals;
-  Box3d bounds;                 ///< of the rotated scan without its noise and stray pieces
-  Box3d bounds_with_noise;      ///< of the rotated scan
-  double spacing = 0;           ///< median distance of a point from the nearest other one
-  double roughness = 0;         ///< median distance of a point from the plane through its kPlaneNeighbours nearest
-  ClusteringResult clustering;  ///< epsilon and noise in scan units
-  StrayPieces strays;           ///< that slice() would leave out
-  std::array<std::size_t, kStageCount> peak_bytes = {};  ///< of the arena, by Stage
-};
-
-/// Neighbours that a plane is laid through. Few, so that the object's own curvature counts for little.
+/// Neighbours that the plane for the roughness is fitted to. Few, so that the object's own curvature hardly counts.
 inline constexpr std::uint32_t kPlaneNeighbours = 24;
 
-/// Reads a scan and measures it. The arena is as before when it returns.
-/// @param sources  1 to kMostScans files of one frame, each read once from start to end, in this order
-/// @param report  filled as far as it went, also on error
-/// @retval ErrorCode::kOutOfMemory, kCancelled and all of read_scan()
-[[nodiscard]] Status inspect(ScanSources sources, const InspectSettings& settings, Arena& arena, ProgressSink* progress,
-                             InspectReport& report);
+/// Pixels of the coarse R-Rep along the object's longest side. More see smaller holes of the scan and cost more time. Its
+/// layers are as high as in slice().
+inline constexpr double kCoarsePixels = 160;
+
+/// Looks at the coarse R-Rep, which is gone when it returns.
+using CoarseLook = FunctionRef<Status(const RRep& rrep, const SliceReport& report)>;
+inline constexpr auto kNoLook = [](const RRep&, const SliceReport&) -> Status { return {}; };
+
+/// Reads a scan, prepares and measures it, and slices it coarsely. The arena is as before when it returns.
+/// @param sources   1 to kMostScans files of one frame, each read once from start to end, in this order
+/// @param settings  as for slice(); a confidence map is always kept
+/// @param report    filled as far as it went, also on error
+/// @param look      called once if there is a coarse R-Rep
+/// @retval ErrorCode::kOutOfMemory, kCancelled and all of read_scan() and `look`
+[[nodiscard]] Status inspect(ScanSources sources, const SliceSettings& settings, Arena& arena, ProgressSink* progress,
+                             InspectReport& report, CoarseLook look = kNoLook);
 
 }  // namespace plumbline

@@ -18,47 +18,14 @@ constexpr const char* kFooter =
     "  plumbline inspect bust.ply --printer mono2k --rotate-x 90\n"
     "  plumbline inspect bust.ply --picture seen.png\n"
     "\n"
-    "Output: size, points and normals, noise, what the scanner did not see, and whether it fits the printer. For what "
-    "the\n"
-    "scanner did not see the scan is read a second time and sliced coarsely. Only the picture is written to disk.\n";
-
-/// Fills outlook.look, or says why not. A scan that has no surface has no look either, which is no error here.
-Status look(const InspectOptions& options, const JobSetup& setup, ScanOutlook& outlook, Arena& arena) {
-  const double longest = outlook.scan.bounds.size().maxCoeff() * outlook.unit_mm();
-  auto scan = ScanFiles::open(options.job.scans);
-  PLUMBLINE_TRY(scan);
-  for (const ByteSource* source : scan->sources()) {
-    if (source->size()) continue;
-    outlook.no_look.add("a pipe cannot be read twice; 'plumbline slice' tells it");
-    return {};
-  }
-  if (!(longest > 0)) {
-    outlook.no_look.add("all points are one place");
-    return {};
-  }
-  SliceSettings settings;
-  settings.placement = setup.placement;
-  settings.placement.units = outlook.units;
-  settings.base = setup.base;
-  settings.keep_all = setup.keep_all;
-  settings.threads = setup.threads;
-  JobProgress progress(nullptr);
-  const auto looked = look_at_scan(scan->sources(), settings, longest, options.picture, arena, &progress);
-  if (looked) {
-    outlook.look = *looked;
-    return {};
-  }
-  const ErrorCode code = looked.error().code();
-  const bool of_the_scan = code == ErrorCode::kNoSurface || code == ErrorCode::kOutOfMemory;
-  if (!of_the_scan || !options.picture.empty()) return tl::unexpected<Error>(looked.error());
-  outlook.no_look.add("%s", looked.error().message());
-  return {};
-}
+    "Output: size, points and normals, noise, what the scanner did not see, and whether it fits the printer. The scan "
+    "is\n"
+    "sliced coarsely to see this. Only the picture is written to disk.\n";
 
 /// In words; empty where nobody knows.
 std::string print_time_of(const ScanOutlook& outlook, const std::optional<BoardFile>& board) {
-  if (!board || !outlook.placed) return {};
-  const PrintGrid& grid = outlook.placed->grid;
+  if (!board || !outlook.scan.placement) return {};
+  const PrintGrid& grid = outlook.scan.placement->grid;
   const auto time = estimate_print_time(*board, grid.layers, static_cast<double>(grid.layer_height_mm));
   return time ? time->text() : std::string();
 }
@@ -85,19 +52,27 @@ ExitCode run_inspect(const InspectOptions& inspect_options, std::span<std::byte>
   ProgressLines lines(options.verbose);
   JobProgress progress(silent ? nullptr : &lines);
   Arena arena(setup->arena_block);
-  InspectSettings settings;
+  SliceSettings settings;
   settings.placement = setup->placement;
+  settings.base = setup->base;
   settings.keep_all = setup->keep_all;
   settings.threads = setup->threads;
   InspectReport report;
-  const auto done = inspect(scan->sources(), settings, arena, &progress, report);
+  std::optional<ScanLook> seen;
+  const auto look = [&](const RRep& rrep, const SliceReport& coarse) -> Status {
+    const auto looked = look_at_coarse(rrep, coarse, scan->title(), inspect_options.picture, arena);
+    PLUMBLINE_TRY(looked);
+    seen = *looked;
+    return {};
+  };
+  const auto done = inspect(scan->sources(), settings, arena, &progress, report, look);
   if (!done) return report_error(done.error());
+  if (!report.sliced && !inspect_options.picture.empty()) return report_error(report.sliced.error());
   ScanOutlook outlook = make_outlook(report, setup->placement, arena.capacity(), setup->threads);
+  outlook.look = seen;
   outlook.scan_name = scan->title();
   outlook.scan_names = scan->names();
   outlook.printer_name = setup->printer_name;
-  const auto looked = look(inspect_options, *setup, outlook, arena);
-  if (!looked) return report_error(looked.error());
   if (!silent && outlook.look && !outlook.look->sentence().view().empty()) {
     FixedText<256> line;
     line.add("plumbline: warning: %s%s%s\n", outlook.look->sentence().c_str(),

@@ -52,20 +52,21 @@ void add_extent(Text& text, const ScanOutlook& o) {
     text.add("; %.6g x %.6g x %.6g with its strays", whole[0], whole[1], whole[2]);
   }
   if (o.scan.strays.pieces > 0) text.add("\nstrays     %s", stray_warning(o.scan.strays).c_str());
-  const Vec3d mm = size * o.unit_mm();
-  text.add("\nsize       %.2f x %.2f x %.2f mm, taking a unit as 1 %s\n", mm[0], mm[1], mm[2], to_string(o.units));
+  const Vec3d mm = size * o.unit_mm() * o.scale();
+  text.add("\nsize       %.2f x %.2f x %.2f mm, taking a unit as 1 %s at scale %.4g\n", mm[0], mm[1], mm[2],
+           to_string(o.scan.units), o.scale());
   const double guessed = size.maxCoeff() * millimetres_per(o.guess);
   text.add("units      by its size it is %s: %.4g %s long make %.4g mm%s\n", to_string(o.guess), size.maxCoeff(),
            to_string(o.guess), guessed,
-           o.guess == o.units ? "" : "; say --units with the right one, this is only a guess");
+           o.guess == o.scan.units ? "" : "; say --units with the right one, this is only a guess");
 }
 
 void add_surface(Text& text, const ScanOutlook& o) {
   const InspectReport& s = o.scan;
-  const double unit = o.unit_mm();
-  text.add("spacing    %.3g mm to the nearest point (median); epsilon %.3g mm\n", s.spacing * unit,
-           static_cast<double>(s.clustering.epsilon) * unit);
-  text.add("noise      %.3g mm from the plane through %u neighbours (median)\n", s.roughness * unit, kPlaneNeighbours);
+  text.add("spacing    %.3g mm to the nearest point (median); epsilon %.3g mm\n", o.mm(s.spacing),
+           o.mm(s.lengths.epsilon));
+  text.add("noise      %.3g mm, standard deviation off the surface; %.3g mm off the plane of %u neighbours (median)\n",
+           o.mm(s.lengths.noise), o.mm(s.roughness), kPlaneNeighbours);
   const double percent = 100.0 / std::max(1U, s.cloud_points);
   text.add("points     entering %.1f %%, exiting %.1f %%, neutral %.1f %%, noise %.2f %%\n",
            percent * points_of(s, PointClass::kEntering), percent * points_of(s, PointClass::kExiting),
@@ -74,7 +75,7 @@ void add_surface(Text& text, const ScanOutlook& o) {
 
 void add_look(Text& text, const ScanOutlook& o) {
   if (!o.look) {
-    text.add("scanned    unknown: %s\n", o.no_look.c_str());
+    text.add("scanned    unknown: %s\n", o.scan.sliced.error().message());
   } else if (o.look->sentence().view().empty()) {
     text.add("scanned    all of the surface\n");
   } else {
@@ -84,15 +85,14 @@ void add_look(Text& text, const ScanOutlook& o) {
 }
 
 void add_fit(Text& text, const ScanOutlook& o) {
-  if (o.placed) {
-    const PrintGrid& grid = o.placed->grid;
-    const double factor = o.placed->scale / o.unit_mm();
+  if (o.scan.placement) {
+    const PrintGrid& grid = o.scan.placement->grid;
     text.add("%s %u x %u px of %.4g x %.4g mm, %u layers of %.4g mm, at scale %.4g\n",
              o.printer_name.empty() ? "grid      " : "fits       yes:", grid.columns, grid.rows,
              static_cast<double>(grid.pitch_x_mm), static_cast<double>(grid.pitch_y_mm), grid.layers,
-             static_cast<double>(grid.layer_height_mm), factor);
+             static_cast<double>(grid.layer_height_mm), o.scale());
   } else {
-    text.add("fits       no: %s\n", o.placed.error().message());
+    text.add("fits       no: %s\n", o.scan.placement.error().message());
   }
   if (o.placement.printer) {
     const PrinterVolume& v = *o.placement.printer;
@@ -108,7 +108,7 @@ void add_plan(Text& text, const ScanOutlook& o) {
   const InspectReport& s = o.scan;
   if (s.averaged_points > 0) {
     text.add("thinning   from %llu to %u points: one for each cell of %.3g mm; the arena has room for %u\n",
-             big(s.scan.points), s.cloud_points, s.thinning_cell * o.unit_mm(), s.cloud_capacity);
+             big(s.scan.points), s.cloud_points, o.mm(s.lengths.thinning_cell), s.cloud_capacity);
   } else {
     text.add("thinning   none: the arena has room for %u points\n", s.cloud_capacity);
   }
@@ -164,8 +164,8 @@ void write_fit(JsonWriter& json, const ScanOutlook& o) {
   } else {
     json.null();
   }
-  json.member("fits", o.placed.has_value());
-  if (!o.placed) json.member("fits_not_because", o.placed.error().message());
+  json.member("fits", o.scan.placement.has_value());
+  if (!o.scan.placement) json.member("fits_not_because", o.scan.placement.error().message());
   json.key("largest_scale");
   if (o.largest_scale) {
     json.value(*o.largest_scale);
@@ -173,8 +173,8 @@ void write_fit(JsonWriter& json, const ScanOutlook& o) {
     json.null();
   }
   json.key("grid");
-  if (!o.placed) return json.null();
-  const PrintGrid& grid = o.placed->grid;
+  if (!o.scan.placement) return json.null();
+  const PrintGrid& grid = o.scan.placement->grid;
   json.begin_object(kOneLine);
   json.member("columns", grid.columns);
   json.member("rows", grid.rows);
@@ -191,7 +191,7 @@ void write_fit(JsonWriter& json, const ScanOutlook& o) {
 void write_plan(JsonWriter& json, const ScanOutlook& o) {
   json.key("thinning");
   json.begin_object(kOneLine);
-  json.member("cell_mm", o.scan.thinning_cell * o.unit_mm());
+  json.member("cell_mm", o.mm(o.scan.lengths.thinning_cell));
   json.member("points_left", o.scan.cloud_points);
   json.member("room_for_points", o.scan.cloud_capacity);
   json.end_object();
@@ -220,16 +220,14 @@ ScanOutlook make_outlook(const InspectReport& scan, const PlacementSettings& pla
   o.arena_bytes = arena_bytes;
   o.threads = threads;
   o.guess = guess_units(scan.bounds.size().maxCoeff());
-  o.units = placement.units == Units::kAuto ? o.guess : placement.units;
-  o.placed = place(scan.bounds, o.unit_mm(), placement);
   std::optional<PrintGrid> grid;
   if (placement.printer) {
     grid = panel_grid(*placement.printer, placement.layer_height_mm);
     PlacementSettings fitted = placement;
     fitted.fit = true;
     if (const auto largest = place(scan.bounds, o.unit_mm(), fitted)) o.largest_scale = largest->scale / o.unit_mm();
-  } else if (o.placed) {
-    grid = o.placed->grid;
+  } else if (o.scan.placement) {
+    grid = o.scan.placement->grid;
   }
   o.plan = largest_plan(arena_bytes, scan.cloud_points, grid, threads, {.confidence = true});
   return o;
@@ -251,7 +249,6 @@ Status write_outlook(OutputFile& out, const ScanOutlook& outlook, std::string_vi
 
 void write_outlook(JsonWriter& json, const ScanOutlook& outlook) {
   const InspectReport& s = outlook.scan;
-  const double unit = outlook.unit_mm();
   json.begin_object();
   json.key("plumbline");
   json.begin_object(kOneLine);
@@ -262,13 +259,14 @@ void write_outlook(JsonWriter& json, const ScanOutlook& outlook) {
   write_row(json, "extent_with_noise_scan_units", s.bounds_with_noise.size());
   json.key("units");
   json.begin_object(kOneLine);
-  json.member("used", to_string(outlook.units));
+  json.member("used", to_string(outlook.scan.units));
   json.member("guess", to_string(outlook.guess));
   json.end_object();
-  write_row(json, "size_mm", Vec3d(s.bounds.size() * unit));
-  json.member("spacing_mm", s.spacing * unit);
-  json.member("epsilon_mm", static_cast<double>(s.clustering.epsilon) * unit);
-  json.member("noise_mm", s.roughness * unit);
+  write_row(json, "size_mm", Vec3d(s.bounds.size() * outlook.unit_mm() * outlook.scale()));
+  json.member("spacing_mm", outlook.mm(s.spacing));
+  json.member("epsilon_mm", outlook.mm(s.lengths.epsilon));
+  json.member("noise_mm", outlook.mm(s.lengths.noise));
+  json.member("roughness_mm", outlook.mm(s.roughness));
   json.key("points");
   json.begin_object(kOneLine);
   json.member("entering", points_of(s, PointClass::kEntering));

@@ -9,6 +9,7 @@
 #include "firmware/io/output_file.hpp"
 #include "firmware/slice/coverage_preview.hpp"
 #include "slicer/inspect.hpp"
+#include "slicer/plan/memory_plan.hpp"
 
 namespace plumbline {
 
@@ -19,17 +20,17 @@ struct ScanOutlook {
   std::string printer_name;             ///< empty without a printer
   PlacementSettings placement;
   InspectReport scan;
-  Units units = Units::kMillimetres;    ///< used
   Units guess = Units::kMillimetres;    ///< by the size alone
-  Expected<Placement> placed;           ///< at the scale asked for, or why it does not fit
   std::optional<double> largest_scale;  ///< that the printer takes; none without a printer
-  std::optional<ScanLook> look;         ///< none: no_look says why
-  FixedText<512> no_look;
-  Expected<MemoryPlan> plan;  ///< for the points of this scan
+  std::optional<ScanLook> look;         ///< none: scan.sliced has the reason
+  Expected<MemoryPlan> plan;            ///< for the points of this scan
   std::size_t arena_bytes = 0;
   std::uint32_t threads = 1;
 
-  double unit_mm() const { return millimetres_per(units); }
+  double unit_mm() const { return millimetres_per(scan.units); }
+  /// Times the size in the scan: as asked for, or as the printer takes it with `fit`.
+  double scale() const { return scan.placement ? scan.placement->scale / unit_mm() : placement.scale; }
+  double mm(ScanLength length) const { return static_cast<double>(length.value) * unit_mm(); }
 };
 
 /// Works out what the rest of the job would make of an inspected scan. Names are the caller's to fill in.

@@ -35,27 +35,12 @@ FixedText<128> ScanLook::sentence() const {
   return text;
 }
 
-Expected<ScanLook> look_at_scan(ScanSources sources, const SliceSettings& settings, double longest_mm,
-                                const std::string& picture, Arena& arena, ProgressSink* progress) {
-  SliceSettings coarse = settings;
-  coarse.confidence = true;
-  coarse.placement.printer.reset();
-  coarse.placement.fit = false;
-  coarse.placement.scale = 1;
-  coarse.placement.pixel_pitch_mm = static_cast<float>(longest_mm / kLookLayers);
-  coarse.placement.layer_height_mm = coarse.placement.pixel_pitch_mm;
-  const std::size_t bottom = arena.bottom_mark();
-  SliceReport report;
-  const auto rrep = slice(sources, coarse, arena, progress, report);
-  PLUMBLINE_TRY(rrep);
+Expected<ScanLook> look_at_coarse(const RRep& rrep, const SliceReport& report, std::string_view name,
+                                  const std::string& picture, Arena& arena) {
+  if (!picture.empty()) PLUMBLINE_TRY(draw(rrep, report.confidence, name, picture, arena));
   const auto outside = static_cast<double>(report.rays.decided[static_cast<std::size_t>(RayDecision::kOutside)]);
   const auto shot = static_cast<double>(std::max<std::uint64_t>(1, report.rays.interested));
-  const ScanLook look{report.confidence.shares(), report.flat_underside, outside / shot};
-  Status drawn;
-  if (!picture.empty()) drawn = draw(*rrep, report.confidence, title_of(sources).c_str(), picture, arena);
-  arena.release_bottom(bottom);
-  PLUMBLINE_TRY(drawn);
-  return look;
+  return ScanLook{report.confidence.shares(), report.flat_underside, outside / shot};
 }
 
 }  // namespace plumbline

@@ -1,19 +1,17 @@
 #pragma once
-/// What a scan has not seen, told before it is sliced.
+/// What the scanner did not see, for a warning before slicing.
 
 #include <string>
+#include <string_view>
 
 #include "firmware/io/fixed_text.hpp"
 #include "slicer/core/arena.hpp"
 #include "slicer/core/error.hpp"
-#include "slicer/reader/scan_sources.hpp"
 #include "slicer/rrep/confidence.hpp"
-#include "slicer/slicer.hpp"
+#include "slicer/rrep/rrep.hpp"
+#include "slicer/slice_report.hpp"
 
 namespace plumbline {
-
-/// Layers of the longest side that a look is made with.
-inline constexpr double kLookLayers = 160;
 
 struct ScanLook {
   ConfidenceShares shares;
@@ -25,14 +23,11 @@ struct ScanLook {
   FixedText<128> sentence() const;
 };
 
-/// Slices the scan coarsely, which takes as long as reading it and a little more, and draws what it rests on.
-/// @param sources     once more from the start
-/// @param settings    as for slice(); grid, printer and scale are of no interest
-/// @param longest_mm  side of the object at scale 1, above 0
-/// @param picture     file for the picture; empty: none
-/// @param arena       as before when it returns
-/// @retval ErrorCode::kCannotWrite, and any error of slice()
-[[nodiscard]] Expected<ScanLook> look_at_scan(ScanSources sources, const SliceSettings& settings, double longest_mm,
-                                              const std::string& picture, Arena& arena, ProgressSink* progress);
+/// @param rrep     coarse, of inspect(); `report` is its own, with a confidence map
+/// @param name     of the scan, for the picture
+/// @param picture  file for a picture of what the surface rests on; empty: none
+/// @retval ErrorCode::kCannotWrite, kOutOfMemory
+[[nodiscard]] Expected<ScanLook> look_at_coarse(const RRep& rrep, const SliceReport& report, std::string_view name,
+                                                const std::string& picture, Arena& arena);
 
 }  // namespace plumbline

@@ -84,7 +84,7 @@ double turned_share(std::uint32_t turned, std::uint32_t points) {
   return points > 0 ? static_cast<double>(turned) / points : 0;
 }
 
-bool lies_on_its_face(const ClusteringResult& clustering) {
+bool lies_on_its_face(const ClusteringCounts& clustering) {
   return clustering.points.is_negligible(PointClass::kExiting) &&
          !clustering.points.is_negligible(PointClass::kEntering);
 }
@@ -134,12 +134,13 @@ void find_warnings(JobReport& report) {
         "the object is %.4g mm long. If that is wrong, give --units or --scale, or --fit with --printer", longest);
   }
   const auto pitch = static_cast<double>(std::min(grid.pitch_x_mm, grid.pitch_y_mm));
-  if (s.thinning_cell_mm > pitch) {
+  const auto cell_mm = static_cast<double>(s.lengths.thinning_cell.value);
+  if (cell_mm > pitch) {
     report.warnings.add().add(
         "the scan has more points than memory holds (%u): they were averaged in cells of %.3g mm, coarser than the "
         "pixels "
         "of %.3g mm. A larger --arena-mib keeps more detail",
-        s.cloud_capacity, s.thinning_cell_mm, pitch);
+        s.cloud_capacity, cell_mm, pitch);
   }
   if (report.coverage) {
     const auto unseen = unseen_sentence(Unseen::of(*report.coverage));

@@ -90,7 +90,7 @@ double turned_share(std::uint32_t turned, std::uint32_t points);
 inline constexpr double kFewTurned = 0.01;
 
 /// Whether the scan shows one side only, and that side faces down.
-bool lies_on_its_face(const ClusteringResult& clustering);
+bool lies_on_its_face(const ClusteringCounts& clustering);
 inline constexpr const char* kOnItsFace =
     "the scan shows one side only, which faces down, so most of it can't be closed. Turn it over to print it as a "
     "relief: "

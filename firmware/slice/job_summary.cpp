@@ -31,7 +31,7 @@ void add_scan(Text& text, const JobReport& report) {
   if (s.scan.not_finite > 0) text.add("           %llu points dropped: not finite\n", big(s.scan.not_finite));
   if (s.averaged_points > 0) {
     text.add("thinned    to %u points: one for each cell of %.3g mm (room for %u)\n", s.cloud_points,
-             s.thinning_cell_mm, s.cloud_capacity);
+             static_cast<double>(s.lengths.thinning_cell.value), s.cloud_capacity);
   } else {
     text.add("thinned    no: all %u points fit (room for %u)\n", s.cloud_points, s.cloud_capacity);
   }
@@ -78,21 +78,22 @@ void add_clusters(Text& text, const SliceReport& s) {
   text.add("points     entering %.1f %%, exiting %.1f %%, neutral %.1f %%, noise %.2f %%\n",
            share(PointClass::kEntering), share(PointClass::kExiting), share(PointClass::kNeutral),
            share(PointClass::kNoise));
-  if (s.views.moved > 0) {
+  if (s.lengths.views_moved.value > 0) {
     text.add(
         "views      %u found and moved by %.3g mm to agree, %.2g mm of it ripple: points were %.3g mm off their "
         "surface, "
         "now %.3g mm\n",
-        s.views.views, static_cast<double>(s.views.moved), static_cast<double>(s.views.ripple),
-        static_cast<double>(s.views.before), static_cast<double>(s.views.after));
+        s.views.views, static_cast<double>(s.lengths.views_moved.value),
+        static_cast<double>(s.lengths.views_ripple.value), static_cast<double>(s.lengths.views_before.value),
+        static_cast<double>(s.lengths.views_after.value));
   }
   if (s.strays.pieces > 0) text.add("strays     %s\n", stray_warning(s.strays).c_str());
-  if (s.bore_walls.points > 0) {
+  if (s.bore_wall_points > 0) {
     text.add("bores      %.3g mm2 of wall that no view saw was continued between the two ends\n",
-             static_cast<double>(s.bore_walls.area));
+             static_cast<double>(s.lengths.bore_walls.value));
   }
-  text.add("lengths    epsilon %.3g mm, width %.3g mm, noise %.3g mm\n", static_cast<double>(s.clustering.epsilon),
-           static_cast<double>(s.width_mm), static_cast<double>(s.clustering.noise));
+  text.add("lengths    epsilon %.3g mm, width %.3g mm, noise %.3g mm\n", static_cast<double>(s.lengths.epsilon.value),
+           static_cast<double>(s.width_mm), static_cast<double>(s.lengths.noise.value));
 }
 
 void add_rays(Text& text, const JobReport& report) {

@@ -69,7 +69,7 @@ void write_grid(JsonWriter& json, const Placement& placement) {
 void write_points(JsonWriter& json, const SliceReport& slice) {
   json.key("thinning");
   json.begin_object(kOneLine);
-  json.member("cell_mm", slice.thinning_cell_mm);
+  json.member("cell_mm", slice.lengths.thinning_cell.value);
   json.member("averaged_points", slice.averaged_points);
   json.member("points_left", slice.cloud_points);
   json.member("room_for_points", slice.cloud_capacity);
@@ -80,10 +80,10 @@ void write_points(JsonWriter& json, const SliceReport& slice) {
   json.begin_object(kOneLine);
   json.member("found", slice.views.views);
   json.member("points", slice.views.points);
-  json.member("moved_mm", slice.views.moved);
-  json.member("ripple_mm", slice.views.ripple);
-  json.member("off_surface_before_mm", slice.views.before);
-  json.member("off_surface_after_mm", slice.views.after);
+  json.member("moved_mm", slice.lengths.views_moved.value);
+  json.member("ripple_mm", slice.lengths.views_ripple.value);
+  json.member("off_surface_before_mm", slice.lengths.views_before.value);
+  json.member("off_surface_after_mm", slice.lengths.views_after.value);
   json.end_object();
   json.key("points");
   json.begin_object(kOneLine);
@@ -95,12 +95,12 @@ void write_points(JsonWriter& json, const SliceReport& slice) {
   json.end_object();
   json.key("bore_walls_continued");
   json.begin_object(kOneLine);
-  json.member("points", slice.bore_walls.points);
-  json.member("area_mm2", slice.bore_walls.area);
+  json.member("points", slice.bore_wall_points);
+  json.member("area_mm2", slice.lengths.bore_walls.value);
   json.end_object();
   json.member("core_points", slice.clustering.core_points);
-  json.member("epsilon_mm", slice.clustering.epsilon);
-  json.member("noise_mm", slice.clustering.noise);
+  json.member("epsilon_mm", slice.lengths.epsilon.value);
+  json.member("noise_mm", slice.lengths.noise.value);
   json.member("width_mm", slice.width_mm);
 }
 

@@ -24,13 +24,23 @@ Expected<Cloud> Cloud::create(std::uint32_t capacity, Arena& arena) {
   if (!normal) return tl::unexpected<Error>(normal.error());
   const auto radius = arena.take_top<float>(capacity, "cloud");
   if (!radius) return tl::unexpected<Error>(radius.error());
-  return Cloud{*position, *normal, *radius};
+  Cloud cloud;
+  cloud.position = *position;
+  cloud.normal = *normal;
+  cloud.radius = *radius;
+  return cloud;
 }
 
 Box3f Cloud::bounds() const {
   Box3f box;
   for (const Vec3f& p : positions()) box.extend(p);
   return box;
+}
+
+void Cloud::set_support_points(float points) {
+  const float growth = std::sqrt(points / support_points);
+  for (float& r : radius.first(size)) r *= growth;
+  support_points = points;
 }
 
 void Cloud::drop_noise() {

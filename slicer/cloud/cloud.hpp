@@ -40,9 +40,13 @@ static_assert(sizeof(PackedNormal) == 8);
 struct Cloud {
   std::span<Vec3f> position;  ///< mm; scan frame less an offset until placed, print coordinates after
   std::span<PackedNormal> normal;
-  std::span<float> radius;  ///< mm; support of the point in the MLS surface, set by clustering
-  std::uint32_t size = 0;   ///< points in use
-  /// The last so many are no points of the scan: walls of bores that continue_bore_walls() has continued.
+  /// Radius of the disc around a point that holds `support_points` points at the density of the surface there, in the unit
+  /// of `position`. pi radius^2 / support_points is the area that the point stands for. Normals and clustering set it; MLS
+  /// takes it as the support radius.
+  std::span<float> radius;
+  float support_points = 1;  ///< points that each disc holds; 1: the disc is the point's own share of the surface
+  std::uint32_t size = 0;    ///< points in use
+  /// The last `continued` points are not of the scan: continue_bore_walls() has added them.
   std::uint32_t continued = 0;
 
   static constexpr std::size_t kBytesPerPoint = sizeof(Vec3f) + sizeof(PackedNormal) + sizeof(float);
@@ -56,6 +60,9 @@ struct Cloud {
   std::span<const Vec3f> positions() const { return position.first(size); }
   std::uint32_t seen() const { return size - continued; }  ///< points of the scan, which come first
   Box3f bounds() const;
+
+  /// Changes all radii to those of discs that hold `points` points, above 0.
+  void set_support_points(float points);
 
   /// Removes the points of class kNoise and keeps the order of the others.
   void drop_noise();

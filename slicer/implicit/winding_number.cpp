@@ -24,9 +24,9 @@ std::size_t WindingTree::bytes_needed(std::uint32_t points) {
   return Arena::rounded(nodes_needed(points) * sizeof(Node));
 }
 
-WindingTree WindingTree::build(const Cloud& cloud, float support_points, std::span<Node> nodes) {
+WindingTree WindingTree::build(const Cloud& cloud, std::span<Node> nodes) {
   WindingTree tree;
-  tree.area_factor_ = kPi / support_points;
+  tree.area_factor_ = kPi / cloud.support_points;
   tree.tree_ = Tree(cloud.size, nodes);
   tree.tree_.build([&](std::uint32_t i, DipoleSum& sum) {
     const float area = tree.area_factor_ * cloud.radius[i] * cloud.radius[i];

@@ -27,9 +27,8 @@ class WindingTree {
   static std::size_t bytes_needed(std::uint32_t points);
 
   /// @param cloud  placed, radius[] set, in the order of its 3D tree: 8 points in a row are a leaf
-  /// @param support_points  points within a support radius, for which radius[] was made
   /// @param nodes  nodes_needed(cloud.size) of them
-  static WindingTree build(const Cloud& cloud, float support_points, std::span<Node> nodes);
+  static WindingTree build(const Cloud& cloud, std::span<Node> nodes);
 
   /// Mirrors the surface and its normals at the plane z = height, if the underside is open. An opening there then counts as
   /// closed flat. A closed object on the plane is not affected, since outside of it its mirror image has winding number 0.

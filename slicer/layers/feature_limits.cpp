@@ -16,35 +16,35 @@ float voxel_mm3(const PrintGrid& grid) { return grid.pitch_x_mm * grid.pitch_y_m
 
 }  // namespace
 
-float widening(const ClusteringResult& clustering, const ClusteringSettings& settings) {
-  return clustering.support_points / settings.min_support;
+float widening(float support_points, const ClusteringSettings& settings) {
+  return support_points / settings.min_support;
 }
 
-ComponentLimits component_limits(const ClusteringResult& clustering, const PrintGrid& grid) {
-  const float epsilon = clustering.epsilon;
+ComponentLimits component_limits(PrintLength epsilon, const PrintGrid& grid) {
+  const float epsilon_mm = epsilon.value;
   ComponentLimits limits;
-  limits.min_voxels = static_cast<std::uint64_t>(kSpeck * epsilon * epsilon * epsilon / voxel_mm3(grid));
-  limits.plate_layers = static_cast<std::uint32_t>(epsilon / grid.layer_height_mm);
+  limits.min_voxels = static_cast<std::uint64_t>(kSpeck * epsilon_mm * epsilon_mm * epsilon_mm / voxel_mm3(grid));
+  limits.plate_layers = static_cast<std::uint32_t>(epsilon_mm / grid.layer_height_mm);
   return limits;
 }
 
-FeatureLimits feature_limits(const ClusteringResult& clustering, const ClusteringSettings& settings,
-                             const PrintGrid& grid) {
-  const float epsilon2 = clustering.epsilon * clustering.epsilon;
+FeatureLimits feature_limits(float support_points, const ClusteringSettings& settings, PrintLength epsilon,
+                             PrintLength noise, const PrintGrid& grid) {
+  const float epsilon_mm = epsilon.value;
+  const float epsilon2 = epsilon_mm * epsilon_mm;
   const float points_of_epsilon = 2 * static_cast<float>(settings.min_points);
-  const float support_mm2 = std::numbers::pi_v<float> * epsilon2 * clustering.support_points / points_of_epsilon;
-  const float widened = widening(clustering, settings);
-  const float crumb_mm = kCrumb * clustering.noise / std::sqrt(std::max(clustering.support_points, 1.0F));
+  const float support_mm2 = std::numbers::pi_v<float> * epsilon2 * support_points / points_of_epsilon;
+  const float widened = widening(support_points, settings);
+  const float crumb_mm = kCrumb * noise.value / std::sqrt(std::max(support_points, 1.0F));
   const float pixel_mm2 = grid.pitch_x_mm * grid.pitch_y_mm;
   FeatureLimits limits;
   limits.pixels = static_cast<std::uint32_t>(std::max(support_mm2, epsilon2) / pixel_mm2);
   limits.narrow_pixels = static_cast<std::uint32_t>(epsilon2 / pixel_mm2);
   limits.flat_layers = 1 + static_cast<std::uint32_t>(std::ceil(crumb_mm / grid.layer_height_mm));
-  const auto creased_layers =
-      static_cast<std::uint32_t>(std::ceil(kHeight * clustering.epsilon / grid.layer_height_mm));
+  const auto creased_layers = static_cast<std::uint32_t>(std::ceil(kHeight * epsilon_mm / grid.layer_height_mm));
   limits.narrow_layers = widened > 1 ? grid.layers : std::max(limits.flat_layers, creased_layers);
-  limits.voxels = static_cast<std::uint64_t>(widened * kFeature * epsilon2 * clustering.epsilon / voxel_mm3(grid));
-  limits.loose_voxels = component_limits(clustering, grid).min_voxels;
+  limits.voxels = static_cast<std::uint64_t>(widened * kFeature * epsilon2 * epsilon_mm / voxel_mm3(grid));
+  limits.loose_voxels = component_limits(epsilon, grid).min_voxels;
   return limits;
 }
 

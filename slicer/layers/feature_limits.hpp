@@ -1,6 +1,7 @@
 #pragma once
 /// Sizes below which a scan cannot tell a part of the object from what a few outliers make.
 
+#include "slicer/core/length.hpp"
 #include "slicer/core/print_grid.hpp"
 #include "slicer/layers/layer_features.hpp"
 #include "slicer/rrep/components.hpp"
@@ -9,11 +10,11 @@
 namespace plumbline {
 
 /// Points within a support radius, relative to a scan without noise. 1 if the scan has little noise.
-float widening(const ClusteringResult& clustering, const ClusteringSettings& settings);
+/// @param support_points  Cloud::support_points
+float widening(float support_points, const ClusteringSettings& settings);
 
 /// Limits of components: solids and cavities below 50 epsilon^3 go. What a single outlier makes has about 6 epsilon^3.
-/// @param clustering  epsilon in mm
-ComponentLimits component_limits(const ClusteringResult& clustering, const PrintGrid& grid);
+ComponentLimits component_limits(PrintLength epsilon, const PrintGrid& grid);
 
 /// Limits of small features. They have at most 2 epsilon^3, times widening(), since an outlier reaches farther with a wider
 /// support radius. They are narrow or flat:
@@ -25,9 +26,10 @@ ComponentLimits component_limits(const ClusteringResult& clustering, const Print
 ///                                                                            (thesis III-2.b)
 ///   height of a flat feature = 6 noise / sqrt(support_points)                the surface is a mean over the support radius
 ///
-/// @param clustering  epsilon and noise in mm, and the points within a support radius
-/// @param settings    of the clustering
-FeatureLimits feature_limits(const ClusteringResult& clustering, const ClusteringSettings& settings,
-                             const PrintGrid& grid);
+/// @param support_points  Cloud::support_points
+/// @param settings        of the clustering
+/// @param noise           ClusteringResult::noise on the print
+FeatureLimits feature_limits(float support_points, const ClusteringSettings& settings, PrintLength epsilon,
+                             PrintLength noise, const PrintGrid& grid);
 
 }  // namespace plumbline

@@ -26,13 +26,16 @@
 namespace plumbline {
 namespace {
 
-constexpr std::size_t kSlack = 64 * Arena::kAlignment;  ///< rounding of blocks
+/// Bytes for the alignment of a stage's blocks: each may lose up to one alignment, and a stage takes fewer than 64.
+constexpr std::size_t kSlack = 64 * Arena::kAlignment;
 
-/// What is expected of an object before it is known: figures and animals have 2.3 to 3 crossings a ray.
+/// Share of the grid's rays that an object is assumed to cover before it is known. More leaves less room for points, less
+/// refuses more objects after they were read.
 constexpr double kCoveredShare = 0.5;
+/// Crossings a ray that are assumed of it: figures and animals have 2.3 to 3.
 constexpr double kCrossingsPerRay = 3;
 
-/// A need that no block of memory can have, in 32 bits too: it stays larger than any budget, and sums with it do not wrap.
+/// Larger than any budget, with 32 bits too, and small enough that sums of a few of them do not overflow.
 constexpr std::size_t kTooMuch = std::numeric_limits<std::size_t>::max() / 8;
 
 std::size_t bounded(double bytes) {
@@ -71,8 +74,8 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
     plan.bytes[static_cast<std::size_t>(stage)] = bytes + kSlack;
   };
   const std::uint32_t room = points + Cloud::spare(points);
-  // The nodes of the winding number tree stand from kWindingTree on. The earlier stages count them too: without them more
-  // points would be kept of a scan that is thinned, and its masks would change.
+  // The winding number tree is built at kWindingTree. Earlier stages count its nodes too, although they don't need them
+  // yet: without them a thinned scan would keep more points, and its masks would change.
   const std::size_t cloud = WindingTree::bytes_needed(room) + Cloud::kBytesPerPoint * room;
   const std::size_t tree = KdTree3::kBytesPerPoint * std::size_t{points};
   const auto reader =
@@ -87,14 +90,14 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
   set(Stage::kWindingTree, cloud);
   std::size_t image = 0;
   std::size_t store = 0;
-  // Without a grid of its own an object has some layers; the map is the larger part.
+  // Without a grid the number of layers is unknown, but the cells take most of the map.
   const std::size_t map = evidence.confidence ? ConfidenceMap::bytes_needed(grid ? grid->layers : 0) : 0;
   if (grid) {
     image = Arena::rounded(BitImage::words_needed(grid->columns, grid->rows) * sizeof(std::uint64_t));
     const RayYield yield = evidence.yield.value_or(expected_yield(*grid));
     store = store_bytes(*grid, yield);
     const std::size_t sorted = rrep_bytes(*grid, yield);
-    // The store moves to the top of the arena first, so that it stands there twice for a moment.
+    // The store is first moved to the top of the arena, so for a moment there are two of it.
     set(Stage::kRRep,
         map + std::max(store + std::max({store, sorted, components_bytes(*grid, yield.rays, yield.crossings)}),
                        sorted + layer_features_bytes(*grid)));
@@ -120,16 +123,16 @@ Expected<MemoryPlan> largest_plan(std::size_t arena_bytes, std::optional<std::ui
     if (evidence.reader_bytes > 0 && plan_memory(kFewestPoints, grid, threads).peak() <= arena_bytes) {
       return fail(
           ErrorCode::kOutOfMemory,
-          "the job cannot fit: this compressed PCD holds all x before all y, and keeping its columns takes %.1f "
-          "MiB while it is read, the arena has %.1f MiB. Save it as binary, or use a larger arena (--arena-mib)",
-          static_cast<double>(evidence.reader_bytes) / kMiB, static_cast<double>(arena_bytes) / kMiB);
+          "the job does not fit into the arena of %.1f MiB: this compressed PCD stores all x before all y, and keeping "
+          "its columns takes %.1f MiB while it is read. Save it as binary, or use a larger arena (--arena-mib)",
+          static_cast<double>(arena_bytes) / kMiB, static_cast<double>(evidence.reader_bytes) / kMiB);
     }
     return fail(
         ErrorCode::kOutOfMemory,
-        "the job cannot fit: the stage '%.*s' needs %.1f MiB even when the scan is thinned to %u points, the arena "
-        "has %.1f MiB. Use a larger arena (--arena-mib), fewer threads or a smaller panel",
-        static_cast<int>(to_string(plan.widest()).size()), to_string(plan.widest()).data(),
-        static_cast<double>(plan.peak()) / kMiB, kFewestPoints, static_cast<double>(arena_bytes) / kMiB);
+        "the job does not fit into the arena of %.1f MiB: stage '%.*s' needs %.1f MiB even for a scan thinned to %u "
+        "points. Use a larger arena (--arena-mib), fewer threads or a smaller panel",
+        static_cast<double>(arena_bytes) / kMiB, static_cast<int>(to_string(plan.widest()).size()),
+        to_string(plan.widest()).data(), static_cast<double>(plan.peak()) / kMiB, kFewestPoints);
   }
   std::uint32_t low = kFewestPoints;
   std::uint32_t high = most;

@@ -1,5 +1,5 @@
 #pragma once
-/// How many bytes each stage needs, said before it starts (DESIGN section 2).
+/// How many bytes of the arena each stage needs, known before it starts (DESIGN section 2).
 
 #include <array>
 #include <cstdint>
@@ -11,52 +11,54 @@
 
 namespace plumbline {
 
-/// Bytes of the arena in use while a stage runs, everything alive counted.
+/// Bytes of the arena in use while each stage runs, with everything that it keeps from earlier stages.
 struct MemoryPlan {
-  std::uint32_t points = 0;                         ///< that the plan is for
+  std::uint32_t points = 0;                         ///< of the cloud that the plan is for
   std::array<std::size_t, kStageCount> bytes = {};  ///< by Stage
   std::size_t peak() const;
   Stage widest() const;  ///< the stage with the peak
 };
 
-/// How much the ray stage leaves behind.
+/// What the rays find.
 struct RayYield {
   double rays = 0;       ///< that hit the object
-  double crossings = 0;  ///< of all of them
+  double crossings = 0;  ///< of all rays
 };
 
-/// Bytes of crossings as they come: a count a ray, two bytes a crossing, a directory of tiles.
+/// Bytes of the crossing store: one a ray for its count, two a crossing, four a tile.
 std::size_t store_bytes(const PrintGrid& grid, const RayYield& yield);
-/// Bytes of the R-Rep: four a crossing and as many a layer.
+/// Bytes of the R-Rep: four a crossing, four a layer.
 std::size_t rrep_bytes(const PrintGrid& grid, const RayYield& yield);
 
-/// Fewer points than this make no surface worth a print; a job that has room for fewer is refused.
+/// A job that has room for fewer points is refused: their surface would not be worth a print. The value matters only for
+/// arenas of a few MiB.
 inline constexpr std::uint32_t kFewestPoints = 1000;
-/// More are thinned to this many, however large the arena.
+/// More points are thinned to this many, however large the arena. 944 MB of the arena with their tree: far beyond a board's
+/// memory, and small enough that no sum of bytes overflows 32 bits.
 inline constexpr std::uint32_t kMostPoints = 16'000'000;
 
-/// Points of one tile of rays that a worker has room for.
+/// Points that each thread has room for while it shoots one tile of rays: all of a small cloud, at most 32768.
 std::uint32_t tile_capacity(std::uint32_t points);
 
-/// What is known beside the points and the grid.
+/// What else a plan depends on.
 struct PlanEvidence {
   std::uint64_t reader_bytes = 0;  ///< ScanHeader::reader_bytes, the largest of the scan's files
-  std::uint64_t kept_bytes = 0;    ///< heads of files that wait for their turn
+  std::uint64_t kept_bytes = 0;    ///< ScanAnnouncement::kept_bytes
   bool confidence = false;         ///< SliceSettings::confidence
-  /// What the rays will make. Without them, those of an object that covers half of the grid: before a scan is read nothing
-  /// tells how large its object is, and a board's memory has to do for what its panel can show. A smaller object leaves
-  /// room unused; a larger one is refused when it has been placed, before its rays are shot, by its own figures.
+  /// What the rays will find, if known. Otherwise the object is assumed to cover half of the grid: before the scan is read
+  /// its size is unknown, and the board's memory must do for what its panel can show. A smaller object leaves room unused.
+  /// A larger one may be refused by admit_rays() once it has been placed.
   std::optional<RayYield> yield = std::nullopt;
 };
 
-/// @param grid  of the printer; without one, the stages that depend on the grid are planned when the extent is known
+/// @param grid  of the printer; none: the stages that depend on the grid are planned by admit_rays(), when it is known
 MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& grid, std::uint32_t threads,
                        const PlanEvidence& evidence = {});
 
-/// The most points whose plan fits into `arena_bytes`.
-/// @param declared  points the scan says it has; no more are planned for
-/// @returns kFewestPoints to kMostPoints
-/// @retval ErrorCode::kOutOfMemory  not even kFewestPoints fit: need and budget
+/// The plan for as many points as fit into `arena_bytes`.
+/// @param declared  upper bound of the points of the scan, if known
+/// @returns a plan for kFewestPoints to kMostPoints points
+/// @retval ErrorCode::kOutOfMemory  not even kFewestPoints fit; the message has need and budget
 [[nodiscard]] Expected<MemoryPlan> largest_plan(std::size_t arena_bytes, std::optional<std::uint64_t> declared,
                                                 const std::optional<PrintGrid>& grid, std::uint32_t threads,
                                                 const PlanEvidence& evidence = {});

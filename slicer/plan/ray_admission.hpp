@@ -1,5 +1,5 @@
 #pragma once
-/// Whether what the rays of a placed object make will fit into the arena, said before they are shot.
+/// Whether the crossings of a placed object fit into the arena, decided before its rays are shot.
 
 #include <array>
 #include <cstddef>
@@ -12,21 +12,20 @@
 
 namespace plumbline {
 
-/// What is known when an object has been placed.
+/// What is known once an object has been placed.
 struct PlacedObject {
   const Cloud& cloud;             ///< mm
-  std::uint32_t read_points = 0;  ///< that the cloud's room was made for
-  float support_points = 0;
+  std::uint32_t read_points = 0;  ///< points of the cloud after reading, for which its room was taken
   PrintGrid grid;
   ConstBitImage interested;  ///< the rays that will be shot
   bool confidence = false;   ///< SliceSettings::confidence
   std::uint32_t threads = 1;
 };
 
-/// The extent of the object is known, and with it what its crossings take: a job that has no room for them ends here, not
-/// when the arena is full of rays. On scans of closed objects the surface tells their number within 6 %.
-/// @param planned_bytes  by Stage; those of the rays and of what follows them are set
-/// @retval ErrorCode::kOutOfMemory  what the scan has seen does not fit; a job that might fit is let go on
+/// Refuses a job whose crossings can't fit, before minutes are spent on its rays. The number of crossings is estimated from
+/// the area of the surface seen from above: within 6 % on scans of closed objects.
+/// @param planned_bytes  by Stage; the ray grid's and those of all stages after it are set
+/// @retval ErrorCode::kOutOfMemory  the crossings of what the scan has seen don't fit. A job that might fit goes on
 [[nodiscard]] Status admit_rays(const PlacedObject& object, const Arena& arena,
                                 std::array<std::size_t, kStageCount>& planned_bytes);
 

@@ -122,6 +122,7 @@ class Clusterer {
   /// Finds core points, and the density and noise of the surface around each point. Sets radius[] to that of one
   /// point's share.
   bool measure(const StageProgress& progress) {
+    cloud_.support_points = 1;
     LoopProgress loop(progress, blocks_);
 #pragma omp parallel for schedule(dynamic, 64)
     for (std::uint32_t b = 0; b < blocks_; ++b) {
@@ -243,9 +244,7 @@ class Clusterer {
     result.coherent = coherent_;
     result.noise = static_cast<float>(kMedianToDeviation) * median(heights_);
     const float noisy = std::clamp((result.noise / epsilon_ - kCleanNoise) / (kFullNoise - kCleanNoise), 0.0F, 1.0F);
-    result.support_points = settings_.min_support + noisy * (settings_.max_support - settings_.min_support);
-    const float growth = std::sqrt(result.support_points);
-    for (float& radius : cloud_.radius.first(cloud_.size)) radius *= growth;
+    cloud_.set_support_points(settings_.min_support + noisy * (settings_.max_support - settings_.min_support));
     for (std::uint32_t i = 0; i < cloud_.size; ++i) {
       const bool core = (flags_[i] & kCore) != 0;
       if ((flags_[i] & kNoisePoint) != 0) cloud_.normal[i].point_class = PointClass::kNoise;

@@ -34,14 +34,16 @@ struct ClusteringSettings {
 [[nodiscard]] Expected<float> density_epsilon(const Cloud& cloud, const KdTree3& tree,
                                               const ClusteringSettings& settings, Arena& arena);
 
-struct ClusteringResult {
-  float epsilon = 0;           ///< mm
+struct ClusteringCounts {
   bool coherent = true;        ///< false if most points are outliers: the median point's neighbours face other ways
   std::uint32_t clusters = 0;  ///< 0 if no labels were asked for
   ClassCounts points;          ///< by class
   std::uint32_t core_points = 0;
-  float noise = 0;           ///< standard deviation of points off the sheet of their neighbours, from the median; mm
-  float support_points = 0;  ///< points of a sheet within the support radius radius[]
+};
+struct ClusteringResult : ClusteringCounts {
+  float epsilon = 0;  ///< in the unit of the cloud
+  float noise =
+      0;  ///< standard deviation of points off the sheet of their neighbours, from the median; unit of the cloud
 };
 
 inline constexpr std::uint32_t kNoCluster = 0xFFFFFFFFU;
@@ -55,7 +57,7 @@ inline constexpr std::uint32_t kNoCluster = 0xFFFFFFFFU;
 /// minPts neighbours. With enough neighbours of mixed type it keeps its type without a cluster, as the thesis' wording
 /// has it: a noisy vertical wall mixes all three types and is not noise.
 ///
-/// radius[i] is set to the radius of a disc that holds about `support_points` points at the density of the surface
+/// Cloud::radius is set for supports that hold Cloud::support_points points at the density of the surface
 /// around i: min_support on a clean scan, up to max_support where noise must be averaged out.
 ///
 /// @param cloud    in the order of `tree`; normal[].point_class and radius[] are set

@@ -119,7 +119,7 @@ Status refine_normals(const Cloud& cloud, const KdTree3& tree, const ClusteringS
                       const StageProgress& progress) {
   const std::uint32_t blocks = (cloud.size + kSharedSearch - 1) / kSharedSearch;
   const bool measured = source == NormalSource::kScanner;
-  const float share = std::sqrt(measured ? kPlanePoints / clustering.support_points : kPlaneSupports);
+  const float share = std::sqrt(measured ? kPlanePoints / cloud.support_points : kPlaneSupports);
   const float explained = measured ? clustering.noise : 0;
   const float max_offset = std::max(kMaxOffset * clustering.epsilon, clustering.noise);
   LoopProgress refining(progress, blocks);

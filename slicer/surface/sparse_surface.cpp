@@ -46,7 +46,7 @@ std::optional<float> sparse_surface_radius(const Cloud& cloud, const KdTree3& tr
 Status rescue_sparse_surface(Cloud& cloud, const KdTree3& tree, const ClusteringSettings& settings,
                              ClusteringResult& result, const StageProgress& progress) {
   const std::uint32_t blocks = (cloud.size + kBlock - 1) / kBlock;
-  const float growth = std::sqrt(result.support_points);
+  const float growth = std::sqrt(cloud.support_points);
   LoopProgress rescuing(progress, blocks);
 #pragma omp parallel for schedule(dynamic, 8)
   for (std::uint32_t b = 0; b < blocks; ++b) {

@@ -221,7 +221,7 @@ Expected<StrayPieces> mark_stray_pieces(Cloud& cloud, const ClusteringResult& cl
   PLUMBLINE_TRY(slots);
   const auto suspects = arena.take_top<Suspect>(kMaxSuspects, kStage);
   PLUMBLINE_TRY(suspects);
-  const float area_factor = kPi / clustering.support_points;
+  const float area_factor = kPi / cloud.support_points;
   for (float edge = kCellEpsilons * clustering.epsilon;; edge *= 2) {
     Cells cells(cloud, edge, *slots);
     if (cells.fill(area_factor)) return Search(cloud, cells, area_factor, *suspects).mark();

@@ -151,9 +151,9 @@ std::size_t support_size_bytes() {
   return 2 * (Arena::rounded(kHalfCapacity * sizeof(Half::Point)) + RayPoints::bytes_needed(kHalfCapacity));
 }
 
-Status widen_supports(Cloud& cloud, const KdTree3& tree, const ClusteringSettings& settings,
-                      ClusteringResult& clustering, Arena& arena, const StageProgress& progress) {
-  const float present = clustering.support_points;
+Status widen_supports(Cloud& cloud, const KdTree3& tree, const ClusteringSettings& settings, Arena& arena,
+                      const StageProgress& progress) {
+  const float present = cloud.support_points;
   if (!(present > settings.min_support) || cloud.size < kPlaces * kSamples) return {};
   const ArenaScope scope(arena);
   std::array<Half, 2> halves;
@@ -173,9 +173,7 @@ Status widen_supports(Cloud& cloud, const KdTree3& tree, const ClusteringSetting
     any |= risk.add_place(place);
   }
   if (!any) return {};
-  clustering.support_points = risk.best_size();
-  const float growth = std::sqrt(clustering.support_points / present);
-  for (float& radius : cloud.radius.first(cloud.size)) radius *= growth;
+  cloud.set_support_points(risk.best_size());
   return {};
 }
 

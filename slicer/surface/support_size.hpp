@@ -25,11 +25,10 @@ std::size_t support_size_bytes();
 /// is the same in both halves, so it would count as detail.
 ///
 /// A scan without noise, or with too few points to measure, keeps its supports.
-/// @param cloud       in the order of `tree`; radius[] and classes set by cluster(), noise is not used. radius[] grows
-/// @param clustering  support_points grows
-/// @param arena       support_size_bytes() from the top, released on return
+/// @param cloud  in the order of `tree`; radius[] and classes set by cluster(), noise is not used. Its supports grow
+/// @param arena  support_size_bytes() from the top, released on return
 /// @retval ErrorCode::kOutOfMemory, kCancelled
-[[nodiscard]] Status widen_supports(Cloud& cloud, const KdTree3& tree, const ClusteringSettings& settings,
-                                    ClusteringResult& clustering, Arena& arena, const StageProgress& progress = {});
+[[nodiscard]] Status widen_supports(Cloud& cloud, const KdTree3& tree, const ClusteringSettings& settings, Arena& arena,
+                                    const StageProgress& progress = {});
 
 }  // namespace plumbline

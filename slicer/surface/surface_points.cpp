@@ -8,15 +8,15 @@
 namespace plumbline {
 namespace {
 
-// Of the time, so far:
+// Progress at the end of each step, 0 to 1.
 constexpr double kClustered = 0.6;
 constexpr double kRefined = 0.82;
 constexpr double kRescued = 0.85;
 constexpr double kSized = 0.92;
 constexpr double kRefinedAgain = 0.95;
 
-/// Where most points are strays, what is left of them is a surface if it has this share of core points. A surface has 0.5
-/// and more; what happens to face the same way among strays is mostly of mixed type: 0.1.
+/// Where most points are outliers, the rest is a surface if it has this share of core points. A surface has 0.5 or more.
+/// Outliers that happen to face the same way are mostly of mixed type: 0.1.
 constexpr double kLeastCoreShare = 0.25;
 
 Status refine(Cloud& cloud, const KdTree3& tree, const SurfaceSettings& settings, const ClusteringResult& clustering,
@@ -56,9 +56,9 @@ Expected<SurfacePoints> find_surface_points(Cloud& cloud, const KdTree3& tree, c
     PLUMBLINE_TRY(strays);
     surface.strays = *strays;
   }
-  const float narrow = clustering.support_points;
-  PLUMBLINE_TRY(widen_supports(cloud, tree, clustering_settings, clustering, arena, progress.part(kRescued, kSized)));
-  if (settings.normals == NormalSource::kPoints && clustering.coherent && clustering.support_points > narrow) {
+  const float narrow = cloud.support_points;
+  PLUMBLINE_TRY(widen_supports(cloud, tree, clustering_settings, arena, progress.part(kRescued, kSized)));
+  if (settings.normals == NormalSource::kPoints && clustering.coherent && cloud.support_points > narrow) {
     PLUMBLINE_TRY(refine(cloud, tree, settings, clustering, arena, progress.part(kSized, kRefinedAgain)));
   }
   if (surface.found()) {

@@ -1,5 +1,5 @@
 #pragma once
-/// Which points are the object's surface, which way it faces there, and how far each of them counts.
+/// Finds the points of the object's surface, with their classes, normals and supports.
 
 #include "slicer/cloud/cloud.hpp"
 #include "slicer/cloud/kd_tree.hpp"
@@ -23,15 +23,15 @@ struct SurfacePoints {
   StrayPieces strays;
   BoreWalls bore_walls;
 
-  /// Whether there is a surface at all; where most points are strays, whether what is left of them is one.
+  /// Whether there is a surface. Where most points are outliers, the rest must have enough core points.
   bool found() const;
 };
 
-/// cluster() and what goes beyond the thesis from there: refine_normals(), rescue_sparse_surface(), mark_stray_pieces(),
-/// widen_supports() and continue_bore_walls(), in that order. Estimated normals are fitted anew when supports are wider.
+/// Calls cluster(), and what goes beyond the thesis: refine_normals(), rescue_sparse_surface(), mark_stray_pieces(),
+/// widen_supports() and continue_bore_walls(), in that order. Estimated normals are fitted again if supports got wider.
 ///
-/// @param cloud  in the order of `tree`, with normals; on return noise is gone, classes and radius[] are set
-/// @param arena  what those take from the top, given back
+/// @param cloud  in the order of `tree`, with normals. On return noise points are gone, classes and supports are set
+/// @param arena  work space of these functions from the top, released on return
 /// @retval ErrorCode::kOutOfMemory, kCancelled
 [[nodiscard]] Expected<SurfacePoints> find_surface_points(Cloud& cloud, const KdTree3& tree,
                                                           const SurfaceSettings& settings, Arena& arena,

@@ -13,13 +13,15 @@ namespace plumbline {
 std::size_t align_views_bytes(std::uint32_t points);
 
 /// Result of align_views(). Nothing was moved if `moved` is 0.
-struct ViewAlignment {
+struct ViewCounts {
   std::uint32_t views = 0;   ///< views found
   std::uint32_t points = 0;  ///< points that belong to a view
-  float before = 0;          ///< RMS distance of the points from the smooth surface around them, mm
-  float after = 0;           ///< the same after the views were moved, mm
-  float moved = 0;           ///< RMS motion of a view's points, mm
-  float ripple = 0;          ///< RMS ripple that was removed, mm; part of `moved`
+};
+struct ViewAlignment : ViewCounts {
+  float before = 0;  ///< RMS distance of the points from the smooth surface around them, in the unit of the cloud
+  float after = 0;   ///< the same after the views were moved
+  float moved = 0;   ///< RMS motion of a view's points, in the unit of the cloud
+  float ripple = 0;  ///< RMS ripple that was removed, in the unit of the cloud; part of `moved`
 };
 
 /// Calls find_views() and register_views() where noise exceeds a fifth of the points' spacing.

@@ -121,7 +121,7 @@ void row_of_ray_tiles(benchmark::State& state) {
   ArenaBlock arena(128 * kMiB);
   const ClusteredScan scanned = clustered(scan(static_cast<std::uint32_t>(state.range(0))), *arena);
   const auto nodes = value_of(arena->take_top<DipoleNode>(WindingTree::nodes_needed(scanned.cloud.size), "bench"));
-  const WindingTree winding = WindingTree::build(scanned.cloud, scanned.clustering.support_points, nodes);
+  const WindingTree winding = WindingTree::build(scanned.cloud, nodes);
   const PrintGrid grid{.columns = kSide,
                        .rows = kSide,
                        .layers = kSide,

@@ -46,7 +46,7 @@ TEST(Determinism, TheRRepIsTheSameForAnyNumberOfThreads) {
     EXPECT_TRUE(std::ranges::equal(many.rrep().pixel, one.rrep().pixel)) << threads;
     EXPECT_EQ(many.report().clustering.points, one.report().clustering.points) << threads;
     EXPECT_EQ(many.report().clustering.core_points, one.report().clustering.core_points) << threads;
-    EXPECT_EQ(many.report().clustering.noise, one.report().clustering.noise) << threads;
+    EXPECT_EQ(many.report().lengths.noise.value, one.report().lengths.noise.value) << threads;
     EXPECT_EQ(many.report().rays.decided, one.report().rays.decided) << threads;
     EXPECT_EQ(many.report().width_mm, one.report().width_mm) << threads;
   }

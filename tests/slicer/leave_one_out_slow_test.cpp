@@ -1,4 +1,4 @@
-/// What a view of a real scan says of a print made without it, where the scan is present beside the repository.
+/// Compares each view of a real scan with a print made without it, if the scan is present beside the repository.
 
 #include <gtest/gtest.h>
 
@@ -50,7 +50,7 @@ std::vector<Surface> views_of(const std::string& name) {
   return views;
 }
 
-/// A stack of sections, and how far a place is from the surface of its voxels.
+/// A stack of sections that measures how far a place is from the surface of its voxels.
 class Print {
  public:
   explicit Print(const Slicing& sliced) : grid_(sliced.grid()) {
@@ -62,7 +62,7 @@ class Print {
 
   /// @param at     in voxels
   /// @param reach  voxels
-  /// @returns voxels; none if it is farther
+  /// @returns voxels; none if the surface is farther than `reach`
   std::optional<double> distance(const Vec3d& at, int reach) const {
     for (int r = 2; r <= reach; r *= 2) {
       const double found = nearest_face(at, r);
@@ -100,7 +100,7 @@ class Print {
   std::vector<OwnedImage> layers_;
 };
 
-/// One view, to be asked how far it has a place from its surface.
+/// One view that measures how far a place is from its surface.
 class View {
  public:
   explicit View(const Surface& surface) : block_(8 * kMiB), cloud_(cloud_of(surface, *block_)) {
@@ -143,8 +143,8 @@ double percentile_95(std::vector<double>& values) {
   return *at;
 }
 
-/// For each view: a print of the others is no farther from its points than 1.3 times what the views lie apart themselves,
-/// where one of the others saw the place. 95th percentiles.
+/// For each view: a print of the others is at most 1.3 times as far from its points as the views are from each other, where
+/// another view saw the place. 95th percentiles.
 void expect_prints_between_the_views(const std::string& name) {
   if (!std::filesystem::exists(shared_scan(name + ".views.json"))) {
     GTEST_SKIP() << "needs " << shared_scan(name + ".ply") << ", which is not part of the repository";

@@ -1,4 +1,4 @@
-/// Real scans, where they are present beside the repository.
+/// Slices real scans, if they are present beside the repository.
 
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ namespace {
 
 using namespace testing;
 
-/// Connected solids of a stack of masks, in runs of white pixels; voxels touch at faces.
+/// Connected solids of a stack of masks, from runs of white pixels. Voxels touch at faces.
 class Solids {
  public:
   void add(ConstBitImage mask) {
@@ -39,7 +39,7 @@ class Solids {
     below_ = std::move(layer);
   }
 
-  /// Voxels of each, the largest first.
+  /// Voxels of each solid, largest first.
   std::vector<std::uint64_t> sizes() {
     std::vector<std::uint64_t> sum(parent_.size(), 0);
     for (std::uint32_t i = 0; i < parent_.size(); ++i) sum[root(i)] += voxels_[i];
@@ -72,7 +72,7 @@ void expect_a_whole_body(const std::string& name, double tallest_mm) {
   if (!std::filesystem::exists(path)) GTEST_SKIP() << "needs " << path << ", which is not part of the repository";
   const std::string bytes = content_of(path);
 
-  // As large as asked for, whatever the unit of the scan is.
+  // The scale makes up for any unit of the scan.
   SliceSettings settings = settings_with_pitch(0.1F);
   settings.placement.printer = PrinterVolume{2000, 2000, 0.1F, 0.1F, static_cast<float>(tallest_mm)};
   settings.placement.fit = true;

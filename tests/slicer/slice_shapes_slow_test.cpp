@@ -1,4 +1,4 @@
-/// The figure for a sphere at the full resolution of a panel.
+/// A sphere at the full resolution of a panel.
 
 #include <gtest/gtest.h>
 

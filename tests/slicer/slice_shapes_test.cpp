@@ -1,4 +1,4 @@
-/// Whole scans of shapes whose inside is known: every ray perfect, whatever the scan left open (thesis III-4.a).
+/// Slices scans of known shapes from end to end. Every ray must be perfect, whatever the scan left open (thesis III-4.a).
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,8 +15,8 @@ using namespace testing;
 
 constexpr double sphere_volume(double r) { return 4.0 / 3 * kPi * r * r * r; }
 
-/// Whatever was done to the scan, every ray leaves the object as often as it enters it. What the last layer cuts off is
-/// entered and never left: rays that are open at the top are those white in the last section.
+/// Every ray exits the object as often as it enters it, except where the object reaches the top of the last layer: a ray
+/// with an odd number of crossings is white in the last section.
 void expect_every_ray_closed(const Slicing& sliced) {
   const std::vector<std::uint32_t> crossings = sliced.crossings_by_ray();
   std::uint64_t odd = 0;
@@ -43,7 +43,7 @@ TEST(SliceShapes, ASphereHasItsVolumeWithinAThousandth) {
   EXPECT_EQ(sliced.rays(RayDecision::kBase), 0U);
 }
 
-TEST(SliceShapes, ATorusStandingUpIsWhereItIs) {
+TEST(SliceShapes, AStandingTorusIsInItsPlace) {
   const Slicing sliced(binary_ply(torus(8, 3, {5, 5, 11}, 0.15, 0)), settings_with_pitch(0.1F), 64 * kMiB);
   const auto distance = [](const Vec3d& p) {
     const Vec3d d = p - Vec3d(5, 5, 11);
@@ -54,10 +54,10 @@ TEST(SliceShapes, ATorusStandingUpIsWhereItIs) {
   expect_every_ray_closed(sliced);
 }
 
-/// Of a place, from the middle of the nearest of many in a row, one in each pitch.
+/// Offset of `at` from the middle of the nearest of many equal cells in a row, `pitch` long each.
 double from_nearest(double at, double pitch) { return at - pitch * (std::floor(at / pitch) + 0.5); }
 
-// They went as small features of the layers: two dozen points each, and wider than anything that noise makes.
+// Dots of two dozen points each, wider than anything that noise makes, were once dropped as small features.
 TEST(SliceShapes, APlateKeepsItsDots) {
   constexpr double kPitch = 2.5;
   constexpr double kRadius = 0.65;
@@ -78,7 +78,7 @@ TEST(SliceShapes, APlateKeepsItsDots) {
     p.position[2] += dot(p.position);
   }
   const Slicing sliced(binary_ply(surface), settings_with_pitch(0.05F), 64 * kMiB);
-  // What stands on the plate: of each dot, a paraboloid, what is more than one layer above it.
+  // Counts what is more than one layer above the plate: the rest of each dot, a paraboloid.
   std::uint64_t voxels = 0;
   sliced.for_each_section([&](std::uint32_t k, ConstBitImage section) {
     if (sliced.middle_of(0, 0, k)[2] > high[2] + 0.05) voxels += section.count();
@@ -88,7 +88,7 @@ TEST(SliceShapes, APlateKeepsItsDots) {
   EXPECT_NEAR(static_cast<double>(voxels) * 0.05 * 0.05 * 0.05, wanted, 0.15 * wanted);
 }
 
-// They went, too: each is smaller than two cubes of epsilon.
+// Pins were once dropped too: each is smaller than two cubes of epsilon.
 TEST(SliceShapes, APlateKeepsItsPins) {
   constexpr double kPitch = 2;
   constexpr double kRadius = 0.19;
@@ -134,7 +134,7 @@ TEST(SliceShapes, AMissingCapIsClosed) {
   }
   const Slicing sliced(binary_ply(surface), settings_with_pitch(0.2F), 64 * kMiB);
   expect_every_ray_closed(sliced);
-  // What closes the hole may bulge or be flat: the cap that is missing holds 0.6 % of the sphere.
+  // The hole may be closed with a bulge or flat: the missing cap has 0.6 % of the sphere's volume.
   EXPECT_GT(sliced.volume(), 0.985 * sphere_volume(10));
   EXPECT_LT(sliced.volume(), 1.005 * sphere_volume(10));
   const auto distance = [](const Vec3d& p) {
@@ -155,13 +155,13 @@ TEST(SliceShapes, AnOpenUndersideIsClosedFlatAtItsLowestRim) {
   expect_every_ray_closed(sliced);
   const auto distance = [](const Vec3d& p) { return p.norm() - 10; };
   EXPECT_EQ(sliced.wrong_voxels(distance, 0.3), 0U);
-  // Next to the rim the wall's own points decide.
+  // Beside the rim the points of the wall decide.
   const double opening = kPi * (10 * 10 - 4 * 4) / (0.2 * 0.2);
   EXPECT_GT(static_cast<double>(sliced.rays(RayDecision::kBase)), 0.9 * opening);
   EXPECT_LT(static_cast<double>(sliced.rays(RayDecision::kBase)), 1.02 * opening);
 }
 
-// What stands in front of the rest, and was seen from the front alone, was lost: it fills little of the field around it.
+// A part in front of the rest that was seen from the front only was once lost: it fills little of the field around it.
 TEST(SliceShapes, AScanOfOneSideIsARelief) {
   Random random(66);
   const auto on_board = [](double x, double y) { return x > 0 && x < 14 && std::abs(y) < 2; };
@@ -169,7 +169,7 @@ TEST(SliceShapes, AScanOfOneSideIsARelief) {
   for (const SurfacePoint& p : sphere(30000, 6, {0, 0, 0})) {
     if (p.position[2] > 0 && !on_board(p.position[0], p.position[1])) surface.push_back(p);
   }
-  // A board that leaves the dome's top to one side; its own sides hang over.
+  // A board that sticks out sideways from the top of the dome; its sides overhang.
   append(surface, sheet({0, -2, 6}, {14, 0, 0}, {0, 4, 0}, 0.12, 0.3, random));
   const Slicing sliced(binary_ply(surface), settings_with_pitch(0.2F), 64 * kMiB);
   expect_every_ray_closed(sliced);
@@ -207,7 +207,7 @@ TEST(SliceShapes, APatchThatFacesTheWrongWayIsStillSolid) {
   EXPECT_EQ(sliced.report().components.cavities, 0U);
 }
 
-// At the rim of the patch two sheets that contradict each other meet: a dent remains, of 4 mm^3 where the sphere has 4200.
+// Two contradicting sheets meet at the rim of the patch and leave a dent of 4 mm^3; the sphere has 4200 mm^3.
 TEST(SliceShapes, APatchThatFacesTheWrongWayLeavesNoWideDent) {
   Surface surface = sphere(30000, 10, {0, 0, 0});
   for (SurfacePoint& p : surface) {
@@ -218,7 +218,7 @@ TEST(SliceShapes, APatchThatFacesTheWrongWayLeavesNoWideDent) {
   EXPECT_LT(static_cast<double>(deep) * 0.2 * 0.2 * 0.2, 0.002 * sphere_volume(10));
 }
 
-TEST(SliceShapes, NoiseAndStraysLeaveOnePieceWithoutBubbles) {
+TEST(SliceShapes, NoiseAndOutliersLeaveOneSolidWithoutCavities) {
   Random random(62);
   Surface surface = sphere(40000, 10, {0, 0, 0});
   add_noise(surface, 0.05, 0.1, random);
@@ -234,7 +234,7 @@ TEST(SliceShapes, NoiseAndStraysLeaveOnePieceWithoutBubbles) {
   EXPECT_EQ(sliced.wrong_voxels([](const Vec3d& p) { return p.norm() - 10; }, 0.4), 0U);
 }
 
-TEST(SliceShapes, ABubbleInsideIsAHollow) {
+TEST(SliceShapes, AnEnclosedSphereIsACavity) {
   Surface surface = sphere(30000, 10, {0, 0, 0});
   for (SurfacePoint p : sphere(8000, 5, {0, 0, 0})) {
     p.normal = -p.normal;
@@ -247,8 +247,8 @@ TEST(SliceShapes, ABubbleInsideIsAHollow) {
   EXPECT_EQ(sliced.report().components.solids, 1U);
 }
 
-// Background that was scanned along and came to lie inside the object, close to its wall, blew a bubble of 2 mm into a bust.
-TEST(SliceShapes, ASmallBubbleInsideIsFilledUnlessAllIsKept) {
+// Scanned background that lay inside a bust, close to its wall, once made a cavity of 2 mm.
+TEST(SliceShapes, ASmallCavityIsFilledUnlessAllIsKept) {
   Surface surface = sphere(120000, 10, {0, 0, 0});
   for (SurfacePoint p : sphere(1700, 1.2, {0, 8, 0})) {
     p.normal = -p.normal;
@@ -266,7 +266,7 @@ TEST(SliceShapes, ASmallBubbleInsideIsFilledUnlessAllIsKept) {
   EXPECT_EQ(filled.report().components.sealed_cavities, 1U);
 }
 
-TEST(SliceShapes, RotatedAndScaledTheyStandAccordingly) {
+TEST(SliceShapes, ARotatedAndScaledBoxIsInItsPlace) {
   Random random(63);
   SliceSettings settings = settings_with_pitch(0.2F);
   settings.placement.scale = 2;

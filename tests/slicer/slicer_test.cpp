@@ -16,7 +16,7 @@ namespace {
 using namespace testing;
 using ::testing::HasSubstr;
 
-/// Counts what is read of it.
+/// Counts how often it is read.
 class CountingSource final : public ByteSource {
  public:
   explicit CountingSource(std::string bytes) : bytes_(std::move(bytes)), source_(bytes_, "counted.ply") {}
@@ -60,7 +60,7 @@ TEST(Slice, TakesNoMoreRoomThanTheHeaderPromises) {
   EXPECT_LT(sliced.report().peak_bytes[static_cast<std::size_t>(Stage::kRead)], kMiB);
 }
 
-TEST(Slice, BelievesNoHeaderThatPromisesMoreThanItsFileHolds) {
+TEST(Slice, TakesNoRoomForPointsThatTheFileIsTooShortFor) {
   ArenaBlock arena(200 * kMiB);
   const std::string scan = promising(sphere(2000, 10, {0, 0, 0}), "4000000000");
   MemorySource source(scan, "promise.ply");
@@ -72,7 +72,7 @@ TEST(Slice, BelievesNoHeaderThatPromisesMoreThanItsFileHolds) {
   EXPECT_EQ(arena->used(), 0U);
 }
 
-/// Hears which stages ran; cancels the one asked for.
+/// Records which stages ran, and cancels one if asked to.
 class Listener final : public ProgressSink {
  public:
   explicit Listener(std::optional<Stage> cancel = std::nullopt) : cancel_(cancel) {}
@@ -87,7 +87,7 @@ class Listener final : public ProgressSink {
     EXPECT_LE(fraction, 1);
     EXPECT_GE(fraction, fraction_) << to_string(stage);
     fraction_ = fraction;
-    ++heard_[static_cast<std::size_t>(stage)];
+    ++advances_[static_cast<std::size_t>(stage)];
     return cancel_ != stage;
   }
   void end(Stage stage, std::size_t peak) override {
@@ -96,20 +96,20 @@ class Listener final : public ProgressSink {
     running_.reset();
   }
   std::optional<Stage> last() const { return last_; }
-  int heard(Stage stage) const { return heard_[static_cast<std::size_t>(stage)]; }
+  int advances(Stage stage) const { return advances_[static_cast<std::size_t>(stage)]; }
 
  private:
   std::optional<Stage> cancel_;
   std::optional<Stage> running_;
   std::optional<Stage> last_;
   double fraction_ = 0;
-  std::array<int, kStageCount> heard_{};
+  std::array<int, kStageCount> advances_{};
 };
 
-// Without a printer the grid is only known when the object has been placed, so the arena may turn out too small then: but
-// never when its rays are half shot.
+// Without a printer the grid is known only once the object has been placed. The arena may turn out too small at that stage,
+// but never while rays are shot.
 TEST(Slice, LeavesTheArenaAsItWasWhereverItRunsOut) {
-  // A rod across a large grid: the images take more than its points do.
+  // A rod across a large grid: its images take more memory than its points.
   Random random(2);
   const std::string scan = binary_ply(box({0, 0, 0}, {100, 1.5, 1.5}, 0.4, 0.3, random));
   SliceSettings settings = settings_with_pitch(0.03F);
@@ -138,7 +138,7 @@ TEST(Slice, LeavesTheArenaAsItWasWhereverItRunsOut) {
     EXPECT_EQ(arena->bottom_mark(), bottom) << kib;
     EXPECT_NE(listener.last(), Stage::kRays) << kib;
     if (rrep.error().code() == ErrorCode::kNoSurface) {
-      EXPECT_THAT(rrep.error().message(), HasSubstr("were thinned to"));
+      EXPECT_THAT(rrep.error().message(), HasSubstr("were thinned because"));
       ++thinned_away;
       continue;
     }
@@ -154,8 +154,8 @@ TEST(Slice, LeavesTheArenaAsItWasWhereverItRunsOut) {
   EXPECT_GT(crossings_refused, 0);
 }
 
-// A million points take up to some seconds in each of these.
-TEST(Slice, TellsItsProgressAllTheWay) {
+// Each of these stages takes up to some seconds on a million points.
+TEST(Slice, ReportsProgressInEveryLongStage) {
   Surface surface = sphere(100'000, 10, {0, 0, 0});
   for (SurfacePoint& p : surface) p.normal.setZero();
   const std::string scan = binary_ply(surface);
@@ -167,7 +167,7 @@ TEST(Slice, TellsItsProgressAllTheWay) {
   settings.threads = 2;
   ASSERT_TRUE(slice(source, settings, *arena, &listener, report).has_value());
   for (const Stage stage : {Stage::kRead, Stage::kTrees, Stage::kNormals, Stage::kClustering, Stage::kRayGrid}) {
-    EXPECT_GE(listener.heard(stage), 20) << to_string(stage);
+    EXPECT_GE(listener.advances(stage), 20) << to_string(stage);
   }
 }
 
@@ -189,8 +189,8 @@ TEST(Slice, LeavesTheArenaAsItWasWhenItIsCancelled) {
   }
 }
 
-TEST(Slice, SaysBeforeTheRaysThatAnObjectIsTooLargeForTheArena) {
-  // The panel's plan is for half of it with three crossings a ray: a box that fills it, in twelve storeys, has far more.
+TEST(Slice, RefusesAnObjectTooLargeForTheArenaBeforeItsRays) {
+  // The plan is for half of the panel with three crossings a ray. Twelve storeys that fill the panel have far more.
   Random random(3);
   Surface surface;
   for (int k = 0; k < 12; ++k) append(surface, box({0, 0, 1.0 * k}, {29, 29, 1.0 * k + 0.5}, 0.25, 0.3, random));
@@ -204,7 +204,7 @@ TEST(Slice, SaysBeforeTheRaysThatAnObjectIsTooLargeForTheArena) {
   const auto rrep = slice(source, settings, *arena, &listener, report);
   ASSERT_FALSE(rrep.has_value());
   EXPECT_EQ(rrep.error().code(), ErrorCode::kOutOfMemory);
-  EXPECT_THAT(rrep.error().message(), HasSubstr("the arena, it has 16.0 MiB"));
+  EXPECT_THAT(rrep.error().message(), HasSubstr("the arena has 16.0 MiB"));
   EXPECT_EQ(listener.last(), Stage::kRayGrid);
   EXPECT_EQ(arena->used(), 0U);
 }
@@ -217,16 +217,16 @@ TEST(Slice, LeavesOnlyTheRRepInTheArena) {
             Arena::rounded(rrep.first.size_bytes()) + Arena::rounded(rrep.pixel.size_bytes()));
 }
 
-TEST(Slice, OfPointsWithoutASurfaceSaysSo) {
-  const Surface strays(200, {Vec3d(1, 2, 3), Vec3d(0, 0, 1)});  // all in one place
+TEST(Slice, SaysWhenPointsHaveNoSurface) {
+  const Surface dust(200, {Vec3d(1, 2, 3), Vec3d(0, 0, 1)});  // all in one place
   ArenaBlock arena(16 * kMiB);
-  const std::string scan = binary_ply(strays);
-  MemorySource source(scan, "strays.ply");
+  const std::string scan = binary_ply(dust);
+  MemorySource source(scan, "dust.ply");
   SliceReport report;
   const auto rrep = slice(source, settings_with_pitch(0.1F), *arena, nullptr, report);
   ASSERT_FALSE(rrep.has_value());
   EXPECT_EQ(rrep.error().code(), ErrorCode::kNoSurface);
-  EXPECT_THAT(rrep.error().message(), HasSubstr("strays.ply"));
+  EXPECT_THAT(rrep.error().message(), HasSubstr("dust.ply"));
   EXPECT_EQ(arena->used(), 0U);
 }
 

@@ -26,7 +26,7 @@ BoreSurface::BoreSurface(Cloud& cloud, const KdTree3& tree, ClusteringResult& cl
     : cloud_(cloud),
       tree_(tree),
       clustering_(clustering),
-      support_over_share_(std::sqrt(clustering.support_points)),
+      support_over_share_(std::sqrt(cloud.support_points)),
       scanned_(cloud.size) {}
 
 bool BoreSurface::is_sparse(std::uint32_t i) const {

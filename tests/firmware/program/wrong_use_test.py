@@ -100,7 +100,7 @@ class WorldErrors(Program):
     def test_arena_too_small_for_any_job(self):
         write_sphere(self.scan)
         arguments = ("slice", self.scan, "-o", self.out, "--printer", SOURCE_DIR / "board/mono2k.toml", "--arena-mib", 8)
-        self.refused(*arguments, message="the job cannot fit: the stage '.*' needs .* MiB")
+        self.refused(*arguments, message="the job does not fit into the arena of .* MiB: stage '.*' needs .* MiB")
 
 
 class Usage(Program):

@@ -204,7 +204,7 @@ TEST(JobWarnings, NameUnitsSizeThinningHolesAndNormals) {
   report->slice.units = Units::kMetres;
   report->slice.placement.size_mm = {700, 1, 1};
   report->slice.placement.scale = 1000;
-  report->slice.thinning_cell_mm = 0.2;
+  report->slice.lengths.thinning_cell = {0.2F};
   report->coverage = ConfidenceShares{.surface = {0.979, 0, 0.01, 0.011}};
   report->slice.normals.estimated = 5;
   find_warnings(*report);

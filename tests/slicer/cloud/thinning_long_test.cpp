@@ -118,7 +118,7 @@ TEST(ThinningLong, AHundredMillionPointsPassThroughTheArenaOfAPrinterAndPrintThe
   Slicing thinned(many, settings, 96 * kMiB);
   EXPECT_EQ(thinned.report().scan.points, 100'000'000U);
   EXPECT_LE(thinned.report().cloud_points, thinned.report().cloud_capacity);
-  EXPECT_GT(thinned.report().thinning_cell_mm, 0);
+  EXPECT_GT(thinned.report().lengths.thinning_cell.value, 0);
   EXPECT_GT(thinned.report().averaged_points, 90'000'000U);
 
   SphereStream few(1, kRadius);
@@ -144,7 +144,7 @@ TEST(ThinningLong, AHundredMillionPointsPassThroughTheArenaOfAPrinterAndPrintThe
       }
     }
   }
-  RecordProperty("cell_um", static_cast<int>(1000 * thinned.report().thinning_cell_mm));
+  RecordProperty("cell_um", static_cast<int>(1000 * thinned.report().lengths.thinning_cell.value));
   RecordProperty("different_pixels", std::to_string(different));
   EXPECT_GT(white, 100'000'000U);
   // A sphere's lowest and highest layers are nearly flat: a micrometre of height moves their edge by many pixels.

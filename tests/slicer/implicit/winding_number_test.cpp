@@ -21,7 +21,7 @@ double direct_sum(const WindingField& field, const Vec3d& x) {
   for (std::uint32_t i = 0; i < cloud.size; ++i) {
     const Vec3d d = cloud.position[i].cast<double>() - x;
     const double r = cloud.radius[i];
-    const double area = kPi * r * r / field.scan().clustering.support_points;
+    const double area = kPi * r * r / field.scan().cloud.support_points;
     sum += area * cloud.normal[i].unpack().cast<double>().dot(d) / (4 * kPi * std::pow(d.norm(), 3));
   }
   return sum;
@@ -162,14 +162,15 @@ TEST(WindingNumber, ClosesAHoleInAPlaneFlat) {
 
 TEST(WindingNumber, OfOnePointAndOfNoneIsFinite) {
   ArenaBlock arena(kMiB);
-  const Cloud one = cloud_of({{Vec3d(1, 1, 1), Vec3d(0, 0, 1)}}, *arena, 0.5F);
+  Cloud one = cloud_of({{Vec3d(1, 1, 1), Vec3d(0, 0, 1)}}, *arena, 0.5F);
+  one.support_points = 20;
   std::vector<WindingTree::Node> nodes(WindingTree::nodes_needed(1));
-  const WindingTree tree = WindingTree::build(one, 20, nodes);
+  const WindingTree tree = WindingTree::build(one, nodes);
   EXPECT_TRUE(std::isfinite(tree({1, 1, 1})));
   EXPECT_GT(tree({1, 1, 0.9F}), 0);
   EXPECT_LT(tree({1, 1, 1.1F}), 0);
   const Cloud none = value_of(Cloud::create(0, *arena));
-  EXPECT_EQ(WindingTree::build(none, 20, {})({1, 1, 1}), 0);
+  EXPECT_EQ(WindingTree::build(none, {})({1, 1, 1}), 0);
 }
 
 }  // namespace

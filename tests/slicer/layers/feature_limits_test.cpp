@@ -10,13 +10,19 @@ namespace {
 
 constexpr float kNoise = 0.09F;  // mm
 
-/// What clustering finds on a flat sheet with a point every `spacing` mm, each in a square of its own.
-ClusteringResult sheet(double spacing, const ClusteringSettings& settings, float support_points) {
-  ClusteringResult found;
-  found.epsilon = static_cast<float>(spacing * std::sqrt(2.0 * settings.min_points / std::numbers::pi));
-  found.support_points = support_points;
-  found.noise = kNoise;
-  return found;
+/// A flat sheet with a point every `spacing` mm, each in a square of its own.
+struct Sheet {
+  float support_points = 0;
+  PrintLength epsilon;
+  PrintLength noise{kNoise};
+};
+Sheet sheet(double spacing, const ClusteringSettings& settings, float support_points) {
+  const double epsilon = spacing * std::sqrt(2.0 * settings.min_points / std::numbers::pi);
+  return {support_points, {static_cast<float>(epsilon)}};
+}
+
+FeatureLimits limits_of(const Sheet& found, const ClusteringSettings& settings, const PrintGrid& grid) {
+  return feature_limits(found.support_points, settings, found.epsilon, found.noise, grid);
 }
 
 TEST(StrayLimits, AFeatureOfALayerIsSmallUpToTheSquaresOfASupportsPoints) {
@@ -25,7 +31,7 @@ TEST(StrayLimits, AFeatureOfALayerIsSmallUpToTheSquaresOfASupportsPoints) {
   constexpr double kSpacing = 0.2;
   const double pixels_a_point = kSpacing * kSpacing / (0.05 * 0.04);
   for (const float support : {40.0F, 60.0F, 100.0F}) {
-    const FeatureLimits limits = feature_limits(sheet(kSpacing, settings, support), settings, grid);
+    const FeatureLimits limits = limits_of(sheet(kSpacing, settings, support), settings, grid);
     EXPECT_NEAR(limits.pixels, static_cast<double>(support) * pixels_a_point, 1) << support;
     // A square of epsilon has 60 / pi points, in supports of any size.
     EXPECT_NEAR(limits.narrow_pixels, 60 / std::numbers::pi * pixels_a_point, 1) << support;
@@ -35,7 +41,7 @@ TEST(StrayLimits, AFeatureOfALayerIsSmallUpToTheSquaresOfASupportsPoints) {
 TEST(StrayLimits, ACrumbIsAsHighAsNoiseLeavesASurfaceUneven) {
   const ClusteringSettings settings;
   const auto layers = [&](float support, float layer_height) {
-    return feature_limits(sheet(0.2, settings, support), settings, {.layer_height_mm = layer_height}).flat_layers;
+    return limits_of(sheet(0.2, settings, support), settings, {.layer_height_mm = layer_height}).flat_layers;
   };
   // 0.09 mm of noise in 81 points are 0.01 mm in their mean, so that places differ by 0.06 mm.
   EXPECT_EQ(layers(81, 0.05F), 3U);
@@ -48,7 +54,7 @@ TEST(StrayLimits, AFeatureMayHaveTheMoreVoxelsTheMoreNoiseHasWidenedTheSupports)
   const ClusteringSettings settings;
   const PrintGrid grid;
   const auto voxels = [&](float support) {
-    return static_cast<double>(feature_limits(sheet(0.2, settings, support), settings, grid).voxels);
+    return static_cast<double>(limits_of(sheet(0.2, settings, support), settings, grid).voxels);
   };
   EXPECT_NEAR(voxels(4 * settings.min_support), 4 * voxels(settings.min_support), 4);
   EXPECT_GT(voxels(settings.min_support), 0);
@@ -58,10 +64,10 @@ TEST(StrayLimits, ANarrowFeatureIsTwoThirdsOfEpsilonHighUnlessNoiseHasWidenedThe
   const ClusteringSettings settings;
   const PrintGrid grid{.layers = 800, .layer_height_mm = 0.05F};
   const auto limits = [&](float widened, float noise) {
-    ClusteringResult found = sheet(0.1, settings, widened * settings.min_support);
-    found.epsilon = 0.47F;
-    found.noise = noise;
-    return feature_limits(found, settings, grid);
+    Sheet found = sheet(0.1, settings, widened * settings.min_support);
+    found.epsilon = {0.47F};
+    found.noise = {noise};
+    return limits_of(found, settings, grid);
   };
   EXPECT_EQ(limits(1, 0).narrow_layers, 7U);  // 0.313 mm
   EXPECT_GE(limits(1.2F, 0).narrow_layers, grid.layers) << "a stray cuts a shaft through all of the object";
@@ -72,12 +78,12 @@ TEST(StrayLimits, ANarrowFeatureIsTwoThirdsOfEpsilonHighUnlessNoiseHasWidenedThe
 TEST(StrayLimits, WhatTouchesNothingMayBeASpeckWhateverTheNoise) {
   const ClusteringSettings settings;
   const PrintGrid grid{.pitch_x_mm = 0.05F, .pitch_y_mm = 0.04F, .layer_height_mm = 0.1F};
-  ClusteringResult found = sheet(0.1, settings, settings.min_support);
-  found.epsilon = 0.5F;
+  Sheet found = sheet(0.1, settings, settings.min_support);
+  found.epsilon = {0.5F};
   for (const float widened : {1.0F, 4.0F}) {
     found.support_points = widened * settings.min_support;
-    EXPECT_NEAR(static_cast<double>(feature_limits(found, settings, grid).loose_voxels), 31250, 1);  // 6.25 mm3
-    EXPECT_EQ(feature_limits(found, settings, grid).loose_voxels, component_limits(found, grid).min_voxels);
+    EXPECT_NEAR(static_cast<double>(limits_of(found, settings, grid).loose_voxels), 31250, 1);  // 6.25 mm3
+    EXPECT_EQ(limits_of(found, settings, grid).loose_voxels, component_limits(found.epsilon, grid).min_voxels);
   }
 }
 

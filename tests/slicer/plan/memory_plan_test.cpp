@@ -23,7 +23,7 @@ PrintGrid panel(std::uint32_t columns, std::uint32_t rows) {
   return grid;
 }
 
-TEST(MemoryPlan, NeedsMoreForMorePointsInEveryStage) {
+TEST(MemoryPlan, NeedsAsMuchOrMoreInEveryStageForMorePoints) {
   for (const std::optional<PrintGrid>& grid : {std::optional<PrintGrid>(), std::optional(panel(1440, 2560))}) {
     MemoryPlan before = plan_memory(1, grid, 1);
     for (std::uint32_t points = 2; points < kMostPoints; points += points / 7 + 1) {
@@ -41,7 +41,7 @@ TEST(MemoryPlan, NeedsMoreForMoreThreadsAndLargerPanels) {
   EXPECT_GT(plan_memory(100000, panel(1440, 2560), 8).bytes[rays],
             plan_memory(100000, panel(1440, 2560), 1).bytes[rays]);
   EXPECT_GT(plan_memory(1000, panel(3840, 2400), 1).peak(), plan_memory(1000, panel(1440, 2560), 1).peak());
-  // With few points it is the R-Rep that is largest, and no thread takes part in it.
+  // With few points the R-Rep stage needs most, and it runs in one thread.
   EXPECT_EQ(plan_memory(1000, panel(1440, 2560), 2).widest(), Stage::kRRep);
 }
 
@@ -59,22 +59,22 @@ TEST(MemoryPlan, IsTheLargestThatFits) {
   }
 }
 
-TEST(MemoryPlan, PlansForNoMorePointsThanAreDeclaredAndNeverForNone) {
+TEST(MemoryPlan, PlansForNoMorePointsThanAreDeclaredAndAtLeastForTheFewest) {
   EXPECT_EQ(value_of(largest_plan(500 * kMiB, 123456, panel(1440, 2560), 1)).points, 123456U);
   EXPECT_EQ(value_of(largest_plan(500 * kMiB, 0, panel(1440, 2560), 1)).points, kFewestPoints);
   const std::uint64_t hostile = ~std::uint64_t{0};
   EXPECT_LE(value_of(largest_plan(100 * kMiB, hostile, panel(1440, 2560), 1)).peak(), 100 * kMiB);
 }
 
-TEST(MemoryPlan, RefusesWhatCannotFitWithNeedAndBudget) {
+TEST(MemoryPlan, RefusesAJobThatCannotFitAndNamesNeedAndBudget) {
   const auto refused = largest_plan(2 * kMiB, std::nullopt, panel(1440, 2560), 1);
   ASSERT_FALSE(refused.has_value());
   EXPECT_EQ(refused.error().code(), ErrorCode::kOutOfMemory);
-  EXPECT_THAT(refused.error().message(), HasSubstr("the arena has 2.0 MiB"));
-  EXPECT_THAT(refused.error().message(), HasSubstr("MiB even when"));
+  EXPECT_THAT(refused.error().message(), HasSubstr("the arena of 2.0 MiB"));
+  EXPECT_THAT(refused.error().message(), HasSubstr("MiB even for a scan thinned to 1000 points"));
 }
 
-/// The object of the figure, smaller: it fills half of the panel.
+/// An ellipsoid that covers half of the panel, as the plan assumes.
 Surface half_a_panel(double pitch, std::uint32_t columns, std::uint32_t rows, std::uint32_t points) {
   const double radius = std::min(columns, rows) * pitch * 0.4;
   Random random(1);
@@ -90,18 +90,18 @@ Surface half_a_panel(double pitch, std::uint32_t columns, std::uint32_t rows, st
   return surface;
 }
 
-TEST(MemoryPlan, HoldsForWhatTheStagesTake) {
+TEST(MemoryPlan, CoversWhatEachStageUses) {
   SliceSettings settings = settings_with_pitch(0.1F);
   settings.placement.printer = PrinterVolume{360, 640, 0.1F, 0.1F, 60};
   for (const std::uint32_t threads : {1U, 4U}) {
     settings.threads = threads;
-    // The plan is for what fits, so a small arena makes it a tight one.
+    // An arena that the cloud fills leaves the plan no slack.
     const Slicing sliced(binary_ply(half_a_panel(0.1, 360, 640, 200000)), settings, (15 + 3 * threads) * kMiB);
     const SliceReport& report = sliced.report();
-    EXPECT_GT(report.cloud_points, report.cloud_capacity / 2) << "the arena is not in use";
+    EXPECT_GT(report.cloud_points, report.cloud_capacity / 2) << "the cloud does not fill the arena";
     for (std::size_t s = 0; s < kStageCount; ++s) {
       const auto stage = static_cast<Stage>(s);
-      // Its store takes whatever is left, and gives back what no crossing took.
+      // The ray stage's store takes all that is left until it is closed.
       if (stage == Stage::kRays) continue;
       EXPECT_LE(report.peak_bytes[s], report.planned_bytes[s]) << to_string(stage);
     }

@@ -65,7 +65,8 @@ TEST(ScanAdmission, RefusesACompressedPcdWhoseColumnsDoNotFitBeforeItsFirstPoint
   const auto refused = read_admitted(source, *arena);
   ASSERT_FALSE(refused.has_value());
   EXPECT_EQ(refused.error().code(), ErrorCode::kOutOfMemory);
-  EXPECT_THAT(refused.error().message(), HasSubstr("takes 5.8 MiB while it is read, the arena has 6.0 MiB"));
+  EXPECT_THAT(refused.error().message(), HasSubstr("the arena of 6.0 MiB: this compressed PCD stores all x before all "
+                                                   "y, and keeping its columns takes 5.8 MiB"));
   EXPECT_THAT(refused.error().message(), HasSubstr("Save it as binary"));
   EXPECT_EQ(arena->used(), 0U);
 }

@@ -20,9 +20,10 @@ constexpr float kPointsInReach = static_cast<float>(kPi) * kRadius * kRadius / s
 std::vector<float> crossings(const Surface& surface) {
   ArenaBlock block(16 * kMiB);
   Arena& arena = *block;
-  const Cloud cloud = cloud_of(surface, arena, kRadius);
+  Cloud cloud = cloud_of(surface, arena, kRadius);
+  cloud.support_points = kPointsInReach;
   std::vector<WindingTree::Node> nodes(WindingTree::nodes_needed(cloud.size));
-  const WindingTree winding = WindingTree::build(cloud, kPointsInReach, nodes);
+  const WindingTree winding = WindingTree::build(cloud, nodes);
   const KdTree2 tree = value_of(KdTree2::build(cloud.positions(), arena, "test"));
   PrintGrid grid;
   grid.columns = grid.rows = 100;

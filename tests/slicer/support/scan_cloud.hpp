@@ -52,9 +52,7 @@ struct ClusteredScan {
   KdTree2 tree;
 
   /// Supports are cut to this, as slice() does.
-  float max_radius() const {
-    return 1.15F * clustering.epsilon * std::sqrt(std::max(1.0F, clustering.support_points / 40));
-  }
+  float max_radius() const { return 1.15F * clustering.epsilon * std::sqrt(std::max(1.0F, cloud.support_points / 40)); }
 };
 inline ClusteredScan clustered(const Surface& surface, Arena& arena, const ClusteringSettings& settings = {}) {
   Cloud cloud = cloud_of(surface, arena);

@@ -12,7 +12,7 @@ class WindingField {
   explicit WindingField(const Surface& surface)
       : arena_(surface.size() * 140 + kMiB), scan_(clustered(surface, *arena_)) {
     auto nodes = value_of(arena_->take_top<WindingTree::Node>(WindingTree::nodes_needed(scan_.cloud.size), "test"));
-    tree_ = WindingTree::build(scan_.cloud, scan_.clustering.support_points, nodes);
+    tree_ = WindingTree::build(scan_.cloud, nodes);
   }
   const WindingTree& operator*() const { return tree_; }
   WindingTree* operator->() { return &tree_; }

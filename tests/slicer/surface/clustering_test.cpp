@@ -260,13 +260,13 @@ TEST(Clustering, SetsRadiiOfDiscsThatHoldTheSupportPoints) {
   const Surface surface = sheet({0, 0, 0}, {20, 0, 0}, {0, 20, 0}, 0.2, 0.2, random);
   ArenaBlock arena(8 * kMiB);
   const ClusteredScan scan = clustered(surface, *arena);
-  EXPECT_EQ(scan.clustering.support_points, ClusteringSettings{}.min_support);
+  EXPECT_EQ(scan.cloud.support_points, ClusteringSettings{}.min_support);
   EXPECT_LT(scan.clustering.noise, 1e-4F);
   for (std::uint32_t i = 0; i < scan.cloud.size; ++i) {
     const Vec3f& p = scan.cloud.position[i];
     if (p.head<2>().minCoeff() < 2 || p.head<2>().maxCoeff() > 18) continue;
     const double r = scan.cloud.radius[i];
-    EXPECT_NEAR(kPi * r * r / (0.2 * 0.2), scan.clustering.support_points, 0.2 * scan.clustering.support_points);
+    EXPECT_NEAR(kPi * r * r / (0.2 * 0.2), scan.cloud.support_points, 0.2 * scan.cloud.support_points);
   }
 }
 
@@ -277,7 +277,7 @@ TEST(Clustering, MeasuresTheNoiseOfAScanAndWidensTheSupports) {
   ArenaBlock arena(8 * kMiB);
   const ClusteredScan scan = clustered(surface, *arena);
   EXPECT_NEAR(scan.clustering.noise, 0.05, 0.01);
-  EXPECT_GT(scan.clustering.support_points, 2 * ClusteringSettings{}.min_support);
+  EXPECT_GT(scan.cloud.support_points, 2 * ClusteringSettings{}.min_support);
 }
 
 TEST(Clustering, ReportsAFullArenaAndReleasesWhatItTook) {

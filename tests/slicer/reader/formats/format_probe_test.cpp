@@ -86,7 +86,9 @@ TEST(FormatProbe, IgnoresAWordThatOnlyBeginsLikeASignature) {
 }
 
 TEST(FormatProbe, ALongNameLeavesRoomForTheReason) {
-  const auto reading = read("", std::string(1000, 'd') + "/bust.ply");
+  std::string name(1000, 'd');
+  name += "/bust.ply";
+  const auto reading = read("", name);
   EXPECT_THAT(reading.message(), HasSubstr("/bust.ply: the file is empty"));
 }
 

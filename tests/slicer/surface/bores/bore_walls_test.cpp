@@ -260,7 +260,7 @@ TEST(BoreWalls, KeepTheBoreOpen) {
   SliceSettings settings = settings_with_pitch(0.1F);
   settings.confidence = true;
   const Slicing sliced(binary_ply(bored_block(random)), settings, 128 * kMiB);
-  EXPECT_GT(sliced.report().bore_walls.area, 0);
+  EXPECT_GT(sliced.report().lengths.bore_walls.value, 0);
   EXPECT_EQ(sliced.report().components.solids, 1U);
   const auto distance = [](const Vec3d& p) {
     const double outside = std::max({-p[0], p[0] - kSide, -p[1], p[1] - kSide, -p[2], p[2] - kHigh});

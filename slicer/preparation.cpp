@@ -1,0 +1,203 @@
+#include "slicer/preparation.hpp"
+
+#include <omp.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "slicer/cloud/cloud_reader.hpp"
+#include "slicer/core/stage_scope.hpp"
+#include "slicer/plan/scan_admission.hpp"
+#include "slicer/rays/ray_shooter.hpp"
+#include "slicer/surface/surface_points.hpp"
+
+namespace plumbline {
+namespace {
+
+/// The first cell of the thinning is this share of the pixel pitch or of the layer height, the smaller of the two, so that
+/// no points are merged that a print could resolve.
+constexpr double kCellShare = 0.5;
+
+/// Share of the views stage's time that aligning takes, for its progress. Building the tree anew takes the rest.
+constexpr double kAligned = 0.85;
+
+/// First cell of the thinning in scan units; 0 while the size of a scan unit on the print is unknown.
+double first_cell(const PlacementSettings& p) {
+  if (p.fit || p.units == Units::kAuto) return 0;
+  const double pitch = p.printer ? std::min(p.printer->pitch_x_mm, p.printer->pitch_y_mm) : p.pixel_pitch_mm;
+  return kCellShare * std::min(pitch, static_cast<double>(p.layer_height_mm)) / (millimetres_per(p.units) * p.scale);
+}
+
+/// One job, stage by stage.
+class Preparation {
+ public:
+  Preparation(ScanSources sources, const SliceSettings& settings, Arena& arena, ProgressSink* progress,
+              PreparationReport& report)
+      : sources_(sources), settings_(settings), arena_(arena), progress_(progress), report_(report) {}
+
+  Expected<PreparedScan> run(Measurement measure) {
+    PLUMBLINE_TRY(read());
+    const ArenaScope trees(arena_);
+    before_tree_ = arena_.top_mark();
+    PLUMBLINE_TRY(build_tree());
+    PLUMBLINE_TRY(find_normals());
+    PLUMBLINE_TRY(align());
+    PLUMBLINE_TRY(find_surface(measure));
+    return scan_;
+  }
+
+ private:
+  Status read() {
+    const StageScope stage(Stage::kRead, arena_, progress_, report_.peak_bytes);
+    const PlacementSettings& placement = settings_.placement;
+    std::optional<PrintGrid> panel;
+    if (placement.printer) panel = panel_grid(*placement.printer, placement.layer_height_mm);
+    auto admission = ScanAdmission::create(arena_.available(), panel, settings_.threads, settings_.confidence);
+    PLUMBLINE_TRY(admission);
+    const CloudReadSettings reading{rotation_matrix(placement.rotation_degrees), first_cell(placement)};
+    const auto admit = [&](const ScanAnnouncement& announced) { return admission->admit(announced); };
+    const auto read = read_cloud(sources_, reading, admit, arena_, progress_);
+    PLUMBLINE_TRY(read);
+    scan_.cloud = read->cloud;
+    scan_.offset = read->offset;
+    report_.scans = read->scans;
+    report_.scan = sum_of(read->scans);
+    report_.cloud_capacity = admission->room();
+    report_.cloud_points = read->cloud.size;
+    report_.averaged_points = read->averaged;
+    report_.lengths.thinning_cell = {static_cast<float>(read->cell)};
+    report_.planned_bytes = admission->plan().bytes;
+    return {};
+  }
+
+  Status build_tree() {
+    const StageScope stage(Stage::kTrees, arena_, progress_, report_.peak_bytes);
+    return build_tree({progress_, Stage::kTrees});
+  }
+
+  /// Builds the tree and puts the cloud into its order.
+  Status build_tree(const StageProgress& progress) {
+    auto tree = KdTree3::build(scan_.cloud.positions(), arena_, "trees", progress);
+    PLUMBLINE_TRY(tree);
+    PLUMBLINE_TRY(scan_.cloud.reorder(tree->order(), arena_));
+    tree->adopt_order();
+    tree_ = *tree;
+    return {};
+  }
+
+  Status find_normals() {
+    const StageScope stage(Stage::kNormals, arena_, progress_, report_.peak_bytes);
+    const auto normals = complete_normals(scan_.cloud, *tree_, arena_, {progress_, Stage::kNormals});
+    PLUMBLINE_TRY(normals);
+    report_.normals = *normals;
+    return {};
+  }
+
+  Status align() {
+    const StageScope stage(Stage::kViews, arena_, progress_, report_.peak_bytes);
+    const StageProgress progress{progress_, Stage::kViews};
+    const auto views = align_views(scan_.cloud, *tree_, arena_, progress.part(0, kAligned));
+    PLUMBLINE_TRY(views);
+    report_.views = *views;
+    report_.lengths.views_before = {views->before};
+    report_.lengths.views_after = {views->after};
+    report_.lengths.views_moved = {views->moved};
+    report_.lengths.views_ripple = {views->ripple};
+    if (!(views->moved > 0)) return {};
+    arena_.release_top(before_tree_);
+    return build_tree(progress.part(kAligned, 1));
+  }
+
+  Status find_surface(Measurement measure) {
+    const StageScope stage(Stage::kClustering, arena_, progress_, report_.peak_bytes);
+    PLUMBLINE_TRY(measure(scan_, *tree_));
+    const bool estimated = report_.normals.estimated > report_.cloud_points / 2;
+    const SurfaceSettings settings{settings_.clustering, estimated ? NormalSource::kPoints : NormalSource::kScanner,
+                                   settings_.keep_all};
+    const auto surface = find_surface_points(scan_.cloud, *tree_, settings, arena_, {progress_, Stage::kClustering});
+    PLUMBLINE_TRY(surface);
+    report_.clustering = surface->clustering;
+    report_.support_points = scan_.cloud.support_points;
+    report_.strays = surface->strays;
+    report_.bore_wall_points = surface->bore_walls.points;
+    report_.lengths.epsilon = {surface->clustering.epsilon};
+    report_.lengths.noise = {surface->clustering.noise};
+    report_.lengths.bore_walls = {surface->bore_walls.area};
+    scan_.has_surface = surface->found();
+    return {};
+  }
+
+  ScanSources sources_;
+  const SliceSettings& settings_;
+  Arena& arena_;
+  ProgressSink* progress_;
+  PreparationReport& report_;
+  PreparedScan scan_;
+  std::optional<KdTree3> tree_;
+  std::size_t before_tree_ = 0;
+};
+
+}  // namespace
+
+ScanLengths<Millimetre> in_mm(const ScanLengths<ScanUnit>& lengths, ScanScale scale) {
+  return {.thinning_cell = scale(lengths.thinning_cell),
+          .epsilon = scale(lengths.epsilon),
+          .noise = scale(lengths.noise),
+          .views_before = scale(lengths.views_before),
+          .views_after = scale(lengths.views_after),
+          .views_moved = scale(lengths.views_moved),
+          .views_ripple = scale(lengths.views_ripple),
+          .bore_walls = scale(lengths.bore_walls)};
+}
+
+Box3d PreparedScan::bounds() const {
+  const Box3f local = cloud.bounds();
+  Box3d box;
+  box.extend(local.low.cast<double>() + offset);
+  box.extend(local.high.cast<double>() + offset);
+  return box;
+}
+
+Expected<PreparedScan> prepare(ScanSources sources, const SliceSettings& settings, Arena& arena, ProgressSink* progress,
+                               PreparationReport& report, Measurement measure) {
+  return Preparation(sources, settings, arena, progress, report).run(measure);
+}
+
+Status check_surface(const PreparedScan& scan, ScanSources sources, const PreparationCounts& found) {
+  if (scan.has_surface) return {};
+  const ScanTitle title = title_of(sources);
+  if (found.cloud_points < found.scan.points / 2) {
+    return fail(ErrorCode::kNoSurface,
+                "%s: no surface found in %u points, to which %llu were thinned because the arena has no room for more. "
+                "Use a larger arena (--arena-mib), or check the normals of the scan",
+                title.c_str(), found.cloud_points, static_cast<unsigned long long>(found.scan.points));
+  }
+  return fail(ErrorCode::kNoSurface,
+              "%s: no surface found in %u points: most have too few neighbours that face the same way. Check the "
+              "normals of the scan, or scan more densely",
+              title.c_str(), found.cloud_points);
+}
+
+Units units_of(const Box3d& bounds, const PlacementSettings& settings) {
+  return settings.units == Units::kAuto ? guess_units(bounds.size().maxCoeff()) : settings.units;
+}
+
+void move_to_print(const Placement& placement, PreparedScan& scan, const PreparationReport& found,
+                   SliceReport& report) {
+  const double scale = placement.scale;
+  const Vec3d shift = scan.offset * scale + placement.shift;
+  Cloud& cloud = scan.cloud;
+  for (Vec3f& p : cloud.position.first(cloud.size)) p = (p.cast<double>() * scale + shift).cast<float>();
+  for (float& r : cloud.radius.first(cloud.size)) r *= static_cast<float>(scale);
+  report.placement = placement;
+  report.lengths = in_mm(found.lengths, ScanScale(scale));
+}
+
+SliceSettings set_threads(const SliceSettings& settings) {
+  SliceSettings checked = settings;
+  checked.threads = std::clamp<std::uint32_t>(settings.threads, 1, RayShooter::kMaxThreads);
+  omp_set_num_threads(static_cast<int>(checked.threads));
+  return checked;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,51 @@
+#pragma once
+/// From the bytes of a scan to the points of its surface: the stages that slice() and inspect() share.
+
+#include "slicer/cloud/cloud.hpp"
+#include "slicer/cloud/kd_tree.hpp"
+#include "slicer/core/arena.hpp"
+#include "slicer/reader/scan_sources.hpp"
+#include "slicer/slice_report.hpp"
+#include "slicer/slice_settings.hpp"
+
+namespace plumbline {
+
+/// A scan at the top of the arena, in scan units, rotated.
+struct PreparedScan {
+  Cloud cloud;
+  Vec3d offset = Vec3d::Zero();  ///< rotated scan coordinates of the cloud's origin
+  bool has_surface = false;      ///< false: too few points have neighbours that face the same way
+
+  Box3d bounds() const;  ///< rotated scan coordinates; the cloud is not empty
+};
+
+/// Called before the clustering, when normals and views are settled and no point has been left out.
+/// @param tree  of scan.cloud
+using Measurement = FunctionRef<Status(const PreparedScan& scan, const KdTree3& tree)>;
+inline constexpr auto kNoMeasurement = [](const PreparedScan&, const KdTree3&) -> Status { return {}; };
+
+/// Reads a scan, completes its normals, aligns its views, and keeps the points of its surface, with classes and supports.
+/// A scan without a surface is no error here.
+/// @param settings  threads are those of set_threads()
+/// @param report    filled as far as it went, also on error
+/// @retval ErrorCode::kOutOfMemory  before the scan is read where its header and the printer's grid show it; else by the stage
+/// @retval ErrorCode::kCancelled and all of read_scan() and `measure`
+[[nodiscard]] Expected<PreparedScan> prepare(ScanSources sources, const SliceSettings& settings, Arena& arena,
+                                             ProgressSink* progress, PreparationReport& report,
+                                             Measurement measure = kNoMeasurement);
+
+/// @retval ErrorCode::kNoSurface  the scan has no surface: names the files, their points, and what to do
+[[nodiscard]] Status check_surface(const PreparedScan& scan, ScanSources sources, const PreparationCounts& found);
+
+/// The unit asked for, or the one that the extent suggests.
+/// @param bounds  of the scan, scan units
+Units units_of(const Box3d& bounds, const PlacementSettings& settings);
+
+/// Moves the cloud from scan units to print coordinates, mm, and sets the report's placement and lengths.
+void move_to_print(const Placement& placement, PreparedScan& scan, const PreparationReport& found, SliceReport& report);
+
+/// Sets the number of OpenMP threads.
+/// @returns `settings` with 1 to RayShooter::kMaxThreads threads
+SliceSettings set_threads(const SliceSettings& settings);
+
+}  // namespace plumbline

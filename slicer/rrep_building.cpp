@@ -1,0 +1,183 @@
+#include "slicer/rrep_building.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "slicer/cloud/kd_tree.hpp"
+#include "slicer/core/stage_scope.hpp"
+#include "slicer/implicit/winding_number.hpp"
+#include "slicer/layers/feature_limits.hpp"
+#include "slicer/layers/rrep_edit.hpp"
+#include "slicer/placement/base_plane.hpp"
+#include "slicer/plan/memory_plan.hpp"
+#include "slicer/plan/ray_admission.hpp"
+#include "slicer/rays/ray_grid.hpp"
+#include "slicer/rays/ray_shooter.hpp"
+
+namespace plumbline {
+namespace {
+
+/// Support radii are cut to this many epsilons. It bounds the search for a ray's points where the scan is sparse, and loses
+/// little surface: a support of kMaxRadiusSupport points has a radius of 0.8 epsilon where the density is the median one.
+constexpr float kMaxRadiusShare = 1.15F;
+constexpr float kMaxRadiusSupport = 40;  ///< points; a larger support is cut at a proportionally larger radius
+
+/// A repair's uniform queries are at least this many epsilons apart, a quarter of the points' spacing: a surface has no finer
+/// detail. It bounds the work: on a sparse scan more rays see each point, and each of them makes fewer queries.
+constexpr float kRepairShare = 1.0F / 16;
+
+/// Distance between the sections that are compared with the one at the base plane, in epsilons. Two: beyond the supports of
+/// the points at the rim.
+constexpr float kSectionEpsilons = 2;
+
+/// mm; below it the grid width w is 0 but for rounding: there are too few practical points for one.
+constexpr float kLeastWidth = 1e-4F;
+
+class RayStages {
+ public:
+  RayStages(const Cloud& cloud, const SliceSettings& settings, Arena& arena, ProgressSink* progress,
+            SliceReport& report)
+      : cloud_(cloud), settings_(settings), arena_(arena), progress_(progress), report_(report) {}
+
+  Expected<CrossingStore> run() {
+    PLUMBLINE_TRY(build_winding_tree());
+    PLUMBLINE_TRY(find_interested());
+    PLUMBLINE_TRY(start_confidence());
+    PLUMBLINE_TRY(admit());
+    return shoot();
+  }
+
+ private:
+  const PrintGrid& grid() const { return report_.placement.grid; }
+  float epsilon_mm() const { return report_.lengths.epsilon.value; }
+
+  Status build_winding_tree() {
+    const StageScope stage(Stage::kWindingTree, arena_, progress_, report_.peak_bytes);
+    const auto nodes = arena_.take_top<WindingTree::Node>(WindingTree::nodes_needed(cloud_.size), "winding number");
+    PLUMBLINE_TRY(nodes);
+    winding_ = WindingTree::build(cloud_, *nodes);
+    if (settings_.base == BaseChoice::kNone) return {};
+    const float height = base_plane(cloud_.positions(), grid().layer_height_mm);
+    report_.flat_underside =
+        winding_.set_base(height, kSectionEpsilons * epsilon_mm(), settings_.base == BaseChoice::kFlat);
+    return {};
+  }
+
+  Status find_interested() {
+    const StageScope stage(Stage::kRayGrid, arena_, progress_, report_.peak_bytes);
+    auto tree = KdTree2::build(cloud_.positions(), arena_, "ray grid", {progress_, Stage::kRayGrid});
+    PLUMBLINE_TRY(tree);
+    tree_ = *tree;
+    report_.width_mm = grid_width(cloud_, *tree_, {});
+    if (!(report_.width_mm > kLeastWidth)) report_.width_mm = std::max(kLeastWidth, epsilon_mm());
+    const auto words = arena_.take_top<std::uint64_t>(BitImage::words_needed(grid().columns, grid().rows), "ray grid");
+    PLUMBLINE_TRY(words);
+    interested_ = BitImage(*words, grid().columns, grid().rows);
+    return find_interested_rays(cloud_, grid(), report_.width_mm, interested_, arena_);
+  }
+
+  Status start_confidence() {
+    if (!settings_.confidence) return {};
+    auto map = ConfidenceMap::create(grid(), cloud_.bounds(), epsilon_mm(), arena_);
+    PLUMBLINE_TRY(map);
+    for (const Vec3f& p : cloud_.position.first(cloud_.seen())) map->add_point(p);
+    report_.confidence = *map;
+    return {};
+  }
+
+  Status admit() {
+    const PlacedObject object{.cloud = cloud_,
+                              .read_points = report_.cloud_points,
+                              .grid = grid(),
+                              .interested = interested_,
+                              .confidence = settings_.confidence,
+                              .threads = settings_.threads};
+    return admit_rays(object, arena_, report_.planned_bytes);
+  }
+
+  bool is_height_field() const {
+    return winding_.has_base() && report_.clustering.points.is_negligible(PointClass::kEntering);
+  }
+
+  Expected<CrossingStore> shoot() {
+    const StageScope stage(Stage::kRays, arena_, progress_, report_.peak_bytes);
+    RayField field;
+    field.cloud = &cloud_;
+    field.tree = &*tree_;
+    field.winding = &winding_;
+    field.interested = interested_;
+    field.confidence = settings_.confidence ? &report_.confidence : nullptr;
+    field.grid = grid();
+    field.max_radius =
+        kMaxRadiusShare * epsilon_mm() * std::sqrt(std::max(1.0F, cloud_.support_points / kMaxRadiusSupport));
+    field.tile_capacity = tile_capacity(cloud_.capacity());
+    field.settings.intersections.width = report_.width_mm;
+    field.settings.repair_spacing = std::max(grid().layer_height_mm, kRepairShare * epsilon_mm());
+    field.settings.height_field = is_height_field();
+    auto shooter = RayShooter::create(field, settings_.threads, arena_);
+    PLUMBLINE_TRY(shooter);
+    auto store = CrossingStore::create(grid(), arena_);
+    PLUMBLINE_TRY(store);
+    const auto rays = shooter->shoot(*store, progress_);
+    PLUMBLINE_TRY(rays);
+    report_.rays = *rays;
+    store->close(arena_);
+    arena_.reset_peak();  // the open store holds all that is left; the stage needed what is used now
+    return store;
+  }
+
+  const Cloud& cloud_;
+  const SliceSettings& settings_;
+  Arena& arena_;
+  ProgressSink* progress_;
+  SliceReport& report_;
+  WindingTree winding_;
+  std::optional<KdTree2> tree_;
+  BitImage interested_;  ///< the rays that are shot
+};
+
+void drop_features(RRep& rrep, const SliceSettings& settings, Arena& arena, SliceReport& report) {
+  const FeatureLimits limits = feature_limits(report.support_points, settings.clustering, report.lengths.epsilon,
+                                              report.lengths.noise, rrep.grid);
+  // Removing a feature can let the mask's opening cut off what it supported, so noisy scans get a second sweep.
+  const int sweeps = widening(report.support_points, settings.clustering) > 1 ? 2 : 1;
+  for (int sweep = 0; sweep < sweeps && !report.features.totals; ++sweep) {
+    // Features stay where there is no room to look for them: the print is then as good as the scan.
+    if (const auto features = drop_small_features(rrep, limits, arena)) report.features += *features;
+  }
+}
+
+/// An outlier can be the lowest or the highest point. The object is to stand on the plate, so the first layer is the first
+/// with a pixel.
+void trim(RRep& rrep, Arena& arena, SliceReport& report) {
+  const auto& totals = report.features.totals;
+  const std::optional<EmptyLayers> known = totals ? std::optional(totals->empty) : std::nullopt;
+  const EmptyLayers empty = trim_empty_layers(rrep, arena, known).value_or(EmptyLayers{});
+  report.crossings = rrep.crossings();
+  report.placement.grid.layers = rrep.grid.layers;
+  report.confidence.trim(empty.below, empty.above);
+  report.placement.shift[2] -= static_cast<double>(empty.below) * rrep.grid.layer_height_mm;
+}
+
+}  // namespace
+
+Expected<CrossingStore> shoot_rays(const Cloud& cloud, const SliceSettings& settings, Arena& arena,
+                                   ProgressSink* progress, SliceReport& report) {
+  return RayStages(cloud, settings, arena, progress, report).run();
+}
+
+Expected<RRep> finish_rrep(CrossingStore& store, const SliceSettings& settings, Arena& arena, ProgressSink* progress,
+                           SliceReport& report) {
+  const StageScope stage(Stage::kRRep, arena, progress, report.peak_bytes);
+  ComponentLimits limits = component_limits(report.lengths.epsilon, report.placement.grid);
+  limits.drop_floating = !settings.keep_all;
+  report.components = drop_small_components(store, limits, arena);
+  auto rrep = CrossingStore::sort(store, arena);
+  PLUMBLINE_TRY(rrep);
+  drop_features(*rrep, settings, arena, report);
+  trim(*rrep, arena, report);
+  return rrep;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,72 @@
+#pragma once
+/// What the slicer found and did, in numbers.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "slicer/core/length.hpp"
+#include "slicer/core/progress.hpp"
+#include "slicer/layers/layer_features.hpp"
+#include "slicer/normals/normals.hpp"
+#include "slicer/placement/placement.hpp"
+#include "slicer/rays/ray_shooter.hpp"
+#include "slicer/reader/scan_sources.hpp"
+#include "slicer/rrep/components.hpp"
+#include "slicer/rrep/confidence.hpp"
+#include "slicer/surface/clustering.hpp"
+#include "slicer/surface/stray_pieces.hpp"
+#include "slicer/views/align_views.hpp"
+
+namespace plumbline {
+
+/// Lengths that were measured on the scan; see the stage results that they are copied from.
+template <class Unit>
+struct ScanLengths {
+  Length<Unit> thinning_cell;  ///< side of a cell; 0: nothing was averaged
+  Length<Unit> epsilon;        ///< ClusteringResult::epsilon
+  Length<Unit> noise;          ///< ClusteringResult::noise
+  Length<Unit> views_before;   ///< ViewAlignment::before
+  Length<Unit> views_after;    ///< ViewAlignment::after
+  Length<Unit> views_moved;    ///< ViewAlignment::moved
+  Length<Unit> views_ripple;   ///< ViewAlignment::ripple
+  Area<Unit> bore_walls;       ///< BoreWalls::area
+};
+ScanLengths<Millimetre> in_mm(const ScanLengths<ScanUnit>& lengths, ScanScale scale);
+
+/// What prepare() found, apart from lengths.
+struct PreparationCounts {
+  ScanSummary scan;                   ///< of all files: sum_of()
+  ScanSummaries scans;                ///< of each file
+  std::uint32_t cloud_capacity = 0;   ///< points the arena has room for
+  std::uint32_t cloud_points = 0;     ///< points after thinning
+  std::uint64_t averaged_points = 0;  ///< scan points that were averaged into another
+  NormalCounts normals;
+  ViewCounts views;
+  ClusteringCounts clustering;
+  float support_points = 0;                                 ///< Cloud::support_points of the surface
+  StrayPieces strays;                                       ///< left out before the object was placed
+  std::uint32_t bore_wall_points = 0;                       ///< added where walls of bores were continued
+  std::array<std::size_t, kStageCount> planned_bytes = {};  ///< of the arena, by Stage
+  std::array<std::size_t, kStageCount> peak_bytes = {};     ///< of the arena, by Stage
+};
+
+struct PreparationReport : PreparationCounts {
+  ScanLengths<ScanUnit> lengths;
+};
+
+struct SliceReport : PreparationCounts {
+  ScanLengths<Millimetre> lengths;    ///< 0 until the object is placed
+  Units units = Units::kMillimetres;  ///< used
+  bool units_guessed = false;
+  Placement placement;
+  bool flat_underside = false;  ///< it stands on the base plane
+  float width_mm = 0;           ///< w of thesis III-2.c
+  RayCounts rays;
+  ComponentCounts components;
+  FeatureCounts features;
+  std::uint64_t crossings = 0;
+  ConfidenceMap confidence;  ///< in the arena below the R-Rep, valid as long as that; empty unless asked for
+};
+
+}  // namespace plumbline

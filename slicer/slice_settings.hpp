@@ -1,0 +1,21 @@
+#pragma once
+/// What slice() and inspect() are asked for.
+
+#include <cstdint>
+
+#include "slicer/placement/base_choice.hpp"
+#include "slicer/placement/placement.hpp"
+#include "slicer/surface/clustering.hpp"
+
+namespace plumbline {
+
+struct SliceSettings {
+  PlacementSettings placement;
+  ClusteringSettings clustering;
+  BaseChoice base = BaseChoice::kAuto;
+  bool confidence = false;    ///< keep a map of what each place of the surface rests on
+  bool keep_all = false;      ///< keep stray pieces and small components too
+  std::uint32_t threads = 1;  ///< 1 to 64; the result does not depend on it
+};
+
+}  // namespace plumbline
