@@ -31,17 +31,17 @@ Expected<IslandFinder> IslandFinder::create(std::uint32_t columns, Arena& arena)
     PLUMBLINE_TRY(taken);
     *runs = *taken;
   }
-  for (auto* pieces : {&finder.pieces_, &finder.kept_}) {
-    auto taken = arena.take_top<Piece>(2 * most_runs(columns), kStage);
+  for (auto* regions : {&finder.regions_, &finder.kept_}) {
+    auto taken = arena.take_top<Region>(2 * most_runs(columns), kStage);
     PLUMBLINE_TRY(taken);
-    *pieces = *taken;
+    *regions = *taken;
   }
   return finder;
 }
 
 std::size_t IslandFinder::bytes_needed(std::uint32_t columns) {
   return 2 * Arena::rounded(most_runs(columns) * sizeof(Run)) +
-         2 * Arena::rounded(2 * most_runs(columns) * sizeof(Piece));
+         2 * Arena::rounded(2 * most_runs(columns) * sizeof(Region));
 }
 
 void IslandFinder::read_runs(ConstBitImage mask, ConstBitImage below, ConstBitImage fresh, std::uint32_t row,
@@ -66,26 +66,26 @@ void IslandFinder::read_runs(ConstBitImage mask, ConstBitImage below, ConstBitIm
   }
   for (std::uint32_t i = 0; i < here_count_; ++i) {
     Run& run = here_[i];
-    run.piece = open_ + i;
+    run.region = open_ + i;
     const std::uint32_t before = run.begin - std::min(run.begin, 1U);
     const std::uint32_t after = std::min(run.end + 1, mask.columns());
     const std::int64_t r = row;
     const bool held = both_in(mask, below, r, before, after) || both_in(mask, below, r - 1, run.begin, run.end) ||
                       both_in(mask, below, r + 1, run.begin, run.end);
-    pieces_[run.piece] = {run.piece, run.end - run.begin, {run.begin + (run.end - run.begin) / 2, row}, held, true};
+    regions_[run.region] = {run.region, run.end - run.begin, {run.begin + (run.end - run.begin) / 2, row}, held, true};
   }
 }
 
 void IslandFinder::join_with_row_above() {
-  Sets sets(pieces_);
+  Sets sets(regions_);
   std::uint32_t a = 0;
   std::uint32_t h = 0;
   while (a < above_count_ && h < here_count_) {
     if (above_[a].begin < here_[h].end && here_[h].begin < above_[a].end) {
-      const auto [kept, joined] = sets.unite(above_[a].piece, here_[h].piece);
+      const auto [kept, joined] = sets.unite(above_[a].region, here_[h].region);
       if (joined != kept) {
-        Piece& to = pieces_[kept];
-        const Piece& from = pieces_[joined];
+        Region& to = regions_[kept];
+        const Region& from = regions_[joined];
         if (from.width > to.width) {
           to.width = from.width;
           to.middle = from.middle;
@@ -103,22 +103,22 @@ void IslandFinder::join_with_row_above() {
 }
 
 void IslandFinder::keep_what_goes_on() {
-  const Sets sets(pieces_);
+  const Sets sets(regions_);
   std::uint32_t kept = 0;
-  // The width of a copied piece is no longer needed and holds its new number.
-  for (std::uint32_t i = 0; i < here_count_; ++i) pieces_[sets.root(here_[i].piece)].goes_on = false;
+  // The width of a copied region is no longer needed and holds its new number.
+  for (std::uint32_t i = 0; i < here_count_; ++i) regions_[sets.root(here_[i].region)].goes_on = false;
   for (std::uint32_t i = 0; i < here_count_; ++i) {
-    const std::uint32_t piece = sets.root(here_[i].piece);
-    if (!pieces_[piece].goes_on) {
-      pieces_[piece].goes_on = true;
-      kept_[kept] = pieces_[piece];
+    const std::uint32_t region = sets.root(here_[i].region);
+    if (!regions_[region].goes_on) {
+      regions_[region].goes_on = true;
+      kept_[kept] = regions_[region];
       kept_[kept].parent = kept;
       kept_[kept].goes_on = false;
-      pieces_[piece].width = kept++;
+      regions_[region].width = kept++;
     }
-    here_[i].piece = pieces_[piece].width;
+    here_[i].region = regions_[region].width;
   }
-  std::swap(pieces_, kept_);
+  std::swap(regions_, kept_);
   open_ = kept;
 }
 

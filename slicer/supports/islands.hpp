@@ -40,8 +40,8 @@ class IslandFinder {
     read_runs(mask, below, fresh, row, window);
     join_with_row_above();
     for (std::uint32_t i = 0; i < open_; ++i) {
-      const Piece& piece = pieces_[i];
-      if (piece.parent == i && !piece.goes_on && !piece.held) visit(piece.middle);
+      const Region& region = regions_[i];
+      if (region.parent == i && !region.goes_on && !region.held) visit(region.middle);
     }
     keep_what_goes_on();
   }
@@ -49,7 +49,7 @@ class IslandFinder {
   template <class Visit>
   void end(Visit visit) {
     for (std::uint32_t i = 0; i < open_; ++i) {
-      if (!pieces_[i].held) visit(pieces_[i].middle);
+      if (!regions_[i].held) visit(regions_[i].middle);
     }
     open_ = 0;
   }
@@ -57,9 +57,9 @@ class IslandFinder {
  private:
   struct Run {
     std::uint32_t begin = 0, end = 0;  ///< columns
-    std::uint32_t piece = 0;
+    std::uint32_t region = 0;
   };
-  struct Piece {
+  struct Region {
     std::uint32_t parent = 0;
     std::uint32_t width = 0;  ///< pixels of its widest run
     Place middle;             ///< of that run
@@ -67,7 +67,7 @@ class IslandFinder {
     bool goes_on = false;     ///< into the row being read
   };
 
-  using Sets = DisjointSets<Piece, &Piece::parent>;
+  using Sets = DisjointSets<Region, &Region::parent>;
 
   void read_runs(ConstBitImage mask, ConstBitImage below, ConstBitImage fresh, std::uint32_t row, const Window& window);
   void join_with_row_above();
@@ -75,7 +75,7 @@ class IslandFinder {
 
   std::span<Run> above_, here_;
   std::uint32_t above_count_ = 0, here_count_ = 0;
-  std::span<Piece> pieces_, kept_;  ///< [0, open_): those with a run in the row above; then one for each run here
+  std::span<Region> regions_, kept_;  ///< [0, open_): those with a run in the row above; then one for each run here
   std::uint32_t open_ = 0;
 };
 

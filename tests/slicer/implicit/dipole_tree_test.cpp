@@ -63,7 +63,7 @@ TEST(DipoleTree, CountsEveryPointOnceFromEveryPlace) {
   }
 }
 
-TEST(DipoleTree, HidesNoPointInASumThatIsNearerThanItsLeafIsWide) {
+TEST(DipoleTree, SumsNoPointThatIsCloserThanItsLeafIsWide) {
   const Counted counted(1000, 1, 0, 0);
   std::vector<float> half_width;  // of the leaf of each point: half the distance of its two points farthest apart
   for (std::uint32_t i = 0; i < counted.points.size(); ++i) {
@@ -93,7 +93,7 @@ TEST(DipoleTree, HidesNoPointInASumThatIsNearerThanItsLeafIsWide) {
   EXPECT_LT(taken, 200U * counted.points.size() / 10) << "nothing is gained over the sum of all points";
 }
 
-TEST(DipoleTree, OfNoPointsHasNothingToVisit) {
+TEST(DipoleTree, VisitsNothingWithoutPoints) {
   EXPECT_EQ(Tree::nodes_needed(0), 0U);
   Tree tree(0, {});
   tree.build([](std::uint32_t, DipoleSum&) { FAIL(); });

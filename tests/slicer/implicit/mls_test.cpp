@@ -128,7 +128,7 @@ TEST_F(MlsOfRandomPoints, IsTheSumOverTheWholeCloud) {
   }
 }
 
-TEST_F(MlsOfRandomPoints, AWiderWindowChangesNothingButTheRounding) {
+TEST_F(MlsOfRandomPoints, ChangesOnlyByRoundingWithAWiderWindow) {
   gatherer_.gather({5, 5}, {5, 5});
   const RayPoints& points = gatherer_.points_of_ray(5, 5);
   for (float z = 0; z < 10; z += 0.1F) {
@@ -149,7 +149,7 @@ TEST_F(MlsOfRandomPoints, HasNoWeightAndNoValueWhereNoPointIsNear) {
 }
 
 // The weights (1 - t^2)^2 over half a disc have their mean at 16 / (35 pi / 2) of its radius from the edge.
-TEST(Mls, IsAmidThePointsOfASheetAndOffTheCentreAtItsEdge) {
+TEST(Mls, IsCentredInASheetAndOffCentreAtItsEdge) {
   constexpr float kRadius = 1;
   Random random(3);
   ArenaBlock arena(16 * kMiB);
@@ -166,7 +166,7 @@ TEST(Mls, IsAmidThePointsOfASheetAndOffTheCentreAtItsEdge) {
   EXPECT_GT(off_centre(-0.4F), 0.5F);
 }
 
-TEST_F(MlsOfRandomPoints, TheColumnsOfARayAreItsPointsSortedByDepth) {
+TEST_F(MlsOfRandomPoints, SortsThePointsOfARayByDepth) {
   gatherer_.gather({3, 4}, {3.5F, 4.5F});
   const RayPoints& points = gatherer_.points_of_ray(3.2F, 4.1F);
   std::uint32_t expected = 0;
@@ -179,7 +179,7 @@ TEST_F(MlsOfRandomPoints, TheColumnsOfARayAreItsPointsSortedByDepth) {
   EXPECT_FALSE(gatherer_.thinned());
 }
 
-TEST_F(MlsOfRandomPoints, ATileWithMorePointsThanItHasRoomForTakesAnEvenShare) {
+TEST_F(MlsOfRandomPoints, TakesAnEvenShareOfTooManyPointsInATile) {
   RayGatherer small = value_of(RayGatherer::create(cloud_, *tree_, 100, kMaxRadius, *arena_));
   small.gather({2, 2}, {8, 8});
   EXPECT_TRUE(small.thinned());
@@ -206,7 +206,7 @@ TEST(Mls, IsTheDistanceToAPlaneExactly) {
   }
 }
 
-TEST(Mls, AnEdgeIsRoundedMuchLessThanItsSupportIsWide) {
+TEST(Mls, RoundsAnEdgeMuchLessThanTheSupportRadius) {
   Random random(4);
   const Vec3d corner(5, 5, 5);
   Surface surface = sheet(corner, Vec3d(6, 0, 0), Vec3d(0, 6, 0), 0.1, 0.5, random);  // faces up, ends at x = 11
@@ -229,7 +229,7 @@ TEST(Mls, AnEdgeIsRoundedMuchLessThanItsSupportIsWide) {
 }
 
 // The two halves of the value err by as much, one outwards and one inwards.
-TEST(Mls, OnASphereHasNoErrorOfTheOrderOfItsCurvature) {
+TEST(Mls, HasNoErrorOfTheOrderOfTheCurvatureOfASphere) {
   const double radius = 10;
   const Vec3d centre(12, 12, 12);
   for (const float support : {0.5F, 1.0F, 2.0F}) {

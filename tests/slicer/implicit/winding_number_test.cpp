@@ -27,7 +27,7 @@ double direct_sum(const WindingField& field, const Vec3d& x) {
   return sum;
 }
 
-TEST(WindingNumber, IsOneInsideOfASphereAndNoughtOutside) {
+TEST(WindingNumber, IsOneInsideASphereAndZeroOutside) {
   const Vec3d centre(10, 10, 10);
   const WindingField field(sphere(20000, 5, centre));
   Random random(51);
@@ -58,7 +58,7 @@ TEST(WindingNumber, IsTheSumOverAllPoints) {
   EXPECT_LT(mean, 0.01);
 }
 
-TEST(WindingNumber, IsHalfOnTheSurfaceAndBoundedAtAPoint) {
+TEST(WindingNumber, IsOneHalfOnTheSurfaceAndBoundedAtAPoint) {
   const Vec3d centre(10, 10, 10);
   const Surface surface = sphere(20000, 5, centre);
   const WindingField field(surface);
@@ -104,7 +104,7 @@ TEST(WindingNumber, OfAClosedSphereOnThePlaneDoesNotChangeWithTheBase) {
   for (std::size_t i = 0; i < places.size(); ++i) EXPECT_NEAR(field.at(places[i]), before[i], 0.06);
 }
 
-// A hole in an underside that was seen once made all of it count as open: it was closed at the height of the lowest strays.
+// A hole in a scanned underside once made all of it count as open, so it was closed at the height of the lowest outliers.
 TEST(WindingNumber, HasABaseForAnOpenUndersideAndNotForAHoleInIt) {
   Random random(55);
   const Surface whole = box({0, 0, 0}, {20, 20, 10}, 0.3, 0.3, random);
@@ -142,7 +142,7 @@ Surface without_cap(double degrees, bool hollow) {
   return surface;
 }
 
-TEST(WindingNumber, ClosesAHoleAsRoundAsItsRim) {
+TEST(WindingNumber, ClosesAHoleWithTheCurvatureOfItsRim) {
   for (const double degrees : {12.0, 20.0}) {
     const double cap = 10 * (1 - std::cos(degrees * kPi / 180));
     const Vec3d middle(12, 12, 22 - cap);

@@ -25,7 +25,7 @@ FeatureLimits limits_of(const Sheet& found, const ClusteringSettings& settings, 
   return feature_limits(found.support_points, settings, found.epsilon, found.noise, grid);
 }
 
-TEST(StrayLimits, AFeatureOfALayerIsSmallUpToTheSquaresOfASupportsPoints) {
+TEST(FeatureLimits, ARegionIsSmallUpToTheAreaOfASupportRadius) {
   const ClusteringSettings settings;
   const PrintGrid grid{.pitch_x_mm = 0.05F, .pitch_y_mm = 0.04F};
   constexpr double kSpacing = 0.2;
@@ -38,7 +38,7 @@ TEST(StrayLimits, AFeatureOfALayerIsSmallUpToTheSquaresOfASupportsPoints) {
   }
 }
 
-TEST(StrayLimits, ACrumbIsAsHighAsNoiseLeavesASurfaceUneven) {
+TEST(FeatureLimits, AFlatFeatureIsAsHighAsNoiseMakesASurfaceUneven) {
   const ClusteringSettings settings;
   const auto layers = [&](float support, float layer_height) {
     return limits_of(sheet(0.2, settings, support), settings, {.layer_height_mm = layer_height}).flat_layers;
@@ -50,7 +50,7 @@ TEST(StrayLimits, ACrumbIsAsHighAsNoiseLeavesASurfaceUneven) {
   EXPECT_EQ(layers(16, 0.05F), 4U);
 }
 
-TEST(StrayLimits, AFeatureMayHaveTheMoreVoxelsTheMoreNoiseHasWidenedTheSupports) {
+TEST(FeatureLimits, NoiseAllowsFeaturesOfMoreVoxels) {
   const ClusteringSettings settings;
   const PrintGrid grid;
   const auto voxels = [&](float support) {
@@ -60,7 +60,7 @@ TEST(StrayLimits, AFeatureMayHaveTheMoreVoxelsTheMoreNoiseHasWidenedTheSupports)
   EXPECT_GT(voxels(settings.min_support), 0);
 }
 
-TEST(StrayLimits, ANarrowFeatureIsTwoThirdsOfEpsilonHighUnlessNoiseHasWidenedTheSupports) {
+TEST(FeatureLimits, ANarrowFeatureIsAtMostTwoThirdsOfEpsilonHighWithoutNoise) {
   const ClusteringSettings settings;
   const PrintGrid grid{.layers = 800, .layer_height_mm = 0.05F};
   const auto limits = [&](float widened, float noise) {
@@ -75,7 +75,7 @@ TEST(StrayLimits, ANarrowFeatureIsTwoThirdsOfEpsilonHighUnlessNoiseHasWidenedThe
   EXPECT_EQ(limits(1, 1).narrow_layers, limits(1, 1).flat_layers);
 }
 
-TEST(StrayLimits, WhatTouchesNothingMayBeASpeckWhateverTheNoise) {
+TEST(FeatureLimits, ALooseFeatureMayBeAsLargeAsASmallComponent) {
   const ClusteringSettings settings;
   const PrintGrid grid{.pitch_x_mm = 0.05F, .pitch_y_mm = 0.04F, .layer_height_mm = 0.1F};
   Sheet found = sheet(0.1, settings, settings.min_support);

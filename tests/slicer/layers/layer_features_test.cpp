@@ -36,7 +36,7 @@ TEST(LayerFeatures, FillsADentThatOpensToTheOutsideInTheNextLayers) {
   EXPECT_TRUE(voxels.equals(wanted));
 }
 
-TEST(LayerFeatures, TakesOutABumpThatBeginsBeforeItMeetsTheObject) {
+TEST(LayerFeatures, RemovesABumpThatBeginsBelowTheObjectItMeets) {
   // A ledge of the block begins at layer 10; beneath its end hang four layers of bump.
   const Inside wanted = [](auto c, auto r, auto k) {
     return Block{10, 40, 5, 35, 0, 20}.has(c, r, k) || Block{40, 60, 5, 35, 10, 20}.has(c, r, k);
@@ -78,7 +78,7 @@ TEST(LayerFeatures, FillsACavityAndDropsALooseIsland) {
   EXPECT_TRUE(voxels.equals(block));
 }
 
-TEST(LayerFeatures, KeepsTheTipOfWhatGrowsAndTheBottomOfAPitThatWidens) {
+TEST(LayerFeatures, KeepsTheTipOfAGrowingPartAndTheBottomOfAPit) {
   const auto stays = [](const Inside& solid) {
     Voxels voxels(solid);
     const auto counts = drop_small_features(voxels.rrep, kLimits, *voxels.block);
@@ -118,7 +118,7 @@ TEST(LayerFeatures, KeepsNeedlesAndShaftsOfManyVoxelsOrLayers) {
 }
 
 // Letters lost what they stood on, and floated.
-TEST(LayerFeatures, KeepsTheStalksThatSomethingStandsOn) {
+TEST(LayerFeatures, KeepsStalksThatCarryALargerPart) {
   const Inside stalks = [](auto c, auto r, auto k) {
     return Block{22, 26, 15, 19, 20, 24}.has(c, r, k) || Block{44, 48, 15, 19, 20, 24}.has(c, r, k);
   };
@@ -142,7 +142,7 @@ TEST(LayerFeatures, KeepsTheStalksThatSomethingStandsOn) {
 }
 
 // The opening of the masks had cut it off, and it was high enough to stay.
-TEST(LayerFeatures, TakesOutWhatTouchesNothingUnlessItIsAllThereIs) {
+TEST(LayerFeatures, RemovesLooseFeaturesUnlessNothingElseIsThere) {
   const auto needle = [](auto c, auto r, auto k) { return Block{63, 67, 8, 12, 4, 16}.has(c, r, k); };
   const auto spur = [](auto c, auto r, auto k) { return Block{60, 63, 10, 11, 9, 10}.has(c, r, k); };
   FeatureLimits limits = kLimits;
@@ -167,7 +167,7 @@ TEST(LayerFeatures, KeepsBlindHolesThatOpenBelowTheFirstLayerOrAboveTheLastOne) 
   EXPECT_TRUE(open.equals(pierced));
 }
 
-TEST(LayerFeatures, KeepsDotsThatAreWideAndHighAndNoneThatAreFlatOrNarrow) {
+TEST(LayerFeatures, KeepsDotsThatAreWideAndHighAndRemovesFlatOrNarrowOnes) {
   // Two of each kind: one alone would be all that the layer below goes on as.
   const auto dots = [](std::uint32_t side, std::uint32_t layers) {
     return [=](auto c, auto r, auto k) {
@@ -188,7 +188,7 @@ TEST(LayerFeatures, KeepsDotsThatAreWideAndHighAndNoneThatAreFlatOrNarrow) {
   EXPECT_EQ(islands_removed(4, 6), 2U);
 }
 
-/// The same, full of cubic bubbles at this pitch.
+/// The same, full of cubic cavities at this pitch.
 Inside bubbly(std::uint32_t side, std::uint32_t pitch) {
   return [=](auto c, auto r, auto k) {
     // The last `side` of each pitch, in as many pitches as there are.
@@ -199,7 +199,7 @@ Inside bubbly(std::uint32_t side, std::uint32_t pitch) {
   };
 }
 
-TEST(LayerFeatures, FillsMoreVoxelsThanItTogglesAtOnce) {
+TEST(LayerFeatures, FillsMoreVoxelsThanFitOneBatchOfToggles) {
   Voxels voxels(bubbly(5, 8));
   const auto counts = drop_small_features(voxels.rrep, kLimits, *voxels.block);
   ASSERT_TRUE(counts.has_value());
@@ -208,8 +208,8 @@ TEST(LayerFeatures, FillsMoreVoxelsThanItTogglesAtOnce) {
   EXPECT_TRUE(voxels.equals(high_block));
 }
 
-TEST(LayerFeatures, LeavesTheLayersAsTheyAreFromWhereItHasNoRoomForMore) {
-  // 13 x 7 bubbles, each a region in three layers: more than there is room for when they come the third time.
+TEST(LayerFeatures, LeavesTheLayersAloneAboveWhereItsRoomEnds) {
+  // 13 x 7 cavities, each a region in three layers: the third set exceeds the room.
   const Inside all = bubbly(3, 5);
   Voxels voxels(all);
   const auto counts = drop_small_features(voxels.rrep, kLimits, *voxels.block);
@@ -219,7 +219,7 @@ TEST(LayerFeatures, LeavesTheLayersAsTheyAreFromWhereItHasNoRoomForMore) {
   EXPECT_TRUE(voxels.equals([&](auto c, auto r, auto k) { return k < 10 ? high_block(c, r, k) : all(c, r, k); }));
 }
 
-TEST(LayerFeatures, TakeNoMoreOfTheArenaThanTheySay) {
+TEST(LayerFeatures, TakesNoMoreOfTheArenaThanStated) {
   for (const Inside& inside : {Inside(block), bubbly(5, 8), bubbly(3, 5)}) {
     Voxels voxels(inside);
     Arena& arena = *voxels.block;
@@ -232,7 +232,7 @@ TEST(LayerFeatures, TakeNoMoreOfTheArenaThanTheySay) {
   }
 }
 
-TEST(LayerFeatures, GivesTheArenaBackAndLeavesAloneWhereItHasNoRoom) {
+TEST(LayerFeatures, ReleasesTheArenaAndChangesNothingWithoutRoom) {
   const Inside dented = [](auto c, auto r, auto k) {
     return block(c, r, k) && !Block{20, 24, 15, 19, 5, 9}.has(c, r, k);
   };

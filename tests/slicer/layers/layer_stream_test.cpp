@@ -87,7 +87,7 @@ TEST_P(LayerStreamOfSize, GivesAnyLayerInAnyOrder) {
   }
 }
 
-TEST(LayerStream, IsTheDocumentedExample) {
+TEST(LayerStream, GivesTheDocumentedExample) {
   // One ray from layer 1 to layer 3, in a block of 4 x 3 of them that opening leaves alone.
   std::vector<std::uint32_t> block;
   for (std::uint32_t r = 1; r < 4; ++r) {
@@ -111,7 +111,7 @@ TEST(LayerStream, IsTheDocumentedExample) {
   EXPECT_EQ(stream.mask(4).count(), 0U);
 }
 
-TEST(LayerStream, TakesTheBytesItSays) {
+TEST(LayerStream, TakesTheBytesItStates) {
   Random random(3);
   const RandomRRep object(777, 333, 2, random);
   ArenaBlock arena(kMiB);
@@ -120,7 +120,7 @@ TEST(LayerStream, TakesTheBytesItSays) {
   EXPECT_EQ(arena->top_used(), 0U);
 }
 
-TEST(LayerStream, IsRefusedWhereItsImagesDoNotFit) {
+TEST(LayerStream, IsRefusedIfItsImagesDoNotFit) {
   Random random(4);
   const RandomRRep object(1024, 1024, 2, random);
   ArenaBlock arena(kMiB / 8);

@@ -56,7 +56,7 @@ TEST_P(MorphologyOfSize, ChangesNothingTheSecondTime) {
   }
 }
 
-TEST(Morphology, OfARunOfWordsIsThatOfTheWholeImage) {
+TEST(Morphology, GivesTheSameForARunOfWordsAsForTheImage) {
   Random random(5);
   const Pixels in = random_pixels(300, 20, 0.7, random);
   const Pixels whole = opened_and_closed(in);
@@ -70,7 +70,7 @@ TEST(Morphology, OfARunOfWordsIsThatOfTheWholeImage) {
   EXPECT_EQ(Pixels(out.view()), whole);
 }
 
-TEST(Morphology, TakesOutSinglePixelsAndLinesOfOnePixel) {
+TEST(Morphology, RemovesSinglePixelsAndLinesOfOnePixel) {
   Pixels in(130, 20);
   in.set(3, 3, true);
   for (std::uint32_t c = 0; c < 130; ++c) in.set(c, 10, true);
@@ -117,7 +117,7 @@ TEST(Morphology, KeepsEveryPixelOfLinesThreeWideInAllDirections) {
   }
 }
 
-TEST(Morphology, NeverTakesAPixelFromUnionsOfThreeByThreeSquares) {
+TEST(Morphology, RemovesNoPixelFromUnionsOfThreeByThreeSquares) {
   Random random(6);
   for (int round = 0; round < 50; ++round) {
     Pixels in(129, 50);
@@ -133,7 +133,7 @@ TEST(Morphology, NeverTakesAPixelFromUnionsOfThreeByThreeSquares) {
   }
 }
 
-TEST(Morphology, NeverFillsAPixelOfHollowsThatAreUnionsOfThreeByThreeSquares) {
+TEST(Morphology, FillsNoPixelOfHolesThatAreUnionsOfThreeByThreeSquares) {
   Random random(7);
   for (int round = 0; round < 50; ++round) {
     Pixels in(129, 50);

@@ -14,7 +14,7 @@ namespace {
 
 using namespace testing;
 
-TEST(RRepEdit, TogglesAsASetOfVoxelsWould) {
+TEST(RRepEdit, TogglesLikeASetOfVoxels) {
   Random random(9);
   for (int round = 0; round < 20; ++round) {
     std::vector<bool> on(std::size_t{kLayers} * kRows * kColumns);
@@ -58,8 +58,8 @@ TEST(RRepEdit, TrimsEmptyLayersBelowAndAboveTheObject) {
   EXPECT_TRUE(voxels.equals(wanted));
 }
 
-// The print once began, and ended, with layers that had nothing but the tip of a stray, one pixel wide: the masks had none of it.
-TEST(RRepEdit, TrimsLayersThatPrintNothingThough) {
+// Prints once began and ended with empty masks: those layers held only the tip of an outlier, one pixel wide, which opening removes.
+TEST(RRepEdit, TrimsLayersThatOpeningEmpties) {
   const auto spur = [](auto c, auto r, auto k) { return c == 20 && r == 20 && k >= 2; };
   const auto block_on_it = [](auto c, auto r, auto k) { return Block{10, 60, 5, 35, 0, 12}.has(c, r, k); };
   const auto passing = [](auto c, auto r, auto k) { return c == 30 && r == 9 && k >= 1 && k < 5; };
@@ -78,7 +78,7 @@ TEST(RRepEdit, FindsTheLastLayerBelowManyEmptyOnes) {
   EXPECT_TRUE(voxels.equals(low));
 }
 
-TEST(RRepEdit, TrimsNothingWhereNoLayerPrints) {
+TEST(RRepEdit, TrimsNothingIfNoLayerPrints) {
   Voxels voxels([](auto c, auto r, auto k) { return c == 20 && r == 20 && k >= 2; });
   expect_trimmed(voxels, 0, 0);
 }

@@ -15,7 +15,7 @@ using namespace testing;
 constexpr float kReach = 1.2F;  ///< mm
 
 /// A ball from 5 to 15 mm on the ray through its centre.
-class ExtrapolatedSheets : public ::testing::Test {
+class ExtrapolatedCrossings : public ::testing::Test {
  protected:
   void settle(std::initializer_list<RayCrossing> crossings) {
     crossings_ = crossings;
@@ -36,7 +36,7 @@ class ExtrapolatedSheets : public ::testing::Test {
   bool changed_ = false;
 };
 
-TEST_F(ExtrapolatedSheets, StayWhereTheWindingNumberHasThemToo) {
+TEST_F(ExtrapolatedCrossings, StayWhereTheWindingNumberAgrees) {
   settle({extrapolated(5), extrapolated(15)});
   EXPECT_FALSE(changed_);
   ASSERT_EQ(crossings_.size(), 2U);
@@ -45,7 +45,7 @@ TEST_F(ExtrapolatedSheets, StayWhereTheWindingNumberHasThemToo) {
   EXPECT_EQ(crossings_[1].depth, 15);
 }
 
-TEST_F(ExtrapolatedSheets, GoToWhereTheWindingNumberHasThem) {
+TEST_F(ExtrapolatedCrossings, MoveToWhereTheWindingNumberChanges) {
   settle({extrapolated(3), measured(15)});
   EXPECT_TRUE(changed_);
   expect_the_ball();
@@ -63,7 +63,7 @@ TEST_F(ExtrapolatedSheets, GoToWhereTheWindingNumberHasThem) {
   EXPECT_NEAR(crossings_[1].depth, 15, 0.15);
 }
 
-TEST_F(ExtrapolatedSheets, GoWithWhatTheyMakeInTheAir) {
+TEST_F(ExtrapolatedCrossings, AreRemovedWithTheSolidThatTheyMakeInTheAir) {
   settle({measured(1), extrapolated(2), measured(5), measured(15)});
   EXPECT_TRUE(changed_);
   expect_the_ball();
@@ -71,19 +71,19 @@ TEST_F(ExtrapolatedSheets, GoWithWhatTheyMakeInTheAir) {
   expect_the_ball();
 }
 
-TEST_F(ExtrapolatedSheets, GoWithTheHollowThatTheyMake) {
+TEST_F(ExtrapolatedCrossings, AreRemovedWithTheHollowThatTheyMake) {
   settle({measured(5), measured(9), extrapolated(11), measured(15)});
   EXPECT_TRUE(changed_);
   expect_the_ball();
 }
 
-TEST_F(ExtrapolatedSheets, AreAskedForAloneNotWhatWasMeasured) {
+TEST_F(ExtrapolatedCrossings, AreTheOnlyOnesThatMove) {
   settle({measured(1), measured(2), measured(5), measured(9), measured(10), measured(15)});
   EXPECT_FALSE(changed_);
   EXPECT_EQ(crossings_.size(), 6U);
 }
 
-TEST_F(ExtrapolatedSheets, AreNotMovedBeyondTheOutermost) {
+TEST_F(ExtrapolatedCrossings, DoNotMoveBeyondTheOutermostCrossing) {
   settle({extrapolated(7.5F), extrapolated(12)});
   EXPECT_FALSE(changed_);
   ASSERT_EQ(crossings_.size(), 2U);
@@ -91,7 +91,7 @@ TEST_F(ExtrapolatedSheets, AreNotMovedBeyondTheOutermost) {
   EXPECT_EQ(crossings_[1].depth, 12);
 }
 
-TEST_F(ExtrapolatedSheets, MayLieOnEachOtherOrBeNone) {
+TEST_F(ExtrapolatedCrossings, MayCoincideOrBeAbsent) {
   settle({measured(5), extrapolated(5), extrapolated(5), measured(15)});
   EXPECT_FALSE(changed_);
   settle({});

@@ -134,7 +134,7 @@ std::vector<Meeting> exact_torus(double ring, double tube, const Vec3d& centre, 
   return found;
 }
 
-TEST(Intersections, MeetAPlaneWhereItIs) {
+TEST(Intersections, LieOnThePlane) {
   for (const double tilt : {0.0, 0.3, -1.0}) {
     Random random(41);
     const Vec3d u(12, 0, 12 * tilt);
@@ -148,7 +148,7 @@ TEST(Intersections, MeetAPlaneWhereItIs) {
   }
 }
 
-TEST(Intersections, OfASphereComeAtLeastLinearlyCloserWithTheSpacing) {
+TEST(Intersections, OfASphereConvergeAtLeastLinearlyWithTheSpacing) {
   const Vec3d centre(8, 8, 8);
   const double radius = 5;
   const ExactRay exact = [&](double x, double y) { return exact_sphere(radius, centre, x, y); };
@@ -168,7 +168,7 @@ TEST(Intersections, OfASphereComeAtLeastLinearlyCloserWithTheSpacing) {
   }
 }
 
-TEST(Intersections, OfATorusComeAtLeastLinearlyCloserWithTheSpacing) {
+TEST(Intersections, OfATorusConvergeAtLeastLinearlyWithTheSpacing) {
   const Vec3d centre(9, 9, 9);
   for (const int axis : {2, 0}) {
     const ExactRay exact = [&](double x, double y) { return exact_torus(5, 2, centre, axis, x, y); };
@@ -186,7 +186,7 @@ TEST(Intersections, OfATorusComeAtLeastLinearlyCloserWithTheSpacing) {
   }
 }
 
-TEST(Intersections, OfTheUniformQueriesAreTheSame) {
+TEST(Intersections, AreTheSameWithUniformQueries) {
   const Vec3d centre(8, 8, 8);
   RayLaboratory laboratory(sphere(sphere_points(5, 0.2), 5, centre));
   Random random(42);
@@ -206,7 +206,7 @@ TEST(Intersections, OfTheUniformQueriesAreTheSame) {
   }
 }
 
-TEST(Intersections, BandsAreTheUnionOfTheSupports) {
+TEST(Intersections, HaveBandsThatAreTheUnionOfTheSupportRadii) {
   RayLaboratory laboratory(sphere(sphere_points(5, 0.3), 5, {8, 8, 8}));
   Random random(43);
   const Cloud& cloud = laboratory.scan().cloud;
@@ -272,7 +272,7 @@ float for_each_hit(IntersectionSettings settings, Compare compare) {
   return laboratory.width();
 }
 
-TEST(Intersections, StandWithinTheIntervalOfTheRoot) {
+TEST(Intersections, LieWithinTheIntervalOfTheRoot) {
   float worst = 0;
   const float width = for_each_hit({}, [&](const RayPoints& points, const Intersection& hit) {
     worst = std::max(worst, std::abs(hit.depth - bisected(points, hit.depth - 0.3F, hit.depth + 0.3F)));
@@ -293,14 +293,14 @@ float worst_value_after(std::uint32_t iterations) {
   return worst;
 }
 
-TEST(Intersections, TakeNoMoreIterationsThanAllowedAndTenAreEnough) {
+TEST(Intersections, TakeAtMostTheAllowedIterationsAndTenAreEnough) {
   const float none = worst_value_after(0);
   EXPECT_GT(none, 0.05F) << "without an iteration the root is the middle of two queries";
   EXPECT_LT(worst_value_after(1), 0.5F * none);
   EXPECT_LT(worst_value_after(10), 0.005F);
 }
 
-TEST(Intersections, BesideAVerticalWallAreThoseOfTheLidAndTheFloor) {
+TEST(Intersections, BesideAVerticalWallAreThoseOfTheTopAndTheBottom) {
   Random random(45);
   const double spacing = 0.15;
   RayLaboratory laboratory(box({2, 2, 2}, {10, 10, 10}, spacing, 0.3, random));
@@ -324,7 +324,7 @@ TEST(Intersections, BesideAVerticalWallAreThoseOfTheLidAndTheFloor) {
   }
 }
 
-TEST(Intersections, OfARayFarFromEveryPointAreNone) {
+TEST(Intersections, AreAbsentFarFromEveryPoint) {
   RayLaboratory laboratory(sphere(2000, 5, {8, 8, 8}));
   EXPECT_TRUE(laboratory.shoot(40, 40).intersections.empty());
   EXPECT_TRUE(laboratory.shoot(40, 40).bands.empty());

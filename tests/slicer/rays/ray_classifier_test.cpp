@@ -53,14 +53,14 @@ void expect_the_plate(const Surface& surface, float tolerance) {
   EXPECT_NEAR(found[1], 6, tolerance);
 }
 
-TEST(RayClassifier, EnterAndLeaveAPlate) {
+TEST(RayClassifier, EntersAndExitsAPlate) {
   Random random(1);
   expect_the_plate(plate(random), 0.05F);
 }
 
 // Wide supports beyond an edge once made a ray inside out at both ends, and all of it was left out: a shaft through the
 // object.
-TEST(RayClassifier, KeepWhatLiesBetweenTwoSheetsThatAreNone) {
+TEST(RayClassifier, KeepsTheSolidBetweenTwoFalseSheets) {
   Random random(2);
   Surface surface = plate(random);
   append(surface, sheet({9, 9, 4.2}, {2, 0, 0}, {0, 2, 0}, kSpacing, 0.2, random));
@@ -69,7 +69,7 @@ TEST(RayClassifier, KeepWhatLiesBetweenTwoSheetsThatAreNone) {
 }
 
 // Noise tilts the planes that go on beyond an edge; they met below the rims of walls, and a print began with what hung there.
-TEST(RayClassifier, DoNotMeetWhatEndsBesideThem) {
+TEST(RayClassifier, MissesASheetThatEndsBesideTheRay) {
   Random random(3);
   Surface surface = plate(random);
   append(surface, sheet({8.4, 9, 8.3}, {0, 2, 0}, {1, 0, 0}, kSpacing, 0.2, random));
@@ -78,8 +78,8 @@ TEST(RayClassifier, DoNotMeetWhatEndsBesideThem) {
 }
 
 // Behind a one-sided sheet the winding number is a half at most, and what closes holes as round as their rims lean may take it
-// for inside: background that stood across the object was printed as a flake.
-TEST(RayClassifier, MakeNoSolidBehindASheetThatHangsInTheAir) {
+// for inside: background that stood across the object was printed as a thin solid.
+TEST(RayClassifier, MakesNoSolidBehindASheetThatHangsInTheAir) {
   Random random(5);
   Surface surface = box({1, 1, 5}, {19, 19, 6}, kSpacing, 0.2, random);
   append(surface, sheet({2, 2, 12}, {16, 0, 0}, {0, 16, 0}, kSpacing, 0.2, random));
@@ -105,7 +105,7 @@ Surface box_with_points_below_its_rim(double gap) {
 
 // Points below the rim make a band that is inside from 0.56 mm on. Without a sheet the object once began there; with one, the
 // top, that was left out, and all that is behind the wall with it.
-TEST(RayClassifier, BeginWhereTheObjectDoesBehindAWallThatGoesOnBelowIt) {
+TEST(RayClassifier, BeginsWithTheObjectBehindAWallThatContinuesBelowIt) {
   for (const double gap : {3.5, 0.0}) {
     const std::vector<float> found = crossings(box_with_points_below_its_rim(gap));
     ASSERT_EQ(found.size(), 2U) << gap;

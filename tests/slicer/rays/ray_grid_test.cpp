@@ -69,7 +69,7 @@ TEST(GridWidth, OnASquareLatticeIsThatOfItsTenthNeighbour) {
   EXPECT_NEAR(lattice.width(), std::sqrt(kPi) * 2 * spacing, 0.02 * std::sqrt(kPi) * 2 * spacing);
 }
 
-TEST(GridWidth, IsThatOfTheDenserOfTheTwoPracticalClasses) {
+TEST(GridWidth, IsThatOfTheDenserPracticalClass) {
   LatticeCloud lattice(60, 0.5);
   const float whole = lattice.width();
   // Every fourth point enters: twice as far apart as they would be, and the neutral ones have no say.
@@ -86,7 +86,7 @@ TEST(GridWidth, IsThatOfTheDenserOfTheTwoPracticalClasses) {
   EXPECT_LT(lattice.width(), 0.75F * quarter);
 }
 
-TEST(GridWidth, IsNoughtWhereNoClassHasEnoughPoints) {
+TEST(GridWidth, IsZeroIfNoClassHasEnoughPoints) {
   LatticeCloud lattice(20, 0.5);
   lattice.set_class(PointClass::kNeutral);
   EXPECT_EQ(lattice.width(), 0);
@@ -184,7 +184,7 @@ TEST_F(InterestedRays, FillARingWithinTheGapOfALetterC) {
   EXPECT_FALSE(found.at(64, 85)) << "between ring and C";
 }
 
-TEST_F(InterestedRays, FollowASpiralThatLeadsOutside) {
+TEST_F(InterestedRays, DoNotFillASpiralThatLeadsOutside) {
   Surface spiral;
   for (double a = 0; a < 6 * 2 * kPi; a += 0.02) {
     spiral.push_back({Vec3d(6 + a / 8 * std::cos(a), 6 + a / 8 * std::sin(a), 0), Vec3d(0, 0, 1)});
@@ -192,7 +192,7 @@ TEST_F(InterestedRays, FollowASpiralThatLeadsOutside) {
   of(spiral, grid(129, 125, 0.1F, 0.1F), 0.08F);
 }
 
-TEST_F(InterestedRays, AreDiscsOnPixelsThatAreNotSquareAndOverTheEdgesOfThePanel) {
+TEST_F(InterestedRays, AreDiscsAlsoOnOblongPixelsAndAcrossTheEdgesOfThePanel) {
   Random random(71);
   for (int round = 0; round < 30; ++round) {
     Surface surface;

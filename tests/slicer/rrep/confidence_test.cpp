@@ -29,7 +29,7 @@ Slicing sliced(const Surface& surface, bool confidence = true, std::uint32_t thr
   return Slicing(binary_ply(surface), settings, 64 * kMiB);
 }
 
-TEST(ConfidenceMap, TellsTheBasePlaneFromWhatWasMeasured) {
+TEST(ConfidenceMap, DistinguishesTheBasePlaneFromMeasuredSurface) {
   const Slicing slicing = sliced(scan_without_underside());
   const ConfidenceShares shares = slicing.report().confidence.shares();
   // A cap of 2 pi r h, and the disc that closes it.
@@ -43,7 +43,7 @@ TEST(ConfidenceMap, TellsTheBasePlaneFromWhatWasMeasured) {
   EXPECT_NEAR(static_cast<double>(shares.crossings[static_cast<std::size_t>(Evidence::kBase)]), rays, 0.1 * rays);
 }
 
-TEST(ConfidenceMap, CountsByLayerAndPlaceWhereItIs) {
+TEST(ConfidenceMap, CountsCrossingsByLayerAndByPlace) {
   const Slicing slicing = sliced(scan_without_underside());
   const ConfidenceMap& map = slicing.report().confidence;
   const auto base = static_cast<std::size_t>(Evidence::kBase);
@@ -81,7 +81,7 @@ TEST(ConfidenceMap, ChangesNoMaskAndDoesNotDependOnThreads) {
   EXPECT_EQ(one.report().confidence.surface(), four.report().confidence.surface());
 }
 
-TEST(ConfidenceMap, IsPlanned) {
+TEST(ConfidenceMap, FitsTheMemoryPlan) {
   const Slicing slicing = sliced(scan_without_underside());
   for (const Stage stage : {Stage::kRays, Stage::kRRep}) {
     const auto i = static_cast<std::size_t>(stage);

@@ -52,7 +52,7 @@ TEST(Disc, HoldsThePixelsWithinItsRadius) {
   }
 }
 
-TEST(Disc, KnowsWhatIsNear) {
+TEST(Disc, FindsThePixelsNearAWhiteOne) {
   Random random(4);
   for (int i = 0; i < 60; ++i) {
     const std::uint32_t columns = 1 + random.below(300);

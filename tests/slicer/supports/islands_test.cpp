@@ -62,7 +62,7 @@ TEST(Islands, AreThoseOfAFloodFill) {
   }
 }
 
-TEST(Islands, AreMetInTheMiddleOfTheirWidestRow) {
+TEST(Islands, HaveTheirTipInTheMiddleOfTheirWidestRow) {
   Pixels mask(140, 30);
   for (std::uint32_t r = 0; r < 30; ++r) {
     for (std::uint32_t c = 0; c < 140; ++c) {
@@ -77,7 +77,7 @@ TEST(Islands, AreMetInTheMiddleOfTheirWidestRow) {
   EXPECT_NEAR(found[0].row, 15, 5);
 }
 
-TEST(Islands, DoNotHoldAtACorner) {
+TEST(Islands, AreNotHeldAtACorner) {
   Pixels mask(10, 10);
   Pixels below(10, 10);
   for (const std::uint32_t c : {2U, 3U}) {

@@ -105,7 +105,7 @@ TEST(MaskStream, GivesTheObjectsMasksWithoutSupports) {
   EXPECT_EQ(arena->bottom_used(), LayerStream::bytes_needed(scene.solid.rrep.grid));
 }
 
-TEST(MaskStream, IsRefusedWhereItsListDoesNotFit) {
+TEST(MaskStream, IsRefusedIfItsListDoesNotFit) {
   const Scene scene;
   const std::size_t bytes = MaskStream::bytes_needed(scene.solid.rrep.grid, scene.list.size());
   ArenaBlock arena(bytes - Arena::kAlignment);

@@ -121,7 +121,7 @@ TEST(Supports, HoldAToothThatHangsInAnArch) {
   EXPECT_NEAR(tooth->row, 32, 2);
 }
 
-TEST(Supports, HoldAConeAtItsTipAlone) {
+TEST(Supports, HoldAConeOnlyAtItsTip) {
   const Supported s(cone(8, 0.8));  // steeper than the critical angle
   expect_printable(s);
   ASSERT_EQ(s.supports.list.size(), 1U);
@@ -160,7 +160,7 @@ TEST(Supports, HoldASphereAboveThePlate) {
   EXPECT_EQ(s.counts.on_object, 0U);
 }
 
-TEST(Supports, LeaveOutWhatAShortBridgeSpans) {
+TEST(Supports, LeaveShortBridgesFree) {
   const auto bridge = [](std::uint32_t gap) {
     return blocks({{0, 32 - gap / 2, 20, 44, 0, 40}, {32 + gap / 2, 64, 20, 44, 0, 40}, {0, 64, 20, 44, 24, 40}});
   };
@@ -203,7 +203,7 @@ TEST(Supports, BranchOffTheirNeighbours) {
   EXPECT_LT(branch->first, 20);
 }
 
-TEST(Supports, AllowWhatTheCriticalAngleAllows) {
+TEST(Supports, AreAbsentBelowSlopesSteeperThanTheCriticalAngle) {
   // A wall that leans by 30 degrees to the plate: two pixels out for each up.
   const Inside leaning = [](std::uint32_t c, std::uint32_t r, std::uint32_t k) {
     return r >= 20 && r < 44 && c >= 17 * k / 10 && c < 17 * k / 10 + 12;
@@ -225,7 +225,7 @@ TEST(Supports, EndWithTheObjectAboveThem) {
   for (const Support& support : s.supports.list) EXPECT_EQ(support.end, 21);
 }
 
-TEST(Supports, HoldWhateverComes) {
+TEST(Supports, HoldRandomObjects) {
   Random random(7);
   for (int i = 0; i < 10; ++i) {
     std::vector<Block> all;
@@ -241,7 +241,7 @@ TEST(Supports, HoldWhateverComes) {
   }
 }
 
-TEST(Supports, TakeAndReturnTheBytesTheySay) {
+TEST(Supports, TakeAndReturnTheStatedBytes) {
   const Solid solid(cubic_grid(kSide, 48), ball(32, 32, 27, 20));
   const PrintGrid& grid = solid.rrep.grid;
   ArenaBlock arena(find_supports_bytes(grid) + Arena::kAlignment);
@@ -253,7 +253,7 @@ TEST(Supports, TakeAndReturnTheBytesTheySay) {
   EXPECT_GE(2 * arena->peak(), find_supports_bytes(grid));
 }
 
-TEST(Supports, AreRefusedWhereTheArenaIsFull) {
+TEST(Supports, AreRefusedIfTheArenaIsFull) {
   const Solid solid(cubic_grid(kSide, 48), ball(32, 32, 27, 20));
   std::size_t enough = 0;
   {
@@ -274,7 +274,7 @@ TEST(Supports, AreRefusedWhereTheArenaIsFull) {
   }
 }
 
-TEST(Supports, AreRefusedWhereTheListIsFull) {
+TEST(Supports, AreRefusedIfTheListIsFull) {
   // A block of 2 x 2 pixels in every 4 x 4, in the air: 1024 islands.
   const PrintGrid grid = cubic_grid(128, 4);
   ASSERT_LT(most_supports(grid), 1024U);

@@ -18,7 +18,7 @@ std::string refusal(const SupportSettings& settings) {
   return status.error().message();
 }
 
-TEST(SupportSettings, AreGoodAsTheyCome) { EXPECT_EQ(refusal({}), ""); }
+TEST(SupportSettings, AreValidByDefault) { EXPECT_EQ(refusal({}), ""); }
 
 TEST(SupportSettings, AreRefusedOutsideOfTheirRange) {
   for (const SupportField& field : kSupportFields) {
@@ -33,7 +33,7 @@ TEST(SupportSettings, AreRefusedOutsideOfTheirRange) {
   EXPECT_EQ(refusal(settings), "support_critical_angle is 85, allowed are 10 to 80 deg");
 }
 
-TEST(SupportSettings, NarrowTowardsTheObject) {
+TEST(SupportSettings, AreRefusedUnlessTheyNarrowTowardsTheObject) {
   SupportSettings wide_head;
   wide_head.head_front_diameter = 1.5;
   EXPECT_THAT(refusal(wide_head),
