@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What a printer goes through, at real moments: sticks that come and go, and a power cut.
+"""In real time: sticks that come and go, and a power cut.
 
 Usage: board_test.py HOST_BUILD CROSS_BUILD [--arch arm64|armhf] [unittest options]
 
@@ -13,7 +13,7 @@ import guest
 import rig
 from printer import LAMP
 
-# What takes memory of the kernel, and where its trace says so; mmap has another name on 32 bits.
+# System calls that take memory, as the trace names them; mmap has another name on 32 bits.
 MEMORY_CALLS = "events/syscalls/sys_enter_brk events/syscalls/sys_enter_mmap* events/syscalls/sys_enter_mremap"
 OURS_TAKES = r"^ *(plumbline|libusb).*: sys_(brk|mmap|mremap)"
 
@@ -32,7 +32,7 @@ class Board(rig.Rig):
         super().setUp()
         self.follow()
 
-    def test_pulled_in_mid_read_it_says_so_and_takes_the_next(self):
+    def test_pulled_while_reading_it_says_so_and_takes_the_next(self):
         self.start_daemon()
         self.plug(self.big_stick, bytes_per_second=400_000)
         self.until("reading big.ply")
@@ -47,7 +47,7 @@ class Board(rig.Rig):
         self.pull()
         self.prints()
 
-    def test_bad_sticks_are_told_and_the_next_works(self):
+    def test_bad_sticks_are_reported_and_the_next_works(self):
         hostile = self.dir / "hostile.ply"
         hostile.write_bytes(b"ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\nproperty float x\n"
                             b"property float y\nproperty float z\nend_header\n" + bytes(500))
@@ -70,7 +70,7 @@ class Board(rig.Rig):
         self.until("the stick may be pulled")
 
     def test_takes_no_memory_from_ready_on(self):
-        # Of the guest's first process and all that it starts: the firmware's start is the control that the trace sees such calls.
+        # Traces the guest's first process and all it starts; the firmware's start shows that the trace works.
         self.run_in_guest("cd /sys/kernel/tracing; echo 1 > options/event-fork; echo 1 > set_event_pid;"
                           f" for call in {MEMORY_CALLS}; do echo 1 > $call/enable; done")
         self.start_daemon()

@@ -1,11 +1,11 @@
-/// What is wrong with plumblined-broken, the firmware that an emulated board has to find out: one fault, at one layer, chosen by
-/// PLUMBLINE_BROKEN in its environment.
+/// The mistakes of plumblined-broken, which the tests on the emulated board must find. PLUMBLINE_BROKEN in the environment chooses one;
+/// it happens at one layer.
 ///
 ///   early-light   present() returns before the flip: the lamp lights what the panel showed before
-///   lost-step     a pulse of the stage's step line stays away
-///   wrong-pixel   one pixel of the mask is another
+///   lost-step     one pulse of the stage's step line is missing
+///   wrong-pixel   one pixel of the mask is flipped
 ///
-/// The linker puts these functions in the place of the ones they are named after (--wrap); nothing of the firmware knows.
+/// The linker replaces the functions that these are named after (--wrap); the firmware is unchanged.
 
 #include <gpiod.h>
 

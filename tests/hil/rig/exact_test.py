@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Whole prints on the exact machine: every light, every step, every pixel; and three firmwares that do it wrong.
+"""Whole prints on the exact machine: every light, every step, every pixel; and three broken firmwares.
 
 Usage: exact_test.py HOST_BUILD CROSS_BUILD [--arch arm64|armhf] [unittest options]
 """
@@ -22,8 +22,7 @@ class ExactPrint(rig.Rig):
         self.follow()
 
     def start_print(self, program="plumblined", environment=""):
-        # Without something to do the guest's clock leaps from timer to timer, past every bound of a device that the host plays:
-        # so something always does, until there is no such device left.
+        # An idle guest's clock leaps from timer to timer and past the time limits of devices that the host plays, so it is kept busy.
         self.run_in_guest("while :; do :; done & echo $! > /tmp/busy; renice 19 $!")
         self.start_daemon(program, environment)
         self.plug(self.stick)
@@ -31,7 +30,7 @@ class ExactPrint(rig.Rig):
         self.run_in_guest("kill $(cat /tmp/busy)")
 
     def wrong_with(self, fault):
-        """Prints with a firmware that has a fault at the light BROKEN_LIGHT (broken.cpp). @returns what is found"""
+        """Prints with a firmware that fails at the light BROKEN_LIGHT (broken.cpp). @returns what the checks find"""
         self.start_print("plumblined-broken", f"PLUMBLINE_BROKEN={fault}")
         self.until_over()
         return objections(self.stage.lights, self.masks, rig.LAYER_STEPS, rig.LIFT_STEPS) + self.stage.trouble

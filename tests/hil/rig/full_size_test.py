@@ -14,7 +14,7 @@ from printer import objections
 
 POINTS = 1_000_000
 LAYERS = 3
-# An emulated processor takes minutes for what a board's does in one.
+# Minutes: an emulated processor is far slower than a board's.
 SLICING_S = 1500
 
 

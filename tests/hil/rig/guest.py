@@ -1,4 +1,4 @@
-"""What an emulated board starts from: a kernel and an initramfs with plumbline's programs, made of a sysroot of Debian packages."""
+"""Makes what an emulated board boots: a kernel, and an initramfs with plumbline's programs and Debian packages."""
 
 import os
 import re
@@ -17,7 +17,7 @@ PACKAGES = (
 KERNEL = {"arm64": "arm64", "armhf": "armmp"}
 TRIPLET = {"arm64": "aarch64-linux-gnu", "armhf": "arm-linux-gnueabihf"}
 
-# What is not built into Debian's kernels: the bus and its console, panel, sticks and their file systems, the board's own disk.
+# Modules that Debian's kernels don't have built in: the bus and its console, panel, sticks and their file systems, the board's own disk.
 MODULES = (
     "virtio_pci virtio_mmio virtio_console virtio_blk virtio_gpu xhci_pci usb_storage uas sd_mod vfat exfat "
     "nls_cp437 nls_ascii nls_utf8 nls_iso8859_1 ext4 crc32c_generic"
@@ -42,7 +42,7 @@ def kernel_of(root):
 
 
 class Archive:
-    """A cpio archive of the kind that a kernel unpacks ("newc")."""
+    """A cpio archive of the format that kernels unpack ("newc")."""
 
     def __init__(self):
         self.parts, self.count, self.folders = [], 0, set()
@@ -73,7 +73,7 @@ class Archive:
 
 
 def modules_in_order(root):
-    """(name, file) of MODULES and of what they depend on, each after what it needs."""
+    """(name, file) of MODULES and their dependencies, dependencies first."""
     tree = next(root.glob("usr/lib/modules/*"))
     files = {path.stem.replace("-", "_"): path for path in tree.rglob("*.ko")}
     built_in = {Path(line).stem.replace("-", "_") for line in (tree / "modules.builtin").read_text().split()}
@@ -84,7 +84,7 @@ def modules_in_order(root):
             return
         info = files[name].read_bytes()
         depends = re.search(rb"\0depends=([^\0]*)\0", info)
-        # What a module asks for before itself; not every kernel has each as a module.
+        # Soft dependencies; not every kernel has each as a module.
         softly = re.findall(rb"\0softdep=pre: ([^\0]*)\0", info)
         for other in depends.group(1).decode().split(",") if depends and depends.group(1) else []:
             add(other.replace("-", "_"))
@@ -99,7 +99,7 @@ def modules_in_order(root):
 
 
 def libraries_of(arch, root, programs):
-    """Files that the programs are linked with, and those that these are."""
+    """The libraries that the programs are linked with, and theirs."""
     folders = [root / "usr" / "lib" / TRIPLET[arch], root / "usr" / "lib"]
     found, todo = {}, list(programs)
     while todo:
@@ -128,7 +128,7 @@ def make_initramfs(arch, root, build, out, board, programs):
     """
     @param build     folder of a cross build of plumbline
     @param board     text of the board file
-    @param programs  of `build`, besides the firmware's
+    @param programs  more programs of `build`
     """
     archive = Archive()
     for folder in ("dev", "proc", "sys", "tmp", "run", "mnt", "state", "var/lib"):
@@ -154,7 +154,7 @@ def make_initramfs(arch, root, build, out, board, programs):
 
 
 def make_stick(path, files, damaged=False):
-    """A stick of 48 MB with one FAT32 partition. @param damaged  its file allocation table is rubbish"""
+    """A stick of 48 MB with one FAT32 partition. @param damaged  overwrites its file allocation table"""
     sectors, first = 48 * 2048, 2048
     entry = b"\0" + bytes(3) + b"\x0c" + bytes(3) + first.to_bytes(4, "little") + (sectors - first).to_bytes(4, "little")
     with open(path, "wb") as image:

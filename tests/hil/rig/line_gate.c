@@ -1,10 +1,10 @@
-// A plug-in of QEMU's that lets the host look at each change of a line at the very instant of the guest's time.
+// A QEMU plug-in that stops the guest at each change of a line, so that the host can look at that instant.
 //
 //   -plugin line_gate.so,socket=PATH
 //
-// The emulated processor stands still after each write to the levels or directions of the PL061 of QEMU's machine "virt":
-// "<offset in the PL061, hexadecimal>\n" goes out over the socket, a byte comes back when the host has seen what it wants to
-// see and set what it wants to set. An answer that does not come ends QEMU: lines that nobody watches are no test.
+// After each write to the levels or directions of the PL061 of QEMU's machine "virt" the emulated processor stops, sends
+// "<offset in the PL061, hexadecimal>\n" over the socket and waits for one byte, which the host sends when it has looked and set its
+// lines. QEMU ends if the byte does not come: unwatched lines would test nothing.
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -16,7 +16,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-// What is used of QEMU's interface for plug-ins, version 1 (QEMU 4.2 to 8.1; Debian's packages come without the header).
+// The part of QEMU's plug-in interface that is used, version 1 (QEMU 4.2 to 8.1; Debian's packages come without the header).
 typedef uint64_t qemu_plugin_id_t;
 typedef uint32_t qemu_plugin_meminfo_t;
 typedef struct qemu_info_t {

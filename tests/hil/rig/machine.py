@@ -12,7 +12,7 @@ HERE = Path(__file__).resolve().parent
 
 
 class Channel:
-    """Lines of text over a socket of QEMU's."""
+    """Lines of text over one of QEMU's sockets."""
 
     def __init__(self, path, seconds=20):
         self.socket, self.rest = socket.socket(socket.AF_UNIX), b""
@@ -44,7 +44,7 @@ class Channel:
 
 
 class Gate:
-    """The host's end of line_gate.c: at every change of a line the emulated processor stands still while at_change() is called."""
+    """The host's end of line_gate.c: the emulated processor stops at every change of a line until at_change() returns."""
 
     def __init__(self, folder):
         self.library, path = folder / "line_gate.so", folder / "gate"
@@ -66,7 +66,7 @@ class Gate:
                 if self.at_change:
                     try:
                         self.at_change()
-                    except Exception as problem:  # told by who waits for the guest, which ends with this
+                    except Exception as problem:  # reported by whoever waits for the guest, which ends now
                         self.failed = problem
                         break
                 questions.sendall(b".")
@@ -107,7 +107,7 @@ class Machine:
         self.pins = Channel(folder / "qtest")
         self.monitor.line(20)
         self.ask("qmp_capabilities")
-        # QEMU stands still while nobody takes what it says of the lines, so a thread does nothing else.
+        # QEMU stops while its messages about the lines are not read, so a thread reads them.
         threading.Thread(target=self._follow_pins, daemon=True).start()
         self.gpio = self._find("pl061")
         assert self.pin(f"irq_intercept_out {self.gpio}") == "OK"
@@ -117,7 +117,7 @@ class Machine:
             pass
 
     def run(self, command, seconds=60):
-        """@returns (status, what the command said)"""
+        """@returns (status, output)"""
         self.shell.send(command)
         said = []
         while True:
@@ -151,7 +151,7 @@ class Machine:
             return self.answers.pop(0)
 
     def read_edges(self):
-        self.pin("readl 0x090303fc")  # the levels of all lines; that it answers is what counts
+        self.pin("readl 0x090303fc")  # the levels of all lines; only the answer matters
 
     def set_line(self, line, level):
         self.pin(f"set_irq_in {self.gpio} unnamed-gpio-in {line} {int(level)}")
@@ -182,7 +182,7 @@ class Machine:
         return None
 
     def picture(self):
-        """What the panel shows, a byte a pixel."""
+        """The panel's picture, a byte a pixel."""
         path = self.folder / "panel.ppm"
         self.ask("screendump", filename=str(path), device="panel")
         data = path.read_bytes().split(b"\n", 3)

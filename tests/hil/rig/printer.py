@@ -1,4 +1,4 @@
-"""The host's part of the printer: the stage that the steps move, the end stop that it presses, and what the lamp lights."""
+"""The host's part of the printer: the stage that the steps move, its end stop, and what each light showed."""
 
 import re
 import struct
@@ -15,24 +15,24 @@ STEP_MM = 0.02
 
 @dataclass
 class Light:
-    """One time that the lamp was on."""
+    """One period in which the lamp was on."""
 
-    steps: int  # where the stage was, from the film
-    travelled: int  # steps in either direction since the stage began to be followed
-    before: bytes | None  # the panel's picture as the lamp went on; None where the host came too late to see it
-    after: bytes | None = None  # and as it went off; only an exact machine waits for that
+    steps: int  # height of the stage above the film
+    travelled: int  # steps in both directions since the stage was followed
+    before: bytes | None  # the panel's picture when the lamp went on; None: the host was too late
+    after: bytes | None = None  # and when it went off, on an exact machine
     over: bool = False
 
 
 class Stage:
-    """Follows the lines of a Machine: at each change where that one is exact, else in a thread of its own as it can."""
+    """Follows the lines of a Machine: at each change if the machine is exact, else from a thread, as fast as it can."""
 
     def __init__(self, machine, steps, end_stop):
         """@param steps, end_stop  where the stage is, and where it meets its end stop: steps from the film"""
         self.machine, self.steps, self.end_stop = machine, steps, end_stop
         self.travelled, self.lights, self.trouble = 0, [], []
-        self.on_light = None  # called with the light's number, on an exact machine at its very instant
-        # What the lines did before is another stage's.
+        self.on_light = None  # called with the light's number, on an exact machine at that instant
+        # Earlier changes belong to another stage.
         self.seen, self.level, self.pressed, self.ended = len(machine.edges), dict(machine.level), None, False
         if machine.gate:
             self._press()
@@ -98,11 +98,11 @@ class Stage:
 
 
 def objections(lights, masks, layer_steps, lift_steps, first=0):
-    """What is wrong with a print's lights, a sentence each, by light from 0. Pictures that nobody saw are not judged.
+    """What is wrong with a print's lights, a sentence each; lights count from 0. Missing pictures are skipped.
 
-    @param masks        what the panel has to show, a byte a pixel, for each light in order
+    @param masks        the expected pictures, a byte a pixel, one for each light
     @param layer_steps  of one layer
-    @param lift_steps   that the part is lifted between two layers
+    @param lift_steps   of the lift between two layers
     @param first        layer of the first light
     """
     found = [] if len(lights) == len(masks) else [f"{len(lights)} lights for {len(masks)} layers"]
@@ -141,13 +141,13 @@ def mask_pixels(path):
 
 
 def trace_times(text, gpio):
-    """(s in the guest's time, level) of one line, from the kernel's own trace of its lines."""
+    """(guest seconds, level) of one line, from the kernel's trace."""
     found = re.findall(rf"([0-9]+\.[0-9]+): gpio_value: {gpio} set ([01])", text)
     return [(float(at), level == "1") for at, level in found]
 
 
 def intervals(times):
-    """Seconds of each time that a line was on, from trace_times()."""
+    """Seconds of each period in which a line was on, from trace_times()."""
     on, found = None, []
     for at, level in times:
         if level and on is None:

@@ -1,4 +1,4 @@
-"""What all tests of the emulated board have in common: a guest that is booted once, a daemon and a stage for each test."""
+"""Shared by all tests of the emulated board: one guest for a module, a daemon and a stage for each test."""
 
 import argparse
 import json
@@ -21,12 +21,12 @@ LAYER_STEPS = round(0.1 / STEP_MM)
 LIFT_STEPS = round(1.0 / STEP_MM)
 OPTIONS = None
 
-# s of the host's clock. A board that is emulated on a busy host takes its time, and that is no fault of the firmware's.
+# Host seconds. Generous: emulation on a busy host is slow, which says nothing about the firmware.
 PATIENCE = 180
 
 
 def write_lentil(path, points=12000):
-    """A leaning lentil, 2 mm wide and 0.8 mm high, of which no two layers, nor one and its mirror image, are the same. PLY, binary.
+    """A leaning lentil, 2 mm wide and 0.8 mm high. No layer equals another or a mirror image of one. PLY, binary.
 
     An ellipsoid on a Fibonacci lattice, sheared along both axes; its normals are those of the sphere by the inverse transpose.
     """
@@ -63,10 +63,10 @@ def masks_of(scan, folder, board, layers=None):
 
 
 class Rig(unittest.TestCase):
-    EXACT = False  # the kind of Machine
-    DISK = True  # for the state; else it is in memory
-    BOARD = {"columns": 640, "rows": 480, "end_stop_height_mm": 32}  # what differs from board/rig.toml
-    PROGRAMS = ()  # of the cross build, besides the firmware's
+    EXACT = False  # whether the Machine is exact
+    DISK = True  # keep the state on a disk, not in memory
+    BOARD = {"columns": 640, "rows": 480, "end_stop_height_mm": 32}  # changes to board/rig.toml
+    PROGRAMS = ()  # more programs of the cross build
 
     @classmethod
     def setUpClass(cls):
@@ -139,7 +139,7 @@ class Rig(unittest.TestCase):
         self.machine.run("umount /run/plumbline/*")
 
     def follow(self):
-        """A stage that has seen nothing yet, which the lines move from now on. It is where the former one was."""
+        """Starts to follow the lines with a new stage, at the height of the last one."""
         if self.stage:
             self.stage.end()
         end_stop = round(self.BOARD["end_stop_height_mm"] / STEP_MM)
@@ -155,14 +155,14 @@ class Rig(unittest.TestCase):
         return self.machine.run("cat /tmp/log")[1]
 
     def until(self, *patterns, seconds=PATIENCE):
-        """Waits until the firmware has said what one of the patterns is found in."""
+        """Waits until the log matches one of the patterns. @returns the log"""
         end = time.monotonic() + seconds
         while time.monotonic() < end:
             log = self.log()
             if any(re.search(pattern, log, re.DOTALL) for pattern in patterns):
                 return log
             time.sleep(0.2)
-        self.fail(f"not said in {seconds} s: {patterns}\n{self.log()[-2000:]}")
+        self.fail(f"not in the log after {seconds} s: {patterns}\n{self.log()[-2000:]}")
 
     def until_over(self):
         """Waits until a print has finished and its report is written."""
@@ -176,17 +176,17 @@ class Rig(unittest.TestCase):
 
     def prints(self, first=0, cut=None, but=()):
         """
-        The print ends, with its lights right in every pixel and step.
+        Waits for the end of the print and checks every pixel and step of its lights.
         @param first  layer of the first light that the stage has seen
-        @param cut    a light that was cut short: the next one is its layer's, too
-        @param but    what is not as in an undisturbed print, as objections() says it
+        @param cut    a light that was cut short; the next one belongs to the same layer
+        @param but    expected differences from an undisturbed print, in the words of objections()
         """
         self.until_over()
         lights = [light for number, light in enumerate(self.stage.lights) if number != cut]
         wrong = objections(lights, self.masks[first:], LAYER_STEPS, LIFT_STEPS, first)
         self.assertEqual(wrong + self.stage.trouble, list(but))
         seen = sum(light.before is not None for light in lights)
-        self.assertGreater(seen, len(lights) // 2, "pictures that the host was in time for")
+        self.assertGreater(seen, len(lights) // 2, "too few pictures were taken in time")
 
     def resumes(self):
         self.start_daemon()
@@ -218,7 +218,7 @@ class Rig(unittest.TestCase):
         return int(self.machine.run("grep -c /dev/sd /proc/mounts")[1])
 
     def exposures(self):
-        """Seconds of each time that the lamp's line was on, in the guest's time."""
+        """Guest seconds of each period in which the lamp's line was on."""
         return intervals(trace_times(self.machine.run("cat /sys/kernel/tracing/trace")[1], self.lamp_gpio))
 
     def report(self):
