@@ -8,7 +8,7 @@
 namespace plumbline {
 namespace {
 
-constexpr const char* kStage = "pieces";
+constexpr const char* kStage = "components";
 /// A solid may float, or a cavity be sealed, below 1 / kSmallShare of the largest solid's voxels. Larger values keep more
 /// background, smaller ones lose detached parts of the object.
 constexpr std::uint32_t kSmallShare = 500;
@@ -24,18 +24,18 @@ struct Ray {
 
   std::uint32_t inner() const { return numbered(static_cast<std::uint32_t>(crossings.size())); }
   static std::uint32_t numbered(std::uint32_t count) { return count == 0 ? 0 : count - (count % 2 == 0 ? 1 : 0); }
-  std::uint32_t number(std::uint32_t stretch) const {
-    return stretch == 0 || stretch > inner() ? kOutside : first + stretch - 1;
+  std::uint32_t number(std::uint32_t interval) const {
+    return interval == 0 || interval > inner() ? kOutside : first + interval - 1;
   }
-  std::uint32_t low(std::uint32_t stretch) const { return stretch == 0 ? 0 : crossings[stretch - 1]; }
-  std::uint32_t high(std::uint32_t stretch, std::uint32_t layers) const {
-    return stretch < crossings.size() ? crossings[stretch] : layers;
+  std::uint32_t low(std::uint32_t interval) const { return interval == 0 ? 0 : crossings[interval - 1]; }
+  std::uint32_t high(std::uint32_t interval, std::uint32_t layers) const {
+    return interval < crossings.size() ? crossings[interval] : layers;
   }
 };
 
-class Stretches {
+class Intervals {
  public:
-  Stretches(std::span<std::uint32_t> parent, std::span<std::uint32_t> volume) : sets_(parent), volume_(volume) {
+  Intervals(std::span<std::uint32_t> parent, std::span<std::uint32_t> volume) : sets_(parent), volume_(volume) {
     sets_.start_all();
     std::fill(volume_.begin(), volume_.end(), 0);
   }
@@ -64,14 +64,14 @@ class Stretches {
 };
 
 /// Joins intervals of two neighbouring rays that share a layer and are both solid or both hollow.
-void join(const Ray& a, const Ray& b, std::uint32_t layers, Stretches& stretches) {
+void join(const Ray& a, const Ray& b, std::uint32_t layers, Intervals& intervals) {
   std::uint32_t i = 0;
   std::uint32_t j = 0;
   while (i <= a.crossings.size() && j <= b.crossings.size()) {
     const std::uint32_t high_a = a.high(i, layers);
     const std::uint32_t high_b = b.high(j, layers);
     const bool share = std::max(a.low(i), b.low(j)) < std::min(high_a, high_b);
-    if (share && i % 2 == j % 2) stretches.unite(a.number(i), b.number(j));
+    if (share && i % 2 == j % 2) intervals.unite(a.number(i), b.number(j));
     if (high_a <= high_b) ++i;
     if (high_b <= high_a) ++j;
   }
@@ -79,33 +79,33 @@ void join(const Ray& a, const Ray& b, std::uint32_t layers, Stretches& stretches
 
 /// Decides which components go.
 struct Sieve {
-  Stretches& stretches;
-  std::uint64_t speck;  ///< voxels: a component with fewer goes
-  std::uint64_t small;  ///< voxels: a solid with fewer must stand on the plate, a cavity with fewer is filled
-  std::uint32_t largest_piece;
-  bool is_speck(std::uint32_t root) const {
-    return root != kOutside && root != largest_piece && stretches.volume(root) < speck;
+  Intervals& intervals;
+  std::uint64_t min_voxels;       ///< voxels: a component with fewer goes
+  std::uint64_t floating_voxels;  ///< voxels: a solid with fewer must stand on the plate, a cavity with fewer is filled
+  std::uint32_t largest_solid;
+  bool is_small(std::uint32_t root) const {
+    return root != kOutside && root != largest_solid && intervals.volume(root) < min_voxels;
   }
   bool floats(std::uint32_t root, bool solid) const {
-    return solid && root != largest_piece && !stretches.stands(root) && stretches.volume(root) < small;
+    return solid && root != largest_solid && !intervals.stands(root) && intervals.volume(root) < floating_voxels;
   }
   bool is_sealed(std::uint32_t root, bool solid) const {
-    return !solid && root != kOutside && stretches.volume(root) < small;
+    return !solid && root != kOutside && intervals.volume(root) < floating_voxels;
   }
   bool goes(std::uint32_t root, bool solid) const {
-    return is_speck(root) || floats(root, solid) || is_sealed(root, solid);
+    return is_small(root) || floats(root, solid) || is_sealed(root, solid);
   }
 };
 
 /// Marks the solids that begin within `layers` of the plate, which is where the largest one begins.
-void mark_plate(CrossingStore& store, std::uint32_t largest, std::uint32_t layers, Stretches& stretches, Arena& arena) {
+void mark_plate(CrossingStore& store, std::uint32_t largest, std::uint32_t layers, Intervals& intervals, Arena& arena) {
   const auto for_each_solid = [&](auto visit) {
     std::uint32_t first = 1;
     store.for_each_row(arena, [&](std::uint32_t, std::span<CrossingStore::RayRef> row) {
       for (const auto& ref : row) {
         const Ray ray{ref.crossings(), first};
         first += ray.inner();
-        for (std::uint32_t s = 1; s <= ray.inner(); s += 2) visit(stretches.root(ray.number(s)), ray.low(s));
+        for (std::uint32_t s = 1; s <= ray.inner(); s += 2) visit(intervals.root(ray.number(s)), ray.low(s));
       }
     });
   };
@@ -115,7 +115,7 @@ void mark_plate(CrossingStore& store, std::uint32_t largest, std::uint32_t layer
   });
   for_each_solid([&](std::uint32_t root, std::uint32_t low) {
     if (low <= plate + layers)
-      stretches.mark(root, low + layers < plate ? Stretches::kBelowPlate : Stretches::kAtPlate);
+      intervals.mark(root, low + layers < plate ? Intervals::kBelowPlate : Intervals::kAtPlate);
   });
 }
 
@@ -125,8 +125,8 @@ std::size_t components_bytes(const PrintGrid& grid, double rays, double crossing
   // A ray with c crossings has c - 1 inner intervals. Then rows of the visitor and of the search.
   constexpr std::size_t kMostStretches = std::numeric_limits<std::size_t>::max() / 64;  // in 32 bits, too
   constexpr auto kMost = static_cast<double>(kMostStretches);
-  const auto stretches = static_cast<std::size_t>(std::clamp(crossings - rays, 0.0, kMost)) + 1;
-  return 2 * sizeof(std::uint32_t) * stretches +
+  const auto intervals = static_cast<std::size_t>(std::clamp(crossings - rays, 0.0, kMost)) + 1;
+  return 2 * sizeof(std::uint32_t) * intervals +
          grid.columns * (2 * sizeof(Ray) + sizeof(CrossingStore::RayRef) + 2 * sizeof(void*));
 }
 
@@ -135,16 +135,16 @@ ComponentCounts drop_small_components(CrossingStore& store, const ComponentLimit
   const PrintGrid& grid = store.grid();
   ComponentCounts counts;
 
-  std::size_t stretch_count = 1;  // fewer than the crossings, which are in memory
+  std::size_t interval_count = 1;  // fewer than the crossings, which are in memory
   store.for_each_row(arena, [&](std::uint32_t, std::span<CrossingStore::RayRef> row) {
-    for (const auto& ray : row) stretch_count += Ray::numbered(ray.count());
+    for (const auto& ray : row) interval_count += Ray::numbered(ray.count());
   });
-  auto parent = arena.take_top<std::uint32_t>(stretch_count, kStage);
-  auto volume = parent ? arena.take_top<std::uint32_t>(stretch_count, kStage) : parent;
+  auto parent = arena.take_top<std::uint32_t>(interval_count, kStage);
+  auto volume = parent ? arena.take_top<std::uint32_t>(interval_count, kStage) : parent;
   auto rows = arena.take_top<Ray>(2 * std::size_t{grid.columns}, kStage);
   if (!parent || !volume || !rows) return counts;
   counts.counted = true;
-  Stretches stretches(*parent, *volume);
+  Intervals intervals(*parent, *volume);
 
   std::span<Ray> above = rows->first(grid.columns);
   std::span<Ray> here = rows->last(grid.columns);
@@ -155,20 +155,20 @@ ComponentCounts drop_small_components(CrossingStore& store, const ComponentLimit
       here[c] = Ray{row[c].crossings(), next};
       next += here[c].inner();
       for (std::uint32_t s = 1; s <= here[c].inner(); ++s) {
-        stretches.grow(here[c].number(s), here[c].high(s, grid.layers) - here[c].low(s));
+        intervals.grow(here[c].number(s), here[c].high(s, grid.layers) - here[c].low(s));
       }
-      join(above[c], here[c], grid.layers, stretches);
-      if (c > 0) join(here[c - 1], here[c], grid.layers, stretches);
+      join(above[c], here[c], grid.layers, intervals);
+      if (c > 0) join(here[c - 1], here[c], grid.layers, intervals);
     }
     std::swap(above, here);
   });
 
   // Volumes go to the roots. A root's number is the lowest of its set, so every number above it is seen after it.
-  for (std::uint32_t i = 1; i < stretches.size(); ++i) {
-    const std::uint32_t root = stretches.root(i);
-    if (root != i) stretches.grow(root, stretches.volume(i));
+  for (std::uint32_t i = 1; i < intervals.size(); ++i) {
+    const std::uint32_t root = intervals.root(i);
+    if (root != i) intervals.grow(root, intervals.volume(i));
   }
-  Sieve sieve{stretches, limits.min_voxels, 0, kOutside};
+  Sieve sieve{intervals, limits.min_voxels, 0, kOutside};
   const auto for_each_root = [&](auto visit) {
     std::uint32_t number = 1;
     store.for_each_row(arena, [&](std::uint32_t, std::span<CrossingStore::RayRef> row) {
@@ -176,31 +176,31 @@ ComponentCounts drop_small_components(CrossingStore& store, const ComponentLimit
         const std::uint32_t inner = Ray::numbered(ray.count());
         for (std::uint32_t s = 1; s <= inner; ++s, ++number) {
           // The interval below a component's root, in its first row, belongs to the component that encloses it.
-          if (stretches.root(number) == number) visit(number, s % 2 == 1, s == 1 ? kOutside : number - 1);
+          if (intervals.root(number) == number) visit(number, s % 2 == 1, s == 1 ? kOutside : number - 1);
         }
       }
     });
   };
   for_each_root([&](std::uint32_t root, bool solid, std::uint32_t) {
     const bool larger =
-        sieve.largest_piece == kOutside || stretches.volume(root) > stretches.volume(sieve.largest_piece);
-    if (solid && larger) sieve.largest_piece = root;
+        sieve.largest_solid == kOutside || intervals.volume(root) > intervals.volume(sieve.largest_solid);
+    if (solid && larger) sieve.largest_solid = root;
   });
-  if (limits.drop_floating && sieve.largest_piece != kOutside) {
-    sieve.small = stretches.volume(sieve.largest_piece) / kSmallShare;
-    mark_plate(store, sieve.largest_piece, limits.plate_layers, stretches, arena);
+  if (limits.drop_floating && sieve.largest_solid != kOutside) {
+    sieve.floating_voxels = intervals.volume(sieve.largest_solid) / kSmallShare;
+    mark_plate(store, sieve.largest_solid, limits.plate_layers, intervals, arena);
   }
   // Roots ascend, so an enclosing component is decided before those inside it.
   for_each_root([&](std::uint32_t root, bool solid, std::uint32_t encloser) {
-    const std::uint32_t voxels = stretches.volume(root);
-    const bool merges = stretches.goes(encloser);  // with the encloser, which then becomes the same kind
+    const std::uint32_t voxels = intervals.volume(root);
+    const bool merges = intervals.goes(encloser);  // with the encloser, which then becomes the same kind
     const bool goes = !merges && sieve.goes(root, solid);
     if (goes) counts.changed_voxels += voxels;
-    if (goes && !sieve.is_speck(root)) ++(solid ? counts.floating_solids : counts.sealed_cavities);
+    if (goes && !sieve.is_small(root)) ++(solid ? counts.floating_solids : counts.sealed_cavities);
     if (!goes && solid) counts.voxels += voxels;
     if (!merges)
       ++(solid ? (goes ? counts.dropped_solids : counts.solids) : (goes ? counts.filled_cavities : counts.cavities));
-    stretches.decide(root, goes);
+    intervals.decide(root, goes);
   });
   if (counts.dropped_solids + counts.filled_cavities == 0) return counts;
 
@@ -211,7 +211,7 @@ ComponentCounts drop_small_components(CrossingStore& store, const ComponentLimit
       const auto count = static_cast<std::uint32_t>(old.crossings.size());
       number += old.inner();
       // A crossing stays if the intervals on both sides of it still differ once components have changed.
-      const auto solid = [&](std::uint32_t s) { return (s % 2 == 1) != stretches.goes(old.number(s)); };
+      const auto solid = [&](std::uint32_t s) { return (s % 2 == 1) != intervals.goes(old.number(s)); };
       ray.begin_rewrite();
       for (std::uint32_t s = 0; s < count; ++s) {
         if (solid(s) != solid(s + 1)) ray.keep(old.crossings[s]);

@@ -159,7 +159,7 @@ class Sweep {
       return fail(ErrorCode::kOutOfMemory,
                   "%s: more than %zu are needed up to layer %u of %u, the list has room for no more. Turn the object, "
                   "allow a smaller support_critical_angle or a larger support_max_bridge_length, or look at the "
-                  "preview for specks in the scan",
+                  "preview for outliers in the scan",
                   kStage, list_.size(), layer, grid_.layers);
     }
     Support support;
