@@ -58,24 +58,24 @@ ExitCode run_inspect(const InspectOptions& inspect_options, std::span<std::byte>
   settings.keep_all = setup->keep_all;
   settings.threads = setup->threads;
   InspectReport report;
-  std::optional<ScanLook> seen;
-  const auto look = [&](const RRep& rrep, const SliceReport& coarse) -> Status {
-    const auto looked = look_at_coarse(rrep, coarse, scan->title(), inspect_options.picture, arena);
-    PLUMBLINE_TRY(looked);
-    seen = *looked;
+  std::optional<CoveragePreview> coverage;
+  const auto see = [&](const RRep& rrep, const SliceReport& coarse) -> Status {
+    const auto previewed = preview_coverage(rrep, coarse, scan->title(), inspect_options.picture, arena);
+    PLUMBLINE_TRY(previewed);
+    coverage = *previewed;
     return {};
   };
-  const auto done = inspect(scan->sources(), settings, arena, &progress, report, look);
+  const auto done = inspect(scan->sources(), settings, arena, &progress, report, see);
   if (!done) return report_error(done.error());
   if (!report.sliced && !inspect_options.picture.empty()) return report_error(report.sliced.error());
   ScanOutlook outlook = make_outlook(report, setup->placement, arena.capacity(), setup->threads);
-  outlook.look = seen;
+  outlook.coverage = coverage;
   outlook.scan_name = scan->title();
   outlook.scan_names = scan->names();
   outlook.printer_name = setup->printer_name;
-  if (!silent && outlook.look && !outlook.look->sentence().view().empty()) {
+  if (!silent && outlook.coverage && !outlook.coverage->sentence().view().empty()) {
     FixedText<256> line;
-    line.add("plumbline: warning: %s%s%s\n", outlook.look->sentence().c_str(),
+    line.add("plumbline: warning: %s%s%s\n", outlook.coverage->sentence().c_str(),
              inspect_options.picture.empty() ? ". --picture FILE draws where" : ": see ",
              inspect_options.picture.c_str());
     write_to_stderr(line.view());

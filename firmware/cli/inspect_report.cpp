@@ -14,7 +14,7 @@ namespace {
 constexpr double kMiB = 1024.0 * 1024.0;
 constexpr auto kOneLine = JsonWriter::Layout::kOneLine;
 
-using Text = FixedText<4096>;
+using Text = FixedText<2 * kMaxPath>;
 
 unsigned long long big(std::uint64_t number) { return number; }
 
@@ -24,41 +24,70 @@ std::uint32_t points_of(const InspectReport& scan, PointClass c) { return scan.c
 
 void add_scan(Text& text, const ScanOutlook& o) {
   const ScanSummary& scan = o.scan.scan;
-  text.add("scan       %s: %llu points, %s %s, %.1f MB\n", o.scan_name.c_str(), big(scan.points),
-           to_string(scan.header.format), scan.header.encoding, static_cast<double>(scan.bytes) * 1e-6);
+  text.add("scan       %s: %llu points %s\n", o.scan_name.c_str(), big(scan.points),
+           scan.header.has_normals ? "with normals" : "without normals, which are estimated");
   for (std::size_t i = 0; o.scan_names.size() > 1 && i < std::min(o.scan_names.size(), o.scan.scans.count); ++i) {
     text.add("           %.60s: %llu points, %s\n", o.scan_names[i].c_str(), big(o.scan.scans.each[i].points),
              o.scan.scans.each[i].header.has_normals ? "with normals" : "without normals");
   }
-  if (scan.not_finite > 0) text.add("           %llu more points are not finite and left out\n", big(scan.not_finite));
-  if (scan.header.has_normals) {
-    text.add("normals    %llu points have one, %llu have one of length zero\n", big(scan.points - scan.without_normal),
-             big(scan.without_normal));
-  } else {
-    text.add("normals    none in the file: slicing estimates them (done here for %u points)\n",
-             o.scan.normals.estimated);
-  }
+  if (scan.not_finite > 0) text.add("           %llu points that are not finite were left out\n", big(scan.not_finite));
   const double turned = turned_share(o.scan.normals.turned, o.scan.cloud_points);
-  if (turned > kFewTurned) {
-    text.add("           %.2g %% point into the object: slicing turns them over\n", 100 * turned);
-  }
+  if (turned > kFewTurned)
+    text.add("           %.2g %% of the normals point into the object and are flipped\n", 100 * turned);
+  if (o.scan.strays.pieces > 0) text.add("           %s\n", stray_warning(o.scan.strays).c_str());
 }
 
-void add_extent(Text& text, const ScanOutlook& o) {
+/// Size and layers, whether they fit, and how long they take: the lines that `plumbline slice` prints, before slicing.
+void add_print(Text& text, const ScanOutlook& o, std::string_view print_time) {
+  const std::string& printer = o.printer_name;
+  if (o.scan.placement) {
+    text.add("print      %s%s%s\n", size_text(*o.scan.placement).c_str(), printer.empty() ? "" : " on ",
+             printer.c_str());
+  } else {
+    const Vec3d mm = o.scan.bounds.size() * o.unit_mm() * o.scale();
+    text.add("size       %.2f x %.2f x %.2f mm\n", mm[0], mm[1], mm[2]);
+    text.add("fits       no: %s\n", o.scan.placement.error().message());
+  }
+  if (o.largest_scale)
+    text.add("%s up to scale %.4g\n", o.scan.placement ? "fits       yes," : "          ", *o.largest_scale);
+  if (o.guess != o.scan.units) {
+    const double longest = o.scan.bounds.size().maxCoeff();
+    text.add("units      %s; a size of %.4g units suggests %s (%.4g mm). Give --units to be sure\n",
+             to_string(o.scan.units), longest, to_string(o.guess), longest * millimetres_per(o.guess));
+  }
+  if (!print_time.empty()) text.add("time       %.*s\n", static_cast<int>(print_time.size()), print_time.data());
+}
+
+void add_coverage(Text& text, const ScanOutlook& o) {
+  if (o.coverage) {
+    text.add("scanned    %s\n", scanned_text(Unseen::of(o.coverage->shares)).c_str());
+  } else {
+    text.add("scanned    unknown: %s\n", o.scan.sliced.error().message());
+  }
+  if (lies_on_its_face(o.scan.clustering)) text.add("           %s\n", kOnItsFace);
+}
+
+/// What the file holds, and the grid that it is put into.
+void add_details(Text& text, const ScanOutlook& o) {
+  const ScanSummary& scan = o.scan.scan;
+  text.add("file       %s %s, %.1f MB\n", to_string(scan.header.format), scan.header.encoding,
+           static_cast<double>(scan.bytes) / 1e6);
+  if (scan.header.has_normals) text.add("normals    %llu have length zero\n", big(scan.without_normal));
   const Vec3d size = o.scan.bounds.size();
   const Vec3d whole = o.scan.bounds_with_noise.size();
-  text.add("extent     %.6g x %.6g x %.6g in the file's units", size[0], size[1], size[2]);
-  if ((whole - size).maxCoeff() > 0.01 * size.maxCoeff()) {
-    text.add("; %.6g x %.6g x %.6g with its strays", whole[0], whole[1], whole[2]);
+  text.add("extent     %.6g x %.6g x %.6g in the file's units, %.6g x %.6g x %.6g with outliers; 1 unit is 1 %s\n",
+           size[0], size[1], size[2], whole[0], whole[1], whole[2], to_string(o.scan.units));
+  if (o.scan.placement) {
+    const PrintGrid& grid = o.scan.placement->grid;
+    text.add("grid       %u x %u px of %.4g x %.4g mm, at scale %.4g\n", grid.columns, grid.rows,
+             static_cast<double>(grid.pitch_x_mm), static_cast<double>(grid.pitch_y_mm), o.scale());
   }
-  if (o.scan.strays.pieces > 0) text.add("\nstrays     %s", stray_warning(o.scan.strays).c_str());
-  const Vec3d mm = size * o.unit_mm() * o.scale();
-  text.add("\nsize       %.2f x %.2f x %.2f mm, taking a unit as 1 %s at scale %.4g\n", mm[0], mm[1], mm[2],
-           to_string(o.scan.units), o.scale());
-  const double guessed = size.maxCoeff() * millimetres_per(o.guess);
-  text.add("units      by its size it is %s: %.4g %s long make %.4g mm%s\n", to_string(o.guess), size.maxCoeff(),
-           to_string(o.guess), guessed,
-           o.guess == o.scan.units ? "" : "; say --units with the right one, this is only a guess");
+  if (o.placement.printer) {
+    const PrinterVolume& v = *o.placement.printer;
+    text.add("printer    %s: %.2f x %.2f x %.2f mm\n", o.printer_name.c_str(),
+             v.columns * static_cast<double>(v.pitch_x_mm), v.rows * static_cast<double>(v.pitch_y_mm),
+             static_cast<double>(v.travel_mm));
+  }
 }
 
 void add_surface(Text& text, const ScanOutlook& o) {
@@ -71,37 +100,6 @@ void add_surface(Text& text, const ScanOutlook& o) {
   text.add("points     entering %.1f %%, exiting %.1f %%, neutral %.1f %%, noise %.2f %%\n",
            percent * points_of(s, PointClass::kEntering), percent * points_of(s, PointClass::kExiting),
            percent * points_of(s, PointClass::kNeutral), percent * points_of(s, PointClass::kNoise));
-}
-
-void add_look(Text& text, const ScanOutlook& o) {
-  if (!o.look) {
-    text.add("scanned    unknown: %s\n", o.scan.sliced.error().message());
-  } else if (o.look->sentence().view().empty()) {
-    text.add("scanned    all of the surface\n");
-  } else {
-    text.add("scanned    not all: %s\n", o.look->sentence().c_str());
-  }
-  if (lies_on_its_face(o.scan.clustering)) text.add("           %s\n", kOnItsFace);
-}
-
-void add_fit(Text& text, const ScanOutlook& o) {
-  if (o.scan.placement) {
-    const PrintGrid& grid = o.scan.placement->grid;
-    text.add("%s %u x %u px of %.4g x %.4g mm, %u layers of %.4g mm, at scale %.4g\n",
-             o.printer_name.empty() ? "grid      " : "fits       yes:", grid.columns, grid.rows,
-             static_cast<double>(grid.pitch_x_mm), static_cast<double>(grid.pitch_y_mm), grid.layers,
-             static_cast<double>(grid.layer_height_mm), o.scale());
-  } else {
-    text.add("fits       no: %s\n", o.scan.placement.error().message());
-  }
-  if (o.placement.printer) {
-    const PrinterVolume& v = *o.placement.printer;
-    text.add("printer    %s: %.2f x %.2f x %.2f mm", o.printer_name.c_str(),
-             v.columns * static_cast<double>(v.pitch_x_mm), v.rows * static_cast<double>(v.pitch_y_mm),
-             static_cast<double>(v.travel_mm));
-    if (o.largest_scale) text.add("; takes it up to scale %.4g", *o.largest_scale);
-    text.add("\n");
-  }
 }
 
 void add_plan(Text& text, const ScanOutlook& o) {
@@ -236,11 +234,10 @@ ScanOutlook make_outlook(const InspectReport& scan, const PlacementSettings& pla
 Status write_outlook(OutputFile& out, const ScanOutlook& outlook, std::string_view print_time, bool verbose) {
   Text text;
   add_scan(text, outlook);
-  add_extent(text, outlook);
-  add_look(text, outlook);
-  add_fit(text, outlook);
-  if (!print_time.empty()) text.add("time       %.*s\n", static_cast<int>(print_time.size()), print_time.data());
+  add_print(text, outlook, print_time);
+  add_coverage(text, outlook);
   if (verbose) {
+    add_details(text, outlook);
     add_surface(text, outlook);
     add_plan(text, outlook);
   }
@@ -276,12 +273,12 @@ void write_outlook(JsonWriter& json, const ScanOutlook& outlook) {
   json.end_object();
   write_strays(json, s.strays);
   json.key("never_seen");
-  if (outlook.look) {
+  if (outlook.coverage) {
     json.begin_object(kOneLine);
-    json.member("underside", outlook.look->underside_unseen());
-    json.member("underside_share", outlook.look->shares.of(Evidence::kBase));
-    json.member("rest_share", Unseen::of(outlook.look->shares).elsewhere);
-    json.member("encloses_nothing", outlook.look->outside);
+    json.member("underside", outlook.coverage->underside_unseen());
+    json.member("underside_share", outlook.coverage->shares.of(Evidence::kBase));
+    json.member("rest_share", Unseen::of(outlook.coverage->shares).elsewhere);
+    json.member("encloses_nothing", outlook.coverage->outside);
     json.end_object();
   } else {
     json.null();

@@ -1,5 +1,5 @@
 #pragma once
-/// What `plumbline inspect` found, for people and for machines.
+/// The report of `plumbline inspect`, for people and as JSON.
 
 #include <optional>
 #include <string>
@@ -13,17 +13,17 @@
 
 namespace plumbline {
 
-/// A scan on a printer or in a grid of its own.
+/// What slicing a scan would give, on a printer or in a grid that fits the object.
 struct ScanOutlook {
   std::string scan_name;                ///< title_of() its files
   std::vector<std::string> scan_names;  ///< of the files
   std::string printer_name;             ///< empty without a printer
   PlacementSettings placement;
   InspectReport scan;
-  Units guess = Units::kMillimetres;    ///< by the size alone
-  std::optional<double> largest_scale;  ///< that the printer takes; none without a printer
-  std::optional<ScanLook> look;         ///< none: scan.sliced has the reason
-  Expected<MemoryPlan> plan;            ///< for the points of this scan
+  Units guess = Units::kMillimetres;        ///< the unit that its size suggests
+  std::optional<double> largest_scale;      ///< that the printer takes; none without a printer
+  std::optional<CoveragePreview> coverage;  ///< none: scan.sliced has the reason
+  Expected<MemoryPlan> plan;                ///< for the points of this scan
   std::size_t arena_bytes = 0;
   std::uint32_t threads = 1;
 
@@ -33,7 +33,7 @@ struct ScanOutlook {
   double mm(ScanLength length) const { return static_cast<double>(length.value) * unit_mm(); }
 };
 
-/// Works out what the rest of the job would make of an inspected scan. Names are the caller's to fill in.
+/// Plans the rest of the job for an inspected scan. The caller fills in the names.
 /// @param arena_bytes  the budget
 ScanOutlook make_outlook(const InspectReport& scan, const PlacementSettings& placement, std::size_t arena_bytes,
                          std::uint32_t threads);

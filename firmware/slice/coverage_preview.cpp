@@ -9,7 +9,8 @@
 namespace plumbline {
 namespace {
 
-/// Of the rays, some hundredths pass beside every object. A sheet seen from one side alone encloses nothing along nearly all.
+/// Share of rays without solid above which a scan encloses nothing. A few percent of the rays pass beside any object, while
+/// nearly all miss a sheet that was scanned from one side; the value only has to lie between the two.
 constexpr double kNoObject = 0.5;
 
 Status draw(const RRep& rrep, const ConfidenceMap& map, std::string_view name, const std::string& path, Arena& arena) {
@@ -22,9 +23,11 @@ Status draw(const RRep& rrep, const ConfidenceMap& map, std::string_view name, c
 
 }  // namespace
 
-bool ScanLook::underside_unseen() const { return on_base_plane && Unseen::of(shares).underside > Unseen::kNegligible; }
+bool CoveragePreview::underside_unseen() const {
+  return on_base_plane && Unseen::of(shares).underside > Unseen::kNegligible;
+}
 
-FixedText<128> ScanLook::sentence() const {
+FixedText<128> CoveragePreview::sentence() const {
   FixedText<128> text;
   if (outside > kNoObject) {
     text.add("%.0f %% of the scan encloses nothing: its other side was not scanned, or its normals are wrong",
@@ -35,12 +38,12 @@ FixedText<128> ScanLook::sentence() const {
   return text;
 }
 
-Expected<ScanLook> look_at_coarse(const RRep& rrep, const SliceReport& report, std::string_view name,
-                                  const std::string& picture, Arena& arena) {
+Expected<CoveragePreview> preview_coverage(const RRep& rrep, const SliceReport& report, std::string_view name,
+                                           const std::string& picture, Arena& arena) {
   if (!picture.empty()) PLUMBLINE_TRY(draw(rrep, report.confidence, name, picture, arena));
   const auto outside = static_cast<double>(report.rays.decided[static_cast<std::size_t>(RayDecision::kOutside)]);
   const auto shot = static_cast<double>(std::max<std::uint64_t>(1, report.rays.interested));
-  return ScanLook{report.confidence.shares(), report.flat_underside, outside / shot};
+  return CoveragePreview{report.confidence.shares(), report.flat_underside, outside / shot};
 }
 
 }  // namespace plumbline

@@ -1,5 +1,5 @@
 #pragma once
-/// What the scanner did not see, for a warning before slicing.
+/// What the scanner did not see, found by a coarse slice.
 
 #include <string>
 #include <string_view>
@@ -13,21 +13,23 @@
 
 namespace plumbline {
 
-struct ScanLook {
+struct CoveragePreview {
   ConfidenceShares shares;
   bool on_base_plane = false;
-  double outside = 0;  ///< share of the rays through the scan that meet no object, 0 to 1
+  double outside = 0;  ///< share of the rays through the scan that meet no solid, 0 to 1
 
   bool underside_unseen() const;
-  /// unseen_sentence(), or what is wrong with a scan that encloses nothing; empty where all of the surface was scanned.
+  /// unseen_sentence(), or what is wrong with a scan that encloses nothing. Empty if all of the surface was scanned.
   FixedText<128> sentence() const;
 };
 
-/// @param rrep     coarse, of inspect(); `report` is its own, with a confidence map
+/// Sums up a coarse slice, and draws it if asked to.
+/// @param rrep     the coarse R-Rep of inspect(); `report` belongs to it and has a confidence map
 /// @param name     of the scan, for the picture
 /// @param picture  file for a picture of what the surface rests on; empty: none
 /// @retval ErrorCode::kCannotWrite, kOutOfMemory
-[[nodiscard]] Expected<ScanLook> look_at_coarse(const RRep& rrep, const SliceReport& report, std::string_view name,
-                                                const std::string& picture, Arena& arena);
+[[nodiscard]] Expected<CoveragePreview> preview_coverage(const RRep& rrep, const SliceReport& report,
+                                                         std::string_view name, const std::string& picture,
+                                                         Arena& arena);
 
 }  // namespace plumbline

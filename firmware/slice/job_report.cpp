@@ -61,6 +61,13 @@ FixedText<128> unseen_sentence(const Unseen& unseen) {
   return text;
 }
 
+FixedText<96> scanned_text(const Unseen& unseen) {
+  FixedText<96> text;
+  text.add("%.1f %% of the surface; closed: underside %.1f %%, elsewhere %.1f %%",
+           100 * (1 - unseen.underside - unseen.elsewhere), 100 * unseen.underside, 100 * unseen.elsewhere);
+  return text;
+}
+
 FixedText<96> size_text(const Placement& placement) {
   FixedText<96> text;
   const Vec3d& size = placement.size_mm;

@@ -78,6 +78,9 @@ struct Unseen {
 /// "the underside (12.6 % of the surface) and 4.1 % elsewhere were not scanned"; empty where both are negligible.
 FixedText<128> unseen_sentence(const Unseen& unseen);
 
+/// "87.4 % of the surface; closed: underside 12.6 %, elsewhere 0.0 %".
+FixedText<96> scanned_text(const Unseen& unseen);
+
 /// "39.85 x 30.08 x 59.30 mm, 1184 layers of 0.05 mm": the size of the placed object, without supports.
 FixedText<96> size_text(const Placement& placement);
 

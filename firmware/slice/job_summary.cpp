@@ -51,11 +51,7 @@ void add_print(Text& text, const JobReport& report, std::string_view print_time)
   if (!print_time.empty()) {
     text.add("time       %.*s\n", static_cast<int>(print_time.size()), print_time.data());
   }
-  if (report.coverage) {
-    const Unseen unseen = Unseen::of(*report.coverage);
-    text.add("scanned    %.1f %% of the surface; closed: underside %.1f %%, elsewhere %.1f %%\n",
-             100 * (1 - unseen.underside - unseen.elsewhere), 100 * unseen.underside, 100 * unseen.elsewhere);
-  }
+  if (report.coverage) text.add("scanned    %s\n", scanned_text(Unseen::of(*report.coverage)).c_str());
 }
 
 void add_look_at(Text& text, const JobReport& report, const char* output) {
