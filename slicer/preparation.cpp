@@ -166,16 +166,17 @@ Expected<PreparedScan> prepare(ScanSources sources, const SliceSettings& setting
 Status check_surface(const PreparedScan& scan, ScanSources sources, const PreparationCounts& found) {
   if (scan.has_surface) return {};
   const ScanTitle title = title_of(sources);
-  if (found.cloud_points < found.scan.points / 2) {
+  const auto points = static_cast<unsigned long long>(found.scan.points);
+  if (found.cloud_capacity < points && found.cloud_points < points / 2) {
     return fail(ErrorCode::kNoSurface,
                 "%s: no surface found in %u points, to which %llu were thinned because the arena has no room for more. "
                 "Use a larger arena (--arena-mib), or check the normals of the scan",
-                title.c_str(), found.cloud_points, static_cast<unsigned long long>(found.scan.points));
+                title.c_str(), found.cloud_points, points);
   }
   return fail(ErrorCode::kNoSurface,
-              "%s: no surface found in %u points: most have too few neighbours that face the same way. Check the "
+              "%s: no surface found in %llu points: most have too few neighbours that face the same way. Check the "
               "normals of the scan, or scan more densely",
-              title.c_str(), found.cloud_points);
+              title.c_str(), points);
 }
 
 Units units_of(const Box3d& bounds, const PlacementSettings& settings) {
