@@ -145,9 +145,9 @@ TEST(Placement, SaysByHowMuchTheObjectIsTooLarge) {
   const std::string message = refused.error().message();
   EXPECT_EQ(number_after("the object is ", message), 170);
   EXPECT_NE(message.find("mm high"), std::string::npos) << message;
-  const double takes = number_after("takes ", message);
-  EXPECT_NEAR(takes, 150, 0.1);
-  EXPECT_NEAR(number_after("mm: ", message), 170 - takes, 0.005);
+  const double room = number_after("room for ", message);
+  EXPECT_NEAR(room, 150, 0.1);
+  EXPECT_NEAR(number_after("mm: ", message), 170 - room, 0.005);
 }
 
 // 150 mm divided by the float 0.05 is slightly less than 3000. The last layer must not be lost to rounding.
