@@ -277,7 +277,7 @@ class Inspect(Program):
             self.assertAlmostEqual(side, 24, delta=0.05)
         # On a Fibonacci lattice the nearest point is 0.9 to 1 times the root of a point's area away.
         self.assertAlmostEqual(told["spacing_mm"] / math.sqrt(4 * math.pi * 12**2 / 20_000), 0.95, delta=0.1)
-        self.assertLess(told["noise_mm"], 0.02)
+        self.assertLess(told["roughness_mm"], 0.02)
         self.assertEqual(told["units"], {"used": "mm", "guess": "mm"})
         self.assertTrue(told["fits"])
         self.assertAlmostEqual(told["largest_scale"], 29.8 / 24, delta=0.01)
