@@ -89,7 +89,7 @@ TEST(Daemon, SaysWhatItLeftOutOfAScanAndWhichNormalsItTurned) {
   rig.user.on_printed = [&] { rig.plant.press(EventKind::kShutdownRequested); };
   ASSERT_TRUE(rig.run());
   EXPECT_THAT(rig.user.said, Contains(HasSubstr("stray piece")));
-  EXPECT_THAT(rig.user.said, Contains(HasSubstr("% of the normals pointed into the object and were turned over")));
+  EXPECT_THAT(rig.user.said, Contains(HasSubstr("% of the normals pointed into the object and were flipped")));
 }
 
 TEST(Daemon, ReportsAMistakeInAJobFileAndStaysReady) {

@@ -40,7 +40,8 @@ TEST(Session, CancelledWhileCountingResinStoresNothing) {
     auto source = FileSource::open(scan);
     ASSERT_TRUE(source);
     CancelsAtLayer progress(3);
-    const auto sliced = session.slice_scan(*source, slicing_for(board), std::nullopt, *profile, &progress);
+    // With supports: without them slicing has counted the pixels already.
+    const auto sliced = session.slice_scan(*source, slicing_for(board), SupportSettings(), *profile, &progress);
     ASSERT_FALSE(sliced);
     EXPECT_EQ(sliced.error().code(), ErrorCode::kCancelled);
     EXPECT_THAT(sliced.error().message(), HasSubstr("at layer 3 of"));
