@@ -40,8 +40,10 @@ TEST(Session, CancelledWhileCountingResinStoresNothing) {
     auto source = FileSource::open(scan);
     ASSERT_TRUE(source);
     CancelsAtLayer progress(3);
-    // With supports: without them slicing has counted the pixels already.
-    const auto sliced = session.slice_scan(*source, slicing_for(board), SupportSettings(), *profile, &progress);
+    // With supports, which a short bridge makes sure of: without any, slicing has counted the pixels already.
+    SupportSettings supports;
+    supports.max_bridge_length = 0.4;
+    const auto sliced = session.slice_scan(*source, slicing_for(board), supports, *profile, &progress);
     ASSERT_FALSE(sliced);
     EXPECT_EQ(sliced.error().code(), ErrorCode::kCancelled);
     EXPECT_THAT(sliced.error().message(), HasSubstr("at layer 3 of"));

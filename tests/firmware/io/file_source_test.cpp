@@ -41,7 +41,7 @@ TEST(FileSource, RefusesADirectory) {
   const auto source = FileSource::open("/tmp");
   ASSERT_FALSE(source.has_value());
   EXPECT_EQ(source.error().code(), ErrorCode::kCannotOpen);
-  EXPECT_NE(std::string(source.error().message()).find("is a directory"), std::string::npos);
+  EXPECT_NE(std::string(source.error().message()).find("is a folder"), std::string::npos);
 }
 
 TEST(FileSource, NamesTheByteAtWhichReadingFailed) {
