@@ -74,7 +74,7 @@ TEST(Daemon, FollowsTheJobFile) {
   EXPECT_EQ(rig.user.reports.at(0).layers, 30U) << "a ball of 6 mm";
 }
 
-// Once it left out a stray piece and turned normals over without saying so.
+// Regression: it left out a stray piece and flipped normals without reporting it.
 TEST(Daemon, SaysWhatItLeftOutOfAScanAndWhichNormalsItTurned) {
   DaemonRig rig;
   std::vector<ScanPoint> scan = sphere_scan(4000, 2);

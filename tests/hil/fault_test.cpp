@@ -11,7 +11,7 @@ namespace {
 
 using enum PrintState;
 
-/// How a print ends, and with which code.
+/// How a print ends: its state and fault code.
 struct End {
   PrintState state;
   FaultCode code = FaultCode::kNone;
@@ -26,13 +26,13 @@ enum class May : std::uint8_t { kNothing, kObjectToItself };
 
 struct Row {
   const char* fault;
-  const char* more;  ///< of the fault's text
+  const char* more;  ///< appended to the fault's text
   End start, middle, end;
   May may = May::kNothing;
 };
 
-// A stage that stalls while homing met something before its end stop. A fault in the exposure of the last layer comes too late to
-// be noticed.
+// A stage that stalls while homing has met something before its end stop. A fault during the last exposure comes too late to be
+// noticed.
 const Row kRows[] = {
     {"lamp.stuck_on", "", faulted(FaultCode::kLampStuckOn), faulted(FaultCode::kLampStuckOn),
      faulted(FaultCode::kLampStuckOn), May::kObjectToItself},
@@ -104,7 +104,7 @@ class EveryFault : public ::testing::TestWithParam<Row> {
 
     EXPECT_EQ(to_string(report.state), to_string(expected.state)) << report.fault_message.c_str();
     EXPECT_EQ(static_cast<int>(report.fault), static_cast<int>(expected.code)) << report.fault_message.c_str();
-    if (!rig.plant.powered()) rig.plant.restore_power();  // lets the lamp go dark
+    if (!rig.plant.powered()) rig.plant.restore_power();  // so that the lamp can go dark
     const bool can_be_dark = std::string_view(row.fault) != "lamp.runaway";
     EXPECT_EQ(rig.plant.light(), !can_be_dark);
     EXPECT_EQ(rig.objections_of(ObjectionKind::kLightWithCoverOpen), 0U);
@@ -124,7 +124,7 @@ class EveryFault : public ::testing::TestWithParam<Row> {
     }
   }
 
-  /// Nothing is lost: the journal has every layer that was cured.
+  /// The journal must have every layer that was cured.
   static void check_journal(Rig& rig, const PrintReport& report) {
     const auto journal = Journal::open(rig.storage);
     ASSERT_TRUE(journal) << journal.error().message();
@@ -146,7 +146,7 @@ INSTANTIATE_TEST_SUITE_P(Hil, EveryFault, ::testing::ValuesIn(kRows), [](const a
 struct StickRow {
   const char* fault;
   FaultCode code;      ///< while the scan is read
-  double seconds = 0;  ///< that reading takes longer than without the fault
+  double seconds = 0;  ///< that the fault adds to reading
 };
 
 const StickRow kStickRows[] = {
@@ -160,8 +160,8 @@ void PrintTo(const StickRow& row, std::ostream* out) { *out << row.fault; }
 
 class EveryStickFault : public ::testing::TestWithParam<StickRow> {
  protected:
-  /// Prints the scan of a stick that meets the fault.
-  /// @returns plant time of the print's first check; none: the scan was not read
+  /// Prints a scan from a stick that has the fault.
+  /// @returns plant time of the print's first check; nothing if the scan was not read
   static std::optional<double> time_to_print(const std::string& fault, FaultCode expected) {
     SCOPED_TRACE(fault);
     auto settings = session_plant();
@@ -169,7 +169,7 @@ class EveryStickFault : public ::testing::TestWithParam<StickRow> {
     if (!fault.empty()) settings.faults.push_back(parse_fault(fault).value());
     DaemonRig rig(settings);
     rig.put_scan("ball.ply");
-    rig.plant.wait(std::chrono::milliseconds(1));  // what is due at 0 s has happened
+    rig.plant.wait(std::chrono::milliseconds(1));  // lets faults that are due at 0 s start
     rig.plant.plug_stick(rig.stick());
     const auto end = [&rig] { rig.plant.press(EventKind::kShutdownRequested); };
     rig.user.on_printed = end;
@@ -191,7 +191,7 @@ class EveryStickFault : public ::testing::TestWithParam<StickRow> {
 
 TEST_P(EveryStickFault, WhileTheScanIsRead) {
   const StickRow& row = GetParam();
-  // A stick that is pulled has to be there first; the others are faulty from the start.
+  // A stick must be there before it can be pulled; the other faults start at once.
   const bool pulled = row.code == FaultCode::kStickGone;
   const auto began = time_to_print(std::string(row.fault) + (pulled ? "@t=0.5s" : "@t=0s"), row.code);
   if (row.code != FaultCode::kNone) return;

@@ -1,5 +1,5 @@
-/// The power is cut at any instant, also inside the journal's writes: the print resumes at the right layer and makes the same part,
-/// but for the mark that the report warns of.
+/// Cuts the power at any instant, even inside the journal's writes. The print must resume at the right layer and make the same
+/// part, except for the mark that the report warns of.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -32,7 +32,7 @@ const Reference& reference() {
   return whole;
 }
 
-/// Runs the rig to its end, however often the power goes. @returns how often
+/// Runs the rig to the end of its print. @returns how often the power was cut
 int print_with_cuts(Rig& rig) {
   int cuts = 0;
   for (;;) {
@@ -55,7 +55,7 @@ int print_with_cuts(Rig& rig) {
       EXPECT_TRUE(rig.plant.lights().empty());
       continue;
     }
-    // Every layer that the journal has was cured in full; one more may have been, whose record the cut took.
+    // Every layer in the journal was cured in full. One more may have been, if the cut destroyed its record.
     EXPECT_GE(rig.plant.part().layers().size(), journal->last().next_layer);
     EXPECT_LE(rig.plant.part().layers().size(), journal->last().next_layer + 1);
   }
@@ -91,7 +91,7 @@ TEST(PowerCut, At200InstantsThePrintResumesAtTheRightLayer) {
 
 TEST(PowerCut, InsideTheJournalsWritesThePrintResumesAtTheRightLayer) {
   std::mt19937_64 random(99);
-  // Write 1 is the header's, before the print: tests/firmware/print/store/journal_test.cpp.
+  // Write 1 is the header, before the print; tests/firmware/print/store/journal_test.cpp covers it.
   for (int write = 2; write <= static_cast<int>(Rig::kLayers) + 1; ++write) {
     SCOPED_TRACE(write);
     Rig rig;

@@ -222,7 +222,7 @@ TEST(PrintChecks, FailForEachReason) {
     auto settings = rig_plant();
     row.spoil(settings);
     Rig rig(settings);
-    rig.plant.wait(1ms);  // what is due at 0 s has happened
+    rig.plant.wait(1ms);  // lets faults that are due at 0 s start
     const auto& report = rig.run();
     EXPECT_EQ(report.state, kFault) << to_string(row.check);
     EXPECT_EQ(report.fault, row.code) << report.fault_message.c_str();
@@ -234,7 +234,7 @@ TEST(PrintChecks, FailForEachReason) {
 TEST(Print, ResumedInAnotherProcessGoesOnWithThePartOnThePlate) {
   Rig rig(with_fault("power.cut@layer=20"));
   EXPECT_EQ(rig.run().state, kSuspended);
-  // The simulated printer of the next process has not seen the first layers.
+  // The next process simulates a new printer, so the first layers have to be described to it.
   auto settings = rig_plant();
   settings.layers_on_plate = 20;
   settings.height_on_plate = height_of(rig.plan, 19);
@@ -250,7 +250,7 @@ TEST(Print, ResumedInAnotherProcessGoesOnWithThePartOnThePlate) {
 
 TEST(PrintChecks, FailForAnExposureThatDoesNotCureALayer) {
   Rig rig;
-  rig.profile.critical_energy = 8;  // the 8.75 mJ/cm2 of a layer cure 0.01 mm deep
+  rig.profile.critical_energy = 8;  // a layer's 8.75 mJ/cm2 then cure only 0.01 mm deep
   EXPECT_EQ(rig.run().fault, FaultCode::kTooLittleLight);
 }
 

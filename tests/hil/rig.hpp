@@ -62,7 +62,7 @@ class TowerRRep {
 
 inline MachineFile rig_machine() { return *read_board_file(PLUMBLINE_SOURCE_DIR "/board/sim2k.toml").value().machine; }
 
-/// Two bottom layers of 5 s, two that fade, then 2.5 s.
+/// Two bottom layers of 5 s, two faded ones, then 2.5 s.
 inline PrintProfile rig_profile() {
   auto profile = read_print_profile(PLUMBLINE_SOURCE_DIR "/board/profiles/standard.toml").value();
   profile.initial_exposure_time = 5;
@@ -92,7 +92,7 @@ inline PlantSettings rig_plant() {
   return plant;
 }
 
-/// The journal's medium in the plant. A write takes plant time; a power cut during it keeps the bytes before.
+/// The journal's medium in the plant. A write takes plant time; a power cut during it keeps the bytes written so far.
 class PlantStorage final : public JournalStorage {
  public:
   PlantStorage(Plant& plant, std::uint32_t layers) : plant_(plant), medium_(Journal::bytes_needed(layers)) {}
@@ -117,7 +117,7 @@ class PlantStorage final : public JournalStorage {
   }
   std::vector<std::byte>& medium() { return medium_; }
 
-  int cut_in_write = -1;  ///< counted from 1, which is the header's
+  int cut_in_write = -1;  ///< counted from 1, the header
   std::size_t cut_after_bytes = 0;
   bool broken = false;
 
@@ -168,7 +168,7 @@ class Rig {
     plan = plan_print(profile, rig_machine(), 0.05, layers).value();
   }
 
-  /// Starts the print, or resumes it where the journal says.
+  /// Starts the print, or resumes it after the journal's last layer.
   const PrintReport& run() {
     arena_.emplace(std::span(block_));
     machine_.reset();

@@ -1,4 +1,4 @@
-/// Sessions and reports, as far as they need no print.
+/// Sessions and reports without a print.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// Cancels after that many calls in the last stage.
+/// Cancels after `layer` calls in the last stage.
 class CancelsAtLayer final : public ProgressSink {
  public:
   explicit CancelsAtLayer(int layer) : left_(layer) {}
@@ -40,7 +40,7 @@ TEST(Session, CancelledWhileCountingResinStoresNothing) {
     auto source = FileSource::open(scan);
     ASSERT_TRUE(source);
     CancelsAtLayer progress(3);
-    // With supports, which a short bridge makes sure of: without any, slicing has counted the pixels already.
+    // A short bridge forces supports. Without supports slicing would already have counted the pixels.
     SupportSettings supports;
     supports.max_bridge_length = 0.4;
     const auto sliced = session.slice_scan(*source, slicing_for(board), supports, *profile, &progress);
@@ -52,7 +52,7 @@ TEST(Session, CancelledWhileCountingResinStoresNothing) {
   EXPECT_EQ(arena.used(), 0U);
 }
 
-/// @returns the report of a print that has not begun
+/// @returns the report of a print that has not started
 std::string report_with(const std::optional<StepFigures>& steps) {
   const TemporaryFolder folder;
   std::vector<std::byte> block(std::size_t{24} << 20U);

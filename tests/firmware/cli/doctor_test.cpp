@@ -19,7 +19,7 @@ const std::array<MachineFinding, 3> kFindings = {
     MachineFinding{Verdict::kPoor, "locked memory", "not permitted", "give it CAP_IPC_LOCK"},
     MachineFinding{Verdict::kWrong, "the panel", "no \"DSI-1\"", "see to its cable"}};
 
-/// What a writer puts into a file.
+/// The text that a writer puts into a file.
 template <class Write>
 std::string written(Write&& write) {
   const std::string path = testing::TempDir() + "plumbline_doctor_test";

@@ -110,7 +110,7 @@ TEST_F(Service, GetsASignOfLifeAfterHalfTheWatchdogTimeAndNotBefore) {
   constexpr auto kShort = 1us;
   auto hasty = manager(kShort);
   for (int turn = 0; turn < 5; ++turn) {
-    // A turn alone may take less than half of it.
+    // A turn can be shorter than half the watchdog's time, so wait for all of it.
     const auto said = std::chrono::steady_clock::now();
     while (std::chrono::steady_clock::now() - said < kShort) {
     }
@@ -124,7 +124,7 @@ TEST_F(Service, GetsASignOfLifeAfterHalfTheWatchdogTimeAndNotBefore) {
 
 TEST_F(Service, DoesNotHoldTheDaemonUpByNotReading) {
   auto manager = this->manager(1us);
-  // Far more than the kernel keeps for a reader.
+  // Far more messages than the kernel buffers.
   for (int turn = 0; turn < 10'000; ++turn) {
     manager.alive();
     manager.status(std::to_string(turn));
@@ -197,7 +197,7 @@ TEST_F(ServiceEnvironment, IsCheckedBeforeAnythingElse) {
   }
 }
 
-/// A machine with one event, whose time passes only in waits.
+/// A machine with one event. Its time passes only during waits.
 class Still final : public Clock, public Events {
  public:
   std::vector<TimePoint> deadlines;

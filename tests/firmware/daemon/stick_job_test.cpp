@@ -1,4 +1,4 @@
-/// job.toml, the file in which a stick says what is to be printed.
+/// job.toml, the file on a stick that names what to print.
 
 #include "firmware/daemon/stick_job.hpp"
 
@@ -69,7 +69,7 @@ TEST(StickJob, IsExplainedKeyByKeyInTheReadme) {
     const std::string table = match[1];
     const std::string keys = line.substr(0, line.find('|', 1));
     for (std::sregex_iterator name(keys.begin(), keys.end(), key), end; name != end; ++name) {
-      // Of a type that no key takes: the message tells a key that there is from one that there is not.
+      // No key takes an array, so the message shows whether the key exists.
       const std::string word = (*name)[1];
       std::string text = word == "scan" ? "[job]\n" : "[job]\nscan = 'a.ply'\n";
       if (table == "placement") text += "[placement]\n";

@@ -45,7 +45,7 @@ TEST(FileSource, RefusesADirectory) {
 }
 
 TEST(FileSource, NamesTheByteAtWhichReadingFailed) {
-  // The first page of a process is never mapped, so reading its memory there fails as a broken sector does.
+  // A process's first page is never mapped, so reading its memory there fails like a bad sector.
   auto source = FileSource::open("/proc/self/mem");
   ASSERT_TRUE(source.has_value()) << source.error().message();
   std::array<std::byte, 16> buffer = {};

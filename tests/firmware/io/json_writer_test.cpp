@@ -9,7 +9,7 @@
 namespace plumbline {
 namespace {
 
-/// What `write` makes of a JsonWriter.
+/// The text that `write` produces.
 template <class Write>
 std::string written(Write write) {
   const TemporaryFolder folder;
@@ -68,7 +68,7 @@ TEST(JsonWriter, EscapesQuotesAndControlCharacters) {
 }
 
 TEST(JsonWriter, ReplacesBytesThatAreNotUtf8) {
-  // A lone byte, a sequence cut short, one that is too long for its letter, and half of a UTF-16 pair.
+  // An invalid byte, a truncated sequence, an overlong one, and half of a UTF-16 surrogate pair.
   EXPECT_EQ(written([](JsonWriter& json) { json.value("\xFFx"); }), "\"\\ufffdx\"\n");
   EXPECT_EQ(written([](JsonWriter& json) { json.value("\xE2\x82"); }), "\"\\ufffd\\ufffd\"\n");
   EXPECT_EQ(written([](JsonWriter& json) { json.value("\xC0\xAF"); }), "\"\\ufffd\\ufffd\"\n");

@@ -34,7 +34,7 @@ std::uint64_t mix(std::uint64_t z) {
   return z ^ (z >> 31);
 }
 
-/// The definition, from the bytes that a PNG row has.
+/// The hash by its definition, computed from the bytes of the PNG rows.
 std::uint64_t hash_by_definition(ConstBitImage mask) {
   std::uint64_t sum = mix((std::uint64_t{mask.columns()} << 32) + mask.rows());
   std::uint64_t s = 0;
@@ -61,7 +61,7 @@ TEST(MaskHash, FollowsItsDefinitionForAnyWidth) {
 }
 
 TEST(MaskHash, IsTheSameInEveryVersion) {
-  // Manifests outlive versions. The numbers come from the definition in another language, with integers of any size.
+  // Manifests outlive versions. The expected values were computed from the definition in a language with big integers.
   Mask mask(10, 2);
   mask.image.set(0, 0);
   mask.image.set(9, 1);

@@ -16,7 +16,7 @@ struct Mask {
   BitImage image;
 };
 
-/// What lodepng makes of a file: one byte a pixel or a channel.
+/// A file decoded by lodepng: one byte for each pixel or channel.
 struct Decoded {
   std::vector<unsigned char> bytes;
   unsigned columns = 0, rows = 0;

@@ -18,7 +18,7 @@ namespace {
 
 using Inside = std::function<bool(double x, double y, double z)>;
 
-/// The R-Rep of a formula, by its definition: what differs from the layer below is toggled.
+/// The R-Rep of a formula, by definition: it toggles the pixels that differ from the layer below.
 struct Solid {
   Solid(const PrintGrid& grid, const Inside& inside) {
     std::vector<bool> before(std::size_t{grid.columns} * grid.rows);
@@ -101,7 +101,7 @@ TEST(Preview, ShowsASphereAsThreeEqualDiscs) {
   for (std::uint32_t row = kFirstRow; row < kLastRow; ++row) {
     const auto found = runs(drawing, empty, row);
     if (found.size() != 3 || found[1].length() != found[0].length()) {
-      if (widest > 0) break;  // the floor's line, and the labels under it
+      if (widest > 0) break;  // reached the ground line and the labels below it
       continue;
     }
     EXPECT_EQ(found[2].length(), found[0].length());
@@ -168,7 +168,7 @@ TEST(Preview, ShowsAHoleFromAbove) {
   const Drawing drawing(solid.rrep), empty(air.rrep);
   std::uint32_t row = kFirstRow;
   std::vector<Stretch> at_hole;
-  for (; row < kLastRow; ++row) {  // the last row where the ring is two pieces beside a hole as wide as 8 of 18 mm
+  for (; row < kLastRow; ++row) {  // find the last row where the ring is split by a hole of 8 mm in 18
     const auto found = runs(drawing, empty, row);
     if (found.size() == 2 && found[0].begin > kPreviewColumns / 2) {
       if (at_hole.empty() || found[1].begin - found[0].end > at_hole[1].begin - at_hole[0].end) at_hole = found;
@@ -193,7 +193,7 @@ TEST(Preview, DrawsObjectsOfAnyShapeInsideThePage) {
   for (const PrintGrid& grid : {PrintGrid{4, 3, 2000, 0.1F, 0.1F, 0.1F}, PrintGrid{3000, 3, 2, 0.1F, 0.1F, 0.1F},
                                 PrintGrid{3, 3000, 2, 0.1F, 0.1F, 0.1F}, PrintGrid{1, 1, 1, 0.05F, 0.05F, 0.05F},
                                 PrintGrid{5000, 10, 1, 0.01F, 0.01F, 0.01F}}) {
-    const Solid full(grid, [](double, double, double) { return true; });  // never ends, not even above the last layer
+    const Solid full(grid, [](double, double, double) { return true; });  // still solid at the top of the last layer
     const Solid air(grid, nothing());
     const Drawing drawing(full.rrep), empty(air.rrep);
     ASSERT_TRUE(drawing.status.has_value());
@@ -205,7 +205,7 @@ TEST(Preview, DrawsObjectsOfAnyShapeInsideThePage) {
   }
 }
 
-/// A sphere above the plate on one pillar, from the middle of its foot.
+/// A sphere above the plate, held by one pillar under its lowest point.
 struct SphereOnAPillar {
   SphereOnAPillar() : solid(cube(220, 0.1F), [](double x, double y, double z) { return sphere(11, 6)(x, y, z); }) {
     supports = {list, SupportShape(SupportSettings{}, solid.rrep.grid)};

@@ -17,7 +17,7 @@ struct Image {
   BitImage image;
 };
 
-/// The docstring, pixel by pixel.
+/// What the docstring of erode() describes, pixel by pixel.
 void erode_slowly(BitImage image, std::uint32_t steps) {
   for (std::uint32_t step = 0; step < steps; ++step) {
     Image before(image.columns(), image.rows());

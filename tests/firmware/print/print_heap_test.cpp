@@ -1,4 +1,4 @@
-/// A whole print, from the scan's first byte to the last layer, takes nothing from the heap. The simulated machine may.
+/// A whole print, from the scan's first byte to the last layer, doesn't use the heap. Only the simulated machine may.
 
 #include <gtest/gtest.h>
 #include <omp.h>
@@ -29,7 +29,7 @@ TEST(Print, TakesNothingFromTheHeapFromItsAdmissionToItsReport) {
   auto scan = FileSource::open(folder / "ball.ply");
   ASSERT_TRUE(scan);
   PlantSettings settings = session_plant();
-  // Each takes another path through the firmware.
+  // Each takes a different path through the firmware.
   for (const char* fault : {"cover.opens@layer=7+1s,for=5s", "stick.pulled@layer=3", "panel.slow@layer=9"}) {
     const auto parsed = parse_fault(fault);
     ASSERT_TRUE(parsed) << parsed.error().message();

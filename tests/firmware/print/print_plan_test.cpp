@@ -65,7 +65,7 @@ TEST(PrintPlan, PauseRaisesThePartWithinTheTravel) {
 
 TEST(PrintPlan, LayerTimeIsExposureWaitsAndMoves) {
   const auto p = plan();
-  // sim2k: 100 mm/s2. Trapezoids: d / v + v / a. A mask takes a frame and 20 ms to stand.
+  // sim2k: 100 mm/s2. Trapezoids: d / v + v / a. A mask takes one frame and 20 ms to settle.
   const auto move = [](double mm, double mm_min) { return mm / (mm_min / 60) + mm_min / 60 / 100; };
   const double expected =
       move(7 - 0.05 - 2, 180) + move(2, 60) + 0.5 + 2.5 + 2 * (1.0 / 60 + 0.02) + move(4, 60) + move(3, 180);

@@ -146,7 +146,7 @@ TEST(Bust, IsSixtyMillimetresTallAndFortyWide) {
 }
 
 TEST(Bust, OverhangsUnderItsNoseChinAndKnot) {
-  // Air below, solid above: what needs supports.
+  // Solid with air below: it needs supports.
   const auto overhangs = [](double x, double y, double low, double high) {
     for (double z = low; z < high; z += 0.05) {
       if (!bust_inside({x, y, z}) && bust_inside({x, y, z + 0.05})) return true;

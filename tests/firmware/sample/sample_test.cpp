@@ -88,12 +88,12 @@ TEST(Sample, DiffersForAnotherSeed) { EXPECT_NE(hash(scan(2000, 1)), hash(scan(2
 
 TEST(Sample, LiesOnTheSurfaceExceptForNoiseAndAFewOutliers) {
   const auto points = scan(30000, 3);
-  // sigma along the ray 0.02 to 0.059 mm, of a view's shift 0.02 mm an axis: 0.3 mm is beyond five sigmas of both.
+  // Sigma is 0.02 to 0.059 mm along the ray and 0.02 mm an axis for a view's shift: 0.3 mm is beyond five sigmas of both.
   std::vector<double> off;
   for (const auto& p : points) off.push_back(std::abs(distance(p)));
   const auto far = static_cast<std::size_t>(std::count_if(off.begin(), off.end(), [](double d) { return d > 0.3; }));
-  EXPECT_GE(far, 20U);                  // one in a thousand is a stray, and hardly any of those hits the bust
-  EXPECT_LE(far, points.size() / 250);  // and some pixels fly
+  EXPECT_GE(far, 20U);                  // one point in a thousand is an outlier, and few of those hit the bust
+  EXPECT_LE(far, points.size() / 250);  // and there are some flying pixels
   std::nth_element(off.begin(), off.begin() + std::ptrdiff_t(off.size() / 2), off.end());
   EXPECT_NEAR(off[off.size() / 2], 0.019, 0.006);
 }
@@ -114,10 +114,10 @@ TEST(Sample, HasNoPointOfTheUnderside) {
   std::size_t low = 0;
   for (const auto& p : scan(30000, 5)) {
     EXPECT_GE(p.z, -0.3);
-    // Well under the plinth, where the scanner would have to look through it.
+    // Well under the plinth, where only a scanner that saw through it could find points.
     low += p.z < 0.2 && std::hypot(p.x, p.y - 1.0) < 13.0 ? 1U : 0U;
   }
-  EXPECT_LE(low, 2U);  // a stray may be anywhere
+  EXPECT_LE(low, 2U);  // outliers can be anywhere
 }
 
 TEST(Sample, SeesEverySide) {

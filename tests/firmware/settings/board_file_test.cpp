@@ -309,7 +309,7 @@ TEST(BoardFile, NamesAFileThatCannotBeOpenedOrRead) {
 TEST(BoardFile, ShowsTheReasonOfAParseErrorInWholeWords) {
   const std::string said = refusal("a = " + std::string(10000, '['), ErrorCode::kMalformed);
   EXPECT_THAT(said, HasSubstr("exceeded maximum nested value depth"));
-  // Paths that are long leave room for the reason.
+  // Long paths leave room for the reason.
   const auto far = parse_board_file("x", std::string(1000, 'p'));
   ASSERT_FALSE(far);
   EXPECT_THAT(far.error().message(), HasSubstr("...:1: not TOML at column 2: "));

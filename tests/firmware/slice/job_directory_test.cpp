@@ -26,7 +26,7 @@ std::vector<std::string> tree(const std::string& path) {
 
 std::span<const std::byte> bytes(std::string_view text) { return std::as_bytes(std::span(text)); }
 
-/// Writes a whole job of so many layers.
+/// Writes a complete job with `layers` layers.
 void write_job(const std::string& path, std::uint32_t layers) {
   auto directory = JobDirectory::open(path);
   ASSERT_TRUE(directory.has_value()) << directory.error().message();
@@ -40,7 +40,7 @@ void write_job(const std::string& path, std::uint32_t layers) {
   ASSERT_TRUE(directory->finish(*manifest).has_value());
 }
 
-/// Expects that a job is refused for `path`, and that nothing there has changed.
+/// Expects `path` to be refused for a job, and nothing in it to change.
 void expect_refused(const std::string& path, const std::string& reason) {
   const auto before = tree(path);
   const auto directory = JobDirectory::open(path);

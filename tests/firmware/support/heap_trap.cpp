@@ -112,7 +112,7 @@ void leaves(void* block) {
 
 }  // namespace
 
-// Under the names of what they replace: the linker sees those, the compiler and its knowledge of malloc do not.
+// Only the linker sees the replaced names, so the compiler does not optimise these as malloc and free.
 extern "C" {
 void* trapped_malloc(std::size_t size) asm("malloc");
 void* trapped_calloc(std::size_t count, std::size_t size) asm("calloc");

@@ -1,9 +1,8 @@
 #pragma once
 /// Counts every allocation while it is armed.
 ///
-/// The program has its own malloc and relatives in front of those of the C library, which everything linked into it calls. An
-/// allocation is lodepng's when code of lodepng's shared library is on the stack, and the simulated machine's when a member of a
-/// plumbline::Sim... class is.
+/// The program's own malloc and relatives replace the C library's for everything linked into it. An allocation is lodepng's when
+/// code of lodepng's shared library is on the stack, and the simulated machine's when a member of a plumbline::Sim... class is.
 
 #include <cstddef>
 

@@ -1,4 +1,4 @@
-/// After its admission a job takes nothing from the heap, except lodepng for the image at hand.
+/// Once admitted, a job takes nothing from the heap; only lodepng does, for one image at a time.
 
 #include "tests/firmware/support/heap_trap.hpp"
 
@@ -84,11 +84,11 @@ TEST(Job, TakesNothingFromTheHeapAfterItsAdmissionExceptInLodepng) {
   EXPECT_EQ(use.trapped, 0);
   if (use.trapped > 0) HeapTrap::print_stacks();
 
-  // Masks and preview did go through lodepng.
+  // Masks and preview were encoded by lodepng.
   EXPECT_GE(use.lodepng, static_cast<int>(job->report().slice.placement.grid.layers));
   EXPECT_FALSE(use.lodepng_overflow);
   EXPECT_EQ(use.lodepng_live, 0U) << "bytes that lodepng has not freed";
-  // The largest image is the preview; lodepng holds it filtered, compressed, and as a file.
+  // The largest image is the preview. lodepng holds it three times: filtered, compressed and as a file.
   constexpr std::size_t kPreviewBytes = std::size_t{3} * kPreviewColumns * kPreviewRows;
   EXPECT_LE(use.lodepng_peak, 3 * kPreviewBytes);
 }

@@ -227,7 +227,7 @@ TEST_F(Stage, MovesToTheStepNearestToItsTarget) {
 
 TEST_F(Stage, ReportsLostStepsWhenItHomesAgain) {
   home();
-  lines_.height -= 7;  // somebody blocked it
+  lines_.height -= 7;  // as if somebody had blocked the stage
   const auto homed = stage().home();
   ASSERT_TRUE(homed);
   EXPECT_NEAR(homed->steps_lost.millimetres(), 7 * kStep, kStep / 2);
@@ -269,7 +269,7 @@ TEST_F(Stage, ReportsAStuckEndStop) {
 TEST_F(Stage, StopsAtAnEndStopThatClosesTooEarly) {
   home();
   ASSERT_TRUE(stage().move_to(ZPosition(1_mm), Speed(50)));
-  lines_.stop_at = 200;  // the stage slipped upward by 6 mm
+  lines_.stop_at = 200;  // as if the stage had slipped upward by 6 mm
   const auto moved = stage().move_to(ZPosition(8_mm), Speed(20));
   ASSERT_FALSE(moved);
   EXPECT_EQ(moved.error().code(), ErrorCode::kEndStopStuck);

@@ -1,4 +1,4 @@
-/// Every fault has the effect that the table gives: each starts at layer 2 of a 5-layer print.
+/// Every fault has the effect given in the table. Each starts at layer 2 of a 5-layer print.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// The effect of a fault at layer 2 on a firmware that checks nothing but errors.
+/// What a fault at layer 2 does to a firmware that checks only for errors.
 struct Effect {
   FaultKind kind;
   std::optional<ErrorCode> error = std::nullopt;          ///< ends the print

@@ -141,7 +141,7 @@ TEST(ThermalModel, LampApproachesItsTemperatureWithTheTimeConstant) {
   EXPECT_NEAR(thermals.temperature(at(6000s), TemperatureSite::kLamp).value(), 20, 1e-3);
 }
 
-/// Masks of which anything from no pixel to all of them differ.
+/// Random masks. From one to the next, anywhere from none to all of the pixels change.
 std::vector<std::vector<std::uint64_t>> random_masks(std::uint32_t columns, std::uint32_t rows, std::size_t count) {
   std::mt19937_64 random(3);
   std::vector<std::uint64_t> words(BitImage::words_needed(columns, rows), 0);
@@ -168,7 +168,7 @@ TEST(CuredPart, ReturnsEveryLayerAsItWasCured) {
     const ZPosition z(50_um * static_cast<std::int64_t>(k + 1));
     const ConstBitImage mask(masks[k], kColumns, kRows);
     EXPECT_EQ(part.layer_at(z), k);
-    // Every seventh layer in two exposures, the first too short to cure; every eleventh gets too little.
+    // Every seventh layer takes two exposures, the first too short to cure. Every eleventh gets too little light.
     const double whole = k % 11 == 0 ? 1.0 : 8.0;
     if (k % 7 == 0) {
       part.expose(z, mask, at(1s), at(2s), Dose(8), Dose(whole / 4), Resin());

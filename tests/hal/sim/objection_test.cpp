@@ -181,7 +181,7 @@ TEST_F(Objections, ToALiftTooFastForTheArea) {
   go_to(150_um);
   show();
   light(2s);
-  go_to(1200_um);  // 100 um of travel above the stretched film's height: less than the 0.2 s that peeling takes
+  go_to(1200_um);  // 100 um beyond the film's stretch takes less than the 0.2 s that peeling needs
   go_to(200_um);
   light(2s);
   EXPECT_THAT(objections(), ElementsAre(ObjectionKind::kLiftSkipped));

@@ -77,7 +77,7 @@ Status resume(const Machine& machine, std::uint32_t from, std::uint32_t layers) 
 }
 
 TEST(Plant, ContinuesTheSamePartAfterAPowerCutAtAnyTime) {
-  // Some times during homing, the others spread over five layers of some 6 s each.
+  // Some cuts are during homing, the others spread over five layers of some 6 s each.
   for (int percent = 0; percent < 100; percent += 3) {
     SCOPED_TRACE(percent);
     Plant plant(small_printer({"power.cut@t=" + std::to_string(20 + 0.5 * percent) + "s"}));
@@ -87,7 +87,7 @@ TEST(Plant, ContinuesTheSamePartAfterAPowerCutAtAnyTime) {
       ASSERT_FALSE(printed);
       EXPECT_EQ(printed.error().code(), ErrorCode::kPowerLost);
       EXPECT_FALSE(plant.powered());
-      // All devices report it, and no time passes.
+      // Every device reports it, and no time passes.
       const Machine devices = machine.machine();
       const TimePoint now = plant.now();
       const auto power_lost = [](const auto& result) {

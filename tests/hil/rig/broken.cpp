@@ -1,11 +1,11 @@
-/// The mistakes of plumblined-broken, which the tests on the emulated board must find. PLUMBLINE_BROKEN in the environment chooses one;
-/// it happens at one layer.
+/// The mistakes of plumblined-broken, which the tests on the emulated board must find. The environment variable PLUMBLINE_BROKEN
+/// chooses one. It happens at one layer.
 ///
 ///   early-light   present() returns before the flip: the lamp lights what the panel showed before
 ///   lost-step     one pulse of the stage's step line is missing
 ///   wrong-pixel   one pixel of the mask is flipped
 ///
-/// The linker replaces the functions that these are named after (--wrap); the firmware is unchanged.
+/// The linker replaces the functions wrapped here (--wrap); the firmware itself is unchanged.
 
 #include <gpiod.h>
 
@@ -21,12 +21,12 @@
 namespace plumbline {
 namespace {
 
-constexpr int kMask = 4;           // whose layer is broken, from 1
-constexpr unsigned kStepLine = 0;  // of board/rig.toml
+constexpr int kMask = 4;           // the mistake happens at this mask, counted from 1
+constexpr unsigned kStepLine = 0;  // offset in board/rig.toml
 constexpr std::size_t kPixel = 100;
 
 int masks_shown = 0;
-bool step_due = false;  // to be lost
+bool step_due = false;  // the next pulse will be lost
 
 bool broken_by(std::string_view fault) {
   const char* const chosen = std::getenv("PLUMBLINE_BROKEN");

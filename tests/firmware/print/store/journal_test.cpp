@@ -15,13 +15,13 @@ using namespace plumbline::literals;
 using namespace std::chrono_literals;
 using ::testing::HasSubstr;
 
-/// A medium that loses its power: the first bytes of the write arrive, later writes do not.
+/// A medium whose power fails: it keeps the first bytes of a write and none of the later writes.
 class CutStorage final : public JournalStorage {
  public:
   explicit CutStorage(std::uint32_t layers) : medium_(Journal::bytes_needed(layers)) {}
   explicit CutStorage(std::vector<std::byte> medium) : medium_(std::move(medium)) {}
 
-  /// Nothing is written after that many more bytes.
+  /// Stops writing after `bytes` more bytes.
   void cut_after(std::size_t bytes) { left_ = bytes; }
   std::vector<std::byte>& medium() { return medium_; }
 
@@ -60,7 +60,7 @@ JournalEntry after(std::uint32_t layers) {
           .lit = 1ms * layers};
 }
 
-/// A journal with that many layers cured.
+/// A journal with `cured` layers.
 CutStorage storage_with(std::uint32_t cured) {
   CutStorage storage(20);
   auto journal = Journal::create(storage, kJob, 20).value();

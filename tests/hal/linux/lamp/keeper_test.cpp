@@ -59,7 +59,7 @@ class Line {
     for (long long at = 0; file >> word >> at;) changes.push_back({word == "on", nanoseconds(at)});
     return changes;
   }
-  /// Waits for that many changes, at most 1 s.
+  /// Waits at most 1 s for `count` changes.
   std::vector<Change> wait_for(std::size_t count) const {
     const auto until = now() + 1s;
     auto seen = changes();
