@@ -26,7 +26,7 @@ struct Counted {
   Counted(std::uint32_t size, double share, std::uint32_t left_out_from, std::uint32_t left_out_to) {
     Random random(61);
     for (std::uint32_t i = 0; i < size; ++i) {
-      // Along a line, in its order: what follows each other is near each other.
+      // Along a line, so that consecutive points are neighbours.
       points.emplace_back((Vec3d(i * 0.1, 0, 0) + 0.2 * random.vector()).cast<float>());
       in_field.push_back((i < left_out_from || i >= left_out_to) && random.uniform(0, 1) < share);
     }
@@ -42,7 +42,7 @@ struct Counted {
 TEST(DipoleTree, CountsEveryPointOnceFromEveryPlace) {
   for (const std::uint32_t size : {1U, kLeaf, kLeaf + 1, 7U, 64U, 1001U}) {
     for (const double share : {1.0, 0.3}) {
-      const Counted counted(size, share, size / 4, size / 2);  // whole leaves, and whole nodes, without a point
+      const Counted counted(size, share, size / 4, size / 2);  // some leaves and nodes have no point
       Random random(62);
       for (int n = 0; n < 50; ++n) {
         const Vec3f x(static_cast<float>(random.uniform(-5, 0.1 * size + 5)), static_cast<float>(random.uniform(-3, 3)),
@@ -65,7 +65,7 @@ TEST(DipoleTree, CountsEveryPointOnceFromEveryPlace) {
 
 TEST(DipoleTree, SumsNoPointThatIsCloserThanItsLeafIsWide) {
   const Counted counted(1000, 1, 0, 0);
-  std::vector<float> half_width;  // of the leaf of each point: half the distance of its two points farthest apart
+  std::vector<float> half_width;  // for each point, half the largest distance between two points of its leaf
   for (std::uint32_t i = 0; i < counted.points.size(); ++i) {
     const std::uint32_t first = i / kLeaf * kLeaf;
     float widest = 0;

@@ -21,9 +21,9 @@ struct DirectSum {
   double weight = 0;
   Vec3d normal = Vec3d::Zero();
   double off_centre = 0;
-  bool sure = true;  ///< rounding does not decide whether the normals agree, nor about their mean
+  bool sure = true;  ///< so far from every threshold that rounding doesn't matter
 
-  /// @param reach  mm, of the ray's points
+  /// @param reach  largest support radius of the ray's points, mm
   DirectSum(const Cloud& cloud, double max_radius, double reach, const Vec3d& x)
       : cloud_(cloud), max_radius_(max_radius), x_(x) {
     const Sums all = sums([](const Vec3d&) { return 1.0; });
@@ -40,7 +40,7 @@ struct DirectSum {
     };
     distance = sums(likeness).distance();
   }
-  /// As if all normals were alike.
+  /// The distance with equal weights for all normals.
   double plain_distance() const {
     return sums([](const Vec3d&) { return 1.0; }).distance();
   }
@@ -75,7 +75,7 @@ struct DirectSum {
   Vec3d x_;
 };
 
-/// Points anywhere in a cube of 10 mm, with any normal and any support: no surface, but the sums do not mind.
+/// Random points in a cube of 10 mm, with random normals. They form no surface, which the sums don't need.
 Surface random_points(std::uint32_t count, Random& random) {
   Surface surface;
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -94,7 +94,7 @@ class MlsOfRandomPoints : public ::testing::Test {
     tree_.emplace(value_of(KdTree2::build(cloud_.positions(), *arena_, "test")));
     gatherer_ = value_of(RayGatherer::create(cloud_, *tree_, 3000, kMaxRadius, *arena_));
   }
-  static constexpr float kMaxRadius = 1.2F;  // cuts some
+  static constexpr float kMaxRadius = 1.2F;  // smaller than some of the radii
   ArenaBlock arena_{kMiB};
   Cloud cloud_;
   std::optional<KdTree2> tree_;
@@ -117,7 +117,7 @@ TEST_F(MlsOfRandomPoints, IsTheSumOverTheWholeCloud) {
         const RayWindow here = window(points, z, z);
         const MlsValue value = mls_value(points, here, z);
         ASSERT_NEAR(value.weight, direct.weight, 1e-4 * (1 + direct.weight));
-        // A weight at the brink of zero is no more exact than the subtraction that it comes from.
+        // A weight near zero is only as exact as the subtraction that it comes from.
         if (direct.weight < 0.01 || !direct.sure) continue;
         ASSERT_NEAR(value.distance, direct.distance, 2e-4);
         const MlsFrame frame = mls_frame(points, here, z);
@@ -148,7 +148,7 @@ TEST_F(MlsOfRandomPoints, HasNoWeightAndNoValueWhereNoPointIsNear) {
   EXPECT_EQ(mls_frame(points, window(points, 50, 50), 50).normal, Vec3f(0, 0, 0));
 }
 
-// The weights (1 - t^2)^2 over half a disc have their mean at 16 / (35 pi / 2) of its radius from the edge.
+// With the weights (1 - t^2)^2, the mean of a half disc lies 16 / (35 pi / 2) of its radius from the straight edge.
 TEST(Mls, IsCentredInASheetAndOffCentreAtItsEdge) {
   constexpr float kRadius = 1;
   Random random(3);
@@ -228,7 +228,7 @@ TEST(Mls, RoundsAnEdgeMuchLessThanTheSupportRadius) {
   EXPECT_LT(error, plain / 3);
 }
 
-// The two halves of the value err by as much, one outwards and one inwards.
+// The two terms of the value have the same error, one outwards and one inwards.
 TEST(Mls, HasNoErrorOfTheOrderOfTheCurvatureOfASphere) {
   const double radius = 10;
   const Vec3d centre(12, 12, 12);

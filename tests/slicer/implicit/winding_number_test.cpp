@@ -13,8 +13,8 @@ namespace {
 
 using namespace testing;
 
-/// Sum over every point, in double precision. Close to a point its disc counts, not its dipole, so the sum is only good
-/// for places some spacings away from all points.
+/// Sum over every point, in double precision. Near a point, WindingTree uses the point's disc instead of its dipole, so
+/// this sum is right only at places some spacings away from all points.
 double direct_sum(const WindingField& field, const Vec3d& x) {
   const Cloud& cloud = field.scan().cloud;
   double sum = 0;
@@ -42,7 +42,7 @@ TEST(WindingNumber, IsTheSumOverAllPoints) {
   const Vec3d centre(10, 10, 10);
   Surface surface;
   for (const SurfacePoint& p : sphere(8000, 5, centre)) {
-    if (p.normal[0] < 0.3) surface.push_back(p);  // a large hole: values of all sizes
+    if (p.normal[0] < 0.3) surface.push_back(p);  // a large hole gives values of all sizes
   }
   append(surface, torus(7, 1.5, centre + Vec3d(0, 0, 4), 0.2, 2));
   const WindingField field(surface);
@@ -96,7 +96,7 @@ TEST(WindingNumber, OfAClosedSphereOnThePlaneDoesNotChangeWithTheBase) {
   std::vector<Vec3d> places;
   std::vector<double> before;
   for (int i = 0; i < 200; ++i) {
-    const Vec3d place{random.uniform(2, 18), random.uniform(2, 18), random.uniform(0.3, 13)};  // in this order
+    const Vec3d place{random.uniform(2, 18), random.uniform(2, 18), random.uniform(0.3, 13)};  // braces: in this order
     places.push_back(place);
     before.push_back(field.at(place));
   }
@@ -104,7 +104,8 @@ TEST(WindingNumber, OfAClosedSphereOnThePlaneDoesNotChangeWithTheBase) {
   for (std::size_t i = 0; i < places.size(); ++i) EXPECT_NEAR(field.at(places[i]), before[i], 0.06);
 }
 
-// A hole in a scanned underside once made all of it count as open, so it was closed at the height of the lowest outliers.
+// A hole in a scanned underside once made the whole underside count as open. It was then closed at the height of the
+// lowest outliers.
 TEST(WindingNumber, HasABaseForAnOpenUndersideAndNotForAHoleInIt) {
   Random random(55);
   const Surface whole = box({0, 0, 0}, {20, 20, 10}, 0.3, 0.3, random);
@@ -122,7 +123,7 @@ TEST(WindingNumber, HasABaseForAnOpenUndersideAndNotForAHoleInIt) {
   EXPECT_TRUE(WindingField(without_disc(20))->set_base(0, 1));
 }
 
-/// Where the line upwards from the middle of a closed hole goes through what closes it, mm.
+/// Height at which the vertical line through the middle of a hole passes the surface that closes the hole, mm.
 double closed_at(const Surface& surface, const Vec3d& middle) {
   const WindingField field(surface);
   return (*field).surface_between(static_cast<float>(middle[0]), static_cast<float>(middle[1]),
@@ -130,7 +131,7 @@ double closed_at(const Surface& surface, const Vec3d& middle) {
                                   (*field).inside((middle - Vec3d(0, 0, 2)).cast<float>()), 0.001F);
 }
 
-/// A ball of 10 mm, or a hollow of that size in a larger one, without the cap less than so many degrees from the z axis.
+/// A sphere of 10 mm radius, or a hollow of that size in a larger one, without the cap within `degrees` of the z axis.
 Surface without_cap(double degrees, bool hollow) {
   Surface surface;
   if (hollow) surface = sphere(120000, 20, Vec3d(12, 12, 12));

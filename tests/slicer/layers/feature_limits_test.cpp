@@ -10,7 +10,7 @@ namespace {
 
 constexpr float kNoise = 0.09F;  // mm
 
-/// A flat sheet with a point every `spacing` mm, each in a square of its own.
+/// A flat sheet with one point per square of `spacing` mm.
 struct Sheet {
   float support_points = 0;
   PrintLength epsilon;
@@ -33,7 +33,7 @@ TEST(FeatureLimits, ARegionIsSmallUpToTheAreaOfASupportRadius) {
   for (const float support : {40.0F, 60.0F, 100.0F}) {
     const FeatureLimits limits = limits_of(sheet(kSpacing, settings, support), settings, grid);
     EXPECT_NEAR(limits.pixels, static_cast<double>(support) * pixels_a_point, 1) << support;
-    // A square of epsilon has 60 / pi points, in supports of any size.
+    // A square with side epsilon has 60 / pi points, whatever the support radius.
     EXPECT_NEAR(limits.narrow_pixels, 60 / std::numbers::pi * pixels_a_point, 1) << support;
   }
 }
@@ -43,7 +43,7 @@ TEST(FeatureLimits, AFlatFeatureIsAsHighAsNoiseMakesASurfaceUneven) {
   const auto layers = [&](float support, float layer_height) {
     return limits_of(sheet(0.2, settings, support), settings, {.layer_height_mm = layer_height}).flat_layers;
   };
-  // 0.09 mm of noise in 81 points are 0.01 mm in their mean, so that places differ by 0.06 mm.
+  // The mean of 81 points with 0.09 mm of noise has 0.01 mm of noise: heights differ by 0.06 mm (+-3 deviations).
   EXPECT_EQ(layers(81, 0.05F), 3U);
   EXPECT_EQ(layers(81, 0.025F), 4U);
   EXPECT_EQ(layers(81, 0.1F), 2U);
@@ -71,7 +71,7 @@ TEST(FeatureLimits, ANarrowFeatureIsAtMostTwoThirdsOfEpsilonHighWithoutNoise) {
   };
   EXPECT_EQ(limits(1, 0).narrow_layers, 7U);  // 0.313 mm
   EXPECT_GE(limits(1.2F, 0).narrow_layers, grid.layers) << "a stray cuts a shaft through all of the object";
-  // What may be flat may be narrow too.
+  // A narrow feature may be at least as high as a flat one.
   EXPECT_EQ(limits(1, 1).narrow_layers, limits(1, 1).flat_layers);
 }
 

@@ -11,7 +11,7 @@ namespace {
 
 using namespace testing;
 
-/// A block of 50 x 30 pixels and 20 layers; what is cut out of it and put on it differs from test to test.
+/// A block of 50 x 30 pixels and 20 layers. Each test cuts other parts out of it or adds others.
 bool block(std::uint32_t c, std::uint32_t r, std::uint32_t k) { return Block{10, 60, 5, 35, 0, 20}.has(c, r, k); }
 
 /// A block as high as the grid.
@@ -23,7 +23,7 @@ constexpr FeatureLimits kLimits{
     .pixels = 40, .voxels = 200, .narrow_pixels = 40, .narrow_layers = 20, .flat_layers = 1, .loose_voxels = 200};
 
 TEST(LayerFeatures, FillsADentThatOpensToTheOutsideInTheNextLayers) {
-  // The block has a groove at its top, from a side inwards; under its inner end the surface dips for three layers.
+  // The block has a groove in its top, open at one side. The bottom of its inner end dips by three layers.
   const Inside wanted = [](auto c, auto r, auto k) {
     return block(c, r, k) && !Block{20, 60, 15, 20, 15, 20}.has(c, r, k);
   };
@@ -37,7 +37,7 @@ TEST(LayerFeatures, FillsADentThatOpensToTheOutsideInTheNextLayers) {
 }
 
 TEST(LayerFeatures, RemovesABumpThatBeginsBelowTheObjectItMeets) {
-  // A ledge of the block begins at layer 10; beneath its end hang four layers of bump.
+  // A ledge of the block begins at layer 10. A bump of four layers hangs below it.
   const Inside wanted = [](auto c, auto r, auto k) {
     return Block{10, 40, 5, 35, 0, 20}.has(c, r, k) || Block{40, 60, 5, 35, 10, 20}.has(c, r, k);
   };
@@ -86,7 +86,7 @@ TEST(LayerFeatures, KeepsTheTipOfAGrowingPartAndTheBottomOfAPit) {
     EXPECT_EQ(counts->holes + counts->islands, 0U);
     EXPECT_TRUE(voxels.equals(solid));
   };
-  // A chin: an island that is wider in each layer before it meets the block's ledge.
+  // A chin: an island that gets wider in each layer until it meets the block's ledge.
   stays([](auto c, auto r, auto k) {
     const std::uint32_t wide = k < 5 ? 0 : k - 3;
     return Block{5, 30, 5, 35, 0, 20}.has(c, r, k) || Block{30, 60, 5, 35, 16, 20}.has(c, r, k) ||
@@ -117,7 +117,7 @@ TEST(LayerFeatures, KeepsNeedlesAndShaftsOfManyVoxelsOrLayers) {
   }
 }
 
-// Letters lost what they stood on, and floated.
+// Letters on stalks once lost the stalks and floated.
 TEST(LayerFeatures, KeepsStalksThatCarryALargerPart) {
   const Inside stalks = [](auto c, auto r, auto k) {
     return Block{22, 26, 15, 19, 20, 24}.has(c, r, k) || Block{44, 48, 15, 19, 20, 24}.has(c, r, k);
@@ -129,11 +129,11 @@ TEST(LayerFeatures, KeepsStalksThatCarryALargerPart) {
     return value_of(drop_small_features(voxels.rrep, kLimits, *voxels.block)).islands;
   };
   EXPECT_EQ(islands_removed([&](auto c, auto r, auto k) { return block(c, r, k) || on_stalks(c, r, k); }), 0U);
-  // With a post between them it stands without them.
+  // With a post between the stalks, the part stands without them.
   EXPECT_EQ(
       islands_removed([&](auto c, auto r, auto k) { return block(c, r, k) || on_stalks(c, r, k) || post(c, r, k); }),
       2U);
-  // It hangs from them.
+  // The part hangs from the stalks.
   EXPECT_EQ(islands_removed([&](auto c, auto r, auto k) {
               return Block{30, 40, 12, 22, 14, 20}.has(c, r, k) || Block{20, 50, 10, 25, 18, 20}.has(c, r, k) ||
                      Block{5, 65, 2, 38, 24, 30}.has(c, r, k);
@@ -141,7 +141,7 @@ TEST(LayerFeatures, KeepsStalksThatCarryALargerPart) {
             0U);
 }
 
-// The opening of the masks had cut it off, and it was high enough to stay.
+// A needle that the masks' opening had cut off once stayed because it was higher than a narrow feature may be.
 TEST(LayerFeatures, RemovesLooseFeaturesUnlessNothingElseIsThere) {
   const auto needle = [](auto c, auto r, auto k) { return Block{63, 67, 8, 12, 4, 16}.has(c, r, k); };
   const auto spur = [](auto c, auto r, auto k) { return Block{60, 63, 10, 11, 9, 10}.has(c, r, k); };
@@ -168,7 +168,7 @@ TEST(LayerFeatures, KeepsBlindHolesThatOpenBelowTheFirstLayerOrAboveTheLastOne) 
 }
 
 TEST(LayerFeatures, KeepsDotsThatAreWideAndHighAndRemovesFlatOrNarrowOnes) {
-  // Two of each kind: one alone would be all that the layer below goes on as.
+  // Two dots each: a single one would be all that continues the layer below, so it would stay.
   const auto dots = [](std::uint32_t side, std::uint32_t layers) {
     return [=](auto c, auto r, auto k) {
       return Block{15, 15 + side, 10, 10 + side, 20, 20 + layers}.has(c, r, k) ||
@@ -188,10 +188,10 @@ TEST(LayerFeatures, KeepsDotsThatAreWideAndHighAndRemovesFlatOrNarrowOnes) {
   EXPECT_EQ(islands_removed(4, 6), 2U);
 }
 
-/// The same, full of cubic cavities at this pitch.
+/// high_block() full of cubic cavities of `side` voxels, one each `pitch`.
 Inside bubbly(std::uint32_t side, std::uint32_t pitch) {
   return [=](auto c, auto r, auto k) {
-    // The last `side` of each pitch, in as many pitches as there are.
+    // A cavity takes the last `side` voxels of each whole pitch.
     const auto hollow = [&](std::uint32_t at, std::uint32_t from, std::uint32_t to) {
       return at >= from && (at - from) % pitch >= pitch - side && at - (at - from) % pitch + pitch < to;
     };
@@ -209,7 +209,7 @@ TEST(LayerFeatures, FillsMoreVoxelsThanFitOneBatchOfToggles) {
 }
 
 TEST(LayerFeatures, LeavesTheLayersAloneAboveWhereItsRoomEnds) {
-  // 13 x 7 cavities, each a region in three layers: the third set exceeds the room.
+  // Each level has 13 x 7 cavities of three layers, one region a layer. The third level exceeds the room.
   const Inside all = bubbly(3, 5);
   Voxels voxels(all);
   const auto counts = drop_small_features(voxels.rrep, kLimits, *voxels.block);

@@ -35,7 +35,7 @@ TEST(LayerRegions, AreThoseOfAFloodFill) {
       }
     }
     ASSERT_TRUE(regions->label(image));
-    // Region of each pixel, then the same partition by flood fill: the pairs of names must be one to one.
+    // Finds each pixel's region, then the same partition by flood fill. Their names must correspond one to one.
     std::vector<std::uint32_t> region(std::size_t{kColumns} * kRows);
     for (std::uint32_t r = 0; r < kRows; ++r) {
       for (std::uint32_t i = regions->row_begin(r); i < regions->row_begin(r + 1); ++i) {
@@ -76,7 +76,8 @@ TEST(LayerRegions, AreThoseOfAFloodFill) {
     for (std::uint32_t p = 0; p < region.size(); ++p) {
       const bool border =
           p % kColumns == 0 || p % kColumns == kColumns - 1 || p / kColumns == 0 || p / kColumns == kRows - 1;
-      if (border && !image.at(p % kColumns, p / kColumns) && flood[p] < 0) fill(p, 1000000);  // the outside is one
+      if (border && !image.at(p % kColumns, p / kColumns) && flood[p] < 0)
+        fill(p, 1000000);  // all of the outside is one region
     }
     for (std::uint32_t p = 0; p < region.size(); ++p) {
       if (flood[p] < 0) fill(p, next++);

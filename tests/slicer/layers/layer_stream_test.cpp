@@ -17,7 +17,7 @@ namespace {
 
 using namespace testing;
 
-/// Crossings by layer, at random but in clumps, as those of an object are: neighbours change together.
+/// Random crossings by layer, in clumps: neighbours change together, as in a real object.
 struct RandomRRep {
   std::vector<std::uint32_t> first{0};
   std::vector<std::uint32_t> pixel;
@@ -88,7 +88,7 @@ TEST_P(LayerStreamOfSize, GivesAnyLayerInAnyOrder) {
 }
 
 TEST(LayerStream, GivesTheDocumentedExample) {
-  // One ray from layer 1 to layer 3, in a block of 4 x 3 of them that opening leaves alone.
+  // A block of 4 x 3 rays, solid from layer 1 to layer 3: wide enough that opening does not change it.
   std::vector<std::uint32_t> block;
   for (std::uint32_t r = 1; r < 4; ++r) {
     for (std::uint32_t c = 2; c < 6; ++c) block.push_back(r * 10 + c);

@@ -104,7 +104,7 @@ TEST(Morphology, KeepsEveryPixelOfLinesThreeWideInAllDirections) {
           in.set(c, r, across >= at && across < at + 3);
         }
       }
-      // A diagonal that only cuts a corner of the image is no line three wide there.
+      // A diagonal that only cuts off a corner of the image is not three pixels wide there.
       if (direction % 90 == 45 && (at < 5 || at > 62)) continue;
       if (direction % 90 == 0 && at > 67) continue;
       const Pixels out = opened_and_closed(in);

@@ -58,7 +58,8 @@ TEST(RRepEdit, TrimsEmptyLayersBelowAndAboveTheObject) {
   EXPECT_TRUE(voxels.equals(wanted));
 }
 
-// Prints once began and ended with empty masks: those layers held only the tip of an outlier, one pixel wide, which opening removes.
+// Prints once began and ended with empty masks: those layers held only the one-pixel tip of an outlier, which opening
+// removes.
 TEST(RRepEdit, TrimsLayersThatOpeningEmpties) {
   const auto spur = [](auto c, auto r, auto k) { return c == 20 && r == 20 && k >= 2; };
   const auto block_on_it = [](auto c, auto r, auto k) { return Block{10, 60, 5, 35, 0, 12}.has(c, r, k); };

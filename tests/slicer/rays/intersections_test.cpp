@@ -50,7 +50,7 @@ class RayLaboratory {
   float width_ = 0;
 };
 
-/// Where a ray up at (x, y) meets a surface, by its formula.
+/// Where the upward ray at (x, y) meets a surface given by a formula.
 struct Meeting {
   double depth;
   Vec3d normal;
@@ -64,7 +64,7 @@ struct Deviation {
   int meetings = 0;
 };
 
-/// Shoots rays at random over a square and compares all that are met squarely: every |n_z| above 0.35.
+/// Shoots random rays over a square and compares those that graze no surface: every |n_z| is above 0.35.
 Deviation deviation_from(const ExactRay& exact, RayLaboratory& laboratory, double low, double high) {
   Random random(77);
   Deviation sum;
@@ -110,7 +110,7 @@ double torus_value(double ring, double tube, const Vec3d& centre, int axis, cons
   return std::hypot(from_axis - ring, along) - tube;
 }
 
-/// Roots of the torus' implicit along the ray: sign changes in fine steps, then bisection.
+/// Roots of the torus' implicit function along the ray: finds sign changes in fine steps, then bisects.
 std::vector<Meeting> exact_torus(double ring, double tube, const Vec3d& centre, int axis, double x, double y) {
   const auto f = [&](double z) { return torus_value(ring, tube, centre, axis, {x, y, z}); };
   std::vector<Meeting> found;
@@ -238,7 +238,7 @@ TEST(Intersections, HaveBandsThatAreTheUnionOfTheSupportRadii) {
   }
 }
 
-/// The root of the MLS value near a depth, bisected until nothing is left to halve.
+/// The root of the MLS value between two depths, bisected to the precision of a float.
 float bisected(const RayPoints& points, float low, float high) {
   const auto f = [&](float z) { return mls_value(points, window(points, z, z), z).distance; };
   const bool outside = f(low) > 0;
@@ -250,7 +250,7 @@ float bisected(const RayPoints& points, float low, float high) {
   return 0.5F * (low + high);
 }
 
-/// Calls compare(points, hit) for both intersections of rays through a noisy sphere; points are those of the ray.
+/// Calls compare(points, hit) with the ray's points, for both intersections of each ray through a noisy sphere.
 /// @returns the grid width, mm
 template <class Compare>
 float for_each_hit(IntersectionSettings settings, Compare compare) {
@@ -280,8 +280,8 @@ TEST(Intersections, LieWithinTheIntervalOfTheRoot) {
   EXPECT_LE(worst, IntersectionSettings{}.interval * width);
 }
 
-/// The worst value of the implicit at an intersection, mm, when so many iterations are allowed and only a hundredth of the
-/// usual interval is narrow enough to stop before.
+/// Largest MLS value at an intersection after at most `iterations` steps, mm. The search stops early only at a
+/// hundredth of the usual interval.
 float worst_value_after(std::uint32_t iterations) {
   IntersectionSettings settings;
   settings.interval = 0.001F;

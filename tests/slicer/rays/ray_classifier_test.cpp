@@ -39,7 +39,7 @@ std::vector<float> crossings(const Surface& surface) {
   return depths;
 }
 
-/// A plate of 20 x 20 x 1 mm, its sides left out.
+/// A plate of 20 x 20 x 1 mm without its sides.
 Surface plate(Random& random) {
   Surface surface = sheet({0, 0, 5}, {0, 20, 0}, {20, 0, 0}, kSpacing, 0.2, random);
   append(surface, sheet({0, 0, 6}, {20, 0, 0}, {0, 20, 0}, kSpacing, 0.2, random));
@@ -58,8 +58,8 @@ TEST(RayClassifier, EntersAndExitsAPlate) {
   expect_the_plate(plate(random), 0.05F);
 }
 
-// Wide supports beyond an edge once made a ray inside out at both ends, and all of it was left out: a shaft through the
-// object.
+// Wide support radii beyond an edge once turned a ray inside out at both ends. The whole ray was dropped, which left a
+// shaft through the object.
 TEST(RayClassifier, KeepsTheSolidBetweenTwoFalseSheets) {
   Random random(2);
   Surface surface = plate(random);
@@ -68,7 +68,8 @@ TEST(RayClassifier, KeepsTheSolidBetweenTwoFalseSheets) {
   expect_the_plate(surface, 0.3F);
 }
 
-// Noise tilts the planes that go on beyond an edge; they met below the rims of walls, and a print began with what hung there.
+// Noise tilts the planes that MLS continues beyond an edge. Below the rims of walls such planes once met, and the print
+// began with the solid between them.
 TEST(RayClassifier, MissesASheetThatEndsBesideTheRay) {
   Random random(3);
   Surface surface = plate(random);
@@ -77,8 +78,8 @@ TEST(RayClassifier, MissesASheetThatEndsBesideTheRay) {
   expect_the_plate(surface, 0.05F);
 }
 
-// Behind a one-sided sheet the winding number is a half at most, and what closes holes as round as their rims lean may take it
-// for inside: background that stood across the object was printed as a thin solid.
+// Behind a one-sided sheet the winding number is at most 1/2, but the correction for curved rims of holes can make it
+// count as inside. So scanned background across the object was once printed as a thin solid.
 TEST(RayClassifier, MakesNoSolidBehindASheetThatHangsInTheAir) {
   Random random(5);
   Surface surface = box({1, 1, 5}, {19, 19, 6}, kSpacing, 0.2, random);
@@ -86,8 +87,8 @@ TEST(RayClassifier, MakesNoSolidBehindASheetThatHangsInTheAir) {
   expect_the_plate(surface, 0.05F);
 }
 
-/// A box from z = 3 to 8.5, the ray just behind the wall at x = 10.8, with a few points below that wall's rim.
-/// @param gap  mm of the wall that were not seen
+/// A box from z = 3 to 8.5 with a few points below the rim of its wall at x = 10.8. The ray passes just behind it.
+/// @param gap  height of the unseen strip of that wall, mm
 Surface box_with_points_below_its_rim(double gap) {
   Random random(4);
   const double x = 10.8;
@@ -103,8 +104,8 @@ Surface box_with_points_below_its_rim(double gap) {
   return surface;
 }
 
-// Points below the rim make a band that is inside from 0.56 mm on. Without a sheet the object once began there; with one, the
-// top, that was left out, and all that is behind the wall with it.
+// Points below the rim make a band that is inside from 0.56 mm on. If the band had no sheet, the object once began
+// there. If it had one, the top, that sheet was dropped, and with it the solid behind the wall.
 TEST(RayClassifier, BeginsWithTheObjectBehindAWallThatContinuesBelowIt) {
   for (const double gap : {3.5, 0.0}) {
     const std::vector<float> found = crossings(box_with_points_below_its_rim(gap));

@@ -15,8 +15,7 @@ namespace {
 
 using namespace testing;
 
-/// A square lattice on a cylinder of rows: every point has the neighbours of an endless lattice because only inner points
-/// are of the class that is asked for.
+/// A flat square lattice. All points are exiting unless a test changes their class.
 class LatticeCloud {
  public:
   LatticeCloud(std::uint32_t side, double spacing) : arena_(4 * kMiB) {
@@ -41,8 +40,8 @@ class LatticeCloud {
   Cloud cloud_;
 };
 
-// The lattice's neighbours of an inner point stand at 1 (four), sqrt(2) (four), 2 (four): the tenth at 2 spacings. Along
-// the border they stand farther: of 100 x 100 points that is one in twenty-five, with 2.2 to 3 spacings.
+// An inner point has four neighbours at 1 spacing, four at sqrt(2) and four at 2, so the tenth is at 2. Along the
+// border, where one in twenty-five of the 100 x 100 points lies, it is at 2.2 to 3 spacings.
 TEST(GridWidth, OnASquareLatticeIsThatOfItsTenthNeighbour) {
   const double spacing = 0.25;
   const std::int32_t side = 100;
@@ -72,7 +71,7 @@ TEST(GridWidth, OnASquareLatticeIsThatOfItsTenthNeighbour) {
 TEST(GridWidth, IsThatOfTheDenserPracticalClass) {
   LatticeCloud lattice(60, 0.5);
   const float whole = lattice.width();
-  // Every fourth point enters: twice as far apart as they would be, and the neutral ones have no say.
+  // Every fourth point is entering, so these are twice as far apart. Neutral points don't count.
   for (std::uint32_t i = 0; i < lattice.cloud().size; ++i) {
     const bool both_even = i % 60 % 2 == 0 && i / 60 % 2 == 0;
     lattice.cloud().normal[i].point_class = both_even ? PointClass::kEntering : PointClass::kNeutral;
@@ -96,7 +95,7 @@ TEST(GridWidth, IsZeroIfNoClassHasEnoughPoints) {
   EXPECT_GT(lattice.width(), 0);
 }
 
-/// All pixels within sqrt(2) w of a point, and all that cannot be reached from outside of the image without crossing them.
+/// All pixels within sqrt(2) w of a point, and all that these enclose.
 Pixels interested_by_looking(const Cloud& cloud, const PrintGrid& grid, float width) {
   const auto columns = static_cast<std::int64_t>(grid.columns);
   const auto rows = static_cast<std::int64_t>(grid.rows);
@@ -133,7 +132,7 @@ Pixels interested_by_looking(const Cloud& cloud, const PrintGrid& grid, float wi
 
 class InterestedRays : public ::testing::Test {
  protected:
-  /// Compares with the brute force and returns what both found.
+  /// Compares the interested rays with those found by brute force, and returns them.
   Pixels of(const Surface& surface, const PrintGrid& grid, float width) {
     const ArenaScope scope(*arena_);
     const Cloud cloud = cloud_of(surface, *arena_);

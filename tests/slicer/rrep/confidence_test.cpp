@@ -32,7 +32,7 @@ Slicing sliced(const Surface& surface, bool confidence = true, std::uint32_t thr
 TEST(ConfidenceMap, DistinguishesTheBasePlaneFromMeasuredSurface) {
   const Slicing slicing = sliced(scan_without_underside());
   const ConfidenceShares shares = slicing.report().confidence.shares();
-  // A cap of 2 pi r h, and the disc that closes it.
+  // Areas over pi of the cap (2 pi r h) and of the disc that closes it.
   const double cap = 2 * kRadius * (kRadius - kCut);
   const double disc = kRadius * kRadius - kCut * kCut;
   // Cells are an epsilon wide, and those at the rim are measured.
@@ -59,11 +59,11 @@ TEST(ConfidenceMap, CountsCrossingsByLayerAndByPlace) {
 
 TEST(ConfidenceMap, FindsAHoleInTheSide) {
   Surface surface = sphere(sphere_points(kRadius, kSpacing), kRadius, {0, 0, 0});
-  // Of the upper right: a cap 1 mm deep, 2 pi r h of 4 pi r^2.
+  // The hole is a cap 1 mm high at the upper right: 2 pi r h out of 4 pi r^2.
   const Vec3d towards = Vec3d(1, 0, 1).normalized();
   std::erase_if(surface, [&](const SurfacePoint& p) { return p.position.dot(towards) > kRadius - 1; });
   const Slicing slicing = sliced(surface);
-  // A rim of two cells counts as seen: the surface of its points reaches there.
+  // The surface of the rim's points covers the outer two cells of the hole, so these count as seen.
   const double hole = slicing.report().confidence.shares().of(Evidence::kWinding);
   EXPECT_GT(hole, 0.25 / (2 * kRadius));
   EXPECT_LT(hole, 1 / (2 * kRadius));

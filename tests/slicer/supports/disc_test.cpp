@@ -20,7 +20,7 @@ PixelPitch pitch_of(double x_mm, double y_mm) {
   return pitch;
 }
 
-/// Whether two pixels are `radius` apart or less: what all discs are measured with.
+/// Whether two pixels are at most `radius` apart: the definition of a disc.
 bool within(std::int64_t dx, std::int64_t dy, const PixelPitch& pitch, Nanometres radius) {
   return dx * pitch.x * dx * pitch.x + dy * pitch.y * dy * pitch.y <= radius * radius;
 }

@@ -26,7 +26,7 @@ std::vector<IslandFinder::Place> islands_of(const Pixels& mask, const Pixels& be
   IslandFinder finder = value_of(IslandFinder::create(mask.columns(), *arena));
   EXPECT_EQ(arena->top_used(), IslandFinder::bytes_needed(mask.columns()));
   std::vector<IslandFinder::Place> found;
-  for (int twice = 0; twice < 2; ++twice) {  // what one layer leaves behind must not reach the next
+  for (int twice = 0; twice < 2; ++twice) {  // the first layer must not affect the second
     found.clear();
     const auto add = [&](const IslandFinder::Place& place) { found.push_back(place); };
     for (std::uint32_t r = 0; r < mask.rows(); ++r) {
@@ -53,7 +53,7 @@ TEST(Islands, AreThoseOfAFloodFill) {
     }
     const auto found = islands_of(mask, below);
     EXPECT_EQ(found.size(), floating_islands({below, mask})) << columns << " x " << rows;
-    // Each is in an island of its own: with a pixel below all of them, none is left.
+    // Each place is in an island of its own: with a pixel below each, no island is left.
     for (const auto& place : found) {
       EXPECT_TRUE(mask.at(place.column, place.row));
       below.set(place.column, place.row, true);

@@ -15,9 +15,9 @@ namespace {
 
 using namespace testing;
 
-constexpr double kPitch = 0.1;  ///< mm, and the layers' height
+constexpr double kPitch = 0.1;  ///< mm, of pixels and layers
 
-/// Radius of a support in the middle of a layer, by the docstring, in mm.
+/// Radius of a support in the middle of a layer, mm, by the definition in supports.hpp.
 double radius_by_definition(const SupportSettings& s, const Support& support, std::uint32_t layer) {
   const double head = s.head_front_diameter / 2;
   const double pillar = s.pillar_diameter / 2;
@@ -31,7 +31,7 @@ double radius_by_definition(const SupportSettings& s, const Support& support, st
   return z < height ? std::max(radius, base - (base - pillar) * z / height) : radius;
 }
 
-/// A block on the plate that goes through an even row of supports, some of which end on others' heights.
+/// A block on the plate, a smaller one on top of it, and 40 random supports, some of which start above the plate.
 struct Scene {
   Scene() : solid(cubic_grid(128, 40), blocks({{50, 78, 0, 128, 0, 20}, {60, 68, 50, 60, 20, 38}})) {
     Random random(5);
@@ -47,7 +47,7 @@ struct Scene {
     std::sort(list.begin(), list.end(), [](const Support& a, const Support& b) { return a.first < b.first; });
     supports = {list, SupportShape(settings, solid.rrep.grid)};
   }
-  /// The object's mask with a disc wherever a support says so.
+  /// The object's mask with the disc of each support in the layer.
   Pixels mask_by_definition(const Pixels& object, std::uint32_t layer) const {
     Pixels mask = object;
     for (const Support& s : list) {

@@ -18,9 +18,9 @@ namespace {
 using namespace testing;
 using ::testing::HasSubstr;
 
-/// In pixels of 0.1 mm with the settings' defaults.
+// With the default settings, in pixels of 0.1 mm.
 constexpr double kReach = 15;   ///< half of the longest bridge
-constexpr double kRounded = 6;  ///< a growth of 4 pixels behind, its disc and a pixel rounded
+constexpr double kRounded = 6;  ///< the growth lags by up to 4 pixels; the rest is rounding
 constexpr std::uint32_t kSide = 64;
 
 /// A solid with the supports found for it.
@@ -43,7 +43,8 @@ struct Supported {
   std::vector<Pixels> masks;   ///< with them
 };
 
-/// What is true of every object: nothing floats, supports stand and reach, and the object itself is whole.
+/// Checks what holds for every object: nothing floats; each support stands on something, reaches its tip unbroken and
+/// does not pass through the object; no pixel of the object is lost.
 void expect_printable(const Supported& s) {
   EXPECT_EQ(floating_islands(s.masks), 0U);
   for (const Support& support : s.supports.list) {
@@ -101,7 +102,7 @@ TEST(Supports, HoldTheWingsOfAT) {
   EXPECT_EQ(s.counts.islands, 0U);
   EXPECT_EQ(s.counts.on_object, 0U);
   EXPECT_GE(s.counts.overhangs, 2U);
-  EXPECT_LE(s.counts.overhangs, 16U);  // each wing is 27 x 24 pixels, the stem holds 15 of them
+  EXPECT_LE(s.counts.overhangs, 16U);  // each wing is 27 x 24 pixels; the stem holds 15 of the 27
   for (const Support& support : s.supports.list) EXPECT_EQ(support.tip, 24);
   EXPECT_GT(farthest_hang(s.object, {}, 1, 30), kReach + kRounded) << "the check sees no wings";
 }
@@ -175,7 +176,7 @@ TEST(Supports, LeaveShortBridgesFree) {
 }
 
 TEST(Supports, EndOnTheObjectWhereItIsBelow) {
-  // A wall with a board at its foot and a board at its top.
+  // A wall with a board at its foot and another near its top.
   const Supported s(blocks({{0, 6, 20, 44, 0, 48}, {0, 50, 20, 44, 0, 8}, {0, 50, 20, 44, 36, 44}}));
   expect_printable(s);
   EXPECT_EQ(s.counts.on_plate, 0U);
@@ -189,7 +190,7 @@ TEST(Supports, EndOnTheObjectWhereItIsBelow) {
 }
 
 TEST(Supports, BranchOffTheirNeighbours) {
-  // Two stalactites, one beside the other, that begin in layers 20 and 26.
+  // Two stalactites side by side. Their tips are in layers 20 and 26.
   const Supported s(
       blocks({{0, 6, 20, 44, 0, 48}, {0, 36, 28, 36, 40, 48}, {24, 27, 30, 34, 20, 40}, {29, 32, 30, 34, 26, 40}}));
   expect_printable(s);
@@ -204,7 +205,7 @@ TEST(Supports, BranchOffTheirNeighbours) {
 }
 
 TEST(Supports, AreAbsentBelowSlopesSteeperThanTheCriticalAngle) {
-  // A wall that leans by 30 degrees to the plate: two pixels out for each up.
+  // A wall at 30 degrees to the plate: 1.7 pixels out for each layer up.
   const Inside leaning = [](std::uint32_t c, std::uint32_t r, std::uint32_t k) {
     return r >= 20 && r < 44 && c >= 17 * k / 10 && c < 17 * k / 10 + 12;
   };
@@ -218,7 +219,7 @@ TEST(Supports, AreAbsentBelowSlopesSteeperThanTheCriticalAngle) {
 }
 
 TEST(Supports, EndWithTheObjectAboveThem) {
-  // A sheet of one layer: a head that reached 0.2 mm into it would come out on top.
+  // A sheet one layer thick: a head that reached 0.2 mm into it would stick out at the top.
   const Supported s(blocks({{0, 6, 20, 44, 0, 30}, {0, 50, 20, 44, 20, 21}}));
   expect_printable(s);
   ASSERT_FALSE(s.supports.empty());
@@ -275,7 +276,7 @@ TEST(Supports, AreRefusedIfTheArenaIsFull) {
 }
 
 TEST(Supports, AreRefusedIfTheListIsFull) {
-  // A block of 2 x 2 pixels in every 4 x 4, in the air: 1024 islands.
+  // In the air, a block of 2 x 2 pixels in every 4 x 4: 1024 islands.
   const PrintGrid grid = cubic_grid(128, 4);
   ASSERT_LT(most_supports(grid), 1024U);
   const Solid solid(grid,

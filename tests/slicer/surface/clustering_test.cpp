@@ -16,7 +16,7 @@ namespace {
 
 using namespace testing;
 
-/// Thesis III-2.b by the book: every pair of points, in double precision.
+/// Textbook version of thesis III-2.b: compares every pair of points, in double precision.
 struct Textbook {
   std::vector<PointClass> type;
   std::vector<bool> core;
@@ -83,8 +83,8 @@ struct Textbook {
   }
 };
 
-/// Epsilon is a little more than the median, so that no pair lies exactly at it, where the two programs round
-/// differently.
+/// Epsilon is slightly above the median. At the median one pair would be exactly epsilon apart, where the two programs
+/// may round differently.
 void expect_textbook_clusters(const Surface& surface) {
   ArenaBlock arena(16 * kMiB);
   Cloud cloud = cloud_of(surface, *arena);
@@ -216,7 +216,7 @@ TEST(DensityEpsilon, OfPointsInOnePlaceIsZero) {
   EXPECT_EQ(value_of(density_epsilon(cloud, tree, {}, *arena)), 0);
 }
 
-/// Clusters a dense sheet and beside it one with the given spacing. Returns the share of the second that is not noise.
+/// Clusters a dense sheet next to one with the given spacing. Returns the share of the second sheet that is not noise.
 double kept_share_of_a_sheet_with_spacing(double spacing, float sparse_radius) {
   Random random(31);
   Surface surface = sheet({0, 0, 0}, {10, 0, 0}, {0, 10, 0}, 0.1, 0.3, random);

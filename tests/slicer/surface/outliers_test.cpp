@@ -51,8 +51,8 @@ void expect_no_surface_before_any_ray(const Surface& surface) {
   EXPECT_EQ(arena->used(), 0U);
 }
 
-// The heights of random neighbours average out, so the rescue of sparse surface once took outliers for a surface. Rays
-// through half of the cloud then took minutes and all of the arena.
+// The mean height over random neighbours is near 0, so the rescue of sparse surface once took outliers for a surface.
+// Rays through half of the cloud then took minutes and the whole arena.
 TEST(Outliers, AreNoSurface) {
   for (const std::uint32_t points : {700U, 1500U, 6000U}) expect_no_surface_before_any_ray(outliers(points));
 }

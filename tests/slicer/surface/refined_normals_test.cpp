@@ -25,7 +25,7 @@ Vec3d wave_normal(double x, double blur) {
   return n / std::sqrt(n.dot(n));
 }
 
-/// Waves along x over 16 mm x 16 mm, whose normals have `blur` times the true slope.
+/// Waves along x over 16 mm x 16 mm. Their normals show `blur` times the true slope.
 Surface waves(double blur, double noise) {
   Random random(5);
   Surface surface;
@@ -113,7 +113,7 @@ TEST(RefinedNormals, DontFollowNoise) {
   EXPECT_LT(error, 0.25 * mean_error()) << "degrees; against normals that follow every point";
 }
 
-// The surface of a noisy scan without normals was rougher than that of the same scan with normals.
+// A noisy scan without normals once got a rougher surface than the same scan with normals.
 TEST(RefinedNormals, AreFittedToMorePointsIfEstimatedFromANoisyScan) {
   ArenaBlock block(32 * kMiB);
   Cloud cloud = cloud_of(noisy_plane({0, 0, 0}), *block);
@@ -132,7 +132,7 @@ TEST(RefinedNormals, AreFittedToMorePointsIfEstimatedFromANoisyScan) {
   EXPECT_LT(mean_error(as_estimated), 0.5 * mean_error(as_scanned)) << "degrees";
 }
 
-// A bore was closed because its walls had the normals of the face around its mouth.
+// A bore was once closed because its walls had the normals of the face around its mouth.
 TEST(RefinedNormals, BelowAnEdgeDontStayThoseOfTheFaceAbove) {
   Random random(3);
   Surface scan = sheet({0, 0, 0}, {8, 0, 0}, {0, 8, 0}, 0.1, 0.5, random);

@@ -16,7 +16,7 @@ using namespace testing;
 
 constexpr double kBore = 0.8;     ///< mm, radius
 constexpr double kDepth = 6;      ///< mm
-constexpr double kSpacing = 0.6;  ///< mm, on its wall: four times that of the plate
+constexpr double kSpacing = 0.6;  ///< mm, on the bore's wall: four times the plate's
 
 /// A plate with a bore whose wall few views saw; normals face the air.
 Surface bored_plate(Random& random) {
@@ -52,7 +52,7 @@ struct Clustered {
     std::copy(refined.begin(), refined.end(), cloud.normal.begin());
     check(rescue_sparse_surface(cloud, tree, {}, result));
   }
-  /// Share of the points accepted by `where` that are not noise.
+  /// Share of the points for which `where` is true that are not noise.
   template <class Where>
   double kept(Where where) const {
     double all = 0;

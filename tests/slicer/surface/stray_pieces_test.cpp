@@ -9,7 +9,7 @@ namespace {
 
 using namespace testing;
 
-constexpr double kSpacing = 0.2;  ///< mm; dense enough for small balls to be more than small features
+constexpr double kSpacing = 0.2;  ///< mm; so dense that small balls are larger than small features
 
 Surface ball(double radius, const Vec3d& centre) { return sphere(sphere_points(radius, kSpacing), radius, centre); }
 
@@ -59,7 +59,7 @@ TEST(StrayPieces, DontIncludePiecesThatTouchTheObjectOrLieInAHole) {
   append(close, ball(1, {0, 0, 11.5}));
   EXPECT_EQ(sliced(close).report().strays.pieces, 0U);
 
-  // The bottom of a hole, seen through its mouth, with no wall seen between: so a scanner sees a deep hole.
+  // A scanner sees the bottom of a deep hole through its mouth, but not the walls between.
   Surface hole;
   for (const SurfacePoint& p : ball(10, {0, 0, 0})) {
     if (std::abs(p.position[0]) > 5 || std::abs(p.position[1]) > 5 || p.position[2] < 0) hole.push_back(p);
@@ -78,7 +78,7 @@ TEST(StrayPieces, IncludeAPieceInTheAirInsideARing) {
 }
 
 TEST(StrayPieces, AreFoundAsFloatingSolidWhereCellsJoinThemToTheObject) {
-  // A stray piece so close that cells join it to the object. Its solid is still apart.
+  // The stray piece is so close that cells join it to the object, but its solid is still separate.
   constexpr double kDense = 0.1;
   Surface scan = sphere(sphere_points(10, kDense), 10, {0, 0, 0});
   append(scan, sphere(sphere_points(1.12, kDense), 1.12, {0, 0, 11.62}));

@@ -15,7 +15,7 @@ namespace {
 using namespace testing;
 
 constexpr double kSpacing = 0.15;  ///< mm
-constexpr int kRows = 134;         ///< of points
+constexpr int kRows = 134;         ///< rows of points, and points in a row
 
 /// A square of 20 mm with waves of the given amplitude and length, scanned with noise.
 Surface waves(double height, double length, double noise, Random& random) {

@@ -39,7 +39,7 @@ struct Scan {
   std::vector<Vec3f> positions() const { return {cloud.positions().begin(), cloud.positions().end()}; }
 };
 
-/// RMS distance of the points along the normal from where they would be had no view been moved, mm.
+/// RMS error of the points along the normal, compared with views that are all in place, mm.
 double error(const Scan& scan, const ScannedViews& truth) {
   double sum = 0;
   for (std::uint32_t i = 0; i < scan.cloud.size; ++i) {
@@ -55,7 +55,7 @@ TEST(ViewGridFit, FindsTheCameraFromAStartAThirdOfAPixelOff) {
   Random random(2);
   ViewGrid grid;
   grid.middle = scan.surface[scan.surface.size() / 2].position.cast<float>();
-  // The camera of station 0 without its perspective, a third of a pixel off.
+  // Start: the camera of station 0, a third of a pixel off and without perspective.
   const Vec3d ahead = -sphere(1, 1, Vec3d::Zero())[0].normal;
   const Vec3d right = ahead.cross(Vec3d(0.3, 0.2, 0.9)).normalized();
   const double depth = 150 + ahead.dot(grid.middle.cast<double>());

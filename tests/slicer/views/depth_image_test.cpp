@@ -17,7 +17,7 @@ using namespace testing;
 
 const DepthFrame kFrame({5, -3, 2}, Vec3d(0.6, 0, 0.8), 20);  // mm
 
-/// Image of a bowl whose points fill a circle, with `waves` and noise in depth.
+/// Image of a bowl with a circular outline, with `waves` and noise in depth.
 struct Bowl {
   std::vector<DepthImage::Cell> cells = std::vector<DepthImage::Cell>(DepthImage::kCells);
   DepthImage image{kFrame, cells};

@@ -31,7 +31,7 @@ constexpr double kRadius = 5.5;  ///< mm
 
 bool in_patch(const Vec3d& p) { return p.head<2>().norm() < kRadius; }
 
-/// Points on rays along +z, kPixel apart, up to half a millimetre deep, and `others` times as many random points.
+/// Points on rays along +z that are kPixel apart, up to 0.5 mm off the plane, and `others` times as many random points.
 std::vector<Vec3f> patch(double others) {
   Random random(1);
   std::vector<Vec3f> points;
@@ -68,7 +68,7 @@ TEST(PatchSpectrum, ShowsThePixelsOfAViewAmongSixTimesAsManyPoints) {
       return off.head<2>().norm() < 0.02F && std::abs(off[2]) < 0.15F;
     })) << wanted.transpose();
   }
-  // A seventh of the points belongs to the view.
+  // A seventh of the points belong to the view, so the power is 1/49 of the number of points.
   EXPECT_NEAR(power_at(points, Vec3f::UnitX() / kPixel), static_cast<float>(points.size()) / 49, 20);
 }
 

@@ -18,7 +18,7 @@ using namespace testing;
 TEST(RegisterViews, KeepsThePlatesThicknessWhenSomePointsAreAssignedToAViewOfTheOtherSide) {
   constexpr std::array<double, 6> kShifts = {0.06, -0.02, -0.04,
                                              0.07, -0.03, -0.04};  // mm; their mean over each side is 0
-  constexpr double kWrongShare = 0.02;  // of the points: on the grid of another view by chance
+  constexpr double kWrongShare = 0.02;  // share of the points that lie on another view's grid by chance
   Random random(1);
   Surface surface;
   std::vector<std::uint8_t> view;

@@ -1,6 +1,5 @@
 #pragma once
-/// An ellipsoid as cameras see it: every point lies on the ray of a pixel, whatever its noise, and each view is a
-/// little off.
+/// An ellipsoid as cameras see it: noise moves each point along the ray of its pixel, and each view is slightly off.
 
 #include <array>
 #include <cmath>
@@ -13,7 +12,7 @@ namespace plumbline::testing {
 
 struct ScannedViews {
   Surface surface;
-  std::vector<Vec3d> unmoved;      ///< each point without its view's ripple and motion, mm
+  std::vector<Vec3d> unmoved;      ///< each point without the ripple and motion of its view, mm
   std::vector<std::uint8_t> view;  ///< view of each point
 };
 
@@ -28,8 +27,8 @@ struct Cameras {
 
 inline const Vec3d kEllipsoid = {20, 15, 12};  ///< semi-axes, mm
 
-/// Cameras stand on a sphere of 150 mm around the middle. Points seen at up to 75 degrees to the normal are kept.
-/// Shifts and turns have a mean of 0 over the views.
+/// Cameras stand 150 mm from the middle, on all sides. Points seen at up to 75 degrees to the normal are kept. Shifts
+/// and turns have a mean of 0 over the views.
 inline ScannedViews scan_ellipsoid(const Cameras& cameras, std::uint32_t seed) {
   constexpr double kDistance = 150;
   constexpr double kLeastCosine = 0.26;

@@ -37,7 +37,7 @@ Surface wall(double low, double high, double spacing, Random& random) {
   return surface;
 }
 
-/// A block with a bore through it. The scanner saw 1.5 mm of its wall well from either mouth, and 1.5 mm more sparsely.
+/// A block with a bore through it. From either mouth the scanner saw 1.5 mm of its wall well, and 1.5 mm more sparsely.
 Surface bored_block(Random& random) {
   Surface surface;
   for (const SurfacePoint& p : box({0, 0, 0}, {kSide, kSide, kHigh}, kDense, 0.3, random)) {
@@ -107,7 +107,7 @@ TEST(BoreWalls, AreExtendedBetweenThePartsSeenFromBothEnds) {
   EXPECT_LT(where_it_was_seen_well, bore.walls.points / 50);
 }
 
-// Deep in a bore the nearest points are all around it, so normals estimated from them point anywhere.
+// Deep in a bore the nearest points lie all around it, so normals estimated from them have any direction.
 TEST(BoreWalls, OfARoundBoreDontDependOnTheNormalsOfSparsePoints) {
   Random random(5);
   Surface surface = bored_block(random);
@@ -168,7 +168,7 @@ TEST(BoreWalls, OfASquareBoreAreExtendedInTheirPlanes) {
   }
   const double low = kSide / 2 - kBore;
   const auto walls = [&](double from, double to, double spacing) {
-    // A box turned inside out, without its lids.
+    // The four sides of a box, turned inside out.
     for (const SurfacePoint& p : box({low, low, from}, {low + 2 * kBore, low + 2 * kBore, to}, spacing, 0.3, random)) {
       if (std::abs(p.normal[2]) < 0.5) surface.push_back({p.position, -p.normal});
     }
@@ -211,7 +211,7 @@ TEST(BoreWalls, AreNotExtendedThroughABottomThatWasSeen) {
 
 TEST(BoreWalls, AreNotExtendedOnTheOutsideOfTheObject) {
   Random random(3);
-  // Two blocks in line, whose sides would make one wall across the air between them.
+  // Two blocks in line: their sides could be joined to one wall across the air between.
   Surface surface = box({0, 0, 0}, {6, 6, 4}, kDense, 0.3, random);
   append(surface, box({0, 0, 8}, {6, 6, 12}, kDense, 0.3, random));
   // One side of each is sparse.
@@ -254,7 +254,7 @@ TEST(BoreWalls, AreNotSearchedWhereMuchOfTheScanIsSparse) {
   EXPECT_EQ(Continued(surface).walls.points, 0U);
 }
 
-// The winding number alone plugs it: two caps are less surface than a tube.
+// The winding number alone would plug the bore, since two caps are less surface than a tube.
 TEST(BoreWalls, KeepTheBoreOpen) {
   Random random(4);
   SliceSettings settings = settings_with_pitch(0.1F);

@@ -66,7 +66,7 @@ TEST(Cylinder, IsFittedToAThirdOfItsWall) {
 TEST(Cylinder, KeepsWhatThePointsDontDetermine) {
   Cylinder alone{{1, 2, 3}, Vec3f::UnitZ(), 1};
   EXPECT_FALSE(CylinderFit(alone).improve(alone));
-  // One point determines the distance of its side, and nothing of the axis' direction.
+  // One point determines where the wall is on its side, but not the direction of the axis.
   CylinderFit fit(alone);
   fit.add(cylinder_coordinates(alone, {2.1F, 2, 3}), 1);
   ASSERT_TRUE(fit.improve(alone));
