@@ -10,7 +10,7 @@ namespace plumbline {
 
 /// Parses the arguments and runs the subcommand.
 /// @param arena_block  the program's static memory
-/// @returns what the process is to return
+/// @returns the process's exit code
 ExitCode run_command_line(int argc, char** argv, std::span<std::byte> arena_block);
 
 }  // namespace plumbline

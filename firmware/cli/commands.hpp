@@ -27,7 +27,7 @@ struct SliceOptions {
 
 struct InspectOptions {
   JobOptions job;
-  std::string picture;  ///< file for what the scan has not seen; empty: none
+  std::string picture;  ///< file for a picture of what the scan missed; empty: none
 };
 
 struct SampleOptions {
@@ -41,11 +41,11 @@ struct PrintOptions {
   JobOptions job;         ///< the printer is required, the scan unless resume
   std::string profile;    ///< name or path; empty: the board file's
   std::string state;      ///< folder of journal and job; empty: none is kept
-  bool resume = false;    ///< what is in `state`
-  std::string keep_part;  ///< folder for what a simulated printer has made; empty: none
+  bool resume = false;    ///< the print in `state`
+  std::string keep_part;  ///< folder for the part that a simulated printer made; empty: none
   std::string report;     ///< file for the report as JSON; empty: none
   SimulationOptions simulation;
-  SupportChoice supports;  ///< on top of the profile's
+  SupportChoice supports;  ///< overrides the profile's
 };
 
 struct DoctorOptions {

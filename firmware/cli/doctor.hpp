@@ -1,5 +1,5 @@
 #pragma once
-/// `plumbline doctor`: what is there of the printer that a board file describes, and what is not.
+/// `plumbline doctor`: which parts of the printer in a board file were found, and which are missing.
 
 #include <span>
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace plumbline {
 
-/// A line for each finding, with what to do below it, and a last one that says whether the printer would print.
+/// Writes a line for each finding with advice below it, and a last line that says whether the printer would print.
 [[nodiscard]] Status write_findings(OutputFile& out, const std::string& printer,
                                     std::span<const MachineFinding> findings);
 
@@ -18,7 +18,7 @@ namespace plumbline {
 [[nodiscard]] Status write_findings_json(OutputFile& out, const std::string& printer,
                                          std::span<const MachineFinding> findings);
 
-/// Nothing is wrong: the printer would print.
+/// Whether nothing is wrong, so that the printer would print.
 bool prints(std::span<const MachineFinding> findings);
 
 }  // namespace plumbline

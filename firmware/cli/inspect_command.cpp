@@ -22,7 +22,7 @@ constexpr const char* kFooter =
     "is\n"
     "sliced coarsely to see this. Only the picture is written to disk.\n";
 
-/// In words; empty where nobody knows.
+/// @returns the time in words; empty if it is unknown
 std::string print_time_of(const ScanOutlook& outlook, const std::optional<BoardFile>& board) {
   if (!board || !outlook.scan.placement) return {};
   const PrintGrid& grid = outlook.scan.placement->grid;

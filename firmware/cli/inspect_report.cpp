@@ -67,7 +67,7 @@ void add_coverage(Text& text, const ScanOutlook& o) {
   if (lies_on_its_face(o.scan.clustering)) text.add("           %s\n", kOnItsFace);
 }
 
-/// What the file holds, and the grid that it is put into.
+/// Writes what the file holds and the grid that it goes into.
 void add_details(Text& text, const ScanOutlook& o) {
   const ScanSummary& scan = o.scan.scan;
   text.add("file       %s %s, %.1f MB\n", to_string(scan.header.format), scan.header.encoding,

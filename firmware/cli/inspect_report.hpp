@@ -21,14 +21,14 @@ struct ScanOutlook {
   PlacementSettings placement;
   InspectReport scan;
   Units guess = Units::kMillimetres;        ///< the unit that its size suggests
-  std::optional<double> largest_scale;      ///< that the printer takes; none without a printer
+  std::optional<double> largest_scale;      ///< that fits the printer; none without a printer
   std::optional<CoveragePreview> coverage;  ///< none: scan.sliced has the reason
   Expected<MemoryPlan> plan;                ///< for the points of this scan
   std::size_t arena_bytes = 0;
   std::uint32_t threads = 1;
 
   double unit_mm() const { return millimetres_per(scan.units); }
-  /// Times the size in the scan: as asked for, or as the printer takes it with `fit`.
+  /// Scale of the print: the requested one, or with `fit` the largest that fits the printer.
   double scale() const { return scan.placement ? scan.placement->scale / unit_mm() : placement.scale; }
   double mm(ScanLength length) const { return static_cast<double>(length.value) * unit_mm(); }
 };

@@ -17,7 +17,7 @@
 namespace plumbline {
 namespace {
 
-/// Virtual time that a print may wait for a user who is not there.
+/// Virtual time that a print waits for an absent user.
 constexpr nanoseconds kNobodyComes = std::chrono::hours(1);
 
 constexpr const char* kFooter =
@@ -190,7 +190,7 @@ ExitCode run_print(const PrintOptions& options, std::span<std::byte> arena_block
   const auto ready = make_ready(options, *setup, *printer, session, silent);
   if (!ready) return report_error(ready.error());
 
-  // After slicing: a simulated machine's time begins with its first use.
+  // The machine is opened after slicing, because a simulated one's time begins with its first use.
   SimulationOptions simulation = options.simulation;
   simulation.keep_part = !options.keep_part.empty();
   if (options.resume) {

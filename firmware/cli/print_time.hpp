@@ -1,5 +1,5 @@
 #pragma once
-/// How long a print would take, for reports of what is not printed yet.
+/// Estimates how long a print will take, for reports before it starts.
 
 #include <chrono>
 #include <cstdint>
@@ -12,9 +12,9 @@ namespace plumbline {
 
 struct PrintTime {
   std::chrono::nanoseconds time{};
-  std::string profile;  ///< whose settings it takes
+  std::string profile;  ///< that it was estimated with
 
-  /// "about 4 h 10 min with the profile standard", to ten minutes above an hour and to one below.
+  /// "about 4 h 10 min with the profile standard", rounded to ten minutes above an hour, to one minute below.
   std::string text() const;
 };
 

@@ -93,7 +93,7 @@ Status write_printed_part(const std::string& folder, const Witness& witness, con
   Status done;
   witness.for_each_cured_layer([&](ZPosition z, ConstBitImage cured) {
     if (!done) return;
-    // A height without light is a layer without pixels: it has its place in the stack.
+    // A height that got no light becomes a black layer, so that those above keep their numbers.
     const std::int64_t height = session.plan().layer_height.nanometres();
     const auto at = static_cast<std::size_t>((z.above_film().nanometres() + height / 2) / height);
     const std::vector<std::uint64_t> black(cured.words().size());

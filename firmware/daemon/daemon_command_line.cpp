@@ -37,7 +37,7 @@ constexpr const char* kFooter =
 struct DaemonOptions {
   std::string printer;
   std::string state = "/var/lib/plumbline";
-  std::uint32_t jobs = 0;  ///< end after that many prints; 0: never
+  std::uint32_t jobs = 0;  ///< end after this many prints; 0: never
   SimulationOptions simulation;
 };
 

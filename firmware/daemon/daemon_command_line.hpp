@@ -8,7 +8,7 @@
 
 namespace plumbline {
 
-/// Parses the arguments and runs the daemon until it is told to end. @returns the process's exit code
+/// Parses the arguments and runs the daemon until it is asked to end. @returns the process's exit code
 /// @param arena_block  the program's static memory
 ExitCode run_daemon_command_line(int argc, char** argv, std::span<std::byte> arena_block);
 

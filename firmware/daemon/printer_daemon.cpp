@@ -9,7 +9,7 @@
 namespace plumbline {
 namespace {
 
-/// How long the daemon waits for an event before it looks around: quick for a person, idle for the processor.
+/// How long the daemon waits for an event before its next turn. Shorter responds faster, longer spares the processor.
 constexpr nanoseconds kLook = std::chrono::milliseconds(200);
 
 /// Reads the buttons while a scan is read and sliced.
@@ -260,7 +260,7 @@ Status PrinterDaemon::refuse(const Error& error, FaultCode code) {
   const FaultText fault = explain(fault_, error.message());
   auto advice = in_stick_words(fault.advice.view());
   if (advice.view().find("--") != std::string_view::npos) {
-    // It takes an option that job.toml does not have.
+    // The advice names an option that job.toml does not have.
     advice.clear();
     advice.add("%.*s", static_cast<int>(info(fault_).next.size()), info(fault_).next.data());
   }

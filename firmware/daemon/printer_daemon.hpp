@@ -24,7 +24,7 @@ class DaemonObserver : public PrintObserver {
  public:
   /// "ready", "reading bust.ply", ...
   virtual void say(std::string_view text) = 0;
-  /// A print has ended, for whatever reason.
+  /// Called when a print has ended, for any reason.
   virtual void printed(const PrintReport& report, const PrintSession& session, const PrintProfile& profile) = 0;
   /// Called several times a second while nothing is printed.
   virtual void idle() = 0;

@@ -1,16 +1,16 @@
 #pragma once
-/// The machine's events, with a sign of life to the service manager on every look for one.
+/// The machine's events. Every look for one also sends a sign of life to the service manager.
 
 #include "firmware/daemon/service_manager.hpp"
 #include "hal/events.hpp"
 
 namespace plumbline {
 
-/// The firmware waits only here, and looks here for buttons while it computes, so whatever calls this is alive. A thread of its own
-/// would still report life when the work hangs.
+/// The firmware waits only here, and looks here for buttons while it computes, so each call shows that it is alive. A separate
+/// thread would keep reporting life after the work hung.
 class ServiceEvents final : public Events {
  public:
-  /// @param events, clock  the the machine's; both must outlive this, as must the manager
+  /// @param events, clock  the machine's; both must outlive this, as must the manager
   ServiceEvents(Events& events, const Clock& clock, ServiceManager& manager);
 
  private:

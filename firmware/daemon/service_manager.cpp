@@ -65,7 +65,7 @@ Expected<ServiceManager> ServiceManager::at(std::string_view address, std::chron
 
   ServiceManager manager;
   manager.socket_ = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  // A manager that does not read holds the daemon up for 1 s at most.
+  // A manager that does not read delays the daemon by 1 s at most.
   timeval bound{};
   bound.tv_sec = 1;
   if (manager.socket_ < 0 || ::setsockopt(manager.socket_, SOL_SOCKET, SO_SNDTIMEO, &bound, sizeof bound) != 0 ||

@@ -21,7 +21,7 @@ class ServiceManager {
   /// @retval ErrorCode::kCannotOpen  the socket can't be opened or connected
   [[nodiscard]] static Expected<ServiceManager> of_environment();
   /// @param address   of the datagram socket: a path, or @ and a name in the abstract namespace
-  /// @param watchdog  the manager kills a daemon that is silent for that long; 0: no watchdog
+  /// @param watchdog  the manager kills a daemon that is silent for this long; 0: no watchdog
   /// @retval as above
   [[nodiscard]] static Expected<ServiceManager> at(std::string_view address, std::chrono::microseconds watchdog);
   ServiceManager(ServiceManager&& other) noexcept;

@@ -49,7 +49,7 @@ Expected<StickJob> parse_stick_job(std::string_view text, std::string_view path)
 bool is_scan_name(std::string_view name) {
   constexpr std::array<std::string_view, 8> kEndings = {".ply", ".pcd", ".obj",    ".xyz",
                                                         ".pts", ".asc", ".xyzrgb", ".txt"};
-  // Texts that come with scans: no scan is called so.
+  // Text files that come with scans; no scan has such a name.
   constexpr std::array<std::string_view, 7> kTexts = {"readme.txt",  "read me.txt",   "license.txt", "licence.txt",
                                                       "copying.txt", "changelog.txt", "notes.txt"};
   std::string lower(name);

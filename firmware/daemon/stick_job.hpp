@@ -1,5 +1,5 @@
 #pragma once
-/// What is to be printed from a stick: job.toml, or the only scan on it, or the one that the user chooses.
+/// What to print from a stick: the job in job.toml, the only scan on it, or the scan that the user chooses.
 
 #include <array>
 #include <cstdint>
@@ -40,7 +40,7 @@ struct StickScans {
   static constexpr std::size_t kMost = 64;
   std::array<FixedText<256>, kMost> names;
   std::size_t count = 0;
-  std::size_t left_out = 0;  ///< for which there was no room
+  std::size_t left_out = 0;  ///< scans for which there was no room
   bool has_job_file = false;
 };
 

@@ -12,7 +12,7 @@ namespace plumbline {
 Expected<OutputFile> OutputFile::create(const char* path) {
   OutputFile file;
   file.path_.add("%s", path);
-  constexpr mode_t kMode = 0666;  // the user's umask takes from it
+  constexpr mode_t kMode = 0666;  // less the user's umask
   file.file_ = ::open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOCTTY, kMode);
   if (file.file_ < 0) {
     return fail(ErrorCode::kCannotOpen, "%s: cannot be created: %s. Check the folder, or choose another one", path,

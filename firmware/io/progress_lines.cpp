@@ -17,10 +17,10 @@ constexpr std::string_view kFull = "########################";
 constexpr std::string_view kEmpty = "........................";
 static_assert(kFull.size() == kBarWidth && kEmpty.size() == kBarWidth);
 
-/// Back to the start of the line, and nothing on it.
+/// Clears the line and returns to its start.
 constexpr const char* kEraseLine = "\r\033[K";
 
-/// What a stage is to a user: a part of a step.
+/// A stage as users see it: a part of a step.
 struct StepPart {
   std::string_view step;
   double from, to;  ///< the share of the step's time, roughly as with the noisy sample scan

@@ -31,11 +31,11 @@ struct SimulationOptions {
   std::string lamp_line;              ///< plumbline-keeper lights it whenever the simulated lamp is lit; empty: none
 };
 
-/// What only a simulation knows, and the user's hands for whoever plays the user.
+/// What only a simulation knows, and the actions of a simulated user.
 class Witness {
  public:
   virtual ~Witness() = default;
-  /// Ends the print: the last layer is judged.
+  /// Ends the print and judges its last layer.
   virtual void conclude(bool finished) = 0;
   /// What would have ruined the print or hurt someone, with time and place.
   virtual std::vector<std::string> objections() const = 0;

@@ -26,7 +26,7 @@ PlantSettings plant_of(const BoardFile& board, const MachineFile& machine, const
   plant.stage.upper_end = end_stop + 3_mm;
   plant.travel = travel_limits(machine);
   plant.lamp = lamp_limits(machine);
-  // As fast down as up, so that a dose is the time asked for; 0 is not physical.
+  // The light falls as fast as it rises, so that the dose matches the requested time. 0 would not be physical.
   const double warm_up_ms = machine.warm_up_ms > 0.01 ? machine.warm_up_ms : 0.01;
   plant.lamp_rise = nanoseconds_of_ms(warm_up_ms);
   plant.lamp_fall = plant.lamp_rise;

@@ -6,8 +6,8 @@
 
 namespace plumbline {
 
-/// Draws the object from the front, the back, above and below, at one scale, coloured by what each place of the surface rests
-/// on, with a legend that gives the share of each colour. As large as the preview.
+/// Draws the object from the front, the back, above and below, at one scale, coloured by the evidence for each place of the
+/// surface, with a legend that gives the share of each colour. As large as the preview.
 /// @param rrep     at least one layer
 /// @param map      not empty
 /// @param text     only its name is drawn

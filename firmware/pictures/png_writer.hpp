@@ -19,11 +19,11 @@ namespace plumbline {
 /// replaced. For a mask it takes 8 blocks, all freed before encode() returns. One is large, with
 /// rows * (1 + ceil(columns / 8)) bytes: 463 360 for 1440 x 2560, 1 154 400 for 3840 x 2400. (A width that is not a
 /// multiple of 8 takes a second one like it.) Two are as large as the compressed file, 5 to 25 kB, the rest is some
-/// 100 bytes. A heap that is to stay as it is needs M_MMAP_THRESHOLD and M_TRIM_THRESHOLD above the large one, and one
-/// image encoded before.
+/// 100 bytes. To keep the heap unchanged, set M_MMAP_THRESHOLD and M_TRIM_THRESHOLD above the large one and encode one
+/// image beforehand.
 class PngEncoder {
  public:
-  /// Of libdeflate, 1 to 12. A plate full of busts, cut at their plinths; one core of x86-64, the whole call:
+  /// libdeflate's level, 1 to 12. Measured on a plate full of busts, cut at their plinths; one core of x86-64, the whole call:
   ///
   ///   level                 1       2       3       4       5       6       7       8       9
   ///   1440 x 2560, ms     1.3     0.8     0.9     0.9     1.0     1.2     1.7     3.6     6.0

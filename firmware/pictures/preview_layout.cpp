@@ -26,7 +26,7 @@ Extent with_supports(Extent extent, const Supports& supports, const PrintGrid& g
   for (const Support& support : supports.list) {
     extent.layer = std::min<std::uint32_t>(extent.layer, support.first);
     extent.layer_end = std::max<std::uint32_t>(extent.layer_end, support.end);
-    // Widest at the plate, or else in the middle.
+    // A support is widest at the plate or in the middle.
     for (const std::uint32_t layer : {std::uint32_t{support.first}, (std::uint32_t{support.first} + support.tip) / 2}) {
       for_each_span(supports, support, layer, grid, hold);
     }

@@ -28,8 +28,8 @@ void smooth_once(const DepthMap& from, std::span<float> to, const VoxelSize& vox
       }
       const Signed position = along_rows ? column : row, end = along_rows ? columns : rows;
       float sum = depth * static_cast<float>(reach + 1), weight = static_cast<float>(reach + 1);
-      // Opposite neighbours count in pairs, which leaves slopes unchanged, as long as they bend no more than the steps do. A
-      // stronger bend belongs to the object.
+      // Average opposite neighbours in pairs, which leaves slopes unchanged. A pair that bends more than the steps do
+      // ends the average: that bend belongs to the object.
       for (Signed k = 1; k <= reach && position >= k && position + k < end; ++k) {
         const float a = from.depth[static_cast<std::size_t>(here - k * step)];
         const float b = from.depth[static_cast<std::size_t>(here + k * step)];

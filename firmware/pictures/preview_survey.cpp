@@ -8,7 +8,7 @@
 namespace plumbline::preview {
 namespace {
 
-/// Cells on a side of the map of the highest surfaces: above the 1600 pixels of the picture more would not show.
+/// Cells on a side of the map of the highest surfaces. The picture has 1600 pixels, so more cells would not show.
 constexpr std::uint32_t kMostHeights = 2048;
 
 /// What a sample of a depth map shows.

@@ -118,7 +118,7 @@ FaultText explain(FaultCode code, std::string_view message) {
   if (!what.empty()) text.what.add(": ");
   text.message_at = text.what.view().size();
   text.what.add("%.*s", static_cast<int>(what.size()), what.data());
-  // A message about a scan or a setting has the better advice: it knows the numbers. A device does not know about resuming.
+  // A message about a scan or a setting gives better advice than the table: it has the numbers. A device can't advise to resume.
   std::string_view advice = message.substr(at);
   if (advice.empty() || code > FaultCode::kBadSetting) advice = fault.next;
   text.advice.add("%c%.*s%s", std::toupper(static_cast<unsigned char>(advice[0])), static_cast<int>(advice.size()) - 1,

@@ -64,7 +64,7 @@ std::span<const FaultInfo> all_faults();
 /// @param code  not kNone
 const FaultInfo& info(FaultCode code);
 
-/// A fault for a person, with its advice once.
+/// A fault as text for people, with its advice given once.
 struct FaultText {
   FixedText<800> what;         ///< "PL-601, sensor dead: the lamp's temperature sensor does not answer"
   std::size_t message_at = 0;  ///< where the message begins in `what`; its size where there is none

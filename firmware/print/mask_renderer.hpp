@@ -1,5 +1,5 @@
 #pragma once
-/// Draws masks into the panel's buffer: those of the layer stream, the bottom layers' outlines drawn in against elephant's foot.
+/// Draws the layer stream's masks into the panel's buffer, with the bottom layers' outlines moved inwards against elephant's foot.
 
 #include <chrono>
 #include <cstdint>

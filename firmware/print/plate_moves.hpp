@@ -7,7 +7,7 @@
 
 namespace plumbline {
 
-/// Moves of the plate during a print. Each returns false where a request interrupted it; the plate then stands on its way.
+/// Moves of the plate during a print. Each returns false if a request interrupted it; the plate has then stopped short.
 /// Errors are those of ZStage.
 class PlateMoves {
  public:
@@ -15,14 +15,14 @@ class PlateMoves {
   PlateMoves(ZStage& stage, const PrintPlan& plan, PrintWatch& watch) : stage_(stage), plan_(plan), watch_(watch) {}
 
   [[nodiscard]] Expected<bool> home();
-  /// From anywhere down to where a layer is cured.
+  /// Lowers the plate from anywhere to where a layer is cured.
   [[nodiscard]] Expected<bool> lower_to(std::uint32_t layer);
   /// Peels a layer off the film.
   [[nodiscard]] Expected<bool> lift(std::uint32_t layer);
   /// Peels whatever may stick to the film, then moves up to `to`. No move where the plate is above it already.
   [[nodiscard]] Expected<bool> raise(std::uint32_t layer, const StageMove& to);
 
-  /// What home() has found last: the stage was that far from where its steps said. 0: none lost.
+  /// Found by the last home(): how far the stage was from where its steps said. 0: none lost.
   Distance steps_lost() const { return steps_lost_; }
   void forget_steps_lost() { steps_lost_ = Distance(); }
 

@@ -15,7 +15,7 @@ namespace plumbline {
 
 class PrintChecks {
  public:
-  /// @param results  of all checks; the observer is told of each. All must outlive this
+  /// @param results  of all checks; the observer is notified of each. All must outlive this
   PrintChecks(Machine& machine, const PrintSettings& settings, std::array<CheckResult, kCheckCount>& results,
               PrintObserver& observer)
       : machine_(machine), settings_(settings), results_(results), observer_(observer) {}
@@ -26,11 +26,11 @@ class PrintChecks {
   /// @retval ErrorCode::kPowerLost
   [[nodiscard]] Status run(const PrintGrid& masks, std::uint64_t cured_pixels, bool has_journal);
 
-  /// The stage's check is the homing at the start.
+  /// The homing at the start of the print checks the stage.
   void stage_homed();
   void stage_failed(const Error& error);
 
-  /// Of the first check that failed; kNone: none has.
+  /// Fault of the first check that failed; kNone: none did.
   FaultCode fault() const { return fault_; }
   const char* fault_message() const { return result(failed_).detail.c_str(); }
 

@@ -15,7 +15,7 @@ constexpr double kUsableTank = 0.95;
 constexpr double kDoseFault = 0.05;
 /// Measured doses that are off by more are counted for the report.
 constexpr double kDoseNoted = 0.01;
-/// How often a waiting print looks at its switches and tells its observer: quick for a person, idle for the processor.
+/// How often a waiting print reads its switches and updates its observer. Shorter responds faster, longer spares the processor.
 constexpr auto kLook = std::chrono::milliseconds(200);
 /// How often the lamp's temperature is read while it cools, which takes minutes.
 constexpr auto kCoolingLook = std::chrono::seconds(2);
@@ -79,7 +79,7 @@ bool PrintJob::apply_pending() {
   return state_ != before;
 }
 
-/// Start was pressed. With the cover open the lamp could not light: the answer is a beep.
+/// Resumes when start is pressed. With the cover open the lamp can't light, so it only beeps.
 void PrintJob::resume() {
   if (machine_.panel.cover_open()) {
     static_cast<void>(machine_.panel.beep(std::chrono::milliseconds(200)));
@@ -240,7 +240,7 @@ Status PrintJob::render(std::uint32_t layer) {
   return {};
 }
 
-/// For the layer whose mask is rendered.
+/// Whether the tank has too little resin for the layer whose mask is rendered.
 bool PrintJob::needs_resin() const {
   const double layer_ml = static_cast<double>(mask_facts_.pixels) * settings_.pixel_ml;
   return used_ml() - poured_ml_ + layer_ml > kUsableTank * settings_.tank_ml;
@@ -269,12 +269,12 @@ Expected<bool> PrintJob::expose() {
   entry_.lit += report->lit;
   record(*report);
   if (state_ != PrintState::kPrinting) return false;
-  // The cover's event may still be in the queue: the lamp goes dark before it arrives.
+  // The lamp goes dark before the cover's event arrives, which may still be in the queue.
   if (report->end == ExposureEnd::kCoverOpened) watch_.request(Request::kCoverOpened);
   return report->end == ExposureEnd::kTimeUp;
 }
 
-/// The layer is durable before it is lifted, so that a power cut never cures it again in the wrong place.
+/// Writes the layer to the journal before the lift, so that a power cut never cures it again in the wrong place.
 Status PrintJob::layer_cured() {
   const std::uint32_t layer = entry_.next_layer;
   entry_.next_layer = layer + 1;
@@ -285,7 +285,7 @@ Status PrintJob::layer_cured() {
   PLUMBLINE_TRY(watch_.wait(plan_.rest_after_exposure));
   const auto lifted = plate_.lift(layer);
   PLUMBLINE_TRY(lifted);
-  // An interrupted lift is finished by the state that follows.
+  // The next state finishes an interrupted lift.
   if (*lifted) PLUMBLINE_TRY(watch_.wait(plan_.wait_after_lift));
   return {};
 }
@@ -387,8 +387,8 @@ Status PrintJob::cool_down() {
   return {};
 }
 
-/// However the print ended: lamp dark, panel black, part off the film, the light that the layer has had in the journal. What
-/// fails here has been reported already, or is the loss of power.
+/// After any end of a print: lamp dark, panel black, part off the film, and the light that the layer has had in the journal.
+/// Errors are ignored, since they were reported already or come from the loss of power.
 void PrintJob::make_safe() {
   machine_.lamp.turn_off();
   mask_.reset();
@@ -398,7 +398,7 @@ void PrintJob::make_safe() {
   if (can_resume && powered && entry_.lit > nanoseconds::zero()) static_cast<void>(write_journal());
   watch_.take();
   if (can_resume && machine_.stage.homed() && !machine_.panel.cover_open()) {
-    // A system that shuts down leaves seconds: the lift of a layer only.
+    // A shutdown leaves only seconds, so raise the part no further than a layer's lift.
     const std::uint32_t layer = layer_at_hand();
     const StageMove to = state_ == PrintState::kFault ? pause_above(plan_, layer) : lift_from(plan_, layer)[1];
     static_cast<void>(plate_.raise(layer, to));

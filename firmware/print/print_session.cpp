@@ -95,8 +95,8 @@ Status PrintSession::make_ready() {
   return {};
 }
 
-/// Counts the pixels that cure, for the resin. Renders every mask unless slicing has counted them: milliseconds a thousand layers on
-/// a desktop, a minute for a large panel on a small board.
+/// Counts the cured pixels, to compute the resin. Renders every mask unless slicing has counted them: milliseconds for a thousand
+/// layers on a desktop, a minute for a large panel on a small board.
 Status PrintSession::sweep(ProgressSink* progress) {
   const StageScope stage(Stage::kLayers, arena_, progress, slice_report_.peak_bytes);
   facts_.cured_pixels = 0;

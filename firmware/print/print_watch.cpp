@@ -12,13 +12,13 @@ Waiting PrintWatch::on_event(const Event& event) {
       if (waits_for_start(state_)) request(Request::kResume);
       break;
     case EventKind::kPausePressed:
-      // Not by next(): a pause asked for while homing holds for the first layer.
+      // Don't ask next(): a pause requested while homing takes effect at the first layer.
       if (!waits_for_start(state_)) request(Request::kPause);
       break;
     case EventKind::kCancelPressed: request_if_it_matters(PrintEvent::kCancelAsked, Request::kCancel); break;
     case EventKind::kCoverOpened: request_if_it_matters(PrintEvent::kCoverOpened, Request::kCoverOpened); break;
     case EventKind::kShutdownRequested: request_if_it_matters(PrintEvent::kShutdown, Request::kShutdown); break;
-    case EventKind::kCoverClosed:  // the switch itself is asked
+    case EventKind::kCoverClosed:  // the print reads the switch itself
     case EventKind::kStickArrived:
     case EventKind::kStickDeparted:
     case EventKind::kExposureEnded:

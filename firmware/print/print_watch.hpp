@@ -26,8 +26,8 @@ class PrintWatch {
   /// @param state  the print's current state: events that would not change it are ignored. Must outlive this, as must the machine
   PrintWatch(Machine& machine, const PrintState& state) : machine_(machine), state_(state) {}
 
-  /// The most urgent request that has not been taken yet. Less urgent ones are dropped: what it leads to includes them (a cover
-  /// that was open also pauses, a cancelled print needs no pause).
+  /// The most urgent request that has not been taken yet. Less urgent ones are dropped, since its effect includes theirs
+  /// (an opened cover also pauses, a cancelled print needs no pause).
   Request pending() const { return pending_; }
   Request take() { return std::exchange(pending_, Request::kNone); }
   void request(Request request) { pending_ = std::max(pending_, request); }

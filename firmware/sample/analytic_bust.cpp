@@ -6,8 +6,8 @@
 namespace plumbline {
 namespace {
 
-// Scales the result: ellipsoids, tapered capsules and displaced shells give values that grow a little faster than the
-// distance. Smaller is safer and takes more steps.
+// Scales the result down, because ellipsoids, tapered capsules and displaced shells give values that grow a little faster
+// than the distance. Smaller is safer but takes more steps.
 constexpr double kSafety = 0.6;
 
 // A part whose bounding sphere is farther away than this is skipped: no blend reaches that far.
@@ -42,7 +42,7 @@ double diamond_angle(double x, double y) {
   return y >= 0 ? 2.0 - y / sum : -2.0 - y / sum;
 }
 
-/// The half x > 0 for both, without a crease where they meet: |x| rounded within `round` of 0.
+/// Maps both halves to x > 0 without a crease where they meet: |x|, rounded within `round` of 0.
 Vec3d mirrored(const Vec3d& p, double round) { return {std::sqrt(p.x() * p.x() + round * round), p.y(), p.z()}; }
 
 double sphere(const Vec3d& p, const Vec3d& centre, double radius) { return (p - centre).norm() - radius; }

@@ -23,8 +23,8 @@ double RangeImage::trace(const Vec3d& direction, double from) const {
   for (int i = 0; i < 300 && t < kFarEnd; ++i) {
     const double d = bust_distance(view_.eye + t * direction);
     if (std::abs(d) < kHit) return t;
-    // Near the surface the bound is almost linear: the secant arrives in two or three steps, while steps of the bound only
-    // halve the rest. It may overshoot; then d is negative and it steps back.
+    // Near the surface the bound is almost linear: the secant converges in two or three steps, while stepping by the
+    // bound only halves the rest. It may overshoot; then d is negative and it steps back.
     const double slope = step != 0.0 ? (before - d) / step : 0.0;
     const bool secant = std::abs(d) < 0.3 && slope > 0.15;
     step = secant ? d / slope : d;

@@ -18,8 +18,8 @@ namespace {
 constexpr double kBaseline = 90.0;           // camera to projector
 constexpr double kMisalignment = 0.02;       // sigma of a view's shift, an axis
 constexpr double kMisrotation = 0.0005;      // sigma of a view's rotation, radians an axis: 0.015 mm at 30 mm
-constexpr double kFlying = 0.03;             // chance of a pixel beside an edge of the depth to fly
-constexpr std::uint64_t kStrayShare = 1000;  // one stray point in so many
+constexpr double kFlying = 0.03;             // chance that a pixel beside a depth edge is a flying pixel
+constexpr std::uint64_t kStrayShare = 1000;  // points for each outlier
 
 constexpr double kCoarsePitch = 0.8;  // of the first pass, which only counts
 constexpr double kMargin = 1.05;      // points aimed at for each point wanted, so that few views are scanned twice
@@ -92,8 +92,8 @@ class Batch {
   explicit Batch(PointSink& sink) : sink_(sink) {}
 
   Status add(const Vec3d& p, const Vec3d& n) {
-    // What a file would hold. GCC 12 drops the rounding of two neighbours when it vectorises them from -O2 on (the
-    // doubles are stored as they are), hence volatile. May go when the oldest compiler passes the test of the file.
+    // Round to what a file would hold. From -O2 on, GCC 12 drops the rounding of two neighbours when it vectorises them
+    // (it stores the doubles unrounded), hence volatile. Remove it once the oldest compiler passes the test of the file.
     const auto rounded = [](double value) {
       const volatile float nearest = static_cast<float>(value);
       return nearest;

@@ -24,7 +24,7 @@ inline constexpr std::uint64_t kMaxSamplePoints = 50'000'000;
 /// would see under shoulders and chin. The bust stands on a stand of its own size, so the underside stays open. A point is kept
 /// if camera and projector both see it, less often the more the surface turns away. Noise of the depth, sigma
 /// 0.02 mm at normal incidence; misregistration of every view, sigma 0.02 mm an axis; a few flying pixels at the edges
-/// of the depth; one stray point in a thousand. Normals are estimated from each view's noisy range image.
+/// of the depth; one outlier in a thousand points. Normals are estimated from each view's noisy range image.
 ///
 /// Coordinates are mm, z up, underside at z = 0, and floats: what a file would hold. The memory is one range image,
 /// some 60 bytes for each point of a view.

@@ -8,7 +8,7 @@
 
 namespace plumbline {
 
-/// Replaces what a terminal would obey, and what is not ASCII, by question marks, and shortens the rest.
+/// Replaces control characters and non-ASCII bytes by question marks, and shortens the rest.
 std::string printable(std::string_view text, std::size_t longest = 60);
 
 /// The whole words that fit, and "..." if that is not all.
@@ -22,7 +22,7 @@ std::string number(double value);
 /// @param known  not empty
 std::string_view nearest(std::string_view word, const std::vector<std::string_view>& known);
 
-/// The same, if it is near enough to be what was meant: at most one change for every three characters, or one.
+/// The same, if it is near enough to be a misspelling: at most one change for every three characters, or one.
 std::optional<std::string_view> nearest_within(std::string_view word, const std::vector<std::string_view>& known);
 
 /// "columns, rows"

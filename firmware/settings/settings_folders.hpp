@@ -14,13 +14,13 @@ std::vector<std::string> board_folders();
 
 /// The path of a board file.
 /// @param name_or_path  a path if it has a slash or ends in .toml, else the name of a file in board_folders()
-/// @retval ErrorCode::kCannotOpen  there is none: where it was looked for, and which printers there are
+/// @retval ErrorCode::kCannotOpen  no such file: the message lists the folders searched and the printers found
 [[nodiscard]] Expected<std::string> find_board_file(const std::string& name_or_path);
 
 /// The path of a profile.
 /// @param name_or_path  as above; a name is looked for in `profiles` beside the board file, then in `profiles` of board_folders()
 /// @param board_path    of the printer's board file
-/// @retval ErrorCode::kCannotOpen  there is none: where it was looked for, and which profiles there are
+/// @retval ErrorCode::kCannotOpen  no such file: the message lists the folders searched and the profiles found
 [[nodiscard]] Expected<std::string> find_profile(const std::string& name_or_path, const std::string& board_path);
 
 /// Checks that a file is named after what it describes: "mono2k.toml" has the name "mono2k". A path that does not end in

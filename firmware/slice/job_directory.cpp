@@ -24,7 +24,7 @@ constexpr std::array kPictures = {"preview.png", "coverage.png", "comparison.png
 constexpr const char* kManifest = "manifest.json";
 constexpr const char* kNewManifest = "manifest.json.part";
 
-/// The start of every manifest of plumbline. Other programs call files manifest.json, too.
+/// The start of every manifest of plumbline. Other programs also write files named manifest.json.
 constexpr std::string_view kManifestStart = "{\n  \"plumbline\":";
 
 bool is_picture(std::string_view name) {

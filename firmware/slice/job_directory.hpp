@@ -4,7 +4,7 @@
 ///   out/layers/00000.png ...   the masks
 ///   out/preview.png
 ///   out/coverage.png           of a sliced job: which parts of the surface were scanned
-///   out/comparison.png         of a printed part: beside it what was to be printed
+///   out/comparison.png         of a printed part: the part beside what was to be printed
 ///   out/manifest.json          appears last, in one step: a folder that has it holds a complete job
 ///
 /// Nothing here waits until the data is on disk, so a power cut may lose any of it.
@@ -23,7 +23,7 @@ namespace plumbline {
 enum class Picture : std::uint8_t {
   kPreview,     ///< what is to be printed, or was
   kCoverage,    ///< which parts of the surface were scanned
-  kComparison,  ///< of a printed part: what was to be printed beside it
+  kComparison,  ///< of a printed part: the part beside what was to be printed
 };
 
 class JobDirectory {

@@ -25,9 +25,9 @@ struct SliceJobSettings {
   bool preview = true;
 };
 
-/// One job. What it needs of the heap it takes in prepare(); run() takes nothing but what lodepng takes and returns for each
-/// image. (Without a printer there is one exception: the encoder of the masks, because nobody knows their size before the
-/// scan has been read. It is made when they are admitted, before the first one.)
+/// One job. prepare() takes all the heap memory that the job needs; during run() only lodepng takes any, and frees it after each
+/// image. (One exception: without a printer the size of the masks is unknown until the scan has been read, so their encoder is
+/// made when they are admitted, before the first one.)
 class SliceJob {
  public:
   /// Opens the scan, the folder, the encoders and the team of threads.

@@ -10,7 +10,7 @@
 namespace plumbline {
 namespace {
 
-/// Change the version with whatever is stored, JobFacts and PrintPlan included.
+/// Change the version whenever the stored data change, JobFacts and PrintPlan included.
 constexpr std::uint32_t kMagic = 0x424F4A50;  // "PJOB"
 constexpr std::uint32_t kVersion = 1;
 
@@ -52,7 +52,7 @@ Status check(const JobHeader& header, const char* path) {
     return fail(ErrorCode::kUnsupported,
                 "%s: the job was stored by another version of plumbline; only that one can resume it", path);
   }
-  // The arena refuses what is too much for it; this refuses what overflows a size_t of 32 bits.
+  // The arena refuses sizes that exceed it; this refuses those that overflow a 32-bit size_t.
   constexpr std::uint64_t kMost = std::numeric_limits<std::size_t>::max() / sizeof(Support);
   const bool sizes = header.crossings <= kMost && header.supports <= kMost;
   const bool layers = header.grid.layers > 0 && header.grid.layers <= PrintGrid::kMaxLayers;

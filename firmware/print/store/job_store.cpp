@@ -62,7 +62,7 @@ Status JobStore::sync_folder() const { return ::fsync(folder_.get()) == 0 ? Stat
 Status JobStore::end() {
   if (::unlinkat(folder_.get(), kJournal, 0) != 0 && errno != ENOENT) return cannot_write(kJournal);
   PLUMBLINE_TRY(sync_folder());
-  // Without its journal the job is only taking up room.
+  // Without its journal the job only takes up room, so a failure is harmless.
   static_cast<void>(::unlinkat(folder_.get(), kJob, 0));
   return {};
 }
@@ -88,7 +88,7 @@ Expected<JournalFile> JobStore::create_journal(std::uint32_t layers) {
   Descriptor file(::openat(folder_.get(), kNewJournal, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, kFileMode));
   if (!file.is_open()) return cannot_write(kNewJournal);
   const std::size_t size = Journal::bytes_needed(layers);
-  // Written, not only reserved: appending must find its room and leave the file's map as it is.
+  // Write zeros instead of only reserving: appending then always has room and leaves the file's block map unchanged.
   constexpr std::array<std::byte, 4096> kZeros = {};
   for (std::size_t done = 0; done < size; done += kZeros.size()) {
     if (!file.write_all(std::span(kZeros).first(std::min(kZeros.size(), size - done)))) {

@@ -16,8 +16,8 @@ inline constexpr int kStagePriority = 40;
 /// @returns false if not permitted, or above RLIMIT_MEMLOCK
 bool lock_memory();
 
-/// Reserves heap for later allocations (a stick's arrival needs some), so that the process never asks the kernel for more: one heap
-/// for all threads, of which nothing is returned. Call it before starting threads.
+/// Reserves heap for later allocations (a stick's arrival needs some), so that the process never asks the kernel for more. All
+/// threads share one heap, and none of it is returned. Call it before starting threads.
 void reserve_heap();
 
 }  // namespace plumbline
