@@ -12,13 +12,13 @@
 
 namespace plumbline {
 
-/// What prepare() found, in scan units, and more.
+/// The findings of prepare(), further measurements of the scan, and the report of the coarse slice.
 struct InspectReport : PreparationReport {
   Box3d bounds;             ///< of the rotated scan without its noise points and stray pieces, scan units
   Box3d bounds_with_noise;  ///< of the rotated scan, scan units
   ScanLength spacing;       ///< median distance of a point from the nearest other one
   ScanLength roughness;     ///< median distance of a point from the plane through its kPlaneNeighbours nearest
-  Units units = Units::kMillimetres;  ///< used
+  Units units = Units::kMillimetres;  ///< the unit asked for, or the guess
   /// As in slice(), or why the object doesn't fit. Its layers are those that the coarse R-Rep has.
   Expected<Placement> placement;
   Status sliced;       ///< why there is no coarse R-Rep: ErrorCode::kNoSurface, kOutOfMemory or kDoesNotFit

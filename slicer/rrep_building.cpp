@@ -123,7 +123,7 @@ class RayStages {
     PLUMBLINE_TRY(rays);
     report_.rays = *rays;
     store->close(arena_);
-    arena_.reset_peak();  // the open store holds all that is left; the stage needed what is used now
+    arena_.reset_peak();  // the open store took the rest of the arena; the stage's need is what is used now
     return store;
   }
 
@@ -143,7 +143,7 @@ void drop_features(RRep& rrep, const SliceSettings& settings, Arena& arena, Slic
   // Removing a feature can let the mask's opening cut off what it supported, so noisy scans get a second sweep.
   const int sweeps = widening(report.support_points, settings.clustering) > 1 ? 2 : 1;
   for (int sweep = 0; sweep < sweeps && !report.features.totals; ++sweep) {
-    // Features stay where there is no room to look for them: the print is then as good as the scan.
+    // Without room for the search, small features stay, and the print is as good as the scan.
     if (const auto features = drop_small_features(rrep, limits, arena)) report.features += *features;
   }
 }

@@ -1,5 +1,5 @@
 #pragma once
-/// What slice() and inspect() are asked for.
+/// Settings of slice() and inspect().
 
 #include <cstdint>
 
@@ -13,7 +13,7 @@ struct SliceSettings {
   PlacementSettings placement;
   ClusteringSettings clustering;
   BaseChoice base = BaseChoice::kAuto;
-  bool confidence = false;    ///< keep a map of what each place of the surface rests on
+  bool confidence = false;    ///< keep a map of the evidence for each part of the surface
   bool keep_all = false;      ///< keep stray pieces and small components too
   std::uint32_t threads = 1;  ///< 1 to 64; the result does not depend on it
 };

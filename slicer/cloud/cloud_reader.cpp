@@ -82,7 +82,7 @@ class CloudSink final : public PointSink {
   CloudReading& reading() { return reading_; }
 
  private:
-  /// Takes room for so many points of the scan, and for those that later stages may add.
+  /// Takes room for `points` points of the scan, and for those that later stages may add.
   Status take_room(std::uint32_t points) {
     const auto cloud = Cloud::create(points + Cloud::spare(points), arena_);
     PLUMBLINE_TRY(cloud);

@@ -24,7 +24,7 @@ struct ScanAnnouncement {
   std::uint64_t kept_bytes = 0;         ///< of the arena, for the heads of files that wait for their turn
 };
 
-/// Decides how many points the cloud gets room for. Called once, when the headers of all files were read.
+/// Decides how many points the cloud gets room for. Called once, when the headers of all files have been read.
 /// @returns 1 or more, or the error that read_cloud() returns
 using RoomForPoints = FunctionRef<Expected<std::uint32_t>(const ScanAnnouncement& announced)>;
 

@@ -1,6 +1,6 @@
 #pragma once
-/// Linked kd-trees (thesis III-2.a): nanoflann in two and in three dimensions over the same point indices, leaf size 10,
-/// every byte of them in the arena.
+/// Linked kd-trees (thesis III-2.a): nanoflann in two and in three dimensions over the same point indices, with leaf
+/// size 10. All of their memory is in the arena.
 
 #include <cstdint>
 #include <memory>

@@ -16,7 +16,7 @@ enum class ErrorCode : std::uint16_t {
   kCannotWrite = 3,     ///< the medium failed while writing
   kUnknownFormat = 10,  ///< not a scan format that plumbline reads
   kMalformed = 11,      ///< a known format, but damaged at the place that the message names
-  kTruncated = 12,      ///< the file ends before all that its header declares has come
+  kTruncated = 12,      ///< the file ends before all the data that its header declares
   kNoPoints = 13,       ///< nothing to print: the scan has no usable point
   kUnsupported = 14,    ///< valid, but a variant of the format that plumbline does not read
   kOutOfMemory = 20,    ///< a stage needs more memory than the arena has left

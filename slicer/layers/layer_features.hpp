@@ -16,7 +16,7 @@ struct FeatureLimits {
   std::uint64_t voxels = 0;         ///< of a feature, over all of its layers
   std::uint32_t narrow_pixels = 0;  ///< a feature is narrow if none of its regions has more
   std::uint32_t narrow_layers = 0;  ///< height of a narrow feature; higher ones stay
-  std::uint32_t flat_layers = 0;    ///< height of any other
+  std::uint32_t flat_layers = 0;    ///< height of any other feature
   std::uint64_t loose_voxels = 0;   ///< of a feature that touches nothing, whatever its shape
 };
 
@@ -25,7 +25,7 @@ struct FeatureCounts {
   std::uint32_t islands = 0;  ///< removed
   std::uint32_t holes = 0;    ///< filled
   std::uint64_t voxels = 0;   ///< of both
-  /// Counted by the way. Known if the sweep reached the last layer and left all masks as they were.
+  /// Counted in the same sweep. Known if it reached the last layer and left all masks as they were.
   std::optional<LayerTotals> totals;
 
   FeatureCounts& operator+=(const FeatureCounts& other) {

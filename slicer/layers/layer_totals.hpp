@@ -1,5 +1,5 @@
 #pragma once
-/// What a sweep over all masks of an object counts.
+/// Counts from a sweep over all masks of an object.
 
 #include <cstdint>
 

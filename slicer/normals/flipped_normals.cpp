@@ -17,7 +17,7 @@ constexpr std::uint32_t kGroup = 8;  ///< points in a group, of which only the f
 constexpr std::uint32_t kNearest =
     16;  ///< nearest points that the first is joined with: twice a group, to reach the next
 constexpr std::uint32_t kInARow = 3;  ///< following points that each point is joined with
-constexpr float kSameSide = 0.5F;     ///< least join_weight(): what a right edge has
+constexpr float kSameSide = 0.5F;     ///< least join_weight(): that across a right-angled edge
 constexpr float kNear2 = 4;  ///< followers are joined up to twice the distance of the farthest of the nearest; squared
 constexpr std::uint32_t kBatch = 1024;  ///< groups that are searched at once, in parallel: 128 KiB of scratch
 constexpr double kJoinShare = 0.6;      ///< of the time, for progress only; the field takes the rest

@@ -9,7 +9,8 @@
 namespace plumbline {
 namespace {
 
-/// Points: so many of the lowest may be outliers. More would cut the tip of a sparse scan, fewer let outliers move the plane.
+/// Number of the lowest points that may be outliers. A larger number would cut off the tip of a sparse scan; with a
+/// smaller one, outliers move the plane.
 constexpr std::size_t kOutliers = 12;
 
 constexpr std::size_t kBinsALayer = 5;  ///< resolution of the plane's height: errors far below a layer don't show
@@ -17,7 +18,7 @@ constexpr std::size_t kBins = 24 * kBinsALayer;       ///< of the histogram, fro
 constexpr std::size_t kWallsFrom = 12 * kBinsALayer;  ///< first bin of the walls: above any rise that noise has blurred
 /// Bins in which the density rises from a tenth to half of the walls': a rim blurred by noise takes fewer, a tip more.
 constexpr std::size_t kSharpRise = 2 * kBinsALayer;
-constexpr std::uint64_t kFewest = 200;  ///< points in the walls' bins; of fewer, a rise may be chance
+constexpr std::uint64_t kFewest = 200;  ///< points in the walls' bins; with fewer, a rise may be chance
 
 /// Height of the lowest point after the kOutliers lowest.
 float lowest_without_outliers(std::span<const Vec3f> points) {

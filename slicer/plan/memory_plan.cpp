@@ -29,10 +29,10 @@ namespace {
 /// Bytes for the alignment of a stage's blocks: each may lose up to one alignment, and a stage takes fewer than 64.
 constexpr std::size_t kSlack = 64 * Arena::kAlignment;
 
-/// Share of the grid's rays that an object is assumed to cover before it is known. More leaves less room for points, less
-/// refuses more objects after they were read.
+/// Share of the grid's rays that an object is assumed to cover before its size is known. A larger share leaves less
+/// room for points; with a smaller one, more objects are refused after they have been read.
 constexpr double kCoveredShare = 0.5;
-/// Crossings a ray that are assumed of it: figures and animals have 2.3 to 3.
+/// Assumed crossings of each of these rays. Figures and animals have 2.3 to 3.
 constexpr double kCrossingsPerRay = 3;
 
 /// Larger than any budget, with 32 bits too, and small enough that sums of a few of them do not overflow.

@@ -46,8 +46,8 @@ struct PlanEvidence {
   std::uint64_t kept_bytes = 0;    ///< ScanAnnouncement::kept_bytes
   bool confidence = false;         ///< SliceSettings::confidence
   /// What the rays will find, if known. Otherwise the object is assumed to cover half of the grid: before the scan is read
-  /// its size is unknown, and the board's memory must do for what its panel can show. A smaller object leaves room unused.
-  /// A larger one may be refused by admit_rays() once it has been placed.
+  /// its size is unknown, and the board's memory must suffice for all that its panel can show. A smaller object leaves
+  /// room unused. A larger one may be refused by admit_rays() once it has been placed.
   std::optional<RayYield> yield = std::nullopt;
 };
 

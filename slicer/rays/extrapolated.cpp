@@ -34,7 +34,7 @@ bool settle_extrapolated(std::span<RayCrossing>& crossings, float x, float y, co
     RayCrossing& c = crossings[at];
     if (!c.extrapolated) continue;
     for (const bool up : {true, false}) {
-      // Nothing beyond the outermost crossings would end what begins there.
+      // Outermost crossings don't move outwards: no crossing beyond them would end the interval.
       if (up ? i == crossings.size() : at == 0) continue;
       const std::size_t lower = up ? at : at - 1;
       const bool solid = lower % 2 == 0;

@@ -92,7 +92,7 @@ void RayClassifier::begin_tile(std::uint32_t column, std::uint32_t row) {
                             static_cast<float>(row_middle) * grid_.pitch_y_mm);
   if (column_centre != column_centre_) column_verdicts_.fill(Verdict::kUnknown);
   column_centre_ = column_centre;
-  // Depths ascend. A wide support radius that reaches down to levels already decided does not undo that.
+  // Depths ascend. Levels already decided stay decided, even if a later point's support radius reaches down to them.
   std::uint32_t level = 0;
   const auto judge_below = [&](float height) {
     for (; level < kLevels && level_height(level) < height; ++level) judge_tile(level);
@@ -131,7 +131,7 @@ RayClassifier::Gap RayClassifier::decide_gap(float x, float y, float low, float 
   const std::uint32_t crossings_before = crossing_count_;
   GapWalk walk{x, y, low, below};
   walk_levels(walk, high);
-  // No level lies in the gap: the bands on both sides know better than a sum over the whole cloud.
+  // No level lies in the gap. In so short a gap the bands on both sides are better evidence than the whole cloud.
   if (!walk.begun) {
     if (below != above) {
       bisect(x, y, low, high, below);
@@ -149,7 +149,7 @@ void RayClassifier::step(GapWalk& walk, float z, bool inside) {
   if (!walk.begun) {
     walk.begun = true;
     walk.inside_at_low = inside;
-    // The first level and the band below disagree: as above.
+    // The first level and the band below disagree: for the same two reasons.
     if (inside != walk.inside && winding_->inside({walk.x, walk.y, walk.at}) == walk.inside) {
       walk.inside_at_low = walk.inside;
       bisect(walk.x, walk.y, walk.at, z, walk.inside);
@@ -208,8 +208,8 @@ void RayClassifier::cross_band(float x, float y, const RaySurface& surface, cons
   std::uint32_t last = band.last;
   const bool wrong_low = band.inside_at_low != from;
   const bool wrong_high = band.inside_at_high != to;
-  // Number of intersections to drop at an end where band and gap disagree: none if the winding number has a crossing before
-  // them.
+  // Number of intersections to drop at an end where band and gap disagree: none if the winding number puts a crossing
+  // between the end and the outermost of them.
   const auto left_out = [&](float end, float other_end, std::uint32_t outermost, bool inside_at_end) {
     const bool has_sheet = first != last;
     const float place = has_sheet ? 0.5F * (end + surface.intersections[outermost].depth) : other_end;
@@ -218,7 +218,7 @@ void RayClassifier::cross_band(float x, float y, const RaySurface& surface, cons
     if (!has_sheet) emit(end, Evidence::kWinding);
     return has_sheet ? 1U : 0U;
   };
-  // A single sheet that is inside out faces the wrong way, but stands where it is.
+  // A single sheet that disagrees at both ends faces the wrong way, but is in the right place.
   const bool turned = wrong_low && wrong_high && last - first < 2;
   if (wrong_low && !turned) first += left_out(band.low, band.high, first, from);
   if (wrong_high && !turned) last -= left_out(band.high, band.low, last - 1, to);

@@ -39,7 +39,7 @@ class Intervals {
     sets_.start_all();
     std::fill(volume_.begin(), volume_.end(), 0);
   }
-  /// The lowest of the set: that of the outside is number 0.
+  /// The lowest interval of the set; kOutside for the outside.
   std::uint32_t root(std::uint32_t i) const { return sets_.root(i); }
   void unite(std::uint32_t a, std::uint32_t b) { sets_.unite(a, b); }
   void grow(std::uint32_t i, std::uint64_t voxels) {
@@ -50,7 +50,7 @@ class Intervals {
 
   static constexpr std::uint32_t kMostVoxels = (1U << 30) - 1;
   static constexpr std::uint32_t kAtPlate = 1U << 30;     ///< some of the component begins on the plate
-  static constexpr std::uint32_t kBelowPlate = 1U << 31;  ///< some of it begins below
+  static constexpr std::uint32_t kBelowPlate = 1U << 31;  ///< some of it begins below the plate
   void mark(std::uint32_t root, std::uint32_t where) { volume_[root] |= where; }
   /// Records whether a component goes, in place of its volume.
   void decide(std::uint32_t root, bool goes) { volume_[root] = goes ? 1 : 0; }

@@ -20,7 +20,7 @@ class Disc {
   [[nodiscard]] static Expected<Disc> create(const PixelPitch& pitch, Nanometres radius, Arena& arena);
   static std::size_t bytes_needed(const PixelPitch& pitch, Nanometres radius);
 
-  /// Those of the pixels `wanted` in a word of a row that have a white pixel of `image` within the disc's radius.
+  /// Of the pixels `wanted` in a word of a row, those that have a white pixel of `image` within the disc's radius.
   std::uint64_t near(ConstBitImage image, std::uint32_t row, std::uint32_t word, std::uint64_t wanted) const;
 
   std::uint32_t rows() const { return static_cast<std::uint32_t>(reach_.size()) - 1; }  ///< above and below the centre

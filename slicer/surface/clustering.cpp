@@ -22,7 +22,7 @@ constexpr const char* kStage = "clustering";
 constexpr std::int32_t kFewNeighbours = 8;
 /// Largest mean height of a point over its neighbours' planes, in epsilons, for a point on their sheet.
 constexpr float kMaxHeight = 0.2F;
-constexpr std::uint32_t kNoiseSample = 16384;  ///< points of which the noise is measured
+constexpr std::uint32_t kNoiseSample = 16384;  ///< points at which the noise is measured
 // Noise over epsilon between which supports grow from the least to the most points.
 constexpr float kCleanNoise = 0.02F;  ///< less is mostly curvature
 constexpr float kFullNoise = 0.1F;

@@ -21,7 +21,7 @@ constexpr float kMinSide = 0.2F;         ///< least mean inner product with the 
 /// Least ratio of the two variances' product to their sum's square: 0.25 for a disc, 0 for a line, which has no plane.
 constexpr float kMinWidth2 = 0.05F;
 constexpr float kMaxTilt = 1;  ///< tangent of the largest tilt; points of a steeper plane are another sheet
-/// Epsilons off the plane of the points that face its way; farther is beside the sheet.
+/// Distance from the plane of the points that face the same way, in epsilons, beyond which a point is beside the sheet.
 constexpr float kMaxOffset = 0.1F;
 /// sum w^2 u^2 / sum w u^2 over a disc with the weights w above; u is the coordinate along one axis of the plane.
 constexpr float kWeightsSpread = 0.4F;

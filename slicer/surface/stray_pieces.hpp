@@ -27,7 +27,7 @@ std::size_t stray_pieces_bytes(std::uint32_t points);
 /// its size is the area of its points. A piece is a stray piece if
 ///   - it has less than a fiftieth of the largest piece's area,
 ///   - the winding number of all other points along it is nearly 0 or nearly 1: it is in the air, or inside where no
-///     scanner sees. At surface seen through a mouth or at the bottom of a hole that number is neither,
+///     scanner sees. On surface seen through a mouth, or at the bottom of a hole, the number is neither,
 ///   - all stray pieces together have less than a twentieth of the area of what stays.
 /// So two legs are an object, and a hundred beads around a ball are; a part of the wall behind is not.
 ///

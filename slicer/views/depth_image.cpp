@@ -27,7 +27,7 @@ constexpr std::uint32_t kLowest = 2;  ///< half waves per image; anything lower 
 constexpr double kMinDistance = 3;    ///< half waves per image: closer peaks belong to one wave
 constexpr int kSearchSteps = 3;       ///< Gauss-Newton steps of a new wave; every later round adds one
 constexpr double kRidge = 1e-3;       ///< share of the trace added to the diagonal of the normal equations
-/// Largest change of the phase at the image's side in one step, turns. Beyond that the linearization means nothing.
+/// Largest change of the phase at the image's side in one step, turns. Beyond that the linearization does not hold.
 constexpr double kMaxTurned = 0.5;
 constexpr double kTurn = 2 * std::numbers::pi;
 

@@ -25,7 +25,7 @@ struct DepthFrame {
 
 class DepthImage {
  public:
-  /// Cells a side. Tells as much as 96 did, and takes less of a small arena from the points.
+  /// Cells a side. Finds as much as 96 cells did, and leaves more room for points in a small arena.
   static constexpr std::uint32_t kSide = 64;
   static constexpr std::uint32_t kCells = kSide * kSide;
 

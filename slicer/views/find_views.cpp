@@ -19,7 +19,7 @@ constexpr std::uint32_t kMaxSeeds = 400;         ///< patches in all
 constexpr std::uint32_t kMaxFailedPatches = 16;  ///< patches in a row that show no view
 constexpr std::uint32_t kMaxFailedPairs = 16;    ///< pairs of peaks of one patch that turn out to be no grid
 
-// Points that a view has at least. Fewer may lie on a grid by chance, and say little about how the view lies.
+// Least number of points of a view. Fewer may lie on a grid by chance, and hardly determine the view's position.
 constexpr std::uint32_t kMinViewPoints = 400;
 constexpr std::uint32_t kMinViewShare = 500;  ///< or one in so many of the scan's points
 

@@ -15,7 +15,8 @@ constexpr std::uint32_t kThinnedPoints = 65536;  ///< points that samples of lar
 /// Growth of the radius in one step. The grid must be right to a third of a pixel at the new radius, so that larger
 /// steps lose it and smaller ones take longer.
 constexpr double kGrowth = 1.4;
-// Widths in which points count, pixels: from one that a start off by a third of a pixel needs down to what decides.
+// Distance from the grid within which points count, pixels: from the one that suits a start a third of a pixel off,
+// down to the one that decides which points are the view's.
 constexpr double kCoarse = 0.3;
 constexpr double kMedium = 0.2;
 constexpr double kFine = 0.12;

@@ -21,8 +21,8 @@ constexpr float kMaxSteepness = 2;
 /// Step of the frequency across the patch, over 1 / its RMS depth: small enough that no peak falls between two steps.
 constexpr float kAcrossStep = 0.15F;
 constexpr std::uint32_t kMaxSlices = 64;  ///< steps across the patch; bounds the time of deep patches
-/// Largest share of a peak's power that may be left 1 / radius beside it, where that of a grid has fallen to nothing. A
-/// flat wall has a streak there instead.
+/// Largest share of a peak's power that may remain at a distance of 1 / radius. A grid's peak has fallen to nothing
+/// there; a flat wall makes a streak instead.
 constexpr float kMaxStreak = 0.4F;
 /// Distance of two peaks, over 1 / radius: the main lobe of one point grid's peak in a disc is about as wide (0.61 to
 /// its zero on either side).

@@ -18,7 +18,7 @@ constexpr std::uint32_t kPlaces = 16384;  ///< places measured in each round; se
 constexpr std::uint32_t kChunk = 64;      ///< places measured in parallel before they are summed up in order
 constexpr int kRounds = 5;                ///< Gauss-Newton steps
 constexpr int kRoundsWithoutRipple = 2;   ///< first rounds: the residuals of misaligned views look like ripple
-/// Share of the mean view's points from which a view counts fully in holding the scan in place.
+/// A view with at least this share of the mean view's points counts fully in holding the scan in place.
 constexpr double kWholeView = 0.25;
 /// Standard deviation of the motions before the first round, in spacings. Later rounds use the variance found.
 constexpr double kFirstMotion = 2;

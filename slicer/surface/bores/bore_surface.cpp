@@ -6,8 +6,8 @@
 namespace plumbline {
 namespace {
 
-/// Least radius of a point's share_radius on a sparse surface, in epsilons. About 60 points within epsilon have shares
-/// of 0.13, a fifth of that density of 0.29.
+/// Least share_radius() of a point on a sparse surface, in epsilons. It is 0.13 where about 60 points lie within
+/// epsilon, and 0.29 at a fifth of that density.
 constexpr float kSparse = 0.3F;
 constexpr float kMaxWidth = 8;  ///< epsilons between two walls of a bore; wider ones are seen from outside
 /// Largest inner product of the normals of opposite walls: within 60 degrees of opposed.
@@ -16,7 +16,7 @@ constexpr float kSameWall = 0.5F;  ///< least inner product of the normals of on
 // Steps and radii of the search for the opposite wall. It may be as sparse as this one, so the radius grows with the
 // distance.
 constexpr float kMinStep = 0.5F;      ///< epsilons; also the least width and the least radius
-constexpr float kRadiusShare = 0.4F;  ///< of the distance gone
+constexpr float kRadiusShare = 0.4F;  ///< of the distance searched so far
 constexpr float kStepShare = 0.5F;    ///< of the distance to the nearest point
 constexpr float kPi = std::numbers::pi_v<float>;
 

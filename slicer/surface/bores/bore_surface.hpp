@@ -20,8 +20,8 @@ struct BoreEnd {
 /// Lengths are in the unit of the cloud.
 class BoreSurface {
  public:
-  /// Distance of added points, in epsilons. Epsilon is a radius that holds about 60 scanned points, so added walls are
-  /// sparser than the scan, but less so than what counts as sparse (BoreSurface::is_sparse).
+  /// Distance between added points, in epsilons. Epsilon is a radius that holds about 60 scanned points, so added walls
+  /// are sparser than the scan, but denser than a surface that counts as sparse (BoreSurface::is_sparse).
   static constexpr float kSpacing = 0.5F;
 
   /// @param cloud  classes and radius[] set; added points become its last

@@ -18,8 +18,9 @@ namespace {
 constexpr const char* kStage = "bore walls";
 
 constexpr std::uint32_t kMaxEnds = 4096;  ///< bounds memory and, with its square, time
-constexpr std::uint32_t kMaxSparse = 16;  ///< at most one point in so many is sparse, or epsilon stands for no density
-constexpr std::uint32_t kChunk = 1024;    ///< points between two calls of the progress
+constexpr std::uint32_t kMaxSparse =
+    16;                                 ///< if more than 1 / kMaxSparse of the points are sparse, epsilon is no density
+constexpr std::uint32_t kChunk = 1024;  ///< points between two calls of the progress
 // Two ends of one wall. Wider limits join walls of different bores; narrower ones miss walls with noisy normals.
 constexpr float kMinCosine = 0.5F;  ///< of their normals: 60 degrees
 constexpr float kMaxSlope = 0.2F;   ///< of the line between them against the wall
@@ -27,7 +28,7 @@ constexpr float kMaxWidthRatio = 1.5F;
 constexpr float kMinLength = 2;  ///< epsilons; shorter gaps are closed without help
 constexpr float kMaxLength = 6;  ///< widths; longer lines may join different bores
 // Walls around an end and the space between them, in widths.
-/// Of a point from the circle of that width; corners of square bores are 0.21 off.
+/// Largest distance of a wall's point from the circle of that width; corners of square bores are 0.21 off.
 constexpr float kWallDistance = 0.6F;
 constexpr float kWallCosine = 0.3F;  ///< least inner product of its normal with the direction to the middle: 73 degrees
 constexpr float kClear = 0.3F;       ///< radius around the bore's middle line that must be free of points

@@ -29,8 +29,8 @@ std::size_t bore_walls_bytes(std::uint32_t points);
 ///   - they are at least two epsilon and at most six widths apart, and their widths differ by half at most,
 ///   - no point lies within epsilon of the middle half of the line, so it was not seen; and none within 0.3 widths of a
 ///     parallel line half a width in front of the wall, so nothing stands in the bore,
-///   - there is wall in all of eight directions around the bore at either end. Two things that face each other are no
-///     bore.
+///   - there is wall in all of eight directions around the bore at either end. Two surfaces that merely face each other
+///     are not a bore.
 /// Points are added along the line every half epsilon, except where the wall was seen. Nothing is done where more than
 /// a sixteenth of the points are sparse: there epsilon does not stand for a density. Beyond 4096 ends the rest are
 /// ignored.

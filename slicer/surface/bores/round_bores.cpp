@@ -25,13 +25,13 @@ constexpr float kMinStep = 0.125F;  ///< a step that met something is halved dow
 constexpr float kMaxLength = 16;
 constexpr float kMargin = 0.2F;  ///< left out of the last fit at either end
 constexpr float kMinUnseen = 2;  ///< epsilons of the length without wall; shorter gaps are closed without help
-// What a point around the cylinder is, by its distance from the axis, in radii, and its normal.
+// Limits that classify a point around the cylinder, by its distance from the axis, in radii, and by its normal.
 constexpr float kSurveyRadius = 1.5F;  ///< farther points don't count
 constexpr float kInsideRadius = 0.6F;  ///< nearer points are inside the bore
 constexpr float kBoreRadius = 1.3F;    ///< nearer points belong to the bore
 constexpr float kFaceCosine = 0.7F;    ///< least inner product of a face's normal with the axis: 45 degrees
 constexpr float kWallCosine = 0.3F;    ///< least inner product of a wall's normal with the direction to the axis
-// When a step has left the bore, or the bore is one.
+// Limits that decide whether a step has left the bore, and whether the cylinder is a bore.
 constexpr std::uint32_t kBottomPoints = 4;  ///< points inside a step that make a bottom
 constexpr int kFaced = 4;                   ///< of eight directions with a face around: the bore's mouth
 constexpr int kWalled = 7;                  ///< of eight directions with wall: walls all around
