@@ -15,7 +15,7 @@ import tempfile
 import time
 from pathlib import Path
 
-BOARD = "BOARD"  # stands for the file with this in it
+BOARD = "BOARD"  # stands for the path of a file with this content
 BOARD_TOML = """[printer]
 name = "coarse"
 [panel]
@@ -31,8 +31,8 @@ layer_height_mm = 0.15
 arena_mib = 48
 """
 
-# Name, arguments of `plumbline sample`, arguments of `plumbline slice`. Each covers something of its own: the printer's grid, sines
-# and cosines with supports, estimated normals, thinning in a small arena.
+# Name, arguments of `plumbline sample`, arguments of `plumbline slice`. Each covers something that the others don't: the printer's
+# grid, sines and cosines with supports, estimated normals, thinning in a small arena.
 SAMPLES = [
     ("on a printer", ["--points", "20000", "--seed", "1"], ["--printer", BOARD]),
     ("turned, scaled, supported", ["--points", "20000", "--seed", "2"],

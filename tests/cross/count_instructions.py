@@ -20,10 +20,10 @@ from pathlib import Path
 SOURCE_DIR = Path(__file__).resolve().parents[2]
 KEPT = Path(__file__).with_name("instructions.json")
 MARGIN = 0.10
-SPREAD = 0.001  # of the count, between equal runs: addresses and the time of day change a few instructions
+SPREAD = 0.001  # relative difference between equal runs: addresses and the time of day change a few instructions
 
 POINTS = 100_000
-# At this size the sample has about 200 layers of 0.1 mm, and its points lie too far apart to be averaged, but for a few.
+# At this size the sample has about 200 layers of 0.1 mm, and all but a few of its points lie too far apart to be averaged.
 SCALE = 0.35
 SLICE = ["slice", "--printer", SOURCE_DIR / "board/mono2k.toml", "--no-preview", "--verbose", "-o", "OUT"]
 # A print makes the masks but no PNG files; this one ends before its first layer.

@@ -1,4 +1,4 @@
-/// Compares each view of a real scan with a print made without it, if the scan is present beside the repository.
+/// Compares each view of a real scan with a print made without that view, if the scan is present beside the repository.
 
 #include <gtest/gtest.h>
 
@@ -22,13 +22,13 @@ namespace {
 using namespace testing;
 
 constexpr float kPitch = 0.2F;       ///< mm
-constexpr std::size_t kEvery = 5;    ///< point of the view that is asked
-constexpr float kPlaneReach = 1.2F;  ///< mm: points of another view so near make its plane
+constexpr std::size_t kEvery = 5;    ///< step between compared points of the omitted view
+constexpr float kPlaneReach = 1.2F;  ///< mm: points of another view this near define its plane
 constexpr std::size_t kPlanePoints = 6;
-constexpr float kBeside = 0.6F;  ///< mm: their mean is no farther along the surface
+constexpr float kBeside = 0.6F;  ///< mm: their mean is at most this far away along the surface
 constexpr float kFacing = 0.5F;  ///< least inner product of normals of the same side
 
-/// The views of a scan, each in a surface of its own.
+/// The views of a scan, one surface each.
 std::vector<Surface> views_of(const std::string& name) {
   const std::string bytes = content_of(shared_scan(name + ".ply"));
   const std::string counts = content_of(shared_scan(name + ".views.json"));
@@ -143,8 +143,8 @@ double percentile_95(std::vector<double>& values) {
   return *at;
 }
 
-/// For each view: a print of the others is at most 1.3 times as far from its points as the views are from each other, where
-/// another view saw the place. 95th percentiles.
+/// For each view, at places that another view saw too: a print of the other views is at most 1.3 times as far from the
+/// view's points as the views are from each other. Compares 95th percentiles.
 void expect_prints_between_the_views(const std::string& name) {
   if (!std::filesystem::exists(shared_scan(name + ".views.json"))) {
     GTEST_SKIP() << "needs " << shared_scan(name + ".ply") << ", which is not part of the repository";

@@ -138,7 +138,7 @@ TEST(SliceShapes, AMissingCapIsClosed) {
   EXPECT_GT(sliced.volume(), 0.985 * sphere_volume(10));
   EXPECT_LT(sliced.volume(), 1.005 * sphere_volume(10));
   const auto distance = [](const Vec3d& p) {
-    if (p.dot(Vec3d(0.6, 0, 0.8)) > 8.9) return 0.0;  // beyond the rim: nobody knows
+    if (p.dot(Vec3d(0.6, 0, 0.8)) > 8.9) return 0.0;  // beyond the rim the scan does not say
     return p.norm() - 10;
   };
   EXPECT_EQ(sliced.wrong_voxels(distance, 0.3), 0U);
@@ -161,7 +161,7 @@ TEST(SliceShapes, AnOpenUndersideIsClosedFlatAtItsLowestRim) {
   EXPECT_LT(static_cast<double>(sliced.rays(RayDecision::kBase)), 1.02 * opening);
 }
 
-// A part in front of the rest that was seen from the front only was once lost: it fills little of the field around it.
+// A part in front of the rest, seen only from the front, was once lost: it adds little to the winding number around it.
 TEST(SliceShapes, AScanOfOneSideIsARelief) {
   Random random(66);
   const auto on_board = [](double x, double y) { return x > 0 && x < 14 && std::abs(y) < 2; };

@@ -16,7 +16,7 @@ namespace {
 using namespace testing;
 using CellNumber = std::array<int, 3>;
 
-constexpr float kEdge = 0.5F;  // a power of two, so that the oracle's division rounds no other way
+constexpr float kEdge = 0.5F;  // a power of two, so that the oracle's division rounds in the same way
 
 struct Points {
   Box3f box;

@@ -179,7 +179,7 @@ TEST(RotationMatrix, AgreesWithTheStandardLibraryAndIsOrthonormal) {
   Random random(83);
   for (int i = 0; i < 20000; ++i) {
     const double angle = random.uniform(-400, 400);
-    // The argument's own rounding is angle * 1e-16: compared where it is small, with the angle reduced exactly.
+    // In radians the angle is rounded by angle * 1e-16, so the oracle gets an angle that was reduced exactly.
     const double reduced = std::remainder(angle, 360.0) * (kPi / 180);
     const Mat3d z = rotation_matrix({0, 0, angle});
     ASSERT_NEAR(z(1, 0), std::sin(reduced), 1e-15) << angle;
@@ -200,7 +200,7 @@ TEST(Placement, TransformAndOriginAgree) {
     const Placement p = value_of(place(box_of(low, low + Vec3d(1, 2, 3)), 10, settings));
     const Mat4d m = p.transform();
     EXPECT_EQ(m.row(3), Eigen::RowVector4d(0, 0, 0, 1));
-    // The scan's place of the grid's origin goes to the origin; any other as the definition says.
+    // The grid's origin in scan coordinates maps to the origin, any other place as the definition says.
     const Vec3d origin = (m * p.origin_in_scan().homogeneous()).head<3>();
     EXPECT_LT(origin.norm(), 1e-11);
     const Vec3d scan = random.vector();

@@ -46,8 +46,8 @@ inline std::uint32_t floating_islands(const std::vector<Pixels>& masks) {
 ///
 ///   hang_k(p) = max(0, min over q of hang_(k-1)(q) + |p - q| - growth),   0 in layer 0 and at a tip,
 ///                                                                         |p - t| at most beside a tip t
-/// over the pixels q of the layer below: the way down and sideways to what is held, less what a surface at the critical
-/// angle may advance in a layer.
+/// The minimum is over the pixels q of the layer below. A pixel's overhang is the length of the path down and sideways
+/// to a held pixel, less what a surface at the critical angle may advance in each layer.
 /// @param masks   of the object, without supports
 /// @param growth  pixels
 /// @param most    pixels; larger overhangs are reported as this
