@@ -12,7 +12,7 @@ from pathlib import Path
 MAY_INCLUDE = {
     "slicer/core": set(),
     "slicer": {"slicer/core"},
-    "slicer/example": {"slicer/core", "slicer"},  # a program as users of the library write it
+    "slicer/example": {"slicer/core", "slicer"},  # a program as a user of the library would write it
     "hal": {"slicer/core"},
     "hal/linux": {"slicer/core", "hal"},
     "hal/sim": {"slicer/core", "hal"},
@@ -69,7 +69,7 @@ def folder_of(path):
 
 def position(parent, path):
     """
-    Where `path` stands in the order of `parent`.
+    The place of `path` in the order of `parent`.
     @returns (rank, folder), the higher the later; rank None for a subfolder that has no place in the order
     """
     rest = path[len(parent) + 1 :].split("/")

@@ -24,7 +24,7 @@ class Killed(Program):
         return [(word, int(at)) for word, at in (line.split() for line in text[: text.rfind("\n") + 1].splitlines())]
 
     def kill_while_lit(self, arguments, delay):
-        """@returns ms from the kill to darkness; None: the kill fell between two exposures"""
+        """@returns ms from the kill to darkness; None if the kill fell between two exposures"""
         command = [PLUMBLINE, *arguments, "--state", self.state, "--printer", self.board, "--quiet"]
         command += ["--speedup", 50, "--lamp-line", f"file:{self.line}"]
         before = len(self.changes())

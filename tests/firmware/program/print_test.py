@@ -29,7 +29,7 @@ class Print(Program):
         cured = json.loads((part / "manifest.json").read_text())
         self.assertEqual(cured["hashes"], sliced["hashes"])
         self.assertEqual(cured["supports"], sliced["supports"])
-        # After a power cut, without the scan: the stored job has the supports, too.
+        # Resume after a power cut without the scan: the stored job also has the supports.
         cut = self.run_it("print", self.scan, *same, "--state", state, "--fault", "power.cut@layer=20", status=1)
         self.assertIn("PL-901", cut.stdout)
         self.run_it("print", "--resume", "--state", state, *same[2:4], "--report", report)
@@ -168,7 +168,7 @@ class Daemon(Program):
         add_ball(self.scan, 200, 0.4, (14, 0, 3))
         sliced = set()
         for job, options in (("", ()), ('base = "none"', ("--base", "none")), ("keep_all = true", ("--keep-all",))):
-            # Turned, so that the hole's rim is not level and each option makes another part.
+            # Tilt the scan, so that the hole's rim is not level and each option makes a different part.
             same = ("--printer", SIM2K, "--layer-height", 0.05, "--rotate-x", 20, *options)
             self.run_it("slice", self.scan, "-o", self.out, "--no-preview", *same)
             hashes = self.manifest()["hashes"]["layers"]

@@ -11,7 +11,7 @@ import time
 from case import PLUMBLINED, SOURCE_DIR, Program, main, write_sphere
 
 WATCHDOG_S = 0.04
-# Phases that take longer must contain a sign of life. Shorter ones need not: the daemon may have had no processor.
+# Longer phases must contain a sign of life. Shorter ones need not, since the daemon may have had no processor.
 LONG_PHASE_S = 5 * WATCHDOG_S
 SO_TIMESTAMP = 29  # Linux; Python has no name for it
 
@@ -46,7 +46,7 @@ class Service(Program):
             except TimeoutError:
                 break
             message = data.decode()
-            # The time of sending: this test may get round to it later.
+            # Take the time of sending, since this test may read the message later.
             seconds, microseconds = struct.unpack("ll", stamp[2][:16])
             self.sent_at = seconds + 1e-6 * microseconds
             self.messages.append(message)
@@ -99,7 +99,7 @@ class Service(Program):
             return True
 
     def test_a_hanging_loop_shows_no_life(self):
-        # A report that nobody reads blocks the one thread that counts, while others run on.
+        # Writing a report that nobody reads blocks the daemon's main thread, while others run on.
         report = self.dir / "state" / "report.json"
         report.parent.mkdir()
         os.mkfifo(report)

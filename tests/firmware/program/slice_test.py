@@ -73,7 +73,7 @@ class Slice(Program):
         self.assertEqual(supports["settings"]["support_critical_angle"], 45)
         self.assertIn(f" ml of it in {supports['count']} supports\n", done.stdout)
         self.assertEqual(done.stderr.count("placing supports"), 1)
-        # Every pillar stands beside the sphere's foot: the lowest layer has more than the sphere's own.
+        # Every pillar stands beside the sphere's foot, so the lowest layer has more white than the sphere's own.
         _, rows = png_rows(self.out / "layers" / "00000.png")
         white = sum(bin(byte).count("1") for row in rows for byte in row)
         self.assertGreater(white, supports["on_plate"] * 100)
@@ -159,7 +159,7 @@ class Slice(Program):
         self.assertTrue(manifest["underside"]["on_base_plane"])
         disc, cap = 12**2 - 8**2, 2 * 12 * (12 + 8)
         self.assertAlmostEqual(part["surface"]["base_plane"], disc / (disc + cap), delta=0.05)
-        # What rays cross at the plane is told by the layers, lowest first: measured, repaired, winding number, base plane.
+        # Crossings at the base plane are counted in the lowest layer. Each row: measured, repaired, winding number, base plane.
         self.assertEqual(len(part["layers"]), manifest["grid"]["layers"])
         self.assertEqual(sum(row[3] for row in part["layers"]), part["crossings"]["base_plane"])
         self.assertEqual(part["layers"][0][3], part["crossings"]["base_plane"])
@@ -249,7 +249,7 @@ class Interrupted(Program):
         write_sphere(self.scan, points=100_000)
         arguments = ["slice", self.scan, "-o", self.out, "--pixel-pitch", "0.01", "--layer-height", "0.01"]
         child = subprocess.Popen([PLUMBLINE, *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        for line in child.stderr:  # the program catches signals by the time a step has ended
+        for line in child.stderr:  # once a step has ended, the program catches signals
             if line.startswith("  reading the scan"):
                 break
         child.send_signal(number)
@@ -275,7 +275,7 @@ class Inspect(Program):
         self.assertEqual(told["scan"]["normals"], {"have": 20_000, "missing": 0, "zero_length": 0})
         for side in told["size_mm"]:
             self.assertAlmostEqual(side, 24, delta=0.05)
-        # On a Fibonacci lattice the nearest point is 0.9 to 1 times the root of a point's area away.
+        # On a Fibonacci lattice the nearest point is 0.9 to 1 times the square root of a point's area away.
         self.assertAlmostEqual(told["spacing_mm"] / math.sqrt(4 * math.pi * 12**2 / 20_000), 0.95, delta=0.1)
         self.assertLess(told["roughness_mm"], 0.02)
         self.assertEqual(told["units"], {"used": "mm", "guess": "mm"})
@@ -300,7 +300,7 @@ class Inspect(Program):
         self.scan.write_bytes(data)
         told = json.loads(self.run_it("inspect", self.scan, "--json").stdout)
         self.assertAlmostEqual(told["noise_mm"], 0.1, delta=0.02)
-        # Of a triangular distribution the median distance from its middle is sqrt(6) (1 - sqrt(1/2)) = 0.717 of its deviation.
+        # The median distance from the middle of a triangular distribution is sqrt(6) (1 - sqrt(1/2)) = 0.717 of its deviation.
         self.assertAlmostEqual(told["roughness_mm"], 0.0717, delta=0.015)
 
     def test_report_is_readable(self):
@@ -333,9 +333,9 @@ class Inspect(Program):
 
     def test_warns_of_a_scan_that_encloses_nothing(self):
         write_sphere(self.scan, points=40_000)
-        self.cut_below(6)  # a cap
+        self.cut_below(6)  # leave a cap,
         data = bytearray(self.scan.read_bytes())
-        for at in range(data.index(b"end_header\n") + 11, len(data), 24):  # whose normals look inwards
+        for at in range(data.index(b"end_header\n") + 11, len(data), 24):  # with normals that face inwards
             struct.pack_into("<3f", data, at + 12, *(-n for n in struct.unpack_from("<3f", data, at + 12)))
         self.scan.write_bytes(data)
         done = self.run_it("inspect", self.scan)

@@ -41,7 +41,7 @@ class WorldErrors(Program):
     def test_output_without_permission(self):
         def obey_permissions():
             if os.geteuid() == 0:
-                pr_capbset_drop, cap_dac_override = 24, 1  # without it root, too, may write only where permissions say so
+                pr_capbset_drop, cap_dac_override = 24, 1  # without it, permissions also bind root
                 self.assertEqual(ctypes.CDLL(None).prctl(pr_capbset_drop, cap_dac_override), 0)
 
         write_sphere(self.scan)

@@ -3,7 +3,7 @@
 
 Usage: board_test.py HOST_BUILD CROSS_BUILD [--arch arm64|armhf] [unittest options]
 
-This machine runs as the host lets it, so no milliseconds are judged here: exact_test.py does that.
+This machine runs only when the host gives it time, so these tests judge no milliseconds; exact_test.py does.
 """
 
 import re

@@ -22,7 +22,7 @@ class ExactPrint(rig.Rig):
         self.follow()
 
     def start_print(self, program="plumblined", environment=""):
-        # An idle guest's clock leaps from timer to timer and past the time limits of devices that the host plays, so it is kept busy.
+        # An idle guest's clock leaps from timer to timer, past the time limits of devices that the host plays. So keep it busy.
         self.run_in_guest("while :; do :; done & echo $! > /tmp/busy; renice 19 $!")
         self.start_daemon(program, environment)
         self.plug(self.stick)
@@ -30,7 +30,7 @@ class ExactPrint(rig.Rig):
         self.run_in_guest("kill $(cat /tmp/busy)")
 
     def wrong_with(self, fault):
-        """Prints with a firmware that fails at the light BROKEN_LIGHT (broken.cpp). @returns what the checks find"""
+        """Prints with a firmware that fails at the light BROKEN_LIGHT (broken.cpp). @returns the findings of the checks"""
         self.start_print("plumblined-broken", f"PLUMBLINE_BROKEN={fault}")
         self.until_over()
         return objections(self.stage.lights, self.masks, rig.LAYER_STEPS, rig.LIFT_STEPS) + self.stage.trouble

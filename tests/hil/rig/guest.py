@@ -99,7 +99,7 @@ def modules_in_order(root):
 
 
 def libraries_of(arch, root, programs):
-    """The libraries that the programs are linked with, and theirs."""
+    """The libraries that the programs are linked with, and those that these need."""
     folders = [root / "usr" / "lib" / TRIPLET[arch], root / "usr" / "lib"]
     found, todo = {}, list(programs)
     while todo:

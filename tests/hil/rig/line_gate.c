@@ -3,8 +3,8 @@
 //   -plugin line_gate.so,socket=PATH
 //
 // After each write to the levels or directions of the PL061 of QEMU's machine "virt" the emulated processor stops, sends
-// "<offset in the PL061, hexadecimal>\n" over the socket and waits for one byte, which the host sends when it has looked and set its
-// lines. QEMU ends if the byte does not come: unwatched lines would test nothing.
+// "<offset in the PL061, hexadecimal>\n" over the socket and waits for one byte, which the host sends after looking and setting its
+// lines. QEMU ends if the byte does not come, since unwatched lines would test nothing.
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -72,7 +72,7 @@ static void written(unsigned cpu, qemu_plugin_meminfo_t info, uint64_t address, 
   if (physical >= kPl061 && physical <= kPl061 + kDirections) ask_host(physical - kPl061);
 }
 
-/// The driver writes bytes; to look at no other stores makes the guest several times as fast.
+/// The driver writes bytes. Ignoring all other stores makes the guest several times as fast.
 static bool stores_byte(const struct qemu_plugin_insn* instruction) {
   uint32_t code;
   if (qemu_plugin_insn_size(instruction) != sizeof code) return false;

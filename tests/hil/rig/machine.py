@@ -55,7 +55,7 @@ class Gate:
         self.listener = socket.socket(socket.AF_UNIX)
         self.listener.bind(str(path))
         self.listener.listen(1)
-        # From the first change on: drivers set lines while the guest boots.
+        # Serve the gate from the first change on, since drivers set lines while the guest boots.
         threading.Thread(target=self._answer, daemon=True).start()
 
     def _answer(self):
@@ -74,8 +74,8 @@ class Gate:
 
 class Machine:
     """
-    Two kinds. The usual one has two processors and runs in real time, as the host has time for it. With a gate it is exact: one
-    processor, whose clock is the count of its instructions, 2 ns each, and which stands still while the host looks at a line.
+    The usual kind has two processors and runs in real time, when the host gives it time. With a gate the machine is exact: its one
+    processor's clock counts instructions, 2 ns each, and the processor stands still while the host looks at a line.
     """
 
     def __init__(self, folder, kernel, initramfs, arch="arm64", memory_mb=256, disk=None, panel=(640, 480), gate=None):

@@ -32,7 +32,7 @@ class Stage:
         self.machine, self.steps, self.end_stop = machine, steps, end_stop
         self.travelled, self.lights, self.trouble = 0, [], []
         self.on_light = None  # called with the light's number, on an exact machine at that instant
-        # Earlier changes belong to another stage.
+        # Drop earlier changes: they belong to another stage.
         self.seen, self.level, self.pressed, self.ended = len(machine.edges), dict(machine.level), None, False
         if machine.gate:
             self._press()

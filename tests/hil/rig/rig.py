@@ -47,9 +47,9 @@ def write_lentil(path, points=12000):
 
 def masks_of(scan, folder, board, layers=None):
     """
-    What `plumbline slice` of this machine writes for the rig's printer.
+    The masks that this machine's `plumbline slice` writes for the rig's printer.
     @param board    text of its board file
-    @returns the first `layers` layers, or all, a byte a pixel
+    @returns the masks of the first `layers` layers, or of all, a byte a pixel
     """
     (folder / "board" / "profiles").mkdir(parents=True, exist_ok=True)
     (folder / "board" / "rig.toml").write_text(board)
@@ -176,7 +176,7 @@ class Rig(unittest.TestCase):
 
     def prints(self, first=0, cut=None, but=()):
         """
-        Waits for the end of the print and checks every pixel and step of its lights.
+        Waits for the end of the print, then checks every pixel and step of its lights.
         @param first  layer of the first light that the stage has seen
         @param cut    a light that was cut short; the next one belongs to the same layer
         @param but    expected differences from an undisturbed print, in the words of objections()
