@@ -44,7 +44,7 @@ ScanOutlook make_outlook(const InspectReport& scan, const PlacementSettings& pla
 [[nodiscard]] Status write_outlook(OutputFile& out, const ScanOutlook& outlook, std::string_view print_time,
                                    bool verbose);
 
-/// As one JSON object, lengths in mm but where a key says "scan_units".
+/// As one JSON object, with lengths in mm unless a key says "scan_units".
 void write_outlook(JsonWriter& json, const ScanOutlook& outlook);
 
 }  // namespace plumbline

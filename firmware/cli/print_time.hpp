@@ -19,7 +19,7 @@ struct PrintTime {
 };
 
 /// The time of a whole print with the profile of the board file.
-/// @returns none where the board file describes no machine, or where its profile is missing or can't print these layers
+/// @returns nothing if the board file describes no machine, or if its profile is missing or can't print these layers
 std::optional<PrintTime> estimate_print_time(const BoardFile& board, std::uint32_t layers, double layer_height_mm);
 
 }  // namespace plumbline

@@ -6,7 +6,7 @@
 
 namespace plumbline {
 
-/// One sentence that names what was given and what is accepted, with the nearest known word where one is near, and where
+/// One sentence that names what was given and what is accepted, with the nearest known word if one is near, and where
 /// to read more. An unknown word comes first, since it often causes the error that CLI11 found: `--outptu out` also lacks
 /// the required `--output`.
 /// @param app  as its parse() left it

@@ -16,7 +16,7 @@ class ServiceManager {
 
   /// No manager: every message is dropped.
   ServiceManager() = default;
-  /// From NOTIFY_SOCKET, WATCHDOG_USEC and WATCHDOG_PID; no manager where they are not set for this process.
+  /// From NOTIFY_SOCKET, WATCHDOG_USEC and WATCHDOG_PID; no manager if they are not set for this process.
   /// @retval ErrorCode::kBadSetting  one of them breaks sd_notify(3) or sd_watchdog_enabled(3)
   /// @retval ErrorCode::kCannotOpen  the socket can't be opened or connected
   [[nodiscard]] static Expected<ServiceManager> of_environment();

@@ -26,7 +26,7 @@ struct StickJob {
   double layer_height = 0;       ///< mm; 0: the profile's
   std::optional<bool> supports;  ///< none: as the profile has it
   BaseChoice base = BaseChoice::kAuto;
-  bool keep_all = false;  ///< stray pieces, too
+  bool keep_all = false;  ///< also print stray pieces
 };
 
 inline constexpr const char* kJobFile = "job.toml";

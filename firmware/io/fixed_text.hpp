@@ -1,5 +1,5 @@
 #pragma once
-/// Text of a fixed capacity: lines and paths, written where the heap must not be used.
+/// Text of a fixed capacity: for lines and paths that are written where the heap must not be used.
 
 #include <cstdarg>
 #include <cstddef>

@@ -7,7 +7,7 @@
 namespace plumbline {
 namespace {
 
-/// Bytes of the UTF-8 sequence at the start of `text`, which is not empty; 0 where there is none.
+/// Bytes of the UTF-8 sequence at the start of `text`, which is not empty; 0 if there is none.
 std::size_t utf8_length(std::string_view text) {
   const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U; };
   const auto follows = [&](std::size_t i) { return (byte(i) & 0xC0U) == 0x80U; };

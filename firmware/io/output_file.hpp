@@ -12,7 +12,7 @@ namespace plumbline {
 
 class OutputFile {
  public:
-  /// @param path  created, or emptied where it exists
+  /// @param path  created, or emptied if it exists
   /// @retval ErrorCode::kCannotOpen  the path, the system's reason, what to do
   [[nodiscard]] static Expected<OutputFile> create(const char* path);
   /// Standard output, which is not closed.

@@ -20,7 +20,7 @@ namespace plumbline {
 
 /// How to simulate a machine.
 struct SimulationOptions {
-  bool simulate = false;  ///< simulate a real printer, too
+  bool simulate = false;  ///< simulate even a real printer
   double speedup = 0;     ///< virtual seconds per second; 1: real time, 0: as fast as the host can
   double computing = 1;   ///< virtual seconds per second of the host's work; 0: none, and every run is the same
   std::vector<std::string> faults;  ///< "lamp.stuck_on@layer=40": hal/sim/README.md

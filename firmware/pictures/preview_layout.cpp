@@ -17,7 +17,7 @@ Extent find_extent(const RRep& rrep, std::span<std::uint64_t> words) {
       inside += is_inside ? 1 : -1;
     });
   }
-  if (inside > 0) extent.layer_end = rrep.grid.layers;  // the object goes on above the last layer
+  if (inside > 0) extent.layer_end = rrep.grid.layers;  // the object continues above the last layer
   return extent;
 }
 

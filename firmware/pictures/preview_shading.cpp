@@ -87,7 +87,7 @@ class Shader {
   static inline const Direction kFill = unit(0.85F, 0.10F, 0.50F);
   static inline const Direction kHalfway = unit(-0.55F, 0.62F, 1.66F);
 
-  /// @returns nullptr outside the map and where the map is empty
+  /// @returns nullptr outside the map and at empty samples
   const float* sample(Signed column, Signed row) const {
     if (column < 0 || row < 0 || column >= map_.columns || row >= map_.rows) return nullptr;
     const float& depth = map_.at(static_cast<std::uint32_t>(column), static_cast<std::uint32_t>(row));

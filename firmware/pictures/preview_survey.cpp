@@ -127,7 +127,7 @@ class Surveyor {
                     });
     }
   }
-  /// Raises the highest surfaces to the supports' where those are higher.
+  /// Raises the highest surfaces to the supports' tops where those are higher.
   void see_supports_from_above() const {
     const std::uint32_t low_bits = (std::uint32_t{1} << shift_) - 1;
     std::fill(scratch_.materials.begin(), scratch_.materials.end(), to_byte(Material::kObject));
@@ -184,7 +184,7 @@ class Surveyor {
         std::uint32_t height = scratch_.heights[cell];
         bool support = is_support(scratch_.materials[cell]);
         if (last.at(column << shift_, row << shift_)) {
-          height = extent_.layer_end;  // goes on above the last layer
+          height = extent_.layer_end;  // continues above the last layer
           support = false;
         }
         if (height == 0) continue;

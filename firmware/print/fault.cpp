@@ -91,7 +91,7 @@ constexpr std::array<std::string_view, 24> kAdviceVerbs = {
     "use",  "check", "make", "put",  "print",   "save",   "say",   "correct", "export", "try",  "format", "plug",
     "copy", "press", "have", "give", "restart", "resume", "lower", "raise",   "close",  "pull", "switch", "choose"};
 
-/// Where the advice begins; the message's size where it has none.
+/// Where the advice begins; the message's size if it has none.
 std::size_t find_advice(std::string_view message) {
   for (std::size_t at = message.size(); at-- > 2;) {
     const char stop = message[at - 2];

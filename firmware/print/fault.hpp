@@ -67,12 +67,12 @@ const FaultInfo& info(FaultCode code);
 /// A fault as text for people, with its advice given once.
 struct FaultText {
   FixedText<800> what;         ///< "PL-601, sensor dead: the lamp's temperature sensor does not answer"
-  std::size_t message_at = 0;  ///< where the message begins in `what`; its size where there is none
+  std::size_t message_at = 0;  ///< where the message begins in `what`; its size if there is none
   FixedText<400> advice;       ///< "Check the sensor's plug, then resume."
 };
 
-/// Joins a fault's title with the message of its error. Advice in the message replaces that of the table where the fault is about
-/// a scan or a setting (PL-101 to PL-106), and gives way to it where it is about a device.
+/// Joins a fault's title with the message of its error. If the fault is about a scan or a setting (PL-101 to PL-106), advice in
+/// the message replaces the table's; if it is about a device, the table's advice is used.
 /// @param code  not kNone
 FaultText explain(FaultCode code, std::string_view message);
 

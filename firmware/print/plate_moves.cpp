@@ -36,7 +36,7 @@ Expected<bool> PlateMoves::lower_to(std::uint32_t layer) {
   const auto down = retract_to(plan_, layer);
   const auto at = stage_.position();
   PLUMBLINE_TRY(at);
-  // After a pause, or from the top: fast to where the lift of a layer ends.
+  // After a pause or from the top, go fast to where the lift of a layer ends.
   const ZPosition near = std::min(down[1].target + plan_.lift + plan_.lift2, plan_.highest);
   if (*at > near) {
     const auto moved = move({near, plan_.fastest});

@@ -19,7 +19,7 @@ class PlateMoves {
   [[nodiscard]] Expected<bool> lower_to(std::uint32_t layer);
   /// Peels a layer off the film.
   [[nodiscard]] Expected<bool> lift(std::uint32_t layer);
-  /// Peels whatever may stick to the film, then moves up to `to`. No move where the plate is above it already.
+  /// Peels off whatever may stick to the film, then moves up to `to`. Does not move if the plate is already above it.
   [[nodiscard]] Expected<bool> raise(std::uint32_t layer, const StageMove& to);
 
   /// Found by the last home(): how far the stage was from where its steps said. 0: none lost.

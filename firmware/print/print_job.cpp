@@ -211,7 +211,7 @@ Status PrintJob::print_layer() {
   return {};
 }
 
-/// Before each layer: a hot lamp has to cool down; a stalled fan, a dead sensor and resin out of range end the print.
+/// Checks before each layer: a hot lamp must cool down first; a stalled fan, a dead sensor or resin out of range ends the print.
 Status PrintJob::check_temperatures() {
   const auto lamp = machine_.thermals.temperature(TemperatureSite::kLamp);
   PLUMBLINE_TRY(lamp);
@@ -344,7 +344,7 @@ Status PrintJob::raise_to_end() {
   const auto raised = plate_.raise(layer_at_hand(), {plan_.highest, plan_.fastest});
   PLUMBLINE_TRY(raised);
   if (*raised) {
-    // Homing again shows whether the stage still was where its steps said.
+    // Homing again shows whether the stage was still where its steps said.
     PLUMBLINE_TRY(plate_.home());
     apply(PrintEvent::kRaised);
   }

@@ -67,7 +67,7 @@ class PrintJob {
   void make_safe();
 
   double used_ml() const { return static_cast<double>(entry_.cured_pixels) * settings_.pixel_ml; }
-  /// The next layer to cure, or the last one where all are cured.
+  /// The next layer to cure, or the last one if all are cured.
   std::uint32_t layer_at_hand() const {
     return entry_.next_layer < plan_.layers ? entry_.next_layer : plan_.layers - 1;
   }
@@ -86,12 +86,12 @@ class PrintJob {
   PrintWatch watch_{machine_, state_};
   PlateMoves plate_{machine_.stage, plan_, watch_};
   PrintChecks checks_{machine_, settings_, report_.checks, observer_};
-  JournalEntry entry_;    ///< what the journal would say now
+  JournalEntry entry_;    ///< the next entry for the journal, as of now
   nanoseconds before_{};  ///< printing time of earlier runs
   TimePoint began_;
   std::optional<MaskBuffer> mask_;  ///< rendered, not presented yet
-  std::uint32_t mask_layer_ = 0;    ///< whose it is
-  MaskFacts mask_facts_;            ///< of it
+  std::uint32_t mask_layer_ = 0;    ///< the layer of mask_
+  MaskFacts mask_facts_;            ///< of mask_
   MaskFacts shown_facts_;           ///< of the mask on the panel
   std::optional<nanoseconds> slack_;
   double poured_ml_ = 0;  ///< used_ml() when the tank was last full

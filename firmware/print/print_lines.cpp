@@ -11,7 +11,7 @@ namespace plumbline {
 namespace {
 
 constexpr const char* kEraseLine = "\r\033[K";
-/// Between two drawings on a terminal: quick for an eye, cheap for the print.
+/// Between two drawings on a terminal: often enough for a person, rarely enough to cost the print little.
 constexpr auto kRedraw = std::chrono::milliseconds(100);
 
 const char* word_of(CheckOutcome outcome) {
@@ -24,7 +24,7 @@ const char* word_of(CheckOutcome outcome) {
   return "?";
 }
 
-/// Why a print waits and what makes it go on; null where it does not wait.
+/// Why a print waits and what makes it continue; null if it does not wait.
 const char* reason_to_wait(PrintState state) {
   switch (state) {
     case PrintState::kPausing:

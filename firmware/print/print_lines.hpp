@@ -13,7 +13,7 @@ class PrintLines final : public PrintObserver {
   enum class Show : std::uint8_t {
     kNothing,     ///< only looks for Ctrl-C
     kPrint,       ///< where the print is, and the checks that did not pass
-    kEverything,  ///< all checks, times, heights and resin, too
+    kEverything,  ///< also all checks, times, heights and resin
   };
 
   /// @param longest_wait  machine time after which a print that waits for its user is cancelled; none: it waits

@@ -121,7 +121,7 @@ Distance elephant_foot_of(const PrintPlan& plan, std::uint32_t layer) {
 }
 
 nanoseconds layer_time(const PrintPlan& plan, std::uint32_t layer) {
-  // Down from where the lift of the layer below ended. print_time() adds the first layer's way from the top.
+  // The way down starts where the lift of the layer below ended. print_time() adds the first layer's way from the top.
   const Distance down = plan.lift + plan.lift2 - plan.layer_height - plan.retract2;
   nanoseconds time{};
   if (layer > 0)

@@ -68,10 +68,10 @@ nanoseconds exposure_of(const PrintPlan& plan, std::uint32_t layer);
 /// Height at which a layer is cured.
 ZPosition height_of(const PrintPlan& plan, std::uint32_t layer);
 
-/// Peels the part off the film and raises it. The second move is empty where lift_height2 is 0.
+/// Peels the part off the film and raises it. The second move is empty if lift_height2 is 0.
 TwoStageMove lift_from(const PrintPlan& plan, std::uint32_t layer);
 
-/// Down to a layer. The second move is empty where retract_height2 is 0.
+/// Lowers the part to a layer. The second move is empty if retract_height2 is 0.
 TwoStageMove retract_to(const PrintPlan& plan, std::uint32_t layer);
 
 /// Where a pause holds the part: pause_lift above the layer, or as far as the travel goes.
@@ -89,14 +89,14 @@ nanoseconds remaining_time(const PrintPlan& plan, std::uint32_t first);
 /// Time of the whole print after homing: down, all layers, up.
 nanoseconds print_time(const PrintPlan& plan);
 
-/// Cure depth (Jacobs 1992): Dp ln(E / Ec), E = irradiance x time. Negative where the dose is too small to cure anything.
+/// Cure depth (Jacobs 1992): Dp ln(E / Ec), E = irradiance x time. Negative if the dose is too small to cure anything.
 Distance cure_depth(const PrintProfile& profile, Irradiance irradiance, nanoseconds lit);
 
 /// Resin in the masks, ml.
 /// @param cured_pixels  of all layers together
 double resin_ml(std::uint64_t cured_pixels, double pitch_x_mm, double pitch_y_mm, double layer_height_mm);
 
-/// Cost in the profile's currency; 0 where the profile has no bottle volume.
+/// Cost in the profile's currency; 0 if the profile has no bottle volume.
 double resin_cost(const PrintProfile& profile, double ml);
 
 }  // namespace plumbline

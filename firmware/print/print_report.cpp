@@ -65,7 +65,7 @@ void for_each_warning(const PrintReport& report, const std::function<void(std::s
              report.doses_off == 1 ? " was" : "s were");
     say();
   }
-  // Ten microns: below any layer height, above what homing repeats to.
+  // Ten microns: below any layer height, above the repeatability of homing.
   constexpr Distance kNoticed = Distance::micrometres(10);
   if (report.steps_lost > kNoticed || -report.steps_lost > kNoticed) {
     text.add("PL-%u: the Z stage was %.3f mm off when it came back to its end stop, so the part may have a step",

@@ -56,7 +56,7 @@ class PrintSession {
   const PrintGrid& grid() const { return rrep_.grid; }
   const RRep& rrep() const { return rrep_; }
   const Supports& supports() const { return supports_; }
-  /// Known only after slice_scan(): the settings asked for, the supports by purpose, and the pixels that they add.
+  /// Known only after slice_scan(): the requested settings, the supports by purpose, and the pixels that they add.
   const std::optional<SupportSettings>& support_settings() const { return support_settings_; }
   const SupportCounts& support_counts() const { return support_counts_; }
   std::uint64_t support_pixels() const { return support_pixels_; }

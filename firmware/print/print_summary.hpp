@@ -24,7 +24,7 @@ struct PrintOutcome {
 
 /// What a person needs: how far the print came, what went wrong and what to do, time, resin, warnings, files to look at.
 /// @param look_at  files, for the last line; empty: none
-/// @param verbose  doses, masks, steps and the slowest layer, too
+/// @param verbose  also doses, masks, steps and the slowest layer
 /// @retval ErrorCode::kCannotWrite
 [[nodiscard]] Status write_print_summary(OutputFile& out, const PrintOutcome& outcome, std::string_view look_at,
                                          bool verbose);

@@ -15,7 +15,7 @@
 
 namespace plumbline {
 
-/// As on the command line. What is absent comes from the board file or has a default.
+/// As on the command line. Absent options come from the board file or have a default.
 struct JobOptions {
   std::vector<std::string> scans;         ///< files of one scan, in this order; 1 to kMostScans
   std::string printer;                    ///< a printer's name or board file; empty: none
@@ -29,7 +29,7 @@ struct JobOptions {
   bool keep_all = false;                   ///< keep stray pieces and small cavities
   std::optional<std::uint32_t> arena_mib;  ///< MiB
   std::optional<std::uint32_t> threads;    ///< 1 to kMostThreads
-  bool verbose = false;                    ///< times, memory and counts, too
+  bool verbose = false;                    ///< also times, memory and counts
   bool quiet = false;
   bool json = false;
 };
@@ -58,7 +58,7 @@ struct JobSetup {
 /// @retval any error of read_board_file()
 [[nodiscard]] Expected<JobSetup> set_up(const JobOptions& options, std::span<std::byte> arena_block);
 
-/// Starts the threads now that later parallel regions use, so that none is made while a job runs.
+/// Starts the threads of later parallel regions now, so that none is made while a job runs.
 /// @param threads  JobSetup::threads
 void start_threads(std::uint32_t threads);
 

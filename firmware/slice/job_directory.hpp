@@ -28,7 +28,7 @@ enum class Picture : std::uint8_t {
 
 class JobDirectory {
  public:
-  /// Creates the folder, its parents and `layers` where missing, and checks that it holds nothing but an older job, complete or
+  /// Creates the folder, its parents and `layers` if missing, and checks that it holds nothing but an older job, complete or
   /// not, which may be replaced. Locks it against other plumbline processes.
   ///
   /// The older job stays until begin(). What open() created is removed with the object unless begin() was called.

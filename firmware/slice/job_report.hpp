@@ -75,7 +75,7 @@ struct Unseen {
   bool is_negligible() const { return underside <= kNegligible && elsewhere <= kNegligible; }
 };
 
-/// "the underside (12.6 % of the surface) and 4.1 % elsewhere were not scanned"; empty where both are negligible.
+/// "the underside (12.6 % of the surface) and 4.1 % elsewhere were not scanned"; empty if both are negligible.
 FixedText<128> unseen_sentence(const Unseen& unseen);
 
 /// "87.4 % of the surface; closed: underside 12.6 %, elsewhere 0.0 %".

@@ -20,7 +20,7 @@ class Rig {
 
   virtual Machine machine() = 0;
 
-  // The tester's hands. Each acts `after` from now, also while the machine works.
+  // The tester's hands. Each acts `after` from now, even while the machine works.
   virtual void open_cover(nanoseconds after) = 0;
   virtual void close_cover(nanoseconds after) = 0;
   virtual void press(EventKind button, nanoseconds after) = 0;

@@ -201,7 +201,7 @@ class Rig {
     return settings;
   }
 
-  /// What stands on the plate.
+  /// The part on the plate.
   std::vector<std::vector<std::uint64_t>> part() const {
     std::vector<std::vector<std::uint64_t>> layers;
     plant.part().for_each_layer([&](const CuredLayer&, ConstBitImage cured) {

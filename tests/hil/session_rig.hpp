@@ -55,7 +55,7 @@ class Silent final : public PrintObserver {
   void checked(Check /*check*/, const CheckResult& /*result*/) override {}
 };
 
-/// Records what the daemon says and does. Its actions run when nothing is printed.
+/// Records what the daemon says and does. Its actions run while nothing is being printed.
 class ScriptedUser final : public DaemonObserver {
  public:
   explicit ScriptedUser(Plant& plant) : plant_(plant) {}

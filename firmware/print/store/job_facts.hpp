@@ -10,7 +10,7 @@
 
 namespace plumbline {
 
-/// A short text of fixed size, cut where it is longer, filled with 0 where it is shorter.
+/// A short text of fixed size, cut if it is longer, filled with 0 if it is shorter.
 using ShortName = std::array<char, 64>;
 ShortName short_name(std::string_view text);
 std::string_view view(const ShortName& name);

@@ -1,10 +1,10 @@
 #pragma once
-/// What the printer's own storage keeps of a print, so that the stick may leave and the print survives a power cut:
+/// Stores a print on the printer, so that the stick can be pulled and the print survives a power cut:
 ///
 ///   STATE/job       settings, R-Rep and supports, written once before the first layer (job_file.hpp)
 ///   STATE/journal   what has been cured (journal.hpp)
 ///
-/// The journal is created last and removed first: where it exists, its job is complete.
+/// The journal is created last and removed first, so if it exists, its job is complete.
 
 #include <cstdint>
 #include <string>
@@ -18,14 +18,14 @@ namespace plumbline {
 
 class JobStore {
  public:
-  /// Creates the folder where it is missing, and locks it against other processes.
+  /// Creates the folder if it is missing, and locks it against other processes.
   /// @retval ErrorCode::kCannotOpen, kCannotWrite  the path, the reason
   [[nodiscard]] static Expected<JobStore> open(const std::string& folder);
 
-  /// There is a journal: a print was interrupted.
+  /// Whether there is a journal, which means that a print was interrupted.
   bool has_job() const;
 
-  /// Replaces whatever is stored by a new print. Durable when it returns. Takes nothing from the heap.
+  /// Replaces anything stored with a new print. Durable when it returns. Takes nothing from the heap.
   /// @returns storage for its journal, all zeros; create the journal with `job_hash`
   /// @retval ErrorCode::kCannotWrite
   [[nodiscard]] Expected<JournalFile> begin(const JobFacts& facts, const RRep& rrep, const Supports& supports,

@@ -39,14 +39,14 @@ struct JournalEntry {
   ZPosition height;                ///< of the last cured layer; 0 before the first
   std::uint64_t cured_pixels = 0;  ///< of all cured layers
   nanoseconds elapsed{};           ///< printing time, over all runs
-  nanoseconds lit{};               ///< light that next_layer has had already, where the print was stopped within it
+  nanoseconds lit{};               ///< light that next_layer has had already, if the print was stopped during it
   bool operator==(const JournalEntry&) const = default;
 };
 
 class Journal {
  public:
   static constexpr std::size_t kRecordBytes = 64;
-  /// Room beyond one record a layer: one for each time that the print resumes. Far more than power cuts in a print, and 64 KiB.
+  /// Room beyond one record a layer: one for each time that the print resumes. Far more than a print has power cuts, and 64 KiB.
   static constexpr std::size_t kSpareRecords = 1024;
 
   /// @returns bytes of storage
@@ -75,7 +75,7 @@ class Journal {
 
   /// Durable when it returns. Takes nothing from the heap.
   /// @param entry  next_layer is that of the last entry or one more
-  /// @retval ErrorCode::kCannotWrite  also where the journal is full
+  /// @retval ErrorCode::kCannotWrite  also if the journal is full
   [[nodiscard]] Status append(const JournalEntry& entry);
 
  private:

@@ -14,7 +14,7 @@ class EventQueue {
  public:
   static constexpr std::size_t kCapacity = 256;  ///< the firmware reads events as they come, so a few would do
 
-  /// A full queue drops the new event. Nobody misses a button press behind 256 unread events.
+  /// A full queue drops the new event: after 256 unread ones nobody misses a button press.
   void add(EventKind kind, std::chrono::nanoseconds at) {
     if (count_ == kCapacity) return;
     const Event event{TimePoint(at), kind};

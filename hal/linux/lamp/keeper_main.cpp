@@ -56,7 +56,7 @@ Opened<CoverLine> open_cover(std::string_view text) {
 
 int run(std::string_view lamp_text, std::string_view cover_text, int firmware) {
   constexpr int kSocket = 3;
-  // Both help to meet the deadline. The keeper also works where they are not permitted.
+  // Both help to meet the deadline. The keeper also works if they are not permitted.
   static_cast<void>(lock_memory());
   static_cast<void>(set_real_time_priority(kKeeperPriority));
 

@@ -134,7 +134,7 @@ TEST(Bust, IsFlatBelowAtHeightZero) {
     }
   }
   const double area = under_the_plinth * 0.37 * 0.37;
-  EXPECT_NEAR(area, 3.14159265 * 15 * 15, 15);  // the plinth's disc of 15 mm, sharp where it stands
+  EXPECT_NEAR(area, 3.14159265 * 15 * 15, 15);  // the plinth's disc of 15 mm, with a sharp edge at the bottom
 }
 
 TEST(Bust, IsSixtyMillimetresTallAndFortyWide) {

@@ -25,9 +25,9 @@ class HeapTrap {
   ~HeapTrap() { disarm(); }
   HeapTrap(const HeapTrap&) = delete;
   HeapTrap& operator=(const HeapTrap&) = delete;
-  /// Also harmless when disarmed already.
+  /// Harmless if already disarmed.
   HeapUse disarm();
-  /// Prints where the first blocks were taken to standard error.
+  /// Prints to standard error where the first blocks were taken.
   static void print_stacks();
 };
 
