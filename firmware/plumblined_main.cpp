@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t kArenaBytes = std::size_t{PLUMBLINE_ARENA_MIB} * 1024 * 1024;
 
-/// All the memory that slicing and printing have. In .bss: what is not touched costs nothing.
+/// All the memory for slicing and printing. It is in .bss, so untouched pages cost nothing.
 alignas(plumbline::Arena::kAlignment) std::byte arena_block[kArenaBytes];
 
 }  // namespace

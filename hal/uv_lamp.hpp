@@ -68,7 +68,7 @@ class [[nodiscard]] Exposure {
 };
 
 /// The lamp. Every back end guarantees the following, even if the firmware hangs or dies:
-/// - off is armed before on: somebody else (a keeper process, a timer) holds the deadline before the line goes on
+/// - off is armed before on: something else (a keeper process, a timer) holds the deadline before the line goes on
 /// - off within 1 ms of the deadline
 /// - off within 10 ms of the cover's opening
 /// - off within 50 ms of the firmware's end, however it ends

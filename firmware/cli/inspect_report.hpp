@@ -13,7 +13,7 @@
 
 namespace plumbline {
 
-/// What slicing a scan would give, on a printer or in a grid that fits the object.
+/// The expected result of slicing a scan, on a printer or in a grid that fits the object.
 struct ScanOutlook {
   std::string scan_name;                ///< title_of() its files
   std::vector<std::string> scan_names;  ///< of the files

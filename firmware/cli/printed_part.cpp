@@ -15,7 +15,7 @@
 namespace plumbline {
 namespace {
 
-/// What was cured, as an R-Rep: the pixels that differ from the layer below.
+/// The cured part as an R-Rep: the pixels that differ from the layer below.
 struct PartRRep {
   std::vector<std::uint32_t> first{0};
   std::vector<std::uint32_t> pixel;
@@ -41,7 +41,7 @@ struct PartRRep {
 
 constexpr std::size_t kPreviewBytes = std::size_t{3} * kPreviewColumns * kPreviewRows;
 
-/// What was cured, and what was to be printed to the left of it.
+/// Writes the preview of the cured part, and a comparison that shows what was to be printed to its left.
 Status write_pictures(JobDirectory& directory, const PrintSession& session, const RRep& part, const JobReport& job,
                       Arena& arena) {
   auto encoder = PngEncoder::for_pictures(2 * kPreviewColumns, kPreviewRows);
@@ -53,12 +53,12 @@ Status write_pictures(JobDirectory& directory, const PrintSession& session, cons
               static_cast<double>(job.cured_pixels) * session.pixel_ml());
   const std::array<std::string_view, 1> printed_captions = {caption.view()};
   const std::array<std::string_view, 1> sliced_captions = {"to be printed"};
-  // A print that was resumed from its store has no placement.
+  // A print resumed from its store has no placement.
   const Placement& placement = session.sliced().placement;
   const auto size = placement.grid.layers > 0 ? size_text(placement) : FixedText<96>();
   PLUMBLINE_TRY(draw_preview(session.rrep(), session.supports(), {job.scan_name, size.view(), sliced_captions}, arena,
                              std::span(sliced)));
-  // What was cured of the supports is in the layers already.
+  // The layers already include the cured supports.
   PLUMBLINE_TRY(draw_preview(part, Supports{}, {job.scan_name, {}, printed_captions}, arena, std::span(printed)));
   const auto preview = encoder->encode(printed, kPreviewColumns, kPreviewRows);
   PLUMBLINE_TRY(preview);

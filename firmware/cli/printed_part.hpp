@@ -11,7 +11,7 @@
 namespace plumbline {
 
 /// Writes what was cured as `plumbline slice` writes its layers: layers, preview.png, manifest.json if this session sliced the
-/// scan, and comparison.png, which shows beside it what was to be printed. For the desktop: takes memory from the heap.
+/// scan, and comparison.png, which shows the part beside what was to be printed. For the desktop: uses the heap.
 /// @param folder   as JobDirectory takes it
 /// @param arena    its free part is used for the picture
 /// @retval the errors of JobDirectory and PngEncoder

@@ -21,7 +21,7 @@ CLI::Validator finite_range(double low, double high);
 /// @returns the scan, which is required unless the caller changes that
 CLI::Option* add_job_options(CLI::App& app, JobOptions& job);
 
-/// What the program may use and print.
+/// Options for the memory and threads that the program may use, and for what it prints.
 void add_program_options(CLI::App& app, JobOptions& job);
 
 /// `--supports` and an option for each setting.

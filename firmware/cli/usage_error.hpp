@@ -1,5 +1,5 @@
 #pragma once
-/// What `plumbline` says about a command line that it can't follow.
+/// Messages about a wrong command line.
 
 #include <CLI/CLI.hpp>
 #include <string>

@@ -108,7 +108,7 @@ class DaemonLog final : public DaemonObserver {
     if (witness_ != nullptr) {
       witness_->press(EventKind::kShutdownRequested);
     } else {
-      static_cast<void>(::kill(::getpid(), SIGTERM));  // the board's machine turns it into the same event
+      static_cast<void>(::kill(::getpid(), SIGTERM));  // on a board, SIGTERM becomes the same event
     }
   }
 

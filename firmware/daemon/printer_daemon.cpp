@@ -45,7 +45,7 @@ PrinterDaemon::PrinterDaemon(Machine& machine, const DaemonSettings& settings, A
 void PrinterDaemon::apply(PrintEvent event) {
   state_ = next(state_, event);
   const auto on_if = [](bool on) { return on ? LightState::kOn : LightState::kOff; };
-  // A light that fails is no reason to refuse a job.
+  // A failed light is no reason to refuse a job.
   static_cast<void>(machine_.panel.set_light(PanelLight::kReady, on_if(state_ == PrintState::kIdle)));
   static_cast<void>(machine_.panel.set_light(PanelLight::kFault, on_if(state_ == PrintState::kFault)));
   static_cast<void>(machine_.panel.set_light(
@@ -231,7 +231,7 @@ Status PrinterDaemon::resume() {
 void PrinterDaemon::print(PrintSession& session, const PrintProfile& profile) {
   const PrintReport& report = session.print(machine_, observer_);
   observer_.printed(report, session, profile);
-  // The same stick is not printed twice unless it is plugged in again.
+  // Don't print the same stick again until it is plugged in anew.
   served_ = machine_.stick.has_stick();
   fault_ = report.fault;
   if (report.state == PrintState::kFault) {

@@ -5,7 +5,7 @@
 namespace plumbline {
 namespace {
 
-/// Longest single wait, whatever the watchdog's time: a second of a simulated machine may take ten of the manager's.
+/// Longest single wait, however long the watchdog's time: one second of a simulated machine may take ten of the manager's.
 constexpr nanoseconds kLongestWait = std::chrono::seconds(1);
 
 }  // namespace

@@ -13,8 +13,8 @@
 
 namespace plumbline {
 
-/// h = mix64(h + kGoldenStep64 + word) for each eight bytes, little-endian, the last ones filled up with zeros; then the number of bytes
-/// in the same way. How the bytes are cut into calls does not matter.
+/// h = mix64(h + kGoldenStep64 + word) for each eight bytes, little-endian, the last ones padded with zeros; then the number of bytes
+/// in the same way. The split of the bytes over calls does not matter.
 class Hash64 {
  public:
   void add(std::span<const std::byte> bytes) {

@@ -26,7 +26,7 @@ class HashingSource final : public ByteSource {
   Hash64 hash_;
 };
 
-/// The same for all files of a scan.
+/// Hashes all files of a scan.
 class HashingSources {
  public:
   /// @param scan  1 to kMostScans files; they must outlive this

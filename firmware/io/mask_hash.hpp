@@ -10,7 +10,7 @@ namespace plumbline {
 
 /// 64-bit hash of a mask. It detects errors; it does not resist forgery.
 ///
-/// A row is taken as its bytes stand in the PNG (first pixel in the high bit), filled up with zeros to whole groups of
+/// A row is read as its bytes in the PNG (first pixel in the high bit), padded with zeros to whole groups of
 /// eight; word(r, w) is group w of row r read as a big-endian number, and s(r, w) = r * groups a row + w + 1.
 ///
 ///   mix(z): z = (z ^ z >> 30) * BF58476D1CE4E5B9; z = (z ^ z >> 27) * 94D049BB133111EB; z ^ z >> 31   (SplitMix64)

@@ -1,5 +1,5 @@
 #pragma once
-/// What every back end takes from the machine's part of a board file.
+/// Values that every back end derives from the machine's part of a board file.
 
 #include "firmware/settings/board_file.hpp"
 #include "hal/clock.hpp"

@@ -11,7 +11,7 @@ namespace plumbline {
 /// @param rrep     at least one layer
 /// @param map      not empty
 /// @param text     only its name is drawn
-/// @param arena    for pictures and depths: taken from the top and given back
+/// @param arena    for pictures and depths: taken from the top and released
 /// @param encoder  made for pictures of at least kPreviewColumns x kPreviewRows
 /// @returns the file, in the encoder's memory, valid until its next use
 /// @retval ErrorCode::kOutOfMemory  the arena or lodepng found no room

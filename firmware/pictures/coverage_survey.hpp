@@ -28,7 +28,7 @@ struct CoverageViews {
 
 /// Fills the maps that have samples, in one sweep over the layers.
 /// @param section  scratch: an image of the grid
-/// @param arena    for the heights of the surface, taken from the top and given back
+/// @param arena    for the heights of the surface, taken from the top and released
 /// @retval ErrorCode::kOutOfMemory
 [[nodiscard]] Status survey_coverage(const RRep& rrep, const ConfidenceMap& map, const Extent& extent,
                                      const CoverageLayout& layout, std::span<std::uint64_t> section, Arena& arena,

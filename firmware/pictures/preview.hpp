@@ -25,14 +25,14 @@ struct PreviewText {
 };
 inline constexpr std::size_t kMaxPreviewCaptions = 3;
 
-/// Bytes that draw_preview() takes from the top of the arena and gives back.
+/// Bytes that draw_preview() takes from the top of the arena and releases.
 std::size_t preview_bytes(const PrintGrid& grid);
 
 /// Draws the object from the front (along +y), from the side (along +x) and from above (along -z), at one scale.
 ///
 /// @param rrep      at least one layer; without crossings only the text is drawn
 /// @param supports  drawn in another colour
-/// @param arena     preview_bytes() are taken from its top and given back
+/// @param arena     preview_bytes() are taken from its top and released
 /// @param rgb       3 * kPreviewColumns * kPreviewRows bytes of the caller, row after row from the top; overwritten
 /// @retval ErrorCode::kOutOfMemory  the arena has less than preview_bytes() left
 [[nodiscard]] Status draw_preview(const RRep& rrep, const Supports& supports, const PreviewText& text, Arena& arena,

@@ -1,5 +1,5 @@
 #pragma once
-/// What all pictures share: background, ink, and cutting text to a width.
+/// Shared by all pictures: background, ink, and cutting text to a width.
 
 #include <cstdint>
 #include <string_view>

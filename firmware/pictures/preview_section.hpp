@@ -1,5 +1,5 @@
 #pragma once
-/// What the pictures see of a layer: the object's section and its supports.
+/// A layer as the pictures show it: the object's section and its supports.
 
 #include <cstdint>
 #include <span>

@@ -78,7 +78,7 @@ class Surveyor {
     return cell(above, double{rrep_.grid.layer_height_mm}, extent_.layer, extent_.layer_end);
   }
 
-  /// First row that holds each column, for the view along +y.
+  /// First row with solid in each column, for the view along +y.
   void see_along_rows(const BitImage& image) const {
     const auto nearest = scratch_.nearest;
     const auto found = scratch_.found;
@@ -95,7 +95,7 @@ class Surveyor {
       }
     }
   }
-  /// First column that holds each row, for the view along +x.
+  /// First column with solid in each row, for the view along +x.
   void see_along_columns(const BitImage& image) const {
     const auto nearest = scratch_.nearest;
     const std::uint32_t first = extent_.column / 64, last = (extent_.column_end - 1) / 64;

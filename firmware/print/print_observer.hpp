@@ -10,7 +10,7 @@
 
 namespace plumbline {
 
-/// Where a print is.
+/// How far a print is.
 struct PrintStatus {
   PrintState state = PrintState::kIdle;
   std::uint32_t layer = 0;  ///< the next one to cure, from 0; equals `layers` when all are cured

@@ -12,7 +12,7 @@
 
 namespace plumbline {
 
-/// What a report is made from.
+/// The input of a report.
 struct PrintOutcome {
   const PrintReport& report;
   const PrintSession& session;
@@ -22,7 +22,7 @@ struct PrintOutcome {
   std::optional<StepFigures> steps;         ///< of a real one, in this print
 };
 
-/// What a person needs: how far the print came, what went wrong and what to do, time, resin, warnings, files to look at.
+/// The report for people: how far the print came, what went wrong and what to do, time, resin, warnings, files to look at.
 /// @param look_at  files, for the last line; empty: none
 /// @param verbose  also doses, masks, steps and the slowest layer
 /// @retval ErrorCode::kCannotWrite

@@ -1,5 +1,5 @@
 #pragma once
-/// Waits for time, exposures and motions, and records what is asked of the print meanwhile.
+/// Waits for time, exposures and motions, and records requests that arrive meanwhile.
 
 #include <algorithm>
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace plumbline {
 
-/// What has been asked of a print, in order of urgency.
+/// Requests to a print, in order of urgency.
 enum class Request : std::uint8_t {
   kNone,
   kResume,  ///< start was pressed while the print waits for it

@@ -115,7 +115,7 @@ void RangeImage::add_noise(const CounterRng& rng) {
 }
 
 Vec3d RangeImage::normal(std::size_t i, std::size_t j) const {
-  // Four cells of about 0.2 mm, whatever the pitch: smaller ones show the noise, larger ones lose the strands of hair.
+  // Four cells of about 0.2 mm at any pitch: smaller ones show the noise, larger ones lose the strands of hair.
   // (At 300 000 points half of the normals are within 3.4 degrees of the truth, 90 % within 12.)
   const std::size_t size = static_cast<std::size_t>(std::max(1L, std::lround(0.2 / pitch_)));
   const std::size_t here = index(i, j);
@@ -139,7 +139,7 @@ Vec3d RangeImage::normal(std::size_t i, std::size_t j) const {
     }
   }
   const Vec3d away = direction(i, j);
-  if (sum.squaredNorm() == 0.0) return -away;  // an isolated pixel: all that is known is that the camera saw it
+  if (sum.squaredNorm() == 0.0) return -away;  // an isolated pixel: use the direction to the camera that saw it
   const Vec3d unit = sum.normalized();
   return unit.dot(away) > 0.0 ? Vec3d{-unit} : unit;
 }

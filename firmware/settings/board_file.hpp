@@ -18,7 +18,7 @@ namespace plumbline {
 /// microstep, so any clearance above the switch's own travel would do.
 inline constexpr double kEndStopClearanceMm = 1;
 
-/// What a printer needs to print, beyond what slicing needs.
+/// The part of a board file that printing needs and slicing does not.
 struct MachineFile {
   bool simulated = false;                     ///< [printer] simulate it: no such machine exists
   PanelLayout panel;                          ///< [panel]

@@ -1,5 +1,5 @@
 #pragma once
-/// What a user asks for, and the same completed by the printer's board file and this computer.
+/// The options of a job, and the same options completed from the printer's board file and this computer.
 
 #include <array>
 #include <cstddef>
@@ -41,7 +41,7 @@ inline constexpr double kLargestScale = 1e6;
 inline constexpr std::uint32_t kMostThreads = 64;
 inline constexpr std::uint32_t kMostDefaultThreads = 8;  ///< more gain little, and each takes a share of the arena
 
-/// The same, complete.
+/// The completed options.
 struct JobSetup {
   PlacementSettings placement;
   std::string printer_name;        ///< empty without a printer

@@ -1,5 +1,5 @@
 #pragma once
-/// What the rules of a settings file say about its keys, in words.
+/// Describes the rules of a settings file in words.
 
 #include <span>
 #include <string>

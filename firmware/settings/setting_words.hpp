@@ -15,7 +15,7 @@ std::string printable(std::string_view text, std::size_t longest = 60);
 /// @param longest  characters, without the "..."
 std::string shortened(std::string_view text, std::size_t longest);
 
-/// As few digits as are needed, nine at most.
+/// The number with as few digits as it needs, nine at most.
 std::string number(double value);
 
 /// The known word that takes the fewest insertions, deletions and replacements to become `word` (Levenshtein).

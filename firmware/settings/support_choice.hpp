@@ -1,5 +1,5 @@
 #pragma once
-/// What a job says about supports: on, off or nothing, and some of their settings. The profile has the rest.
+/// A job's choice of supports: on, off or unspecified, and some of their settings. The profile has the rest.
 
 #include <array>
 #include <optional>

@@ -14,7 +14,7 @@ double percent(double part, double whole) { return whole > 0 ? 100 * part / whol
 
 unsigned long long big(std::uint64_t number) { return number; }
 
-/// Where there are several.
+/// Lists the files if there are several.
 void add_files(Text& text, std::span<const std::string> names, const ScanSummaries& scans) {
   if (names.size() < 2) return;
   for (std::size_t i = 0; i < std::min(names.size(), scans.count); ++i) {

@@ -18,7 +18,7 @@
 namespace plumbline {
 namespace {
 
-/// Pixels that cure. Most words are black, and processors without a bit-counting instruction count slowly.
+/// Number of pixels that cure. Most words are black, and processors without a bit-counting instruction count slowly.
 std::uint64_t cured_in(ConstBitImage mask) {
   std::uint64_t sum = 0;
   for (const std::uint64_t word : mask.words()) {
@@ -59,7 +59,7 @@ Expected<SliceJob> SliceJob::prepare(const SliceJobSettings& settings, Arena& ar
 Status SliceJob::run(JobProgress& progress) {
   const std::size_t bottom = arena_->bottom_mark();
   auto done = work(progress);
-  report_.slice.confidence = {};  // its memory is given back to the arena
+  report_.slice.confidence = {};  // its memory is released below
   arena_->release_bottom(bottom);
   if (!done) directory_.discard();
   return done;

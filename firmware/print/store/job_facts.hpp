@@ -15,7 +15,7 @@ using ShortName = std::array<char, 64>;
 ShortName short_name(std::string_view text);
 std::string_view view(const ShortName& name);
 
-/// All of a print but its R-Rep and supports. Stored as it is, so it holds no pointers.
+/// Everything about a print except its R-Rep and supports. Stored byte for byte, so it holds no pointers.
 struct JobFacts {
   ShortName scan = {};  ///< file name
   ShortName printer = {};

@@ -40,7 +40,7 @@ tl::unexpected<Error> damaged(const char* path, const char* how) {
   return fail(ErrorCode::kMalformed, "%s: the stored job is %s and can't be resumed", path, how);
 }
 
-/// After read_all() has failed.
+/// The error after read_all() has failed.
 tl::unexpected<Error> cannot_read(const char* path) {
   if (errno == 0) return damaged(path, "cut off");
   return fail(ErrorCode::kCannotRead, "%s: %s", path, std::strerror(errno));

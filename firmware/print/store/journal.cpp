@@ -68,7 +68,7 @@ Found judge(const Bytes& bytes, std::span<const std::byte> expected) {
     return Found::kDamaged;
   }
   if (written <= kHashAt) return Found::kCutShort;
-  // The part of the hash that was written must be right.
+  // As much of the hash as was written must be right.
   const std::uint64_t hash = hash_of(bytes);
   const auto right = std::as_bytes(std::span(&hash, 1));
   if (std::equal(bytes.begin() + kHashAt, bytes.end(), right.begin())) return Found::kWhole;

@@ -16,7 +16,7 @@
 
 namespace plumbline {
 
-/// Where a journal's bytes are kept. An interface, so that a test can cut the power inside a write.
+/// The medium of a journal. An interface, so that a test can cut the power inside a write.
 class JournalStorage {
  public:
   virtual ~JournalStorage() = default;
@@ -28,7 +28,7 @@ class JournalStorage {
   /// Durable only after sync().
   /// @retval ErrorCode::kCannotWrite
   [[nodiscard]] virtual Status write(std::size_t offset, std::span<const std::byte> bytes) = 0;
-  /// Makes durable what was written.
+  /// Makes all writes durable.
   /// @retval ErrorCode::kCannotWrite
   [[nodiscard]] virtual Status sync() = 0;
 };

@@ -19,7 +19,7 @@ std::string first_line(const fs::path& path) {
   return text;
 }
 
-/// The folder below `root` whose file `file` says `name`.
+/// The folder below `root` whose file `file` contains `name`.
 Expected<std::string> find_named(const fs::path& root, const char* file, const std::string& name) {
   std::string others;
   std::error_code problem;

@@ -34,7 +34,7 @@ class LinuxFan {
   LinuxFan(NumberFile duty, std::int64_t full, std::optional<NumberFile> tachometer)
       : duty_(std::move(duty)), full_(full), tachometer_(std::move(tachometer)) {}
   NumberFile duty_;
-  std::int64_t full_;                     // what it is at full speed
+  std::int64_t full_;                     // the value at full speed
   std::optional<NumberFile> tachometer_;  // revolutions a minute; absent: the fan has no tachometer
   bool on_ = false;
   nanoseconds turned_on_at_{};  // CLOCK_MONOTONIC
