@@ -6,7 +6,7 @@
 
 namespace plumbline {
 
-/// Rewrites advice that names options of the command line into keys of job.toml, which is what the user of a printer has:
+/// Rewrites advice that names options of the command line into keys of job.toml, which a printer's user has instead:
 /// "Use --scale 0.5 or less, --fit" becomes "Use scale = 0.5 or less, fit = true (in job.toml on the stick)". Text without such
 /// options stays as it is.
 FixedText<1000> in_stick_words(std::string_view text);

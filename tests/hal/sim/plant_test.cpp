@@ -147,7 +147,7 @@ TEST(Plant, TurnsOffAndStopsWhenTheFirmwareIsKilled) {
   ASSERT_TRUE(machine->machine().mask.present(std::move(*mask)));
   auto exposure = machine->machine().lamp.begin_exposure(60s);
   ASSERT_TRUE(exposure);
-  // Killed: no destructor of the firmware runs, so leak the exposure.
+  // Leak the exposure, because none of a killed firmware's destructors run.
   alignas(Exposure) std::array<std::byte, sizeof(Exposure)> left{};
   new (left.data()) Exposure(std::move(*exposure));
   EXPECT_TRUE(plant.light());
