@@ -11,7 +11,7 @@
 namespace plumbline {
 namespace {
 
-/// Points that are measured, spread evenly over the tree's order. The medians of all points differ by about a percent.
+/// Points that are measured, spread evenly over the tree's order. Medians over all points differ by about a percent.
 constexpr std::uint32_t kSample = 8192;
 
 /// Distance of `point` from the plane through `neighbours` by least squares.

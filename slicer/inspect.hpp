@@ -1,5 +1,5 @@
 #pragma once
-/// Measures a scan and slices it coarsely, to tell beforehand what slice() will make of it.
+/// Measures a scan and slices it coarsely, to predict the result of slice().
 
 #include "slicer/cloud/kd_tree.hpp"
 #include "slicer/core/arena.hpp"
@@ -22,7 +22,7 @@ struct InspectReport : PreparationReport {
   /// As in slice(), or why the object doesn't fit. Its layers are those that the coarse R-Rep has.
   Expected<Placement> placement;
   Status sliced;       ///< why there is no coarse R-Rep: ErrorCode::kNoSurface, kOutOfMemory or kDoesNotFit
-  SliceReport coarse;  ///< of the coarse R-Rep; its confidence map ends with that
+  SliceReport coarse;  ///< of the coarse R-Rep; its confidence map is released together with it
 };
 
 /// Neighbours that the plane for the roughness is fitted to. Few, so that the object's own curvature hardly counts.
@@ -32,7 +32,7 @@ inline constexpr std::uint32_t kPlaneNeighbours = 24;
 /// layers are as high as in slice().
 inline constexpr double kCoarsePixels = 160;
 
-/// Looks at the coarse R-Rep, which is gone when it returns.
+/// Called with the coarse R-Rep, which is released when the call returns.
 using CoarseLook = FunctionRef<Status(const RRep& rrep, const SliceReport& report)>;
 inline constexpr auto kNoLook = [](const RRep&, const SliceReport&) -> Status { return {}; };
 

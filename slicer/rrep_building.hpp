@@ -12,14 +12,14 @@ namespace plumbline {
 
 /// Shoots a ray through each pixel that the object can cover.
 /// @param cloud   print coordinates, mm; at the top of the arena, where work space is taken and left to the caller
-/// @param report  placement, lengths, clustering and cloud_points are read; what the rays found is set. Its confidence map
-///                is at the bottom of the arena, below the crossings
+/// @param report  placement, lengths, clustering and cloud_points are read; the results of the rays are set. Its
+///                confidence map is at the bottom of the arena, below the crossings
 /// @retval ErrorCode::kOutOfMemory  before the first ray where the crossings that the surface will make don't fit
 /// @retval ErrorCode::kCancelled
 [[nodiscard]] Expected<CrossingStore> shoot_rays(const Cloud& cloud, const SliceSettings& settings, Arena& arena,
                                                  ProgressSink* progress, SliceReport& report);
 
-/// Drops what is too small to be part of the object, sorts the crossings by layer, and drops empty layers at both ends.
+/// Drops small components and small features, sorts the crossings by layer, and drops empty layers at both ends.
 /// @param store  at the bottom of the arena, which the R-Rep takes over; nothing is at the top
 /// @retval ErrorCode::kOutOfMemory
 [[nodiscard]] Expected<RRep> finish_rrep(CrossingStore& store, const SliceSettings& settings, Arena& arena,

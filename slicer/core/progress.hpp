@@ -48,7 +48,7 @@ struct StageProgress {
   /// @param fraction  of this part, 0 to 1
   /// @returns false to cancel
   bool advance(double fraction) const { return sink == nullptr || sink->advance(stage, from + (to - from) * fraction); }
-  /// The part of this part from `first` to `last`, 0 to 1.
+  /// A part of this part: from `first` to `last`, 0 to 1.
   StageProgress part(double first, double last) const {
     return {sink, stage, from + (to - from) * first, from + (to - from) * last};
   }

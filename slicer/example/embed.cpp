@@ -27,7 +27,7 @@ class MemorySource final : public plumbline::ByteSource {
     at_ += count;
     return count;
   }
-  std::string_view name() const override { return "ball.xyz"; }  // XYZ is known by the ending: x y z nx ny nz
+  std::string_view name() const override { return "ball.xyz"; }  // the ending marks it as XYZ: x y z nx ny nz
   std::optional<std::uint64_t> size() const override { return bytes_.size(); }
 
  private:

@@ -10,7 +10,7 @@
 
 namespace plumbline {
 
-/// As WindingTree, but with larger leaves: it is asked little and has to be small.
+/// Like WindingTree, but with larger leaves: it is evaluated rarely and must be small.
 class DipoleField {
  public:
   using Tree = DipoleTree<32>;

@@ -11,7 +11,7 @@ constexpr std::uint32_t kBaseSamples = 48;  ///< samples a side, over the base p
 /// this asks open or closed. A larger value misses narrow openings, a smaller one takes noise for an opening.
 constexpr float kBaseOpen = 0.1F;
 constexpr std::uint32_t kLeastOpen = 10;  ///< an open underside is at least 1 / kLeastOpen of the section above it
-constexpr int kSections = 8;              ///< sections looked at, at most
+constexpr int kSections = 8;              ///< most sections compared
 constexpr int kBisections = 8;            ///< leave a 256th of the interval
 constexpr float kRounding = 0.3F;         ///< factor of c, see inside()
 constexpr float kMostRounding = 0.12F;    ///< largest kRounding * |c|: s (1 - s^2) is at most 0.385

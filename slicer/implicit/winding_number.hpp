@@ -34,9 +34,9 @@ class WindingTree {
   /// closed flat. A closed object on the plane is not affected, since outside of it its mirror image has winding number 0.
   ///
   /// The underside is open if the opening in the plane has at least a tenth of the area of the lowest section above it that
-  /// is no smaller than the opening. If less is open the underside was scanned, and has holes at most.
+  /// is no smaller than the opening. If less is open, the underside was scanned and merely has holes.
   /// @param height  mm
-  /// @param step    mm between the sections that are looked at, from the plane upwards
+  /// @param step    mm between the sections that are compared, from the plane upwards
   /// @param always  mirror without testing
   /// @returns whether the surface is mirrored
   bool set_base(float height, float step, bool always = false);

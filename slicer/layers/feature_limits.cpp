@@ -7,11 +7,11 @@
 namespace plumbline {
 namespace {
 
-constexpr float kSmallComponent = 50;  ///< epsilon^3; what a single outlier makes has about 6
+constexpr float kSmallComponent = 50;  ///< epsilon^3; a single outlier makes a component of about 6
 constexpr float kSmallFeature =
     2;  ///< epsilon^3. Larger values remove more of the object, smaller ones leave more holes at creases
-/// Height of a narrow feature, in epsilons. Creases of the clean scans measured make none that is higher; a larger value takes
-/// pins and the stalks of letters.
+/// Height of a narrow feature, in epsilons. Creases of the measured clean scans make no higher ones; a larger value
+/// removes pins and the stalks of letters.
 constexpr float kNarrowHeight = 2.0F / 3;
 constexpr float kFlatHeight = 6;  ///< height of a flat feature in standard deviations of the surface: +-3
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Sizes below which a scan cannot tell a part of the object from what a few outliers make.
+/// Sizes below which a part of the object looks the same as what a few outliers make.
 
 #include "slicer/core/length.hpp"
 #include "slicer/core/print_grid.hpp"
@@ -13,7 +13,7 @@ namespace plumbline {
 /// @param support_points  Cloud::support_points
 float widening(float support_points, const ClusteringSettings& settings);
 
-/// Limits of components: solids and cavities below 50 epsilon^3 go. What a single outlier makes has about 6 epsilon^3.
+/// Limits of components: solids and cavities below 50 epsilon^3 go. A single outlier makes about 6 epsilon^3.
 ComponentLimits component_limits(PrintLength epsilon, const PrintGrid& grid);
 
 /// Limits of small features. They have at most 2 epsilon^3, times widening(), since an outlier reaches farther with a wider

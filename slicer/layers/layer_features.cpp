@@ -24,7 +24,7 @@ constexpr std::size_t kTogglesPerRow = 256;
 struct Feature {
   std::uint32_t parent;
   bool white : 1;
-  bool continued : 1;         ///< a larger region above or below touches nothing else
+  bool continued : 1;         ///< a larger region above or below touches only this feature
   bool below : 1;             ///< it touches a larger region below, or is a hole in the first layer
   bool above : 1;             ///< the same above, or a hole in the last layer
   bool bears : 1;             ///< a larger region touches only small regions on this side

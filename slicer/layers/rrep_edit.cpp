@@ -8,7 +8,7 @@
 namespace plumbline {
 namespace {
 
-constexpr std::uint32_t kLastLayers = 16;  ///< layers looked at first, from the top; affects the cost only
+constexpr std::uint32_t kLastLayers = 16;  ///< layers searched first, from the top; affects the cost only
 
 bool before(const RRepToggle& a, const RRepToggle& b) {
   return std::tie(a.layer, a.pixel) < std::tie(b.layer, b.pixel);

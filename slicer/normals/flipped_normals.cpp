@@ -13,7 +13,7 @@ constexpr const char* kStage = "normals";
 
 // A group is eight consecutive points in the order of the tree, which are neighbours in space. Only its first point searches
 // its nearest points, since the searches take most of the time. Larger groups are faster, but join sparse surfaces less well.
-constexpr std::uint32_t kGroup = 8;  ///< points in a group, of which only the first searches its nearest
+constexpr std::uint32_t kGroup = 8;  ///< points in a group; only the first searches its nearest
 constexpr std::uint32_t kNearest =
     16;  ///< nearest points that the first is joined with: twice a group, to reach the next
 constexpr std::uint32_t kInARow = 3;  ///< following points that each point is joined with

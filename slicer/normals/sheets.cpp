@@ -23,7 +23,7 @@ constexpr std::uint32_t kAreaSamples =
 constexpr float kMostRadius = 3;  ///< times the median: no point of a surface has a larger share of it
 /// Units of evidence, which is summed as integers so that the order of the threads does not matter.
 constexpr std::int64_t kUnit = 1 << 20;
-constexpr float kMostEvidence = 2;  ///< of one sample: a lid that fits its hole has about 1/2
+constexpr float kMostEvidence = 2;  ///< limit for one sample; a lid that fits its hole has about 1/2
 constexpr double kPi = std::numbers::pi;
 
 constexpr std::uint32_t kNoSheet = SidedSets::kIndex;

@@ -17,7 +17,7 @@ struct RayCounts {
   std::uint64_t passing_tiles = 0;
   std::uint64_t interested = 0;                               ///< rays
   std::array<std::uint64_t, kRayDecisionCount> decided = {};  ///< rays, by RayDecision
-  std::uint64_t thinned_tiles = 0;  ///< tiles of which only a share of the points was used, for want of room
+  std::uint64_t thinned_tiles = 0;  ///< tiles that used only some of their points, for lack of room
 };
 
 /// Inputs of the ray stage.

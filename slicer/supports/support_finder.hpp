@@ -13,7 +13,7 @@
 
 namespace plumbline {
 
-/// Number of supports, by what they are for and by where they end.
+/// Number of supports, by their purpose and by where they end.
 struct SupportCounts {
   std::uint32_t islands = 0;    ///< tips below islands
   std::uint32_t overhangs = 0;  ///< tips below overhangs

@@ -11,7 +11,8 @@
 
 namespace plumbline {
 
-/// Tracks which supports are in a layer. The next layer costs what is in it, any other one a pass over the whole list.
+/// Tracks which supports are in a layer. Going to the next layer takes time for its supports only, going to any other
+/// layer a pass over the whole list.
 class SupportPainter {
  public:
   SupportPainter() = default;

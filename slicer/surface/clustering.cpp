@@ -18,7 +18,7 @@ constexpr std::uint32_t kBlock = kSharedSearch;  ///< points that share one sear
 
 constexpr const char* kStage = "clustering";
 
-/// Points within epsilon that measure a density. With fewer, the distances of the nearest points measure it.
+/// Least number of points within epsilon that measure a density. With fewer, the distances of the nearest points do.
 constexpr std::int32_t kFewNeighbours = 8;
 /// Largest mean height of a point over its neighbours' planes, in epsilons, for a point on their sheet.
 constexpr float kMaxHeight = 0.2F;
@@ -261,7 +261,7 @@ class Clusterer {
   const ClusteringSettings& settings_;
   std::span<std::uint32_t> labels_;
   std::uint32_t blocks_;
-  std::uint32_t noise_step_;  ///< one point in so many is a sample of the noise
+  std::uint32_t noise_step_;  ///< step between points at which the noise is measured
   DisjointSets<> sets_;
   std::span<std::uint8_t> flags_;
   std::span<float> heights_;      ///< of the samples, over the planes of their neighbours, mm

@@ -17,7 +17,7 @@ struct ClusteringSettings {
   // Beyond the thesis: a noise point keeps its type if it lies on a sheet of `sparse_points` points, itself included,
   // within `sparse_radius` by the same metric. Such a sheet is a part of the surface that few views saw. The rule does
   // not apply where most points are outliers.
-  std::uint32_t sparse_points = 5;  ///< narrow bores need as few: slicer/EXPERIMENTS.md
+  std::uint32_t sparse_points = 5;  ///< larger values lose the walls of narrow bores: slicer/EXPERIMENTS.md
   float sparse_radius = 3;          ///< epsilons; 0 keeps the thesis' noise
   float min_support = 15;           ///< points of a support on a clean scan; more lose detail (slicer/EXPERIMENTS.md)
   float max_support = 100;          ///< points of a support on a noisy scan; more lose detail and take time

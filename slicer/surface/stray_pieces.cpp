@@ -17,7 +17,7 @@ constexpr const char* kStage = "stray pieces";
 constexpr std::uint32_t kMinSlots = 1U << 10;
 /// Of the cell table; the surface of a million points fills half of them.
 constexpr std::uint32_t kMaxSlots = 1U << 17;
-/// Edge of a cell. Cells must join the sparse parts of one surface, and not two things that stand apart.
+/// Edge of a cell. Cells must join the sparse parts of one surface, but not two separate things.
 constexpr float kCellEpsilons = 1.5F;
 
 constexpr double kMaxShare = 0.02;     ///< area of a stray piece over that of the largest piece: a fiftieth
@@ -26,8 +26,9 @@ constexpr double kMaxAllShare = 0.05;  ///< area of all stray pieces over that o
 /// holes, a narrower one would keep strays in front of openings.
 constexpr float kSure = 0.1F;
 
-constexpr std::uint32_t kMaxSuspects = 256;  ///< small pieces that are tested; any others stay
-constexpr std::uint32_t kMinPoints = 32;     ///< of a stray piece; fewer make only components too small to stay
+constexpr std::uint32_t kMaxSuspects = 256;  ///< largest number of small pieces that are tested; the others stay
+constexpr std::uint32_t kMinPoints =
+    32;  ///< least points of a stray piece; fewer only make components that are too small to stay
 // The winding number is evaluated directly, so its time grows with the product of these two.
 constexpr std::uint32_t kPlaces = 4;              ///< of a piece
 constexpr std::uint32_t kFieldPoints = 1U << 14;  ///< points that represent the whole cloud

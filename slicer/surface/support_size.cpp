@@ -16,11 +16,11 @@ constexpr const char* kStage = "support size";
 constexpr float kStep = 1.25F;         ///< ratio of one number of points to the one before
 constexpr float kMaxPoints = 160;      ///< of a support; the time of the rays grows with it
 constexpr std::size_t kMaxSizes = 10;  ///< tried, from the present number of points to 1.25^9 = 7.5 times as many
-// Samples: a place needs some for a mean of its own, and places must show all of the object. Together they set the
-// time.
+// Each place needs enough samples for a mean, and there must be enough places to show all of the object. Together they
+// set the time.
 constexpr std::uint32_t kPlaces = 128;
 constexpr std::uint32_t kSamples = 32;   ///< points of a place, spread evenly over a part of the tree
-constexpr double kRiskTolerance = 1.02;  ///< times the least risk; narrower supports within it are as good
+constexpr double kRiskTolerance = 1.02;  ///< times the least risk: the narrowest supports up to this are taken
 constexpr float kProjectionPoints = 60;  ///< points of the supports with which a sample is moved onto the surface
 constexpr int kProjectionSteps = 2;
 constexpr float kRadiusMargin = 1.2F;          ///< largest ratio of a neighbour's radius to the sample's

@@ -17,16 +17,16 @@ constexpr std::array<float, 3> kPatchRadii = {36, 50, 70};
 // Limits of the search. They trade time for small views that may be missed.
 constexpr std::uint32_t kMaxSeeds = 400;         ///< patches in all
 constexpr std::uint32_t kMaxFailedPatches = 16;  ///< patches in a row that show no view
-constexpr std::uint32_t kMaxFailedPairs = 16;    ///< pairs of peaks of one patch that turn out to be no grid
+constexpr std::uint32_t kMaxFailedPairs = 16;    ///< pairs of peaks of one patch that turn out not to be a grid
 
 // Least number of points of a view. Fewer may lie on a grid by chance, and hardly determine the view's position.
 constexpr std::uint32_t kMinViewPoints = 400;
-constexpr std::uint32_t kMinViewShare = 500;  ///< or one in so many of the scan's points
+constexpr std::uint32_t kMinViewShare = 500;  ///< or 1 / kMinViewShare of the scan's points
 
 // A grid that is known only to a coarse tolerance is grown again from elsewhere.
 constexpr std::uint32_t kMaxRestarts = 5;
 constexpr float kRestartRadius = 50;  ///< spacings; that of a middle-sized patch
-constexpr double kFine = 0.01;        ///< pixels: the tolerance of grids that are found well
+constexpr double kFine = 0.01;        ///< pixels: a well-found grid has a tolerance up to this
 
 constexpr double kSearched = 0.8;  ///< progress when the search ends, 0 to 1
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Finds out what the columns of a table of numbers are.
+/// Identifies the columns of a table of numbers.
 
 #include <array>
 #include <cstddef>

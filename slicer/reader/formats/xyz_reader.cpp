@@ -10,8 +10,8 @@
 namespace plumbline {
 namespace {
 
-/// Rows that decide what the columns are. More rows make it less likely that colours pass for normals (columns_by_values);
-/// they are kept in memory, 9 KiB for 64.
+/// Rows from which the columns are identified. More rows make it less likely that colours pass for normals
+/// (columns_by_values). They are kept in memory, 9 KiB for 64.
 constexpr std::size_t kSampleRows = 64;
 
 bool is_comment(std::string_view text) {
