@@ -54,10 +54,10 @@ TEST(SliceShapes, AStandingTorusIsInItsPlace) {
   expect_every_ray_closed(sliced);
 }
 
-/// Offset of `at` from the middle of the nearest of many equal cells in a row, `pitch` long each.
+/// Offset of `at` from the middle of its cell, in a row of cells `pitch` long.
 double from_nearest(double at, double pitch) { return at - pitch * (std::floor(at / pitch) + 0.5); }
 
-// Dots of two dozen points each, wider than anything that noise makes, were once dropped as small features.
+// Dots with two dozen points each, wider than any feature that noise makes, were once dropped as small features.
 TEST(SliceShapes, APlateKeepsItsDots) {
   constexpr double kPitch = 2.5;
   constexpr double kRadius = 0.65;
@@ -78,7 +78,7 @@ TEST(SliceShapes, APlateKeepsItsDots) {
     p.position[2] += dot(p.position);
   }
   const Slicing sliced(binary_ply(surface), settings_with_pitch(0.05F), 64 * kMiB);
-  // Counts what is more than one layer above the plate: the rest of each dot, a paraboloid.
+  // Counts voxels more than one layer above the plate: the upper part of each dot, a paraboloid.
   std::uint64_t voxels = 0;
   sliced.for_each_section([&](std::uint32_t k, ConstBitImage section) {
     if (sliced.middle_of(0, 0, k)[2] > high[2] + 0.05) voxels += section.count();

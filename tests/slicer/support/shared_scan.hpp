@@ -1,5 +1,5 @@
 #pragma once
-/// Real scans, in a folder beside the repository that users don't have: their tests are skipped there. In CI a skip fails.
+/// Real scans, in a folder beside the repository. Where it is missing, their tests are skipped; in CI a skip fails.
 
 #include <filesystem>
 #include <fstream>
