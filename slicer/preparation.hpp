@@ -26,7 +26,7 @@ inline constexpr auto kNoMeasurement = [](const PreparedScan&, const KdTree3&) -
 
 /// Reads a scan, completes its normals, aligns its views, and keeps the points of its surface, with classes and supports.
 /// A scan without a surface is no error here.
-/// @param settings  threads are those of set_threads()
+/// @param settings  as returned by set_threads()
 /// @param report    filled as far as it went, also on error
 /// @retval ErrorCode::kOutOfMemory  before the scan is read where its header and the printer's grid show it; else by the stage
 /// @retval ErrorCode::kCancelled and all of read_scan() and `measure`

@@ -66,7 +66,7 @@ struct SliceReport : PreparationCounts {
   ComponentCounts components;
   FeatureCounts features;
   std::uint64_t crossings = 0;
-  ConfidenceMap confidence;  ///< in the arena below the R-Rep, valid as long as that; empty unless asked for
+  ConfidenceMap confidence;  ///< in the arena below the R-Rep and valid as long as it is; empty unless asked for
 };
 
 }  // namespace plumbline

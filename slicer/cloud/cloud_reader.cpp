@@ -117,7 +117,7 @@ class ScanQueue {
       peeked_[i].emplace(*sources_[i], *room);
       const auto head = peeked_[i]->peek(workspace);
       PLUMBLINE_TRY(head);
-      // A file whose header is not understood yet may hold as many points as its size allows.
+      // A file whose header could not be read ahead may hold as many points as its size allows.
       ScanHeader unknown;
       unknown.encoding = "binary";
       const ScanHeader header = head->value_or(unknown);

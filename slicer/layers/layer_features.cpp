@@ -33,7 +33,7 @@ struct Feature {
   std::uint64_t voxels;
 };
 
-/// A run of pixels to toggle if the feature goes.
+/// A run of pixels to toggle if the feature is removed.
 struct FeatureRun {
   std::uint32_t feature;
   std::uint32_t layer;

@@ -48,10 +48,11 @@ std::size_t layer_features_bytes(const PrintGrid& grid);
 /// island in the same way. Noise makes flat features, outliers and creases make narrow, low ones.
 ///
 /// These stay:
-///   - a feature that is all a larger region touches above or below: the tip of a part that grows, the bottom of a pit;
+///   - a feature that is all that a larger region touches above or below: the tip of a growing part, the bottom of a pit;
 ///   - a feature with more voxels or layers than the limits: needles, shafts, the dots of Braille;
 ///   - an island between two larger ones, if without it one of them would hang in the air.
-/// A feature that touches nothing goes, such as what the mask's opening has cut off, unless no layer has a larger island.
+/// A feature that touches nothing, such as one that the mask's opening has cut off, is removed unless no layer has a
+/// larger island.
 ///
 /// Works on opened and closed masks, and edits the crossings. If a scan has more small regions than there is room for, the
 /// layers above stay as they are.

@@ -50,7 +50,7 @@ class LayerStream {
   const RRep* rrep_ = nullptr;
   BitImage section_;                                   ///< the crossings up to layer at_, toggled
   BitImage mask_;                                      ///< section_, opened and closed
-  BitImage changed_;                                   ///< one bit a word of mask_: to be made anew
+  BitImage changed_;                                   ///< one bit for each word of mask_: must be remade
   std::uint32_t first_changed_ = 0, end_changed_ = 0;  ///< half-open range of rows; changed_ has no bits elsewhere
   std::int64_t at_ = -1;                               ///< layer of section_; -1: none yet
 };

@@ -33,8 +33,8 @@ std::size_t rrep_bytes(const PrintGrid& grid, const RayYield& yield);
 /// A job that has room for fewer points is refused: their surface would not be worth a print. The value matters only for
 /// arenas of a few MiB.
 inline constexpr std::uint32_t kFewestPoints = 1000;
-/// More points are thinned to this many, however large the arena. 944 MB of the arena with their tree: far beyond a board's
-/// memory, and small enough that no sum of bytes overflows 32 bits.
+/// Larger scans are thinned to this many points, however large the arena. With their tree they take 944 MB of it: far
+/// more than a board's memory, but so little that no sum of bytes overflows 32 bits.
 inline constexpr std::uint32_t kMostPoints = 16'000'000;
 
 /// Points that each thread has room for while it shoots one tile of rays: all of a small cloud, at most 32768.

@@ -52,7 +52,7 @@ class Intervals {
   static constexpr std::uint32_t kAtPlate = 1U << 30;     ///< some of the component begins on the plate
   static constexpr std::uint32_t kBelowPlate = 1U << 31;  ///< some of it begins below the plate
   void mark(std::uint32_t root, std::uint32_t where) { volume_[root] |= where; }
-  /// Records whether a component goes, in place of its volume.
+  /// Records, in place of a component's volume, whether it is removed or filled.
   void decide(std::uint32_t root, bool goes) { volume_[root] = goes ? 1 : 0; }
   bool goes(std::uint32_t i) { return root(i) != kOutside && volume_[root(i)] != 0; }
   bool stands(std::uint32_t root) const { return (volume_[root] & (kAtPlate | kBelowPlate)) == kAtPlate; }
@@ -77,10 +77,10 @@ void join(const Ray& a, const Ray& b, std::uint32_t layers, Intervals& intervals
   }
 }
 
-/// Decides which components go.
+/// Decides which components are removed or filled.
 struct Sieve {
   Intervals& intervals;
-  std::uint64_t min_voxels;       ///< voxels: a component with fewer goes
+  std::uint64_t min_voxels;       ///< voxels: smaller components are removed or filled
   std::uint64_t floating_voxels;  ///< voxels: a solid with fewer must stand on the plate, a cavity with fewer is filled
   std::uint32_t largest_solid;
   bool is_small(std::uint32_t root) const {

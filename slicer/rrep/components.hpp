@@ -26,7 +26,7 @@ struct ComponentCounts {
 std::size_t components_bytes(const PrintGrid& grid, double rays, double crossings);
 
 struct ComponentLimits {
-  std::uint64_t min_voxels = 0;    ///< a component with fewer goes
+  std::uint64_t min_voxels = 0;    ///< smaller components are removed or filled
   bool drop_floating = false;      ///< also remove floating solids and fill sealed cavities
   std::uint32_t plate_layers = 0;  ///< a solid that begins this close to where the largest begins stands on the plate
 };

@@ -66,7 +66,7 @@ class ConfidenceMap {
   std::array<std::uint64_t, kEvidenceCount> crossings() const;
 
   /// Share of the surface, by Evidence, 0 to 1. Areas are counted in cells; a cell is measured if it or a neighbour was. The
-  /// area of the base plane is that of its rays.
+  /// area of the base plane is counted in rays.
   std::array<double, kEvidenceCount> surface() const;
   ConfidenceShares shares() const { return {crossings(), surface()}; }
   /// What the surface at a voxel rests on; kWinding if neither a point nor a crossing is near.

@@ -81,7 +81,7 @@ Vec3f fit_normal(TangentPlanes& planes, const Cloud& cloud, std::uint32_t i, flo
   return side > 0 ? *normal : Vec3f(-*normal);
 }
 
-/// Whether the points that face the way of a point's normal n lie farther than `limit` (mm) to one side of it.
+/// Whether the points that face the same way as a point's normal n lie more than `limit` (mm) to one side of the point.
 bool is_beside(const Vec3f& n, const Moments& moments, float limit) {
   return moments.count >= kMinPoints && std::abs(moments.first.dot(n)) > limit * moments.weight;
 }

@@ -10,8 +10,8 @@ namespace {
 
 constexpr const char* kStage = "views";
 
-/// Radii of patches, in spacings, tried from the smallest: of evenly spread points the smallest holds 4072, as many as
-/// a patch takes. Larger ones are for places where other views have taken most points.
+/// Radii of patches, in spacings, tried from the smallest. That one holds 4072 evenly spread points, about as many as a
+/// patch takes. The larger ones are for places where other views have taken most points.
 constexpr std::array<float, 3> kPatchRadii = {36, 50, 70};
 
 // Limits of the search. They trade time for small views that may be missed.

@@ -24,8 +24,8 @@ struct ScanHeader {
   const char* encoding = "";                     ///< "ascii", "binary little endian", "binary compressed", ...
   bool has_normals = false;                      ///< it has columns or properties for normals
   std::optional<std::uint64_t> declared_points;  ///< not to be trusted before as many points have been read
-  std::uint64_t reader_bytes = 0;  ///< the reader keeps beyond its workspace; computed from the header, so
-                                   ///< not to be trusted either
+  std::uint64_t reader_bytes = 0;                ///< kept by the reader beyond its workspace; from the header, so
+                                                 ///< not to be trusted either
 };
 
 /// Receives the points in the order of the file, in batches.
