@@ -48,7 +48,7 @@ std::size_t layer_features_bytes(const PrintGrid& grid);
 /// island in the same way. Noise makes flat features, outliers and creases make narrow, low ones.
 ///
 /// These stay:
-///   - a feature that is all that a larger region touches above or below: the tip of a growing part, the bottom of a pit;
+///   - a feature that alone touches a larger region from above or below: the tip of a growing part, a pit's bottom;
 ///   - a feature with more voxels or layers than the limits: needles, shafts, the dots of Braille;
 ///   - an island between two larger ones, if without it one of them would hang in the air.
 /// A feature that touches nothing, such as one that the mask's opening has cut off, is removed unless no layer has a

@@ -97,7 +97,7 @@ Surface scan(std::uint32_t points) {
   return surface;
 }
 
-/// The nearest neighbours of each point in the order of the tree, as clustering and normals ask for them.
+/// The nearest neighbours of each point in the order of the tree, as clustering and normals search them.
 void nearest_neighbours(benchmark::State& state) {
   constexpr std::uint32_t kPoints = 300'000;
   ArenaBlock arena(64 * kMiB);

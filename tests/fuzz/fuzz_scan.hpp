@@ -19,7 +19,7 @@ inline void require(bool truth, const char* what) {
   std::abort();
 }
 
-/// Delivers bytes in pieces of 1 to 97, always the same for the same input; or all at once.
+/// Delivers bytes all at once, or in pieces of 1 to 97 that depend only on the input.
 class Pieces final : public ByteSource {
  public:
   Pieces(std::string_view bytes, const char* name, bool whole) : bytes_(bytes), name_(name), whole_(whole) {}

@@ -47,7 +47,7 @@ TEST(Slice, RefusesAJobThatCannotFitBeforeItReadsTheScan) {
   EXPECT_EQ(arena->used(), 0U);
 }
 
-/// A PLY whose header promises `declared` points before the given ones.
+/// A PLY with the given points, whose header declares `declared` points.
 std::string promising(const Surface& surface, const std::string& declared) {
   std::string scan = binary_ply(surface);
   const std::string count = std::to_string(surface.size());

@@ -37,7 +37,7 @@ TEST(BasePlane, IsNotMovedByADozenOutliers) {
   EXPECT_NEAR(base_plane(points, kLayer), 3, 0.012);
 }
 
-// Flying pixels up to half a millimetre below a rim once moved the plane to their lower end.
+// Flying pixels up to half a millimetre below a rim once moved the plane down to the lowest of them.
 TEST(BasePlane, IsNotMovedByATailOfOutliersBelowTheRim) {
   auto points = cylinder(100'000, 3, 0.03F);
   std::mt19937 engine(8);

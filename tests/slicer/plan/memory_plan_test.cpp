@@ -101,7 +101,7 @@ TEST(MemoryPlan, CoversWhatEachStageUses) {
     EXPECT_GT(report.cloud_points, report.cloud_capacity / 2) << "the cloud does not fill the arena";
     for (std::size_t s = 0; s < kStageCount; ++s) {
       const auto stage = static_cast<Stage>(s);
-      // The ray stage's store takes all that is left until it is closed.
+      // The ray stage's store takes all free memory until it is closed.
       if (stage == Stage::kRays) continue;
       EXPECT_LE(report.peak_bytes[s], report.planned_bytes[s]) << to_string(stage);
     }

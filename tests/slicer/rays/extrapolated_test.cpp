@@ -14,7 +14,7 @@ using namespace testing;
 
 constexpr float kReach = 1.2F;  ///< mm
 
-/// A ball from 5 to 15 mm on the ray through its centre.
+/// A ball that the ray through its centre enters at 5 mm and exits at 15 mm.
 class ExtrapolatedCrossings : public ::testing::Test {
  protected:
   void settle(std::initializer_list<RayCrossing> crossings) {

@@ -249,7 +249,7 @@ TEST(BoreWalls, StopWhenCancelled) {
 TEST(BoreWalls, AreNotSearchedWhereMuchOfTheScanIsSparse) {
   Random random(1);
   Surface surface = bored_block(random);
-  // Far away is a large plate as sparse as the walls.
+  // A large plate, far away and as sparse as the walls.
   append(surface, sheet({-20, -20, 40}, {50, 0, 0}, {0, 50, 0}, kRare, 0.3, random));
   EXPECT_EQ(Continued(surface).walls.points, 0U);
 }
