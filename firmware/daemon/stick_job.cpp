@@ -7,6 +7,7 @@
 
 #include "firmware/settings/job_options.hpp"
 #include "firmware/settings/settings_file.hpp"
+#include "slicer/reader/formats/scan_endings.hpp"
 
 namespace plumbline {
 namespace {
@@ -47,8 +48,6 @@ Expected<StickJob> parse_stick_job(std::string_view text, std::string_view path)
 }
 
 bool is_scan_name(std::string_view name) {
-  constexpr std::array<std::string_view, 8> kEndings = {".ply", ".pcd", ".obj",    ".xyz",
-                                                        ".pts", ".asc", ".xyzrgb", ".txt"};
   // Text files that come with scans; no scan has such a name.
   constexpr std::array<std::string_view, 7> kTexts = {"readme.txt",  "read me.txt",   "license.txt", "licence.txt",
                                                       "copying.txt", "changelog.txt", "notes.txt"};
@@ -56,9 +55,11 @@ bool is_scan_name(std::string_view name) {
   std::transform(lower.begin(), lower.end(), lower.begin(),
                  [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); });
   if (std::find(kTexts.begin(), kTexts.end(), lower) != kTexts.end()) return false;
-  return std::any_of(kEndings.begin(), kEndings.end(), [&lower](std::string_view ending) {
+  const auto has_ending = [&lower](std::string_view ending) {
     return lower.size() > ending.size() && std::string_view(lower).ends_with(ending);
-  });
+  };
+  return std::any_of(kMarkedEndings.begin(), kMarkedEndings.end(), has_ending) ||
+         std::any_of(kXyzEndings.begin(), kXyzEndings.end(), has_ending);
 }
 
 Expected<StickScans> list_scans(const StickMount& mount) {

@@ -44,8 +44,8 @@ struct StickScans {
   bool has_job_file = false;
 };
 
-/// Whether a file is offered as a scan, by its name: it ends in .ply, .pcd, .obj, .xyz, .xyzrgb, .pts, .asc or .txt, and is not
-/// a text that comes with scans, such as README.txt.
+/// Whether a file is offered as a scan, by its name: its ending is one of scan_endings.hpp, and it is
+/// not a text that comes with scans, such as README.txt.
 bool is_scan_name(std::string_view name);
 
 /// @retval the errors of StickMount::for_each_file()

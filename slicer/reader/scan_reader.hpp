@@ -16,7 +16,7 @@ inline constexpr std::size_t kReaderWorkspace = std::size_t{512} * 1024;
 
 /// Reads a scan from start to end and passes its points to `sink`.
 ///
-/// The first bytes decide the format. XYZ has no signature, so the name's ending (.xyz .txt .pts .asc .csv) counts too.
+/// The first bytes decide the format. XYZ has no signature, so the name's ending (scan_endings.hpp) counts too.
 /// @param workspace  at least kReaderWorkspace bytes, uninitialised
 /// @param lent       may be null. The columns of a compressed PCD (ScanHeader::reader_bytes) are kept at its bottom. The
 ///                   caller releases them

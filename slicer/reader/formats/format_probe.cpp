@@ -4,6 +4,7 @@
 #include <cstring>
 #include <optional>
 
+#include "slicer/reader/formats/scan_endings.hpp"
 #include "slicer/reader/stream/number.hpp"
 #include "slicer/reader/stream/words.hpp"
 
@@ -42,7 +43,6 @@ constexpr Mark kMarks[] = {
 
 constexpr std::string_view kObjKeywords[] = {"v", "vn", "vt", "vp", "f",      "l",      "p",
                                              "o", "g",  "s",  "mg", "mtllib", "usemtl", "usemap"};
-constexpr std::string_view kXyzEndings[] = {".xyz", ".txt", ".pts", ".asc", ".csv"};
 
 class Probe {
  public:

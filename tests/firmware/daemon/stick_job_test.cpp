@@ -83,7 +83,7 @@ TEST(StickJob, IsExplainedKeyByKeyInTheReadme) {
 }
 
 TEST(ScanName, IsKnownByItsEnding) {
-  for (const char* name : {"a.ply", "A.PLY", "b.xyzrgb", "c.xyz", "points.txt", "d.asc"})
+  for (const char* name : {"a.ply", "A.PLY", "b.xyzrgb", "c.xyz", "points.txt", "d.asc", "e.csv"})
     EXPECT_TRUE(is_scan_name(name)) << name;
   for (const char* name : {".ply", "job.toml", "a.stl", "README.txt", "Read me.txt", "LICENSE.txt"}) {
     EXPECT_FALSE(is_scan_name(name)) << name;

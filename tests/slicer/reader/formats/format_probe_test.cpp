@@ -67,6 +67,7 @@ TEST(FormatProbe, UsesTheNameIfTheFirstLineIsUndecided) {
   const std::string table = "left right up\n1 2 3\n";
   EXPECT_EQ(read(table, "SCAN.XYZ").summary->header.format, ScanFormat::kXyz);
   EXPECT_EQ(read(table, "scan.csv").summary->header.format, ScanFormat::kXyz);
+  EXPECT_EQ(read(table, "scan.xyzrgb").summary->header.format, ScanFormat::kXyz);
   EXPECT_EQ(read(table, "scan").code(), ErrorCode::kUnknownFormat);
   EXPECT_EQ(read("exported by a program\nv 1 2 3\n", "scan.obj").summary->header.format, ScanFormat::kObj);
 }

@@ -1,0 +1,15 @@
+#pragma once
+/// Endings of scan file names, in lower case: who reads a scan and who offers it to a user agree on them.
+
+#include <array>
+#include <string_view>
+
+namespace plumbline {
+
+/// Columns of numbers without a signature, so the name's ending counts.
+inline constexpr std::array<std::string_view, 6> kXyzEndings = {".xyz", ".xyzrgb", ".txt", ".pts", ".asc", ".csv"};
+
+/// Formats with a signature or keywords of their own.
+inline constexpr std::array<std::string_view, 3> kMarkedEndings = {".ply", ".pcd", ".obj"};
+
+}  // namespace plumbline
