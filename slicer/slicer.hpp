@@ -1,5 +1,5 @@
 #pragma once
-/// The slicer from end to end: scan bytes in, R-Rep out (DESIGN section 3).
+/// The slicer from end to end: scan bytes in, R-Rep out.
 
 #include "slicer/core/arena.hpp"
 #include "slicer/core/byte_source.hpp"

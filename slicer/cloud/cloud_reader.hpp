@@ -1,5 +1,5 @@
 #pragma once
-/// Reads a scan into a cloud at the top of the arena, and thins what exceeds the room it is given (DESIGN 3, stage 1).
+/// Reads a scan into a cloud at the top of the arena, and thins what exceeds the room it is given.
 
 #include <cstdint>
 #include <optional>

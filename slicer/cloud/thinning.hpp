@@ -1,5 +1,5 @@
 #pragma once
-/// Thins any number of scan points to a fixed number (DESIGN 3, stage 1a).
+/// Thins any number of scan points to a fixed number.
 
 #include <cstdint>
 #include <span>

@@ -7,7 +7,7 @@
 
 namespace plumbline {
 
-/// The stages of DESIGN section 3, in the order in which they run.
+/// The stages of the slicer, in the order in which they run.
 enum class Stage : std::uint8_t {
   kRead,
   kNormals,

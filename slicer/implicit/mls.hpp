@@ -1,5 +1,5 @@
 #pragma once
-/// The moving-least-squares surface along one ray (thesis III-3, DESIGN 3, stage 6d).
+/// The moving-least-squares surface along one ray (thesis III-3).
 
 #include <cstdint>
 

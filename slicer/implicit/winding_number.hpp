@@ -1,6 +1,6 @@
 #pragma once
 /// Generalized winding number of the oriented cloud: how often the sampled surface winds around a place. It is 1 inside and 0
-/// outside, and changes smoothly across a hole in the scan. Evidence for DESIGN 3, stage 7e.
+/// outside, and changes smoothly across a hole in the scan.
 
 #include <cstdint>
 #include <limits>

@@ -1,5 +1,5 @@
 #pragma once
-/// Removes islands and holes of layers that are below what the scan resolves (DESIGN 3, stage 9).
+/// Removes islands and holes of layers that are below what the scan resolves.
 
 #include <cstdint>
 #include <optional>

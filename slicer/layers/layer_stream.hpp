@@ -1,5 +1,5 @@
 #pragma once
-/// Makes layer masks from the R-Rep, just in time (DESIGN 3, stage 9).
+/// Makes layer masks from the R-Rep, just in time.
 
 #include <cstdint>
 #include <span>

@@ -1,5 +1,5 @@
 #pragma once
-/// Completes the normals of a scan: tangent planes by principal components, sides by propagation (DESIGN 3, stage 1b).
+/// Completes the normals of a scan: tangent planes by principal components, sides by propagation.
 
 #include <cstdint>
 

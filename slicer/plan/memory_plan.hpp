@@ -1,5 +1,5 @@
 #pragma once
-/// How many bytes of the arena each stage needs, known before it starts (DESIGN section 2).
+/// How many bytes of the arena each stage needs, known before it starts.
 
 #include <array>
 #include <cstdint>

@@ -1,5 +1,5 @@
 #pragma once
-/// Decides the crossings of every ray, so that they alternate between entering and exiting (thesis III-4.a, DESIGN 3, stage 7).
+/// Decides the crossings of every ray, so that they alternate between entering and exiting (thesis III-4.a).
 
 #include <array>
 #include <cstdint>

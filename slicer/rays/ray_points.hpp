@@ -1,5 +1,5 @@
 #pragma once
-/// Gathers the points near a ray, with one search in the 2D tree for a tile of rays (DESIGN 3, stage 6).
+/// Gathers the points near a ray, with one search in the 2D tree for a tile of rays.
 
 #include <cstdint>
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Finds the solid and hollow components of the object and removes small ones (DESIGN 3, stage 7: never salt and pepper).
+/// Finds the solid and hollow components of the object and removes small ones.
 
 #include <cstdint>
 

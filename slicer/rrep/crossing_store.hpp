@@ -1,5 +1,5 @@
 #pragma once
-/// Collects the crossings of all rays and sorts them into the R-Rep (DESIGN 3, stage 8).
+/// Collects the crossings of all rays and sorts them into the R-Rep.
 
 #include <cstdint>
 #include <span>

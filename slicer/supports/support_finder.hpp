@@ -1,5 +1,5 @@
 #pragma once
-/// Finds where supports are needed, from the masks alone (DESIGN 3, stage 10; thesis I).
+/// Finds where supports are needed, from the masks alone (thesis I).
 
 #include <cstddef>
 #include <cstdint>
