@@ -125,14 +125,6 @@ void add_plan(Text& text, const ScanOutlook& o) {
   }
 }
 
-template <class Values>
-void write_row(JsonWriter& json, std::string_view name, const Values& values) {
-  json.key(name);
-  json.begin_array(kOneLine);
-  for (const double v : values) json.value(v);
-  json.end_array();
-}
-
 void write_scan(JsonWriter& json, const ScanOutlook& o) {
   const ScanSummary& scan = o.scan.scan;
   json.key("scan");
@@ -252,14 +244,17 @@ void write_outlook(JsonWriter& json, const ScanOutlook& outlook) {
   json.member("version", kVersion);
   json.end_object();
   write_scan(json, outlook);
-  write_row(json, "extent_scan_units", s.bounds.size());
-  write_row(json, "extent_with_noise_scan_units", s.bounds_with_noise.size());
+  json.key("extent_scan_units");
+  json.row(s.bounds.size());
+  json.key("extent_with_noise_scan_units");
+  json.row(s.bounds_with_noise.size());
   json.key("units");
   json.begin_object(kOneLine);
   json.member("used", to_string(outlook.scan.units));
   json.member("guess", to_string(outlook.guess));
   json.end_object();
-  write_row(json, "size_mm", Vec3d(s.bounds.size() * outlook.unit_mm() * outlook.scale()));
+  json.key("size_mm");
+  json.row(Vec3d(s.bounds.size() * outlook.unit_mm() * outlook.scale()));
   json.member("spacing_mm", outlook.mm(s.spacing));
   json.member("epsilon_mm", outlook.mm(s.lengths.epsilon));
   json.member("noise_mm", outlook.mm(s.lengths.noise));

@@ -31,6 +31,13 @@ class JsonWriter {
   void end_array() { shut(']'); }
   void key(std::string_view name);
 
+  /// An array of values on one line.
+  template <class Values>
+  void row(const Values& values) {
+    begin_array(Layout::kOneLine);
+    for (const auto& v : values) value(v);
+    end_array();
+  }
   void value(std::string_view text);
   void value(const char* text) { value(std::string_view(text)); }
   void value(bool truth);

@@ -3,24 +3,12 @@
 #include "slicer/core/mix64.hpp"
 
 namespace plumbline {
-namespace {
-
-/// Bit 0 to bit 63 and so on: a word of a mask has its first pixel in the low bit, PNG in the high one.
-std::uint64_t reversed(std::uint64_t word) {
-  word = ((word >> 1) & 0x5555555555555555U) | ((word & 0x5555555555555555U) << 1);
-  word = ((word >> 2) & 0x3333333333333333U) | ((word & 0x3333333333333333U) << 2);
-  word = ((word >> 4) & 0x0F0F0F0F0F0F0F0FU) | ((word & 0x0F0F0F0F0F0F0F0FU) << 4);
-  return __builtin_bswap64(word);
-}
-
-}  // namespace
-
 std::uint64_t mask_hash(ConstBitImage mask) {
   std::uint64_t sum = mix64((std::uint64_t{mask.columns()} << 32) + mask.rows());
   std::uint64_t place = 0;
   for (const std::uint64_t word : mask.words()) {
     place += kGoldenStep64;
-    if (word != 0) sum += mix64(reversed(word) + place);
+    if (word != 0) sum += mix64(reversed_bits(word) + place);
   }
   return mix64(sum);
 }

@@ -15,13 +15,6 @@ namespace {
 /// Bytes of a PNG file besides its compressed pixels: signature, header, frame of one data chunk, end chunk.
 constexpr std::size_t kFrameBytes = 8 + 25 + 12 + 12;
 
-std::uint64_t reversed(std::uint64_t word) {
-  word = ((word >> 1) & 0x5555555555555555U) | ((word & 0x5555555555555555U) << 1);
-  word = ((word >> 2) & 0x3333333333333333U) | ((word & 0x3333333333333333U) << 2);
-  word = ((word >> 4) & 0x0F0F0F0F0F0F0F0FU) | ((word & 0x0F0F0F0F0F0F0F0FU) << 4);
-  return __builtin_bswap64(word);
-}
-
 void store_big_endian(unsigned char* to, std::uint64_t word) {
   if constexpr (std::endian::native == std::endian::little) word = __builtin_bswap64(word);
   std::memcpy(to, &word, sizeof word);
@@ -43,8 +36,8 @@ void pack(ConstBitImage mask, unsigned char* to) {
   };
   for (std::uint32_t r = 0; r < mask.rows(); ++r) {
     const auto row = mask.row(r);
-    for (std::uint32_t w = 0; w + 1 < mask.stride(); ++w) put(reversed(row[w]), 64);
-    put(reversed(row.back() & mask.last_word_mask()), mask.columns() - 64 * (mask.stride() - 1));
+    for (std::uint32_t w = 0; w + 1 < mask.stride(); ++w) put(reversed_bits(row[w]), 64);
+    put(reversed_bits(row.back() & mask.last_word_mask()), mask.columns() - 64 * (mask.stride() - 1));
   }
   store_big_endian(to, waiting);
 }

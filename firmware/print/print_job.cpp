@@ -26,12 +26,9 @@ double seconds(nanoseconds time) { return std::chrono::duration<double>(time).co
 
 PrintJob::PrintJob(Machine& machine, const PrintSettings& settings, MaskRenderer& masks, Journal* journal,
                    std::span<ExposureLine> exposures, PrintObserver& observer)
-    : machine_(machine),
-      settings_(settings),
-      masks_(masks),
-      journal_(journal),
-      observer_(observer),
-      lines_(exposures) {}
+    : machine_(machine), settings_(settings), masks_(masks), journal_(journal), observer_(observer) {
+  report_.room = exposures;
+}
 
 const PrintReport& PrintJob::run(const JournalEntry& from) {
   entry_ = from;
@@ -292,24 +289,18 @@ Status PrintJob::layer_cured() {
 
 void PrintJob::record(const ExposureReport& exposure) {
   const Dose expected = dose_of(machine_.lamp.limits().irradiance, exposure.lit);
-  if (report_.exposures.size() < lines_.size()) {
-    ExposureLine& line = lines_[report_.exposures.size()];
-    line = {.layer = entry_.next_layer,
-            .end = exposure.end,
-            .source = exposure.source,
-            .asked = exposure.asked,
-            .lit = exposure.lit,
-            .expected = expected,
-            .dose = exposure.dose,
-            .mask_hash = shown_facts_.hash,
-            .next_made = slack_.has_value(),
-            .slack = slack_.value_or(nanoseconds()),
-            .making = slack_ ? mask_facts_.making : nanoseconds(),
-            .copying = slack_ ? mask_facts_.copying : nanoseconds()};
-    report_.exposures = lines_.first(report_.exposures.size() + 1);
-  } else {
-    ++report_.exposures_left_out;
-  }
+  report_.add({.layer = entry_.next_layer,
+               .end = exposure.end,
+               .source = exposure.source,
+               .asked = exposure.asked,
+               .lit = exposure.lit,
+               .expected = expected,
+               .dose = exposure.dose,
+               .mask_hash = shown_facts_.hash,
+               .next_made = slack_.has_value(),
+               .slack = slack_.value_or(nanoseconds()),
+               .making = slack_ ? mask_facts_.making : nanoseconds(),
+               .copying = slack_ ? mask_facts_.copying : nanoseconds()});
   if (exposure.source == DoseSource::kMeasured && exposure.end == ExposureEnd::kTimeUp) check_dose(exposure, expected);
 }
 

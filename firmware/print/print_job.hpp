@@ -79,7 +79,6 @@ class PrintJob {
   MaskRenderer& masks_;
   Journal* journal_;
   PrintObserver& observer_;
-  std::span<ExposureLine> lines_;
   PrintReport report_;
 
   PrintState state_ = PrintState::kIdle;

@@ -22,6 +22,15 @@ std::string_view to_string(Check check) {
   return "unknown check";
 }
 
+void PrintReport::add(const ExposureLine& exposure) {
+  if (exposures.size() == room.size()) {
+    ++exposures_left_out;
+    return;
+  }
+  room[exposures.size()] = exposure;
+  exposures = room.first(exposures.size() + 1);
+}
+
 MaskFigures mask_figures(std::span<const ExposureLine> exposures, std::span<nanoseconds> scratch) {
   MaskFigures figures;
   std::size_t count = 0;

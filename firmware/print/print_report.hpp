@@ -77,8 +77,12 @@ struct PrintReport {
   Distance steps_lost;                        ///< by the homing at the end
   std::optional<std::uint32_t> marked_layer;  ///< may show that the print was interrupted
 
-  std::span<ExposureLine> exposures;     ///< in order
+  std::span<ExposureLine> room;          ///< for exposures
+  std::span<ExposureLine> exposures;     ///< in order, at the start of `room`
   std::uint32_t exposures_left_out = 0;  ///< beyond the room for them
+
+  /// Appends an exposure, or only counts it where there is no room.
+  void add(const ExposureLine& exposure);
 };
 
 /// Figures of the masks that were rendered during exposures.

@@ -19,13 +19,6 @@ FixedText<32> as_key(std::string_view name) {
   return key;
 }
 
-template <class Values>
-void write_row(JsonWriter& json, const Values& values) {
-  json.begin_array(kOneLine);
-  for (const auto& v : values) json.value(v);
-  json.end_array();
-}
-
 void write_scan(JsonWriter& json, const JobReport& report) {
   const ScanSummary& scan = report.slice.scan;
   json.key("scan");
@@ -50,20 +43,20 @@ void write_grid(JsonWriter& json, const Placement& placement) {
   json.member("rows", grid.rows);
   json.member("layers", grid.layers);
   json.key("pixel_pitch_mm");
-  write_row(json, std::array{grid.pitch_x_mm, grid.pitch_y_mm});
+  json.row(std::array{grid.pitch_x_mm, grid.pitch_y_mm});
   json.member("layer_height_mm", grid.layer_height_mm);
   json.key("origin_mm");
-  write_row(json, placement.origin_in_scan());
+  json.row(placement.origin_in_scan());
   json.end_object();
   json.key("transform");
   json.begin_array();
   const Mat4d transform = placement.transform();
   for (int row = 0; row < 4; ++row) {
-    write_row(json, std::array{transform(row, 0), transform(row, 1), transform(row, 2), transform(row, 3)});
+    json.row(std::array{transform(row, 0), transform(row, 1), transform(row, 2), transform(row, 3)});
   }
   json.end_array();
   json.key("size_mm");
-  write_row(json, placement.size_mm);
+  json.row(placement.size_mm);
 }
 
 void write_points(JsonWriter& json, const SliceReport& slice) {
@@ -161,7 +154,7 @@ void write_evidence(JsonWriter& json, const std::optional<ConfidenceShares>& sha
   if (!layers.empty()) {
     json.key("layers");
     json.begin_array();
-    for (const ConfidenceMap::Counts& layer : layers) write_row(json, layer);
+    for (const ConfidenceMap::Counts& layer : layers) json.row(layer);
     json.end_array();
   }
   json.end_object();

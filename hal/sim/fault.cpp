@@ -4,26 +4,11 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <utility>
-#include <vector>
+
+#include "slicer/core/edit_distance.hpp"
 
 namespace plumbline {
 namespace {
-
-/// Letters to change, add or remove to get from `a` to `b` (Levenshtein distance).
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = std::exchange(row[0], i);
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t changed = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = row[j];
-      row[j] = std::min({changed, row[j] + 1, row[j - 1] + 1});
-    }
-  }
-  return row.back();
-}
 
 template <class Number>
 std::optional<Number> whole_number(std::string_view text) {

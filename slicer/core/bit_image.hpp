@@ -7,6 +7,14 @@
 
 namespace plumbline {
 
+/// Bit 63 to 0: a word of an image has its first pixel in the low bit, PNG in the high one.
+constexpr std::uint64_t reversed_bits(std::uint64_t word) {
+  word = ((word >> 1) & 0x5555555555555555U) | ((word & 0x5555555555555555U) << 1);
+  word = ((word >> 2) & 0x3333333333333333U) | ((word & 0x3333333333333333U) << 2);
+  word = ((word >> 4) & 0x0F0F0F0F0F0F0F0FU) | ((word & 0x0F0F0F0F0F0F0F0FU) << 4);
+  return __builtin_bswap64(word);
+}
+
 /// A view of `rows` rows of `columns` pixels. Pixel (column, row) is bit column % 64 of word
 /// row * stride() + column / 64. Bits past the last column are always zero.
 template <class Word>

@@ -3,6 +3,7 @@
 
 #include <omp.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
 
@@ -34,5 +35,19 @@ class LoopProgress {
   std::atomic<std::uint32_t> begun_ = 0;  ///< chunks, by all threads
   std::atomic<bool> stop_ = false;
 };
+
+/// Calls `visit(begin, end)` for every block of indices below `size`, from several threads.
+/// @param block  indices a call, the last one fewer
+/// @returns false if the caller of the stage cancelled
+template <class Visit>
+bool for_blocks(std::uint32_t size, std::uint32_t block, const StageProgress& progress, Visit visit) {
+  const std::uint32_t blocks = (size + block - 1) / block;
+  LoopProgress loop(progress, blocks);
+#pragma omp parallel for schedule(dynamic, 64)
+  for (std::uint32_t b = 0; b < blocks; ++b) {
+    if (loop.step(b)) visit(b * block, std::min(size, (b + 1) * block));
+  }
+  return !loop.stopped();
+}
 
 }  // namespace plumbline

@@ -88,7 +88,6 @@ class Clusterer {
         epsilon_(epsilon),
         settings_(settings),
         labels_(labels),
-        blocks_((cloud.size + kBlock - 1) / kBlock),
         noise_step_(cloud.size / kNoiseSample + 1) {}
 
   Expected<ClusteringResult> run(Arena& arena, const StageProgress& progress) {
@@ -123,20 +122,15 @@ class Clusterer {
   /// point's share.
   bool measure(const StageProgress& progress) {
     cloud_.support_points = 1;
-    LoopProgress loop(progress, blocks_);
-#pragma omp parallel for schedule(dynamic, 64)
-    for (std::uint32_t b = 0; b < blocks_; ++b) {
-      if (!loop.step(b)) continue;
-      const std::uint32_t begin = b * kBlock;
-      const std::uint32_t end = std::min(cloud_.size, begin + kBlock);
+    const auto measure_block = [&](std::uint32_t begin, std::uint32_t end) {
       const float epsilon2 = epsilon_ * epsilon_;
       std::array<Counts, kBlock> counts{};
       for_neighbourhood(cloud_, tree_, begin, end, epsilon_, [&](const Neighbourhood& batch) {
         for (std::uint32_t i = begin; i < end; ++i) count(member(cloud_, i), batch, epsilon2, counts[i - begin]);
       });
       for (std::uint32_t i = begin; i < end; ++i) evaluate(i, counts[i - begin]);
-    }
-    if (loop.stopped()) return false;
+    };
+    if (!for_blocks(cloud_.size, kBlock, progress, measure_block)) return false;
     coherent_ = static_cast<float>(median(near_)) >= kFacingShare * 2 * static_cast<float>(settings_.min_points);
     return true;
   }
@@ -164,12 +158,7 @@ class Clusterer {
   /// Joins core points of one type within epsilon of each other, if labels are wanted.
   bool join_core_points(const StageProgress& progress) {
     if (labels_.empty()) return true;
-    LoopProgress loop(progress, blocks_);
-#pragma omp parallel for schedule(dynamic, 64)
-    for (std::uint32_t b = 0; b < blocks_; ++b) {
-      if (!loop.step(b)) continue;
-      const std::uint32_t begin = b * kBlock;
-      const std::uint32_t end = std::min(cloud_.size, begin + kBlock);
+    return for_blocks(cloud_.size, kBlock, progress, [&](std::uint32_t begin, std::uint32_t end) {
       const float epsilon2 = epsilon_ * epsilon_;
       for_neighbourhood(cloud_, tree_, begin, end, epsilon_, [&](const Neighbourhood& batch) {
         for (std::uint32_t i = begin; i < end; ++i) {
@@ -186,20 +175,14 @@ class Clusterer {
           }
         }
       });
-    }
-    return !loop.stopped();
+    });
   }
 
   /// Joins the other points to the nearest core point of their type, and marks noise.
   bool assign_others(const StageProgress& progress) {
     // Sparse surface belongs to a dense one. Among outliers a few always happen to face the same way.
     const int kept = coherent_ ? kDense | kSparse : kDense;
-    LoopProgress loop(progress, blocks_);
-#pragma omp parallel for schedule(dynamic, 64)
-    for (std::uint32_t b = 0; b < blocks_; ++b) {
-      if (!loop.step(b)) continue;
-      const std::uint32_t begin = b * kBlock;
-      const std::uint32_t end = std::min(cloud_.size, begin + kBlock);
+    return for_blocks(cloud_.size, kBlock, progress, [&](std::uint32_t begin, std::uint32_t end) {
       std::array<std::uint32_t, kBlock> nearest;  // NOLINT(cppcoreguidelines-pro-type-member-init)
       nearest.fill(kNoCluster);
       find_nearest_core_points(begin, end, nearest);
@@ -209,8 +192,7 @@ class Clusterer {
         if (core == kNoCluster && (flags_[i] & kept) == 0)
           std::atomic_ref(flags_[i]).fetch_or(kNoisePoint, std::memory_order_relaxed);
       }
-    }
-    return !loop.stopped();
+    });
   }
 
   void find_nearest_core_points(std::uint32_t first, std::uint32_t last, std::array<std::uint32_t, kBlock>& nearest) {
@@ -260,7 +242,6 @@ class Clusterer {
   float epsilon_;
   const ClusteringSettings& settings_;
   std::span<std::uint32_t> labels_;
-  std::uint32_t blocks_;
   std::uint32_t noise_step_;  ///< step between points at which the noise is measured
   DisjointSets<> sets_;
   std::span<std::uint8_t> flags_;

@@ -6,8 +6,8 @@
 
 #include "slicer/cloud/neighbourhood.hpp"
 #include "slicer/cloud/tangent_plane.hpp"
-#include "slicer/core/frame.hpp"
 #include "slicer/core/loop_progress.hpp"
+#include "slicer/core/vec.hpp"
 
 namespace plumbline {
 namespace {
@@ -117,17 +117,11 @@ Tilt measure_tilt(const Vec3f& n, const Moments& moments, float noise) {
 Status refine_normals(const Cloud& cloud, const KdTree3& tree, const ClusteringSettings& settings,
                       const ClusteringResult& clustering, NormalSource source, std::span<PackedNormal> refined,
                       const StageProgress& progress) {
-  const std::uint32_t blocks = (cloud.size + kSharedSearch - 1) / kSharedSearch;
   const bool measured = source == NormalSource::kScanner;
   const float share = std::sqrt(measured ? kPlanePoints / cloud.support_points : kPlaneSupports);
   const float explained = measured ? clustering.noise : 0;
   const float max_offset = std::max(kMaxOffset * clustering.epsilon, clustering.noise);
-  LoopProgress refining(progress, blocks);
-#pragma omp parallel for schedule(dynamic, 64)
-  for (std::uint32_t b = 0; b < blocks; ++b) {
-    if (!refining.step(b)) continue;
-    const std::uint32_t first = b * kSharedSearch;
-    const std::uint32_t last = std::min(cloud.size, first + kSharedSearch);
+  const auto refine_block = [&](std::uint32_t first, std::uint32_t last) {
     TangentPlanes planes(cloud, tree);
     std::array<Moments, kSharedSearch> moments{};
     float search_radius = 0;
@@ -160,9 +154,9 @@ Status refine_normals(const Cloud& cloud, const KdTree3& tree, const ClusteringS
       if (own.square > 0 && noise < all) refined[i].set(cloud.normal[i].unpack() - own.by * (1 - noise / all));
       if (cloud.normal[i].point_class != PointClass::kNoise) refined[i].point_class = orientation_of(refined[i]);
     }
-  }
-  if (refining.stopped()) return fail(ErrorCode::kCancelled, "cancelled while normals were refined");
-  return {};
+  };
+  if (for_blocks(cloud.size, kSharedSearch, progress, refine_block)) return {};
+  return fail(ErrorCode::kCancelled, "cancelled while normals were refined");
 }
 
 }  // namespace plumbline

@@ -45,14 +45,9 @@ std::optional<float> sparse_surface_radius(const Cloud& cloud, const KdTree3& tr
 
 Status rescue_sparse_surface(Cloud& cloud, const KdTree3& tree, const ClusteringSettings& settings,
                              ClusteringResult& result, const StageProgress& progress) {
-  const std::uint32_t blocks = (cloud.size + kBlock - 1) / kBlock;
   const float growth = std::sqrt(cloud.support_points);
-  LoopProgress rescuing(progress, blocks);
-#pragma omp parallel for schedule(dynamic, 8)
-  for (std::uint32_t b = 0; b < blocks; ++b) {
-    if (!rescuing.step(b)) continue;
-    const std::uint32_t last = std::min(cloud.size, (b + 1) * kBlock);
-    for (std::uint32_t i = b * kBlock; i < last; ++i) {
+  const auto rescue_block = [&](std::uint32_t first, std::uint32_t last) {
+    for (std::uint32_t i = first; i < last; ++i) {
       PackedNormal& normal = cloud.normal[i];
       if (normal.point_class != PointClass::kNoise || !normal.known()) continue;
       // Reads no class or radius of another point, so the order of the points does not matter.
@@ -61,9 +56,10 @@ Status rescue_sparse_surface(Cloud& cloud, const KdTree3& tree, const Clustering
       normal.point_class = orientation_of(normal);
       cloud.radius[i] = std::max(cloud.radius[i], growth * *radius);
     }
-  }
-  if (rescuing.stopped())
+  };
+  if (!for_blocks(cloud.size, kBlock, progress, rescue_block)) {
     return fail(ErrorCode::kCancelled, "cancelled while sparse parts of the surface were looked for");
+  }
   result.points = count_classes(cloud.normal.first(cloud.size));
   return {};
 }

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "slicer/core/frame.hpp"
 #include "slicer/core/median.hpp"
+#include "slicer/core/vec.hpp"
 
 namespace plumbline {
 namespace {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "slicer/core/mix64.hpp"
 #include "slicer/views/patch_grids.hpp"
 
 namespace plumbline {
@@ -64,7 +65,7 @@ class ViewFinder {
     for (std::uint32_t s = 0; s < kMaxSeeds && failures < kMaxFailedPatches && views_ < kMaxViews; ++s) {
       done = std::max({done, static_cast<double>(claimed_) / cloud_.size, 1.0 * failures / kMaxFailedPatches});
       if (!progress.advance(done)) return false;
-      seed += 0x9E3779B97F4A7C15U;  // 2^64 over the golden ratio: spreads any number of seeds evenly
+      seed += kGoldenStep64;  // spreads any number of seeds evenly
       const auto i = static_cast<std::uint32_t>((seed >> 32U) * cloud_.size >> 32U);
       if (view_of_[i] != kNoView) continue;
       const std::uint32_t before = views_;

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "slicer/core/frame.hpp"
+#include "slicer/core/vec.hpp"
 
 namespace plumbline {
 namespace {

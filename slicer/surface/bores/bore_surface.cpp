@@ -12,7 +12,6 @@ constexpr float kSparse = 0.3F;
 constexpr float kMaxWidth = 8;  ///< epsilons between two walls of a bore; wider ones are seen from outside
 /// Largest inner product of the normals of opposite walls: within 60 degrees of opposed.
 constexpr float kOpposite = -0.5F;
-constexpr float kSameWall = 0.5F;  ///< least inner product of the normals of one wall: within 60 degrees
 // Steps and radii of the search for the opposite wall. It may be as sparse as this one, so the radius grows with the
 // distance.
 constexpr float kMinStep = 0.5F;      ///< epsilons; also the least width and the least radius

@@ -22,16 +22,14 @@ constexpr std::uint32_t kMaxSparse =
     16;                                 ///< if more than 1 / kMaxSparse of the points are sparse, epsilon is no density
 constexpr std::uint32_t kChunk = 1024;  ///< points between two calls of the progress
 // Two ends of one wall. Wider limits join walls of different bores; narrower ones miss walls with noisy normals.
-constexpr float kMinCosine = 0.5F;  ///< of their normals: 60 degrees
-constexpr float kMaxSlope = 0.2F;   ///< of the line between them against the wall
+constexpr float kMaxSlope = 0.2F;  ///< of the line between them against the wall
 constexpr float kMaxWidthRatio = 1.5F;
 constexpr float kMinLength = 2;  ///< epsilons; shorter gaps are closed without help
 constexpr float kMaxLength = 6;  ///< widths; longer lines may join different bores
 // Walls around an end and the space between them, in widths.
 /// Largest distance of a wall's point from the circle of that width; corners of square bores are 0.21 off.
 constexpr float kWallDistance = 0.6F;
-constexpr float kWallCosine = 0.3F;  ///< least inner product of its normal with the direction to the middle: 73 degrees
-constexpr float kClear = 0.3F;       ///< radius around the bore's middle line that must be free of points
+constexpr float kClear = 0.3F;  ///< radius around the bore's middle line that must be free of points
 
 // Progress at the end of each step, 0 to 1.
 constexpr double kFound = 0.5;
@@ -114,7 +112,7 @@ class StraightWalls {
     if (std::max(a.width, b.width) > kMaxWidthRatio * width) return std::nullopt;
     const Vec3f normal_a = surface_.normal(a.point);
     const Vec3f normal_b = surface_.normal(b.point);
-    if (normal_a.dot(normal_b) < kMinCosine) return std::nullopt;
+    if (normal_a.dot(normal_b) < kSameWall) return std::nullopt;
     const float length = std::sqrt(length2);
     const Vec3f along = chord * (1 / length);
     const Vec3f mean = normal_a + normal_b;

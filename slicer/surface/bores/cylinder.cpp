@@ -3,7 +3,7 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
-#include "slicer/core/frame.hpp"
+#include "slicer/core/vec.hpp"
 
 namespace plumbline {
 namespace {

@@ -3,7 +3,7 @@
 #include <bit>
 #include <cmath>
 
-#include "slicer/core/frame.hpp"
+#include "slicer/core/vec.hpp"
 #include "slicer/surface/bores/cylinder.hpp"
 
 namespace plumbline {
@@ -30,7 +30,6 @@ constexpr float kSurveyRadius = 1.5F;  ///< farther points don't count
 constexpr float kInsideRadius = 0.6F;  ///< nearer points are inside the bore
 constexpr float kBoreRadius = 1.3F;    ///< nearer points belong to the bore
 constexpr float kFaceCosine = 0.7F;    ///< least inner product of a face's normal with the axis: 45 degrees
-constexpr float kWallCosine = 0.3F;    ///< least inner product of a wall's normal with the direction to the axis
 // Limits that decide whether a step has left the bore, and whether the cylinder is a bore.
 constexpr std::uint32_t kBottomPoints = 4;  ///< points inside a step that make a bottom
 constexpr int kFaced = 4;                   ///< of eight directions with a face around: the bore's mouth
