@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "firmware/machine/machine_limits.hpp"
-#include "hal/sim/plant.hpp"
+#include "hal/sim/plant/plant.hpp"
 #include "hal/sim/sim_machine.hpp"
 
 namespace plumbline {

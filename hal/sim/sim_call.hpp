@@ -1,6 +1,6 @@
 #pragma once
 
-#include "hal/sim/plant.hpp"
+#include "hal/sim/plant/plant.hpp"
 
 namespace plumbline {
 

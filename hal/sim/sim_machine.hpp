@@ -4,7 +4,7 @@
 #include <array>
 
 #include "hal/machine.hpp"
-#include "hal/sim/plant.hpp"
+#include "hal/sim/plant/plant.hpp"
 #include "hal/sim/sim_mask_display.hpp"
 #include "hal/sim/sim_stick_port.hpp"
 #include "hal/sim/sim_uv_lamp.hpp"

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "hal/mask_display.hpp"
-#include "hal/sim/plant.hpp"
+#include "hal/sim/plant/plant.hpp"
 
 namespace plumbline {
 

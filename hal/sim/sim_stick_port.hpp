@@ -1,6 +1,6 @@
 #pragma once
 
-#include "hal/sim/plant.hpp"
+#include "hal/sim/plant/plant.hpp"
 #include "hal/stick_port.hpp"
 
 namespace plumbline {

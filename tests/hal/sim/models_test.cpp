@@ -7,12 +7,12 @@
 #include <random>
 #include <vector>
 
-#include "hal/sim/cured_part.hpp"
-#include "hal/sim/lamp_model.hpp"
-#include "hal/sim/panel_model.hpp"
-#include "hal/sim/resin.hpp"
-#include "hal/sim/stage_model.hpp"
-#include "hal/sim/thermal_model.hpp"
+#include "hal/sim/plant/cured_part.hpp"
+#include "hal/sim/plant/lamp_model.hpp"
+#include "hal/sim/plant/panel_model.hpp"
+#include "hal/sim/plant/resin.hpp"
+#include "hal/sim/plant/stage_model.hpp"
+#include "hal/sim/plant/thermal_model.hpp"
 
 namespace plumbline {
 namespace {

@@ -1,6 +1,6 @@
 /// Provokes each objection once, with a faulty firmware or back end.
 
-#include "hal/sim/objection.hpp"
+#include "hal/sim/plant/objection.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

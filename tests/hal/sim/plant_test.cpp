@@ -1,4 +1,4 @@
-#include "hal/sim/plant.hpp"
+#include "hal/sim/plant/plant.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

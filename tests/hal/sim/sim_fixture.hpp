@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "hal/sim/plant.hpp"
+#include "hal/sim/plant/plant.hpp"
 
 namespace plumbline {
 

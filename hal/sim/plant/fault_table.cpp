@@ -1,6 +1,6 @@
 #include <array>
 
-#include "hal/sim/fault.hpp"
+#include "hal/sim/plant/fault.hpp"
 
 namespace plumbline {
 namespace {

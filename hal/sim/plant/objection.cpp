@@ -1,4 +1,4 @@
-#include "hal/sim/objection.hpp"
+#include "hal/sim/plant/objection.hpp"
 
 #include <array>
 #include <cstdio>

@@ -1,4 +1,4 @@
-#include "hal/sim/fault.hpp"
+#include "hal/sim/plant/fault.hpp"
 
 #include <algorithm>
 #include <array>

@@ -5,7 +5,7 @@
 #include <functional>
 
 #include "hal/ramp.hpp"
-#include "hal/sim/timeline.hpp"
+#include "hal/sim/plant/timeline.hpp"
 
 namespace plumbline {
 

@@ -1,4 +1,4 @@
-#include "hal/sim/panel_model.hpp"
+#include "hal/sim/plant/panel_model.hpp"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "hal/sim/resin.hpp"
+#include "hal/sim/plant/resin.hpp"
 
 #include <cmath>
 

@@ -6,7 +6,7 @@
 #include <functional>
 #include <vector>
 
-#include "hal/sim/timeline.hpp"
+#include "hal/sim/plant/timeline.hpp"
 #include "slicer/core/bit_image.hpp"
 
 namespace plumbline {

@@ -1,4 +1,4 @@
-#include "hal/sim/thermal_model.hpp"
+#include "hal/sim/plant/thermal_model.hpp"
 
 #include <cmath>
 

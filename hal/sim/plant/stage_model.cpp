@@ -1,4 +1,4 @@
-#include "hal/sim/stage_model.hpp"
+#include "hal/sim/plant/stage_model.hpp"
 
 #include <algorithm>
 #include <cassert>

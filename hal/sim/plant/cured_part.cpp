@@ -1,4 +1,4 @@
-#include "hal/sim/cured_part.hpp"
+#include "hal/sim/plant/cured_part.hpp"
 
 #include <algorithm>
 #include <cassert>

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "hal/clock.hpp"
-#include "hal/sim/resin.hpp"
+#include "hal/sim/plant/resin.hpp"
 #include "hal/units.hpp"
 #include "slicer/core/bit_image.hpp"
 

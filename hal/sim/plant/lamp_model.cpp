@@ -1,4 +1,4 @@
-#include "hal/sim/lamp_model.hpp"
+#include "hal/sim/plant/lamp_model.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "hal/sim/timeline.hpp"
+#include "hal/sim/plant/timeline.hpp"
 
 #include <algorithm>
 #include <thread>
