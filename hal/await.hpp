@@ -34,7 +34,7 @@ template <class Action, std::invocable<const Event&> OnEvent>
       if (on_event(**event) == Waiting::kReturn) return action.over();
     } else if (clock.now() > action.ends_by() + kGrace) {
       return fail(ErrorCode::kDeviceTimeout,
-                  "a motion or an exposure did not end in time: switch the printer off and on");
+                  "a motion or an exposure did not end in time:\tswitch the printer off and on");
     }
   }
   return true;

@@ -10,7 +10,7 @@
 namespace plumbline {
 
 Status Interlock::check_power() const {
-  if (!powered_) return fail(ErrorCode::kPowerLost, "the power failed: resume the job when it is back");
+  if (!powered_) return fail(ErrorCode::kPowerLost, "the power failed:\tresume the job when it is back");
   return {};
 }
 

@@ -37,7 +37,7 @@ Status MaskDisplay::present(MaskBuffer&& buffer) {
   assert(buffer.display_ == this && "present a buffer on the display that lent it");
   PLUMBLINE_TRY(interlock_.check_power());
   if (interlock_.lamp_lit()) {
-    return fail(ErrorCode::kLampLit, "the mask can't change while the lamp is lit: turn it off first");
+    return fail(ErrorCode::kLampLit, "the mask can't change while the lamp is lit:\tturn it off first");
   }
   presented_ = false;
   auto shown = do_present();
@@ -51,7 +51,7 @@ Status MaskDisplay::present(MaskBuffer&& buffer) {
 Status MaskDisplay::blank() {
   PLUMBLINE_TRY(interlock_.check_power());
   if (interlock_.lamp_lit()) {
-    return fail(ErrorCode::kLampLit, "the mask can't be blanked while the lamp is lit: turn it off first");
+    return fail(ErrorCode::kLampLit, "the mask can't be blanked while the lamp is lit:\tturn it off first");
   }
   presented_ = false;
   return do_blank();

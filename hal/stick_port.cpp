@@ -95,7 +95,7 @@ Expected<StickFile> StickMount::open(std::string_view name) const {
   PLUMBLINE_TRY(port_->check_mounted());
   const int shown = static_cast<int>(std::min<std::size_t>(name.size(), 200));
   if (!stays_inside(name)) {
-    return fail(ErrorCode::kCannotOpen, "%.*s: name a file on the stick, without a leading / and without ..", shown,
+    return fail(ErrorCode::kCannotOpen, "%.*s:\tname a file on the stick, without a leading / and without ..", shown,
                 name.data());
   }
   const int file = open_below(folder_, name);

@@ -10,7 +10,7 @@ Expected<Celsius> Thermals::temperature(TemperatureSite site) const {
   if (!read) return read;
   if (!(*read >= kColdestReading && *read <= kHottestReading)) {
     const auto where = to_string(site);
-    return fail(ErrorCode::kSensorDead, "the %.*s temperature sensor reads %g degrees C: check its plug",
+    return fail(ErrorCode::kSensorDead, "the %.*s temperature sensor reads %g degrees C:\tcheck its plug",
                 static_cast<int>(where.size()), where.data(), read->value());
   }
   return read;

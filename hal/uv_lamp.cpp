@@ -38,7 +38,7 @@ Expected<Exposure> UvLamp::begin_exposure(nanoseconds cure) {
   }
   if (lit()) return fail(ErrorCode::kBusy, "the lamp is already lit");
   if (interlock_.cover_open())
-    return fail(ErrorCode::kCoverOpen, "the lamp stays off while the cover is open: close it");
+    return fail(ErrorCode::kCoverOpen, "the lamp stays off while the cover is open:\tclose it");
   if (interlock_.stage_moving()) return fail(ErrorCode::kStageMoving, "the lamp stays off while the stage moves");
   if (!interlock_.mask_presented()) {
     return fail(ErrorCode::kMaskNotPresented, "the lamp stays off because no mask is on the panel");

@@ -168,13 +168,14 @@ Status check_surface(const PreparedScan& scan, ScanSources sources, const Prepar
   const ScanTitle title = title_of(sources);
   const auto points = static_cast<unsigned long long>(found.scan.points);
   if (found.cloud_capacity < points && found.cloud_points < points / 2) {
-    return fail(ErrorCode::kNoSurface,
-                "%s: no surface found in %u points, to which %llu were thinned because the arena has no room for more. "
-                "Use a larger arena (--arena-mib), or check the normals of the scan",
-                title.c_str(), found.cloud_points, points);
+    return fail(
+        ErrorCode::kNoSurface,
+        "%s: no surface found in %u points, to which %llu were thinned because the arena has no room for more.\t"
+        "Use a larger arena (--arena-mib), or check the normals of the scan",
+        title.c_str(), found.cloud_points, points);
   }
   return fail(ErrorCode::kNoSurface,
-              "%s: no surface found in %llu points: most have too few neighbours that face the same way. Check the "
+              "%s: no surface found in %llu points: most have too few neighbours that face the same way.\tCheck the "
               "normals of the scan, or scan more densely",
               title.c_str(), points);
 }

@@ -143,7 +143,7 @@ Expected<StickJob> PrinterDaemon::choose(const StickMount& mount) {
   if (scans->has_job_file) return read_stick_job(mount);
   if (scans->count == 0) {
     return fail(ErrorCode::kNoPoints,
-                "there is no scan on the stick: put a PLY, PCD, OBJ or XYZ file in its top folder");
+                "there is no scan on the stick:\tput a PLY, PCD, OBJ or XYZ file in its top folder");
   }
   std::size_t chosen = 0;
   if (scans->count > 1) {
@@ -257,7 +257,7 @@ Status PrinterDaemon::refuse(const Error& error, FaultCode code) {
   }
   fault_ = code;
   apply(PrintEvent::kFailed);
-  const FaultText fault = explain(fault_, error.message());
+  const FaultText fault = explain(fault_, error.finding(), error.advice());
   auto advice = in_stick_words(fault.advice.view());
   if (advice.view().find("--") != std::string_view::npos) {
     // The advice names an option that job.toml does not have.

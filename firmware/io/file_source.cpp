@@ -24,7 +24,7 @@ Expected<FileSource> FileSource::open(const std::string& path) {
     return fail(ErrorCode::kCannotOpen, "%s: %s", path.c_str(), std::strerror(errno));
   }
   if (S_ISDIR(status.st_mode)) {
-    return fail(ErrorCode::kCannotOpen, "%s: is a folder. Name the scan in it: a .ply, .pcd, .obj or .xyz file",
+    return fail(ErrorCode::kCannotOpen, "%s: is a folder.\tName the scan in it: a .ply, .pcd, .obj or .xyz file",
                 path.c_str());
   }
   if (S_ISREG(status.st_mode)) {
@@ -54,7 +54,7 @@ Expected<std::size_t> FileSource::read(std::span<std::byte> buffer) {
       return static_cast<std::size_t>(got);
     }
     if (errno == EINTR) continue;
-    return fail(ErrorCode::kCannotRead, "%s: reading failed at byte %llu: %s. Check the medium and try again",
+    return fail(ErrorCode::kCannotRead, "%s: reading failed at byte %llu: %s.\tCheck the medium and try again",
                 name_.c_str(), static_cast<unsigned long long>(offset_), std::strerror(errno));
   }
 }

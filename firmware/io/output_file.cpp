@@ -15,7 +15,7 @@ Expected<OutputFile> OutputFile::create(const char* path) {
   constexpr mode_t kMode = 0666;  // less the user's umask
   file.file_ = ::open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOCTTY, kMode);
   if (file.file_ < 0) {
-    return fail(ErrorCode::kCannotOpen, "%s: cannot be created: %s. Check the folder, or choose another one", path,
+    return fail(ErrorCode::kCannotOpen, "%s: cannot be created: %s.\tCheck the folder, or choose another one", path,
                 std::strerror(errno));
   }
   return file;

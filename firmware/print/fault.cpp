@@ -86,40 +86,14 @@ constexpr std::array kFaults{
               "Resume, and report the message to plumbline's maintainers."},
 };
 
-/// Words that begin advice in our messages, which read "what happened: what to do" or "What happened. What to do".
-constexpr std::array<std::string_view, 24> kAdviceVerbs = {
-    "use",  "check", "make", "put",  "print",   "save",   "say",   "correct", "export", "try",  "format", "plug",
-    "copy", "press", "have", "give", "restart", "resume", "lower", "raise",   "close",  "pull", "switch", "choose"};
-
-/// Where the advice begins; the message's size if it has none.
-std::size_t find_advice(std::string_view message) {
-  for (std::size_t at = message.size(); at-- > 2;) {
-    const char stop = message[at - 2];
-    if (message[at - 1] != ' ' || (stop != ':' && stop != '.' && stop != ';')) continue;
-    const auto first = message.substr(at, message.find_first_of(" ,", at) - at);
-    const bool is_verb = std::any_of(kAdviceVerbs.begin(), kAdviceVerbs.end(), [first](std::string_view verb) {
-      return std::equal(first.begin(), first.end(), verb.begin(), verb.end(),
-                        [](char a, char b) { return std::tolower(static_cast<unsigned char>(a)) == b; });
-    });
-    if (is_verb) return at;
-  }
-  return message.size();
-}
-
 }  // namespace
 
-FaultText explain(FaultCode code, std::string_view message) {
+FaultText explain(FaultCode code, std::string_view finding, std::string_view advice) {
   const FaultInfo& fault = info(code);
-  const std::size_t at = find_advice(message);
   FaultText text;
-  text.what.add("PL-%u, %.*s", static_cast<unsigned>(code), static_cast<int>(fault.title.size()), fault.title.data());
-  std::string_view what = message.substr(0, at);
-  while (!what.empty() && std::string_view(" :.;").find(what.back()) != std::string_view::npos) what.remove_suffix(1);
-  if (!what.empty()) text.what.add(": ");
-  text.message_at = text.what.view().size();
-  text.what.add("%.*s", static_cast<int>(what.size()), what.data());
-  // A message about a scan or a setting gives better advice than the table: it has the numbers. A device can't advise to resume.
-  std::string_view advice = message.substr(at);
+  text.what.add("PL-%u, %.*s%s%.*s", static_cast<unsigned>(code), static_cast<int>(fault.title.size()),
+                fault.title.data(), finding.empty() ? "" : ": ", static_cast<int>(finding.size()), finding.data());
+  // An error about a scan or a setting gives better advice than the table: it has the numbers. A device can't advise to resume.
   if (advice.empty() || code > FaultCode::kBadSetting) advice = fault.next;
   text.advice.add("%c%.*s%s", std::toupper(static_cast<unsigned char>(advice[0])), static_cast<int>(advice.size()) - 1,
                   advice.data() + 1, advice.ends_with('.') ? "" : ".");

@@ -64,17 +64,16 @@ std::span<const FaultInfo> all_faults();
 /// @param code  not kNone
 const FaultInfo& info(FaultCode code);
 
-/// A fault as text for people, with its advice given once.
+/// A fault as text for people.
 struct FaultText {
-  FixedText<800> what;         ///< "PL-601, sensor dead: the lamp's temperature sensor does not answer"
-  std::size_t message_at = 0;  ///< where the message begins in `what`; its size if there is none
-  FixedText<400> advice;       ///< "Check the sensor's plug, then resume."
+  FixedText<800> what;    ///< "PL-601, sensor dead: the lamp's temperature sensor does not answer"
+  FixedText<400> advice;  ///< "Check the sensor's plug, then resume."
 };
 
-/// Joins a fault's title with the message of its error. If the fault is about a scan or a setting (PL-101 to PL-106), advice in
-/// the message replaces the table's; if it is about a device, the table's advice is used.
-/// @param code  not kNone
-FaultText explain(FaultCode code, std::string_view message);
+/// @param code     not kNone
+/// @param finding  what was found; may be empty
+/// @param advice   of the error. If the fault is about a scan or a setting (PL-101 to PL-106) it replaces the table's
+FaultText explain(FaultCode code, std::string_view finding, std::string_view advice = {});
 
 /// The fault that an error of the slicer, a device or a file becomes.
 FaultCode fault_of(ErrorCode code);

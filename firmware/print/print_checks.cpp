@@ -83,8 +83,7 @@ Status PrintChecks::check_panel(const PrintGrid& masks) {
   }
   if (const auto blanked = panel.blank(); !blanked) {
     if (blanked.error().code() == ErrorCode::kPowerLost) return blanked;
-    check.detail.add("%s", blanked.error().message());
-    conclude(Check::kPanel, CheckOutcome::kFailed, fault_of(blanked.error().code()));
+    conclude_failed(Check::kPanel, blanked.error());
     return {};
   }
   check.detail.add("%u x %u pixels, black", panel.columns(), panel.rows());
@@ -111,8 +110,7 @@ Status PrintChecks::check_temperatures() {
   for (const auto* reading : {&lamp, &resin}) {
     if (*reading) continue;
     if (reading->error().code() == ErrorCode::kPowerLost) return tl::unexpected<Error>(reading->error());
-    check.detail.add("%s", reading->error().message());
-    conclude(Check::kTemperatures, CheckOutcome::kFailed, fault_of(reading->error().code()));
+    conclude_failed(Check::kTemperatures, reading->error());
     return {};
   }
   check.detail.add("lamp %.1f degrees C, at most %.0f allowed; resin %.1f degrees C, %.0f to %.0f allowed",
@@ -132,9 +130,13 @@ void PrintChecks::stage_homed() {
   conclude(Check::kStage, CheckOutcome::kPassed);
 }
 
-void PrintChecks::stage_failed(const Error& error) {
-  result(Check::kStage).detail.add("%s", error.message());
-  conclude(Check::kStage, CheckOutcome::kFailed, fault_of(error.code()));
+void PrintChecks::stage_failed(const Error& error) { conclude_failed(Check::kStage, error); }
+
+/// Leaves out the error's advice: the fault that it becomes gives its own.
+void PrintChecks::conclude_failed(Check check, const Error& error) {
+  const std::string_view finding = error.finding();
+  result(check).detail.add("%.*s", static_cast<int>(finding.size()), finding.data());
+  conclude(check, CheckOutcome::kFailed, fault_of(error.code()));
 }
 
 }  // namespace plumbline

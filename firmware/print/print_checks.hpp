@@ -43,6 +43,7 @@ class PrintChecks {
   [[nodiscard]] Status check_temperatures();
   CheckResult& result(Check check) { return results_[static_cast<std::size_t>(check)]; }
   const CheckResult& result(Check check) const { return results_[static_cast<std::size_t>(check)]; }
+  void conclude_failed(Check check, const Error& error);
   /// @param code  the fault if the outcome is kFailed
   void conclude(Check check, CheckOutcome outcome, FaultCode code = FaultCode::kNone);
 

@@ -100,15 +100,15 @@ void PrintJob::notify() {
   if (!observer_.update(status)) watch_.request(Request::kCancel);
 }
 
-void PrintJob::fault(FaultCode code, const char* message) {
+void PrintJob::fault(FaultCode code, std::string_view finding) {
   if (report_.fault == FaultCode::kNone) {
     report_.fault = code;
-    report_.fault_message.add("%s", message);
+    report_.fault_message.add("%.*s", static_cast<int>(finding.size()), finding.data());
   }
   apply(code == FaultCode::kPowerLost ? PrintEvent::kShutdown : PrintEvent::kFailed);
 }
 
-void PrintJob::fail_with(const Error& error) { fault(fault_of(error.code()), error.message()); }
+void PrintJob::fail_with(const Error& error) { fault(fault_of(error.code()), error.finding()); }
 
 Status PrintJob::step() {
   if (watch_.pending() >= Request::kCancel && apply_pending()) return {};

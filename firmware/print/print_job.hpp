@@ -43,7 +43,7 @@ class PrintJob {
   bool apply_pending();
   void resume();
   void notify();
-  void fault(FaultCode code, const char* message);
+  void fault(FaultCode code, std::string_view finding);
   void fail_with(const Error& error);
 
   Status step();

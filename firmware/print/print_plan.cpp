@@ -21,7 +21,7 @@ Status check_speeds(const PrintProfile& profile, const MachineFile& machine) {
   for (const auto& speed : speeds) {
     if (speed.mm_min <= machine.max_speed_mm_min) continue;
     return fail(ErrorCode::kBadSetting,
-                "profile %s: %s is %g mm/min, this printer's Z stage moves at %g mm/min at most: lower it",
+                "profile %s: %s is %g mm/min, this printer's Z stage moves at %g mm/min at most:\tlower it",
                 profile.name.c_str(), speed.key, speed.mm_min, machine.max_speed_mm_min);
   }
   return {};
@@ -31,7 +31,7 @@ Status check_exposures(const PrintProfile& profile, const MachineFile& machine) 
   const double longest = std::max(profile.exposure_time, profile.initial_exposure_time);
   if (longest <= machine.max_exposure_s) return {};
   return fail(ErrorCode::kExposureTooLong,
-              "profile %s: an exposure is %g s, this printer's lamp may be lit for %g s at most: lower %s",
+              "profile %s: an exposure is %g s, this printer's lamp may be lit for %g s at most:\tlower %s",
               profile.name.c_str(), longest, machine.max_exposure_s,
               longest > profile.exposure_time ? "initial_exposure_time" : "exposure_time");
 }

@@ -155,7 +155,7 @@ void write_print_report(JsonWriter& json, const PrintOutcome& outcome) {
     json.begin_object();
     json.member("code", code.view());
     json.member("title", info(report.fault).title);
-    json.member("message", text.what.view().substr(text.message_at));
+    json.member("message", report.fault_message.view());
     json.member("next", text.advice.view());
     json.end_object();
   }

@@ -73,7 +73,7 @@ Expected<std::string> find_board_file(const std::string& name_or_path) {
   if (!is_path(name_or_path) && !is_there(name_or_path)) return find(name_or_path, board_folders(), "printer");
   if (is_there(name_or_path)) return name_or_path;
   const auto names = names_in(board_folders());
-  return fail(ErrorCode::kCannotOpen, "%s: no such board file. Check the path, or name a printer: %s",
+  return fail(ErrorCode::kCannotOpen, "%s: no such board file.\tCheck the path, or name a printer: %s",
               printable(name_or_path).c_str(), joined({names.begin(), names.end()}).c_str());
 }
 

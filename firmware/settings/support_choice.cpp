@@ -8,7 +8,7 @@ Expected<std::optional<SupportSettings>> SupportChoice::over(bool enabled, Suppo
     if (!values[i]) continue;
     const SupportField& field = kSupportFields[i];
     if (!wanted) {
-      return fail(ErrorCode::kBadSetting, "%.*s is given, but supports are off. Turn them on with --supports auto",
+      return fail(ErrorCode::kBadSetting, "%.*s is given, but supports are off.\tTurn them on with --supports auto",
                   static_cast<int>(field.key.size()), field.key.data());
     }
     settings.*field.member = *values[i];

@@ -77,9 +77,9 @@ Expected<bool> make_folder(const char* path) {
   struct stat status = {};
   if (::stat(path, &status) == 0) {
     if (S_ISDIR(status.st_mode)) return false;
-    return fail(ErrorCode::kCannotOpen, "%s: is a file, not a folder. Choose another output folder", path);
+    return fail(ErrorCode::kCannotOpen, "%s: is a file, not a folder.\tChoose another output folder", path);
   }
-  return fail(ErrorCode::kCannotOpen, "%s: the folder cannot be created: %s. Choose another output folder", path,
+  return fail(ErrorCode::kCannotOpen, "%s: the folder cannot be created: %s.\tChoose another output folder", path,
               std::strerror(reason));
 }
 
@@ -101,7 +101,7 @@ Expected<JobDirectory> JobDirectory::open(const std::string& path) {
   // A file system without locks is accepted: the lock only guards against accidents.
   if (::flock(directory.lock_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
     return fail(ErrorCode::kCannotWrite,
-                "%s: another plumbline is writing there. Wait for it, or choose another folder", directory.path());
+                "%s: another plumbline is writing there.\tWait for it, or choose another folder", directory.path());
   }
   PLUMBLINE_TRY(directory.inspect());
   const auto layers = make_folder(directory.file_path(kLayers).c_str());
@@ -109,7 +109,7 @@ Expected<JobDirectory> JobDirectory::open(const std::string& path) {
   directory.created_layers_ = *layers;
   for (const char* folder : {directory.path(), directory.file_path(kLayers).c_str()}) {
     if (::access(folder, W_OK | X_OK) != 0) {
-      return fail(ErrorCode::kCannotOpen, "%s: cannot be written to: %s. Choose another output folder", folder,
+      return fail(ErrorCode::kCannotOpen, "%s: cannot be written to: %s.\tChoose another output folder", folder,
                   std::strerror(errno));
     }
   }
@@ -168,7 +168,7 @@ Status JobDirectory::inspect_layers() {
   }
   if (!S_ISDIR(status.st_mode)) {
     return fail(ErrorCode::kCannotWrite,
-                "%s: is not a folder; nothing was changed. Choose a new or an empty output folder", layers.c_str());
+                "%s: is not a folder; nothing was changed.\tChoose a new or an empty output folder", layers.c_str());
   }
   return for_each_entry(layers.c_str(), [&](const char* name) -> Status {
     if (const auto layer = layer_number(name)) {
@@ -176,7 +176,7 @@ Status JobDirectory::inspect_layers() {
       return {};
     }
     return fail(ErrorCode::kCannotWrite,
-                "%s: holds '%s', which is no layer; nothing was changed. Choose a new or an empty output folder",
+                "%s: holds '%s', which is no layer; nothing was changed.\tChoose a new or an empty output folder",
                 layers.c_str(), name);
   });
 }

@@ -43,7 +43,7 @@ Expected<Celsius> SimThermals::do_temperature(TemperatureSite site) const {
   const SimCall call(plant_);
   if (plant_.thermals().dead[static_cast<std::size_t>(site)]) {
     const auto where = to_string(site);
-    return fail(ErrorCode::kSensorDead, "the %.*s's temperature sensor does not answer: check its plug",
+    return fail(ErrorCode::kSensorDead, "the %.*s's temperature sensor does not answer:\tcheck its plug",
                 static_cast<int>(where.size()), where.data());
   }
   return plant_.thermals().temperature(plant_.now(), site);

@@ -21,13 +21,13 @@ Expected<BitImage> SimMaskDisplay::do_lend() {
 Status SimMaskDisplay::show(bool black) {
   const SimCall call(plant_);
   if (plant_.has_fault(FaultKind::kPanelDead)) {
-    return fail(ErrorCode::kPanelFailed, "the panel does not answer: check its cable");
+    return fail(ErrorCode::kPanelFailed, "the panel does not answer:\tcheck its cable");
   }
   // Shared, because a slow panel settles after this call.
   const auto settled = std::make_shared<bool>(false);
   plant_.panel().flip(black, [settled] { *settled = true; });
   PLUMBLINE_TRY(plant_.wait_until(plant_.now() + plant_.settings().panel.flip_timeout, [&] { return *settled; }));
-  if (!*settled) return fail(ErrorCode::kFlipTimeout, "the panel did not show the mask in time: check its cable");
+  if (!*settled) return fail(ErrorCode::kFlipTimeout, "the panel did not show the mask in time:\tcheck its cable");
   return {};
 }
 

@@ -11,7 +11,7 @@
 namespace plumbline {
 namespace {
 
-tl::unexpected<Error> none() { return fail(ErrorCode::kNoStick, "no stick: plug one in"); }
+tl::unexpected<Error> none() { return fail(ErrorCode::kNoStick, "no stick:\tplug one in"); }
 
 }  // namespace
 
@@ -35,7 +35,7 @@ Status SimStickPort::do_mount(std::span<char> path) {
   if (!do_has_stick()) return none();
   const auto& folder = plant_.stick();
   if (plant_.has_fault(FaultKind::kStickMountFails) || folder.size() >= path.size()) {
-    return fail(ErrorCode::kMountFailed, "the stick's file system can't be read: format it as FAT32 or exFAT");
+    return fail(ErrorCode::kMountFailed, "the stick's file system can't be read:\tformat it as FAT32 or exFAT");
   }
   *std::copy(folder.begin(), folder.end(), path.begin()) = '\0';
   mounted_stick_ = plant_.sticks_plugged();
@@ -44,7 +44,7 @@ Status SimStickPort::do_mount(std::span<char> path) {
 
 Status SimStickPort::do_check_mounted() const {
   if (do_has_stick() && mounted_stick_ == plant_.sticks_plugged()) return {};
-  return fail(ErrorCode::kStickGone, "the stick was pulled: plug it in and start again");
+  return fail(ErrorCode::kStickGone, "the stick was pulled:\tplug it in and start again");
 }
 
 Expected<std::size_t> SimStickPort::do_read(int file, std::span<std::byte> buffer) {
@@ -61,7 +61,7 @@ Expected<std::size_t> SimStickPort::do_read(int file, std::span<std::byte> buffe
                                   [this] { return !do_check_mounted(); }));
   PLUMBLINE_TRY(do_check_mounted());
   if (plant_.has_fault(FaultKind::kStickBadSector)) {
-    return fail(ErrorCode::kCannotRead, "the stick has bad sectors: copy the scan to another stick");
+    return fail(ErrorCode::kCannotRead, "the stick has bad sectors:\tcopy the scan to another stick");
   }
   return static_cast<std::size_t>(got);
 }

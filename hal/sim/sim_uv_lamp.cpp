@@ -16,12 +16,12 @@ Expected<TimePoint> SimUvLamp::do_begin(nanoseconds cure) {
   const SimCall call(plant_);
   if (supply_cut_) {
     return fail(ErrorCode::kLampFailed,
-                "the lamp's supply was cut because the lamp would not go off: have the lamp repaired");
+                "the lamp's supply was cut because the lamp would not go off:\thave the lamp repaired");
   }
   LampWire* const wire = plant_.settings().lamp_wire;
   if (plant_.has_fault(FaultKind::kLampUnarmed) || (wire != nullptr && !wire->light(cure))) {
     return fail(ErrorCode::kLampFailed,
-                "the lamp's keeper does not answer, so nothing was lit: switch the printer off and on");
+                "the lamp's keeper does not answer, so nothing was lit:\tswitch the printer off and on");
   }
   deadline_ = plant_.timeline().at(plant_.now() + cure, [this] { off(ExposureEnd::kTimeUp); });
   report_ = {.began_at = plant_.now(),
@@ -77,15 +77,15 @@ Expected<ExposureReport> SimUvLamp::do_report() {
   const SimCall call(plant_);
   PLUMBLINE_TRY(plant_.wait_until(plant_.now() + 3 * kStuckAfter, [this] { return !plant_.light(); }));
   if (plant_.light()) {
-    return fail(ErrorCode::kLampStuckOn, "the lamp stays on even with its supply cut: pull the printer's plug");
+    return fail(ErrorCode::kLampStuckOn, "the lamp stays on even with its supply cut:\tpull the printer's plug");
   }
   if (supply_cut_) {
-    return fail(ErrorCode::kLampStuckOn, "the lamp went off only when its supply was cut: have the lamp repaired");
+    return fail(ErrorCode::kLampStuckOn, "the lamp went off only when its supply was cut:\thave the lamp repaired");
   }
   report_.dose = plant_.monitored_dose();
   // Less than 1 % of the expected dose counts as no light.
   if (report_.dose.value() < 0.01 * dose_of(limits().irradiance, report_.lit).value()) {
-    return fail(ErrorCode::kLampDead, "the lamp gave no light: check the lamp and its fuse");
+    return fail(ErrorCode::kLampDead, "the lamp gave no light:\tcheck the lamp and its fuse");
   }
   return report_;
 }

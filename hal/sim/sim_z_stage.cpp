@@ -49,7 +49,7 @@ Status SimZStage::do_begin_move(ZPosition target, Speed speed) {
   report_ = {.began_at = plant_.now(), .ended_at = {}, .position = position_, .arrived = false, .steps_lost = {}};
   moving_ = true;
   stopping_ = false;
-  failed_ = false;
+  problem_.reset();
   start(Phase::kMove, plant_.stage().rounded(target - position_), speed, StageSwitch::kNone);
   ends_by_ = plant_.stage().ends_at();
   return {};
@@ -61,7 +61,7 @@ Status SimZStage::do_begin_homing() {
   was_homed_ = std::exchange(homed_, false);
   moving_ = true;
   stopping_ = false;
-  failed_ = false;
+  problem_.reset();
   const Distance travel = limits().end_stop - limits().lowest + kOvertravel;
   // The whole travel, plus 30 s for the short legs: at most 1 + 2 + 4 mm, of which 5 mm at 0.5 mm/s, and ramps below 1 s.
   ends_by_ = plant_.now() + std::chrono::seconds(30) +
@@ -69,40 +69,41 @@ Status SimZStage::do_begin_homing() {
   if (!plant_.stage().end_stop_pressed()) {
     start(Phase::kApproach, travel, kApproachSpeed, StageSwitch::kPressed);
   } else if (was_homed_ && position_ < limits().end_stop - kBackOff) {
-    finish_motion(false, ErrorCode::kEndStopStuck,
-                  "the end stop is pressed, but the stage is elsewhere: check the switch");
+    fail_motion(Error::format(ErrorCode::kEndStopStuck,
+                              "the end stop is pressed, but the stage is elsewhere:\tcheck the switch"));
   } else {
     start(Phase::kRelease, -kRelease, kFindSpeed, StageSwitch::kReleased);
   }
   return {};
 }
 
-void SimZStage::finish_motion(bool arrived, ErrorCode problem, const char* message) {
+void SimZStage::finish_motion(bool arrived) {
   moving_ = false;
   report_.position = position_;
   report_.ended_at = plant_.now();
   report_.arrived = arrived;
-  failed_ = message != nullptr;
-  if (failed_) {
-    homed_ = false;
-    problem_ = Error::format(problem, "%s", message);
-  }
   plant_.push_event(EventKind::kMotionEnded);
+}
+
+void SimZStage::fail_motion(const Error& problem) {
+  homed_ = false;
+  problem_ = problem;
+  finish_motion(false);
 }
 
 void SimZStage::on_rest(const LegResult& leg) {
   const ZPosition from = position_;
   position_ = position_ + leg.moved;
   if (leg.end == LegEnd::kStalled && phase_ == Phase::kApproach) {
-    finish_motion(false, ErrorCode::kEndStopNotFound,
-                  "the stage met its upper end before the end stop: check switch and cable");
+    fail_motion(Error::format(ErrorCode::kEndStopNotFound,
+                              "the stage met its upper end before the end stop:\tcheck switch and cable"));
   } else if (leg.end == LegEnd::kStalled) {
-    finish_motion(false, ErrorCode::kStageStalled, "the stage is blocked: look for what is in its distance");
+    fail_motion(Error::format(ErrorCode::kStageStalled, "the stage is blocked:\tlook for what is in its way"));
   } else if (leg.end == LegEnd::kStopped || (stopping_ && phase_ != Phase::kMove)) {
-    finish_motion(false, ErrorCode::kCancelled, nullptr);
+    finish_motion(false);
   } else if (phase_ == Phase::kMove || phase_ == Phase::kReturn) {
     if (phase_ == Phase::kReturn) homed_ = true;
-    finish_motion(true, ErrorCode::kCancelled, nullptr);
+    finish_motion(true);
   } else {
     position_ = from;
     continue_homing(leg);
@@ -114,16 +115,18 @@ void SimZStage::continue_homing(const LegResult& leg) {
   if (phase_ == Phase::kFind && switched) return on_end_stop_found(leg);
   position_ = position_ + leg.moved;
   if (phase_ == Phase::kRelease && !switched) {
-    finish_motion(false, ErrorCode::kEndStopStuck, "the end stop stays pressed: check its switch");
+    fail_motion(Error::format(ErrorCode::kEndStopStuck, "the end stop stays pressed:\tcheck its switch"));
   } else if (phase_ == Phase::kApproach || phase_ == Phase::kFind) {
     if (!switched) {
-      finish_motion(false, ErrorCode::kEndStopNotFound,
-                    "the stage covered its whole travel without meeting the end stop: check switch and cable");
+      fail_motion(
+          Error::format(ErrorCode::kEndStopNotFound,
+                        "the stage covered its whole travel without meeting the end stop:\tcheck switch and cable"));
     } else {
       start(Phase::kBackOff, -kBackOff, kApproachSpeed, StageSwitch::kNone);
     }
   } else if (plant_.stage().end_stop_pressed()) {
-    finish_motion(false, ErrorCode::kEndStopStuck, "the end stop stays pressed after backing off: check its switch");
+    fail_motion(
+        Error::format(ErrorCode::kEndStopStuck, "the end stop stays pressed after backing off:\tcheck its switch"));
   } else {
     start(Phase::kFind, kBackOff + kOvertravel, kFindSpeed, StageSwitch::kPressed);
   }
@@ -149,8 +152,8 @@ Expected<MotionReport> SimZStage::do_finish() {
   constexpr auto kGrace = std::chrono::seconds(1);
   PLUMBLINE_TRY(plant_.wait_until(ends_by_ + kGrace, [this] { return !moving_; }));
   if (moving_)
-    return fail(ErrorCode::kDeviceTimeout, "the stage did not end its motion: switch the printer off and on");
-  if (failed_) return tl::unexpected<Error>(problem_);
+    return fail(ErrorCode::kDeviceTimeout, "the stage did not end its motion:\tswitch the printer off and on");
+  if (problem_) return tl::unexpected<Error>(*problem_);
   return report_;
 }
 

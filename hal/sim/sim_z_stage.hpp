@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "hal/sim/plant/plant.hpp"
 #include "hal/z_stage.hpp"
 
@@ -29,7 +31,8 @@ class SimZStage final : public ZStage {
   void on_rest(const LegResult& leg);
   void continue_homing(const LegResult& leg);
   void on_end_stop_found(const LegResult& leg);
-  void finish_motion(bool arrived, ErrorCode problem, const char* message);
+  void finish_motion(bool arrived);
+  void fail_motion(const Error& problem);
 
   Plant& plant_;
   Phase phase_ = Phase::kMove;
@@ -40,8 +43,7 @@ class SimZStage final : public ZStage {
   ZPosition position_;      ///< at rest, by counted steps
   TimePoint ends_by_;
   MotionReport report_;
-  bool failed_ = false;
-  Error problem_;
+  std::optional<Error> problem_;  ///< of the last motion
 };
 
 }  // namespace plumbline

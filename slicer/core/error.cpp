@@ -1,6 +1,7 @@
 #include "slicer/core/error.hpp"
 
 #include <cstdio>
+#include <cstring>
 
 namespace plumbline {
 
@@ -49,7 +50,19 @@ std::string_view to_string(ErrorCode code) {
 Error Error::format_list(ErrorCode code, const char* pattern, std::va_list args) {
   Error error;
   error.code_ = code;
+  std::va_list again;
+  va_copy(again, args);
   std::vsnprintf(error.message_, sizeof error.message_, pattern, args);
+  if (const char* const tab = std::strchr(pattern, '\t')) {
+    char finding[kCapacity];
+    std::snprintf(finding, sizeof finding, "%.*s", static_cast<int>(tab - pattern), pattern);
+    const int length = std::vsnprintf(nullptr, 0, finding, again);
+    if (length >= 0 && static_cast<std::size_t>(length) + 1 < kCapacity) {
+      error.message_[length] = ' ';
+      error.advice_at_ = static_cast<std::uint16_t>(length + 1);
+    }
+  }
+  va_end(again);
   return error;
 }
 
@@ -70,7 +83,18 @@ tl::unexpected<Error> fail(ErrorCode code, const char* pattern, ...) {
 }
 
 Error Error::with_prefix(std::string_view prefix) const {
-  return format(code_, "%.*s: %s", static_cast<int>(prefix.size()), prefix.data(), message_);
+  Error error = format(code_, "%.*s: %s", static_cast<int>(prefix.size()), prefix.data(), message_);
+  const std::size_t at = advice_at_ + prefix.size() + 2;
+  if (advice_at_ > 0 && at < std::strlen(error.message_)) error.advice_at_ = static_cast<std::uint16_t>(at);
+  return error;
+}
+
+std::string_view Error::finding() const {
+  std::string_view text = message_;
+  if (advice_at_ == 0) return text;
+  text = text.substr(0, advice_at_);
+  while (!text.empty() && std::string_view(" :.;").find(text.back()) != std::string_view::npos) text.remove_suffix(1);
+  return text;
 }
 
 }  // namespace plumbline

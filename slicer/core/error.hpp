@@ -61,19 +61,23 @@ class Error {
   /// costs stack.
   static constexpr std::size_t kCapacity = 448;
 
-  /// Formats a message as printf does. Never allocates.
+  /// Formats a message as printf does. A tab in the pattern separates what was found from what to do, and is shown as a
+  /// space: "%s: is a folder.\tName the scan in it". Never allocates.
   [[gnu::format(printf, 2, 3)]] static Error format(ErrorCode code, const char* pattern, ...);
+  [[gnu::format(printf, 2, 0)]] static Error format_list(ErrorCode code, const char* pattern, std::va_list args);
 
   ErrorCode code() const { return code_; }
   const char* message() const { return message_; }
+  /// The message without its advice.
+  std::string_view finding() const;
+  /// What to do; empty if the message doesn't say.
+  std::string_view advice() const { return advice_at_ > 0 ? message_ + advice_at_ : ""; }
   /// The same error with `prefix` and ": " before the message, for a caller that knows the file's name.
   Error with_prefix(std::string_view prefix) const;
 
  private:
-  [[gnu::format(printf, 2, 0)]] static Error format_list(ErrorCode code, const char* pattern, std::va_list args);
-  friend tl::unexpected<Error> fail(ErrorCode code, const char* pattern, ...);
-
   ErrorCode code_ = ErrorCode::kMalformed;
+  std::uint16_t advice_at_ = 0;  ///< in message_; 0: no advice
   char message_[kCapacity] = {};
 };
 
@@ -81,7 +85,7 @@ template <class T>
 using Expected = tl::expected<T, Error>;
 using Status = tl::expected<void, Error>;
 
-/// An error to return from a function that returns Expected<T> or Status. The compiler checks the message as printf's.
+/// An error to return from a function that returns Expected<T> or Status; see Error::format(). The compiler checks the message as printf's.
 [[nodiscard, gnu::format(printf, 2, 3)]] tl::unexpected<Error> fail(ErrorCode code, const char* pattern, ...);
 
 }  // namespace plumbline

@@ -59,7 +59,7 @@ Status admit_rays(const PlacedObject& object, const Arena& arena, std::array<std
   if (need <= arena.capacity()) return {};
   constexpr double kMiB = 1024.0 * 1024.0;
   return fail(ErrorCode::kOutOfMemory,
-              "%s: the object's %.0f crossings need about %.1f MiB, the arena has %.1f MiB. Use a larger arena "
+              "%s: the object's %.0f crossings need about %.1f MiB, the arena has %.1f MiB.\tUse a larger arena "
               "(--arena-mib), a coarser grid or a smaller --scale",
               sorting > shooting ? "R-Rep" : "rays", sure.crossings, static_cast<double>(need) / kMiB,
               static_cast<double>(arena.capacity()) / kMiB);

@@ -41,7 +41,7 @@ Expected<ScanSummary> read_scan(ByteSource& source, PointSink& sink, std::span<s
   summary.bytes = input.bytes_read();
   if (summary.points == 0) {
     return input.fail(ErrorCode::kNoPoints,
-                      "no usable point: all of its %llu points have a coordinate that is not finite; export the scan "
+                      "no usable point: all of its %llu points have a coordinate that is not finite;\texport the scan "
                       "again",
                       static_cast<unsigned long long>(summary.not_finite));
   }

@@ -157,7 +157,7 @@ class Sweep {
   Status add_tip(std::uint32_t column, std::uint32_t row, std::uint32_t layer, ConstBitImage mask) {
     if (count_ == list_.size()) {
       return fail(ErrorCode::kOutOfMemory,
-                  "%s: more than %zu are needed up to layer %u of %u, the list has room for no more. Turn the object, "
+                  "%s: more than %zu are needed up to layer %u of %u, the list has room for no more.\tTurn the object, "
                   "allow a smaller support_critical_angle or a larger support_max_bridge_length, or look at the "
                   "preview for outliers in the scan",
                   kStage, list_.size(), layer, grid_.layers);

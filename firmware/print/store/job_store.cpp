@@ -49,7 +49,7 @@ Expected<JobStore> JobStore::open(const std::string& folder) {
   if (!store.folder_.is_open()) return fail(ErrorCode::kCannotOpen, "%s: %s", folder.c_str(), std::strerror(errno));
   if (::flock(store.folder_.get(), LOCK_EX | LOCK_NB) != 0) {
     return fail(ErrorCode::kCannotWrite,
-                "%s: another plumbline is printing with this folder; give another one with --state", folder.c_str());
+                "%s: another plumbline is printing with this folder;\tgive another one with --state", folder.c_str());
   }
   if (::faccessat(store.folder_.get(), ".", W_OK, AT_EACCESS) != 0) return store.cannot_write(kJob);
   return store;

@@ -109,7 +109,7 @@ bool KmsPanel::Device::await_flip(HostClock::time_point until) {
 
 Expected<std::span<std::uint32_t>> KmsPanel::Device::back() {
   if (!await_flip(HostClock::now() + flip_timeout_)) {
-    return fail(ErrorCode::kFlipTimeout, "the panel has still not shown an earlier mask: check its cable");
+    return fail(ErrorCode::kFlipTimeout, "the panel has still not shown an earlier mask:\tcheck its cable");
   }
   const Buffer& buffer = buffers_[1 - front_];
   return buffer.pixels().first(buffer.pitch() * panel_.mode.vdisplay);
@@ -125,7 +125,7 @@ Status KmsPanel::Device::flip() {
   }
   front_ = 1 - front_;  // it may be scanned out from now on, even if the wait below times out
   if (!await_flip(until)) {
-    return fail(ErrorCode::kFlipTimeout, "the panel did not show a mask within %lld ms: check its cable",
+    return fail(ErrorCode::kFlipTimeout, "the panel did not show a mask within %lld ms:\tcheck its cable",
                 static_cast<long long>(std::chrono::duration_cast<std::chrono::milliseconds>(flip_timeout_).count()));
   }
   return {};

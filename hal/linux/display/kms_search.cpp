@@ -62,8 +62,8 @@ Expected<bool> search_card(const std::string& path, const DisplaySettings& setti
       continue;
     }
     if (connector->connection != DRM_MODE_CONNECTED || connector->count_modes == 0) {
-      return fail(ErrorCode::kPanelFailed, "the panel: nothing is connected to %s of %s: check the cable", name.c_str(),
-                  path.c_str());
+      return fail(ErrorCode::kPanelFailed, "the panel: nothing is connected to %s of %s:\tcheck the cable",
+                  name.c_str(), path.c_str());
     }
     const auto mode = choose_mode(*connector, width, height, settings.refresh_hz);
     if (!mode) {

@@ -92,7 +92,7 @@ Expected<LampKeeper::Nanoseconds> LampKeeper::await_answer(std::uint32_t word) {
     if (ready < 0 && errno == EINTR) continue;
     KeeperMessage message;
     if (ready <= 0 || ::recv(socket_, &message, sizeof message, 0) != sizeof message) {
-      return fail(ErrorCode::kLampFailed, "the lamp's keeper does not answer: switch the printer off and on");
+      return fail(ErrorCode::kLampFailed, "the lamp's keeper does not answer:\tswitch the printer off and on");
     }
     handle(message);
     const bool answers = message.request == request_;
@@ -114,7 +114,7 @@ Expected<LampKeeper::Nanoseconds> LampKeeper::light(Nanoseconds cure) {
   message.nanoseconds = cure.count();
   dark_at_.reset();
   if (!send(socket_, message)) {
-    return fail(ErrorCode::kLampFailed, "the lamp's keeper has gone: switch the printer off and on");
+    return fail(ErrorCode::kLampFailed, "the lamp's keeper has gone:\tswitch the printer off and on");
   }
   auto lit = await_answer(static_cast<std::uint32_t>(KeeperWord::kLit));
   if (!lit) static_cast<void>(turn_off());
@@ -126,7 +126,7 @@ Expected<LampKeeper::Nanoseconds> LampKeeper::turn_off() {
   message.word = KeeperWord::kTurnOff;
   message.request = ++request_;
   if (!send(socket_, message)) {
-    return fail(ErrorCode::kLampFailed, "the lamp's keeper has gone: switch the printer off and on");
+    return fail(ErrorCode::kLampFailed, "the lamp's keeper has gone:\tswitch the printer off and on");
   }
   return await_answer(static_cast<std::uint32_t>(KeeperWord::kDark));
 }

@@ -7,7 +7,7 @@ namespace plumbline {
 Expected<TimePoint> LinuxUvLamp::do_begin(nanoseconds cure) {
   watch_.drain(monotonic_now());
   if (watch_.gone()) {
-    return fail(ErrorCode::kLampFailed, "the lamp's keeper is gone: switch the printer off and on");
+    return fail(ErrorCode::kLampFailed, "the lamp's keeper is gone:\tswitch the printer off and on");
   }
   const auto lit = watch_.keeper().light(cure);
   if (!lit) return tl::unexpected<Error>(lit.error());
@@ -33,10 +33,10 @@ void LinuxUvLamp::do_turn_off() noexcept {
 
 Expected<ExposureReport> LinuxUvLamp::do_report() {
   if (do_lit()) {
-    return fail(ErrorCode::kLampStuckOn, "the lamp's line could not be turned off: pull the plug of the printer");
+    return fail(ErrorCode::kLampStuckOn, "the lamp's line could not be turned off:\tpull the plug of the printer");
   }
   if (watch_.gone()) {
-    return fail(ErrorCode::kLampFailed, "the lamp's keeper died during an exposure: switch the printer off and on");
+    return fail(ErrorCode::kLampFailed, "the lamp's keeper died during an exposure:\tswitch the printer off and on");
   }
   constexpr nanoseconds kOnTime = std::chrono::milliseconds(1);  // UvLamp promises the deadline to within 1 ms
   ExposureReport report;

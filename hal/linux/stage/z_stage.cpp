@@ -167,7 +167,7 @@ Expected<MotionReport> LinuxZStage::do_finish() {
   while (moving_) {
     const nanoseconds until = std::max(ends_by_, legs_.delayed_end()) + kGrace;
     if (monotonic_now() > until) {
-      return fail(ErrorCode::kDeviceTimeout, "the stage did not end its motion: switch the printer off and on");
+      return fail(ErrorCode::kDeviceTimeout, "the stage did not end its motion:\tswitch the printer off and on");
     }
     changed_.wait_for(lock, until - monotonic_now() + std::chrono::milliseconds(1));
   }
@@ -199,7 +199,7 @@ Status LinuxZStage::move() {
     case StepLegEnd::kStopped: return fail(ErrorCode::kCancelled, "stopped");
     case StepLegEnd::kMetStop:
       return fail(ErrorCode::kEndStopStuck,
-                  "the end stop closed %.2f mm too low: check the switch and what blocks the stage",
+                  "the end stop closed %.2f mm too low:\tcheck the switch and what blocks the stage",
                   (limits().end_stop - height_of(result.switched)).millimetres());
     case StepLegEnd::kFailed:
       return fail(ErrorCode::kStageStalled, "a line of the stage's driver can't be set: %s", std::strerror(errno));
@@ -222,22 +222,22 @@ Status LinuxZStage::approach() {
   StepLegResult result;
   if (lines_.pressed()) {
     if (was_homed_ && height_of(legs_.count()) < limits().end_stop - kBackOff) {
-      return fail(ErrorCode::kEndStopStuck, "the end stop is pressed, but the stage is elsewhere: check the switch");
+      return fail(ErrorCode::kEndStopStuck, "the end stop is pressed, but the stage is elsewhere:\tcheck the switch");
     }
     PLUMBLINE_TRY(run_leg(-kRelease, mechanics_.find_speed, LegUntil::kReleased, result));
     if (result.end != StepLegEnd::kSwitched) {
-      return fail(ErrorCode::kEndStopStuck, "the end stop stays pressed: check its switch");
+      return fail(ErrorCode::kEndStopStuck, "the end stop stays pressed:\tcheck its switch");
     }
   } else {
     PLUMBLINE_TRY(
         run_leg(limits().end_stop - limits().lowest + kOvertravel, kApproachSpeed, LegUntil::kPressed, result));
     if (result.end != StepLegEnd::kSwitched) {
       return fail(ErrorCode::kEndStopNotFound,
-                  "the stage covered its whole travel without meeting the end stop: check switch and cable");
+                  "the stage covered its whole travel without meeting the end stop:\tcheck switch and cable");
     }
     PLUMBLINE_TRY(run_leg(-kBackOff, kApproachSpeed, LegUntil::kDone, result));
     if (lines_.pressed()) {
-      return fail(ErrorCode::kEndStopStuck, "the end stop stays pressed after backing off: check its switch");
+      return fail(ErrorCode::kEndStopStuck, "the end stop stays pressed after backing off:\tcheck its switch");
     }
   }
   return {};
@@ -247,7 +247,7 @@ Status LinuxZStage::find_end_stop() {
   StepLegResult result;
   PLUMBLINE_TRY(run_leg(kBackOff + kOvertravel, mechanics_.find_speed, LegUntil::kPressed, result));
   if (result.end != StepLegEnd::kSwitched) {
-    return fail(ErrorCode::kEndStopNotFound, "the end stop switched once but not again: check the switch");
+    return fail(ErrorCode::kEndStopNotFound, "the end stop switched once but not again:\tcheck the switch");
   }
   const std::scoped_lock lock(mutex_);
   if (was_homed_) steps_lost_ = height_of(result.switched) - limits().end_stop;

@@ -11,9 +11,9 @@
 namespace plumbline {
 namespace {
 
-tl::unexpected<Error> no_stick() { return fail(ErrorCode::kNoStick, "no stick: plug one in"); }
+tl::unexpected<Error> no_stick() { return fail(ErrorCode::kNoStick, "no stick:\tplug one in"); }
 tl::unexpected<Error> pulled() {
-  return fail(ErrorCode::kStickGone, "the stick was pulled: plug it in and start again");
+  return fail(ErrorCode::kStickGone, "the stick was pulled:\tplug it in and start again");
 }
 
 }  // namespace
@@ -117,7 +117,7 @@ Expected<std::size_t> LinuxStickPort::do_read(int file, std::span<std::byte> buf
     PLUMBLINE_TRY(do_check_mounted());
   }
   return fail(ErrorCode::kCannotRead,
-              "%s: the stick has bad sectors or a damaged file system: copy the scan to another stick",
+              "%s: the stick has bad sectors or a damaged file system:\tcopy the scan to another stick",
               std::strerror(reason));
 }
 

@@ -136,13 +136,13 @@ Expected<StickVolume> StickVolume::mount(const std::vector<std::string>& nodes, 
     }
   }
   if (nodes.empty()) {
-    return fail(ErrorCode::kMountFailed, "the board finds no storage on the stick: try another stick");
+    return fail(ErrorCode::kMountFailed, "the board finds no storage on the stick:\ttry another stick");
   }
   if (reason == EPERM || reason == EACCES) {
     return fail(ErrorCode::kMountFailed, "%s: no permission to mount: run plumblined as a service, see board/README.md",
                 nodes.front().c_str());
   }
-  return fail(ErrorCode::kMountFailed, "the stick's file system can't be read (%s: %s): format it as FAT32 or exFAT",
+  return fail(ErrorCode::kMountFailed, "the stick's file system can't be read (%s: %s):\tformat it as FAT32 or exFAT",
               nodes.front().c_str(), std::strerror(reason));
 }
 

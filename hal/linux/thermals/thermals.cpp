@@ -146,7 +146,7 @@ Expected<Celsius> LinuxThermals::do_temperature(TemperatureSite site) const {
   const auto read = sensor ? sensor->read() : std::nullopt;
   if (!read) {
     const auto where = to_string(site);
-    return fail(ErrorCode::kSensorDead, "the %.*s's temperature sensor does not answer: check its plug",
+    return fail(ErrorCode::kSensorDead, "the %.*s's temperature sensor does not answer:\tcheck its plug",
                 static_cast<int>(where.size()), where.data());
   }
   return Celsius(static_cast<double>(*read) / 1000);

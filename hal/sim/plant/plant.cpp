@@ -43,7 +43,7 @@ Plant::Plant(const PlantSettings& settings)
 }
 
 Status Plant::check_power() const {
-  if (!powered_) return fail(ErrorCode::kPowerLost, "the power failed: resume the job when it is back");
+  if (!powered_) return fail(ErrorCode::kPowerLost, "the power failed:\tresume the job when it is back");
   return {};
 }
 

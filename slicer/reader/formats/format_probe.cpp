@@ -78,7 +78,7 @@ class Probe {
   /// Refuses UTF-16 and UTF-32: a byte order mark or, without one, ASCII in every second byte.
   Status refuse_wide_text() const {
     const auto refuse = [&](const char* what) {
-      return input_.fail(ErrorCode::kUnsupported, "byte 0: the text is in %s; save it as UTF-8 or ASCII", what);
+      return input_.fail(ErrorCode::kUnsupported, "byte 0: the text is in %s;\tsave it as UTF-8 or ASCII", what);
     };
     if (window_.starts_with("\xff\xfe\0\0"sv) || window_.starts_with("\0\0\xfe\xff"sv)) return refuse("UTF-32");
     if (window_.starts_with("\xff\xfe") || window_.starts_with("\xfe\xff")) return refuse("UTF-16");
@@ -98,7 +98,7 @@ class Probe {
 
   Status refuse_other_formats() const {
     const auto refuse = [&](const char* what, const char* advice) {
-      return input_.fail(ErrorCode::kUnknownFormat, "this is %s; %s", what, advice);
+      return input_.fail(ErrorCode::kUnknownFormat, "this is %s;\t%s", what, advice);
     };
     for (const Mark& mark : kMarks) {
       if (window_.starts_with(mark.bytes)) return refuse(mark.what, mark.advice);
@@ -148,7 +148,7 @@ class Probe {
       if (is_text && has_ending(input_.name(), ending)) return ScanFormat::kXyz;
     }
     return input_.fail(ErrorCode::kUnknownFormat,
-                       "byte 0: expected a scan in PLY, XYZ, PTS, PCD or OBJ, found '%s'; %s",
+                       "byte 0: expected a scan in PLY, XYZ, PTS, PCD or OBJ, found '%s';\t%s",
                        Quote(line.empty() ? window_ : line).c_str(), kConvert);
   }
 
@@ -162,7 +162,7 @@ Expected<ScanFormat> probe_format(ByteInput& input) {
   const auto size = input.fill(input.capacity());
   PLUMBLINE_TRY(size);
   if (*size == 0) {
-    return input.fail(ErrorCode::kNoPoints, "the file is empty (0 bytes); copy or export the scan again");
+    return input.fail(ErrorCode::kNoPoints, "the file is empty (0 bytes);\tcopy or export the scan again");
   }
   return Probe(input, {input.begin(), *size}).format();
 }

@@ -30,10 +30,11 @@ Status LzfStream::need(std::size_t bytes) {
   const auto ready = input_.fill(bytes);
   PLUMBLINE_TRY(ready);
   if (*ready < bytes) {
-    return input_.fail(ErrorCode::kTruncated,
-                       "the file ends at byte %llu, %llu bytes before its compressed block does; copy or save it again",
-                       static_cast<unsigned long long>(input_.bytes_read()),
-                       static_cast<unsigned long long>(compressed_left_ - *ready));
+    return input_.fail(
+        ErrorCode::kTruncated,
+        "the file ends at byte %llu, %llu bytes before its compressed block does;\tcopy or save it again",
+        static_cast<unsigned long long>(input_.bytes_read()),
+        static_cast<unsigned long long>(compressed_left_ - *ready));
   }
   return {};
 }
@@ -56,7 +57,7 @@ Status LzfStream::reference(unsigned control) {
       (std::size_t{control & 31U} << 8) + static_cast<unsigned char>(input_.begin()[extra - 1]) + 1;
   if (distance > end_) {
     return input_.fail(ErrorCode::kMalformed,
-                       "byte %llu: the compressed block refers to %zu bytes before its start; save the file again",
+                       "byte %llu: the compressed block refers to %zu bytes before its start;\tsave the file again",
                        static_cast<unsigned long long>(input_.offset()), distance - end_);
   }
   input_.consume(extra);

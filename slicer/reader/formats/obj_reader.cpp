@@ -123,7 +123,7 @@ class ObjReader {
       if (continued) part.remove_suffix(1);
       if (line_.cut || part.size() + 1 > joined_.size() - used) {
         return lines_.input().fail(ErrorCode::kUnsupported,
-                                   "line %llu: a vertex is continued over more than %zu bytes; export the file again",
+                                   "line %llu: a vertex is continued over more than %zu bytes;\texport the file again",
                                    static_cast<unsigned long long>(lines_.number()), joined_.size());
       }
       std::copy(part.begin(), part.end(), joined_.begin() + static_cast<std::ptrdiff_t>(used));

@@ -43,17 +43,17 @@ class ColumnReader {
       if (!next && next.error().code() == ErrorCode::kTruncated) {
         return input_.fail(ErrorCode::kTruncated,
                            "the file ends at byte %llu, in its compressed block, with %llu of the %llu points that its "
-                           "header declares; copy or save it again",
+                           "header declares;\tcopy or save it again",
                            static_cast<unsigned long long>(input_.bytes_read()),
                            static_cast<unsigned long long>(complete_), static_cast<unsigned long long>(header_.points));
       }
       PLUMBLINE_TRY(next);
       if (next->empty()) {
-        return input_.fail(ErrorCode::kMalformed,
-                           "byte %llu: the compressed block is too short for the %llu points that the header declares; "
-                           "save the file again",
-                           static_cast<unsigned long long>(input_.offset()),
-                           static_cast<unsigned long long>(header_.points));
+        return input_.fail(
+            ErrorCode::kMalformed,
+            "byte %llu: the compressed block is too short for the %llu points that the header declares;\t"
+            "save the file again",
+            static_cast<unsigned long long>(input_.offset()), static_cast<unsigned long long>(header_.points));
       }
       piece_ = *next;
     }
@@ -135,7 +135,7 @@ Status read_pcd_compressed(ByteInput& input, const PcdHeader& header, PointBatch
   if (*ready < kSizes) {
     return input.fail(
         ErrorCode::kTruncated,
-        "the file ends at byte %llu, before its compressed block, with 0 of %llu points; copy or save it again",
+        "the file ends at byte %llu, before its compressed block, with 0 of %llu points;\tcopy or save it again",
         static_cast<unsigned long long>(input.bytes_read()), static_cast<unsigned long long>(header.points));
   }
   std::uint32_t sizes[2];

@@ -40,7 +40,7 @@ class HeaderParser {
       PLUMBLINE_TRY(found);
       if (!*found) {
         return lines_.input().fail(ErrorCode::kTruncated,
-                                   "the file ends after line %llu, before 'DATA'; copy or export it again", number());
+                                   "the file ends after line %llu, before 'DATA';\tcopy or export it again", number());
       }
       Words words(line.text);
       const auto keyword = words.next();
@@ -62,7 +62,7 @@ class HeaderParser {
   unsigned long long number() const { return static_cast<unsigned long long>(lines_.number()); }
 
   tl::unexpected<Error> expected(const char* what, std::string_view found) const {
-    return lines_.input().fail(ErrorCode::kMalformed, "line %llu: expected %s, found '%s'; export the file again",
+    return lines_.input().fail(ErrorCode::kMalformed, "line %llu: expected %s, found '%s';\texport the file again",
                                number(), what, Quote(found).c_str());
   }
 
@@ -82,7 +82,7 @@ class HeaderParser {
       if (word == known) return {};
     }
     return lines_.input().fail(ErrorCode::kUnsupported,
-                               "line %llu: PCD version '%s' is not supported; save the file as 0.5 to 0.7", number(),
+                               "line %llu: PCD version '%s' is not supported;\tsave the file as 0.5 to 0.7", number(),
                                Quote(word).c_str());
   }
 
@@ -91,7 +91,7 @@ class HeaderParser {
     for (auto name = words.next(); !name.empty(); name = words.next()) {
       if (used_ == room_.size()) {
         return lines_.input().fail(ErrorCode::kUnsupported,
-                                   "line %llu: more than %zu fields; save the file with only x, y and z", number(),
+                                   "line %llu: more than %zu fields;\tsave the file with only x, y and z", number(),
                                    room_.size());
       }
       room_[used_++] = {.slot = static_cast<std::uint8_t>(slot_of(name))};
@@ -166,7 +166,7 @@ class HeaderParser {
     }
     if (!layout_.has_position()) {
       return lines_.input().fail(ErrorCode::kNoPoints,
-                                 "line %llu: the FIELDS have no '%s'; save the file with x, y and z", number(),
+                                 "line %llu: the FIELDS have no '%s';\tsave the file with x, y and z", number(),
                                  !layout_.has(kX)   ? "x"
                                  : !layout_.has(kY) ? "y"
                                                     : "z");

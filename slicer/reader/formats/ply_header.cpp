@@ -40,7 +40,7 @@ class HeaderParser {
       PLUMBLINE_TRY(found);
       if (!*found) {
         return lines_.input().fail(ErrorCode::kTruncated,
-                                   "the file ends after line %llu, before 'end_header'; copy or export it again",
+                                   "the file ends after line %llu, before 'end_header';\tcopy or export it again",
                                    number());
       }
       Words words(line.text);
@@ -73,7 +73,7 @@ class HeaderParser {
   unsigned long long number() const { return static_cast<unsigned long long>(lines_.number()); }
 
   tl::unexpected<Error> expected(const char* what, std::string_view found) const {
-    return lines_.input().fail(ErrorCode::kMalformed, "line %llu: expected %s, found '%s'; export the file again",
+    return lines_.input().fail(ErrorCode::kMalformed, "line %llu: expected %s, found '%s';\texport the file again",
                                number(), what, Quote(found).c_str());
   }
 
@@ -90,7 +90,7 @@ class HeaderParser {
     }
     if (version != "1.0") {
       return lines_.input().fail(ErrorCode::kUnsupported,
-                                 "line %llu: PLY version '%s' is not supported; export the file as version 1.0",
+                                 "line %llu: PLY version '%s' is not supported;\texport the file as version 1.0",
                                  number(), Quote(version).c_str());
     }
     has_format_ = true;
@@ -114,7 +114,7 @@ class HeaderParser {
     } else {
       if (before_ == elements_.size()) {
         return lines_.input().fail(ErrorCode::kUnsupported,
-                                   "line %llu: more than %zu elements before the vertices; export only the points",
+                                   "line %llu: more than %zu elements before the vertices;\texport only the points",
                                    number(), elements_.size());
       }
       place_ = Place::kBefore;
@@ -147,7 +147,7 @@ class HeaderParser {
                                       : layout_.add_skip(size_of(*type), 1);
     if (!fits) {
       return lines_.input().fail(ErrorCode::kUnsupported,
-                                 "line %llu: too many properties (at most %zu can be read); export only the points",
+                                 "line %llu: too many properties (at most %zu can be read);\texport only the points",
                                  number(), kMaxSteps);
     }
     return {};
@@ -168,11 +168,11 @@ class HeaderParser {
                                  number());
     }
     if (!header_.vertex.layout.has_position()) {
-      return lines_.input().fail(ErrorCode::kNoPoints,
-                                 "line %llu: the vertices have no property '%s'; export them with x, y and z", number(),
-                                 !header_.vertex.layout.has(kX)   ? "x"
-                                 : !header_.vertex.layout.has(kY) ? "y"
-                                                                  : "z");
+      return lines_.input().fail(
+          ErrorCode::kNoPoints, "line %llu: the vertices have no property '%s';\texport them with x, y and z", number(),
+          !header_.vertex.layout.has(kX)   ? "x"
+          : !header_.vertex.layout.has(kY) ? "y"
+                                           : "z");
     }
     if (header_.vertex.count == 0) {
       return lines_.input().fail(ErrorCode::kNoPoints, "the header declares 0 vertices: there is nothing to print");

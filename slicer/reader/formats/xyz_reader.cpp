@@ -62,10 +62,11 @@ class XyzReader {
     PLUMBLINE_TRY(deliver_sample());
     if (!ended_) PLUMBLINE_TRY(read_rest());
     if (declared_ && rows_ < *declared_) {
-      return input_.fail(ErrorCode::kTruncated,
-                         "the file ends after line %llu, with %llu of the %llu points that it declares; copy or export "
-                         "it again",
-                         number(), static_cast<unsigned long long>(rows_), static_cast<unsigned long long>(*declared_));
+      return input_.fail(
+          ErrorCode::kTruncated,
+          "the file ends after line %llu, with %llu of the %llu points that it declares;\tcopy or export "
+          "it again",
+          number(), static_cast<unsigned long long>(rows_), static_cast<unsigned long long>(*declared_));
     }
     return {};
   }
@@ -122,7 +123,7 @@ class XyzReader {
     if (!count || !words.next().empty()) return false;
     if (declared_ && rows_ == 0) {
       return input_.fail(ErrorCode::kUnsupported,
-                         "line %llu: two counts before the first point, as in PTX, which is not supported; export the "
+                         "line %llu: two counts before the first point, as in PTX, which is not supported;\texport the "
                          "scan as PLY or PTS",
                          number());
     }
@@ -132,10 +133,11 @@ class XyzReader {
 
   Status check(const XyzRow& row, std::string_view text) {
     if (row.columns == 0 && sampled_ == 0) {
-      return input_.fail(ErrorCode::kUnknownFormat,
-                         "line %llu: expected a row of numbers x y z, found '%s'; give a scan in PLY, XYZ, PTS, PCD or "
-                         "OBJ",
-                         number(), Quote(text).c_str());
+      return input_.fail(
+          ErrorCode::kUnknownFormat,
+          "line %llu: expected a row of numbers x y z, found '%s';\tgive a scan in PLY, XYZ, PTS, PCD or "
+          "OBJ",
+          number(), Quote(text).c_str());
     }
     if (row.columns < 3) {
       static constexpr const char* kMissing[] = {"x", "y", "z"};
@@ -148,7 +150,7 @@ class XyzReader {
     }
     if (has_decimal_commas(text)) {
       return input_.fail(ErrorCode::kUnsupported,
-                         "line %llu: '%s' has decimal commas; export the file with decimal points", number(),
+                         "line %llu: '%s' has decimal commas;\texport the file with decimal points", number(),
                          Quote(text).c_str());
     }
     return {};
@@ -179,7 +181,7 @@ class XyzReader {
     for (const XyzRow& from : sample_.first(sampled_)) {
       if (from.columns < columns_.needed()) {
         return input_.fail(ErrorCode::kMalformed,
-                           "line %llu: too few numbers, %zu instead of %zu; correct the line or export the file again",
+                           "line %llu: too few numbers, %zu instead of %zu;\tcorrect the line or export the file again",
                            static_cast<unsigned long long>(from.line), from.columns, columns_.needed());
       }
       SlotValues row = {};

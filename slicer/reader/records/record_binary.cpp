@@ -12,7 +12,7 @@ using Kind = RecordStep::Kind;
 tl::unexpected<Error> fail_truncated(const ByteInput& input, const char* what, std::uint64_t read,
                                      std::uint64_t declared) {
   return input.fail(ErrorCode::kTruncated,
-                    "the file ends at byte %llu, with %llu of the %llu %s that its header declares; copy or export it "
+                    "the file ends at byte %llu, with %llu of the %llu %s that its header declares;\tcopy or export it "
                     "again",
                     static_cast<unsigned long long>(input.bytes_read()), static_cast<unsigned long long>(read),
                     static_cast<unsigned long long>(declared), what);

@@ -13,7 +13,7 @@ tl::unexpected<Error> fail_truncated(const LineInput& lines, const char* what, s
                                      std::uint64_t declared) {
   return lines.input().fail(
       ErrorCode::kTruncated,
-      "the file ends after line %llu, with %llu of the %llu %s that its header declares; copy or export it again",
+      "the file ends after line %llu, with %llu of the %llu %s that its header declares;\tcopy or export it again",
       static_cast<unsigned long long>(lines.number()), static_cast<unsigned long long>(read),
       static_cast<unsigned long long>(declared), what);
 }
@@ -73,21 +73,21 @@ tl::unexpected<Error> fail_row(const LineInput& lines, const Line& line, const R
       outcome.kind == Kind::kTooFew || outcome.word.data() + outcome.word.size() == line.text.data() + line.text.size();
   if (line.cut && at_end) {
     return input.fail(ErrorCode::kUnsupported,
-                      "line %llu: longer than a row may be (%zu bytes); export only the points, one a line", number,
+                      "line %llu: longer than a row may be (%zu bytes);\texport only the points, one a line", number,
                       input.capacity());
   }
   if (line.unterminated && at_end) {
     return input.fail(ErrorCode::kTruncated,
-                      "line %llu: the file ends in the middle of a point, before %s; copy or export it again", number,
+                      "line %llu: the file ends in the middle of a point, before %s;\tcopy or export it again", number,
                       outcome.wanted);
   }
   if (outcome.kind == Kind::kTooFew) {
     return input.fail(ErrorCode::kMalformed,
-                      "line %llu: too few numbers, %s is missing in '%s'; correct the line or export the file again",
+                      "line %llu: too few numbers, %s is missing in '%s';\tcorrect the line or export the file again",
                       number, outcome.wanted, Quote(line.text).c_str());
   }
   return input.fail(ErrorCode::kMalformed,
-                    "line %llu: expected a number for %s, found '%s'; correct the line or export the file again",
+                    "line %llu: expected a number for %s, found '%s';\tcorrect the line or export the file again",
                     number, outcome.wanted, Quote(outcome.word).c_str());
 }
 

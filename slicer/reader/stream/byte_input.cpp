@@ -87,16 +87,16 @@ Status ByteInput::report(double fraction) {
 }
 
 tl::unexpected<Error> ByteInput::fail(ErrorCode code, const char* pattern, ...) const {
-  char text[Error::kCapacity];
   va_list args;
   va_start(args, pattern);
-  std::vsnprintf(text, sizeof text, pattern, args);
+  const Error error = Error::format_list(code, pattern, args);
   va_end(args);
   auto shown = name();
-  const bool cut = shown.size() > kLongestName;
-  if (cut) shown.remove_prefix(shown.size() - kLongestName);
-  return tl::unexpected<Error>(
-      Error::format(code, "%s%.*s: %s", cut ? "..." : "", static_cast<int>(shown.size()), shown.data(), text));
+  if (shown.size() <= kLongestName) return tl::unexpected<Error>(error.with_prefix(shown));
+  shown.remove_prefix(shown.size() - kLongestName);
+  char cut[kLongestName + 4];
+  std::snprintf(cut, sizeof cut, "...%.*s", static_cast<int>(shown.size()), shown.data());
+  return tl::unexpected<Error>(error.with_prefix(cut));
 }
 
 }  // namespace plumbline

@@ -36,6 +36,27 @@ TEST(Error, PutsAPrefixBeforeTheMessageAndCutsItsEnd) {
   EXPECT_EQ(std::strlen(prefixed.message()), Error::kCapacity - 1);
 }
 
+TEST(Error, KeepsItsAdviceApart) {
+  const Error error = Error::format(ErrorCode::kDoesNotFit, "%s: %d mm too high.\tUse --scale %g", "a\tb.ply", 3, 0.5);
+  EXPECT_STREQ(error.message(), "a\tb.ply: 3 mm too high. Use --scale 0.5");
+  EXPECT_EQ(error.finding(), "a\tb.ply: 3 mm too high");
+  EXPECT_EQ(error.advice(), "Use --scale 0.5");
+
+  const Error prefixed = error.with_prefix("stick");
+  EXPECT_EQ(prefixed.finding(), "stick: a\tb.ply: 3 mm too high");
+  EXPECT_EQ(prefixed.advice(), "Use --scale 0.5");
+}
+
+TEST(Error, HasNoAdviceWithoutATabOrRoomForIt) {
+  EXPECT_EQ(Error::format(ErrorCode::kTruncated, "cut: copy it again").advice(), "");
+  const std::string found(1000, 'x');
+  const Error cut = Error::format(ErrorCode::kTruncated, "%s:\tcopy it again", found.c_str());
+  EXPECT_EQ(cut.advice(), "");
+  EXPECT_EQ(cut.finding(), cut.message());
+  const Error full = Error::format(ErrorCode::kTruncated, "%s:\tcopy", found.substr(0, 430).c_str());
+  EXPECT_EQ(full.with_prefix("twenty characters or so").advice(), "");
+}
+
 TEST(Error, EveryCodeHasItsOwnName) {
   std::set<std::string_view> names;
   for (const ErrorCode code : {ErrorCode::kCannotOpen,    ErrorCode::kCannotRead,       ErrorCode::kCannotWrite,
