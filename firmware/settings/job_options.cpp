@@ -45,7 +45,7 @@ Expected<JobSetup> set_up(const JobOptions& options, std::span<std::byte> arena_
   if (arena_mib > built_mib) {
     return fail(
         ErrorCode::kBadSetting,
-        "%s asks for an arena of %u MiB, but this program has %u MiB. Use --arena-mib %u or less, or build with "
+        "%s asks for an arena of %u MiB, but this program has %u MiB.\tUse --arena-mib %u or less, or build with "
         "-DPLUMBLINE_ARENA_MIB=%u",
         options.arena_mib ? "--arena-mib" : "the board file", arena_mib, built_mib, built_mib, arena_mib);
   }

@@ -90,7 +90,7 @@ Expected<std::string> find_profile(const std::string& name_or_path, const std::s
 Status check_file_name(const std::string& path, const char* key, const std::string& name) {
   const fs::path file(path);
   if (file.extension() != kEnding || file.stem() == name) return {};
-  return fail(ErrorCode::kBadSetting, "%s: %s is \"%s\", but the file is called %s. Change one of them",
+  return fail(ErrorCode::kBadSetting, "%s: %s is \"%s\", but the file is called %s.\tChange one of them",
               printable(path).c_str(), key, name.c_str(), file.filename().c_str());
 }
 

@@ -226,7 +226,7 @@ Expected<KdTree<Dimension>> KdTree<Dimension>::build(std::span<const Vec3f> poin
     constexpr double kMiB = 1024.0 * 1024.0;
     return fail(
         ErrorCode::kOutOfMemory,
-        "%s: the %dD tree of %zu points needs more than the %.1f MiB that were left of the arena's %.1f MiB. Use a "
+        "%s: the %dD tree of %zu points needs more than the %.1f MiB that were left of the arena's %.1f MiB.\tUse a "
         "larger arena or fewer points",
         stage, Dimension, points.size(), static_cast<double>(here.taken()) / kMiB,
         static_cast<double>(arena.capacity()) / kMiB);

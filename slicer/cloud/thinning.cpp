@@ -122,7 +122,7 @@ Status PointThinner::take(std::span<const ScanPoint> points) {
     if (!(std::abs(local[0]) < 1e18F && std::abs(local[1]) < 1e18F && std::abs(local[2]) < 1e18F)) {
       return fail(
           ErrorCode::kMalformed,
-          "point %llu lies at (%g, %g, %g), more than 1e18 from the first one: the file is damaged. Export it again",
+          "point %llu lies at (%g, %g, %g), more than 1e18 from the first one: the file is damaged.\tExport it again",
           static_cast<unsigned long long>(seen_ - seen_before_), point.x, point.y, point.z);
     }
     PackedNormal normal;

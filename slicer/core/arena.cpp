@@ -21,7 +21,7 @@ Expected<void*> Arena::take_bytes(std::size_t count, std::size_t size, const cha
   if (need > available()) {
     return fail(
         ErrorCode::kOutOfMemory,
-        "%s: needs %.1f MiB, but %.1f MiB of the arena's %.1f MiB are left. Use a larger arena, fewer points or a "
+        "%s: needs %.1f MiB, but %.1f MiB of the arena's %.1f MiB are left.\tUse a larger arena, fewer points or a "
         "coarser grid",
         stage, static_cast<double>(need) / kMiB, static_cast<double>(available()) / kMiB,
         static_cast<double>(capacity_) / kMiB);

@@ -121,12 +121,12 @@ Expected<Placement> place(const Box3d& bounds, double unit_mm, const PlacementSe
       for (int a = 1; a < 3; ++a) {
         if (extent[a] * room[worst] > extent[worst] * room[a]) worst = a;
       }
-      return fail(
-          ErrorCode::kDoesNotFit,
-          "the object is %.2f mm %s, but the printer has room for %.2f mm: %.2f mm too much. Use --scale %.4g or less, "
-          "--fit, or rotate it",
-          extent[worst] * factor, kAxis[static_cast<std::size_t>(worst)], room[worst],
-          extent[worst] * factor - room[worst], rounded_down(largest * kClear));
+      return fail(ErrorCode::kDoesNotFit,
+                  "the object is %.2f mm %s, but the printer has room for %.2f mm: %.2f mm too much.\tUse --scale %.4g "
+                  "or less, "
+                  "--fit, or rotate it",
+                  extent[worst] * factor, kAxis[static_cast<std::size_t>(worst)], room[worst],
+                  extent[worst] * factor - room[worst], rounded_down(largest * kClear));
     }
     p.size_mm = extent * factor;
     p.grid.layers = cells(p.size_mm[2], lh);

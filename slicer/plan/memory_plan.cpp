@@ -124,13 +124,13 @@ Expected<MemoryPlan> largest_plan(std::size_t arena_bytes, std::optional<std::ui
       return fail(
           ErrorCode::kOutOfMemory,
           "the job does not fit into the arena of %.1f MiB: this compressed PCD stores all x before all y, and keeping "
-          "its columns takes %.1f MiB while it is read. Save it as binary, or use a larger arena (--arena-mib)",
+          "its columns takes %.1f MiB while it is read.\tSave it as binary, or use a larger arena (--arena-mib)",
           static_cast<double>(arena_bytes) / kMiB, static_cast<double>(evidence.reader_bytes) / kMiB);
     }
     return fail(
         ErrorCode::kOutOfMemory,
         "the job does not fit into the arena of %.1f MiB: stage '%.*s' needs %.1f MiB even for a scan thinned to %u "
-        "points. Use a larger arena (--arena-mib), fewer threads or a smaller panel",
+        "points.\tUse a larger arena (--arena-mib), fewer threads or a smaller panel",
         static_cast<double>(arena_bytes) / kMiB, static_cast<int>(to_string(plan.widest()).size()),
         to_string(plan.widest()).data(), static_cast<double>(plan.peak()) / kMiB, kFewestPoints);
   }

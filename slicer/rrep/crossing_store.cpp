@@ -41,7 +41,7 @@ Status CrossingStore::put(std::uint32_t tile, std::span<const std::uint8_t> coun
   if (std::uint64_t{at} + need > data_.size()) {
     return fail(
         ErrorCode::kOutOfMemory,
-        "R-Rep: the crossings of the rays need more than the %.1f MiB that the arena has left for them. Use a larger "
+        "R-Rep: the crossings of the rays need more than the %.1f MiB that the arena has left for them.\tUse a larger "
         "arena, a coarser grid or a smaller object",
         static_cast<double>(data_.size_bytes()) / (1024.0 * 1024.0));
   }

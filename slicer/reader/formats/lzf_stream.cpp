@@ -24,7 +24,7 @@ Status LzfStream::need(std::size_t bytes) {
   if (compressed_left_ < bytes) {
     return input_.fail(
         ErrorCode::kMalformed,
-        "byte %llu: the compressed block ends in the middle of a step: it is damaged. Save the file again",
+        "byte %llu: the compressed block ends in the middle of a step: it is damaged.\tSave the file again",
         static_cast<unsigned long long>(input_.offset()));
   }
   const auto ready = input_.fill(bytes);
