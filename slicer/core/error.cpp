@@ -56,7 +56,11 @@ Error Error::format_list(ErrorCode code, const char* pattern, std::va_list args)
   if (const char* const tab = std::strchr(pattern, '\t')) {
     char finding[kCapacity];
     std::snprintf(finding, sizeof finding, "%.*s", static_cast<int>(tab - pattern), pattern);
+    // The compiler has checked the pattern, and this is its beginning.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wformat-nonliteral"
     const int length = std::vsnprintf(nullptr, 0, finding, again);
+#pragma GCC diagnostic pop
     if (length >= 0 && static_cast<std::size_t>(length) + 1 < kCapacity) {
       error.message_[length] = ' ';
       error.advice_at_ = static_cast<std::uint16_t>(length + 1);
