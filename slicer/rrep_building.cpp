@@ -23,9 +23,9 @@ namespace {
 constexpr float kMaxRadiusShare = 1.15F;
 constexpr float kMaxRadiusSupport = 40;  ///< points; a larger support is cut at a proportionally larger radius
 
-/// A repair's uniform queries are at least this many epsilons apart, a quarter of the points' spacing: a surface has no finer
-/// detail. It bounds the work: on a sparse scan more rays see each point, and each of them makes fewer queries.
-constexpr float kRepairShare = 1.0F / 16;
+// Difference between a ray and the polynomial that may stand for it: this share of a layer, or of the noise if that is more.
+constexpr float kLayerShare = 1.0F / 50;
+constexpr float kNoiseShare = 1.0F / 10;
 
 /// Distance between the sections that are compared with the one at the base plane, in epsilons. Two: beyond the supports of
 /// the points at the rim.
@@ -113,8 +113,8 @@ class RayStages {
         kMaxRadiusShare * epsilon_mm() * std::sqrt(std::max(1.0F, cloud_.support_points / kMaxRadiusSupport));
     field.tile_capacity = tile_capacity(cloud_.capacity());
     field.settings.intersections.width = report_.width_mm;
-    field.settings.repair_spacing = std::max(grid().layer_height_mm, kRepairShare * epsilon_mm());
     field.settings.height_field = is_height_field();
+    field.lattice_tolerance = std::max(kLayerShare * grid().layer_height_mm, kNoiseShare * report_.lengths.noise.value);
     auto shooter = RayShooter::create(field, settings_.threads, arena_);
     PLUMBLINE_TRY(shooter);
     auto store = CrossingStore::create(grid(), arena_);

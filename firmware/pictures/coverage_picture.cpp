@@ -16,9 +16,8 @@ namespace {
 constexpr const char* kStage = "coverage picture";
 
 /// By Evidence.
-constexpr std::array<Colour, kEvidenceCount> kColours{{{222, 222, 212}, {244, 202, 66}, {232, 78, 56}, {74, 138, 232}}};
-constexpr std::array<const char*, kEvidenceCount> kMeanings{"scanned", "scanned, found by a finer search",
-                                                            "not scanned: closed to fit its surroundings",
+constexpr std::array<Colour, kEvidenceCount> kColours{{{222, 222, 212}, {232, 78, 56}, {74, 138, 232}}};
+constexpr std::array<const char*, kEvidenceCount> kMeanings{"scanned", "not scanned: closed to fit its surroundings",
                                                             "not scanned: underside, closed flat"};
 
 void draw_legend(const Picture& picture, const ConfidenceMap& map) {

@@ -104,6 +104,8 @@ void write_rays(JsonWriter& json, const SliceReport& slice) {
   for (std::size_t i = 0; i < kRayDecisionCount; ++i) {
     json.member(as_key(to_string(static_cast<RayDecision>(i))).view(), slice.rays.decided[i]);
   }
+  json.member("guided", slice.rays.guided);
+  json.member("interpolated", slice.rays.interpolated);
   json.member("thinned_tiles", slice.rays.thinned_tiles);
   json.end_object();
   json.member("crossings", slice.crossings);

@@ -7,20 +7,16 @@
 namespace plumbline {
 namespace {
 
-/// Four floats: gcc and clang use the vector unit or four scalars, with the same result.
-using Lanes = float __attribute__((vector_size(16)));
+/// Eight floats, in one vector, two, or eight scalars: always with the same result.
+using Lanes = float __attribute__((vector_size(32)));
 
-Lanes load(const float* from) {
-  Lanes lanes;
-  std::memcpy(&lanes, from, sizeof lanes);
-  return lanes;
-}
-Lanes weight_of(const RayPoints& p, std::uint32_t j, Lanes dz) {
-  const Lanes t = 1.0F - (dz * dz + load(p.distance2 + j)) * load(p.inverse_radius2 + j);
-  const Lanes inside = t > 0.0F ? t : Lanes{};
-  return inside * inside;
-}
-float sum(Lanes v) { return (v[0] + v[1]) + (v[2] + v[3]); }
+/// Compiles a function once more for machines with wide vectors, and chooses when the program starts. Sanitizers begin too late
+/// for that choice.
+#if defined(__x86_64__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#define PLUMBLINE_WIDE __attribute__((target_clones("avx2", "default")))
+#else
+#define PLUMBLINE_WIDE
+#endif
 
 constexpr float kAgree = 0.997F;  ///< |sum w n| / sum w above which normals agree: about 4 degrees from their mean
 constexpr float kFar = 0.25F;     ///< share of the reach: farther from the surface, a_i does not change the sign
@@ -40,11 +36,9 @@ struct Sums {
   }
 };
 
-constexpr auto kByDistance = [](Lanes w, Lanes, Lanes, Lanes) { return w; };
-
-/// @param weigh  weigh(w, nx, ny, nz) returns the weight of four points, from their weight by distance and their normals
-template <class Weigh>
-Sums sums_of(const RayPoints& points, RayWindow window, float depth, Weigh weigh) {
+/// @param mean  if not null, eight times the unit mean of the normals, which lowers the weight of points that face other ways
+__attribute__((always_inline)) inline void sum_up(const RayPoints& points, RayWindow window, float depth,
+                                                  const Vec3f* mean, Sums& sums) {
   const Lanes z = Lanes{} + depth;
   // Separate variables: some compilers keep an object in memory instead of registers.
   Lanes weights{};
@@ -55,26 +49,53 @@ Sums sums_of(const RayPoints& points, RayWindow window, float depth, Weigh weigh
   Lanes offset_x{};
   Lanes offset_y{};
   Lanes offset_z{};
+  const auto load = [](Lanes & lanes, const float* from) __attribute__((always_inline)) {
+    std::memcpy(&lanes, from, sizeof lanes);
+  };
   // The last step may read past the window: points without weight, or the padding.
   for (std::uint32_t j = window.first; j < window.last; j += RayPoints::kLanes) {
-    const Lanes dz = z - load(points.depth + j);
-    const Lanes nx = load(points.normal_x + j);
-    const Lanes ny = load(points.normal_y + j);
-    const Lanes nz = load(points.slope + j);
-    const Lanes w = weigh(weight_of(points, j, dz), nx, ny, nz);
+    Lanes at, distance2, inverse2, nx, ny, nz, plane, x, y;
+    load(at, points.depth + j);
+    load(distance2, points.distance2 + j);
+    load(inverse2, points.inverse_radius2 + j);
+    load(nx, points.normal_x + j);
+    load(ny, points.normal_y + j);
+    load(nz, points.slope + j);
+    load(plane, points.plane + j);
+    load(x, points.offset_x + j);
+    load(y, points.offset_y + j);
+    const Lanes dz = z - at;
+    const Lanes t = 1.0F - (dz * dz + distance2) * inverse2;
+    const Lanes inside = t > 0.0F ? t : Lanes{};
+    Lanes w = inside * inside;
+    if (mean != nullptr) {
+      const Lanes u = (*mean)[0] * nx + (*mean)[1] * ny + (*mean)[2] * nz - (kSharpness - 1);
+      const Lanes likeness = u > 0.0F ? u : Lanes{};
+      w *= likeness * likeness + kUnlike;
+    }
     weights += w;
-    distances += w * (load(points.plane + j) + nz * z);
+    distances += w * (plane + nz * z);
     normal_x += w * nx;
     normal_y += w * ny;
     normal_z += w * nz;
-    offset_x += w * load(points.offset_x + j);
-    offset_y += w * load(points.offset_y + j);
+    offset_x += w * x;
+    offset_y += w * y;
     offset_z += w * dz;
   }
-  return {sum(weights),
+  const auto sum = [](const Lanes& v) __attribute__((always_inline)) {
+    return ((v[0] + v[4]) + (v[1] + v[5])) + ((v[2] + v[6]) + (v[3] + v[7]));
+  };
+  sums = {sum(weights),
           sum(distances),
           {sum(normal_x), sum(normal_y), sum(normal_z)},
           {sum(offset_x), sum(offset_y), sum(offset_z)}};
+}
+
+PLUMBLINE_WIDE void sum_by_distance(const RayPoints& points, RayWindow window, float depth, Sums& sums) {
+  sum_up(points, window, depth, nullptr, sums);
+}
+PLUMBLINE_WIDE void sum_alike(const RayPoints& points, RayWindow window, float depth, const Vec3f& mean, Sums& sums) {
+  sum_up(points, window, depth, &mean, sums);
 }
 
 std::size_t padded(std::uint32_t capacity) {
@@ -112,34 +133,36 @@ void RayPoints::close() {
   }
 }
 
-RayWindow window(const RayPoints& points, float low, float high) {
-  const float* begin = points.depth;
-  const float* end = points.depth + points.size;
-  const float* first = std::lower_bound(begin, end, low - points.reach);
-  const float* last = std::upper_bound(first, end, high + points.reach);
-  return {static_cast<std::uint32_t>(first - begin), static_cast<std::uint32_t>(last - begin)};
+RayWindow window(const RayPoints& points, float low, float high, RayWindow hint) {
+  RayWindow found = hint;
+  while (found.first < points.size && points.depth[found.first] < low - points.reach) ++found.first;
+  found.last = std::max(found.first, found.last);
+  while (found.last < points.size && points.depth[found.last] <= high + points.reach) ++found.last;
+  return found;
 }
 
 MlsValue mls_value(const RayPoints& points, RayWindow window, float depth) {
-  const Sums all = sums_of(points, window, depth, kByDistance);
+  Sums all;
+  sum_by_distance(points, window, depth, all);
   if (!(all.weight > 0)) return {};
   const float value = all.value();
+  const float spread = all.weight * points.reach;
+  const float off_centre2 = all.offset.dot(all.offset) / (spread * spread);
   const float length2 = all.normal.dot(all.normal);
   const float agreed = kAgree * all.weight;
   const bool agree = length2 >= agreed * agreed || !(length2 > 0);
-  if (agree || std::abs(value) > kFar * points.reach) return {value, all.weight};
+  if (agree || std::abs(value) > kFar * points.reach)
+    return {value, all.weight, all.normal[2] / all.weight, off_centre2};
 
   const Vec3f mean = all.normal * (kSharpness / std::sqrt(length2));
-  const Sums alike = sums_of(points, window, depth, [&](Lanes w, Lanes nx, Lanes ny, Lanes nz) {
-    const Lanes t = mean[0] * nx + mean[1] * ny + mean[2] * nz - (kSharpness - 1);
-    const Lanes likeness = t > 0.0F ? t : Lanes{};
-    return w * (likeness * likeness + kUnlike);
-  });
-  return {alike.value(), all.weight};
+  Sums alike;
+  sum_alike(points, window, depth, mean, alike);
+  return {alike.value(), all.weight, alike.normal[2] / alike.weight, off_centre2};
 }
 
 MlsFrame mls_frame(const RayPoints& points, RayWindow window, float depth) {
-  const Sums all = sums_of(points, window, depth, kByDistance);
+  Sums all;
+  sum_by_distance(points, window, depth, all);
   const float length = std::sqrt(all.normal.dot(all.normal));
   MlsFrame frame;
   if (length > 0) frame.normal = all.normal / length;

@@ -13,7 +13,7 @@ namespace plumbline {
 ///
 /// The columns are padded with kLanes entries that have no weight anywhere: distance2 = 1, inverse_radius2 = 2.
 struct RayPoints {
-  static constexpr std::uint32_t kLanes = 4;
+  static constexpr std::uint32_t kLanes = 8;
 
   float* depth = nullptr;            ///< z of the point, mm, ascending
   float* distance2 = nullptr;        ///< squared distance of the point from the ray, in the plane, mm^2
@@ -57,11 +57,14 @@ struct RayWindow {
 };
 
 /// All points that have weight at some depth in [low, high].
-RayWindow window(const RayPoints& points, float low, float high);
+/// @param hint  a window of lower depths, from which the search begins; queries that ascend take no time to search
+RayWindow window(const RayPoints& points, float low, float high, RayWindow hint = {});
 
 struct MlsValue {
-  float distance = 0;  ///< mm, positive outside; 0 where weight is 0
-  float weight = 0;    ///< sum of w_i; 0: outside all support radii
+  float distance = 0;     ///< mm, positive outside; 0 where weight is 0
+  float weight = 0;       ///< sum of w_i; 0: outside all support radii
+  float slope = 0;        ///< change of the distance with depth, nearly: z of the mean normal
+  float off_centre2 = 0;  ///< square of MlsFrame::off_centre
 };
 
 /// Signed distance to the surface through the neighbouring points, to second order:

@@ -73,8 +73,8 @@ float WindingTree::operator()(const Vec3f& x) const {
   return sum(x) + sum({x[0], x[1], 2 * base_ - x[2]});
 }
 
-bool WindingTree::inside(const Vec3f& x) const {
-  const float w = operator()(x) - kSurface;
+bool WindingTree::inside(const Vec3f& x, float winding) const {
+  const float w = winding - kSurface;
   if (std::abs(w) >= kMostRounding) return w > 0;
   Lean lean;
   add_lean(x, lean);

@@ -54,7 +54,9 @@ class WindingTree {
   ///   c(x) = sum_i a_i s_i (1 - s_i^2) / r_i^4  /  sum_i a_i / r_i^4,   r_i = |p_i - x|,   s_i = <n_i, p_i - x> / r_i
   /// The rim counts most; surface that faces x or turns its back to it (s = -1 or 1) does not count. W + 0.3 c is 1/2 within
   /// 0.01 in the middle of such a cap up to t = 12 degrees; beyond that, part of the cap is lost. In a hollow c is negative.
-  bool inside(const Vec3f& x) const;
+  bool inside(const Vec3f& x) const { return inside(x, operator()(x)); }
+  /// @param winding  the winding number at x
+  bool inside(const Vec3f& x, float winding) const;
   /// Depth at which the ray at (x, y) passes the surface between two depths, one of which is inside; by bisection.
   /// @param from, to   mm; either may be the lower
   /// @param tolerance  mm: stops at this distance, or at a 256th of the way

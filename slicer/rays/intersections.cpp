@@ -11,6 +11,11 @@ constexpr const char* kStage = "intersections";
 /// Every weight is zero at the very end of a band, so the sign is taken this share of the reach inside of it.
 constexpr float kEndInset = 0.1F;
 
+// Of solve_near().
+constexpr float kMostStep = 0.5F;     ///< of the reach: a zero farther away is another sheet's
+constexpr float kLeastSlope = 0.08F;  ///< of the MLS value along the ray; on steeper surface steps go astray
+constexpr std::uint32_t kMostSteps = 5;
+
 }  // namespace
 
 std::size_t RaySolver::bytes_needed() {
@@ -48,9 +53,10 @@ void RaySolver::find_bands(const RayGatherer& gatherer, const RayPoints& points)
   }
 }
 
-void RaySolver::solve_root(const RayPoints& points, float low, float low_value, float high, float high_value) {
+void RaySolver::solve_root(const RayPoints& points, RayWindow hint, float low, float low_value, float high,
+                           float high_value) {
   if (intersection_count_ == kMaxIntersections) return;
-  const RayWindow range = window(points, low, high);
+  const RayWindow range = window(points, low, high, hint);
   const bool entering = low_value > 0;  // from outside to inside while going up
   const float enough = settings_.interval * settings_.width;
   float root = 0.5F * (low + high);
@@ -81,22 +87,35 @@ void RaySolver::solve_root(const RayPoints& points, float low, float low_value, 
                                            frame.off_centre};
 }
 
-template <class NextQuery>
-void RaySolver::search(const RayPoints& points, Band& band, NextQuery next_query) {
+/// @param near       a window below the band; out: one in it
+/// @param candidate  first point that is not below the band; out: one that is not below its end
+void RaySolver::search(const RayPoints& points, Band& band, RayWindow& near, std::uint32_t& candidate) {
   band.first = intersection_count_;
   const float inset = std::min(kEndInset * points.reach, 0.25F * (band.high - band.low));
   const float start = band.low + inset;
   const float end = band.high - inset;
+  // The next candidate above the last query; one within w of it is merged into a query w above it. On a smooth sheet all
+  // candidates lie on the surface, where the sign is rounding, so there is a query between sheets, too.
+  const auto next_query = [&](float previous) {
+    while (candidate < points.size && points.depth[candidate] <= previous) ++candidate;
+    if (candidate == points.size || points.depth[candidate] > band.high) return end;
+    const float depth = points.depth[candidate];
+    if (depth - previous > 2 * settings_.width) return std::min(end, 0.5F * (previous + depth));
+    return std::min(end, std::max(depth, previous + settings_.width));
+  };
+  near = window(points, start, start, near);
   float previous = start;
-  float previous_value = mls_value(points, window(points, start, start), start).distance;
+  float previous_value = mls_value(points, near, start).distance;
   band.inside_at_low = !(previous_value > 0);
   for (;;) {
-    const float query = std::min(next_query(previous), end);
-    const MlsValue value = mls_value(points, window(points, query, query), query);
+    const float query = next_query(previous);
+    const RayWindow before = near;
+    near = window(points, query, query, near);
+    const MlsValue value = mls_value(points, near, query);
     // In sparse scans a band may hold a place without weight, which has no sign.
     if (value.weight > 0) {
       if ((value.distance > 0) != (previous_value > 0))
-        solve_root(points, previous, previous_value, query, value.distance);
+        solve_root(points, before, previous, previous_value, query, value.distance);
       previous_value = value.distance;
     }
     previous = query;
@@ -109,24 +128,38 @@ void RaySolver::search(const RayPoints& points, Band& band, NextQuery next_query
 RaySurface RaySolver::solve(const RayGatherer& gatherer, const RayPoints& points) {
   find_bands(gatherer, points);
   std::uint32_t candidate = 0;
+  RayWindow near;
   for (Band& band : bands_.first(band_count_)) {
     while (candidate < points.size && points.depth[candidate] < band.low) ++candidate;
-    search(points, band, [&](float previous) {
-      // The next candidate above the last query; one within w of it is merged into a query w above it.
-      while (candidate < points.size && (points.depth[candidate] <= previous)) ++candidate;
-      if (candidate == points.size || points.depth[candidate] > band.high) return band.high;
-      return std::max(points.depth[candidate], previous + settings_.width);
-    });
+    search(points, band, near, candidate);
   }
   return surface();
 }
 
-RaySurface RaySolver::solve_uniform(const RayGatherer& gatherer, const RayPoints& points, float spacing) {
-  find_bands(gatherer, points);
-  for (Band& band : bands_.first(band_count_)) {
-    search(points, band, [&](float previous) { return previous + spacing; });
+std::optional<float> RaySolver::solve_near(const RayPoints& points, float depth, bool entering,
+                                           float off_centre) const {
+  const RayWindow all{0, points.size};
+  const float side = entering ? -1.0F : 1.0F;
+  const float enough = 0.25F * settings_.interval * settings_.width;
+  float z = depth;
+  MlsValue value = mls_value(points, all, z);
+  float slope = value.slope;
+  float limit = kMostStep * points.reach;
+  for (std::uint32_t i = 0; i < kMostSteps; ++i) {
+    if (!(value.weight > 0) || !(side * slope > kLeastSlope) || value.off_centre2 > off_centre * off_centre) {
+      return std::nullopt;
+    }
+    const float step = -value.distance / slope;
+    // The first slope is an estimate, so the first step must be smaller to be the last.
+    if (std::abs(step) <= (i == 0 ? 0.25F : 1.0F) * enough) return z + step;
+    if (!(std::abs(step) <= limit)) return std::nullopt;
+    limit = 0.5F * std::abs(step);
+    const MlsValue next = mls_value(points, all, z + step);
+    slope = (next.distance - value.distance) / step;
+    z += step;
+    value = next;
   }
-  return surface();
+  return std::nullopt;
 }
 
 }  // namespace plumbline

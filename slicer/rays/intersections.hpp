@@ -2,6 +2,7 @@
 /// Query points on a ray and its intersections with the MLS surface (thesis III-3).
 
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "slicer/core/vec.hpp"
@@ -56,15 +57,15 @@ class RaySolver {
   /// @param gatherer  after points_of_ray() for this ray
   RaySurface solve(const RayGatherer& gatherer, const RayPoints& points);
 
-  /// The same with evenly spaced queries (thesis III-4.a), for rays whose crossings do not alternate.
-  /// @param spacing  mm
-  RaySurface solve_uniform(const RayGatherer& gatherer, const RayPoints& points, float spacing);
+  /// Finds the intersection near a predicted depth: one step along the slope, then the secant.
+  /// @param off_centre  most that the points may lie to one side (MlsFrame::off_centre)
+  /// @returns mm; nothing if the steps don't converge to a zero with this direction
+  std::optional<float> solve_near(const RayPoints& points, float depth, bool entering, float off_centre) const;
 
  private:
   void find_bands(const RayGatherer& gatherer, const RayPoints& points);
-  template <class NextQuery>
-  void search(const RayPoints& points, Band& band, NextQuery next_query);
-  void solve_root(const RayPoints& points, float low, float low_value, float high, float high_value);
+  void search(const RayPoints& points, Band& band, RayWindow& near, std::uint32_t& candidate);
+  void solve_root(const RayPoints& points, RayWindow hint, float low, float low_value, float high, float high_value);
   RaySurface surface() const;
 
   IntersectionSettings settings_;

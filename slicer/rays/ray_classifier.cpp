@@ -13,11 +13,11 @@ constexpr const char* kStage = "perfect rays";
 constexpr std::uint32_t kMaxCrossingsFound = 4096;
 
 /// "Is the winding number sure?" has three answers, since it is asked in three places; joining them would change masks.
-///   kSure 0.2            for a whole tile from one place: more than the rounding of holes can contribute (kMostRounding 0.12)
+///   kSure 0.2            for a block or a whole tile from one place: more than the rounding of holes can contribute (kMostRounding 0.12)
 ///   kBeyondOneSheet 0.05 for one place: more than a sheet that stands alone
 ///   kBaseOpen 0.1        whether the base plane is open (winding_number.cpp): one side of a fold, not inside or outside
 ///
-/// kSure: margin around 1/2 beyond which the winding number in the centre decides a level for all tiles of the column.
+/// kSure: margin around 1/2 beyond which the winding number of one place decides a level for its surroundings.
 constexpr float kSure = 0.2F;
 
 /// The winding number behind a sheet that stands alone is 1/2, whatever inside() makes of its rim. It must differ from 1/2 by
@@ -31,7 +31,6 @@ const char* to_string(RayDecision decision) {
   switch (decision) {
     case RayDecision::kOutside: return "outside";
     case RayDecision::kPerfect: return "perfect";
-    case RayDecision::kRepaired: return "repaired";
     case RayDecision::kWinding: return "winding number";
     case RayDecision::kBase: return "base plane";
   }
@@ -102,8 +101,9 @@ void RayClassifier::begin_tile(std::uint32_t column, std::uint32_t row) {
   };
   skip_to(floor_);
   for (std::uint32_t t = 0; t < gatherer_.tile_points(); ++t) {
-    judge_below(gatherer_.tile_depth(t) - gatherer_.tile_radius(t));
-    skip_to(gatherer_.tile_depth(t) + gatherer_.tile_radius(t));
+    const RayGatherer::TilePoint& p = gatherer_.tile_point(t);
+    judge_below(p.position[2] - p.radius);
+    skip_to(p.position[2] + p.radius);
   }
   judge_below(top_);
 }
@@ -123,7 +123,12 @@ void RayClassifier::bisect(float x, float y, float from, float to, bool inside_a
 
 bool RayClassifier::level_inside(std::uint32_t level, float x, float y) {
   LevelSet& block = levels_[ray_block_];
-  if (!block.knows(level)) block.set(level, winding_->inside({x, y, level_height(level)}));
+  if (!block.knows(level)) {
+    const Vec3f at(x, y, level_height(level));
+    const float w = (*winding_)(at);
+    if (std::abs(w - WindingTree::kSurface) < kSure) return winding_->inside(at, w);
+    block.set(level, w > WindingTree::kSurface);
+  }
   return block.is_inside(level);
 }
 
@@ -175,20 +180,8 @@ void RayClassifier::emit(float depth, Evidence evidence, bool extrapolated) {
   crossings_[crossing_count_++] = {std::max(depth, floor_), evidence, extrapolated};
 }
 
-void RayClassifier::remember(const RaySurface& surface) {
-  first_look_count_ = 0;
-  for (const auto& intersection : surface.intersections) {
-    if (first_look_count_ == kFirstLook) break;
-    first_look_[first_look_count_++] = intersection.depth;
-  }
-}
-
 Evidence RayClassifier::evidence_of(float depth) const {
-  if (gatherer_.continued(depth)) return Evidence::kWinding;
-  const auto seen = std::span(first_look_).first(first_look_count_);
-  const bool again = std::any_of(seen.begin(), seen.end(),
-                                 [&](float first) { return std::abs(first - depth) <= settings_.intersections.width; });
-  return again ? Evidence::kMeasured : Evidence::kRepaired;
+  return gatherer_.continued(depth) ? Evidence::kWinding : Evidence::kMeasured;
 }
 
 bool RayClassifier::more_than_a_sheet(const Vec3f& x, bool is_inside) const {
@@ -238,19 +231,19 @@ void RayClassifier::drop_thin_stretches() {
   }
 }
 
+std::optional<float> RayClassifier::sheet_near(std::uint32_t column, std::uint32_t row, float depth, bool entering) {
+  const float x = (static_cast<float>(column) + 0.5F) * grid_.pitch_x_mm;
+  const float y = (static_cast<float>(row) + 0.5F) * grid_.pitch_y_mm;
+  const auto found = solver_.solve_near(gatherer_.points_near(x, y, depth), depth, entering, kExtrapolated);
+  return found ? std::optional(std::max(*found, floor_)) : std::nullopt;
+}
+
 ClassifiedRay RayClassifier::ray(std::uint32_t column, std::uint32_t row) {
   const float x = (static_cast<float>(column) + 0.5F) * grid_.pitch_x_mm;
   const float y = (static_cast<float>(row) + 0.5F) * grid_.pitch_y_mm;
   ray_block_ = row % kTileSide / kBlock * (kTileSide / kBlock) + column % kTileSide / kBlock;
   const RayPoints& points = gatherer_.points_of_ray(x, y);
-  RaySurface surface = solver_.solve(gatherer_, points);
-  remember(surface);
-  RayDecision decision = RayDecision::kPerfect;
-  if (!alternates(surface)) {
-    surface = solver_.solve_uniform(gatherer_, points, settings_.repair_spacing);
-    decision = RayDecision::kRepaired;
-  }
-
+  const RaySurface surface = solver_.solve(gatherer_, points);
   crossing_count_ = 0;
   used_winding_ = false;
   bool base = false;
@@ -290,7 +283,7 @@ ClassifiedRay RayClassifier::ray(std::uint32_t column, std::uint32_t row) {
   used_winding_ |= settle_extrapolated(settled, x, y, *winding_, points.reach);
   crossing_count_ = static_cast<std::uint32_t>(settled.size());
   drop_thin_stretches();
-  if (used_winding_) decision = RayDecision::kWinding;
+  RayDecision decision = used_winding_ ? RayDecision::kWinding : RayDecision::kPerfect;
   if (base && crossing_count_ > 0) decision = winding_->has_base() ? RayDecision::kBase : RayDecision::kWinding;
   if (crossing_count_ == 0) decision = RayDecision::kOutside;
   return {std::span<const RayCrossing>(crossings_).first(crossing_count_ / 2 * 2), decision};

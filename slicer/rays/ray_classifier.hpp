@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "slicer/core/print_grid.hpp"
@@ -15,15 +16,14 @@ namespace plumbline {
 
 /// What decided the crossings of a ray.
 enum class RayDecision : std::uint8_t {
-  kOutside,   ///< no crossings: black at every height
-  kPerfect,   ///< its intersections alternate, and the winding number of the cloud agrees
-  kRepaired,  ///< uniform queries found the missing intersections
-  kWinding,   ///< the winding number of the cloud added or moved crossings
-  kBase,      ///< its lowest crossing is the base plane, under an open underside
+  kOutside,  ///< no crossings: black at every height
+  kPerfect,  ///< its intersections alternate, and the winding number of the cloud agrees
+  kWinding,  ///< the winding number of the cloud added or moved crossings
+  kBase,     ///< its lowest crossing is the base plane, under an open underside
 };
-inline constexpr std::size_t kRayDecisionCount = 5;
+inline constexpr std::size_t kRayDecisionCount = 4;
 
-/// "outside", "perfect", "repaired", "winding number", "base plane".
+/// "outside", "perfect", "winding number", "base plane".
 const char* to_string(RayDecision decision);
 
 /// Crossings of one ray, ascending in depth, even in number: entering, exiting, entering, ...
@@ -34,7 +34,6 @@ struct ClassifiedRay {
 
 struct RayClassifierSettings {
   IntersectionSettings intersections;
-  float repair_spacing = 0.05F;  ///< mm between the uniform queries of a repair
   /// Nothing of the surface faces down and there is a base plane, so the ray is solid below its lowest crossing, whether the
   /// side walls were scanned or not.
   bool height_field = false;
@@ -63,6 +62,11 @@ class RayClassifier {
   /// Decides a ray of that tile. The spans are valid until the next call.
   ClassifiedRay ray(std::uint32_t column, std::uint32_t row);
 
+  /// Depth of the surface near a predicted depth on a ray of that tile, mm; nothing if there is none.
+  std::optional<float> sheet_near(std::uint32_t column, std::uint32_t row, float depth, bool entering);
+
+  const PrintGrid& grid() const { return grid_; }
+  const RayGatherer& gatherer() const { return gatherer_; }
   bool tile_thinned() const { return gatherer_.thinned(); }
 
  private:
@@ -81,7 +85,7 @@ class RayClassifier {
     bool inside_at_low = false;  ///< decided for the lower end
   };
   /// Inside or outside by the winding number at fixed levels, for a block of rays. Away from points the number changes slowly,
-  /// so the first ray of the block that asks for a level answers for all. Levels that no point of the tile reaches are
+  /// so the first ray of the block for which a level is sure (kSure) answers for all. Levels that no point of the tile reaches are
   /// answered for the whole tile by the centre of the column of tiles, if the number there is sure (kSure).
   struct LevelSet {
     std::uint64_t known = 0;  ///< bit k: level k is answered
@@ -114,7 +118,6 @@ class RayClassifier {
   bool bisect_agreed(float x, float y, float end, float place, bool inside_at_end);
   void cross_band(float x, float y, const RaySurface& surface, const Band& band, bool from, bool to);
   void emit(float depth, Evidence evidence, bool extrapolated = false);
-  void remember(const RaySurface& surface);
   Evidence evidence_of(float depth) const;
   void drop_thin_stretches();
 
@@ -130,10 +133,6 @@ class RayClassifier {
   std::array<LevelSet, (kTileSide / kBlock) * (kTileSide / kBlock)> levels_{};
   std::uint32_t ray_block_ = 0;  ///< index into levels_ for the ray
   std::uint32_t crossing_count_ = 0;
-  /// Depths of the intersections found by the first queries, mm. All others count as repaired. Few rays have more than 32.
-  static constexpr std::uint32_t kFirstLook = 32;
-  std::array<float, kFirstLook> first_look_{};
-  std::uint32_t first_look_count_ = 0;
   float floor_ = 0;  ///< mm, base plane
   float top_ = 0;    ///< mm
   bool used_winding_ = false;

@@ -12,8 +12,8 @@ constexpr const char* kStage = "ray search";
 }  // namespace
 
 std::size_t RayGatherer::bytes_needed(std::uint32_t capacity) {
-  return Arena::rounded(capacity * sizeof(TilePoint)) + Arena::rounded(capacity) +
-         Arena::rounded(capacity * sizeof(float)) + RayPoints::bytes_needed(capacity);
+  return Arena::rounded(capacity * sizeof(TilePoint)) + Arena::rounded(capacity * sizeof(std::uint32_t)) +
+         Arena::rounded(capacity) + Arena::rounded(capacity * sizeof(float)) + RayPoints::bytes_needed(capacity);
 }
 
 Expected<RayGatherer> RayGatherer::create(const Cloud& cloud, const KdTree2& tree, std::uint32_t capacity,
@@ -25,6 +25,9 @@ Expected<RayGatherer> RayGatherer::create(const Cloud& cloud, const KdTree2& tre
   auto tile = arena.take_top<TilePoint>(capacity, kStage);
   if (!tile) return tl::unexpected<Error>(tile.error());
   gatherer.tile_ = *tile;
+  auto chosen = arena.take_top<std::uint32_t>(capacity, kStage);
+  if (!chosen) return tl::unexpected<Error>(chosen.error());
+  gatherer.chosen_ = *chosen;
   auto practical = arena.take_top<std::uint8_t>(capacity, kStage);
   if (!practical) return tl::unexpected<Error>(practical.error());
   gatherer.practical_ = *practical;
@@ -75,24 +78,49 @@ void RayGatherer::gather(const Vec2f& low, const Vec2f& high) {
       }
     });
   }
+  tile_reach_ = 0;
+  for (const TilePoint& p : tile_.first(count_)) tile_reach_ = std::max(tile_reach_, p.radius);
   std::sort(tile_.begin(), tile_.begin() + count_, [](const TilePoint& a, const TilePoint& b) {
     return a.position[2] < b.position[2] || (a.position[2] == b.position[2] && a.index < b.index);
   });
 }
 
 const RayPoints& RayGatherer::points_of_ray(float x, float y) {
+  add_points(x, y, 0, count_);
+  return columns_;
+}
+
+const RayPoints& RayGatherer::points_near(float x, float y, float depth) {
+  const auto points = tile_.first(count_);
+  const auto below = [](const TilePoint& p, float z) { return p.position[2] < z; };
+  const auto first = std::lower_bound(points.begin(), points.end(), depth - tile_reach_, below);
+  const auto last = std::lower_bound(first, points.end(), depth + tile_reach_, below);
+  add_points(x, y, static_cast<std::uint32_t>(first - points.begin()),
+             static_cast<std::uint32_t>(last - points.begin()));
+  return columns_;
+}
+
+void RayGatherer::add_points(float x, float y, std::uint32_t first, std::uint32_t last) {
+  // Without branches, which could not be predicted.
+  std::uint32_t chosen = 0;
+  for (std::uint32_t t = first; t < last; ++t) {
+    const TilePoint& p = tile_[t];
+    const float dx = x - p.position[0];
+    const float dy = y - p.position[1];
+    chosen_[chosen] = t;
+    chosen += dx * dx + dy * dy < p.radius * p.radius ? 1 : 0;
+  }
   RayPoints& c = columns_;
   c.size = 0;
   c.reach = 0;
   continued_low_ = std::numeric_limits<float>::max();
   continued_high_ = std::numeric_limits<float>::lowest();
-  for (std::uint32_t t = 0; t < count_; ++t) {
+  for (const std::uint32_t t : chosen_.first(chosen)) {
     const TilePoint& p = tile_[t];
     const float dx = x - p.position[0];
     const float dy = y - p.position[1];
     const float distance2 = dx * dx + dy * dy;
     const float radius2 = p.radius * p.radius;
-    if (distance2 >= radius2) continue;
     half_chord_[c.size] = std::sqrt(radius2 - distance2);
     practical_[c.size] = p.practical ? 1 : 0;
     c.reach = std::max(c.reach, p.radius);
@@ -102,7 +130,6 @@ const RayPoints& RayGatherer::points_of_ray(float x, float y) {
     continued_high_ = std::max(continued_high_, p.position[2] + p.radius);
   }
   c.close();
-  return c;
 }
 
 }  // namespace plumbline

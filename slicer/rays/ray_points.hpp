@@ -26,12 +26,20 @@ class RayGatherer {
   std::uint32_t tile_points() const { return count_; }
   bool thinned() const { return thinned_; }  ///< the last gather() found more points than `capacity`
 
-  /// Depth of tile point t and its support radius, mm. Depths ascend with t.
-  float tile_depth(std::uint32_t t) const { return tile_[t].position[2]; }
-  float tile_radius(std::uint32_t t) const { return tile_[t].radius; }
+  struct TilePoint {
+    Vec3f position;
+    float radius;  ///< of its support, mm
+    Vec3f normal;
+    std::uint32_t index;
+    bool practical;
+  };
+  /// Depths ascend with t.
+  const TilePoint& tile_point(std::uint32_t t) const { return tile_[t]; }
 
   /// The points of the ray at (x, y), which must be in the tile. Valid until the next call.
   const RayPoints& points_of_ray(float x, float y);
+  /// Only those that may have weight at a depth, mm.
+  const RayPoints& points_near(float x, float y, float depth);
   /// Half the length of ray, mm, on which point j of the last points_of_ray() has weight.
   float half_chord(std::uint32_t j) const { return half_chord_[j]; }
   /// Whether point j of the last points_of_ray() is of a practical cluster: entering or exiting.
@@ -40,22 +48,18 @@ class RayGatherer {
   bool continued(float depth) const { return depth > continued_low_ && depth < continued_high_; }
 
  private:
-  struct TilePoint {
-    Vec3f position;
-    float radius;
-    Vec3f normal;
-    std::uint32_t index;
-    bool practical;
-  };
+  void add_points(float x, float y, std::uint32_t first, std::uint32_t last);
 
   const Cloud* cloud_ = nullptr;
   const KdTree2* tree_ = nullptr;
   float max_radius_ = 0;
   std::span<TilePoint> tile_;
+  std::span<std::uint32_t> chosen_;  ///< tile points of a ray
   std::span<std::uint8_t> practical_;
   std::span<float> half_chord_;
   RayPoints columns_;
   std::uint32_t count_ = 0;
+  float tile_reach_ = 0;  ///< largest radius of the tile's points, mm
   bool thinned_ = false;
   float continued_low_ = 0;  ///< mm
   float continued_high_ = 0;

@@ -57,28 +57,44 @@ Status RayShooter::shoot_tile(Worker& worker, std::uint32_t tile, CrossingStore&
   const PrintGrid& grid = field_.grid;
   const std::uint32_t column = tile % store.tile_columns() * kTileSide;
   const std::uint32_t row = tile / store.tile_columns() * kTileSide;
+  const std::uint32_t columns = std::min(kTileSide, grid.columns - column);
+  const std::uint32_t rows = std::min(kTileSide, grid.rows - row);
+  std::uint32_t interested = 0;
+  for (std::uint32_t r = 0; r < rows; ++r) {
+    for (std::uint32_t c = 0; c < columns; ++c) interested += field_.interested.at(column + c, row + r) ? 1 : 0;
+  }
+  if (interested == 0) return {};
+  worker.classifier.begin_tile(column, row);
+  RayCounts& total = worker.counts;
+  ++total.passing_tiles;
+  total.thinned_tiles += worker.classifier.tile_thinned() ? 1 : 0;
+  total.interested += interested;
+
+  RayLattice lattice(worker.classifier, field_.lattice_tolerance);
+  std::span<const TileRay> known;
+  if (interested == kRaysPerTile) {
+    known = lattice.decide(column, row);
+    total.guided += lattice.guided();
+    total.interpolated += lattice.interpolated();
+  }
   std::array<std::uint8_t, kRaysPerTile> counts{};
   std::array<Evidence, RayClassifier::kMaxCrossings> evidence{};
   std::uint32_t used = 0;
-  bool begun = false;
-  for (std::uint32_t r = 0; r < kTileSide && row + r < grid.rows; ++r) {
-    for (std::uint32_t c = 0; c < kTileSide && column + c < grid.columns; ++c) {
+  for (std::uint32_t r = 0; r < rows; ++r) {
+    for (std::uint32_t c = 0; c < columns; ++c) {
       if (!field_.interested.at(column + c, row + r)) continue;
-      if (!begun) {
-        worker.classifier.begin_tile(column, row);
-        begun = true;
-        ++worker.counts.passing_tiles;
-        worker.counts.thinned_tiles += worker.classifier.tile_thinned() ? 1 : 0;
-      }
-      const ClassifiedRay ray = worker.classifier.ray(column + c, row + r);
+      const std::uint32_t at = r * kTileSide + c;
+      const ClassifiedRay ray =
+          !known.empty() && known[at].known
+              ? ClassifiedRay{std::span(known[at].crossing).first(known[at].count), known[at].decision}
+              : worker.classifier.ray(column + c, row + r);
       const std::uint32_t n = to_layers(ray.crossings, grid, &worker.layers[used], evidence.data());
       for (std::uint32_t i = 0; field_.confidence != nullptr && i < n; ++i) {
         field_.confidence->add(column + c, row + r, worker.layers[used + i], evidence[i]);
       }
-      counts[r * kTileSide + c] = static_cast<std::uint8_t>(n);
+      counts[at] = static_cast<std::uint8_t>(n);
       used += n;
-      ++worker.counts.interested;
-      ++worker.counts.decided[static_cast<std::size_t>(ray.decision)];
+      ++total.decided[static_cast<std::size_t>(ray.decision)];
     }
   }
   return used > 0 ? store.put(tile, counts, worker.layers.first(used)) : Status{};
@@ -120,6 +136,8 @@ Expected<RayCounts> RayShooter::shoot(CrossingStore& store, ProgressSink* progre
     sum.passing_tiles += worker.counts.passing_tiles;
     sum.interested += worker.counts.interested;
     sum.thinned_tiles += worker.counts.thinned_tiles;
+    sum.guided += worker.counts.guided;
+    sum.interpolated += worker.counts.interpolated;
     for (std::size_t d = 0; d < kRayDecisionCount; ++d) sum.decided[d] += worker.counts.decided[d];
   }
   return sum;

@@ -8,7 +8,7 @@
 #include "slicer/core/arena.hpp"
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/progress.hpp"
-#include "slicer/rays/ray_classifier.hpp"
+#include "slicer/rays/ray_lattice.hpp"
 #include "slicer/rrep/crossing_store.hpp"
 
 namespace plumbline {
@@ -17,6 +17,8 @@ struct RayCounts {
   std::uint64_t passing_tiles = 0;
   std::uint64_t interested = 0;                               ///< rays
   std::array<std::uint64_t, kRayDecisionCount> decided = {};  ///< rays, by RayDecision
+  std::uint64_t guided = 0;         ///< rays whose crossings were looked for near predicted depths only (RayLattice)
+  std::uint64_t interpolated = 0;   ///< rays that lie on the sheets of their neighbours
   std::uint64_t thinned_tiles = 0;  ///< tiles that used only some of their points, for lack of room
 };
 
@@ -30,6 +32,7 @@ struct RayField {
   PrintGrid grid;
   float max_radius = 0;             ///< mm, see RayGatherer::create()
   std::uint32_t tile_capacity = 0;  ///< points
+  float lattice_tolerance = 0;      ///< mm, see RayLattice
   RayClassifierSettings settings;
 };
 

@@ -14,10 +14,10 @@ constexpr std::uint8_t bit_of(Evidence evidence) {
 
 /// @param bits  not 0
 Evidence strongest(std::uint8_t bits) {
-  for (const Evidence evidence : {Evidence::kMeasured, Evidence::kBase, Evidence::kWinding}) {
+  for (const Evidence evidence : {Evidence::kMeasured, Evidence::kBase}) {
     if ((bits & bit_of(evidence)) != 0) return evidence;
   }
-  return Evidence::kRepaired;
+  return Evidence::kWinding;
 }
 
 }  // namespace
@@ -25,7 +25,6 @@ Evidence strongest(std::uint8_t bits) {
 const char* to_string(Evidence evidence) {
   switch (evidence) {
     case Evidence::kMeasured: return "measured";
-    case Evidence::kRepaired: return "repaired";
     case Evidence::kWinding: return "winding number";
     case Evidence::kBase: return "base plane";
   }

@@ -16,14 +16,13 @@ namespace plumbline {
 /// What a crossing rests on.
 enum class Evidence : std::uint8_t {
   kMeasured,  ///< an intersection with the surface of the points
-  kRepaired,  ///< one that only the uniform queries of a repair found
   /// The winding number of the cloud, or a continued bore wall: the scan has nothing there or contradicts itself.
   kWinding,
   kBase,  ///< the base plane under an open underside
 };
-inline constexpr std::size_t kEvidenceCount = 4;
+inline constexpr std::size_t kEvidenceCount = 3;
 
-/// "measured", "repaired", "winding number", "base plane".
+/// "measured", "winding number", "base plane".
 const char* to_string(Evidence evidence);
 
 /// Totals over all layers and the whole surface, by Evidence.

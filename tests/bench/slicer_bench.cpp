@@ -130,7 +130,6 @@ void row_of_ray_tiles(benchmark::State& state) {
                        .layer_height_mm = kPitch};
   RayClassifierSettings settings;
   settings.intersections.width = grid_width(scanned.cloud, scanned.tree, {});
-  settings.repair_spacing = std::max(kPitch, scanned.clustering.epsilon / 16);
   RayClassifier classifier = value_of(
       RayClassifier::create(scanned.cloud, scanned.tree, winding, grid, scanned.max_radius(), 32768, settings, *arena));
   const std::uint32_t row = kSide / 2 / kTile * kTile;

@@ -31,7 +31,7 @@ class Slice(Program):
         self.assertAlmostEqual(manifest["volume_mm3"], white * 0.1**3, places=3)
         self.assertAlmostEqual(manifest["volume_mm3"] / (4 / 3 * math.pi * 12**3), 1, delta=0.005)
         self.assertEqual(sum(manifest["points"].values()), manifest["thinning"]["points_left"])
-        decided = ("outside", "perfect", "repaired", "winding_number", "base_plane")
+        decided = ("outside", "perfect", "winding_number", "base_plane")
         self.assertEqual(sum(manifest["rays"][key] for key in decided), manifest["rays"]["interested"])
 
     def test_transform_and_origin_agree_with_each_other_and_with_the_object(self):
@@ -159,11 +159,11 @@ class Slice(Program):
         self.assertTrue(manifest["underside"]["on_base_plane"])
         disc, cap = 12**2 - 8**2, 2 * 12 * (12 + 8)
         self.assertAlmostEqual(part["surface"]["base_plane"], disc / (disc + cap), delta=0.05)
-        # Crossings at the base plane are counted in the lowest layer. Each row: measured, repaired, winding number, base plane.
+        # Crossings at the base plane are counted in the lowest layer. Each row: measured, winding number, base plane.
         self.assertEqual(len(part["layers"]), manifest["grid"]["layers"])
-        self.assertEqual(sum(row[3] for row in part["layers"]), part["crossings"]["base_plane"])
-        self.assertEqual(part["layers"][0][3], part["crossings"]["base_plane"])
-        self.assertAlmostEqual(part["layers"][0][3] * 0.01, math.pi * disc, delta=30)
+        self.assertEqual(sum(row[2] for row in part["layers"]), part["crossings"]["base_plane"])
+        self.assertEqual(part["layers"][0][2], part["crossings"]["base_plane"])
+        self.assertAlmostEqual(part["layers"][0][2] * 0.01, math.pi * disc, delta=30)
         self.assertEqual(sum(part["layers"][100][1:]), 0)
 
     def test_json_is_the_manifest_without_the_layers_and_nothing_else(self):

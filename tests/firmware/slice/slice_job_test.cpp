@@ -205,7 +205,7 @@ TEST(JobWarnings, NameUnitsSizeThinningHolesAndNormals) {
   report->slice.placement.size_mm = {700, 1, 1};
   report->slice.placement.scale = 1000;
   report->slice.lengths.thinning_cell = {0.2F};
-  report->coverage = ConfidenceShares{.surface = {0.979, 0, 0.01, 0.011}};
+  report->coverage = ConfidenceShares{.surface = {0.979, 0.01, 0.011}};
   report->slice.normals.estimated = 5;
   find_warnings(*report);
   const auto lines = report->warnings.all();
@@ -250,7 +250,7 @@ TEST(JobWarnings, SayThatAScanOfOneSideLiesOnItsFace) {
 TEST(JobWarnings, AreSilentAboutAnOrdinaryScan) {
   auto report = std::make_unique<JobReport>();
   report->slice.placement.size_mm = {40, 30, 60};
-  report->coverage = ConfidenceShares{.surface = {0.98, 0, 0.01, 0.01}};
+  report->coverage = ConfidenceShares{.surface = {0.98, 0.01, 0.01}};
   find_warnings(*report);
   EXPECT_TRUE(report->warnings.all().empty());
 }

@@ -31,8 +31,10 @@ class RayLaboratory {
   RayLaboratory& operator=(const RayLaboratory&) = delete;
 
   RaySurface shoot(double x, double y) { return solver_.solve(gatherer_, gather(x, y)); }
-  RaySurface shoot_uniform(double x, double y, float spacing) {
-    return solver_.solve_uniform(gatherer_, gather(x, y), spacing);
+  std::optional<float> shoot_near(double x, double y, float depth, bool entering) {
+    const Vec2f at(static_cast<float>(x), static_cast<float>(y));
+    gatherer_.gather(at, at);
+    return solver_.solve_near(gatherer_.points_near(at[0], at[1], depth), depth, entering, 0.4F);
   }
   const RayPoints& gather(double x, double y) {
     const Vec2f at(static_cast<float>(x), static_cast<float>(y));
@@ -186,7 +188,7 @@ TEST(Intersections, OfATorusConvergeAtLeastLinearlyWithTheSpacing) {
   }
 }
 
-TEST(Intersections, AreTheSameWithUniformQueries) {
+TEST(Intersections, AreTheSameFromANearbyDepthButNotInTheOtherDirection) {
   const Vec3d centre(8, 8, 8);
   RayLaboratory laboratory(sphere(sphere_points(5, 0.2), 5, centre));
   Random random(42);
@@ -197,11 +199,13 @@ TEST(Intersections, AreTheSameWithUniformQueries) {
     const double y = 8 + from_axis * std::sin(angle);
     const RaySurface by_points = laboratory.shoot(x, y);
     const std::vector<Intersection> first(by_points.intersections.begin(), by_points.intersections.end());
-    const RaySurface uniform = laboratory.shoot_uniform(x, y, 0.05F);
-    ASSERT_EQ(uniform.intersections.size(), first.size());
-    for (std::size_t k = 0; k < first.size(); ++k) {
-      EXPECT_NEAR(uniform.intersections[k].depth, first[k].depth, 0.1F * laboratory.width());
-      EXPECT_EQ(uniform.intersections[k].direction, first[k].direction);
+    for (const Intersection& intersection : first) {
+      const bool entering = intersection.direction == Direction::kEntering;
+      const float depth = intersection.depth + static_cast<float>(random.uniform(-0.05, 0.05));
+      const auto near = laboratory.shoot_near(x, y, depth, entering);
+      ASSERT_TRUE(near);
+      EXPECT_NEAR(*near, intersection.depth, 0.05F * laboratory.width());
+      EXPECT_FALSE(laboratory.shoot_near(x, y, depth, !entering));
     }
   }
 }

@@ -38,7 +38,6 @@ TEST(ConfidenceMap, DistinguishesTheBasePlaneFromMeasuredSurface) {
   // Cells are an epsilon wide, and those at the rim are measured.
   EXPECT_NEAR(shares.of(Evidence::kBase), disc / (cap + disc), 0.05);
   EXPECT_NEAR(shares.of(Evidence::kMeasured), cap / (cap + disc), 0.05);
-  EXPECT_LT(shares.of(Evidence::kRepaired), 0.01);
   const double rays = kPi * disc / (kPitch * kPitch);
   EXPECT_NEAR(static_cast<double>(shares.crossings[static_cast<std::size_t>(Evidence::kBase)]), rays, 0.1 * rays);
 }

@@ -1,0 +1,116 @@
+#include "slicer/rays/ray_lattice.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "tests/slicer/support/arena_block.hpp"
+#include "tests/slicer/support/scan_cloud.hpp"
+
+namespace plumbline {
+namespace {
+
+using namespace testing;
+
+constexpr float kPitch = 0.05F;      ///< mm
+constexpr float kTolerance = 2e-3F;  ///< mm
+constexpr std::uint32_t kRays = kTileSide * kTileSide;
+
+/// Decides tiles of a grid of 400 x 400 rays in both ways: ray by ray, and with a lattice.
+class LatticeLaboratory {
+ public:
+  /// @param spacing  of the surface's points, mm
+  LatticeLaboratory(const Surface& surface, double spacing) {
+    const float radius = 3 * static_cast<float>(spacing);
+    cloud_ = cloud_of(surface, *arena_, radius);
+    cloud_.support_points = static_cast<float>(kPi) * 9;
+    nodes_.resize(WindingTree::nodes_needed(cloud_.size));
+    winding_ = WindingTree::build(cloud_, nodes_);
+    tree_ = value_of(KdTree2::build(cloud_.positions(), *arena_, "test"));
+    PrintGrid grid;
+    grid.columns = grid.rows = grid.layers = 400;
+    grid.pitch_x_mm = grid.pitch_y_mm = grid.layer_height_mm = kPitch;
+    RayClassifierSettings settings;
+    settings.intersections.width = 2 * static_cast<float>(spacing);
+    classifier_ =
+        value_of(RayClassifier::create(cloud_, tree_, winding_, grid, radius, cloud_.size, settings, *arena_));
+  }
+
+  /// Decides the tile that begins at this pixel. Counts how its rays were decided, and compares them.
+  void compare(std::uint32_t column, std::uint32_t row) {
+    RayLattice lattice(classifier_, kTolerance);
+    classifier_.begin_tile(column, row);
+    const auto rays = lattice.decide(column, row);
+    guided += lattice.guided();
+    interpolated += lattice.interpolated();
+    for (std::uint32_t i = 0; i < kRays; ++i) {
+      const TileRay& ray = rays[i];
+      if (!ray.known) continue;
+      ++known;
+      const ClassifiedRay shot = classifier_.ray(column + i % kTileSide, row + i / kTileSide);
+      ASSERT_EQ(ray.count, shot.crossings.size()) << column << " " << row << " " << i;
+      ASSERT_EQ(ray.decision, shot.decision);
+      for (std::uint32_t k = 0; k < ray.count; ++k) {
+        worst = std::max(worst, std::abs(ray.crossing[k].depth - shot.crossings[k].depth));
+      }
+    }
+  }
+
+  std::uint32_t known = 0;
+  std::uint32_t guided = 0;
+  std::uint32_t interpolated = 0;
+  float worst = 0;  ///< distance of a crossing from where the shot ray has it, mm
+
+ private:
+  ArenaBlock arena_{64 * kMiB};
+  Cloud cloud_;
+  std::vector<WindingTree::Node> nodes_;
+  WindingTree winding_;
+  KdTree2 tree_;
+  RayClassifier classifier_;
+};
+
+TEST(RayLattice, InterpolatesMostRaysOfASmoothSurface) {
+  LatticeLaboratory laboratory(sphere(sphere_points(8, 0.15), 8, {10, 10, 10}), 0.15);
+  for (std::uint32_t column = 120; column < 280; column += kTileSide) laboratory.compare(column, 200);
+  EXPECT_EQ(laboratory.known, 20 * kRays);
+  EXPECT_GT(laboratory.interpolated, 15 * kRays);
+  EXPECT_LT(laboratory.worst, 2 * kTolerance);
+}
+
+TEST(RayLattice, GuidesRaysWhereNoiseMakesTheSurfaceRough) {
+  Random random(1);
+  Surface surface = sphere(sphere_points(8, 0.15), 8, {10, 10, 10});
+  add_noise(surface, 0.03, 0.1, random);
+  LatticeLaboratory laboratory(surface, 0.15);
+  for (std::uint32_t column = 120; column < 280; column += kTileSide) laboratory.compare(column, 200);
+  EXPECT_GT(laboratory.guided, 5 * kRays);
+  EXPECT_GT(laboratory.known, 15 * kRays);
+  EXPECT_LT(laboratory.worst, 5 * kTolerance);
+}
+
+TEST(RayLattice, AgreesWithEveryRayAcrossTheEdgesOfABox) {
+  Random random(2);
+  LatticeLaboratory laboratory(box({5.03, 5.07, 5}, {15.01, 15.02, 9}, 0.15, 0.2, random), 0.15);
+  for (std::uint32_t column = 80; column < 320; column += kTileSide) laboratory.compare(column, 200);
+  EXPECT_GT(laboratory.known, 20 * kRays);
+  EXPECT_LT(laboratory.worst, 2 * kTolerance);
+}
+
+// The rays in the corners of the tile and of its quarters see only the plate.
+TEST(RayLattice, MissesNoPinBetweenItsRays) {
+  constexpr double kSpacing = 0.02;
+  Random random(3);
+  Surface surface = box({9, 9, 5}, {11, 11, 6}, kSpacing, 0.2, random);
+  // Its rays are 2 and 3 of a tile along both axes, 1 and 2 of a quarter.
+  append(surface, box({10.08, 10.08, 6}, {10.12, 10.12, 7}, kSpacing, 0.2, random));
+  LatticeLaboratory laboratory(surface, kSpacing);
+  laboratory.compare(200, 200);
+  EXPECT_LT(laboratory.known, kRays);
+}
+
+}  // namespace
+}  // namespace plumbline
