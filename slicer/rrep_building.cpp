@@ -14,6 +14,7 @@
 #include "slicer/plan/ray_admission.hpp"
 #include "slicer/rays/ray_grid.hpp"
 #include "slicer/rays/ray_shooter.hpp"
+#include "slicer/surface/joined_points.hpp"
 
 namespace plumbline {
 namespace {
@@ -36,14 +37,14 @@ constexpr float kLeastWidth = 1e-4F;
 
 class RayStages {
  public:
-  RayStages(const Cloud& cloud, const SliceSettings& settings, Arena& arena, ProgressSink* progress,
-            SliceReport& report)
+  RayStages(Cloud& cloud, const SliceSettings& settings, Arena& arena, ProgressSink* progress, SliceReport& report)
       : cloud_(cloud), settings_(settings), arena_(arena), progress_(progress), report_(report) {}
 
   Expected<CrossingStore> run() {
+    PLUMBLINE_TRY(start_confidence());
+    join();
     PLUMBLINE_TRY(build_winding_tree());
     PLUMBLINE_TRY(find_interested());
-    PLUMBLINE_TRY(start_confidence());
     PLUMBLINE_TRY(admit());
     return shoot();
   }
@@ -52,15 +53,23 @@ class RayStages {
   const PrintGrid& grid() const { return report_.placement.grid; }
   float epsilon_mm() const { return report_.lengths.epsilon.value; }
 
+  /// Joins points, after all that must be taken from the single ones.
+  void join() {
+    const StageScope stage(Stage::kWindingTree, arena_, progress_, report_.peak_bytes);
+    base_height_ = base_plane(cloud_.positions(), grid().layer_height_mm);
+    const std::uint32_t points = cloud_.size;
+    join_points(cloud_);
+    spread_ = std::sqrt(static_cast<float>(points) / static_cast<float>(cloud_.size));
+  }
+
   Status build_winding_tree() {
     const StageScope stage(Stage::kWindingTree, arena_, progress_, report_.peak_bytes);
     const auto nodes = arena_.take_top<WindingTree::Node>(WindingTree::nodes_needed(cloud_.size), "winding number");
     PLUMBLINE_TRY(nodes);
     winding_ = WindingTree::build(cloud_, *nodes);
     if (settings_.base == BaseChoice::kNone) return {};
-    const float height = base_plane(cloud_.positions(), grid().layer_height_mm);
     report_.flat_underside =
-        winding_.set_base(height, kSectionEpsilons * epsilon_mm(), settings_.base == BaseChoice::kFlat);
+        winding_.set_base(base_height_, kSectionEpsilons * epsilon_mm(), settings_.base == BaseChoice::kFlat);
     return {};
   }
 
@@ -69,7 +78,7 @@ class RayStages {
     auto tree = KdTree2::build(cloud_.positions(), arena_, "ray grid", {progress_, Stage::kRayGrid});
     PLUMBLINE_TRY(tree);
     tree_ = *tree;
-    report_.width_mm = grid_width(cloud_, *tree_, {});
+    report_.width_mm = grid_width(cloud_, *tree_, {}) / spread_;
     if (!(report_.width_mm > kLeastWidth)) report_.width_mm = std::max(kLeastWidth, epsilon_mm());
     const auto words = arena_.take_top<std::uint64_t>(BitImage::words_needed(grid().columns, grid().rows), "ray grid");
     PLUMBLINE_TRY(words);
@@ -127,11 +136,13 @@ class RayStages {
     return store;
   }
 
-  const Cloud& cloud_;
+  Cloud& cloud_;
   const SliceSettings& settings_;
   Arena& arena_;
   ProgressSink* progress_;
   SliceReport& report_;
+  float base_height_ = 0;  ///< mm
+  float spread_ = 1;       ///< distance of joined points over that of the scan's
   WindingTree winding_;
   std::optional<KdTree2> tree_;
   BitImage interested_;  ///< the rays that are shot
@@ -162,8 +173,8 @@ void trim(RRep& rrep, Arena& arena, SliceReport& report) {
 
 }  // namespace
 
-Expected<CrossingStore> shoot_rays(const Cloud& cloud, const SliceSettings& settings, Arena& arena,
-                                   ProgressSink* progress, SliceReport& report) {
+Expected<CrossingStore> shoot_rays(Cloud& cloud, const SliceSettings& settings, Arena& arena, ProgressSink* progress,
+                                   SliceReport& report) {
   return RayStages(cloud, settings, arena, progress, report).run();
 }
 

@@ -16,7 +16,7 @@ namespace plumbline {
 ///                confidence map is at the bottom of the arena, below the crossings
 /// @retval ErrorCode::kOutOfMemory  before the first ray where the crossings that the surface will make don't fit
 /// @retval ErrorCode::kCancelled
-[[nodiscard]] Expected<CrossingStore> shoot_rays(const Cloud& cloud, const SliceSettings& settings, Arena& arena,
+[[nodiscard]] Expected<CrossingStore> shoot_rays(Cloud& cloud, const SliceSettings& settings, Arena& arena,
                                                  ProgressSink* progress, SliceReport& report);
 
 /// Drops small components and small features, sorts the crossings by layer, and drops empty layers at both ends.

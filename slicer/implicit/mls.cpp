@@ -54,7 +54,7 @@ __attribute__((always_inline)) inline void sum_up(const RayPoints& points, RayWi
   };
   // The last step may read past the window: points without weight, or the padding.
   for (std::uint32_t j = window.first; j < window.last; j += RayPoints::kLanes) {
-    Lanes at, distance2, inverse2, nx, ny, nz, plane, x, y;
+    Lanes at, distance2, inverse2, nx, ny, nz, plane, x, y, mass;
     load(at, points.depth + j);
     load(distance2, points.distance2 + j);
     load(inverse2, points.inverse_radius2 + j);
@@ -64,10 +64,11 @@ __attribute__((always_inline)) inline void sum_up(const RayPoints& points, RayWi
     load(plane, points.plane + j);
     load(x, points.offset_x + j);
     load(y, points.offset_y + j);
+    load(mass, points.mass + j);
     const Lanes dz = z - at;
     const Lanes t = 1.0F - (dz * dz + distance2) * inverse2;
     const Lanes inside = t > 0.0F ? t : Lanes{};
-    Lanes w = inside * inside;
+    Lanes w = inside * inside * mass;
     if (mean != nullptr) {
       const Lanes u = (*mean)[0] * nx + (*mean)[1] * ny + (*mean)[2] * nz - (kSharpness - 1);
       const Lanes likeness = u > 0.0F ? u : Lanes{};
@@ -102,7 +103,7 @@ std::size_t padded(std::uint32_t capacity) {
   // With padding, rounded to whole cache lines.
   return (std::size_t{capacity} + RayPoints::kLanes + 15) / 16 * 16;
 }
-constexpr std::size_t kColumns = 9;
+constexpr std::size_t kColumns = 10;
 
 }  // namespace
 
@@ -117,7 +118,7 @@ Expected<RayPoints> RayPoints::create(std::uint32_t capacity, Arena& arena, cons
   RayPoints points;
   float* next = columns->data();
   for (float** column : {&points.depth, &points.distance2, &points.plane, &points.slope, &points.inverse_radius2,
-                         &points.normal_x, &points.normal_y, &points.offset_x, &points.offset_y}) {
+                         &points.normal_x, &points.normal_y, &points.offset_x, &points.offset_y, &points.mass}) {
     *column = next;
     next += length;
   }
@@ -127,7 +128,7 @@ Expected<RayPoints> RayPoints::create(std::uint32_t capacity, Arena& arena, cons
 void RayPoints::close() {
   for (std::uint32_t j = size; j < size + kLanes; ++j) {
     depth[j] = plane[j] = slope[j] = 0;
-    normal_x[j] = normal_y[j] = offset_x[j] = offset_y[j] = 0;
+    normal_x[j] = normal_y[j] = offset_x[j] = offset_y[j] = mass[j] = 0;
     distance2[j] = 1;
     inverse_radius2[j] = 2;
   }

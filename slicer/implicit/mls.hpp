@@ -24,6 +24,7 @@ struct RayPoints {
   float* normal_y = nullptr;
   float* offset_x = nullptr;  ///< x of the ray minus x of the point, mm
   float* offset_y = nullptr;
+  float* mass = nullptr;  ///< points of the scan that it stands for
   std::uint32_t size = 0;
   float reach = 0;  ///< largest h, mm: no point farther away in depth has weight
 
@@ -34,7 +35,7 @@ struct RayPoints {
 
   /// Adds a point with normal `n` at depth z; (dx, dy) is the ray minus the point in the plane, mm. The caller updates
   /// `reach`.
-  void add(float dx, float dy, float z, const Vec3f& n, float inverse_h2) {
+  void add(float dx, float dy, float z, const Vec3f& n, float inverse_h2, float points = 1) {
     depth[size] = z;
     distance2[size] = dx * dx + dy * dy;
     plane[size] = n[0] * dx + n[1] * dy - n[2] * z;
@@ -44,6 +45,7 @@ struct RayPoints {
     normal_y[size] = n[1];
     offset_x[size] = dx;
     offset_y[size] = dy;
+    mass[size] = points;
     ++size;
   }
   /// Pads the columns. Call it after the last add().
@@ -70,7 +72,7 @@ struct MlsValue {
 /// Signed distance to the surface through the neighbouring points, to second order:
 ///
 ///   f(x) = 1/2 [ sum_i v_i <n_i, x - p_i> / V  +  <sum_i v_i n_i, sum_i v_i (x - p_i)> / V^2 ],   V = sum_i v_i
-///   v_i(x) = w_i(x) a_i(x)
+///   v_i(x) = w_i(x) a_i(x) m_i,   m_i is the number of points that were joined to point i
 ///   w_i(x) = (1 - |x - p_i|^2 / h_i^2)^2 inside h_i, 0 outside
 ///   a_i(x) = max(0, 8 <n_i, m> - 7)^2 + 0.02,   m = sum_i w_i n_i / |sum_i w_i n_i|
 ///   a_i(x) = 1 if the normals agree, |sum_i w_i n_i| >= 0.997 sum_i w_i, or if |f| with a_i = 1 exceeds a quarter of the reach

@@ -27,14 +27,14 @@ std::size_t WindingTree::bytes_needed(std::uint32_t points) {
 WindingTree WindingTree::build(const Cloud& cloud, std::span<Node> nodes) {
   WindingTree tree;
   tree.area_factor_ = kPi / cloud.support_points;
-  tree.tree_ = Tree(cloud.size, nodes);
-  tree.tree_.build([&](std::uint32_t i, DipoleSum& sum) {
-    const float area = tree.area_factor_ * cloud.radius[i] * cloud.radius[i];
-    sum.add(cloud.position[i], area, cloud.normal[i].unpack() * (area * kInverse4Pi));
-  });
   tree.position_ = cloud.position.first(cloud.size);
   tree.normal_ = cloud.normal.first(cloud.size);
   tree.radius_ = cloud.radius.first(cloud.size);
+  tree.tree_ = Tree(cloud.size, nodes);
+  tree.tree_.build([&](std::uint32_t i, DipoleSum& sum) {
+    const float area = tree.area_of(i);
+    sum.add(cloud.position[i], area, cloud.normal[i].unpack() * (area * kInverse4Pi));
+  });
   return tree;
 }
 
@@ -99,9 +99,8 @@ float WindingTree::sum(const Vec3f& x) const {
       },
       [&](std::uint32_t i) {
         const Vec3f e = position_[i] - x;
-        const float area = area_factor_ * radius_[i] * radius_[i];
-        // Softened: a disc seen from nearby fills at most half the sphere, where a dipole would grow without bound.
-        const float softened = e.dot(e) + area * (1.0F / kPi);
+        const float area = area_of(i);
+        const float softened = e.dot(e) + softening_of(i);
         w += area * kInverse4Pi * normal_[i].unpack().dot(e) / (softened * std::sqrt(softened));
       });
   return w;
@@ -121,8 +120,8 @@ void WindingTree::add_lean(const Vec3f& x, Lean& lean) const {
       },
       [&](std::uint32_t i) {
         const Vec3f e = position_[i] - x;
-        const float area = area_factor_ * radius_[i] * radius_[i];
-        const float softened = e.dot(e) + area * (1.0F / kPi);
+        const float area = area_of(i);
+        const float softened = e.dot(e) + softening_of(i);
         add(area * kInverse4Pi, normal_[i].unpack().dot(e) / std::sqrt(softened), softened);
       });
 }

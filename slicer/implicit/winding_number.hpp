@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <numbers>
 #include <span>
 
 #include "slicer/cloud/cloud.hpp"
@@ -71,6 +72,18 @@ class WindingTree {
     float weight = 0;
   };
 
+  /// mm^2
+  float area_of(std::uint32_t i) const {
+    return area_factor_ * radius_[i] * radius_[i] * static_cast<float>(normal_[i].weight);
+  }
+  /// Added to the square of a distance: a disc seen from nearby fills at most half the sphere, where a dipole would grow without
+  /// bound. The square of half the radius of one point's own disc, mm^2. With the whole radius the place of a wall that only
+  /// the winding number knows is less sharp (gear open: IoU .99434, .99442 with this).
+  float softening_of(std::uint32_t i) const {
+    constexpr float kShare = 0.25F;
+    return kShare * radius_[i] * radius_[i] * area_factor_ * std::numbers::inv_pi_v<float>;
+  }
+
   float sum(const Vec3f& x) const;
   void add_lean(const Vec3f& x, Lean& lean) const;
 
@@ -78,7 +91,7 @@ class WindingTree {
   std::span<const Vec3f> position_;
   std::span<const PackedNormal> normal_;
   std::span<const float> radius_;
-  float area_factor_ = 0;  ///< area of a point / its radius squared
+  float area_factor_ = 0;  ///< area of a scan point / its radius squared
   float base_ = std::numeric_limits<float>::lowest();
   bool has_base_ = false;
 };

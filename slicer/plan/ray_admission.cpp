@@ -21,7 +21,7 @@ struct SeenSurface {
     for (std::uint32_t i = 0; i < cloud.size; ++i) {
       const double radius = cloud.radius[i];
       const double slope = cloud.normal[i].unpack()[2];
-      (slope > 0 ? exiting : entering) += radius * radius * std::abs(slope);
+      (slope > 0 ? exiting : entering) += radius * radius * std::abs(slope) * cloud.normal[i].weight;
     }
     constexpr double kPi = std::numbers::pi;
     const double pixel_mm2 = static_cast<double>(object.grid.pitch_x_mm) * static_cast<double>(object.grid.pitch_y_mm);

@@ -53,8 +53,12 @@ void RayGatherer::gather(const Vec2f& low, const Vec2f& high) {
   };
   const auto keep = [&](std::uint32_t i) {
     const PackedNormal& n = cloud_->normal[i];
-    tile_[count_++] = {cloud_->position[i], std::min(cloud_->radius[i], max_radius_), n.unpack(), i,
-                       n.point_class != PointClass::kNeutral};
+    tile_[count_++] = {cloud_->position[i],
+                       std::min(cloud_->radius[i], max_radius_),
+                       n.unpack(),
+                       i,
+                       n.point_class != PointClass::kNeutral,
+                       n.weight};
   };
 
   count_ = 0;
@@ -124,7 +128,7 @@ void RayGatherer::add_points(float x, float y, std::uint32_t first, std::uint32_
     half_chord_[c.size] = std::sqrt(radius2 - distance2);
     practical_[c.size] = p.practical ? 1 : 0;
     c.reach = std::max(c.reach, p.radius);
-    c.add(dx, dy, p.position[2], p.normal, 1.0F / radius2);
+    c.add(dx, dy, p.position[2], p.normal, 1.0F / radius2, p.points);
     if (p.index < cloud_->seen()) continue;
     continued_low_ = std::min(continued_low_, p.position[2] - p.radius);
     continued_high_ = std::max(continued_high_, p.position[2] + p.radius);

@@ -32,6 +32,7 @@ class RayGatherer {
     Vec3f normal;
     std::uint32_t index;
     bool practical;
+    std::uint8_t points;  ///< of the scan that it stands for
   };
   /// Depths ascend with t.
   const TilePoint& tile_point(std::uint32_t t) const { return tile_[t]; }
