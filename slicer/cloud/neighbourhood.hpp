@@ -5,6 +5,7 @@
 
 #include "slicer/cloud/cloud.hpp"
 #include "slicer/cloud/kd_tree.hpp"
+#include "slicer/core/lanes.hpp"
 
 namespace plumbline {
 
@@ -19,7 +20,7 @@ struct Within {
   bool near(float epsilon2) const { return cosine > 0 && distance2 <= epsilon2 * cosine * cosine; }
 };
 
-/// Candidates of one block, one array a coordinate.
+/// Candidates of one block, one array a coordinate, padded to full lanes.
 struct Neighbourhood {
   static constexpr std::uint32_t kMost = 256;  ///< points: 8 KiB, which stay in the first-level cache
 
@@ -32,6 +33,14 @@ struct Neighbourhood {
   alignas(64) std::int32_t type[kMost];
   alignas(64) std::uint32_t index[kMost];
   std::uint32_t size = 0;
+
+  /// Fills the last lanes with points that face nowhere.
+  void pad() {
+    for (std::uint32_t j = size; j % kLanes != 0; ++j) {
+      x[j] = y[j] = z[j] = nx[j] = ny[j] = nz[j] = 0;
+      type[j] = -1;
+    }
+  }
 };
 
 /// A point of a block, unpacked.
@@ -77,6 +86,7 @@ void for_neighbourhood(const Cloud& cloud, const KdTree3& tree, std::uint32_t fi
       }
     }
   });
+  batch.pad();
   if (batch.size > 0) use(batch);
 }
 

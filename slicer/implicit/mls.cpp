@@ -2,21 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
+
+#include "slicer/core/lanes.hpp"
 
 namespace plumbline {
 namespace {
-
-/// Eight floats, in one vector, two, or eight scalars: always with the same result.
-using Lanes = float __attribute__((vector_size(32)));
-
-/// Compiles a function once more for machines with wide vectors, and chooses when the program starts. Sanitizers begin too late
-/// for that choice.
-#if defined(__x86_64__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define PLUMBLINE_WIDE __attribute__((target_clones("avx2", "default")))
-#else
-#define PLUMBLINE_WIDE
-#endif
 
 constexpr float kAgree = 0.997F;  ///< |sum w n| / sum w above which normals agree: about 4 degrees from their mean
 constexpr float kFar = 0.25F;     ///< share of the reach: farther from the surface, a_i does not change the sign
@@ -37,8 +27,7 @@ struct Sums {
 };
 
 /// @param mean  if not null, eight times the unit mean of the normals, which lowers the weight of points that face other ways
-__attribute__((always_inline)) inline void sum_up(const RayPoints& points, RayWindow window, float depth,
-                                                  const Vec3f* mean, Sums& sums) {
+PLUMBLINE_INLINE void sum_up(const RayPoints& points, RayWindow window, float depth, const Vec3f* mean, Sums& sums) {
   const Lanes z = Lanes{} + depth;
   // Separate variables: some compilers keep an object in memory instead of registers.
   Lanes weights{};
@@ -49,11 +38,8 @@ __attribute__((always_inline)) inline void sum_up(const RayPoints& points, RayWi
   Lanes offset_x{};
   Lanes offset_y{};
   Lanes offset_z{};
-  const auto load = [](Lanes & lanes, const float* from) __attribute__((always_inline)) {
-    std::memcpy(&lanes, from, sizeof lanes);
-  };
   // The last step may read past the window: points without weight, or the padding.
-  for (std::uint32_t j = window.first; j < window.last; j += RayPoints::kLanes) {
+  for (std::uint32_t j = window.first; j < window.last; j += kLanes) {
     Lanes at, distance2, inverse2, nx, ny, nz, plane, x, y, mass;
     load(at, points.depth + j);
     load(distance2, points.distance2 + j);
@@ -83,9 +69,6 @@ __attribute__((always_inline)) inline void sum_up(const RayPoints& points, RayWi
     offset_y += w * y;
     offset_z += w * dz;
   }
-  const auto sum = [](const Lanes& v) __attribute__((always_inline)) {
-    return ((v[0] + v[4]) + (v[1] + v[5])) + ((v[2] + v[6]) + (v[3] + v[7]));
-  };
   sums = {sum(weights),
           sum(distances),
           {sum(normal_x), sum(normal_y), sum(normal_z)},
@@ -101,7 +84,7 @@ PLUMBLINE_WIDE void sum_alike(const RayPoints& points, RayWindow window, float d
 
 std::size_t padded(std::uint32_t capacity) {
   // With padding, rounded to whole cache lines.
-  return (std::size_t{capacity} + RayPoints::kLanes + 15) / 16 * 16;
+  return (std::size_t{capacity} + kLanes + 15) / 16 * 16;
 }
 constexpr std::size_t kColumns = 10;
 

@@ -91,10 +91,11 @@ void RayClassifier::begin_tile(std::uint32_t column, std::uint32_t row) {
                             static_cast<float>(row_middle) * grid_.pitch_y_mm);
   if (column_centre != column_centre_) column_verdicts_.fill(Verdict::kUnknown);
   column_centre_ = column_centre;
-  // Depths ascend. Levels already decided stay decided, even if a later point's support radius reaches down to them.
+  // Depths ascend. A level below the support of one point stays free, even if a later point's wider support reaches down to it.
+  free_levels_ = 0;
   std::uint32_t level = 0;
-  const auto judge_below = [&](float height) {
-    for (; level < kLevels && level_height(level) < height; ++level) judge_tile(level);
+  const auto free_below = [&](float height) {
+    for (; level < kLevels && level_height(level) < height; ++level) free_levels_ |= std::uint64_t{1} << level;
   };
   const auto skip_to = [&](float height) {
     while (level < kLevels && level_height(level) <= height) ++level;
@@ -102,10 +103,10 @@ void RayClassifier::begin_tile(std::uint32_t column, std::uint32_t row) {
   skip_to(floor_);
   for (std::uint32_t t = 0; t < gatherer_.tile_points(); ++t) {
     const RayGatherer::TilePoint& p = gatherer_.tile_point(t);
-    judge_below(p.position[2] - p.radius);
+    free_below(p.position[2] - p.radius);
     skip_to(p.position[2] + p.radius);
   }
-  judge_below(top_);
+  free_below(top_);
 }
 
 bool RayClassifier::alternates(const RaySurface& surface) const {
@@ -123,6 +124,7 @@ void RayClassifier::bisect(float x, float y, float from, float to, bool inside_a
 
 bool RayClassifier::level_inside(std::uint32_t level, float x, float y) {
   LevelSet& block = levels_[ray_block_];
+  if (!block.knows(level) && (free_levels_ >> level & 1U) != 0) judge_tile(level);
   if (!block.knows(level)) {
     const Vec3f at(x, y, level_height(level));
     const float w = (*winding_)(at);
@@ -132,7 +134,19 @@ bool RayClassifier::level_inside(std::uint32_t level, float x, float y) {
   return block.is_inside(level);
 }
 
+/// Whether every kStride-th level of a gap is on the same side as both of its ends.
+bool RayClassifier::gap_agrees(float x, float y, float low, float high, bool inside) {
+  const auto first = static_cast<std::uint32_t>(std::max(low, 0.0F) / (top_ / kLevels));
+  for (std::uint32_t level = (first + kStride - 1) / kStride * kStride; level < kLevels; level += kStride) {
+    const float z = level_height(level);
+    if (z >= high) break;
+    if (z > low && level_inside(level, x, y) != inside) return false;
+  }
+  return true;
+}
+
 RayClassifier::Gap RayClassifier::decide_gap(float x, float y, float low, float high, bool below, bool above) {
+  if (below == above && gap_agrees(x, y, low, high, below)) return {below, above};
   const std::uint32_t crossings_before = crossing_count_;
   GapWalk walk{x, y, low, below};
   walk_levels(walk, high);

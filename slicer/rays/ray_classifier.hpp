@@ -100,6 +100,8 @@ class RayClassifier {
   };
   static constexpr std::uint32_t kLevels = 64;
   static constexpr std::uint32_t kBlock = 4;  ///< rays a side
+  /// Levels between those that are asked in a gap whose ends agree. What is thinner, and seen from neither side, is missed.
+  static constexpr std::uint32_t kStride = 4;
   float level_height(std::uint32_t level) const {
     return top_ * (static_cast<float>(level) + 0.5F) / static_cast<float>(kLevels);
   }
@@ -110,6 +112,7 @@ class RayClassifier {
   void judge_tile(std::uint32_t level);
   void bisect(float x, float y, float from, float to, bool inside_at_from);
   bool alternates(const RaySurface& surface) const;
+  bool gap_agrees(float x, float y, float low, float high, bool inside);
   Gap decide_gap(float x, float y, float low, float high, bool below, bool above);
   /// Whether the winding number puts x on that side by more than a sheet that stands alone would (kBeyondOneSheet).
   bool more_than_a_sheet(const Vec3f& x, bool is_inside) const;
@@ -131,7 +134,8 @@ class RayClassifier {
   std::array<Verdict, kLevels> column_verdicts_{};
   Vec2f column_centre_ = Vec2f::Constant(-1);
   std::array<LevelSet, (kTileSide / kBlock) * (kTileSide / kBlock)> levels_{};
-  std::uint32_t ray_block_ = 0;  ///< index into levels_ for the ray
+  std::uint64_t free_levels_ = 0;  ///< bit k: no point of the tile reaches level k
+  std::uint32_t ray_block_ = 0;    ///< index into levels_ for the ray
   std::uint32_t crossing_count_ = 0;
   float floor_ = 0;  ///< mm, base plane
   float top_ = 0;    ///< mm

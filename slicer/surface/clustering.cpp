@@ -7,6 +7,7 @@
 
 #include "slicer/cloud/neighbourhood.hpp"
 #include "slicer/core/disjoint_sets.hpp"
+#include "slicer/core/lanes.hpp"
 #include "slicer/core/loop_progress.hpp"
 #include "slicer/core/median.hpp"
 #include "slicer/surface/sparse_surface.hpp"
@@ -57,26 +58,38 @@ struct Counts {
   float offset = 0;            ///< sum over `near` of the point's height above their tangent planes, mm
 };
 
-void count(const Member& m, const Neighbourhood& batch, float epsilon2, Counts& counts) {
-  std::int32_t near = 0;
-  std::int32_t same_type = 0;
-  std::int32_t sheet = 0;
-  std::array<float, 8> offset{};  // partial sums in a fixed order, for vector units
-  for (std::uint32_t j = 0; j < batch.size; ++j) {
-    const Within w = compare(m, batch, j);
-    const float height = (m.position[0] - batch.x[j]) * batch.nx[j] + (m.position[1] - batch.y[j]) * batch.ny[j] +
-                         (m.position[2] - batch.z[j]) * batch.nz[j];
-    const std::int32_t facing = static_cast<std::int32_t>(w.cosine > 0);
-    const std::int32_t is_near = facing & static_cast<std::int32_t>(w.distance2 <= epsilon2 * w.cosine * w.cosine);
-    near += is_near;
-    offset[j % 8] += is_near != 0 ? height : 0.0F;
-    same_type += is_near & static_cast<std::int32_t>(batch.type[j] == m.type);
-    sheet += facing & static_cast<std::int32_t>(w.distance2 <= epsilon2);
+PLUMBLINE_WIDE void count(const Member& m, const Neighbourhood& batch, float epsilon2, Counts& counts) {
+  IntLanes near{};
+  IntLanes same_type{};
+  IntLanes sheet{};
+  Lanes offset{};
+  for (std::uint32_t j = 0; j < batch.size; j += kLanes) {
+    Lanes x, y, z, nx, ny, nz;
+    IntLanes type;
+    load(x, batch.x + j);
+    load(y, batch.y + j);
+    load(z, batch.z + j);
+    load(nx, batch.nx + j);
+    load(ny, batch.ny + j);
+    load(nz, batch.nz + j);
+    load(type, batch.type + j);
+    const Lanes dx = m.position[0] - x;
+    const Lanes dy = m.position[1] - y;
+    const Lanes dz = m.position[2] - z;
+    const Lanes distance2 = dx * dx + dy * dy + dz * dz;
+    const Lanes cosine = nx * m.normal[0] + ny * m.normal[1] + nz * m.normal[2];
+    const Lanes height = dx * nx + dy * ny + dz * nz;
+    const IntLanes facing = cosine > 0.0F;
+    const IntLanes is_near = facing & (distance2 <= epsilon2 * cosine * cosine);
+    near -= is_near;
+    offset += is_near ? height : Lanes{};
+    same_type -= is_near & (type == m.type);
+    sheet -= facing & (distance2 <= epsilon2);
   }
-  counts.near += near;
-  counts.same_type += same_type;
-  counts.sheet += sheet;
-  for (const float part : offset) counts.offset += part;
+  counts.near += sum(near);
+  counts.same_type += sum(same_type);
+  counts.sheet += sum(sheet);
+  counts.offset += sum(offset);
 }
 
 class Clusterer {

@@ -6,6 +6,7 @@
 
 #include "slicer/cloud/neighbourhood.hpp"
 #include "slicer/cloud/tangent_plane.hpp"
+#include "slicer/core/lanes.hpp"
 #include "slicer/core/loop_progress.hpp"
 #include "slicer/core/vec.hpp"
 
@@ -33,18 +34,6 @@ struct Moments {
   Vec3f first = Vec3f::Zero();
   float xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
 
-  void add(const Vec3f& d, float w) {
-    const Vec3f wd = d * w;
-    ++count;
-    weight += w;
-    first += wd;
-    xx += wd[0] * d[0];
-    xy += wd[0] * d[1];
-    xz += wd[0] * d[2];
-    yy += wd[1] * d[1];
-    yz += wd[1] * d[2];
-    zz += wd[2] * d[2];
-  }
   /// Weighted covariance of the coordinates along a and b, times the weight.
   float covariance(const Vec3f& a, const Vec3f& b) const {
     const Vec3f scatter_b(xx * b[0] + xy * b[1] + xz * b[2], xy * b[0] + yy * b[1] + yz * b[2],
@@ -53,16 +42,53 @@ struct Moments {
   }
 };
 
-void add_all(const Member& m, float radius2, const Neighbourhood& batch, Moments& moments) {
+PLUMBLINE_WIDE void add_all(const Member& m, float radius2, const Neighbourhood& batch, Moments& moments) {
   const float inverse2 = 1 / radius2;
-  for (std::uint32_t j = 0; j < batch.size; ++j) {
-    const Vec3f d(batch.x[j] - m.position[0], batch.y[j] - m.position[1], batch.z[j] - m.position[2]);
-    const float distance2 = d.dot(d);
-    if (distance2 >= radius2 || batch.type[j] == static_cast<std::int32_t>(PointClass::kNoise)) continue;
-    if (batch.nx[j] * m.normal[0] + batch.ny[j] * m.normal[1] + batch.nz[j] * m.normal[2] < kFacing) continue;
-    const float t = 1 - distance2 * inverse2;
-    moments.add(d, t * t);
+  IntLanes count{};
+  Lanes weight{};
+  Lanes sum_x{}, sum_y{}, sum_z{};
+  Lanes xx{}, xy{}, xz{}, yy{}, yz{}, zz{};
+  for (std::uint32_t j = 0; j < batch.size; j += kLanes) {
+    Lanes x, y, z, nx, ny, nz;
+    IntLanes type;
+    load(x, batch.x + j);
+    load(y, batch.y + j);
+    load(z, batch.z + j);
+    load(nx, batch.nx + j);
+    load(ny, batch.ny + j);
+    load(nz, batch.nz + j);
+    load(type, batch.type + j);
+    x -= m.position[0];
+    y -= m.position[1];
+    z -= m.position[2];
+    const Lanes t = 1.0F - (x * x + y * y + z * z) * inverse2;
+    const Lanes cosine = nx * m.normal[0] + ny * m.normal[1] + nz * m.normal[2];
+    const IntLanes counts = (t > 0.0F) & (cosine >= kFacing) & (type != static_cast<std::int32_t>(PointClass::kNoise));
+    const Lanes w = counts ? t * t : Lanes{};
+    const Lanes wx = w * x;
+    const Lanes wy = w * y;
+    const Lanes wz = w * z;
+    count -= counts;
+    weight += w;
+    sum_x += wx;
+    sum_y += wy;
+    sum_z += wz;
+    xx += wx * x;
+    xy += wx * y;
+    xz += wx * z;
+    yy += wy * y;
+    yz += wy * z;
+    zz += wz * z;
   }
+  moments.count += static_cast<std::uint32_t>(sum(count));
+  moments.weight += sum(weight);
+  moments.first += Vec3f(sum(sum_x), sum(sum_y), sum(sum_z));
+  moments.xx += sum(xx);
+  moments.xy += sum(xy);
+  moments.xz += sum(xz);
+  moments.yy += sum(yy);
+  moments.yz += sum(yz);
+  moments.zz += sum(zz);
 }
 
 /// The normal of the points around a point whose own can't be used, on the side that most of their normals face.

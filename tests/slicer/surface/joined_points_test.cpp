@@ -14,7 +14,7 @@ namespace {
 using namespace testing;
 
 constexpr double kSpacing = 0.1;  ///< mm
-constexpr float kRadius = 0.8F;   ///< mm
+constexpr float kRadius = 1.07F;  ///< mm
 
 Cloud sorted_cloud(const Surface& surface, Arena& arena) {
   Cloud cloud = cloud_of(surface, arena, kRadius);
