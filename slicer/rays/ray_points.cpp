@@ -13,7 +13,7 @@ constexpr const char* kStage = "ray search";
 
 std::size_t RayGatherer::bytes_needed(std::uint32_t capacity) {
   return Arena::rounded(capacity * sizeof(TilePoint)) + Arena::rounded(capacity * sizeof(std::uint32_t)) +
-         Arena::rounded(capacity) + Arena::rounded(capacity * sizeof(float)) + RayPoints::bytes_needed(capacity);
+         Arena::rounded(capacity * sizeof(float)) + RayPoints::bytes_needed(capacity);
 }
 
 Expected<RayGatherer> RayGatherer::create(const Cloud& cloud, const KdTree2& tree, std::uint32_t capacity,
@@ -28,9 +28,6 @@ Expected<RayGatherer> RayGatherer::create(const Cloud& cloud, const KdTree2& tre
   auto chosen = arena.take_top<std::uint32_t>(capacity, kStage);
   if (!chosen) return tl::unexpected<Error>(chosen.error());
   gatherer.chosen_ = *chosen;
-  auto practical = arena.take_top<std::uint8_t>(capacity, kStage);
-  if (!practical) return tl::unexpected<Error>(practical.error());
-  gatherer.practical_ = *practical;
   auto half_chord = arena.take_top<float>(capacity, kStage);
   if (!half_chord) return tl::unexpected<Error>(half_chord.error());
   gatherer.half_chord_ = *half_chord;
@@ -53,12 +50,7 @@ void RayGatherer::gather(const Vec2f& low, const Vec2f& high) {
   };
   const auto keep = [&](std::uint32_t i) {
     const PackedNormal& n = cloud_->normal[i];
-    tile_[count_++] = {cloud_->position[i],
-                       std::min(cloud_->radius[i], max_radius_),
-                       n.unpack(),
-                       i,
-                       n.point_class != PointClass::kNeutral,
-                       n.weight};
+    tile_[count_++] = {cloud_->position[i], std::min(cloud_->radius[i], max_radius_), n.unpack(), i, n.weight};
   };
 
   count_ = 0;
@@ -126,7 +118,6 @@ void RayGatherer::add_points(float x, float y, std::uint32_t first, std::uint32_
     const float distance2 = dx * dx + dy * dy;
     const float radius2 = p.radius * p.radius;
     half_chord_[c.size] = std::sqrt(radius2 - distance2);
-    practical_[c.size] = p.practical ? 1 : 0;
     c.reach = std::max(c.reach, p.radius);
     c.add(dx, dy, p.position[2], p.normal, 1.0F / radius2, p.points);
     if (p.index < cloud_->seen()) continue;

@@ -31,7 +31,6 @@ class RayGatherer {
     float radius;  ///< of its support, mm
     Vec3f normal;
     std::uint32_t index;
-    bool practical;
     std::uint8_t points;  ///< of the scan that it stands for
   };
   /// Depths ascend with t.
@@ -43,8 +42,6 @@ class RayGatherer {
   const RayPoints& points_near(float x, float y, float depth);
   /// Half the length of ray, mm, on which point j of the last points_of_ray() has weight.
   float half_chord(std::uint32_t j) const { return half_chord_[j]; }
-  /// Whether point j of the last points_of_ray() is of a practical cluster: entering or exiting.
-  bool practical(std::uint32_t j) const { return practical_[j] != 0; }
   /// Whether points of continued bore walls (Cloud::continued) have weight at that depth of the last ray, mm.
   bool continued(float depth) const { return depth > continued_low_ && depth < continued_high_; }
 
@@ -56,7 +53,6 @@ class RayGatherer {
   float max_radius_ = 0;
   std::span<TilePoint> tile_;
   std::span<std::uint32_t> chosen_;  ///< tile points of a ray
-  std::span<std::uint8_t> practical_;
   std::span<float> half_chord_;
   RayPoints columns_;
   std::uint32_t count_ = 0;

@@ -150,9 +150,14 @@ class RoundBores {
     box.extend(c.on_axis(stretch.from));
     box.extend(c.on_axis(stretch.to));
     const Vec3f margin = Vec3f::Constant(max_distance);
+    const float clearly_off2 = 1.01F * max_distance * max_distance;
     surface_.visit_box(box.low - margin, box.high + margin, [&](std::uint32_t i) {
+      // Without a root: most points of the box are off the stretch.
+      const Vec3f d = surface_.position(i) - c.middle;
+      const float along = d.dot(c.axis);
+      if (along < stretch.from || along >= stretch.to || d.dot(d) - along * along > clearly_off2) return;
       const OnCylinder at = cylinder_coordinates(c, surface_.position(i));
-      if (at.along >= stretch.from && at.along < stretch.to && at.distance <= max_distance) visit(i, at);
+      if (at.distance <= max_distance) visit(i, at);
     });
   }
 
