@@ -53,7 +53,7 @@ class RayStages {
   const PrintGrid& grid() const { return report_.placement.grid; }
   float epsilon_mm() const { return report_.lengths.epsilon.value; }
 
-  /// Joins points, after all that must be taken from the single ones.
+  /// Joins points. The height of the base plane is measured first, since a joined point lies above its lowest one.
   void join() {
     const StageScope stage(Stage::kWindingTree, arena_, progress_, report_.peak_bytes);
     base_height_ = base_plane(cloud_.positions(), grid().layer_height_mm);

@@ -19,7 +19,7 @@ enum class PointClass : std::uint8_t {
 inline constexpr std::size_t kPointClassCount = 4;
 
 /// A unit normal in 6 bytes (error below 0.003 degrees), with the point's weight and class. All zero: no normal is known.
-/// Until join_points(), the weight counts the scan's points that thinning has averaged; from then on, points that were joined.
+/// Until join_points(), the weight counts points of the scan that thinning has averaged; after it, points that it has joined.
 struct PackedNormal {
   std::int16_t x = 0, y = 0, z = 0;  ///< component * 32767
   std::uint8_t weight = 1;           ///< points that this one stands for, at most 255
@@ -42,9 +42,8 @@ struct Cloud {
   std::span<Vec3f> position;  ///< mm; scan frame less an offset until placed, print coordinates after
   std::span<PackedNormal> normal;
   /// Radius of the disc around a point that holds `support_points` points at the density of the surface there, in the unit
-  /// of `position`. pi radius^2 / support_points is the area that the point stands for (times its weight, once points are
-  /// joined). Normals and clustering set it; MLS
-  /// takes it as the support radius.
+  /// of `position`. pi radius^2 / support_points is the area that the point stands for, times its weight once points are
+  /// joined. Normals and clustering set it; MLS takes it as the support radius.
   std::span<float> radius;
   float support_points = 1;  ///< points that each disc holds; 1: the disc is the point's own share of the surface
   std::uint32_t size = 0;    ///< points in use

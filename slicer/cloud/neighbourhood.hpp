@@ -20,7 +20,7 @@ struct Within {
   bool near(float epsilon2) const { return cosine > 0 && distance2 <= epsilon2 * cosine * cosine; }
 };
 
-/// Candidates of one block, one array a coordinate, padded to full lanes.
+/// Candidates of one block, with one array for each coordinate. The arrays are padded to a multiple of kLanes.
 struct Neighbourhood {
   static constexpr std::uint32_t kMost = 256;  ///< points: 8 KiB, which stay in the first-level cache
 
@@ -34,7 +34,7 @@ struct Neighbourhood {
   alignas(64) std::uint32_t index[kMost];
   std::uint32_t size = 0;
 
-  /// Fills the last lanes with points that face nowhere.
+  /// Pads the arrays with points that have no normal.
   void pad() {
     for (std::uint32_t j = size; j % kLanes != 0; ++j) {
       x[j] = y[j] = z[j] = nx[j] = ny[j] = nz[j] = 0;
@@ -42,6 +42,21 @@ struct Neighbourhood {
     }
   }
 };
+
+/// kLanes candidates.
+struct NeighbourLanes {
+  Lanes x, y, z, nx, ny, nz;
+  IntLanes type;
+};
+PLUMBLINE_INLINE void load(NeighbourLanes& lanes, const Neighbourhood& from, std::uint32_t at) {
+  load(lanes.x, from.x + at);
+  load(lanes.y, from.y + at);
+  load(lanes.z, from.z + at);
+  load(lanes.nx, from.nx + at);
+  load(lanes.ny, from.ny + at);
+  load(lanes.nz, from.nz + at);
+  load(lanes.type, from.type + at);
+}
 
 /// A point of a block, unpacked.
 struct Member {

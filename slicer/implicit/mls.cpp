@@ -24,6 +24,8 @@ struct Sums {
     const float mean_plane = normal[0] * offset[0] + normal[1] * offset[1] + normal[2] * offset[2];
     return 0.5F * (distance + mean_plane / weight) / weight;
   }
+  /// Square of MlsFrame::off_centre.
+  float off_centre2(float reach) const { return offset.dot(offset) / (weight * weight * reach * reach); }
 };
 
 /// @param mean  if not null, eight times the unit mean of the normals, which lowers the weight of points that face other ways
@@ -130,8 +132,7 @@ MlsValue mls_value(const RayPoints& points, RayWindow window, float depth) {
   sum_by_distance(points, window, depth, all);
   if (!(all.weight > 0)) return {};
   const float value = all.value();
-  const float spread = all.weight * points.reach;
-  const float off_centre2 = all.offset.dot(all.offset) / (spread * spread);
+  const float off_centre2 = all.off_centre2(points.reach);
   const float length2 = all.normal.dot(all.normal);
   const float agreed = kAgree * all.weight;
   const bool agree = length2 >= agreed * agreed || !(length2 > 0);
@@ -150,7 +151,7 @@ MlsFrame mls_frame(const RayPoints& points, RayWindow window, float depth) {
   const float length = std::sqrt(all.normal.dot(all.normal));
   MlsFrame frame;
   if (length > 0) frame.normal = all.normal / length;
-  if (all.weight > 0) frame.off_centre = std::sqrt(all.offset.dot(all.offset)) / (all.weight * points.reach);
+  if (all.weight > 0) frame.off_centre = std::sqrt(all.off_centre2(points.reach));
   return frame;
 }
 

@@ -76,9 +76,9 @@ class WindingTree {
   float area_of(std::uint32_t i) const {
     return area_factor_ * radius_[i] * radius_[i] * static_cast<float>(normal_[i].weight);
   }
-  /// Added to the square of a distance, mm^2: a disc seen from nearby fills at most half the sphere, where a dipole would grow
-  /// without bound. Half the square of the radius of one point's own disc. With all of it, the place of a wall that only the
-  /// winding number knows is less sharp.
+  /// Added to the square of the distance of point i, mm^2. Without it a dipole would grow without bound nearby, where a disc
+  /// fills at most half the sphere. It is half the square of the radius of one scan point's disc; all of it would blur walls
+  /// that only the winding number places (slicer/EXPERIMENTS.md).
   float softening_of(std::uint32_t i) const {
     constexpr float kShare = 0.5F;
     return kShare * radius_[i] * radius_[i] * area_factor_ * std::numbers::inv_pi_v<float>;

@@ -100,7 +100,8 @@ class RayClassifier {
   };
   static constexpr std::uint32_t kLevels = 64;
   static constexpr std::uint32_t kBlock = 4;  ///< rays a side
-  /// Levels between those that are asked in a gap whose ends agree. What is thinner, and seen from neither side, is missed.
+  /// Where the ends of a gap agree, only every kStride-th level is checked. A thinner solid of which the scan shows neither
+  /// underside nor top is missed.
   static constexpr std::uint32_t kStride = 4;
   float level_height(std::uint32_t level) const {
     return top_ * (static_cast<float>(level) + 0.5F) / static_cast<float>(kLevels);

@@ -107,7 +107,7 @@ bool RayLattice::predict(const Square& square) {
   return points_agree(square);
 }
 
-/// Looks for the sheets near their predicted depths on a ray that is not yet known.
+/// Finds the sheets on a ray near their predicted depths, unless the ray is known.
 /// @returns false if one is not there
 bool RayLattice::guide(std::uint32_t c, std::uint32_t r) {
   TileRay& ray = at(c, r);

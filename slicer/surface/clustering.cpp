@@ -64,26 +64,19 @@ PLUMBLINE_WIDE void count(const Member& m, const Neighbourhood& batch, float eps
   IntLanes sheet{};
   Lanes offset{};
   for (std::uint32_t j = 0; j < batch.size; j += kLanes) {
-    Lanes x, y, z, nx, ny, nz;
-    IntLanes type;
-    load(x, batch.x + j);
-    load(y, batch.y + j);
-    load(z, batch.z + j);
-    load(nx, batch.nx + j);
-    load(ny, batch.ny + j);
-    load(nz, batch.nz + j);
-    load(type, batch.type + j);
-    const Lanes dx = m.position[0] - x;
-    const Lanes dy = m.position[1] - y;
-    const Lanes dz = m.position[2] - z;
+    NeighbourLanes p;
+    load(p, batch, j);
+    const Lanes dx = m.position[0] - p.x;
+    const Lanes dy = m.position[1] - p.y;
+    const Lanes dz = m.position[2] - p.z;
     const Lanes distance2 = dx * dx + dy * dy + dz * dz;
-    const Lanes cosine = nx * m.normal[0] + ny * m.normal[1] + nz * m.normal[2];
-    const Lanes height = dx * nx + dy * ny + dz * nz;
+    const Lanes cosine = p.nx * m.normal[0] + p.ny * m.normal[1] + p.nz * m.normal[2];
+    const Lanes height = dx * p.nx + dy * p.ny + dz * p.nz;
     const IntLanes facing = cosine > 0.0F;
     const IntLanes is_near = facing & (distance2 <= epsilon2 * cosine * cosine);
     near -= is_near;
     offset += is_near ? height : Lanes{};
-    same_type -= is_near & (type == m.type);
+    same_type -= is_near & (p.type == m.type);
     sheet -= facing & (distance2 <= epsilon2);
   }
   counts.near += sum(near);

@@ -49,21 +49,15 @@ PLUMBLINE_WIDE void add_all(const Member& m, float radius2, const Neighbourhood&
   Lanes sum_x{}, sum_y{}, sum_z{};
   Lanes xx{}, xy{}, xz{}, yy{}, yz{}, zz{};
   for (std::uint32_t j = 0; j < batch.size; j += kLanes) {
-    Lanes x, y, z, nx, ny, nz;
-    IntLanes type;
-    load(x, batch.x + j);
-    load(y, batch.y + j);
-    load(z, batch.z + j);
-    load(nx, batch.nx + j);
-    load(ny, batch.ny + j);
-    load(nz, batch.nz + j);
-    load(type, batch.type + j);
-    x -= m.position[0];
-    y -= m.position[1];
-    z -= m.position[2];
+    NeighbourLanes p;
+    load(p, batch, j);
+    const Lanes x = p.x - m.position[0];
+    const Lanes y = p.y - m.position[1];
+    const Lanes z = p.z - m.position[2];
     const Lanes t = 1.0F - (x * x + y * y + z * z) * inverse2;
-    const Lanes cosine = nx * m.normal[0] + ny * m.normal[1] + nz * m.normal[2];
-    const IntLanes counts = (t > 0.0F) & (cosine >= kFacing) & (type != static_cast<std::int32_t>(PointClass::kNoise));
+    const Lanes cosine = p.nx * m.normal[0] + p.ny * m.normal[1] + p.nz * m.normal[2];
+    const IntLanes counts =
+        (t > 0.0F) & (cosine >= kFacing) & (p.type != static_cast<std::int32_t>(PointClass::kNoise));
     const Lanes w = counts ? t * t : Lanes{};
     const Lanes wx = w * x;
     const Lanes wy = w * y;
