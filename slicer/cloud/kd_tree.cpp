@@ -190,23 +190,37 @@ struct KdTree<Dimension>::Impl {
       if (first != last) visit(first, last);
       first = last = 0;
     }
-    void walk(const Node* node) {
-      while (node->child1 != nullptr) {
+    /// @param open  bits of the box's sides that the node may reach beyond: 2 f and 2 f + 1 for low[f] and high[f]
+    void walk(const Node* node, std::uint32_t open) {
+      while (node->child1 != nullptr && open != 0) {
         const auto& split = node->node_type.sub;
         const bool left = low[split.divfeat] <= split.divlow;
         const bool right = high[split.divfeat] >= split.divhigh;
-        if (left && right) walk(node->child1);
+        const std::uint32_t of_left = split.divlow <= high[split.divfeat] ? open & ~(2U << 2 * split.divfeat) : open;
+        const std::uint32_t of_right = split.divhigh >= low[split.divfeat] ? open & ~(1U << 2 * split.divfeat) : open;
+        if (left && right) walk(node->child1, of_left);
         if (!right) {
           if (!left) return;
           node = node->child1;
+          open = of_left;
         } else {
           node = node->child2;
+          open = of_right;
         }
       }
-      leaf(static_cast<std::uint32_t>(node->node_type.lr.left), static_cast<std::uint32_t>(node->node_type.lr.right));
+      leaf(first_of(node), last_of(node));
     }
   };
 
+  static std::uint32_t first_of(const Node* node) {
+    while (node->child1 != nullptr) node = node->child1;
+    return static_cast<std::uint32_t>(node->node_type.lr.left);
+  }
+  /// One past the node's last point.
+  static std::uint32_t last_of(const Node* node) {
+    while (node->child1 != nullptr) node = node->child2;
+    return static_cast<std::uint32_t>(node->node_type.lr.right);
+  }
   PointSet set;
   Index index;
 };
@@ -266,7 +280,7 @@ void KdTree<Dimension>::visit_box(const Vec3f& low, const Vec3f& high,
                                   FunctionRef<void(std::uint32_t, std::uint32_t)> visit) const {
   if (impl_->index.root_node == nullptr) return;
   typename Impl::Visitor visitor{low.data(), high.data(), visit};
-  visitor.walk(impl_->index.root_node);
+  visitor.walk(impl_->index.root_node, (1U << 2 * Dimension) - 1);
   visitor.flush();
 }
 
