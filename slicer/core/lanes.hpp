@@ -25,6 +25,14 @@ inline constexpr std::uint32_t kLanes = 8;
 PLUMBLINE_INLINE void load(Lanes& lanes, const float* from) { std::memcpy(&lanes, from, sizeof lanes); }
 PLUMBLINE_INLINE void load(IntLanes& lanes, const std::int32_t* from) { std::memcpy(&lanes, from, sizeof lanes); }
 
+PLUMBLINE_INLINE void store(float* to, const Lanes& lanes) { std::memcpy(to, &lanes, sizeof lanes); }
+
+/// Rounds x to the nearest integers. |x| must be below 2^22.
+PLUMBLINE_INLINE void round_lanes(Lanes& integers, const Lanes& x) {
+  constexpr float kRound = 12582912;  // 1.5 * 2^23: a sum with it has no bits below 1
+  integers = (x + kRound) - kRound;
+}
+
 PLUMBLINE_INLINE float sum(const Lanes& v) { return ((v[0] + v[4]) + (v[1] + v[5])) + ((v[2] + v[6]) + (v[3] + v[7])); }
 PLUMBLINE_INLINE std::int32_t sum(const IntLanes& v) {
   return ((v[0] + v[4]) + (v[1] + v[5])) + ((v[2] + v[6]) + (v[3] + v[7]));

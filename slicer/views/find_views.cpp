@@ -1,6 +1,7 @@
 #include "slicer/views/find_views.hpp"
 
 #include <algorithm>
+#include <cstring>
 #include <optional>
 
 #include "slicer/core/mix64.hpp"
@@ -29,12 +30,19 @@ constexpr std::uint32_t kMaxRestarts = 5;
 constexpr float kRestartRadius = 50;  ///< spacings; that of a middle-sized patch
 constexpr double kFine = 0.01;        ///< pixels: a well-found grid has a tolerance up to this
 
+constexpr std::uint32_t kBlock = 128;      ///< points whose distances are measured together
+constexpr std::uint32_t kCounted = 65536;  ///< points that are enough to compare two grids by
+
 constexpr double kSearched = 0.8;  ///< progress when the search ends, 0 to 1
 
 class ViewFinder {
  public:
   ViewFinder(const Cloud& cloud, const KdTree3& tree, float spacing, std::span<std::uint8_t> view_of)
-      : cloud_(cloud), tree_(tree), spacing_(spacing), view_of_(view_of) {}
+      : cloud_(cloud),
+        tree_(tree),
+        spacing_(spacing),
+        view_of_(view_of),
+        thinning_(std::max(1U, cloud.size / kCounted)) {}
 
   Expected<FoundViews> run(Arena& arena, const StageProgress& progress) {
     const ArenaScope scope(arena);
@@ -91,7 +99,7 @@ class ViewFinder {
       for (std::size_t b = a + 1; b < patch.peaks() && views_ < kMaxViews && failures < kMaxFailedPairs; ++b) {
         const auto start = patch.grid(a, b);
         if (!start) continue;
-        const auto grown = growth_->grow(*start, static_cast<double>(patch.radius()));
+        const auto grown = growth_->grow(*start, static_cast<double>(patch.radius()), patch.points());
         if (grown && claim(views_, *grown)) {
           ++views_;
         } else {
@@ -103,23 +111,45 @@ class ViewFinder {
 
   /// Gives the free points on a grid to `view`, if there are enough of them.
   bool claim(std::uint32_t view, const GrownGrid& grid) {
-    std::uint32_t count = 0;
-    for (std::uint32_t i = 0; i < cloud_.size; ++i) {
-      if (view_of_[i] != kNoView || !grid.contains(cloud_.position[i])) continue;
-      view_of_[i] = static_cast<std::uint8_t>(view);
-      ++count;
-    }
+    const std::uint32_t count =
+        for_each_on(grid, kNoView, 1, [&](std::uint32_t i) { view_of_[i] = static_cast<std::uint8_t>(view); });
     if (count < std::max(kMinViewPoints, cloud_.size / kMinViewShare)) {
       relabel(view, kNoView);
       return false;
     }
     claimed_ += count;
     grids_[view] = grid;
+    radial_ += count * grid.grid.lens.radial[0];
+    growth_->expect_lens(radial_ / static_cast<double>(claimed_));
     return true;
   }
 
+  /// Calls `use` for points of a view that lie on a grid, among every `step`-th block of the cloud.
+  /// @returns how many there are
+  template <class Use>
+  std::uint32_t for_each_on(const GrownGrid& grid, std::uint32_t view, std::uint32_t step, Use use) const {
+    std::uint32_t count = 0;
+    std::array<float, kBlock> distances2;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+    const auto most = static_cast<float>(grid.tolerance * grid.tolerance);
+    for (std::uint32_t first = 0; first < cloud_.size; first += step * kBlock) {
+      const auto of = view_of_.subspan(first, std::min(kBlock, cloud_.size - first));
+      if (std::memchr(of.data(), static_cast<int>(view), of.size()) == nullptr) continue;
+      distances2_within(grid.grid, grid.radius, cloud_.positions().subspan(first, of.size()), distances2);
+      for (std::uint32_t k = 0; k < of.size(); ++k) {
+        if (of[k] != view || distances2[k] > most) continue;
+        use(first + k);
+        ++count;
+      }
+    }
+    return count;
+  }
+  std::uint32_t count_on(const GrownGrid& grid, std::uint32_t view) const {
+    return for_each_on(grid, view, thinning_, [](std::uint32_t /*i*/) {});
+  }
+
   void relabel(std::uint32_t from, std::uint32_t to) {
-    std::replace(view_of_.begin(), view_of_.end(), static_cast<std::uint8_t>(from), static_cast<std::uint8_t>(to));
+    // Without a branch, unlike std::replace().
+    for (std::uint8_t& v : view_of_) v = v == from ? static_cast<std::uint8_t>(to) : v;
   }
 
   /// Grows each view again without the points of all others, and joins parts of one view.
@@ -155,11 +185,11 @@ class ViewFinder {
   void grow_again(std::uint32_t view) {
     relabel(view, kNoView);
     GrownGrid best = grids_[view];
-    std::uint32_t most = growth_->count(best);
+    std::uint32_t most = count_on(best, kNoView);
     const auto try_from = [&](const ViewGrid& grid, double radius) {
       const auto grown = growth_->grow(grid, radius);
       if (!grown) return;
-      const std::uint32_t count = growth_->count(*grown);
+      const std::uint32_t count = count_on(*grown, kNoView);
       if (count <= most) return;
       most = count;
       best = *grown;
@@ -169,12 +199,12 @@ class ViewFinder {
     // that.
     for (std::uint32_t k = 1; k <= kMaxRestarts && best.tolerance > kFine; ++k) {
       std::uint32_t left = most * k / (kMaxRestarts + 1);
-      const auto thinned = growth_->thinned();
-      const auto start = std::find_if(thinned.begin(), thinned.end(), [&](std::uint32_t i) {
-        return view_of_[i] == kNoView && best.contains(cloud_.position[i]) && left-- == 0;
+      std::uint32_t start = cloud_.size;
+      for_each_on(best, kNoView, thinning_, [&](std::uint32_t i) {
+        if (left-- == 0) start = i;
       });
-      if (start == thinned.end()) break;
-      try_from(best.grid.around(cloud_.position[*start]), static_cast<double>(kRestartRadius * spacing_));
+      if (start == cloud_.size) break;
+      try_from(best.grid.around(cloud_.position[start]), static_cast<double>(kRestartRadius * spacing_));
     }
     if (!claim(view, best)) grids_[view].tolerance = 0;
   }
@@ -182,29 +212,37 @@ class ViewFinder {
   /// Whether most of a view's points lie on another view's grid.
   bool is_part(std::uint32_t part, std::uint32_t view) const {
     std::uint32_t of_part = 0;
-    std::uint32_t of_view = 0;
-    for (const std::uint32_t i : growth_->thinned()) {
-      if (view_of_[i] != part) continue;
-      ++of_part;
-      if (grids_[view].contains(cloud_.position[i])) ++of_view;
+    for (std::uint32_t first = 0; first < cloud_.size; first += thinning_ * kBlock) {
+      const auto of = view_of_.subspan(first, std::min(kBlock, cloud_.size - first));
+      of_part += static_cast<std::uint32_t>(std::count(of.begin(), of.end(), part));
     }
-    return of_view * 2 > of_part;
+    return count_on(grids_[view], part) * 2 > of_part;
   }
 
   /// Gives each point to the view whose grid is nearest, whichever view was found first.
   /// @returns the number of points that have a view
   std::uint32_t assign_points() {
     std::uint32_t points = 0;
-    for (std::uint32_t i = 0; i < cloud_.size; ++i) {
-      double least = 1;
-      view_of_[i] = kNoView;
+#pragma omp parallel for schedule(static) reduction(+ : points)
+    for (std::uint32_t first = 0; first < cloud_.size; first += kBlock) {
+      const std::uint32_t size = std::min(kBlock, cloud_.size - first);
+      std::array<float, kBlock> distances2;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+      std::array<float, kBlock> least;       // NOLINT(cppcoreguidelines-pro-type-member-init)
+      least.fill(1);
+      std::fill_n(view_of_.begin() + first, size, kNoView);
       for (std::uint32_t v = 0; v < views_; ++v) {
-        const double distance = grids_[v].relative_distance(cloud_.position[i]);
-        if (distance > least) continue;
-        least = distance;
-        view_of_[i] = static_cast<std::uint8_t>(v);
+        const GrownGrid& grid = grids_[v];
+        if (grid.tolerance == 0) continue;
+        const auto inverse = static_cast<float>(1 / (grid.tolerance * grid.tolerance));
+        distances2_within(grid.grid, grid.radius, cloud_.positions().subspan(first, size), distances2);
+        for (std::uint32_t k = 0; k < size; ++k) {
+          const float relative = distances2[k] * inverse;
+          if (relative > least[k]) continue;
+          least[k] = relative;
+          view_of_[first + k] = static_cast<std::uint8_t>(v);
+        }
       }
-      if (view_of_[i] != kNoView) ++points;
+      for (std::uint32_t k = 0; k < size; ++k) points += view_of_[first + k] != kNoView ? 1 : 0;
     }
     return points;
   }
@@ -215,7 +253,9 @@ class ViewFinder {
   std::span<std::uint8_t> view_of_;
   std::optional<GridGrowth> growth_;
   std::span<GrownGrid> grids_;
+  std::uint32_t thinning_;  ///< every how many-th block is enough to count
   std::uint32_t views_ = 0;
+  double radial_ = 0;          ///< sum of the lens's first coefficient over the claimed points
   std::uint64_t claimed_ = 0;  ///< points given to views; counted again when a view is grown again
 };
 

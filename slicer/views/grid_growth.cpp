@@ -1,17 +1,18 @@
 #include "slicer/views/grid_growth.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numbers>
+
+#include "slicer/core/lanes.hpp"
 
 namespace plumbline {
 namespace {
 
 constexpr const char* kStage = "views";
 
-// Sizes that bound memory and time: a view with a fiftieth of the points still has 160 of a sample.
-constexpr std::uint32_t kSample = 8192;          ///< points that a grid is fitted to
-constexpr std::uint32_t kThinnedPoints = 65536;  ///< points that samples of large parts of the scan are taken from
+constexpr std::size_t kSample = ViewGridFit::kMaxPoints;
 /// Growth of the radius in one step. The grid must be right to a third of a pixel at the new radius, so that larger
 /// steps lose it and smaller ones take longer.
 constexpr double kGrowth = 1.4;
@@ -36,10 +37,10 @@ struct Score {
   bool is_significant() const { return near - chance > kSignificance * std::sqrt(chance + 1); }
 };
 
-Score score(const ViewGrid& grid, std::span<const Vec3f> points, double width) {
-  Score s{0, kPi * width * width * static_cast<double>(points.size())};
-  for (const Vec3f& p : points) s.near += grid.distance_from_grid(p) < width ? 1 : 0;
-  return s;
+Score score(std::span<const float> distances2, double width) {
+  const auto limit = static_cast<float>(width * width);
+  const auto near = std::count_if(distances2.begin(), distances2.end(), [limit](float d2) { return d2 < limit; });
+  return {static_cast<double>(near), kPi * width * width * static_cast<double>(distances2.size())};
 }
 
 /// Whether the pixels around the middle have kept about their size.
@@ -51,48 +52,39 @@ bool keeps_scale(const ViewGrid& grid, const ViewGrid& first) {
 
 }  // namespace
 
-double GrownGrid::relative_distance(const Vec3f& point) const {
-  const double distance = grid.distance_from_grid(point);
-  if (distance > tolerance || (point - grid.middle).cast<double>().squaredNorm() > radius * radius) return 2;
-  return distance / tolerance;
-}
-
-std::size_t GridGrowth::bytes() { return kSample * sizeof(Vec3f) + kThinnedPoints * sizeof(std::uint32_t); }
+std::size_t GridGrowth::bytes() { return kSample * (7 * sizeof(float) + sizeof(std::uint32_t)); }
 
 Expected<GridGrowth> GridGrowth::create(const Cloud& cloud, const KdTree3& tree, std::span<const std::uint8_t> view_of,
                                         Arena& arena) {
-  GridGrowth growth(cloud, tree, view_of);
-  auto sample = arena.take_top<Vec3f>(kSample, kStage);
+  auto room = arena.take_top<float>(4 * kSample, kStage);
+  PLUMBLINE_TRY(room);
+  auto sample = arena.take_top<float>(3 * kSample, kStage);
   PLUMBLINE_TRY(sample);
-  const std::uint32_t step = (cloud.size + kThinnedPoints - 1) / kThinnedPoints;
-  auto thinned = arena.take_top<std::uint32_t>((cloud.size + step - 1) / step, kStage);
-  PLUMBLINE_TRY(thinned);
-  for (std::uint32_t k = 0; k < thinned->size(); ++k) (*thinned)[k] = k * step;
-  growth.sample_ = *sample;
-  growth.thinned_ = *thinned;
+  auto sampled = arena.take_top<std::uint32_t>(kSample, kStage);
+  PLUMBLINE_TRY(sampled);
   const Vec3f size = cloud.bounds().size();
-  growth.extent_ = 0.5 * std::sqrt(static_cast<double>(size.dot(size)));
+  GridGrowth growth(cloud, tree, view_of, 0.5 * std::sqrt(static_cast<double>(size.dot(size))), *room);
+  for (std::size_t axis = 0; axis < 3; ++axis) growth.sample_[axis] = sample->subspan(axis * kSample, kSample);
+  growth.sampled_ = *sampled;
   return growth;
 }
 
-void GridGrowth::fit(ViewGrid& grid, std::span<const Vec3f> points, double width, int steps) const {
-  for (int k = 0; k < steps; ++k) {
-    ViewGridFit step(grid, width, extent_);
-    for (const Vec3f& p : points) step.add(p);
-    if (!step.improve(grid)) return;
+/// @returns whether clearly more points lie on the grid than would by chance
+bool GridGrowth::fit(ViewGrid& grid, const LocalPoints& points, double radius) const {
+  for (const double width : {kCoarse, kCoarse, kCoarse, kMedium, kMedium, kFine, kFine, kFinest, kFinest}) {
+    if (!fit_.improve(grid, points, radius, width)) return false;
   }
+  const auto distances2 = room_.first(points.size());
+  distances2_from_grid(grid, points, distances2);
+  return score(distances2, kFinest).is_significant();
 }
 
-std::optional<GrownGrid> GridGrowth::grow(ViewGrid grid, double radius) {
+std::optional<GrownGrid> GridGrowth::grow(ViewGrid grid, double radius, const LocalPoints& points) {
   const ViewGrid first = grid;
   GrownGrid grown;
   for (;;) {
-    const auto sample = take_sample(grid.middle, radius);
-    fit(grid, sample, kCoarse, 3);
-    fit(grid, sample, kMedium, 2);
-    fit(grid, sample, kFine, 2);
-    fit(grid, sample, kFinest, 2);
-    if (!score(grid, sample, kFinest).is_significant() || !keeps_scale(grid, first)) break;
+    const LocalPoints sample = grown.radius == 0 && points.size() > 0 ? points : take_sample(grid.middle, radius);
+    if (!fit(grid, sample, radius) || !keeps_scale(grid, first)) break;
     grown.grid = grid;
     grown.radius = radius;
     if (radius > 2 * extent_) break;
@@ -108,60 +100,59 @@ std::optional<GrownGrid> GridGrowth::grow(ViewGrid grid, double radius) {
 /// points would lie within it by chance.
 double GridGrowth::tolerance_of(ViewGrid& grid, double radius) {
   constexpr double kWidest = 0.1;
-  const auto sample = take_sample(grid.middle, radius);
-  fit(grid, sample, kFinest / 2, 3);
-  const Score wide = score(grid, sample, kWidest);
+  const LocalPoints sample = take_sample(grid.middle, radius);
+  for (int k = 0; k < 3; ++k) fit_.improve(grid, sample, radius, kFinest / 2);
+  const auto distances2 = room_.first(sample.size());
+  distances2_from_grid(grid, sample, distances2);
+  const Score wide = score(distances2, kWidest);
   for (const double width : {0.005, 0.01, 0.02, 0.04, 0.06, kWidest}) {
-    const Score s = score(grid, sample, width);
+    const Score s = score(distances2, width);
     if (s.near - s.chance < kViewShare * (wide.near - wide.chance)) continue;
     return s.chance < kMaxChance * s.near ? width : 0;
   }
   return 0;
 }
 
-std::uint32_t GridGrowth::count(const GrownGrid& grid) const {
-  return static_cast<std::uint32_t>(std::count_if(thinned_.begin(), thinned_.end(), [&](std::uint32_t i) {
-    return view_of_[i] == kNoView && grid.contains(cloud_->position[i]);
-  }));
-}
-
-/// Free points around `middle`, kSample at most, spread evenly; from the thinned points if these are enough.
-std::span<const Vec3f> GridGrowth::take_sample(const Vec3f& middle, double radius) {
+/// Free points around `middle`: all of them, or every second, fourth, and so on, so that they fit.
+LocalPoints GridGrowth::take_sample(const Vec3f& middle, double radius) {
   const auto r = static_cast<float>(radius);
-  const auto is_in = [&](std::uint32_t i) {
-    if (view_of_[i] != kNoView) return false;
+  const double share = std::min(1.0, radius * radius / (extent_ * extent_));
+  const double expected = share * cloud_->size / (2 * static_cast<double>(kSample));
+  std::uint32_t stride = std::bit_floor(std::max(1U, static_cast<std::uint32_t>(expected)));
+  std::size_t size = 0;
+  const auto keep = [&](std::size_t to, std::size_t from) {
+    for (const auto& axis : sample_) axis[to] = axis[from];
+    sampled_[to] = sampled_[from];
+  };
+  const auto add = [&](std::uint32_t i) {
     const Vec3f d = cloud_->position[i] - middle;
-    return d.dot(d) <= r * r;
-  };
-  const auto each_thinned = [&](auto use) {
-    for (const std::uint32_t i : thinned_) {
-      if (is_in(i)) use(i);
+    if (view_of_[i] != kNoView || d.dot(d) > r * r) return;
+    if (size == kSample) {
+      stride *= 2;
+      std::size_t kept = 0;
+      for (std::size_t k = 0; k < size; ++k) {
+        if ((sampled_[k] & (stride - 1)) == 0) keep(kept++, k);
+      }
+      size = kept;
+      if ((i & (stride - 1)) != 0) return;
     }
+    for (std::size_t axis = 0; axis < 3; ++axis) sample_[axis][size] = d[static_cast<Eigen::Index>(axis)];
+    sampled_[size++] = i;
   };
-  const auto each = [&](auto use) {
+  for (;;) {
     tree_->visit_box(middle - Vec3f::Constant(r), middle + Vec3f::Constant(r),
                      [&](std::uint32_t first, std::uint32_t last) {
-                       for (std::uint32_t i = first; i < last; ++i) {
-                         if (is_in(i)) use(i);
+                       for (std::uint32_t i = (first + stride - 1) & ~(stride - 1); i < last;) {
+                         add(i);
+                         i = (i & ~(stride - 1)) + stride;
                        }
                      });
-  };
-  const auto pick = [&](std::uint32_t inside, const auto& all) {
-    const std::uint32_t stride = std::max(1U, (inside + kSample - 1) / kSample);
-    std::uint32_t at = 0;
-    std::uint32_t size = 0;
-    all([&](std::uint32_t i) {
-      if (at++ % stride == 0) sample_[size++] = cloud_->position[i];
-    });
-    return std::span<const Vec3f>(sample_).first(size);
-  };
-  std::uint32_t inside = 0;
-  const auto add = [&inside](std::uint32_t) { ++inside; };
-  each_thinned(add);
-  if (inside >= kSample / 2 || thinned_.size() == cloud_->size) return pick(inside, each_thinned);
-  inside = 0;
-  each(add);
-  return pick(inside, each);
+    if (size >= kSample / 4 || stride == 1) break;
+    stride = std::max(1U, stride / 4);
+    size = 0;
+  }
+  size -= size % kLanes;
+  return {sample_[0].first(size), sample_[1].first(size), sample_[2].first(size)};
 }
 
 }  // namespace plumbline

@@ -1,6 +1,7 @@
 #pragma once
 /// Follows the grid of a view from a patch over the scan.
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -18,10 +19,6 @@ struct GrownGrid {
   ViewGrid grid;
   double radius = 0;     ///< around the grid's middle within which it fits, mm
   double tolerance = 0;  ///< distance from the grid within which its view's points lie, pixels
-
-  /// Distance of a point from the grid over `tolerance`: up to 1 for points of the view, 2 for all others.
-  double relative_distance(const Vec3f& point) const;
-  bool contains(const Vec3f& point) const { return relative_distance(point) <= 1; }
 };
 
 /// Fits grids to the points that belong to no view yet. Each view that is found leaves fewer points that would lie on
@@ -39,26 +36,28 @@ class GridGrowth {
   ///
   /// @param grid    right to about a third of a pixel within `radius` of its middle
   /// @param radius  mm
+  /// @param points  those within the radius; sampled from the cloud if there are none
   /// @returns nothing if the points lie on no such grid
-  std::optional<GrownGrid> grow(ViewGrid grid, double radius);
-  /// The number of free points on a grid, out of thinned().
-  std::uint32_t count(const GrownGrid& grid) const;
-  /// Indices of every n-th point of the scan, 65,536 at most.
-  std::span<const std::uint32_t> thinned() const { return thinned_; }
+  std::optional<GrownGrid> grow(ViewGrid grid, double radius, const LocalPoints& points = {});
+  /// See ViewGridFit::expect_lens().
+  void expect_lens(double radial) { fit_.expect_lens(radial); }
 
  private:
-  GridGrowth(const Cloud& cloud, const KdTree3& tree, std::span<const std::uint8_t> view_of)
-      : cloud_(&cloud), tree_(&tree), view_of_(view_of) {}
-  void fit(ViewGrid& grid, std::span<const Vec3f> points, double width, int steps) const;
+  GridGrowth(const Cloud& cloud, const KdTree3& tree, std::span<const std::uint8_t> view_of, double extent,
+             std::span<float> room)
+      : cloud_(&cloud), tree_(&tree), view_of_(view_of), extent_(extent), fit_(extent, room), room_(room) {}
+  bool fit(ViewGrid& grid, const LocalPoints& points, double radius) const;
   double tolerance_of(ViewGrid& grid, double radius);
-  std::span<const Vec3f> take_sample(const Vec3f& middle, double radius);
+  LocalPoints take_sample(const Vec3f& middle, double radius);
 
   const Cloud* cloud_;
   const KdTree3* tree_;
   std::span<const std::uint8_t> view_of_;
-  std::span<std::uint32_t> thinned_;
-  std::span<Vec3f> sample_;
-  double extent_ = 0;  ///< half the diagonal of the scan, mm
+  double extent_;  ///< half the diagonal of the scan, mm
+  ViewGridFit fit_;
+  std::span<float> room_;                   ///< for fit_, and between fits for distances
+  std::array<std::span<float>, 3> sample_;  ///< coordinates
+  std::span<std::uint32_t> sampled_;        ///< index of each point of the sample
 };
 
 }  // namespace plumbline

@@ -15,7 +15,7 @@ using Mat6d = Eigen::Matrix<double, 6, 6>;
 /// Height over the points' plane as a polynomial of second degree: least squares, repeated without points that lie more
 /// than 3 standard deviations off.
 struct LocalParaboloid {
-  static constexpr std::uint32_t kMaxPoints = 80;
+  static constexpr std::uint32_t kMaxPoints = 80;  ///< a multiple of kLanes
   static constexpr std::uint32_t kMinPoints = 30;  ///< five for each of the six coefficients
 
   Vec3d mean = Vec3d::Zero();                   ///< of all points, mm
@@ -23,11 +23,14 @@ struct LocalParaboloid {
   double deviation = 0;                         ///< standard deviation from the paraboloid, from the median, mm
   std::uint32_t size = 0;                       ///< number of points kept; for each of them:
   std::array<std::uint32_t, kMaxPoints> point;  ///< index in the input
-  std::array<Vec6d, kMaxPoints> terms;          ///< 1, a, b, a^2, a b, b^2 of its coordinates (a, b) in the plane
-  std::array<double, kMaxPoints> height;        ///< over the plane, mm
-  std::array<double, kMaxPoints> residual;      ///< height over the paraboloid, mm
-  std::array<double, kMaxPoints> weight;        ///< 1 after fit(); callers may change it and call solve()
+  std::array<float, kMaxPoints> a, b;           ///< coordinates in the plane, over the points' extent there
+  std::array<float, kMaxPoints> height;         ///< over the plane, mm
+  std::array<float, kMaxPoints> residual;       ///< height over the paraboloid, mm
+  std::array<float, kMaxPoints> weight;         ///< 1 after fit(); callers may change it and call solve()
   Mat6d gram = Mat6d::Zero();                   ///< sum of weight times terms times terms^T
+
+  /// 1, a, b, a^2, a b, b^2 of a kept point.
+  Vec6d terms(std::uint32_t k) const;
 
   /// @param points  mm, kMaxPoints at most
   /// @returns false if there are too few points, if they lie on no surface, or exactly on one

@@ -39,10 +39,10 @@ Expected<MovedViews> MovedViews::create(const Cloud& cloud, const Views& views, 
   return moved;
 }
 
-Vec3d MovedViews::moved_position(std::uint32_t point) const {
+Vec3d MovedViews::moved_position(std::uint32_t point, const Vec3d& ray) const {
   Vec3d x = seen_position(point);
   const Ripple& ripple = ripples[view_of(point)];
-  if (ripple.waves > 0) x -= ray(point) * ripple.depth(x);
+  if (ripple.waves > 0) x -= ray * ripple.depth(x);
   const Vec6d& m = motions[view_of(point)];
   return x + m.head<3>() + m.tail<3>().cross(x) / extent_;
 }

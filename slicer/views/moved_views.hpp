@@ -38,7 +38,8 @@ class MovedViews {
   /// Where a point was seen, mm from the middle of the scan.
   Vec3d seen_position(std::uint32_t point) const { return cloud_->position[point].cast<double>() - middle_; }
   /// The same without ripple and after its view's motion.
-  Vec3d moved_position(std::uint32_t point) const;
+  /// @param ray  of the point
+  Vec3d moved_position(std::uint32_t point, const Vec3d& ray) const;
   const Vec3d& middle() const { return middle_; }
   double extent() const { return extent_; }
   /// Frame of an image that holds all points of a view.

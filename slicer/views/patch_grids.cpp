@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "slicer/core/lanes.hpp"
 #include "slicer/views/grid_growth.hpp"
 
 namespace plumbline {
@@ -29,7 +30,7 @@ constexpr float kMinSumPower = 10;      ///< SpectrumPeak::power; 1 is chance
 }  // namespace
 
 std::size_t PatchGrids::bytes() {
-  return PatchSpectrum::bytes() + kMaxCandidates * sizeof(Candidate) + kMaxPoints * sizeof(Vec3f);
+  return PatchSpectrum::bytes() + kMaxCandidates * sizeof(Candidate) + 3 * kMaxPoints * sizeof(float);
 }
 
 Expected<PatchGrids> PatchGrids::create(const Cloud& cloud, const KdTree3& tree, std::span<const std::uint8_t> view_of,
@@ -39,10 +40,10 @@ Expected<PatchGrids> PatchGrids::create(const Cloud& cloud, const KdTree3& tree,
   PatchGrids patch(cloud, tree, view_of, spacing, *spectrum);
   auto candidates = arena.take_top<Candidate>(kMaxCandidates, kStage);
   PLUMBLINE_TRY(candidates);
-  auto room = arena.take_top<Vec3f>(kMaxPoints, kStage);
+  auto room = arena.take_top<float>(3 * kMaxPoints, kStage);
   PLUMBLINE_TRY(room);
   patch.candidates_ = *candidates;
-  patch.room_ = *room;
+  for (std::size_t axis = 0; axis < 3; ++axis) patch.room_[axis] = room->subspan(axis * kMaxPoints, kMaxPoints);
   return patch;
 }
 
@@ -75,15 +76,17 @@ bool PatchGrids::take(std::uint32_t seed, float radius) {
     radius_ = std::sqrt(candidates_[kMaxPoints].distance2);
     count = kMaxPoints;
   }
+  count -= count % kLanes;
   Vec3f normal = Vec3f::Zero();
   const Vec3f facing = cloud_->normal[seed].unpack();
   for (std::uint32_t k = 0; k < count; ++k) {
-    room_[k] = cloud_->position[candidates_[k].index] - middle_;
+    const Vec3f from = cloud_->position[candidates_[k].index] - middle_;
+    for (std::size_t axis = 0; axis < 3; ++axis) room_[axis][k] = from[static_cast<Eigen::Index>(axis)];
     const Vec3f n = cloud_->normal[candidates_[k].index].unpack();
     normal += n.dot(facing) < 0 ? Vec3f(-n) : n;
   }
   normal_ = normal / std::sqrt(normal.dot(normal));
-  points_ = room_.first(count);
+  points_ = {room_[0].first(count), room_[1].first(count), room_[2].first(count)};
   peaks_ = spectrum_.peaks(points_, normal_, radius_, spacing_);
   return true;
 }
@@ -100,9 +103,18 @@ bool PatchGrids::may_be_grid(const Vec3f& f, const Vec3f& g) const {
 
 /// The camera is taken to be so far away that its rays are parallel; GridGrowth adds the perspective.
 std::optional<ViewGrid> PatchGrids::grid(std::size_t a, std::size_t b) const {
-  const Vec3f& f = peaks_[a].frequency;
-  const Vec3f& g = peaks_[b].frequency;
+  Vec3f f = peaks_[a].frequency;
+  Vec3f g = peaks_[b].frequency;
   if (!may_be_grid(f, g)) return std::nullopt;
+  // Rows and columns are the two shortest frequencies of those that a grid has.
+  if (f.dot(f) > g.dot(g)) std::swap(f, g);
+  g -= std::round(f.dot(g) / f.dot(f)) * f;
+  const Vec3f half_sum = (f + g) / 2;
+  const Vec3f half_difference = (f - g) / 2;
+  if (std::min(power_at(points_, half_sum), power_at(points_, half_difference)) >= kMinSumPower) {
+    f = half_sum;
+    g = half_difference;
+  }
   ViewGrid grid;
   grid.middle = middle_;
   grid.map.setZero();

@@ -1,6 +1,7 @@
 #pragma once
 /// Proposes grids of views from the spectrum of a patch of the scan.
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -30,6 +31,8 @@ class PatchGrids {
   bool is_full() const { return full_; }
   /// mm; less than asked for where the nearest points fill the patch.
   float radius() const { return radius_; }
+  /// Relative to the seed.
+  const LocalPoints& points() const { return points_; }
   std::size_t peaks() const { return peaks_.size(); }
   /// The grid whose two frequencies are peaks a and b, or nothing if they can't belong to one grid.
   std::optional<ViewGrid> grid(std::size_t a, std::size_t b) const;
@@ -52,8 +55,8 @@ class PatchGrids {
   float spacing_;
   PatchSpectrum spectrum_;
   std::span<Candidate> candidates_;
-  std::span<Vec3f> room_;          ///< for points_
-  std::span<const Vec3f> points_;  ///< of the patch, relative to its middle, mm
+  std::array<std::span<float>, 3> room_;  ///< for points_
+  LocalPoints points_;
   Vec3f middle_ = Vec3f::Zero();   ///< position of the seed, mm
   Vec3f normal_ = Vec3f::UnitZ();  ///< mean normal of the patch
   std::span<const SpectrumPeak> peaks_;

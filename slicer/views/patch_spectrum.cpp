@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "slicer/core/lanes.hpp"
 #include "slicer/core/vec.hpp"
 
 namespace plumbline {
@@ -30,81 +31,153 @@ constexpr float kPeakDistance = 1.2F;
 /// Side of the transform over the patch's radius: the patch's diameter and a tenth of margin.
 constexpr float kImageSide = 2.2F;
 
-}  // namespace
+/// exp(2 pi i turns) of each lane, as phasor().
+PLUMBLINE_INLINE void phasors(const Lanes& turns, Lanes& re, Lanes& im) {
+  Lanes whole, quarter;
+  round_lanes(whole, turns);
+  const Lanes within = turns - whole;
+  round_lanes(quarter, 4 * within);
+  const Lanes x = (within - 0.25F * quarter) * 6.2831853F;
+  const Lanes x2 = x * x;
+  const Lanes s = x * (1 - x2 / 6 * (1 - x2 / 20 * (1 - x2 / 42)));
+  const Lanes c = 1 - x2 / 2 * (1 - x2 / 12 * (1 - x2 / 30 * (1 - x2 / 56)));
+  const IntLanes odd = (quarter == 1) | (quarter == -1);
+  const IntLanes half = (quarter == 2) | (quarter == -2);
+  const Lanes cosine = odd ? s : c;
+  const Lanes sine = odd ? c : s;
+  re = (half | (quarter == 1)) ? -cosine : cosine;
+  im = (half | (quarter == -1)) ? -sine : sine;
+}
 
-Phasor coefficient(std::span<const Vec3f> points, const Vec3f& frequency) {
-  double re = 0;
-  double im = 0;
-  for (const Vec3f& p : points) {
-    const Phasor t = phasor(frequency.dot(p));
-    re += static_cast<double>(t.re);
-    im += static_cast<double>(t.im);
+/// Sums exp(2 pi i <f, x>) over the points.
+PLUMBLINE_WIDE void add_phasors(const float* x, const float* y, const float* z, std::size_t size, const float* f,
+                                double* sums) {
+  Lanes re_sum = {};
+  Lanes im_sum = {};
+  for (std::size_t i = 0; i < size; i += kLanes) {
+    Lanes px, py, pz, re, im;
+    load(px, x + i);
+    load(py, y + i);
+    load(pz, z + i);
+    phasors(f[0] * px + f[1] * py + f[2] * pz, re, im);
+    re_sum += re;
+    im_sum += im;
   }
-  const auto count = static_cast<double>(points.size());
-  return {static_cast<float>(re / count), static_cast<float>(im / count)};
+  sums[0] = static_cast<double>(sum(re_sum));
+  sums[1] = static_cast<double>(sum(im_sum));
 }
 
-float power_at(std::span<const Vec3f> points, const Vec3f& frequency) {
-  const Phasor c = coefficient(points, frequency);
-  return (c.re * c.re + c.im * c.im) * static_cast<float>(points.size());
-}
+/// Where points lie in an image, and the turn of each.
+struct DrawnPoints {
+  static constexpr std::size_t kSize = 128;
+  std::array<float, kSize> column, row, re, im;
+};
+struct PatchAxes {
+  std::array<float, 3> right, up, across;  ///< the first two in cells, the last in turns
+};
 
-std::size_t PatchSpectrum::bytes() {
-  return (std::size_t{kSide} * kSide + kSide) * sizeof(Phasor) + (kMaxCandidates + kMaxPeaks) * sizeof(SpectrumPeak);
-}
-
-Expected<PatchSpectrum> PatchSpectrum::create(Arena& arena) {
-  PatchSpectrum spectrum;
-  auto image = arena.take_top<Phasor>(std::size_t{kSide} * kSide, "views");
-  PLUMBLINE_TRY(image);
-  auto twiddles = arena.take_top<Phasor>(kSide, "views");
-  PLUMBLINE_TRY(twiddles);
-  auto candidates = arena.take_top<SpectrumPeak>(kMaxCandidates, "views");
-  PLUMBLINE_TRY(candidates);
-  auto peaks = arena.take_top<SpectrumPeak>(kMaxPeaks, "views");
-  PLUMBLINE_TRY(peaks);
-  spectrum.image_ = *image;
-  spectrum.twiddles_ = *twiddles;
-  spectrum.candidates_ = *candidates;
-  spectrum.peaks_ = *peaks;
-  for (std::uint32_t k = 0; k < kSide; ++k) {
-    spectrum.twiddles_[k] = phasor(-static_cast<float>(k) / static_cast<float>(kSide));
+PLUMBLINE_WIDE void place_points(const float* x, const float* y, const float* z, std::size_t size,
+                                 const PatchAxes& axes, DrawnPoints& drawn) {
+  for (std::size_t i = 0; i < size; i += kLanes) {
+    Lanes px, py, pz, re, im;
+    load(px, x + i);
+    load(py, y + i);
+    load(pz, z + i);
+    phasors(axes.across[0] * px + axes.across[1] * py + axes.across[2] * pz, re, im);
+    store(&drawn.column[i], axes.right[0] * px + axes.right[1] * py + axes.right[2] * pz);
+    store(&drawn.row[i], axes.up[0] * px + axes.up[1] * py + axes.up[2] * pz);
+    store(&drawn.re[i], re);
+    store(&drawn.im[i], im);
   }
-  return spectrum;
 }
 
-/// Fast Fourier transform (Cooley and Tukey) of kSide values in place.
-void PatchSpectrum::transform_line(Phasor* line) const {
-  for (std::uint32_t i = 1, j = 0; i < kSide; ++i) {
-    std::uint32_t bit = kSide / 2;
+/// Fast Fourier transform (Cooley and Tukey) of every column of an image in place.
+PLUMBLINE_WIDE void transform_columns(float* re, float* im, const float* twiddles) {
+  constexpr std::size_t kSide = PatchSpectrum::kSide;
+  for (std::size_t i = 1, j = 0; i < kSide; ++i) {
+    std::size_t bit = kSide / 2;
     for (; (j & bit) != 0; bit /= 2) j ^= bit;
     j ^= bit;
-    if (i < j) std::swap(line[i], line[j]);
+    if (i >= j) continue;
+    for (std::size_t k = 0; k < kSide; ++k) {
+      std::swap(re[i * kSide + k], re[j * kSide + k]);
+      std::swap(im[i * kSide + k], im[j * kSide + k]);
+    }
   }
-  for (std::uint32_t length = 2; length <= kSide; length *= 2) {
-    const std::uint32_t half = length / 2;
-    const std::uint32_t stride = kSide / length;
-    for (std::uint32_t at = 0; at < kSide; at += length) {
-      for (std::uint32_t k = 0; k < half; ++k) {
-        const Phasor w = twiddles_[k * stride];
-        Phasor& a = line[at + k];
-        Phasor& b = line[at + k + half];
-        const Phasor turned{b.re * w.re - b.im * w.im, b.re * w.im + b.im * w.re};
-        b = {a.re - turned.re, a.im - turned.im};
-        a = {a.re + turned.re, a.im + turned.im};
+  for (std::size_t length = 2; length <= kSide; length *= 2) {
+    const std::size_t half = length / 2;
+    for (std::size_t at = 0; at < kSide; at += length) {
+      for (std::size_t k = 0; k < half; ++k) {
+        const float wr = twiddles[k * (kSide / length)];
+        const float wi = twiddles[kSide + k * (kSide / length)];
+        float* const re_a = re + (at + k) * kSide;
+        float* const im_a = im + (at + k) * kSide;
+        float* const re_b = re_a + half * kSide;
+        float* const im_b = im_a + half * kSide;
+        for (std::size_t n = 0; n < kSide; n += kLanes) {
+          Lanes ar, ai, br, bi;
+          load(ar, re_a + n);
+          load(ai, im_a + n);
+          load(br, re_b + n);
+          load(bi, im_b + n);
+          const Lanes tr = br * wr - bi * wi;
+          const Lanes ti = br * wi + bi * wr;
+          store(re_a + n, ar + tr);
+          store(im_a + n, ai + ti);
+          store(re_b + n, ar - tr);
+          store(im_b + n, ai - ti);
+        }
       }
     }
   }
 }
 
-void PatchSpectrum::transform() {
-  for (std::uint32_t row = 0; row < kSide; ++row) transform_line(&image_[std::size_t{row} * kSide]);
-  std::array<Phasor, kSide> line;  // NOLINT(cppcoreguidelines-pro-type-member-init)
-  for (std::uint32_t column = 0; column < kSide; ++column) {
-    for (std::uint32_t row = 0; row < kSide; ++row) line[row] = image_[std::size_t{row} * kSide + column];
-    transform_line(line.data());
-    for (std::uint32_t row = 0; row < kSide; ++row) image_[std::size_t{row} * kSide + column] = line[row];
+void transpose(float* image) {
+  constexpr std::size_t kSide = PatchSpectrum::kSide;
+  for (std::size_t i = 0; i < kSide; ++i) {
+    for (std::size_t j = 0; j < i; ++j) std::swap(image[i * kSide + j], image[j * kSide + i]);
   }
+}
+
+}  // namespace
+
+Phasor coefficient(const LocalPoints& points, const Vec3f& frequency) {
+  std::array<double, 2> sums = {};
+  add_phasors(points.x.data(), points.y.data(), points.z.data(), points.size(), frequency.data(), sums.data());
+  const auto count = static_cast<double>(points.size());
+  return {static_cast<float>(sums[0] / count), static_cast<float>(sums[1] / count)};
+}
+
+float power_at(const LocalPoints& points, const Vec3f& frequency) {
+  const Phasor c = coefficient(points, frequency);
+  return (c.re * c.re + c.im * c.im) * static_cast<float>(points.size());
+}
+
+std::size_t PatchSpectrum::bytes() {
+  return 2 * (std::size_t{kSide} * kSide + kSide) * sizeof(float) + (kMaxCandidates + kMaxPeaks) * sizeof(SpectrumPeak);
+}
+
+Expected<PatchSpectrum> PatchSpectrum::create(Arena& arena) {
+  PatchSpectrum spectrum;
+  auto image = arena.take_top<float>(2 * std::size_t{kSide} * kSide, "views");
+  PLUMBLINE_TRY(image);
+  auto twiddles = arena.take_top<float>(2 * kSide, "views");
+  PLUMBLINE_TRY(twiddles);
+  auto candidates = arena.take_top<SpectrumPeak>(kMaxCandidates, "views");
+  PLUMBLINE_TRY(candidates);
+  auto peaks = arena.take_top<SpectrumPeak>(kMaxPeaks, "views");
+  PLUMBLINE_TRY(peaks);
+  spectrum.re_ = image->first(std::size_t{kSide} * kSide);
+  spectrum.im_ = image->last(std::size_t{kSide} * kSide);
+  spectrum.twiddles_ = *twiddles;
+  spectrum.candidates_ = *candidates;
+  spectrum.peaks_ = *peaks;
+  for (std::uint32_t k = 0; k < kSide; ++k) {
+    const Phasor w = phasor(-static_cast<float>(k) / static_cast<float>(kSide));
+    spectrum.twiddles_[k] = w.re;
+    spectrum.twiddles_[kSide + k] = w.im;
+  }
+  return spectrum;
 }
 
 void PatchSpectrum::add(const SpectrumPeak& peak) {
@@ -120,16 +193,16 @@ void PatchSpectrum::add(const SpectrumPeak& peak) {
 /// Adds the peaks of one slice. Frequencies are in the frame of the patch: x and y in its plane, z across.
 void PatchSpectrum::find_peaks(float across, float cell, std::size_t count) {
   const auto power = [&](std::uint32_t x, std::uint32_t y) {
-    const Phasor& p = image_[std::size_t{y % kSide} * kSide + x % kSide];
-    return p.re * p.re + p.im * p.im;
+    const std::size_t i = std::size_t{x % kSide} * kSide + y % kSide;
+    return re_[i] * re_[i] + im_[i] * im_[i];
   };
   const float least = kMinPower * static_cast<float>(count);
   const float step = 1 / (cell * static_cast<float>(kSide));
   const auto signed_index = [](std::uint32_t i) {
     return i < kSide / 2 ? static_cast<float>(i) : static_cast<float>(i) - static_cast<float>(kSide);
   };
-  for (std::uint32_t y = 0; y < kSide; ++y) {
-    for (std::uint32_t x = 0; x < kSide; ++x) {
+  for (std::uint32_t x = 0; x < kSide; ++x) {
+    for (std::uint32_t y = 0; y < kSide; ++y) {
       const float here = power(x, y);
       if (here < least) continue;
       const Vec3f f(signed_index(x) * step, signed_index(y) * step, across);
@@ -147,45 +220,64 @@ void PatchSpectrum::find_peaks(float across, float cell, std::size_t count) {
   }
 }
 
-std::span<const SpectrumPeak> PatchSpectrum::peaks(std::span<const Vec3f> points, const Vec3f& normal, float radius,
-                                                   float spacing) {
+/// Draws each point into the image, spread over four cells and turned by its phase at a frequency across the patch.
+void PatchSpectrum::draw(const LocalPoints& points, const Vec3f& normal, float across, float cell) {
   const Frame frame(normal);
-  candidate_count_ = 0;
-  lowest_ = kLowest / spacing;
-  highest_ = kHighest / spacing;
-  double depth2 = 0;
-  for (const Vec3f& p : points) {
-    const double w = static_cast<double>(normal.dot(p));
-    depth2 += w * w;
+  PatchAxes axes = {};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto axis = static_cast<Eigen::Index>(k);
+    axes.right[k] = frame.t[axis] / cell;
+    axes.up[k] = frame.s[axis] / cell;
+    axes.across[k] = -across * normal[axis];
   }
-  const auto depth = static_cast<float>(std::sqrt(depth2 / static_cast<double>(points.size())));
-  const float steepest = highest_ * kMaxSteepness / std::sqrt(1 + kMaxSteepness * kMaxSteepness);
-  const float step = std::max(kAcrossStep / std::max(depth, 1e-6F * radius), steepest / kMaxSlices);
-  const float cell = kImageSide * radius / static_cast<float>(kSide);
-  const auto side = static_cast<float>(kSide);
-  for (float across = 0; across <= steepest; across += step) {
-    std::fill(image_.begin(), image_.end(), Phasor{0, 0});
-    for (const Vec3f& p : points) {
-      const float x = frame.t.dot(p) / cell + side / 2;
-      const float y = frame.s.dot(p) / cell + side / 2;
-      const float left = std::floor(x);
-      const float low = std::floor(y);
-      if (!(left >= 0 && low >= 0 && left < side - 1 && low < side - 1)) continue;
-      const Phasor turn = phasor(-across * normal.dot(p));
-      const auto column = static_cast<std::size_t>(left);
-      const auto row = static_cast<std::size_t>(low);
-      const float u = x - left;
-      const float v = y - low;
+  std::fill(re_.begin(), re_.end(), 0.0F);
+  std::fill(im_.begin(), im_.end(), 0.0F);
+  constexpr float kMiddle = static_cast<float>(kSide) / 2;
+  DrawnPoints drawn;
+  for (std::size_t first = 0; first < points.size(); first += DrawnPoints::kSize) {
+    const std::size_t size = std::min(DrawnPoints::kSize, points.size() - first);
+    place_points(&points.x[first], &points.y[first], &points.z[first], size, axes, drawn);
+    for (std::size_t i = 0; i < size; ++i) {
+      const float x = drawn.column[i] + kMiddle;
+      const float y = drawn.row[i] + kMiddle;
+      if (!(x >= 0 && y >= 0 && x < kSide - 1 && y < kSide - 1)) continue;
+      const auto column = static_cast<std::size_t>(x);
+      const auto row = static_cast<std::size_t>(y);
+      const float u = x - static_cast<float>(column);
+      const float v = y - static_cast<float>(row);
       const auto put = [&](std::size_t at, float weight) {
-        image_[at].re += weight * turn.re;
-        image_[at].im += weight * turn.im;
+        re_[at] += weight * drawn.re[i];
+        im_[at] += weight * drawn.im[i];
       };
       put(row * kSide + column, (1 - u) * (1 - v));
       put(row * kSide + column + 1, u * (1 - v));
       put((row + 1) * kSide + column, (1 - u) * v);
       put((row + 1) * kSide + column + 1, u * v);
     }
-    transform();
+  }
+}
+
+std::span<const SpectrumPeak> PatchSpectrum::peaks(const LocalPoints& points, const Vec3f& normal, float radius,
+                                                   float spacing) {
+  const Frame frame(normal);
+  candidate_count_ = 0;
+  lowest_ = kLowest / spacing;
+  highest_ = kHighest / spacing;
+  double depth2 = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double w = static_cast<double>(normal.dot(points[i]));
+    depth2 += w * w;
+  }
+  const auto depth = static_cast<float>(std::sqrt(depth2 / static_cast<double>(points.size())));
+  const float steepest = highest_ * kMaxSteepness / std::sqrt(1 + kMaxSteepness * kMaxSteepness);
+  const float step = std::max(kAcrossStep / std::max(depth, 1e-6F * radius), steepest / kMaxSlices);
+  const float cell = kImageSide * radius / static_cast<float>(kSide);
+  for (float across = 0; across <= steepest; across += step) {
+    draw(points, normal, across, cell);
+    transform_columns(re_.data(), im_.data(), twiddles_.data());
+    transpose(re_.data());
+    transpose(im_.data());
+    transform_columns(re_.data(), im_.data(), twiddles_.data());
     find_peaks(across, cell, points.size());
   }
   const auto found = candidates_.first(candidate_count_);
@@ -213,19 +305,21 @@ std::span<const SpectrumPeak> PatchSpectrum::peaks(std::span<const Vec3f> points
   // Move from the nearest sample to the top of each peak, in steps that halve.
   const std::array<Vec3f, 3> directions = {frame.t * (0.25F * apart), frame.s * (0.25F * apart),
                                            normal * (0.5F * step)};
-  for (SpectrumPeak& p : peaks_.first(kept)) {
-    p.power = power_at(points, p.frequency);
-    for (float scale = 1; scale > 0.05F; scale *= 0.5F) {
-      for (const Vec3f& direction : directions) {
-        for (const float sign : {-1.0F, 1.0F}) {
-          const Vec3f f = p.frequency + direction * (sign * scale);
-          const float there = power_at(points, f);
-          if (there > p.power) p = {f, there};
-        }
+  for (SpectrumPeak& peak : peaks_.first(kept)) climb(peak, points, directions);
+  return peaks_.first(kept);
+}
+
+void PatchSpectrum::climb(SpectrumPeak& peak, const LocalPoints& points, std::span<const Vec3f> directions) {
+  peak.power = power_at(points, peak.frequency);
+  for (float scale = 1; scale > 0.05F; scale *= 0.5F) {
+    for (const Vec3f& direction : directions) {
+      for (const float sign : {-1.0F, 1.0F}) {
+        const Vec3f f = peak.frequency + direction * (sign * scale);
+        const float there = power_at(points, f);
+        if (there > peak.power) peak = {f, there};
       }
     }
   }
-  return peaks_.first(kept);
 }
 
 }  // namespace plumbline

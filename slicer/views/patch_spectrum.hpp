@@ -6,6 +6,7 @@
 
 #include "slicer/core/arena.hpp"
 #include "slicer/core/vec.hpp"
+#include "slicer/views/local_points.hpp"
 #include "slicer/views/phasor.hpp"
 
 namespace plumbline {
@@ -17,9 +18,9 @@ struct SpectrumPeak {
 };
 
 /// Mean of exp(2 pi i <f, x>) over the points.
-[[nodiscard]] Phasor coefficient(std::span<const Vec3f> points, const Vec3f& frequency);
+[[nodiscard]] Phasor coefficient(const LocalPoints& points, const Vec3f& frequency);
 /// SpectrumPeak::power of one frequency.
-[[nodiscard]] float power_at(std::span<const Vec3f> points, const Vec3f& frequency);
+[[nodiscard]] float power_at(const LocalPoints& points, const Vec3f& frequency);
 
 /// Finds the peaks of the spectrum in three dimensions.
 ///
@@ -41,19 +42,20 @@ class PatchSpectrum {
   /// @param radius   of the patch, mm
   /// @param spacing  of its points, mm; peaks are searched from 0.11 / spacing to 0.77 / spacing
   /// @returns peaks of falling power, no two closer than 1.2 / radius; valid until the next call
-  std::span<const SpectrumPeak> peaks(std::span<const Vec3f> points, const Vec3f& normal, float radius, float spacing);
+  std::span<const SpectrumPeak> peaks(const LocalPoints& points, const Vec3f& normal, float radius, float spacing);
 
  private:
   static constexpr std::uint32_t kMaxPeaks = 24;
   static constexpr std::uint32_t kMaxCandidates = 512;
 
-  void transform();
-  void transform_line(Phasor* line) const;
+  void draw(const LocalPoints& points, const Vec3f& normal, float across, float cell);
   void find_peaks(float across, float cell, std::size_t count);
+  static void climb(SpectrumPeak& peak, const LocalPoints& points, std::span<const Vec3f> directions);
   void add(const SpectrumPeak& peak);
 
-  std::span<Phasor> image_;
-  std::span<Phasor> twiddles_;
+  // Real and imaginary parts, row after row. After the transform a row is a column of frequencies.
+  std::span<float> re_, im_;
+  std::span<float> twiddles_;  ///< exp(-2 pi i k / kSide), real then imaginary
   std::span<SpectrumPeak> candidates_;
   std::span<SpectrumPeak> peaks_;
   std::uint32_t candidate_count_ = 0;

@@ -228,7 +228,7 @@ class Registrar {
     for (std::uint32_t i = 0; i < cloud_.size; ++i) {
       if (views_.view_of(i) == kNoView) continue;
       const double depth = views_.ripples[views_.view_of(i)].depth(views_.seen_position(i));
-      const Vec3f to = (views_.moved_position(i) + views_.middle()).cast<float>();
+      const Vec3f to = (views_.moved_position(i, views_.ray(i)) + views_.middle()).cast<float>();
       const Vec3f by = to - cloud_.position[i];
       sum += static_cast<double>(by.dot(by));
       ripple += depth * depth;

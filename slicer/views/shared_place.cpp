@@ -16,7 +16,7 @@ constexpr float kFacingAway = -0.5F;  ///< cosine below which a point is on the 
 /// surface.
 constexpr double kMinIncidence = 0.5;
 /// Weight of such points. Not 0: they may be all that determines where their view lies.
-constexpr double kGrazingWeight = 0.05;
+constexpr float kGrazingWeight = 0.05F;
 
 }  // namespace
 
@@ -42,7 +42,7 @@ bool SharedPlace::measure(const Cloud& cloud, const KdTree3& tree, const MovedVi
     // A point that faces away from its view is on the view's grid by chance. Such points are few, but where no view saw
     // both an upper and a lower side they alone would determine the distance between the two.
     if (ray[points].dot(normal.cast<double>()) > 0) continue;
-    position[points] = moved_views.moved_position(n.index);
+    position[points] = moved_views.moved_position(n.index, ray[points]);
     point[points++] = n.index;
   }
   if (static_cast<float>(bent) > kMaxBentShare * static_cast<float>(count)) return false;
@@ -55,16 +55,18 @@ bool SharedPlace::measure(const Cloud& cloud, const KdTree3& tree, const MovedVi
   for (std::uint32_t k = 0; k < points; ++k) {
     cosine[k] = ray[surface.point[k]].dot(surface.normal);
     surface.weight[k] = std::abs(cosine[k]) < kMinIncidence ? kGrazingWeight : 1;
-    weights += surface.weight[k];
+    weights += static_cast<double>(surface.weight[k]);
     point[k] = point[surface.point[k]];  // in place, since surface.point[] ascends
   }
   surface.solve();
   mean_square = 0;
   for (std::uint32_t k = 0; k < points; ++k) {
-    const double along = weight_here * surface.weight[k] * cosine[k];
-    offset[k] = along * surface.residual[k];
+    const auto counts = static_cast<double>(surface.weight[k]);
+    const auto residual = static_cast<double>(surface.residual[k]);
+    const double along = weight_here * counts * cosine[k];
+    offset[k] = along * residual;
     weight[k] = along * cosine[k];
-    mean_square += surface.weight[k] * surface.residual[k] * surface.residual[k] / weights;
+    mean_square += counts * residual * residual / weights;
   }
   sum_up(surface, moved_views, weight_here);
   return true;
@@ -85,9 +87,10 @@ void SharedPlace::sum_up(const LocalParaboloid& surface, const MovedViews& moved
       sums[v].setZero();
       ++views;
     }
-    residuals[v] += weight_here * surface.weight[k] * surface.residual[k];
-    sums[v] += surface.weight[k] * surface.terms[k];
-    counts[v] += surface.weight[k];
+    const auto counted = static_cast<double>(surface.weight[k]);
+    residuals[v] += weight_here * counted * static_cast<double>(surface.residual[k]);
+    sums[v] += counted * surface.terms(k);
+    counts[v] += counted;
   }
   const auto factors = surface.gram.ldlt();
   for (std::uint32_t v = 0; v < views; ++v) {

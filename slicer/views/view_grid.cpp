@@ -3,7 +3,10 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
+
+#include "slicer/core/lanes.hpp"
 
 namespace plumbline {
 namespace {
@@ -11,32 +14,226 @@ namespace {
 /// Least q: points closer to the camera than this share of the middle's distance don't belong to its view. Avoids
 /// dividing by 0.
 constexpr double kMinQ = 0.05;
-// Prior on the perspective c, for points that don't determine it: a camera stands some extents away.
+// Priors of what the points don't determine: a camera stands some extents away, and its lens bends little.
 constexpr double kPixelNoise = 0.05;        ///< pixels
 constexpr double kLikelyPerspective = 0.6;  ///< standard deviation of c times the extent
+constexpr double kLikelyDistortion = 0.1;   ///< standard deviation of the distortion at the extent, as a share of it
 constexpr double kRidge = 1e-9;  ///< share of the trace added to the diagonal, which keeps the matrix invertible
+constexpr double kOfHigher = 4;  ///< of each higher term, over the one before times the distortion
+constexpr double kAlike = 0.2;   ///< share of the first term's deviation between the views of a scan
+constexpr double kTiny = 1e-9;   ///< deviation of what shall stay 0
+/// Standard deviations of the strength beyond which it tells where the lens's centre is.
+constexpr double kSureDeviations = 5;
+
+constexpr int kSize = ViewGrid::kUnknowns;
+constexpr std::size_t kProducts = std::size_t{kSize} * (kSize + 1) / 2;
+
+/// A grid's numbers for lanes.
+struct FlatGrid {
+  std::array<float, 4> a, b, c;
+  std::array<float, 3> k;
+  float cu, cv, lu, lv;
+
+  explicit FlatGrid(const ViewGrid& grid) {
+    for (std::size_t i = 0; i < 4; ++i) {
+      const auto n = static_cast<Eigen::Index>(i);
+      a[i] = static_cast<float>(grid.map[n]);
+      b[i] = static_cast<float>(grid.map[n + 4]);
+      c[i] = i < 3 ? static_cast<float>(grid.map[n + 8]) : 1;
+    }
+    for (std::size_t i = 0; i < 3; ++i) k[i] = static_cast<float>(grid.lens.radial[i]);
+    cu = static_cast<float>(grid.lens.centre[0]);
+    cv = static_cast<float>(grid.lens.centre[1]);
+    lu = static_cast<float>(grid.lens.lean[0]);
+    lv = static_cast<float>(grid.lens.lean[1]);
+  }
+};
+
+struct FlatPixels {
+  Lanes q, su, sv;  ///< as in ViewGrid::Pixel
+  Lanes wu, wv;     ///< from the lens's centre, in units
+  Lanes du, dv;     ///< from the nearest integer pixels
+};
+
+constexpr auto kUnit = static_cast<float>(Lens::kUnit);
+
+PLUMBLINE_INLINE void project(FlatPixels& p, const FlatGrid& g, const Lanes& x, const Lanes& y, const Lanes& z) {
+  p.q = 1 + (g.c[0] * x + g.c[1] * y + g.c[2] * z);
+  const Lanes inverse = 1 / p.q;
+  p.su = (g.a[3] + (g.a[0] * x + g.a[1] * y + g.a[2] * z)) * inverse;
+  p.sv = (g.b[3] + (g.b[0] * x + g.b[1] * y + g.b[2] * z)) * inverse;
+  p.wu = (p.su - g.cu) * (1 / kUnit);
+  p.wv = (p.sv - g.cv) * (1 / kUnit);
+  const Lanes uu = p.wu * p.wu;
+  const Lanes vv = p.wv * p.wv;
+  const Lanes uv = p.wu * p.wv;
+  const Lanes square = uu + vv;
+  const Lanes along = (g.k[0] + (g.k[1] + g.k[2] * square) * square) * square;
+  const Lanes u = p.su + kUnit * (along * p.wu - g.lu * (3 * uu + vv) - 2 * g.lv * uv);
+  const Lanes v = p.sv + kUnit * (along * p.wv - g.lv * (uu + 3 * vv) - 2 * g.lu * uv);
+  round_lanes(p.du, u);
+  round_lanes(p.dv, v);
+  p.du = u - p.du;
+  p.dv = v - p.dv;
+}
+
+PLUMBLINE_INLINE void distance2_of(Lanes& distance2, const FlatGrid& grid, const Lanes& x, const Lanes& y,
+                                   const Lanes& z) {
+  FlatPixels p;
+  project(p, grid, x, y, z);
+  distance2 = p.q < static_cast<float>(kMinQ) ? Lanes{} + 1 : p.du * p.du + p.dv * p.dv;
+}
+
+PLUMBLINE_WIDE void measure_within(const FlatGrid& grid, const Vec3f& middle, float radius2, const Vec3f* points,
+                                   std::size_t size, float* distances2) {
+  for (std::size_t i = 0; i < size; i += kLanes) {
+    Lanes x, y, z, distance2;
+    for (std::size_t k = 0; k < kLanes; ++k) {
+      const float* const point = points[std::min(i + k, size - 1)].data();
+      x[k] = point[0];
+      y[k] = point[1];
+      z[k] = point[2];
+    }
+    x -= middle.data()[0];
+    y -= middle.data()[1];
+    z -= middle.data()[2];
+    distance2_of(distance2, grid, x, y, z);
+    distance2 = x * x + y * y + z * z > radius2 ? Lanes{} + 1 : distance2;
+    store(distances2 + i, distance2);
+  }
+}
+
+PLUMBLINE_WIDE void measure_distances2(const FlatGrid& grid, const float* x, const float* y, const float* z,
+                                       std::size_t size, float* distances2) {
+  for (std::size_t i = 0; i < size; i += kLanes) {
+    Lanes px, py, pz, distance2;
+    load(px, x + i);
+    load(py, y + i);
+    load(pz, z + i);
+    distance2_of(distance2, grid, px, py, pz);
+    store(distances2 + i, distance2);
+  }
+}
+
+/// Normal equations, of unknowns in the order of ViewGrid::map with lengths over the radius, then the lens's.
+struct Sums {
+  std::array<double, kProducts> products = {};  ///< lower half, row after row
+  std::array<double, kSize> residuals = {};
+};
+
+/// Adds the equations of kLanes points.
+PLUMBLINE_INLINE void add_lanes(const FlatGrid& g, const Lanes& x, const Lanes& y, const Lanes& z, float scale,
+                                float inverse_width2, Lanes* products, Lanes* residuals) {
+  FlatPixels p;
+  project(p, g, x, y, z);
+  const Lanes rest = 1 - (p.du * p.du + p.dv * p.dv) * inverse_width2;
+  const Lanes weight = ((rest > 0) & (p.q >= static_cast<float>(kMinQ))) ? rest * rest : Lanes{};
+  const Lanes uu = p.wu * p.wu;
+  const Lanes vv = p.wv * p.wv;
+  // Of the pixel by where the pinhole shows it.
+  const Lanes square = uu + vv;
+  const Lanes along = (g.k[0] + (g.k[1] + g.k[2] * square) * square) * square;
+  const Lanes growing = 2 * g.k[0] + (4 * g.k[1] + 6 * g.k[2] * square) * square;
+  const Lanes by_uu = 1 + along + growing * uu - 6 * g.lu * p.wu - 2 * g.lv * p.wv;
+  const Lanes by_uv = growing * (p.wu * p.wv) - 2 * g.lu * p.wv - 2 * g.lv * p.wu;
+  const Lanes by_vv = 1 + along + growing * vv - 6 * g.lv * p.wv - 2 * g.lu * p.wu;
+  const Lanes one = 1 / p.q;
+  const std::array<Lanes, 4> place = {x * (scale * one), y * (scale * one), z * (scale * one), one};
+  const Lanes back_u = by_uu * p.su + by_uv * p.sv;
+  const Lanes back_v = by_uv * p.su + by_vv * p.sv;
+  Lanes u[kSize];  // NOLINT(cppcoreguidelines-avoid-c-arrays): std::array's functions are not inlined in every clone
+  Lanes v[kSize];  // NOLINT(cppcoreguidelines-avoid-c-arrays)
+  for (int i = 0; i < 4; ++i) {
+    const Lanes& at = place[static_cast<std::size_t>(i)];
+    u[i] = by_uu * at;
+    v[i] = by_uv * at;
+    u[i + 4] = by_uv * at;
+    v[i + 4] = by_vv * at;
+    if (i == 3) break;
+    u[i + 8] = -back_u * at;
+    v[i + 8] = -back_v * at;
+  }
+  u[11] = kUnit * square * p.wu;
+  v[11] = kUnit * square * p.wv;
+  u[12] = square * u[11];
+  v[12] = square * v[11];
+  u[13] = square * u[12];
+  v[13] = square * v[12];
+  u[14] = -kUnit * (3 * uu + vv);
+  v[14] = -2 * kUnit * (p.wu * p.wv);
+  u[15] = v[14];
+  v[15] = -kUnit * (uu + 3 * vv);
+  std::size_t at = 0;
+  for (int i = 0; i < kSize; ++i) {
+    const Lanes wu = weight * u[i];
+    const Lanes wv = weight * v[i];
+    residuals[i] += wu * p.du + wv * p.dv;
+    for (int j = 0; j <= i; ++j) products[at++] += wu * u[j] + wv * v[j];
+  }
+}
+
+PLUMBLINE_WIDE void add_equations(const FlatGrid& grid, const float* x, const float* y, const float* z,
+                                  std::size_t size, float scale, float inverse_width2, Sums& sums) {
+  constexpr std::size_t kBatch = 32 * kLanes;  // points whose sums are kept in single precision
+  for (std::size_t first = 0; first < size; first += kBatch) {
+    Lanes products[kProducts] = {};  // NOLINT(cppcoreguidelines-avoid-c-arrays)
+    Lanes residuals[kSize] = {};     // NOLINT(cppcoreguidelines-avoid-c-arrays)
+    for (std::size_t i = first; i < std::min(size, first + kBatch); i += kLanes) {
+      Lanes px, py, pz;
+      load(px, x + i);
+      load(py, y + i);
+      load(pz, z + i);
+      add_lanes(grid, px, py, pz, scale, inverse_width2, products, residuals);
+    }
+    for (std::size_t i = 0; i < kProducts; ++i) sums.products[i] += static_cast<double>(sum(products[i]));
+    for (std::size_t i = 0; i < kSize; ++i) sums.residuals[i] += static_cast<double>(sum(residuals[i]));
+  }
+}
+
+/// Moves the lens's centre by what the lean stands for, `most` units at most, and the map by the affine part of that.
+void settle_centre(ViewGrid& grid, double most) {
+  Lens& lens = grid.lens;
+  Eigen::Vector2d by = lens.lean / lens.radial[0];
+  by *= std::min(1.0, most / std::max(by.norm(), 1e-9));
+  const double k = lens.radial[0];
+  const double square = by.squaredNorm();
+  // s becomes s - A(w) U, A(w) = k |by|^2 w + 2 k <w, by> by - k |by|^2 by.
+  using Row = Eigen::Vector4d;
+  Row q;
+  q << grid.map.segment<3>(8), 1;
+  const Row u = grid.map.segment<4>(0);
+  const Row v = grid.map.segment<4>(4);
+  const Row wu = u - lens.centre[0] * q;
+  const Row wv = v - lens.centre[1] * q;
+  const Row along = 2 * k * (by[0] * wu + by[1] * wv);
+  grid.map.segment<4>(0) = u - k * square * wu - along * by[0] + Lens::kUnit * k * square * by[0] * q;
+  grid.map.segment<4>(4) = v - k * square * wv - along * by[1] + Lens::kUnit * k * square * by[1] * q;
+  lens.centre += Lens::kUnit * by;
+  lens.lean -= k * by;
+}
 
 }  // namespace
 
 ViewGrid::Pixel ViewGrid::project(const Vec3f& point) const {
   const Vec3d x = (point - middle).cast<double>();
   const double q = 1 + map.segment<3>(8).dot(x);
-  if (q < kMinQ) return {0, 0, 0};
-  return {(map.segment<3>(0).dot(x) + map[3]) / q, (map.segment<3>(4).dot(x) + map[7]) / q, q};
-}
-
-double ViewGrid::distance_from_grid(const Vec3f& point) const {
-  const Pixel p = project(point);
-  if (p.q == 0) return 1;
-  const double u = p.u - std::floor(p.u + 0.5);
-  const double v = p.v - std::floor(p.v + 0.5);
-  return std::sqrt(u * u + v * v);
+  if (q < kMinQ) return {0, 0, 0, 0, 0};
+  const double su = (map.segment<3>(0).dot(x) + map[3]) / q;
+  const double sv = (map.segment<3>(4).dot(x) + map[7]) / q;
+  const double wu = (su - lens.centre[0]) / Lens::kUnit;
+  const double wv = (sv - lens.centre[1]) / Lens::kUnit;
+  const double square = wu * wu + wv * wv;
+  const double along = (lens.radial[0] + (lens.radial[1] + lens.radial[2] * square) * square) * square;
+  const double lu = lens.lean[0];
+  const double lv = lens.lean[1];
+  return {su + Lens::kUnit * (along * wu - lu * (3 * wu * wu + wv * wv) - 2 * lv * wu * wv),
+          sv + Lens::kUnit * (along * wv - lv * (wu * wu + 3 * wv * wv) - 2 * lu * wu * wv), su, sv, q};
 }
 
 Vec3d ViewGrid::ray(const Vec3f& point) const {
   const Pixel p = project(point);
-  const Vec3d along_u = map.segment<3>(0) - p.u * map.segment<3>(8);
-  const Vec3d along_v = map.segment<3>(4) - p.v * map.segment<3>(8);
+  const Vec3d along_u = map.segment<3>(0) - p.su * map.segment<3>(8);
+  const Vec3d along_v = map.segment<3>(4) - p.sv * map.segment<3>(8);
   return along_u.cross(along_v).normalized();
 }
 
@@ -45,53 +242,82 @@ ViewGrid ViewGrid::around(const Vec3f& other) const {
   ViewGrid moved;
   moved.middle = other;
   moved.map = map / p.q;
-  moved.map[3] = p.u;
-  moved.map[7] = p.v;
+  moved.map[3] = p.su;
+  moved.map[7] = p.sv;
+  moved.lens = lens;
   return moved;
 }
 
-void ViewGridFit::add(const Vec3f& point) {
-  const ViewGrid::Pixel p = grid_.project(point);
-  if (p.q == 0) return;
-  const double u = p.u - std::floor(p.u + 0.5);
-  const double v = p.v - std::floor(p.v + 0.5);
-  const double rest = 1 - (u * u + v * v) / (width_ * width_);
-  if (rest <= 0) return;
-  const double w = rest * rest;
-  const Vec3d x = (point - grid_.middle).cast<double>() / extent_;
-  const Eigen::Vector4d y = Eigen::Vector4d(x[0], x[1], x[2], 1) / p.q;
-  const Eigen::Vector4d weighted = y * w;
-  const Eigen::Matrix4d square = weighted * y.transpose();
-  plain_ += square;
-  by_u_ += square * p.u;
-  by_v_ += square * p.v;
-  by_square_ += square * (p.u * p.u + p.v * p.v);
-  off_u_ += weighted * u;
-  off_v_ += weighted * v;
-  off_both_ += weighted * (p.u * u + p.v * v);
+void distances2_from_grid(const ViewGrid& grid, const LocalPoints& points, std::span<float> distances2) {
+  measure_distances2(FlatGrid(grid), points.x.data(), points.y.data(), points.z.data(), points.size(),
+                     distances2.data());
 }
 
-bool ViewGridFit::improve(ViewGrid& grid) const {
-  if (!(plain_.trace() > 0)) return false;
-  Mat11d held = Mat11d::Zero();
-  Vec11d target;
-  held.block<4, 4>(0, 0) = plain_;
-  held.block<4, 4>(4, 4) = plain_;
-  held.block<4, 3>(0, 8) = -by_u_.leftCols<3>();
-  held.block<4, 3>(4, 8) = -by_v_.leftCols<3>();
-  held.block<3, 4>(8, 0) = -by_u_.topRows<3>();
-  held.block<3, 4>(8, 4) = -by_v_.topRows<3>();
-  held.block<3, 3>(8, 8) = by_square_.topLeftCorner<3, 3>();
-  target << off_u_, off_v_, -off_both_.head<3>();
-  held.diagonal().array() += kRidge * plain_.trace();
-  const double perspective = kPixelNoise * kPixelNoise / (kLikelyPerspective * kLikelyPerspective);
-  for (int k = 8; k < 11; ++k) {
-    held(k, k) += perspective;
-    target[k] += perspective * grid.map[k] * extent_;
+void distances2_within(const ViewGrid& grid, double radius, std::span<const Vec3f> points,
+                       std::span<float> distances2) {
+  measure_within(FlatGrid(grid), grid.middle, static_cast<float>(radius * radius), points.data(), points.size(),
+                 distances2.data());
+}
+
+/// Copies the points that count, but for the last few that don't fill the lanes.
+LocalPoints ViewGridFit::near(const ViewGrid& grid, const LocalPoints& points, double width) const {
+  const auto distances2 = room_.first(points.size());
+  const std::array<std::span<float>, 3> to = {room_.subspan(kMaxPoints, kMaxPoints),
+                                              room_.subspan(2 * kMaxPoints, kMaxPoints), room_.subspan(3 * kMaxPoints)};
+  distances2_from_grid(grid, points, distances2);
+  const auto limit = static_cast<float>(width * width);
+  std::size_t size = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    to[0][size] = points.x[i];
+    to[1][size] = points.y[i];
+    to[2][size] = points.z[i];
+    size += distances2[i] < limit ? 1 : 0;
   }
-  const Vec11d step = held.ldlt().solve(target);
+  size -= size % kLanes;
+  return {to[0].first(size), to[1].first(size), to[2].first(size)};
+}
+
+bool ViewGridFit::improve(ViewGrid& grid, const LocalPoints& points, double radius, double width) const {
+  const LocalPoints used = near(grid, points, width);
+  Sums sums;
+  const FlatGrid flat(grid);
+  const auto scale = static_cast<float>(1 / radius);
+  const auto inverse_width2 = static_cast<float>(1 / (width * width));
+  add_equations(flat, used.x.data(), used.y.data(), used.z.data(), used.size(), scale, inverse_width2, sums);
+  Eigen::Matrix<double, kSize, kSize> held;
+  Eigen::Matrix<double, kSize, 1> target;
+  std::size_t at = 0;
+  for (int i = 0; i < kSize; ++i) {
+    target[i] = sums.residuals[static_cast<std::size_t>(i)];
+    for (int j = 0; j <= i; ++j) held(i, j) = held(j, i) = sums.products[at++];
+  }
+  const double trace = held.diagonal().head<11>().sum();
+  if (!(trace > 0)) return false;
+  held.diagonal().array() += kRidge * trace;
+  const auto expect = [&](int i, double value, double deviation) {
+    const double prior = kPixelNoise * kPixelNoise / (deviation * deviation);
+    held(i, i) += prior;
+    target[i] += prior * value;
+  };
+  for (int i = 8; i < 11; ++i) expect(i, grid.map[i] * radius, kLikelyPerspective * radius / extent_);
+  const double pixels = std::max(grid.map.segment<3>(0).norm(), grid.map.segment<3>(4).norm());
+  const double reach = extent_ * pixels / Lens::kUnit;
+  const bool settled = !grid.lens.centre.isZero();
+  double likely = kLikelyDistortion / (reach * reach);
+  expect(11, grid.lens.radial[0] - radial_.value_or(0), radial_ ? kAlike * likely : likely);
+  for (const int i : {12, 13}) {
+    likely *= kLikelyDistortion / (reach * reach) * kOfHigher;
+    expect(i, grid.lens.radial[static_cast<std::size_t>(i - 11)], settled ? likely : kTiny);
+  }
+  for (const int i : {14, 15}) expect(i, grid.lens.lean[i - 14], kLikelyDistortion / reach);
+  const auto factors = held.ldlt();
+  const Eigen::Matrix<double, kSize, 1> step = factors.solve(target);
   if (!step.allFinite()) return false;
-  for (int k = 0; k < 11; ++k) grid.map[k] -= k == 3 || k == 7 ? step[k] : step[k] / extent_;
+  for (int i = 0; i < 11; ++i) grid.map[i] -= i == 3 || i == 7 ? step[i] : step[i] / radius;
+  for (int i = 0; i < 3; ++i) grid.lens.radial[static_cast<std::size_t>(i)] -= step[11 + i];
+  grid.lens.lean -= step.tail<2>();
+  const double variance = factors.solve(Eigen::Matrix<double, kSize, 1>::Unit(11))[11];
+  if (std::abs(grid.lens.radial[0]) > kSureDeviations * kPixelNoise * std::sqrt(variance)) settle_centre(grid, reach);
   return true;
 }
 

@@ -22,6 +22,7 @@ struct Cameras {
   double noise = 0.05;       ///< standard deviation along the ray, mm
   double shift = 0.05;       ///< standard deviation over the views along each axis, mm
   double turn = 0.002;       ///< standard deviation over the views about each axis, radians
+  double lens = 0;           ///< radial distortion, as a share at the edge of the ellipsoid
   double ripple = 0;         ///< amplitude along the ray of each view's two waves of 4 to 8 mm, mm
 };
 
@@ -60,7 +61,8 @@ inline ScannedViews scan_ellipsoid(const Cameras& cameras, std::uint32_t seed) {
     }
     for (int j = -half; j <= half; ++j) {
       for (int i = -half; i <= half; ++i) {
-        const Vec3d ray = (ahead * kDistance + (right * i + down * j) * cameras.pixel).normalized();
+        const double bent = 1 + cameras.lens * (i * i + j * j) / (half * half);
+        const Vec3d ray = (ahead * kDistance + (right * i + down * j) * (cameras.pixel * bent)).normalized();
         // |(eye + t ray) / axes| = 1
         const Vec3d e = eye.cwiseQuotient(kEllipsoid);
         const Vec3d r = ray.cwiseQuotient(kEllipsoid);
