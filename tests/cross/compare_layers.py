@@ -2,7 +2,7 @@
 """Compares the masks of two builds of plumbline: compare_layers.py HOST_PROGRAM [--scans FOLDER] [--coarse] -- TARGET_PROGRAM...
 
 The words after -- run the other build, emulator included. Both builds slice each scan; the hash of every layer and of the whole job
-must agree, and so must the bytes of the sample scans that both write. --scans names a folder of real scans; those in REAL are
+must agree, the views that were found, and the bytes of the sample scans that both write. --scans names a folder of real scans; those in REAL are
 sliced too. Without them only the samples count; in CI (environment variable CI) with ../shared beside the repository that is an error.
 --coarse slices with pixels and layers of twice the size, which takes a third of the time.
 Exit status: 0 all agree, 1 some differ, 2 nothing could be compared.
@@ -33,19 +33,21 @@ arena_mib = 48
 """
 
 # Name, arguments of `plumbline sample`, arguments of `plumbline slice`. Each covers something that the others don't: the printer's
-# grid, sines and cosines with supports, estimated normals, thinning in a small arena.
+# grid, sines and cosines with supports, estimated normals, thinning in a small arena, views and their registration.
 SAMPLES = [
     ("on a printer", ["--points", "20000", "--seed", "1"], ["--printer", BOARD]),
     ("turned, scaled, supported", ["--points", "20000", "--seed", "2"],
      ["--pixel-pitch", "0.15", "--layer-height", "0.15", "--rotate-x", "37", "--rotate-y", "-11.5", "--rotate-z", "201",
       "--scale", "0.7", "--supports", "auto"]),
     ("without normals", ["--points", "20000", "--seed", "3"], ["--pixel-pitch", "0.15", "--layer-height", "0.15"]),
-    ("thinned", ["--points", "400000", "--seed", "4"],
-     ["--pixel-pitch", "0.2", "--layer-height", "0.2", "--arena-mib", "12"]),
+    ("thinned", ["--points", "60000", "--seed", "4"],
+     ["--pixel-pitch", "0.2", "--layer-height", "0.2", "--arena-mib", "6"]),
+    ("with views", ["--points", "34000", "--seed", "4"], ["--pixel-pitch", "0.2", "--layer-height", "0.2"]),
 ]
+# Name: how many times larger the board's pixels are, and arguments of `plumbline slice`.
 REAL = {
-    "ucicouple_front.ply": ["--fit", "--printer", BOARD],
-    "gargoyle.ply": ["--units", "auto", "--pixel-pitch", "0.5", "--layer-height", "0.5", "--arena-mib", "64"],
+    "ucicouple_front.ply": (2, ["--fit", "--printer", BOARD]),
+    "gargoyle.ply": (1, ["--units", "auto", "--pixel-pitch", "0.5", "--layer-height", "0.5", "--arena-mib", "64"]),
 }
 SOURCE_DIR = Path(__file__).resolve().parents[2]
 
@@ -84,7 +86,8 @@ def hashes_of(program, scan, options, size, out):
     options = [board if option == BOARD else option for option in sized(options, size)]
     started = time.monotonic()
     run([*program, "slice", scan, "-o", out, "--no-preview", "--quiet", *options])
-    return json.loads((out / "manifest.json").read_text())["hashes"], time.monotonic() - started
+    manifest = json.loads((out / "manifest.json").read_text())
+    return manifest["hashes"] | {"views": manifest["views"]}, time.monotonic() - started
 
 
 def compare(name, scan, options, size, programs, work):
@@ -99,6 +102,8 @@ def compare(name, scan, options, size, programs, work):
     if host == target:
         print(f"ok      {name}: {layers} layers, host {host_s:.1f} s, target {target_s:.1f} s")
         return True
+    if host["views"] != target["views"]:
+        print(f"        views: host {host['views']}, target {target['views']}")
     differ = [k for k, (a, b) in enumerate(zip(host["layers"], target["layers"])) if a != b]
     print(f"FAILED  {name}: host has {layers} layers, target {len(target['layers'])}; {len(differ)} differ, first {differ[:5]}")
     return False
@@ -129,9 +134,9 @@ def main(arguments):
                 scan = work / "sample.xyz"
                 without_normals(files[0], scan)
             agree &= compare(name, scan, sliced, size, programs, work)
-        real = [(scans / name, options) for name, options in REAL.items() if scans and (scans / name).is_file()]
-        for scan, options in real:
-            agree &= compare(scan.name, scan, options, size, programs, work)
+        real = [(scans / name, *how) for name, how in REAL.items() if scans and (scans / name).is_file()]
+        for scan, larger, options in real:
+            agree &= compare(scan.name, scan, options, size * larger, programs, work)
         if not real and "CI" in os.environ and (SOURCE_DIR.parent / "shared").is_dir():
             print(f"FAILED  no real scans in {scans}")
             agree = False
