@@ -2,8 +2,9 @@
 """Compares the masks of two builds of plumbline: compare_layers.py HOST_PROGRAM [--scans FOLDER] [--coarse] -- TARGET_PROGRAM...
 
 The words after -- run the other build, emulator included. Both builds slice each scan; the hash of every layer and of the whole job
-must agree, the views that were found, and the bytes of the sample scans that both write. --scans names a folder of real scans; those in REAL are
-sliced too. Without them only the samples count; in CI (environment variable CI) with ../shared beside the repository that is an error.
+must agree, the views that were found, and the bytes of the sample scans that both write. --scans names a folder of real scans;
+those in REAL are sliced too. Without them only the samples count; in CI (environment variable CI) with ../shared beside the
+repository that is an error.
 --coarse slices with pixels and layers of twice the size, which takes a third of the time.
 Exit status: 0 all agree, 1 some differ, 2 nothing could be compared.
 """
