@@ -14,10 +14,11 @@ namespace {
 
 constexpr const char* kStage = "views";
 
-constexpr std::uint32_t kPlaces = 16384;  ///< places measured in each round; sets the time
-constexpr std::uint32_t kChunk = 64;      ///< places measured in parallel before they are summed up in order
-constexpr int kRounds = 5;                ///< Gauss-Newton steps
-constexpr int kRoundsWithoutRipple = 2;   ///< first rounds: the residuals of misaligned views look like ripple
+constexpr std::uint32_t kPlaces = 16384;      ///< places measured in each round; sets the time
+constexpr std::uint32_t kFirstPlaces = 4096;  ///< the same of the first rounds, which need not be exact
+constexpr std::uint32_t kChunk = 64;          ///< places measured in parallel before they are summed up in order
+constexpr int kRounds = 5;                    ///< Gauss-Newton steps
+constexpr int kRoundsWithoutRipple = 2;       ///< first rounds: the residuals of misaligned views look like ripple
 /// A view with at least this share of the mean view's points counts fully in holding the scan in place.
 constexpr double kWholeView = 0.25;
 /// Standard deviation of the motions before the first round, in spacings. Later rounds use the variance found.
@@ -82,7 +83,8 @@ class Registrar {
     Registration result;
     for (int round = 0; round <= kRounds; ++round) {
       const auto mean_square =
-          measure_places(progress.part(1.0 * round / (kRounds + 1), (round + 1.0) / (kRounds + 1)));
+          measure_places(round < kRoundsWithoutRipple ? kFirstPlaces : kPlaces,
+                         progress.part(1.0 * round / (kRounds + 1), (round + 1.0) / (kRounds + 1)));
       PLUMBLINE_TRY(mean_square);
       if (!(*mean_square > 0)) return Registration{};
       result.after = static_cast<float>(std::sqrt(*mean_square));
@@ -135,13 +137,14 @@ class Registrar {
     return {frames_[view], cells_.subspan(view * DepthImage::kCells, DepthImage::kCells)};
   }
 
-  Expected<double> measure_places(const StageProgress& progress) {
+  /// @param most  places to measure
+  Expected<double> measure_places(std::uint32_t most, const StageProgress& progress) {
     std::fill(products_.begin(), products_.end(), 0);
     std::fill(residuals_.begin(), residuals_.end(), 0);
     std::fill(cells_.begin(), cells_.end(), DepthImage::Cell{});
     double sum = 0;
     std::uint32_t count = 0;
-    const std::uint32_t places = std::min(kPlaces, cloud_.size);
+    const std::uint32_t places = std::min(most, cloud_.size);
     for (std::uint32_t first = 0; first < places; first += kChunk) {
       if (!progress.advance(1.0 * first / places))
         return fail(ErrorCode::kCancelled, "cancelled while views were registered");
