@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "slicer/core/lanes.hpp"
+
 namespace plumbline {
 
 struct Phasor {
@@ -23,6 +25,24 @@ inline Phasor phasor(float turns) {
     case 2: return {-c, -s};
     default: return {s, -c};
   }
+}
+
+/// exp(2 pi i turns) of each lane, as phasor().
+PLUMBLINE_INLINE void phasors(const Lanes& turns, Lanes& re, Lanes& im) {
+  Lanes whole, quarter;
+  round_lanes(whole, turns);
+  const Lanes within = turns - whole;
+  round_lanes(quarter, 4 * within);
+  const Lanes x = (within - 0.25F * quarter) * 6.2831853F;
+  const Lanes x2 = x * x;
+  const Lanes s = x * (1 - x2 / 6 * (1 - x2 / 20 * (1 - x2 / 42)));
+  const Lanes c = 1 - x2 / 2 * (1 - x2 / 12 * (1 - x2 / 30 * (1 - x2 / 56)));
+  const IntLanes odd = (quarter == 1) | (quarter == -1);
+  const IntLanes half = (quarter == 2) | (quarter == -2);
+  const Lanes cosine = odd ? s : c;
+  const Lanes sine = odd ? c : s;
+  re = (half | (quarter == 1)) ? -cosine : cosine;
+  im = (half | (quarter == -1)) ? -sine : sine;
 }
 
 /// The angle of (re, im) in turns, -1/2 to 1/2, error below 0.001: enough to start a fit.

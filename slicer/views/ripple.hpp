@@ -33,11 +33,7 @@ struct Ripple {
   std::uint32_t waves = 0;
 
   /// mm
-  double depth(const Vec3d& x) const {
-    double sum = 0;
-    for (std::uint32_t k = 0; k < waves; ++k) sum += wave[k].depth(x);
-    return sum;
-  }
+  double depth(const Vec3d& x) const;
 };
 
 }  // namespace plumbline
