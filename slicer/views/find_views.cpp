@@ -111,8 +111,12 @@ class ViewFinder {
 
   /// Gives the free points on a grid to `view`, if there are enough of them.
   bool claim(std::uint32_t view, const GrownGrid& grid) {
-    const std::uint32_t count =
-        for_each_on(grid, kNoView, 1, [&](std::uint32_t i) { view_of_[i] = static_cast<std::uint8_t>(view); });
+    std::uint32_t count = 0;
+#pragma omp parallel for schedule(static) reduction(+ : count)
+    for (std::uint32_t first = 0; first < cloud_.size; first += kBlock) {
+      count +=
+          for_block_on(grid, kNoView, first, [&](std::uint32_t i) { view_of_[i] = static_cast<std::uint8_t>(view); });
+    }
     if (count < std::max(kMinViewPoints, cloud_.size / kMinViewShare)) {
       relabel(view, kNoView);
       return false;
@@ -124,27 +128,34 @@ class ViewFinder {
     return true;
   }
 
-  /// Calls `use` for points of a view that lie on a grid, among every `step`-th block of the cloud.
+  /// Calls `use` for points of a view that lie on a grid, among the block that begins with point `first`.
   /// @returns how many there are
   template <class Use>
-  std::uint32_t for_each_on(const GrownGrid& grid, std::uint32_t view, std::uint32_t step, Use use) const {
-    std::uint32_t count = 0;
+  std::uint32_t for_block_on(const GrownGrid& grid, std::uint32_t view, std::uint32_t first, Use use) const {
+    const auto of = view_of_.subspan(first, std::min(kBlock, cloud_.size - first));
+    if (std::memchr(of.data(), static_cast<int>(view), of.size()) == nullptr) return 0;
     std::array<float, kBlock> distances2;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+    distances2_within(grid.grid, grid.radius, cloud_.positions().subspan(first, of.size()), distances2);
     const auto most = static_cast<float>(grid.tolerance * grid.tolerance);
-    for (std::uint32_t first = 0; first < cloud_.size; first += step * kBlock) {
-      const auto of = view_of_.subspan(first, std::min(kBlock, cloud_.size - first));
-      if (std::memchr(of.data(), static_cast<int>(view), of.size()) == nullptr) continue;
-      distances2_within(grid.grid, grid.radius, cloud_.positions().subspan(first, of.size()), distances2);
-      for (std::uint32_t k = 0; k < of.size(); ++k) {
-        if (of[k] != view || distances2[k] > most) continue;
-        use(first + k);
-        ++count;
-      }
+    std::uint32_t count = 0;
+    for (std::uint32_t k = 0; k < of.size(); ++k) {
+      if (of[k] != view || distances2[k] > most) continue;
+      use(first + k);
+      ++count;
+    }
+    return count;
+  }
+  /// The same among every `thinning_`-th block of the cloud.
+  template <class Use>
+  std::uint32_t for_each_on(const GrownGrid& grid, std::uint32_t view, Use use) const {
+    std::uint32_t count = 0;
+    for (std::uint32_t first = 0; first < cloud_.size; first += thinning_ * kBlock) {
+      count += for_block_on(grid, view, first, use);
     }
     return count;
   }
   std::uint32_t count_on(const GrownGrid& grid, std::uint32_t view) const {
-    return for_each_on(grid, view, thinning_, [](std::uint32_t /*i*/) {});
+    return for_each_on(grid, view, [](std::uint32_t /*i*/) {});
   }
 
   void relabel(std::uint32_t from, std::uint32_t to) {
@@ -200,7 +211,7 @@ class ViewFinder {
     for (std::uint32_t k = 1; k <= kMaxRestarts && best.tolerance > kFine; ++k) {
       std::uint32_t left = most * k / (kMaxRestarts + 1);
       std::uint32_t start = cloud_.size;
-      for_each_on(best, kNoView, thinning_, [&](std::uint32_t i) {
+      for_each_on(best, kNoView, [&](std::uint32_t i) {
         if (left-- == 0) start = i;
       });
       if (start == cloud_.size) break;
