@@ -58,7 +58,8 @@ class Deb(unittest.TestCase):
         files = {name for name in files if not name.startswith("DEBIAN/")}
         board = Path(SOURCE_DIR) / "board"
         expected = {f"usr/bin/{program}" for program in PROGRAMS}
-        expected |= {"usr/lib/systemd/system/plumblined.service", "usr/lib/udev/rules.d/60-plumbline.rules"}
+        expected |= {f"usr/lib/systemd/system/{unit}.service" for unit in ("plumblined", "plumbline-awake")}
+        expected |= {"usr/lib/udev/rules.d/60-plumbline.rules"}
         expected |= {"usr/share/doc/plumbline/copyright", "usr/share/plumbline/board/README.md"}
         expected |= {f"usr/share/plumbline/board/{path.relative_to(board)}" for path in board.rglob("*.toml")}
         self.assertEqual(files, expected)
