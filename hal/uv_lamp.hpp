@@ -71,12 +71,14 @@ class [[nodiscard]] Exposure {
 /// - off is armed before on: something else (a keeper process, a timer) holds the deadline before the line goes on
 /// - off within 1 ms of the deadline
 /// - off within 10 ms of the cover's opening
-/// - off within 50 ms of the firmware's end, however it ends
+/// - off within 50 ms of the firmware's end or of the moment at which the system stops it, however that happens
 class UvLamp {
  public:
   struct Limits {
     nanoseconds longest_exposure{};  ///< above 0
     Irradiance irradiance;           ///< at the film, from the board file
+    /// Most light in any 60 s. A board's keeper refuses more; plan_print() does not ask for more.
+    nanoseconds per_minute = std::chrono::seconds(60);
   };
 
   UvLamp(const UvLamp&) = delete;
@@ -87,7 +89,7 @@ class UvLamp {
 
   /// Lights the lamp for `cure` and returns at once, so that the next mask can be drawn meanwhile.
   /// @param cure  above 0, at most limits().longest_exposure
-  /// @retval ErrorCode::kExposureTooLong   above the limit; nothing was lit
+  /// @retval ErrorCode::kExposureTooLong   above a limit; nothing was lit
   /// @retval ErrorCode::kBadSetting        0 or less; nothing was lit
   /// @retval ErrorCode::kBusy              it is already lit
   /// @retval ErrorCode::kMaskNotPresented  the panel is blank or its last mask is not settled; nothing was lit

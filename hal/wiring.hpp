@@ -76,6 +76,13 @@ struct StickSettings {
   std::string mount_point = "/run/plumbline/stick";
 };
 
+/// [watchdog]: resets the board unless the keeper feeds it.
+struct WatchdogSettings {
+  std::string device;  ///< "/dev/watchdog0"; empty: the board has none
+  std::uint32_t timeout_s =
+      10;  ///< the Raspberry Pi's goes up to 15 s; shorter leaves less time to restart a daemon that died
+};
+
 /// What the board file leaves out is empty.
 struct Wiring {
   DisplaySettings display;
@@ -92,6 +99,7 @@ struct Wiring {
   LineSettings buzzer;
   ThermalSettings thermals;
   StickSettings stick;
+  WatchdogSettings watchdog;
 };
 
 /// What a line of the wiring is for.

@@ -14,7 +14,7 @@ Expected<std::unique_ptr<BackEnd>> open_back_end(const BoardFile& board, const M
       return fail(ErrorCode::kBadSetting,
                   "--lamp-line lights a real line, which needs real time: add --realtime or --speedup N");
     }
-    auto line = keep_lamp_line(options.lamp_line);
+    auto line = keep_lamp_line(options.lamp_line, machine);
     PLUMBLINE_TRY(line);
     lamp_line = std::move(*line);
   }

@@ -30,7 +30,7 @@ class KeeperLampLine final : public KeptLampLine {
   explicit KeeperLampLine(LampKeeper keeper) : keeper_(std::move(keeper)) {}
 
   bool light(nanoseconds cure) override { return keeper_.light(cure).has_value(); }
-  // If the keeper does not answer, its deadline still turns the line off.
+  // A keeper that does not answer is ended, and its line taken.
   void turn_off() noexcept override { static_cast<void>(keeper_.turn_off()); }
 
  private:
@@ -126,8 +126,14 @@ Expected<std::vector<MachineFinding>> examine_linux_machine(const BoardFile& boa
 
 #endif
 
-Expected<std::unique_ptr<KeptLampLine>> keep_lamp_line(const std::string& line) {
-  auto keeper = LampKeeper::start(keeper_program(), line);
+Expected<std::unique_ptr<KeptLampLine>> keep_lamp_line(const std::string& line, const MachineFile& machine) {
+  // A simulation that falls behind shortens the pauses and not the exposures, so the light of a minute is not limited.
+  const WatchdogSettings& watchdog = machine.wiring.watchdog;
+  auto keeper = LampKeeper::start({.program = keeper_program(),
+                                   .line = line,
+                                   .watchdog = watchdog.device,
+                                   .watchdog_timeout = std::chrono::seconds(watchdog.timeout_s),
+                                   .limits = {lamp_limits(machine).longest_exposure, LightBudget::kMinute}});
   PLUMBLINE_TRY(keeper);
   return std::make_unique<KeeperLampLine>(std::move(*keeper));
 }

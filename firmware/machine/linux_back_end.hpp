@@ -23,8 +23,10 @@ namespace plumbline {
                                                                           const MachineFile& machine);
 
 /// Starts plumbline-keeper for one lamp line. Every build has it.
-/// @param line  as the keeper's --line takes it
+/// @param line     as the keeper's --line takes it
+/// @param machine  its longest exposure and its watchdog
 /// @retval ErrorCode::kLampFailed  the keeper could not be started
-[[nodiscard]] Expected<std::unique_ptr<KeptLampLine>> keep_lamp_line(const std::string& line);
+[[nodiscard]] Expected<std::unique_ptr<KeptLampLine>> keep_lamp_line(const std::string& line,
+                                                                     const MachineFile& machine);
 
 }  // namespace plumbline

@@ -15,7 +15,8 @@ ZStage::Limits travel_limits(const MachineFile& machine) {
 
 UvLamp::Limits lamp_limits(const MachineFile& machine) {
   return {.longest_exposure = nanoseconds_of_ms(machine.max_exposure_s * 1e3),
-          .irradiance = Irradiance(machine.power_mw_cm2)};
+          .irradiance = Irradiance(machine.power_mw_cm2),
+          .per_minute = nanoseconds_of_ms(machine.max_light_per_minute_s * 1e3)};
 }
 
 }  // namespace plumbline

@@ -45,8 +45,9 @@ constexpr std::array kFaults{
     FaultInfo{FaultCode::kLampDead, "lamp dead", "There is no light although the lamp was turned on.",
               "Check the lamp, its cable and its fuse, then resume."},
     FaultInfo{FaultCode::kLampKeeper, "lamp not guarded",
-              "Turning the lamp off could not be armed, so the lamp stayed dark.",
-              "Switch the printer off and on, then resume."},
+              "What turns the lamp off in time could not be armed or did not answer, so the lamp stayed dark or was "
+              "turned off.",
+              "Resume. If it happens again, switch the printer off and on."},
     FaultInfo{FaultCode::kExposureTooLong, "exposure too long",
               "The profile exposes for longer than the lamp may be lit.",
               "Lower exposure_time or initial_exposure_time."},

@@ -46,6 +46,15 @@ Status check_height(const PrintPlan& plan) {
       top.above_film().millimetres(), plan.highest.above_film().millimetres(), (top - plan.highest).millimetres());
 }
 
+Status check_light(const PrintPlan& plan, const PrintProfile& profile, const MachineFile& machine) {
+  const double most = std::chrono::duration<double>(most_light_in_a_minute(plan)).count();
+  if (most <= machine.max_light_per_minute_s) return {};
+  return fail(ErrorCode::kExposureTooLong,
+              "profile %s: up to %.1f s of light in a minute, this printer's lamp may be lit for %g s of one:\tlower "
+              "initial_exposure_time or exposure_time, or raise wait_time_after_lift",
+              profile.name.c_str(), most, machine.max_light_per_minute_s);
+}
+
 /// How far the fade has come: 0 on the bottom layers, 1 after the faded ones.
 double fade_of(const PrintPlan& plan, std::uint32_t layer) {
   if (layer < plan.bottom_layers) return 0;
@@ -90,6 +99,7 @@ Expected<PrintPlan> plan_print(const PrintProfile& profile, const MachineFile& m
   constexpr double kFrame = 1.0 / 60;  // panels are scanned out 60 times a second
   plan.mask_change = seconds(kFrame + machine.refresh_delay_ms / 1000);
   PLUMBLINE_TRY(check_height(plan));
+  PLUMBLINE_TRY(check_light(plan, profile, machine));
   return plan;
 }
 
@@ -130,6 +140,29 @@ nanoseconds layer_time(const PrintPlan& plan, std::uint32_t layer) {
   time += plan.rest_after_exposure;
   time += move_time(plan, plan.lift, plan.lift_speed) + move_time(plan, plan.lift2, plan.lift_speed2);
   return time + plan.wait_after_lift;
+}
+
+nanoseconds most_light_in_a_minute(const PrintPlan& plan) {
+  constexpr nanoseconds kMinute = std::chrono::seconds(60);
+  const std::uint32_t same_from = plan.bottom_layers + plan.faded_layers;
+  nanoseconds most{};
+  // The minute that ends with a layer's exposure has the most light of those that end in it. Once it holds only layers after the fade,
+  // all others are like it.
+  for (std::uint32_t last = 0; last < plan.layers; ++last) {
+    nanoseconds light{};
+    nanoseconds left = kMinute;
+    std::uint32_t layer = last;
+    for (;; --layer) {
+      const nanoseconds exposure = exposure_of(plan, layer);
+      light += std::min(exposure, left);
+      // Without the exposure a layer's time is the time in the dark since the layer below.
+      left -= layer_time(plan, layer) - 2 * plan.mask_change;
+      if (layer == 0 || left <= nanoseconds::zero()) break;
+    }
+    most = std::max(most, light);
+    if (layer >= same_from) break;
+  }
+  return most;
 }
 
 nanoseconds remaining_time(const PrintPlan& plan, std::uint32_t first) {

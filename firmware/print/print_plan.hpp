@@ -53,7 +53,7 @@ struct PrintPlan {
 /// @param layers  1 to PrintGrid::kMaxLayers
 /// @param layer_height_mm  0.005 to 1
 /// @retval ErrorCode::kBadSetting       a speed above the Z stage's
-/// @retval ErrorCode::kExposureTooLong  an exposure above the lamp's longest
+/// @retval ErrorCode::kExposureTooLong  an exposure above the lamp's longest, or more light in a minute than the lamp may give
 /// @retval ErrorCode::kDoesNotFit       the last layer's lift ends above the Z stage's highest point: by how much
 [[nodiscard]] Expected<PrintPlan> plan_print(const PrintProfile& profile, const MachineFile& machine,
                                              double layer_height_mm, std::uint32_t layers);
@@ -82,6 +82,10 @@ Distance elephant_foot_of(const PrintPlan& plan, std::uint32_t layer);
 
 /// Time from the start of a layer's retract to the end of its lift.
 nanoseconds layer_time(const PrintPlan& plan, std::uint32_t layer);
+
+/// Most light in any 60 s of a print. Waits for the panel count as nothing, because they are estimates; a print that is disturbed has
+/// less light.
+nanoseconds most_light_in_a_minute(const PrintPlan& plan);
 
 /// Time of the layers [first, plan.layers), without homing and the moves from and to the top.
 nanoseconds remaining_time(const PrintPlan& plan, std::uint32_t first);

@@ -42,6 +42,7 @@ std::vector<SettingRule> rules_for(BoardFile& board, MachineFile& machine) {
       {"z_stage", "end_stop_height_mm", &machine.end_stop_height_mm, 1, 2100, " mm", kMachine},
       {"lamp", "power_mw_cm2", &machine.power_mw_cm2, 0.1, 100, " mW/cm2", kMachine},
       {"lamp", "max_exposure_s", &machine.max_exposure_s, 0.1, 300, " s", kMachine},
+      {"lamp", "max_light_per_minute_s", &machine.max_light_per_minute_s, 0.1, 60, " s", kMachine},
       {"lamp", "warm_up_ms", &machine.warm_up_ms, 0, 1000, " ms", kMachine},
       {"cover", "switch", &machine.has_cover_switch, 0, 0, "", kMachine},
       {"temperatures", "lamp_resume_c", &machine.lamp_resume_c, 20, 100, " C", kMachine},

@@ -32,6 +32,7 @@ struct MachineFile {
   double end_stop_height_mm = 0;              ///< [z_stage] height of the plate where the end stop closes
   double power_mw_cm2 = 0;                    ///< [lamp] irradiance at the film
   double max_exposure_s = 0;                  ///< [lamp] longest single exposure
+  double max_light_per_minute_s = 0;          ///< [lamp] most light in any minute
   double warm_up_ms = 0;                      ///< [lamp] from off to full power, linear
   bool has_cover_switch = false;              ///< [cover]
   double lamp_resume_c = 0;                   ///< [temperatures] a print paused to cool the lamp resumes below this

@@ -53,6 +53,8 @@ void add_wiring_rules(std::vector<SettingRule>& rules, Wiring& wiring) {
   });
   rules.push_back({"stick", "port", path(wiring.stick.port), 1, kLongestName, "", kOptional});
   rules.push_back({"stick", "mount_point", path(wiring.stick.mount_point), 1, kLongestPath, "", kOptional});
+  rules.push_back({"watchdog", "device", path(wiring.watchdog.device), 1, kLongestPath, "", kOptional});
+  rules.push_back({"watchdog", "timeout_s", &wiring.watchdog.timeout_s, 2, 60, " s", kOptional});
 }
 
 std::string check_wiring(const SettingRule& rule, const Wiring& wiring) {
@@ -75,6 +77,7 @@ std::string check_wiring(const SettingRule& rule, const Wiring& wiring) {
       wrong = "but a fan is given either by hwmon or by pwm_chip";
     }
   });
+  if (rule.table == "watchdog" && wiring.watchdog.device.empty()) wrong = "but a watchdog is given by device";
   return wrong;
 }
 

@@ -2,6 +2,7 @@
 
 #include <linux/capability.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -27,6 +28,7 @@ class Examination {
   std::vector<MachineFinding> run() {
     check_lines();
     check_keeper();
+    check_watchdog();
     check_panel();
     check_sensors();
     check_fans();
@@ -79,6 +81,31 @@ class Examination {
     } else {
       add(Verdict::kWrong, "the lamp's keeper", settings_.keeper + ": " + std::strerror(errno),
           "install plumbline-keeper beside plumbline: only the keeper lights the lamp");
+    }
+  }
+
+  /// Does not open it: that would start it.
+  void check_watchdog() {
+    const std::string& device = settings_.wiring.watchdog.device;
+    if (device.empty()) {
+      add(Verdict::kPoor, "the watchdog", "the board file gives none: a board that hangs leaves the lamp as it is",
+          "add [watchdog] if the board has one: ls /dev/watchdog*");
+      return;
+    }
+    struct stat file {};
+    const std::string folder = settings_.sysfs + "/class/watchdog/" + device.substr(device.rfind('/') + 1);
+    std::string identity;
+    std::getline(std::ifstream(folder + "/identity"), identity);
+    if (::stat(device.c_str(), &file) != 0) {
+      add(Verdict::kWrong, "the watchdog", device + ": " + std::strerror(errno),
+          "correct [watchdog] or load its driver");
+    } else if (!S_ISCHR(file.st_mode)) {
+      add(Verdict::kWrong, "the watchdog", device + " is no device", "correct [watchdog]");
+    } else if (::access(device.c_str(), W_OK) != 0) {
+      add(Verdict::kWrong, "the watchdog", device + ": " + std::strerror(errno),
+          "let plumbline's user write it, with a udev rule");
+    } else {
+      add(Verdict::kGood, "the watchdog", device + (identity.empty() ? "" : ", " + identity));
     }
   }
 

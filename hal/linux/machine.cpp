@@ -59,20 +59,19 @@ Expected<InputLine> input(const BoardLines::Line& line) {
 Status LinuxMachine::open_lamp(const LinuxSettings& settings, const BoardLines& lines) {
   const auto& lamp = *lines.of(settings.wiring.lamp);
   const auto* const cover = lines.of(settings.wiring.cover);
-  auto keeper = LampKeeper::start(settings.keeper, line_option(lamp.place, *lamp.settings),
-                                  cover == nullptr ? "" : line_option(cover->place, *cover->settings));
-  if (!keeper) {
+  LampKeeper::Settings keeper{.program = settings.keeper,
+                              .line = line_option(lamp.place, *lamp.settings),
+                              .cover = cover == nullptr ? "" : line_option(cover->place, *cover->settings),
+                              .watchdog = settings.wiring.watchdog.device,
+                              .watchdog_timeout = std::chrono::seconds(settings.wiring.watchdog.timeout_s),
+                              .limits = {settings.lamp.longest_exposure, settings.lamp.per_minute}};
+  auto watch = LampWatch::start(std::move(keeper), queue_);
+  if (!watch) {
     // The keeper writes the reason to standard error. Usually it is the line, for which this gives a better message.
     auto tried = output(lamp, false);
-    return tl::unexpected<Error>(tried ? keeper.error() : tried.error());
+    return tl::unexpected<Error>(tried ? watch.error() : tried.error());
   }
-  // Once opened, the line stays held: a released line has no defined level.
-  auto hold_line_off = [place = lamp.place, wire = *lamp.settings, use = lamp.use,
-                        held = std::make_shared<std::optional<OutputLine>>()] {
-    auto line = OutputLine::open(place, wire, use, false);
-    if (line) held->emplace(std::move(*line));
-  };
-  watch_ = std::make_unique<LampWatch>(std::move(*keeper), queue_, cover != nullptr, std::move(hold_line_off));
+  watch_ = std::move(*watch);
   lamp_ = std::make_unique<LinuxUvLamp>(settings.lamp, *watch_, interlock_, clock_);
   events_.add(*watch_);
   return {};
@@ -134,7 +133,7 @@ Expected<std::unique_ptr<LinuxMachine>> LinuxMachine::open(const LinuxSettings& 
   PLUMBLINE_TRY(lines);
   std::unique_ptr<LinuxMachine> machine(new LinuxMachine());
   machine->events_.add(machine->shutdown_);
-  machine->memory_locked_ = lock_memory();
+  machine->memory_locked_ = lock_memory(Untouched::kLeave);
   reserve_heap();
   PLUMBLINE_TRY(machine->open_lamp(settings, *lines));
   PLUMBLINE_TRY(machine->open_stage(settings, *lines));

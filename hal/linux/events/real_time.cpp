@@ -15,7 +15,9 @@ bool set_real_time_priority(int priority) {
   return ::sched_setscheduler(0, SCHED_FIFO, &parameters) == 0;
 }
 
-bool lock_memory() { return ::mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) == 0; }
+bool lock_memory(Untouched untouched) {
+  return ::mlockall(MCL_CURRENT | MCL_FUTURE | (untouched == Untouched::kLeave ? MCL_ONFAULT : 0)) == 0;
+}
 
 void reserve_heap() {
   // libusb, sysfs and mount(2) need some 10 KiB for a stick, which the heap would otherwise request from the kernel bit by bit.

@@ -1,9 +1,9 @@
 #include "hal/linux/lamp/keeper.hpp"
 
 #include <poll.h>
+#include <sys/prctl.h>
 #include <sys/signalfd.h>
 #include <sys/socket.h>
-#include <sys/syscall.h>
 #include <sys/timerfd.h>
 #include <unistd.h>
 
@@ -11,11 +11,15 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
+#include <cstdio>
 #include <ctime>
 
 #include "hal/linux/gpio/contact.hpp"
 #include "hal/linux/gpio/edges.hpp"
 #include "hal/linux/lamp/keeper_protocol.hpp"
+#include "hal/linux/lamp/process_handle.hpp"
+#include "hal/linux/lamp/silence.hpp"
+#include "hal/linux/lamp/wake_lock.hpp"
 
 namespace plumbline {
 namespace {
@@ -32,16 +36,31 @@ std::int64_t now_ns() {
 
 class Keeper {
  public:
-  Keeper(LampLine& line, CoverLine* cover, int socket, int timer)
-      : line_(line), cover_(cover), socket_(socket), timer_(timer), cover_contact_(cover != nullptr && cover->open()) {
-    report_cover(now_ns());
+  using Time = std::chrono::nanoseconds;  // CLOCK_MONOTONIC
+
+  Keeper(const KeeperDuty& duty, int timer)
+      : line_(duty.line),
+        cover_(duty.cover),
+        watchdog_(duty.watchdog),
+        socket_(duty.socket),
+        watch_socket_(duty.watch_socket),
+        timer_(timer),
+        cover_contact_(cover_ != nullptr && cover_->open()),
+        budget_(duty.limits) {
+    const Time now(now_ns());
+    report_cover(now.count());
+    silence_.begin(kDarkPace, now);
   }
 
   void turn_off() {
     stuck_ = !line_.set(false);
-    if (stuck_) return;
-    if (lit_) reply(KeeperWord::kDark, lit_request_);
+    if (stuck_ || !lit_) return;
+    const std::int64_t now = now_ns();
     lit_ = false;
+    send(KeeperWord::kDark, lit_request_, now);
+    budget_.add(Time(lit_at_), Time(now));
+    silence_.begin(kDarkPace, Time(now));
+    wake_lock_.release();
   }
 
   /// Called when the timer has fired.
@@ -64,14 +83,37 @@ class Keeper {
     if (const auto closed = cover_contact_.settle(now)) report_cover(closed->count());
   }
 
-  /// Timeout for poll(), ms: until the next retry, or until the cover's contact has settled.
-  int wait_ms() const {
-    constexpr int kRetryMs = 1;
-    if (stuck_) return kRetryMs;
-    const auto due = cover_contact_.due();
-    if (!due) return -1;
-    return static_cast<int>(std::max<std::int64_t>(0, (due->count() - now_ns()) / 1'000'000 + 1));
+  /// How long to wait for descriptors: until the next retry, until the cover's contact has settled, or until the next look at the
+  /// firmware.
+  timespec wait() const {
+    constexpr Time kRetry = std::chrono::milliseconds(1);
+    const Time due = std::min(silence_.due(), cover_contact_.due().value_or(Time::max()));
+    const Time wait = stuck_ ? kRetry : std::max(due - Time(now_ns()), Time());
+    timespec time{};
+    time.tv_nsec = static_cast<long>(wait.count());  // a tick is below 1 s
+    return time;
   }
+
+  /// Answers pings, counts the firmware's silence and feeds the watchdog.
+  void watch_firmware() {
+    KeeperPing ping = 0;
+    while (::recv(watch_socket_, &ping, sizeof ping, MSG_DONTWAIT) == sizeof ping) {
+      static_cast<void>(::send(watch_socket_, &ping, sizeof ping, MSG_DONTWAIT | MSG_NOSIGNAL));
+      silence_.heard();
+      if (!met_) silence_.begin(kDarkPace, Time(now_ns()));
+      met_ = true;
+    }
+    const Time now(now_ns());
+    if (now < silence_.due()) return;
+    silence_.tick(now);
+    if (watchdog_ == nullptr || !silence_.well() || now - fed_at_ < Watchdog::kFeedEvery) return;
+    fed_at_ = now;
+    watchdog_->feed();
+  }
+
+  /// Only a firmware that has pinged before can fall silent: it starts the keeper, then watches it.
+  bool firmware_is_silent() const { return met_ && silence_.too_long(); }
+  bool told_to_end() const { return told_to_end_; }
 
   /// Handles a message. @returns false if the firmware is gone
   bool receive() {
@@ -88,9 +130,11 @@ class Keeper {
           turn_off();
         }
         return true;
+      case KeeperWord::kEnd: told_to_end_ = true; return false;
       case KeeperWord::kLit:
       case KeeperWord::kDark:
       case KeeperWord::kFailed:
+      case KeeperWord::kRefused:
       case KeeperWord::kCoverOpened:
       case KeeperWord::kCoverClosed: return false;
     }
@@ -100,26 +144,24 @@ class Keeper {
  private:
   void light(const KeeperMessage& message) {
     poll_cover();
-    if (lit_ || cover_contact_.on() || message.nanoseconds <= 0 || message.nanoseconds > kKeeperLongestNs) {
-      reply(KeeperWord::kFailed, message.request);
-      return;
-    }
-    if (!arm(0, message.nanoseconds)) {
-      reply(KeeperWord::kFailed, message.request);
-      return;
-    }
+    if (lit_ || cover_contact_.on()) return reply(KeeperWord::kFailed, message.request);
+    if (!budget_.allows(Time(now_ns()), Time(message.nanoseconds))) return reply(KeeperWord::kRefused, message.request);
+    // A firmware that does not watch the keeper gets no light.
+    if (!met_ || !arm(0, message.nanoseconds)) return reply(KeeperWord::kFailed, message.request);
+    wake_lock_.hold();
     lit_ = line_.set(true);
     lit_request_ = message.request;
     if (!lit_) {
       static_cast<void>(line_.set(false));
-      reply(KeeperWord::kFailed, message.request);
-      return;
+      wake_lock_.release();
+      return reply(KeeperWord::kFailed, message.request);
     }
     // Count the exposure from here. If this arming fails, the first one holds and the exposure is a little shorter.
-    const std::int64_t on_at = now_ns();
-    end_ = on_at + message.nanoseconds;
+    lit_at_ = now_ns();
+    end_ = lit_at_ + message.nanoseconds;
     static_cast<void>(arm(TFD_TIMER_ABSTIME, end_ - kSpinTime));
-    send(KeeperWord::kLit, message.request, on_at);
+    silence_.begin(kLitPace, Time(lit_at_));
+    send(KeeperWord::kLit, message.request, lit_at_);
   }
 
   bool arm(int flags, std::int64_t nanoseconds) const {
@@ -158,49 +200,74 @@ class Keeper {
 
   LampLine& line_;
   CoverLine* cover_;
+  Watchdog* watchdog_;
   int socket_;
+  int watch_socket_;
   int timer_;
   Contact cover_contact_;
+  LightBudget budget_;
+  WakeLock wake_lock_;
+  Silence silence_;   ///< of the firmware
+  bool met_ = false;  ///< the firmware has pinged
+  bool told_to_end_ = false;
+  Time fed_at_{};
   bool lit_ = false;
   bool stuck_ = false;
-  std::int64_t end_ = 0;  ///< of the exposure, CLOCK_MONOTONIC, ns
+  std::int64_t lit_at_ = 0;  ///< CLOCK_MONOTONIC, ns
+  std::int64_t end_ = 0;     ///< of the exposure, CLOCK_MONOTONIC, ns
   std::uint64_t lit_request_ = 0;
 };
 
 }  // namespace
 
-int keep_lamp(LampLine& line, CoverLine* cover, int socket, int firmware) {
+int keep_lamp(const KeeperDuty& duty) {
+  // The kernel continues a keeper that is stopped when its firmware dies, so that it can turn the line off.
+  ::prctl(PR_SET_PDEATHSIG, SIGCONT);
   sigset_t signals;
   ::sigemptyset(&signals);
   for (const int number : {SIGTERM, SIGINT, SIGHUP}) ::sigaddset(&signals, number);
   ::sigprocmask(SIG_BLOCK, &signals, nullptr);
   const int signal_file = ::signalfd(-1, &signals, SFD_CLOEXEC | SFD_NONBLOCK);
   const int timer = ::timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK);
-  // By number: C libraries older than Debian 12's lack the function.
-  const int process = static_cast<int>(::syscall(SYS_pidfd_open, firmware, 0));
-  if (signal_file < 0 || timer < 0 || process < 0) return 1;
+  const ProcessHandle firmware(duty.firmware);
+  // Not our parent: it died before the handle was made, and its number may be somebody else's.
+  if (signal_file < 0 || timer < 0 || !firmware.ok() || ::getppid() != duty.firmware) return 1;
 
-  Keeper keeper(line, cover, socket, timer);
+  Keeper keeper(duty, timer);
   bool serving = true;
-  while (serving) {
-    // poll() ignores negative descriptors and always reports hang-ups.
-    std::array<pollfd, 5> fds = {{{socket, POLLIN, 0},
+  while (serving && !keeper.firmware_is_silent()) {
+    // ppoll() ignores negative descriptors and always reports hang-ups.
+    std::array<pollfd, 6> fds = {{{duty.socket, POLLIN, 0},
                                   {timer, POLLIN, 0},
-                                  {process, POLLIN, 0},
+                                  {firmware.descriptor(), POLLIN, 0},
                                   {signal_file, POLLIN, 0},
-                                  {cover == nullptr ? -1 : cover->descriptor(), POLLIN, 0}}};
-    if (::poll(fds.data(), fds.size(), keeper.wait_ms()) < 0 && errno != EINTR) break;
+                                  {duty.watch_socket, POLLIN, 0},
+                                  {duty.cover == nullptr ? -1 : duty.cover->descriptor(), POLLIN, 0}}};
+    const timespec wait = keeper.wait();
+    if (::ppoll(fds.data(), fds.size(), &wait, nullptr) < 0 && errno != EINTR) break;
     if (keeper.stuck()) keeper.turn_off();
     keeper.poll_cover();
     std::uint64_t times = 0;
     if (::read(timer, &times, sizeof times) == sizeof times) keeper.end_exposure();
-    if ((fds[2].revents | fds[3].revents) != 0) serving = false;
+    keeper.watch_firmware();
+    if ((fds[2].revents | fds[3].revents | (fds[4].revents & POLLHUP)) != 0) serving = false;
     if (fds[0].revents != 0 && !keeper.receive()) serving = false;
   }
+  const bool silent = keeper.firmware_is_silent();
   keeper.turn_off();
+  if (silent) firmware.kill();
   // If the line still refuses, retry for about 1 s: the firmware is gone, so nothing else turns it off.
-  for (int tries = 0; tries < 1000 && !line.set(false); ++tries) ::usleep(1000);
-  for (const int fd : {signal_file, timer, process}) ::close(fd);
+  bool dark = duty.line.set(false);
+  for (int tries = 0; tries < 1000 && !dark; ++tries) {
+    ::usleep(1000);
+    dark = duty.line.set(false);
+  }
+  if (dark && keeper.told_to_end() && duty.watchdog != nullptr) duty.watchdog->disarm();
+  if (silent) {
+    std::fprintf(stderr,
+                 "plumbline-keeper: the firmware did not answer: the lamp was turned off and the firmware ended\n");
+  }
+  for (const int fd : {signal_file, timer}) ::close(fd);
   return 0;
 }
 

@@ -1,21 +1,34 @@
 #pragma once
 /// The keeper: a separate process that holds the lamp's line and turns it off in time.
 
-#include <cstdint>
+#include <sys/types.h>
 
 #include "hal/linux/lamp/cover_line.hpp"
 #include "hal/linux/lamp/lamp_line.hpp"
+#include "hal/linux/lamp/light_budget.hpp"
+#include "hal/linux/lamp/watchdog.hpp"
 
 namespace plumbline {
 
-/// Serves the firmware until its socket or process ends, or until SIGTERM, SIGINT or SIGHUP. The line is off when this returns.
+/// What the keeper holds and whom it serves.
+struct KeeperDuty {
+  LampLine& line;
+  CoverLine* cover = nullptr;    ///< null: the printer has no cover switch
+  Watchdog* watchdog = nullptr;  ///< null: the board has none
+  int socket = -1;               ///< SOCK_SEQPACKET, connected to the firmware
+  int watch_socket = -1;         ///< the same, for pings
+  pid_t firmware = 0;            ///< the process that started the keeper
+  LightLimits limits;
+};
+
+/// Serves the firmware until its socket or process ends, until it stops answering, or until SIGTERM, SIGINT or SIGHUP. The line is off
+/// when this returns.
 ///
 /// - the timer that turns the line off is armed before the line goes on
-/// - the line goes off at the first of: the deadline, an open cover, a request, the end of the firmware's socket or process
-/// @param cover     null: the printer has no cover switch
-/// @param socket    SOCK_SEQPACKET, connected to the firmware
-/// @param firmware  process ID
+/// - the line goes off at the first of: the deadline, an open cover, a request, the end or the silence of the firmware
+/// - a firmware that is silent is killed once the line is off
+/// - the watchdog is fed while the firmware is well, and stopped only if the firmware says that it ends
 /// @returns exit status: 0, or 1 if timer, signals or process could not be watched; then nothing was lit
-int keep_lamp(LampLine& line, CoverLine* cover, int socket, int firmware);
+int keep_lamp(const KeeperDuty& duty);
 
 }  // namespace plumbline

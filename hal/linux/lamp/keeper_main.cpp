@@ -1,89 +1,108 @@
 /// The program `plumbline-keeper`: holds the lamp's line for the firmware, which starts it.
 ///
-///   plumbline-keeper --line LINE [--cover LINE] --firmware PID       descriptor 3 is the socket to the firmware
+///   plumbline-keeper --line LINE [--cover LINE] [--watchdog DEVICE --watchdog-s SECONDS] --longest-ns N --per-minute-ns N
+///                    --firmware PID
 ///
-/// LINE is gpio:CHIP:OFFSET:high|low:BIAS, where high or low is the voltage that lights the lamp or means an open cover; or for
-/// tests file:PATH, to which the lamp's changes are written, or a FIFO from which the cover's are read.
+/// Descriptors 3 and 4 are the sockets to the firmware (keeper_protocol.hpp). LINE is gpio:CHIP:OFFSET:high|low:BIAS, where high or
+/// low is the voltage that lights the lamp or means an open cover; or for tests file:PATH, to which the lamp's changes are written, or
+/// a FIFO from which the cover's are read. DEVICE may be file:PATH in the same way.
 
-#include <cerrno>
+#include <unistd.h>
+
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <memory>
-#include <string>
+#include <optional>
 #include <string_view>
 
 #include "hal/linux/events/real_time.hpp"
-#include "hal/linux/lamp/file_cover_line.hpp"
-#include "hal/linux/lamp/file_lamp_line.hpp"
-#include "hal/linux/lamp/gpio_keeper_lines.hpp"
 #include "hal/linux/lamp/keeper.hpp"
+#include "hal/linux/lamp/keeper_lines.hpp"
+#include "hal/linux/lamp/keeper_protocol.hpp"
 
 namespace plumbline {
 namespace {
 
-constexpr std::string_view kFile = "file:";
+struct CommandLine {
+  std::string_view line;
+  std::string_view cover;
+  std::string_view watchdog;
+  long long watchdog_s = 0;
+  long long longest_ns = 0;
+  long long per_minute_ns = 0;
+  long long firmware = 0;
 
-template <class Line>
-using Opened = Expected<std::unique_ptr<Line>>;
+  bool complete() const { return !line.empty() && firmware > 0 && longest_ns > 0 && per_minute_ns > 0; }
+};
 
-Opened<LampLine> open_lamp(std::string_view text) {
-  if (text.starts_with(kFile)) {
-    auto file = std::make_unique<FileLampLine>(std::string(text.substr(kFile.size())));
-    if (!file->ok()) return fail(ErrorCode::kCannotOpen, "the lamp's line: %s", std::strerror(errno));
-    return file;
+CommandLine parse(int argc, char** argv) {
+  CommandLine options;
+  for (int i = 1; i + 1 < argc; i += 2) {
+    const std::string_view name = argv[i];
+    const char* const value = argv[i + 1];
+    const long long number = std::strtoll(value, nullptr, 10);
+    if (name == "--line") options.line = value;
+    if (name == "--cover") options.cover = value;
+    if (name == "--watchdog") options.watchdog = value;
+    if (name == "--watchdog-s") options.watchdog_s = number;
+    if (name == "--longest-ns") options.longest_ns = number;
+    if (name == "--per-minute-ns") options.per_minute_ns = number;
+    if (name == "--firmware") options.firmware = number;
   }
-  const auto option = parse_line_option(text);
-  if (!option) return fail(ErrorCode::kBadSetting, "the lamp's line: gpio:CHIP:OFFSET:high|low:BIAS, or file:PATH");
-  auto line = OutputLine::open(option->place, option->settings, "the lamp", false);
-  if (!line) return tl::unexpected<Error>(line.error());
-  return std::make_unique<GpioLampLine>(std::move(*line));
+  return options;
 }
 
-Opened<CoverLine> open_cover(std::string_view text) {
-  if (text.empty()) return nullptr;
-  if (text.starts_with(kFile)) {
-    auto file = std::make_unique<FileCoverLine>(std::string(text.substr(kFile.size())));
-    if (!file->ok()) return fail(ErrorCode::kCannotOpen, "the cover's line: %s", std::strerror(errno));
-    return file;
+/// A keeper whose firmware has just been killed needs a moment to turn the line off and release it.
+Expected<std::unique_ptr<LampLine>> take_lamp_line(std::string_view text) {
+  constexpr int kTries = 100;
+  constexpr useconds_t kBetween = 10'000;  // us: 1 s in all, as long as a keeper tries to turn a line off
+  auto line = open_lamp_line(text);
+  for (int tries = 1; tries < kTries && !line && line.error().code() == ErrorCode::kCannotOpen; ++tries) {
+    ::usleep(kBetween);
+    line = open_lamp_line(text);
   }
-  const auto option = parse_line_option(text);
-  if (!option) return fail(ErrorCode::kBadSetting, "the cover's line: gpio:CHIP:OFFSET:high|low:BIAS, or file:PATH");
-  auto line = InputLine::open(option->place, option->settings, "the cover");
-  if (!line) return tl::unexpected<Error>(line.error());
-  return std::make_unique<GpioCoverLine>(std::move(*line));
+  return line;
 }
 
-int run(std::string_view lamp_text, std::string_view cover_text, int firmware) {
-  constexpr int kSocket = 3;
+int refuse(const Error& error) {
+  std::fprintf(stderr, "plumbline-keeper: %s\n", error.message());
+  return 1;
+}
+
+int run(const CommandLine& options) {
   // Both help to meet the deadline. The keeper also works if they are not permitted.
-  static_cast<void>(lock_memory());
+  static_cast<void>(lock_memory(Untouched::kLoad));
   static_cast<void>(set_real_time_priority(kKeeperPriority));
 
-  const auto lamp = open_lamp(lamp_text);
-  const auto cover = open_cover(cover_text);
-  if (!lamp || !cover) {
-    std::fprintf(stderr, "plumbline-keeper: %s\n", (lamp ? cover.error() : lamp.error()).message());
-    return 1;
+  const auto lamp = take_lamp_line(options.line);
+  if (!lamp) return refuse(lamp.error());
+  const auto cover = open_cover_line(options.cover);
+  if (!cover) return refuse(cover.error());
+  std::optional<Watchdog> watchdog;
+  if (!options.watchdog.empty()) {
+    auto opened = Watchdog::open(options.watchdog, std::chrono::seconds(options.watchdog_s));
+    if (!opened) return refuse(opened.error());
+    watchdog.emplace(std::move(*opened));
   }
-  return keep_lamp(**lamp, cover->get(), kSocket, firmware);
+  return keep_lamp(
+      {.line = **lamp,
+       .cover = cover->get(),
+       .watchdog = watchdog ? &*watchdog : nullptr,
+       .socket = kKeeperSocket,
+       .watch_socket = kKeeperWatchSocket,
+       .firmware = static_cast<pid_t>(options.firmware),
+       .limits = {std::chrono::nanoseconds(options.longest_ns), std::chrono::nanoseconds(options.per_minute_ns)}});
 }
 
 }  // namespace
 }  // namespace plumbline
 
 int main(int argc, char** argv) {
-  std::string_view lamp;
-  std::string_view cover;
-  int firmware = 0;
-  for (int i = 1; i + 1 < argc; i += 2) {
-    if (std::strcmp(argv[i], "--line") == 0) lamp = argv[i + 1];
-    if (std::strcmp(argv[i], "--cover") == 0) cover = argv[i + 1];
-    if (std::strcmp(argv[i], "--firmware") == 0) firmware = static_cast<int>(std::strtol(argv[i + 1], nullptr, 10));
-  }
-  if (lamp.empty() || firmware <= 0) {
-    std::fputs("plumbline-keeper: started by the firmware: --line LINE [--cover LINE] --firmware PID\n", stderr);
+  const auto options = plumbline::parse(argc, argv);
+  if (!options.complete()) {
+    std::fputs("plumbline-keeper: holds the lamp's line for plumbline and plumblined, which start it\n", stderr);
     return 2;
   }
-  return plumbline::run(lamp, cover, firmware);
+  return plumbline::run(options);
 }

@@ -3,13 +3,18 @@
 ///
 ///   firmware -> keeper   request R: light for N ns     keeper arms its timer, turns the line on, replies "lit"
 ///   firmware -> keeper   request R: turn off           keeper turns the line off, replies "dark"
+///   firmware -> keeper   request R: end                keeper turns the line off, stops the watchdog, exits
 ///   keeper -> firmware   R lit at T                    T: CLOCK_MONOTONIC, ns
 ///   keeper -> firmware   R dark at T                   also unrequested, when the time of R is over
 ///   keeper -> firmware   R failed                      nothing was lit
+///   keeper -> firmware   R refused                     nothing was lit: above the board's limits of light
 ///   keeper -> firmware   cover opened at T             unrequested; the lamp is already off, and "dark" follows if it was lit
 ///   keeper -> firmware   cover closed at T             unrequested; the keeper also reports the cover's state when it starts
 ///
 /// When the socket ends, the keeper turns the line off and exits.
+///
+/// A second socket carries the watch: the firmware sends pings, numbers of 8 bytes, and the keeper sends each back at once. The pace is
+/// that of silence.hpp: quick while the lamp is lit, and from before the request for light.
 
 #include <cstdint>
 #include <type_traits>
@@ -23,7 +28,9 @@ enum class KeeperWord : std::uint32_t {
   kDark = 4,
   kFailed = 5,
   kCoverOpened = 6,
-  kCoverClosed = 7
+  kCoverClosed = 7,
+  kEnd = 8,
+  kRefused = 9
 };
 
 struct KeeperMessage {
@@ -35,7 +42,11 @@ struct KeeperMessage {
 };
 static_assert(sizeof(KeeperMessage) == 24 && std::is_trivially_copyable_v<KeeperMessage>);
 
-/// The keeper refuses longer exposures: 300 s, the largest max_exposure_s of a board file.
-inline constexpr std::int64_t kKeeperLongestNs = 300'000'000'000;
+/// A ping. Its number only tells it from another.
+using KeeperPing = std::uint64_t;
+
+/// The keeper's descriptors.
+inline constexpr int kKeeperSocket = 3;
+inline constexpr int kKeeperWatchSocket = 4;
 
 }  // namespace plumbline

@@ -6,9 +6,12 @@
 #include <array>
 #include <chrono>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 
+#include "hal/linux/lamp/keeper_guard.hpp"
+#include "hal/linux/lamp/light_budget.hpp"
 #include "slicer/core/error.hpp"
 
 namespace plumbline {
@@ -21,6 +24,8 @@ class LampKeeper {
   using Nanoseconds = std::chrono::nanoseconds;
   /// Longest wait for a reply. Longer tolerates a busier board, but a dead keeper then blocks the firmware for as long.
   static constexpr int kAnswerMs = 100;
+  /// The same for the first reply, which includes starting the program on a slow board.
+  static constexpr int kStartMs = 5000;
 
   /// What the keeper sends without a request.
   struct Notice {
@@ -28,25 +33,31 @@ class LampKeeper {
     Nanoseconds at{};  ///< CLOCK_MONOTONIC
   };
 
-  /// @param program  path of plumbline-keeper
-  /// @param line     for its --line
-  /// @param cover    for its --cover; empty: the printer has no cover switch
-  /// @retval ErrorCode::kLampFailed  it could not be started
-  [[nodiscard]] static Expected<LampKeeper> start(const std::string& program, const std::string& line,
-                                                  const std::string& cover = "");
+  struct Settings {
+    std::string program;                      ///< path of plumbline-keeper
+    std::string line;                         ///< of the lamp, for open_lamp_line()
+    std::string cover = {};                   ///< of its switch, for open_cover_line(); empty: the printer has none
+    std::string watchdog = {};                ///< for Watchdog::open(); empty: the board has none
+    std::chrono::seconds watchdog_timeout{};  ///<
+    LightLimits limits = {std::chrono::seconds(300), LightBudget::kMinute};  ///< the widest that a board file allows
+  };
+
+  /// Call it from the thread that lives as long as the process: the kernel tells the keeper when that one ends.
+  /// @retval ErrorCode::kLampFailed  it could not be started; it has written why to standard error
+  [[nodiscard]] static Expected<LampKeeper> start(const Settings& settings);
   LampKeeper(LampKeeper&& other) noexcept;
   LampKeeper& operator=(LampKeeper&&) = delete;
-  /// Waits until the lamp is off and the keeper has ended.
+  /// Tells the keeper to end, and waits until the lamp is off and it has ended.
   ~LampKeeper();
 
   /// Lights the lamp; off is armed before on.
-  /// @param cure  above 0
   /// @returns when the line went on, CLOCK_MONOTONIC
-  /// @retval ErrorCode::kLampFailed  no reply, or a refusal; turn_off() was tried
+  /// @retval ErrorCode::kExposureTooLong  not above 0, or above the limits; nothing was lit
+  /// @retval ErrorCode::kLampFailed       no reply, and the keeper was ended; or it could not arm its timer or set the line
   [[nodiscard]] Expected<Nanoseconds> light(Nanoseconds cure);
 
   /// @returns when the line was off at the latest, CLOCK_MONOTONIC
-  /// @retval ErrorCode::kLampFailed  no reply; the keeper's deadline still holds
+  /// @retval ErrorCode::kLampFailed  no reply, and the keeper was ended
   [[nodiscard]] Expected<Nanoseconds> turn_off();
 
   /// When the lamp last went off; nothing while it is lit. Never waits.
@@ -55,6 +66,12 @@ class LampKeeper {
   /// The oldest unread notice. Never waits. kGone comes once, when the keeper has ended.
   std::optional<Notice> next_notice();
 
+  /// Once the keeper is gone: waits until its line is off and held by this process.
+  /// @returns whether that is so
+  bool await_dark(std::chrono::milliseconds time) { return guard_->await_dark(time); }
+  /// Once the keeper is gone: why, for messages: "has ended", "did not answer".
+  const char* reason() const { return guard_->reason(); }
+
   /// For poll(): readable when the keeper has sent something.
   int descriptor() const { return socket_; }
   pid_t process() const { return process_; }
@@ -62,6 +79,8 @@ class LampKeeper {
  private:
   LampKeeper() = default;
   [[nodiscard]] Expected<Nanoseconds> await_answer(std::uint32_t word);
+  /// Ends a keeper that does not answer, so that it can't act later. @returns the error
+  tl::unexpected<Error> no_answer();
   void store(Notice::Kind kind, Nanoseconds at);
   void handle(const KeeperMessage& message);
   /// Handles all messages that have arrived.
@@ -69,6 +88,7 @@ class LampKeeper {
 
   int socket_ = -1;
   pid_t process_ = -1;
+  std::unique_ptr<KeeperGuard> guard_;  // null until the keeper has answered for the first time
   std::uint64_t request_ = 0;
   std::uint64_t lit_request_ = 0;  // the latest request for light
   std::optional<Nanoseconds> dark_at_;

@@ -1,7 +1,7 @@
 #pragma once
-/// Tracks the state of lamp and cover from the keeper's notices.
+/// Tracks the state of lamp and cover from the keeper's notices, and replaces a keeper that is gone.
 
-#include <functional>
+#include <memory>
 
 #include "hal/linux/events/event_queue.hpp"
 #include "hal/linux/events/event_source.hpp"
@@ -13,35 +13,41 @@ class LampWatch final : public EventSource {
  public:
   using Time = std::chrono::nanoseconds;
 
-  /// @param has_cover  whether the keeper watches a cover switch
-  /// @param hold_line_off  takes the lamp's line itself and turns it off: called once, should the keeper end
-  LampWatch(LampKeeper keeper, EventQueue& events, bool has_cover, std::function<void()> hold_line_off);
+  /// Starts the keeper. @retval as LampKeeper::start()
+  [[nodiscard]] static Expected<std::unique_ptr<LampWatch>> start(LampKeeper::Settings settings, EventQueue& events);
 
-  LampKeeper& keeper() { return keeper_; }
+  /// @retval ErrorCode::kLampFailed  there is no keeper, and none could be started
+  [[nodiscard]] Expected<LampKeeper*> keeper();
   bool lit() const { return lit_; }
-  /// Also true on a printer with a cover switch once the keeper is gone, since nobody watches the switch.
+  /// Also true on a printer with a cover switch while there is no keeper, since nobody watches the switch.
   bool cover_open() const { return open_; }
-  bool gone() const { return gone_; }
   /// When the lamp last went off.
   Time dark_at() const { return dark_at_; }
   bool cut_by_cover() const { return cut_by_cover_; }
+  /// If the keeper's end cut the last exposure short: why it ended, for messages. Otherwise null.
+  const char* cut_by_loss() const { return cut_by_loss_; }
 
   void on_lit(Time at);
 
-  int descriptor() const override { return gone_ ? -1 : keeper_.descriptor(); }
+  int descriptor() const override { return keeper_ && !gone_ ? keeper_->descriptor() : -1; }
   void drain(Time now) override;
 
  private:
+  LampWatch(LampKeeper::Settings settings, EventQueue& events) : settings_(std::move(settings)), events_(events) {}
+  Status start_keeper();
   void on_dark(Time at);
+  /// The keeper is gone: its line is held by this process, or still lit.
+  void on_gone(Time now);
 
-  LampKeeper keeper_;
+  LampKeeper::Settings settings_;
   EventQueue& events_;
-  bool has_cover_;
-  std::function<void()> hold_line_off_;
+  std::unique_ptr<LampKeeper> keeper_;  // a keeper that is gone stays here, since its guard holds the line
+  std::unique_ptr<LampLine> held_;      // if no keeper could be started
+  bool gone_ = true;
   bool lit_ = false;
   bool open_ = false;
-  bool gone_ = false;
   bool cut_by_cover_ = false;
+  const char* cut_by_loss_ = nullptr;
   Time dark_at_{};
 };
 

@@ -6,10 +6,9 @@ namespace plumbline {
 
 Expected<TimePoint> LinuxUvLamp::do_begin(nanoseconds cure) {
   watch_.drain(monotonic_now());
-  if (watch_.gone()) {
-    return fail(ErrorCode::kLampFailed, "the lamp's keeper is gone:\tswitch the printer off and on");
-  }
-  const auto lit = watch_.keeper().light(cure);
+  const auto keeper = watch_.keeper();
+  PLUMBLINE_TRY(keeper);
+  const auto lit = (*keeper)->light(cure);
   if (!lit) return tl::unexpected<Error>(lit.error());
   began_at_ = *lit;
   asked_ = cure;
@@ -26,8 +25,8 @@ bool LinuxUvLamp::do_lit() const {
 
 void LinuxUvLamp::do_turn_off() noexcept {
   if (!do_lit()) return;
-  // Without a reply the lamp counts as lit, which do_report() reports. The keeper's deadline still holds.
-  static_cast<void>(watch_.keeper().turn_off());
+  // A keeper that does not reply is ended, and its line taken. Until that has worked the lamp counts as lit, which do_report() reports.
+  if (const auto keeper = watch_.keeper()) static_cast<void>((*keeper)->turn_off());
   watch_.drain(monotonic_now());
 }
 
@@ -35,8 +34,10 @@ Expected<ExposureReport> LinuxUvLamp::do_report() {
   if (do_lit()) {
     return fail(ErrorCode::kLampStuckOn, "the lamp's line could not be turned off:\tpull the plug of the printer");
   }
-  if (watch_.gone()) {
-    return fail(ErrorCode::kLampFailed, "the lamp's keeper died during an exposure:\tswitch the printer off and on");
+  if (const char* const reason = watch_.cut_by_loss()) {
+    return fail(ErrorCode::kLampFailed,
+                "the lamp's keeper %s during an exposure: the firmware turned the lamp off and started another keeper",
+                reason);
   }
   constexpr nanoseconds kOnTime = std::chrono::milliseconds(1);  // UvLamp promises the deadline to within 1 ms
   ExposureReport report;

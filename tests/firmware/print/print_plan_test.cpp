@@ -3,7 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <random>
+#include <utility>
+#include <vector>
 
 namespace plumbline {
 namespace {
@@ -94,6 +98,63 @@ TEST(PrintPlan, FadesTheElephantFootWithTheExposure) {
   EXPECT_EQ(elephant_foot_of(p, 4), 180_um);
   EXPECT_EQ(elephant_foot_of(p, 5), 160_um) << "180 (1 - 1/9)";
   EXPECT_EQ(elephant_foot_of(p, 13), 0_um);
+}
+
+/// Most light in any minute by brute force, from the times of all exposures.
+nanoseconds most_light_by_brute_force(const PrintPlan& plan) {
+  std::vector<std::pair<nanoseconds, nanoseconds>> lit;
+  nanoseconds now{};
+  for (std::uint32_t k = 0; k < plan.layers; ++k) {
+    // The dark part of a layer's time lies before its light here. That moves all of it by the same.
+    if (k > 0) now += layer_time(plan, k) - exposure_of(plan, k) - 2 * plan.mask_change;
+    lit.emplace_back(now, now + exposure_of(plan, k));
+    now = lit.back().second;
+  }
+  nanoseconds most{};
+  for (const auto& last : lit) {
+    nanoseconds light{};
+    for (const auto& one : lit) {
+      const auto from = std::max(one.first, last.second - 60s);
+      light += std::max(std::min(one.second, last.second) - from, 0ns);
+    }
+    most = std::max(most, light);
+  }
+  return most;
+}
+
+TEST(PrintPlan, FindsTheMostLightInAMinute) {
+  std::mt19937 random(5);
+  const auto pick = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
+  for (int round = 0; round < 50; ++round) {
+    auto one = profile();
+    one.exposure_time = pick(0.5, 20);
+    one.initial_exposure_time = pick(0.5, 30);
+    one.bottom_layer_count = static_cast<std::uint32_t>(1 + random() % 10);
+    one.faded_layers = static_cast<std::uint32_t>(random() % 10);
+    one.wait_time_after_lift = pick(0, 5);
+    const auto plan = plan_print(one, machine(), 0.05, static_cast<std::uint32_t>(1 + random() % 200));
+    ASSERT_TRUE(plan) << plan.error().message();
+    EXPECT_EQ(most_light_in_a_minute(*plan).count(), most_light_by_brute_force(*plan).count()) << round;
+  }
+}
+
+TEST(PrintPlan, RefusesMoreLightInAMinuteThanTheLampMayGive) {
+  auto bright = profile();
+  bright.initial_exposure_time = 26;
+  bright.bottom_layer_count = 3;
+  bright.lift_height = 0.5;
+  bright.lift_height2 = 0;
+  bright.retract_height2 = 0;
+  bright.wait_time_after_lift = 3;
+  auto lamp = machine();
+  EXPECT_TRUE(plan_print(bright, lamp, 0.05, 100)) << "two exposures, and twice over 3 s of dark";
+  lamp.max_light_per_minute_s = 50;
+  const auto refused = plan_print(bright, lamp, 0.05, 100);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code(), ErrorCode::kExposureTooLong);
+  EXPECT_THAT(refused.error().message(), HasSubstr("of light in a minute, this printer's lamp may be lit for 50 s"));
+  bright.wait_time_after_lift = 10;
+  EXPECT_TRUE(plan_print(bright, lamp, 0.05, 100));
 }
 
 TEST(PrintPlan, RefusesWhatTheMachineCannotDo) {

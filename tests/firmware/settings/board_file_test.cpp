@@ -136,7 +136,7 @@ TEST(BoardFile, RefusesAnUnknownTableAndNamesTheNearest) {
             "z_stage, lamp, cover, temperatures, tank, print, memory, display, lamp_line, cover_line, step_line, "
             "direction_line, enable_line, end_stop_line, start_button, pause_button, cancel_button, ready_light, "
             "printing_light, attention_light, fault_light, buzzer, lamp_sensor, resin_sensor, board_sensor, lamp_fan, "
-            "chamber_fan, stick");
+            "chamber_fan, stick, watchdog");
 }
 
 TEST(BoardFile, SaysInWhichTableAKeyBelongs) {
@@ -250,6 +250,8 @@ TEST(BoardFile, ReadsTheWiring) {
   EXPECT_EQ(wiring.cover.bias, LineBias::kPullUp);
   EXPECT_EQ(wiring.thermals.sensors[1].file, "/run/rig/resin_temperature");
   EXPECT_FALSE(wiring.pause_button.given());
+  EXPECT_EQ(wiring.watchdog.device, "/dev/watchdog0");
+  EXPECT_EQ(wiring.watchdog.timeout_s, 10U);
   EXPECT_TRUE(missing_tables(wiring).empty());
 }
 
@@ -270,6 +272,8 @@ TEST(BoardFile, RefusesALineGivenTwiceOrIncompletely) {
               HasSubstr("a sensor is given by exactly one of hwmon, thermal_zone and file"));
   EXPECT_THAT(refusal(rig_with("[lamp_sensor]", "[lamp_fan]\nchannel = 1\n[lamp_sensor]")),
               HasSubstr("a fan is given either by hwmon or by pwm_chip"));
+  EXPECT_THAT(refusal(rig_with("device = \"/dev/watchdog0\"", "")), HasSubstr("a watchdog is given by device"));
+  EXPECT_THAT(refusal(rig_with("timeout_s = 10", "timeout_s = 1")), HasSubstr("an integer from 2 to 60"));
   EXPECT_THAT(refusal(rig_with("offset = 1\n", "offset = 1024\n")), HasSubstr("an integer from 0 to 1023"));
 }
 
