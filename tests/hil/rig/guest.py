@@ -17,8 +17,10 @@ PACKAGES = (
 KERNEL = {"arm64": "arm64", "armhf": "armmp"}
 TRIPLET = {"arm64": "aarch64-linux-gnu", "armhf": "arm-linux-gnueabihf"}
 
-# Modules that Debian's kernels don't have built in: the bus and its console, panel, sticks and their file systems, the board's own disk.
+# Modules that Debian's kernels don't have built in: the bus and its console, watchdog, panel, sticks and their file systems, the
+# board's own disk.
 MODULES = (
+    "i6300esb "
     "virtio_pci virtio_mmio virtio_console virtio_blk virtio_gpu xhci_pci usb_storage uas sd_mod vfat exfat "
     "nls_cp437 nls_ascii nls_utf8 nls_iso8859_1 ext4 crc32c_generic"
 ).split()

@@ -98,6 +98,7 @@ class Machine:
         command += ["-qtest-log", "/dev/null", "-device", "virtio-serial-pci"]
         command += ["-chardev", f"socket,id=shell,path={folder}/shell,server=on,wait=off"]
         command += ["-device", "virtserialport,chardev=shell", "-device", "qemu-xhci,id=xhci"]
+        command += ["-device", "i6300esb", "-action", "watchdog=reset"]
         command += ["-device", f"virtio-gpu-pci,id=panel,xres={panel[0]},yres={panel[1]}"]
         if disk:
             command += ["-drive", f"if=virtio,format=raw,file={disk},cache=writethrough"]

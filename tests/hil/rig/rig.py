@@ -21,6 +21,9 @@ LAYER_STEPS = round(0.1 / STEP_MM)
 LIFT_STEPS = round(1.0 / STEP_MM)
 OPTIONS = None
 
+# Stops the watchdog that a killed firmware leaves running.
+DISARM = "echo V > /dev/watchdog0"
+
 # Host seconds. Generous: emulation on a busy host is slow, which says nothing about the firmware.
 PATIENCE = 180
 
@@ -131,7 +134,7 @@ class Rig(unittest.TestCase):
         if any(error for _, error in getattr(self._outcome, "errors", [])) or not self._outcome.success:
             self.tell(self.log()[-3000:])
         self.machine.run("killall -9 plumblined plumblined-broken; while pidof plumblined plumblined-broken plumbline-keeper;"
-                         " do usleep 50000; done")
+                         " do usleep 50000; done; " + DISARM)
         if self.stage:
             self.stage.end()
         if self.plugged:
