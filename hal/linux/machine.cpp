@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "hal/linux/events/real_time.hpp"
-#include "hal/linux/lamp/gpio_keeper_lines.hpp"
+#include "hal/linux/keeper/gpio_keeper_lines.hpp"
 
 namespace plumbline {
 

@@ -28,7 +28,7 @@ ORDER = {
     "slicer": ["core", "reader", "cloud", "placement", "implicit", "normals", "views", "surface", "rrep", "rays", "layers",
                "supports", "plan"],
     "slicer/reader": ["stream", "records", "formats"],
-    "hal/linux": ["gpio", "events", "lamp", "stage", "display", "stick", "thermals"],
+    "hal/linux": ["gpio", "events", "keeper", "lamp", "stage", "display", "stick", "thermals"],
     "firmware": ["io", "settings", "pictures", "sample", "machine", "slice", "print", "daemon", "cli"],
 }
 

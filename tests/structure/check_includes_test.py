@@ -102,8 +102,8 @@ class CheckIncludes(unittest.TestCase):
                          "slicer/reader/stream/bad.cpp:1", "the order in slicer/reader is stream, records, formats, then")
         self.assert_only({"firmware/io/bad.cpp": '#include "firmware/cli/commands.hpp"\n'},
                          "firmware/io/bad.cpp:1", "firmware/io -> firmware/cli is the wrong way")
-        self.assert_only({"hal/linux/gpio/bad.cpp": '#include "hal/linux/lamp/keeper.hpp"\n'},
-                         "hal/linux/gpio/bad.cpp:1", "hal/linux/gpio -> hal/linux/lamp is the wrong way")
+        self.assert_only({"hal/linux/gpio/bad.cpp": '#include "hal/linux/keeper/keeper.hpp"\n'},
+                         "hal/linux/gpio/bad.cpp:1", "hal/linux/gpio -> hal/linux/keeper is the wrong way")
 
     def test_no_folder_includes_the_files_above_it(self):
         self.assert_only({"slicer/plan/bad.cpp": '#include "slicer/slicer.hpp"\n'},

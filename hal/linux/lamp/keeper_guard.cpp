@@ -14,9 +14,9 @@
 
 #include "hal/linux/events/clock.hpp"
 #include "hal/linux/events/real_time.hpp"
-#include "hal/linux/lamp/keeper_lines.hpp"
-#include "hal/linux/lamp/keeper_protocol.hpp"
-#include "hal/linux/lamp/silence.hpp"
+#include "hal/linux/keeper/keeper_lines.hpp"
+#include "hal/linux/keeper/keeper_protocol.hpp"
+#include "hal/linux/keeper/silence.hpp"
 
 namespace plumbline {
 namespace {

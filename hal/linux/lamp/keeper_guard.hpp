@@ -9,8 +9,8 @@
 #include <string>
 #include <thread>
 
-#include "hal/linux/lamp/lamp_line.hpp"
-#include "hal/linux/lamp/process_handle.hpp"
+#include "hal/linux/keeper/lamp_line.hpp"
+#include "hal/linux/keeper/process_handle.hpp"
 
 namespace plumbline {
 

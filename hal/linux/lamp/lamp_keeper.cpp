@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-#include "hal/linux/lamp/keeper_protocol.hpp"
+#include "hal/linux/keeper/keeper_protocol.hpp"
 
 namespace plumbline {
 namespace {

@@ -11,7 +11,7 @@
 #include <string>
 
 #include "hal/linux/lamp/keeper_guard.hpp"
-#include "hal/linux/lamp/light_budget.hpp"
+#include "hal/linux/keeper/light_budget.hpp"
 #include "slicer/core/error.hpp"
 
 namespace plumbline {

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "hal/linux/lamp/keeper_lines.hpp"
+#include "hal/linux/keeper/keeper_lines.hpp"
 
 namespace plumbline {
 namespace {

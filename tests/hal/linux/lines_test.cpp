@@ -9,7 +9,7 @@
 #include "hal/linux/events/shutdown_signal.hpp"
 #include "hal/linux/gpio/contact.hpp"
 #include "hal/linux/gpio/line_registry.hpp"
-#include "hal/linux/lamp/gpio_keeper_lines.hpp"
+#include "hal/linux/keeper/gpio_keeper_lines.hpp"
 
 namespace plumbline {
 namespace {

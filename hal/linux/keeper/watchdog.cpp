@@ -1,4 +1,4 @@
-#include "hal/linux/lamp/watchdog.hpp"
+#include "hal/linux/keeper/watchdog.hpp"
 
 #include <fcntl.h>
 #include <linux/watchdog.h>

@@ -1,4 +1,4 @@
-#include "hal/linux/lamp/file_lamp_line.hpp"
+#include "hal/linux/keeper/file_lamp_line.hpp"
 
 #include <fcntl.h>
 #include <sys/file.h>

@@ -17,9 +17,9 @@
 #include <string_view>
 
 #include "hal/linux/events/real_time.hpp"
-#include "hal/linux/lamp/keeper.hpp"
-#include "hal/linux/lamp/keeper_lines.hpp"
-#include "hal/linux/lamp/keeper_protocol.hpp"
+#include "hal/linux/keeper/keeper.hpp"
+#include "hal/linux/keeper/keeper_lines.hpp"
+#include "hal/linux/keeper/keeper_protocol.hpp"
 
 namespace plumbline {
 namespace {

@@ -1,4 +1,4 @@
-#include "hal/linux/lamp/wake_lock.hpp"
+#include "hal/linux/keeper/wake_lock.hpp"
 
 #include <sys/epoll.h>
 #include <sys/eventfd.h>

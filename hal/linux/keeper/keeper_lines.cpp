@@ -1,13 +1,13 @@
-#include "hal/linux/lamp/keeper_lines.hpp"
+#include "hal/linux/keeper/keeper_lines.hpp"
 
 #include <cerrno>
 #include <cstring>
 #include <optional>
 #include <string>
 
-#include "hal/linux/lamp/file_cover_line.hpp"
-#include "hal/linux/lamp/file_lamp_line.hpp"
-#include "hal/linux/lamp/gpio_keeper_lines.hpp"
+#include "hal/linux/keeper/file_cover_line.hpp"
+#include "hal/linux/keeper/file_lamp_line.hpp"
+#include "hal/linux/keeper/gpio_keeper_lines.hpp"
 
 namespace plumbline {
 namespace {

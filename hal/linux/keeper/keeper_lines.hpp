@@ -4,8 +4,8 @@
 #include <memory>
 #include <string_view>
 
-#include "hal/linux/lamp/cover_line.hpp"
-#include "hal/linux/lamp/lamp_line.hpp"
+#include "hal/linux/keeper/cover_line.hpp"
+#include "hal/linux/keeper/lamp_line.hpp"
 #include "slicer/core/error.hpp"
 
 namespace plumbline {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "hal/linux/lamp/lamp_line.hpp"
+#include "hal/linux/keeper/lamp_line.hpp"
 
 namespace plumbline {
 

@@ -1,4 +1,4 @@
-#include "hal/linux/lamp/silence.hpp"
+#include "hal/linux/keeper/silence.hpp"
 
 #include <gtest/gtest.h>
 

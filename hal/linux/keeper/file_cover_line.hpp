@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "hal/linux/lamp/cover_line.hpp"
+#include "hal/linux/keeper/cover_line.hpp"
 
 namespace plumbline {
 

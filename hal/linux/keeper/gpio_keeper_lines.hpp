@@ -6,8 +6,8 @@
 #include <string_view>
 
 #include "hal/linux/gpio/gpio_line.hpp"
-#include "hal/linux/lamp/cover_line.hpp"
-#include "hal/linux/lamp/lamp_line.hpp"
+#include "hal/linux/keeper/cover_line.hpp"
+#include "hal/linux/keeper/lamp_line.hpp"
 
 namespace plumbline {
 

@@ -1,4 +1,4 @@
-#include "hal/linux/lamp/gpio_keeper_lines.hpp"
+#include "hal/linux/keeper/gpio_keeper_lines.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "hal/linux/lamp/keeper.hpp"
+#include "hal/linux/keeper/keeper.hpp"
 
 #include <poll.h>
 #include <sys/prctl.h>
@@ -16,10 +16,10 @@
 
 #include "hal/linux/gpio/contact.hpp"
 #include "hal/linux/gpio/edges.hpp"
-#include "hal/linux/lamp/keeper_protocol.hpp"
-#include "hal/linux/lamp/process_handle.hpp"
-#include "hal/linux/lamp/silence.hpp"
-#include "hal/linux/lamp/wake_lock.hpp"
+#include "hal/linux/keeper/keeper_protocol.hpp"
+#include "hal/linux/keeper/process_handle.hpp"
+#include "hal/linux/keeper/silence.hpp"
+#include "hal/linux/keeper/wake_lock.hpp"
 
 namespace plumbline {
 namespace {

@@ -1,4 +1,4 @@
-#include "hal/linux/lamp/process_handle.hpp"
+#include "hal/linux/keeper/process_handle.hpp"
 
 #include <poll.h>
 #include <sys/syscall.h>

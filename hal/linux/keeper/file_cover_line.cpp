@@ -1,4 +1,4 @@
-#include "hal/linux/lamp/file_cover_line.hpp"
+#include "hal/linux/keeper/file_cover_line.hpp"
 
 #include <fcntl.h>
 #include <unistd.h>

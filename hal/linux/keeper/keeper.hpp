@@ -3,10 +3,10 @@
 
 #include <sys/types.h>
 
-#include "hal/linux/lamp/cover_line.hpp"
-#include "hal/linux/lamp/lamp_line.hpp"
-#include "hal/linux/lamp/light_budget.hpp"
-#include "hal/linux/lamp/watchdog.hpp"
+#include "hal/linux/keeper/cover_line.hpp"
+#include "hal/linux/keeper/lamp_line.hpp"
+#include "hal/linux/keeper/light_budget.hpp"
+#include "hal/linux/keeper/watchdog.hpp"
 
 namespace plumbline {
 

@@ -1,4 +1,4 @@
-#include "hal/linux/lamp/light_budget.hpp"
+#include "hal/linux/keeper/light_budget.hpp"
 
 #include <gtest/gtest.h>
 
