@@ -79,8 +79,8 @@ struct StickSettings {
 /// [watchdog]: resets the board unless the keeper feeds it.
 struct WatchdogSettings {
   std::string device;  ///< "/dev/watchdog0"; empty: the board has none
-  std::uint32_t timeout_s =
-      10;  ///< the Raspberry Pi's goes up to 15 s; shorter leaves less time to restart a daemon that died
+  /// The Raspberry Pi's goes up to 15 s. A shorter time leaves less to restart a daemon that died.
+  std::uint32_t timeout_s = 10;
 };
 
 /// What the board file leaves out is empty.

@@ -44,10 +44,11 @@ constexpr std::array kFaults{
               "Pull the plug now, then have the lamp's driver replaced."},
     FaultInfo{FaultCode::kLampDead, "lamp dead", "There is no light although the lamp was turned on.",
               "Check the lamp, its cable and its fuse, then resume."},
-    FaultInfo{FaultCode::kLampKeeper, "lamp not guarded",
-              "What turns the lamp off in time could not be armed or did not answer, so the lamp stayed dark or was "
-              "turned off.",
-              "Resume. If it happens again, switch the printer off and on."},
+    FaultInfo{
+        FaultCode::kLampKeeper, "lamp not guarded",
+        "The keeper, which turns the lamp off in time, failed or did not answer. The lamp stayed dark or was turned "
+        "off.",
+        "Resume. If it happens again, switch the printer off and on."},
     FaultInfo{FaultCode::kExposureTooLong, "exposure too long",
               "The profile exposes for longer than the lamp may be lit.",
               "Lower exposure_time or initial_exposure_time."},

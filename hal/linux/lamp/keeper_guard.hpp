@@ -14,8 +14,8 @@
 
 namespace plumbline {
 
-/// Pings the keeper from a thread with real-time priority, so that a busy main loop does not matter. If the keeper ends or does not
-/// answer, it is killed and the lamp's line taken, turned off and held: a line that a process released keeps its level.
+/// Pings the keeper from a thread of its own with real-time priority, so a busy main loop delays no ping. If the keeper does not
+/// answer, it is killed. If it is gone, its line is taken, turned off and held, because a released line keeps its level.
 class KeeperGuard {
  public:
   /// @param keeper  a child of this process, which nobody else waits for
