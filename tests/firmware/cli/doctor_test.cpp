@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <fstream>
@@ -81,6 +82,21 @@ TEST(Doctor, FindsWhatABoardWithoutAPrinterLacks) {
     wrong += one.verdict == Verdict::kWrong ? 1 : 0;
   }
   EXPECT_GE(wrong, 8) << "lamp, step, direction, end stop, panel, three sensors";
+}
+
+TEST(Doctor, ChecksThatTheWatchdogIsADeviceThatCanBeWritten) {
+  auto board = read_board_file(PLUMBLINE_SOURCE_DIR "/board/mono2k.toml").value();
+  const auto check = [&](const char* device) {
+    board.machine->wiring.watchdog.device = device;
+    const auto findings = examine_machine(board, *board.machine).value();
+    return *std::find_if(findings.begin(), findings.end(), [](const auto& one) { return one.what == "the watchdog"; });
+  };
+  EXPECT_EQ(check("").verdict, Verdict::kPoor) << "it prints without one";
+  EXPECT_EQ(check("/dev/null").verdict, Verdict::kGood) << "any device that can be written";
+  EXPECT_THAT(check(PLUMBLINE_SOURCE_DIR "/README.md").found, HasSubstr("is no device"));
+  const MachineFinding missing = check("/dev/no-watchdog");
+  EXPECT_EQ(missing.verdict, Verdict::kWrong);
+  EXPECT_THAT(missing.found, HasSubstr("No such file"));
 }
 
 TEST(BackEnd, RefusesABoardFileWithoutWiring) {
