@@ -12,8 +12,8 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
-#include <ctime>
 
+#include "hal/linux/events/clock.hpp"
 #include "hal/linux/gpio/contact.hpp"
 #include "hal/linux/gpio/edges.hpp"
 #include "hal/linux/keeper/keeper_protocol.hpp"
@@ -24,20 +24,12 @@
 namespace plumbline {
 namespace {
 
-/// The timer fires this long before an exposure's end, ns; from there the keeper spins. A scheduler may wake a process late, on a
-/// slow board by up to 1 ms. A longer spin catches more of that and costs a core for longer in each layer.
-constexpr std::int64_t kSpinTime = 500'000;
-
-std::int64_t now_ns() {
-  timespec now{};
-  ::clock_gettime(CLOCK_MONOTONIC, &now);
-  return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
-}
+/// The timer fires this long before an exposure's end; from there the keeper spins. A scheduler may wake a process late, on a slow
+/// board by up to 1 ms. A longer spin catches more of that and costs a core for longer in each layer.
+constexpr nanoseconds kSpinTime = std::chrono::microseconds(500);
 
 class Keeper {
  public:
-  using Time = std::chrono::nanoseconds;  // CLOCK_MONOTONIC
-
   Keeper(const KeeperDuty& duty, int timer)
       : line_(duty.line),
         cover_(duty.cover),
@@ -47,25 +39,26 @@ class Keeper {
         timer_(timer),
         cover_contact_(cover_ != nullptr && cover_->open()),
         budget_(duty.limits) {
-    const Time now(now_ns());
-    report_cover(now.count());
+    const nanoseconds now = monotonic_now();
+    if (duty.lit_before > nanoseconds()) budget_.add(now - duty.lit_before, now);
+    report_cover(now);
     silence_.begin(kDarkPace, now);
   }
 
   void turn_off() {
     stuck_ = !line_.set(false);
     if (stuck_ || !lit_) return;
-    const std::int64_t now = now_ns();
+    const nanoseconds now = monotonic_now();
     lit_ = false;
     send(KeeperWord::kDark, lit_request_, now);
-    budget_.add(Time(lit_at_), Time(now));
-    silence_.begin(kDarkPace, Time(now));
+    budget_.add(lit_at_, now);
+    silence_.begin(kDarkPace, now);
     wake_lock_.release();
   }
 
   /// Called when the timer has fired.
   void end_exposure() {
-    while (lit_ && now_ns() < end_) {
+    while (lit_ && monotonic_now() < end_) {
     }
     turn_off();
   }
@@ -78,17 +71,17 @@ class Keeper {
     if (cover_ == nullptr) return;
     for_each_edge(*cover_, [&](const CoverLine::Edge& edge) { on_cover_edge(edge.open, edge.at); });
     // A bounce may have more edges than the kernel buffers.
-    const Contact::Time now(now_ns());
+    const nanoseconds now = monotonic_now();
     on_cover_edge(cover_->open(), now);
-    if (const auto closed = cover_contact_.settle(now)) report_cover(closed->count());
+    if (const auto closed = cover_contact_.settle(now)) report_cover(*closed);
   }
 
   /// How long to wait for descriptors: until the next retry, until the cover's contact has settled, or until the next look at the
   /// firmware.
   timespec wait() const {
-    constexpr Time kRetry = std::chrono::milliseconds(1);
-    const Time due = std::min(silence_.due(), cover_contact_.due().value_or(Time::max()));
-    const Time wait = stuck_ ? kRetry : std::max(due - Time(now_ns()), Time());
+    constexpr nanoseconds kRetry = std::chrono::milliseconds(1);
+    const nanoseconds due = std::min(silence_.due(), cover_contact_.due().value_or(nanoseconds::max()));
+    const nanoseconds wait = stuck_ ? kRetry : std::max(due - monotonic_now(), nanoseconds());
     timespec time{};
     time.tv_nsec = static_cast<long>(wait.count());  // a tick is below 1 s
     return time;
@@ -100,10 +93,10 @@ class Keeper {
     while (::recv(watch_socket_, &ping, sizeof ping, MSG_DONTWAIT) == sizeof ping) {
       static_cast<void>(::send(watch_socket_, &ping, sizeof ping, MSG_DONTWAIT | MSG_NOSIGNAL));
       silence_.heard();
-      if (!met_) silence_.begin(kDarkPace, Time(now_ns()));
+      if (!met_) silence_.begin(kDarkPace, monotonic_now());
       met_ = true;
     }
-    const Time now(now_ns());
+    const nanoseconds now = monotonic_now();
     if (now < silence_.due()) return;
     silence_.tick(now);
     if (watchdog_ == nullptr || !silence_.well() || now - fed_at_ < Watchdog::kFeedEvery) return;
@@ -145,9 +138,10 @@ class Keeper {
   void light(const KeeperMessage& message) {
     poll_cover();
     if (lit_ || cover_contact_.on()) return reply(KeeperWord::kFailed, message.request);
-    if (!budget_.allows(Time(now_ns()), Time(message.nanoseconds))) return reply(KeeperWord::kRefused, message.request);
+    const nanoseconds cure(message.nanoseconds);
+    if (!budget_.allows(monotonic_now(), cure)) return reply(KeeperWord::kRefused, message.request);
     // A firmware that does not watch the keeper gets no light.
-    if (!met_ || !arm(0, message.nanoseconds)) return reply(KeeperWord::kFailed, message.request);
+    if (!met_ || !arm(0, cure)) return reply(KeeperWord::kFailed, message.request);
     wake_lock_.hold();
     lit_ = line_.set(true);
     lit_request_ = message.request;
@@ -157,43 +151,39 @@ class Keeper {
       return reply(KeeperWord::kFailed, message.request);
     }
     // Count the exposure from here. If this arming fails, the first one holds and the exposure is a little shorter.
-    lit_at_ = now_ns();
-    end_ = lit_at_ + message.nanoseconds;
+    lit_at_ = monotonic_now();
+    end_ = lit_at_ + cure;
     static_cast<void>(arm(TFD_TIMER_ABSTIME, end_ - kSpinTime));
-    silence_.begin(kLitPace, Time(lit_at_));
+    silence_.begin(kLitPace, lit_at_);
     send(KeeperWord::kLit, message.request, lit_at_);
   }
 
-  bool arm(int flags, std::int64_t nanoseconds) const {
+  bool arm(int flags, nanoseconds time) const {
     itimerspec deadline{};
-    deadline.it_value.tv_sec = static_cast<time_t>(nanoseconds / 1'000'000'000);
-    deadline.it_value.tv_nsec = static_cast<long>(nanoseconds % 1'000'000'000);
+    deadline.it_value.tv_sec = static_cast<time_t>(time.count() / 1'000'000'000);
+    deadline.it_value.tv_nsec = static_cast<long>(time.count() % 1'000'000'000);
     return ::timerfd_settime(timer_, flags, &deadline, nullptr) == 0;
   }
 
-  void on_cover_edge(bool open, Contact::Time at) {
+  void on_cover_edge(bool open, nanoseconds at) {
     if (!cover_contact_.update(open, at)) return;
-    if (lit_) {
-      // Line off first. Then send the reason, then "dark".
-      stuck_ = !line_.set(false);
-      report_cover(at.count());
-      turn_off();
-    } else {
-      report_cover(at.count());
-    }
+    // Line off first. Then send the reason, then "dark".
+    if (lit_) stuck_ = !line_.set(false);
+    report_cover(at);
+    if (lit_) turn_off();
   }
 
-  void report_cover(std::int64_t at) const {
+  void report_cover(nanoseconds at) const {
     if (cover_ != nullptr) send(cover_contact_.on() ? KeeperWord::kCoverOpened : KeeperWord::kCoverClosed, 0, at);
   }
 
-  void reply(KeeperWord word, std::uint64_t request) const { send(word, request, now_ns()); }
+  void reply(KeeperWord word, std::uint64_t request) const { send(word, request, monotonic_now()); }
 
-  void send(KeeperWord word, std::uint64_t request, std::int64_t at) const {
+  void send(KeeperWord word, std::uint64_t request, nanoseconds at) const {
     KeeperMessage message;
     message.word = word;
     message.request = request;
-    message.nanoseconds = at;
+    message.nanoseconds = at.count();
     // A send that fails needs no handling: the end of the socket shows that the firmware is gone.
     static_cast<void>(::send(socket_, &message, sizeof message, MSG_DONTWAIT | MSG_NOSIGNAL));
   }
@@ -210,11 +200,12 @@ class Keeper {
   Silence silence_;   ///< of the firmware
   bool met_ = false;  ///< the firmware has pinged
   bool told_to_end_ = false;
-  Time fed_at_{};
+  // Times are those of monotonic_now().
+  nanoseconds fed_at_{};
   bool lit_ = false;
   bool stuck_ = false;
-  std::int64_t lit_at_ = 0;  ///< CLOCK_MONOTONIC, ns
-  std::int64_t end_ = 0;     ///< of the exposure, CLOCK_MONOTONIC, ns
+  nanoseconds lit_at_{};
+  nanoseconds end_{};  ///< of the exposure
   std::uint64_t lit_request_ = 0;
 };
 
@@ -230,7 +221,7 @@ int keep_lamp(const KeeperDuty& duty) {
   const int signal_file = ::signalfd(-1, &signals, SFD_CLOEXEC | SFD_NONBLOCK);
   const int timer = ::timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK);
   const ProcessHandle firmware(duty.firmware);
-  // Not our parent: it died before the handle was made, and its number may be somebody else's.
+  // If it is not our parent, the firmware died before the handle was made, and its process ID may now belong to another process.
   if (signal_file < 0 || timer < 0 || !firmware.ok() || ::getppid() != duty.firmware) return 1;
 
   Keeper keeper(duty, timer);
@@ -265,7 +256,7 @@ int keep_lamp(const KeeperDuty& duty) {
   if (dark && keeper.told_to_end() && duty.watchdog != nullptr) duty.watchdog->disarm();
   if (silent) {
     std::fprintf(stderr,
-                 "plumbline-keeper: the firmware did not answer: the lamp was turned off and the firmware ended\n");
+                 "plumbline-keeper: the firmware did not answer: turned the lamp off and killed the firmware\n");
   }
   for (const int fd : {signal_file, timer}) ::close(fd);
   return 0;

@@ -19,6 +19,7 @@ struct KeeperDuty {
   int watch_socket = -1;         ///< the same, for pings
   pid_t firmware = 0;            ///< the process that started the keeper
   LightLimits limits;
+  std::chrono::nanoseconds lit_before{};  ///< of a keeper before this one, in the last minute
 };
 
 /// Serves the firmware until its socket or process ends, until it stops answering, or until SIGTERM, SIGINT or SIGHUP. The line is off

@@ -1,7 +1,7 @@
 /// The program `plumbline-keeper`: holds the lamp's line for the firmware, which starts it.
 ///
 ///   plumbline-keeper --line LINE [--cover LINE] [--watchdog DEVICE --watchdog-s SECONDS] --longest-ns N --per-minute-ns N
-///                    --firmware PID
+///                    [--lit-ns N] --firmware PID
 ///
 /// Descriptors 3 and 4 are the sockets to the firmware (keeper_protocol.hpp). LINE is gpio:CHIP:OFFSET:high|low:BIAS, where high or
 /// low is the voltage that lights the lamp or means an open cover; or for tests file:PATH, to which the lamp's changes are written, or
@@ -31,6 +31,7 @@ struct CommandLine {
   long long watchdog_s = 0;
   long long longest_ns = 0;
   long long per_minute_ns = 0;
+  long long lit_ns = 0;
   long long firmware = 0;
 
   bool complete() const { return !line.empty() && firmware > 0 && longest_ns > 0 && per_minute_ns > 0; }
@@ -48,6 +49,7 @@ CommandLine parse(int argc, char** argv) {
     if (name == "--watchdog-s") options.watchdog_s = number;
     if (name == "--longest-ns") options.longest_ns = number;
     if (name == "--per-minute-ns") options.per_minute_ns = number;
+    if (name == "--lit-ns") options.lit_ns = number;
     if (name == "--firmware") options.firmware = number;
   }
   return options;
@@ -92,7 +94,8 @@ int run(const CommandLine& options) {
        .socket = kKeeperSocket,
        .watch_socket = kKeeperWatchSocket,
        .firmware = static_cast<pid_t>(options.firmware),
-       .limits = {std::chrono::nanoseconds(options.longest_ns), std::chrono::nanoseconds(options.per_minute_ns)}});
+       .limits = {std::chrono::nanoseconds(options.longest_ns), std::chrono::nanoseconds(options.per_minute_ns)},
+       .lit_before = std::chrono::nanoseconds(options.lit_ns)});
 }
 
 }  // namespace

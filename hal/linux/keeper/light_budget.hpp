@@ -1,10 +1,11 @@
 #pragma once
-/// How much light the keeper gives.
+/// How much light the lamp gives.
 
 #include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstddef>
+#include <span>
 
 namespace plumbline {
 
@@ -27,32 +28,41 @@ class LightBudget {
   /// @pre the lamp is dark
   bool allows(Time now, Time cure) {
     if (cure <= Time() || cure > limits_.longest) return false;
-    // What a longer exposure would no longer touch, a shorter one after it may.
-    const auto past =
-        std::remove_if(exposures_.begin(), end(), [&](const Lit& one) { return one.until <= now - kMinute; });
-    count_ = static_cast<std::size_t>(past - exposures_.begin());
-    const Time from = now + cure - kMinute;
-    Time light = std::min(cure, kMinute);
-    for (auto one = exposures_.begin(); one != end(); ++one) {
-      light += std::max(one->until - std::max(one->from, from), Time());
-    }
+    forget(now);
+    const Time light = std::min(cure, kMinute) + light_since(now + cure - kMinute);
     return light <= limits_.per_minute && count_ < exposures_.size();
   }
 
-  /// Records an exposure. @pre allows() was true before it
-  void add(Time from, Time until) { exposures_[count_++] = {from, until}; }
+  /// Records an exposure that has ended.
+  void add(Time from, Time until) {
+    forget(until);
+    if (count_ < exposures_.size()) exposures_[count_++] = {from, until};
+  }
+
+  /// Light since a time in the last minute.
+  Time light_since(Time from) const {
+    Time light{};
+    for (const Lit& one : std::span(exposures_).first(count_)) {
+      light += std::max(one.until - std::max(one.from, from), Time());
+    }
+    return light;
+  }
 
  private:
   struct Lit {
     Time from;
     Time until;
   };
+  /// Exposures that ended over a minute ago: no later minute has any of their light.
+  void forget(Time now) {
+    const auto end = exposures_.begin() + static_cast<std::ptrdiff_t>(count_);
+    const auto kept =
+        std::remove_if(exposures_.begin(), end, [&](const Lit& one) { return one.until <= now - kMinute; });
+    count_ = static_cast<std::size_t>(kept - exposures_.begin());
+  }
+
   // Exposures of the shortest time that a board file allows, 0.1 s, would be 600 in a minute.
-  using Exposures = std::array<Lit, 1024>;
-
-  Exposures::iterator end() { return exposures_.begin() + static_cast<std::ptrdiff_t>(count_); }
-
-  Exposures exposures_{};  // oldest first
+  std::array<Lit, 1024> exposures_{};  // oldest first
   std::size_t count_ = 0;
   LightLimits limits_;
 };

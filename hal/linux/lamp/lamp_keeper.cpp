@@ -21,7 +21,7 @@
 namespace plumbline {
 namespace {
 
-/// The keeper's end of a socket is a high number, so that no dup2() of the spawn overwrites it.
+/// Two connected sockets. `theirs` is above kKeeperWatchSocket, because spawn() copies sockets to the numbers up to there.
 struct SocketPair {
   int ours = -1;
   int theirs = -1;
@@ -52,6 +52,7 @@ std::vector<std::string> arguments_of(const LampKeeper::Settings& settings) {
   }
   add("--longest-ns", std::to_string(settings.limits.longest.count()));
   add("--per-minute-ns", std::to_string(settings.limits.per_minute.count()));
+  add("--lit-ns", std::to_string(settings.lit_before.count()));
   return words;
 }
 
@@ -148,9 +149,8 @@ Expected<LampKeeper::Nanoseconds> LampKeeper::await_answer(std::uint32_t word) {
     }
     if (answers && message.word == KeeperWord::kRefused) {
       return fail(ErrorCode::kExposureTooLong,
-                  "the lamp's keeper refused an exposure: nothing was lit, since the lamp would be lit for longer than "
-                  "the board "
-                  "file's [lamp] allows, at a time or in a minute");
+                  "the lamp's keeper refused an exposure, and nothing was lit: it is above max_exposure_s or "
+                  "max_light_per_minute_s in the board file's [lamp]");
     }
     // A lamp that goes off by itself also answers a request to turn it off; late replies to older requests don't.
     const bool ends_light = message.word == KeeperWord::kDark && message.request == lit_request_;

@@ -10,8 +10,8 @@
 #include <optional>
 #include <string>
 
-#include "hal/linux/lamp/keeper_guard.hpp"
 #include "hal/linux/keeper/light_budget.hpp"
+#include "hal/linux/lamp/keeper_guard.hpp"
 #include "slicer/core/error.hpp"
 
 namespace plumbline {
@@ -38,8 +38,9 @@ class LampKeeper {
     std::string line;                         ///< of the lamp, for open_lamp_line()
     std::string cover = {};                   ///< of its switch, for open_cover_line(); empty: the printer has none
     std::string watchdog = {};                ///< for Watchdog::open(); empty: the board has none
-    std::chrono::seconds watchdog_timeout{};  ///<
+    std::chrono::seconds watchdog_timeout{};  ///< until the watchdog resets the board
     LightLimits limits = {std::chrono::seconds(300), LightBudget::kMinute};  ///< the widest that a board file allows
+    Nanoseconds lit_before{};  ///< light that earlier keepers gave in the last minute
   };
 
   /// Call it from the thread that lives as long as the process: the kernel tells the keeper when that one ends.
@@ -79,7 +80,7 @@ class LampKeeper {
  private:
   LampKeeper() = default;
   [[nodiscard]] Expected<Nanoseconds> await_answer(std::uint32_t word);
-  /// Ends a keeper that does not answer, so that it can't act later. @returns the error
+  /// Ends a keeper that does not answer, so that it can't light the lamp later. @returns the error
   tl::unexpected<Error> no_answer();
   void store(Notice::Kind kind, Nanoseconds at);
   void handle(const KeeperMessage& message);

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "hal/linux/events/clock.hpp"
 #include "hal/linux/keeper/keeper_lines.hpp"
 
 namespace plumbline {
@@ -22,6 +23,7 @@ Status LampWatch::start_keeper() {
   // Releases the line, dark. The keeper takes it dark.
   keeper_.reset();
   held_.reset();
+  settings_.lit_before = light_.light_since(monotonic_now() - LightBudget::kMinute);
   auto started = LampKeeper::start(settings_);
   if (!started) {
     auto line = open_lamp_line(settings_.line);
@@ -46,13 +48,14 @@ void LampWatch::on_lit(Time at) {
   lit_ = true;
   cut_by_cover_ = false;
   cut_by_loss_ = nullptr;
-  dark_at_ = at;
+  lit_at_ = dark_at_ = at;
 }
 
 void LampWatch::on_dark(Time at) {
   if (!lit_) return;
   lit_ = false;
   dark_at_ = at;
+  light_.add(lit_at_, at);
   events_.add(EventKind::kExposureEnded, at);
 }
 

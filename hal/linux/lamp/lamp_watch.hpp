@@ -24,7 +24,7 @@ class LampWatch final : public EventSource {
   /// When the lamp last went off.
   Time dark_at() const { return dark_at_; }
   bool cut_by_cover() const { return cut_by_cover_; }
-  /// If the keeper's end cut the last exposure short: why it ended, for messages. Otherwise null.
+  /// Why the keeper ended, for messages, if that cut the last exposure short. Otherwise null.
   const char* cut_by_loss() const { return cut_by_loss_; }
 
   void on_lit(Time at);
@@ -33,7 +33,8 @@ class LampWatch final : public EventSource {
   void drain(Time now) override;
 
  private:
-  LampWatch(LampKeeper::Settings settings, EventQueue& events) : settings_(std::move(settings)), events_(events) {}
+  LampWatch(LampKeeper::Settings settings, EventQueue& events)
+      : settings_(std::move(settings)), events_(events), light_(settings_.limits) {}
   Status start_keeper();
   void on_dark(Time at);
   /// The keeper is gone: its line is held by this process, or still lit.
@@ -41,6 +42,7 @@ class LampWatch final : public EventSource {
 
   LampKeeper::Settings settings_;
   EventQueue& events_;
+  LightBudget light_;                   // of all keepers, for the next one
   std::unique_ptr<LampKeeper> keeper_;  // a keeper that is gone stays here, since its guard holds the line
   std::unique_ptr<LampLine> held_;      // if no keeper could be started
   bool gone_ = true;
@@ -48,6 +50,7 @@ class LampWatch final : public EventSource {
   bool open_ = false;
   bool cut_by_cover_ = false;
   const char* cut_by_loss_ = nullptr;
+  Time lit_at_{};
   Time dark_at_{};
 };
 

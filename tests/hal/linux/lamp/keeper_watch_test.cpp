@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <poll.h>
 #include <signal.h>
+#include <sys/prctl.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 
@@ -18,10 +19,11 @@ namespace {
 
 constexpr nanoseconds kDark = 50ms;
 
-/// A firmware in a process of its own, which lights the lamp once.
+/// A firmware in a process of its own, which has lit the lamp or stays dark.
 class Firmware {
  public:
-  Firmware(const LampKeeper::Settings& settings, nanoseconds cure) {
+  explicit Firmware(const Line& line) : Firmware(line, line.settings()) {}
+  Firmware(const Line& line, const LampKeeper::Settings& settings, bool lit = true) {
     std::array<int, 2> pipe{};
     EXPECT_EQ(::pipe(pipe.data()), 0);
     process_ = ::fork();
@@ -29,11 +31,14 @@ class Firmware {
       auto keeper = LampKeeper::start(settings);
       if (!keeper) ::_exit(3);
       const pid_t pid = keeper->process();
-      if (::write(pipe[1], &pid, sizeof pid) != sizeof pid || !keeper->light(cure)) ::_exit(4);
+      if (::write(pipe[1], &pid, sizeof pid) != sizeof pid || (lit && !keeper->light(10s))) ::_exit(4);
       for (;;) ::pause();
     }
     EXPECT_EQ(::read(pipe[0], &keeper_, sizeof keeper_), ssize_t{sizeof keeper_});
     for (const int fd : pipe) ::close(fd);
+    if (lit) {
+      EXPECT_EQ(line.wait_for(1).size(), 1U);
+    }
   }
   ~Firmware() {
     ::kill(process_, SIGKILL);
@@ -137,8 +142,7 @@ TEST(KeeperWatch, TheKeeperTurnsTheLampOffWithin50MsOfTheFirmwaresStopAndEndsIt)
   std::mt19937 random(13);
   for (int round = 0; round < 10; ++round) {
     const Line line;
-    Firmware firmware(line.settings(), 10s);
-    ASSERT_EQ(line.wait_for(1).size(), 1U);
+    Firmware firmware(line);
     sleep_for(std::chrono::microseconds(random() % 50'000));
     const auto stopped = monotonic_now();
     ::kill(firmware.process(), SIGSTOP);
@@ -152,8 +156,9 @@ TEST(KeeperWatch, TheKeeperTurnsTheLampOffWithin50MsOfTheFirmwaresStopAndEndsIt)
 
 TEST(KeeperWatch, AStoppedKeeperTurnsTheLampOffWhenItsFirmwareDies) {
   const Line line;
-  const Firmware firmware(line.settings(), 10s);
-  ASSERT_EQ(line.wait_for(1).size(), 1U);
+  const Firmware firmware(line);
+  // A keeper that init adopts would be continued as an orphan. This process adopts it instead.
+  ASSERT_EQ(::prctl(PR_SET_CHILD_SUBREAPER, 1), 0);
   // The firmware first: it would end a keeper that is stopped.
   firmware.stop();
   ::kill(firmware.keeper(), SIGSTOP);
@@ -164,12 +169,12 @@ TEST(KeeperWatch, AStoppedKeeperTurnsTheLampOffWhenItsFirmwareDies) {
   const auto changes = line.wait_for(2);
   ASSERT_EQ(changes.size(), 2U);
   EXPECT_LT(changes[1].at - died, kDark);
+  ::prctl(PR_SET_CHILD_SUBREAPER, 0);
 }
 
 TEST(KeeperWatch, NobodyIsBlamedWhenTheWholeBoardStoodStill) {
   const Line line;
-  const Firmware firmware(line.settings(), 10s);
-  ASSERT_EQ(line.wait_for(1).size(), 1U);
+  const Firmware firmware(line);
   for (const int signal : {SIGSTOP, SIGCONT}) {
     ::kill(firmware.process(), signal);
     ::kill(firmware.keeper(), signal);
@@ -182,8 +187,7 @@ TEST(KeeperWatch, NobodyIsBlamedWhenTheWholeBoardStoodStill) {
 TEST(KeeperWatch, TheNextKeeperFindsTheLineOfTheLastOneLitAndTurnsItOff) {
   const Line line;
   {
-    const Firmware firmware(line.settings(), 10s);
-    ASSERT_EQ(line.wait_for(1).size(), 1U);
+    const Firmware firmware(line);
     firmware.stop();
     ::kill(firmware.keeper(), SIGKILL);
   }
@@ -200,8 +204,7 @@ TEST(KeeperWatch, FeedsTheWatchdogOnlyWhileBothAreWell) {
     const Device device(line);
     LampKeeper::Settings settings = line.settings();
     device.give_to(settings);
-    const Firmware firmware(settings, 10s);
-    ASSERT_EQ(line.wait_for(1).size(), 1U);
+    const Firmware firmware(line, settings);
     const auto fed = device.written(1000ms);
     EXPECT_GE(fed.size(), 3U) << "four times a second";
     EXPECT_LE(fed.size(), 5U);
@@ -210,6 +213,19 @@ TEST(KeeperWatch, FeedsTheWatchdogOnlyWhileBothAreWell) {
     static_cast<void>(device.written(20ms));
     EXPECT_EQ(device.written(800ms), "") << "and it was not stopped either";
   }
+}
+
+// In the dark the firmware is ended only after a second.
+TEST(KeeperWatch, DoesNotFeedTheWatchdogForAFirmwareThatIsSilentInTheDark) {
+  const Line line;
+  const Device device(line);
+  LampKeeper::Settings settings = line.settings();
+  device.give_to(settings);
+  const Firmware firmware(line, settings, false);
+  EXPECT_FALSE(device.written(1000ms).empty());
+  ::kill(firmware.process(), SIGSTOP);
+  EXPECT_LE(device.written(900ms).size(), 2U) << "the ticks in which the last pings came";
+  EXPECT_EQ(::kill(firmware.process(), 0), 0);
 }
 
 TEST(KeeperWatch, StopsTheWatchdogWhenTheFirmwareEndsInOrder) {
@@ -285,6 +301,28 @@ TEST(LampWatch, ReplacesAKeeperThatIsGoneAndTellsTheExposureWhy) {
     EXPECT_EQ((*watch)->cut_by_loss(), nullptr);
     EXPECT_EQ(line.changes().size(), 3U) << "on, off, on";
   }
+}
+
+// A print that is resumed after each loss of a keeper must not get more light in a minute for that.
+TEST(LampWatch, TellsTheNextKeeperHowMuchLightTheLastMinuteHad) {
+  const Line line;
+  EventQueue queue;
+  LampKeeper::Settings settings = line.settings();
+  settings.limits = {.longest = 2s, .per_minute = 2s};
+  auto watch = LampWatch::start(settings, queue);
+  ASSERT_TRUE(watch) << watch.error().message();
+  LampKeeper* const first = (*watch)->keeper().value();
+  const auto lit = first->light(2s);
+  ASSERT_TRUE(lit);
+  (*watch)->on_lit(*lit);
+  sleep_for(300ms);
+  ASSERT_EQ(::kill(first->process(), SIGKILL), 0);
+  ASSERT_TRUE(next_event(**watch, queue));
+  const auto next = (*watch)->keeper();
+  ASSERT_TRUE(next) << next.error().message();
+  EXPECT_EQ((*next)->light(1800ms).error().code(), ErrorCode::kExposureTooLong) << "2.1 s in a minute";
+  EXPECT_EQ(line.changes().size(), 2U);
+  EXPECT_TRUE((*next)->light(1s));
 }
 
 }  // namespace
