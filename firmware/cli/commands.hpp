@@ -38,12 +38,13 @@ struct SampleOptions {
 };
 
 struct PrintOptions {
-  JobOptions job;         ///< the printer is required, the scan unless resume
-  std::string profile;    ///< name or path; empty: the board file's
-  std::string state;      ///< folder of journal and job; empty: none is kept
-  bool resume = false;    ///< the print in `state`
-  std::string keep_part;  ///< folder for the part that a simulated printer made; empty: none
-  std::string report;     ///< file for the report as JSON; empty: none
+  JobOptions job;            ///< the printer is required, the scan unless resume
+  std::string profile;       ///< name or path; empty: the board file's
+  std::string state;         ///< folder of journal and job; empty: none is kept
+  bool resume = false;       ///< the print in `state`
+  bool plate_empty = false;  ///< the user says so
+  std::string keep_part;     ///< folder for the part that a simulated printer made; empty: none
+  std::string report;        ///< file for the report as JSON; empty: none
   SimulationOptions simulation;
   SupportChoice supports;  ///< overrides the profile's
 };
@@ -53,12 +54,18 @@ struct DoctorOptions {
   bool json = false;
 };
 
+struct PressOptions {
+  std::string button;                        ///< "start", "pause" or "cancel"
+  std::string state = "/var/lib/plumbline";  ///< the daemon's folder
+};
+
 /// Each adds a subcommand whose options are parsed into `options`, which must outlive the parsing.
 CLI::App* add_slice_command(CLI::App& app, SliceOptions& options);
 CLI::App* add_inspect_command(CLI::App& app, InspectOptions& options);
 CLI::App* add_print_command(CLI::App& app, PrintOptions& options);
 CLI::App* add_sample_command(CLI::App& app, SampleOptions& options);
 CLI::App* add_doctor_command(CLI::App& app, DoctorOptions& options);
+CLI::App* add_press_command(CLI::App& app, PressOptions& options);
 
 /// Each runs a subcommand. Results go to standard output; progress, warnings and errors to standard error.
 /// @param arena_block  the program's static memory
@@ -67,5 +74,6 @@ ExitCode run_inspect(const InspectOptions& options, std::span<std::byte> arena_b
 ExitCode run_print(const PrintOptions& options, std::span<std::byte> arena_block);
 ExitCode run_sample(const SampleOptions& options);
 ExitCode run_doctor(const DoctorOptions& options);
+ExitCode run_press(const PressOptions& options);
 
 }  // namespace plumbline

@@ -130,6 +130,15 @@ Status write_results(const PrintOptions& options, const PrintOutcome& outcome) {
   return write_print_summary(out, outcome, look_at, options.job.verbose);
 }
 
+/// A real printer with a state folder prints onto a plate that somebody says is empty.
+Status check_plate(const PrintOptions& options, const MachineFile& machine, PlateRecord& plate) {
+  if (options.plate_empty) return plate.confirm_empty();
+  if (plate.is_empty() || options.resume || machine.simulated || options.simulation.simulate) return {};
+  return fail(ErrorCode::kBadSetting,
+              "nobody has said that the plate is empty since the last print.\tTake off what is on it, then add "
+              "--plate-empty");
+}
+
 ExitCode exit_code(PrintState state) {
   if (state == PrintState::kFinished) return ExitCode::kDone;
   return state == PrintState::kCancelled ? ExitCode::kInterrupted : ExitCode::kWorldError;
@@ -158,6 +167,12 @@ CLI::App* add_print_command(CLI::App& app, PrintOptions& options) {
                      ->excludes(scan)
                      ->excludes("--supports")
                      ->group(kPrint);
+  command
+      ->add_flag("--plate-empty", options.plate_empty,
+                 "The plate is empty: with --state, a real printer asks for it after each print")
+      ->needs(state)
+      ->excludes(resume)
+      ->group(kPrint);
   for (const SupportField& field : kSupportFields) resume->excludes(option_name(field));
   command->add_option("--report", options.report, "Write the report, with every exposure, as JSON")
       ->type_name("FILE")
@@ -178,10 +193,16 @@ ExitCode run_print(const PrintOptions& options, std::span<std::byte> arena_block
   const auto setup = set_up(job, arena_block);
   if (!setup) return report_error(setup.error());
   std::optional<JobStore> store;
+  std::optional<PlateRecord> plate;
   if (!options.state.empty()) {
     auto opened = JobStore::open(options.state);
     if (!opened) return report_error(opened.error());
     store.emplace(std::move(*opened));
+    auto record = PlateRecord::open(options.state);
+    if (!record) return report_error(record.error());
+    plate.emplace(std::move(*record));
+    if (const auto checked = check_plate(options, printer->machine, *plate); !checked)
+      return report_error(checked.error());
   }
   catch_interrupts();
   Arena arena(setup->arena_block);
@@ -206,7 +227,7 @@ ExitCode run_print(const PrintOptions& options, std::span<std::byte> arena_block
                     : job.verbose ? PrintLines::Show::kEverything
                                   : PrintLines::Show::kPrint;
   PrintLines lines(show, witness != nullptr ? std::optional(kNobodyComes) : std::nullopt);
-  const PrintReport& report = session.print((*back_end)->machine(), lines);
+  const PrintReport& report = session.print((*back_end)->machine(), lines, plate ? &*plate : nullptr);
   lines.clear();
   if (lines.gave_up()) write_to_stderr("plumbline: the print waited an hour for its user and was cancelled\n");
 

@@ -26,11 +26,16 @@ constexpr const char* kAbout =
     "\n"
     "A stick's job is its job.toml, the only scan in its top folder, or the scan that the user chooses with the "
     "buttons.\n"
+    "It is printed when start is pressed, or by 'plumbline press start'. After a print the daemon waits until start "
+    "is\n"
+    "pressed for the empty plate.\n"
     "The journal is kept in --state: after a power cut the print resumes when start is pressed.\n";
 
 constexpr const char* kFooter =
     "\nExamples:\n"
     "  plumblined --printer board/sim2k.toml --state state --stick stick      creating the folder plugs the stick in\n"
+    "  plumbline press start --state state                                    says that the plate is empty; starts a "
+    "print\n"
     "\n"
     "SIGTERM ends it in order: the lamp goes dark, the part is lifted, and the print can resume later.\n";
 
@@ -135,6 +140,10 @@ ExitCode serve(const DaemonOptions& options, std::span<std::byte> arena_block) {
   if (!setup) return report_error(setup.error());
   auto store = JobStore::open(options.state);
   if (!store) return report_error(store.error());
+  auto plate = PlateRecord::open(options.state);
+  if (!plate) return report_error(plate.error());
+  auto buttons = ButtonSocket::open(options.state);
+  if (!buttons) return report_error(buttons.error());
   auto manager = ServiceManager::of_environment();
   if (!manager) return report_error(manager.error());
   SimulationOptions simulation = options.simulation;
@@ -153,7 +162,7 @@ ExitCode serve(const DaemonOptions& options, std::span<std::byte> arena_block) {
   Arena arena(setup->arena_block);
   DaemonLog log(options, **back_end, *manager);
   const Machine& devices = (*back_end)->machine();
-  ServiceEvents events(devices.events, devices.clock, *manager);
+  ServiceEvents events(devices.events, devices.clock, *buttons, *manager);
   Machine watched{.clock = devices.clock,
                   .events = events,
                   .mask = devices.mask,
@@ -162,7 +171,7 @@ ExitCode serve(const DaemonOptions& options, std::span<std::byte> arena_block) {
                   .stick = devices.stick,
                   .panel = devices.panel,
                   .thermals = devices.thermals};
-  PrinterDaemon daemon(watched, settings, arena, *store, log);
+  PrinterDaemon daemon(watched, settings, arena, *store, *plate, log);
   if (const auto told = manager->ready(); !told) return report_error(told.error());
   const auto served = daemon.run();
   if (!served) return report_error(served.error());

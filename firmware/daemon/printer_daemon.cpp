@@ -1,8 +1,9 @@
 #include "firmware/daemon/printer_daemon.hpp"
 
-#include <algorithm>
+#include <utility>
 
 #include "firmware/daemon/stick_words.hpp"
+#include "firmware/print/state_lights.hpp"
 #include "firmware/settings/support_choice.hpp"
 #include "firmware/slice/job_report.hpp"
 
@@ -11,6 +12,9 @@ namespace {
 
 /// How long the daemon waits for an event before its next turn. Shorter responds faster, longer spares the processor.
 constexpr nanoseconds kLook = std::chrono::milliseconds(200);
+
+/// A press this soon after a question answers the one before it: whoever presses start twice must not print onto a full plate.
+constexpr nanoseconds kSettle = std::chrono::seconds(1);
 
 /// Reads the buttons while a scan is read and sliced.
 class SliceButtons final : public ProgressSink {
@@ -39,35 +43,72 @@ class SliceButtons final : public ProgressSink {
 }  // namespace
 
 PrinterDaemon::PrinterDaemon(Machine& machine, const DaemonSettings& settings, Arena& arena, JobStore& store,
-                             DaemonObserver& observer)
-    : machine_(machine), settings_(settings), arena_(arena), store_(store), observer_(observer) {}
+                             PlateRecord& plate, DaemonObserver& observer)
+    : machine_(machine), settings_(settings), arena_(arena), store_(store), plate_(plate), observer_(observer) {}
 
 void PrinterDaemon::apply(PrintEvent event) {
+  const PrintState before = state_;
   state_ = next(state_, event);
-  const auto on_if = [](bool on) { return on ? LightState::kOn : LightState::kOff; };
-  // A failed light is no reason to refuse a job.
-  static_cast<void>(machine_.panel.set_light(PanelLight::kReady, on_if(state_ == PrintState::kIdle)));
-  static_cast<void>(machine_.panel.set_light(PanelLight::kFault, on_if(state_ == PrintState::kFault)));
-  static_cast<void>(machine_.panel.set_light(
-      PanelLight::kPrinting, state_ == PrintState::kSlicing ? LightState::kBlinking : LightState::kOff));
+  if (state_ == before) return;
+  if (state_ == PrintState::kIdle) told_ready_ = false;
+  show_on_panel(machine_.panel, state_);
 }
 
 Status PrinterDaemon::run() {
-  apply(PrintEvent::kAcknowledged);
-  observer_.say("ready");
+  show_on_panel(machine_.panel, state_);
+  if (settings_.machine.start == StartChoice::kOnStick) {
+    observer_.say(
+        "start = \"on_stick\" in the board file: a stick starts its print, nobody presses start. This is for test "
+        "rigs");
+  }
   while (!ending_) {
     const auto served = serve();
     if (served) continue;
     if (served.error().code() == ErrorCode::kPowerLost) return served;
-    PLUMBLINE_TRY(refuse(served.error(), fault_of(served.error().code())));
+    refuse(served.error(), fault_of(served.error().code()));
   }
   observer_.say("shut down");
   return {};
 }
 
 Status PrinterDaemon::serve() {
-  if (store_.has_job() && state_ != PrintState::kFault) return serve_interrupted();
+  PLUMBLINE_TRY(settle());
+  if (state_ == PrintState::kInterrupted) return serve_interrupted();
+  if (state_ == PrintState::kPlateInUse) return serve_plate();
+  if (state_ == PrintState::kFault) return serve_fault();
+  return serve_idle();
+}
+
+/// Leaves the idle state if a print is stored, or if its part is on the plate. No job is offered before that.
+Status PrinterDaemon::settle() {
+  if (state_ != PrintState::kIdle) return {};
+  const auto interrupted = has_interrupted();
+  PLUMBLINE_TRY(interrupted);
+  if (*interrupted) {
+    apply(PrintEvent::kResumeOffered);
+  } else if (!plate_.is_empty()) {
+    apply(PrintEvent::kPlateTaken);
+  }
+  return {};
+}
+
+/// Whether a print is stored that has begun. One that has not is removed: the power went before its checks had passed, so nothing
+/// of it is on the plate.
+Expected<bool> PrinterDaemon::has_interrupted() {
+  if (!store_.has_job()) return false;
+  const auto progress = store_.progress();
+  const bool none_cured = progress ? *progress == JournalEntry() : progress.error().code() == ErrorCode::kTruncated;
+  if (plate_.is_empty() && none_cured) {
+    PLUMBLINE_TRY(store_.end());
+    return false;
+  }
+  PLUMBLINE_TRY(plate_.take());
+  return true;
+}
+
+Status PrinterDaemon::serve_idle() {
   if (machine_.stick.has_stick() && !served_) return serve_stick();
+  if (!std::exchange(told_ready_, true)) observer_.say("ready");
   const auto event = machine_.events.next_event(machine_.clock.now() + kLook);
   PLUMBLINE_TRY(event);
   observer_.idle();
@@ -76,11 +117,8 @@ Status PrinterDaemon::serve() {
     case EventKind::kShutdownRequested: ending_ = true; return {};
     case EventKind::kStickArrived:
     case EventKind::kStickDeparted:
-    case EventKind::kStartPressed:  // print it again
-      served_ = false;
-      apply(PrintEvent::kAcknowledged);
-      return {};
-    case EventKind::kCancelPressed: apply(PrintEvent::kAcknowledged); return {};
+    case EventKind::kStartPressed: served_ = false; return {};
+    case EventKind::kCancelPressed:
     case EventKind::kPausePressed:
     case EventKind::kCoverOpened:
     case EventKind::kCoverClosed:
@@ -90,82 +128,126 @@ Status PrinterDaemon::serve() {
   return {};
 }
 
-/// Waits for a button. Pause means "the next one".
-Expected<PrinterDaemon::Choice> PrinterDaemon::ask(const std::function<void()>& on_next) {
-  static_cast<void>(machine_.panel.set_light(PanelLight::kAttention, LightState::kBlinking));
-  std::optional<Choice> choice;
-  while (!choice) {
+/// Waits for start, cancel, a stick that comes or goes, or a shutdown. Pause means "the next one".
+Expected<EventKind> PrinterDaemon::ask(const std::function<void()>& on_next) {
+  const TimePoint asked = machine_.clock.now();
+  for (;;) {
     const auto event = machine_.events.next_event(machine_.clock.now() + kLook);
     PLUMBLINE_TRY(event);
     observer_.idle();
     if (!*event) continue;
-    switch ((*event)->kind) {
-      case EventKind::kStartPressed: choice = Choice::kStart; break;
-      case EventKind::kCancelPressed: choice = Choice::kCancel; break;
-      case EventKind::kPausePressed: on_next(); break;
-      case EventKind::kStickDeparted: choice = Choice::kStickGone; break;
-      case EventKind::kShutdownRequested: choice = Choice::kShutdown; break;
+    const EventKind kind = (*event)->kind;
+    switch (kind) {
+      case EventKind::kStartPressed:
+      case EventKind::kCancelPressed:
+        if ((*event)->at < asked + kSettle) break;
+        return kind;
+      case EventKind::kShutdownRequested: ending_ = true; return kind;
       case EventKind::kStickArrived:
+      case EventKind::kStickDeparted: return kind;
+      case EventKind::kPausePressed: on_next(); break;
       case EventKind::kCoverOpened:
       case EventKind::kCoverClosed:
       case EventKind::kExposureEnded:
       case EventKind::kMotionEnded: break;
     }
   }
-  static_cast<void>(machine_.panel.set_light(PanelLight::kAttention, LightState::kOff));
-  if (*choice == Choice::kShutdown) ending_ = true;
-  return *choice;
 }
 
 /// A print was interrupted and its part hangs in the printer, so nothing moves until the user decides.
 Status PrinterDaemon::serve_interrupted() {
   observer_.say("an interrupted print can go on: press start to resume it, or cancel to give it up");
-  auto choice = Choice::kStickGone;
-  while (choice == Choice::kStickGone) {
-    const auto asked = ask([] {});
-    PLUMBLINE_TRY(asked);
-    choice = *asked;
+  while (!ending_) {
+    const auto answer = ask([] {});
+    PLUMBLINE_TRY(answer);
+    if (*answer == EventKind::kStartPressed) return resume();
+    if (*answer != EventKind::kCancelPressed) continue;
+    PLUMBLINE_TRY(store_.end());
+    apply(PrintEvent::kCancelAsked);
+    break;
   }
-  if (choice == Choice::kCancel) return store_.end();
-  return choice == Choice::kStart ? resume() : Status();
+  return {};
+}
+
+Status PrinterDaemon::serve_plate() {
+  observer_.say("is the plate empty? Take off what is on it, then press start");
+  while (!ending_) {
+    const auto answer = ask([] {});
+    PLUMBLINE_TRY(answer);
+    if (*answer != EventKind::kStartPressed) continue;
+    PLUMBLINE_TRY(plate_.confirm_empty());
+    // Offers the stick in the port again. A rig's would start again, so there it has to be plugged in anew.
+    served_ = served_ && settings_.machine.start == StartChoice::kOnStick;
+    apply(PrintEvent::kPlateEmpty);
+    break;
+  }
+  return {};
+}
+
+/// Shows a fault until somebody has seen it. Whoever changes the stick has seen that its job was refused; the fault of a print
+/// takes a button.
+Status PrinterDaemon::serve_fault() {
+  while (!ending_) {
+    const auto answer = ask([] {});
+    PLUMBLINE_TRY(answer);
+    const bool button = *answer == EventKind::kStartPressed || *answer == EventKind::kCancelPressed;
+    if (!button && !plate_.is_empty()) continue;
+    served_ = *answer == EventKind::kCancelPressed;
+    apply(PrintEvent::kAcknowledged);
+    break;
+  }
+  return {};
 }
 
 Status PrinterDaemon::serve_stick() {
   served_ = true;
   fault_ = FaultCode::kNone;
-  apply(PrintEvent::kJobTaken);
+  apply(PrintEvent::kJobOffered);
   return print_scan();
 }
 
-Expected<StickJob> PrinterDaemon::choose(const StickMount& mount) {
+/// @returns the job that somebody wants printed; none: nobody does, or the stick was pulled
+Expected<std::optional<StickJob>> PrinterDaemon::choose(const StickMount& mount) {
   const auto scans = list_scans(mount);
   PLUMBLINE_TRY(scans);
-  if (scans->has_job_file) return read_stick_job(mount);
-  if (scans->count == 0) {
+  StickJob job;
+  if (scans->has_job_file) {
+    auto read = read_stick_job(mount);
+    PLUMBLINE_TRY(read);
+    job = std::move(*read);
+  } else if (scans->count == 0) {
     return fail(ErrorCode::kNoPoints,
                 "there is no scan on the stick:\tput a PLY, PCD, OBJ or XYZ file in its top folder");
+  } else {
+    job.scan = scans->names[0].view();
   }
+  const std::size_t choices = scans->has_job_file ? 1 : scans->count;
+  if (choices == 1 && settings_.machine.start == StartChoice::kOnStick) return job;
+
   std::size_t chosen = 0;
-  if (scans->count > 1) {
-    const auto show = [&] {
-      FixedText<400> text;
-      text.add("scan %zu of %zu: %s. Press start to print it, pause for the next one, cancel for none", chosen + 1,
-               scans->count, scans->names[chosen].c_str());
-      observer_.say(text.view());
-    };
+  const auto show = [&] {
+    FixedText<400> text;
+    if (choices > 1) text.add("scan %zu of %zu: ", chosen + 1, choices);
+    text.add("%s%s. Press start to print it%s", scans->has_job_file ? "job.toml asks for " : "", job.scan.c_str(),
+             choices > 1 ? ", pause for the next one, cancel for none" : "");
+    observer_.say(text.view());
+  };
+  const auto show_next = [&] {
+    if (choices == 1) return;
+    chosen = (chosen + 1) % choices;
+    job.scan = scans->names[chosen].view();
     show();
-    const auto choice = ask([&] {
-      chosen = (chosen + 1) % scans->count;
-      show();
-    });
-    PLUMBLINE_TRY(choice);
-    if (*choice == Choice::kStickGone)
-      return fail(ErrorCode::kStickGone, "the stick was pulled before a scan was chosen");
-    if (*choice != Choice::kStart) return fail(ErrorCode::kCancelled, "no scan was chosen");
+  };
+  show();
+  while (!ending_) {
+    const auto answer = ask(show_next);
+    PLUMBLINE_TRY(answer);
+    if (*answer == EventKind::kStartPressed) return job;
+    if (*answer == EventKind::kStickArrived) continue;  // the one that is read
+    served_ = *answer != EventKind::kStickDeparted;
+    break;
   }
-  StickJob job;
-  job.scan = scans->names[chosen].view();
-  return job;
+  return std::nullopt;
 }
 
 Expected<PrintProfile> PrinterDaemon::profile_of(const std::string& name) const {
@@ -179,28 +261,34 @@ Status PrinterDaemon::print_scan() {
   {
     const auto mount = machine_.stick.mount();
     PLUMBLINE_TRY(mount);
-    const auto job = choose(*mount);
-    PLUMBLINE_TRY(job);
-    auto read = profile_of(job->profile);
+    const auto wanted = choose(*mount);
+    PLUMBLINE_TRY(wanted);
+    if (!*wanted) {
+      apply(PrintEvent::kCancelAsked);
+      return {};
+    }
+    const StickJob& job = **wanted;
+    auto read = profile_of(job.profile);
     PLUMBLINE_TRY(read);
     profile = std::move(*read);
-    auto scan = mount->open(job->scan);
+    auto scan = mount->open(job.scan);
     PLUMBLINE_TRY(scan);
+    apply(PrintEvent::kJobTaken);
     FixedText<400> text;
-    text.add("reading %s, profile %s", job->scan.c_str(), profile->name.c_str());
+    text.add("reading %s, profile %s", job.scan.c_str(), profile->name.c_str());
     observer_.say(text.view());
     SliceSettings settings;
     settings.threads = settings_.threads;
-    settings.base = job->base;
-    settings.keep_all = job->keep_all;
+    settings.base = job.base;
+    settings.keep_all = job.keep_all;
     PlacementSettings& placement = settings.placement;
-    placement.units = job->units;
-    placement.scale = job->scale;
-    placement.fit = job->fit;
-    placement.rotation_degrees = {job->rotate_x_deg, job->rotate_y_deg, job->rotate_z_deg};
-    placement.layer_height_mm = static_cast<float>(job->layer_height > 0 ? job->layer_height : profile->layer_height);
+    placement.units = job.units;
+    placement.scale = job.scale;
+    placement.fit = job.fit;
+    placement.rotation_degrees = {job.rotate_x_deg, job.rotate_y_deg, job.rotate_z_deg};
+    placement.layer_height_mm = static_cast<float>(job.layer_height > 0 ? job.layer_height : profile->layer_height);
     placement.printer = printer_volume(settings_.board);
-    const auto supports = SupportChoice{job->supports, {}}.over(profile->supports_enable, profile->supports);
+    const auto supports = SupportChoice{job.supports, {}}.over(profile->supports_enable, profile->supports);
     PLUMBLINE_TRY(supports);
     SliceButtons buttons(machine_);
     const auto sliced = session.slice_scan(*scan, settings, *supports, *profile, &buttons);
@@ -219,7 +307,8 @@ Status PrinterDaemon::resume() {
   const auto loaded = session.load();
   if (!loaded) {
     const bool another = loaded.error().code() == ErrorCode::kUnsupported;
-    return refuse(loaded.error(), another ? FaultCode::kJournalOfAnother : FaultCode::kJournalDamaged);
+    refuse(loaded.error(), another ? FaultCode::kJournalOfAnother : FaultCode::kJournalDamaged);
+    return {};
   }
   auto profile = profile_of(std::string(view(session.facts().profile)));
   PLUMBLINE_TRY(profile);
@@ -229,7 +318,7 @@ Status PrinterDaemon::resume() {
 }
 
 void PrinterDaemon::print(PrintSession& session, const PrintProfile& profile) {
-  const PrintReport& report = session.print(machine_, observer_);
+  const PrintReport& report = session.print(machine_, observer_, &plate_);
   observer_.printed(report, session, profile);
   // Don't print the same stick again until it is plugged in anew.
   served_ = machine_.stick.has_stick();
@@ -240,20 +329,19 @@ void PrinterDaemon::print(PrintSession& session, const PrintProfile& profile) {
     apply(PrintEvent::kShutdown);
     ending_ = true;
   } else {
-    // Finished, or cancelled by the user: ready for the next job either way.
+    // Finished, or cancelled by the user: settle() asks for the plate either way.
     apply(PrintEvent::kCancelAsked);
     apply(PrintEvent::kAcknowledged);
-    observer_.say("ready");
   }
 }
 
-/// Says why a job could not be printed. The printer is ready for the next one.
-Status PrinterDaemon::refuse(const Error& error, FaultCode code) {
+/// Says why a job could not be printed, or that the user stopped it.
+void PrinterDaemon::refuse(const Error& error, FaultCode code) {
   if (error.code() == ErrorCode::kCancelled) {
     apply(PrintEvent::kCancelAsked);
     apply(PrintEvent::kAcknowledged);
-    observer_.say(ending_ ? "reading stopped" : "cancelled; ready");
-    return {};
+    observer_.say(ending_ ? "reading stopped" : "cancelled");
+    return;
   }
   fault_ = code;
   apply(PrintEvent::kFailed);
@@ -267,7 +355,6 @@ Status PrinterDaemon::refuse(const Error& error, FaultCode code) {
   FixedText<1000> text;
   text.add("%s. %s", fault.what.c_str(), advice.c_str());
   observer_.say(text.view());
-  return machine_.panel.beep(std::chrono::seconds(1));
 }
 
 }  // namespace plumbline

@@ -1,5 +1,6 @@
 #pragma once
-/// Runs the printer: waits for a stick, slices and prints its job, reports; job after job in the same memory.
+/// Runs the printer: waits for a stick and for somebody who wants its job printed, slices and prints it, reports, and waits until
+/// somebody has emptied the plate; job after job in the same memory.
 
 #include <functional>
 #include <optional>
@@ -9,6 +10,7 @@
 
 #include "firmware/daemon/stick_job.hpp"
 #include "firmware/print/fault.hpp"
+#include "firmware/print/plate_record.hpp"
 #include "firmware/print/print_job.hpp"
 #include "firmware/print/print_session.hpp"
 #include "firmware/print/store/job_store.hpp"
@@ -40,7 +42,7 @@ struct DaemonSettings {
 class PrinterDaemon {
  public:
   /// All must outlive the daemon.
-  PrinterDaemon(Machine& machine, const DaemonSettings& settings, Arena& arena, JobStore& store,
+  PrinterDaemon(Machine& machine, const DaemonSettings& settings, Arena& arena, JobStore& store, PlateRecord& plate,
                 DaemonObserver& observer);
 
   /// Prints jobs until the system shuts down.
@@ -51,28 +53,33 @@ class PrinterDaemon {
   FaultCode fault() const { return fault_; }   ///< of the last job; kNone: none
 
  private:
-  enum class Choice : std::uint8_t { kStart, kCancel, kStickGone, kShutdown };
-
   void apply(PrintEvent event);  ///< the one place that changes the state
   Status serve();
+  Status settle();
+  Expected<bool> has_interrupted();
+  Status serve_idle();
   Status serve_interrupted();
+  Status serve_plate();
+  Status serve_fault();
   Status serve_stick();
-  Expected<StickJob> choose(const StickMount& mount);
-  Expected<Choice> ask(const std::function<void()>& on_next);
+  Expected<std::optional<StickJob>> choose(const StickMount& mount);
+  Expected<EventKind> ask(const std::function<void()>& on_next);
   Status print_scan();
   Status resume();
   void print(PrintSession& session, const PrintProfile& profile);
   Expected<PrintProfile> profile_of(const std::string& name) const;
-  Status refuse(const Error& error, FaultCode code);
+  void refuse(const Error& error, FaultCode code);
 
   Machine& machine_;
   const DaemonSettings& settings_;
   Arena& arena_;
   JobStore& store_;
+  PlateRecord& plate_;
   DaemonObserver& observer_;
   PrintState state_ = PrintState::kIdle;
   FaultCode fault_ = FaultCode::kNone;
-  bool served_ = false;  ///< the stick in the port has been printed
+  bool served_ = false;      ///< the stick in the port has been printed, refused or declined
+  bool told_ready_ = false;  ///< since the printer has become idle
   bool ending_ = false;
 };
 

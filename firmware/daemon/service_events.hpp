@@ -1,6 +1,7 @@
 #pragma once
-/// The machine's events. Every look for one also sends a sign of life to the service manager.
+/// The machine's events, and those of its ButtonSocket. Every look for one also sends a sign of life to the service manager.
 
+#include "firmware/daemon/button_socket.hpp"
 #include "firmware/daemon/service_manager.hpp"
 #include "hal/events.hpp"
 
@@ -10,14 +11,15 @@ namespace plumbline {
 /// thread would keep reporting life after the work hung.
 class ServiceEvents final : public Events {
  public:
-  /// @param events, clock  the machine's; both must outlive this, as must the manager
-  ServiceEvents(Events& events, const Clock& clock, ServiceManager& manager);
+  /// @param events, clock  the machine's; both must outlive this, as must the others
+  ServiceEvents(Events& events, const Clock& clock, ButtonSocket& buttons, ServiceManager& manager);
 
  private:
   Expected<std::optional<Event>> do_next_event(TimePoint deadline) override;
 
   Events& events_;
   const Clock& clock_;
+  ButtonSocket& buttons_;
   ServiceManager& manager_;
   nanoseconds longest_wait_;
 };

@@ -25,8 +25,13 @@ double seconds(nanoseconds time) { return std::chrono::duration<double>(time).co
 }  // namespace
 
 PrintJob::PrintJob(Machine& machine, const PrintSettings& settings, MaskRenderer& masks, Journal* journal,
-                   std::span<ExposureLine> exposures, PrintObserver& observer)
-    : machine_(machine), settings_(settings), masks_(masks), journal_(journal), observer_(observer) {
+                   PlateRecord* plate, std::span<ExposureLine> exposures, PrintObserver& observer)
+    : machine_(machine),
+      settings_(settings),
+      masks_(masks),
+      journal_(journal),
+      plate_record_(plate),
+      observer_(observer) {
   report_.room = exposures;
 }
 
@@ -125,6 +130,9 @@ Status PrintJob::step() {
     case PrintState::kFinishing: return raise_to_end();
     case PrintState::kSlicing:
     case PrintState::kIdle:
+    case PrintState::kOffered:
+    case PrintState::kInterrupted:
+    case PrintState::kPlateInUse:
     case PrintState::kFinished:
     case PrintState::kCancelled:
     case PrintState::kSuspended:
@@ -139,6 +147,9 @@ Status PrintJob::run_checks() {
     fault(checks_.fault(), checks_.fault_message());
     return {};
   }
+  // From here on a part may be on the plate, whatever ends this program.
+  if (plate_record_ != nullptr) PLUMBLINE_TRY(plate_record_->take());
+  report_.begun = true;
   PLUMBLINE_TRY(machine_.thermals.set_fan(Fan::kLamp, 1));
   PLUMBLINE_TRY(machine_.thermals.set_fan(Fan::kChamber, 1));
   if (report_.first_layer > 0) report_.marked_layer = report_.first_layer;

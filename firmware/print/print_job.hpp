@@ -11,6 +11,7 @@
 
 #include "firmware/print/mask_renderer.hpp"
 #include "firmware/print/plate_moves.hpp"
+#include "firmware/print/plate_record.hpp"
 #include "firmware/print/print_checks.hpp"
 #include "firmware/print/print_observer.hpp"
 #include "firmware/print/print_report.hpp"
@@ -28,8 +29,9 @@ class PrintJob {
   /// @param machine    all devices; must outlive the job, as must the others
   /// @param masks      of the plan's layers
   /// @param journal    null: none is kept, and a power cut ends the print for good
+  /// @param plate      is taken when the checks have passed; null: nobody keeps a record
   /// @param exposures  room for the report's exposures; those beyond it are only counted
-  PrintJob(Machine& machine, const PrintSettings& settings, MaskRenderer& masks, Journal* journal,
+  PrintJob(Machine& machine, const PrintSettings& settings, MaskRenderer& masks, Journal* journal, PlateRecord* plate,
            std::span<ExposureLine> exposures, PrintObserver& observer);
   PrintJob(const PrintJob&) = delete;
   PrintJob& operator=(const PrintJob&) = delete;
@@ -78,6 +80,7 @@ class PrintJob {
   const PrintPlan& plan_ = settings_.plan;
   MaskRenderer& masks_;
   Journal* journal_;
+  PlateRecord* plate_record_;
   PrintObserver& observer_;
   PrintReport report_;
 

@@ -33,6 +33,9 @@ const char* reason_to_wait(PrintState state) {
     case PrintState::kCoolingDown: return "the lamp is too hot, the print goes on when it has cooled down";
     case PrintState::kFeedMe: return "the tank is nearly empty, pour in resin and press start";
     case PrintState::kIdle:
+    case PrintState::kOffered:
+    case PrintState::kInterrupted:
+    case PrintState::kPlateInUse:
     case PrintState::kSlicing:
     case PrintState::kChecks:
     case PrintState::kHoming:

@@ -62,6 +62,7 @@ struct PrintReport {
   FixedText<448> fault_message;
   std::array<CheckResult, kCheckCount> checks;
 
+  bool begun = false;  ///< the checks have passed; before that nothing lights or moves
   std::uint32_t layers = 0;
   std::uint32_t first_layer = 0;  ///< above 0: resumed
   std::uint32_t next_layer = 0;   ///< all before it are cured

@@ -125,7 +125,7 @@ double PrintSession::pixel_ml() const {
 
 MaskFigures PrintSession::mask_figures() const { return plumbline::mask_figures(exposures_, scratch_); }
 
-const PrintReport& PrintSession::print(Machine& machine, PrintObserver& observer) {
+const PrintReport& PrintSession::print(Machine& machine, PrintObserver& observer, PlateRecord* plate) {
   PrintSettings settings;
   settings.plan = facts_.plan;
   settings.lamp_resume = Celsius(machine_.lamp_resume_c);
@@ -140,10 +140,12 @@ const PrintReport& PrintSession::print(Machine& machine, PrintObserver& observer
   settings.cure_depth = facts_.cure_depth;
   settings.memory_needed = arena_.used();
   settings.memory_budget = arena_.capacity();
-  job_.emplace(machine, settings, *masks_, journal_ ? &*journal_ : nullptr, lines_, observer);
-  const PrintReport& report = job_->run(journal_ ? journal_->last() : JournalEntry());
+  job_.emplace(machine, settings, *masks_, journal_ ? &*journal_ : nullptr, plate, lines_, observer);
+  const JournalEntry from = journal_ ? journal_->last() : JournalEntry();
+  const PrintReport& report = job_->run(from);
   exposures_ = report.exposures;
-  const bool for_good = report.state == PrintState::kFinished || report.state == PrintState::kCancelled;
+  const bool refused = !report.begun && from == JournalEntry();
+  const bool for_good = refused || report.state == PrintState::kFinished || report.state == PrintState::kCancelled;
   // If the journal can't be removed, the next start offers to resume a print whose last layer is done.
   if (for_good && store_ != nullptr) static_cast<void>(store_->end());
   return report;

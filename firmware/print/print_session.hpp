@@ -47,8 +47,10 @@ class PrintSession {
   /// @retval ErrorCode::kUnsupported  it was made for another printer, or by another version
   [[nodiscard]] Status load();
 
-  /// Prints. @pre slice_scan() or load() was called, once. A print that ends for good is removed from the store.
-  const PrintReport& print(Machine& machine, PrintObserver& observer);
+  /// Prints. @pre slice_scan() or load() was called, once. A print that ends for good, or that the checks refuse before its first
+  /// layer, is removed from the store.
+  /// @param plate  see PrintJob
+  const PrintReport& print(Machine& machine, PrintObserver& observer, PlateRecord* plate = nullptr);
 
   const SliceReport& sliced() const { return slice_report_; }
   const JobFacts& facts() const { return facts_; }

@@ -5,6 +5,9 @@ namespace plumbline {
 std::string_view to_string(PrintState state) {
   switch (state) {
     case PrintState::kIdle: return "idle";
+    case PrintState::kOffered: return "offered";
+    case PrintState::kInterrupted: return "interrupted";
+    case PrintState::kPlateInUse: return "plate in use";
     case PrintState::kSlicing: return "slicing";
     case PrintState::kChecks: return "checks";
     case PrintState::kHoming: return "homing";
@@ -26,6 +29,10 @@ std::string_view to_string(PrintState state) {
 
 std::string_view to_string(PrintEvent event) {
   switch (event) {
+    case PrintEvent::kJobOffered: return "job offered";
+    case PrintEvent::kResumeOffered: return "resume offered";
+    case PrintEvent::kPlateTaken: return "plate taken";
+    case PrintEvent::kPlateEmpty: return "plate empty";
     case PrintEvent::kJobTaken: return "job taken";
     case PrintEvent::kJobResumed: return "job resumed";
     case PrintEvent::kSliced: return "sliced";

@@ -10,6 +10,9 @@ namespace plumbline {
 
 enum class PrintState : std::uint8_t {
   kIdle,         ///< waits for a job
+  kOffered,      ///< a job is at hand: waits until somebody presses start
+  kInterrupted,  ///< an interrupted print can go on: waits for start or cancel
+  kPlateInUse,   ///< waits until somebody confirms that the plate is empty
   kSlicing,      ///< reads the scan and builds the R-Rep
   kChecks,       ///< checks printer and job
   kHoming,       ///< the stage finds its end stop
@@ -26,10 +29,14 @@ enum class PrintState : std::uint8_t {
   kSuspended,    ///< power lost or system shut down: the journal knows where to resume
   kFault,        ///< something failed: the fault's code says what, and what the user does next
 };
-inline constexpr std::size_t kPrintStateCount = 16;
+inline constexpr std::size_t kPrintStateCount = 19;
 
 enum class PrintEvent : std::uint8_t {
-  kJobTaken,       ///< a scan is to be printed
+  kJobOffered,     ///< a stick with a job is in the port
+  kResumeOffered,  ///< an interrupted print is stored
+  kPlateTaken,     ///< a print has begun since somebody last confirmed that the plate is empty
+  kPlateEmpty,     ///< somebody confirms that the plate is empty
+  kJobTaken,       ///< somebody wants the scan to be printed
   kJobResumed,     ///< a job is ready to print: sliced, or loaded with its journal
   kSliced,         ///< the R-Rep is ready
   kChecksPassed,   ///<
@@ -48,7 +55,7 @@ enum class PrintEvent : std::uint8_t {
   kFailed,         ///< a fault
   kAcknowledged,   ///< the user has seen the result
 };
-inline constexpr std::size_t kPrintEventCount = 18;
+inline constexpr std::size_t kPrintEventCount = 22;
 
 /// "idle", "cooling down", "feed me", ...
 std::string_view to_string(PrintState state);
@@ -59,6 +66,9 @@ std::string_view to_string(PrintEvent event);
 constexpr bool at_rest(PrintState state) {
   switch (state) {
     case PrintState::kIdle:
+    case PrintState::kOffered:
+    case PrintState::kInterrupted:
+    case PrintState::kPlateInUse:
     case PrintState::kFinished:
     case PrintState::kCancelled:
     case PrintState::kSuspended:
@@ -78,7 +88,7 @@ constexpr bool at_rest(PrintState state) {
   return true;
 }
 
-/// Waits for the user to press start.
+/// A pause that lasts until the user presses start.
 constexpr bool waits_for_start(PrintState state) {
   return state == PrintState::kPaused || state == PrintState::kFeedMe;
 }
@@ -99,6 +109,10 @@ constexpr PrintState next_running(PrintState state, PrintEvent event) {
     case PrintEvent::kCancelAsked: return PrintState::kCancelling;
     case PrintEvent::kShutdown: return PrintState::kSuspended;
     case PrintEvent::kFailed: return PrintState::kFault;
+    case PrintEvent::kJobOffered:
+    case PrintEvent::kResumeOffered:
+    case PrintEvent::kPlateTaken:
+    case PrintEvent::kPlateEmpty:
     case PrintEvent::kJobTaken:
     case PrintEvent::kJobResumed:
     case PrintEvent::kSliced:
@@ -121,9 +135,25 @@ constexpr PrintState next_running(PrintState state, PrintEvent event) {
 constexpr PrintState next(PrintState state, PrintEvent event) {
   switch (state) {
     case PrintState::kIdle:
-      if (event == PrintEvent::kJobTaken) return PrintState::kSlicing;
-      if (event == PrintEvent::kJobResumed) return PrintState::kChecks;
+      if (event == PrintEvent::kJobOffered) return PrintState::kOffered;
+      if (event == PrintEvent::kResumeOffered) return PrintState::kInterrupted;
+      if (event == PrintEvent::kPlateTaken) return PrintState::kPlateInUse;
+      if (event == PrintEvent::kJobResumed) return PrintState::kChecks;  // where PrintJob begins
       if (event == PrintEvent::kFailed) return PrintState::kFault;
+      return state;
+    case PrintState::kOffered:
+      if (event == PrintEvent::kJobTaken) return PrintState::kSlicing;
+      if (event == PrintEvent::kCancelAsked) return PrintState::kIdle;
+      if (event == PrintEvent::kFailed) return PrintState::kFault;
+      return state;
+    case PrintState::kInterrupted:
+      if (event == PrintEvent::kJobResumed) return PrintState::kChecks;
+      if (event == PrintEvent::kCancelAsked) return PrintState::kPlateInUse;  // its part is still there
+      if (event == PrintEvent::kFailed) return PrintState::kFault;
+      return state;
+    case PrintState::kPlateInUse:
+      // Also after a fault: nothing but a person's word leads on.
+      if (event == PrintEvent::kPlateEmpty) return PrintState::kIdle;
       return state;
     case PrintState::kSlicing:
       if (event == PrintEvent::kSliced) return PrintState::kChecks;

@@ -8,13 +8,15 @@ namespace {
 LightState on_if(bool on) { return on ? LightState::kOn : LightState::kOff; }
 
 LightState light_for(PanelLight light, PrintState state) {
-  const bool waits = waits_for_start(state) || state == PrintState::kCoverOpen;
+  const bool waits = waits_for_start(state) || state == PrintState::kCoverOpen || state == PrintState::kOffered ||
+                     state == PrintState::kInterrupted;
+  const bool part_is_there = state == PrintState::kFinished || state == PrintState::kPlateInUse;
   switch (light) {
-    case PanelLight::kReady: return on_if(at_rest(state) && state != PrintState::kFault);
+    case PanelLight::kReady: return on_if(state == PrintState::kIdle || state == PrintState::kOffered);
     case PanelLight::kPrinting:
       if (at_rest(state)) return LightState::kOff;
       return state == PrintState::kPrinting ? LightState::kOn : LightState::kBlinking;
-    case PanelLight::kAttention: return waits ? LightState::kBlinking : on_if(state == PrintState::kFinished);
+    case PanelLight::kAttention: return waits ? LightState::kBlinking : on_if(part_is_there);
     case PanelLight::kFault: return on_if(state == PrintState::kFault);
   }
   return LightState::kOff;

@@ -12,8 +12,9 @@ namespace plumbline {
 namespace {
 
 constexpr double kMaxSide = PrintGrid::kMaxSide;
-constexpr std::array<std::string_view, 2> kPackings = {"none", "rgb"};    // by PanelLayout::rgb
-constexpr std::array<std::string_view, 3> kMirrors = {"none", "x", "y"};  // by PanelLayout::Mirror
+constexpr std::array<std::string_view, 2> kPackings = {"none", "rgb"};           // by PanelLayout::rgb
+constexpr std::array<std::string_view, 3> kMirrors = {"none", "x", "y"};         // by PanelLayout::Mirror
+constexpr std::array<std::string_view, 2> kStarts = {"on_request", "on_stick"};  // by StartChoice
 constexpr std::array<std::uint32_t, 4> kRotations = {0, 90, 180, 270};
 constexpr std::array<std::uint32_t, 9> kMicrosteps = {1, 2, 4, 8, 16, 32, 64, 128, 256};
 
@@ -52,6 +53,7 @@ std::vector<SettingRule> rules_for(BoardFile& board, MachineFile& machine) {
       {"tank", "volume_ml", &machine.tank_volume_ml, 1, 20000, " ml", kMachine},
       {"print", "layer_height_mm", &board.layer_height_mm, 0.005, 1, " mm"},
       {"print", "profile", TextSetting{&machine.profile}, 1, 63, "", kMachine},
+      {"print", "start", choice(kStarts, machine.start), 0, 0, "", Presence::kOptional},
       {"memory", "arena_mib", &board.arena_mib, 8, 65536, " MiB"},
   };
   add_wiring_rules(rules, machine.wiring);

@@ -18,30 +18,37 @@ namespace plumbline {
 /// microstep, so any clearance above the switch's own travel would do.
 inline constexpr double kEndStopClearanceMm = 1;
 
+/// What begins a print.
+enum class StartChoice : std::uint8_t {
+  kOnRequest,  ///< somebody presses start
+  kOnStick,    ///< a stick is in: for test rigs
+};
+
 /// The part of a board file that printing needs and slicing does not.
 struct MachineFile {
-  bool simulated = false;                     ///< [printer] simulate it: no such machine exists
-  PanelLayout panel;                          ///< [panel]
-  double refresh_delay_ms = 0;                ///< [panel] from the end of the scan-out until the pixels have settled
-  double rotation_distance_mm = 0;            ///< [z_stage] travel for one turn of the motor
-  std::uint32_t full_steps_per_rotation = 0;  ///< [z_stage] of the motor
-  std::uint32_t microsteps = 0;               ///< [z_stage] pulses for a full step: a power of two up to 256
-  double max_speed_mm_min = 0;                ///< [z_stage]
-  double max_acceleration_mm_s2 = 0;          ///< [z_stage]
-  double homing_speed_mm_min = 0;             ///< [z_stage] of the second, slow approach to the end stop
-  double end_stop_height_mm = 0;              ///< [z_stage] height of the plate where the end stop closes
-  double power_mw_cm2 = 0;                    ///< [lamp] irradiance at the film
-  double max_exposure_s = 0;                  ///< [lamp] longest single exposure
-  double max_light_per_minute_s = 0;          ///< [lamp] most light in any minute
-  double warm_up_ms = 0;                      ///< [lamp] from off to full power, linear
-  bool has_cover_switch = false;              ///< [cover]
-  double lamp_resume_c = 0;                   ///< [temperatures] a print paused to cool the lamp resumes below this
-  double lamp_max_c = 0;                      ///< [temperatures] the print pauses above this
-  double resin_min_c = 0;                     ///< [temperatures]
-  double resin_max_c = 0;                     ///< [temperatures]
-  double tank_volume_ml = 0;                  ///< [tank] resin in a full tank
-  std::string profile;                        ///< [print] file in board/profiles, unless the user names another
-  Wiring wiring;                              ///< [display], [lamp_line], ...: empty for a simulated printer
+  bool simulated = false;                       ///< [printer] simulate it: no such machine exists
+  PanelLayout panel;                            ///< [panel]
+  double refresh_delay_ms = 0;                  ///< [panel] from the end of the scan-out until the pixels have settled
+  double rotation_distance_mm = 0;              ///< [z_stage] travel for one turn of the motor
+  std::uint32_t full_steps_per_rotation = 0;    ///< [z_stage] of the motor
+  std::uint32_t microsteps = 0;                 ///< [z_stage] pulses for a full step: a power of two up to 256
+  double max_speed_mm_min = 0;                  ///< [z_stage]
+  double max_acceleration_mm_s2 = 0;            ///< [z_stage]
+  double homing_speed_mm_min = 0;               ///< [z_stage] of the second, slow approach to the end stop
+  double end_stop_height_mm = 0;                ///< [z_stage] height of the plate where the end stop closes
+  double power_mw_cm2 = 0;                      ///< [lamp] irradiance at the film
+  double max_exposure_s = 0;                    ///< [lamp] longest single exposure
+  double max_light_per_minute_s = 0;            ///< [lamp] most light in any minute
+  double warm_up_ms = 0;                        ///< [lamp] from off to full power, linear
+  bool has_cover_switch = false;                ///< [cover]
+  double lamp_resume_c = 0;                     ///< [temperatures] a print paused to cool the lamp resumes below this
+  double lamp_max_c = 0;                        ///< [temperatures] the print pauses above this
+  double resin_min_c = 0;                       ///< [temperatures]
+  double resin_max_c = 0;                       ///< [temperatures]
+  double tank_volume_ml = 0;                    ///< [tank] resin in a full tank
+  std::string profile;                          ///< [print] file in board/profiles, unless the user names another
+  StartChoice start = StartChoice::kOnRequest;  ///< [print]
+  Wiring wiring;                                ///< [display], [lamp_line], ...: empty for a simulated printer
 
   /// mm of travel for one pulse of the driver.
   double step_mm() const { return rotation_distance_mm / (full_steps_per_rotation * microsteps); }

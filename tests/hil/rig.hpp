@@ -181,7 +181,7 @@ class Rig {
     journal_ = *opened;
     lines_.assign(2 * plan.layers + 50, {});
     Machine machine = machine_->machine();
-    job_.emplace(machine, settings(), *masks_, &*journal_, lines_, user);
+    job_.emplace(machine, settings(), *masks_, &*journal_, nullptr, lines_, user);
     return job_->run(journal_->last());
   }
 

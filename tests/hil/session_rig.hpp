@@ -55,7 +55,7 @@ class Silent final : public PrintObserver {
   void checked(Check /*check*/, const CheckResult& /*result*/) override {}
 };
 
-/// Records what the daemon says and does. Its actions run while nothing is being printed.
+/// Records what the daemon says and does. Its actions run while nothing is being printed, as late as those of a person.
 class ScriptedUser final : public DaemonObserver {
  public:
   explicit ScriptedUser(Plant& plant) : plant_(plant) {}
@@ -63,7 +63,7 @@ class ScriptedUser final : public DaemonObserver {
   void say(std::string_view text) override {
     said.emplace_back(text);
     for (const auto& [word, action] : on_words) {
-      if (text.find(word) != std::string_view::npos) todo_.push_back(action);
+      if (text.find(word) != std::string_view::npos) later(action);
     }
   }
   bool update(const PrintStatus& status) override {
@@ -77,11 +77,12 @@ class ScriptedUser final : public DaemonObserver {
     scans.emplace_back(view(session.facts().scan));
     hashes.emplace_back();
     for (const auto& line : report.exposures) hashes.back().push_back(line.mask_hash);
-    if (on_printed) todo_.push_back(on_printed);
+    if (on_printed) later(on_printed);
   }
   void idle() override {
-    const auto todo = std::exchange(todo_, {});
-    for (const auto& action : todo) action();
+    if (!todo_.empty() && ++waited_ > kTurnsToAct) {
+      for (const auto& action : std::exchange(todo_, {})) action();
+    }
     if (++idle_turns > 20'000) plant_.press(EventKind::kShutdownRequested);  // over an hour: the script has ended
   }
 
@@ -96,8 +97,16 @@ class ScriptedUser final : public DaemonObserver {
   int idle_turns = 0;
 
  private:
+  static constexpr int kTurnsToAct = 6;  // of 200 ms: the daemon ignores buttons in the first second after a question
+
+  void later(const std::function<void()>& action) {
+    todo_.push_back(action);
+    waited_ = 0;
+  }
+
   Plant& plant_;
   std::vector<std::function<void()>> todo_;
+  int waited_ = 0;
 };
 
 inline PlantSettings session_plant() {
@@ -106,37 +115,48 @@ inline PlantSettings session_plant() {
   return settings;
 }
 
-/// The stick and the state are folders below `folder`.
+/// The stick and the state are folders below `folder`. Sticks start their print, unless `start` says otherwise, and somebody has
+/// confirmed that the plate is empty.
 class DaemonRig {
  public:
   explicit DaemonRig(const PlantSettings& settings = session_plant(), std::size_t arena_bytes = std::size_t{24} << 20U)
       : plant(settings), user(plant), block_(arena_bytes), arena(std::span(block_)) {
     omp_set_num_threads(1);
     std::filesystem::create_directory(stick());
+    std::filesystem::create_directory(state());
+    EXPECT_TRUE(PlateRecord::open(state())->confirm_empty());
   }
 
   std::string stick() const { return folder / "stick"; }
+  std::string state() const { return folder / "state"; }
+  bool plate_is_empty() const { return PlateRecord::open(state())->is_empty(); }
   void put_scan(const std::string& name, double radius_mm = 2, std::uint32_t points = 4000) const {
     write_sphere_scan(stick() + "/" + name, points, radius_mm);
   }
 
   /// One process of the daemon.
   Status run() {
-    auto store = JobStore::open(folder / "state");
+    auto store = JobStore::open(state());
     EXPECT_TRUE(store) << store.error().message();
+    auto plate = PlateRecord::open(state());
+    EXPECT_TRUE(plate) << plate.error().message();
     machine_.reset();
     machine_.emplace(plant);
     Machine machine = machine_->machine();
-    const DaemonSettings settings{session_board(), rig_machine(), PLUMBLINE_SOURCE_DIR "/board/sim2k.toml", 1};
-    PrinterDaemon daemon(machine, settings, arena, *store, user);
+    DaemonSettings settings{session_board(), rig_machine(), PLUMBLINE_SOURCE_DIR "/board/sim2k.toml", 1};
+    settings.machine.start = start;
+    PrinterDaemon daemon(machine, settings, arena, *store, *plate, user);
     const auto served = daemon.run();
     fault = daemon.fault();
     return served;
   }
 
+  LightState light(PanelLight light) const { return machine_->panel().light(light); }
+
   TemporaryFolder folder;
   Plant plant;
   ScriptedUser user;
+  StartChoice start = StartChoice::kOnStick;
   FaultCode fault = FaultCode::kNone;
 
  private:

@@ -34,6 +34,7 @@ TEST(Soak, HundredJobsRunInTheSameMemory) {
     rig.arena.reset_peak();
     rig.plant.press(rig.user.reports.size() < 100 ? EventKind::kStartPressed : EventKind::kShutdownRequested);
   };
+  rig.user.on_words.emplace("ready", [&] { rig.plant.press(EventKind::kStartPressed); });
   ASSERT_TRUE(rig.run());
   ASSERT_EQ(rig.user.reports.size(), 100U);
   for (const auto& report : rig.user.reports) EXPECT_EQ(report.state, kFinished);

@@ -74,6 +74,7 @@ class Service : public testing::Test {
 
   TemporaryFolder folder_;
   ManagerSocket socket_{folder_ / "notify"};
+  Expected<ButtonSocket> buttons_ = ButtonSocket::open(folder_ / ".");
 };
 
 TEST_F(Service, GetsEachMessageInItsOwnDatagram) {
@@ -225,7 +226,7 @@ class Still final : public Clock, public Events {
 TEST_F(Service, GetsSignsOfLifeDuringALongWait) {
   Still machine;
   auto manager = this->manager(1us);
-  ServiceEvents events(machine, machine, manager);
+  ServiceEvents events(machine, machine, *buttons_, manager);
   EXPECT_EQ(*events.next_event(TimePoint(1us)), std::nullopt);
   EXPECT_EQ(machine.now(), TimePoint(1us));
   EXPECT_THAT(machine.deadlines, ElementsAre(TimePoint(250ns), TimePoint(500ns), TimePoint(750ns), TimePoint(1us)));
@@ -233,15 +234,15 @@ TEST_F(Service, GetsSignsOfLifeDuringALongWait) {
 
   machine.deadlines.clear();
   auto patient = this->manager(1h);
-  ServiceEvents slow(machine, machine, patient);
+  ServiceEvents slow(machine, machine, *buttons_, patient);
   EXPECT_EQ(*slow.next_event(TimePoint(3s)), std::nullopt);
-  EXPECT_THAT(machine.deadlines, SizeIs(3)) << "a turn a second, however long the watchdog waits";
+  EXPECT_THAT(machine.deadlines, SizeIs(15)) << "five turns a second, however long the watchdog waits";
 }
 
 TEST_F(Service, GetsASignOfLifeFromPolling) {
   Still machine;
   auto manager = this->manager(1h);
-  ServiceEvents events(machine, machine, manager);
+  ServiceEvents events(machine, machine, *buttons_, manager);
   for (int turn = 0; turn < 100; ++turn) EXPECT_EQ(*events.next_event(machine.now()), std::nullopt);
   EXPECT_EQ(machine.now(), TimePoint()) << "without waiting";
   EXPECT_THAT(socket_.received(), ElementsAre("WATCHDOG=1"));
@@ -250,7 +251,7 @@ TEST_F(Service, GetsASignOfLifeFromPolling) {
 TEST_F(Service, DoesNotChangeEventsAndGetsTheEnd) {
   Still machine;
   auto manager = this->manager(20s);
-  ServiceEvents events(machine, machine, manager);
+  ServiceEvents events(machine, machine, *buttons_, manager);
   machine.event = Event{TimePoint(2500ms), EventKind::kPausePressed};
   auto got = events.next_event(TimePoint(1h));
   ASSERT_TRUE(got && *got);
@@ -263,12 +264,17 @@ TEST_F(Service, DoesNotChangeEventsAndGetsTheEnd) {
   EXPECT_THAT(socket_.received(), ElementsAre("STOPPING=1"));
 }
 
-TEST_F(Service, WithoutAWatchdogCausesNoWakeUps) {
+TEST_F(Service, DeliversAPressByCommandWithinAFifthOfASecond) {
   Still machine;
   auto manager = this->manager();
-  ServiceEvents events(machine, machine, manager);
-  EXPECT_EQ(*events.next_event(TimePoint(1h)), std::nullopt);
-  EXPECT_THAT(machine.deadlines, ElementsAre(TimePoint(1h)));
+  ServiceEvents events(machine, machine, *buttons_, manager);
+  EXPECT_EQ(*events.next_event(TimePoint(1s)), std::nullopt);
+  EXPECT_THAT(machine.deadlines, SizeIs(5)) << "also without a watchdog";
+  ASSERT_TRUE(press_button(folder_ / ".", "start"));
+  const auto got = events.next_event(TimePoint(1h));
+  ASSERT_TRUE(got && *got);
+  EXPECT_EQ((*got)->kind, EventKind::kStartPressed);
+  EXPECT_EQ((*got)->at, TimePoint(1s));
 }
 
 TEST(ServiceStatus, SaysHowThePrintEnded) {

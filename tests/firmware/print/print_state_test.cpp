@@ -22,13 +22,16 @@ constexpr auto state_at(std::size_t index) { return static_cast<PrintState>(inde
 constexpr auto event_at(std::size_t index) { return static_cast<PrintEvent>(index); }
 
 // An undisturbed print, at compile time.
-static_assert(next(kIdle, kJobTaken) == kSlicing);
+static_assert(next(kIdle, kJobOffered) == kOffered);
+static_assert(next(kOffered, kJobTaken) == kSlicing);
 static_assert(next(kSlicing, kSliced) == kChecks);
 static_assert(next(kChecks, kChecksPassed) == kHoming);
 static_assert(next(kHoming, kHomed) == kPrinting);
 static_assert(next(kPrinting, kLastLayerDone) == kFinishing);
 static_assert(next(kFinishing, kRaised) == kFinished);
 static_assert(next(kFinished, kAcknowledged) == kIdle);
+static_assert(next(kIdle, kPlateTaken) == kPlateInUse);
+static_assert(next(kPlateInUse, kPlateEmpty) == kIdle);
 
 TEST(PrintState, EveryPairHasANextStateAndAName) {
   std::set<std::string_view> names;
@@ -90,6 +93,23 @@ TEST(PrintState, OnlyTheUserLeavesAStateAtRest) {
   for (const PrintState state : {kFinished, kCancelled, kSuspended, kFault}) {
     for (std::size_t e = 0; e < kPrintEventCount; ++e) {
       EXPECT_EQ(next(state, event_at(e)), event_at(e) == kAcknowledged ? kIdle : state);
+    }
+  }
+}
+
+TEST(PrintState, NothingButAPersonsWordLeavesAPlateInUse) {
+  for (std::size_t e = 0; e < kPrintEventCount; ++e) {
+    EXPECT_EQ(next(kPlateInUse, event_at(e)), event_at(e) == kPlateEmpty ? kIdle : kPlateInUse)
+        << to_string(event_at(e));
+  }
+}
+
+TEST(PrintState, AScanIsSlicedOnlyAfterItWasOfferedAndTaken) {
+  for (std::size_t s = 0; s < kPrintStateCount; ++s) {
+    for (std::size_t e = 0; e < kPrintEventCount; ++e) {
+      if (state_at(s) == kSlicing || next(state_at(s), event_at(e)) != kSlicing) continue;
+      EXPECT_EQ(state_at(s), kOffered);
+      EXPECT_EQ(event_at(e), kJobTaken);
     }
   }
 }

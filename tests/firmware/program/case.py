@@ -16,6 +16,7 @@ from pathlib import Path
 
 PROGRAMS, SOURCE_DIR = Path(sys.argv[1]), Path(sys.argv[2])
 PLUMBLINE, PLUMBLINED = PROGRAMS / "plumbline", PROGRAMS / "plumblined"
+SIM2K = SOURCE_DIR / "board" / "sim2k.toml"
 U64 = 2**64 - 1
 STEP = 0x9E3779B97F4A7C15
 
@@ -69,6 +70,18 @@ def write_board(path, arena_mib=64):
         f'[printer]\nname = "small"\n[panel]\ncolumns = 403\nrows = 300\npixel_pitch_x_mm = 0.1\npixel_pitch_y_mm = 0.1\n'
         f"[z_stage]\ntravel_mm = 50.0\n[print]\nlayer_height_mm = 0.1\n[memory]\narena_mib = {arena_mib}\n"
     )
+
+
+def on_stick_printer(folder):
+    """Board file of the simulated printer as a rig's: a stick starts its print."""
+    path = folder / "sim2k.toml"
+    path.write_text(SIM2K.read_text().replace('"on_request"', '"on_stick"'))
+    return path
+
+
+def confirm_plate(state):
+    state.mkdir(exist_ok=True)
+    (state / "plate-is-empty").touch()
 
 
 def png_rows(path):

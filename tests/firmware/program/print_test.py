@@ -8,9 +8,7 @@ import signal
 import subprocess
 import time
 
-from case import PLUMBLINED, SOURCE_DIR, Program, add_ball, main, split, write_sphere
-
-SIM2K = SOURCE_DIR / "board" / "sim2k.toml"
+from case import PLUMBLINED, SIM2K, SOURCE_DIR, Program, add_ball, confirm_plate, main, on_stick_printer, split, write_sphere
 
 
 class Print(Program):
@@ -117,8 +115,13 @@ class Daemon(Program):
         super().setUp()
         self.stick, self.state = self.dir / "stick", self.dir / "state"
 
-    def start(self, *arguments, speedup=1e6):
-        command = [PLUMBLINED, "--printer", SIM2K, "--state", self.state, "--stick", self.stick, "--speedup", speedup, *arguments]
+    def start(self, *arguments, speedup=1e6, on_stick=True):
+        """@param on_stick  the stick starts its print, onto a plate that somebody has confirmed"""
+        printer = SIM2K
+        if on_stick:
+            printer = on_stick_printer(self.dir)
+            confirm_plate(self.state)
+        command = [PLUMBLINED, "--printer", printer, "--state", self.state, "--stick", self.stick, "--speedup", speedup, *arguments]
         daemon = subprocess.Popen(list(map(str, command)), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         self.addCleanup(daemon.wait)
         self.addCleanup(daemon.kill)
@@ -148,19 +151,50 @@ class Daemon(Program):
         self.assertEqual(daemon.returncode, status, err)
         return out, err
 
-    def test_prints_what_the_job_on_the_stick_asks_for_and_waits_for_the_next(self):
-        daemon = self.start("--jobs", 2)
+    def press(self, button, status=0):
+        return self.run_it("press", button, "--state", self.state, status=status)
+
+    def test_prints_what_somebody_wants_from_the_stick_and_waits_for_an_empty_plate(self):
+        daemon = self.start("--jobs", 2, on_stick=False)
+        self.until(daemon, "is the plate empty?")
+        self.press("start")
         self.until(daemon, "ready")
         self.put_stick("a.ply", "b.ply", job='[job]\nscan = "b.ply"\nprofile = "draft"\nsupports = "auto"\n', radius=6)
-        self.until(daemon, "ready")
+        self.until(daemon, "job.toml asks for b.ply. Press start to print it")
+        self.press("start")
+        self.until(daemon, "is the plate empty?")
         report = json.loads((self.state / "report.json").read_text())
         self.assertEqual((report["state"], report["scan"], report["profile"]), ("finished", "b.ply", "draft"))
         self.assertGreater(report["supports"], 0)
         shutil.rmtree(self.stick)
         time.sleep(0.3)
         self.put_stick("c.ply")
+        time.sleep(1)
+        self.press("start")
+        said = self.until(daemon, "c.ply. Press start to print it")
+        self.assertNotIn("reading", said)
+        self.press("start")
         out, _ = self.ends(daemon, 0)
         self.assertEqual(out.count("finished"), 2, out)
+
+    def test_an_absent_daemon_has_no_buttons(self):
+        self.assertIn("no plumblined runs with the state folder", self.refused_press())
+        self.start().send_signal(signal.SIGKILL)
+        self.assertIn("no plumblined runs with the state folder", self.refused_press())
+
+    def refused_press(self):
+        self.state.mkdir(exist_ok=True)
+        return self.press("start", status=1).stderr
+
+    def test_command_line_prints_onto_a_plate_that_somebody_says_is_empty(self):
+        write_sphere(self.scan)
+        real = ("print", self.scan, "--printer", SOURCE_DIR / "board" / "rig.toml", "--state", self.state, "--quiet")
+        self.assertIn("add --plate-empty", self.run_it(*real, status=1).stderr)
+        # A simulated printer's plate is a new one each time, but the record is kept for the daemon.
+        (self.state / "plate-is-empty").touch()
+        self.run_it(*real[:2], "--printer", SIM2K, *real[4:], "--scale", 0.05)
+        self.assertEqual(list(self.state.iterdir()), [])
+        self.run_it(*real[:2], "--printer", SIM2K, *real[4:], "--scale", 0.05)
 
     def test_prints_from_a_stick_what_the_same_options_slice(self):
         write_sphere(self.scan, radius=6)

@@ -8,7 +8,7 @@ import struct
 import subprocess
 import time
 
-from case import PLUMBLINED, SOURCE_DIR, Program, main, write_sphere
+from case import PLUMBLINED, Program, confirm_plate, main, on_stick_printer, write_sphere
 
 WATCHDOG_S = 0.04
 # Longer phases must contain a sign of life. Shorter ones need not, since the daemon may have had no processor.
@@ -19,7 +19,9 @@ SO_TIMESTAMP = 29  # Linux; Python has no name for it
 class Service(Program):
     def setUp(self):
         super().setUp()
-        self.stick = self.dir / "stick"
+        self.stick, self.state = self.dir / "stick", self.dir / "state"
+        self.printer = on_stick_printer(self.dir)
+        confirm_plate(self.state)
         self.socket = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
         self.addCleanup(self.socket.close)
         self.socket.bind(str(self.dir / "notify"))
@@ -27,7 +29,7 @@ class Service(Program):
         self.messages, self.sent_at = [], 0.0
 
     def start(self, *arguments, speedup=20, **environment):
-        command = [PLUMBLINED, "--printer", SOURCE_DIR / "board/sim2k.toml", "--state", self.dir / "state", "--stick", self.stick]
+        command = [PLUMBLINED, "--printer", self.printer, "--state", self.state, "--stick", self.stick]
         command += ["--speedup", speedup, *arguments]
         asked = {"NOTIFY_SOCKET": str(self.dir / "notify"), "WATCHDOG_USEC": str(int(WATCHDOG_S * 1e6)), **environment}
         daemon = subprocess.Popen(list(map(str, command)), env={**os.environ, **asked}, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
@@ -100,15 +102,14 @@ class Service(Program):
 
     def test_a_hanging_loop_shows_no_life(self):
         # Writing a report that nobody reads blocks the daemon's main thread, while others run on.
-        report = self.dir / "state" / "report.json"
-        report.parent.mkdir()
+        report = self.state / "report.json"
         os.mkfifo(report)
         self.start(speedup=1e6)
         self.put_stick(5_000)
         self.until("STATUS=finished")
         self.assertTrue(self.is_quiet(10 * WATCHDOG_S))
         self.assertIn('"state": "finished"', report.read_text())
-        self.until("STATUS=ready")
+        self.until("STATUS=is the plate empty?")
         self.until("WATCHDOG=1")
 
     def test_killed_in_an_exposure_it_offers_to_resume(self):

@@ -40,7 +40,7 @@ class Stopped(rig.Rig):
             self.until("the stick may be pulled", "interrupted")
         if "interrupted" in self.log():
             self.run_in_guest("> /tmp/log")
-            self.press_start()
+            self.press_start_until("homing")
         self.run_in_guest("kill $(cat /tmp/busy)")
 
     def strike(self, who, number, after_us):
@@ -72,8 +72,7 @@ class Stopped(rig.Rig):
                     self.assertTrue(self.machine.run("pidof plumbline-keeper")[1], "the next keeper")
                     # The first press acknowledges the fault. light() gives the second, which resumes.
                     self.run_in_guest("> /tmp/log")
-                    self.press_start()
-                    self.until("interrupted")
+                    self.press_start_until("interrupted")
                 else:
                     self.assertFalse(self.machine.run("pidof plumblined")[1], "ended")
                     # The idle guest's clock would leap to the watchdog's end.
