@@ -50,7 +50,7 @@ ExitCode run_command_line(int argc, char** argv, std::span<std::byte> arena_bloc
     app.exit(help_or_version);
     return ExitCode::kDone;
   } catch (const CLI::ParseError& error) {
-    write_to_stderr(usage_message(app, error) + "\n");
+    write_line(usage_message(app, error));
     return ExitCode::kUsageError;
   }
   if (slice_command->parsed()) return run_slice(slice, arena_block);

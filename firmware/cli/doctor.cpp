@@ -54,10 +54,13 @@ bool prints(std::span<const MachineFinding> findings) { return count(findings, V
 Status write_findings(OutputFile& out, const std::string& printer, std::span<const MachineFinding> findings) {
   constexpr std::size_t kVerdict = 7;
   constexpr std::size_t kWhat = 28;
+  const auto shown = [](const std::string& from_the_board) {
+    return std::string(PrintableText(from_the_board).view());
+  };
   std::string text = "printer " + printer + "\n";
   for (const auto& one : findings) {
-    text += "  " + padded(word_of(one.verdict), kVerdict) + padded(one.what, kWhat) + one.found + "\n";
-    if (!one.advice.empty()) text += std::string(2 + kVerdict, ' ') + "-> " + one.advice + "\n";
+    text += "  " + padded(word_of(one.verdict), kVerdict) + padded(shown(one.what), kWhat) + shown(one.found) + "\n";
+    if (!one.advice.empty()) text += std::string(2 + kVerdict, ' ') + "-> " + shown(one.advice) + "\n";
   }
   text += std::to_string(count(findings, Verdict::kGood)) + " good, " +
           std::to_string(count(findings, Verdict::kPoor)) + " poor, " +

@@ -100,8 +100,8 @@ Status make_ready(const PrintOptions& options, const JobSetup& setup, const Prin
   if (silent) return {};
   for_each_remark(session.sliced(), [](std::string_view warning) {
     FixedText<512> line;
-    line.add("plumbline: warning: %.*s\n", static_cast<int>(warning.size()), warning.data());
-    write_to_stderr(line.view());
+    line.add("plumbline: warning: %.*s", static_cast<int>(warning.size()), warning.data());
+    write_line(line.view());
   });
   return {};
 }
@@ -229,7 +229,7 @@ ExitCode run_print(const PrintOptions& options, std::span<std::byte> arena_block
   PrintLines lines(show, witness != nullptr ? std::optional(kNobodyComes) : std::nullopt);
   const PrintReport& report = session.print((*back_end)->machine(), lines, plate ? &*plate : nullptr);
   lines.clear();
-  if (lines.gave_up()) write_to_stderr("plumbline: the print waited an hour for its user and was cancelled\n");
+  if (lines.gave_up()) write_line("plumbline: the print waited an hour for its user and was cancelled");
 
   std::vector<std::string> objections;
   if (witness != nullptr) {

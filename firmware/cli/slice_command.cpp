@@ -47,8 +47,8 @@ Status write_result(const JobReport& report, const SliceOptions& options, const 
 void write_warnings(const JobWarnings& warnings) {
   for (const auto& warning : warnings.all()) {
     FixedText<512> line;
-    line.add("plumbline: warning: %s\n", warning.c_str());
-    write_to_stderr(line.view());
+    line.add("plumbline: warning: %s", warning.c_str());
+    write_line(line.view());
   }
 }
 

@@ -57,11 +57,11 @@ class DaemonLog final : public DaemonObserver {
   DaemonLog(const DaemonOptions& options, BackEnd& back_end, ServiceManager& manager)
       : options_(options), back_end_(back_end), witness_(back_end.witness()), manager_(manager) {}
 
-  void say(std::string_view text) override {
-    FixedText<1000> line;
-    line.add("plumblined: %.*s\n", static_cast<int>(text.size()), text.data());
-    write_to_stderr(line.view());
-    manager_.status(text == "ready" ? "ready: waiting for a stick" : text);
+  void say(const PrintableText& text) override {
+    FixedText<PrintableText::kCapacity + 16> line;
+    line.add("plumblined: %s", text.c_str());
+    write_line(line.view());
+    manager_.status(text.view() == "ready" ? "ready: waiting for a stick" : text);
   }
   bool update(const PrintStatus& status) override {
     look_around();

@@ -18,6 +18,7 @@
 #include "firmware/settings/print_profile.hpp"
 #include "hal/machine.hpp"
 #include "slicer/core/arena.hpp"
+#include "slicer/core/printable_text.hpp"
 
 namespace plumbline {
 
@@ -25,7 +26,7 @@ namespace plumbline {
 class DaemonObserver : public PrintObserver {
  public:
   /// "ready", "reading bust.ply", ...
-  virtual void say(std::string_view text) = 0;
+  virtual void say(const PrintableText& text) = 0;
   /// Called when a print has ended, for any reason.
   virtual void printed(const PrintReport& report, const PrintSession& session, const PrintProfile& profile) = 0;
   /// Called several times a second while nothing is printed.

@@ -101,11 +101,11 @@ Status ServiceManager::ready() {
   return fail(ErrorCode::kCannotWrite, "systemd can't be told that the daemon is ready: %s", std::strerror(errno));
 }
 
-void ServiceManager::status(std::string_view text) {
-  // A line break would begin another assignment.
-  text = text.substr(0, text.find('\n'));
+void ServiceManager::status(const PrintableText& text) {
+  // Cut between two characters: systemd drops a status that is not UTF-8.
+  constexpr std::size_t kLongest = 240;
   FixedText<256> message;
-  message.add("STATUS=%.*s", static_cast<int>(text.size()), text.data());
+  message.add("STATUS=%s", PrintableText(text.view(), kLongest).c_str());
   if (message.view() == status_.view()) return;
   if (send(message.view(), Urgency::kMayBeLost)) status_ = message;
 }

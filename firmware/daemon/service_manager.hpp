@@ -6,6 +6,7 @@
 
 #include "firmware/io/fixed_text.hpp"
 #include "slicer/core/error.hpp"
+#include "slicer/core/printable_text.hpp"
 
 namespace plumbline {
 
@@ -35,7 +36,7 @@ class ServiceManager {
   /// @retval ErrorCode::kCannotWrite  the manager would wait in vain and then kill the daemon
   [[nodiscard]] Status ready();
   /// STATUS=: what the daemon is doing, one line, for `systemctl status`. Repeats are not sent.
-  void status(std::string_view text);
+  void status(const PrintableText& text);
   /// WATCHDOG=1: the daemon lives. Sent once half of watchdog() has passed since the last one.
   void alive();
   /// STOPPING=1.

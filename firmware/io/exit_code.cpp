@@ -7,8 +7,8 @@ namespace plumbline {
 
 ExitCode report_error(const Error& error) {
   FixedText<Error::kCapacity + 32> line;
-  line.add("plumbline: %s\n", error.message());
-  write_to_stderr(line.view());
+  line.add("plumbline: %s", error.message());
+  write_line(line.view());
   return error.code() == ErrorCode::kCancelled ? ExitCode::kInterrupted : ExitCode::kWorldError;
 }
 

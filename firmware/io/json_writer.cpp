@@ -7,25 +7,6 @@
 namespace plumbline {
 namespace {
 
-/// Bytes of the UTF-8 sequence at the start of `text`, which is not empty; 0 if there is none.
-std::size_t utf8_length(std::string_view text) {
-  const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U; };
-  const auto follows = [&](std::size_t i) { return (byte(i) & 0xC0U) == 0x80U; };
-  const unsigned lead = byte(0);
-  if (lead < 0x80) return 1;
-  if (lead >= 0xC2 && lead <= 0xDF) return follows(1) ? 2 : 0;
-  if (lead >= 0xE0 && lead <= 0xEF) {
-    // Overlong forms, and halves of UTF-16 pairs.
-    if ((lead == 0xE0 && byte(1) < 0xA0) || (lead == 0xED && byte(1) > 0x9F)) return 0;
-    return follows(1) && follows(2) ? 3 : 0;
-  }
-  if (lead >= 0xF0 && lead <= 0xF4) {
-    if ((lead == 0xF0 && byte(1) < 0x90) || (lead == 0xF4 && byte(1) > 0x8F)) return 0;
-    return follows(1) && follows(2) && follows(3) ? 4 : 0;
-  }
-  return 0;
-}
-
 constexpr std::string_view kHexDigits = "0123456789abcdef";
 
 }  // namespace
@@ -80,32 +61,19 @@ void JsonWriter::shut(char bracket) {
   put(bracket);
 }
 
-void JsonWriter::key(std::string_view name) {
+void JsonWriter::key(const PrintableText& name) {
   assert(!after_key_);
   value(name);
   put(": ");
   after_key_ = true;
 }
 
-void JsonWriter::value(std::string_view text) {
+void JsonWriter::value(const PrintableText& text) {
   begin_value();
   put('"');
-  while (!text.empty()) {
-    const std::size_t length = utf8_length(text);
-    const char c = text[0];
-    if (length == 0) {
-      put("\\ufffd");
-    } else if (c == '"' || c == '\\') {
-      put('\\');
-      put(c);
-    } else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) {
-      put("\\u00");
-      put(kHexDigits[static_cast<unsigned char>(c) >> 4]);
-      put(kHexDigits[static_cast<unsigned char>(c) & 15U]);
-    } else {
-      put(text.substr(0, length));
-    }
-    text.remove_prefix(length == 0 ? 1 : length);
+  for (const char c : text.view()) {
+    if (c == '"' || c == '\\') put('\\');
+    put(c);
   }
   put('"');
 }

@@ -8,13 +8,14 @@
 
 #include "firmware/io/output_file.hpp"
 #include "slicer/core/error.hpp"
+#include "slicer/core/printable_text.hpp"
 
 namespace plumbline {
 
 /// Writes one JSON value through a fixed buffer. Libraries build the document on the heap, which a job must not use.
 ///
 /// Numbers have the fewest digits that read back as the same value, with a point in every locale; NaN and infinity become
-/// null. Text may hold any bytes: what is not UTF-8 becomes U+FFFD.
+/// null. Text is printable, so a reader may show it.
 class JsonWriter {
  public:
   enum class Layout : std::uint8_t { kLines, kOneLine };
@@ -29,7 +30,7 @@ class JsonWriter {
   void end_object() { shut('}'); }
   void begin_array(Layout layout = Layout::kLines) { open('[', layout); }
   void end_array() { shut(']'); }
-  void key(std::string_view name);
+  void key(const PrintableText& name);
 
   /// An array of values on one line.
   template <class Values>
@@ -38,8 +39,8 @@ class JsonWriter {
     for (const auto& v : values) value(v);
     end_array();
   }
-  void value(std::string_view text);
-  void value(const char* text) { value(std::string_view(text)); }
+  void value(const PrintableText& text);
+  void value(const char* text) { value(PrintableText(text)); }  // else it would become a bool
   void value(bool truth);
   void value(std::uint64_t number);
   void value(std::uint32_t number) { value(std::uint64_t{number}); }

@@ -45,8 +45,6 @@ StepPart part_of(Stage stage) {
   return {};
 }
 
-}  // namespace
-
 void write_to_stderr(std::string_view text) {
   while (!text.empty()) {
     const ssize_t put = ::write(STDERR_FILENO, text.data(), text.size());
@@ -54,6 +52,22 @@ void write_to_stderr(std::string_view text) {
     if (put > 0) text.remove_prefix(static_cast<std::size_t>(put));
   }
 }
+
+}  // namespace
+
+void write_line(const PrintableText& line) {
+  FixedText<PrintableText::kCapacity + 1> text;
+  text.add("%s\n", line.c_str());
+  write_to_stderr(text.view());
+}
+
+void draw_line(const PrintableText& line) {
+  FixedText<PrintableText::kCapacity + 8> text;
+  text.add("%s%s", kEraseLine, line.c_str());
+  write_to_stderr(text.view());
+}
+
+void erase_line() { write_to_stderr(kEraseLine); }
 
 ProgressBar::ProgressBar() : terminal_(::isatty(STDERR_FILENO) == 1) {}
 
@@ -65,13 +79,13 @@ void ProgressBar::update(std::string_view words, double fraction, double seconds
   const double part = std::clamp(fraction, 0.0, 1.0);
   const int full = static_cast<int>(part * kBarWidth);
   FixedText<128> line;
-  line.add("%s  %-20.*s %.*s%.*s %3d %% %6.1f s", kEraseLine, static_cast<int>(words.size()), words.data(), full,
-           kFull.data(), kBarWidth - full, kEmpty.data(), static_cast<int>(part * 100), seconds);
-  write_to_stderr(line.view());
+  line.add("  %-20.*s %.*s%.*s %3d %% %6.1f s", static_cast<int>(words.size()), words.data(), full, kFull.data(),
+           kBarWidth - full, kEmpty.data(), static_cast<int>(part * 100), seconds);
+  draw_line(line.view());
 }
 
 void ProgressBar::clear() {
-  if (shown_) write_to_stderr(kEraseLine);
+  if (shown_) erase_line();
   shown_ = false;
 }
 
@@ -97,15 +111,15 @@ void ProgressLines::end(Stage stage, double seconds, std::size_t peak_bytes) {
   FixedText<128> line;
   if (verbose_) {
     const std::string_view name = to_string(stage);
-    line.add("  %-20.*s %7.2f s   arena %7.1f MiB\n", static_cast<int>(name.size()), name.data(), seconds,
+    line.add("  %-20.*s %7.2f s   arena %7.1f MiB", static_cast<int>(name.size()), name.data(), seconds,
              static_cast<double>(peak_bytes) / (1024.0 * 1024.0));
   } else if (part.to == 1) {
-    line.add("  %-20.*s %7.1f s\n", static_cast<int>(part.step.size()), part.step.data(), step_seconds_);
+    line.add("  %-20.*s %7.1f s", static_cast<int>(part.step.size()), part.step.data(), step_seconds_);
   } else {
     return;
   }
   bar_.clear();
-  write_to_stderr(line.view());
+  write_line(line.view());
 }
 
 }  // namespace plumbline

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "firmware/io/job_progress.hpp"
+#include "slicer/core/printable_text.hpp"
 
 namespace plumbline {
 
@@ -46,7 +47,11 @@ class ProgressLines final : public ProgressDisplay {
   double step_seconds_ = 0;  ///< of its stages that have ended
 };
 
-/// Writes to standard error. A failure is ignored: there is nowhere left to report it.
-void write_to_stderr(std::string_view text);
+/// Writes a line to standard error. A failure of this and of the others is ignored: there is nowhere left to report it.
+void write_line(const PrintableText& line);
+/// Puts `line` in the place of the terminal's last line, which it leaves open for the next one.
+void draw_line(const PrintableText& line);
+/// Clears the terminal's last line.
+void erase_line();
 
 }  // namespace plumbline

@@ -1,5 +1,7 @@
 #include "firmware/io/scan_files.hpp"
 
+#include "slicer/core/printable_text.hpp"
+
 namespace plumbline {
 
 Expected<ScanFiles> ScanFiles::open(std::span<const std::string> paths) {
@@ -22,7 +24,7 @@ Expected<ScanFiles> ScanFiles::open(std::span<const std::string> paths) {
 
 std::vector<std::string> ScanFiles::names() const {
   std::vector<std::string> names;
-  for (const FileSource& file : files_) names.emplace_back(file.name());
+  for (const FileSource& file : files_) names.emplace_back(PrintableText(file.name()).view());
   return names;
 }
 

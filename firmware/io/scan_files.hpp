@@ -19,7 +19,7 @@ class ScanFiles {
 
   ScanSources sources() const { return sources_; }
   std::string title() const { return title_of(sources_).c_str(); }
-  /// File names without folders.
+  /// File names without folders, printable.
   std::vector<std::string> names() const;
 
  private:

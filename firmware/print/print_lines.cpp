@@ -10,7 +10,6 @@
 namespace plumbline {
 namespace {
 
-constexpr const char* kEraseLine = "\r\033[K";
 /// Between two drawings on a terminal: often enough for a person, rarely enough to cost the print little.
 constexpr auto kRedraw = std::chrono::milliseconds(100);
 
@@ -103,10 +102,14 @@ bool PrintLines::update(const PrintStatus& status) {
     const bool due = terminal_ ? now - drawn_at_ > kRedraw : tenths != shown_tenths_;
     if (new_state || due) {
       FixedText<400> text;
-      text.add("%s%s", terminal_ ? kEraseLine : "", status_text(status).c_str());
+      text.add("%s", status_text(status).c_str());
       if (show_ == Show::kEverything) add_figures(text, status);
-      text.add("%s", terminal_ && !new_state ? "" : "\n");
-      write_to_stderr(text.view());
+      if (terminal_) erase_line();
+      if (terminal_ && !new_state) {
+        draw_line(text.view());
+      } else {
+        write_line(text.view());
+      }
       drawn_at_ = now;
       shown_tenths_ = tenths;
     }
@@ -118,13 +121,13 @@ void PrintLines::checked(Check check, const CheckResult& result) {
   if (show_ == Show::kNothing || (show_ == Show::kPrint && result.outcome == CheckOutcome::kPassed)) return;
   FixedText<320> line;
   const auto name = to_string(check);
-  line.add("  check %-13.*s %-6s %s\n", static_cast<int>(name.size()), name.data(), word_of(result.outcome),
+  line.add("  check %-13.*s %-6s %s", static_cast<int>(name.size()), name.data(), word_of(result.outcome),
            result.detail.c_str());
-  write_to_stderr(line.view());
+  write_line(line.view());
 }
 
 void PrintLines::clear() {
-  if (show_ != Show::kNothing && terminal_) write_to_stderr(kEraseLine);
+  if (show_ != Show::kNothing && terminal_) erase_line();
 }
 
 }  // namespace plumbline

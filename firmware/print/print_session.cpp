@@ -1,6 +1,7 @@
 #include "firmware/print/print_session.hpp"
 
 #include "firmware/io/hashing_source.hpp"
+#include "slicer/core/printable_text.hpp"
 #include "slicer/core/stage_scope.hpp"
 
 namespace plumbline {
@@ -23,7 +24,7 @@ Status PrintSession::slice_scan(ScanSources scan, const SliceSettings& settings,
   if (supports) PLUMBLINE_TRY(add_supports(*supports, progress));
   const auto plan = plan_print(profile, machine_, layer_height, rrep_.grid.layers);
   PLUMBLINE_TRY(plan);
-  facts_.scan = short_name(title_of(scan).c_str());
+  facts_.scan = short_name(PrintableText(title_of(scan).c_str(), facts_.scan.size()).view());
   facts_.printer = short_name(board_.name);
   facts_.profile = short_name(profile.name);
   facts_.scan_hash = hashing.hash();

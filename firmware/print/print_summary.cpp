@@ -73,9 +73,9 @@ void add_steps(Text& text, const StepFigures& steps) {
 void add_print(Text& text, const PrintOutcome& outcome) {
   const PrintReport& report = outcome.report;
   const auto state = to_string(report.state);
-  const auto scan = view(outcome.session.facts().scan);
-  text.add("print      %.*s: %.*s, %u of %u layers, %.2f mm\n", static_cast<int>(scan.size()), scan.data(),
-           static_cast<int>(state.size()), state.data(), report.next_layer, report.layers,
+  const PrintableText scan = view(outcome.session.facts().scan);
+  text.add("print      %s: %.*s, %u of %u layers, %.2f mm\n", scan.c_str(), static_cast<int>(state.size()),
+           state.data(), report.next_layer, report.layers,
            outcome.session.plan().layer_height.millimetres() * report.next_layer);
   add_fault(text, report);
   text.add("time       %s, %s estimated", duration_text(report.elapsed).c_str(),

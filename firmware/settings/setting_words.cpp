@@ -4,15 +4,12 @@
 #include <cstdio>
 
 #include "slicer/core/edit_distance.hpp"
+#include "slicer/core/printable_text.hpp"
 
 namespace plumbline {
 
 std::string printable(std::string_view text, std::size_t longest) {
-  std::string shown{text};
-  for (char& c : shown) {
-    if (c < ' ' || c > '~') c = '?';
-  }
-  return shortened(shown, longest);
+  return std::string(PrintableText(text, longest).view());
 }
 
 std::string shortened(std::string_view text, std::size_t longest) {

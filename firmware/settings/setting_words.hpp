@@ -8,7 +8,7 @@
 
 namespace plumbline {
 
-/// Replaces control characters and non-ASCII bytes by question marks, and shortens the rest.
+/// A PrintableText of at most `longest` bytes, for messages that are put together from strings.
 std::string printable(std::string_view text, std::size_t longest = 60);
 
 /// The whole words that fit, and "..." if that is not all.

@@ -1,7 +1,10 @@
 #include "slicer/core/error.hpp"
 
+#include <array>
 #include <cstdio>
 #include <cstring>
+
+#include "slicer/core/printable_text.hpp"
 
 namespace plumbline {
 
@@ -52,21 +55,32 @@ Error Error::format_list(ErrorCode code, const char* pattern, std::va_list args)
   error.code_ = code;
   std::va_list again;
   va_copy(again, args);
-  std::vsnprintf(error.message_, sizeof error.message_, pattern, args);
+  // Room for a character more than a message has, so that PrintableText sees what has to be cut.
+  std::array<char, kCapacity + 1> raw{};
+  std::vsnprintf(raw.data(), raw.size(), pattern, args);
+  std::string_view advice;
+  std::string_view finding = raw.data();
   if (const char* const tab = std::strchr(pattern, '\t')) {
-    char finding[kCapacity];
-    std::snprintf(finding, sizeof finding, "%.*s", static_cast<int>(tab - pattern), pattern);
+    char beginning[kCapacity];
+    std::snprintf(beginning, sizeof beginning, "%.*s", static_cast<int>(tab - pattern), pattern);
     // The compiler has checked the pattern, and this is its beginning.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wformat-nonliteral"
-    const int length = std::vsnprintf(nullptr, 0, finding, again);
+    const int length = std::vsnprintf(nullptr, 0, beginning, again);
 #pragma GCC diagnostic pop
-    if (length >= 0 && static_cast<std::size_t>(length) + 1 < kCapacity) {
-      error.message_[length] = ' ';
-      error.advice_at_ = static_cast<std::uint16_t>(length + 1);
+    if (length >= 0 && static_cast<std::size_t>(length) < finding.size()) {
+      advice = finding.substr(static_cast<std::size_t>(length) + 1);
+      finding = finding.substr(0, static_cast<std::size_t>(length));
     }
   }
   va_end(again);
+  std::size_t size = PrintableText(finding, kCapacity - 1).view().copy(error.message_, kCapacity - 1);
+  if (!advice.empty() && size + 1 < kCapacity - 1) {
+    error.message_[size++] = ' ';
+    error.advice_at_ = static_cast<std::uint16_t>(size);
+    size += PrintableText(advice, kCapacity - 1 - size).view().copy(error.message_ + size, kCapacity - 1 - size);
+  }
+  error.message_[size] = '\0';
   return error;
 }
 
@@ -87,10 +101,10 @@ tl::unexpected<Error> fail(ErrorCode code, const char* pattern, ...) {
 }
 
 Error Error::with_prefix(std::string_view prefix) const {
-  Error error = format(code_, "%.*s: %s", static_cast<int>(prefix.size()), prefix.data(), message_);
-  const std::size_t at = advice_at_ + prefix.size() + 2;
-  if (advice_at_ > 0 && at < std::strlen(error.message_)) error.advice_at_ = static_cast<std::uint16_t>(at);
-  return error;
+  const auto length = static_cast<int>(prefix.size());
+  if (advice_at_ == 0) return format(code_, "%.*s: %s", length, prefix.data(), message_);
+  const int found = advice_at_ - 1;
+  return format(code_, "%.*s: %.*s\t%s", length, prefix.data(), found, message_, message_ + advice_at_);
 }
 
 std::string_view Error::finding() const {

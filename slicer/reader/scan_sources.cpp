@@ -1,19 +1,20 @@
 #include "slicer/reader/scan_sources.hpp"
 
-#include <algorithm>
 #include <cstdio>
+
+#include "slicer/core/printable_text.hpp"
 
 namespace plumbline {
 
 ScanTitle title_of(ScanSources sources) {
   ScanTitle title;
-  const std::string_view first = sources.front()->name();
   // Leaves room for " and 31 more".
-  const auto length = static_cast<int>(std::min<std::size_t>(first.size(), title.text.size() - 24));
+  const PrintableText first(sources.front()->name(), title.text.size() - 24);
+  const auto length = static_cast<int>(first.view().size());
   if (sources.size() == 1) {
-    std::snprintf(title.text.data(), title.text.size(), "%.*s", length, first.data());
+    std::snprintf(title.text.data(), title.text.size(), "%.*s", length, first.c_str());
   } else {
-    std::snprintf(title.text.data(), title.text.size(), "%.*s and %zu more", length, first.data(), sources.size() - 1);
+    std::snprintf(title.text.data(), title.text.size(), "%.*s and %zu more", length, first.c_str(), sources.size() - 1);
   }
   return title;
 }

@@ -16,7 +16,7 @@ namespace plumbline {
 using ScanSources = std::span<ByteSource* const>;
 inline constexpr std::size_t kMostScans = 32;  ///< files; each costs 4 KiB of arena for its header
 
-/// Names the files in a message: "bust.ply", or "bust.ply and 2 more".
+/// Names the files in a message: "bust.ply", or "bust.ply and 2 more". Printable, whatever the files are called.
 struct ScanTitle {
   std::array<char, 128> text = {};
   const char* c_str() const { return text.data(); }

@@ -15,6 +15,7 @@ using ::testing::Each;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
+using ::testing::StartsWith;
 using enum PrintState;
 
 TEST(Daemon, PrintsTheOnlyScanOnAStickAndIsReadyForTheNext) {
@@ -104,6 +105,40 @@ TEST(Daemon, ReportsAMistakeInAJobFileAndStaysReady) {
   ASSERT_TRUE(rig.run());
   EXPECT_THAT(rig.user.said, Contains(HasSubstr("job.toml:3: [job] scael: unknown key")));
   EXPECT_EQ(rig.fault, FaultCode::kBadSetting);
+}
+
+/// What the daemon says about a stick whose job it refuses.
+std::string refusal_of(DaemonRig& rig) {
+  rig.plant.plug_stick(rig.stick());
+  rig.user.on_words.emplace("PL-", [&] { rig.plant.press(EventKind::kShutdownRequested); });
+  EXPECT_TRUE(rig.run());
+  EXPECT_TRUE(rig.user.states.empty()) << "nothing was printed";
+  for (const auto& line : rig.user.said) {
+    if (line.starts_with("PL-")) return line;
+  }
+  return {};
+}
+
+// A name with a line break forged "PL-301, lamp stuck on" in the log.
+TEST(Daemon, ShowsNamesOfAStickOnOneLineAndWithoutControls) {
+  constexpr const char* kForged = "a\nplumblined: PL-301, lamp stuck on: pull the plug\x1b[31m.ply";
+  {
+    DaemonRig rig;
+    rig.start = StartChoice::kOnRequest;
+    rig.put_scan(kForged);
+    rig.plant.plug_stick(rig.stick());
+    rig.user.on_words.emplace("Press start", [&] { rig.plant.press(EventKind::kStartPressed); });
+    rig.user.on_printed = [&] { rig.plant.press(EventKind::kShutdownRequested); };
+    ASSERT_TRUE(rig.run());
+    EXPECT_THAT(rig.user.scans.at(0), StartsWith("a\\x0aplumblined: PL-301"));
+    for (const auto& line : rig.user.said) {
+      EXPECT_EQ(line.find_first_of("\n\x1b"), std::string::npos) << line;
+      EXPECT_THAT(line, Not(StartsWith("plumblined: PL-301")));
+    }
+  }
+  DaemonRig rig;
+  write_text(rig.stick() + "/job.toml", "[job]\nscan = \"a\\nplumblined: PL-301, lamp stuck on\\u001b[31m\\u202e\"\n");
+  EXPECT_EQ(refusal_of(rig).find_first_of("\n\x1b\xe2"), std::string::npos);
 }
 
 TEST(Daemon, LetsTheUserChooseAScanWithTheButtons) {

@@ -60,10 +60,10 @@ class ScriptedUser final : public DaemonObserver {
  public:
   explicit ScriptedUser(Plant& plant) : plant_(plant) {}
 
-  void say(std::string_view text) override {
-    said.emplace_back(text);
+  void say(const PrintableText& text) override {
+    said.emplace_back(text.view());
     for (const auto& [word, action] : on_words) {
-      if (text.find(word) != std::string_view::npos) later(action);
+      if (text.view().find(word) != std::string_view::npos) later(action);
     }
   }
   bool update(const PrintStatus& status) override {

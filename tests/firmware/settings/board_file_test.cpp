@@ -296,7 +296,7 @@ TEST(BoardFile, RefusesAFileOfAnotherKindBySize) {
 
 TEST(BoardFile, KeepsControlCharactersOutOfMessages) {
   EXPECT_THAT(refusal(good_with("columns = 1440", "\"\\u001B[31m\" = 1440")),
-              AllOf(HasSubstr("?[31m"), Not(HasSubstr("\x1B"))));
+              AllOf(HasSubstr("\\x1b[31m"), Not(HasSubstr("\x1B"))));
 }
 
 TEST(BoardFile, NamesAFileThatCannotBeOpenedOrRead) {

@@ -38,12 +38,12 @@ TEST(Error, PutsAPrefixBeforeTheMessageAndCutsItsEnd) {
 
 TEST(Error, KeepsItsAdviceApart) {
   const Error error = Error::format(ErrorCode::kDoesNotFit, "%s: %d mm too high.\tUse --scale %g", "a\tb.ply", 3, 0.5);
-  EXPECT_STREQ(error.message(), "a\tb.ply: 3 mm too high. Use --scale 0.5");
-  EXPECT_EQ(error.finding(), "a\tb.ply: 3 mm too high");
+  EXPECT_STREQ(error.message(), "a\\x09b.ply: 3 mm too high. Use --scale 0.5");
+  EXPECT_EQ(error.finding(), "a\\x09b.ply: 3 mm too high");
   EXPECT_EQ(error.advice(), "Use --scale 0.5");
 
   const Error prefixed = error.with_prefix("stick");
-  EXPECT_EQ(prefixed.finding(), "stick: a\tb.ply: 3 mm too high");
+  EXPECT_EQ(prefixed.finding(), "stick: a\\x09b.ply: 3 mm too high");
   EXPECT_EQ(prefixed.advice(), "Use --scale 0.5");
 }
 
