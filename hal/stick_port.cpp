@@ -24,6 +24,19 @@ bool stays_inside(std::string_view name) {
   return true;
 }
 
+/// What stands in a folder instead of a file.
+const char* kind_of(mode_t mode) {
+  switch (mode & S_IFMT) {
+    case S_IFDIR: return "a folder";
+    case S_IFLNK: return "a symbolic link";
+    case S_IFIFO: return "a pipe";
+    case S_IFSOCK: return "a socket";
+    case S_IFBLK:
+    case S_IFCHR: return "a device";
+    default: return "not a file";
+  }
+}
+
 /// Opens folder by folder, to refuse a symbolic link anywhere in the path: O_NOFOLLOW checks only the last part.
 /// @returns the descriptor, or -1 with errno set
 int open_below(int folder, std::string_view name) {
@@ -104,11 +117,15 @@ Expected<StickFile> StickMount::open(std::string_view name) const {
     const int reason = errno;
     if (file >= 0) ::close(file);
     PLUMBLINE_TRY(port_->check_mounted());
-    return fail(ErrorCode::kCannotOpen, "%.*s: %s", shown, name.data(), std::strerror(reason));
+    // What O_NOFOLLOW and a device without a driver or a socket say of themselves means nothing to a user.
+    const char* const why = reason == ELOOP   ? "a symbolic link, which could lead off the stick"
+                            : reason == ENXIO ? "a device or a socket, not a file"
+                                              : std::strerror(reason);
+    return fail(ErrorCode::kCannotOpen, "%.*s: %s", shown, name.data(), why);
   }
   if (!S_ISREG(facts.st_mode)) {
     ::close(file);
-    return fail(ErrorCode::kCannotOpen, "%.*s: not a regular file", shown, name.data());
+    return fail(ErrorCode::kCannotOpen, "%.*s: %s, not a file", shown, name.data(), kind_of(facts.st_mode));
   }
   return StickFile(*port_, file, name, static_cast<std::uint64_t>(facts.st_size));
 }
@@ -127,9 +144,14 @@ Status StickMount::for_each_file(FileVisitor& visitor) const {
   errno = 0;
   while (const dirent* const entry = ::readdir(folder)) {
     struct stat facts {};
-    if (entry->d_name[0] != '.' && ::fstatat(folder_, entry->d_name, &facts, AT_SYMLINK_NOFOLLOW) == 0 &&
-        S_ISREG(facts.st_mode)) {
-      visitor.on_file(entry->d_name, static_cast<std::uint64_t>(facts.st_size));
+    if (entry->d_name[0] != '.') {
+      if (::fstatat(folder_, entry->d_name, &facts, AT_SYMLINK_NOFOLLOW) != 0) {
+        visitor.on_other(entry->d_name, "unreadable");
+      } else if (S_ISREG(facts.st_mode)) {
+        visitor.on_file(entry->d_name, static_cast<std::uint64_t>(facts.st_size));
+      } else {
+        visitor.on_other(entry->d_name, kind_of(facts.st_mode));
+      }
     }
     errno = 0;
   }

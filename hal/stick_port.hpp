@@ -77,8 +77,10 @@ class StickMount {
    public:
     virtual ~FileVisitor() = default;
     virtual void on_file(std::string_view name, std::uint64_t bytes) = 0;
+    /// @param what  "a folder", "a symbolic link", "a pipe", ...: it can't be read as a file
+    virtual void on_other(std::string_view name, const char* what) = 0;
   };
-  /// Visits the regular files in the stick's top folder in no particular order, without hidden ones.
+  /// Visits what is in the stick's top folder in no particular order, without hidden names. Opens nothing.
   /// @retval ErrorCode::kCannotRead, kStickGone, kPowerLost
   [[nodiscard]] Status for_each_file(FileVisitor& visitor) const;
 

@@ -211,8 +211,9 @@ Expected<std::optional<StickJob>> PrinterDaemon::choose(const StickMount& mount)
   const auto scans = list_scans(mount);
   PLUMBLINE_TRY(scans);
   StickJob job;
-  if (scans->has_job_file) {
-    auto read = read_stick_job(mount);
+  const bool has_job_file = !scans->job_file.view().empty();
+  if (has_job_file) {
+    auto read = read_stick_job(mount, scans->job_file.view());
     PLUMBLINE_TRY(read);
     job = std::move(*read);
   } else if (scans->count == 0) {
@@ -221,15 +222,15 @@ Expected<std::optional<StickJob>> PrinterDaemon::choose(const StickMount& mount)
   } else {
     job.scan = scans->names[0].view();
   }
-  const std::size_t choices = scans->has_job_file ? 1 : scans->count;
+  const std::size_t choices = has_job_file ? 1 : scans->count;
   if (choices == 1 && settings_.machine.start == StartChoice::kOnStick) return job;
 
   std::size_t chosen = 0;
   const auto show = [&] {
     FixedText<400> text;
     if (choices > 1) text.add("scan %zu of %zu: ", chosen + 1, choices);
-    text.add("%s%s. Press start to print it%s", scans->has_job_file ? "job.toml asks for " : "", job.scan.c_str(),
-             choices > 1 ? ", pause for the next one, cancel for none" : "");
+    text.add("%s%s%s. Press start to print it%s", scans->job_file.c_str(), has_job_file ? " asks for " : "",
+             job.scan.c_str(), choices > 1 ? ", pause for the next one, cancel for none" : "");
     observer_.say(text.view());
   };
   const auto show_next = [&] {

@@ -38,6 +38,54 @@ std::vector<SettingRule> rules_for(StickJob& job) {
   };
 }
 
+std::string in_lower_case(std::string_view name) {
+  std::string lower(name);
+  std::transform(lower.begin(), lower.end(), lower.begin(),
+                 [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); });
+  return lower;
+}
+
+/// Collects scans and job.toml. What might be meant as one of them and is not is never passed over: without its job.toml a scan
+/// would be printed in a wrong size.
+struct StickListing final : StickMount::FileVisitor {
+  void on_file(std::string_view name, std::uint64_t /*bytes*/) override {
+    const auto length = static_cast<int>(name.size());
+    const std::string lower = in_lower_case(name);
+    if (lower == kJobFile) {
+      if (!scans.job_file.view().empty()) {
+        wrong_job = Error::format(ErrorCode::kBadSetting, "%s and %.*s: the stick has two jobs.\tLeave one of them",
+                                  scans.job_file.c_str(), length, name.data());
+        return;
+      }
+      scans.job_file.add("%.*s", length, name.data());
+    } else if (lower.starts_with(kJobFile)) {
+      nearly_job =
+          Error::format(ErrorCode::kBadSetting, "%.*s: looks like the stick's job.\tCall it job.toml, or remove it",
+                        length, name.data());
+    } else if (is_scan_name(name)) {
+      if (scans.count == StickScans::kMost) {
+        ++scans.left_out;
+      } else {
+        scans.names[scans.count++].add("%.*s", length, name.data());
+      }
+    }
+  }
+  void on_other(std::string_view name, const char* what) override {
+    const auto length = static_cast<int>(name.size());
+    if (in_lower_case(name) == kJobFile) {
+      wrong_job = Error::format(ErrorCode::kBadSetting, "%.*s: %s, not a file.\tPut a file there, or remove it", length,
+                                name.data(), what);
+    } else if (is_scan_name(name)) {
+      wrong_scan =
+          Error::format(ErrorCode::kCannotOpen, "%.*s: %s, not a file.\tRemove it, or name the scan in job.toml",
+                        length, name.data(), what);
+    }
+  }
+
+  StickScans scans;
+  std::optional<Error> wrong_job, nearly_job, wrong_scan;
+};
+
 }  // namespace
 
 Expected<StickJob> parse_stick_job(std::string_view text, std::string_view path) {
@@ -51,10 +99,8 @@ bool is_scan_name(std::string_view name) {
   // Text files that come with scans; no scan has such a name.
   constexpr std::array<std::string_view, 7> kTexts = {"readme.txt",  "read me.txt",   "license.txt", "licence.txt",
                                                       "copying.txt", "changelog.txt", "notes.txt"};
-  std::string lower(name);
-  std::transform(lower.begin(), lower.end(), lower.begin(),
-                 [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); });
-  if (std::find(kTexts.begin(), kTexts.end(), lower) != kTexts.end()) return false;
+  const std::string lower = in_lower_case(name);
+  if (std::find(kTexts.begin(), kTexts.end(), lower) != kTexts.end() || lower.starts_with(kJobFile)) return false;
   const auto has_ending = [&lower](std::string_view ending) {
     return lower.size() > ending.size() && std::string_view(lower).ends_with(ending);
   };
@@ -63,27 +109,20 @@ bool is_scan_name(std::string_view name) {
 }
 
 Expected<StickScans> list_scans(const StickMount& mount) {
-  struct Visitor final : StickMount::FileVisitor {
-    void on_file(std::string_view name, std::uint64_t /*bytes*/) override {
-      if (name == kJobFile) scans.has_job_file = true;
-      if (!is_scan_name(name)) return;
-      if (scans.count == StickScans::kMost) {
-        ++scans.left_out;
-        return;
-      }
-      scans.names[scans.count++].add("%.*s", static_cast<int>(name.size()), name.data());
-    }
-    StickScans scans;
-  } visitor;
-  PLUMBLINE_TRY(mount.for_each_file(visitor));
-  auto& names = visitor.scans.names;
-  std::sort(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(visitor.scans.count),
+  StickListing listing;
+  PLUMBLINE_TRY(mount.for_each_file(listing));
+  if (listing.wrong_job) return tl::unexpected<Error>(*listing.wrong_job);
+  StickScans& scans = listing.scans;
+  const bool has_job = !scans.job_file.view().empty();
+  if (!has_job && listing.nearly_job) return tl::unexpected<Error>(*listing.nearly_job);
+  if (!has_job && listing.wrong_scan) return tl::unexpected<Error>(*listing.wrong_scan);
+  std::sort(scans.names.begin(), scans.names.begin() + static_cast<std::ptrdiff_t>(scans.count),
             [](const auto& a, const auto& b) { return a.view() < b.view(); });
-  return visitor.scans;
+  return scans;
 }
 
-Expected<StickJob> read_stick_job(const StickMount& mount) {
-  auto file = mount.open(kJobFile);
+Expected<StickJob> read_stick_job(const StickMount& mount, std::string_view name) {
+  auto file = mount.open(name);
   PLUMBLINE_TRY(file);
   std::string text(kMaxSettingsFileBytes + 1, '\0');
   std::size_t filled = 0;
@@ -94,7 +133,7 @@ Expected<StickJob> read_stick_job(const StickMount& mount) {
     filled += *got;
   }
   text.resize(filled);
-  return parse_stick_job(text, kJobFile);
+  return parse_stick_job(text, name);
 }
 
 }  // namespace plumbline

@@ -29,7 +29,7 @@ struct StickJob {
   bool keep_all = false;  ///< also print stray pieces
 };
 
-inline constexpr const char* kJobFile = "job.toml";
+inline constexpr std::string_view kJobFile = "job.toml";  ///< in any case
 
 /// @param path  for messages
 /// @retval the errors of parse_settings()
@@ -41,17 +41,20 @@ struct StickScans {
   std::array<FixedText<256>, kMost> names;
   std::size_t count = 0;
   std::size_t left_out = 0;  ///< scans for which there was no room
-  bool has_job_file = false;
+  FixedText<256> job_file;   ///< its name on the stick; empty: there is none
 };
 
 /// Whether a file is offered as a scan, by its name: its ending is one of scan_endings.hpp, and it is
 /// not a text that comes with scans, such as README.txt.
 bool is_scan_name(std::string_view name);
 
+/// @retval ErrorCode::kBadSetting  a job.toml that is no file; two of them; or a name that looks like a misspelt job.toml's
+/// @retval ErrorCode::kCannotOpen  without a job.toml: something with a scan's name that is no file
 /// @retval the errors of StickMount::for_each_file()
 [[nodiscard]] Expected<StickScans> list_scans(const StickMount& mount);
 
+/// @param name  StickScans::job_file
 /// @retval the errors of StickMount::open(), StickFile::read() and parse_stick_job()
-[[nodiscard]] Expected<StickJob> read_stick_job(const StickMount& mount);
+[[nodiscard]] Expected<StickJob> read_stick_job(const StickMount& mount, std::string_view name);
 
 }  // namespace plumbline

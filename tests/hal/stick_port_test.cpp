@@ -1,6 +1,7 @@
 /// Contract of every back end: the port for sticks.
 
 #include <gmock/gmock.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -69,17 +70,24 @@ TEST_P(StickContract, StickArrivesIsMountedIsReadAndLeaves) {
   EXPECT_FALSE(port.has_stick());
 }
 
-TEST_P(StickContract, ListsRegularFiles) {
+TEST_P(StickContract, ListsFilesAndNamesWhatIsNone) {
+  ASSERT_EQ(::mkfifo((folder_ / "job.ply").c_str(), 0600), 0);
   plug();
   struct Names final : StickMount::FileVisitor {
     void on_file(std::string_view name, std::uint64_t bytes) override { sizes[std::string(name)] = bytes; }
+    void on_other(std::string_view name, const char* what) override { others[std::string(name)] = what; }
     std::map<std::string, std::uint64_t> sizes;
+    std::map<std::string, std::string> others;
   } names;
   const auto mount = rig_->machine().stick.mount();
   ASSERT_TRUE(mount);
   ASSERT_TRUE(mount->for_each_file(names));
   ASSERT_TRUE(mount->for_each_file(names)) << "also a second time";
   EXPECT_THAT(names.sizes, testing::ElementsAre(testing::Pair("bust.ply", 300'000), testing::Pair("job.toml", 6)));
+  EXPECT_THAT(names.others,
+              testing::ElementsAre(testing::Pair("etc", "a symbolic link"), testing::Pair("job.ply", "a pipe"),
+                                   testing::Pair("link.ply", "a symbolic link"), testing::Pair("scans", "a folder")));
+  EXPECT_TRUE(failed_with(mount->open("job.ply"), ErrorCode::kCannotOpen)) << "and does not wait for a writer";
 }
 
 TEST_P(StickContract, OpensAFileOf4GiB) {

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "tests/hil/session_rig.hpp"
 
@@ -117,6 +118,53 @@ std::string refusal_of(DaemonRig& rig) {
     if (line.starts_with("PL-")) return line;
   }
   return {};
+}
+
+TEST(Daemon, FindsAJobFileInAnyCase) {
+  DaemonRig rig;
+  for (const char* name : {"a.ply", "b.ply"}) rig.put_scan(name);
+  write_text(rig.stick() + "/Job.TOML", "[job]\nscan = 'b.ply'\n[placement]\nscale = 0.5\n");
+  rig.plant.plug_stick(rig.stick());
+  rig.user.on_printed = [&] { rig.plant.press(EventKind::kShutdownRequested); };
+  ASSERT_TRUE(rig.run());
+  EXPECT_THAT(rig.user.scans, ElementsAre("b.ply"));
+  EXPECT_EQ(rig.user.reports.at(0).layers, 40U) << "a ball of 4 mm, at half of its size";
+}
+
+struct OddStick {
+  const char* what;
+  std::function<void(const std::string& stick)> make;
+  const char* said;
+};
+
+TEST(Daemon, NamesWhatIsOddAboutAJobFileAndPrintsNothing) {
+  const auto job = [](const std::string& path) { write_text(path, "[job]\nscan = 'a.ply'\n"); };
+  const std::vector<OddStick> odd = {
+      {"pipe", [](const auto& stick) { ASSERT_EQ(::mkfifo((stick + "/Job.toml").c_str(), 0600), 0); },
+       "PL-106, wrong setting: Job.toml: a pipe, not a file"},
+      {"link", [](const auto& stick) { std::filesystem::create_symlink("/etc/passwd", stick + "/job.toml"); },
+       "PL-106, wrong setting: job.toml: a symbolic link, not a file"},
+      {"folder", [](const auto& stick) { std::filesystem::create_directory(stick + "/JOB.TOML"); },
+       "PL-106, wrong setting: JOB.TOML: a folder, not a file"},
+      {"two", [&](const auto& stick) { job(stick + "/job.toml"), job(stick + "/Job.toml"); }, "the stick has two jobs"},
+      {"ending", [&](const auto& stick) { job(stick + "/job.toml.txt"); },
+       "PL-106, wrong setting: job.toml.txt: looks like the stick's job"},
+      {"scan", [](const auto& stick) { ASSERT_EQ(::mkfifo((stick + "/b.ply").c_str(), 0600), 0); },
+       "PL-101, scan can't be read: b.ply: a pipe, not a file"},
+      {"scan of the job",
+       [](const auto& stick) {
+         std::filesystem::create_symlink("/etc/passwd", stick + "/b.ply");
+         write_text(stick + "/job.toml", "[job]\nscan = 'b.ply'\n");
+       },
+       "PL-101, scan can't be read: b.ply: a symbolic link"},
+  };
+  for (const auto& one : odd) {
+    SCOPED_TRACE(one.what);
+    DaemonRig rig;
+    rig.put_scan("a.ply");
+    one.make(rig.stick());
+    EXPECT_THAT(refusal_of(rig), HasSubstr(one.said));
+  }
 }
 
 // A name with a line break forged "PL-301, lamp stuck on" in the log.
