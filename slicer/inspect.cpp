@@ -89,7 +89,7 @@ Expected<CrossingStore> find_crossings(ScanSources sources, const SliceSettings&
   const double unit_mm = millimetres_per(report.units);
   report.placement = place(report.bounds, unit_mm, settings.placement);
   prepared = true;
-  PLUMBLINE_TRY(check_surface(*scan, sources, report));
+  PLUMBLINE_TRY(check_surface(*scan, sources, report, settings.placement));
   const auto coarse = place_coarsely(report.bounds, unit_mm, settings.placement, report.placement);
   PLUMBLINE_TRY(coarse);
   static_cast<PreparationCounts&>(report.coarse) = report;

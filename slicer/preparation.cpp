@@ -21,11 +21,18 @@ constexpr double kCellShare = 0.5;
 /// Share of the views stage's time that aligning takes, for its progress. Building the tree anew takes the rest.
 constexpr double kAligned = 0.85;
 
+/// A longest side of fewer pixels is no object that anybody wants printed, but one in another unit.
+constexpr double kFewestPixels = 8;
+
+double finest_pitch(const PlacementSettings& p) {
+  return static_cast<double>(p.printer ? std::min(p.printer->pitch_x_mm, p.printer->pitch_y_mm) : p.pixel_pitch_mm);
+}
+
 /// First cell of the thinning in scan units; 0 while the size of a scan unit on the print is unknown.
 double first_cell(const PlacementSettings& p) {
   if (p.fit || p.units == Units::kAuto) return 0;
-  const double pitch = p.printer ? std::min(p.printer->pitch_x_mm, p.printer->pitch_y_mm) : p.pixel_pitch_mm;
-  return kCellShare * std::min(pitch, static_cast<double>(p.layer_height_mm)) / (millimetres_per(p.units) * p.scale);
+  return kCellShare * std::min(finest_pitch(p), static_cast<double>(p.layer_height_mm)) /
+         (millimetres_per(p.units) * p.scale);
 }
 
 /// One job, stage by stage.
@@ -35,8 +42,9 @@ class Preparation {
               PreparationReport& report)
       : sources_(sources), settings_(settings), arena_(arena), progress_(progress), report_(report) {}
 
-  Expected<PreparedScan> run(Measurement measure) {
+  Expected<PreparedScan> run(Measurement measure, Admission admit) {
     PLUMBLINE_TRY(read());
+    PLUMBLINE_TRY(admit(scan_));
     const ArenaScope trees(arena_);
     before_tree_ = arena_.top_mark();
     PLUMBLINE_TRY(build_tree());
@@ -159,15 +167,29 @@ Box3d PreparedScan::bounds() const {
 }
 
 Expected<PreparedScan> prepare(ScanSources sources, const SliceSettings& settings, Arena& arena, ProgressSink* progress,
-                               PreparationReport& report, Measurement measure) {
-  return Preparation(sources, settings, arena, progress, report).run(measure);
+                               PreparationReport& report, Measurement measure, Admission admit) {
+  return Preparation(sources, settings, arena, progress, report).run(measure, admit);
 }
 
-Status check_surface(const PreparedScan& scan, ScanSources sources, const PreparationCounts& found) {
-  if (scan.has_surface) return {};
+Status check_no_speck(const Box3d& bounds, ScanSources sources, const PlacementSettings& settings) {
+  const double longest = bounds.size().maxCoeff() * millimetres_per(units_of(bounds, settings)) * settings.scale;
+  if (settings.fit || longest >= kFewestPixels * finest_pitch(settings)) return {};
+  return fail(
+      ErrorCode::kNoSurface,
+      "%s: the object would be %.2g mm long, less than %.0f pixels of the printer.\tUse --units m or --units cm if "
+      "the scan is in those, or --scale",
+      title_of(sources).c_str(), longest, kFewestPixels);
+}
+
+Status check_surface(const PreparedScan& scan, ScanSources sources, const PreparationReport& found,
+                     const PlacementSettings& settings) {
+  if (scan.cloud.size > 0) PLUMBLINE_TRY(check_no_speck(scan.bounds(), sources, settings));
   const ScanTitle title = title_of(sources);
   const auto points = static_cast<unsigned long long>(found.scan.points);
-  if (found.cloud_capacity < points && found.cloud_points < points / 2) {
+  if (scan.has_surface) return {};
+  // Cells that have grown from the first size show that the arena was too small. Else the points lie closer than pixels.
+  const bool grown = static_cast<double>(found.lengths.thinning_cell.value) > 1.01 * first_cell(settings);
+  if (grown && found.cloud_capacity < points && found.cloud_points < points / 2) {
     return fail(
         ErrorCode::kNoSurface,
         "%s: no surface found in %u points, to which %llu were thinned because the arena has no room for more.\t"

@@ -24,18 +24,27 @@ struct PreparedScan {
 using Measurement = FunctionRef<Status(const PreparedScan& scan, const KdTree3& tree)>;
 inline constexpr auto kNoMeasurement = [](const PreparedScan&, const KdTree3&) -> Status { return {}; };
 
+/// Called when the scan has been read, before the stages that may take minutes.
+using Admission = FunctionRef<Status(const PreparedScan& scan)>;
+inline constexpr auto kAdmitAll = [](const PreparedScan&) -> Status { return {}; };
+
 /// Reads a scan, completes its normals, aligns its views, and keeps the points of its surface, with classes and supports.
 /// A scan without a surface is no error here.
 /// @param settings  as returned by set_threads()
 /// @param report    filled as far as it went, also on error
 /// @retval ErrorCode::kOutOfMemory  before the scan is read where its header and the printer's grid show it; else by the stage
-/// @retval ErrorCode::kCancelled and all of read_scan() and `measure`
+/// @retval ErrorCode::kCancelled and all of read_scan(), `measure` and `admit`
 [[nodiscard]] Expected<PreparedScan> prepare(ScanSources sources, const SliceSettings& settings, Arena& arena,
                                              ProgressSink* progress, PreparationReport& report,
-                                             Measurement measure = kNoMeasurement);
+                                             Measurement measure = kNoMeasurement, Admission admit = kAdmitAll);
 
-/// @retval ErrorCode::kNoSurface  the scan has no surface: names the files, their points, and what to do
-[[nodiscard]] Status check_surface(const PreparedScan& scan, ScanSources sources, const PreparationCounts& found);
+/// @param bounds  of the scan, rotated scan coordinates
+/// @retval ErrorCode::kNoSurface  the object would be a speck: names the files, its size, and what to do
+[[nodiscard]] Status check_no_speck(const Box3d& bounds, ScanSources sources, const PlacementSettings& settings);
+
+/// @retval ErrorCode::kNoSurface  the object is a speck, or the scan has no surface: names the files and what to do
+[[nodiscard]] Status check_surface(const PreparedScan& scan, ScanSources sources, const PreparationReport& found,
+                                   const PlacementSettings& settings);
 
 /// The unit asked for, or the one that the extent suggests.
 /// @param bounds  of the scan, scan units

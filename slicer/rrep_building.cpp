@@ -161,14 +161,17 @@ void drop_features(RRep& rrep, const SliceSettings& settings, Arena& arena, Slic
 
 /// An outlier can be the lowest or the highest point. The object is to stand on the plate, so the first layer is the first
 /// with a pixel.
-void trim(RRep& rrep, Arena& arena, SliceReport& report) {
+Status trim(RRep& rrep, Arena& arena, SliceReport& report) {
   const auto& totals = report.features.totals;
   const std::optional<EmptyLayers> known = totals ? std::optional(totals->empty) : std::nullopt;
-  const EmptyLayers empty = trim_empty_layers(rrep, arena, known).value_or(EmptyLayers{});
+  const auto trimmed = trim_empty_layers(rrep, arena, known);
+  if (!trimmed && trimmed.error().code() == ErrorCode::kNoSurface) return tl::unexpected<Error>(trimmed.error());
+  const EmptyLayers empty = trimmed.value_or(EmptyLayers{});
   report.crossings = rrep.crossings();
   report.placement.grid.layers = rrep.grid.layers;
   report.confidence.trim(empty.below, empty.above);
   report.placement.shift[2] -= static_cast<double>(empty.below) * rrep.grid.layer_height_mm;
+  return {};
 }
 
 }  // namespace
@@ -187,7 +190,7 @@ Expected<RRep> finish_rrep(CrossingStore& store, const SliceSettings& settings, 
   auto rrep = CrossingStore::sort(store, arena);
   PLUMBLINE_TRY(rrep);
   drop_features(*rrep, settings, arena, report);
-  trim(*rrep, arena, report);
+  PLUMBLINE_TRY(trim(*rrep, arena, report));
   return rrep;
 }
 

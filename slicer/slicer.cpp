@@ -1,19 +1,45 @@
 #include "slicer/slicer.hpp"
 
+#include "slicer/placement/core_bounds.hpp"
 #include "slicer/preparation.hpp"
 #include "slicer/rrep_building.hpp"
 
 namespace plumbline {
 namespace {
 
+/// Refuses an object that can't fit, whatever the next stages leave out of it, before they take their minutes. An object that is
+/// too large by little is refused when it is placed.
+Status check_core_fits(const PreparedScan& scan, const PlacementSettings& settings, Arena& arena) {
+  if (settings.fit || settings.units == Units::kAuto) return {};
+  const auto local = core_bounds(scan.cloud.positions(), arena);
+  if (!local) return {};
+  Box3d core;
+  core.extend(local->low.cast<double>() + scan.offset);
+  core.extend(local->high.cast<double>() + scan.offset);
+  const double unit_mm = millimetres_per(settings.units);
+  if (place(core, unit_mm, settings)) return {};
+  // For the message, the object is as large as the scan, but for points that fly far away.
+  const Vec3d margin = 0.1 * core.size();
+  const Box3d all = scan.bounds();
+  Box3d shown;
+  shown.extend((core.low - margin).cwiseMax(all.low));
+  shown.extend((core.high + margin).cwiseMin(all.high));
+  const auto placed = place(shown, unit_mm, settings);
+  return placed ? Status() : Status(tl::unexpected<Error>(placed.error()));
+}
+
 Expected<CrossingStore> find_crossings(ScanSources sources, const SliceSettings& settings, Arena& arena,
                                        ProgressSink* progress, SliceReport& report) {
   const ArenaScope scan_and_trees(arena);
   PreparationReport found;
-  auto scan = prepare(sources, settings, arena, progress, found);
+  const auto admit = [&](const PreparedScan& read) -> Status {
+    PLUMBLINE_TRY(check_no_speck(read.bounds(), sources, settings.placement));
+    return check_core_fits(read, settings.placement, arena);
+  };
+  auto scan = prepare(sources, settings, arena, progress, found, kNoMeasurement, admit);
   static_cast<PreparationCounts&>(report) = found;
   PLUMBLINE_TRY(scan);
-  PLUMBLINE_TRY(check_surface(*scan, sources, found));
+  PLUMBLINE_TRY(check_surface(*scan, sources, found, settings.placement));
   const Box3d bounds = scan->bounds();
   report.units = units_of(bounds, settings.placement);
   report.units_guessed = settings.placement.units == Units::kAuto;

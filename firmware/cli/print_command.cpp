@@ -188,6 +188,9 @@ CLI::App* add_print_command(CLI::App& app, PrintOptions& options) {
 ExitCode run_print(const PrintOptions& options, std::span<std::byte> arena_block) {
   const auto printer = read_printer(options);
   if (!printer) return report_error(printer.error());
+  if (const auto possible = check_back_end(printer->board, printer->machine, options.simulation); !possible) {
+    return report_error(possible.error());
+  }
   JobOptions job = options.job;
   if (!job.layer_height_mm) job.layer_height_mm = printer->profile.layer_height;
   const auto setup = set_up(job, arena_block);

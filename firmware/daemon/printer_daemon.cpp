@@ -253,7 +253,9 @@ Expected<std::optional<StickJob>> PrinterDaemon::choose(const StickMount& mount)
 
 Expected<PrintProfile> PrinterDaemon::profile_of(const std::string& name) const {
   // A name, not a path: a stick must not reach the printer's files.
-  return read_print_profile(name.empty() ? settings_.machine.profile : name, settings_.board_path);
+  auto profile = read_print_profile(name.empty() ? settings_.machine.profile : name, settings_.board_path);
+  if (!profile) return tl::unexpected<Error>(as_setting_error(profile.error()));
+  return profile;
 }
 
 Status PrinterDaemon::print_scan() {

@@ -88,10 +88,19 @@ struct StickListing final : StickMount::FileVisitor {
 
 }  // namespace
 
+Error as_setting_error(const Error& error) {
+  const auto finding = error.finding();
+  const auto advice = error.advice();
+  if (advice.empty()) return Error::format(ErrorCode::kBadSetting, "%s", error.message());
+  return Error::format(ErrorCode::kBadSetting, "%.*s.\t%.*s", static_cast<int>(finding.size()), finding.data(),
+                       static_cast<int>(advice.size()), advice.data());
+}
+
 Expected<StickJob> parse_stick_job(std::string_view text, std::string_view path) {
   StickJob job;
   const auto rules = rules_for(job);
-  PLUMBLINE_TRY(parse_settings(text, path, {"a job file", rules, nullptr, nullptr}));
+  const auto parsed = parse_settings(text, path, {"a job file", rules, nullptr, nullptr});
+  if (!parsed) return tl::unexpected<Error>(as_setting_error(parsed.error()));
   return job;
 }
 

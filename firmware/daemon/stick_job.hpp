@@ -31,8 +31,11 @@ struct StickJob {
 
 inline constexpr std::string_view kJobFile = "job.toml";  ///< in any case
 
+/// The same error as ErrorCode::kBadSetting: a file of settings that can't be read or parsed is no wrong scan.
+Error as_setting_error(const Error& error);
+
 /// @param path  for messages
-/// @retval the errors of parse_settings()
+/// @retval ErrorCode::kBadSetting  any error of parse_settings()
 [[nodiscard]] Expected<StickJob> parse_stick_job(std::string_view text, std::string_view path);
 
 /// The scans in a stick's top folder, by name.

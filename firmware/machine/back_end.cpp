@@ -5,15 +5,21 @@
 
 namespace plumbline {
 
+Status check_back_end(const BoardFile& board, const MachineFile& machine, const SimulationOptions& options) {
+  if (!machine.simulated && !options.simulate) return check_linux_back_end(board, machine);
+  if (!options.lamp_line.empty() && options.speedup <= 0) {
+    return fail(ErrorCode::kBadSetting,
+                "--lamp-line lights a real line, which needs real time: add --realtime or --speedup N");
+  }
+  return check_simulated_back_end(options);
+}
+
 Expected<std::unique_ptr<BackEnd>> open_back_end(const BoardFile& board, const MachineFile& machine,
                                                  const PrintProfile& profile, const SimulationOptions& options) {
+  PLUMBLINE_TRY(check_back_end(board, machine, options));
   if (!machine.simulated && !options.simulate) return open_linux_back_end(board, machine);
   std::unique_ptr<KeptLampLine> lamp_line;
   if (!options.lamp_line.empty()) {
-    if (options.speedup <= 0) {
-      return fail(ErrorCode::kBadSetting,
-                  "--lamp-line lights a real line, which needs real time: add --realtime or --speedup N");
-    }
     auto line = keep_lamp_line(options.lamp_line, machine);
     PLUMBLINE_TRY(line);
     lamp_line = std::move(*line);

@@ -58,6 +58,11 @@ class BackEnd {
   virtual std::optional<StepFigures> take_step_figures() = 0;
 };
 
+/// Checks what open_back_end() would refuse without looking at a device, so that it can be said before a scan is sliced.
+/// @retval ErrorCode::kBadSetting, kUnsupported  as open_back_end()
+[[nodiscard]] Status check_back_end(const BoardFile& board, const MachineFile& machine,
+                                    const SimulationOptions& options);
+
 /// Opens all devices.
 /// @param profile  its resin fills the simulated vat
 /// @retval ErrorCode::kBadSetting   an unknown fault, a lamp line without a speedup, or missing wiring tables

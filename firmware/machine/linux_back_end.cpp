@@ -52,19 +52,6 @@ LinuxSettings settings_of(const MachineFile& machine) {
   return settings;
 }
 
-/// @retval ErrorCode::kBadSetting  tables without which the printer can't be driven
-Status check_wired(const BoardFile& board, const MachineFile& machine) {
-  auto missing = missing_tables(machine.wiring);
-  if (machine.has_cover_switch && !machine.wiring.cover.given()) missing.emplace_back("cover_line");
-  if (missing.empty()) return {};
-  std::string names;
-  for (const auto name : missing) names += (names.empty() ? "[" : ", [") + std::string(name) + "]";
-  return fail(ErrorCode::kBadSetting,
-              "printer %s: its board file does not say how the printer is wired: %s missing. board/README.md explains "
-              "them; with --simulate it prints without a printer",
-              board.name.c_str(), names.c_str());
-}
-
 class LinuxBackEnd final : public BackEnd {
  public:
   explicit LinuxBackEnd(std::unique_ptr<LinuxMachine> devices)
@@ -103,8 +90,19 @@ tl::unexpected<Error> no_board_devices(const BoardFile& board) {
 
 #ifdef PLUMBLINE_HAS_BOARD_DEVICES
 
-Expected<std::unique_ptr<BackEnd>> open_linux_back_end(const BoardFile& board, const MachineFile& machine) {
-  PLUMBLINE_TRY(check_wired(board, machine));
+Status check_linux_back_end(const BoardFile& board, const MachineFile& machine) {
+  auto missing = missing_tables(machine.wiring);
+  if (machine.has_cover_switch && !machine.wiring.cover.given()) missing.emplace_back("cover_line");
+  if (missing.empty()) return {};
+  std::string names;
+  for (const auto name : missing) names += (names.empty() ? "[" : ", [") + std::string(name) + "]";
+  return fail(ErrorCode::kBadSetting,
+              "printer %s: its board file does not say how the printer is wired: %s missing. board/README.md explains "
+              "them; with --simulate it prints without a printer",
+              board.name.c_str(), names.c_str());
+}
+
+Expected<std::unique_ptr<BackEnd>> open_linux_back_end(const BoardFile& /*board*/, const MachineFile& machine) {
   auto devices = LinuxMachine::open(settings_of(machine));
   PLUMBLINE_TRY(devices);
   return std::make_unique<LinuxBackEnd>(std::move(*devices));
@@ -115,6 +113,8 @@ Expected<std::vector<MachineFinding>> examine_linux_machine(const BoardFile& /*b
 }
 
 #else
+
+Status check_linux_back_end(const BoardFile& board, const MachineFile& /*machine*/) { return no_board_devices(board); }
 
 Expected<std::unique_ptr<BackEnd>> open_linux_back_end(const BoardFile& board, const MachineFile& /*machine*/) {
   return no_board_devices(board);

@@ -10,9 +10,13 @@
 
 namespace plumbline {
 
-/// Opens the devices of the board that this runs on.
 /// @retval ErrorCode::kUnsupported  this build has no board devices
-/// @retval ErrorCode::kBadSetting   the board file lacks wiring tables, or names a device that is not there
+/// @retval ErrorCode::kBadSetting   the board file lacks wiring tables
+[[nodiscard]] Status check_linux_back_end(const BoardFile& board, const MachineFile& machine);
+
+/// Opens the devices of the board that this runs on. @pre check_linux_back_end()
+/// @retval ErrorCode::kUnsupported  this build has no board devices
+/// @retval ErrorCode::kBadSetting   the board file names a device that is not there
 /// @retval ErrorCode::kCannotOpen, kLampFailed, ...  of one device: the message names it, what was found, what to do
 [[nodiscard]] Expected<std::unique_ptr<BackEnd>> open_linux_back_end(const BoardFile& board,
                                                                      const MachineFile& machine);

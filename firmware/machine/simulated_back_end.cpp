@@ -87,6 +87,11 @@ class SimulatedBackEnd final : public BackEnd, public Witness {
 
 }  // namespace
 
+Status check_simulated_back_end(const SimulationOptions& options) {
+  for (const auto& text : options.faults) PLUMBLINE_TRY(parse_fault(text));
+  return {};
+}
+
 Expected<std::unique_ptr<BackEnd>> open_simulated_back_end(const BoardFile& board, const MachineFile& machine,
                                                            const PrintProfile& profile,
                                                            const SimulationOptions& options,

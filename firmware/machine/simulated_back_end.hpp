@@ -8,6 +8,9 @@
 
 namespace plumbline {
 
+/// @retval ErrorCode::kBadSetting  one of options.faults is no fault
+[[nodiscard]] Status check_simulated_back_end(const SimulationOptions& options);
+
 /// @param lamp_line  lit while the simulated lamp is lit, in the host's time; null: none. Needs options.speedup above 0
 /// @retval ErrorCode::kBadSetting  one of options.faults is no fault
 [[nodiscard]] Expected<std::unique_ptr<BackEnd>> open_simulated_back_end(const BoardFile& board,

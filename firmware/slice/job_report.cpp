@@ -7,10 +7,54 @@ namespace {
 
 constexpr double kSmallestUsual = 5;   ///< mm, longest side; smaller and larger prints are rare, and wrong units common
 constexpr double kLargestUsual = 500;  ///< mm
+constexpr double kThinnest = 2;        ///< pixels or layers; opening removes what is thinner
 
 double voxel_mm3(const PrintGrid& grid) {
   return static_cast<double>(grid.pitch_x_mm) * static_cast<double>(grid.pitch_y_mm) *
          static_cast<double>(grid.layer_height_mm);
+}
+
+/// Remarks on what a wrong unit causes, and on the points that did not fit.
+void for_each_size_remark(const SliceReport& slice, FunctionRef<void(std::string_view)> visit) {
+  const PrintGrid& grid = slice.placement.grid;
+  const Vec3d& size = slice.placement.size_mm;
+  const double longest = size.maxCoeff();
+  FixedText<256> text;
+  if (slice.units_guessed) {
+    text.add(
+        "the scan is %.4g units long and says no unit; %s, which make it %.4g mm, are a guess. Confirm it with "
+        "--units %s, or give another unit",
+        longest / slice.placement.scale, to_string(slice.units), longest, to_string(slice.units));
+    visit(text.view());
+  }
+  text = {};
+  if (longest < kSmallestUsual) {
+    text.add("the object is only %.3g mm long. If that is wrong, use --units m, --units cm, --units in or --scale",
+             longest);
+    visit(text.view());
+  } else if (longest > kLargestUsual) {
+    text.add("the object is %.4g mm long. If that is wrong, use --units or --scale, or --fit with a printer", longest);
+    visit(text.view());
+  }
+  const auto pitch = static_cast<double>(std::min(grid.pitch_x_mm, grid.pitch_y_mm));
+  const Vec3d thinnest = kThinnest * Vec3d(pitch, pitch, static_cast<double>(grid.layer_height_mm));
+  if ((size.array() < thinnest.array()).any()) {
+    text = {};
+    text.add(
+        "the scan is %.3g x %.3g x %.3g mm: along one axis it is thinner than %.0f pixels or layers, and little of it "
+        "may print. Look at the layers",
+        size[0], size[1], size[2], kThinnest);
+    visit(text.view());
+  }
+  const auto cell_mm = static_cast<double>(slice.lengths.thinning_cell.value);
+  if (cell_mm > pitch) {
+    text = {};
+    text.add(
+        "the scan has more points than memory holds (%u): they were averaged in cells of %.3g mm, coarser than the "
+        "pixels of %.3g mm. A larger arena keeps more detail",
+        slice.cloud_capacity, cell_mm, pitch);
+    visit(text.view());
+  }
 }
 
 }  // namespace
@@ -97,6 +141,7 @@ bool lies_on_its_face(const ClusteringCounts& clustering) {
 }
 
 void for_each_remark(const SliceReport& slice, FunctionRef<void(std::string_view)> visit) {
+  for_each_size_remark(slice, visit);
   if (slice.strays.pieces > 0) visit(stray_warning(slice.strays).view());
   FixedText<256> text;
   const double turned = turned_share(slice.normals.turned, slice.cloud_points);
@@ -120,52 +165,29 @@ void for_each_remark(const SliceReport& slice, FunctionRef<void(std::string_view
     visit(text.view());
   }
   if (lies_on_its_face(slice.clustering)) visit(kOnItsFace);
+  if (slice.normals.estimated > 0) {
+    text = {};
+    text.add("%u points of the scan have no normal; normals were estimated from neighbouring points",
+             slice.normals.estimated);
+    visit(text.view());
+  }
 }
 
 void find_warnings(JobReport& report) {
   const SliceReport& s = report.slice;
-  const PrintGrid& grid = s.placement.grid;
-  const double longest = s.placement.size_mm.maxCoeff();
-  if (s.units_guessed) {
-    report.warnings.add().add(
-        "the scan is %.4g units long and says no unit; %s, which make it %.4g mm, are a guess. Confirm it with --units "
-        "%s, or "
-        "give another unit",
-        longest / s.placement.scale, to_string(s.units), longest, to_string(s.units));
-  }
-  if (longest < kSmallestUsual) {
-    report.warnings.add().add("the object is only %.3g mm long. If that is wrong, give --units m, cm or in, or --scale",
-                              longest);
-  } else if (longest > kLargestUsual) {
-    report.warnings.add().add(
-        "the object is %.4g mm long. If that is wrong, give --units or --scale, or --fit with --printer", longest);
-  }
-  const auto pitch = static_cast<double>(std::min(grid.pitch_x_mm, grid.pitch_y_mm));
-  const auto cell_mm = static_cast<double>(s.lengths.thinning_cell.value);
-  if (cell_mm > pitch) {
-    report.warnings.add().add(
-        "the scan has more points than memory holds (%u): they were averaged in cells of %.3g mm, coarser than the "
-        "pixels "
-        "of %.3g mm. A larger --arena-mib keeps more detail",
-        s.cloud_capacity, cell_mm, pitch);
-  }
+  for_each_remark(s, [&](std::string_view warning) {
+    report.warnings.add().add("%.*s", static_cast<int>(warning.size()), warning.data());
+  });
   if (report.coverage) {
     const auto unseen = unseen_sentence(Unseen::of(*report.coverage));
     if (!unseen.view().empty()) {
       report.warnings.add().add("%s and had to be closed: look at coverage.png", unseen.c_str());
     }
   }
-  for_each_remark(s, [&](std::string_view warning) {
-    report.warnings.add().add("%.*s", static_cast<int>(warning.size()), warning.data());
-  });
   if (s.components.counted && s.components.solids > 1 && !report.support_settings) {
     report.warnings.add().add(
         "the object has %u separate parts; those that do not stand on the plate need supports: --supports auto",
         s.components.solids);
-  }
-  if (s.normals.estimated > 0) {
-    report.warnings.add().add("%u points of the scan have no normal; normals were estimated from neighbouring points",
-                              s.normals.estimated);
   }
 }
 

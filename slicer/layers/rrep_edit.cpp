@@ -95,7 +95,12 @@ Expected<EmptyLayers> trim_empty_layers(RRep& rrep, Arena& arena, std::optional<
   const Expected<EmptyLayers> empty = known ? Expected<EmptyLayers>(*known) : find_empty(rrep, arena);
   PLUMBLINE_TRY(empty);
   const auto [below, above] = *empty;
-  if (below == rrep.grid.layers) return EmptyLayers{};
+  if (below == rrep.grid.layers) {
+    return fail(
+        ErrorCode::kNoSurface,
+        "no layer has a pixel: the scan is too thin to be printed, such as a plane or a needle.\tCheck its unit, or "
+        "scan the object from all sides");
+  }
   if (below > 0) {
     // Crossings of the removed layers move to the first layer that stays.
     const ArenaScope scope(arena);

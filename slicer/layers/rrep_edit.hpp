@@ -26,9 +26,10 @@ struct RRepToggle {
 
 /// Removes the layers at both ends whose masks are empty, so that the object stands on the plate. A layer with nothing but
 /// what opening removes, such as the tip of an outlier, counts as empty.
-/// @param rrep   the newest block at the bottom of the arena; unchanged if all masks are empty
+/// @param rrep   the newest block at the bottom of the arena
 /// @param known  the empty layers, if a sweep has found them; otherwise the masks at both ends are made and searched
 /// @returns how many layers were removed
+/// @retval ErrorCode::kNoSurface    all masks are empty; rrep is unchanged
 /// @retval ErrorCode::kOutOfMemory  no room for two images and the crossings below; rrep is unchanged
 [[nodiscard]] Expected<EmptyLayers> trim_empty_layers(RRep& rrep, Arena& arena, std::optional<EmptyLayers> known = {});
 

@@ -39,6 +39,9 @@ Expected<ScanSummary> read_scan(ByteSource& source, PointSink& sink, std::span<s
   PLUMBLINE_TRY(batch.flush());
   PLUMBLINE_TRY(input.finish());
   summary.bytes = input.bytes_read();
+  if (summary.points == 0 && summary.not_finite == 0) {
+    return input.fail(ErrorCode::kNoPoints, "the file has no points;\texport the scan again, with its points");
+  }
   if (summary.points == 0) {
     return input.fail(ErrorCode::kNoPoints,
                       "no usable point: all of its %llu points have a coordinate that is not finite;\texport the scan "

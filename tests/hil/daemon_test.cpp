@@ -32,7 +32,8 @@ TEST(Daemon, PrintsTheOnlyScanOnAStickAndIsReadyForTheNext) {
   EXPECT_THAT(rig.user.scans, ElementsAre("ball.ply"));
   EXPECT_THAT(rig.user.profiles, ElementsAre("standard"));
   EXPECT_THAT(rig.user.said, ElementsAre(HasSubstr("start = \"on_stick\""), "ready", HasSubstr("reading ball.ply"),
-                                         "the stick may be pulled", HasSubstr("is the plate empty?"), "shut down"));
+                                         HasSubstr("only 4 mm long"), "the stick may be pulled",
+                                         HasSubstr("is the plate empty?"), "shut down"));
   EXPECT_EQ(rig.arena.used(), 0U);
 }
 
@@ -120,6 +121,20 @@ std::string refusal_of(DaemonRig& rig) {
   return {};
 }
 
+TEST(Daemon, NamesTheLineOfAJobFileThatIsNotToml) {
+  DaemonRig rig;
+  rig.put_scan("a.ply");
+  write_text(rig.stick() + "/job.toml", "[job]\nscan = 'a.ply'\nscale 2\n");
+  EXPECT_THAT(refusal_of(rig), StartsWith("PL-106, wrong setting: job.toml:3: not TOML"));
+}
+
+TEST(Daemon, CallsAMissingProfileAWrongSetting) {
+  DaemonRig rig;
+  rig.put_scan("a.ply");
+  write_text(rig.stick() + "/job.toml", "[job]\nscan = 'a.ply'\nprofile = 'thicc'\n");
+  EXPECT_THAT(refusal_of(rig), StartsWith("PL-106, wrong setting: no profile is called thicc"));
+}
+
 TEST(Daemon, FindsAJobFileInAnyCase) {
   DaemonRig rig;
   for (const char* name : {"a.ply", "b.ply"}) rig.put_scan(name);
@@ -187,6 +202,16 @@ TEST(Daemon, ShowsNamesOfAStickOnOneLineAndWithoutControls) {
   DaemonRig rig;
   write_text(rig.stick() + "/job.toml", "[job]\nscan = \"a\\nplumblined: PL-301, lamp stuck on\\u001b[31m\\u202e\"\n");
   EXPECT_EQ(refusal_of(rig).find_first_of("\n\x1b\xe2"), std::string::npos);
+}
+
+// The warning about the unit was dropped.
+TEST(Daemon, SaysThatAnObjectIsSuspiciouslySmall) {
+  DaemonRig rig;
+  rig.put_scan("ball.ply", 1, 3000);
+  rig.plant.plug_stick(rig.stick());
+  rig.user.on_printed = [&] { rig.plant.press(EventKind::kShutdownRequested); };
+  ASSERT_TRUE(rig.run());
+  EXPECT_THAT(rig.user.said, Contains(HasSubstr("the object is only 2 mm long. If that is wrong, use units = \"m\"")));
 }
 
 TEST(Daemon, LetsTheUserChooseAScanWithTheButtons) {
@@ -380,7 +405,7 @@ TEST(Daemon, WaitsAfterAPrintUntilSomebodyConfirmsThePlateAlsoAcrossRestarts) {
   rig.user.on_printed = [&] { rig.plant.press(EventKind::kShutdownRequested); };
   ASSERT_TRUE(rig.run());
   EXPECT_THAT(rig.user.said, ElementsAre(HasSubstr("is the plate empty?"), HasSubstr("Press start"),
-                                         HasSubstr("reading"), _, HasSubstr("is the plate empty?"), "shut down"));
+                                         HasSubstr("reading"), _, _, HasSubstr("is the plate empty?"), "shut down"));
   EXPECT_EQ(rig.user.reports.size(), 2U);
 }
 

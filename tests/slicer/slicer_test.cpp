@@ -230,5 +230,86 @@ TEST(Slice, SaysWhenPointsHaveNoSurface) {
   EXPECT_EQ(arena->used(), 0U);
 }
 
+/// The error of a scan that is refused.
+Error refusal(const Surface& surface, const SliceSettings& settings, Listener* listener = nullptr,
+              std::size_t arena_bytes = 32 * kMiB) {
+  ArenaBlock arena(arena_bytes);
+  const std::string scan = binary_ply(surface);
+  MemorySource source(scan, "scan.ply");
+  SliceReport report;
+  const auto rrep = slice(source, settings, *arena, listener, report);
+  if (rrep) {
+    ADD_FAILURE() << "was sliced";
+    return {};
+  }
+  EXPECT_EQ(arena->used(), 0U);
+  return rrep.error();
+}
+
+SliceSettings on_a_printer_of_60_mm() {
+  SliceSettings settings = settings_with_pitch(0.1F);
+  settings.placement.printer = PrinterVolume{600, 600, 0.1F, 0.1F, 60};
+  return settings;
+}
+
+// It took a minute to say that a scan of a million points is too wide.
+TEST(Slice, RefusesAnObjectTooLargeForThePrinterAsSoonAsItIsRead) {
+  Listener listener;
+  const Error large = refusal(sphere(20'000, 50, {7, 0, 0}), on_a_printer_of_60_mm(), &listener);
+  EXPECT_EQ(large.code(), ErrorCode::kDoesNotFit);
+  EXPECT_EQ(listener.last(), Stage::kRead);
+  EXPECT_THAT(large.message(), HasSubstr("the object is 100.00 mm"));
+  EXPECT_THAT(large.message(), HasSubstr("Use --scale 0.5978 or less"));
+}
+
+TEST(Slice, MeasuresATooLargeObjectWithoutThePointsThatFlyFarAway) {
+  Surface surface = sphere(20'000, 50, {7, 0, 0});
+  for (int i = 0; i < 50; ++i) surface.push_back({Vec3d(0, 0, 5000.0 + i), Vec3d(0, 0, 1)});
+  EXPECT_THAT(refusal(surface, on_a_printer_of_60_mm()).message(), HasSubstr("the object is 104"));
+}
+
+TEST(Slice, DoesNotRefuseAnObjectForItsStrayPiece) {
+  Surface surface = sphere(20'000, 20, {0, 0, 0});
+  for (const auto& point : sphere(400, 1, {90, 0, 0})) surface.push_back(point);
+  const Slicing sliced(binary_ply(surface), on_a_printer_of_60_mm(), 64 * kMiB);
+  EXPECT_GT(sliced.report().strays.points, 0U);
+}
+
+TEST(Slice, RefusesMetresThatBecomeASpeckAndSaysWhichUnitToUse) {
+  const Error speck = refusal(sphere(20'000, 0.1, {0, 0, 0}), settings_with_pitch(0.05F));
+  EXPECT_EQ(speck.code(), ErrorCode::kNoSurface);
+  EXPECT_THAT(speck.message(), HasSubstr("scan.ply: the object would be 0.2 mm long, less than 8 pixels"));
+  EXPECT_THAT(std::string(speck.advice()), HasSubstr("--units m"));
+  // Thinned to so few cells that no point of a surface is left.
+  EXPECT_THAT(refusal(sphere(20'000, 0.02, {0, 0, 0}), settings_with_pitch(0.05F)).message(),
+              HasSubstr("the object would be 0.038 mm long"));
+  SliceSettings metres = settings_with_pitch(1);
+  metres.placement.units = Units::kMetres;
+  EXPECT_GT(Slicing(binary_ply(sphere(20'000, 0.1, {0, 0, 0})), metres, 64 * kMiB).grid().layers, 150U);
+}
+
+// A small scan of many points was told to take a larger arena, which would not have changed anything.
+TEST(Slice, NamesTheArenaOnlyWhereItWasTooSmall) {
+  Surface dense;
+  Random random(5);
+  for (int i = 0; i < 300'000; ++i) {
+    const Vec3d normal = Vec3d(random.normal(), random.normal(), random.normal()).normalized();
+    dense.push_back({Vec3d(random.uniform(0, 2), random.uniform(0, 2), random.uniform(0, 2)), normal});
+  }
+  const Error wrong_normals = refusal(dense, settings_with_pitch(0.2F), nullptr, 8 * kMiB);
+  EXPECT_EQ(wrong_normals.code(), ErrorCode::kNoSurface);
+  EXPECT_THAT(wrong_normals.message(), Not(HasSubstr("arena")));
+}
+
+TEST(Slice, RefusesAPlaneThatBecomesNothing) {
+  Surface plane;
+  for (int x = 0; x < 100; ++x) {
+    for (int y = 0; y < 100; ++y) plane.push_back({Vec3d(0.3 * x, 0.3 * y, 0), Vec3d(0, 0, 1)});
+  }
+  const Error flat = refusal(plane, settings_with_pitch(0.05F));
+  EXPECT_EQ(flat.code(), ErrorCode::kNoSurface);
+  EXPECT_THAT(flat.message(), HasSubstr("no layer has a pixel"));
+}
+
 }  // namespace
 }  // namespace plumbline

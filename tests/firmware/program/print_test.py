@@ -186,6 +186,27 @@ class Daemon(Program):
         self.state.mkdir(exist_ok=True)
         return self.press("start", status=1).stderr
 
+    def test_a_printer_that_is_not_wired_is_refused_before_the_scan_is_opened(self):
+        done = self.run_it("print", self.scan, "--printer", SOURCE_DIR / "board" / "mono2k.toml", status=1)
+        self.assertRegex(done.stderr, "how the printer is wired|simulated printers only")
+
+    def test_names_of_files_forge_no_line(self):
+        forged = self.dir / "a\nplumbline: PL-301, lamp stuck on\x1b[31m\u202e.ply"
+        write_sphere(forged, points=5000, radius=2)
+        report = self.dir / "report.json"
+        runs = [self.run_it("print", forged, "--printer", SIM2K, "--report", report)]
+        runs.append(self.run_it("slice", forged, "-o", self.out, "--verbose"))
+        runs.append(self.run_it("inspect", forged, "--verbose"))
+        forged.write_text("ply\n")
+        runs.append(self.run_it("inspect", forged, status=1))
+        for done in runs:
+            for text in (done.stdout, done.stderr):
+                self.assertNotRegex(text, r"[\x00-\x09\x0b-\x1f\x7f\u202e]")
+                self.assertFalse([line for line in text.splitlines() if line.startswith("plumbline: PL-301")], text)
+        shown = "a\\x0aplumbline: PL-301, lamp stuck on\\x1b[31m\\u{202e}.ply"
+        self.assertIn(json.loads(report.read_text())["scan"][:20], shown)
+        self.assertIn(shown, (self.out / "manifest.json").read_text().replace("\\\\", "\\"))
+
     def test_command_line_prints_onto_a_plate_that_somebody_says_is_empty(self):
         write_sphere(self.scan)
         real = ("print", self.scan, "--printer", SOURCE_DIR / "board" / "rig.toml", "--state", self.state, "--quiet")

@@ -79,9 +79,15 @@ TEST(RRepEdit, FindsTheLastLayerBelowManyEmptyOnes) {
   EXPECT_TRUE(voxels.equals(low));
 }
 
-TEST(RRepEdit, TrimsNothingIfNoLayerPrints) {
-  Voxels voxels([](auto c, auto r, auto k) { return c == 20 && r == 20 && k >= 2; });
-  expect_trimmed(voxels, 0, 0);
+TEST(RRepEdit, RefusesAnObjectOfWhichNoLayerPrints) {
+  const Inside needle = [](auto c, auto r, auto k) { return c == 20 && r == 20 && k >= 2; };
+  Voxels voxels(needle);
+  for (const auto known : {std::optional<EmptyLayers>(), std::optional(EmptyLayers{.below = kLayers})}) {
+    const auto trimmed = trim_empty_layers(voxels.rrep, *voxels.block, known);
+    ASSERT_FALSE(trimmed.has_value());
+    EXPECT_EQ(trimmed.error().code(), ErrorCode::kNoSurface);
+    EXPECT_TRUE(voxels.equals(needle));
+  }
 }
 
 }  // namespace
