@@ -90,18 +90,16 @@ Expected<std::size_t> StickFile::read(std::span<std::byte> buffer) {
   return got;
 }
 
-StickMount::StickMount(StickPort& port, int folder, std::string_view path) : port_(&port), folder_(folder) {
-  std::copy_n(path.data(), std::min(path.size(), path_.size() - 1), path_.begin());
+std::optional<int> StickFile::descriptor() const {
+  return port_->do_has_real_files() ? std::optional(file_) : std::nullopt;
 }
 
 StickMount::StickMount(StickMount&& other) noexcept
-    : port_(std::exchange(other.port_, nullptr)), folder_(std::exchange(other.folder_, -1)), path_(other.path_) {}
+    : port_(std::exchange(other.port_, nullptr)), folder_(std::exchange(other.folder_, -1)) {}
 
 StickMount::~StickMount() {
   if (folder_ >= 0) ::close(folder_);
-  if (port_ == nullptr) return;
-  port_->do_unmount();
-  port_->mounted_ = false;
+  if (port_ != nullptr) port_->mounted_ = false;
 }
 
 Expected<StickFile> StickMount::open(std::string_view name) const {
@@ -129,6 +127,8 @@ Expected<StickFile> StickMount::open(std::string_view name) const {
   }
   return StickFile(*port_, file, name, static_cast<std::uint64_t>(facts.st_size));
 }
+
+Status StickMount::check() const { return port_->check_mounted(); }
 
 Status StickMount::for_each_file(FileVisitor& visitor) const {
   PLUMBLINE_TRY(port_->check_mounted());
@@ -175,17 +175,10 @@ Status StickPort::check_mounted() const {
 Expected<StickMount> StickPort::mount() {
   PLUMBLINE_TRY(interlock_.check_power());
   if (mounted_) return fail(ErrorCode::kBusy, "the stick is already mounted");
-  std::array<char, StickMount::kMaxPath> path{};
-  PLUMBLINE_TRY(do_mount(path));
-  path.back() = '\0';
-  const int folder = ::open(path.data(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (folder < 0) {
-    const int reason = errno;
-    do_unmount();
-    return fail(ErrorCode::kMountFailed, "%s: %s", path.data(), std::strerror(reason));
-  }
+  const auto folder = do_mount();
+  PLUMBLINE_TRY(folder);
   mounted_ = true;
-  return StickMount(*this, folder, path.data());
+  return StickMount(*this, *folder);
 }
 
 }  // namespace plumbline

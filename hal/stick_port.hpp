@@ -43,6 +43,10 @@ class StickFile final : public ByteSource {
   std::string_view name() const override { return {name_.data(), name_size_}; }
   std::optional<std::uint64_t> size() const override { return size_; }
 
+  /// A descriptor for another process that reads the file instead of read(). If that process can't read, StickMount::check() says
+  /// whether the stick was pulled. Nothing: this back end's files can be read here only.
+  std::optional<int> descriptor() const;
+
  private:
   friend class StickMount;
   StickFile(StickPort& port, int file, std::string_view name, std::uint64_t size);
@@ -57,21 +61,20 @@ class StickFile final : public ByteSource {
 /// A mounted stick: read-only, nothing on it is executed. The destructor unmounts it; close its files first.
 class StickMount {
  public:
-  static constexpr std::size_t kMaxPath = 1024;  ///< bytes of a mount point including the final 0
-
   StickMount(StickMount&& other) noexcept;
   StickMount& operator=(StickMount&&) = delete;
   StickMount(const StickMount&) = delete;
   StickMount& operator=(const StickMount&) = delete;
   ~StickMount();
 
-  /// The mount point, for messages.
-  std::string_view path() const { return path_.data(); }
-
-  /// @param name  relative to the mount point, without ".." and symbolic links
+  /// @param name  relative to the stick's top folder, without ".." and symbolic links
   /// @retval ErrorCode::kCannotOpen  no such file, not a regular file, or a forbidden name
   /// @retval ErrorCode::kStickGone, kPowerLost
   [[nodiscard]] Expected<StickFile> open(std::string_view name) const;
+
+  /// Whether the stick is still there.
+  /// @retval ErrorCode::kStickGone, kPowerLost
+  [[nodiscard]] Status check() const;
 
   class FileVisitor {
    public:
@@ -86,11 +89,10 @@ class StickMount {
 
  private:
   friend class StickPort;
-  StickMount(StickPort& port, int folder, std::string_view path);
+  StickMount(StickPort& port, int folder) : port_(&port), folder_(folder) {}
 
   StickPort* port_;
   int folder_ = -1;
-  std::array<char, kMaxPath> path_{};
 };
 
 /// The port. It serves one stick at a time: a second one is ignored until the first is gone.
@@ -123,13 +125,14 @@ class StickPort {
 
   virtual bool do_has_stick() const = 0;
   virtual Expected<StickIdentity> do_identity() const = 0;
-  /// Mounts the stick and writes the mount point, with a final 0, to `path`.
-  virtual Status do_mount(std::span<char> path) = 0;
-  virtual void do_unmount() = 0;
+  /// Mounts the stick. @returns a descriptor of its top folder; closing the last file of it unmounts the stick
+  virtual Expected<int> do_mount() = 0;
   /// Reads like read(2), with the errors of StickFile::read().
   virtual Expected<std::size_t> do_read(int file, std::span<std::byte> buffer) = 0;
   /// @retval ErrorCode::kStickGone  the mounted stick was pulled, even if another one was plugged in since
   virtual Status do_check_mounted() const = 0;
+  /// Whether a stick's files are files of the operating system, which any process can read.
+  virtual bool do_has_real_files() const = 0;
 
   Interlock& interlock_;
   bool mounted_ = false;

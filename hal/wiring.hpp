@@ -70,10 +70,9 @@ struct ThermalSettings {
   std::array<FanSettings, kFanCount> fans;                    ///< by Fan
 };
 
-/// [stick]: where sticks are plugged in and mounted.
+/// [stick]: where sticks are plugged in.
 struct StickSettings {
   std::string port;  ///< "1-1.2": sticks elsewhere are ignored; empty: any port
-  std::string mount_point = "/run/plumbline/stick";
 };
 
 /// [watchdog]: resets the board unless the keeper feeds it.

@@ -52,7 +52,6 @@ void add_wiring_rules(std::vector<SettingRule>& rules, Wiring& wiring) {
     rules.push_back({table, "period_us", &fan.period_us, 1, 1000000, " us", kOptional});
   });
   rules.push_back({"stick", "port", path(wiring.stick.port), 1, kLongestName, "", kOptional});
-  rules.push_back({"stick", "mount_point", path(wiring.stick.mount_point), 1, kLongestPath, "", kOptional});
   rules.push_back({"watchdog", "device", path(wiring.watchdog.device), 1, kLongestPath, "", kOptional});
   rules.push_back({"watchdog", "timeout_s", &wiring.watchdog.timeout_s, 2, 60, " s", kOptional});
 }

@@ -185,10 +185,13 @@ class Examination {
             std::string("if mounting does not load it: modprobe ") + kind);
       }
     }
-    if (!may(CAP_SYS_ADMIN)) {
-      add(Verdict::kWrong, "permission to mount", "missing (CAP_SYS_ADMIN)", "run it as its service or as root");
+    const int mount = connect_to_mount(settings_.mount_socket);
+    if (mount < 0) {
+      add(Verdict::kWrong, "mounting sticks", std::string("plumbline-mount does not answer: ") + std::strerror(errno),
+          "start plumbline-mount.service, and run this as root or as the user plumbline");
     } else {
-      add(Verdict::kGood, "permission to mount", "given; sticks are mounted at " + settings_.wiring.stick.mount_point);
+      ::close(mount);
+      add(Verdict::kGood, "mounting sticks", "plumbline-mount answers");
     }
   }
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "hal/linux/events/real_time.hpp"
 #include "hal/linux/keeper/gpio_keeper_lines.hpp"
+#include "hal/process_memory.hpp"
 
 namespace plumbline {
 
@@ -145,7 +145,8 @@ Expected<std::unique_ptr<LinuxMachine>> LinuxMachine::open(const LinuxSettings& 
   PLUMBLINE_TRY(display);
   machine->mask_ =
       std::make_unique<LinuxMaskDisplay>(settings.panel, std::move(*display), settings.settling, machine->interlock_);
-  machine->stick_ = std::make_unique<LinuxStickPort>(settings.wiring.stick, machine->queue_, machine->interlock_);
+  machine->stick_ = std::make_unique<LinuxStickPort>(settings.wiring.stick, settings.mount_socket, machine->queue_,
+                                                     machine->interlock_);
   PLUMBLINE_TRY(machine->stick_->open());
   machine->events_.add(*machine->stick_);
   machine->events_.discard_pending();

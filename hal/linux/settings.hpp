@@ -4,6 +4,7 @@
 #include <string>
 
 #include "hal/linux/stage/z_stage.hpp"
+#include "hal/linux/stick/mount_protocol.hpp"
 #include "hal/panel_layout.hpp"
 #include "hal/uv_lamp.hpp"
 #include "hal/wiring.hpp"
@@ -19,6 +20,7 @@ struct LinuxSettings {
   std::string keeper;  ///< path of plumbline-keeper
   Wiring wiring;       ///< no cover line: the printer has no cover switch
   std::string sysfs = "/sys";
+  std::string mount_socket = kMountSocket;
 };
 
 }  // namespace plumbline

@@ -1,5 +1,6 @@
 #include "hal/sim/sim_stick_port.hpp"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -31,15 +32,16 @@ Expected<StickIdentity> SimStickPort::do_identity() const {
   return identity;
 }
 
-Status SimStickPort::do_mount(std::span<char> path) {
+Expected<int> SimStickPort::do_mount() {
   if (!do_has_stick()) return none();
   const auto& folder = plant_.stick();
-  if (plant_.has_fault(FaultKind::kStickMountFails) || folder.size() >= path.size()) {
+  if (plant_.has_fault(FaultKind::kStickMountFails)) {
     return fail(ErrorCode::kMountFailed, "the stick's file system can't be read:\tformat it as FAT32 or exFAT");
   }
-  *std::copy(folder.begin(), folder.end(), path.begin()) = '\0';
+  const int top = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (top < 0) return fail(ErrorCode::kMountFailed, "%s: %s", folder.c_str(), std::strerror(errno));
   mounted_stick_ = plant_.sticks_plugged();
-  return {};
+  return top;
 }
 
 Status SimStickPort::do_check_mounted() const {

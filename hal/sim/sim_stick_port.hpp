@@ -13,10 +13,11 @@ class SimStickPort final : public StickPort {
  private:
   bool do_has_stick() const override;
   Expected<StickIdentity> do_identity() const override;
-  Status do_mount(std::span<char> path) override;
-  void do_unmount() override {}
+  Expected<int> do_mount() override;
   Expected<std::size_t> do_read(int file, std::span<std::byte> buffer) override;
   Status do_check_mounted() const override;
+  /// Reading takes virtual time and can fail, which only do_read() knows.
+  bool do_has_real_files() const override { return false; }
 
   Plant& plant_;
   std::uint32_t mounted_stick_ = 0;  ///< Plant::sticks_plugged() when it was mounted

@@ -18,10 +18,9 @@ tl::unexpected<Error> pulled() {
 
 }  // namespace
 
-LinuxStickPort::LinuxStickPort(StickSettings settings, EventQueue& events, Interlock& interlock)
-    : StickPort(interlock), settings_(std::move(settings)), events_(events) {
-  unmount_all(settings_.mount_point);  // left by a killed run
-}
+LinuxStickPort::LinuxStickPort(StickSettings settings, std::string mount_socket, EventQueue& events,
+                               Interlock& interlock)
+    : StickPort(interlock), settings_(std::move(settings)), mount_socket_(std::move(mount_socket)), events_(events) {}
 
 Status LinuxStickPort::open() {
   auto sticks = UsbSticks::open(*this);
@@ -78,20 +77,12 @@ Expected<StickIdentity> LinuxStickPort::do_identity() const {
   return read_identity(folder());
 }
 
-Status LinuxStickPort::do_mount(std::span<char> path) {
+Expected<int> LinuxStickPort::do_mount() {
   if (!attached()) return no_stick();
-  auto volume = StickVolume::mount(block_devices(folder()), settings_.mount_point);
-  if (!volume) return tl::unexpected<Error>(volume.error());
-  if (volume->folder().size() >= path.size()) {
-    return fail(ErrorCode::kMountFailed, "%s: the name of the mount point is too long", volume->folder().c_str());
-  }
-  *std::copy(volume->folder().begin(), volume->folder().end(), path.begin()) = '\0';
-  volume_.emplace(std::move(*volume));
-  mounted_arrival_ = arrivals_;
-  return {};
+  auto top = mount_stick(block_devices(folder()), mount_socket_);
+  if (top) mounted_arrival_ = arrivals_;
+  return top;
 }
-
-void LinuxStickPort::do_unmount() { volume_.reset(); }
 
 Status LinuxStickPort::do_check_mounted() const {
   if (mounted_arrival_ == arrivals_ && attached()) return {};

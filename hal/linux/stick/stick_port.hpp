@@ -20,7 +20,8 @@ class LinuxStickPort final : public StickPort, public EventSource, private UsbSt
   static constexpr nanoseconds kMaxWait = std::chrono::seconds(
       10);  ///< after which a stick without a block device counts as arrived, so that mounting it can report the problem
 
-  LinuxStickPort(StickSettings settings, EventQueue& events, Interlock& interlock);
+  /// @param mount_socket  where plumbline-mount listens
+  LinuxStickPort(StickSettings settings, std::string mount_socket, EventQueue& events, Interlock& interlock);
 
   /// Starts watching. Waits up to kMaxWait for a stick that is already plugged in, which causes no event.
   /// @retval the errors of UsbSticks::open()
@@ -33,10 +34,10 @@ class LinuxStickPort final : public StickPort, public EventSource, private UsbSt
  private:
   bool do_has_stick() const override { return present_; }
   Expected<StickIdentity> do_identity() const override;
-  Status do_mount(std::span<char> path) override;
-  void do_unmount() override;
+  Expected<int> do_mount() override;
   Expected<std::size_t> do_read(int file, std::span<std::byte> buffer) override;
   Status do_check_mounted() const override;
+  bool do_has_real_files() const override { return true; }
 
   void on_arrived(const std::string& place) override;
   void on_departed(const std::string& place) override;
@@ -45,6 +46,7 @@ class LinuxStickPort final : public StickPort, public EventSource, private UsbSt
   bool attached() const;
 
   StickSettings settings_;
+  std::string mount_socket_;
   EventQueue& events_;
   std::optional<UsbSticks> sticks_;
   std::string place_;                // of the stick that is here or arriving; empty: none
@@ -54,7 +56,6 @@ class LinuxStickPort final : public StickPort, public EventSource, private UsbSt
   nanoseconds give_up_{};
   std::uint64_t arrivals_ = 0;
   std::uint64_t mounted_arrival_ = 0;
-  std::optional<StickVolume> volume_;
 };
 
 }  // namespace plumbline

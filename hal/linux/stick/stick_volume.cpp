@@ -1,7 +1,9 @@
 #include "hal/linux/stick/stick_volume.hpp"
 
-#include <sys/mount.h>
-#include <sys/stat.h>
+#include <sys/socket.h>
+#include <sys/time.h>
+#include <sys/un.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -9,7 +11,11 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <optional>
+#include <span>
 #include <utility>
+
+#include "hal/passed_descriptor.hpp"
 
 namespace plumbline {
 namespace {
@@ -63,7 +69,53 @@ bool was_scanned(const fs::path& block, const fs::path& known) {
 /// "/dev/sda1", the kernel's own name.
 std::string node_of(const fs::path& block) { return "/dev/" + block.filename().string(); }
 
+struct Reply {
+  int folder = -1;        ///< a descriptor
+  bool answered = false;  ///< whether `reason` is the kernel's for not mounting
+  int reason = 0;         ///< errno
+};
+
+Reply ask_to_mount(std::string_view device, const std::string& socket) {
+  const int connection = connect_to_mount(socket);
+  if (connection < 0) return {.reason = errno};
+  Reply reply;
+  std::optional<ReceivedMessage> received;
+  int result = 0;
+  if (send_message(connection, std::as_bytes(std::span(device)))) {
+    received = receive_message(connection, std::as_writable_bytes(std::span(&result, 1)));
+  }
+  if (received && received->bytes == sizeof result) {
+    reply = {received->descriptor, true, result};
+  } else {
+    reply.reason = received ? ECONNRESET : errno;
+  }
+  ::close(connection);
+  return reply;
+}
+
 }  // namespace
+
+int connect_to_mount(const std::string& socket) {
+  sockaddr_un to{};
+  to.sun_family = AF_UNIX;
+  if (socket.size() >= sizeof to.sun_path) {
+    errno = ENAMETOOLONG;
+    return -1;
+  }
+  std::copy(socket.begin(), socket.end(), to.sun_path);
+  const int connection = ::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
+  // The kernel gives a stick that does not answer 30 s, perhaps twice.
+  timeval patience{};
+  patience.tv_sec = 70;
+  if (connection < 0 || ::setsockopt(connection, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience) != 0 ||
+      ::connect(connection, reinterpret_cast<const sockaddr*>(&to), sizeof to) != 0) {
+    const int reason = errno;
+    if (connection >= 0) ::close(connection);
+    errno = reason;
+    return -1;
+  }
+  return connection;
+}
 
 std::string usb_place(unsigned bus, const std::uint8_t* ports, int count) {
   std::string place = std::to_string(bus);
@@ -107,49 +159,23 @@ std::vector<std::string> block_devices(const std::string& device, const std::str
   return nodes;
 }
 
-void unmount_all(const std::string& folder) {
-  // Detached, because open files of a pulled stick must not block the next one. Repeated, because mounts can lie on top of each
-  // other; one is usual.
-  for (int times = 0; times < 8 && ::umount2(folder.c_str(), MNT_DETACH | UMOUNT_NOFOLLOW) == 0; ++times) {
-  }
-}
-
-Expected<StickVolume> StickVolume::mount(const std::vector<std::string>& nodes, const std::string& folder) {
-  struct Kind {
-    const char* name;
-    const char* options;
-  };
-  // Everybody may read, nobody may write or execute; names are UTF-8. errors=continue: a read-only mount has nothing to lose.
-  constexpr std::array kKinds = {Kind{"vfat", "utf8,fmask=0333,dmask=0222,errors=continue"},
-                                 Kind{"exfat", "iocharset=utf8,fmask=0333,dmask=0222,errors=continue"}};
-  constexpr unsigned long kFlags = MS_RDONLY | MS_NOSUID | MS_NODEV | MS_NOEXEC;
-  std::error_code problem;
-  fs::create_directories(folder, problem);
-  if (problem) return fail(ErrorCode::kMountFailed, "%s: %s", folder.c_str(), problem.message().c_str());
-  unmount_all(folder);
-  int reason = 0;
-  for (const auto& node : nodes) {
-    for (const auto& kind : kKinds) {
-      if (::mount(node.c_str(), folder.c_str(), kind.name, kFlags, kind.options) == 0) return StickVolume(folder);
-      // EINVAL means another file system, ENODEV an unknown one. Any other error says more.
-      if (reason == 0 || (errno != EINVAL && errno != ENODEV)) reason = errno;
-    }
-  }
+Expected<int> mount_stick(const std::vector<std::string>& nodes, const std::string& socket) {
   if (nodes.empty()) {
     return fail(ErrorCode::kMountFailed, "the board finds no storage on the stick:\ttry another stick");
   }
-  if (reason == EPERM || reason == EACCES) {
-    return fail(ErrorCode::kMountFailed, "%s: no permission to mount: run plumblined as a service, see board/README.md",
-                nodes.front().c_str());
+  int reason = 0;
+  for (const auto& node : nodes) {
+    const Reply reply = ask_to_mount(node.substr(node.rfind('/') + 1), socket);
+    if (reply.folder >= 0) return reply.folder;
+    if (!reply.answered) {
+      return fail(ErrorCode::kMountFailed, "plumbline-mount does not answer (%s):\tstart plumbline-mount.service",
+                  std::strerror(reply.reason));
+    }
+    // EINVAL means another file system, ENODEV an unknown one. Any other error says more.
+    if (reason == 0 || (reply.reason != EINVAL && reply.reason != ENODEV)) reason = reply.reason;
   }
   return fail(ErrorCode::kMountFailed, "the stick's file system can't be read (%s: %s):\tformat it as FAT32 or exFAT",
               nodes.front().c_str(), std::strerror(reason));
-}
-
-StickVolume::StickVolume(StickVolume&& other) noexcept : folder_(std::exchange(other.folder_, std::string())) {}
-
-StickVolume::~StickVolume() {
-  if (!folder_.empty()) unmount_all(folder_);
 }
 
 }  // namespace plumbline

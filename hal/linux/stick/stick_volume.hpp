@@ -1,7 +1,6 @@
 #pragma once
-/// From a USB device to a mounted file system, with sysfs and mount(2).
+/// From a USB device to its mounted file system, with sysfs and plumbline-mount.
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,27 +21,14 @@ StickIdentity read_identity(const std::string& device);
 /// @param udev    udevd's records; if missing, partitions are not waited for
 std::vector<std::string> block_devices(const std::string& device, const std::string& udev = "/run/udev/data");
 
-/// A file system mounted read-only, nosuid, nodev, noexec. The destructor unmounts it. Move-only.
-class StickVolume {
- public:
-  /// Mounts the first of `nodes` that is vfat or exfat.
-  /// @param folder  the mount point; created if missing, and whatever is mounted there is unmounted
-  /// @retval ErrorCode::kMountFailed  none can be mounted: the kernel's reason
-  [[nodiscard]] static Expected<StickVolume> mount(const std::vector<std::string>& nodes, const std::string& folder);
-  StickVolume(StickVolume&& other) noexcept;
-  StickVolume& operator=(StickVolume&&) = delete;
-  StickVolume(const StickVolume&) = delete;
-  StickVolume& operator=(const StickVolume&) = delete;
-  ~StickVolume();
+/// Connects to plumbline-mount.
+/// @returns a descriptor, the caller's; or -1 with errno set
+[[nodiscard]] int connect_to_mount(const std::string& socket);
 
-  const std::string& folder() const { return folder_; }
-
- private:
-  explicit StickVolume(std::string folder) : folder_(std::move(folder)) {}
-  std::string folder_;
-};
-
-/// Unmounts whatever is mounted at `folder`, even if files of a pulled stick are still open.
-void unmount_all(const std::string& folder);
+/// Has plumbline-mount mount the first of `nodes` that is vfat or exfat.
+/// @param socket  where it listens
+/// @returns a descriptor of the stick's top folder, the caller's. When it and all files opened through it are closed, the stick is unmounted
+/// @retval ErrorCode::kMountFailed  none can be mounted: the kernel's reason; or plumbline-mount does not answer
+[[nodiscard]] Expected<int> mount_stick(const std::vector<std::string>& nodes, const std::string& socket);
 
 }  // namespace plumbline

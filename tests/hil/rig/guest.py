@@ -135,7 +135,8 @@ def make_initramfs(arch, root, build, out, board, programs):
     archive = Archive()
     for folder in ("dev", "proc", "sys", "tmp", "run", "mnt", "state", "var/lib"):
         archive.folder(folder)
-    programs = [build / "firmware" / "plumblined", build / "firmware" / "plumbline-keeper", *programs]
+    ours = ("plumblined", "plumbline-keeper", "plumbline-mount")
+    programs = [*(build / "firmware" / program for program in ours), *programs]
     udev = root / "usr" / "bin" / "udevadm"
     archive.file("bin/busybox", (root / "usr/bin/busybox").resolve().read_bytes(), 0o755)
     archive.file("bin/udevadm", udev.resolve().read_bytes(), 0o755)
