@@ -1,19 +1,10 @@
-/// The program `plumblined`: owns the arena and calls the rest.
+/// The program `plumblined`. Its arena is shared memory of the size that the board file asks for.
 
 #include <cstddef>
 
 #include "firmware/daemon/daemon_command_line.hpp"
-#include "slicer/core/arena.hpp"
-
-namespace {
-
-constexpr std::size_t kArenaBytes = std::size_t{PLUMBLINE_ARENA_MIB} * 1024 * 1024;
-
-/// All the memory for slicing and printing. It is in .bss, so untouched pages cost nothing.
-alignas(plumbline::Arena::kAlignment) std::byte arena_block[kArenaBytes];
-
-}  // namespace
 
 int main(int argc, char** argv) {
-  return static_cast<int>(plumbline::run_daemon_command_line(argc, argv, arena_block));
+  constexpr std::size_t kLargestArena = std::size_t{PLUMBLINE_ARENA_MIB} * 1024 * 1024;
+  return static_cast<int>(plumbline::run_daemon_command_line(argc, argv, kLargestArena));
 }

@@ -43,7 +43,7 @@ CLI::App* add_inspect_command(CLI::App& app, InspectOptions& options) {
 
 ExitCode run_inspect(const InspectOptions& inspect_options, std::span<std::byte> arena_block) {
   const JobOptions& options = inspect_options.job;
-  const auto setup = set_up(options, arena_block);
+  const auto setup = set_up(options, arena_block.size());
   if (!setup) return report_error(setup.error());
   catch_interrupts();
   const auto scan = ScanFiles::open(options.scans);
@@ -51,7 +51,7 @@ ExitCode run_inspect(const InspectOptions& inspect_options, std::span<std::byte>
   const bool silent = options.quiet || options.json;
   ProgressLines lines(options.verbose);
   JobProgress progress(silent ? nullptr : &lines);
-  Arena arena(setup->arena_block);
+  Arena arena(arena_block.first(setup->arena_bytes));
   SliceSettings settings;
   settings.placement = setup->placement;
   settings.base = setup->base;

@@ -193,7 +193,7 @@ ExitCode run_print(const PrintOptions& options, std::span<std::byte> arena_block
   }
   JobOptions job = options.job;
   if (!job.layer_height_mm) job.layer_height_mm = printer->profile.layer_height;
-  const auto setup = set_up(job, arena_block);
+  const auto setup = set_up(job, arena_block.size());
   if (!setup) return report_error(setup.error());
   std::optional<JobStore> store;
   std::optional<PlateRecord> plate;
@@ -208,7 +208,7 @@ ExitCode run_print(const PrintOptions& options, std::span<std::byte> arena_block
       return report_error(checked.error());
   }
   catch_interrupts();
-  Arena arena(setup->arena_block);
+  Arena arena(arena_block.first(setup->arena_bytes));
   const bool silent = job.quiet || job.json;
   PrintSession session(printer->board, printer->machine, arena, store ? &*store : nullptr);
   const auto ready = make_ready(options, *setup, *printer, session, silent);

@@ -74,7 +74,7 @@ CLI::App* add_slice_command(CLI::App& app, SliceOptions& options) {
 }
 
 ExitCode run_slice(const SliceOptions& options, std::span<std::byte> arena_block) {
-  const auto setup = set_up(options.job, arena_block);
+  const auto setup = set_up(options.job, arena_block.size());
   if (!setup) return report_error(setup.error());
   SliceJobSettings settings;
   settings.scan_paths = options.job.scans;
@@ -87,7 +87,7 @@ ExitCode run_slice(const SliceOptions& options, std::span<std::byte> arena_block
   settings.preview = options.preview;
   settings.supports = *options.supports.over(false, {});  // checked when the arguments were parsed
   catch_interrupts();
-  Arena arena(setup->arena_block);
+  Arena arena(arena_block.first(setup->arena_bytes));
   auto job = SliceJob::prepare(settings, arena);
   if (!job) return report_error(job.error());
   const bool silent = options.job.quiet || options.job.json;

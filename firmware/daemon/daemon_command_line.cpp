@@ -84,6 +84,13 @@ class DaemonLog final : public DaemonObserver {
     if (++jobs_ == options_.jobs) end();
   }
   void idle() override { look_around(); }
+  void slicing(Stage stage, double fraction) override {
+    look_around();
+    const auto name = to_string(stage);
+    FixedText<60> text;
+    text.add("slicing: %.*s, %.0f %%", static_cast<int>(name.size()), name.data(), 100 * fraction);
+    manager_.status(text.view());
+  }
 
  private:
   std::string report_path() const { return options_.state + "/report.json"; }
@@ -127,7 +134,7 @@ class DaemonLog final : public DaemonObserver {
   std::uint32_t jobs_ = 0;
 };
 
-ExitCode serve(const DaemonOptions& options, std::span<std::byte> arena_block) {
+ExitCode serve(const DaemonOptions& options, std::size_t largest_arena) {
   const auto board = read_board_file(options.printer);
   if (!board) return report_error(board.error());
   const auto machine = machine_of(*board, board->path);
@@ -136,8 +143,11 @@ ExitCode serve(const DaemonOptions& options, std::span<std::byte> arena_block) {
   if (!profile) return report_error(profile.error());
   JobOptions job;
   job.printer = options.printer;
-  const auto setup = set_up(job, arena_block);
+  const auto setup = set_up(job, largest_arena);
   if (!setup) return report_error(setup.error());
+  // Before anything is open, so that the child inherits nothing.
+  auto child = SlicingChild::make(setup->arena_bytes, setup->threads, run_stick_task);
+  if (!child) return report_error(child.error());
   auto store = JobStore::open(options.state);
   if (!store) return report_error(store.error());
   auto plate = PlateRecord::open(options.state);
@@ -157,9 +167,8 @@ ExitCode serve(const DaemonOptions& options, std::span<std::byte> arena_block) {
   if (!back_end) return report_error(back_end.error());
 
   catch_interrupts();
-  start_threads(setup->threads);  // with their stacks: no memory is taken after "ready"
   const DaemonSettings settings{*board, *machine, board->path, setup->threads};
-  Arena arena(setup->arena_block);
+  Arena arena(child->arena_block());
   DaemonLog log(options, **back_end, *manager);
   const Machine& devices = (*back_end)->machine();
   ServiceEvents events(devices.events, devices.clock, *buttons, *manager);
@@ -171,7 +180,7 @@ ExitCode serve(const DaemonOptions& options, std::span<std::byte> arena_block) {
                   .stick = devices.stick,
                   .panel = devices.panel,
                   .thermals = devices.thermals};
-  PrinterDaemon daemon(watched, settings, arena, *store, *plate, log);
+  PrinterDaemon daemon(watched, settings, *child, arena, *store, *plate, log);
   if (const auto told = manager->ready(); !told) return report_error(told.error());
   const auto served = daemon.run();
   if (!served) return report_error(served.error());
@@ -180,7 +189,7 @@ ExitCode serve(const DaemonOptions& options, std::span<std::byte> arena_block) {
 
 }  // namespace
 
-ExitCode run_daemon_command_line(int argc, char** argv, std::span<std::byte> arena_block) {
+ExitCode run_daemon_command_line(int argc, char** argv, std::size_t largest_arena) {
   CLI::App app(kAbout, "plumblined");
   app.set_version_flag("--version", std::string("plumblined ") + kVersion);
   app.footer(kFooter);
@@ -215,7 +224,7 @@ ExitCode run_daemon_command_line(int argc, char** argv, std::span<std::byte> are
     const int status = app.exit(error);
     return status == 0 ? ExitCode::kDone : ExitCode::kUsageError;
   }
-  return serve(options, arena_block);
+  return serve(options, largest_arena);
 }
 
 }  // namespace plumbline

@@ -5,7 +5,6 @@
 #include "firmware/daemon/stick_words.hpp"
 #include "firmware/print/state_lights.hpp"
 #include "firmware/settings/support_choice.hpp"
-#include "firmware/slice/job_report.hpp"
 
 namespace plumbline {
 namespace {
@@ -16,35 +15,18 @@ constexpr nanoseconds kLook = std::chrono::milliseconds(200);
 /// A press this soon after a question answers the one before it: whoever presses start twice must not print onto a full plate.
 constexpr nanoseconds kSettle = std::chrono::seconds(1);
 
-/// Reads the buttons while a scan is read and sliced.
-class SliceButtons final : public ProgressSink {
- public:
-  explicit SliceButtons(Machine& machine) : machine_(machine) {}
-
-  void begin(Stage /*stage*/) override {}
-  bool advance(Stage /*stage*/, double /*fraction*/) override {
-    for (;;) {
-      const auto event = machine_.events.next_event(machine_.clock.now());
-      if (!event || !*event) break;
-      if ((*event)->kind == EventKind::kCancelPressed) cancelled_ = true;
-      if ((*event)->kind == EventKind::kShutdownRequested) shutdown_ = true;
-    }
-    return !cancelled_ && !shutdown_;
-  }
-  void end(Stage /*stage*/, std::size_t /*peak_bytes*/) override {}
-  bool shutdown() const { return shutdown_; }
-
- private:
-  Machine& machine_;
-  bool cancelled_ = false;
-  bool shutdown_ = false;
-};
-
 }  // namespace
 
-PrinterDaemon::PrinterDaemon(Machine& machine, const DaemonSettings& settings, Arena& arena, JobStore& store,
-                             PlateRecord& plate, DaemonObserver& observer)
-    : machine_(machine), settings_(settings), arena_(arena), store_(store), plate_(plate), observer_(observer) {}
+PrinterDaemon::PrinterDaemon(Machine& machine, const DaemonSettings& settings, SlicingChild& child, Arena& arena,
+                             JobStore& store, PlateRecord& plate, DaemonObserver& observer)
+    : machine_(machine),
+      settings_(settings),
+      child_(child),
+      arena_(arena),
+      store_(store),
+      plate_(plate),
+      observer_(observer),
+      slicing_(child, machine, arena, observer, settings.slicing_patience) {}
 
 void PrinterDaemon::apply(PrintEvent event) {
   const PrintState before = state_;
@@ -64,7 +46,7 @@ Status PrinterDaemon::run() {
   while (!ending_) {
     const auto served = serve();
     if (served) continue;
-    if (served.error().code() == ErrorCode::kPowerLost) return served;
+    if (served.error().code() == ErrorCode::kPowerLost || child_.gone()) return served;
     refuse(served.error(), fault_of(served.error().code()));
   }
   observer_.say("shut down");
@@ -213,7 +195,10 @@ Expected<std::optional<StickJob>> PrinterDaemon::choose(const StickMount& mount)
   StickJob job;
   const bool has_job_file = !scans->job_file.view().empty();
   if (has_job_file) {
-    auto read = read_stick_job(mount, scans->job_file.view());
+    auto file = mount.open(scans->job_file.view());
+    PLUMBLINE_TRY(file);
+    auto read = slicing_.read_job(mount, *file);
+    ending_ = ending_ || slicing_.shutdown();
     PLUMBLINE_TRY(read);
     job = std::move(*read);
   } else if (scans->count == 0) {
@@ -280,11 +265,13 @@ Status PrinterDaemon::print_scan() {
     FixedText<400> text;
     text.add("reading %s, profile %s", job.scan.c_str(), profile->name.c_str());
     observer_.say(text.view());
-    SliceSettings settings;
-    settings.threads = settings_.threads;
-    settings.base = job.base;
-    settings.keep_all = job.keep_all;
-    PlacementSettings& placement = settings.placement;
+    ScanRequest request;
+    request.name.add("%s", job.scan.c_str());
+    request.size = scan->size();
+    request.settings.threads = settings_.threads;
+    request.settings.base = job.base;
+    request.settings.keep_all = job.keep_all;
+    PlacementSettings& placement = request.settings.placement;
     placement.units = job.units;
     placement.scale = job.scale;
     placement.fit = job.fit;
@@ -293,11 +280,14 @@ Status PrinterDaemon::print_scan() {
     placement.printer = printer_volume(settings_.board);
     const auto supports = SupportChoice{job.supports, {}}.over(profile->supports_enable, profile->supports);
     PLUMBLINE_TRY(supports);
-    SliceButtons buttons(machine_);
-    const auto sliced = session.slice_scan(*scan, settings, *supports, *profile, &buttons);
-    if (buttons.shutdown()) ending_ = true;
+    request.supports = *supports;
+    // Checks that don't depend on the height run before slicing, which may take minutes.
+    PLUMBLINE_TRY(plan_print(*profile, settings_.machine, static_cast<double>(placement.layer_height_mm), 1));
+    const auto sliced = slicing_.run(*mount, *scan, request);
+    ending_ = ending_ || slicing_.shutdown();
     PLUMBLINE_TRY(sliced);
-    for_each_remark(session.sliced(), [&](std::string_view warning) { observer_.say(in_stick_words(warning).view()); });
+    for (std::size_t i = 0; i < sliced->remarks; ++i) observer_.say(in_stick_words(sliced->remark[i].view()).view());
+    PLUMBLINE_TRY(session.take(sliced->sliced, request.name.view(), *profile));
   }
   observer_.say("the stick may be pulled");
   apply(PrintEvent::kSliced);

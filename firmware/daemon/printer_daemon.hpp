@@ -2,12 +2,15 @@
 /// Runs the printer: waits for a stick and for somebody who wants its job printed, slices and prints it, reports, and waits until
 /// somebody has emptied the plate; job after job in the same memory.
 
+#include <chrono>
 #include <functional>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 
+#include "firmware/child/slicing_child.hpp"
+#include "firmware/daemon/scan_slicing.hpp"
 #include "firmware/daemon/stick_job.hpp"
 #include "firmware/print/fault.hpp"
 #include "firmware/print/plate_record.hpp"
@@ -23,7 +26,7 @@
 namespace plumbline {
 
 /// Follows the daemon: a log, or a test.
-class DaemonObserver : public PrintObserver {
+class DaemonObserver : public PrintObserver, public SlicingObserver {
  public:
   /// "ready", "reading bust.ply", ...
   virtual void say(const PrintableText& text) = 0;
@@ -38,16 +41,19 @@ struct DaemonSettings {
   MachineFile machine;
   std::string board_path;  ///< the profiles are in profiles/ beside it
   std::uint32_t threads = 1;
+  std::chrono::nanoseconds slicing_patience = kSlicingPatience;
 };
 
 class PrinterDaemon {
  public:
   /// All must outlive the daemon.
-  PrinterDaemon(Machine& machine, const DaemonSettings& settings, Arena& arena, JobStore& store, PlateRecord& plate,
-                DaemonObserver& observer);
+  /// @param arena  over the child's arena_block()
+  PrinterDaemon(Machine& machine, const DaemonSettings& settings, SlicingChild& child, Arena& arena, JobStore& store,
+                PlateRecord& plate, DaemonObserver& observer);
 
   /// Prints jobs until the system shuts down.
   /// @retval ErrorCode::kPowerLost
+  /// @retval ErrorCode::kDeviceTimeout  no scan can be sliced any more: the daemon must be started anew
   [[nodiscard]] Status run();
 
   PrintState state() const { return state_; }  ///< between prints
@@ -73,10 +79,12 @@ class PrinterDaemon {
 
   Machine& machine_;
   const DaemonSettings& settings_;
+  SlicingChild& child_;
   Arena& arena_;
   JobStore& store_;
   PlateRecord& plate_;
   DaemonObserver& observer_;
+  ScanSlicing slicing_;
   PrintState state_ = PrintState::kIdle;
   FaultCode fault_ = FaultCode::kNone;
   bool served_ = false;      ///< the stick in the port has been printed, refused or declined

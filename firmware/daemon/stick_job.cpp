@@ -130,19 +130,4 @@ Expected<StickScans> list_scans(const StickMount& mount) {
   return scans;
 }
 
-Expected<StickJob> read_stick_job(const StickMount& mount, std::string_view name) {
-  auto file = mount.open(name);
-  PLUMBLINE_TRY(file);
-  std::string text(kMaxSettingsFileBytes + 1, '\0');
-  std::size_t filled = 0;
-  while (filled < text.size()) {
-    const auto got = file->read(std::as_writable_bytes(std::span(text).subspan(filled)));
-    PLUMBLINE_TRY(got);
-    if (*got == 0) break;
-    filled += *got;
-  }
-  text.resize(filled);
-  return parse_stick_job(text, name);
-}
-
 }  // namespace plumbline

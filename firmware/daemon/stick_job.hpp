@@ -56,8 +56,4 @@ bool is_scan_name(std::string_view name);
 /// @retval the errors of StickMount::for_each_file()
 [[nodiscard]] Expected<StickScans> list_scans(const StickMount& mount);
 
-/// @param name  StickScans::job_file
-/// @retval the errors of StickMount::open(), StickFile::read() and parse_stick_job()
-[[nodiscard]] Expected<StickJob> read_stick_job(const StickMount& mount, std::string_view name);
-
 }  // namespace plumbline

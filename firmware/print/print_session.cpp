@@ -1,8 +1,6 @@
 #include "firmware/print/print_session.hpp"
 
-#include "firmware/io/hashing_source.hpp"
 #include "slicer/core/printable_text.hpp"
-#include "slicer/core/stage_scope.hpp"
 
 namespace plumbline {
 
@@ -17,22 +15,29 @@ Status PrintSession::slice_scan(ScanSources scan, const SliceSettings& settings,
   const auto layer_height = static_cast<double>(settings.placement.layer_height_mm);
   // Checks that don't depend on the height run before slicing, which may take minutes.
   PLUMBLINE_TRY(plan_print(profile, machine_, layer_height, 1));
-  const HashingSources hashing(scan);
-  const auto rrep = slice(hashing.sources(), settings, arena_, progress, slice_report_);
-  PLUMBLINE_TRY(rrep);
-  rrep_ = *rrep;
-  if (supports) PLUMBLINE_TRY(add_supports(*supports, progress));
-  const auto plan = plan_print(profile, machine_, layer_height, rrep_.grid.layers);
+  const auto sliced = slice_for_print(scan, settings, supports, arena_, progress, slice_report_);
+  PLUMBLINE_TRY(sliced);
+  support_settings_ = supports;
+  return take(*sliced, title_of(scan).c_str(), profile);
+}
+
+Status PrintSession::take(const SlicedScan& sliced, std::string_view scan, const PrintProfile& profile) {
+  rrep_ = sliced.rrep;
+  supports_ = sliced.supports;
+  support_counts_ = sliced.support_counts;
+  support_pixels_ = sliced.support_pixels;
+  first_layer_pixels_ = sliced.first_layer_pixels;
+  facts_.cured_pixels = sliced.cured_pixels;
+  facts_.scan_hash = sliced.scan_hash;
+  const auto plan = plan_print(profile, machine_, static_cast<double>(rrep_.grid.layer_height_mm), rrep_.grid.layers);
   PLUMBLINE_TRY(plan);
-  facts_.scan = short_name(PrintableText(title_of(scan).c_str(), facts_.scan.size()).view());
+  facts_.scan = short_name(PrintableText(scan, facts_.scan.size()).view());
   facts_.printer = short_name(board_.name);
   facts_.profile = short_name(profile.name);
-  facts_.scan_hash = hashing.hash();
   facts_.printer_hash = hash_of(board_);
   facts_.cure_depth = cure_depth(profile, Irradiance(machine_.power_mw_cm2), plan->exposure);
   facts_.plan = *plan;
   PLUMBLINE_TRY(make_ready());
-  PLUMBLINE_TRY(sweep(progress));
   if (store_ == nullptr) return {};
   std::uint64_t job_hash = 0;
   auto file = store_->begin(facts_, rrep_, supports_, job_hash);
@@ -69,15 +74,6 @@ Status PrintSession::load() {
   return {};
 }
 
-Status PrintSession::add_supports(const SupportSettings& settings, ProgressSink* progress) {
-  const StageScope stage(Stage::kSupports, arena_, progress, slice_report_.peak_bytes);
-  support_settings_ = settings;
-  const auto found = find_supports(rrep_, settings, arena_, progress, support_counts_);
-  PLUMBLINE_TRY(found);
-  supports_ = *found;
-  return {};
-}
-
 /// Makes the streams and the room for the report, after slicing or loading.
 Status PrintSession::make_ready() {
   auto stream = MaskStream::create(rrep_, supports_, arena_);
@@ -93,30 +89,6 @@ Status PrintSession::make_ready() {
   const auto scratch = arena_.take_bottom<nanoseconds>(exposures, "report");
   PLUMBLINE_TRY(scratch);
   scratch_ = *scratch;
-  return {};
-}
-
-/// Counts the cured pixels, to compute the resin. Renders every mask unless slicing has counted them: milliseconds for a thousand
-/// layers on a desktop, a minute for a large panel on a small board.
-Status PrintSession::sweep(ProgressSink* progress) {
-  const StageScope stage(Stage::kLayers, arena_, progress, slice_report_.peak_bytes);
-  facts_.cured_pixels = 0;
-  support_pixels_ = 0;
-  if (const auto& totals = slice_report_.features.totals; totals && supports_.empty()) {
-    first_layer_pixels_ = totals->first_pixels;
-    facts_.cured_pixels = totals->pixels;
-    return {};
-  }
-  for (std::uint32_t layer = 0; layer < rrep_.grid.layers; ++layer) {
-    if (progress != nullptr && !progress->advance(Stage::kLayers, static_cast<double>(layer) / rrep_.grid.layers)) {
-      return fail(ErrorCode::kCancelled, "stopped while counting the resin, at layer %u of %u", layer,
-                  rrep_.grid.layers);
-    }
-    const std::uint64_t pixels = stream_->mask(layer).count();
-    if (layer == 0) first_layer_pixels_ = pixels;
-    facts_.cured_pixels += pixels;
-    support_pixels_ += stream_->support_pixels();
-  }
   return {};
 }
 

@@ -4,15 +4,16 @@
 
 #include <optional>
 #include <span>
+#include <string_view>
 
 #include "firmware/print/mask_renderer.hpp"
 #include "firmware/print/print_job.hpp"
+#include "firmware/print/sliced_scan.hpp"
 #include "firmware/print/store/job_store.hpp"
 #include "firmware/settings/board_file.hpp"
 #include "firmware/settings/print_profile.hpp"
 #include "slicer/core/byte_source.hpp"
 #include "slicer/slicer.hpp"
-#include "slicer/supports/support_finder.hpp"
 
 namespace plumbline {
 
@@ -42,13 +43,19 @@ class PrintSession {
     return slice_scan(ScanSources(one), settings, supports, profile, progress);
   }
 
+  /// Gets ready to print what another process has sliced.
+  /// @param sliced  in this session's arena, at its bottom
+  /// @param scan    its name
+  /// @retval any error of plan_print() and JobStore::begin()
+  [[nodiscard]] Status take(const SlicedScan& sliced, std::string_view scan, const PrintProfile& profile);
+
   /// Loads the interrupted print.
   /// @retval any error of JobStore::load() and Journal::open()
   /// @retval ErrorCode::kUnsupported  it was made for another printer, or by another version
   [[nodiscard]] Status load();
 
-  /// Prints. @pre slice_scan() or load() was called, once. A print that ends for good, or that the checks refuse before its first
-  /// layer, is removed from the store.
+  /// Prints. @pre slice_scan(), take() or load() was called, once. A print that ends for good, or that the checks refuse before its
+  /// first layer, is removed from the store.
   /// @param plate  see PrintJob
   const PrintReport& print(Machine& machine, PrintObserver& observer, PlateRecord* plate = nullptr);
 
@@ -67,8 +74,6 @@ class PrintSession {
 
  private:
   [[nodiscard]] Status make_ready();
-  [[nodiscard]] Status add_supports(const SupportSettings& settings, ProgressSink* progress);
-  [[nodiscard]] Status sweep(ProgressSink* progress);
 
   const BoardFile& board_;
   const MachineFile& machine_;

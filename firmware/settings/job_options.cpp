@@ -21,14 +21,14 @@ std::uint32_t default_threads() {
 
 }  // namespace
 
-Expected<JobSetup> set_up(const JobOptions& options, std::span<std::byte> arena_block) {
+Expected<JobSetup> set_up(const JobOptions& options, std::size_t built_bytes) {
   JobSetup setup;
   PlacementSettings& placement = setup.placement;
   placement.units = options.units;
   placement.scale = options.scale;
   placement.fit = options.fit;
   placement.rotation_degrees = {options.rotate_degrees[0], options.rotate_degrees[1], options.rotate_degrees[2]};
-  const auto built_mib = static_cast<std::uint32_t>(arena_block.size() / kMiB);
+  const auto built_mib = static_cast<std::uint32_t>(built_bytes / kMiB);
   std::uint32_t arena_mib = built_mib;
   if (!options.printer.empty()) {
     auto board = read_board_file(options.printer);
@@ -49,7 +49,7 @@ Expected<JobSetup> set_up(const JobOptions& options, std::span<std::byte> arena_
         "-DPLUMBLINE_ARENA_MIB=%u",
         options.arena_mib ? "--arena-mib" : "the board file", arena_mib, built_mib, built_mib, arena_mib);
   }
-  setup.arena_block = arena_block.first(arena_mib * kMiB);
+  setup.arena_bytes = arena_mib * kMiB;
   setup.base = options.base;
   setup.keep_all = options.keep_all;
   setup.threads = options.threads.value_or(default_threads());

@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -46,17 +45,17 @@ struct JobSetup {
   PlacementSettings placement;
   std::string printer_name;        ///< empty without a printer
   std::optional<BoardFile> board;  ///< none without a printer
-  std::span<std::byte> arena_block;
+  std::size_t arena_bytes = 0;
   BaseChoice base = BaseChoice::kAuto;
   bool keep_all = false;
   std::uint32_t threads = 1;
 };
 
 /// Completes the options.
-/// @param arena_block  the whole arena the program was built with
+/// @param built_bytes  of the largest arena the program was built for
 /// @retval ErrorCode::kBadSetting  the job asks for more arena than that
 /// @retval any error of read_board_file()
-[[nodiscard]] Expected<JobSetup> set_up(const JobOptions& options, std::span<std::byte> arena_block);
+[[nodiscard]] Expected<JobSetup> set_up(const JobOptions& options, std::size_t built_bytes);
 
 /// Starts the threads of later parallel regions now, so that none is made while a job runs.
 /// @param threads  JobSetup::threads

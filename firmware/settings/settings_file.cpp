@@ -49,7 +49,7 @@ bool store_text(const TextSetting& text, const SettingRule& rule, const toml::no
   if (!value || static_cast<double>(value->size()) < rule.low || static_cast<double>(value->size()) > rule.high) {
     return false;
   }
-  if (text.kind == TextKind::kName && value->find_first_not_of(kNameCharacters) != std::string_view::npos) return false;
+  if (text.kind == TextKind::kName && !is_setting_name(*value)) return false;
   if (value->find('\0') != std::string_view::npos) return false;  // it would cut a path short
   *text.value = *value;
   return true;
@@ -220,6 +220,10 @@ class SettingsReader {
 };
 
 }  // namespace
+
+bool is_setting_name(std::string_view text) {
+  return text.find_first_not_of(kNameCharacters) == std::string_view::npos;
+}
 
 Status parse_settings(std::string_view text, std::string_view path, const SettingsSchema& schema) {
   if (text.size() > kMaxSettingsFileBytes) {

@@ -13,6 +13,9 @@
 
 namespace plumbline {
 
+/// Whether a text has only what TextKind::kName allows: letters, digits, spaces, and . _ -
+bool is_setting_name(std::string_view text);
+
 /// One of a few words. `store` is called with the index of the word found.
 struct ChoiceSetting {
   std::span<const std::string_view> words;

@@ -2,7 +2,6 @@
 /// A whole printer for sessions and the daemon: scan, memory, state folder, plant.
 
 #include <gtest/gtest.h>
-#include <omp.h>
 
 #include <filesystem>
 #include <functional>
@@ -79,6 +78,9 @@ class ScriptedUser final : public DaemonObserver {
     for (const auto& line : report.exposures) hashes.back().push_back(line.mask_hash);
     if (on_printed) later(on_printed);
   }
+  void slicing(Stage /*stage*/, double /*fraction*/) override {
+    if (on_slicing) on_slicing();
+  }
   void idle() override {
     if (!todo_.empty() && ++waited_ > kTurnsToAct) {
       for (const auto& action : std::exchange(todo_, {})) action();
@@ -88,6 +90,7 @@ class ScriptedUser final : public DaemonObserver {
 
   std::multimap<std::string, std::function<void()>> on_words;
   std::function<void()> on_printed;
+  std::function<void()> on_slicing;  ///< at every look at the child
   std::vector<std::string> said;
   std::vector<PrintState> states;
   std::vector<PrintReport> reports;
@@ -119,9 +122,12 @@ inline PlantSettings session_plant() {
 /// confirmed that the plate is empty.
 class DaemonRig {
  public:
-  explicit DaemonRig(const PlantSettings& settings = session_plant(), std::size_t arena_bytes = std::size_t{24} << 20U)
-      : plant(settings), user(plant), block_(arena_bytes), arena(std::span(block_)) {
-    omp_set_num_threads(1);
+  explicit DaemonRig(const PlantSettings& settings = session_plant(), std::size_t arena_bytes = std::size_t{24} << 20U,
+                     ChildTask task = run_stick_task)
+      : child(SlicingChild::make(arena_bytes, 1, task).value()),
+        plant(settings),
+        user(plant),
+        arena(child.arena_block()) {
     std::filesystem::create_directory(stick());
     std::filesystem::create_directory(state());
     EXPECT_TRUE(PlateRecord::open(state())->confirm_empty());
@@ -143,9 +149,9 @@ class DaemonRig {
     machine_.reset();
     machine_.emplace(plant);
     Machine machine = machine_->machine();
-    DaemonSettings settings{session_board(), rig_machine(), PLUMBLINE_SOURCE_DIR "/board/sim2k.toml", 1};
+    DaemonSettings settings{session_board(), rig_machine(), PLUMBLINE_SOURCE_DIR "/board/sim2k.toml", 1, patience};
     settings.machine.start = start;
-    PrinterDaemon daemon(machine, settings, arena, *store, *plate, user);
+    PrinterDaemon daemon(machine, settings, child, arena, *store, *plate, user);
     const auto served = daemon.run();
     fault = daemon.fault();
     return served;
@@ -153,16 +159,13 @@ class DaemonRig {
 
   LightState light(PanelLight light) const { return machine_->panel().light(light); }
 
+  SlicingChild child;  ///< first: made before anything else
   TemporaryFolder folder;
   Plant plant;
   ScriptedUser user;
   StartChoice start = StartChoice::kOnStick;
   FaultCode fault = FaultCode::kNone;
-
- private:
-  std::vector<std::byte> block_;
-
- public:
+  std::chrono::nanoseconds patience = kSlicingPatience;  ///< with a silent child
   Arena arena;
 
  private:

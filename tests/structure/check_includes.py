@@ -29,7 +29,7 @@ ORDER = {
                "supports", "plan"],
     "slicer/reader": ["stream", "records", "formats"],
     "hal/linux": ["gpio", "events", "keeper", "lamp", "stage", "display", "stick", "thermals"],
-    "firmware": ["io", "settings", "pictures", "sample", "machine", "slice", "print", "daemon", "cli"],
+    "firmware": ["io", "settings", "pictures", "sample", "machine", "slice", "print", "child", "daemon", "cli"],
 }
 
 # The source file that opens each back end of the HAL. firmware/machine/back_end.cpp chooses between them.

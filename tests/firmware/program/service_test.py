@@ -7,6 +7,7 @@ import socket
 import struct
 import subprocess
 import time
+from pathlib import Path
 
 from case import PLUMBLINED, Program, confirm_plate, main, on_stick_printer, write_sphere
 
@@ -111,6 +112,37 @@ class Service(Program):
         self.assertIn('"state": "finished"', report.read_text())
         self.until("STATUS=is the plate empty?")
         self.until("WATCHDOG=1")
+
+    def child_of(self, daemon):
+        """The process that reads the daemon's scan: a child of its template."""
+        def children(pid):
+            found = subprocess.run(["ps", "-o", "pid=", "--ppid", str(pid)], capture_output=True, text=True, check=False)
+            return map(int, found.stdout.split())
+
+        end = time.monotonic() + 60
+        while time.monotonic() < end:
+            for template in children(daemon.pid):
+                for child in children(template):
+                    return child
+        return self.fail("no child")
+
+    def test_a_reader_that_crashes_is_an_error_of_its_scan(self):
+        daemon = self.start(speedup=1e6)
+        self.until("READY=1")
+        self.put_stick(200_000)
+        self.until("STATUS=slicing: read")
+        child = self.child_of(daemon)
+        status = Path(f"/proc/{child}/status").read_text()
+        for line in ("CapEff:\t0000000000000000", "NoNewPrivs:\t1"):
+            self.assertIn(line, status)
+        os.kill(child, signal.SIGSEGV)
+        self.until("PL-102")
+        (self.stick / "ball.ply").unlink()
+        self.stick.rmdir()
+        self.until("WATCHDOG=1")
+        self.until("WATCHDOG=1")
+        self.put_stick(5_000)
+        self.until("STATUS=finished")
 
     def test_killed_in_an_exposure_it_offers_to_resume(self):
         self.put_stick(5_000)

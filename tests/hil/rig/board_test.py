@@ -39,10 +39,10 @@ class Board(rig.Rig):
         time.sleep(1)
         self.pull()
         self.until("PL-107")
-        self.assertEqual(self.mounts(), 0)
+        self.assertEqual(self.stick_files(), 0)
         self.plug(self.stick)
         self.until("the stick may be pulled")
-        self.assertEqual(self.mounts(), 0, "nothing stays mounted")
+        self.assertEqual(self.stick_files(), 0, "nothing stays mounted")
         self.until_lit(2)
         self.pull()
         self.prints()
@@ -63,7 +63,7 @@ class Board(rig.Rig):
             with self.subTest(stick=image.name, **how):
                 self.plug(image, **how)
                 self.until(code)
-                self.assertEqual(self.mounts(), 0)
+                self.assertEqual(self.stick_files(), 0)
                 self.pull()
                 self.run_in_guest("sleep 1; > /tmp/log")
         self.plug(self.stick)
@@ -75,6 +75,7 @@ class Board(rig.Rig):
                           f" for call in {MEMORY_CALLS}; do echo 1 > $call/enable; done")
         self.start_daemon()
         self.run_in_guest("echo from here on > /sys/kernel/tracing/trace_marker")
+        locked = self.daemon_status("VmLck")
         self.plug(self.stick)
         self.prints()
         text = self.run_in_guest(f"cd /sys/kernel/tracing; cat trace; echo > set_event_pid; for call in {MEMORY_CALLS};"
@@ -84,8 +85,26 @@ class Board(rig.Rig):
         for call in ("sys_brk", "sys_mmap"):
             self.assertTrue(any(call in line for line in before), f"{call} at the start: {before}")
         self.assertEqual(after, [])
-        peak = self.run_in_guest("grep VmHWM /proc/$(pidof plumblined)/status")
-        self.tell(f"resident at most: {peak}")
+        self.assertEqual(self.daemon_status("VmLck"), locked)
+        self.tell(f"resident at most: {self.daemon_status('VmHWM')}")
+
+    def test_a_reader_that_crashes_is_an_error_of_its_scan_and_has_no_rights(self):
+        self.start_daemon()
+        self.plug(self.big_stick, bytes_per_second=400_000)
+        self.until("reading big.ply")
+        self.run_in_guest("until pidof plumbline-scan; do usleep 10000; done")
+        time.sleep(1)
+        child = "/proc/$(pidof plumbline-scan)"
+        status = self.run_in_guest(f"cat {child}/status")
+        for line in ("CapEff:\t0000000000000000", "NoNewPrivs:\t1", "Seccomp:\t2"):
+            self.assertIn(line, status)
+        self.assertEqual(self.run_in_guest(f"ls {child}/fd").split(), ["0"])
+        self.run_in_guest("kill -SEGV $(pidof plumbline-scan)")
+        self.until("PL-102.*big.ply.*signal 11")
+        self.assertEqual(self.stick_files(), 0)
+        self.pull()
+        self.plug(self.stick)
+        self.until("the stick may be pulled")
 
     def test_power_cut_in_mid_print_then_it_resumes_with_the_same_masks(self):
         self.start_daemon()

@@ -139,7 +139,6 @@ class Rig(unittest.TestCase):
             self.stage.end()
         if self.plugged:
             self.pull()
-        self.machine.run("umount /run/plumbline/*")
 
     def follow(self):
         """Starts to follow the lines with a new stage, at the height of the last one."""
@@ -225,8 +224,15 @@ class Rig(unittest.TestCase):
             self.press_start()
             time.sleep(1)
 
-    def mounts(self):
-        return int(self.machine.run("grep -c /dev/sd /proc/mounts")[1])
+    def stick_files(self):
+        """Descriptors of any process that lead to a stick; without one it is not mounted. Its device has the major number 8."""
+        said = self.run_in_guest("for file in /proc/[0-9]*/fd/*; do stat -Lc %d $file 2> /dev/null; done; true")
+        return sum(8 << 8 <= int(device) < 9 << 8 for device in said.split())
+
+    def daemon_status(self, field):
+        """A line of the daemon's /proc/PID/status. Its template has the same name and a higher number."""
+        pid = min(map(int, self.run_in_guest("pidof plumblined").split()))
+        return self.run_in_guest(f"grep {field} /proc/{pid}/status").split(":")[1].strip()
 
     def exposures(self):
         """Guest seconds of each period in which the lamp's line was on."""

@@ -1,0 +1,116 @@
+#include "firmware/child/answer_check.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include "slicer/placement/placement.hpp"
+
+namespace plumbline {
+namespace {
+
+tl::unexpected<Error> wrong(const char* what) {
+  return fail(ErrorCode::kMalformed, "what was read of it does not add up (%s).\t%s", what, kExportAgain);
+}
+
+/// Text up to its end or its array's.
+std::string_view text_of(std::span<const char> text) {
+  return {text.data(), static_cast<std::size_t>(std::find(text.begin(), text.end(), '\0') - text.begin())};
+}
+
+/// The errors that a scan can cause. The child must not say that the lamp is stuck on.
+constexpr std::array kScanErrors = {ErrorCode::kCannotRead,  ErrorCode::kUnknownFormat, ErrorCode::kMalformed,
+                                    ErrorCode::kTruncated,   ErrorCode::kNoPoints,      ErrorCode::kUnsupported,
+                                    ErrorCode::kOutOfMemory, ErrorCode::kDoesNotFit,    ErrorCode::kBadSetting,
+                                    ErrorCode::kNoSurface};
+
+/// `count` objects at byte `at` of the child's result; empty if they don't lie in it.
+template <class T>
+std::span<const T> part_of(std::span<const std::byte> result, std::uint64_t at, std::uint64_t count) {
+  if (at % alignof(T) != 0 || at > result.size() || count > (result.size() - at) / sizeof(T)) return {};
+  return {reinterpret_cast<const T*>(result.data() + at), static_cast<std::size_t>(count)};
+}
+
+/// Whether the crossings are those of an RRep: see there.
+bool is_rrep(const RRep& rrep) {
+  const std::uint32_t pixels = rrep.grid.columns * rrep.grid.rows;  // at most 2^28
+  if (rrep.first.front() != 0 || rrep.first.back() != rrep.pixel.size()) return false;
+  for (std::size_t layer = 0; layer < rrep.grid.layers; ++layer) {
+    const std::uint32_t begin = rrep.first[layer];
+    const std::uint32_t end = rrep.first[layer + 1];
+    if (begin > end || end > rrep.pixel.size()) return false;
+    std::uint32_t least = 0;
+    for (const std::uint32_t pixel : rrep.pixel.subspan(begin, end - begin)) {
+      if (pixel < least || pixel >= pixels) return false;
+      least = pixel + 1;
+    }
+  }
+  return true;
+}
+
+bool are_supports(std::span<const Support> supports, const PrintGrid& grid) {
+  std::uint16_t first = 0;
+  for (const Support& support : supports) {
+    const bool on_the_grid = support.column < grid.columns && support.row < grid.rows && support.end <= grid.layers;
+    if (!on_the_grid || support.first < first || support.tip < support.first || support.end < support.tip) return false;
+    first = support.first;
+  }
+  return true;
+}
+
+}  // namespace
+
+tl::unexpected<Error> child_error(const ScanAnswer& answer, std::span<const ErrorCode> possible) {
+  const auto text = text_of(answer.message);
+  const auto code = std::find_if(possible.begin(), possible.end(),
+                                 [&answer](ErrorCode one) { return static_cast<std::uint32_t>(one) == answer.code; });
+  if (code == possible.end() || text.empty()) return wrong("its error");
+  const auto at = std::min<std::size_t>(answer.advice_at, text.size());
+  if (at == 0) return fail(*code, "%.*s", static_cast<int>(text.size()), text.data());
+  return fail(*code, "%.*s\t%.*s", static_cast<int>(at - 1), text.data(), static_cast<int>(text.size() - at),
+              text.data() + at);
+}
+
+Expected<CheckedAnswer> check_answer(const ScanAnswer& answer, const ScanRequest& request, Arena& arena) {
+  if (answer.kind == ScanAnswer::kRefused) return child_error(answer, kScanErrors);
+  if (answer.kind != ScanAnswer::kSliced) return wrong("no answer");
+  // The grid is the printer's. Of its layers only the number is the child's.
+  const PlacementSettings& placement = request.settings.placement;
+  PrintGrid grid = panel_grid(*placement.printer, placement.layer_height_mm);
+  if (answer.layers == 0 || answer.layers > grid.layers) return wrong("layers");
+  grid.layers = answer.layers;
+  if (answer.bottom_used > arena.available()) return wrong("memory");
+  const auto result = arena.take_bottom<std::byte>(static_cast<std::size_t>(answer.bottom_used), "r-rep");
+  PLUMBLINE_TRY(result);
+
+  CheckedAnswer checked;
+  SlicedScan& sliced = checked.sliced;
+  const std::uint64_t layer_ends = std::uint64_t{grid.layers} + 1;
+  sliced.rrep = {.grid = grid,
+                 .first = part_of<std::uint32_t>(*result, answer.first_at, layer_ends),
+                 .pixel = part_of<std::uint32_t>(*result, answer.pixel_at, answer.crossings)};
+  if (sliced.rrep.first.size() != layer_ends || sliced.rrep.pixel.size() != answer.crossings) return wrong("places");
+  if (!is_rrep(sliced.rrep)) return wrong("crossings");
+
+  if (answer.supports > 0) {
+    if (!request.supports || answer.supports > most_supports(grid)) return wrong("number of supports");
+    sliced.supports = {.list = part_of<Support>(*result, answer.supports_at, answer.supports),
+                       .shape = SupportShape(*request.supports, grid)};
+    if (sliced.supports.list.size() != answer.supports) return wrong("place of the supports");
+    if (!are_supports(sliced.supports.list, grid)) return wrong("supports");
+  }
+
+  const std::uint64_t pixels = std::uint64_t{grid.columns} * grid.rows;
+  if (answer.cured_pixels > pixels * grid.layers || answer.first_layer_pixels > pixels) return wrong("pixels");
+  sliced.scan_hash = answer.scan_hash;
+  sliced.cured_pixels = answer.cured_pixels;
+  sliced.first_layer_pixels = answer.first_layer_pixels;
+
+  if (answer.remarks > ScanAnswer::kMostRemarks) return wrong("remarks");
+  for (std::size_t i = 0; i < answer.remarks; ++i) {
+    const auto text = text_of(answer.remark[i]);
+    checked.remark[checked.remarks++].add("%.*s", static_cast<int>(text.size()), text.data());
+  }
+  return checked;
+}
+
+}  // namespace plumbline

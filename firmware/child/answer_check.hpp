@@ -1,0 +1,37 @@
+#pragma once
+/// Checks what the slicing child hands back, before anything reads it.
+
+#include <array>
+#include <span>
+
+#include "firmware/child/scan_answer.hpp"
+#include "firmware/child/scan_request.hpp"
+#include "firmware/io/fixed_text.hpp"
+#include "firmware/print/sliced_scan.hpp"
+#include "slicer/core/arena.hpp"
+
+namespace plumbline {
+
+struct CheckedAnswer {
+  SlicedScan sliced;
+  std::array<FixedText<256>, ScanAnswer::kMostRemarks> remark;
+  std::size_t remarks = 0;
+};
+
+/// What to do about a file that the child can't read in order.
+inline constexpr const char* kExportAgain =
+    "Export the scan again as PLY, PCD, OBJ or XYZ, and report this file to plumbline's maintainers";
+
+/// Checks every number, place, crossing and support, so that no mask reads or draws outside its image. That the crossings are those of
+/// the scan is not checked: whoever makes the scan decides what is printed anyway.
+/// @pre the child has ended, all its threads included
+/// @param answer  a copy of what it left
+/// @param arena   empty, over the memory that the child worked in. Takes the child's result at its bottom
+/// @retval ErrorCode::kMalformed  the answer does not add up; otherwise the child's own error, if it can be a scan's
+[[nodiscard]] Expected<CheckedAnswer> check_answer(const ScanAnswer& answer, const ScanRequest& request, Arena& arena);
+
+/// The error of a child that refused its file.
+/// @param possible  what such a file can cause; the child may claim nothing else
+[[nodiscard]] tl::unexpected<Error> child_error(const ScanAnswer& answer, std::span<const ErrorCode> possible);
+
+}  // namespace plumbline

@@ -1,0 +1,21 @@
+#include "firmware/child/given_file.hpp"
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+namespace plumbline {
+
+Expected<std::size_t> GivenFile::read(std::span<std::byte> buffer) {
+  for (;;) {
+    const ssize_t got = ::read(STDIN_FILENO, buffer.data(), buffer.size());
+    if (got >= 0) return static_cast<std::size_t>(got);
+    if (errno == EINTR) continue;
+    return fail(ErrorCode::kCannotRead,
+                "%s: %s: the stick has bad sectors or a damaged file system:\tcopy the file to another stick",
+                request_.name.c_str(), std::strerror(errno));
+  }
+}
+
+}  // namespace plumbline

@@ -1,0 +1,23 @@
+#pragma once
+/// A job file as the child has read it. As in ScanAnswer, no value of a byte is invalid and none can be believed.
+
+#include <array>
+#include <cstdint>
+
+namespace plumbline {
+
+/// The fields of a StickJob.
+struct JobAnswer {
+  std::array<char, 256> scan{};
+  std::array<char, 64> profile{};
+  std::uint32_t units = 0;     ///< a Units
+  std::uint32_t base = 0;      ///< a BaseChoice
+  std::uint32_t supports = 0;  ///< 0: as the profile has it; 1: no; 2: yes
+  std::uint32_t fit = 0;
+  std::uint32_t keep_all = 0;
+  double scale = 1;
+  std::array<double, 3> rotate_deg{};
+  double layer_height = 0;
+};
+
+}  // namespace plumbline

@@ -1,0 +1,25 @@
+#pragma once
+/// What a process gives up before it reads a scan. None of it can be had back.
+
+#include <cstdint>
+
+#include "slicer/core/error.hpp"
+
+namespace plumbline {
+
+/// Closes all descriptors but `kept`, which becomes kKeptDescriptor. Gives up every capability and every way to gain one, all access to
+/// files and, where the kernel has it, to the network and to other processes (Landlock). Nobody may debug the process or see its core,
+/// and the kernel ends it first when memory runs out. Its children inherit all of this.
+/// @pre the process has one thread
+/// @param kept  a descriptor
+/// @returns whether the kernel has Landlock
+/// @retval ErrorCode::kUnsupported  the kernel lacks something else that is needed
+[[nodiscard]] Expected<bool> give_up_rights(int kept);
+inline constexpr int kKeptDescriptor = 3;
+
+/// From now on all threads of the process may compute, wait for each other, read the descriptors they have, and end. A request for
+/// memory fails; anything else ends the process at once (SIGSYS).
+/// @returns false: the kernel has no seccomp filters
+[[nodiscard]] bool filter_system_calls();
+
+}  // namespace plumbline

@@ -1,0 +1,44 @@
+#pragma once
+/// What the slicing child hands back. Nothing in it can be believed: a scan may have made the child do anything.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "firmware/child/job_answer.hpp"
+#include "slicer/core/error.hpp"
+
+namespace plumbline {
+
+/// Numbers and characters only, so that no value of a byte is invalid. check_answer() says what of it holds.
+struct ScanAnswer {
+  static constexpr std::uint32_t kSliced = 0x50534C31;   ///< "PSL1"
+  static constexpr std::uint32_t kRefused = 0x50535231;  ///< "PSR1"
+  static constexpr std::uint32_t kJob = 0x50534A31;      ///< "PSJ1"
+  static constexpr std::size_t kMostRemarks = 8;
+
+  std::uint32_t kind = 0;
+
+  // kRefused: an Error.
+  std::uint32_t code = 0;
+  std::uint32_t advice_at = 0;  ///< where the message's advice begins; 0: it has none
+  std::array<char, Error::kCapacity> message{};
+
+  // kSliced: a SlicedScan. Places are bytes from the arena's beginning.
+  std::uint64_t bottom_used = 0;  ///< bytes; all that follows is below
+  std::uint32_t layers = 0;
+  std::uint32_t supports = 0;     ///< how many
+  std::uint64_t crossings = 0;    ///< how many
+  std::uint64_t first_at = 0;     ///< RRep::first
+  std::uint64_t pixel_at = 0;     ///< RRep::pixel
+  std::uint64_t supports_at = 0;  ///< Supports::list
+  std::uint64_t scan_hash = 0;
+  std::uint64_t cured_pixels = 0;
+  std::uint64_t first_layer_pixels = 0;
+  std::uint32_t remarks = 0;
+  std::array<std::array<char, 256>, kMostRemarks> remark{};  ///< for_each_remark()
+
+  JobAnswer job;  ///< kJob
+};
+
+}  // namespace plumbline

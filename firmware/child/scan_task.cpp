@@ -1,0 +1,88 @@
+#include "firmware/child/scan_task.hpp"
+
+#include <algorithm>
+
+#include "firmware/child/given_file.hpp"
+#include "firmware/child/rights.hpp"
+#include "firmware/print/sliced_scan.hpp"
+#include "firmware/settings/job_options.hpp"
+#include "firmware/slice/job_report.hpp"
+
+namespace plumbline {
+namespace {
+
+class SharedProgress final : public ProgressSink {
+ public:
+  explicit SharedProgress(ChildProgress& progress) : progress_(progress) {}
+
+  void begin(Stage stage) override { advance(stage, 0); }
+  bool advance(Stage stage, double fraction) override {
+    progress_.stage.store(static_cast<std::uint32_t>(stage), std::memory_order_relaxed);
+    progress_.permille.store(static_cast<std::uint32_t>(1000 * std::clamp(fraction, 0.0, 1.0)),
+                             std::memory_order_relaxed);
+    progress_.beats.fetch_add(1, std::memory_order_relaxed);
+    return true;  // the firmware cancels with a signal
+  }
+  void end(Stage stage, std::size_t /*peak_bytes*/) override { advance(stage, 1); }
+
+ private:
+  ChildProgress& progress_;
+};
+
+void hand_back(const SlicedScan& sliced, const SliceReport& report, const Arena& arena, ScanAnswer& answer,
+               std::span<const std::byte> block) {
+  const auto place = [&block](const void* part) {
+    return static_cast<std::uint64_t>(static_cast<const std::byte*>(part) - block.data());
+  };
+  answer.bottom_used = arena.bottom_used();
+  answer.layers = sliced.rrep.grid.layers;
+  answer.crossings = sliced.rrep.pixel.size();
+  answer.first_at = place(sliced.rrep.first.data());
+  answer.pixel_at = place(sliced.rrep.pixel.data());
+  if (!sliced.supports.empty()) {
+    answer.supports = static_cast<std::uint32_t>(sliced.supports.list.size());
+    answer.supports_at = place(sliced.supports.list.data());
+  }
+  answer.scan_hash = sliced.scan_hash;
+  answer.cured_pixels = sliced.cured_pixels;
+  answer.first_layer_pixels = sliced.first_layer_pixels;
+  for_each_remark(report, [&answer](std::string_view text) {
+    if (answer.remarks == ScanAnswer::kMostRemarks) return;
+    auto& remark = answer.remark[answer.remarks++];
+    text.copy(remark.data(), remark.size() - 1);
+  });
+  answer.kind = ScanAnswer::kSliced;
+}
+
+}  // namespace
+
+void hand_back_error(const Error& error, ScanAnswer& answer) {
+  answer.code = static_cast<std::uint32_t>(error.code());
+  answer.advice_at = static_cast<std::uint32_t>(error.advice().empty() ? 0 : error.advice().data() - error.message());
+  std::string_view(error.message()).copy(answer.message.data(), answer.message.size() - 1);
+  answer.kind = ScanAnswer::kRefused;
+}
+
+void refuse_without_filter(ScanAnswer& answer) {
+  hand_back_error(Error::format(ErrorCode::kUnsupported, "this kernel has no seccomp filters"), answer);
+}
+
+void run_scan_task(SharedMemory& memory, std::uint32_t threads) {
+  start_threads(threads);
+  MessagePage& page = memory.page();
+  if (!filter_system_calls()) return refuse_without_filter(page.answer);
+  Arena arena(memory.arena());
+  GivenFile scan(page.request);
+  ByteSource* const one[] = {&scan};
+  SharedProgress progress(page.progress);
+  SliceReport report;
+  const auto sliced =
+      slice_for_print(ScanSources(one), page.request.settings, page.request.supports, arena, &progress, report);
+  if (sliced) {
+    hand_back(*sliced, report, arena, page.answer, memory.arena());
+  } else {
+    hand_back_error(sliced.error(), page.answer);
+  }
+}
+
+}  // namespace plumbline

@@ -1,0 +1,67 @@
+#pragma once
+/// The firmware's side of the slicing child, which reads and slices a scan without the right to do anything else.
+
+#include <sys/types.h>
+
+#include <chrono>
+#include <memory>
+#include <optional>
+
+#include "firmware/child/child_template.hpp"
+#include "firmware/child/scan_task.hpp"
+#include "firmware/child/shared_memory.hpp"
+#include "firmware/io/descriptor.hpp"
+#include "slicer/core/error.hpp"
+
+namespace plumbline {
+
+class SlicingChild {
+ public:
+  /// Makes the shared memory and the template process. Call it before anything is opened and before any thread is started: the template
+  /// inherits both.
+  /// @param threads  of a child
+  /// @param task     what a child does
+  /// @retval ErrorCode::kOutOfMemory  no memory
+  /// @retval ErrorCode::kUnsupported  the process can't be made, or the kernel lacks what keeps it apart
+  [[nodiscard]] static Expected<SlicingChild> make(std::size_t arena_bytes, std::uint32_t threads,
+                                                   ChildTask task = run_scan_task);
+  SlicingChild(SlicingChild&& other) noexcept;
+  SlicingChild& operator=(SlicingChild&&) = delete;
+  /// Ends the template and its child.
+  ~SlicingChild();
+
+  /// The memory that a child works in. It is the firmware's while no child runs.
+  std::span<std::byte> arena_block() const { return memory_.arena(); }
+  bool has_landlock() const { return landlock_; }
+  /// Whether the template has ended: nothing can be sliced any more.
+  bool gone() const { return gone_; }
+  pid_t template_process() const { return template_; }
+
+  /// Starts a child on a scan.
+  /// @param scan  its descriptor; the caller closes its own
+  /// @pre no child runs
+  /// @retval ErrorCode::kDeviceTimeout  the template has ended
+  [[nodiscard]] Status start(const ScanRequest& request, int scan);
+  /// Waits for the child's end. After it no thread of the child is left, so nobody changes the arena or the answer any more.
+  /// @returns its status as wait(2) gives it; nothing: it still runs
+  /// @retval ErrorCode::kDeviceTimeout  the template has ended
+  [[nodiscard]] Expected<std::optional<int>> wait(std::chrono::milliseconds patience);
+  /// Kills the child. wait() then reports its end, at once unless the kernel is reading for it.
+  void kill();
+
+  const ChildProgress& progress() const { return memory_.page().progress; }
+  const ScanAnswer& answer() const { return memory_.page().answer; }
+
+ private:
+  SlicingChild(SharedMemory memory, Descriptor socket, pid_t process)
+      : memory_(std::move(memory)), socket_(std::move(socket)), template_(process) {}
+  tl::unexpected<Error> has_gone();
+
+  SharedMemory memory_;
+  Descriptor socket_;  ///< to the template
+  pid_t template_ = -1;
+  bool landlock_ = false;
+  bool gone_ = false;
+};
+
+}  // namespace plumbline

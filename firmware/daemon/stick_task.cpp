@@ -1,0 +1,99 @@
+#include "firmware/daemon/stick_task.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "firmware/child/answer_check.hpp"
+#include "firmware/child/given_file.hpp"
+#include "firmware/child/rights.hpp"
+#include "firmware/child/scan_task.hpp"
+#include "firmware/settings/job_options.hpp"
+#include "firmware/settings/settings_file.hpp"
+
+namespace plumbline {
+namespace {
+
+Expected<StickJob> read_job(const ScanRequest& request) {
+  GivenFile file(request);
+  std::string text(kMaxSettingsFileBytes + 1, '\0');
+  std::size_t filled = 0;
+  while (filled < text.size()) {
+    const auto got = file.read(std::as_writable_bytes(std::span(text).subspan(filled)));
+    PLUMBLINE_TRY(got);
+    if (*got == 0) break;
+    filled += *got;
+  }
+  text.resize(filled);
+  return parse_stick_job(text, request.name.view());
+}
+
+void hand_back(const StickJob& job, ScanAnswer& answer) {
+  JobAnswer& fields = answer.job;
+  job.scan.copy(fields.scan.data(), fields.scan.size() - 1);
+  job.profile.copy(fields.profile.data(), fields.profile.size() - 1);
+  fields.units = static_cast<std::uint32_t>(job.units);
+  fields.base = static_cast<std::uint32_t>(job.base);
+  fields.supports = !job.supports ? 0 : *job.supports ? 2 : 1;
+  fields.fit = job.fit ? 1 : 0;
+  fields.keep_all = job.keep_all ? 1 : 0;
+  fields.scale = job.scale;
+  fields.rotate_deg = {job.rotate_x_deg, job.rotate_y_deg, job.rotate_z_deg};
+  fields.layer_height = job.layer_height;
+  answer.kind = ScanAnswer::kJob;
+}
+
+template <std::size_t Size>
+std::string text_of(const std::array<char, Size>& text) {
+  return {text.begin(), std::find(text.begin(), text.end() - 1, '\0')};
+}
+
+bool is_within(double value, double low, double high) { return value >= low && value <= high; }  // NaN is not
+
+}  // namespace
+
+void run_stick_task(SharedMemory& memory, std::uint32_t threads) {
+  MessagePage& page = memory.page();
+  if (!page.request.is_job_file) return run_scan_task(memory, threads);
+  if (!filter_system_calls()) return refuse_without_filter(page.answer);
+  const auto job = read_job(page.request);
+  if (job) {
+    hand_back(*job, page.answer);
+  } else {
+    hand_back_error(job.error(), page.answer);
+  }
+}
+
+Expected<StickJob> check_job_answer(const ScanAnswer& answer) {
+  constexpr std::array kErrors = {ErrorCode::kBadSetting, ErrorCode::kMalformed, ErrorCode::kCannotRead,
+                                  ErrorCode::kUnsupported};
+  if (answer.kind == ScanAnswer::kRefused) return child_error(answer, kErrors);
+  const JobAnswer& fields = answer.job;
+  StickJob job;
+  job.scan = text_of(fields.scan);
+  job.profile = text_of(fields.profile);
+  const bool angles = std::all_of(fields.rotate_deg.begin(), fields.rotate_deg.end(),
+                                  [](double degrees) { return is_within(degrees, -360, 360); });
+  const bool choices = fields.units <= static_cast<std::uint32_t>(Units::kAuto) &&
+                       fields.base <= static_cast<std::uint32_t>(BaseChoice::kFlat) && fields.supports <= 2 &&
+                       fields.fit <= 1 && fields.keep_all <= 1;
+  const bool lengths = is_within(fields.scale, kSmallestScale, kLargestScale) &&
+                       (fields.layer_height == 0 || is_within(fields.layer_height, kFinestMm, kCoarsestMm));
+  if (answer.kind != ScanAnswer::kJob || job.scan.empty() || !is_setting_name(job.profile) || !angles || !choices ||
+      !lengths) {
+    return fail(ErrorCode::kBadSetting, "what was read of it does not add up");
+  }
+  job.units = static_cast<Units>(fields.units);
+  job.base = static_cast<BaseChoice>(fields.base);
+  if (fields.supports > 0) job.supports = fields.supports == 2;
+  job.fit = fields.fit == 1;
+  job.keep_all = fields.keep_all == 1;
+  job.scale = fields.scale;
+  job.rotate_x_deg = fields.rotate_deg[0];
+  job.rotate_y_deg = fields.rotate_deg[1];
+  job.rotate_z_deg = fields.rotate_deg[2];
+  job.layer_height = fields.layer_height;
+  return job;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,36 @@
+#pragma once
+/// A scan sliced for a print: what the print needs of it, all of it in the arena.
+
+#include <cstdint>
+#include <optional>
+
+#include "slicer/core/arena.hpp"
+#include "slicer/core/error.hpp"
+#include "slicer/core/progress.hpp"
+#include "slicer/rrep/rrep.hpp"
+#include "slicer/slicer.hpp"
+#include "slicer/supports/support_finder.hpp"
+
+namespace plumbline {
+
+struct SlicedScan {
+  RRep rrep;          ///< at the bottom of the arena
+  Supports supports;  ///< above it; empty: none
+  SupportCounts support_counts;
+  std::uint64_t scan_hash = 0;           ///< of the files' bytes: HashingSources::hash()
+  std::uint64_t cured_pixels = 0;        ///< of all masks together
+  std::uint64_t first_layer_pixels = 0;  ///< of the first mask
+  std::uint64_t support_pixels = 0;      ///< those that the supports add
+};
+
+/// Slices a scan, finds its supports, and counts the pixels that will cure.
+/// @param supports  valid by check_support_settings(); none: no supports
+/// @param progress  may be null
+/// @param report    filled as far as it went, also on error
+/// @retval any error of slice() and find_supports()
+/// @retval ErrorCode::kCancelled, kOutOfMemory
+[[nodiscard]] Expected<SlicedScan> slice_for_print(ScanSources scan, const SliceSettings& settings,
+                                                   const std::optional<SupportSettings>& supports, Arena& arena,
+                                                   ProgressSink* progress, SliceReport& report);
+
+}  // namespace plumbline

@@ -1,0 +1,158 @@
+/// Damaged answers: refused, or harmless.
+
+#include "firmware/child/answer_check.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cstring>
+#include <functional>
+#include <random>
+
+#include "slicer/supports/mask_stream.hpp"
+#include "tests/firmware/child/child_fixture.hpp"
+
+namespace plumbline {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// A real child's answer, and the memory it left.
+class AnswerCheck : public ChildTest {
+ protected:
+  AnswerCheck() : child_(make(1)) {
+    const std::string path = folder_ / "ball.ply";
+    write_sphere_scan(path, 4000, 6);  // hangs over, so it needs supports
+    request_ = request_of(path, 1, true);
+    EXPECT_EQ(run(child_, request_, path), 0);
+    good_ = child_.answer();
+    const auto used = child_.arena_block().first(static_cast<std::size_t>(good_.bottom_used));
+    memory_.assign(used.begin(), used.end());
+  }
+
+  /// Checks an answer over the child's memory, damaged by `damage`, and draws all its masks if it passes.
+  Status check(const ScanAnswer& answer, const std::function<void(std::span<std::byte>)>& damage = {}) const {
+    std::copy(memory_.begin(), memory_.end(), child_.arena_block().begin());
+    if (damage) damage(child_.arena_block().first(memory_.size()));
+    Arena arena(child_.arena_block());
+    const auto checked = check_answer(answer, request_, arena);
+    PLUMBLINE_TRY(checked);
+    auto stream = MaskStream::create(checked->sliced.rrep, checked->sliced.supports, arena);
+    PLUMBLINE_TRY(stream);
+    for (std::uint32_t layer = 0; layer < stream->grid().layers; ++layer) static_cast<void>(stream->mask(layer));
+    return {};
+  }
+  void refuses(const char* words, const std::function<void(ScanAnswer&)>& change) const {
+    ScanAnswer answer = good_;
+    change(answer);
+    const auto checked = check(answer);
+    ASSERT_FALSE(checked) << words;
+    EXPECT_EQ(checked.error().code(), ErrorCode::kMalformed);
+    EXPECT_THAT(checked.error().message(), HasSubstr(words));
+  }
+  template <class T>
+  static T* at(std::span<std::byte> memory, std::uint64_t place) {
+    return reinterpret_cast<T*>(memory.data() + place);
+  }
+
+  SlicingChild child_;
+  ScanRequest request_;
+  ScanAnswer good_;
+  std::vector<std::byte> memory_;
+};
+
+TEST_F(AnswerCheck, TakesWhatARealChildHandsBack) {
+  ASSERT_EQ(good_.kind, ScanAnswer::kSliced);
+  ASSERT_GT(good_.supports, 0U);
+  EXPECT_TRUE(check(good_));
+}
+
+TEST_F(AnswerCheck, RefusesEveryNumberThatDoesNotAddUp) {
+  refuses("no answer", [](ScanAnswer& a) { a.kind = 0; });
+  refuses("layers", [](ScanAnswer& a) { a.layers = 0; });
+  refuses("layers", [](ScanAnswer& a) { a.layers = 501; });
+  refuses("memory", [](ScanAnswer& a) { a.bottom_used = kArenaBytes + 1; });
+  refuses("memory", [](ScanAnswer& a) { a.bottom_used = ~std::uint64_t{0}; });
+  refuses("places", [](ScanAnswer& a) { a.bottom_used = 0; });
+  refuses("places", [](ScanAnswer& a) { a.first_at += 2; });
+  refuses("places", [](ScanAnswer& a) { a.first_at = ~std::uint64_t{3}; });
+  refuses("places", [](ScanAnswer& a) { a.pixel_at = a.bottom_used; });
+  refuses("places", [](ScanAnswer& a) { a.crossings = (std::uint64_t{1} << 62U) + a.crossings; });
+  refuses("crossings", [](ScanAnswer& a) { --a.crossings; });
+  refuses("crossings", [](ScanAnswer& a) { --a.layers; });
+  refuses("number of supports", [](ScanAnswer& a) { a.supports = 70'000; });
+  refuses("place of the supports", [](ScanAnswer& a) { a.supports_at = a.bottom_used - 2; });
+  refuses("pixels", [](ScanAnswer& a) { a.cured_pixels = ~std::uint64_t{0}; });
+  refuses("pixels", [](ScanAnswer& a) { a.first_layer_pixels = 403 * 300 + 1; });
+  refuses("remarks", [](ScanAnswer& a) { a.remarks = ScanAnswer::kMostRemarks + 1; });
+  request_.supports.reset();
+  refuses("number of supports", [](ScanAnswer&) {});
+}
+
+TEST_F(AnswerCheck, RefusesCrossingsAndSupportsOutsideTheGrid) {
+  const std::uint64_t last = good_.crossings - 1;
+  const std::vector<std::function<void(std::span<std::byte>)>> damages = {
+      [&](auto memory) { at<std::uint32_t>(memory, good_.pixel_at)[last] = 403 * 300; },
+      [&](auto memory) { at<std::uint32_t>(memory, good_.pixel_at)[0] = 403 * 300 - 1; },
+      [&](auto memory) { at<std::uint32_t>(memory, good_.first_at)[0] = 1; },
+      [&](auto memory) { at<std::uint32_t>(memory, good_.first_at)[good_.layers / 2] = ~0U; },
+      [&](auto memory) { at<std::uint32_t>(memory, good_.first_at)[good_.layers] = ~0U; },
+      [&](auto memory) { at<Support>(memory, good_.supports_at)->column = 403; },
+      [&](auto memory) { at<Support>(memory, good_.supports_at)->row = 300; },
+      [&](auto memory) { at<Support>(memory, good_.supports_at)->end = 65535; },
+      [&](auto memory) { at<Support>(memory, good_.supports_at)->tip = 65535; },
+      [&](auto memory) { at<Support>(memory, good_.supports_at)->first = 65535; },
+  };
+  for (std::size_t i = 0; i < damages.size(); ++i) EXPECT_FALSE(check(good_, damages[i])) << i;
+}
+
+TEST_F(AnswerCheck, SurvivesScribblesOverAnswerAndMemory) {
+  std::mt19937 random(25);
+  const auto scribble = [&random](std::span<std::byte> bytes) {
+    const auto times = 1 + random() % 8;
+    for (std::size_t i = 0; i < times; ++i) bytes[random() % bytes.size()] = static_cast<std::byte>(random());
+  };
+  int refused = 0;
+  constexpr int kTimes = 3000;
+  for (int i = 0; i < kTimes; ++i) {
+    ScanAnswer answer = good_;
+    // The texts fill most of the answer, so aim at the numbers half of the time.
+    if (i % 2 == 0) {
+      std::array<std::byte, offsetof(ScanAnswer, remarks) - offsetof(ScanAnswer, bottom_used)> numbers{};
+      auto* const place = reinterpret_cast<std::byte*>(&answer.bottom_used);
+      std::memcpy(numbers.data(), place, numbers.size());
+      scribble(numbers);
+      std::memcpy(place, numbers.data(), numbers.size());
+    } else {
+      scribble(std::as_writable_bytes(std::span(&answer, 1)));
+    }
+    if (!check(answer, i % 3 == 0 ? scribble : std::function<void(std::span<std::byte>)>())) ++refused;
+  }
+  EXPECT_GT(refused, kTimes / 4);
+}
+
+TEST_F(AnswerCheck, BelievesNoErrorThatAScanCanNotCause) {
+  ScanAnswer answer;
+  answer.kind = ScanAnswer::kRefused;
+  const auto error_of = [&](ErrorCode code, std::string_view text, std::uint32_t advice_at = 0) {
+    answer.code = static_cast<std::uint32_t>(code);
+    answer.message = {};
+    text.copy(answer.message.data(), answer.message.size());
+    answer.advice_at = advice_at;
+    return check(answer).error();
+  };
+  EXPECT_EQ(error_of(ErrorCode::kTruncated, "cut off").code(), ErrorCode::kTruncated);
+  for (const auto code : {ErrorCode::kLampStuckOn, ErrorCode::kPowerLost, ErrorCode::kStickGone, ErrorCode::kCancelled,
+                          ErrorCode{0}, ErrorCode{9999}}) {
+    EXPECT_EQ(error_of(code, "believe me").code(), ErrorCode::kMalformed);
+  }
+  const auto forged = error_of(ErrorCode::kMalformed, "a\nplumblined: PL-301, lamp stuck on\x1b[2J");
+  EXPECT_STREQ(forged.message(), "a\\x0aplumblined: PL-301, lamp stuck on\\x1b[2J");
+  EXPECT_EQ(error_of(ErrorCode::kMalformed, "bad %s%n%s: do this", 12).advice(), "do this");
+  EXPECT_EQ(error_of(ErrorCode::kMalformed, "short", 4'000'000'000U).advice(), "");
+  EXPECT_EQ(std::strlen(error_of(ErrorCode::kMalformed, std::string(Error::kCapacity, 'x')).message()),
+            Error::kCapacity - 1);
+  EXPECT_EQ(error_of(ErrorCode::kMalformed, "").code(), ErrorCode::kMalformed);
+}
+
+}  // namespace
+}  // namespace plumbline

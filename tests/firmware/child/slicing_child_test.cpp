@@ -1,0 +1,256 @@
+/// Real children: what they find, what they may do, and how they end.
+
+#include "firmware/child/slicing_child.hpp"
+
+#include <gmock/gmock.h>
+#include <linux/filter.h>
+#include <linux/seccomp.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/socket.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <tuple>
+
+#include "firmware/settings/job_options.hpp"
+#include "tests/firmware/child/child_fixture.hpp"
+
+namespace plumbline {
+namespace {
+
+using ::testing::ElementsAreArray;
+using ::testing::HasSubstr;
+
+class SlicingChildTest : public ChildTest {};
+
+TEST_F(SlicingChildTest, FindsWhatThisProcessFindsScanAfterScan) {
+  auto child = make(2);
+  for (const double radius : {8.0, 6.0, 7.0}) {
+    const std::string path = folder_ / "ball.ply";
+    write_sphere_scan(path, 6000, radius);
+    const auto request = request_of(path, 2, true);
+    ASSERT_EQ(run(child, request, path), 0);
+    Arena arena(child.arena_block());
+    const auto found = check_answer(child.answer(), request, arena);
+    ASSERT_TRUE(found) << found.error().message();
+
+    std::vector<std::byte> block(kArenaBytes);
+    Arena here(block);
+    const std::vector<std::string> paths{path};
+    auto files = ScanFiles::open(paths);
+    ASSERT_TRUE(files);
+    SliceReport report;
+    // One thread: a process that has used more can't fork the next test's child.
+    auto alone = request.settings;
+    alone.threads = 1;
+    const auto expected = slice_for_print(files->sources(), alone, request.supports, here, nullptr, report);
+    ASSERT_TRUE(expected) << expected.error().message();
+    const PrintGrid& grid = found->sliced.rrep.grid;
+    EXPECT_EQ(std::tie(grid.columns, grid.rows, grid.layers),
+              std::tie(expected->rrep.grid.columns, expected->rrep.grid.rows, expected->rrep.grid.layers));
+    EXPECT_TRUE(std::ranges::equal(found->sliced.rrep.first, expected->rrep.first));
+    EXPECT_TRUE(std::ranges::equal(found->sliced.rrep.pixel, expected->rrep.pixel));
+    EXPECT_TRUE(std::ranges::equal(found->sliced.supports.list, expected->supports.list));
+    EXPECT_FALSE(found->sliced.supports.empty()) << "a ball hangs over";
+    EXPECT_EQ(found->sliced.scan_hash, expected->scan_hash);
+    EXPECT_EQ(found->sliced.cured_pixels, expected->cured_pixels);
+    EXPECT_EQ(found->sliced.first_layer_pixels, expected->first_layer_pixels);
+  }
+}
+
+TEST_F(SlicingChildTest, ReportsErrorsOfTheScanInItsOwnWords) {
+  auto child = make(1);
+  const std::string path = folder_ / "cut.ply";
+  write_text(path,
+             "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\n"
+             "end_header\n1 2 3\n");
+  const auto request = request_of(path, 1);
+  ASSERT_EQ(run(child, request, path), 0);
+  Arena arena(child.arena_block());
+  const auto found = check_answer(child.answer(), request, arena);
+  ASSERT_FALSE(found);
+  const std::vector<std::string> paths{path};
+  auto files = ScanFiles::open(paths);
+  std::vector<std::byte> block(kArenaBytes);
+  Arena here(block);
+  SliceReport report;
+  const auto expected = slice_for_print(files->sources(), request.settings, std::nullopt, here, nullptr, report);
+  EXPECT_EQ(found.error().code(), expected.error().code());
+  EXPECT_STREQ(found.error().message(), expected.error().message());
+  EXPECT_EQ(found.error().advice(), expected.error().advice());
+}
+
+TEST_F(SlicingChildTest, IsToldApartFromABadMedium) {
+  auto child = make(1);
+  ScanRequest request;
+  request.name.add("folder.ply");
+  request.settings.placement.printer = small_printer();
+  ASSERT_EQ(run(child, request, folder_ / "."), 0) << "a folder can't be read, as a bad sector can't";
+  Arena arena(child.arena_block());
+  const auto found = check_answer(child.answer(), request, arena);
+  ASSERT_FALSE(found);
+  EXPECT_EQ(found.error().code(), ErrorCode::kCannotRead);
+  EXPECT_THAT(std::string(found.error().advice()), HasSubstr("copy the file to another stick"));
+}
+
+/// Ends the process at the first request for memory.
+void trap_memory_calls() {
+  constexpr std::array kCalls = {
+      SYS_brk,
+      SYS_mremap,
+#ifdef SYS_mmap
+      SYS_mmap,
+#endif
+#ifdef SYS_mmap2
+      SYS_mmap2,
+#endif
+  };
+  std::vector<sock_filter> program{BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr))};
+  for (const long call : kCalls) {
+    program.push_back(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, static_cast<std::uint32_t>(call), 0, 1));
+    program.push_back(BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_KILL_PROCESS));
+  }
+  program.push_back(BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW));
+  sock_fprog filter{};
+  filter.len = static_cast<unsigned short>(program.size());
+  filter.filter = program.data();
+  if (::syscall(SYS_seccomp, SECCOMP_SET_MODE_FILTER, 0, &filter) != 0) ::_exit(77);
+}
+
+TEST_F(SlicingChildTest, TakesNoMemoryFromTheKernelNotEvenForItsThreads) {
+  if (kHasSanitizer) GTEST_SKIP() << "a sanitizer takes memory";
+  const std::string path = folder_ / "ball.ply";
+  write_sphere_scan(path, 6000, 5);
+  constexpr std::uint32_t kThreads = 4;
+  auto child = make(kThreads, [](SharedMemory& memory, std::uint32_t threads) {
+    trap_memory_calls();
+    run_scan_task(memory, threads);
+  });
+  EXPECT_EQ(run(child, request_of(path, kThreads, true), path), 0);
+  EXPECT_EQ(child.answer().kind, ScanAnswer::kSliced);
+  auto control = make(1, [](SharedMemory&, std::uint32_t) {
+    trap_memory_calls();
+    ::syscall(SYS_brk, nullptr);
+  });
+  const int status = run(control, request_of(path, 1), path);
+  EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGSYS);
+}
+
+/// Writes what a process may do to its answer, before any filter.
+void look_round(SharedMemory& memory, std::uint32_t /*threads*/) {
+  FixedText<400> seen;
+  for (int file = 1; file < 1024; ++file) {
+    if (::fcntl(file, F_GETFD) >= 0) seen.add("has descriptor %d; ", file);
+  }
+  if (::open("/proc/self/status", O_RDONLY) >= 0) seen.add("opens a file; ");
+  if (::open("/dev/null", O_RDWR) >= 0) seen.add("opens a device; ");
+  if (::prctl(PR_CAPBSET_DROP, 21, 0, 0, 0) == 0) seen.add("has a capability; ");
+  if (::prctl(PR_GET_NO_NEW_PRIVS, 0, 0, 0, 0) != 1) seen.add("may gain some; ");
+  if (::prctl(PR_GET_DUMPABLE, 0, 0, 0, 0) != 0) seen.add("can be debugged; ");
+  seen.view().copy(memory.page().answer.message.data(), 399);
+}
+
+TEST_F(SlicingChildTest, HasItsScanAndNoOtherFileDeviceOrCapability) {
+  auto child = make(1, look_round);
+  if (!child.has_landlock()) GTEST_SKIP() << "this kernel has no Landlock";
+  const std::string path = folder_ / "any";
+  write_text(path, "any");
+  EXPECT_EQ(run(child, request_of(path, 1), path), 0);
+  EXPECT_STREQ(child.answer().message.data(), "");
+}
+
+/// What a child might try; the request's name says which.
+void attempt(SharedMemory& memory, std::uint32_t threads) {
+  start_threads(threads);
+  if (!filter_system_calls()) ::_exit(77);
+  const auto what = memory.page().request.name.view();
+  if (what == "open") static_cast<void>(::open("/etc/passwd", O_RDONLY));
+  if (what == "socket") static_cast<void>(::socket(AF_UNIX, SOCK_STREAM, 0));
+  if (what == "kill") static_cast<void>(::kill(::getppid(), 0));
+  if (what == "fork") static_cast<void>(::fork());
+  if (what == "exec") static_cast<void>(::execl("/bin/true", "true", nullptr));
+  if (what == "ptrace") static_cast<void>(::syscall(SYS_ptrace, 16, 1, 0, 0));
+  if (what == "another's memory") static_cast<void>(::syscall(SYS_process_vm_writev, 1, nullptr, 0, nullptr, 0, 0));
+  if (what == "executable memory") static_cast<void>(::syscall(SYS_mprotect, memory.arena().data(), 4096, 7));
+  if (what == "ioctl") static_cast<void>(::syscall(SYS_ioctl, 0, 0, 0));
+  if (what == "priority") static_cast<void>(::syscall(SYS_setpriority, 0, 0, 0));
+  if (what == "memory") {
+    memory.page().answer.code = static_cast<std::uint32_t>(::syscall(SYS_mremap, 0, 0, 0, 0) == -1 ? errno : 0);
+  }
+}
+
+TEST_F(SlicingChildTest, IsEndedWhenItTriesAnythingButReading) {
+  if (kHasSanitizer) GTEST_SKIP() << "system calls are not filtered";
+  auto child = make(2, attempt);
+  const std::string path = folder_ / "any";
+  write_text(path, "any");
+  auto request = request_of(path, 2);
+  const auto status_of = [&](const char* what) {
+    request.name.clear();
+    request.name.add("%s", what);
+    return run(child, request, path);
+  };
+  for (const char* what : {"open", "socket", "kill", "fork", "exec", "ptrace", "another's memory", "executable memory",
+                           "ioctl", "priority"}) {
+    const int status = status_of(what);
+    EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGSYS) << what << ": " << status;
+  }
+  EXPECT_EQ(status_of("nothing"), 0);
+  EXPECT_EQ(status_of("memory"), 0) << "the C library handles that";
+  EXPECT_EQ(child.answer().code, static_cast<std::uint32_t>(ENOMEM));
+}
+
+TEST_F(SlicingChildTest, CanBeKilledAndTheNextOneWorks) {
+  const std::string path = folder_ / "ball.ply";
+  write_sphere_scan(path, 3000, 4);
+  auto child = make(2, [](SharedMemory& memory, std::uint32_t threads) {
+    while (memory.page().request.name.view() == "hangs") {
+    }
+    run_scan_task(memory, threads);
+  });
+  auto request = request_of(path, 2);
+  request.name.clear();
+  request.name.add("hangs");
+  const Descriptor scan(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  for (int times = 0; times < 20; ++times) {
+    ASSERT_TRUE(child.start(request, scan.get()));
+    EXPECT_FALSE(*child.wait(std::chrono::milliseconds(1)));
+    child.kill();
+    std::optional<int> ended;
+    while (!ended) ended = child.wait(std::chrono::seconds(1)).value();
+    EXPECT_TRUE(WIFSIGNALED(*ended) && WTERMSIG(*ended) == SIGKILL);
+    child.kill();  // too late, which does no harm
+  }
+  EXPECT_EQ(run(child, request_of(path, 2), path), 0);
+  EXPECT_EQ(child.answer().kind, ScanAnswer::kSliced);
+}
+
+TEST_F(SlicingChildTest, CanNotBeStartedWithoutItsTemplateAndEndsWithIt) {
+  auto child = make(1, [](SharedMemory& memory, std::uint32_t) {
+    for (;;) ++memory.page().progress.beats;
+  });
+  const std::string path = folder_ / "any";
+  write_text(path, "any");
+  const Descriptor scan(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  ASSERT_TRUE(child.start(request_of(path, 1), scan.get()));
+  while (child.progress().beats == 0) {
+  }
+  ASSERT_EQ(::kill(child.template_process(), SIGKILL), 0);
+  auto ended = child.wait(std::chrono::seconds(10));
+  ASSERT_FALSE(ended);
+  EXPECT_EQ(ended.error().code(), ErrorCode::kDeviceTimeout);
+  EXPECT_TRUE(child.gone());
+  EXPECT_FALSE(child.start(request_of(path, 1), scan.get()));
+  // The child dies with the template: it stops counting.
+  std::uint32_t before = 0;
+  do {
+    before = child.progress().beats;
+    ::usleep(20'000);
+  } while (child.progress().beats != before);
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,144 @@
+/// The daemon with children that crash, hang and scribble: it says so and prints the next stick.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/time.h>
+
+#include <random>
+
+#include "tests/hil/session_rig.hpp"
+
+namespace plumbline {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::AnyOf;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+// A scan's name says what its child does at a random moment of its work: "crash-7.ply". The number is the seed.
+SharedMemory* child_memory =
+    nullptr;                // NOLINT(cppcoreguidelines-avoid-non-const-global-variables): for a signal handler
+std::mt19937 child_random;  // NOLINT(cppcoreguidelines-avoid-non-const-global-variables)
+
+void crash(int /*signal*/) { *static_cast<volatile int*>(nullptr) = 1; }
+void hang(int /*signal*/) {
+  for (;;) {
+  }
+}
+void scribble(int /*signal*/) {
+  MessagePage& page = child_memory->page();
+  const auto at_random = [](std::span<std::byte> bytes) {
+    const auto times = 1 + child_random() % 2000;
+    for (std::size_t i = 0; i < times; ++i)
+      bytes[child_random() % bytes.size()] = static_cast<std::byte>(child_random());
+  };
+  at_random(std::as_writable_bytes(std::span(&page.progress, 1)));
+  if (child_random() % 2 == 0) at_random(std::as_writable_bytes(std::span(&page.answer, 1)));
+  if (child_random() % 2 == 0) at_random(std::as_writable_bytes(std::span(&page.request, 1)));
+  at_random(child_memory->arena().first(child_memory->arena().size() >> (child_random() % 8)));
+}
+
+void misbehave(SharedMemory& memory, std::uint32_t threads) {
+  const std::string name(memory.page().request.name.view());
+  child_memory = &memory;
+  const auto dash = name.find('-');
+  auto* const deed = name.starts_with("crash") ? crash : name.starts_with("hang") ? hang : scribble;
+  if (dash != std::string::npos) {
+    child_random.seed(static_cast<std::uint32_t>(std::stoul(name.substr(dash + 1))));
+    ::signal(SIGALRM, deed);
+    itimerval when{};
+    when.it_value.tv_usec = 1 + static_cast<long>(child_random() % 60'000);  // a scan of this test takes some 30 ms
+    if (name.starts_with("scribble")) when.it_interval.tv_usec = 5000;
+    ::setitimer(ITIMER_REAL, &when, nullptr);
+  }
+  run_stick_task(memory, threads);
+  if (dash != std::string::npos) deed(0);  // some of them after its answer
+}
+
+std::vector<std::uint64_t> undisturbed_masks() {
+  DaemonRig rig;
+  rig.put_scan("good.ply");
+  rig.plant.plug_stick(rig.stick());
+  rig.user.on_printed = [&] { rig.plant.press(EventKind::kShutdownRequested); };
+  EXPECT_TRUE(rig.run());
+  return rig.user.hashes.at(0);
+}
+
+TEST(SlicingChildren, ThatCrashHangOrScribbleAreErrorsOfTheirScanAndTheNextStickPrints) {
+  const auto expected = undisturbed_masks();
+  DaemonRig rig(session_plant(), std::size_t{24} << 20U, misbehave);
+  rig.patience = 200ms;
+  constexpr int kSticks = 30;
+  int stick = 0;
+  std::string name;
+  const auto next_stick = [&] {
+    rig.plant.pull_stick();
+    if (!name.empty()) std::filesystem::remove(rig.stick() + "/" + name);
+    EXPECT_EQ(rig.arena.used(), 0U) << name;
+    if (stick == kSticks) return rig.plant.press(EventKind::kShutdownRequested);
+    constexpr std::array<const char*, 3> kKinds = {"crash", "hang", "scribble"};
+    name = std::string(kKinds[static_cast<std::size_t>(stick % 3)]) + "-" + std::to_string(stick) + ".ply";
+    ++stick;
+    rig.put_scan(name);
+    rig.plant.plug_stick(rig.stick());
+  };
+  next_stick();
+  rig.user.on_words.emplace("PL-1", next_stick);
+  rig.user.on_printed = next_stick;  // a scribble may hit nothing that matters
+  rig.user.on_words.emplace("is the plate empty?", [&] { rig.plant.press(EventKind::kStartPressed); });
+  ASSERT_TRUE(rig.run());
+  EXPECT_EQ(stick, kSticks);
+  rig.patience = kSlicingPatience;
+  rig.put_scan("good.ply");
+  rig.plant.plug_stick(rig.stick());
+  rig.user.on_printed = [&] { rig.plant.press(EventKind::kShutdownRequested); };
+  ASSERT_TRUE(rig.run());
+  EXPECT_EQ(rig.user.hashes.back(), expected) << "the same print as ever";
+  std::map<std::string, int> codes;
+  for (const auto& text : rig.user.said) {
+    if (text.starts_with("PL-")) ++codes[text.substr(0, 6)];
+  }
+  EXPECT_GE(codes["PL-102"], kSticks / 2) << "most are caught in their work";
+  for (const auto& [code, times] : codes) EXPECT_THAT(code, StartsWith("PL-10")) << times;
+  EXPECT_THAT(rig.user.said, Contains(AllOf(HasSubstr("crash-"), HasSubstr("(signal 11)"))));
+  EXPECT_THAT(rig.user.said, Contains(AllOf(HasSubstr("hang-"), HasSubstr("no progress"))));
+}
+
+TEST(SlicingChildren, ThatOnlySeemToWorkAreEnded) {
+  DaemonRig rig(session_plant(), std::size_t{24} << 20U, [](SharedMemory& memory, std::uint32_t) {
+    for (;;) ++memory.page().progress.beats;
+  });
+  rig.patience = 30ms;
+  rig.put_scan("ball.ply");
+  rig.plant.plug_stick(rig.stick());
+  rig.user.on_words.emplace("PL-102", [&] { rig.plant.press(EventKind::kShutdownRequested); });
+  ASSERT_TRUE(rig.run());
+  EXPECT_THAT(rig.user.said, Contains(HasSubstr("ball.ply: reading it made no progress")));
+}
+
+TEST(SlicingChildren, EndWhenCancelIsPressed) {
+  DaemonRig rig(session_plant(), std::size_t{24} << 20U, [](SharedMemory&, std::uint32_t) { hang(0); });
+  rig.put_scan("ball.ply");
+  rig.plant.plug_stick(rig.stick());
+  rig.user.on_slicing = [&] { rig.plant.press(EventKind::kCancelPressed); };
+  rig.user.on_words.emplace("cancelled", [&] { rig.plant.press(EventKind::kShutdownRequested); });
+  ASSERT_TRUE(rig.run());
+  EXPECT_TRUE(rig.user.reports.empty());
+}
+
+TEST(SlicingChildren, ThatCanNotBeStartedAnyMoreEndTheDaemonWithWords) {
+  DaemonRig rig;
+  rig.put_scan("ball.ply");
+  ::kill(rig.child.template_process(), SIGKILL);
+  rig.plant.plug_stick(rig.stick());
+  const auto served = rig.run();
+  ASSERT_FALSE(served);
+  EXPECT_EQ(served.error().code(), ErrorCode::kDeviceTimeout);
+  EXPECT_THAT(served.error().message(), HasSubstr("scans can't be read any more"));
+}
+
+}  // namespace
+}  // namespace plumbline
