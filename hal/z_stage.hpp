@@ -2,6 +2,7 @@
 /// The Z stage, which moves the build plate up and down.
 
 #include <cstdint>
+#include <optional>
 #include <utility>
 
 #include "hal/clock.hpp"
@@ -22,6 +23,9 @@ struct MotionReport {
   /// When a homed stage is homed again: where the end stop was found, less where it was expected. More than a step or two means
   /// that steps were lost in between. 0 for moves and for the first homing.
   Distance steps_lost;
+  /// Homing that arrived: where it began, by the steps to the end stop. After power on this is where the stage stood when the power
+  /// went, unless somebody has moved it, to within Limits::drift. Nothing for moves.
+  std::optional<ZPosition> began_at_height;
 };
 
 /// A moving stage. It brakes and stops when this object is destroyed. Move-only.
@@ -65,6 +69,9 @@ class ZStage {
     ZPosition end_stop;         ///< where the end stop closes
     Speed fastest;              ///< above 0
     Acceleration acceleration;  ///< of every move and of braking; above 0
+    /// How far the stage may move while its motor is without power and when it gets it again. A driver that starts takes its motor to
+    /// the nearest place of its first phase: up to two full steps.
+    Distance drift = {};
   };
 
   ZStage(const ZStage&) = delete;

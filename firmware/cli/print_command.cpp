@@ -222,6 +222,7 @@ ExitCode run_print(const PrintOptions& options, std::span<std::byte> arena_block
     if (!progress) return report_error(progress.error());
     simulation.layers_on_plate = progress->next_layer;
     simulation.height_on_plate = progress->height;
+    simulation.plate_at = progress->stands;
   }
   auto back_end = open_back_end(printer->board, printer->machine, printer->profile, simulation);
   if (!back_end) return report_error(back_end.error());

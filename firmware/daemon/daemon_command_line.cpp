@@ -162,6 +162,7 @@ ExitCode serve(const DaemonOptions& options, std::size_t largest_arena) {
   if (const auto progress = store->progress()) {
     simulation.layers_on_plate = progress->next_layer;
     simulation.height_on_plate = progress->height;
+    simulation.plate_at = progress->stands;
   }
   auto back_end = open_back_end(*board, *machine, *profile, simulation);
   if (!back_end) return report_error(back_end.error());

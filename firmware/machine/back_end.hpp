@@ -28,6 +28,7 @@ struct SimulationOptions {
   bool keep_part = false;
   std::uint32_t layers_on_plate = 0;  ///< cured by an earlier run that this one resumes
   ZPosition height_on_plate;          ///< of the last of them
+  std::optional<ZPosition> plate_at;  ///< where that run left the plate; nothing: raised
   std::string lamp_line;              ///< plumbline-keeper lights it whenever the simulated lamp is lit; empty: none
 };
 

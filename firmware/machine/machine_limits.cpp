@@ -10,7 +10,8 @@ ZStage::Limits travel_limits(const MachineFile& machine) {
           .highest = ZPosition(end_stop - Distance::millimetres(kEndStopClearanceMm)),
           .end_stop = ZPosition(end_stop),
           .fastest = mm_per_min(machine.max_speed_mm_min),
-          .acceleration = Acceleration(machine.max_acceleration_mm_s2)};
+          .acceleration = Acceleration(machine.max_acceleration_mm_s2),
+          .drift = Distance::millimetres(2 * machine.rotation_distance_mm / machine.full_steps_per_rotation)};
 }
 
 UvLamp::Limits lamp_limits(const MachineFile& machine) {

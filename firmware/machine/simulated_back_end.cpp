@@ -25,6 +25,7 @@ PlantSettings plant_of(const BoardFile& board, const MachineFile& machine, const
   plant.stage.end_stop = end_stop;
   plant.stage.upper_end = end_stop + 3_mm;
   plant.travel = travel_limits(machine);
+  plant.travel.drift = Distance();  // an earlier run has left the stage where its journal says
   plant.lamp = lamp_limits(machine);
   // The light falls as fast as it rises, so that the dose matches the requested time. 0 would not be physical.
   const double warm_up_ms = machine.warm_up_ms > 0.01 ? machine.warm_up_ms : 0.01;
@@ -107,6 +108,7 @@ Expected<std::unique_ptr<BackEnd>> open_simulated_back_end(const BoardFile& boar
   settings.keep_part = options.keep_part;
   settings.layers_on_plate = options.layers_on_plate;
   settings.height_on_plate = options.height_on_plate;
+  if (options.plate_at) settings.stage.start = options.plate_at->above_film();
   std::unique_ptr<LampWire> wire;
   if (lamp_line) wire = std::make_unique<HostTimeWire>(std::move(lamp_line), options.speedup);
   return std::make_unique<SimulatedBackEnd>(std::move(settings), std::move(wire));

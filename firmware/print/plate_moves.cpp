@@ -12,6 +12,7 @@ Expected<bool> PlateMoves::finish(Motion motion) {
   const auto report = motion.finish();
   PLUMBLINE_TRY(report);
   if (report->steps_lost != Distance()) steps_lost_ = report->steps_lost;
+  if (report->began_at_height) homed_from_ = report->began_at_height;
   return report->arrived && !watch_.interrupted();
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "firmware/print/print_plan.hpp"
 #include "firmware/print/print_watch.hpp"
@@ -24,6 +25,8 @@ class PlateMoves {
 
   /// Found by the last home(): how far the stage was from where its steps said. 0: none lost.
   Distance steps_lost() const { return steps_lost_; }
+  /// Where the last home() began; nothing if it did not arrive.
+  std::optional<ZPosition> homed_from() const { return homed_from_; }
   void forget_steps_lost() { steps_lost_ = Distance(); }
 
  private:
@@ -34,6 +37,7 @@ class PlateMoves {
   const PrintPlan& plan_;
   PrintWatch& watch_;
   Distance steps_lost_;
+  std::optional<ZPosition> homed_from_;
 };
 
 }  // namespace plumbline

@@ -130,6 +130,13 @@ void PrintChecks::stage_homed() {
   conclude(Check::kStage, CheckOutcome::kPassed);
 }
 
+void PrintChecks::journal_in_doubt(std::string_view finding) {
+  CheckResult& check = result(Check::kJournal);
+  check.detail.clear();
+  check.detail.add("%.*s", static_cast<int>(finding.size()), finding.data());
+  conclude(Check::kJournal, CheckOutcome::kWarned);
+}
+
 void PrintChecks::stage_failed(const Error& error) { conclude_failed(Check::kStage, error); }
 
 /// Leaves out the error's advice: the fault that it becomes gives its own.

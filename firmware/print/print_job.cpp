@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "firmware/print/resume_check.hpp"
 #include "firmware/print/state_lights.hpp"
 
 namespace plumbline {
@@ -35,7 +36,12 @@ PrintJob::PrintJob(Machine& machine, const PrintSettings& settings, MaskRenderer
   report_.room = exposures;
 }
 
-const PrintReport& PrintJob::run(const JournalEntry& from) {
+const PrintReport& PrintJob::resume(const JournalEntry& from) {
+  in_doubt_ = true;
+  return print(from);
+}
+
+const PrintReport& PrintJob::print(const JournalEntry& from) {
   entry_ = from;
   before_ = from.elapsed;
   began_ = machine_.clock.now();
@@ -75,19 +81,21 @@ bool PrintJob::apply_pending() {
     case Request::kCancel: apply(PrintEvent::kCancelAsked); break;
     case Request::kCoverOpened: apply(PrintEvent::kCoverOpened); break;
     case Request::kPause: apply(PrintEvent::kPauseAsked); break;
-    case Request::kResume: resume(); break;
+    case Request::kResume: go_on(); break;
     case Request::kNone: break;
   }
   return state_ != before;
 }
 
 /// Resumes when start is pressed. With the cover open the lamp can't light, so it only beeps.
-void PrintJob::resume() {
+void PrintJob::go_on() {
   if (machine_.panel.cover_open()) {
     static_cast<void>(machine_.panel.beep(std::chrono::milliseconds(200)));
     return;
   }
   if (state_ == PrintState::kFeedMe) poured_ml_ = used_ml();
+  if (!question_.view().empty()) in_doubt_ = false;  // answered
+  question_.clear();
   apply(PrintEvent::kResumeAsked);
 }
 
@@ -102,6 +110,7 @@ void PrintJob::notify() {
   status.remaining = remaining_time(plan_, entry_.next_layer);
   status.slack = slack_;
   status.resin_ml = used_ml();
+  status.question = question_.view();
   if (!observer_.update(status)) watch_.request(Request::kCancel);
 }
 
@@ -164,13 +173,23 @@ Status PrintJob::home() {
     return tl::unexpected<Error>(homed.error());
   }
   plate_.forget_steps_lost();  // lost before this print
+  // Also if the user interrupts at the very end of the homing, since the plate can be lowered from here on.
+  if (in_doubt_ && machine_.stage.homed()) confirm_journal();
   if (!*homed) {
     apply_pending();
     return {};
   }
   checks_.stage_homed();
-  apply(PrintEvent::kHomed);
+  apply(in_doubt_ ? PrintEvent::kPartInDoubt : PrintEvent::kHomed);
   return {};
+}
+
+void PrintJob::confirm_journal() {
+  const auto found = plate_.homed_from();
+  in_doubt_ = !stage_confirms(entry_, plan_, found, machine_.stage.limits().drift);
+  if (!in_doubt_) return;
+  checks_.journal_in_doubt(doubt_about(entry_, found).view());
+  question_ = question_about(entry_);
 }
 
 Status PrintJob::print_layer() {
@@ -328,11 +347,26 @@ void PrintJob::check_dose(const ExposureReport& exposure, Dose expected) {
 Status PrintJob::write_journal() {
   if (journal_ == nullptr) return {};
   entry_.elapsed = elapsed();
+  if (const auto at = machine_.stage.position()) entry_.stands = *at;
   return journal_->append(entry_);
 }
 
+/// Writes what the print can do without to the journal, if that has room for it. Not while the journal is in doubt: if it learned where
+/// the plate stands now, the next start would not ask.
+Status PrintJob::write_spare() {
+  return journal_ != nullptr && journal_->has_spare() && !in_doubt_ ? write_journal() : Status();
+}
+
+/// Writes to the journal where the plate rests, so that a resumed print finds it there.
+Status PrintJob::note_stand() {
+  const auto at = machine_.stage.position();
+  return at && *at != entry_.stands ? write_spare() : Status();
+}
+
 Expected<bool> PrintJob::raise_for_pause() {
-  return plate_.raise(layer_at_hand(), pause_above(plan_, layer_at_hand()));
+  const auto raised = plate_.raise(layer_at_hand(), pause_above(plan_, layer_at_hand()));
+  if (raised && *raised) PLUMBLINE_TRY(note_stand());
+  return raised;
 }
 
 Status PrintJob::raise_to_pause() {
@@ -397,13 +431,14 @@ void PrintJob::make_safe() {
   static_cast<void>(machine_.mask.blank());
   const bool can_resume = state_ == PrintState::kFault || state_ == PrintState::kSuspended;
   const bool powered = report_.fault != FaultCode::kPowerLost;
-  if (can_resume && powered && entry_.lit > nanoseconds::zero()) static_cast<void>(write_journal());
+  if (can_resume && powered && entry_.lit > nanoseconds::zero()) static_cast<void>(write_spare());
   watch_.take();
   if (can_resume && machine_.stage.homed() && !machine_.panel.cover_open()) {
     // A shutdown leaves only seconds, so raise the part no further than a layer's lift.
     const std::uint32_t layer = layer_at_hand();
     const StageMove to = state_ == PrintState::kFault ? pause_above(plan_, layer) : lift_from(plan_, layer)[1];
     static_cast<void>(plate_.raise(layer, to));
+    if (powered) static_cast<void>(note_stand());
   }
   static_cast<void>(machine_.thermals.set_fan(Fan::kLamp, 0));
   static_cast<void>(machine_.thermals.set_fan(Fan::kChamber, 0));

@@ -37,13 +37,17 @@ class PrintJob {
   PrintJob& operator=(const PrintJob&) = delete;
 
   /// Prints until a state at rest. Errors become the report's fault.
-  /// @param from  the journal's last entry; a default one for a new print
-  const PrintReport& run(const JournalEntry& from);
+  const PrintReport& run() { return print({}); }
+  /// The same after an interruption. If the stage is not found where the journal says, the print asks the user to measure the part
+  /// before it lowers the plate.
+  /// @param from  the journal's last entry
+  const PrintReport& resume(const JournalEntry& from);
 
  private:
+  const PrintReport& print(const JournalEntry& from);
   void apply(PrintEvent event);  ///< the one place that changes the state
   bool apply_pending();
-  void resume();
+  void go_on();
   void notify();
   void fault(FaultCode code, std::string_view finding);
   void fail_with(const Error& error);
@@ -51,6 +55,7 @@ class PrintJob {
   Status step();
   Status run_checks();
   Status home();
+  void confirm_journal();
   Status print_layer();
   Status check_temperatures();
   Status render(std::uint32_t layer);
@@ -60,6 +65,8 @@ class PrintJob {
   void record(const ExposureReport& exposure);
   void check_dose(const ExposureReport& exposure, Dose expected);
   Status write_journal();
+  Status write_spare();
+  Status note_stand();
   Expected<bool> raise_for_pause();
   Status raise_to_pause();
   Status raise_to_end();
@@ -88,8 +95,10 @@ class PrintJob {
   PrintWatch watch_{machine_, state_};
   PlateMoves plate_{machine_.stage, plan_, watch_};
   PrintChecks checks_{machine_, settings_, report_.checks, observer_};
-  JournalEntry entry_;    ///< the next entry for the journal, as of now
-  nanoseconds before_{};  ///< printing time of earlier runs
+  bool in_doubt_ = false;    ///< the journal that is resumed from, until the stage or the user confirms it
+  FixedText<160> question_;  ///< to be answered by start or cancel; empty: none
+  JournalEntry entry_;       ///< the next entry for the journal, as of now
+  nanoseconds before_{};     ///< printing time of earlier runs
   TimePoint began_;
   std::optional<MaskBuffer> mask_;  ///< rendered, not presented yet
   std::uint32_t mask_layer_ = 0;    ///< the layer of mask_

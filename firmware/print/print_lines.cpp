@@ -77,7 +77,10 @@ FixedText<24> duration_text(nanoseconds time) {
 FixedText<200> status_text(const PrintStatus& status) {
   FixedText<200> text;
   const std::uint32_t layer = std::min(status.layer + 1, status.layers);
-  if (const char* const reason = reason_to_wait(status.state)) {
+  if (waits_for_start(status.state) && !status.question.empty()) {
+    text.add("paused at layer %u of %u: %.*s", layer, status.layers, static_cast<int>(status.question.size()),
+             status.question.data());
+  } else if (const char* const reason = reason_to_wait(status.state)) {
     text.add("paused at layer %u of %u: %s", layer, status.layers, reason);
   } else if (status.state == PrintState::kPrinting) {
     text.add("printing layer %u of %u, %s left", layer, status.layers, duration_text(status.remaining).c_str());

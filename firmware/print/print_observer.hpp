@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string_view>
 
 #include "firmware/print/print_report.hpp"
 #include "firmware/print/print_state.hpp"
@@ -21,6 +22,7 @@ struct PrintStatus {
   nanoseconds remaining{};
   std::optional<nanoseconds> slack;  ///< of the last mask
   double resin_ml = 0;               ///< used so far
+  std::string_view question;         ///< why the print is paused, if start or cancel answers a question; else empty
 };
 
 /// Follows a print.

@@ -39,11 +39,10 @@ Status PrintSession::take(const SlicedScan& sliced, std::string_view scan, const
   facts_.plan = *plan;
   PLUMBLINE_TRY(make_ready());
   if (store_ == nullptr) return {};
-  std::uint64_t job_hash = 0;
-  auto file = store_->begin(facts_, rrep_, supports_, job_hash);
+  auto file = store_->begin(facts_, rrep_, supports_);
   PLUMBLINE_TRY(file);
   journal_file_ = std::move(*file);
-  const auto journal = Journal::create(*journal_file_, job_hash, rrep_.grid.layers);
+  const auto journal = Journal::open(*journal_file_);
   PLUMBLINE_TRY(journal);
   journal_ = *journal;
   return {};
@@ -69,6 +68,7 @@ Status PrintSession::load() {
     return fail(ErrorCode::kMalformed, "the stored job and its journal are of different prints");
   }
   journal_ = *journal;
+  resumed_ = true;
   PLUMBLINE_TRY(make_ready());
   first_layer_pixels_ = stream_->mask(0).count();
   return {};
@@ -115,7 +115,7 @@ const PrintReport& PrintSession::print(Machine& machine, PrintObserver& observer
   settings.memory_budget = arena_.capacity();
   job_.emplace(machine, settings, *masks_, journal_ ? &*journal_ : nullptr, plate, lines_, observer);
   const JournalEntry from = journal_ ? journal_->last() : JournalEntry();
-  const PrintReport& report = job_->run(from);
+  const PrintReport& report = resumed_ ? job_->resume(from) : job_->run();
   exposures_ = report.exposures;
   const bool refused = !report.begun && from == JournalEntry();
   const bool for_good = refused || report.state == PrintState::kFinished || report.state == PrintState::kCancelled;

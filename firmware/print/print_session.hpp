@@ -31,7 +31,7 @@ class PrintSession {
 
   /// Slices a scan and gets ready to print. The scan is not needed afterwards.
   /// @param supports  valid by check_support_settings(); none: no supports
-  /// @retval any error of slice(), find_supports(), plan_print(), JobStore::begin()
+  /// @retval any error of slice(), find_supports(), plan_print(), JobStore::begin(), Journal::open()
   /// @retval ErrorCode::kCancelled
   [[nodiscard]] Status slice_scan(ScanSources scan, const SliceSettings& settings,
                                   const std::optional<SupportSettings>& supports, const PrintProfile& profile,
@@ -92,6 +92,7 @@ class PrintSession {
   std::optional<MaskRenderer> masks_;
   std::optional<JournalFile> journal_file_;
   std::optional<Journal> journal_;
+  bool resumed_ = false;  ///< load() was called
   std::span<ExposureLine> lines_;
   std::span<nanoseconds> scratch_;
   std::uint64_t first_layer_pixels_ = 0;

@@ -38,6 +38,7 @@ std::string_view to_string(PrintEvent event) {
     case PrintEvent::kSliced: return "sliced";
     case PrintEvent::kChecksPassed: return "checks passed";
     case PrintEvent::kHomed: return "homed";
+    case PrintEvent::kPartInDoubt: return "part in doubt";
     case PrintEvent::kPauseAsked: return "pause asked";
     case PrintEvent::kRaised: return "raised";
     case PrintEvent::kResumeAsked: return "resume asked";

@@ -41,6 +41,7 @@ enum class PrintEvent : std::uint8_t {
   kSliced,         ///< the R-Rep is ready
   kChecksPassed,   ///<
   kHomed,          ///< the stage knows its height
+  kPartInDoubt,    ///< the same, but the user must measure the part first
   kPauseAsked,     ///< by the user
   kRaised,         ///< the part is up
   kResumeAsked,    ///< by the user
@@ -55,7 +56,7 @@ enum class PrintEvent : std::uint8_t {
   kFailed,         ///< a fault
   kAcknowledged,   ///< the user has seen the result
 };
-inline constexpr std::size_t kPrintEventCount = 22;
+inline constexpr std::size_t kPrintEventCount = 23;
 
 /// "idle", "cooling down", "feed me", ...
 std::string_view to_string(PrintState state);
@@ -118,6 +119,7 @@ constexpr PrintState next_running(PrintState state, PrintEvent event) {
     case PrintEvent::kSliced:
     case PrintEvent::kChecksPassed:
     case PrintEvent::kHomed:
+    case PrintEvent::kPartInDoubt:
     case PrintEvent::kPauseAsked:
     case PrintEvent::kRaised:
     case PrintEvent::kResumeAsked:
@@ -169,6 +171,7 @@ constexpr PrintState next(PrintState state, PrintEvent event) {
       return state;
     case PrintState::kHoming:
       if (event == PrintEvent::kHomed) return PrintState::kPrinting;
+      if (event == PrintEvent::kPartInDoubt) return PrintState::kPaused;
       return next_running(state, event);
     case PrintState::kPrinting:
       if (event == PrintEvent::kPauseAsked) return PrintState::kPausing;

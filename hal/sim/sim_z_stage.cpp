@@ -39,6 +39,12 @@ ZPosition SimZStage::do_position() const {
 
 TimePoint SimZStage::do_ends_by() const { return ends_by_; }
 
+void SimZStage::begin_report() {
+  report_ = {};
+  report_.began_at = plant_.now();
+  report_.position = position_;
+}
+
 void SimZStage::start(Phase phase, Distance distance, Speed speed, StageSwitch until) {
   phase_ = phase;
   plant_.start_leg(distance, std::min(speed, limits().fastest), until, [this](const LegResult& leg) { on_rest(leg); });
@@ -46,7 +52,7 @@ void SimZStage::start(Phase phase, Distance distance, Speed speed, StageSwitch u
 
 Status SimZStage::do_begin_move(ZPosition target, Speed speed) {
   const SimCall call(plant_);
-  report_ = {.began_at = plant_.now(), .ended_at = {}, .position = position_, .arrived = false, .steps_lost = {}};
+  begin_report();
   moving_ = true;
   stopping_ = false;
   problem_.reset();
@@ -57,7 +63,8 @@ Status SimZStage::do_begin_move(ZPosition target, Speed speed) {
 
 Status SimZStage::do_begin_homing() {
   const SimCall call(plant_);
-  report_ = {.began_at = plant_.now(), .ended_at = {}, .position = position_, .arrived = false, .steps_lost = {}};
+  begin_report();
+  homed_from_ = position_;
   was_homed_ = std::exchange(homed_, false);
   moving_ = true;
   stopping_ = false;
@@ -102,7 +109,10 @@ void SimZStage::on_rest(const LegResult& leg) {
   } else if (leg.end == LegEnd::kStopped || (stopping_ && phase_ != Phase::kMove)) {
     finish_motion(false);
   } else if (phase_ == Phase::kMove || phase_ == Phase::kReturn) {
-    if (phase_ == Phase::kReturn) homed_ = true;
+    if (phase_ == Phase::kReturn) {
+      homed_ = true;
+      report_.began_at_height = began_at_height_;
+    }
     finish_motion(true);
   } else {
     position_ = from;
@@ -134,6 +144,7 @@ void SimZStage::continue_homing(const LegResult& leg) {
 
 void SimZStage::on_end_stop_found(const LegResult& leg) {
   if (was_homed_) report_.steps_lost = position_ + leg.switched - limits().end_stop;
+  began_at_height_ = limits().end_stop - (position_ + leg.switched - homed_from_);
   position_ = limits().end_stop + (leg.moved - leg.switched);
   start(Phase::kReturn, plant_.stage().rounded(limits().highest - position_), kApproachSpeed, StageSwitch::kNone);
 }

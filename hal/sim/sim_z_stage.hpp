@@ -27,6 +27,7 @@ class SimZStage final : public ZStage {
   Status do_stop() override;
   Expected<MotionReport> do_finish() override;
 
+  void begin_report();
   void start(Phase phase, Distance distance, Speed speed, StageSwitch until);
   void on_rest(const LegResult& leg);
   void continue_homing(const LegResult& leg);
@@ -41,6 +42,8 @@ class SimZStage final : public ZStage {
   bool homed_ = false;
   bool was_homed_ = false;  ///< before the homing that runs
   ZPosition position_;      ///< at rest, by counted steps
+  ZPosition homed_from_;    ///< position_ before the homing that runs
+  ZPosition began_at_height_;
   TimePoint ends_by_;
   MotionReport report_;
   std::optional<Error> problem_;  ///< of the last motion

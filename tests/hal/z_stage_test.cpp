@@ -27,6 +27,20 @@ TEST_P(StageContract, StageKnowsItsHeightOnceHomed) {
   EXPECT_FALSE(stage.end_stop_pressed());
 }
 
+TEST_P(StageContract, HomingTellsWhereItBegan) {
+  ZStage& stage = rig_->machine().stage;
+  for (const Distance from : {rig_->plate_height(), 150_mm, 12_mm}) {
+    if (stage.homed()) {
+      ASSERT_TRUE(stage.move_to(ZPosition(from), Speed(10)));
+    }
+    const auto homed = stage.home();
+    ASSERT_TRUE(homed) << homed.error().message();
+    ASSERT_TRUE(homed->began_at_height);
+    EXPECT_NEAR(homed->began_at_height->above_film().micrometres(), from.micrometres(), 5);
+  }
+  EXPECT_FALSE(stage.move_to(ZPosition(160_mm), Speed(10))->began_at_height);
+}
+
 TEST_P(StageContract, MoveArrivesInTheTimeOfItsRamp) {
   const Machine machine = rig_->machine();
   home();

@@ -91,8 +91,7 @@ TEST(PowerCut, At200InstantsThePrintResumesAtTheRightLayer) {
 
 TEST(PowerCut, InsideTheJournalsWritesThePrintResumesAtTheRightLayer) {
   std::mt19937_64 random(99);
-  // Write 1 is the header, before the print; tests/firmware/print/store/journal_test.cpp covers it.
-  for (int write = 2; write <= static_cast<int>(Rig::kLayers) + 1; ++write) {
+  for (int write = 1; write <= 2 * static_cast<int>(Rig::kLayers); ++write) {
     SCOPED_TRACE(write);
     Rig rig;
     rig.storage.cut_in_write = write;
@@ -123,7 +122,9 @@ TEST(PowerCut, ADamagedJournalIsNotResumed) {
   Rig rig(settings);
   EXPECT_EQ(rig.run().state, kSuspended);
   rig.plant.restore_power();
-  rig.storage.medium()[5 * Journal::kRecordBytes + 9] ^= std::byte{4};
+  for (const std::size_t copy : {0U, 1U}) {
+    rig.storage.medium()[copy * Journal::copy_bytes(Rig::kLayers) + 5 * Journal::kRecordBytes + 9] ^= std::byte{4};
+  }
   EXPECT_EQ(Journal::open(rig.storage).error().code(), ErrorCode::kMalformed);
 }
 

@@ -18,6 +18,8 @@
 
 namespace plumbline {
 
+using namespace plumbline::literals;
+
 inline constexpr std::uint32_t kRigColumns = 130;
 inline constexpr std::uint32_t kRigRows = 64;
 inline constexpr double kRigPitchMm = 0.1;
@@ -83,7 +85,8 @@ inline PlantSettings rig_plant() {
                   .highest = ZPosition(174_mm),
                   .end_stop = ZPosition(175_mm),
                   .fastest = mm_per_min(machine.max_speed_mm_min),
-                  .acceleration = Acceleration(machine.max_acceleration_mm_s2)};
+                  .acceleration = Acceleration(machine.max_acceleration_mm_s2),
+                  .drift = 20_um};
   plant.stage.end_stop = 175_mm;
   plant.stage.upper_end = 178_mm;
   plant.lamp = {.longest_exposure = std::chrono::seconds(60), .irradiance = Irradiance(machine.power_mw_cm2)};
@@ -92,7 +95,7 @@ inline PlantSettings rig_plant() {
   return plant;
 }
 
-/// The journal's medium in the plant. A write takes plant time; a power cut during it keeps the bytes written so far.
+/// The journal's medium in the plant. Writing a record takes plant time; a power cut during it keeps the bytes written so far.
 class PlantStorage final : public JournalStorage {
  public:
   PlantStorage(Plant& plant, std::uint32_t layers) : plant_(plant), medium_(Journal::bytes_needed(layers)) {}
@@ -103,8 +106,15 @@ class PlantStorage final : public JournalStorage {
     return {};
   }
   Status write(std::size_t offset, std::span<const std::byte> bytes) override {
-    ++writes_;
     if (broken) return fail(ErrorCode::kCannotWrite, "the storage is broken");
+    if (drops) return {};
+    const auto place = medium_.begin() + static_cast<std::ptrdiff_t>(offset);
+    if (bytes.size() > Journal::kRecordBytes) {  // before the print
+      std::copy(bytes.begin(), bytes.end(), place);
+      return {};
+    }
+    ++writes_;
+    before_.push_back({offset, std::vector<std::byte>(place, place + static_cast<std::ptrdiff_t>(bytes.size()))});
     for (std::size_t i = 0; i < bytes.size(); ++i) {
       if (writes_ == cut_in_write && i == cut_after_bytes) plant_.cut_power();
       if (!plant_.wait(std::chrono::microseconds(20))) return fail(ErrorCode::kPowerLost, "cut");
@@ -116,14 +126,32 @@ class PlantStorage final : public JournalStorage {
     return plant_.wait(std::chrono::milliseconds(3)) ? Status() : Status(fail(ErrorCode::kPowerLost, "cut"));
   }
   std::vector<std::byte>& medium() { return medium_; }
+  std::size_t writes() const { return before_.size(); }
+  /// Loses those of the last `count` writes for which `is_lost()` is true, though sync() has called them durable.
+  void lose(std::size_t count, const std::function<bool()>& is_lost) {
+    for (; count > 0; --count) {
+      const Before& last = before_.back();
+      if (is_lost()) {
+        std::copy(last.bytes.begin(), last.bytes.end(), medium_.begin() + static_cast<std::ptrdiff_t>(last.offset));
+      }
+      before_.pop_back();
+    }
+  }
 
-  int cut_in_write = -1;  ///< counted from 1, the header
+  int cut_in_write = -1;  ///< counted from 1, the first copy of the first record
   std::size_t cut_after_bytes = 0;
   bool broken = false;
+  bool drops = false;  ///< each write, without a word
 
  private:
+  struct Before {
+    std::size_t offset;
+    std::vector<std::byte> bytes;
+  };
+
   Plant& plant_;
   std::vector<std::byte> medium_;
+  std::vector<Before> before_;  ///< what each write has replaced
   int writes_ = 0;
 };
 
@@ -138,6 +166,13 @@ class RigUser : public PrintObserver {
       since_ = status.now;
     }
     const auto waited = status.now - since_;
+    if (!status.question.empty()) {
+      if (questions.empty() || questions.back() != status.question) questions.emplace_back(status.question);
+      if (measures_part && part_is_taller(status)) {
+        plant_.press(EventKind::kCancelPressed);
+        return true;
+      }
+    }
     const bool waits = status.state == PrintState::kPaused || status.state == PrintState::kFeedMe;
     if (waits && presses_start && waited > std::chrono::seconds(10)) {
       since_ = status.now;
@@ -150,15 +185,23 @@ class RigUser : public PrintObserver {
   }
 
   bool presses_start = true;
-  std::vector<PrintState> states;  ///< in order
+  bool measures_part = false;          ///< when asked, and cancels if it is taller than it should be
+  std::vector<std::string> questions;  ///< of which no two in a row are the same
+  std::vector<PrintState> states;      ///< in order
   std::vector<Check> failed_checks;
 
  private:
+  /// The layer at hand is already there if it had light before the interruption.
+  bool part_is_taller(const PrintStatus& status) const {
+    const auto& layers = plant_.part().layers();
+    return !layers.empty() && layers.back().z > status.height + 10_um;
+  }
+
   Plant& plant_;
   TimePoint since_;
 };
 
-/// Plant, storage and memory. Each run() is one process of the firmware.
+/// Plant, storage and memory. Each run() is one process of the firmware, unless same_process says otherwise.
 class Rig {
  public:
   static constexpr std::uint32_t kLayers = 40;
@@ -171,18 +214,21 @@ class Rig {
   /// Starts the print, or resumes it after the journal's last layer.
   const PrintReport& run() {
     arena_.emplace(std::span(block_));
-    machine_.reset();
-    machine_.emplace(plant);
+    if (!machine_ || !same_process) {
+      machine_.reset();
+      machine_.emplace(plant);
+    }
     stream_ = MaskStream::create(tower_.rrep(), supports_, *arena_).value();
     masks_ = MaskRenderer::create(*stream_, plan, *arena_).value();
     auto opened = Journal::open(storage);
-    if (!opened && opened.error().code() == ErrorCode::kTruncated) opened = Journal::create(storage, 77, plan.layers);
+    const bool is_new = !opened && opened.error().code() == ErrorCode::kTruncated;
+    if (is_new) opened = Journal::create(storage, 77, plan.layers);
     EXPECT_TRUE(opened) << opened.error().message();
     journal_ = *opened;
     lines_.assign(2 * plan.layers + 50, {});
     Machine machine = machine_->machine();
     job_.emplace(machine, settings(), *masks_, &*journal_, nullptr, lines_, user);
-    return job_->run(journal_->last());
+    return is_new ? job_->run() : job_->resume(journal_->last());
   }
 
   PrintSettings settings() const {
@@ -231,6 +277,7 @@ class Rig {
   Plant plant;
   PlantStorage storage;
   RigUser user;
+  bool same_process = false;  ///< the next run() is in the process of the last one, as in the daemon
 
  private:
   std::vector<std::byte> block_;

@@ -20,6 +20,7 @@ struct JobFacts {
   ShortName scan = {};  ///< file name
   ShortName printer = {};
   ShortName profile = {};
+  std::uint64_t print_id = 0;      ///< random, so that no two prints of a scan are taken for each other
   std::uint64_t scan_hash = 0;     ///< of the file's bytes
   std::uint64_t printer_hash = 0;  ///< hash_of() the board file
   std::uint64_t cured_pixels = 0;  ///< of all masks together

@@ -12,7 +12,7 @@ namespace {
 
 /// Change the version whenever the stored data change, JobFacts and PrintPlan included.
 constexpr std::uint32_t kMagic = 0x424F4A50;  // "PJOB"
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
 
 struct JobHeader {
   std::uint32_t magic = kMagic;

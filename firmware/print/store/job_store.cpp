@@ -2,11 +2,10 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/random.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cstring>
 #include <utility>
@@ -67,11 +66,22 @@ Status JobStore::end() {
   return {};
 }
 
-Expected<JournalFile> JobStore::begin(const JobFacts& facts, const RRep& rrep, const Supports& supports,
-                                      std::uint64_t& job_hash) {
+Expected<JournalFile> JobStore::begin(const JobFacts& facts, const RRep& rrep, const Supports& supports) {
   PLUMBLINE_TRY(end());
-  PLUMBLINE_TRY(write_job_file(facts, rrep, supports, job_hash));
-  return create_journal(rrep.grid.layers);
+  auto journal = write(facts, rrep, supports);
+  if (!journal) {
+    for (const char* name : {kNewJob, kNewJournal, kJournal, kJob}) ::unlinkat(folder_.get(), name, 0);
+  }
+  return journal;
+}
+
+Expected<JournalFile> JobStore::write(const JobFacts& facts, const RRep& rrep, const Supports& supports) {
+  JobFacts own = facts;
+  const ssize_t got = ::getrandom(&own.print_id, sizeof own.print_id, 0);
+  if (got != static_cast<ssize_t>(sizeof own.print_id)) return cannot_write(kNewJob);
+  std::uint64_t job_hash = 0;
+  PLUMBLINE_TRY(write_job_file(own, rrep, supports, job_hash));
+  return create_journal(job_hash, rrep.grid.layers);
 }
 
 Status JobStore::write_job_file(const JobFacts& facts, const RRep& rrep, const Supports& supports,
@@ -84,22 +94,14 @@ Status JobStore::write_job_file(const JobFacts& facts, const RRep& rrep, const S
   return sync_folder();
 }
 
-Expected<JournalFile> JobStore::create_journal(std::uint32_t layers) {
-  Descriptor file(::openat(folder_.get(), kNewJournal, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, kFileMode));
-  if (!file.is_open()) return cannot_write(kNewJournal);
-  const std::size_t size = Journal::bytes_needed(layers);
-  // Write zeros instead of only reserving: appending then always has room and leaves the file's block map unchanged.
-  constexpr std::array<std::byte, 4096> kZeros = {};
-  for (std::size_t done = 0; done < size; done += kZeros.size()) {
-    if (!file.write_all(std::span(kZeros).first(std::min(kZeros.size(), size - done)))) {
-      return cannot_write(kNewJournal);
-    }
-  }
-  if (::fsync(file.get()) != 0 || ::renameat(folder_.get(), kNewJournal, folder_.get(), kJournal) != 0) {
-    return cannot_write(kNewJournal);
-  }
+Expected<JournalFile> JobStore::create_journal(std::uint64_t job_hash, std::uint32_t layers) {
+  Descriptor descriptor(::openat(folder_.get(), kNewJournal, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, kFileMode));
+  if (!descriptor.is_open()) return cannot_write(kNewJournal);
+  JournalFile file(std::move(descriptor), Journal::bytes_needed(layers));
+  PLUMBLINE_TRY(Journal::create(file, job_hash, layers));
+  if (::renameat(folder_.get(), kNewJournal, folder_.get(), kJournal) != 0) return cannot_write(kNewJournal);
   PLUMBLINE_TRY(sync_folder());
-  return JournalFile(std::move(file), size);
+  return file;
 }
 
 Expected<JournalFile> JobStore::open_journal() const {

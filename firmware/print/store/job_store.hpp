@@ -26,10 +26,10 @@ class JobStore {
   bool has_job() const;
 
   /// Replaces anything stored with a new print. Durable when it returns. Takes nothing from the heap.
-  /// @returns storage for its journal, all zeros; create the journal with `job_hash`
+  /// After an error nothing is stored.
+  /// @returns its journal, for Journal::open()
   /// @retval ErrorCode::kCannotWrite
-  [[nodiscard]] Expected<JournalFile> begin(const JobFacts& facts, const RRep& rrep, const Supports& supports,
-                                            std::uint64_t& job_hash);
+  [[nodiscard]] Expected<JournalFile> begin(const JobFacts& facts, const RRep& rrep, const Supports& supports);
 
   struct Interrupted {
     StoredJob job;
@@ -51,9 +51,10 @@ class JobStore {
 
  private:
   JobStore() = default;
+  [[nodiscard]] Expected<JournalFile> write(const JobFacts& facts, const RRep& rrep, const Supports& supports);
   [[nodiscard]] Status write_job_file(const JobFacts& facts, const RRep& rrep, const Supports& supports,
                                       std::uint64_t& job_hash);
-  [[nodiscard]] Expected<JournalFile> create_journal(std::uint32_t layers);
+  [[nodiscard]] Expected<JournalFile> create_journal(std::uint64_t job_hash, std::uint32_t layers);
   [[nodiscard]] Expected<JournalFile> open_journal() const;
   [[nodiscard]] Status sync_folder() const;
   FixedPath path_of(const char* name) const;

@@ -5,7 +5,7 @@
 
 namespace plumbline {
 
-/// A journal's storage in a file: pread, pwrite, fdatasync.
+/// A journal's storage in a file: pread, pwrite, fdatasync. Short and interrupted calls are continued.
 class JournalFile final : public JournalStorage {
  public:
   JournalFile() = default;

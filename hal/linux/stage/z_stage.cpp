@@ -121,6 +121,7 @@ void LinuxZStage::start(Order order) {
   moving_ = true;
   arrived_ = false;
   steps_lost_ = Distance();
+  began_at_height_.reset();
   outcome_ = Status();
   changed_.notify_all();
 }
@@ -139,6 +140,7 @@ Status LinuxZStage::do_begin_homing() {
   const std::scoped_lock lock(mutex_);
   was_homed_ = std::exchange(homed_, false);
   began_at_ = monotonic_now();
+  homed_from_ = legs_.count();
   const Distance travel = limits().end_stop - limits().lowest + kOvertravel;
   const Distance slow_legs = kRelease + kBackOff * 2 + kOvertravel;  // counted twice below, as a margin
   ends_by_ = began_at_ + duration_of(travel, std::min(kApproachSpeed, limits().fastest), limits().acceleration) +
@@ -176,7 +178,8 @@ Expected<MotionReport> LinuxZStage::do_finish() {
                       .ended_at = TimePoint(ended_at_),
                       .position = height_of(legs_.count()),
                       .arrived = arrived_,
-                      .steps_lost = steps_lost_};
+                      .steps_lost = steps_lost_,
+                      .began_at_height = arrived_ ? began_at_height_ : std::nullopt};
 }
 
 Status LinuxZStage::run_leg(Distance distance, Speed speed, LegUntil until, StepLegResult& result) {
@@ -252,6 +255,7 @@ Status LinuxZStage::find_end_stop() {
   const std::scoped_lock lock(mutex_);
   if (was_homed_) steps_lost_ = height_of(result.switched) - limits().end_stop;
   reference_ = limits().end_stop - distance_of(result.switched);
+  began_at_height_ = height_of(homed_from_);
   return {};
 }
 

@@ -77,6 +77,8 @@ class LinuxZStage final : public ZStage {
   std::int64_t target_ = 0;  // counted steps, see StepLegs::count()
   Speed speed_;
   Distance steps_lost_;
+  std::int64_t homed_from_ = 0;  // counted steps before the homing
+  std::optional<ZPosition> began_at_height_;
   Status outcome_;
   std::array<nanoseconds, 8> ended_{};  // for drain()
   std::size_t ended_count_ = 0;

@@ -60,6 +60,8 @@ class StageModel {
   void stop();
   /// Cuts the motor's power: the stage stops at once.
   void cut();
+  /// A motor without power turns, or a driver that starts turns it. At rest only.
+  void drift(Distance by) { height_ = height_ + by; }
 
   bool moving() const { return moving_; }
   Distance height() const;                    ///< true height of the plate, also while it moves

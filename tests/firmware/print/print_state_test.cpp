@@ -72,6 +72,7 @@ TEST(PrintState, OnlyOneStateMayExposeAndAnOpenedCoverNeedsTheUserToReturnToIt) 
     }
   }
   EXPECT_EQ(next(kCoverOpen, kCoverClosed), kPaused);
+  EXPECT_EQ(next(kHoming, kPartInDoubt), kPaused) << "the user measures the part first";
 }
 
 TEST(PrintState, CoverCancelFailureAndShutdownEndALayer) {

@@ -207,6 +207,18 @@ TEST_F(Stage, HomesUpwardAndThenKnowsItsHeight) {
   EXPECT_NEAR(height_mm(), 9, kStep);
 }
 
+TEST_F(Stage, TellsWhereItsHomingBegan) {
+  for (const std::int64_t height : {123, 7, 510}) {
+    lines_.height = height;  // as if it had been moved without power
+    lines_.touch();
+    const auto homed = stage().home();
+    ASSERT_TRUE(homed) << homed.error().message();
+    ASSERT_TRUE(homed->began_at_height);
+    EXPECT_NEAR(homed->began_at_height->above_film().millimetres(), static_cast<double>(height) * kStep, kStep);
+  }
+  EXPECT_FALSE(stage().move_to(ZPosition(2_mm), Speed(50))->began_at_height);
+}
+
 TEST_F(Stage, HomesFromAPressedEndStop) {
   lines_.height = 510;
   lines_.touch();

@@ -42,10 +42,9 @@ class JobStoreTest : public ::testing::Test {
   void store() {
     auto store = JobStore::open(state());
     ASSERT_TRUE(store) << store.error().message();
-    std::uint64_t hash = 0;
-    auto file = store->begin(facts(), small_rrep(), small_supports(), hash);
+    auto file = store->begin(facts(), small_rrep(), small_supports());
     ASSERT_TRUE(file) << file.error().message();
-    auto journal = Journal::create(*file, hash, 3);
+    auto journal = Journal::open(*file);
     ASSERT_TRUE(journal);
     JournalEntry entry;
     entry.next_layer = 1;
@@ -121,9 +120,11 @@ TEST_F(JobStoreTest, NoticesEveryDamagedByteOfAJob) {
 
 TEST_F(JobStoreTest, ReplacesAnOlderPrint) {
   store();
+  const auto first = load()->job.hash;
   store();
   const auto job = load();
   ASSERT_TRUE(job);
+  EXPECT_NE(job->job.hash, first) << "no record of the older print belongs to this one";
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(state()), {}), 2) << "no files left over";
 }
 

@@ -1,0 +1,39 @@
+#include "firmware/print/resume_check.hpp"
+
+namespace plumbline {
+
+bool stage_confirms(const JournalEntry& last, const PrintPlan& plan, std::optional<ZPosition> found, Distance drift) {
+  if (last.next_layer == plan.layers) return true;  // the plate is only raised
+  if (!found) return false;
+  // A quarter of a layer for the end stop and for rounding to steps.
+  const Distance unsure = drift + Distance::nanometres(plan.layer_height.nanometres() / 4);
+  // Where the layer after the next one is cured: from here on it could have been.
+  const ZPosition too_high = height_of(plan, last.next_layer) + plan.layer_height;
+  if (*found + unsure < too_high) return *found + unsure >= last.height;
+  return last.stands >= too_high && *found + unsure >= last.stands && *found - unsure <= last.stands;
+}
+
+FixedText<160> doubt_about(const JournalEntry& last, std::optional<ZPosition> found) {
+  const double part_mm = last.height.above_film().millimetres();
+  FixedText<160> text;
+  if (found) {
+    text.add("the plate stood at %.2f mm, the journal ends at %.2f mm: measure the part",
+             found->above_film().millimetres(), part_mm);
+  } else {
+    text.add("it is not known where the plate stood, the journal ends at %.2f mm: measure the part", part_mm);
+  }
+  return text;
+}
+
+FixedText<160> question_about(const JournalEntry& last) {
+  FixedText<160> text;
+  if (last.next_layer == 0) {
+    text.add("no layer is cured yet. Look at the plate: press start if it is bare, cancel if a part hangs on it");
+  } else {
+    text.add("the part must be %.2f mm tall (%u layers). Measure it: press start if it is, cancel if it is taller",
+             last.height.above_film().millimetres(), last.next_layer);
+  }
+  return text;
+}
+
+}  // namespace plumbline
