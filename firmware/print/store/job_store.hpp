@@ -26,7 +26,7 @@ class JobStore {
   bool has_job() const;
 
   /// Replaces anything stored with a new print. Durable when it returns. Takes nothing from the heap.
-  /// After an error nothing is stored.
+  /// After an error no print is stored, or still the old one if that could not be removed.
   /// @returns its journal, for Journal::open()
   /// @retval ErrorCode::kCannotWrite
   [[nodiscard]] Expected<JournalFile> begin(const JobFacts& facts, const RRep& rrep, const Supports& supports);
