@@ -4,20 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <optional>
 #include <string_view>
 
 #include "slicer/reader/scan_reader.hpp"
+#include "tests/fuzz/require.hpp"
 
 namespace plumbline::fuzz {
-inline void require(bool truth, const char* what) {
-  if (truth) return;
-  std::fprintf(stderr, "broken: %s\n", what);
-  std::abort();
-}
 
 /// Delivers bytes all at once, or in pieces of 1 to 97 that depend only on the input.
 class Pieces final : public ByteSource {

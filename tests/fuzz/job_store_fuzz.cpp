@@ -1,0 +1,116 @@
+/// A damaged store gives back the print that it was given, or says in words why it can't.
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "firmware/io/hash64.hpp"
+#include "firmware/print/store/job_file.hpp"
+#include "tests/fuzz/edits.hpp"
+#include "tests/fuzz/require.hpp"
+
+namespace plumbline::fuzz {
+namespace {
+
+constexpr std::uint32_t kFirst[] = {0, 2, 2, 5};
+constexpr std::uint32_t kPixel[] = {1, 3, 1, 3, 7};
+constexpr Support kSupports[] = {{.column = 1, .row = 1, .first = 0, .tip = 2, .end = 3},
+                                 {.column = 3, .row = 0, .first = 1, .tip = 2, .end = 2}};
+
+/// A file in memory.
+class MemoryFile {
+ public:
+  MemoryFile() : file_(::memfd_create("job", MFD_CLOEXEC)) { require(file_.is_open(), "memfd_create"); }
+  const Descriptor& file() const { return file_; }
+  void rewind() { require(::lseek(file_.get(), 0, SEEK_SET) == 0, "lseek"); }
+  void fill(std::span<const std::byte> bytes) {
+    require(::ftruncate(file_.get(), 0) == 0, "ftruncate");
+    rewind();
+    require(file_.write_all(bytes), "write");
+    rewind();
+  }
+  std::vector<std::byte> content() {
+    rewind();
+    std::vector<std::byte> bytes(static_cast<std::size_t>(::lseek(file_.get(), 0, SEEK_END)));
+    rewind();
+    require(file_.read_all(bytes), "read");
+    return bytes;
+  }
+
+ private:
+  Descriptor file_;
+};
+
+const std::vector<std::byte>& whole() {
+  static const std::vector<std::byte> made = [] {
+    JobFacts facts;
+    facts.scan = short_name("bust.ply");
+    facts.print_id = 11;
+    facts.plan.layers = 3;
+    const RRep rrep{.grid = {.columns = 4, .rows = 2, .layers = 3}, .first = kFirst, .pixel = kPixel};
+    const Supports supports{.list = kSupports, .shape = SupportShape(SupportSettings(), rrep.grid)};
+    MemoryFile file;
+    std::uint64_t hash = 0;
+    require(write_job(file.file(), facts, rrep, supports, hash), "write_job");
+    return file.content();
+  }();
+  return made;
+}
+
+template <class T>
+bool same(std::span<const T> a, std::span<const T> b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size_bytes()) == 0;
+}
+
+void check(const std::vector<std::byte>& bytes, bool forged) {
+  static MemoryFile file;
+  file.fill(bytes);
+  alignas(Arena::kAlignment) static std::byte block[16384];
+  Arena arena(block);
+  const auto job = read_job(file.file(), "state/job", arena);
+  if (!job) {
+    require(
+        std::strncmp(job.error().message(), "state/job: ", 11) == 0 || job.error().code() == ErrorCode::kOutOfMemory,
+        "an error without the file's name");
+    return;
+  }
+  require(arena.used() <= arena.capacity(), "more than the arena");
+  require(job->rrep.first.size() == job->rrep.grid.layers + std::size_t{1}, "layers");
+  if (forged) return;
+  require(view(job->facts.scan) == "bust.ply" && job->facts.print_id == 11, "other facts than were stored");
+  require(same<std::uint32_t>(job->rrep.first, kFirst) && same<std::uint32_t>(job->rrep.pixel, kPixel),
+          "another R-Rep than was stored");
+  require(same<Support>(job->supports.list, kSupports), "other supports than were stored");
+}
+
+/// Makes the hash at the end right, so that the reader looks at the rest.
+void forge(std::vector<std::byte>& bytes) {
+  if (bytes.size() < sizeof(std::uint64_t)) return;
+  Hash64 hash;
+  hash.add(std::span(bytes).first(bytes.size() - sizeof(std::uint64_t)));
+  const std::uint64_t value = hash.value();
+  std::memcpy(bytes.data() + bytes.size() - sizeof value, &value, sizeof value);
+}
+
+}  // namespace
+}  // namespace plumbline::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+  using namespace plumbline::fuzz;
+  const std::span all(bytes, size);
+  if (all.empty()) return 0;
+  Input input(all.subspan(1));
+  std::vector<std::byte> job = whole();
+  const bool forged = all[0] % 2 == 1;
+  while (!input.empty()) damage(job, input);
+  if (forged) forge(job);
+  check(job, forged);
+  return 0;
+}
