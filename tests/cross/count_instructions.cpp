@@ -1,4 +1,4 @@
-/// Plug-in for QEMU's user emulation that counts the instructions a program executes. tests/cross/count_instructions.py builds it,
+/// Plug-in for QEMU's user emulation that counts the instructions a program executes. tests/cross/counted_run.py builds it,
 /// loads it with -plugin FILE,out=PATH, and reads what it writes to PATH when the program ends:
 ///
 ///     stderr COUNT     for each write(2) to standard error, in order: instructions so far
@@ -39,6 +39,12 @@ const int qemu_plugin_version = 1;
 
 namespace {
 
+/// An architecture, as QEMU calls it, and the number of its system call write.
+struct Target {
+  const char* name;
+  std::int64_t write_number;
+};
+
 std::uint64_t executed = 0;
 unsigned threads = 0;
 std::int64_t write_number = 0;  ///< of the target's system call write
@@ -71,12 +77,12 @@ void on_exit(PluginId /*id*/, void* /*data*/) {
 
 extern "C" [[gnu::visibility("default")]] int qemu_plugin_install(PluginId id, const TargetInfo* info, int argc,
                                                                   char** argv) {
-  constexpr std::int64_t kWriteArm = 4;
-  constexpr std::int64_t kWriteAarch64 = 64;
-  const std::string target = info->target_name;
-  if (argc != 1 || std::strncmp(argv[0], "out=", 4) != 0 || (target != "arm" && target != "aarch64")) return 1;
+  constexpr std::array<Target, 3> kTargets = {{{"arm", 4}, {"aarch64", 64}, {"x86_64", 1}}};
+  for (const Target& target : kTargets) {
+    if (std::strcmp(info->target_name, target.name) == 0) write_number = target.write_number;
+  }
+  if (argc != 1 || std::strncmp(argv[0], "out=", 4) != 0 || write_number == 0) return 1;
   out = argv[0] + 4;
-  write_number = target == "arm" ? kWriteArm : kWriteAarch64;
   qemu_plugin_register_vcpu_init_cb(id, on_thread);
   qemu_plugin_register_vcpu_tb_trans_cb(id, on_block);
   qemu_plugin_register_vcpu_syscall_cb(id, on_call);
