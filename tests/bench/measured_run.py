@@ -1,0 +1,34 @@
+"""Runs a program and measures it: CPU seconds and peak memory of the process, as the kernel counts them."""
+
+import os
+import subprocess
+import sys
+import time
+from typing import NamedTuple
+
+
+class Cost(NamedTuple):
+    cpu_s: float  # user and system, all threads
+    wall_s: float
+    peak_mib: float  # resident
+
+    def __add__(self, other):
+        """Of two programs that run one after the other."""
+        return Cost(self.cpu_s + other.cpu_s, self.wall_s + other.wall_s, max(self.peak_mib, other.peak_mib))
+
+
+def measure(command):
+    """Ends this program if the other one fails, with what it printed."""
+    started = time.monotonic()
+    process = subprocess.Popen(list(map(str, command)), stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    said = process.stdout.read().decode(errors="replace")
+    _, status, used = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    if process.returncode != 0:
+        sys.exit(f"{' '.join(map(str, command))}\nended with {process.returncode}:\n{said[-3000:]}")
+    return Cost(used.ru_utime + used.ru_stime, time.monotonic() - started, used.ru_maxrss / 1024)
+
+
+def stay_on_one_core():
+    """This process and those it starts: nobody gains from a second thread, nobody pays for moving between cores."""
+    os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
