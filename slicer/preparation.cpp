@@ -74,7 +74,7 @@ class Preparation {
     report_.cloud_points = read->cloud.size;
     report_.averaged_points = read->averaged;
     report_.lengths.thinning_cell = {static_cast<float>(read->cell)};
-    report_.planned_bytes = admission->plan().bytes;
+    report_.planned_bytes = admission->plan_for(read->cloud.size).bytes;
     return {};
   }
 

@@ -74,9 +74,7 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
     plan.bytes[static_cast<std::size_t>(stage)] = bytes + kSlack;
   };
   const std::uint32_t room = points + Cloud::spare(points);
-  // The winding number tree is built at kWindingTree. Earlier stages count its nodes too, although they don't need them
-  // yet: without them a thinned scan would keep more points, and its masks would change.
-  const std::size_t cloud = WindingTree::bytes_needed(room) + Cloud::kBytesPerPoint * room;
+  const std::size_t cloud = Cloud::kBytesPerPoint * std::size_t{room};
   const std::size_t tree = KdTree3::kBytesPerPoint * std::size_t{points};
   const auto reader =
       static_cast<std::size_t>(std::min<std::uint64_t>(evidence.reader_bytes, kTooMuch) + evidence.kept_bytes);
@@ -87,11 +85,13 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
   set(Stage::kClustering, cloud + tree +
                               std::max({sizeof(PackedNormal) * std::size_t{points}, stray_pieces_bytes(points),
                                         support_size_bytes(), bore_walls_bytes(points)}));
-  set(Stage::kWindingTree, cloud);
   std::size_t image = 0;
   std::size_t store = 0;
   // Without a grid the number of layers is unknown, but the cells take most of the map.
   const std::size_t map = evidence.confidence ? ConfidenceMap::bytes_needed(grid ? grid->layers : 0) : 0;
+  const std::uint32_t ray_points = evidence.ray_points.value_or(room);
+  const std::size_t field = map + cloud + WindingTree::bytes_needed(ray_points);
+  set(Stage::kWindingTree, field);
   if (grid) {
     image = Arena::rounded(BitImage::words_needed(grid->columns, grid->rows) * sizeof(std::uint64_t));
     const RayYield yield = evidence.yield.value_or(expected_yield(*grid));
@@ -105,10 +105,10 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
     set(Stage::kSupports, map + sorted + find_supports_bytes(*grid));
     set(Stage::kLayers, map + sorted + supports * sizeof(Support) + MaskStream::bytes_needed(*grid, supports));
   }
-  const std::size_t flat_tree = KdTree2::kBytesPerPoint * std::size_t{room};
-  set(Stage::kRayGrid, cloud + flat_tree + 2 * image);
+  const std::size_t flat_tree = KdTree2::kBytesPerPoint * std::size_t{ray_points};
+  set(Stage::kRayGrid, field + flat_tree + 2 * image);
   const std::size_t workers = threads * RayShooter::bytes_needed(tile_capacity(room));
-  set(Stage::kRays, map + cloud + flat_tree + image + store + workers);
+  set(Stage::kRays, field + flat_tree + image + store + workers);
   return plan;
 }
 

@@ -45,6 +45,8 @@ struct PlanEvidence {
   std::uint64_t reader_bytes = 0;  ///< ScanHeader::reader_bytes, the largest of the scan's files
   std::uint64_t kept_bytes = 0;    ///< ScanAnnouncement::kept_bytes
   bool confidence = false;         ///< SliceSettings::confidence
+  /// Points that are left when rays are shot: some are noise, others are joined. If unknown, as many as the cloud has room for.
+  std::optional<std::uint32_t> ray_points = std::nullopt;
   /// What the rays will find, if known. Otherwise the object is assumed to cover half of the grid: before the scan is read
   /// its size is unknown, and the board's memory must suffice for all that its panel can show. A smaller object leaves
   /// room unused. A larger one may be refused by admit_rays() once it has been placed.

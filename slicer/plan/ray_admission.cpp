@@ -42,9 +42,10 @@ Status admit_rays(const PlacedObject& object, const Arena& arena, std::array<std
     return RayYield{std::min(crossings / 2, static_cast<double>(object.interested.count())), crossings};
   };
   // The plan assumes that the scan missed surface: every ray leaves the object as often as it enters.
-  const MemoryPlan plan = plan_memory(
-      object.read_points, object.grid, object.threads,
-      {.confidence = object.confidence, .yield = yield_of(kPlannedShare * 2 * std::max(seen.entering, seen.exiting))});
+  const MemoryPlan plan = plan_memory(object.read_points, object.grid, object.threads,
+                                      {.confidence = object.confidence,
+                                       .ray_points = object.cloud.size,
+                                       .yield = yield_of(kPlannedShare * 2 * std::max(seen.entering, seen.exiting))});
   for (const Stage stage : {Stage::kRayGrid, Stage::kRays, Stage::kRRep, Stage::kSupports, Stage::kLayers}) {
     planned_bytes[static_cast<std::size_t>(stage)] = plan.bytes[static_cast<std::size_t>(stage)];
   }

@@ -23,12 +23,14 @@ class ScanAdmission {
 
   std::uint32_t room() const { return room_; }      ///< points that the arena has room for, known after admit()
   const MemoryPlan& plan() const { return plan_; }  ///< for the points admitted, known after admit()
+  /// For the points that are left of those admitted, when all have been read: call after admit().
+  MemoryPlan plan_for(std::uint32_t points) const;
 
  private:
   std::size_t budget_ = 0;
   std::optional<PrintGrid> grid_;
   std::uint32_t threads_ = 1;
-  bool confidence_ = false;
+  PlanEvidence evidence_;
   std::uint32_t room_ = 0;
   MemoryPlan plan_;
 };

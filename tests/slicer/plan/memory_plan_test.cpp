@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "tests/slicer/support/slicing.hpp"
 
@@ -105,6 +106,63 @@ TEST(MemoryPlan, CoversWhatEachStageUses) {
       if (stage == Stage::kRays) continue;
       EXPECT_LE(report.peak_bytes[s], report.planned_bytes[s]) << to_string(stage);
     }
+  }
+}
+
+struct PlannedJob {
+  const char* scan;
+  Surface surface;
+  bool confidence = false;
+  std::optional<PrinterVolume> printer = std::nullopt;
+  std::size_t arena_mib = 64;
+};
+
+std::vector<PlannedJob> jobs_of_several_kinds() {
+  constexpr std::uint32_t kPoints = 60000;
+  Random random(5);
+  std::vector<PlannedJob> jobs;
+  const Surface clean = sphere(kPoints, 15, {1, 2, 3});
+  jobs.push_back({"clean", clean});
+  Surface noisy = clean;
+  add_noise(noisy, 0.05, 0.1, random);
+  shuffle(noisy, random);
+  jobs.push_back({"noisy", noisy});
+  jobs.push_back({"noisy, with its evidence", noisy, true});
+  Surface without_normals = clean;
+  for (SurfacePoint& p : without_normals) p.normal.setZero();
+  jobs.push_back({"without normals", without_normals});
+  Surface open = clean;
+  std::erase_if(open, [](const SurfacePoint& p) { return p.position[2] < 0; });
+  jobs.push_back({"open below", open});
+  Surface outliers = clean;
+  for (std::uint32_t i = 0; i < kPoints / 20; ++i) {
+    outliers.push_back({Vec3d(1, 2, 3) + 8 * random.vector(), random.vector().normalized()});
+  }
+  shuffle(outliers, random);
+  jobs.push_back({"with outliers", outliers});
+  const PrinterVolume panel{360, 640, 0.1F, 0.1F, 60};
+  const Surface half = half_a_panel(0.1, 360, 640, kPoints);
+  jobs.push_back({"half of a panel", half, false, panel});
+  jobs.push_back({"half of a panel, thinned", half, false, panel, 10});
+  return jobs;
+}
+
+TEST(MemoryPlan, IsWithinFivePerCentOfTheMostThatAJobUsesBesideViews) {
+  for (const PlannedJob& job : jobs_of_several_kinds()) {
+    SliceSettings settings = settings_with_pitch(0.1F);
+    settings.placement.printer = job.printer;
+    settings.confidence = job.confidence;
+    const Slicing sliced(binary_ply(job.surface), settings, job.arena_mib * kMiB);
+    const SliceReport& report = sliced.report();
+    // Views need a few MiB, whatever the scan, which are planned for scans without views, too. Of a scan of this size that is much.
+    const auto most = [](auto bytes) {
+      bytes[static_cast<std::size_t>(Stage::kViews)] = 0;
+      return static_cast<double>(*std::ranges::max_element(bytes));
+    };
+    const double used = most(report.peak_bytes);
+    const double planned = most(report.planned_bytes);
+    EXPECT_LE(used, planned) << job.scan;
+    EXPECT_LE(planned, 1.05 * used) << job.scan;
   }
 }
 
