@@ -31,9 +31,8 @@ void add_scan(Text& text, const ScanOutlook& o) {
              o.scan.scans.each[i].header.has_normals ? "with normals" : "without normals");
   }
   if (scan.not_finite > 0) text.add("           %llu points that are not finite were left out\n", big(scan.not_finite));
-  const double turned = turned_share(o.scan.normals.turned, o.scan.cloud_points);
-  if (turned > kFewTurned)
-    text.add("           %.2g %% of the normals point into the object and are flipped\n", 100 * turned);
+  const auto turned = turned_warning(o.scan.normals, o.scan.cloud_points);
+  if (!turned.view().empty()) text.add("           %s\n", turned.c_str());
   if (o.scan.strays.pieces > 0) text.add("           %s\n", stray_warning(o.scan.strays).c_str());
 }
 
@@ -143,6 +142,8 @@ void write_scan(JsonWriter& json, const ScanOutlook& o) {
   json.end_object();
   json.member("normals_estimated", o.scan.normals.estimated);
   json.member("normals_turned", o.scan.normals.turned);
+  json.member("normals_inside_out", o.scan.normals.inside_out);
+  json.member("normals_contradictory", o.scan.normals.contradictory);
   if (o.scan_names.size() > 1) write_files(json, o.scan_names, o.scan.scans);
   json.end_object();
 }

@@ -8,6 +8,7 @@ namespace {
 constexpr double kSmallestUsual = 5;   ///< mm, longest side; smaller and larger prints are rare, and wrong units common
 constexpr double kLargestUsual = 500;  ///< mm
 constexpr double kThinnest = 2;        ///< pixels or layers; opening removes what is thinner
+constexpr double kFewTurned = 0.01;    ///< share of the normals; if fewer were flipped, there is no warning
 
 double voxel_mm3(const PrintGrid& grid) {
   return static_cast<double>(grid.pitch_x_mm) * static_cast<double>(grid.pitch_y_mm) *
@@ -131,8 +132,20 @@ FixedText<256> stray_warning(const StrayPieces& strays) {
   return text;
 }
 
-double turned_share(std::uint32_t turned, std::uint32_t points) {
-  return points > 0 ? static_cast<double>(turned) / points : 0;
+FixedText<256> turned_warning(const NormalCounts& normals, std::uint32_t points) {
+  FixedText<256> text;
+  const double share = points > 0 ? static_cast<double>(normals.turned) / points : 0;
+  if (normals.contradictory) {
+    text.add(
+        "the scan's normals face into the object and out of it at random; %.0f %% were flipped. Check in the preview "
+        "that its solid parts are solid, or scan again",
+        100 * share);
+  } else if (normals.inside_out) {
+    text.add("the scan is inside out: %.0f %% of its normals pointed into the object and were flipped", 100 * share);
+  } else if (share > kFewTurned) {
+    text.add("%.2g %% of the normals pointed into the object and were flipped", 100 * share);
+  }
+  return text;
 }
 
 bool lies_on_its_face(const ClusteringCounts& clustering) {
@@ -143,12 +156,8 @@ bool lies_on_its_face(const ClusteringCounts& clustering) {
 void for_each_remark(const SliceReport& slice, FunctionRef<void(std::string_view)> visit) {
   for_each_size_remark(slice, visit);
   if (slice.strays.pieces > 0) visit(stray_warning(slice.strays).view());
-  FixedText<256> text;
-  const double turned = turned_share(slice.normals.turned, slice.cloud_points);
-  if (turned > kFewTurned) {
-    text.add("%.2g %% of the normals pointed into the object and were flipped", 100 * turned);
-    visit(text.view());
-  }
+  FixedText<256> text = turned_warning(slice.normals, slice.cloud_points);
+  if (!text.view().empty()) visit(text.view());
   if (slice.components.floating_solids > 0) {
     text = {};
     const bool one = slice.components.floating_solids == 1;

@@ -87,10 +87,9 @@ FixedText<96> size_text(const Placement& placement);
 /// The sentence about stray pieces that were left out; empty if there were none.
 FixedText<256> stray_warning(const StrayPieces& strays);
 
-/// Share of the normals that were flipped, 0 to 1.
-double turned_share(std::uint32_t turned, std::uint32_t points);
-/// A smaller share is not worth a warning: it comes from flying pixels at edges.
-inline constexpr double kFewTurned = 0.01;
+/// The sentence about normals that were flipped; empty if they are few, as those of flying pixels at edges.
+/// @param points  of the cloud
+FixedText<256> turned_warning(const NormalCounts& normals, std::uint32_t points);
 
 /// Whether the scan shows one side only, and that side faces down.
 bool lies_on_its_face(const ClusteringCounts& clustering);

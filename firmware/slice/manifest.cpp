@@ -69,6 +69,8 @@ void write_points(JsonWriter& json, const SliceReport& slice) {
   json.end_object();
   json.member("normals_estimated", slice.normals.estimated);
   json.member("normals_turned", slice.normals.turned);
+  json.member("normals_inside_out", slice.normals.inside_out);
+  json.member("normals_contradictory", slice.normals.contradictory);
   json.key("views");
   json.begin_object(kOneLine);
   json.member("found", slice.views.views);

@@ -9,6 +9,13 @@
 namespace plumbline {
 namespace {
 
+/// Normals in a cell whose inner product is below this face opposite sides: 120 degrees apart.
+constexpr float kOpposite = -0.5F;
+/// The scan's normals face either side at random if at least one in kOften averaged points faces the opposite side of its cell,
+/// and at least kFewest do. Thin walls and noise make some: 1 in 100 of a noisy scan.
+constexpr std::uint64_t kOften = 10;
+constexpr std::uint64_t kFewest = 8;
+
 /// Slots of the table: the power of two that leaves it 1/3 to 2/3 full when the cloud is.
 std::size_t slots_for(std::uint32_t capacity) { return std::bit_ceil(std::size_t{capacity} * 3 / 2 + 16); }
 
@@ -54,7 +61,13 @@ void PointThinner::merge(std::uint32_t place, const Vec3f& p, const PackedNormal
   cloud_.position[place] += (p - cloud_.position[place]) * (b / (a + b));
   if (normal.known()) {
     if (kept.known()) {
-      kept.set(kept.unpack() * a + normal.unpack() * b);
+      const Vec3f mean = kept.unpack();
+      const Vec3f more = normal.unpack();
+      const bool opposite = mean.dot(more) < kOpposite;
+      opposite_ += opposite ? 1 : 0;
+      // Opposite normals would cancel. Where sides are random only the direction counts; complete_normals() finds the side.
+      const bool random = opposite_ >= kFewest && kOften * opposite_ > averaged_;
+      kept.set(mean * a + more * (opposite && random ? -b : b));
     } else {
       kept.set(normal.unpack());
     }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "slicer/normals/normal_orientation.hpp"
 #include "slicer/normals/sheets.hpp"
 #include "slicer/normals/sided_sets.hpp"
 
@@ -19,20 +20,26 @@ constexpr std::uint32_t kNearest =
 constexpr std::uint32_t kInARow = 3;  ///< following points that each point is joined with
 constexpr float kSameSide = 0.5F;     ///< least join_weight(): that across a right-angled edge
 constexpr float kNear2 = 4;  ///< followers are joined up to twice the distance of the farthest of the nearest; squared
-constexpr std::uint32_t kBatch = 1024;  ///< groups that are searched at once, in parallel: 128 KiB of scratch
-constexpr double kJoinShare = 0.6;      ///< of the time, for progress only; the field takes the rest
+constexpr std::uint32_t kBatch = 1024;      ///< groups that are searched at once, in parallel: 128 KiB of scratch
+constexpr std::int64_t kContradictory = 5;  ///< one in this many pairs of neighbours, see turn_flipped_normals()
+constexpr double kJoinShare = 0.6;          ///< of the time, for progress only; the field takes the rest
 
 class FlippedNormals {
  public:
   FlippedNormals(Cloud& cloud, const KdTree3& tree, Arena& arena, const StageProgress& progress)
       : cloud_(cloud), tree_(tree), arena_(arena), progress_(progress) {}
 
-  Expected<std::uint32_t> turn() {
+  Expected<NormalCounts> turn() {
     auto entries = arena_.take_top<std::uint32_t>(cloud_.size, kStage);
     PLUMBLINE_TRY(entries);
     sets_ = SidedSets(*entries);
     for (std::uint32_t i = 0; i < cloud_.size; ++i) sets_.start(i, false);
     PLUMBLINE_TRY(join());
+    if (kContradictory * (opposite_ - std::abs(facing_)) > pairs_) {
+      NormalCounts counts;
+      counts.contradictory = true;
+      return counts;
+    }
     PLUMBLINE_TRY(Sheets::limit_areas(cloud_, arena_));
     if (!progress_.advance(kJoinShare)) return fail(ErrorCode::kCancelled, "cancelled while orienting normals");
     return Sheets(cloud_, sets_, arena_).turn(FirstSide::kLargest);
@@ -65,7 +72,7 @@ class FlippedNormals {
   void join_group(std::uint32_t first, std::span<const Neighbour> nearest) {
     const float farthest2 = nearest.back().distance2;
     const std::uint32_t end = std::min(cloud_.size, first + kGroup);
-    for (const Neighbour& n : nearest) join_pair(first, n.index);
+    for (const Neighbour& n : nearest) count_pair(first, n.index, join_pair(first, n.index));
     for (std::uint32_t i = first; i < end; ++i) {
       cloud_.radius[i] = std::sqrt(farthest2 / kNearest);
       for (std::uint32_t j = i + 1; j <= i + kInARow && j < cloud_.size; ++j) {
@@ -75,11 +82,24 @@ class FlippedNormals {
     }
   }
 
-  void join_pair(std::uint32_t i, std::uint32_t j) {
-    if (i == j || join_weight(cloud_, i, j) < kSameSide) return;
+  /// @returns join_weight(), 0 for a point and itself
+  float join_pair(std::uint32_t i, std::uint32_t j) {
+    if (i == j) return 0;
+    const float weight = join_weight(cloud_, i, j);
+    if (weight < kSameSide) return weight;
     const SidedSets::Place a = sets_.find(i);
     const SidedSets::Place b = sets_.find(j);
     if (a.root != b.root) sets_.unite(a, b, false);
+    return weight;
+  }
+
+  void count_pair(std::uint32_t i, std::uint32_t j, float weight) {
+    if (std::abs(weight) < kSameSide) return;
+    ++pairs_;
+    if (weight > 0) return;
+    ++opposite_;
+    const float towards = cloud_.normal[i].unpack().dot(cloud_.position[j] - cloud_.position[i]);
+    facing_ += towards > 0 ? 1 : towards < 0 ? -1 : 0;
   }
 
   Cloud& cloud_;
@@ -87,6 +107,9 @@ class FlippedNormals {
   Arena& arena_;
   StageProgress progress_;
   SidedSets sets_;
+  std::int64_t pairs_ = 0;     ///< of neighbours whose normals are nearly parallel
+  std::int64_t opposite_ = 0;  ///< of these, those that face opposite sides
+  std::int64_t facing_ = 0;    ///< of these, those that face each other, minus those that face away from each other
 };
 
 }  // namespace
@@ -94,14 +117,20 @@ class FlippedNormals {
 std::size_t flipped_normals_bytes(std::uint32_t points) {
   const std::size_t sides = sizeof(std::uint32_t) * std::size_t{points};
   const std::size_t batch = sizeof(Neighbour) * kNearest * std::size_t{kBatch};
-  return sides + std::max(batch, Sheets::bytes_needed(points));
+  return std::max(sides + std::max(batch, Sheets::bytes_needed(points)), orientation_bytes(points));
 }
 
-Expected<std::uint32_t> turn_flipped_normals(Cloud& cloud, const KdTree3& tree, Arena& arena,
-                                             const StageProgress& progress) {
-  if (cloud.size == 0) return 0U;
-  const ArenaScope scope(arena);
-  return FlippedNormals(cloud, tree, arena, progress).turn();
+Expected<NormalCounts> turn_flipped_normals(Cloud& cloud, const KdTree3& tree, Arena& arena,
+                                            const StageProgress& progress) {
+  if (cloud.size == 0) return NormalCounts{};
+  const std::size_t mark = arena.top_mark();
+  auto counts = FlippedNormals(cloud, tree, arena, progress).turn();
+  arena.release_top(mark);
+  if (!counts || !counts->contradictory) return counts;
+  const auto turned = orient_normals(cloud, tree, {}, arena, progress.part(kJoinShare, 1));
+  PLUMBLINE_TRY(turned);
+  counts->turned = *turned;
+  return counts;
 }
 
 }  // namespace plumbline

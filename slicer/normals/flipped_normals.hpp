@@ -7,13 +7,14 @@
 #include "slicer/cloud/cloud.hpp"
 #include "slicer/cloud/kd_tree.hpp"
 #include "slicer/core/progress.hpp"
+#include "slicer/normals/normal_counts.hpp"
 
 namespace plumbline {
 
 /// Most bytes of arena that turn_flipped_normals() takes, not counting the rounding of blocks.
 std::size_t flipped_normals_bytes(std::uint32_t points);
 
-/// Turns over the normals that contradict the rest of the scan.
+/// Turns over the normals that face into the object.
 ///
 /// Neighbours that face the same way (join_weight() of at least 1/2) are joined to sheets. Only neighbours in the order of
 /// the tree are joined, and every eighth point with its nearest ones, which links the groups of eight. The largest sheet is
@@ -21,12 +22,18 @@ std::size_t flipped_normals_bytes(std::uint32_t points);
 /// sheets before them says so (orient_normals(), 2): a sheet that faces the wrong way opens a hole in the surface instead of
 /// closing it. A separate part, or the wall of a cavity, does not contradict the field and stays.
 ///
-/// A scan that is inside out as a whole stays so: its normals do not contradict each other.
+/// Then the winding number on the largest sheet tells whether the scan as a whole is inside out: 1/2 on a closed surface, -1/2
+/// if all normals face into it. Below -1/4 the largest sheet is turned over, and the others are asked again. A height field
+/// stays, since it can be a valley.
 ///
-/// @param cloud  in the order of `tree`; overwrites radius[]
-/// @returns normals turned over. The same for any number of threads
+/// If more than a fifth of all pairs of neighbours face opposite sides, such sheets mean little. Then only the directions are
+/// kept, and orient_normals() finds all sides. Walls thinner than the points' spacing don't count, nor do narrow gaps: there,
+/// neighbours all face away from each other, or all face each other; where normals were turned at random, half do.
+///
+/// @param cloud  in the order of `tree`; overwrites radius[] with the radius of each point's share of the surface
+/// @returns counts, with none estimated. The same for any number of threads
 /// @retval ErrorCode::kOutOfMemory, kCancelled
-[[nodiscard]] Expected<std::uint32_t> turn_flipped_normals(Cloud& cloud, const KdTree3& tree, Arena& arena,
-                                                           const StageProgress& progress = {});
+[[nodiscard]] Expected<NormalCounts> turn_flipped_normals(Cloud& cloud, const KdTree3& tree, Arena& arena,
+                                                          const StageProgress& progress = {});
 
 }  // namespace plumbline

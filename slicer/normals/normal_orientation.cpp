@@ -27,19 +27,22 @@ class Orientation {
               const StageProgress& progress)
       : cloud_(cloud), tree_(tree), estimated_(estimated), arena_(arena), progress_(progress) {}
 
-  Status run() {
+  Expected<std::uint32_t> run() {
     auto entries = arena_.take_top<std::uint32_t>(cloud_.size, kStage);
-    if (!entries) return tl::unexpected<Error>(entries.error());
+    PLUMBLINE_TRY(entries);
     sets_ = SidedSets(*entries);
     for (std::uint32_t i = 0; i < cloud_.size; ++i) sets_.start(i, !is_estimated(i));
     PLUMBLINE_TRY(Sheets::limit_areas(cloud_, arena_));
     PLUMBLINE_TRY(join());
-    PLUMBLINE_TRY(Sheets(cloud_, sets_, arena_).turn(FirstSide::kKnownOrConvex));
-    return {};
+    const auto counts = Sheets(cloud_, sets_, arena_).turn(FirstSide::kKnownOrConvex);
+    PLUMBLINE_TRY(counts);
+    return counts->turned;
   }
 
  private:
-  bool is_estimated(std::uint32_t i) const { return ((estimated_[i / 64] >> (i % 64)) & 1U) != 0; }
+  bool is_estimated(std::uint32_t i) const {
+    return estimated_.empty() || ((estimated_[i / 64] >> (i % 64)) & 1U) != 0;
+  }
 
   static std::uint8_t class_of(float magnitude) {
     std::uint8_t c = 0;
@@ -131,8 +134,8 @@ std::size_t orientation_bytes(std::uint32_t points) {
   return sides + std::max(batch, Sheets::bytes_needed(points));
 }
 
-Status orient_normals(Cloud& cloud, const KdTree3& tree, std::span<const std::uint64_t> estimated, Arena& arena,
-                      const StageProgress& progress) {
+Expected<std::uint32_t> orient_normals(Cloud& cloud, const KdTree3& tree, std::span<const std::uint64_t> estimated,
+                                       Arena& arena, const StageProgress& progress) {
   const ArenaScope scope(arena);
   return Orientation(cloud, tree, estimated, arena, progress).run();
 }

@@ -33,9 +33,11 @@ std::size_t orientation_bytes(std::uint32_t points);
 /// outside is taken for the outside of a dome. A scan's own normals are better; see estimate_normals().
 ///
 /// @param cloud      in the order of `tree`; radius[i]^2 pi is the area of point i
-/// @param estimated  bit i % 64 of word i / 64: normal i may be turned over. The others are right
+/// @param estimated  bit i % 64 of word i / 64: normal i may be turned over. The others are right. Empty: none is
+/// @returns normals turned over
 /// @retval ErrorCode::kOutOfMemory, kCancelled
-[[nodiscard]] Status orient_normals(Cloud& cloud, const KdTree3& tree, std::span<const std::uint64_t> estimated,
-                                    Arena& arena, const StageProgress& progress = {});
+[[nodiscard]] Expected<std::uint32_t> orient_normals(Cloud& cloud, const KdTree3& tree,
+                                                     std::span<const std::uint64_t> estimated, Arena& arena,
+                                                     const StageProgress& progress = {});
 
 }  // namespace plumbline

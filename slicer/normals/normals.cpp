@@ -66,11 +66,9 @@ Expected<NormalCounts> complete_normals(Cloud& cloud, const KdTree3& tree, Arena
     counts.estimated = *estimated;
   }
   if (static_cast<std::uint32_t>(missing) == cloud.size) return counts;
-  const auto turned =
-      turn_flipped_normals(cloud, tree, arena, missing > 0 ? progress.part(kCompletionShare, 1) : progress);
-  PLUMBLINE_TRY(turned);
-  counts.turned = *turned;
-  return counts;
+  auto turned = turn_flipped_normals(cloud, tree, arena, missing > 0 ? progress.part(kCompletionShare, 1) : progress);
+  if (turned) turned->estimated = counts.estimated;
+  return turned;
 }
 
 }  // namespace plumbline

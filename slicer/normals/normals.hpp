@@ -6,6 +6,7 @@
 #include "slicer/cloud/cloud.hpp"
 #include "slicer/cloud/kd_tree.hpp"
 #include "slicer/core/progress.hpp"
+#include "slicer/normals/normal_counts.hpp"
 
 namespace plumbline {
 
@@ -29,12 +30,7 @@ std::size_t normals_bytes(std::uint32_t points);
 [[nodiscard]] Expected<std::uint32_t> estimate_normals(Cloud& cloud, const KdTree3& tree, Arena& arena,
                                                        const StageProgress& progress = {});
 
-struct NormalCounts {
-  std::uint32_t estimated = 0;  ///< normals that the scan did not have
-  std::uint32_t turned = 0;     ///< normals of the scan that contradicted the others
-};
-
-/// Estimates missing normals. If the scan has some of its own, also turns over those that contradict the rest: see
+/// Estimates missing normals. If the scan has some of its own, also turns over those that face into the object: see
 /// turn_flipped_normals().
 ///
 /// @param cloud  as for estimate_normals()

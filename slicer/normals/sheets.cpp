@@ -26,6 +26,14 @@ constexpr std::int64_t kUnit = 1 << 20;
 constexpr float kMostEvidence = 2;  ///< limit for one sample; a lid that fits its hole has about 1/2
 constexpr double kPi = std::numbers::pi;
 
+/// A scan is inside out if the winding number on its largest sheet is below this. It is 1/2 on a closed surface, -1/2 on the
+/// same inside out, and 0.3 and -0.3 on half a sphere. What encloses less could as well be the inside of a bowl, and stays
+/// as the scan says.
+constexpr double kInsideOut = -0.25;
+/// A scan of which at most this share faces down is a height field, such as a valley, and can't be inside out.
+constexpr double kFacesDown = 0.01;
+constexpr float kDown = -0.087155743F;  ///< z of a normal that faces down: by 5 degrees, as in thesis III-2.b
+
 constexpr std::uint32_t kNoSheet = SidedSets::kIndex;
 
 std::uint32_t sheets_at_most(std::uint32_t points) { return points / kSmallestSheet; }
@@ -68,22 +76,32 @@ Status Sheets::limit_areas(Cloud& cloud, Arena& arena) {
   return {};
 }
 
-Expected<std::uint32_t> Sheets::turn(FirstSide first) {
+Expected<NormalCounts> Sheets::turn(FirstSide first) {
   const ArenaScope scope(arena_);
   PLUMBLINE_TRY(list());
   measure();
   auto nodes = arena_.take_top<DipoleField::Node>(DipoleField::nodes_needed(cloud_.size), kStage);
   PLUMBLINE_TRY(nodes);
   DipoleField field(cloud_, *nodes);
+  const auto side_of = [this](std::uint32_t i) { return side(i); };
   find_sides(field, first);
+  field.build(side_of);
+  if (first == FirstSide::kLargest && first_is_inside_out(field)) {
+    counts_.inside_out = true;
+    for (Sheet& sheet : sheets_) sheet.side = 0;
+    sheets_[0].side = -1;
+    find_other_sides(field);
+    field.build(side_of);
+  }
   turn_loose_points(field);
   for (std::uint32_t i = 0; i < cloud_.size; ++i) {
     const Sheet* sheet = sheet_of(i);
-    if (sheet == nullptr || sheet->side >= 0 || sets_.fixed(i)) continue;
-    turn_normal(i);
-    ++turned_;
+    if (sheet == nullptr || sets_.fixed(i)) continue;
+    const bool inward = sheet->side < 0;
+    if (inward) turn_normal(i);
+    counts_.turned += inward != sets_.look(i).turned ? 1 : 0;  // measure() may have turned it already
   }
-  return turned_;
+  return counts_;
 }
 
 Status Sheets::list() {
@@ -162,7 +180,6 @@ float Sheets::side(std::uint32_t i) const {
 
 /// Finds the side of every sheet, the largest first.
 void Sheets::find_sides(DipoleField& field, FirstSide rule) {
-  const auto side_of = [this](std::uint32_t i) { return side(i); };
   bool any_known = false;
   for (std::uint32_t i = 0; i < cloud_.size && !any_known; ++i) {
     any_known = sets_.fixed(i) && cloud_.normal[i].known();
@@ -175,6 +192,16 @@ void Sheets::find_sides(DipoleField& field, FirstSide rule) {
     if (rule == FirstSide::kLargest) sheets_[0].side = 1;
     if (convex) sheets_[0].side = sheets_[0].flux < 0 ? -1 : 1;
   }
+  find_other_sides(field);
+  // The largest sheet may be flat, and its side a guess. The flux of all sheets corrects it.
+  if (convex && total_flux() < 0) {
+    for (Sheet& sheet : sheets_) sheet.side = -sheet.side;
+  }
+}
+
+/// Finds the sides that are not known yet, those of large sheets first.
+void Sheets::find_other_sides(DipoleField& field) {
+  const auto side_of = [this](std::uint32_t i) { return side(i); };
   for (std::uint32_t first = 0; first < sheets_.size();) {
     if (sheets_[first].side != 0) {
       ++first;
@@ -186,29 +213,13 @@ void Sheets::find_sides(DipoleField& field, FirstSide rule) {
     find_sides_by_field(field, first, last);
     first = last;
   }
-  // The largest sheet may be flat, and its side a guess. The flux of all sheets corrects it.
-  if (convex && total_flux() < 0) {
-    for (Sheet& sheet : sheets_) sheet.side = -sheet.side;
-  }
 }
 
 /// Finds the sides of sheets [first, last) by the field of those whose side is known.
 void Sheets::find_sides_by_field(const DipoleField& field, std::uint32_t first, std::uint32_t last) {
-  const auto side_of = [this](std::uint32_t i) { return side(i); };
-#pragma omp parallel for schedule(dynamic, 1024)
-  for (std::uint32_t i = 0; i < cloud_.size; ++i) {
-    if (sets_.fixed(i)) continue;
-    Sheet* sheet = sheet_of(i);
-    if (sheet == nullptr || sheet->side != 0 || sheet < &sheets_[first] || sheet >= sheets_.data() + last) continue;
-    if (scattered(i) % (sheet->points / kSheetSamples + 1) != 0) continue;
-    const DipoleField::Value value = field(cloud_.position[i], side_of);
-    const auto size = static_cast<float>(std::sqrt(sheet->area / kPi));
-    const float slope = -size * value.gradient.dot(cloud_.normal[i].unpack());
-    std::atomic_ref(sheet->winding).fetch_add(to_units(value.winding), std::memory_order_relaxed);
-    std::atomic_ref(sheet->slope).fetch_add(to_units(slope), std::memory_order_relaxed);
-    std::atomic_ref(sheet->samples).fetch_add(1, std::memory_order_relaxed);
-  }
-  for (Sheet& sheet : sheets_.subspan(first, last - first)) {
+  const auto sheets = sheets_.subspan(first, last - first);
+  sample(field, sheets);
+  for (Sheet& sheet : sheets) {
     if (sheet.side != 0) continue;
     const double samples = std::max(1.0, static_cast<double>(sheet.samples)) * kUnit;
     const double winding = static_cast<double>(sheet.winding) / samples;
@@ -218,10 +229,54 @@ void Sheets::find_sides_by_field(const DipoleField& field, std::uint32_t first, 
   }
 }
 
-/// Turns the points that are in no sheet: outliers, and small groups at edges. They are not part of the field.
-void Sheets::turn_loose_points(DipoleField& field) {
+/// Evaluates the field at some points of each of the given sheets, but for those whose side is known by votes.
+void Sheets::sample(const DipoleField& field, std::span<Sheet> sheets) {
   const auto side_of = [this](std::uint32_t i) { return side(i); };
-  field.build(side_of);
+  for (Sheet& sheet : sheets) {
+    sheet.winding = sheet.slope = 0;
+    sheet.samples = 0;
+  }
+#pragma omp parallel for schedule(dynamic, 1024)
+  for (std::uint32_t i = 0; i < cloud_.size; ++i) {
+    if (sets_.fixed(i)) continue;
+    Sheet* sheet = sheet_of(i);
+    if (sheet == nullptr || sheet->votes != 0 || sheet < sheets.data() || sheet >= sheets.data() + sheets.size()) {
+      continue;
+    }
+    if (scattered(i) % (sheet->points / kSheetSamples + 1) != 0) continue;
+    const DipoleField::Value value = field(cloud_.position[i], side_of);
+    const auto size = static_cast<float>(std::sqrt(sheet->area / kPi));
+    const float slope = -size * value.gradient.dot(cloud_.normal[i].unpack());
+    std::atomic_ref(sheet->winding).fetch_add(to_units(value.winding), std::memory_order_relaxed);
+    std::atomic_ref(sheet->slope).fetch_add(to_units(slope), std::memory_order_relaxed);
+    std::atomic_ref(sheet->samples).fetch_add(1, std::memory_order_relaxed);
+  }
+}
+
+/// Whether the largest sheet faces into what all sheets enclose.
+bool Sheets::first_is_inside_out(const DipoleField& field) {
+  if (sheets_.empty()) return false;
+  sample(field, sheets_.first(1));
+  const double winding =
+      static_cast<double>(sheets_[0].winding) / (std::max(1.0, static_cast<double>(sheets_[0].samples)) * kUnit);
+  return winding < kInsideOut && !is_height_field();
+}
+
+bool Sheets::is_height_field() const {
+  std::uint32_t down = 0;
+  std::uint32_t all = 0;
+  for (std::uint32_t i = 0; i < cloud_.size; ++i) {
+    const float s = side(i);
+    if (s == 0) continue;
+    ++all;
+    down += s * cloud_.normal[i].unpack()[2] < kDown ? 1 : 0;
+  }
+  return down <= kFacesDown * all;
+}
+
+/// Turns the points that are in no sheet: outliers, and small groups at edges. They are not part of the field.
+void Sheets::turn_loose_points(const DipoleField& field) {
+  const auto side_of = [this](std::uint32_t i) { return side(i); };
   std::uint32_t turned = 0;
 #pragma omp parallel for schedule(dynamic, 256) reduction(+ : turned)
   for (std::uint32_t i = 0; i < cloud_.size; ++i) {
@@ -230,7 +285,7 @@ void Sheets::turn_loose_points(DipoleField& field) {
     turn_normal(i);
     ++turned;
   }
-  turned_ += turned;
+  counts_.turned += turned;
 }
 
 /// Flux of all oriented points about their centroid: negative if the whole is inside out.

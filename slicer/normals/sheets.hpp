@@ -8,6 +8,7 @@
 #include "slicer/core/arena.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/implicit/dipole_field.hpp"
+#include "slicer/normals/normal_counts.hpp"
 #include "slicer/normals/sided_sets.hpp"
 
 namespace plumbline {
@@ -39,7 +40,7 @@ float join_weight(const Cloud& cloud, std::uint32_t i, std::uint32_t j);
 /// How the side of the first sheet is chosen, before there is a field.
 enum class FirstSide : std::uint8_t {
   kKnownOrConvex,  ///< by votes of the fixed members; without any, the convex side of the largest sheet is the outer one
-  kLargest,        ///< the largest sheet is right
+  kLargest,        ///< the largest sheet is right, unless it is inside out
 };
 
 /// The sheets of joined points, the largest first. The area of point i is pi radius[i]^2.
@@ -52,9 +53,9 @@ class Sheets {
   Sheets(Cloud& cloud, SidedSets& sets, Arena& arena) : cloud_(cloud), sets_(sets), arena_(arena) {}
 
   /// Turns every normal that is not fixed to the outer side, by rule 2 of orient_normals().
-  /// @returns normals turned over
+  /// @returns normals turned over, and whether the largest sheet had to be, too
   /// @retval ErrorCode::kOutOfMemory
-  [[nodiscard]] Expected<std::uint32_t> turn(FirstSide first);
+  [[nodiscard]] Expected<NormalCounts> turn(FirstSide first);
 
   /// Limits radii to a few times their median. An outlier has as much room around it as a thousand points of the surface
   /// and must not count as much.
@@ -68,15 +69,19 @@ class Sheets {
   void turn_normal(std::uint32_t i);
   float side(std::uint32_t i) const;
   void find_sides(DipoleField& field, FirstSide rule);
+  void find_other_sides(DipoleField& field);
   void find_sides_by_field(const DipoleField& field, std::uint32_t first, std::uint32_t last);
-  void turn_loose_points(DipoleField& field);
+  void sample(const DipoleField& field, std::span<Sheet> sheets);
+  bool first_is_inside_out(const DipoleField& field);
+  bool is_height_field() const;
+  void turn_loose_points(const DipoleField& field);
   double total_flux() const;
 
   Cloud& cloud_;
   SidedSets& sets_;
   Arena& arena_;
   std::span<Sheet> sheets_;
-  std::uint32_t turned_ = 0;  ///< normals
+  NormalCounts counts_;
 };
 
 }  // namespace plumbline

@@ -47,6 +47,15 @@ def split(scan, first, top, bottom):
         path.write_bytes(declared + part)
 
 
+def turn_normals(path, which):
+    """Turns over the normals of a file of write_sphere(): those of points i where which(i) is true."""
+    data = bytearray(path.read_bytes())
+    for i, at in enumerate(range(data.index(b"end_header\n") + 11, len(data), 24)):
+        if which(i):
+            struct.pack_into("<3f", data, at + 12, *(-n for n in struct.unpack_from("<3f", data, at + 12)))
+    path.write_bytes(data)
+
+
 def add_ball(path, points, radius, centre):
     """Appends another sphere to a file of write_sphere()."""
     data = path.read_bytes()

@@ -9,7 +9,7 @@ import struct
 import subprocess
 import unittest
 
-from case import PLUMBLINE, U64, Program, add_ball, job_hash, layer_hash, main, png_rows, split, write_sphere
+from case import PLUMBLINE, U64, Program, add_ball, job_hash, layer_hash, main, png_rows, split, turn_normals, write_sphere
 
 
 class Slice(Program):
@@ -223,6 +223,26 @@ class Slice(Program):
         self.assertEqual(manifest["units"], {"used": "m", "guessed": True})
         self.assertAlmostEqual(manifest["size_mm"][2], 24, delta=0.1)
 
+    def test_scan_that_is_inside_out_is_turned_and_told(self):
+        self.slice_it()
+        volume = self.manifest()["volume_mm3"]
+        self.assertFalse(self.manifest()["normals_inside_out"])
+        turn_normals(self.scan, lambda i: True)
+        done = self.slice_it()
+        told = "the scan is inside out: 100 % of its normals pointed into the object and were flipped"
+        self.assertIn("warning: " + told, done.stderr)
+        self.assertTrue(self.manifest()["normals_inside_out"])
+        self.assertAlmostEqual(self.manifest()["volume_mm3"], volume, delta=0.001 * volume)
+        self.assertIn(told, self.run_it("inspect", self.scan).stdout)
+        self.assertTrue(json.loads(self.run_it("inspect", self.scan, "--json").stdout)["scan"]["normals_inside_out"])
+
+    def test_scan_whose_normals_contradict_each_other_is_told(self):
+        write_sphere(self.scan)
+        turn_normals(self.scan, lambda i: i * 7 % 5 < 2)
+        done = self.slice_it()
+        self.assertRegex(done.stderr, r"warning: the scan's normals face into the object and out of it at random; \d+ % were flipped")
+        self.assertTrue(self.manifest()["normals_contradictory"])
+
     def test_small_object_gets_a_warning(self):
         write_sphere(self.scan, radius=1)
         self.assertIn("warning: the object is only 2 mm long", self.slice_it().stderr)
@@ -334,10 +354,7 @@ class Inspect(Program):
     def test_warns_of_a_scan_that_encloses_nothing(self):
         write_sphere(self.scan, points=40_000)
         self.cut_below(6)  # leave a cap,
-        data = bytearray(self.scan.read_bytes())
-        for at in range(data.index(b"end_header\n") + 11, len(data), 24):  # with normals that face inwards
-            struct.pack_into("<3f", data, at + 12, *(-n for n in struct.unpack_from("<3f", data, at + 12)))
-        self.scan.write_bytes(data)
+        turn_normals(self.scan, lambda i: True)  # with normals that face inwards
         done = self.run_it("inspect", self.scan)
         self.assertRegex(done.stderr, r"warning: \d+ % of the scan encloses nothing: its other side was not scanned")
         self.assertIn("the scan shows one side only, which faces down", done.stdout)

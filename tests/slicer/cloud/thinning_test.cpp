@@ -98,6 +98,31 @@ TEST(PointThinner, AveragesThePointsOfEachCell) {
   EXPECT_EQ(weights, 4000U);
 }
 
+/// Fills 100 cells with two points each.
+/// @param often  the second normal of one cell in this many faces the opposite side
+/// @returns cells whose normal has the direction of both
+std::uint32_t cells_with_the_direction(std::uint32_t often) {
+  Random random(6);
+  Thinning thinning(200, 1);
+  const Vec3d n = Vec3d(1, 2, 2) / 3;
+  for (std::uint32_t cell = 0; cell < 100; ++cell) {
+    check(thinning.take({cell + 0.1, 0, 0}, n + 0.1 * random.vector()));
+    check(thinning.take({cell + 0.2, 0, 0}, (cell % often == 0 ? Vec3d(-n) : n) + 0.1 * random.vector()));
+  }
+  EXPECT_EQ(thinning.cloud().size, 100U);
+  std::uint32_t right = 0;
+  for (std::uint32_t i = 0; i < 100; ++i) {
+    right += std::abs(thinning.cloud().normal[i].unpack().cast<double>().dot(n)) > 0.95 ? 1 : 0;
+  }
+  return right;
+}
+
+TEST(PointThinner, KeepsTheDirectionOfNormalsThatFaceEitherSideAtRandom) {
+  EXPECT_GE(cells_with_the_direction(2), 90U) << "but for the first few";
+  // A few are on both sides of a thin wall, and have no common direction.
+  EXPECT_LT(cells_with_the_direction(20), 98U);
+}
+
 TEST(PointThinner, DoublesItsCellsAndStaysWithinItsCapacity) {
   Random random(3);
   Surface surface = sphere(60000, 10, {0, 0, 0});

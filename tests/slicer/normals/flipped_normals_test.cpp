@@ -1,8 +1,8 @@
 #include "slicer/normals/flipped_normals.hpp"
 
 #include <gtest/gtest.h>
-#include <omp.h>
 
+#include <algorithm>
 #include <functional>
 #include <utility>
 
@@ -69,18 +69,45 @@ TEST(FlippedNormals, AreOnlyThoseThatContradictOthers) {
   EXPECT_EQ(sliced(plate).report().normals.turned, 0U) << "both sides of a thin wall are right";
 }
 
+// Its points are farther from their neighbours on the same side than from those on the other.
+TEST(FlippedNormals, OfAFoilDoNotContradictEachOther) {
+  Random random(1);
+  EXPECT_FALSE(sliced(box({0, 0, 0}, {20, 20, 0.05}, kSpacing, 0.4, random)).report().normals.contradictory);
+}
+
+TEST(FlippedNormals, OfAValleyAreRight) {
+  Surface valley = ball(10);
+  turn(valley, [](const Vec3d&) { return true; });
+  std::erase_if(valley, [](const SurfacePoint& p) { return p.position[2] > -1; });
+  EXPECT_EQ(sliced(valley).report().normals.turned, 0U);
+}
+
+TEST(FlippedNormals, OfTwoBallsInsideOutAreAllTurned) {
+  Surface apart = ball(8);
+  append(apart, ball(8, {20, 0, 0}));
+  const double right = sliced(apart).volume();
+  const std::uint32_t all = turn(apart, [](const Vec3d&) { return true; });
+  const Slicing slicing = sliced(apart);
+  EXPECT_TRUE(slicing.report().normals.inside_out);
+  EXPECT_EQ(slicing.report().normals.turned, all - slicing.report().averaged_points);
+  EXPECT_NEAR(slicing.volume(), right, 0.5);
+}
+
 TEST(FlippedNormals, AreTheSameForAnyNumberOfThreads) {
-  Surface scan = ball(10);
-  turn(scan, [](const Vec3d& p) { return p[2] > 7; });
-  const int threads = omp_get_max_threads();
-  omp_set_num_threads(1);
-  const auto one = sliced(scan).report().normals.turned;
-  omp_set_num_threads(3);
-  SliceSettings settings = settings_with_pitch(0.2F);
-  settings.threads = 3;
-  const Slicing three(binary_ply(scan), settings, 64 * kMiB);
-  omp_set_num_threads(threads);
-  EXPECT_EQ(three.report().normals.turned, one);
+  Random random(4);
+  for (const double share : {0.0, 0.5, 1.0}) {
+    Surface scan = ball(10);
+    turn(scan, [&](const Vec3d& p) { return p[2] > 7 || random.uniform() < share; });
+    SliceSettings settings = settings_with_pitch(0.2F);
+    const Slicing one(binary_ply(scan), settings, 64 * kMiB);
+    settings.threads = 3;
+    const Slicing three(binary_ply(scan), settings, 64 * kMiB);
+    EXPECT_GT(one.report().normals.turned, 0U);
+    EXPECT_EQ(three.report().normals.turned, one.report().normals.turned);
+    EXPECT_EQ(three.report().normals.inside_out, share == 1);
+    EXPECT_EQ(three.report().normals.contradictory, share == 0.5);
+    EXPECT_TRUE(std::ranges::equal(three.rrep().pixel, one.rrep().pixel));
+  }
 }
 
 }  // namespace

@@ -1,0 +1,15 @@
+#pragma once
+/// What became of a scan's normals.
+
+#include <cstdint>
+
+namespace plumbline {
+
+struct NormalCounts {
+  std::uint32_t estimated = 0;  ///< normals that the scan did not have
+  std::uint32_t turned = 0;     ///< normals of the scan that faced into the object
+  bool inside_out = false;      ///< the scan's normals as a whole faced into the object
+  bool contradictory = false;   ///< they faced either side at random
+};
+
+}  // namespace plumbline
