@@ -24,7 +24,8 @@ class ByteSource {
   /// File name such as "bust.ply": shown in messages, and decides the format where the bytes do not.
   virtual std::string_view name() const = 0;
 
-  /// Bytes in the whole stream, if known. Used for progress and to bound the number of points.
+  /// Bytes in the whole stream, if known. Used for progress, to bound the number of points, and to notice a stream that ends
+  /// too early.
   virtual std::optional<std::uint64_t> size() const = 0;
 };
 

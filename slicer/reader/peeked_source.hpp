@@ -29,7 +29,7 @@ class PeekedSource final : public ByteSource {
 
   [[nodiscard]] Expected<std::size_t> read(std::span<std::byte> buffer) override;
   std::string_view name() const override { return source_.name(); }
-  std::optional<std::uint64_t> size() const override { return source_.size(); }
+  std::optional<std::uint64_t> size() const override { return peeking_ ? kept_ : source_.size(); }
 
  private:
   ByteSource& source_;

@@ -40,7 +40,10 @@ Expected<bool> ByteInput::more() {
   assert(*count <= room.size());
   if (*count == 0) {
     ended_ = true;
-    return false;
+    const auto size = source_.size();
+    if (!size || bytes_read_ >= *size) return false;
+    return fail(ErrorCode::kTruncated, "only %llu of its %llu bytes can be read.\tCopy it again",
+                static_cast<unsigned long long>(bytes_read_), static_cast<unsigned long long>(*size));
   }
   end_ += *count;
   bytes_read_ += *count;
