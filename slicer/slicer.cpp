@@ -12,7 +12,7 @@ namespace {
 Status check_core_fits(const PreparedScan& scan, const PlacementSettings& settings, Arena& arena) {
   if (settings.fit || settings.units == Units::kAuto) return {};
   const auto local = core_bounds(scan.cloud.positions(), arena);
-  if (!local) return {};
+  PLUMBLINE_TRY(local);
   Box3d core;
   core.extend(local->low.cast<double>() + scan.offset);
   core.extend(local->high.cast<double>() + scan.offset);

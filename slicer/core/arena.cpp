@@ -4,7 +4,7 @@
 
 namespace plumbline {
 
-Arena::Arena(std::span<std::byte> block) {
+Arena::Arena(std::span<std::byte> block, std::uint64_t refused) : refused_(refused) {
   const auto address = reinterpret_cast<std::uintptr_t>(block.data());
   const std::size_t skip = (kAlignment - address % kAlignment) % kAlignment;
   if (block.size() > skip) {
@@ -18,7 +18,7 @@ Expected<void*> Arena::take_bytes(std::size_t count, std::size_t size, const cha
   constexpr double kMiB = 1024.0 * 1024.0;
   const bool overflows = count > (std::numeric_limits<std::size_t>::max() - kAlignment) / size;
   const std::size_t need = overflows ? std::numeric_limits<std::size_t>::max() : rounded(count * size);
-  if (need > available()) {
+  if (requests_++ == refused_ || need > available()) {
     return fail(
         ErrorCode::kOutOfMemory,
         "%s: needs %.1f MiB, but %.1f MiB of the arena's %.1f MiB are left.\tUse a larger arena, fewer points or a "

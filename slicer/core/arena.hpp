@@ -21,7 +21,10 @@ class Arena {
   static constexpr std::size_t kAlignment = 64;  ///< bytes: a cache line, so that no two blocks share one
 
   /// @param block  caller's memory, of any alignment and size; must outlive the arena
-  explicit Arena(std::span<std::byte> block);
+  explicit Arena(std::span<std::byte> block) : Arena(block, kNone) {}
+  /// For tests of what happens when memory runs out.
+  /// @param refused  number of the one block that is not given, as if the arena were full; the first is 0
+  Arena(std::span<std::byte> block, std::uint64_t refused);
   Arena(const Arena&) = delete;
   Arena& operator=(const Arena&) = delete;
 
@@ -32,6 +35,7 @@ class Arena {
   std::size_t available() const { return top_ - bottom_; }         ///< bytes
   std::size_t peak() const { return peak_; }  ///< highest used() since the last reset_peak(), bytes
   void reset_peak() { peak_ = used(); }
+  std::uint64_t requests() const { return requests_; }  ///< blocks that were asked for
 
   /// Takes `count` uninitialised objects from the bottom. They stay until release_bottom() to an earlier mark.
   /// @param stage  named in the error
@@ -68,11 +72,15 @@ class Arena {
   }
   Expected<void*> take_bytes(std::size_t count, std::size_t size, const char* stage, bool bottom);
 
+  static constexpr std::uint64_t kNone = ~std::uint64_t{0};
+
   std::byte* base_ = nullptr;
   std::size_t capacity_ = 0;
   std::size_t bottom_ = 0;
   std::size_t top_ = 0;
   std::size_t peak_ = 0;
+  std::uint64_t requests_ = 0;
+  std::uint64_t refused_;
 };
 
 /// At its end, releases everything taken from the top since its start.

@@ -98,10 +98,11 @@ struct Sieve {
 };
 
 /// Marks the solids that begin within `layers` of the plate, which is where the largest one begins.
-void mark_plate(CrossingStore& store, std::uint32_t largest, std::uint32_t layers, Intervals& intervals, Arena& arena) {
+void mark_plate(CrossingStore& store, const CrossingStore::RowRoom& room, std::uint32_t largest, std::uint32_t layers,
+                Intervals& intervals) {
   const auto for_each_solid = [&](auto visit) {
     std::uint32_t first = 1;
-    store.for_each_row(arena, [&](std::uint32_t, std::span<CrossingStore::RayRef> row) {
+    store.for_each_row(room, [&](std::uint32_t, std::span<CrossingStore::RayRef> row) {
       for (const auto& ref : row) {
         const Ray ray{ref.crossings(), first};
         first += ray.inner();
@@ -135,8 +136,10 @@ ComponentCounts drop_small_components(CrossingStore& store, const ComponentLimit
   const PrintGrid& grid = store.grid();
   ComponentCounts counts;
 
+  const auto room = store.take_row_room(arena);
+  if (!room) return counts;
   std::size_t interval_count = 1;  // fewer than the crossings, which are in memory
-  store.for_each_row(arena, [&](std::uint32_t, std::span<CrossingStore::RayRef> row) {
+  store.for_each_row(*room, [&](std::uint32_t, std::span<CrossingStore::RayRef> row) {
     for (const auto& ray : row) interval_count += Ray::numbered(ray.count());
   });
   auto parent = arena.take_top<std::uint32_t>(interval_count, kStage);
@@ -150,7 +153,7 @@ ComponentCounts drop_small_components(CrossingStore& store, const ComponentLimit
   std::span<Ray> here = rows->last(grid.columns);
   std::fill(above.begin(), above.end(), Ray{});
   std::uint32_t next = 1;
-  store.for_each_row(arena, [&](std::uint32_t, std::span<CrossingStore::RayRef> row) {
+  store.for_each_row(*room, [&](std::uint32_t, std::span<CrossingStore::RayRef> row) {
     for (std::uint32_t c = 0; c < grid.columns; ++c) {
       here[c] = Ray{row[c].crossings(), next};
       next += here[c].inner();
@@ -171,7 +174,7 @@ ComponentCounts drop_small_components(CrossingStore& store, const ComponentLimit
   Sieve sieve{intervals, limits.min_voxels, 0, kOutside};
   const auto for_each_root = [&](auto visit) {
     std::uint32_t number = 1;
-    store.for_each_row(arena, [&](std::uint32_t, std::span<CrossingStore::RayRef> row) {
+    store.for_each_row(*room, [&](std::uint32_t, std::span<CrossingStore::RayRef> row) {
       for (const auto& ray : row) {
         const std::uint32_t inner = Ray::numbered(ray.count());
         for (std::uint32_t s = 1; s <= inner; ++s, ++number) {
@@ -188,7 +191,7 @@ ComponentCounts drop_small_components(CrossingStore& store, const ComponentLimit
   });
   if (limits.drop_floating && sieve.largest_solid != kOutside) {
     sieve.floating_voxels = intervals.volume(sieve.largest_solid) / kSmallShare;
-    mark_plate(store, sieve.largest_solid, limits.plate_layers, intervals, arena);
+    mark_plate(store, *room, sieve.largest_solid, limits.plate_layers, intervals);
   }
   // Roots ascend, so an enclosing component is decided before those inside it.
   for_each_root([&](std::uint32_t root, bool solid, std::uint32_t encloser) {
@@ -205,7 +208,7 @@ ComponentCounts drop_small_components(CrossingStore& store, const ComponentLimit
   if (counts.dropped_solids + counts.filled_cavities == 0) return counts;
 
   std::uint32_t number = 1;
-  store.for_each_row(arena, [&](std::uint32_t, std::span<CrossingStore::RayRef> row) {
+  store.for_each_row(*room, [&](std::uint32_t, std::span<CrossingStore::RayRef> row) {
     for (auto& ray : row) {
       const Ray old{ray.crossings(), number};
       const auto count = static_cast<std::uint32_t>(old.crossings.size());

@@ -72,6 +72,16 @@ void CrossingStore::for_each_crossing(std::span<std::uint32_t> cursor, Visit vis
   }
 }
 
+Expected<CrossingStore::RowRoom> CrossingStore::take_row_room(Arena& arena) const {
+  const auto rays = arena.take_top<RayRef>(grid_.columns, "R-Rep");
+  PLUMBLINE_TRY(rays);
+  const auto reads = arena.take_top<std::uint16_t*>(tile_columns_, "R-Rep");
+  PLUMBLINE_TRY(reads);
+  const auto writes = arena.take_top<std::uint16_t*>(tile_columns_, "R-Rep");
+  PLUMBLINE_TRY(writes);
+  return RowRoom{*rays, *reads, *writes};
+}
+
 Expected<RRep> CrossingStore::sort(CrossingStore& store, Arena& arena) {
   const ArenaScope scope(arena);
   const PrintGrid& grid = store.grid_;

@@ -58,11 +58,19 @@ class CrossingStore {
     std::uint32_t kept_ = 0;
   };
 
+  /// Work space of for_each_row().
+  struct RowRoom {
+    std::span<RayRef> rays;
+    std::span<std::uint16_t*> reads, writes;  ///< of each tile
+  };
+  /// Takes a few words a column from the top of the arena.
+  /// @retval ErrorCode::kOutOfMemory
+  [[nodiscard]] Expected<RowRoom> take_row_room(Arena& arena) const;
+
   /// Calls `visit(row, rays)` for each row of the grid, in order, with one RayRef a column. A visitor that rewrites a ray must
   /// rewrite all rays.
-  /// @param arena  a few words a column from the top, given back; without room nothing is visited
   template <class Visit>
-  void for_each_row(Arena& arena, Visit visit);
+  void for_each_row(const RowRoom& room, Visit visit);
 
   /// Gives the unused memory back.
   void close(Arena& arena) { arena.trim_bottom(data_.data(), std::size_t{used_} * sizeof(std::uint16_t)); }
@@ -86,32 +94,28 @@ class CrossingStore {
 };
 
 template <class Visit>
-void CrossingStore::for_each_row(Arena& arena, Visit visit) {
-  const ArenaScope scope(arena);
-  auto rays = arena.take_top<RayRef>(grid_.columns, "R-Rep");
-  auto reads = arena.take_top<std::uint16_t*>(tile_columns_, "R-Rep");
-  auto writes = arena.take_top<std::uint16_t*>(tile_columns_, "R-Rep");
-  if (!rays || !reads || !writes) return;
+void CrossingStore::for_each_row(const RowRoom& room, Visit visit) {
   std::uint8_t none = 0;
   for (std::uint32_t tile_row = 0; tile_row < tile_rows_; ++tile_row) {
     const std::uint32_t* directory = &directory_[std::size_t{tile_row} * tile_columns_];
     for (std::uint32_t t = 0; t < tile_columns_; ++t) {
-      (*reads)[t] = (*writes)[t] = directory[t] == kEmpty ? nullptr : &data_[directory[t] + kTileSide * kTileSide / 2];
+      room.reads[t] = room.writes[t] =
+          directory[t] == kEmpty ? nullptr : &data_[directory[t] + kTileSide * kTileSide / 2];
     }
     for (std::uint32_t r = 0; r < kTileSide && tile_row * kTileSide + r < grid_.rows; ++r) {
       for (std::uint32_t c = 0; c < grid_.columns; ++c) {
         const std::uint32_t t = c / kTileSide;
-        RayRef& ray = (*rays)[c];
+        RayRef& ray = room.rays[c];
         ray.count_ = &none;
-        ray.read_ = (*reads)[t];
-        ray.write_ = &(*writes)[t];
+        ray.read_ = room.reads[t];
+        ray.write_ = &room.writes[t];
         if (directory[t] != kEmpty) {
           ray.count_ =
               reinterpret_cast<std::uint8_t*>(&data_[directory[t]]) + std::size_t{r} * kTileSide + c % kTileSide;
-          (*reads)[t] += *ray.count_;
+          room.reads[t] += *ray.count_;
         }
       }
-      visit(tile_row * kTileSide + r, *rays);
+      visit(tile_row * kTileSide + r, room.rays);
     }
   }
 }

@@ -13,6 +13,9 @@ class ArenaBlock {
   /// Only touched pages use memory.
   explicit ArenaBlock(std::size_t bytes)
       : block_(std::make_unique_for_overwrite<std::byte[]>(bytes)), arena_({block_.get(), bytes}) {}
+  /// @param refused  see Arena::Arena()
+  ArenaBlock(std::size_t bytes, std::uint64_t refused)
+      : block_(std::make_unique_for_overwrite<std::byte[]>(bytes)), arena_({block_.get(), bytes}, refused) {}
   Arena& operator*() { return arena_; }
   Arena* operator->() { return &arena_; }
 
