@@ -189,7 +189,7 @@ Status check_surface(const PreparedScan& scan, ScanSources sources, const Prepar
   if (scan.has_surface) return {};
   // Cells that have grown from the first size show that the arena was too small. Else the points lie closer than pixels.
   const bool grown = static_cast<double>(found.lengths.thinning_cell.value) > 1.01 * first_cell(settings);
-  if (grown && found.cloud_capacity < points && found.cloud_points < points / 2) {
+  if (grown && found.cloud_capacity < points && found.cloud_points < points) {
     return fail(
         ErrorCode::kNoSurface,
         "%s: no surface found in %u points, to which %llu were thinned because the arena has no room for more.\t"
