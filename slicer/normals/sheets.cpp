@@ -14,6 +14,7 @@ constexpr const char* kStage = "normals";
 
 constexpr std::uint32_t kSmallestSheet = 32;  ///< points; limits the sheets' memory. Points of smaller ones turn singly
 constexpr std::uint32_t kSheetSamples = 512;  ///< most points of a sheet that evaluate the field: time against noise
+constexpr std::uint32_t kFirstSamples = 64;   ///< the same, to tell an inside-out largest sheet: -1/2 from 1/2
 /// Sheets whose sizes differ by less than this factor are turned without regard to each other. Each class of sizes costs a
 /// rebuild of the field.
 constexpr std::uint32_t kSizeClass = 4;
@@ -218,7 +219,7 @@ void Sheets::find_other_sides(DipoleField& field) {
 /// Finds the sides of sheets [first, last) by the field of those whose side is known.
 void Sheets::find_sides_by_field(const DipoleField& field, std::uint32_t first, std::uint32_t last) {
   const auto sheets = sheets_.subspan(first, last - first);
-  sample(field, sheets);
+  sample(field, sheets, kSheetSamples);
   for (Sheet& sheet : sheets) {
     if (sheet.side != 0) continue;
     const double samples = std::max(1.0, static_cast<double>(sheet.samples)) * kUnit;
@@ -229,8 +230,8 @@ void Sheets::find_sides_by_field(const DipoleField& field, std::uint32_t first, 
   }
 }
 
-/// Evaluates the field at some points of each of the given sheets, but for those whose side is known by votes.
-void Sheets::sample(const DipoleField& field, std::span<Sheet> sheets) {
+/// Evaluates the field at some points of each of the given sheets, `most` at most, but for those whose side is known by votes.
+void Sheets::sample(const DipoleField& field, std::span<Sheet> sheets, std::uint32_t most) {
   const auto side_of = [this](std::uint32_t i) { return side(i); };
   for (Sheet& sheet : sheets) {
     sheet.winding = sheet.slope = 0;
@@ -243,7 +244,7 @@ void Sheets::sample(const DipoleField& field, std::span<Sheet> sheets) {
     if (sheet == nullptr || sheet->votes != 0 || sheet < sheets.data() || sheet >= sheets.data() + sheets.size()) {
       continue;
     }
-    if (scattered(i) % (sheet->points / kSheetSamples + 1) != 0) continue;
+    if (scattered(i) % (sheet->points / most + 1) != 0) continue;
     const DipoleField::Value value = field(cloud_.position[i], side_of);
     const auto size = static_cast<float>(std::sqrt(sheet->area / kPi));
     const float slope = -size * value.gradient.dot(cloud_.normal[i].unpack());
@@ -256,7 +257,7 @@ void Sheets::sample(const DipoleField& field, std::span<Sheet> sheets) {
 /// Whether the largest sheet faces into what all sheets enclose.
 bool Sheets::first_is_inside_out(const DipoleField& field) {
   if (sheets_.empty()) return false;
-  sample(field, sheets_.first(1));
+  sample(field, sheets_.first(1), kFirstSamples);
   const double winding =
       static_cast<double>(sheets_[0].winding) / (std::max(1.0, static_cast<double>(sheets_[0].samples)) * kUnit);
   return winding < kInsideOut && !is_height_field();
