@@ -116,10 +116,14 @@ bool RayLattice::guide(std::uint32_t c, std::uint32_t r) {
   ray.decision = like_.decision;
   for (std::uint32_t i = 0; i < ray.count; ++i) {
     RayCrossing& crossing = ray.crossing[i] = like_.crossing[i];
-    if (crossing.evidence == Evidence::kBase) continue;
+    const float below = i > 0 ? ray.crossing[i - 1].depth : 0;
+    if (crossing.evidence == Evidence::kBase) {
+      if (crossing.depth < below) return false;
+      continue;
+    }
     const float predicted = depth(i, static_cast<float>(c), static_cast<float>(r));
     const auto found = classifier_->sheet_near(column_ + c, row_ + r, predicted, i % 2 == 0);
-    if (!found || (i > 0 && *found <= ray.crossing[i - 1].depth)) return false;
+    if (!found || (i > 0 && *found <= below)) return false;
     crossing.depth = *found;
   }
   ++guided_;
@@ -178,10 +182,13 @@ void RayLattice::interpolate(const Square& square) {
       ray = like_;
       for (std::uint32_t i = 0; i < ray.count; ++i) {
         RayCrossing& crossing = ray.crossing[i];
-        if (crossing.evidence == Evidence::kBase) continue;
-        crossing.depth = depth(i, static_cast<float>(c), static_cast<float>(r));
+        if (crossing.evidence != Evidence::kBase) {
+          crossing.depth = depth(i, static_cast<float>(c), static_cast<float>(r));
+        }
+        // Sheets that touch can change places.
+        if (i > 0 && crossing.depth < ray.crossing[i - 1].depth) ray.known = false;
       }
-      ++interpolated_;
+      interpolated_ += ray.known ? 1 : 0;
     }
   }
 }

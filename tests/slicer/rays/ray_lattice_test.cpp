@@ -9,6 +9,7 @@
 
 #include "tests/slicer/support/arena_block.hpp"
 #include "tests/slicer/support/scan_cloud.hpp"
+#include "tests/slicer/support/slicing.hpp"
 
 namespace plumbline {
 namespace {
@@ -114,6 +115,28 @@ TEST(RayLattice, MissesNoPinBetweenTheRaysThatItLooksAt) {
   laboratory.compare(200, 200);
   EXPECT_GT(laboratory.known, kRays / 2);
   EXPECT_LT(laboratory.worst, 2 * kTolerance);
+}
+
+// A ball without normals and with a hole below, and a line of points below it that puts a base plane near it. The base plane's
+// crossing lay between two of the ball's, so that some pixels were twice in a layer.
+TEST(RayLattice, KeepsTheCrossingsOfARayInOrder) {
+  Surface scan;
+  for (int i = 0; i < 129; ++i) {
+    scan.push_back({Vec3d(10 - 0.7647 * i, -9.2157 + 0.0196 * i, -8.4314 + 0.0275 * i), {0, 0, 1}});
+  }
+  for (SurfacePoint p : sphere(1984, 8.8235, {0.0392, 0.0392, 0.0392})) {
+    if (scan.size() == 2000) break;
+    p.normal.setZero();
+    scan.push_back(p);
+  }
+  const Slicing slicing(binary_ply(scan), settings_with_pitch(0.3F), 4 * kMiB);
+  ASSERT_TRUE(slicing.report().flat_underside);
+  const RRep& rrep = slicing.rrep();
+  for (std::uint32_t k = 0; k < rrep.grid.layers; ++k) {
+    const auto pixels = rrep.pixel.subspan(rrep.first[k], rrep.first[k + 1] - rrep.first[k]);
+    EXPECT_TRUE(std::ranges::adjacent_find(pixels, std::ranges::greater_equal{}) == pixels.end())
+        << "a pixel is twice in layer " << k;
+  }
 }
 
 }  // namespace
