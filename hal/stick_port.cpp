@@ -115,7 +115,7 @@ Expected<StickFile> StickMount::open(std::string_view name) const {
     const int reason = errno;
     if (file >= 0) ::close(file);
     PLUMBLINE_TRY(port_->check_mounted());
-    // What O_NOFOLLOW and a device without a driver or a socket say of themselves means nothing to a user.
+    // The errors of O_NOFOLLOW, of a socket, or of a device without a driver would mean nothing to a user.
     const char* const why = reason == ELOOP   ? "a symbolic link, which could lead off the stick"
                             : reason == ENXIO ? "a device or a socket, not a file"
                                               : std::strerror(reason);

@@ -21,7 +21,7 @@ constexpr double kCellShare = 0.5;
 /// Share of the views stage's time that aligning takes, for its progress. Building the tree anew takes the rest.
 constexpr double kAligned = 0.85;
 
-/// A longest side of fewer pixels is no object that anybody wants printed, but one in another unit.
+/// An object whose longest side has fewer pixels is in another unit: nobody wants to print one so small.
 constexpr double kFewestPixels = 8;
 
 double finest_pitch(const PlacementSettings& p) {

@@ -12,7 +12,7 @@ tl::unexpected<Error> wrong(const char* what) {
   return fail(ErrorCode::kMalformed, "what was read of it does not add up (%s).\t%s", what, kExportAgain);
 }
 
-/// Text up to its end or its array's.
+/// The text up to its NUL, or to the end of its array.
 std::string_view text_of(std::span<const char> text) {
   return {text.data(), static_cast<std::size_t>(std::find(text.begin(), text.end(), '\0') - text.begin())};
 }

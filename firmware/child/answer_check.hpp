@@ -1,5 +1,5 @@
 #pragma once
-/// Checks what the slicing child hands back, before anything reads it.
+/// Checks the answer of the slicing child before anything uses it.
 
 #include <array>
 #include <span>
@@ -18,7 +18,7 @@ struct CheckedAnswer {
   std::size_t remarks = 0;
 };
 
-/// What to do about a file that the child can't read in order.
+/// What to do about a file that makes the child fail.
 inline constexpr const char* kExportAgain =
     "Export the scan again as PLY, PCD, OBJ or XYZ, and report this file to plumbline's maintainers";
 

@@ -16,8 +16,8 @@
 
 #include "firmware/child/child_protocol.hpp"
 #include "firmware/child/rights.hpp"
-#include "hal/passed_descriptor.hpp"
-#include "hal/process_memory.hpp"
+#include "hal/process/passed_descriptor.hpp"
+#include "hal/process/process_memory.hpp"
 
 namespace plumbline {
 namespace {

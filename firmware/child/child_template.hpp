@@ -1,6 +1,6 @@
 #pragma once
-/// The template process: forked from the firmware at its start, before any device is open. It has no rights and forks one child for each
-/// scan, so that no scan meets what another one left behind, and no program is started once the printer is ready.
+/// The template process. The firmware forks it when it starts, before it opens any device. The template gives up its rights and forks a
+/// new child for each scan: so no scan sees what an earlier one left behind, and no program is started once the printer is ready.
 
 #include <sys/types.h>
 
@@ -10,7 +10,7 @@
 
 namespace plumbline {
 
-/// What a child does, then it ends. Its descriptor 0 is the scan; it has no other.
+/// What a child does before it ends. Its only descriptor is 0, the scan.
 using ChildTask = void (*)(SharedMemory& memory, std::uint32_t threads);
 
 /// Runs the template until the firmware ends.

@@ -1,5 +1,5 @@
 #pragma once
-/// A job file as the child has read it. As in ScanAnswer, no value of a byte is invalid and none can be believed.
+/// A job file as the child has read it. As in ScanAnswer, no byte has an invalid value, and none can be trusted.
 
 #include <array>
 #include <cstdint>

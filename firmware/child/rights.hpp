@@ -1,5 +1,5 @@
 #pragma once
-/// What a process gives up before it reads a scan. None of it can be had back.
+/// What a process gives up, for good, before it reads a scan.
 
 #include <cstdint>
 
@@ -17,8 +17,8 @@ namespace plumbline {
 [[nodiscard]] Expected<bool> give_up_rights(int kept);
 inline constexpr int kKeptDescriptor = 3;
 
-/// From now on all threads of the process may compute, wait for each other, read the descriptors they have, and end. A request for
-/// memory fails; anything else ends the process at once (SIGSYS).
+/// After this call the threads of the process can only compute, wait for each other, read the descriptors they have, and exit. A request
+/// for memory fails. Any other system call kills the process (SIGSYS).
 /// @returns false: the kernel has no seccomp filters
 [[nodiscard]] bool filter_system_calls();
 

@@ -1,5 +1,5 @@
 #pragma once
-/// What the slicing child hands back. Nothing in it can be believed: a scan may have made the child do anything.
+/// What the slicing child hands back. None of it can be trusted: a scan may have made the child do anything.
 
 #include <array>
 #include <cstddef>

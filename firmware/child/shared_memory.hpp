@@ -27,7 +27,7 @@ struct MessagePage {
   ScanAnswer answer;       ///< the child's, complete when it has exited
 };
 
-/// Shared with every process that is forked from this one, at the same address. Pages cost nothing until they are touched.
+/// Every process forked from this one shares it, at the same address. A page takes no memory until it is touched.
 class SharedMemory {
  public:
   /// @retval ErrorCode::kOutOfMemory  the kernel gives no address space for it

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "firmware/child/child_protocol.hpp"
-#include "hal/passed_descriptor.hpp"
+#include "hal/process/passed_descriptor.hpp"
 
 namespace plumbline {
 namespace {

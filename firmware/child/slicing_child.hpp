@@ -42,7 +42,7 @@ class SlicingChild {
   /// @pre no child runs
   /// @retval ErrorCode::kDeviceTimeout  the template has ended
   [[nodiscard]] Status start(const ScanRequest& request, int scan);
-  /// Waits for the child's end. After it no thread of the child is left, so nobody changes the arena or the answer any more.
+  /// Waits for the child to end. Once it has, none of its threads is left, so nothing changes the arena or the answer any more.
   /// @returns its status as wait(2) gives it; nothing: it still runs
   /// @retval ErrorCode::kDeviceTimeout  the template has ended
   [[nodiscard]] Expected<std::optional<int>> wait(std::chrono::milliseconds patience);

@@ -9,9 +9,9 @@
 #include "firmware/io/progress_lines.hpp"
 #include "firmware/io/scan_files.hpp"
 #include "firmware/machine/back_end.hpp"
-#include "firmware/print/print_lines.hpp"
 #include "firmware/print/print_session.hpp"
 #include "firmware/print/print_summary.hpp"
+#include "firmware/print/status/print_lines.hpp"
 #include "firmware/slice/job_report.hpp"
 
 namespace plumbline {

@@ -1,5 +1,5 @@
 #pragma once
-/// Buttons by command: a datagram socket in the state folder, for printers without buttons and for people who are elsewhere.
+/// Buttons pressed by command, for printers without buttons and for people who are not at the printer: a datagram socket in the state folder.
 ///
 ///   STATE/buttons   takes "start", "pause" and "cancel"; the folder's owner and group may press
 

@@ -14,8 +14,8 @@
 #include "firmware/io/progress_lines.hpp"
 #include "firmware/io/version.hpp"
 #include "firmware/machine/back_end.hpp"
-#include "firmware/print/print_lines.hpp"
 #include "firmware/print/print_summary.hpp"
+#include "firmware/print/status/print_lines.hpp"
 #include "firmware/settings/job_options.hpp"
 
 namespace plumbline {

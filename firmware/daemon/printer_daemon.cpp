@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "firmware/daemon/stick_words.hpp"
-#include "firmware/print/state_lights.hpp"
+#include "firmware/print/status/state_lights.hpp"
 #include "firmware/settings/support_choice.hpp"
 
 namespace plumbline {

@@ -33,7 +33,7 @@ Expected<bool> ScanFeed::pump() {
     from_ += static_cast<std::size_t>(put);
     return true;
   }
-  // At the end of the file, or after the child has closed its end, nothing more is to be moved.
+  // At the end of the file, or once the child has closed its end, there is nothing left to move.
   if (put == 0 || (errno != EAGAIN && errno != EINTR)) into_ = Descriptor();
   return false;
 }

@@ -25,7 +25,7 @@ FixedText<60> numbered(const char* before, long number, const char* after) {
   return text;
 }
 
-/// The error of a child that did not end in order.
+/// The error of a child that crashed or hung.
 tl::unexpected<Error> broke(const ScanRequest& request, const FixedText<60>& how) {
   const char* const name = request.name.c_str();
   if (!request.is_job_file) return fail(ErrorCode::kMalformed, "%s: %s.\t%s", name, how.c_str(), kExportAgain);
@@ -103,7 +103,7 @@ Status ScanSlicing::watch(const StickMount& mount, const ScanRequest& request, b
     beats_ = beats;
     beaten_at_ = now;
   }
-  // A child out of control may beat for ever, but its progress can't rise for ever.
+  // A runaway child may keep beating, but its progress can't rise forever.
   if (const std::uint32_t reached = 1001 * stage + permille; fed || reached > reached_) {
     reached_ = std::max(reached_, reached);
     risen_at_ = now;

@@ -11,8 +11,9 @@
 
 namespace plumbline {
 
-/// A child that shows no sign of life for this long is killed, and one whose progress does not rise after ten times as long. The longest silence of a child that works is 8 s, for a tree of
-/// 1,000,000 points on a Cortex-A53; a stick that does not answer delays a read by the kernel's 30 s, perhaps twice.
+/// A child that shows no sign of life for this long is killed, and so is one whose progress has not risen for ten times as long. A child
+/// that works is silent for 8 s at most, while it builds a tree of 1,000,000 points on a Cortex-A53. A stick that does not answer delays
+/// a read by the kernel's 30 s, perhaps twice.
 inline constexpr std::chrono::seconds kSlicingPatience{120};
 
 /// Follows the slicing.

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "firmware/io/fixed_text.hpp"
-#include "firmware/print/print_report.hpp"
+#include "firmware/print/status/print_report.hpp"
 
 namespace plumbline {
 

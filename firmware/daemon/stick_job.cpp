@@ -45,8 +45,8 @@ std::string in_lower_case(std::string_view name) {
   return lower;
 }
 
-/// Collects scans and job.toml. What might be meant as one of them and is not is never passed over: without its job.toml a scan
-/// would be printed in a wrong size.
+/// Collects scans and job.toml. Anything that may have been meant as one of them is an error, never skipped: without its
+/// job.toml a scan would be printed at the wrong size.
 struct StickListing final : StickMount::FileVisitor {
   void on_file(std::string_view name, std::uint64_t /*bytes*/) override {
     const auto length = static_cast<int>(name.size());

@@ -8,11 +8,11 @@
 
 namespace plumbline {
 
-/// @retval ErrorCode::kBadSetting  one of options.faults is no fault
+/// @retval ErrorCode::kBadSetting  one of options.faults is not a fault
 [[nodiscard]] Status check_simulated_back_end(const SimulationOptions& options);
 
 /// @param lamp_line  lit while the simulated lamp is lit, in the host's time; null: none. Needs options.speedup above 0
-/// @retval ErrorCode::kBadSetting  one of options.faults is no fault
+/// @retval ErrorCode::kBadSetting  one of options.faults is not a fault
 [[nodiscard]] Expected<std::unique_ptr<BackEnd>> open_simulated_back_end(const BoardFile& board,
                                                                          const MachineFile& machine,
                                                                          const PrintProfile& profile,

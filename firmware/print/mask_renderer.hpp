@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "firmware/print/print_plan.hpp"
+#include "firmware/print/plan/print_plan.hpp"
 #include "slicer/core/arena.hpp"
 #include "slicer/core/bit_image.hpp"
 #include "slicer/supports/mask_stream.hpp"

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "firmware/print/print_plan.hpp"
+#include "firmware/print/plan/print_plan.hpp"
 #include "firmware/print/print_watch.hpp"
 
 namespace plumbline {

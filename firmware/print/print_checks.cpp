@@ -1,5 +1,7 @@
 #include "firmware/print/print_checks.hpp"
 
+#include "firmware/print/layer_checks.hpp"
+
 namespace plumbline {
 namespace {
 
@@ -116,10 +118,7 @@ Status PrintChecks::check_temperatures() {
   check.detail.add("lamp %.1f degrees C, at most %.0f allowed; resin %.1f degrees C, %.0f to %.0f allowed",
                    lamp->value(), settings_.lamp_max.value(), resin->value(), settings_.resin_min.value(),
                    settings_.resin_max.value());
-  const FaultCode code = *lamp > settings_.lamp_max     ? FaultCode::kLampTooHot
-                         : *resin < settings_.resin_min ? FaultCode::kResinTooCold
-                         : *resin > settings_.resin_max ? FaultCode::kResinTooWarm
-                                                        : FaultCode::kNone;
+  const FaultCode code = temperature_fault(*lamp, *resin, settings_);
   conclude(Check::kTemperatures, passed_if(code == FaultCode::kNone), code);
   return {};
 }

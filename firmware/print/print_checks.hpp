@@ -4,10 +4,10 @@
 #include <array>
 #include <cstdint>
 
-#include "firmware/print/fault.hpp"
-#include "firmware/print/print_observer.hpp"
-#include "firmware/print/print_report.hpp"
-#include "firmware/print/print_settings.hpp"
+#include "firmware/print/plan/print_settings.hpp"
+#include "firmware/print/status/fault.hpp"
+#include "firmware/print/status/print_observer.hpp"
+#include "firmware/print/status/print_report.hpp"
 #include "hal/machine.hpp"
 #include "slicer/core/print_grid.hpp"
 

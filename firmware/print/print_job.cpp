@@ -1,10 +1,10 @@
 #include "firmware/print/print_job.hpp"
 
 #include <algorithm>
-#include <cmath>
 
+#include "firmware/print/layer_checks.hpp"
 #include "firmware/print/resume_check.hpp"
-#include "firmware/print/state_lights.hpp"
+#include "firmware/print/status/state_lights.hpp"
 
 namespace plumbline {
 namespace {
@@ -12,16 +12,10 @@ namespace {
 /// Share of a full tank that is printed before the print asks for more. The rest no longer flows under the plate. A trade-off: a
 /// larger share risks layers without resin, a smaller one asks too early.
 constexpr double kUsableTank = 0.95;
-/// Measured doses that are off by more, as a share, end the print. A trade-off: resins forgive about as much.
-constexpr double kDoseFault = 0.05;
-/// Measured doses that are off by more are counted for the report.
-constexpr double kDoseNoted = 0.01;
 /// How often a waiting print reads its switches and updates its observer. Shorter responds faster, longer spares the processor.
 constexpr auto kLook = std::chrono::milliseconds(200);
 /// How often the lamp's temperature is read while it cools, which takes minutes.
 constexpr auto kCoolingLook = std::chrono::seconds(2);
-
-double seconds(nanoseconds time) { return std::chrono::duration<double>(time).count(); }
 
 }  // namespace
 
@@ -37,7 +31,7 @@ PrintJob::PrintJob(Machine& machine, const PrintSettings& settings, MaskRenderer
 }
 
 const PrintReport& PrintJob::resume(const JournalEntry& from) {
-  in_doubt_ = true;
+  doubt_ = Doubt::kUnchecked;
   return print(from);
 }
 
@@ -94,8 +88,7 @@ void PrintJob::go_on() {
     return;
   }
   if (state_ == PrintState::kFeedMe) poured_ml_ = used_ml();
-  if (!question_.view().empty()) in_doubt_ = false;  // answered
-  question_.clear();
+  if (doubt_ == Doubt::kAsked) doubt_ = Doubt::kNone;
   apply(PrintEvent::kResumeAsked);
 }
 
@@ -110,7 +103,9 @@ void PrintJob::notify() {
   status.remaining = remaining_time(plan_, entry_.next_layer);
   status.slack = slack_;
   status.resin_ml = used_ml();
-  status.question = question_.view();
+  FixedText<160> question;
+  if (doubt_ == Doubt::kAsked) question = question_about(entry_);
+  status.question = question.view();
   if (!observer_.update(status)) watch_.request(Request::kCancel);
 }
 
@@ -174,22 +169,24 @@ Status PrintJob::home() {
   }
   plate_.forget_steps_lost();  // lost before this print
   // Also if the user interrupts at the very end of the homing, since the plate can be lowered from here on.
-  if (in_doubt_ && machine_.stage.homed()) confirm_journal();
+  if (doubt_ != Doubt::kNone && machine_.stage.homed()) confirm_journal();
   if (!*homed) {
     apply_pending();
     return {};
   }
   checks_.stage_homed();
-  apply(in_doubt_ ? PrintEvent::kPartInDoubt : PrintEvent::kHomed);
+  apply(doubt_ == Doubt::kNone ? PrintEvent::kHomed : PrintEvent::kPartInDoubt);
   return {};
 }
 
 void PrintJob::confirm_journal() {
   const auto found = plate_.homed_from();
-  in_doubt_ = !stage_confirms(entry_, plan_, found, machine_.stage.limits().drift);
-  if (!in_doubt_) return;
-  checks_.journal_in_doubt(doubt_about(entry_, found).view());
-  question_ = question_about(entry_);
+  if (stage_confirms(entry_, plan_, found, machine_.stage.limits().drift)) {
+    doubt_ = Doubt::kNone;
+  } else {
+    doubt_ = Doubt::kAsked;
+    checks_.journal_in_doubt(doubt_about(entry_, found).view());
+  }
 }
 
 Status PrintJob::print_layer() {
@@ -199,8 +196,16 @@ Status PrintJob::print_layer() {
     return {};
   }
   const TimePoint layer_began = machine_.clock.now();
-  PLUMBLINE_TRY(check_temperatures());
-  if (state_ != PrintState::kPrinting) return {};
+  const auto temperatures = check_temperatures(machine_.thermals, settings_);
+  PLUMBLINE_TRY(temperatures);
+  if (temperatures->fault == FaultCode::kLampTooHot) {
+    apply(PrintEvent::kTooHot);
+    return {};
+  }
+  if (temperatures->fault != FaultCode::kNone) {
+    fault(temperatures->fault, temperatures->text.view());
+    return {};
+  }
   if (!mask_ || mask_layer_ != layer) PLUMBLINE_TRY(render(layer));
   if (needs_resin()) {
     apply(PrintEvent::kResinLow);
@@ -234,25 +239,6 @@ Status PrintJob::print_layer() {
     apply(PrintEvent::kLastLayerDone);
   } else {
     apply_pending();
-  }
-  return {};
-}
-
-/// Checks before each layer: a hot lamp must cool down first; a stalled fan, a dead sensor or resin out of range ends the print.
-Status PrintJob::check_temperatures() {
-  const auto lamp = machine_.thermals.temperature(TemperatureSite::kLamp);
-  PLUMBLINE_TRY(lamp);
-  const auto resin = machine_.thermals.temperature(TemperatureSite::kResin);
-  PLUMBLINE_TRY(resin);
-  if (machine_.thermals.fan_health(Fan::kLamp) == FanHealth::kStalled) {
-    fault(FaultCode::kFanStalled, "the lamp's fan is on and does not turn");
-  } else if (*lamp > settings_.lamp_max) {
-    apply(PrintEvent::kTooHot);
-  } else if (*resin < settings_.resin_min || *resin > settings_.resin_max) {
-    FixedText<128> text;
-    text.add("the resin is at %.1f degrees C, %.0f to %.0f allowed", resin->value(), settings_.resin_min.value(),
-             settings_.resin_max.value());
-    fault(*resin < settings_.resin_min ? FaultCode::kResinTooCold : FaultCode::kResinTooWarm, text.c_str());
   }
   return {};
 }
@@ -331,17 +317,10 @@ void PrintJob::record(const ExposureReport& exposure) {
                .slack = slack_.value_or(nanoseconds()),
                .making = slack_ ? mask_facts_.making : nanoseconds(),
                .copying = slack_ ? mask_facts_.copying : nanoseconds()});
-  if (exposure.source == DoseSource::kMeasured && exposure.end == ExposureEnd::kTimeUp) check_dose(exposure, expected);
-}
-
-void PrintJob::check_dose(const ExposureReport& exposure, Dose expected) {
-  const double off = std::abs(exposure.dose / expected - 1);
-  if (off > kDoseNoted) ++report_.doses_off;
-  if (off <= kDoseFault) return;
-  FixedText<160> text;
-  text.add("layer %u got %.3g mJ/cm2 in %.2f s instead of %.3g mJ/cm2", entry_.next_layer + 1, exposure.dose.value(),
-           seconds(exposure.lit), expected.value());
-  fault(FaultCode::kDoseOff, text.c_str());
+  if (exposure.source != DoseSource::kMeasured || exposure.end != ExposureEnd::kTimeUp) return;
+  if (dose_error(exposure, expected) > kDoseNoted) ++report_.doses_off;
+  const auto dose = check_dose(exposure, expected, entry_.next_layer);
+  if (dose.fault != FaultCode::kNone) fault(dose.fault, dose.text.view());
 }
 
 Status PrintJob::write_journal() {
@@ -351,10 +330,10 @@ Status PrintJob::write_journal() {
   return journal_->append(entry_);
 }
 
-/// Writes what the print can do without to the journal, if that has room for it. Not while the journal is in doubt: if it learned where
+/// Writes a record that the print can do without, if the journal has room for it. Not while the journal is in doubt: if it learned where
 /// the plate stands now, the next start would not ask.
 Status PrintJob::write_spare() {
-  return journal_ != nullptr && journal_->has_spare() && !in_doubt_ ? write_journal() : Status();
+  return journal_ != nullptr && journal_->has_spare() && doubt_ == Doubt::kNone ? write_journal() : Status();
 }
 
 /// Writes to the journal where the plate rests, so that a resumed print finds it there.

@@ -10,15 +10,15 @@
 #include <span>
 
 #include "firmware/print/mask_renderer.hpp"
+#include "firmware/print/plan/print_settings.hpp"
 #include "firmware/print/plate_moves.hpp"
-#include "firmware/print/plate_record.hpp"
 #include "firmware/print/print_checks.hpp"
-#include "firmware/print/print_observer.hpp"
-#include "firmware/print/print_report.hpp"
-#include "firmware/print/print_settings.hpp"
-#include "firmware/print/print_state.hpp"
 #include "firmware/print/print_watch.hpp"
+#include "firmware/print/status/print_observer.hpp"
+#include "firmware/print/status/print_report.hpp"
+#include "firmware/print/status/print_state.hpp"
 #include "firmware/print/store/journal.hpp"
+#include "firmware/print/store/plate_record.hpp"
 #include "hal/machine.hpp"
 
 namespace plumbline {
@@ -44,6 +44,13 @@ class PrintJob {
   const PrintReport& resume(const JournalEntry& from);
 
  private:
+  /// Whether the journal that is resumed from may lack layers.
+  enum class Doubt : std::uint8_t {
+    kNone,       ///< the stage or the user has confirmed it, or nothing is resumed
+    kUnchecked,  ///< the stage is not homed yet
+    kAsked,      ///< the user is to answer by start or cancel
+  };
+
   const PrintReport& print(const JournalEntry& from);
   void apply(PrintEvent event);  ///< the one place that changes the state
   bool apply_pending();
@@ -57,13 +64,11 @@ class PrintJob {
   Status home();
   void confirm_journal();
   Status print_layer();
-  Status check_temperatures();
   Status render(std::uint32_t layer);
   bool needs_resin() const;
   Expected<bool> expose();
   Status layer_cured();
   void record(const ExposureReport& exposure);
-  void check_dose(const ExposureReport& exposure, Dose expected);
   Status write_journal();
   Status write_spare();
   Status note_stand();
@@ -95,10 +100,9 @@ class PrintJob {
   PrintWatch watch_{machine_, state_};
   PlateMoves plate_{machine_.stage, plan_, watch_};
   PrintChecks checks_{machine_, settings_, report_.checks, observer_};
-  bool in_doubt_ = false;    ///< the journal that is resumed from, until the stage or the user confirms it
-  FixedText<160> question_;  ///< to be answered by start or cancel; empty: none
-  JournalEntry entry_;       ///< the next entry for the journal, as of now
-  nanoseconds before_{};     ///< printing time of earlier runs
+  Doubt doubt_ = Doubt::kNone;
+  JournalEntry entry_;    ///< the next entry for the journal, as of now
+  nanoseconds before_{};  ///< printing time of earlier runs
   TimePoint began_;
   std::optional<MaskBuffer> mask_;  ///< rendered, not presented yet
   std::uint32_t mask_layer_ = 0;    ///< the layer of mask_

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "firmware/print/print_lines.hpp"
+#include "firmware/print/status/print_lines.hpp"
 
 namespace plumbline {
 namespace {

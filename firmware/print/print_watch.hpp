@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "firmware/print/print_state.hpp"
+#include "firmware/print/status/print_state.hpp"
 #include "hal/await.hpp"
 #include "hal/machine.hpp"
 

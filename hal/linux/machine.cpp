@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "hal/linux/keeper/gpio_keeper_lines.hpp"
-#include "hal/process_memory.hpp"
+#include "hal/process/process_memory.hpp"
 
 namespace plumbline {
 

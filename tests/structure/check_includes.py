@@ -29,6 +29,7 @@ ORDER = {
                "supports", "plan"],
     "slicer/reader": ["stream", "records", "formats"],
     "hal/linux": ["gpio", "events", "keeper", "lamp", "stage", "display", "stick", "thermals"],
+    "firmware/print": ["plan", "status", "store"],
     "firmware": ["io", "settings", "pictures", "sample", "machine", "slice", "print", "child", "daemon", "cli"],
 }
 

@@ -20,7 +20,7 @@
 #include "hal/linux/keeper/keeper.hpp"
 #include "hal/linux/keeper/keeper_lines.hpp"
 #include "hal/linux/keeper/keeper_protocol.hpp"
-#include "hal/process_memory.hpp"
+#include "hal/process/process_memory.hpp"
 
 namespace plumbline {
 namespace {

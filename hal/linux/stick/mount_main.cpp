@@ -20,7 +20,7 @@
 #include <string_view>
 
 #include "hal/linux/stick/mount_protocol.hpp"
-#include "hal/passed_descriptor.hpp"
+#include "hal/process/passed_descriptor.hpp"
 
 namespace plumbline {
 namespace {

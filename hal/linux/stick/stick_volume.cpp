@@ -15,7 +15,7 @@
 #include <span>
 #include <utility>
 
-#include "hal/passed_descriptor.hpp"
+#include "hal/process/passed_descriptor.hpp"
 
 namespace plumbline {
 namespace {

@@ -60,7 +60,7 @@ class StageModel {
   void stop();
   /// Cuts the motor's power: the stage stops at once.
   void cut();
-  /// A motor without power turns, or a driver that starts turns it. At rest only.
+  /// Moves the stage as a motor does that loses its power or gets it back. At rest only.
   void drift(Distance by) { height_ = height_ + by; }
 
   bool moving() const { return moving_; }

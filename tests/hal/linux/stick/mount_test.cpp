@@ -17,7 +17,7 @@
 
 #include "hal/linux/stick/mount_protocol.hpp"
 #include "hal/linux/stick/stick_volume.hpp"
-#include "hal/passed_descriptor.hpp"
+#include "hal/process/passed_descriptor.hpp"
 
 namespace plumbline {
 namespace {

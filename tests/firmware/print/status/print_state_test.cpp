@@ -1,4 +1,4 @@
-#include "firmware/print/print_state.hpp"
+#include "firmware/print/status/print_state.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <sstream>
 #include <string>
 
-#include "firmware/print/fault.hpp"
+#include "firmware/print/status/fault.hpp"
 
 namespace plumbline {
 namespace {

@@ -1,4 +1,4 @@
-#include "firmware/print/state_lights.hpp"
+#include "firmware/print/status/state_lights.hpp"
 
 #include <chrono>
 

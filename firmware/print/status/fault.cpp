@@ -1,4 +1,4 @@
-#include "firmware/print/fault.hpp"
+#include "firmware/print/status/fault.hpp"
 
 #include <algorithm>
 #include <cassert>

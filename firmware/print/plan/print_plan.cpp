@@ -1,4 +1,4 @@
-#include "firmware/print/print_plan.hpp"
+#include "firmware/print/plan/print_plan.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "firmware/print/print_state.hpp"
+#include "firmware/print/status/print_state.hpp"
 #include "hal/front_panel.hpp"
 
 namespace plumbline {

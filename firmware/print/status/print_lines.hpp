@@ -4,7 +4,7 @@
 #include <chrono>
 #include <optional>
 
-#include "firmware/print/print_observer.hpp"
+#include "firmware/print/status/print_observer.hpp"
 
 namespace plumbline {
 

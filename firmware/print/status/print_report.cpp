@@ -1,4 +1,4 @@
-#include "firmware/print/print_report.hpp"
+#include "firmware/print/status/print_report.hpp"
 
 #include <algorithm>
 

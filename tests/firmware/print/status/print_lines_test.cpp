@@ -1,4 +1,4 @@
-#include "firmware/print/print_lines.hpp"
+#include "firmware/print/status/print_lines.hpp"
 
 #include <gtest/gtest.h>
 

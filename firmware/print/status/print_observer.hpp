@@ -4,8 +4,8 @@
 #include <optional>
 #include <string_view>
 
-#include "firmware/print/print_report.hpp"
-#include "firmware/print/print_state.hpp"
+#include "firmware/print/status/print_report.hpp"
+#include "firmware/print/status/print_state.hpp"
 #include "hal/clock.hpp"
 #include "hal/units.hpp"
 

@@ -1,4 +1,4 @@
-#include "hal/passed_descriptor.hpp"
+#include "hal/process/passed_descriptor.hpp"
 
 #include <sys/socket.h>
 

@@ -1,4 +1,4 @@
-#include "hal/process_memory.hpp"
+#include "hal/process/process_memory.hpp"
 
 #include <malloc.h>
 #include <sys/mman.h>

@@ -1,4 +1,4 @@
-#include "firmware/print/plate_record.hpp"
+#include "firmware/print/store/plate_record.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

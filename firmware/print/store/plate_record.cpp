@@ -1,4 +1,4 @@
-#include "firmware/print/plate_record.hpp"
+#include "firmware/print/store/plate_record.hpp"
 
 #include <fcntl.h>
 #include <sys/stat.h>

@@ -1,4 +1,4 @@
-#include "firmware/print/print_state.hpp"
+#include "firmware/print/status/print_state.hpp"
 
 namespace plumbline {
 

@@ -8,8 +8,8 @@
 #include <span>
 
 #include "firmware/io/fixed_text.hpp"
-#include "firmware/print/fault.hpp"
-#include "firmware/print/print_state.hpp"
+#include "firmware/print/status/fault.hpp"
+#include "firmware/print/status/print_state.hpp"
 #include "hal/clock.hpp"
 #include "hal/units.hpp"
 #include "hal/uv_lamp.hpp"

@@ -154,7 +154,7 @@ constexpr PrintState next(PrintState state, PrintEvent event) {
       if (event == PrintEvent::kFailed) return PrintState::kFault;
       return state;
     case PrintState::kPlateInUse:
-      // Also after a fault: nothing but a person's word leads on.
+      // Also after a fault: only a person's word leads out of this state.
       if (event == PrintEvent::kPlateEmpty) return PrintState::kIdle;
       return state;
     case PrintState::kSlicing:
