@@ -27,11 +27,12 @@ struct StickJob {
   std::optional<bool> supports;  ///< none: as the profile has it
   BaseChoice base = BaseChoice::kAuto;
   bool keep_all = false;  ///< also print stray pieces
+  bool operator==(const StickJob&) const = default;
 };
 
 inline constexpr std::string_view kJobFile = "job.toml";  ///< in any case
 
-/// The same error as ErrorCode::kBadSetting: a file of settings that can't be read or parsed is no wrong scan.
+/// The same error as ErrorCode::kBadSetting: if a settings file can't be read or parsed, the scan is not to blame.
 Error as_setting_error(const Error& error);
 
 /// @param path  for messages
@@ -51,8 +52,8 @@ struct StickScans {
 /// not a text that comes with scans, such as README.txt.
 bool is_scan_name(std::string_view name);
 
-/// @retval ErrorCode::kBadSetting  a job.toml that is no file; two of them; or a name that looks like a misspelt job.toml's
-/// @retval ErrorCode::kCannotOpen  without a job.toml: something with a scan's name that is no file
+/// @retval ErrorCode::kBadSetting  a job.toml that is not a file; two of them; or a name that looks like a misspelt job.toml's
+/// @retval ErrorCode::kCannotOpen  without a job.toml: something with a scan's name that is not a file
 /// @retval the errors of StickMount::for_each_file()
 [[nodiscard]] Expected<StickScans> list_scans(const StickMount& mount);
 

@@ -41,18 +41,7 @@ TEST_F(StickTask, ReadsAJobFileAsThisProcessDoes) {
     const auto expected = parse_stick_job(text, "job.toml").value();
     const auto job = check_job_answer(answer_to(text));
     ASSERT_TRUE(job) << job.error().message();
-    EXPECT_EQ(job->scan, expected.scan);
-    EXPECT_EQ(job->profile, expected.profile);
-    EXPECT_EQ(job->units, expected.units);
-    EXPECT_EQ(job->scale, expected.scale);
-    EXPECT_EQ(job->fit, expected.fit);
-    EXPECT_EQ(job->rotate_x_deg, expected.rotate_x_deg);
-    EXPECT_EQ(job->rotate_y_deg, expected.rotate_y_deg);
-    EXPECT_EQ(job->rotate_z_deg, expected.rotate_z_deg);
-    EXPECT_EQ(job->layer_height, expected.layer_height);
-    EXPECT_EQ(job->supports, expected.supports);
-    EXPECT_EQ(job->base, expected.base);
-    EXPECT_EQ(job->keep_all, expected.keep_all);
+    EXPECT_TRUE(*job == expected) << text;
   }
 }
 
