@@ -27,6 +27,11 @@ constexpr double kFirstMotion = 2;
 constexpr double kCorrelatedPoints = 10;
 /// Views are moved if the RMS distance from the surface falls to this share of what it was, or below.
 constexpr float kMaxRemaining = 0.985F;
+/// Most RMS motion, in RMS distances from the surface before it. A third of a motion's square is along the normal, and two views
+/// that meet are each off by half of what they are apart: the distances are sqrt(1/3 * 1/2) of the motions or, with noise, more.
+/// Views that moved farther have slid along the surface, where nothing holds them. So do the pieces of range images whose
+/// grid is not a camera's.
+constexpr float kMaxMoved = 2.5F;
 
 /// Replaces the lower half of a symmetric positive definite matrix (row after row) by its Cholesky factor.
 /// @returns false if it is not positive definite
@@ -96,10 +101,11 @@ class Registrar {
         waves->improve(views_.ripples[v], image);
       }
     }
-    if (result.after <= kMaxRemaining * result.before) {
-      move(result);
+    measure_motion(result);
+    if (result.after <= kMaxRemaining * result.before && result.moved <= kMaxMoved * result.before) {
+      move();
     } else {
-      result.after = result.before;
+      result = {.before = result.before, .after = result.before};
     }
     return result;
   }
@@ -224,22 +230,30 @@ class Registrar {
     return trace;
   }
 
-  void move(Registration& result) {
+  Vec3f moved_position(std::uint32_t point) const {
+    return (views_.moved_position(point, views_.ray(point)) + views_.middle()).cast<float>();
+  }
+
+  void measure_motion(Registration& result) const {
     double sum = 0;
     double ripple = 0;
     std::uint32_t count = 0;
     for (std::uint32_t i = 0; i < cloud_.size; ++i) {
       if (views_.view_of(i) == kNoView) continue;
       const double depth = views_.ripples[views_.view_of(i)].depth(views_.seen_position(i));
-      const Vec3f to = (views_.moved_position(i, views_.ray(i)) + views_.middle()).cast<float>();
-      const Vec3f by = to - cloud_.position[i];
+      const Vec3f by = moved_position(i) - cloud_.position[i];
       sum += static_cast<double>(by.dot(by));
       ripple += depth * depth;
       ++count;
-      cloud_.position[i] = to;
     }
     result.moved = static_cast<float>(std::sqrt(sum / std::max(1U, count)));
     result.ripple = static_cast<float>(std::sqrt(ripple / std::max(1U, count)));
+  }
+
+  void move() {
+    for (std::uint32_t i = 0; i < cloud_.size; ++i) {
+      if (views_.view_of(i) != kNoView) cloud_.position[i] = moved_position(i);
+    }
   }
 
   Cloud& cloud_;

@@ -29,7 +29,8 @@ struct Registration {
 ///
 /// What the scan does not determine, such as the distance between a plate's upper and lower side, stays as it is: a
 /// normal prior keeps motions small, with a variance learnt from the motions that the scan does determine. The sum of
-/// all motions is 0, so that the scan as a whole stays in place.
+/// all motions is 0, so that the scan as a whole stays in place. Views whose fit hardly improves, or that moved much farther
+/// than the points were off the surface, are left in place.
 ///
 /// @returns the same for any number of threads
 /// @retval ErrorCode::kOutOfMemory, kCancelled
