@@ -45,6 +45,11 @@ ExitCode run_inspect(const InspectOptions& inspect_options, std::span<std::byte>
   const JobOptions& options = inspect_options.job;
   const auto setup = set_up(options, arena_block.size());
   if (!setup) return report_error(setup.error());
+  if (!inspect_options.picture.empty()) {
+    if (const auto possible = check_can_create(inspect_options.picture.c_str()); !possible) {
+      return report_error(possible.error());
+    }
+  }
   catch_interrupts();
   const auto scan = ScanFiles::open(options.scans);
   if (!scan) return report_error(scan.error());

@@ -139,6 +139,28 @@ Status check_plate(const PrintOptions& options, const MachineFile& machine, Plat
               "--plate-empty");
 }
 
+/// What is written when the print has ended.
+struct Outputs {
+  std::optional<JobDirectory> part;  ///< of --keep-part
+};
+
+/// Refuses outputs that can't be written before the minutes of slicing and the hours of printing.
+Expected<Outputs> open_outputs(const PrintOptions& options, const Printer& printer) {
+  Outputs outputs;
+  if (!options.report.empty()) PLUMBLINE_TRY(check_can_create(options.report.c_str()));
+  if (options.keep_part.empty()) return outputs;
+  if (!printer.machine.simulated && !options.simulation.simulate) {
+    return fail(ErrorCode::kBadSetting,
+                "--keep-part writes what a simulated printer has made, and %s is a real one.\tLeave it out, or add "
+                "--simulate",
+                printer.board.name.c_str());
+  }
+  auto part = JobDirectory::open(options.keep_part);
+  PLUMBLINE_TRY(part);
+  outputs.part.emplace(std::move(*part));
+  return outputs;
+}
+
 ExitCode exit_code(PrintState state) {
   if (state == PrintState::kFinished) return ExitCode::kDone;
   return state == PrintState::kCancelled ? ExitCode::kInterrupted : ExitCode::kWorldError;
@@ -207,6 +229,8 @@ ExitCode run_print(const PrintOptions& options, std::span<std::byte> arena_block
     if (const auto checked = check_plate(options, printer->machine, *plate); !checked)
       return report_error(checked.error());
   }
+  auto outputs = open_outputs(options, *printer);
+  if (!outputs) return report_error(outputs.error());
   catch_interrupts();
   Arena arena(arena_block.first(setup->arena_bytes));
   const bool silent = job.quiet || job.json;
@@ -216,7 +240,7 @@ ExitCode run_print(const PrintOptions& options, std::span<std::byte> arena_block
 
   // The machine is opened after slicing, because a simulated one's time begins with its first use.
   SimulationOptions simulation = options.simulation;
-  simulation.keep_part = !options.keep_part.empty();
+  simulation.keep_part = outputs->part.has_value();
   if (options.resume) {
     const auto progress = store->progress();
     if (!progress) return report_error(progress.error());
@@ -243,8 +267,8 @@ ExitCode run_print(const PrintOptions& options, std::span<std::byte> arena_block
   const auto written = write_results(
       options, {report, session, printer->profile, witness != nullptr, objections, (*back_end)->take_step_figures()});
   if (!written) return report_error(written.error());
-  if (witness != nullptr && !options.keep_part.empty()) {
-    const auto kept = write_printed_part(options.keep_part, *witness, session, arena);
+  if (witness != nullptr && outputs->part) {
+    const auto kept = write_printed_part(*outputs->part, *witness, session, arena);
     if (!kept) return report_error(kept.error());
   }
   return exit_code(report.state);

@@ -8,7 +8,6 @@
 #include "firmware/io/mask_hash.hpp"
 #include "firmware/pictures/png_writer.hpp"
 #include "firmware/pictures/preview.hpp"
-#include "firmware/slice/job_directory.hpp"
 #include "firmware/slice/job_report.hpp"
 #include "firmware/slice/manifest.hpp"
 
@@ -79,11 +78,8 @@ Status write_pictures(JobDirectory& directory, const PrintSession& session, cons
 
 }  // namespace
 
-Status write_printed_part(const std::string& folder, const Witness& witness, const PrintSession& session,
-                          Arena& arena) {
-  auto directory = JobDirectory::open(folder);
-  PLUMBLINE_TRY(directory);
-  PLUMBLINE_TRY(directory->begin());
+Status write_printed_part(JobDirectory& directory, const Witness& witness, const PrintSession& session, Arena& arena) {
+  PLUMBLINE_TRY(directory.begin());
   const PrintGrid& grid = session.grid();
   auto masks = PngEncoder::for_masks(grid.columns, grid.rows);
   PLUMBLINE_TRY(masks);
@@ -103,7 +99,7 @@ Status write_printed_part(const std::string& folder, const Witness& witness, con
       part.add(layer);
       job.cured_pixels += layer.count();
       const auto png = masks->encode(layer);
-      done = png ? directory->write_layer(static_cast<std::uint32_t>(hashes.size()), *png)
+      done = png ? directory.write_layer(static_cast<std::uint32_t>(hashes.size()), *png)
                  : Status(tl::unexpected<Error>(png.error()));
       hashes.push_back(mask_hash(layer));
     }
@@ -121,16 +117,16 @@ Status write_printed_part(const std::string& folder, const Witness& witness, con
     PrintGrid printed = grid;
     printed.layers = static_cast<std::uint32_t>(hashes.size());
     PLUMBLINE_TRY(
-        write_pictures(*directory, session, {.grid = printed, .first = part.first, .pixel = part.pixel}, job, arena));
+        write_pictures(directory, session, {.grid = printed, .first = part.first, .pixel = part.pixel}, job, arena));
     job.has_preview = true;
   }
   if (session.sliced().placement.grid.layers != hashes.size()) return {};
-  auto manifest = directory->create_manifest();
+  auto manifest = directory.create_manifest();
   PLUMBLINE_TRY(manifest);
   JsonWriter json(*manifest);
   write_manifest(json, job, hashes);
   PLUMBLINE_TRY(json.finish());
-  return directory->finish(*manifest);
+  return directory.finish(*manifest);
 }
 
 }  // namespace plumbline

@@ -1,21 +1,18 @@
 #pragma once
 /// Writes the part that a simulated printer has made: its layers and its picture.
 
-#include <cstdint>
-#include <string>
-
 #include "firmware/machine/back_end.hpp"
 #include "firmware/print/print_session.hpp"
+#include "firmware/slice/job_directory.hpp"
 #include "slicer/core/arena.hpp"
 
 namespace plumbline {
 
 /// Writes what was cured as `plumbline slice` writes its layers: layers, preview.png, manifest.json if this session sliced the
 /// scan, and comparison.png, which shows the part beside what was to be printed. For the desktop: uses the heap.
-/// @param folder   as JobDirectory takes it
-/// @param arena    its free part is used for the picture
+/// @param arena  its free part is used for the picture
 /// @retval the errors of JobDirectory and PngEncoder
-[[nodiscard]] Status write_printed_part(const std::string& folder, const Witness& witness, const PrintSession& session,
+[[nodiscard]] Status write_printed_part(JobDirectory& directory, const Witness& witness, const PrintSession& session,
                                         Arena& arena);
 
 }  // namespace plumbline

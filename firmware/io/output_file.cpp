@@ -1,6 +1,7 @@
 #include "firmware/io/output_file.hpp"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -8,16 +9,23 @@
 #include <utility>
 
 namespace plumbline {
+namespace {
+
+constexpr mode_t kMode = 0666;  ///< less the user's umask
+constexpr int kFlags = O_WRONLY | O_CREAT | O_CLOEXEC | O_NOCTTY;
+
+tl::unexpected<Error> cannot_create(const char* path, int reason) {
+  return fail(ErrorCode::kCannotOpen, "%s: cannot be created: %s.\tCheck the folder, or choose another one", path,
+              std::strerror(reason));
+}
+
+}  // namespace
 
 Expected<OutputFile> OutputFile::create(const char* path) {
   OutputFile file;
   file.path_.add("%s", path);
-  constexpr mode_t kMode = 0666;  // less the user's umask
-  file.file_ = ::open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOCTTY, kMode);
-  if (file.file_ < 0) {
-    return fail(ErrorCode::kCannotOpen, "%s: cannot be created: %s.\tCheck the folder, or choose another one", path,
-                std::strerror(errno));
-  }
+  file.file_ = ::open(path, kFlags | O_TRUNC, kMode);
+  if (file.file_ < 0) return cannot_create(path, errno);
   return file;
 }
 
@@ -59,6 +67,17 @@ Status OutputFile::close() {
   const int file = std::exchange(file_, -1);
   // EINTR of close() leaves the file closed on Linux.
   if (::close(file) != 0 && errno != EINTR) return cannot_write(errno);
+  return {};
+}
+
+Status check_can_create(const char* path) {
+  struct stat status = {};
+  const bool is_there = ::lstat(path, &status) == 0;
+  // O_NONBLOCK: a pipe that nobody reads yet must not block, and is no error.
+  const int file = ::open(path, kFlags | O_NONBLOCK, kMode);
+  if (file < 0) return errno == ENXIO ? Status() : Status(cannot_create(path, errno));
+  ::close(file);
+  if (!is_there) ::unlink(path);
   return {};
 }
 

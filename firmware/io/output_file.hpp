@@ -40,6 +40,11 @@ class OutputFile {
   FixedPath path_;
 };
 
+/// Finds out whether OutputFile::create() can succeed, for a file that is written after minutes or hours of work. A file that
+/// exists keeps its content; one that does not is created and removed again.
+/// @retval ErrorCode::kCannotOpen  as create()
+[[nodiscard]] Status check_can_create(const char* path);
+
 /// OutputFile::create(), write() and close().
 [[nodiscard]] Status write_file(const char* path, std::span<const std::byte> bytes);
 

@@ -7,7 +7,7 @@ import resource
 import subprocess
 import unittest
 
-from case import PLUMBLINE, SOURCE_DIR, Program, main, write_board, write_sphere
+from case import PLUMBLINE, SIM2K, SOURCE_DIR, Program, main, write_board, write_sphere
 
 
 class WorldErrors(Program):
@@ -37,6 +37,37 @@ class WorldErrors(Program):
         write_sphere(self.scan)
         self.refused("slice", self.scan, "-o", "/proc/plumbline", message="/proc/plumbline: the folder cannot be created")
         self.refused("slice", self.scan, "-o", self.scan, message=".*sphere.ply: is a file, not a folder")
+
+    def test_outputs_that_cannot_be_written_are_refused_before_the_scan_is_opened(self):
+        missing, nowhere = self.dir / "no.ply", self.dir / "no" / "file"
+        sim = ("print", missing, "--printer", SIM2K)
+        self.refused(*sim, "--report", nowhere, message=".*no/file: cannot be created: No such file or directory")
+        self.refused(*sim, "--report", self.dir, message=f"{self.dir}: cannot be created: Is a directory")
+        self.refused(*sim, "--keep-part", "/proc/part", message="/proc/part: the folder cannot be created")
+        self.refused("inspect", missing, "--picture", nowhere, message=".*no/file: cannot be created: No such file or directory")
+        (self.dir / "full").mkdir()
+        (self.dir / "full" / "letter.txt").touch()
+        self.refused(*sim, "--keep-part", self.dir / "full", message=".*full: holds 'letter.txt', which plumbline did not write")
+
+    def test_outputs_of_a_refused_print_are_as_before(self):
+        missing, old, new, part = self.dir / "no.ply", self.dir / "old.json", self.dir / "new.json", self.dir / "part"
+        old.write_text("an older report")
+        for report in (old, new):
+            self.refused(
+                "print", missing, "--printer", SIM2K, "--report", report, "--keep-part", part, message=".*no.ply: the scan cannot be opened"
+            )
+        self.assertEqual(old.read_text(), "an older report")
+        self.assertFalse(new.exists() or part.exists())
+
+    def test_a_report_may_be_a_pipe(self):
+        pipe = self.dir / "pipe"
+        os.mkfifo(pipe)
+        missing = self.dir / "no.ply"
+        self.refused("print", missing, "--printer", SIM2K, "--report", pipe, message=".*no.ply: the scan cannot be opened")
+
+    def test_the_part_of_a_real_printer_is_no_output(self):
+        rig = ("print", self.dir / "no.ply", "--printer", SOURCE_DIR / "board" / "rig.toml")
+        self.refused(*rig, "--keep-part", self.dir / "part", message="--keep-part writes what a simulated printer has made, and rig is")
 
     def test_output_without_permission(self):
         def obey_permissions():
