@@ -158,8 +158,7 @@ ScanLengths<Millimetre> in_mm(const ScanLengths<ScanUnit>& lengths, ScanScale sc
           .bore_walls = scale(lengths.bore_walls)};
 }
 
-Box3d PreparedScan::bounds() const {
-  const Box3f local = cloud.bounds();
+Box3d PreparedScan::in_scan(const Box3f& local) const {
   Box3d box;
   box.extend(local.low.cast<double>() + offset);
   box.extend(local.high.cast<double>() + offset);

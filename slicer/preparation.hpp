@@ -16,7 +16,8 @@ struct PreparedScan {
   Vec3d offset = Vec3d::Zero();  ///< rotated scan coordinates of the cloud's origin
   bool has_surface = false;      ///< false: too few points have neighbours that face the same way
 
-  Box3d bounds() const;  ///< rotated scan coordinates; the cloud is not empty
+  Box3d bounds() const { return in_scan(cloud.bounds()); }  ///< rotated scan coordinates; the cloud is not empty
+  Box3d in_scan(const Box3f& box) const;  ///< from coordinates of the cloud to rotated scan coordinates
 };
 
 /// Called before the clustering, when normals and views are settled and no point has been left out.

@@ -11,20 +11,13 @@ namespace {
 /// too large by little is refused when it is placed.
 Status check_core_fits(const PreparedScan& scan, const PlacementSettings& settings, Arena& arena) {
   if (settings.fit || settings.units == Units::kAuto) return {};
-  const auto local = core_bounds(scan.cloud.positions(), arena);
-  PLUMBLINE_TRY(local);
-  Box3d core;
-  core.extend(local->low.cast<double>() + scan.offset);
-  core.extend(local->high.cast<double>() + scan.offset);
+  const auto core = core_bounds(scan.cloud.positions(), arena);
+  PLUMBLINE_TRY(core);
   const double unit_mm = millimetres_per(settings.units);
-  if (place(core, unit_mm, settings)) return {};
-  // For the message, the object is as large as the scan, but for points that fly far away.
-  const Vec3d margin = 0.1 * core.size();
-  const Box3d all = scan.bounds();
-  Box3d shown;
-  shown.extend((core.low - margin).cwiseMax(all.low));
-  shown.extend((core.high + margin).cwiseMin(all.high));
-  const auto placed = place(shown, unit_mm, settings);
+  if (place(scan.in_scan(*core), unit_mm, settings)) return {};
+  const auto object = dense_bounds(scan.cloud.positions(), *core, arena);
+  if (!object) return {};  // refused when it is placed
+  const auto placed = place(scan.in_scan(*object), unit_mm, settings);
   return placed ? Status() : Status(tl::unexpected<Error>(placed.error()));
 }
 

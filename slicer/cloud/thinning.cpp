@@ -1,6 +1,7 @@
 #include "slicer/cloud/thinning.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 
@@ -15,6 +16,24 @@ constexpr float kOpposite = -0.5F;
 /// and at least kFewest do. Thin walls and noise make some: 1 in 100 of a noisy scan.
 constexpr std::uint64_t kOften = 10;
 constexpr std::uint64_t kFewest = 8;
+
+/// The longest side of the points, but at most 8 times that of nine in ten of them: one point far away must not decide how
+/// fine the cells are.
+float longest_side(const Cloud& cloud) {
+  constexpr std::size_t kSample = 512;  ///< points, evenly over the cloud's order
+  constexpr float kMostCores = 8;
+  const auto count = std::min<std::size_t>(kSample, cloud.size);
+  const std::size_t left_out = count / 20;
+  float core = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::array<float, kSample> sorted;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+    for (std::size_t i = 0; i < count; ++i) sorted[i] = cloud.position[std::uint64_t{i} * cloud.size / count][axis];
+    std::sort(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(count));
+    core = std::max(core, sorted[count - 1 - left_out] - sorted[left_out]);
+  }
+  const float longest = cloud.bounds().size().maxCoeff();
+  return core > 0 ? std::min(longest, kMostCores * core) : longest;
+}
 
 /// Slots of the table: the power of two that leaves it 1/3 to 2/3 full when the cloud is.
 std::size_t slots_for(std::uint32_t capacity) { return std::bit_ceil(std::size_t{capacity} * 3 / 2 + 16); }
@@ -104,8 +123,7 @@ void PointThinner::grow_cell() {
       cell_ *= 2;
     } else {
       // 1/4096 of the longest side is finer than most panels' pixels, so little is lost before cells have to grow.
-      const Vec3f extent = cloud_.bounds().size();
-      const float longest = std::max({extent[0], extent[1], extent[2]});
+      const float longest = longest_side(cloud_);
       cell_ = longest > 0 ? static_cast<double>(longest) / 4096 : 1.0;
     }
     table_.clear();

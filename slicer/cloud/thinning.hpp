@@ -25,7 +25,7 @@ class PointThinner final : public PointSink {
   /// @param table     table_bytes(cloud.capacity()) bytes, aligned to 4
   /// @param rotation  from scan axes to print axes, applied to every point and normal
   /// @param cell      edge of the first cells, scan units; 0: no thinning until the cloud is full, then 1/4096 of the
-  ///                  longest side
+  ///                  longest side, which points far away from the others don't make longer
   PointThinner(Cloud& cloud, std::span<std::byte> table, const Mat3d& rotation, double cell);
 
   /// Call once for each file.

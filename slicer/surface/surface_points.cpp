@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "slicer/surface/flying_points.hpp"
 #include "slicer/surface/sparse_surface.hpp"
 #include "slicer/surface/support_size.hpp"
 
@@ -44,7 +45,8 @@ Expected<SurfacePoints> find_surface_points(Cloud& cloud, const KdTree3& tree, c
   PLUMBLINE_TRY(epsilon);
   const auto clustered = cluster(cloud, tree, *epsilon, clustering_settings, {}, arena, progress.part(0, kClustered));
   PLUMBLINE_TRY(clustered);
-  SurfacePoints surface{*clustered, {}, {}};
+  SurfacePoints surface;
+  surface.clustering = *clustered;
   ClusteringResult& clustering = surface.clustering;
   if (clustering.coherent) {
     PLUMBLINE_TRY(refine(cloud, tree, settings, clustering, arena, progress.part(kClustered, kRefined)));
@@ -55,6 +57,11 @@ Expected<SurfacePoints> find_surface_points(Cloud& cloud, const KdTree3& tree, c
     const auto strays = mark_stray_pieces(cloud, clustering, arena);
     PLUMBLINE_TRY(strays);
     surface.strays = *strays;
+  }
+  if (surface.found()) {
+    const auto flying = mark_flying_points(cloud, tree, clustering, arena);
+    PLUMBLINE_TRY(flying);
+    surface.flying_points = *flying;
   }
   const float narrow = cloud.support_points;
   PLUMBLINE_TRY(widen_supports(cloud, tree, clustering_settings, arena, progress.part(kRescued, kSized)));

@@ -21,6 +21,7 @@ struct SurfaceSettings {
 struct SurfacePoints {
   ClusteringResult clustering;  ///< epsilon and noise in units of the cloud
   StrayPieces strays;
+  std::uint32_t flying_points = 0;  ///< left out because they would have made the object larger
   BoreWalls bore_walls;
 
   /// Whether there is a surface. Where most points are outliers, the rest must have enough core points.
@@ -28,7 +29,7 @@ struct SurfacePoints {
 };
 
 /// Calls cluster(), and what goes beyond the thesis: refine_normals(), rescue_sparse_surface(), mark_stray_pieces(),
-/// widen_supports() and continue_bore_walls(), in that order. Estimated normals are fitted again if supports got wider.
+/// mark_flying_points(), widen_supports() and continue_bore_walls(), in that order. Estimated normals are fitted again if supports got wider.
 ///
 /// @param cloud  in the order of `tree`, with normals. On return noise points are gone, classes and supports are set
 /// @param arena  work space of these functions from the top, released on return

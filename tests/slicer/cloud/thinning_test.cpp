@@ -184,6 +184,17 @@ TEST(PointThinner, ChoosesACellFromTheExtentWhenItIsFull) {
   EXPECT_GT(thinning.cloud().size, 400U);
 }
 
+TEST(PointThinner, ChoosesACellForTheScanAndNotForAPointFarAway) {
+  Random random(4);
+  Surface surface = sphere(3000, 10, {0, 0, 0});
+  shuffle(surface, random);
+  surface[100].position = Vec3d(1e6, 0, 0);
+  Thinning thinning(1000, 0);
+  thinning.take(surface);
+  EXPECT_GT(thinning.cloud().size, 300U);
+  EXPECT_LT(thinning.thinner().cell(), 2.5) << "1e6 / 4096 is 244";
+}
+
 TEST(PointThinner, RotatesPositionsAndNormals) {
   Random random(6);
   const Surface surface = sphere(100, 10, {1, 2, 3});

@@ -32,5 +32,26 @@ TEST(CoreBounds, OfAFewPointsAreTheirBounds) {
   EXPECT_EQ(box->high, Vec3f(3, 2, 3));
 }
 
+/// Flying points far away and near, and a distant piece that has fewer points than the object.
+TEST(DenseBounds, AreThoseOfTheObjectToACell) {
+  testing::Random random(3);
+  std::vector<Vec3f> points;
+  for (const auto& p : testing::sphere(20000, 10, {5, 0, 0})) points.push_back(p.position.cast<float>());
+  for (const auto& p : testing::sphere(500, 2, {30, 0, 0})) points.push_back(p.position.cast<float>());
+  for (int i = 0; i < 100; ++i) points.push_back((20 * random.vector()).cast<float>());
+  points.emplace_back(1e6F, -1e7F, 0);
+  testing::ArenaBlock arena(std::size_t{1} << 20U);
+  const auto core = core_bounds(points, *arena);
+  ASSERT_TRUE(core);
+  const auto box = dense_bounds(points, *core, *arena);
+  ASSERT_TRUE(box);
+  const float cell = core->size().maxCoeff() / 20;
+  for (int axis = 0; axis < 3; ++axis) {
+    EXPECT_NEAR(box->low[axis], (axis == 0 ? 5 : 0) - 10, cell);
+    EXPECT_NEAR(box->high[axis], (axis == 0 ? 5 : 0) + 10, cell);
+  }
+  EXPECT_EQ(arena->used(), 0U);
+}
+
 }  // namespace
 }  // namespace plumbline

@@ -1,0 +1,193 @@
+#include "slicer/surface/flying_points.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <span>
+
+#include "slicer/core/median.hpp"
+
+namespace plumbline {
+namespace {
+
+constexpr const char* kStage = "flying points";
+
+constexpr std::uint32_t kFewestTogether = 32;  ///< points; stray pieces of more are found by mark_stray_pieces()
+constexpr float kStepEpsilons = 1.5F;          ///< as the cells of stray pieces, which join sparse parts of one surface
+constexpr std::uint32_t kNearest = 5;          ///< points; as many make a sparse surface
+constexpr float kReaches = 3;        ///< a density that drops to a ninth from one point to the next is no surface
+constexpr std::uint32_t kSheet = 8;  ///< nearest points whose sheet a point must lie on
+/// Nearest points that a clump doesn't fill: a point beside a sheet is above most of them, whatever else hangs there.
+constexpr std::uint32_t kWide = kFewestTogether;
+/// Least mean height over mean distance. Estimated normals at an edge make up to 0.4 of it; a point straight above a sheet
+/// has 1.
+constexpr float kSteep = 0.6F;
+constexpr float kWideSteep = 0.2F;  ///< the same for the kWide nearest; estimated normals at a corner make up to 0.1
+/// Cosine within which the nearest points lie in one direction: a string of flying pixels. A surface has a tip so thin only
+/// if it is a needle of 16 degrees.
+constexpr float kInLine = 0.99F;
+constexpr float kDeviations = 5;                ///< of the neighbours' own heights; a surface point is rarely higher
+constexpr std::uint32_t kMostShare = 20;        ///< at most one point in so many is flying
+constexpr std::uint32_t kFirstCandidates = 64;  ///< sorted at a time, twice as many each time
+
+class FlyingPoints {
+ public:
+  FlyingPoints(Cloud& cloud, const KdTree3& tree, const ClusteringResult& clustering, std::span<std::uint32_t> order,
+               std::span<std::uint32_t> marked)
+      : cloud_(cloud), tree_(tree), clustering_(clustering), order_(order), marked_(marked) {}
+
+  std::uint32_t mark() {
+    for (int axis = 0; axis < 3; ++axis) {
+      if (!mark_side(axis, -1) || !mark_side(axis, 1)) {
+        for (const std::uint32_t i : marked_.first(count_))
+          cloud_.normal[i].point_class = orientation_of(cloud_.normal[i]);
+        return 0;
+      }
+    }
+    return count_;
+  }
+
+ private:
+  bool is_surface(std::uint32_t i) const { return cloud_.normal[i].point_class != PointClass::kNoise; }
+
+  /// @param sign  1: the highest coordinates
+  /// @returns false if too many points are flying
+  bool mark_side(int axis, float sign) {
+    std::size_t size = 0;
+    for (std::uint32_t i = 0; i < cloud_.size; ++i) {
+      if (is_surface(i)) order_[size++] = i;
+    }
+    const auto farther = [&](std::uint32_t a, std::uint32_t b) {
+      const float x = sign * cloud_.position[a][axis];
+      const float y = sign * cloud_.position[b][axis];
+      return x > y || (x == y && a < b);
+    };
+    const auto candidates = order_.first(size);
+    std::size_t first = 0;
+    for (std::size_t step = kFirstCandidates; first < size; step *= 2) {
+      const std::size_t last = std::min(size, first + step);
+      const auto begin = candidates.begin();
+      std::partial_sort(begin + static_cast<std::ptrdiff_t>(first), begin + static_cast<std::ptrdiff_t>(last),
+                        candidates.end(), farther);
+      for (; first < last; ++first) {
+        const std::uint32_t i = candidates[first];
+        if (!is_flying(i)) return true;
+        if (count_ == marked_.size()) return false;
+        cloud_.normal[i].point_class = PointClass::kNoise;
+        marked_[count_++] = i;
+      }
+    }
+    return false;
+  }
+
+  std::uint32_t nearest(std::uint32_t i, std::span<Neighbour> found) const {
+    return tree_.nearest(cloud_.position[i], found,
+                         [&](std::uint32_t other) { return other != i && is_surface(other); });
+  }
+
+  bool is_flying(std::uint32_t i) const {
+    std::array<Neighbour, kWide> found;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+    const std::uint32_t count = nearest(i, found);
+    if (count < kSheet) return true;
+    const auto neighbours = std::span<const Neighbour>(found).first(count);
+    return is_above(i, neighbours) || ends_a_string(i, neighbours.first(kSheet)) || is_apart(neighbours) ||
+           !is_together(i);
+  }
+
+  /// Height of point i over the tangent plane of another; 0 below it, as beside an edge of the other side.
+  float height(std::uint32_t i, std::uint32_t over) const {
+    return std::max(0.0F, cloud_.normal[over].unpack().dot(cloud_.position[i] - cloud_.position[over]));
+  }
+
+  /// Mean height of a point over the tangent planes of its neighbours.
+  float mean_height(std::uint32_t i, std::span<const Neighbour> neighbours) const {
+    float sum = 0;
+    for (const Neighbour& n : neighbours) sum += height(i, n.index);
+    return sum / static_cast<float>(neighbours.size());
+  }
+
+  bool is_above(std::uint32_t i, std::span<const Neighbour> neighbours) const {
+    const auto is_steep = [&](std::span<const Neighbour> some, float least) {
+      float distance = 0;
+      for (const Neighbour& n : some) distance += std::sqrt(n.distance2);
+      return mean_height(i, some) * static_cast<float>(some.size()) > least * distance;
+    };
+    if (!is_steep(neighbours.first(kSheet), kSteep) && !is_steep(neighbours, kWideSteep)) return false;
+    // Curvature makes heights, too, and noise does. Both are the same around the point.
+    std::array<float, kWide> heights;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+    const auto of_neighbours = std::span(heights).first(neighbours.size());
+    for (std::size_t k = 0; k < neighbours.size(); ++k) {
+      std::array<Neighbour, kWide> found;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+      const std::uint32_t count = nearest(neighbours[k].index, found);
+      of_neighbours[k] = mean_height(neighbours[k].index, std::span<const Neighbour>(found).first(count));
+    }
+    const float middle = median(of_neighbours);
+    for (float& h : of_neighbours) h = std::abs(h - middle);
+    const float deviation = static_cast<float>(kMedianToDeviation) * median(of_neighbours);
+    return mean_height(i, neighbours) > middle + kDeviations * deviation;
+  }
+
+  bool ends_a_string(std::uint32_t i, std::span<const Neighbour> nearest) const {
+    const auto towards = [&](const Neighbour& n) -> Vec3f {
+      return (cloud_.position[n.index] - cloud_.position[i]) / std::sqrt(n.distance2);
+    };
+    Vec3f mean = Vec3f::Zero();
+    for (const Neighbour& n : nearest) {
+      if (!(n.distance2 > 0)) return false;
+      mean += towards(n);
+    }
+    const float length = std::sqrt(mean.dot(mean));
+    return std::all_of(nearest.begin(), nearest.end(),
+                       [&](const Neighbour& n) { return towards(n).dot(mean) > kInLine * length; });
+  }
+
+  bool is_apart(std::span<const Neighbour> neighbours) const {
+    return std::all_of(neighbours.begin(), neighbours.begin() + kNearest, [&](const Neighbour& n) {
+      std::array<Neighbour, kNearest> own;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+      const std::uint32_t count = nearest(n.index, own);
+      return n.distance2 > kReaches * kReaches * own[count - 1].distance2;
+    });
+  }
+
+  /// Whether at least kFewestTogether points hang together with point i.
+  bool is_together(std::uint32_t i) const {
+    std::array<std::uint32_t, kFewestTogether> reached = {i};
+    std::uint32_t size = 1;
+    const float step = kStepEpsilons * clustering_.epsilon;
+    for (std::uint32_t next = 0; next < size; ++next) {
+      std::array<Neighbour, kFewestTogether> found;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+      const std::uint32_t count = nearest(reached[next], found);
+      for (const Neighbour& n : std::span(found).first(count)) {
+        if (n.distance2 > step * step) break;
+        if (std::find(reached.begin(), reached.begin() + size, n.index) != reached.begin() + size) continue;
+        if (size == kFewestTogether) return true;
+        reached[size++] = n.index;
+      }
+    }
+    return size == kFewestTogether;
+  }
+
+  Cloud& cloud_;
+  const KdTree3& tree_;
+  const ClusteringResult& clustering_;
+  std::span<std::uint32_t> order_;
+  std::span<std::uint32_t> marked_;
+  std::uint32_t count_ = 0;  ///< of marked_
+};
+
+}  // namespace
+
+Expected<std::uint32_t> mark_flying_points(Cloud& cloud, const KdTree3& tree, ClusteringResult& clustering,
+                                           Arena& arena) {
+  const ArenaScope scope(arena);
+  const auto order = arena.take_top<std::uint32_t>(cloud.size, kStage);
+  PLUMBLINE_TRY(order);
+  const auto marked = arena.take_top<std::uint32_t>(cloud.size / kMostShare, kStage);
+  PLUMBLINE_TRY(marked);
+  const std::uint32_t count = FlyingPoints(cloud, tree, clustering, *order, *marked).mark();
+  if (count > 0) clustering.points = count_classes(cloud.normal.first(cloud.size));
+  return count;
+}
+
+}  // namespace plumbline
