@@ -57,7 +57,7 @@ struct Contact {
 
 /// The regions of one layer.
 struct Layer {
-  static std::size_t most_regions(std::uint32_t rows) { return std::size_t{rows} * LayerRegions::kRunsPerRow + 1; }
+  static std::size_t most_regions(std::uint32_t rows) { return LayerRegions::most_runs(rows, {}); }
   static std::size_t bytes_needed(std::uint32_t rows) {
     return LayerRegions::bytes_needed(rows) + Arena::rounded(most_regions(rows) * sizeof(std::uint32_t)) +
            Arena::rounded(most_regions(rows) * sizeof(Contact));
@@ -203,7 +203,8 @@ bool Sweep::record(std::uint32_t layer, const Layer& now, ConstBitImage section)
 
 void Sweep::connect(Layer& below, Layer& above) {
   for (Layer* layer : {&below, &above}) std::fill_n(layer->contact.begin(), layer->regions.run_count(), Contact{});
-  for_each_contact(below.regions, above.regions, [&](std::uint32_t a, std::uint32_t b) {
+  for_each_contact(below.regions, above.regions, [&](const RegionContact& contact) {
+    const auto [a, b] = std::pair(contact.below, contact.above);
     below.contact[a].note(b);
     above.contact[b].note(a);
     below.contact[a].large |= above.feature[b] == LayerRegions::kNone;
@@ -213,7 +214,8 @@ void Sweep::connect(Layer& below, Layer& above) {
     small.continued |= !large.more;
     small.bears |= !large.large;
   };
-  for_each_contact(below.regions, above.regions, [&](std::uint32_t a, std::uint32_t b) {
+  for_each_contact(below.regions, above.regions, [&](const RegionContact& contact) {
+    const auto [a, b] = std::pair(contact.below, contact.above);
     const std::uint32_t low = below.feature[a];
     const std::uint32_t high = above.feature[b];
     if (low != LayerRegions::kNone && high != LayerRegions::kNone) {

@@ -8,8 +8,6 @@
 namespace plumbline {
 namespace {
 
-constexpr const char* kStage = "layer features";
-
 /// First column from `from` on whose pixel is `white`, `columns` if there is none.
 std::uint32_t find(std::span<const std::uint64_t> row, std::uint32_t from, std::uint32_t columns, bool white) {
   const std::uint64_t flip = white ? 0 : ~std::uint64_t{0};
@@ -25,24 +23,28 @@ std::uint32_t find(std::span<const std::uint64_t> row, std::uint32_t from, std::
 
 }  // namespace
 
-std::size_t LayerRegions::bytes_needed(std::uint32_t rows) {
-  const std::size_t runs = std::size_t{rows} * kRunsPerRow + 1;
+const LayerRegions::Settings LayerRegions::kDefaults;
+
+std::size_t LayerRegions::bytes_needed(std::uint32_t rows, const Settings& settings) {
+  const std::size_t runs = most_runs(rows, settings);
   return Arena::rounded(runs * sizeof(Run)) + 2 * Arena::rounded(runs * sizeof(std::uint32_t)) +
          Arena::rounded((std::size_t{rows} + 1) * sizeof(std::uint32_t));
 }
 
-Expected<LayerRegions> LayerRegions::create(std::uint32_t columns, std::uint32_t rows, Arena& arena) {
-  const std::size_t runs = std::size_t{rows} * kRunsPerRow + 1;
-  auto run_block = arena.take_top<Run>(runs, kStage);
+Expected<LayerRegions> LayerRegions::create(std::uint32_t columns, std::uint32_t rows, Arena& arena,
+                                            const Settings& settings) {
+  const std::size_t runs = most_runs(rows, settings);
+  auto run_block = arena.take_top<Run>(runs, settings.stage);
   if (!run_block) return tl::unexpected<Error>(run_block.error());
-  auto region = arena.take_top<std::uint32_t>(runs, kStage);
+  auto region = arena.take_top<std::uint32_t>(runs, settings.stage);
   if (!region) return tl::unexpected<Error>(region.error());
-  auto area = arena.take_top<std::uint32_t>(runs, kStage);
+  auto area = arena.take_top<std::uint32_t>(runs, settings.stage);
   if (!area) return tl::unexpected<Error>(area.error());
-  auto row_first = arena.take_top<std::uint32_t>(std::size_t{rows} + 1, kStage);
+  auto row_first = arena.take_top<std::uint32_t>(std::size_t{rows} + 1, settings.stage);
   if (!row_first) return tl::unexpected<Error>(row_first.error());
   LayerRegions regions;
   regions.columns_ = columns;
+  regions.white_reach_ = settings.join_white_corners ? 1 : 0;
   regions.runs_ = *run_block;
   regions.region_ = *region;
   regions.area_ = *area;
@@ -55,13 +57,14 @@ void LayerRegions::join_rows(std::uint32_t row) {
   DisjointSets sets(region_);
   std::uint32_t above = row_first_[row - 1];
   const std::uint32_t above_end = row_first_[row];
+  if (above < above_end && runs_[above].first > runs_[above].last) ++above;
   for (std::uint32_t i = row_first_[row]; i < row_first_[row + 1]; ++i) {
     if (runs_[i].first > runs_[i].last) continue;
     const bool is_white = white(row, i);
-    const std::uint32_t reach = is_white ? 1 : 0;  // white touches at corners too
+    const std::uint32_t reach = is_white ? white_reach_ : 0;
     while (above < above_end && runs_[above].last + reach < runs_[i].first) ++above;
     for (std::uint32_t k = above; k < above_end && runs_[k].first <= runs_[i].last + reach; ++k) {
-      if (white(row - 1, k) == is_white && runs_[k].first <= runs_[k].last) sets.unite(i, k);
+      if (white(row - 1, k) == is_white) sets.unite(i, k);
     }
   }
 }

@@ -1,6 +1,7 @@
 #pragma once
 /// The connected regions of one mask, white and black.
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 
@@ -10,23 +11,33 @@
 
 namespace plumbline {
 
-/// Regions of one layer, as runs of pixels. White pixels are joined at sides and corners, black ones at sides. Black pixels at
-/// the border belong to one region, the outside. The index of its first run names a region.
+/// Regions of one layer, as runs of pixels. Black pixels are joined at sides, white ones at sides and, unless the settings
+/// say otherwise, at corners. Black pixels at the border belong to one region, the outside. The index of its first run names
+/// a region.
 class LayerRegions {
  public:
+  struct Settings {
+    std::uint32_t runs_per_row = 64;       ///< room for runs: of a row on average
+    bool join_white_corners = true;        ///< white pixels that touch at a corner only belong together
+    const char* stage = "layer features";  ///< named in errors
+  };
   struct Run {
     std::uint16_t first, last;  ///< columns, `last` included
   };
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
   static constexpr std::uint32_t kOutside = 0;  ///< the outside region; run 0 is not a run of the image
-  static constexpr std::uint32_t kRunsPerRow = 64;
 
-  static std::size_t bytes_needed(std::uint32_t rows);
+  /// Number of runs that there is room for; a layer has at most as many regions.
+  static std::size_t most_runs(std::uint32_t rows, const Settings& settings) {
+    return std::size_t{rows} * settings.runs_per_row + 1;
+  }
+  static std::size_t bytes_needed(std::uint32_t rows, const Settings& settings = kDefaults);
   /// @retval ErrorCode::kOutOfMemory
-  [[nodiscard]] static Expected<LayerRegions> create(std::uint32_t columns, std::uint32_t rows, Arena& arena);
+  [[nodiscard]] static Expected<LayerRegions> create(std::uint32_t columns, std::uint32_t rows, Arena& arena,
+                                                     const Settings& settings = kDefaults);
 
   /// Finds the regions of `mask`.
-  /// @returns false if it has more than kRunsPerRow runs a row on average; then there are no regions
+  /// @returns false if it has more than Settings::runs_per_row runs a row on average; then there are no regions
   bool label(ConstBitImage mask);
 
   std::uint32_t rows() const { return static_cast<std::uint32_t>(row_first_.size() - 1); }
@@ -39,18 +50,33 @@ class LayerRegions {
   /// Pixels; of the outside: the largest value.
   std::uint32_t area(std::uint32_t region) const { return area_[region]; }
   std::uint32_t run_count() const { return row_first_.back(); }  ///< run 0 included
+  /// The row that holds run i.
+  std::uint32_t row_of(std::uint32_t i) const {
+    const auto next = std::upper_bound(row_first_.begin(), row_first_.end(), i);
+    return static_cast<std::uint32_t>(next - row_first_.begin()) - 1;
+  }
 
  private:
+  static const Settings kDefaults;
+
   void join_rows(std::uint32_t row);
 
   std::uint32_t columns_ = 0;
+  std::uint32_t white_reach_ = 1;  ///< columns to the side at which white runs of neighbouring rows touch
   std::span<Run> runs_;
   std::span<std::uint32_t> region_;  ///< of a run; while label() runs, the parent in disjoint sets of runs
   std::span<std::uint32_t> area_;
   std::span<std::uint32_t> row_first_;  ///< rows + 1
 };
 
-/// Calls use(a, b) for every pair of runs of one colour that share a column in the same row of both layers.
+/// Two runs of one colour that share columns in the same row of both layers.
+struct RegionContact {
+  std::uint32_t below, above;  ///< regions
+  std::uint32_t pixels;        ///< that both runs have
+  bool white;
+};
+
+/// Calls use(contact) for every such pair, by rows and from left to right.
 template <class Use>
 void for_each_contact(const LayerRegions& below, const LayerRegions& above, Use use) {
   for (std::uint32_t r = 0; r < below.rows(); ++r) {
@@ -62,7 +88,10 @@ void for_each_contact(const LayerRegions& below, const LayerRegions& above, Use 
       const LayerRegions::Run ra = below.run(a);
       const LayerRegions::Run rb = above.run(b);
       const bool overlap = ra.first <= rb.last && rb.first <= ra.last && ra.first <= ra.last && rb.first <= rb.last;
-      if (overlap && below.white(r, a) == above.white(r, b)) use(below.region(a), above.region(b));
+      if (overlap && below.white(r, a) == above.white(r, b)) {
+        const std::uint32_t shared = 1U + std::min(ra.last, rb.last) - std::max(ra.first, rb.first);
+        use(RegionContact{below.region(a), above.region(b), shared, above.white(r, b)});
+      }
       // An empty run stands only at the start of a row.
       (rb.first > rb.last || (ra.first <= ra.last && rb.last <= ra.last)) ? ++b : ++a;
     }

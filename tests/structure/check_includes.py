@@ -26,7 +26,7 @@ MAY_INCLUDE = {
 # and may include all of them; no subfolder includes those files.
 ORDER = {
     "slicer": ["core", "reader", "cloud", "placement", "implicit", "normals", "views", "surface", "rrep", "rays", "layers",
-               "supports", "plan"],
+               "supports", "checks", "plan"],
     "slicer/reader": ["stream", "records", "formats"],
     "hal/linux": ["gpio", "events", "keeper", "lamp", "stage", "display", "stick", "thermals"],
     "firmware/print": ["plan", "status", "store"],

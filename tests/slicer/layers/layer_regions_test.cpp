@@ -20,11 +20,16 @@ using namespace testing;
 constexpr std::uint32_t kColumns = 70;
 constexpr std::uint32_t kRows = 40;
 
-TEST(LayerRegions, AreThoseOfAFloodFill) {
+class LayerRegionsOf : public ::testing::TestWithParam<bool> {};
+INSTANTIATE_TEST_SUITE_P(Corners, LayerRegionsOf, ::testing::Bool());
+
+TEST_P(LayerRegionsOf, AreThoseOfAFloodFill) {
+  const LayerRegions::Settings settings{.join_white_corners = GetParam()};
   Random random(5);
   ArenaBlock memory(std::size_t{4} << 20);
-  auto regions = LayerRegions::create(kColumns, kRows, *memory);
+  auto regions = LayerRegions::create(kColumns, kRows, *memory, settings);
   ASSERT_TRUE(regions.has_value());
+  EXPECT_EQ(memory->top_used(), LayerRegions::bytes_needed(kRows, settings));
   std::vector<std::uint64_t> words(BitImage::words_needed(kColumns, kRows));
   for (const std::uint32_t percent : {10U, 40U, 50U, 60U, 90U}) {
     const BitImage image(words, kColumns, kRows);
@@ -42,6 +47,7 @@ TEST(LayerRegions, AreThoseOfAFloodFill) {
         const LayerRegions::Run run = regions->run(i);
         for (std::uint32_t c = run.first; run.first <= run.last && c <= run.last; ++c) {
           EXPECT_EQ(regions->white(r, i), image.at(c, r));
+          EXPECT_EQ(regions->row_of(i), r);
           region[r * kColumns + c] = regions->region(i);
         }
       }
@@ -61,7 +67,7 @@ TEST(LayerRegions, AreThoseOfAFloodFill) {
         const bool white = image.at(p % kColumns, p / kColumns);
         for (int dr = -1; dr <= 1; ++dr) {
           for (int dc = -1; dc <= 1; ++dc) {
-            if (!white && dr != 0 && dc != 0) continue;
+            if (!(white && GetParam()) && dr != 0 && dc != 0) continue;
             const int nc = c + dc;
             const int nr = r + dr;
             if (nc < 0 || nr < 0 || nc >= static_cast<int>(kColumns) || nr >= static_cast<int>(kRows)) continue;

@@ -1,0 +1,31 @@
+#pragma once
+/// What the checks let pass.
+
+#include <cstdint>
+
+namespace plumbline {
+
+/// Defaults are UVtools' (IslandDetectionConfiguration and its like, version 5), as far as it has the check. They are
+/// pixels where UVtools counts pixels, whatever the pitch.
+struct CheckLimits {
+  // Island: fewer pixels are above white ones than a quarter of the region. With 10 pixels and a quarter of that share or
+  // more, only if it also has an overhang.
+  std::uint32_t island_held_divisor = 4;  ///< 1 / RequiredPixelsToSupportMultiplier
+  std::uint32_t island_held_pixels = 10;  ///< of the enhanced detection
+  std::uint32_t overhang_reach = 40;      ///< pixels: ErodeIterations
+  std::uint32_t drain_pixels = 10;     ///< RequiredBlackPixelsToDrain: a smaller opening between layers drains nothing
+  std::uint32_t suction_pixels = 100;  ///< RequiredAreaToConsiderSuctionCup
+  double suction_height_mm = 0.5;      ///< RequiredHeightToConsiderSuctionCup
+  std::uint32_t bound_margin = 5;      ///< pixels: MarginLeft and its like
+  bool has_panel = false;              ///< the grid is a panel, so its edge is one
+  double travel_mm = 0;                ///< of the Z stage; 0: unknown
+
+  // UVtools has no such checks.
+  double first_layer_mm2 = 10;  ///< three tips of supports hold as much
+  /// A third of a 6 inch panel of 68 x 120 mm. Release films let go of full plates, too, but the lift has to be slow.
+  double peel_mm2 = 2700;
+  /// A tenth of that panel: a lift that suits the layers below may be too fast for the next one.
+  double peel_jump_mm2 = 800;
+};
+
+}  // namespace plumbline

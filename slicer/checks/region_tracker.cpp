@@ -1,0 +1,263 @@
+#include "slicer/checks/region_tracker.hpp"
+
+#include <algorithm>
+#include <tuple>
+
+#include "slicer/checks/layer_measures.hpp"
+
+namespace plumbline {
+namespace {
+
+constexpr const char* kStage = "checks";
+
+/// The layer height is a float, so heights may be off by this share.
+constexpr double kRounding = 1e-6;
+
+/// Columns of solid that nothing holds, or of enclosed air, that a layer may have.
+constexpr std::uint32_t kMostColumns = 16384;
+
+/// Marks white regions in the list of a layer's regions.
+constexpr std::uint32_t kWhite = std::uint32_t{1} << 31;
+
+/// Lattices have a wall every millimetre or so; wide panels have more of them in a row.
+LayerRegions::Settings region_settings(const PrintGrid& grid) {
+  return {.runs_per_row = std::max(64U, grid.columns / 32), .join_white_corners = false, .stage = kStage};
+}
+
+}  // namespace
+
+Expected<RegionTracker> RegionTracker::create(const PrintGrid& grid, const CheckLimits& limits, Arena& arena) {
+  RegionTracker tracker(grid, limits);
+  const auto settings = region_settings(grid);
+  const std::size_t runs = LayerRegions::most_runs(grid.rows, settings);
+  for (Layer& layer : tracker.layers_) {
+    auto regions = LayerRegions::create(grid.columns, grid.rows, arena, settings);
+    PLUMBLINE_TRY(regions);
+    layer.regions = *regions;
+    const auto column = arena.take_top<std::uint32_t>(runs, kStage);
+    PLUMBLINE_TRY(column);
+    layer.column = *column;
+    layer.column[LayerRegions::kOutside] = 0;
+  }
+  for (auto* list : {&tracker.roots_, &tracker.shared_, &tracker.widest_}) {
+    const auto taken = arena.take_top<std::uint32_t>(runs, kStage);
+    PLUMBLINE_TRY(taken);
+    *list = *taken;
+  }
+  const auto contacts = arena.take_top<Contact>(runs, kStage);
+  PLUMBLINE_TRY(contacts);
+  tracker.contacts_ = *contacts;
+  for (RegionColumns* columns : {&tracker.solid_, &tracker.air_}) {
+    auto created = RegionColumns::create(kMostColumns, arena);
+    PLUMBLINE_TRY(created);
+    *columns = *created;
+  }
+  return tracker;
+}
+
+std::size_t RegionTracker::bytes_needed(const PrintGrid& grid) {
+  const auto settings = region_settings(grid);
+  const std::size_t runs = LayerRegions::most_runs(grid.rows, settings);
+  return 2 * LayerRegions::bytes_needed(grid.rows, settings) + 5 * Arena::rounded(runs * sizeof(std::uint32_t)) +
+         Arena::rounded(runs * sizeof(Contact)) + 2 * RegionColumns::bytes_needed(kMostColumns);
+}
+
+void RegionTracker::next(ConstBitImage mask, ConstBitImage eroded, StackFindings& findings) {
+  below_is_known_ = track(mask, eroded, findings);
+  if (!below_is_known_) {
+    ++findings.unchecked_layers;
+    solid_.clear();
+    air_.clear();
+  }
+  ++layer_;
+}
+
+bool RegionTracker::track(ConstBitImage mask, ConstBitImage eroded, StackFindings& findings) {
+  if (!now().regions.label(mask)) return false;
+  root_count_ = 0;
+  for_each_region(now().regions, widest_, [&](std::uint32_t region, bool white) {
+    roots_[root_count_++] = white ? region | kWhite : region;
+    // All regions of the first layer are held, by the plate. So are those above a layer that was not looked at.
+    now().column[region] = below_is_known_ || (layer_ == 0 && !white) ? kNone : 0;
+    shared_[region] = 0;
+  });
+  solid_.begin_layer();
+  air_.begin_layer();
+  if (below_is_known_ && !find_contacts()) return false;
+  if (!start_columns()) return false;
+  if (below_is_known_) {
+    find_islands(eroded, findings);
+    join_solid();
+    join_air(findings);
+  }
+  count_regions();
+  end_layer(findings);
+  return true;
+}
+
+/// Lists what regions touch of the layer below, except for solid that is held and air that is open there.
+/// @returns false if there is no room for the list
+bool RegionTracker::find_contacts() {
+  Layer& above = now();
+  std::size_t front = 0;
+  std::size_t back = contacts_.size();
+  bool room = true;
+  for_each_contact(below().regions, above.regions, [&](const RegionContact& contact) {
+    const std::uint32_t column = below().column[contact.below];
+    if (contact.white) {
+      shared_[contact.above] += contact.pixels;
+      if (column == 0) {
+        above.column[contact.above] = 0;
+        return;
+      }
+      const bool again =
+          front > 0 && contacts_[front - 1].above == contact.above && contacts_[front - 1].below == column;
+      if (again) return;
+      room &= front < back;
+      if (room) contacts_[front++] = {contact.above, column, contact.pixels};
+      return;
+    }
+    if (column == 0 && contact.above == LayerRegions::kOutside) return;
+    if (back < contacts_.size() && contacts_[back].above == contact.above && contacts_[back].below == column) {
+      contacts_[back].pixels += contact.pixels;
+      return;
+    }
+    room &= front < back;
+    if (room) contacts_[--back] = {contact.above, column, contact.pixels};
+  });
+  solid_contacts_ = front;
+  air_contacts_ = back;
+  return room;
+}
+
+/// Makes a column for each region that is not held or not the outside.
+bool RegionTracker::start_columns() {
+  for (std::uint32_t i = 0; i < root_count_; ++i) {
+    const std::uint32_t region = roots_[i] & ~kWhite;
+    std::uint32_t& column = now().column[region];
+    if (column != kNone) continue;
+    const bool drains = now().regions.area(region) >= limits_.drain_pixels;
+    column = ((roots_[i] & kWhite) != 0 ? solid_ : air_).start(drains, layer_ == 0);
+    if (column == kNone) return false;
+  }
+  return true;
+}
+
+void RegionTracker::find_islands(ConstBitImage eroded, StackFindings& findings) {
+  for (std::uint32_t i = 0; i < root_count_; ++i) {
+    const std::uint32_t region = roots_[i] & ~kWhite;
+    if ((roots_[i] & kWhite) == 0 || !is_island(region, eroded)) continue;
+    const Issue issue = issue_at(IssueKind::kIsland, layer_, now().regions, widest_[region]);
+    findings.of(issue.kind).add(issue);
+  }
+}
+
+bool RegionTracker::is_island(std::uint32_t region, ConstBitImage eroded) const {
+  const LayerRegions& regions = now().regions;
+  const std::uint64_t area = regions.area(region);
+  const std::uint64_t held = std::uint64_t{shared_[region]} * limits_.island_held_divisor;
+  if (shared_[region] > 0 && held >= area) return false;
+  if (shared_[region] < limits_.island_held_pixels || held * limits_.island_held_divisor < area) return true;
+  for (std::uint32_t r = regions.row_of(region); r < regions.rows(); ++r) {
+    for (std::uint32_t i = regions.row_begin(r); i < regions.row_begin(r + 1); ++i) {
+      if (regions.region(i) != region) continue;
+      if (count_in(eroded.row(r), regions.run(i).first, regions.run(i).last + 1U) > 0) return true;
+    }
+  }
+  return false;
+}
+
+/// What touches only pieces that fall, falls with them.
+void RegionTracker::join_solid() {
+  for (const Contact& contact : contacts_.first(solid_contacts_)) {
+    const std::uint32_t above = now().column[contact.above];
+    if (above != 0) solid_.unite(above, contact.below);
+  }
+}
+
+void RegionTracker::join_air(StackFindings& findings) {
+  const auto list = contacts_.subspan(air_contacts_);
+  for (Contact& contact : list) contact.above = now().column[contact.above];
+  std::sort(list.begin(), list.end(), [](const Contact& a, const Contact& b) {
+    return std::tie(a.above, a.below, a.pixels) < std::tie(b.above, b.below, b.pixels);
+  });
+  std::size_t pairs = 0;
+  for (const Contact& contact : list) {
+    if (pairs > 0 && list[pairs - 1].above == contact.above && list[pairs - 1].below == contact.below) {
+      list[pairs - 1].pixels += contact.pixels;
+    } else {
+      list[pairs++] = contact;
+    }
+  }
+  for (const Contact& contact : list.first(pairs)) {
+    if (contact.pixels >= limits_.drain_pixels) air_.unite(contact.above, contact.below);
+  }
+  // An opening below the limit drains nothing, but the narrow end of a hollow belongs to it.
+  for (const Contact& contact : list.first(pairs)) {
+    if (contact.pixels >= limits_.drain_pixels) continue;
+    if (air_.column(contact.above).drains && air_.column(contact.below).drains) continue;
+    air_.unite(contact.above, contact.below);
+  }
+  for (std::uint32_t i = 1; i < air_.below_count(); ++i) {
+    if (air_.is_first(i)) add_cup(air_.below(i), findings);
+  }
+}
+
+/// Adds the layer's regions to their columns.
+void RegionTracker::count_regions() {
+  const LayerRegions& regions = now().regions;
+  for (std::uint32_t i = 0; i < root_count_; ++i) {
+    const std::uint32_t region = roots_[i] & ~kWhite;
+    RegionColumns& columns = (roots_[i] & kWhite) != 0 ? solid_ : air_;
+    const std::uint32_t node = now().column[region];
+    if (columns.is_first(node)) continue;
+    const Issue place = issue_at(IssueKind::kFreePiece, layer_, regions, widest_[region]);
+    RegionColumn part;
+    part.first_layer = part.last_layer = part.largest_layer = layer_;
+    part.voxels = part.largest = regions.area(region);
+    part.column = place.column;
+    part.row = place.row;
+    if (part.largest >= limits_.suction_pixels) part.broad_first = part.broad_last = layer_;
+    part.alive = true;
+    columns.column(node).add(part);
+  }
+}
+
+void RegionTracker::end_layer(StackFindings& findings) {
+  solid_.end_layer([&](const RegionColumn& column) { add_column(IssueKind::kFreePiece, column, findings); });
+  air_.end_layer([&](const RegionColumn& column) {
+    // The plate closes what is open below, until the part is taken off it.
+    if (column.on_plate) {
+      add_cup(column, findings);
+    } else {
+      add_column(IssueKind::kResinTrap, column, findings);
+    }
+  });
+  for (std::uint32_t i = 0; i < root_count_; ++i) {
+    const std::uint32_t region = roots_[i] & ~kWhite;
+    const RegionColumns& columns = (roots_[i] & kWhite) != 0 ? solid_ : air_;
+    now().column[region] = columns.next_number(now().column[region]);
+  }
+}
+
+void RegionTracker::add_column(IssueKind kind, const RegionColumn& column, StackFindings& findings) {
+  findings.of(kind).add({kind, column.largest_layer, column.first_layer, column.last_layer, column.column, column.row,
+                         column.largest, column.voxels});
+}
+
+void RegionTracker::add_cup(const RegionColumn& column, StackFindings& findings) {
+  if (column.largest < limits_.suction_pixels) return;
+  const std::uint32_t layers = column.broad_last - column.broad_first + 1;
+  if (scale_.z_mm(layers) < limits_.suction_height_mm * (1 - kRounding)) return;
+  add_column(IssueKind::kSuctionCup, column, findings);
+}
+
+void RegionTracker::finish(StackFindings& findings) {
+  // What is enclosed in the last layer is open above it.
+  solid_.begin_layer();
+  air_.begin_layer();
+  solid_.end_layer([&](const RegionColumn& column) { add_column(IssueKind::kFreePiece, column, findings); });
+  air_.end_layer([&](const RegionColumn& column) { add_cup(column, findings); });
+}
+
+}  // namespace plumbline

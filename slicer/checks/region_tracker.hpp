@@ -1,0 +1,105 @@
+#pragma once
+/// The checks of regions: islands, what falls, resin traps and suction cups.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "slicer/checks/check_limits.hpp"
+#include "slicer/checks/region_columns.hpp"
+#include "slicer/checks/stack_findings.hpp"
+#include "slicer/core/arena.hpp"
+#include "slicer/core/bit_image.hpp"
+#include "slicer/core/error.hpp"
+#include "slicer/core/print_grid.hpp"
+#include "slicer/layers/layer_regions.hpp"
+
+namespace plumbline {
+
+/// The widest run of each region of a layer, and the regions but the outside in the order of their first runs.
+/// @param widest  as many as the regions have runs; overwritten
+/// @param visit   called with (region, whether it is white)
+template <class Visit>
+void for_each_region(const LayerRegions& regions, std::span<std::uint32_t> widest, Visit visit) {
+  const auto length = [&](std::uint32_t i) { return regions.run(i).last - regions.run(i).first; };
+  for (std::uint32_t i = 1; i < regions.run_count(); ++i) {
+    const std::uint32_t region = regions.region(i);
+    if (regions.run(i).first > regions.run(i).last || region == LayerRegions::kOutside) continue;
+    if (region == i || length(i) > length(widest[region])) widest[region] = i;
+  }
+  for (std::uint32_t r = 0; r < regions.rows(); ++r) {
+    for (std::uint32_t i = regions.row_begin(r); i < regions.row_begin(r + 1); ++i) {
+      if (regions.region(i) == i && regions.run(i).first <= regions.run(i).last) visit(i, regions.white(r, i));
+    }
+  }
+}
+
+/// An issue that is a region of a layer.
+/// @param run  its widest run, whose middle is its place
+inline Issue issue_at(IssueKind kind, std::uint32_t layer, const LayerRegions& regions, std::uint32_t run) {
+  const LayerRegions::Run& widest = regions.run(run);
+  const std::uint32_t pixels = regions.area(regions.region(run));
+  return {kind, layer, layer, layer, (widest.first + widest.last + 1U) / 2, regions.row_of(run), pixels, pixels};
+}
+
+/// Only two layers are in memory. Regions of a layer are labelled as runs; regions of consecutive layers that touch belong
+/// to one column (union-find), which carries its size, its largest region and whether it is held or open. So nothing has to be
+/// swept downwards: a hollow becomes a suction cup when it opens, and a resin trap when it ends without having opened.
+class RegionTracker {
+ public:
+  /// @retval ErrorCode::kOutOfMemory  bytes_needed() from the top of the arena
+  [[nodiscard]] static Expected<RegionTracker> create(const PrintGrid& grid, const CheckLimits& limits, Arena& arena);
+  static std::size_t bytes_needed(const PrintGrid& grid);
+
+  /// Takes the layers one after the other. One that has more regions than there is room for is counted and left out: all of the
+  /// layer above it is held, and its air is open.
+  /// @param eroded  the layer's overhangs: see erode_fresh()
+  void next(ConstBitImage mask, ConstBitImage eroded, StackFindings& findings);
+  /// After the last one.
+  void finish(StackFindings& findings);
+
+ private:
+  struct Layer {
+    LayerRegions regions;
+    std::span<std::uint32_t> column;  ///< by region: its number in solid_ or air_; kNone: not known yet
+  };
+  struct Contact {
+    std::uint32_t above, below;  ///< a region, later its column; a column of the layer below
+    std::uint32_t pixels;
+  };
+  static constexpr std::uint32_t kNone = RegionColumn::kNone;
+
+  RegionTracker(const PrintGrid& grid, const CheckLimits& limits) : scale_(grid), limits_(limits) {}
+
+  bool track(ConstBitImage mask, ConstBitImage eroded, StackFindings& findings);
+  bool find_contacts();
+  bool start_columns();
+  void find_islands(ConstBitImage eroded, StackFindings& findings);
+  bool is_island(std::uint32_t region, ConstBitImage eroded) const;
+  void join_solid();
+  void join_air(StackFindings& findings);
+  void count_regions();
+  void end_layer(StackFindings& findings);
+  void add_column(IssueKind kind, const RegionColumn& column, StackFindings& findings);
+  void add_cup(const RegionColumn& column, StackFindings& findings);
+
+  Layer& now() { return layers_[layer_ % 2]; }
+  const Layer& now() const { return layers_[layer_ % 2]; }
+  const Layer& below() const { return layers_[(layer_ + 1) % 2]; }
+
+  IssueScale scale_;
+  CheckLimits limits_;
+  std::uint32_t layer_ = 0;
+  bool below_is_known_ = false;  ///< its regions are
+  std::array<Layer, 2> layers_;
+  std::span<std::uint32_t> roots_;   ///< the regions of the layer, white ones marked
+  std::span<std::uint32_t> shared_;  ///< by region: pixels above white ones
+  std::span<std::uint32_t> widest_;  ///< by region: its widest run
+  std::uint32_t root_count_ = 0;
+  std::span<Contact> contacts_;  ///< [0, solid_contacts_) of solid, [air_contacts_, end) of air
+  std::size_t solid_contacts_ = 0, air_contacts_ = 0;
+  RegionColumns solid_, air_;  ///< column 0: held; open to the outside
+};
+
+}  // namespace plumbline

@@ -1,0 +1,114 @@
+#include "slicer/checks/stack_checker.hpp"
+
+#include <algorithm>
+#include <bit>
+
+namespace plumbline {
+namespace {
+
+constexpr const char* kStage = "checks";
+
+constexpr std::uint32_t kNoWord = ~std::uint32_t{0};
+
+/// What erosion leaves has few runs.
+constexpr LayerRegions::Settings kOverhangRegions{.runs_per_row = 8, .join_white_corners = true, .stage = kStage};
+
+PixelBox joined(const PixelBox& a, const PixelBox& b) {
+  return {std::min(a.column, b.column), std::max(a.column_end, b.column_end), std::min(a.row, b.row),
+          std::max(a.row_end, b.row_end)};
+}
+
+}  // namespace
+
+Expected<StackChecker> StackChecker::create(const PrintGrid& grid, const CheckLimits& limits, Arena& arena) {
+  auto regions = RegionTracker::create(grid, limits, arena);
+  PLUMBLINE_TRY(regions);
+  StackChecker checker(grid, limits, *regions);
+  for (BitImage* image : {&checker.below_, &checker.fresh_, &checker.eroded_}) {
+    const auto words = arena.take_top<std::uint64_t>(BitImage::words_needed(grid.columns, grid.rows), kStage);
+    PLUMBLINE_TRY(words);
+    *image = BitImage(*words, grid.columns, grid.rows);
+    image->clear();
+  }
+  auto overhangs = LayerRegions::create(grid.columns, grid.rows, arena, kOverhangRegions);
+  PLUMBLINE_TRY(overhangs);
+  checker.overhangs_ = *overhangs;
+  const auto widest = arena.take_top<std::uint32_t>(LayerRegions::most_runs(grid.rows, kOverhangRegions), kStage);
+  PLUMBLINE_TRY(widest);
+  checker.widest_ = *widest;
+  return checker;
+}
+
+std::size_t StackChecker::bytes_needed(const PrintGrid& grid) {
+  return RegionTracker::bytes_needed(grid) +
+         3 * Arena::rounded(BitImage::words_needed(grid.columns, grid.rows) * sizeof(std::uint64_t)) +
+         LayerRegions::bytes_needed(grid.rows, kOverhangRegions) +
+         Arena::rounded(LayerRegions::most_runs(grid.rows, kOverhangRegions) * sizeof(std::uint32_t));
+}
+
+void StackChecker::next(ConstBitImage mask) {
+  const SeenLayer seen = compare_with_below(mask);
+  measures_.next(mask, seen, findings_);
+  const PixelBox both = joined(seen.box, below_box_);
+  const bool eroded = layer_ > 0 && find_overhangs(both);
+  regions_.next(mask, eroded_, findings_);
+  for (std::uint32_t r = both.row; eroded && r < both.row_end; ++r) {
+    const auto line = eroded_.row(r);
+    std::fill(line.begin(), line.end(), std::uint64_t{0});
+  }
+  below_box_ = seen.box;
+  ++layer_;
+}
+
+/// Finds the new pixels, and keeps the layer as the one below.
+SeenLayer StackChecker::compare_with_below(ConstBitImage mask) {
+  SeenLayer seen;
+  PixelBox& box = seen.box;
+  for (std::uint32_t r = 0; r < mask.rows(); ++r) {
+    const auto line = mask.row(r);
+    const auto below = below_.row(r);
+    const auto fresh = fresh_.row(r);
+    std::uint32_t first = kNoWord;
+    std::uint32_t last = 0;
+    for (std::uint32_t w = 0; w < line.size(); ++w) {
+      const std::uint64_t word = line[w];
+      fresh[w] = word & ~below[w];
+      below[w] = word;
+      if (word == 0) continue;
+      seen.pixels += static_cast<std::uint64_t>(std::popcount(word));
+      if (first == kNoWord) first = w;
+      last = w;
+    }
+    if (first == kNoWord) continue;
+    box.row = std::min(box.row, r);
+    box.row_end = r + 1;
+    box.column = std::min(box.column, first * 64 + static_cast<std::uint32_t>(std::countr_zero(line[first])));
+    const auto past = 64 - static_cast<std::uint32_t>(std::countl_zero(line[last]));
+    box.column_end = std::max(box.column_end, last * 64 + past);
+  }
+  return seen;
+}
+
+/// @returns whether eroded_ has pixels
+bool StackChecker::find_overhangs(const PixelBox& box) {
+  if (box.empty() || erode_fresh(fresh_, box, limits_.overhang_reach, eroded_) == 0) return false;
+  if (!overhangs_.label(eroded_)) return true;
+  // UVtools leaves out what its contours enclose no area of: single pixels and lines.
+  const auto broad = [&](std::uint32_t region, std::uint32_t widest) {
+    const std::uint32_t length = 1U + overhangs_.run(widest).last - overhangs_.run(widest).first;
+    return overhangs_.area(region) >= 4 && length >= 2 && overhangs_.area(region) > length;
+  };
+  for_each_region(overhangs_, widest_, [&](std::uint32_t region, bool white) {
+    if (!white || !broad(region, widest_[region])) return;
+    findings_.of(IssueKind::kOverhang).add(issue_at(IssueKind::kOverhang, layer_, overhangs_, widest_[region]));
+  });
+  return true;
+}
+
+const StackFindings& StackChecker::finish() {
+  measures_.finish(findings_);
+  regions_.finish(findings_);
+  return findings_;
+}
+
+}  // namespace plumbline

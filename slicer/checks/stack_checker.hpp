@@ -1,0 +1,54 @@
+#pragma once
+/// Finds what would go wrong with a stack of masks, in one sweep from the plate up.
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "slicer/checks/check_limits.hpp"
+#include "slicer/checks/layer_measures.hpp"
+#include "slicer/checks/overhangs.hpp"
+#include "slicer/checks/region_tracker.hpp"
+#include "slicer/checks/stack_findings.hpp"
+#include "slicer/core/arena.hpp"
+#include "slicer/core/bit_image.hpp"
+#include "slicer/core/error.hpp"
+#include "slicer/core/print_grid.hpp"
+#include "slicer/layers/layer_regions.hpp"
+
+namespace plumbline {
+
+/// Takes the masks of a stack one after the other, and holds no more than two of them. README.md says what each check looks
+/// for.
+class StackChecker {
+ public:
+  /// @param grid  of the masks; grid.layers is not used
+  /// @retval ErrorCode::kOutOfMemory  bytes_needed() from the top of the arena
+  [[nodiscard]] static Expected<StackChecker> create(const PrintGrid& grid, const CheckLimits& limits, Arena& arena);
+  static std::size_t bytes_needed(const PrintGrid& grid);
+
+  /// @param mask  the next layer's, of the grid's size
+  void next(ConstBitImage mask);
+
+  /// After the last layer. Call it once.
+  const StackFindings& finish();
+
+ private:
+  StackChecker(const PrintGrid& grid, const CheckLimits& limits, const RegionTracker& regions)
+      : limits_(limits), measures_(grid, limits), regions_(regions) {}
+
+  SeenLayer compare_with_below(ConstBitImage mask);
+  bool find_overhangs(const PixelBox& box);
+
+  CheckLimits limits_;
+  StackFindings findings_;
+  LayerMeasures measures_;
+  RegionTracker regions_;
+  std::uint32_t layer_ = 0;
+  BitImage below_, fresh_, eroded_;
+  PixelBox below_box_;
+  LayerRegions overhangs_;           ///< of the layer's eroded new pixels
+  std::span<std::uint32_t> widest_;  ///< by region of overhangs_: its widest run
+};
+
+}  // namespace plumbline

@@ -1,0 +1,254 @@
+#include "slicer/checks/stack_checker.hpp"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "tests/slicer/checks/checked_stack.hpp"
+
+namespace plumbline {
+namespace {
+
+using namespace testing;
+
+constexpr std::uint32_t kSide = 100;
+
+/// The only issue of a kind.
+Issue only(const StackFindings& findings, IssueKind kind) {
+  const IssueGroup& group = findings.of(kind);
+  EXPECT_EQ(group.count, 1U) << words_of(kind).key;
+  return group.count > 0 ? group.kept[0] : Issue{};
+}
+
+std::uint32_t all_issues(const StackFindings& findings) {
+  std::uint32_t sum = 0;
+  for (const IssueGroup& group : findings.groups) sum += group.count;
+  return sum;
+}
+
+TEST(StackChecker, FindsNothingInABlock) {
+  const auto findings = check(stack_of(kSide, 20, blocks({{20, 70, 20, 70, 0, 20}})), {});
+  EXPECT_EQ(all_issues(findings), 0U);
+  EXPECT_FALSE(findings.any());
+  EXPECT_EQ(findings.layers, 20U);
+  EXPECT_EQ(findings.voxels, 50U * 50 * 20);
+  EXPECT_EQ(findings.first_layer_pixels, 2500U);
+  EXPECT_EQ(findings.peel_pixels, 2500U);
+}
+
+TEST(StackChecker, FindsAnIslandAndThePieceAboveItUntilItJoinsTheRest) {
+  // A wall, and beside it a block that begins in layer 5 and is joined by a bridge in layers 12 to 14.
+  const auto findings = check(
+      stack_of(kSide, 15, blocks({{10, 30, 10, 60, 0, 15}, {50, 60, 20, 24, 5, 15}, {30, 50, 20, 24, 12, 15}})), {});
+  const Issue island = only(findings, IssueKind::kIsland);
+  EXPECT_EQ(island, (Issue{IssueKind::kIsland, 5, 5, 5, 55, 20, 40, 40}));
+  const Issue piece = only(findings, IssueKind::kFreePiece);
+  EXPECT_EQ(piece.first_layer, 5U);
+  EXPECT_EQ(piece.last_layer, 11U);  // what is above hangs on the bridge
+  EXPECT_EQ(piece.voxels, 40U * 7);
+  EXPECT_NEAR(findings.fallen_share(), 280.0 / static_cast<double>(findings.voxels), 1e-12);
+}
+
+TEST(StackChecker, FindsIslandsThatALittleHolds) {
+  // 12 of 40 pixels hold the first, 9 the second, which is less than a quarter.
+  const auto findings = check(
+      stack_of(
+          kSide, 2,
+          blocks({{10, 16, 10, 12, 0, 1}, {10, 30, 10, 12, 1, 2}, {10, 19, 50, 51, 0, 1}, {10, 30, 50, 52, 1, 2}})),
+      {});
+  const Issue island = only(findings, IssueKind::kIsland);
+  EXPECT_EQ(island.row, 50U);
+  EXPECT_EQ(findings.count(IssueKind::kFreePiece), 0U);  // it is held
+}
+
+TEST(StackChecker, LetsATenthOfAWideRegionHoldItUnlessItOverhangs) {
+  // 4 x 4 of 14 x 14 pixels: a share of 0.08. The rest reaches 5 pixels to each side. Posts widen the layers' box.
+  const auto masks = stack_of(
+      kSide, 2, blocks({{0, 2, 0, 2, 0, 2}, {98, 100, 98, 100, 0, 2}, {45, 49, 45, 49, 0, 1}, {40, 54, 40, 54, 1, 2}}));
+  CheckLimits limits;
+  EXPECT_EQ(check(masks, limits).count(IssueKind::kIsland), 0U);
+  limits.overhang_reach = 2;
+  const auto findings = check(masks, limits);
+  EXPECT_EQ(findings.count(IssueKind::kIsland), 1U);
+  EXPECT_GT(findings.count(IssueKind::kOverhang), 0U);
+}
+
+TEST(StackChecker, FindsAnOverhangBeyondTheReach) {
+  // A shelf 60 pixels long. Pixels more than 40 beyond the wall are left: 20 of them in 30 rows.
+  const auto masks = stack_of(kSide, 2, blocks({{10, 20, 10, 40, 0, 2}, {20, 80, 10, 40, 1, 2}}));
+  const Issue overhang = only(check(masks, {}), IssueKind::kOverhang);
+  EXPECT_EQ(overhang.layer, 1U);
+  EXPECT_EQ(overhang.pixels, 20U * 30);
+  EXPECT_EQ(overhang.column, 70U);
+  EXPECT_EQ(check(stack_of(kSide, 2, blocks({{10, 20, 10, 40, 0, 2}, {20, 60, 10, 40, 1, 2}})), {})
+                .count(IssueKind::kOverhang),
+            0U);
+}
+
+TEST(StackChecker, FindsAResinTrap) {
+  const auto masks = stack_of(kSide, 20, without(blocks({{20, 60, 20, 60, 0, 20}}), blocks({{30, 50, 30, 40, 5, 15}})));
+  const auto findings = check(masks, {});
+  const Issue trap = only(findings, IssueKind::kResinTrap);
+  EXPECT_EQ(trap, (Issue{IssueKind::kResinTrap, 5, 5, 14, 40, 30, 200, 2000}));
+  EXPECT_EQ(findings.count(IssueKind::kSuctionCup), 0U);
+}
+
+TEST(StackChecker, FindsASuctionCupThatOpensUpwards) {
+  const auto findings =
+      check(stack_of(kSide, 20, without(blocks({{20, 60, 20, 60, 0, 20}}), blocks({{30, 50, 30, 40, 5, 20}}))), {});
+  const Issue cup = only(findings, IssueKind::kSuctionCup);
+  EXPECT_EQ(cup.first_layer, 5U);
+  EXPECT_EQ(cup.last_layer, 19U);
+  EXPECT_EQ(cup.voxels, 200U * 15);
+  EXPECT_EQ(findings.count(IssueKind::kResinTrap), 0U);
+}
+
+TEST(StackChecker, FindsTheSuctionOfABowlUpsideDown) {
+  // Its rim stands on the plate, so the hollow is closed from layer 0 on, and its roof closes it before it is taken off.
+  const auto findings =
+      check(stack_of(kSide, 20, without(blocks({{20, 60, 20, 60, 0, 20}}), blocks({{30, 50, 30, 40, 0, 15}}))), {});
+  const Issue cup = only(findings, IssueKind::kSuctionCup);
+  EXPECT_EQ(cup.voxels, 200U * 15);
+  EXPECT_EQ(findings.count(IssueKind::kResinTrap), 0U);
+}
+
+TEST(StackChecker, KnowsThatAHoleNearThePlateVentsACup) {
+  const auto findings = check(
+      stack_of(kSide, 20,
+               without(blocks({{20, 60, 20, 60, 0, 20}}), blocks({{30, 50, 30, 40, 5, 20}, {10, 30, 33, 37, 5, 8}}))),
+      {});
+  EXPECT_EQ(findings.count(IssueKind::kSuctionCup), 0U);
+}
+
+TEST(StackChecker, KnowsThatAHoleFarFromThePlateComesTooLate) {
+  const auto findings = check(
+      stack_of(kSide, 20,
+               without(blocks({{20, 60, 20, 60, 0, 20}}), blocks({{30, 50, 30, 40, 5, 20}, {10, 30, 33, 37, 12, 15}}))),
+      {});
+  const Issue cup = only(findings, IssueKind::kSuctionCup);
+  EXPECT_EQ(cup.first_layer, 5U);
+  EXPECT_EQ(cup.last_layer, 11U);  // vented from layer 12 on
+}
+
+TEST(StackChecker, FollowsASiphon) {
+  // Two shafts, joined at their lower ends; one of them opens to the side half way. The other is vented through it.
+  const auto findings = check(stack_of(kSide, 20,
+                                       without(blocks({{20, 70, 20, 60, 0, 20}}), blocks({{25, 35, 25, 45, 8, 20},
+                                                                                          {50, 60, 25, 45, 8, 20},
+                                                                                          {25, 60, 25, 45, 5, 8},
+                                                                                          {60, 80, 30, 40, 12, 15}}))),
+                              {});
+  const Issue cup = only(findings, IssueKind::kSuctionCup);
+  EXPECT_EQ(cup.last_layer, 11U);
+  EXPECT_EQ(cup.voxels, 35U * 20 * 3 + 2U * 10 * 20 * 4);
+}
+
+TEST(StackChecker, LetsNothingDrainThroughAnOpeningOfNinePixels) {
+  const auto hollow = [](std::uint32_t width) {
+    // A hollow in layers 5 to 9 whose only opening goes straight down.
+    return stack_of(kSide, 20,
+                    without(blocks({{20, 60, 20, 60, 2, 20}, {20, 25, 20, 25, 0, 2}}),
+                            blocks({{30, 50, 30, 40, 5, 10}, {35, 35 + width, 33, 36, 2, 5}})));
+  };
+  EXPECT_EQ(check(hollow(3), {}).count(IssueKind::kResinTrap), 1U);
+  EXPECT_EQ(check(hollow(4), {}).count(IssueKind::kResinTrap), 0U);
+}
+
+TEST(StackChecker, CountsTheNarrowEndOfAHollowAsPartOfIt) {
+  const auto findings =
+      check(stack_of(kSide, 20,
+                     without(blocks({{20, 60, 20, 60, 0, 20}}),
+                             blocks({{30, 50, 30, 40, 8, 12}, {38, 40, 33, 36, 5, 8}, {38, 40, 33, 36, 12, 15}}))),
+            {});
+  EXPECT_EQ(only(findings, IssueKind::kResinTrap).voxels, 200U * 4 + 2 * 6 * 3);
+}
+
+TEST(StackChecker, FindsWhatTouchesThePanelsEdge) {
+  CheckLimits limits;
+  limits.has_panel = true;
+  const auto masks = stack_of(kSide, 10, blocks({{4, 50, 20, 60, 0, 10}, {50, 60, 90, 97, 0, 10}}));
+  const Issue bound = only(check(masks, limits), IssueKind::kTouchingBound);
+  EXPECT_EQ(bound.pixels, 40U + 20U);  // one column, two rows
+  EXPECT_EQ(bound.first_layer, 0U);
+  EXPECT_EQ(bound.last_layer, 9U);
+  EXPECT_EQ(bound.column, 4U);
+  EXPECT_EQ(check(stack_of(kSide, 10, blocks({{5, 95, 5, 95, 0, 10}})), limits).count(IssueKind::kTouchingBound), 0U);
+  limits.has_panel = false;
+  EXPECT_EQ(check(masks, limits).count(IssueKind::kTouchingBound), 0U);
+}
+
+TEST(StackChecker, FindsGapsOfEmptyLayers) {
+  const auto findings = check(stack_of(kSide, 20, blocks({{20, 60, 20, 60, 2, 8}, {20, 60, 20, 60, 11, 18}})), {});
+  const IssueGroup& gaps = findings.of(IssueKind::kEmptyLayer);
+  ASSERT_EQ(gaps.count, 3U);
+  EXPECT_EQ(gaps.kept[0].first_layer, 8U);  // the largest
+  EXPECT_EQ(gaps.kept[0].last_layer, 10U);
+  EXPECT_EQ(gaps.kept[1].first_layer, 0U);
+  EXPECT_EQ(gaps.kept[2].last_layer, 19U);
+  EXPECT_EQ(findings.count(IssueKind::kFreePiece), 2U);
+}
+
+TEST(StackChecker, FindsLayersAboveTheTravel) {
+  CheckLimits limits;
+  limits.travel_mm = 1.5;
+  const auto masks = stack_of(kSide, 20, blocks({{20, 60, 20, 60, 0, 20}}));
+  const Issue issue = only(check(masks, limits), IssueKind::kPrintHeight);
+  EXPECT_EQ(issue.first_layer, 15U);
+  EXPECT_EQ(issue.last_layer, 19U);
+  limits.travel_mm = 2;
+  EXPECT_EQ(check(masks, limits).count(IssueKind::kPrintHeight), 0U);
+}
+
+TEST(StackChecker, FindsASmallFirstLayerALargeLayerAndAJump) {
+  CheckLimits limits;
+  limits.peel_mm2 = 20;
+  limits.peel_jump_mm2 = 10;
+  const auto findings = check(
+      stack_of(kSide, 10, blocks({{20, 50, 20, 50, 0, 4}, {20, 70, 20, 70, 4, 10}, {70, 75, 20, 30, 6, 10}})), limits);
+  EXPECT_EQ(only(findings, IssueKind::kFirstLayerArea).pixels, 900U);  // 9 mm2
+  const Issue peel = only(findings, IssueKind::kPeelArea);
+  EXPECT_EQ(peel.first_layer, 4U);
+  EXPECT_EQ(peel.layer, 6U);
+  EXPECT_EQ(peel.last_layer, 9U);
+  EXPECT_EQ(peel.pixels, 2550U);
+  const Issue jump = only(findings, IssueKind::kPeelJump);
+  EXPECT_EQ(jump.layer, 4U);
+  EXPECT_EQ(jump.pixels, 1600U);
+  EXPECT_EQ(findings.jump_layer, 4U);
+  EXPECT_EQ(findings.peel_pixels, 2550U);
+}
+
+TEST(StackChecker, SaysWhichLayersAreTooFineAndGoesOn) {
+  // A checkerboard has more runs than there is room for. What stands on it counts as held.
+  auto masks = stack_of(200, 6, blocks({{20, 180, 20, 180, 0, 6}}));
+  for (std::uint32_t r = 0; r < 200; ++r) {
+    for (std::uint32_t c = 0; c < 200; ++c) masks[2].set(c, r, (c + r) % 2 == 0);
+  }
+  masks[4].set(5, 5, true);
+  const auto findings = check(masks, {});
+  EXPECT_EQ(findings.unchecked_layers, 1U);
+  EXPECT_TRUE(findings.any());
+  EXPECT_EQ(only(findings, IssueKind::kIsland).layer, 4U);
+}
+
+TEST(StackChecker, KeepsTheLargestIssuesAndCountsAll) {
+  std::vector<Block> all = {{0, 90, 0, 2, 0, 3}};
+  for (std::uint32_t i = 0; i < 12; ++i) all.push_back({5 * i, 5 * i + 1 + i % 4, 20, 22, 1, 3});
+  const auto findings = check(stack_of(kSide, 3, blocks(all)), {});
+  const IssueGroup& islands = findings.of(IssueKind::kIsland);
+  EXPECT_EQ(islands.count, 12U);
+  EXPECT_EQ(islands.pixels, 2U * 3 * (1 + 2 + 3 + 4));
+  ASSERT_EQ(islands.kept_count, IssueGroup::kKept);
+  for (std::size_t i = 0; i < IssueGroup::kKept; ++i) EXPECT_EQ(islands.kept[i].pixels, i < 3 ? 8U : i < 6 ? 6U : 4U);
+}
+
+TEST(StackChecker, RefusesAnArenaThatIsTooSmall) {
+  const PrintGrid grid = cubic_grid(64, 4);
+  ArenaBlock arena(StackChecker::bytes_needed(grid) - Arena::kAlignment);
+  const auto refused = StackChecker::create(grid, {}, *arena);
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_EQ(refused.error().code(), ErrorCode::kOutOfMemory);
+}
+
+}  // namespace
+}  // namespace plumbline
