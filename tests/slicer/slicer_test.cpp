@@ -265,7 +265,7 @@ TEST(Slice, RefusesAnObjectTooLargeForThePrinterAsSoonAsItIsRead) {
 TEST(Slice, MeasuresATooLargeObjectWithoutThePointsThatFlyFarAway) {
   Surface surface = sphere(20'000, 50, {7, 0, 0});
   for (int i = 0; i < 50; ++i) surface.push_back({Vec3d(0, 0, 5000.0 + i), Vec3d(0, 0, 1)});
-  EXPECT_THAT(refusal(surface, on_a_printer_of_60_mm()).message(), HasSubstr("the object is 104"));
+  EXPECT_THAT(refusal(surface, on_a_printer_of_60_mm()).message(), HasSubstr("the object is 100.00 mm wide"));
 }
 
 TEST(Slice, DoesNotRefuseAnObjectForItsStrayPiece) {
