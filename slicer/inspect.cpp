@@ -63,7 +63,8 @@ Expected<Placement> place_coarsely(const Box3d& bounds, double unit_mm, const Pl
   PlacementSettings coarse = settings;
   coarse.printer.reset();
   coarse.fit = false;
-  if (placement) coarse.scale = placement->scale / unit_mm;
+  coarse.scale = placement ? placement->scale / unit_mm : scale_of(bounds.size() * unit_mm, settings);
+  coarse.size.reset();
   coarse.pixel_pitch_mm = static_cast<float>(bounds.size().maxCoeff() * unit_mm * coarse.scale / kCoarsePixels);
   auto placed = place(bounds, unit_mm, coarse);
   if (placed && placement) {

@@ -30,7 +30,7 @@ double finest_pitch(const PlacementSettings& p) {
 
 /// First cell of the thinning in scan units; 0 while the size of a scan unit on the print is unknown.
 double first_cell(const PlacementSettings& p) {
-  if (p.fit || p.units == Units::kAuto) return 0;
+  if (p.fit || p.size || p.units == Units::kAuto) return 0;
   return kCellShare * std::min(finest_pitch(p), static_cast<double>(p.layer_height_mm)) /
          (millimetres_per(p.units) * p.scale);
 }
@@ -172,11 +172,11 @@ Expected<PreparedScan> prepare(ScanSources sources, const SliceSettings& setting
 
 Status check_no_speck(const Box3d& bounds, ScanSources sources, const PlacementSettings& settings) {
   const double longest = bounds.size().maxCoeff() * millimetres_per(units_of(bounds, settings)) * settings.scale;
-  if (settings.fit || longest >= kFewestPixels * finest_pitch(settings)) return {};
+  if (settings.fit || settings.size || longest >= kFewestPixels * finest_pitch(settings)) return {};
   return fail(
       ErrorCode::kNoSurface,
       "%s: the object would be %.2g mm long, less than %.0f pixels of the printer.\tUse --units m or --units cm if "
-      "the scan is in those, or --scale",
+      "the scan is in those, or give a size, such as --height 80mm",
       title_of(sources).c_str(), longest, kFewestPixels);
 }
 

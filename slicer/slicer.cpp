@@ -10,7 +10,14 @@ namespace {
 /// Refuses an object that can't fit, whatever the next stages leave out of it, before they take their minutes. An object that is
 /// too large by little is refused when it is placed.
 Status check_core_fits(const PreparedScan& scan, const PlacementSettings& settings, Arena& arena) {
-  if (settings.fit || settings.units == Units::kAuto) return {};
+  if (settings.size && settings.size->side != Side::kLength && !settings.fit) {
+    Box3d side;  // the other sides depend on the object's extents
+    side.extend(Vec3d::Zero());
+    side.extend(Vec3d::Unit(static_cast<int>(settings.size->side)));
+    const auto placed = place(side, 1, settings);
+    return placed ? Status() : Status(tl::unexpected<Error>(placed.error()));
+  }
+  if (settings.fit || settings.size || settings.units == Units::kAuto) return {};
   const auto core = core_bounds(scan.cloud.positions(), arena);
   PLUMBLINE_TRY(core);
   const double unit_mm = millimetres_per(settings.units);
@@ -35,7 +42,7 @@ Expected<CrossingStore> find_crossings(ScanSources sources, const SliceSettings&
   PLUMBLINE_TRY(check_surface(*scan, sources, found, settings.placement));
   const Box3d bounds = scan->bounds();
   report.units = units_of(bounds, settings.placement);
-  report.units_guessed = settings.placement.units == Units::kAuto;
+  report.units_guessed = settings.placement.units == Units::kAuto && !settings.placement.size;
   const auto placement = place(bounds, millimetres_per(report.units), settings.placement);
   PLUMBLINE_TRY(placement);
   move_to_print(*placement, *scan, found, report);

@@ -15,6 +15,8 @@ struct JobAnswer {
   std::uint32_t supports = 0;  ///< 0: as the profile has it; 1: no; 2: yes
   std::uint32_t fit = 0;
   std::uint32_t keep_all = 0;
+  std::uint32_t side = 0;  ///< a Side, if size_mm is not 0
+  double size_mm = 0;
   double scale = 1;
   std::array<double, 3> rotate_deg{};
   double layer_height = 0;

@@ -49,8 +49,11 @@ void add_print(Text& text, const ScanOutlook& o, std::string_view print_time) {
   }
   if (o.largest_scale)
     text.add("%s up to scale %.4g\n", o.scan.placement ? "fits       yes," : "          ", *o.largest_scale);
-  if (o.guess != o.scan.units) {
-    const double longest = o.scan.bounds.size().maxCoeff();
+  const double longest = o.scan.bounds.size().maxCoeff();
+  if (o.placement.units == Units::kAuto && !o.placement.size) {
+    text.add("units      %s, a guess: the scan is %.4g units long, so it is %.4g mm. Give --units or --height to be sure\n",
+             to_string(o.guess), longest, longest * millimetres_per(o.guess));
+  } else if (o.guess != o.scan.units && !o.placement.size) {
     text.add("units      %s; a size of %.4g units suggests %s (%.4g mm). Give --units to be sure\n",
              to_string(o.scan.units), longest, to_string(o.guess), longest * millimetres_per(o.guess));
   }

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "firmware/settings/print_length.hpp"
+#include "firmware/settings/setting_words.hpp"
 #include "slicer/reader/scan_sources.hpp"
 
 namespace plumbline {
@@ -52,10 +54,34 @@ CLI::Option* add_printer_options(CLI::App& app, JobOptions& job) {
   return printer;
 }
 
+/// --height and its like, which exclude each other and the options given.
+void add_size_options(CLI::App& app, JobOptions& job, CLI::Option* scale, CLI::Option* fit) {
+  std::vector<CLI::Option*> others = {scale, fit};
+  for (const Side side : {Side::kHeight, Side::kWidth, Side::kDepth, Side::kLength}) {
+    auto* size = app.add_option_function<std::string>(
+                        std::string("--") + to_string(side),
+                        [&job, side](const std::string& text) { job.size = PrintSize{side, *parse_length(text)}; },
+                        side == Side::kHeight   ? "Print it this high, whatever the scan's unit: 80mm, 8cm, 3.15in"
+                        : side == Side::kWidth  ? "Print it this wide (x)"
+                        : side == Side::kDepth  ? "Print it this deep (y)"
+                                                : "Print its longest side this long")
+                     ->type_name("LENGTH")
+                     ->check(CLI::Validator(
+                         [](std::string& text) -> std::string {
+                           if (parse_length(text)) return {};
+                           return "'" + printable(text, 40) + "' is not " + kLengthForm;
+                         },
+                         ""))
+                     ->group(kObjectGroup);
+    for (CLI::Option* other : others) size->excludes(other);
+    others.push_back(size);
+  }
+}
+
 void add_object_options(CLI::App& app, JobOptions& job, CLI::Option* printer) {
   app.add_option_function<std::string>(
          "--units", [&job](const std::string& name) { job.units = units_named(name); },
-         "Unit of the scan: mm, cm, m, in, or auto (the one that makes it 20 to 500 mm long) [mm]")
+         "Unit of the scan: mm, cm, m, in, or auto (the one that makes it a usual size for a print) [mm]")
       ->type_name("UNIT")
       ->check(CLI::IsMember(unit_names()).description(""))
       ->group(kObjectGroup);
@@ -63,10 +89,11 @@ void add_object_options(CLI::App& app, JobOptions& job, CLI::Option* printer) {
                     ->type_name("F")
                     ->check(finite_range(kSmallestScale, kLargestScale))
                     ->group(kObjectGroup);
-  app.add_flag("--fit", job.fit, "Print it as large as the printer can")
+  auto* fit = app.add_flag("--fit", job.fit, "Print it as large as the printer can")
       ->needs(printer)
       ->excludes(scale)
       ->group(kObjectGroup);
+  add_size_options(app, job, scale, fit);
   const char* const names[] = {"--rotate-x", "--rotate-y", "--rotate-z"};
   const char* const help[] = {"Turn it about x, right-handed; done first [0]", "Turn it about y; done second [0]",
                               "Turn it about z; done last [0]"};

@@ -275,6 +275,7 @@ Status PrinterDaemon::print_scan() {
     placement.units = job.units;
     placement.scale = job.scale;
     placement.fit = job.fit;
+    placement.size = job.size;
     placement.rotation_degrees = {job.rotate_x_deg, job.rotate_y_deg, job.rotate_z_deg};
     placement.layer_height_mm = static_cast<float>(job.layer_height > 0 ? job.layer_height : profile->layer_height);
     placement.printer = printer_volume(settings_.board);

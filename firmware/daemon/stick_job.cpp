@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "firmware/settings/job_options.hpp"
+#include "firmware/settings/print_length.hpp"
 #include "firmware/settings/settings_file.hpp"
 #include "slicer/reader/formats/scan_endings.hpp"
 
@@ -19,7 +20,12 @@ static_assert(static_cast<int>(Units::kMillimetres) == 0 && static_cast<int>(Uni
 static_assert(static_cast<int>(BaseChoice::kAuto) == 0 && static_cast<int>(BaseChoice::kNone) == 1 &&
               static_cast<int>(BaseChoice::kFlat) == 2);
 
-std::vector<SettingRule> rules_for(StickJob& job) {
+/// Keys of the size, and their texts.
+constexpr std::array<std::string_view, 4> kSizeWords = {"width", "depth", "height", "length"};
+using SizeTexts = std::array<std::string, kSizeWords.size()>;
+static_assert(static_cast<int>(Side::kWidth) == 0 && static_cast<int>(Side::kLength) == 3);
+
+std::vector<SettingRule> rules_for(StickJob& job, SizeTexts& sizes) {
   constexpr auto kOptional = Presence::kOptional;
   return {
       {"job", "scan", TextSetting{&job.scan, TextKind::kPath}, 1, 255},
@@ -31,11 +37,29 @@ std::vector<SettingRule> rules_for(StickJob& job) {
       {"placement", "units", choice(kUnitWords, job.units), 0, 0, "", kOptional},
       {"placement", "scale", &job.scale, kSmallestScale, kLargestScale, "", kOptional},
       {"placement", "fit", &job.fit, 0, 0, "", kOptional},
+      {"placement", kSizeWords[0], TextSetting{&sizes[0], TextKind::kPath}, 1, 32, "", kOptional},
+      {"placement", kSizeWords[1], TextSetting{&sizes[1], TextKind::kPath}, 1, 32, "", kOptional},
+      {"placement", kSizeWords[2], TextSetting{&sizes[2], TextKind::kPath}, 1, 32, "", kOptional},
+      {"placement", kSizeWords[3], TextSetting{&sizes[3], TextKind::kPath}, 1, 32, "", kOptional},
       {"placement", "rotate_x_deg", &job.rotate_x_deg, -360, 360, " degrees", kOptional},
       {"placement", "rotate_y_deg", &job.rotate_y_deg, -360, 360, " degrees", kOptional},
       {"placement", "rotate_z_deg", &job.rotate_z_deg, -360, 360, " degrees", kOptional},
       {"placement", "layer_height", &job.layer_height, kFinestMm, kCoarsestMm, " mm", kOptional},
   };
+}
+
+/// Sets the job's size from its text.
+/// @returns what is wrong with a key; empty if nothing is
+std::string take_size(StickJob& job, const SizeTexts& sizes, std::string_view key) {
+  const auto word = std::find(kSizeWords.begin(), kSizeWords.end(), key);
+  if (word == kSizeWords.end()) return {};
+  const auto side = static_cast<std::size_t>(word - kSizeWords.begin());
+  if (sizes[side].empty()) return {};
+  const auto mm = parse_length(sizes[side]);
+  if (!mm) return std::string("is not ") + kLengthForm;
+  if (job.size || job.fit || job.scale != 1) return "is one size too many: keep one of width, depth, height, length, scale and fit";
+  job.size = PrintSize{static_cast<Side>(side), *mm};
+  return {};
 }
 
 std::string in_lower_case(std::string_view name) {
@@ -98,8 +122,10 @@ Error as_setting_error(const Error& error) {
 
 Expected<StickJob> parse_stick_job(std::string_view text, std::string_view path) {
   StickJob job;
-  const auto rules = rules_for(job);
-  const auto parsed = parse_settings(text, path, {"a job file", rules, nullptr, nullptr});
+  SizeTexts sizes;
+  const auto rules = rules_for(job, sizes);
+  const auto check = [&](const SettingRule& rule) { return take_size(job, sizes, rule.key); };
+  const auto parsed = parse_settings(text, path, {"a job file", rules, nullptr, check});
   if (!parsed) return tl::unexpected<Error>(as_setting_error(parsed.error()));
   return job;
 }

@@ -22,6 +22,7 @@ struct StickJob {
   Units units = Units::kMillimetres;
   double scale = 1;
   bool fit = false;
+  std::optional<PrintSize> size;  ///< instead of the scale
   double rotate_x_deg = 0, rotate_y_deg = 0, rotate_z_deg = 0;
   double layer_height = 0;       ///< mm; 0: the profile's
   std::optional<bool> supports;  ///< none: as the profile has it

@@ -37,6 +37,10 @@ void hand_back(const StickJob& job, ScanAnswer& answer) {
   fields.supports = !job.supports ? 0 : *job.supports ? 2 : 1;
   fields.fit = job.fit ? 1 : 0;
   fields.keep_all = job.keep_all ? 1 : 0;
+  if (job.size) {
+    fields.side = static_cast<std::uint32_t>(job.size->side);
+    fields.size_mm = job.size->mm;
+  }
   fields.scale = job.scale;
   fields.rotate_deg = {job.rotate_x_deg, job.rotate_y_deg, job.rotate_z_deg};
   fields.layer_height = job.layer_height;
@@ -76,8 +80,9 @@ Expected<StickJob> check_job_answer(const ScanAnswer& answer) {
                                   [](double degrees) { return is_within(degrees, -360, 360); });
   const bool choices = fields.units <= static_cast<std::uint32_t>(Units::kAuto) &&
                        fields.base <= static_cast<std::uint32_t>(BaseChoice::kFlat) && fields.supports <= 2 &&
-                       fields.fit <= 1 && fields.keep_all <= 1;
-  const bool lengths = is_within(fields.scale, kSmallestScale, kLargestScale) &&
+                       fields.fit <= 1 && fields.keep_all <= 1 && fields.side <= static_cast<std::uint32_t>(Side::kLength);
+  const bool lengths = (fields.size_mm == 0 || is_within(fields.size_mm, kSmallestSizeMm, kLargestSizeMm)) &&
+                       is_within(fields.scale, kSmallestScale, kLargestScale) &&
                        (fields.layer_height == 0 || is_within(fields.layer_height, kFinestMm, kCoarsestMm));
   if (answer.kind != ScanAnswer::kJob || job.scan.empty() || !is_setting_name(job.profile) || !angles || !choices ||
       !lengths) {
@@ -88,6 +93,7 @@ Expected<StickJob> check_job_answer(const ScanAnswer& answer) {
   if (fields.supports > 0) job.supports = fields.supports == 2;
   job.fit = fields.fit == 1;
   job.keep_all = fields.keep_all == 1;
+  if (fields.size_mm != 0) job.size = PrintSize{static_cast<Side>(fields.side), fields.size_mm};
   job.scale = fields.scale;
   job.rotate_x_deg = fields.rotate_deg[0];
   job.rotate_y_deg = fields.rotate_deg[1];

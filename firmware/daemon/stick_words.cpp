@@ -21,6 +21,10 @@ constexpr std::array kOptions = {
     Option{"--rotate-z", "rotate_z_deg"},
     Option{"--supports", "supports"},
     Option{"--keep-all", "keep_all = true", false},
+    Option{"--height", "height"},
+    Option{"--length", "length"},
+    Option{"--width", "width"},
+    Option{"--depth", "depth"},
     Option{"--scale", "scale"},
     Option{"--units", "units"},
     Option{"--base", "base"},
@@ -65,7 +69,8 @@ FixedText<1000> in_stick_words(std::string_view text) {
     if (length > 0 && rest[length - 1] == '.') --length;
     const auto word = rest.substr(0, length);
     if (!is_argument(word)) continue;
-    const bool number = std::isdigit(static_cast<unsigned char>(word[0])) != 0;
+    const bool number = std::isdigit(static_cast<unsigned char>(word[0])) != 0 &&
+                        std::isalpha(static_cast<unsigned char>(word.back())) == 0;  // 80mm is a text
     const char* const quote = number || word == "true" || word == "false" ? "" : "\"";
     result.add(" = %s%.*s%s", quote, static_cast<int>(word.size()), word.data(), quote);
     text.remove_prefix(1 + length);

@@ -27,6 +27,7 @@ Expected<JobSetup> set_up(const JobOptions& options, std::size_t built_bytes) {
   placement.units = options.units;
   placement.scale = options.scale;
   placement.fit = options.fit;
+  placement.size = options.size;
   placement.rotation_degrees = {options.rotate_degrees[0], options.rotate_degrees[1], options.rotate_degrees[2]};
   const auto built_mib = static_cast<std::uint32_t>(built_bytes / kMiB);
   std::uint32_t arena_mib = built_mib;

@@ -22,6 +22,7 @@ struct JobOptions {
   std::optional<double> layer_height_mm;  ///< kFinestMm to kCoarsestMm
   double scale = 1;                       ///< kSmallestScale to kLargestScale
   bool fit = false;                       ///< with a printer only
+  std::optional<PrintSize> size;          ///< instead of the scale; kSmallestSizeMm to kLargestSizeMm
   std::array<double, 3> rotate_degrees = {};
   Units units = Units::kMillimetres;
   BaseChoice base = BaseChoice::kAuto;

@@ -24,13 +24,14 @@ void for_each_size_remark(const SliceReport& slice, FunctionRef<void(std::string
   if (slice.units_guessed) {
     text.add(
         "the scan is %.4g units long and says no unit; %s, which make it %.4g mm, are a guess. Confirm it with "
-        "--units %s, or give another unit",
+        "--units %s, give another unit, or a size: --height 80mm",
         longest / slice.placement.scale, to_string(slice.units), longest, to_string(slice.units));
     visit(text.view());
   }
   text = {};
   if (longest < kSmallestUsual) {
-    text.add("the object is only %.3g mm long. If that is wrong, use --units m, --units cm, --units in or --scale",
+    text.add("the object is only %.3g mm long. If that is wrong, use --units m, --units cm, --units in, or give a size: "
+             "--height 80mm",
              longest);
     visit(text.view());
   } else if (longest > kLargestUsual) {

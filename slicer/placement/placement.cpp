@@ -51,10 +51,28 @@ double millimetres_per(Units units) {
   return 1;
 }
 
+const char* to_string(Side side) {
+  switch (side) {
+    case Side::kWidth: return "width";
+    case Side::kDepth: return "depth";
+    case Side::kHeight: return "height";
+    case Side::kLength: return "length";
+  }
+  return "unknown";
+}
+
+double scale_of(const Vec3d& extent_mm, const PlacementSettings& settings) {
+  if (!settings.size) return settings.scale;
+  const Side side = settings.size->side;
+  return settings.size->mm / (side == Side::kLength ? extent_mm.maxCoeff() : extent_mm[static_cast<int>(side)]);
+}
+
 Units guess_units(double longest_side) {
   for (const Units units : {Units::kMillimetres, Units::kMetres, Units::kCentimetres, Units::kInches}) {
     const double mm = longest_side * millimetres_per(units);
-    if (mm >= 20 && mm <= 500) return units;
+    // Most scanners write mm, so a small object in mm is likelier than a larger one in another unit.
+    const double least = units == Units::kMillimetres ? 10 : 20;
+    if (mm >= least && mm <= 500) return units;
   }
   return Units::kMillimetres;
 }
@@ -96,7 +114,11 @@ Expected<Placement> place(const Box3d& bounds, double unit_mm, const PlacementSe
   Placement p;
   p.rotation = rotation_matrix(settings.rotation_degrees);
   p.grid.layer_height_mm = settings.layer_height_mm;
-  double factor = settings.scale;
+  double factor = scale_of(extent, settings);
+  if (!settings.fit && std::isinf(factor)) {
+    return fail(ErrorCode::kDoesNotFit, "the object is flat: no scale gives it a %s of %.4g mm.\tUse another side, or --scale",
+                to_string(settings.size->side), settings.size->mm);
+  }
   if (settings.printer) {
     const PrinterVolume& v = *settings.printer;
     p.grid.pitch_x_mm = v.pitch_x_mm;
@@ -121,12 +143,15 @@ Expected<Placement> place(const Box3d& bounds, double unit_mm, const PlacementSe
       for (int a = 1; a < 3; ++a) {
         if (extent[a] * room[worst] > extent[worst] * room[a]) worst = a;
       }
+      const double least = settings.size ? settings.size->mm / factor : 1;
+      const char* const option = settings.size ? to_string(settings.size->side) : "scale";
       return fail(ErrorCode::kDoesNotFit,
-                  "the object is %.2f mm %s, but the printer has room for %.2f mm: %.2f mm too much.\tUse --scale %.4g "
+                  "the object is %.2f mm %s, but the printer has room for %.2f mm: %.2f mm too much.\tUse --%s %.4g%s "
                   "or less, "
                   "--fit, or rotate it",
                   extent[worst] * factor, kAxis[static_cast<std::size_t>(worst)], room[worst],
-                  extent[worst] * factor - room[worst], rounded_down(largest * kClear));
+                  extent[worst] * factor - room[worst], option, rounded_down(largest * kClear * least),
+                  settings.size ? "mm" : "");
     }
     p.size_mm = extent * factor;
     p.grid.layers = cells(p.size_mm[2], lh);

@@ -17,9 +17,24 @@ const char* to_string(Units units);
 /// Millimetres in a unit, which must not be kAuto.
 double millimetres_per(Units units);
 
-/// Guesses the unit from the longest side of a scan: the first of mm, m, cm, inches that makes it 20 to 500 mm long, the
-/// sizes of objects that people scan and print. mm if none does.
+/// Guesses the unit from the longest side of a scan: mm if that makes it 10 to 500 mm long, the sizes that people print; else
+/// the first of m, cm, inches that makes it 20 to 500 mm long. mm if none does. The one rule of slice(), inspect() and
+/// the programs.
 Units guess_units(double longest_side);
+
+/// A side of the printed object.
+enum class Side : std::uint8_t { kWidth, kDepth, kHeight, kLength };  ///< along x, y, z; the longest of the three
+/// "width", "depth", "height", "length".
+const char* to_string(Side side);
+
+/// A size that the print is to have, whatever the scan's unit is.
+struct PrintSize {
+  Side side = Side::kHeight;
+  double mm = 0;
+  bool operator==(const PrintSize&) const = default;
+};
+inline constexpr double kSmallestSizeMm = 1;
+inline constexpr double kLargestSizeMm = 10'000;
 
 /// The printer's panel and travel.
 struct PrinterVolume {
@@ -34,11 +49,17 @@ struct PlacementSettings {
   Units units = Units::kMillimetres;
   double scale = 1;                        ///< of the printed object to the scanned one
   bool fit = false;                        ///< use the largest scale that fits the printer instead of `scale`
+  std::optional<PrintSize> size;           ///< use the scale that gives this size instead of `scale`
   Vec3d rotation_degrees = Vec3d::Zero();  ///< about x, then y, then z, right-handed
   float pixel_pitch_mm = 0.05F;            ///< without a printer
   float layer_height_mm = 0.05F;
   std::optional<PrinterVolume> printer;  ///< none: the grid is as large as the object
 };
+
+/// The scale of the print without `fit`: the one asked for, or the one that makes the size asked for.
+/// @param extent_mm  of the rotated object at scale 1
+/// @returns infinity if the object has no extent along that side
+double scale_of(const Vec3d& extent_mm, const PlacementSettings& settings);
 
 /// Rotation about x, then y, then z. It is exact at multiples of 90 degrees and does not use libm, so the same angles give
 /// the same masks on every machine.
@@ -62,7 +83,7 @@ PrintGrid panel_grid(const PrinterVolume& printer, float layer_height_mm);
 /// Places the object in the middle of the panel, or in a grid of its own size, standing on the plate.
 /// @param bounds   of the rotated scan, scan units, finite
 /// @param unit_mm  mm in a scan unit; settings.units is not used
-/// @retval ErrorCode::kDoesNotFit  the message says by how much, and which --scale fits
+/// @retval ErrorCode::kDoesNotFit  the message says by how much, and which --scale or size fits
 [[nodiscard]] Expected<Placement> place(const Box3d& bounds, double unit_mm, const PlacementSettings& settings);
 
 }  // namespace plumbline

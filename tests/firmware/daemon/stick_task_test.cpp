@@ -36,7 +36,9 @@ TEST_F(StickTask, ReadsAJobFileAsThisProcessDoes) {
       "[job]\nscan = 'b/c.ply'\nprofile = 'my resin'\nsupports = 'auto'\nbase = 'none'\nkeep_all = true\n[placement]\n"
       "units = 'in'\nscale = 1.5\nfit = true\nrotate_x_deg = -90\nrotate_y_deg = 1e-3\nrotate_z_deg = 360\n"
       "layer_height = 0.05\n",
-      "[job]\nscan = 'a.ply'\nsupports = 'none'\nbase = 'flat'\n"};
+      "[job]\nscan = 'a.ply'\nsupports = 'none'\nbase = 'flat'\n",
+      "[job]\nscan = 'a.ply'\n[placement]\nheight = '8 cm'\n",
+      "[job]\nscan = 'a.ply'\n[placement]\nlength = '3.15in'\n"};
   for (const auto& text : texts) {
     const auto expected = parse_stick_job(text, "job.toml").value();
     const auto job = check_job_answer(answer_to(text));

@@ -38,6 +38,9 @@ TEST(Placement, GuessesTheUnitThatGivesAPrintableSize) {
   EXPECT_EQ(guess_units(80), Units::kMillimetres);
   EXPECT_EQ(guess_units(0.15), Units::kMetres);
   EXPECT_EQ(guess_units(7), Units::kCentimetres);
+  EXPECT_EQ(guess_units(20), Units::kMillimetres) << "a ball of 20 mm is not one of 20 cm";
+  EXPECT_EQ(guess_units(19.9997), Units::kMillimetres);
+  EXPECT_EQ(guess_units(10), Units::kMillimetres);
   EXPECT_EQ(guess_units(1.5), Units::kInches) << "15 mm in cm, 1500 mm in m";
   EXPECT_EQ(guess_units(1e6), Units::kMillimetres);
   EXPECT_EQ(guess_units(0), Units::kMillimetres);
@@ -75,6 +78,42 @@ TEST(Placement, StandsInTheMiddleOfThePanelOnAPrinter) {
   EXPECT_NEAR(middle[0], 36, 1e-5);
   EXPECT_NEAR(middle[1], 64, 1e-5);
   EXPECT_NEAR(middle[2], 0, 1e-9);
+}
+
+TEST(Placement, GivesTheSizeAskedForWhateverTheUnit) {
+  for (const double unit_mm : {1.0, 10.0, 1000.0, 25.4}) {
+    PlacementSettings settings;
+    const Box3d box = box_of({-5, 10, 7}, {25, 30, 17});  // 30 x 20 x 10
+    settings.size = PrintSize{Side::kWidth, 60};
+    EXPECT_TRUE(value_of(place(box, unit_mm, settings)).size_mm.isApprox(Vec3d(60, 40, 20)));
+    settings.size = PrintSize{Side::kDepth, 60};
+    EXPECT_TRUE(value_of(place(box, unit_mm, settings)).size_mm.isApprox(Vec3d(90, 60, 30)));
+    settings.size = PrintSize{Side::kHeight, 60};
+    EXPECT_TRUE(value_of(place(box, unit_mm, settings)).size_mm.isApprox(Vec3d(180, 120, 60)));
+    settings.size = PrintSize{Side::kLength, 15};
+    EXPECT_TRUE(value_of(place(box, unit_mm, settings)).size_mm.isApprox(Vec3d(15, 10, 5)));
+  }
+}
+
+TEST(Placement, SaysWhichSizeFits) {
+  PlacementSettings settings = on_a_printer();
+  settings.size = PrintSize{Side::kHeight, 100};
+  const Box3d box = box_of({0, 0, 0}, {3, 2, 1});
+  const auto refused = place(box, 1, settings);
+  ASSERT_FALSE(refused.has_value());
+  const std::string message = refused.error().message();
+  const auto at = message.find("--height ");
+  ASSERT_NE(at, std::string::npos) << message;
+  settings.size->mm = std::strtod(message.c_str() + at + 9, nullptr);
+  EXPECT_TRUE(place(box, 1, settings).has_value()) << message;
+  settings.size->mm *= 1.001;
+  EXPECT_FALSE(place(box, 1, settings).has_value()) << message;
+}
+
+TEST(Placement, RefusesASizeAlongASideThatIsFlat) {
+  PlacementSettings settings;
+  settings.size = PrintSize{Side::kHeight, 10};
+  EXPECT_FALSE(place(box_of({0, 0, 1}, {3, 2, 1}), 1, settings).has_value());
 }
 
 TEST(Placement, FitUsesTheLargestScaleThatFitsThePrinter) {
