@@ -3,6 +3,7 @@
 #include <omp.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "slicer/cloud/cloud_reader.hpp"
@@ -35,6 +36,19 @@ double first_cell(const PlacementSettings& p) {
          (millimetres_per(p.units) * p.scale);
 }
 
+void rotate(PreparedScan& scan, const Mat3d& rotation) {
+  for (std::uint32_t i = 0; i < scan.cloud.size; ++i) {
+    Vec3f& p = scan.cloud.position[i];
+    p = (rotation * p.cast<double>()).cast<float>();
+    PackedNormal& n = scan.cloud.normal[i];
+    const bool classified = n.point_class != PointClass::kNoise;
+    n.set((rotation * n.unpack().cast<double>()).cast<float>());
+    if (classified) n.point_class = orientation_of(n);
+  }
+  scan.offset = rotation * scan.offset;
+  scan.turned = rotation * scan.turned;
+}
+
 /// One job, stage by stage.
 class Preparation {
  public:
@@ -48,10 +62,19 @@ class Preparation {
     const ArenaScope trees(arena_);
     before_tree_ = arena_.top_mark();
     PLUMBLINE_TRY(build_tree());
-    PLUMBLINE_TRY(find_normals());
+    PLUMBLINE_TRY(find_normals(true));
     PLUMBLINE_TRY(align());
     PLUMBLINE_TRY(find_surface(measure));
     return scan_;
+  }
+
+  Status run_normals(NormalsLook look) {
+    PLUMBLINE_TRY(read());
+    const ArenaScope trees(arena_);
+    before_tree_ = arena_.top_mark();
+    PLUMBLINE_TRY(build_tree());
+    PLUMBLINE_TRY(find_normals(false));
+    return look(scan_);
   }
 
  private:
@@ -93,12 +116,42 @@ class Preparation {
     return {};
   }
 
-  Status find_normals() {
+  /// @param upright  also look which way up it lies
+  Status find_normals(bool upright) {
     const StageScope stage(Stage::kNormals, arena_, progress_, report_.peak_bytes);
     const auto normals = complete_normals(scan_.cloud, *tree_, arena_, {progress_, Stage::kNormals});
     PLUMBLINE_TRY(normals);
     report_.normals = *normals;
+    return upright ? find_upright() : Status();
+  }
+
+  /// Turns the scan the best way up, if that is asked for. Else tells if it plainly lies wrong, unless somebody has turned it.
+  Status find_upright() {
+    if (settings_.orient) return turn();
+    if (settings_.placement.rotation_degrees != Vec3d::Zero()) return {};
+    const ArenaScope scope(arena_);
+    const auto samples = sample_surface(scan_.cloud, arena_);
+    if (!samples) return {};  // no room; the advice is no condition for a print
+    report_.upright = better_upright(*samples);
+    if (report_.upright && progress_ != nullptr) {
+      progress_->lies_wrong(report_.upright->degrees[0], report_.upright->degrees[1]);
+    }
     return {};
+  }
+
+  Status turn() {
+    {
+      const ArenaScope scope(arena_);
+      const auto samples = sample_surface(scan_.cloud, arena_);
+      PLUMBLINE_TRY(samples);
+      const auto best = best_orientations(*samples, {progress_, Stage::kNormals});
+      if (!best) return fail(ErrorCode::kCancelled, "cancelled while the best way up was looked for");
+      report_.turned = best->front();
+    }
+    const auto& degrees = report_.turned->degrees;
+    rotate(scan_, rotation_matrix({degrees[0], degrees[1], 0}));
+    arena_.release_top(before_tree_);
+    return build_tree({progress_, Stage::kNormals});
   }
 
   Status align() {
@@ -120,19 +173,35 @@ class Preparation {
     const StageScope stage(Stage::kClustering, arena_, progress_, report_.peak_bytes);
     PLUMBLINE_TRY(measure(scan_, *tree_));
     const bool estimated = report_.normals.estimated > report_.cloud_points / 2;
-    const SurfaceSettings settings{settings_.clustering, estimated ? NormalSource::kPoints : NormalSource::kScanner,
-                                   settings_.keep_all};
+    SurfaceSettings settings{settings_.clustering, estimated ? NormalSource::kPoints : NormalSource::kScanner,
+                             settings_.keep_all, settings_.floor};
+    settings.floor.height -= scan_.offset[2];
     const auto surface = find_surface_points(scan_.cloud, *tree_, settings, arena_, {progress_, Stage::kClustering});
     PLUMBLINE_TRY(surface);
     report_.clustering = surface->clustering;
     report_.support_points = scan_.cloud.support_points;
     report_.strays = surface->strays;
+    report_.flying_points = surface->flying_points;
     report_.bore_wall_points = surface->bore_walls.points;
+    if (surface->floor_points > 0) level(*surface);
     report_.lengths.epsilon = {surface->clustering.epsilon};
     report_.lengths.noise = {surface->clustering.noise};
     report_.lengths.bore_walls = {surface->bore_walls.area};
     scan_.has_surface = surface->found();
     return {};
+  }
+
+  /// Turns the scan until the floor that was cut off is level.
+  void level(const SurfacePoints& surface) {
+    const Vec3d up = surface.floor->normal.cast<double>();
+    const Vec3d middle = scan_.cloud.size > 0 ? Vec3d(scan_.cloud.bounds().centre().cast<double>()) : Vec3d::Zero();
+    const double across = up[0] * middle[0] + up[1] * middle[1];
+    report_.floor.points = surface.floor_points;
+    report_.floor.height = (static_cast<double>(surface.floor->offset) - across) / up[2] + scan_.offset[2];
+    report_.floor.tilt = std::sqrt(surface.floor->normal[0] * surface.floor->normal[0] +
+                                   surface.floor->normal[1] * surface.floor->normal[1]);
+    scan_.floor = surface.floor->offset;
+    if (report_.floor.tilt > 0) rotate(scan_, levelling(up));
   }
 
   ScanSources sources_;
@@ -158,6 +227,12 @@ ScanLengths<Millimetre> in_mm(const ScanLengths<ScanUnit>& lengths, ScanScale sc
           .bore_walls = scale(lengths.bore_walls)};
 }
 
+Box3d PreparedScan::bounds() const {
+  Box3f local = cloud.bounds();
+  if (floor) local.low[2] = std::min(*floor, local.high[2]);
+  return in_scan(local);
+}
+
 Box3d PreparedScan::in_scan(const Box3f& local) const {
   Box3d box;
   box.extend(local.low.cast<double>() + offset);
@@ -168,6 +243,11 @@ Box3d PreparedScan::in_scan(const Box3f& local) const {
 Expected<PreparedScan> prepare(ScanSources sources, const SliceSettings& settings, Arena& arena, ProgressSink* progress,
                                PreparationReport& report, Measurement measure, Admission admit) {
   return Preparation(sources, settings, arena, progress, report).run(measure, admit);
+}
+
+Status prepare_normals(ScanSources sources, const SliceSettings& settings, Arena& arena, ProgressSink* progress,
+                       PreparationReport& report, NormalsLook look) {
+  return Preparation(sources, settings, arena, progress, report).run_normals(look);
 }
 
 Status check_no_speck(const Box3d& bounds, ScanSources sources, const PlacementSettings& settings) {
@@ -213,6 +293,8 @@ void move_to_print(const Placement& placement, PreparedScan& scan, const Prepara
   for (Vec3f& p : cloud.position.first(cloud.size)) p = (p.cast<double>() * scale + shift).cast<float>();
   for (float& r : cloud.radius.first(cloud.size)) r *= static_cast<float>(scale);
   report.placement = placement;
+  report.placement.rotation = scan.turned * placement.rotation;
+  if (scan.floor) report.floor_mm = static_cast<float>(static_cast<double>(*scan.floor) * scale + shift[2]);
   report.lengths = in_mm(found.lengths, ScanScale(scale));
 }
 

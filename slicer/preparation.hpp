@@ -1,6 +1,8 @@
 #pragma once
 /// From the bytes of a scan to the points of its surface: the stages that slice() and inspect() share.
 
+#include <optional>
+
 #include "slicer/cloud/cloud.hpp"
 #include "slicer/cloud/kd_tree.hpp"
 #include "slicer/core/arena.hpp"
@@ -13,10 +15,13 @@ namespace plumbline {
 /// A scan at the top of the arena, in scan units, rotated.
 struct PreparedScan {
   Cloud cloud;
-  Vec3d offset = Vec3d::Zero();  ///< rotated scan coordinates of the cloud's origin
-  bool has_surface = false;      ///< false: too few points have neighbours that face the same way
+  Vec3d offset = Vec3d::Zero();      ///< rotated scan coordinates of the cloud's origin
+  Mat3d turned = Mat3d::Identity();  ///< after the rotation asked for: to the best way up, and to a level floor
+  std::optional<float> floor;        ///< height of the floor that was cut off, coordinates of the cloud
+  bool has_surface = false;          ///< false: too few points have neighbours that face the same way
 
-  Box3d bounds() const { return in_scan(cloud.bounds()); }  ///< rotated scan coordinates; the cloud is not empty
+  /// Of the object, down to the floor that it stands on; rotated scan coordinates. The cloud is not empty.
+  Box3d bounds() const;
   Box3d in_scan(const Box3f& box) const;  ///< from coordinates of the cloud to rotated scan coordinates
 };
 
@@ -38,6 +43,15 @@ inline constexpr auto kAdmitAll = [](const PreparedScan&) -> Status { return {};
 [[nodiscard]] Expected<PreparedScan> prepare(ScanSources sources, const SliceSettings& settings, Arena& arena,
                                              ProgressSink* progress, PreparationReport& report,
                                              Measurement measure = kNoMeasurement, Admission admit = kAdmitAll);
+
+/// Called when the normals are settled, before the stages that may take minutes.
+using NormalsLook = FunctionRef<Status(const PreparedScan& scan)>;
+
+/// The first stages of prepare(): reads a scan and completes its normals.
+/// @param report  filled as far as it went, also on error
+/// @retval all of prepare() and of `look`
+[[nodiscard]] Status prepare_normals(ScanSources sources, const SliceSettings& settings, Arena& arena,
+                                     ProgressSink* progress, PreparationReport& report, NormalsLook look);
 
 /// @param bounds  of the scan, rotated scan coordinates
 /// @retval ErrorCode::kNoSurface  the object would be a speck: names the files, its size, and what to do

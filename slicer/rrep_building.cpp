@@ -56,7 +56,7 @@ class RayStages {
   /// Joins points. The height of the base plane is measured first, since a joined point lies above its lowest one.
   void join() {
     const StageScope stage(Stage::kWindingTree, arena_, progress_, report_.peak_bytes);
-    base_height_ = base_plane(cloud_.positions(), grid().layer_height_mm);
+    base_height_ = report_.floor_mm ? *report_.floor_mm : base_plane(cloud_.positions(), grid().layer_height_mm);
     const std::uint32_t points = cloud_.size;
     join_points(cloud_);
     spread_ = std::sqrt(static_cast<float>(points) / static_cast<float>(cloud_.size));

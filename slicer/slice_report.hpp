@@ -4,11 +4,13 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "slicer/core/length.hpp"
 #include "slicer/core/progress.hpp"
 #include "slicer/layers/layer_features.hpp"
 #include "slicer/normals/normals.hpp"
+#include "slicer/orientation/orientations.hpp"
 #include "slicer/placement/placement.hpp"
 #include "slicer/rays/ray_shooter.hpp"
 #include "slicer/reader/scan_sources.hpp"
@@ -34,6 +36,13 @@ struct ScanLengths {
 };
 ScanLengths<Millimetre> in_mm(const ScanLengths<ScanUnit>& lengths, ScanScale scale);
 
+/// A floor that was cut off the scan.
+struct FloorCut {
+  std::uint32_t points = 0;  ///< left out; 0: no floor
+  double height = 0;         ///< z of the floor under the middle of the scan, rotated scan coordinates
+  float tilt = 0;            ///< sine of its angle to the horizontal, by which the scan was levelled
+};
+
 /// What prepare() found, apart from lengths.
 struct PreparationCounts {
   ScanSummary scan;                   ///< of all files: sum_of()
@@ -44,7 +53,11 @@ struct PreparationCounts {
   NormalCounts normals;
   ViewCounts views;
   ClusteringCounts clustering;
-  float support_points = 0;                                 ///< Cloud::support_points of the surface
+  float support_points = 0;            ///< Cloud::support_points of the surface
+  std::optional<Orientation> turned;   ///< the way that SliceSettings::orient has turned the scan
+  std::optional<Orientation> upright;  ///< the scan plainly lies wrong, and this way up is better
+  FloorCut floor;
+  std::uint32_t flying_points = 0;                          ///< left out before the object was placed
   StrayPieces strays;                                       ///< left out before the object was placed
   std::uint32_t bore_wall_points = 0;                       ///< added where walls of bores were continued
   std::array<std::size_t, kStageCount> planned_bytes = {};  ///< of the arena, by Stage
@@ -60,8 +73,9 @@ struct SliceReport : PreparationCounts {
   Units units = Units::kMillimetres;  ///< used
   bool units_guessed = false;
   Placement placement;
-  bool flat_underside = false;  ///< it stands on the base plane
-  float width_mm = 0;           ///< w of thesis III-2.c
+  std::optional<float> floor_mm;  ///< height of a floor that was cut off, print coordinates
+  bool flat_underside = false;    ///< it stands on the base plane
+  float width_mm = 0;             ///< w of thesis III-2.c
   RayCounts rays;
   ComponentCounts components;
   FeatureCounts features;

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "slicer/placement/base_choice.hpp"
+#include "slicer/placement/floor_choice.hpp"
 #include "slicer/placement/placement.hpp"
 #include "slicer/surface/clustering.hpp"
 
@@ -13,6 +14,8 @@ struct SliceSettings {
   PlacementSettings placement;
   ClusteringSettings clustering;
   BaseChoice base = BaseChoice::kAuto;
+  FloorChoice floor;
+  bool orient = false;        ///< turn the scan the best way up; placement.rotation_degrees must be 0
   bool confidence = false;    ///< keep a map of the evidence for each part of the surface
   bool keep_all = false;      ///< keep stray pieces and small components too
   std::uint32_t threads = 1;  ///< 1 to 64; the result does not depend on it

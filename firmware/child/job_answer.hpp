@@ -17,6 +17,9 @@ struct JobAnswer {
   std::uint32_t keep_all = 0;
   std::uint32_t side = 0;  ///< a Side, if size_mm is not 0
   double size_mm = 0;
+  std::uint32_t orient = 0;
+  std::uint32_t floor = 0;  ///< a FloorChoice::Kind
+  double floor_height = 0;
   double scale = 1;
   std::array<double, 3> rotate_deg{};
   double layer_height = 0;

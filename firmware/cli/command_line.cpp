@@ -33,12 +33,14 @@ ExitCode run_command_line(int argc, char** argv, std::span<std::byte> arena_bloc
 
   SliceOptions slice;
   InspectOptions inspect;
+  OrientOptions orient;
   PrintOptions print;
   SampleOptions sample;
   DoctorOptions doctor;
   PressOptions press;
   const CLI::App* slice_command = add_slice_command(app, slice);
   const CLI::App* inspect_command = add_inspect_command(app, inspect);
+  const CLI::App* orient_command = add_orient_command(app, orient);
   const CLI::App* print_command = add_print_command(app, print);
   const CLI::App* sample_command = add_sample_command(app, sample);
   const CLI::App* press_command = add_press_command(app, press);
@@ -55,6 +57,7 @@ ExitCode run_command_line(int argc, char** argv, std::span<std::byte> arena_bloc
   }
   if (slice_command->parsed()) return run_slice(slice, arena_block);
   if (inspect_command->parsed()) return run_inspect(inspect, arena_block);
+  if (orient_command->parsed()) return run_orient(orient, arena_block);
   if (print_command->parsed()) return run_print(print, arena_block);
   if (sample_command->parsed()) return run_sample(sample);
   if (press_command->parsed()) return run_press(press);

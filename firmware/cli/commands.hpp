@@ -30,6 +30,11 @@ struct InspectOptions {
   std::string picture;  ///< file for a picture of what the scan missed; empty: none
 };
 
+struct OrientOptions {
+  JobOptions job;
+  std::string picture;  ///< file for a picture of the best orientations; empty: none
+};
+
 struct SampleOptions {
   std::string output;
   std::uint64_t points = 300'000;
@@ -62,6 +67,7 @@ struct PressOptions {
 /// Each adds a subcommand whose options are parsed into `options`, which must outlive the parsing.
 CLI::App* add_slice_command(CLI::App& app, SliceOptions& options);
 CLI::App* add_inspect_command(CLI::App& app, InspectOptions& options);
+CLI::App* add_orient_command(CLI::App& app, OrientOptions& options);
 CLI::App* add_print_command(CLI::App& app, PrintOptions& options);
 CLI::App* add_sample_command(CLI::App& app, SampleOptions& options);
 CLI::App* add_doctor_command(CLI::App& app, DoctorOptions& options);
@@ -71,6 +77,7 @@ CLI::App* add_press_command(CLI::App& app, PressOptions& options);
 /// @param arena_block  the program's static memory
 ExitCode run_slice(const SliceOptions& options, std::span<std::byte> arena_block);
 ExitCode run_inspect(const InspectOptions& options, std::span<std::byte> arena_block);
+ExitCode run_orient(const OrientOptions& options, std::span<std::byte> arena_block);
 ExitCode run_print(const PrintOptions& options, std::span<std::byte> arena_block);
 ExitCode run_sample(const SampleOptions& options);
 ExitCode run_doctor(const DoctorOptions& options);

@@ -57,11 +57,7 @@ ExitCode run_inspect(const InspectOptions& inspect_options, std::span<std::byte>
   ProgressLines lines(options.verbose);
   JobProgress progress(silent ? nullptr : &lines);
   Arena arena(arena_block.first(setup->arena_bytes));
-  SliceSettings settings;
-  settings.placement = setup->placement;
-  settings.base = setup->base;
-  settings.keep_all = setup->keep_all;
-  settings.threads = setup->threads;
+  const SliceSettings settings = slice_settings(*setup);
   InspectReport report;
   std::optional<CoveragePreview> coverage;
   const auto see = [&](const RRep& rrep, const SliceReport& coarse) -> Status {

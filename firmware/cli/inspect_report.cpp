@@ -33,6 +33,7 @@ void add_scan(Text& text, const ScanOutlook& o) {
   if (scan.not_finite > 0) text.add("           %llu points that are not finite were left out\n", big(scan.not_finite));
   const auto turned = turned_warning(o.scan.normals, o.scan.cloud_points);
   if (!turned.view().empty()) text.add("           %s\n", turned.c_str());
+  if (o.scan.floor.points > 0) text.add("           %s\n", floor_warning(o.scan.floor).c_str());
   if (o.scan.strays.pieces > 0) text.add("           %s\n", stray_warning(o.scan.strays).c_str());
 }
 
@@ -51,8 +52,9 @@ void add_print(Text& text, const ScanOutlook& o, std::string_view print_time) {
     text.add("%s up to scale %.4g\n", o.scan.placement ? "fits       yes," : "          ", *o.largest_scale);
   const double longest = o.scan.bounds.size().maxCoeff();
   if (o.placement.units == Units::kAuto && !o.placement.size) {
-    text.add("units      %s, a guess: the scan is %.4g units long, so it is %.4g mm. Give --units or --height to be sure\n",
-             to_string(o.guess), longest, longest * millimetres_per(o.guess));
+    text.add(
+        "units      %s, a guess: the scan is %.4g units long, so it is %.4g mm. Give --units or --height to be sure\n",
+        to_string(o.guess), longest, longest * millimetres_per(o.guess));
   } else if (o.guess != o.scan.units && !o.placement.size) {
     text.add("units      %s; a size of %.4g units suggests %s (%.4g mm). Give --units to be sure\n",
              to_string(o.scan.units), longest, to_string(o.guess), longest * millimetres_per(o.guess));
@@ -271,6 +273,7 @@ void write_outlook(JsonWriter& json, const ScanOutlook& outlook) {
   json.member("noise", points_of(s, PointClass::kNoise));
   json.end_object();
   write_strays(json, s.strays);
+  write_position(json, s);
   json.key("never_seen");
   if (outlook.coverage) {
     json.begin_object(kOneLine);

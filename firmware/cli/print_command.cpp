@@ -93,6 +93,8 @@ Status make_ready(const PrintOptions& options, const JobSetup& setup, const Prin
   settings.placement = setup.placement;
   settings.base = setup.base;
   settings.keep_all = setup.keep_all;
+  settings.floor = setup.floor;
+  settings.orient = setup.orient;
   settings.threads = setup.threads;
   ProgressLines lines(options.job.verbose);
   JobProgress progress(silent ? nullptr : &lines);

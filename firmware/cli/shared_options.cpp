@@ -60,11 +60,13 @@ void add_size_options(CLI::App& app, JobOptions& job, CLI::Option* scale, CLI::O
   for (const Side side : {Side::kHeight, Side::kWidth, Side::kDepth, Side::kLength}) {
     auto* size = app.add_option_function<std::string>(
                         std::string("--") + to_string(side),
-                        [&job, side](const std::string& text) { job.size = PrintSize{side, *parse_length(text)}; },
-                        side == Side::kHeight   ? "Print it this high, whatever the scan's unit: 80mm, 8cm, 3.15in"
-                        : side == Side::kWidth  ? "Print it this wide (x)"
-                        : side == Side::kDepth  ? "Print it this deep (y)"
-                                                : "Print its longest side this long")
+                        [&job, side](const std::string& text) {
+                          job.size = PrintSize{side, *parse_length(text)};
+                        },
+                        side == Side::kHeight  ? "Print it this high, whatever the scan's unit: 80mm, 8cm, 3.15in"
+                        : side == Side::kWidth ? "Print it this wide (x)"
+                        : side == Side::kDepth ? "Print it this deep (y)"
+                                               : "Print its longest side this long")
                      ->type_name("LENGTH")
                      ->check(CLI::Validator(
                          [](std::string& text) -> std::string {
@@ -90,10 +92,16 @@ void add_object_options(CLI::App& app, JobOptions& job, CLI::Option* printer) {
                     ->check(finite_range(kSmallestScale, kLargestScale))
                     ->group(kObjectGroup);
   auto* fit = app.add_flag("--fit", job.fit, "Print it as large as the printer can")
-      ->needs(printer)
-      ->excludes(scale)
-      ->group(kObjectGroup);
+                  ->needs(printer)
+                  ->excludes(scale)
+                  ->group(kObjectGroup);
   add_size_options(app, job, scale, fit);
+  auto* orient = app.add_option_function<std::string>(
+                        "--orient", [&job](const std::string& word) { job.orient = word == "auto"; },
+                        "auto turns it the best way up, see 'plumbline orient --help'; none leaves it as it is [none]")
+                     ->type_name("KIND")
+                     ->check(CLI::IsMember({"none", "auto"}).description(""))
+                     ->group(kObjectGroup);
   const char* const names[] = {"--rotate-x", "--rotate-y", "--rotate-z"};
   const char* const help[] = {"Turn it about x, right-handed; done first [0]", "Turn it about y; done second [0]",
                               "Turn it about z; done last [0]"};
@@ -101,8 +109,21 @@ void add_object_options(CLI::App& app, JobOptions& job, CLI::Option* printer) {
     app.add_option(names[axis], job.rotate_degrees[axis], help[axis])
         ->type_name("DEG")
         ->check(finite_range(-360, 360))
+        ->excludes(orient)
         ->group(kObjectGroup);
   }
+  app.add_option_function<std::string>(
+         "--floor", [&job](const std::string& text) { job.floor = *parse_floor(text); },
+         "A floor or turntable that the object stands on: auto finds it and cuts it off, keep prints it, a number cuts "
+         "at that height of the scan, in its unit [auto]")
+      ->type_name("KIND")
+      ->check(CLI::Validator(
+          [](std::string& text) -> std::string {
+            if (parse_floor(text)) return {};
+            return "'" + printable(text, 40) + "' is not " + kFloorForm;
+          },
+          ""))
+      ->group(kObjectGroup);
   app.add_option_function<std::string>(
          "--base", [&job](const std::string& name) { job.base = base_named(name); },
          "Underside: auto closes it flat if the scan is open there, flat always does, none closes it like any other "

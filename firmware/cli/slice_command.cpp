@@ -80,10 +80,7 @@ ExitCode run_slice(const SliceOptions& options, std::span<std::byte> arena_block
   settings.scan_paths = options.job.scans;
   settings.output_path = options.output;
   settings.printer_name = setup->printer_name;
-  settings.slice.placement = setup->placement;
-  settings.slice.base = setup->base;
-  settings.slice.keep_all = setup->keep_all;
-  settings.slice.threads = setup->threads;
+  settings.slice = slice_settings(*setup);
   settings.preview = options.preview;
   settings.supports = *options.supports.over(false, {});  // checked when the arguments were parsed
   catch_interrupts();

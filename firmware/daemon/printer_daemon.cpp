@@ -270,6 +270,8 @@ Status PrinterDaemon::print_scan() {
     request.size = scan->size();
     request.settings.threads = settings_.threads;
     request.settings.base = job.base;
+    request.settings.floor = job.floor;
+    request.settings.orient = job.orient;
     request.settings.keep_all = job.keep_all;
     PlacementSettings& placement = request.settings.placement;
     placement.units = job.units;

@@ -22,10 +22,13 @@ static_assert(static_cast<int>(BaseChoice::kAuto) == 0 && static_cast<int>(BaseC
 
 /// Keys of the size, and their texts.
 constexpr std::array<std::string_view, 4> kSizeWords = {"width", "depth", "height", "length"};
-using SizeTexts = std::array<std::string, kSizeWords.size()>;
+struct JobTexts {
+  std::array<std::string, kSizeWords.size()> sizes;
+  std::string floor;
+};
 static_assert(static_cast<int>(Side::kWidth) == 0 && static_cast<int>(Side::kLength) == 3);
 
-std::vector<SettingRule> rules_for(StickJob& job, SizeTexts& sizes) {
+std::vector<SettingRule> rules_for(StickJob& job, JobTexts& texts) {
   constexpr auto kOptional = Presence::kOptional;
   return {
       {"job", "scan", TextSetting{&job.scan, TextKind::kPath}, 1, 255},
@@ -33,14 +36,17 @@ std::vector<SettingRule> rules_for(StickJob& job, SizeTexts& sizes) {
       {"job", "supports", ChoiceSetting{kSupportWords, [&job](std::size_t word) { job.supports = word == 1; }}, 0, 0,
        "", kOptional},
       {"job", "base", choice(kBaseWords, job.base), 0, 0, "", kOptional},
+      {"job", "floor", TextSetting{&texts.floor, TextKind::kPath}, 1, 32, "", kOptional},
       {"job", "keep_all", &job.keep_all, 0, 0, "", kOptional},
       {"placement", "units", choice(kUnitWords, job.units), 0, 0, "", kOptional},
       {"placement", "scale", &job.scale, kSmallestScale, kLargestScale, "", kOptional},
       {"placement", "fit", &job.fit, 0, 0, "", kOptional},
-      {"placement", kSizeWords[0], TextSetting{&sizes[0], TextKind::kPath}, 1, 32, "", kOptional},
-      {"placement", kSizeWords[1], TextSetting{&sizes[1], TextKind::kPath}, 1, 32, "", kOptional},
-      {"placement", kSizeWords[2], TextSetting{&sizes[2], TextKind::kPath}, 1, 32, "", kOptional},
-      {"placement", kSizeWords[3], TextSetting{&sizes[3], TextKind::kPath}, 1, 32, "", kOptional},
+      {"placement", kSizeWords[0], TextSetting{&texts.sizes[0], TextKind::kPath}, 1, 32, "", kOptional},
+      {"placement", kSizeWords[1], TextSetting{&texts.sizes[1], TextKind::kPath}, 1, 32, "", kOptional},
+      {"placement", kSizeWords[2], TextSetting{&texts.sizes[2], TextKind::kPath}, 1, 32, "", kOptional},
+      {"placement", kSizeWords[3], TextSetting{&texts.sizes[3], TextKind::kPath}, 1, 32, "", kOptional},
+      {"placement", "orient", ChoiceSetting{kSupportWords, [&job](std::size_t word) { job.orient = word == 1; }}, 0, 0,
+       "", kOptional},
       {"placement", "rotate_x_deg", &job.rotate_x_deg, -360, 360, " degrees", kOptional},
       {"placement", "rotate_y_deg", &job.rotate_y_deg, -360, 360, " degrees", kOptional},
       {"placement", "rotate_z_deg", &job.rotate_z_deg, -360, 360, " degrees", kOptional},
@@ -48,16 +54,25 @@ std::vector<SettingRule> rules_for(StickJob& job, SizeTexts& sizes) {
   };
 }
 
-/// Sets the job's size from its text.
+/// Sets the job's size and floor from their texts.
 /// @returns what is wrong with a key; empty if nothing is
-std::string take_size(StickJob& job, const SizeTexts& sizes, std::string_view key) {
+std::string take_text(StickJob& job, const JobTexts& texts, std::string_view key) {
+  if (key == "floor" && !texts.floor.empty()) {
+    const auto floor = parse_floor(texts.floor);
+    if (!floor) return std::string("is not ") + kFloorForm;
+    job.floor = *floor;
+  }
+  if (key == "orient" && job.orient && (job.rotate_x_deg != 0 || job.rotate_y_deg != 0 || job.rotate_z_deg != 0)) {
+    return "finds the rotation: leave out rotate_x_deg, rotate_y_deg and rotate_z_deg";
+  }
   const auto word = std::find(kSizeWords.begin(), kSizeWords.end(), key);
   if (word == kSizeWords.end()) return {};
   const auto side = static_cast<std::size_t>(word - kSizeWords.begin());
-  if (sizes[side].empty()) return {};
-  const auto mm = parse_length(sizes[side]);
+  if (texts.sizes[side].empty()) return {};
+  const auto mm = parse_length(texts.sizes[side]);
   if (!mm) return std::string("is not ") + kLengthForm;
-  if (job.size || job.fit || job.scale != 1) return "is one size too many: keep one of width, depth, height, length, scale and fit";
+  if (job.size || job.fit || job.scale != 1)
+    return "is one size too many: keep one of width, depth, height, length, scale and fit";
   job.size = PrintSize{static_cast<Side>(side), *mm};
   return {};
 }
@@ -122,9 +137,9 @@ Error as_setting_error(const Error& error) {
 
 Expected<StickJob> parse_stick_job(std::string_view text, std::string_view path) {
   StickJob job;
-  SizeTexts sizes;
-  const auto rules = rules_for(job, sizes);
-  const auto check = [&](const SettingRule& rule) { return take_size(job, sizes, rule.key); };
+  JobTexts texts;
+  const auto rules = rules_for(job, texts);
+  const auto check = [&](const SettingRule& rule) { return take_text(job, texts, rule.key); };
   const auto parsed = parse_settings(text, path, {"a job file", rules, nullptr, check});
   if (!parsed) return tl::unexpected<Error>(as_setting_error(parsed.error()));
   return job;

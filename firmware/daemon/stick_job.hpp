@@ -11,6 +11,7 @@
 #include "hal/stick_port.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/placement/base_choice.hpp"
+#include "slicer/placement/floor_choice.hpp"
 #include "slicer/placement/placement.hpp"
 
 namespace plumbline {
@@ -27,6 +28,8 @@ struct StickJob {
   double layer_height = 0;       ///< mm; 0: the profile's
   std::optional<bool> supports;  ///< none: as the profile has it
   BaseChoice base = BaseChoice::kAuto;
+  FloorChoice floor;
+  bool orient = false;    ///< turn it the best way up
   bool keep_all = false;  ///< also print stray pieces
   bool operator==(const StickJob&) const = default;
 };

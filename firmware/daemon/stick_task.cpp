@@ -41,6 +41,9 @@ void hand_back(const StickJob& job, ScanAnswer& answer) {
     fields.side = static_cast<std::uint32_t>(job.size->side);
     fields.size_mm = job.size->mm;
   }
+  fields.orient = job.orient ? 1 : 0;
+  fields.floor = static_cast<std::uint32_t>(job.floor.kind);
+  fields.floor_height = job.floor.height;
   fields.scale = job.scale;
   fields.rotate_deg = {job.rotate_x_deg, job.rotate_y_deg, job.rotate_z_deg};
   fields.layer_height = job.layer_height;
@@ -80,8 +83,11 @@ Expected<StickJob> check_job_answer(const ScanAnswer& answer) {
                                   [](double degrees) { return is_within(degrees, -360, 360); });
   const bool choices = fields.units <= static_cast<std::uint32_t>(Units::kAuto) &&
                        fields.base <= static_cast<std::uint32_t>(BaseChoice::kFlat) && fields.supports <= 2 &&
-                       fields.fit <= 1 && fields.keep_all <= 1 && fields.side <= static_cast<std::uint32_t>(Side::kLength);
+                       fields.fit <= 1 && fields.keep_all <= 1 &&
+                       fields.side <= static_cast<std::uint32_t>(Side::kLength) && fields.orient <= 1 &&
+                       fields.floor <= static_cast<std::uint32_t>(FloorChoice::Kind::kHeight);
   const bool lengths = (fields.size_mm == 0 || is_within(fields.size_mm, kSmallestSizeMm, kLargestSizeMm)) &&
+                       is_within(fields.floor_height, -kLargestFloorHeight, kLargestFloorHeight) &&
                        is_within(fields.scale, kSmallestScale, kLargestScale) &&
                        (fields.layer_height == 0 || is_within(fields.layer_height, kFinestMm, kCoarsestMm));
   if (answer.kind != ScanAnswer::kJob || job.scan.empty() || !is_setting_name(job.profile) || !angles || !choices ||
@@ -93,6 +99,8 @@ Expected<StickJob> check_job_answer(const ScanAnswer& answer) {
   if (fields.supports > 0) job.supports = fields.supports == 2;
   job.fit = fields.fit == 1;
   job.keep_all = fields.keep_all == 1;
+  job.orient = fields.orient == 1;
+  job.floor = {static_cast<FloorChoice::Kind>(fields.floor), fields.floor_height};
   if (fields.size_mm != 0) job.size = PrintSize{static_cast<Side>(fields.side), fields.size_mm};
   job.scale = fields.scale;
   job.rotate_x_deg = fields.rotate_deg[0];

@@ -21,6 +21,8 @@ constexpr std::array kOptions = {
     Option{"--rotate-z", "rotate_z_deg"},
     Option{"--supports", "supports"},
     Option{"--keep-all", "keep_all = true", false},
+    Option{"--orient", "orient"},
+    Option{"--floor", "floor"},
     Option{"--height", "height"},
     Option{"--length", "length"},
     Option{"--width", "width"},
@@ -35,7 +37,9 @@ bool ends_word(char c) { return c == ' ' || c == ',' || c == '.' || c == ';' || 
 
 /// A number, or a word that an option takes.
 bool is_argument(std::string_view word) {
-  constexpr std::array<std::string_view, 9> kWords = {"auto", "none", "flat", "mm", "cm", "m", "in", "true", "false"};
+  constexpr std::array<std::string_view, 10> kWords = {"auto", "keep", "none", "flat", "mm",
+                                                       "cm",   "m",    "in",   "true", "false"};
+  if (word.starts_with('-')) word.remove_prefix(1);
   const bool number = !word.empty() && std::isdigit(static_cast<unsigned char>(word[0])) != 0;
   return number || std::find(kWords.begin(), kWords.end(), word) != kWords.end();
 }
@@ -69,7 +73,7 @@ FixedText<1000> in_stick_words(std::string_view text) {
     if (length > 0 && rest[length - 1] == '.') --length;
     const auto word = rest.substr(0, length);
     if (!is_argument(word)) continue;
-    const bool number = std::isdigit(static_cast<unsigned char>(word[0])) != 0 &&
+    const bool number = (word[0] == '-' || std::isdigit(static_cast<unsigned char>(word[0])) != 0) &&
                         std::isalpha(static_cast<unsigned char>(word.back())) == 0;  // 80mm is a text
     const char* const quote = number || word == "true" || word == "false" ? "" : "\"";
     result.add(" = %s%.*s%s", quote, static_cast<int>(word.size()), word.data(), quote);

@@ -19,6 +19,8 @@ class ProgressDisplay {
   virtual void update(Stage stage, double fraction, double seconds) = 0;
   /// @param peak_bytes  highest use of the arena in this stage
   virtual void end(Stage stage, double seconds, std::size_t peak_bytes) = 0;
+  /// ProgressSink::lies_wrong().
+  virtual void lies_wrong(double /*x_degrees*/, double /*y_degrees*/) {}
 };
 
 /// Measures the stages and passes them on to a display.
@@ -31,6 +33,9 @@ class JobProgress final : public ProgressSink {
   /// @returns false after an interrupt
   bool advance(Stage stage, double fraction) override;
   void end(Stage stage, std::size_t peak_bytes) override;
+  void lies_wrong(double x_degrees, double y_degrees) override {
+    if (display_ != nullptr) display_->lies_wrong(x_degrees, y_degrees);
+  }
 
   const std::array<double, kStageCount>& seconds() const { return seconds_; }  ///< by Stage
   /// Seconds since this object was made.

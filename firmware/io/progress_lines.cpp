@@ -105,6 +105,21 @@ void ProgressLines::update(Stage stage, double fraction, double seconds) {
   }
 }
 
+FixedText<128> lies_wrong_sentence(double x_degrees, double y_degrees) {
+  FixedText<128> text;
+  text.add("the scan seems to lie on its side or its head. To stand it up:");
+  if (x_degrees != 0) text.add(" --rotate-x %.4g", x_degrees);
+  if (y_degrees != 0) text.add(" --rotate-y %.4g", y_degrees);
+  return text;
+}
+
+void ProgressLines::lies_wrong(double x_degrees, double y_degrees) {
+  FixedText<192> line;
+  line.add("plumbline: warning: %s", lies_wrong_sentence(x_degrees, y_degrees).c_str());
+  bar_.clear();
+  write_line(line.view());
+}
+
 void ProgressLines::end(Stage stage, double seconds, std::size_t peak_bytes) {
   const StepPart part = part_of(stage);
   step_seconds_ += seconds;

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <string_view>
 
+#include "firmware/io/fixed_text.hpp"
 #include "firmware/io/job_progress.hpp"
 #include "slicer/core/printable_text.hpp"
 
@@ -39,6 +40,7 @@ class ProgressLines final : public ProgressDisplay {
   void begin(Stage stage) override;
   void update(Stage stage, double fraction, double seconds) override;
   void end(Stage stage, double seconds, std::size_t peak_bytes) override;
+  void lies_wrong(double x_degrees, double y_degrees) override;
 
  private:
   bool verbose_;
@@ -46,6 +48,9 @@ class ProgressLines final : public ProgressDisplay {
   std::string_view step_;    ///< words of the step that runs
   double step_seconds_ = 0;  ///< of its stages that have ended
 };
+
+/// What to do with a scan that plainly lies wrong: "the scan seems to lie wrong; --rotate-x 90 stands it up".
+FixedText<128> lies_wrong_sentence(double x_degrees, double y_degrees);
 
 /// Writes a line to standard error. A failure of this and of the others is ignored: there is nowhere left to report it.
 void write_line(const PrintableText& line);

@@ -52,9 +52,22 @@ Expected<JobSetup> set_up(const JobOptions& options, std::size_t built_bytes) {
   }
   setup.arena_bytes = arena_mib * kMiB;
   setup.base = options.base;
+  setup.floor = options.floor;
+  setup.orient = options.orient;
   setup.keep_all = options.keep_all;
   setup.threads = options.threads.value_or(default_threads());
   return setup;
+}
+
+SliceSettings slice_settings(const JobSetup& setup) {
+  SliceSettings settings;
+  settings.placement = setup.placement;
+  settings.base = setup.base;
+  settings.floor = setup.floor;
+  settings.orient = setup.orient;
+  settings.keep_all = setup.keep_all;
+  settings.threads = setup.threads;
+  return settings;
 }
 
 void start_threads(std::uint32_t threads) {

@@ -9,8 +9,7 @@
 #include <vector>
 
 #include "firmware/settings/board_file.hpp"
-#include "slicer/placement/base_choice.hpp"
-#include "slicer/placement/placement.hpp"
+#include "slicer/slice_settings.hpp"
 
 namespace plumbline {
 
@@ -26,6 +25,8 @@ struct JobOptions {
   std::array<double, 3> rotate_degrees = {};
   Units units = Units::kMillimetres;
   BaseChoice base = BaseChoice::kAuto;
+  FloorChoice floor;
+  bool orient = false;                     ///< turn it the best way up; without rotate_degrees only
   bool keep_all = false;                   ///< keep stray pieces and small cavities
   std::optional<std::uint32_t> arena_mib;  ///< MiB
   std::optional<std::uint32_t> threads;    ///< 1 to kMostThreads
@@ -48,9 +49,14 @@ struct JobSetup {
   std::optional<BoardFile> board;  ///< none without a printer
   std::size_t arena_bytes = 0;
   BaseChoice base = BaseChoice::kAuto;
+  FloorChoice floor;
+  bool orient = false;
   bool keep_all = false;
   std::uint32_t threads = 1;
 };
+
+/// The settings of slice() and inspect().
+SliceSettings slice_settings(const JobSetup& setup);
 
 /// Completes the options.
 /// @param built_bytes  of the largest arena the program was built for

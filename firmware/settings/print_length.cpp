@@ -17,6 +17,19 @@ std::optional<double> millimetres_in(std::string_view unit) {
 
 }  // namespace
 
+std::optional<FloorChoice> parse_floor(std::string_view text) {
+  FloorChoice floor;
+  if (text == "auto") return floor;
+  floor.kind = FloorChoice::Kind::kKeep;
+  if (text == "keep") return floor;
+  floor.kind = FloorChoice::Kind::kHeight;
+  const char* const last = text.data() + text.size();
+  const auto [end, error] = std::from_chars(text.data(), last, floor.height);
+  const bool within = floor.height >= -kLargestFloorHeight && floor.height <= kLargestFloorHeight;  // NaN is not
+  if (error != std::errc() || end != last || !within) return std::nullopt;
+  return floor;
+}
+
 std::optional<double> parse_length(std::string_view text) {
   double number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "firmware/io/progress_lines.hpp"
+
 namespace plumbline {
 namespace {
 
@@ -30,9 +32,10 @@ void for_each_size_remark(const SliceReport& slice, FunctionRef<void(std::string
   }
   text = {};
   if (longest < kSmallestUsual) {
-    text.add("the object is only %.3g mm long. If that is wrong, use --units m, --units cm, --units in, or give a size: "
-             "--height 80mm",
-             longest);
+    text.add(
+        "the object is only %.3g mm long. If that is wrong, use --units m, --units cm, --units in, or give a size: "
+        "--height 80mm",
+        longest);
     visit(text.view());
   } else if (longest > kLargestUsual) {
     text.add("the object is %.4g mm long. If that is wrong, use --units or --scale, or --fit with a printer", longest);
@@ -133,6 +136,16 @@ FixedText<256> stray_warning(const StrayPieces& strays) {
   return text;
 }
 
+FixedText<256> floor_warning(const FloorCut& floor) {
+  FixedText<256> text;
+  text.add("the object stands on a floor, which was cut off: %u points at and below height %.5g of the scan",
+           floor.points, floor.height);
+  constexpr float kLevel = 0.001F;
+  if (floor.tilt > kLevel) text.add(", levelled by %.2g in 100", 100 * static_cast<double>(floor.tilt));
+  text.add(". --floor keep prints it");
+  return text;
+}
+
 FixedText<256> turned_warning(const NormalCounts& normals, std::uint32_t points) {
   FixedText<256> text;
   const double share = points > 0 ? static_cast<double>(normals.turned) / points : 0;
@@ -156,6 +169,7 @@ bool lies_on_its_face(const ClusteringCounts& clustering) {
 
 void for_each_remark(const SliceReport& slice, FunctionRef<void(std::string_view)> visit) {
   for_each_size_remark(slice, visit);
+  if (slice.floor.points > 0) visit(floor_warning(slice.floor).view());
   if (slice.strays.pieces > 0) visit(stray_warning(slice.strays).view());
   FixedText<256> text = turned_warning(slice.normals, slice.cloud_points);
   if (!text.view().empty()) visit(text.view());
@@ -174,7 +188,11 @@ void for_each_remark(const SliceReport& slice, FunctionRef<void(std::string_view
              slice.components.sealed_cavities, one ? "y" : "ies", one ? "was" : "were", one ? "it" : "them");
     visit(text.view());
   }
-  if (lies_on_its_face(slice.clustering)) visit(kOnItsFace);
+  if (lies_on_its_face(slice.clustering)) {
+    visit(kOnItsFace);
+  } else if (slice.upright) {
+    visit(lies_wrong_sentence(slice.upright->degrees[0], slice.upright->degrees[1]).view());
+  }
   if (slice.normals.estimated > 0) {
     text = {};
     text.add("%u points of the scan have no normal; normals were estimated from neighbouring points",

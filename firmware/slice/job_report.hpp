@@ -87,6 +87,9 @@ FixedText<96> size_text(const Placement& placement);
 /// The sentence about stray pieces that were left out; empty if there were none.
 FixedText<256> stray_warning(const StrayPieces& strays);
 
+/// The sentence about a floor that was cut off.
+FixedText<256> floor_warning(const FloorCut& floor);
+
 /// The sentence about normals that were flipped; empty if they are few, as those of flying pixels at edges.
 /// @param points  of the cloud
 FixedText<256> turned_warning(const NormalCounts& normals, std::uint32_t points);

@@ -43,6 +43,10 @@ void add_print(Text& text, const JobReport& report, std::string_view print_time)
   const std::string& printer = report.printer_name;
   text.add("print      %s: %s%s%s\n", report.scan_name.c_str(), size_text(s.placement).c_str(),
            printer.empty() ? "" : " on ", printer.c_str());
+  if (s.turned) {
+    text.add("turned     the best way up, which is --rotate-x %.4g --rotate-y %.4g\n", s.turned->degrees[0],
+             s.turned->degrees[1]);
+  }
   text.add("resin      %.1f ml", report.volume_mm3() / 1000);
   if (report.support_settings) {
     text.add(", %.1f ml of it in %u supports", report.support_volume_mm3() / 1000, report.supports.all());

@@ -124,6 +124,7 @@ void write_rays(JsonWriter& json, const SliceReport& slice) {
   json.member("voxels_changed", components.changed_voxels);
   json.end_object();
   write_strays(json, slice.strays);
+  write_position(json, slice);
   const FeatureCounts& features = slice.features;
   json.key("small_features");
   json.begin_object(kOneLine);
@@ -229,6 +230,28 @@ void write_hashes(JsonWriter& json, const JobReport& report, std::span<const std
 }
 
 }  // namespace
+
+void write_position(JsonWriter& json, const PreparationCounts& found) {
+  json.key("floor");
+  json.begin_object(kOneLine);
+  json.member("points", found.floor.points);
+  json.member("height_scan_units", found.floor.height);
+  json.member("tilt", found.floor.tilt);
+  json.end_object();
+  json.member("flying_points", found.flying_points);
+  json.key("orientation");
+  json.begin_object(kOneLine);
+  const auto degrees = [&](const char* key, const std::optional<Orientation>& orientation) {
+    json.key(key);
+    if (!orientation) return json.null();
+    json.begin_array(kOneLine);
+    for (const double angle : orientation->degrees) json.value(angle);
+    json.end_array();
+  };
+  degrees("turned_deg", found.turned);
+  degrees("upright_deg", found.upright);
+  json.end_object();
+}
 
 void write_strays(JsonWriter& json, const StrayPieces& strays) {
   json.key("stray_pieces");

@@ -36,6 +36,9 @@ class ProgressSink {
   virtual bool advance(Stage stage, double fraction) = 0;
   /// @param peak_bytes  most bytes of the arena in use while the stage ran
   virtual void end(Stage stage, std::size_t peak_bytes) = 0;
+  /// Called at most once, within Stage::kNormals, if the scan plainly lies wrong.
+  /// @param x_degrees, y_degrees  rotation about x, then about y, that puts it upright
+  virtual void lies_wrong(double /*x_degrees*/, double /*y_degrees*/) {}
 };
 
 /// Maps the progress of one step, 0 to 1, to its part of a stage. A step need not know which stage it serves.

@@ -116,7 +116,8 @@ Expected<Placement> place(const Box3d& bounds, double unit_mm, const PlacementSe
   p.grid.layer_height_mm = settings.layer_height_mm;
   double factor = scale_of(extent, settings);
   if (!settings.fit && std::isinf(factor)) {
-    return fail(ErrorCode::kDoesNotFit, "the object is flat: no scale gives it a %s of %.4g mm.\tUse another side, or --scale",
+    return fail(ErrorCode::kDoesNotFit,
+                "the object is flat: no scale gives it a %s of %.4g mm.\tUse another side, or --scale",
                 to_string(settings.size->side), settings.size->mm);
   }
   if (settings.printer) {

@@ -11,6 +11,7 @@
 #include "slicer/implicit/winding_number.hpp"
 #include "slicer/layers/layer_features.hpp"
 #include "slicer/normals/normals.hpp"
+#include "slicer/orientation/surface_samples.hpp"
 #include "slicer/rays/ray_shooter.hpp"
 #include "slicer/reader/scan_reader.hpp"
 #include "slicer/rrep/components.hpp"
@@ -79,7 +80,7 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
   const auto reader =
       static_cast<std::size_t>(std::min<std::uint64_t>(evidence.reader_bytes, kTooMuch) + evidence.kept_bytes);
   set(Stage::kRead, cloud + PointThinner::table_bytes(points) + kReaderWorkspace + reader);
-  set(Stage::kNormals, cloud + tree + normals_bytes(points));
+  set(Stage::kNormals, cloud + tree + std::max(normals_bytes(points), sample_surface_bytes(points)));
   set(Stage::kTrees, cloud + tree + points / 8);
   set(Stage::kViews, cloud + tree + align_views_bytes(points));
   set(Stage::kClustering, cloud + tree +

@@ -30,6 +30,30 @@ Status refine(Cloud& cloud, const KdTree3& tree, const SurfaceSettings& settings
   return {};
 }
 
+std::optional<FloorPlane> floor_of(const Cloud& cloud, const FloorChoice& choice, const ClusteringResult& clustering) {
+  switch (choice.kind) {
+    case FloorChoice::Kind::kKeep: return std::nullopt;
+    case FloorChoice::Kind::kAuto: return find_floor(cloud, clustering.epsilon, clustering.noise);
+    case FloorChoice::Kind::kHeight: break;
+  }
+  FloorPlane plane;
+  plane.offset = static_cast<float>(choice.height);
+  return plane;
+}
+
+/// Marks the floor and what is below it as noise.
+/// @returns how many points
+std::uint32_t cut_floor(Cloud& cloud, const FloorPlane& floor) {
+  std::uint32_t count = 0;
+  for (std::uint32_t i = 0; i < cloud.size; ++i) {
+    PackedNormal& normal = cloud.normal[i];
+    if (normal.point_class == PointClass::kNoise || !floor.cuts(cloud.position[i])) continue;
+    normal.point_class = PointClass::kNoise;
+    ++count;
+  }
+  return count;
+}
+
 }  // namespace
 
 bool SurfacePoints::found() const {
@@ -59,6 +83,9 @@ Expected<SurfacePoints> find_surface_points(Cloud& cloud, const KdTree3& tree, c
     surface.strays = *strays;
   }
   if (surface.found()) {
+    surface.floor = floor_of(cloud, settings.floor, clustering);
+    if (surface.floor) surface.floor_points = cut_floor(cloud, *surface.floor);
+    if (surface.floor_points > 0) clustering.points = count_classes(cloud.normal.first(cloud.size));
     const auto flying = mark_flying_points(cloud, tree, clustering, arena);
     PLUMBLINE_TRY(flying);
     surface.flying_points = *flying;

@@ -5,6 +5,8 @@
 #include "slicer/cloud/kd_tree.hpp"
 #include "slicer/core/arena.hpp"
 #include "slicer/core/progress.hpp"
+#include "slicer/placement/floor_choice.hpp"
+#include "slicer/placement/floor_plane.hpp"
 #include "slicer/surface/bores/bore_walls.hpp"
 #include "slicer/surface/clustering.hpp"
 #include "slicer/surface/refined_normals.hpp"
@@ -16,11 +18,14 @@ struct SurfaceSettings {
   ClusteringSettings clustering;
   NormalSource normals = NormalSource::kScanner;
   bool keep_strays = false;
+  FloorChoice floor;  ///< its height in coordinates of the cloud
 };
 
 struct SurfacePoints {
   ClusteringResult clustering;  ///< epsilon and noise in units of the cloud
   StrayPieces strays;
+  std::optional<FloorPlane> floor;  ///< that was cut off
+  std::uint32_t floor_points = 0;   ///< left out with it
   std::uint32_t flying_points = 0;  ///< left out because they would have made the object larger
   BoreWalls bore_walls;
 
@@ -28,7 +33,7 @@ struct SurfacePoints {
   bool found() const;
 };
 
-/// Calls cluster(), and what goes beyond the thesis: refine_normals(), rescue_sparse_surface(), mark_stray_pieces(),
+/// Calls cluster(), and what goes beyond the thesis: refine_normals(), rescue_sparse_surface(), mark_stray_pieces(), find_floor(),
 /// mark_flying_points(), widen_supports() and continue_bore_walls(), in that order. Estimated normals are fitted again if supports got wider.
 ///
 /// @param cloud  in the order of `tree`, with normals. On return noise points are gone, classes and supports are set

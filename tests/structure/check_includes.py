@@ -25,8 +25,8 @@ MAY_INCLUDE = {
 # Folder -> its subfolders in the data's order. Each may include those before it. The files directly in the folder come last
 # and may include all of them; no subfolder includes those files.
 ORDER = {
-    "slicer": ["core", "reader", "cloud", "placement", "implicit", "normals", "views", "surface", "rrep", "rays", "layers",
-               "supports", "checks", "plan"],
+    "slicer": ["core", "reader", "cloud", "placement", "orientation", "implicit", "normals", "views", "surface", "rrep", "rays",
+               "layers", "supports", "checks", "plan"],
     "slicer/reader": ["stream", "records", "formats"],
     "hal/linux": ["gpio", "events", "keeper", "lamp", "stage", "display", "stick", "thermals"],
     "firmware/print": ["plan", "status", "store"],

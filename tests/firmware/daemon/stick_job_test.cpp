@@ -36,6 +36,36 @@ TEST(StickJob, HasEveryKeyThatItsFileHas) {
   EXPECT_DOUBLE_EQ(job->layer_height, 0.1);
 }
 
+TEST(StickJob, TakesASizeInItsUnit) {
+  const auto size_in = [](const std::string& line) {
+    return parse_stick_job("[job]\nscan = 'a.ply'\n[placement]\n" + line, "job.toml");
+  };
+  EXPECT_EQ(size_in("height = '80mm'\n")->size, (PrintSize{Side::kHeight, 80}));
+  EXPECT_EQ(size_in("width = '8 cm'\n")->size, (PrintSize{Side::kWidth, 80}));
+  EXPECT_EQ(size_in("depth = '2in'\n")->size, (PrintSize{Side::kDepth, 50.8}));
+  EXPECT_EQ(size_in("length = '80'\n")->size, (PrintSize{Side::kLength, 80}));
+  for (const char* wrong : {"height = '80 feet'\n", "height = '80mm'\nwidth = '2cm'\n", "height = '80mm'\nfit = true\n",
+                            "height = '80mm'\nscale = 2\n"}) {
+    const auto job = size_in(wrong);
+    ASSERT_FALSE(job) << wrong;
+    EXPECT_THAT(job.error().message(), HasSubstr("job.toml:")) << wrong;
+  }
+}
+
+TEST(StickJob, TakesAFloorAndAnOrientation) {
+  const auto job = parse_stick_job("[job]\nscan = 'a.ply'\nfloor = '-3.5'\n[placement]\norient = 'auto'\n", "job.toml");
+  ASSERT_TRUE(job) << job.error().message();
+  EXPECT_EQ(job->floor, (FloorChoice{FloorChoice::Kind::kHeight, -3.5}));
+  EXPECT_TRUE(job->orient);
+  const auto wrong = parse_stick_job("[job]\nscan = 'a.ply'\nfloor = 'wood'\n", "job.toml");
+  ASSERT_FALSE(wrong);
+  EXPECT_THAT(wrong.error().message(), HasSubstr("auto, keep, or a height"));
+  const auto both =
+      parse_stick_job("[job]\nscan = 'a.ply'\n[placement]\norient = 'auto'\nrotate_x_deg = 90\n", "job.toml");
+  ASSERT_FALSE(both);
+  EXPECT_THAT(both.error().message(), HasSubstr("leave out rotate_x_deg"));
+}
+
 TEST(StickJob, LeavesOpenWhatItsFileDoesNotSay) {
   const auto job = parse_stick_job("[job]\nscan = 'a.ply'\n", "job.toml");
   ASSERT_TRUE(job) << job.error().message();
@@ -79,7 +109,7 @@ TEST(StickJob, IsExplainedKeyByKeyInTheReadme) {
       ++explained;
     }
   }
-  EXPECT_EQ(explained, 12);
+  EXPECT_EQ(explained, 18);
 }
 
 TEST(ScanName, IsKnownByItsEnding) {

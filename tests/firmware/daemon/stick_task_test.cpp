@@ -37,7 +37,9 @@ TEST_F(StickTask, ReadsAJobFileAsThisProcessDoes) {
       "units = 'in'\nscale = 1.5\nfit = true\nrotate_x_deg = -90\nrotate_y_deg = 1e-3\nrotate_z_deg = 360\n"
       "layer_height = 0.05\n",
       "[job]\nscan = 'a.ply'\nsupports = 'none'\nbase = 'flat'\n",
-      "[job]\nscan = 'a.ply'\n[placement]\nheight = '8 cm'\n",
+      "[job]\nscan = 'a.ply'\n[placement]\nheight = '8 cm'\norient = 'auto'\n",
+      "[job]\nscan = 'a.ply'\nfloor = 'keep'\n",
+      "[job]\nscan = 'a.ply'\nfloor = '-3.5'\n",
       "[job]\nscan = 'a.ply'\n[placement]\nlength = '3.15in'\n"};
   for (const auto& text : texts) {
     const auto expected = parse_stick_job(text, "job.toml").value();

@@ -1,0 +1,34 @@
+#pragma once
+/// A picture of a scan in several orientations, drawn from its points.
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <string_view>
+
+#include "firmware/pictures/png_writer.hpp"
+#include "slicer/cloud/cloud.hpp"
+#include "slicer/core/arena.hpp"
+#include "slicer/core/error.hpp"
+
+namespace plumbline {
+
+/// One orientation and the lines of text below it. ASCII; lines that are too long are cut.
+struct OrientationView {
+  std::array<double, 2> degrees = {};  ///< about x, then about y
+  std::array<std::string_view, 3> lines;
+};
+
+/// Draws up to four views side by side, each from the front (along +y) and at one scale. What needs supports there is drawn in
+/// another colour.
+/// @param cloud    with normals
+/// @param spacing  distance of the points from each other, unit of the cloud
+/// @param encoder  made for pictures of at least kPreviewColumns x kPreviewRows
+/// @returns the file, in the encoder's memory, valid until its next use
+/// @retval ErrorCode::kOutOfMemory  the arena or lodepng found no room
+[[nodiscard]] Expected<std::span<const std::byte>> encode_orientations(const Cloud& cloud, float spacing,
+                                                                       std::string_view name,
+                                                                       std::span<const OrientationView> views,
+                                                                       Arena& arena, PngEncoder& encoder);
+
+}  // namespace plumbline

@@ -1,0 +1,239 @@
+#include "slicer/placement/floor_plane.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+namespace plumbline {
+namespace {
+
+constexpr std::uint32_t kSample = 4096;  ///< points whose heights give the object's lowest and highest
+constexpr float kLowPart = 0.4F;         ///< of the height, where the floor is looked for
+constexpr float kUp = 0.9F;              ///< least n_z of a point of the floor: 26 degrees, for noisy normals
+constexpr float kLevel = 0.9848F;        ///< cosine of 10 degrees
+constexpr float kSameWay = 0.98F;        ///< cosine within which normals are averaged: 11 degrees
+constexpr float kLeastPoints = 0.05F;    ///< of the scan, in the floor and in the object
+constexpr float kMostBelow = 0.01F;      ///< of the floor's points; a plate of 1 mm has walls of a tenth
+constexpr float kMarginEpsilons = 0.3F;  ///< supports reach as far, so the floor would bend the foot of the object
+constexpr float kMarginNoise = 4;        ///< standard deviations
+constexpr float kReach = 0.05F;          ///< of the object's side, by which the floor reaches beyond it
+constexpr float kFree = 0.25F;           ///< share of the floor that has no object above it
+constexpr float kLeastHeight = 0.25F;    ///< of the object's larger horizontal side
+constexpr std::size_t kBins = 512;       ///< of the histogram of heights
+constexpr std::uint32_t kSide = 32;      ///< cells of the map of the floor, each way
+
+struct Rectangle {
+  std::array<float, 2> low = {1e30F, 1e30F};
+  std::array<float, 2> high = {-1e30F, -1e30F};
+  void extend(const Vec3f& p) {
+    for (std::size_t a = 0; a < 2; ++a) {
+      low[a] = std::min(low[a], p[static_cast<int>(a)]);
+      high[a] = std::max(high[a], p[static_cast<int>(a)]);
+    }
+  }
+  float side(std::size_t a) const { return high[a] - low[a]; }
+};
+
+class FloorSearch {
+ public:
+  FloorSearch(const Cloud& cloud, float epsilon, float noise)
+      : cloud_(cloud), epsilon_(epsilon), margin_(std::max(kMarginEpsilons * epsilon, kMarginNoise * noise)) {}
+
+  std::optional<FloorPlane> find() {
+    if (!find_heights() || !find_normal() || !find_offset()) return std::nullopt;
+    for (const float reach : {4.0F, 2.0F, 1.0F, 1.0F}) {
+      if (!fit(std::max(margin_, reach * epsilon_))) return std::nullopt;
+    }
+    if (!fit(margin_) || !(plane_.normal[2] >= kLevel) || !is_floor()) return std::nullopt;
+    plane_.margin = margin_;
+    return plane_;
+  }
+
+ private:
+  bool is_surface(std::uint32_t i) const { return cloud_.normal[i].point_class != PointClass::kNoise; }
+  float above(const Vec3f& p) const { return plane_.normal.dot(p) - plane_.offset; }
+
+  /// Calls visit(position, normal) for the points low enough that face up.
+  template <class Visit>
+  void for_each_low(Visit visit) const {
+    const float top = low_ + kLowPart * (high_ - low_);
+    for (std::uint32_t i = 0; i < cloud_.size; ++i) {
+      if (!is_surface(i) || cloud_.position[i][2] > top) continue;
+      if (static_cast<float>(cloud_.normal[i].z) < kUp * PackedNormal::kScale) continue;
+      visit(cloud_.position[i], cloud_.normal[i].unpack());
+    }
+  }
+
+  /// The heights that all but a two-hundredth of the points lie above and below.
+  bool find_heights() {
+    std::array<float, kSample> heights;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+    std::size_t count = 0;
+    const std::uint32_t step = cloud_.size / kSample + 1;
+    for (std::uint32_t i = 0; i < cloud_.size; i += step) {
+      if (is_surface(i)) heights[count++] = cloud_.position[i][2];
+    }
+    if (count < 100) return false;
+    std::sort(heights.begin(), heights.begin() + static_cast<std::ptrdiff_t>(count));
+    low_ = heights[count / 200];
+    high_ = heights[count - 1 - count / 200];
+    return high_ > low_;
+  }
+
+  /// The normal that most low points have.
+  bool find_normal() {
+    std::uint32_t count = 0;
+    Vec3f sum = Vec3f::Zero();
+    for_each_low([&](const Vec3f&, const Vec3f& n) {
+      sum += n;
+      ++count;
+    });
+    if (static_cast<float>(count) < kLeastPoints * static_cast<float>(cloud_.size)) return false;
+    for (int pass = 0; pass < 3; ++pass) {
+      const Vec3f mean = sum / std::sqrt(sum.dot(sum));
+      Vec3f alike = Vec3f::Zero();
+      for_each_low([&](const Vec3f&, const Vec3f& n) {
+        if (n.dot(mean) > kSameWay) alike += n;
+      });
+      if (!(alike.dot(alike) > 0)) return false;
+      sum = alike;
+    }
+    plane_.normal = sum / std::sqrt(sum.dot(sum));
+    return true;
+  }
+
+  /// The offset at which most low points lie, to the margin or a few bins.
+  bool find_offset() {
+    float least = 1e30F;
+    float most = -1e30F;
+    for_each_low([&](const Vec3f& p, const Vec3f&) {
+      least = std::min(least, plane_.normal.dot(p));
+      most = std::max(most, plane_.normal.dot(p));
+    });
+    const float bin = std::max((most - least) / static_cast<float>(kBins - 1), 1e-6F * epsilon_);
+    std::array<std::uint32_t, kBins> counts{};
+    for_each_low([&](const Vec3f& p, const Vec3f&) {
+      const auto at = static_cast<std::size_t>((plane_.normal.dot(p) - least) / bin);
+      ++counts[std::min(at, kBins - 1)];
+    });
+    const auto window = std::clamp<std::size_t>(static_cast<std::size_t>(2 * margin_ / bin), 1, kBins / 8);
+    std::uint32_t sum = 0;
+    std::uint32_t best = 0;
+    for (std::size_t end = 0; end < kBins; ++end) {
+      sum += counts[end];
+      if (end >= window) sum -= counts[end - window];
+      if (sum <= best) continue;
+      best = sum;
+      plane_.offset = least + (static_cast<float>(end + 1) - 0.5F * static_cast<float>(window)) * bin;
+    }
+    return best > 0;
+  }
+
+  /// Fits z = c + a x + b y to the low points within `reach` of the plane, by least squares.
+  bool fit(float reach) {
+    Vec3d mean = Vec3d::Zero();
+    double count = 0;
+    for_each_low([&](const Vec3f& p, const Vec3f&) {
+      if (std::abs(above(p)) > reach) return;
+      mean += p.cast<double>();
+      ++count;
+    });
+    if (count < kLeastPoints * static_cast<double>(cloud_.size)) return false;
+    mean /= count;
+    double xx = 0, xy = 0, yy = 0, xz = 0, yz = 0;
+    for_each_low([&](const Vec3f& p, const Vec3f&) {
+      if (std::abs(above(p)) > reach) return;
+      const Vec3d d = p.cast<double>() - mean;
+      xx += d[0] * d[0];
+      xy += d[0] * d[1];
+      yy += d[1] * d[1];
+      xz += d[0] * d[2];
+      yz += d[1] * d[2];
+    });
+    const double determinant = xx * yy - xy * xy;
+    if (!(determinant > 1e-6 * xx * yy)) return false;
+    const Vec3d up(-(xz * yy - yz * xy) / determinant, -(yz * xx - xz * xy) / determinant, 1);
+    const Vec3d normal = up / std::sqrt(up.dot(up));
+    plane_.normal = normal.cast<float>();
+    plane_.offset = static_cast<float>(normal.dot(mean));
+    return true;
+  }
+
+  bool is_floor() const {
+    std::uint32_t points = 0;
+    std::uint32_t in_floor = 0;
+    std::uint32_t below = 0;
+    std::uint32_t in_object = 0;
+    float top = 0;
+    Rectangle floor;
+    Rectangle object;
+    for (std::uint32_t i = 0; i < cloud_.size; ++i) {
+      if (!is_surface(i)) continue;
+      const Vec3f& p = cloud_.position[i];
+      const float height = above(p);
+      ++points;
+      if (height < -1.5F * margin_) {
+        ++below;
+      } else if (height <= margin_) {
+        ++in_floor;
+        floor.extend(p);
+      } else if (height > 2 * margin_ && p[2] <= high_) {
+        ++in_object;
+        object.extend(p);
+        top = std::max(top, height);
+      }
+    }
+    const float least = kLeastPoints * static_cast<float>(points);
+    if (static_cast<float>(in_floor) < least || static_cast<float>(in_object) < least) return false;
+    if (static_cast<float>(below) > kMostBelow * static_cast<float>(in_floor)) return false;
+    if (top < kLeastHeight * std::max(object.side(0), object.side(1))) return false;
+    int sides = 0;
+    for (std::size_t a = 0; a < 2; ++a) {
+      const float reach = kReach * object.side(a);
+      sides += floor.low[a] < object.low[a] - reach ? 1 : 0;
+      sides += floor.high[a] > object.high[a] + reach ? 1 : 0;
+    }
+    return sides >= 3 && free_share(floor) > kFree;
+  }
+
+  /// Share of the floor's cells in which no point of the object lies above.
+  float free_share(const Rectangle& floor) const {
+    std::array<std::uint8_t, kSide * kSide> cells{};  // 1: floor, 2: object
+    for (std::uint32_t i = 0; i < cloud_.size; ++i) {
+      if (!is_surface(i)) continue;
+      const Vec3f& p = cloud_.position[i];
+      std::uint32_t at = 0;
+      for (std::size_t a = 0; a < 2; ++a) {
+        const float place = (p[static_cast<int>(a)] - floor.low[a]) / floor.side(a) * kSide;
+        at = at * kSide + static_cast<std::uint32_t>(std::clamp(place, 0.0F, kSide - 1.0F));
+      }
+      cells[at] = static_cast<std::uint8_t>(cells[at] | (above(p) <= margin_ ? 1U : 2U));
+    }
+    const auto seen = std::count_if(cells.begin(), cells.end(), [](std::uint8_t c) { return (c & 1) != 0; });
+    const auto free = std::count(cells.begin(), cells.end(), 1);
+    return static_cast<float>(free) / static_cast<float>(std::max<std::ptrdiff_t>(1, seen));
+  }
+
+  const Cloud& cloud_;
+  float epsilon_;
+  float margin_;
+  float low_ = 0, high_ = 0;
+  FloorPlane plane_;
+};
+
+}  // namespace
+
+std::optional<FloorPlane> find_floor(const Cloud& cloud, float epsilon, float noise) {
+  return FloorSearch(cloud, epsilon, noise).find();
+}
+
+Mat3d levelling(const Vec3d& up) {
+  // Rodrigues' formula for the axis up x z: R = I + [v] + [v]^2 / (1 + cos).
+  const Vec3d v = up.cross(Vec3d(Vec3d::UnitZ()));
+  Mat3d cross;
+  cross << 0, -v[2], v[1], v[2], 0, -v[0], -v[1], v[0], 0;
+  return Mat3d::Identity() + cross + cross * cross / (1 + up[2]);
+}
+
+}  // namespace plumbline

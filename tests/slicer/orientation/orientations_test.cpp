@@ -1,0 +1,129 @@
+#include "slicer/orientation/orientations.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "slicer/placement/placement.hpp"
+#include "tests/slicer/support/arena_block.hpp"
+#include "tests/slicer/support/scan_cloud.hpp"
+
+namespace plumbline {
+namespace {
+
+using namespace testing;
+
+constexpr double kSpacing = 0.4;
+
+Surface turned(Surface surface, const Vec3d& degrees) {
+  const Mat3d rotation = rotation_matrix(degrees);
+  for (SurfacePoint& p : surface) p = {rotation * p.position, rotation * p.normal};
+  return surface;
+}
+
+/// A box that is as high as it is wide twice over, with its underside.
+Surface tower(Random& random) { return box({-8, -8, 0}, {8, 8, 30}, kSpacing, 0.3, random); }
+
+/// The patches of a surface, and the memory they are in.
+struct Sampled {
+  explicit Sampled(const Surface& surface)
+      : arena(16 * kMiB), samples(value_of(sample_surface(cloud_of(surface, *arena), *arena))) {}
+  ArenaBlock arena;
+  SurfaceSamples samples;
+};
+
+TEST(SurfaceSamples, HaveTheAreaOfTheSurface) {
+  Random random(1);
+  EXPECT_NEAR(Sampled(sphere(20000, 10, {3, 4, 5})).samples.area, 4 * kPi * 100, 0.2 * 1257)
+      << "cells at the edge count in full";
+  const Sampled ball(sphere(20000, 10, {3, 4, 5}));
+  EXPECT_LT(ball.samples.hole_share(), 0.01F);
+}
+
+TEST(SurfaceSamples, KnowTheHoleOfAnOpenSurface) {
+  Random random(2);
+  Surface open = tower(random);
+  std::erase_if(open, [](const SurfacePoint& p) { return p.normal[2] < -0.5; });
+  const Sampled sampled(open);
+  EXPECT_NEAR(static_cast<double>(sampled.samples.hole[2]), -256, 40);
+  EXPECT_NEAR(static_cast<double>(sampled.samples.hole[0]), 0, 10);
+  EXPECT_NEAR(static_cast<double>(sampled.samples.hole[1]), 0, 10);
+}
+
+TEST(Orientation, CostsWhatAFormulaSaysOfABall) {
+  const Sampled ball(sphere(20000, 10, {0, 0, 0}));
+  const OrientationCost cost = cost_of(ball.samples, {30, 40});
+  const double scale = 4 * kPi * 100 / static_cast<double>(ball.samples.area);
+  // Below 45 degrees south the ball covers pi r^2 / 2 of the plate, but for the foot.
+  EXPECT_NEAR(cost.support_area * scale + cost.foot_area * scale, kPi * 50, 0.08 * kPi * 50);
+  EXPECT_NEAR(cost.peel_area * scale, kPi * 100, 0.05 * kPi * 100);
+  EXPECT_NEAR(cost.height, 20, 0.5);
+}
+
+TEST(Orientation, TheBestWayUpOfABoxIsFlat) {
+  Random random(3);
+  for (const Vec3d& degrees : {Vec3d(17, 0, 0), Vec3d(-33, 21, 50), Vec3d(8, -71, 120)}) {
+    const Sampled box(turned(tower(random), degrees));
+    const auto best = best_orientations(box.samples, {});
+    ASSERT_TRUE(best);
+    const Mat3d total =
+        rotation_matrix({best->front().degrees[0], best->front().degrees[1], 0}) * rotation_matrix(degrees);
+    // A side of the box points up, to half a degree.
+    EXPECT_GT(total.row(2).cwiseAbs().maxCoeff(), std::cos(0.5 * kPi / 180)) << degrees.transpose();
+    EXPECT_LT(best->front().cost.support_area, 0.01 * static_cast<double>(box.samples.area));
+  }
+}
+
+TEST(Orientation, TheBestFourDifferAndComeInOrder) {
+  Random random(4);
+  const Sampled box(tower(random));
+  const auto best = *best_orientations(box.samples, {});
+  for (std::size_t i = 0; i < best.size(); ++i) {
+    const auto up = [&](std::size_t k) -> Vec3d {
+      return rotation_matrix({best[k].degrees[0], best[k].degrees[1], 0}).row(2).transpose();
+    };
+    for (std::size_t k = 0; k < i; ++k) {
+      EXPECT_LE(best[k].cost.total, best[i].cost.total);
+      EXPECT_LT(up(k).dot(up(i)), std::cos(29 * kPi / 180));
+    }
+  }
+}
+
+/// A cone with an open base, on which it should stand.
+Surface open_cone() {
+  Surface surface;
+  const double radius = 10;
+  const double height = 25;
+  for (double z = 0; z < height; z += kSpacing) {
+    const double r = radius * (1 - z / height);
+    const auto count = static_cast<int>(2 * kPi * r / kSpacing) + 1;
+    for (int i = 0; i < count; ++i) {
+      const double a = 2 * kPi * (i + 0.3 * z) / count;
+      surface.push_back({Vec3d(r * std::cos(a), r * std::sin(a), z),
+                         Vec3d(height * std::cos(a), height * std::sin(a), radius).normalized()});
+    }
+  }
+  return surface;
+}
+
+TEST(Upright, StandsUpWhatLiesWrong) {
+  const Surface cone = open_cone();
+  EXPECT_FALSE(better_upright(Sampled(cone).samples)) << "it stands";
+  for (const Vec3d& degrees :
+       {Vec3d(90, 0, 0), Vec3d(-90, 0, 0), Vec3d(180, 0, 0), Vec3d(0, 90, 0), Vec3d(0, -90, 0)}) {
+    const auto advice = better_upright(Sampled(turned(cone, degrees)).samples);
+    ASSERT_TRUE(advice) << degrees.transpose();
+    const Mat3d total = rotation_matrix({advice->degrees[0], advice->degrees[1], 0}) * rotation_matrix(degrees);
+    EXPECT_NEAR(total(2, 2), 1, 1e-9) << degrees.transpose();
+  }
+}
+
+TEST(Upright, LeavesBallsAndBoxesAlone) {
+  Random random(5);
+  EXPECT_FALSE(better_upright(Sampled(sphere(20000, 10, {0, 0, 0})).samples));
+  EXPECT_FALSE(better_upright(Sampled(tower(random)).samples));
+  EXPECT_FALSE(better_upright(Sampled(turned(tower(random), {90, 0, 0})).samples));
+}
+
+}  // namespace
+}  // namespace plumbline

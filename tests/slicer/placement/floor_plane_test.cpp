@@ -1,0 +1,158 @@
+/// Floors that objects were scanned on, and what looks like one.
+
+#include "slicer/placement/floor_plane.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/slicer/support/slicing.hpp"
+
+namespace plumbline {
+namespace {
+
+using namespace testing;
+
+constexpr double kSpacing = 0.4;
+
+/// What a scanner saw of a floor around something: nothing in its shadow.
+Surface floor_around(double side, double shadow, Random& random) {
+  Surface all = sheet({-side / 2, -side / 2, 0}, {side, 0, 0}, {0, side, 0}, kSpacing, 0.3, random);
+  Surface seen;
+  for (const SurfacePoint& p : all) {
+    if (p.position.norm() > shadow) seen.push_back(p);
+  }
+  return seen;
+}
+
+Surface ball_on_floor(Random& random) {
+  Surface scan;
+  for (const SurfacePoint& p : sphere(sphere_points(10, kSpacing), 10, {0, 0, 10})) {
+    if (p.position[2] > 1.5) scan.push_back(p);
+  }
+  append(scan, floor_around(60, 5, random));
+  add_noise(scan, 0.01, 0.01, random);
+  return scan;
+}
+
+/// Rotates a scan about x, as if the floor were not level.
+Surface tilted(Surface surface, double degrees) {
+  const Mat3d turn = rotation_matrix({degrees, 0, 0});
+  for (SurfacePoint& p : surface) p = {turn * p.position, turn * p.normal};
+  return surface;
+}
+
+SliceReport report_of(const Surface& surface, FloorChoice floor = {}) {
+  SliceSettings settings = settings_with_pitch(0.25F);
+  settings.placement.printer = PrinterVolume{320, 320, 0.25F, 0.25F, 80};
+  settings.floor = floor;
+  return Slicing(binary_ply(surface), settings, 64 * kMiB).report();
+}
+
+TEST(Floor, IsCutOffBelowABall) {
+  Random random(1);
+  const Surface scan = ball_on_floor(random);
+  const SliceReport report = report_of(scan);
+  EXPECT_GT(report.floor.points, 15'000U);
+  EXPECT_NEAR(report.floor.height, 0, 0.02);
+  for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(report.placement.size_mm[axis], 20, 0.25);
+  const Vec3d centre = report.placement.scale * report.placement.rotation * Vec3d(0, 0, 10) + report.placement.shift;
+  EXPECT_NEAR(centre[0], 40, 0.25);
+  EXPECT_NEAR(centre[1], 40, 0.25);
+  EXPECT_NEAR(centre[2], 10, 0.25);
+}
+
+TEST(Floor, LeavesABallOfItsVolume) {
+  Random random(1);
+  SliceSettings settings = settings_with_pitch(0.25F);
+  const Slicing sliced(binary_ply(ball_on_floor(random)), settings, 64 * kMiB);
+  // The cap that was in the shadow is closed flat, or as a foot: it has 2 % of the volume.
+  EXPECT_NEAR(sliced.volume(), 4.0 / 3 * kPi * 1000, 0.04 * 4189);
+}
+
+TEST(Floor, IsLevelledIfItIsTilted) {
+  Random random(2);
+  const SliceReport report = report_of(tilted(ball_on_floor(random), 4));
+  EXPECT_NEAR(static_cast<double>(report.floor.tilt), std::sin(4 * kPi / 180), 0.002);
+  for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(report.placement.size_mm[axis], 20, 0.25);
+  const Vec3d up = report.placement.rotation * (rotation_matrix({4, 0, 0}) * Vec3d(0, 0, 1));
+  EXPECT_NEAR(up[2], 1, 1e-5);
+}
+
+TEST(Floor, IsPrintedIfItIsToBeKept) {
+  Random random(1);
+  const SliceReport report = report_of(ball_on_floor(random), {FloorChoice::Kind::kKeep, 0});
+  EXPECT_EQ(report.floor.points, 0U);
+  EXPECT_NEAR(report.placement.size_mm[0], 60, 0.5);
+}
+
+TEST(Floor, IsCutAtTheHeightAskedFor) {
+  Random random(3);
+  Surface scan = box({-5, -5, 3}, {5, 5, 23}, kSpacing, 0.3, random);
+  add_noise(scan, 0.005, 0.01, random);
+  const SliceReport report = report_of(scan, {FloorChoice::Kind::kHeight, 8});
+  EXPECT_NEAR(report.placement.size_mm[2], 15, 0.01);
+  EXPECT_GT(report.floor.points, 1000U);
+}
+
+std::uint32_t floor_points_in(Surface surface) {
+  Random random(9);
+  add_noise(surface, 0.01, 0.01, random);
+  return report_of(surface).floor.points;
+}
+
+TEST(Floor, IsNotTheUndersideOfABox) {
+  Random random(4);
+  EXPECT_EQ(floor_points_in(box({-10, -10, 0}, {10, 10, 20}, kSpacing, 0.3, random)), 0U);
+}
+
+TEST(Floor, IsNotAPlateWithLetters) {
+  Random random(5);
+  Surface plate = box({-20, -10, 0}, {20, 10, 2}, kSpacing, 0.3, random);
+  for (int letter = 0; letter < 4; ++letter) {
+    append(plate, box({-17 + 9.0 * letter, -5, 2}, {-12 + 9.0 * letter, 5, 4}, kSpacing, 0.3, random));
+  }
+  EXPECT_EQ(floor_points_in(plate), 0U);
+}
+
+/// As a scanner above sees it: no walls and no underside of the plate.
+TEST(Floor, IsNotTheGroundOfARelief) {
+  Random random(6);
+  Surface relief = sheet({-20, -10, 0}, {40, 0, 0}, {0, 20, 0}, kSpacing, 0.3, random);
+  append(relief, box({-12, -6, 0}, {12, 6, 2}, kSpacing, 0.3, random));
+  EXPECT_EQ(floor_points_in(relief), 0U);
+}
+
+TEST(Floor, IsNotThePlinthOfAFigure) {
+  Random random(7);
+  Surface figure = box({-12, -12, 0}, {12, 12, 2}, kSpacing, 0.3, random);
+  append(figure, box({-4, -4, 2}, {4, 4, 25}, kSpacing, 0.3, random));
+  EXPECT_EQ(floor_points_in(figure), 0U);
+}
+
+TEST(Floor, IsNotTheBottomOfACup) {
+  Random random(8);
+  Surface cup = box({-10, -10, 0}, {10, 10, 20}, kSpacing, 0.3, random);
+  std::erase_if(cup, [](const SurfacePoint& p) {
+    return p.normal[2] > 0.5 && std::abs(p.position[0]) < 8 && std::abs(p.position[1]) < 8;
+  });
+  Surface inside = box({-8, -8, 2}, {8, 8, 20}, kSpacing, 0.3, random);
+  for (SurfacePoint& p : inside) p.normal = -p.normal;
+  std::erase_if(inside, [](const SurfacePoint& p) { return p.normal[2] < -0.5; });
+  append(cup, inside);
+  EXPECT_EQ(floor_points_in(cup), 0U);
+}
+
+TEST(Levelling, TurnsUpToZ) {
+  Random random(12);
+  for (int i = 0; i < 100; ++i) {
+    Vec3d up = random.vector().normalized();
+    if (up[2] < -0.9) up = -up;
+    const Mat3d turn = levelling(up);
+    EXPECT_LT((turn * up - Vec3d(0, 0, 1)).norm(), 1e-12);
+    EXPECT_LT((turn * turn.transpose() - Mat3d::Identity()).norm(), 1e-12);
+  }
+}
+
+}  // namespace
+}  // namespace plumbline
