@@ -11,15 +11,20 @@ namespace {
 
 constexpr float kSteep = 0.70710678F;  ///< cosine of 45 degrees: flatter overhangs need supports
 constexpr float kFlat = 0.97F;         ///< cosine of the normal of a foot: 14 degrees, for noisy normals
-constexpr float kFootCells = 0.75F;    ///< height of a foot above the lowest patch, in cells
+constexpr float kFootCells = 1.5F;     ///< height of a foot above the lowest patch, in cells
 constexpr std::size_t kLayers = 48;    ///< sections whose areas are compared
-constexpr double kHoleCounts = 0.04;   ///< least share of the area; patches make up to 0.02 of a closed surface
+constexpr double kHoleCounts = 0.06;   ///< least share of the area; patches make up to 0.05 of a closed surface
+constexpr double kFlatHole = 0.985;    ///< cosine of 10 degrees: the rim of a hole that lies on the plate
 constexpr double kStep = 15;           ///< degrees between directions
 constexpr double kApart = 0.8660254;   ///< cosine of 30 degrees: least angle between two proposals
 constexpr double kMuchBetter = 0.75;   ///< of the present cost
 constexpr double kFootCounts = 0.02;   ///< least share of the area that is a foot to stand on
 
+constexpr double kNearlySquare = 0.978;  ///< cosine of 12 degrees
+constexpr double kHardlyMore = 1.05;
+
 using Angles = std::array<double, 2>;
+constexpr std::array<Angles, 6> kSquare{{{0, 0}, {90, 0}, {-90, 0}, {180, 0}, {0, 90}, {0, -90}}};
 
 Vec3f up_of(const Angles& degrees) {
   const Mat3d rotation = rotation_matrix({degrees[0], degrees[1], 0});
@@ -54,19 +59,25 @@ OrientationCost cost_along(const SurfaceSamples& s, const Vec3f& up) {
   }
   cost.height = static_cast<double>(high - low);
   const double area = static_cast<double>(s.area);
+  // The hole is a flat underside if it lies on the plate, and hangs over it if it is tilted.
   const double hole_down = static_cast<double>(-up.dot(s.hole));
+  const double hole = static_cast<double>(s.hole_share()) * area;
+  const bool has_hole = s.hole_share() > kHoleCounts;
+  if (has_hole && hole_down > kFlatHole * hole) {
+    cost.foot_area += hole_down;
+  } else if (has_hole && hole_down > static_cast<double>(kSteep) * hole) {
+    cost.support_area += hole_down;
+    cost.scar_area += hole_down;
+  }
   double section = 0;
-  if (s.hole_share() > kHoleCounts) section = std::max(0.0, hole_down);
+  if (has_hole) section = std::max(0.0, hole_down);
   for (const double part : facing_down) {
     section += part;
     cost.peel_area = std::max(cost.peel_area, section);
   }
   cost.total = (2 * cost.support_area + cost.peel_area + cost.scar_area) / area +
                cost.support_volume / (area * std::sqrt(area)) + 0.15 * cost.height / std::sqrt(area);
-  if (s.hole_share() > kHoleCounts) {
-    cost.total += static_cast<double>(s.hole_share()) - hole_down / area;
-    cost.foot_area += std::max(0.0, hole_down);
-  }
+  if (has_hole) cost.total += (hole - hole_down) / area;
   return cost;
 }
 
@@ -108,6 +119,17 @@ void stand_flat(const SurfaceSamples& s, Orientation& o) {
   if (cost.total < o.cost.total) o = {flat, cost};
 }
 
+/// Turns the object square to the scan's axes if it nearly is and that costs hardly more: the rim of a hole is known to some degrees
+/// only, and scanners stand objects square.
+void lie_square(const SurfaceSamples& s, Orientation& o) {
+  const Vec3f up = up_of(o.degrees);
+  for (const Angles& square : kSquare) {
+    if (!(static_cast<double>(up.dot(up_of(square))) > kNearlySquare)) continue;
+    const OrientationCost cost = cost_of(s, square);
+    if (cost.total < kHardlyMore * o.cost.total) o = {square, cost};
+  }
+}
+
 void refine(const SurfaceSamples& s, Orientation& o) {
   for (const double step : {5.0, 2.0}) {
     for (bool better = true; better;) {
@@ -122,6 +144,7 @@ void refine(const SurfaceSamples& s, Orientation& o) {
     }
   }
   stand_flat(s, o);
+  lie_square(s, o);
 }
 
 }  // namespace
@@ -168,7 +191,7 @@ std::optional<std::array<Orientation, kBestOrientations>> best_orientations(cons
 std::optional<Orientation> better_upright(const SurfaceSamples& samples) {
   const OrientationCost now = cost_of(samples, {0, 0});
   Orientation best{{0, 0}, now};
-  for (const Angles& degrees : {Angles{90, 0}, Angles{-90, 0}, Angles{180, 0}, Angles{0, 90}, Angles{0, -90}}) {
+  for (const Angles& degrees : kSquare) {
     const OrientationCost cost = cost_of(samples, degrees);
     if (cost.total < best.cost.total) best = {degrees, cost};
   }

@@ -18,7 +18,7 @@ struct OrientationCost {
   double peel_area = 0;       ///< of the largest layer
   double height = 0;
   double scar_area = 0;  ///< support_area, weighted by how well it was seen: supports leave scars there
-  double foot_area = 0;  ///< that stands on the plate, and the hole if it does
+  double foot_area = 0;  ///< that stands on the plate; the hole too, if it faces down to 10 degrees. Else it hangs over
   /// Without unit: 2 support_area / A + support_volume / A^1.5 + peel_area / A + 0.15 height / sqrt(A) + scar_area / A, and the
   /// share of the hole in A, times 1 - <down, way the hole faces>. A is the surface's area.
   double total = 0;

@@ -12,11 +12,11 @@ namespace {
 
 constexpr const char* kStage = "orientation";
 constexpr std::uint32_t kMostPoints = 1U << 17U;
-constexpr std::uint32_t kSlots = 1U << 13U;  ///< of the table; surfaces fill some 4,000
+constexpr std::uint32_t kSlots = 1U << 14U;  ///< of the table; surfaces fill some 7,000
 // Cells along the longest side: so many that a patch has about ten points.
 constexpr float kPointsPerCell2 = 48;
 constexpr float kFewestCells = 12;
-constexpr float kMostCells = 32;
+constexpr float kMostCells = 48;
 constexpr float kAround = 0.3F;      ///< of the core's longest side; the object reaches no farther beyond the core
 constexpr float kFewPoints = 0.15F;  ///< of the average; cells with fewer are at edges, or hold flying points
 constexpr float kMostQuality = 2;
