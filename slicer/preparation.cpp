@@ -265,6 +265,11 @@ Status check_surface(const PreparedScan& scan, ScanSources sources, const Prepar
   if (scan.cloud.size > 0) PLUMBLINE_TRY(check_no_speck(scan.bounds(), sources, settings));
   const ScanTitle title = title_of(sources);
   const auto points = static_cast<unsigned long long>(found.scan.points);
+  if (found.floor.points > 0 && scan.cloud.size == 0) {
+    return fail(ErrorCode::kNoSurface,
+                "%s: all of the scan is below the floor, at height %.5g.\tUse a lower --floor, or --floor keep",
+                title.c_str(), found.floor.height);
+  }
   if (scan.has_surface) return {};
   // Cells that have grown from the first size show that the arena was too small. Else the points lie closer than pixels.
   const bool grown = static_cast<double>(found.lengths.thinning_cell.value) > 1.01 * first_cell(settings);

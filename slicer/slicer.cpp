@@ -34,6 +34,7 @@ Expected<CrossingStore> find_crossings(ScanSources sources, const SliceSettings&
   PreparationReport found;
   const auto admit = [&](const PreparedScan& read) -> Status {
     PLUMBLINE_TRY(check_no_speck(read.bounds(), sources, settings.placement));
+    if (settings.orient) return {};  // it may fit when it is turned
     return check_core_fits(read, settings.placement, arena);
   };
   auto scan = prepare(sources, settings, arena, progress, found, kNoMeasurement, admit);

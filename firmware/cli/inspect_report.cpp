@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "firmware/io/fixed_text.hpp"
+#include "firmware/io/progress_lines.hpp"
 #include "firmware/io/version.hpp"
 #include "firmware/slice/job_report.hpp"
 #include "firmware/slice/manifest.hpp"
@@ -68,7 +69,15 @@ void add_coverage(Text& text, const ScanOutlook& o) {
   } else {
     text.add("scanned    unknown: %s\n", o.scan.sliced.error().message());
   }
-  if (lies_on_its_face(o.scan.clustering)) text.add("           %s\n", kOnItsFace);
+  if (o.scan.turned) {
+    text.add("turned     the best way up: --rotate-x %.4g --rotate-y %.4g\n", o.scan.turned->degrees[0],
+             o.scan.turned->degrees[1]);
+  }
+  if (lies_on_its_face(o.scan.clustering)) {
+    text.add("           %s\n", kOnItsFace);
+  } else if (o.scan.upright) {
+    text.add("           %s\n", lies_wrong_sentence(o.scan.upright->degrees[0], o.scan.upright->degrees[1]).c_str());
+  }
 }
 
 /// Writes what the file holds and the grid that it goes into.

@@ -24,16 +24,34 @@ constexpr float kLeastHeight = 0.25F;    ///< of the object's larger horizontal 
 constexpr std::size_t kBins = 512;       ///< of the histogram of heights
 constexpr std::uint32_t kSide = 32;      ///< cells of the map of the floor, each way
 
-struct Rectangle {
-  std::array<float, 2> low = {1e30F, 1e30F};
-  std::array<float, 2> high = {-1e30F, -1e30F};
-  void extend(const Vec3f& p) {
-    for (std::size_t a = 0; a < 2; ++a) {
-      low[a] = std::min(low[a], p[static_cast<int>(a)]);
-      high[a] = std::max(high[a], p[static_cast<int>(a)]);
-    }
+/// A side of a rectangle without a two-hundredth of the points at either end, which may be flying.
+struct Side {
+  float low = 0, high = 0;
+  float length() const { return high - low; }
+};
+using Rectangle = std::array<Side, 2>;
+
+/// A sample of points, as coordinates along x and y.
+class Extent {
+ public:
+  void add(const Vec3f& p) {
+    for (std::size_t a = 0; a < 2 && count_ < kSample; ++a) places_[a][count_] = p[static_cast<int>(a)];
+    count_ = std::min<std::size_t>(count_ + 1, kSample);
   }
-  float side(std::size_t a) const { return high[a] - low[a]; }
+  std::size_t count() const { return count_; }
+  /// Call once, with points added.
+  Rectangle rectangle() {
+    Rectangle sides;
+    for (std::size_t a = 0; a < 2; ++a) {
+      std::sort(places_[a].begin(), places_[a].begin() + static_cast<std::ptrdiff_t>(count_));
+      sides[a] = {places_[a][count_ / 200], places_[a][count_ - 1 - count_ / 200]};
+    }
+    return sides;
+  }
+
+ private:
+  std::array<std::array<float, kSample>, 2> places_;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+  std::size_t count_ = 0;
 };
 
 class FloorSearch {
@@ -166,33 +184,38 @@ class FloorSearch {
     std::uint32_t below = 0;
     std::uint32_t in_object = 0;
     float top = 0;
-    Rectangle floor;
-    Rectangle object;
+    Extent floor_points;
+    Extent object_points;
+    const std::uint32_t step = cloud_.size / kSample + 1;
     for (std::uint32_t i = 0; i < cloud_.size; ++i) {
       if (!is_surface(i)) continue;
       const Vec3f& p = cloud_.position[i];
       const float height = above(p);
+      const bool sampled = i % step == 0;
       ++points;
       if (height < -1.5F * margin_) {
         ++below;
       } else if (height <= margin_) {
         ++in_floor;
-        floor.extend(p);
+        if (sampled) floor_points.add(p);
       } else if (height > 2 * margin_ && p[2] <= high_) {
         ++in_object;
-        object.extend(p);
+        if (sampled) object_points.add(p);
         top = std::max(top, height);
       }
     }
     const float least = kLeastPoints * static_cast<float>(points);
     if (static_cast<float>(in_floor) < least || static_cast<float>(in_object) < least) return false;
     if (static_cast<float>(below) > kMostBelow * static_cast<float>(in_floor)) return false;
-    if (top < kLeastHeight * std::max(object.side(0), object.side(1))) return false;
+    if (floor_points.count() == 0 || object_points.count() == 0) return false;
+    const Rectangle floor = floor_points.rectangle();
+    const Rectangle object = object_points.rectangle();
+    if (top < kLeastHeight * std::max(object[0].length(), object[1].length())) return false;
     int sides = 0;
     for (std::size_t a = 0; a < 2; ++a) {
-      const float reach = kReach * object.side(a);
-      sides += floor.low[a] < object.low[a] - reach ? 1 : 0;
-      sides += floor.high[a] > object.high[a] + reach ? 1 : 0;
+      const float reach = kReach * object[a].length();
+      sides += floor[a].low < object[a].low - reach ? 1 : 0;
+      sides += floor[a].high > object[a].high + reach ? 1 : 0;
     }
     return sides >= 3 && free_share(floor) > kFree;
   }
@@ -205,7 +228,7 @@ class FloorSearch {
       const Vec3f& p = cloud_.position[i];
       std::uint32_t at = 0;
       for (std::size_t a = 0; a < 2; ++a) {
-        const float place = (p[static_cast<int>(a)] - floor.low[a]) / floor.side(a) * kSide;
+        const float place = (p[static_cast<int>(a)] - floor[a].low) / floor[a].length() * kSide;
         at = at * kSide + static_cast<std::uint32_t>(std::clamp(place, 0.0F, kSide - 1.0F));
       }
       cells[at] = static_cast<std::uint8_t>(cells[at] | (above(p) <= margin_ ? 1U : 2U));

@@ -27,7 +27,10 @@ constexpr float kWideSteep = 0.2F;  ///< the same for the kWide nearest; estimat
 /// Cosine within which the nearest points lie in one direction: a string of flying pixels. A surface has a tip so thin only
 /// if it is a needle of 16 degrees.
 constexpr float kInLine = 0.99F;
-constexpr float kDeviations = 5;                ///< of the neighbours' own heights; a surface point is rarely higher
+constexpr float kDeviations = 5;  ///< of the neighbours' own heights; a surface point is rarely higher
+/// Epsilons, half the distance of two points: flying points that make an object larger by less stay, since sharp tips look like
+/// them.
+constexpr float kLeastReach = 0.115F;
 constexpr std::uint32_t kMostShare = 20;        ///< at most one point in so many is flying
 constexpr std::uint32_t kFirstCandidates = 64;  ///< sorted at a time, twice as many each time
 
@@ -40,8 +43,7 @@ class FlyingPoints {
   std::uint32_t mark() {
     for (int axis = 0; axis < 3; ++axis) {
       if (!mark_side(axis, -1) || !mark_side(axis, 1)) {
-        for (const std::uint32_t i : marked_.first(count_))
-          cloud_.normal[i].point_class = orientation_of(cloud_.normal[i]);
+        restore(0);
         return 0;
       }
     }
@@ -51,9 +53,19 @@ class FlyingPoints {
  private:
   bool is_surface(std::uint32_t i) const { return cloud_.normal[i].point_class != PointClass::kNoise; }
 
+  /// Makes the points marked last surface again.
+  /// @param count  how many stay marked
+  void restore(std::uint32_t count) {
+    for (; count_ > count; --count_) {
+      PackedNormal& normal = cloud_.normal[marked_[count_ - 1]];
+      normal.point_class = orientation_of(normal);
+    }
+  }
+
   /// @param sign  1: the highest coordinates
   /// @returns false if too many points are flying
   bool mark_side(int axis, float sign) {
+    const std::uint32_t count_before = count_;
     std::size_t size = 0;
     for (std::uint32_t i = 0; i < cloud_.size; ++i) {
       if (is_surface(i)) order_[size++] = i;
@@ -72,7 +84,11 @@ class FlyingPoints {
                         candidates.end(), farther);
       for (; first < last; ++first) {
         const std::uint32_t i = candidates[first];
-        if (!is_flying(i)) return true;
+        if (!is_flying(i)) {
+          const float reach = std::abs(cloud_.position[candidates[0]][axis] - cloud_.position[i][axis]);
+          if (reach < kLeastReach * clustering_.epsilon) restore(count_before);
+          return true;
+        }
         if (count_ == marked_.size()) return false;
         cloud_.normal[i].point_class = PointClass::kNoise;
         marked_[count_++] = i;

@@ -22,6 +22,7 @@ namespace plumbline {
 ///   - it hangs above the sheet of its neighbours: its mean height over their tangent planes is above 0.6 of their mean
 ///     distance for the eight nearest, or above 0.2 for the 32 nearest, and above five standard deviations of the
 ///     neighbours' own mean heights.
+/// Points that would make a side longer by less than 0.115 epsilon, half the distance of two points, stay.
 /// If more than a twentieth of the points are flying, the scan is not understood, and no point is marked.
 ///
 /// @param cloud       in the order of `tree`, with classes; noise is not used

@@ -41,17 +41,17 @@ std::optional<FloorPlane> floor_of(const Cloud& cloud, const FloorChoice& choice
   return plane;
 }
 
-/// Marks the floor and what is below it as noise.
-/// @returns how many points
-std::uint32_t cut_floor(Cloud& cloud, const FloorPlane& floor) {
-  std::uint32_t count = 0;
+/// Looks for a floor and marks it and what is below it as noise.
+void cut_floor(Cloud& cloud, const FloorChoice& choice, SurfacePoints& surface) {
+  surface.floor = floor_of(cloud, choice, surface.clustering);
+  if (!surface.floor) return;
   for (std::uint32_t i = 0; i < cloud.size; ++i) {
     PackedNormal& normal = cloud.normal[i];
-    if (normal.point_class == PointClass::kNoise || !floor.cuts(cloud.position[i])) continue;
+    if (normal.point_class == PointClass::kNoise || !surface.floor->cuts(cloud.position[i])) continue;
     normal.point_class = PointClass::kNoise;
-    ++count;
+    ++surface.floor_points;
   }
-  return count;
+  surface.clustering.points = count_classes(cloud.normal.first(cloud.size));
 }
 
 }  // namespace
@@ -77,15 +77,15 @@ Expected<SurfacePoints> find_surface_points(Cloud& cloud, const KdTree3& tree, c
     PLUMBLINE_TRY(
         rescue_sparse_surface(cloud, tree, clustering_settings, clustering, progress.part(kRefined, kRescued)));
   }
+  // Beside a large floor a small object looks like a stray piece, and beside stray pieces a floor may not look like one.
+  if (surface.found()) cut_floor(cloud, settings.floor, surface);
   if (!settings.keep_strays && surface.found()) {
     const auto strays = mark_stray_pieces(cloud, clustering, arena);
     PLUMBLINE_TRY(strays);
     surface.strays = *strays;
+    if (strays->pieces > 0 && !surface.floor) cut_floor(cloud, settings.floor, surface);
   }
   if (surface.found()) {
-    surface.floor = floor_of(cloud, settings.floor, clustering);
-    if (surface.floor) surface.floor_points = cut_floor(cloud, *surface.floor);
-    if (surface.floor_points > 0) clustering.points = count_classes(cloud.normal.first(cloud.size));
     const auto flying = mark_flying_points(cloud, tree, clustering, arena);
     PLUMBLINE_TRY(flying);
     surface.flying_points = *flying;
