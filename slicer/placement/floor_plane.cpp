@@ -211,6 +211,7 @@ class FloorSearch {
     const Rectangle floor = floor_points.rectangle();
     const Rectangle object = object_points.rectangle();
     if (top < kLeastHeight * std::max(object[0].length(), object[1].length())) return false;
+    if (!(floor[0].length() > 0 && floor[1].length() > 0)) return false;
     int sides = 0;
     for (std::size_t a = 0; a < 2; ++a) {
       const float reach = kReach * object[a].length();

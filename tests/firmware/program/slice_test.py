@@ -215,6 +215,20 @@ class Slice(Program):
         done = self.slice_it("--scale", 2, status=1)
         self.assertRegex(done.stderr, r"sphere\.ply: the object is 4\d\.\d+ mm .* Use --scale 1\.2")
 
+    def test_height_gives_the_size_whatever_the_unit(self):
+        for text, mm in (("12mm", 12), ("1.5cm", 15), ("0.5in", 12.7)):
+            self.slice_it("--height", text, "--no-preview")
+            self.assertAlmostEqual(self.manifest()["size_mm"][2], mm, delta=0.1)
+
+    def test_way_up_that_was_found_is_the_one_that_can_be_typed(self):
+        self.slice_it("--orient", "auto", "--no-preview")
+        found = self.manifest()
+        x, y = found["orientation"]["turned_deg"]
+        self.slice_it("--rotate-x", x, "--rotate-y", y, "--no-preview")
+        for row, wanted in zip(self.manifest()["transform"][:3], found["transform"]):
+            for typed, turned in zip(row[:3], wanted):
+                self.assertAlmostEqual(typed, turned, places=9)
+
     def test_guessed_units_are_reported(self):
         write_sphere(self.scan, radius=0.012)
         done = self.slice_it("--units", "auto")
@@ -332,6 +346,16 @@ class Inspect(Program):
         done = self.run_it("inspect", self.scan, "--printer", self.board, "--verbose")
         for word in ("spacing", "noise", "MiB"):
             self.assertIn(word, done.stdout)
+
+    def test_orient_lists_four_ways_up_and_draws_them(self):
+        write_sphere(self.scan)
+        picture = self.dir / "ways.png"
+        done = self.run_it("orient", self.scan, "--picture", picture)
+        self.assertEqual(done.stdout.count("--rotate-x"), 4)
+        self.assertTrue(picture.read_bytes().startswith(b"\x89PNG"))
+        told = json.loads(self.run_it("orient", self.scan, "--json").stdout)
+        self.assertEqual(len(told["best"]), 4)
+        self.assertAlmostEqual(told["now"]["height_mm"], 24, delta=0.5)
 
     def test_warns_of_what_was_not_scanned_and_draws_it(self):
         write_sphere(self.scan, points=40_000)

@@ -154,6 +154,9 @@ class Usage(Program):
             "--scale": ("0", "-1", "nan", "inf", "1e9"),
             "--rotate-x": ("nan", "361"),
             "--units": ("parsec", "", "MM"),
+            "--height": ("80m", "0", "-8cm", "tall", ""),
+            "--floor": ("wood", "3mm", "nan", ""),
+            "--orient": ("up", ""),
             "--threads": ("0", "65", "-1", "two", "1.5"),
             "--arena-mib": ("0", "-1", "lots"),
         }.items():
@@ -162,6 +165,10 @@ class Usage(Program):
                     self.wrong(*base, f"{option}={value}")
         self.wrong(*base, "--fit")
         self.wrong(*base, "--printer", self.board, "--fit", "--scale", 2)
+        self.wrong(*base, "--height", "8cm", "--scale", 2)
+        self.wrong(*base, "--height", "8cm", "--width", "8cm")
+        self.wrong(*base, "--orient", "auto", "--rotate-x", 90)
+        self.wrong("orient", self.scan, "--rotate-x", 90)
         self.wrong(*base, "--printer", self.board, "--pixel-pitch", 0.1)
         self.wrong("sample", self.dir / "x.ply", "--points", 10)
         self.wrong("sample", self.dir / "x.ply", "--seed", "-1")
