@@ -131,7 +131,7 @@ class Preparation {
     if (settings_.placement.rotation_degrees != Vec3d::Zero()) return {};
     const ArenaScope scope(arena_);
     const auto samples = sample_surface(scan_.cloud, arena_);
-    if (!samples) return {};  // no room; the advice is no condition for a print
+    PLUMBLINE_TRY(samples);
     report_.upright = better_upright(*samples);
     if (report_.upright && progress_ != nullptr) {
       progress_->lies_wrong(report_.upright->degrees[0], report_.upright->degrees[1]);

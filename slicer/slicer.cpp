@@ -23,7 +23,7 @@ Status check_core_fits(const PreparedScan& scan, const PlacementSettings& settin
   const double unit_mm = millimetres_per(settings.units);
   if (place(scan.in_scan(*core), unit_mm, settings)) return {};
   const auto object = dense_bounds(scan.cloud.positions(), *core, arena);
-  if (!object) return {};  // refused when it is placed
+  PLUMBLINE_TRY(object);
   const auto placed = place(scan.in_scan(*object), unit_mm, settings);
   return placed ? Status() : Status(tl::unexpected<Error>(placed.error()));
 }
