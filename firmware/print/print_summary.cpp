@@ -99,6 +99,15 @@ void add_details(Text& text, const PrintOutcome& outcome) {
   if (outcome.steps) add_steps(text, *outcome.steps);
 }
 
+void add_part(Text& text, const PartFigures& part) {
+  if (part.lost.empty() && part.traps == 0 && part.suction_cm2 <= 0) return;
+  text.add(
+      "part       %.1f ml lost, %.1f ml of resin trapped in %u cavit%s, peeled with at most %.1f N and %.1f cm2 of "
+      "suction cups\n",
+      part.lost_ml(), part.trapped_ml, part.traps, part.traps == 1 ? "y" : "ies", part.largest_peel_n,
+      part.suction_cm2);
+}
+
 Status write_objections(OutputFile& out, std::span<const std::string> objections) {
   Text text;
   if (objections.empty()) return out.write(std::string_view("simulated  no objections\n"));
@@ -115,6 +124,30 @@ Status write_objections(OutputFile& out, std::span<const std::string> objections
 /// Reports give millilitres, milliseconds and mJ/cm2 to three decimals, which is more than they are known to.
 double thousandths(double value) { return std::round(value * 1e3) / 1e3; }
 
+void write_part(JsonWriter& json, const PartFigures& part) {
+  json.begin_object();
+  json.member("lost_ml", thousandths(part.lost_ml()));
+  json.member("trapped_ml", thousandths(part.trapped_ml));
+  json.member("traps", part.traps);
+  json.member("bleed_ml", thousandths(part.bleed_ml));
+  json.member("largest_peel_n", thousandths(part.largest_peel_n));
+  json.member("largest_suction_cm2", thousandths(part.suction_cm2));
+  json.key("lost");
+  json.begin_array();
+  for (const LostPiece& piece : part.lost) {
+    json.begin_object(JsonWriter::Layout::kOneLine);
+    json.member("kind", piece.kind);
+    json.member("layer", piece.layer);
+    json.member("last_layer", piece.last_layer);
+    json.member("x_mm", thousandths(piece.x_mm));
+    json.member("y_mm", thousandths(piece.y_mm));
+    json.member("ml", piece.ml);
+    json.end_object();
+  }
+  json.end_array();
+  json.end_object();
+}
+
 }  // namespace
 
 Status write_print_summary(OutputFile& out, const PrintOutcome& outcome, std::string_view look_at, bool verbose) {
@@ -129,7 +162,12 @@ Status write_print_summary(OutputFile& out, const PrintOutcome& outcome, std::st
     if (written) written = out.write(line.view());
   });
   PLUMBLINE_TRY(written);
-  if (outcome.simulated) PLUMBLINE_TRY(write_objections(out, outcome.objections));
+  if (outcome.part) {
+    text.clear();
+    add_part(text, *outcome.part);
+    PLUMBLINE_TRY(out.write(text.view()));
+    PLUMBLINE_TRY(write_objections(out, outcome.objections));
+  }
   if (look_at.empty()) return {};
   text.clear();
   text.add("look at    %.*s\n", static_cast<int>(look_at.size()), look_at.data());
@@ -211,10 +249,16 @@ void write_print_report(JsonWriter& json, const PrintOutcome& outcome) {
   for_each_warning(report, [&json](std::string_view warning) { json.value(warning); });
   json.end_array();
   json.key("objections");
-  if (outcome.simulated) {
+  if (outcome.part) {
     json.begin_array();
     for (const auto& objection : outcome.objections) json.value(std::string_view(objection));
     json.end_array();
+  } else {
+    json.null();
+  }
+  json.key("part");
+  if (outcome.part) {
+    write_part(json, *outcome.part);
   } else {
     json.null();
   }

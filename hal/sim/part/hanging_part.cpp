@@ -179,7 +179,8 @@ void HangingPart::peel(BitImage lit, ConstBitImage asked) {
     peel_n_ += newtons;
     loads_.push_back({.limb = limb_[r], .newtons = newtons});
   }
-  most_peel_n_ = std::max(most_peel_n_, peel_n_);
+  largest_peel_n_ = std::max(largest_peel_n_, peel_n_);
+  largest_suction_mm2_ = std::max(largest_suction_mm2_, suction_mm2_);
   for (const HoldGraph::Tear& tear : graph_.pull(loads_)) tear_off(tear, lit, asked);
 }
 

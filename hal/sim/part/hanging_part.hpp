@@ -51,9 +51,10 @@ class HangingPart {
     return changed_;
   }  ///< losses that the last add_layer() made or changed
   const Cavities& cavities() const { return cavities_; }
-  double peel_n() const { return peel_n_; }            ///< of the last layer
-  double most_peel_n() const { return most_peel_n_; }  ///< of any layer
-  double suction_mm2() const { return suction_mm2_; }  ///< area of the suction cups of the last layer
+  double peel_n() const { return peel_n_; }                  ///< of the last layer
+  double largest_peel_n() const { return largest_peel_n_; }  ///< of any layer
+  double suction_mm2() const { return suction_mm2_; }        ///< area of the suction cups of the last layer
+  double largest_suction_mm2() const { return largest_suction_mm2_; }
   double bleed_mm3() const {
     return bleed_mm3_;
   }  ///< volume below down-facing surfaces that was cured by light beyond a layer
@@ -112,7 +113,7 @@ class HangingPart {
   std::uint32_t shadow_ = kNone;  ///< loss since the film was cleaned last
   std::vector<Loss> losses_;
   std::vector<std::uint32_t> changed_;
-  double peel_n_ = 0, most_peel_n_ = 0, suction_mm2_ = 0, bleed_mm3_ = 0;
+  double peel_n_ = 0, largest_peel_n_ = 0, suction_mm2_ = 0, largest_suction_mm2_ = 0, bleed_mm3_ = 0;
   std::vector<std::uint32_t> layers_;       ///< their numbers for losses; the graph counts from 0
   std::vector<std::uint32_t> remembered_;   ///< limbs of the regions that stayed, layer after layer
   std::vector<std::size_t> remembered_at_;  ///< of a layer

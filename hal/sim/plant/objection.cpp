@@ -5,6 +5,15 @@
 
 namespace plumbline {
 
+ObjectionKind kind_of(LossKind kind) {
+  switch (kind) {
+    case LossKind::kDropped: return ObjectionKind::kDropped;
+    case LossKind::kTorn: return ObjectionKind::kTorn;
+    case LossKind::kShadowed: break;
+  }
+  return ObjectionKind::kShadowed;
+}
+
 std::string_view to_string(ObjectionKind kind) {
   switch (kind) {
     case ObjectionKind::kMaskChangedUnderLight: return "mask changed under light";

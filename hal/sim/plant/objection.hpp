@@ -29,6 +29,9 @@ enum class ObjectionKind : std::uint8_t {
 };
 inline constexpr std::size_t kObjectionKindCount = 12;
 
+/// The objection to a loss.
+ObjectionKind kind_of(LossKind kind);
+
 /// "mask changed under light", ...
 std::string_view to_string(ObjectionKind kind);
 

@@ -290,16 +290,8 @@ void Plant::hang_last_layer() {
       objections_[objection_of_loss_[i]].loss = loss;
       continue;
     }
-    const auto kind = [&] {
-      switch (loss.kind) {
-        case LossKind::kDropped: return ObjectionKind::kDropped;
-        case LossKind::kTorn: return ObjectionKind::kTorn;
-        case LossKind::kShadowed: break;
-      }
-      return ObjectionKind::kShadowed;
-    }();
     objection_of_loss_.push_back(objections_.size());
-    objections_.push_back({.kind = kind,
+    objections_.push_back({.kind = kind_of(loss.kind),
                            .at = last.ended,
                            .z = last.z,
                            .layer = first_layer() + judged_ - 1,
