@@ -99,13 +99,16 @@ void add_details(Text& text, const PrintOutcome& outcome) {
   if (outcome.steps) add_steps(text, *outcome.steps);
 }
 
+/// What a maker would look at; less than a drop is not worth a line.
 void add_part(Text& text, const PartFigures& part) {
-  if (part.lost.empty() && part.traps == 0 && part.suction_cm2 <= 0) return;
-  text.add(
-      "part       %.1f ml lost, %.1f ml of resin trapped in %u cavit%s, peeled with at most %.1f N and %.1f cm2 of "
-      "suction cups\n",
-      part.lost_ml(), part.trapped_ml, part.traps, part.traps == 1 ? "y" : "ies", part.largest_peel_n,
-      part.suction_cm2);
+  constexpr double kDropMl = 0.05;
+  const bool trapped = part.trapped_ml >= kDropMl;
+  const bool sucks = part.suction_cm2 >= 0.1;
+  if (part.lost.empty() && !trapped && !sucks) return;
+  text.add("part       %.3g ml lost, peeled with at most %.1f N", part.lost_ml(), part.largest_peel_n);
+  if (sucks) text.add(", suction cups of %.1f cm2", part.suction_cm2);
+  if (trapped) text.add(", %.1f ml of resin trapped", part.trapped_ml);
+  text.add("\n");
 }
 
 Status write_objections(OutputFile& out, std::span<const std::string> objections) {
