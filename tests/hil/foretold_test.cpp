@@ -1,16 +1,16 @@
-/// What drops on the simulated printer is what the support finder's islands foretell.
+/// What drops on the simulated printer is what the sweep of checks foretells.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <functional>
 #include <string>
 #include <vector>
 
 #include "hal/sim/sim_machine.hpp"
-#include "slicer/supports/islands.hpp"
+#include "slicer/checks/stack_checker.hpp"
 #include "tests/hal/small_print.hpp"
 
 namespace plumbline {
@@ -24,7 +24,7 @@ constexpr double kPixelMl = 0.1 * 0.1 * 0.05 / 1000;
 struct Shape {
   std::string name;
   std::function<bool(std::uint32_t x, std::uint32_t y, std::uint32_t layer)> solid;
-  std::size_t islands = 0;  ///< by looking at it
+  std::size_t pieces = 0;  ///< that nothing holds, by looking at it
 };
 
 double away(std::uint32_t x, std::uint32_t y, double cx, double cy) {
@@ -63,11 +63,6 @@ std::vector<Shape> shapes() {
   };
 }
 
-struct Island {
-  std::uint32_t layer, column, row;
-  bool operator==(const Island&) const = default;
-};
-
 /// One layer's mask, drawn anew.
 void draw(const Shape& shape, std::uint32_t layer, BitImage image) {
   image.clear();
@@ -78,66 +73,30 @@ void draw(const Shape& shape, std::uint32_t layer, BitImage image) {
   }
 }
 
-std::vector<Island> foretell(const Shape& shape) {
-  std::vector<std::byte> block(std::size_t{1} << 20U);
+/// The pieces that the sweep finds nothing to hold, lowest first.
+std::vector<Issue> foretell(const Shape& shape) {
+  const PrintGrid grid{.columns = kColumns,
+                       .rows = kRows,
+                       .layers = kLayers,
+                       .pitch_x_mm = 0.1F,
+                       .pitch_y_mm = 0.1F,
+                       .layer_height_mm = 0.05F};
+  std::vector<std::byte> block(StackChecker::bytes_needed(grid) + 4096);
   Arena arena(block);
-  auto finder = IslandFinder::create(kColumns, arena).value();
-  std::vector<std::uint64_t> words[3];
-  for (auto& image : words) image.resize(BitImage::words_needed(kColumns, kRows), 0);
-  std::vector<Island> islands;
+  auto checker = StackChecker::create(grid, {}, arena).value();
+  std::vector<std::uint64_t> words(BitImage::words_needed(kColumns, kRows));
   for (std::uint32_t k = 0; k < kLayers; ++k) {
-    const BitImage mask(words[0], kColumns, kRows);
-    draw(shape, k, mask);
-    for (std::size_t i = 0; i < words[0].size(); ++i) words[2][i] = words[0][i] & ~words[1][i];
-    const auto found = [&](const IslandFinder::Place& place) { islands.push_back({k, place.column, place.row}); };
-    if (k > 0) {
-      const Window window{0, kRows, 0, mask.stride()};
-      for (std::uint32_t r = 0; r < kRows; ++r) {
-        finder.next_row(mask, ConstBitImage(words[1], kColumns, kRows), ConstBitImage(words[2], kColumns, kRows), r,
-                        window, found);
-      }
-      finder.end(found);
-    }
-    words[1] = words[0];
+    draw(shape, k, BitImage(words, kColumns, kRows));
+    checker.next(ConstBitImage(words, kColumns, kRows));
   }
-  return islands;
+  const IssueGroup& group = checker.finish().of(IssueKind::kFreePiece);
+  EXPECT_EQ(group.kept_count, group.count);
+  std::vector<Issue> pieces(group.all_kept().begin(), group.all_kept().end());
+  std::sort(pieces.begin(), pieces.end(), [](const Issue& a, const Issue& b) { return a.first_layer < b.first_layer; });
+  return pieces;
 }
 
-/// Pixels of the regions that no layer above them holds, by flooding the masks.
-double foretold_pixels(const Shape& shape) {
-  std::vector<bool> held_above(kColumns * kRows, true);
-  double loose = 0;
-  for (std::uint32_t k = 0; k < kLayers; ++k) {
-    std::vector<bool> seen(kColumns * kRows);
-    std::vector<bool> held(kColumns * kRows);
-    for (std::uint32_t start = 0; start < kColumns * kRows; ++start) {
-      if (seen[start] || !shape.solid(start % kColumns, start / kColumns, k)) continue;
-      std::vector<std::uint32_t> region{start};
-      seen[start] = true;
-      bool is_held = false;
-      for (std::size_t at = 0; at < region.size(); ++at) {
-        const std::uint32_t x = region[at] % kColumns;
-        const std::uint32_t y = region[at] / kColumns;
-        is_held = is_held || held_above[region[at]];
-        const auto visit = [&](std::uint32_t i, std::uint32_t j) {
-          if (i >= kColumns || j >= kRows || seen[j * kColumns + i] || !shape.solid(i, j, k)) return;
-          seen[j * kColumns + i] = true;
-          region.push_back(j * kColumns + i);
-        };
-        visit(x - 1, y);
-        visit(x + 1, y);
-        visit(x, y - 1);
-        visit(x, y + 1);
-      }
-      for (const std::uint32_t pixel : region) held[pixel] = is_held;
-      if (!is_held) loose += static_cast<double>(region.size());
-    }
-    held_above = held;
-  }
-  return loose;
-}
-
-TEST(Foretold, IslandsDropWhereTheyBeginWithTheVolumeUntilTheyWouldBeJoined) {
+TEST(Foretold, FreePiecesDropInTheirLayersWithTheirVolume) {
   for (const Shape& shape : shapes()) {
     SCOPED_TRACE(shape.name);
     PlantSettings settings;
@@ -150,32 +109,31 @@ TEST(Foretold, IslandsDropWhereTheyBeginWithTheVolumeUntilTheyWouldBeJoined) {
     ASSERT_TRUE(print_layers(machine.machine(), {.layers = kLayers, .draw = draw_layer}));
     plant.conclude(JobEnd::kFinished);
 
-    std::vector<Island> dropped;
+    std::vector<Loss> dropped;
     double ml = 0;
     double shadow_ml = 0;
     for (const Objection& objection : plant.objections()) {
       ASSERT_TRUE(objection.loss) << to_string(objection);
-      const Loss& loss = *objection.loss;
       if (objection.kind == ObjectionKind::kShadowed) {
-        shadow_ml += loss.ml;
+        shadow_ml += objection.loss->ml;
         continue;
       }
       ASSERT_EQ(objection.kind, ObjectionKind::kDropped) << to_string(objection);
-      dropped.push_back(
-          {loss.layer, static_cast<std::uint32_t>(loss.x_mm * 10), static_cast<std::uint32_t>(loss.y_mm * 10)});
-      ml += loss.ml;
+      dropped.push_back(*objection.loss);
+      ml += dropped.back().ml;
     }
-    const auto islands = foretell(shape);
-    EXPECT_EQ(dropped.size(), shape.islands);
-    ASSERT_EQ(dropped.size(), islands.size());
-    for (std::size_t i = 0; i < islands.size(); ++i) {
-      EXPECT_EQ(dropped[i].layer, islands[i].layer);
-      // Both name the middle of a widest row; there may be several.
-      EXPECT_LE(std::abs(int(dropped[i].column) - int(islands[i].column)), 1);
-      EXPECT_TRUE(shape.solid(dropped[i].column, dropped[i].row, dropped[i].layer));
+    const auto pieces = foretell(shape);
+    ASSERT_EQ(pieces.size(), shape.pieces);
+    ASSERT_EQ(dropped.size(), pieces.size());
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+      EXPECT_EQ(dropped[i].layer, pieces[i].first_layer);
+      EXPECT_EQ(dropped[i].last_layer, pieces[i].last_layer);
+      const double foretold_ml = static_cast<double>(pieces[i].voxels) * kPixelMl;
+      EXPECT_NEAR(dropped[i].ml, foretold_ml, 0.02 * foretold_ml);
+      const auto column = static_cast<std::uint32_t>(dropped[i].x_mm * 10);
+      const auto row = static_cast<std::uint32_t>(dropped[i].y_mm * 10);
+      EXPECT_TRUE(shape.solid(column, row, dropped[i].layer));
     }
-    const double foretold = foretold_pixels(shape) * kPixelMl;
-    EXPECT_NEAR(ml, foretold, 0.02 * foretold);
     // Nothing else is missing: what stayed, dropped or was shadowed is what the masks asked for.
     double asked = 0;
     double stayed = 0;

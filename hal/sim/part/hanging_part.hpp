@@ -47,18 +47,15 @@ class HangingPart {
   void clean_film();
 
   std::span<const Loss> losses() const { return losses_; }
-  std::span<const std::uint32_t> changed() const {
-    return changed_;
-  }  ///< losses that the last add_layer() made or changed
+  /// Indices of the losses that the last add_layer() made or changed.
+  std::span<const std::uint32_t> changed() const { return changed_; }
   const Cavities& cavities() const { return cavities_; }
-  double peel_n() const { return peel_n_; }                  ///< of the last layer
-  double largest_peel_n() const { return largest_peel_n_; }  ///< of any layer
-  double suction_mm2() const { return suction_mm2_; }        ///< area of the suction cups of the last layer
-  double largest_suction_mm2() const { return largest_suction_mm2_; }
-  double bleed_mm3() const {
-    return bleed_mm3_;
-  }  ///< volume below down-facing surfaces that was cured by light beyond a layer
-  std::size_t limbs() const { return graph_.limbs(); }
+  double peel_n() const { return peel_n_; }                            ///< force of the last peel
+  double largest_peel_n() const { return largest_peel_n_; }            ///< of all
+  double suction_mm2() const { return suction_mm2_; }                  ///< mouths of suction cups in the last layer
+  double largest_suction_mm2() const { return largest_suction_mm2_; }  ///< in any
+  /// Volume below down-facing surfaces that light beyond a layer has cured, as if there were nothing close below them.
+  double bleed_mm3() const { return bleed_mm3_; }
 
   /// Clears the regions of an earlier layer that have torn off since.
   /// @param nth  layer, counted from the first add_layer() or skip_layer()

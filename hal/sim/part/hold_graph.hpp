@@ -60,7 +60,6 @@ class HoldGraph {
     return limbs_[limb].lost_from <= layer && layer < limbs_[limb].lost_to;
   }
   bool any_lost() const { return any_lost_; }
-  std::size_t limbs() const { return limbs_.size(); }
 
  private:
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
