@@ -49,9 +49,10 @@ void CuredPart::expose(ZPosition z, ConstBitImage mask, TimePoint began, TimePoi
   if (layer_at(z) == layers_.size()) {
     if (!layers_.empty() && keep_) pack_open_layer();
     std::fill(open_.begin(), open_.end(), 0);
+    layers_.push_back({.z = z, .began = began, .ended = ended, .exposures = 0, .asked = asked, .dose = Dose(0)});
+    if (begins_a_part()) hanging_.clean_film();
     shaded_ = !hanging_.film_is_clean();
     if (shaded_) std::fill(asked_.begin(), asked_.end(), 0);
-    layers_.push_back({.z = z, .began = began, .ended = ended, .exposures = 0, .asked = asked, .dose = Dose(0)});
   }
   CuredLayer& layer = layers_.back();
   layer.ended = ended;
@@ -96,10 +97,12 @@ void CuredPart::pack_open_layer() {
   std::copy(open_.begin(), open_.end(), before_.begin());
 }
 
+bool CuredPart::begins_a_part() const { return layers_.size() == 1 || layers_.back().z <= layers_.front().z; }
+
 void CuredPart::complete_layer(std::uint32_t number, double height_mm, bool on_part) {
-  const CuredLayer& layer = layers_.back();
-  const bool is_first = layers_.size() == 1 || layer.z < layers_[layers_.size() - 2].z;  // lower: another part
-  if (is_first) hanging_.begin(on_part);
+  CuredLayer& layer = layers_.back();
+  layer.height_mm = height_mm;
+  if (begins_a_part()) hanging_.begin(on_part);
   if (layer.depth_mm <= 0) {
     hanging_.skip_layer(number);
   } else {
@@ -133,11 +136,6 @@ void CuredPart::for_each_stayed(const std::function<void(std::size_t, ConstBitIm
   show(layers_.size() - 1);
 }
 
-double CuredPart::height_mm(std::size_t layer) const {
-  const ZPosition above = layer > 0 ? layers_[layer - 1].z : ZPosition();
-  return (layers_[layer].z - above).millimetres();
-}
-
 void CuredPart::for_each_layer(const std::function<void(const CuredLayer&, ConstBitImage)>& visit, Bleed bleed) const {
   assert(keep_);
   if (layers_.empty()) return;
@@ -155,7 +153,7 @@ void CuredPart::for_each_layer(const std::function<void(const CuredLayer&, Const
   };
   for_each_stayed([&](std::size_t k, ConstBitImage here) {
     const auto below_middle = [&](std::size_t layer) {
-      return (layers_[k].z - layers_[layer].z).millimetres() + height_mm(layer) / 2;
+      return (layers_[k].z - layers_[layer].z).millimetres() + layers_[layer].height_mm / 2;
     };
     while (!waiting.empty() && below_middle(next) > deepest) show_first();
     for (std::size_t layer = next; layer < k; ++layer) {

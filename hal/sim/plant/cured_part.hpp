@@ -24,6 +24,7 @@ struct CuredLayer {
   Dose dose;                    ///< of all exposures
   std::uint64_t pixels = 0;     ///< that got light, whether or not they stayed
   double depth_mm = 0;          ///< cured depth; 0: nothing cured
+  double height_mm = 0;         ///< of the gap that it fills; 0: it is not complete
 };
 
 /// Light that reached beyond its layer.
@@ -49,6 +50,8 @@ class CuredPart {
   /// @param height_mm  of the gap that it fills
   /// @param on_part    it is the first one on a part that an earlier print left
   void complete_layer(std::uint32_t number, double height_mm, bool on_part);
+  /// Whether the last layer is the first of a part: it is as close to the plate as the first of all. @pre there is a layer
+  bool begins_a_part() const;
   HangingPart& hanging() { return hanging_; }
   const HangingPart& hanging() const { return hanging_; }
 
@@ -70,7 +73,6 @@ class CuredPart {
  private:
   void pack_open_layer();
   void for_each_stayed(const std::function<void(std::size_t, ConstBitImage)>& visit) const;
-  double height_mm(std::size_t layer) const;
   BitImage image(std::vector<std::uint64_t>& words) const { return {words, columns_, rows_}; }
 
   std::uint32_t columns_;

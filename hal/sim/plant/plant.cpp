@@ -253,8 +253,8 @@ void Plant::judge_last_layer(bool whole) {
 
 ZPosition Plant::above_last_layer() const {
   const auto layers = part_.layers();
-  const ZPosition plate_or_part = first_layer() > 0 ? settings_.height_on_plate : ZPosition();
-  return layers.size() > 1 ? layers[layers.size() - 2].z : plate_or_part;
+  if (!part_.begins_a_part()) return layers[layers.size() - 2].z;
+  return first_layer() > 0 ? settings_.height_on_plate : ZPosition();
 }
 
 void Plant::judge_dose(bool whole) {

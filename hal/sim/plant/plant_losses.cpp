@@ -1,10 +1,13 @@
+#include <algorithm>
+
 #include "hal/sim/plant/plant.hpp"
 
 namespace plumbline {
 
 void Plant::hang_last_layer() {
   const CuredLayer& last = part_.layers().back();
-  const double gap = (last.z - above_last_layer()).millimetres();
+  // Lost steps can leave a layer higher than the one before.
+  const double gap = std::max(0.0, (last.z - above_last_layer()).millimetres());
   part_.complete_layer(first_layer() + judged_ - 1, gap, judged_ == 1 && first_layer() > 0);
   const HangingPart& hanging = part_.hanging();
   for (const std::uint32_t i : hanging.changed()) {

@@ -231,6 +231,22 @@ TEST(Plant, ForgetsTheShadowWhenSomebodyCleansTheFilm) {
   }
 }
 
+TEST(Plant, PrintsTheNextPartOnACleanFilm) {
+  Plant plant(small_printer());
+  SimMachine machine(plant);
+  for (int part = 0; part < 2; ++part) {
+    ASSERT_TRUE(print_layers(machine.machine(), {.layers = 5, .draw = draw_block}));
+  }
+  plant.conclude(JobEnd::kFinished);
+  std::vector<std::uint32_t> layers;
+  for (const Loss& loss : plant.part().hanging().losses()) {
+    EXPECT_EQ(loss.kind, LossKind::kDropped);
+    EXPECT_NEAR(loss.ml, 30 * 40 * 0.25 * 0.05 * 2 / 1000, 1e-9);
+    layers.push_back(loss.layer);
+  }
+  EXPECT_THAT(layers, testing::ElementsAre(3, 8)) << "the plant counts on";
+}
+
 TEST(Plant, CuresDownFacingSurfacesAsDeepAsTheWorkingCurve) {
   // A bridge whose underside is layer 6. Its first layer cures Dp ln(E / Ec) deep from its own lower side.
   PlantSettings settings = small_printer();
