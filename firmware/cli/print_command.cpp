@@ -56,7 +56,7 @@ void add_simulation_options(CLI::App& app, PrintOptions& print) {
                  "Needs --speedup or --realtime")
       ->type_name("LINE")
       ->group(kSimulation);
-  app.add_option("--keep-part", print.keep_part, "Write what was cured: layers, preview and manifest")
+  app.add_option("--keep-part", print.keep_part, "Write what was cured and stayed: layers, preview and manifest")
       ->type_name("DIR")
       ->group(kSimulation);
 }
@@ -266,8 +266,9 @@ ExitCode run_print(const PrintOptions& options, std::span<std::byte> arena_block
     witness->conclude(report.state == PrintState::kFinished);
     objections = witness->objections();
   }
-  const auto written = write_results(
-      options, {report, session, printer->profile, witness != nullptr, objections, (*back_end)->take_step_figures()});
+  const auto written =
+      write_results(options, {report, session, printer->profile, objections, (*back_end)->take_step_figures(),
+                              witness != nullptr ? std::optional(witness->part_figures()) : std::nullopt});
   if (!written) return report_error(written.error());
   if (witness != nullptr && outputs->part) {
     const auto kept = write_printed_part(*outputs->part, *witness, session, arena);

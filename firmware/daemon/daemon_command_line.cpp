@@ -75,8 +75,12 @@ class DaemonLog final : public DaemonObserver {
     manager_.status(service_status(report).view());
     const std::vector<std::string> objections =
         witness_ != nullptr ? witness_->objections() : std::vector<std::string>();
-    const PrintOutcome outcome{
-        report, session, profile, witness_ != nullptr, objections, back_end_.take_step_figures()};
+    const PrintOutcome outcome{report,
+                               session,
+                               profile,
+                               objections,
+                               back_end_.take_step_figures(),
+                               witness_ != nullptr ? std::optional(witness_->part_figures()) : std::nullopt};
     OutputFile out = OutputFile::standard_output();
     // The part is on the plate, so a report that can't be written is only logged.
     if (const auto told = write_print_summary(out, outcome, report_path(), false); !told) say(told.error().message());

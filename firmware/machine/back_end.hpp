@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "firmware/machine/part_figures.hpp"
 #include "firmware/machine/step_figures.hpp"
 #include "firmware/settings/board_file.hpp"
 #include "firmware/settings/print_profile.hpp"
@@ -40,7 +41,9 @@ class Witness {
   virtual void conclude(bool finished) = 0;
   /// What would have ruined the print or hurt someone, with time and place.
   virtual std::vector<std::string> objections() const = 0;
-  /// Layers of the part, from the plate on. Needs SimulationOptions::keep_part.
+  /// The part, since the machine was opened.
+  virtual PartFigures part_figures() const = 0;
+  /// Layers of the part, from the plate on: the pixels of the masks that were cured and stayed. Needs SimulationOptions::keep_part.
   virtual void for_each_cured_layer(const std::function<void(ZPosition, ConstBitImage)>& visit) const = 0;
 
   virtual void plug_stick(const std::string& folder) = 0;

@@ -33,6 +33,11 @@ PlantSettings plant_of(const BoardFile& board, const MachineFile& machine, const
   plant.lamp_fall = plant.lamp_rise;
   plant.resin.critical = Dose(profile.critical_energy);
   plant.resin.penetration_mm = profile.penetration_depth;
+  plant.peel = {.traction_kpa = profile.peel_traction,
+                .line_force_n_mm = profile.peel_line_force,
+                .suction_kpa = profile.peel_suction,
+                .green_strength_mpa = profile.green_strength,
+                .plate_adhesion_mpa = profile.plate_adhesion};
   return plant;
 }
 
@@ -66,6 +71,24 @@ class SimulatedBackEnd final : public BackEnd, public Witness {
     std::vector<std::string> texts;
     for (const auto& objection : plant_.objections()) texts.push_back(to_string(objection));
     return texts;
+  }
+  PartFigures part_figures() const override {
+    const HangingPart& part = plant_.part().hanging();
+    PartFigures figures{.largest_peel_n = part.largest_peel_n(),
+                        .suction_cm2 = part.largest_suction_mm2() / 100,
+                        .traps = part.cavities().traps(),
+                        .trapped_ml = part.cavities().trapped_mm3() / 1000,
+                        .bleed_ml = part.bleed_mm3() / 1000,
+                        .lost = {}};
+    for (const Loss& loss : part.losses()) {
+      figures.lost.push_back({.kind = to_string(kind_of(loss.kind)),
+                              .layer = loss.layer,
+                              .last_layer = loss.last_layer,
+                              .x_mm = loss.x_mm,
+                              .y_mm = loss.y_mm,
+                              .ml = loss.ml});
+    }
+    return figures;
   }
   void for_each_cured_layer(const std::function<void(ZPosition, ConstBitImage)>& visit) const override {
     plant_.part().for_each_layer([&](const CuredLayer& layer, ConstBitImage cured) { visit(layer.z, cured); });

@@ -99,6 +99,18 @@ void add_details(Text& text, const PrintOutcome& outcome) {
   if (outcome.steps) add_steps(text, *outcome.steps);
 }
 
+/// What a maker would look at; less than a drop is not worth a line.
+void add_part(Text& text, const PartFigures& part) {
+  constexpr double kDropMl = 0.05;
+  const bool trapped = part.trapped_ml >= kDropMl;
+  const bool sucks = part.suction_cm2 >= 0.1;
+  if (part.lost.empty() && !trapped && !sucks) return;
+  text.add("part       %.3g ml lost, peeled with at most %.1f N", part.lost_ml(), part.largest_peel_n);
+  if (sucks) text.add(", suction cups of %.1f cm2", part.suction_cm2);
+  if (trapped) text.add(", %.1f ml of resin trapped", part.trapped_ml);
+  text.add("\n");
+}
+
 Status write_objections(OutputFile& out, std::span<const std::string> objections) {
   Text text;
   if (objections.empty()) return out.write(std::string_view("simulated  no objections\n"));
@@ -115,6 +127,30 @@ Status write_objections(OutputFile& out, std::span<const std::string> objections
 /// Reports give millilitres, milliseconds and mJ/cm2 to three decimals, which is more than they are known to.
 double thousandths(double value) { return std::round(value * 1e3) / 1e3; }
 
+void write_part(JsonWriter& json, const PartFigures& part) {
+  json.begin_object();
+  json.member("lost_ml", thousandths(part.lost_ml()));
+  json.member("trapped_ml", thousandths(part.trapped_ml));
+  json.member("traps", part.traps);
+  json.member("bleed_ml", thousandths(part.bleed_ml));
+  json.member("largest_peel_n", thousandths(part.largest_peel_n));
+  json.member("largest_suction_cm2", thousandths(part.suction_cm2));
+  json.key("lost");
+  json.begin_array();
+  for (const LostPiece& piece : part.lost) {
+    json.begin_object(JsonWriter::Layout::kOneLine);
+    json.member("kind", piece.kind);
+    json.member("layer", piece.layer);
+    json.member("last_layer", piece.last_layer);
+    json.member("x_mm", thousandths(piece.x_mm));
+    json.member("y_mm", thousandths(piece.y_mm));
+    json.member("ml", piece.ml);
+    json.end_object();
+  }
+  json.end_array();
+  json.end_object();
+}
+
 }  // namespace
 
 Status write_print_summary(OutputFile& out, const PrintOutcome& outcome, std::string_view look_at, bool verbose) {
@@ -129,7 +165,12 @@ Status write_print_summary(OutputFile& out, const PrintOutcome& outcome, std::st
     if (written) written = out.write(line.view());
   });
   PLUMBLINE_TRY(written);
-  if (outcome.simulated) PLUMBLINE_TRY(write_objections(out, outcome.objections));
+  if (outcome.part) {
+    text.clear();
+    add_part(text, *outcome.part);
+    PLUMBLINE_TRY(out.write(text.view()));
+    PLUMBLINE_TRY(write_objections(out, outcome.objections));
+  }
   if (look_at.empty()) return {};
   text.clear();
   text.add("look at    %.*s\n", static_cast<int>(look_at.size()), look_at.data());
@@ -211,10 +252,16 @@ void write_print_report(JsonWriter& json, const PrintOutcome& outcome) {
   for_each_warning(report, [&json](std::string_view warning) { json.value(warning); });
   json.end_array();
   json.key("objections");
-  if (outcome.simulated) {
+  if (outcome.part) {
     json.begin_array();
     for (const auto& objection : outcome.objections) json.value(std::string_view(objection));
     json.end_array();
+  } else {
+    json.null();
+  }
+  json.key("part");
+  if (outcome.part) {
+    write_part(json, *outcome.part);
   } else {
     json.null();
   }

@@ -7,6 +7,7 @@
 
 #include "firmware/io/json_writer.hpp"
 #include "firmware/io/output_file.hpp"
+#include "firmware/machine/part_figures.hpp"
 #include "firmware/machine/step_figures.hpp"
 #include "firmware/print/print_session.hpp"
 
@@ -17,9 +18,9 @@ struct PrintOutcome {
   const PrintReport& report;
   const PrintSession& session;
   const PrintProfile& profile;
-  bool simulated = false;
   std::span<const std::string> objections;  ///< of a simulated printer
   std::optional<StepFigures> steps;         ///< of a real one, in this print
+  std::optional<PartFigures> part;          ///< of a simulated one
 };
 
 /// The report for people: how far the print came, what went wrong and what to do, time, resin, warnings, files to look at.

@@ -8,6 +8,9 @@
 
 #include "firmware/sample/analytic_bust.hpp"
 #include "firmware/sample/scan_sample.hpp"
+#include "slicer/checks/stack_checker.hpp"
+#include "slicer/layers/layer_stream.hpp"
+#include "slicer/supports/support_painter.hpp"
 #include "tests/hil/session_rig.hpp"
 
 namespace plumbline {
@@ -15,36 +18,50 @@ namespace {
 
 using enum PrintState;
 
-TEST(PrintedBustSlow, OnTheSimulated2kPrinterIsTheBust) {
-  const auto board = read_board_file(PLUMBLINE_SOURCE_DIR "/board/sim2k.toml").value();
-  const TemporaryFolder folder;
-  ASSERT_TRUE(write_bust_scan(folder / "bust.ply", {}, [](double) { return true; }));
-  std::vector<std::byte> block(std::size_t{board.arena_mib} << 20U);
-  Arena arena(block);
-  PrintSession session(board, *board.machine, arena, nullptr);
-  auto scan = FileSource::open(folder / "bust.ply");
-  ASSERT_TRUE(scan);
-  const SliceSettings settings = slicing_for(board);
-  const auto profile = read_print_profile(PLUMBLINE_SOURCE_DIR "/board/profiles/standard.toml").value();
-  const auto sliced = session.slice_scan(*scan, settings, std::nullopt, profile, nullptr);
-  ASSERT_TRUE(sliced) << sliced.error().message();
+/// The bust on the simulated 2K printer.
+class PrintedBustSlow : public testing::Test {
+ protected:
+  void print(const std::optional<SupportSettings>& supports) {
+    const TemporaryFolder folder;
+    ASSERT_TRUE(write_bust_scan(folder / "bust.ply", {}, [](double) { return true; }));
+    auto scan = FileSource::open(folder / "bust.ply");
+    ASSERT_TRUE(scan);
+    const auto profile = read_print_profile(PLUMBLINE_SOURCE_DIR "/board/profiles/standard.toml").value();
+    const auto sliced = session.slice_scan(*scan, slicing_for(board), supports, profile, nullptr);
+    ASSERT_TRUE(sliced) << sliced.error().message();
+    Machine machine = run.machine();
+    Silent observer;
+    const auto& report = session.print(machine, observer);
+    plant.conclude(JobEnd::kFinished);
+    ASSERT_EQ(report.state, kFinished) << report.fault_message.c_str();
+  }
 
-  Plant plant(plant_for(board));
-  SimMachine run(plant);
-  Machine machine = run.machine();
-  Silent observer;
-  const auto& report = session.print(machine, observer);
-  plant.conclude(JobEnd::kFinished);
-  ASSERT_EQ(report.state, kFinished) << report.fault_message.c_str();
+  BoardFile board = read_board_file(PLUMBLINE_SOURCE_DIR "/board/sim2k.toml").value();
+  std::vector<std::byte> block = std::vector<std::byte>(std::size_t{board.arena_mib} << 20U);
+  Arena arena{block};
+  PrintSession session{board, *board.machine, arena, nullptr};
+  Plant plant{plant_for(board)};
+  SimMachine run{plant};
+};
+
+TEST_F(PrintedBustSlow, IsTheBust) {
+  ASSERT_NO_FATAL_FAILURE(print(SupportSettings()));
   for (const auto& objection : plant.objections()) ADD_FAILURE() << to_string(objection);
 
-  // Voxel by voxel, at the height at which a layer is the section of the object.
+  // Voxel by voxel, at the height at which a layer is the section of the object. Supports outside of the bust don't count.
   const Mat4d to_scan = session.sliced().placement.transform().inverse();
   const PrintGrid& grid = session.grid();
+  auto painter = SupportPainter::create(session.supports(), arena);
+  ASSERT_TRUE(painter);
+  std::vector<std::uint64_t> support_words(BitImage::words_needed(grid.columns, grid.rows));
+  const BitImage supports(support_words, grid.columns, grid.rows);
+  std::vector<std::uint64_t> touched(BitImage::words_needed(supports.stride(), grid.rows));
   std::uint64_t both = 0;
   std::uint64_t either = 0;
   std::uint32_t layer = 0;
   plant.part().for_each_layer([&](const CuredLayer&, ConstBitImage cured) {
+    supports.clear();
+    painter->draw(layer, supports, BitImage(touched, supports.stride(), grid.rows));
     const double z = (layer + 0.5) * static_cast<double>(grid.layer_height_mm);
     // A ninth of the voxels of every layer, in a pattern that leaves no column out.
     for (std::uint32_t y = layer % 3; y < grid.rows; y += 3) {
@@ -54,6 +71,7 @@ TEST(PrintedBustSlow, OnTheSimulated2kPrinterIsTheBust) {
         const bool printed = cured.at(x, y);
         const Eigen::Vector4d place = to_scan * at;
         const bool bust = bust_inside(place.head<3>());
+        if (supports.at(x, y) && !bust) continue;
         both += printed && bust ? 1 : 0;
         either += printed || bust ? 1 : 0;
       }
@@ -63,6 +81,26 @@ TEST(PrintedBustSlow, OnTheSimulated2kPrinterIsTheBust) {
   const double iou = static_cast<double>(both) / static_cast<double>(either);
   std::printf("bust: IoU %.5f over %llu voxels\n", iou, static_cast<unsigned long long>(either));
   EXPECT_GE(iou, 0.995);
+}
+
+TEST_F(PrintedBustSlow, LosesWithoutSupportsWhatTheSweepForetells) {
+  ASSERT_NO_FATAL_FAILURE(print(std::nullopt));
+  auto layers = LayerStream::create(session.rrep(), arena);
+  ASSERT_TRUE(layers);
+  auto checker = StackChecker::create(session.grid(), {}, arena);
+  ASSERT_TRUE(checker) << checker.error().message();
+  for (std::uint32_t k = 0; k < session.grid().layers; ++k) checker->next(layers->mask(k));
+  const IssueGroup& pieces = checker->finish().of(IssueKind::kFreePiece);
+  ASSERT_EQ(pieces.count, 1U) << "the bun begins in the air";
+  ASSERT_THAT(plant.objections(), testing::SizeIs(2));
+  ASSERT_EQ(plant.objections()[0].kind, ObjectionKind::kDropped);
+  ASSERT_EQ(plant.objections()[1].kind, ObjectionKind::kShadowed);
+  const Loss& bun = *plant.objections()[0].loss;
+  EXPECT_EQ(bun.layer, pieces.kept[0].first_layer);
+  EXPECT_EQ(bun.last_layer, pieces.kept[0].last_layer);
+  const double foretold_ml = static_cast<double>(pieces.voxels) * session.pixel_ml();
+  EXPECT_NEAR(bun.ml, foretold_ml, 0.02 * foretold_ml);
+  EXPECT_GT(plant.objections()[1].loss->ml, bun.ml) << "its shadow takes more than it";
 }
 
 }  // namespace

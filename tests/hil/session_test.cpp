@@ -64,7 +64,8 @@ std::string report_with(const std::optional<StepFigures>& steps) {
   const std::string path = folder / "report.json";
   auto file = OutputFile::create(path.c_str());
   JsonWriter json(*file);
-  write_print_report(json, {PrintReport(), session, profile, !steps, {}, steps});
+  const auto part = steps ? std::nullopt : std::optional(PartFigures());
+  write_print_report(json, {PrintReport(), session, profile, {}, steps, part});
   EXPECT_TRUE(json.finish() && file->close());
   return read_text(path);
 }

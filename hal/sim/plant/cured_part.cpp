@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <deque>
 
 namespace plumbline {
 namespace {
@@ -22,11 +23,19 @@ std::size_t take_number(const std::uint8_t*& at) {
 
 }  // namespace
 
-CuredPart::CuredPart(std::uint32_t columns, std::uint32_t rows, bool keep)
+CuredPart::CuredPart(std::uint32_t columns, std::uint32_t rows, double pitch_x_mm, double pitch_y_mm,
+                     const PeelSettings& peel, bool keep)
     : columns_(columns),
       rows_(rows),
       keep_(keep),
+      hanging_({.columns = columns,
+                .rows = rows,
+                .pitch_x_mm = pitch_x_mm,
+                .pitch_y_mm = pitch_y_mm,
+                .peel = peel,
+                .remember = keep}),
       open_(BitImage::words_needed(columns, rows), 0),
+      asked_(open_.size(), 0),
       before_(keep ? open_.size() : 0, 0) {}
 
 std::uint32_t CuredPart::layer_at(ZPosition z) const {
@@ -41,6 +50,9 @@ void CuredPart::expose(ZPosition z, ConstBitImage mask, TimePoint began, TimePoi
     if (!layers_.empty() && keep_) pack_open_layer();
     std::fill(open_.begin(), open_.end(), 0);
     layers_.push_back({.z = z, .began = began, .ended = ended, .exposures = 0, .asked = asked, .dose = Dose(0)});
+    if (begins_a_part()) hanging_.clean_film();
+    shaded_ = !hanging_.film_is_clean();
+    if (shaded_) std::fill(asked_.begin(), asked_.end(), 0);
   }
   CuredLayer& layer = layers_.back();
   layer.ended = ended;
@@ -48,8 +60,14 @@ void CuredPart::expose(ZPosition z, ConstBitImage mask, TimePoint began, TimePoi
   layer.dose = layer.dose + dose;
   layer.depth_mm = resin.cure_depth_mm(layer.dose);
   layer.pixels = 0;
+  const auto film = hanging_.film().words();
   for (std::size_t i = 0; i < open_.size(); ++i) {
-    open_[i] |= mask.words()[i];
+    if (shaded_) {
+      asked_[i] |= mask.words()[i];
+      open_[i] |= mask.words()[i] & ~film[i];
+    } else {
+      open_[i] |= mask.words()[i];
+    }
     if (open_[i] == 0) continue;
     layer.pixels += static_cast<std::uint64_t>(std::popcount(open_[i]));
   }
@@ -79,11 +97,30 @@ void CuredPart::pack_open_layer() {
   std::copy(open_.begin(), open_.end(), before_.begin());
 }
 
-void CuredPart::for_each_layer(const std::function<void(const CuredLayer&, ConstBitImage)>& visit) const {
-  assert(keep_);
-  if (layers_.empty()) return;
+bool CuredPart::begins_a_part() const { return layers_.size() == 1 || layers_.back().z <= layers_.front().z; }
+
+void CuredPart::complete_layer(std::uint32_t number, double height_mm, bool on_part) {
+  CuredLayer& layer = layers_.back();
+  layer.height_mm = height_mm;
+  if (begins_a_part()) hanging_.begin(on_part);
+  if (layer.depth_mm <= 0) {
+    hanging_.skip_layer(number);
+  } else {
+    const ConstBitImage asked(shaded_ ? asked_ : open_, columns_, rows_);
+    hanging_.add_layer(number, height_mm, layer.depth_mm, image(open_), asked);
+  }
+}
+
+// Visits the layers without what has dropped or torn off.
+void CuredPart::for_each_stayed(const std::function<void(std::size_t, ConstBitImage)>& visit) const {
   std::vector<std::uint64_t> words(open_.size(), 0);
-  const BitImage image(words, columns_, rows_);
+  std::vector<std::uint64_t> stayed(open_.size());
+  const auto show = [&](std::size_t k) {
+    if (!hanging_.any_torn()) return visit(k, image(words));
+    stayed = words;
+    hanging_.remove_lost(k, image(stayed));
+    visit(k, image(stayed));
+  };
   const std::uint8_t* at = packed_.data();
   for (std::size_t k = 0; k + 1 < layers_.size(); ++k) {
     for (std::size_t i = take_number(at); i < words.size(); i += 1 + take_number(at)) {
@@ -92,14 +129,41 @@ void CuredPart::for_each_layer(const std::function<void(const CuredLayer&, Const
         if ((which >> b & 1U) != 0) words[i] ^= static_cast<std::uint64_t>(*at++) << (8 * b);
       }
     }
-    visit(layers_[k], image);
+    show(k);
   }
-  if (layers_.back().depth_mm > 0) {
-    visit(layers_.back(), ConstBitImage(open_, columns_, rows_));
-  } else {
-    image.clear();
-    visit(layers_.back(), image);
+  words = open_;
+  if (layers_.back().depth_mm <= 0) image(words).clear();
+  show(layers_.size() - 1);
+}
+
+void CuredPart::for_each_layer(const std::function<void(const CuredLayer&, ConstBitImage)>& visit, Bleed bleed) const {
+  assert(keep_);
+  if (layers_.empty()) return;
+  if (bleed == Bleed::kLeftOut) {
+    return for_each_stayed([&](std::size_t k, ConstBitImage image) { visit(layers_[k], image); });
   }
+  // A layer is shown when none of the following ones reaches it.
+  double deepest = 0;
+  for (const CuredLayer& layer : layers_) deepest = std::max(deepest, layer.depth_mm);
+  std::deque<std::vector<std::uint64_t>> waiting;
+  std::size_t next = 0;  // the first of them
+  const auto show_first = [&] {
+    visit(layers_[next++], image(waiting.front()));
+    waiting.pop_front();
+  };
+  for_each_stayed([&](std::size_t k, ConstBitImage here) {
+    const auto below_middle = [&](std::size_t layer) {
+      return (layers_[k].z - layers_[layer].z).millimetres() + layers_[layer].height_mm / 2;
+    };
+    while (!waiting.empty() && below_middle(next) > deepest) show_first();
+    for (std::size_t layer = next; layer < k; ++layer) {
+      if (below_middle(layer) > layers_[k].depth_mm) continue;
+      std::vector<std::uint64_t>& words = waiting[layer - next];
+      for (std::size_t i = 0; i < words.size(); ++i) words[i] |= here.words()[i];
+    }
+    waiting.emplace_back(here.words().begin(), here.words().end());
+  });
+  while (!waiting.empty()) show_first();
 }
 
 }  // namespace plumbline

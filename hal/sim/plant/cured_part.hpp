@@ -1,5 +1,5 @@
 #pragma once
-/// The printed part: what was cured at each height.
+/// The printed part: what was cured at each height and stayed.
 
 #include <cstdint>
 #include <functional>
@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "hal/clock.hpp"
+#include "hal/sim/part/hanging_part.hpp"
 #include "hal/sim/plant/resin.hpp"
 #include "hal/units.hpp"
 #include "slicer/core/bit_image.hpp"
@@ -21,20 +22,38 @@ struct CuredLayer {
   std::uint32_t exposures = 0;  ///< more than one if an exposure was interrupted
   Dose asked;                   ///< for the first exposure; 0: unrequested light
   Dose dose;                    ///< of all exposures
-  std::uint64_t pixels = 0;     ///< that got light
+  std::uint64_t pixels = 0;     ///< that got light, whether or not they stayed
   double depth_mm = 0;          ///< cured depth; 0: nothing cured
+  double height_mm = 0;         ///< of the gap that it fills; 0: it is not complete
+};
+
+/// Light that reached beyond its layer.
+enum class Bleed : std::uint8_t {
+  kLeftOut,   ///< a layer has the pixels of its own light: those of the masks
+  kIncluded,  ///< and those that the light of later layers has cured below them
 };
 
 /// Keeps each layer packed as its difference from the one before: a print of hundreds of megapixels takes some tens of megabytes.
 class CuredPart {
  public:
   /// @param keep  false: keep no pixels, only doses and areas
-  CuredPart(std::uint32_t columns, std::uint32_t rows, bool keep);
+  CuredPart(std::uint32_t columns, std::uint32_t rows, double pitch_x_mm, double pitch_y_mm, const PeelSettings& peel,
+            bool keep);
 
-  /// Adds light of `dose` through `mask`. At the last layer's height (within 1 um) it belongs to that layer, elsewhere it starts a new
-  /// one.
+  /// Adds light of `dose` through `mask`, except where something lies on the film. At the last layer's height (within 1 um) it
+  /// belongs to that layer, elsewhere it starts a new one.
   void expose(ZPosition z, ConstBitImage mask, TimePoint began, TimePoint ended, Dose asked, Dose dose,
               const Resin& resin);
+
+  /// Judges the last layer, which has all its light: what drops, what the peel tears off.
+  /// @param number     of the layer, for losses
+  /// @param height_mm  of the gap that it fills
+  /// @param on_part    it is the first one on a part that an earlier print left
+  void complete_layer(std::uint32_t number, double height_mm, bool on_part);
+  /// Whether the last layer is the first of a part: it is as close to the plate as the first of all. @pre there is a layer
+  bool begins_a_part() const;
+  HangingPart& hanging() { return hanging_; }
+  const HangingPart& hanging() const { return hanging_; }
 
   /// The layer to which light at `z` would belong: the last one or the next.
   std::uint32_t layer_at(ZPosition z) const;
@@ -44,17 +63,26 @@ class CuredPart {
   std::uint32_t rows() const { return rows_; }
   std::size_t packed_bytes() const { return packed_.size(); }
 
-  /// Visits all layers from the plate on, with their cured pixels. The image is valid until `visit` returns. @pre keep
-  void for_each_layer(const std::function<void(const CuredLayer&, ConstBitImage)>& visit) const;
+  /// Visits all layers from the plate on, with the cured pixels that stayed. The image is valid until `visit` returns. @pre keep
+  ///
+  /// With Bleed::kIncluded a pixel is also cured if the middle of its height lies within the cured depth of a later layer in which
+  /// it was white. The light of several layers does not add up: each lift exchanges the resin below the part.
+  void for_each_layer(const std::function<void(const CuredLayer&, ConstBitImage)>& visit,
+                      Bleed bleed = Bleed::kLeftOut) const;
 
  private:
   void pack_open_layer();
+  void for_each_stayed(const std::function<void(std::size_t, ConstBitImage)>& visit) const;
+  BitImage image(std::vector<std::uint64_t>& words) const { return {words, columns_, rows_}; }
 
   std::uint32_t columns_;
   std::uint32_t rows_;
   bool keep_;
+  HangingPart hanging_;
   std::vector<CuredLayer> layers_;
-  std::vector<std::uint64_t> open_;    ///< mask of the last layer, which is not packed yet
+  std::vector<std::uint64_t> open_;    ///< lit pixels of the last layer, which is not packed yet
+  std::vector<std::uint64_t> asked_;   ///< with those in the shadow of what lies on the film; valid if `shaded_`
+  bool shaded_ = false;                ///< something lay on the film when the last layer began
   std::vector<std::uint64_t> before_;  ///< mask of the layer before
   std::vector<std::uint8_t> packed_;   ///< see pack_open_layer()
 };

@@ -5,6 +5,15 @@
 
 namespace plumbline {
 
+ObjectionKind kind_of(LossKind kind) {
+  switch (kind) {
+    case LossKind::kDropped: return ObjectionKind::kDropped;
+    case LossKind::kTorn: return ObjectionKind::kTorn;
+    case LossKind::kShadowed: break;
+  }
+  return ObjectionKind::kShadowed;
+}
+
 std::string_view to_string(ObjectionKind kind) {
   switch (kind) {
     case ObjectionKind::kMaskChangedUnderLight: return "mask changed under light";
@@ -16,6 +25,9 @@ std::string_view to_string(ObjectionKind kind) {
     case ObjectionKind::kLiftSkipped: return "lift skipped";
     case ObjectionKind::kDoseOff: return "dose off";
     case ObjectionKind::kNotBonded: return "layer not bonded";
+    case ObjectionKind::kDropped: return "region dropped";
+    case ObjectionKind::kTorn: return "piece torn off";
+    case ObjectionKind::kShadowed: return "light blocked by what lies on the film";
   }
   return "unknown objection";
 }
@@ -28,6 +40,7 @@ std::string to_string(const Objection& objection) {
   std::string text = place.data();
   text += to_string(objection.kind);
   if (!objection.detail.empty()) text += ": " + objection.detail;
+  if (objection.loss) text += ": " + to_string(*objection.loss);
   return text;
 }
 

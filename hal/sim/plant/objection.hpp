@@ -3,10 +3,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
 #include "hal/clock.hpp"
+#include "hal/sim/part/loss.hpp"
 #include "hal/units.hpp"
 
 namespace plumbline {
@@ -21,8 +23,14 @@ enum class ObjectionKind : std::uint8_t {
   kLiftSkipped,            ///< a layer was exposed while the last one still stuck to the film
   kDoseOff,                ///< a layer's dose was more than 1 % off
   kNotBonded,              ///< a layer cured less deep than the gap to the layer above it
+  kDropped,                ///< a region of a layer touches nothing held: it drops on the film
+  kTorn,                   ///< the peel asked for more than the part or the plate holds: a piece stays on the film
+  kShadowed,               ///< what lies on the film kept light from the part
 };
-inline constexpr std::size_t kObjectionKindCount = 9;
+inline constexpr std::size_t kObjectionKindCount = 12;
+
+/// The objection to a loss.
+ObjectionKind kind_of(LossKind kind);
 
 /// "mask changed under light", ...
 std::string_view to_string(ObjectionKind kind);
@@ -33,6 +41,7 @@ struct Objection {
   ZPosition z;              ///< true height of the plate
   std::uint32_t layer = 0;  ///< in progress, 0-based
   std::string detail;
+  std::optional<Loss> loss;  ///< of kDropped, kTorn, kShadowed; up to date until the print ends
 };
 
 /// "12.345 s, layer 40, 2.050 mm: dose off: ..."

@@ -10,6 +10,8 @@ namespace {
 constexpr auto kCoverBound = std::chrono::milliseconds(10);  ///< after which UvLamp promises darkness
 /// The film yields this far. Less would object to rounding by steps, more would miss a plate pressed in by a thin layer.
 constexpr Distance kGentlePress = 20_um;
+/// With the plate this high a hand and a scraper reach the film.
+constexpr Distance kRoomToClean = 20_mm;
 
 [[gnu::format(printf, 1, 2)]] std::string text(const char* pattern, ...) {
   std::array<char, 192> line{};
@@ -29,7 +31,8 @@ Plant::Plant(const PlantSettings& settings)
       stage_(timeline_, settings.stage),
       lamp_(settings.lamp.irradiance, settings.lamp_rise, settings.lamp_fall),
       thermals_(settings.room),
-      part_(settings.panel.columns, settings.panel.rows, settings.keep_part),
+      part_(settings.panel.columns, settings.panel.rows, settings.panel.pitch_x_mm, settings.panel.pitch_y_mm,
+            settings.peel, settings.keep_part),
       stick_(settings.stick),
       last_stick_(settings.stick) {
   panel_.on_change = [this] {
@@ -52,7 +55,8 @@ bool Plant::wait(nanoseconds time) {
 }
 
 void Plant::raise(ObjectionKind kind, std::string detail) {
-  objections_.push_back({.kind = kind, .at = now(), .z = z(), .layer = layer(), .detail = std::move(detail)});
+  objections_.push_back(
+      {.kind = kind, .at = now(), .z = z(), .layer = layer(), .detail = std::move(detail), .loss = {}});
 }
 
 void Plant::open_cover() {
@@ -60,10 +64,14 @@ void Plant::open_cover() {
   cover_open_ = true;
   push_event(EventKind::kCoverOpened);
   if (on_cover_opened) on_cover_opened();
+  const ZPosition lowest = part_.layers().empty() ? ZPosition() : part_.layers().back().z;
+  if (z() - lowest >= kRoomToClean) clean_film();
   timeline_.at(now() + kCoverBound, [this] {
     if (light_ && cover_open_) raise(ObjectionKind::kLightWithCoverOpen, "still lit 10 ms after it opened");
   });
 }
+
+void Plant::clean_film() { part_.hanging().clean_film(); }
 
 void Plant::close_cover() {
   if (!cover_open_ || has_fault(FaultKind::kCoverSwitchDead)) return;
@@ -239,13 +247,25 @@ void Plant::judge_last_layer(bool whole) {
   const auto layers = part_.layers();
   if (layers.empty() || judged_ >= layers.size()) return;
   judged_ = static_cast<std::uint32_t>(layers.size());
-  const CuredLayer& last = layers.back();
+  judge_dose(whole);
+  hang_last_layer();
+}
+
+ZPosition Plant::above_last_layer() const {
+  const auto layers = part_.layers();
+  if (!part_.begins_a_part()) return layers[layers.size() - 2].z;
+  return first_layer() > 0 ? settings_.height_on_plate : ZPosition();
+}
+
+void Plant::judge_dose(bool whole) {
+  const CuredLayer& last = part_.layers().back();
   const auto raise_for_layer = [&](ObjectionKind kind, std::string detail) {
     objections_.push_back({.kind = kind,
                            .at = last.ended,
                            .z = last.z,
                            .layer = first_layer() + judged_ - 1,
-                           .detail = std::move(detail)});
+                           .detail = std::move(detail),
+                           .loss = {}});
   };
   const double ratio = last.asked.value() > 0 ? last.dose / last.asked : 1;
   if (ratio > 1.01 || (whole && ratio < 0.99)) {
@@ -253,9 +273,7 @@ void Plant::judge_last_layer(bool whole) {
                     text("%.3f of %.3f mJ/cm2, %+.1f %%", last.dose.value(), last.asked.value(), 100 * (ratio - 1)));
   }
   if (!whole || last.pixels == 0) return;
-  const ZPosition plate_or_part = first_layer() > 0 ? settings_.height_on_plate : ZPosition();
-  const ZPosition above = layers.size() > 1 ? layers[layers.size() - 2].z : plate_or_part;
-  const double gap = (last.z - above).millimetres();
+  const double gap = (last.z - above_last_layer()).millimetres();
   if (last.depth_mm < gap) {
     raise_for_layer(ObjectionKind::kNotBonded, text("cured %.4f mm deep, the gap is %.4f mm", last.depth_mm, gap));
   }

@@ -38,6 +38,7 @@ struct PlantSettings {
   nanoseconds lamp_rise{1'000'000};
   nanoseconds lamp_fall{1'000'000};
   Resin resin;
+  PeelSettings peel;
   Celsius room = Celsius(25);
   std::string stick;  ///< folder that plays the stick; empty: no stick
   double stick_bytes_per_second = 20e6;
@@ -83,6 +84,8 @@ class Plant {
   bool cover_open() const { return cover_open_; }
   void plug_stick(const std::string& folder);
   void pull_stick();
+  /// Takes out what lies on the film. Whoever opens the cover while the plate is out of the way does that, too.
+  void clean_film();
   void press(EventKind button) { push_event(button); }
   void inject(const Fault& fault);
 
@@ -143,6 +146,9 @@ class Plant {
   void end_light();
   void cure();
   void judge_last_layer(bool whole);
+  void judge_dose(bool whole);
+  void hang_last_layer();
+  ZPosition above_last_layer() const;
   void on_leg(const StageModel::Leg& leg);
   /// Frees the part from the film if it has pulled for long enough at `time`.
   void peel(TimePoint time);
@@ -194,7 +200,8 @@ class Plant {
   std::optional<ZPosition> stuck_at_;
   double stuck_cm2_ = 0;
   std::optional<TimePoint> stretched_since_;
-  std::uint32_t judged_ = 0;  ///< layers
+  std::uint32_t judged_ = 0;                    ///< layers
+  std::vector<std::size_t> objection_of_loss_;  ///< index of the objection to a loss
 
   // Faults.
   std::vector<Fault> waiting_;

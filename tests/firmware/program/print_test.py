@@ -2,6 +2,7 @@
 """plumbline print and plumblined as their users see them."""
 
 import json
+import math
 import re
 import shutil
 import signal
@@ -39,6 +40,26 @@ class Print(Program):
         hashes = [line["mask_hash"] for line in resumed["exposures"]]
         self.assertEqual(hashes, sliced["hashes"]["layers"][resumed["first_layer"] :])
 
+    def test_what_nothing_holds_is_lost_and_named_with_layer_place_and_volume(self):
+        # A ball beside another whose lower pole is 6 mm higher: it begins in the air.
+        write_sphere(self.scan, radius=6)
+        add_ball(self.scan, 8_000, 4, (12, 0, 4))
+        part, report = self.dir / "part", self.dir / "report.json"
+        same = ("print", self.scan, "--printer", SIM2K, "--keep-part", part, "--report", report)
+        done = self.run_it(*same, "--supports", "none")
+        printed = json.loads(report.read_text())
+        dropped = [lost for lost in printed["part"]["lost"] if lost["kind"] == "region dropped"]
+        self.assertGreater(len(dropped), 0)
+        ball = max(dropped, key=lambda lost: lost["ml"])
+        self.assertAlmostEqual(ball["layer"], 6 / 0.05, delta=2)
+        self.assertAlmostEqual(ball["ml"], 4 / 3 * math.pi * 4**3 / 1000, delta=0.01)
+        self.assertRegex(done.stdout, r"layer 1[12]\d, [0-9.]+ mm: region dropped: 0\.2\d+ ml at \([0-9.]+, [0-9.]+\) mm, layers")
+        self.assertEqual(len(printed["objections"]), len(printed["part"]["lost"]))
+        self.assertTrue((part / "comparison.png").exists())
+        self.run_it(*same, "--supports", "auto")
+        printed = json.loads(report.read_text())
+        self.assertEqual((printed["objections"], printed["part"]["lost_ml"]), ([], 0))
+
     def test_files_of_one_frame_are_one_print(self):
         write_sphere(self.scan)
         same = ("--printer", SIM2K, "--scale", 0.2)
@@ -51,7 +72,7 @@ class Print(Program):
 
     def test_report_is_short_and_verbose_adds_the_figures(self):
         write_sphere(self.scan)
-        same = ("print", self.scan, "--printer", SIM2K, "--scale", 0.05)
+        same = ("print", self.scan, "--printer", SIM2K, "--scale", 0.5, "--supports", "auto")
         short, long = self.run_it(*same), self.run_it(*same, "--verbose")
         for words in ("finished", "time ", "resin ", "no objections"):
             self.assertIn(words, short.stdout)

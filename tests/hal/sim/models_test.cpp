@@ -163,7 +163,7 @@ TEST(CuredPart, ReturnsEveryLayerAsItWasCured) {
   constexpr std::uint32_t kColumns = 1000;
   constexpr std::uint32_t kRows = 37;
   const auto masks = random_masks(kColumns, kRows, 60);
-  CuredPart part(kColumns, kRows, true);
+  CuredPart part(kColumns, kRows, 0.05, 0.05, {}, true);
   for (std::size_t k = 0; k < masks.size(); ++k) {
     const ZPosition z(50_um * static_cast<std::int64_t>(k + 1));
     const ConstBitImage mask(masks[k], kColumns, kRows);
@@ -202,7 +202,7 @@ TEST(CuredPart, PacksEqualLayersIntoFewBytes) {
   constexpr std::uint32_t kColumns = 1440;
   constexpr std::uint32_t kRows = 2560;
   const auto masks = random_masks(kColumns, kRows, 2);
-  CuredPart part(kColumns, kRows, true);
+  CuredPart part(kColumns, kRows, 0.05, 0.05, {}, true);
   for (std::int64_t k = 1; k <= 100; ++k) {
     part.expose(ZPosition(50_um * k), ConstBitImage(masks[1], kColumns, kRows), at(0s), at(1s), Dose(8), Dose(8),
                 Resin());

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
@@ -174,6 +175,139 @@ TEST(Plant, ChargesTheTimeOfDrawingAMask) {
   ASSERT_TRUE(plant.wait(30s));
   lend();
   EXPECT_THAT(takes, testing::ElementsAre(0.3, 1.8, 0.3));
+}
+
+/// A shape without supports: a post, and from layer 3 on a block beside it that an arm joins to the post in layer 6.
+void draw_block(std::uint32_t layer, BitImage image) {
+  image.clear();
+  for (std::uint32_t y = 10; y < 50; ++y) {
+    for (std::uint32_t x = 0; x < 100; ++x) {
+      if (x < 30 || (x >= 60 && x < 90 && layer >= 3) || layer >= 6) image.set(x, y);
+    }
+  }
+}
+
+TEST(Plant, ObjectsToWhatDropsAndToItsShadow) {
+  Plant plant(small_printer());
+  SimMachine machine(plant);
+  ASSERT_TRUE(print_layers(machine.machine(), {.layers = 8, .draw = draw_block}));
+  plant.conclude(JobEnd::kFinished);
+  EXPECT_THAT(kinds_of(plant.objections()), testing::ElementsAre(ObjectionKind::kDropped, ObjectionKind::kShadowed));
+  // 30 x 40 pixels of 0.25 mm2 in 3 layers of 0.05 mm. In the next 2 layers these, and 10 x 40 that are joined to the post through
+  // them only.
+  EXPECT_THAT(to_string(plant.objections()[0]),
+              testing::HasSubstr("layer 3, 0.200 mm: region dropped: 0.045 ml at (37.75, 5.25) mm, layers 3 to 5"));
+  EXPECT_THAT(to_string(plant.objections()[1]),
+              testing::HasSubstr("layer 6, 0.350 mm: light blocked by what lies on the film: 0.04 ml"));
+  std::vector<std::uint64_t> pixels;
+  plant.part().for_each_layer([&](const CuredLayer&, ConstBitImage image) {
+    pixels.push_back(image.count());
+    EXPECT_FALSE(image.at(70, 20));
+  });
+  EXPECT_EQ(pixels, (std::vector<std::uint64_t>{1200, 1200, 1200, 1200, 1200, 1200, 2400, 2400}));
+}
+
+TEST(Plant, ForgetsTheShadowWhenSomebodyCleansTheFilm) {
+  for (const bool raised : {false, true}) {
+    Plant plant(small_printer());
+    SimMachine machine(plant);
+    const auto draw = [&](std::uint32_t layer, BitImage image) {
+      if (layer == 6) {
+        // Somebody opens the cover before layer 6. The plate is 5 mm up; with room below it, the film is cleaned.
+        if (raised) plant.stage().drift(30_mm);
+        plant.open_cover();
+        plant.close_cover();
+        if (raised) plant.stage().drift(-30_mm);
+      }
+      draw_block(layer, image);
+    };
+    ASSERT_TRUE(print_layers(machine.machine(), {.layers = 8, .draw = draw}));
+    plant.conclude(JobEnd::kFinished);
+    bool cured = false;
+    plant.part().for_each_layer([&](const CuredLayer&, ConstBitImage image) { cured = cured || image.at(70, 20); });
+    EXPECT_EQ(cured, raised);
+    ASSERT_EQ(plant.objections().size(), raised ? 1U : 2U) << testing::PrintToString(texts_of(plant.objections()));
+    EXPECT_EQ(plant.objections()[0].loss->last_layer, 5U);
+  }
+}
+
+TEST(Plant, PrintsTheNextPartOnACleanFilm) {
+  Plant plant(small_printer());
+  SimMachine machine(plant);
+  for (int part = 0; part < 2; ++part) {
+    ASSERT_TRUE(print_layers(machine.machine(), {.layers = 5, .draw = draw_block}));
+  }
+  plant.conclude(JobEnd::kFinished);
+  std::vector<std::uint32_t> layers;
+  for (const Loss& loss : plant.part().hanging().losses()) {
+    EXPECT_EQ(loss.kind, LossKind::kDropped);
+    EXPECT_NEAR(loss.ml, 30 * 40 * 0.25 * 0.05 * 2 / 1000, 1e-9);
+    layers.push_back(loss.layer);
+  }
+  EXPECT_THAT(layers, testing::ElementsAre(3, 8)) << "the plant counts on";
+}
+
+TEST(Plant, CuresDownFacingSurfacesAsDeepAsTheWorkingCurve) {
+  // A bridge whose underside is layer 6. Its first layer cures Dp ln(E / Ec) deep from its own lower side.
+  PlantSettings settings = small_printer();
+  for (const auto cure :
+       {std::chrono::milliseconds(1500), std::chrono::milliseconds(2500), std::chrono::milliseconds(9000)}) {
+    Plant plant(settings);
+    SimMachine machine(plant);
+    const auto draw = [](std::uint32_t layer, BitImage image) {
+      image.clear();
+      for (std::uint32_t y = 10; y < 50; ++y) {
+        for (std::uint32_t x = 0; x < 100; ++x) {
+          if (x < 30 || x >= 70 || layer >= 6) image.set(x, y);
+        }
+      }
+    };
+    ASSERT_TRUE(print_layers(machine.machine(), {.layers = 8, .cure = cure, .draw = draw}));
+    plant.conclude(JobEnd::kFinished);
+    EXPECT_THAT(texts_of(plant.objections()), IsEmpty());
+    const double dose = settings.lamp.irradiance.value() * std::chrono::duration<double>(cure).count();
+    const double deep = settings.resin.penetration_mm * std::log(dose / settings.resin.critical.value());
+    std::vector<bool> at_middle;
+    plant.part().for_each_layer([&](const CuredLayer&, ConstBitImage image) { at_middle.push_back(image.at(50, 30)); },
+                                Bleed::kIncluded);
+    for (int k = 0; k < 8; ++k) {
+      // Layer 6 fills 0.3 to 0.35 mm from the plate; the middle of layer k is at 0.05 k + 0.025.
+      EXPECT_EQ(at_middle[static_cast<std::size_t>(k)], k >= 6 || 0.35 - (0.05 * k + 0.025) <= deep)
+          << k << " " << deep;
+    }
+    const double bridge_mm2 = 40 * 40 * 0.25;
+    EXPECT_NEAR(plant.part().hanging().bleed_mm3(), bridge_mm2 * std::max(0.0, deep - 0.05), 1e-3);
+    plant.part().for_each_layer([&](const CuredLayer& layer, ConstBitImage image) {
+      EXPECT_EQ(image.at(50, 30), layer.z > ZPosition(300_um));
+    });
+  }
+}
+
+TEST(Plant, TakesTornPiecesOutOfTheLayersBeforeToo) {
+  PlantSettings settings = small_printer();
+  Plant plant(settings);
+  SimMachine machine(plant);
+  // A plate of 2000 mm2 below a neck of two pixels: 15 N against 2.5 N.
+  const auto draw = [](std::uint32_t layer, BitImage image) {
+    image.clear();
+    for (std::uint32_t y = 10; y < 50; ++y) {
+      for (std::uint32_t x = 0; x < 100; ++x) {
+        const bool neck = y == 30 && (x == 50 || x == 51);
+        if (layer < 3   ? x < 60
+            : layer < 5 ? neck
+                        : (layer < 7 ? std::abs(int(x) - 50) < 2 && std::abs(int(y) - 30) < 2 : true))
+          image.set(x, y);
+      }
+    }
+  };
+  ASSERT_TRUE(print_layers(machine.machine(), {.layers = 9, .draw = draw}));
+  plant.conclude(JobEnd::kFinished);
+  EXPECT_THAT(kinds_of(plant.objections()), testing::ElementsAre(ObjectionKind::kTorn));
+  EXPECT_EQ(plant.objections()[0].loss->layer, 3U);
+  EXPECT_EQ(plant.objections()[0].layer, 7U);
+  std::vector<std::uint64_t> pixels;
+  plant.part().for_each_layer([&](const CuredLayer&, ConstBitImage image) { pixels.push_back(image.count()); });
+  EXPECT_EQ(pixels, (std::vector<std::uint64_t>{2400, 2400, 2400, 0, 0, 0, 0, 0, 0}));
 }
 
 }  // namespace

@@ -32,13 +32,13 @@ inline std::vector<ObjectionKind> kinds_of(std::span<const Objection> objections
   return kinds;
 }
 
-/// A mask that differs from layer to layer, some quarter of it white.
+/// A mask that differs from layer to layer. Every other row is white, so whatever is beside it is held.
 inline void draw_random(std::uint32_t layer, BitImage image) {
   std::mt19937_64 random(layer);
   for (std::uint32_t row = 0; row < image.rows(); ++row) {
     for (auto& word : image.row(row)) {
       const std::uint64_t half = random();
-      word = half & random();
+      word = row % 2 == 0 ? ~std::uint64_t{0} : half & random();
     }
     image.row(row).back() &= image.last_word_mask();
   }

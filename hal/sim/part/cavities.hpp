@@ -1,0 +1,56 @@
+#pragma once
+/// Resin that the part encloses: suction cups and traps.
+
+#include <cstdint>
+#include <vector>
+
+#include "hal/sim/part/pixel_runs.hpp"
+
+namespace plumbline {
+
+/// Follows the black regions of the layers from the plate on. Regions that lie above each other are one cavity. A cavity is
+/// *vented* once it meets the outside in any layer; until then it is *sealed*, by the part or by the plate. A sealed cavity that
+/// reaches the newest layer is a suction cup. One that ends is a trap, unless the plate is its ceiling: that one drains when the
+/// part comes off.
+class Cavities {
+ public:
+  /// Largest of the traps.
+  struct Trap {
+    std::uint32_t layer = 0, column = 0, row = 0;  ///< its last layer, and the middle of the widest run there
+    double mm3 = 0;
+  };
+
+  /// Takes the next layer.
+  /// @param white      its white regions
+  /// @param columns    of the image
+  /// @param first      it is on the plate
+  /// @param pixel_mm3  volume of a pixel in it
+  void next_layer(const PixelRuns& white, std::uint32_t columns, bool first, std::uint32_t layer, double pixel_mm3);
+  /// The black regions of the last layer; 0 is the outside.
+  const PixelRuns& black() const { return here_; }
+  /// Whether a black region of the last layer is the mouth of a sealed cavity.
+  bool sealed(std::uint32_t region) const { return region > 0 && !cavities_[of_region_[region]].vented; }
+  bool any() const { return !cavities_.empty(); }
+
+  double trapped_mm3() const { return trapped_mm3_; }
+  std::uint32_t traps() const { return traps_; }
+  const Trap& largest_trap() const { return largest_; }
+
+ private:
+  struct Cavity {
+    bool vented = false;
+    bool on_plate = false;
+    double mm3 = 0;
+    std::uint32_t column = 0, row = 0;  ///< of a region in the last layer
+  };
+
+  PixelRuns here_, before_;               ///< black runs of the last layer and the one above it
+  std::vector<Cavity> cavities_;          ///< that reach the last layer
+  std::vector<std::uint32_t> of_region_;  ///< cavity of each region of the last layer; none for the outside
+  std::vector<std::uint32_t> parents_;
+  double trapped_mm3_ = 0;
+  std::uint32_t traps_ = 0;
+  Trap largest_;
+};
+
+}  // namespace plumbline
