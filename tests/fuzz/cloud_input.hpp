@@ -25,7 +25,7 @@ struct CloudPoint {
 
 /// A job for slice(). Small, so that an execution takes milliseconds.
 struct CloudInput {
-  static constexpr std::size_t kMostPoints = 1200;
+  static constexpr std::size_t kMostPoints = 300;
 
   std::vector<CloudPoint> points;
   bool has_normals = true;
@@ -57,7 +57,8 @@ class CloudDecoder {
   }
 
  private:
-  static constexpr int kMostPixels = 40;  ///< a side of the grid
+  static constexpr int kMostPixels = 20;     ///< a side of the grid
+  static constexpr float kPitchMm = 0.125F;  ///< of pixels
 
   std::uint8_t byte() { return input_.take<std::uint8_t>(); }
   double signed_byte() { return static_cast<double>(input_.take<std::int8_t>()); }
@@ -93,7 +94,8 @@ class CloudDecoder {
     settings.keep_all = flags / 2 % 2 == 1;
     settings.base = static_cast<BaseChoice>(flags / 4 % 3);
     with_printer_ = flags / 16 % 4 == 1;
-    settings.placement.fit = with_printer_ && flags / 64 % 2 == 1;
+    settings.placement.fit = flags / 64 % 2 == 1;
+    with_scale_ = flags / 128 == 0 || !settings.placement.fit;
     settings.placement.units = static_cast<Units>(byte() % 5);
     pixels_ = 4 + byte() % (kMostPixels - 3);
     layers_ = 4 + byte() % (kMostPixels - 3);
@@ -108,7 +110,7 @@ class CloudDecoder {
 
   void add_shape() {
     const auto kind = byte();
-    const auto count = std::min<std::size_t>(1 + std::size_t{byte()} * 3, CloudInput::kMostPoints - job_.points.size());
+    const auto count = std::min<std::size_t>(1 + std::size_t{byte()}, CloudInput::kMostPoints - job_.points.size());
     const auto facing = byte();
     const double noise = (facing / 16) * 0.02;
     seed_ = mix64(byte());
@@ -134,10 +136,10 @@ class CloudDecoder {
           p.at += q.cwiseProduct(size);
           break;
         }
-        case 2: p.at += Vec3d(u * size[0], v * size[1], (u + v) * size[2]); break;       // a lattice on a plane
+        case 2: p.at += Vec3d(u * size[0], v * size[1], (u + v) * size[2]); break;            // a lattice on a plane
         case 3: p.at += size * (static_cast<double>(i) / static_cast<double>(count)); break;  // a line
-        case 4: break;                                                                   // one place
-        case 5: p.at += random_vector().cwiseProduct(size); break;                       // a cloud
+        case 4: break;                                                                        // one place
+        case 5: p.at += random_vector().cwiseProduct(size); break;                            // a cloud
         case 6: {  // what a camera sees of a wavy surface
           const double depth = size[2] * (1 + u * u - v * v);
           p.at += Vec3d(u * size[0], v * size[1], 1) * depth;
@@ -176,26 +178,28 @@ class CloudDecoder {
     }
   }
 
-  /// Without a printer, the pitch that gives the cloud the grid asked for, if it is a pitch that the command line takes, and a
-  /// scale for the rest. What then has too large a grid goes to a small printer.
+  /// A scale that gives the cloud the grid asked for, if it is one that the command line takes. What then has too large a grid
+  /// goes to a small printer.
   void choose_grid() {
     Box3d box;
     for (const CloudPoint& p : job_.points) {
       if (p.at.allFinite()) box.extend(p.at);
     }
     PlacementSettings& placement = job_.settings.placement;
-    const Vec3d size = box.empty() ? Vec3d(1, 1, 1) : box.size();
-    const double unit_mm = placement.units == Units::kAuto ? 1 : millimetres_per(placement.units);
-    const double longest = size.maxCoeff() * unit_mm;
-    placement.pixel_pitch_mm = static_cast<float>(std::clamp(longest / pixels_, 0.005, 1.0));
-    placement.layer_height_mm = static_cast<float>(std::clamp(longest / layers_, 0.005, 1.0));
-    const bool too_large = longest > 2 * kMostPixels || placement.units == Units::kAuto;
-    if (with_printer_ || too_large) {
-      placement.printer = PrinterVolume{.columns = static_cast<std::uint32_t>(pixels_),
-                                        .rows = static_cast<std::uint32_t>(pixels_),
-                                        .pitch_x_mm = placement.pixel_pitch_mm,
-                                        .pitch_y_mm = placement.pixel_pitch_mm,
-                                        .travel_mm = static_cast<float>(layers_) * placement.layer_height_mm};
+    const double unit_mm = millimetres_per(placement.units == Units::kAuto ? Units::kInches : placement.units);
+    const double longest = box.empty() ? 1 : std::max(1e-300, box.size().maxCoeff() * unit_mm);
+    const double wanted = pixels_ * static_cast<double>(kPitchMm);
+    placement.pixel_pitch_mm = kPitchMm;
+    placement.layer_height_mm = kPitchMm * static_cast<float>(pixels_) / static_cast<float>(layers_);
+    if (with_scale_) placement.scale = std::clamp(wanted / longest, 1e-6, 1e6);
+    if (with_printer_ || longest * placement.scale > 4 * wanted) {
+      placement.printer = PrinterVolume{.columns = static_cast<std::uint32_t>(pixels_) + 3,
+                                        .rows = static_cast<std::uint32_t>(pixels_) + 5,
+                                        .pitch_x_mm = kPitchMm,
+                                        .pitch_y_mm = kPitchMm,
+                                        .travel_mm = static_cast<float>(wanted)};
+    } else {
+      placement.fit = false;
     }
   }
 
@@ -203,6 +207,7 @@ class CloudDecoder {
   CloudInput job_;
   std::uint64_t seed_ = 0;
   bool with_printer_ = false;
+  bool with_scale_ = true;
   int pixels_ = 8;
   int layers_ = 8;
 };
@@ -217,7 +222,9 @@ inline std::string ply_of(const CloudInput& job, std::uint32_t file) {
                 "property double z\n%send_header\n",
                 end - first, job.has_normals ? "property float nx\nproperty float ny\nproperty float nz\n" : "");
   std::string bytes = header.data();
-  const auto add = [&bytes](const auto& number) { bytes.append(reinterpret_cast<const char*>(&number), sizeof number); };
+  const auto add = [&bytes](const auto& number) {
+    bytes.append(reinterpret_cast<const char*>(&number), sizeof number);
+  };
   for (std::size_t i = first; i < end; ++i) {
     for (int a = 0; a < 3; ++a) add(job.points[i].at[a]);
     for (int a = 0; job.has_normals && a < 3; ++a) add(static_cast<float>(job.points[i].normal[a]));

@@ -14,6 +14,7 @@ namespace plumbline {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::StartsWith;
 
 TEST(StickJob, HasEveryKeyThatItsFileHas) {
   const auto job = parse_stick_job(
@@ -86,6 +87,20 @@ TEST(StickJob, CallsTheUndersideAsTheCommandLineDoes) {
   ASSERT_FALSE(wrong);
   EXPECT_THAT(wrong.error().message(),
               HasSubstr("job.toml:3: [job] base: found a string 'round', allowed is one of the strings"));
+}
+
+// toml++ reached code that it marks as unreachable. What happened then was up to the compiler.
+TEST(StickJob, TakesAnyLetterInAStringAndRefusesItInAKey) {
+  const auto job = parse_stick_job("[job]\nscan = 'b\u00FCste \u0391\u0416.ply'  # B\u00FCste\n", "job.toml");
+  ASSERT_TRUE(job.has_value()) << job.error().message();
+  EXPECT_EQ(job->scan, "b\u00FCste \u0391\u0416.ply");
+  for (const char* const letter : {"\u00A1", "\u00DF", "\u00FC", "\u020F", "\u0391", "\u0416", "\u0499"}) {
+    for (const std::string& text : {std::string(letter) + " = 2\n", std::string("ma") + letter + " = 2\n"}) {
+      const auto wrong = parse_stick_job("[job]\nscan = 'a.ply'\n" + text, "job.toml");
+      ASSERT_FALSE(wrong.has_value()) << text;
+      EXPECT_THAT(wrong.error().message(), StartsWith("job.toml:3: "));
+    }
+  }
 }
 
 TEST(StickJob, IsExplainedKeyByKeyInTheReadme) {

@@ -117,7 +117,7 @@ class Machine:
         while self.shell.line(seconds) != "ready":
             pass
 
-    def run(self, command, seconds=60):
+    def run(self, command, seconds=180):
         """@returns (status, output)"""
         self.shell.send(command)
         said = []

@@ -3,6 +3,7 @@
 import argparse
 import json
 import math
+import os
 import re
 import shutil
 import struct
@@ -24,8 +25,8 @@ OPTIONS = None
 # Stops the watchdog that a killed firmware leaves running.
 DISARM = "echo V > /dev/watchdog0"
 
-# Host seconds. Generous: emulation on a busy host is slow, which says nothing about the firmware.
-PATIENCE = 180
+# Host seconds. Generous: emulation on a busy host is slow, which says nothing about the firmware. PLUMBLINE_RIG_PATIENCE gives more.
+PATIENCE = int(os.environ.get("PLUMBLINE_RIG_PATIENCE", "180"))
 
 
 def write_lentil(path, points=12000):
@@ -119,7 +120,7 @@ class Rig(unittest.TestCase):
         print(text, file=sys.stderr, flush=True)
 
     @classmethod
-    def run_in_guest(cls, command, seconds=60):
+    def run_in_guest(cls, command, seconds=PATIENCE):
         status, said = cls.machine.run(command, seconds)
         assert status == 0, f"{command}: status {status}: {said}"
         return said

@@ -62,10 +62,12 @@ class Stopped(rig.Rig):
                 dark = self.strike(who, number, chance.randrange(800_000))
                 if " " in who and dark is None:
                     self.until_reset()
+                    self.tell(f"round {done}: {who}, {number}: reset by the watchdog")
                     continue
                 self.assertIsNotNone(dark, "still lit")
                 self.assertLess(dark, 0.050)
                 self.assertFalse(self.stage.lit())
+                self.tell(f"round {done}: {who}, {number}: dark after {1e3 * dark:.3f} ms")
                 worst[who, number] = max(dark, worst.get((who, number), 0))
                 if who == "plumbline-keeper":
                     self.until("PL-303")

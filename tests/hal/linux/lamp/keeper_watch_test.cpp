@@ -172,6 +172,19 @@ TEST(KeeperWatch, AStoppedKeeperTurnsTheLampOffWhenItsFirmwareDies) {
   ::prctl(PR_SET_CHILD_SUBREAPER, 0);
 }
 
+TEST(KeeperWatch, AKeeperThatWasStoppedInTheDarkLightsNothingAndIsEndedWithin50MsOfTheNextRequest) {
+  const Line line;
+  auto keeper = LampKeeper::start(line.settings());
+  ASSERT_TRUE(keeper) << keeper.error().message();
+  ASSERT_EQ(::kill(keeper->process(), SIGSTOP), 0);
+  const auto asked = monotonic_now();
+  EXPECT_EQ(keeper->light(10s).error().code(), ErrorCode::kLampFailed);
+  EXPECT_TRUE(keeper->await_dark(1000ms));
+  EXPECT_LT(monotonic_now() - asked, kDark);
+  EXPECT_STREQ(keeper->reason(), "did not answer");
+  for (const auto& change : line.changes()) EXPECT_FALSE(change.lit);
+}
+
 TEST(KeeperWatch, NobodyIsBlamedWhenTheWholeBoardStoodStill) {
   const Line line;
   const Firmware firmware(line);
