@@ -1,4 +1,5 @@
 #include "firmware/io/json_writer.hpp"
+#include "firmware/io/output_file.hpp"
 
 #include <gtest/gtest.h>
 
