@@ -78,7 +78,7 @@ TEST_F(StateSocketTest, AnswersEachRequestAndTellsOneEventATurn) {
   for (int turn = 0; turn < 4; ++turn) EXPECT_EQ(serve(), std::nullopt);
   EXPECT_EQ(json_member(line_of(user), "type"), "\"state\"");
   EXPECT_EQ(line_of(user), R"({"type": "reply", "id": 1, "ok": true})");
-  EXPECT_EQ(line_of(user), R"({"type": "reply", "id": 2, "ok": false, "error": "not now.", "advice": "Later"})");
+  EXPECT_EQ(line_of(user), R"({"type": "reply", "id": 2, "ok": false, "error": "not now", "advice": "Later"})");
   EXPECT_THAT(line_of(user), HasSubstr("not a flat JSON object"));
   EXPECT_THAT(line_of(user), HasSubstr("'printing'. It takes pause, cancel"));
   EXPECT_EQ(json_member(line_of(other), "type"), "\"state\"");
@@ -101,12 +101,16 @@ TEST_F(StateSocketTest, IsForEverybodyToReadAndForTheGroupToCommand) {
 
 TEST_F(StateSocketTest, TurnsAwayWhoeverIsOneTooManyButNotThoseWhoCommand) {
   std::vector<StateLink> readers;
-  for (std::size_t i = 0; i < 3 * StateSocket::kReaders; ++i) readers.push_back(link(false));
-  for (int turn = 0; turn < 3; ++turn) serve();
+  for (std::size_t i = 0; i < 3 * StateSocket::kReaders; ++i) {
+    readers.push_back(link(false));
+    serve();
+  }
   for (std::size_t i = 0; i < readers.size(); ++i) {
     const bool in = i < StateSocket::kReaders;
     EXPECT_THAT(line_of(readers[i]), HasSubstr(in ? "\"type\": \"state\"" : "8 clients are connected"));
-    if (!in) EXPECT_EQ(line_of(readers[i]), "the end");
+    if (!in) {
+      EXPECT_EQ(line_of(readers[i]), "the end");
+    }
   }
   StateLink user = link(true);
   serve();
