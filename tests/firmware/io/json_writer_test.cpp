@@ -1,5 +1,4 @@
 #include "firmware/io/json_writer.hpp"
-#include "firmware/io/output_file.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "firmware/io/output_file.hpp"
 #include "tests/firmware/support/job_fixture.hpp"
 
 namespace plumbline {
