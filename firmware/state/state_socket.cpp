@@ -65,15 +65,14 @@ std::optional<EventKind> StateSocket::serve(const PrinterRecord& record, Command
 }
 
 std::optional<EventKind> StateSocket::serve_all(const PrinterRecord& record, CommandTaker& taker) {
-  for (Door& door : doors_) let_in(door);
-  std::optional<EventKind> event;
-  const auto is_open = [](const StateClient& client) { return client.is_open(); };
-  if (std::none_of(clients_.begin(), clients_.end(), is_open)) return event;
   write_state(record);
-  for (const Door& door : doors_) {
+  std::optional<EventKind> event;
+  for (Door& door : doors_) {
     for (StateClient& client : door.clients) {
       if (client.is_open()) serve_client(client, door, record, taker, event);
     }
+    // Afterwards: whoever has left makes room.
+    let_in(door);
   }
   return event;
 }
@@ -95,6 +94,7 @@ void StateSocket::let_in(Door& door) {
                                           [](const StateClient& one) { return one.is_open(); });
     if (client != door.clients.data() + door.clients.size()) {
       client->open(std::move(socket));
+      client->send_state(line_.view(), sequence_);
       continue;
     }
     const Error full = Error::format(ErrorCode::kBusy, "%zu clients are connected.\tEnd one of them, then try again",

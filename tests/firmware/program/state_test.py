@@ -213,6 +213,17 @@ class State(Program):
         user.do("cancel")
         self.assertEqual(user.state("plate in use", "plate-empty")["job"]["result"], "cancelled")
 
+    @unittest.skipUnless(Draft202012Validator, "no python3-jsonschema")
+    def test_the_schema_holds_for_the_examples_and_for_nothing_else(self):
+        check = Draft202012Validator(SCHEMA)
+        examples = [json.loads(line) for line in (SOURCE_DIR / "firmware/state/examples.ndjson").read_text().splitlines()]
+        for example in examples:
+            check.validate(example)
+        wrong = {**examples[0], "state": "printin"}
+        self.assertFalse(check.is_valid(wrong))
+        self.assertTrue(check.is_valid({"do": "set", "key": "fit", "value": True}))
+        self.assertFalse(check.is_valid({"do": "set", "kye": "fit"}))
+
     def test_the_programs_show_and_command(self):
         self.put_stick({"a.ply": 2}, '[job]\nscan = "a.ply"\n')
         daemon, user = self.start(speedup=1e4)

@@ -69,6 +69,7 @@ TEST_F(StateSocketTest, SendsTheStateAtOnceAndWhenItHasChanged) {
 
 TEST_F(StateSocketTest, AnswersEachRequestAndTellsOneEventATurn) {
   StateLink user = link(true), other = link(true);
+  EXPECT_EQ(serve(), std::nullopt) << "lets them in";
   ASSERT_TRUE(
       user.send("{\"do\":\"pause\",\"id\":1}\n{\"do\":\"cancel\",\"id\":2}\nnonsense\n{\"do\":\"start\",\"id\":4}\n"));
   ASSERT_TRUE(other.send("{\"do\":\"pause\",\"id\":9}\n"));
@@ -93,7 +94,7 @@ TEST_F(StateSocketTest, IsForEverybodyToReadAndForTheGroupToCommand) {
   EXPECT_EQ(facts.st_mode & 0777U, 0660U);
   StateLink reader = link(false);
   ASSERT_TRUE(reader.send("{\"do\":\"pause\"}\n"));
-  EXPECT_EQ(serve(), std::nullopt);
+  for (int turn = 0; turn < 2; ++turn) EXPECT_EQ(serve(), std::nullopt);
   EXPECT_EQ(json_member(line_of(reader), "type"), "\"state\"");
   EXPECT_THAT(line_of(reader), HasSubstr("this socket is for reading"));
   EXPECT_TRUE(taken_.empty());
