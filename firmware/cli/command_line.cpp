@@ -37,13 +37,15 @@ ExitCode run_command_line(int argc, char** argv, std::span<std::byte> arena_bloc
   PrintOptions print;
   SampleOptions sample;
   DoctorOptions doctor;
-  PressOptions press;
+  StatusOptions status;
+  ControlOptions control;
   const CLI::App* slice_command = add_slice_command(app, slice);
   const CLI::App* inspect_command = add_inspect_command(app, inspect);
   const CLI::App* orient_command = add_orient_command(app, orient);
   const CLI::App* print_command = add_print_command(app, print);
   const CLI::App* sample_command = add_sample_command(app, sample);
-  const CLI::App* press_command = add_press_command(app, press);
+  const CLI::App* status_command = add_status_command(app, status);
+  const CLI::App* control_command = add_control_command(app, control);
   add_doctor_command(app, doctor);
 
   try {
@@ -60,7 +62,8 @@ ExitCode run_command_line(int argc, char** argv, std::span<std::byte> arena_bloc
   if (orient_command->parsed()) return run_orient(orient, arena_block);
   if (print_command->parsed()) return run_print(print, arena_block);
   if (sample_command->parsed()) return run_sample(sample);
-  if (press_command->parsed()) return run_press(press);
+  if (status_command->parsed()) return run_status(status);
+  if (control_command->parsed()) return run_control(control);
   return run_doctor(doctor);
 }
 

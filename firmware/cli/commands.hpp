@@ -11,6 +11,7 @@
 #include "firmware/machine/back_end.hpp"
 #include "firmware/settings/job_options.hpp"
 #include "firmware/settings/support_choice.hpp"
+#include "firmware/state/socket_place.hpp"
 
 namespace CLI {
 class App;
@@ -59,9 +60,17 @@ struct DoctorOptions {
   bool json = false;
 };
 
-struct PressOptions {
-  std::string button;                        ///< "start", "pause" or "cancel"
-  std::string state = "/var/lib/plumbline";  ///< the daemon's folder
+struct StatusOptions {
+  std::string socket = kStateSocket;  ///< the daemon's state socket
+  bool follow = false;                ///< until the daemon ends
+  bool json = false;
+};
+
+struct ControlOptions {
+  std::string socket = kStateSocket;  ///< the daemon's state socket; commands go to the one beside it
+  std::string command;                ///< to_string(Command)
+  std::uint32_t scan = 0;             ///< of choose
+  std::string key, value;             ///< of set
 };
 
 /// Each adds a subcommand whose options are parsed into `options`, which must outlive the parsing.
@@ -71,7 +80,8 @@ CLI::App* add_orient_command(CLI::App& app, OrientOptions& options);
 CLI::App* add_print_command(CLI::App& app, PrintOptions& options);
 CLI::App* add_sample_command(CLI::App& app, SampleOptions& options);
 CLI::App* add_doctor_command(CLI::App& app, DoctorOptions& options);
-CLI::App* add_press_command(CLI::App& app, PressOptions& options);
+CLI::App* add_status_command(CLI::App& app, StatusOptions& options);
+CLI::App* add_control_command(CLI::App& app, ControlOptions& options);
 
 /// Each runs a subcommand. Results go to standard output; progress, warnings and errors to standard error.
 /// @param arena_block  the program's static memory
@@ -81,6 +91,7 @@ ExitCode run_orient(const OrientOptions& options, std::span<std::byte> arena_blo
 ExitCode run_print(const PrintOptions& options, std::span<std::byte> arena_block);
 ExitCode run_sample(const SampleOptions& options);
 ExitCode run_doctor(const DoctorOptions& options);
-ExitCode run_press(const PressOptions& options);
+ExitCode run_status(const StatusOptions& options);
+ExitCode run_control(const ControlOptions& options);
 
 }  // namespace plumbline

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "firmware/io/json_writer.hpp"
+#include "firmware/io/output_file.hpp"
 
 namespace plumbline {
 namespace {

@@ -5,6 +5,7 @@
 #include "firmware/cli/shared_options.hpp"
 #include "firmware/io/interrupt.hpp"
 #include "firmware/io/json_writer.hpp"
+#include "firmware/io/output_file.hpp"
 #include "firmware/io/progress_lines.hpp"
 #include "firmware/slice/job_summary.hpp"
 #include "firmware/slice/manifest.hpp"

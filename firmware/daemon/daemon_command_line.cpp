@@ -17,6 +17,7 @@
 #include "firmware/print/print_summary.hpp"
 #include "firmware/print/status/print_lines.hpp"
 #include "firmware/settings/job_options.hpp"
+#include "firmware/state/socket_place.hpp"
 
 namespace plumbline {
 namespace {
@@ -26,22 +27,22 @@ constexpr const char* kAbout =
     "\n"
     "A stick's job is its job.toml, the only scan in its top folder, or the scan that the user chooses with the "
     "buttons.\n"
-    "It is printed when start is pressed, or by 'plumbline press start'. After a print the daemon waits until start "
-    "is\n"
-    "pressed for the empty plate.\n"
+    "It is printed when start is pressed, or by 'plumbline ctl start'. After a print the daemon waits until start is\n"
+    "pressed for the empty plate. 'plumbline status' shows what it is doing.\n"
     "The journal is kept in --state: after a power cut the print resumes when start is pressed.\n";
 
 constexpr const char* kFooter =
     "\nExamples:\n"
     "  plumblined --printer board/sim2k.toml --state state --stick stick      creating the folder plugs the stick in\n"
-    "  plumbline press start --state state                                    says that the plate is empty; starts a "
-    "print\n"
+    "  plumbline status --socket state/state                                  what it is doing, and what it waits for\n"
+    "  plumbline ctl start --socket state/state                               print what is on the stick\n"
     "\n"
     "SIGTERM ends it in order: the lamp goes dark, the part is lifted, and the print can resume later.\n";
 
 struct DaemonOptions {
   std::string printer;
   std::string state = "/var/lib/plumbline";
+  std::string socket;      ///< of the printer's state; empty: see socket_path()
   std::uint32_t jobs = 0;  ///< end after this many prints; 0: never
   SimulationOptions simulation;
 };
@@ -49,6 +50,15 @@ struct DaemonOptions {
 bool is_folder(const std::string& path) {
   struct stat facts {};
   return !path.empty() && ::stat(path.c_str(), &facts) == 0 && S_ISDIR(facts.st_mode);
+}
+
+/// Where the printer's state is served. A simulated printer needs no folder that only root can make.
+std::string socket_path(const DaemonOptions& options, const MachineFile& machine) {
+  if (!options.socket.empty()) return options.socket;
+  const bool named = !machine.state_socket.empty() && !options.simulation.simulate;
+  if (named) return machine.state_socket;
+  if (machine.simulated || options.simulation.simulate) return options.state + "/state";
+  return kStateSocket;
 }
 
 /// Logs to standard error and the service manager, writes reports, and plugs the simulated stick in and out.
@@ -156,8 +166,8 @@ ExitCode serve(const DaemonOptions& options, std::size_t largest_arena) {
   if (!store) return report_error(store.error());
   auto plate = PlateRecord::open(options.state);
   if (!plate) return report_error(plate.error());
-  auto buttons = ButtonSocket::open(options.state);
-  if (!buttons) return report_error(buttons.error());
+  const auto socket = StateSocket::open(socket_path(options, *machine));
+  if (!socket) return report_error(socket.error());
   auto manager = ServiceManager::of_environment();
   if (!manager) return report_error(manager.error());
   SimulationOptions simulation = options.simulation;
@@ -176,7 +186,7 @@ ExitCode serve(const DaemonOptions& options, std::size_t largest_arena) {
   Arena arena(child->arena_block());
   DaemonLog log(options, **back_end, *manager);
   const Machine& devices = (*back_end)->machine();
-  ServiceEvents events(devices.events, devices.clock, *buttons, *manager);
+  ServiceEvents events(devices.events, devices.clock, *manager);
   Machine watched{.clock = devices.clock,
                   .events = events,
                   .mask = devices.mask,
@@ -185,7 +195,9 @@ ExitCode serve(const DaemonOptions& options, std::size_t largest_arena) {
                   .stick = devices.stick,
                   .panel = devices.panel,
                   .thermals = devices.thermals};
-  PrinterDaemon daemon(watched, settings, *child, arena, *store, *plate, log);
+  PrinterRecord record;
+  PrinterDaemon daemon(watched, settings, *child, arena, *store, *plate, log, record);
+  events.serve(**socket, record, daemon);
   if (const auto told = manager->ready(); !told) return report_error(told.error());
   const auto served = daemon.run();
   if (!served) return report_error(served.error());
@@ -203,6 +215,11 @@ ExitCode run_daemon_command_line(int argc, char** argv, std::size_t largest_aren
   app.add_option("--printer", options.printer, "Board file")->required()->type_name("TOML");
   app.add_option("--state", options.state, "Folder for journal, job and the last report [/var/lib/plumbline]")
       ->type_name("DIR");
+  app.add_option(
+         "--socket", options.socket,
+         "Socket that serves the printer's state; beside it, with .command after its name, the one for commands\n"
+         "[the board file's, else /run/plumbline/state; simulated: state in the folder --state]")
+      ->type_name("PATH");
   app.add_option("--jobs", options.jobs, "End after N prints [never]")->type_name("N");
   constexpr const char* kSimulation = "Simulation";
   app.add_flag("--simulate", options.simulation.simulate, "Simulate the printer even if it is a real one")

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "firmware/daemon/job_setting.hpp"
 #include "firmware/daemon/stick_words.hpp"
 #include "firmware/print/status/state_lights.hpp"
 #include "firmware/settings/support_choice.hpp"
@@ -18,19 +19,25 @@ constexpr nanoseconds kSettle = std::chrono::seconds(1);
 }  // namespace
 
 PrinterDaemon::PrinterDaemon(Machine& machine, const DaemonSettings& settings, SlicingChild& child, Arena& arena,
-                             JobStore& store, PlateRecord& plate, DaemonObserver& observer)
+                             JobStore& store, PlateRecord& plate, DaemonObserver& observer, PrinterRecord& record)
     : machine_(machine),
       settings_(settings),
       child_(child),
       arena_(arena),
       store_(store),
       plate_(plate),
-      observer_(observer),
-      slicing_(child, machine, arena, observer, settings.slicing_patience) {}
+      record_(record),
+      observer_(record, machine.stick, observer),
+      slicing_(child, machine, arena, observer_, settings.slicing_patience) {
+  assign(record.printer, settings.board.name);
+  record.simulated = settings.machine.simulated;
+}
 
 void PrinterDaemon::apply(PrintEvent event) {
   const PrintState before = state_;
   state_ = next(state_, event);
+  record_.state = state_;
+  if (event == PrintEvent::kAcknowledged) record_.fault.reset();
   if (state_ == before) return;
   if (state_ == PrintState::kIdle) told_ready_ = false;
   show_on_panel(machine_.panel, state_);
@@ -91,7 +98,9 @@ Expected<bool> PrinterDaemon::has_interrupted() {
 Status PrinterDaemon::serve_idle() {
   if (machine_.stick.has_stick() && !served_) return serve_stick();
   if (!std::exchange(told_ready_, true)) observer_.say("ready");
+  record_.waits = true;
   const auto event = machine_.events.next_event(machine_.clock.now() + kLook);
+  record_.waits = false;
   PLUMBLINE_TRY(event);
   observer_.idle();
   if (!*event) return {};
@@ -114,7 +123,11 @@ Status PrinterDaemon::serve_idle() {
 Expected<EventKind> PrinterDaemon::ask(const std::function<void()>& on_next) {
   const TimePoint asked = machine_.clock.now();
   for (;;) {
+    record_.waits = true;
+    by_command_ = false;
     const auto event = machine_.events.next_event(machine_.clock.now() + kLook);
+    record_.waits = false;
+    const bool by_command = std::exchange(by_command_, false);
     PLUMBLINE_TRY(event);
     observer_.idle();
     if (!*event) continue;
@@ -122,7 +135,7 @@ Expected<EventKind> PrinterDaemon::ask(const std::function<void()>& on_next) {
     switch (kind) {
       case EventKind::kStartPressed:
       case EventKind::kCancelPressed:
-        if ((*event)->at < asked + kSettle) break;
+        if (!by_command && (*event)->at < asked + kSettle) break;
         return kind;
       case EventKind::kShutdownRequested: ending_ = true; return kind;
       case EventKind::kStickArrived:
@@ -184,56 +197,144 @@ Status PrinterDaemon::serve_fault() {
 Status PrinterDaemon::serve_stick() {
   served_ = true;
   fault_ = FaultCode::kNone;
+  record_.begin_job();
   apply(PrintEvent::kJobOffered);
   return print_scan();
 }
 
-/// @returns the job that somebody wants printed; none: nobody does, or the stick was pulled
-Expected<std::optional<StickJob>> PrinterDaemon::choose(const StickMount& mount) {
+/// Carries out a command. One that answers a question becomes the button that does.
+Expected<std::optional<EventKind>> PrinterDaemon::take(const ClientRequest& request) {
+  if (const auto button = button_of(request.command)) {
+    by_command_ = true;
+    return button;
+  }
+  if (offer_ == nullptr) return fail(ErrorCode::kBadSetting, "nothing is offered");
+  if (request.command == Command::kSet) {
+    PLUMBLINE_TRY(set(*offer_, request.key.view(), request.value.view()));
+    return std::nullopt;
+  }
+  if (request.scan > offer_->choices()) {
+    return fail(ErrorCode::kBadSetting, "there is no scan %u on the stick: it has %zu", request.scan,
+                offer_->choices());
+  }
+  choose_scan(*offer_, request.scan - 1);
+  return std::nullopt;
+}
+
+/// What a stick has, before anybody chooses.
+Status PrinterDaemon::make_offer(const StickMount& mount, Offer& offer) {
   const auto scans = list_scans(mount);
   PLUMBLINE_TRY(scans);
-  StickJob job;
-  const bool has_job_file = !scans->job_file.view().empty();
-  if (has_job_file) {
+  offer.scans = *scans;
+  record_scans(*scans);
+  if (offer.has_job_file()) {
     auto file = mount.open(scans->job_file.view());
     PLUMBLINE_TRY(file);
     auto read = slicing_.read_job(mount, *file);
     ending_ = ending_ || slicing_.shutdown();
     PLUMBLINE_TRY(read);
-    job = std::move(*read);
+    offer.job = std::move(*read);
   } else if (scans->count == 0) {
     return fail(ErrorCode::kNoPoints,
                 "there is no scan on the stick:\tput a PLY, PCD, OBJ or XYZ file in its top folder");
   } else {
-    job.scan = scans->names[0].view();
+    offer.job.scan = scans->list[0].name.view();
   }
-  const std::size_t choices = has_job_file ? 1 : scans->count;
-  if (choices == 1 && settings_.machine.start == StartChoice::kOnStick) return job;
+  record_job(offer);
+  return {};
+}
 
-  std::size_t chosen = 0;
-  const auto show = [&] {
-    FixedText<400> text;
-    if (choices > 1) text.add("scan %zu of %zu: ", chosen + 1, choices);
-    text.add("%s%s%s. Press start to print it%s", scans->job_file.c_str(), has_job_file ? " asks for " : "",
-             job.scan.c_str(), choices > 1 ? ", pause for the next one, cancel for none" : "");
-    observer_.say(text.view());
-  };
-  const auto show_next = [&] {
-    if (choices == 1) return;
-    chosen = (chosen + 1) % choices;
-    job.scan = scans->names[chosen].view();
-    show();
-  };
-  show();
+void PrinterDaemon::show(const Offer& offer) {
+  const bool several = offer.choices() > 1;
+  FixedText<400> text;
+  if (several) text.add("scan %zu of %zu: ", offer.chosen + 1, offer.choices());
+  text.add("%s%s%s. Press start to print it%s", offer.scans.job_file.c_str(), offer.has_job_file() ? " asks for " : "",
+           offer.job.scan.c_str(), several ? ", pause for the next one, cancel for none" : "");
+  observer_.say(text.view());
+}
+
+/// @pre scan < offer.choices()
+void PrinterDaemon::choose_scan(Offer& offer, std::size_t scan) {
+  if (offer.choices() == 1) return;
+  offer.chosen = scan;
+  offer.job.scan = offer.scans.list[scan].name.view();
+  record_job(offer);
+  show(offer);
+}
+
+Status PrinterDaemon::set(Offer& offer, std::string_view key, std::string_view value) {
+  if (key == "profile") {
+    const auto profile = profile_of(std::string(value));
+    PLUMBLINE_TRY(profile);
+    offer.job.profile = value;
+  } else {
+    PLUMBLINE_TRY(set_job_setting(offer.job, key, value));
+  }
+  record_job(offer);
+  return {};
+}
+
+/// Lists the scans of a stick. What was wrong with one of them is remembered as long as the stick is in.
+void PrinterDaemon::record_scans(const StickScans& scans) {
+  const auto before = record_.scans;
+  const std::size_t count_before = record_.scan_count;
+  record_.has_job_file = !scans.job_file.view().empty();
+  record_.scan_count = scans.count;
+  record_.scans_left_out = scans.left_out;
+  for (std::size_t i = 0; i < scans.count; ++i) {
+    ScanRecord& scan = record_.scans[i];
+    scan = {};
+    assign(scan.name, scans.list[i].name.view());
+    scan.bytes = scans.list[i].bytes;
+    if (scan.bytes == 0) assign(scan.problem, "the file is empty");
+    for (std::size_t k = 0; k < count_before; ++k) {
+      if (before[k].name.view() == scan.name.view() && before[k].bytes == scan.bytes) scan.problem = before[k].problem;
+    }
+  }
+}
+
+void PrinterDaemon::record_job(const Offer& offer) {
+  const StickJob& job = offer.job;
+  JobRecord& record = record_.job.emplace();
+  assign(record.scan, job.scan);
+  assign(record.profile, job.profile.empty() ? settings_.machine.profile : job.profile);
+  if (!offer.has_job_file()) record.chosen = offer.chosen;
+  record.units = job.units;
+  record.scale = job.scale;
+  record.fit = job.fit;
+  record.rotate_deg = {job.rotate_x_deg, job.rotate_y_deg, job.rotate_z_deg};
+  record.layer_height_mm = job.layer_height;
+  record.supports = job.supports;
+  record.base = job.base;
+  record.keep_all = job.keep_all;
+}
+
+/// @returns the job that somebody wants printed; none: nobody does, or the stick was pulled
+Expected<std::optional<StickJob>> PrinterDaemon::choose(const StickMount& mount) {
+  Offer offer;
+  PLUMBLINE_TRY(make_offer(mount, offer));
+  if (offer.choices() == 1 && settings_.machine.start == StartChoice::kOnStick) return offer.job;
+  show(offer);
+  offer_ = &offer;
+  std::optional<StickJob> wanted;
+  Status asked;
   while (!ending_) {
-    const auto answer = ask(show_next);
-    PLUMBLINE_TRY(answer);
-    if (*answer == EventKind::kStartPressed) return job;
+    const auto answer = ask([&] { choose_scan(offer, (offer.chosen + 1) % offer.choices()); });
+    if (!answer) {
+      asked = tl::unexpected<Error>(answer.error());
+      break;
+    }
     if (*answer == EventKind::kStickArrived) continue;  // the one that is read
-    served_ = *answer != EventKind::kStickDeparted;
+    if (*answer == EventKind::kStartPressed) {
+      wanted = offer.job;
+    } else {
+      served_ = *answer != EventKind::kStickDeparted;
+    }
     break;
   }
-  return std::nullopt;
+  offer_ = nullptr;
+  PLUMBLINE_TRY(asked);
+  return wanted;
 }
 
 Expected<PrintProfile> PrinterDaemon::profile_of(const std::string& name) const {
@@ -289,7 +390,11 @@ Status PrinterDaemon::print_scan() {
     const auto sliced = slicing_.run(*mount, *scan, request);
     ending_ = ending_ || slicing_.shutdown();
     PLUMBLINE_TRY(sliced);
-    for (std::size_t i = 0; i < sliced->remarks; ++i) observer_.say(in_stick_words(sliced->remark[i].view()).view());
+    for (std::size_t i = 0; i < sliced->remarks; ++i) {
+      const auto remark = in_stick_words(sliced->remark[i].view());
+      observer_.say(remark.view());
+      record_.add_finding(Severity::kWarning, remark.view());
+    }
     PLUMBLINE_TRY(session.take(sliced->sliced, request.name.view(), *profile));
   }
   observer_.say("the stick may be pulled");
@@ -308,12 +413,19 @@ Status PrinterDaemon::resume() {
   }
   auto profile = profile_of(std::string(view(session.facts().profile)));
   PLUMBLINE_TRY(profile);
+  record_.begin_job();
+  JobRecord& job = record_.job.emplace();
+  assign(job.scan, view(session.facts().scan));
+  assign(job.profile, view(session.facts().profile));
   apply(PrintEvent::kJobResumed);
   print(session, *profile);
   return {};
 }
 
 void PrinterDaemon::print(PrintSession& session, const PrintProfile& profile) {
+  record_.resin = ResinRecord{static_cast<double>(session.facts().cured_pixels) * session.pixel_ml(),
+                              settings_.machine.tank_volume_ml};
+  record_.slicing.reset();
   const PrintReport& report = session.print(machine_, observer_, &plate_);
   observer_.printed(report, session, profile);
   // Don't print the same stick again until it is plugged in anew.
@@ -333,6 +445,7 @@ void PrinterDaemon::print(PrintSession& session, const PrintProfile& profile) {
 
 /// Says why a job could not be printed, or that the user stopped it.
 void PrinterDaemon::refuse(const Error& error, FaultCode code) {
+  record_.slicing.reset();
   if (error.code() == ErrorCode::kCancelled) {
     apply(PrintEvent::kCancelAsked);
     apply(PrintEvent::kAcknowledged);
@@ -347,6 +460,10 @@ void PrinterDaemon::refuse(const Error& error, FaultCode code) {
     // The advice names an option that job.toml does not have.
     advice.clear();
     advice.add("%.*s", static_cast<int>(info(fault_).next.size()), info(fault_).next.data());
+  }
+  record_.set_fault(fault_, error.finding(), advice.view());
+  if (record_.job && record_.job->chosen && *record_.job->chosen < record_.scan_count) {
+    assign(record_.scans[*record_.job->chosen].problem, fault.what.view());
   }
   FixedText<1000> text;
   text.add("%s. %s", fault.what.c_str(), advice.c_str());

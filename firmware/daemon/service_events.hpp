@@ -1,8 +1,9 @@
 #pragma once
-/// The machine's events, and those of its ButtonSocket. Every look for one also sends a sign of life to the service manager.
+/// The machine's events, and those that commands become. Every look for one also serves the state socket and sends a sign of life to the
+/// service manager.
 
-#include "firmware/daemon/button_socket.hpp"
 #include "firmware/daemon/service_manager.hpp"
+#include "firmware/state/state_socket.hpp"
 #include "hal/events.hpp"
 
 namespace plumbline {
@@ -11,17 +12,22 @@ namespace plumbline {
 /// thread would keep reporting life after the work hung.
 class ServiceEvents final : public Events {
  public:
-  /// @param events, clock  the machine's; both must outlive this, as must the others
-  ServiceEvents(Events& events, const Clock& clock, ButtonSocket& buttons, ServiceManager& manager);
+  /// @param events, clock  the machine's; both must outlive this, as must the manager
+  ServiceEvents(Events& events, const Clock& clock, ServiceManager& manager);
+
+  /// From now on serves a socket. All must outlive this.
+  void serve(StateSocket& socket, const PrinterRecord& record, CommandTaker& taker);
 
  private:
   Expected<std::optional<Event>> do_next_event(TimePoint deadline) override;
 
   Events& events_;
   const Clock& clock_;
-  ButtonSocket& buttons_;
   ServiceManager& manager_;
   nanoseconds longest_wait_;
+  StateSocket* socket_ = nullptr;
+  const PrinterRecord* record_ = nullptr;
+  CommandTaker* taker_ = nullptr;
 };
 
 }  // namespace plumbline

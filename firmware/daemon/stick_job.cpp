@@ -13,13 +13,6 @@
 namespace plumbline {
 namespace {
 
-constexpr std::array<std::string_view, 5> kUnitWords = {"mm", "cm", "m", "in", "auto"};
-constexpr std::array<std::string_view, 2> kSupportWords = {"none", "auto"};
-constexpr std::array<std::string_view, 3> kBaseWords = {"auto", "none", "flat"};
-static_assert(static_cast<int>(Units::kMillimetres) == 0 && static_cast<int>(Units::kAuto) == 4);
-static_assert(static_cast<int>(BaseChoice::kAuto) == 0 && static_cast<int>(BaseChoice::kNone) == 1 &&
-              static_cast<int>(BaseChoice::kFlat) == 2);
-
 /// Keys of the size, and their texts.
 constexpr std::array<std::string_view, 4> kSizeWords = {"width", "depth", "height", "length"};
 struct JobTexts {
@@ -87,7 +80,7 @@ std::string in_lower_case(std::string_view name) {
 /// Collects scans and job.toml. Anything that may have been meant as one of them is an error, never skipped: without its
 /// job.toml a scan would be printed at the wrong size.
 struct StickListing final : StickMount::FileVisitor {
-  void on_file(std::string_view name, std::uint64_t /*bytes*/) override {
+  void on_file(std::string_view name, std::uint64_t bytes) override {
     const auto length = static_cast<int>(name.size());
     const std::string lower = in_lower_case(name);
     if (lower == kJobFile) {
@@ -105,7 +98,9 @@ struct StickListing final : StickMount::FileVisitor {
       if (scans.count == StickScans::kMost) {
         ++scans.left_out;
       } else {
-        scans.names[scans.count++].add("%.*s", length, name.data());
+        StickScan& scan = scans.list[scans.count++];
+        scan.name.add("%.*s", length, name.data());
+        scan.bytes = bytes;
       }
     }
   }
@@ -166,8 +161,8 @@ Expected<StickScans> list_scans(const StickMount& mount) {
   const bool has_job = !scans.job_file.view().empty();
   if (!has_job && listing.nearly_job) return tl::unexpected<Error>(*listing.nearly_job);
   if (!has_job && listing.wrong_scan) return tl::unexpected<Error>(*listing.wrong_scan);
-  std::sort(scans.names.begin(), scans.names.begin() + static_cast<std::ptrdiff_t>(scans.count),
-            [](const auto& a, const auto& b) { return a.view() < b.view(); });
+  std::sort(scans.list.begin(), scans.list.begin() + static_cast<std::ptrdiff_t>(scans.count),
+            [](const auto& a, const auto& b) { return a.name.view() < b.name.view(); });
   return scans;
 }
 

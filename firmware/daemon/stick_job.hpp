@@ -34,6 +34,14 @@ struct StickJob {
   bool operator==(const StickJob&) const = default;
 };
 
+/// Words of its settings, by the value of the enumeration; those of supports by whether there are any.
+inline constexpr std::array<std::string_view, 5> kUnitWords = {"mm", "cm", "m", "in", "auto"};
+inline constexpr std::array<std::string_view, 2> kSupportWords = {"none", "auto"};
+inline constexpr std::array<std::string_view, 3> kBaseWords = {"auto", "none", "flat"};
+static_assert(static_cast<int>(Units::kMillimetres) == 0 && static_cast<int>(Units::kAuto) == 4);
+static_assert(static_cast<int>(BaseChoice::kAuto) == 0 && static_cast<int>(BaseChoice::kNone) == 1 &&
+              static_cast<int>(BaseChoice::kFlat) == 2);
+
 inline constexpr std::string_view kJobFile = "job.toml";  ///< in any case
 
 /// The same error as ErrorCode::kBadSetting: if a settings file can't be read or parsed, the scan is not to blame.
@@ -43,10 +51,15 @@ Error as_setting_error(const Error& error);
 /// @retval ErrorCode::kBadSetting  any error of parse_settings()
 [[nodiscard]] Expected<StickJob> parse_stick_job(std::string_view text, std::string_view path);
 
+struct StickScan {
+  FixedText<256> name;
+  std::uint64_t bytes = 0;
+};
+
 /// The scans in a stick's top folder, by name.
 struct StickScans {
   static constexpr std::size_t kMost = 64;
-  std::array<FixedText<256>, kMost> names;
+  std::array<StickScan, kMost> list;
   std::size_t count = 0;
   std::size_t left_out = 0;  ///< scans for which there was no room
   FixedText<256> job_file;   ///< its name on the stick; empty: there is none

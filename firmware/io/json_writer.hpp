@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "firmware/io/output_file.hpp"
+#include "firmware/io/text_sink.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/core/printable_text.hpp"
 
@@ -22,7 +22,7 @@ class JsonWriter {
   static constexpr std::size_t kMaxDepth = 12;
 
   /// @param out  must outlive the writer
-  explicit JsonWriter(OutputFile& out) : out_(out) {}
+  explicit JsonWriter(TextSink& out) : out_(out) {}
   JsonWriter(const JsonWriter&) = delete;
   JsonWriter& operator=(const JsonWriter&) = delete;
 
@@ -75,7 +75,7 @@ class JsonWriter {
     bool empty = true;
   };
 
-  OutputFile& out_;
+  TextSink& out_;
   Status status_;
   std::array<Level, kMaxDepth> levels_ = {};
   std::size_t depth_ = 0;

@@ -6,11 +6,12 @@
 #include <string_view>
 
 #include "firmware/io/fixed_text.hpp"
+#include "firmware/io/text_sink.hpp"
 #include "slicer/core/error.hpp"
 
 namespace plumbline {
 
-class OutputFile {
+class OutputFile final : public TextSink {
  public:
   /// @param path  created, or emptied if it exists
   /// @retval ErrorCode::kCannotOpen  the path, the system's reason, what to do
@@ -20,12 +21,12 @@ class OutputFile {
 
   OutputFile(OutputFile&& other) noexcept;
   OutputFile& operator=(OutputFile&&) = delete;
-  ~OutputFile();
+  ~OutputFile() override;
 
   /// Writes all of it.
   /// @retval ErrorCode::kCannotWrite  the path, the system's reason ("No space left on device"), what to do
   [[nodiscard]] Status write(std::span<const std::byte> bytes);
-  [[nodiscard]] Status write(std::string_view text) { return write(std::as_bytes(std::span(text))); }
+  [[nodiscard]] Status write(std::string_view text) override { return write(std::as_bytes(std::span(text))); }
 
   /// Must be the last call: some file systems report only here that the data was not written.
   /// @retval ErrorCode::kCannotWrite  as write()

@@ -356,7 +356,9 @@ Status PrintJob::raise_to_pause() {
 }
 
 Status PrintJob::raise_to_end() {
-  const auto raised = plate_.raise(layer_at_hand(), {plan_.highest, plan_.fastest});
+  // A print that is cancelled while it homes does not know its height. Homing goes up, too.
+  const auto raised =
+      machine_.stage.homed() ? plate_.raise(layer_at_hand(), {plan_.highest, plan_.fastest}) : Expected<bool>(true);
   PLUMBLINE_TRY(raised);
   if (*raised) {
     // Homing again shows whether the stage was still where its steps said.

@@ -24,6 +24,7 @@ std::vector<SettingRule> rules_for(BoardFile& board, MachineFile& machine) {
   std::vector<SettingRule> rules = {
       {"printer", "name", TextSetting{&board.name}, 1, 63},
       {"printer", "simulated", &machine.simulated, 0, 0, "", kMachine},
+      {"printer", "state_socket", TextSetting{&machine.state_socket, TextKind::kPath}, 1, 255, "", Presence::kOptional},
       {"panel", "columns", &board.columns, 1, kMaxSide, " pixels"},
       {"panel", "rows", &board.rows, 1, kMaxSide, " pixels"},
       {"panel", "pixel_pitch_x_mm", &board.pixel_pitch_x_mm, 0.005, 1, " mm"},

@@ -27,6 +27,7 @@ enum class StartChoice : std::uint8_t {
 /// The part of a board file that printing needs and slicing does not.
 struct MachineFile {
   bool simulated = false;                       ///< [printer] simulate it: no such machine exists
+  std::string state_socket;                     ///< [printer] path of the daemon's state socket; empty: the default
   PanelLayout panel;                            ///< [panel]
   double refresh_delay_ms = 0;                  ///< [panel] from the end of the scan-out until the pixels have settled
   double rotation_distance_mm = 0;              ///< [z_stage] travel for one turn of the motor

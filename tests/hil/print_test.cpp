@@ -109,6 +109,15 @@ TEST(Print, PausesAfterTheLayerRaisesThePartAndGoesOn) {
   EXPECT_EQ(report.pauses, 1U);
 }
 
+// Regression: the stage did not know its height yet, so raising it was PL-903, a mistake in the firmware.
+TEST(Print, CancelledWhileItHomesIsCancelled) {
+  Rig rig(with_fault("button.cancel@t=2s"));
+  const auto& report = rig.run();
+  EXPECT_EQ(report.state, kCancelled) << report.fault_message.c_str();
+  EXPECT_THAT(rig.user.states, ElementsAre(kChecks, kHoming, kCancelling, kCancelled));
+  EXPECT_TRUE(rig.plant.lights().empty());
+}
+
 TEST(Print, CancelledIsDarkAtOnceAndRaised) {
   Rig rig(with_fault("button.cancel@layer=20+1s"));
   const auto& report = rig.run();

@@ -151,7 +151,7 @@ class DaemonRig {
     Machine machine = machine_->machine();
     DaemonSettings settings{session_board(), rig_machine(), PLUMBLINE_SOURCE_DIR "/board/sim2k.toml", 1, patience};
     settings.machine.start = start;
-    PrinterDaemon daemon(machine, settings, child, arena, *store, *plate, user);
+    PrinterDaemon daemon(machine, settings, child, arena, *store, *plate, user, record);
     const auto served = daemon.run();
     fault = daemon.fault();
     return served;
@@ -165,6 +165,7 @@ class DaemonRig {
   ScriptedUser user;
   StartChoice start = StartChoice::kOnStick;
   FaultCode fault = FaultCode::kNone;
+  PrinterRecord record;
   std::chrono::nanoseconds patience = kSlicingPatience;  ///< with a silent child
   Arena arena;
 

@@ -30,7 +30,7 @@ ORDER = {
     "slicer/reader": ["stream", "records", "formats"],
     "hal/linux": ["gpio", "events", "keeper", "lamp", "stage", "display", "stick", "thermals"],
     "firmware/print": ["plan", "status", "store"],
-    "firmware": ["io", "settings", "pictures", "sample", "machine", "slice", "print", "child", "daemon", "cli"],
+    "firmware": ["io", "settings", "pictures", "sample", "machine", "slice", "print", "child", "state", "daemon", "cli"],
 }
 
 # The source file that opens each back end of the HAL. firmware/machine/back_end.cpp chooses between them.

@@ -18,6 +18,8 @@
 
 #include "firmware/daemon/service_events.hpp"
 #include "firmware/daemon/service_status.hpp"
+#include "firmware/state/command_rules.hpp"
+#include "firmware/state/state_link.hpp"
 #include "tests/firmware/support/job_fixture.hpp"
 
 namespace plumbline {
@@ -74,7 +76,6 @@ class Service : public testing::Test {
 
   TemporaryFolder folder_;
   ManagerSocket socket_{folder_ / "notify"};
-  Expected<ButtonSocket> buttons_ = ButtonSocket::open(folder_ / ".");
 };
 
 TEST_F(Service, GetsEachMessageInItsOwnDatagram) {
@@ -228,7 +229,7 @@ class Still final : public Clock, public Events {
 TEST_F(Service, GetsSignsOfLifeDuringALongWait) {
   Still machine;
   auto manager = this->manager(1us);
-  ServiceEvents events(machine, machine, *buttons_, manager);
+  ServiceEvents events(machine, machine, manager);
   EXPECT_EQ(*events.next_event(TimePoint(1us)), std::nullopt);
   EXPECT_EQ(machine.now(), TimePoint(1us));
   EXPECT_THAT(machine.deadlines, ElementsAre(TimePoint(250ns), TimePoint(500ns), TimePoint(750ns), TimePoint(1us)));
@@ -236,7 +237,7 @@ TEST_F(Service, GetsSignsOfLifeDuringALongWait) {
 
   machine.deadlines.clear();
   auto patient = this->manager(1h);
-  ServiceEvents slow(machine, machine, *buttons_, patient);
+  ServiceEvents slow(machine, machine, patient);
   EXPECT_EQ(*slow.next_event(TimePoint(3s)), std::nullopt);
   EXPECT_THAT(machine.deadlines, SizeIs(15)) << "five turns a second, however long the watchdog waits";
 }
@@ -244,7 +245,7 @@ TEST_F(Service, GetsSignsOfLifeDuringALongWait) {
 TEST_F(Service, GetsASignOfLifeFromPolling) {
   Still machine;
   auto manager = this->manager(1h);
-  ServiceEvents events(machine, machine, *buttons_, manager);
+  ServiceEvents events(machine, machine, manager);
   for (int turn = 0; turn < 100; ++turn) EXPECT_EQ(*events.next_event(machine.now()), std::nullopt);
   EXPECT_EQ(machine.now(), TimePoint()) << "without waiting";
   EXPECT_THAT(socket_.received(), ElementsAre("WATCHDOG=1"));
@@ -253,7 +254,7 @@ TEST_F(Service, GetsASignOfLifeFromPolling) {
 TEST_F(Service, DoesNotChangeEventsAndGetsTheEnd) {
   Still machine;
   auto manager = this->manager(20s);
-  ServiceEvents events(machine, machine, *buttons_, manager);
+  ServiceEvents events(machine, machine, manager);
   machine.event = Event{TimePoint(2500ms), EventKind::kPausePressed};
   auto got = events.next_event(TimePoint(1h));
   ASSERT_TRUE(got && *got);
@@ -266,17 +267,30 @@ TEST_F(Service, DoesNotChangeEventsAndGetsTheEnd) {
   EXPECT_THAT(socket_.received(), ElementsAre("STOPPING=1"));
 }
 
-TEST_F(Service, DeliversAPressByCommandWithinAFifthOfASecond) {
+/// Takes every command.
+class Obedient final : public CommandTaker {
+ public:
+  Expected<std::optional<EventKind>> take(const ClientRequest& request) override { return button_of(request.command); }
+};
+
+TEST_F(Service, DeliversACommandWithinAFifthOfASecond) {
   Still machine;
   auto manager = this->manager();
-  ServiceEvents events(machine, machine, *buttons_, manager);
+  ServiceEvents events(machine, machine, manager);
+  const auto socket = StateSocket::open(folder_ / "state");
+  ASSERT_TRUE(socket) << socket.error().message();
+  PrinterRecord record;
+  record.state = PrintState::kPrinting;
+  Obedient taker;
+  events.serve(**socket, record, taker);
   EXPECT_EQ(*events.next_event(TimePoint(1s)), std::nullopt);
   EXPECT_THAT(machine.deadlines, SizeIs(5)) << "also without a watchdog";
-  ASSERT_TRUE(press_button(folder_ / ".", "start"));
-  const auto got = events.next_event(TimePoint(1h));
+  auto link = StateLink::open(folder_ / "state", true);
+  ASSERT_TRUE(link) << link.error().message();
+  ASSERT_TRUE(link->send("{\"do\": \"pause\"}\n"));
+  const auto got = events.next_event(TimePoint(100h));
   ASSERT_TRUE(got && *got);
-  EXPECT_EQ((*got)->kind, EventKind::kStartPressed);
-  EXPECT_EQ((*got)->at, TimePoint(1s));
+  EXPECT_EQ((*got)->kind, EventKind::kPausePressed);
 }
 
 TEST(ServiceStatus, SaysHowThePrintEnded) {

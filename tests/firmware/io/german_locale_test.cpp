@@ -8,6 +8,7 @@
 #include <cstdlib>
 
 #include "firmware/io/json_writer.hpp"
+#include "firmware/io/output_file.hpp"
 #include "firmware/settings/board_file.hpp"
 #include "tests/firmware/support/job_fixture.hpp"
 #include "tests/slicer/support/slicing.hpp"

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "firmware/io/output_file.hpp"
 #include "tests/firmware/support/job_fixture.hpp"
 
 namespace plumbline {

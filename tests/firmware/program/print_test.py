@@ -172,17 +172,17 @@ class Daemon(Program):
         self.assertEqual(daemon.returncode, status, err)
         return out, err
 
-    def press(self, button, status=0):
-        return self.run_it("press", button, "--state", self.state, status=status)
+    def control(self, *command, status=0):
+        return self.run_it("ctl", *command, "--socket", self.state / "state", status=status)
 
     def test_prints_what_somebody_wants_from_the_stick_and_waits_for_an_empty_plate(self):
         daemon = self.start("--jobs", 2, on_stick=False)
         self.until(daemon, "is the plate empty?")
-        self.press("start")
+        self.control("plate-empty")
         self.until(daemon, "ready")
         self.put_stick("a.ply", "b.ply", job='[job]\nscan = "b.ply"\nprofile = "draft"\nsupports = "auto"\n', radius=6)
         self.until(daemon, "job.toml asks for b.ply. Press start to print it")
-        self.press("start")
+        self.control("start")
         self.until(daemon, "is the plate empty?")
         report = json.loads((self.state / "report.json").read_text())
         self.assertEqual((report["state"], report["scan"], report["profile"]), ("finished", "b.ply", "draft"))
@@ -191,21 +191,21 @@ class Daemon(Program):
         time.sleep(0.3)
         self.put_stick("c.ply")
         time.sleep(1)
-        self.press("start")
+        self.control("plate-empty")
         said = self.until(daemon, "c.ply. Press start to print it")
         self.assertNotIn("reading", said)
-        self.press("start")
+        self.control("start")
         out, _ = self.ends(daemon, 0)
         self.assertEqual(out.count("finished"), 2, out)
 
-    def test_an_absent_daemon_has_no_buttons(self):
-        self.assertIn("no plumblined runs with the state folder", self.refused_press())
+    def test_an_absent_daemon_takes_no_command(self):
+        self.assertIn("no plumblined serves its state at", self.refused())
         self.start().send_signal(signal.SIGKILL)
-        self.assertIn("no plumblined runs with the state folder", self.refused_press())
+        self.assertIn("no plumblined serves its state at", self.refused())
 
-    def refused_press(self):
+    def refused(self):
         self.state.mkdir(exist_ok=True)
-        return self.press("start", status=1).stderr
+        return self.control("start", status=1).stderr
 
     def test_a_printer_that_is_not_wired_is_refused_before_the_scan_is_opened(self):
         done = self.run_it("print", self.scan, "--printer", SOURCE_DIR / "board" / "mono2k.toml", status=1)

@@ -1,0 +1,97 @@
+#include <CLI/CLI.hpp>
+#include <vector>
+
+#include "firmware/cli/commands.hpp"
+#include "firmware/cli/status_text.hpp"
+#include "firmware/io/json_cursor.hpp"
+#include "firmware/io/json_writer.hpp"
+#include "firmware/io/progress_lines.hpp"
+#include "firmware/state/client_request.hpp"
+#include "firmware/state/state_link.hpp"
+
+namespace plumbline {
+namespace {
+
+constexpr const char* kFooter =
+    "\nExamples:\n"
+    "  plumbline ctl start                    print what is on the stick\n"
+    "  plumbline ctl choose 2                 take the second scan of 'plumbline status'\n"
+    "  plumbline ctl set scale 1.5            a key of job.toml for this print; board/README.md has all of them\n"
+    "  plumbline ctl plate-empty              after a print: somebody has looked, and the plate is empty\n"
+    "  plumbline ctl resume --socket PATH     of a daemon with another socket\n"
+    "\n"
+    "Who may command is who may write to the socket: root and the group plumbline.\n";
+
+constexpr std::chrono::seconds kPatience{10};
+
+struct Word {
+  Command command;
+  const char* about;
+};
+constexpr Word kWords[] = {
+    {Command::kStart, "Print what is offered"},
+    {Command::kPause, "Raise the part after this layer, and wait"},
+    {Command::kResume, "Go on after a pause, or with an interrupted print"},
+    {Command::kCancel, "Leave what is offered, stop reading, or end the print"},
+    {Command::kPlateEmpty, "Say that the plate is empty"},
+    {Command::kSeen, "Say that you have read the fault"},
+    {Command::kOffer, "Offer what is on the stick again"},
+    {Command::kChoose, "Choose a scan by its number in 'plumbline status'"},
+    {Command::kSet, "Change a setting of the print that is offered"},
+};
+
+std::string request_line(const ControlOptions& options) {
+  TextBuffer<1024> line;
+  JsonWriter json(line);
+  json.begin_object(JsonWriter::Layout::kOneLine);
+  json.member("do", options.command);
+  json.member("id", std::uint32_t{1});
+  if (options.command == to_string(Command::kChoose)) json.member("scan", options.scan);
+  if (options.command == to_string(Command::kSet)) {
+    json.member("key", options.key);
+    json.member("value", options.value);
+  }
+  json.end_object();
+  if (!json.finish()) return {};
+  return std::string(line.view());
+}
+
+}  // namespace
+
+CLI::App* add_control_command(CLI::App& app, ControlOptions& options) {
+  auto* command = app.add_subcommand("ctl", "Command the running daemon: start, pause, resume, cancel, ...");
+  command->footer(kFooter);
+  command->require_subcommand(1);
+  command->fallthrough();
+  command->add_option("--socket", options.socket, "The daemon's state socket [/run/plumbline/state]")
+      ->type_name("PATH");
+  for (const Word& word : kWords) {
+    auto* verb = command->add_subcommand(std::string(to_string(word.command)), word.about);
+    verb->callback([&options, verb] { options.command = verb->get_name(); });
+    if (word.command == Command::kChoose) {
+      verb->add_option("number", options.scan, "1 is the first")->required()->type_name("N");
+    }
+    if (word.command == Command::kSet) {
+      verb->add_option("key", options.key, "Such as scale, supports, layer_height")->required()->type_name("KEY");
+      verb->add_option("value", options.value, "A number, a word, true or false")->required()->type_name("VALUE");
+    }
+  }
+  return command;
+}
+
+ExitCode run_control(const ControlOptions& options) {
+  const std::string line = request_line(options);
+  if (line.empty() || line.size() > kLongestRequest) {
+    return report_error(Error::format(ErrorCode::kBadSetting, "%s: the value is too long", options.key.c_str()));
+  }
+  auto link = StateLink::open(options.socket, true);
+  if (!link) return report_error(link.error());
+  if (const auto sent = link->send(line); !sent) return report_error(sent.error());
+  const auto reply = link->next_of_type("reply", kPatience);
+  if (!reply) return report_error(reply.error());
+  if (json_member(*reply, "ok") == "true") return ExitCode::kDone;
+  return report_error(Error::format(ErrorCode::kBadSetting, "%s.\t%s", json_text(*reply, "error").c_str(),
+                                    json_text(*reply, "advice").c_str()));
+}
+
+}  // namespace plumbline

@@ -1,0 +1,138 @@
+#include "firmware/cli/status_text.hpp"
+
+#include <cstdlib>
+#include <functional>
+#include <optional>
+
+#include "firmware/io/fixed_text.hpp"
+#include "firmware/io/json_cursor.hpp"
+
+namespace plumbline {
+namespace {
+
+double json_number(std::string_view object, std::string_view key) {
+  const auto value = json_member(object, key);
+  return value ? std::strtod(std::string(*value).c_str(), nullptr) : 0;
+}
+
+/// Whether an object has a member that is not null.
+bool has(std::string_view object, std::string_view key) {
+  const auto value = json_member(object, key);
+  return value && value != "null";
+}
+
+std::string_view object_of(std::string_view object, std::string_view key) {
+  return json_member(object, key).value_or(std::string_view());
+}
+
+void for_each_element(std::string_view array, const std::function<void(std::string_view)>& visit) {
+  JsonCursor cursor(array);
+  if (!cursor.take('[') || cursor.take(']')) return;
+  do {
+    const auto element = cursor.take_value(4);
+    if (!element) return;
+    visit(*element);
+  } while (cursor.take(','));
+}
+
+std::string text_of(std::string_view value) {
+  std::string room(value.size() + 1, '\0');
+  JsonCursor cursor(value);
+  const auto text = cursor.take_text(room);
+  return text ? std::string(*text) : std::string();
+}
+
+void add_line(std::string& page, std::string_view name, const std::string& text) {
+  FixedText<16> column;
+  column.add("%-10.*s", static_cast<int>(name.size()), name.data());
+  page += column.view();
+  page += text;
+  page += '\n';
+}
+
+void add_stick(std::string& page, std::string_view state) {
+  const auto stick = object_of(state, "stick");
+  if (json_member(stick, "present") != "true") return;
+  const auto chosen = json_number(object_of(state, "job"), "number");
+  bool any = false;
+  for_each_element(object_of(stick, "scans"), [&](std::string_view scan) {
+    const double number = json_number(scan, "number");
+    const std::string problem = json_text(scan, "problem");
+    FixedText<512> line;
+    line.add("%c %2.0f  %-30s %9.1f MB%s%s", number == chosen ? '*' : ' ', number, json_text(scan, "name").c_str(),
+             json_number(scan, "bytes") / 1e6, problem.empty() ? "" : "  ", problem.c_str());
+    add_line(page, any ? "" : "scans", std::string(line.view()));
+    any = true;
+  });
+  if (!any) add_line(page, "stick", "in the port");
+}
+
+void add_progress(std::string& page, std::string_view state) {
+  if (has(state, "progress")) {
+    const auto progress = object_of(state, "progress");
+    FixedText<200> line;
+    line.add("%.0f of %.0f, at %.2f mm", json_number(progress, "layers_done"), json_number(progress, "layers"),
+             json_number(progress, "height_mm"));
+    if (has(progress, "slack_s")) line.add(", masks ready %.1f s early", json_number(progress, "slack_s"));
+    add_line(page, "layers", std::string(line.view()));
+    if (has(progress, "ends_at")) add_line(page, "ends", json_text(progress, "ends_at"));
+  }
+  if (has(state, "resin")) {
+    const auto resin = object_of(state, "resin");
+    FixedText<200> line;
+    line.add("%.1f of %.1f ml, a full tank has %.0f ml", json_number(resin, "used_ml"), json_number(resin, "needed_ml"),
+             json_number(resin, "tank_ml"));
+    add_line(page, "resin", std::string(line.view()));
+  }
+}
+
+void add_fault(std::string& page, std::string_view state) {
+  if (!has(state, "fault")) return;
+  const auto fault = object_of(state, "fault");
+  const std::string message = json_text(fault, "message");
+  add_line(page, "fault",
+           json_text(fault, "code") + ", " + json_text(fault, "title") + (message.empty() ? "" : ": ") + message);
+  add_line(page, "", json_text(fault, "meaning"));
+  add_line(page, "do", json_text(fault, "remedy"));
+}
+
+}  // namespace
+
+std::string json_text(std::string_view object, std::string_view key) {
+  const auto value = json_member(object, key);
+  return value ? text_of(*value) : std::string();
+}
+
+std::string status_page(std::string_view state) {
+  std::string page;
+  add_line(page, "printer",
+           json_text(state, "printer") + (json_member(state, "simulated") == "true" ? ", simulated" : ""));
+  add_line(page, "state", json_text(state, "state"));
+  if (has(state, "message")) add_line(page, "", json_text(state, "message"));
+  if (has(state, "question")) add_line(page, "question", json_text(state, "question"));
+  if (has(state, "job")) {
+    const auto job = object_of(state, "job");
+    add_line(page, "job",
+             json_text(job, "scan") + ", profile " + json_text(job, "profile") +
+                 (has(job, "result") ? ": " + json_text(job, "result") : ""));
+  }
+  add_progress(page, state);
+  add_stick(page, state);
+  for_each_element(object_of(state, "findings"), [&](std::string_view finding) {
+    add_line(page, json_text(finding, "severity"), json_text(finding, "text"));
+  });
+  add_fault(page, state);
+  std::string commands;
+  for_each_element(object_of(state, "commands"),
+                   [&](std::string_view command) { commands += (commands.empty() ? "" : ", ") + text_of(command); });
+  if (!commands.empty()) add_line(page, "ctl", commands);
+  return page;
+}
+
+std::string status_line(std::string_view state) {
+  if (!has(state, "fault")) return json_text(state, "state") + ": " + json_text(state, "message");
+  const auto fault = object_of(state, "fault");
+  return json_text(fault, "code") + ", " + json_text(fault, "title") + ". " + json_text(fault, "remedy");
+}
+
+}  // namespace plumbline

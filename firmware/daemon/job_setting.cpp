@@ -1,0 +1,101 @@
+#include "firmware/daemon/job_setting.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <optional>
+#include <span>
+
+#include "firmware/settings/job_options.hpp"
+
+namespace plumbline {
+namespace {
+
+/// A decimal number, without units and other words; none: it is none.
+std::optional<double> number_of(std::string_view text) {
+  double number = 0;
+  const char* const end = text.data() + text.size();
+  const auto [at, problem] = std::from_chars(text.data(), end, number);
+  if (problem != std::errc() || at != end) return std::nullopt;
+  return number;
+}
+
+tl::unexpected<Error> refused(std::string_view key, std::string_view value, const char* allowed) {
+  return fail(ErrorCode::kBadSetting, "%.*s: found '%.*s', allowed is %s", static_cast<int>(key.size()), key.data(),
+              static_cast<int>(value.size()), value.data(), allowed);
+}
+
+struct NumberKey {
+  std::string_view name;
+  double StickJob::*field;
+  double low, high;
+  const char* allowed;
+};
+constexpr std::array kNumbers = {
+    NumberKey{"scale", &StickJob::scale, kSmallestScale, kLargestScale, "1e-6 to 1e6"},
+    NumberKey{"rotate_x_deg", &StickJob::rotate_x_deg, -360, 360, "-360 to 360 degrees"},
+    NumberKey{"rotate_y_deg", &StickJob::rotate_y_deg, -360, 360, "-360 to 360 degrees"},
+    NumberKey{"rotate_z_deg", &StickJob::rotate_z_deg, -360, 360, "-360 to 360 degrees"},
+    NumberKey{"layer_height", &StickJob::layer_height, kFinestMm, kCoarsestMm,
+              "0.005 to 1 mm, or \"\" for the profile's"},
+};
+
+struct TruthKey {
+  std::string_view name;
+  bool StickJob::*field;
+};
+constexpr std::array kTruths = {TruthKey{"fit", &StickJob::fit}, TruthKey{"keep_all", &StickJob::keep_all}};
+
+/// The index of a word; none: it is not among them.
+std::optional<std::size_t> index_of(std::span<const std::string_view> words, std::string_view word) {
+  const auto found = std::find(words.begin(), words.end(), word);
+  if (found == words.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - words.begin());
+}
+
+}  // namespace
+
+Status set_job_setting(StickJob& job, std::string_view key, std::string_view value) {
+  for (const NumberKey& number : kNumbers) {
+    if (number.name != key) continue;
+    if (value.empty() && number.field == &StickJob::layer_height) {
+      job.layer_height = 0;
+      return {};
+    }
+    const auto found = number_of(value);
+    if (!found || !(*found >= number.low && *found <= number.high)) return refused(key, value, number.allowed);
+    job.*number.field = *found;
+    return {};
+  }
+  for (const TruthKey& truth : kTruths) {
+    if (truth.name != key) continue;
+    if (value != "true" && value != "false") return refused(key, value, "true or false");
+    job.*truth.field = value == "true";
+    return {};
+  }
+  if (key == "units") {
+    const auto word = index_of(kUnitWords, value);
+    if (!word) return refused(key, value, "mm, cm, m, in or auto");
+    job.units = static_cast<Units>(*word);
+    return {};
+  }
+  if (key == "base") {
+    const auto word = index_of(kBaseWords, value);
+    if (!word) return refused(key, value, "auto, none or flat");
+    job.base = static_cast<BaseChoice>(*word);
+    return {};
+  }
+  if (key == "supports") {
+    const auto word = index_of(kSupportWords, value);
+    if (!word && !value.empty()) return refused(key, value, "none or auto, or \"\" for the profile's");
+    job.supports = word ? std::optional(*word == 1) : std::nullopt;
+    return {};
+  }
+  return fail(
+      ErrorCode::kBadSetting,
+      "'%.*s': unknown setting.\tKnown are profile, units, scale, fit, rotate_x_deg, rotate_y_deg, rotate_z_deg, "
+      "layer_height, supports, base and keep_all",
+      static_cast<int>(key.size()), key.data());
+}
+
+}  // namespace plumbline

@@ -1,0 +1,34 @@
+#pragma once
+/// What a client of the state socket asks for: one JSON object a line, flat, with a few known members.
+///
+///     {"do": "start"}   {"do": "choose", "scan": 2, "id": 7}   {"do": "set", "key": "scale", "value": 1.5}
+///
+/// Takes nothing from the heap, whatever the line.
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "firmware/io/fixed_text.hpp"
+#include "firmware/state/command_rules.hpp"
+#include "slicer/core/error.hpp"
+
+namespace plumbline {
+
+struct ClientRequest {
+  Command command = Command::kStart;
+  std::uint32_t scan = 0;  ///< of choose: from 1
+  FixedText<32> key;       ///< of set
+  FixedText<64> value;     ///< of set: a text, or a number, true or false as it is written
+};
+
+/// The longest request line, bytes, without its end.
+inline constexpr std::size_t kLongestRequest = 1023;
+
+/// @param line  without its end
+/// @param id    set to the request's number, also if the request is refused behind it; none: it has none
+/// @retval ErrorCode::kMalformed   not a flat JSON object of texts, numbers, true and false
+/// @retval ErrorCode::kBadSetting  an unknown command or member; a member that the command needs or does not know
+[[nodiscard]] Expected<ClientRequest> parse_request(std::string_view line, std::optional<std::uint64_t>& id);
+
+}  // namespace plumbline

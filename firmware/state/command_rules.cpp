@@ -1,0 +1,98 @@
+#include "firmware/state/command_rules.hpp"
+
+#include <utility>
+
+namespace plumbline {
+namespace {
+
+/// A state at rest must also wait for an answer: else the command would be lost.
+bool takes_in(PrintState state, Command command) {
+  switch (state) {
+    case PrintState::kIdle: return command == Command::kOffer;
+    case PrintState::kOffered:
+      return command == Command::kStart || command == Command::kCancel || command == Command::kChoose ||
+             command == Command::kSet;
+    case PrintState::kInterrupted: return command == Command::kResume || command == Command::kCancel;
+    case PrintState::kPlateInUse: return command == Command::kPlateEmpty;
+    case PrintState::kFault: return command == Command::kSeen;
+    case PrintState::kSlicing:
+    case PrintState::kPausing:
+    case PrintState::kCoverOpen: return command == Command::kCancel;
+    // A pause takes effect when the layer at hand is done, or before the first.
+    case PrintState::kChecks:
+    case PrintState::kHoming:
+    case PrintState::kPrinting:
+    case PrintState::kCoolingDown: return command == Command::kPause || command == Command::kCancel;
+    case PrintState::kPaused:
+    case PrintState::kFeedMe: return command == Command::kResume || command == Command::kCancel;
+    case PrintState::kCancelling:
+    case PrintState::kFinishing:
+    case PrintState::kFinished:
+    case PrintState::kCancelled:
+    case PrintState::kSuspended: return false;
+  }
+  return false;
+}
+
+}  // namespace
+
+std::string_view to_string(Command command) {
+  switch (command) {
+    case Command::kStart: return "start";
+    case Command::kPause: return "pause";
+    case Command::kResume: return "resume";
+    case Command::kCancel: return "cancel";
+    case Command::kPlateEmpty: return "plate-empty";
+    case Command::kSeen: return "seen";
+    case Command::kOffer: return "offer";
+    case Command::kChoose: return "choose";
+    case Command::kSet: return "set";
+  }
+  return "unknown command";
+}
+
+std::optional<Command> command_of(std::string_view word) {
+  for (std::size_t i = 0; i < kCommandCount; ++i) {
+    if (word == to_string(static_cast<Command>(i))) return static_cast<Command>(i);
+  }
+  return std::nullopt;
+}
+
+bool takes(const PrinterRecord& record, Command command) {
+  if (at_rest(record.state) && !record.waits) return false;
+  if (command == Command::kOffer && !record.has_stick) return false;
+  if (command == Command::kChoose && (record.has_job_file || record.scan_count < 2)) return false;
+  return takes_in(record.state, command);
+}
+
+FixedText<200> what_it_takes(const PrinterRecord& record) {
+  const auto state = to_string(record.state);
+  FixedText<200> text;
+  text.add("the printer's state is '%.*s'.", static_cast<int>(state.size()), state.data());
+  bool any = false;
+  for (std::size_t i = 0; i < kCommandCount; ++i) {
+    const auto command = static_cast<Command>(i);
+    if (!takes(record, command)) continue;
+    const auto word = to_string(command);
+    text.add("%s%.*s", std::exchange(any, true) ? ", " : " It takes ", static_cast<int>(word.size()), word.data());
+  }
+  if (!any) text.add(" It takes no command now");
+  return text;
+}
+
+std::optional<EventKind> button_of(Command command) {
+  switch (command) {
+    case Command::kStart:
+    case Command::kResume:
+    case Command::kPlateEmpty:
+    case Command::kSeen:
+    case Command::kOffer: return EventKind::kStartPressed;
+    case Command::kPause: return EventKind::kPausePressed;
+    case Command::kCancel: return EventKind::kCancelPressed;
+    case Command::kChoose:
+    case Command::kSet: return std::nullopt;
+  }
+  return std::nullopt;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,47 @@
+#include "firmware/state/printer_record.hpp"
+
+namespace plumbline {
+
+void PrinterRecord::begin_job() {
+  job.reset();
+  slicing.reset();
+  progress.reset();
+  resin.reset();
+  result.reset();
+  fault.reset();
+  checks = {};
+  finding_count = 0;
+}
+
+void PrinterRecord::add_finding(Severity severity, std::string_view text) {
+  if (finding_count == findings.size()) return;
+  FindingRecord& finding = findings[finding_count++];
+  finding.severity = severity;
+  assign(finding.text, text);
+}
+
+void PrinterRecord::set_progress(const PrintStatus& status, std::int64_t wall_clock_s) {
+  using std::chrono::duration_cast;
+  using std::chrono::seconds;
+  ProgressRecord now;
+  now.layers_done = status.layer;
+  now.layers = status.layers;
+  now.height_mm = status.height.above_film().millimetres();
+  now.elapsed = duration_cast<seconds>(status.elapsed);
+  now.left = duration_cast<seconds>(status.remaining);
+  if (!is_pause(status.state) && !at_rest(status.state)) now.ends_at = wall_clock_s + now.left.count();
+  now.slack = status.slack;
+  now.resin_ml = status.resin_ml;
+  progress = now;
+  state = status.state;
+  assign(question, status.question);
+}
+
+void PrinterRecord::set_fault(FaultCode code, std::string_view finding, std::string_view remedy) {
+  fault.emplace();
+  fault->code = code;
+  assign(fault->message, finding);
+  assign(fault->remedy, remedy);
+}
+
+}  // namespace plumbline

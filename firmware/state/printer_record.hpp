@@ -1,0 +1,121 @@
+#pragma once
+/// What others may know of the printer: the state socket's source. README.md explains each field as clients see it.
+
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "firmware/io/fixed_text.hpp"
+#include "firmware/print/status/fault.hpp"
+#include "firmware/print/status/print_observer.hpp"
+#include "firmware/print/status/print_report.hpp"
+#include "firmware/print/status/print_state.hpp"
+#include "slicer/core/printable_text.hpp"
+#include "slicer/core/progress.hpp"
+#include "slicer/placement/base_choice.hpp"
+#include "slicer/placement/placement.hpp"
+
+namespace plumbline {
+
+/// Replaces a text, cut between two characters where it is too long.
+template <std::size_t Capacity>
+void assign(FixedText<Capacity>& to, std::string_view text) {
+  to.clear();
+  to.add("%s", PrintableText(text, Capacity - 1).c_str());
+}
+
+struct ScanRecord {
+  FixedText<80> name;  ///< as it is shown: a longer one is cut
+  std::uint64_t bytes = 0;
+  FixedText<120> problem;  ///< what is wrong with it; empty: nothing is known to be
+};
+
+/// What is offered or printed, and how.
+struct JobRecord {
+  FixedText<256> scan;
+  FixedText<64> profile;
+  std::optional<std::size_t>
+      chosen;  ///< index of the scan among those on the stick; none: job.toml names it, or it is a resumed print
+  Units units = Units::kMillimetres;
+  double scale = 1;
+  bool fit = false;
+  std::array<double, 3> rotate_deg{};
+  double layer_height_mm = 0;    ///< 0: the profile's
+  std::optional<bool> supports;  ///< none: the profile's
+  BaseChoice base = BaseChoice::kAuto;
+  bool keep_all = false;
+};
+
+struct SlicingRecord {
+  Stage stage = Stage::kRead;
+  double fraction = 0;  ///< of the stage
+};
+
+struct ProgressRecord {
+  std::uint32_t layers_done = 0;
+  std::uint32_t layers = 0;
+  double height_mm = 0;
+  std::chrono::seconds elapsed{};
+  std::chrono::seconds left{};
+  std::int64_t ends_at = 0;  ///< s since 1970, by this machine's wall clock; 0: unknown, for the print waits
+  std::optional<nanoseconds> slack;
+  double resin_ml = 0;
+};
+
+struct ResinRecord {
+  double needed_ml = 0;  ///< for the whole print
+  double tank_ml = 0;    ///< a full tank
+};
+
+enum class Severity : std::uint8_t { kNote, kWarning };
+
+/// Something that whoever prints should know before or afterwards.
+struct FindingRecord {
+  Severity severity = Severity::kNote;
+  FixedText<160> text;
+};
+
+struct FaultRecord {
+  FaultCode code = FaultCode::kNone;
+  FixedText<448> message;  ///< what happened this time; may be empty
+  FixedText<400> remedy;   ///< what to do, for somebody who has buttons
+};
+
+/// One writer, the thread that prints; the same thread serves it. Fixed in size.
+struct PrinterRecord {
+  static constexpr std::size_t kMostScans = 64;
+  static constexpr std::size_t kMostFindings = 12;
+
+  FixedText<64> printer;
+  bool simulated = false;
+
+  PrintState state = PrintState::kIdle;
+  bool waits = false;       ///< somebody at rest waits for a person's answer
+  FixedText<400> message;   ///< what the daemon said last
+  FixedText<160> question;  ///< that start or cancel answers while a print is paused; empty: none
+  bool has_stick = false;
+  std::array<ScanRecord, kMostScans> scans;
+  std::size_t scan_count = 0;
+  std::size_t scans_left_out = 0;  ///< beyond the room for them
+  bool has_job_file = false;       ///< job.toml says what is printed
+  std::optional<JobRecord> job;    ///< offered, printing, or the last one
+  std::optional<SlicingRecord> slicing;
+  std::optional<ProgressRecord> progress;
+  std::optional<ResinRecord> resin;
+  std::optional<PrintState> result;  ///< how the last print ended
+  std::array<CheckResult, kCheckCount> checks;
+  std::array<FindingRecord, kMostFindings> findings;
+  std::size_t finding_count = 0;
+  std::optional<FaultRecord> fault;
+
+  /// Forgets the job of before.
+  void begin_job();
+  void add_finding(Severity severity, std::string_view text);
+  void set_progress(const PrintStatus& status, std::int64_t wall_clock_s);
+  void set_fault(FaultCode code, std::string_view finding, std::string_view remedy);
+};
+
+}  // namespace plumbline

@@ -1,0 +1,256 @@
+#include "firmware/state/state_line.hpp"
+
+#include <cmath>
+#include <ctime>
+
+#include "firmware/io/json_writer.hpp"
+#include "firmware/io/version.hpp"
+#include "firmware/state/command_rules.hpp"
+
+namespace plumbline {
+namespace {
+
+constexpr auto kOneLine = JsonWriter::Layout::kOneLine;
+
+/// To a thousandth: more digits would only be noise.
+double thousandths(double value) { return std::round(value * 1000) / 1000; }
+
+double seconds_of(nanoseconds time) { return thousandths(std::chrono::duration<double>(time).count()); }
+
+void text_or_null(JsonWriter& json, std::string_view name, std::string_view text) {
+  json.key(name);
+  if (text.empty()) {
+    json.null();
+  } else {
+    json.value(text);
+  }
+}
+
+/// "2026-11-25T22:10:05Z"; null for 0.
+void write_time(JsonWriter& json, std::string_view name, std::int64_t seconds) {
+  json.key(name);
+  const auto time = static_cast<std::time_t>(seconds);
+  std::tm parts{};
+  if (seconds == 0 || ::gmtime_r(&time, &parts) == nullptr) return json.null();
+  FixedText<64> text;
+  text.add("%04d-%02d-%02dT%02d:%02d:%02dZ", parts.tm_year + 1900, parts.tm_mon + 1, parts.tm_mday, parts.tm_hour,
+           parts.tm_min, parts.tm_sec);
+  json.value(text.view());
+}
+
+void write_stick(JsonWriter& json, const PrinterRecord& record) {
+  json.begin_object(kOneLine);
+  json.member("present", record.has_stick);
+  json.member("job_file", record.has_job_file);
+  json.key("scans");
+  json.begin_array(kOneLine);
+  for (std::size_t i = 0; i < record.scan_count; ++i) {
+    const ScanRecord& scan = record.scans[i];
+    json.begin_object(kOneLine);
+    json.member("number", static_cast<std::uint32_t>(i + 1));
+    json.member("name", scan.name.view());
+    json.member("bytes", scan.bytes);
+    text_or_null(json, "problem", scan.problem.view());
+    json.end_object();
+  }
+  json.end_array();
+  json.member("left_out", static_cast<std::uint64_t>(record.scans_left_out));
+  json.end_object();
+}
+
+std::string_view word_of(BaseChoice base) {
+  switch (base) {
+    case BaseChoice::kAuto: return "auto";
+    case BaseChoice::kNone: return "none";
+    case BaseChoice::kFlat: return "flat";
+  }
+  return "auto";
+}
+
+void write_job(JsonWriter& json, const PrinterRecord& record) {
+  if (!record.job) return json.null();
+  const JobRecord& job = *record.job;
+  json.begin_object(kOneLine);
+  json.member("scan", job.scan.view());
+  json.key("number");
+  if (job.chosen) {
+    json.value(static_cast<std::uint32_t>(*job.chosen + 1));
+  } else {
+    json.null();
+  }
+  json.member("profile", job.profile.view());
+  json.member("units", to_string(job.units));
+  json.member("scale", job.scale);
+  json.member("fit", job.fit);
+  json.member("rotate_x_deg", job.rotate_deg[0]);
+  json.member("rotate_y_deg", job.rotate_deg[1]);
+  json.member("rotate_z_deg", job.rotate_deg[2]);
+  json.key("layer_height");
+  if (job.layer_height_mm > 0) {
+    json.value(job.layer_height_mm);
+  } else {
+    json.null();
+  }
+  json.key("supports");
+  if (job.supports) {
+    json.value(*job.supports ? "auto" : "none");
+  } else {
+    json.null();
+  }
+  json.member("base", word_of(job.base));
+  json.member("keep_all", job.keep_all);
+  json.key("result");
+  if (record.result) {
+    json.value(to_string(*record.result));
+  } else {
+    json.null();
+  }
+  json.end_object();
+}
+
+void write_slicing(JsonWriter& json, const PrinterRecord& record) {
+  if (!record.slicing) return json.null();
+  json.begin_object(kOneLine);
+  json.member("stage", to_string(record.slicing->stage));
+  json.member("fraction", thousandths(record.slicing->fraction));
+  json.end_object();
+}
+
+void write_progress(JsonWriter& json, const PrinterRecord& record) {
+  if (!record.progress) return json.null();
+  const ProgressRecord& progress = *record.progress;
+  json.begin_object(kOneLine);
+  json.member("layers_done", progress.layers_done);
+  json.member("layers", progress.layers);
+  json.member("height_mm", thousandths(progress.height_mm));
+  json.member("elapsed_s", static_cast<std::uint64_t>(progress.elapsed.count()));
+  json.member("left_s", static_cast<std::uint64_t>(progress.left.count()));
+  write_time(json, "ends_at", progress.ends_at);
+  json.key("slack_s");
+  if (progress.slack) {
+    json.value(seconds_of(*progress.slack));
+  } else {
+    json.null();
+  }
+  json.end_object();
+}
+
+void write_resin(JsonWriter& json, const PrinterRecord& record) {
+  if (!record.resin) return json.null();
+  json.begin_object(kOneLine);
+  json.member("used_ml", thousandths(record.progress ? record.progress->resin_ml : 0));
+  json.member("needed_ml", thousandths(record.resin->needed_ml));
+  json.member("tank_ml", thousandths(record.resin->tank_ml));
+  json.end_object();
+}
+
+const char* word_of(CheckOutcome outcome) {
+  switch (outcome) {
+    case CheckOutcome::kNotReached: return "not reached";
+    case CheckOutcome::kPassed: return "passed";
+    case CheckOutcome::kWarned: return "noted";
+    case CheckOutcome::kFailed: return "failed";
+  }
+  return "not reached";
+}
+
+void write_checks(JsonWriter& json, const PrinterRecord& record) {
+  json.begin_array(kOneLine);
+  for (std::size_t i = 0; i < kCheckCount; ++i) {
+    if (record.checks[i].outcome == CheckOutcome::kNotReached) continue;
+    json.begin_object(kOneLine);
+    json.member("check", to_string(static_cast<Check>(i)));
+    json.member("outcome", word_of(record.checks[i].outcome));
+    json.member("detail", record.checks[i].detail.view());
+    json.end_object();
+  }
+  json.end_array();
+}
+
+void write_findings(JsonWriter& json, const PrinterRecord& record) {
+  json.begin_array(kOneLine);
+  for (std::size_t i = 0; i < record.finding_count; ++i) {
+    const FindingRecord& finding = record.findings[i];
+    json.begin_object(kOneLine);
+    json.member("severity", finding.severity == Severity::kNote ? "note" : "warning");
+    json.member("text", finding.text.view());
+    json.end_object();
+  }
+  json.end_array();
+}
+
+void write_fault(JsonWriter& json, const PrinterRecord& record) {
+  if (!record.fault) return json.null();
+  const FaultRecord& fault = *record.fault;
+  const FaultInfo& known = info(fault.code);
+  FixedText<16> code;
+  code.add("PL-%u", static_cast<unsigned>(fault.code));
+  json.begin_object(kOneLine);
+  json.member("code", code.view());
+  json.member("title", known.title);
+  json.member("meaning", known.meaning);
+  text_or_null(json, "message", fault.message.view());
+  json.member("remedy", fault.remedy.view());
+  json.end_object();
+}
+
+}  // namespace
+
+Status write_state_line(TextSink& out, const PrinterRecord& record, std::uint64_t sequence) {
+  JsonWriter json(out);
+  json.begin_object(kOneLine);
+  json.member("type", "state");
+  json.member("protocol", kStateProtocol);
+  json.member("sequence", sequence);
+  json.member("plumbline", kVersion);
+  json.member("printer", record.printer.view());
+  json.member("simulated", record.simulated);
+  json.member("state", to_string(record.state));
+  text_or_null(json, "message", record.message.view());
+  text_or_null(json, "question", record.question.view());
+  json.key("commands");
+  json.begin_array(kOneLine);
+  for (std::size_t i = 0; i < kCommandCount; ++i) {
+    if (const auto command = static_cast<Command>(i); takes(record, command)) json.value(to_string(command));
+  }
+  json.end_array();
+  json.key("stick");
+  write_stick(json, record);
+  json.key("job");
+  write_job(json, record);
+  json.key("slicing");
+  write_slicing(json, record);
+  json.key("progress");
+  write_progress(json, record);
+  json.key("resin");
+  write_resin(json, record);
+  json.key("checks");
+  write_checks(json, record);
+  json.key("findings");
+  write_findings(json, record);
+  json.key("fault");
+  write_fault(json, record);
+  json.end_object();
+  return json.finish();
+}
+
+Status write_reply_line(TextSink& out, std::optional<std::uint64_t> id, const Error* error) {
+  JsonWriter json(out);
+  json.begin_object(kOneLine);
+  json.member("type", "reply");
+  json.key("id");
+  if (id) {
+    json.value(*id);
+  } else {
+    json.null();
+  }
+  json.member("ok", error == nullptr);
+  if (error != nullptr) {
+    json.member("error", error->finding());
+    text_or_null(json, "advice", error->advice());
+  }
+  json.end_object();
+  return json.finish();
+}
+
+}  // namespace plumbline

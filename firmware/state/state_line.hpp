@@ -1,0 +1,30 @@
+#pragma once
+/// The lines that the state socket sends. README.md and state.schema.json describe them for clients.
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "firmware/io/text_sink.hpp"
+#include "firmware/state/client_request.hpp"
+#include "firmware/state/printer_record.hpp"
+#include "slicer/core/error.hpp"
+
+namespace plumbline {
+
+/// Rises when a client of before would misread what is sent now. New members don't raise it.
+inline constexpr std::uint32_t kStateProtocol = 1;
+
+/// Longer than any line: a test writes the longest one.
+inline constexpr std::size_t kLongestLine = std::size_t{48} * 1024;
+using StateLine = TextBuffer<kLongestLine>;
+
+/// @param sequence  rises with each line that differs from the one before
+/// @retval ErrorCode::kCannotWrite  `out` is full
+[[nodiscard]] Status write_state_line(TextSink& out, const PrinterRecord& record, std::uint64_t sequence);
+
+/// @param id     the request's; none: it had none
+/// @param error  null: the request was carried out
+[[nodiscard]] Status write_reply_line(TextSink& out, std::optional<std::uint64_t> id, const Error* error);
+
+}  // namespace plumbline

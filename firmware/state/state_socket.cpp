@@ -1,0 +1,150 @@
+#include "firmware/state/state_socket.hpp"
+
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+
+#include "firmware/state/command_rules.hpp"
+#include "firmware/state/socket_place.hpp"
+
+namespace plumbline {
+namespace {
+
+/// Connections that wait to be let in, and those let in each turn.
+constexpr int kBacklog = 16;
+/// A whole state line fits, so that a client that reads now and then is never owed a part of one.
+constexpr int kSendBuffer = 2 * static_cast<int>(kLongestLine);
+
+constexpr mode_t kEveryone = 0666;
+constexpr mode_t kOwnerAndGroup = 0660;
+
+Expected<Descriptor> listen_at(const std::string& path, mode_t mode) {
+  const auto place = SocketPlace::at(path);
+  PLUMBLINE_TRY(place);
+  if (place->connect().is_open() || errno == EAGAIN) {
+    return fail(ErrorCode::kCannotOpen,
+                "%s: another plumblined serves its state there.\tEnd it, or name another socket", path.c_str());
+  }
+  // One that a killed daemon left.
+  static_cast<void>(::unlinkat(place->folder(), place->name().c_str(), 0));
+  Descriptor socket(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  const sockaddr_un address = place->address();
+  if (socket.is_open() && ::bind(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 &&
+      ::fchmodat(place->folder(), place->name().c_str(), mode, 0) == 0 && ::listen(socket.get(), kBacklog) == 0) {
+    return socket;
+  }
+  const int reason = errno;
+  return fail(ErrorCode::kCannotOpen, "%s: %s", path.c_str(), std::strerror(reason));
+}
+
+}  // namespace
+
+Expected<std::unique_ptr<StateSocket>> StateSocket::open(const std::string& path, const StateSocketTimes& times) {
+  std::unique_ptr<StateSocket> socket(new StateSocket(times));
+  auto readers = listen_at(path, kEveryone);
+  PLUMBLINE_TRY(readers);
+  auto commanders = listen_at(command_socket(path), kOwnerAndGroup);
+  PLUMBLINE_TRY(commanders);
+  const std::span<StateClient> all(socket->clients_);
+  socket->doors_ = {Door{std::move(*readers), all.first(kReaders), false},
+                    Door{std::move(*commanders), all.subspan(kReaders), true}};
+  return socket;
+}
+
+std::optional<EventKind> StateSocket::serve(const PrinterRecord& record, CommandTaker& taker) {
+  now_ = HostClock::now();
+  if (now_ - served_at_ < times_.turn) return std::nullopt;
+  const auto event = serve_all(record, taker);
+  served_at_ = HostClock::now();
+  longest_turn_ = std::max(longest_turn_, served_at_ - now_);
+  return event;
+}
+
+std::optional<EventKind> StateSocket::serve_all(const PrinterRecord& record, CommandTaker& taker) {
+  write_state(record);
+  std::optional<EventKind> event;
+  for (Door& door : doors_) {
+    for (StateClient& client : door.clients) {
+      if (client.is_open()) serve_client(client, door, record, taker, event);
+    }
+    // Afterwards: whoever has left makes room.
+    let_in(door);
+  }
+  return event;
+}
+
+/// Writes the state's line, under a new number if it differs from the last one.
+void StateSocket::write_state(const PrinterRecord& record) {
+  next_.clear();
+  if (!write_state_line(next_, record, sequence_) || next_.view() == line_.view()) return;
+  line_.clear();
+  static_cast<void>(write_state_line(line_, record, ++sequence_));
+}
+
+void StateSocket::let_in(Door& door) {
+  for (int i = 0; i < kBacklog; ++i) {
+    Descriptor socket(::accept4(door.listener.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
+    if (!socket.is_open()) return;
+    static_cast<void>(::setsockopt(socket.get(), SOL_SOCKET, SO_SNDBUF, &kSendBuffer, sizeof kSendBuffer));
+    auto* const client = std::find_if_not(door.clients.data(), door.clients.data() + door.clients.size(),
+                                          [](const StateClient& one) { return one.is_open(); });
+    if (client != door.clients.data() + door.clients.size()) {
+      client->open(std::move(socket));
+      client->send_state(line_.view(), sequence_);
+      continue;
+    }
+    const Error full = Error::format(ErrorCode::kBusy, "%zu clients are connected.\tEnd one of them, then try again",
+                                     door.clients.size());
+    reply_.clear();
+    static_cast<void>(write_reply_line(reply_, std::nullopt, &full));
+    static_cast<void>(::send(socket.get(), reply_.view().data(), reply_.view().size(), MSG_DONTWAIT | MSG_NOSIGNAL));
+  }
+}
+
+void StateSocket::serve_client(StateClient& client, const Door& door, const PrinterRecord& record, CommandTaker& taker,
+                               std::optional<EventKind>& event) {
+  if (client.flush(now_, times_.patience)) client.send_state(line_.view(), sequence_);
+  // A command may change everything, so others wait for the next turn.
+  if (!client.is_open() || event) return;
+  const auto line = client.line();
+  if (!client.is_open()) return;
+  if (!line) {
+    if (client.is_flooding()) {
+      const Error error = Error::format(ErrorCode::kMalformed, "a line has more than %zu bytes", kLongestRequest);
+      answer(client, std::nullopt, &error);
+      client.drop();
+    } else if (client.is_done()) {
+      client.drop();
+    }
+    return;
+  }
+  std::optional<std::uint64_t> id;
+  std::optional<Error> error;
+  const auto request = parse_request(*line, id);
+  client.take_line();
+  if (!request) {
+    error = request.error();
+  } else if (!door.may_command) {
+    error = Error::format(ErrorCode::kBadSetting,
+                          "this socket is for reading.\tConnect to the one beside it whose name ends in .command");
+  } else if (!takes(record, request->command)) {
+    error = Error::format(ErrorCode::kBadSetting, "%s", what_it_takes(record).c_str());
+  } else if (const auto taken = taker.take(*request)) {
+    event = *taken;
+  } else {
+    error = taken.error();
+  }
+  answer(client, id, error ? &*error : nullptr);
+}
+
+void StateSocket::answer(StateClient& client, std::optional<std::uint64_t> id, const Error* error) {
+  reply_.clear();
+  static_cast<void>(write_reply_line(reply_, id, error));
+  client.send(reply_.view());
+}
+
+}  // namespace plumbline

@@ -1,0 +1,95 @@
+#pragma once
+/// Serves the printer's state to screens, pages and scripts, and takes their commands: two Unix sockets, README.md has the protocol.
+///
+///   PATH           whoever is on this machine may read
+///   PATH.command   the owner and the group of the file may also command
+///
+/// There is no thread: serve() is called where the firmware waits for events anyway, and does a bounded amount of work each time.
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "firmware/io/descriptor.hpp"
+#include "firmware/state/client_request.hpp"
+#include "firmware/state/printer_record.hpp"
+#include "firmware/state/state_client.hpp"
+#include "firmware/state/state_line.hpp"
+#include "hal/events.hpp"
+#include "slicer/core/error.hpp"
+
+namespace plumbline {
+
+/// Carries commands out.
+class CommandTaker {
+ public:
+  virtual ~CommandTaker() = default;
+  /// @pre takes() says that the printer takes it now
+  /// @returns the event that it becomes; none: it is done
+  /// @retval ErrorCode::kBadSetting  what is wrong with it
+  [[nodiscard]] virtual Expected<std::optional<EventKind>> take(const ClientRequest& request) = 0;
+};
+
+/// Times by the host's clock.
+struct StateSocketTimes {
+  /// Between two turns: a firmware that computes looks for events far more often than a client can tell.
+  std::chrono::nanoseconds turn = std::chrono::milliseconds(20);
+  /// A stopped terminal or a busy page is forgiven; whoever reads nothing for longer has to connect again.
+  std::chrono::nanoseconds patience = std::chrono::seconds(10);
+};
+
+class StateSocket {
+ public:
+  using HostClock = std::chrono::steady_clock;
+
+  /// Readers can't take the places of those who may command.
+  static constexpr std::size_t kReaders = 8;
+  static constexpr std::size_t kCommanders = 4;
+
+  /// Takes all its memory here. The object is large.
+  /// @retval ErrorCode::kCannotOpen  the path, the reason; or another daemon serves there
+  [[nodiscard]] static Expected<std::unique_ptr<StateSocket>> open(const std::string& path,
+                                                                   const StateSocketTimes& times = {});
+  StateSocket(const StateSocket&) = delete;
+  StateSocket& operator=(const StateSocket&) = delete;
+
+  /// Sends the record where it has changed and takes at most one command of each client. Never waits. Calls that follow too soon do
+  /// nothing.
+  /// @returns the event that a command has become
+  std::optional<EventKind> serve(const PrinterRecord& record, CommandTaker& taker);
+
+  /// The longest that a call of serve() has taken so far.
+  HostClock::duration longest_turn() const { return longest_turn_; }
+
+ private:
+  struct Door {
+    Descriptor listener;
+    std::span<StateClient> clients;
+    bool may_command = false;
+  };
+
+  explicit StateSocket(const StateSocketTimes& times) : times_(times) {}
+  std::optional<EventKind> serve_all(const PrinterRecord& record, CommandTaker& taker);
+  void write_state(const PrinterRecord& record);
+  void let_in(Door& door);
+  void serve_client(StateClient& client, const Door& door, const PrinterRecord& record, CommandTaker& taker,
+                    std::optional<EventKind>& event);
+  void answer(StateClient& client, std::optional<std::uint64_t> id, const Error* error);
+
+  StateSocketTimes times_;
+  std::array<StateClient, kReaders + kCommanders> clients_;
+  std::array<Door, 2> doors_;
+  StateLine line_;  ///< the newest state
+  StateLine next_;  ///< scratch
+  StateLine reply_;
+  std::uint64_t sequence_ = 0;  ///< of line_
+  HostClock::time_point now_;
+  HostClock::time_point served_at_;
+  HostClock::duration longest_turn_{};
+};
+
+}  // namespace plumbline

@@ -1,0 +1,101 @@
+#include "firmware/state/client_request.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace plumbline {
+namespace {
+
+using ::testing::HasSubstr;
+
+struct Parsed {
+  Expected<ClientRequest> request;
+  std::optional<std::uint64_t> id;
+};
+
+Parsed parse(std::string_view line) {
+  std::optional<std::uint64_t> id = 99;
+  auto request = parse_request(line, id);
+  return {std::move(request), id};
+}
+
+TEST(ClientRequest, HasACommandAndWhatItNeeds) {
+  for (std::size_t i = 0; i < kCommandCount; ++i) {
+    const auto command = static_cast<Command>(i);
+    if (command == Command::kChoose || command == Command::kSet) continue;
+    const auto parsed = parse("{\"do\":\"" + std::string(to_string(command)) + "\"}");
+    ASSERT_TRUE(parsed.request) << parsed.request.error().message();
+    EXPECT_EQ(parsed.request->command, command);
+    EXPECT_EQ(parsed.id, std::nullopt);
+  }
+  const auto choose = parse(" {\t\"scan\" : 64 , \"id\":9007199254740992, \"do\": \"choose\" } \r");
+  ASSERT_TRUE(choose.request) << choose.request.error().message();
+  EXPECT_EQ(choose.request->scan, 64U);
+  EXPECT_EQ(choose.id, 9007199254740992U);
+  const auto set = parse(R"({"do": "set", "key": "\u0073cale", "value": -1.5e+3})");
+  ASSERT_TRUE(set.request) << set.request.error().message();
+  EXPECT_EQ(set.request->key.view(), "scale");
+  EXPECT_EQ(set.request->value.view(), "-1.5e+3");
+  EXPECT_EQ(parse(R"({"do":"set","key":"fit","value":true})").request->value.view(), "true");
+  EXPECT_EQ(parse(R"({"do":"set","key":"profile","value":"\ud83d\ude00 \"\\\/"})").request->value.view(),
+            "\xf0\x9f\x98\x80 \"\\/");
+}
+
+struct Wrong {
+  const char* line;
+  const char* said;
+};
+
+TEST(ClientRequest, SaysWhatIsWrong) {
+  constexpr const char* kForm = "not a flat JSON object";
+  const Wrong wrong[] = {
+      {"", kForm},
+      {"null", kForm},
+      {"[]", kForm},
+      {"{", kForm},
+      {"{}", "there is no \"do\""},
+      {"{\"id\":1}", "there is no \"do\""},
+      {"{\"do\":\"start\"", kForm},
+      {"{\"do\":\"start\",}", kForm},
+      {"{\"do\":\"start\"}}", kForm},
+      {"{\"do\":\"start\"}{\"do\":\"start\"}", kForm},
+      {"{'do':'start'}", kForm},
+      {"{\"do\":{\"do\":\"start\"}}", kForm},
+      {"{\"do\":[\"start\"]}", kForm},
+      {"{\"do\":null}", kForm},
+      {"{\"do\":\"st\xff\"}", kForm},
+      {"{\"do\":\"st\xc0\xaf\"}", kForm},
+      {"{\"do\":\"\\ud800\"}", kForm},
+      {"{\"do\":\"\\x\"}", kForm},
+      {"{\"do\":\"start\",\"id\":01}", kForm},
+      {"{\"do\":\"start\",\"id\":.5}", kForm},
+      {"{\"do\":\"start\",\"id\":NaN}", kForm},
+      {"{\"do\":\"START\"}", "do: allowed is start, pause"},
+      {"{\"do\":1}", "do: allowed is start, pause"},
+      {"{\"do\":\"start\",\"do\":\"cancel\"}", "do: allowed is one"},
+      {"{\"do\":\"start\",\"id\":-1}", "id: allowed is a whole number"},
+      {"{\"do\":\"start\",\"id\":1.5}", "id: allowed is a whole number"},
+      {"{\"do\":\"start\",\"id\":9007199254740993}", "id: allowed is a whole number"},
+      {"{\"do\":\"start\",\"name\":1}", "'name': unknown member"},
+      {"{\"do\":\"start\",\"scan\":1}", "start needs nothing beside"},
+      {"{\"do\":\"choose\"}", "choose needs \"scan\""},
+      {"{\"do\":\"choose\",\"scan\":0}", "scan: allowed is"},
+      {"{\"do\":\"choose\",\"scan\":65}", "scan: allowed is"},
+      {"{\"do\":\"set\",\"key\":\"scale\"}", "set needs \"key\" and \"value\""},
+      {"{\"do\":\"set\",\"key\":1,\"value\":1}", "key: allowed is a text"},
+      {"{\"do\":\"set\",\"key\":\"a key that is longer than any key is\",\"value\":1}", "at most 31 bytes"},
+  };
+  for (const Wrong& one : wrong) {
+    const auto parsed = parse(one.line);
+    ASSERT_FALSE(parsed.request) << one.line;
+    EXPECT_THAT(parsed.request.error().message(), HasSubstr(one.said)) << one.line;
+  }
+  EXPECT_EQ(parse("{\"id\":5,\"do\":\"nothing\"}").id, 5U) << "so that the reply finds its request";
+  EXPECT_FALSE(parse("{\"do\":" + std::string(900, '[') + "}").request) << "nested deeply";
+  EXPECT_FALSE(parse("{\"do\":\"" + std::string(900, 's') + "\"}").request) << "a long text";
+}
+
+}  // namespace
+}  // namespace plumbline

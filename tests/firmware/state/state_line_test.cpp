@@ -1,0 +1,110 @@
+#include "firmware/state/state_line.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+
+#include "firmware/io/json_cursor.hpp"
+
+namespace plumbline {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// Fills a text with the character that takes most room in JSON.
+template <std::size_t Capacity>
+void fill(FixedText<Capacity>& text) {
+  assign(text, std::string(Capacity - 1, '"'));
+}
+
+/// A record in which everything is as long as can be.
+std::unique_ptr<PrinterRecord> longest_record() {
+  auto record = std::make_unique<PrinterRecord>();
+  fill(record->printer);
+  fill(record->message);
+  fill(record->question);
+  record->has_stick = record->has_job_file = true;
+  record->scan_count = PrinterRecord::kMostScans;
+  for (ScanRecord& scan : record->scans) {
+    fill(scan.name);
+    fill(scan.problem);
+    scan.bytes = ~std::uint64_t{0};
+  }
+  JobRecord& job = record->job.emplace();
+  fill(job.scan);
+  fill(job.profile);
+  job.scale = 1.2345678901234567e-5;
+  record->result = PrintState::kSuspended;
+  record->slicing = SlicingRecord{Stage::kWindingTree, 0.123};
+  PrintStatus status;
+  status.state = PrintState::kPrinting;
+  status.layers = status.layer = ~std::uint32_t{0};
+  status.slack = nanoseconds(123456789);
+  record->set_progress(status, 1'900'000'000);
+  record->resin = ResinRecord{12345.678, 20000};
+  for (CheckResult& check : record->checks) {
+    check.outcome = CheckOutcome::kWarned;
+    fill(check.detail);
+  }
+  for (std::size_t i = 0; i < PrinterRecord::kMostFindings; ++i) {
+    record->add_finding(Severity::kWarning, std::string(1000, '"'));
+  }
+  record->set_fault(FaultCode::kJournalOfAnother, std::string(1000, '"'), std::string(1000, '"'));
+  return record;
+}
+
+TEST(StateLine, OfTheLongestRecordFits) {
+  const auto record = longest_record();
+  const auto line = std::make_unique<StateLine>();
+  ASSERT_TRUE(write_state_line(*line, *record, ~std::uint64_t{0}));
+  EXPECT_TRUE(line->view().ends_with("}\n"));
+  EXPECT_GT(line->view().size(), kLongestLine / 2) << "the bound is not far above what is needed";
+  JsonCursor cursor(line->view());
+  EXPECT_TRUE(cursor.take_value(4)) << "it is JSON";
+  EXPECT_TRUE(cursor.at_end());
+}
+
+TEST(StateLine, SaysWhatThePrinterTakes) {
+  PrinterRecord record;
+  const auto commands = [&record] {
+    StateLine line;
+    EXPECT_TRUE(write_state_line(line, record, 1));
+    return std::string(json_member(line.view(), "commands").value_or("none"));
+  };
+  record.state = PrintState::kOffered;
+  EXPECT_EQ(commands(), "[]") << "nobody waits for an answer, so a command would be lost";
+  record.waits = true;
+  EXPECT_EQ(commands(), R"(["start", "cancel", "set"])") << "there is one scan";
+  record.scan_count = 2;
+  EXPECT_EQ(commands(), R"(["start", "cancel", "choose", "set"])");
+  record.state = PrintState::kPlateInUse;
+  EXPECT_EQ(commands(), R"(["plate-empty"])");
+  record.state = PrintState::kIdle;
+  EXPECT_EQ(commands(), "[]");
+  record.has_stick = true;
+  EXPECT_EQ(commands(), R"(["offer"])");
+  record.waits = false;
+  record.state = PrintState::kPrinting;
+  EXPECT_EQ(commands(), R"(["pause", "cancel"])");
+  EXPECT_THAT(what_it_takes(record).c_str(), HasSubstr("'printing'. It takes pause, cancel"));
+  record.state = PrintState::kFinishing;
+  EXPECT_EQ(commands(), "[]");
+}
+
+// A command that a state takes must be an event that this state knows, or nobody would carry it out.
+TEST(CommandRules, AnEventThatAStateTakesChangesIt) {
+  PrinterRecord record;
+  record.waits = record.has_stick = true;
+  for (std::size_t i = 0; i < kPrintStateCount; ++i) {
+    record.state = static_cast<PrintState>(i);
+    if (at_rest(record.state)) continue;  // the daemon's own: daemon_test and state_test go through them
+    const auto changes = [&](PrintEvent event) { return next(record.state, event) != record.state; };
+    EXPECT_EQ(takes(record, Command::kCancel), changes(PrintEvent::kCancelAsked)) << to_string(record.state);
+    EXPECT_EQ(takes(record, Command::kResume), changes(PrintEvent::kResumeAsked)) << to_string(record.state);
+  }
+}
+
+}  // namespace
+}  // namespace plumbline

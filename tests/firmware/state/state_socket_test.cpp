@@ -1,0 +1,178 @@
+/// The state socket with real clients, well behaved and not.
+
+#include "firmware/state/state_socket.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+
+#include <string>
+#include <vector>
+
+#include "firmware/io/json_cursor.hpp"
+#include "firmware/state/socket_place.hpp"
+#include "firmware/state/state_link.hpp"
+#include "tests/firmware/support/job_fixture.hpp"
+
+namespace plumbline {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::HasSubstr;
+
+class StateSocketTest : public testing::Test, public CommandTaker {
+ protected:
+  StateSocketTest() { record_->state = PrintState::kPrinting; }
+
+  /// Deep below a long path: a socket's address has room for 107 characters.
+  std::string path() const { return folder_ / std::string(120, 'd') + "/state"; }
+  StateLink link(bool commands) const {
+    auto made = StateLink::open(path(), commands);
+    EXPECT_TRUE(made) << made.error().message();
+    return std::move(*made);
+  }
+  std::optional<EventKind> serve() { return socket_->serve(*record_, *this); }
+  std::string line_of(StateLink& link) {
+    const auto line = link.next_line(5s);
+    return line && *line ? **line : line ? "the end" : line.error().message();
+  }
+  Expected<std::optional<EventKind>> take(const ClientRequest& request) override {
+    taken_.push_back(request.command);
+    if (request.command == Command::kCancel) return fail(ErrorCode::kBadSetting, "not now.\tLater");
+    return button_of(request.command);
+  }
+
+  TemporaryFolder folder_;
+  bool made_ = std::filesystem::create_directory(folder_ / std::string(120, 'd'));
+  std::unique_ptr<PrinterRecord> record_ = std::make_unique<PrinterRecord>();
+  std::unique_ptr<StateSocket> socket_ = StateSocket::open(path(), {.turn = 0ns, .patience = 0ns}).value();
+  std::vector<Command> taken_;
+};
+
+TEST_F(StateSocketTest, SendsTheStateAtOnceAndWhenItHasChanged) {
+  StateLink reader = link(false);
+  serve();
+  const auto first = line_of(reader);
+  EXPECT_EQ(json_member(first, "state"), "\"printing\"");
+  serve();
+  assign(record_->message, "layer 2");
+  serve();
+  serve();
+  const auto second = line_of(reader);
+  EXPECT_EQ(json_member(second, "message"), "\"layer 2\"") << "an unchanged state is not sent again";
+  EXPECT_EQ(json_member(second, "sequence"), "2");
+  StateLink late = link(false);
+  serve();
+  EXPECT_EQ(line_of(late), second);
+}
+
+TEST_F(StateSocketTest, AnswersEachRequestAndTellsOneEventATurn) {
+  StateLink user = link(true), other = link(true);
+  EXPECT_EQ(serve(), std::nullopt) << "lets them in";
+  ASSERT_TRUE(
+      user.send("{\"do\":\"pause\",\"id\":1}\n{\"do\":\"cancel\",\"id\":2}\nnonsense\n{\"do\":\"start\",\"id\":4}\n"));
+  ASSERT_TRUE(other.send("{\"do\":\"pause\",\"id\":9}\n"));
+  EXPECT_EQ(serve(), EventKind::kPausePressed);
+  EXPECT_EQ(taken_.size(), 1U);
+  EXPECT_EQ(serve(), EventKind::kPausePressed);
+  for (int turn = 0; turn < 4; ++turn) EXPECT_EQ(serve(), std::nullopt);
+  EXPECT_EQ(json_member(line_of(user), "type"), "\"state\"");
+  EXPECT_EQ(line_of(user), R"({"type": "reply", "id": 1, "ok": true})");
+  EXPECT_EQ(line_of(user), R"({"type": "reply", "id": 2, "ok": false, "error": "not now", "advice": "Later"})");
+  EXPECT_THAT(line_of(user), HasSubstr("not a flat JSON object"));
+  EXPECT_THAT(line_of(user), HasSubstr("'printing'. It takes pause, cancel"));
+  EXPECT_EQ(json_member(line_of(other), "type"), "\"state\"");
+  EXPECT_EQ(line_of(other), R"({"type": "reply", "id": 9, "ok": true})");
+}
+
+TEST_F(StateSocketTest, IsForEverybodyToReadAndForTheGroupToCommand) {
+  struct stat facts {};
+  ASSERT_EQ(::stat(path().c_str(), &facts), 0);
+  EXPECT_EQ(facts.st_mode & 0777U, 0666U);
+  ASSERT_EQ(::stat(command_socket(path()).c_str(), &facts), 0);
+  EXPECT_EQ(facts.st_mode & 0777U, 0660U);
+  StateLink reader = link(false);
+  ASSERT_TRUE(reader.send("{\"do\":\"pause\"}\n"));
+  for (int turn = 0; turn < 2; ++turn) EXPECT_EQ(serve(), std::nullopt);
+  EXPECT_EQ(json_member(line_of(reader), "type"), "\"state\"");
+  EXPECT_THAT(line_of(reader), HasSubstr("this socket is for reading"));
+  EXPECT_TRUE(taken_.empty());
+}
+
+TEST_F(StateSocketTest, TurnsAwayWhoeverIsOneTooManyButNotThoseWhoCommand) {
+  std::vector<StateLink> readers;
+  for (std::size_t i = 0; i < 3 * StateSocket::kReaders; ++i) {
+    readers.push_back(link(false));
+    serve();
+  }
+  for (std::size_t i = 0; i < readers.size(); ++i) {
+    const bool in = i < StateSocket::kReaders;
+    EXPECT_THAT(line_of(readers[i]), HasSubstr(in ? "\"type\": \"state\"" : "8 clients are connected"));
+    if (!in) {
+      EXPECT_EQ(line_of(readers[i]), "the end");
+    }
+  }
+  StateLink user = link(true);
+  serve();
+  EXPECT_EQ(json_member(line_of(user), "type"), "\"state\"");
+  readers.clear();
+  serve();
+  StateLink next = link(false);
+  serve();
+  EXPECT_EQ(json_member(line_of(next), "type"), "\"state\"") << "their places are free again";
+}
+
+TEST_F(StateSocketTest, DropsAClientThatReadsNothingAndKeepsTheOthers) {
+  StateLink sleeper = link(false), reader = link(false);
+  serve();
+  line_of(reader);
+  // Until the kernel takes no more of the sleeper's.
+  for (int i = 0; i < 2000; ++i) {
+    assign(record_->message, std::string(300, 'x') + std::to_string(i));
+    serve();
+    ASSERT_THAT(line_of(reader), HasSubstr(std::to_string(i)));
+  }
+  std::size_t lines = 0;
+  while (line_of(sleeper) != "the end") ++lines;
+  EXPECT_GT(lines, 10U);
+  EXPECT_LT(lines, 1500U) << "it was dropped, with what the kernel had taken";
+}
+
+TEST_F(StateSocketTest, DropsAClientThatAsksAndDoesNotReadTheReplies) {
+  StateLink flood = link(true), user = link(true);
+  for (int i = 0; i < 4000 && flood.send("x\n"); ++i) serve();
+  serve();
+  EXPECT_FALSE(flood.send("x\n")) << "it is gone";
+  ASSERT_TRUE(user.send("{\"do\":\"pause\"}\n"));
+  EXPECT_EQ(serve(), EventKind::kPausePressed);
+}
+
+TEST_F(StateSocketTest, AnswersALineWithoutAnEndAndDropsIt) {
+  StateLink endless = link(true), cut = link(true), half = link(true);
+  ASSERT_TRUE(endless.send(std::string(100'000, '{')));
+  ASSERT_TRUE(cut.send("{\"do\":\"pau"));
+  { const StateLink gone = std::move(cut); }
+  ASSERT_TRUE(half.send("{\"do\":\"st\xc3\n"));
+  for (int turn = 0; turn < 4; ++turn) EXPECT_EQ(serve(), std::nullopt);
+  EXPECT_EQ(json_member(line_of(endless), "type"), "\"state\"");
+  EXPECT_THAT(line_of(endless), HasSubstr("more than 1023 bytes"));
+  EXPECT_EQ(line_of(endless), "the end");
+  EXPECT_EQ(json_member(line_of(half), "type"), "\"state\"");
+  EXPECT_THAT(line_of(half), HasSubstr("not a flat JSON object"));
+  EXPECT_TRUE(taken_.empty());
+}
+
+TEST_F(StateSocketTest, IsOneDaemonsAndIsOpenedAgainAfterItWasKilled) {
+  const auto second = StateSocket::open(path());
+  ASSERT_FALSE(second);
+  EXPECT_THAT(second.error().message(), HasSubstr("another plumblined"));
+  socket_.reset();  // the files stay, as after a kill
+  EXPECT_THAT(StateLink::open(path(), false).error().message(), HasSubstr("no plumblined serves"));
+  const auto again = StateSocket::open(path());
+  EXPECT_TRUE(again) << again.error().message();
+  EXPECT_THAT(StateSocket::open(folder_ / "none/state").error().message(), HasSubstr("state_socket"));
+}
+
+}  // namespace
+}  // namespace plumbline
