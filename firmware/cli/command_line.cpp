@@ -34,12 +34,14 @@ ExitCode run_command_line(int argc, char** argv, std::span<std::byte> arena_bloc
   SliceOptions slice;
   InspectOptions inspect;
   PrintOptions print;
+  CheckOptions check;
   SampleOptions sample;
   DoctorOptions doctor;
   PressOptions press;
   const CLI::App* slice_command = add_slice_command(app, slice);
   const CLI::App* inspect_command = add_inspect_command(app, inspect);
   const CLI::App* print_command = add_print_command(app, print);
+  const CLI::App* check_command = add_check_command(app, check);
   const CLI::App* sample_command = add_sample_command(app, sample);
   const CLI::App* press_command = add_press_command(app, press);
   add_doctor_command(app, doctor);
@@ -56,6 +58,7 @@ ExitCode run_command_line(int argc, char** argv, std::span<std::byte> arena_bloc
   if (slice_command->parsed()) return run_slice(slice, arena_block);
   if (inspect_command->parsed()) return run_inspect(inspect, arena_block);
   if (print_command->parsed()) return run_print(print, arena_block);
+  if (check_command->parsed()) return run_check(check, arena_block);
   if (sample_command->parsed()) return run_sample(sample);
   if (press_command->parsed()) return run_press(press);
   return run_doctor(doctor);

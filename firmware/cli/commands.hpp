@@ -9,6 +9,7 @@
 
 #include "firmware/io/exit_code.hpp"
 #include "firmware/machine/back_end.hpp"
+#include "firmware/settings/check_policy.hpp"
 #include "firmware/settings/job_options.hpp"
 #include "firmware/settings/support_choice.hpp"
 
@@ -23,11 +24,19 @@ struct SliceOptions {
   std::string output;
   bool preview = true;
   SupportChoice supports;
+  CheckChoice checks;
 };
 
 struct InspectOptions {
   JobOptions job;
   std::string picture;  ///< file for a picture of what the scan missed; empty: none
+};
+
+struct CheckOptions {
+  JobOptions job;
+  std::string picture;  ///< file for a picture of what was found; empty: none
+  SupportChoice supports;
+  CheckChoice checks;
 };
 
 struct SampleOptions {
@@ -47,6 +56,7 @@ struct PrintOptions {
   std::string report;        ///< file for the report as JSON; empty: none
   SimulationOptions simulation;
   SupportChoice supports;  ///< overrides the profile's
+  CheckChoice checks;      ///< overrides the profile's
 };
 
 struct DoctorOptions {
@@ -63,6 +73,7 @@ struct PressOptions {
 CLI::App* add_slice_command(CLI::App& app, SliceOptions& options);
 CLI::App* add_inspect_command(CLI::App& app, InspectOptions& options);
 CLI::App* add_print_command(CLI::App& app, PrintOptions& options);
+CLI::App* add_check_command(CLI::App& app, CheckOptions& options);
 CLI::App* add_sample_command(CLI::App& app, SampleOptions& options);
 CLI::App* add_doctor_command(CLI::App& app, DoctorOptions& options);
 CLI::App* add_press_command(CLI::App& app, PressOptions& options);
@@ -72,6 +83,7 @@ CLI::App* add_press_command(CLI::App& app, PressOptions& options);
 ExitCode run_slice(const SliceOptions& options, std::span<std::byte> arena_block);
 ExitCode run_inspect(const InspectOptions& options, std::span<std::byte> arena_block);
 ExitCode run_print(const PrintOptions& options, std::span<std::byte> arena_block);
+ExitCode run_check(const CheckOptions& options, std::span<std::byte> arena_block);
 ExitCode run_sample(const SampleOptions& options);
 ExitCode run_doctor(const DoctorOptions& options);
 ExitCode run_press(const PressOptions& options);

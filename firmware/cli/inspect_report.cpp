@@ -1,10 +1,12 @@
 #include "firmware/cli/inspect_report.hpp"
 
 #include <algorithm>
+#include <array>
 #include <string_view>
 
 #include "firmware/io/fixed_text.hpp"
 #include "firmware/io/version.hpp"
+#include "firmware/slice/issue_report.hpp"
 #include "firmware/slice/job_report.hpp"
 #include "firmware/slice/manifest.hpp"
 
@@ -64,6 +66,21 @@ void add_coverage(Text& text, const ScanOutlook& o) {
     text.add("scanned    unknown: %s\n", o.scan.sliced.error().message());
   }
   if (lies_on_its_face(o.scan.clustering)) text.add("           %s\n", kOnItsFace);
+}
+
+/// What a coarse slice can show of its issues: the large ones.
+constexpr std::array kShownCoarsely = {IssueKind::kFreePiece, IssueKind::kResinTrap, IssueKind::kSuctionCup};
+
+void add_issues(Text& text, const ScanOutlook& o) {
+  if (!o.findings) return;
+  bool any = false;
+  for (const IssueKind kind : kShownCoarsely) {
+    if (o.findings->count(kind) == 0) continue;
+    text.add("%-10s %s%s\n", any ? "" : "issues", issue_sentence(kind, *o.findings, o.coarse_grid).c_str(),
+             kind == IssueKind::kFreePiece ? ", without supports" : "");
+    any = true;
+  }
+  if (!any) text.add("issues     none seen in a coarse slice\n");
 }
 
 /// Writes what the file holds and the grid that it goes into.
@@ -229,6 +246,7 @@ Status write_outlook(OutputFile& out, const ScanOutlook& outlook, std::string_vi
   add_scan(text, outlook);
   add_print(text, outlook, print_time);
   add_coverage(text, outlook);
+  add_issues(text, outlook);
   if (verbose) {
     add_details(text, outlook);
     add_surface(text, outlook);
@@ -277,6 +295,12 @@ void write_outlook(JsonWriter& json, const ScanOutlook& outlook) {
     json.member("encloses_nothing", outlook.coverage->outside);
     json.end_object();
   } else {
+    json.null();
+  }
+  if (outlook.findings) {
+    write_issues(json, *outlook.findings, outlook.coarse_grid, {});
+  } else {
+    json.key("issues");
     json.null();
   }
   write_fit(json, outlook);

@@ -6,6 +6,7 @@
 #include "firmware/io/interrupt.hpp"
 #include "firmware/io/json_writer.hpp"
 #include "firmware/io/progress_lines.hpp"
+#include "firmware/settings/print_profile.hpp"
 #include "firmware/slice/job_summary.hpp"
 #include "firmware/slice/manifest.hpp"
 #include "firmware/slice/slice_job.hpp"
@@ -64,6 +65,7 @@ CLI::App* add_slice_command(CLI::App& app, SliceOptions& options) {
       "--no-preview", [&options] { options.preview = false; }, "Don't draw preview.png and coverage.png");
   add_job_options(*command, options.job);
   add_support_options(*command, options.supports, "[none]");
+  add_check_options(*command, options.checks);
   add_program_options(*command, options.job);
   command->callback([&options] {
     if (const auto supports = options.supports.over(false, {}); !supports) {
@@ -86,6 +88,7 @@ ExitCode run_slice(const SliceOptions& options, std::span<std::byte> arena_block
   settings.slice.threads = setup->threads;
   settings.preview = options.preview;
   settings.supports = *options.supports.over(false, {});  // checked when the arguments were parsed
+  settings.checks = options.checks.over(checks_of(setup->board));
   catch_interrupts();
   Arena arena(arena_block.first(setup->arena_bytes));
   auto job = SliceJob::prepare(settings, arena);

@@ -71,6 +71,7 @@ class PrinterDaemon {
   Status serve_stick();
   Expected<std::optional<StickJob>> choose(const StickMount& mount);
   Expected<EventKind> ask(const std::function<void()>& on_next);
+  Expected<bool> accept_issues(const StackFindings& findings, const PrintGrid& grid, const CheckPolicy& policy);
   Status print_scan();
   Status resume();
   void print(PrintSession& session, const PrintProfile& profile);

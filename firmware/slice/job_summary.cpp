@@ -58,6 +58,7 @@ void add_look_at(Text& text, const JobReport& report, const char* output) {
   text.add("look at    ");
   if (report.has_preview) text.add("%s/preview.png, ", output);
   if (report.has_coverage) text.add("%s/coverage.png, ", output);
+  if (report.has_issue_picture) text.add("%s/issues.png, ", output);
   text.add("%s/layers/00000.png to %05u.png\n", output, report.slice.placement.grid.layers - 1);
 }
 
