@@ -38,7 +38,7 @@ struct PrintProfile {
   double retract_speed2 = 0;             ///< [print] mm/min
   double elefant_foot_compensation = 0;  ///< [print] mm by which the outline of the bottom layers is moved inwards
   double pause_lift_height = 0;          ///< [print] mm that a pause raises the part
-  bool supports_enable = false;          ///< [supports] for jobs that don't say
+  bool supports_enable = true;           ///< [supports] for jobs that don't say
   SupportSettings supports;              ///< [supports] what they look like
   CheckPolicy checks;                    ///< [checks] what happens when the masks have an issue
 };

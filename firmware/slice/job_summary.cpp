@@ -44,7 +44,7 @@ void add_print(Text& text, const JobReport& report, std::string_view print_time)
   text.add("print      %s: %s%s%s\n", report.scan_name.c_str(), size_text(s.placement).c_str(),
            printer.empty() ? "" : " on ", printer.c_str());
   text.add("resin      %.1f ml", report.volume_mm3() / 1000);
-  if (report.support_settings) {
+  if (report.supports.all() > 0) {
     text.add(", %.1f ml of it in %u supports", report.support_volume_mm3() / 1000, report.supports.all());
   }
   text.add("\n");

@@ -61,7 +61,7 @@ class Slice(Program):
         self.slice_it("--no-preview")
         without = self.manifest()
         self.assertIsNone(without["supports"])
-        done = self.slice_it("--supports", "auto", "--support-pillar-diameter", 1.5)
+        done = self.slice_it("--support-pillar-diameter", 1.5)
         manifest = self.manifest()
         supports = manifest["supports"]
         self.assertGreater(supports["count"], 4)  # the lower 45 degrees of a sphere of 12 mm
@@ -77,6 +77,17 @@ class Slice(Program):
         _, rows = png_rows(self.out / "layers" / "00000.png")
         white = sum(bin(byte).count("1") for row in rows for byte in row)
         self.assertGreater(white, supports["on_plate"] * 100)
+        # Supports are the default, and change nothing where nothing falls: a hemisphere on its flat side.
+        self.slice_it("--support-base-diameter", 4, "--no-preview")
+        default = self.manifest()
+        self.slice_it("--supports", "auto", "--no-preview")
+        self.assertEqual(self.manifest()["hashes"], default["hashes"])
+        self.cut_below(0)
+        self.slice_it("--supports", "auto", "--no-preview")
+        supported = self.manifest()
+        self.assertEqual(supported["supports"]["count"], 0)
+        self.slice_it("--supports", "none", "--no-preview")
+        self.assertEqual(self.manifest()["hashes"], supported["hashes"])
 
     def test_check_finds_in_the_written_layers_what_slice_has_found(self):
         self.slice_it("--supports", "none")
@@ -113,7 +124,7 @@ class Slice(Program):
 
     def test_wrong_support_settings_are_refused(self):
         for arguments, message in (
-            (("--support-base-diameter", 3), "support_base_diameter is given, but supports are off"),
+            (("--supports", "none", "--support-base-diameter", 3), "support_base_diameter is given, but supports are off"),
             (("--supports", "auto", "--support-critical-angle", 81), "not a number from 10 to 80"),
             (("--supports", "auto", "--support-pillar-diameter", 5), "more than support_base_diameter"),
             (("--supports", "yes"), "yes"),
