@@ -57,6 +57,30 @@ bool are_supports(std::span<const Support> supports, const PrintGrid& grid) {
   return true;
 }
 
+/// Whether the findings can be those of a stack with this grid.
+bool are_findings(const StackFindings& findings, const PrintGrid& grid) {
+  const std::uint64_t pixels = std::uint64_t{grid.columns} * grid.rows;
+  const std::uint64_t voxels = pixels * grid.layers;
+  const bool figures = findings.layers == grid.layers && findings.unchecked_layers <= grid.layers &&
+                       findings.voxels <= voxels && findings.first_layer_pixels <= pixels &&
+                       findings.peel_pixels <= pixels && findings.peel_layer < grid.layers &&
+                       findings.jump_pixels <= pixels && findings.jump_layer < grid.layers;
+  if (!figures) return false;
+  for (std::size_t i = 0; i < kIssueKindCount; ++i) {
+    const IssueGroup& group = findings.groups[i];
+    if (group.kept_count > IssueGroup::kKept || group.kept_count > group.count) return false;
+    if ((group.kept_count == 0) != (group.count == 0)) return false;
+    if (group.pixels > voxels || group.voxels > voxels) return false;
+    for (const Issue& issue : group.all_kept()) {
+      const bool here = issue.kind == static_cast<IssueKind>(i) && issue.column < grid.columns && issue.row < grid.rows;
+      const bool layers =
+          issue.first_layer <= issue.layer && issue.layer <= issue.last_layer && issue.last_layer < grid.layers;
+      if (!here || !layers || issue.pixels > group.pixels || issue.voxels > group.voxels) return false;
+    }
+  }
+  return true;
+}
+
 }  // namespace
 
 tl::unexpected<Error> child_error(const ScanAnswer& answer, std::span<const ErrorCode> possible) {
@@ -99,11 +123,9 @@ Expected<CheckedAnswer> check_answer(const ScanAnswer& answer, const ScanRequest
     if (!are_supports(sliced.supports.list, grid)) return wrong("supports");
   }
 
-  const std::uint64_t pixels = std::uint64_t{grid.columns} * grid.rows;
-  if (answer.cured_pixels > pixels * grid.layers || answer.first_layer_pixels > pixels) return wrong("pixels");
+  if (!are_findings(answer.findings, grid)) return wrong("findings");
   sliced.scan_hash = answer.scan_hash;
-  sliced.cured_pixels = answer.cured_pixels;
-  sliced.first_layer_pixels = answer.first_layer_pixels;
+  sliced.findings = answer.findings;
 
   if (answer.remarks > ScanAnswer::kMostRemarks) return wrong("remarks");
   for (std::size_t i = 0; i < answer.remarks; ++i) {

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "firmware/child/job_answer.hpp"
+#include "slicer/checks/stack_findings.hpp"
 #include "slicer/core/error.hpp"
 
 namespace plumbline {
@@ -33,8 +34,7 @@ struct ScanAnswer {
   std::uint64_t pixel_at = 0;     ///< RRep::pixel
   std::uint64_t supports_at = 0;  ///< Supports::list
   std::uint64_t scan_hash = 0;
-  std::uint64_t cured_pixels = 0;
-  std::uint64_t first_layer_pixels = 0;
+  StackFindings findings;
   std::uint32_t remarks = 0;
   std::array<std::array<char, 256>, kMostRemarks> remark{};  ///< for_each_remark()
 

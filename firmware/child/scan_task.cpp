@@ -44,8 +44,7 @@ void hand_back(const SlicedScan& sliced, const SliceReport& report, const Arena&
     answer.supports_at = place(sliced.supports.list.data());
   }
   answer.scan_hash = sliced.scan_hash;
-  answer.cured_pixels = sliced.cured_pixels;
-  answer.first_layer_pixels = sliced.first_layer_pixels;
+  answer.findings = sliced.findings;
   for_each_remark(report, [&answer](std::string_view text) {
     if (answer.remarks == ScanAnswer::kMostRemarks) return;
     auto& remark = answer.remark[answer.remarks++];

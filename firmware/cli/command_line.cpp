@@ -35,6 +35,7 @@ ExitCode run_command_line(int argc, char** argv, std::span<std::byte> arena_bloc
   InspectOptions inspect;
   OrientOptions orient;
   PrintOptions print;
+  CheckOptions check;
   SampleOptions sample;
   DoctorOptions doctor;
   StatusOptions status;
@@ -43,6 +44,7 @@ ExitCode run_command_line(int argc, char** argv, std::span<std::byte> arena_bloc
   const CLI::App* inspect_command = add_inspect_command(app, inspect);
   const CLI::App* orient_command = add_orient_command(app, orient);
   const CLI::App* print_command = add_print_command(app, print);
+  const CLI::App* check_command = add_check_command(app, check);
   const CLI::App* sample_command = add_sample_command(app, sample);
   const CLI::App* status_command = add_status_command(app, status);
   const CLI::App* control_command = add_control_command(app, control);
@@ -61,6 +63,7 @@ ExitCode run_command_line(int argc, char** argv, std::span<std::byte> arena_bloc
   if (inspect_command->parsed()) return run_inspect(inspect, arena_block);
   if (orient_command->parsed()) return run_orient(orient, arena_block);
   if (print_command->parsed()) return run_print(print, arena_block);
+  if (check_command->parsed()) return run_check(check, arena_block);
   if (sample_command->parsed()) return run_sample(sample);
   if (status_command->parsed()) return run_status(status);
   if (control_command->parsed()) return run_control(control);

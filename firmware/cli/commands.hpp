@@ -9,6 +9,7 @@
 
 #include "firmware/io/exit_code.hpp"
 #include "firmware/machine/back_end.hpp"
+#include "firmware/settings/check_policy.hpp"
 #include "firmware/settings/job_options.hpp"
 #include "firmware/settings/support_choice.hpp"
 #include "firmware/state/socket_place.hpp"
@@ -24,6 +25,7 @@ struct SliceOptions {
   std::string output;
   bool preview = true;
   SupportChoice supports;
+  CheckChoice checks;
 };
 
 struct InspectOptions {
@@ -34,6 +36,13 @@ struct InspectOptions {
 struct OrientOptions {
   JobOptions job;
   std::string picture;  ///< file for a picture of the best orientations; empty: none
+};
+
+struct CheckOptions {
+  JobOptions job;
+  std::string picture;  ///< file for a picture of what was found; empty: none
+  SupportChoice supports;
+  CheckChoice checks;
 };
 
 struct SampleOptions {
@@ -53,6 +62,7 @@ struct PrintOptions {
   std::string report;        ///< file for the report as JSON; empty: none
   SimulationOptions simulation;
   SupportChoice supports;  ///< overrides the profile's
+  CheckChoice checks;      ///< overrides the profile's
 };
 
 struct DoctorOptions {
@@ -78,6 +88,7 @@ CLI::App* add_slice_command(CLI::App& app, SliceOptions& options);
 CLI::App* add_inspect_command(CLI::App& app, InspectOptions& options);
 CLI::App* add_orient_command(CLI::App& app, OrientOptions& options);
 CLI::App* add_print_command(CLI::App& app, PrintOptions& options);
+CLI::App* add_check_command(CLI::App& app, CheckOptions& options);
 CLI::App* add_sample_command(CLI::App& app, SampleOptions& options);
 CLI::App* add_doctor_command(CLI::App& app, DoctorOptions& options);
 CLI::App* add_status_command(CLI::App& app, StatusOptions& options);
@@ -89,6 +100,7 @@ ExitCode run_slice(const SliceOptions& options, std::span<std::byte> arena_block
 ExitCode run_inspect(const InspectOptions& options, std::span<std::byte> arena_block);
 ExitCode run_orient(const OrientOptions& options, std::span<std::byte> arena_block);
 ExitCode run_print(const PrintOptions& options, std::span<std::byte> arena_block);
+ExitCode run_check(const CheckOptions& options, std::span<std::byte> arena_block);
 ExitCode run_sample(const SampleOptions& options);
 ExitCode run_doctor(const DoctorOptions& options);
 ExitCode run_status(const StatusOptions& options);

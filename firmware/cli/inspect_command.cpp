@@ -8,6 +8,9 @@
 #include "firmware/io/job_progress.hpp"
 #include "firmware/io/progress_lines.hpp"
 #include "firmware/io/scan_files.hpp"
+#include "firmware/slice/issue_report.hpp"
+#include "slicer/checks/stack_checker.hpp"
+#include "slicer/layers/layer_stream.hpp"
 
 namespace plumbline {
 namespace {
@@ -28,6 +31,19 @@ std::string print_time_of(const ScanOutlook& outlook, const std::optional<BoardF
   const PrintGrid& grid = outlook.scan.placement->grid;
   const auto time = estimate_print_time(*board, grid.layers, static_cast<double>(grid.layer_height_mm));
   return time ? time->text() : std::string();
+}
+
+/// Checks the coarse masks, without supports.
+Expected<StackFindings> check_coarsely(const RRep& rrep, Arena& arena) {
+  const ArenaScope scope(arena);
+  const std::size_t bottom = arena.bottom_mark();
+  auto stream = LayerStream::create(rrep, arena);
+  PLUMBLINE_TRY(stream);
+  auto checker = StackChecker::create(rrep.grid, coarse_limits(rrep.grid), arena);
+  PLUMBLINE_TRY(checker);
+  for (std::uint32_t k = 0; k < rrep.grid.layers; ++k) checker->next(stream->mask(k));
+  arena.release_bottom(bottom);
+  return checker->finish();
 }
 
 }  // namespace
@@ -60,10 +76,16 @@ ExitCode run_inspect(const InspectOptions& inspect_options, std::span<std::byte>
   const SliceSettings settings = slice_settings(*setup);
   InspectReport report;
   std::optional<CoveragePreview> coverage;
+  std::optional<StackFindings> findings;
+  PrintGrid coarse_grid;
   const auto see = [&](const RRep& rrep, const SliceReport& coarse) -> Status {
     const auto previewed = preview_coverage(rrep, coarse, scan->title(), inspect_options.picture, arena);
     PLUMBLINE_TRY(previewed);
     coverage = *previewed;
+    const auto checked = check_coarsely(rrep, arena);
+    PLUMBLINE_TRY(checked);
+    findings = *checked;
+    coarse_grid = rrep.grid;
     return {};
   };
   const auto done = inspect(scan->sources(), settings, arena, &progress, report, see);
@@ -71,6 +93,8 @@ ExitCode run_inspect(const InspectOptions& inspect_options, std::span<std::byte>
   if (!report.sliced && !inspect_options.picture.empty()) return report_error(report.sliced.error());
   ScanOutlook outlook = make_outlook(report, setup->placement, arena.capacity(), setup->threads);
   outlook.coverage = coverage;
+  outlook.findings = findings;
+  outlook.coarse_grid = coarse_grid;
   outlook.scan_name = scan->title();
   outlook.scan_names = scan->names();
   outlook.printer_name = setup->printer_name;

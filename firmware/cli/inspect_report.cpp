@@ -1,11 +1,13 @@
 #include "firmware/cli/inspect_report.hpp"
 
 #include <algorithm>
+#include <array>
 #include <string_view>
 
 #include "firmware/io/fixed_text.hpp"
 #include "firmware/io/progress_lines.hpp"
 #include "firmware/io/version.hpp"
+#include "firmware/slice/issue_report.hpp"
 #include "firmware/slice/job_report.hpp"
 #include "firmware/slice/manifest.hpp"
 
@@ -78,6 +80,21 @@ void add_coverage(Text& text, const ScanOutlook& o) {
   } else if (o.scan.upright) {
     text.add("           %s\n", lies_wrong_sentence(o.scan.upright->degrees[0], o.scan.upright->degrees[1]).c_str());
   }
+}
+
+/// What a coarse slice can show of its issues: the large ones.
+constexpr std::array kShownCoarsely = {IssueKind::kFreePiece, IssueKind::kResinTrap, IssueKind::kSuctionCup};
+
+void add_issues(Text& text, const ScanOutlook& o) {
+  if (!o.findings) return;
+  bool any = false;
+  for (const IssueKind kind : kShownCoarsely) {
+    if (o.findings->count(kind) == 0) continue;
+    text.add("%-10s %s%s\n", any ? "" : "issues", issue_sentence(kind, *o.findings, o.coarse_grid).c_str(),
+             kind == IssueKind::kFreePiece ? ", without supports" : "");
+    any = true;
+  }
+  if (!any) text.add("issues     none seen in a coarse slice\n");
 }
 
 /// Writes what the file holds and the grid that it goes into.
@@ -243,6 +260,7 @@ Status write_outlook(OutputFile& out, const ScanOutlook& outlook, std::string_vi
   add_scan(text, outlook);
   add_print(text, outlook, print_time);
   add_coverage(text, outlook);
+  add_issues(text, outlook);
   if (verbose) {
     add_details(text, outlook);
     add_surface(text, outlook);
@@ -292,6 +310,12 @@ void write_outlook(JsonWriter& json, const ScanOutlook& outlook) {
     json.member("encloses_nothing", outlook.coverage->outside);
     json.end_object();
   } else {
+    json.null();
+  }
+  if (outlook.findings) {
+    write_issues(json, *outlook.findings, outlook.coarse_grid, {});
+  } else {
+    json.key("issues");
     json.null();
   }
   write_fit(json, outlook);

@@ -8,6 +8,7 @@
 #include "firmware/io/json_writer.hpp"
 #include "firmware/io/output_file.hpp"
 #include "firmware/slice/coverage_preview.hpp"
+#include "slicer/checks/stack_findings.hpp"
 #include "slicer/inspect.hpp"
 #include "slicer/plan/memory_plan.hpp"
 
@@ -22,6 +23,8 @@ struct ScanOutlook {
   InspectReport scan;
   Units guess = Units::kMillimetres;        ///< the unit that its size suggests
   std::optional<double> largest_scale;      ///< that fits the printer; none without a printer
+  std::optional<StackFindings> findings;    ///< of the coarse masks, without supports; none: there are none
+  PrintGrid coarse_grid;                    ///< of those masks
   std::optional<CoveragePreview> coverage;  ///< none: scan.sliced has the reason
   Expected<MemoryPlan> plan;                ///< for the points of this scan
   std::size_t arena_bytes = 0;

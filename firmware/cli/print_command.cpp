@@ -12,6 +12,7 @@
 #include "firmware/print/print_session.hpp"
 #include "firmware/print/print_summary.hpp"
 #include "firmware/print/status/print_lines.hpp"
+#include "firmware/slice/issue_report.hpp"
 #include "firmware/slice/job_report.hpp"
 
 namespace plumbline {
@@ -79,6 +80,7 @@ Expected<Printer> read_printer(const PrintOptions& options) {
   auto profile = read_print_profile(name, printer.board.path);
   PLUMBLINE_TRY(profile);
   printer.profile = std::move(*profile);
+  printer.profile.checks = options.checks.over(printer.profile.checks);
   return printer;
 }
 
@@ -105,6 +107,12 @@ Status make_ready(const PrintOptions& options, const JobSetup& setup, const Prin
     line.add("plumbline: warning: %.*s", static_cast<int>(warning.size()), warning.data());
     write_line(line.view());
   });
+  for_each_issue(*session.findings(), session.grid(), printer.profile.checks,
+                 [](IssueKind, CheckAction, std::string_view sentence) {
+                   FixedText<512> line;
+                   line.add("plumbline: warning: %.*s", static_cast<int>(sentence.size()), sentence.data());
+                   write_line(line.view());
+                 });
   return {};
 }
 
@@ -177,6 +185,7 @@ CLI::App* add_print_command(CLI::App& app, PrintOptions& options) {
   auto* scan = add_job_options(*command, options.job)->required(false);
   command->get_option("--printer")->required();
   add_support_options(*command, options.supports, "[as in the profile]");
+  add_check_options(*command, options.checks);
   command
       ->add_option("--profile", options.profile,
                    "Resin and print settings: a name, such as draft, or a profile's file [the printer's]")

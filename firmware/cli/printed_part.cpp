@@ -6,10 +6,12 @@
 #include <vector>
 
 #include "firmware/io/mask_hash.hpp"
+#include "firmware/pictures/issue_picture.hpp"
 #include "firmware/pictures/png_writer.hpp"
 #include "firmware/pictures/preview.hpp"
 #include "firmware/slice/job_report.hpp"
 #include "firmware/slice/manifest.hpp"
+#include "slicer/supports/mask_stream.hpp"
 
 namespace plumbline {
 namespace {
@@ -40,6 +42,21 @@ struct PartRRep {
 
 constexpr std::size_t kPreviewBytes = std::size_t{3} * kPreviewColumns * kPreviewRows;
 
+/// Writes the picture of the issues that the masks had, if there are any and the arena has room for it.
+Status write_issue_picture(JobDirectory& directory, const PrintSession& session, std::string_view name, Arena& arena,
+                           PngEncoder& encoder) {
+  if (!session.findings()) return {};
+  const std::size_t bottom = arena.bottom_mark();
+  auto stream = MaskStream::create(session.rrep(), session.supports(), arena);
+  const auto mask = [&](std::uint32_t layer) -> Expected<ConstBitImage> {
+    PLUMBLINE_TRY(stream);
+    return stream->mask(layer);
+  };
+  const auto png = encode_issues(*session.findings(), session.grid(), name, mask, arena, encoder);
+  arena.release_bottom(bottom);
+  return png && !png->empty() ? directory.write_picture(Picture::kIssues, *png) : Status();
+}
+
 /// Writes the preview of the cured part, and a comparison that shows what was to be printed to its left.
 Status write_pictures(JobDirectory& directory, const PrintSession& session, const RRep& part, const JobReport& job,
                       Arena& arena) {
@@ -62,6 +79,7 @@ Status write_pictures(JobDirectory& directory, const PrintSession& session, cons
   const auto preview = encoder->encode(printed, kPreviewColumns, kPreviewRows);
   PLUMBLINE_TRY(preview);
   PLUMBLINE_TRY(directory.write_picture(Picture::kPreview, *preview));
+  PLUMBLINE_TRY(write_issue_picture(directory, session, job.scan_name, arena, *encoder));
 
   std::vector<std::uint8_t> both;
   both.reserve(2 * kPreviewBytes);
@@ -111,6 +129,7 @@ Status write_printed_part(JobDirectory& directory, const Witness& witness, const
   job.support_settings = session.support_settings();
   job.supports = session.support_counts();
   job.support_pixels = session.support_pixels();
+  job.findings = session.findings();
   job.arena_bytes = arena.capacity();
   job.hash = job_hash(hashes);
   if (!hashes.empty()) {

@@ -8,6 +8,7 @@
 
 #include "firmware/settings/print_length.hpp"
 #include "firmware/settings/setting_words.hpp"
+#include "slicer/checks/issue.hpp"
 #include "slicer/reader/scan_sources.hpp"
 
 namespace plumbline {
@@ -135,6 +136,33 @@ void add_object_options(CLI::App& app, JobOptions& job, CLI::Option* printer) {
       ->group(kObjectGroup);
 }
 
+/// "island, overhang, ..."
+std::string issue_keys() {
+  std::string text;
+  for (const IssueWords& words : kIssueWords) {
+    if (!text.empty()) text += ", ";
+    text += words.key;
+  }
+  return text;
+}
+
+/// @param text  "island=refuse"
+void set_check(const std::string& text, CheckChoice& choice) {
+  const auto equals = text.find('=');
+  const std::string kind = text.substr(0, equals);
+  const std::string word = equals == std::string::npos ? "" : text.substr(equals + 1);
+  const auto* const action = std::find(kCheckActionWords.begin(), kCheckActionWords.end(), word);
+  bool found = false;
+  for (std::size_t i = 0; action != kCheckActionWords.end() && i < kIssueKindCount; ++i) {
+    if (kind != "all" && kind != kIssueWords[i].key) continue;
+    choice.actions[i] = static_cast<CheckAction>(action - kCheckActionWords.begin());
+    found = true;
+  }
+  if (found) return;
+  throw CLI::ValidationError("--check: '" + printable(text) + "' is not KIND=ACTION. KIND is all, " + issue_keys() +
+                             "; ACTION is ignore, warn, ask or refuse");
+}
+
 }  // namespace
 
 CLI::Validator finite_range(double low, double high) {
@@ -185,10 +213,24 @@ std::string option_name(const SupportField& field) {
   return name;
 }
 
+void add_check_options(CLI::App& app, CheckChoice& choice) {
+  app.add_option_function<std::vector<std::string>>(
+         "--check",
+         [&choice](const std::vector<std::string>& texts) {
+           for (const std::string& text : texts) set_check(text, choice);
+         },
+         "What to do about an issue: KIND=ignore, warn, ask or refuse. KIND is all, or one of\n" + issue_keys() +
+             "\nMay be repeated [as in the printer's profile, or warn]")
+      ->type_name("KIND=ACTION")
+      ->take_all()
+      ->group(kChecksGroup);
+  app.add_flag("--accept", choice.accept, "Go on with issues that the profile asks about")->group(kChecksGroup);
+}
+
 void add_support_options(CLI::App& app, SupportChoice& choice, const char* default_kind) {
   app.add_option_function<std::string>(
          "--supports", [&choice](const std::string& kind) { choice.enable = kind == "auto"; },
-         std::string("auto puts supports under islands and overhangs; none ") + default_kind)
+         std::string("auto puts supports under islands and overhangs, none leaves them out ") + default_kind)
       ->type_name("KIND")
       ->check(CLI::IsMember({"none", "auto"}).description(""))
       ->group(kSupportsGroup);

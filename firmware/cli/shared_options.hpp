@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "firmware/settings/check_policy.hpp"
 #include "firmware/settings/job_options.hpp"
 #include "firmware/settings/support_choice.hpp"
 
@@ -12,6 +13,7 @@ namespace plumbline {
 inline constexpr const char* kPrinterGroup = "Printer and layers";
 inline constexpr const char* kObjectGroup = "Object";
 inline constexpr const char* kSupportsGroup = "Supports";
+inline constexpr const char* kChecksGroup = "Checks";
 inline constexpr const char* kProgramGroup = "Program";
 
 /// Accepts numbers from `low` to `high`. (CLI::Range lets NaN pass.)
@@ -27,6 +29,9 @@ void add_program_options(CLI::App& app, JobOptions& job);
 /// `--supports` and an option for each setting.
 /// @param default_kind  what applies without the option, as the help says it: "[none]"
 void add_support_options(CLI::App& app, SupportChoice& choice, const char* default_kind);
+
+/// `--check KIND=ACTION` and `--accept`.
+void add_check_options(CLI::App& app, CheckChoice& choice);
 
 /// "--support-head-width" for support_head_width.
 std::string option_name(const SupportField& field);

@@ -7,6 +7,7 @@
 #include "firmware/io/json_writer.hpp"
 #include "firmware/io/output_file.hpp"
 #include "firmware/io/progress_lines.hpp"
+#include "firmware/settings/print_profile.hpp"
 #include "firmware/slice/job_summary.hpp"
 #include "firmware/slice/manifest.hpp"
 #include "firmware/slice/slice_job.hpp"
@@ -18,7 +19,7 @@ constexpr const char* kFooter =
     "\nExamples:\n"
     "  plumbline slice bust.ply -o out --printer mono2k         centred on the printer's plate\n"
     "  plumbline slice bust.ply -o out --printer mono2k --fit   as large as the printer can\n"
-    "  plumbline slice bust.ply -o out --supports auto          with supports\n"
+    "  plumbline slice bust.ply -o out --supports none          without supports, even if something falls\n"
     "  plumbline slice bust.ply -o out --rotate-x 90            a scan whose y points up\n"
     "  plumbline slice front.ply back.ply -o out                one scan in two files\n"
     "\n"
@@ -64,10 +65,11 @@ CLI::App* add_slice_command(CLI::App& app, SliceOptions& options) {
   command->add_flag_callback(
       "--no-preview", [&options] { options.preview = false; }, "Don't draw preview.png and coverage.png");
   add_job_options(*command, options.job);
-  add_support_options(*command, options.supports, "[none]");
+  add_support_options(*command, options.supports, "[auto]");
+  add_check_options(*command, options.checks);
   add_program_options(*command, options.job);
   command->callback([&options] {
-    if (const auto supports = options.supports.over(false, {}); !supports) {
+    if (const auto supports = options.supports.over(true, {}); !supports) {
       throw CLI::ValidationError(supports.error().message());
     }
   });
@@ -83,7 +85,8 @@ ExitCode run_slice(const SliceOptions& options, std::span<std::byte> arena_block
   settings.printer_name = setup->printer_name;
   settings.slice = slice_settings(*setup);
   settings.preview = options.preview;
-  settings.supports = *options.supports.over(false, {});  // checked when the arguments were parsed
+  settings.supports = *options.supports.over(true, {});  // checked when the arguments were parsed
+  settings.checks = options.checks.over(checks_of(setup->board));
   catch_interrupts();
   Arena arena(arena_block.first(setup->arena_bytes));
   auto job = SliceJob::prepare(settings, arena);

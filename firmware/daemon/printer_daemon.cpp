@@ -6,6 +6,7 @@
 #include "firmware/daemon/stick_words.hpp"
 #include "firmware/print/status/state_lights.hpp"
 #include "firmware/settings/support_choice.hpp"
+#include "firmware/slice/issue_report.hpp"
 
 namespace plumbline {
 namespace {
@@ -344,9 +345,43 @@ Expected<PrintProfile> PrinterDaemon::profile_of(const std::string& name) const 
   return profile;
 }
 
+/// Says what the checks of the masks have found. Asks whether to print it all the same, if the profile wants that.
+/// @returns whether to print it. If not, the state says why
+Expected<bool> PrinterDaemon::accept_issues(const StackFindings& findings, const PrintGrid& grid,
+                                            const CheckPolicy& policy) {
+  for_each_issue(findings, grid, policy,
+                 [&](IssueKind, CheckAction action, std::string_view sentence) {
+                   observer_.say(sentence);
+                   record_.add_finding(action == CheckAction::kIgnore ? Severity::kNote : Severity::kWarning, sentence);
+                 });
+  const CheckAction action = verdict(findings, policy);
+  if (action == CheckAction::kRefuse) {
+    refuse(judge(findings, grid, policy).error(), FaultCode::kIssueFound);
+    return false;
+  }
+  if (action != CheckAction::kAsk) return true;
+  apply(PrintEvent::kJobOffered);
+  FixedText<400> text;
+  text.add("found in the layers: %s. Press start to print it all the same, or cancel", issue_counts(findings).c_str());
+  observer_.say(text.view());
+  while (!ending_) {
+    const auto answer = ask([] {});
+    PLUMBLINE_TRY(answer);
+    if (*answer == EventKind::kStartPressed) {
+      apply(PrintEvent::kJobTaken);
+      return true;
+    }
+    if (*answer == EventKind::kCancelPressed) break;
+  }
+  apply(PrintEvent::kCancelAsked);
+  return false;
+}
+
 Status PrinterDaemon::print_scan() {
   PrintSession session(settings_.board, settings_.machine, arena_, &store_);
   std::optional<PrintProfile> profile;
+  std::optional<CheckedAnswer> answer;
+  FixedText<256> name;
   {
     const auto mount = machine_.stick.mount();
     PLUMBLINE_TRY(mount);
@@ -390,14 +425,19 @@ Status PrinterDaemon::print_scan() {
     const auto sliced = slicing_.run(*mount, *scan, request);
     ending_ = ending_ || slicing_.shutdown();
     PLUMBLINE_TRY(sliced);
-    for (std::size_t i = 0; i < sliced->remarks; ++i) {
-      const auto remark = in_stick_words(sliced->remark[i].view());
+    answer = *sliced;
+    name = request.name;
+    for (std::size_t i = 0; i < answer->remarks; ++i) {
+      const auto remark = in_stick_words(answer->remark[i].view());
       observer_.say(remark.view());
       record_.add_finding(Severity::kWarning, remark.view());
     }
-    PLUMBLINE_TRY(session.take(sliced->sliced, request.name.view(), *profile));
   }
   observer_.say("the stick may be pulled");
+  const auto wanted = accept_issues(answer->sliced.findings, answer->sliced.rrep.grid, profile->checks);
+  PLUMBLINE_TRY(wanted);
+  if (!*wanted) return {};
+  PLUMBLINE_TRY(session.take(answer->sliced, name.view(), *profile));
   apply(PrintEvent::kSliced);
   print(session, *profile);
   return {};

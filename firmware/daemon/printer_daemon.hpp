@@ -83,6 +83,7 @@ class PrinterDaemon final : public CommandTaker {
   void record_scans(const StickScans& scans);
   void record_job(const Offer& offer);
   Expected<EventKind> ask(const std::function<void()>& on_next);
+  Expected<bool> accept_issues(const StackFindings& findings, const PrintGrid& grid, const CheckPolicy& policy);
   Status print_scan();
   Status resume();
   void print(PrintSession& session, const PrintProfile& profile);

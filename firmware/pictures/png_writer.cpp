@@ -7,7 +7,10 @@
 #include <cassert>
 #include <cstdlib>
 #include <cstring>
+#include <memory>
 #include <new>
+
+#include "slicer/core/print_grid.hpp"
 
 namespace plumbline {
 namespace {
@@ -137,6 +140,57 @@ Expected<std::span<const std::byte>> PngEncoder::encode(std::span<const std::uin
   assert(columns > 0 && rows > 0 && rgb.size() == std::size_t{3} * columns * rows);
   assert((1 + std::size_t{3} * columns) * rows <= compressed_.size);
   return encode_raw(rgb.data(), columns, rows, false);
+}
+
+Expected<PngSize> png_size(std::span<const std::byte> file) {
+  unsigned columns = 0;
+  unsigned rows = 0;
+  LodePNGState state;
+  lodepng_state_init(&state);
+  const unsigned error =
+      lodepng_inspect(&columns, &rows, &state, reinterpret_cast<const unsigned char*>(file.data()), file.size());
+  lodepng_state_cleanup(&state);
+  if (error != 0) {
+    return fail(ErrorCode::kMalformed, "cannot be read as PNG (%s).\tExport the layers again",
+                lodepng_error_text(error));
+  }
+  if (columns > PrintGrid::kMaxSide || rows > PrintGrid::kMaxSide) {
+    return fail(ErrorCode::kUnsupported, "has %u x %u pixels, at most %u x %u are allowed", columns, rows,
+                PrintGrid::kMaxSide, PrintGrid::kMaxSide);
+  }
+  return PngSize{columns, rows};
+}
+
+Status decode_mask(std::span<const std::byte> file, BitImage out) {
+  const auto size = png_size(file);
+  PLUMBLINE_TRY(size);
+  if (size->columns != out.columns() || size->rows != out.rows()) {
+    return fail(ErrorCode::kMalformed,
+                "has %u x %u pixels, the first layer %u x %u.\tName a folder that holds one stack", size->columns,
+                size->rows, out.columns(), out.rows());
+  }
+  unsigned char* grey = nullptr;
+  unsigned columns = 0;
+  unsigned rows = 0;
+  const unsigned error = lodepng_decode_memory(
+      &grey, &columns, &rows, reinterpret_cast<const unsigned char*>(file.data()), file.size(), LCT_GREY, 8);
+  const std::unique_ptr<unsigned char, decltype(&std::free)> pixels(grey, &std::free);
+  constexpr unsigned kHasColours = 62;
+  if (error == kHasColours) {
+    return fail(ErrorCode::kUnsupported, "has colours; layers are black and white or grey.\tExport them as grey PNG");
+  }
+  if (error != 0) {
+    return fail(ErrorCode::kMalformed, "cannot be read as PNG (%s).\tExport the layers again",
+                lodepng_error_text(error));
+  }
+  out.clear();
+  for (std::uint32_t r = 0; r < out.rows(); ++r) {
+    const unsigned char* const line = grey + std::size_t{r} * out.columns();
+    for (std::uint32_t c = 0; c < out.columns(); ++c) {
+      if (line[c] > 127) out.set(c, r);
+    }
+  }
+  return {};
 }
 
 }  // namespace plumbline

@@ -1,5 +1,5 @@
 #pragma once
-/// PNG images, by lodepng with libdeflate behind it.
+/// PNG images: written by lodepng with libdeflate behind it, and masks read by lodepng.
 
 #include <cstddef>
 #include <cstdint>
@@ -74,5 +74,20 @@ class PngEncoder {
   Buffer compressed_;  ///< the zlib stream
   Buffer file_;        ///< what encode() returns
 };
+
+struct PngSize {
+  std::uint32_t columns = 0, rows = 0;  ///< 1 to PrintGrid::kMaxSide
+};
+
+/// @param file  of a PNG
+/// @retval ErrorCode::kMalformed    no PNG
+/// @retval ErrorCode::kUnsupported  larger than a grid can be
+[[nodiscard]] Expected<PngSize> png_size(std::span<const std::byte> file);
+
+/// Decodes a PNG of any grey format; levels above 127 of 255 are white. Takes memory from the heap.
+/// @param out  overwritten
+/// @retval ErrorCode::kMalformed    no PNG, damaged, or not of the size of `out`
+/// @retval ErrorCode::kUnsupported  it has colours
+[[nodiscard]] Status decode_mask(std::span<const std::byte> file, BitImage out);
 
 }  // namespace plumbline

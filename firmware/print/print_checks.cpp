@@ -49,6 +49,10 @@ void PrintChecks::check_job(bool has_journal) {
   conclude(Check::kObject, passed_if(on_plate && top <= highest),
            on_plate ? FaultCode::kOutsideTravel : FaultCode::kNothingToPrint);
 
+  const bool known = !settings_.issues.view().empty();
+  result(Check::kMasks).detail.add("%s", known ? settings_.issues.c_str() : "checked when the print began");
+  conclude(Check::kMasks, noted_unless(!settings_.has_issues));
+
   result(Check::kLight)
       .detail.add("a layer of %.3f mm cures %.3f mm deep", plan.layer_height.millimetres(),
                   settings_.cure_depth.millimetres());

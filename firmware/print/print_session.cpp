@@ -1,5 +1,6 @@
 #include "firmware/print/print_session.hpp"
 
+#include "firmware/slice/issue_report.hpp"
 #include "slicer/core/printable_text.hpp"
 
 namespace plumbline {
@@ -17,6 +18,7 @@ Status PrintSession::slice_scan(ScanSources scan, const SliceSettings& settings,
   PLUMBLINE_TRY(plan_print(profile, machine_, layer_height, 1));
   const auto sliced = slice_for_print(scan, settings, supports, arena_, progress, slice_report_);
   PLUMBLINE_TRY(sliced);
+  PLUMBLINE_TRY(judge(sliced->findings, sliced->rrep.grid, profile.checks));
   support_settings_ = supports;
   return take(*sliced, title_of(scan).c_str(), profile);
 }
@@ -26,8 +28,9 @@ Status PrintSession::take(const SlicedScan& sliced, std::string_view scan, const
   supports_ = sliced.supports;
   support_counts_ = sliced.support_counts;
   support_pixels_ = sliced.support_pixels;
-  first_layer_pixels_ = sliced.first_layer_pixels;
-  facts_.cured_pixels = sliced.cured_pixels;
+  findings_ = sliced.findings;
+  first_layer_pixels_ = sliced.findings.first_layer_pixels;
+  facts_.cured_pixels = sliced.findings.voxels;
   facts_.scan_hash = sliced.scan_hash;
   const auto plan = plan_print(profile, machine_, static_cast<double>(rrep_.grid.layer_height_mm), rrep_.grid.layers);
   PLUMBLINE_TRY(plan);
@@ -111,6 +114,8 @@ const PrintReport& PrintSession::print(Machine& machine, PrintObserver& observer
   settings.cured_pixels = facts_.cured_pixels;
   settings.first_layer_pixels = first_layer_pixels_;
   settings.cure_depth = facts_.cure_depth;
+  if (findings_) settings.issues = issue_counts(*findings_);
+  settings.has_issues = findings_ && findings_->any();
   settings.memory_needed = arena_.used();
   settings.memory_budget = arena_.capacity();
   job_.emplace(machine, settings, *masks_, journal_ ? &*journal_ : nullptr, plate, lines_, observer);

@@ -32,6 +32,7 @@ class PrintSession {
   /// Slices a scan and gets ready to print. The scan is not needed afterwards.
   /// @param supports  valid by check_support_settings(); none: no supports
   /// @retval any error of slice(), find_supports(), plan_print(), JobStore::begin(), Journal::open()
+  /// @retval ErrorCode::kBadSetting  the profile refuses what the checks of the masks have found, or asks about it
   /// @retval ErrorCode::kCancelled
   [[nodiscard]] Status slice_scan(ScanSources scan, const SliceSettings& settings,
                                   const std::optional<SupportSettings>& supports, const PrintProfile& profile,
@@ -69,6 +70,8 @@ class PrintSession {
   const std::optional<SupportSettings>& support_settings() const { return support_settings_; }
   const SupportCounts& support_counts() const { return support_counts_; }
   std::uint64_t support_pixels() const { return support_pixels_; }
+  /// Of the masks; none for a print resumed from its store, whose masks were checked when it began.
+  const std::optional<StackFindings>& findings() const { return findings_; }
   MaskFigures mask_figures() const;
   double pixel_ml() const;
 
@@ -88,6 +91,7 @@ class PrintSession {
   std::optional<SupportSettings> support_settings_;
   SupportCounts support_counts_;
   std::uint64_t support_pixels_ = 0;
+  std::optional<StackFindings> findings_;
   std::optional<MaskStream> stream_;
   std::optional<MaskRenderer> masks_;
   std::optional<JournalFile> journal_file_;

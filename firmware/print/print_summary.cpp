@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "firmware/print/status/print_lines.hpp"
+#include "firmware/slice/issue_report.hpp"
 
 namespace plumbline {
 namespace {
@@ -164,6 +165,14 @@ Status write_print_summary(OutputFile& out, const PrintOutcome& outcome, std::st
     line.add("warning    %.*s\n", static_cast<int>(warning.size()), warning.data());
     if (written) written = out.write(line.view());
   });
+  if (const auto& findings = outcome.session.findings()) {
+    for_each_issue(*findings, outcome.session.grid(), outcome.profile.checks,
+                   [&](IssueKind, CheckAction, std::string_view sentence) {
+                     Text line;
+                     line.add("issue      %.*s\n", static_cast<int>(sentence.size()), sentence.data());
+                     if (written) written = out.write(line.view());
+                   });
+  }
   PLUMBLINE_TRY(written);
   if (outcome.part) {
     text.clear();
@@ -215,6 +224,12 @@ void write_print_report(JsonWriter& json, const PrintOutcome& outcome) {
   json.member("next_layer", report.next_layer);
   json.member("layer_height_mm", facts.plan.layer_height.millimetres());
   json.member("supports", std::uint64_t{outcome.session.supports().list.size()});
+  if (const auto& findings = outcome.session.findings()) {
+    write_issues(json, *findings, outcome.session.grid(), outcome.profile.checks);
+  } else {
+    json.key("issues");
+    json.null();
+  }
   json.member("resin_ml", thousandths(report.resin_ml));
   json.member("resin_needed_ml", thousandths(static_cast<double>(facts.cured_pixels) * outcome.session.pixel_ml()));
   json.member("cost", thousandths(resin_cost(outcome.profile, report.resin_ml)));

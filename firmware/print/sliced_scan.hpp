@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "slicer/checks/stack_findings.hpp"
 #include "slicer/core/arena.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/core/progress.hpp"
@@ -17,13 +18,12 @@ struct SlicedScan {
   RRep rrep;          ///< at the bottom of the arena
   Supports supports;  ///< above it; empty: none
   SupportCounts support_counts;
-  std::uint64_t scan_hash = 0;           ///< of the files' bytes: HashingSources::hash()
-  std::uint64_t cured_pixels = 0;        ///< of all masks together
-  std::uint64_t first_layer_pixels = 0;  ///< of the first mask
-  std::uint64_t support_pixels = 0;      ///< those that the supports add
+  std::uint64_t scan_hash = 0;       ///< of the files' bytes: HashingSources::hash()
+  std::uint64_t support_pixels = 0;  ///< those that the supports add
+  StackFindings findings;            ///< of its masks
 };
 
-/// Slices a scan, finds its supports, and counts the pixels that will cure.
+/// Slices a scan, finds its supports, and checks the masks.
 /// @param supports  valid by check_support_settings(); none: no supports
 /// @param progress  may be null
 /// @param report    filled as far as it went, also on error

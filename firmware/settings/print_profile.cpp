@@ -44,6 +44,10 @@ std::vector<SettingRule> rules_for(PrintProfile& p) {
     rules.push_back({"supports", field.key, &(p.supports.*field.member), field.low, field.high,
                      field.unit == "deg" ? " degrees" : " mm", kOptional});
   }
+  for (std::size_t i = 0; i < kIssueKindCount; ++i) {
+    rules.push_back(
+        {"checks", kIssueWords[i].key, choice(std::span(kCheckActionWords), p.checks.actions[i]), 0, 0, "", kOptional});
+  }
   return rules;
 }
 
@@ -79,6 +83,12 @@ Expected<PrintProfile> read_print_profile(const std::string& name_or_path, const
   const auto path = find_profile(name_or_path, board_path);
   PLUMBLINE_TRY(path);
   return read_print_profile(*path);
+}
+
+CheckPolicy checks_of(const std::optional<BoardFile>& board) {
+  if (!board || !board->machine) return {};
+  const auto profile = read_print_profile(board->machine->profile, board->path);
+  return profile ? profile->checks : CheckPolicy();
 }
 
 }  // namespace plumbline

@@ -2,9 +2,12 @@
 /// Resin and print settings: board/profiles/*.toml, each key explained in board/README.md.
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
+#include "firmware/settings/board_file.hpp"
+#include "firmware/settings/check_policy.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/supports/support_settings.hpp"
 
@@ -40,8 +43,9 @@ struct PrintProfile {
   double retract_speed2 = 0;             ///< [print] mm/min
   double elefant_foot_compensation = 0;  ///< [print] mm by which the outline of the bottom layers is moved inwards
   double pause_lift_height = 0;          ///< [print] mm that a pause raises the part
-  bool supports_enable = false;          ///< [supports] for jobs that don't say
+  bool supports_enable = true;           ///< [supports] for jobs that don't say
   SupportSettings supports;              ///< [supports] what they look like
+  CheckPolicy checks;                    ///< [checks] what happens when the masks have an issue
 };
 
 /// Reads a profile; see read_settings_file() for the errors.
@@ -54,5 +58,8 @@ struct PrintProfile {
 /// The same by name.
 /// @param name_or_path, board_path  see find_profile()
 [[nodiscard]] Expected<PrintProfile> read_print_profile(const std::string& name_or_path, const std::string& board_path);
+
+/// [checks] of the printer's own profile; the defaults without a printer, or if its profile can't be read.
+CheckPolicy checks_of(const std::optional<BoardFile>& board);
 
 }  // namespace plumbline

@@ -20,7 +20,7 @@ namespace {
 
 constexpr const char* kLayers = "layers";
 /// In the order of Picture.
-constexpr std::array kPictures = {"preview.png", "coverage.png", "comparison.png"};
+constexpr std::array kPictures = {"preview.png", "coverage.png", "issues.png", "comparison.png"};
 constexpr const char* kManifest = "manifest.json";
 constexpr const char* kNewManifest = "manifest.json.part";
 

@@ -4,6 +4,7 @@
 ///   out/layers/00000.png ...   the masks
 ///   out/preview.png
 ///   out/coverage.png           of a sliced job: which parts of the surface were scanned
+///   out/issues.png             where the checks of the masks have found something
 ///   out/comparison.png         of a printed part: the part beside what was to be printed
 ///   out/manifest.json          appears last, in one step: a folder that has it holds a complete job
 ///
@@ -23,6 +24,7 @@ namespace plumbline {
 enum class Picture : std::uint8_t {
   kPreview,     ///< what is to be printed, or was
   kCoverage,    ///< which parts of the surface were scanned
+  kIssues,      ///< where the checks of the masks have found something
   kComparison,  ///< of a printed part: the part beside what was to be printed
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "firmware/io/progress_lines.hpp"
+#include "firmware/slice/issue_report.hpp"
 
 namespace plumbline {
 namespace {
@@ -212,10 +213,13 @@ void find_warnings(JobReport& report) {
       report.warnings.add().add("%s and had to be closed: look at coverage.png", unseen.c_str());
     }
   }
-  if (s.components.counted && s.components.solids > 1 && !report.support_settings) {
-    report.warnings.add().add(
-        "the object has %u separate parts; those that do not stand on the plate need supports: --supports auto",
-        s.components.solids);
+  if (!report.findings) return;
+  for_each_issue(*report.findings, s.placement.grid, report.checks,
+                 [&](IssueKind, CheckAction, std::string_view sentence) {
+                   report.warnings.add().add("%.*s", static_cast<int>(sentence.size()), sentence.data());
+                 });
+  if (report.findings->unchecked_layers > 0) {
+    report.warnings.add().add("%u layers are too fine to check", report.findings->unchecked_layers);
   }
 }
 

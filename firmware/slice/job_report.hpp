@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "firmware/io/fixed_text.hpp"
+#include "firmware/settings/check_policy.hpp"
+#include "slicer/checks/stack_findings.hpp"
 #include "slicer/slicer.hpp"
 #include "slicer/supports/support_finder.hpp"
 
@@ -16,7 +18,7 @@ namespace plumbline {
 
 /// Sentences to read before printing.
 struct JobWarnings {
-  static constexpr std::size_t kMost = 12;
+  static constexpr std::size_t kMost = 24;
   std::array<FixedText<256>, kMost> lines = {};
   std::size_t count = 0;
 
@@ -43,8 +45,11 @@ struct JobReport {
   SupportCounts supports;
   std::uint64_t hash = 0;                    ///< job_hash()
   std::optional<ConfidenceShares> coverage;  ///< what the surface rests on; none: no map was kept
+  std::optional<StackFindings> findings;     ///< of the masks; none: they were not checked
+  CheckPolicy checks;                        ///< what happens when they have an issue
   bool has_preview = false;
-  bool has_coverage = false;  ///< its picture
+  bool has_coverage = false;       ///< its picture
+  bool has_issue_picture = false;  ///< issues.png
   JobWarnings warnings;
 
   /// mm^3 of resin that the masks cure, supports included.
@@ -104,7 +109,7 @@ inline constexpr const char* kOnItsFace =
 /// A sentence each for what was left out of the scan, what was changed in it, and a bad orientation.
 void for_each_remark(const SliceReport& slice, FunctionRef<void(std::string_view)> visit);
 
-/// Adds to report.warnings what a user should know before printing.
+/// Adds to report.warnings what a user should know before printing, issues of the masks included.
 void find_warnings(JobReport& report);
 
 }  // namespace plumbline

@@ -48,7 +48,7 @@ void add_print(Text& text, const JobReport& report, std::string_view print_time)
              s.turned->degrees[1]);
   }
   text.add("resin      %.1f ml", report.volume_mm3() / 1000);
-  if (report.support_settings) {
+  if (report.supports.all() > 0) {
     text.add(", %.1f ml of it in %u supports", report.support_volume_mm3() / 1000, report.supports.all());
   }
   text.add("\n");
@@ -62,6 +62,7 @@ void add_look_at(Text& text, const JobReport& report, const char* output) {
   text.add("look at    ");
   if (report.has_preview) text.add("%s/preview.png, ", output);
   if (report.has_coverage) text.add("%s/coverage.png, ", output);
+  if (report.has_issue_picture) text.add("%s/issues.png, ", output);
   text.add("%s/layers/00000.png to %05u.png\n", output, report.slice.placement.grid.layers - 1);
 }
 

@@ -5,6 +5,7 @@
 
 #include "firmware/io/mask_hash.hpp"
 #include "firmware/io/version.hpp"
+#include "firmware/slice/issue_report.hpp"
 #include "slicer/core/progress.hpp"
 
 namespace plumbline {
@@ -313,6 +314,12 @@ void write_manifest(JsonWriter& json, const JobReport& report, std::span<const s
                  layer_hashes.empty() ? std::span<const ConfidenceMap::Counts>{} : slice.confidence.layers());
   json.member("volume_mm3", report.volume_mm3());
   write_supports(json, report);
+  if (report.findings) {
+    write_issues(json, *report.findings, slice.placement.grid, report.checks);
+  } else {
+    json.key("issues");
+    json.null();
+  }
   write_stages(json, report);
   json.key("warnings");
   json.begin_array();

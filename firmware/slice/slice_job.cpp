@@ -2,33 +2,22 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <chrono>
 
 #include "firmware/io/json_writer.hpp"
 #include "firmware/io/mask_hash.hpp"
 #include "firmware/pictures/coverage_picture.hpp"
+#include "firmware/pictures/issue_picture.hpp"
 #include "firmware/pictures/preview.hpp"
 #include "firmware/settings/job_options.hpp"
+#include "firmware/slice/issue_report.hpp"
 #include "firmware/slice/manifest.hpp"
+#include "slicer/checks/stack_checker.hpp"
 #include "slicer/core/stage_scope.hpp"
 #include "slicer/supports/mask_stream.hpp"
 #include "slicer/supports/support_finder.hpp"
 
 namespace plumbline {
-namespace {
-
-/// Number of pixels that cure. Most words are black, and processors without a bit-counting instruction count slowly.
-std::uint64_t cured_in(ConstBitImage mask) {
-  std::uint64_t sum = 0;
-  for (const std::uint64_t word : mask.words()) {
-    if (word != 0) sum += static_cast<std::uint64_t>(std::popcount(word));
-  }
-  return sum;
-}
-
-}  // namespace
-
 Expected<SliceJob> SliceJob::prepare(const SliceJobSettings& settings, Arena& arena) {
   auto scan = ScanFiles::open(settings.scan_paths);
   PLUMBLINE_TRY(scan);
@@ -51,6 +40,7 @@ Expected<SliceJob> SliceJob::prepare(const SliceJobSettings& settings, Arena& ar
   job.report_.scan_names = job.scan_.names();
   job.report_.base = settings.slice.base;
   job.report_.printer_name = settings.printer_name;
+  job.report_.checks = settings.checks;
   job.report_.arena_bytes = arena.capacity();
   job.report_.threads = settings.slice.threads;
   return job;
@@ -89,6 +79,7 @@ Status SliceJob::work(JobProgress& progress) {
   if (pictures_) {
     PLUMBLINE_TRY(write_preview(*rrep, *supports));
     PLUMBLINE_TRY(write_coverage(*rrep));
+    PLUMBLINE_TRY(write_issue_picture(*rrep, *supports));
   }
   report_.hash = job_hash(*hashes);
   report_.seconds = progress.seconds();
@@ -107,6 +98,9 @@ Status SliceJob::write_layers(const RRep& rrep, const Supports& supports, std::s
                               JobProgress& progress) {
   auto stream = MaskStream::create(rrep, supports, *arena_);
   PLUMBLINE_TRY(stream);
+  const ArenaScope scratch(*arena_);
+  auto checker = StackChecker::create(rrep.grid, check_limits(settings_.slice.placement), *arena_);
+  PLUMBLINE_TRY(checker);
   const std::uint32_t layers = rrep.grid.layers;
   for (std::uint32_t layer = 0; layer < layers; ++layer) {
     if (!progress.advance(Stage::kLayers, static_cast<double>(layer) / layers)) {
@@ -114,13 +108,15 @@ Status SliceJob::write_layers(const RRep& rrep, const Supports& supports, std::s
     }
     const ConstBitImage mask = stream->mask(layer);
     hashes[layer] = mask_hash(mask);
-    report_.cured_pixels += cured_in(mask);
+    checker->next(mask);
     report_.support_pixels += stream->support_pixels();
     const auto png = masks_->encode(mask);
     PLUMBLINE_TRY(png);
     PLUMBLINE_TRY(directory_.write_layer(layer, *png));
   }
-  return {};
+  report_.findings = checker->finish();
+  report_.cured_pixels = report_.findings->voxels;
+  return judge(*report_.findings, rrep.grid, settings_.checks);
 }
 
 Status SliceJob::write_preview(const RRep& rrep, const Supports& supports) {
@@ -159,6 +155,29 @@ Status SliceJob::write_coverage(const RRep& rrep) {
   }
   PLUMBLINE_TRY(directory_.write_picture(Picture::kCoverage, *png));
   report_.has_coverage = true;
+  report_.preview_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return {};
+}
+
+Status SliceJob::write_issue_picture(const RRep& rrep, const Supports& supports) {
+  const auto start = std::chrono::steady_clock::now();
+  arena_->reset_peak();
+  const std::size_t bottom = arena_->bottom_mark();
+  auto stream = MaskStream::create(rrep, supports, *arena_);
+  const auto mask = [&](std::uint32_t layer) -> Expected<ConstBitImage> {
+    PLUMBLINE_TRY(stream);
+    return stream->mask(layer);
+  };
+  const auto png = encode_issues(*report_.findings, rrep.grid, report_.scan_name, mask, *arena_, *pictures_);
+  arena_->release_bottom(bottom);
+  report_.preview_peak_bytes = std::max(report_.preview_peak_bytes, arena_->peak());
+  if (!png) {
+    report_.warnings.add().add("no issues.png: %s", png.error().message());
+    return {};
+  }
+  if (png->empty()) return {};
+  PLUMBLINE_TRY(directory_.write_picture(Picture::kIssues, *png));
+  report_.has_issue_picture = true;
   report_.preview_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return {};
 }

@@ -8,6 +8,7 @@
 #include "firmware/io/job_progress.hpp"
 #include "firmware/io/scan_files.hpp"
 #include "firmware/pictures/png_writer.hpp"
+#include "firmware/settings/check_policy.hpp"
 #include "firmware/slice/job_directory.hpp"
 #include "firmware/slice/job_report.hpp"
 #include "slicer/core/arena.hpp"
@@ -22,6 +23,7 @@ struct SliceJobSettings {
   std::string printer_name;  ///< for the manifest; empty: none
   SliceSettings slice;
   std::optional<SupportSettings> supports;  ///< as check_support_settings() accepts; none: no supports
+  CheckPolicy checks;
   bool preview = true;
 };
 
@@ -37,6 +39,7 @@ class SliceJob {
 
   /// Slices and writes. After an error the folder holds nothing of this job.
   /// @retval ErrorCode::kCancelled  progress said so
+  /// @retval ErrorCode::kBadSetting  settings.checks refuse what was found, or ask about it
   /// @retval any error of slice(), JobDirectory and PngEncoder
   [[nodiscard]] Status run(JobProgress& progress);
 
@@ -52,6 +55,7 @@ class SliceJob {
                                     JobProgress& progress);
   [[nodiscard]] Status write_preview(const RRep& rrep, const Supports& supports);
   [[nodiscard]] Status write_coverage(const RRep& rrep);
+  [[nodiscard]] Status write_issue_picture(const RRep& rrep, const Supports& supports);
   [[nodiscard]] Status write_manifest_file(std::span<const std::uint64_t> hashes);
 
   SliceJobSettings settings_;

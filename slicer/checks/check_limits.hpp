@@ -13,7 +13,8 @@ struct CheckLimits {
   std::uint32_t island_held_divisor = 4;  ///< 1 / RequiredPixelsToSupportMultiplier
   std::uint32_t island_held_pixels = 10;  ///< of the enhanced detection
   std::uint32_t overhang_reach = 40;      ///< pixels: ErodeIterations
-  std::uint32_t drain_pixels = 10;     ///< RequiredBlackPixelsToDrain: a smaller opening between layers drains nothing
+  std::uint32_t drain_pixels = 10;  ///< RequiredBlackPixelsToDrain: a smaller opening between layers drains nothing
+  std::uint32_t trap_pixels = 17;   ///< of the largest region of a resin trap: the area to process in UVtools' settings
   std::uint32_t suction_pixels = 100;  ///< RequiredAreaToConsiderSuctionCup
   double suction_height_mm = 0.5;      ///< RequiredHeightToConsiderSuctionCup
   std::uint32_t bound_margin = 5;      ///< pixels: MarginLeft and its like

@@ -37,7 +37,7 @@ inline constexpr std::array<IssueWords, kIssueKindCount> kIssueWords = {{
     {"island", "island", "islands", IssueSize::kArea, "add supports, or turn the object"},
     {"overhang", "overhang", "overhangs", IssueSize::kArea, "add supports, or turn the object"},
     {"free_piece", "piece that nothing holds", "pieces that nothing holds", IssueSize::kVolume,
-     "add supports: they fall off while printing"},
+     "add supports, or turn the object"},
     {"resin_trap", "resin trap", "resin traps", IssueSize::kVolume, "give the hollow a hole to drain"},
     {"suction_cup", "suction cup", "suction cups", IssueSize::kVolume,
      "turn the object, or give it a hole near the plate"},

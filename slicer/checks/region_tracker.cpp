@@ -14,7 +14,7 @@ constexpr const char* kStage = "checks";
 constexpr double kRounding = 1e-6;
 
 /// Columns of solid that nothing holds, or of enclosed air, that a layer may have.
-constexpr std::uint32_t kMostColumns = 16384;
+constexpr std::uint32_t kMostColumns = 4096;
 
 /// Marks white regions in the list of a layer's regions.
 constexpr std::uint32_t kWhite = std::uint32_t{1} << 31;
@@ -229,7 +229,7 @@ void RegionTracker::end_layer(StackFindings& findings) {
     // The plate closes what is open below, until the part is taken off it.
     if (column.on_plate) {
       add_cup(column, findings);
-    } else {
+    } else if (column.largest >= limits_.trap_pixels) {
       add_column(IssueKind::kResinTrap, column, findings);
     }
   });

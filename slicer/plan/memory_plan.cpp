@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "slicer/checks/stack_checker.hpp"
 #include "slicer/cloud/cloud.hpp"
 #include "slicer/cloud/kd_tree.hpp"
 #include "slicer/cloud/thinning.hpp"
@@ -104,7 +105,8 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
                        sorted + layer_features_bytes(*grid)));
     const std::uint32_t supports = most_supports(*grid);
     set(Stage::kSupports, map + sorted + find_supports_bytes(*grid));
-    set(Stage::kLayers, map + sorted + supports * sizeof(Support) + MaskStream::bytes_needed(*grid, supports));
+    set(Stage::kLayers, map + sorted + supports * sizeof(Support) + MaskStream::bytes_needed(*grid, supports) +
+                            StackChecker::bytes_needed(*grid));
   }
   const std::size_t flat_tree = KdTree2::kBytesPerPoint * std::size_t{ray_points};
   set(Stage::kRayGrid, field + flat_tree + 2 * image);

@@ -29,9 +29,10 @@ TEST(Daemon, PrintsTheOnlyScanOnAStickAndIsReadyForTheNext) {
   EXPECT_EQ(rig.user.reports[0].state, kFinished) << rig.user.reports[0].fault_message.c_str();
   EXPECT_THAT(rig.user.scans, ElementsAre("ball.ply"));
   EXPECT_THAT(rig.user.profiles, ElementsAre("standard"));
-  EXPECT_THAT(rig.user.said, ElementsAre(HasSubstr("start = \"on_stick\""), "ready", HasSubstr("reading ball.ply"),
-                                         HasSubstr("only 4 mm long"), "the stick may be pulled",
-                                         HasSubstr("is the plate empty?"), "shut down"));
+  EXPECT_THAT(rig.user.said,
+              ElementsAre(HasSubstr("start = \"on_stick\""), "ready", HasSubstr("reading ball.ply"),
+                          HasSubstr("only 4 mm long"), "the stick may be pulled", HasSubstr("1 small first layer of "),
+                          HasSubstr("is the plate empty?"), "shut down"));
   EXPECT_EQ(rig.arena.used(), 0U);
 }
 

@@ -149,7 +149,7 @@ class DaemonRig {
     machine_.reset();
     machine_.emplace(plant);
     Machine machine = machine_->machine();
-    DaemonSettings settings{session_board(), rig_machine(), PLUMBLINE_SOURCE_DIR "/board/sim2k.toml", 1, patience};
+    DaemonSettings settings{session_board(), rig_machine(), board_path, 1, patience};
     settings.machine.start = start;
     PrinterDaemon daemon(machine, settings, child, arena, *store, *plate, user, record);
     const auto served = daemon.run();
@@ -164,6 +164,7 @@ class DaemonRig {
   Plant plant;
   ScriptedUser user;
   StartChoice start = StartChoice::kOnStick;
+  std::string board_path = PLUMBLINE_SOURCE_DIR "/board/sim2k.toml";  ///< the profiles are beside it
   FaultCode fault = FaultCode::kNone;
   PrinterRecord record;
   std::chrono::nanoseconds patience = kSlicingPatience;  ///< with a silent child

@@ -106,7 +106,7 @@ TEST(Start, WaitsAfterAPrintUntilSomebodyConfirmsThePlateAlsoAcrossRestarts) {
   rig.user.on_printed = [&] { rig.plant.press(EventKind::kShutdownRequested); };
   ASSERT_TRUE(rig.run());
   EXPECT_THAT(rig.user.said, ElementsAre(HasSubstr("is the plate empty?"), HasSubstr("Press start"),
-                                         HasSubstr("reading"), _, _, HasSubstr("is the plate empty?"), "shut down"));
+                                         HasSubstr("reading"), _, _, _, HasSubstr("is the plate empty?"), "shut down"));
   EXPECT_EQ(rig.user.reports.size(), 2U);
 }
 
@@ -177,6 +177,51 @@ TEST(Start, APrintThatWasStoredAndNotBegunIsNotInterrupted) {
   rig.press_at("ball.ply. Press start", EventKind::kShutdownRequested);
   ASSERT_TRUE(rig.run());
   EXPECT_THAT(rig.user.said, ElementsAre("ball.ply. Press start to print it", "shut down"));
+}
+
+/// A printer whose profile has a say about the small foot of a ball.
+class StrictRig : public RequestRig {
+ public:
+  explicit StrictRig(const std::string& action) {
+    std::filesystem::create_directory(folder / "profiles");
+    std::string text = read_text(PLUMBLINE_SOURCE_DIR "/board/profiles/standard.toml");
+    const std::string usual = "first_layer_area = \"warn\"";
+    text.replace(text.find(usual), usual.size(), "first_layer_area = \"" + action + "\"");
+    write_text(folder / "profiles/standard.toml", text);
+    board_path = folder / "sim2k.toml";
+    press_at("ball.ply. Press start", EventKind::kStartPressed);
+    user.on_printed = [this] { plant.press(EventKind::kShutdownRequested); };
+  }
+};
+
+TEST(Start, WaitsForASecondStartIfTheProfileAsksAboutAnIssue) {
+  StrictRig rig("ask");
+  rig.press_at("Press start to print it all the same", EventKind::kStartPressed);
+  ASSERT_TRUE(rig.run());
+  EXPECT_EQ(rig.times_said("1 small first layer of "), 1U);
+  EXPECT_EQ(rig.times_said("found in the layers: "), 1U);
+  ASSERT_EQ(rig.user.reports.size(), 1U);
+  EXPECT_EQ(rig.user.reports[0].state, kFinished) << rig.user.reports[0].fault_message.c_str();
+  EXPECT_EQ(rig.user.reports[0].checks[static_cast<std::size_t>(Check::kMasks)].outcome, CheckOutcome::kWarned);
+}
+
+TEST(Start, PrintsNothingIfTheSecondStartDoesNotCome) {
+  StrictRig rig("ask");
+  rig.press_at("Press start to print it all the same", EventKind::kCancelPressed);
+  rig.press_at("ready", EventKind::kShutdownRequested);
+  ASSERT_TRUE(rig.run());
+  EXPECT_TRUE(rig.user.states.empty());
+  EXPECT_EQ(rig.fault, FaultCode::kNone);
+  EXPECT_TRUE(rig.plate_is_empty());
+}
+
+TEST(Start, RefusesWhatTheProfileRefuses) {
+  StrictRig rig("refuse");
+  rig.press_at("PL-111, issue in the layers", EventKind::kShutdownRequested);
+  ASSERT_TRUE(rig.run());
+  EXPECT_EQ(rig.times_said("PL-111, issue in the layers"), 1U);
+  EXPECT_TRUE(rig.user.states.empty());
+  EXPECT_EQ(rig.fault, FaultCode::kIssueFound);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "firmware/io/fixed_text.hpp"
 #include "firmware/print/plan/print_plan.hpp"
 #include "hal/thermals.hpp"
 #include "hal/units.hpp"
@@ -21,6 +22,8 @@ struct PrintSettings {
   std::uint64_t first_layer_pixels = 0;
   Distance cure_depth;                               ///< at a normal layer's exposure
   std::size_t memory_needed = 0, memory_budget = 0;  ///< of the arena, bytes
+  FixedText<160> issues;                             ///< issue_counts(); empty: a resumed print, checked before
+  bool has_issues = false;
 };
 
 }  // namespace plumbline

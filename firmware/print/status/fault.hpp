@@ -24,6 +24,7 @@ enum class FaultCode : std::uint16_t {
   kNoStick = 108,
   kStickUnreadable = 109,
   kCannotWrite = 110,
+  kIssueFound = 111,
   kJournalDamaged = 120,
   kJournalOfAnother = 121,
   kFlipTimeout = 201,

@@ -10,6 +10,7 @@ std::string_view to_string(Check check) {
   switch (check) {
     case Check::kMemory: return "memory";
     case Check::kObject: return "object";
+    case Check::kMasks: return "masks";
     case Check::kLight: return "light";
     case Check::kLampDark: return "lamp dark";
     case Check::kPanel: return "panel";

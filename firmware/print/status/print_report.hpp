@@ -19,6 +19,7 @@ namespace plumbline {
 enum class Check : std::uint8_t {
   kMemory,        ///< the print's share of the arena
   kObject,        ///< stands on the plate, within the travel
+  kMasks,         ///< islands, resin traps and the like
   kLight,         ///< cures through a layer
   kLampDark,      ///<
   kPanel,         ///< has the board file's size and takes a mask
@@ -28,7 +29,7 @@ enum class Check : std::uint8_t {
   kJournal,       ///< kept, so that a power cut is survived
   kStage,         ///< finds its end stop
 };
-inline constexpr std::size_t kCheckCount = 10;
+inline constexpr std::size_t kCheckCount = 11;
 
 /// "memory", "object", ...
 std::string_view to_string(Check check);

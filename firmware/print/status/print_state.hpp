@@ -159,6 +159,7 @@ constexpr PrintState next(PrintState state, PrintEvent event) {
       return state;
     case PrintState::kSlicing:
       if (event == PrintEvent::kSliced) return PrintState::kChecks;
+      if (event == PrintEvent::kJobOffered) return PrintState::kOffered;     // again, with what was found in its layers
       if (event == PrintEvent::kCancelAsked) return PrintState::kCancelled;  // nothing has moved, so nothing is raised
       if (event == PrintEvent::kShutdown) return PrintState::kSuspended;
       if (event == PrintEvent::kFailed) return PrintState::kFault;

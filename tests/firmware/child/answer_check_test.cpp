@@ -81,8 +81,15 @@ TEST_F(AnswerCheck, RefusesEveryNumberThatDoesNotAddUp) {
   refuses("crossings", [](ScanAnswer& a) { --a.layers; });
   refuses("number of supports", [](ScanAnswer& a) { a.supports = 70'000; });
   refuses("place of the supports", [](ScanAnswer& a) { a.supports_at = a.bottom_used - 2; });
-  refuses("pixels", [](ScanAnswer& a) { a.cured_pixels = ~std::uint64_t{0}; });
-  refuses("pixels", [](ScanAnswer& a) { a.first_layer_pixels = 403 * 300 + 1; });
+  refuses("findings", [](ScanAnswer& a) { a.findings.voxels = ~std::uint64_t{0}; });
+  refuses("findings", [](ScanAnswer& a) { a.findings.first_layer_pixels = 403 * 300 + 1; });
+  refuses("findings", [](ScanAnswer& a) { a.findings.peel_layer = a.layers; });
+  refuses("findings", [](ScanAnswer& a) { a.findings.groups[0].kept_count = IssueGroup::kKept + 1; });
+  refuses("findings", [](ScanAnswer& a) {
+    a.findings.groups[0].count = a.findings.groups[0].kept_count + 1;
+    ++a.findings.groups[0].kept_count;
+    a.findings.groups[0].kept[0].layer = a.layers;
+  });
   refuses("remarks", [](ScanAnswer& a) { a.remarks = ScanAnswer::kMostRemarks + 1; });
   request_.supports.reset();
   refuses("number of supports", [](ScanAnswer&) {});

@@ -163,8 +163,11 @@ class Program(unittest.TestCase):
         self.scan.write_bytes(head + b"".join(kept))
 
     def slice_it(self, *arguments, **options):
+        """Without supports, unless the arguments have an option of theirs."""
         if not self.scan.exists():
             write_sphere(self.scan)
+        if not any(str(argument).startswith("--support") for argument in arguments):
+            arguments += ("--supports", "none")
         return self.run_it("slice", self.scan, "-o", self.out, "--printer", self.board, *arguments, **options)
 
     def layers(self):

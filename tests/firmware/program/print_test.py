@@ -102,7 +102,7 @@ class Print(Program):
         write_sphere(self.scan)
         profile, report = self.dir / "mine.toml", self.dir / "report.json"
         text = (SOURCE_DIR / "board/profiles/standard.toml").read_text()
-        profile.write_text(re.sub("supports_enable = false", "supports_enable = true", text))
+        profile.write_text(text)
         same = ("print", self.scan, "--printer", SIM2K, "--scale", 0.5, "--profile", profile, "--report", report, "--quiet")
         counts = []
         for more in ((), ("--supports", "none"), ("--support-critical-angle", 80)):
@@ -111,6 +111,9 @@ class Print(Program):
         self.assertGreater(counts[0], 0)
         self.assertEqual(counts[1], 0)
         self.assertGreater(counts[2], counts[0])
+        profile.write_text(re.sub("supports_enable = true", "supports_enable = false", text))
+        self.run_it(*same)
+        self.assertEqual(json.loads(report.read_text())["supports"], 0)
         done = self.run_it(*same, "--supports", "none", "--support-head-width", 2, status=1)
         self.assertIn("support_head_width is given, but supports are off", done.stderr)
 

@@ -61,7 +61,7 @@ class Slice(Program):
         self.slice_it("--no-preview")
         without = self.manifest()
         self.assertIsNone(without["supports"])
-        done = self.slice_it("--supports", "auto", "--support-pillar-diameter", 1.5)
+        done = self.slice_it("--support-pillar-diameter", 1.5)
         manifest = self.manifest()
         supports = manifest["supports"]
         self.assertGreater(supports["count"], 4)  # the lower 45 degrees of a sphere of 12 mm
@@ -77,10 +77,54 @@ class Slice(Program):
         _, rows = png_rows(self.out / "layers" / "00000.png")
         white = sum(bin(byte).count("1") for row in rows for byte in row)
         self.assertGreater(white, supports["on_plate"] * 100)
+        # Supports are the default, and change nothing where nothing falls: a hemisphere on its flat side.
+        self.slice_it("--support-base-diameter", 4, "--no-preview")
+        default = self.manifest()
+        self.slice_it("--supports", "auto", "--no-preview")
+        self.assertEqual(self.manifest()["hashes"], default["hashes"])
+        self.cut_below(0)
+        self.slice_it("--supports", "auto", "--no-preview")
+        supported = self.manifest()
+        self.assertEqual(supported["supports"]["count"], 0)
+        self.slice_it("--supports", "none", "--no-preview")
+        self.assertEqual(self.manifest()["hashes"], supported["hashes"])
+
+    def test_check_finds_in_the_written_layers_what_slice_has_found(self):
+        self.slice_it("--supports", "none")
+        issues = self.manifest()["issues"]
+        self.assertEqual(list(issues["kinds"]), ["first_layer_area"])
+        self.assertTrue((self.out / "issues.png").read_bytes().startswith(b"\x89PNG"))
+        picture = self.dir / "found.png"
+        told = json.loads(self.run_it("check", self.out, "--json", "--picture", picture).stdout)
+        self.assertEqual(told["issues"], issues)
+        self.assertAlmostEqual(told["volume_ml"] * 1000, self.manifest()["volume_mm3"], places=3)
+        self.assertTrue(picture.read_bytes().startswith(b"\x89PNG"))
+        # The same of the scan, without its layers.
+        told = json.loads(self.run_it("check", self.scan, "--printer", self.board, "--supports", "none", "--json").stdout)
+        self.assertEqual(told["issues"], issues)
+        # A folder of PNG files alone needs a pitch.
+        (self.out / "manifest.json").rename(self.dir / "elsewhere.json")
+        done = self.run_it("check", self.out / "layers", status=1)
+        self.assertIn("Give --pixel-pitch and --layer-height, or --printer", done.stderr)
+        done = self.run_it("check", self.out / "layers", "--pixel-pitch", 0.1, "--layer-height", 0.1)
+        self.assertIn(f"{issues['layers']} of 403 x 300 px, 0.1 x 0.1 x 0.1 mm each", done.stdout)
+        self.assertRegex(done.stdout, r"warn       1 small first layer of 3\.\d+ mm2")
+
+    def test_what_is_asked_about_must_be_accepted(self):
+        ask = ("--supports", "none", "--check", "first_layer_area=ask", "--no-preview")
+        done = self.slice_it(*ask, status=1)
+        self.assertRegex(done.stderr, r"1 small first layer of .* or accept it with --accept")
+        self.assertFalse(self.out.exists())
+        self.slice_it(*ask, "--accept")
+        self.assertEqual(self.manifest()["issues"]["kinds"]["first_layer_area"]["action"], "warn")
+        self.slice_it("--supports", "none", "--check", "all=ignore", "--no-preview")
+        self.run_it("check", self.out, "--check", "first_layer_area=refuse", status=1)
+        for wrong in ("overhang", "overhang=shout", "cliff=warn"):
+            self.assertIn("is not KIND=ACTION", self.slice_it("--check", wrong, status=2).stderr)
 
     def test_wrong_support_settings_are_refused(self):
         for arguments, message in (
-            (("--support-base-diameter", 3), "support_base_diameter is given, but supports are off"),
+            (("--supports", "none", "--support-base-diameter", 3), "support_base_diameter is given, but supports are off"),
             (("--supports", "auto", "--support-critical-angle", 81), "not a number from 10 to 80"),
             (("--supports", "auto", "--support-pillar-diameter", 5), "more than support_base_diameter"),
             (("--supports", "yes"), "yes"),

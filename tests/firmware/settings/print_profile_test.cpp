@@ -67,6 +67,34 @@ TEST(PrintProfile, DoesNotNeedTheCostOfABottle) {
   EXPECT_EQ(profile->bottle_cost, 0);
 }
 
+TEST(PrintProfile, SaysWhatHappensToIssues) {
+  const auto usual = read_print_profile(kStandard);
+  ASSERT_TRUE(usual);
+  EXPECT_EQ(usual->checks.actions, CheckPolicy().actions) << "the file shows the defaults";
+  const auto strict = parse_print_profile(standard_with("resin_trap = \"warn\"", "resin_trap = \"refuse\""), "p.toml");
+  ASSERT_TRUE(strict) << strict.error().message();
+  EXPECT_EQ(strict->checks.of(IssueKind::kResinTrap), CheckAction::kRefuse);
+  EXPECT_EQ(strict->checks.of(IssueKind::kIsland), CheckAction::kWarn);
+  EXPECT_THAT(
+      refusal(standard_with("resin_trap = \"warn\"", "resin_trap = \"shout\"")),
+      HasSubstr("resin_trap: found a string 'shout', allowed is one of the strings ignore, warn, ask or refuse"));
+}
+
+TEST(CheckChoice, ChangesThePolicyAndAcceptsWhatItAsksAbout) {
+  CheckPolicy policy;
+  policy.of(IssueKind::kIsland) = CheckAction::kAsk;
+  CheckChoice choice;
+  choice.actions[static_cast<std::size_t>(IssueKind::kOverhang)] = CheckAction::kAsk;
+  choice.actions[static_cast<std::size_t>(IssueKind::kSuctionCup)] = CheckAction::kRefuse;
+  EXPECT_EQ(choice.over(policy).of(IssueKind::kIsland), CheckAction::kAsk);
+  choice.accept = true;
+  const CheckPolicy accepted = choice.over(policy);
+  EXPECT_EQ(accepted.of(IssueKind::kIsland), CheckAction::kWarn);
+  EXPECT_EQ(accepted.of(IssueKind::kOverhang), CheckAction::kWarn);
+  EXPECT_EQ(accepted.of(IssueKind::kSuctionCup), CheckAction::kRefuse);
+  EXPECT_EQ(accepted.of(IssueKind::kPrintHeight), CheckAction::kRefuse);
+}
+
 TEST(PrintProfile, RefusesAMisspeltKeyAWrongUnitAndAWrongRange) {
   EXPECT_THAT(refusal(standard_with("exposure_time", "exposure_tme")),
               AllOf(StartsWith("p.toml:"), HasSubstr("[print] exposure_tme: unknown key; the nearest known one is "

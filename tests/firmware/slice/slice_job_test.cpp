@@ -151,6 +151,58 @@ TEST(SliceJob, WritesMasksWithoutAPrinterToo) {
   EXPECT_FALSE(std::filesystem::exists(settings.output_path + "/preview.png"));
 }
 
+/// Two balls, one above the other: the upper one touches nothing.
+void write_hanging_scan(const std::string& path) {
+  std::vector<ScanPoint> cloud = sphere_scan(20'000, 6);
+  std::vector<ScanPoint> upper = sphere_scan(10'000, 4);
+  for (ScanPoint& p : upper) p.z += 12;
+  cloud.insert(cloud.end(), upper.begin(), upper.end());
+  write_scan(path, cloud);
+}
+
+TEST(SliceJob, TellsWhatFallsWithoutSupportsAndDrawsIt) {
+  const TemporaryFolder folder;
+  write_hanging_scan(folder / "sphere.ply");
+  auto settings = sphere_job(folder);
+  settings.slice.keep_all = true;
+  const auto report = run(settings);
+  ASSERT_TRUE(report.has_value()) << report.error().message();
+  ASSERT_TRUE(report->findings);
+  EXPECT_EQ(report->findings->voxels, report->cured_pixels);
+  const IssueGroup& pieces = report->findings->of(IssueKind::kFreePiece);
+  ASSERT_EQ(pieces.count, 1U);
+  const double ball = 4.0 / 3 * 3.14159265358979 * 4 * 4 * 4;
+  EXPECT_NEAR(static_cast<double>(pieces.voxels) * 1e-3, ball, 0.01 * ball);
+  EXPECT_NEAR(report->findings->fallen_share(), 64.0 / (64 + 216), 0.005);
+  EXPECT_TRUE(std::filesystem::exists(settings.output_path + "/issues.png"));
+  EXPECT_TRUE(report->has_issue_picture);
+  EXPECT_THAT(read_text(settings.output_path + "/manifest.json"), HasSubstr("\"free_piece\""));
+  bool told = false;
+  for (const auto& line : report->warnings.all()) told |= line.view().find("that nothing holds") != std::string::npos;
+  EXPECT_TRUE(told);
+
+  settings.supports = SupportSettings{};
+  const auto supported = run(settings);
+  ASSERT_TRUE(supported.has_value()) << supported.error().message();
+  EXPECT_EQ(supported->findings->count(IssueKind::kFreePiece), 0U);
+  EXPECT_EQ(supported->findings->count(IssueKind::kIsland), 0U);
+  EXPECT_LE(supported->peak_bytes(Stage::kLayers),
+            supported->slice.planned_bytes[static_cast<std::size_t>(Stage::kLayers)]);
+}
+
+TEST(SliceJob, LeavesNothingOfAJobThatItsChecksRefuse) {
+  const TemporaryFolder folder;
+  write_hanging_scan(folder / "sphere.ply");
+  auto settings = sphere_job(folder);
+  settings.slice.keep_all = true;
+  settings.checks.of(IssueKind::kFreePiece) = CheckAction::kRefuse;
+  const auto refused = run(settings);
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_EQ(refused.error().code(), ErrorCode::kBadSetting);
+  EXPECT_THAT(refused.error().message(), HasSubstr("1 piece that nothing holds, 23 % of the print"));
+  EXPECT_FALSE(std::filesystem::exists(settings.output_path));
+}
+
 TEST(SliceJob, CuresTheVolumeOfTheSphere) {
   const TemporaryFolder folder;
   write_sphere_scan(folder / "sphere.ply", 40'000, kRadius);

@@ -16,6 +16,7 @@ namespace plumbline::testing {
 inline CheckLimits strict_limits() {
   CheckLimits limits;
   limits.drain_pixels = 1;
+  limits.trap_pixels = 1;
   limits.suction_pixels = 1;
   limits.suction_height_mm = 0;
   limits.overhang_reach = 1;

@@ -93,6 +93,14 @@ TEST(StackChecker, FindsAResinTrap) {
   EXPECT_EQ(findings.count(IssueKind::kSuctionCup), 0U);
 }
 
+TEST(StackChecker, IsSilentAboutATrapOfSixteenPixels) {
+  const auto with_hole = [](std::uint32_t width) {
+    return stack_of(kSide, 20, without(blocks({{20, 60, 20, 60, 0, 20}}), blocks({{30, 30 + width, 30, 31, 5, 15}})));
+  };
+  EXPECT_EQ(check(with_hole(16), {}).count(IssueKind::kResinTrap), 0U);
+  EXPECT_EQ(check(with_hole(17), {}).count(IssueKind::kResinTrap), 1U);
+}
+
 TEST(StackChecker, FindsASuctionCupThatOpensUpwards) {
   const auto findings =
       check(stack_of(kSide, 20, without(blocks({{20, 60, 20, 60, 0, 20}}), blocks({{30, 50, 30, 40, 5, 20}}))), {});

@@ -1,0 +1,253 @@
+#include <sys/stat.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+
+#include "firmware/cli/commands.hpp"
+#include "firmware/cli/shared_options.hpp"
+#include "firmware/io/interrupt.hpp"
+#include "firmware/io/job_progress.hpp"
+#include "firmware/io/json_writer.hpp"
+#include "firmware/io/progress_lines.hpp"
+#include "firmware/io/scan_files.hpp"
+#include "firmware/io/version.hpp"
+#include "firmware/pictures/issue_picture.hpp"
+#include "firmware/pictures/preview.hpp"
+#include "firmware/print/sliced_scan.hpp"
+#include "firmware/settings/print_profile.hpp"
+#include "firmware/slice/issue_report.hpp"
+#include "firmware/slice/mask_stack.hpp"
+#include "slicer/checks/stack_checker.hpp"
+#include "slicer/supports/mask_stream.hpp"
+
+namespace plumbline {
+namespace {
+
+constexpr const char* kFooter =
+    "\nExamples:\n"
+    "  plumbline check out                                       the job in out/\n"
+    "  plumbline check peer --pixel-pitch 0.05 --layer-height 0.05   another slicer's layers, in a folder of PNG "
+    "files\n"
+    "  plumbline check peer --printer mono2k --picture issues.png    and where they have issues\n"
+    "  plumbline check bust.ply --printer mono2k                 a scan, without writing its layers\n"
+    "  plumbline check out --check all=refuse                    fail if there is anything\n"
+    "\n"
+    "Finds what would go wrong: islands, overhangs, pieces that nothing holds, resin traps, suction cups, and the "
+    "like.\n"
+    "A folder's layers are its PNG files in the order of the last number in their names, 1 bit or grey.\n"
+    "\n"
+    "Exit status: 0 nothing that is refused, 1 something that is, or an error, 2 wrong command line, 130 "
+    "interrupted.\n";
+
+struct CheckedMasks {
+  std::string name;
+  PrintGrid grid;
+  StackFindings findings;
+};
+
+bool is_folder(const std::string& path) {
+  struct stat status = {};
+  return ::stat(path.c_str(), &status) == 0 && S_ISDIR(status.st_mode);
+}
+
+Status write_picture(const CheckedMasks& masks, const std::string& path, MaskOf mask, Arena& arena) {
+  if (path.empty()) return {};
+  auto encoder = PngEncoder::for_pictures(kPreviewColumns, kPreviewRows);
+  PLUMBLINE_TRY(encoder);
+  const auto png = encode_issues(masks.findings, masks.grid, masks.name, mask, arena, *encoder);
+  PLUMBLINE_TRY(png);
+  return png->empty() ? Status() : write_file(path.c_str(), *png);
+}
+
+/// What a stack's grid is: from the options, else from its manifest.
+Expected<PrintGrid> grid_of(const MaskStack& stack, const JobOptions& job, const JobSetup& setup, CheckLimits& limits) {
+  PrintGrid grid{.columns = stack.columns(), .rows = stack.rows(), .layers = stack.layers()};
+  limits = check_limits(setup.placement);
+  limits.has_panel = true;
+  const auto& known = stack.scale();
+  const auto& printer = setup.placement.printer;
+  if (!known && !printer && (!job.pixel_pitch_mm || !job.layer_height_mm)) {
+    return fail(ErrorCode::kBadSetting,
+                "%s: has no manifest.json that says how large a pixel and how high a layer is.\tGive --pixel-pitch and "
+                "--layer-height, or --printer",
+                job.scans[0].c_str());
+  }
+  grid.layer_height_mm = setup.placement.layer_height_mm;
+  if (printer) {
+    grid.pitch_x_mm = printer->pitch_x_mm;
+    grid.pitch_y_mm = printer->pitch_y_mm;
+    if (printer->columns != grid.columns || printer->rows != grid.rows) {
+      return fail(ErrorCode::kDoesNotFit, "%s: the layers have %u x %u pixels, the panel of %s %u x %u",
+                  job.scans[0].c_str(), grid.columns, grid.rows, setup.printer_name.c_str(), printer->columns,
+                  printer->rows);
+    }
+  } else if (job.pixel_pitch_mm || !known) {
+    grid.pitch_x_mm = grid.pitch_y_mm = setup.placement.pixel_pitch_mm;
+  } else {
+    grid.pitch_x_mm = static_cast<float>(known->pitch_x_mm);
+    grid.pitch_y_mm = static_cast<float>(known->pitch_y_mm);
+    limits.has_panel = known->has_panel;
+  }
+  if (known && !job.layer_height_mm) grid.layer_height_mm = static_cast<float>(known->layer_height_mm);
+  return grid;
+}
+
+Expected<CheckedMasks> check_stack(const CheckOptions& options, const JobSetup& setup, Arena& arena, bool silent) {
+  auto stack = MaskStack::open(options.job.scans[0]);
+  PLUMBLINE_TRY(stack);
+  CheckLimits limits;
+  const auto grid = grid_of(*stack, options.job, setup, limits);
+  PLUMBLINE_TRY(grid);
+  const ArenaScope scope(arena);
+  const auto words = arena.take_top<std::uint64_t>(BitImage::words_needed(grid->columns, grid->rows), "checks");
+  PLUMBLINE_TRY(words);
+  const BitImage mask(*words, grid->columns, grid->rows);
+  CheckedMasks checked{options.job.scans[0], *grid, {}};
+  {
+    const ArenaScope scratch(arena);
+    auto checker = StackChecker::create(*grid, limits, arena);
+    PLUMBLINE_TRY(checker);
+    ProgressBar bar;
+    const auto start = std::chrono::steady_clock::now();
+    for (std::uint32_t k = 0; k < stack->layers(); ++k) {
+      if (interrupted()) return fail(ErrorCode::kCancelled, "interrupted at layer %u of %u", k, stack->layers());
+      const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
+      if (!silent) bar.update("checking the layers", static_cast<double>(k) / stack->layers(), taken.count());
+      PLUMBLINE_TRY(stack->read(k, mask));
+      checker->next(mask);
+    }
+    bar.clear();
+    checked.findings = checker->finish();
+  }
+  const auto mask_of = [&](std::uint32_t layer) -> Expected<ConstBitImage> {
+    PLUMBLINE_TRY(stack->read(layer, mask));
+    return ConstBitImage(mask);
+  };
+  PLUMBLINE_TRY(write_picture(checked, options.picture, mask_of, arena));
+  return checked;
+}
+
+Expected<CheckedMasks> check_scan(const CheckOptions& options, const JobSetup& setup, Arena& arena, bool silent) {
+  const auto scan = ScanFiles::open(options.job.scans);
+  PLUMBLINE_TRY(scan);
+  const auto supports = options.supports.over(true, {});
+  PLUMBLINE_TRY(supports);
+  SliceSettings settings;
+  settings.placement = setup.placement;
+  settings.base = setup.base;
+  settings.keep_all = setup.keep_all;
+  settings.threads = setup.threads;
+  start_threads(setup.threads);
+  ProgressLines lines(options.job.verbose);
+  JobProgress progress(silent ? nullptr : &lines);
+  SliceReport report;
+  const auto sliced = slice_for_print(scan->sources(), settings, *supports, arena, &progress, report);
+  PLUMBLINE_TRY(sliced);
+  CheckedMasks checked{scan->title(), sliced->rrep.grid, sliced->findings};
+  if (options.picture.empty()) return checked;
+  auto stream = MaskStream::create(sliced->rrep, sliced->supports, arena);
+  PLUMBLINE_TRY(stream);
+  const auto mask_of = [&](std::uint32_t layer) -> Expected<ConstBitImage> { return stream->mask(layer); };
+  PLUMBLINE_TRY(write_picture(checked, options.picture, mask_of, arena));
+  return checked;
+}
+
+Status write_text(const CheckedMasks& masks, const CheckOptions& options, const CheckPolicy& policy) {
+  OutputFile out = OutputFile::standard_output();
+  const StackFindings& found = masks.findings;
+  const PrintGrid& grid = masks.grid;
+  const IssueScale scale(grid);
+  FixedText<2 * kMaxPath> text;
+  text.add("masks      %s: %u of %u x %u px, %.4g x %.4g x %.4g mm each; %.1f ml\n", masks.name.c_str(), grid.layers,
+           grid.columns, grid.rows, static_cast<double>(grid.pitch_x_mm), static_cast<double>(grid.pitch_y_mm),
+           static_cast<double>(grid.layer_height_mm), scale.ml(found.voxels));
+  text.add("areas      first layer %.4g mm2, largest %.4g mm2 (layer %u), largest jump %.4g mm2 (layer %u)\n",
+           scale.mm2(found.first_layer_pixels), scale.mm2(found.peel_pixels), found.peel_layer,
+           scale.mm2(found.jump_pixels), found.jump_layer);
+  text.add("found      %s\n", issue_counts(found).c_str());
+  PLUMBLINE_TRY(out.write(text.view()));
+  Status written;
+  for_each_issue(found, grid, policy, [&](IssueKind kind, CheckAction action, std::string_view sentence) {
+    FixedText<512> line;
+    const std::string_view word = kCheckActionWords[static_cast<std::size_t>(action)];
+    line.add("%-10.*s %.*s\n", static_cast<int>(word.size()), word.data(), static_cast<int>(sentence.size()),
+             sentence.data());
+    if (written) written = out.write(line.view());
+    if (!options.job.verbose) return;
+    for (const Issue& issue : found.of(kind).all_kept()) {
+      line.clear();
+      line.add("           layers %u to %u, x %.1f, y %.1f mm: %.4g mm2, %.4g ml\n", issue.first_layer,
+               issue.last_layer, scale.x_mm(issue), scale.y_mm(issue), scale.mm2(issue.pixels), scale.ml(issue.voxels));
+      if (written) written = out.write(line.view());
+    }
+  });
+  PLUMBLINE_TRY(written);
+  if (options.picture.empty() || !found.any()) return {};
+  text.clear();
+  text.add("look at    %s\n", options.picture.c_str());
+  return out.write(text.view());
+}
+
+Status write_json(const CheckedMasks& masks, const CheckPolicy& policy) {
+  OutputFile out = OutputFile::standard_output();
+  JsonWriter json(out);
+  json.begin_object();
+  json.key("plumbline");
+  json.begin_object(JsonWriter::Layout::kOneLine);
+  json.member("version", kVersion);
+  json.end_object();
+  json.member("name", std::string_view(masks.name));
+  json.key("grid");
+  json.begin_object(JsonWriter::Layout::kOneLine);
+  json.member("columns", masks.grid.columns);
+  json.member("rows", masks.grid.rows);
+  json.member("layers", masks.grid.layers);
+  json.key("pixel_pitch_mm");
+  json.row(std::array{masks.grid.pitch_x_mm, masks.grid.pitch_y_mm});
+  json.member("layer_height_mm", masks.grid.layer_height_mm);
+  json.end_object();
+  json.member("volume_ml", IssueScale(masks.grid).ml(masks.findings.voxels));
+  write_issues(json, masks.findings, masks.grid, policy);
+  json.end_object();
+  return json.finish();
+}
+
+}  // namespace
+
+CLI::App* add_check_command(CLI::App& app, CheckOptions& options) {
+  auto* command = app.add_subcommand("check", "Find what would go wrong with layers: of a scan, or in a folder");
+  command->footer(kFooter);
+  command->add_option("--picture", options.picture, "Draw where the issues are")->type_name("PNG");
+  add_job_options(*command, options.job)
+      ->type_name("STACK|SCAN")
+      ->description("A folder of layers as PNG files, or the files of a scan");
+  add_support_options(*command, options.supports, "[auto]");
+  add_check_options(*command, options.checks);
+  add_program_options(*command, options.job);
+  command->callback([&options] {
+    if (const auto supports = options.supports.over(true, {}); !supports) {
+      throw CLI::ValidationError(supports.error().message());
+    }
+  });
+  return command;
+}
+
+ExitCode run_check(const CheckOptions& options, std::span<std::byte> arena_block) {
+  const auto setup = set_up(options.job, arena_block.size());
+  if (!setup) return report_error(setup.error());
+  catch_interrupts();
+  Arena arena(arena_block.first(setup->arena_bytes));
+  const bool silent = options.job.quiet || options.job.json;
+  const bool stack = options.job.scans.size() == 1 && is_folder(options.job.scans[0]);
+  const auto masks = stack ? check_stack(options, *setup, arena, silent) : check_scan(options, *setup, arena, silent);
+  if (!masks) return report_error(masks.error());
+  const CheckPolicy policy = options.checks.over(checks_of(setup->board));
+  if (options.job.json || !options.job.quiet) {
+    const auto written = options.job.json ? write_json(*masks, policy) : write_text(*masks, options, policy);
+    if (!written) return report_error(written.error());
+  }
+  const auto judged = judge(masks->findings, masks->grid, policy);
+  return judged ? ExitCode::kDone : report_error(judged.error());
+}
+
+}  // namespace plumbline

@@ -1,0 +1,194 @@
+#include "firmware/pictures/issue_picture.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <tuple>
+
+#include "firmware/pictures/preview.hpp"
+#include "firmware/pictures/preview_page.hpp"
+#include "slicer/checks/overhangs.hpp"
+#include "slicer/layers/layer_regions.hpp"
+
+namespace plumbline {
+
+using namespace preview;
+
+namespace {
+
+constexpr const char* kStage = "issue picture";
+
+// The page, in pixels: two rows of three tiles, each with two lines of text.
+constexpr std::uint32_t kMargin = 60, kTop = 100, kTileColumns = 470, kTileRows = 300, kTileStep = 505, kRowStep = 390;
+constexpr std::uint32_t kTilesARow = 3;
+static_assert(kMargin + 2 * kTileStep + kTileColumns <= kPreviewColumns && kTop + kRowStep + kTileRows <= kPreviewRows);
+
+constexpr Colour kAir{28, 33, 40}, kSolid{206, 202, 192}, kBelow{86, 95, 107}, kIssue{232, 78, 56};
+
+/// Pixels of the mask that a tile shows at least, on its shorter side.
+constexpr double kLeastShown = 40;
+
+/// What a tile shows of its layer, and what of it is the issue.
+struct Layer {
+  ConstBitImage mask;   ///< of the issue's layer
+  ConstBitImage below;  ///< of the one below; black for layer 0
+  const LayerRegions* regions = nullptr;
+  std::uint32_t region = LayerRegions::kNone;  ///< the issue's; kNone: it is no region, or they are not known
+  PixelBox box;                                ///< of the region, or of all white pixels
+};
+
+bool is_air(IssueKind kind) { return kind == IssueKind::kResinTrap || kind == IssueKind::kSuctionCup; }
+
+/// The run that holds a pixel.
+std::uint32_t run_at(const LayerRegions& regions, std::uint32_t column, std::uint32_t row) {
+  std::uint32_t i = regions.row_begin(row);
+  while (i + 1 < regions.row_begin(row + 1) &&
+         (regions.run(i).first > regions.run(i).last || regions.run(i).last < column))
+    ++i;
+  return i;
+}
+
+/// The box of a region, or of all white pixels.
+PixelBox box_of(const LayerRegions& regions, std::uint32_t region) {
+  PixelBox box;
+  for (std::uint32_t r = 0; r < regions.rows(); ++r) {
+    for (std::uint32_t i = regions.row_begin(r); i < regions.row_begin(r + 1); ++i) {
+      const auto run = regions.run(i);
+      const bool counts = region == LayerRegions::kNone ? regions.white(r, i) : regions.region(i) == region;
+      if (!counts || run.first > run.last) continue;
+      box.column = std::min<std::uint32_t>(box.column, run.first);
+      box.column_end = std::max<std::uint32_t>(box.column_end, run.last + 1U);
+      box.row = std::min(box.row, r);
+      box.row_end = r + 1;
+    }
+  }
+  return box;
+}
+
+Colour colour_at(const Issue& issue, const Layer& layer, std::uint32_t column, std::uint32_t row) {
+  const bool white = layer.mask.at(column, row);
+  const bool below = layer.below.at(column, row);
+  bool is_issue = false;
+  switch (issue.kind) {
+    case IssueKind::kOverhang:
+    case IssueKind::kPeelJump: is_issue = white && !below; break;
+    case IssueKind::kIsland:
+    case IssueKind::kFreePiece:
+    case IssueKind::kResinTrap:
+    case IssueKind::kSuctionCup:
+      is_issue = layer.region != LayerRegions::kNone && white != is_air(issue.kind) &&
+                 layer.regions->region(run_at(*layer.regions, column, row)) == layer.region;
+      break;
+    case IssueKind::kTouchingBound:
+    case IssueKind::kEmptyLayer:
+    case IssueKind::kPrintHeight:
+    case IssueKind::kFirstLayerArea:
+    case IssueKind::kPeelArea: is_issue = white; break;
+  }
+  if (is_issue) return kIssue;
+  return white ? kSolid : below ? kBelow : kAir;
+}
+
+void draw_tile(const Picture& picture, std::int64_t left, std::int64_t top, const Issue& issue, const Layer& layer,
+               const PrintGrid& grid) {
+  const PixelBox& box = layer.box;
+  const bool whole = box.empty();
+  const double wide = whole ? grid.columns : 1.6 * (box.column_end - box.column);
+  const double high = whole ? grid.rows : 1.6 * (box.row_end - box.row);
+  // Pixels of the mask a pixel of the picture: the tile holds the box, and the pixels keep their shape.
+  const double aspect = static_cast<double>(grid.pitch_y_mm) / static_cast<double>(grid.pitch_x_mm);
+  const double step = std::max({wide / kTileColumns, high * aspect / kTileRows, kLeastShown / kTileRows});
+  const double middle_column = whole ? grid.columns / 2.0 : (box.column + box.column_end) / 2.0;
+  const double middle_row = whole ? grid.rows / 2.0 : (box.row + box.row_end) / 2.0;
+  for (std::uint32_t y = 0; y < kTileRows; ++y) {
+    const double row = middle_row + (y + 0.5 - kTileRows / 2.0) * step / aspect;
+    for (std::uint32_t x = 0; x < kTileColumns; ++x) {
+      const double column = middle_column + (x + 0.5 - kTileColumns / 2.0) * step;
+      const bool outside = column < 0 || row < 0 || column >= grid.columns || row >= grid.rows;
+      if (outside) continue;
+      picture.fill(left + x, top + y, 1, 1,
+                   colour_at(issue, layer, static_cast<std::uint32_t>(column), static_cast<std::uint32_t>(row)));
+    }
+  }
+}
+
+void draw_caption(const Picture& picture, std::int64_t left, std::int64_t top, const Issue& issue,
+                  const IssueScale& scale) {
+  const TextStyle plain{.scale = 2, .colour = kInk};
+  const TextStyle pale{.scale = 2, .colour = kPaleInk};
+  char text[96];
+  const IssueWords& words = words_of(issue.kind);
+  const double size = words.size == IssueSize::kVolume ? scale.ml(issue.voxels) : scale.mm2(issue.pixels);
+  std::snprintf(text, sizeof text, "%.*s, %.3g %s", static_cast<int>(words.one.size()), words.one.data(), size,
+                words.size == IssueSize::kVolume ? "ml" : "mm2");
+  draw_text(picture, left, top, cut(text, kTileColumns, plain), plain);
+  std::snprintf(text, sizeof text, "layer %u, %.2f mm: x %.1f, y %.1f mm", issue.layer, scale.z_mm(issue.layer),
+                scale.x_mm(issue), scale.y_mm(issue));
+  draw_text(picture, left, top + 24, cut(text, kTileColumns, pale), pale);
+}
+
+}  // namespace
+
+ShownIssues::ShownIssues(const StackFindings& findings) {
+  for (std::size_t place = 0; place < IssueGroup::kKept; ++place) {
+    for (const IssueGroup& group : findings.groups) {
+      if (place >= group.kept_count || count == kMostShown) continue;
+      if (group.kept[place].kind != IssueKind::kEmptyLayer) issues[count++] = group.kept[place];
+    }
+  }
+  std::sort(issues.begin(), issues.begin() + static_cast<std::ptrdiff_t>(count), [](const Issue& a, const Issue& b) {
+    return std::tie(a.layer, a.kind, a.row, a.column) < std::tie(b.layer, b.kind, b.row, b.column);
+  });
+}
+
+Expected<std::span<const std::byte>> encode_issues(const StackFindings& findings, const PrintGrid& grid,
+                                                   std::string_view name, MaskOf masks, Arena& arena,
+                                                   PngEncoder& encoder) {
+  const ShownIssues shown(findings);
+  if (shown.count == 0) return std::span<const std::byte>();
+  const ArenaScope scope(arena);
+  const auto rgb = arena.take_top<std::uint8_t>(std::size_t{3} * kPreviewColumns * kPreviewRows, kStage);
+  PLUMBLINE_TRY(rgb);
+  std::array<BitImage, 2> images;  // the layer below, the layer
+  for (BitImage& image : images) {
+    const auto words = arena.take_top<std::uint64_t>(BitImage::words_needed(grid.columns, grid.rows), kStage);
+    PLUMBLINE_TRY(words);
+    image = BitImage(*words, grid.columns, grid.rows);
+  }
+  auto regions = LayerRegions::create(
+      grid.columns, grid.rows, arena,
+      {.runs_per_row = std::max(64U, grid.columns / 32), .join_white_corners = false, .stage = kStage});
+  PLUMBLINE_TRY(regions);
+
+  const Picture picture{*rgb, kPreviewColumns, kPreviewRows};
+  draw_background(picture);
+  const TextStyle title{.scale = 4, .colour = kInk};
+  draw_text(picture, kMargin, 38, cut(name, kPreviewColumns - 800, title), title);
+  constexpr std::string_view kAbout = "issues in red; grey: the layer below";
+  const TextStyle plain{.scale = 2, .colour = kPaleInk};
+  draw_text(picture, std::int64_t{kPreviewColumns} - kMargin - text_width(kAbout, plain), 52, kAbout, plain);
+
+  const IssueScale scale(grid);
+  for (std::size_t i = 0; i < shown.count; ++i) {
+    const Issue& issue = shown.issues[i];
+    images[0].clear();
+    for (std::uint32_t below = issue.layer > 0 ? 1 : 0, k = issue.layer - below; k <= issue.layer; ++k) {
+      const auto mask = masks(k);
+      PLUMBLINE_TRY(mask);
+      std::copy(mask->words().begin(), mask->words().end(), images[k == issue.layer ? 1 : 0].words().begin());
+    }
+    Layer layer{.mask = images[1], .below = images[0], .regions = &*regions, .box = {}};
+    if (regions->label(images[1])) {
+      const bool is_region =
+          is_air(issue.kind) || issue.kind == IssueKind::kIsland || issue.kind == IssueKind::kFreePiece;
+      if (is_region) layer.region = regions->region(run_at(*regions, issue.column, issue.row));
+      layer.box = box_of(*regions, layer.region);
+    }
+    const std::int64_t left = kMargin + static_cast<std::int64_t>(i % kTilesARow * kTileStep);
+    const std::int64_t top = kTop + static_cast<std::int64_t>(i / kTilesARow * kRowStep);
+    draw_tile(picture, left, top, issue, layer, grid);
+    draw_caption(picture, left, top + kTileRows + 12, issue, scale);
+  }
+  return encoder.encode(*rgb, kPreviewColumns, kPreviewRows);
+}
+
+}  // namespace plumbline

@@ -1,0 +1,42 @@
+#pragma once
+/// The picture of where the checks of the masks have found something.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "firmware/pictures/png_writer.hpp"
+#include "slicer/checks/stack_findings.hpp"
+#include "slicer/cloud/kd_tree.hpp"
+#include "slicer/core/arena.hpp"
+#include "slicer/core/error.hpp"
+#include "slicer/core/print_grid.hpp"
+
+namespace plumbline {
+
+/// The mask of a layer, valid until the next call.
+using MaskOf = FunctionRef<Expected<ConstBitImage>(std::uint32_t layer)>;
+
+/// The issues that a picture shows: the largest of each kind, then the next ones, but no empty layers. At most kMostShown, by layer.
+struct ShownIssues {
+  static constexpr std::size_t kMostShown = 6;
+  std::array<Issue, kMostShown> issues;
+  std::size_t count = 0;
+
+  explicit ShownIssues(const StackFindings& findings);
+};
+
+/// Draws a part of the mask round each issue: white pixels, those of the layer below in grey, and the issue in red.
+/// @param name   of the scan
+/// @param masks  called for each layer that is shown and the one below it, in ascending order
+/// @param arena  an RGB picture of kPreviewColumns x kPreviewRows, two images of the grid and the regions of one are taken from its
+///               top and released
+/// @returns the file, in the encoder's memory, valid until its next use; empty if there is nothing to show
+/// @retval ErrorCode::kOutOfMemory, and any error of `masks`
+[[nodiscard]] Expected<std::span<const std::byte>> encode_issues(const StackFindings& findings, const PrintGrid& grid,
+                                                                 std::string_view name, MaskOf masks, Arena& arena,
+                                                                 PngEncoder& encoder);
+
+}  // namespace plumbline

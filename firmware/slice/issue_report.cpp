@@ -1,0 +1,196 @@
+#include "firmware/slice/issue_report.hpp"
+
+#include <algorithm>
+
+namespace plumbline {
+namespace {
+
+constexpr auto kOneLine = JsonWriter::Layout::kOneLine;
+
+unsigned long long big(std::uint64_t number) { return number; }
+
+/// Three digits are enough for a person, but areas of a panel have four before the point.
+FixedText<24> rounded(double value) {
+  FixedText<24> text;
+  text.add(value >= 100 ? "%.0f" : "%.3g", value);
+  return text;
+}
+
+void add_size(FixedText<256>& text, const Issue& issue, const IssueScale& scale) {
+  switch (words_of(issue.kind).size) {
+    case IssueSize::kArea:
+      text.add("%s mm2 (%llu px)", rounded(scale.mm2(issue.pixels)).c_str(), big(issue.pixels));
+      break;
+    case IssueSize::kVolume:
+      text.add("%s ml, up to %s mm2 wide", rounded(scale.ml(issue.voxels)).c_str(),
+               rounded(scale.mm2(issue.pixels)).c_str());
+      break;
+    case IssueSize::kLayers: text.add("%u layer%s", issue.layers(), issue.layers() == 1 ? "" : "s"); break;
+  }
+}
+
+void add_place(FixedText<256>& text, const Issue& issue, const IssueScale& scale) {
+  const bool everywhere = words_of(issue.kind).size == IssueSize::kLayers;
+  if (!everywhere) text.add(" at x %.1f, y %.1f mm", scale.x_mm(issue), scale.y_mm(issue));
+  if (issue.layers() > 1) {
+    text.add(" in layers %u to %u (%.2f to %.2f mm)", issue.first_layer, issue.last_layer,
+             scale.z_mm(issue.first_layer), scale.z_mm(issue.last_layer + 1));
+  } else {
+    text.add(" in layer %u (%.2f mm)", issue.layer, scale.z_mm(issue.layer));
+  }
+}
+
+/// Calls visit(kind, group) for each kind that was found.
+template <class Visit>
+void for_each_found(const StackFindings& findings, Visit visit) {
+  for (std::size_t i = 0; i < kIssueKindCount; ++i) {
+    if (findings.groups[i].count > 0) visit(static_cast<IssueKind>(i), findings.groups[i]);
+  }
+}
+
+void write_issue(JsonWriter& json, const Issue& issue, const IssueScale& scale) {
+  json.begin_object(kOneLine);
+  json.member("layer", issue.layer);
+  json.member("first_layer", issue.first_layer);
+  json.member("last_layer", issue.last_layer);
+  json.member("column", issue.column);
+  json.member("row", issue.row);
+  json.key("place_mm");
+  json.row(std::array{scale.x_mm(issue), scale.y_mm(issue), scale.z_mm(issue.layer)});
+  json.member("pixels", issue.pixels);
+  json.member("area_mm2", scale.mm2(issue.pixels));
+  if (words_of(issue.kind).size == IssueSize::kVolume) json.member("volume_ml", scale.ml(issue.voxels));
+  json.end_object();
+}
+
+}  // namespace
+
+CheckLimits check_limits(const PlacementSettings& placement) {
+  CheckLimits limits;
+  if (const auto& printer = placement.printer) {
+    limits.has_panel = true;
+    limits.travel_mm = static_cast<double>(printer->travel_mm);
+  }
+  return limits;
+}
+
+CheckLimits coarse_limits(const PrintGrid& grid) {
+  constexpr double kUsualPitch = 0.05;  // mm
+  CheckLimits limits;
+  const double pixels = kUsualPitch / std::max(kUsualPitch, IssueScale(grid).pitch_x_mm);
+  const auto scaled = [](std::uint32_t limit, double factor) {
+    return std::max(1U, static_cast<std::uint32_t>(limit * factor));
+  };
+  limits.island_held_pixels = scaled(limits.island_held_pixels, pixels * pixels);
+  limits.overhang_reach = scaled(limits.overhang_reach, pixels);
+  limits.drain_pixels = scaled(limits.drain_pixels, pixels * pixels);
+  limits.trap_pixels = scaled(limits.trap_pixels, pixels * pixels);
+  limits.suction_pixels = scaled(limits.suction_pixels, pixels * pixels);
+  return limits;
+}
+
+FixedText<256> issue_sentence(IssueKind kind, const StackFindings& findings, const PrintGrid& grid) {
+  const IssueGroup& group = findings.of(kind);
+  const IssueScale scale(grid);
+  const IssueWords& words = words_of(kind);
+  const std::string_view name = group.count == 1 ? words.one : words.many;
+  FixedText<256> text;
+  text.add("%u %.*s", group.count, static_cast<int>(name.size()), name.data());
+  if (kind == IssueKind::kFreePiece) {
+    text.add(", %.2g %% of the print", 100 * findings.fallen_share());
+  }
+  if (group.count > 1 && words.size == IssueSize::kVolume) text.add(", %s ml", rounded(scale.ml(group.voxels)).c_str());
+  text.add("%s", group.count == 1 ? (kind == IssueKind::kFreePiece ? ": " : " of ") : ", the largest of ");
+  add_size(text, group.kept[0], scale);
+  add_place(text, group.kept[0], scale);
+  return text;
+}
+
+FixedText<160> issue_counts(const StackFindings& findings) {
+  FixedText<160> text;
+  for_each_found(findings, [&](IssueKind kind, const IssueGroup& group) {
+    const std::string_view name = group.count == 1 ? words_of(kind).one : words_of(kind).many;
+    text.add("%s%u %.*s", text.view().empty() ? "" : ", ", group.count, static_cast<int>(name.size()), name.data());
+  });
+  if (findings.unchecked_layers > 0) {
+    text.add("%s%u layers too fine to check", text.view().empty() ? "" : ", ", findings.unchecked_layers);
+  }
+  if (text.view().empty()) text.add("no issues");
+  return text;
+}
+
+void for_each_issue(const StackFindings& findings, const PrintGrid& grid, const CheckPolicy& policy, IssueVisit visit) {
+  for_each_found(findings, [&](IssueKind kind, const IssueGroup&) {
+    if (policy.of(kind) == CheckAction::kIgnore) return;
+    auto text = issue_sentence(kind, findings, grid);
+    const std::string_view advice = words_of(kind).advice;
+    text.add(": %.*s", static_cast<int>(advice.size()), advice.data());
+    visit(kind, policy.of(kind), text.view());
+  });
+}
+
+CheckAction verdict(const StackFindings& findings, const CheckPolicy& policy) {
+  CheckAction strictest = CheckAction::kIgnore;
+  for_each_found(findings,
+                 [&](IssueKind kind, const IssueGroup&) { strictest = std::max(strictest, policy.of(kind)); });
+  return strictest;
+}
+
+Status judge(const StackFindings& findings, const PrintGrid& grid, const CheckPolicy& policy) {
+  const CheckAction action = verdict(findings, policy);
+  if (action < CheckAction::kAsk) return {};
+  Status status;
+  for_each_found(findings, [&](IssueKind kind, const IssueGroup&) {
+    if (policy.of(kind) != action || !status) return;
+    const auto sentence = issue_sentence(kind, findings, grid);
+    const std::string_view advice = words_of(kind).advice;
+    const std::string_view key = words_of(kind).key;
+    if (action == CheckAction::kAsk) {
+      status = fail(ErrorCode::kBadSetting, "%s.\t%c%.*s, or accept it with --accept", sentence.c_str(), advice[0],
+                    static_cast<int>(advice.size()) - 1, advice.data() + 1);
+    } else {
+      status = fail(ErrorCode::kBadSetting, "%s, which the profile refuses.\t%c%.*s, or set %.*s in [checks]",
+                    sentence.c_str(), advice[0], static_cast<int>(advice.size()) - 1, advice.data() + 1,
+                    static_cast<int>(key.size()), key.data());
+    }
+  });
+  return status;
+}
+
+void write_issues(JsonWriter& json, const StackFindings& findings, const PrintGrid& grid, const CheckPolicy& policy) {
+  const IssueScale scale(grid);
+  json.key("issues");
+  json.begin_object();
+  json.member("layers", findings.layers);
+  json.member("unchecked_layers", findings.unchecked_layers);
+  json.member("first_layer_mm2", scale.mm2(findings.first_layer_pixels));
+  json.key("largest_layer");
+  json.begin_object(kOneLine);
+  json.member("layer", findings.peel_layer);
+  json.member("area_mm2", scale.mm2(findings.peel_pixels));
+  json.end_object();
+  json.key("largest_jump");
+  json.begin_object(kOneLine);
+  json.member("layer", findings.jump_layer);
+  json.member("area_mm2", scale.mm2(findings.jump_pixels));
+  json.end_object();
+  json.member("falls_share", findings.fallen_share());
+  json.member("falls_ml", scale.ml(findings.of(IssueKind::kFreePiece).voxels));
+  json.key("kinds");
+  json.begin_object();
+  for_each_found(findings, [&](IssueKind kind, const IssueGroup& group) {
+    json.key(words_of(kind).key);
+    json.begin_object();
+    json.member("count", group.count);
+    json.member("action", kCheckActionWords[static_cast<std::size_t>(policy.of(kind))]);
+    json.key("largest");
+    json.begin_array();
+    for (const Issue& issue : group.all_kept()) write_issue(json, issue, scale);
+    json.end_array();
+    json.end_object();
+  });
+  json.end_object();
+  json.end_object();
+}
+
+}  // namespace plumbline

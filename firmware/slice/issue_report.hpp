@@ -1,0 +1,43 @@
+#pragma once
+/// The findings of the checks in words and as JSON, and what follows from them.
+
+#include <string_view>
+
+#include "firmware/io/fixed_text.hpp"
+#include "firmware/io/json_writer.hpp"
+#include "firmware/settings/check_policy.hpp"
+#include "slicer/checks/check_limits.hpp"
+#include "slicer/checks/stack_findings.hpp"
+#include "slicer/cloud/kd_tree.hpp"
+#include "slicer/core/error.hpp"
+#include "slicer/placement/placement.hpp"
+
+namespace plumbline {
+
+/// The limits for a job. With a printer its panel has an edge and its Z stage a travel.
+CheckLimits check_limits(const PlacementSettings& placement);
+
+/// The limits for coarse masks, whose pixels are larger than those that the defaults are meant for.
+CheckLimits coarse_limits(const PrintGrid& grid);
+
+/// "3 islands, the largest of 1.46 mm2 (582 px) at x 34.2, y 61.0 mm in layer 702 (35.10 mm)".
+/// @param group  not empty
+FixedText<256> issue_sentence(IssueKind kind, const StackFindings& findings, const PrintGrid& grid);
+
+/// "2 islands, 1 resin trap", "no issues".
+FixedText<160> issue_counts(const StackFindings& findings);
+
+using IssueVisit = FunctionRef<void(IssueKind kind, CheckAction action, std::string_view sentence)>;
+/// Calls visit() for each kind that was found and is not ignored: the sentence, a colon and the advice.
+void for_each_issue(const StackFindings& findings, const PrintGrid& grid, const CheckPolicy& policy, IssueVisit visit);
+
+/// The strictest action for what was found.
+CheckAction verdict(const StackFindings& findings, const CheckPolicy& policy);
+
+/// @retval ErrorCode::kBadSetting  something must not be printed, or must be accepted first; the message says what was found
+[[nodiscard]] Status judge(const StackFindings& findings, const PrintGrid& grid, const CheckPolicy& policy);
+
+/// Writes the findings as the member "issues"; firmware/README.md explains it.
+void write_issues(JsonWriter& json, const StackFindings& findings, const PrintGrid& grid, const CheckPolicy& policy);
+
+}  // namespace plumbline

@@ -1,0 +1,85 @@
+#include "firmware/slice/issue_report.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+namespace plumbline {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+constexpr PrintGrid kGrid{
+    .columns = 1000, .rows = 2000, .layers = 500, .pitch_x_mm = 0.05F, .pitch_y_mm = 0.05F, .layer_height_mm = 0.05F};
+
+StackFindings some_findings() {
+  StackFindings findings;
+  findings.layers = 500;
+  findings.voxels = 80'000'000;  // 10 ml
+  findings.of(IssueKind::kIsland).add({IssueKind::kIsland, 40, 40, 40, 199, 399, 120, 120});
+  findings.of(IssueKind::kIsland).add({IssueKind::kIsland, 70, 70, 70, 683, 1219, 582, 582});
+  findings.of(IssueKind::kFreePiece).add({IssueKind::kFreePiece, 90, 70, 109, 683, 1219, 4000, 16'000'000});
+  return findings;
+}
+
+std::vector<std::string> sentences(const StackFindings& findings, const CheckPolicy& policy) {
+  std::vector<std::string> all;
+  for_each_issue(findings, kGrid, policy,
+                 [&](IssueKind, CheckAction, std::string_view sentence) { all.emplace_back(sentence); });
+  return all;
+}
+
+TEST(IssueReport, SaysSizePlaceLayersAndWhatToDo) {
+  EXPECT_THAT(sentences(some_findings(), {}),
+              ElementsAre("2 islands, the largest of 1.46 mm2 (582 px) at x 34.2, y 61.0 mm in layer 70 (3.50 mm): add "
+                          "supports, or turn the object",
+                          "1 piece that nothing holds, 20 % of the print: 2 ml, up to 10 mm2 wide at x 34.2, y 61.0 mm "
+                          "in layers 70 to 109 (3.50 to 5.50 mm): add supports, or turn the object"));
+  EXPECT_EQ(issue_counts(some_findings()).view(), "2 islands, 1 piece that nothing holds");
+  EXPECT_EQ(issue_counts({}).view(), "no issues");
+}
+
+TEST(IssueReport, IsSilentAboutWhatIsIgnored) {
+  CheckPolicy policy;
+  policy.of(IssueKind::kIsland) = CheckAction::kIgnore;
+  EXPECT_THAT(sentences(some_findings(), policy), ElementsAre(StartsWith("1 piece")));
+}
+
+TEST(IssueReport, TheStrictestActionCounts) {
+  CheckPolicy policy;
+  EXPECT_EQ(verdict({}, policy), CheckAction::kIgnore);
+  EXPECT_EQ(verdict(some_findings(), policy), CheckAction::kWarn);
+  EXPECT_TRUE(judge(some_findings(), kGrid, policy));
+  policy.of(IssueKind::kIsland) = CheckAction::kAsk;
+  EXPECT_EQ(verdict(some_findings(), policy), CheckAction::kAsk);
+  const auto asked = judge(some_findings(), kGrid, policy);
+  ASSERT_FALSE(asked);
+  EXPECT_EQ(asked.error().code(), ErrorCode::kBadSetting);
+  EXPECT_THAT(asked.error().message(), HasSubstr("2 islands"));
+  EXPECT_THAT(std::string(asked.error().advice()), HasSubstr("--accept"));
+  policy.of(IssueKind::kFreePiece) = CheckAction::kRefuse;
+  EXPECT_EQ(verdict(some_findings(), policy), CheckAction::kRefuse);
+  const auto refused = judge(some_findings(), kGrid, policy);
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message(), HasSubstr("1 piece that nothing holds"));
+  EXPECT_THAT(refused.error().message(), HasSubstr("set free_piece in [checks]"));
+  policy.actions.fill(CheckAction::kRefuse);
+  EXPECT_TRUE(judge({}, kGrid, policy)) << "nothing was found";
+}
+
+TEST(IssueReport, CoarsePixelsHaveLimitsOfTheSameSizeInMillimetres) {
+  PrintGrid coarse = kGrid;
+  EXPECT_EQ(coarse_limits(coarse).overhang_reach, 40U);
+  EXPECT_EQ(coarse_limits(coarse).suction_pixels, 100U);
+  coarse.pitch_x_mm = coarse.pitch_y_mm = 0.5F;
+  EXPECT_EQ(coarse_limits(coarse).overhang_reach, 4U);
+  EXPECT_EQ(coarse_limits(coarse).suction_pixels, 1U);
+  EXPECT_EQ(coarse_limits(coarse).drain_pixels, 1U);
+}
+
+}  // namespace
+}  // namespace plumbline
