@@ -9,6 +9,7 @@
 #include "firmware/slice/job_summary.hpp"
 #include "firmware/slice/manifest.hpp"
 #include "firmware/slice/slice_job.hpp"
+#include "slicer/support_building.hpp"
 
 namespace plumbline {
 namespace {
@@ -86,6 +87,7 @@ ExitCode run_slice(const SliceOptions& options, std::span<std::byte> arena_block
   settings.slice.threads = setup->threads;
   settings.preview = options.preview;
   settings.supports = *options.supports.over(false, {});  // checked when the arguments were parsed
+  if (settings.supports) settings.slice.placement.room = support_room(*settings.supports);
   catch_interrupts();
   Arena arena(arena_block.first(setup->arena_bytes));
   auto job = SliceJob::prepare(settings, arena);

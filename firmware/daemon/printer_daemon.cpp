@@ -5,6 +5,7 @@
 #include "firmware/daemon/stick_words.hpp"
 #include "firmware/print/status/state_lights.hpp"
 #include "firmware/settings/support_choice.hpp"
+#include "slicer/support_building.hpp"
 
 namespace plumbline {
 namespace {
@@ -281,6 +282,7 @@ Status PrinterDaemon::print_scan() {
     const auto supports = SupportChoice{job.supports, {}}.over(profile->supports_enable, profile->supports);
     PLUMBLINE_TRY(supports);
     request.supports = *supports;
+    if (*supports) placement.room = support_room(**supports);
     // Checks that don't depend on the height run before slicing, which may take minutes.
     PLUMBLINE_TRY(plan_print(*profile, settings_.machine, static_cast<double>(placement.layer_height_mm), 1));
     const auto sliced = slicing_.run(*mount, *scan, request);

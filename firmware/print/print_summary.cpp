@@ -82,7 +82,7 @@ void add_print(Text& text, const PrintOutcome& outcome) {
            duration_text(report.estimated).c_str());
   if (report.pauses > 0) text.add(", paused %u time%s", report.pauses, report.pauses == 1 ? "" : "s");
   text.add("\n");
-  if (!outcome.session.supports().empty()) text.add("supports   %zu\n", outcome.session.supports().list.size());
+  if (!outcome.session.supports().empty()) text.add("supports   %u\n", outcome.session.supports().tips());
   text.add("resin      %.1f ml", report.resin_ml);
   const double cost = resin_cost(outcome.profile, report.resin_ml);
   if (cost > 0) text.add(", cost %.2f", cost);
@@ -173,7 +173,7 @@ void write_print_report(JsonWriter& json, const PrintOutcome& outcome) {
   json.member("first_layer", report.first_layer);
   json.member("next_layer", report.next_layer);
   json.member("layer_height_mm", facts.plan.layer_height.millimetres());
-  json.member("supports", std::uint64_t{outcome.session.supports().list.size()});
+  json.member("supports", std::uint64_t{outcome.session.supports().tips()});
   json.member("resin_ml", thousandths(report.resin_ml));
   json.member("resin_needed_ml", thousandths(static_cast<double>(facts.cured_pixels) * outcome.session.pixel_ml()));
   json.member("cost", thousandths(resin_cost(outcome.profile, report.resin_ml)));
