@@ -15,9 +15,10 @@ struct Stand {
   std::uint32_t lifted = 0;  ///< empty layers put below
 };
 
-/// An underside is flat if a section at most kMostSunk_mm and 1 / kSunkShare of the height above the lowest point has at least
-/// 1 / kFlatShare of the largest section's area. So a ball is not flat, whatever its size: it has 9.8 % there. An object with a flat underside sinks to the first such layer and stands on the plate. Any other is lifted by
-/// object_elevation and the raft: its lowest layers would hold on the plate with a tip's area, and be torn off.
+/// An underside is flat if a section at most kMostSunk_mm and 1 / kSunkShare of the height above the lowest point has at
+/// least 1 / kFlatShare of the largest section's area. So a ball is not flat, whatever its size: it has 9.8 % there. An object
+/// with a flat underside sinks to the first such layer and stands on the plate. Any other is lifted by object_elevation and the
+/// raft: its lowest layers would hold on the plate with a tip's area, and be torn off.
 inline constexpr double kMostSunk_mm = 0.3;
 inline constexpr double kSunkShare = 40;
 inline constexpr std::uint64_t kFlatShare = 10;

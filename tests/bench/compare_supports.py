@@ -127,7 +127,9 @@ def prusa_masks(mesh, work, pitch, panel, *options):
 
 def prusa_supports(mesh, work, pitch, panel):
     thing = prusa_masks(mesh, work, pitch, panel, "--supports-enable=0", "--pad-enable=0")
-    masks = prusa_masks(mesh, work, pitch, panel, "--supports-enable=1", "--pad-enable=1")
+    # Its lift is the elevation (5 mm) and the pad (2 mm). In whole layers, both stacks have the object's same sections.
+    elevation = round(7 / pitch) * pitch - 2
+    masks = prusa_masks(mesh, work, pitch, panel, "--supports-enable=1", "--pad-enable=1", "--support-object-elevation", elevation)
     aligned = np.zeros_like(masks)
     aligned[len(masks) - len(thing) :] = thing
     return aligned, masks
@@ -168,7 +170,8 @@ def main():
                 if chosen.keep:
                     chosen.keep.mkdir(parents=True, exist_ok=True)
                     name = f"{mesh.stem}_{turn[0]}_{turn[1]}.npz"
-                    np.savez_compressed(chosen.keep / name, ours_object=ours[0], ours=ours[1], theirs_object=theirs[0], theirs=theirs[1])
+                    np.savez_compressed(chosen.keep / name, ours_object=ours[0], ours=ours[1], theirs_object=theirs[0],
+                                        theirs=theirs[1])  # fmt: skip
 
 
 if __name__ == "__main__":
