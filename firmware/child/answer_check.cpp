@@ -47,12 +47,14 @@ bool is_rrep(const RRep& rrep) {
   return true;
 }
 
-bool are_supports(std::span<const Support> supports, const PrintGrid& grid) {
+bool are_supports(std::span<const Strut> supports, const PrintGrid& grid) {
   std::uint16_t first = 0;
-  for (const Support& support : supports) {
-    const bool on_the_grid = support.column < grid.columns && support.row < grid.rows && support.end <= grid.layers;
-    if (!on_the_grid || support.first < first || support.tip < support.first || support.end < support.tip) return false;
-    first = support.first;
+  for (const Strut& strut : supports) {
+    const bool on_the_grid = std::max(strut.column0, strut.column1) < grid.columns &&
+                             std::max(strut.row0, strut.row1) < grid.rows && strut.end <= grid.layers;
+    if (!on_the_grid || strut.first < first || strut.end < strut.first) return false;
+    if (static_cast<std::uint32_t>(strut.kind) >= kStrutKinds || strut.lies > 1) return false;
+    first = strut.first;
   }
   return true;
 }
@@ -116,9 +118,8 @@ Expected<CheckedAnswer> check_answer(const ScanAnswer& answer, const ScanRequest
   if (!is_rrep(sliced.rrep)) return wrong("crossings");
 
   if (answer.supports > 0) {
-    if (!request.supports || answer.supports > most_supports(grid)) return wrong("number of supports");
-    sliced.supports = {.list = part_of<Support>(*result, answer.supports_at, answer.supports),
-                       .shape = SupportShape(*request.supports, grid)};
+    if (!request.supports || answer.supports > most_struts(grid)) return wrong("number of supports");
+    sliced.supports = {.list = part_of<Strut>(*result, answer.supports_at, answer.supports), .pitch = PixelPitch(grid)};
     if (sliced.supports.list.size() != answer.supports) return wrong("place of the supports");
     if (!are_supports(sliced.supports.list, grid)) return wrong("supports");
   }

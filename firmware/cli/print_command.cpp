@@ -14,6 +14,7 @@
 #include "firmware/print/status/print_lines.hpp"
 #include "firmware/slice/issue_report.hpp"
 #include "firmware/slice/job_report.hpp"
+#include "slicer/support_building.hpp"
 
 namespace plumbline {
 namespace {
@@ -93,6 +94,7 @@ Status make_ready(const PrintOptions& options, const JobSetup& setup, const Prin
   PLUMBLINE_TRY(scan);
   SliceSettings settings;
   settings.placement = setup.placement;
+  if (*supports) settings.placement.room = support_room(**supports);
   settings.base = setup.base;
   settings.keep_all = setup.keep_all;
   settings.floor = setup.floor;

@@ -241,7 +241,9 @@ void add_support_options(CLI::App& app, SupportChoice& choice, const char* defau
     std::snprintf(range, sizeof range, ", %g to %g %s [%g]", field.low, field.high, field.unit.data(),
                   SupportSettings().*field.member);
     app.add_option(name, choice.values[i], std::string(field.help) + range)
-        ->type_name(field.unit == "deg" ? "DEG" : "MM")
+        ->type_name(field.unit == "deg"   ? "DEG"
+                    : field.unit == "mm2" ? "MM2"
+                                          : "MM")
         ->check(finite_range(field.low, field.high))
         ->group(kSupportsGroup);
   }

@@ -11,6 +11,7 @@
 #include "firmware/slice/job_summary.hpp"
 #include "firmware/slice/manifest.hpp"
 #include "firmware/slice/slice_job.hpp"
+#include "slicer/support_building.hpp"
 
 namespace plumbline {
 namespace {
@@ -87,6 +88,7 @@ ExitCode run_slice(const SliceOptions& options, std::span<std::byte> arena_block
   settings.preview = options.preview;
   settings.supports = *options.supports.over(true, {});  // checked when the arguments were parsed
   settings.checks = options.checks.over(checks_of(setup->board));
+  if (settings.supports) settings.slice.placement.room = support_room(*settings.supports);
   catch_interrupts();
   Arena arena(arena_block.first(setup->arena_bytes));
   auto job = SliceJob::prepare(settings, arena);

@@ -7,6 +7,7 @@
 #include "firmware/print/status/state_lights.hpp"
 #include "firmware/settings/support_choice.hpp"
 #include "firmware/slice/issue_report.hpp"
+#include "slicer/support_building.hpp"
 
 namespace plumbline {
 namespace {
@@ -350,9 +351,9 @@ Expected<PrintProfile> PrinterDaemon::profile_of(const std::string& name) const 
 Expected<bool> PrinterDaemon::accept_issues(const StackFindings& findings, const PrintGrid& grid,
                                             const CheckPolicy& policy) {
   for_each_issue(findings, grid, policy,
-                 [&](IssueKind, CheckAction action, std::string_view sentence) {
+                 [&](IssueKind, CheckAction, std::string_view sentence) {
                    observer_.say(sentence);
-                   record_.add_finding(action == CheckAction::kIgnore ? Severity::kNote : Severity::kWarning, sentence);
+                   record_.add_finding(Severity::kWarning, sentence);
                  });
   const CheckAction action = verdict(findings, policy);
   if (action == CheckAction::kRefuse) {
@@ -420,6 +421,7 @@ Status PrinterDaemon::print_scan() {
     const auto supports = SupportChoice{job.supports, {}}.over(profile->supports_enable, profile->supports);
     PLUMBLINE_TRY(supports);
     request.supports = *supports;
+    if (*supports) placement.room = support_room(**supports);
     // Checks that don't depend on the height run before slicing, which may take minutes.
     PLUMBLINE_TRY(plan_print(*profile, settings_.machine, static_cast<double>(placement.layer_height_mm), 1));
     const auto sliced = slicing_.run(*mount, *scan, request);

@@ -23,12 +23,13 @@ Extent find_extent(const RRep& rrep, std::span<std::uint64_t> words) {
 
 Extent with_supports(Extent extent, const Supports& supports, const PrintGrid& grid) {
   const auto hold = [&](std::uint32_t row, std::uint32_t begin, std::uint32_t end) { extent.hold(row, begin, end); };
-  for (const Support& support : supports.list) {
-    extent.layer = std::min<std::uint32_t>(extent.layer, support.first);
-    extent.layer_end = std::max<std::uint32_t>(extent.layer_end, support.end);
-    // A support is widest at the plate or in the middle.
-    for (const std::uint32_t layer : {std::uint32_t{support.first}, (std::uint32_t{support.first} + support.tip) / 2}) {
-      for_each_span(supports, support, layer, grid, hold);
+  for (const Strut& strut : supports.list) {
+    if (strut.first == strut.end) continue;
+    extent.layer = std::min<std::uint32_t>(extent.layer, strut.first);
+    extent.layer_end = std::max<std::uint32_t>(extent.layer_end, strut.end);
+    // A strut reaches farthest at one of its ends.
+    for (const std::uint32_t layer : {std::uint32_t{strut.first}, std::uint32_t{strut.end} - 1}) {
+      for_each_span(supports, strut, layer, grid, hold);
     }
   }
   return extent;

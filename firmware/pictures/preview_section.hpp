@@ -38,12 +38,11 @@ class Section {
   BitImage image_;
 };
 
-/// Calls visit(row, begin, end) for the pixels of a support in a layer.
+/// Calls visit(row, begin, end) for the pixels of a strut in a layer.
 template <class Visit>
-void for_each_span(const Supports& supports, const Support& support, std::uint32_t layer, const PrintGrid& grid,
+void for_each_span(const Supports& supports, const Strut& strut, std::uint32_t layer, const PrintGrid& grid,
                    Visit visit) {
-  for_each_disc_span(supports.shape.pitch(), support.column, support.row, supports.shape.radius(support, layer),
-                     grid.columns, grid.rows, visit);
+  for_each_strut_span(supports.pitch, strut, layer, grid.columns, grid.rows, visit);
 }
 
 }  // namespace plumbline::preview

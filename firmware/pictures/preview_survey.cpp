@@ -118,9 +118,9 @@ class Surveyor {
       nearest[place] = distance;
       materials[place] = to_byte(Material::kSupport);
     };
-    for (const Support& support : supports_.list) {
-      if (!support.is_in(layer)) continue;
-      for_each_span(supports_, support, layer, rrep_.grid,
+    for (const Strut& strut : supports_.list) {
+      if (!strut.is_in(layer)) continue;
+      for_each_span(supports_, strut, layer, rrep_.grid,
                     [&](std::uint32_t row, std::uint32_t begin, std::uint32_t end) {
                       if (!along_rows) return see(row, begin);
                       for (std::uint32_t column = begin; column < end; ++column) see(column, row);
@@ -131,13 +131,14 @@ class Surveyor {
   void see_supports_from_above() const {
     const std::uint32_t low_bits = (std::uint32_t{1} << shift_) - 1;
     std::fill(scratch_.materials.begin(), scratch_.materials.end(), to_byte(Material::kObject));
-    for (const Support& support : supports_.list) {
+    for (const Strut& strut : supports_.list) {
+      const bool is_upright = strut.column0 == strut.column1 && strut.row0 == strut.row1;
       Nanometres seen = -1;  // a disc no wider than one above it is hidden
-      for (std::uint32_t layer = support.end; layer-- > support.first;) {
-        const Nanometres radius = supports_.shape.radius(support, layer);
-        if (radius <= seen) continue;
+      for (std::uint32_t layer = strut.end; layer-- > strut.first;) {
+        const Nanometres radius = section_of(strut, layer).radius;
+        if (radius <= seen && (is_upright || strut.lies != 0)) continue;
         seen = radius;
-        for_each_span(supports_, support, layer, rrep_.grid,
+        for_each_span(supports_, strut, layer, rrep_.grid,
                       [&](std::uint32_t row, std::uint32_t begin, std::uint32_t end) {
                         if ((row & low_bits) != 0) return;
                         const std::size_t line = std::size_t{row >> shift_} * cells_;

@@ -83,7 +83,7 @@ void add_print(Text& text, const PrintOutcome& outcome) {
            duration_text(report.estimated).c_str());
   if (report.pauses > 0) text.add(", paused %u time%s", report.pauses, report.pauses == 1 ? "" : "s");
   text.add("\n");
-  if (!outcome.session.supports().empty()) text.add("supports   %zu\n", outcome.session.supports().list.size());
+  if (!outcome.session.supports().empty()) text.add("supports   %u\n", outcome.session.supports().tips());
   text.add("resin      %.1f ml", report.resin_ml);
   const double cost = resin_cost(outcome.profile, report.resin_ml);
   if (cost > 0) text.add(", cost %.2f", cost);
@@ -223,7 +223,7 @@ void write_print_report(JsonWriter& json, const PrintOutcome& outcome) {
   json.member("first_layer", report.first_layer);
   json.member("next_layer", report.next_layer);
   json.member("layer_height_mm", facts.plan.layer_height.millimetres());
-  json.member("supports", std::uint64_t{outcome.session.supports().list.size()});
+  json.member("supports", std::uint64_t{outcome.session.supports().tips()});
   if (const auto& findings = outcome.session.findings()) {
     write_issues(json, *findings, outcome.session.grid(), outcome.profile.checks);
   } else {

@@ -4,6 +4,7 @@
 #include "firmware/slice/issue_report.hpp"
 #include "slicer/checks/stack_checker.hpp"
 #include "slicer/core/stage_scope.hpp"
+#include "slicer/support_building.hpp"
 #include "slicer/supports/mask_stream.hpp"
 
 namespace plumbline {
@@ -44,8 +45,8 @@ Expected<SlicedScan> slice_for_print(ScanSources scan, const SliceSettings& sett
   sliced.rrep = *rrep;
   sliced.scan_hash = hashing.hash();
   if (supports) {
-    const StageScope stage(Stage::kSupports, arena, progress, report.peak_bytes);
-    const auto found = find_supports(sliced.rrep, *supports, arena, progress, sliced.support_counts);
+    const auto found =
+        add_supports(sliced.rrep, *supports, settings.placement, arena, progress, report, sliced.support_counts);
     PLUMBLINE_TRY(found);
     sliced.supports = *found;
   }

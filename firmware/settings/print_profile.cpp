@@ -42,7 +42,10 @@ std::vector<SettingRule> rules_for(PrintProfile& p) {
   };
   for (const SupportField& field : kSupportFields) {
     rules.push_back({"supports", field.key, &(p.supports.*field.member), field.low, field.high,
-                     field.unit == "deg" ? " degrees" : " mm", kOptional});
+                     field.unit == "deg"   ? " degrees"
+                     : field.unit == "mm2" ? " mm2"
+                                           : " mm",
+                     kOptional});
   }
   for (std::size_t i = 0; i < kIssueKindCount; ++i) {
     rules.push_back(
@@ -66,6 +69,10 @@ Expected<PrintProfile> parse_print_profile(std::string_view text, std::string_vi
     }
     if (rule.key == "support_pillar_diameter" && supports.pillar_diameter > supports.base_diameter) {
       return "allowed is at most support_base_diameter";
+    }
+    if (rule.key == "pad_wall_thickness" &&
+        supports.pad_wall_thickness > supports.base_diameter / 2 + supports.pad_brim_size) {
+      return "allowed is at most support_base_diameter / 2 + pad_brim_size";
     }
     return {};
   };

@@ -126,6 +126,13 @@ void add_supports(Text& text, const JobReport& report) {
   const SupportCounts& s = report.supports;
   text.add("supports   %u below islands, %u below overhangs; %u on the plate, %u on the object, %u on other supports\n",
            s.islands, s.overhangs, s.on_plate, s.on_object, s.on_supports);
+  if (s.all() == 0) return;
+  text.add(
+      "           tips: %u light, %u medium, %u heavy; one carries at most %.1f mm2; %u braces, pillars free over %.1f "
+      "mm "
+      "at most\n",
+      s.light, s.medium, s.heavy, s.largest_load_mm2, s.braces, s.longest_free_mm);
+  if (s.close > 0) text.add("           %u of them are closer to the object's walls than asked\n", s.close);
 }
 
 void add_stage(Text& text, std::string_view name, double seconds, std::size_t peak, std::size_t planned) {

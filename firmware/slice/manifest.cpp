@@ -180,6 +180,17 @@ void write_supports(JsonWriter& json, const JobReport& report) {
   json.member("on_plate", s.on_plate);
   json.member("on_object", s.on_object);
   json.member("on_supports", s.on_supports);
+  json.member("light", s.light);
+  json.member("medium", s.medium);
+  json.member("heavy", s.heavy);
+  json.member("close_to_walls", s.close);
+  json.member("braces", s.braces);
+  json.member("helper_pillars", s.helpers);
+  json.member("unbraced_pillars", s.unbraced);
+  json.member("longest_free_mm", s.longest_free_mm);
+  json.member("largest_load_mm2", s.largest_load_mm2);
+  json.member("lifted_layers", s.lifted);
+  json.member("sunk_layers", s.sunk);
   json.member("volume_mm3", report.support_volume_mm3());
   json.key("settings");
   json.begin_object();

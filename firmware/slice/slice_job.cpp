@@ -14,8 +14,8 @@
 #include "firmware/slice/manifest.hpp"
 #include "slicer/checks/stack_checker.hpp"
 #include "slicer/core/stage_scope.hpp"
+#include "slicer/support_building.hpp"
 #include "slicer/supports/mask_stream.hpp"
-#include "slicer/supports/support_finder.hpp"
 
 namespace plumbline {
 Expected<SliceJob> SliceJob::prepare(const SliceJobSettings& settings, Arena& arena) {
@@ -56,7 +56,7 @@ Status SliceJob::run(JobProgress& progress) {
 }
 
 Status SliceJob::work(JobProgress& progress) {
-  const auto rrep = slice(scan_.sources(), settings_.slice, *arena_, &progress, report_.slice);
+  auto rrep = slice(scan_.sources(), settings_.slice, *arena_, &progress, report_.slice);
   PLUMBLINE_TRY(rrep);
   if (!masks_) {
     auto masks = PngEncoder::for_masks(rrep->grid.columns, rrep->grid.rows);
@@ -64,7 +64,7 @@ Status SliceJob::work(JobProgress& progress) {
     masks_ = std::move(*masks);
   }
   PLUMBLINE_TRY(directory_.begin());
-  const auto supports = add_supports(*rrep, progress);
+  const auto supports = find_supports(*rrep, progress);
   PLUMBLINE_TRY(supports);
   arena_->reset_peak();
   auto hashes = arena_->take_bottom<std::uint64_t>(rrep->grid.layers, "layers");
@@ -87,11 +87,11 @@ Status SliceJob::work(JobProgress& progress) {
   return write_manifest_file(*hashes);
 }
 
-Expected<Supports> SliceJob::add_supports(const RRep& rrep, JobProgress& progress) {
+Expected<Supports> SliceJob::find_supports(RRep& rrep, JobProgress& progress) {
   if (!settings_.supports) return Supports{};
-  const StageScope stage(Stage::kSupports, *arena_, &progress, report_.slice.peak_bytes);
   report_.support_settings = settings_.supports;
-  return find_supports(rrep, *settings_.supports, *arena_, &progress, report_.supports);
+  return add_supports(rrep, *settings_.supports, settings_.slice.placement, *arena_, &progress, report_.slice,
+                      report_.supports);
 }
 
 Status SliceJob::write_layers(const RRep& rrep, const Supports& supports, std::span<std::uint64_t> hashes,

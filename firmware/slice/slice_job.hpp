@@ -50,7 +50,7 @@ class SliceJob {
       : settings_(settings), arena_(&arena), scan_(std::move(scan)), directory_(std::move(directory)) {}
 
   [[nodiscard]] Status work(JobProgress& progress);
-  [[nodiscard]] Expected<Supports> add_supports(const RRep& rrep, JobProgress& progress);
+  [[nodiscard]] Expected<Supports> find_supports(RRep& rrep, JobProgress& progress);
   [[nodiscard]] Status write_layers(const RRep& rrep, const Supports& supports, std::span<std::uint64_t> hashes,
                                     JobProgress& progress);
   [[nodiscard]] Status write_preview(const RRep& rrep, const Supports& supports);

@@ -123,4 +123,14 @@ Expected<EmptyLayers> trim_empty_layers(RRep& rrep, Arena& arena, std::optional<
   return *empty;
 }
 
+Status raise_object(RRep& rrep, std::uint32_t layers, Arena& arena) {
+  const auto first = arena.take_bottom<std::uint32_t>(rrep.first.size() + layers, "R-Rep");
+  PLUMBLINE_TRY(first);
+  std::fill(first->begin(), first->begin() + layers, 0U);
+  std::copy(rrep.first.begin(), rrep.first.end(), first->begin() + layers);
+  rrep.first = *first;
+  rrep.grid.layers += layers;
+  return {};
+}
+
 }  // namespace plumbline

@@ -33,4 +33,9 @@ struct RRepToggle {
 /// @retval ErrorCode::kOutOfMemory  no room for two images and the crossings below; rrep is unchanged
 [[nodiscard]] Expected<EmptyLayers> trim_empty_layers(RRep& rrep, Arena& arena, std::optional<EmptyLayers> known = {});
 
+/// Puts `layers` empty layers below the object. Takes a new RRep::first from the bottom of the arena; the crossings stay.
+/// @param layers  at most PrintGrid::kMaxLayers with those of `rrep`
+/// @retval ErrorCode::kOutOfMemory  rrep is unchanged
+[[nodiscard]] Status raise_object(RRep& rrep, std::uint32_t layers, Arena& arena);
+
 }  // namespace plumbline

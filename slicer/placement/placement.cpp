@@ -132,9 +132,13 @@ Expected<Placement> place(const Box3d& bounds, double unit_mm, const PlacementSe
         static_cast<double>(v.columns - 2) * static_cast<double>(v.pitch_x_mm),
         static_cast<double>(v.rows - 2) * static_cast<double>(v.pitch_y_mm),
         std::min(std::floor(static_cast<double>(v.travel_mm) / lh + kWholeLayer), double{PrintGrid::kMaxLayers}) * lh);
+    // On a panel too small for that room, the object has half of the panel.
+    const PlacementRoom& kept = settings.room;
+    const Vec3d free =
+        settings.fit ? (room - Vec3d(2 * kept.beside_mm, 2 * kept.beside_mm, kept.below_mm)).cwiseMax(room / 2) : room;
     double largest = 1e30;
     for (int a = 0; a < 3; ++a) {
-      if (extent[a] > 0) largest = std::min(largest, room[a] / extent[a]);
+      if (extent[a] > 0) largest = std::min(largest, free[a] / extent[a]);
     }
     if (settings.fit) {
       factor = largest * kClear;
@@ -172,12 +176,13 @@ Expected<Placement> place(const Box3d& bounds, double unit_mm, const PlacementSe
   const Vec3d reach = bounds.high * p.scale - low;
   p.grid.pitch_x_mm = p.grid.pitch_y_mm = settings.pixel_pitch_mm;
   // Rows of whole bytes, as printers' panels have: the PNG encoder can then use a mask unchanged.
-  p.grid.columns = (cells(reach[0], pitch) + 2 * kMargin + 7) / 8 * 8;
-  p.grid.rows = cells(reach[1], pitch) + 2 * kMargin;
+  const std::uint32_t margin = kMargin + static_cast<std::uint32_t>(std::ceil(settings.room.beside_mm / pitch));
+  p.grid.columns = (cells(reach[0], pitch) + 2 * margin + 7) / 8 * 8;
+  p.grid.rows = cells(reach[1], pitch) + 2 * margin;
   p.grid.layers = cells(reach[2], settings.layer_height_mm);
   if (p.grid.columns > PrintGrid::kMaxSide || p.grid.rows > PrintGrid::kMaxSide ||
       p.grid.layers > PrintGrid::kMaxLayers) {
-    const double most = std::min({(PrintGrid::kMaxSide - 2.0 * kMargin) * pitch / std::max(extent[0], extent[1]),
+    const double most = std::min({(PrintGrid::kMaxSide - 2.0 * margin) * pitch / std::max(extent[0], extent[1]),
                                   PrintGrid::kMaxLayers * static_cast<double>(settings.layer_height_mm) / extent[2]});
     return fail(ErrorCode::kDoesNotFit,
                 "the object is %.5g x %.5g x %.5g mm, which is %u x %u pixels of %.4g mm and %u layers of %.4g mm; the "
@@ -187,7 +192,7 @@ Expected<Placement> place(const Box3d& bounds, double unit_mm, const PlacementSe
                 static_cast<double>(settings.layer_height_mm), PrintGrid::kMaxSide, PrintGrid::kMaxSide,
                 PrintGrid::kMaxLayers, rounded_down(most * kClear));
   }
-  p.shift = Vec3d(kMargin * pitch, kMargin * pitch, 0) - low;
+  p.shift = Vec3d(margin * pitch, margin * pitch, 0) - low;
   return p;
 }
 

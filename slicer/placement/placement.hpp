@@ -45,6 +45,11 @@ struct PrinterVolume {
   float travel_mm = 0;  ///< of the Z stage
 };
 
+/// Room round the object that is kept for supports, mm.
+struct PlacementRoom {
+  double beside_mm = 0, below_mm = 0;
+};
+
 struct PlacementSettings {
   Units units = Units::kMillimetres;
   double scale = 1;                        ///< of the printed object to the scanned one
@@ -53,6 +58,7 @@ struct PlacementSettings {
   Vec3d rotation_degrees = Vec3d::Zero();  ///< about x, then y, then z, right-handed
   float pixel_pitch_mm = 0.05F;            ///< without a printer
   float layer_height_mm = 0.05F;
+  PlacementRoom room;                    ///< kept by `fit`, and in a grid of the object's own
   std::optional<PrinterVolume> printer;  ///< none: the grid is as large as the object
 };
 

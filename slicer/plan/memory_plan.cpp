@@ -103,9 +103,9 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
     set(Stage::kRRep,
         map + std::max(store + std::max({store, sorted, components_bytes(*grid, yield.rays, yield.crossings)}),
                        sorted + layer_features_bytes(*grid)));
-    const std::uint32_t supports = most_supports(*grid);
+    const std::uint32_t struts = most_struts(*grid);
     set(Stage::kSupports, map + sorted + find_supports_bytes(*grid));
-    set(Stage::kLayers, map + sorted + supports * sizeof(Support) + MaskStream::bytes_needed(*grid, supports) +
+    set(Stage::kLayers, map + sorted + struts * sizeof(Strut) + MaskStream::bytes_needed(*grid, struts) +
                             StackChecker::bytes_needed(*grid));
   }
   const std::size_t flat_tree = KdTree2::kBytesPerPoint * std::size_t{ray_points};

@@ -92,6 +92,17 @@ void ConfidenceMap::add(std::uint32_t column, std::uint32_t row, std::uint32_t l
 
 void ConfidenceMap::add_point(const Vec3f& p) { cells_[index(cell_of(p))] |= bit_of(Evidence::kMeasured); }
 
+Status ConfidenceMap::raise(std::uint32_t layers, Arena& arena) {
+  if (empty()) return {};
+  const auto raised = arena.take_bottom<Counts>(layers_.size() + layers, kStage);
+  PLUMBLINE_TRY(raised);
+  std::fill(raised->begin(), raised->begin() + layers, Counts{});
+  std::copy(layers_.begin(), layers_.end(), raised->begin() + layers);
+  layers_ = *raised;
+  low_[2] += static_cast<float>(layers) * grid_.layer_height_mm;
+  return {};
+}
+
 void ConfidenceMap::trim(std::uint32_t below, std::uint32_t above) {
   if (empty()) return;
   layers_ = layers_.subspan(below, layers_.size() - below - above);

@@ -57,6 +57,9 @@ class ConfidenceMap {
   void add(std::uint32_t column, std::uint32_t row, std::uint32_t layer, Evidence evidence);
   /// Adds a point of the scan, mm. Not thread-safe.
   void add_point(const Vec3f& p);
+  /// Puts layers without crossings below; a longer list of layers is taken from the bottom of the arena.
+  /// @retval ErrorCode::kOutOfMemory  the map is unchanged
+  [[nodiscard]] Status raise(std::uint32_t layers, Arena& arena);
   /// Removes layers at both ends. At least one must be left.
   void trim(std::uint32_t below, std::uint32_t above);
 

@@ -11,10 +11,6 @@ namespace {
 constexpr std::uint64_t kSteps = 12;
 constexpr std::uint64_t kStepsToCorners = 5;
 
-/// Largest support_max_bridge_length, mm: bounds the memory for the disc.
-constexpr double kLongestBridge = 30;
-static_assert(kSupportFields.back().key == "support_max_bridge_length" && kSupportFields.back().high == kLongestBridge);
-
 Nanometres ceil_divide(Nanometres a, Nanometres b) { return (a + b - 1) / b; }
 
 }  // namespace
@@ -24,8 +20,8 @@ Expected<HeldArea> HeldArea::create(const PrintGrid& grid, const SupportSettings
   HeldArea area;
   area.window_ = window;
   area.pitch_ = PixelPitch(grid);
-  area.reach_ = nanometres(settings.max_bridge_length / 2);
-  const SineCosine angle = sine_cosine(settings.critical_angle);
+  area.reach_ = nanometres(settings.overhang_span / 2);
+  const SineCosine angle = sine_cosine(settings.overhang_angle);
   area.growth_ =
       std::max<Nanometres>(1, nanometres(static_cast<double>(grid.layer_height_mm) * angle.cosine / angle.sine));
   area.settle_layers_ = static_cast<std::uint32_t>(ceil_divide(area.reach_, area.growth_));
@@ -43,7 +39,7 @@ Expected<HeldArea> HeldArea::create(const PrintGrid& grid, const SupportSettings
 
 std::size_t HeldArea::bytes_needed(const PrintGrid& grid) {
   return 3 * Arena::rounded(BitImage::words_needed(grid.columns, grid.rows) * sizeof(std::uint64_t)) +
-         Disc::bytes_needed(PixelPitch(grid), nanometres(kLongestBridge / 2));
+         Disc::bytes_needed(PixelPitch(grid), nanometres(kLongestSpan / 2));
 }
 
 void HeldArea::begin(ConstBitImage mask) {
@@ -124,6 +120,10 @@ void HeldArea::add_disc(std::uint32_t column, std::uint32_t row, Nanometres radi
                          held_.row(r)[w] |= mask.row(r)[w] & bits;
                        });
                      });
+}
+
+std::uint64_t HeldArea::unheld(std::uint32_t row, std::uint32_t word, std::uint64_t pixels) const {
+  return pixels & ~held_.row(row)[word];
 }
 
 void HeldArea::drop_what_is_near(BitImage fresh) const {

@@ -16,7 +16,7 @@ namespace plumbline {
 /// The held pixels of a layer, made from those of the layer below.
 ///
 /// A pixel of the object is held if it lies
-///   - above a held pixel, or within g = layer_height / tan(critical_angle) of one that continues;
+///   - above a held pixel, or within g = layer_height / tan(overhang_angle) of one that continues;
 ///   - in a tip's disc;
 ///   - where the object has been for reach() / g layers.
 /// New pixels farther than reach() from all held ones need a support.
@@ -42,6 +42,9 @@ class HeldArea {
 
   /// Clears the pixels of `fresh` that are within reach() of a held one.
   void drop_what_is_near(BitImage fresh) const;
+
+  /// Of `pixels` in a word of a row, those that are not held.
+  std::uint64_t unheld(std::uint32_t row, std::uint32_t word, std::uint64_t pixels) const;
 
   Nanometres reach() const { return reach_; }  ///< half of the longest bridge
 

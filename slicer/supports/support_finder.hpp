@@ -1,5 +1,5 @@
 #pragma once
-/// Finds where supports are needed, from the masks alone (thesis I).
+/// Finds the supports of a print, from its masks alone (thesis I).
 
 #include <cstddef>
 #include <cstdint>
@@ -13,39 +13,44 @@
 
 namespace plumbline {
 
-/// Number of supports, by their purpose and by where they end.
+/// Number of supports, one for each tip, by their purpose, by where their load goes and by its size; and what else was found.
 struct SupportCounts {
   std::uint32_t islands = 0;    ///< tips below islands
   std::uint32_t overhangs = 0;  ///< tips below overhangs
   std::uint32_t on_plate = 0;
   std::uint32_t on_object = 0;
-  std::uint32_t on_supports = 0;  ///< branches of another support
+  std::uint32_t on_supports = 0;  ///< hang on another support's pillar
+  std::uint32_t light = 0, medium = 0, heavy = 0;
+  std::uint32_t close = 0;  ///< nearer to the object's walls than support_base_safety_distance
+  std::uint32_t braces = 0;
+  std::uint32_t helpers = 0;    ///< pillars that carry nothing but brace another
+  std::uint32_t unbraced = 0;   ///< pillars with more than 10 mm between braces
+  std::uint32_t lifted = 0;     ///< layers by which the object was lifted
+  std::uint32_t sunk = 0;       ///< layers that were cut off below it
+  double longest_free_mm = 0;   ///< longest stretch of a pillar without a brace
+  double largest_load_mm2 = 0;  ///< of overhang, on one tip
 
   std::uint32_t all() const { return on_plate + on_object + on_supports; }
 };
 
-/// Sweeps the object's masks once, from the plate up, and puts supports
-///   - below every island: a region of a mask that has no pixel above the layer below or above the head of a support;
-///   - below overhangs: new pixels of a layer farther than max_bridge_length / 2 from all *held* pixels.
-/// Held are layer 0, the discs of tips, pixels within layer_height / tan(critical_angle) of held pixels a layer below, and
-/// pixels that have been there for as many layers as that growth would have needed (HeldArea). So a slope steeper than the
-/// critical angle needs no support, a flatter one gets them where it has fallen behind, and bridges up to max_bridge_length
-/// are free.
-///
-/// A support goes straight down from its tip and ends on another support, on the object or on the plate.
-/// @param settings  accepted by check_support_settings()
-/// @param arena     keeps the list at the bottom; find_supports_bytes() are needed while this runs
-/// @param progress  may be null
-/// @param counts    overwritten
-/// @retval ErrorCode::kOutOfMemory  the arena is full, or more than most_supports() are needed
+/// Chooses how the object stands (stand.hpp), finds what must be held (tips.hpp), leads it to the plate (routing.hpp), braces
+/// the pillars (bracing.hpp) and puts a raft below a lifted object (raft.hpp).
+/// @param rrep         the newest block at the bottom of the arena; changed if the object sinks or is lifted
+/// @param settings     accepted by check_support_settings()
+/// @param most_layers  that the printer can print
+/// @param arena        keeps the list at the bottom; find_supports_bytes() are needed while this runs
+/// @param progress     may be null
+/// @param counts       overwritten
+/// @retval ErrorCode::kDoesNotFit   the lifted object is too high
+/// @retval ErrorCode::kOutOfMemory  the arena is full, or more than most_tips() are needed
 /// @retval ErrorCode::kCancelled    `progress` asked to stop
-[[nodiscard]] Expected<Supports> find_supports(const RRep& rrep, const SupportSettings& settings, Arena& arena,
-                                               ProgressSink* progress, SupportCounts& counts);
+[[nodiscard]] Expected<Supports> find_supports(RRep& rrep, const SupportSettings& settings, std::uint32_t most_layers,
+                                               Arena& arena, ProgressSink* progress, SupportCounts& counts);
 
 /// Peak bytes of arena of find_supports(), its list included, for any object and settings.
 std::size_t find_supports_bytes(const PrintGrid& grid);
 
-/// Largest number of supports.
-std::uint32_t most_supports(const PrintGrid& grid);
+/// Largest number of struts.
+std::uint32_t most_struts(const PrintGrid& grid);
 
 }  // namespace plumbline

@@ -6,7 +6,7 @@
 namespace plumbline {
 
 Expected<SupportPainter> SupportPainter::create(const Supports& supports, Arena& arena) {
-  auto active = arena.take_bottom<std::uint16_t>(supports.list.size(), "layer stream");
+  auto active = arena.take_bottom<std::uint32_t>(supports.list.size(), "layer stream");
   PLUMBLINE_TRY(active);
   SupportPainter painter;
   painter.supports_ = &supports;
@@ -22,29 +22,27 @@ void SupportPainter::go_to(std::uint32_t layer) {
   }
   const auto active = active_.first(active_count_);
   const auto ended =
-      std::remove_if(active.begin(), active.end(), [&](std::uint16_t i) { return list[i].end <= layer; });
+      std::remove_if(active.begin(), active.end(), [&](std::uint32_t i) { return list[i].end <= layer; });
   active_count_ = static_cast<std::size_t>(ended - active.begin());
   for (; next_ < list.size() && list[next_].first <= layer; ++next_) {
-    if (list[next_].is_in(layer)) active_[active_count_++] = static_cast<std::uint16_t>(next_);
+    if (list[next_].is_in(layer)) active_[active_count_++] = static_cast<std::uint32_t>(next_);
   }
   at_ = layer;
 }
 
 std::uint64_t SupportPainter::draw(std::uint32_t layer, BitImage image, BitImage touched) {
   if (at_ != layer) go_to(layer);
-  const SupportShape& shape = supports_->shape;
   std::uint64_t drawn = 0;
-  for (const std::uint16_t i : active_.first(active_count_)) {
-    const Support& support = supports_->list[i];
-    for_each_disc_span(shape.pitch(), support.column, support.row, shape.radius(support, layer), image.columns(),
-                       image.rows(), [&](std::uint32_t row, std::uint32_t begin, std::uint32_t end) {
-                         const auto line = image.row(row);
-                         for_each_word(begin, end, [&](std::uint32_t word, std::uint64_t bits) {
-                           drawn += static_cast<std::uint64_t>(std::popcount(bits & ~line[word]));
-                           line[word] |= bits;
-                           touched.set(word, row);
-                         });
-                       });
+  for (const std::uint32_t i : active_.first(active_count_)) {
+    for_each_strut_span(supports_->pitch, supports_->list[i], layer, image.columns(), image.rows(),
+                        [&](std::uint32_t row, std::uint32_t begin, std::uint32_t end) {
+                          const auto line = image.row(row);
+                          for_each_word(begin, end, [&](std::uint32_t word, std::uint64_t bits) {
+                            drawn += static_cast<std::uint64_t>(std::popcount(bits & ~line[word]));
+                            line[word] |= bits;
+                            touched.set(word, row);
+                          });
+                        });
   }
   return drawn;
 }

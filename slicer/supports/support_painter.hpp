@@ -11,19 +11,19 @@
 
 namespace plumbline {
 
-/// Tracks which supports are in a layer. Going to the next layer takes time for its supports only, going to any other
-/// layer a pass over the whole list.
+/// Tracks which struts are in a layer. Going to the next layer takes time for its struts only, going to any other layer a pass
+/// over the whole list.
 class SupportPainter {
  public:
   SupportPainter() = default;
-  /// Takes the list of supports in a layer from the bottom of the arena.
-  /// @param supports  at most 65535; must outlive the painter
+  /// Takes the list of struts in a layer from the bottom of the arena.
+  /// @param supports  must outlive the painter
   /// @retval ErrorCode::kOutOfMemory
   [[nodiscard]] static Expected<SupportPainter> create(const Supports& supports, Arena& arena);
 
-  static std::size_t bytes_needed(std::size_t supports) { return Arena::rounded(supports * sizeof(std::uint16_t)); }
+  static std::size_t bytes_needed(std::size_t struts) { return Arena::rounded(struts * sizeof(std::uint32_t)); }
 
-  /// Draws the supports of `layer` in white.
+  /// Draws the struts of `layer` in white.
   /// @param touched  one bit a word of `image`; set for every word that was drawn on, whether it changed or not
   /// @returns number of pixels that were black before
   std::uint64_t draw(std::uint32_t layer, BitImage image, BitImage touched);
@@ -32,9 +32,9 @@ class SupportPainter {
   void go_to(std::uint32_t layer);
 
   const Supports* supports_ = nullptr;
-  std::span<std::uint16_t> active_;  ///< indices of the supports in layer at_
+  std::span<std::uint32_t> active_;  ///< indices of the struts in layer at_
   std::size_t active_count_ = 0;
-  std::size_t next_ = 0;  ///< index of the first support that begins above at_
+  std::size_t next_ = 0;  ///< index of the first strut that begins above at_
   std::int64_t at_ = -1;
 };
 

@@ -21,6 +21,14 @@ Status check_support_settings(const SupportSettings& settings) {
                 "the plate",
                 settings.pillar_diameter, settings.base_diameter);
   }
+  if (settings.pad_wall_thickness > 0 &&
+      settings.pad_wall_thickness > settings.base_diameter / 2 + settings.pad_brim_size) {
+    return fail(
+        ErrorCode::kBadSetting,
+        "pad_wall_thickness is %g mm, more than half of support_base_diameter with pad_brim_size, %g mm: a raft's "
+        "edge narrows towards the plate",
+        settings.pad_wall_thickness, settings.base_diameter / 2 + settings.pad_brim_size);
+  }
   return {};
 }
 

@@ -8,25 +8,38 @@
 
 namespace plumbline {
 
-/// Names and defaults are those of PrusaSlicer's SLA settings where it has one. Lengths are mm, angles degrees.
+/// Lengths are mm, angles degrees. A name that PrusaSlicer has means what it means there, as do the defaults except those of the
+/// pad, which is thinner here and bevelled.
 ///
 ///        object
 ///     ___________
 ///         ||        head_penetration into the object
-///        /  \       head cone: head_front_diameter to pillar_diameter over head_width
+///        /  \       head: head_front_diameter to pillar_diameter over head_width, along the surface's normal
 ///        |  |       pillar
-///       /    \      base cone: pillar_diameter to base_diameter over base_height
+///       /    \      base: pillar_diameter to base_diameter over base_height
+///     \________/    raft: pad_wall_thickness high, its edge bevelled by pad_wall_slope
 ///     ----------- plate
 struct SupportSettings {
-  double head_front_diameter = 0.4;  ///< where a support meets the object
+  double head_front_diameter = 0.4;  ///< where a support of medium load meets the object
   double head_penetration = 0.2;     ///< how far the head reaches into the object; never through it
-  double head_width = 1;             ///< length of the head cone, along the support
+  double head_width = 1;             ///< length of the head
   double pillar_diameter = 1;
-  double base_diameter = 4;    ///< of the base on the plate; a support that ends on the object has a head there instead
-  double base_height = 1;      ///< of the base cone
-  double critical_angle = 45;  ///< from the horizontal; a steeper surface needs no supports
-  /// Between two held places; an overhang longer than half of it gets supports.
-  double max_bridge_length = 3;
+  double base_diameter = 4;  ///< of the base; a support that ends on the object has a head there instead
+  double base_height = 1;
+  double base_safety_distance = 1;       ///< of pillars and bases from the object
+  double critical_angle = 45;            ///< of bridges and braces, from the horizontal
+  double max_bridge_length = 15;         ///< of the bridge from a head to a pillar
+  double max_pillar_link_distance = 10;  ///< between pillars that are braced
+  double points_minimal_distance = 1;    ///< between tips that share the load of an overhang
+  double object_elevation = 5;           ///< of the object above the raft; 0: it stands on the plate
+  double pad_wall_thickness = 1;         ///< height of the raft; 0: none
+  double pad_wall_slope = 45;  ///< of its edge, from the horizontal: wider at the top, so that a scraper gets below
+  double pad_brim_size = 1.6;  ///< by which it is wider than the bases
+  double pad_max_merge_distance = 50;  ///< between bases that it joins
+  // What follows is ours.
+  double overhang_angle = 45;  ///< from the horizontal; a steeper surface carries itself
+  double overhang_span = 3;    ///< between two held places; an overhang longer than half of it gets supports
+  double area_per_tip = 7;     ///< mm2 of overhang that a tip carries at most
 };
 
 /// A setting, as in files, command lines and reports.
@@ -38,19 +51,42 @@ struct SupportField {
   std::string_view help;  ///< one line
 };
 
-inline constexpr std::array<SupportField, 8> kSupportFields = {{
+/// Largest support_overhang_span, mm: bounds the memory of the search.
+inline constexpr double kLongestSpan = 30;
+
+inline constexpr std::array<SupportField, 19> kSupportFields = {{
     {"support_head_front_diameter", &SupportSettings::head_front_diameter, 0.1, 3, "mm",
-     "Where a support meets the object"},
+     "Where a support meets the object; 3/4 of it under a light load, 3/2 under a heavy one"},
     {"support_head_penetration", &SupportSettings::head_penetration, 0, 2, "mm",
      "How far its head goes on into the object, never through it"},
-    {"support_head_width", &SupportSettings::head_width, 0.1, 10, "mm", "Length of the head cone"},
+    {"support_head_width", &SupportSettings::head_width, 0.1, 10, "mm", "Length of the head"},
     {"support_pillar_diameter", &SupportSettings::pillar_diameter, 0.2, 10, "mm", "Of the pillar below the head"},
-    {"support_base_diameter", &SupportSettings::base_diameter, 0.2, 30, "mm", "Of the base on the plate"},
+    {"support_base_diameter", &SupportSettings::base_diameter, 0.2, 30, "mm", "Of the pillar's base"},
     {"support_base_height", &SupportSettings::base_height, 0, 10, "mm", "Of the base's cone"},
-    {"support_critical_angle", &SupportSettings::critical_angle, 10, 80, "deg",
+    {"support_base_safety_distance", &SupportSettings::base_safety_distance, 0, 10, "mm",
+     "Of pillars and bases from the object"},
+    {"support_critical_angle", &SupportSettings::critical_angle, 30, 80, "deg",
+     "Of bridges and braces, from the horizontal"},
+    {"support_max_bridge_length", &SupportSettings::max_bridge_length, 0, 50, "mm",
+     "From a head to a pillar beside it"},
+    {"support_max_pillar_link_distance", &SupportSettings::max_pillar_link_distance, 0, 50, "mm",
+     "Between pillars that are braced; 0: no braces"},
+    {"support_points_minimal_distance", &SupportSettings::points_minimal_distance, 0, 10, "mm",
+     "Between tips that share a load"},
+    {"support_object_elevation", &SupportSettings::object_elevation, 0, 50, "mm",
+     "Of an object without a flat underside above the raft; 0: it always stands on the plate"},
+    {"pad_wall_thickness", &SupportSettings::pad_wall_thickness, 0, 10, "mm",
+     "Height of the raft below an object that is lifted; 0: none"},
+    {"pad_wall_slope", &SupportSettings::pad_wall_slope, 45, 90, "deg",
+     "Of the raft's edge, from the horizontal: below 90 a scraper gets under it"},
+    {"pad_brim_size", &SupportSettings::pad_brim_size, 0, 20, "mm", "By which the raft is wider than the bases"},
+    {"pad_max_merge_distance", &SupportSettings::pad_max_merge_distance, 0, 100, "mm",
+     "Between bases that the raft joins"},
+    {"support_overhang_angle", &SupportSettings::overhang_angle, 10, 80, "deg",
      "From the horizontal: what is steeper carries itself"},
-    {"support_max_bridge_length", &SupportSettings::max_bridge_length, 0.2, 30, "mm",
+    {"support_overhang_span", &SupportSettings::overhang_span, 0.2, kLongestSpan, "mm",
      "Between two places that are held; half of it may jut out"},
+    {"support_area_per_tip", &SupportSettings::area_per_tip, 0.5, 100, "mm2", "Overhang that a tip carries at most"},
 }};
 
 /// @retval ErrorCode::kBadSetting  a value is out of range, the head is wider than the pillar, or the pillar wider than the base;

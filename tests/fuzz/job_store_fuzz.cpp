@@ -21,8 +21,9 @@ namespace {
 
 constexpr std::uint32_t kFirst[] = {0, 2, 2, 5};
 constexpr std::uint32_t kPixel[] = {1, 3, 1, 3, 7};
-constexpr Support kSupports[] = {{.column = 1, .row = 1, .first = 0, .tip = 2, .end = 3},
-                                 {.column = 3, .row = 0, .first = 1, .tip = 2, .end = 2}};
+constexpr Strut kSupports[] = {
+    {.column0 = 1, .row0 = 1, .column1 = 1, .row1 = 1, .first = 0, .end = 3, .radius0 = 500, .radius1 = 200},
+    {.column0 = 3, .row0 = 0, .column1 = 3, .row1 = 1, .first = 1, .end = 2, .radius0 = 200, .radius1 = 200}};
 
 /// A file in memory.
 class MemoryFile {
@@ -55,7 +56,7 @@ const std::vector<std::byte>& whole() {
     facts.print_id = 11;
     facts.plan.layers = 3;
     const RRep rrep{.grid = {.columns = 4, .rows = 2, .layers = 3}, .first = kFirst, .pixel = kPixel};
-    const Supports supports{.list = kSupports, .shape = SupportShape(SupportSettings(), rrep.grid)};
+    const Supports supports{.list = kSupports, .pitch = PixelPitch(rrep.grid)};
     MemoryFile file;
     std::uint64_t hash = 0;
     require(write_job(file.file(), facts, rrep, supports, hash), "write_job");
@@ -87,7 +88,7 @@ void check(const std::vector<std::byte>& bytes, bool forged) {
   require(view(job->facts.scan) == "bust.ply" && job->facts.print_id == 11, "other facts than were stored");
   require(same<std::uint32_t>(job->rrep.first, kFirst) && same<std::uint32_t>(job->rrep.pixel, kPixel),
           "another R-Rep than was stored");
-  require(same<Support>(job->supports.list, kSupports), "other supports than were stored");
+  require(same<Strut>(job->supports.list, kSupports), "other supports than were stored");
 }
 
 /// Makes the hash at the end right, so that the reader looks at the rest.

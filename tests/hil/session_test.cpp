@@ -40,9 +40,9 @@ TEST(Session, CancelledWhileCountingResinStoresNothing) {
     auto source = FileSource::open(scan);
     ASSERT_TRUE(source);
     CancelsAtLayer progress(3);
-    // A short bridge forces supports. Without supports slicing would already have counted the pixels.
+    // A short span forces supports. Without supports slicing would already have counted the pixels.
     SupportSettings supports;
-    supports.max_bridge_length = 0.4;
+    supports.overhang_span = 0.4;
     const auto sliced = session.slice_scan(*source, slicing_for(board), supports, *profile, &progress);
     ASSERT_FALSE(sliced);
     EXPECT_EQ(sliced.error().code(), ErrorCode::kCancelled);

@@ -144,9 +144,10 @@ TEST(RefusedMemory, IsAnErrorWhileSupportsAreFoundAndMasksAreMade) {
   const std::uint32_t errors = refuse_each_block([&](Arena& arena, ProgressSink& progress) -> Status {
     const std::size_t bottom = arena.bottom_mark();
     SupportCounts counts;
-    const auto supports = find_supports(slicing.rrep(), SupportSettings{}, arena, &progress, counts);
+    RRep rrep = slicing.rrep();
+    const auto supports = find_supports(rrep, SupportSettings{}, PrintGrid::kMaxLayers, arena, &progress, counts);
     PLUMBLINE_TRY(supports);
-    const auto masks = MaskStream::create(slicing.rrep(), *supports, arena);
+    const auto masks = MaskStream::create(rrep, *supports, arena);
     arena.release_bottom(bottom);
     PLUMBLINE_TRY(masks);
     return {};

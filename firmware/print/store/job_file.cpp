@@ -12,7 +12,7 @@ namespace {
 
 /// Change the version whenever the stored data change, JobFacts and PrintPlan included.
 constexpr std::uint32_t kMagic = 0x424F4A50;  // "PJOB"
-constexpr std::uint32_t kVersion = 2;
+constexpr std::uint32_t kVersion = 3;
 
 struct JobHeader {
   std::uint32_t magic = kMagic;
@@ -21,10 +21,9 @@ struct JobHeader {
   std::uint64_t crossings = 0;
   std::uint64_t supports = 0;
   PrintGrid grid;
-  SupportShape shape;  ///< of the supports
 };
 static_assert(std::is_trivially_copyable_v<JobFacts> && std::is_trivially_copyable_v<JobHeader>);
-static_assert(std::is_trivially_copyable_v<Support>);
+static_assert(std::is_trivially_copyable_v<Strut>);
 
 template <class T>
 std::span<const std::byte> bytes_of(const T& value) {
@@ -53,7 +52,7 @@ Status check(const JobHeader& header, const char* path) {
                 "%s: the job was stored by another version of plumbline; only that one can resume it", path);
   }
   // The arena refuses sizes that exceed it; this refuses those that overflow a 32-bit size_t.
-  constexpr std::uint64_t kMost = std::numeric_limits<std::size_t>::max() / sizeof(Support);
+  constexpr std::uint64_t kMost = std::numeric_limits<std::size_t>::max() / sizeof(Strut);
   const bool sizes = header.crossings <= kMost && header.supports <= kMost;
   const bool layers = header.grid.layers > 0 && header.grid.layers <= PrintGrid::kMaxLayers;
   return sizes && layers ? Status() : Status(damaged(path, "damaged"));
@@ -67,7 +66,6 @@ bool write_job(const Descriptor& file, const JobFacts& facts, const RRep& rrep, 
   header.crossings = rrep.crossings();
   header.supports = supports.list.size();
   header.grid = rrep.grid;
-  header.shape = supports.shape;
   Hash64 all;
   const std::span<const std::byte> parts[] = {bytes_of(header), bytes_of(facts), std::as_bytes(rrep.first),
                                               std::as_bytes(rrep.pixel), std::as_bytes(supports.list)};
@@ -89,7 +87,7 @@ Expected<StoredJob> read_job(const Descriptor& file, const char* path, Arena& ar
   PLUMBLINE_TRY(first);
   const auto pixel = arena.take_bottom<std::uint32_t>(static_cast<std::size_t>(header.crossings), "r-rep");
   PLUMBLINE_TRY(pixel);
-  const auto supports = arena.take_bottom<Support>(static_cast<std::size_t>(header.supports), "supports");
+  const auto supports = arena.take_bottom<Strut>(static_cast<std::size_t>(header.supports), "supports");
   PLUMBLINE_TRY(supports);
   if (!file.read_all(std::as_writable_bytes(*first)) || !file.read_all(std::as_writable_bytes(*pixel)) ||
       !file.read_all(std::as_writable_bytes(*supports)) || !file.read_all(writable_bytes_of(job.hash))) {
@@ -101,7 +99,7 @@ Expected<StoredJob> read_job(const Descriptor& file, const char* path, Arena& ar
   for (const auto part : parts) hash.add(part);
   if (hash.value() != job.hash) return damaged(path, "damaged");
   job.rrep = {.grid = header.grid, .first = *first, .pixel = *pixel};
-  job.supports = {.list = *supports, .shape = header.shape};
+  job.supports = {.list = *supports, .pitch = PixelPitch(header.grid)};
   return job;
 }
 

@@ -103,11 +103,14 @@ TEST_F(AnswerCheck, RefusesCrossingsAndSupportsOutsideTheGrid) {
       [&](auto memory) { at<std::uint32_t>(memory, good_.first_at)[0] = 1; },
       [&](auto memory) { at<std::uint32_t>(memory, good_.first_at)[good_.layers / 2] = ~0U; },
       [&](auto memory) { at<std::uint32_t>(memory, good_.first_at)[good_.layers] = ~0U; },
-      [&](auto memory) { at<Support>(memory, good_.supports_at)->column = 403; },
-      [&](auto memory) { at<Support>(memory, good_.supports_at)->row = 300; },
-      [&](auto memory) { at<Support>(memory, good_.supports_at)->end = 65535; },
-      [&](auto memory) { at<Support>(memory, good_.supports_at)->tip = 65535; },
-      [&](auto memory) { at<Support>(memory, good_.supports_at)->first = 65535; },
+      [&](auto memory) { at<Strut>(memory, good_.supports_at)->column0 = 403; },
+      [&](auto memory) { at<Strut>(memory, good_.supports_at)->column1 = 403; },
+      [&](auto memory) { at<Strut>(memory, good_.supports_at)->row0 = 300; },
+      [&](auto memory) { at<Strut>(memory, good_.supports_at)->row1 = 300; },
+      [&](auto memory) { at<Strut>(memory, good_.supports_at)->end = 65535; },
+      [&](auto memory) { at<Strut>(memory, good_.supports_at)->first = 65535; },
+      [&](auto memory) { at<Strut>(memory, good_.supports_at)->kind = static_cast<StrutKind>(kStrutKinds); },
+      [&](auto memory) { at<Strut>(memory, good_.supports_at)->lies = 2; },
   };
   for (std::size_t i = 0; i < damages.size(); ++i) EXPECT_FALSE(check(good_, damages[i])) << i;
 }

@@ -208,10 +208,25 @@ TEST(Preview, DrawsObjectsOfAnyShapeInsideThePage) {
 /// A sphere above the plate, held by one pillar under its lowest point.
 struct SphereOnAPillar {
   SphereOnAPillar() : solid(cube(220, 0.1F), [](double x, double y, double z) { return sphere(11, 6)(x, y, z); }) {
-    supports = {list, SupportShape(SupportSettings{}, solid.rrep.grid)};
+    supports = {list, PixelPitch(solid.rrep.grid)};
   }
   Solid solid;
-  const std::vector<Support> list{{.column = 110, .row = 110, .first = 0, .tip = 50, .end = 52}};
+  const std::vector<Strut> list{{.column0 = 110,
+                                 .row0 = 110,
+                                 .column1 = 110,
+                                 .row1 = 110,
+                                 .first = 0,
+                                 .end = 10,
+                                 .radius0 = 2000,
+                                 .radius1 = 500},
+                                {.column0 = 110,
+                                 .row0 = 110,
+                                 .column1 = 110,
+                                 .row1 = 110,
+                                 .first = 10,
+                                 .end = 52,
+                                 .radius0 = 500,
+                                 .radius1 = 500}};
   Supports supports;
 };
 

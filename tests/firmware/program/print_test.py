@@ -105,7 +105,7 @@ class Print(Program):
         profile.write_text(text)
         same = ("print", self.scan, "--printer", SIM2K, "--scale", 0.5, "--profile", profile, "--report", report, "--quiet")
         counts = []
-        for more in ((), ("--supports", "none"), ("--support-critical-angle", 80)):
+        for more in ((), ("--supports", "none"), ("--support-overhang-angle", 80)):
             self.run_it(*same, *more)
             counts.append(json.loads(report.read_text())["supports"])
         self.assertGreater(counts[0], 0)

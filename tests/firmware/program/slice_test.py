@@ -73,7 +73,9 @@ class Slice(Program):
         self.assertEqual(supports["settings"]["support_critical_angle"], 45)
         self.assertIn(f" ml of it in {supports['count']} supports\n", done.stdout)
         self.assertEqual(done.stderr.count("placing supports"), 1)
-        # Every pillar stands beside the sphere's foot, so the lowest layer has more white than the sphere's own.
+        self.assertEqual(supports["lifted_layers"] * manifest["grid"]["layer_height_mm"], 6)  # the elevation and the raft
+        self.assertEqual(supports["unbraced_pillars"], 0)
+        # The lowest layer is the raft's.
         _, rows = png_rows(self.out / "layers" / "00000.png")
         white = sum(bin(byte).count("1") for row in rows for byte in row)
         self.assertGreater(white, supports["on_plate"] * 100)
@@ -125,7 +127,7 @@ class Slice(Program):
     def test_wrong_support_settings_are_refused(self):
         for arguments, message in (
             (("--supports", "none", "--support-base-diameter", 3), "support_base_diameter is given, but supports are off"),
-            (("--supports", "auto", "--support-critical-angle", 81), "not a number from 10 to 80"),
+            (("--supports", "auto", "--support-critical-angle", 81), "not a number from 30 to 80"),
             (("--supports", "auto", "--support-pillar-diameter", 5), "more than support_base_diameter"),
             (("--supports", "yes"), "yes"),
         ):

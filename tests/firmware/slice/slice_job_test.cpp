@@ -10,8 +10,8 @@
 #include "firmware/io/json_writer.hpp"
 #include "firmware/io/mask_hash.hpp"
 #include "firmware/slice/manifest.hpp"
+#include "slicer/support_building.hpp"
 #include "slicer/supports/mask_stream.hpp"
-#include "slicer/supports/support_finder.hpp"
 #include "tests/firmware/support/job_fixture.hpp"
 
 namespace plumbline {
@@ -73,16 +73,16 @@ void expect_layers_of_stream(const SliceJobSettings& settings, const JobReport& 
   auto source = FileSource::open(settings.scan_paths[0]);
   ASSERT_TRUE(source.has_value());
   SliceReport ignored;
-  const auto rrep = slice(*source, settings.slice, arena, nullptr, ignored);
+  auto rrep = slice(*source, settings.slice, arena, nullptr, ignored);
   ASSERT_TRUE(rrep.has_value()) << rrep.error().message();
   Supports supports;
   SupportCounts counts;
   if (settings.supports) {
-    auto found = find_supports(*rrep, *settings.supports, arena, nullptr, counts);
+    auto found = add_supports(*rrep, *settings.supports, settings.slice.placement, arena, nullptr, ignored, counts);
     ASSERT_TRUE(found.has_value()) << found.error().message();
     supports = *found;
   }
-  EXPECT_EQ(report.supports.all(), supports.list.size());
+  EXPECT_EQ(report.supports.all(), supports.tips());
   auto stream = MaskStream::create(*rrep, supports, arena);
   ASSERT_TRUE(stream.has_value());
   std::vector<std::uint64_t> hashes;

@@ -90,5 +90,19 @@ TEST(RRepEdit, RefusesAnObjectOfWhichNoLayerPrints) {
   }
 }
 
+TEST(RRepEdit, RaisesTheObject) {
+  Solid solid(cubic_grid(16, 6), [](std::uint32_t c, std::uint32_t r, std::uint32_t k) { return c + r > 3 * k; });
+  const auto before = solid.masks();
+  ArenaBlock arena(kMiB);
+  ASSERT_TRUE(raise_object(solid.rrep, 4, *arena));
+  const auto after = solid.masks();
+  ASSERT_EQ(after.size(), before.size() + 4);
+  for (std::size_t k = 0; k < 4; ++k) EXPECT_EQ(after[k].count(), 0U);
+  for (std::size_t k = 0; k < before.size(); ++k) EXPECT_EQ(after[k + 4], before[k]);
+  ArenaBlock full(64);
+  EXPECT_FALSE(raise_object(solid.rrep, 100, *full));
+  EXPECT_EQ(solid.rrep.grid.layers, 10U);
+}
+
 }  // namespace
 }  // namespace plumbline

@@ -133,6 +133,36 @@ TEST(Placement, FitUsesTheLargestScaleThatFitsThePrinter) {
   }
 }
 
+TEST(Placement, FitKeepsRoomForSupports) {
+  PlacementSettings settings = on_a_printer();
+  settings.fit = true;
+  settings.room = {.beside_mm = 5, .below_mm = 6};
+  for (const Vec3d& size : {Vec3d(1, 1, 1), Vec3d(1, 3, 1), Vec3d(1, 1, 9)}) {
+    const Placement p = value_of(place(box_of({0, 0, 0}, size), 1, settings));
+    const double fullest = std::max({p.size_mm[0] / 62, p.size_mm[1] / 118, p.size_mm[2] / 144});
+    EXPECT_LE(fullest, 1);
+    EXPECT_GT(fullest, 0.995);
+  }
+  // Only `fit` keeps it on a printer.
+  settings.fit = false;
+  settings.scale = 71;
+  EXPECT_TRUE(place(box_of({0, 0, 0}, {1, 1, 1}), 1, settings).has_value());
+}
+
+TEST(Placement, AGridOfItsOwnHasRoomForSupportsOnAllSides) {
+  PlacementSettings settings;
+  settings.pixel_pitch_mm = 0.1F;
+  const Box3d box = box_of({0, 0, 0}, {8, 6, 4});
+  const Placement tight = value_of(place(box, 1, settings));
+  settings.room = {.beside_mm = 4.65, .below_mm = 6};
+  const Placement wide = value_of(place(box, 1, settings));
+  EXPECT_EQ(wide.grid.rows, tight.grid.rows + 2 * 47);
+  EXPECT_GE(wide.grid.columns, tight.grid.columns + 2 * 47 - 7);
+  EXPECT_EQ(wide.grid.layers, tight.grid.layers);
+  EXPECT_NEAR(wide.shift[0] - tight.shift[0], 4.7, 1e-6);
+  EXPECT_NEAR(wide.shift[1] - tight.shift[1], 4.7, 1e-6);
+}
+
 /// The number after `words` in a message.
 double number_after(const std::string& words, const std::string& message) {
   const std::size_t at = message.find(words);

@@ -51,7 +51,7 @@ inline std::uint32_t floating_islands(const std::vector<Pixels>& masks) {
 /// @param masks   of the object, without supports
 /// @param growth  pixels
 /// @param most    pixels; larger overhangs are reported as this
-inline double farthest_hang(const std::vector<Pixels>& masks, std::span<const Support> tips, double growth, int most) {
+inline double farthest_hang(const std::vector<Pixels>& masks, std::span<const Strut> struts, double growth, int most) {
   const auto columns = static_cast<int>(masks[0].columns());
   const auto rows = static_cast<int>(masks[0].rows());
   std::vector<double> below(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), most);
@@ -74,10 +74,10 @@ inline double farthest_hang(const std::vector<Pixels>& masks, std::span<const Su
             hang = std::min(hang, at(below, x, y) + std::sqrt(dx * dx + dy * dy) - growth);
           }
         }
-        for (const Support& tip : tips) {
-          if (tip.tip != k) continue;
-          const int dx = tip.column - c;
-          const int dy = tip.row - r;
+        for (const Strut& tip : struts) {
+          if (tip.kind != StrutKind::kTip || tip.first != k) continue;
+          const int dx = tip.column0 - c;
+          const int dy = tip.row0 - r;
           hang = std::min(hang, std::sqrt(static_cast<double>(dx * dx + dy * dy)));
         }
         hang = std::max(0.0, hang);

@@ -17,56 +17,53 @@ using namespace testing;
 
 constexpr double kPitch = 0.1;  ///< mm, of pixels and layers
 
-/// Radius of a support in the middle of a layer, mm, by the definition in supports.hpp.
-double radius_by_definition(const SupportSettings& s, const Support& support, std::uint32_t layer) {
-  const double head = s.head_front_diameter / 2;
-  const double pillar = s.pillar_diameter / 2;
-  const double base = s.base_diameter / 2;
-  if (layer >= support.tip) return head;
-  const double z = (layer + 0.5) * kPitch;
-  const auto cone = [&](double height) { return head + (pillar - head) * height / s.head_width; };
-  const double radius = std::min(pillar, cone(support.tip * kPitch - z));
-  if (support.first > 0) return std::min(radius, cone(z - support.first * kPitch));
-  const double height = std::min(s.base_height, support.tip * kPitch / 3);
-  return z < height ? std::max(radius, base - (base - pillar) * z / height) : radius;
-}
-
-/// A block on the plate, a smaller one on top of it, and 40 random supports, some of which start above the plate.
+/// A block on the plate, a smaller one on top of it, and 60 random struts, some of which lie.
 struct Scene {
   Scene() : solid(cubic_grid(128, 40), blocks({{50, 78, 0, 128, 0, 20}, {60, 68, 50, 60, 20, 38}})) {
     Random random(5);
-    for (int i = 0; i < 40; ++i) {
-      Support s;
-      s.column = static_cast<std::uint16_t>(random.below(128));
-      s.row = static_cast<std::uint16_t>(random.below(128));
+    for (int i = 0; i < 60; ++i) {
+      Strut s;
+      s.column0 = static_cast<std::uint16_t>(random.below(128));
+      s.row0 = static_cast<std::uint16_t>(random.below(128));
+      s.column1 = static_cast<std::uint16_t>(i % 3 == 0 ? s.column0 : random.below(128));
+      s.row1 = static_cast<std::uint16_t>(i % 3 == 0 ? s.row0 : random.below(128));
       s.first = static_cast<std::uint16_t>(random.below(2) * random.below(30));
-      s.tip = static_cast<std::uint16_t>(std::min(38U, s.first + 1 + random.below(25)));
-      s.end = static_cast<std::uint16_t>(s.tip + random.below(3));
+      s.end = static_cast<std::uint16_t>(std::min(40U, s.first + random.below(25)));
+      s.radius0 = static_cast<std::uint16_t>(random.below(1500));
+      s.radius1 = static_cast<std::uint16_t>(random.below(1500));
+      s.lies = i % 5 == 1 ? 1 : 0;
       list.push_back(s);
     }
-    std::sort(list.begin(), list.end(), [](const Support& a, const Support& b) { return a.first < b.first; });
-    supports = {list, SupportShape(settings, solid.rrep.grid)};
+    std::sort(list.begin(), list.end(), [](const Strut& a, const Strut& b) { return a.first < b.first; });
+    supports = {list, PixelPitch(solid.rrep.grid)};
   }
-  /// The object's mask with the disc of each support in the layer.
+  /// The object's mask with the section of each strut in the layer, by distances from its axis.
   Pixels mask_by_definition(const Pixels& object, std::uint32_t layer) const {
     Pixels mask = object;
-    for (const Support& s : list) {
+    for (const Strut& s : list) {
       if (!s.is_in(layer)) continue;
-      const double radius = radius_by_definition(settings, s, layer) + 1e-6;
+      const double t = (layer + 0.5 - s.first) / (s.end - s.first);
+      const double radius = (s.radius0 + t * (s.radius1 - s.radius0)) / 1000;
+      const double ax = s.lies != 0 ? s.column0 : s.column0 + std::round(t * (s.column1 - s.column0));
+      const double ay = s.lies != 0 ? s.row0 : s.row0 + std::round(t * (s.row1 - s.row0));
+      const double bx = s.lies != 0 ? s.column1 : ax;
+      const double by = s.lies != 0 ? s.row1 : ay;
+      const double square = (bx - ax) * (bx - ax) + (by - ay) * (by - ay);
       for (std::uint32_t r = 0; r < 128; ++r) {
         for (std::uint32_t c = 0; c < 128; ++c) {
-          const double dx = (static_cast<double>(c) - s.column) * kPitch;
-          const double dy = (static_cast<double>(r) - s.row) * kPitch;
-          if (dx * dx + dy * dy <= radius * radius) mask.set(c, r, true);
+          const double along = square > 0 ? ((c - ax) * (bx - ax) + (r - ay) * (by - ay)) / square : 0;
+          const double at = std::clamp(along, 0.0, 1.0);
+          const double dx = (c - ax - at * (bx - ax)) * kPitch;
+          const double dy = (r - ay - at * (by - ay)) * kPitch;
+          if (dx * dx + dy * dy <= (radius + 1e-6) * (radius + 1e-6)) mask.set(c, r, true);
         }
       }
     }
     return mask;
   }
 
-  SupportSettings settings;
   Solid solid;
-  std::vector<Support> list;
+  std::vector<Strut> list;
   Supports supports;
 };
 
@@ -98,7 +95,7 @@ TEST(MaskStream, DrawsAnyLayerInAnyOrder) {
 
 TEST(MaskStream, GivesTheObjectsMasksWithoutSupports) {
   const Scene scene;
-  const Supports none{{}, scene.supports.shape};
+  const Supports none{{}, scene.supports.pitch};
   EXPECT_EQ(scene.solid.masks(&none), scene.solid.masks());
   ArenaBlock arena(4 * kMiB);
   ASSERT_TRUE(MaskStream::create(scene.solid.rrep, none, *arena).has_value());

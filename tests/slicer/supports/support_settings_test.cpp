@@ -30,7 +30,7 @@ TEST(SupportSettings, AreRefusedOutsideOfTheirRange) {
   }
   SupportSettings settings;
   settings.critical_angle = 85;
-  EXPECT_EQ(refusal(settings), "support_critical_angle is 85, allowed are 10 to 80 deg");
+  EXPECT_EQ(refusal(settings), "support_critical_angle is 85, allowed are 30 to 80 deg");
 }
 
 TEST(SupportSettings, AreRefusedUnlessTheyNarrowTowardsTheObject) {

@@ -21,10 +21,11 @@ constexpr std::array<std::uint32_t, 5> kPixel = {1, 3, 1, 3, 7};
 
 RRep small_rrep() { return {.grid = {.columns = 4, .rows = 2, .layers = 3}, .first = kFirst, .pixel = kPixel}; }
 
-constexpr std::array<Support, 2> kSupports = {
-    {{.column = 1, .row = 1, .first = 0, .tip = 2, .end = 3}, {.column = 3, .row = 0, .first = 1, .tip = 2, .end = 2}}};
+constexpr std::array<Strut, 2> kSupports = {
+    {{.column0 = 1, .row0 = 1, .column1 = 1, .row1 = 1, .first = 0, .end = 3, .radius0 = 500, .radius1 = 200},
+     {.column0 = 3, .row0 = 0, .column1 = 3, .row1 = 1, .first = 1, .end = 2, .radius0 = 200, .radius1 = 200}}};
 
-Supports small_supports() { return {.list = kSupports, .shape = SupportShape(SupportSettings(), small_rrep().grid)}; }
+Supports small_supports() { return {.list = kSupports, .pitch = PixelPitch(small_rrep().grid)}; }
 
 JobFacts facts() {
   JobFacts facts;
@@ -73,8 +74,8 @@ TEST_F(JobStoreTest, LoadsAnInterruptedPrint) {
   EXPECT_THAT(job->job.rrep.first, ElementsAreArray(kFirst));
   EXPECT_THAT(job->job.rrep.pixel, ElementsAreArray(kPixel));
   EXPECT_THAT(job->job.supports.list, ElementsAreArray(kSupports));
-  EXPECT_EQ(job->job.supports.shape.head_radius(), small_supports().shape.head_radius());
-  EXPECT_EQ(job->job.supports.shape.pillar_radius(), small_supports().shape.pillar_radius());
+  EXPECT_EQ(job->job.supports.pitch.x, small_supports().pitch.x);
+  EXPECT_EQ(job->job.supports.pitch.y, small_supports().pitch.y);
   const auto journal = Journal::open(job->journal);
   ASSERT_TRUE(journal) << journal.error().message();
   EXPECT_EQ(journal->job_hash(), job->job.hash);

@@ -1,0 +1,49 @@
+#include "slicer/support_building.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "slicer/core/stage_scope.hpp"
+#include "slicer/supports/stand.hpp"
+
+namespace plumbline {
+namespace {
+
+/// A travel this much short of a whole layer is short by rounding only, as in place().
+constexpr double kWholeLayer = 1e-3;
+
+std::uint32_t most_layers(const PlacementSettings& placement) {
+  if (!placement.printer) return PrintGrid::kMaxLayers;
+  const double layers =
+      std::floor(static_cast<double>(placement.printer->travel_mm) / placement.layer_height_mm + kWholeLayer);
+  return static_cast<std::uint32_t>(std::clamp(layers, 1.0, double{PrintGrid::kMaxLayers}));
+}
+
+}  // namespace
+
+Expected<Supports> add_supports(RRep& rrep, const SupportSettings& settings, const PlacementSettings& placement,
+                                Arena& arena, ProgressSink* progress, SliceReport& report, SupportCounts& counts) {
+  const StageScope stage(Stage::kSupports, arena, progress, report.peak_bytes);
+  auto supports = find_supports(rrep, settings, most_layers(placement), arena, progress, counts);
+  PLUMBLINE_TRY(supports);
+  const double layer_height = rrep.grid.layer_height_mm;
+  if (counts.sunk > 0) {
+    report.confidence.trim(counts.sunk, 0);
+    report.placement.shift[2] -= counts.sunk * layer_height;
+    report.placement.size_mm[2] -= counts.sunk * layer_height;
+    report.features.totals.reset();
+  }
+  if (counts.lifted > 0) {
+    PLUMBLINE_TRY(report.confidence.raise(counts.lifted, arena));
+    report.placement.shift[2] += counts.lifted * layer_height;
+  }
+  report.placement.grid.layers = rrep.grid.layers;
+  return supports;
+}
+
+PlacementRoom support_room(const SupportSettings& settings) {
+  return {.beside_mm = settings.head_width + settings.base_diameter / 2 + settings.pad_brim_size,
+          .below_mm = lift_mm(settings)};
+}
+
+}  // namespace plumbline

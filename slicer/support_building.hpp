@@ -1,0 +1,24 @@
+#pragma once
+/// Adds supports to a sliced scan.
+
+#include "slicer/core/arena.hpp"
+#include "slicer/core/progress.hpp"
+#include "slicer/placement/placement.hpp"
+#include "slicer/rrep/rrep.hpp"
+#include "slicer/slice_report.hpp"
+#include "slicer/supports/support_finder.hpp"
+
+namespace plumbline {
+
+/// find_supports() for what slice() returned. The report follows the object when it is lifted or sinks.
+/// @param placement  that it was sliced with: the printer's travel is the limit
+/// @param report     of slice()
+/// @retval all errors of find_supports()
+[[nodiscard]] Expected<Supports> add_supports(RRep& rrep, const SupportSettings& settings,
+                                              const PlacementSettings& placement, Arena& arena, ProgressSink* progress,
+                                              SliceReport& report, SupportCounts& counts);
+
+/// Room that supports need round the object: heads, bases and raft beside it, and the lift below.
+PlacementRoom support_room(const SupportSettings& settings);
+
+}  // namespace plumbline

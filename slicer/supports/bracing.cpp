@@ -1,0 +1,198 @@
+#include "slicer/supports/bracing.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "slicer/core/degrees.hpp"
+
+namespace plumbline {
+namespace {
+
+/// Contacts of a pillar are at most this far apart, mm: below kMostFree_mm, since places are rounded to pixels and layers.
+constexpr double kApart = 9.5;
+/// Longest rise of a brace, mm: two of them must fit into kApart with some room between.
+constexpr double kMostRise = 8;
+/// A brace is this share of a pillar's diameter.
+constexpr double kThickness = 0.5;
+/// Neighbours that are tried.
+constexpr std::size_t kMostNeighbours = 12;
+/// Distances of a helper from its pillar, mm.
+constexpr std::array<double, 5> kHelperAway = {4, 5, 3, 6, 7};
+constexpr std::uint32_t kNone = ~0U;
+
+}  // namespace
+
+Bracing::Bracing(const SupportSettings& settings, double raft_mm, const Obstacles& obstacles, StrutList& list,
+                 std::span<Contact> contacts)
+    : settings_(settings),
+      raft_(raft_mm),
+      px_(static_cast<double>(list.grid().pitch_x_mm)),
+      py_(static_cast<double>(list.grid().pitch_y_mm)),
+      lh_(static_cast<double>(list.grid().layer_height_mm)),
+      radius_(settings.pillar_diameter / 2 * kThickness),
+      obstacles_(obstacles),
+      list_(list),
+      contacts_(contacts) {
+  const SineCosine angle = sine_cosine(settings.critical_angle);
+  slope_ = angle.sine / angle.cosine;
+}
+
+Status Bracing::brace_all() {
+  const std::size_t pillars = list_.pillars().size();  // helpers come after these
+  if (settings_.max_pillar_link_distance > 0) {
+    for (std::size_t i = 0; i < pillars; ++i) PLUMBLINE_TRY(brace(i));
+  }
+  for (const Pillar& pillar : list_.pillars()) {
+    const double free = largest_gap(pillar).height();
+    counts_.longest_free_mm = std::max(counts_.longest_free_mm, free);
+    if (free > kMostFree_mm) ++counts_.unbraced;
+  }
+  return {};
+}
+
+double Bracing::distance(const Pillar& a, const Pillar& b) const {
+  return std::sqrt((a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y));
+}
+
+Bracing::Gap Bracing::largest_gap(const Pillar& pillar) const {
+  Gap largest;
+  double at = pillar.bottom + (pillar.on_plate ? raft_ : 0);
+  while (at < pillar.top) {
+    double next = pillar.top;
+    for (std::uint32_t c = pillar.contacts; c != kNone; c = contacts_[c].next) {
+      if (contacts_[c].z > at) next = std::min(next, contacts_[c].z);
+    }
+    if (next - at > largest.height()) largest = {at, next};
+    at = next;
+  }
+  return largest;
+}
+
+void Bracing::add_contact(Pillar& pillar, double z) {
+  if (contact_count_ == contacts_.size()) return;  // then a pillar is counted as less braced than it is
+  contacts_[contact_count_] = {z, pillar.contacts};
+  pillar.contacts = static_cast<std::uint32_t>(contact_count_++);
+}
+
+bool Bracing::is_clear(const Place& from, const Place& to) const {
+  const double dx = to.x - from.x;
+  const double dy = to.y - from.y;
+  const double dz = to.z - from.z;
+  const auto steps =
+      static_cast<std::uint32_t>(std::ceil(std::sqrt(dx * dx + dy * dy + dz * dz) / Obstacles::kVoxel_mm)) + 1;
+  for (std::uint32_t i = 0; i <= steps; ++i) {
+    const double t = static_cast<double>(i) / steps;
+    if (!obstacles_.is_clear(static_cast<std::int64_t>(std::floor((from.x + t * dx) / px_ + 0.5)),
+                             static_cast<std::int64_t>(std::floor((from.y + t * dy) / py_ + 0.5)),
+                             static_cast<std::int64_t>(std::floor((from.z + t * dz) / lh_)),
+                             nanometres(radius_ + settings_.base_safety_distance / 2))) {
+      return false;
+    }
+  }
+  return true;
+}
+
+Expected<bool> Bracing::zigzag(Pillar& a, Pillar& b) {
+  const double rise = distance(a, b) * slope_;
+  if (!(rise > 0) || rise > kMostRise) return false;
+  const auto foot = [&](const Pillar& p) { return p.bottom + (p.on_plate ? raft_ : 0); };
+  const double low = std::max(foot(a), foot(b));
+  double high = std::min(a.top, b.top);
+  Pillar* upper = a.top >= b.top ? &a : &b;
+  Pillar* lower = upper == &a ? &b : &a;
+  bool any = false;
+  while (high - rise > low) {
+    const Place from{lower->x, lower->y, high - rise};
+    const Place to{upper->x, upper->y, high};
+    if (is_clear(from, to)) {
+      PLUMBLINE_TRY(
+          list_.add(StrutKind::kBrace, from, to, list_.layer_at(from.z), list_.layer_at(to.z) + 1, radius_, radius_));
+      add_contact(*lower, from.z);
+      add_contact(*upper, to.z);
+      ++counts_.braces;
+      any = true;
+      std::swap(lower, upper);
+      high -= kApart - rise;
+    } else {
+      high -= std::max(lh_, Obstacles::kVoxel_mm);
+    }
+  }
+  return any;
+}
+
+Status Bracing::brace(std::size_t index) {
+  const auto pillars = list_.pillars();
+  Pillar& pillar = pillars[index];
+  double reached = -1;  // neighbours up to this distance have been tried, those at it up to index `last`
+  std::size_t last = 0;
+  for (std::size_t tried = 0; tried < kMostNeighbours; ++tried) {
+    const Gap gap = largest_gap(pillar);
+    if (gap.height() <= kMostFree_mm) return {};
+    std::size_t nearest = pillars.size();
+    double least = 0;
+    for (std::size_t i = 0; i < pillars.size(); ++i) {
+      const double away = distance(pillar, pillars[i]);
+      if (i == index || away > settings_.max_pillar_link_distance) continue;
+      if (away < reached || (away == reached && i <= last)) continue;
+      if (pillars[i].top < gap.low || (nearest < pillars.size() && away >= least)) continue;
+      nearest = i;
+      least = away;
+    }
+    if (nearest == pillars.size()) break;
+    reached = least;
+    last = nearest;
+    const auto done = zigzag(pillar, pillars[nearest]);
+    PLUMBLINE_TRY(done);
+  }
+  for (int helpers = 0; helpers < 2; ++helpers) {
+    const Gap gap = largest_gap(pillar);
+    if (gap.height() <= kMostFree_mm) return {};
+    const auto done = add_helper(index, gap);
+    PLUMBLINE_TRY(done);
+    if (!*done) return {};
+  }
+  return {};
+}
+
+/// Puts a pillar beside another and braces the two.
+Expected<bool> Bracing::add_helper(std::size_t index, const Gap& gap) {
+  const Pillar pillar = list_.pillars()[index];
+  const double reach = settings_.base_diameter / 2 + (raft_ > 0 ? settings_.pad_brim_size : 0);
+  const double wide = (list_.grid().columns - 1) * px_ - reach;
+  const double deep = (list_.grid().rows - 1) * py_ - reach;
+  for (const double away : kHelperAway) {
+    if (away * slope_ > kMostRise || away > settings_.max_pillar_link_distance) continue;
+    constexpr double kC = 0.70710678118654752;
+    constexpr std::array<std::array<double, 2>, 8> kRound = {
+        {{1, 0}, {kC, kC}, {0, 1}, {-kC, kC}, {-1, 0}, {-kC, -kC}, {0, -1}, {kC, -kC}}};
+    for (const auto& direction : kRound) {
+      Pillar helper;
+      helper.x = pillar.x + away * direction[0];
+      helper.y = pillar.y + away * direction[1];
+      helper.top = std::min(pillar.top - away * slope_ / 2, gap.high);
+      helper.radius = settings_.pillar_diameter / 2;
+      helper.on_plate = true;
+      if (helper.x < reach || helper.y < reach || helper.x > wide || helper.y > deep) continue;
+      const auto column = static_cast<std::int64_t>(std::floor(helper.x / px_ + 0.5));
+      const auto row = static_cast<std::int64_t>(std::floor(helper.y / py_ + 0.5));
+      const auto layer = static_cast<std::int64_t>(std::floor(helper.top / lh_));
+      if (!obstacles_.is_column_clear(column, row, layer)) continue;
+      if (!is_clear({pillar.x, pillar.y, helper.top - away * slope_}, {helper.x, helper.y, helper.top})) continue;
+      PLUMBLINE_TRY(list_.add_pillar(helper));
+      PLUMBLINE_TRY(list_.add(StrutKind::kPillar, {helper.x, helper.y, 0}, {helper.x, helper.y, helper.top}, 0,
+                              list_.layer_at(helper.top) + 1, helper.radius, helper.radius));
+      const Place foot{helper.x, helper.y, raft_};
+      const std::uint32_t first = raft_ > 0 ? list_.layer_at(raft_ + lh_ / 2) : 0;
+      const std::uint32_t above = list_.layer_at(raft_ + settings_.base_height + lh_ / 2);
+      PLUMBLINE_TRY(list_.add(StrutKind::kBase, foot, foot, first, std::max(first, above), settings_.base_diameter / 2,
+                              helper.radius));
+      ++counts_.helpers;
+      const auto pillars = list_.pillars();
+      return zigzag(pillars[index], pillars.back());
+    }
+  }
+  return false;
+}
+
+}  // namespace plumbline

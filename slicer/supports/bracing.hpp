@@ -1,0 +1,67 @@
+#pragma once
+/// Braces between pillars, so that none stands alone.
+
+#include <cstdint>
+#include <span>
+
+#include "slicer/core/error.hpp"
+#include "slicer/supports/obstacles.hpp"
+#include "slicer/supports/strut_list.hpp"
+#include "slicer/supports/support_settings.hpp"
+
+namespace plumbline {
+
+/// A height at which something beside a pillar holds it.
+struct Contact {
+  double z = 0;              ///< mm
+  std::uint32_t next = ~0U;  ///< the pillar's next contact
+};
+
+struct BraceCounts {
+  std::uint32_t braces = 0;
+  std::uint32_t helpers = 0;   ///< pillars that carry nothing
+  std::uint32_t unbraced = 0;  ///< pillars with a longer free height than kMostFree_mm
+  double longest_free_mm = 0;  ///< of all pillars
+};
+
+/// Puts zig-zags of braces between neighbouring pillars until none has more than kMostFree_mm without one, from its foot to its
+/// head. A pillar with no neighbour within max_pillar_link_distance gets a helper: a second pillar beside it.
+class Bracing {
+ public:
+  static constexpr double kMostFree_mm = 10;
+
+  /// @param contacts  room for most_contacts()
+  Bracing(const SupportSettings& settings, double raft_mm, const Obstacles& obstacles, StrutList& list,
+          std::span<Contact> contacts);
+
+  [[nodiscard]] Status brace_all();
+
+  const BraceCounts& counts() const { return counts_; }
+
+ private:
+  struct Gap {
+    double low = 0, high = 0;
+    double height() const { return high - low; }
+  };
+
+  Gap largest_gap(const Pillar& pillar) const;
+  void add_contact(Pillar& pillar, double z);
+  bool is_clear(const Place& from, const Place& to) const;
+
+  /// @returns whether any brace was added
+  Expected<bool> zigzag(Pillar& a, Pillar& b);
+  Status brace(std::size_t index);
+  Expected<bool> add_helper(std::size_t index, const Gap& gap);
+
+  double distance(const Pillar& a, const Pillar& b) const;
+
+  SupportSettings settings_;
+  double raft_, slope_, px_, py_, lh_, radius_;
+  const Obstacles& obstacles_;
+  StrutList& list_;
+  std::span<Contact> contacts_;
+  std::size_t contact_count_ = 0;
+  BraceCounts counts_;
+};
+
+}  // namespace plumbline

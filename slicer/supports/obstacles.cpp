@@ -1,0 +1,164 @@
+#include "slicer/supports/obstacles.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "slicer/layers/layer_stream.hpp"
+#include "slicer/supports/near.hpp"
+
+namespace plumbline {
+namespace {
+
+constexpr const char* kStage = "supports";
+constexpr std::uint16_t kNever = 0xFFFF;
+
+struct Sizes {
+  std::uint32_t columns, rows, layers;  ///< of a voxel
+  std::uint32_t nx, ny, nz;
+  std::size_t slab_words() const { return BitImage::words_needed(nx, ny); }
+  std::size_t words() const { return slab_words() * nz; }
+};
+
+Sizes sizes_of(const PrintGrid& grid) {
+  Sizes s{};
+  for (double side = Obstacles::kVoxel_mm;; side *= 1.25) {
+    const auto count = [&](float pitch) {
+      return static_cast<std::uint32_t>(std::max(1.0, std::floor(side / static_cast<double>(pitch) + 0.5)));
+    };
+    s.columns = count(grid.pitch_x_mm);
+    s.rows = count(grid.pitch_y_mm);
+    s.layers = count(grid.layer_height_mm);
+    s.nx = (grid.columns + s.columns - 1) / s.columns;
+    s.ny = (grid.rows + s.rows - 1) / s.rows;
+    s.nz = (grid.layers + s.layers - 1) / s.layers;
+    if (s.words() * sizeof(std::uint64_t) <= Obstacles::kMostBytes) return s;
+  }
+}
+
+}  // namespace
+
+Expected<Obstacles> Obstacles::create(const RRep& rrep, Nanometres column_radius, Arena& arena) {
+  const Sizes s = sizes_of(rrep.grid);
+  Obstacles o;
+  o.columns_ = s.columns;
+  o.rows_ = s.rows;
+  o.layers_ = s.layers;
+  o.nx_ = s.nx;
+  o.ny_ = s.ny;
+  o.nz_ = s.nz;
+  const PixelPitch pixel(rrep.grid);
+  o.pitch_.x = pixel.x * s.columns;
+  o.pitch_.y = pixel.y * s.rows;
+  o.slab_words_ = s.slab_words();
+  const auto words = arena.take_top<std::uint64_t>(s.words(), kStage);
+  PLUMBLINE_TRY(words);
+  o.words_ = *words;
+  std::fill(o.words_.begin(), o.words_.end(), 0);
+  const auto lowest = arena.take_top<std::uint16_t>(std::size_t{s.nx} * s.ny, kStage);
+  PLUMBLINE_TRY(lowest);
+  o.lowest_ = *lowest;
+  std::fill(o.lowest_.begin(), o.lowest_.end(), kNever);
+
+  const std::size_t mark = arena.bottom_mark();
+  auto stream = LayerStream::create(rrep, arena);
+  PLUMBLINE_TRY(stream);
+  for (std::uint32_t k = 0; k < rrep.grid.layers; ++k) o.add(k, stream->mask(k));
+  arena.release_bottom(mark);
+
+  const ArenaScope scope(arena);
+  const auto disc = Disc::create(o.pitch_, column_radius, arena);
+  PLUMBLINE_TRY(disc);
+  for (std::uint32_t z = o.nz_; z-- > 0;) {
+    const BitImage slab = o.slab(z);
+    for (std::uint32_t y = 0; y < o.ny_; ++y) {
+      for (std::uint32_t w = 0; w < slab.stride(); ++w) {
+        const std::uint64_t all = w + 1 == slab.stride() ? slab.last_word_mask() : ~std::uint64_t{0};
+        for (std::uint64_t near = disc->near(slab, y, w, all); near != 0; near &= near - 1) {
+          o.lowest_[std::size_t{y} * o.nx_ + w * 64 + static_cast<std::uint32_t>(std::countr_zero(near))] =
+              static_cast<std::uint16_t>(z);
+        }
+      }
+    }
+  }
+  return o;
+}
+
+std::size_t Obstacles::bytes_needed(const PrintGrid& grid) {
+  const Sizes s = sizes_of(grid);
+  constexpr std::size_t kDisc = 1024;  // rows of voxels in the largest radius, 15 mm, with a margin
+  // A lifted object has up to 60 mm of layers more; its voxels may then be larger, but take no more than kMostBytes.
+  const auto lifted = static_cast<std::size_t>(60 / kVoxel_mm) + 2;
+  const std::size_t words = s.slab_words() * (s.nz + lifted) * sizeof(std::uint64_t);
+  return Arena::rounded(std::min(kMostBytes, words)) +
+         Arena::rounded(std::size_t{s.nx} * s.ny * sizeof(std::uint16_t)) + kDisc;
+}
+
+void Obstacles::add(std::uint32_t layer, ConstBitImage mask) {
+  const BitImage to = slab(layer / layers_);
+  for (std::uint32_t y = 0; y < ny_; ++y) {
+    const std::uint32_t row_end = std::min(mask.rows(), (y + 1) * rows_);
+    for (std::uint32_t w = 0; w < mask.stride(); ++w) {
+      std::uint64_t rest = 0;
+      for (std::uint32_t r = y * rows_; r < row_end; ++r) rest |= mask.row(r)[w];
+      while (rest != 0) {
+        const std::uint32_t voxel = (w * 64 + static_cast<std::uint32_t>(std::countr_zero(rest))) / columns_;
+        to.set(voxel, y);
+        const std::uint32_t next = (voxel + 1) * columns_ - w * 64;  // the first pixel of the next voxel
+        rest = next >= 64 ? 0 : rest & (~std::uint64_t{0} << next);
+      }
+    }
+  }
+}
+
+bool Obstacles::is_clear(std::int64_t column, std::int64_t row, std::int64_t layer, Nanometres radius) const {
+  if (layer < 0 || column < 0 || row < 0) return layer < 0;
+  const auto z = static_cast<std::uint32_t>(layer) / layers_;
+  const auto x = static_cast<std::uint32_t>(column) / columns_;
+  const auto y = static_cast<std::uint32_t>(row) / rows_;
+  if (z >= nz_ || x >= nx_ || y >= ny_) return true;
+  const ConstBitImage image = slab(z);
+  bool clear = true;
+  for_each_disc_span(pitch_, x, y, radius, nx_, ny_, [&](std::uint32_t r, std::uint32_t begin, std::uint32_t end) {
+    if (!clear) return;
+    const auto line = image.row(r);
+    for_each_word(begin, end, [&](std::uint32_t w, std::uint64_t bits) { clear &= (line[w] & bits) == 0; });
+  });
+  return clear;
+}
+
+bool Obstacles::is_column_clear(std::int64_t column, std::int64_t row, std::int64_t layer) const {
+  const auto x = static_cast<std::uint32_t>(column) / columns_;
+  const auto y = static_cast<std::uint32_t>(row) / rows_;
+  if (column < 0 || row < 0 || x >= nx_ || y >= ny_) return false;
+  return layer < 0 || lowest_[std::size_t{y} * nx_ + x] > static_cast<std::uint32_t>(layer) / layers_;
+}
+
+Vec3d Obstacles::normal(std::uint32_t column, std::uint32_t row, std::uint32_t layer, std::int32_t radius) const {
+  const auto x = static_cast<std::int32_t>(column / columns_);
+  const auto y = static_cast<std::int32_t>(row / rows_);
+  const auto z = static_cast<std::int32_t>(layer / layers_);
+  std::int64_t sum[3] = {0, 0, 0};
+  for (std::int32_t dz = -radius; dz <= radius; ++dz) {
+    if (z + dz < 0 || z + dz >= static_cast<std::int32_t>(nz_)) continue;
+    const ConstBitImage image = slab(static_cast<std::uint32_t>(z + dz));
+    for (std::int32_t dy = -radius; dy <= radius; ++dy) {
+      for (std::int32_t dx = -radius; dx <= radius; ++dx) {
+        if (dx * dx + dy * dy + dz * dz > radius * radius) continue;
+        const std::int32_t c = x + dx;
+        const std::int32_t r = y + dy;
+        if (c < 0 || r < 0 || c >= static_cast<std::int32_t>(nx_) || r >= static_cast<std::int32_t>(ny_)) continue;
+        if (!image.at(static_cast<std::uint32_t>(c), static_cast<std::uint32_t>(r))) continue;
+        sum[0] -= dx;
+        sum[1] -= dy;
+        sum[2] -= dz;
+      }
+    }
+  }
+  const Vec3d n(static_cast<double>(sum[0]), static_cast<double>(sum[1]), static_cast<double>(sum[2]));
+  const double length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+  if (!(length > 0)) return {0, 0, -1};
+  return {n[0] / length, n[1] / length, n[2] / length};
+}
+
+}  // namespace plumbline

@@ -1,0 +1,76 @@
+#include "slicer/supports/stand.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "slicer/layers/layer_stream.hpp"
+#include "slicer/layers/rrep_edit.hpp"
+#include "slicer/supports/window.hpp"
+
+namespace plumbline {
+namespace {
+
+/// Of the layers above those that may be cut off, every fourth is measured.
+constexpr std::uint32_t kMeasured = 4;
+
+std::uint64_t pixels_in(ConstBitImage mask, const Window& window) {
+  std::uint64_t sum = 0;
+  for (std::uint32_t r = window.row; r < window.row_end; ++r) {
+    for (const std::uint64_t word : mask.row(r).subspan(window.word, window.word_end - window.word)) {
+      if (word != 0) sum += static_cast<std::uint64_t>(std::popcount(word));
+    }
+  }
+  return sum;
+}
+
+/// The first layer that holds the object on the plate; the number of layers if none does.
+Expected<std::uint32_t> first_flat_layer(const RRep& rrep, Arena& arena) {
+  const std::size_t mark = arena.bottom_mark();
+  auto stream = LayerStream::create(rrep, arena);
+  PLUMBLINE_TRY(stream);
+  const Window window = window_of(rrep);
+  const double most = std::floor(std::min(kMostSunk_mm / static_cast<double>(rrep.grid.layer_height_mm) + 0.5,
+                                          std::max(0.0, rrep.grid.layers / kSunkShare - 0.5)));
+  const auto candidates = static_cast<std::uint32_t>(most) + 1;
+  std::uint64_t largest = 0;
+  for (std::uint32_t k = 0; k < rrep.grid.layers; k += kMeasured) {
+    largest = std::max(largest, pixels_in(stream->mask(k), window));
+  }
+  std::uint32_t flat = 0;
+  while (flat < candidates && pixels_in(stream->mask(flat), window) * kFlatShare < largest) ++flat;
+  arena.release_bottom(mark);
+  return flat < candidates ? flat : rrep.grid.layers;
+}
+
+}  // namespace
+
+Expected<Stand> choose_stand(const RRep& rrep, const SupportSettings& settings, std::uint32_t most_layers,
+                             Arena& arena) {
+  if (!(settings.object_elevation > 0)) return Stand{};
+  const auto flat = first_flat_layer(rrep, arena);
+  PLUMBLINE_TRY(flat);
+  if (*flat < rrep.grid.layers) return Stand{*flat, 0};
+  const auto layer_height = static_cast<double>(rrep.grid.layer_height_mm);
+  const auto lifted = static_cast<std::uint32_t>(std::ceil(lift_mm(settings) / layer_height - 1e-6));
+  if (most_layers < rrep.grid.layers || lifted > most_layers - rrep.grid.layers) {
+    return fail(
+        ErrorCode::kDoesNotFit,
+        "the object is %.2f mm high and has no flat underside, so supports lift it by %.2f mm: %.2f mm more than "
+        "the printer's %.2f mm.\tUse a smaller --scale, --fit, a smaller --support-object-elevation, or rotate it",
+        rrep.grid.layers * layer_height, lifted * layer_height,
+        (rrep.grid.layers + lifted - std::min(most_layers, rrep.grid.layers + lifted)) * layer_height,
+        most_layers * layer_height);
+  }
+  return Stand{0, lifted};
+}
+
+Status stand_object(RRep& rrep, const Stand& stand, Arena& arena) {
+  if (stand.sunk > 0) {
+    const auto trimmed = trim_empty_layers(rrep, arena, EmptyLayers{.below = stand.sunk, .above = 0});
+    PLUMBLINE_TRY(trimmed);
+  }
+  return stand.lifted > 0 ? raise_object(rrep, stand.lifted, arena) : Status();
+}
+
+}  // namespace plumbline

@@ -1,0 +1,41 @@
+#pragma once
+/// How an object stands: on the plate, or lifted above it on supports.
+
+#include <cstdint>
+
+#include "slicer/core/arena.hpp"
+#include "slicer/core/error.hpp"
+#include "slicer/rrep/rrep.hpp"
+#include "slicer/supports/support_settings.hpp"
+
+namespace plumbline {
+
+struct Stand {
+  std::uint32_t sunk = 0;    ///< layers cut off below
+  std::uint32_t lifted = 0;  ///< empty layers put below
+};
+
+/// An underside is flat if a section at most kMostSunk_mm and 1 / kSunkShare of the height above the lowest point has at
+/// least 1 / kFlatShare of the largest section's area. So a ball is not flat, whatever its size: it has 9.8 % there. An object
+/// with a flat underside sinks to the first such layer and stands on the plate. Any other is lifted by object_elevation and the
+/// raft: its lowest layers would hold on the plate with a tip's area, and be torn off.
+inline constexpr double kMostSunk_mm = 0.3;
+inline constexpr double kSunkShare = 40;
+inline constexpr std::uint64_t kFlatShare = 10;
+
+/// @param most_layers  that the printer can print
+/// @retval ErrorCode::kDoesNotFit   the lifted object is too high
+/// @retval ErrorCode::kOutOfMemory  no room for two images
+[[nodiscard]] Expected<Stand> choose_stand(const RRep& rrep, const SupportSettings& settings, std::uint32_t most_layers,
+                                           Arena& arena);
+
+/// Cuts off and puts below. rrep must be the newest block at the bottom of the arena unless stand.sunk is 0.
+/// @retval ErrorCode::kOutOfMemory
+[[nodiscard]] Status stand_object(RRep& rrep, const Stand& stand, Arena& arena);
+
+/// mm above the plate at which the object begins if it is lifted.
+inline double lift_mm(const SupportSettings& settings) {
+  return settings.object_elevation > 0 ? settings.object_elevation + settings.pad_wall_thickness : 0;
+}
+
+}  // namespace plumbline

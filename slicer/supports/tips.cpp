@@ -1,0 +1,278 @@
+#include "slicer/supports/tips.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+
+#include "slicer/layers/layer_stream.hpp"
+#include "slicer/supports/held_area.hpp"
+#include "slicer/supports/islands.hpp"
+#include "slicer/supports/tip_loads.hpp"
+#include "slicer/supports/window.hpp"
+
+namespace plumbline {
+namespace {
+
+constexpr const char* kStage = "supports";
+
+/// Where to put the tip for the first pixel, in reading order, that needs one: in later rows or to the side, so that the tip
+/// holds pixels all around it. Offsets and shares are in 64ths of the reach; the fallback is the pixel itself.
+struct Offset {
+  std::int32_t columns, rows;
+};
+constexpr std::array<Offset, 4> kDirections = {{{45, 45}, {-45, 45}, {0, 60}, {60, 0}}};
+constexpr std::array<std::int32_t, 5> kShares = {64, 48, 32, 16, 8};
+
+/// The sweep; each method is one step.
+class Sweep {
+ public:
+  Sweep(const RRep& rrep, const SupportSettings& settings, std::span<Tip> list)
+      : grid_(rrep.grid), window_(window_of(rrep)), pitch_(rrep.grid), list_(list) {
+    const auto layer_height = static_cast<double>(grid_.layer_height_mm);
+    head_ = nanometres(settings.head_front_diameter / 2);
+    penetration_ = static_cast<std::uint32_t>(std::floor(settings.head_penetration / layer_height + 0.5));
+  }
+
+  Status take_memory(const SupportSettings& settings, Arena& arena) {
+    auto top = arena.take_top<std::uint16_t>(std::size_t{window_.rows()} * window_.columns(), kStage);
+    PLUMBLINE_TRY(top);
+    top_ = *top;
+    std::fill(top_.begin(), top_.end(), std::uint16_t{0});
+    for (BitImage* image : {&below_, &fresh_}) {
+      auto words = arena.take_top<std::uint64_t>(BitImage::words_needed(grid_.columns, grid_.rows), kStage);
+      PLUMBLINE_TRY(words);
+      *image = BitImage(*words, grid_.columns, grid_.rows);
+      image->clear();
+    }
+    auto held = HeldArea::create(grid_, settings, window_, arena);
+    PLUMBLINE_TRY(held);
+    held_ = *held;
+    // An overhang is at most this far from its tip, so no tip carries more than the disc's area.
+    constexpr double kPi = 3.14159265358979324;
+    reach_ = std::min(held_.reach(), nanometres(std::sqrt(settings.area_per_tip / kPi)));
+    auto islands = IslandFinder::create(grid_.columns, arena);
+    PLUMBLINE_TRY(islands);
+    islands_ = *islands;
+    auto loads = TipLoads::create(grid_, settings, list_, arena);
+    PLUMBLINE_TRY(loads);
+    loads_ = *loads;
+    return {};
+  }
+
+  Status layer(std::uint32_t layer, ConstBitImage mask) {
+    if (layer == 0) {
+      held_.begin(mask);
+    } else if (compare_with_below(layer, mask)) {
+      held_.next_layer(layer, mask);
+      PLUMBLINE_TRY(hold_islands(layer, mask));
+      PLUMBLINE_TRY(hold_overhangs(layer, mask));
+      PLUMBLINE_TRY(share_loads(layer, mask));
+    } else {
+      held_.next_layer(layer, mask);
+    }
+    keep_as_below(layer, mask);
+    return {};
+  }
+
+  std::span<Tip> tips() const { return list_.first(count_); }
+
+ private:
+  std::uint16_t& top(std::uint32_t column, std::uint32_t row) {
+    return top_[std::size_t{row - window_.row} * window_.columns() + column - window_.word * 64];
+  }
+
+  /// Finds new pixels, and notes where the object ends.
+  /// @returns whether there are new pixels
+  bool compare_with_below(std::uint32_t layer, ConstBitImage mask) {
+    bool any = false;
+    for (std::uint32_t r = window_.row; r < window_.row_end; ++r) {
+      const auto line = mask.row(r);
+      const auto below = below_.row(r);
+      const auto fresh = fresh_.row(r);
+      for (std::uint32_t w = window_.word; w < window_.word_end; ++w) {
+        fresh[w] = line[w] & ~below[w];
+        any |= fresh[w] != 0;
+        for (std::uint64_t gone = below[w] & ~line[w]; gone != 0; gone &= gone - 1) {
+          top(w * 64 + static_cast<std::uint32_t>(std::countr_zero(gone)), r) = static_cast<std::uint16_t>(layer);
+        }
+      }
+    }
+    return any;
+  }
+
+  Status hold_islands(std::uint32_t layer, ConstBitImage mask) {
+    Status done;
+    const auto hold = [&](const IslandFinder::Place& place) {
+      if (done) done = add_tip(place.column, place.row, layer, mask, true);
+    };
+    for (std::uint32_t r = window_.row; r < window_.row_end; ++r) {
+      islands_.next_row(mask, below_, fresh_, r, window_, hold);
+    }
+    islands_.end(hold);
+    return done;
+  }
+
+  Status hold_overhangs(std::uint32_t layer, ConstBitImage mask) {
+    held_.drop_what_is_near(fresh_);
+    for (std::uint32_t r = window_.row; r < window_.row_end; ++r) {
+      const auto line = fresh_.row(r);
+      for (std::uint32_t w = window_.word; w < window_.word_end; ++w) {
+        while (line[w] != 0) {
+          const auto place = place_for(w * 64 + static_cast<std::uint32_t>(std::countr_zero(line[w])), r);
+          PLUMBLINE_TRY(add_tip(place.column, place.row, layer, mask, false));
+          clear_disc(place);
+        }
+      }
+    }
+    return {};
+  }
+
+  /// Place for the tip that holds (column, row) and as many pixels beside it as possible.
+  IslandFinder::Place place_for(std::uint32_t column, std::uint32_t row) const {
+    const auto reach_x = static_cast<std::int64_t>(reach_ / pitch_.x);
+    const auto reach_y = static_cast<std::int64_t>(reach_ / pitch_.y);
+    for (const std::int32_t share : kShares) {
+      for (const Offset& offset : kDirections) {
+        const std::int64_t c = column + reach_x * offset.columns * share / 4096;
+        const std::int64_t r = row + reach_y * offset.rows * share / 4096;
+        if (c < 0 || c >= grid_.columns || r >= grid_.rows) continue;
+        const IslandFinder::Place place{static_cast<std::uint32_t>(c), static_cast<std::uint32_t>(r)};
+        if (fresh_.at(place.column, place.row)) return place;
+      }
+    }
+    return {column, row};
+  }
+
+  void clear_disc(const IslandFinder::Place& place) {
+    for_each_disc_span(pitch_, place.column, place.row, reach_, grid_.columns, grid_.rows,
+                       [&](std::uint32_t row, std::uint32_t begin, std::uint32_t end) {
+                         const auto line = fresh_.row(row);
+                         for_each_word(begin, end, [&](std::uint32_t w, std::uint64_t bits) { line[w] &= ~bits; });
+                       });
+  }
+
+  /// Gives the new pixels that nothing holds to their nearest tips, and puts more tips where one has too much.
+  Status share_loads(std::uint32_t layer, ConstBitImage mask) {
+    for (std::uint32_t r = window_.row; r < window_.row_end; ++r) {
+      const auto line = mask.row(r);
+      const auto below = below_.row(r);
+      for (std::uint32_t w = window_.word; w < window_.word_end; ++w) {
+        std::uint64_t rest = line[w] & ~below[w];
+        if (rest != 0) rest = held_.unheld(r, w, rest);
+        while (rest != 0) {
+          const auto first = static_cast<std::uint32_t>(std::countr_zero(rest));
+          const std::uint32_t length =
+              std::min(static_cast<std::uint32_t>(std::countr_one(rest >> first)), TipLoads::kMostPixels);
+          const std::uint32_t column = w * 64 + first + length / 2;
+          if (loads_.carry(column, r, layer, length)) {
+            PLUMBLINE_TRY(add_tip(column, r, layer, mask, false));
+            loads_.carry(column, r, layer, length);
+          }
+          rest &= ~(((std::uint64_t{1} << length) - 1) << first);
+        }
+      }
+    }
+    return {};
+  }
+
+  Status add_tip(std::uint32_t column, std::uint32_t row, std::uint32_t layer, ConstBitImage mask, bool island) {
+    if (count_ == list_.size()) {
+      return fail(
+          ErrorCode::kOutOfMemory,
+          "%s: more than %zu are needed up to layer %u of %u, the list has room for no more.\tTurn the object, "
+          "allow a smaller support_overhang_angle or a larger support_overhang_span, or look at the preview for "
+          "outliers in the scan",
+          kStage, list_.size(), layer, grid_.layers);
+    }
+    Tip& tip = list_[count_];
+    tip = {};
+    tip.column = static_cast<std::uint16_t>(column);
+    tip.row = static_cast<std::uint16_t>(row);
+    tip.floor = top(column, row);
+    tip.layer = static_cast<std::uint16_t>(layer);
+    tip.end = static_cast<std::uint16_t>(std::min(layer + penetration_, grid_.layers));
+    tip.island = island;
+    loads_.add(static_cast<std::uint32_t>(count_));
+    ++count_;
+    held_.add_disc(column, row, head_, mask);
+    return {};
+  }
+
+  /// Keeps the layer as the one below, with the heads in it. A head ends where the object above its tip ends.
+  void keep_as_below(std::uint32_t layer, ConstBitImage mask) {
+    for (std::uint32_t r = window_.row; r < window_.row_end; ++r) {
+      const auto from = mask.row(r).subspan(window_.word, window_.word_end - window_.word);
+      std::copy(from.begin(), from.end(), below_.row(r).begin() + window_.word);
+    }
+    while (heads_ < count_ && list_[heads_].layer + penetration_ <= layer) ++heads_;
+    for (Tip& tip : list_.first(count_).subspan(heads_)) {
+      if (layer >= tip.end) continue;
+      if (!mask.at(tip.column, tip.row)) {
+        tip.end = static_cast<std::uint16_t>(layer);
+        continue;
+      }
+      for_each_disc_span(pitch_, tip.column, tip.row, head_, grid_.columns, grid_.rows,
+                         [&](std::uint32_t row, std::uint32_t begin, std::uint32_t end) {
+                           if (row < window_.row || row >= window_.row_end) return;
+                           const auto line = below_.row(row);
+                           for_each_word(begin, end, [&](std::uint32_t w, std::uint64_t bits) { line[w] |= bits; });
+                         });
+    }
+  }
+
+  PrintGrid grid_;
+  Window window_;
+  PixelPitch pitch_;
+  Nanometres head_ = 0;            ///< radius of a tip
+  Nanometres reach_ = 0;           ///< of a tip
+  std::uint32_t penetration_ = 0;  ///< layers
+  std::span<Tip> list_;            ///< by layer
+  std::size_t count_ = 0;
+  std::size_t heads_ = 0;         ///< index of the first tip that may be in the layer
+  std::span<std::uint16_t> top_;  ///< per pixel of the window: first layer above the object below it; 0: plate
+  BitImage below_;                ///< the layer below, with heads
+  BitImage fresh_;                ///< new pixels of the layer, then those that are not held
+  HeldArea held_;
+  IslandFinder islands_;
+  TipLoads loads_;
+};
+
+}  // namespace
+
+Expected<std::span<Tip>> find_tips(const RRep& rrep, const SupportSettings& settings, std::span<Tip> list, Arena& arena,
+                                   ProgressSink* progress) {
+  const ArenaScope scope(arena);
+  const std::size_t bottom = arena.bottom_mark();
+  Sweep sweep(rrep, settings, list);
+  PLUMBLINE_TRY(sweep.take_memory(settings, arena));
+  auto stream = LayerStream::create(rrep, arena);
+  PLUMBLINE_TRY(stream);
+  const std::uint32_t layers = rrep.grid.layers;
+  Status done;
+  for (std::uint32_t k = 0; k < layers && done; ++k) {
+    if (progress != nullptr && !progress->advance(Stage::kSupports, static_cast<double>(k) / layers)) {
+      done = fail(ErrorCode::kCancelled, "stopped while supports were sought, at layer %u of %u", k, layers);
+    } else {
+      done = sweep.layer(k, stream->mask(k));
+    }
+  }
+  arena.release_bottom(bottom);
+  PLUMBLINE_TRY(done);
+  return sweep.tips();
+}
+
+std::uint32_t most_tips(const PrintGrid& grid) {
+  return static_cast<std::uint32_t>(
+      std::clamp<std::uint64_t>(std::uint64_t{grid.columns} * grid.rows / 64, 256, 16384));
+}
+
+std::size_t find_tips_bytes(const PrintGrid& grid) {
+  const std::size_t image = Arena::rounded(BitImage::words_needed(grid.columns, grid.rows) * sizeof(std::uint64_t));
+  const std::size_t columns = (grid.columns + 63) / 64 * std::size_t{64};
+  return LayerStream::bytes_needed(grid) + Arena::rounded(columns * grid.rows * sizeof(std::uint16_t)) + 2 * image +
+         HeldArea::bytes_needed(grid) + IslandFinder::bytes_needed(grid.columns) +
+         TipLoads::bytes_needed(grid, most_tips(grid));
+}
+
+}  // namespace plumbline

@@ -1,0 +1,52 @@
+#pragma once
+/// Finds where supports are needed, from the masks alone (thesis I).
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "slicer/core/arena.hpp"
+#include "slicer/core/error.hpp"
+#include "slicer/core/progress.hpp"
+#include "slicer/rrep/rrep.hpp"
+#include "slicer/supports/support_settings.hpp"
+
+namespace plumbline {
+
+/// A place of the object that a support holds.
+struct Tip {
+  std::uint16_t column = 0, row = 0;
+  std::uint16_t floor = 0;  ///< lowest layer of the empty space below it; 0: the plate
+  std::uint16_t layer = 0;  ///< first layer of the object above it
+  std::uint16_t end = 0;    ///< layer after the last that its head may reach into
+  bool island = false;      ///< else an overhang
+  std::uint32_t load = 0;   ///< pixels of overhang that it carries
+  std::uint32_t close = 0;  ///< those of them that are nearer than points_minimal_distance
+};
+
+/// Sweeps the object's masks once, from the plate up, and puts tips
+///   - below every island: a region of a mask that has no pixel above the layer below or above the head of a support;
+///   - below overhangs: new pixels of a layer farther than overhang_span / 2 from all *held* pixels;
+///   - where the overhang nearest to one tip becomes larger than area_per_tip.
+/// Held are layer 0, the discs of tips, pixels within layer_height / tan(overhang_angle) of held pixels a layer below, and
+/// pixels that have been there for as many layers as that growth would have needed (HeldArea). So a slope steeper than the
+/// overhang angle needs no support, a flatter one gets them where it has fallen behind, and bridges up to overhang_span are free.
+///
+/// The load of a tip is the area of new pixels that nothing held when they were cured and to which no other tip is nearer, of
+/// those at most a few millimetres below.
+/// @param settings  accepted by check_support_settings()
+/// @param list      most_tips() of them, overwritten
+/// @param progress  may be null
+/// @returns those of `list` that were found, by layer
+/// @retval ErrorCode::kOutOfMemory  the arena is full, or the list
+/// @retval ErrorCode::kCancelled    `progress` asked to stop
+[[nodiscard]] Expected<std::span<Tip>> find_tips(const RRep& rrep, const SupportSettings& settings, std::span<Tip> list,
+                                                 Arena& arena, ProgressSink* progress);
+
+/// Bytes from the bottom and top of the arena while find_tips() runs, for any object and settings.
+std::size_t find_tips_bytes(const PrintGrid& grid);
+
+/// Largest number of tips.
+std::uint32_t most_tips(const PrintGrid& grid);
+
+}  // namespace plumbline

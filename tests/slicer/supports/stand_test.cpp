@@ -1,0 +1,87 @@
+#include "slicer/supports/stand.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/slicer/support/solid.hpp"
+
+namespace plumbline {
+namespace {
+
+using namespace testing;
+using ::testing::HasSubstr;
+
+Inside ball(double x, double y, double z, double radius) {
+  return [=](std::uint32_t c, std::uint32_t r, std::uint32_t k) {
+    const double dx = c + 0.5 - x;
+    const double dy = r + 0.5 - y;
+    const double dz = k + 0.5 - z;
+    return dx * dx + dy * dy + dz * dz < radius * radius;
+  };
+}
+
+struct Stood {
+  explicit Stood(const Inside& inside, const SupportSettings& settings = {}, std::uint32_t most_layers = 1000,
+                 std::uint32_t layers = 48)
+      : solid(cubic_grid(64, layers), inside),
+        arena(4 * kMiB),
+        stand(choose_stand(solid.rrep, settings, most_layers, *arena)) {}
+
+  Solid solid;
+  ArenaBlock arena;
+  Expected<Stand> stand;
+};
+
+TEST(Stand, IsOnThePlateForAFlatUnderside) {
+  const Stood cube(blocks({{20, 44, 20, 44, 0, 40}}));
+  ASSERT_TRUE(cube.stand);
+  EXPECT_EQ(cube.stand->sunk, 0U);
+  EXPECT_EQ(cube.stand->lifted, 0U);
+}
+
+TEST(Stand, SinksToTheFirstLayerOfEnoughArea) {
+  // A speck below a cube; a tenth of the cube's section is 57.6 pixels. 0.3 mm are 3 layers, and a fortieth of 140.
+  const auto on_a = [](std::uint32_t side, std::uint32_t layers) {
+    return Stood(blocks({{30, 30 + side, 30, 30 + side, 0, layers}, {20, 44, 20, 44, layers, 140}}), {}, 1000, 140);
+  };
+  EXPECT_EQ(on_a(7, 2).stand->sunk, 2U);
+  EXPECT_EQ(on_a(7, 2).stand->lifted, 0U);
+  EXPECT_EQ(on_a(7, 3).stand->sunk, 3U);
+  EXPECT_EQ(on_a(8, 3).stand->sunk, 0U);
+  EXPECT_EQ(on_a(8, 3).stand->lifted, 0U);
+  EXPECT_EQ(on_a(7, 4).stand->sunk, 0U);
+  EXPECT_EQ(on_a(7, 4).stand->lifted, 60U);
+}
+
+TEST(Stand, LiftsWhatIsNotFlatByElevationAndRaft) {
+  const Inside round = ball(32, 32, 24, 24);
+  EXPECT_EQ(Stood(round).stand->lifted, 60U);  // 5 mm and 1 mm
+  SupportSettings settings;
+  settings.object_elevation = 3;
+  settings.pad_wall_thickness = 0;
+  EXPECT_EQ(Stood(round, settings).stand->lifted, 30U);
+  settings.object_elevation = 0;
+  EXPECT_EQ(Stood(round, settings).stand->lifted, 0U);
+}
+
+TEST(Stand, IsRefusedIfTheLiftedObjectIsTooHigh) {
+  const Inside round = ball(32, 32, 24, 24);
+  EXPECT_TRUE(Stood(round, {}, 108).stand);
+  const Stood high(round, {}, 107);
+  ASSERT_FALSE(high.stand);
+  EXPECT_EQ(high.stand.error().code(), ErrorCode::kDoesNotFit);
+  EXPECT_THAT(high.stand.error().message(), HasSubstr("supports lift it by 6.00 mm: 0.10 mm more than"));
+}
+
+TEST(Stand, MovesTheObjectAndNothingElse) {
+  Stood round(ball(32, 32, 24, 24));
+  const auto before = round.solid.masks();
+  ASSERT_TRUE(stand_object(round.solid.rrep, *round.stand, *round.arena));
+  const auto after = round.solid.masks();
+  ASSERT_EQ(after.size(), before.size() + 60);
+  for (std::size_t k = 0; k < 60; ++k) EXPECT_EQ(after[k].count(), 0U);
+  for (std::size_t k = 0; k < before.size(); ++k) EXPECT_EQ(after[k + 60], before[k]);
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,228 @@
+/// Rafts, braces, heads and ways on whole prints, by what a maker would measure on them.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "slicer/supports/bracing.hpp"
+#include "slicer/supports/support_finder.hpp"
+#include "tests/slicer/support/hanging.hpp"
+#include "tests/slicer/support/solid.hpp"
+
+namespace plumbline {
+namespace {
+
+using namespace testing;
+
+constexpr double kPitch = 0.1;       ///< mm, of pixels and layers
+constexpr std::uint32_t kRaft = 10;  ///< layers
+constexpr std::uint32_t kLift = 60;  ///< layers
+
+struct Print {
+  Print(std::uint32_t side, std::uint32_t layers, const Inside& inside, const SupportSettings& settings = {})
+      : solid(cubic_grid(side, layers), inside), arena(64 * kMiB) {
+    supports = value_of(find_supports(solid.rrep, settings, PrintGrid::kMaxLayers, *arena, nullptr, counts));
+    object = solid.masks();
+    masks = solid.masks(&supports);
+  }
+  std::vector<Strut> of(StrutKind kind) const {
+    std::vector<Strut> found;
+    for (const Strut& strut : supports.list) {
+      if (strut.kind == kind) found.push_back(strut);
+    }
+    return found;
+  }
+  /// Largest stretch of a pillar, above the raft, at which neither a brace nor a bridge meets it, mm.
+  double longest_free() const {
+    double longest = 0;
+    for (const Strut& pillar : of(StrutKind::kPillar)) {
+      std::vector<std::uint32_t> held{std::max<std::uint32_t>(pillar.first, kRaft), pillar.end};
+      for (const Strut& strut : supports.list) {
+        if (strut.kind != StrutKind::kBrace && strut.kind != StrutKind::kBridge) continue;
+        if (strut.column0 == pillar.column0 && strut.row0 == pillar.row0) held.push_back(strut.first);
+        if (strut.column1 == pillar.column0 && strut.row1 == pillar.row0) held.push_back(strut.end);
+      }
+      std::sort(held.begin(), held.end());
+      for (std::size_t i = 1; i < held.size(); ++i) longest = std::max(longest, (held[i] - held[i - 1]) * kPitch);
+    }
+    return longest;
+  }
+
+  Solid solid;
+  ArenaBlock arena;
+  SupportCounts counts;
+  Supports supports;
+  std::vector<Pixels> object, masks;
+};
+
+Inside ball(double x, double y, double z, double radius) {
+  return [=](std::uint32_t c, std::uint32_t r, std::uint32_t k) {
+    const double dx = c + 0.5 - x;
+    const double dy = r + 0.5 - y;
+    const double dz = k + 0.5 - z;
+    return dx * dx + dy * dy + dz * dz < radius * radius;
+  };
+}
+
+/// Regions of pixels joined at their sides.
+std::uint32_t regions(const Pixels& mask) { return floating_islands({Pixels(mask.columns(), mask.rows()), mask}); }
+
+TEST(SupportShape, PutsOneRaftWithABevelledEdgeBelowALiftedObject) {
+  const Print print(260, 100, ball(130, 130, 50, 50));
+  EXPECT_EQ(print.counts.lifted, kLift);
+  EXPECT_EQ(floating_islands(print.masks), 0U);
+  EXPECT_EQ(regions(print.masks[0]), 1U) << "the raft comes off in one piece";
+  for (std::uint32_t k = 1; k < kRaft; ++k) {
+    for (std::uint32_t r = 0; r < 260; ++r) {
+      for (std::uint32_t c = 0; c < 260; ++c) {
+        ASSERT_TRUE(print.masks[k].at(c, r) || !print.masks[k - 1].at(c, r)) << "narrower at the top, layer " << k;
+      }
+    }
+    EXPECT_GT(print.masks[k].count(), print.masks[k - 1].count()) << "no bevel at layer " << k;
+  }
+  EXPECT_LT(print.masks[kRaft].count(), print.masks[kRaft - 1].count()) << "the raft ends";
+  for (std::uint32_t k = 0; k < kLift; ++k) EXPECT_EQ(print.object[k].count(), 0U);
+}
+
+TEST(SupportShape, HasUprightEdgesIfAsked) {
+  SupportSettings settings;
+  settings.pad_wall_slope = 90;
+  const Print print(260, 100, ball(130, 130, 50, 50), settings);
+  EXPECT_EQ(print.masks[0], print.masks[kRaft - 1]);
+}
+
+TEST(SupportShape, BracesEveryPillarWithinTenMillimetres) {
+  // A board 24 mm above the plate, and a small ball far from it, whose pillar is alone.
+  const Inside things = [](std::uint32_t c, std::uint32_t r, std::uint32_t k) {
+    return (c >= 60 && c < 160 && r >= 60 && r < 160 && k >= 200 && k < 230) || ball(290, 290, 205, 15)(c, r, k) ||
+           ball(110, 110, 3, 3)(c, r, k);
+  };
+  const Print print(360, 230, things);
+  EXPECT_EQ(floating_islands(print.masks), 0U);
+  EXPECT_GT(print.counts.braces, 4U);
+  EXPECT_GE(print.counts.helpers, 1U);
+  EXPECT_EQ(print.counts.unbraced, 0U);
+  EXPECT_GT(print.longest_free(), 3);
+  EXPECT_LE(print.longest_free(), Bracing::kMostFree_mm + 2 * kPitch);
+  EXPECT_LE(print.counts.longest_free_mm, Bracing::kMostFree_mm);
+  SupportSettings none;
+  none.max_pillar_link_distance = 0;
+  const Print alone(360, 230, things, none);
+  EXPECT_EQ(alone.counts.braces, 0U);
+  EXPECT_GT(alone.counts.unbraced, 0U) << "the check sees no free pillar";
+}
+
+TEST(SupportShape, PointsHeadsAlongTheSurfacesNormal) {
+  // A slab at 40 degrees from the plate, rising to the right.
+  const Inside slab = [](std::uint32_t c, std::uint32_t r, std::uint32_t k) {
+    const double up = k - 0.839 * (c - 100.0);
+    return c >= 100 && c < 200 && r >= 100 && r < 160 && up >= 20 && up < 50;
+  };
+  const Print print(300, 140, slab);
+  int along = 0;
+  int all = 0;
+  for (const Strut& head : print.of(StrutKind::kHead)) {
+    if (head.column1 < 115 || head.column1 > 185 || head.row1 < 115 || head.row1 > 145) continue;  // edges
+    ++all;
+    const double dx = head.column0 - head.column1;
+    const double dz = head.end - head.first;
+    // The outward normal of the underside leans to the right by 40 degrees: tan = 0.839.
+    along += std::abs(dx / dz - 0.839) < 0.25 && std::abs(head.row0 - head.row1) <= 2 ? 1 : 0;
+  }
+  EXPECT_GE(all, 4);
+  EXPECT_EQ(along, all);
+}
+
+TEST(SupportShape, KeepsPillarsAMillimetreFromWallsAndLeadsThemToThePlate) {
+  // A board above a table of the same size: nothing below the board is free, the plate beside the table is.
+  const Inside table =
+      blocks({{100, 150, 100, 150, 0, 40}, {120, 130, 120, 130, 40, 90}, {100, 150, 100, 150, 90, 100}});
+  const Print print(260, 100, table);
+  EXPECT_EQ(print.counts.lifted, 0U);
+  EXPECT_EQ(floating_islands(print.masks), 0U);
+  EXPECT_EQ(print.counts.close + print.counts.on_object, print.counts.on_object) << "only those on the table are close";
+  std::uint32_t measured = 0;
+  for (const Strut& strut : print.of(StrutKind::kPillar)) {
+    if (strut.first > 0) continue;
+    for (std::uint32_t k = 0; k + 20 < strut.end; ++k) {  // a pillar's upper end is near its tip
+      for (int dy = -13; dy <= 13; ++dy) {
+        for (int dx = -13; dx <= 13; ++dx) {
+          if (dx * dx + dy * dy > 13 * 13) continue;
+          ASSERT_FALSE(print.object[k].at(strut.column0 + dx, strut.row0 + dy)) << "near a wall in layer " << k;
+        }
+      }
+      ++measured;
+    }
+  }
+  EXPECT_GT(measured, 0U);
+}
+
+TEST(SupportShape, LimitsTheAreaThatATipCarries) {
+  // A disc 16 mm wide on a thin stem.
+  const Inside mushroom = [](std::uint32_t c, std::uint32_t r, std::uint32_t k) {
+    const double dx = c + 0.5 - 130;
+    const double dy = r + 0.5 - 130;
+    return dx * dx + dy * dy < (k < 40 ? 30 * 30 : 80 * 80);
+  };
+  std::uint32_t before = 0;
+  for (const double limit : {12.0, 4.0, 2.0}) {
+    SupportSettings settings;
+    settings.area_per_tip = limit;
+    const Print print(260, 60, mushroom, settings);
+    EXPECT_GT(print.counts.all(), before);
+    before = print.counts.all();
+    // By the definition: each pixel of the disc's underside farther from the stem than a tip reaches belongs to its nearest tip.
+    const auto tips = print.of(StrutKind::kTip);
+    std::vector<double> load(tips.size());
+    for (std::uint32_t r = 0; r < 260; ++r) {
+      for (std::uint32_t c = 0; c < 260; ++c) {
+        const double from_stem = std::hypot(c + 0.5 - 130, r + 0.5 - 130) - 30;
+        if (!print.object[40].at(c, r) || from_stem * kPitch < 1.5) continue;
+        std::size_t nearest = 0;
+        double least = 1e9;
+        for (std::size_t i = 0; i < tips.size(); ++i) {
+          const double dx = tips[i].column0 - static_cast<double>(c);
+          const double dy = tips[i].row0 - static_cast<double>(r);
+          if (dx * dx + dy * dy < least) {
+            least = dx * dx + dy * dy;
+            nearest = i;
+          }
+        }
+        load[nearest] += kPitch * kPitch;
+      }
+    }
+    EXPECT_LE(*std::max_element(load.begin(), load.end()), limit + 0.5);
+    EXPECT_GT(print.counts.heavy + print.counts.medium, 0U);
+  }
+}
+
+TEST(SupportShape, HoldsItsTipsOnCoarsePixelsToo) {
+  for (const float pitch : {0.2F, 0.3F}) {
+    Solid solid(cubic_grid(110, 70, pitch), ball(55, 55, 36, 33));
+    ArenaBlock arena(64 * kMiB);
+    SupportCounts counts;
+    const Supports supports = value_of(find_supports(solid.rrep, {}, PrintGrid::kMaxLayers, *arena, nullptr, counts));
+    EXPECT_GT(counts.light, 0U);
+    EXPECT_EQ(floating_islands(solid.masks(&supports)), 0U) << pitch;
+  }
+}
+
+TEST(SupportShape, IsNeverCutAtThePanelsEdge) {
+  // A ball that nearly touches the edges.
+  const Print print(110, 100, ball(55, 55, 50, 50));
+  EXPECT_EQ(floating_islands(print.masks), 0U);
+  for (const Strut& strut : print.of(StrutKind::kRaft)) {
+    for (std::uint32_t k = strut.first; k < strut.end; ++k) {
+      const auto reach = static_cast<int>(section_of(strut, k).radius / 100'000);
+      EXPECT_GE(strut.column0 - reach, 0);
+      EXPECT_LT(strut.column0 + reach, 110);
+      EXPECT_GE(strut.row0 - reach, 0);
+      EXPECT_LT(strut.row0 + reach, 110);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace plumbline
