@@ -8,6 +8,7 @@
 #include "firmware/io/interrupt.hpp"
 #include "firmware/io/job_progress.hpp"
 #include "firmware/io/json_writer.hpp"
+#include "firmware/io/output_file.hpp"
 #include "firmware/io/progress_lines.hpp"
 #include "firmware/io/scan_files.hpp"
 #include "firmware/io/version.hpp"

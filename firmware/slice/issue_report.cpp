@@ -79,7 +79,7 @@ CheckLimits coarse_limits(const PrintGrid& grid) {
   CheckLimits limits;
   const double pixels = kUsualPitch / std::max(kUsualPitch, IssueScale(grid).pitch_x_mm);
   const auto scaled = [](std::uint32_t limit, double factor) {
-    return std::max(1U, static_cast<std::uint32_t>(limit * factor));
+    return std::max(1U, static_cast<std::uint32_t>(limit * factor + 0.5));
   };
   limits.island_held_pixels = scaled(limits.island_held_pixels, pixels * pixels);
   limits.overhang_reach = scaled(limits.overhang_reach, pixels);

@@ -141,7 +141,7 @@ class Slice(Program):
         top, bottom = self.dir / "top.ply", self.dir / "bottom.ply"
         split(self.scan, 7000, top, bottom)
         same = ("--printer", self.board)
-        done = self.run_it("slice", top, bottom, "-o", self.out, "--no-preview", "--verbose", *same)
+        done = self.run_it("slice", top, bottom, "-o", self.out, "--no-preview", "--verbose", "--supports", "none", *same)
         manifest = self.manifest()
         self.assertEqual(manifest["hashes"], whole["hashes"])
         self.assertEqual(manifest["scan"]["name"], "top.ply and 1 more")

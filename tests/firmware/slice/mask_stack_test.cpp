@@ -104,10 +104,14 @@ TEST(MaskStack, SaysWhatIsWrongWithAFile) {
 
 TEST(MaskStack, RefusesColours) {
   const TemporaryFolder folder;
-  const std::vector<unsigned char> red(std::size_t{3} * 4 * 4, 200);
-  std::vector<unsigned char> uneven = red;
-  uneven[4] = 0;
-  ASSERT_EQ(lodepng::encode(folder / "1.png", uneven, 4, 4, LCT_RGB), 0U);
+  const std::vector<unsigned char> pixels(std::size_t{3} * 4 * 4, 200);
+  lodepng::State state;
+  state.info_raw.colortype = LCT_RGB;
+  state.info_png.color.colortype = LCT_RGB;
+  state.encoder.auto_convert = 0;
+  std::vector<unsigned char> file;
+  ASSERT_EQ(lodepng::encode(file, pixels, 4, 4, state), 0U);
+  ASSERT_EQ(lodepng::save_file(file, folder / "1.png"), 0U);
   auto stack = MaskStack::open(folder / "");
   ASSERT_TRUE(stack) << stack.error().message();
   OwnedImage mask(4, 4);
