@@ -7,6 +7,7 @@
 #include <span>
 
 #include "firmware/settings/job_options.hpp"
+#include "firmware/settings/print_length.hpp"
 
 namespace plumbline {
 namespace {
@@ -46,6 +47,20 @@ struct TruthKey {
 };
 constexpr std::array kTruths = {TruthKey{"fit", &StickJob::fit}, TruthKey{"keep_all", &StickJob::keep_all}};
 
+/// What a new value of a key leaves no room for: one size, and one way up.
+void clear_rivals(StickJob& job, std::string_view key) {
+  if (key == "scale" || (key == "fit" && job.fit)) job.size.reset();
+  if (key.starts_with("rotate_")) job.orient = false;
+}
+
+/// The side whose size a key sets.
+std::optional<Side> side_of(std::string_view key) {
+  for (const Side side : {Side::kWidth, Side::kDepth, Side::kHeight, Side::kLength}) {
+    if (key == to_string(side)) return side;
+  }
+  return std::nullopt;
+}
+
 /// The index of a word; none: it is not among them.
 std::optional<std::size_t> index_of(std::span<const std::string_view> words, std::string_view word) {
   const auto found = std::find(words.begin(), words.end(), word);
@@ -65,12 +80,14 @@ Status set_job_setting(StickJob& job, std::string_view key, std::string_view val
     const auto found = number_of(value);
     if (!found || !(*found >= number.low && *found <= number.high)) return refused(key, value, number.allowed);
     job.*number.field = *found;
+    clear_rivals(job, key);
     return {};
   }
   for (const TruthKey& truth : kTruths) {
     if (truth.name != key) continue;
     if (value != "true" && value != "false") return refused(key, value, "true or false");
     job.*truth.field = value == "true";
+    clear_rivals(job, key);
     return {};
   }
   if (key == "units") {
@@ -91,11 +108,32 @@ Status set_job_setting(StickJob& job, std::string_view key, std::string_view val
     job.supports = word ? std::optional(*word == 1) : std::nullopt;
     return {};
   }
-  return fail(
-      ErrorCode::kBadSetting,
-      "'%.*s': unknown setting.\tKnown are profile, units, scale, fit, rotate_x_deg, rotate_y_deg, rotate_z_deg, "
-      "layer_height, supports, base and keep_all",
-      static_cast<int>(key.size()), key.data());
+  if (const auto side = side_of(key)) {
+    const auto mm = parse_length(value);
+    if (!mm) return refused(key, value, kLengthForm);
+    job.size = PrintSize{*side, *mm};
+    job.scale = 1;
+    job.fit = false;
+    return {};
+  }
+  if (key == "floor") {
+    const auto floor = parse_floor(value);
+    if (!floor) return refused(key, value, kFloorForm);
+    job.floor = *floor;
+    return {};
+  }
+  if (key == "orient") {
+    const auto word = index_of(kSupportWords, value);
+    if (!word) return refused(key, value, "none or auto");
+    job.orient = *word == 1;
+    if (job.orient) job.rotate_x_deg = job.rotate_y_deg = job.rotate_z_deg = 0;
+    return {};
+  }
+  return fail(ErrorCode::kBadSetting,
+              "'%.*s': unknown setting.\tKnown are profile, units, scale, fit, width, depth, height, length, floor, "
+              "orient, rotate_x_deg, "
+              "rotate_y_deg, rotate_z_deg, layer_height, supports, base and keep_all",
+              static_cast<int>(key.size()), key.data());
 }
 
 }  // namespace plumbline

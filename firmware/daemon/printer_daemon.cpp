@@ -304,6 +304,9 @@ void PrinterDaemon::record_job(const Offer& offer) {
   record.units = job.units;
   record.scale = job.scale;
   record.fit = job.fit;
+  record.size = job.size;
+  record.orient = job.orient;
+  record.floor = job.floor;
   record.rotate_deg = {job.rotate_x_deg, job.rotate_y_deg, job.rotate_z_deg};
   record.layer_height_mm = job.layer_height;
   record.supports = job.supports;
@@ -350,11 +353,10 @@ Expected<PrintProfile> PrinterDaemon::profile_of(const std::string& name) const 
 /// @returns whether to print it. If not, the state says why
 Expected<bool> PrinterDaemon::accept_issues(const StackFindings& findings, const PrintGrid& grid,
                                             const CheckPolicy& policy) {
-  for_each_issue(findings, grid, policy,
-                 [&](IssueKind, CheckAction, std::string_view sentence) {
-                   observer_.say(sentence);
-                   record_.add_finding(Severity::kWarning, sentence);
-                 });
+  for_each_issue(findings, grid, policy, [&](IssueKind, CheckAction, std::string_view sentence) {
+    observer_.say(sentence);
+    record_.add_finding(Severity::kWarning, sentence);
+  });
   const CheckAction action = verdict(findings, policy);
   if (action == CheckAction::kRefuse) {
     refuse(judge(findings, grid, policy).error(), FaultCode::kIssueFound);

@@ -16,6 +16,7 @@
 #include "slicer/core/printable_text.hpp"
 #include "slicer/core/progress.hpp"
 #include "slicer/placement/base_choice.hpp"
+#include "slicer/placement/floor_choice.hpp"
 #include "slicer/placement/placement.hpp"
 
 namespace plumbline {
@@ -42,6 +43,9 @@ struct JobRecord {
   Units units = Units::kMillimetres;
   double scale = 1;
   bool fit = false;
+  std::optional<PrintSize> size;  ///< instead of the scale
+  bool orient = false;            ///< turned the best way up
+  FloorChoice floor;
   std::array<double, 3> rotate_deg{};
   double layer_height_mm = 0;    ///< 0: the profile's
   std::optional<bool> supports;  ///< none: the profile's

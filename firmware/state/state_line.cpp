@@ -82,6 +82,22 @@ void write_job(JsonWriter& json, const PrinterRecord& record) {
   json.member("units", to_string(job.units));
   json.member("scale", job.scale);
   json.member("fit", job.fit);
+  json.key("size");
+  if (job.size) {
+    json.begin_object(kOneLine);
+    json.member("side", to_string(job.size->side));
+    json.member("mm", job.size->mm);
+    json.end_object();
+  } else {
+    json.null();
+  }
+  json.member("orient", job.orient ? "auto" : "none");
+  json.key("floor");
+  if (job.floor.kind == FloorChoice::Kind::kHeight) {
+    json.value(job.floor.height);
+  } else {
+    json.value(job.floor.kind == FloorChoice::Kind::kAuto ? "auto" : "keep");
+  }
   json.member("rotate_x_deg", job.rotate_deg[0]);
   json.member("rotate_y_deg", job.rotate_deg[1]);
   json.member("rotate_z_deg", job.rotate_deg[2]);

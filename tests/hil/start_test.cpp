@@ -187,6 +187,8 @@ class StrictRig : public RequestRig {
     std::string text = read_text(PLUMBLINE_SOURCE_DIR "/board/profiles/standard.toml");
     const std::string usual = "first_layer_area = \"warn\"";
     text.replace(text.find(usual), usual.size(), "first_layer_area = \"" + action + "\"");
+    const std::string supported = "supports_enable = true";  // the raft of a supported ball is large enough
+    text.replace(text.find(supported), supported.size(), "supports_enable = false");
     write_text(folder / "profiles/standard.toml", text);
     board_path = folder / "sim2k.toml";
     press_at("ball.ply. Press start", EventKind::kStartPressed);
