@@ -31,8 +31,8 @@ TEST(Daemon, PrintsTheOnlyScanOnAStickAndIsReadyForTheNext) {
   EXPECT_THAT(rig.user.profiles, ElementsAre("standard"));
   EXPECT_THAT(rig.user.said,
               ElementsAre(HasSubstr("start = \"on_stick\""), "ready", HasSubstr("reading ball.ply"),
-                          HasSubstr("only 4 mm long"), "the stick may be pulled", HasSubstr("is the plate empty?"),
-                          "shut down"));
+                          HasSubstr("only 4 mm long"), "the stick may be pulled",
+                          HasSubstr("1 part at the panel's edge"), HasSubstr("is the plate empty?"), "shut down"));
   EXPECT_EQ(rig.arena.used(), 0U);
 }
 
@@ -69,8 +69,9 @@ TEST(Daemon, FollowsTheJobFile) {
   DaemonRig rig;
   rig.put_scan("a.ply");
   rig.put_scan("b.ply");
-  write_text(rig.stick() + "/job.toml",
-             "[job]\nscan = 'b.ply'\nprofile = 'draft'\nsupports = 'none'\n[placement]\nscale = 1.5\nlayer_height = 0.2\n");
+  write_text(
+      rig.stick() + "/job.toml",
+      "[job]\nscan = 'b.ply'\nprofile = 'draft'\nsupports = 'none'\n[placement]\nscale = 1.5\nlayer_height = 0.2\n");
   rig.plant.plug_stick(rig.stick());
   rig.user.on_printed = [&] { rig.plant.press(EventKind::kShutdownRequested); };
   ASSERT_TRUE(rig.run());

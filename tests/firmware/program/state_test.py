@@ -119,7 +119,7 @@ class State(Program):
         folder.rename(self.stick)
 
     def test_a_print_from_the_plate_to_the_plate_with_every_command(self):
-        daemon, user = self.start("--fault", "cover.opens@layer=9,for=60s", plate=False)
+        daemon, user = self.start("--fault", "cover.opens@layer=9,for=60s", plate=False, speedup=20)
         first = user.state("plate in use", "plate-empty")
         self.assertEqual((first["commands"], first["job"], first["stick"]["present"]), (["plate-empty"], None, False))
         user.refused("'plate in use'. It takes plate-empty", "start")
@@ -261,7 +261,6 @@ class State(Program):
             return {line.split(":")[0]: int(line.split()[1]) for line in file if line.startswith(("VmData", "VmStk", "VmLck"))}
 
     def print_once(self, user):
-        user.do("set", key="supports", value="none")
         user.do("start")
         user.state("printing")
         done = user.state("plate in use", "plate-empty")
@@ -333,6 +332,7 @@ class State(Program):
         slack = []
         for followers in (0, 8):
             user.state("offered", "start")
+            user.do("set", key="supports", value="none")
             shown = [subprocess.Popen([PLUMBLINE, "status", "--follow", "--json", "--socket", self.path], stdout=subprocess.DEVNULL)
                      for _ in range(followers)]
             for process in shown:
