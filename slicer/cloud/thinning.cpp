@@ -27,7 +27,9 @@ float longest_side(const Cloud& cloud) {
   float core = 0;
   for (int axis = 0; axis < 3; ++axis) {
     std::array<float, kSample> sorted;  // NOLINT(cppcoreguidelines-pro-type-member-init)
-    for (std::size_t i = 0; i < count; ++i) sorted[i] = cloud.position[std::uint64_t{i} * cloud.size / count][axis];
+    for (std::size_t i = 0; i < count; ++i) {
+      sorted[i] = cloud.position[static_cast<std::size_t>(std::uint64_t{i} * cloud.size / count)][axis];
+    }
     std::sort(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(count));
     core = std::max(core, sorted[count - 1 - left_out] - sorted[left_out]);
   }
