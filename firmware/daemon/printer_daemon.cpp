@@ -1,5 +1,7 @@
 #include "firmware/daemon/printer_daemon.hpp"
 
+#include <array>
+#include <cstddef>
 #include <utility>
 
 #include "firmware/daemon/job_setting.hpp"
@@ -11,6 +13,14 @@
 
 namespace plumbline {
 namespace {
+
+/// Touches as much stack as any job needs, so that it does not grow, and lock more memory, after "ready".
+[[gnu::noinline]] void grow_stack() {
+  constexpr std::size_t kBytes = std::size_t{256} * 1024;
+  constexpr std::size_t kPage = 4096;
+  std::array<volatile char, kBytes> pages;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+  for (std::size_t i = 0; i < kBytes; i += kPage) pages[i] = 0;
+}
 
 /// How long the daemon waits for an event before its next turn. Shorter responds faster, longer spares the processor.
 constexpr nanoseconds kLook = std::chrono::milliseconds(200);
@@ -46,6 +56,7 @@ void PrinterDaemon::apply(PrintEvent event) {
 }
 
 Status PrinterDaemon::run() {
+  grow_stack();
   show_on_panel(machine_.panel, state_);
   if (settings_.machine.start == StartChoice::kOnStick) {
     observer_.say(
