@@ -1,6 +1,6 @@
 #include "firmware/cli/status_text.hpp"
 
-#include <cstdlib>
+#include <charconv>
 #include <functional>
 #include <optional>
 
@@ -10,9 +10,12 @@
 namespace plumbline {
 namespace {
 
+/// 0 if it is null, no number, or not there.
 double json_number(std::string_view object, std::string_view key) {
-  const auto value = json_member(object, key);
-  return value ? std::strtod(std::string(*value).c_str(), nullptr) : 0;
+  double number = 0;
+  if (const auto value = json_member(object, key))
+    std::from_chars(value->data(), value->data() + value->size(), number);
+  return number;
 }
 
 /// Whether an object has a member that is not null.

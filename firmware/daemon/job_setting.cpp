@@ -47,7 +47,7 @@ struct TruthKey {
 };
 constexpr std::array kTruths = {TruthKey{"fit", &StickJob::fit}, TruthKey{"keep_all", &StickJob::keep_all}};
 
-/// What a new value of a key leaves no room for: one size, and one way up.
+/// Clears what a new value contradicts: a print has one size and one orientation.
 void clear_rivals(StickJob& job, std::string_view key) {
   if (key == "scale" || (key == "fit" && job.fit)) job.size.reset();
   if (key.starts_with("rotate_")) job.orient = false;

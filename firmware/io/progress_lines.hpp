@@ -49,7 +49,7 @@ class ProgressLines final : public ProgressDisplay {
   double step_seconds_ = 0;  ///< of its stages that have ended
 };
 
-/// What to do with a scan that plainly lies wrong: "the scan seems to lie wrong; --rotate-x 90 stands it up".
+/// "the scan seems to lie on its side or its head. To stand it up: --rotate-x 90"
 FixedText<128> lies_wrong_sentence(double x_degrees, double y_degrees);
 
 /// Writes a line to standard error. A failure of this and of the others is ignored: there is nowhere left to report it.

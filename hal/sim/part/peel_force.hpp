@@ -9,7 +9,7 @@ namespace plumbline {
 ///
 /// A is the layer's area (mm2), P the length of its outline (mm), C the area of the sealed cavities that open to the film (mm2).
 ///   s A  The resin between layer and film must flow in from the rim, so the film first pulls on the whole layer: a cohesive zone
-///        with a largest traction s (F. Liravi, S. Das, C. Zhou, Computer-Aided Design 69, 2015; H. Ye, A. Venketeswaran, S. Das,
+///        with a largest traction s (F. Liravi, S. Das, C. Zhou, Computer-Aided Design 69, 2015, doi 10.1016/j.cad.2015.05.002; H. Ye, A. Venketeswaran, S. Das,
 ///        C. Zhou, Rapid Prototyping Journal 23, 2017, doi 10.1108/RPJ-06-2016-0091). With a rigid window this would be Stefan
 ///        adhesion, which grows faster than the area (Y. Pan, H. He, J. Xu, A. Feinerman, Study of separation force in constrained
 ///        surface projection stereolithography, Rapid Prototyping Journal 23, 2017); a film that bends bounds it.
