@@ -12,16 +12,6 @@ namespace {
 double seconds(nanoseconds time) { return std::chrono::duration<double>(time).count(); }
 double milliseconds(nanoseconds time) { return std::chrono::duration<double, std::milli>(time).count(); }
 
-const char* word_of(CheckOutcome outcome) {
-  switch (outcome) {
-    case CheckOutcome::kNotReached: return "not reached";
-    case CheckOutcome::kPassed: return "passed";
-    case CheckOutcome::kWarned: return "noted";
-    case CheckOutcome::kFailed: return "failed";
-  }
-  return "unknown";
-}
-
 const char* word_of(ExposureEnd end) {
   switch (end) {
     case ExposureEnd::kTimeUp: return "time up";
@@ -214,7 +204,7 @@ void write_print_report(JsonWriter& json, const PrintOutcome& outcome) {
   for (std::size_t i = 0; i < kCheckCount; ++i) {
     json.begin_object(Layout::kOneLine);
     json.member("check", to_string(static_cast<Check>(i)));
-    json.member("outcome", word_of(report.checks[i].outcome));
+    json.member("outcome", to_string(report.checks[i].outcome));
     json.member("detail", report.checks[i].detail.view());
     json.end_object();
   }

@@ -160,23 +160,13 @@ void write_resin(JsonWriter& json, const PrinterRecord& record) {
   json.end_object();
 }
 
-const char* word_of(CheckOutcome outcome) {
-  switch (outcome) {
-    case CheckOutcome::kNotReached: return "not reached";
-    case CheckOutcome::kPassed: return "passed";
-    case CheckOutcome::kWarned: return "noted";
-    case CheckOutcome::kFailed: return "failed";
-  }
-  return "not reached";
-}
-
 void write_checks(JsonWriter& json, const PrinterRecord& record) {
   json.begin_array(kOneLine);
   for (std::size_t i = 0; i < kCheckCount; ++i) {
     if (record.checks[i].outcome == CheckOutcome::kNotReached) continue;
     json.begin_object(kOneLine);
     json.member("check", to_string(static_cast<Check>(i)));
-    json.member("outcome", word_of(record.checks[i].outcome));
+    json.member("outcome", to_string(record.checks[i].outcome));
     json.member("detail", record.checks[i].detail.view());
     json.end_object();
   }

@@ -23,6 +23,16 @@ std::string_view to_string(Check check) {
   return "unknown check";
 }
 
+std::string_view to_string(CheckOutcome outcome) {
+  switch (outcome) {
+    case CheckOutcome::kNotReached: return "not reached";
+    case CheckOutcome::kPassed: return "passed";
+    case CheckOutcome::kWarned: return "noted";
+    case CheckOutcome::kFailed: return "failed";
+  }
+  return "unknown outcome";
+}
+
 void PrintReport::add(const ExposureLine& exposure) {
   if (exposures.size() == room.size()) {
     ++exposures_left_out;

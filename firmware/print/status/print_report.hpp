@@ -35,6 +35,8 @@ inline constexpr std::size_t kCheckCount = 11;
 std::string_view to_string(Check check);
 
 enum class CheckOutcome : std::uint8_t { kNotReached, kPassed, kWarned, kFailed };
+/// "not reached", "passed", "noted", "failed": in reports and on the state socket.
+std::string_view to_string(CheckOutcome outcome);
 
 struct CheckResult {
   CheckOutcome outcome = CheckOutcome::kNotReached;

@@ -58,6 +58,16 @@ inline PrintGrid cubic_grid(std::uint32_t side, std::uint32_t layers, float pitc
           .layer_height_mm = pitch_mm};
 }
 
+/// Its middle in voxels.
+inline Inside ball(double x, double y, double z, double radius) {
+  return [=](std::uint32_t c, std::uint32_t r, std::uint32_t k) {
+    const double dx = c + 0.5 - x;
+    const double dy = r + 0.5 - y;
+    const double dz = k + 0.5 - z;
+    return dx * dx + dy * dy + dz * dz < radius * radius;
+  };
+}
+
 /// Half-open box of voxels.
 struct Block {
   std::uint32_t column, column_end, row, row_end, layer, layer_end;

@@ -11,15 +11,6 @@ namespace {
 using namespace testing;
 using ::testing::HasSubstr;
 
-Inside ball(double x, double y, double z, double radius) {
-  return [=](std::uint32_t c, std::uint32_t r, std::uint32_t k) {
-    const double dx = c + 0.5 - x;
-    const double dy = r + 0.5 - y;
-    const double dz = k + 0.5 - z;
-    return dx * dx + dy * dy + dz * dz < radius * radius;
-  };
-}
-
 struct Stood {
   explicit Stood(const Inside& inside, const SupportSettings& settings = {}, std::uint32_t most_layers = 1000,
                  std::uint32_t layers = 48)

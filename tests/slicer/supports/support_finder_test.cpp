@@ -90,14 +90,6 @@ void expect_printable(const Supported& s) {
   EXPECT_LE(s.hang(), kReach + kRounded);
 }
 
-Inside ball(double x, double y, double z, double radius) {
-  return [=](std::uint32_t c, std::uint32_t r, std::uint32_t k) {
-    const double dx = c + 0.5 - x;
-    const double dy = r + 0.5 - y;
-    const double dz = k + 0.5 - z;
-    return dx * dx + dy * dy + dz * dz < radius * radius;
-  };
-}
 /// Upright, its apex at the bottom.
 Inside cone(double apex, double slope) {
   return [=](std::uint32_t c, std::uint32_t r, std::uint32_t k) {

@@ -57,15 +57,6 @@ struct Print {
   std::vector<Pixels> object, masks;
 };
 
-Inside ball(double x, double y, double z, double radius) {
-  return [=](std::uint32_t c, std::uint32_t r, std::uint32_t k) {
-    const double dx = c + 0.5 - x;
-    const double dy = r + 0.5 - y;
-    const double dz = k + 0.5 - z;
-    return dx * dx + dy * dy + dz * dz < radius * radius;
-  };
-}
-
 /// Regions of pixels joined at their sides.
 std::uint32_t regions(const Pixels& mask) { return floating_islands({Pixels(mask.columns(), mask.rows()), mask}); }
 
