@@ -100,10 +100,10 @@ ExitCode run_inspect(const InspectOptions& inspect_options, std::span<std::byte>
   outlook.printer_name = setup->printer_name;
   if (!silent && outlook.coverage && !outlook.coverage->sentence().view().empty()) {
     FixedText<256> line;
-    line.add("plumbline: warning: %s%s%s", outlook.coverage->sentence().c_str(),
+    line.add("%s%s%s", outlook.coverage->sentence().c_str(),
              inspect_options.picture.empty() ? ". --picture FILE draws where" : ": see ",
              inspect_options.picture.c_str());
-    write_line(line.view());
+    lines.warn(line.view());
   }
   if (options.quiet && !options.json) return ExitCode::kDone;
   OutputFile out = OutputFile::standard_output();

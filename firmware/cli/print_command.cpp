@@ -104,17 +104,9 @@ Status make_ready(const PrintOptions& options, const JobSetup& setup, const Prin
   JobProgress progress(silent ? nullptr : &lines);
   PLUMBLINE_TRY(session.slice_scan(scan->sources(), settings, *supports, printer.profile, &progress));
   if (silent) return {};
-  for_each_remark(session.sliced(), [](std::string_view warning) {
-    FixedText<512> line;
-    line.add("plumbline: warning: %.*s", static_cast<int>(warning.size()), warning.data());
-    write_line(line.view());
-  });
+  for_each_remark(session.sliced(), [&](std::string_view remark) { lines.warn(remark); });
   for_each_issue(*session.findings(), session.grid(), printer.profile.checks,
-                 [](IssueKind, CheckAction, std::string_view sentence) {
-                   FixedText<512> line;
-                   line.add("plumbline: warning: %.*s", static_cast<int>(sentence.size()), sentence.data());
-                   write_line(line.view());
-                 });
+                 [&](IssueKind, CheckAction, std::string_view sentence) { lines.warn(sentence); });
   return {};
 }
 

@@ -47,14 +47,6 @@ Status write_result(const JobReport& report, const SliceOptions& options, const 
   return write_summary(out, report, options.output.c_str(), time ? time->text() : std::string(), options.job.verbose);
 }
 
-void write_warnings(const JobWarnings& warnings) {
-  for (const auto& warning : warnings.all()) {
-    FixedText<512> line;
-    line.add("plumbline: warning: %s", warning.c_str());
-    write_line(line.view());
-  }
-}
-
 }  // namespace
 
 CLI::App* add_slice_command(CLI::App& app, SliceOptions& options) {
@@ -105,7 +97,9 @@ ExitCode run_slice(const SliceOptions& options, std::span<std::byte> arena_block
     return report_error(Error::format(ErrorCode::kCancelled, "interrupted; nothing of this job was left in %s",
                                       options.output.c_str()));
   }
-  if (!silent) write_warnings(job->report().warnings);
+  if (!silent) {
+    for (const auto& warning : job->report().warnings.all()) lines.warn(warning.view());
+  }
   if (options.job.quiet && !options.job.json) return ExitCode::kDone;
   const auto written = write_result(job->report(), options, setup->board);
   return written ? ExitCode::kDone : report_error(written.error());

@@ -9,7 +9,8 @@ import struct
 import subprocess
 import unittest
 
-from case import PLUMBLINE, U64, Program, add_ball, job_hash, layer_hash, main, png_rows, split, turn_normals, write_sphere
+from case import PLUMBLINE, SIM2K, U64, Program, add_ball, job_hash, layer_hash, main, png_rows, split, turn_normals
+from case import write_lying_cone, write_sphere
 
 
 class Slice(Program):
@@ -274,6 +275,20 @@ class Slice(Program):
         for row, wanted in zip(self.manifest()["transform"][:3], found["transform"]):
             for typed, turned in zip(row[:3], wanted):
                 self.assertAlmostEqual(typed, turned, places=9)
+
+    def test_scan_that_lies_wrong_is_told_once_while_it_is_read(self):
+        write_lying_cone(self.scan)
+        done = self.slice_it("--no-preview")
+        told = [i for i, line in enumerate(done.stderr.splitlines()) if "lie on its side" in line]
+        ended = [i for i, line in enumerate(done.stderr.splitlines()) if line.startswith("  finding the surface")]
+        self.assertEqual(len(told), 1, done.stderr)
+        self.assertLess(told[0], ended[0])
+        sentence = done.stderr.splitlines()[told[0]].removeprefix("plumbline: warning: ")
+        self.assertRegex(sentence, r"^the scan seems to lie on its side or its head\. To stand it up: --rotate-y -?90$")
+        self.assertEqual(self.manifest()["warnings"].count(sentence), 1)
+        # The same in a print.
+        done = self.run_it("print", self.scan, "--printer", SIM2K, "--supports", "none")
+        self.assertEqual(done.stderr.count(sentence), 1)
 
     def test_guessed_units_are_reported(self):
         write_sphere(self.scan, radius=0.012)
