@@ -136,11 +136,7 @@ Expected<CheckedMasks> check_scan(const CheckOptions& options, const JobSetup& s
   PLUMBLINE_TRY(scan);
   const auto supports = options.supports.over(true, {});
   PLUMBLINE_TRY(supports);
-  SliceSettings settings;
-  settings.placement = setup.placement;
-  settings.base = setup.base;
-  settings.keep_all = setup.keep_all;
-  settings.threads = setup.threads;
+  const SliceSettings settings = slice_settings(setup, *supports);
   start_threads(setup.threads);
   SliceReport report;
   const auto sliced = slice_for_print(scan->sources(), settings, *supports, arena, &terminal.progress(), report);

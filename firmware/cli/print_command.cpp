@@ -13,7 +13,6 @@
 #include "firmware/print/status/print_lines.hpp"
 #include "firmware/slice/issue_report.hpp"
 #include "firmware/slice/job_report.hpp"
-#include "slicer/support_building.hpp"
 
 namespace plumbline {
 namespace {
@@ -91,8 +90,7 @@ Status make_ready(const PrintOptions& options, const JobSetup& setup, const Prin
   PLUMBLINE_TRY(supports);
   const auto scan = ScanFiles::open(options.job.scans);
   PLUMBLINE_TRY(scan);
-  SliceSettings settings = slice_settings(setup);
-  if (*supports) settings.placement.room = support_room(**supports);
+  const SliceSettings settings = slice_settings(setup, *supports);
   PLUMBLINE_TRY(session.slice_scan(scan->sources(), settings, *supports, printer.profile, &terminal.progress()));
   for_each_remark(session.sliced(), [&](std::string_view remark) { terminal.warn(remark); });
   for_each_issue(*session.findings(), session.grid(), printer.profile.checks,

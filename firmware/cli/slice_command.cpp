@@ -10,7 +10,6 @@
 #include "firmware/slice/job_summary.hpp"
 #include "firmware/slice/manifest.hpp"
 #include "firmware/slice/slice_job.hpp"
-#include "slicer/support_building.hpp"
 
 namespace plumbline {
 namespace {
@@ -67,11 +66,10 @@ ExitCode run_slice(const SliceOptions& options, std::span<std::byte> arena_block
   settings.scan_paths = options.job.scans;
   settings.output_path = options.output;
   settings.printer_name = setup->printer_name;
-  settings.slice = slice_settings(*setup);
   settings.preview = options.preview;
   settings.supports = *options.supports.over(true, {});  // checked when the arguments were parsed
+  settings.slice = slice_settings(*setup, settings.supports);
   settings.checks = options.checks.over(checks_of(setup->board));
-  if (settings.supports) settings.slice.placement.room = support_room(*settings.supports);
   TerminalJob terminal(options.job, *setup, arena_block);
   auto job = SliceJob::prepare(settings, terminal.arena());
   if (!job) return report_error(job.error());

@@ -113,6 +113,14 @@ class Slice(Program):
         self.assertIn(f"{issues['layers']} of 403 x 300 px, 0.1 x 0.1 x 0.1 mm each", done.stdout)
         self.assertRegex(done.stdout, r"warn       1 small first layer of 3\.\d+ mm2")
 
+    def test_check_slices_a_scan_as_slice_does(self):
+        write_lying_cone(self.scan)
+        for options in (("--fit",), ("--orient", "auto"), ("--floor", "-8", "--base", "flat")):
+            self.slice_it(*options, "--supports", "auto", "--no-preview")
+            manifest = self.manifest()
+            told = json.loads(self.run_it("check", self.scan, "--printer", self.board, "--supports", "auto", *options, "--json").stdout)
+            self.assertEqual((told["grid"]["layers"], told["issues"]), (manifest["grid"]["layers"], manifest["issues"]), options)
+
     def test_what_is_asked_about_must_be_accepted(self):
         ask = ("--supports", "none", "--check", "first_layer_area=ask", "--no-preview")
         done = self.slice_it(*ask, status=1)
