@@ -4,9 +4,9 @@
 #include <chrono>
 
 #include "firmware/cli/commands.hpp"
-#include "firmware/cli/shared_options.hpp"
+#include "firmware/cli/options/shared_options.hpp"
+#include "firmware/cli/terminal_job.hpp"
 #include "firmware/io/interrupt.hpp"
-#include "firmware/io/job_progress.hpp"
 #include "firmware/io/json_writer.hpp"
 #include "firmware/io/output_file.hpp"
 #include "firmware/io/progress_lines.hpp"
@@ -93,7 +93,8 @@ Expected<PrintGrid> grid_of(const MaskStack& stack, const JobOptions& job, const
   return grid;
 }
 
-Expected<CheckedMasks> check_stack(const CheckOptions& options, const JobSetup& setup, Arena& arena, bool silent) {
+Expected<CheckedMasks> check_stack(const CheckOptions& options, const JobSetup& setup, TerminalJob& terminal) {
+  Arena& arena = terminal.arena();
   auto stack = MaskStack::open(options.job.scans[0]);
   PLUMBLINE_TRY(stack);
   CheckLimits limits;
@@ -113,7 +114,8 @@ Expected<CheckedMasks> check_stack(const CheckOptions& options, const JobSetup& 
     for (std::uint32_t k = 0; k < stack->layers(); ++k) {
       if (interrupted()) return fail(ErrorCode::kCancelled, "interrupted at layer %u of %u", k, stack->layers());
       const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
-      if (!silent) bar.update("checking the layers", static_cast<double>(k) / stack->layers(), taken.count());
+      if (!terminal.silent())
+        bar.update("checking the layers", static_cast<double>(k) / stack->layers(), taken.count());
       PLUMBLINE_TRY(stack->read(k, mask));
       checker->next(mask);
     }
@@ -128,21 +130,16 @@ Expected<CheckedMasks> check_stack(const CheckOptions& options, const JobSetup& 
   return checked;
 }
 
-Expected<CheckedMasks> check_scan(const CheckOptions& options, const JobSetup& setup, Arena& arena, bool silent) {
+Expected<CheckedMasks> check_scan(const CheckOptions& options, const JobSetup& setup, TerminalJob& terminal) {
+  Arena& arena = terminal.arena();
   const auto scan = ScanFiles::open(options.job.scans);
   PLUMBLINE_TRY(scan);
   const auto supports = options.supports.over(true, {});
   PLUMBLINE_TRY(supports);
-  SliceSettings settings;
-  settings.placement = setup.placement;
-  settings.base = setup.base;
-  settings.keep_all = setup.keep_all;
-  settings.threads = setup.threads;
+  const SliceSettings settings = slice_settings(setup, *supports);
   start_threads(setup.threads);
-  ProgressLines lines(options.job.verbose);
-  JobProgress progress(silent ? nullptr : &lines);
   SliceReport report;
-  const auto sliced = slice_for_print(scan->sources(), settings, *supports, arena, &progress, report);
+  const auto sliced = slice_for_print(scan->sources(), settings, *supports, arena, &terminal.progress(), report);
   PLUMBLINE_TRY(sliced);
   CheckedMasks checked{scan->title(), sliced->rrep.grid, sliced->findings};
   if (options.picture.empty()) return checked;
@@ -219,28 +216,18 @@ CLI::App* add_check_command(CLI::App& app, CheckOptions& options) {
   auto* command = app.add_subcommand("check", "Find what would go wrong with layers: of a scan, or in a folder");
   command->footer(kFooter);
   command->add_option("--picture", options.picture, "Draw where the issues are")->type_name("PNG");
-  add_job_options(*command, options.job)
+  add_slicing_options(*command, options.job, options.supports, options.checks)
       ->type_name("STACK|SCAN")
       ->description("A folder of layers as PNG files, or the files of a scan");
-  add_support_options(*command, options.supports, "[auto]");
-  add_check_options(*command, options.checks);
-  add_program_options(*command, options.job);
-  command->callback([&options] {
-    if (const auto supports = options.supports.over(true, {}); !supports) {
-      throw CLI::ValidationError(supports.error().message());
-    }
-  });
   return command;
 }
 
 ExitCode run_check(const CheckOptions& options, std::span<std::byte> arena_block) {
   const auto setup = set_up(options.job, arena_block.size());
   if (!setup) return report_error(setup.error());
-  catch_interrupts();
-  Arena arena(arena_block.first(setup->arena_bytes));
-  const bool silent = options.job.quiet || options.job.json;
+  TerminalJob terminal(options.job, *setup, arena_block);
   const bool stack = options.job.scans.size() == 1 && is_folder(options.job.scans[0]);
-  const auto masks = stack ? check_stack(options, *setup, arena, silent) : check_scan(options, *setup, arena, silent);
+  const auto masks = stack ? check_stack(options, *setup, terminal) : check_scan(options, *setup, terminal);
   if (!masks) return report_error(masks.error());
   const CheckPolicy policy = options.checks.over(checks_of(setup->board));
   if (options.job.json || !options.job.quiet) {

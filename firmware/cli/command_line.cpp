@@ -4,8 +4,8 @@
 #include <memory>
 #include <string>
 
-#include "firmware/cli/help_format.hpp"
-#include "firmware/cli/usage_error.hpp"
+#include "firmware/cli/options/help_format.hpp"
+#include "firmware/cli/options/usage_error.hpp"
 #include "firmware/io/progress_lines.hpp"
 #include "firmware/io/version.hpp"
 

@@ -2,11 +2,9 @@
 
 #include "firmware/cli/commands.hpp"
 #include "firmware/cli/inspect_report.hpp"
+#include "firmware/cli/options/shared_options.hpp"
 #include "firmware/cli/print_time.hpp"
-#include "firmware/cli/shared_options.hpp"
-#include "firmware/io/interrupt.hpp"
-#include "firmware/io/job_progress.hpp"
-#include "firmware/io/progress_lines.hpp"
+#include "firmware/cli/terminal_job.hpp"
 #include "firmware/io/scan_files.hpp"
 #include "firmware/slice/issue_report.hpp"
 #include "slicer/checks/stack_checker.hpp"
@@ -51,9 +49,7 @@ Expected<StackFindings> check_coarsely(const RRep& rrep, Arena& arena) {
 CLI::App* add_inspect_command(CLI::App& app, InspectOptions& options) {
   auto* command = app.add_subcommand("inspect", "Show what is in a scan and whether it fits the printer");
   command->footer(kFooter);
-  command->add_option("--picture", options.picture, "Draw what the scanner saw and what it did not")->type_name("PNG");
-  add_job_options(*command, options.job);
-  add_program_options(*command, options.job);
+  add_look_options(*command, options.job, options.picture, "Draw what the scanner saw and what it did not");
   return command;
 }
 
@@ -66,13 +62,10 @@ ExitCode run_inspect(const InspectOptions& inspect_options, std::span<std::byte>
       return report_error(possible.error());
     }
   }
-  catch_interrupts();
+  TerminalJob terminal(options, *setup, arena_block);
+  Arena& arena = terminal.arena();
   const auto scan = ScanFiles::open(options.scans);
   if (!scan) return report_error(scan.error());
-  const bool silent = options.quiet || options.json;
-  ProgressLines lines(options.verbose);
-  JobProgress progress(silent ? nullptr : &lines);
-  Arena arena(arena_block.first(setup->arena_bytes));
   const SliceSettings settings = slice_settings(*setup);
   InspectReport report;
   std::optional<CoveragePreview> coverage;
@@ -88,7 +81,7 @@ ExitCode run_inspect(const InspectOptions& inspect_options, std::span<std::byte>
     coarse_grid = rrep.grid;
     return {};
   };
-  const auto done = inspect(scan->sources(), settings, arena, &progress, report, see);
+  const auto done = inspect(scan->sources(), settings, arena, &terminal.progress(), report, see);
   if (!done) return report_error(done.error());
   if (!report.sliced && !inspect_options.picture.empty()) return report_error(report.sliced.error());
   ScanOutlook outlook = make_outlook(report, setup->placement, arena.capacity(), setup->threads);
@@ -98,12 +91,12 @@ ExitCode run_inspect(const InspectOptions& inspect_options, std::span<std::byte>
   outlook.scan_name = scan->title();
   outlook.scan_names = scan->names();
   outlook.printer_name = setup->printer_name;
-  if (!silent && outlook.coverage && !outlook.coverage->sentence().view().empty()) {
+  if (outlook.coverage && !outlook.coverage->sentence().view().empty()) {
     FixedText<256> line;
-    line.add("plumbline: warning: %s%s%s", outlook.coverage->sentence().c_str(),
+    line.add("%s%s%s", outlook.coverage->sentence().c_str(),
              inspect_options.picture.empty() ? ". --picture FILE draws where" : ": see ",
              inspect_options.picture.c_str());
-    write_line(line.view());
+    terminal.warn(line.view());
   }
   if (options.quiet && !options.json) return ExitCode::kDone;
   OutputFile out = OutputFile::standard_output();

@@ -3,13 +3,11 @@
 #include <cmath>
 
 #include "firmware/cli/commands.hpp"
-#include "firmware/cli/shared_options.hpp"
+#include "firmware/cli/options/shared_options.hpp"
+#include "firmware/cli/terminal_job.hpp"
 #include "firmware/io/fixed_text.hpp"
-#include "firmware/io/interrupt.hpp"
-#include "firmware/io/job_progress.hpp"
 #include "firmware/io/json_writer.hpp"
 #include "firmware/io/output_file.hpp"
-#include "firmware/io/progress_lines.hpp"
 #include "firmware/io/scan_files.hpp"
 #include "firmware/pictures/orientation_picture.hpp"
 #include "firmware/pictures/preview.hpp"
@@ -112,9 +110,7 @@ Status write_text(OutputFile& out, const Found& found, const OrientOptions& opti
 CLI::App* add_orient_command(CLI::App& app, OrientOptions& options) {
   auto* command = app.add_subcommand("orient", "Find the best ways up to print a scan");
   command->footer(kFooter);
-  command->add_option("--picture", options.picture, "Draw the best four ways up")->type_name("PNG");
-  add_job_options(*command, options.job);
-  add_program_options(*command, options.job);
+  add_look_options(*command, options.job, options.picture, "Draw the best four ways up");
   command->callback([&options] {
     for (const double angle : options.job.rotate_degrees) {
       if (angle != 0)
@@ -127,13 +123,10 @@ CLI::App* add_orient_command(CLI::App& app, OrientOptions& options) {
 ExitCode run_orient(const OrientOptions& options, std::span<std::byte> arena_block) {
   const auto setup = set_up(options.job, arena_block.size());
   if (!setup) return report_error(setup.error());
-  catch_interrupts();
+  TerminalJob terminal(options.job, *setup, arena_block);
+  Arena& arena = terminal.arena();
   const auto scan = ScanFiles::open(options.job.scans);
   if (!scan) return report_error(scan.error());
-  const bool silent = options.job.quiet || options.job.json;
-  ProgressLines lines(options.job.verbose);
-  JobProgress progress(silent ? nullptr : &lines);
-  Arena arena(arena_block.first(setup->arena_bytes));
   const SliceSettings settings = set_threads(slice_settings(*setup));
   PreparationReport report;
   Found found;
@@ -149,7 +142,7 @@ ExitCode run_orient(const OrientOptions& options, std::span<std::byte> arena_blo
     found.unit_mm = unit_mm * scale_of(box.size() * unit_mm, settings.placement);
     return options.picture.empty() ? Status() : draw(prepared, *samples, found, scan->title(), options.picture, arena);
   };
-  const auto done = prepare_normals(scan->sources(), settings, arena, &progress, report, look);
+  const auto done = prepare_normals(scan->sources(), settings, arena, &terminal.progress(), report, look);
   if (!done) return report_error(done.error());
   if (options.job.quiet && !options.job.json) return ExitCode::kDone;
   OutputFile out = OutputFile::standard_output();

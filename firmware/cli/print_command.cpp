@@ -2,10 +2,9 @@
 #include <algorithm>
 
 #include "firmware/cli/commands.hpp"
+#include "firmware/cli/options/shared_options.hpp"
 #include "firmware/cli/printed_part.hpp"
-#include "firmware/cli/shared_options.hpp"
-#include "firmware/io/interrupt.hpp"
-#include "firmware/io/job_progress.hpp"
+#include "firmware/cli/terminal_job.hpp"
 #include "firmware/io/progress_lines.hpp"
 #include "firmware/io/scan_files.hpp"
 #include "firmware/machine/back_end.hpp"
@@ -14,7 +13,6 @@
 #include "firmware/print/status/print_lines.hpp"
 #include "firmware/slice/issue_report.hpp"
 #include "firmware/slice/job_report.hpp"
-#include "slicer/support_building.hpp"
 
 namespace plumbline {
 namespace {
@@ -86,35 +84,17 @@ Expected<Printer> read_printer(const PrintOptions& options) {
 }
 
 Status make_ready(const PrintOptions& options, const JobSetup& setup, const Printer& printer, PrintSession& session,
-                  bool silent) {
+                  TerminalJob& terminal) {
   if (options.resume) return session.load();
   const auto supports = options.supports.over(printer.profile.supports_enable, printer.profile.supports);
   PLUMBLINE_TRY(supports);
   const auto scan = ScanFiles::open(options.job.scans);
   PLUMBLINE_TRY(scan);
-  SliceSettings settings;
-  settings.placement = setup.placement;
-  if (*supports) settings.placement.room = support_room(**supports);
-  settings.base = setup.base;
-  settings.keep_all = setup.keep_all;
-  settings.floor = setup.floor;
-  settings.orient = setup.orient;
-  settings.threads = setup.threads;
-  ProgressLines lines(options.job.verbose);
-  JobProgress progress(silent ? nullptr : &lines);
-  PLUMBLINE_TRY(session.slice_scan(scan->sources(), settings, *supports, printer.profile, &progress));
-  if (silent) return {};
-  for_each_remark(session.sliced(), [](std::string_view warning) {
-    FixedText<512> line;
-    line.add("plumbline: warning: %.*s", static_cast<int>(warning.size()), warning.data());
-    write_line(line.view());
-  });
+  const SliceSettings settings = slice_settings(setup, *supports);
+  PLUMBLINE_TRY(session.slice_scan(scan->sources(), settings, *supports, printer.profile, &terminal.progress()));
+  for_each_remark(session.sliced(), [&](std::string_view remark) { terminal.warn(remark); });
   for_each_issue(*session.findings(), session.grid(), printer.profile.checks,
-                 [](IssueKind, CheckAction, std::string_view sentence) {
-                   FixedText<512> line;
-                   line.add("plumbline: warning: %.*s", static_cast<int>(sentence.size()), sentence.data());
-                   write_line(line.view());
-                 });
+                 [&](IssueKind, CheckAction, std::string_view sentence) { terminal.warn(sentence); });
   return {};
 }
 
@@ -244,11 +224,9 @@ ExitCode run_print(const PrintOptions& options, std::span<std::byte> arena_block
   }
   auto outputs = open_outputs(options, *printer);
   if (!outputs) return report_error(outputs.error());
-  catch_interrupts();
-  Arena arena(arena_block.first(setup->arena_bytes));
-  const bool silent = job.quiet || job.json;
-  PrintSession session(printer->board, printer->machine, arena, store ? &*store : nullptr);
-  const auto ready = make_ready(options, *setup, *printer, session, silent);
+  TerminalJob terminal(job, *setup, arena_block);
+  PrintSession session(printer->board, printer->machine, terminal.arena(), store ? &*store : nullptr);
+  const auto ready = make_ready(options, *setup, *printer, session, terminal);
   if (!ready) return report_error(ready.error());
 
   // The machine is opened after slicing, because a simulated one's time begins with its first use.
@@ -264,9 +242,9 @@ ExitCode run_print(const PrintOptions& options, std::span<std::byte> arena_block
   auto back_end = open_back_end(printer->board, printer->machine, printer->profile, simulation);
   if (!back_end) return report_error(back_end.error());
   Witness* const witness = (*back_end)->witness();
-  const auto show = silent        ? PrintLines::Show::kNothing
-                    : job.verbose ? PrintLines::Show::kEverything
-                                  : PrintLines::Show::kPrint;
+  const auto show = terminal.silent() ? PrintLines::Show::kNothing
+                    : job.verbose     ? PrintLines::Show::kEverything
+                                      : PrintLines::Show::kPrint;
   PrintLines lines(show, witness != nullptr ? std::optional(kNobodyComes) : std::nullopt);
   const PrintReport& report = session.print((*back_end)->machine(), lines, plate ? &*plate : nullptr);
   lines.clear();
@@ -282,7 +260,7 @@ ExitCode run_print(const PrintOptions& options, std::span<std::byte> arena_block
                               witness != nullptr ? std::optional(witness->part_figures()) : std::nullopt});
   if (!written) return report_error(written.error());
   if (witness != nullptr && outputs->part) {
-    const auto kept = write_printed_part(*outputs->part, *witness, session, arena);
+    const auto kept = write_printed_part(*outputs->part, *witness, session, terminal.arena());
     if (!kept) return report_error(kept.error());
   }
   return exit_code(report.state);

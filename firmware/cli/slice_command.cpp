@@ -1,17 +1,15 @@
 #include <CLI/CLI.hpp>
 
 #include "firmware/cli/commands.hpp"
+#include "firmware/cli/options/shared_options.hpp"
 #include "firmware/cli/print_time.hpp"
-#include "firmware/cli/shared_options.hpp"
-#include "firmware/io/interrupt.hpp"
+#include "firmware/cli/terminal_job.hpp"
 #include "firmware/io/json_writer.hpp"
 #include "firmware/io/output_file.hpp"
-#include "firmware/io/progress_lines.hpp"
 #include "firmware/settings/print_profile.hpp"
 #include "firmware/slice/job_summary.hpp"
 #include "firmware/slice/manifest.hpp"
 #include "firmware/slice/slice_job.hpp"
-#include "slicer/support_building.hpp"
 
 namespace plumbline {
 namespace {
@@ -47,14 +45,6 @@ Status write_result(const JobReport& report, const SliceOptions& options, const 
   return write_summary(out, report, options.output.c_str(), time ? time->text() : std::string(), options.job.verbose);
 }
 
-void write_warnings(const JobWarnings& warnings) {
-  for (const auto& warning : warnings.all()) {
-    FixedText<512> line;
-    line.add("plumbline: warning: %s", warning.c_str());
-    write_line(line.view());
-  }
-}
-
 }  // namespace
 
 CLI::App* add_slice_command(CLI::App& app, SliceOptions& options) {
@@ -65,15 +55,7 @@ CLI::App* add_slice_command(CLI::App& app, SliceOptions& options) {
       ->type_name("OUT");
   command->add_flag_callback(
       "--no-preview", [&options] { options.preview = false; }, "Don't draw preview.png and coverage.png");
-  add_job_options(*command, options.job);
-  add_support_options(*command, options.supports, "[auto]");
-  add_check_options(*command, options.checks);
-  add_program_options(*command, options.job);
-  command->callback([&options] {
-    if (const auto supports = options.supports.over(true, {}); !supports) {
-      throw CLI::ValidationError(supports.error().message());
-    }
-  });
+  add_slicing_options(*command, options.job, options.supports, options.checks);
   return command;
 }
 
@@ -84,19 +66,14 @@ ExitCode run_slice(const SliceOptions& options, std::span<std::byte> arena_block
   settings.scan_paths = options.job.scans;
   settings.output_path = options.output;
   settings.printer_name = setup->printer_name;
-  settings.slice = slice_settings(*setup);
   settings.preview = options.preview;
   settings.supports = *options.supports.over(true, {});  // checked when the arguments were parsed
+  settings.slice = slice_settings(*setup, settings.supports);
   settings.checks = options.checks.over(checks_of(setup->board));
-  if (settings.supports) settings.slice.placement.room = support_room(*settings.supports);
-  catch_interrupts();
-  Arena arena(arena_block.first(setup->arena_bytes));
-  auto job = SliceJob::prepare(settings, arena);
+  TerminalJob terminal(options.job, *setup, arena_block);
+  auto job = SliceJob::prepare(settings, terminal.arena());
   if (!job) return report_error(job.error());
-  const bool silent = options.job.quiet || options.job.json;
-  ProgressLines lines(options.job.verbose);
-  JobProgress progress(silent ? nullptr : &lines);
-  const auto done = job->run(progress);
+  const auto done = job->run(terminal.progress());
   if (!done) {
     if (done.error().code() == ErrorCode::kDoesNotFit) {
       return report_error(done.error().with_prefix(job->report().scan_name));
@@ -105,7 +82,7 @@ ExitCode run_slice(const SliceOptions& options, std::span<std::byte> arena_block
     return report_error(Error::format(ErrorCode::kCancelled, "interrupted; nothing of this job was left in %s",
                                       options.output.c_str()));
   }
-  if (!silent) write_warnings(job->report().warnings);
+  for (const auto& warning : job->report().warnings.all()) terminal.warn(warning.view());
   if (options.job.quiet && !options.job.json) return ExitCode::kDone;
   const auto written = write_result(job->report(), options, setup->board);
   return written ? ExitCode::kDone : report_error(written.error());

@@ -1,7 +1,9 @@
 #include "firmware/daemon/state_recorder.hpp"
 
+#include <array>
 #include <ctime>
 
+#include "firmware/daemon/stick_words.hpp"
 #include "firmware/print/status/print_lines.hpp"
 
 namespace plumbline {
@@ -47,6 +49,61 @@ void StateRecorder::printed(const PrintReport& report, const PrintSession& sessi
 void StateRecorder::idle() {
   look_at_stick();
   observer_.idle();
+}
+
+void StateRecorder::found(const StickScans& scans) {
+  const auto before = record_.scans;
+  const std::size_t count_before = record_.scan_count;
+  record_.has_job_file = !scans.job_file.view().empty();
+  record_.scan_count = scans.count;
+  record_.scans_left_out = scans.left_out;
+  for (std::size_t i = 0; i < scans.count; ++i) {
+    ScanRecord& scan = record_.scans[i];
+    scan = {};
+    assign(scan.name, scans.list[i].name.view());
+    scan.bytes = scans.list[i].bytes;
+    if (scan.bytes == 0) assign(scan.problem, "the file is empty");
+    for (std::size_t k = 0; k < count_before; ++k) {
+      if (before[k].name.view() == scan.name.view() && before[k].bytes == scan.bytes) scan.problem = before[k].problem;
+    }
+  }
+}
+
+void StateRecorder::offered(const StickJob& job, std::string_view profile, std::optional<std::size_t> chosen) {
+  JobRecord& record = record_.job.emplace();
+  static_cast<JobSettings&>(record) = job;
+  assign(record.scan, job.scan);
+  assign(record.profile, profile);
+  record.chosen = chosen;
+}
+
+void StateRecorder::resumed(std::string_view scan, std::string_view profile) {
+  record_.begin_job();
+  JobRecord& record = record_.job.emplace();
+  assign(record.scan, scan);
+  assign(record.profile, profile);
+}
+
+void StateRecorder::warn(std::string_view sentence) {
+  say(sentence);
+  record_.add_finding(Severity::kWarning, sentence);
+}
+
+void StateRecorder::refused(FaultCode code, const Error& error) {
+  const FaultText fault = explain(code, error.finding(), error.advice());
+  auto advice = in_stick_words(fault.advice.view());
+  if (advice.view().find("--") != std::string_view::npos) {
+    // The advice names an option that job.toml does not have.
+    advice.clear();
+    advice.add("%.*s", static_cast<int>(info(code).next.size()), info(code).next.data());
+  }
+  record_.set_fault(code, error.finding(), advice.view());
+  if (record_.job && record_.job->chosen && *record_.job->chosen < record_.scan_count) {
+    assign(record_.scans[*record_.job->chosen].problem, fault.what.view());
+  }
+  FixedText<1000> text;
+  text.add("%s. %s", fault.what.c_str(), advice.c_str());
+  say(text.view());
 }
 
 }  // namespace plumbline

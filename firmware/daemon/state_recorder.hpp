@@ -1,9 +1,16 @@
 #pragma once
 /// Writes down what the daemon does, for the state socket.
 
+#include <cstddef>
+#include <optional>
+#include <string_view>
+
 #include "firmware/daemon/daemon_observer.hpp"
+#include "firmware/daemon/stick_job.hpp"
+#include "firmware/print/status/fault.hpp"
 #include "firmware/state/printer_record.hpp"
 #include "hal/stick_port.hpp"
+#include "slicer/core/error.hpp"
 
 namespace plumbline {
 
@@ -20,6 +27,19 @@ class StateRecorder final : public DaemonObserver {
   void slicing(Stage stage, double fraction) override;
   void printed(const PrintReport& report, const PrintSession& session, const PrintProfile& profile) override;
   void idle() override;
+
+  /// The scans of a stick. What was wrong with one of them is remembered as long as the stick is in.
+  void found(const StickScans& scans);
+  /// What would be printed.
+  /// @param profile  the job's, or the printer's
+  /// @param chosen   index of its scan among those of the stick; none: a job file names it
+  void offered(const StickJob& job, std::string_view profile, std::optional<std::size_t> chosen);
+  /// A print that goes on.
+  void resumed(std::string_view scan, std::string_view profile);
+  /// Says something that whoever prints should know.
+  void warn(std::string_view sentence);
+  /// Says why a job can't be printed and what to do, for somebody who has buttons and a stick.
+  void refused(FaultCode code, const Error& error);
 
  private:
   void look_at_stick();

@@ -3,34 +3,19 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <string_view>
 
 #include "firmware/io/fixed_text.hpp"
+#include "firmware/settings/job_settings.hpp"
 #include "hal/stick_port.hpp"
 #include "slicer/core/error.hpp"
-#include "slicer/placement/base_choice.hpp"
-#include "slicer/placement/floor_choice.hpp"
-#include "slicer/placement/placement.hpp"
 
 namespace plumbline {
 
-/// board/README.md has the table of its keys.
-struct StickJob {
+struct StickJob : JobSettings {
   std::string scan;     ///< name on the stick
   std::string profile;  ///< name of a profile; empty: the printer's
-  Units units = Units::kMillimetres;
-  double scale = 1;
-  bool fit = false;
-  std::optional<PrintSize> size;  ///< instead of the scale
-  double rotate_x_deg = 0, rotate_y_deg = 0, rotate_z_deg = 0;
-  double layer_height = 0;       ///< mm; 0: the profile's
-  std::optional<bool> supports;  ///< none: as the profile has it
-  BaseChoice base = BaseChoice::kAuto;
-  FloorChoice floor;
-  bool orient = false;    ///< turn it the best way up
-  bool keep_all = false;  ///< also print stray pieces
   bool operator==(const StickJob&) const = default;
 };
 

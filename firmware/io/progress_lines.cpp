@@ -114,8 +114,15 @@ FixedText<128> lies_wrong_sentence(double x_degrees, double y_degrees) {
 }
 
 void ProgressLines::lies_wrong(double x_degrees, double y_degrees) {
-  FixedText<192> line;
-  line.add("plumbline: warning: %s", lies_wrong_sentence(x_degrees, y_degrees).c_str());
+  const auto sentence = lies_wrong_sentence(x_degrees, y_degrees);
+  warn(sentence.view());
+  told_ = sentence;
+}
+
+void ProgressLines::warn(std::string_view sentence) {
+  if (sentence == told_.view()) return;
+  FixedText<512> line;
+  line.add("plumbline: warning: %.*s", static_cast<int>(sentence.size()), sentence.data());
   bar_.clear();
   write_line(line.view());
 }

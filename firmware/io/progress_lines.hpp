@@ -42,11 +42,15 @@ class ProgressLines final : public ProgressDisplay {
   void end(Stage stage, double seconds, std::size_t peak_bytes) override;
   void lies_wrong(double x_degrees, double y_degrees) override;
 
+  /// Writes a warning on a line of its own, unless lies_wrong() has written the same sentence.
+  void warn(std::string_view sentence);
+
  private:
   bool verbose_;
   ProgressBar bar_;
   std::string_view step_;    ///< words of the step that runs
   double step_seconds_ = 0;  ///< of its stages that have ended
+  FixedText<128> told_;      ///< by lies_wrong(); empty: nothing
 };
 
 /// "the scan seems to lie on its side or its head. To stand it up: --rotate-x 90"

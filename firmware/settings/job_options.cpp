@@ -6,6 +6,8 @@
 #include <cstdlib>
 #include <utility>
 
+#include "slicer/support_building.hpp"
+
 namespace plumbline {
 namespace {
 
@@ -59,9 +61,10 @@ Expected<JobSetup> set_up(const JobOptions& options, std::size_t built_bytes) {
   return setup;
 }
 
-SliceSettings slice_settings(const JobSetup& setup) {
+SliceSettings slice_settings(const JobSetup& setup, const std::optional<SupportSettings>& supports) {
   SliceSettings settings;
   settings.placement = setup.placement;
+  if (supports) settings.placement.room = support_room(*supports);
   settings.base = setup.base;
   settings.floor = setup.floor;
   settings.orient = setup.orient;

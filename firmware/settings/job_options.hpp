@@ -10,6 +10,7 @@
 
 #include "firmware/settings/board_file.hpp"
 #include "slicer/slice_settings.hpp"
+#include "slicer/supports/support_settings.hpp"
 
 namespace plumbline {
 
@@ -56,7 +57,8 @@ struct JobSetup {
 };
 
 /// The settings of slice() and inspect().
-SliceSettings slice_settings(const JobSetup& setup);
+/// @param supports  of the print, which need room on the plate; none: no supports
+SliceSettings slice_settings(const JobSetup& setup, const std::optional<SupportSettings>& supports = {});
 
 /// Completes the options.
 /// @param built_bytes  of the largest arena the program was built for

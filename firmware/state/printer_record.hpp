@@ -13,11 +13,9 @@
 #include "firmware/print/status/print_observer.hpp"
 #include "firmware/print/status/print_report.hpp"
 #include "firmware/print/status/print_state.hpp"
+#include "firmware/settings/job_settings.hpp"
 #include "slicer/core/printable_text.hpp"
 #include "slicer/core/progress.hpp"
-#include "slicer/placement/base_choice.hpp"
-#include "slicer/placement/floor_choice.hpp"
-#include "slicer/placement/placement.hpp"
 
 namespace plumbline {
 
@@ -35,22 +33,11 @@ struct ScanRecord {
 };
 
 /// What is offered or printed, and how.
-struct JobRecord {
+struct JobRecord : JobSettings {
   FixedText<256> scan;
   FixedText<64> profile;
   std::optional<std::size_t>
       chosen;  ///< index of the scan among those on the stick; none: job.toml names it, or it is a resumed print
-  Units units = Units::kMillimetres;
-  double scale = 1;
-  bool fit = false;
-  std::optional<PrintSize> size;  ///< instead of the scale
-  bool orient = false;            ///< turned the best way up
-  FloorChoice floor;
-  std::array<double, 3> rotate_deg{};
-  double layer_height_mm = 0;    ///< 0: the profile's
-  std::optional<bool> supports;  ///< none: the profile's
-  BaseChoice base = BaseChoice::kAuto;
-  bool keep_all = false;
 };
 
 struct SlicingRecord {

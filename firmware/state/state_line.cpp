@@ -98,12 +98,12 @@ void write_job(JsonWriter& json, const PrinterRecord& record) {
   } else {
     json.value(job.floor.kind == FloorChoice::Kind::kAuto ? "auto" : "keep");
   }
-  json.member("rotate_x_deg", job.rotate_deg[0]);
-  json.member("rotate_y_deg", job.rotate_deg[1]);
-  json.member("rotate_z_deg", job.rotate_deg[2]);
+  json.member("rotate_x_deg", job.rotate_x_deg);
+  json.member("rotate_y_deg", job.rotate_y_deg);
+  json.member("rotate_z_deg", job.rotate_z_deg);
   json.key("layer_height");
-  if (job.layer_height_mm > 0) {
-    json.value(job.layer_height_mm);
+  if (job.layer_height > 0) {
+    json.value(job.layer_height);
   } else {
     json.null();
   }

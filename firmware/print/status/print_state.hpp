@@ -1,6 +1,6 @@
 #pragma once
-/// The state machine of a print: a pure, total function. Only PrintJob and the daemon hold a state, and each assigns it in one
-/// place.
+/// The state machine of a print: a pure, total function. PrintJob holds the state of a print, the daemon's record the printer's. Each is
+/// assigned in one place; while PrintJob prints, the record follows it.
 
 #include <array>
 #include <cstdint>

@@ -36,6 +36,27 @@ def write_sphere(path, points=20_000, radius=12.0, normals=True):
                 file.write(struct.pack("<3f", x, y, z))
 
 
+def write_lying_cone(path, radius=10.0, height=25.0, spacing=0.3):
+    """Writes an open cone whose axis is x, so that it lies on its side, and would stand if it were turned about y."""
+    points, levels = [], round(height / spacing)
+    for level in range(levels):
+        along = height * level / levels
+        r = radius * (1 - along / height)
+        count = int(2 * math.pi * r / spacing) + 1
+        for i in range(count):
+            angle = 2 * math.pi * (i + 0.3 * level) / count
+            around = (math.cos(angle), math.sin(angle))
+            slope = math.hypot(radius, height)
+            points.append((along, r * around[0], r * around[1]))
+            points.append((radius / slope, height / slope * around[0], height / slope * around[1]))
+    with open(path, "wb") as file:
+        head = ["ply", "format binary_little_endian 1.0", f"element vertex {len(points) // 2}"]
+        head += [f"property float {name}" for name in ("x", "y", "z", "nx", "ny", "nz")]
+        file.write(("\n".join(head + ["end_header"]) + "\n").encode())
+        for values in points:
+            file.write(struct.pack("<3f", *values))
+
+
 def split(scan, first, top, bottom):
     """Splits a PLY of write_sphere() in two: its first points and the rest."""
     data = scan.read_bytes()

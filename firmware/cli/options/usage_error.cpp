@@ -1,4 +1,4 @@
-#include "firmware/cli/usage_error.hpp"
+#include "firmware/cli/options/usage_error.hpp"
 
 #include <string_view>
 #include <vector>

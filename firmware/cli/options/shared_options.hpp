@@ -2,6 +2,7 @@
 /// Options that several subcommands have.
 
 #include <CLI/CLI.hpp>
+#include <string>
 
 #include "firmware/settings/check_policy.hpp"
 #include "firmware/settings/job_options.hpp"
@@ -32,6 +33,15 @@ void add_support_options(CLI::App& app, SupportChoice& choice, const char* defau
 
 /// `--check KIND=ACTION` and `--accept`.
 void add_check_options(CLI::App& app, CheckChoice& choice);
+
+/// All that slices without a profile: the options of the job, of supports, of checks and of the program.
+/// @returns the scan
+CLI::Option* add_slicing_options(CLI::App& app, JobOptions& job, SupportChoice& supports, CheckChoice& checks);
+
+/// All that looks at a scan: a picture, the options of the job and of the program.
+/// @param picture  file for the picture; stays empty if none is wanted
+/// @param drawn    what the picture shows, as the help says it
+void add_look_options(CLI::App& app, JobOptions& job, std::string& picture, const char* drawn);
 
 /// "--support-head-width" for support_head_width.
 std::string option_name(const SupportField& field);

@@ -1,4 +1,4 @@
-#include "firmware/cli/help_format.hpp"
+#include "firmware/cli/options/help_format.hpp"
 
 namespace plumbline {
 

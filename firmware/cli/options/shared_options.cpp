@@ -1,4 +1,4 @@
-#include "firmware/cli/shared_options.hpp"
+#include "firmware/cli/options/shared_options.hpp"
 
 #include <algorithm>
 #include <array>
@@ -247,6 +247,25 @@ void add_support_options(CLI::App& app, SupportChoice& choice, const char* defau
         ->check(finite_range(field.low, field.high))
         ->group(kSupportsGroup);
   }
+}
+
+CLI::Option* add_slicing_options(CLI::App& app, JobOptions& job, SupportChoice& supports, CheckChoice& checks) {
+  CLI::Option* scan = add_job_options(app, job);
+  add_support_options(app, supports, "[auto]");
+  add_check_options(app, checks);
+  add_program_options(app, job);
+  app.callback([&supports] {
+    if (const auto settings = supports.over(true, {}); !settings) {
+      throw CLI::ValidationError(settings.error().message());
+    }
+  });
+  return scan;
+}
+
+void add_look_options(CLI::App& app, JobOptions& job, std::string& picture, const char* drawn) {
+  app.add_option("--picture", picture, drawn)->type_name("PNG");
+  add_job_options(app, job);
+  add_program_options(app, job);
 }
 
 }  // namespace plumbline

@@ -1,0 +1,49 @@
+#include "firmware/daemon/answers.hpp"
+
+namespace plumbline {
+namespace {
+
+/// How long the daemon waits for an event before its next turn. Shorter responds faster, longer spares the processor.
+constexpr nanoseconds kLook = std::chrono::milliseconds(200);
+
+/// A press this soon after a question answers the one before it: whoever presses start twice must not print onto a full plate.
+constexpr nanoseconds kSettle = std::chrono::seconds(1);
+
+}  // namespace
+
+Expected<std::optional<Event>> Answers::look() {
+  by_command_ = false;
+  record_.waits = true;
+  auto event = machine_.events.next_event(machine_.clock.now() + kLook);
+  record_.waits = false;
+  PLUMBLINE_TRY(event);
+  observer_.idle();
+  if (*event && (*event)->kind == EventKind::kShutdownRequested) shutdown_ = true;
+  return event;
+}
+
+Expected<EventKind> Answers::ask(const std::function<void()>& on_next) {
+  const TimePoint asked = machine_.clock.now();
+  for (;;) {
+    const auto event = look();
+    PLUMBLINE_TRY(event);
+    if (!*event) continue;
+    const EventKind kind = (*event)->kind;
+    switch (kind) {
+      case EventKind::kStartPressed:
+      case EventKind::kCancelPressed:
+        if (!by_command_ && (*event)->at < asked + kSettle) break;
+        return kind;
+      case EventKind::kShutdownRequested:
+      case EventKind::kStickArrived:
+      case EventKind::kStickDeparted: return kind;
+      case EventKind::kPausePressed: on_next(); break;
+      case EventKind::kCoverOpened:
+      case EventKind::kCoverClosed:
+      case EventKind::kExposureEnded:
+      case EventKind::kMotionEnded: break;
+    }
+  }
+}
+
+}  // namespace plumbline

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+
+#include "firmware/daemon/scan_slicing.hpp"
+#include "firmware/settings/board_file.hpp"
+#include "firmware/settings/print_profile.hpp"
+#include "slicer/core/error.hpp"
+
+namespace plumbline {
+
+/// What stays the same for all jobs of the daemon.
+struct DaemonSettings {
+  BoardFile board;
+  MachineFile machine;
+  std::string board_path;  ///< the profiles are in profiles/ beside it
+  std::uint32_t threads = 1;
+  std::chrono::nanoseconds slicing_patience = kSlicingPatience;
+
+  /// Reads a profile.
+  /// @param name  not a path: a stick must not reach the printer's files; empty: the printer's profile
+  /// @retval ErrorCode::kBadSetting  any error of read_print_profile()
+  [[nodiscard]] Expected<PrintProfile> profile(const std::string& name) const;
+};
+
+}  // namespace plumbline

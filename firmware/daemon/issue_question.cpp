@@ -1,0 +1,32 @@
+#include "firmware/daemon/issue_question.hpp"
+
+#include <string_view>
+
+#include "firmware/io/fixed_text.hpp"
+#include "firmware/slice/issue_report.hpp"
+
+namespace plumbline {
+
+void IssueQuestion::tell(StateRecorder& recorder) const {
+  for_each_issue(findings_, grid_, policy_,
+                 [&](IssueKind, CheckAction, std::string_view sentence) { recorder.warn(sentence); });
+}
+
+CheckAction IssueQuestion::action() const { return verdict(findings_, policy_); }
+
+Error IssueQuestion::refusal() const { return judge(findings_, grid_, policy_).error(); }
+
+Expected<bool> IssueQuestion::ask(Answers& answers, StateRecorder& recorder) const {
+  FixedText<400> text;
+  text.add("found in the layers: %s. Press start to print it all the same, or cancel", issue_counts(findings_).c_str());
+  recorder.say(text.view());
+  while (!answers.shutdown()) {
+    const auto answer = answers.ask();
+    PLUMBLINE_TRY(answer);
+    if (*answer == EventKind::kStartPressed) return true;
+    if (*answer == EventKind::kCancelPressed) break;
+  }
+  return false;
+}
+
+}  // namespace plumbline

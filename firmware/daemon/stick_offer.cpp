@@ -1,0 +1,86 @@
+#include "firmware/daemon/stick_offer.hpp"
+
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "firmware/daemon/job_setting.hpp"
+#include "firmware/io/fixed_text.hpp"
+
+namespace plumbline {
+
+Expected<StickOffer> StickOffer::read(const StickMount& mount, ScanSlicing& slicing, const DaemonSettings& settings,
+                                      StateRecorder& recorder) {
+  const auto scans = list_scans(mount);
+  PLUMBLINE_TRY(scans);
+  StickOffer offer(settings, recorder);
+  offer.scans_ = *scans;
+  recorder.found(*scans);
+  if (offer.has_job_file()) {
+    auto file = mount.open(scans->job_file.view());
+    PLUMBLINE_TRY(file);
+    auto job = slicing.read_job(mount, *file);
+    PLUMBLINE_TRY(job);
+    offer.job_ = std::move(*job);
+  } else if (scans->count == 0) {
+    return fail(ErrorCode::kNoPoints,
+                "there is no scan on the stick:\tput a PLY, PCD, OBJ or XYZ file in its top folder");
+  } else {
+    offer.job_.scan = scans->list[0].name.view();
+  }
+  offer.record();
+  return offer;
+}
+
+Expected<EventKind> StickOffer::ask(Answers& answers) {
+  show();
+  for (;;) {
+    auto answer = answers.ask([this] { choose((chosen_ + 1) % choices()); });
+    if (!answer || *answer != EventKind::kStickArrived) return answer;  // the one that is read has arrived, too
+  }
+}
+
+Status StickOffer::change(const ClientRequest& request) {
+  if (request.command == Command::kSet) return set(request.key.view(), request.value.view());
+  if (request.scan > choices()) {
+    return fail(ErrorCode::kBadSetting, "there is no scan %u on the stick: it has %zu", request.scan, choices());
+  }
+  choose(request.scan - 1);
+  return {};
+}
+
+void StickOffer::show() const {
+  const bool several = choices() > 1;
+  FixedText<400> text;
+  if (several) text.add("scan %zu of %zu: ", chosen_ + 1, choices());
+  text.add("%s%s%s. Press start to print it%s", scans_.job_file.c_str(), has_job_file() ? " asks for " : "",
+           job_.scan.c_str(), several ? ", pause for the next one, cancel for none" : "");
+  recorder_->say(text.view());
+}
+
+/// @pre scan < choices()
+void StickOffer::choose(std::size_t scan) {
+  if (choices() == 1) return;
+  chosen_ = scan;
+  job_.scan = scans_.list[scan].name.view();
+  record();
+  show();
+}
+
+Status StickOffer::set(std::string_view key, std::string_view value) {
+  if (key == "profile") {
+    PLUMBLINE_TRY(settings_->profile(std::string(value)));
+    job_.profile = value;
+  } else {
+    PLUMBLINE_TRY(set_job_setting(job_, key, value));
+  }
+  record();
+  return {};
+}
+
+void StickOffer::record() const {
+  recorder_->offered(job_, job_.profile.empty() ? settings_->machine.profile : job_.profile,
+                     has_job_file() ? std::nullopt : std::optional(chosen_));
+}
+
+}  // namespace plumbline

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstddef>
+#include <string_view>
+
+#include "firmware/daemon/answers.hpp"
+#include "firmware/daemon/daemon_settings.hpp"
+#include "firmware/daemon/scan_slicing.hpp"
+#include "firmware/daemon/state_recorder.hpp"
+#include "firmware/daemon/stick_job.hpp"
+#include "firmware/state/client_request.hpp"
+#include "hal/events.hpp"
+#include "slicer/core/error.hpp"
+
+namespace plumbline {
+
+/// What is on a stick, and what of it would be printed if somebody pressed start. Each change is recorded.
+class StickOffer {
+ public:
+  /// Reads what a stick has. Both settings and recorder must outlive the offer.
+  /// @retval the errors of list_scans() and of ScanSlicing::read_job()
+  /// @retval ErrorCode::kNoPoints  there is no scan
+  [[nodiscard]] static Expected<StickOffer> read(const StickMount& mount, ScanSlicing& slicing,
+                                                 const DaemonSettings& settings, StateRecorder& recorder);
+
+  const StickJob& job() const { return job_; }
+  /// Scans to choose from; 1 if a job file says what is printed.
+  std::size_t choices() const { return has_job_file() ? 1 : scans_.count; }
+
+  /// Says what would be printed, and waits for what people make of it. Pause chooses the next scan.
+  /// @returns start: job() is wanted; otherwise cancel, the stick's departure or a shutdown
+  [[nodiscard]] Expected<EventKind> ask(Answers& answers);
+  /// Chooses a scan or changes a setting, as a client asks.
+  /// @param request  choose or set
+  /// @retval ErrorCode::kBadSetting  no such scan or profile, or the errors of set_job_setting(); nothing has changed
+  [[nodiscard]] Status change(const ClientRequest& request);
+
+ private:
+  StickOffer(const DaemonSettings& settings, StateRecorder& recorder) : settings_(&settings), recorder_(&recorder) {}
+  bool has_job_file() const { return !scans_.job_file.view().empty(); }
+  void show() const;
+  void choose(std::size_t scan);
+  Status set(std::string_view key, std::string_view value);
+  void record() const;
+
+  const DaemonSettings* settings_;
+  StateRecorder* recorder_;
+  StickScans scans_;
+  StickJob job_;
+  std::size_t chosen_ = 0;  ///< of the scans, if there is no job file
+};
+
+}  // namespace plumbline

@@ -1,0 +1,35 @@
+#include "firmware/daemon/stick_request.hpp"
+
+#include "firmware/print/plan/print_plan.hpp"
+#include "firmware/settings/support_choice.hpp"
+#include "slicer/support_building.hpp"
+
+namespace plumbline {
+
+Expected<ScanRequest> stick_request(const StickJob& job, const StickFile& scan, const PrintProfile& profile,
+                                    const DaemonSettings& daemon) {
+  ScanRequest request;
+  request.name.add("%s", job.scan.c_str());
+  request.size = scan.size();
+  request.settings.threads = daemon.threads;
+  request.settings.base = job.base;
+  request.settings.floor = job.floor;
+  request.settings.orient = job.orient;
+  request.settings.keep_all = job.keep_all;
+  PlacementSettings& placement = request.settings.placement;
+  placement.units = job.units;
+  placement.scale = job.scale;
+  placement.fit = job.fit;
+  placement.size = job.size;
+  placement.rotation_degrees = {job.rotate_x_deg, job.rotate_y_deg, job.rotate_z_deg};
+  placement.layer_height_mm = static_cast<float>(job.layer_height > 0 ? job.layer_height : profile.layer_height);
+  placement.printer = printer_volume(daemon.board);
+  const auto supports = SupportChoice{job.supports, {}}.over(profile.supports_enable, profile.supports);
+  PLUMBLINE_TRY(supports);
+  request.supports = *supports;
+  if (*supports) placement.room = support_room(**supports);
+  PLUMBLINE_TRY(plan_print(profile, daemon.machine, static_cast<double>(placement.layer_height_mm), 1));
+  return request;
+}
+
+}  // namespace plumbline
