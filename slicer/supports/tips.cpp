@@ -16,6 +16,10 @@ namespace {
 
 constexpr const char* kStage = "supports";
 
+// The list has room for a tip on every so many pixels or mm2 of the panel, whatever is more.
+constexpr double kPixelsPerTip = 64;
+constexpr double kAreaPerTip = 1;  ///< mm2; on an overhang they share, tips are a few times rarer
+
 /// Where to put the tip for the first pixel, in reading order, that needs one: in later rows or to the side, so that the tip
 /// holds pixels all around it. Offsets and shares are in 64ths of the reach; the fallback is the pixel itself.
 struct Offset {
@@ -263,8 +267,9 @@ Expected<std::span<Tip>> find_tips(const RRep& rrep, const SupportSettings& sett
 }
 
 std::uint32_t most_tips(const PrintGrid& grid) {
-  return static_cast<std::uint32_t>(
-      std::clamp<std::uint64_t>(std::uint64_t{grid.columns} * grid.rows / 64, 256, 16384));
+  const double pixels = static_cast<double>(grid.columns) * grid.rows;
+  const double area = pixels * static_cast<double>(grid.pitch_x_mm) * static_cast<double>(grid.pitch_y_mm);
+  return static_cast<std::uint32_t>(std::clamp(std::max(pixels / kPixelsPerTip, area / kAreaPerTip), 256.0, 16384.0));
 }
 
 std::size_t find_tips_bytes(const PrintGrid& grid) {

@@ -46,7 +46,7 @@ struct Tip {
 /// Bytes from the bottom and top of the arena while find_tips() runs, for any object and settings.
 std::size_t find_tips_bytes(const PrintGrid& grid);
 
-/// Largest number of tips.
+/// Largest number of tips on a panel. It follows the panel's area, so coarse pixels leave no object without its supports.
 std::uint32_t most_tips(const PrintGrid& grid);
 
 }  // namespace plumbline

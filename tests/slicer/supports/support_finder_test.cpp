@@ -290,6 +290,17 @@ TEST(Supports, AreRefusedIfTheListIsFull) {
   EXPECT_EQ(arena->used(), 0U);
 }
 
+TEST(Supports, HaveRoomOnCoarsePixels) {
+  // In the air, a block of 2 x 2 pixels in every 5 x 5: 400 islands, 2.5 mm apart.
+  const PrintGrid grid = cubic_grid(100, 4, 0.5F);
+  Solid solid(grid, [](std::uint32_t c, std::uint32_t r, std::uint32_t k) { return k > 1 && c % 5 < 2 && r % 5 < 2; });
+  ArenaBlock arena(32 * kMiB);
+  SupportCounts counts;
+  const auto supports =
+      value_of(find_supports(solid.rrep, on_the_plate(), PrintGrid::kMaxLayers, *arena, nullptr, counts));
+  EXPECT_EQ(supports.tips(), 400U);
+}
+
 TEST(Supports, StopWhenAsked) {
   StopAtThird stop;
   Solid solid(cubic_grid(kSide, 48), ball(32, 32, 27, 20));
