@@ -37,7 +37,7 @@ constexpr const char* kFooter =
     "like.\n"
     "A folder's layers are its PNG files in the order of the last number in their names, 1 bit or grey.\n"
     "\n"
-    "Exit status: 0 nothing that is refused, 1 something that is, or an error, 2 wrong command line, 130 "
+    "Exit status: 0 the print may start, 1 the checks refuse it, or an error, 2 wrong command line, 130 "
     "interrupted.\n";
 
 struct CheckedMasks {

@@ -56,7 +56,7 @@ void add_simulation_options(CLI::App& app, PrintOptions& print) {
                  "Needs --speedup or --realtime")
       ->type_name("LINE")
       ->group(kSimulation);
-  app.add_option("--keep-part", print.keep_part, "Write what was cured and stayed: layers, preview and manifest")
+  app.add_option("--keep-part", print.keep_part, "Write the part as the simulated printer made it: layers, preview and manifest")
       ->type_name("DIR")
       ->group(kSimulation);
 }

@@ -13,7 +13,7 @@
 namespace plumbline {
 namespace {
 
-/// Touches as much stack as any job needs, so that it does not grow, and lock more memory, after "ready".
+/// Touches more stack than any job uses, so that no job adds pages to it, and to the locked memory, after "ready".
 [[gnu::noinline]] void grow_stack() {
   constexpr std::size_t kBytes = std::size_t{256} * 1024;
   constexpr std::size_t kPage = 4096;

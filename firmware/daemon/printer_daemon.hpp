@@ -53,6 +53,8 @@ class PrinterDaemon final : public CommandTaker {
   Status serve_fault();
   Status serve_stick();
   Expected<std::optional<StickJob>> choose(const StickMount& mount);
+  /// Tells what the checks found, then refuses the job, asks a person or goes on, as the policy says.
+  /// @returns whether to go on
   Expected<bool> accept_issues(const StackFindings& findings, const PrintGrid& grid, const CheckPolicy& policy);
   Status resume();
   void print(PrintSession& session, const PrintProfile& profile);

@@ -35,7 +35,8 @@ struct IssueWords {
 /// By IssueKind.
 inline constexpr std::array<IssueWords, kIssueKindCount> kIssueWords = {{
     {"island", "island", "islands", IssueSize::kArea, "add supports, or turn the object"},
-    {"overhang", "overhang", "overhangs", IssueSize::kArea, "add supports, or turn the object"},
+    {"overhang", "overhang", "overhangs", IssueSize::kArea,
+     "add supports, set them closer with support_overhang_span, or turn the object"},
     {"free_piece", "piece that nothing holds", "pieces that nothing holds", IssueSize::kVolume,
      "add supports, or turn the object"},
     {"resin_trap", "resin trap", "resin traps", IssueSize::kVolume, "give the hollow a hole to drain"},

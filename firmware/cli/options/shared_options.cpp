@@ -84,7 +84,7 @@ void add_size_options(CLI::App& app, JobOptions& job, CLI::Option* scale, CLI::O
 void add_object_options(CLI::App& app, JobOptions& job, CLI::Option* printer) {
   app.add_option_function<std::string>(
          "--units", [&job](const std::string& name) { job.units = units_named(name); },
-         "Unit of the scan: mm, cm, m, in, or auto (the one that makes it a usual size for a print) [mm]")
+         "Unit of the scan: mm, cm, m, in, or auto (the unit that gives the print a plausible size) [mm]")
       ->type_name("UNIT")
       ->check(CLI::IsMember(unit_names()).description(""))
       ->group(kObjectGroup);
