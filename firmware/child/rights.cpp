@@ -68,6 +68,7 @@ void die_first() {
   ::close(file);
 }
 
+#ifndef PLUMBLINE_HAS_SANITIZER
 #if defined(__x86_64__)
 constexpr std::uint32_t kMachine = AUDIT_ARCH_X86_64;
 #elif defined(__aarch64__)
@@ -121,6 +122,7 @@ constexpr Rule kRules[] = {
     {SYS_write, kNotPermitted},
     {SYS_writev, kNotPermitted},
 };
+#endif  // PLUMBLINE_HAS_SANITIZER
 
 }  // namespace
 

@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "firmware/cli/commands.hpp"
+#include "firmware/cli/issues_file.hpp"
 #include "firmware/cli/options/shared_options.hpp"
 #include "firmware/cli/terminal_job.hpp"
 #include "firmware/io/interrupt.hpp"
@@ -12,14 +13,11 @@
 #include "firmware/io/progress_lines.hpp"
 #include "firmware/io/scan_files.hpp"
 #include "firmware/io/version.hpp"
-#include "firmware/pictures/issue_picture.hpp"
-#include "firmware/pictures/preview.hpp"
 #include "firmware/print/sliced_scan.hpp"
 #include "firmware/settings/print_profile.hpp"
 #include "firmware/slice/issue_report.hpp"
 #include "firmware/slice/mask_stack.hpp"
 #include "slicer/checks/stack_checker.hpp"
-#include "slicer/supports/mask_stream.hpp"
 
 namespace plumbline {
 namespace {
@@ -40,24 +38,9 @@ constexpr const char* kFooter =
     "Exit status: 0 the print may start, 1 the checks refuse it, or an error, 2 wrong command line, 130 "
     "interrupted.\n";
 
-struct CheckedMasks {
-  std::string name;
-  PrintGrid grid;
-  StackFindings findings;
-};
-
 bool is_folder(const std::string& path) {
   struct stat status = {};
   return ::stat(path.c_str(), &status) == 0 && S_ISDIR(status.st_mode);
-}
-
-Status write_picture(const CheckedMasks& masks, const std::string& path, MaskOf mask, Arena& arena) {
-  if (path.empty()) return {};
-  auto encoder = PngEncoder::for_pictures(kPreviewColumns, kPreviewRows);
-  PLUMBLINE_TRY(encoder);
-  const auto png = encode_issues(masks.findings, masks.grid, masks.name, mask, arena, *encoder);
-  PLUMBLINE_TRY(png);
-  return png->empty() ? Status() : write_file(path.c_str(), *png);
 }
 
 /// What a stack's grid is: from the options, else from its manifest.
@@ -126,7 +109,7 @@ Expected<CheckedMasks> check_stack(const CheckOptions& options, const JobSetup& 
     PLUMBLINE_TRY(stack->read(layer, mask));
     return ConstBitImage(mask);
   };
-  PLUMBLINE_TRY(write_picture(checked, options.picture, mask_of, arena));
+  PLUMBLINE_TRY(write_issues_file(options.picture, checked, mask_of, arena));
   return checked;
 }
 
@@ -142,11 +125,7 @@ Expected<CheckedMasks> check_scan(const CheckOptions& options, const JobSetup& s
   const auto sliced = slice_for_print(scan->sources(), settings, *supports, arena, &terminal.progress(), report);
   PLUMBLINE_TRY(sliced);
   CheckedMasks checked{scan->title(), sliced->rrep.grid, sliced->findings};
-  if (options.picture.empty()) return checked;
-  auto stream = MaskStream::create(sliced->rrep, sliced->supports, arena);
-  PLUMBLINE_TRY(stream);
-  const auto mask_of = [&](std::uint32_t layer) -> Expected<ConstBitImage> { return stream->mask(layer); };
-  PLUMBLINE_TRY(write_picture(checked, options.picture, mask_of, arena));
+  PLUMBLINE_TRY(write_issues_file(options.picture, checked, sliced->rrep, sliced->supports, arena));
   return checked;
 }
 

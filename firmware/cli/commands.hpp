@@ -31,6 +31,7 @@ struct SliceOptions {
 struct InspectOptions {
   JobOptions job;
   std::string picture;  ///< file for a picture of what the scan missed; empty: none
+  std::string issues;   ///< file for a picture of what the checks found; empty: none
 };
 
 struct OrientOptions {
@@ -60,6 +61,7 @@ struct PrintOptions {
   bool plate_empty = false;  ///< the user says so
   std::string keep_part;     ///< folder for the part that a simulated printer made; empty: none
   std::string report;        ///< file for the report as JSON; empty: none
+  std::string issues;        ///< file for a picture of what the checks found; empty: none
   SimulationOptions simulation;
   SupportChoice supports;  ///< overrides the profile's
   CheckChoice checks;      ///< overrides the profile's

@@ -2,6 +2,7 @@
 
 #include "firmware/cli/commands.hpp"
 #include "firmware/cli/inspect_report.hpp"
+#include "firmware/cli/issues_file.hpp"
 #include "firmware/cli/options/shared_options.hpp"
 #include "firmware/cli/print_time.hpp"
 #include "firmware/cli/terminal_job.hpp"
@@ -17,11 +18,11 @@ constexpr const char* kFooter =
     "\nExamples:\n"
     "  plumbline inspect bust.ply\n"
     "  plumbline inspect bust.ply --printer mono2k --rotate-x 90\n"
-    "  plumbline inspect bust.ply --picture seen.png\n"
+    "  plumbline inspect bust.ply --picture seen.png --issues issues.png\n"
     "\n"
     "Output: size, points and normals, noise, what the scanner did not see, and whether it fits the printer. The scan "
     "is\n"
-    "sliced coarsely to see this. Only the picture is written to disk.\n";
+    "sliced coarsely to see this, without supports. Only the pictures are written to disk.\n";
 
 /// @returns the time in words; empty if it is unknown
 std::string print_time_of(const ScanOutlook& outlook, const std::optional<BoardFile>& board) {
@@ -30,6 +31,9 @@ std::string print_time_of(const ScanOutlook& outlook, const std::optional<BoardF
   const auto time = estimate_print_time(*board, grid.layers, static_cast<double>(grid.layer_height_mm));
   return time ? time->text() : std::string();
 }
+
+/// What a coarse slice can show of its issues: the large ones.
+constexpr std::array kShownCoarsely = {IssueKind::kFreePiece, IssueKind::kResinTrap, IssueKind::kSuctionCup};
 
 /// Checks the coarse masks, without supports.
 Expected<StackFindings> check_coarsely(const RRep& rrep, Arena& arena) {
@@ -41,7 +45,11 @@ Expected<StackFindings> check_coarsely(const RRep& rrep, Arena& arena) {
   PLUMBLINE_TRY(checker);
   for (std::uint32_t k = 0; k < rrep.grid.layers; ++k) checker->next(stream->mask(k));
   arena.release_bottom(bottom);
-  return checker->finish();
+  const StackFindings all = checker->finish();
+  StackFindings large = all;
+  large.groups = {};
+  for (const IssueKind kind : kShownCoarsely) large.of(kind) = all.of(kind);
+  return large;
 }
 
 }  // namespace
@@ -50,6 +58,7 @@ CLI::App* add_inspect_command(CLI::App& app, InspectOptions& options) {
   auto* command = app.add_subcommand("inspect", "Show what is in a scan and whether it fits the printer");
   command->footer(kFooter);
   add_look_options(*command, options.job, options.picture, "Draw what the scanner saw and what it did not");
+  command->add_option("--issues", options.issues, "Draw where the checks find something, if they do")->type_name("PNG");
   return command;
 }
 
@@ -57,10 +66,9 @@ ExitCode run_inspect(const InspectOptions& inspect_options, std::span<std::byte>
   const JobOptions& options = inspect_options.job;
   const auto setup = set_up(options, arena_block.size());
   if (!setup) return report_error(setup.error());
-  if (!inspect_options.picture.empty()) {
-    if (const auto possible = check_can_create(inspect_options.picture.c_str()); !possible) {
-      return report_error(possible.error());
-    }
+  for (const std::string* picture : {&inspect_options.picture, &inspect_options.issues}) {
+    if (picture->empty()) continue;
+    if (const auto possible = check_can_create(picture->c_str()); !possible) return report_error(possible.error());
   }
   TerminalJob terminal(options, *setup, arena_block);
   Arena& arena = terminal.arena();
@@ -79,11 +87,12 @@ ExitCode run_inspect(const InspectOptions& inspect_options, std::span<std::byte>
     PLUMBLINE_TRY(checked);
     findings = *checked;
     coarse_grid = rrep.grid;
-    return {};
+    return write_issues_file(inspect_options.issues, {scan->title(), rrep.grid, *findings}, rrep, Supports{}, arena);
   };
   const auto done = inspect(scan->sources(), settings, arena, &terminal.progress(), report, see);
   if (!done) return report_error(done.error());
-  if (!report.sliced && !inspect_options.picture.empty()) return report_error(report.sliced.error());
+  const bool wants_picture = !inspect_options.picture.empty() || !inspect_options.issues.empty();
+  if (!report.sliced && wants_picture) return report_error(report.sliced.error());
   ScanOutlook outlook = make_outlook(report, setup->placement, arena.capacity(), setup->threads);
   outlook.coverage = coverage;
   outlook.findings = findings;

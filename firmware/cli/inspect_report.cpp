@@ -82,13 +82,11 @@ void add_coverage(Text& text, const ScanOutlook& o) {
   }
 }
 
-/// What a coarse slice can show of its issues: the large ones.
-constexpr std::array kShownCoarsely = {IssueKind::kFreePiece, IssueKind::kResinTrap, IssueKind::kSuctionCup};
-
 void add_issues(Text& text, const ScanOutlook& o) {
   if (!o.findings) return;
   bool any = false;
-  for (const IssueKind kind : kShownCoarsely) {
+  for (std::size_t i = 0; i < kIssueKindCount; ++i) {
+    const auto kind = static_cast<IssueKind>(i);
     if (o.findings->count(kind) == 0) continue;
     text.add("%-10s %s%s\n", any ? "" : "issues", issue_sentence(kind, *o.findings, o.coarse_grid).c_str(),
              kind == IssueKind::kFreePiece ? ", without supports" : "");

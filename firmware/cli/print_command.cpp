@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "firmware/cli/commands.hpp"
+#include "firmware/cli/issues_file.hpp"
 #include "firmware/cli/options/shared_options.hpp"
 #include "firmware/cli/printed_part.hpp"
 #include "firmware/cli/terminal_job.hpp"
@@ -56,7 +57,8 @@ void add_simulation_options(CLI::App& app, PrintOptions& print) {
                  "Needs --speedup or --realtime")
       ->type_name("LINE")
       ->group(kSimulation);
-  app.add_option("--keep-part", print.keep_part, "Write the part as the simulated printer made it: layers, preview and manifest")
+  app.add_option("--keep-part", print.keep_part,
+                 "Write the part as the simulated printer made it: layers, preview and manifest")
       ->type_name("DIR")
       ->group(kSimulation);
 }
@@ -95,6 +97,9 @@ Status make_ready(const PrintOptions& options, const JobSetup& setup, const Prin
   for_each_remark(session.sliced(), [&](std::string_view remark) { terminal.warn(remark); });
   for_each_issue(*session.findings(), session.grid(), printer.profile.checks,
                  [&](IssueKind, CheckAction, std::string_view sentence) { terminal.warn(sentence); });
+  const auto written = write_issues_file(options.issues, {scan->title(), session.grid(), *session.findings()},
+                                         session.rrep(), session.supports(), terminal.arena());
+  if (!written) terminal.warn("no picture of the issues: " + std::string(written.error().message()));
   return {};
 }
 
@@ -139,7 +144,9 @@ struct Outputs {
 /// Refuses outputs that can't be written before the minutes of slicing and the hours of printing.
 Expected<Outputs> open_outputs(const PrintOptions& options, const Printer& printer) {
   Outputs outputs;
-  if (!options.report.empty()) PLUMBLINE_TRY(check_can_create(options.report.c_str()));
+  for (const std::string* file : {&options.report, &options.issues}) {
+    if (!file->empty()) PLUMBLINE_TRY(check_can_create(file->c_str()));
+  }
   if (options.keep_part.empty()) return outputs;
   if (!printer.machine.simulated && !options.simulation.simulate) {
     return fail(ErrorCode::kBadSetting,
@@ -191,6 +198,10 @@ CLI::App* add_print_command(CLI::App& app, PrintOptions& options) {
   for (const SupportField& field : kSupportFields) resume->excludes(option_name(field));
   command->add_option("--report", options.report, "Write the report, with every exposure, as JSON")
       ->type_name("FILE")
+      ->group(kPrint);
+  command->add_option("--issues", options.issues, "Draw where the checks find something, if they do")
+      ->type_name("PNG")
+      ->excludes(resume)
       ->group(kPrint);
   add_simulation_options(*command, options);
   add_program_options(*command, options.job);

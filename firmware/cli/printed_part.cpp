@@ -11,7 +11,6 @@
 #include "firmware/pictures/preview.hpp"
 #include "firmware/slice/job_report.hpp"
 #include "firmware/slice/manifest.hpp"
-#include "slicer/supports/mask_stream.hpp"
 
 namespace plumbline {
 namespace {
@@ -46,14 +45,7 @@ constexpr std::size_t kPreviewBytes = std::size_t{3} * kPreviewColumns * kPrevie
 Status write_issue_picture(JobDirectory& directory, const PrintSession& session, std::string_view name, Arena& arena,
                            PngEncoder& encoder) {
   if (!session.findings()) return {};
-  const std::size_t bottom = arena.bottom_mark();
-  auto stream = MaskStream::create(session.rrep(), session.supports(), arena);
-  const auto mask = [&](std::uint32_t layer) -> Expected<ConstBitImage> {
-    PLUMBLINE_TRY(stream);
-    return stream->mask(layer);
-  };
-  const auto png = encode_issues(*session.findings(), session.grid(), name, mask, arena, encoder);
-  arena.release_bottom(bottom);
+  const auto png = encode_issues(*session.findings(), session.rrep(), session.supports(), name, arena, encoder);
   return png && !png->empty() ? directory.write_picture(Picture::kIssues, *png) : Status();
 }
 

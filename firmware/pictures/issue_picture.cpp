@@ -8,6 +8,7 @@
 #include "firmware/pictures/preview_page.hpp"
 #include "slicer/checks/overhangs.hpp"
 #include "slicer/layers/layer_regions.hpp"
+#include "slicer/supports/mask_stream.hpp"
 
 namespace plumbline {
 
@@ -189,6 +190,20 @@ Expected<std::span<const std::byte>> encode_issues(const StackFindings& findings
     draw_caption(picture, left, top + kTileRows + 12, issue, scale);
   }
   return encoder.encode(*rgb, kPreviewColumns, kPreviewRows);
+}
+
+Expected<std::span<const std::byte>> encode_issues(const StackFindings& findings, const RRep& rrep,
+                                                   const Supports& supports, std::string_view name, Arena& arena,
+                                                   PngEncoder& encoder) {
+  const std::size_t bottom = arena.bottom_mark();
+  auto stream = MaskStream::create(rrep, supports, arena);
+  const auto mask = [&](std::uint32_t layer) -> Expected<ConstBitImage> {
+    PLUMBLINE_TRY(stream);
+    return stream->mask(layer);
+  };
+  const auto png = encode_issues(findings, rrep.grid, name, mask, arena, encoder);
+  arena.release_bottom(bottom);
+  return png;
 }
 
 }  // namespace plumbline

@@ -13,6 +13,8 @@
 #include "slicer/core/arena.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/core/print_grid.hpp"
+#include "slicer/rrep/rrep.hpp"
+#include "slicer/supports/supports.hpp"
 
 namespace plumbline {
 
@@ -38,5 +40,11 @@ struct ShownIssues {
 [[nodiscard]] Expected<std::span<const std::byte>> encode_issues(const StackFindings& findings, const PrintGrid& grid,
                                                                  std::string_view name, MaskOf masks, Arena& arena,
                                                                  PngEncoder& encoder);
+
+/// The same for the masks of an R-Rep, which are made anew.
+/// @param arena  a MaskStream is taken from its bottom and released, too
+[[nodiscard]] Expected<std::span<const std::byte>> encode_issues(const StackFindings& findings, const RRep& rrep,
+                                                                 const Supports& supports, std::string_view name,
+                                                                 Arena& arena, PngEncoder& encoder);
 
 }  // namespace plumbline

@@ -162,14 +162,7 @@ Status SliceJob::write_coverage(const RRep& rrep) {
 Status SliceJob::write_issue_picture(const RRep& rrep, const Supports& supports) {
   const auto start = std::chrono::steady_clock::now();
   arena_->reset_peak();
-  const std::size_t bottom = arena_->bottom_mark();
-  auto stream = MaskStream::create(rrep, supports, *arena_);
-  const auto mask = [&](std::uint32_t layer) -> Expected<ConstBitImage> {
-    PLUMBLINE_TRY(stream);
-    return stream->mask(layer);
-  };
-  const auto png = encode_issues(*report_.findings, rrep.grid, report_.scan_name, mask, *arena_, *pictures_);
-  arena_->release_bottom(bottom);
+  const auto png = encode_issues(*report_.findings, rrep, supports, report_.scan_name, *arena_, *pictures_);
   report_.preview_peak_bytes = std::max(report_.preview_peak_bytes, arena_->peak());
   if (!png) {
     report_.warnings.add().add("no issues.png: %s", png.error().message());

@@ -6,7 +6,7 @@ import math
 import struct
 import subprocess
 
-from case import U64, Program, main, turn_normals, write_sphere
+from case import add_ball, U64, Program, main, turn_normals, write_sphere
 
 
 class Inspect(Program):
@@ -94,6 +94,18 @@ class Inspect(Program):
         self.assertIn("the scan shows one side only, which faces down", done.stdout)
         self.assertIn("--rotate-x 180", done.stdout)
         self.assertGreater(json.loads(self.run_it("inspect", self.scan, "--json").stdout)["never_seen"]["encloses_nothing"], 0.5)
+
+    def test_draws_where_the_checks_find_something(self):
+        write_sphere(self.scan)
+        picture = self.dir / "issues.png"
+        self.run_it("inspect", self.scan, "--issues", picture)
+        self.assertFalse(picture.exists())
+        add_ball(self.scan, 20_000, 6, (24, 0, 4))
+        done = self.run_it("inspect", self.scan, "--issues", picture)
+        self.assertIn("piece that nothing holds", done.stdout)
+        self.assertEqual(picture.read_bytes()[:8], b"\x89PNG\r\n\x1a\n")
+        done = self.run_it("inspect", self.scan, "--issues", self.dir / "no/issues.png", status=1)
+        self.assertIn("no/issues.png", done.stderr)
 
     def test_reads_a_pipe_too(self):
         write_sphere(self.scan)

@@ -46,7 +46,9 @@ class Print(Program):
         add_ball(self.scan, 8_000, 4, (12, 0, 4))
         part, report = self.dir / "part", self.dir / "report.json"
         same = ("print", self.scan, "--printer", SIM2K, "--keep-part", part, "--report", report)
-        done = self.run_it(*same, "--supports", "none")
+        issues = self.dir / "issues.png"
+        done = self.run_it(*same, "--supports", "none", "--issues", issues)
+        self.assertEqual(issues.read_bytes(), (part / "issues.png").read_bytes())
         printed = json.loads(report.read_text())
         dropped = [lost for lost in printed["part"]["lost"] if lost["kind"] == "region dropped"]
         self.assertGreater(len(dropped), 0)

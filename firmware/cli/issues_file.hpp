@@ -1,0 +1,21 @@
+#pragma once
+/// Writes the picture of where the checks of the masks have found something.
+
+#include <string>
+
+#include "firmware/pictures/issue_picture.hpp"
+
+namespace plumbline {
+
+struct CheckedMasks {
+  std::string name;  ///< of the scan or stack
+  PrintGrid grid;
+  StackFindings findings;
+};
+
+/// @param path  empty: nothing is written, nor if there is no issue
+[[nodiscard]] Status write_issues_file(const std::string& path, const CheckedMasks& masks, MaskOf mask, Arena& arena);
+[[nodiscard]] Status write_issues_file(const std::string& path, const CheckedMasks& masks, const RRep& rrep,
+                                       const Supports& supports, Arena& arena);
+
+}  // namespace plumbline
