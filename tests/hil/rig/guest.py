@@ -14,6 +14,11 @@ SOURCE = HERE.parents[2]
 PACKAGES = (
     "busybox-static udev libgomp1 libstdc++6 liblodepng-dev libdeflate0 libdrm2 libgpiod2 libusb-1.0-0"
 ).split()
+# Of the guest whose first process is systemd; dpkg installs plumbline's package there.
+SYSTEMD_PACKAGES = (
+    "busybox-static base-files base-passwd coreutils dash dbus dpkg grep libc-bin mount passwd sed systemd systemd-sysv tar udev util-linux "
+    "libgomp1 libstdc++6 liblodepng-dev libdeflate0 libdrm2 libgpiod2 libusb-1.0-0"
+).split()
 KERNEL = {"arm64": "arm64", "armhf": "armmp"}
 TRIPLET = {"arm64": "aarch64-linux-gnu", "armhf": "arm-linux-gnueabihf"}
 
@@ -36,6 +41,13 @@ def make_root(arch):
     kernel = f"linux-image-{pinned}-{KERNEL[arch]}" if pinned else f"linux-image-{KERNEL[arch]}"
     root = cache() / arch / "root"
     subprocess.run([SOURCE / "toolchains" / "make_sysroot", arch, root, kernel, *PACKAGES], check=True)
+    return root
+
+
+def make_systemd_root(arch):
+    """Fetches the packages of the guest with systemd once."""
+    root = cache() / arch / "systemd"
+    subprocess.run([SOURCE / "toolchains" / "make_sysroot", arch, root, *SYSTEMD_PACKAGES], check=True)
     return root
 
 
@@ -153,7 +165,57 @@ def make_initramfs(arch, root, build, out, board, programs):
     archive.file("board/rig.toml", board.encode())
     archive.file("board/profiles/quick.toml", (HERE / "quick.toml").read_bytes())
     archive.file("init", (HERE / "init").read_bytes(), 0o755)
+    archive.file("shell", (HERE / "shell").read_bytes())
     archive.write(out)
+
+
+def make_boot_initramfs(root, out):
+    """Loads the modules and goes on with the first process of the disk."""
+    archive = Archive()
+    for folder in ("dev", "proc", "sys", "disk"):
+        archive.folder(folder)
+    archive.file("bin/busybox", (root / "usr/bin/busybox").resolve().read_bytes(), 0o755)
+    for number, (name, path) in enumerate(modules_in_order(root)):
+        archive.file(f"lib/modules/{number:02}_{name}.ko", path.read_bytes())
+    archive.file("init", (HERE / "init_disk").read_bytes(), 0o755)
+    archive.write(out)
+
+
+def make_systemd_disk(arch, folder, files):
+    """
+    A bootable disk with Debian's systemd, which starts a shell for the host. Needs root, for the owners of its files.
+    @param folder  for the disk and what it is made of
+    @param files   path in the guest: a file's bytes
+    @returns the disk's path
+    """
+    root, disk = folder / "disk", folder / "disk.img"
+    subprocess.run(["cp", "-a", make_systemd_root(arch), root], check=True)
+    files = {
+        "etc/passwd": (root / "usr/share/base-passwd/passwd.master").read_bytes() + b"messagebus:x:100:102::/nonexistent:/usr/sbin/nologin\n",
+        "etc/group": (root / "usr/share/base-passwd/group.master").read_bytes() + b"messagebus:x:102:\n",
+        "etc/machine-id": b"",
+        "etc/hostname": b"rig\n",
+        "var/lib/dpkg/status": b"",
+        "etc/systemd/system/rig-shell.service": b"[Service]\nExecStart=/usr/bin/dash /rig/start\n",
+        "rig/start": b"busybox --install -s /rig/bin; export PATH=/usr/sbin:/usr/bin:/rig/bin; . /rig/shell\n",
+        "rig/shell": (HERE / "shell").read_bytes(),
+        **files,
+    }
+    for name, data in files.items():
+        (root / name).parent.mkdir(parents=True, exist_ok=True)
+        (root / name).write_bytes(data)
+    wanted = root / "etc/systemd/system/multi-user.target.wants"
+    wanted.mkdir(exist_ok=True)
+    (wanted / "rig-shell.service").symlink_to("../rig-shell.service")
+    default = root / "etc/systemd/system/default.target"
+    default.symlink_to("/lib/systemd/system/multi-user.target")
+    for name in ("dev", "proc", "sys", "run", "tmp", "root", "home", "mnt", "rig/bin", "var/lib/dpkg/info", "var/lib/dpkg/updates"):
+        (root / name).mkdir(parents=True, exist_ok=True)
+    with open(disk, "wb") as image:
+        image.truncate(512 << 20)
+    subprocess.run([shutil.which("mkfs.ext4") or "/usr/sbin/mkfs.ext4", "-q", "-F", "-d", root, disk], check=True)
+    shutil.rmtree(root)
+    return disk
 
 
 def make_stick(path, files, damaged=False):
