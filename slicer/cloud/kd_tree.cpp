@@ -5,6 +5,7 @@
 // and std::allocator is specialised for an index type of our own, as the standard allows.
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cassert>
 #include <cmath>
 #include <cstdint>
@@ -127,6 +128,12 @@ struct PointSet {
   }
 };
 
+/// std::nextafter() towards infinity, without a call: the floats from 0 up are in the order of their bits.
+/// @param x  0 to infinity
+float next_up(float x) {
+  return x < std::numeric_limits<float>::infinity() ? std::bit_cast<float>(std::bit_cast<std::uint32_t>(x) + 1) : x;
+}
+
 /// nanoflann's result set for the k nearest accepted points, in the caller's buffer. Ties are broken by index, so the
 /// result does not depend on the order of the leaves.
 class NearestSet {
@@ -138,8 +145,7 @@ class NearestSet {
   bool full() const { return count_ == found_.size(); }
   float worstDist() const {  // NOLINT(readability-identifier-naming): nanoflann's name
     // The next float up: a point at exactly the worst distance with a smaller index must not be pruned.
-    return full() ? std::nextafter(found_[count_ - 1].distance2, std::numeric_limits<float>::infinity())
-                  : std::numeric_limits<float>::max();
+    return full() ? next_up(found_[count_ - 1].distance2) : std::numeric_limits<float>::max();
   }
   bool addPoint(float distance2, PointIndex index) {  // NOLINT(readability-identifier-naming): nanoflann's name
     if (accept_ != nullptr && !(*accept_)(index.value)) return true;

@@ -21,7 +21,8 @@ std::uint64_t low_bits(std::uint32_t count) {
   return count >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << count) - 1;
 }
 
-/// Pixels of word `w` that have a white one of the row at most `reach` columns away.
+}  // namespace
+
 std::uint64_t near_in_row(std::span<const std::uint64_t> row, std::uint32_t w, std::uint32_t reach) {
   std::uint64_t found = row[w] == 0 ? 0 : spread(row[w], reach);
   const std::uint32_t words = reach / 64 + (reach % 64 == 0 ? 0 : 1);
@@ -42,8 +43,6 @@ std::uint64_t near_in_row(std::span<const std::uint64_t> row, std::uint32_t w, s
   }
   return found;
 }
-
-}  // namespace
 
 Expected<Disc> Disc::create(const PixelPitch& pitch, Nanometres radius, Arena& arena) {
   auto reach = arena.take_top<std::uint32_t>(static_cast<std::size_t>(radius / pitch.y) + 1, "supports");

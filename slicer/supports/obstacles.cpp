@@ -51,37 +51,67 @@ Expected<Obstacles> Obstacles::create(const RRep& rrep, Nanometres column_radius
   o.pitch_.x = pixel.x * s.columns;
   o.pitch_.y = pixel.y * s.rows;
   o.slab_words_ = s.slab_words();
-  const auto words = arena.take_top<std::uint64_t>(s.words(), kStage);
-  PLUMBLINE_TRY(words);
-  o.words_ = *words;
-  std::fill(o.words_.begin(), o.words_.end(), 0);
-  const auto lowest = arena.take_top<std::uint16_t>(std::size_t{s.nx} * s.ny, kStage);
-  PLUMBLINE_TRY(lowest);
-  o.lowest_ = *lowest;
-  std::fill(o.lowest_.begin(), o.lowest_.end(), kNever);
+  PLUMBLINE_TRY(o.take_memory(arena));
 
   const std::size_t mark = arena.bottom_mark();
   auto stream = LayerStream::create(rrep, arena);
   PLUMBLINE_TRY(stream);
-  for (std::uint32_t k = 0; k < rrep.grid.layers; ++k) o.add(k, stream->mask(k));
+  const Window window = window_of(rrep);
+  for (std::uint32_t k = 0; k < rrep.grid.layers; ++k) o.add(k, stream->mask(k), window);
   arena.release_bottom(mark);
 
+  PLUMBLINE_TRY(o.find_lowest(column_radius, arena));
+  return o;
+}
+
+Status Obstacles::take_memory(Arena& arena) {
+  const auto words = arena.take_top<std::uint64_t>(slab_words_ * nz_, kStage);
+  PLUMBLINE_TRY(words);
+  words_ = *words;
+  std::fill(words_.begin(), words_.end(), 0);
+  const auto lowest = arena.take_top<std::uint16_t>(std::size_t{nx_} * ny_, kStage);
+  PLUMBLINE_TRY(lowest);
+  lowest_ = *lowest;
+  std::fill(lowest_.begin(), lowest_.end(), kNever);
+  return {};
+}
+
+/// Slab after slab, from the plate up: only columns of voxels that become solid for the first time can be the lowest ones near.
+Status Obstacles::find_lowest(Nanometres column_radius, Arena& arena) {
   const ArenaScope scope(arena);
-  const auto disc = Disc::create(o.pitch_, column_radius, arena);
+  const auto disc = Disc::create(pitch_, column_radius, arena);
   PLUMBLINE_TRY(disc);
-  for (std::uint32_t z = o.nz_; z-- > 0;) {
-    const BitImage slab = o.slab(z);
-    for (std::uint32_t y = 0; y < o.ny_; ++y) {
-      for (std::uint32_t w = 0; w < slab.stride(); ++w) {
-        const std::uint64_t all = w + 1 == slab.stride() ? slab.last_word_mask() : ~std::uint64_t{0};
-        for (std::uint64_t near = disc->near(slab, y, w, all); near != 0; near &= near - 1) {
-          o.lowest_[std::size_t{y} * o.nx_ + w * 64 + static_cast<std::uint32_t>(std::countr_zero(near))] =
+  BitImage solid;  // columns that have a solid voxel below
+  BitImage near;   // those that have one of these within the radius
+  for (BitImage* image : {&solid, &near}) {
+    const auto words = arena.take_top<std::uint64_t>(slab_words_, kStage);
+    PLUMBLINE_TRY(words);
+    *image = BitImage(*words, nx_, ny_);
+    image->clear();
+  }
+  const auto fresh = arena.take_top<std::uint64_t>(solid.stride(), kStage);
+  PLUMBLINE_TRY(fresh);
+  for (std::uint32_t z = 0; z < nz_; ++z) {
+    const BitImage here = slab(z);
+    for (std::uint32_t y = 0; y < ny_; ++y) {
+      const auto line = here.row(y);
+      const auto before = solid.row(y);
+      std::uint64_t any = 0;
+      for (std::uint32_t w = 0; w < line.size(); ++w) {
+        (*fresh)[w] = line[w] & ~before[w];
+        any |= (*fresh)[w];
+      }
+      if (any == 0) continue;
+      for (std::uint32_t w = 0; w < line.size(); ++w) before[w] |= line[w];
+      disc->draw_near(*fresh, y, near, [&](std::uint32_t row, std::uint32_t w, std::uint64_t bits) {
+        for (; bits != 0; bits &= bits - 1) {
+          lowest_[std::size_t{row} * nx_ + w * 64 + static_cast<std::uint32_t>(std::countr_zero(bits))] =
               static_cast<std::uint16_t>(z);
         }
-      }
+      });
     }
   }
-  return o;
+  return {};
 }
 
 std::size_t Obstacles::bytes_needed(const PrintGrid& grid) {
@@ -90,22 +120,28 @@ std::size_t Obstacles::bytes_needed(const PrintGrid& grid) {
   // A lifted object has up to 60 mm of layers more; its voxels may then be larger, but take no more than kMostBytes.
   const auto lifted = static_cast<std::size_t>(60 / kVoxel_mm) + 2;
   const std::size_t words = s.slab_words() * (s.nz + lifted) * sizeof(std::uint64_t);
+  // Larger voxels are fewer, so the images of find_lowest() are no larger for a lifted object.
+  const std::size_t images = 2 * Arena::rounded(s.slab_words() * sizeof(std::uint64_t)) +
+                             Arena::rounded(BitImage::words_needed(s.nx, 1) * sizeof(std::uint64_t));
   return Arena::rounded(std::min(kMostBytes, words)) +
-         Arena::rounded(std::size_t{s.nx} * s.ny * sizeof(std::uint16_t)) + kDisc;
+         Arena::rounded(std::size_t{s.nx} * s.ny * sizeof(std::uint16_t)) + images + kDisc;
 }
 
-void Obstacles::add(std::uint32_t layer, ConstBitImage mask) {
+void Obstacles::add(std::uint32_t layer, ConstBitImage mask, const Window& window) {
   const BitImage to = slab(layer / layers_);
-  for (std::uint32_t y = 0; y < ny_; ++y) {
-    const std::uint32_t row_end = std::min(mask.rows(), (y + 1) * rows_);
-    for (std::uint32_t w = 0; w < mask.stride(); ++w) {
+  for (std::uint32_t y = window.row / rows_; y * rows_ < window.row_end; ++y) {
+    const std::uint32_t row_end = std::min(window.row_end, (y + 1) * rows_);
+    const auto line = to.row(y);
+    for (std::uint32_t w = window.word; w < window.word_end; ++w) {
       std::uint64_t rest = 0;
-      for (std::uint32_t r = y * rows_; r < row_end; ++r) rest |= mask.row(r)[w];
+      for (std::uint32_t r = std::max(window.row, y * rows_); r < row_end; ++r) rest |= mask.row(r)[w];
       while (rest != 0) {
-        const std::uint32_t voxel = (w * 64 + static_cast<std::uint32_t>(std::countr_zero(rest))) / columns_;
-        to.set(voxel, y);
-        const std::uint32_t next = (voxel + 1) * columns_ - w * 64;  // the first pixel of the next voxel
-        rest = next >= 64 ? 0 : rest & (~std::uint64_t{0} << next);
+        const auto first = static_cast<std::uint32_t>(std::countr_zero(rest));
+        const auto length = static_cast<std::uint32_t>(std::countr_one(rest >> first));
+        const std::uint32_t begin = (w * 64 + first) / columns_;
+        const std::uint32_t end = (w * 64 + first + length - 1) / columns_ + 1;
+        for_each_word(begin, end, [&](std::uint32_t word, std::uint64_t bits) { line[word] |= bits; });
+        rest = first + length >= 64 ? 0 : rest & (~std::uint64_t{0} << (first + length));
       }
     }
   }

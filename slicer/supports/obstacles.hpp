@@ -10,6 +10,7 @@
 #include "slicer/core/vec.hpp"
 #include "slicer/rrep/rrep.hpp"
 #include "slicer/supports/disc.hpp"
+#include "slicer/supports/window.hpp"
 
 namespace plumbline {
 
@@ -45,7 +46,10 @@ class Obstacles {
   BitImage slab(std::uint32_t z) const {
     return BitImage(words_.subspan(std::size_t{z} * slab_words_, slab_words_), nx_, ny_);
   }
-  void add(std::uint32_t layer, ConstBitImage mask);
+  Status take_memory(Arena& arena);
+  /// @param window  holds all pixels of all masks
+  void add(std::uint32_t layer, ConstBitImage mask, const Window& window);
+  Status find_lowest(Nanometres column_radius, Arena& arena);
 
   std::uint32_t columns_ = 1, rows_ = 1, layers_ = 1;  ///< of a voxel
   std::uint32_t nx_ = 0, ny_ = 0, nz_ = 0;

@@ -33,23 +33,46 @@ struct Half {
     Vec3f normal;
     float h;  ///< present support radius, mm
   };
+  /// A point whose support may contain the place.
+  struct Near {
+    float distance2;  ///< to the place, mm2
+    std::uint32_t index;
+  };
   std::span<Point> points;
+  std::span<Near> nearby;
   RayPoints columns;
   std::uint32_t size = 0;
+  std::uint32_t near_size = 0;
+  Vec3f place;
 
-  /// F at x, mm, with support radii `growth` times the present. Nothing if no point is within its radius of x.
-  std::optional<float> distance(const Vec3f& x, float growth) {
+  /// Goes to a place, with support radii up to `growth` times the present.
+  void go_to(const Vec3f& x, float growth) {
+    place = x;
+    near_size = 0;
+    for (std::uint32_t i = 0; i < size; ++i) {
+      const Vec3f d = x - points[i].position;
+      const float h = growth * points[i].h;
+      nearby[near_size] = {d.dot(d), i};
+      near_size += nearby[near_size].distance2 < h * h ? 1 : 0;
+    }
+  }
+
+  /// F at the place, mm, with support radii `growth` times the present: no more than before. Nothing if no point is within its
+  /// radius of the place.
+  std::optional<float> distance(float growth) {
     columns.size = 0;
     columns.reach = 0;
-    for (const Point& p : points.first(size)) {
-      const Vec3f d = x - p.position;
+    for (const Near& n : nearby.first(near_size)) {
+      const Point& p = points[n.index];
       const float h = growth * p.h;
-      if (d.dot(d) >= h * h) continue;
+      if (n.distance2 >= h * h) continue;
+      nearby[columns.size] = n;
       columns.reach = std::max(columns.reach, h);
-      columns.add(d[0], d[1], p.position[2], p.normal, 1 / (h * h));
+      columns.add(place[0] - p.position[0], place[1] - p.position[1], p.position[2], p.normal, 1 / (h * h));
     }
+    near_size = columns.size;
     columns.close();
-    const MlsValue value = mls_value(columns, {0, columns.size}, x[2]);
+    const MlsValue value = mls_value(columns, {0, columns.size}, place[2]);
     if (!(value.weight > 0)) return std::nullopt;
     return value.distance;
   }
@@ -74,16 +97,13 @@ class RiskOfSizes {
       if (cloud_.normal[i].point_class == PointClass::kNoise || !collect(i)) continue;
       const auto x = project(i);
       if (!x) continue;
-      const auto least_a = halves_[0].distance(*x, least_growth_);
-      const auto least_b = halves_[1].distance(*x, least_growth_);
-      if (!least_a || !least_b) continue;
+      if (!measure(*x)) continue;
       ++used;
+      const auto [least_a, least_b] = least_;
       for (std::size_t k = 0; k < count_; ++k) {
-        const float growth = std::sqrt(sizes_[k] / present_);
-        const double a = *halves_[0].distance(*x, growth);
-        const double b = *halves_[1].distance(*x, growth);
+        const auto [a, b] = values_[k];
         variance[k] += (a - b) * (a - b) / 4;
-        bias2[k] += (a - static_cast<double>(*least_a)) * (b - static_cast<double>(*least_b));
+        bias2[k] += (a - least_a) * (b - least_b);
       }
     }
     if (used == 0) return false;
@@ -121,14 +141,30 @@ class RiskOfSizes {
     return room;
   }
 
+  /// F of both halves at x, mm, with supports of all sizes and of the least.
+  /// @returns false if the least supports contain no point
+  bool measure(const Vec3f& x) {
+    const auto growth = [&](std::size_t k) { return std::sqrt(sizes_[k] / present_); };
+    for (std::size_t h = 0; h < halves_.size(); ++h) {
+      // From the widest supports to the narrowest, each with the points of the one before.
+      halves_[h].go_to(x, growth(count_ - 1));
+      for (std::size_t k = count_; k-- > 0;) values_[k][h] = halves_[h].distance(growth(k)).value_or(0);
+      const auto least = halves_[h].distance(least_growth_);
+      if (!least) return false;
+      least_[h] = *least;
+    }
+    return true;
+  }
+
   /// Moves point i onto the mean of the surfaces of both halves.
   std::optional<Vec3f> project(std::uint32_t i) {
     const Vec3f n = cloud_.normal[i].unpack();
     const float growth = std::sqrt(kProjectionPoints / present_);
     Vec3f x = cloud_.position[i];
     for (int step = 0; step < kProjectionSteps; ++step) {
-      const auto a = halves_[0].distance(x, growth);
-      const auto b = halves_[1].distance(x, growth);
+      for (Half& half : halves_) half.go_to(x, growth);
+      const auto a = halves_[0].distance(growth);
+      const auto b = halves_[1].distance(growth);
       if (!a || !b) return std::nullopt;
       x = x - n * (0.5F * (*a + *b));
     }
@@ -142,13 +178,16 @@ class RiskOfSizes {
   std::array<Half, 2>& halves_;
   std::array<float, kMaxSizes> sizes_{};
   std::size_t count_ = 0;
+  std::array<std::array<double, 2>, kMaxSizes> values_{};  ///< by size and half, mm
+  std::array<double, 2> least_{};
   std::array<double, kMaxSizes> risk_{};
 };
 
 }  // namespace
 
 std::size_t support_size_bytes() {
-  return 2 * (Arena::rounded(kHalfCapacity * sizeof(Half::Point)) + RayPoints::bytes_needed(kHalfCapacity));
+  return 2 * (Arena::rounded(kHalfCapacity * sizeof(Half::Point)) +
+              Arena::rounded((kHalfCapacity + 1) * sizeof(Half::Near)) + RayPoints::bytes_needed(kHalfCapacity));
 }
 
 Status widen_supports(Cloud& cloud, const KdTree3& tree, const ClusteringSettings& settings, Arena& arena,
@@ -161,6 +200,9 @@ Status widen_supports(Cloud& cloud, const KdTree3& tree, const ClusteringSetting
     const auto points = arena.take_top<Half::Point>(kHalfCapacity, kStage);
     PLUMBLINE_TRY(points);
     half.points = *points;
+    const auto nearby = arena.take_top<Half::Near>(kHalfCapacity + 1, kStage);  // go_to() writes one past the last
+    PLUMBLINE_TRY(nearby);
+    half.nearby = *nearby;
     const auto columns = RayPoints::create(kHalfCapacity, arena, kStage);
     PLUMBLINE_TRY(columns);
     half.columns = *columns;
