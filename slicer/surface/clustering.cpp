@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "slicer/cloud/neighbourhood.hpp"
+#include "slicer/cloud/nth_nearest.hpp"
 #include "slicer/core/disjoint_sets.hpp"
 #include "slicer/core/lanes.hpp"
 #include "slicer/core/loop_progress.hpp"
@@ -267,12 +268,14 @@ Expected<float> density_epsilon(const Cloud& cloud, const KdTree3& tree, const C
   auto distances = arena.take_top<float>(samples, kStage);
   PLUMBLINE_TRY(distances);
   std::span<float> d2 = *distances;
-#pragma omp parallel for schedule(dynamic, 64)
-  for (std::uint32_t s = 0; s < samples; ++s) {
-    std::array<Neighbour, 256> found;  // NOLINT(cppcoreguidelines-pro-type-member-init)
-    const auto i = static_cast<std::uint32_t>(std::uint64_t{s} * cloud.size / samples);
-    const std::uint32_t k = tree.nearest(cloud.position[i], std::span(found).first(std::min<std::size_t>(wanted, 256)));
-    d2[s] = found[k - 1].distance2;
+#pragma omp parallel
+  {
+    NthNearest nearest(cloud.position, tree);
+#pragma omp for schedule(dynamic, 64)
+    for (std::uint32_t s = 0; s < samples; ++s) {
+      const auto i = static_cast<std::uint32_t>(std::uint64_t{s} * cloud.size / samples);
+      d2[s] = nearest.distance2(cloud.position[i], std::min(wanted, NthNearest::kMost));
+    }
   }
   std::sort(d2.begin(), d2.end());
   return (std::sqrt(d2[samples / 2]) + std::sqrt(d2[(samples - 1) / 2])) / 2;

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <vector>
+
 #include "slicer/supports/near.hpp"
 #include "tests/slicer/support/arena_block.hpp"
 #include "tests/slicer/support/pixels.hpp"
@@ -78,6 +80,38 @@ TEST(Disc, FindsThePixelsNearAWhiteOne) {
           }
           ASSERT_EQ((found >> (c % 64) & 1U) != 0, near && (wanted >> (c % 64) & 1U) != 0) << c << ", " << r;
         }
+      }
+    }
+  }
+}
+
+TEST(Disc, DrawsThePixelsNearAWhiteOneOnce) {
+  Random random(5);
+  for (int i = 0; i < 60; ++i) {
+    const std::uint32_t columns = 1 + random.below(300);
+    const std::uint32_t rows = 1 + random.below(40);
+    const PixelPitch pitch = pitch_of(random.uniform(0.02, 0.1), random.uniform(0.02, 0.1));
+    const Nanometres radius = nanometres(random.uniform(0, i % 3 == 0 ? 6 : 1));
+    Pixels image(columns, rows);
+    for (std::uint32_t n = random.below(12); n > 0; --n) image.set(random.below(columns), random.below(rows), true);
+    const OwnedImage words = image.image();
+    ArenaBlock arena(kMiB);
+    const Disc disc = value_of(Disc::create(pitch, radius, *arena));
+    std::vector<std::uint64_t> drawn(BitImage::words_needed(columns, rows), 0);
+    std::vector<std::uint64_t> visited = drawn;
+    const BitImage near(drawn, columns, rows);
+    const BitImage once(visited, columns, rows);
+    for (std::uint32_t r = 0; r < rows; ++r) {
+      disc.draw_near(words.view().row(r), r, near, [&](std::uint32_t row, std::uint32_t w, std::uint64_t bits) {
+        EXPECT_EQ(once.row(row)[w] & bits, 0U) << "twice";
+        once.row(row)[w] |= bits;
+      });
+    }
+    EXPECT_EQ(drawn, visited);
+    for (std::uint32_t r = 0; r < rows; ++r) {
+      for (std::uint32_t w = 0; w < near.stride(); ++w) {
+        const std::uint64_t inside = w + 1 == near.stride() ? near.last_word_mask() : ~std::uint64_t{0};
+        ASSERT_EQ(near.row(r)[w], disc.near(words.view(), r, w, inside)) << w << ", " << r;
       }
     }
   }
