@@ -8,7 +8,7 @@
 #include "firmware/pictures/preview_page.hpp"
 #include "slicer/checks/overhangs.hpp"
 #include "slicer/layers/layer_regions.hpp"
-#include "slicer/supports/mask_stream.hpp"
+#include "slicer/supports/drawing/mask_stream.hpp"
 
 namespace plumbline {
 

@@ -14,7 +14,7 @@
 #include "slicer/core/error.hpp"
 #include "slicer/core/print_grid.hpp"
 #include "slicer/rrep/rrep.hpp"
-#include "slicer/supports/supports.hpp"
+#include "slicer/supports/drawing/supports.hpp"
 
 namespace plumbline {
 

@@ -8,7 +8,7 @@
 #include "firmware/pictures/preview.hpp"
 #include "firmware/pictures/preview_shading.hpp"
 #include "slicer/rrep/rrep.hpp"
-#include "slicer/supports/supports.hpp"
+#include "slicer/supports/drawing/supports.hpp"
 
 namespace plumbline::preview {
 

@@ -10,7 +10,7 @@
 #include "firmware/pictures/preview_shading.hpp"
 #include "slicer/core/bit_image.hpp"
 #include "slicer/rrep/rrep.hpp"
-#include "slicer/supports/supports.hpp"
+#include "slicer/supports/drawing/supports.hpp"
 
 namespace plumbline::preview {
 

@@ -8,7 +8,7 @@
 #include "firmware/print/plan/print_plan.hpp"
 #include "slicer/core/arena.hpp"
 #include "slicer/core/bit_image.hpp"
-#include "slicer/supports/mask_stream.hpp"
+#include "slicer/supports/drawing/mask_stream.hpp"
 
 namespace plumbline {
 

@@ -5,7 +5,7 @@
 #include "slicer/checks/stack_checker.hpp"
 #include "slicer/core/stage_scope.hpp"
 #include "slicer/support_building.hpp"
-#include "slicer/supports/mask_stream.hpp"
+#include "slicer/supports/drawing/mask_stream.hpp"
 
 namespace plumbline {
 namespace {

@@ -13,7 +13,7 @@
 #include "firmware/slice/job_report.hpp"
 #include "slicer/core/arena.hpp"
 #include "slicer/slicer.hpp"
-#include "slicer/supports/supports.hpp"
+#include "slicer/supports/drawing/supports.hpp"
 
 namespace plumbline {
 

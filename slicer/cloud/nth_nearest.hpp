@@ -71,8 +71,8 @@ class NthNearest {
 
   std::span<const Vec3f> points_;
   const KdTree3& tree_;
-  float radius_ = 0;                          ///< of the next search; 0: not known
-  std::array<float, 2 * kMost> found_;        ///< squared distances within the radius
+  float radius_ = 0;                    ///< of the next search; 0: not known
+  std::array<float, 2 * kMost> found_;  ///< squared distances within the radius
 };
 
 }  // namespace plumbline

@@ -17,7 +17,7 @@
 #include "slicer/reader/scan_reader.hpp"
 #include "slicer/rrep/components.hpp"
 #include "slicer/rrep/confidence.hpp"
-#include "slicer/supports/mask_stream.hpp"
+#include "slicer/supports/drawing/mask_stream.hpp"
 #include "slicer/supports/support_finder.hpp"
 #include "slicer/surface/bores/bore_walls.hpp"
 #include "slicer/surface/clustering.hpp"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "slicer/supports/disc.hpp"
+#include "slicer/supports/drawing/disc.hpp"
 
 namespace plumbline {
 namespace {

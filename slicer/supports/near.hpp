@@ -9,7 +9,7 @@
 #include "slicer/core/arena.hpp"
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/error.hpp"
-#include "slicer/supports/disc.hpp"
+#include "slicer/supports/drawing/disc.hpp"
 
 namespace plumbline {
 

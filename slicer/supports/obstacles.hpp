@@ -9,7 +9,7 @@
 #include "slicer/core/error.hpp"
 #include "slicer/core/vec.hpp"
 #include "slicer/rrep/rrep.hpp"
-#include "slicer/supports/disc.hpp"
+#include "slicer/supports/drawing/disc.hpp"
 #include "slicer/supports/window.hpp"
 
 namespace plumbline {

@@ -7,8 +7,8 @@
 #include "slicer/core/arena.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/core/print_grid.hpp"
+#include "slicer/supports/drawing/supports.hpp"
 #include "slicer/supports/support_settings.hpp"
-#include "slicer/supports/supports.hpp"
 
 namespace plumbline {
 

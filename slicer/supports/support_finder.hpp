@@ -8,8 +8,8 @@
 #include "slicer/core/error.hpp"
 #include "slicer/core/progress.hpp"
 #include "slicer/rrep/rrep.hpp"
+#include "slicer/supports/drawing/supports.hpp"
 #include "slicer/supports/support_settings.hpp"
-#include "slicer/supports/supports.hpp"
 
 namespace plumbline {
 

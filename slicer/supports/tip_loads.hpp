@@ -6,7 +6,7 @@
 
 #include "slicer/core/arena.hpp"
 #include "slicer/core/error.hpp"
-#include "slicer/supports/disc.hpp"
+#include "slicer/supports/drawing/disc.hpp"
 #include "slicer/supports/support_settings.hpp"
 #include "slicer/supports/tips.hpp"
 

@@ -10,7 +10,7 @@
 #include "firmware/sample/scan_sample.hpp"
 #include "slicer/checks/stack_checker.hpp"
 #include "slicer/layers/layer_stream.hpp"
-#include "slicer/supports/support_painter.hpp"
+#include "slicer/supports/drawing/support_painter.hpp"
 #include "tests/hil/session_rig.hpp"
 
 namespace plumbline {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "slicer/inspect.hpp"
-#include "slicer/supports/mask_stream.hpp"
+#include "slicer/supports/drawing/mask_stream.hpp"
 #include "slicer/supports/support_finder.hpp"
 #include "tests/slicer/support/slicing.hpp"
 #include "tests/slicer/support/surface_files.hpp"

@@ -28,6 +28,7 @@ ORDER = {
     "slicer": ["core", "reader", "cloud", "placement", "orientation", "implicit", "normals", "views", "surface", "rrep", "rays",
                "layers", "supports", "checks", "plan"],
     "slicer/reader": ["stream", "records", "formats"],
+    "slicer/supports": ["drawing"],
     "hal/linux": ["gpio", "events", "keeper", "lamp", "stage", "display", "stick", "thermals"],
     "firmware/print": ["plan", "status", "store"],
     "firmware": ["io", "settings", "pictures", "sample", "machine", "slice", "print", "child", "state", "daemon", "cli"],

@@ -7,7 +7,7 @@
 #include "firmware/print/store/job_facts.hpp"
 #include "slicer/core/arena.hpp"
 #include "slicer/rrep/rrep.hpp"
-#include "slicer/supports/supports.hpp"
+#include "slicer/supports/drawing/supports.hpp"
 
 namespace plumbline {
 

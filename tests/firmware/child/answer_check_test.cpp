@@ -8,7 +8,7 @@
 #include <functional>
 #include <random>
 
-#include "slicer/supports/mask_stream.hpp"
+#include "slicer/supports/drawing/mask_stream.hpp"
 #include "tests/firmware/child/child_fixture.hpp"
 
 namespace plumbline {

@@ -11,7 +11,7 @@
 #include "firmware/io/mask_hash.hpp"
 #include "firmware/slice/manifest.hpp"
 #include "slicer/support_building.hpp"
-#include "slicer/supports/mask_stream.hpp"
+#include "slicer/supports/drawing/mask_stream.hpp"
 #include "tests/firmware/support/job_fixture.hpp"
 
 namespace plumbline {

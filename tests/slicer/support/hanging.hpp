@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "slicer/supports/supports.hpp"
+#include "slicer/supports/drawing/supports.hpp"
 #include "tests/slicer/support/pixels.hpp"
 
 namespace plumbline::testing {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "slicer/rrep/rrep.hpp"
-#include "slicer/supports/mask_stream.hpp"
-#include "slicer/supports/supports.hpp"
+#include "slicer/supports/drawing/mask_stream.hpp"
+#include "slicer/supports/drawing/supports.hpp"
 #include "tests/slicer/support/arena_block.hpp"
 #include "tests/slicer/support/pixels.hpp"
 #include "tests/slicer/support/scan_cloud.hpp"

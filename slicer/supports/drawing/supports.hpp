@@ -7,7 +7,7 @@
 #include <span>
 
 #include "slicer/core/print_grid.hpp"
-#include "slicer/supports/disc.hpp"
+#include "slicer/supports/drawing/disc.hpp"
 
 namespace plumbline {
 

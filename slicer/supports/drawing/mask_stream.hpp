@@ -8,8 +8,8 @@
 #include "slicer/core/error.hpp"
 #include "slicer/layers/layer_stream.hpp"
 #include "slicer/rrep/rrep.hpp"
-#include "slicer/supports/support_painter.hpp"
-#include "slicer/supports/supports.hpp"
+#include "slicer/supports/drawing/support_painter.hpp"
+#include "slicer/supports/drawing/supports.hpp"
 
 namespace plumbline {
 

@@ -1,4 +1,4 @@
-#include "slicer/supports/mask_stream.hpp"
+#include "slicer/supports/drawing/mask_stream.hpp"
 
 namespace plumbline {
 

@@ -1,4 +1,4 @@
-#include "slicer/supports/support_painter.hpp"
+#include "slicer/supports/drawing/support_painter.hpp"
 
 #include <algorithm>
 #include <bit>

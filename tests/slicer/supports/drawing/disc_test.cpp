@@ -1,4 +1,4 @@
-#include "slicer/supports/disc.hpp"
+#include "slicer/supports/drawing/disc.hpp"
 
 #include <gtest/gtest.h>
 
