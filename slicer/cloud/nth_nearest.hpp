@@ -11,7 +11,8 @@
 
 namespace plumbline {
 
-/// Takes a fifth of the time of KdTree::nearest() if each query has about the density of the one before. One object a thread.
+/// For k = 61 it takes two fifths of the instructions of KdTree::nearest(), if each query has about the density of the one before.
+/// One object a thread.
 class NthNearest {
  public:
   static constexpr std::uint32_t kMost = 256;  ///< largest k
@@ -71,8 +72,8 @@ class NthNearest {
 
   std::span<const Vec3f> points_;
   const KdTree3& tree_;
-  float radius_ = 0;                    ///< of the next search; 0: not known
-  std::array<float, 2 * kMost> found_;  ///< squared distances within the radius
+  float radius_ = 0;                         ///< of the next search; 0: not known
+  std::array<float, 2 * kMost> found_ = {};  ///< squared distances within the radius
 };
 
 }  // namespace plumbline
