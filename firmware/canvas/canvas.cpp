@@ -20,8 +20,8 @@ constexpr Colour mixed_colour(Colour below, Colour above, unsigned cover) {
 
 /// Calls visit(x, y, mean) for each pixel of a box; mean[c] is that of the picture's pixels below it.
 template <std::size_t Channels, class Visit>
-void resample(const Box& box, const Box& visible, std::span<const std::uint8_t> picture, int columns, int rows,
-              Visit&& visit) {
+void resample(const PixelBox& box, const PixelBox& visible, std::span<const std::uint8_t> picture, int columns,
+              int rows, Visit&& visit) {
   assert(picture.size() == Channels * static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
   for (int y = visible.y; y < visible.bottom(); ++y) {
     const int top = (y - box.y) * rows / box.height;
@@ -47,13 +47,13 @@ void resample(const Box& box, const Box& visible, std::span<const std::uint8_t> 
 
 }  // namespace
 
-Box common(const Box& a, const Box& b) {
+PixelBox common(const PixelBox& a, const PixelBox& b) {
   const int left = std::max(a.x, b.x), top = std::max(a.y, b.y);
   return {left, top, std::max(0, std::min(a.right(), b.right()) - left),
           std::max(0, std::min(a.bottom(), b.bottom()) - top)};
 }
 
-Box fitted(const Box& room, int columns, int rows) {
+PixelBox fitted(const PixelBox& room, int columns, int rows) {
   if (room.empty() || columns <= 0 || rows <= 0) return {room.x, room.y, 0, 0};
   int width = room.width, height = room.width * rows / columns;
   if (height > room.height) {
@@ -67,15 +67,15 @@ Canvas::Canvas(std::span<Colour> pixels, int columns, int rows) : pixels_(pixels
   assert(pixels.size() == static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
 }
 
-void Canvas::fill(const Box& box, Colour ink) {
-  const Box seen = common(box, all());
+void Canvas::fill(const PixelBox& box, Colour ink) {
+  const PixelBox seen = common(box, all());
   for (int y = seen.y; y < seen.bottom(); ++y) {
     Colour* const row = pixels_.data() + static_cast<std::ptrdiff_t>(y) * columns_;
     std::fill(row + seen.x, row + seen.right(), ink);
   }
 }
 
-void Canvas::frame(const Box& box, int thickness, Colour ink) {
+void Canvas::frame(const PixelBox& box, int thickness, Colour ink) {
   fill(box.top_rows(thickness), ink);
   fill(box.from_row(box.height - thickness), ink);
   fill(box.left_columns(thickness), ink);
@@ -84,11 +84,12 @@ void Canvas::frame(const Box& box, int thickness, Colour ink) {
 
 void Canvas::blend(int x, int y, Colour ink, unsigned cover) {
   if (x < 0 || y < 0 || x >= columns_ || y >= rows_) return;
-  Colour& pixel = pixels_[static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(x)];
+  Colour& pixel =
+      pixels_[static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(x)];
   pixel = mixed_colour(pixel, ink, cover);
 }
 
-void Canvas::draw_grey(const Box& box, std::span<const std::uint8_t> grey, int columns, int rows, Colour dark,
+void Canvas::draw_grey(const PixelBox& box, std::span<const std::uint8_t> grey, int columns, int rows, Colour dark,
                        Colour light) {
   resample<1>(box, common(box, all()), grey, columns, rows, [&](int x, int y, const std::array<unsigned, 1>& mean) {
     pixels_[static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(x)] =
@@ -96,7 +97,7 @@ void Canvas::draw_grey(const Box& box, std::span<const std::uint8_t> grey, int c
   });
 }
 
-void Canvas::draw_rgb(const Box& box, std::span<const std::uint8_t> rgb, int columns, int rows) {
+void Canvas::draw_rgb(const PixelBox& box, std::span<const std::uint8_t> rgb, int columns, int rows) {
   resample<3>(box, common(box, all()), rgb, columns, rows, [&](int x, int y, const std::array<unsigned, 3>& mean) {
     pixels_[static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(x)] =
         colour(mean[0], mean[1], mean[2]);

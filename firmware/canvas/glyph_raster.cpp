@@ -10,6 +10,8 @@ namespace {
 /// Parts of a pixel.
 constexpr std::int64_t kPixel = 256;
 constexpr int kLines = 8;
+/// Levels of cover above 0. Nobody sees the difference to 255, and a picture of a screen has few colours, so that its PNG is small.
+constexpr std::uint32_t kLevels = 15;
 /// Straight pieces of a curve: a letter 100 pixels high has corners of less than a tenth of a pixel.
 constexpr int kPieces = 8;
 
@@ -38,7 +40,8 @@ class Outline {
     for (std::int64_t i = 1; i <= kPieces; ++i) {
       const std::int64_t a = (kPieces - i) * (kPieces - i), b = 2 * i * (kPieces - i), c = i * i;
       constexpr std::int64_t kSum = std::int64_t{kPieces} * kPieces;
-      line_to({floor_div(a * from.x + b * control.x + c * to.x, kSum), floor_div(a * from.y + b * control.y + c * to.y, kSum)});
+      line_to({floor_div(a * from.x + b * control.x + c * to.x, kSum),
+               floor_div(a * from.y + b * control.y + c * to.y, kSum)});
     }
   }
   void begin(const Point& at) { at_ = at; }
@@ -128,7 +131,8 @@ GlyphPicture rasterise(const FontOutlines& font, const GlyphOutline& glyph, int 
       }
     }
     for (const std::uint32_t sum : sums) {
-      picture.cover.push_back(static_cast<std::uint8_t>((sum * 255 + kLines * kPixel / 2) / (kLines * kPixel)));
+      const auto level = static_cast<std::uint8_t>((sum * kLevels + kLines * kPixel / 2) / (kLines * kPixel));
+      picture.cover.push_back(static_cast<std::uint8_t>(level * (255 / kLevels)));
     }
   }
   return picture;

@@ -14,6 +14,7 @@
 #include "firmware/print/status/print_report.hpp"
 #include "firmware/print/status/print_state.hpp"
 #include "firmware/settings/job_settings.hpp"
+#include "firmware/state/job_pictures.hpp"
 #include "slicer/core/printable_text.hpp"
 #include "slicer/core/progress.hpp"
 
@@ -43,6 +44,15 @@ struct JobRecord : JobSettings {
 struct SlicingRecord {
   Stage stage = Stage::kRead;
   double fraction = 0;  ///< of the stage
+};
+
+/// What would be printed, as it was sliced.
+struct SlicedRecord {
+  double width_mm = 0, depth_mm = 0, height_mm = 0;  ///< of the object, with its supports
+  double layer_height_mm = 0;
+  std::uint32_t layers = 0;
+  double resin_ml = 0;
+  std::chrono::seconds time{};  ///< that the print takes
 };
 
 struct ProgressRecord {
@@ -79,6 +89,7 @@ struct FaultRecord {
 struct PrinterRecord {
   static constexpr std::size_t kMostScans = 64;
   static constexpr std::size_t kMostFindings = 12;
+  static constexpr std::size_t kMostProfiles = 16;
 
   FixedText<64> printer;
   bool simulated = false;
@@ -93,7 +104,10 @@ struct PrinterRecord {
   std::size_t scans_left_out = 0;  ///< beyond the room for them
   bool has_job_file = false;       ///< job.toml says what is printed
   std::optional<JobRecord> job;    ///< offered, printing, or the last one
+  std::array<FixedText<64>, kMostProfiles> profiles;  ///< names, for a job's setting `profile`
+  std::size_t profile_count = 0;
   std::optional<SlicingRecord> slicing;
+  std::optional<SlicedRecord> sliced;  ///< from the end of slicing on
   std::optional<ProgressRecord> progress;
   std::optional<ResinRecord> resin;
   std::optional<PrintState> result;  ///< how the last print ended
@@ -101,6 +115,7 @@ struct PrinterRecord {
   std::array<FindingRecord, kMostFindings> findings;
   std::size_t finding_count = 0;
   std::optional<FaultRecord> fault;
+  const JobPictures* pictures = nullptr;  ///< none: nobody makes them
 
   /// Forgets the job of before.
   void begin_job();
