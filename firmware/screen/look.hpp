@@ -22,7 +22,9 @@ inline constexpr Colour kFaultBar = colour(188, 24, 24);  ///< below white text
 
 /// The smallest screen, pixels.
 inline constexpr int kLeastColumns = 320, kLeastRows = 240;
-inline constexpr int kMostColumns = 1280, kMostRows = 1280;
+
+/// The buttons' bar at the bottom of every screen, three of the same width: rows at 320 x 240.
+inline constexpr int kButtonRows = 44;
 
 /// The fonts of a screen, and its sizes. Takes all its memory when it is made.
 struct Look {

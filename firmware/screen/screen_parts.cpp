@@ -7,7 +7,6 @@ namespace plumbline {
 namespace {
 
 constexpr int kTitleRows = 34;
-constexpr int kButtonRows = 44;
 constexpr int kMargin = 8;
 
 /// The signs on the printer's buttons.

@@ -4,10 +4,9 @@
 #include <cstdint>
 #include <string_view>
 
-namespace plumbline {
+#include "firmware/settings/language.hpp"
 
-enum class Language : std::uint8_t { kEnglish, kGerman };
-inline constexpr std::size_t kLanguageCount = 2;
+namespace plumbline {
 
 enum class Words : std::uint8_t {
   // Titles, a screen each.
