@@ -18,6 +18,7 @@
 #include "firmware/print/status/print_lines.hpp"
 #include "firmware/screen/screen_server.hpp"
 #include "firmware/settings/job_options.hpp"
+#include "firmware/settings/settings_folders.hpp"
 #include "firmware/state/socket_place.hpp"
 
 namespace plumbline {
@@ -183,7 +184,7 @@ ExitCode serve(const DaemonOptions& options, std::size_t largest_arena) {
   if (!back_end) return report_error(back_end.error());
 
   catch_interrupts();
-  const DaemonSettings settings{*board, *machine, board->path, setup->threads};
+  const DaemonSettings settings{*board, *machine, board->path, profile_names(board->path), setup->threads};
   Arena arena(child->arena_block());
   DaemonLog log(options, **back_end, *manager);
   const Machine& devices = (*back_end)->machine();

@@ -21,8 +21,9 @@ inline constexpr double kEndStopClearanceMm = 1;
 
 /// What begins a print.
 enum class StartChoice : std::uint8_t {
-  kOnRequest,  ///< somebody presses start
-  kOnStick,    ///< a stick is in: for test rigs
+  kOnRequest,     ///< somebody presses start
+  kOnStick,       ///< a stick is in: for test rigs
+  kAfterPreview,  ///< somebody presses start for the scan, and again when they have seen what was sliced
 };
 
 /// The part of a board file that printing needs and slicing does not.

@@ -48,7 +48,8 @@ struct SlicingRecord {
 
 /// What would be printed, as it was sliced.
 struct SlicedRecord {
-  double width_mm = 0, depth_mm = 0, height_mm = 0;  ///< of the object, with its supports
+  double width_mm = 0, depth_mm = 0;  ///< of the object
+  double height_mm = 0;               ///< of the print, with what holds it up
   double layer_height_mm = 0;
   std::uint32_t layers = 0;
   double resin_ml = 0;
@@ -101,9 +102,9 @@ struct PrinterRecord {
   bool has_stick = false;
   std::array<ScanRecord, kMostScans> scans;
   std::size_t scan_count = 0;
-  std::size_t scans_left_out = 0;  ///< beyond the room for them
-  bool has_job_file = false;       ///< job.toml says what is printed
-  std::optional<JobRecord> job;    ///< offered, printing, or the last one
+  std::size_t scans_left_out = 0;                     ///< beyond the room for them
+  bool has_job_file = false;                          ///< job.toml says what is printed
+  std::optional<JobRecord> job;                       ///< offered, printing, or the last one
   std::array<FixedText<64>, kMostProfiles> profiles;  ///< names, for a job's setting `profile`
   std::size_t profile_count = 0;
   std::optional<SlicingRecord> slicing;

@@ -1,0 +1,119 @@
+#!/usr/bin/env python3
+"""A job from the stick to the finished part, as the printer's screen shows it: a real plumblined writes its frames, and the title of each is
+compared with that of the golden pictures that a person has looked at."""
+
+import shutil
+import struct
+import time
+import zlib
+
+from case import SOURCE_DIR, main
+from state_client import StatePrinter
+
+GOLDEN = SOURCE_DIR / "tests/firmware/screen/golden"
+TITLE_ROWS = 34  # of a screen of 320 x 240
+
+
+def rgb_rows(path):
+    """(columns, the rows of pixels) of an RGB or palette PNG of 8 bits."""
+    data = path.read_bytes()
+    at, stream, palette = 8, b"", None
+    while at < len(data):
+        length, kind = struct.unpack(">I4s", data[at : at + 8])
+        body = data[at + 8 : at + 8 + length]
+        if kind == b"IHDR":
+            columns, rows, depth, colour = struct.unpack(">IIBB", body[:10])
+        elif kind == b"PLTE":
+            palette = [body[i : i + 3] for i in range(0, length, 3)]
+        elif kind == b"IDAT":
+            stream += body
+        at += 12 + length
+    bits = depth * (3 if colour == 2 else 1)
+    width, step = (columns * bits + 7) // 8, max(1, bits // 8)
+    raw, before, lines = zlib.decompress(stream), bytearray(width), []
+    for r in range(rows):
+        kind, line = raw[r * (width + 1)], bytearray(raw[r * (width + 1) + 1 : (r + 1) * (width + 1)])
+        for i in range(width):
+            left = line[i - step] if i >= step else 0
+            up, corner = before[i], before[i - step] if i >= step else 0
+            nearest = min((left, up, corner), key=lambda value, guess=left + up - corner: abs(guess - value))
+            line[i] = (line[i] + (0, left, up, (left + up) // 2, nearest)[kind]) & 255
+        before = line
+        if palette:
+            pixels = (line[c * depth // 8] >> (8 - depth - c * depth % 8) & ((1 << depth) - 1) for c in range(columns))
+            lines.append(b"".join(palette[pixel] for pixel in pixels))
+        else:
+            lines.append(bytes(line))
+    return columns, lines
+
+
+class Screen(StatePrinter):
+    def titles(self):
+        """Names of the golden pictures whose titles the frames have, each change once."""
+        known, seen = {}, []
+        for name in ("idle", "scans", "reading", "preview", "checks", "homing", "printing", "paused", "raising", "finished"):
+            known[tuple(rgb_rows(GOLDEN / f"{name}-320.png")[1][:TITLE_ROWS])] = name
+        for frame in sorted(self.frames.glob("0*.png")):
+            columns, rows = rgb_rows(frame)
+            self.assertEqual((columns, len(rows)), (320, 240))
+            name = known.get(tuple(rows[:TITLE_ROWS]), "another")
+            if not seen or seen[-1] != name:
+                seen.append(name)
+        return seen
+
+    def test_shows_a_job_from_the_stick_to_the_finished_part(self):
+        self.frames = self.dir / "screen"
+        profiles = self.dir / "profiles"
+        shutil.copytree(SOURCE_DIR / "board/profiles", profiles)
+        self.printer = self.dir / "sim2k.toml"
+        self.printer.write_text((SOURCE_DIR / "board/sim2k.toml").read_text().replace('"on_request"', '"after_preview"'))
+        daemon, user = self.start("--screen", self.frames, speedup=100, printer=self.printer)
+        user.state("idle")
+        self.shown("idle")
+        self.put_stick({"ball.ply": 2})
+        self.assertEqual(user.state("offered", "start")["profiles"], sorted(path.stem for path in profiles.glob("*.toml")))
+        self.shown("scans")
+        for key, value in (("layer_height", 0.1), ("supports", "none")):
+            user.do("set", key=key, value=value)
+        user.do("start")
+        user.state("slicing")
+        sliced = user.until(lambda s: s["state"] == "offered" and s["sliced"], "a preview")["sliced"]
+        self.assertEqual(sliced["layers"], 40)
+        for side in ("width_mm", "depth_mm", "height_mm"):
+            self.assertAlmostEqual(sliced[side], 4, delta=0.1)
+        self.assertAlmostEqual(sliced["resin_ml"], 4 / 3 * 3.1416 * 8 / 1000, delta=0.01)
+        self.shown("preview")
+        user.state("offered", "start")
+        user.do("start")
+        user.until(lambda s: s["state"] == "printing" and s["progress"]["layers_done"] > 2, "layer 3")
+        self.shown("printing")
+        user.do("pause")
+        user.state("paused", "resume")
+        self.shown("paused")
+        user.do("resume")
+        done = user.state("plate in use", "plate-empty")
+        self.assertEqual(done["job"]["result"], "finished")
+        self.assertLess(abs(done["progress"]["elapsed_s"] / sliced["time_s"] - 1), 0.2, "the pause is short")
+        self.shown("finished")
+        user.do("plate-empty")
+        user.state("offered", "start")
+        daemon.terminate()
+        self.assertEqual(daemon.wait(60), 0)
+        titles = self.titles()
+        for name in ("idle", "scans", "preview", "printing", "paused", "printing", "finished"):
+            self.assertIn(name, titles, "in this order")
+            titles = titles[titles.index(name):]
+
+    def shown(self, name):
+        """Waits until the newest picture has the title of a golden one."""
+        golden = rgb_rows(GOLDEN / f"{name}-320.png")[1][:TITLE_ROWS]
+        end, newest = time.monotonic() + 60, self.frames / "screen.png"
+        while time.monotonic() < end:
+            if newest.exists() and rgb_rows(newest)[1][:TITLE_ROWS] == golden:
+                return
+            time.sleep(0.1)
+        self.fail(f"the screen does not show {name}")
+
+
+if __name__ == "__main__":
+    main()
