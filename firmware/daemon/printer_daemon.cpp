@@ -212,7 +212,7 @@ Expected<bool> PrinterDaemon::accept(const SlicedScan& sliced, const PrintProfil
 Status PrinterDaemon::serve_stick() {
   served_ = true;
   fault_ = FaultCode::kNone;
-  record_.begin_job();
+  observer_.begin_job();
   apply(PrintEvent::kJobOffered);
   PrintSession session(settings_.board, settings_.machine, arena_, &store_);
   std::optional<PrintProfile> profile;
@@ -242,6 +242,7 @@ Status PrinterDaemon::serve_stick() {
     const auto sliced = slicing_.run(*mount, *scan, *request);
     PLUMBLINE_TRY(sliced);
     answer = *sliced;
+    observer_.previewed(child_.preview());
     name = request->name;
     for (std::size_t i = 0; i < answer->remarks; ++i) {
       observer_.warn(in_stick_words(answer->remark[i].view()).view());

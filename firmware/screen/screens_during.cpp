@@ -68,8 +68,8 @@ void draw_printing(const Sheet& sheet) {
   const PixelBox picture = upper.left_columns(upper.width / 3);
   sheet.canvas().fill(picture, ink::kDark);
   sheet.canvas().frame(picture, sheet.px(1), ink::kTrough);
-  if (sheet.record.pictures != nullptr && sheet.record.pictures->layer.there()) {
-    const auto& layer = sheet.record.pictures->layer;
+  if (sheet.record.pictures != nullptr && sheet.record.pictures->layer().there()) {
+    const LayerPicture& layer = sheet.record.pictures->layer();
     const auto columns = static_cast<int>(layer.columns), rows = static_cast<int>(layer.rows);
     sheet.canvas().draw_grey(fitted(picture.inset(sheet.px(2), sheet.px(2)), columns, rows), layer.bytes(), columns,
                              rows, ink::kDark, ink::kText);

@@ -9,12 +9,12 @@
 #include <string_view>
 
 #include "firmware/io/fixed_text.hpp"
+#include "firmware/pictures/job_pictures.hpp"
 #include "firmware/print/status/fault.hpp"
 #include "firmware/print/status/print_observer.hpp"
 #include "firmware/print/status/print_report.hpp"
 #include "firmware/print/status/print_state.hpp"
 #include "firmware/settings/job_settings.hpp"
-#include "firmware/state/job_pictures.hpp"
 #include "slicer/core/printable_text.hpp"
 #include "slicer/core/progress.hpp"
 

@@ -144,6 +144,24 @@ void write_sliced(JsonWriter& json, const PrinterRecord& record) {
   json.end_object();
 }
 
+/// The number of a picture, which rises when there is another one; null: there is none.
+void write_pictures(JsonWriter& json, const PrinterRecord& record) {
+  const auto number = [&](std::string_view name, bool there, std::uint32_t value) {
+    json.key(name);
+    if (there) {
+      json.value(value);
+    } else {
+      json.null();
+    }
+  };
+  const JobPictures* const pictures = record.pictures;
+  json.begin_object(kOneLine);
+  number("preview", pictures != nullptr && pictures->preview.there(),
+         pictures != nullptr ? pictures->preview_number : 0);
+  number("layer", pictures != nullptr && pictures->layer().there(), pictures != nullptr ? pictures->layer_number : 0);
+  json.end_object();
+}
+
 void write_slicing(JsonWriter& json, const PrinterRecord& record) {
   if (!record.slicing) return json.null();
   json.begin_object(kOneLine);
@@ -250,6 +268,8 @@ Status write_state_line(TextSink& out, const PrinterRecord& record, std::uint64_
   write_slicing(json, record);
   json.key("sliced");
   write_sliced(json, record);
+  json.key("pictures");
+  write_pictures(json, record);
   json.key("progress");
   write_progress(json, record);
   json.key("resin");

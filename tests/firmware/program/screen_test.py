@@ -2,6 +2,7 @@
 """A job from the stick to the finished part, as the printer's screen shows it: a real plumblined writes its frames, and the title of each is
 compared with that of the golden pictures that a person has looked at."""
 
+import base64
 import shutil
 import struct
 import time
@@ -28,7 +29,7 @@ def rgb_rows(path):
         elif kind == b"IDAT":
             stream += body
         at += 12 + length
-    bits = depth * (3 if colour == 2 else 1)
+    bits = depth * (3 if colour == 2 else 1)  # grey and palette: 1
     width, step = (columns * bits + 7) // 8, max(1, bits // 8)
     raw, before, lines = zlib.decompress(stream), bytearray(width), []
     for r in range(rows):
@@ -45,6 +46,24 @@ def rgb_rows(path):
         else:
             lines.append(bytes(line))
     return columns, lines
+
+
+def sliced_state_pictures(user):
+    pictures = user.states[-1]["pictures"]
+    return pictures["preview"], pictures["layer"]
+
+
+def bright_runs(row):
+    """Lengths of the runs of bright pixels in a row of RGB."""
+    runs, inside = [], False
+    for at in range(0, len(row), 3):
+        bright = sum(row[at : at + 3]) > 3 * 110
+        if bright and not inside:
+            runs.append(0)
+        if bright:
+            runs[-1] += 1
+        inside = bright
+    return runs
 
 
 class Screen(StatePrinter):
@@ -83,10 +102,29 @@ class Screen(StatePrinter):
             self.assertAlmostEqual(sliced[side], 4, delta=0.1)
         self.assertAlmostEqual(sliced["resin_ml"], 4 / 3 * 3.1416 * 8 / 1000, delta=0.01)
         self.shown("preview")
+        self.assertEqual(sliced_state_pictures(user), (1, None))
+        preview = self.picture(user, "preview")
+        self.assertEqual(preview[0], 320)
+        # A ball is as wide from each of the three sides: the middle row crosses three shapes of one width.
+        runs = bright_runs(preview[1][len(preview[1]) // 2])
+        self.assertEqual(len(runs), 3)
+        self.assertLess(max(runs) - min(runs), 6)
+        user.refused("no picture 'layer'", "picture", picture="layer")
+        user.refused("preview or layer", "picture", picture="part")
         user.state("offered", "start")
         user.do("start")
         user.until(lambda s: s["state"] == "printing" and s["progress"]["layers_done"] > 2, "layer 3")
         self.shown("printing")
+        columns, rows = self.picture(user, "layer")
+        self.assertEqual((columns, len(rows)), (180, 320))
+        # The section of the ball at about a tenth of its height, in squares of 8 x 8 pixels of 47.25 um.
+        white = sum(sum(row) for row in rows) / 255
+        done = user.states[-1]["progress"]["layers_done"]
+        areas = [3.1416 * (z * (4 - z)) / (8 * 0.04725) ** 2 for z in (0.1 * (done - 1) + 0.05, 0.1 * (done + 1) + 0.05)]
+        self.assertTrue(0.9 * areas[0] < white < 1.1 * areas[1], (areas, white))
+        file = self.dir / "layer.png"
+        self.run_it("status", "--picture", "layer", "--output", file, "--socket", self.path)
+        self.assertEqual(rgb_rows(file)[0], 180)
         user.do("pause")
         user.state("paused", "resume")
         self.shown("paused")
@@ -103,6 +141,15 @@ class Screen(StatePrinter):
         for name in ("idle", "scans", "preview", "printing", "paused", "printing", "finished"):
             self.assertIn(name, titles, "in this order")
             titles = titles[titles.index(name):]
+
+    def picture(self, user, name):
+        """(columns, rows) of a picture that the socket sends."""
+        reply = user.ask("picture", picture=name)
+        self.assertTrue(reply["ok"], reply)
+        self.assertEqual(reply["picture"], name)
+        file = self.dir / f"{name}.png"
+        file.write_bytes(base64.b64decode(reply["png"], validate=True))
+        return rgb_rows(file)
 
     def shown(self, name):
         """Waits until the newest picture has the title of a golden one."""

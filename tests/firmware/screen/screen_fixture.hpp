@@ -40,8 +40,8 @@ inline const JobPictures& ball_pictures() {
     auto made = std::make_unique<JobPictures>();
     made->preview.columns = 320;
     made->preview.rows = 100;
-    made->layer.columns = 180;
-    made->layer.rows = 320;
+    made->layers[0].columns = 180;
+    made->layers[0].rows = 320;
     for (std::uint32_t y = 0; y < made->preview.rows; ++y) {
       for (std::uint32_t x = 0; x < made->preview.columns; ++x) {
         const double dx = static_cast<double>(x % 107) - 53, dy = static_cast<double>(y) - 50;
@@ -52,10 +52,10 @@ inline const JobPictures& ball_pictures() {
         }
       }
     }
-    for (std::uint32_t y = 0; y < made->layer.rows; ++y) {
-      for (std::uint32_t x = 0; x < made->layer.columns; ++x) {
+    for (std::uint32_t y = 0; y < made->layers[0].rows; ++y) {
+      for (std::uint32_t x = 0; x < made->layers[0].columns; ++x) {
         const double dx = static_cast<double>(x) - 90, dy = static_cast<double>(y) - 160;
-        made->layer.memory[std::size_t{y} * made->layer.columns + x] = dx * dx + dy * dy < 70 * 70 ? 255 : 0;
+        made->layers[0].memory[std::size_t{y} * made->layers[0].columns + x] = dx * dx + dy * dy < 70 * 70 ? 255 : 0;
       }
     }
     return made;
