@@ -52,7 +52,10 @@ void reduce(std::span<const std::uint8_t> page, const Part& part, PreviewPicture
       }
       const std::uint32_t count = (bottom - top) * (right - left);
       for (std::size_t channel = 0; channel < 3; ++channel) {
-        out[3 * (std::size_t{y} * picture.columns + x) + channel] = static_cast<std::uint8_t>(sum[channel] / count);
+        const auto mean = static_cast<std::uint8_t>(sum[channel] / count);
+        // 5 bits, as many as a small screen shows: the picture's PNG has to fit a line of the state socket.
+        out[3 * (std::size_t{y} * picture.columns + x) + channel] =
+            static_cast<std::uint8_t>((mean & 0xF8U) | mean >> 5U);
       }
     }
   }

@@ -21,7 +21,7 @@ namespace {
 constexpr std::size_t kFrameBytes = 8 + 25 + 12 + 12;
 
 /// libdeflate's level for small pictures: they are made while a printer has other things to do.
-constexpr int kSmallLevel = 4;
+constexpr int kSmallLevel = 8;
 
 void store_big_endian(unsigned char* to, std::uint64_t word) {
   if constexpr (std::endian::native == std::endian::little) word = __builtin_bswap64(word);

@@ -124,7 +124,8 @@ void draw_preview_screen(const Sheet& sheet) {
   const SlicedRecord& sliced = *record.sliced;
   const PixelBox body = sheet.body();
   const int line = sheet.look().plain.line_height();
-  const PixelBox picture = body.top_rows(body.height - 4 * line - sheet.px(2));
+  const int lines = record.finding_count == 0 ? 3 : 4;  // a finding takes two
+  const PixelBox picture = body.top_rows(body.height - lines * line - sheet.px(2));
   if (record.pictures != nullptr && record.pictures->preview.there()) {
     const auto& preview = record.pictures->preview;
     const auto columns = static_cast<int>(preview.columns), rows = static_cast<int>(preview.rows);
@@ -132,7 +133,7 @@ void draw_preview_screen(const Sheet& sheet) {
   } else {
     sheet.page.line(picture, sheet.say(Words::kNoPicture), {sheet.look().plain, ink::kPale, Align::kCentre});
   }
-  PixelBox rest = body.from_row(body.height - 4 * line);
+  PixelBox rest = body.from_row(body.height - lines * line);
   const auto mm = [&](double value) { return decimal(value, 1, sheet.language); };
   ShortText size;
   size.add("%s × %s × %s mm", mm(sliced.width_mm).c_str(), mm(sliced.depth_mm).c_str(), mm(sliced.height_mm).c_str());
