@@ -28,8 +28,6 @@ class Face {
   int descent() const { return descent_; }
   /// Pixels from the start of a text to its end.
   int width(std::string_view text) const;
-  /// Bytes of the glyphs.
-  std::size_t bytes() const { return covers_.size(); }
 
   /// @returns x of whatever follows
   int draw(Canvas& canvas, int x, int baseline, std::string_view text, Colour ink) const;

@@ -40,8 +40,6 @@ class Page {
   /// As many lines as the text needs, from the box's top. Breaks at spaces; a word that is longer than a line is broken.
   /// @returns y below the last line
   int paragraph(const PixelBox& box, std::string_view text, const TextStyle& style);
-  /// The lines that paragraph() would take.
-  int lines_of(std::string_view text, int width, const Face& face) const;
 
   /// Where text was set, and whether one that must fit did not.
   struct Note {

@@ -4,7 +4,6 @@ namespace plumbline {
 
 Status SimStatusScreen::do_present(std::span<const std::uint16_t> pixels) {
   pixels_.assign(pixels.begin(), pixels.end());
-  ++frames_;
   if (watcher_ != nullptr) watcher_->shown(columns(), rows(), pixels_);
   return {};
 }

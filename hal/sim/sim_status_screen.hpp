@@ -27,7 +27,6 @@ class SimStatusScreen final : public StatusScreen {
   void touch(const ScreenTouch& touch) { touches_.push_back(touch); }
   /// What it shows; empty before the first frame.
   std::span<const std::uint16_t> pixels() const { return pixels_; }
-  std::uint32_t frames() const { return frames_; }
 
  private:
   Status do_present(std::span<const std::uint16_t> pixels) override;
@@ -36,7 +35,6 @@ class SimStatusScreen final : public StatusScreen {
   ScreenWatcher* watcher_;
   std::vector<std::uint16_t> pixels_;
   std::deque<ScreenTouch> touches_;
-  std::uint32_t frames_ = 0;
 };
 
 }  // namespace plumbline

@@ -29,7 +29,7 @@ ORDER = {
     "slicer": ["core", "reader", "cloud", "placement", "orientation", "implicit", "normals", "views", "surface", "rrep", "rays",
                "layers", "supports", "checks", "plan"],
     "slicer/reader": ["stream", "records", "formats"],
-    "hal/linux": ["gpio", "events", "keeper", "lamp", "stage", "display", "stick", "thermals"],
+    "hal/linux": ["gpio", "events", "keeper", "lamp", "stage", "display", "screen", "stick", "thermals"],
     "firmware/print": ["plan", "status", "store"],
     "firmware": ["io", "settings", "pictures", "canvas", "sample", "machine", "slice", "print", "child", "state", "screen", "daemon",
                  "cli"],
