@@ -107,7 +107,8 @@ TEST(Face, MeasuresWhatItDraws) {
 
 TEST(Canvas, CutsWhatLeavesIt) {
   std::vector<Colour> pixels(12 * 8, 7);
-  Canvas canvas(std::span(pixels).subspan(12, 12 * 6), 12, 6);  // a row before and after must stay
+  const std::span<Colour> all(pixels);
+  Canvas canvas(all.subspan(12, 12 * 6), 12, 6);  // a row before and after must stay
   canvas.fill({-5, -5, 100, 100}, 1);
   canvas.frame({-1, -1, 30, 30}, 2, 2);
   const Face face(FontWeight::kBold, 12);

@@ -21,7 +21,7 @@ TEST(SimStatusScreen, HandsEachFrameToItsWatcherAndKeepsTheLast) {
   SimStatusScreen screen(320, 240, &watcher);
   EXPECT_TRUE(screen.pixels().empty());
   std::vector<std::uint16_t> frame(std::size_t{320} * 240);
-  for (const std::uint16_t colour : {1, 2}) {
+  for (const std::uint16_t colour : {std::uint16_t{1}, std::uint16_t{2}}) {
     std::fill(frame.begin(), frame.end(), colour);
     ASSERT_TRUE(screen.present(frame));
   }
