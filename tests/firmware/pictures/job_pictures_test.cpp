@@ -32,7 +32,8 @@ TEST(LayerPicture, HasTheMeanOfEachSquareOfTheMask) {
   struct Panel {
     std::uint32_t columns, rows;
   };
-  for (const Panel panel : {Panel{1440, 2560}, Panel{3840, 2400}, Panel{640, 320}, Panel{321, 100}, Panel{7, 5}, Panel{16384, 70}}) {
+  for (const Panel panel :
+       {Panel{1440, 2560}, Panel{3840, 2400}, Panel{640, 320}, Panel{321, 100}, Panel{7, 5}, Panel{16384, 70}}) {
     const Mask mask(panel.columns, panel.rows, 7);
     const auto picture = std::make_unique<LayerPicture>();
     draw_layer_picture(mask.image, *picture);
