@@ -56,7 +56,8 @@ struct JobPictures {
 [[nodiscard]] Status draw_preview_picture(const RRep& rrep, const Supports& supports, Arena& arena,
                                           PreviewPicture& picture);
 
-/// Reduces a mask: each pixel is the mean of a square of the mask's. Takes some 3 ms for 1440 x 2560 pixels on a Cortex-A53.
+/// Reduces a mask: each pixel is the mean of a square of the mask's. On a core of x86-64 it takes 1.5 ms for
+/// 1440 x 2560 pixels and 6 ms for 7680 x 4320.
 void draw_layer_picture(ConstBitImage mask, LayerPicture& picture);
 
 }  // namespace plumbline

@@ -14,7 +14,8 @@ namespace {
 constexpr double kUsableTank = 0.95;
 /// How often a waiting print reads its switches and updates its observer. Shorter responds faster, longer spares the processor.
 constexpr auto kLook = std::chrono::milliseconds(200);
-/// Left of an exposure when its observer may look at the next mask: ten times what that takes on a slow board.
+/// Left of an exposure when its observer may look at the next mask. A core of x86-64 makes a picture of the largest panel in 6 ms; a board
+/// may take many times as long.
 constexpr auto kTimeToLook = std::chrono::milliseconds(300);
 /// How often the lamp's temperature is read while it cools, which takes minutes.
 constexpr auto kCoolingLook = std::chrono::seconds(2);

@@ -17,8 +17,8 @@
 
 namespace plumbline {
 
-/// A thread of its own converts and sends frames: a panel on SPI takes 40 ms or more for one. A frame that comes while one is sent replaces
-/// any other that waits.
+/// A thread of its own converts and sends frames: over SPI at 32 MHz the 150 kB of 320 x 240 pixels take 38 ms. A frame that comes while
+/// one is sent replaces any other that waits.
 class LinuxStatusScreen final : public StatusScreen {
  public:
   /// @param beside  the mask panel's card
