@@ -5,6 +5,7 @@
 #include "hal/events.hpp"
 #include "hal/front_panel.hpp"
 #include "hal/mask_display.hpp"
+#include "hal/status_screen.hpp"
 #include "hal/stick_port.hpp"
 #include "hal/thermals.hpp"
 #include "hal/uv_lamp.hpp"
@@ -21,6 +22,7 @@ struct Machine {
   StickPort& stick;
   FrontPanel& panel;
   Thermals& thermals;
+  StatusScreen* screen = nullptr;  ///< null: the printer has none
 };
 
 }  // namespace plumbline

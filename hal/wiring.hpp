@@ -44,6 +44,18 @@ struct DisplaySettings {
   std::uint32_t flip_timeout_ms = 500;  ///< a flip takes a frame, 17 ms at 60 Hz; this leaves a busy board room
 };
 
+/// [screen]: the small display for people.
+struct ScreenSettings {
+  std::uint32_t columns = 0, rows = 0;  ///< as people look at it, pixels; 0: the printer has none
+  std::string card;                     ///< as [display]'s
+  std::string connector;                ///< "HDMI-A-1", "SPI-1", ...
+  std::uint32_t rotation_deg = 0;       ///< counter-clockwise, from the picture to what is sent
+  std::uint32_t bits = 24;              ///< of a pixel: 16 or 24
+  std::string touch;                    ///< "/dev/input/by-path/...-event"; empty: no touch
+
+  bool given() const { return columns > 0; }
+};
+
 /// [lamp_sensor], [resin_sensor], [board_sensor]: a temperature sensor, given in one of three ways.
 struct SensorSettings {
   std::string
@@ -85,6 +97,7 @@ struct WatchdogSettings {
 /// What the board file leaves out is empty.
 struct Wiring {
   DisplaySettings display;
+  ScreenSettings screen;
   LineSettings lamp;
   LineSettings cover;  ///< on: open
   LineSettings step;

@@ -8,6 +8,7 @@
 
 #include "firmware/child/scan_answer.hpp"
 #include "firmware/child/scan_request.hpp"
+#include "firmware/pictures/job_pictures.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/core/progress.hpp"
 
@@ -25,6 +26,7 @@ struct MessagePage {
   ScanRequest request;     ///< the firmware's, from before the child starts
   ChildProgress progress;  ///< the child's, while it runs
   ScanAnswer answer;       ///< the child's, complete when it has exited
+  PreviewPicture preview;  ///< the child's; no byte of its pixels is invalid
 };
 
 /// Every process forked from this one shares it, at the same address. A page takes no memory until it is touched.

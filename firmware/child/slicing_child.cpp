@@ -77,6 +77,7 @@ Status SlicingChild::start(const ScanRequest& request, int scan) {
   MessagePage& page = memory_.page();
   page.request = request;
   page.answer = ScanAnswer();
+  page.preview.clear();
   page.progress.beats = 0;
   page.progress.stage = 0;
   page.progress.permille = 0;

@@ -51,6 +51,8 @@ class SlicingChild {
 
   const ChildProgress& progress() const { return memory_.page().progress; }
   const ScanAnswer& answer() const { return memory_.page().answer; }
+  /// What the child has drawn of the job. Its size may be anything.
+  const PreviewPicture& preview() const { return memory_.page().preview; }
 
  private:
   SlicingChild(SharedMemory memory, Descriptor socket, pid_t process)

@@ -76,6 +76,8 @@ struct StatusOptions {
   std::string socket = kStateSocket;  ///< the daemon's state socket
   bool follow = false;                ///< until the daemon ends
   bool json = false;
+  std::string picture;  ///< kPictureWords; empty: none is asked for
+  std::string output;   ///< PNG file for the picture
 };
 
 struct ControlOptions {

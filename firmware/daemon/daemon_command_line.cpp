@@ -16,7 +16,9 @@
 #include "firmware/machine/back_end.hpp"
 #include "firmware/print/print_summary.hpp"
 #include "firmware/print/status/print_lines.hpp"
+#include "firmware/screen/screen_server.hpp"
 #include "firmware/settings/job_options.hpp"
+#include "firmware/settings/settings_folders.hpp"
 #include "firmware/state/socket_place.hpp"
 
 namespace plumbline {
@@ -182,7 +184,7 @@ ExitCode serve(const DaemonOptions& options, std::size_t largest_arena) {
   if (!back_end) return report_error(back_end.error());
 
   catch_interrupts();
-  const DaemonSettings settings{*board, *machine, board->path, setup->threads};
+  const DaemonSettings settings{*board, *machine, board->path, profile_names(board->path), setup->threads};
   Arena arena(child->arena_block());
   DaemonLog log(options, **back_end, *manager);
   const Machine& devices = (*back_end)->machine();
@@ -194,10 +196,13 @@ ExitCode serve(const DaemonOptions& options, std::size_t largest_arena) {
                   .stage = devices.stage,
                   .stick = devices.stick,
                   .panel = devices.panel,
-                  .thermals = devices.thermals};
+                  .thermals = devices.thermals,
+                  .screen = devices.screen};
   PrinterRecord record;
   PrinterDaemon daemon(watched, settings, *child, arena, *store, *plate, log, record);
-  events.serve(**socket, record, daemon);
+  std::optional<ScreenServer> screen;
+  if (watched.screen != nullptr) screen.emplace(*watched.screen, machine->language);
+  events.serve(**socket, record, daemon, screen ? &*screen : nullptr);
   if (const auto told = manager->ready(); !told) return report_error(told.error());
   const auto served = daemon.run();
   if (!served) return report_error(served.error());
@@ -225,6 +230,10 @@ ExitCode run_daemon_command_line(int argc, char** argv, std::size_t largest_aren
   app.add_flag("--simulate", options.simulation.simulate, "Simulate the printer even if it is a real one")
       ->group(kSimulation);
   app.add_option("--stick", options.simulation.stick, "Folder that plays the stick: plugged in while the folder exists")
+      ->type_name("DIR")
+      ->group(kSimulation);
+  app.add_option("--screen", options.simulation.screen,
+                 "Folder for what the printer's screen shows: screen.png is the newest picture, 00001.png the first")
       ->type_name("DIR")
       ->group(kSimulation);
   app.add_option("--speedup", options.simulation.speedup, "Simulated seconds per second, 0.1 to 1000000 [1]")

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "firmware/daemon/scan_slicing.hpp"
 #include "firmware/settings/board_file.hpp"
@@ -15,7 +16,8 @@ namespace plumbline {
 struct DaemonSettings {
   BoardFile board;
   MachineFile machine;
-  std::string board_path;  ///< the profiles are in profiles/ beside it
+  std::string board_path;             ///< the profiles are in profiles/ beside it
+  std::vector<std::string> profiles;  ///< names of those
   std::uint32_t threads = 1;
   std::chrono::nanoseconds slicing_patience = kSlicingPatience;
 

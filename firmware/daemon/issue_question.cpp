@@ -2,6 +2,7 @@
 
 #include <string_view>
 
+#include "firmware/daemon/sliced_record.hpp"
 #include "firmware/io/fixed_text.hpp"
 #include "firmware/slice/issue_report.hpp"
 
@@ -16,9 +17,14 @@ CheckAction IssueQuestion::action() const { return verdict(findings_, policy_); 
 
 Error IssueQuestion::refusal() const { return judge(findings_, grid_, policy_).error(); }
 
-Expected<bool> IssueQuestion::ask(Answers& answers, StateRecorder& recorder) const {
+Expected<bool> IssueQuestion::ask(const SlicedRecord& sliced, Answers& answers, StateRecorder& recorder) const {
   FixedText<400> text;
-  text.add("found in the layers: %s. Press start to print it all the same, or cancel", issue_counts(findings_).c_str());
+  if (action() == CheckAction::kAsk) {
+    text.add("found in the layers: %s. Press start to print it all the same, or cancel",
+             issue_counts(findings_).c_str());
+  } else {
+    text.add("%s. Press start to print it, or cancel", sliced_line(sliced).c_str());
+  }
   recorder.say(text.view());
   while (!answers.shutdown()) {
     const auto answer = answers.ask();

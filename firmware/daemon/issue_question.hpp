@@ -21,9 +21,9 @@ class IssueQuestion {
   CheckAction action() const;
   /// @pre action() is CheckAction::kRefuse
   Error refusal() const;
-  /// Asks a person whether to print it all the same.
+  /// Asks a person whether to print it, with what was found if anything was.
   /// @returns false: it was declined, or the system shuts down
-  [[nodiscard]] Expected<bool> ask(Answers& answers, StateRecorder& recorder) const;
+  [[nodiscard]] Expected<bool> ask(const SlicedRecord& sliced, Answers& answers, StateRecorder& recorder) const;
 
  private:
   const StackFindings& findings_;

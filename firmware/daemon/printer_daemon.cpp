@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "firmware/daemon/issue_question.hpp"
+#include "firmware/daemon/sliced_record.hpp"
 #include "firmware/daemon/stick_request.hpp"
 #include "firmware/daemon/stick_words.hpp"
 #include "firmware/print/status/state_lights.hpp"
@@ -38,6 +39,9 @@ PrinterDaemon::PrinterDaemon(Machine& machine, const DaemonSettings& settings, S
   record.state = PrintState::kIdle;
   assign(record.printer, settings.board.name);
   record.simulated = settings.machine.simulated;
+  for (const std::string& name : settings.profiles) {
+    if (record.profile_count < record.profiles.size()) assign(record.profiles[record.profile_count++], name);
+  }
 }
 
 void PrinterDaemon::apply(PrintEvent event) {
@@ -183,19 +187,23 @@ Expected<std::optional<StickJob>> PrinterDaemon::choose(const StickMount& mount)
   return std::nullopt;
 }
 
-/// Says what the checks of the masks have found. Asks whether to print it all the same, if the profile wants that.
+/// Says what the checks of the masks have found. Asks whether to print it, if the profile or the board file wants that.
 /// @returns whether to print it. If not, the state says why
-Expected<bool> PrinterDaemon::accept_issues(const StackFindings& findings, const PrintGrid& grid,
-                                            const CheckPolicy& policy) {
-  const IssueQuestion question(findings, grid, policy);
+Expected<bool> PrinterDaemon::accept(const SlicedScan& sliced, const PrintProfile& profile) {
+  const auto record = sliced_record(sliced, profile, settings_.machine);
+  PLUMBLINE_TRY(record);
+  record_.sliced = *record;
+  record_.slicing.reset();
+  const IssueQuestion question(sliced.findings, sliced.rrep.grid, profile.checks);
   question.tell(observer_);
   if (question.action() == CheckAction::kRefuse) {
     refuse(question.refusal(), FaultCode::kIssueFound);
     return false;
   }
-  if (question.action() != CheckAction::kAsk) return true;
+  const bool asks = question.action() == CheckAction::kAsk || settings_.machine.start == StartChoice::kAfterPreview;
+  if (!asks) return true;
   apply(PrintEvent::kJobOffered);
-  const auto accepted = question.ask(answers_, observer_);
+  const auto accepted = question.ask(*record, answers_, observer_);
   PLUMBLINE_TRY(accepted);
   apply(*accepted ? PrintEvent::kJobTaken : PrintEvent::kCancelAsked);
   return *accepted;
@@ -204,7 +212,7 @@ Expected<bool> PrinterDaemon::accept_issues(const StackFindings& findings, const
 Status PrinterDaemon::serve_stick() {
   served_ = true;
   fault_ = FaultCode::kNone;
-  record_.begin_job();
+  observer_.begin_job();
   apply(PrintEvent::kJobOffered);
   PrintSession session(settings_.board, settings_.machine, arena_, &store_);
   std::optional<PrintProfile> profile;
@@ -234,13 +242,14 @@ Status PrinterDaemon::serve_stick() {
     const auto sliced = slicing_.run(*mount, *scan, *request);
     PLUMBLINE_TRY(sliced);
     answer = *sliced;
+    observer_.previewed(child_.preview());
     name = request->name;
     for (std::size_t i = 0; i < answer->remarks; ++i) {
       observer_.warn(in_stick_words(answer->remark[i].view()).view());
     }
   }
   observer_.say("the stick may be pulled");
-  const auto wanted = accept_issues(answer->sliced.findings, answer->sliced.rrep.grid, profile->checks);
+  const auto wanted = accept(answer->sliced, *profile);
   PLUMBLINE_TRY(wanted);
   if (!*wanted) return {};
   PLUMBLINE_TRY(session.take(answer->sliced, name.view(), *profile));
@@ -268,7 +277,6 @@ Status PrinterDaemon::resume() {
 void PrinterDaemon::print(PrintSession& session, const PrintProfile& profile) {
   record_.resin = ResinRecord{static_cast<double>(session.facts().cured_pixels) * session.pixel_ml(),
                               settings_.machine.tank_volume_ml};
-  record_.slicing.reset();
   const PrintReport& report = session.print(machine_, observer_, &plate_);
   observer_.printed(report, session, profile);
   // Don't print the same stick again until it is plugged in anew.

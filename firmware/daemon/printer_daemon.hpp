@@ -53,9 +53,9 @@ class PrinterDaemon final : public CommandTaker {
   Status serve_fault();
   Status serve_stick();
   Expected<std::optional<StickJob>> choose(const StickMount& mount);
-  /// Tells what the checks found, then refuses the job, asks a person or goes on, as the policy says.
+  /// Tells what the checks found, then refuses the job, asks a person or goes on, as the policy and the board file say.
   /// @returns whether to go on
-  Expected<bool> accept_issues(const StackFindings& findings, const PrintGrid& grid, const CheckPolicy& policy);
+  Expected<bool> accept(const SlicedScan& sliced, const PrintProfile& profile);
   Status resume();
   void print(PrintSession& session, const PrintProfile& profile);
   void refuse(const Error& error, FaultCode code);

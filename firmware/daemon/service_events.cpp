@@ -17,10 +17,11 @@ ServiceEvents::ServiceEvents(Events& events, const Clock& clock, ServiceManager&
       manager_(manager),
       longest_wait_(manager.watches() ? std::min(nanoseconds(manager.watchdog()) / 4, kLongestWait) : kLongestWait) {}
 
-void ServiceEvents::serve(StateSocket& socket, const PrinterRecord& record, CommandTaker& taker) {
+void ServiceEvents::serve(StateSocket& socket, const PrinterRecord& record, CommandTaker& taker, ScreenServer* screen) {
   socket_ = &socket;
   record_ = &record;
   taker_ = &taker;
+  screen_ = screen;
 }
 
 Expected<std::optional<Event>> ServiceEvents::do_next_event(TimePoint deadline) {
@@ -28,10 +29,19 @@ Expected<std::optional<Event>> ServiceEvents::do_next_event(TimePoint deadline) 
     if (socket_ != nullptr) {
       if (const auto command = socket_->serve(*record_, *taker_)) return Event{clock_.now(), *command};
     }
+    if (screen_ != nullptr) {
+      if (const auto touch = screen_->touched(*record_, *taker_)) return touch;
+      screen_->show(*record_, deadline - clock_.now());
+    }
     const TimePoint turn = std::min(deadline, clock_.now() + longest_wait_);
     const auto event = events_.next_event(turn);
     manager_.alive();
     if (event && *event && (*event)->kind == EventKind::kShutdownRequested) manager_.stopping();
+    if (event && *event && screen_ != nullptr) {
+      const auto passed = screen_->filter(**event, *record_, *taker_);
+      if (passed) return passed;
+      continue;
+    }
     if (!event || *event || turn == deadline) return event;
   }
 }

@@ -1,8 +1,9 @@
 #pragma once
-/// The machine's events, and those that commands become. Every look for one also serves the state socket and sends a sign of life to the
-/// service manager.
+/// The machine's events, and those that commands become. Every look for one also serves the state socket and the screen, and
+/// sends a sign of life to the service manager.
 
 #include "firmware/daemon/service_manager.hpp"
+#include "firmware/screen/screen_server.hpp"
 #include "firmware/state/state_socket.hpp"
 #include "hal/events.hpp"
 
@@ -15,8 +16,8 @@ class ServiceEvents final : public Events {
   /// @param events, clock  the machine's; both must outlive this, as must the manager
   ServiceEvents(Events& events, const Clock& clock, ServiceManager& manager);
 
-  /// From now on serves a socket. All must outlive this.
-  void serve(StateSocket& socket, const PrinterRecord& record, CommandTaker& taker);
+  /// From now on serves a socket, and a screen if there is one. All must outlive this.
+  void serve(StateSocket& socket, const PrinterRecord& record, CommandTaker& taker, ScreenServer* screen = nullptr);
 
  private:
   Expected<std::optional<Event>> do_next_event(TimePoint deadline) override;
@@ -28,6 +29,7 @@ class ServiceEvents final : public Events {
   StateSocket* socket_ = nullptr;
   const PrinterRecord* record_ = nullptr;
   CommandTaker* taker_ = nullptr;
+  ScreenServer* screen_ = nullptr;
 };
 
 }  // namespace plumbline

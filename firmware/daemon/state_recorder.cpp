@@ -8,6 +8,39 @@
 
 namespace plumbline {
 
+StateRecorder::StateRecorder(PrinterRecord& record, const StickPort& stick, DaemonObserver& observer)
+    : record_(record), stick_(stick), observer_(observer), pictures_(std::make_unique<JobPictures>()) {
+  record.pictures = pictures_.get();
+}
+
+void StateRecorder::begin_job() {
+  record_.begin_job();
+  pictures_->clear();
+}
+
+void StateRecorder::previewed(const PreviewPicture& preview) {
+  const std::uint32_t columns = preview.columns, rows = preview.rows;
+  if (columns == 0 || rows == 0 || columns > PreviewPicture::kMostColumns || rows > PreviewPicture::kMostRows) return;
+  pictures_->preview = preview;
+  pictures_->preview.columns = columns;
+  pictures_->preview.rows = rows;
+  ++pictures_->preview_number;
+}
+
+void StateRecorder::mask_made(std::uint32_t layer, ConstBitImage mask) {
+  draw_layer_picture(mask, pictures_->next_layer());
+  next_layer_ = layer;
+  if (record_.progress) show_layer(record_.progress->layers_done);
+  observer_.mask_made(layer, mask);
+}
+
+/// Shows the picture that waits if it is that of a layer.
+void StateRecorder::show_layer(std::uint32_t layer) {
+  if (next_layer_ != layer || !pictures_->next_layer().there()) return;
+  pictures_->show_next_layer();
+  pictures_->next_layer().clear();
+}
+
 void StateRecorder::say(const PrintableText& text) {
   assign(record_.message, text.view());
   observer_.say(text);
@@ -22,6 +55,7 @@ bool StateRecorder::update(const PrintStatus& status) {
   look_at_stick();
   record_.slicing.reset();
   record_.set_progress(status, std::time(nullptr));
+  show_layer(status.layer);
   assign(record_.message, status_text(status).view());
   return observer_.update(status);
 }
@@ -78,7 +112,7 @@ void StateRecorder::offered(const StickJob& job, std::string_view profile, std::
 }
 
 void StateRecorder::resumed(std::string_view scan, std::string_view profile) {
-  record_.begin_job();
+  begin_job();
   JobRecord& record = record_.job.emplace();
   assign(record.scan, scan);
   assign(record.profile, profile);

@@ -2,6 +2,8 @@
 /// Writes down what the daemon does, for the state socket.
 
 #include <cstddef>
+#include <cstdint>
+#include <memory>
 #include <optional>
 #include <string_view>
 
@@ -18,8 +20,7 @@ namespace plumbline {
 class StateRecorder final : public DaemonObserver {
  public:
   /// All must outlive it.
-  StateRecorder(PrinterRecord& record, const StickPort& stick, DaemonObserver& observer)
-      : record_(record), stick_(stick), observer_(observer) {}
+  StateRecorder(PrinterRecord& record, const StickPort& stick, DaemonObserver& observer);
 
   void say(const PrintableText& text) override;
   bool update(const PrintStatus& status) override;
@@ -27,6 +28,12 @@ class StateRecorder final : public DaemonObserver {
   void slicing(Stage stage, double fraction) override;
   void printed(const PrintReport& report, const PrintSession& session, const PrintProfile& profile) override;
   void idle() override;
+  void mask_made(std::uint32_t layer, ConstBitImage mask) override;
+
+  /// Forgets the job of before.
+  void begin_job();
+  /// Keeps the picture of what has been sliced, if it has a size that a picture can have.
+  void previewed(const PreviewPicture& preview);
 
   /// The scans of a stick. What was wrong with one of them is remembered as long as the stick is in.
   void found(const StickScans& scans);
@@ -43,10 +50,13 @@ class StateRecorder final : public DaemonObserver {
 
  private:
   void look_at_stick();
+  void show_layer(std::uint32_t layer);
 
   PrinterRecord& record_;
   const StickPort& stick_;
   DaemonObserver& observer_;
+  std::unique_ptr<JobPictures> pictures_;
+  std::uint32_t next_layer_ = 0;  ///< of the picture that waits
 };
 
 }  // namespace plumbline

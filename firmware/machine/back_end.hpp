@@ -27,6 +27,7 @@ struct SimulationOptions {
   std::vector<std::string> faults;  ///< "lamp.stuck_on@layer=40": hal/sim/README.md
   std::string stick;                ///< folder that plays the stick; empty: none
   bool keep_part = false;
+  std::string screen;                 ///< folder into which its status screen writes what it shows; empty: none
   std::uint32_t layers_on_plate = 0;  ///< cured by an earlier run that this one resumes
   ZPosition height_on_plate;          ///< of the last of them
   std::optional<ZPosition> plate_at;  ///< where that run left the plate; nothing: raised

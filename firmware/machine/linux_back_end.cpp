@@ -93,6 +93,10 @@ tl::unexpected<Error> no_board_devices(const BoardFile& board) {
 Status check_linux_back_end(const BoardFile& board, const MachineFile& machine) {
   auto missing = missing_tables(machine.wiring);
   if (machine.has_cover_switch && !machine.wiring.cover.given()) missing.emplace_back("cover_line");
+  if (machine.wiring.screen.given() && machine.wiring.screen.connector.empty()) {
+    return fail(ErrorCode::kBadSetting, "printer %s: [screen] has no connector.\tAdd it: board/README.md explains it",
+                board.name.c_str());
+  }
   if (missing.empty()) return {};
   std::string names;
   for (const auto name : missing) names += (names.empty() ? "[" : ", [") + std::string(name) + "]";

@@ -6,8 +6,10 @@
 #include <vector>
 
 #include "firmware/machine/machine_limits.hpp"
+#include "firmware/machine/screen_folder.hpp"
 #include "hal/sim/plant/plant.hpp"
 #include "hal/sim/sim_machine.hpp"
+#include "hal/sim/sim_status_screen.hpp"
 
 namespace plumbline {
 namespace {
@@ -57,10 +59,43 @@ class HostTimeWire final : public LampWire {
   double speedup_;
 };
 
+/// The size of a screen for which the board file has none.
+constexpr std::uint32_t kScreenColumns = 320, kScreenRows = 240;
+
+/// A status screen whose frames go to a folder.
+class FolderScreen final : public ScreenWatcher {
+ public:
+  explicit FolderScreen(std::unique_ptr<ScreenFolder> folder, std::uint32_t columns, std::uint32_t rows)
+      : folder_(std::move(folder)), screen_(columns, rows, this) {}
+
+  SimStatusScreen& screen() { return screen_; }
+  void shown(std::uint32_t columns, std::uint32_t rows, std::span<const std::uint16_t> pixels) override {
+    folder_->write(columns, rows, pixels);
+  }
+
+ private:
+  std::unique_ptr<ScreenFolder> folder_;
+  SimStatusScreen screen_;
+};
+
+Expected<std::unique_ptr<FolderScreen>> open_screen(const ScreenSettings& screen, const std::string& folder) {
+  const std::uint32_t columns = screen.given() ? screen.columns : kScreenColumns;
+  const std::uint32_t rows = screen.given() ? screen.rows : kScreenRows;
+  auto frames = ScreenFolder::open(folder, columns, rows);
+  PLUMBLINE_TRY(frames);
+  return std::make_unique<FolderScreen>(std::move(*frames), columns, rows);
+}
+
 class SimulatedBackEnd final : public BackEnd, public Witness {
  public:
-  SimulatedBackEnd(PlantSettings settings, std::unique_ptr<LampWire> wire)
-      : wire_(std::move(wire)), plant_(with_wire(settings, wire_.get())), run_(plant_), machine_(run_.machine()) {}
+  SimulatedBackEnd(PlantSettings settings, std::unique_ptr<LampWire> wire, std::unique_ptr<FolderScreen> screen)
+      : wire_(std::move(wire)),
+        screen_(std::move(screen)),
+        plant_(with_wire(settings, wire_.get())),
+        run_(plant_),
+        machine_(run_.machine()) {
+    if (screen_) machine_.screen = &screen_->screen();
+  }
 
   Machine& machine() override { return machine_; }
   Witness* witness() override { return this; }
@@ -104,6 +139,7 @@ class SimulatedBackEnd final : public BackEnd, public Witness {
   }
 
   std::unique_ptr<LampWire> wire_;
+  std::unique_ptr<FolderScreen> screen_;
   Plant plant_;
   SimMachine run_;
   Machine machine_;
@@ -134,7 +170,13 @@ Expected<std::unique_ptr<BackEnd>> open_simulated_back_end(const BoardFile& boar
   if (options.plate_at) settings.stage.start = options.plate_at->above_film();
   std::unique_ptr<LampWire> wire;
   if (lamp_line) wire = std::make_unique<HostTimeWire>(std::move(lamp_line), options.speedup);
-  return std::make_unique<SimulatedBackEnd>(std::move(settings), std::move(wire));
+  std::unique_ptr<FolderScreen> screen;
+  if (!options.screen.empty()) {
+    auto opened = open_screen(machine.wiring.screen, options.screen);
+    PLUMBLINE_TRY(opened);
+    screen = std::move(*opened);
+  }
+  return std::make_unique<SimulatedBackEnd>(std::move(settings), std::move(wire), std::move(screen));
 }
 
 }  // namespace plumbline

@@ -3,6 +3,8 @@
 #include <libdeflate.h>
 #include <lodepng.h>
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cassert>
 #include <cstdlib>
@@ -17,6 +19,9 @@ namespace {
 
 /// Bytes of a PNG file besides its compressed pixels: signature, header, frame of one data chunk, end chunk.
 constexpr std::size_t kFrameBytes = 8 + 25 + 12 + 12;
+
+/// libdeflate's level for small pictures: they are made while a printer has other things to do.
+constexpr int kSmallLevel = 8;
 
 void store_big_endian(unsigned char* to, std::uint64_t word) {
   if constexpr (std::endian::native == std::endian::little) word = __builtin_bswap64(word);
@@ -140,6 +145,66 @@ Expected<std::span<const std::byte>> PngEncoder::encode(std::span<const std::uin
   assert(columns > 0 && rows > 0 && rgb.size() == std::size_t{3} * columns * rows);
   assert((1 + std::size_t{3} * columns) * rows <= compressed_.size);
   return encode_raw(rgb.data(), columns, rows, false);
+}
+
+void SmallPngEncoder::FreeCompressor::operator()(libdeflate_compressor* compressor) const {
+  libdeflate_free_compressor(compressor);
+}
+
+Expected<SmallPngEncoder> SmallPngEncoder::create(std::size_t most_bytes, std::uint32_t most_rows) {
+  SmallPngEncoder encoder;
+  encoder.compressor_.reset(libdeflate_alloc_compressor(kSmallLevel));
+  if (!encoder.compressor_) return fail(ErrorCode::kOutOfMemory, "PNG encoder: no memory for the compressor");
+  encoder.lines_.resize(most_bytes + most_rows);
+  encoder.file_.resize(libdeflate_zlib_compress_bound(encoder.compressor_.get(), encoder.lines_.size()) + kFrameBytes);
+  return encoder;
+}
+
+std::span<const std::byte> SmallPngEncoder::encode(std::span<const std::uint8_t> pixels, std::uint32_t columns,
+                                                   std::uint32_t rows, std::uint32_t channels) {
+  const std::size_t width = std::size_t{channels} * columns;
+  assert(pixels.size() == width * rows && pixels.size() + rows <= lines_.size());
+  // Each byte less the one above it: filter 2 of PNG.
+  for (std::size_t r = 0; r < rows; ++r) {
+    std::uint8_t* const line = lines_.data() + r * (width + 1);
+    line[0] = 2;
+    for (std::size_t i = 0; i < width; ++i) {
+      const unsigned above = r > 0 ? pixels[(r - 1) * width + i] : 0U;
+      line[1 + i] = static_cast<std::uint8_t>(pixels[r * width + i] - above);
+    }
+  }
+  std::size_t size = 0;
+  const auto put = [&](std::span<const std::uint8_t> bytes) {
+    std::copy(bytes.begin(), bytes.end(), file_.begin() + static_cast<std::ptrdiff_t>(size));
+    size += bytes.size();
+  };
+  const auto put_number = [&](std::size_t value) {
+    for (int shift = 24; shift >= 0; shift -= 8) file_[size++] = static_cast<std::uint8_t>(value >> shift);
+  };
+  const auto end_chunk = [&](std::size_t begin) {
+    put_number(libdeflate_crc32(0, file_.data() + begin + 4, size - begin - 4));
+  };
+  put(std::array<std::uint8_t, 8>{0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'});
+  std::size_t begin = size;
+  put_number(13);
+  put(std::array<std::uint8_t, 4>{'I', 'H', 'D', 'R'});
+  put_number(columns);
+  put_number(rows);
+  put(std::array<std::uint8_t, 5>{8, static_cast<std::uint8_t>(channels == 3 ? LCT_RGB : LCT_GREY), 0, 0, 0});
+  end_chunk(begin);
+  begin = size;
+  const std::size_t room = file_.size() - size - 8 - 4 - 12;
+  const std::size_t packed =
+      libdeflate_zlib_compress(compressor_.get(), lines_.data(), rows * (width + 1), file_.data() + size + 8, room);
+  put_number(packed);
+  put(std::array<std::uint8_t, 4>{'I', 'D', 'A', 'T'});
+  size += packed;
+  end_chunk(begin);
+  begin = size;
+  put_number(0);
+  put(std::array<std::uint8_t, 4>{'I', 'E', 'N', 'D'});
+  end_chunk(begin);
+  return std::as_bytes(std::span<const std::uint8_t>(file_).first(size));
 }
 
 Expected<PngSize> png_size(std::span<const std::byte> file) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/error.hpp"
@@ -73,6 +74,30 @@ class PngEncoder {
   Buffer packed_;      ///< the mask as PNG has it: first pixel in the high bit
   Buffer compressed_;  ///< the zlib stream
   Buffer file_;        ///< what encode() returns
+};
+
+/// Encodes small pictures without the heap: for a process whose memory is fixed. All memory is taken when it is made.
+class SmallPngEncoder {
+ public:
+  /// @param most_bytes  of the pixels of any picture
+  /// @retval ErrorCode::kOutOfMemory  the heap has no room for the buffers
+  [[nodiscard]] static Expected<SmallPngEncoder> create(std::size_t most_bytes, std::uint32_t most_rows);
+
+  /// @param pixels    channels * columns * rows bytes, row after row from the top
+  /// @param channels  1: grey levels, 3: RGB
+  /// @returns the whole file, valid until the next call
+  std::span<const std::byte> encode(std::span<const std::uint8_t> pixels, std::uint32_t columns, std::uint32_t rows,
+                                    std::uint32_t channels);
+
+ private:
+  struct FreeCompressor {
+    void operator()(libdeflate_compressor* compressor) const;
+  };
+  SmallPngEncoder() = default;
+
+  std::unique_ptr<libdeflate_compressor, FreeCompressor> compressor_;
+  std::vector<std::uint8_t> lines_;  ///< filtered
+  std::vector<std::uint8_t> file_;
 };
 
 struct PngSize {

@@ -14,6 +14,9 @@ namespace {
 constexpr double kUsableTank = 0.95;
 /// How often a waiting print reads its switches and updates its observer. Shorter responds faster, longer spares the processor.
 constexpr auto kLook = std::chrono::milliseconds(200);
+/// Left of an exposure when its observer may look at the next mask. A core of x86-64 makes a picture of the largest panel in 6 ms; a board
+/// may take many times as long.
+constexpr auto kTimeToLook = std::chrono::milliseconds(300);
 /// How often the lamp's temperature is read while it cools, which takes minutes.
 constexpr auto kCoolingLook = std::chrono::seconds(2);
 
@@ -206,7 +209,10 @@ Status PrintJob::print_layer() {
     fault(temperatures->fault, temperatures->text.view());
     return {};
   }
-  if (!mask_ || mask_layer_ != layer) PLUMBLINE_TRY(render(layer));
+  if (!mask_ || mask_layer_ != layer) {
+    PLUMBLINE_TRY(render(layer));
+    observer_.mask_made(layer, mask_->image());
+  }
   if (needs_resin()) {
     apply(PrintEvent::kResinLow);
     return {};
@@ -275,6 +281,7 @@ Expected<bool> PrintJob::expose() {
     PLUMBLINE_TRY(render(layer + 1));
     slack_ = exposure->ends_by() - machine_.clock.now();
     if (*slack_ < nanoseconds::zero()) ++report_.late_masks;
+    if (*slack_ > kTimeToLook) observer_.mask_made(layer + 1, mask_->image());
   }
   PLUMBLINE_TRY(watch_.wait_for(*exposure));
   const auto report = exposure->finish();

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "firmware/settings/language.hpp"
 #include "firmware/settings/settings_file.hpp"
 #include "hal/panel_layout.hpp"
 #include "hal/wiring.hpp"
@@ -20,14 +21,16 @@ inline constexpr double kEndStopClearanceMm = 1;
 
 /// What begins a print.
 enum class StartChoice : std::uint8_t {
-  kOnRequest,  ///< somebody presses start
-  kOnStick,    ///< a stick is in: for test rigs
+  kOnRequest,     ///< somebody presses start
+  kOnStick,       ///< a stick is in: for test rigs
+  kAfterPreview,  ///< somebody presses start for the scan, and again when they have seen what was sliced
 };
 
 /// The part of a board file that printing needs and slicing does not.
 struct MachineFile {
   bool simulated = false;                       ///< [printer] simulate it: no such machine exists
   std::string state_socket;                     ///< [printer] path of the daemon's state socket; empty: the default
+  Language language = Language::kEnglish;       ///< [printer] of its screen
   PanelLayout panel;                            ///< [panel]
   double refresh_delay_ms = 0;                  ///< [panel] from the end of the scan-out until the pixels have settled
   double rotation_distance_mm = 0;              ///< [z_stage] travel for one turn of the motor

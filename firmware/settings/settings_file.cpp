@@ -176,8 +176,8 @@ class SettingsReader {
     if (table.empty()) {
       const auto tables = known_tables(rules_);
       return refuse(line, shown,
-                    "unknown; the nearest known table is [" + std::string{nearest(key.str(), tables)} +
-                        "]. Allowed are the tables " + joined(tables));
+                    "unknown; the nearest table is [" + std::string{nearest(key.str(), tables)} + "]. Allowed are " +
+                        joined(tables));
     }
     const auto keys = known_keys(rules_, table);
     return refuse(line, shown,

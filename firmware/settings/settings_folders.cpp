@@ -87,6 +87,10 @@ Expected<std::string> find_profile(const std::string& name_or_path, const std::s
   return find(name_or_path, folders, "profile");
 }
 
+std::vector<std::string> profile_names(const std::string& board_path) {
+  return names_in({(fs::path(board_path).parent_path() / "profiles").string()});
+}
+
 Status check_file_name(const std::string& path, const char* key, const std::string& name) {
   const fs::path file(path);
   if (file.extension() != kEnding || file.stem() == name) return {};

@@ -23,6 +23,9 @@ std::vector<std::string> board_folders();
 /// @retval ErrorCode::kCannotOpen  no such file: the message lists the folders searched and the profiles found
 [[nodiscard]] Expected<std::string> find_profile(const std::string& name_or_path, const std::string& board_path);
 
+/// Names of the profiles beside a board file, sorted.
+std::vector<std::string> profile_names(const std::string& board_path);
+
 /// Checks that a file is named after what it describes: "mono2k.toml" has the name "mono2k". A path that does not end in
 /// .toml, such as a pipe's, passes.
 /// @param key  the key that holds the name, for the message: "[printer] name"

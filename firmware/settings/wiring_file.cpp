@@ -4,6 +4,10 @@ namespace plumbline {
 namespace {
 
 constexpr std::array<std::string_view, 2> kActive = {"high", "low"};  // by LineSettings::active_low
+constexpr std::array<std::uint32_t, 4> kRotations = {0, 90, 180, 270};
+constexpr std::array<std::uint32_t, 2> kScreenBits = {16, 24};
+// The smallest screen that the texts fit on; far above any panel for people.
+constexpr double kLeastScreenColumns = 320, kLeastScreenRows = 240, kMostScreenSide = 1920;
 constexpr auto kOptional = Presence::kOptional;
 // Characters: enough for any device, and bounded because messages repeat them.
 constexpr double kLongestPath = 255;
@@ -32,6 +36,15 @@ void add_wiring_rules(std::vector<SettingRule>& rules, Wiring& wiring) {
   rules.push_back({"display", "refresh_hz", &display.refresh_hz, 1, 500, " Hz", kOptional});
   rules.push_back({"display", "plane", &display.plane, 1, 0xFFFFFFFF, "", kOptional});
   rules.push_back({"display", "flip_timeout_ms", &display.flip_timeout_ms, 20, 5000, " ms", kOptional});
+  ScreenSettings& screen = wiring.screen;
+  rules.push_back({"screen", "columns", &screen.columns, kLeastScreenColumns, kMostScreenSide, " pixels", kOptional});
+  rules.push_back({"screen", "rows", &screen.rows, kLeastScreenRows, kMostScreenSide, " pixels", kOptional});
+  rules.push_back({"screen", "card", path(screen.card), 1, kLongestPath, "", kOptional});
+  rules.push_back({"screen", "connector", path(screen.connector), 1, kLongestName, "", kOptional});
+  rules.push_back(
+      {"screen", "rotation_deg", NumberChoiceSetting{kRotations, &screen.rotation_deg}, 0, 0, " degrees", kOptional});
+  rules.push_back({"screen", "bits", NumberChoiceSetting{kScreenBits, &screen.bits}, 0, 0, "", kOptional});
+  rules.push_back({"screen", "touch", path(screen.touch), 1, kLongestPath, "", kOptional});
   for_each_line(wiring, [&](const LineRole& role, LineSettings& line) {
     rules.push_back({role.table, "line", path(line.name), 1, kLongestName, "", kOptional});
     rules.push_back({role.table, "chip", path(line.chip), 1, kLongestName, "", kOptional});
@@ -76,6 +89,9 @@ std::string check_wiring(const SettingRule& rule, const Wiring& wiring) {
       wrong = "but a fan is given either by hwmon or by pwm_chip";
     }
   });
+  if (rule.table == "screen" && (wiring.screen.columns == 0 || wiring.screen.rows == 0)) {
+    wrong = "but a screen is given by columns and rows";
+  }
   if (rule.table == "watchdog" && wiring.watchdog.device.empty()) wrong = "but a watchdog is given by device";
   return wrong;
 }

@@ -18,8 +18,8 @@ struct Value {
   std::string_view text;
 };
 
-constexpr std::array<std::string_view, 5> kMembers = {"do", "id", "scan", "key", "value"};
-enum Member : std::uint8_t { kDo, kId, kScan, kKey, kValue };
+constexpr std::array<std::string_view, 6> kMembers = {"do", "id", "scan", "key", "value", "picture"};
+enum Member : std::uint8_t { kDo, kId, kScan, kKey, kValue, kPicture };
 
 tl::unexpected<Error> not_an_object() {
   return fail(
@@ -56,7 +56,7 @@ Status store(Member member, const Value& value, ClientRequest& request, std::opt
     case kDo: {
       const auto command = value.kind == Value::Kind::kText ? command_of(value.text) : std::nullopt;
       if (!command) {
-        return wrong_value("do", "start, pause, resume, cancel, plate-empty, seen, offer, choose or set");
+        return wrong_value("do", "start, pause, resume, cancel, plate-empty, seen, offer, choose, set or picture");
       }
       request.command = *command;
       return {};
@@ -76,6 +76,14 @@ Status store(Member member, const Value& value, ClientRequest& request, std::opt
     case kValue:
       request.value.add("%.*s", static_cast<int>(value.text.size()), value.text.data());
       return request.value.cut() ? Status(wrong_value("value", "a text of at most 63 bytes")) : Status();
+    case kPicture: {
+      const auto* const word = std::find(kPictureWords.begin(), kPictureWords.end(), value.text);
+      if (value.kind != Value::Kind::kText || word == kPictureWords.end()) {
+        return wrong_value("picture", "preview or layer");
+      }
+      request.picture = static_cast<PictureName>(word - kPictureWords.begin());
+      return {};
+    }
   }
   return {};
 }
@@ -86,10 +94,12 @@ Status check_members(const ClientRequest& request, const std::array<bool, kMembe
     return fail(ErrorCode::kBadSetting, "there is no \"do\".\tSay what to do, such as {\"do\": \"pause\"}");
   const bool chooses = request.command == Command::kChoose;
   const bool sets = request.command == Command::kSet;
-  if (found[kScan] == chooses && found[kKey] == sets && found[kValue] == sets) return {};
+  const bool looks = request.command == Command::kPicture;
+  if (found[kScan] == chooses && found[kKey] == sets && found[kValue] == sets && found[kPicture] == looks) return {};
   const auto word = to_string(request.command);
   const char* const needs = chooses ? "\"scan\", a number from the list of scans"
                             : sets  ? "\"key\" and \"value\""
+                            : looks ? "\"picture\", preview or layer,"
                                     : "nothing";
   return fail(ErrorCode::kBadSetting, "%.*s needs %s beside \"do\" and \"id\"", static_cast<int>(word.size()),
               word.data(), needs);
@@ -113,7 +123,7 @@ Expected<ClientRequest> parse_request(std::string_view line, std::optional<std::
       if (!value) return not_an_object();
       const auto* const known = std::find(kMembers.begin(), kMembers.end(), *name);
       if (known == kMembers.end()) {
-        return fail(ErrorCode::kBadSetting, "'%.*s': unknown member.\tKnown are do, id, scan, key and value",
+        return fail(ErrorCode::kBadSetting, "'%.*s': unknown member.\tKnown are do, id, scan, key, value and picture",
                     static_cast<int>(name->size()), name->data());
       }
       const auto member = static_cast<Member>(known - kMembers.begin());

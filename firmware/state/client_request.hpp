@@ -2,9 +2,11 @@
 /// What a client of the state socket asks for: one JSON object a line, flat, with a few known members.
 ///
 ///     {"do": "start"}   {"do": "choose", "scan": 2, "id": 7}   {"do": "set", "key": "scale", "value": 1.5}
+///     {"do": "picture", "picture": "layer"}
 ///
 /// Takes nothing from the heap, whatever the line.
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string_view>
@@ -15,11 +17,16 @@
 
 namespace plumbline {
 
+enum class PictureName : std::uint8_t { kPreview, kLayer };
+/// "preview", "layer", in this order.
+inline constexpr std::array<std::string_view, 2> kPictureWords = {"preview", "layer"};
+
 struct ClientRequest {
   Command command = Command::kStart;
   std::uint32_t scan = 0;  ///< of choose: from 1
-  FixedText<32> key;       ///< of set
-  FixedText<64> value;     ///< of set: a text, or a number, true or false as it is written
+  PictureName picture = PictureName::kPreview;
+  FixedText<32> key;    ///< of set
+  FixedText<64> value;  ///< of set: a text, or a number, true or false as it is written
 };
 
 /// The longest request line, bytes, without its end.

@@ -22,7 +22,9 @@ enum class Command : std::uint8_t {
   kOffer,       ///< offer what is on the stick again
   kChoose,      ///< a scan on the stick
   kSet,         ///< a setting of the job that is offered
+  kPicture,     ///< a question that changes nothing: whoever may read may ask it
 };
+/// Without kPicture, which no state's list of commands has.
 inline constexpr std::size_t kCommandCount = 9;
 
 /// "start", "plate-empty", ...

@@ -5,6 +5,7 @@ namespace plumbline {
 void PrinterRecord::begin_job() {
   job.reset();
   slicing.reset();
+  sliced.reset();
   progress.reset();
   resin.reset();
   result.reset();

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "firmware/io/fixed_text.hpp"
+#include "firmware/pictures/job_pictures.hpp"
 #include "firmware/print/status/fault.hpp"
 #include "firmware/print/status/print_observer.hpp"
 #include "firmware/print/status/print_report.hpp"
@@ -45,6 +46,16 @@ struct SlicingRecord {
   double fraction = 0;  ///< of the stage
 };
 
+/// What would be printed, as it was sliced.
+struct SlicedRecord {
+  double width_mm = 0, depth_mm = 0;  ///< of the object
+  double height_mm = 0;               ///< of the print, with what holds it up
+  double layer_height_mm = 0;
+  std::uint32_t layers = 0;
+  double resin_ml = 0;
+  std::chrono::seconds time{};  ///< that the print takes
+};
+
 struct ProgressRecord {
   std::uint32_t layers_done = 0;
   std::uint32_t layers = 0;
@@ -79,6 +90,7 @@ struct FaultRecord {
 struct PrinterRecord {
   static constexpr std::size_t kMostScans = 64;
   static constexpr std::size_t kMostFindings = 12;
+  static constexpr std::size_t kMostProfiles = 16;
 
   FixedText<64> printer;
   bool simulated = false;
@@ -90,10 +102,13 @@ struct PrinterRecord {
   bool has_stick = false;
   std::array<ScanRecord, kMostScans> scans;
   std::size_t scan_count = 0;
-  std::size_t scans_left_out = 0;  ///< beyond the room for them
-  bool has_job_file = false;       ///< job.toml says what is printed
-  std::optional<JobRecord> job;    ///< offered, printing, or the last one
+  std::size_t scans_left_out = 0;                     ///< beyond the room for them
+  bool has_job_file = false;                          ///< job.toml says what is printed
+  std::optional<JobRecord> job;                       ///< offered, printing, or the last one
+  std::array<FixedText<64>, kMostProfiles> profiles;  ///< names, for a job's setting `profile`
+  std::size_t profile_count = 0;
   std::optional<SlicingRecord> slicing;
+  std::optional<SlicedRecord> sliced;  ///< from the end of slicing on
   std::optional<ProgressRecord> progress;
   std::optional<ResinRecord> resin;
   std::optional<PrintState> result;  ///< how the last print ended
@@ -101,6 +116,7 @@ struct PrinterRecord {
   std::array<FindingRecord, kMostFindings> findings;
   std::size_t finding_count = 0;
   std::optional<FaultRecord> fault;
+  const JobPictures* pictures = nullptr;  ///< none: nobody makes them
 
   /// Forgets the job of before.
   void begin_job();

@@ -124,6 +124,44 @@ void write_job(JsonWriter& json, const PrinterRecord& record) {
   json.end_object();
 }
 
+void write_profiles(JsonWriter& json, const PrinterRecord& record) {
+  json.begin_array(kOneLine);
+  for (std::size_t i = 0; i < record.profile_count; ++i) json.value(record.profiles[i].view());
+  json.end_array();
+}
+
+void write_sliced(JsonWriter& json, const PrinterRecord& record) {
+  if (!record.sliced) return json.null();
+  const SlicedRecord& sliced = *record.sliced;
+  json.begin_object(kOneLine);
+  json.member("width_mm", thousandths(sliced.width_mm));
+  json.member("depth_mm", thousandths(sliced.depth_mm));
+  json.member("height_mm", thousandths(sliced.height_mm));
+  json.member("layer_height_mm", thousandths(sliced.layer_height_mm));
+  json.member("layers", sliced.layers);
+  json.member("resin_ml", thousandths(sliced.resin_ml));
+  json.member("time_s", static_cast<std::uint64_t>(sliced.time.count()));
+  json.end_object();
+}
+
+/// The number of a picture, which rises when there is another one; null: there is none.
+void write_pictures(JsonWriter& json, const PrinterRecord& record) {
+  const auto number = [&](std::string_view name, bool there, std::uint32_t value) {
+    json.key(name);
+    if (there) {
+      json.value(value);
+    } else {
+      json.null();
+    }
+  };
+  const JobPictures* const pictures = record.pictures;
+  json.begin_object(kOneLine);
+  number("preview", pictures != nullptr && pictures->preview.there(),
+         pictures != nullptr ? pictures->preview_number : 0);
+  number("layer", pictures != nullptr && pictures->layer().there(), pictures != nullptr ? pictures->layer_number : 0);
+  json.end_object();
+}
+
 void write_slicing(JsonWriter& json, const PrinterRecord& record) {
   if (!record.slicing) return json.null();
   json.begin_object(kOneLine);
@@ -224,8 +262,14 @@ Status write_state_line(TextSink& out, const PrinterRecord& record, std::uint64_
   write_stick(json, record);
   json.key("job");
   write_job(json, record);
+  json.key("profiles");
+  write_profiles(json, record);
   json.key("slicing");
   write_slicing(json, record);
+  json.key("sliced");
+  write_sliced(json, record);
+  json.key("pictures");
+  write_pictures(json, record);
   json.key("progress");
   write_progress(json, record);
   json.key("resin");

@@ -44,7 +44,9 @@ Expected<Descriptor> listen_at(const std::string& path, mode_t mode) {
 }  // namespace
 
 Expected<std::unique_ptr<StateSocket>> StateSocket::open(const std::string& path, const StateSocketTimes& times) {
-  std::unique_ptr<StateSocket> socket(new StateSocket(times));
+  auto pictures = PictureLine::create();
+  PLUMBLINE_TRY(pictures);
+  std::unique_ptr<StateSocket> socket(new StateSocket(times, std::move(*pictures)));
   auto readers = listen_at(path, kEveryone);
   PLUMBLINE_TRY(readers);
   auto commanders = listen_at(command_socket(path), kOwnerAndGroup);
@@ -128,6 +130,8 @@ void StateSocket::serve_client(StateClient& client, const Door& door, const Prin
   client.take_line();
   if (!request) {
     error = request.error();
+  } else if (request->command == Command::kPicture) {
+    return send_picture(client, id, request->picture, record);
   } else if (!door.may_command) {
     error = Error::format(ErrorCode::kBadSetting,
                           "this socket is for reading.\tConnect to the one beside it whose name ends in .command");
@@ -144,6 +148,14 @@ void StateSocket::serve_client(StateClient& client, const Door& door, const Prin
 void StateSocket::answer(StateClient& client, std::optional<std::uint64_t> id, const Error* error) {
   reply_.clear();
   static_cast<void>(write_reply_line(reply_, id, error));
+  client.send(reply_.view());
+}
+
+void StateSocket::send_picture(StateClient& client, std::optional<std::uint64_t> id, PictureName name,
+                               const PrinterRecord& record) {
+  reply_.clear();
+  const auto written = pictures_.write(reply_, id, name, record);
+  if (!written) return answer(client, id, &written.error());
   client.send(reply_.view());
 }
 

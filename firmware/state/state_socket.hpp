@@ -16,6 +16,7 @@
 
 #include "firmware/io/descriptor.hpp"
 #include "firmware/state/client_request.hpp"
+#include "firmware/state/picture_line.hpp"
 #include "firmware/state/printer_record.hpp"
 #include "firmware/state/state_client.hpp"
 #include "firmware/state/state_line.hpp"
@@ -72,17 +73,20 @@ class StateSocket {
     bool may_command = false;
   };
 
-  explicit StateSocket(const StateSocketTimes& times) : times_(times) {}
+  StateSocket(const StateSocketTimes& times, PictureLine pictures) : times_(times), pictures_(std::move(pictures)) {}
   std::optional<EventKind> serve_all(const PrinterRecord& record, CommandTaker& taker);
   void write_state(const PrinterRecord& record);
   void let_in(Door& door);
   void serve_client(StateClient& client, const Door& door, const PrinterRecord& record, CommandTaker& taker,
                     std::optional<EventKind>& event);
   void answer(StateClient& client, std::optional<std::uint64_t> id, const Error* error);
+  void send_picture(StateClient& client, std::optional<std::uint64_t> id, PictureName name,
+                    const PrinterRecord& record);
 
   StateSocketTimes times_;
   std::array<StateClient, kReaders + kCommanders> clients_;
   std::array<Door, 2> doors_;
+  PictureLine pictures_;
   StateLine line_;  ///< the newest state
   StateLine next_;  ///< scratch
   StateLine reply_;

@@ -30,6 +30,7 @@ class Examination {
     check_keeper();
     check_watchdog();
     check_panel();
+    check_screen();
     check_sensors();
     check_fans();
     check_stick();
@@ -123,6 +124,26 @@ class Examination {
     } else {
       add(Verdict::kWrong, "the panel", found.error().message(),
           "correct [display], or check cable, driver and permissions");
+    }
+  }
+
+  void check_screen() {
+    const ScreenSettings& screen = settings_.wiring.screen;
+    if (!screen.given()) return;
+    const ScreenLayout layout = LinuxStatusScreen::layout_of(screen);
+    const auto found = KmsScreen::examine(screen, layout.sent_columns(), layout.sent_rows());
+    if (found) {
+      add(Verdict::kGood, "the status screen", screen.connector + " of " + found->card + ", " + found->mode);
+    } else {
+      add(Verdict::kWrong, "the status screen", found.error().message(),
+          "correct [screen], or check cable, driver and permissions");
+    }
+    if (screen.touch.empty()) return;
+    const auto touch = TouchPanel::open(screen.touch, layout);
+    if (touch) {
+      add(Verdict::kGood, "the touch panel", screen.touch);
+    } else {
+      add(Verdict::kWrong, "the touch panel", touch.error().message(), "correct [screen] touch, or the permissions");
     }
   }
 

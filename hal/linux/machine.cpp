@@ -143,8 +143,14 @@ Expected<std::unique_ptr<LinuxMachine>> LinuxMachine::open(const LinuxSettings& 
   machine->thermals_ = std::make_unique<LinuxThermals>(std::move(*thermals), machine->interlock_);
   auto display = KmsPanel::open(settings.wiring.display, settings.panel.mode_width(), settings.panel.mode_height());
   PLUMBLINE_TRY(display);
+  const CardInUse card = display->card();
   machine->mask_ =
       std::make_unique<LinuxMaskDisplay>(settings.panel, std::move(*display), settings.settling, machine->interlock_);
+  if (settings.wiring.screen.given()) {
+    auto screen = LinuxStatusScreen::open(settings.wiring.screen, card, machine->clock_);
+    PLUMBLINE_TRY(screen);
+    machine->screen_ = std::move(*screen);
+  }
   machine->stick_ = std::make_unique<LinuxStickPort>(settings.wiring.stick, settings.mount_socket, machine->queue_,
                                                      machine->interlock_);
   PLUMBLINE_TRY(machine->stick_->open());
@@ -166,7 +172,8 @@ Machine LinuxMachine::machine() {
           .stage = *stage_,
           .stick = *stick_,
           .panel = *panel_,
-          .thermals = *thermals_};
+          .thermals = *thermals_,
+          .screen = screen_.get()};
 }
 
 }  // namespace plumbline

@@ -11,6 +11,7 @@
 #include "hal/linux/front_panel.hpp"
 #include "hal/linux/gpio/line_registry.hpp"
 #include "hal/linux/lamp/uv_lamp.hpp"
+#include "hal/linux/screen/status_screen.hpp"
 #include "hal/linux/settings.hpp"
 #include "hal/linux/stage/gpio_stage_lines.hpp"
 #include "hal/linux/stick/stick_port.hpp"
@@ -77,6 +78,7 @@ class LinuxMachine {
   std::unique_ptr<LinuxZStage> stage_;
   std::unique_ptr<StageSource> stage_source_;
   std::unique_ptr<LinuxMaskDisplay> mask_;
+  std::unique_ptr<LinuxStatusScreen> screen_;  ///< after the mask's display, whose card it may share
   std::unique_ptr<LinuxFrontPanel> panel_;
   std::vector<std::unique_ptr<Button>> buttons_;
   std::unique_ptr<LinuxThermals> thermals_;

@@ -17,9 +17,10 @@ MAY_INCLUDE = {
     "hal/linux": {"slicer/core", "hal"},
     "hal/sim": {"slicer/core", "hal"},
     # One file for each back end of the HAL may include it: see COMPOSITION.
-    "firmware": {"slicer/core", "slicer", "hal", "firmware/pictures"},
+    "firmware": {"slicer/core", "slicer", "hal", "firmware/pictures", "firmware/canvas"},
+    "firmware/canvas": {"slicer/core"},
     "firmware/pictures": {"slicer/core", "slicer"},
-    "tests": {"slicer/core", "slicer", "hal", "hal/linux", "hal/sim", "firmware", "firmware/pictures"},
+    "tests": {"slicer/core", "slicer", "hal", "hal/linux", "hal/sim", "firmware", "firmware/canvas", "firmware/pictures"},
 }
 
 # Folder -> its subfolders in the data's order. Each may include those before it. The files directly in the folder come last
@@ -29,9 +30,10 @@ ORDER = {
                "layers", "supports", "checks", "plan"],
     "slicer/reader": ["stream", "records", "formats"],
     "slicer/supports": ["drawing"],
-    "hal/linux": ["gpio", "events", "keeper", "lamp", "stage", "display", "stick", "thermals"],
+    "hal/linux": ["gpio", "events", "keeper", "lamp", "stage", "display", "screen", "stick", "thermals"],
     "firmware/print": ["plan", "status", "store"],
-    "firmware": ["io", "settings", "pictures", "sample", "machine", "slice", "print", "child", "state", "daemon", "cli"],
+    "firmware": ["io", "settings", "pictures", "canvas", "sample", "machine", "slice", "print", "child", "state", "screen", "daemon",
+                 "cli"],
 }
 
 # The source file that opens each back end of the HAL. firmware/machine/back_end.cpp chooses between them.

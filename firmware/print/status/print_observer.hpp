@@ -8,6 +8,7 @@
 #include "firmware/print/status/print_state.hpp"
 #include "hal/clock.hpp"
 #include "hal/units.hpp"
+#include "slicer/core/bit_image.hpp"
 
 namespace plumbline {
 
@@ -32,6 +33,9 @@ class PrintObserver {
   /// Called after each layer, on each change of state, and several times a second while the print waits.
   /// @returns false: cancel the print
   virtual bool update(const PrintStatus& status) = 0;
+  /// Called when the next mask is ready and there is time to look at it, before it is shown. Not called for each layer.
+  /// @param mask  valid during the call
+  virtual void mask_made(std::uint32_t /*layer*/, ConstBitImage /*mask*/) {}
   /// Called after each check.
   virtual void checked(Check check, const CheckResult& result) = 0;
 };

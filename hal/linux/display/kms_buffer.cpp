@@ -10,11 +10,12 @@
 
 namespace plumbline::kms {
 
-Expected<Buffer> Buffer::create(int card, std::uint32_t width, std::uint32_t height) {
+Expected<Buffer> Buffer::create(int card, std::uint32_t width, std::uint32_t height, std::uint32_t bits) {
+  const bool narrow = bits == 16;
   drm_mode_create_dumb create{};
   create.width = width;
   create.height = height;
-  create.bpp = 32;
+  create.bpp = narrow ? 16 : 32;
   if (::drmIoctl(card, DRM_IOCTL_MODE_CREATE_DUMB, &create) != 0) return panel_failed("can't create a buffer", errno);
   Buffer buffer;
   buffer.data_.card = card;
@@ -23,9 +24,9 @@ Expected<Buffer> Buffer::create(int card, std::uint32_t width, std::uint32_t hei
   const std::uint32_t handles[4] = {create.handle, 0, 0, 0};
   const std::uint32_t pitches[4] = {create.pitch, 0, 0, 0};
   const std::uint32_t offsets[4] = {0, 0, 0, 0};
-  if (::drmModeAddFB2(card, width, height, DRM_FORMAT_XRGB8888, handles, pitches, offsets, &buffer.data_.frame, 0) !=
-      0) {
-    return panel_failed("does not take XRGB8888", errno);
+  const std::uint32_t format = narrow ? DRM_FORMAT_RGB565 : DRM_FORMAT_XRGB8888;
+  if (::drmModeAddFB2(card, width, height, format, handles, pitches, offsets, &buffer.data_.frame, 0) != 0) {
+    return panel_failed(narrow ? "does not take RGB565" : "does not take XRGB8888", errno);
   }
   drm_mode_map_dumb map{};
   map.handle = create.handle;

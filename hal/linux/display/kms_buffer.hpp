@@ -9,12 +9,14 @@
 
 namespace plumbline::kms {
 
-/// A "dumb buffer" of XRGB8888, mapped for good and black at first. Move-only; its card must stay open.
+/// A "dumb buffer" of XRGB8888 or RGB565, mapped for good and black at first. Move-only; its card must stay open.
 class Buffer {
  public:
   /// @param card  descriptor of an open card
+  /// @param bits  of a pixel: 16 is RGB565, everything else XRGB8888
   /// @retval ErrorCode::kPanelFailed  the driver refused: the reason
-  [[nodiscard]] static Expected<Buffer> create(int card, std::uint32_t width, std::uint32_t height);
+  [[nodiscard]] static Expected<Buffer> create(int card, std::uint32_t width, std::uint32_t height,
+                                               std::uint32_t bits = 24);
   Buffer() = default;
   Buffer(Buffer&& other) noexcept { *this = std::move(other); }
   Buffer& operator=(Buffer&& other) noexcept {
@@ -23,9 +25,9 @@ class Buffer {
   }
   ~Buffer();
 
-  std::uint32_t frame() const { return data_.frame; }  ///< object number for the driver
-  std::span<std::uint32_t> pixels() const { return data_.pixels; }
-  std::size_t pitch() const { return data_.pitch; }  ///< words a row
+  std::uint32_t frame() const { return data_.frame; }               ///< object number for the driver
+  std::span<std::uint32_t> pixels() const { return data_.pixels; }  ///< all of its memory
+  std::size_t pitch() const { return data_.pitch; }                 ///< words a row
 
  private:
   struct Data {

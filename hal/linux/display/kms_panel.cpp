@@ -59,6 +59,7 @@ class KmsPanel::Device {
   Expected<std::span<std::uint32_t>> back();
   Status flip();
   std::size_t pitch() const { return buffers_[0].pitch(); }
+  CardInUse card() const { return {panel_.card.get(), panel_.path, panel_.crtc}; }
   std::chrono::nanoseconds frame() const {
     const auto& mode = panel_.mode;
     const double hz = mode.clock > 0 ? mode.clock * 1000.0 / (mode.htotal * static_cast<double>(mode.vtotal)) : 60.0;
@@ -157,5 +158,6 @@ Expected<std::span<std::uint32_t>> KmsPanel::back() { return device_->back(); }
 std::size_t KmsPanel::pitch() const { return device_->pitch(); }
 Status KmsPanel::flip() { return device_->flip(); }
 std::chrono::nanoseconds KmsPanel::frame() const { return device_->frame(); }
+CardInUse KmsPanel::card() const { return device_->card(); }
 
 }  // namespace plumbline

@@ -20,6 +20,13 @@ struct DisplayFinding {
   bool atomic = false;
 };
 
+/// A card whose display is in use.
+struct CardInUse {
+  int descriptor = -1;     ///< of its owner, open as long as the owner lives
+  std::string path;        ///< "/dev/dri/card0"
+  std::uint32_t crtc = 0;  ///< object number of the controller in use
+};
+
 /// Two buffers of XRGB8888: one is scanned out, the other can be written. Move-only.
 class KmsPanel {
  public:
@@ -50,6 +57,7 @@ class KmsPanel {
   [[nodiscard]] Status flip();
 
   std::chrono::nanoseconds frame() const;  ///< time to scan out one frame
+  CardInUse card() const;                  ///< valid as long as this
 
  private:
   class Device;

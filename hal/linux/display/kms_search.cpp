@@ -25,12 +25,14 @@ std::optional<drmModeModeInfo> choose_mode(const drmModeConnector& connector, st
   return std::nullopt;
 }
 
-bool choose_crtc(const drmModeRes& resources, const drmModeConnector& connector, FoundPanel& found) {
+/// @param taken  object number of a controller that is in use; 0: none
+bool choose_crtc(const drmModeRes& resources, const drmModeConnector& connector, std::uint32_t taken,
+                 FoundPanel& found) {
   for (int e = 0; e < connector.count_encoders; ++e) {
     const Encoder encoder(::drmModeGetEncoder(found.card.get(), connector.encoders[e]));
     if (!encoder) continue;
     for (int c = 0; c < resources.count_crtcs; ++c) {
-      if ((encoder->possible_crtcs & (1U << static_cast<unsigned>(c))) == 0) continue;
+      if ((encoder->possible_crtcs & (1U << static_cast<unsigned>(c))) == 0 || resources.crtcs[c] == taken) continue;
       found.crtc = resources.crtcs[c];
       found.crtc_index = static_cast<std::uint32_t>(c);
       return true;
@@ -44,9 +46,12 @@ bool choose_crtc(const drmModeRes& resources, const drmModeConnector& connector,
 /// @param found   filled in if the card has the connector
 /// @returns whether it has
 Expected<bool> search_card(const std::string& path, const DisplaySettings& settings, std::uint32_t width,
-                           std::uint32_t height, std::string& others, FoundPanel& found) {
+                           std::uint32_t height, const std::optional<CardInUse>& beside, std::string& others,
+                           FoundPanel& found) {
   found.path = path;
-  found.card = File(::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NONBLOCK));
+  const bool in_use = beside && beside->path == path;
+  found.card = File(in_use ? ::fcntl(beside->descriptor, F_DUPFD_CLOEXEC, 0)
+                           : ::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NONBLOCK));
   if (found.card.get() < 0) {
     if (errno == EACCES) return panel_failed("can't be reached", errno);
     return false;
@@ -76,7 +81,8 @@ Expected<bool> search_card(const std::string& path, const DisplaySettings& setti
     }
     found.connector = connector->connector_id;
     found.mode = *mode;
-    if (!choose_crtc(*resources, *connector, found)) return panel_failed("has no controller for its connector", ENODEV);
+    if (!choose_crtc(*resources, *connector, in_use ? beside->crtc : 0, found))
+      return panel_failed("has no controller for its connector", ENODEV);
     return true;
   }
   return false;
@@ -96,7 +102,8 @@ std::string mode_name(const drmModeModeInfo& mode) {
          " Hz";
 }
 
-Expected<FoundPanel> find_panel(const DisplaySettings& settings, std::uint32_t width, std::uint32_t height) {
+Expected<FoundPanel> find_panel(const DisplaySettings& settings, std::uint32_t width, std::uint32_t height,
+                                const std::optional<CardInUse>& beside) {
   std::vector<std::string> cards;
   if (!settings.card.empty()) {
     cards.push_back(settings.card);
@@ -107,7 +114,7 @@ Expected<FoundPanel> find_panel(const DisplaySettings& settings, std::uint32_t w
   std::string others;
   for (const auto& path : cards) {
     FoundPanel found;
-    const auto here = search_card(path, settings, width, height, others, found);
+    const auto here = search_card(path, settings, width, height, beside, others, found);
     PLUMBLINE_TRY(here);
     if (*here) return found;
   }

@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -61,10 +62,12 @@ struct FoundPanel {
 };
 
 /// @param width, height  of the mode, pixels
+/// @param beside         another display of this program: its card is not opened again, its controller not chosen
 /// @retval ErrorCode::kBadSetting   no such connector or mode; the message lists those available
 /// @retval ErrorCode::kPanelFailed  nothing is connected, or permission is missing
 [[nodiscard]] Expected<FoundPanel> find_panel(const DisplaySettings& settings, std::uint32_t width,
-                                              std::uint32_t height);
+                                              std::uint32_t height,
+                                              const std::optional<CardInUse>& beside = std::nullopt);
 
 /// "480x2560 at 60 Hz"
 std::string mode_name(const drmModeModeInfo& mode);

@@ -4,120 +4,17 @@ that mean harm. The schema of firmware/state checks every line where python3-jso
 
 import json
 import os
-import shutil
 import socket
 import stat
 import subprocess
 import threading
-import time
 import unittest
 
-from case import PLUMBLINE, PLUMBLINED, SIM2K, SOURCE_DIR, Program, confirm_plate, main, write_sphere
-
-try:
-    from jsonschema import Draft202012Validator
-except ImportError:
-    Draft202012Validator = None
-
-SCHEMA = json.loads((SOURCE_DIR / "firmware/state/state.schema.json").read_text())
-SECONDS = 90
+from case import PLUMBLINE, SOURCE_DIR, main
+from state_client import SCHEMA, Client, Draft202012Validator, StatePrinter
 
 
-class Client:
-    """A connection. All states that it receives are checked against the schema and kept."""
-
-    def __init__(self, test, path):
-        self.test, self.states, self.replies, self.rest, self.asked = test, [], [], b"", 0
-        self.socket = socket.socket(socket.AF_UNIX)
-        test.addCleanup(self.socket.close)
-        self.socket.connect(str(path))
-        self.check = Draft202012Validator(SCHEMA) if Draft202012Validator else None
-
-    def receive(self, end):
-        """Takes what has come, waiting for it until `end`. @returns False at the end of the connection"""
-        self.socket.settimeout(max(0.01, end - time.monotonic()))
-        data = self.socket.recv(1 << 20)
-        *lines, self.rest = (self.rest + data).split(b"\n")
-        for line in lines:
-            value = json.loads(line)
-            if self.check:
-                self.check.validate(value)
-            (self.states if value["type"] == "state" else self.replies).append(value)
-        return bool(data)
-
-    def until(self, holds, what):
-        """Waits for a state. States that came before the call count only if none came since."""
-        end, seen = time.monotonic() + SECONDS, max(0, len(self.states) - 1)
-        while time.monotonic() < end:
-            for state in self.states[seen:]:
-                seen += 1
-                if holds(state):
-                    return state
-            try:
-                if not self.receive(end):
-                    break
-            except TimeoutError:
-                break
-        return self.test.fail(f"{what}: {[(s['state'], s['message']) for s in self.states[-5:]]}")
-
-    def state(self, name, command=None):
-        return self.until(lambda s: s["state"] == name and (not command or command in s["commands"]), name)
-
-    def ask(self, do, **members):
-        """@returns the reply"""
-        self.asked += 1
-        self.socket.sendall(json.dumps({"do": do, "id": self.asked, **members}).encode() + b"\n")
-        end = time.monotonic() + SECONDS
-        while not self.replies or self.replies[-1]["id"] != self.asked:
-            self.test.assertTrue(self.receive(end), "the daemon ended the connection")
-        return self.replies[-1]
-
-    def do(self, do, **members):
-        reply = self.ask(do, **members)
-        self.test.assertTrue(reply["ok"], reply)
-
-    def refused(self, words, do, **members):
-        reply = self.ask(do, **members)
-        self.test.assertFalse(reply["ok"])
-        self.test.assertIn(words, reply["error"])
-
-
-class State(Program):
-    def setUp(self):
-        super().setUp()
-        self.stick, self.folder = self.dir / "stick", self.dir / "state"
-        self.path = self.folder / "state"
-        self.commands = self.folder / "state.command"
-
-    def start(self, *arguments, speedup=200, plate=True):
-        self.folder.mkdir(exist_ok=True)
-        if plate:
-            confirm_plate(self.folder)
-        command = [PLUMBLINED, "--printer", SIM2K, "--state", self.folder, "--stick", self.stick, "--speedup", speedup, *arguments]
-        daemon = subprocess.Popen(list(map(str, command)), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        self.addCleanup(daemon.wait)
-        self.addCleanup(daemon.kill)
-        end = time.monotonic() + SECONDS
-        while time.monotonic() < end:
-            try:
-                return daemon, Client(self, self.commands)
-            except OSError:
-                time.sleep(0.02)
-        return self.fail("no socket")
-
-    def put_stick(self, scans, text=None):
-        """@param scans  name -> radius in mm, or bytes"""
-        folder = self.dir / "new"
-        folder.mkdir()
-        for name, what in scans.items():
-            if isinstance(what, bytes):
-                (folder / name).write_bytes(what)
-            else:
-                write_sphere(folder / name, points=5000, radius=what)
-        if text:
-            (folder / "job.toml").write_text(text)
-        folder.rename(self.stick)
-
+class State(StatePrinter):
     def test_a_print_from_the_plate_to_the_plate_with_every_command(self):
         daemon, user = self.start("--fault", "cover.opens@layer=9,for=60s", plate=False, speedup=50)
         first = user.state("plate in use", "plate-empty")

@@ -131,12 +131,13 @@ TEST(BoardFile, ReportsTheUnknownKeyThatComesFirstInTheFile) {
 }
 
 TEST(BoardFile, RefusesAnUnknownTableAndNamesTheNearest) {
-  EXPECT_EQ(refusal(good_with("[z_stage]", "[zstage]")),
-            "b.toml:8: zstage: unknown; the nearest known table is [z_stage]. Allowed are the tables printer, panel, "
-            "z_stage, lamp, cover, temperatures, tank, print, memory, display, lamp_line, cover_line, step_line, "
-            "direction_line, enable_line, end_stop_line, start_button, pause_button, cancel_button, ready_light, "
-            "printing_light, attention_light, fault_light, buzzer, lamp_sensor, resin_sensor, board_sensor, lamp_fan, "
-            "chamber_fan, stick, watchdog");
+  EXPECT_EQ(
+      refusal(good_with("[z_stage]", "[zstage]")),
+      "b.toml:8: zstage: unknown; the nearest table is [z_stage]. Allowed are printer, panel, "
+      "z_stage, lamp, cover, temperatures, tank, print, memory, display, screen, lamp_line, cover_line, step_line, "
+      "direction_line, enable_line, end_stop_line, start_button, pause_button, cancel_button, ready_light, "
+      "printing_light, attention_light, fault_light, buzzer, lamp_sensor, resin_sensor, board_sensor, lamp_fan, "
+      "chamber_fan, stick, watchdog");
 }
 
 TEST(BoardFile, SaysInWhichTableAKeyBelongs) {

@@ -37,6 +37,10 @@ std::unique_ptr<PrinterRecord> longest_record() {
   fill(job.profile);
   job.scale = 1.2345678901234567e-5;
   record->result = PrintState::kSuspended;
+  for (auto& profile : record->profiles) fill(profile);
+  record->profile_count = record->profiles.size();
+  record->sliced =
+      SlicedRecord{1999.999, 1999.999, 1999.999, 0.123, ~std::uint32_t{0}, 12345.678, std::chrono::hours(99999)};
   record->slicing = SlicingRecord{Stage::kWindingTree, 0.123};
   PrintStatus status;
   status.state = PrintState::kPrinting;

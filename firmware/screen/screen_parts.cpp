@@ -1,0 +1,87 @@
+#include "firmware/screen/screen_parts.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace plumbline {
+namespace {
+
+constexpr int kTitleRows = 34;
+constexpr int kMargin = 8;
+
+/// The signs on the printer's buttons.
+constexpr std::array<std::string_view, kScreenButtonCount> kSigns = {"▶", "❚❚", "✖"};
+
+/// Dark text on colours whose green is bright.
+Colour text_on(Colour ground) { return green_of(ground) > 140 ? ink::kDark : ink::kText; }
+
+}  // namespace
+
+PixelBox Sheet::body() const {
+  const PixelBox all = page.canvas().all();
+  const int top = px(kTitleRows + 6), bottom = px(kButtonRows + 4);
+  return PixelBox{0, top, all.width, all.height - top - bottom}.inset(px(kMargin), 0);
+}
+
+int row_height(const Sheet& sheet) { return sheet.px(22); }
+
+void draw_title(const Sheet& sheet, std::string_view title, Colour bar) {
+  Canvas& canvas = sheet.canvas();
+  canvas.fill(canvas.all(), ink::kGround);
+  const PixelBox box = canvas.all().top_rows(sheet.px(kTitleRows));
+  canvas.fill(box, bar);
+  const PixelBox room = box.inset(sheet.px(kMargin), 0);
+  const int end = sheet.page.line(room, title, {sheet.look().title, text_on(bar)});
+  const PixelBox rest = room.from_column(end - room.x + sheet.px(12));
+  // The printer's name, where there is room for it.
+  if (rest.width >= sheet.look().plain.width(sheet.record.printer.view())) {
+    sheet.page.line(rest, sheet.record.printer.view(), {sheet.look().plain, text_on(bar), Align::kRight, Fit::kMayCut});
+  }
+}
+
+void draw_buttons(const Sheet& sheet) {
+  Canvas& canvas = sheet.canvas();
+  const PixelBox bar = canvas.all().from_row(canvas.rows() - sheet.px(kButtonRows));
+  const auto uses = buttons_of(sheet.record, sheet.view);
+  const int gap = sheet.px(2);
+  for (std::size_t i = 0; i < kScreenButtonCount; ++i) {
+    const int left = bar.width * static_cast<int>(i) / 3, right = bar.width * static_cast<int>(i + 1) / 3;
+    const PixelBox button = PixelBox{left, bar.y, right - left, bar.height}.inset(gap / 2, 0);
+    canvas.fill(button, ink::kBar);
+    if (!uses[i]) continue;
+    const PixelBox room = button.inset(sheet.px(3), sheet.px(3));
+    sheet.page.line(room.top_rows(room.height / 2), kSigns[i], {sheet.look().bold, ink::kAttention, Align::kCentre});
+    sheet.page.line(room.from_row(room.height / 2), sheet.say(uses[i]->label),
+                    {sheet.look().bold, ink::kText, Align::kCentre});
+  }
+}
+
+void draw_bar(const Sheet& sheet, const PixelBox& box, double fraction) {
+  sheet.canvas().fill(box, ink::kTrough);
+  const double clamped = std::clamp(fraction, 0.0, 1.0);
+  sheet.canvas().fill(box.left_columns(static_cast<int>(std::lround(clamped * box.width))), ink::kGood);
+}
+
+int draw_message(const Sheet& sheet, const PixelBox& box, std::string_view large, std::string_view plain) {
+  int y = sheet.page.paragraph(box, large, sheet.large()) + sheet.px(4);
+  if (!plain.empty()) y = sheet.page.paragraph(box.from_row(y - box.y), plain, sheet.plain(ink::kPale));
+  return y;
+}
+
+ShortText duration(std::chrono::seconds time) {
+  const auto seconds = static_cast<long long>(time.count());
+  ShortText text;
+  if (seconds < 60) {
+    text.add("%lld s", seconds);
+  } else if (seconds < 3600) {
+    text.add("%lld min", (seconds + 30) / 60);
+  } else if (seconds < 36000) {
+    const long long minutes = (seconds + 30) / 60;
+    text.add("%lld h %lld min", minutes / 60, minutes % 60);
+  } else {
+    text.add("%lld h", (seconds + 1800) / 3600);
+  }
+  return text;
+}
+
+}  // namespace plumbline

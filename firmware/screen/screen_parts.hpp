@@ -1,0 +1,81 @@
+#pragma once
+/// What the screens are put together from.
+
+#include <array>
+#include <chrono>
+#include <optional>
+#include <string_view>
+
+#include "firmware/io/fixed_text.hpp"
+#include "firmware/screen/page.hpp"
+#include "firmware/screen/screen_view.hpp"
+#include "firmware/screen/words.hpp"
+
+namespace plumbline {
+
+/// One screen while it is drawn.
+struct Sheet {
+  Page& page;
+  const PrinterRecord& record;
+  const ScreenView& view;
+  Language language;
+
+  std::string_view say(Words which) const { return words(which, language); }
+  const Look& look() const { return page.look(); }
+  Canvas& canvas() const { return page.canvas(); }
+  int px(int at_320) const { return page.look().px(at_320); }
+  /// Between the title and the buttons, without margins.
+  PixelBox body() const;
+
+  TextStyle plain(Colour ink = ink::kText, Fit fit = Fit::kMust) const {
+    return {look().plain, ink, Align::kLeft, fit};
+  }
+  TextStyle bold(Colour ink = ink::kText, Fit fit = Fit::kMust) const { return {look().bold, ink, Align::kLeft, fit}; }
+  TextStyle large(Colour ink = ink::kText) const { return {look().large, ink}; }
+};
+
+/// A row's height in lists.
+int row_height(const Sheet& sheet);
+
+/// The ground and the title's bar.
+/// @param bar  its colour; the text is dark on bright ones
+void draw_title(const Sheet& sheet, std::string_view title, Colour bar = ink::kBar);
+void draw_buttons(const Sheet& sheet);
+/// A bar that is full at 1.
+void draw_bar(const Sheet& sheet, const PixelBox& box, double fraction);
+/// Large text, and below it plain text.
+/// @returns y below both
+int draw_message(const Sheet& sheet, const PixelBox& box, std::string_view large, std::string_view plain);
+
+using ShortText = FixedText<96>;
+/// "26 h", "1 h 25 min", "13 min", "40 s"
+ShortText duration(std::chrono::seconds time);
+/// The table's text with its numbers.
+template <class... Values>
+ShortText filled_in(std::string_view pattern, Values... values) {
+  ShortText text;
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wformat-security"
+#pragma GCC diagnostic ignored "-Wformat-nonliteral"
+  text.add(pattern.data(), values...);
+#pragma GCC diagnostic pop
+  return text;
+}
+
+// The screens, by their file.
+void draw_idle(const Sheet& sheet);
+void draw_scans(const Sheet& sheet);
+void draw_settings(const Sheet& sheet);
+void draw_preview_screen(const Sheet& sheet);
+void draw_slicing(const Sheet& sheet);
+void draw_checks(const Sheet& sheet);
+void draw_printing(const Sheet& sheet);
+void draw_cancel_question(const Sheet& sheet);
+void draw_pause(const Sheet& sheet);
+void draw_raising(const Sheet& sheet);
+void draw_plate(const Sheet& sheet);
+void draw_interrupted(const Sheet& sheet);
+void draw_fault(const Sheet& sheet);
+void draw_ending(const Sheet& sheet);
+
+}  // namespace plumbline

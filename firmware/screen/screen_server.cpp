@@ -1,0 +1,118 @@
+#include "firmware/screen/screen_server.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "firmware/screen/screens.hpp"
+#include "firmware/screen/setting_rows.hpp"
+
+namespace plumbline {
+namespace {
+
+std::optional<ScreenButton> button_of_event(EventKind kind) {
+  switch (kind) {
+    case EventKind::kStartPressed: return ScreenButton::kStart;
+    case EventKind::kPausePressed: return ScreenButton::kPause;
+    case EventKind::kCancelPressed: return ScreenButton::kCancel;
+    case EventKind::kCoverOpened:
+    case EventKind::kCoverClosed:
+    case EventKind::kStickArrived:
+    case EventKind::kStickDeparted:
+    case EventKind::kExposureEnded:
+    case EventKind::kMotionEnded:
+    case EventKind::kShutdownRequested: return std::nullopt;
+  }
+  return std::nullopt;
+}
+
+/// By ScreenButton.
+constexpr std::array kEvents = {EventKind::kStartPressed, EventKind::kPausePressed, EventKind::kCancelPressed};
+
+}  // namespace
+
+ScreenServer::ScreenServer(StatusScreen& screen, Language language)
+    : screen_(screen),
+      language_(language),
+      look_(static_cast<int>(screen.columns()), static_cast<int>(screen.rows())),
+      shown_(std::size_t{screen.columns()} * screen.rows()),
+      next_(shown_.size()) {}
+
+void ScreenServer::show(const PrinterRecord& record, nanoseconds spare) {
+  if (record.state == PrintState::kPrinting && spare < kSpare) return;
+  const auto began = HostClock::now();
+  if (began - drawn_at_ < kTurn) return;
+  view_ = still_open(record, view_);
+  Canvas canvas(next_, static_cast<int>(screen_.columns()), static_cast<int>(screen_.rows()));
+  Page page(canvas, look_);
+  draw_screen(page, record, view_, language_);
+  if (frames_ == 0 || next_ != shown_) {
+    if (screen_.present(next_)) {
+      std::swap(next_, shown_);
+      ++frames_;
+    }
+  }
+  drawn_at_ = HostClock::now();
+  longest_turn_ = std::max(longest_turn_, drawn_at_ - began);
+}
+
+std::optional<Event> ScreenServer::filter(const Event& event, const PrinterRecord& record, CommandTaker& taker) {
+  const auto button = button_of_event(event.kind);
+  if (!button) return event;
+  view_ = still_open(record, view_);
+  drawn_at_ = {};  // whoever presses a button sees at once what it did
+  if (view_.asks_to_cancel && event.at < asked_at_ + kSettle) return std::nullopt;
+  const auto use = buttons_of(record, view_)[static_cast<std::size_t>(*button)];
+  if (!use) return view_.asks_to_cancel || view_.settings_open ? std::nullopt : std::optional(event);
+  if (use->act == ButtonAct::kCommand) {
+    view_.asks_to_cancel = false;
+    return event;
+  }
+  act(use->act, record, taker, event.at);
+  return std::nullopt;
+}
+
+std::optional<Event> ScreenServer::touched(const PrinterRecord& record, CommandTaker& taker) {
+  const auto touch = screen_.next_touch();
+  if (!touch) return std::nullopt;
+  const int top = static_cast<int>(screen_.rows()) - look_.px(kButtonRows);
+  if (static_cast<int>(touch->row) < top || touch->column >= screen_.columns()) return std::nullopt;
+  const std::size_t third = std::size_t{3} * touch->column / screen_.columns();
+  return filter({touch->at, kEvents[third]}, record, taker);
+}
+
+void ScreenServer::act(ButtonAct act, const PrinterRecord& record, CommandTaker& taker, TimePoint at) {
+  switch (act) {
+    case ButtonAct::kCommand: break;
+    case ButtonAct::kNextScan: choose_next(record, taker); break;
+    case ButtonAct::kOpenSettings: view_.settings_open = true; break;
+    case ButtonAct::kCloseSettings: view_.settings_open = false; break;
+    case ButtonAct::kNextSetting: view_.setting = (view_.setting + 1) % kSettingRowCount; break;
+    case ButtonAct::kChangeSetting:
+      // A value that the printer refuses stays as it was: the screen shows the record's.
+      static_cast<void>(taker.take(next_value(view_.setting, record, *record.job)));
+      break;
+    case ButtonAct::kMoreFindings: view_.finding = (view_.finding + 1) % record.finding_count; break;
+    case ButtonAct::kAskToCancel:
+      view_.asks_to_cancel = true;
+      asked_at_ = at;
+      break;
+    case ButtonAct::kKeepPrinting: view_.asks_to_cancel = false; break;
+  }
+}
+
+/// Goes round the scans and, behind the last one, the settings.
+void ScreenServer::choose_next(const PrinterRecord& record, CommandTaker& taker) {
+  const bool several = takes(record, Command::kChoose);
+  const std::size_t at = record.job->chosen.value_or(0);
+  if (!view_.on_settings_row && (!several || at + 1 == record.scan_count)) {
+    view_.on_settings_row = true;
+    return;
+  }
+  ClientRequest request;
+  request.command = Command::kChoose;
+  request.scan = view_.on_settings_row ? 1 : static_cast<std::uint32_t>(at) + 2;
+  view_.on_settings_row = false;
+  if (several) static_cast<void>(taker.take(request));
+}
+
+}  // namespace plumbline

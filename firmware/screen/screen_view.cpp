@@ -1,0 +1,79 @@
+#include "firmware/screen/screen_view.hpp"
+
+#include "firmware/screen/screen_kind.hpp"
+
+namespace plumbline {
+namespace {
+
+using Uses = std::array<std::optional<ButtonUse>, kScreenButtonCount>;
+
+/// A part hangs on the plate, or is about to.
+bool loses_a_part(PrintState state) { return state == PrintState::kPrinting || is_pause(state); }
+
+Uses uses_on_scans(const PrinterRecord& record, const ScreenView& view) {
+  if (view.settings_open) {
+    return {ButtonUse{Words::kDoChange, ButtonAct::kChangeSetting}, ButtonUse{Words::kDoNext, ButtonAct::kNextSetting},
+            ButtonUse{Words::kDoBack, ButtonAct::kCloseSettings}};
+  }
+  Uses uses;
+  uses[0] = view.on_settings_row ? ButtonUse{Words::kDoOpen, ButtonAct::kOpenSettings} : ButtonUse{Words::kDoPrint};
+  uses[1] = ButtonUse{Words::kDoNext, ButtonAct::kNextScan};
+  if (takes(record, Command::kCancel)) uses[2] = ButtonUse{Words::kDoDecline};
+  return uses;
+}
+
+}  // namespace
+
+Uses buttons_of(const PrinterRecord& record, const ScreenView& view) {
+  Uses uses;
+  const auto give = [&](ScreenButton button, Command command, Words label, ButtonAct act = ButtonAct::kCommand) {
+    if (takes(record, command)) uses[static_cast<std::size_t>(button)] = ButtonUse{label, act};
+  };
+  using enum ScreenButton;
+  if (view.asks_to_cancel) {
+    return {ButtonUse{Words::kDoKeepPrinting, ButtonAct::kKeepPrinting}, std::nullopt, ButtonUse{Words::kDoEndPrint}};
+  }
+  const ButtonAct ask = loses_a_part(record.state) ? ButtonAct::kAskToCancel : ButtonAct::kCommand;
+  switch (screen_of(record)) {
+    case ScreenKind::kIdle: give(kStart, Command::kOffer, Words::kDoOffer); break;
+    case ScreenKind::kScans:
+      if (record.job && takes(record, Command::kStart)) return uses_on_scans(record, view);
+      break;
+    case ScreenKind::kPreview:
+      give(kStart, Command::kStart, Words::kDoPrint);
+      if (record.finding_count > 1) uses[1] = ButtonUse{Words::kDoMore, ButtonAct::kMoreFindings};
+      give(kCancel, Command::kCancel, Words::kDoDecline);
+      break;
+    case ScreenKind::kSlicing: give(kCancel, Command::kCancel, Words::kDoStop); break;
+    case ScreenKind::kChecks:
+    case ScreenKind::kPrinting:
+      give(kPause, Command::kPause, Words::kDoPause);
+      give(kCancel, Command::kCancel, Words::kDoCancel, ask);
+      break;
+    case ScreenKind::kPause:
+      give(kStart, Command::kResume, Words::kDoResume);
+      give(kPause, Command::kPause, Words::kDoPause);
+      give(kCancel, Command::kCancel, Words::kDoCancel, ask);
+      break;
+    case ScreenKind::kPlate: give(kStart, Command::kPlateEmpty, Words::kDoEmpty); break;
+    case ScreenKind::kInterrupted:
+      give(kStart, Command::kResume, Words::kDoResume);
+      give(kCancel, Command::kCancel, Words::kDoGiveUp);
+      break;
+    case ScreenKind::kFault: give(kStart, Command::kSeen, Words::kDoSeen); break;
+    case ScreenKind::kRaising:
+    case ScreenKind::kEnding: break;
+  }
+  return uses;
+}
+
+ScreenView still_open(const PrinterRecord& record, ScreenView view) {
+  const ScreenKind kind = screen_of(record);
+  if (kind != ScreenKind::kScans) view.on_settings_row = view.settings_open = false;
+  if (!view.settings_open) view.setting = 0;
+  if (kind != ScreenKind::kPreview || view.finding >= record.finding_count) view.finding = 0;
+  view.asks_to_cancel = view.asks_to_cancel && loses_a_part(record.state) && takes(record, Command::kCancel);
+  return view;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,51 @@
+#pragma once
+/// What people have opened on the screen, and what the three buttons do there. Pure functions: who draws labels and who carries the buttons
+/// out ask the same one.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "firmware/screen/words.hpp"
+#include "firmware/state/command_rules.hpp"
+#include "firmware/state/printer_record.hpp"
+
+namespace plumbline {
+
+struct ScreenView {
+  bool on_settings_row = false;  ///< of the list of scans: its last row
+  bool settings_open = false;
+  std::size_t setting = 0;  ///< the row at hand
+  bool asks_to_cancel = false;
+  std::size_t finding = 0;  ///< the first one shown
+};
+
+enum class ScreenButton : std::uint8_t { kStart, kPause, kCancel };
+inline constexpr std::size_t kScreenButtonCount = 3;
+
+enum class ButtonAct : std::uint8_t {
+  kCommand,  ///< goes on to the printer
+  kNextScan,
+  kOpenSettings,
+  kNextSetting,
+  kChangeSetting,
+  kCloseSettings,
+  kMoreFindings,
+  kAskToCancel,
+  kKeepPrinting,
+};
+
+struct ButtonUse {
+  Words label;
+  ButtonAct act = ButtonAct::kCommand;
+};
+
+/// By ScreenButton; none: the button does nothing.
+std::array<std::optional<ButtonUse>, kScreenButtonCount> buttons_of(const PrinterRecord& record,
+                                                                    const ScreenView& view);
+
+/// The view without what the printer's state has closed.
+ScreenView still_open(const PrinterRecord& record, ScreenView view);
+
+}  // namespace plumbline

@@ -1,0 +1,35 @@
+#include "firmware/screen/screens.hpp"
+
+#include "firmware/screen/screen_kind.hpp"
+#include "firmware/screen/screen_parts.hpp"
+
+namespace plumbline {
+namespace {
+
+void draw_kind(const Sheet& sheet) {
+  if (sheet.view.asks_to_cancel) return draw_cancel_question(sheet);
+  switch (screen_of(sheet.record)) {
+    case ScreenKind::kIdle: return draw_idle(sheet);
+    case ScreenKind::kScans: return sheet.view.settings_open ? draw_settings(sheet) : draw_scans(sheet);
+    case ScreenKind::kPreview: return draw_preview_screen(sheet);
+    case ScreenKind::kSlicing: return draw_slicing(sheet);
+    case ScreenKind::kChecks: return draw_checks(sheet);
+    case ScreenKind::kPrinting: return draw_printing(sheet);
+    case ScreenKind::kPause: return draw_pause(sheet);
+    case ScreenKind::kRaising: return draw_raising(sheet);
+    case ScreenKind::kPlate: return draw_plate(sheet);
+    case ScreenKind::kInterrupted: return draw_interrupted(sheet);
+    case ScreenKind::kFault: return draw_fault(sheet);
+    case ScreenKind::kEnding: return draw_ending(sheet);
+  }
+}
+
+}  // namespace
+
+void draw_screen(Page& page, const PrinterRecord& record, const ScreenView& view, Language language) {
+  const Sheet sheet{page, record, view, language};
+  draw_kind(sheet);
+  draw_buttons(sheet);
+}
+
+}  // namespace plumbline

@@ -1,0 +1,85 @@
+/// The screens at the end of a print, for better or worse.
+
+#include <cctype>
+
+#include "firmware/screen/fault_words.hpp"
+#include "firmware/screen/screen_parts.hpp"
+#include "firmware/screen/setting_rows.hpp"
+
+namespace plumbline {
+namespace {
+
+Words plate_title(const PrinterRecord& record) {
+  const PrintState end = record.state == PrintState::kPlateInUse ? record.result.value_or(record.state) : record.state;
+  if (end == PrintState::kFinished) return Words::kFinished;
+  if (end == PrintState::kCancelled) return Words::kCancelled;
+  return Words::kPlateInUse;
+}
+
+}  // namespace
+
+void draw_raising(const Sheet& sheet) {
+  draw_title(sheet, sheet.say(Words::kRaising));
+  draw_message(sheet, sheet.body(), sheet.say(Words::kPleaseWait), sheet.say(Words::kPartIsRaised));
+}
+
+void draw_plate(const Sheet& sheet) {
+  const Words title = plate_title(sheet.record);
+  draw_title(sheet, sheet.say(title), title == Words::kFinished ? ink::kGood : ink::kAttention);
+  const PixelBox body = sheet.body();
+  int y = draw_message(sheet, body, sheet.say(Words::kTakePartOff), {});
+  y = sheet.page.paragraph(body.from_row(y - body.y), sheet.say(Words::kIsPlateEmpty), sheet.bold()) + sheet.px(6);
+  const int line = sheet.look().plain.line_height();
+  PixelBox rest = body.from_row(y - body.y);
+  if (sheet.record.progress && rest.height >= line) {
+    const ProgressRecord& progress = *sheet.record.progress;
+    ShortText facts;
+    facts.add("%u/%u · %s mm · %s ml", progress.layers_done, progress.layers,
+              decimal(progress.height_mm, 1, sheet.language).c_str(),
+              decimal(progress.resin_ml, 1, sheet.language).c_str());
+    sheet.page.line(rest.top_rows(line), facts.view(), sheet.plain(ink::kPale));
+    rest = rest.from_row(line);
+  }
+  if (sheet.record.finding_count > 0 && rest.height >= line) {
+    FixedText<200> finding;
+    finding.add("⚠ %s", sheet.record.findings[sheet.record.finding_count - 1].text.c_str());
+    sheet.page.paragraph(rest, finding.view(), sheet.plain(ink::kAttention, Fit::kMayCut));
+  }
+}
+
+void draw_interrupted(const Sheet& sheet) {
+  draw_title(sheet, sheet.say(Words::kInterrupted), ink::kAttention);
+  draw_message(sheet, sheet.body(), sheet.say(Words::kCanGoOn), sheet.say(Words::kGoOnOrGiveUp));
+}
+
+/// What to do comes before what happened: it is always shown in full if it is the table's.
+void draw_fault(const Sheet& sheet) {
+  const auto& fault = sheet.record.fault;
+  if (!fault) return draw_title(sheet, sheet.say(Words::kFault), ink::kFaultBar);
+  const auto word = sheet.say(Words::kFault);
+  ShortText title;
+  title.add("%.*s PL-%u", static_cast<int>(word.size()), word.data(), static_cast<unsigned>(fault->code));
+  draw_title(sheet, title.view(), ink::kFaultBar);
+  const FaultWords known = fault_words(fault->code, sheet.language);
+  const PixelBox body = sheet.body();
+  ShortText name;
+  name.add("%c%.*s", std::toupper(static_cast<unsigned char>(known.title[0])), static_cast<int>(known.title.size()) - 1,
+           known.title.data() + 1);
+  int y = sheet.page.paragraph(body, name.view(), {sheet.look().title});
+  // The record's remedy may know more than the table, and is English.
+  const bool own = sheet.language == Language::kEnglish && !fault->remedy.view().empty();
+  const std::string_view remedy = own ? fault->remedy.view() : known.next;
+  const Fit fit = remedy == known.next ? Fit::kMust : Fit::kMayCut;
+  y = sheet.page.paragraph(body.from_row(y - body.y + sheet.px(2)), remedy, sheet.bold(ink::kText, fit)) + sheet.px(4);
+  const PixelBox rest = body.from_row(y - body.y);
+  if (rest.height >= sheet.look().plain.line_height()) {
+    sheet.page.paragraph(rest, fault->message.view(), sheet.plain(ink::kPale, Fit::kMayCut));
+  }
+}
+
+void draw_ending(const Sheet& sheet) {
+  draw_title(sheet, sheet.say(Words::kEnding));
+  draw_message(sheet, sheet.body(), sheet.say(Words::kPleaseWait), {});
+}
+
+}  // namespace plumbline

@@ -1,0 +1,174 @@
+/// The screens before a print.
+
+#include <algorithm>
+
+#include "firmware/screen/screen_parts.hpp"
+#include "firmware/screen/setting_rows.hpp"
+
+namespace plumbline {
+namespace {
+
+constexpr double kMegabyte = 1e6, kKilobyte = 1e3;
+
+ShortText file_size(std::uint64_t bytes, Language language) {
+  const auto size = static_cast<double>(bytes);
+  ShortText text;
+  if (size >= kMegabyte) {
+    text.add("%s MB", decimal(size / kMegabyte, size < 10 * kMegabyte ? 1 : 0, language).c_str());
+  } else if (size >= kKilobyte) {
+    text.add("%.0f kB", size / kKilobyte);
+  } else {
+    text.add("%.0f B", size);
+  }
+  return text;
+}
+
+/// A row of a list, the chosen one on a bar.
+/// @returns the room for its text
+PixelBox draw_row(const Sheet& sheet, const PixelBox& box, bool chosen) {
+  if (chosen) sheet.canvas().fill(box, ink::kChosen);
+  return box.inset(sheet.px(4), 0);
+}
+
+void draw_pair(const Sheet& sheet, const PixelBox& room, std::string_view left, std::string_view right,
+               const TextStyle& style) {
+  const int width = sheet.look().plain.width(right);
+  sheet.page.line(room.left_columns(room.width - width - sheet.px(8)), left, style);
+  sheet.page.line(room.from_column(room.width - width), right, {sheet.look().plain, style.ink, Align::kRight});
+}
+
+/// What is wrong with the scan at hand, or how it is printed.
+void draw_hint(const Sheet& sheet, const PixelBox& box, const JobRecord& job) {
+  const PrinterRecord& record = sheet.record;
+  if (job.chosen && *job.chosen < record.scan_count && !record.scans[*job.chosen].problem.view().empty()) {
+    sheet.page.paragraph(box, record.scans[*job.chosen].problem.view(), sheet.plain(ink::kAttention, Fit::kMayCut));
+    return;
+  }
+  if (record.has_job_file) {
+    sheet.page.paragraph(box, sheet.say(Words::kJobFileAsks), sheet.plain(ink::kPale));
+    return;
+  }
+  FixedText<200> text;
+  const auto profile = sheet.say(Words::kProfile);
+  text.add("%.*s %s", static_cast<int>(profile.size()), profile.data(), job.profile.c_str());
+  const SettingRow height = setting_row(1, job, sheet.language);
+  text.add(", %s", height.value.c_str());
+  sheet.page.paragraph(box, text.view(), sheet.plain(ink::kPale, Fit::kMayCut));
+}
+
+}  // namespace
+
+void draw_idle(const Sheet& sheet) {
+  draw_title(sheet, sheet.say(Words::kReady));
+  const PixelBox body = sheet.body();
+  if (sheet.record.has_stick) {
+    draw_message(sheet, body, sheet.say(Words::kStickIsIn), sheet.say(Words::kShowAgain));
+  } else {
+    draw_message(sheet, body, sheet.say(Words::kPlugIn), sheet.say(Words::kScanKinds));
+  }
+}
+
+void draw_scans(const Sheet& sheet) {
+  draw_title(sheet, sheet.say(Words::kScans));
+  const PrinterRecord& record = sheet.record;
+  const PixelBox body = sheet.body();
+  if (!record.job) {
+    draw_message(sheet, body, sheet.say(Words::kPleaseWait), sheet.say(Words::kEmptyStick));
+    return;
+  }
+  const JobRecord& job = *record.job;
+  // The scans, and as the last row the settings.
+  const std::size_t scans = record.has_job_file ? 1 : record.scan_count;
+  const std::size_t rows = scans + 1;
+  const std::size_t at = sheet.view.on_settings_row ? scans : job.chosen.value_or(0);
+  const int height = row_height(sheet);
+  const int hint = 2 * sheet.look().plain.line_height();
+  const auto shown = std::min(rows, static_cast<std::size_t>((body.height - hint) / height));
+  const std::size_t first = std::min(at > shown / 2 ? at - shown / 2 : 0, rows - shown);
+  for (std::size_t i = 0; i < shown; ++i) {
+    const std::size_t row = first + i;
+    const PixelBox room =
+        draw_row(sheet, {body.x, body.y + static_cast<int>(i) * height, body.width, height}, row == at);
+    if (row == scans) {
+      sheet.page.line(room, sheet.say(Words::kSettings), sheet.bold());
+    } else if (record.has_job_file) {
+      sheet.page.line(room, job.scan.view(), sheet.plain(ink::kText, Fit::kMayCut));
+    } else {
+      const ScanRecord& scan = record.scans[row];
+      const bool bad = !scan.problem.view().empty();
+      FixedText<96> name;
+      name.add("%s%s", bad ? "⚠ " : "", scan.name.c_str());
+      draw_pair(sheet, room, name.view(), file_size(scan.bytes, sheet.language).view(),
+                sheet.plain(bad ? ink::kAttention : ink::kText, Fit::kMayCut));
+    }
+  }
+  draw_hint(sheet, body.from_row(body.height - hint), job);
+}
+
+void draw_settings(const Sheet& sheet) {
+  draw_title(sheet, sheet.say(Words::kSettings));
+  if (!sheet.record.job) return;
+  const PixelBox body = sheet.body();
+  const int height = row_height(sheet);
+  for (std::size_t i = 0; i < kSettingRowCount; ++i) {
+    const PixelBox box{body.x, body.y + static_cast<int>(i) * height, body.width, height};
+    const SettingRow row = setting_row(i, *sheet.record.job, sheet.language);
+    draw_pair(sheet, draw_row(sheet, box, i == sheet.view.setting), sheet.say(row.label), row.value.view(),
+              sheet.bold());
+  }
+}
+
+void draw_preview_screen(const Sheet& sheet) {
+  draw_title(sheet, sheet.say(Words::kPreview));
+  const PrinterRecord& record = sheet.record;
+  const SlicedRecord& sliced = *record.sliced;
+  const PixelBox body = sheet.body();
+  const int line = sheet.look().plain.line_height();
+  const int lines = record.finding_count == 0 ? 3 : 4;  // a finding takes two
+  const PixelBox picture = body.top_rows(body.height - lines * line - sheet.px(2));
+  if (record.pictures != nullptr && record.pictures->preview.there()) {
+    const auto& preview = record.pictures->preview;
+    const auto columns = static_cast<int>(preview.columns), rows = static_cast<int>(preview.rows);
+    sheet.canvas().draw_rgb(fitted(picture, columns, rows), preview.bytes(), columns, rows);
+  } else {
+    sheet.page.line(picture, sheet.say(Words::kNoPicture), {sheet.look().plain, ink::kPale, Align::kCentre});
+  }
+  PixelBox rest = body.from_row(body.height - lines * line);
+  const auto mm = [&](double value) { return decimal(value, 1, sheet.language); };
+  ShortText size;
+  size.add("%s × %s × %s mm", mm(sliced.width_mm).c_str(), mm(sliced.depth_mm).c_str(), mm(sliced.height_mm).c_str());
+  sheet.page.line(rest.top_rows(line), size.view(), sheet.bold());
+  rest = rest.from_row(line);
+  ShortText facts;
+  facts.add("%s ml · %s", mm(sliced.resin_ml).c_str(), duration(sliced.time).c_str());
+  const auto layers = filled_in(sheet.say(Words::kLayers), sliced.layers);
+  draw_pair(sheet, rest.top_rows(line), facts.view(), layers.view(), sheet.plain());
+  rest = rest.from_row(line);
+  if (record.finding_count == 0) {
+    sheet.page.line(rest.top_rows(line), sheet.say(Words::kNoFindings), sheet.plain(ink::kGood));
+    return;
+  }
+  FixedText<200> finding;
+  if (record.finding_count > 1) finding.add("%zu/%zu ", sheet.view.finding + 1, record.finding_count);
+  finding.add("⚠ %s", record.findings[sheet.view.finding].text.c_str());
+  sheet.page.paragraph(rest, finding.view(), sheet.plain(ink::kAttention, Fit::kMayCut));
+}
+
+void draw_slicing(const Sheet& sheet) {
+  draw_title(sheet, sheet.say(Words::kReading));
+  const PixelBox body = sheet.body();
+  const int line = sheet.look().bold.line_height();
+  if (sheet.record.job) {
+    sheet.page.line(body.top_rows(line), sheet.record.job->scan.view(), sheet.bold(ink::kText, Fit::kMayCut));
+  }
+  if (!sheet.record.slicing) return;
+  const SlicingRecord& slicing = *sheet.record.slicing;
+  const auto step = static_cast<unsigned>(slicing.stage) + 1;
+  const PixelBox rest = body.from_row(line + sheet.px(16));
+  const int large = sheet.look().large.line_height();
+  sheet.page.line(rest.top_rows(large),
+                  filled_in(sheet.say(Words::kStep), step, static_cast<unsigned>(kStageCount)).view(), sheet.large());
+  draw_bar(sheet, rest.from_row(large + sheet.px(6)).top_rows(sheet.px(14)), slicing.fraction);
+}
+
+}  // namespace plumbline

@@ -1,0 +1,129 @@
+#include "firmware/screen/words.hpp"
+
+#include <array>
+
+namespace plumbline {
+namespace {
+
+struct Row {
+  Words which;
+  std::array<std::string_view, kLanguageCount> text;  ///< by Language
+};
+
+using enum Words;
+
+constexpr std::array kTable{
+    Row{kReady, {"Ready", "Bereit"}},
+    Row{kScans, {"Scans on the stick", "Scans auf dem Stick"}},
+    Row{kSettings, {"Settings", "Einstellungen"}},
+    Row{kReading, {"Reading the scan", "Scan wird gelesen"}},
+    Row{kPreview, {"Print this?", "Das drucken?"}},
+    Row{kChecks, {"Checks", "Prüfungen"}},
+    Row{kHoming, {"Finding the end stop", "Endschalter suchen"}},
+    Row{kPrinting, {"Printing", "Druckt"}},
+    Row{kCancelQuestion, {"Cancel the print?", "Druck abbrechen?"}},
+    Row{kPausing, {"Pausing", "Pausiert gleich"}},
+    Row{kPaused, {"Paused", "Pause"}},
+    Row{kCoverOpen, {"The cover is open", "Haube ist offen"}},
+    Row{kCoolingDown, {"The lamp is hot", "Lampe ist heiß"}},
+    Row{kResinLow, {"Little resin left", "Wenig Harz im Tank"}},
+    Row{kRaising, {"Raising the part", "Teil wird angehoben"}},
+    Row{kFinished, {"Finished", "Fertig"}},
+    Row{kCancelled, {"Cancelled", "Abgebrochen"}},
+    Row{kPlateInUse, {"Plate in use", "Platte belegt"}},
+    Row{kInterrupted, {"Print interrupted", "Druck unterbrochen"}},
+    Row{kEnding, {"Shutting down", "Wird beendet"}},
+    Row{kFault, {"Fault", "Fehler"}},
+
+    Row{kPlugIn, {"Plug in a USB stick with a scan", "USB-Stick mit einem Scan einstecken"}},
+    Row{kScanKinds, {"PLY, PCD, OBJ or XYZ, in its top folder", "PLY, PCD, OBJ oder XYZ, im obersten Ordner"}},
+    Row{kStickIsIn, {"The stick is in", "Der Stick steckt"}},
+    Row{kShowAgain,
+        {"▶ shows what is on it. Or plug in another one.", "▶ zeigt, was darauf ist. Oder einen anderen einstecken."}},
+    Row{kJobFileAsks, {"job.toml asks for this scan", "job.toml verlangt diesen Scan"}},
+    Row{kEmptyStick, {"Looking at the stick", "Stick wird angesehen"}},
+    Row{kPleaseWait, {"Please wait", "Bitte warten"}},
+    Row{kStep, {"Step %u of %u", "Schritt %u von %u"}},
+    Row{kNoPicture, {"no picture", "kein Bild"}},
+    Row{kLayers, {"%u layers", "%u Schichten"}},
+    Row{kNoFindings, {"✓ Nothing to note", "✓ Keine Hinweise"}},
+    Row{kPartIsRaised,
+        {"The part is raised. Keep the cover closed.", "Das Teil wird angehoben. Haube geschlossen lassen."}},
+    Row{kAskedToCancel,
+        {"The part stays as it is now and can't be completed.",
+         "Das Teil bleibt, wie es jetzt ist. Es kann nicht fertig werden."}},
+    Row{kAfterLayer, {"The part is raised after this layer.", "Nach dieser Schicht wird das Teil angehoben."}},
+    Row{kPressToGoOn, {"▶ goes on with the print.", "▶ setzt den Druck fort."}},
+    Row{kCloseCover, {"Close the cover. Then ▶ goes on.", "Haube schließen. Dann setzt ▶ den Druck fort."}},
+    Row{kLampCools,
+        {"The print goes on by itself when the lamp is cool.",
+         "Der Druck geht von selbst weiter, sobald die Lampe kühl ist."}},
+    Row{kRefill, {"Fill the tank, close the cover, then press ▶.", "Tank füllen, Haube schließen, dann ▶ drücken."}},
+    Row{kTakePartOff, {"Take the part off", "Teil abnehmen"}},
+    Row{kIsPlateEmpty,
+        {"Is the plate empty and back in? Then press ▶.",
+         "Ist die Platte leer und wieder eingesetzt? Dann ▶ drücken."}},
+    Row{kCanGoOn, {"The print can go on", "Der Druck kann weitergehen"}},
+    Row{kGoOnOrGiveUp,
+        {"▶ goes on where it stopped. ✖ gives it up.", "▶ macht weiter, wo er aufgehört hat. ✖ gibt ihn auf."}},
+    Row{kLayerOf, {"Layer %u of %u", "Schicht %u von %u"}},
+    Row{kTimeLeft, {"%s left", "noch %s"}},
+
+    Row{kProfile, {"Profile", "Profil"}},
+    Row{kSize, {"Height", "Höhe"}},
+    Row{kTurn, {"Turn", "Drehen"}},
+    Row{kTilt, {"Tilt", "Kippen"}},
+    Row{kUpright, {"Best way up", "Beste Lage"}},
+    Row{kSupports, {"Supports", "Stützen"}},
+    Row{kLayerHeight, {"Layer height", "Schichthöhe"}},
+    Row{kAsScanned, {"as scanned", "wie gescannt"}},
+    Row{kOfProfile, {"as in profile", "wie im Profil"}},
+    Row{kYes, {"yes", "ja"}},
+    Row{kNo, {"no", "nein"}},
+
+    Row{kCheckMemory, {"Memory", "Speicher"}},
+    Row{kCheckObject, {"Object", "Objekt"}},
+    Row{kCheckMasks, {"Layers", "Schichten"}},
+    Row{kCheckLight, {"Light", "Licht"}},
+    Row{kCheckLampDark, {"Lamp dark", "Lampe dunkel"}},
+    Row{kCheckPanel, {"Panel", "LCD"}},
+    Row{kCheckCover, {"Cover", "Haube"}},
+    Row{kCheckTemperatures, {"Heat", "Wärme"}},
+    Row{kCheckResin, {"Resin", "Harz"}},
+    Row{kCheckJournal, {"Journal", "Journal"}},
+    Row{kCheckStage, {"Z stage", "Z-Achse"}},
+
+    Row{kDoPrint, {"Print", "Drucken"}},
+    Row{kDoNext, {"Next", "Nächster"}},
+    Row{kDoDecline, {"Decline", "Ablehnen"}},
+    Row{kDoOffer, {"Show", "Zeigen"}},
+    Row{kDoOpen, {"Open", "Öffnen"}},
+    Row{kDoChange, {"Change", "Ändern"}},
+    Row{kDoBack, {"Back", "Zurück"}},
+    Row{kDoStop, {"Stop", "Abbrechen"}},
+    Row{kDoMore, {"More", "Mehr"}},
+    Row{kDoPause, {"Pause", "Pause"}},
+    Row{kDoCancel, {"Cancel", "Abbrechen"}},
+    Row{kDoKeepPrinting, {"Go on", "Weiter"}},
+    Row{kDoEndPrint, {"End it", "Beenden"}},
+    Row{kDoResume, {"Resume", "Weiter"}},
+    Row{kDoGiveUp, {"Give up", "Aufgeben"}},
+    Row{kDoEmpty, {"Empty", "Leer"}},
+    Row{kDoSeen, {"Seen", "Gelesen"}},
+};
+
+constexpr bool is_in_order() {
+  for (std::size_t i = 0; i < kTable.size(); ++i) {
+    if (kTable[i].which != static_cast<Words>(i)) return false;
+  }
+  return kTable.size() == kWordsCount;
+}
+static_assert(is_in_order());
+
+}  // namespace
+
+std::string_view words(Words which, Language language) {
+  return kTable[static_cast<std::size_t>(which)].text[static_cast<std::size_t>(language)];
+}
+
+}  // namespace plumbline

@@ -1,0 +1,107 @@
+#pragma once
+/// All texts of the printer's screen, in every language.
+
+#include <cstdint>
+#include <string_view>
+
+#include "firmware/settings/language.hpp"
+
+namespace plumbline {
+
+enum class Words : std::uint8_t {
+  // Titles, a screen each.
+  kReady,
+  kScans,
+  kSettings,
+  kReading,
+  kPreview,
+  kChecks,
+  kHoming,
+  kPrinting,
+  kCancelQuestion,
+  kPausing,
+  kPaused,
+  kCoverOpen,
+  kCoolingDown,
+  kResinLow,
+  kRaising,
+  kFinished,
+  kCancelled,
+  kPlateInUse,
+  kInterrupted,
+  kEnding,
+  kFault,
+  // What there is to do, in large letters, and what else there is to say.
+  kPlugIn,
+  kScanKinds,
+  kStickIsIn,
+  kShowAgain,
+  kJobFileAsks,
+  kEmptyStick,
+  kPleaseWait,
+  kStep,
+  kNoPicture,
+  kLayers,
+  kNoFindings,
+  kPartIsRaised,
+  kAskedToCancel,
+  kAfterLayer,
+  kPressToGoOn,
+  kCloseCover,
+  kLampCools,
+  kRefill,
+  kTakePartOff,
+  kIsPlateEmpty,
+  kCanGoOn,
+  kGoOnOrGiveUp,
+  kLayerOf,
+  kTimeLeft,
+  // Settings and their values.
+  kProfile,
+  kSize,
+  kTurn,
+  kTilt,
+  kUpright,
+  kSupports,
+  kLayerHeight,
+  kAsScanned,
+  kOfProfile,
+  kYes,
+  kNo,
+  // Checks, in the order of Check.
+  kCheckMemory,
+  kCheckObject,
+  kCheckMasks,
+  kCheckLight,
+  kCheckLampDark,
+  kCheckPanel,
+  kCheckCover,
+  kCheckTemperatures,
+  kCheckResin,
+  kCheckJournal,
+  kCheckStage,
+  // Buttons.
+  kDoPrint,
+  kDoNext,
+  kDoDecline,
+  kDoOffer,
+  kDoOpen,
+  kDoChange,
+  kDoBack,
+  kDoStop,
+  kDoMore,
+  kDoPause,
+  kDoCancel,
+  kDoKeepPrinting,
+  kDoEndPrint,
+  kDoResume,
+  kDoGiveUp,
+  kDoEmpty,
+  kDoSeen,
+};
+inline constexpr std::size_t kWordsCount = static_cast<std::size_t>(Words::kDoSeen) + 1;
+
+/// Some have places for numbers, as printf has them: kStep and kLayerOf two %u, kLayers one, kTimeLeft a %s.
+std::string_view words(Words which, Language language);
+
+}  // namespace plumbline

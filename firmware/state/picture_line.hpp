@@ -1,0 +1,40 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "firmware/pictures/png_writer.hpp"
+#include "firmware/state/client_request.hpp"
+#include "firmware/state/state_line.hpp"
+
+namespace plumbline {
+
+/// Writes pictures into replies: PNG in base64 (RFC 4648). Each picture is encoded once, however many clients ask for it.
+class PictureLine {
+ public:
+  /// Takes all its memory here.
+  /// @retval ErrorCode::kOutOfMemory
+  [[nodiscard]] static Expected<PictureLine> create();
+
+  /// @param id  the request's; none: it had none
+  /// @retval ErrorCode::kBadSetting   there is no such picture now
+  /// @retval ErrorCode::kCannotWrite  it is too large for a line
+  [[nodiscard]] Status write(TextSink& out, std::optional<std::uint64_t> id, PictureName name,
+                             const PrinterRecord& record);
+
+ private:
+  /// A picture as it was encoded last.
+  struct Encoded {
+    std::uint32_t number = 0;  ///< 0: none
+    std::vector<char> base64;
+    std::size_t size = 0;
+  };
+  explicit PictureLine(SmallPngEncoder encoder) : encoder_(std::move(encoder)) {}
+
+  SmallPngEncoder encoder_;
+  std::array<Encoded, kPictureWords.size()> encoded_;
+};
+
+}  // namespace plumbline

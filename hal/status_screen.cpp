@@ -1,0 +1,13 @@
+#include "hal/status_screen.hpp"
+
+#include <cassert>
+#include <cstddef>
+
+namespace plumbline {
+
+Status StatusScreen::present(std::span<const std::uint16_t> pixels) {
+  assert(pixels.size() == std::size_t{columns_} * rows_);
+  return do_present(pixels);
+}
+
+}  // namespace plumbline

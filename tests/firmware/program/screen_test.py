@@ -1,0 +1,164 @@
+#!/usr/bin/env python3
+"""A job from the stick to the finished part, as the printer's screen shows it: a real plumblined writes its frames, and the title of each is
+compared with that of the golden pictures that a person has looked at."""
+
+import base64
+import shutil
+import struct
+import time
+import zlib
+
+from case import SOURCE_DIR, main
+from state_client import StatePrinter
+
+GOLDEN = SOURCE_DIR / "tests/firmware/screen/golden"
+TITLE_ROWS = 34  # of a screen of 320 x 240
+
+
+def rgb_rows(path, most=None):
+    """(columns, the first rows of pixels) of a PNG."""
+    data = path.read_bytes()
+    at, stream, palette = 8, b"", None
+    while at < len(data):
+        length, kind = struct.unpack(">I4s", data[at : at + 8])
+        body = data[at + 8 : at + 8 + length]
+        if kind == b"IHDR":
+            columns, rows, depth, colour = struct.unpack(">IIBB", body[:10])
+        elif kind == b"PLTE":
+            palette = [body[i : i + 3] for i in range(0, length, 3)]
+        elif kind == b"IDAT":
+            stream += body
+        at += 12 + length
+    bits = depth * (3 if colour == 2 else 1)  # grey and palette: 1
+    width, step = (columns * bits + 7) // 8, max(1, bits // 8)
+    raw, before, lines = zlib.decompress(stream), bytearray(width), []
+    for r in range(min(rows, most or rows)):
+        kind, line = raw[r * (width + 1)], bytearray(raw[r * (width + 1) + 1 : (r + 1) * (width + 1)])
+        for i in range(width):
+            left = line[i - step] if i >= step else 0
+            up, corner = before[i], before[i - step] if i >= step else 0
+            nearest = min((left, up, corner), key=lambda value, guess=left + up - corner: abs(guess - value))
+            line[i] = (line[i] + (0, left, up, (left + up) // 2, nearest)[kind]) & 255
+        before = line
+        if palette:
+            pixels = (line[c * depth // 8] >> (8 - depth - c * depth % 8) & ((1 << depth) - 1) for c in range(columns))
+            lines.append(b"".join(palette[pixel] for pixel in pixels))
+        else:
+            lines.append(bytes(line))
+    return columns, lines
+
+
+def sliced_state_pictures(user):
+    pictures = user.states[-1]["pictures"]
+    return pictures["preview"], pictures["layer"]
+
+
+def bright_runs(row):
+    """Lengths of the runs of bright pixels in a row of RGB."""
+    runs, inside = [], False
+    for at in range(0, len(row), 3):
+        bright = sum(row[at : at + 3]) > 3 * 110
+        if bright and not inside:
+            runs.append(0)
+        if bright:
+            runs[-1] += 1
+        inside = bright
+    return runs
+
+
+class Screen(StatePrinter):
+    def titles(self):
+        """Names of the golden pictures whose titles the frames have, each change once."""
+        known, seen = {}, []
+        for name in ("idle", "scans", "reading", "preview", "checks", "homing", "printing", "paused", "raising", "finished"):
+            known[tuple(rgb_rows(GOLDEN / f"{name}-320.png", TITLE_ROWS)[1])] = name
+        for frame in sorted(self.frames.glob("0*.png")):
+            name = known.get(tuple(rgb_rows(frame, TITLE_ROWS)[1]), "another")
+            if not seen or seen[-1] != name:
+                seen.append(name)
+        return seen
+
+    def test_shows_a_job_from_the_stick_to_the_finished_part(self):
+        self.frames = self.dir / "screen"
+        profiles = self.dir / "profiles"
+        shutil.copytree(SOURCE_DIR / "board/profiles", profiles)
+        self.printer = self.dir / "sim2k.toml"
+        self.printer.write_text((SOURCE_DIR / "board/sim2k.toml").read_text().replace('"on_request"', '"after_preview"'))
+        daemon, user = self.start("--screen", self.frames, speedup=200, printer=self.printer)
+        user.state("idle")
+        self.shown("idle")
+        self.put_stick({"ball.ply": 2})
+        self.assertEqual(user.state("offered", "start")["profiles"], sorted(path.stem for path in profiles.glob("*.toml")))
+        self.shown("scans")
+        for key, value in (("layer_height", 0.1), ("supports", "none")):
+            user.do("set", key=key, value=value)
+        user.do("start")
+        user.state("slicing")
+        sliced = user.until(lambda s: s["state"] == "offered" and s["sliced"], "a preview")["sliced"]
+        self.assertEqual(sliced["layers"], 40)
+        for side in ("width_mm", "depth_mm", "height_mm"):
+            self.assertAlmostEqual(sliced[side], 4, delta=0.1)
+        self.assertAlmostEqual(sliced["resin_ml"], 4 / 3 * 3.1416 * 8 / 1000, delta=0.01)
+        self.shown("preview")
+        self.assertEqual(sliced_state_pictures(user), (1, None))
+        preview = self.picture(user, "preview")
+        self.assertEqual(preview[0], 320)
+        # A ball is as wide from each of the three sides: the middle row crosses three shapes of one width.
+        runs = bright_runs(preview[1][len(preview[1]) // 2])
+        self.assertEqual(len(runs), 3)
+        self.assertLess(max(runs) - min(runs), 6)
+        user.refused("no picture 'layer'", "picture", picture="layer")
+        user.refused("preview or layer", "picture", picture="part")
+        user.state("offered", "start")
+        user.do("start")
+        user.until(lambda s: s["state"] == "printing" and s["progress"]["layers_done"] > 2, "layer 3")
+        self.shown("printing")
+        columns, rows = self.picture(user, "layer")
+        self.assertEqual((columns, len(rows)), (180, 320))
+        # The section of the ball at about a tenth of its height, in squares of 8 x 8 pixels of 47.25 um.
+        white = sum(sum(row) for row in rows) / 255
+        done = user.states[-1]["progress"]["layers_done"]
+        areas = [3.1416 * (z * (4 - z)) / (8 * 0.04725) ** 2 for z in (0.1 * (done - 1) + 0.05, 0.1 * (done + 1) + 0.05)]
+        self.assertTrue(0.9 * areas[0] < white < 1.1 * areas[1], (areas, white))
+        file = self.dir / "layer.png"
+        self.run_it("status", "--picture", "layer", "--output", file, "--socket", self.path)
+        self.assertEqual(rgb_rows(file)[0], 180)
+        user.do("pause")
+        user.state("paused", "resume")
+        self.shown("paused")
+        user.do("resume")
+        done = user.state("plate in use", "plate-empty")
+        self.assertEqual(done["job"]["result"], "finished")
+        self.assertLess(abs(done["progress"]["elapsed_s"] / sliced["time_s"] - 1), 0.2, "the pause is short")
+        self.shown("finished")
+        user.do("plate-empty")
+        user.state("offered", "start")
+        daemon.terminate()
+        self.assertEqual(daemon.wait(60), 0)
+        titles = self.titles()
+        for name in ("idle", "scans", "preview", "printing", "paused", "printing", "finished"):
+            self.assertIn(name, titles, "in this order")
+            titles = titles[titles.index(name):]
+
+    def picture(self, user, name):
+        """(columns, rows) of a picture that the socket sends."""
+        reply = user.ask("picture", picture=name)
+        self.assertTrue(reply["ok"], reply)
+        self.assertEqual(reply["picture"], name)
+        file = self.dir / f"{name}.png"
+        file.write_bytes(base64.b64decode(reply["png"], validate=True))
+        return rgb_rows(file)
+
+    def shown(self, name):
+        """Waits until the newest picture has the title of a golden one."""
+        golden = rgb_rows(GOLDEN / f"{name}-320.png", TITLE_ROWS)[1]
+        end, newest = time.monotonic() + 60, self.frames / "screen.png"
+        while time.monotonic() < end:
+            if newest.exists() and rgb_rows(newest, TITLE_ROWS)[1] == golden:
+                return
+            time.sleep(0.1)
+        self.fail(f"the screen does not show {name}")
+
+
+if __name__ == "__main__":
+    main()

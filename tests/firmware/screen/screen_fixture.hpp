@@ -1,0 +1,111 @@
+#pragma once
+/// Records of every state that a screen has, and a screen to draw them on.
+
+#include <cmath>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "firmware/screen/screens.hpp"
+
+namespace plumbline {
+
+struct DrawnScreen {
+  DrawnScreen(int columns, int rows, const PrinterRecord& record, const ScreenView& view, Language language)
+      : pixels(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows)),
+        canvas(pixels, columns, rows),
+        page(canvas, look_of(columns, rows)) {
+    draw_screen(page, record, still_open(record, view), language);
+  }
+  /// Made once for each size.
+  static const Look& look_of(int columns, int rows) {
+    static std::map<std::pair<int, int>, Look> looks;
+    return looks.try_emplace({columns, rows}, columns, rows).first->second;
+  }
+  std::vector<Colour> pixels;
+  Canvas canvas;
+  Page page;
+};
+
+struct ScreenCase {
+  std::string name;  ///< of its golden picture
+  std::function<void(PrinterRecord&, ScreenView&)> change;
+};
+
+/// A ball from three sides, and its middle layer: shapes that a picture of the test's can have without a slicer.
+inline const JobPictures& ball_pictures() {
+  static const auto pictures = [] {
+    auto made = std::make_unique<JobPictures>();
+    made->preview.columns = 320;
+    made->preview.rows = 100;
+    made->layers[0].columns = 180;
+    made->layers[0].rows = 320;
+    for (std::uint32_t y = 0; y < made->preview.rows; ++y) {
+      for (std::uint32_t x = 0; x < made->preview.columns; ++x) {
+        const double dx = static_cast<double>(x % 107) - 53, dy = static_cast<double>(y) - 50;
+        const double r = std::sqrt(dx * dx + dy * dy) / 45;
+        const double shade = r < 1 ? 60 + 190 * std::sqrt(1 - r * r) : 20;
+        for (std::size_t c = 0; c < 3; ++c) {
+          made->preview.memory[3 * (std::size_t{y} * made->preview.columns + x) + c] = static_cast<std::uint8_t>(shade);
+        }
+      }
+    }
+    for (std::uint32_t y = 0; y < made->layers[0].rows; ++y) {
+      for (std::uint32_t x = 0; x < made->layers[0].columns; ++x) {
+        const double dx = static_cast<double>(x) - 90, dy = static_cast<double>(y) - 160;
+        made->layers[0].memory[std::size_t{y} * made->layers[0].columns + x] = dx * dx + dy * dy < 70 * 70 ? 255 : 0;
+      }
+    }
+    return made;
+  }();
+  return *pictures;
+}
+
+inline PrintStatus status_of(PrintState state) {
+  PrintStatus status;
+  status.state = state;
+  status.layer = 612;
+  status.layers = 1604;
+  status.height = ZPosition(Distance::millimetres(30.65));
+  status.elapsed = std::chrono::minutes(101);
+  status.remaining = std::chrono::minutes(165);
+  status.resin_ml = 13.2;
+  return status;
+}
+
+/// A printer in a state, with a stick of three scans and a job.
+inline void fill_in(PrinterRecord& record, PrintState state) {
+  assign(record.printer, "sim2k");
+  record.state = state;
+  record.waits = at_rest(state);
+  record.has_stick = true;
+  record.scan_count = 3;
+  for (std::size_t i = 0; i < 3; ++i) {
+    static constexpr const char* kNames[] = {"bust of a young woman.ply", "broken.ply", "gear wheel 40 teeth.xyz"};
+    static constexpr std::uint64_t kBytes[] = {48'200'112, 106, 1'204'300};
+    assign(record.scans[i].name, kNames[i]);
+    record.scans[i].bytes = kBytes[i];
+  }
+  assign(record.scans[1].problem, "PL-102, not a scan: broken.ply: the file ends after line 8, with 1 of the 5 points");
+  JobRecord& job = record.job.emplace();
+  assign(job.scan, "bust of a young woman.ply");
+  assign(job.profile, "standard");
+  job.chosen = 0;
+  for (const char* profile : {"draft", "fine", "standard"}) assign(record.profiles[record.profile_count++], profile);
+  record.pictures = &ball_pictures();
+  if (!at_rest(state) && state != PrintState::kSlicing) record.set_progress(status_of(state), 1'900'000'000);
+}
+
+inline SlicedRecord a_sliced_job() {
+  return {.width_mm = 62.1,
+          .depth_mm = 48.2,
+          .height_mm = 80.2,
+          .layer_height_mm = 0.05,
+          .layers = 1604,
+          .resin_ml = 34.5,
+          .time = std::chrono::minutes(266)};
+}
+
+}  // namespace plumbline

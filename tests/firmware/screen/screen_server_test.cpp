@@ -1,0 +1,210 @@
+/// Buttons and touches on the screen, and when it is drawn.
+
+#include "firmware/screen/screen_server.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "firmware/screen/screen_kind.hpp"
+#include "firmware/screen/setting_rows.hpp"
+#include "tests/firmware/screen/screen_fixture.hpp"
+
+namespace plumbline {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::ElementsAre;
+using enum PrintState;
+using enum EventKind;
+
+class TestScreen final : public StatusScreen {
+ public:
+  TestScreen() : StatusScreen(320, 240) {}
+  std::uint32_t frames = 0;
+  bool fails = false;
+  std::optional<ScreenTouch> touch;
+
+ private:
+  Status do_present(std::span<const std::uint16_t> /*pixels*/) override {
+    if (fails) return fail(ErrorCode::kPanelFailed, "the screen does not answer");
+    ++frames;
+    return {};
+  }
+  std::optional<ScreenTouch> do_next_touch() override { return std::exchange(touch, std::nullopt); }
+};
+
+/// Keeps what it is asked for, and carries out what changes the record's job.
+class TestTaker final : public CommandTaker {
+ public:
+  explicit TestTaker(PrinterRecord& record) : record_(record) {}
+  Expected<std::optional<EventKind>> take(const ClientRequest& request) override {
+    if (request.command == Command::kChoose) {
+      taken.push_back("choose " + std::to_string(request.scan));
+      record_.job->chosen = request.scan - 1;
+    } else {
+      taken.push_back("set " + std::string(request.key.view()) + "=" + std::string(request.value.view()));
+    }
+    return std::nullopt;
+  }
+  std::vector<std::string> taken;
+
+ private:
+  PrinterRecord& record_;
+};
+
+struct Rig {
+  explicit Rig(PrintState state) { fill_in(*record, state); }
+  /// Whether the printer gets the event.
+  bool press(EventKind kind, nanoseconds at = 0s) {
+    const auto passed = server.filter({TimePoint() + at, kind}, *record, taker);
+    EXPECT_TRUE(!passed || passed->kind == kind);
+    return passed.has_value();
+  }
+  std::unique_ptr<PrinterRecord> record = std::make_unique<PrinterRecord>();
+  TestTaker taker{*record};
+  TestScreen screen;
+  ScreenServer server{screen, Language::kEnglish};
+};
+
+TEST(ScreenServer, AsksBeforeItCancelsAPrint) {
+  Rig rig(kPrinting);
+  EXPECT_FALSE(rig.press(kCancelPressed, 10s));
+  EXPECT_TRUE(rig.server.view().asks_to_cancel);
+  EXPECT_FALSE(rig.press(kCancelPressed, 10s + 500ms)) << "a press that was meant for the screen before";
+  EXPECT_FALSE(rig.press(kStartPressed, 12s));
+  EXPECT_FALSE(rig.server.view().asks_to_cancel) << "the print goes on";
+  EXPECT_FALSE(rig.press(kCancelPressed, 20s));
+  EXPECT_FALSE(rig.press(kPausePressed, 22s)) << "it does nothing while the question is open";
+  EXPECT_TRUE(rig.press(kCancelPressed, 22s));
+  EXPECT_FALSE(rig.server.view().asks_to_cancel);
+}
+
+TEST(ScreenServer, ForgetsItsQuestionWhenThePrintEndsByItself) {
+  Rig rig(kPrinting);
+  rig.press(kCancelPressed, 10s);
+  rig.record->state = kFinishing;
+  rig.server.show(*rig.record, 1h);
+  EXPECT_FALSE(rig.server.view().asks_to_cancel);
+  EXPECT_TRUE(rig.press(kCancelPressed, 20s)) << "the printer knows what to make of it";
+}
+
+TEST(ScreenServer, LetsAPauseAndAResumeThrough) {
+  Rig rig(kPrinting);
+  EXPECT_TRUE(rig.press(kPausePressed));
+  rig.record->state = kPaused;
+  EXPECT_TRUE(rig.press(kStartPressed));
+  EXPECT_TRUE(rig.press(kCoverOpened));
+}
+
+TEST(ScreenServer, GoesRoundTheScansAndTheSettings) {
+  Rig rig(kOffered);
+  EXPECT_FALSE(rig.press(kPausePressed));
+  EXPECT_FALSE(rig.press(kPausePressed));
+  EXPECT_THAT(rig.taker.taken, ElementsAre("choose 2", "choose 3"));
+  EXPECT_FALSE(rig.press(kPausePressed));
+  EXPECT_TRUE(rig.server.view().on_settings_row);
+  EXPECT_FALSE(rig.press(kPausePressed));
+  EXPECT_THAT(rig.taker.taken, ElementsAre("choose 2", "choose 3", "choose 1"));
+  EXPECT_TRUE(rig.press(kStartPressed)) << "prints the first one";
+  EXPECT_TRUE(rig.press(kCancelPressed));
+}
+
+TEST(ScreenServer, ChangesEachSettingByOneButton) {
+  Rig rig(kOffered);
+  rig.record->scan_count = 1;
+  EXPECT_FALSE(rig.press(kPausePressed));
+  EXPECT_FALSE(rig.press(kStartPressed));
+  ASSERT_TRUE(rig.server.view().settings_open);
+  for (std::size_t row = 0; row < kSettingRowCount; ++row) {
+    EXPECT_FALSE(rig.press(kStartPressed));
+    EXPECT_FALSE(rig.press(kPausePressed));
+  }
+  EXPECT_THAT(rig.taker.taken,
+              ElementsAre("set profile=draft", "set height=20mm", "set rotate_z_deg=90", "set rotate_x_deg=90",
+                          "set orient=auto", "set supports=auto", "set layer_height=0.025"));
+  EXPECT_FALSE(rig.press(kCancelPressed));
+  EXPECT_FALSE(rig.server.view().settings_open);
+}
+
+TEST(ScreenServer, BringsEachSettingBackAfterAWhile) {
+  PrinterRecord record;
+  fill_in(record, kOffered);
+  JobRecord& job = *record.job;
+  const auto next = [&](std::size_t row) { return std::string(next_value(row, record, job).value.view()); };
+  assign(job.profile, "standard");
+  EXPECT_EQ(next(0), "draft") << "the first one follows the last one";
+  job.size = PrintSize{Side::kHeight, 150};
+  EXPECT_EQ(next_value(1, record, job).key.view(), "scale");
+  job.rotate_z_deg = -90;
+  EXPECT_EQ(next(2), "0");
+  job.rotate_x_deg = 270;
+  EXPECT_EQ(next(3), "0");
+  job.orient = true;
+  EXPECT_EQ(next(4), "none");
+  job.supports = false;
+  EXPECT_EQ(next(5), "");
+  job.layer_height = 0.1;
+  EXPECT_EQ(next(6), "");
+}
+
+TEST(ScreenServer, TakesATouchOfABottomThirdAsItsButton) {
+  Rig rig(kPaused);
+  const auto touch = [&](std::uint32_t column, std::uint32_t row) {
+    rig.screen.touch = ScreenTouch{TimePoint() + 5s, column, row};
+    const auto event = rig.server.touched(*rig.record, rig.taker);
+    return event ? std::optional(event->kind) : std::nullopt;
+  };
+  EXPECT_EQ(touch(10, 230), kStartPressed);
+  EXPECT_EQ(touch(160, 230), kPausePressed);
+  EXPECT_EQ(touch(310, 100), std::nullopt) << "above the buttons";
+  EXPECT_EQ(touch(310, 239), std::nullopt) << "it asks first";
+  EXPECT_TRUE(rig.server.view().asks_to_cancel);
+}
+
+TEST(ScreenServer, DrawsOnlyWhatHasChangedAndOnlyInSpareTime) {
+  Rig rig(kPrinting);
+  rig.server.show(*rig.record, ScreenServer::kSpare - 1ms);
+  EXPECT_EQ(rig.screen.frames, 0U) << "something is due";
+  rig.server.show(*rig.record, 1h);
+  EXPECT_EQ(rig.screen.frames, 1U);
+  const auto again = [&] {
+    rig.press(kPausePressed);  // so that the next frame is due at once
+    rig.server.show(*rig.record, 1h);
+    return rig.screen.frames;
+  };
+  EXPECT_EQ(again(), 1U) << "nothing has changed";
+  rig.record->progress->layers_done = 1200;
+  rig.server.show(*rig.record, 1h);
+  EXPECT_EQ(rig.screen.frames, 1U) << "the last frame was drawn just now";
+  EXPECT_EQ(again(), 2U);
+  rig.screen.fails = true;
+  rig.record->progress->layers_done = 1300;
+  EXPECT_EQ(again(), 2U);
+  rig.screen.fails = false;
+  EXPECT_EQ(again(), 3U) << "it is tried again";
+}
+
+// A button that the screen labels does something, and one that it does not label changes nothing on it.
+TEST(ScreenServer, LabelsOnlyButtonsThatThePrinterTakes) {
+  for (std::size_t i = 0; i < kPrintStateCount; ++i) {
+    PrinterRecord record;
+    fill_in(record, static_cast<PrintState>(i));
+    const auto uses = buttons_of(record, {});
+    const bool start = takes(record, Command::kStart) || takes(record, Command::kResume) ||
+                       takes(record, Command::kPlateEmpty) || takes(record, Command::kSeen) ||
+                       takes(record, Command::kOffer);
+    EXPECT_EQ(uses[0].has_value(), start) << to_string(record.state);
+    EXPECT_EQ(uses[2].has_value(), takes(record, Command::kCancel)) << to_string(record.state);
+    if (screen_of(record) != ScreenKind::kScans) {
+      EXPECT_EQ(uses[1].has_value(), takes(record, Command::kPause)) << to_string(record.state);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace plumbline

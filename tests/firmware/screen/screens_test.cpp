@@ -1,0 +1,305 @@
+/// Every screen, against a picture that a person has looked at, and against what must hold for all of them: all texts of the table fit,
+/// none lies on another one.
+
+#include "firmware/screen/screens.hpp"
+
+#include <gtest/gtest.h>
+#include <lodepng.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <set>
+#include <span>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "firmware/screen/fault_words.hpp"
+#include "firmware/screen/screen_kind.hpp"
+#include "firmware/screen/setting_rows.hpp"
+#include "tests/firmware/screen/screen_fixture.hpp"
+
+namespace plumbline {
+namespace {
+
+using enum PrintState;
+
+struct Size {
+  int columns, rows;
+};
+constexpr Size kSmall{320, 240}, kMiddle{800, 480};
+/// Panels that one can buy, upright ones too.
+constexpr std::array kSizes = {kSmall, Size{480, 320}, kMiddle, Size{1024, 600}, Size{480, 800}, Size{1280, 720}};
+
+/// The screens that have a golden picture.
+std::vector<ScreenCase> golden_cases() {
+  const auto with = [](PrintState state, const std::function<void(PrinterRecord&, ScreenView&)>& change = {}) {
+    return [=](PrinterRecord& record, ScreenView& view) {
+      fill_in(record, state);
+      if (change) change(record, view);
+    };
+  };
+  const auto some_checks = [](PrinterRecord& record, std::size_t passed) {
+    for (std::size_t i = 0; i < passed; ++i) record.checks[i].outcome = CheckOutcome::kPassed;
+    record.checks[2].outcome = CheckOutcome::kWarned;
+  };
+  return {
+      {"idle", with(kIdle, [](auto& record, auto&) { record.has_stick = false, record.scan_count = 0; })},
+      {"idle-with-stick", with(kIdle)},
+      {"scans", with(kOffered)},
+      {"scans-broken", with(kOffered,
+                            [](auto& record, auto&) {
+                              record.job->chosen = 1;
+                              assign(record.job->scan, "broken.ply");
+                            })},
+      {"settings", with(kOffered,
+                        [](auto&, auto& view) {
+                          view.on_settings_row = view.settings_open = true;
+                          view.setting = 1;
+                        })},
+      {"reading", with(kSlicing,
+                       [](auto& record, auto&) {
+                         record.slicing = SlicingRecord{Stage::kRays, 0.62};
+                       })},
+      {"preview", with(kOffered,
+                       [](auto& record, auto&) {
+                         record.sliced = a_sliced_job();
+                         record.add_finding(Severity::kWarning,
+                                            "2 overhangs without support, the largest at layer 803, 12.1 mm2");
+                         record.add_finding(Severity::kWarning, "1 suction cup at layer 20, 3.2 ml");
+                       })},
+      {"preview-clean", with(kOffered, [](auto& record, auto&) { record.sliced = a_sliced_job(); })},
+      {"checks", with(kChecks, [=](auto& record, auto&) { some_checks(record, 7); })},
+      {"homing", with(kHoming, [=](auto& record, auto&) { some_checks(record, 10); })},
+      {"printing", with(kPrinting)},
+      {"cancel-question", with(kPrinting, [](auto&, auto& view) { view.asks_to_cancel = true; })},
+      {"paused", with(kPaused)},
+      {"paused-question",
+       with(kPaused,
+            [](auto& record, auto&) {
+              assign(record.question,
+                     "measure the part: start if it is 30.65 mm tall, cancel if it is taller, because then the "
+                     "journal has lost its end");
+            })},
+      {"cover-open", with(kCoverOpen)},
+      {"cooling-down", with(kCoolingDown)},
+      {"resin-low", with(kFeedMe)},
+      {"raising", with(kFinishing)},
+      {"finished", with(kPlateInUse,
+                        [](auto& record, auto&) {
+                          record.result = kFinished;
+                          PrintStatus status = status_of(kFinished);
+                          status.layer = status.layers;
+                          status.height = ZPosition(Distance::millimetres(80.2));
+                          status.resin_ml = 34.4;
+                          record.set_progress(status, 1'900'000'000);
+                          record.state = kPlateInUse;
+                        })},
+      {"plate-in-use", with(kPlateInUse)},
+      {"interrupted", with(kInterrupted)},
+      {"fault", with(kFault,
+                     [](auto& record, auto&) {
+                       record.set_fault(FaultCode::kStageStalled, "the motor lost 240 steps at 30.65 mm",
+                                        info(FaultCode::kStageStalled).next);
+                     })},
+      {"ending", with(kSuspended)},
+  };
+}
+
+std::string name_of(const std::string& name, Size size, Language language) {
+  return name + "-" + std::to_string(size.columns) + (language == Language::kGerman ? "-de" : "");
+}
+
+std::vector<std::uint8_t> rgb_of(const DrawnScreen& screen) {
+  std::vector<std::uint8_t> rgb;
+  for (const Colour pixel : screen.pixels) {
+    rgb.insert(rgb.end(), {red_of(pixel), green_of(pixel), blue_of(pixel)});
+  }
+  return rgb;
+}
+
+void write_png(const std::string& path, std::span<const std::uint8_t> rgb, Size size) {
+  lodepng::State state;
+  state.info_raw.colortype = LCT_RGB;
+  state.encoder.zlibsettings.windowsize = 32768;
+  state.encoder.zlibsettings.nicematch = 258;
+  std::vector<unsigned char> file;
+  ASSERT_EQ(
+      lodepng::encode(file, rgb.data(), static_cast<unsigned>(size.columns), static_cast<unsigned>(size.rows), state),
+      0U);
+  ASSERT_EQ(lodepng::save_file(file, path), 0U) << path;
+}
+
+/// FNV-1a of the pixels.
+std::string hash_of(std::span<const std::uint8_t> bytes) {
+  std::uint64_t hash = 0xcbf29ce484222325;
+  for (const std::uint8_t byte : bytes) hash = (hash ^ byte) * 0x100000001b3;
+  std::ostringstream text;
+  text << std::hex << hash;
+  return text.str();
+}
+
+constexpr const char* kGolden = PLUMBLINE_SOURCE_DIR "/tests/firmware/screen/golden";
+
+/// The hashes of the screens that are too large to be kept as pictures: "preview-800 0123456789abcdef", a line each.
+std::map<std::string, std::string> golden_hashes() {
+  std::map<std::string, std::string> hashes;
+  std::ifstream file(std::string(kGolden) + "/hashes.txt");
+  for (std::string name, hash; file >> name >> hash;) hashes[name] = hash;
+  return hashes;
+}
+
+std::vector<std::uint8_t> drawn(const ScreenCase& what, Size size, Language language) {
+  const auto record = std::make_unique<PrinterRecord>();
+  ScreenView view;
+  what.change(*record, view);
+  return rgb_of(DrawnScreen(size.columns, size.rows, *record, view, language));
+}
+
+// PLUMBLINE_LOOK_AT=FOLDER writes all pictures there. Look at them, then copy those for 320 and hashes.txt to golden/.
+TEST(Screens, LookAsTheyDidWhenAPersonLookedAtThem) {
+  const char* const folder = std::getenv("PLUMBLINE_LOOK_AT");
+  std::ofstream hashes;
+  if (folder != nullptr) hashes.open(std::string(folder) + "/hashes.txt");
+  const auto known = golden_hashes();
+  for (const ScreenCase& one : golden_cases()) {
+    for (const auto& [size, language] : {std::pair(kSmall, Language::kEnglish), std::pair(kMiddle, Language::kEnglish),
+                                         std::pair(kSmall, Language::kGerman)}) {
+      const std::string name = name_of(one.name, size, language);
+      SCOPED_TRACE(name);
+      const std::vector<std::uint8_t> rgb = drawn(one, size, language);
+      if (folder != nullptr) {
+        write_png(folder + ("/" + name) + ".png", rgb, size);
+        hashes << name << ' ' << hash_of(rgb) << '\n';
+        continue;
+      }
+      ASSERT_TRUE(known.contains(name));
+      EXPECT_EQ(known.at(name), hash_of(rgb)) << "the screen has changed";
+      if (size.columns != kSmall.columns || language != Language::kEnglish) continue;
+      std::vector<std::uint8_t> golden;
+      unsigned columns = 0, rows = 0;
+      ASSERT_EQ(lodepng::decode(golden, columns, rows, std::string(kGolden) + "/" + name + ".png", LCT_RGB, 8), 0U);
+      EXPECT_TRUE(golden == rgb) << "hashes.txt is not that of the picture";
+    }
+  }
+}
+
+TEST(Screens, ThereIsAGoldenPictureOfEachKind) {
+  std::set<ScreenKind> kinds;
+  for (const ScreenCase& one : golden_cases()) {
+    const auto record = std::make_unique<PrinterRecord>();
+    ScreenView view;
+    one.change(*record, view);
+    kinds.insert(screen_of(*record));
+  }
+  EXPECT_EQ(kinds.size(), kScreenKindCount);
+}
+
+/// What is wrong with the texts of a screen.
+void expect_fits(const DrawnScreen& screen) {
+  const auto notes = screen.page.notes();
+  EXPECT_GT(notes.size(), 0U);
+  for (std::size_t i = 0; i < notes.size(); ++i) {
+    const PixelBox& box = notes[i].box;
+    EXPECT_FALSE(notes[i].too_long) << "text " << i << " at " << box.x << ", " << box.y << " is cut";
+    EXPECT_EQ(common(box, screen.canvas.all()), box) << "text " << i << " leaves the screen";
+    for (std::size_t k = i + 1; k < notes.size(); ++k) {
+      const PixelBox both = common(box, notes[k].box);
+      EXPECT_TRUE(both.empty()) << "texts " << i << " and " << k << " meet at " << both.x << ", " << both.y;
+    }
+  }
+}
+
+/// Each case in each size and language.
+template <class Change>
+void expect_all_fit(const Change& change) {
+  for (const Size size : kSizes) {
+    for (const Language language : {Language::kEnglish, Language::kGerman}) {
+      SCOPED_TRACE(std::to_string(size.columns) + " x " + std::to_string(size.rows) +
+                   (language == Language::kGerman ? ", German" : ", English"));
+      const auto record = std::make_unique<PrinterRecord>();
+      ScreenView view;
+      change(*record, view);
+      expect_fits(DrawnScreen(size.columns, size.rows, *record, view, language));
+    }
+  }
+}
+
+TEST(Screens, AllTextsFitAndNoneLiesOnAnother) {
+  for (const ScreenCase& one : golden_cases()) {
+    SCOPED_TRACE(one.name);
+    expect_all_fit(one.change);
+  }
+}
+
+TEST(Screens, EachFaultFitsWithWhatToDo) {
+  for (const FaultInfo& fault : all_faults()) {
+    SCOPED_TRACE(fault.title);
+    expect_all_fit([&](PrinterRecord& record, ScreenView&) {
+      fill_in(record, kFault);
+      record.set_fault(fault.code, std::string(440, 'w'), fault.next);
+    });
+  }
+}
+
+TEST(Screens, EachValueOfASettingFits) {
+  for (std::size_t row = 0; row < kSettingRowCount; ++row) {
+    for (int turns = 0; turns < 12; ++turns) {
+      expect_all_fit([&](PrinterRecord& record, ScreenView& view) {
+        fill_in(record, kOffered);
+        view.settings_open = true;
+        view.setting = row;
+        JobRecord& job = *record.job;
+        job.size = PrintSize{Side::kHeight, 20.5 + turns};
+        job.rotate_z_deg = job.rotate_x_deg = 90 * (turns % 4);
+        job.orient = turns % 2 == 1;
+        job.supports = turns % 3 == 0 ? std::nullopt : std::optional(turns % 3 == 1);
+        job.layer_height = turns % 2 == 1 ? 0.025 : 0;
+        if (turns == 11) job.size.reset(), job.scale = 1234.567;
+        if (turns == 10) job.size.reset(), job.scale = 1;
+      });
+    }
+  }
+}
+
+// What a stick or a slicer can say has any length: it is cut, and lies on nothing else.
+TEST(Screens, TheLongestRecordFits) {
+  const std::string wide(1000, 'W');
+  for (const ScreenCase& one : golden_cases()) {
+    SCOPED_TRACE(one.name);
+    expect_all_fit([&](PrinterRecord& record, ScreenView& view) {
+      one.change(record, view);
+      assign(record.printer, wide);
+      assign(record.message, wide);
+      if (!record.question.view().empty()) assign(record.question, wide);
+      for (std::size_t i = record.scan_count; i < PrinterRecord::kMostScans; ++i) record.scans[i] = record.scans[0];
+      record.scan_count = PrinterRecord::kMostScans;
+      for (ScanRecord& scan : record.scans) {
+        assign(scan.name, wide);
+        scan.bytes = 9'999'999'999'999;
+        if (!scan.problem.view().empty()) assign(scan.problem, wide);
+      }
+      if (record.job) assign(record.job->scan, wide);
+      for (FindingRecord& finding : record.findings) assign(finding.text, wide);
+      if (record.fault) record.set_fault(FaultCode::kJournalOfAnother, wide, wide);
+      if (record.sliced) {
+        record.sliced->width_mm = record.sliced->depth_mm = record.sliced->height_mm = 1999.9;
+        record.sliced->layers = 40'000;
+        record.sliced->resin_ml = 9999.9;
+        record.sliced->time = std::chrono::hours(99);
+      }
+      if (record.progress) {
+        record.progress->layers = 40'000;
+        record.progress->layers_done = 39'999;
+        record.progress->height_mm = 1999.95;
+        record.progress->left = std::chrono::hours(99) + std::chrono::minutes(59);
+        record.progress->resin_ml = 9999.9;
+      }
+    });
+  }
+}
+
+}  // namespace
+}  // namespace plumbline
