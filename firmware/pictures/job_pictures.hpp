@@ -10,7 +10,7 @@
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/rrep/rrep.hpp"
-#include "slicer/supports/supports.hpp"
+#include "slicer/supports/drawing/supports.hpp"
 
 namespace plumbline {
 
