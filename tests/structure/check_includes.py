@@ -25,9 +25,9 @@ MAY_INCLUDE = {
 # Folder -> its subfolders in the data's order. Each may include those before it. The files directly in the folder come last
 # and may include all of them; no subfolder includes those files.
 ORDER = {
-    "slicer": ["core", "reader", "cloud", "placement", "orientation", "implicit", "normals", "views", "surface", "rrep", "rays",
+    "slicer": ["core", "reader", "cloud", "placement", "orientation", "implicit", "normals", "views", "surface", "rrep", "mesh", "rays",
                "layers", "supports", "checks", "plan"],
-    "slicer/reader": ["stream", "records", "formats"],
+    "slicer/reader": ["stream", "records", "formats", "triangles"],
     "hal/linux": ["gpio", "events", "keeper", "lamp", "stage", "display", "stick", "thermals"],
     "firmware/print": ["plan", "status", "store"],
     "firmware": ["io", "settings", "pictures", "sample", "machine", "slice", "print", "child", "state", "daemon", "cli"],
