@@ -130,10 +130,8 @@ class MeshStages {
   }
 
   Expected<CrossingStore> run() {
-    const auto pixel_mm2 = static_cast<double>(grid().pitch_x_mm) * static_cast<double>(grid().pitch_y_mm);
-    const double scale = report_.placement.scale;
-    PLUMBLINE_TRY(admit_mesh({survey_.most_vertices, survey_.seen_area * scale * scale / pixel_mm2}, grid(),
-                             settings_.threads, arena_, report_.planned_bytes));
+    PLUMBLINE_TRY(
+        admit_mesh(need_of(*report_.mesh, report_.placement), settings_.threads, arena_, report_.planned_bytes));
     PLUMBLINE_TRY(find_hits());
     const StageScope stage(Stage::kRays, arena_, progress_, report_.peak_bytes);
     const bool whole = report_.mesh->closed;
@@ -262,6 +260,8 @@ Expected<MeshSurvey> survey(MeshFiles& files, const SliceSettings& settings, Are
   };
   PLUMBLINE_TRY(files.read(sink, *vertices, *workspace, each));
   report.scan = sum_of(report.scans);
+  report.mesh->most_vertices = sink.surveyor.survey().most_vertices;
+  report.mesh->seen_area = sink.surveyor.survey().seen_area;
   return sink.surveyor.survey();
 }
 

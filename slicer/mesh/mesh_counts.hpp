@@ -11,6 +11,8 @@ struct MeshCounts {
   std::uint64_t not_finite = 0;  ///< triangles left out: a coordinate is NaN, infinite or huge
   std::uint64_t flat = 0;        ///< triangles without area, which no ray can pass
   std::uint64_t vertices = 0;    ///< of indexed formats
+  std::uint64_t most_vertices = 0;  ///< of a file
+  double seen_area = 0;          ///< of all triangles from above, squared scan units; decides the number of hits
   std::uint64_t hits = 0;        ///< of rays and triangles
   bool closed = false;           ///< every edge runs as often one way as the other
   std::uint64_t rays = 0;        ///< that pass a triangle

@@ -19,7 +19,14 @@ constexpr double kPlannedShare = 1.05;
 
 }  // namespace
 
-MemoryPlan plan_mesh(const MeshNeed& need, const PrintGrid& grid, std::uint32_t threads) {
+MeshNeed need_of(const MeshCounts& mesh, const Placement& placement) {
+  const PrintGrid& grid = placement.grid;
+  const double pixel_mm2 = static_cast<double>(grid.pitch_x_mm) * static_cast<double>(grid.pitch_y_mm);
+  return {mesh.most_vertices, grid, mesh.seen_area * placement.scale * placement.scale / pixel_mm2};
+}
+
+MemoryPlan plan_mesh(const MeshNeed& need, std::uint32_t threads) {
+  const PrintGrid& grid = need.grid;
   MemoryPlan plan;
   const RayYield yield{need.hits / 2, need.hits};
   const std::size_t hits = Arena::rounded(static_cast<std::size_t>(std::min(need.hits, 1e15 / 8)) * sizeof(PackedHit));
@@ -40,11 +47,11 @@ MemoryPlan plan_mesh(const MeshNeed& need, const PrintGrid& grid, std::uint32_t 
   return plan;
 }
 
-Status admit_mesh(const MeshNeed& need, const PrintGrid& grid, std::uint32_t threads, const Arena& arena,
+Status admit_mesh(const MeshNeed& need, std::uint32_t threads, const Arena& arena,
                   std::array<std::size_t, kStageCount>& planned_bytes) {
-  const auto scaled = [&](double share) { return MeshNeed{need.most_vertices, share * need.hits}; };
-  planned_bytes = plan_mesh(scaled(kPlannedShare), grid, threads).bytes;
-  const MemoryPlan sure = plan_mesh(scaled(kSureShare), grid, threads);
+  const auto scaled = [&](double share) { return MeshNeed{need.most_vertices, need.grid, share * need.hits}; };
+  planned_bytes = plan_mesh(scaled(kPlannedShare), threads).bytes;
+  const MemoryPlan sure = plan_mesh(scaled(kSureShare), threads);
   if (sure.peak() <= arena.available()) return {};
   constexpr double kMiB = 1024.0 * 1024.0;
   const auto stage = to_string(sure.widest());
