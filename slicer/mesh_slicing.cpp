@@ -132,6 +132,8 @@ class MeshStages {
   Expected<CrossingStore> run() {
     PLUMBLINE_TRY(
         admit_mesh(need_of(*report_.mesh, report_.placement), settings_.threads, arena_, report_.planned_bytes));
+    constexpr auto kReading = static_cast<std::size_t>(Stage::kRead);
+    report_.planned_bytes[kReading] = report_.peak_bytes[kReading];  // it has been read, with room for more vertices
     PLUMBLINE_TRY(find_hits());
     const StageScope stage(Stage::kRays, arena_, progress_, report_.peak_bytes);
     const bool whole = report_.mesh->closed;

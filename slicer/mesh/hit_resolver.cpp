@@ -74,14 +74,15 @@ std::span<const PackedHit> take_ray(std::span<const PackedHit>& hits, std::uint3
   return taken;
 }
 
-/// Whether hits and winding number disagree where both are sure.
-bool disagree(const RayField& field, std::span<const PackedHit> ray, std::uint32_t layers) {
+/// Whether the winding number finds solid where the hits are sure that there is none. The other way round the hits are right: faces
+/// that are flipped make the winding number too small near them.
+bool misses_solid(const RayField& field, std::span<const PackedHit> ray, std::uint32_t layers) {
   bool found = false;
   const std::uint32_t clear = field.layers_in(1);
   for_each_stretch(ray, layers, [&](const RayStretch& stretch) {
-    if (!stretch.is_sure()) return;
+    if (!stretch.is_sure() || stretch.is_solid()) return;
     for (std::uint32_t k = stretch.begin + clear; !found && k + clear < stretch.end; k += 2 * clear) {
-      found = field.inside(k) != stretch.is_solid();
+      found = field.inside(k);
     }
   });
   return found;
@@ -121,7 +122,8 @@ class Resolver {
     for_each_stretch(ray, grid_.layers, [&](const RayStretch& stretch) {
       if (field_ != nullptr) {
         const RayField field(*field_, grid_, column, row);
-        if (!stretch.is_sure() || (doubtful && stretch.end - stretch.begin > field.layers_in(kTrusted))) {
+        const bool long_gap = !stretch.is_solid() && stretch.end - stretch.begin > field.layers_in(kTrusted);
+        if (!stretch.is_sure() || (doubtful && long_gap)) {
           field.decide(stretch, toggles);
           decided = true;
           return;
@@ -171,7 +173,7 @@ bool find_doubtful(MeshField& field, const HitList& hits, const PrintGrid& grid,
     const std::uint32_t number = row % kTileSide * kTileSide + column % kTileSide;
     auto in_tile = hits.of_tile(tile_row * hits.tile_columns() + tile_column);
     while (!in_tile.empty() && in_tile.front().ray() < number) in_tile = in_tile.subspan(1);
-    if (!disagree(RayField(field, grid, column, row), take_ray(in_tile, number), grid.layers)) continue;
+    if (!misses_solid(RayField(field, grid, column, row), take_ray(in_tile, number), grid.layers)) continue;
     for (std::uint32_t r = std::max(tile_row, 1U) - 1; r <= std::min(tile_row + 1, hits.tile_rows() - 1); ++r) {
       for (std::uint32_t c = std::max(tile_column, 1U) - 1; c <= std::min(tile_column + 1, hits.tile_columns() - 1);
            ++c) {

@@ -17,13 +17,13 @@ namespace plumbline {
 struct MeshField {
   const WindingTree* winding = nullptr;
   float cell = 0;         ///< mm: nearer to the surface the number is not trusted
-  BitImage doubtful;      ///< one pixel a tile: where hits and winding number disagree. Set by find_doubtful()
+  BitImage doubtful;      ///< one pixel a tile: where the hits miss solid parts. Set by find_doubtful()
   std::uint32_t first_column = 0, end_column = 0;  ///< tiles that the object's box covers
   std::uint32_t first_row = 0, end_row = 0;
 };
 
-/// Compares hits and winding number along one ray of each tile, and marks the tiles where they disagree, and their neighbours: holes
-/// that are above each other, so that a ray through both looks whole.
+/// Compares hits and winding number along one ray of each tile, and marks the tiles where the hits miss solid parts, and their
+/// neighbours: holes are above each other there, and a ray through both looks whole.
 /// @returns false if the caller cancelled
 [[nodiscard]] bool find_doubtful(MeshField& field, const HitList& hits, const PrintGrid& grid,
                                  const StageProgress& progress);
@@ -33,7 +33,7 @@ struct MeshField {
 /// A place on a ray is solid if the hits below it don't cancel: their sum is the winding number of the surface (non-zero rule). So
 /// shells inside of each other, shells that overlap and a mesh that is inside out are solid throughout. Where a ray does not enter as
 /// often as it exits, the sum from above says otherwise in some stretches. There the winding number of all triangles decides, as it
-/// does for scans; and in doubtful tiles in all stretches longer than two cells.
+/// does for scans; and in doubtful tiles in all empty stretches longer than two cells.
 /// @param field     null: the mesh is closed
 /// @param workers   room of each thread: room_bytes() from the top of the arena, for settings.threads of them
 /// @param counts    rays, broken_rays, decided_rays and crowded_rays are set
