@@ -63,8 +63,9 @@ class OffReader {
     const auto word = words.next();
     const auto value = parse_count(word);
     if (!value) {
-      return lines_.input().fail(ErrorCode::kMalformed, "line %llu: expected %s, found '%s';\texport the file again",
-                                 number(), wanted, Quote(word).c_str());
+      return lines_.input().fail(line_.unterminated ? ErrorCode::kTruncated : ErrorCode::kMalformed,
+                                 "line %llu: expected %s, found '%s';\tcopy or export the file again", number(), wanted,
+                                 Quote(word).c_str());
     }
     out = *value;
     return {};

@@ -47,7 +47,7 @@ struct MeshReading {
 MeshReading read_triangles(const std::string& bytes, const std::string& name, std::vector<std::size_t> pieces = {},
                            std::uint64_t vertices = 10'000) {
   MemorySource source(bytes, name, std::move(pieces));
-  ArenaBlock arena(VertexList::bytes_needed(vertices));
+  ArenaBlock arena(VertexList::bytes_needed(vertices) + Arena::kAlignment);
   VertexList list = *VertexList::create(vertices, *arena);
   std::vector<std::byte> workspace(kReaderWorkspace, std::byte{0xA5});
   MeshReading reading{tl::unexpected<Error>(Error()), {}};
@@ -195,7 +195,9 @@ TEST(MeshReader, BrokenFilesAreRefusedWithPlaceAndRemedy) {
        "face 0 names vertex 8, but there are 8, numbered from 0"},
       {"a.ply", replaced(ascii_ply(box), "\n3 0 2 3\n", "\n3 0 2\n"), kMalformed, "expected a face, found '3 0 2'"},
       {"a.ply", replaced(ascii_ply(box), "vertex_indices", "corners"), ErrorCode::kUnsupported, "no faces that can be read"},
-      {"a.off", off.substr(0, off.size() - 20), kTruncated, "before the last face"},
+      {"a.off", off.substr(0, off.size() - 17), kTruncated, "line 19: the file"},
+      {"a.off", off.substr(0, off.size() - 16), kTruncated, "before the last face"},
+      {"a.off", off.substr(0, off.size() - 5), kTruncated, "expected the number of a vertex"},
       {"a.off", "OFF\n", kTruncated, "before the number of its vertices"},
       {"a.off", "OFF\n-3 1 0\n", kMalformed, "line 2: expected the number of vertices, found '-3'"},
       {"a.off", "OFF\n99999999999 1 0\n0 0 0\n", kTruncated, "before the last vertex"},
