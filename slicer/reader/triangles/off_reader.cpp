@@ -80,9 +80,10 @@ class OffReader {
       at = skip_separators(at, last, kBlanks);
       const char* const stop = parse_real(at, last, p[axis]);
       if (stop == nullptr || (stop != last && !kBlanks(*stop))) {
-        return lines_.input().fail(ErrorCode::kMalformed,
-                                   "line %llu: expected three numbers of a vertex, found '%s';\texport the file again",
-                                   number(), Quote(text_).c_str());
+        return lines_.input().fail(
+            line_.unterminated ? ErrorCode::kTruncated : ErrorCode::kMalformed,
+            "line %llu: expected three numbers of a vertex, found '%s';\tcopy or export the file again", number(),
+            Quote(text_).c_str());
       }
       at = stop;
     }

@@ -64,7 +64,7 @@ constexpr CorpusMesh kMeshes[] = {
     {"draco/triangle.obj", 1, kRead},
     {"geogram_corrupt/corrupted_invalid_double.obj", 0, ErrorCode::kMalformed},
     {"geogram_corrupt/corrupted_invalid_double.off", 0, ErrorCode::kMalformed},
-    {"geogram_corrupt/corrupted_invalid_face_count.ply", 0, ErrorCode::kMalformed},
+    {"geogram_corrupt/corrupted_invalid_face_count.ply", 0, ErrorCode::kTruncated},
     {"geogram_corrupt/corrupted_invalid_facet_vertex.obj", 0, ErrorCode::kMalformed},
     {"geogram_corrupt/corrupted_invalid_facet_vertex.off", 0, ErrorCode::kMalformed},
     {"geogram_corrupt/corrupted_invalid_facet_vertex_count.off", 0, ErrorCode::kMalformed},
