@@ -75,9 +75,16 @@ Expected<Placement> place_coarsely(const Box3d& bounds, double unit_mm, const Pl
   return placed;
 }
 
-Expected<CrossingStore> find_mesh_crossings(MeshFiles& files, const MeshSurvey& mesh, const SliceSettings& settings,
+Expected<CrossingStore> find_mesh_crossings(MeshFiles& files, const MeshSurvey& survey, const SliceSettings& asked,
                                             Arena& arena, ProgressSink* progress, InspectReport& report,
                                             bool& prepared) {
+  SliceSettings settings = asked;
+  MeshSurvey mesh = survey;
+  if (settings.orient) {
+    const auto turned = turn_mesh(files, survey, settings, arena, progress, report);
+    PLUMBLINE_TRY(turned);
+    mesh = *turned;
+  }
   report.bounds = report.bounds_with_noise = mesh.bounds;
   report.units = units_of(report.bounds, settings.placement);
   const double unit_mm = millimetres_per(report.units);

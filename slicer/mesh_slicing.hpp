@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "slicer/cloud/cloud.hpp"
 #include "slicer/core/arena.hpp"
 #include "slicer/mesh/mesh_files.hpp"
 #include "slicer/mesh/mesh_survey.hpp"
@@ -20,13 +21,26 @@ namespace plumbline {
                                                               Arena& arena, ProgressSink* progress,
                                                               PreparationCounts& report);
 
+/// The surface of a mesh as points with normals, in the order of a 3D tree: coordinates of the file less survey.bounds.low.
+/// @param survey  of the mesh as it lies in the file
+/// @returns at the top of the arena
+[[nodiscard]] Expected<Cloud> mesh_cloud(MeshFiles& files, const MeshSurvey& survey, Arena& arena,
+                                         ProgressSink* progress, PreparationCounts& report);
+
+/// Turns a mesh the best way up: reads it twice, to find the way and to measure it anew.
+/// @param settings  placement.rotation_degrees is 0 before, and that way after
+/// @param report    turned is set
+[[nodiscard]] Expected<MeshSurvey> turn_mesh(MeshFiles& files, const MeshSurvey& survey, SliceSettings& settings,
+                                             Arena& arena, ProgressSink* progress, PreparationCounts& report);
+
 /// Reads the placed mesh once more, three times if it is not closed, and finds the crossings of all rays.
 /// @param settings  as returned by set_threads()
 /// @param report    its placement and what survey_mesh() has found are known
 /// @returns crossings at the bottom of the arena; the caller releases its top
 /// @retval ErrorCode::kOutOfMemory  before anything is read again where the survey shows it
 /// @retval ErrorCode::kCancelled and all of read_mesh()
-[[nodiscard]] Expected<CrossingStore> shoot_mesh(MeshFiles& files, const MeshSurvey& survey, const SliceSettings& settings,
-                                                 Arena& arena, ProgressSink* progress, SliceReport& report);
+[[nodiscard]] Expected<CrossingStore> shoot_mesh(MeshFiles& files, const MeshSurvey& survey,
+                                                 const SliceSettings& settings, Arena& arena, ProgressSink* progress,
+                                                 SliceReport& report);
 
 }  // namespace plumbline

@@ -55,7 +55,7 @@ Expected<StackFindings> check_coarsely(const RRep& rrep, Arena& arena) {
 }  // namespace
 
 CLI::App* add_inspect_command(CLI::App& app, InspectOptions& options) {
-  auto* command = app.add_subcommand("inspect", "Show what is in a scan and whether it fits the printer");
+  auto* command = app.add_subcommand("inspect", "Show what is in a scan or a mesh, and whether it fits the printer");
   command->footer(kFooter);
   add_look_options(*command, options.job, options.picture, "Draw what the scanner saw and what it did not");
   command->add_option("--issues", options.issues, "Draw where the checks find something, if they do")->type_name("PNG");

@@ -110,8 +110,9 @@ void add_details(Text& text, const ScanOutlook& o) {
   text.add("file       %s %s, %.1f MB\n", to_string(scan.header.format), scan.header.encoding,
            static_cast<double>(scan.bytes) / 1e6);
   if (o.scan.mesh) {
-    text.add("faces      %llu with %llu vertices; %llu of %llu rays of a coarse slice do not leave as often as they enter\n",
-             big(o.scan.mesh->faces), big(o.scan.mesh->vertices), big(o.scan.mesh->broken_rays), big(o.scan.mesh->rays));
+    text.add(
+        "faces      %llu with %llu vertices; %llu of %llu rays of a coarse slice do not leave as often as they enter\n",
+        big(o.scan.mesh->faces), big(o.scan.mesh->vertices), big(o.scan.mesh->broken_rays), big(o.scan.mesh->rays));
   }
   if (scan.header.has_normals) text.add("normals    %llu have length zero\n", big(scan.without_normal));
   const Vec3d size = o.scan.bounds.size();

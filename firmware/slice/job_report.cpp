@@ -179,9 +179,10 @@ void for_each_mesh_remark(const MeshCounts& mesh, FunctionRef<void(std::string_v
   }
   if (!mesh.closed) {
     text = {};
-    text.add("the mesh is not closed (holes, or faces that are flipped, doubled or missing): %llu of %llu rays were "
-             "decided by its winding number. Look at the preview",
-             big(mesh.decided_rays), big(std::max(mesh.rays, mesh.decided_rays)));
+    text.add(
+        "the mesh is not closed (holes, or faces that are flipped, doubled or missing): %llu of %llu rays were "
+        "decided by its winding number. Look at the preview",
+        big(mesh.decided_rays), big(std::max(mesh.rays, mesh.decided_rays)));
     visit(text.view());
   }
   if (mesh.crowded_rays > 0) {

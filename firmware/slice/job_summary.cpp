@@ -107,11 +107,12 @@ void add_clusters(Text& text, const SliceReport& s) {
 void add_rays(Text& text, const JobReport& report) {
   const SliceReport& s = report.slice;
   if (s.mesh) {
-    text.add("rays       %llu pass the mesh, %llu times; broken %.3f %%, decided by the winding number %.3f %%; %llu "
-             "crossings\n",
-             big(s.mesh->rays), big(s.mesh->hits),
-             percent(static_cast<double>(s.mesh->broken_rays), static_cast<double>(s.mesh->rays)),
-             percent(static_cast<double>(s.mesh->decided_rays), static_cast<double>(s.mesh->rays)), big(s.crossings));
+    text.add(
+        "rays       %llu pass the mesh, %llu times; broken %.3f %%, decided by the winding number %.3f %%; %llu "
+        "crossings\n",
+        big(s.mesh->rays), big(s.mesh->hits),
+        percent(static_cast<double>(s.mesh->broken_rays), static_cast<double>(s.mesh->rays)),
+        percent(static_cast<double>(s.mesh->decided_rays), static_cast<double>(s.mesh->rays)), big(s.crossings));
     return;
   }
   text.add("rays       %llu shot:", big(s.rays.interested));

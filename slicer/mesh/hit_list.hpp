@@ -34,7 +34,9 @@ class PackedHit {
   std::uint32_t tile() const { return static_cast<std::uint32_t>(word_ >> 23U); }
   std::uint32_t ray() const { return static_cast<std::uint32_t>(word_ >> 17U) & 63U; }
   std::uint32_t layer() const { return static_cast<std::uint32_t>(word_ >> 1U) & 0xFFFFU; }
-  int winding() const { return (word_ & 1U) != 0 ? -1 : 1; }  ///< what the hit adds to the winding number of the ray above it
+  int winding() const {
+    return (word_ & 1U) != 0 ? -1 : 1;
+  }  ///< what the hit adds to the winding number of the ray above it
   auto operator<=>(const PackedHit&) const = default;
 
  private:

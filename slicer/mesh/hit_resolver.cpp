@@ -42,7 +42,8 @@ class RayField {
     bool before = false;
     std::uint32_t last = stretch.begin;
     for (std::uint32_t s = 0; s < samples; ++s) {
-      const auto layer = stretch.begin + static_cast<std::uint32_t>((2 * std::uint64_t{s} + 1) * length / (2 * samples));
+      const auto layer =
+          stretch.begin + static_cast<std::uint32_t>((2 * std::uint64_t{s} + 1) * length / (2 * samples));
       const bool solid = inside(layer);
       toggles.set(s == 0 ? stretch.begin : solid == before ? layer : change(last, layer, before), solid);
       before = solid;

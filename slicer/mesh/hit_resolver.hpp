@@ -16,8 +16,8 @@ namespace plumbline {
 /// The winding number of a mesh that is not closed.
 struct MeshField {
   const WindingTree* winding = nullptr;
-  float cell = 0;         ///< mm: nearer to the surface the number is not trusted
-  BitImage doubtful;      ///< one pixel a tile: where the hits miss solid parts. Set by find_doubtful()
+  float cell = 0;     ///< mm: nearer to the surface the number is not trusted
+  BitImage doubtful;  ///< one pixel a tile: where the hits miss solid parts. Set by find_doubtful()
   std::uint32_t first_column = 0, end_column = 0;  ///< tiles that the object's box covers
   std::uint32_t first_row = 0, end_row = 0;
 };

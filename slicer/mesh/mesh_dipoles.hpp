@@ -38,10 +38,10 @@ class MeshDipoles {
 
  private:
   struct Cell {
-    std::uint64_t key = 0;             ///< CellGrid::key(); 0: empty
-    float area = 0;                    ///< mm^2
-    Vec3f weighted = Vec3f::Zero();    ///< area * position
-    Vec3f directed = Vec3f::Zero();    ///< area * normal, mm^2
+    std::uint64_t key = 0;           ///< CellGrid::key(); 0: empty
+    float area = 0;                  ///< mm^2
+    Vec3f weighted = Vec3f::Zero();  ///< area * position
+    Vec3f directed = Vec3f::Zero();  ///< area * normal, mm^2
   };
   using Table = CellTable<Cell, &Cell::key>;
 

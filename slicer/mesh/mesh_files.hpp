@@ -55,7 +55,9 @@ class MeshFiles {
 
   /// Where the current file's progress lies in that of all files.
   /// @param fraction  of the current file
-  double progress(double fraction) const { return (static_cast<double>(file_) + fraction) / static_cast<double>(count_); }
+  double progress(double fraction) const {
+    return (static_cast<double>(file_) + fraction) / static_cast<double>(count_);
+  }
 
  private:
   MeshFiles() = default;

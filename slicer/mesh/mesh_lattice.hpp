@@ -35,12 +35,19 @@ constexpr std::uint32_t layer_at(std::int64_t z) {
   return static_cast<std::uint32_t>((z + kLayerSteps / 2 - 1) >> kLayerBits);
 }
 
+/// From scan coordinates to those of the print, as in Placement: scale * rotation * p + shift.
+struct MeshTransform {
+  Mat3d rotation = Mat3d::Identity();
+  double scale = 1;
+  Vec3d shift = Vec3d::Zero();
+
+  Vec3d operator()(const Vec3d& p) const { return Vec3d(rotation * p) * scale + shift; }
+};
+
 /// Rounds positions of the print to the lattice.
 class MeshLattice {
  public:
-  /// @param rotation, scale, shift  print = scale * rotation * scan + shift, mm; as in Placement
-  MeshLattice(const PrintGrid& grid, const Mat3d& rotation, double scale, const Vec3d& shift)
-      : rotation_(rotation), scale_(scale), shift_(shift) {
+  MeshLattice(const PrintGrid& grid, const MeshTransform& transform) : transform_(transform) {
     steps_ = {static_cast<double>(kPixelSteps) / static_cast<double>(grid.pitch_x_mm),
               static_cast<double>(kPixelSteps) / static_cast<double>(grid.pitch_y_mm),
               static_cast<double>(kLayerSteps) / static_cast<double>(grid.layer_height_mm)};
@@ -48,13 +55,9 @@ class MeshLattice {
              static_cast<double>(grid.layers * kLayerSteps)};
   }
 
-  /// @param p  scan coordinates
-  /// @returns mm
-  Vec3d to_print(const Vec3d& p) const { return Vec3d(rotation_ * p) * scale_ + shift_; }
-
   /// @param p  scan coordinates. What place() has let through is in the grid but for rounding, and so is the result.
   LatticePoint operator()(const Vec3d& p) const {
-    const Vec3d print = to_print(p);
+    const Vec3d print = transform_(p);
     return {round(print[0], 0), round(print[1], 1), round(print[2], 2)};
   }
 
@@ -63,9 +66,7 @@ class MeshLattice {
     return static_cast<std::int32_t>(std::clamp(std::floor(mm * steps_[axis] + 0.5), 0.0, last_[axis]));
   }
 
-  Mat3d rotation_;
-  double scale_;
-  Vec3d shift_;
+  MeshTransform transform_;
   Vec3d steps_;  ///< in a mm
   Vec3d last_;   ///< steps to the far corner of the grid
 };

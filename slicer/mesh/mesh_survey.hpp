@@ -8,11 +8,11 @@ namespace plumbline {
 
 /// Sums over all triangles, in rotated scan units.
 struct MeshSurvey {
-  Box3d bounds;                       ///< of all usable triangles
+  Box3d bounds;  ///< of all usable triangles
   double area = 0;
-  double seen_area = 0;               ///< from above: the sum of the triangles' areas in the plane of the plate
-  Vec3d directed = Vec3d::Zero();     ///< sum of areas times normals; 0 for a closed surface
-  std::uint64_t most_vertices = 0;    ///< of a file
+  double seen_area = 0;             ///< from above: the sum of the triangles' areas in the plane of the plate
+  Vec3d directed = Vec3d::Zero();   ///< sum of areas times normals; 0 for a closed surface
+  std::uint64_t most_vertices = 0;  ///< of a file
   std::uint64_t vertices = 0;
   std::uint64_t used_vertices = 0;
   std::uint64_t triangles = 0;

@@ -96,8 +96,8 @@ void for_each_hit(const LatticeTriangle& corners, const PrintGrid& grid, Visit v
   const std::int64_t first_row = first_in(y_low);
   const std::int64_t last_row = std::min<std::int64_t>(last_in(y_high), std::int64_t{grid.rows} - 1);
   if (first_column > last_column || first_row > last_row) return;
-  std::int64_t area = (std::int64_t{b.x} - a.x) * (std::int64_t{c.y} - a.y) -
-                      (std::int64_t{b.y} - a.y) * (std::int64_t{c.x} - a.x);
+  std::int64_t area =
+      (std::int64_t{b.x} - a.x) * (std::int64_t{c.y} - a.y) - (std::int64_t{b.y} - a.y) * (std::int64_t{c.x} - a.x);
   if (area == 0) return;
   RayHit hit;
   hit.entering = area < 0;

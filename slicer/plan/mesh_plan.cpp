@@ -30,8 +30,7 @@ MemoryPlan plan_mesh(const MeshNeed& need, std::uint32_t threads) {
   MemoryPlan plan;
   const RayYield yield{need.hits / 2, need.hits};
   const std::size_t hits = Arena::rounded(static_cast<std::size_t>(std::min(need.hits, 1e15 / 8)) * sizeof(PackedHit));
-  const std::size_t rooms =
-      threads * Arena::rounded(sizeof(std::uint16_t) * kTileSide * kTileSide * kMostRayCrossings);
+  const std::size_t rooms = threads * Arena::rounded(sizeof(std::uint16_t) * kTileSide * kTileSide * kMostRayCrossings);
   const std::size_t reading = kReaderWorkspace + VertexList::bytes_needed(need.most_vertices);
   const std::size_t store = store_bytes(grid, yield);
   const std::size_t rrep = rrep_bytes(grid, yield);
@@ -42,8 +41,8 @@ MemoryPlan plan_mesh(const MeshNeed& need, std::uint32_t threads) {
   set(Stage::kRays, hits + rooms + store);
   set(Stage::kRRep, store + std::max(store, rrep));
   set(Stage::kSupports, rrep + find_supports_bytes(grid));
-  set(Stage::kLayers, rrep + struts * sizeof(Strut) + MaskStream::bytes_needed(grid, struts) +
-                          StackChecker::bytes_needed(grid));
+  set(Stage::kLayers,
+      rrep + struts * sizeof(Strut) + MaskStream::bytes_needed(grid, struts) + StackChecker::bytes_needed(grid));
   return plan;
 }
 
@@ -55,11 +54,12 @@ Status admit_mesh(const MeshNeed& need, std::uint32_t threads, const Arena& aren
   if (sure.peak() <= arena.available()) return {};
   constexpr double kMiB = 1024.0 * 1024.0;
   const auto stage = to_string(sure.widest());
-  return fail(ErrorCode::kOutOfMemory,
-              "the mesh does not fit into the arena of %.1f MiB: stage '%.*s' needs about %.1f MiB for %.0f crossings.\t"
-              "Use a larger arena (--arena-mib), a coarser grid or a smaller --scale",
-              static_cast<double>(arena.capacity()) / kMiB, static_cast<int>(stage.size()), stage.data(),
-              static_cast<double>(sure.peak()) / kMiB, need.hits);
+  return fail(
+      ErrorCode::kOutOfMemory,
+      "the mesh does not fit into the arena of %.1f MiB: stage '%.*s' needs about %.1f MiB for %.0f crossings.\t"
+      "Use a larger arena (--arena-mib), a coarser grid or a smaller --scale",
+      static_cast<double>(arena.capacity()) / kMiB, static_cast<int>(stage.size()), stage.data(),
+      static_cast<double>(sure.peak()) / kMiB, need.hits);
 }
 
 }  // namespace plumbline

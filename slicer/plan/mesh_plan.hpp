@@ -12,7 +12,7 @@ namespace plumbline {
 struct MeshNeed {
   std::uint64_t most_vertices = 0;  ///< of a file
   PrintGrid grid;
-  double hits = 0;                  ///< of rays and triangles, estimated from the triangles' areas: within 2 % for a large object
+  double hits = 0;  ///< of rays and triangles, estimated from the triangles' areas: within 2 % for a large object
 };
 
 /// @param mesh  as surveyed

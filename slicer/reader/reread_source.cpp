@@ -28,9 +28,9 @@ Status RereadSource::keep_all(Arena& arena) {
   if (rewinds_ || keeps_all_) return {};
   const std::uint64_t most = arena.available();
   const std::uint64_t wanted = source_->size().value_or(most / 4);
-  const auto room = arena.take_top<std::byte>(
-      static_cast<std::size_t>(std::clamp<std::uint64_t>(wanted, kHeadBytes, std::max<std::uint64_t>(most, kHeadBytes))),
-      kStage);
+  const auto room = arena.take_top<std::byte>(static_cast<std::size_t>(std::clamp<std::uint64_t>(
+                                                  wanted, kHeadBytes, std::max<std::uint64_t>(most, kHeadBytes))),
+                                              kStage);
   PLUMBLINE_TRY(room);
   std::memcpy(room->data(), kept_.data(), filled_);
   kept_ = *room;

@@ -152,7 +152,8 @@ class HeaderParser {
     const auto item = type_of(words.next());
     if (!count || !item || !is_integer(*count)) return false;
     const auto name = words.next();
-    const bool wanted = place_ == Place::kFace && is_integer(*item) && (name == "vertex_indices" || name == "vertex_index");
+    const bool wanted =
+        place_ == Place::kFace && is_integer(*item) && (name == "vertex_indices" || name == "vertex_index");
     return layout_.add_list(*count, *item, wanted);
   }
 

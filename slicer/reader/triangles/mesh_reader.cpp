@@ -26,7 +26,7 @@ Expected<MeshHint> hint_of_ply(ByteInput& input, Arena& memory) {
     return MeshHint::kNone;
   }
   return header->face.count >= header->vertex.count / kMostVerticesPerFace && header->face.count > 0 ? MeshHint::kMaybe
-                                                                                                  : MeshHint::kNone;
+                                                                                                     : MeshHint::kNone;
 }
 
 }  // namespace

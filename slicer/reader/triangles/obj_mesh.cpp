@@ -42,7 +42,9 @@ class ObjMeshReader {
         return fail_row(lines_.lines(), lines_.line(),
                         {.kind = word.empty() ? RowOutcome::Kind::kTooFew : RowOutcome::Kind::kNotANumber,
                          .word = word,
-                         .wanted = axis == 0 ? "x" : axis == 1 ? "y" : "z"});
+                         .wanted = axis == 0   ? "x"
+                                   : axis == 1 ? "y"
+                                               : "z"});
       }
       at = stop;
     }

@@ -75,9 +75,8 @@ class PlyMeshReader {
     points.keep_not_finite();
     PLUMBLINE_TRY(points.begin({}));
     const PlyElement& vertex = header_.vertex;
-    PLUMBLINE_TRY(header_.ascii
-                      ? read_text_points(lines_, vertex.layout, vertex.count, points)
-                      : read_binary_points(input_, vertex.layout, vertex.count, header_.order, points));
+    PLUMBLINE_TRY(header_.ascii ? read_text_points(lines_, vertex.layout, vertex.count, points)
+                                : read_binary_points(input_, vertex.layout, vertex.count, header_.order, points));
     return points.flush();
   }
 

@@ -53,11 +53,12 @@ Status read_binary(ByteInput& input, TriangleBatch& batch) {
     PLUMBLINE_TRY(ready);
     if (*ready < kRecord) {
       if (to_the_end) return {};
-      return input.fail(ErrorCode::kTruncated,
-                        "the file ends at byte %llu, with %llu of the %llu triangles that its header declares;\tcopy or "
-                        "export it again",
-                        static_cast<unsigned long long>(input.bytes_read()), static_cast<unsigned long long>(done),
-                        static_cast<unsigned long long>(count));
+      return input.fail(
+          ErrorCode::kTruncated,
+          "the file ends at byte %llu, with %llu of the %llu triangles that its header declares;\tcopy or "
+          "export it again",
+          static_cast<unsigned long long>(input.bytes_read()), static_cast<unsigned long long>(done),
+          static_cast<unsigned long long>(count));
     }
     Triangle triangle;
     const char* at = input.begin() + kNormal;
@@ -112,7 +113,9 @@ class AsciiReader {
         return fail_row(lines_, line,
                         {.kind = word.empty() ? RowOutcome::Kind::kTooFew : RowOutcome::Kind::kNotANumber,
                          .word = word,
-                         .wanted = axis == 0 ? "x" : axis == 1 ? "y" : "z"});
+                         .wanted = axis == 0   ? "x"
+                                   : axis == 1 ? "y"
+                                               : "z"});
       }
       at = stop;
     }

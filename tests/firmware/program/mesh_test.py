@@ -4,7 +4,7 @@
 import json
 import struct
 
-from case import SIM2K, Program, main
+from case import SIM2K, Program, main, write_sphere
 
 
 def box(low, high):
@@ -94,6 +94,7 @@ class Meshes(Program):
         told = json.loads(self.run_it("inspect", obj, "--as", "points", "--json").stdout)
         self.assertIsNone(told["mesh"])
         self.assertEqual(told["scan"]["points"], 8)
+        write_sphere(self.scan, points=2000)
         refused = self.run_it("inspect", self.scan, "--as", "mesh", status=1)
         self.assertIn("no faces that can be read", refused.stderr)
         refused = self.run_it("inspect", self.mesh, "--as", "points", status=1)

@@ -152,7 +152,8 @@ TestMesh fine_box() {
       const Vec3d vc = mesh.vertices[c];
       const auto first = static_cast<std::uint32_t>(finer.vertices.size());
       finer.vertices.insert(finer.vertices.end(), {va, vb, vc, (va + vb) / 2, (vb + vc) / 2, (vc + va) / 2});
-      for (const std::array<std::uint32_t, 3>& f : {std::array<std::uint32_t, 3>{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}}) {
+      for (const std::array<std::uint32_t, 3>& f :
+           {std::array<std::uint32_t, 3>{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}}) {
         finer.faces.push_back({f[0] + first, f[1] + first, f[2] + first});
       }
     }
@@ -188,14 +189,16 @@ std::vector<Damage> damages() {
   TestMesh doubled = whole;
   for (std::size_t i = 0; i < doubled.faces.size(); i += 3) doubled.faces.push_back(doubled.faces[i]);
   doubled.faces.resize(whole.faces.size() + 300);
-  return {{"a hole in the top", without([&](const Vec3d& p) { return in_middle(p) && p[2] > 9; }), 0.5},
-          {"a hole in the bottom", without([&](const Vec3d& p) { return in_middle(p) && p[2] < 1; }), 0.5},
-          {"holes above each other", without([&](const Vec3d& p) { return in_middle(p) && (p[2] < 1 || p[2] > 9); }), 0.5},
-          {"no top", without([&](const Vec3d& p) { return p[2] > 9.99; }), 2.5},
-          {"a hole in a wall", without([&](const Vec3d& p) { return p[0] > 9.99 && std::abs(p[2] - 5) < 1.5; }), 0.5},
-          {"flipped faces in the top", flipped([&](const Vec3d& p) { return in_middle(p) && p[2] > 9; }), 0.5},
-          {"flipped faces in top and bottom", flipped([&](const Vec3d& p) { return in_middle(p) && std::abs(p[2] - 5) > 4; }), 0.5},
-          {"doubled faces", doubled, 0.5}};
+  return {
+      {"a hole in the top", without([&](const Vec3d& p) { return in_middle(p) && p[2] > 9; }), 0.5},
+      {"a hole in the bottom", without([&](const Vec3d& p) { return in_middle(p) && p[2] < 1; }), 0.5},
+      {"holes above each other", without([&](const Vec3d& p) { return in_middle(p) && (p[2] < 1 || p[2] > 9); }), 0.5},
+      {"no top", without([&](const Vec3d& p) { return p[2] > 9.99; }), 2.5},
+      {"a hole in a wall", without([&](const Vec3d& p) { return p[0] > 9.99 && std::abs(p[2] - 5) < 1.5; }), 0.5},
+      {"flipped faces in the top", flipped([&](const Vec3d& p) { return in_middle(p) && p[2] > 9; }), 0.5},
+      {"flipped faces in top and bottom",
+       flipped([&](const Vec3d& p) { return in_middle(p) && std::abs(p[2] - 5) > 4; }), 0.5},
+      {"doubled faces", doubled, 0.5}};
 }
 
 TEST(SliceMesh, ABrokenMeshIsDecidedByItsWindingNumber) {
@@ -205,7 +208,11 @@ TEST(SliceMesh, ABrokenMeshIsDecidedByItsWindingNumber) {
     const Slicing broken = sliced(damage.mesh, settings);
     EXPECT_FALSE(broken.report().mesh->closed) << damage.name;
     // Only where there is damage can the surface be off.
-    EXPECT_EQ(wrong(broken, [&](const Vec3d& p) { return in_box(p, {0, 0, 0}, {10, 10, 10}, damage.unsure); }), 0U)
+    EXPECT_EQ(wrong(broken,
+                    [&](const Vec3d& p) {
+                      return in_box(p, {0, 0, 0}, {10, 10, 10}, damage.unsure);
+                    }),
+              0U)
         << damage.name;
     EXPECT_NEAR(broken.volume(), 1000, damage.unsure > 1 ? 110 : 12) << damage.name;
   }
@@ -317,14 +324,11 @@ TEST(SliceMesh, PointsWithFacesAreAMeshIfTheFacesAreTheSurfaceOfAnObject) {
   std::erase_if(half.faces, [&](const auto& f) { return ball.vertices[f[0]][2] < 8; });
   TestMesh beside = ball;  // a mesh of a tenth of the points
   beside.faces.resize(ball.faces.size() / 10);
-  const std::vector<AsCase> cases = {{"ball.ply", ascii_ply(ball), ReadAs::kAuto, true},
-                                     {"ball.obj", obj_of(ball), ReadAs::kAuto, true},
-                                     {"ball.ply", ascii_ply(ball), ReadAs::kPoints, false},
-                                     {"half.ply", ascii_ply(half), ReadAs::kAuto, false},
-                                     {"half.ply", ascii_ply(half), ReadAs::kMesh, true},
-                                     {"half.obj", obj_of(half), ReadAs::kAuto, false},
-                                     {"beside.ply", ascii_ply(beside), ReadAs::kAuto, false},
-                                     {"beside.obj", obj_of(beside), ReadAs::kAuto, false}};
+  const std::vector<AsCase> cases = {
+      {"ball.ply", ascii_ply(ball), ReadAs::kAuto, true},      {"ball.obj", obj_of(ball), ReadAs::kAuto, true},
+      {"ball.ply", ascii_ply(ball), ReadAs::kPoints, false},   {"half.ply", ascii_ply(half), ReadAs::kAuto, false},
+      {"half.ply", ascii_ply(half), ReadAs::kMesh, true},      {"half.obj", obj_of(half), ReadAs::kAuto, false},
+      {"beside.ply", ascii_ply(beside), ReadAs::kAuto, false}, {"beside.obj", obj_of(beside), ReadAs::kAuto, false}};
   for (const AsCase& test : cases) {
     for (const bool is_pipe : {false, true}) {
       MemorySource source(test.bytes, test.name);

@@ -147,7 +147,8 @@ TEST(TriangleRays, LongSliversCostTheirRowsNotTheirBox) {
   for (int i = 0; i < 300; ++i) {
     LatticeTriangle t;
     for (LatticePoint& p : t) {
-      p = {static_cast<std::int32_t>(random() % (64 * kPixelSteps)), static_cast<std::int32_t>(random() % (50 * kPixelSteps)),
+      p = {static_cast<std::int32_t>(random() % (64 * kPixelSteps)),
+           static_cast<std::int32_t>(random() % (50 * kPixelSteps)),
            static_cast<std::int32_t>(random() % (40 * kLayerSteps))};
     }
     ASSERT_EQ(hits_of(t, grid), hits_by_definition(t, grid, 0, 64, 0, 50, 0)) << "triangle " << i;
@@ -186,7 +187,8 @@ TEST(TriangleRays, EnterAClosedMeshAsOftenAsTheyLeaveItWhateverItsRounding) {
     // A linear map with whole and half numbers keeps many corners on centres of pixels.
     Mat3d turn = Mat3d::Identity();
     for (int r = 0; r < 3; ++r) {
-      for (int c = 0; c < 3; ++c) turn(r, c) += i % 2 == 0 ? any(random) * 0.3 : (r != c ? std::floor(2 * any(random)) / 4 : 0);
+      for (int c = 0; c < 3; ++c)
+        turn(r, c) += i % 2 == 0 ? any(random) * 0.3 : (r != c ? std::floor(2 * any(random)) / 4 : 0);
     }
     for (Vec3d& v : mesh.vertices) v = Vec3d(20, 20, 20) + turn * (v - Vec3d(20, 20, 20)) * 0.7;
     if (i % 4 == 0) {
@@ -201,7 +203,8 @@ TEST(TriangleRays, EnterAClosedMeshAsOftenAsTheyLeaveItWhateverItsRounding) {
     }
     EXPECT_TRUE(edges.is_closed());
     EXPECT_GT(sum.size(), 50U);
-    for (const auto& [ray, total] : sum) ASSERT_EQ(total, 0) << "mesh " << i << ", row " << ray.first << ", column " << ray.second;
+    for (const auto& [ray, total] : sum)
+      ASSERT_EQ(total, 0) << "mesh " << i << ", row " << ray.first << ", column " << ray.second;
   }
 }
 

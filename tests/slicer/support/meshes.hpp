@@ -26,7 +26,8 @@ struct TestMesh {
 inline TestMesh box_mesh(const Vec3d& low, const Vec3d& high) {
   TestMesh mesh;
   for (std::uint32_t i = 0; i < 8; ++i) {
-    mesh.vertices.push_back({(i & 1U) != 0 ? high[0] : low[0], (i & 2U) != 0 ? high[1] : low[1], (i & 4U) != 0 ? high[2] : low[2]});
+    mesh.vertices.push_back(
+        {(i & 1U) != 0 ? high[0] : low[0], (i & 2U) != 0 ? high[1] : low[1], (i & 4U) != 0 ? high[2] : low[2]});
   }
   mesh.faces = {{0, 2, 3}, {0, 3, 1}, {0, 1, 5}, {0, 5, 4}, {1, 3, 7}, {1, 7, 5},
                 {3, 2, 6}, {3, 6, 7}, {2, 0, 4}, {2, 4, 6}, {4, 5, 7}, {4, 7, 6}};
@@ -149,8 +150,7 @@ inline std::string ascii_ply(const TestMesh& mesh) {
 }
 template <std::endian Order>
 std::string binary_ply_of(const TestMesh& mesh) {
-  std::string bytes =
-      ply_head(mesh, Order == std::endian::little ? "binary_little_endian" : "binary_big_endian");
+  std::string bytes = ply_head(mesh, Order == std::endian::little ? "binary_little_endian" : "binary_big_endian");
   for (const Vec3d& v : mesh.vertices) {
     const Vec3f f = v.cast<float>();
     bytes += bytes_of<Order>(f[0], f[1], f[2]);

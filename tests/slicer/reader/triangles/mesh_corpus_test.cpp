@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "slicer/reader/triangles/mesh_reader.hpp"
+#include "tests/slicer/reader/scan_fixture.hpp"
 #include "tests/slicer/support/arena_block.hpp"
 #include "tests/slicer/support/shared_scan.hpp"
-#include "tests/slicer/reader/scan_fixture.hpp"
 
 namespace plumbline {
 namespace {
@@ -31,8 +31,8 @@ class Counter final : public TriangleSink {
   std::uint64_t count = 0;
 };
 
-Expected<MeshSummary> read_file(const std::filesystem::path& path, const std::string& name, std::vector<std::size_t> pieces,
-                                Counter& sink) {
+Expected<MeshSummary> read_file(const std::filesystem::path& path, const std::string& name,
+                                std::vector<std::size_t> pieces, Counter& sink) {
   const std::string bytes = content_of(path);
   MemorySource source(bytes, name, std::move(pieces));
   ArenaBlock arena(8 * kMiB);

@@ -84,11 +84,17 @@ TEST(MeshReader, EveryFormatDeliversTheSameTrianglesHoweverItsBytesArrive) {
 const std::string kSquare = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
 TEST(MeshReader, ObjFacesMayBePolygonsWithAnyIndices) {
-  const std::tuple<const char*, std::size_t, std::uint64_t> cases[] = {
-      {"f 1 2 3 4\n", 2, 4},         {"f 1/1 2/2 3/3\n", 1, 3},      {"f 1//1 2//1 3//1\n", 1, 3},
-      {"f 1/1/1 2/2/2 4/3/3\n", 1, 3}, {"f -4 -3 -2\n", 1, 3},         {"f 1 2 \\\n 3 4\n", 2, 4},
-      {"f 1 2\n", 0, 2},             {"fo 1 2 3\n", 1, 3},           {"f 1 2 3 # a comment\n", 1, 3},
-      {"f 1 2 3\r\nf 1 3 4\r\n", 2, 4}, {"g a\nusemtl b\ns 1\nf 1 2 3", 1, 3}};
+  const std::tuple<const char*, std::size_t, std::uint64_t> cases[] = {{"f 1 2 3 4\n", 2, 4},
+                                                                       {"f 1/1 2/2 3/3\n", 1, 3},
+                                                                       {"f 1//1 2//1 3//1\n", 1, 3},
+                                                                       {"f 1/1/1 2/2/2 4/3/3\n", 1, 3},
+                                                                       {"f -4 -3 -2\n", 1, 3},
+                                                                       {"f 1 2 \\\n 3 4\n", 2, 4},
+                                                                       {"f 1 2\n", 0, 2},
+                                                                       {"fo 1 2 3\n", 1, 3},
+                                                                       {"f 1 2 3 # a comment\n", 1, 3},
+                                                                       {"f 1 2 3\r\nf 1 3 4\r\n", 2, 4},
+                                                                       {"g a\nusemtl b\ns 1\nf 1 2 3", 1, 3}};
   for (const auto& [faces, triangles, used] : cases) {
     const MeshReading reading = read_triangles(kSquare + faces, "a.obj");
     ASSERT_TRUE(reading.summary) << faces << reading.message();
@@ -111,9 +117,9 @@ TEST(MeshReader, PlyFacesMayHaveOtherPropertiesAndElementsBetween) {
 }
 
 TEST(MeshReader, OffMayHaveCommentsColoursAndItsCountsInTheFirstLine) {
-  for (const std::string text :
-       {"OFF # x\n# y\n3 1 0\n\n0 0 0\n1 0 0 # z\n0 1 0\n3 0 1 2 255 0 0\n", "COFF\n3 1 3\n0 0 0 1 1 1 1\n1 0 0 1 1 1 1\n0 1 0 1 1 1 1\n3 0 1 2\n",
-        "NOFF 3 1 0\r\n0 0 0 0 0 1\r\n1 0 0 0 0 1\r\n0 1 0 0 0 1\r\n3 0 1 2\r\n"}) {
+  for (const std::string text : {"OFF # x\n# y\n3 1 0\n\n0 0 0\n1 0 0 # z\n0 1 0\n3 0 1 2 255 0 0\n",
+                                 "COFF\n3 1 3\n0 0 0 1 1 1 1\n1 0 0 1 1 1 1\n0 1 0 1 1 1 1\n3 0 1 2\n",
+                                 "NOFF 3 1 0\r\n0 0 0 0 0 1\r\n1 0 0 0 0 1\r\n0 1 0 0 0 1\r\n3 0 1 2\r\n"}) {
     const MeshReading reading = read_triangles(text, "a.off");
     ASSERT_TRUE(reading.summary) << text << reading.message();
     ASSERT_EQ(reading.triangles.all.size(), 1U);
@@ -137,7 +143,8 @@ TEST(MeshReader, StlMayHaveSeveralSolidsTheWordSolidInABinaryFileOrNoNumberOfTri
 }
 
 TEST(MeshReader, CoordinatesThatAreNotFiniteOrHugeAreLeftOutWithTheirTriangles) {
-  const std::string nan = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv nan 0 0\nv 1e300 0 0\nv inf 0 0\nf 1 2 3\nf 1 2 4\nf 1 2 5\nf 1 2 6\n";
+  const std::string nan =
+      "v 0 0 0\nv 1 0 0\nv 1 1 0\nv nan 0 0\nv 1e300 0 0\nv inf 0 0\nf 1 2 3\nf 1 2 4\nf 1 2 5\nf 1 2 6\n";
   const MeshReading reading = read_triangles(nan, "a.obj");
   ASSERT_TRUE(reading.summary) << reading.message();
   EXPECT_EQ(reading.summary->triangles, 1U);
@@ -181,9 +188,10 @@ TEST(MeshReader, BrokenFilesAreRefusedWithPlaceAndRemedy) {
       {"a.stl", replaced(text, "vertex 0 0 0", "vertex 0 x 0"), kMalformed, "expected a number for y, found 'x'"},
       {"a.stl", "solid\nfacet\nvertex 0 0 0\nvertex 1 1 1\nendfacet\nendsolid\n", kMalformed,
        "line 5: a facet has 2 corners"},
-      {"a.stl", "solid\nfacet\nvertex 0 0 0\nvertex 1 1 1\nvertex 1 0 1\nvertex 2 0 1\nendfacet\nendsolid\n", kMalformed,
-       "line 6: a facet has more than three corners"},
-      {"a.obj", kSquare + "f 1 2 5\n", kMalformed, "line 5: a face names vertex 5, but 4 are before it, numbered from 1"},
+      {"a.stl", "solid\nfacet\nvertex 0 0 0\nvertex 1 1 1\nvertex 1 0 1\nvertex 2 0 1\nendfacet\nendsolid\n",
+       kMalformed, "line 6: a facet has more than three corners"},
+      {"a.obj", kSquare + "f 1 2 5\n", kMalformed,
+       "line 5: a face names vertex 5, but 4 are before it, numbered from 1"},
       {"a.obj", kSquare + "f 0 1 2\n", kMalformed, "a face names vertex 0"},
       {"a.obj", kSquare + "f 1 2 -5\n", kMalformed, "a face names vertex -5"},
       {"a.obj", kSquare + "f 1 2 x\n", kMalformed, "expected the number of a vertex, found 'x'"},
@@ -194,7 +202,8 @@ TEST(MeshReader, BrokenFilesAreRefusedWithPlaceAndRemedy) {
       {"a.ply", replaced(ascii_ply(box), "\n3 0 2 3\n", "\n3 0 2 8\n"), kMalformed,
        "face 0 names vertex 8, but there are 8, numbered from 0"},
       {"a.ply", replaced(ascii_ply(box), "\n3 0 2 3\n", "\n3 0 2\n"), kMalformed, "expected a face, found '3 0 2'"},
-      {"a.ply", replaced(ascii_ply(box), "vertex_indices", "corners"), ErrorCode::kUnsupported, "no faces that can be read"},
+      {"a.ply", replaced(ascii_ply(box), "vertex_indices", "corners"), ErrorCode::kUnsupported,
+       "no faces that can be read"},
       {"a.off", off.substr(0, off.size() - 16), kTruncated, "before the last face"},
       {"a.off", off.substr(0, off.size() - 5), kTruncated, "expected the number of a vertex"},
       {"a.off", "OFF\n", kTruncated, "before the number of its vertices"},
