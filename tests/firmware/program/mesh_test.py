@@ -39,7 +39,7 @@ class Meshes(Program):
         done = self.slice_mesh(self.mesh, "--supports", "none", "-v")
         manifest = self.manifest()
         self.assertEqual(manifest["grid"]["layers"], 50)
-        self.assertEqual(manifest["volume_mm3"], 1000)
+        self.assertAlmostEqual(manifest["volume_mm3"], 1000, places=3)
         self.assertEqual(manifest["mesh"]["triangles"], 12)
         self.assertTrue(manifest["mesh"]["closed"])
         self.assertEqual(manifest["mesh"]["rays_broken"], 0)

@@ -74,7 +74,7 @@ constexpr CorpusMesh kMeshes[] = {
     {"geogram_corrupt/corrupted_invalid_vertex_count.off", 0, ErrorCode::kMalformed},
     {"geogram_corrupt/cube.obj", 12, kRead},
     {"geogram_corrupt/icosa.obj", 20, kRead},
-    {"geogram_corrupt/truncated.off", 0, ErrorCode::kTruncated},
+    {"geogram_corrupt/truncated.off", 0, ErrorCode::kMalformed},
     {"geogram_corrupt/truncated.stl", 0, ErrorCode::kTruncated},
 };
 
