@@ -124,11 +124,13 @@ Expected<MeshHint> hint_of_files(MeshFiles& files, Arena& arena) {
   return hint;
 }
 
-Expected<MeshSurvey> survey_files(MeshFiles& files, const SliceSettings& settings, Arena& arena, ProgressSink* progress,
+/// @param most_vertices  of a file; none: unknown
+Expected<MeshSurvey> survey_files(MeshFiles& files, const SliceSettings& settings,
+                                  std::optional<std::uint64_t> most_vertices, Arena& arena, ProgressSink* progress,
                                   PreparationCounts& report) {
   const StageScope stage(Stage::kRead, arena, progress, report.peak_bytes);
-  const auto found =
-      read_survey(files, rotation_matrix(settings.placement.rotation_degrees), arena, {progress, Stage::kRead});
+  const auto found = read_survey(files, rotation_matrix(settings.placement.rotation_degrees), most_vertices, arena,
+                                 {progress, Stage::kRead});
   PLUMBLINE_TRY(found);
   report.mesh = found->counts;
   report.scans = found->scans;
@@ -154,10 +156,11 @@ Expected<std::optional<MeshSurvey>> survey_mesh(MeshFiles& files, const SliceSet
   if (settings.as == ReadAs::kPoints) return std::nullopt;
   const auto hint = hint_of_files(files, arena);
   PLUMBLINE_TRY(hint);
-  const bool sure = settings.as == ReadAs::kMesh || *hint == MeshHint::kMesh;
+  const bool sure = settings.as == ReadAs::kMesh || *hint >= MeshHint::kMesh;
   if (!sure && *hint == MeshHint::kNone) return std::nullopt;
   PLUMBLINE_TRY(files.keep_all(arena));
-  const auto found = survey_files(files, settings, arena, progress, report);
+  const auto most_vertices = *hint == MeshHint::kTriangles ? std::optional<std::uint64_t>(0) : std::nullopt;
+  const auto found = survey_files(files, settings, most_vertices, arena, progress, report);
   if (!found) {
     const ErrorCode code = found.error().code();
     if (sure || code == ErrorCode::kCannotRead || code == ErrorCode::kCancelled) {
@@ -205,7 +208,7 @@ Expected<MeshSurvey> turn_mesh(MeshFiles& files, const MeshSurvey& survey, Slice
     report.turned = best->front();
   }
   settings.placement.rotation_degrees = {report.turned->degrees[0], report.turned->degrees[1], 0};
-  return survey_files(files, settings, arena, progress, report);
+  return survey_files(files, settings, survey.most_vertices, arena, progress, report);
 }
 
 Expected<CrossingStore> shoot_mesh(MeshFiles& files, const MeshSurvey& survey, const SliceSettings& settings,

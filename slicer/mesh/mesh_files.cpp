@@ -15,7 +15,7 @@ Expected<MeshFiles> MeshFiles::open(ScanSources sources, Arena& arena) {
 }
 
 Expected<MeshHint> MeshFiles::hint(std::span<std::byte> workspace) {
-  MeshHint least = MeshHint::kMesh;
+  MeshHint least = MeshHint::kTriangles;
   for (std::size_t i = 0; i < count_; ++i) {
     files_[i]->peek();
     const auto hint = hint_of(*files_[i], workspace);

@@ -98,11 +98,13 @@ ScanSummary as_scan(const MeshSummary& mesh) {
   return scan;
 }
 
-Expected<SurveyedMesh> survey(MeshFiles& files, const Mat3d& rotation, Arena& arena, const StageProgress& progress) {
+Expected<SurveyedMesh> survey(MeshFiles& files, const Mat3d& rotation, std::optional<std::uint64_t> most_vertices,
+                              Arena& arena, const StageProgress& progress) {
   const auto workspace = arena.take_bottom<std::byte>(kReaderWorkspace, kStage);
   PLUMBLINE_TRY(workspace);
-  const std::uint64_t most = VertexList::most_in(arena.available());
-  auto vertices = VertexList::create(std::min(most, files.largest().value_or(most) / kShortestVertex + 1), arena);
+  const std::uint64_t room = VertexList::most_in(arena.available());
+  const std::uint64_t most = most_vertices.value_or(files.largest().value_or(room) / kShortestVertex + 1);
+  auto vertices = VertexList::create(std::min(room, most), arena);
   PLUMBLINE_TRY(vertices);
   SurveySink sink(files, progress, rotation);
   SurveyedMesh found;
@@ -164,10 +166,10 @@ Expected<ReadDipoles> add_up(MeshFiles& files, std::uint64_t most_vertices, cons
 
 }  // namespace
 
-Expected<SurveyedMesh> read_survey(MeshFiles& files, const Mat3d& rotation, Arena& arena,
-                                   const StageProgress& progress) {
+Expected<SurveyedMesh> read_survey(MeshFiles& files, const Mat3d& rotation, std::optional<std::uint64_t> most_vertices,
+                                   Arena& arena, const StageProgress& progress) {
   const std::size_t bottom = arena.bottom_mark();
-  const auto found = survey(files, rotation, arena, progress);
+  const auto found = survey(files, rotation, most_vertices, arena, progress);
   arena.release_bottom(bottom);
   return found;
 }

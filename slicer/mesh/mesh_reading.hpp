@@ -2,6 +2,7 @@
 /// The readings of a mesh's files: to survey it, to hit its triangles with rays, and to add them up as dipoles.
 
 #include <cstdint>
+#include <optional>
 
 #include "slicer/cloud/cloud.hpp"
 #include "slicer/core/arena.hpp"
@@ -23,7 +24,9 @@ struct SurveyedMesh {
   MeshCounts counts;    ///< those that need no rays
   ScanSummaries scans;  ///< of each file; the points are its vertices
 };
-[[nodiscard]] Expected<SurveyedMesh> read_survey(MeshFiles& files, const Mat3d& rotation, Arena& arena,
+/// @param most_vertices  of a file; none: unknown
+[[nodiscard]] Expected<SurveyedMesh> read_survey(MeshFiles& files, const Mat3d& rotation,
+                                                 std::optional<std::uint64_t> most_vertices, Arena& arena,
                                                  const StageProgress& progress);
 
 struct MeshHits {

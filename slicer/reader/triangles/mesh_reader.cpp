@@ -50,7 +50,7 @@ Expected<MeshHint> hint_of(ByteSource& source, std::span<std::byte> workspace) {
     return MeshHint::kNone;
   }
   switch (*format) {
-    case ScanFormat::kStl:
+    case ScanFormat::kStl: return MeshHint::kTriangles;
     case ScanFormat::kOff: return MeshHint::kMesh;
     case ScanFormat::kPly: return hint_of_ply(input, memory);
     case ScanFormat::kObj: return MeshHint::kMaybe;

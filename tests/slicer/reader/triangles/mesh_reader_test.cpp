@@ -253,8 +253,9 @@ TEST(MeshHint, ComesFromTheBeginningOfTheFile) {
   };
   for (const SurfaceFile& file : files_of(mesh)) {
     const std::string_view name = file.name;
-    EXPECT_EQ(hint(file.bytes, file.name),
-              name.ends_with(".stl") || name.ends_with(".off") ? MeshHint::kMesh : MeshHint::kMaybe)
+    EXPECT_EQ(hint(file.bytes, file.name), name.ends_with(".stl")   ? MeshHint::kTriangles
+                                           : name.ends_with(".off") ? MeshHint::kMesh
+                                                                    : MeshHint::kMaybe)
         << name;
   }
   EXPECT_EQ(hint("0 0 0\n", "a.xyz"), MeshHint::kNone);
