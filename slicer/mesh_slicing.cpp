@@ -4,6 +4,7 @@
 
 #include "slicer/core/stage_scope.hpp"
 #include "slicer/mesh/hit_resolver.hpp"
+#include "slicer/mesh/mesh_dipoles.hpp"
 #include "slicer/mesh/mesh_reading.hpp"
 #include "slicer/orientation/orientations.hpp"
 #include "slicer/plan/mesh_plan.hpp"
@@ -45,7 +46,10 @@ class MeshStages {
     PLUMBLINE_TRY(find_hits());
     const StageScope stage(Stage::kRays, arena_, progress_, report_.peak_bytes);
     const bool whole = report_.mesh->closed;
-    if (!whole) PLUMBLINE_TRY(build_field());
+    if (!whole) {
+      plan_field();
+      PLUMBLINE_TRY(build_field());
+    }
     auto store = resolve_hits(hits_, grid(), whole ? nullptr : &field_, settings_.threads, arena_,
                               {progress_, Stage::kRays, whole ? 0 : kFieldBuilt, 1}, *report_.mesh);
     arena_.reset_peak();  // the open store took the rest of the arena; the stage's need is what is used now
@@ -68,6 +72,15 @@ class MeshStages {
     report_.mesh->flat = found->flat;
     report_.mesh->hits = hits_.size();
     return {};
+  }
+
+  /// Adds to the plan what a mesh needs that is not closed.
+  void plan_field() {
+    std::size_t& planned = report_.planned_bytes[static_cast<std::size_t>(Stage::kRays)];
+    const std::size_t reading = kReaderWorkspace + VertexList::bytes_needed(survey_.most_vertices);
+    const std::uint32_t slots = MeshDipoles::slots_in(arena_.available() - std::min(arena_.available(), reading));
+    planned = std::max(planned + MeshDipoles::field_bytes(slots),
+                       arena_.used() + reading + MeshDipoles::reading_bytes(slots));
   }
 
   /// Reads the mesh into a tree of dipoles, and finds the tiles where the hits miss solid parts.

@@ -26,7 +26,7 @@ void for_each_size_remark(const SliceReport& slice, FunctionRef<void(std::string
   FixedText<256> text;
   if (slice.units_guessed) {
     text.add(
-        "the file is %.4g units long and says no unit; %s, which make it %.4g mm, are a guess. Confirm it with "
+        "the scan is %.4g units long and says no unit; %s, which make it %.4g mm, are a guess. Confirm it with "
         "--units %s, give another unit, or a size: --height 80mm",
         longest / slice.placement.scale, to_string(slice.units), longest, to_string(slice.units));
     visit(text.view());

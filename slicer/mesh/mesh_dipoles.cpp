@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "slicer/cloud/kd_tree.hpp"
+#include "slicer/implicit/winding_number.hpp"
 
 namespace plumbline {
 namespace {
@@ -18,13 +19,30 @@ constexpr double kSlotsPerSquare = 4;
 /// Cells along the longest side. Finer ones would cut long slivers into patches without end.
 constexpr float kMostCells = 2048;
 
+/// A fuller table is slow.
+constexpr std::uint32_t most_used(std::uint32_t slots) { return slots / 3 * 2; }
+
 float length2(const Vec3f& a, const Vec3f& b) { return (b - a).dot(b - a); }
 
 }  // namespace
 
+std::uint32_t MeshDipoles::slots_in(std::size_t available) {
+  const std::size_t room = available / 4 / sizeof(Cell);
+  return static_cast<std::uint32_t>(std::clamp<std::size_t>(std::bit_floor(room), kFewestSlots, kMostSlots));
+}
+
+std::size_t MeshDipoles::reading_bytes(std::uint32_t slots) {
+  const std::size_t points = most_used(slots);
+  return Arena::rounded(slots * sizeof(Cell)) + points * (Cloud::kBytesPerPoint + KdTree3::kBytesPerPoint);
+}
+
+std::size_t MeshDipoles::field_bytes(std::uint32_t slots) {
+  const std::uint32_t points = most_used(slots);
+  return points * Cloud::kBytesPerPoint + WindingTree::bytes_needed(points);
+}
+
 Expected<MeshDipoles> MeshDipoles::create(const Box3f& box, double area, Arena& arena) {
-  const std::size_t room = arena.available() / 4 / sizeof(Cell);
-  const auto slots = std::clamp<std::size_t>(std::bit_floor(room), kFewestSlots, kMostSlots);
+  const std::uint32_t slots = slots_in(arena.available());
   const auto cells = arena.take_bottom<Cell>(slots, kStage);
   PLUMBLINE_TRY(cells);
   MeshDipoles dipoles;
@@ -86,7 +104,7 @@ bool MeshDipoles::add_patch(const Vec3f& centre, const Vec3f& directed) {
   const std::uint32_t slot = table_.find_key(key);
   Cell& cell = table_[slot];
   if (cell.key == 0) {
-    if (used_ >= table_.size() / 3 * 2) return false;
+    if (used_ >= most_used(table_.size())) return false;
     ++used_;
     cell.key = key;
   }

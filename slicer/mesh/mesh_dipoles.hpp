@@ -18,6 +18,12 @@ class MeshDipoles {
   /// Cells for which there is room, if the arena has it: 20 MiB while triangles are read.
   static constexpr std::uint32_t kMostSlots = 1U << 19U;
 
+  /// Cells in an arena that has `available` bytes left.
+  static std::uint32_t slots_in(std::size_t available);
+  /// Bytes of the arena: while triangles are read, and for the winding number of that many cells after it.
+  static std::size_t reading_bytes(std::uint32_t slots);
+  static std::size_t field_bytes(std::uint32_t slots);
+
   /// @param box    of the surface, mm
   /// @param area   of the surface, mm^2: decides the size of the cells
   /// @param arena  at most a quarter of what is left, from the bottom; the caller releases it

@@ -1,18 +1,19 @@
 #!/usr/bin/env python3
 """Compares plumbline with PrusaSlicer on the same meshes and masks:
 
-  compare_meshes.py PLUMBLINE MASK_DIFFERENCE MESH.ply|MESH.stl ... [--turns N] [--halve N] [--repeat N] [--threads N]
+  compare_meshes.py PLUMBLINE MASK_DIFFERENCE MESH.ply|MESH.stl ... [--turns N] [--halve N] [--repeat N] [--every N]
 
 Both make the masks of a 2K panel (1440 x 2560 pixels of 0.04725 mm) for layers of 0.05 mm, without supports, on one core. Each mesh is
 also turned N times, about axes that have nothing to do with its own; --halve divides each triangle into 4, N times. A mesh is in mm,
 binary (PLY with triangles, or STL).
-Prints a table in Markdown: CPU seconds (the median of --repeat runs), peak memory, and the pixels that differ, in all and of those more
+Prints a table in Markdown: CPU seconds (the median of --repeat runs), seconds until plumbline could show its first layer, peak memory, and the pixels that differ, in all and of those more
 than a pixel from an edge. PrusaSlicer counts a pixel that is covered by half, plumbline one whose centre is inside. Needs .ci/setup
 bench, and mask_difference of a build with PLUMBLINE_BENCHMARKS.
 Exit status: 0 done, 1 a program failed, 2 wrong use.
 """
 
 import argparse
+import json
 import math
 import multiprocessing
 import shutil
@@ -122,11 +123,13 @@ def make_mesh(path, times, turn, made):
     write_stl(made, turned(corners, turn), faces)
 
 
-def slice_with_plumbline(plumbline, mesh, work, threads):
+def slice_with_plumbline(plumbline, mesh, work):
     board = work / "bench2k.toml"
     board.write_text(BOARD)
-    return measure([plumbline, "slice", mesh, "-o", work / "ours", "--printer", board, "--supports", "none", "--no-preview", "--quiet",
-                    "--threads", threads])  # fmt: skip
+    cost = measure([plumbline, "slice", mesh, "-o", work / "ours", "--printer", board, "--supports", "none", "--no-preview", "--quiet",
+                    "--threads", 1])  # fmt: skip
+    stages = json.loads((work / "ours" / "manifest.json").read_text())["stages"]
+    return cost, sum(stage["seconds"] for stage in stages if stage["name"] in ("read", "ray grid", "rays", "r-rep"))
 
 
 def slice_with_prusa(mesh, work):
@@ -146,8 +149,8 @@ def slice_with_prusa(mesh, work):
     return cost, folder
 
 
-def differences(program, ours, theirs):
-    done = subprocess.run([program, ours, theirs], capture_output=True, text=True, check=False)
+def differences(program, ours, theirs, every):
+    done = subprocess.run([program, ours, theirs, str(every)], capture_output=True, text=True, check=False)
     if done.returncode != 0:
         sys.exit(done.stderr)
     words = done.stdout.split()
@@ -166,13 +169,13 @@ def main():
     parser.add_argument("--turns", type=int, default=1, help="turned copies of each, the first of which is as it is")
     parser.add_argument("--halve", type=int, default=0)
     parser.add_argument("--repeat", type=int, default=1)
-    parser.add_argument("--threads", type=int, default=1)
+    parser.add_argument("--every", type=int, default=1, help="compare every Nth layer only")
     chosen = parser.parse_args()
     if shutil.which("prusa-slicer") is None:
         sys.exit("prusa-slicer: not found. Run .ci/setup bench")
     stay_on_one_core()
-    print("| mesh | triangles | ours: CPU s | MiB | PrusaSlicer: CPU s | MiB | CPU, ours / theirs | differ, % of pixels | % of cured | far |")
-    print("|---|---|---|---|---|---|---|---|---|---|", flush=True)
+    print("| mesh | triangles | ours: CPU s | first layer after, s | MiB | PrusaSlicer: CPU s | MiB | CPU, ours / theirs | differ, % of pixels | % of cured | far |")
+    print("|---|---|---|---|---|---|---|---|---|---|---|", flush=True)
     with tempfile.TemporaryDirectory(prefix="plumbline-meshes-") as folder:
         work = Path(folder)
         for path in chosen.meshes:
@@ -185,14 +188,16 @@ def main():
                 if maker.exitcode != 0:
                     sys.exit(f"{path}: is no mesh that can be compared")
                 triangles = (mesh.stat().st_size - 84) // 50
-                ours, theirs = [], []
+                ours, theirs, ready = [], [], []
                 for _ in range(chosen.repeat):
-                    ours.append(slice_with_plumbline(chosen.plumbline, mesh, work, chosen.threads))
+                    cost, seconds = slice_with_plumbline(chosen.plumbline, mesh, work)
+                    ours.append(cost)
+                    ready.append(seconds)
                     cost, masks = slice_with_prusa(mesh, work)
                     theirs.append(cost)
-                found = differences(chosen.mask_difference, work / "ours" / "layers", masks)
+                found = differences(chosen.mask_difference, work / "ours" / "layers", masks, chosen.every)
                 a, b = median(ours), median(theirs)
-                print(f"| {path.stem}{f', turn {turn}' if turn else ''} | {triangles:,} | {a.cpu_s:.2f} | {a.peak_mib:.0f} | {b.cpu_s:.1f} | "
+                print(f"| {path.stem}{f', turn {turn}' if turn else ''} | {triangles:,} | {a.cpu_s:.2f} | {min(ready):.2f} | {a.peak_mib:.0f} | {b.cpu_s:.1f} | "
                       f"{b.peak_mib:.0f} | {a.cpu_s / b.cpu_s:.3f} | {100 * found['differ'] / found['pixels']:.4f} | "
                       f"{100 * found['differ'] / found['cured']:.3f} | {found['far']} |", flush=True)  # fmt: skip
 

@@ -1,4 +1,4 @@
-// mask_difference FOLDER_A FOLDER_B: counts the pixels in which two stacks of PNG masks differ.
+// mask_difference FOLDER_A FOLDER_B [N]: counts the pixels in which two stacks of PNG masks differ; in every Nth layer only.
 //
 // A pixel of 128 or more cures. B may be mirrored: of the four ways, the one that fits the middle layers best is taken, and told.
 // The layers of a stack are its PNG files in the order of their names; one that is missing counts as black.
@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -75,8 +76,9 @@ void add(const Mask& a, const Mask& b, bool flip_x, bool flip_y, Difference& sum
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 3) {
-    std::fprintf(stderr, "usage: mask_difference FOLDER_A FOLDER_B\n");
+  const int every = argc == 4 ? std::atoi(argv[3]) : 1;
+  if ((argc != 3 && argc != 4) || every < 1) {
+    std::fprintf(stderr, "usage: mask_difference FOLDER_A FOLDER_B [N]\n");
     return 2;
   }
   const auto a = layers_of(argv[1]);
@@ -96,7 +98,7 @@ int main(int argc, char** argv) {
       std::min_element(tried.begin(), tried.end(), [](const auto& p, const auto& q) { return p.differ < q.differ; }) -
       tried.begin());
   Difference sum;
-  for (std::size_t k = 0; k < std::max(a.size(), b.size()); ++k) {
+  for (std::size_t k = 0; k < std::max(a.size(), b.size()); k += static_cast<std::size_t>(every)) {
     Mask ours = load(k < a.size() ? a[k] : b[k]);
     Mask theirs = load(k < b.size() ? b[k] : a[k]);
     if (k >= a.size()) std::fill(ours.grey.begin(), ours.grey.end(), static_cast<unsigned char>(0));

@@ -20,12 +20,12 @@ struct Mark {
 };
 constexpr const char* kUnpack = "unpack it and give the scan inside";
 constexpr const char* kConvert = "convert it to PLY with the program that wrote it or with CloudCompare";
-constexpr const char* kMesh = "it is a mesh or a model, not a scan: export the scan's points as PLY";
+constexpr const char* kMesh = "export the mesh as STL, OBJ, PLY or OFF";
 
 /// Other files that people have on their sticks.
 constexpr Mark kMarks[] = {
     {"\x1f\x8b"sv, "a gzip archive", kUnpack},
-    {"PK\x03\x04"sv, "a zip archive (or 3MF)", kUnpack},
+    {"PK\x03\x04"sv, "a zip archive", kUnpack},
     {"PK\x05\x06"sv, "an empty zip archive", kUnpack},
     {"7z\xbc\xaf\x27\x1c"sv, "a 7z archive", kUnpack},
     {"Rar!\x1a\x07"sv, "a RAR archive", kUnpack},
@@ -102,6 +102,7 @@ class Probe {
     const auto refuse = [&](const char* what, const char* advice) {
       return input_.fail(ErrorCode::kUnknownFormat, "this is %s;\t%s", what, advice);
     };
+    if (window_.starts_with("PK") && has_ending(input_.name(), ".3mf")) return refuse("3MF", kMesh);
     for (const Mark& mark : kMarks) {
       if (window_.starts_with(mark.bytes)) return refuse(mark.what, mark.advice);
     }

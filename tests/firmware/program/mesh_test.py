@@ -3,8 +3,9 @@
 
 import json
 import struct
+import subprocess
 
-from case import SIM2K, Program, main, write_sphere
+from case import PLUMBLINED, SIM2K, Program, confirm_plate, main, on_stick_printer, write_sphere
 
 
 def box(low, high):
@@ -86,6 +87,15 @@ class Meshes(Program):
         report = self.dir / "print.json"
         self.run_it("print", self.mesh, "--printer", SIM2K, "--layer-height", 0.1, "--supports", "none", "--report", report)
         self.assertEqual(json.loads(report.read_text())["state"], "finished")
+
+    def test_the_daemon_prints_it_from_a_stick(self):
+        stick, state = self.dir / "stick", self.dir / "state"
+        stick.mkdir()
+        write_stl(stick / "BOX.STL", *box((0, 0, 0), (20, 10, 5)))
+        confirm_plate(state)
+        command = [PLUMBLINED, "--printer", on_stick_printer(self.dir), "--state", state, "--stick", stick, "--speedup", 1e6, "--jobs", 1]
+        done = subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=120, check=False)
+        self.assertIn("BOX.STL: finished, 100 of 100 layers", done.stdout + done.stderr)
 
     def test_as_decides_between_points_and_faces(self):
         obj = self.dir / "box.obj"

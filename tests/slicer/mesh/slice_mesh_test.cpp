@@ -299,7 +299,9 @@ TEST(SliceMesh, WhatDoesNotFitIsRefusedBeforeItIsReadAgain) {
 }
 
 TEST(SliceMesh, ThePlanHoldsWhatEveryStageTakes) {
-  for (const TestMesh& mesh : {ball_mesh({0, 0, 20}, 20, 6), box_mesh({0, 0, 0}, {40, 30, 20})}) {
+  TestMesh open = ball_mesh({0, 0, 20}, 20, 4);
+  open.faces.resize(open.faces.size() - 40);
+  for (const TestMesh& mesh : {ball_mesh({0, 0, 20}, 20, 6), box_mesh({0, 0, 0}, {40, 30, 20}), open}) {
     for (const SurfaceFile& file : files_of(mesh)) {
       const Slicing slicing(MemorySource(file.bytes, file.name), settings_with_pitch(0.05F), kArena);
       const SliceReport& report = slicing.report();
@@ -356,6 +358,22 @@ TEST(SliceMesh, WhatHasNoFacesIsNoMesh) {
   const auto no_points = slice(mesh, settings, *arena, nullptr, report);
   ASSERT_FALSE(no_points);
   EXPECT_THAT(no_points.error().message(), HasSubstr("leave out --as points"));
+}
+
+TEST(SliceMesh, APyramidOnItsEdgeIsLaidOnAFace) {
+  TestMesh pyramid{{{0, -10, -10}, {0, 10, -10}, {0, 10, 10}, {0, -10, 10}, {25, 0, 0}}, {}};
+  pyramid.faces = {{0, 2, 1}, {0, 3, 2}, {0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}};
+  SliceSettings settings = settings_with_pitch(0.2F);
+  settings.orient = true;
+  const Slicing slicing = sliced(pyramid, settings);
+  ASSERT_TRUE(slicing.report().turned);
+  EXPECT_TRUE(slicing.report().mesh->closed);
+  slicing.for_each_section([&](std::uint32_t k, ConstBitImage section) {
+    if (k == 0) {
+      EXPECT_GT(0.04 * static_cast<double>(section.count()), 250);  // mm^2: the faces have 269 and 400
+    }
+  });
+  EXPECT_NEAR(slicing.volume(), 20 * 20 * 25 / 3.0, 30);
 }
 
 TEST(SliceMesh, AScanWithFacesStaysAScan) {
