@@ -147,21 +147,6 @@ class Resolver {
 
 }  // namespace
 
-std::uint64_t count_broken_rays(const HitList& hits) {
-  std::uint64_t broken = 0;
-  const auto all = hits.all();
-  for (std::size_t i = 0; i < all.size();) {
-    int sum = 0;
-    std::size_t end = i;
-    for (; end < all.size() && all[end].tile() == all[i].tile() && all[end].ray() == all[i].ray(); ++end) {
-      sum += all[end].winding();
-    }
-    broken += sum != 0 ? 1 : 0;
-    i = end;
-  }
-  return broken;
-}
-
 bool find_doubtful(MeshField& field, const HitList& hits, const PrintGrid& grid, const StageProgress& progress) {
   constexpr std::uint32_t kMiddle = kTileSide / 2;
   const std::uint32_t rows = field.end_row - field.first_row;

@@ -34,15 +34,12 @@ struct MeshField {
 /// shells inside of each other, shells that overlap and a mesh that is inside out are solid throughout. Where a ray does not enter as
 /// often as it exits, the sum from above says otherwise in some stretches. There the winding number of all triangles decides, as it
 /// does for scans; and in doubtful tiles in all empty stretches longer than two cells.
-/// @param field     null: the mesh is closed
-/// @param workers   room of each thread: room_bytes() from the top of the arena, for settings.threads of them
-/// @param counts    rays, broken_rays, decided_rays and crowded_rays are set
+/// @param field   null: the mesh is closed
+/// @param arena   kMostRayCrossings of every ray of a tile for each thread, from the top; the rest for the store
+/// @param counts  rays, broken_rays, decided_rays and crowded_rays are set
 /// @retval ErrorCode::kOutOfMemory, kCancelled
 [[nodiscard]] Expected<CrossingStore> resolve_hits(const HitList& hits, const PrintGrid& grid, const MeshField* field,
                                                    std::uint32_t threads, Arena& arena, const StageProgress& progress,
                                                    MeshCounts& counts);
-
-/// Counts the rays of which the hits don't cancel.
-std::uint64_t count_broken_rays(const HitList& hits);
 
 }  // namespace plumbline
