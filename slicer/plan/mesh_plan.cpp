@@ -1,6 +1,7 @@
 #include "slicer/plan/mesh_plan.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "slicer/checks/stack_checker.hpp"
 #include "slicer/mesh/hit_resolver.hpp"
@@ -16,6 +17,8 @@ namespace {
 /// The estimate of the hits is good to a few percent, so a refusal and a plan leave that much on either side.
 constexpr double kSureShare = 0.95;
 constexpr double kPlannedShare = 1.05;
+/// More than any arena holds, and so few that no sum of bytes overflows.
+constexpr double kMostHits = static_cast<double>(std::numeric_limits<std::size_t>::max() / 64);
 
 }  // namespace
 
@@ -29,7 +32,7 @@ MemoryPlan plan_mesh(const MeshNeed& need, std::uint32_t threads) {
   const PrintGrid& grid = need.grid;
   MemoryPlan plan;
   const RayYield yield{need.hits / 2, need.hits};
-  const std::size_t hits = Arena::rounded(static_cast<std::size_t>(std::min(need.hits, 1e15 / 8)) * sizeof(PackedHit));
+  const std::size_t hits = Arena::rounded(static_cast<std::size_t>(std::min(need.hits, kMostHits)) * sizeof(PackedHit));
   const std::size_t rooms = threads * Arena::rounded(sizeof(std::uint16_t) * kTileSide * kTileSide * kMostRayCrossings);
   const std::size_t reading = kReaderWorkspace + VertexList::bytes_needed(need.most_vertices);
   const std::size_t store = store_bytes(grid, yield);

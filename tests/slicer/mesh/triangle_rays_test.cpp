@@ -112,7 +112,7 @@ TEST(TriangleRays, AreThoseOfTheDefinitionForTrianglesOnPixelCentresAndSamplingH
   std::mt19937 random(1);
   // Coordinates in quarters of a pixel and of a layer: most tests are ties.
   const auto any = [&](std::uint32_t cells, std::int64_t steps) {
-    return static_cast<std::int32_t>(std::int64_t{random() % (4 * cells + 1)} * (steps / 4));
+    return static_cast<std::int32_t>(static_cast<std::int64_t>(random() % (4 * cells + 1)) * (steps / 4));
   };
   std::size_t hits = 0;
   for (int i = 0; i < 4000; ++i) {
