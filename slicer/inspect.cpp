@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "slicer/core/median.hpp"
+#include "slicer/mesh_slicing.hpp"
 #include "slicer/preparation.hpp"
 #include "slicer/rrep_building.hpp"
 
@@ -74,11 +75,42 @@ Expected<Placement> place_coarsely(const Box3d& bounds, double unit_mm, const Pl
   return placed;
 }
 
+Expected<CrossingStore> find_mesh_crossings(MeshFiles& files, const MeshSurvey& survey, const SliceSettings& asked,
+                                            Arena& arena, ProgressSink* progress, InspectReport& report,
+                                            bool& prepared) {
+  SliceSettings settings = asked;
+  MeshSurvey mesh = survey;
+  if (settings.orient) {
+    const auto turned = turn_mesh(files, survey, settings, arena, progress, report);
+    PLUMBLINE_TRY(turned);
+    mesh = *turned;
+  }
+  report.bounds = report.bounds_with_noise = mesh.bounds;
+  report.units = units_of(report.bounds, settings.placement);
+  const double unit_mm = millimetres_per(report.units);
+  report.placement = place(report.bounds, unit_mm, settings.placement);
+  prepared = true;
+  const auto coarse = place_coarsely(report.bounds, unit_mm, settings.placement, report.placement);
+  PLUMBLINE_TRY(coarse);
+  static_cast<PreparationCounts&>(report.coarse) = report;
+  report.coarse.placement = *coarse;
+  auto store = shoot_mesh(files, mesh, settings, arena, progress, report.coarse);
+  report.mesh = report.coarse.mesh;
+  return store;
+}
+
 /// Leaves the crossings of the coarse R-Rep at the bottom of the arena.
 /// @param prepared  whether `report` has all of the preparation; an error after that is no error of inspect()
-Expected<CrossingStore> find_crossings(ScanSources sources, const SliceSettings& settings, Arena& arena,
+Expected<CrossingStore> find_crossings(ScanSources given, const SliceSettings& settings, Arena& arena,
                                        ProgressSink* progress, InspectReport& report, bool& prepared) {
   const ArenaScope scan_and_trees(arena);
+  auto files = MeshFiles::open(given, arena);
+  PLUMBLINE_TRY(files);
+  const auto mesh = survey_mesh(*files, settings, arena, progress, report);
+  PLUMBLINE_TRY(mesh);
+  if (*mesh) return find_mesh_crossings(*files, **mesh, settings, arena, progress, report, prepared);
+  const auto pointers = files->pointers();
+  const ScanSources sources = std::span(pointers).first(given.size());
   const auto measure_all = [&](const PreparedScan& scan, const KdTree3& tree) {
     report.bounds = report.bounds_with_noise = scan.bounds();
     return measure(scan, tree, arena, report);

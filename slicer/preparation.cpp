@@ -8,6 +8,7 @@
 
 #include "slicer/cloud/cloud_reader.hpp"
 #include "slicer/core/stage_scope.hpp"
+#include "slicer/mesh_slicing.hpp"
 #include "slicer/plan/scan_admission.hpp"
 #include "slicer/rays/ray_shooter.hpp"
 #include "slicer/surface/surface_points.hpp"
@@ -247,7 +248,20 @@ Expected<PreparedScan> prepare(ScanSources sources, const SliceSettings& setting
 
 Status prepare_normals(ScanSources sources, const SliceSettings& settings, Arena& arena, ProgressSink* progress,
                        PreparationReport& report, NormalsLook look) {
-  return Preparation(sources, settings, arena, progress, report).run_normals(look);
+  const ArenaScope all(arena);
+  auto files = MeshFiles::open(sources, arena);
+  PLUMBLINE_TRY(files);
+  const auto mesh = survey_mesh(*files, settings, arena, progress, report);
+  PLUMBLINE_TRY(mesh);
+  const auto pointers = files->pointers();
+  const ScanSources rewound = std::span(pointers).first(sources.size());
+  if (!*mesh) return Preparation(rewound, settings, arena, progress, report).run_normals(look);
+  const auto cloud = mesh_cloud(*files, **mesh, arena, progress, report);
+  PLUMBLINE_TRY(cloud);
+  PreparedScan prepared;
+  prepared.cloud = *cloud;
+  prepared.offset = (*mesh)->bounds.low;
+  return look(prepared);
 }
 
 Status check_no_speck(const Box3d& bounds, ScanSources sources, const PlacementSettings& settings) {

@@ -174,6 +174,15 @@ Status trim(RRep& rrep, Arena& arena, SliceReport& report) {
   return {};
 }
 
+/// A mesh is printed as it is, however small its parts are.
+Expected<RRep> finish_mesh(CrossingStore& store, Arena& arena, SliceReport& report) {
+  auto rrep = CrossingStore::sort(store, arena);
+  PLUMBLINE_TRY(rrep);
+  rrep->is_exact = true;
+  PLUMBLINE_TRY(trim(*rrep, arena, report));
+  return rrep;
+}
+
 }  // namespace
 
 Expected<CrossingStore> shoot_rays(Cloud& cloud, const SliceSettings& settings, Arena& arena, ProgressSink* progress,
@@ -184,6 +193,7 @@ Expected<CrossingStore> shoot_rays(Cloud& cloud, const SliceSettings& settings, 
 Expected<RRep> finish_rrep(CrossingStore& store, const SliceSettings& settings, Arena& arena, ProgressSink* progress,
                            SliceReport& report) {
   const StageScope stage(Stage::kRRep, arena, progress, report.peak_bytes);
+  if (report.mesh) return finish_mesh(store, arena, report);
   ComponentLimits limits = component_limits(report.lengths.epsilon, report.placement.grid);
   limits.drop_floating = !settings.keep_all;
   report.components = drop_small_components(store, limits, arena);

@@ -9,6 +9,7 @@
 #include "slicer/core/length.hpp"
 #include "slicer/core/progress.hpp"
 #include "slicer/layers/layer_features.hpp"
+#include "slicer/mesh/mesh_counts.hpp"
 #include "slicer/normals/normals.hpp"
 #include "slicer/orientation/orientations.hpp"
 #include "slicer/placement/placement.hpp"
@@ -47,6 +48,7 @@ struct FloorCut {
 struct PreparationCounts {
   ScanSummary scan;                   ///< of all files: sum_of()
   ScanSummaries scans;                ///< of each file
+  std::optional<MeshCounts> mesh;     ///< the files were sliced as a mesh; what is said of points is 0
   std::uint32_t cloud_capacity = 0;   ///< points the arena has room for
   std::uint32_t cloud_points = 0;     ///< points after thinning
   std::uint64_t averaged_points = 0;  ///< scan points that were averaged into another

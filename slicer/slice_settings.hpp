@@ -6,11 +6,13 @@
 #include "slicer/placement/base_choice.hpp"
 #include "slicer/placement/floor_choice.hpp"
 #include "slicer/placement/placement.hpp"
+#include "slicer/reader/read_as.hpp"
 #include "slicer/surface/clustering.hpp"
 
 namespace plumbline {
 
 struct SliceSettings {
+  ReadAs as = ReadAs::kAuto;
   PlacementSettings placement;
   ClusteringSettings clustering;
   BaseChoice base = BaseChoice::kAuto;

@@ -1,5 +1,6 @@
 #include "slicer/slicer.hpp"
 
+#include "slicer/mesh_slicing.hpp"
 #include "slicer/placement/core_bounds.hpp"
 #include "slicer/preparation.hpp"
 #include "slicer/rrep_building.hpp"
@@ -28,9 +29,8 @@ Status check_core_fits(const PreparedScan& scan, const PlacementSettings& settin
   return placed ? Status() : Status(tl::unexpected<Error>(placed.error()));
 }
 
-Expected<CrossingStore> find_crossings(ScanSources sources, const SliceSettings& settings, Arena& arena,
-                                       ProgressSink* progress, SliceReport& report) {
-  const ArenaScope scan_and_trees(arena);
+Expected<CrossingStore> find_scan_crossings(ScanSources sources, const SliceSettings& settings, Arena& arena,
+                                            ProgressSink* progress, SliceReport& report) {
   PreparationReport found;
   const auto admit = [&](const PreparedScan& read) -> Status {
     PLUMBLINE_TRY(check_no_speck(read.bounds(), sources, settings.placement));
@@ -48,6 +48,38 @@ Expected<CrossingStore> find_crossings(ScanSources sources, const SliceSettings&
   PLUMBLINE_TRY(placement);
   move_to_print(*placement, *scan, found, report);
   return shoot_rays(scan->cloud, settings, arena, progress, report);
+}
+
+Expected<CrossingStore> find_mesh_crossings(MeshFiles& files, const MeshSurvey& mesh, ScanSources sources,
+                                            const SliceSettings& asked, Arena& arena, ProgressSink* progress,
+                                            SliceReport& report) {
+  SliceSettings settings = asked;
+  MeshSurvey survey = mesh;
+  if (settings.orient) {
+    const auto turned = turn_mesh(files, mesh, settings, arena, progress, report);
+    PLUMBLINE_TRY(turned);
+    survey = *turned;
+  }
+  PLUMBLINE_TRY(check_no_speck(survey.bounds, sources, settings.placement));
+  report.units = units_of(survey.bounds, settings.placement);
+  report.units_guessed = settings.placement.units == Units::kAuto && !settings.placement.size;
+  const auto placement = place(survey.bounds, millimetres_per(report.units), settings.placement);
+  PLUMBLINE_TRY(placement);
+  report.placement = *placement;
+  return shoot_mesh(files, survey, settings, arena, progress, report);
+}
+
+Expected<CrossingStore> find_crossings(ScanSources sources, const SliceSettings& settings, Arena& arena,
+                                       ProgressSink* progress, SliceReport& report) {
+  const ArenaScope all(arena);
+  auto files = MeshFiles::open(sources, arena);
+  PLUMBLINE_TRY(files);
+  const auto mesh = survey_mesh(*files, settings, arena, progress, report);
+  PLUMBLINE_TRY(mesh);
+  const auto pointers = files->pointers();
+  const ScanSources rewound = std::span(pointers).first(sources.size());
+  if (!*mesh) return find_scan_crossings(rewound, settings, arena, progress, report);
+  return find_mesh_crossings(*files, **mesh, rewound, settings, arena, progress, report);
 }
 
 }  // namespace

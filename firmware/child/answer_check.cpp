@@ -113,7 +113,8 @@ Expected<CheckedAnswer> check_answer(const ScanAnswer& answer, const ScanRequest
   const std::uint64_t layer_ends = std::uint64_t{grid.layers} + 1;
   sliced.rrep = {.grid = grid,
                  .first = part_of<std::uint32_t>(*result, answer.first_at, layer_ends),
-                 .pixel = part_of<std::uint32_t>(*result, answer.pixel_at, answer.crossings)};
+                 .pixel = part_of<std::uint32_t>(*result, answer.pixel_at, answer.crossings),
+                 .is_exact = answer.is_exact != 0};
   if (sliced.rrep.first.size() != layer_ends || sliced.rrep.pixel.size() != answer.crossings) return wrong("places");
   if (!is_rrep(sliced.rrep)) return wrong("crossings");
 

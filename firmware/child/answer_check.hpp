@@ -20,7 +20,7 @@ struct CheckedAnswer {
 
 /// What to do about a file that makes the child fail.
 inline constexpr const char* kExportAgain =
-    "Export the scan again as PLY, PCD, OBJ or XYZ, and report this file to plumbline's maintainers";
+    "Export it again, as PLY, PCD, OBJ, XYZ or STL, and report this file to plumbline's maintainers";
 
 /// Checks every number, place, crossing and support, so that no mask reads or draws outside its image. That the crossings are those of
 /// the scan is not checked: whoever makes the scan decides what is printed anyway.

@@ -18,4 +18,9 @@ Expected<std::size_t> GivenFile::read(std::span<std::byte> buffer) {
   }
 }
 
+Status GivenFile::rewind() {
+  if (::lseek(STDIN_FILENO, 0, SEEK_SET) != 0) return ByteSource::rewind();
+  return {};
+}
+
 }  // namespace plumbline

@@ -13,6 +13,7 @@ class GivenFile final : public ByteSource {
   Expected<std::size_t> read(std::span<std::byte> buffer) override;
   std::string_view name() const override { return request_.name.view(); }
   std::optional<std::uint64_t> size() const override { return request_.size; }
+  Status rewind() override;
 
  private:
   const ScanRequest& request_;

@@ -11,6 +11,7 @@ struct JobAnswer {
   std::array<char, 256> scan{};
   std::array<char, 64> profile{};
   std::uint32_t units = 0;     ///< a Units
+  std::uint32_t as = 0;        ///< a ReadAs
   std::uint32_t base = 0;      ///< a BaseChoice
   std::uint32_t supports = 0;  ///< 0: as the profile has it; 1: no; 2: yes
   std::uint32_t fit = 0;

@@ -92,6 +92,12 @@ constexpr std::uint32_t kNotPermitted = SECCOMP_RET_ERRNO | EPERM;
 constexpr Rule kRules[] = {
     // Reading the scan, waiting for other threads, the time, the end.
     {SYS_read, SECCOMP_RET_ALLOW},
+#ifdef SYS_lseek
+    {SYS_lseek, SECCOMP_RET_ALLOW},
+#endif
+#ifdef SYS__llseek
+    {SYS__llseek, SECCOMP_RET_ALLOW},
+#endif
     {SYS_futex, SECCOMP_RET_ALLOW},
     {SYS_sched_yield, SECCOMP_RET_ALLOW},
     {SYS_clock_gettime, SECCOMP_RET_ALLOW},

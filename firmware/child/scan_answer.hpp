@@ -28,6 +28,7 @@ struct ScanAnswer {
   // kSliced: a SlicedScan. Places are bytes from the arena's beginning.
   std::uint64_t bottom_used = 0;  ///< bytes; all that follows is below
   std::uint32_t layers = 0;
+  std::uint32_t is_exact = 0;     ///< RRep::is_exact; any other number than 0 is true
   std::uint32_t supports = 0;     ///< how many
   std::uint64_t crossings = 0;    ///< how many
   std::uint64_t first_at = 0;     ///< RRep::first

@@ -36,6 +36,7 @@ void hand_back(const SlicedScan& sliced, const SliceReport& report, const Arena&
   };
   answer.bottom_used = arena.bottom_used();
   answer.layers = sliced.rrep.grid.layers;
+  answer.is_exact = sliced.rrep.is_exact ? 1 : 0;
   answer.crossings = sliced.rrep.pixel.size();
   answer.first_at = place(sliced.rrep.first.data());
   answer.pixel_at = place(sliced.rrep.pixel.data());

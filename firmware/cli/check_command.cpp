@@ -192,12 +192,13 @@ Status write_json(const CheckedMasks& masks, const CheckPolicy& policy) {
 }  // namespace
 
 CLI::App* add_check_command(CLI::App& app, CheckOptions& options) {
-  auto* command = app.add_subcommand("check", "Find what would go wrong with layers: of a scan, or in a folder");
+  auto* command =
+      app.add_subcommand("check", "Find what would go wrong with layers: of a scan or a mesh, or in a folder");
   command->footer(kFooter);
   command->add_option("--picture", options.picture, "Draw where the issues are")->type_name("PNG");
   add_slicing_options(*command, options.job, options.supports, options.checks)
       ->type_name("STACK|SCAN")
-      ->description("A folder of layers as PNG files, or the files of a scan");
+      ->description("A folder of layers as PNG files, or the files of a scan or mesh");
   return command;
 }
 

@@ -55,7 +55,7 @@ Expected<StackFindings> check_coarsely(const RRep& rrep, Arena& arena) {
 }  // namespace
 
 CLI::App* add_inspect_command(CLI::App& app, InspectOptions& options) {
-  auto* command = app.add_subcommand("inspect", "Show what is in a scan and whether it fits the printer");
+  auto* command = app.add_subcommand("inspect", "Show what is in a scan or a mesh, and whether it fits the printer");
   command->footer(kFooter);
   add_look_options(*command, options.job, options.picture, "Draw what the scanner saw and what it did not");
   command->add_option("--issues", options.issues, "Draw where the checks find something, if they do")->type_name("PNG");
@@ -80,9 +80,11 @@ ExitCode run_inspect(const InspectOptions& inspect_options, std::span<std::byte>
   std::optional<StackFindings> findings;
   PrintGrid coarse_grid;
   const auto see = [&](const RRep& rrep, const SliceReport& coarse) -> Status {
-    const auto previewed = preview_coverage(rrep, coarse, scan->title(), inspect_options.picture, arena);
-    PLUMBLINE_TRY(previewed);
-    coverage = *previewed;
+    if (!coarse.mesh) {
+      const auto previewed = preview_coverage(rrep, coarse, scan->title(), inspect_options.picture, arena);
+      PLUMBLINE_TRY(previewed);
+      coverage = *previewed;
+    }
     const auto checked = check_coarsely(rrep, arena);
     PLUMBLINE_TRY(checked);
     findings = *checked;
@@ -93,6 +95,12 @@ ExitCode run_inspect(const InspectOptions& inspect_options, std::span<std::byte>
   if (!done) return report_error(done.error());
   const bool wants_picture = !inspect_options.picture.empty() || !inspect_options.issues.empty();
   if (!report.sliced && wants_picture) return report_error(report.sliced.error());
+  if (report.mesh && !inspect_options.picture.empty()) {
+    return report_error(Error::format(ErrorCode::kBadSetting,
+                                      "%s: is a mesh, so there is nothing that a scanner did not see.\tLeave out "
+                                      "--picture; 'plumbline slice' draws a preview",
+                                      scan->title().c_str()));
+  }
   ScanOutlook outlook = make_outlook(report, setup->placement, arena.capacity(), setup->threads);
   outlook.coverage = coverage;
   outlook.findings = findings;

@@ -10,6 +10,7 @@
 #include "firmware/slice/issue_report.hpp"
 #include "firmware/slice/job_report.hpp"
 #include "firmware/slice/manifest.hpp"
+#include "slicer/plan/mesh_plan.hpp"
 
 namespace plumbline {
 namespace {
@@ -27,6 +28,13 @@ std::uint32_t points_of(const InspectReport& scan, PointClass c) { return scan.c
 
 void add_scan(Text& text, const ScanOutlook& o) {
   const ScanSummary& scan = o.scan.scan;
+  if (o.scan.mesh) {
+    text.add("mesh       %s: %s\n", o.scan_name.c_str(), mesh_text(*o.scan.mesh).c_str());
+    if (o.scan.mesh->not_finite > 0) {
+      text.add("           %llu triangles that are not finite were left out\n", big(o.scan.mesh->not_finite));
+    }
+    return;
+  }
   text.add("scan       %s: %llu points %s\n", o.scan_name.c_str(), big(scan.points),
            scan.header.has_normals ? "with normals" : "without normals, which are estimated");
   for (std::size_t i = 0; o.scan_names.size() > 1 && i < std::min(o.scan_names.size(), o.scan.scans.count); ++i) {
@@ -66,6 +74,7 @@ void add_print(Text& text, const ScanOutlook& o, std::string_view print_time) {
 }
 
 void add_coverage(Text& text, const ScanOutlook& o) {
+  if (o.scan.mesh) return;
   if (o.coverage) {
     text.add("scanned    %s\n", scanned_text(Unseen::of(o.coverage->shares)).c_str());
   } else {
@@ -100,6 +109,11 @@ void add_details(Text& text, const ScanOutlook& o) {
   const ScanSummary& scan = o.scan.scan;
   text.add("file       %s %s, %.1f MB\n", to_string(scan.header.format), scan.header.encoding,
            static_cast<double>(scan.bytes) / 1e6);
+  if (o.scan.mesh) {
+    text.add(
+        "faces      %llu with %llu vertices; %llu of %llu rays of a coarse slice do not leave as often as they enter\n",
+        big(o.scan.mesh->faces), big(o.scan.mesh->vertices), big(o.scan.mesh->broken_rays), big(o.scan.mesh->rays));
+  }
   if (scan.header.has_normals) text.add("normals    %llu have length zero\n", big(scan.without_normal));
   const Vec3d size = o.scan.bounds.size();
   const Vec3d whole = o.scan.bounds_with_noise.size();
@@ -119,6 +133,7 @@ void add_details(Text& text, const ScanOutlook& o) {
 }
 
 void add_surface(Text& text, const ScanOutlook& o) {
+  if (o.scan.mesh) return;
   const InspectReport& s = o.scan;
   text.add("spacing    %.3g mm to the nearest point (median); epsilon %.3g mm\n", o.mm(s.spacing),
            o.mm(s.lengths.epsilon));
@@ -132,7 +147,9 @@ void add_surface(Text& text, const ScanOutlook& o) {
 
 void add_plan(Text& text, const ScanOutlook& o) {
   const InspectReport& s = o.scan;
-  if (s.averaged_points > 0) {
+  if (s.mesh) {
+    // A mesh takes the same room whatever its number of triangles.
+  } else if (s.averaged_points > 0) {
     text.add("thinning   from %llu to %u points: one for each cell of %.3g mm; the arena has room for %u\n",
              big(s.scan.points), s.cloud_points, o.mm(s.lengths.thinning_cell), s.cloud_capacity);
   } else {
@@ -142,9 +159,10 @@ void add_plan(Text& text, const ScanOutlook& o) {
     text.add("arena      %s\n", o.plan.error().message());
     return;
   }
-  text.add("arena      %.1f of %.0f MiB for %u points with %u thread%s; by stage:\n",
-           static_cast<double>(o.plan->peak()) / kMiB, static_cast<double>(o.arena_bytes) / kMiB, o.plan->points,
-           o.threads, o.threads == 1 ? "" : "s");
+  FixedText<32> points;
+  if (!s.mesh) points.add(" for %u points", o.plan->points);
+  text.add("arena      %.1f of %.0f MiB%s with %u thread%s; by stage:\n", static_cast<double>(o.plan->peak()) / kMiB,
+           static_cast<double>(o.arena_bytes) / kMiB, points.c_str(), o.threads, o.threads == 1 ? "" : "s");
   for (std::size_t i = 0; i < kStageCount; ++i) {
     if (o.plan->bytes[i] == 0) continue;
     const std::string_view name = to_string(static_cast<Stage>(i));
@@ -249,6 +267,11 @@ ScanOutlook make_outlook(const InspectReport& scan, const PlacementSettings& pla
   } else if (o.scan.placement) {
     grid = o.scan.placement->grid;
   }
+  if (scan.mesh) {
+    // Without a place on the printer there is nothing to plan.
+    o.plan = scan.placement ? plan_mesh(need_of(*scan.mesh, *scan.placement), threads) : MemoryPlan{};
+    return o;
+  }
   o.plan = largest_plan(arena_bytes, scan.cloud_points, grid, threads, {.confidence = true});
   return o;
 }
@@ -275,6 +298,7 @@ void write_outlook(JsonWriter& json, const ScanOutlook& outlook) {
   json.member("version", kVersion);
   json.end_object();
   write_scan(json, outlook);
+  write_mesh(json, s.mesh);
   json.key("extent_scan_units");
   json.row(s.bounds.size());
   json.key("extent_with_noise_scan_units");

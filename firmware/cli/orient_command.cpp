@@ -108,7 +108,7 @@ Status write_text(OutputFile& out, const Found& found, const OrientOptions& opti
 }  // namespace
 
 CLI::App* add_orient_command(CLI::App& app, OrientOptions& options) {
-  auto* command = app.add_subcommand("orient", "Find the best ways up to print a scan");
+  auto* command = app.add_subcommand("orient", "Find the best ways up to print a scan or a mesh");
   command->footer(kFooter);
   add_look_options(*command, options.job, options.picture, "Draw the best four ways up");
   command->callback([&options] {

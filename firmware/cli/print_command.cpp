@@ -169,7 +169,7 @@ ExitCode exit_code(PrintState state) {
 
 CLI::App* add_print_command(CLI::App& app, PrintOptions& options) {
   constexpr const char* kPrint = "Print";
-  auto* command = app.add_subcommand("print", "Print a scan");
+  auto* command = app.add_subcommand("print", "Print a scan or a mesh");
   command->footer(kFooter);
   auto* scan = add_job_options(*command, options.job)->required(false);
   command->get_option("--printer")->required();

@@ -21,12 +21,13 @@ constexpr const char* kFooter =
     "  plumbline slice bust.ply -o out --supports none          without supports, even if something falls\n"
     "  plumbline slice bust.ply -o out --rotate-x 90            a scan whose y points up\n"
     "  plumbline slice front.ply back.ply -o out                one scan in two files\n"
+    "  plumbline slice part.stl -o out --printer mono2k         a mesh: STL, OBJ, PLY or OFF\n"
     "\n"
     "Output:\n"
     "  OUT/layers/00000.png ...  a mask per layer, lowest first: 1-bit greyscale, white cures, row 0 has the smallest "
     "y\n"
     "  OUT/preview.png           the print from the front, the side and above\n"
-    "  OUT/coverage.png          which parts of the surface were scanned, and which were closed\n"
+    "  OUT/coverage.png          which parts of the surface were scanned, and which were closed; not of a mesh\n"
     "  OUT/manifest.json         grid, hashes, figures; written last, so a job that has it is complete\n"
     "An older job in OUT is replaced. A folder that holds anything else is refused.\n"
     "\n"
@@ -48,7 +49,7 @@ Status write_result(const JobReport& report, const SliceOptions& options, const 
 }  // namespace
 
 CLI::App* add_slice_command(CLI::App& app, SliceOptions& options) {
-  auto* command = app.add_subcommand("slice", "Slice a scan into layer masks");
+  auto* command = app.add_subcommand("slice", "Slice a scan or a mesh into layer masks");
   command->footer(kFooter);
   command->add_option("-o,--output", options.output, "Folder for the layers; created if it is missing")
       ->required()

@@ -96,6 +96,12 @@ Status set_job_setting(StickJob& job, std::string_view key, std::string_view val
     job.units = static_cast<Units>(*word);
     return {};
   }
+  if (key == "as") {
+    const auto word = index_of(kAsWords, value);
+    if (!word) return refused(key, value, "auto, points or mesh");
+    job.as = static_cast<ReadAs>(*word);
+    return {};
+  }
   if (key == "base") {
     const auto word = index_of(kBaseWords, value);
     if (!word) return refused(key, value, "auto, none or flat");
@@ -132,7 +138,7 @@ Status set_job_setting(StickJob& job, std::string_view key, std::string_view val
   return fail(ErrorCode::kBadSetting,
               "'%.*s': unknown setting.\tKnown are profile, units, scale, fit, width, depth, height, length, floor, "
               "orient, rotate_x_deg, "
-              "rotate_y_deg, rotate_z_deg, layer_height, supports, base and keep_all",
+              "rotate_y_deg, rotate_z_deg, layer_height, supports, as, base and keep_all",
               static_cast<int>(key.size()), key.data());
 }
 

@@ -28,6 +28,7 @@ std::vector<SettingRule> rules_for(StickJob& job, JobTexts& texts) {
       {"job", "profile", TextSetting{&job.profile}, 1, 63, "", kOptional},
       {"job", "supports", ChoiceSetting{kSupportWords, [&job](std::size_t word) { job.supports = word == 1; }}, 0, 0,
        "", kOptional},
+      {"job", "as", choice(kAsWords, job.as), 0, 0, "", kOptional},
       {"job", "base", choice(kBaseWords, job.base), 0, 0, "", kOptional},
       {"job", "floor", TextSetting{&texts.floor, TextKind::kPath}, 1, 32, "", kOptional},
       {"job", "keep_all", &job.keep_all, 0, 0, "", kOptional},

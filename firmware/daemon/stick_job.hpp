@@ -23,6 +23,9 @@ struct StickJob : JobSettings {
 inline constexpr std::array<std::string_view, 5> kUnitWords = {"mm", "cm", "m", "in", "auto"};
 inline constexpr std::array<std::string_view, 2> kSupportWords = {"none", "auto"};
 inline constexpr std::array<std::string_view, 3> kBaseWords = {"auto", "none", "flat"};
+inline constexpr std::array<std::string_view, 3> kAsWords = {"auto", "points", "mesh"};
+static_assert(static_cast<int>(ReadAs::kAuto) == 0 && static_cast<int>(ReadAs::kPoints) == 1 &&
+              static_cast<int>(ReadAs::kMesh) == 2);
 static_assert(static_cast<int>(Units::kMillimetres) == 0 && static_cast<int>(Units::kAuto) == 4);
 static_assert(static_cast<int>(BaseChoice::kAuto) == 0 && static_cast<int>(BaseChoice::kNone) == 1 &&
               static_cast<int>(BaseChoice::kFlat) == 2);

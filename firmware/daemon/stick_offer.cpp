@@ -24,7 +24,7 @@ Expected<StickOffer> StickOffer::read(const StickMount& mount, ScanSlicing& slic
     offer.job_ = std::move(*job);
   } else if (scans->count == 0) {
     return fail(ErrorCode::kNoPoints,
-                "there is no scan on the stick:\tput a PLY, PCD, OBJ or XYZ file in its top folder");
+                "there is no scan or mesh on the stick:\tput an STL, OBJ, PLY, OFF, PCD or XYZ file in its top folder");
   } else {
     offer.job_.scan = scans->list[0].name.view();
   }

@@ -12,6 +12,7 @@ Expected<ScanRequest> stick_request(const StickJob& job, const StickFile& scan, 
   request.name.add("%s", job.scan.c_str());
   request.size = scan.size();
   request.settings.threads = daemon.threads;
+  request.settings.as = job.as;
   request.settings.base = job.base;
   request.settings.floor = job.floor;
   request.settings.orient = job.orient;

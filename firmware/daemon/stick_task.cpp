@@ -33,6 +33,7 @@ void hand_back(const StickJob& job, ScanAnswer& answer) {
   job.scan.copy(fields.scan.data(), fields.scan.size() - 1);
   job.profile.copy(fields.profile.data(), fields.profile.size() - 1);
   fields.units = static_cast<std::uint32_t>(job.units);
+  fields.as = static_cast<std::uint32_t>(job.as);
   fields.base = static_cast<std::uint32_t>(job.base);
   fields.supports = !job.supports ? 0 : *job.supports ? 2 : 1;
   fields.fit = job.fit ? 1 : 0;
@@ -82,6 +83,7 @@ Expected<StickJob> check_job_answer(const ScanAnswer& answer) {
   const bool angles = std::all_of(fields.rotate_deg.begin(), fields.rotate_deg.end(),
                                   [](double degrees) { return is_within(degrees, -360, 360); });
   const bool choices = fields.units <= static_cast<std::uint32_t>(Units::kAuto) &&
+                       fields.as <= static_cast<std::uint32_t>(ReadAs::kMesh) &&
                        fields.base <= static_cast<std::uint32_t>(BaseChoice::kFlat) && fields.supports <= 2 &&
                        fields.fit <= 1 && fields.keep_all <= 1 &&
                        fields.side <= static_cast<std::uint32_t>(Side::kLength) && fields.orient <= 1 &&
@@ -95,6 +97,7 @@ Expected<StickJob> check_job_answer(const ScanAnswer& answer) {
     return fail(ErrorCode::kBadSetting, "what was read of it does not add up");
   }
   job.units = static_cast<Units>(fields.units);
+  job.as = static_cast<ReadAs>(fields.as);
   job.base = static_cast<BaseChoice>(fields.base);
   if (fields.supports > 0) job.supports = fields.supports == 2;
   job.fit = fields.fit == 1;

@@ -29,6 +29,7 @@ constexpr std::array kOptions = {
     Option{"--depth", "depth"},
     Option{"--scale", "scale"},
     Option{"--units", "units"},
+    Option{"--as", "as"},
     Option{"--base", "base"},
     Option{"--fit", "fit = true", false},
 };

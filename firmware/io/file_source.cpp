@@ -59,4 +59,10 @@ Expected<std::size_t> FileSource::read(std::span<std::byte> buffer) {
   }
 }
 
+Status FileSource::rewind() {
+  if (::lseek(file_, 0, SEEK_SET) != 0) return ByteSource::rewind();
+  offset_ = 0;
+  return {};
+}
+
 }  // namespace plumbline

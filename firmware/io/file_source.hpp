@@ -7,7 +7,7 @@
 
 namespace plumbline {
 
-/// Reads a file from start to end with system calls: it has no buffer, and takes nothing from the heap after open().
+/// Reads a file with system calls: it has no buffer, and takes nothing from the heap after open().
 class FileSource final : public ByteSource {
  public:
   /// @param path  a file, or a pipe
@@ -21,6 +21,7 @@ class FileSource final : public ByteSource {
   [[nodiscard]] Expected<std::size_t> read(std::span<std::byte> buffer) override;
   std::string_view name() const override { return name_; }  ///< without its folders
   std::optional<std::uint64_t> size() const override { return size_; }
+  [[nodiscard]] Status rewind() override;
 
  private:
   FileSource() = default;

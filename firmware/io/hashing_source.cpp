@@ -1,11 +1,25 @@
 #include "firmware/io/hashing_source.hpp"
 
+#include <algorithm>
+
 namespace plumbline {
 
 Expected<std::size_t> HashingSource::read(std::span<std::byte> buffer) {
   const auto got = source_.read(buffer);
-  if (got) hash_.add(buffer.first(*got));
+  PLUMBLINE_TRY(got);
+  at_ += *got;
+  if (at_ > hashed_) {
+    const auto fresh = static_cast<std::size_t>(std::min<std::uint64_t>(*got, at_ - hashed_));
+    hash_.add(buffer.subspan(*got - fresh, fresh));
+    hashed_ = at_;
+  }
   return got;
+}
+
+Status HashingSource::rewind() {
+  PLUMBLINE_TRY(source_.rewind());
+  at_ = 0;
+  return {};
 }
 
 HashingSources::HashingSources(ScanSources scan) : count_(scan.size()) {

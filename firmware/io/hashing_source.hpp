@@ -11,7 +11,7 @@
 
 namespace plumbline {
 
-/// Passes a stream on and hashes its bytes.
+/// Passes a stream on and hashes its bytes, each once: those that are read again after a rewind() don't count.
 class HashingSource final : public ByteSource {
  public:
   /// @param source  must outlive this
@@ -19,11 +19,14 @@ class HashingSource final : public ByteSource {
   Expected<std::size_t> read(std::span<std::byte> buffer) override;
   std::string_view name() const override { return source_.name(); }
   std::optional<std::uint64_t> size() const override { return source_.size(); }
+  Status rewind() override;
   std::uint64_t hash() const { return hash_.value(); }  ///< of the bytes read so far
 
  private:
   ByteSource& source_;
   Hash64 hash_;
+  std::uint64_t at_ = 0;      ///< byte of the stream
+  std::uint64_t hashed_ = 0;  ///< bytes of the stream
 };
 
 /// Hashes all files of a scan.

@@ -53,6 +53,7 @@ Expected<JobSetup> set_up(const JobOptions& options, std::size_t built_bytes) {
         options.arena_mib ? "--arena-mib" : "the board file", arena_mib, built_mib, built_mib, arena_mib);
   }
   setup.arena_bytes = arena_mib * kMiB;
+  setup.as = options.as;
   setup.base = options.base;
   setup.floor = options.floor;
   setup.orient = options.orient;
@@ -65,6 +66,7 @@ SliceSettings slice_settings(const JobSetup& setup, const std::optional<SupportS
   SliceSettings settings;
   settings.placement = setup.placement;
   if (supports) settings.placement.room = support_room(*supports);
+  settings.as = setup.as;
   settings.base = setup.base;
   settings.floor = setup.floor;
   settings.orient = setup.orient;

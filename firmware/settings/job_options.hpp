@@ -25,6 +25,7 @@ struct JobOptions {
   std::optional<PrintSize> size;          ///< instead of the scale; kSmallestSizeMm to kLargestSizeMm
   std::array<double, 3> rotate_degrees = {};
   Units units = Units::kMillimetres;
+  ReadAs as = ReadAs::kAuto;
   BaseChoice base = BaseChoice::kAuto;
   FloorChoice floor;
   bool orient = false;                     ///< turn it the best way up; without rotate_degrees only
@@ -49,6 +50,7 @@ struct JobSetup {
   std::string printer_name;        ///< empty without a printer
   std::optional<BoardFile> board;  ///< none without a printer
   std::size_t arena_bytes = 0;
+  ReadAs as = ReadAs::kAuto;
   BaseChoice base = BaseChoice::kAuto;
   FloorChoice floor;
   bool orient = false;

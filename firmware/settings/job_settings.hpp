@@ -5,6 +5,7 @@
 #include "slicer/placement/base_choice.hpp"
 #include "slicer/placement/floor_choice.hpp"
 #include "slicer/placement/placement.hpp"
+#include "slicer/reader/read_as.hpp"
 
 namespace plumbline {
 
@@ -17,6 +18,7 @@ struct JobSettings {
   double rotate_x_deg = 0, rotate_y_deg = 0, rotate_z_deg = 0;
   double layer_height = 0;       ///< mm; 0: the profile's
   std::optional<bool> supports;  ///< none: as the profile has it
+  ReadAs as = ReadAs::kAuto;
   BaseChoice base = BaseChoice::kAuto;
   FloorChoice floor;
   bool orient = false;    ///< turn it the best way up

@@ -91,6 +91,8 @@ const char* to_string(ScanFormat format) {
     case ScanFormat::kXyz: return "XYZ";
     case ScanFormat::kPcd: return "PCD";
     case ScanFormat::kObj: return "OBJ";
+    case ScanFormat::kStl: return "STL";
+    case ScanFormat::kOff: return "OFF";
   }
   return "unknown";
 }
@@ -163,6 +165,41 @@ FixedText<256> turned_warning(const NormalCounts& normals, std::uint32_t points)
   return text;
 }
 
+namespace {
+
+unsigned long long big(std::uint64_t number) { return number; }
+
+/// What was left out of a mesh, and how its holes were closed.
+void for_each_mesh_remark(const MeshCounts& mesh, FunctionRef<void(std::string_view)> visit) {
+  FixedText<256> text;
+  if (mesh.not_finite > 0) {
+    text.add("%llu of the mesh's %llu triangles have a coordinate that is not finite or huge, and were left out",
+             big(mesh.not_finite), big(mesh.not_finite + mesh.triangles));
+    visit(text.view());
+  }
+  if (!mesh.closed) {
+    text = {};
+    text.add(
+        "the mesh is not closed (holes, or faces that are flipped, doubled or missing): %llu of %llu rays were "
+        "decided by its winding number. Look at the preview",
+        big(mesh.decided_rays), big(std::max(mesh.rays, mesh.decided_rays)));
+    visit(text.view());
+  }
+  if (mesh.crowded_rays > 0) {
+    text = {};
+    text.add("%llu rays have more than 254 crossings, of which the upper ones were left out", big(mesh.crowded_rays));
+    visit(text.view());
+  }
+}
+
+}  // namespace
+
+FixedText<128> mesh_text(const MeshCounts& mesh) {
+  FixedText<128> text;
+  text.add("%llu triangles, %s", big(mesh.triangles), mesh.closed ? "closed" : "not closed");
+  return text;
+}
+
 bool lies_on_its_face(const ClusteringCounts& clustering) {
   return clustering.points.is_negligible(PointClass::kExiting) &&
          !clustering.points.is_negligible(PointClass::kEntering);
@@ -170,6 +207,7 @@ bool lies_on_its_face(const ClusteringCounts& clustering) {
 
 void for_each_remark(const SliceReport& slice, FunctionRef<void(std::string_view)> visit) {
   for_each_size_remark(slice, visit);
+  if (slice.mesh) return for_each_mesh_remark(*slice.mesh, visit);
   if (slice.floor.points > 0) visit(floor_warning(slice.floor).view());
   if (slice.strays.pieces > 0) visit(stray_warning(slice.strays).view());
   FixedText<256> text = turned_warning(slice.normals, slice.cloud_points);

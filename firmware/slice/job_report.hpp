@@ -64,7 +64,7 @@ struct JobReport {
   double share_of_rays(RayDecision decision) const;
 };
 
-/// "PLY", "XYZ", "PCD", "OBJ".
+/// "PLY", "XYZ", "PCD", "OBJ", "STL", "OFF".
 const char* to_string(ScanFormat format);
 
 /// Shares of the whole surface that the scanner did not see, 0 to 1: the one definition for reports, warnings and pictures.
@@ -98,6 +98,9 @@ FixedText<256> floor_warning(const FloorCut& floor);
 /// The sentence about normals that were flipped; empty if they are few, as those of flying pixels at edges.
 /// @param points  of the cloud
 FixedText<256> turned_warning(const NormalCounts& normals, std::uint32_t points);
+
+/// "1042 triangles, closed".
+FixedText<128> mesh_text(const MeshCounts& mesh);
 
 /// Whether the scan shows one side only, and that side faces down.
 bool lies_on_its_face(const ClusteringCounts& clustering);

@@ -24,6 +24,11 @@ void add_files(Text& text, std::span<const std::string> names, const ScanSummari
 
 void add_scan(Text& text, const JobReport& report) {
   const SliceReport& s = report.slice;
+  if (s.mesh) {
+    text.add("mesh       %s: %llu faces, %s, %s %s\n", report.scan_name.c_str(), big(s.mesh->faces),
+             mesh_text(*s.mesh).c_str(), to_string(s.scan.header.format), s.scan.header.encoding);
+    return;
+  }
   text.add("scan       %s: %llu points, %s %s, %s\n", report.scan_name.c_str(), big(s.scan.points),
            to_string(s.scan.header.format), s.scan.header.encoding,
            s.scan.header.has_normals ? "with normals" : "without normals");
@@ -55,6 +60,7 @@ void add_print(Text& text, const JobReport& report, std::string_view print_time)
   if (!print_time.empty()) {
     text.add("time       %.*s\n", static_cast<int>(print_time.size()), print_time.data());
   }
+  if (s.mesh) text.add("mesh       %s\n", mesh_text(*s.mesh).c_str());
   if (report.coverage) text.add("scanned    %s\n", scanned_text(Unseen::of(*report.coverage)).c_str());
 }
 
@@ -75,6 +81,7 @@ void add_grid(Text& text, const JobReport& report) {
 }
 
 void add_clusters(Text& text, const SliceReport& s) {
+  if (s.mesh) return;
   const auto share = [&](PointClass c) { return percent(s.clustering.points[c], s.cloud_points); };
   text.add("points     entering %.1f %%, exiting %.1f %%, neutral %.1f %%, noise %.2f %%\n",
            share(PointClass::kEntering), share(PointClass::kExiting), share(PointClass::kNeutral),
@@ -99,6 +106,15 @@ void add_clusters(Text& text, const SliceReport& s) {
 
 void add_rays(Text& text, const JobReport& report) {
   const SliceReport& s = report.slice;
+  if (s.mesh) {
+    text.add(
+        "rays       %llu pass the mesh, %llu times; broken %.3f %%, decided by the winding number %.3f %%; %llu "
+        "crossings\n",
+        big(s.mesh->rays), big(s.mesh->hits),
+        percent(static_cast<double>(s.mesh->broken_rays), static_cast<double>(s.mesh->rays)),
+        percent(static_cast<double>(s.mesh->decided_rays), static_cast<double>(s.mesh->rays)), big(s.crossings));
+    return;
+  }
   text.add("rays       %llu shot:", big(s.rays.interested));
   for (std::size_t i = 0; i < kRayDecisionCount; ++i) {
     const auto decision = static_cast<RayDecision>(i);

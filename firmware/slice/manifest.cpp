@@ -243,6 +243,24 @@ void write_hashes(JsonWriter& json, const JobReport& report, std::span<const std
 
 }  // namespace
 
+void write_mesh(JsonWriter& json, const std::optional<MeshCounts>& mesh) {
+  json.key("mesh");
+  if (!mesh) return json.null();
+  json.begin_object();
+  json.member("faces", mesh->faces);
+  json.member("triangles", mesh->triangles);
+  json.member("triangles_not_finite", mesh->not_finite);
+  json.member("triangles_flat", mesh->flat);
+  json.member("vertices", mesh->vertices);
+  json.member("closed", mesh->closed);
+  json.member("hits", mesh->hits);
+  json.member("rays", mesh->rays);
+  json.member("rays_broken", mesh->broken_rays);
+  json.member("rays_decided_by_winding_number", mesh->decided_rays);
+  json.member("rays_crowded", mesh->crowded_rays);
+  json.end_object();
+}
+
 void write_position(JsonWriter& json, const PreparationCounts& found) {
   json.key("floor");
   json.begin_object(kOneLine);
@@ -301,6 +319,7 @@ void write_manifest(JsonWriter& json, const JobReport& report, std::span<const s
   json.member("manifest_format", kManifestFormat);
   json.end_object();
   write_scan(json, report);
+  write_mesh(json, slice.mesh);
   json.key("printer");
   if (report.printer_name.empty()) {
     json.null();

@@ -12,6 +12,9 @@ namespace plumbline {
 /// Writes the files of a scan as the member "files", in reading order.
 void write_files(JsonWriter& json, std::span<const std::string> names, const ScanSummaries& scans);
 
+/// Writes the key "mesh"; null for a scan.
+void write_mesh(JsonWriter& json, const std::optional<MeshCounts>& mesh);
+
 /// Writes what was left out as the member "stray_pieces".
 /// Keys "floor" and "orientation": what was cut off below the object, how it was turned, and how it had better lie.
 void write_position(JsonWriter& json, const PreparationCounts& found);

@@ -74,11 +74,11 @@ Status SliceJob::work(JobProgress& progress) {
   report_.layers_peak_bytes = arena_->peak();
   progress.end(Stage::kLayers, arena_->peak());
   PLUMBLINE_TRY(written);
-  report_.coverage = report_.slice.confidence.shares();
+  if (!report_.slice.mesh) report_.coverage = report_.slice.confidence.shares();
   find_warnings(report_);
   if (pictures_) {
     PLUMBLINE_TRY(write_preview(*rrep, *supports));
-    PLUMBLINE_TRY(write_coverage(*rrep));
+    if (report_.coverage) PLUMBLINE_TRY(write_coverage(*rrep));
     PLUMBLINE_TRY(write_issue_picture(*rrep, *supports));
   }
   report_.hash = job_hash(*hashes);

@@ -113,6 +113,7 @@ void write_job(JsonWriter& json, const PrinterRecord& record) {
   } else {
     json.null();
   }
+  json.member("as", to_string(job.as));
   json.member("base", word_of(job.base));
   json.member("keep_all", job.keep_all);
   json.key("result");

@@ -1,5 +1,5 @@
 #pragma once
-/// A scan's bytes as a stream. The caller opens the files; the slicer never does.
+/// A file's bytes as a stream. The caller opens the files; the slicer never does.
 
 #include <cstddef>
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace plumbline {
 
-/// A stream of bytes that is read once, from start to end.
+/// A stream of bytes, read from start to end: once for a scan, two or three times for a mesh.
 class ByteSource {
  public:
   virtual ~ByteSource() = default;
@@ -27,6 +27,10 @@ class ByteSource {
   /// Bytes in the whole stream, if known. Used for progress, to bound the number of points, and to notice a stream that ends
   /// too early.
   virtual std::optional<std::uint64_t> size() const = 0;
+
+  /// Goes back to the first byte.
+  /// @retval ErrorCode::kUnsupported  the stream can be read only once, such as a pipe; nothing has changed
+  [[nodiscard]] virtual Status rewind() { return fail(ErrorCode::kUnsupported, "can be read only once"); }
 };
 
 }  // namespace plumbline

@@ -77,7 +77,12 @@ void LayerStream::remake_changed() {
       while (todo != 0) {
         const auto first = static_cast<std::uint32_t>(std::countr_zero(todo));
         const auto length = static_cast<std::uint32_t>(std::countr_one(todo >> first));
-        open_and_close_run(section_, mask_, r, g * 64 + first, g * 64 + first + length);
+        const std::uint32_t begin_word = g * 64 + first;
+        if (rrep_->is_exact) {
+          std::copy_n(section_.row(r).begin() + begin_word, length, mask_.row(r).begin() + begin_word);
+        } else {
+          open_and_close_run(section_, mask_, r, begin_word, begin_word + length);
+        }
         if (first + length >= 64) break;
         todo &= ~std::uint64_t{0} << (first + length);
       }

@@ -21,7 +21,7 @@ class LayerStream {
 
   static std::size_t bytes_needed(const PrintGrid& grid);
 
-  /// The mask of `layer`: its section, opened and closed; one bit a pixel, 1 cures.
+  /// The mask of `layer`: its section, opened and closed unless the R-Rep is exact; one bit a pixel, 1 cures.
   ///
   /// The next layer costs what changes in it, a later one the crossings between, an earlier one all crossings from layer 0.
   /// @param layer  0 to rrep.grid.layers - 1

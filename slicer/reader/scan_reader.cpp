@@ -17,6 +17,13 @@ Status read_as(ScanFormat format, ByteInput& input, PointBatch& batch, Arena& me
     case ScanFormat::kXyz: return read_xyz(input, batch, memory);
     case ScanFormat::kPcd: return read_pcd(input, batch, memory, lent != nullptr ? *lent : memory);
     case ScanFormat::kObj: return read_obj(input, batch, memory);
+    case ScanFormat::kStl:
+    case ScanFormat::kOff:
+      return input.fail(
+          ErrorCode::kUnsupported,
+          "this is %s, a mesh without scanned points;	slice it as a mesh: leave out --as points, and give "
+          "no scans together with it",
+          format == ScanFormat::kStl ? "STL" : "OFF");
   }
   return {};
 }

@@ -111,7 +111,7 @@ Expected<RRep> CrossingStore::sort(CrossingStore& store, Arena& arena) {
   store.for_each_crossing(*cursor, [&](std::uint16_t layer, std::uint32_t at) { pixel[first[layer]++] = at; });
   for (std::size_t k = first.size() - 1; k > 0; --k) first[k] = first[k - 1];
   first[0] = 0;
-  return RRep{grid, first, pixel};
+  return RRep{.grid = grid, .first = first, .pixel = pixel};
 }
 
 }  // namespace plumbline

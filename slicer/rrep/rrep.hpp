@@ -19,6 +19,7 @@ struct RRep {
   PrintGrid grid;
   std::span<const std::uint32_t> first;  ///< layers + 1 entries
   std::span<const std::uint32_t> pixel;  ///< row * columns + column, ascending within a layer, none twice in one
+  bool is_exact = false;                 ///< of a mesh: a layer's mask is its section, not opened and closed
 
   std::size_t crossings() const { return pixel.size(); }
 };

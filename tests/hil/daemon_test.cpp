@@ -252,7 +252,7 @@ TEST(Daemon, ReportsAnEmptyStick) {
   rig.plant.plug_stick(rig.stick());
   rig.user.on_words.emplace("PL-103", [&] { rig.plant.press(EventKind::kShutdownRequested); });
   ASSERT_TRUE(rig.run());
-  EXPECT_THAT(rig.user.said, Contains(HasSubstr("no scan on the stick")));
+  EXPECT_THAT(rig.user.said, Contains(HasSubstr("no scan or mesh on the stick")));
 }
 
 TEST(Daemon, ResumesAPrintAfterAPowerCutWithoutItsStick) {

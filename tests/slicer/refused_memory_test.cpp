@@ -10,6 +10,7 @@
 #include "slicer/inspect.hpp"
 #include "slicer/supports/drawing/mask_stream.hpp"
 #include "slicer/supports/support_finder.hpp"
+#include "tests/slicer/support/meshes.hpp"
 #include "tests/slicer/support/slicing.hpp"
 #include "tests/slicer/support/surface_files.hpp"
 
@@ -100,6 +101,27 @@ TEST(RefusedMemory, IsAnErrorOfTheStageInASlice) {
       },
       Stage::kRRep);
   EXPECT_GT(errors, 50U);
+}
+
+TEST(RefusedMemory, IsAnErrorOfTheStageForAMesh) {
+  TestMesh mesh = ball_mesh({0, 0, 5}, 5, 3);
+  mesh.faces.resize(mesh.faces.size() - 9);  // with a hole, so that its winding number is needed
+  for (const auto& file : {SurfaceFile{"mesh.stl", binary_stl(mesh)}, SurfaceFile{"mesh.ply", ascii_ply(mesh)}}) {
+    const std::uint32_t errors = refuse_each_block(
+        [&](Arena& arena, ProgressSink& progress) -> Status {
+          MemorySource source(file.bytes, file.name);
+          source.be_a_pipe();
+          SliceReport report;
+          SliceSettings settings = coarse();
+          settings.as = ReadAs::kMesh;
+          settings.orient = true;
+          PLUMBLINE_TRY(slice(source, settings, arena, &progress, report));
+          EXPECT_TRUE(report.mesh && !report.mesh->closed);
+          return {};
+        },
+        Stage::kRRep);
+    EXPECT_GT(errors, 25U);
+  }
 }
 
 TEST(RefusedMemory, IsAnErrorWhileSeveralFilesAreRead) {

@@ -26,9 +26,9 @@ MAY_INCLUDE = {
 # Folder -> its subfolders in the data's order. Each may include those before it. The files directly in the folder come last
 # and may include all of them; no subfolder includes those files.
 ORDER = {
-    "slicer": ["core", "reader", "cloud", "placement", "orientation", "implicit", "normals", "views", "surface", "rrep", "rays",
+    "slicer": ["core", "reader", "cloud", "placement", "orientation", "implicit", "normals", "views", "surface", "rrep", "mesh", "rays",
                "layers", "supports", "checks", "plan"],
-    "slicer/reader": ["stream", "records", "formats"],
+    "slicer/reader": ["stream", "records", "formats", "triangles"],
     "slicer/supports": ["drawing"],
     "hal/linux": ["gpio", "events", "keeper", "lamp", "stage", "display", "screen", "stick", "thermals"],
     "firmware/print": ["plan", "status", "store"],

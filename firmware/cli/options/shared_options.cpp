@@ -36,6 +36,14 @@ BaseChoice base_named(const std::string& name) {
   return BaseChoice::kAuto;
 }
 
+/// @param name  "auto", "points" or "mesh"
+ReadAs as_named(const std::string& name) {
+  for (const ReadAs as : {ReadAs::kPoints, ReadAs::kMesh}) {
+    if (name == to_string(as)) return as;
+  }
+  return ReadAs::kAuto;
+}
+
 /// @returns --printer, which others depend on
 CLI::Option* add_printer_options(CLI::App& app, JobOptions& job) {
   auto* printer = app.add_option("--printer", job.printer,
@@ -83,6 +91,13 @@ void add_size_options(CLI::App& app, JobOptions& job, CLI::Option* scale, CLI::O
 
 void add_object_options(CLI::App& app, JobOptions& job, CLI::Option* printer) {
   app.add_option_function<std::string>(
+         "--as", [&job](const std::string& name) { job.as = as_named(name); },
+         "A PLY or OBJ file with faces is a mesh if they are the surface of an object, else a scan: points ignores its "
+         "faces, mesh uses them [auto]")
+      ->type_name("KIND")
+      ->check(CLI::IsMember({"auto", "points", "mesh"}).description(""))
+      ->group(kObjectGroup);
+  app.add_option_function<std::string>(
          "--units", [&job](const std::string& name) { job.units = units_named(name); },
          "Unit of the scan: mm, cm, m, in, or auto (the unit that gives the print a plausible size) [mm]")
       ->type_name("UNIT")
@@ -127,7 +142,7 @@ void add_object_options(CLI::App& app, JobOptions& job, CLI::Option* printer) {
       ->group(kObjectGroup);
   app.add_option_function<std::string>(
          "--base", [&job](const std::string& name) { job.base = base_named(name); },
-         "Underside: auto closes it flat if the scan is open there, flat always does, none closes it like any other "
+         "Underside: auto closes it flat if the surface is open there, flat always does, none closes it like any other "
          "hole [auto]")
       ->type_name("KIND")
       ->check(CLI::IsMember({"none", "flat", "auto"}).description(""))
@@ -179,8 +194,10 @@ CLI::Validator finite_range(double low, double high) {
 
 CLI::Option* add_job_options(CLI::App& app, JobOptions& job) {
   auto* scan =
-      app.add_option("scan", job.scans,
-                     "PLY, PCD, OBJ or text (XYZ, XYZRGB, PTS, ASC, TXT). Several files in one frame make one scan")
+      app.add_option(
+             "scan", job.scans,
+             "A scan (PLY, PCD, OBJ or text: XYZ, XYZRGB, PTS, ASC, TXT) or a mesh (STL, OBJ, PLY, OFF). Several files "
+             "in one frame make one object")
           ->required()
           ->expected(1, static_cast<int>(kMostScans))
           ->type_name("SCAN");

@@ -12,7 +12,7 @@ namespace {
 
 /// Change the version whenever the stored data change, JobFacts and PrintPlan included.
 constexpr std::uint32_t kMagic = 0x424F4A50;  // "PJOB"
-constexpr std::uint32_t kVersion = 3;
+constexpr std::uint32_t kVersion = 4;
 
 struct JobHeader {
   std::uint32_t magic = kMagic;
@@ -20,6 +20,7 @@ struct JobHeader {
   std::uint64_t facts_bytes = sizeof(JobFacts);
   std::uint64_t crossings = 0;
   std::uint64_t supports = 0;
+  std::uint64_t is_exact = 0;  ///< RRep::is_exact
   PrintGrid grid;
 };
 static_assert(std::is_trivially_copyable_v<JobFacts> && std::is_trivially_copyable_v<JobHeader>);
@@ -65,6 +66,7 @@ bool write_job(const Descriptor& file, const JobFacts& facts, const RRep& rrep, 
   JobHeader header;
   header.crossings = rrep.crossings();
   header.supports = supports.list.size();
+  header.is_exact = rrep.is_exact ? 1 : 0;
   header.grid = rrep.grid;
   Hash64 all;
   const std::span<const std::byte> parts[] = {bytes_of(header), bytes_of(facts), std::as_bytes(rrep.first),
@@ -98,7 +100,7 @@ Expected<StoredJob> read_job(const Descriptor& file, const char* path, Arena& ar
                                               std::as_bytes(*pixel), std::as_bytes(*supports)};
   for (const auto part : parts) hash.add(part);
   if (hash.value() != job.hash) return damaged(path, "damaged");
-  job.rrep = {.grid = header.grid, .first = *first, .pixel = *pixel};
+  job.rrep = {.grid = header.grid, .first = *first, .pixel = *pixel, .is_exact = header.is_exact != 0};
   job.supports = {.list = *supports, .pitch = PixelPitch(header.grid)};
   return job;
 }

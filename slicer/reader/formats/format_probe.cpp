@@ -20,12 +20,12 @@ struct Mark {
 };
 constexpr const char* kUnpack = "unpack it and give the scan inside";
 constexpr const char* kConvert = "convert it to PLY with the program that wrote it or with CloudCompare";
-constexpr const char* kMesh = "it is a mesh or a model, not a scan: export the scan's points as PLY";
+constexpr const char* kMesh = "export the mesh as STL, OBJ, PLY or OFF";
 
 /// Other files that people have on their sticks.
 constexpr Mark kMarks[] = {
     {"\x1f\x8b"sv, "a gzip archive", kUnpack},
-    {"PK\x03\x04"sv, "a zip archive (or 3MF)", kUnpack},
+    {"PK\x03\x04"sv, "a zip archive", kUnpack},
     {"PK\x05\x06"sv, "an empty zip archive", kUnpack},
     {"7z\xbc\xaf\x27\x1c"sv, "a 7z archive", kUnpack},
     {"Rar!\x1a\x07"sv, "a RAR archive", kUnpack},
@@ -59,6 +59,8 @@ class Probe {
       return ScanFormat::kPly;
     }
     PLUMBLINE_TRY(refuse_other_formats());
+    if (is_stl()) return ScanFormat::kStl;
+    if (is_off()) return ScanFormat::kOff;
     if (window_.starts_with("# .PCD")) return ScanFormat::kPcd;
 
     const auto line = first_line();
@@ -100,13 +102,9 @@ class Probe {
     const auto refuse = [&](const char* what, const char* advice) {
       return input_.fail(ErrorCode::kUnknownFormat, "this is %s;\t%s", what, advice);
     };
+    if (window_.starts_with("PK") && has_ending(input_.name(), ".3mf")) return refuse("3MF", kMesh);
     for (const Mark& mark : kMarks) {
       if (window_.starts_with(mark.bytes)) return refuse(mark.what, mark.advice);
-    }
-    if (is_stl()) return refuse("STL", kMesh);
-    const auto first = Words(window_.substr(0, window_.find_first_of("\r\n"))).next();
-    for (const std::string_view off : {"OFF", "COFF", "NOFF", "CNOFF", "STOFF", "4OFF", "nOFF"}) {
-      if (first == off) return refuse("OFF", kMesh);
     }
     return {};
   }
@@ -125,6 +123,15 @@ class Probe {
       triangles |= std::uint64_t{static_cast<unsigned char>(window_[80 + i])} << (8 * i);
     }
     return triangles > 0 && *input_.size() == kHead + 50 * triangles;
+  }
+
+  /// 4OFF and nOFF have other dimensions than three.
+  bool is_off() const {
+    const auto first = Words(window_.substr(0, window_.find_first_of("\r\n"))).next();
+    for (const std::string_view off : {"OFF", "COFF", "NOFF", "CNOFF", "STOFF", "STCOFF", "STNOFF", "STCNOFF"}) {
+      if (first == off) return true;
+    }
+    return false;
   }
 
   /// The first line that is neither empty nor a comment; empty if the window holds none.
@@ -148,7 +155,8 @@ class Probe {
       if (is_text && has_ending(input_.name(), ending)) return ScanFormat::kXyz;
     }
     return input_.fail(ErrorCode::kUnknownFormat,
-                       "byte 0: expected a scan in PLY, XYZ, PTS, PCD or OBJ, found '%s';\t%s",
+                       "byte 0: expected a scan in PLY, XYZ, PTS, PCD or OBJ, or a mesh in STL, OBJ, PLY or OFF, found "
+                       "'%s';\t%s",
                        Quote(line.empty() ? window_ : line).c_str(), kConvert);
   }
 

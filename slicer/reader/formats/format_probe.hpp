@@ -2,6 +2,7 @@
 /// Detects the format of a scan from its first bytes.
 
 #include "slicer/reader/stream/byte_input.hpp"
+#include "slicer/reader/stream/scan_point.hpp"
 
 namespace plumbline {
 

@@ -1,15 +1,12 @@
 #include <algorithm>
 #include <cassert>
 
+#include "slicer/reader/formats/obj_lines.hpp"
 #include "slicer/reader/formats/scan_formats.hpp"
 #include "slicer/reader/records/record_text.hpp"
-#include "slicer/reader/stream/line_input.hpp"
 
 namespace plumbline {
 namespace {
-
-/// Bytes: the longest vertex that is continued over several lines. Six numbers take some 150.
-constexpr std::size_t kLongestJoined = 4096;
 
 /// Assigns normals to vertices.
 ///
@@ -79,12 +76,9 @@ class NormalPairing {
   int normals_ = 0;    ///< found for point_: 0, 1, or 2 if more
 };
 
-bool is_continued(std::string_view text) { return !text.empty() && text.back() == '\\'; }
-
 class ObjReader {
  public:
-  ObjReader(ByteInput& input, PointBatch& batch, std::span<char> joined)
-      : lines_(input), pairing_(batch), joined_(joined) {
+  ObjReader(ByteInput& input, PointBatch& batch, std::span<char> joined) : lines_(input, joined), pairing_(batch) {
     for (const std::size_t slot : {kX, kY, kZ}) {
       [[maybe_unused]] const bool fits = three_.add_field(ScalarType::kDouble, slot);
       assert(fits);
@@ -92,75 +86,21 @@ class ObjReader {
   }
 
   Status read() {
+    const auto wanted = [](std::string_view keyword) { return keyword == "v" || keyword == "vn"; };
     for (;;) {
-      const auto found = lines_.next(line_);
+      const auto found = lines_.next(wanted);
       PLUMBLINE_TRY(found);
       if (!*found) return pairing_.finish();
-      const auto keyword = Words(line_.text).next();
-      const bool is_vertex = keyword == "v";
-      if (is_vertex || keyword == "vn") {
-        if (is_continued(line_.text)) PLUMBLINE_TRY(join());
-        Words words(line_.text);
-        words.next();
-        SlotValues row = {};
-        const RowOutcome outcome = parse_row(words.rest(), three_, kBlanks, row);
-        if (outcome.kind != RowOutcome::Kind::kWhole) return fail_row(lines_, line_, outcome);
-        PLUMBLINE_TRY(is_vertex ? pairing_.vertex(row) : pairing_.normal(row));
-      } else if (keyword.empty() || keyword.front() != '#') {
-        // Comments are not continued: "# C:\scans\" would swallow the vertex on the next line.
-        PLUMBLINE_TRY(skip_continuation());
-      }
+      SlotValues row = {};
+      const RowOutcome outcome = parse_row(lines_.rest(), three_, kBlanks, row);
+      if (outcome.kind != RowOutcome::Kind::kWhole) return fail_row(lines_.lines(), lines_.line(), outcome);
+      PLUMBLINE_TRY(lines_.keyword() == "v" ? pairing_.vertex(row) : pairing_.normal(row));
     }
   }
 
  private:
-  /// Joins a continued line in `joined_`.
-  Status join() {
-    std::size_t used = 0;
-    for (;;) {
-      const bool continued = is_continued(line_.text);
-      auto part = line_.text;
-      if (continued) part.remove_suffix(1);
-      if (line_.cut || part.size() + 1 > joined_.size() - used) {
-        return lines_.input().fail(ErrorCode::kUnsupported,
-                                   "line %llu: a vertex is continued over more than %zu bytes;\texport the file again",
-                                   static_cast<unsigned long long>(lines_.number()), joined_.size());
-      }
-      std::copy(part.begin(), part.end(), joined_.begin() + static_cast<std::ptrdiff_t>(used));
-      used += part.size();
-      joined_[used++] = ' ';
-      if (continued) {
-        const auto found = lines_.next(line_);
-        PLUMBLINE_TRY(found);
-        if (*found) continue;
-        line_.unterminated = true;
-        line_.cut = false;
-      }
-      line_.text = {joined_.data(), used};
-      return {};
-    }
-  }
-
-  /// Skips the lines that continue the current one, whatever their length.
-  Status skip_continuation() {
-    for (;;) {
-      bool continued = is_continued(line_.text) && !line_.cut;
-      if (line_.cut) {
-        const auto last = lines_.skip_rest();
-        PLUMBLINE_TRY(last);
-        continued = *last == '\\';
-      }
-      if (!continued) return {};
-      const auto found = lines_.next(line_);
-      PLUMBLINE_TRY(found);
-      if (!*found) return {};
-    }
-  }
-
-  LineInput lines_;
+  ObjLines lines_;
   NormalPairing pairing_;
-  std::span<char> joined_;
-  Line line_;
   RecordStep steps_[3];
   RecordLayout three_{steps_};
 };
@@ -168,7 +108,7 @@ class ObjReader {
 }  // namespace
 
 Status read_obj(ByteInput& input, PointBatch& batch, Arena& memory) {
-  const auto joined = memory.take_bottom<char>(kLongestJoined, "reading OBJ");
+  const auto joined = memory.take_bottom<char>(ObjLines::kLongestJoined, "reading OBJ");
   PLUMBLINE_TRY(joined);
   return ObjReader(input, batch, *joined).read();
 }

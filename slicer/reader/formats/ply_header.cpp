@@ -8,7 +8,7 @@ namespace {
 
 /// Far above what any scanner writes; more only come from an attack or a damaged file.
 constexpr std::size_t kMaxSteps = 1024;
-constexpr std::size_t kMaxElementsBefore = 64;
+constexpr std::size_t kMaxElements = 64;
 
 std::optional<ScalarType> type_of(std::string_view name) {
   static constexpr struct {
@@ -67,8 +67,9 @@ class HeaderParser {
   }
 
  private:
-  /// The element whose properties are being read: none yet, one before the vertices, the vertices, one after them.
-  enum class Place : std::uint8_t { kStart, kBefore, kVertex, kAfter };
+  /// The element whose properties are being read: none yet, one before the vertices, the vertices, one between them and the
+  /// faces, the faces, or one that does not matter.
+  enum class Place : std::uint8_t { kStart, kBefore, kVertex, kBetween, kFace, kAfter };
 
   unsigned long long number() const { return static_cast<unsigned long long>(lines_.number()); }
 
@@ -103,9 +104,8 @@ class HeaderParser {
     const auto count = parse_count(count_word);
     if (name.empty()) return expected("the name of an element", name);
     if (!count) return expected("a number of elements from 0 to 2^64 - 1", count_word);
-    if (place_ == Place::kVertex) close(header_.vertex);
-    if (place_ == Place::kVertex || place_ == Place::kAfter) {
-      place_ = Place::kAfter;
+    if (place_ >= Place::kVertex) {
+      begin_after_vertex(name, *count);
       return {};
     }
     if (place_ == Place::kBefore) close(elements_[before_++]);
@@ -124,9 +124,46 @@ class HeaderParser {
     return {};
   }
 
+  void begin_after_vertex(std::string_view name, std::uint64_t count) {
+    close_after_vertex();
+    if (place_ == Place::kFace || place_ == Place::kAfter || before_ + between_ == elements_.size()) {
+      place_ = Place::kAfter;
+      return;
+    }
+    place_ = name == "face" ? Place::kFace : Place::kBetween;
+    count_ = count;
+    layout_ = RecordLayout(steps_);
+  }
+
+  void close_after_vertex() {
+    if (place_ == Place::kVertex) close(header_.vertex);
+    if (place_ == Place::kBetween) close(elements_[before_ + between_++]);
+    if (place_ == Place::kFace) close(header_.face);
+  }
+
+  /// @returns false if the property can't be understood
+  bool parse_after_vertex(Words& words) {
+    auto word = words.next();
+    if (word != "list") {
+      const auto type = type_of(word);
+      return type && layout_.add_skip(size_of(*type), 1);
+    }
+    const auto count = type_of(words.next());
+    const auto item = type_of(words.next());
+    if (!count || !item || !is_integer(*count)) return false;
+    const auto name = words.next();
+    const bool wanted =
+        place_ == Place::kFace && is_integer(*item) && (name == "vertex_indices" || name == "vertex_index");
+    return layout_.add_list(*count, *item, wanted);
+  }
+
   Status parse_property(Words& words) {
     if (place_ == Place::kStart) return expected("an element before its properties", "property");
     if (place_ == Place::kAfter) return {};
+    if (place_ > Place::kVertex) {
+      if (!parse_after_vertex(words)) place_ = Place::kAfter;
+      return {};
+    }
     auto word = words.next();
     const bool is_list = word == "list";
     std::optional<ScalarType> count;
@@ -161,7 +198,7 @@ class HeaderParser {
 
   Expected<PlyHeader> finish() {
     if (!has_format_) return expected("a line 'format' before the end of the header", "end_header");
-    if (place_ == Place::kVertex) close(header_.vertex);
+    if (place_ >= Place::kVertex) close_after_vertex();
     if (place_ == Place::kStart || place_ == Place::kBefore) {
       return lines_.input().fail(ErrorCode::kNoPoints,
                                  "line %llu: the header declares no 'element vertex', so there are no points to print",
@@ -178,6 +215,8 @@ class HeaderParser {
       return lines_.input().fail(ErrorCode::kNoPoints, "the header declares 0 vertices: there is nothing to print");
     }
     header_.before_vertex = elements_.first(before_);
+    header_.before_face = elements_.subspan(before_, between_);
+    if (!header_.face.layout.has_wanted_list()) header_.face = {};
     return header_;
   }
 
@@ -187,7 +226,8 @@ class HeaderParser {
   PlyHeader header_;
   Place place_ = Place::kStart;
   bool has_format_ = false;
-  std::size_t before_ = 0;
+  std::size_t before_ = 0;   ///< elements before the vertices
+  std::size_t between_ = 0;  ///< elements between the vertices and the faces
   std::uint64_t count_ = 0;
   RecordLayout layout_;
 };
@@ -197,7 +237,7 @@ class HeaderParser {
 Expected<PlyHeader> read_ply_header(LineInput& lines, Arena& memory) {
   const auto steps = memory.take_bottom<RecordStep>(kMaxSteps, "reading PLY");
   PLUMBLINE_TRY(steps);
-  const auto elements = memory.take_bottom<PlyElement>(kMaxElementsBefore, "reading PLY");
+  const auto elements = memory.take_bottom<PlyElement>(kMaxElements, "reading PLY");
   PLUMBLINE_TRY(elements);
   return HeaderParser(lines, *steps, *elements).parse();
 }

@@ -19,12 +19,19 @@ struct PlyElement {
 struct PlyHeader {
   bool ascii = true;
   std::endian order = std::endian::little;  ///< unless ascii
+  /// "ascii", "binary little endian" or "binary big endian".
+  const char* encoding() const {
+    return ascii ? "ascii" : order == std::endian::little ? "binary little endian" : "binary big endian";
+  }
   PlyElement vertex;
   std::span<const PlyElement> before_vertex;  ///< elements between the header and the vertices, in order
+  std::span<const PlyElement> before_face;    ///< elements between the vertices and the faces, in order
+  /// Faces after the vertices, with a list of vertex indices. count 0: there are none that can be read.
+  PlyElement face;
 };
 
-/// Reads up to and including the line `end_header`. Elements declared after the vertices are ignored, since none of their
-/// bytes is needed.
+/// Reads up to and including the line `end_header`. Declarations after the vertices that can't be understood only mean that the
+/// faces can't be read.
 /// @param memory  holds the layouts
 /// @retval ErrorCode::kMalformed, kTruncated, kUnsupported
 /// @retval ErrorCode::kNoPoints  it declares no vertices, or no x, y and z

@@ -12,9 +12,7 @@ Status read_ply(ByteInput& input, PointBatch& batch, Arena& memory) {
   PLUMBLINE_TRY(header);
   const PlyElement& vertex = header->vertex;
   PLUMBLINE_TRY(batch.begin({.format = ScanFormat::kPly,
-                             .encoding = header->ascii                          ? "ascii"
-                                         : header->order == std::endian::little ? "binary little endian"
-                                                                                : "binary big endian",
+                             .encoding = header->encoding(),
                              .has_normals = vertex.layout.has_normal(),
                              .declared_points = vertex.count}));
   for (const PlyElement& element : header->before_vertex) {

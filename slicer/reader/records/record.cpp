@@ -57,10 +57,13 @@ bool RecordLayout::add_field(ScalarType type, std::size_t slot) {
   return true;
 }
 
-bool RecordLayout::add_list(ScalarType count, ScalarType item) {
+bool RecordLayout::add_list(ScalarType count, ScalarType item, bool wanted) {
   if (used_ == room_.size()) return false;
   lists_ = true;
-  room_[used_++] = {.kind = RecordStep::Kind::kList, .type = count, .item = item};
+  const bool first = wanted && !wanted_list_;
+  wanted_list_ |= wanted;
+  room_[used_++] = {
+      .kind = RecordStep::Kind::kList, .type = count, .item = item, .slot = static_cast<std::uint8_t>(first ? 1 : 0)};
   return true;
 }
 

@@ -55,7 +55,7 @@ struct RecordStep {
   Kind kind = Kind::kSkip;
   ScalarType type = ScalarType::kInt8;  ///< of the field, or of the list's count
   ScalarType item = ScalarType::kInt8;  ///< of the list's items
-  std::uint8_t slot = 0;                ///< of a field's value
+  std::uint8_t slot = 0;                ///< of a field's value; of a list: whether it is the one wanted
   std::uint64_t bytes = 0;              ///< of a skip or a field, in a binary file
   std::uint64_t words = 0;              ///< of a skip, in a text file
 };
@@ -69,13 +69,15 @@ class RecordLayout {
   /// Each returns false if there is no room for another step.
   [[nodiscard]] bool add_skip(std::uint64_t bytes, std::uint64_t words);
   [[nodiscard]] bool add_field(ScalarType type, std::size_t slot);
-  [[nodiscard]] bool add_list(ScalarType count, ScalarType item);
+  /// @param wanted  its items are to be read, not skipped
+  [[nodiscard]] bool add_list(ScalarType count, ScalarType item, bool wanted = false);
 
   std::span<const RecordStep> steps() const { return room_.first(used_); }
   bool has(std::size_t slot) const { return (slots_ >> slot) & 1U; }
   bool has_position() const { return has(kX) && has(kY) && has(kZ); }
   bool has_normal() const { return has(kNx) && has(kNy) && has(kNz); }
   bool has_lists() const { return lists_; }
+  bool has_wanted_list() const { return wanted_list_; }
   /// Bytes of a record in a binary file, not counting lists. Saturates at the largest value.
   std::uint64_t bytes() const { return bytes_; }
 
@@ -85,6 +87,7 @@ class RecordLayout {
   std::uint64_t bytes_ = 0;
   std::uint8_t slots_ = 0;
   bool lists_ = false;
+  bool wanted_list_ = false;
 };
 
 }  // namespace plumbline

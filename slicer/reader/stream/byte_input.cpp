@@ -19,7 +19,7 @@ constexpr std::size_t kLongestName = 96;
 
 }  // namespace
 
-ByteInput::ByteInput(ByteSource& source, PointSink& sink, std::span<std::byte> buffer)
+ByteInput::ByteInput(ByteSource& source, ReadProgress& sink, std::span<std::byte> buffer)
     : source_(source), sink_(sink), data_(reinterpret_cast<char*>(buffer.data())), capacity_(buffer.size()) {
   assert(!buffer.empty());
 }

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "slicer/core/byte_source.hpp"
-#include "slicer/reader/stream/scan_point.hpp"
+#include "slicer/reader/stream/read_progress.hpp"
 
 namespace plumbline {
 
@@ -15,9 +15,9 @@ namespace plumbline {
 /// reads. Progress and cancellation are handled here, because every reader, skipping or parsing, passes this loop.
 class ByteInput {
  public:
-  /// @param sink    gets the progress
+  /// @param sink    gets the progress, and may cancel
   /// @param buffer  not empty; its size limits the line or record that can be parsed as a whole
-  ByteInput(ByteSource& source, PointSink& sink, std::span<std::byte> buffer);
+  ByteInput(ByteSource& source, ReadProgress& sink, std::span<std::byte> buffer);
   ByteInput(const ByteInput&) = delete;
   ByteInput& operator=(const ByteInput&) = delete;
 
@@ -59,7 +59,7 @@ class ByteInput {
   Status report(double fraction);
 
   ByteSource& source_;
-  PointSink& sink_;
+  ReadProgress& sink_;
   char* data_;
   std::size_t capacity_;
   std::size_t begin_ = 0;

@@ -35,9 +35,12 @@ class PointBatch {
     return sink_.begin(header);
   }
 
+  /// Also passes on points with a coordinate that is not finite: the corners of a mesh keep their numbers.
+  void keep_not_finite() { keeps_not_finite_ = true; }
+
   /// Adds one row. The batch must not be full(): call flush() then.
   void add(const SlotValues& row) {
-    if (!std::isfinite(row[kX]) || !std::isfinite(row[kY]) || !std::isfinite(row[kZ])) {
+    if (!keeps_not_finite_ && !is_finite(row)) {
       ++summary_.not_finite;
       return;
     }
@@ -61,10 +64,15 @@ class PointBatch {
   [[nodiscard]] Status flush();
 
  private:
+  static bool is_finite(const SlotValues& row) {
+    return std::isfinite(row[kX]) && std::isfinite(row[kY]) && std::isfinite(row[kZ]);
+  }
+
   PointSink& sink_;
   std::span<ScanPoint> room_;
   ScanSummary& summary_;
   std::size_t count_ = 0;
+  bool keeps_not_finite_ = false;
 };
 
 }  // namespace plumbline

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "slicer/core/error.hpp"
+#include "slicer/reader/stream/read_progress.hpp"
 
 namespace plumbline {
 
@@ -16,7 +17,7 @@ struct ScanPoint {
   float nx = 0, ny = 0, nz = 0;  ///< any length; all zero if the file has no usable normal for this point
 };
 
-enum class ScanFormat : std::uint8_t { kPly, kXyz, kPcd, kObj };
+enum class ScanFormat : std::uint8_t { kPly, kXyz, kPcd, kObj, kStl, kOff };
 
 /// What the header of a scan declares, known before its first point.
 struct ScanHeader {
@@ -29,16 +30,12 @@ struct ScanHeader {
 };
 
 /// Receives the points in the order of the file, in batches.
-class PointSink {
+class PointSink : public ReadProgress {
  public:
-  virtual ~PointSink() = default;
   /// Called once, before the first batch.
   [[nodiscard]] virtual Status begin(const ScanHeader& header) = 0;
   /// @param points  one or more, valid only during the call
   [[nodiscard]] virtual Status take(std::span<const ScanPoint> points) = 0;
-  /// @param fraction  of the file, 0 to 1; 0 while its size is unknown
-  /// @returns false to cancel
-  virtual bool progress(double fraction) = 0;
 };
 
 /// What was read from a file, for the report.

@@ -124,13 +124,13 @@ TEST(StickJob, IsExplainedKeyByKeyInTheReadme) {
       ++explained;
     }
   }
-  EXPECT_EQ(explained, 18);
+  EXPECT_EQ(explained, 19);
 }
 
 TEST(ScanName, IsKnownByItsEnding) {
-  for (const char* name : {"a.ply", "A.PLY", "b.xyzrgb", "c.xyz", "points.txt", "d.asc", "e.csv"})
+  for (const char* name : {"a.ply", "A.PLY", "b.xyzrgb", "c.xyz", "points.txt", "d.asc", "e.csv", "part.STL", "f.off"})
     EXPECT_TRUE(is_scan_name(name)) << name;
-  for (const char* name : {".ply", "job.toml", "a.stl", "README.txt", "Read me.txt", "LICENSE.txt"}) {
+  for (const char* name : {".ply", "job.toml", "a.ctb", "README.txt", "Read me.txt", "LICENSE.txt"}) {
     EXPECT_FALSE(is_scan_name(name)) << name;
   }
 }

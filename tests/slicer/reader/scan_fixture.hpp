@@ -34,8 +34,17 @@ class MemorySource final : public ByteSource {
   std::optional<std::uint64_t> size() const override {
     return knows_size_ ? std::optional<std::uint64_t>(bytes_.size()) : std::nullopt;
   }
+  Status rewind() override {
+    if (!rewinds_) return ByteSource::rewind();
+    position_ = 0;
+    ++rewound;
+    return {};
+  }
+  void be_a_pipe() { rewinds_ = false; }
   void fail_at(std::size_t position) { fails_at_ = position; }
   void forget_size() { knows_size_ = false; }
+
+  int rewound = 0;
 
  private:
   std::string_view bytes_;
@@ -45,6 +54,7 @@ class MemorySource final : public ByteSource {
   std::size_t turn_ = 0;
   std::optional<std::size_t> fails_at_;
   bool knows_size_ = true;
+  bool rewinds_ = true;
 };
 
 /// Delivers `head`, then `piece` many times, then `tail`: files larger than a test's memory.

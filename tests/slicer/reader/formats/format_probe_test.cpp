@@ -13,13 +13,10 @@ TEST(FormatProbe, NamesAFormatThatIsNoScanAndSaysWhatToDo) {
   const std::tuple<std::string, const char*, const char*> cases[] = {
       {"\x1f\x8b\x08\x00 rest"s, "gzip", "unpack it"},
       {"PK\x03\x04 rest", "zip", "unpack it"},
+      {"glTF rest", "glTF", "export the mesh as STL"},
       {"7z\xbc\xaf\x27\x1c rest", "7z", "unpack it"},
       {"LASF rest", "LAS", "convert it"},
       {"ASTM-E57 rest", "E57", "convert it"},
-      {"solid cube\nfacet normal 0 0 1\n", "STL", "export the scan's points"},
-      {std::string(80, 'h') + little(1U) + std::string(50, '\0'), "STL", "export the scan's points"},
-      {"OFF\n8 6 0\n", "OFF", "export the scan's points"},
-      {"NOFF 8 6 0\n", "OFF", "export the scan's points"},
       {"<?xml version=\"1.0\"?>", "XML", "convert it"},
   };
   for (const auto& [bytes, what, advice] : cases) {
@@ -28,6 +25,22 @@ TEST(FormatProbe, NamesAFormatThatIsNoScanAndSaysWhatToDo) {
     EXPECT_THAT(reading.message(), HasSubstr("scan.bin: "));
     EXPECT_THAT(reading.message(), HasSubstr(what));
     EXPECT_THAT(reading.message(), HasSubstr(advice));
+    EXPECT_EQ(reading.sink.begun, 0);
+  }
+}
+
+TEST(FormatProbe, AMeshWithoutPointsIsNotReadAsAScan) {
+  const std::pair<std::string, const char*> cases[] = {
+      {"solid cube\nfacet normal 0 0 1\n", "STL"},
+      {std::string(80, 'h') + little(1U) + std::string(50, '\0'), "STL"},
+      {"OFF\n8 6 0\n", "OFF"},
+      {"NOFF 8 6 0\n", "OFF"},
+  };
+  for (const auto& [bytes, what] : cases) {
+    const auto reading = read(bytes, "scan.bin");
+    EXPECT_EQ(reading.code(), ErrorCode::kUnsupported) << what;
+    EXPECT_THAT(reading.message(), HasSubstr("scan.bin: this is "s + what));
+    EXPECT_THAT(reading.message(), HasSubstr("slice it as a mesh"));
     EXPECT_EQ(reading.sink.begun, 0);
   }
 }

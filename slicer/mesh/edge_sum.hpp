@@ -1,0 +1,43 @@
+#pragma once
+/// Whether a mesh is closed, found in one pass and without its edges.
+
+#include <bit>
+#include <cstdint>
+
+#include "slicer/core/mix64.hpp"
+#include "slicer/mesh/mesh_lattice.hpp"
+
+namespace plumbline {
+
+/// Sums a random number for each edge, with the sign of its direction. In a closed mesh with consistent faces every edge runs as
+/// often one way as the other, and the sum is 0. Then every ray enters as often as it exits. Any other mesh has the sum 0 with a
+/// probability of 2^-64.
+class EdgeSum {
+ public:
+  void add(const LatticeTriangle& triangle) {
+    const std::uint64_t a = number_of(triangle[0]);
+    const std::uint64_t b = number_of(triangle[1]);
+    const std::uint64_t c = number_of(triangle[2]);
+    add(a, b);
+    add(b, c);
+    add(c, a);
+  }
+  bool is_closed() const { return sum_ == 0; }
+
+ private:
+  static std::uint64_t number_of(const LatticePoint& p) {
+    const auto word = [](std::int32_t i) { return std::uint64_t{static_cast<std::uint32_t>(i)}; };
+    return mix64(mix64(word(p.x) | word(p.y) << 32U) + word(p.z) * kGoldenStep64);
+  }
+  void add(std::uint64_t from, std::uint64_t to) {
+    if (from < to) {
+      sum_ += mix64(from ^ std::rotl(to, 32));
+    } else if (to < from) {
+      sum_ -= mix64(to ^ std::rotl(from, 32));
+    }
+  }
+
+  std::uint64_t sum_ = 0;
+};
+
+}  // namespace plumbline

@@ -1,0 +1,75 @@
+#include "slicer/mesh/hit_list.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+
+namespace plumbline {
+namespace {
+
+constexpr const char* kStage = "mesh";
+/// Buckets of the first step: so many that a bucket of a large mesh fits a cache of 256 KiB, so few that their ends do, too.
+constexpr std::uint32_t kBuckets = 1024;
+
+}  // namespace
+
+Expected<HitList> HitList::create(const PrintGrid& grid, Arena& arena) {
+  HitList list;
+  list.top_ = arena.top_mark();
+  list.tile_columns_ = (grid.columns + kTileSide - 1) / kTileSide;
+  list.tile_rows_ = (grid.rows + kTileSide - 1) / kTileSide;
+  constexpr std::size_t kInBlock = Arena::kAlignment / sizeof(PackedHit);
+  const auto hits = arena.take_top<PackedHit>(arena.available() / sizeof(PackedHit) / kInBlock * kInBlock, kStage);
+  PLUMBLINE_TRY(hits);
+  list.hits_ = *hits;
+  list.free_ = hits->size();
+  return list;
+}
+
+Status HitList::close(Arena& arena) {
+  const auto kept = hits_.subspan(free_);
+  arena.release_top(top_);
+  const auto hits = arena.take_top<PackedHit>(kept.size(), kStage);
+  PLUMBLINE_TRY(hits);
+  std::copy(kept.begin(), kept.end(), hits->begin());  // to the same place, or less than a cache line down
+  hits_ = *hits;
+  free_ = 0;
+  sort_hits(hits_, tile_columns_ * tile_rows_);
+  return {};
+}
+
+std::span<const PackedHit> HitList::of_tile(std::uint32_t tile) const {
+  const auto hits = all();
+  const auto begin = std::lower_bound(hits.begin(), hits.end(), PackedHit::before_tile(tile));
+  const auto end = std::lower_bound(begin, hits.end(), PackedHit::before_tile(tile + 1));
+  return {begin, end};
+}
+
+void sort_hits(std::span<PackedHit> hits, std::uint32_t tiles) {
+  // American flag sort (McIlroy, Bostic, McIlroy 1993): each hit is swapped to where its bucket ends so far.
+  const auto shift = static_cast<std::uint32_t>(std::bit_width(std::max(tiles, kBuckets) / kBuckets) - 1) + 1;
+  const auto bucket_of = [shift](const PackedHit& hit) { return hit.tile() >> shift; };
+  std::array<std::size_t, kBuckets + 1> first{};
+  for (const PackedHit& hit : hits) ++first[bucket_of(hit) + std::size_t{1}];
+  for (std::size_t b = 1; b < first.size(); ++b) first[b] += first[b - 1];
+  std::array<std::size_t, kBuckets> next{};
+  std::copy_n(first.begin(), kBuckets, next.begin());
+  for (std::uint32_t b = 0; b < kBuckets; ++b) {
+    while (next[b] < first[b + std::size_t{1}]) {
+      PackedHit& here = hits[next[b]];
+      const std::uint32_t home = bucket_of(here);
+      if (home == b) {
+        ++next[b];
+      } else {
+        std::swap(here, hits[next[home]++]);
+      }
+    }
+  }
+#pragma omp parallel for schedule(dynamic, 8)
+  for (std::uint32_t b = 0; b < kBuckets; ++b) {
+    std::sort(hits.begin() + static_cast<std::ptrdiff_t>(first[b]),
+              hits.begin() + static_cast<std::ptrdiff_t>(first[b + std::size_t{1}]));
+  }
+}
+
+}  // namespace plumbline

@@ -1,0 +1,74 @@
+#pragma once
+/// Whole numbers for the coordinates of a placed mesh, so that every decision about its rays is exact.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include "slicer/core/print_grid.hpp"
+#include "slicer/core/vec.hpp"
+
+namespace plumbline {
+
+/// In steps of the lattice, from the origin of the print.
+struct LatticePoint {
+  std::int32_t x = 0, y = 0, z = 0;
+  bool operator==(const LatticePoint&) const = default;
+};
+using LatticeTriangle = std::array<LatticePoint, 3>;
+
+// Steps in a pixel: 0.8 nm for pixels of 50 um. 2^14 pixels have 2^30 steps, so that the products of two differences, of which an
+// edge function is the difference, stay below 2^61 and it below 2^62.
+inline constexpr int kPixelBits = 16;
+inline constexpr std::int64_t kPixelSteps = std::int64_t{1} << kPixelBits;
+// Steps in a layer: 6 nm for layers of 50 um. 2^16 layers have 2^29 steps.
+inline constexpr int kLayerBits = 13;
+inline constexpr std::int64_t kLayerSteps = std::int64_t{1} << kLayerBits;
+
+static_assert(std::int64_t{PrintGrid::kMaxSide} * kPixelSteps <= std::int64_t{1} << 30);
+static_assert((std::int64_t{PrintGrid::kMaxLayers} + 1) * kLayerSteps <= std::int64_t{1} << 29);
+
+/// The first layer whose sampling height is not below z steps.
+/// @param z  0 to 2^29
+constexpr std::uint32_t layer_at(std::int64_t z) {
+  return static_cast<std::uint32_t>((z + kLayerSteps / 2 - 1) >> kLayerBits);
+}
+
+/// From scan coordinates to those of the print, as in Placement: scale * rotation * p + shift.
+struct MeshTransform {
+  Mat3d rotation = Mat3d::Identity();
+  double scale = 1;
+  Vec3d shift = Vec3d::Zero();
+
+  Vec3d operator()(const Vec3d& p) const { return Vec3d(rotation * p) * scale + shift; }
+};
+
+/// Rounds positions of the print to the lattice.
+class MeshLattice {
+ public:
+  MeshLattice(const PrintGrid& grid, const MeshTransform& transform) : transform_(transform) {
+    steps_ = {static_cast<double>(kPixelSteps) / static_cast<double>(grid.pitch_x_mm),
+              static_cast<double>(kPixelSteps) / static_cast<double>(grid.pitch_y_mm),
+              static_cast<double>(kLayerSteps) / static_cast<double>(grid.layer_height_mm)};
+    last_ = {static_cast<double>(grid.columns * kPixelSteps), static_cast<double>(grid.rows * kPixelSteps),
+             static_cast<double>(grid.layers * kLayerSteps)};
+  }
+
+  /// @param p  scan coordinates. What place() has let through is in the grid but for rounding, and so is the result.
+  LatticePoint operator()(const Vec3d& p) const {
+    const Vec3d print = transform_(p);
+    return {round(print[0], 0), round(print[1], 1), round(print[2], 2)};
+  }
+
+ private:
+  std::int32_t round(double mm, int axis) const {
+    return static_cast<std::int32_t>(std::clamp(std::floor(mm * steps_[axis] + 0.5), 0.0, last_[axis]));
+  }
+
+  MeshTransform transform_;
+  Vec3d steps_;  ///< in a mm
+  Vec3d last_;   ///< steps to the far corner of the grid
+};
+
+}  // namespace plumbline

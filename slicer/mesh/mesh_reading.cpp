@@ -1,0 +1,193 @@
+#include "slicer/mesh/mesh_reading.hpp"
+
+#include <algorithm>
+
+#include "slicer/mesh/edge_sum.hpp"
+#include "slicer/mesh/mesh_dipoles.hpp"
+#include "slicer/reader/scan_reader.hpp"
+
+namespace plumbline {
+namespace {
+
+constexpr const char* kStage = "mesh";
+/// Bytes: the shortest vertex of a file, three numbers of one byte each.
+constexpr std::uint64_t kShortestVertex = 3;
+
+/// A sink that reports its progress as a part of a stage.
+class StagedSink : public TriangleSink {
+ public:
+  StagedSink(const MeshFiles& files, const StageProgress& progress) : files_(files), progress_(progress) {}
+  bool progress(double fraction) override { return progress_.advance(files_.progress(fraction)); }
+
+ private:
+  const MeshFiles& files_;
+  StageProgress progress_;
+};
+
+class SurveySink final : public StagedSink {
+ public:
+  SurveySink(const MeshFiles& files, const StageProgress& progress, const Mat3d& rotation)
+      : StagedSink(files, progress), surveyor(rotation) {}
+  Status take(std::span<const Triangle> triangles) override {
+    for (const Triangle& triangle : triangles) surveyor.add(triangle);
+    return {};
+  }
+
+  Surveyor surveyor;
+};
+
+class HitSink final : public StagedSink {
+ public:
+  HitSink(const MeshFiles& files, const StageProgress& progress, const PrintGrid& grid, const MeshTransform& transform,
+          HitList& hits)
+      : StagedSink(files, progress), grid_(grid), lattice_(grid, transform), hits_(hits) {}
+
+  Status take(std::span<const Triangle> triangles) override {
+    bool full = false;
+    for (const Triangle& triangle : triangles) {
+      const LatticeTriangle t = {lattice_(triangle[0]), lattice_(triangle[1]), lattice_(triangle[2])};
+      flat_ += t[0] == t[1] || t[1] == t[2] || t[2] == t[0] ? 1 : 0;
+      edges_.add(t);
+      for_each_hit(t, grid_, [&](const RayHit& hit) { full |= !hits_.add(hit); });
+    }
+    if (!full) return {};
+    return fail(ErrorCode::kOutOfMemory,
+                "mesh: its rays have more crossings than the %zu that the arena has room for.\tUse a larger arena "
+                "(--arena-mib), a coarser grid or a smaller --scale",
+                hits_.capacity());
+  }
+  bool is_closed() const { return edges_.is_closed(); }
+  std::uint64_t flat() const { return flat_; }
+
+ private:
+  const PrintGrid& grid_;
+  MeshLattice lattice_;
+  HitList& hits_;
+  EdgeSum edges_;
+  std::uint64_t flat_ = 0;
+};
+
+class DipoleSink final : public StagedSink {
+ public:
+  DipoleSink(const MeshFiles& files, const StageProgress& progress, const MeshTransform& transform,
+             MeshDipoles& dipoles)
+      : StagedSink(files, progress), transform_(transform), dipoles_(dipoles) {}
+
+  Status take(std::span<const Triangle> triangles) override {
+    for (const Triangle& t : triangles) {
+      if (dipoles_.add(transform_(t[0]), transform_(t[1]), transform_(t[2]))) continue;
+      full_ = true;
+      return fail(ErrorCode::kOutOfMemory, "mesh: more cells than there is room for");
+    }
+    return {};
+  }
+  bool full() const { return full_; }
+
+ private:
+  const MeshTransform& transform_;
+  MeshDipoles& dipoles_;
+  bool full_ = false;
+};
+
+ScanSummary as_scan(const MeshSummary& mesh) {
+  ScanSummary scan;
+  scan.header.format = mesh.format;
+  scan.header.encoding = mesh.encoding;
+  scan.points = mesh.vertices;
+  scan.bytes = mesh.bytes;
+  return scan;
+}
+
+Expected<SurveyedMesh> survey(MeshFiles& files, const Mat3d& rotation, std::optional<std::uint64_t> most_vertices,
+                              Arena& arena, const StageProgress& progress) {
+  const auto workspace = arena.take_bottom<std::byte>(kReaderWorkspace, kStage);
+  PLUMBLINE_TRY(workspace);
+  const std::uint64_t room = VertexList::most_in(arena.available());
+  const std::uint64_t most = most_vertices.value_or(files.largest().value_or(room) / kShortestVertex + 1);
+  auto vertices = VertexList::create(std::min(room, most), arena);
+  PLUMBLINE_TRY(vertices);
+  SurveySink sink(files, progress, rotation);
+  SurveyedMesh found;
+  const auto each = [&](const MeshSummary& mesh) {
+    sink.surveyor.end_file(mesh);
+    found.scans.add(as_scan(mesh));
+    found.counts.faces += mesh.faces;
+    found.counts.triangles += mesh.triangles;
+    found.counts.not_finite += mesh.not_finite;
+    found.counts.vertices += mesh.vertices;
+  };
+  PLUMBLINE_TRY(files.read(sink, *vertices, *workspace, each));
+  found.survey = sink.surveyor.survey();
+  found.counts.most_vertices = found.survey.most_vertices;
+  found.counts.seen_area = found.survey.seen_area;
+  return found;
+}
+
+Expected<MeshHits> hit(MeshFiles& files, const MeshSurvey& survey, const PrintGrid& grid,
+                       const MeshTransform& transform, Arena& arena, const StageProgress& progress) {
+  const auto workspace = arena.take_bottom<std::byte>(kReaderWorkspace, kStage);
+  PLUMBLINE_TRY(workspace);
+  auto vertices = VertexList::create(survey.most_vertices, arena);
+  PLUMBLINE_TRY(vertices);
+  auto hits = HitList::create(grid, arena);
+  PLUMBLINE_TRY(hits);
+  HitSink sink(files, progress, grid, transform, *hits);
+  std::uint64_t triangles = 0;
+  PLUMBLINE_TRY(files.read(sink, *vertices, *workspace, [&](const MeshSummary& mesh) { triangles += mesh.triangles; }));
+  if (triangles != survey.triangles) {
+    return fail(ErrorCode::kCannotRead,
+                "the mesh has changed while it was read, or its medium delivers other bytes each time.\tTry again, or "
+                "use another stick");
+  }
+  PLUMBLINE_TRY(hits->close(arena));
+  arena.reset_peak();  // the open list took the rest of the arena
+  return MeshHits{*hits, sink.is_closed(), sink.flat()};
+}
+
+Expected<ReadDipoles> add_up(MeshFiles& files, std::uint64_t most_vertices, const DipoleSurface& surface, Arena& arena,
+                             const StageProgress& progress) {
+  const auto workspace = arena.take_bottom<std::byte>(kReaderWorkspace, kStage);
+  PLUMBLINE_TRY(workspace);
+  auto vertices = VertexList::create(most_vertices, arena);
+  PLUMBLINE_TRY(vertices);
+  auto dipoles = MeshDipoles::create(surface.box, surface.area, arena);
+  PLUMBLINE_TRY(dipoles);
+  for (;;) {
+    DipoleSink sink(files, progress, surface.transform, *dipoles);
+    const Status read = files.read(sink, *vertices, *workspace, [](const MeshSummary&) {});
+    if (read) break;
+    if (!sink.full()) return tl::unexpected<Error>(read.error());
+    dipoles->double_cells();
+  }
+  const auto cloud = dipoles->to_cloud(arena);
+  PLUMBLINE_TRY(cloud);
+  return ReadDipoles{*cloud, dipoles->cell()};
+}
+
+}  // namespace
+
+Expected<SurveyedMesh> read_survey(MeshFiles& files, const Mat3d& rotation, std::optional<std::uint64_t> most_vertices,
+                                   Arena& arena, const StageProgress& progress) {
+  const std::size_t bottom = arena.bottom_mark();
+  const auto found = survey(files, rotation, most_vertices, arena, progress);
+  arena.release_bottom(bottom);
+  return found;
+}
+
+Expected<MeshHits> read_hits(MeshFiles& files, const MeshSurvey& survey, const PrintGrid& grid,
+                             const MeshTransform& transform, Arena& arena, const StageProgress& progress) {
+  const std::size_t bottom = arena.bottom_mark();
+  const auto found = hit(files, survey, grid, transform, arena, progress);
+  arena.release_bottom(bottom);
+  return found;
+}
+
+Expected<ReadDipoles> read_dipoles(MeshFiles& files, std::uint64_t most_vertices, const DipoleSurface& surface,
+                                   Arena& arena, const StageProgress& progress) {
+  const std::size_t bottom = arena.bottom_mark();
+  const auto found = add_up(files, most_vertices, surface, arena, progress);
+  arena.release_bottom(bottom);
+  return found;
+}
+
+}  // namespace plumbline

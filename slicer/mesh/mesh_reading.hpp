@@ -1,0 +1,57 @@
+#pragma once
+/// The readings of a mesh's files: to survey it, to hit its triangles with rays, and to add them up as dipoles.
+
+#include <cstdint>
+#include <optional>
+
+#include "slicer/cloud/cloud.hpp"
+#include "slicer/core/arena.hpp"
+#include "slicer/core/progress.hpp"
+#include "slicer/mesh/hit_list.hpp"
+#include "slicer/mesh/mesh_counts.hpp"
+#include "slicer/mesh/mesh_files.hpp"
+#include "slicer/mesh/mesh_lattice.hpp"
+#include "slicer/mesh/mesh_survey.hpp"
+#include "slicer/reader/scan_sources.hpp"
+
+namespace plumbline {
+
+// Each reading takes its workspace from the bottom of the arena and gives it back, and fails with ErrorCode::kOutOfMemory, kCancelled
+// or the errors of read_mesh().
+
+struct SurveyedMesh {
+  MeshSurvey survey;
+  MeshCounts counts;    ///< those that need no rays
+  ScanSummaries scans;  ///< of each file; the points are its vertices
+};
+/// @param most_vertices  of a file; none: unknown
+[[nodiscard]] Expected<SurveyedMesh> read_survey(MeshFiles& files, const Mat3d& rotation,
+                                                 std::optional<std::uint64_t> most_vertices, Arena& arena,
+                                                 const StageProgress& progress);
+
+struct MeshHits {
+  HitList hits;            ///< sorted, at the top of the arena
+  bool closed = false;     ///< EdgeSum
+  std::uint64_t flat = 0;  ///< triangles with two corners in one place
+};
+/// @param survey  of the same files
+/// @retval ErrorCode::kCannotRead  the files have changed since the survey
+[[nodiscard]] Expected<MeshHits> read_hits(MeshFiles& files, const MeshSurvey& survey, const PrintGrid& grid,
+                                           const MeshTransform& transform, Arena& arena, const StageProgress& progress);
+
+/// What read_dipoles() needs to know of the surface, all of it transformed.
+struct DipoleSurface {
+  MeshTransform transform;
+  Box3f box;
+  double area = 0;
+};
+struct ReadDipoles {
+  Cloud cloud;     ///< MeshDipoles::to_cloud(), at the top of the arena
+  float cell = 0;  ///< side of a cell
+};
+/// @param most_vertices  of a file
+[[nodiscard]] Expected<ReadDipoles> read_dipoles(MeshFiles& files, std::uint64_t most_vertices,
+                                                 const DipoleSurface& surface, Arena& arena,
+                                                 const StageProgress& progress);
+
+}  // namespace plumbline

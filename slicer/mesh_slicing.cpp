@@ -1,0 +1,232 @@
+#include "slicer/mesh_slicing.hpp"
+
+#include <algorithm>
+
+#include "slicer/core/stage_scope.hpp"
+#include "slicer/mesh/hit_resolver.hpp"
+#include "slicer/mesh/mesh_dipoles.hpp"
+#include "slicer/mesh/mesh_reading.hpp"
+#include "slicer/orientation/orientations.hpp"
+#include "slicer/plan/mesh_plan.hpp"
+#include "slicer/reader/scan_reader.hpp"
+
+namespace plumbline {
+namespace {
+
+constexpr const char* kStage = "mesh";
+/// Cells between the sections that are compared with the one at the base plane.
+constexpr float kSectionCells = 2;
+/// Share of the time of turning a mesh that reading it takes.
+constexpr double kCloudRead = 0.3;
+/// Scan units: the cells of a longer mesh would have areas that no float holds.
+constexpr double kLongestTurned = 1e12;
+
+/// One job after its survey.
+class MeshStages {
+ public:
+  MeshStages(MeshFiles& files, const MeshSurvey& survey, const SliceSettings& settings, Arena& arena,
+             ProgressSink* progress, SliceReport& report)
+      : files_(files),
+        survey_(survey),
+        settings_(settings),
+        arena_(arena),
+        progress_(progress),
+        report_(report),
+        transform_{report.placement.rotation, report.placement.scale, report.placement.shift} {
+    for (const Vec3d& corner : {survey.bounds.low, survey.bounds.high}) {
+      box_.extend(Vec3d(corner * report.placement.scale + report.placement.shift).cast<float>());
+    }
+  }
+
+  Expected<CrossingStore> run() {
+    PLUMBLINE_TRY(
+        admit_mesh(need_of(*report_.mesh, report_.placement), settings_.threads, arena_, report_.planned_bytes));
+    constexpr auto kReading = static_cast<std::size_t>(Stage::kRead);
+    report_.planned_bytes[kReading] = report_.peak_bytes[kReading];  // it has been read, with room for more vertices
+    PLUMBLINE_TRY(find_hits());
+    const StageScope stage(Stage::kRays, arena_, progress_, report_.peak_bytes);
+    const bool whole = report_.mesh->closed;
+    if (!whole) {
+      plan_field();
+      PLUMBLINE_TRY(build_field());
+    }
+    auto store = resolve_hits(hits_, grid(), whole ? nullptr : &field_, settings_.threads, arena_,
+                              {progress_, Stage::kRays, whole ? 0 : kFieldBuilt, 1}, *report_.mesh);
+    arena_.reset_peak();  // the open store took the rest of the arena; the stage's need is what is used now
+    return store;
+  }
+
+ private:
+  // Shares of the rays' time, if the winding number is needed.
+  static constexpr double kFieldRead = 0.4;
+  static constexpr double kFieldBuilt = 0.7;
+
+  const PrintGrid& grid() const { return report_.placement.grid; }
+
+  Status find_hits() {
+    const StageScope stage(Stage::kRayGrid, arena_, progress_, report_.peak_bytes);
+    const auto found = read_hits(files_, survey_, grid(), transform_, arena_, {progress_, Stage::kRayGrid});
+    PLUMBLINE_TRY(found);
+    hits_ = found->hits;
+    report_.mesh->closed = found->closed;
+    report_.mesh->flat = found->flat;
+    report_.mesh->hits = hits_.size();
+    return {};
+  }
+
+  /// Adds to the plan what a mesh needs that is not closed.
+  void plan_field() {
+    std::size_t& planned = report_.planned_bytes[static_cast<std::size_t>(Stage::kRays)];
+    const std::size_t reading = kReaderWorkspace + VertexList::bytes_needed(survey_.most_vertices);
+    const std::uint32_t slots = MeshDipoles::slots_in(arena_.available() - std::min(arena_.available(), reading));
+    planned = std::max(planned + MeshDipoles::field_bytes(slots),
+                       arena_.used() + reading + MeshDipoles::reading_bytes(slots));
+  }
+
+  /// Reads the mesh into a tree of dipoles, and finds the tiles where the hits miss solid parts.
+  Status build_field() {
+    const double scale = report_.placement.scale;
+    const auto dipoles = read_dipoles(files_, survey_.most_vertices, {transform_, box_, survey_.area * scale * scale},
+                                      arena_, {progress_, Stage::kRays, 0, kFieldRead});
+    PLUMBLINE_TRY(dipoles);
+    const auto nodes =
+        arena_.take_top<WindingTree::Node>(WindingTree::nodes_needed(dipoles->cloud.size), "winding number");
+    PLUMBLINE_TRY(nodes);
+    winding_ = WindingTree::build(dipoles->cloud, *nodes);
+    field_.winding = &winding_;
+    field_.cell = dipoles->cell;
+    if (settings_.base != BaseChoice::kNone) {
+      report_.flat_underside =
+          winding_.set_base(box_.low[2], kSectionCells * field_.cell, settings_.base == BaseChoice::kFlat);
+    }
+    const auto words =
+        arena_.take_top<std::uint64_t>(BitImage::words_needed(hits_.tile_columns(), hits_.tile_rows()), kStage);
+    PLUMBLINE_TRY(words);
+    field_.doubtful = BitImage(*words, hits_.tile_columns(), hits_.tile_rows());
+    field_.doubtful.clear();
+    const auto tile_of = [](float mm, float pitch, std::uint32_t tiles) {
+      return std::min(static_cast<std::uint32_t>(std::max(0.0F, mm / pitch)) / kTileSide, tiles - 1);
+    };
+    field_.first_column = tile_of(box_.low[0], grid().pitch_x_mm, hits_.tile_columns());
+    field_.end_column = tile_of(box_.high[0], grid().pitch_x_mm, hits_.tile_columns()) + 1;
+    field_.first_row = tile_of(box_.low[1], grid().pitch_y_mm, hits_.tile_rows());
+    field_.end_row = tile_of(box_.high[1], grid().pitch_y_mm, hits_.tile_rows()) + 1;
+    if (find_doubtful(field_, hits_, grid(), {progress_, Stage::kRays, kFieldRead, kFieldBuilt})) return {};
+    return fail(ErrorCode::kCancelled, "cancelled while the mesh was sliced");
+  }
+
+  MeshFiles& files_;
+  const MeshSurvey& survey_;
+  const SliceSettings& settings_;
+  Arena& arena_;
+  ProgressSink* progress_;
+  SliceReport& report_;
+  MeshTransform transform_;
+  Box3f box_;  ///< of the placed mesh, mm
+  HitList hits_;
+  WindingTree winding_;
+  MeshField field_;
+};
+
+Expected<MeshHint> hint_of_files(MeshFiles& files, Arena& arena) {
+  const std::size_t bottom = arena.bottom_mark();
+  const auto workspace = arena.take_bottom<std::byte>(kReaderWorkspace, kStage);
+  PLUMBLINE_TRY(workspace);
+  const auto hint = files.hint(*workspace);
+  arena.release_bottom(bottom);
+  return hint;
+}
+
+/// @param most_vertices  of a file; none: unknown
+Expected<MeshSurvey> survey_files(MeshFiles& files, const SliceSettings& settings,
+                                  std::optional<std::uint64_t> most_vertices, Arena& arena, ProgressSink* progress,
+                                  PreparationCounts& report) {
+  const StageScope stage(Stage::kRead, arena, progress, report.peak_bytes);
+  const auto found = read_survey(files, rotation_matrix(settings.placement.rotation_degrees), most_vertices, arena,
+                                 {progress, Stage::kRead});
+  PLUMBLINE_TRY(found);
+  report.mesh = found->counts;
+  report.scans = found->scans;
+  report.scan = sum_of(found->scans);
+  return found->survey;
+}
+
+tl::unexpected<Error> fail_empty(MeshFiles& files, const MeshCounts& counts) {
+  const auto pointers = files.pointers();
+  const auto title = title_of(std::span(pointers).first(files.count()));
+  if (counts.not_finite == 0) {
+    return fail(ErrorCode::kNoPoints, "%s: has no triangle.\tExport the mesh again, with its faces", title.c_str());
+  }
+  return fail(ErrorCode::kNoPoints,
+              "%s: has no usable triangle: all %llu have a coordinate that is not finite or huge.\tExport it again",
+              title.c_str(), static_cast<unsigned long long>(counts.not_finite));
+}
+
+}  // namespace
+
+Expected<std::optional<MeshSurvey>> survey_mesh(MeshFiles& files, const SliceSettings& settings, Arena& arena,
+                                                ProgressSink* progress, PreparationCounts& report) {
+  if (settings.as == ReadAs::kPoints) return std::nullopt;
+  const auto hint = hint_of_files(files, arena);
+  PLUMBLINE_TRY(hint);
+  const bool sure = settings.as == ReadAs::kMesh || *hint >= MeshHint::kMesh;
+  if (!sure && *hint == MeshHint::kNone) return std::nullopt;
+  PLUMBLINE_TRY(files.keep_all(arena));
+  const auto most_vertices = *hint == MeshHint::kTriangles ? std::optional<std::uint64_t>(0) : std::nullopt;
+  const auto found = survey_files(files, settings, most_vertices, arena, progress, report);
+  if (!found) {
+    const ErrorCode code = found.error().code();
+    if (sure || code == ErrorCode::kCannotRead || code == ErrorCode::kCancelled) {
+      return tl::unexpected<Error>(found.error());
+    }
+  }
+  if (found && sure && found->triangles == 0) return fail_empty(files, *report.mesh);
+  if (found && (sure || found->is_object())) return std::optional<MeshSurvey>(*found);
+  // What is wrong with its points or faces is for the reader of scans to find.
+  report.mesh.reset();
+  report.scans = {};
+  report.scan = {};
+  PLUMBLINE_TRY(files.rewind());
+  return std::nullopt;
+}
+
+Expected<Cloud> mesh_cloud(MeshFiles& files, const MeshSurvey& survey, Arena& arena, ProgressSink* progress,
+                           PreparationCounts& report) {
+  const StageScope stage(Stage::kNormals, arena, progress, report.peak_bytes);
+  const double longest = survey.bounds.size().maxCoeff();
+  if (longest > kLongestTurned) {
+    return fail(ErrorCode::kDoesNotFit, "the mesh is %.3g units long.\tExport it again, or turn it with --rotate-x",
+                longest);
+  }
+  Box3f box;
+  box.extend(Vec3f::Zero());
+  box.extend(survey.bounds.size().cast<float>());
+  const DipoleSurface surface{{Mat3d::Identity(), 1, -survey.bounds.low}, box, survey.area};
+  const auto dipoles =
+      read_dipoles(files, survey.most_vertices, surface, arena, {progress, Stage::kNormals, 0, kCloudRead});
+  PLUMBLINE_TRY(dipoles);
+  return dipoles->cloud;
+}
+
+Expected<MeshSurvey> turn_mesh(MeshFiles& files, const MeshSurvey& survey, SliceSettings& settings, Arena& arena,
+                               ProgressSink* progress, PreparationCounts& report) {
+  {
+    const ArenaScope scope(arena);
+    const auto cloud = mesh_cloud(files, survey, arena, progress, report);
+    PLUMBLINE_TRY(cloud);
+    const auto samples = sample_surface(*cloud, arena);
+    PLUMBLINE_TRY(samples);
+    const auto best = best_orientations(*samples, {progress, Stage::kNormals, kCloudRead, 1});
+    if (!best) return fail(ErrorCode::kCancelled, "cancelled while the best way up was looked for");
+    report.turned = best->front();
+  }
+  settings.placement.rotation_degrees = {report.turned->degrees[0], report.turned->degrees[1], 0};
+  return survey_files(files, settings, survey.most_vertices, arena, progress, report);
+}
+
+Expected<CrossingStore> shoot_mesh(MeshFiles& files, const MeshSurvey& survey, const SliceSettings& settings,
+                                   Arena& arena, ProgressSink* progress, SliceReport& report) {
+  return MeshStages(files, survey, settings, arena, progress, report).run();
+}
+
+}  // namespace plumbline

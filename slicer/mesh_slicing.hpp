@@ -1,0 +1,46 @@
+#pragma once
+/// From the bytes of a mesh to the crossings of its rays: the stages that slice() and inspect() share.
+
+#include <optional>
+
+#include "slicer/cloud/cloud.hpp"
+#include "slicer/core/arena.hpp"
+#include "slicer/mesh/mesh_files.hpp"
+#include "slicer/mesh/mesh_survey.hpp"
+#include "slicer/rrep/crossing_store.hpp"
+#include "slicer/slice_report.hpp"
+#include "slicer/slice_settings.hpp"
+
+namespace plumbline {
+
+/// Reads the files once, if they may be a mesh.
+/// @param report  scan, scans and mesh are set if they are one
+/// @returns none: they are a scan, and at their beginning again
+/// @retval ErrorCode::kOutOfMemory, kCancelled, kCannotRead and all of read_mesh()
+[[nodiscard]] Expected<std::optional<MeshSurvey>> survey_mesh(MeshFiles& files, const SliceSettings& settings,
+                                                              Arena& arena, ProgressSink* progress,
+                                                              PreparationCounts& report);
+
+/// The surface of a mesh as points with normals, in the order of a 3D tree: coordinates of the file less survey.bounds.low.
+/// @param survey  of the mesh as it lies in the file
+/// @returns at the top of the arena
+[[nodiscard]] Expected<Cloud> mesh_cloud(MeshFiles& files, const MeshSurvey& survey, Arena& arena,
+                                         ProgressSink* progress, PreparationCounts& report);
+
+/// Turns a mesh the best way up: reads it twice, to find the way and to measure it anew.
+/// @param settings  placement.rotation_degrees is 0 before, and that way after
+/// @param report    turned is set
+[[nodiscard]] Expected<MeshSurvey> turn_mesh(MeshFiles& files, const MeshSurvey& survey, SliceSettings& settings,
+                                             Arena& arena, ProgressSink* progress, PreparationCounts& report);
+
+/// Reads the placed mesh once more, three times if it is not closed, and finds the crossings of all rays.
+/// @param settings  as returned by set_threads()
+/// @param report    its placement and what survey_mesh() has found are known
+/// @returns crossings at the bottom of the arena; the caller releases its top
+/// @retval ErrorCode::kOutOfMemory  before anything is read again where the survey shows it
+/// @retval ErrorCode::kCancelled and all of read_mesh()
+[[nodiscard]] Expected<CrossingStore> shoot_mesh(MeshFiles& files, const MeshSurvey& survey,
+                                                 const SliceSettings& settings, Arena& arena, ProgressSink* progress,
+                                                 SliceReport& report);
+
+}  // namespace plumbline

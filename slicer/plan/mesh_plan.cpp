@@ -1,0 +1,68 @@
+#include "slicer/plan/mesh_plan.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "slicer/checks/stack_checker.hpp"
+#include "slicer/mesh/hit_resolver.hpp"
+#include "slicer/mesh/ray_solids.hpp"
+#include "slicer/reader/scan_reader.hpp"
+#include "slicer/reader/triangles/vertex_list.hpp"
+#include "slicer/supports/mask_stream.hpp"
+#include "slicer/supports/support_finder.hpp"
+
+namespace plumbline {
+namespace {
+
+/// The estimate of the hits is good to a few percent, so a refusal and a plan leave that much on either side.
+constexpr double kSureShare = 0.95;
+constexpr double kPlannedShare = 1.05;
+/// More than any arena holds, and so few that no sum of bytes overflows.
+constexpr double kMostHits = static_cast<double>(std::numeric_limits<std::size_t>::max() / 64);
+
+}  // namespace
+
+MeshNeed need_of(const MeshCounts& mesh, const Placement& placement) {
+  const PrintGrid& grid = placement.grid;
+  const double pixel_mm2 = static_cast<double>(grid.pitch_x_mm) * static_cast<double>(grid.pitch_y_mm);
+  return {mesh.most_vertices, grid, mesh.seen_area * placement.scale * placement.scale / pixel_mm2};
+}
+
+MemoryPlan plan_mesh(const MeshNeed& need, std::uint32_t threads) {
+  const PrintGrid& grid = need.grid;
+  MemoryPlan plan;
+  const RayYield yield{need.hits / 2, need.hits};
+  const std::size_t hits = Arena::rounded(static_cast<std::size_t>(std::min(need.hits, kMostHits)) * sizeof(PackedHit));
+  const std::size_t rooms = threads * Arena::rounded(sizeof(std::uint16_t) * kTileSide * kTileSide * kMostRayCrossings);
+  const std::size_t reading = kReaderWorkspace + VertexList::bytes_needed(need.most_vertices);
+  const std::size_t store = store_bytes(grid, yield);
+  const std::size_t rrep = rrep_bytes(grid, yield);
+  const std::uint32_t struts = most_struts(grid);
+  const auto set = [&](Stage stage, std::size_t bytes) { plan.bytes[static_cast<std::size_t>(stage)] = bytes; };
+  set(Stage::kRead, reading);
+  set(Stage::kRayGrid, reading + hits);
+  set(Stage::kRays, hits + rooms + store);
+  set(Stage::kRRep, store + std::max(store, rrep));
+  set(Stage::kSupports, rrep + find_supports_bytes(grid));
+  set(Stage::kLayers,
+      rrep + struts * sizeof(Strut) + MaskStream::bytes_needed(grid, struts) + StackChecker::bytes_needed(grid));
+  return plan;
+}
+
+Status admit_mesh(const MeshNeed& need, std::uint32_t threads, const Arena& arena,
+                  std::array<std::size_t, kStageCount>& planned_bytes) {
+  const auto scaled = [&](double share) { return MeshNeed{need.most_vertices, need.grid, share * need.hits}; };
+  planned_bytes = plan_mesh(scaled(kPlannedShare), threads).bytes;
+  const MemoryPlan sure = plan_mesh(scaled(kSureShare), threads);
+  if (sure.peak() <= arena.available()) return {};
+  constexpr double kMiB = 1024.0 * 1024.0;
+  const auto stage = to_string(sure.widest());
+  return fail(
+      ErrorCode::kOutOfMemory,
+      "the mesh does not fit into the arena of %.1f MiB: stage '%.*s' needs about %.1f MiB for %.0f crossings.\t"
+      "Use a larger arena (--arena-mib), a coarser grid or a smaller --scale",
+      static_cast<double>(arena.capacity()) / kMiB, static_cast<int>(stage.size()), stage.data(),
+      static_cast<double>(sure.peak()) / kMiB, need.hits);
+}
+
+}  // namespace plumbline

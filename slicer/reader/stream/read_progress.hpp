@@ -1,0 +1,14 @@
+#pragma once
+/// Progress and cancellation of reading a file.
+
+namespace plumbline {
+
+class ReadProgress {
+ public:
+  virtual ~ReadProgress() = default;
+  /// @param fraction  of the file, 0 to 1; 0 while its size is unknown
+  /// @returns false to cancel
+  virtual bool progress(double fraction) = 0;
+};
+
+}  // namespace plumbline

@@ -1,0 +1,200 @@
+#include "slicer/reader/formats/ply_header.hpp"
+#include "slicer/reader/records/record_binary.hpp"
+#include "slicer/reader/records/record_text.hpp"
+#include "slicer/reader/stream/line_input.hpp"
+#include "slicer/reader/stream/number.hpp"
+#include "slicer/reader/triangles/faces.hpp"
+#include "slicer/reader/triangles/triangle_formats.hpp"
+
+namespace plumbline {
+namespace {
+
+/// 2^53: a double holds every index up to it.
+constexpr double kLargestIndex = 9007199254740992.0;
+
+/// Adds the vertices of the file to the list.
+class VertexSink final : public PointSink {
+ public:
+  VertexSink(const ByteInput& input, VertexList& vertices) : input_(input), vertices_(vertices) {}
+  Status begin(const ScanHeader& /*header*/) override { return {}; }
+  Status take(std::span<const ScanPoint> points) override {
+    for (const ScanPoint& p : points) {
+      if (!vertices_.add({p.x, p.y, p.z})) return fail_vertices(input_, vertices_);
+    }
+    return {};
+  }
+  bool progress(double /*fraction*/) override { return true; }
+
+ private:
+  const ByteInput& input_;
+  VertexList& vertices_;
+};
+
+class PlyMeshReader {
+ public:
+  PlyMeshReader(ByteInput& input, TriangleBatch& batch, VertexList& vertices)
+      : input_(input), lines_(input), batch_(batch), vertices_(vertices), fan_(vertices, batch) {}
+
+  Status read(Arena& memory) {
+    const auto header = read_ply_header(lines_, memory);
+    PLUMBLINE_TRY(header);
+    header_ = *header;
+    batch_.summary().format = ScanFormat::kPly;
+    batch_.summary().encoding = header_.encoding();
+    if (header_.face.count == 0) {
+      return input_.fail(ErrorCode::kUnsupported, "the file has no faces that can be read;\tuse --as points");
+    }
+    PLUMBLINE_TRY(skip(header_.before_vertex));
+    PLUMBLINE_TRY(read_vertices(memory));
+    PLUMBLINE_TRY(skip(header_.before_face));
+    for (std::uint64_t done = 0; done < header_.face.count; ++done) {
+      face_ = done;
+      PLUMBLINE_TRY(header_.ascii ? read_text_face() : read_binary_face());
+    }
+    return {};
+  }
+
+ private:
+  using Kind = RecordStep::Kind;
+
+  Status skip(std::span<const PlyElement> elements) {
+    for (const PlyElement& element : elements) {
+      if (element.layout.steps().empty()) continue;  // no properties: no bytes, no line
+      PLUMBLINE_TRY(header_.ascii ? skip_text_records(lines_, element.count)
+                                  : skip_binary_records(input_, element.layout, element.count, header_.order));
+    }
+    return {};
+  }
+
+  Status read_vertices(Arena& memory) {
+    const auto room = memory.take_bottom<ScanPoint>(PointBatch::kPoints, "reading PLY");
+    PLUMBLINE_TRY(room);
+    VertexSink sink(input_, vertices_);
+    ScanSummary summary;
+    PointBatch points(sink, *room, summary);
+    points.keep_not_finite();
+    PLUMBLINE_TRY(points.begin({}));
+    const PlyElement& vertex = header_.vertex;
+    PLUMBLINE_TRY(header_.ascii ? read_text_points(lines_, vertex.layout, vertex.count, points)
+                                : read_binary_points(input_, vertex.layout, vertex.count, header_.order, points));
+    return points.flush();
+  }
+
+  tl::unexpected<Error> fail_truncated() const {
+    return input_.fail(ErrorCode::kTruncated,
+                       "the file ends at byte %llu, with %llu of the %llu faces that its header declares;\tcopy or "
+                       "export it again",
+                       static_cast<unsigned long long>(input_.bytes_read()), static_cast<unsigned long long>(face_),
+                       static_cast<unsigned long long>(header_.face.count));
+  }
+
+  Status add_corner(double index) {
+    if (!(index >= 0) || index >= static_cast<double>(vertices_.size()) || index >= kLargestIndex) {
+      return input_.fail(ErrorCode::kMalformed,
+                         "face %llu names vertex %.0f, but there are %llu, numbered from 0;\texport the file again",
+                         static_cast<unsigned long long>(face_), index,
+                         static_cast<unsigned long long>(vertices_.size()));
+    }
+    return fan_.add(static_cast<std::uint64_t>(index));
+  }
+
+  /// @returns the scalar at the window's beginning
+  Expected<double> take_scalar(ScalarType type) {
+    const std::size_t size = size_of(type);
+    const auto ready = input_.fill(size);
+    PLUMBLINE_TRY(ready);
+    if (*ready < size) return fail_truncated();
+    const double value = load_scalar(type, input_.begin(), header_.order);
+    input_.consume(size);
+    return value;
+  }
+
+  Status read_binary_face() {
+    for (const RecordStep& step : header_.face.layout.steps()) {
+      std::uint64_t bytes = step.bytes;
+      if (step.kind == Kind::kList) {
+        const auto count = take_scalar(step.type);
+        PLUMBLINE_TRY(count);
+        if (!(*count >= 0) || *count > 1e15) {
+          return input_.fail(ErrorCode::kMalformed,
+                             "byte %llu: a list claims to have %.0f items; the file is damaged, export it again",
+                             static_cast<unsigned long long>(input_.offset()), *count);
+        }
+        const auto items = static_cast<std::uint64_t>(*count);
+        if (step.slot == 1) {
+          fan_.begin();
+          for (std::uint64_t i = 0; i < items; ++i) {
+            const auto index = take_scalar(step.item);
+            PLUMBLINE_TRY(index);
+            PLUMBLINE_TRY(add_corner(*index));
+          }
+          continue;
+        }
+        bytes = items * size_of(step.item);
+      }
+      const auto skipped = input_.skip(bytes);
+      PLUMBLINE_TRY(skipped);
+      if (*skipped < bytes) return fail_truncated();
+    }
+    return {};
+  }
+
+  Status read_text_face() {
+    Line line;
+    for (;;) {
+      const auto found = lines_.next(line);
+      PLUMBLINE_TRY(found);
+      if (!*found) return fail_truncated();
+      if (line.cut) {
+        return input_.fail(ErrorCode::kUnsupported,
+                           "line %llu: a face longer than a line may be (%zu bytes);\texport triangles",
+                           static_cast<unsigned long long>(lines_.number()), input_.capacity());
+      }
+      if (!is_blank(line.text)) break;
+    }
+    Words words(line.text);
+    for (const RecordStep& step : header_.face.layout.steps()) {
+      std::uint64_t items = step.words;
+      if (step.kind == Kind::kList) {
+        const auto count = parse_count(words.next());
+        if (!count) return fail_face(line);
+        items = *count;
+        if (step.slot == 1) {
+          fan_.begin();
+          for (std::uint64_t i = 0; i < items; ++i) {
+            const auto index = parse_count(words.next());
+            if (!index) return fail_face(line);
+            PLUMBLINE_TRY(add_corner(static_cast<double>(*index)));
+          }
+          break;  // what follows is not needed
+        }
+      }
+      for (std::uint64_t i = 0; i < items; ++i) {
+        if (words.next().empty()) return fail_face(line);
+      }
+    }
+    return {};
+  }
+
+  tl::unexpected<Error> fail_face(const Line& line) const {
+    return input_.fail(line.unterminated ? ErrorCode::kTruncated : ErrorCode::kMalformed,
+                       "line %llu: expected a face, found '%s';\tcopy or export the file again",
+                       static_cast<unsigned long long>(lines_.number()), Quote(line.text).c_str());
+  }
+
+  ByteInput& input_;
+  LineInput lines_;
+  TriangleBatch& batch_;
+  VertexList& vertices_;
+  FaceFan fan_;
+  PlyHeader header_;
+  std::uint64_t face_ = 0;
+};
+
+}  // namespace
+
+Status read_ply_mesh(ByteInput& input, TriangleBatch& batch, const MeshRoom& room) {
+  return PlyMeshReader(input, batch, room.vertices).read(room.memory);
+}
+
+}  // namespace plumbline

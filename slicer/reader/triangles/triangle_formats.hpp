@@ -1,0 +1,34 @@
+#pragma once
+/// One reader for each format of meshes. Each starts at the first byte of the file, or after its byte order mark, and adds every
+/// triangle. The caller flushes the last batch.
+
+#include "slicer/core/arena.hpp"
+#include "slicer/reader/stream/byte_input.hpp"
+#include "slicer/reader/triangles/triangle_batch.hpp"
+#include "slicer/reader/triangles/vertex_list.hpp"
+
+namespace plumbline {
+
+/// Where an indexed format keeps its vertices, and where a reader keeps what it needs besides the window.
+struct MeshRoom {
+  VertexList& vertices;
+  Arena& memory;
+};
+
+/// Stereolithography: ascii and binary, with any number of solids. A binary file whose number of triangles is 0 or 2^32 - 1, as
+/// programs write that don't know it in advance, is read to its end.
+[[nodiscard]] Status read_stl(ByteInput& input, TriangleBatch& batch);
+
+/// Polygon file format: faces as lists of vertex indices, ascii and binary in both byte orders.
+[[nodiscard]] Status read_ply_mesh(ByteInput& input, TriangleBatch& batch, const MeshRoom& room);
+
+/// Wavefront OBJ: faces with any number of corners, positive and negative indices.
+[[nodiscard]] Status read_obj_mesh(ByteInput& input, TriangleBatch& batch, const MeshRoom& room);
+
+/// Object file format of Geomview, ascii: OFF, COFF, NOFF, STOFF and their combinations.
+[[nodiscard]] Status read_off(ByteInput& input, TriangleBatch& batch, const MeshRoom& room);
+
+/// The error of a mesh that has more vertices than there is room for.
+tl::unexpected<Error> fail_vertices(const ByteInput& input, const VertexList& vertices);
+
+}  // namespace plumbline

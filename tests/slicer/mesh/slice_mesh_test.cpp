@@ -1,0 +1,412 @@
+/// Meshes through slice(), from their bytes to the sections.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "slicer/inspect.hpp"
+#include "tests/slicer/support/meshes.hpp"
+#include "tests/slicer/support/shared_scan.hpp"
+#include "tests/slicer/support/slicing.hpp"
+
+namespace plumbline {
+namespace {
+
+using namespace testing;
+using ::testing::HasSubstr;
+
+constexpr std::size_t kArena = 64 * kMiB;
+
+Slicing sliced(const TestMesh& mesh, const SliceSettings& settings) {
+  return {MemorySource(binary_stl(mesh), "mesh.stl"), settings, kArena};
+}
+
+bool same_rrep(const RRep& a, const RRep& b) {
+  return a.grid.layers == b.grid.layers && a.grid.columns == b.grid.columns &&
+         std::equal(a.first.begin(), a.first.end(), b.first.begin(), b.first.end()) &&
+         std::equal(a.pixel.begin(), a.pixel.end(), b.pixel.begin(), b.pixel.end());
+}
+
+/// Voxels of the sections whose centres `inside` contradicts, of those that `inside` is sure of (it returns 0 elsewhere).
+template <class Inside>
+std::uint64_t wrong(const Slicing& slicing, Inside inside) {
+  std::uint64_t wrong = 0;
+  slicing.for_each_section([&](std::uint32_t k, ConstBitImage section) {
+    for (std::uint32_t r = 0; r < slicing.grid().rows; ++r) {
+      for (std::uint32_t c = 0; c < slicing.grid().columns; ++c) {
+        const int expected = inside(slicing.middle_of(c, r, k));
+        wrong += expected != 0 && (expected > 0) != section.at(c, r) ? 1 : 0;
+      }
+    }
+  });
+  return wrong;
+}
+
+int in_box(const Vec3d& p, const Vec3d& low, const Vec3d& high, double unsure = 1e-4) {
+  const double out = std::max((low - p).maxCoeff(), (p - high).maxCoeff());
+  return std::abs(out) < unsure ? 0 : out < 0 ? 1 : -1;
+}
+
+TEST(SliceMesh, ACubeWithCornersOnPixelCentresHasEveryPixelOnce) {
+  // Pixels and layers of 0.5 mm, sampled at 0.25, 0.75, ...: the faces of the cube lie on sampling places on all sides.
+  const Slicing cube = sliced(box_mesh({0.25, 0.25, 0.25}, {10.25, 10.25, 10.25}), settings_with_pitch(0.5F));
+  ASSERT_TRUE(cube.report().mesh);
+  EXPECT_TRUE(cube.report().mesh->closed);
+  EXPECT_EQ(cube.report().mesh->broken_rays, 0U);
+  // Half-open: of the 21 places along each axis 20 are inside.
+  std::uint64_t voxels = 0;
+  cube.for_each_section([&](std::uint32_t, ConstBitImage section) {
+    EXPECT_EQ(section.count(), 400U);
+    voxels += section.count();
+  });
+  EXPECT_EQ(voxels, 8000U);
+  EXPECT_EQ(cube.rrep().crossings(), 400U);  // those where rays leave at the top are above the last layer
+}
+
+TEST(SliceMesh, PartsThatShareAFaceNeitherOverlapNorLeaveAGap) {
+  TestMesh halves = box_mesh({0.25, 0.25, 0.25}, {5.25, 10.25, 10.25});
+  append(halves, box_mesh({5.25, 0.25, 0.25}, {10.25, 10.25, 10.25}));
+  const Slicing both = sliced(halves, settings_with_pitch(0.5F));
+  const Slicing whole = sliced(box_mesh({0.25, 0.25, 0.25}, {10.25, 10.25, 10.25}), settings_with_pitch(0.5F));
+  EXPECT_TRUE(same_rrep(both.rrep(), whole.rrep()));
+}
+
+TEST(SliceMesh, ATurnedBoxHasThePixelsThatAreInIt) {
+  SliceSettings settings = settings_with_pitch(0.1F);
+  settings.placement.rotation_degrees = {33, 71, -12};
+  const Slicing box = sliced(box_mesh({-3, -2, 0}, {4, 3, 5}), settings);
+  EXPECT_GT(box.rrep().crossings(), 5000U);
+  EXPECT_EQ(wrong(box, [](const Vec3d& p) { return in_box(p, {-3, -2, 0}, {4, 3, 5}); }), 0U);
+  EXPECT_NEAR(box.volume(), 175, 0.5);
+}
+
+TEST(SliceMesh, ABallHasItsVolumeAndItsPixels) {
+  const Slicing ball = sliced(ball_mesh({0, 0, 8}, 8, 5), settings_with_pitch(0.2F));
+  // The flat triangles lie at most 8 (1 - cos(1.1 degrees)) inside the sphere.
+  EXPECT_EQ(ball.wrong_voxels([](const Vec3d& p) { return (p - Vec3d(0, 0, 8)).norm() - 8; }, 0.006), 0U);
+  EXPECT_NEAR(ball.volume(), 4.0 / 3 * std::numbers::pi * 512, 5);
+}
+
+TEST(SliceMesh, EveryFormatOrderAndNumberOfThreadsGivesTheSameCrossings) {
+  TestMesh mesh = ball_mesh({1, 2, 6}, 5, 3);
+  append(mesh, box_mesh({2, 2, 1}, {9, 9, 4}));
+  SliceSettings settings = settings_with_pitch(0.15F);
+  settings.placement.rotation_degrees = {10, 20, 30};
+  const Slicing expected = sliced(mesh, settings);
+  for (const SurfaceFile& file : files_of(mesh)) {
+    const Slicing other(MemorySource(file.bytes, file.name), settings, kArena);
+    EXPECT_TRUE(other.report().mesh) << file.name;
+    EXPECT_TRUE(same_rrep(other.rrep(), expected.rrep())) << file.name;
+  }
+  for (std::uint32_t seed = 1; seed < 4; ++seed) {
+    EXPECT_TRUE(same_rrep(sliced(shuffled(mesh, seed), settings).rrep(), expected.rrep()));
+  }
+  settings.threads = 3;
+  EXPECT_TRUE(same_rrep(sliced(mesh, settings).rrep(), expected.rrep()));
+}
+
+TEST(SliceMesh, ShellsInsideOfEachOtherAndOverlappingOnesAreOneSolid) {
+  TestMesh mesh = box_mesh({0, 0, 0}, {10, 10, 10});
+  append(mesh, box_mesh({3, 3, 3}, {6, 6, 6}));    // inside, facing outwards
+  append(mesh, box_mesh({8, 8, 2}, {14, 14, 8}));  // across the wall
+  const Slicing joined = sliced(mesh, settings_with_pitch(0.25F));
+  EXPECT_TRUE(joined.report().mesh->closed);
+  EXPECT_EQ(wrong(joined,
+                  [](const Vec3d& p) {
+                    return std::max(in_box(p, {0, 0, 0}, {10, 10, 10}), in_box(p, {8, 8, 2}, {14, 14, 8}));
+                  }),
+            0U);
+}
+
+TEST(SliceMesh, AShellThatFacesInwardsIsAHollow) {
+  TestMesh mesh = box_mesh({0, 0, 0}, {10, 10, 10});
+  TestMesh hollow = box_mesh({3, 3, 3}, {6, 6, 6});
+  flip(hollow, 0, 12);
+  append(mesh, hollow);
+  const Slicing pocket = sliced(mesh, settings_with_pitch(0.25F));
+  EXPECT_EQ(wrong(pocket,
+                  [](const Vec3d& p) {
+                    const int inner = in_box(p, {3, 3, 3}, {6, 6, 6});
+                    return inner > 0 ? -1 : inner == 0 ? 0 : in_box(p, {0, 0, 0}, {10, 10, 10});
+                  }),
+            0U);
+}
+
+TEST(SliceMesh, AMeshThatIsInsideOutIsSolid) {
+  TestMesh mesh = box_mesh({0, 0, 0}, {10, 10, 10});
+  const Slicing expected = sliced(mesh, settings_with_pitch(0.25F));
+  flip(mesh, 0, 12);
+  EXPECT_TRUE(same_rrep(sliced(mesh, settings_with_pitch(0.25F)).rrep(), expected.rrep()));
+}
+
+/// A box in a fine mesh, so that single faces are small.
+TestMesh fine_box() {
+  TestMesh mesh = box_mesh({0, 0, 0}, {10, 10, 10});
+  for (int i = 0; i < 4; ++i) {
+    TestMesh finer;
+    for (const auto& [a, b, c] : mesh.faces) {
+      const Vec3d va = mesh.vertices[a];
+      const Vec3d vb = mesh.vertices[b];
+      const Vec3d vc = mesh.vertices[c];
+      const auto first = static_cast<std::uint32_t>(finer.vertices.size());
+      finer.vertices.insert(finer.vertices.end(), {va, vb, vc, (va + vb) / 2, (vb + vc) / 2, (vc + va) / 2});
+      for (const std::array<std::uint32_t, 3>& f :
+           {std::array<std::uint32_t, 3>{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}}) {
+        finer.faces.push_back({f[0] + first, f[1] + first, f[2] + first});
+      }
+    }
+    mesh = finer;
+  }
+  return mesh;
+}
+
+struct Damage {
+  const char* name;
+  TestMesh mesh;
+  double unsure;  ///< mm round the faces within which the result may differ
+};
+
+std::vector<Damage> damages() {
+  const TestMesh whole = fine_box();
+  const auto without = [&](auto dropped) {
+    TestMesh mesh = whole;
+    std::erase_if(mesh.faces, [&](const auto& f) {
+      return dropped(Vec3d((whole.vertices[f[0]] + whole.vertices[f[1]] + whole.vertices[f[2]]) / 3));
+    });
+    return mesh;
+  };
+  const auto flipped = [&](auto chosen) {
+    TestMesh mesh = whole;
+    for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
+      const auto& f = mesh.faces[i];
+      if (chosen(Vec3d((whole.vertices[f[0]] + whole.vertices[f[1]] + whole.vertices[f[2]]) / 3))) flip(mesh, i, i + 1);
+    }
+    return mesh;
+  };
+  const auto in_middle = [](const Vec3d& p) { return std::abs(p[0] - 5) < 1.3 && std::abs(p[1] - 5) < 1.3; };
+  TestMesh doubled = whole;
+  for (std::size_t i = 0; i < doubled.faces.size(); i += 3) doubled.faces.push_back(doubled.faces[i]);
+  doubled.faces.resize(whole.faces.size() + 300);
+  return {
+      {"a hole in the top", without([&](const Vec3d& p) { return in_middle(p) && p[2] > 9; }), 0.5},
+      {"a hole in the bottom", without([&](const Vec3d& p) { return in_middle(p) && p[2] < 1; }), 0.5},
+      {"holes above each other", without([&](const Vec3d& p) { return in_middle(p) && (p[2] < 1 || p[2] > 9); }), 0.5},
+      {"no top", without([&](const Vec3d& p) { return p[2] > 9.99; }), 2.5},
+      {"a hole in a wall", without([&](const Vec3d& p) { return p[0] > 9.99 && std::abs(p[2] - 5) < 1.5; }), 0.5},
+      {"flipped faces in the top", flipped([&](const Vec3d& p) { return in_middle(p) && p[2] > 9; }), 0.5},
+      {"flipped faces in top and bottom",
+       flipped([&](const Vec3d& p) { return in_middle(p) && std::abs(p[2] - 5) > 4; }), 0.5},
+      {"doubled faces", doubled, 0.5}};
+}
+
+TEST(SliceMesh, ABrokenMeshIsDecidedByItsWindingNumber) {
+  SliceSettings settings = settings_with_pitch(0.2F);
+  settings.base = BaseChoice::kNone;
+  for (const Damage& damage : damages()) {
+    const Slicing broken = sliced(damage.mesh, settings);
+    EXPECT_FALSE(broken.report().mesh->closed) << damage.name;
+    // Only where there is damage can the surface be off.
+    EXPECT_EQ(wrong(broken,
+                    [&](const Vec3d& p) {
+                      return in_box(p, {0, 0, 0}, {10, 10, 10}, damage.unsure);
+                    }),
+              0U)
+        << damage.name;
+    EXPECT_NEAR(broken.volume(), 1000, damage.unsure > 1 ? 110 : 12) << damage.name;
+  }
+}
+
+TEST(SliceMesh, ATriangleThatIsNotFiniteIsLeftOutAndCounted) {
+  TestMesh mesh = fine_box();
+  const std::uint32_t corner = mesh.faces[1500][1];
+  mesh.vertices[corner][0] = std::numeric_limits<double>::quiet_NaN();
+  for (const SurfaceFile& file : {files_of(mesh)[0], files_of(mesh)[5]}) {
+    const Slicing slicing(MemorySource(file.bytes, file.name), settings_with_pitch(0.2F), kArena);
+    EXPECT_GE(slicing.report().mesh->not_finite, 1U) << file.name;
+    EXPECT_LE(slicing.report().mesh->not_finite, 6U) << file.name;
+    EXPECT_NEAR(slicing.volume(), 1000, 5) << file.name;
+  }
+}
+
+TEST(SliceMesh, AThinPartStaysAndTheMaskIsTheSection) {
+  // A wall of one pixel, which opening would remove.
+  TestMesh mesh = box_mesh({0, 0, 0}, {10, 0.2, 5});
+  append(mesh, box_mesh({0, 0, 0}, {10, 10, 0.4}));
+  Slicing slicing = sliced(mesh, settings_with_pitch(0.2F));
+  EXPECT_TRUE(slicing.rrep().is_exact);
+  LayerStream stream = value_of(LayerStream::create(slicing.rrep(), slicing.arena()));
+  slicing.for_each_section([&](std::uint32_t k, ConstBitImage section) {
+    const ConstBitImage mask = stream.mask(k);
+    EXPECT_TRUE(std::equal(mask.words().begin(), mask.words().end(), section.words().begin())) << k;
+  });
+  EXPECT_EQ(stream.mask(slicing.grid().layers - 1).count(), 50U);
+}
+
+TEST(SliceMesh, SeveralFilesInOneFrameAreOneObject) {
+  const std::string a = binary_stl(box_mesh({0, 0, 0}, {5, 5, 5}));
+  const std::string b = obj_of(box_mesh({4, 0, 0}, {9, 5, 5}));
+  MemorySource first(a, "a.stl");
+  MemorySource second(b, "b.obj");
+  ByteSource* const sources[] = {&first, &second};
+  ArenaBlock arena(kArena);
+  SliceReport report;
+  SliceSettings settings = settings_with_pitch(0.25F);
+  settings.as = ReadAs::kMesh;
+  ASSERT_TRUE(slice(ScanSources(sources), settings, *arena, nullptr, report));
+  EXPECT_EQ(report.mesh->triangles, 24U);
+  EXPECT_NEAR(report.placement.size_mm[0], 9, 1e-6);
+  EXPECT_EQ(report.scans.count, 2U);
+}
+
+TEST(SliceMesh, APipeIsKeptInTheArenaAndRefusedWithAdviceWhereItDoesNotFit) {
+  const TestMesh mesh = ball_mesh({0, 0, 8}, 8, 4);
+  const std::string bytes = binary_stl(mesh);
+  const Slicing expected = sliced(mesh, settings_with_pitch(0.2F));
+  for (const bool knows_size : {true, false}) {
+    MemorySource pipe(bytes, "mesh.stl", {1000});
+    pipe.be_a_pipe();
+    if (!knows_size) pipe.forget_size();
+    const Slicing slicing(static_cast<ByteSource&>(pipe), settings_with_pitch(0.2F), kArena);
+    EXPECT_TRUE(same_rrep(slicing.rrep(), expected.rrep()));
+    EXPECT_EQ(pipe.rewound, 0);
+  }
+  MemorySource pipe(bytes, "mesh.stl");
+  pipe.be_a_pipe();
+  pipe.forget_size();
+  ArenaBlock small(600 * 1024);
+  SliceReport report;
+  const auto refused = slice(pipe, settings_with_pitch(0.2F), *small, nullptr, report);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code(), ErrorCode::kOutOfMemory);
+  EXPECT_EQ(small->used(), 0U);
+}
+
+TEST(SliceMesh, WhatDoesNotFitIsRefusedBeforeItIsReadAgain) {
+  const std::string bytes = binary_stl(box_mesh({0, 0, 0}, {60, 60, 60}));
+  MemorySource source(bytes, "box.stl");
+  ArenaBlock arena(6 * kMiB);
+  SliceReport report;
+  const auto refused = slice(source, settings_with_pitch(0.05F), *arena, nullptr, report);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code(), ErrorCode::kOutOfMemory);
+  EXPECT_THAT(refused.error().message(), HasSubstr("arena of 6.0 MiB: stage '"));
+  EXPECT_THAT(refused.error().message(), HasSubstr("2880000 crossings"));
+  EXPECT_THAT(refused.error().message(), HasSubstr("--arena-mib"));
+  EXPECT_EQ(source.rewound, 3);  // to be rewound at all, after the look at its head, and before the survey
+  EXPECT_EQ(arena->used(), 0U);
+}
+
+TEST(SliceMesh, ThePlanHoldsWhatEveryStageTakes) {
+  TestMesh open = ball_mesh({0, 0, 20}, 20, 4);
+  open.faces.resize(open.faces.size() - 40);
+  for (const TestMesh& mesh : {ball_mesh({0, 0, 20}, 20, 6), box_mesh({0, 0, 0}, {40, 30, 20}), open}) {
+    for (const SurfaceFile& file : files_of(mesh)) {
+      const Slicing slicing(MemorySource(file.bytes, file.name), settings_with_pitch(0.05F), kArena);
+      const SliceReport& report = slicing.report();
+      for (const Stage stage : {Stage::kRead, Stage::kRayGrid, Stage::kRays, Stage::kRRep}) {
+        const auto s = static_cast<std::size_t>(stage);
+        EXPECT_LE(report.peak_bytes[s], report.planned_bytes[s]) << file.name << ' ' << to_string(stage);
+      }
+    }
+  }
+}
+
+struct AsCase {
+  const char* name;
+  std::string bytes;
+  ReadAs as;
+  bool is_mesh;
+};
+
+TEST(SliceMesh, PointsWithFacesAreAMeshIfTheFacesAreTheSurfaceOfAnObject) {
+  const TestMesh ball = ball_mesh({0, 0, 8}, 8, 5);
+  TestMesh half = ball;
+  std::erase_if(half.faces, [&](const auto& f) { return ball.vertices[f[0]][2] < 8; });
+  TestMesh beside = ball;  // a mesh of a tenth of the points
+  beside.faces.resize(ball.faces.size() / 10);
+  const std::vector<AsCase> cases = {
+      {"ball.ply", ascii_ply(ball), ReadAs::kAuto, true},      {"ball.obj", obj_of(ball), ReadAs::kAuto, true},
+      {"ball.ply", ascii_ply(ball), ReadAs::kPoints, false},   {"half.ply", ascii_ply(half), ReadAs::kAuto, false},
+      {"half.ply", ascii_ply(half), ReadAs::kMesh, true},      {"half.obj", obj_of(half), ReadAs::kAuto, false},
+      {"beside.ply", ascii_ply(beside), ReadAs::kAuto, false}, {"beside.obj", obj_of(beside), ReadAs::kAuto, false}};
+  for (const AsCase& test : cases) {
+    for (const bool is_pipe : {false, true}) {
+      MemorySource source(test.bytes, test.name);
+      if (is_pipe) source.be_a_pipe();
+      SliceSettings settings = settings_with_pitch(0.4F);
+      settings.as = test.as;
+      const Slicing slicing(static_cast<ByteSource&>(source), settings, kArena);
+      EXPECT_EQ(slicing.report().mesh.has_value(), test.is_mesh) << test.name << ' ' << to_string(test.as);
+    }
+  }
+}
+
+TEST(SliceMesh, WhatHasNoFacesIsNoMesh) {
+  ArenaBlock arena(kArena);
+  SliceReport report;
+  SliceSettings settings = settings_with_pitch(0.4F);
+  settings.as = ReadAs::kMesh;
+  MemorySource points("0 0 0\n1 1 1\n", "a.xyz");
+  const auto no_faces = slice(points, settings, *arena, nullptr, report);
+  ASSERT_FALSE(no_faces);
+  EXPECT_THAT(no_faces.error().message(), HasSubstr("a.xyz: the file has points but no faces; use --as points"));
+  settings.as = ReadAs::kPoints;
+  const std::string stl = binary_stl(box_mesh({0, 0, 0}, {1, 1, 1}));
+  MemorySource mesh(stl, "a.stl");
+  const auto no_points = slice(mesh, settings, *arena, nullptr, report);
+  ASSERT_FALSE(no_points);
+  EXPECT_THAT(no_points.error().message(), HasSubstr("leave out --as points"));
+}
+
+TEST(SliceMesh, IsMeasuredAnewWhenItHasBeenTurnedTheBestWayUp) {
+  TestMesh pyramid{{{0, -10, -10}, {0, 10, -10}, {0, 10, 10}, {0, -10, 10}, {25, 0, 0}}, {}};
+  pyramid.faces = {{0, 2, 1}, {0, 3, 2}, {0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}};
+  SliceSettings settings = settings_with_pitch(0.2F);
+  settings.orient = true;
+  const Slicing slicing = sliced(pyramid, settings);
+  ASSERT_TRUE(slicing.report().turned);
+  EXPECT_TRUE(slicing.report().mesh->closed);
+  const auto& degrees = slicing.report().turned->degrees;
+  const Mat3d turn = rotation_matrix({degrees[0], degrees[1], 0});
+  EXPECT_FALSE(turn.isIdentity());
+  Box3d box;
+  for (const Vec3d& v : pyramid.vertices) box.extend(turn * v);
+  EXPECT_LT((slicing.report().placement.size_mm - box.size()).norm(), 1e-9);
+  EXPECT_NEAR(slicing.volume(), 20 * 20 * 25 / 3.0, 30);
+}
+
+TEST(SliceMesh, AScanWithFacesStaysAScan) {
+  const auto path = shared_scan("ucicouple_front.ply");
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << "no ../shared/scans";
+  const std::string bytes = content_of(path);
+  SliceSettings settings = settings_with_pitch(0.2F);
+  settings.placement.size = PrintSize{Side::kLength, 20};
+  const Slicing slicing(MemorySource(bytes, "ucicouple_front.ply"), settings, 256 * kMiB);
+  EXPECT_FALSE(slicing.report().mesh);
+}
+
+TEST(InspectMesh, MeasuresPlacesAndSlicesCoarsely) {
+  const std::string bytes = binary_stl(box_mesh({0, 0, 0}, {40, 30, 20}));
+  MemorySource source(bytes, "box.stl");
+  ByteSource* const one[] = {&source};
+  ArenaBlock arena(kArena);
+  InspectReport report;
+  std::uint64_t crossings = 0;
+  const auto look = [&](const RRep& rrep, const SliceReport&) -> Status {
+    crossings = rrep.crossings();
+    return {};
+  };
+  ASSERT_TRUE(inspect(ScanSources(one), settings_with_pitch(0.05F), *arena, nullptr, report, look));
+  ASSERT_TRUE(report.mesh);
+  EXPECT_TRUE(report.mesh->closed);
+  EXPECT_EQ(report.mesh->triangles, 12U);
+  ASSERT_TRUE(report.placement);
+  EXPECT_EQ(report.placement->grid.layers, 400U);
+  EXPECT_EQ(crossings, 160U * 120);
+  EXPECT_EQ(arena->used(), 0U);
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,275 @@
+#include "slicer/reader/triangles/mesh_reader.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "tests/slicer/support/arena_block.hpp"
+#include "tests/slicer/support/meshes.hpp"
+
+namespace plumbline {
+namespace {
+
+using namespace testing;
+using ::testing::HasSubstr;
+using std::string_literals::operator""s;
+
+class Triangles final : public TriangleSink {
+ public:
+  Status take(std::span<const Triangle> triangles) override {
+    EXPECT_FALSE(triangles.empty());
+    all.insert(all.end(), triangles.begin(), triangles.end());
+    return {};
+  }
+  bool progress(double fraction) override {
+    EXPECT_GE(fraction, 0);
+    EXPECT_LE(fraction, 1);
+    return !cancels;
+  }
+  std::vector<Triangle> all;
+  bool cancels = false;
+};
+
+struct MeshReading {
+  Expected<MeshSummary> summary;
+  Triangles triangles;
+
+  std::string message() const { return summary ? "" : summary.error().message(); }
+  std::optional<ErrorCode> code() const {
+    return summary ? std::nullopt : std::optional<ErrorCode>(summary.error().code());
+  }
+};
+
+MeshReading read_triangles(const std::string& bytes, const std::string& name, std::vector<std::size_t> pieces = {},
+                           std::uint64_t vertices = 10'000) {
+  MemorySource source(bytes, name, std::move(pieces));
+  ArenaBlock arena(VertexList::bytes_needed(vertices) + Arena::kAlignment);
+  VertexList list = *VertexList::create(vertices, *arena);
+  std::vector<std::byte> workspace(kReaderWorkspace, std::byte{0xA5});
+  MeshReading reading{tl::unexpected<Error>(Error()), {}};
+  reading.summary = read_mesh(source, reading.triangles, list, workspace);
+  return reading;
+}
+
+void expect_triangles(const MeshReading& reading, const TestMesh& mesh, const std::string& name) {
+  ASSERT_TRUE(reading.summary) << name << ": " << reading.message();
+  ASSERT_EQ(reading.triangles.all.size(), mesh.faces.size()) << name;
+  for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const Vec3d expected = mesh.vertices[mesh.faces[i][c]].cast<float>().cast<double>();
+      EXPECT_LT((reading.triangles.all[i][c] - expected).norm(), 1e-6) << name << ", face " << i;
+    }
+  }
+}
+
+TEST(MeshReader, EveryFormatDeliversTheSameTrianglesHoweverItsBytesArrive) {
+  const TestMesh mesh = ball_mesh({1, -2, 3}, 4, 3);
+  for (const SurfaceFile& file : files_of(mesh)) {
+    for (const std::vector<std::size_t>& pieces : {std::vector<std::size_t>{}, {1}, {7, 300, 50}}) {
+      const MeshReading reading = read_triangles(file.bytes, file.name, pieces);
+      expect_triangles(reading, mesh, file.name);
+      EXPECT_EQ(reading.summary->faces, mesh.faces.size());
+      EXPECT_EQ(reading.summary->bytes, file.bytes.size());
+      const bool is_indexed = reading.summary->format != ScanFormat::kStl;
+      EXPECT_EQ(reading.summary->vertices, is_indexed ? mesh.vertices.size() : 0) << file.name;
+      EXPECT_EQ(reading.summary->used_vertices, reading.summary->vertices) << file.name;
+    }
+  }
+}
+
+const std::string kSquare = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+
+TEST(MeshReader, ObjFacesMayBePolygonsWithAnyIndices) {
+  const std::tuple<const char*, std::size_t, std::uint64_t> cases[] = {{"f 1 2 3 4\n", 2, 4},
+                                                                       {"f 1/1 2/2 3/3\n", 1, 3},
+                                                                       {"f 1//1 2//1 3//1\n", 1, 3},
+                                                                       {"f 1/1/1 2/2/2 4/3/3\n", 1, 3},
+                                                                       {"f -4 -3 -2\n", 1, 3},
+                                                                       {"f 1 2 \\\n 3 4\n", 2, 4},
+                                                                       {"f 1 2\n", 0, 2},
+                                                                       {"fo 1 2 3\n", 1, 3},
+                                                                       {"f 1 2 3 # a comment\n", 1, 3},
+                                                                       {"f 1 2 3\r\nf 1 3 4\r\n", 2, 4},
+                                                                       {"g a\nusemtl b\ns 1\nf 1 2 3", 1, 3}};
+  for (const auto& [faces, triangles, used] : cases) {
+    const MeshReading reading = read_triangles(kSquare + faces, "a.obj");
+    ASSERT_TRUE(reading.summary) << faces << reading.message();
+    EXPECT_EQ(reading.triangles.all.size(), triangles) << faces;
+    EXPECT_EQ(reading.summary->used_vertices, used) << faces;
+  }
+}
+
+TEST(MeshReader, PlyFacesMayHaveOtherPropertiesAndElementsBetween) {
+  const std::string text =
+      "ply\nformat ascii 1.0\ncomment x\nelement camera 1\nproperty float f\nelement vertex 4\nproperty uchar red\n"
+      "property double x\nproperty double y\nproperty double z\nelement edge 2\nproperty int a\nproperty int b\n"
+      "element face 2\nproperty uchar flags\nproperty list uchar uint vertex_index\nproperty list uchar float "
+      "texcoord\nelement more 1\nproperty int i\nend_header\n1.5\n9 0 0 0\n9 1 0 0\n9 1 1 0\n9 0 1 0\n0 1\n1 2\n"
+      "7 3 0 1 2 2 .5 .5\n7 4 0 1 2 3 0\n5\n";
+  const MeshReading reading = read_triangles(text, "a.ply");
+  ASSERT_TRUE(reading.summary) << reading.message();
+  EXPECT_EQ(reading.triangles.all.size(), 3U);
+  EXPECT_EQ(reading.triangles.all[2][2], Vec3d(0, 1, 0));
+}
+
+TEST(MeshReader, OffMayHaveCommentsColoursAndItsCountsInTheFirstLine) {
+  for (const std::string text : {"OFF # x\n# y\n3 1 0\n\n0 0 0\n1 0 0 # z\n0 1 0\n3 0 1 2 255 0 0\n",
+                                 "COFF\n3 1 3\n0 0 0 1 1 1 1\n1 0 0 1 1 1 1\n0 1 0 1 1 1 1\n3 0 1 2\n",
+                                 "NOFF 3 1 0\r\n0 0 0 0 0 1\r\n1 0 0 0 0 1\r\n0 1 0 0 0 1\r\n3 0 1 2\r\n"}) {
+    const MeshReading reading = read_triangles(text, "a.off");
+    ASSERT_TRUE(reading.summary) << text << reading.message();
+    ASSERT_EQ(reading.triangles.all.size(), 1U);
+    EXPECT_EQ(reading.triangles.all[0][1], Vec3d(1, 0, 0));
+  }
+}
+
+TEST(MeshReader, StlMayHaveSeveralSolidsTheWordSolidInABinaryFileOrNoNumberOfTriangles) {
+  const TestMesh mesh = box_mesh({0, 0, 0}, {1, 2, 3});
+  const std::string twice = ascii_stl(mesh) + ascii_stl(mesh);
+  EXPECT_EQ(read_triangles(twice, "a.stl").triangles.all.size(), 24U);
+  std::string binary = binary_stl(mesh);
+  std::copy_n("solid facet", 11, binary.begin());
+  expect_triangles(read_triangles(binary, "a.stl"), mesh, "solid");
+  for (const char count : {'\0', '\xff'}) {
+    std::fill_n(binary.begin() + 80, 4, count);
+    expect_triangles(read_triangles(binary, "a.stl"), mesh, "no number");
+  }
+  std::string capital = replaced(replaced(ascii_stl(mesh), "solid", "SOLID"), "vertex", "VERTEX");
+  expect_triangles(read_triangles(capital, "a.stl"), mesh, "capital letters");
+}
+
+TEST(MeshReader, CoordinatesThatAreNotFiniteOrHugeAreLeftOutWithTheirTriangles) {
+  const std::string nan =
+      "v 0 0 0\nv 1 0 0\nv 1 1 0\nv nan 0 0\nv 1e300 0 0\nv inf 0 0\nf 1 2 3\nf 1 2 4\nf 1 2 5\nf 1 2 6\n";
+  const MeshReading reading = read_triangles(nan, "a.obj");
+  ASSERT_TRUE(reading.summary) << reading.message();
+  EXPECT_EQ(reading.summary->triangles, 1U);
+  EXPECT_EQ(reading.summary->not_finite, 3U);
+  TestMesh mesh = box_mesh({0, 0, 0}, {1, 1, 1});
+  mesh.vertices[0][1] = std::numeric_limits<double>::infinity();
+  for (const SurfaceFile& file : files_of(mesh)) {
+    if (std::string_view(file.name) == "ascii.stl" || std::string_view(file.name) == "mesh.off") continue;
+    const MeshReading other = read_triangles(file.bytes, file.name);
+    ASSERT_TRUE(other.summary) << file.name << other.message();
+    EXPECT_EQ(other.summary->triangles + other.summary->not_finite, 12U) << file.name;
+    EXPECT_GE(other.summary->not_finite, 4U) << file.name;
+  }
+  const MeshReading far = read_triangles("v 1e30 1e30 1e30\nv 0 0 0\nv 1 0 0\nf 1 2 3\n", "a.obj");
+  ASSERT_TRUE(far.summary);
+}
+
+struct Broken {
+  const char* name;
+  std::string bytes;
+  ErrorCode code;
+  const char* message;
+};
+
+TEST(MeshReader, BrokenFilesAreRefusedWithPlaceAndRemedy) {
+  const TestMesh box = box_mesh({0, 0, 0}, {1, 1, 1});
+  const std::string stl = binary_stl(box);
+  std::string many = stl;
+  many[80] = 13;
+  const std::string text = ascii_stl(box);
+  const std::string ply = binary_ply_of<std::endian::little>(box);
+  const std::string off = off_of(box);
+  constexpr auto kTruncated = ErrorCode::kTruncated;
+  constexpr auto kMalformed = ErrorCode::kMalformed;
+  const std::vector<Broken> all = {
+      {"a.stl", stl.substr(0, 60), kTruncated, "the file has 60 bytes, a binary STL has 84 before its first triangle"},
+      {"a.stl", stl.substr(0, 84 + 120), kTruncated, "ends at byte 204, with 2 of the 12 triangles that its header"},
+      {"a.stl", many, kTruncated, "12 of the 13 triangles"},
+      {"a.stl", text.substr(0, text.size() / 2), kTruncated, "copy or export it again"},
+      {"a.stl", text.substr(0, text.rfind("endsolid")), kTruncated, "before 'endsolid'"},
+      {"a.stl", replaced(text, "vertex 0 0 0", "vertex 0 x 0"), kMalformed, "expected a number for y, found 'x'"},
+      {"a.stl", "solid\nfacet\nvertex 0 0 0\nvertex 1 1 1\nendfacet\nendsolid\n", kMalformed,
+       "line 5: a facet has 2 corners"},
+      {"a.stl", "solid\nfacet\nvertex 0 0 0\nvertex 1 1 1\nvertex 1 0 1\nvertex 2 0 1\nendfacet\nendsolid\n",
+       kMalformed, "line 6: a facet has more than three corners"},
+      {"a.obj", kSquare + "f 1 2 5\n", kMalformed,
+       "line 5: a face names vertex 5, but 4 are before it, numbered from 1"},
+      {"a.obj", kSquare + "f 0 1 2\n", kMalformed, "a face names vertex 0"},
+      {"a.obj", kSquare + "f 1 2 -5\n", kMalformed, "a face names vertex -5"},
+      {"a.obj", kSquare + "f 1 2 x\n", kMalformed, "expected the number of a vertex, found 'x'"},
+      {"a.obj", kSquare + "f 1 2 99999999999999999999\n", kMalformed, "expected the number of a vertex"},
+      {"a.obj", "v 0 0\nf 1 1 1\n", kMalformed, "line 1: too few numbers, z is missing"},
+      {"a.ply", ply.substr(0, ply.size() - 5), kTruncated, "with 11 of the 12 faces that its header declares"},
+      {"a.ply", ply.substr(0, ply.size() - 12 * 13 - 5), kTruncated, "points that its header declares"},
+      {"a.ply", replaced(ascii_ply(box), "\n3 0 2 3\n", "\n3 0 2 8\n"), kMalformed,
+       "face 0 names vertex 8, but there are 8, numbered from 0"},
+      {"a.ply", replaced(ascii_ply(box), "\n3 0 2 3\n", "\n3 0 2\n"), kMalformed, "expected a face, found '3 0 2'"},
+      {"a.ply", replaced(ascii_ply(box), "vertex_indices", "corners"), ErrorCode::kUnsupported,
+       "no faces that can be read"},
+      {"a.off", off.substr(0, off.size() - 16), kTruncated, "before the last face"},
+      {"a.off", off.substr(0, off.size() - 5), kTruncated, "expected the number of a vertex"},
+      {"a.off", "OFF\n", kTruncated, "before the number of its vertices"},
+      {"a.off", "OFF\n-3 1 0\n", kMalformed, "line 2: expected the number of vertices, found '-3'"},
+      {"a.off", "OFF\n99999999999 1 0\n0 0 0\n", kTruncated, "before the last vertex"},
+      {"a.off", replaced(off, "3 0 2 3\n", "3 0 2 8\n"), kMalformed, "a face names vertex 8, but there are 8"},
+      {"a.off", "OFF BINARY\n", ErrorCode::kUnsupported, "export it as ascii"},
+  };
+  for (const Broken& broken : all) {
+    const MeshReading reading = read_triangles(broken.bytes, broken.name);
+    EXPECT_EQ(reading.code(), broken.code) << broken.message << ": " << reading.message();
+    EXPECT_THAT(reading.message(), HasSubstr(broken.name + ": "s));
+    EXPECT_THAT(reading.message(), HasSubstr(broken.message));
+  }
+}
+
+TEST(MeshReader, VerticesThatDoNotFitAreRefusedWithRemedy) {
+  for (const char* name : {"a.obj", "a.off", "a.ply"}) {
+    const TestMesh mesh = ball_mesh({0, 0, 0}, 1, 2);
+    const std::string bytes = name == "a.obj"s ? obj_of(mesh) : name == "a.off"s ? off_of(mesh) : ascii_ply(mesh);
+    const MeshReading reading = read_triangles(bytes, name, {}, 20);
+    EXPECT_EQ(reading.code(), ErrorCode::kOutOfMemory);
+    EXPECT_THAT(reading.message(), HasSubstr(": the mesh has more vertices than the 20 that the arena has room for"));
+    EXPECT_THAT(reading.message(), HasSubstr("save it as binary STL"));
+  }
+}
+
+TEST(MeshReader, StopsWhenItIsCancelledAndPassesTheSourcesErrorOn) {
+  const std::string bytes = binary_stl(ball_mesh({0, 0, 0}, 1, 5));
+  MemorySource source(bytes, "a.stl");
+  source.fail_at(200'000);
+  VertexList none;
+  std::vector<std::byte> workspace(kReaderWorkspace);
+  Triangles triangles;
+  EXPECT_EQ(read_mesh(source, triangles, none, workspace).error().code(), ErrorCode::kCannotRead);
+  MemorySource again(bytes, "a.stl");
+  triangles.cancels = true;
+  EXPECT_EQ(read_mesh(again, triangles, none, workspace).error().code(), ErrorCode::kCancelled);
+}
+
+TEST(MeshHint, ComesFromTheBeginningOfTheFile) {
+  const TestMesh mesh = box_mesh({0, 0, 0}, {1, 1, 1});
+  std::vector<std::byte> workspace(kReaderWorkspace);
+  const auto hint = [&](const std::string& bytes, const char* name) {
+    MemorySource source(bytes, name);
+    return *hint_of(source, workspace);
+  };
+  for (const SurfaceFile& file : files_of(mesh)) {
+    const std::string_view name = file.name;
+    EXPECT_EQ(hint(file.bytes, file.name), name.ends_with(".stl")   ? MeshHint::kTriangles
+                                           : name.ends_with(".off") ? MeshHint::kMesh
+                                                                    : MeshHint::kMaybe)
+        << name;
+  }
+  EXPECT_EQ(hint("0 0 0\n", "a.xyz"), MeshHint::kNone);
+  EXPECT_EQ(hint("", "a.stl"), MeshHint::kNone);
+  EXPECT_EQ(hint("\x1f\x8b", "a.gz"), MeshHint::kNone);
+  EXPECT_EQ(hint("ply\nformat ascii 1.0\nelement vertex 100\nproperty float x\nproperty float y\nproperty float z\n"
+                 "element face 3\nproperty list uchar int vertex_indices\nend_header\n",
+                 "a.ply"),
+            MeshHint::kNone);
+  EXPECT_EQ(hint("ply\nformat ascii 1.0\nelement face 8\nproperty list uchar int vertex_indices\nelement vertex 4\n"
+                 "property float x\nproperty float y\nproperty float z\nend_header\n",
+                 "a.ply"),
+            MeshHint::kNone);
+}
+
+}  // namespace
+}  // namespace plumbline
