@@ -8,7 +8,7 @@
 #include "slicer/mesh/ray_solids.hpp"
 #include "slicer/reader/scan_reader.hpp"
 #include "slicer/reader/triangles/vertex_list.hpp"
-#include "slicer/supports/mask_stream.hpp"
+#include "slicer/supports/drawing/mask_stream.hpp"
 #include "slicer/supports/support_finder.hpp"
 
 namespace plumbline {
