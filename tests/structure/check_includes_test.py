@@ -99,7 +99,7 @@ class CheckIncludes(unittest.TestCase):
         self.assert_only({"slicer/rays/deep/bad.cpp": '#include "slicer/layers/mask.hpp"\n'}, "slicer/rays/deep/bad.cpp:1",
                          "slicer/rays -> slicer/layers is the wrong way")
         self.assert_only({"slicer/reader/stream/bad.cpp": '#include "slicer/reader/formats/ply.hpp"\n'},
-                         "slicer/reader/stream/bad.cpp:1", "the order in slicer/reader is stream, records, formats, then")
+                         "slicer/reader/stream/bad.cpp:1", "the order in slicer/reader is stream, records, formats, triangles, then")
         self.assert_only({"firmware/io/bad.cpp": '#include "firmware/cli/commands.hpp"\n'},
                          "firmware/io/bad.cpp:1", "firmware/io -> firmware/cli is the wrong way")
         self.assert_only({"hal/linux/gpio/bad.cpp": '#include "hal/linux/keeper/keeper.hpp"\n'},

@@ -303,7 +303,7 @@ TEST(SliceMesh, ThePlanHoldsWhatEveryStageTakes) {
   open.faces.resize(open.faces.size() - 40);
   for (const TestMesh& mesh : {ball_mesh({0, 0, 20}, 20, 6), box_mesh({0, 0, 0}, {40, 30, 20}), open}) {
     for (const SurfaceFile& file : files_of(mesh)) {
-      const Slicing slicing(MemorySource(file.bytes, file.name), settings_with_pitch(0.05F), kArena);
+      const Slicing slicing(MemorySource(file.bytes, file.name), settings_with_pitch(0.2F), kArena);
       const SliceReport& report = slicing.report();
       for (const Stage stage : {Stage::kRead, Stage::kRayGrid, Stage::kRays, Stage::kRRep}) {
         const auto s = static_cast<std::size_t>(stage);
