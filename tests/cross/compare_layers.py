@@ -10,7 +10,9 @@ Exit status: 0 all agree, 1 some differ, 2 nothing could be compared.
 """
 
 import json
+import math
 import os
+import struct
 import subprocess
 import sys
 import tempfile
@@ -45,6 +47,11 @@ SAMPLES = [
      ["--pixel-pitch", "0.2", "--layer-height", "0.2", "--arena-mib", "6"]),
     ("with views", ["--points", "34000", "--seed", "4"], ["--pixel-pitch", "0.2", "--layer-height", "0.2"]),
 ]
+# Name, share of the faces that are missing, arguments of `plumbline slice`. The second asks winding numbers.
+MESHES = [
+    ("a mesh", 0, ["--pixel-pitch", "0.1", "--layer-height", "0.1", "--rotate-x", "33", "--rotate-z", "12"]),
+    ("a mesh with holes", 0.05, ["--pixel-pitch", "0.3", "--layer-height", "0.3"]),
+]
 # Name: how many times larger the board's pixels are, and arguments of `plumbline slice`.
 REAL = {
     "ucicouple_front.ply": (2, ["--fit", "--printer", BOARD]),
@@ -62,13 +69,31 @@ def run(command):
 
 def without_normals(ply, xyz):
     """The positions of a binary PLY of six floats a vertex, as text with all their digits."""
-    import struct
-
     data = ply.read_bytes()
     body = data.index(b"end_header\n") + len(b"end_header\n")
     with open(xyz, "w", encoding="ascii") as file:
         for vertex in struct.iter_unpack("<6f", data[body:]):
             file.write(f"{vertex[0]:.9g} {vertex[1]:.9g} {vertex[2]:.9g}\n")
+
+
+def write_mesh(stl, missing, around=64, across=24):
+    """A ring of 20 mm whose tube swells five times, as a binary STL."""
+
+    def corner(i, j):
+        a, b = 2 * math.pi * (i % around) / around, 2 * math.pi * (j % across) / across
+        tube = 3 + math.sin(5 * a)
+        return (10 + tube * math.cos(b)) * math.cos(a), (10 + tube * math.cos(b)) * math.sin(a), tube * math.sin(b)
+
+    triangles = []
+    for i in range(around):
+        for j in range(across):
+            a, b, c, d = corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)
+            triangles += [(a, b, c), (a, c, d)]
+    triangles = [triangle for k, triangle in enumerate(triangles) if (k * 0.618034) % 1 >= missing]
+    with open(stl, "wb") as file:
+        file.write(bytes(80) + struct.pack("<I", len(triangles)))
+        for a, b, c in triangles:
+            file.write(struct.pack("<12fH", 0, 0, 0, *a, *b, *c, 0))
 
 
 def board_toml(size):
@@ -135,6 +160,10 @@ def main(arguments):
                 scan = work / "sample.xyz"
                 without_normals(files[0], scan)
             agree &= compare(name, scan, sliced, size, programs, work)
+        for name, missing, sliced in MESHES:
+            mesh = work / "mesh.stl"
+            write_mesh(mesh, missing)
+            agree &= compare(name, mesh, sliced, size, programs, work)
         real = [(scans / name, *how) for name, how in REAL.items() if scans and (scans / name).is_file()]
         for scan, larger, options in real:
             agree &= compare(scan.name, scan, options, size * larger, programs, work)
