@@ -56,7 +56,11 @@ Status check(const JobHeader& header, const char* path) {
   constexpr std::uint64_t kMost = std::numeric_limits<std::size_t>::max() / sizeof(Strut);
   const bool sizes = header.crossings <= kMost && header.supports <= kMost;
   const bool layers = header.grid.layers > 0 && header.grid.layers <= PrintGrid::kMaxLayers;
-  return sizes && layers ? Status() : Status(damaged(path, "damaged"));
+  // A board file has .005 to 1 mm.
+  const auto is_fine = [](float mm) { return mm >= 0.001F && mm <= 10; };
+  const bool lengths =
+      is_fine(header.grid.pitch_x_mm) && is_fine(header.grid.pitch_y_mm) && is_fine(header.grid.layer_height_mm);
+  return sizes && layers && lengths ? Status() : Status(damaged(path, "damaged"));
 }
 
 }  // namespace

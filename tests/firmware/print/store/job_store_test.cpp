@@ -1,13 +1,17 @@
 #include "firmware/print/store/job_store.hpp"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <limits>
 #include <vector>
 
+#include "firmware/print/store/job_file.hpp"
 #include "tests/firmware/support/job_fixture.hpp"
 
 namespace plumbline {
@@ -117,6 +121,22 @@ TEST_F(JobStoreTest, NoticesEveryDamagedByteOfAJob) {
   }
   std::filesystem::remove(path);
   EXPECT_EQ(load().error().code(), ErrorCode::kMalformed) << "a journal without its job";
+}
+
+TEST_F(JobStoreTest, RefusesLengthsThatNoPrinterHas) {
+  for (const float pitch : {0.0F, -0.05F, 1e16F, std::numeric_limits<float>::quiet_NaN()}) {
+    RRep rrep = small_rrep();
+    rrep.grid.pitch_x_mm = pitch;
+    const std::string path = folder_ / "job";
+    const Descriptor file(::open(path.c_str(), O_RDWR | O_CREAT | O_TRUNC, 0600));
+    std::uint64_t hash = 0;
+    ASSERT_TRUE(write_job(file, facts(), rrep, Supports{}, hash));
+    ASSERT_EQ(::lseek(file.get(), 0, SEEK_SET), 0);
+    arena_.release_bottom(0);
+    const auto job = read_job(file, path.c_str(), arena_);
+    ASSERT_FALSE(job) << pitch;
+    EXPECT_EQ(job.error().code(), ErrorCode::kMalformed);
+  }
 }
 
 TEST_F(JobStoreTest, ReplacesAnOlderPrint) {
