@@ -13,7 +13,7 @@ using Colour = std::uint16_t;
 constexpr Colour colour(unsigned red, unsigned green, unsigned blue) {
   return static_cast<Colour>((red >> 3) << 11 | (green >> 2) << 5 | blue >> 3);
 }
-/// Back to 0 to 255 a channel: 0 and the highest value stay exact.
+/// Widens each channel to 0 to 255. Black and full brightness stay exact.
 constexpr std::uint8_t red_of(Colour c) { return static_cast<std::uint8_t>((c >> 11) * 255U / 31U); }
 constexpr std::uint8_t green_of(Colour c) { return static_cast<std::uint8_t>((c >> 5 & 63U) * 255U / 63U); }
 constexpr std::uint8_t blue_of(Colour c) { return static_cast<std::uint8_t>((c & 31U) * 255U / 31U); }

@@ -10,7 +10,7 @@
 
 namespace plumbline {
 
-/// The next character of UTF-8 text, which is taken off its front.
+/// Takes the next character off the front of UTF-8 text.
 /// @pre text is not empty. @returns kUnknownCharacter for what is no UTF-8 or beyond 16 bits
 std::uint16_t take_character(std::string_view& text);
 

@@ -14,7 +14,7 @@ struct GlyphPicture {
   std::vector<std::uint8_t> cover;  ///< 0 to 255
 };
 
-/// Rasterises by the non-zero winding rule, 8 lines a pixel, with exact lengths along each.
+/// Fills an outline by the non-zero winding rule. Each pixel is sampled on eight lines, and its share of each line is exact.
 /// @param x_height  pixels of the font's x
 GlyphPicture rasterise(const FontOutlines& font, const GlyphOutline& glyph, int x_height);
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "firmware/cli/commands.hpp"
-#include "firmware/cli/status_text.hpp"
+#include "firmware/cli/reports/status_text.hpp"
 #include "firmware/io/json_cursor.hpp"
 #include "firmware/io/output_file.hpp"
 #include "firmware/state/state_link.hpp"
@@ -54,7 +54,7 @@ CLI::App* add_status_command(CLI::App& app, StatusOptions& options) {
   auto* picture =
       command
           ->add_option("--picture", options.picture,
-                       "Write a picture to --output: preview (of what was sliced) or layer (the mask that is printed)")
+                       "Write a picture to --output: the preview of what was sliced, or the layer being printed")
           ->type_name("NAME")
           ->check(CLI::IsMember({"preview", "layer"}).description(""));
   auto* output = command->add_option("-o,--output", options.output, "PNG file for the picture")->type_name("FILE");
