@@ -75,17 +75,12 @@ Expected<Placement> place_coarsely(const Box3d& bounds, double unit_mm, const Pl
   return placed;
 }
 
-Expected<CrossingStore> find_mesh_crossings(MeshFiles& files, const MeshSurvey& survey, const SliceSettings& asked,
+Expected<CrossingStore> find_mesh_crossings(MeshFiles& files, const MeshSurvey& survey, SliceSettings settings,
                                             Arena& arena, ProgressSink* progress, InspectReport& report,
                                             bool& prepared) {
-  SliceSettings settings = asked;
-  MeshSurvey mesh = survey;
-  if (settings.orient) {
-    const auto turned = turn_mesh(files, survey, settings, arena, progress, report);
-    PLUMBLINE_TRY(turned);
-    mesh = *turned;
-  }
-  report.bounds = report.bounds_with_noise = mesh.bounds;
+  const auto mesh = turn_mesh(files, survey, settings, arena, progress, report);
+  PLUMBLINE_TRY(mesh);
+  report.bounds = report.bounds_with_noise = mesh->bounds;
   report.units = units_of(report.bounds, settings.placement);
   const double unit_mm = millimetres_per(report.units);
   report.placement = place(report.bounds, unit_mm, settings.placement);
@@ -94,23 +89,13 @@ Expected<CrossingStore> find_mesh_crossings(MeshFiles& files, const MeshSurvey& 
   PLUMBLINE_TRY(coarse);
   static_cast<PreparationCounts&>(report.coarse) = report;
   report.coarse.placement = *coarse;
-  auto store = shoot_mesh(files, mesh, settings, arena, progress, report.coarse);
+  auto store = shoot_mesh(files, *mesh, settings, arena, progress, report.coarse);
   report.mesh = report.coarse.mesh;
   return store;
 }
 
-/// Leaves the crossings of the coarse R-Rep at the bottom of the arena.
-/// @param prepared  whether `report` has all of the preparation; an error after that is no error of inspect()
-Expected<CrossingStore> find_crossings(ScanSources given, const SliceSettings& settings, Arena& arena,
-                                       ProgressSink* progress, InspectReport& report, bool& prepared) {
-  const ArenaScope scan_and_trees(arena);
-  auto files = MeshFiles::open(given, arena);
-  PLUMBLINE_TRY(files);
-  const auto mesh = survey_mesh(*files, settings, arena, progress, report);
-  PLUMBLINE_TRY(mesh);
-  if (*mesh) return find_mesh_crossings(*files, **mesh, settings, arena, progress, report, prepared);
-  const auto pointers = files->pointers();
-  const ScanSources sources = std::span(pointers).first(given.size());
+Expected<CrossingStore> find_scan_crossings(ScanSources sources, const SliceSettings& settings, Arena& arena,
+                                            ProgressSink* progress, InspectReport& report, bool& prepared) {
   const auto measure_all = [&](const PreparedScan& scan, const KdTree3& tree) {
     report.bounds = report.bounds_with_noise = scan.bounds();
     return measure(scan, tree, arena, report);
@@ -128,6 +113,20 @@ Expected<CrossingStore> find_crossings(ScanSources given, const SliceSettings& s
   static_cast<PreparationCounts&>(report.coarse) = report;
   move_to_print(*coarse, *scan, report, report.coarse);
   return shoot_rays(scan->cloud, settings, arena, progress, report.coarse);
+}
+
+/// Leaves the crossings of the coarse R-Rep at the bottom of the arena.
+/// @param prepared  whether `report` has all of the preparation; an error after that is no error of inspect()
+Expected<CrossingStore> find_crossings(ScanSources sources, const SliceSettings& settings, Arena& arena,
+                                       ProgressSink* progress, InspectReport& report, bool& prepared) {
+  const ArenaScope all(arena);
+  const auto of_mesh = [&](MeshFiles& files, const MeshSurvey& survey, ScanSources) {
+    return find_mesh_crossings(files, survey, settings, arena, progress, report, prepared);
+  };
+  const auto of_scan = [&](ScanSources given) {
+    return find_scan_crossings(given, settings, arena, progress, report, prepared);
+  };
+  return read_mesh_or_scan(sources, settings, arena, progress, report, of_mesh, of_scan);
 }
 
 }  // namespace

@@ -210,6 +210,7 @@ Expected<Cloud> mesh_cloud(MeshFiles& files, const MeshSurvey& survey, Arena& ar
 
 Expected<MeshSurvey> turn_mesh(MeshFiles& files, const MeshSurvey& survey, SliceSettings& settings, Arena& arena,
                                ProgressSink* progress, PreparationCounts& report) {
+  if (!settings.orient) return survey;
   {
     const ArenaScope scope(arena);
     const auto cloud = mesh_cloud(files, survey, arena, progress, report);

@@ -21,15 +21,32 @@ namespace plumbline {
                                                               Arena& arena, ProgressSink* progress,
                                                               PreparationCounts& report);
 
+/// Opens sources and calls on_mesh(files, survey, sources) if they are a mesh, else on_scan(sources). The sources that it hands on are at
+/// their beginning again.
+/// @returns what was called returns, or an error of the type that on_scan returns
+template <class OnMesh, class OnScan>
+auto read_mesh_or_scan(ScanSources given, const SliceSettings& settings, Arena& arena, ProgressSink* progress,
+                       PreparationCounts& report, OnMesh on_mesh, OnScan on_scan) -> decltype(on_scan(given)) {
+  auto files = MeshFiles::open(given, arena);
+  PLUMBLINE_TRY(files);
+  const auto mesh = survey_mesh(*files, settings, arena, progress, report);
+  PLUMBLINE_TRY(mesh);
+  const auto pointers = files->pointers();
+  const ScanSources sources = std::span(pointers).first(given.size());
+  if (!*mesh) return on_scan(sources);
+  return on_mesh(*files, **mesh, sources);
+}
+
 /// The surface of a mesh as points with normals, in the order of a 3D tree: coordinates of the file less survey.bounds.low.
 /// @param survey  of the mesh as it lies in the file
 /// @returns at the top of the arena
 [[nodiscard]] Expected<Cloud> mesh_cloud(MeshFiles& files, const MeshSurvey& survey, Arena& arena,
                                          ProgressSink* progress, PreparationCounts& report);
 
-/// Turns a mesh the best way up: reads it twice, to find the way and to measure it anew.
+/// Turns a mesh the best way up if `settings.orient` asks for it: reads it twice, to find the way and to measure it anew.
 /// @param settings  placement.rotation_degrees is 0 before, and that way after
 /// @param report    turned is set
+/// @returns the survey of the mesh as it stands then
 [[nodiscard]] Expected<MeshSurvey> turn_mesh(MeshFiles& files, const MeshSurvey& survey, SliceSettings& settings,
                                              Arena& arena, ProgressSink* progress, PreparationCounts& report);
 

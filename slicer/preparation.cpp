@@ -249,19 +249,18 @@ Expected<PreparedScan> prepare(ScanSources sources, const SliceSettings& setting
 Status prepare_normals(ScanSources sources, const SliceSettings& settings, Arena& arena, ProgressSink* progress,
                        PreparationReport& report, NormalsLook look) {
   const ArenaScope all(arena);
-  auto files = MeshFiles::open(sources, arena);
-  PLUMBLINE_TRY(files);
-  const auto mesh = survey_mesh(*files, settings, arena, progress, report);
-  PLUMBLINE_TRY(mesh);
-  const auto pointers = files->pointers();
-  const ScanSources rewound = std::span(pointers).first(sources.size());
-  if (!*mesh) return Preparation(rewound, settings, arena, progress, report).run_normals(look);
-  const auto cloud = mesh_cloud(*files, **mesh, arena, progress, report);
-  PLUMBLINE_TRY(cloud);
-  PreparedScan prepared;
-  prepared.cloud = *cloud;
-  prepared.offset = (*mesh)->bounds.low;
-  return look(prepared);
+  const auto of_mesh = [&](MeshFiles& files, const MeshSurvey& survey, ScanSources) -> Status {
+    const auto cloud = mesh_cloud(files, survey, arena, progress, report);
+    PLUMBLINE_TRY(cloud);
+    PreparedScan prepared;
+    prepared.cloud = *cloud;
+    prepared.offset = survey.bounds.low;
+    return look(prepared);
+  };
+  const auto of_scan = [&](ScanSources given) {
+    return Preparation(given, settings, arena, progress, report).run_normals(look);
+  };
+  return read_mesh_or_scan(sources, settings, arena, progress, report, of_mesh, of_scan);
 }
 
 Status check_no_speck(const Box3d& bounds, ScanSources sources, const PlacementSettings& settings) {

@@ -50,36 +50,28 @@ Expected<CrossingStore> find_scan_crossings(ScanSources sources, const SliceSett
   return shoot_rays(scan->cloud, settings, arena, progress, report);
 }
 
-Expected<CrossingStore> find_mesh_crossings(MeshFiles& files, const MeshSurvey& mesh, ScanSources sources,
-                                            const SliceSettings& asked, Arena& arena, ProgressSink* progress,
+Expected<CrossingStore> find_mesh_crossings(MeshFiles& files, const MeshSurvey& survey, ScanSources sources,
+                                            SliceSettings settings, Arena& arena, ProgressSink* progress,
                                             SliceReport& report) {
-  SliceSettings settings = asked;
-  MeshSurvey survey = mesh;
-  if (settings.orient) {
-    const auto turned = turn_mesh(files, mesh, settings, arena, progress, report);
-    PLUMBLINE_TRY(turned);
-    survey = *turned;
-  }
-  PLUMBLINE_TRY(check_no_speck(survey.bounds, sources, settings.placement));
-  report.units = units_of(survey.bounds, settings.placement);
+  const auto mesh = turn_mesh(files, survey, settings, arena, progress, report);
+  PLUMBLINE_TRY(mesh);
+  PLUMBLINE_TRY(check_no_speck(mesh->bounds, sources, settings.placement));
+  report.units = units_of(mesh->bounds, settings.placement);
   report.units_guessed = settings.placement.units == Units::kAuto && !settings.placement.size;
-  const auto placement = place(survey.bounds, millimetres_per(report.units), settings.placement);
+  const auto placement = place(mesh->bounds, millimetres_per(report.units), settings.placement);
   PLUMBLINE_TRY(placement);
   report.placement = *placement;
-  return shoot_mesh(files, survey, settings, arena, progress, report);
+  return shoot_mesh(files, *mesh, settings, arena, progress, report);
 }
 
 Expected<CrossingStore> find_crossings(ScanSources sources, const SliceSettings& settings, Arena& arena,
                                        ProgressSink* progress, SliceReport& report) {
   const ArenaScope all(arena);
-  auto files = MeshFiles::open(sources, arena);
-  PLUMBLINE_TRY(files);
-  const auto mesh = survey_mesh(*files, settings, arena, progress, report);
-  PLUMBLINE_TRY(mesh);
-  const auto pointers = files->pointers();
-  const ScanSources rewound = std::span(pointers).first(sources.size());
-  if (!*mesh) return find_scan_crossings(rewound, settings, arena, progress, report);
-  return find_mesh_crossings(*files, **mesh, rewound, settings, arena, progress, report);
+  const auto of_mesh = [&](MeshFiles& files, const MeshSurvey& survey, ScanSources given) {
+    return find_mesh_crossings(files, survey, given, settings, arena, progress, report);
+  };
+  const auto of_scan = [&](ScanSources given) { return find_scan_crossings(given, settings, arena, progress, report); };
+  return read_mesh_or_scan(sources, settings, arena, progress, report, of_mesh, of_scan);
 }
 
 }  // namespace
