@@ -54,19 +54,33 @@ TEST(Disc, HoldsThePixelsWithinItsRadius) {
   }
 }
 
+/// A random image with a few white pixels, and a random radius.
+struct NearCase {
+  NearCase(Random& random, double widest_mm)
+      : columns(1 + random.below(300)),
+        rows(1 + random.below(40)),
+        pitch(pitch_of(random.uniform(0.02, 0.1), random.uniform(0.02, 0.1))),
+        radius(nanometres(random.uniform(0, widest_mm))),
+        image(columns, rows) {
+    for (std::uint32_t n = random.below(12); n > 0; --n) image.set(random.below(columns), random.below(rows), true);
+  }
+
+  std::uint32_t columns, rows;
+  PixelPitch pitch;
+  Nanometres radius;
+  Pixels image;
+};
+double widest_mm(int i) { return i % 3 == 0 ? 6 : 1; }
+
 TEST(Disc, FindsThePixelsNearAWhiteOne) {
   Random random(4);
   for (int i = 0; i < 60; ++i) {
-    const std::uint32_t columns = 1 + random.below(300);
-    const std::uint32_t rows = 1 + random.below(40);
-    const PixelPitch pitch = pitch_of(random.uniform(0.02, 0.1), random.uniform(0.02, 0.1));
-    const Nanometres radius = nanometres(random.uniform(0, i % 3 == 0 ? 6 : 1));
-    Pixels image(columns, rows);
-    for (std::uint32_t n = random.below(12); n > 0; --n) image.set(random.below(columns), random.below(rows), true);
-    const OwnedImage words = image.image();
+    const NearCase made(random, widest_mm(i));
+    const auto [columns, rows] = std::pair(made.columns, made.rows);
+    const OwnedImage words = made.image.image();
     ArenaBlock arena(kMiB);
-    const Disc disc = value_of(Disc::create(pitch, radius, *arena));
-    EXPECT_EQ(arena->top_used(), Disc::bytes_needed(pitch, radius));
+    const Disc disc = value_of(Disc::create(made.pitch, made.radius, *arena));
+    EXPECT_EQ(arena->top_used(), Disc::bytes_needed(made.pitch, made.radius));
     for (std::uint32_t r = 0; r < rows; ++r) {
       for (std::uint32_t w = 0; w < words.view().stride(); ++w) {
         const std::uint64_t wanted = random.bits() | std::uint64_t{random.bits()} << 32;
@@ -75,7 +89,7 @@ TEST(Disc, FindsThePixelsNearAWhiteOne) {
           bool near = false;
           for (std::uint32_t y = 0; y < rows && !near; ++y) {
             for (std::uint32_t x = 0; x < columns && !near; ++x) {
-              near = image.at(x, y) && within(std::int64_t{x} - c, std::int64_t{y} - r, pitch, radius);
+              near = made.image.at(x, y) && within(std::int64_t{x} - c, std::int64_t{y} - r, made.pitch, made.radius);
             }
           }
           ASSERT_EQ((found >> (c % 64) & 1U) != 0, near && (wanted >> (c % 64) & 1U) != 0) << c << ", " << r;
@@ -88,15 +102,11 @@ TEST(Disc, FindsThePixelsNearAWhiteOne) {
 TEST(Disc, DrawsThePixelsNearAWhiteOneOnce) {
   Random random(5);
   for (int i = 0; i < 60; ++i) {
-    const std::uint32_t columns = 1 + random.below(300);
-    const std::uint32_t rows = 1 + random.below(40);
-    const PixelPitch pitch = pitch_of(random.uniform(0.02, 0.1), random.uniform(0.02, 0.1));
-    const Nanometres radius = nanometres(random.uniform(0, i % 3 == 0 ? 6 : 1));
-    Pixels image(columns, rows);
-    for (std::uint32_t n = random.below(12); n > 0; --n) image.set(random.below(columns), random.below(rows), true);
-    const OwnedImage words = image.image();
+    const NearCase made(random, widest_mm(i));
+    const auto [columns, rows] = std::pair(made.columns, made.rows);
+    const OwnedImage words = made.image.image();
     ArenaBlock arena(kMiB);
-    const Disc disc = value_of(Disc::create(pitch, radius, *arena));
+    const Disc disc = value_of(Disc::create(made.pitch, made.radius, *arena));
     std::vector<std::uint64_t> drawn(BitImage::words_needed(columns, rows), 0);
     std::vector<std::uint64_t> visited = drawn;
     const BitImage near(drawn, columns, rows);

@@ -1,0 +1,102 @@
+/// Meshes with holes, flipped and doubled faces, and faces that are no triangles.
+
+#include <gtest/gtest.h>
+
+#include "tests/slicer/mesh/sliced_mesh.hpp"
+
+namespace plumbline {
+namespace {
+
+using namespace testing;
+
+/// A box in a fine mesh, so that single faces are small.
+TestMesh fine_box() {
+  TestMesh mesh = box_mesh({0, 0, 0}, {10, 10, 10});
+  for (int i = 0; i < 4; ++i) {
+    TestMesh finer;
+    for (const auto& [a, b, c] : mesh.faces) {
+      const Vec3d va = mesh.vertices[a];
+      const Vec3d vb = mesh.vertices[b];
+      const Vec3d vc = mesh.vertices[c];
+      const auto first = static_cast<std::uint32_t>(finer.vertices.size());
+      finer.vertices.insert(finer.vertices.end(), {va, vb, vc, (va + vb) / 2, (vb + vc) / 2, (vc + va) / 2});
+      for (const std::array<std::uint32_t, 3>& f :
+           {std::array<std::uint32_t, 3>{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}}) {
+        finer.faces.push_back({f[0] + first, f[1] + first, f[2] + first});
+      }
+    }
+    mesh = finer;
+  }
+  return mesh;
+}
+
+struct Damage {
+  const char* name;
+  TestMesh mesh;
+  double unsure;  ///< mm round the faces within which the result may differ
+};
+
+std::vector<Damage> damages() {
+  const TestMesh whole = fine_box();
+  const auto without = [&](auto dropped) {
+    TestMesh mesh = whole;
+    std::erase_if(mesh.faces, [&](const auto& f) {
+      return dropped(Vec3d((whole.vertices[f[0]] + whole.vertices[f[1]] + whole.vertices[f[2]]) / 3));
+    });
+    return mesh;
+  };
+  const auto flipped = [&](auto chosen) {
+    TestMesh mesh = whole;
+    for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
+      const auto& f = mesh.faces[i];
+      if (chosen(Vec3d((whole.vertices[f[0]] + whole.vertices[f[1]] + whole.vertices[f[2]]) / 3))) flip(mesh, i, i + 1);
+    }
+    return mesh;
+  };
+  const auto in_middle = [](const Vec3d& p) { return std::abs(p[0] - 5) < 1.3 && std::abs(p[1] - 5) < 1.3; };
+  TestMesh doubled = whole;
+  for (std::size_t i = 0; i < doubled.faces.size(); i += 3) doubled.faces.push_back(doubled.faces[i]);
+  doubled.faces.resize(whole.faces.size() + 300);
+  return {
+      {"a hole in the top", without([&](const Vec3d& p) { return in_middle(p) && p[2] > 9; }), 0.5},
+      {"a hole in the bottom", without([&](const Vec3d& p) { return in_middle(p) && p[2] < 1; }), 0.5},
+      {"holes above each other", without([&](const Vec3d& p) { return in_middle(p) && (p[2] < 1 || p[2] > 9); }), 0.5},
+      {"no top", without([&](const Vec3d& p) { return p[2] > 9.99; }), 2.5},
+      {"a hole in a wall", without([&](const Vec3d& p) { return p[0] > 9.99 && std::abs(p[2] - 5) < 1.5; }), 0.5},
+      {"flipped faces in the top", flipped([&](const Vec3d& p) { return in_middle(p) && p[2] > 9; }), 0.5},
+      {"flipped faces in top and bottom",
+       flipped([&](const Vec3d& p) { return in_middle(p) && std::abs(p[2] - 5) > 4; }), 0.5},
+      {"doubled faces", doubled, 0.5}};
+}
+
+TEST(BrokenMesh, IsDecidedByItsWindingNumber) {
+  SliceSettings settings = settings_with_pitch(0.2F);
+  settings.base = BaseChoice::kNone;
+  for (const Damage& damage : damages()) {
+    const Slicing broken = sliced(damage.mesh, settings);
+    EXPECT_FALSE(broken.report().mesh->closed) << damage.name;
+    // Only where there is damage can the surface be off.
+    EXPECT_EQ(wrong(broken,
+                    [&](const Vec3d& p) {
+                      return in_box(p, {0, 0, 0}, {10, 10, 10}, damage.unsure);
+                    }),
+              0U)
+        << damage.name;
+    EXPECT_NEAR(broken.volume(), 1000, damage.unsure > 1 ? 110 : 12) << damage.name;
+  }
+}
+
+TEST(BrokenMesh, LeavesOutAndCountsTrianglesThatAreNotFinite) {
+  TestMesh mesh = fine_box();
+  const std::uint32_t corner = mesh.faces[1500][1];
+  mesh.vertices[corner][0] = std::numeric_limits<double>::quiet_NaN();
+  for (const SurfaceFile& file : {files_of(mesh)[0], files_of(mesh)[5]}) {
+    const Slicing slicing(MemorySource(file.bytes, file.name), settings_with_pitch(0.2F), kArena);
+    EXPECT_GE(slicing.report().mesh->not_finite, 1U) << file.name;
+    EXPECT_LE(slicing.report().mesh->not_finite, 6U) << file.name;
+    EXPECT_NEAR(slicing.volume(), 1000, 5) << file.name;
+  }
+}
+
+}  // namespace
+}  // namespace plumbline
