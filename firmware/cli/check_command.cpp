@@ -4,8 +4,8 @@
 #include <chrono>
 
 #include "firmware/cli/commands.hpp"
-#include "firmware/cli/issues_file.hpp"
 #include "firmware/cli/options/shared_options.hpp"
+#include "firmware/cli/reports/issues_file.hpp"
 #include "firmware/cli/terminal_job.hpp"
 #include "firmware/io/interrupt.hpp"
 #include "firmware/io/json_writer.hpp"

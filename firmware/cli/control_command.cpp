@@ -2,7 +2,7 @@
 #include <vector>
 
 #include "firmware/cli/commands.hpp"
-#include "firmware/cli/status_text.hpp"
+#include "firmware/cli/reports/status_text.hpp"
 #include "firmware/io/json_cursor.hpp"
 #include "firmware/io/json_writer.hpp"
 #include "firmware/io/progress_lines.hpp"

@@ -1,10 +1,10 @@
 #include <CLI/CLI.hpp>
 
 #include "firmware/cli/commands.hpp"
-#include "firmware/cli/inspect_report.hpp"
-#include "firmware/cli/issues_file.hpp"
 #include "firmware/cli/options/shared_options.hpp"
-#include "firmware/cli/print_time.hpp"
+#include "firmware/cli/reports/inspect_report.hpp"
+#include "firmware/cli/reports/issues_file.hpp"
+#include "firmware/cli/reports/print_time.hpp"
 #include "firmware/cli/terminal_job.hpp"
 #include "firmware/io/scan_files.hpp"
 #include "firmware/slice/issue_report.hpp"

@@ -2,9 +2,9 @@
 #include <algorithm>
 
 #include "firmware/cli/commands.hpp"
-#include "firmware/cli/issues_file.hpp"
 #include "firmware/cli/options/shared_options.hpp"
-#include "firmware/cli/printed_part.hpp"
+#include "firmware/cli/reports/issues_file.hpp"
+#include "firmware/cli/reports/printed_part.hpp"
 #include "firmware/cli/terminal_job.hpp"
 #include "firmware/io/progress_lines.hpp"
 #include "firmware/io/scan_files.hpp"

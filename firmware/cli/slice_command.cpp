@@ -2,7 +2,7 @@
 
 #include "firmware/cli/commands.hpp"
 #include "firmware/cli/options/shared_options.hpp"
-#include "firmware/cli/print_time.hpp"
+#include "firmware/cli/reports/print_time.hpp"
 #include "firmware/cli/terminal_job.hpp"
 #include "firmware/io/json_writer.hpp"
 #include "firmware/io/output_file.hpp"

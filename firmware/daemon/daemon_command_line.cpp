@@ -7,9 +7,9 @@
 #include <csignal>
 
 #include "firmware/daemon/printer_daemon.hpp"
-#include "firmware/daemon/service_events.hpp"
-#include "firmware/daemon/service_manager.hpp"
-#include "firmware/daemon/service_status.hpp"
+#include "firmware/daemon/service/service_events.hpp"
+#include "firmware/daemon/service/service_manager.hpp"
+#include "firmware/daemon/service/service_status.hpp"
 #include "firmware/io/interrupt.hpp"
 #include "firmware/io/progress_lines.hpp"
 #include "firmware/io/version.hpp"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "firmware/daemon/scan_slicing.hpp"
+#include "firmware/daemon/stick/scan_slicing.hpp"
 #include "firmware/print/print_session.hpp"
 #include "firmware/print/status/print_observer.hpp"
 #include "firmware/settings/print_profile.hpp"

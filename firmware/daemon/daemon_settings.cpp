@@ -1,6 +1,6 @@
 #include "firmware/daemon/daemon_settings.hpp"
 
-#include "firmware/daemon/stick_job.hpp"
+#include "firmware/daemon/stick/stick_job.hpp"
 
 namespace plumbline {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware/daemon/scan_slicing.hpp"
+#include "firmware/daemon/stick/scan_slicing.hpp"
 #include "firmware/settings/board_file.hpp"
 #include "firmware/settings/print_profile.hpp"
 #include "slicer/core/error.hpp"

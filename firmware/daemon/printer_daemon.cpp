@@ -6,8 +6,8 @@
 
 #include "firmware/daemon/issue_question.hpp"
 #include "firmware/daemon/sliced_record.hpp"
+#include "firmware/daemon/stick/stick_words.hpp"
 #include "firmware/daemon/stick_request.hpp"
-#include "firmware/daemon/stick_words.hpp"
 #include "firmware/print/status/state_lights.hpp"
 #include "firmware/print/store/interrupted_print.hpp"
 

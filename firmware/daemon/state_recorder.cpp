@@ -3,7 +3,7 @@
 #include <array>
 #include <ctime>
 
-#include "firmware/daemon/stick_words.hpp"
+#include "firmware/daemon/stick/stick_words.hpp"
 #include "firmware/print/status/print_lines.hpp"
 
 namespace plumbline {

@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "firmware/daemon/daemon_observer.hpp"
-#include "firmware/daemon/stick_job.hpp"
+#include "firmware/daemon/stick/stick_job.hpp"
 #include "firmware/print/status/fault.hpp"
 #include "firmware/state/printer_record.hpp"
 #include "hal/stick_port.hpp"

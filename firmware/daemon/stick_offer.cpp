@@ -4,7 +4,7 @@
 #include <string>
 #include <utility>
 
-#include "firmware/daemon/job_setting.hpp"
+#include "firmware/daemon/stick/job_setting.hpp"
 #include "firmware/io/fixed_text.hpp"
 
 namespace plumbline {

@@ -5,9 +5,9 @@
 
 #include "firmware/daemon/answers.hpp"
 #include "firmware/daemon/daemon_settings.hpp"
-#include "firmware/daemon/scan_slicing.hpp"
 #include "firmware/daemon/state_recorder.hpp"
-#include "firmware/daemon/stick_job.hpp"
+#include "firmware/daemon/stick/scan_slicing.hpp"
+#include "firmware/daemon/stick/stick_job.hpp"
 #include "firmware/state/client_request.hpp"
 #include "hal/events.hpp"
 #include "slicer/core/error.hpp"

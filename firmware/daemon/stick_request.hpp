@@ -2,7 +2,7 @@
 
 #include "firmware/child/scan_request.hpp"
 #include "firmware/daemon/daemon_settings.hpp"
-#include "firmware/daemon/stick_job.hpp"
+#include "firmware/daemon/stick/stick_job.hpp"
 #include "firmware/settings/print_profile.hpp"
 #include "hal/stick_port.hpp"
 #include "slicer/core/error.hpp"

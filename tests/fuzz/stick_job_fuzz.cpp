@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "firmware/daemon/stick_job.hpp"
+#include "firmware/daemon/stick/stick_job.hpp"
 #include "firmware/settings/job_options.hpp"
 #include "tests/fuzz/require.hpp"
 

@@ -32,6 +32,8 @@ ORDER = {
     "slicer/supports": ["drawing"],
     "hal/linux": ["gpio", "events", "keeper", "lamp", "stage", "display", "screen", "stick", "thermals"],
     "firmware/print": ["plan", "status", "store"],
+    "firmware/daemon": ["stick", "service"],
+    "firmware/cli": ["options", "reports"],
     "firmware": ["io", "settings", "pictures", "canvas", "sample", "machine", "slice", "print", "child", "state", "screen", "daemon",
                  "cli"],
 }

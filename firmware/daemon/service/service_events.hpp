@@ -2,7 +2,7 @@
 /// The machine's events, and those that commands become. Every look for one also serves the state socket and the screen, and
 /// sends a sign of life to the service manager.
 
-#include "firmware/daemon/service_manager.hpp"
+#include "firmware/daemon/service/service_manager.hpp"
 #include "firmware/screen/screen_server.hpp"
 #include "firmware/state/state_socket.hpp"
 #include "hal/events.hpp"

@@ -1,4 +1,4 @@
-#include "firmware/daemon/service_manager.hpp"
+#include "firmware/daemon/service/service_manager.hpp"
 
 #include <sys/socket.h>
 #include <sys/time.h>

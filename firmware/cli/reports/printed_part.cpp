@@ -1,4 +1,4 @@
-#include "firmware/cli/printed_part.hpp"
+#include "firmware/cli/reports/printed_part.hpp"
 
 #include <algorithm>
 #include <array>

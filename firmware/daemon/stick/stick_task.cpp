@@ -1,4 +1,4 @@
-#include "firmware/daemon/stick_task.hpp"
+#include "firmware/daemon/stick/stick_task.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "firmware/daemon/stick_words.hpp"
+#include "firmware/daemon/stick/stick_words.hpp"
 
 #include <algorithm>
 #include <array>

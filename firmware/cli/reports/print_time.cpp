@@ -1,4 +1,4 @@
-#include "firmware/cli/print_time.hpp"
+#include "firmware/cli/reports/print_time.hpp"
 
 #include <algorithm>
 #include <cstdio>

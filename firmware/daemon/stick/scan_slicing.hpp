@@ -5,7 +5,7 @@
 
 #include "firmware/child/answer_check.hpp"
 #include "firmware/child/slicing_child.hpp"
-#include "firmware/daemon/stick_task.hpp"
+#include "firmware/daemon/stick/stick_task.hpp"
 #include "hal/machine.hpp"
 #include "slicer/core/arena.hpp"
 

@@ -1,4 +1,4 @@
-#include "firmware/daemon/scan_feed.hpp"
+#include "firmware/daemon/stick/scan_feed.hpp"
 
 #include <fcntl.h>
 #include <unistd.h>

@@ -1,4 +1,4 @@
-#include "firmware/daemon/stick_job.hpp"
+#include "firmware/daemon/stick/stick_job.hpp"
 
 #include <algorithm>
 #include <cctype>

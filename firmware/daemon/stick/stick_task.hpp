@@ -3,7 +3,7 @@
 
 #include "firmware/child/scan_answer.hpp"
 #include "firmware/child/shared_memory.hpp"
-#include "firmware/daemon/stick_job.hpp"
+#include "firmware/daemon/stick/stick_job.hpp"
 
 namespace plumbline {
 

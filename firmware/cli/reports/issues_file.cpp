@@ -1,4 +1,4 @@
-#include "firmware/cli/issues_file.hpp"
+#include "firmware/cli/reports/issues_file.hpp"
 
 #include "firmware/io/output_file.hpp"
 #include "firmware/pictures/preview.hpp"

@@ -1,6 +1,6 @@
 /// Job files in real children, and damaged answers about them.
 
-#include "firmware/daemon/stick_task.hpp"
+#include "firmware/daemon/stick/stick_task.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,10 +1,10 @@
-#include "firmware/daemon/scan_slicing.hpp"
+#include "firmware/daemon/stick/scan_slicing.hpp"
 
 #include <sys/wait.h>
 
 #include <algorithm>
 
-#include "firmware/daemon/scan_feed.hpp"
+#include "firmware/daemon/stick/scan_feed.hpp"
 
 namespace plumbline {
 namespace {

@@ -1,4 +1,4 @@
-#include "firmware/daemon/job_setting.hpp"
+#include "firmware/daemon/stick/job_setting.hpp"
 
 #include <algorithm>
 #include <array>

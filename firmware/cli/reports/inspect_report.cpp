@@ -1,4 +1,4 @@
-#include "firmware/cli/inspect_report.hpp"
+#include "firmware/cli/reports/inspect_report.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "firmware/daemon/service_status.hpp"
+#include "firmware/daemon/service/service_status.hpp"
 
 namespace plumbline {
 

@@ -1,4 +1,4 @@
-#include "firmware/cli/status_text.hpp"
+#include "firmware/cli/reports/status_text.hpp"
 
 #include <charconv>
 #include <functional>

@@ -1,4 +1,4 @@
-#include "firmware/daemon/service_events.hpp"
+#include "firmware/daemon/service/service_events.hpp"
 
 #include <algorithm>
 

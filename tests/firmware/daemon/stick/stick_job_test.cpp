@@ -1,6 +1,6 @@
 /// job.toml, the file on a stick that names what to print.
 
-#include "firmware/daemon/stick_job.hpp"
+#include "firmware/daemon/stick/stick_job.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

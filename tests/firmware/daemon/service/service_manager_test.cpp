@@ -1,6 +1,6 @@
 /// The messages to the service manager, received from a real socket.
 
-#include "firmware/daemon/service_manager.hpp"
+#include "firmware/daemon/service/service_manager.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -16,8 +16,8 @@
 #include <utility>
 #include <vector>
 
-#include "firmware/daemon/service_events.hpp"
-#include "firmware/daemon/service_status.hpp"
+#include "firmware/daemon/service/service_events.hpp"
+#include "firmware/daemon/service/service_status.hpp"
 #include "firmware/state/command_rules.hpp"
 #include "firmware/state/state_link.hpp"
 #include "tests/firmware/support/job_fixture.hpp"

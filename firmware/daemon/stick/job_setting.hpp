@@ -2,7 +2,7 @@
 
 #include <string_view>
 
-#include "firmware/daemon/stick_job.hpp"
+#include "firmware/daemon/stick/stick_job.hpp"
 #include "slicer/core/error.hpp"
 
 namespace plumbline {
