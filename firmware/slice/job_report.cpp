@@ -93,6 +93,8 @@ const char* to_string(ScanFormat format) {
     case ScanFormat::kObj: return "OBJ";
     case ScanFormat::kStl: return "STL";
     case ScanFormat::kOff: return "OFF";
+    case ScanFormat::kLas: return "LAS";
+    case ScanFormat::kPtx: return "PTX";
   }
   return "unknown";
 }

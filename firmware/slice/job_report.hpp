@@ -64,7 +64,7 @@ struct JobReport {
   double share_of_rays(RayDecision decision) const;
 };
 
-/// "PLY", "XYZ", "PCD", "OBJ", "STL", "OFF".
+/// "PLY", "XYZ", "PCD", and so on.
 const char* to_string(ScanFormat format);
 
 /// Shares of the whole surface that the scanner did not see, 0 to 1: the one definition for reports, warnings and pictures.

@@ -17,6 +17,8 @@ Status read_as(ScanFormat format, ByteInput& input, PointBatch& batch, Arena& me
     case ScanFormat::kXyz: return read_xyz(input, batch, memory);
     case ScanFormat::kPcd: return read_pcd(input, batch, memory, lent != nullptr ? *lent : memory);
     case ScanFormat::kObj: return read_obj(input, batch, memory);
+    case ScanFormat::kLas: return read_las(input, batch);
+    case ScanFormat::kPtx: return read_ptx(input, batch);
     case ScanFormat::kStl:
     case ScanFormat::kOff:
       return input.fail(
@@ -46,6 +48,13 @@ Expected<ScanSummary> read_scan(ByteSource& source, PointSink& sink, std::span<s
   PLUMBLINE_TRY(batch.flush());
   PLUMBLINE_TRY(input.finish());
   summary.bytes = input.bytes_read();
+  if (summary.points == 0 && summary.left_out > 0) {
+    return input.fail(ErrorCode::kNoPoints,
+                      "no usable point: %llu are marked as invalid, %llu have a coordinate that is not finite;\texport "
+                      "the scan again",
+                      static_cast<unsigned long long>(summary.left_out),
+                      static_cast<unsigned long long>(summary.not_finite));
+  }
   if (summary.points == 0 && summary.not_finite == 0) {
     return input.fail(ErrorCode::kNoPoints, "the file has no points;\texport the scan again, with its points");
   }

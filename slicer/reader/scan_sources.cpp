@@ -27,6 +27,7 @@ ScanSummary sum_of(const ScanSummaries& summaries) {
   for (const ScanSummary& scan : summaries.all()) {
     sum.points += scan.points;
     sum.not_finite += scan.not_finite;
+    sum.left_out += scan.left_out;
     sum.bytes += scan.bytes;
     if (sum.header.has_normals) sum.without_normal += scan.header.has_normals ? scan.without_normal : scan.points;
   }

@@ -24,4 +24,12 @@ namespace plumbline {
 /// The vertices of a Wavefront OBJ; its normals only where `vn` and `v` lines alternate.
 [[nodiscard]] Status read_obj(ByteInput& input, PointBatch& batch, Arena& memory);
 
+/// ASPRS LAS 1.0 to 1.4, point formats 0 to 10. Points that are marked as withheld or as noise are left out.
+/// @retval ErrorCode::kUnsupported  LAZ, which is compressed
+[[nodiscard]] Status read_las(ByteInput& input, PointBatch& batch);
+
+/// Leica PTX: one or more scans, each a grid of points with the transform from the scanner to the common frame. Points at
+/// 0 0 0 are rays that returned nothing and are left out.
+[[nodiscard]] Status read_ptx(ByteInput& input, PointBatch& batch);
+
 }  // namespace plumbline

@@ -58,6 +58,8 @@ class PointBatch {
     }
     if (point.nx == 0 && point.ny == 0 && point.nz == 0) ++summary_.without_normal;
   }
+  /// Counts a point that the file itself marks as invalid or deleted.
+  void leave_out() { ++summary_.left_out; }
   bool full() const { return count_ == room_.size(); }
 
   /// Passes the collected points to the sink, if there are any.
