@@ -95,6 +95,7 @@ const char* to_string(ScanFormat format) {
     case ScanFormat::kOff: return "OFF";
     case ScanFormat::kLas: return "LAS";
     case ScanFormat::kPtx: return "PTX";
+    case ScanFormat::kE57: return "E57";
   }
   return "unknown";
 }

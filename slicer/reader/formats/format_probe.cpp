@@ -34,7 +34,6 @@ constexpr Mark kMarks[] = {
      "an xz archive", kUnpack},
     {"BZh"sv, "a bzip2 archive", kUnpack},
     {"\x28\xb5\x2f\xfd"sv, "a zstd archive", kUnpack},
-    {"ASTM-E57"sv, "E57", kConvert},
     {"glTF"sv, "glTF", kMesh},
     {"Kaydara FBX"sv, "FBX", kMesh},
     {"<?xml"sv, "XML", kConvert},
@@ -58,6 +57,7 @@ class Probe {
       return ScanFormat::kPly;
     }
     if (window_.starts_with("LASF")) return ScanFormat::kLas;
+    if (window_.starts_with(kE57Signature)) return ScanFormat::kE57;
     PLUMBLINE_TRY(refuse_other_formats());
     if (is_stl()) return ScanFormat::kStl;
     if (is_off()) return ScanFormat::kOff;
@@ -161,11 +161,11 @@ class Probe {
     for (const std::string_view ending : kXyzEndings) {
       if (is_text && has_ending(input_.name(), ending)) return ScanFormat::kXyz;
     }
-    return input_.fail(
-        ErrorCode::kUnknownFormat,
-        "byte 0: expected a scan in PLY, XYZ, PTS, PTX, LAS, PCD or OBJ, or a mesh in STL, OBJ, PLY or OFF, found "
-        "'%s';\t%s",
-        Quote(line.empty() ? window_ : line).c_str(), kConvert);
+    return input_.fail(ErrorCode::kUnknownFormat,
+                       "byte 0: expected a scan in PLY, XYZ, PTS, PTX, LAS, E57, PCD or OBJ, or a mesh in STL, "
+                       "OBJ, PLY or OFF, found "
+                       "'%s';\t%s",
+                       Quote(line.empty() ? window_ : line).c_str(), kConvert);
   }
 
   ByteInput& input_;

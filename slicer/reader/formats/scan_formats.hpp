@@ -32,4 +32,10 @@ namespace plumbline {
 /// 0 0 0 are rays that returned nothing and are left out.
 [[nodiscard]] Status read_ptx(ByteInput& input, PointBatch& batch);
 
+/// ASTM E57, in mm: the standard's unit is the metre. All scans of the file in their common frame, with their normals if they
+/// have the extension for them. Points that are marked as invalid are left out; images are ignored. Rewinds the input, because
+/// what says where the points are comes after them.
+/// @param memory  all that is left of it is used
+[[nodiscard]] Status read_e57(ByteInput& input, PointBatch& batch, Arena& memory);
+
 }  // namespace plumbline

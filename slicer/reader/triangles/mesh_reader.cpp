@@ -57,7 +57,8 @@ Expected<MeshHint> hint_of(ByteSource& source, std::span<std::byte> workspace) {
     case ScanFormat::kXyz:
     case ScanFormat::kPcd:
     case ScanFormat::kLas:
-    case ScanFormat::kPtx: break;
+    case ScanFormat::kPtx:
+    case ScanFormat::kE57: break;
   }
   return MeshHint::kNone;
 }
@@ -85,6 +86,7 @@ Expected<MeshSummary> read_mesh(ByteSource& source, TriangleSink& sink, VertexLi
     case ScanFormat::kPcd:
     case ScanFormat::kLas:
     case ScanFormat::kPtx:
+    case ScanFormat::kE57:
       return input.fail(ErrorCode::kUnsupported, "the file has points but no faces;\tuse --as points");
   }
   PLUMBLINE_TRY(batch.flush());
