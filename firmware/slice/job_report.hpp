@@ -64,6 +64,8 @@ struct JobReport {
   double share_of_rays(RayDecision decision) const;
 };
 
+/// Why points were left out (ScanSummary::left_out): "the file marks them as invalid".
+const char* why_left_out(ScanFormat format);
 /// "PLY", "XYZ", "PCD", and so on.
 const char* to_string(ScanFormat format);
 

@@ -9,7 +9,7 @@
 namespace plumbline {
 namespace {
 
-/// Whether a scan is read twice: an E57 says at its end where its points are.
+/// Whether a scan is read twice: an E57 says at its end where its points are, and splats are surveyed first.
 Expected<bool> is_read_twice(RereadSource& file) {
   std::array<std::byte, RereadSource::kHeadBytes> head{};
   std::size_t filled = 0;
@@ -22,7 +22,8 @@ Expected<bool> is_read_twice(RereadSource& file) {
   }
   PLUMBLINE_TRY(file.rewind());
   const std::string_view text(reinterpret_cast<const char*>(head.data()), filled);
-  return text.starts_with(kE57Signature);
+  return text.starts_with(kE57Signature) ||
+         (text.starts_with("ply") && text.find(" scale_0") != std::string_view::npos);
 }
 
 }  // namespace

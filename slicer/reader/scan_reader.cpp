@@ -19,6 +19,7 @@ Status read_as(ScanFormat format, ByteInput& input, PointBatch& batch, Arena& me
     case ScanFormat::kObj: return read_obj(input, batch, memory);
     case ScanFormat::kLas: return read_las(input, batch);
     case ScanFormat::kPtx: return read_ptx(input, batch);
+    case ScanFormat::kSpz: return read_spz(input, batch, memory, lent != nullptr ? *lent : memory);
     case ScanFormat::kE57: return read_e57(input, batch, memory);
     case ScanFormat::kStl:
     case ScanFormat::kOff:

@@ -49,6 +49,7 @@ COMPOSITION = {
 ONE_SOURCE_FILE = {
     "nanoflann.hpp": "exactly",
     "expat.h": "exactly",
+    "zlib.h": "exactly",
     "lodepng.h": "at most",
     "libdeflate.h": "at most",
     "toml++/toml.h": "at most",

@@ -194,7 +194,7 @@ CLI::Validator finite_range(double low, double high) {
 
 CLI::Option* add_job_options(CLI::App& app, JobOptions& job) {
   auto* scan = app.add_option("scan", job.scans,
-                              "A scan (PLY, PCD, OBJ, E57, LAS, PTX, or text: XYZ, XYZRGB, PTS, ASC, TXT, CSV) or "
+                              "A scan (PLY, PCD, OBJ, E57, LAS, PTX, SPZ, or text: XYZ, XYZRGB, PTS, ASC, TXT, CSV) or "
                               "a mesh (STL, OBJ, "
                               "PLY, OFF). Several files in one frame make one object")
                    ->required()

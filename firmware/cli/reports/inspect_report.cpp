@@ -42,8 +42,9 @@ void add_scan(Text& text, const ScanOutlook& o) {
              o.scan.scans.each[i].header.has_normals ? "with normals" : "without normals");
   }
   if (scan.not_finite > 0) text.add("           %llu points that are not finite were left out\n", big(scan.not_finite));
-  if (scan.left_out > 0)
-    text.add("           %llu points that the file marks as invalid were left out\n", big(scan.left_out));
+  if (scan.left_out > 0) {
+    text.add("           %llu points were left out: %s\n", big(scan.left_out), why_left_out(scan.header.format));
+  }
   const auto turned = turned_warning(o.scan.normals, o.scan.cloud_points);
   if (!turned.view().empty()) text.add("           %s\n", turned.c_str());
   if (o.scan.floor.points > 0) text.add("           %s\n", floor_warning(o.scan.floor).c_str());

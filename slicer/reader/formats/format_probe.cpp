@@ -24,7 +24,7 @@ constexpr const char* kMesh = "export the mesh as STL, OBJ, PLY or OFF";
 
 /// Other files that people have on their sticks.
 constexpr Mark kMarks[] = {
-    {"\x1f\x8b"sv, "a gzip archive", kUnpack},
+    {"NGSP"sv, "SPZ of version 4 or later", "export the splats as SPZ version 3, or as PLY"},
     {"PK\x03\x04"sv, "a zip archive", kUnpack},
     {"PK\x05\x06"sv, "an empty zip archive", kUnpack},
     {"7z\xbc\xaf\x27\x1c"sv, "a 7z archive", kUnpack},
@@ -57,6 +57,7 @@ class Probe {
       return ScanFormat::kPly;
     }
     if (window_.starts_with("LASF")) return ScanFormat::kLas;
+    if (window_.starts_with("\x1f\x8b")) return ScanFormat::kSpz;  // or another gzip file, as its reader says
     if (window_.starts_with(kE57Signature)) return ScanFormat::kE57;
     PLUMBLINE_TRY(refuse_other_formats());
     if (is_stl()) return ScanFormat::kStl;
@@ -162,7 +163,7 @@ class Probe {
       if (is_text && has_ending(input_.name(), ending)) return ScanFormat::kXyz;
     }
     return input_.fail(ErrorCode::kUnknownFormat,
-                       "byte 0: expected a scan in PLY, XYZ, PTS, PTX, LAS, E57, PCD or OBJ, or a mesh in STL, "
+                       "byte 0: expected a scan in PLY, XYZ, PTS, PTX, LAS, E57, SPZ, PCD or OBJ, or a mesh in STL, "
                        "OBJ, PLY or OFF, found "
                        "'%s';\t%s",
                        Quote(line.empty() ? window_ : line).c_str(), kConvert);

@@ -8,7 +8,8 @@
 
 namespace plumbline {
 
-/// Polygon file format: ascii, and binary in both byte orders.
+/// Polygon file format: ascii, and binary in both byte orders. Gaussian splats are recognised by their properties; the input is
+/// rewound for them (SplatFilter).
 [[nodiscard]] Status read_ply(ByteInput& input, PointBatch& batch, Arena& memory);
 
 /// Rows of numbers: .xyz, .txt, .asc, .pts.
@@ -37,5 +38,11 @@ namespace plumbline {
 /// what says where the points are comes after them.
 /// @param memory  all that is left of it is used
 [[nodiscard]] Status read_e57(ByteInput& input, PointBatch& batch, Arena& memory);
+
+/// SPZ versions 2 and 3: Gaussian splats, compressed by gzip.
+/// @param columns  holds 13 bytes a point, as for read_pcd(), until the rotations come
+/// @retval ErrorCode::kUnknownFormat  gzip, but not of an SPZ
+/// @retval ErrorCode::kUnsupported    another version, or the columns don't fit
+[[nodiscard]] Status read_spz(ByteInput& input, PointBatch& batch, Arena& memory, Arena& columns);
 
 }  // namespace plumbline

@@ -58,7 +58,8 @@ Expected<MeshHint> hint_of(ByteSource& source, std::span<std::byte> workspace) {
     case ScanFormat::kPcd:
     case ScanFormat::kLas:
     case ScanFormat::kPtx:
-    case ScanFormat::kE57: break;
+    case ScanFormat::kE57:
+    case ScanFormat::kSpz: break;
   }
   return MeshHint::kNone;
 }
@@ -87,6 +88,7 @@ Expected<MeshSummary> read_mesh(ByteSource& source, TriangleSink& sink, VertexLi
     case ScanFormat::kLas:
     case ScanFormat::kPtx:
     case ScanFormat::kE57:
+    case ScanFormat::kSpz:
       return input.fail(ErrorCode::kUnsupported, "the file has points but no faces;\tuse --as points");
   }
   PLUMBLINE_TRY(batch.flush());
