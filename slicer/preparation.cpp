@@ -120,7 +120,8 @@ class Preparation {
   /// @param upright  also look which way up it lies
   Status find_normals(bool upright) {
     const StageScope stage(Stage::kNormals, arena_, progress_, report_.peak_bytes);
-    const auto normals = complete_normals(scan_.cloud, *tree_, arena_, {progress_, Stage::kNormals});
+    const auto sides = report_.scan.header.has_unsigned_normals ? NormalSides::kUnknown : NormalSides::kKnown;
+    const auto normals = complete_normals(scan_.cloud, *tree_, arena_, {progress_, Stage::kNormals}, sides);
     PLUMBLINE_TRY(normals);
     report_.normals = *normals;
     return upright ? find_upright() : Status();

@@ -85,6 +85,11 @@ double JobReport::share_of_rays(RayDecision decision) const {
   return shot > 0 ? static_cast<double>(slice.rays.decided[static_cast<std::size_t>(decision)]) / shot : 0;
 }
 
+const char* why_left_out(ScanFormat format) {
+  const bool splats = format == ScanFormat::kPly || format == ScanFormat::kSpz;
+  return splats ? "splats that hardly show, or far larger than the others" : "the file marks them as invalid";
+}
+
 const char* to_string(ScanFormat format) {
   switch (format) {
     case ScanFormat::kPly: return "PLY";
@@ -93,6 +98,10 @@ const char* to_string(ScanFormat format) {
     case ScanFormat::kObj: return "OBJ";
     case ScanFormat::kStl: return "STL";
     case ScanFormat::kOff: return "OFF";
+    case ScanFormat::kLas: return "LAS";
+    case ScanFormat::kPtx: return "PTX";
+    case ScanFormat::kE57: return "E57";
+    case ScanFormat::kSpz: return "SPZ";
   }
   return "unknown";
 }

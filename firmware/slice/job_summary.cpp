@@ -34,6 +34,9 @@ void add_scan(Text& text, const JobReport& report) {
            s.scan.header.has_normals ? "with normals" : "without normals");
   add_files(text, report.scan_names, s.scans);
   if (s.scan.not_finite > 0) text.add("           %llu points dropped: not finite\n", big(s.scan.not_finite));
+  if (s.scan.left_out > 0) {
+    text.add("           %llu points dropped: %s\n", big(s.scan.left_out), why_left_out(s.scan.header.format));
+  }
   if (s.averaged_points > 0) {
     text.add("thinned    to %u points: one for each cell of %.3g mm (room for %u)\n", s.cloud_points,
              static_cast<double>(s.lengths.thinning_cell.value), s.cloud_capacity);

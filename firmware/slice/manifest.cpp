@@ -30,6 +30,7 @@ void write_scan(JsonWriter& json, const JobReport& report) {
   json.member("bytes", scan.bytes);
   json.member("points", scan.points);
   json.member("points_not_finite", scan.not_finite);
+  json.member("points_left_out", scan.left_out);
   json.member("has_normals", scan.header.has_normals);
   json.member("points_without_normal", scan.header.has_normals ? scan.without_normal : scan.points);
   if (report.scan_names.size() > 1) write_files(json, report.scan_names, report.slice.scans);

@@ -176,10 +176,9 @@ std::optional<std::uint64_t> most_points(const ScanHeader& header, std::optional
   constexpr std::uint64_t kShortestRow = 6;     // "0 0 0" and the end of the line
   constexpr std::uint64_t kShortestRecord = 3;  // three numbers of one byte each
   std::optional<std::uint64_t> most;
-  // A merged PTS has a count before each of its parts, so the first one limits nothing.
-  if (header.format == ScanFormat::kPly || header.format == ScanFormat::kPcd) most = header.declared_points;
-  // Compression leaves no smallest size of a point.
-  if (!file_bytes || header.reader_bytes > 0) return most;
+  // A PTX and a merged PTS have a count before each of their parts, so the first one limits nothing.
+  if (header.format != ScanFormat::kXyz && header.format != ScanFormat::kPtx) most = header.declared_points;
+  if (!file_bytes || header.is_packed) return most;
   const bool binary = std::string_view(header.encoding).starts_with("binary");
   const std::uint64_t rows = *file_bytes / (binary ? kShortestRecord : kShortestRow) + 1;
   return std::min(most.value_or(rows), rows);

@@ -52,7 +52,8 @@ PointThinner::PointThinner(Cloud& cloud, std::span<std::byte> table, const Mat3d
   table_.clear();
 }
 
-Status PointThinner::begin(const ScanHeader& /*header*/) {
+Status PointThinner::begin(const ScanHeader& header) {
+  unsigned_normals_ = unsigned_normals_ || header.has_unsigned_normals;
   seen_before_ = seen_;
   return {};
 }
@@ -88,7 +89,8 @@ void PointThinner::merge(std::uint32_t place, const Vec3f& p, const PackedNormal
       opposite_ += opposite ? 1 : 0;
       // Opposite normals would cancel. Where sides are random only the direction counts; complete_normals() finds the side.
       const bool random = opposite_ >= kFewest && kOften * opposite_ > averaged_;
-      kept.set(mean * a + more * (opposite && random ? -b : b));
+      const bool turned = unsigned_normals_ ? mean.dot(more) < 0 : opposite && random;
+      kept.set(mean * a + more * (turned ? -b : b));
     } else {
       kept.set(normal.unpack());
     }

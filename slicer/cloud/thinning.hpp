@@ -58,6 +58,7 @@ class PointThinner final : public PointSink {
   std::uint64_t seen_ = 0;
   std::uint64_t seen_before_ = 0;  ///< in files before this one
   std::uint64_t averaged_ = 0;
+  bool unsigned_normals_ = false;
   std::uint64_t opposite_ = 0;  ///< of these, with a normal that faces the opposite side of its cell's
 };
 

@@ -1,15 +1,43 @@
 #include "slicer/mesh/mesh_files.hpp"
 
 #include <algorithm>
+#include <array>
+#include <string_view>
+
+#include "slicer/reader/formats/format_probe.hpp"
 
 namespace plumbline {
+namespace {
+
+/// Whether a scan is read twice: an E57 says at its end where its points are, and splats are surveyed first.
+Expected<bool> is_read_twice(RereadSource& file) {
+  std::array<std::byte, RereadSource::kHeadBytes> head{};
+  std::size_t filled = 0;
+  file.peek();
+  while (filled < head.size()) {
+    const auto got = file.read(std::span(head).subspan(filled));
+    PLUMBLINE_TRY(got);
+    if (*got == 0) break;
+    filled += *got;
+  }
+  PLUMBLINE_TRY(file.rewind());
+  const std::string_view text(reinterpret_cast<const char*>(head.data()), filled);
+  return text.starts_with(kE57Signature) ||
+         (text.starts_with("ply") && text.find(" scale_0") != std::string_view::npos);
+}
+
+}  // namespace
 
 Expected<MeshFiles> MeshFiles::open(ScanSources sources, Arena& arena) {
   MeshFiles files;
   for (ByteSource* source : sources) {
     auto file = RereadSource::open(*source, arena);
     PLUMBLINE_TRY(file);
-    files.files_[files.count_++].emplace(*file);
+    RereadSource& kept = files.files_[files.count_++].emplace(*file);
+    if (!kept.is_pipe()) continue;
+    const auto twice = is_read_twice(kept);
+    PLUMBLINE_TRY(twice);
+    if (*twice) PLUMBLINE_TRY(kept.keep_all(arena));
   }
   return files;
 }

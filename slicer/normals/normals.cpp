@@ -22,8 +22,8 @@ std::size_t normals_bytes(std::uint32_t points) {
   return std::max(orientation_bytes(points) + (points + 7) / 8, flipped_normals_bytes(points));
 }
 
-Expected<std::uint32_t> estimate_normals(Cloud& cloud, const KdTree3& tree, Arena& arena,
-                                         const StageProgress& progress) {
+Expected<std::uint32_t> estimate_normals(Cloud& cloud, const KdTree3& tree, Arena& arena, const StageProgress& progress,
+                                         NormalSides sides) {
   const ArenaScope scope(arena);
   const std::uint32_t size = cloud.size;
   const std::uint32_t words = (size + 63) / 64;
@@ -41,7 +41,10 @@ Expected<std::uint32_t> estimate_normals(Cloud& cloud, const KdTree3& tree, Aren
     for (std::uint32_t i = w * 64; i < last; ++i) {
       planes.look_at(i);
       cloud.radius[i] = planes.share_radius();
-      if (cloud.normal[i].known()) continue;
+      if (cloud.normal[i].known()) {
+        if (sides == NormalSides::kUnknown) word |= std::uint64_t{1} << (i % 64);
+        continue;
+      }
       const auto normal = planes.normal();
       if (!normal) continue;
       cloud.normal[i].set(*normal);
@@ -51,21 +54,23 @@ Expected<std::uint32_t> estimate_normals(Cloud& cloud, const KdTree3& tree, Aren
     estimated[w] = word;
   }
   if (estimating.stopped()) return fail(ErrorCode::kCancelled, "cancelled while estimating normals");
-  if (filled > 0) PLUMBLINE_TRY(orient_normals(cloud, tree, estimated, arena, progress.part(kEstimateShare, 1)));
+  if (filled > 0 || sides == NormalSides::kUnknown) {
+    PLUMBLINE_TRY(orient_normals(cloud, tree, estimated, arena, progress.part(kEstimateShare, 1)));
+  }
   return filled;
 }
 
-Expected<NormalCounts> complete_normals(Cloud& cloud, const KdTree3& tree, Arena& arena,
-                                        const StageProgress& progress) {
+Expected<NormalCounts> complete_normals(Cloud& cloud, const KdTree3& tree, Arena& arena, const StageProgress& progress,
+                                        NormalSides sides) {
   const auto normals = cloud.normal.first(cloud.size);
   const auto missing = std::count_if(normals.begin(), normals.end(), [](const PackedNormal& n) { return !n.known(); });
   NormalCounts counts;
-  if (missing > 0) {
-    const auto estimated = estimate_normals(cloud, tree, arena, progress.part(0, kCompletionShare));
+  if (missing > 0 || sides == NormalSides::kUnknown) {
+    const auto estimated = estimate_normals(cloud, tree, arena, progress.part(0, kCompletionShare), sides);
     PLUMBLINE_TRY(estimated);
     counts.estimated = *estimated;
   }
-  if (static_cast<std::uint32_t>(missing) == cloud.size) return counts;
+  if (static_cast<std::uint32_t>(missing) == cloud.size || sides == NormalSides::kUnknown) return counts;
   auto turned = turn_flipped_normals(cloud, tree, arena, missing > 0 ? progress.part(kCompletionShare, 1) : progress);
   if (turned) turned->estimated = counts.estimated;
   return turned;

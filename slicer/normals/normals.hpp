@@ -10,6 +10,9 @@
 
 namespace plumbline {
 
+/// Whether a scan's own normals say which side is outside. Those of Gaussian splats don't.
+enum class NormalSides : std::uint8_t { kKnown, kUnknown };
+
 /// Most bytes of arena that complete_normals() takes for a cloud of `points`, not counting the rounding of blocks.
 std::size_t normals_bytes(std::uint32_t points);
 
@@ -25,10 +28,12 @@ std::size_t normals_bytes(std::uint32_t points);
 /// noise.
 ///
 /// @param cloud  in the order of `tree`; afterwards radius[] is sqrt(area / pi) of each point's share of the surface
+/// @param sides  kUnknown: the known normals keep their direction only; their side is found as well
 /// @returns normals estimated. The same bits on any machine, for any number of threads
 /// @retval ErrorCode::kOutOfMemory, kCancelled
 [[nodiscard]] Expected<std::uint32_t> estimate_normals(Cloud& cloud, const KdTree3& tree, Arena& arena,
-                                                       const StageProgress& progress = {});
+                                                       const StageProgress& progress = {},
+                                                       NormalSides sides = NormalSides::kKnown);
 
 /// Estimates missing normals. If the scan has some of its own, also turns over those that face into the object: see
 /// turn_flipped_normals().
@@ -36,6 +41,7 @@ std::size_t normals_bytes(std::uint32_t points);
 /// @param cloud  as for estimate_normals()
 /// @retval ErrorCode::kOutOfMemory, kCancelled
 [[nodiscard]] Expected<NormalCounts> complete_normals(Cloud& cloud, const KdTree3& tree, Arena& arena,
-                                                      const StageProgress& progress = {});
+                                                      const StageProgress& progress = {},
+                                                      NormalSides sides = NormalSides::kKnown);
 
 }  // namespace plumbline

@@ -126,8 +126,9 @@ Expected<MemoryPlan> largest_plan(std::size_t arena_bytes, std::optional<std::ui
     if (evidence.reader_bytes > 0 && plan_memory(kFewestPoints, grid, threads).peak() <= arena_bytes) {
       return fail(
           ErrorCode::kOutOfMemory,
-          "the job does not fit into the arena of %.1f MiB: this compressed PCD stores all x before all y, and keeping "
-          "its columns takes %.1f MiB while it is read.\tSave it as binary, or use a larger arena (--arena-mib)",
+          "the job does not fit into the arena of %.1f MiB: this compressed scan stores its columns one after another, "
+          "and keeping them takes %.1f MiB while it is read.\tSave it without compression (PCD as binary, splats as "
+          "PLY), or use a larger arena (--arena-mib)",
           static_cast<double>(arena_bytes) / kMiB, static_cast<double>(evidence.reader_bytes) / kMiB);
     }
     return fail(

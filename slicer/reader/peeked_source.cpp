@@ -52,4 +52,13 @@ Expected<std::size_t> PeekedSource::read(std::span<std::byte> buffer) {
   return count;
 }
 
+Status PeekedSource::rewind() {
+  if (!peeking_) {
+    PLUMBLINE_TRY(source_.rewind());
+    kept_ = 0;
+  }
+  at_ = 0;
+  return {};
+}
+
 }  // namespace plumbline

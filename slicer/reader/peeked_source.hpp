@@ -21,6 +21,8 @@ class PeekedSource final : public ByteSource {
   /// @param room    kBytes bytes
   PeekedSource(ByteSource& source, std::span<std::byte> room) : source_(source), room_(room) {}
 
+  [[nodiscard]] Status rewind() override;
+
   /// Reads the header from the first kBytes bytes. A damaged header is no error here: read_scan() reports it.
   /// @param workspace  as for read_scan(); free again when this returns
   /// @returns the header; nothing if it is longer than kBytes or not that of a scan

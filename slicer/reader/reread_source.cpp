@@ -53,12 +53,16 @@ Expected<std::size_t> RereadSource::read(std::span<std::byte> buffer) {
   }
   const auto got = source_->read(buffer);
   PLUMBLINE_TRY(got);
-  if (!is_peeking_ && !keeps_all_) return got;
+  if (!is_peeking_ && !keeps_all_) {
+    lost_ = true;
+    return got;
+  }
   if (*got > room) {
-    return fail(ErrorCode::kOutOfMemory,
-                "%s: a mesh is read twice, this one comes through a pipe, and the arena has only %.1f MiB for a copy.\t"
-                "Give it as a file, or use a larger arena (--arena-mib)",
-                PrintableText(name(), 96).c_str(), static_cast<double>(kept_.size()) / (1024.0 * 1024.0));
+    return fail(
+        ErrorCode::kOutOfMemory,
+        "%s: the file is read twice, this one comes through a pipe, and the arena has only %.1f MiB for a copy.\t"
+        "Give it as a file, or use a larger arena (--arena-mib)",
+        PrintableText(name(), 96).c_str(), static_cast<double>(kept_.size()) / (1024.0 * 1024.0));
   }
   std::memcpy(kept_.data() + filled_, buffer.data(), *got);
   filled_ += *got;
@@ -69,6 +73,7 @@ Expected<std::size_t> RereadSource::read(std::span<std::byte> buffer) {
 Status RereadSource::rewind() {
   is_peeking_ = false;
   if (rewinds_) return source_->rewind();
+  if (lost_) return ByteSource::rewind();
   at_ = 0;
   return {};
 }

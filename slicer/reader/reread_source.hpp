@@ -31,7 +31,9 @@ class RereadSource final : public ByteSource {
   std::optional<std::uint64_t> size() const override {
     return is_peeking_ && !rewinds_ ? std::optional<std::uint64_t>() : source_->size();
   }
+  /// @retval ErrorCode::kUnsupported  bytes that were not kept have been read
   [[nodiscard]] Status rewind() override;
+  bool is_pipe() const { return !rewinds_; }  ///< the source can be read only once
 
   /// Ends the stream after the bytes that can be kept, until the next rewind(): for looking at the beginning of a file.
   void peek() { is_peeking_ = true; }
@@ -43,6 +45,7 @@ class RereadSource final : public ByteSource {
   bool rewinds_ = true;  ///< the source does
   bool is_peeking_ = false;
   bool keeps_all_ = false;
+  bool lost_ = false;          ///< bytes were read and not kept
   std::span<std::byte> kept_;  ///< unless rewinds_
   std::size_t filled_ = 0;     ///< of kept_
   std::size_t at_ = 0;         ///< in the stream, as far as it is kept

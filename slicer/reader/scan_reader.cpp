@@ -17,6 +17,10 @@ Status read_as(ScanFormat format, ByteInput& input, PointBatch& batch, Arena& me
     case ScanFormat::kXyz: return read_xyz(input, batch, memory);
     case ScanFormat::kPcd: return read_pcd(input, batch, memory, lent != nullptr ? *lent : memory);
     case ScanFormat::kObj: return read_obj(input, batch, memory);
+    case ScanFormat::kLas: return read_las(input, batch);
+    case ScanFormat::kPtx: return read_ptx(input, batch);
+    case ScanFormat::kSpz: return read_spz(input, batch, memory, lent != nullptr ? *lent : memory);
+    case ScanFormat::kE57: return read_e57(input, batch, memory);
     case ScanFormat::kStl:
     case ScanFormat::kOff:
       return input.fail(
@@ -45,7 +49,14 @@ Expected<ScanSummary> read_scan(ByteSource& source, PointSink& sink, std::span<s
   PLUMBLINE_TRY(read_as(*format, input, batch, memory, lent));
   PLUMBLINE_TRY(batch.flush());
   PLUMBLINE_TRY(input.finish());
-  summary.bytes = input.bytes_read();
+  summary.bytes = input.farthest();
+  if (summary.points == 0 && summary.left_out > 0) {
+    return input.fail(ErrorCode::kNoPoints,
+                      "no usable point: %llu are marked as invalid, %llu have a coordinate that is not finite;\texport "
+                      "the scan again",
+                      static_cast<unsigned long long>(summary.left_out),
+                      static_cast<unsigned long long>(summary.not_finite));
+  }
   if (summary.points == 0 && summary.not_finite == 0) {
     return input.fail(ErrorCode::kNoPoints, "the file has no points;\texport the scan again, with its points");
   }

@@ -10,7 +10,7 @@
 
 namespace plumbline {
 
-/// Bytes of workspace that read_scan() needs for any file but a large compressed PCD: the 64 KiB window, 1024 points, the
+/// Bytes of workspace that read_scan() needs for any file but a large compressed PCD or SPZ: the 64 KiB window, 1024 points, the
 /// largest header, and compressed columns of some 45,000 points.
 inline constexpr std::size_t kReaderWorkspace = std::size_t{512} * 1024;
 
@@ -18,7 +18,7 @@ inline constexpr std::size_t kReaderWorkspace = std::size_t{512} * 1024;
 ///
 /// The first bytes decide the format. XYZ has no signature, so the name's ending (scan_endings.hpp) counts too.
 /// @param workspace  at least kReaderWorkspace bytes, uninitialised
-/// @param lent       may be null. The columns of a compressed PCD (ScanHeader::reader_bytes) are kept at its bottom. The
+/// @param lent       may be null. The columns of a compressed PCD or an SPZ (ScanHeader::reader_bytes) are kept at its bottom. The
 ///                   caller releases them
 /// @returns what was read: at least one point
 /// @retval ErrorCode::kUnknownFormat, kMalformed, kTruncated, kUnsupported, kNoPoints  the message gives source.name(),

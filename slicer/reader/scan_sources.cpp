@@ -23,10 +23,14 @@ ScanSummary sum_of(const ScanSummaries& summaries) {
   ScanSummary sum;
   if (summaries.count == 0) return sum;
   sum.header = summaries.each[0].header;
-  for (const ScanSummary& scan : summaries.all()) sum.header.has_normals |= scan.header.has_normals;
+  for (const ScanSummary& scan : summaries.all()) {
+    sum.header.has_normals |= scan.header.has_normals;
+    sum.header.has_unsigned_normals |= scan.header.has_unsigned_normals;
+  }
   for (const ScanSummary& scan : summaries.all()) {
     sum.points += scan.points;
     sum.not_finite += scan.not_finite;
+    sum.left_out += scan.left_out;
     sum.bytes += scan.bytes;
     if (sum.header.has_normals) sum.without_normal += scan.header.has_normals ? scan.without_normal : scan.points;
   }

@@ -16,7 +16,8 @@ namespace plumbline::fuzz {
 /// Delivers bytes all at once, or in pieces of 1 to 97 that depend only on the input.
 class Pieces final : public ByteSource {
  public:
-  Pieces(std::string_view bytes, const char* name, bool whole) : bytes_(bytes), name_(name), whole_(whole) {}
+  Pieces(std::string_view bytes, const char* name, bool whole)
+      : all_(bytes), bytes_(bytes), name_(name), whole_(whole) {}
 
   Expected<std::size_t> read(std::span<std::byte> buffer) override {
     require(!buffer.empty(), "the reader asks for no bytes");
@@ -31,9 +32,14 @@ class Pieces final : public ByteSource {
   }
   std::string_view name() const override { return name_; }
   std::optional<std::uint64_t> size() const override { return std::nullopt; }
+  Status rewind() override {
+    bytes_ = all_;
+    return {};
+  }
 
  private:
-  std::string_view bytes_;
+  std::string_view all_;
+  std::string_view bytes_;  ///< not read yet
   const char* name_;
   bool whole_;
   std::uint32_t state_ = 1;
@@ -100,8 +106,9 @@ inline Outcome read(std::string_view bytes, const char* name, bool whole) {
 ///  - the summary's counts differ from what was delivered;
 ///  - an error has no message, or a success no point;
 ///  - points, counts or errors depend on the pieces.
+/// @param points_a_byte  at most: more than one where a format packs or compresses them
 /// @returns 0, as libFuzzer requires
-inline int check_scan(const char* name, const std::uint8_t* bytes, std::size_t size) {
+inline int check_scan(const char* name, const std::uint8_t* bytes, std::size_t size, std::uint64_t points_a_byte = 1) {
   const std::string_view file(reinterpret_cast<const char*>(bytes), size);
   const Outcome whole = read(file, name, true);
   if (whole.summary) {
@@ -109,7 +116,7 @@ inline int check_scan(const char* name, const std::uint8_t* bytes, std::size_t s
     require(whole.summary->points == whole.sink.count, "the summary counts other points than came");
     require(whole.summary->without_normal == whole.sink.without_normal, "the summary counts other missing normals");
     require(whole.summary->bytes <= size, "more bytes than there are");
-    require(whole.summary->points <= size, "a point needs at least a byte");
+    require(whole.summary->points <= points_a_byte * size, "more points than the bytes can hold");
   } else {
     require(std::strlen(whole.summary.error().message()) > std::strlen(name) + 2, "an error without a message");
     require(std::strncmp(whole.summary.error().message(), name, std::strlen(name)) == 0, "an error without the name");

@@ -29,6 +29,8 @@ def package_of(library):
     """Debian's name for the package of a shared library: libusb-1.0.so.0 is in libusb-1.0-0, libgcc_s.so.1 in libgcc-s1."""
     if C_LIBRARY.match(library):
         return "libc6"
+    if library == "libz.so.1":
+        return "zlib1g"
     name, number = library.replace("_", "-").split(".so.")
     return name + ("-" if name[-1].isdigit() else "") + number
 

@@ -193,14 +193,13 @@ CLI::Validator finite_range(double low, double high) {
 }
 
 CLI::Option* add_job_options(CLI::App& app, JobOptions& job) {
-  auto* scan =
-      app.add_option(
-             "scan", job.scans,
-             "A scan (PLY, PCD, OBJ or text: XYZ, XYZRGB, PTS, ASC, TXT) or a mesh (STL, OBJ, PLY, OFF). Several files "
-             "in one frame make one object")
-          ->required()
-          ->expected(1, static_cast<int>(kMostScans))
-          ->type_name("SCAN");
+  auto* scan = app.add_option("scan", job.scans,
+                              "A scan (PLY, PCD, OBJ, E57, LAS, PTX, SPZ, or text: XYZ, XYZRGB, PTS, ASC, TXT, CSV) or "
+                              "a mesh (STL, OBJ, "
+                              "PLY, OFF). Several files in one frame make one object")
+                   ->required()
+                   ->expected(1, static_cast<int>(kMostScans))
+                   ->type_name("SCAN");
   CLI::Option* printer = add_printer_options(app, job);
   add_object_options(app, job, printer);
   return scan;

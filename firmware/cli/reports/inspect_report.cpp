@@ -42,6 +42,9 @@ void add_scan(Text& text, const ScanOutlook& o) {
              o.scan.scans.each[i].header.has_normals ? "with normals" : "without normals");
   }
   if (scan.not_finite > 0) text.add("           %llu points that are not finite were left out\n", big(scan.not_finite));
+  if (scan.left_out > 0) {
+    text.add("           %llu points were left out: %s\n", big(scan.left_out), why_left_out(scan.header.format));
+  }
   const auto turned = turned_warning(o.scan.normals, o.scan.cloud_points);
   if (!turned.view().empty()) text.add("           %s\n", turned.c_str());
   if (o.scan.floor.points > 0) text.add("           %s\n", floor_warning(o.scan.floor).c_str());
@@ -181,6 +184,7 @@ void write_scan(JsonWriter& json, const ScanOutlook& o) {
   json.member("bytes", scan.bytes);
   json.member("points", scan.points);
   json.member("points_not_finite", scan.not_finite);
+  json.member("points_left_out", scan.left_out);
   json.key("normals");
   json.begin_object(kOneLine);
   json.member("have", scan.points - std::max(scan.without_normal, missing_normals(scan)));

@@ -24,7 +24,7 @@ constexpr const char* kMesh = "export the mesh as STL, OBJ, PLY or OFF";
 
 /// Other files that people have on their sticks.
 constexpr Mark kMarks[] = {
-    {"\x1f\x8b"sv, "a gzip archive", kUnpack},
+    {"NGSP"sv, "SPZ of version 4 or later", "export the splats as SPZ version 3, or as PLY"},
     {"PK\x03\x04"sv, "a zip archive", kUnpack},
     {"PK\x05\x06"sv, "an empty zip archive", kUnpack},
     {"7z\xbc\xaf\x27\x1c"sv, "a 7z archive", kUnpack},
@@ -34,8 +34,6 @@ constexpr Mark kMarks[] = {
      "an xz archive", kUnpack},
     {"BZh"sv, "a bzip2 archive", kUnpack},
     {"\x28\xb5\x2f\xfd"sv, "a zstd archive", kUnpack},
-    {"LASF"sv, "LAS or LAZ, an airborne scan", kConvert},
-    {"ASTM-E57"sv, "E57", kConvert},
     {"glTF"sv, "glTF", kMesh},
     {"Kaydara FBX"sv, "FBX", kMesh},
     {"<?xml"sv, "XML", kConvert},
@@ -58,12 +56,17 @@ class Probe {
         (window_.size() == 3 || window_[3] == '\n' || window_[3] == '\r' || kBlanks(window_[3]))) {
       return ScanFormat::kPly;
     }
+    if (window_.starts_with("LASF")) return ScanFormat::kLas;
+    if (window_.starts_with("\x1f\x8b")) return ScanFormat::kSpz;  // or another gzip file, as its reader says
+    if (window_.starts_with(kE57Signature)) return ScanFormat::kE57;
     PLUMBLINE_TRY(refuse_other_formats());
     if (is_stl()) return ScanFormat::kStl;
     if (is_off()) return ScanFormat::kOff;
     if (window_.starts_with("# .PCD")) return ScanFormat::kPcd;
 
-    const auto line = first_line();
+    std::string_view rest = window_;
+    const auto line = next_line(rest);
+    if (is_count(line) && is_count(next_line(rest))) return ScanFormat::kPtx;
     const auto word = Words(line, kBlanksAndCommas).next();
     if (word == "VERSION" || word == "FIELDS" || word == "COLUMNS") return ScanFormat::kPcd;
     const auto keyword = Words(line).next();
@@ -134,17 +137,22 @@ class Probe {
     return false;
   }
 
-  /// The first line that is neither empty nor a comment; empty if the window holds none.
-  std::string_view first_line() const {
-    std::string_view rest = window_;
+  /// Takes the next line that is neither empty nor a comment; empty if there is none.
+  static std::string_view next_line(std::string_view& rest) {
     while (!rest.empty()) {
       const std::size_t end = std::min(rest.find_first_of("\r\n"), rest.size());
       const auto line = rest.substr(0, end);
       const auto word = Words(line).next();
-      if (!word.empty() && !word.starts_with('#') && !word.starts_with("//") && !word.starts_with(';')) return line;
       rest.remove_prefix(std::min(end + 1, rest.size()));
+      if (!word.empty() && !word.starts_with('#') && !word.starts_with("//") && !word.starts_with(';')) return line;
     }
     return {};
+  }
+
+  /// A line of one whole number. A PTX begins with two, the columns and rows of its first scan; a PTS with one.
+  static bool is_count(std::string_view line) {
+    Words words(line);
+    return parse_count(words.next()) && words.next().empty();
   }
 
   Expected<ScanFormat> by_name(std::string_view line) const {
@@ -155,7 +163,8 @@ class Probe {
       if (is_text && has_ending(input_.name(), ending)) return ScanFormat::kXyz;
     }
     return input_.fail(ErrorCode::kUnknownFormat,
-                       "byte 0: expected a scan in PLY, XYZ, PTS, PCD or OBJ, or a mesh in STL, OBJ, PLY or OFF, found "
+                       "byte 0: expected a scan in PLY, XYZ, PTS, PTX, LAS, E57, SPZ, PCD or OBJ, or a mesh in STL, "
+                       "OBJ, PLY or OFF, found "
                        "'%s';\t%s",
                        Quote(line.empty() ? window_ : line).c_str(), kConvert);
   }

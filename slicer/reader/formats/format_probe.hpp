@@ -6,10 +6,12 @@
 
 namespace plumbline {
 
+inline constexpr std::string_view kE57Signature = "ASTM-E57";
+
 /// Looks at as much of the file's start as the window holds. Consumes only a UTF-8 byte order mark.
 ///
-/// PLY and PCD have a signature. For the others, the first line that is no comment decides: an OBJ keyword makes it OBJ, a
-/// number XYZ. Otherwise the name's ending decides.
+/// PLY, PCD, LAS and E57 have a signature. For the others, the first line that is no comment decides: an OBJ keyword makes it OBJ, a
+/// number XYZ, two lines of one whole number PTX. Otherwise the name's ending decides.
 /// @retval ErrorCode::kUnknownFormat  the message names the format if it is a known one
 /// @retval ErrorCode::kUnsupported    text in UTF-16 or UTF-32
 /// @retval ErrorCode::kNoPoints       an empty file

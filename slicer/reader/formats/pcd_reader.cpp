@@ -27,6 +27,7 @@ Status read_pcd(ByteInput& input, PointBatch& batch, Arena& memory, Arena& colum
                              .encoding = encoding_of(header->data),
                              .has_normals = header->layout.has_normal(),
                              .declared_points = header->points,
+                             .is_packed = header->data == PcdData::kBinaryCompressed,
                              .reader_bytes = compressed_columns_bytes(*header)}));
   switch (header->data) {
     case PcdData::kAscii: return read_text_points(lines, header->layout, header->points, batch);

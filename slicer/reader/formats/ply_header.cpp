@@ -177,11 +177,13 @@ class HeaderParser {
     if (!type) return expected("a type such as float, double, uchar or int32", word);
     const auto name = words.next();
     if (name.empty()) return expected("the name of a property", name);
-    const std::size_t slot = place_ == Place::kVertex ? slot_of(name) : kSlots;
+    std::size_t slot = place_ == Place::kVertex ? slot_of(name) : kRowSlots;
+    if (slot == kSlots) slot = splat_slot_of(name);
+    is_compressed_ = is_compressed_ || name == "packed_position";
     if (is_list && slot < kSlots) return expected("one number a vertex, not a list, for a coordinate", name);
-    const bool fits = is_list         ? layout_.add_list(*count, *type)
-                      : slot < kSlots ? layout_.add_field(*type, slot)
-                                      : layout_.add_skip(size_of(*type), 1);
+    const bool fits = is_list            ? layout_.add_list(*count, *type)
+                      : slot < kRowSlots ? layout_.add_field(*type, slot)
+                                         : layout_.add_skip(size_of(*type), 1);
     if (!fits) {
       return lines_.input().fail(ErrorCode::kUnsupported,
                                  "line %llu: too many properties (at most %zu can be read);\texport only the points",
@@ -203,6 +205,13 @@ class HeaderParser {
       return lines_.input().fail(ErrorCode::kNoPoints,
                                  "line %llu: the header declares no 'element vertex', so there are no points to print",
                                  number());
+    }
+    if (is_compressed_ && !header_.vertex.layout.has_position()) {
+      return lines_.input().fail(
+          ErrorCode::kUnsupported,
+          "line %llu: these are Gaussian splats in a compressed PLY;\texport them as PLY without "
+          "compression, or as SPZ",
+          number());
     }
     if (!header_.vertex.layout.has_position()) {
       return lines_.input().fail(
@@ -226,8 +235,9 @@ class HeaderParser {
   PlyHeader header_;
   Place place_ = Place::kStart;
   bool has_format_ = false;
-  std::size_t before_ = 0;   ///< elements before the vertices
-  std::size_t between_ = 0;  ///< elements between the vertices and the faces
+  bool is_compressed_ = false;  ///< by SuperSplat's scheme
+  std::size_t before_ = 0;      ///< elements before the vertices
+  std::size_t between_ = 0;     ///< elements between the vertices and the faces
   std::uint64_t count_ = 0;
   RecordLayout layout_;
 };

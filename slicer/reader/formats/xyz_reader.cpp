@@ -14,47 +14,65 @@ namespace {
 /// (columns_by_values). They are kept in memory, 9 KiB for 64.
 constexpr std::size_t kSampleRows = 64;
 
+/// Bytes of the longest row with decimal commas. Sixteen numbers of 24 digits take a tenth of it.
+constexpr std::size_t kLongestDecimalRow = 4096;
+
 bool is_comment(std::string_view text) {
   return text.starts_with('#') || text.starts_with("//") || text.starts_with(';');
 }
 
-XyzRow parse_numbers(std::string_view text) {
+std::string_view without_indent(std::string_view text) {
+  while (!text.empty() && kBlanks(text.front())) text.remove_prefix(1);
+  return text;
+}
+
+XyzRow parse_numbers(std::string_view text, const Separators& separators) {
   XyzRow row;
   const char* at = text.data();
   const char* const last = at + text.size();
   while (row.columns < kMaxColumns) {
-    at = skip_separators(at, last, kBlanksAndCommas);
+    at = skip_separators(at, last, separators);
     if (at == last) break;
     double value = 0;
     const char* stop = parse_real(at, last, value);
-    if (stop == nullptr || (stop != last && !kBlanksAndCommas(*stop))) break;
+    if (stop == nullptr || (stop != last && !separators(*stop))) break;
     row.values[row.columns++] = value;
     at = stop;
   }
   return row;
 }
 
-/// Whether a row looks like "1,25 3,5 7,0", which would be six wrong columns with the comma as a separator: commas between
-/// two digits, other separators too, and no decimal point in the whole row.
-bool has_decimal_commas(std::string_view text) {
-  bool inner_comma = false;
-  bool other = false;
-  for (std::size_t i = 0; i + 1 < text.size(); ++i) {
-    if (text[i] == '.') return false;
-    const auto is_digit = [&](std::size_t at) { return text[at] >= '0' && text[at] <= '9'; };
-    if (text[i] == ',' && i > 0 && is_digit(i - 1) && is_digit(i + 1)) inner_comma = true;
-    if (text[i] != ',' && kBlanksAndCommas(text[i]) && i > 0 && is_digit(i - 1)) {
-      const std::size_t next = text.find_first_not_of(" \t;", i);
-      other = other || (next != std::string_view::npos && text[next] != ',');
-    }
+/// What the commas of a row are.
+enum class Commas : std::uint8_t { kNone, kSeparators, kDecimal, kUnclear };
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+/// Commas are decimal in "1,25 3,5 7": no number has a decimal point, none has two commas, each comma is between digits, and
+/// other characters separate at least three numbers. They separate where none is between digits with other separators
+/// around, as in "1,2,3" or "1, 2, 3". A row such as "1,2,3 4,5,6" could be either.
+Commas commas_of(std::string_view text) {
+  if (text.find(',') == std::string_view::npos) return Commas::kNone;
+  bool is_decimal = true;
+  bool has_inner = false;
+  std::size_t numbers = 0;
+  Words words(text, kAllButCommas);
+  for (auto word = words.next(); !word.empty(); word = words.next(), ++numbers) {
+    if (word.find('.') != std::string_view::npos) return Commas::kSeparators;
+    const std::size_t comma = word.find(',');
+    if (comma == std::string_view::npos) continue;
+    const bool inner = comma > 0 && comma + 1 < word.size() && is_digit(word[comma - 1]) && is_digit(word[comma + 1]);
+    has_inner = has_inner || inner;
+    is_decimal = is_decimal && inner && word.find(',', comma + 1) == std::string_view::npos;
   }
-  return inner_comma && other;
+  if (numbers >= 3 && is_decimal) return Commas::kDecimal;
+  return numbers > 1 && has_inner ? Commas::kUnclear : Commas::kSeparators;
 }
 
 class XyzReader {
  public:
-  XyzReader(ByteInput& input, PointBatch& batch, std::span<XyzRow> sample)
-      : input_(input), lines_(input), batch_(batch), sample_(sample) {}
+  /// @param points  room for a row with its decimal commas made points
+  XyzReader(ByteInput& input, PointBatch& batch, std::span<XyzRow> sample, std::span<char> points)
+      : input_(input), lines_(input), batch_(batch), sample_(sample), points_(points) {}
 
   Status read() {
     PLUMBLINE_TRY(read_sample());
@@ -83,23 +101,22 @@ class XyzReader {
         ended_ = true;
         return {};
       }
-      std::string_view text = line_.text;
-      while (!text.empty() && kBlanks(text.front())) text.remove_prefix(1);
+      std::string_view text = without_indent(line_.text);
       if (text.empty() && !line_.cut) continue;
       if (is_comment(text)) {
         if (sampled_ == 0) remember_names(text);
         continue;
       }
-      const auto is_count = take_count(text);
-      PLUMBLINE_TRY(is_count);
-      if (*is_count) continue;
-      XyzRow row = parse_numbers(text);
-      row.line = lines_.number();
+      if (take_count(text)) continue;
+      XyzRow row = parse_numbers(text, kBlanksAndCommas);
       if (row.columns == 0 && sampled_ == 0 && !has_words_) {
         has_words_ = true;
         remember_names(text);
         continue;
       }
+      PLUMBLINE_TRY(settle_commas(text));
+      if (commas_ == Commas::kDecimal) row = parse_numbers(text, *separators_);
+      row.line = lines_.number();
       PLUMBLINE_TRY(check(row, text));
       sample_[sampled_++] = row;
       ++rows_;
@@ -116,43 +133,57 @@ class XyzReader {
   }
 
   /// In PTS, a line of one whole number is the number of points that follow. Merged scans have one before each part.
-  Expected<bool> take_count(std::string_view text) {
+  bool take_count(std::string_view text) {
     if (rows_ > 0 && rows_ != declared_) return false;
     Words words(text, kBlanksAndCommas);
     const auto count = parse_count(words.next());
     if (!count || !words.next().empty()) return false;
-    if (declared_ && rows_ == 0) {
-      return input_.fail(ErrorCode::kUnsupported,
-                         "line %llu: two counts before the first point, as in PTX, which is not supported;\texport the "
-                         "scan as PLY or PTS",
-                         number());
-    }
     declared_ = saturating_add(declared_.value_or(0), *count);
     return true;
   }
 
   Status check(const XyzRow& row, std::string_view text) {
     if (row.columns == 0 && sampled_ == 0) {
-      return input_.fail(
-          ErrorCode::kUnknownFormat,
-          "line %llu: expected a row of numbers x y z, found '%s';\tgive a scan in PLY, XYZ, PTS, PCD or "
-          "OBJ",
-          number(), Quote(text).c_str());
+      return input_.fail(ErrorCode::kUnknownFormat,
+                         "line %llu: expected a row of numbers x y z, found '%s';\tgive a scan in PLY, XYZ, PTS, PTX, "
+                         "LAS, PCD or OBJ",
+                         number(), Quote(text).c_str());
     }
     if (row.columns < 3) {
       static constexpr const char* kMissing[] = {"x", "y", "z"};
       RowOutcome outcome{.kind = RowOutcome::Kind::kTooFew, .word = {}, .wanted = kMissing[row.columns]};
-      Words words(text, kBlanksAndCommas);
+      Words words(text, *separators_);
       for (std::size_t i = 0; i < row.columns; ++i) words.next();
       outcome.word = words.next();
       if (!outcome.word.empty()) outcome.kind = RowOutcome::Kind::kNotANumber;
       return fail_row(lines_, line_, outcome);
     }
-    if (has_decimal_commas(text)) {
-      return input_.fail(ErrorCode::kUnsupported,
-                         "line %llu: '%s' has decimal commas;\texport the file with decimal points", number(),
-                         Quote(text).c_str());
+    return {};
+  }
+
+  /// Decides what commas are from the first row that has any, and makes decimal ones points.
+  /// @param text  of line_; changed where it has decimal commas
+  Status settle_commas(std::string_view& text) {
+    if (commas_ == Commas::kNone) {
+      commas_ = commas_of(text);
+      if (commas_ == Commas::kDecimal) separators_ = &kAllButCommas;
+    } else if (commas_ == Commas::kSeparators && commas_of(text) >= Commas::kDecimal) {
+      commas_ = Commas::kUnclear;
     }
+    if (commas_ == Commas::kUnclear) {
+      return input_.fail(ErrorCode::kUnsupported,
+                         "line %llu: the commas in '%s' may be decimal or separate numbers;\texport the file with "
+                         "decimal points",
+                         number(), Quote(text).c_str());
+    }
+    if (commas_ != Commas::kDecimal) return {};
+    if (text.find('.') != std::string_view::npos || text.size() > points_.size()) {
+      return input_.fail(ErrorCode::kMalformed,
+                         "line %llu: '%s' %s, but the file has decimal commas;\texport it with decimal points",
+                         number(), Quote(text).c_str(), text.size() > points_.size() ? "is long" : "has a point");
+    }
+    std::replace_copy(text.begin(), text.end(), points_.begin(), ',', '.');
+    line_.text = text = {points_.data(), text.size()};
     return {};
   }
 
@@ -199,14 +230,14 @@ class XyzReader {
       const auto found = lines_.next(line_);
       PLUMBLINE_TRY(found);
       if (!*found) return {};
-      const RowOutcome outcome = parse_row(line_.text, layout_, kBlanksAndCommas, row);
+      if (commas_ != Commas::kSeparators && !is_comment(without_indent(line_.text))) {
+        PLUMBLINE_TRY(settle_commas(line_.text));
+      }
+      const RowOutcome outcome = parse_row(line_.text, layout_, *separators_, row);
       if (outcome.kind != RowOutcome::Kind::kWhole) {
-        std::string_view text = line_.text;
-        while (!text.empty() && kBlanks(text.front())) text.remove_prefix(1);
+        const std::string_view text = without_indent(line_.text);
         if ((text.empty() && !line_.cut) || is_comment(text)) continue;
-        const auto is_count = take_count(text);
-        PLUMBLINE_TRY(is_count);
-        if (*is_count) continue;
+        if (take_count(text)) continue;
         return fail_row(lines_, line_, outcome);
       }
       ++rows_;
@@ -219,6 +250,9 @@ class XyzReader {
   LineInput lines_;
   PointBatch& batch_;
   std::span<XyzRow> sample_;
+  std::span<char> points_;
+  Commas commas_ = Commas::kNone;  ///< of the rows so far
+  const Separators* separators_ = &kBlanksAndCommas;
   std::size_t sampled_ = 0;
   std::optional<XyzColumns> named_;
   std::size_t names_ = 0;  ///< names in the line that named_ comes from
@@ -237,7 +271,9 @@ class XyzReader {
 Status read_xyz(ByteInput& input, PointBatch& batch, Arena& memory) {
   const auto sample = memory.take_bottom<XyzRow>(kSampleRows, "reading XYZ");
   PLUMBLINE_TRY(sample);
-  return XyzReader(input, batch, *sample).read();
+  const auto points = memory.take_bottom<char>(kLongestDecimalRow, "reading XYZ");
+  PLUMBLINE_TRY(points);
+  return XyzReader(input, batch, *sample, *points).read();
 }
 
 }  // namespace plumbline

@@ -51,7 +51,7 @@ bool RecordLayout::add_field(ScalarType type, std::size_t slot) {
   if (has(slot)) return add_skip(size_of(type), 1);
   if (used_ == room_.size()) return false;
   bytes_ = saturating_add(bytes_, size_of(type));
-  slots_ = static_cast<std::uint8_t>(slots_ | (1U << slot));
+  slots_ = static_cast<std::uint16_t>(slots_ | (1U << slot));
   room_[used_++] = {
       .kind = RecordStep::Kind::kField, .type = type, .slot = static_cast<std::uint8_t>(slot), .bytes = size_of(type)};
   return true;

@@ -76,6 +76,10 @@ class RecordLayout {
   bool has(std::size_t slot) const { return (slots_ >> slot) & 1U; }
   bool has_position() const { return has(kX) && has(kY) && has(kZ); }
   bool has_normal() const { return has(kNx) && has(kNy) && has(kNz); }
+  bool is_splat() const {
+    constexpr unsigned kAll = ((1U << kRowSlots) - 1) & ~((1U << kSlots) - 1);
+    return has_position() && (slots_ & kAll) == kAll;
+  }
   bool has_lists() const { return lists_; }
   bool has_wanted_list() const { return wanted_list_; }
   /// Bytes of a record in a binary file, not counting lists. Saturates at the largest value.
@@ -85,7 +89,7 @@ class RecordLayout {
   std::span<RecordStep> room_;
   std::size_t used_ = 0;
   std::uint64_t bytes_ = 0;
-  std::uint8_t slots_ = 0;
+  std::uint16_t slots_ = 0;
   bool lists_ = false;
   bool wanted_list_ = false;
 };

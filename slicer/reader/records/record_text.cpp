@@ -7,7 +7,9 @@ namespace {
 
 using Kind = RowOutcome::Kind;
 
-constexpr const char* kSlotNames[kSlots] = {"x", "y", "z", "the normal's x", "the normal's y", "the normal's z"};
+constexpr const char* kSlotNames[kRowSlots] = {
+    "x",       "y",       "z",       "the normal's x", "the normal's y", "the normal's z", "the opacity",
+    "a scale", "a scale", "a scale", "a rotation",     "a rotation",     "a rotation",     "a rotation"};
 
 tl::unexpected<Error> fail_truncated(const LineInput& lines, const char* what, std::uint64_t read,
                                      std::uint64_t declared) {

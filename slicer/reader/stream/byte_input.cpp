@@ -50,8 +50,10 @@ Expected<bool> ByteInput::more() {
   if (bytes_read_ - reported_ >= kReportEvery) {
     reported_ = bytes_read_;
     const auto size = source_.size();
-    PLUMBLINE_TRY(
-        report(size && *size > 0 ? std::min(1.0, static_cast<double>(bytes_read_) / static_cast<double>(*size)) : 0.0));
+    const double done =
+        size && *size > 0 ? std::min(1.0, static_cast<double>(bytes_read_) / static_cast<double>(*size)) : 0.0;
+    shown_ = std::max(shown_, share_.from + (share_.to - share_.from) * done);
+    PLUMBLINE_TRY(report(shown_));
   }
   return true;
 }
@@ -77,6 +79,15 @@ Expected<std::uint64_t> ByteInput::skip(std::uint64_t bytes) {
     PLUMBLINE_TRY(grown);
     if (!*grown) return bytes - left;
   }
+}
+
+Status ByteInput::rewind() {
+  PLUMBLINE_TRY(source_.rewind());
+  farthest_ = farthest();
+  begin_ = end_ = 0;
+  bytes_read_ = reported_ = 0;
+  ended_ = false;
+  return {};
 }
 
 Status ByteInput::finish() { return report(1.0); }

@@ -1,6 +1,7 @@
 #pragma once
 /// A window over a ByteSource, from which every scan reader takes its bytes.
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -31,6 +32,7 @@ class ByteInput {
 
   std::uint64_t offset() const { return bytes_read_ - available(); }  ///< of begin() in the stream, bytes
   std::uint64_t bytes_read() const { return bytes_read_; }
+  std::uint64_t farthest() const { return std::max(farthest_, bytes_read_); }  ///< bytes_read(), before a rewind() too
 
   /// Reads more bytes into the window, which must not be full(). Invalidates pointers into it.
   /// @returns false at the end of the stream
@@ -45,6 +47,13 @@ class ByteInput {
   /// Consumes `bytes` bytes, or all that are left if there are fewer.
   /// @returns how many it consumed
   [[nodiscard]] Expected<std::uint64_t> skip(std::uint64_t bytes);
+
+  /// Goes back to the first byte, for a format that is read twice.
+  /// @retval ErrorCode::kUnsupported  the source can be read only once
+  [[nodiscard]] Status rewind();
+
+  /// From now on, the progress through the source is reported as `from` to `to` of the whole.
+  void report_within(double from, double to) { share_ = {from, to}; }
 
   /// Reports to the sink that reading is done, even if the rest of the file was not needed.
   [[nodiscard]] Status finish();
@@ -66,6 +75,11 @@ class ByteInput {
   std::size_t end_ = 0;
   std::uint64_t bytes_read_ = 0;
   std::uint64_t reported_ = 0;
+  std::uint64_t farthest_ = 0;
+  struct {
+    double from = 0, to = 1;
+  } share_;           ///< of the progress
+  double shown_ = 0;  ///< the last progress: what was probed before report_within() must not take it back
   bool ended_ = false;
 };
 

@@ -18,6 +18,15 @@ std::size_t slot_of(std::string_view name) {
   return kSlots;
 }
 
+std::size_t splat_slot_of(std::string_view name) {
+  static constexpr std::string_view kNames[] = {"opacity", "scale_0", "scale_1", "scale_2",
+                                                "rot_0",   "rot_1",   "rot_2",   "rot_3"};
+  for (std::size_t i = 0; i < std::size(kNames); ++i) {
+    if (name == kNames[i]) return kSlots + i;
+  }
+  return kRowSlots;
+}
+
 Status PointBatch::flush() {
   if (count_ == 0) return {};
   const auto ready = room_.first(count_);

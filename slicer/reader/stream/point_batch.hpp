@@ -1,23 +1,42 @@
 #pragma once
 /// Collects points for the sink.
 
+#include <algorithm>
 #include <cfloat>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <span>
 
 #include "slicer/reader/stream/scan_point.hpp"
 
 namespace plumbline {
 
-/// The numbers of a point that readers look for; also the order of a row of six doubles.
+/// The numbers of a point that readers look for; also their order in a row.
 enum Slot : std::uint8_t { kX, kY, kZ, kNx, kNy, kNz };
 inline constexpr std::size_t kSlots = 6;
-using SlotValues = double[kSlots];
+/// What a Gaussian splat has besides: see SplatFilter.
+enum SplatSlot : std::uint8_t { kOpacity = kSlots, kScale, kTurn = kScale + 3 };
+inline constexpr std::size_t kRowSlots = kTurn + 4;
+using SlotValues = double[kRowSlots];
 
 /// The slot of a property, field or column called `name`: x, y, z, nx or normal_x and so on, ignoring case.
 /// @returns kSlots for any other name
 std::size_t slot_of(std::string_view name);
+
+/// The slot of a property of a splat: opacity, scale_0 and so on.
+/// @returns kRowSlots for any other name
+std::size_t splat_slot_of(std::string_view name);
+
+/// Decides about each point before it is delivered.
+class PointFilter {
+ public:
+  enum class Verdict : std::uint8_t { kKeep, kLeaveOut, kIgnore };  ///< kIgnore: without counting it
+
+  virtual ~PointFilter() = default;
+  /// @param row  may be changed
+  virtual Verdict look(SlotValues& row) = 0;
+};
 
 /// Collects points into batches, drops those with a coordinate that is not finite, and counts both for the report.
 class PointBatch {
@@ -38,8 +57,28 @@ class PointBatch {
   /// Also passes on points with a coordinate that is not finite: the corners of a mesh keep their numbers.
   void keep_not_finite() { keeps_not_finite_ = true; }
 
+  /// @param filter  null: none
+  void filter_by(PointFilter* filter) { filter_ = filter; }
+
   /// Adds one row. The batch must not be full(): call flush() then.
   void add(const SlotValues& row) {
+    if (filter_ == nullptr) return deliver(row);
+    SlotValues own;
+    std::copy(std::begin(row), std::end(row), own);
+    const auto verdict = filter_->look(own);
+    if (verdict == PointFilter::Verdict::kKeep) deliver(own);
+    if (verdict == PointFilter::Verdict::kLeaveOut) leave_out();
+  }
+
+  /// Counts a point that the file itself marks as invalid or deleted.
+  void leave_out() { ++summary_.left_out; }
+  bool full() const { return count_ == room_.size(); }
+
+  /// Passes the collected points to the sink, if there are any.
+  [[nodiscard]] Status flush();
+
+ private:
+  void deliver(const SlotValues& row) {
     if (!keeps_not_finite_ && !is_finite(row)) {
       ++summary_.not_finite;
       return;
@@ -58,12 +97,6 @@ class PointBatch {
     }
     if (point.nx == 0 && point.ny == 0 && point.nz == 0) ++summary_.without_normal;
   }
-  bool full() const { return count_ == room_.size(); }
-
-  /// Passes the collected points to the sink, if there are any.
-  [[nodiscard]] Status flush();
-
- private:
   static bool is_finite(const SlotValues& row) {
     return std::isfinite(row[kX]) && std::isfinite(row[kY]) && std::isfinite(row[kZ]);
   }
@@ -71,6 +104,7 @@ class PointBatch {
   PointSink& sink_;
   std::span<ScanPoint> room_;
   ScanSummary& summary_;
+  PointFilter* filter_ = nullptr;
   std::size_t count_ = 0;
   bool keeps_not_finite_ = false;
 };

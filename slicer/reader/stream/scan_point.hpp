@@ -17,14 +17,16 @@ struct ScanPoint {
   float nx = 0, ny = 0, nz = 0;  ///< any length; all zero if the file has no usable normal for this point
 };
 
-enum class ScanFormat : std::uint8_t { kPly, kXyz, kPcd, kObj, kStl, kOff };
+enum class ScanFormat : std::uint8_t { kPly, kXyz, kPcd, kObj, kStl, kOff, kLas, kPtx, kE57, kSpz };
 
 /// What the header of a scan declares, known before its first point.
 struct ScanHeader {
   ScanFormat format = ScanFormat::kPly;
   const char* encoding = "";                     ///< "ascii", "binary little endian", "binary compressed", ...
   bool has_normals = false;                      ///< it has columns or properties for normals
+  bool has_unsigned_normals = false;             ///< either side of the surface, not always its outside
   std::optional<std::uint64_t> declared_points;  ///< not to be trusted before as many points have been read
+  bool is_packed = false;                        ///< a point may take less than a byte of the file
   std::uint64_t reader_bytes = 0;                ///< kept by the reader beyond its workspace; from the header, so
                                                  ///< not to be trusted either
 };
@@ -43,6 +45,7 @@ struct ScanSummary {
   ScanHeader header;
   std::uint64_t points = 0;          ///< delivered to the sink
   std::uint64_t not_finite = 0;      ///< dropped: a coordinate was NaN or infinite
+  std::uint64_t left_out = 0;        ///< dropped: the file itself says that they are no part of the scan
   std::uint64_t without_normal = 0;  ///< delivered with a zero normal although the file has normals
   std::uint64_t bytes = 0;           ///< read from the source
 };

@@ -19,7 +19,8 @@ class Separators {
   std::array<bool, 256> is_{};
 };
 inline constexpr Separators kBlanks{" \t\v\f"};
-inline constexpr Separators kBlanksAndCommas{" \t\v\f,;"};
+inline constexpr Separators kBlanksAndCommas{" \t\v\f,;|"};
+inline constexpr Separators kAllButCommas{" \t\v\f;|"};
 
 inline const char* skip_separators(const char* first, const char* last, const Separators& separators) {
   while (first != last && separators(*first)) ++first;

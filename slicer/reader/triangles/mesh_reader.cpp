@@ -55,7 +55,11 @@ Expected<MeshHint> hint_of(ByteSource& source, std::span<std::byte> workspace) {
     case ScanFormat::kPly: return hint_of_ply(input, memory);
     case ScanFormat::kObj: return MeshHint::kMaybe;
     case ScanFormat::kXyz:
-    case ScanFormat::kPcd: break;
+    case ScanFormat::kPcd:
+    case ScanFormat::kLas:
+    case ScanFormat::kPtx:
+    case ScanFormat::kE57:
+    case ScanFormat::kSpz: break;
   }
   return MeshHint::kNone;
 }
@@ -81,6 +85,10 @@ Expected<MeshSummary> read_mesh(ByteSource& source, TriangleSink& sink, VertexLi
     case ScanFormat::kObj: PLUMBLINE_TRY(read_obj_mesh(input, batch, mesh)); break;
     case ScanFormat::kXyz:
     case ScanFormat::kPcd:
+    case ScanFormat::kLas:
+    case ScanFormat::kPtx:
+    case ScanFormat::kE57:
+    case ScanFormat::kSpz:
       return input.fail(ErrorCode::kUnsupported, "the file has points but no faces;\tuse --as points");
   }
   PLUMBLINE_TRY(batch.flush());

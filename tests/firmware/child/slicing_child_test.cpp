@@ -17,6 +17,9 @@
 
 #include "firmware/settings/job_options.hpp"
 #include "tests/firmware/child/child_fixture.hpp"
+#include "tests/slicer/reader/formats/e57_file.hpp"
+#include "tests/slicer/support/scan_cloud.hpp"
+#include "tests/slicer/support/splat_files.hpp"
 
 namespace plumbline {
 namespace {
@@ -131,6 +134,27 @@ TEST_F(SlicingChildTest, TakesNoMemoryFromTheKernelNotEvenForItsThreads) {
   });
   EXPECT_EQ(run(child, request_of(path, kThreads, true), path), 0);
   EXPECT_EQ(child.answer().kind, ScanAnswer::kSliced);
+
+  // expat and zlib work in the arena, too.
+  testing::E57TestScan scan;
+  std::array<std::vector<double>, 3> metres;
+  std::vector<testing::Splat> splats;
+  for (const auto& p : testing::sphere(6000, 5, {0, 0, 0})) {
+    for (std::size_t a = 0; a < 3; ++a) metres[a].push_back(p.position[static_cast<Eigen::Index>(a)] / 1000);
+    splats.push_back({.position = p.position});
+  }
+  for (std::size_t a = 0; a < 3; ++a) {
+    scan.columns.push_back(testing::double_column(std::string("cartesian") + static_cast<char>('X' + a), metres[a]));
+  }
+  scan.packet = 64 * 2000;
+  const std::pair<const char*, std::string> files[] = {{"ball.e57", testing::E57File().bytes({scan})},
+                                                       {"ball.spz", testing::gzip(testing::plain_spz(splats, 3))},
+                                                       {"splats.ply", testing::splat_ply(splats)}};
+  for (const auto& [name, bytes] : files) {
+    write_text(folder_ / name, bytes);
+    EXPECT_EQ(run(child, request_of(folder_ / name, kThreads), folder_ / name), 0) << name;
+    EXPECT_EQ(child.answer().kind, ScanAnswer::kSliced) << name << child.answer().message.data();
+  }
   auto control = make(1, [](SharedMemory&, std::uint32_t) {
     trap_memory_calls();
     ::syscall(SYS_brk, nullptr);

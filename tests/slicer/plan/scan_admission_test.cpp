@@ -65,9 +65,9 @@ TEST(ScanAdmission, RefusesACompressedPcdWhoseColumnsDoNotFitBeforeItsFirstPoint
   const auto refused = read_admitted(source, *arena);
   ASSERT_FALSE(refused.has_value());
   EXPECT_EQ(refused.error().code(), ErrorCode::kOutOfMemory);
-  EXPECT_THAT(refused.error().message(), HasSubstr("the arena of 6.0 MiB: this compressed PCD stores all x before all "
-                                                   "y, and keeping its columns takes 5.8 MiB"));
-  EXPECT_THAT(refused.error().message(), HasSubstr("Save it as binary"));
+  EXPECT_THAT(refused.error().message(), HasSubstr("the arena of 6.0 MiB: this compressed scan stores its columns one "
+                                                   "after another, and keeping them takes 5.8 MiB"));
+  EXPECT_THAT(refused.error().message(), HasSubstr("Save it without compression"));
   EXPECT_EQ(arena->used(), 0U);
 }
 

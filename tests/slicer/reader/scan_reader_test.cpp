@@ -67,6 +67,7 @@ std::vector<Sample> samples(int points) {
       {"compressed.pcd", pcd + "DATA binary_compressed\n" +
                              little(static_cast<std::uint32_t>(block.size()), static_cast<std::uint32_t>(all.size())) +
                              block},
+      {"rows.asc", "x;y;z;nx;ny;nz\n" + replaced(replaced(rows, ".", ","), " ", ";")},
       {"points.obj", "o points\n" + before + "f 1 2 3\n"},
   };
 }

@@ -1,0 +1,323 @@
+#include "slicer/reader/formats/e57_xml.hpp"
+
+#include <expat.h>
+
+#include <algorithm>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+#include <limits>
+#include <memory>
+#include <new>
+#include <optional>
+#include <string_view>
+
+#include "slicer/reader/stream/fixed_heap.hpp"
+#include "slicer/reader/stream/number.hpp"
+#include "slicer/reader/stream/words.hpp"
+
+namespace plumbline {
+namespace {
+
+constexpr const char* kStage = "reading E57";
+
+/// More scans or fields than any scanner writes for an object that can be printed.
+constexpr std::size_t kMostScans = 192;
+
+/// expat's functions for memory take no context.
+thread_local FixedHeap* heap_of_parser = nullptr;
+
+const XML_Memory_Handling_Suite kMemory = {
+    [](std::size_t bytes) { return heap_of_parser->allocate(bytes); },
+    [](void* old, std::size_t bytes) { return heap_of_parser->reallocate(old, bytes); },
+    [](void* part) { heap_of_parser->release(part); },
+};
+
+struct FreeParser {
+  void operator()(XML_Parser parser) const { XML_ParserFree(parser); }
+};
+using Parser = std::unique_ptr<std::remove_pointer_t<XML_Parser>, FreeParser>;
+
+class Attributes {
+ public:
+  explicit Attributes(const XML_Char** list) : list_(list) {}
+
+  /// @returns empty if there is none of that name
+  std::string_view operator[](std::string_view name) const {
+    for (const XML_Char** at = list_; *at != nullptr; at += 2) {
+      if (name == at[0]) return at[1];
+    }
+    return {};
+  }
+
+ private:
+  const XML_Char** list_;
+};
+
+template <class Number>
+bool parse(std::string_view text, Number& number) {
+  const char* const end = text.data() + text.size();
+  if constexpr (std::is_floating_point_v<Number>) {
+    return parse_real(text.data(), end, number) == end && std::isfinite(number);
+  } else {
+    const auto [stop, error] = std::from_chars(text.data(), end, number);
+    return error == std::errc{} && stop == end;
+  }
+}
+
+/// Follows the elements e57Root / data3D / scan / pose and points.
+class E57Document {
+ public:
+  E57Document(std::span<E57Scan> room, XML_Parser parser) : room_(room), parser_(parser) {}
+
+  std::span<E57Scan> scans() const { return room_.first(count_); }
+  /// What is wrong with the document, other than its XML; empty if nothing is.
+  const char* complaint() const { return complaint_.data(); }
+
+  void begin(std::string_view name, const Attributes& attributes) {
+    ++depth_;
+    if (depth_ == 2) in_scans_ = name == "data3D";
+    if (!in_scans_) return;
+    if (depth_ == 3) begin_scan();
+    if (depth_ == 4) part_ = name == "pose" ? Part::kPose : name == "points" ? Part::kPoints : Part::kOther;
+    if (part_ == Part::kPose && depth_ >= 5) begin_pose(name);
+    if (part_ == Part::kPoints && depth_ == 4) begin_points(attributes);
+    if (part_ == Part::kPoints && depth_ == 5) in_prototype_ = name == "prototype";
+    if (part_ == Part::kPoints && depth_ >= 6 && in_prototype_) add_field(name, attributes);
+  }
+
+  void text(std::string_view piece) {
+    if (value_ == nullptr || depth_ != 6) return;
+    const std::size_t count = std::min(piece.size(), text_.size() - text_size_);
+    std::copy_n(piece.begin(), count, text_.begin() + static_cast<std::ptrdiff_t>(text_size_));
+    text_size_ += count;
+    if (count < piece.size()) complain("a number of a pose is too long");
+  }
+
+  void end() {
+    if (value_ != nullptr && depth_ == 6) {
+      const auto word = Words({text_.data(), text_size_}, kXmlBlanks).next();
+      if (!word.empty() && !parse(word, *value_)) complain("'%s' is not a number of a pose", Quote(word).c_str());
+      value_ = nullptr;
+    }
+    if (in_scans_ && depth_ == 3) end_scan();
+    if (depth_ == 4) part_ = Part::kOther;
+    --depth_;
+  }
+
+  [[gnu::format(printf, 2, 3)]] void complain(const char* pattern, ...) {
+    if (complaint_[0] != 0) return;
+    va_list args;
+    va_start(args, pattern);
+    std::vsnprintf(complaint_.data(), complaint_.size(), pattern, args);
+    va_end(args);
+    XML_StopParser(parser_, XML_FALSE);
+  }
+
+ private:
+  enum class Part : std::uint8_t { kOther, kPose, kPoints };
+  using Fields = std::array<E57Field, 3>;
+  using Kind = E57Field::Kind;
+
+  static constexpr Separators kXmlBlanks{" \t\r\n"};
+
+  void begin_scan() {
+    scan_ = {};
+    rotation_ = {1, 0, 0, 0};
+    cartesian_ = spherical_ = normal_ = {};
+    cartesian_invalid_ = spherical_invalid_ = {};
+    has_points_ = false;
+    part_ = Part::kOther;
+  }
+
+  /// Zeros may be left out of a rotation or a translation.
+  void begin_pose(std::string_view name) {
+    if (depth_ == 5) {
+      is_rotation_ = name == "rotation";
+      is_translation_ = name == "translation";
+      if (is_rotation_) rotation_ = {};
+      return;
+    }
+    value_ = nullptr;
+    text_size_ = 0;
+    if (depth_ > 6 || name.size() != 1) return;
+    constexpr std::string_view kAxes = "xyz";
+    const std::size_t axis = kAxes.find(name[0]);
+    if (is_rotation_ && name == "w") value_ = &rotation_[0];
+    if (axis == std::string_view::npos) return;
+    if (is_rotation_) value_ = &rotation_[1 + axis];
+    if (is_translation_) value_ = &scan_.pose.translation[static_cast<int>(axis)];
+  }
+
+  void begin_points(const Attributes& attributes) {
+    has_points_ = true;
+    in_prototype_ = false;
+    if (!parse(attributes["fileOffset"], scan_.section) || !parse(attributes["recordCount"], scan_.points)) {
+      complain("points without a usable fileOffset and recordCount");
+    }
+  }
+
+  /// Elements with others in them have no stream of their own.
+  void add_field(std::string_view name, const Attributes& attributes) {
+    const auto type = attributes["type"];
+    if (type == "Structure" || type == "Vector") return;
+    if (scan_.streams == kE57MostStreams) return complain("points of more than %zu fields", kE57MostStreams);
+    E57Field* const field = depth_ == 6 ? wanted(name) : nullptr;
+    if (field != nullptr && field->kind == Kind::kNone) *field = parse_field(name, type, attributes);
+    ++scan_.streams;
+  }
+
+  E57Field* wanted(std::string_view name) {
+    static constexpr std::string_view kCartesian[] = {"cartesianX", "cartesianY", "cartesianZ"};
+    static constexpr std::string_view kSpherical[] = {"sphericalRange", "sphericalAzimuth", "sphericalElevation"};
+    static constexpr std::string_view kNormal[] = {":normalX", ":normalY", ":normalZ"};
+    for (std::size_t a = 0; a < 3; ++a) {
+      if (name == kCartesian[a]) return &cartesian_[a];
+      if (name == kSpherical[a]) return &spherical_[a];
+      if (name.ends_with(kNormal[a])) return &normal_[a];  // whatever the prefix of the extension is
+    }
+    if (name == "cartesianInvalidState") return &cartesian_invalid_;
+    if (name == "sphericalInvalidState") return &spherical_invalid_;
+    return nullptr;
+  }
+
+  E57Field parse_field(std::string_view name, std::string_view type, const Attributes& attributes) {
+    E57Field field;
+    field.stream = static_cast<std::uint16_t>(scan_.streams);
+    if (type == "Float") {
+      const bool single = attributes["precision"] == "single";
+      field.kind = single ? Kind::kFloat : Kind::kDouble;
+      field.bits = single ? 32 : 64;
+      return field;
+    }
+    if (type != "Integer" && type != "ScaledInteger") {
+      complain("'%s' is of type '%s'", Quote(name).c_str(), Quote(type).c_str());
+      return field;
+    }
+    field.kind = Kind::kInteger;
+    field.minimum = std::numeric_limits<std::int64_t>::min();
+    std::int64_t maximum = std::numeric_limits<std::int64_t>::max();
+    const auto usable = [&](const char* key, auto& number) {
+      return attributes[key].empty() || parse(attributes[key], number);
+    };
+    bool good = usable("minimum", field.minimum) && usable("maximum", maximum) && field.minimum <= maximum;
+    if (type == "ScaledInteger") good = good && usable("scale", field.scale) && usable("offset", field.offset);
+    if (!good) complain("'%s' has no usable range or scale", Quote(name).c_str());
+    field.bits = static_cast<std::uint8_t>(
+        std::bit_width(static_cast<std::uint64_t>(maximum) - static_cast<std::uint64_t>(field.minimum)));
+    return field;
+  }
+
+  static bool are_all(const Fields& fields) {
+    return std::all_of(fields.begin(), fields.end(), [](const E57Field& f) { return f.kind != Kind::kNone; });
+  }
+
+  void end_scan() {
+    scan_.is_spherical = !are_all(cartesian_);
+    const Fields& position = scan_.is_spherical ? spherical_ : cartesian_;
+    if (!has_points_ || scan_.points == 0 || !are_all(position)) return;
+    std::copy(position.begin(), position.end(), scan_.field.begin() + kE57X);
+    if (are_all(normal_)) std::copy(normal_.begin(), normal_.end(), scan_.field.begin() + kE57Nx);
+    scan_.field[kE57Invalid] = scan_.is_spherical ? spherical_invalid_ : cartesian_invalid_;
+    if (std::all_of(position.begin(), position.end(), [](const E57Field& f) { return f.bits == 0; })) {
+      return complain("all points of a scan are at one place");
+    }
+    const auto [w, x, y, z] = rotation_;
+    const auto rotation = rotation_of(w, x, y, z);
+    if (!rotation) return complain("a pose has a rotation of length 0");
+    scan_.pose.rotation = *rotation;
+    if (count_ == room_.size()) return complain("more than %zu scans", room_.size());
+    room_[count_++] = scan_;
+  }
+
+  std::span<E57Scan> room_;
+  XML_Parser parser_;
+  std::size_t count_ = 0;
+  std::array<char, 160> complaint_ = {};
+
+  std::uint64_t depth_ = 0;  ///< of the open element, from 1
+  bool in_scans_ = false;
+  Part part_ = Part::kOther;
+  bool in_prototype_ = false;
+  bool is_rotation_ = false, is_translation_ = false;
+  double* value_ = nullptr;  ///< of the pose, whose text is being read
+  std::array<char, 64> text_ = {};
+  std::size_t text_size_ = 0;
+
+  E57Scan scan_;
+  bool has_points_ = false;
+  std::array<double, 4> rotation_ = {};  ///< w, x, y, z
+  Fields cartesian_, spherical_, normal_;
+  E57Field cartesian_invalid_, spherical_invalid_;
+};
+
+E57Document& document_of(void* user) { return *static_cast<E57Document*>(user); }
+
+tl::unexpected<Error> fail_xml(const E57Pages& pages, XML_Parser parser, const E57Document& document,
+                               const FixedHeap& heap) {
+  const ByteInput& input = pages.input();
+  const auto line = static_cast<unsigned long long>(XML_GetCurrentLineNumber(parser));
+  if (document.complaint()[0] != 0) {
+    return input.fail(ErrorCode::kMalformed, "line %llu of its XML: %s;\texport the file again", line,
+                      document.complaint());
+  }
+  if (heap.refused()) {
+    return input.fail(ErrorCode::kUnsupported,
+                      "line %llu of its XML: tags too long or too deep for the memory;\texport only the points", line);
+  }
+  return input.fail(ErrorCode::kMalformed, "line %llu of its XML: %s; the file is damaged.\tExport it again", line,
+                    XML_ErrorString(XML_GetErrorCode(parser)));
+}
+
+/// @param room  for the scans
+Expected<std::span<E57Scan>> parse_xml(E57Pages& pages, std::uint64_t bytes, std::span<E57Scan> room,
+                                       const FixedHeap& heap) {
+  const Parser parser(XML_ParserCreate_MM(nullptr, &kMemory, nullptr));
+  if (!parser) return fail(ErrorCode::kOutOfMemory, "%s: no room for the XML parser", kStage);
+  E57Document document(room, parser.get());
+  XML_SetHashSalt(parser.get(), 1);  // expat would ask the kernel for a random one
+  XML_SetUserData(parser.get(), &document);
+  XML_SetElementHandler(
+      parser.get(),
+      [](void* user, const XML_Char* name, const XML_Char** attributes) {
+        document_of(user).begin(name, Attributes(attributes));
+      },
+      [](void* user, const XML_Char* /*name*/) { document_of(user).end(); });
+  XML_SetCharacterDataHandler(parser.get(), [](void* user, const XML_Char* text, int length) {
+    document_of(user).text({text, static_cast<std::size_t>(length)});
+  });
+  // Without a document type there are no entities to expand.
+  XML_SetStartDoctypeDeclHandler(
+      parser.get(), [](void* user, const XML_Char* /*name*/, const XML_Char* /*system*/, const XML_Char* /*open*/,
+                       int /*has_internal*/) { document_of(user).complain("a document type"); });
+  for (std::uint64_t left = bytes; left > 0;) {
+    const auto piece = pages.next(left);
+    PLUMBLINE_TRY(piece);
+    left -= piece->size();
+    if (XML_Parse(parser.get(), piece->data(), static_cast<int>(piece->size()), left == 0) != XML_STATUS_OK) {
+      return fail_xml(pages, parser.get(), document, heap);
+    }
+  }
+  return document.scans();
+}
+
+}  // namespace
+
+Expected<std::span<E57Scan>> read_e57_xml(E57Pages& pages, std::uint64_t bytes, Arena& memory) {
+  const auto room = memory.take_bottom<E57Scan>(kMostScans, kStage);
+  PLUMBLINE_TRY(room);
+  std::uninitialized_default_construct(room->begin(), room->end());
+  const std::size_t mark = memory.bottom_mark();
+  const auto block = memory.take_bottom<std::byte>(memory.available() / Arena::kAlignment * Arena::kAlignment, kStage);
+  PLUMBLINE_TRY(block);
+  FixedHeap heap(*block);
+  heap_of_parser = &heap;
+  const auto scans = parse_xml(pages, bytes, *room, heap);
+  heap_of_parser = nullptr;
+  memory.release_bottom(mark);
+  return scans;
+}
+
+}  // namespace plumbline
