@@ -29,7 +29,8 @@ namespace plumbline {
 namespace {
 
 tl::unexpected<Error> lacks(const char* what) {
-  return fail(ErrorCode::kUnsupported, "scans can't be read safely on this kernel: %s: %s", what, std::strerror(errno));
+  return fail(ErrorCode::kUnsupported, "a process can't be kept apart on this kernel: %s: %s", what,
+              std::strerror(errno));
 }
 
 bool drop_capabilities() {
@@ -132,39 +133,92 @@ constexpr Rule kRules[] = {
 
 }  // namespace
 
-Expected<bool> give_up_rights(int kept) {
-  die_first();
-  if (kept != kKeptDescriptor && ::dup3(kept, kKeptDescriptor, O_CLOEXEC) < 0) return lacks("dup3");
-  for (int file = 0; file < kKeptDescriptor; ++file) ::close(file);
-  if (::syscall(SYS_close_range, kKeptDescriptor + 1, ~0U, 0) != 0) return lacks("close_range");
+Expected<bool> give_up_files() {
   if (::prctl(PR_SET_DUMPABLE, 0, 0, 0, 0) != 0) return lacks("PR_SET_DUMPABLE");
   if (!drop_capabilities()) return lacks("capabilities");
   return deny_files();
 }
 
-bool filter_system_calls() {
-#ifdef PLUMBLINE_HAS_SANITIZER
-  return true;  // a sanitizer takes memory and writes reports whenever it likes
-#else
-  constexpr std::size_t kRuleCount = std::size(kRules);
-  constexpr std::size_t kLength = 4 + 2 * kRuleCount + 1;
-  std::array<sock_filter, kLength> program{};
-  auto at = program.begin();
-  const auto add = [&at](sock_filter instruction) { *at++ = instruction; };
-  add(BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, arch)));
-  add(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, kMachine, 1, 0));
-  add(BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_KILL_PROCESS));
-  add(BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr)));
-  for (const Rule& rule : kRules) {
-    add(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, static_cast<std::uint32_t>(rule.call), 0, 1));
-    add(BPF_STMT(BPF_RET | BPF_K, rule.action));
-  }
-  add(BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_KILL_PROCESS));
-  sock_fprog filter{};
-  filter.len = kLength;
-  filter.filter = program.data();
-  return ::syscall(SYS_seccomp, SECCOMP_SET_MODE_FILTER, SECCOMP_FILTER_FLAG_TSYNC, &filter) == 0;
-#endif
+Expected<bool> give_up_rights(int kept) {
+  die_first();
+  if (kept != kKeptDescriptor && ::dup3(kept, kKeptDescriptor, O_CLOEXEC) < 0) return lacks("dup3");
+  for (int file = 0; file < kKeptDescriptor; ++file) ::close(file);
+  if (::syscall(SYS_close_range, kKeptDescriptor + 1, ~0U, 0) != 0) return lacks("close_range");
+  return give_up_files();
 }
+
+#ifdef PLUMBLINE_HAS_SANITIZER
+// A sanitizer takes memory and writes reports whenever it likes.
+bool filter_system_calls() { return true; }
+bool filter_system_calls(std::span<const CallRule> /*allowed*/) { return true; }
+#else
+namespace {
+
+/// A filter under construction. The first instructions check the machine and load the call's number.
+class Filter {
+ public:
+  static constexpr std::size_t kMost = 512;
+
+  Filter() {
+    load(offsetof(seccomp_data, arch));
+    add(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, kMachine, 1, 0));
+    end(SECCOMP_RET_KILL_PROCESS);
+    load(offsetof(seccomp_data, nr));
+  }
+  void add(sock_filter instruction) {
+    if (size_ < kMost) program_[size_] = instruction;
+    ++size_;
+  }
+  void load(std::size_t offset) { add(BPF_STMT(BPF_LD | BPF_W | BPF_ABS, static_cast<std::uint32_t>(offset))); }
+  void end(std::uint32_t action) { add(BPF_STMT(BPF_RET | BPF_K, action)); }
+  /// Runs the next `instructions` only for a call.
+  void when(long call, std::uint8_t instructions) {
+    add(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, static_cast<std::uint32_t>(call), 0, instructions));
+  }
+  bool install() {
+    if (size_ > kMost) return false;
+    sock_fprog filter{};
+    filter.len = static_cast<unsigned short>(size_);
+    filter.filter = program_.data();
+    return ::syscall(SYS_seccomp, SECCOMP_SET_MODE_FILTER, SECCOMP_FILTER_FLAG_TSYNC, &filter) == 0;
+  }
+
+ private:
+  std::array<sock_filter, kMost> program_{};
+  std::size_t size_ = 0;
+};
+
+}  // namespace
+
+bool filter_system_calls() {
+  Filter filter;
+  for (const Rule& rule : kRules) {
+    filter.when(rule.call, 1);
+    filter.end(rule.action);
+  }
+  filter.end(SECCOMP_RET_KILL_PROCESS);
+  return filter.install();
+}
+
+bool filter_system_calls(std::span<const CallRule> allowed) {
+  Filter filter;
+  for (const CallRule& rule : allowed) {
+    if (rule.when.argument < 0) {
+      filter.when(rule.call, 1);
+      filter.end(SECCOMP_RET_ALLOW);
+      continue;
+    }
+    filter.when(rule.call, 5);
+    // The low half: all machines above are little-endian.
+    filter.load(offsetof(seccomp_data, args) + sizeof(std::uint64_t) * static_cast<std::size_t>(rule.when.argument));
+    filter.add(BPF_STMT(BPF_ALU | BPF_AND | BPF_K, rule.when.mask));
+    filter.add(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, rule.when.value, 0, 1));
+    filter.end(SECCOMP_RET_ALLOW);
+    filter.end(kNotPermitted);
+  }
+  filter.end(kNotPermitted);
+  return filter.install();
+}
+#endif  // PLUMBLINE_HAS_SANITIZER
 
 }  // namespace plumbline

@@ -2,18 +2,23 @@
 /// What a process gives up, for good, before it reads a scan.
 
 #include <cstdint>
+#include <span>
 
 #include "slicer/core/error.hpp"
 
 namespace plumbline {
 
-/// Closes all descriptors but `kept`, which becomes kKeptDescriptor. Gives up every capability and every way to gain one, all access to
-/// files and, where the kernel has it, to the network and to other processes (Landlock). Nobody may debug the process or see its core,
-/// and the kernel ends it first when memory runs out. Its children inherit all of this.
+/// Gives up every capability and every way to gain one, all access to files but those that are open and, where the kernel has it, to the
+/// network and to other processes (Landlock). Nobody may debug the process or see its core. Its children inherit all of this.
 /// @pre the process has one thread
-/// @param kept  a descriptor
 /// @returns whether the kernel has Landlock
 /// @retval ErrorCode::kUnsupported  the kernel lacks something else that is needed
+[[nodiscard]] Expected<bool> give_up_files();
+
+/// Closes all descriptors but `kept`, which becomes kKeptDescriptor, then give_up_files(). The kernel ends the process first when memory
+/// runs out.
+/// @param kept  a descriptor
+/// @returns, @pre, @retval as give_up_files()
 [[nodiscard]] Expected<bool> give_up_rights(int kept);
 inline constexpr int kKeptDescriptor = 3;
 
@@ -21,5 +26,20 @@ inline constexpr int kKeptDescriptor = 3;
 /// for memory fails. Any other system call kills the process (SIGSYS).
 /// @returns false: the kernel has no seccomp filters
 [[nodiscard]] bool filter_system_calls();
+
+/// A system call that a process may still make.
+struct CallRule {
+  /// A condition for the low 32 bits of an argument: its bits of `mask` are `value`.
+  struct Condition {
+    int argument = -1;  ///< 0 to 5; -1: none
+    std::uint32_t mask = 0, value = 0;
+  };
+  long call = 0;
+  Condition when = {};
+};
+/// After this call the threads of the process can make only these system calls. Any other fails with EPERM.
+/// @param allowed  at most 80
+/// @returns false: the kernel has no seccomp filters
+[[nodiscard]] bool filter_system_calls(std::span<const CallRule> allowed);
 
 }  // namespace plumbline

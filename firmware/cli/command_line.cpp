@@ -20,6 +20,7 @@ constexpr const char* kAbout =
     "  plumbline inspect bust.ply --printer mono2k        see what is in it and whether it fits\n"
     "  plumbline slice bust.ply -o out --printer mono2k   write layers and pictures to out/\n"
     "  plumbline print bust.ply --printer sim2k           print it on the simulated printer\n"
+    "  plumbline simulate bust.ply                        the same on the printer's page, in a browser\n"
     "\n"
     "Lengths are mm, angles degrees. 'plumbline slice --help' explains the options of slice, and so on.\n";
 
@@ -40,6 +41,7 @@ ExitCode run_command_line(int argc, char** argv, std::span<std::byte> arena_bloc
   DoctorOptions doctor;
   StatusOptions status;
   ControlOptions control;
+  SimulateOptions simulate;
   const CLI::App* slice_command = add_slice_command(app, slice);
   const CLI::App* inspect_command = add_inspect_command(app, inspect);
   const CLI::App* orient_command = add_orient_command(app, orient);
@@ -48,6 +50,7 @@ ExitCode run_command_line(int argc, char** argv, std::span<std::byte> arena_bloc
   const CLI::App* sample_command = add_sample_command(app, sample);
   const CLI::App* status_command = add_status_command(app, status);
   const CLI::App* control_command = add_control_command(app, control);
+  const CLI::App* simulate_command = add_simulate_command(app, simulate);
   add_doctor_command(app, doctor);
 
   try {
@@ -67,6 +70,7 @@ ExitCode run_command_line(int argc, char** argv, std::span<std::byte> arena_bloc
   if (sample_command->parsed()) return run_sample(sample);
   if (status_command->parsed()) return run_status(status);
   if (control_command->parsed()) return run_control(control);
+  if (simulate_command->parsed()) return run_simulate(simulate);
   return run_doctor(doctor);
 }
 

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "firmware/io/exit_code.hpp"
 #include "firmware/machine/back_end.hpp"
@@ -87,6 +88,14 @@ struct ControlOptions {
   std::string key, value;             ///< of set
 };
 
+struct SimulateOptions {
+  std::vector<std::string> scans;  ///< are copied onto the stick
+  std::string printer = "sim2k";   ///< board file
+  double speed = 60;               ///< simulated seconds per second
+  std::uint16_t port = 8080;       ///< of the page
+  std::string folder;              ///< empty: a new one, which is removed
+};
+
 /// Each adds a subcommand whose options are parsed into `options`, which must outlive the parsing.
 CLI::App* add_slice_command(CLI::App& app, SliceOptions& options);
 CLI::App* add_inspect_command(CLI::App& app, InspectOptions& options);
@@ -97,6 +106,7 @@ CLI::App* add_sample_command(CLI::App& app, SampleOptions& options);
 CLI::App* add_doctor_command(CLI::App& app, DoctorOptions& options);
 CLI::App* add_status_command(CLI::App& app, StatusOptions& options);
 CLI::App* add_control_command(CLI::App& app, ControlOptions& options);
+CLI::App* add_simulate_command(CLI::App& app, SimulateOptions& options);
 
 /// Each runs a subcommand. Results go to standard output; progress, warnings and errors to standard error.
 /// @param arena_block  the program's static memory
@@ -109,5 +119,6 @@ ExitCode run_sample(const SampleOptions& options);
 ExitCode run_doctor(const DoctorOptions& options);
 ExitCode run_status(const StatusOptions& options);
 ExitCode run_control(const ControlOptions& options);
+ExitCode run_simulate(const SimulateOptions& options);
 
 }  // namespace plumbline

@@ -63,6 +63,8 @@ std::string socket_path(const DaemonOptions& options, const MachineFile& machine
   return kStateSocket;
 }
 
+std::string report_path(const DaemonOptions& options) { return options.state + "/report.json"; }
+
 /// Logs to standard error and the service manager, writes reports, and plugs the simulated stick in and out.
 class DaemonLog final : public DaemonObserver {
  public:
@@ -95,7 +97,8 @@ class DaemonLog final : public DaemonObserver {
                                witness_ != nullptr ? std::optional(witness_->part_figures()) : std::nullopt};
     OutputFile out = OutputFile::standard_output();
     // The part is on the plate, so a report that can't be written is only logged.
-    if (const auto told = write_print_summary(out, outcome, report_path(), false); !told) say(told.error().message());
+    if (const auto told = write_print_summary(out, outcome, report_path(options_), false); !told)
+      say(told.error().message());
     if (const auto kept = write_report(outcome); !kept) say(kept.error().message());
     if (++jobs_ == options_.jobs) end();
   }
@@ -109,9 +112,8 @@ class DaemonLog final : public DaemonObserver {
   }
 
  private:
-  std::string report_path() const { return options_.state + "/report.json"; }
   Status write_report(const PrintOutcome& outcome) const {
-    auto file = OutputFile::create(report_path().c_str());
+    auto file = OutputFile::create(report_path(options_).c_str());
     PLUMBLINE_TRY(file);
     JsonWriter json(*file);
     write_print_report(json, outcome);
@@ -184,7 +186,8 @@ ExitCode serve(const DaemonOptions& options, std::size_t largest_arena) {
   if (!back_end) return report_error(back_end.error());
 
   catch_interrupts();
-  const DaemonSettings settings{*board, *machine, board->path, profile_names(board->path), setup->threads};
+  const DaemonSettings settings{*board,        *machine, board->path, profile_names(board->path), report_path(options),
+                                setup->threads};
   Arena arena(child->arena_block());
   DaemonLog log(options, **back_end, *manager);
   const Machine& devices = (*back_end)->machine();

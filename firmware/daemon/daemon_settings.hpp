@@ -18,6 +18,7 @@ struct DaemonSettings {
   MachineFile machine;
   std::string board_path;             ///< the profiles are in profiles/ beside it
   std::vector<std::string> profiles;  ///< names of those
+  std::string report_path;            ///< of the last print's report
   std::uint32_t threads = 1;
   std::chrono::nanoseconds slicing_patience = kSlicingPatience;
 

@@ -1,13 +1,20 @@
 #include "firmware/daemon/printer_daemon.hpp"
 
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <array>
+#include <cerrno>
 #include <cstddef>
+#include <cstring>
 #include <utility>
 
 #include "firmware/daemon/issue_question.hpp"
 #include "firmware/daemon/sliced_record.hpp"
 #include "firmware/daemon/stick/stick_words.hpp"
 #include "firmware/daemon/stick_request.hpp"
+#include "firmware/io/descriptor.hpp"
 #include "firmware/print/status/state_lights.hpp"
 #include "firmware/print/store/interrupted_print.hpp"
 
@@ -39,6 +46,7 @@ PrinterDaemon::PrinterDaemon(Machine& machine, const DaemonSettings& settings, S
   record.state = PrintState::kIdle;
   assign(record.printer, settings.board.name);
   record.simulated = settings.machine.simulated;
+  record.has_report = ::access(settings.report_path.c_str(), R_OK) == 0;
   for (const std::string& name : settings.profiles) {
     if (record.profile_count < record.profiles.size()) assign(record.profiles[record.profile_count++], name);
   }
@@ -168,9 +176,31 @@ Expected<std::optional<EventKind>> PrinterDaemon::take(const ClientRequest& requ
     answers_.answer_by_command();
     return button;
   }
+  if (request.command == Command::kCode) {
+    observer_.show_code(request.code.view());
+    return std::nullopt;
+  }
   if (offer_ == nullptr) return fail(ErrorCode::kBadSetting, "nothing is offered");
   PLUMBLINE_TRY(offer_->change(request));
   return std::nullopt;
+}
+
+Status PrinterDaemon::draw_mask(std::uint32_t layer, LayerPicture& picture) {
+  if (masks_ == nullptr) {
+    return fail(ErrorCode::kBadSetting, "there are no masks now.\tAsk again while what has been sliced is offered");
+  }
+  return masks_->draw(layer, picture);
+}
+
+Expected<CommandTaker::ReportPart> PrinterDaemon::read_report(std::uint64_t from, std::span<std::byte> out) {
+  const Descriptor file(::open(settings_.report_path.c_str(), O_RDONLY | O_CLOEXEC));
+  struct stat facts {};
+  if (!file.is_open() || ::fstat(file.get(), &facts) != 0) {
+    return fail(ErrorCode::kBadSetting, "there is no report of a print");
+  }
+  const ssize_t got = ::pread(file.get(), out.data(), out.size(), static_cast<off_t>(from));
+  if (got < 0) return fail(ErrorCode::kCannotRead, "the report can't be read: %s", std::strerror(errno));
+  return ReportPart{static_cast<std::size_t>(got), static_cast<std::uint64_t>(facts.st_size)};
 }
 
 /// @returns the job that somebody wants printed; none: nobody does, or the stick was pulled
@@ -203,7 +233,13 @@ Expected<bool> PrinterDaemon::accept(const SlicedScan& sliced, const PrintProfil
   const bool asks = question.action() == CheckAction::kAsk || settings_.machine.start == StartChoice::kAfterPreview;
   if (!asks) return true;
   apply(PrintEvent::kJobOffered);
+  // Without room for them there are none to look at.
+  const auto masks = OfferedMasks::create(sliced, profile, settings_.machine, arena_);
+  masks_ = masks ? masks->get() : nullptr;
+  record_.has_masks = masks_ != nullptr;
   const auto accepted = question.ask(*record, answers_, observer_);
+  masks_ = nullptr;
+  record_.has_masks = false;
   PLUMBLINE_TRY(accepted);
   apply(*accepted ? PrintEvent::kJobTaken : PrintEvent::kCancelAsked);
   return *accepted;

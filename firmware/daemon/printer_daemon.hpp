@@ -8,6 +8,7 @@
 #include "firmware/daemon/answers.hpp"
 #include "firmware/daemon/daemon_observer.hpp"
 #include "firmware/daemon/daemon_settings.hpp"
+#include "firmware/daemon/offered_masks.hpp"
 #include "firmware/daemon/state_recorder.hpp"
 #include "firmware/daemon/stick/scan_slicing.hpp"
 #include "firmware/daemon/stick/stick_job.hpp"
@@ -39,6 +40,8 @@ class PrinterDaemon final : public CommandTaker {
 
   /// Called while the daemon waits for an event.
   Expected<std::optional<EventKind>> take(const ClientRequest& request) override;
+  Status draw_mask(std::uint32_t layer, LayerPicture& picture) override;
+  Expected<ReportPart> read_report(std::uint64_t from, std::span<std::byte> out) override;
 
   FaultCode fault() const { return fault_; }  ///< of the last job; kNone: none
 
@@ -70,7 +73,8 @@ class PrinterDaemon final : public CommandTaker {
   StateRecorder observer_;
   ScanSlicing slicing_;
   Answers answers_;
-  StickOffer* offer_ = nullptr;  ///< that somebody is asked about
+  StickOffer* offer_ = nullptr;    ///< that somebody is asked about
+  OfferedMasks* masks_ = nullptr;  ///< the same
   FaultCode fault_ = FaultCode::kNone;
   bool served_ = false;      ///< the stick in the port has been printed, refused or declined
   bool told_ready_ = false;  ///< since the printer has become idle

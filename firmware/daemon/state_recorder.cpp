@@ -46,13 +46,19 @@ void StateRecorder::say(const PrintableText& text) {
   observer_.say(text);
 }
 
-void StateRecorder::look_at_stick() {
+void StateRecorder::look_around() {
   record_.has_stick = stick_.has_stick();
   if (!record_.has_stick) record_.scan_count = record_.scans_left_out = 0;
+  if (!record_.code.view().empty() && std::chrono::steady_clock::now() > code_until_) record_.code.clear();
+}
+
+void StateRecorder::show_code(std::string_view code) {
+  assign(record_.code, code);
+  code_until_ = std::chrono::steady_clock::now() + kCodeTime;
 }
 
 bool StateRecorder::update(const PrintStatus& status) {
-  look_at_stick();
+  look_around();
   record_.slicing.reset();
   record_.set_progress(status, std::time(nullptr));
   show_layer(status.layer);
@@ -66,13 +72,14 @@ void StateRecorder::checked(Check check, const CheckResult& result) {
 }
 
 void StateRecorder::slicing(Stage stage, double fraction) {
-  look_at_stick();
+  look_around();
   record_.slicing = SlicingRecord{stage, fraction};
   observer_.slicing(stage, fraction);
 }
 
 void StateRecorder::printed(const PrintReport& report, const PrintSession& session, const PrintProfile& profile) {
   record_.result = report.state;
+  record_.has_report = true;
   if (report.fault != FaultCode::kNone) {
     record_.set_fault(report.fault, report.fault_message.view(), explain(report.fault, {}).advice.view());
   }
@@ -81,7 +88,7 @@ void StateRecorder::printed(const PrintReport& report, const PrintSession& sessi
 }
 
 void StateRecorder::idle() {
-  look_at_stick();
+  look_around();
   observer_.idle();
 }
 

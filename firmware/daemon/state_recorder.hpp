@@ -1,6 +1,7 @@
 #pragma once
 /// Writes down what the daemon does, for the state socket.
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -19,6 +20,9 @@ namespace plumbline {
 /// Stands between the daemon and its observer.
 class StateRecorder final : public DaemonObserver {
  public:
+  /// As long as a person needs to read a code and type it, twice.
+  static constexpr std::chrono::minutes kCodeTime{2};
+
   /// All must outlive it.
   StateRecorder(PrinterRecord& record, const StickPort& stick, DaemonObserver& observer);
 
@@ -47,15 +51,19 @@ class StateRecorder final : public DaemonObserver {
   void warn(std::string_view sentence);
   /// Says why a job can't be printed and what to do, for somebody who has buttons and a stick.
   void refused(FaultCode code, const Error& error);
+  /// Shows a code on the printer's screen, for kCodeTime. @param code  empty: no longer
+  void show_code(std::string_view code);
 
  private:
-  void look_at_stick();
+  /// The stick, and a code whose time is over.
+  void look_around();
   void show_layer(std::uint32_t layer);
 
   PrinterRecord& record_;
   const StickPort& stick_;
   DaemonObserver& observer_;
   std::unique_ptr<JobPictures> pictures_;
+  std::chrono::steady_clock::time_point code_until_{};
   std::uint32_t next_layer_ = 0;  ///< of the picture that waits
 };
 

@@ -28,6 +28,12 @@ int row_height(const Sheet& sheet) { return sheet.px(22); }
 void draw_title(const Sheet& sheet, std::string_view title, Colour bar) {
   Canvas& canvas = sheet.canvas();
   canvas.fill(canvas.all(), ink::kGround);
+  ShortText code;
+  if (!sheet.record.code.view().empty()) {
+    code = filled_in(sheet.say(Words::kPageCode), sheet.record.code.c_str());
+    title = code.view();
+    bar = ink::kAttention;
+  }
   const PixelBox box = canvas.all().top_rows(sheet.px(kTitleRows));
   canvas.fill(box, bar);
   const PixelBox room = box.inset(sheet.px(kMargin), 0);

@@ -37,7 +37,7 @@ struct Sheet {
 /// A row's height in lists.
 int row_height(const Sheet& sheet);
 
-/// The ground and the title's bar.
+/// The ground and the title's bar. A code that somebody is to type into a browser takes the title's place.
 /// @param bar  its colour; the text is dark on bright ones
 void draw_title(const Sheet& sheet, std::string_view title, Colour bar = ink::kBar);
 void draw_buttons(const Sheet& sheet);

@@ -110,6 +110,8 @@ constexpr std::array kTable{
     Row{kDoGiveUp, {"Give up", "Aufgeben"}},
     Row{kDoEmpty, {"Empty", "Leer"}},
     Row{kDoSeen, {"Seen", "Gelesen"}},
+
+    Row{kPageCode, {"Page code: %s", "Code der Seite: %s"}},
 };
 
 constexpr bool is_in_order() {

@@ -98,10 +98,12 @@ enum class Words : std::uint8_t {
   kDoGiveUp,
   kDoEmpty,
   kDoSeen,
+  // In the place of any title.
+  kPageCode,
 };
-inline constexpr std::size_t kWordsCount = static_cast<std::size_t>(Words::kDoSeen) + 1;
+inline constexpr std::size_t kWordsCount = static_cast<std::size_t>(Words::kPageCode) + 1;
 
-/// Some have places for numbers, as printf has them: kStep and kLayerOf two %u, kLayers one, kTimeLeft a %s.
+/// Some have places for numbers, as printf has them: kStep and kLayerOf two %u, kLayers one, kTimeLeft and kPageCode a %s.
 std::string_view words(Words which, Language language);
 
 }  // namespace plumbline

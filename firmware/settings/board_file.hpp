@@ -26,11 +26,21 @@ enum class StartChoice : std::uint8_t {
   kAfterPreview,  ///< somebody presses start for the scan, and again when they have seen what was sliced
 };
 
+/// Who may reach the printer's page.
+enum class PageChoice : std::uint8_t {
+  kOff,      ///< nobody: there is none
+  kLocal,    ///< this machine
+  kNetwork,  ///< whoever reaches this machine; commands need a code from the printer's screen
+};
+
 /// The part of a board file that printing needs and slicing does not.
 struct MachineFile {
   bool simulated = false;                       ///< [printer] simulate it: no such machine exists
   std::string state_socket;                     ///< [printer] path of the daemon's state socket; empty: the default
   Language language = Language::kEnglish;       ///< [printer] of its screen
+  PageChoice page = PageChoice::kOff;           ///< [printer]
+  std::uint32_t page_port = 8080;               ///< [printer] TCP
+  std::string page_host;                        ///< [printer] a further name that browsers know this machine by
   PanelLayout panel;                            ///< [panel]
   double refresh_delay_ms = 0;                  ///< [panel] from the end of the scan-out until the pixels have settled
   double rotation_distance_mm = 0;              ///< [z_stage] travel for one turn of the motor

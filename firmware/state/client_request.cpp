@@ -18,8 +18,36 @@ struct Value {
   std::string_view text;
 };
 
-constexpr std::array<std::string_view, 6> kMembers = {"do", "id", "scan", "key", "value", "picture"};
-enum Member : std::uint8_t { kDo, kId, kScan, kKey, kValue, kPicture };
+constexpr std::array<std::string_view, 9> kMembers = {"do",      "id",    "scan", "key", "value",
+                                                      "picture", "layer", "from", "code"};
+enum Member : std::uint8_t { kDo, kId, kScan, kKey, kValue, kPicture, kLayer, kFrom, kCode };
+
+/// The members that a command needs beside "do", and a reminder of them.
+struct Needs {
+  std::uint32_t members = 0;  ///< bit m: member m
+  const char* words = "nothing";
+};
+
+constexpr std::uint32_t bit(Member member) { return std::uint32_t{1} << member; }
+
+Needs needs_of(Command command) {
+  switch (command) {
+    case Command::kChoose: return {bit(kScan), "\"scan\", a number from the list of scans"};
+    case Command::kSet: return {bit(kKey) | bit(kValue), "\"key\" and \"value\""};
+    case Command::kPicture: return {bit(kPicture), "\"picture\", preview or layer,"};
+    case Command::kMask: return {bit(kLayer), "\"layer\", a number from 0 on,"};
+    case Command::kReport: return {bit(kFrom), "\"from\", a number of bytes from 0 on,"};
+    case Command::kCode: return {bit(kCode), "\"code\", up to 7 digits,"};
+    case Command::kStart:
+    case Command::kPause:
+    case Command::kResume:
+    case Command::kCancel:
+    case Command::kPlateEmpty:
+    case Command::kSeen:
+    case Command::kOffer: return {};
+  }
+  return {};
+}
 
 tl::unexpected<Error> not_an_object() {
   return fail(
@@ -56,7 +84,9 @@ Status store(Member member, const Value& value, ClientRequest& request, std::opt
     case kDo: {
       const auto command = value.kind == Value::Kind::kText ? command_of(value.text) : std::nullopt;
       if (!command) {
-        return wrong_value("do", "start, pause, resume, cancel, plate-empty, seen, offer, choose, set or picture");
+        return wrong_value("do",
+                           "start, pause, resume, cancel, plate-empty, seen, offer, choose, set, picture, mask, report "
+                           "or code");
       }
       request.command = *command;
       return {};
@@ -84,6 +114,25 @@ Status store(Member member, const Value& value, ClientRequest& request, std::opt
       request.picture = static_cast<PictureName>(word - kPictureWords.begin());
       return {};
     }
+    case kLayer: {
+      const auto number = whole_number(value);
+      if (!number || *number > UINT32_MAX) return wrong_value("layer", "a number from 0 on");
+      request.layer = static_cast<std::uint32_t>(*number);
+      return {};
+    }
+    case kFrom: {
+      const auto number = whole_number(value);
+      if (!number) return wrong_value("from", "a number of bytes from 0 on");
+      request.from = *number;
+      return {};
+    }
+    case kCode:
+      request.code.add("%.*s", static_cast<int>(value.text.size()), value.text.data());
+      if (value.kind != Value::Kind::kText || request.code.cut() ||
+          request.code.view().find_first_not_of("0123456789") != std::string_view::npos) {
+        return wrong_value("code", "a text of up to 7 digits");
+      }
+      return {};
   }
   return {};
 }
@@ -92,17 +141,15 @@ Status store(Member member, const Value& value, ClientRequest& request, std::opt
 Status check_members(const ClientRequest& request, const std::array<bool, kMembers.size()>& found) {
   if (!found[kDo])
     return fail(ErrorCode::kBadSetting, "there is no \"do\".\tSay what to do, such as {\"do\": \"pause\"}");
-  const bool chooses = request.command == Command::kChoose;
-  const bool sets = request.command == Command::kSet;
-  const bool looks = request.command == Command::kPicture;
-  if (found[kScan] == chooses && found[kKey] == sets && found[kValue] == sets && found[kPicture] == looks) return {};
+  std::uint32_t others = 0;
+  for (std::size_t member = kScan; member < kMembers.size(); ++member) {
+    if (found[member]) others |= bit(static_cast<Member>(member));
+  }
+  const Needs needs = needs_of(request.command);
+  if (others == needs.members) return {};
   const auto word = to_string(request.command);
-  const char* const needs = chooses ? "\"scan\", a number from the list of scans"
-                            : sets  ? "\"key\" and \"value\""
-                            : looks ? "\"picture\", preview or layer,"
-                                    : "nothing";
   return fail(ErrorCode::kBadSetting, "%.*s needs %s beside \"do\" and \"id\"", static_cast<int>(word.size()),
-              word.data(), needs);
+              word.data(), needs.words);
 }
 
 }  // namespace
@@ -123,7 +170,8 @@ Expected<ClientRequest> parse_request(std::string_view line, std::optional<std::
       if (!value) return not_an_object();
       const auto* const known = std::find(kMembers.begin(), kMembers.end(), *name);
       if (known == kMembers.end()) {
-        return fail(ErrorCode::kBadSetting, "'%.*s': unknown member.\tKnown are do, id, scan, key, value and picture",
+        return fail(ErrorCode::kBadSetting,
+                    "'%.*s': unknown member.\tKnown are do, id, scan, key, value, picture, layer, from and code",
                     static_cast<int>(name->size()), name->data());
       }
       const auto member = static_cast<Member>(known - kMembers.begin());

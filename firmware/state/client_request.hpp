@@ -2,7 +2,7 @@
 /// What a client of the state socket asks for: one JSON object a line, flat, with a few known members.
 ///
 ///     {"do": "start"}   {"do": "choose", "scan": 2, "id": 7}   {"do": "set", "key": "scale", "value": 1.5}
-///     {"do": "picture", "picture": "layer"}
+///     {"do": "picture", "picture": "layer"}   {"do": "mask", "layer": 12}   {"do": "report", "from": 24576}   {"do": "code", "code": "482913"}
 ///
 /// Takes nothing from the heap, whatever the line.
 
@@ -25,8 +25,11 @@ struct ClientRequest {
   Command command = Command::kStart;
   std::uint32_t scan = 0;  ///< of choose: from 1
   PictureName picture = PictureName::kPreview;
-  FixedText<32> key;    ///< of set
-  FixedText<64> value;  ///< of set: a text, or a number, true or false as it is written
+  std::uint32_t layer = 0;  ///< of mask: from 0
+  std::uint64_t from = 0;   ///< of report: the first byte
+  FixedText<8> code;        ///< of code: digits; empty: show none any more
+  FixedText<32> key;        ///< of set
+  FixedText<64> value;      ///< of set: a text, or a number, true or false as it is written
 };
 
 /// The longest request line, bytes, without its end.

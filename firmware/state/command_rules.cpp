@@ -48,19 +48,22 @@ std::string_view to_string(Command command) {
     case Command::kChoose: return "choose";
     case Command::kSet: return "set";
     case Command::kPicture: return "picture";
+    case Command::kMask: return "mask";
+    case Command::kReport: return "report";
+    case Command::kCode: return "code";
   }
   return "unknown command";
 }
 
 std::optional<Command> command_of(std::string_view word) {
-  for (std::size_t i = 0; i <= kCommandCount; ++i) {
+  for (std::size_t i = 0; i < kRequestCount; ++i) {
     if (word == to_string(static_cast<Command>(i))) return static_cast<Command>(i);
   }
   return std::nullopt;
 }
 
 bool takes(const PrinterRecord& record, Command command) {
-  if (command == Command::kPicture) return true;
+  if (is_question(command) || command == Command::kCode) return true;
   if (at_rest(record.state) && !record.waits) return false;
   if (command == Command::kOffer && !record.has_stick) return false;
   if (command == Command::kChoose && (record.has_job_file || record.scan_count < 2)) return false;
@@ -93,7 +96,10 @@ std::optional<EventKind> button_of(Command command) {
     case Command::kCancel: return EventKind::kCancelPressed;
     case Command::kChoose:
     case Command::kSet:
-    case Command::kPicture: return std::nullopt;
+    case Command::kPicture:
+    case Command::kMask:
+    case Command::kReport:
+    case Command::kCode: return std::nullopt;
   }
   return std::nullopt;
 }

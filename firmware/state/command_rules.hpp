@@ -22,10 +22,20 @@ enum class Command : std::uint8_t {
   kOffer,       ///< offer what is on the stick again
   kChoose,      ///< a scan on the stick
   kSet,         ///< a setting of the job that is offered
-  kPicture,     ///< a question that changes nothing: whoever may read may ask it
+  // The others are in no state's list of commands.
+  kPicture,  ///< a picture of the job. Whoever may read may ask for it, as for the next two
+  kMask,     ///< the mask of any layer, while what has been sliced is offered
+  kReport,   ///< a part of the last print's report
+  kCode,     ///< show a code on the printer's screen
 };
-/// Without kPicture, which no state's list of commands has.
+/// Those that a state's list of commands may have.
 inline constexpr std::size_t kCommandCount = 9;
+inline constexpr std::size_t kRequestCount = 13;
+
+/// Whether a request changes nothing.
+constexpr bool is_question(Command command) {
+  return command == Command::kPicture || command == Command::kMask || command == Command::kReport;
+}
 
 /// "start", "plate-empty", ...
 std::string_view to_string(Command command);
@@ -37,7 +47,7 @@ bool takes(const PrinterRecord& record, Command command);
 /// "the printer is printing: it takes pause, cancel"
 FixedText<200> what_it_takes(const PrinterRecord& record);
 
-/// The button that does the same; none: the daemon does it itself (choose, set).
+/// The button that does the same; none: the daemon does it itself (choose, set, code).
 /// @pre takes()
 std::optional<EventKind> button_of(Command command);
 

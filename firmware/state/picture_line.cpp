@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <string_view>
 
+#include "firmware/io/base64.hpp"
+
 namespace plumbline {
 namespace {
 
@@ -10,19 +12,8 @@ namespace {
 constexpr std::size_t kRoomForTheRest = 256;
 constexpr std::size_t kMostCharacters = kLongestLine - kRoomForTheRest;
 
-/// @returns characters written; none: they are more than `out` holds
-std::optional<std::size_t> write_base64(std::span<const std::byte> bytes, std::span<char> out) {
-  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  const std::size_t size = (bytes.size() + 2) / 3 * 4;
-  if (size > out.size()) return std::nullopt;
-  const auto byte = [&](std::size_t i) { return i < bytes.size() ? std::to_integer<unsigned>(bytes[i]) : 0U; };
-  for (std::size_t i = 0, at = 0; i < bytes.size(); i += 3, at += 4) {
-    const unsigned three = byte(i) << 16 | byte(i + 1) << 8 | byte(i + 2);
-    for (std::size_t k = 0; k < 4; ++k) out[at + k] = kDigits[three >> (18 - 6 * k) & 63U];
-    if (i + 1 >= bytes.size()) out[at + 2] = '=';
-    if (i + 2 >= bytes.size()) out[at + 3] = '=';
-  }
-  return size;
+Error too_large(std::size_t bytes) {
+  return Error::format(ErrorCode::kCannotWrite, "the picture has %zu bytes, more than a line holds", bytes);
 }
 
 }  // namespace
@@ -33,6 +24,7 @@ Expected<PictureLine> PictureLine::create() {
   PLUMBLINE_TRY(encoder);
   PictureLine line(std::move(*encoder));
   for (Encoded& one : line.encoded_) one.base64.resize(kMostCharacters);
+  line.mask_base64_.resize(kMostCharacters);
   return line;
 }
 
@@ -55,22 +47,22 @@ Status PictureLine::write(TextSink& out, std::optional<std::uint64_t> id, Pictur
                                 : encoder_.encode(pictures->layer().bytes(), pictures->layer().columns,
                                                   pictures->layer().rows, LayerPicture::kChannels);
     const auto size = write_base64(png, encoded.base64);
-    if (!size) return fail(ErrorCode::kCannotWrite, "the picture has %zu bytes, more than a line holds", png.size());
+    if (!size) return tl::unexpected<Error>(too_large(png.size()));
     encoded.size = *size;
     encoded.number = number;
   }
-  FixedText<kRoomForTheRest> head;
-  head.add("{\"type\": \"reply\", \"id\": ");
-  if (id) {
-    head.add("%llu", static_cast<unsigned long long>(*id));
-  } else {
-    head.add("null");
-  }
-  head.add(", \"ok\": true, \"picture\": \"%.*s\", \"number\": %u, \"png\": \"", static_cast<int>(word.size()),
-           word.data(), number);
-  PLUMBLINE_TRY(out.write(head.view()));
-  PLUMBLINE_TRY(out.write(std::string_view(encoded.base64.data(), encoded.size)));
-  return out.write("\"}\n");
+  FixedText<64> members;
+  members.add("\"picture\": \"%.*s\", \"number\": %u", static_cast<int>(word.size()), word.data(), number);
+  return write_data_line(out, id, members.view(), "png", {encoded.base64.data(), encoded.size});
+}
+
+Status PictureLine::write_mask(TextSink& out, std::optional<std::uint64_t> id, std::uint32_t layer) {
+  const auto png = encoder_.encode(mask_->bytes(), mask_->columns, mask_->rows, LayerPicture::kChannels);
+  const auto size = write_base64(png, mask_base64_);
+  if (!size) return tl::unexpected<Error>(too_large(png.size()));
+  FixedText<64> members;
+  members.add("\"layer\": %u", layer);
+  return write_data_line(out, id, members.view(), "png", {mask_base64_.data(), *size});
 }
 
 }  // namespace plumbline

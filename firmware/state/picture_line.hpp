@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -24,6 +25,12 @@ class PictureLine {
   [[nodiscard]] Status write(TextSink& out, std::optional<std::uint64_t> id, PictureName name,
                              const PrinterRecord& record);
 
+  /// Room for the picture of a mask that somebody asks for.
+  LayerPicture& mask() { return *mask_; }
+  /// @param layer  of mask()
+  /// @retval ErrorCode::kCannotWrite  it is too large for a line
+  [[nodiscard]] Status write_mask(TextSink& out, std::optional<std::uint64_t> id, std::uint32_t layer);
+
  private:
   /// A picture as it was encoded last.
   struct Encoded {
@@ -34,6 +41,8 @@ class PictureLine {
   explicit PictureLine(SmallPngEncoder encoder) : encoder_(std::move(encoder)) {}
 
   SmallPngEncoder encoder_;
+  std::unique_ptr<LayerPicture> mask_ = std::make_unique<LayerPicture>();
+  std::vector<char> mask_base64_;
   std::array<Encoded, kPictureWords.size()> encoded_;
 };
 

@@ -38,9 +38,9 @@ void PrinterRecord::set_progress(const PrintStatus& status, std::int64_t wall_cl
   assign(question, status.question);
 }
 
-void PrinterRecord::set_fault(FaultCode code, std::string_view finding, std::string_view remedy) {
+void PrinterRecord::set_fault(FaultCode which, std::string_view finding, std::string_view remedy) {
   fault.emplace();
-  fault->code = code;
+  fault->code = which;
   assign(fault->message, finding);
   assign(fault->remedy, remedy);
 }

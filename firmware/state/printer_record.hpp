@@ -117,12 +117,15 @@ struct PrinterRecord {
   std::size_t finding_count = 0;
   std::optional<FaultRecord> fault;
   const JobPictures* pictures = nullptr;  ///< none: nobody makes them
+  bool has_masks = false;                 ///< the mask of any layer may be asked for
+  bool has_report = false;                ///< that of the last print may be asked for, when the printer is at rest
+  FixedText<8> code;  ///< that the screen shows to pair a browser; empty: none. Never in a state line
 
   /// Forgets the job of before.
   void begin_job();
   void add_finding(Severity severity, std::string_view text);
   void set_progress(const PrintStatus& status, std::int64_t wall_clock_s);
-  void set_fault(FaultCode code, std::string_view finding, std::string_view remedy);
+  void set_fault(FaultCode which, std::string_view finding, std::string_view remedy);
 };
 
 }  // namespace plumbline

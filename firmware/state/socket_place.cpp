@@ -18,7 +18,7 @@ Expected<SocketPlace> SocketPlace::at(const std::string& path) {
   place.path_ = path;
   place.name_ = file.filename();
   const std::string folder = file.has_parent_path() ? file.parent_path().string() : ".";
-  place.folder_ = Descriptor(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  place.folder_ = Descriptor(::open(folder.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC));
   constexpr std::size_t kLongestName = 64;  // beside /proc/self/fd/N/
   if (place.folder_.is_open() && !place.name_.empty() && place.name_.size() <= kLongestName) return place;
   const int reason = place.folder_.is_open() ? ENAMETOOLONG : errno;

@@ -271,6 +271,8 @@ Status write_state_line(TextSink& out, const PrinterRecord& record, std::uint64_
   write_sliced(json, record);
   json.key("pictures");
   write_pictures(json, record);
+  json.member("masks", record.has_masks);
+  json.member("report", record.has_report && at_rest(record.state));
   json.key("progress");
   write_progress(json, record);
   json.key("resin");
@@ -302,6 +304,22 @@ Status write_reply_line(TextSink& out, std::optional<std::uint64_t> id, const Er
   }
   json.end_object();
   return json.finish();
+}
+
+Status write_data_line(TextSink& out, std::optional<std::uint64_t> id, std::string_view members, std::string_view name,
+                       std::string_view base64) {
+  FixedText<160> head;
+  head.add("{\"type\": \"reply\", \"id\": ");
+  if (id) {
+    head.add("%llu", static_cast<unsigned long long>(*id));
+  } else {
+    head.add("null");
+  }
+  head.add(", \"ok\": true, %.*s, \"%.*s\": \"", static_cast<int>(members.size()), members.data(),
+           static_cast<int>(name.size()), name.data());
+  PLUMBLINE_TRY(out.write(head.view()));
+  PLUMBLINE_TRY(out.write(base64));
+  return out.write("\"}\n");
 }
 
 }  // namespace plumbline

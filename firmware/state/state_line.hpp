@@ -27,4 +27,12 @@ using StateLine = TextBuffer<kLongestLine>;
 /// @param error  null: the request was carried out
 [[nodiscard]] Status write_reply_line(TextSink& out, std::optional<std::uint64_t> id, const Error* error);
 
+/// The reply to a question, with what was asked for.
+/// @param members  further ones, as JSON
+/// @param name     of the member that has the bytes
+/// @param base64   the bytes
+/// @retval ErrorCode::kCannotWrite  `out` is full
+[[nodiscard]] Status write_data_line(TextSink& out, std::optional<std::uint64_t> id, std::string_view members,
+                                     std::string_view name, std::string_view base64);
+
 }  // namespace plumbline

@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "firmware/io/base64.hpp"
 #include "firmware/state/command_rules.hpp"
 #include "firmware/state/socket_place.hpp"
 
@@ -18,6 +19,9 @@ namespace {
 constexpr int kBacklog = 16;
 /// A whole state line fits, so that a client that reads now and then is never owed a part of one.
 constexpr int kSendBuffer = 2 * static_cast<int>(kLongestLine);
+
+/// Bytes of a report in one reply.
+constexpr std::size_t kReportPart = std::size_t{24} * 1024;
 
 constexpr mode_t kEveryone = 0666;
 constexpr mode_t kOwnerAndGroup = 0660;
@@ -130,8 +134,11 @@ void StateSocket::serve_client(StateClient& client, const Door& door, const Prin
   client.take_line();
   if (!request) {
     error = request.error();
-  } else if (request->command == Command::kPicture) {
-    return send_picture(client, id, request->picture, record);
+  } else if (is_question(request->command)) {
+    reply_.clear();
+    const auto written = write_answer(id, *request, record, taker);
+    if (written) return client.send(reply_.view());
+    error = written.error();
   } else if (!door.may_command) {
     error = Error::format(ErrorCode::kBadSetting,
                           "this socket is for reading.\tConnect to the one beside it whose name ends in .command");
@@ -151,12 +158,29 @@ void StateSocket::answer(StateClient& client, std::optional<std::uint64_t> id, c
   client.send(reply_.view());
 }
 
-void StateSocket::send_picture(StateClient& client, std::optional<std::uint64_t> id, PictureName name,
-                               const PrinterRecord& record) {
-  reply_.clear();
-  const auto written = pictures_.write(reply_, id, name, record);
-  if (!written) return answer(client, id, &written.error());
-  client.send(reply_.view());
+Status StateSocket::write_answer(std::optional<std::uint64_t> id, const ClientRequest& question,
+                                 const PrinterRecord& record, CommandTaker& taker) {
+  if (question.command == Command::kPicture) return pictures_.write(reply_, id, question.picture, record);
+  if (question.command == Command::kMask) {
+    PLUMBLINE_TRY(taker.draw_mask(question.layer, pictures_.mask()));
+    return pictures_.write_mask(reply_, id, question.layer);
+  }
+  if (!record.has_report || !at_rest(record.state)) {
+    return fail(ErrorCode::kBadSetting, "there is no report now.\tAsk again when the print is over");
+  }
+  return write_report(id, question.from, taker);
+}
+
+Status StateSocket::write_report(std::optional<std::uint64_t> id, std::uint64_t from, CommandTaker& taker) {
+  std::array<std::byte, kReportPart> bytes;
+  std::array<char, (kReportPart + 2) / 3 * 4> base64;
+  const auto part = taker.read_report(from, bytes);
+  PLUMBLINE_TRY(part);
+  const auto size = write_base64(std::span(bytes).first(part->bytes), base64);
+  FixedText<80> members;
+  members.add("\"from\": %llu, \"size\": %llu", static_cast<unsigned long long>(from),
+              static_cast<unsigned long long>(part->size));
+  return write_data_line(reply_, id, members.view(), "data", {base64.data(), size.value_or(0)});
 }
 
 }  // namespace plumbline

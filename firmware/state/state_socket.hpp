@@ -33,6 +33,26 @@ class CommandTaker {
   /// @returns the event that it becomes; none: it is done
   /// @retval ErrorCode::kBadSetting  what is wrong with it
   [[nodiscard]] virtual Expected<std::optional<EventKind>> take(const ClientRequest& request) = 0;
+
+  /// Draws the mask of a layer of what is offered.
+  /// @retval ErrorCode::kBadSetting  nothing is offered that has been sliced, or it has no such layer
+  [[nodiscard]] virtual Status draw_mask(std::uint32_t /*layer*/, LayerPicture& /*picture*/) {
+    return fail(ErrorCode::kBadSetting, "there are no masks");
+  }
+
+  struct ReportPart {
+    std::size_t bytes = 0;   ///< of this part
+    std::uint64_t size = 0;  ///< of the report, bytes
+  };
+  /// Reads a part of the last print's report.
+  /// @param from  the first byte
+  /// @param out   filled from its start
+  /// @pre the printer is at rest, so the storage may take its time
+  /// @retval ErrorCode::kBadSetting  there is none
+  /// @retval ErrorCode::kCannotRead
+  [[nodiscard]] virtual Expected<ReportPart> read_report(std::uint64_t /*from*/, std::span<std::byte> /*out*/) {
+    return fail(ErrorCode::kBadSetting, "there is no report");
+  }
 };
 
 /// Times by the host's clock.
@@ -80,8 +100,9 @@ class StateSocket {
   void serve_client(StateClient& client, const Door& door, const PrinterRecord& record, CommandTaker& taker,
                     std::optional<EventKind>& event);
   void answer(StateClient& client, std::optional<std::uint64_t> id, const Error* error);
-  void send_picture(StateClient& client, std::optional<std::uint64_t> id, PictureName name,
-                    const PrinterRecord& record);
+  Status write_answer(std::optional<std::uint64_t> id, const ClientRequest& question, const PrinterRecord& record,
+                      CommandTaker& taker);
+  Status write_report(std::optional<std::uint64_t> id, std::uint64_t from, CommandTaker& taker);
 
   StateSocketTimes times_;
   std::array<StateClient, kReaders + kCommanders> clients_;

@@ -13,7 +13,7 @@ import unittest
 from pathlib import Path
 
 CPACK, BUILD_DIR, SOURCE_DIR, ARCHITECTURE, READELF = sys.argv[1:]
-PROGRAMS = ("plumbline", "plumblined", "plumbline-keeper", "plumbline-mount")
+PROGRAMS = ("plumbline", "plumblined", "plumbline-keeper", "plumbline-mount", "plumbline-page")
 MACHINE = {"amd64": "X86-64", "arm64": "AArch64", "armhf": "ARM"}
 # Libraries in the C library's package; ld-linux is the loader.
 C_LIBRARY = re.compile(r"lib(c|m|pthread|dl|rt)\.so\.|ld-linux")
@@ -60,7 +60,7 @@ class Deb(unittest.TestCase):
         files = {name for name in files if not name.startswith("DEBIAN/")}
         board = Path(SOURCE_DIR) / "board"
         expected = {f"usr/bin/{program}" for program in PROGRAMS}
-        expected |= {f"usr/lib/systemd/system/{unit}.service" for unit in ("plumblined", "plumbline-mount", "plumbline-awake")}
+        expected |= {f"usr/lib/systemd/system/{unit}.service" for unit in ("plumblined", "plumbline-mount", "plumbline-awake", "plumbline-page")}
         expected |= {"usr/lib/udev/rules.d/60-plumbline.rules"}
         expected |= {"usr/share/doc/plumbline/copyright", "usr/share/plumbline/board/README.md"}
         expected |= {f"usr/share/plumbline/board/{path.relative_to(board)}" for path in board.rglob("*.toml")}

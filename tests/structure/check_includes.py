@@ -35,7 +35,7 @@ ORDER = {
     "firmware/daemon": ["stick", "service"],
     "firmware/cli": ["options", "reports"],
     "firmware": ["io", "settings", "pictures", "canvas", "sample", "machine", "slice", "print", "child", "state", "screen", "daemon",
-                 "cli"],
+                 "page", "cli"],
 }
 
 # The source file that opens each back end of the HAL. firmware/machine/back_end.cpp chooses between them.
@@ -54,6 +54,7 @@ ONE_SOURCE_FILE = {
     "libdeflate.h": "at most",
     "toml++/toml.h": "at most",
     "gpiod.h": "at most",
+    "microhttpd.h": "at most",
     "libusb.h": "at most",
 }
 

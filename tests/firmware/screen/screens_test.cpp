@@ -105,6 +105,7 @@ std::vector<ScreenCase> golden_cases() {
                                         info(FaultCode::kStageStalled).next);
                      })},
       {"ending", with(kSuspended)},
+      {"page-code", with(kPrinting, [](auto& record, auto&) { assign(record.code, "482913"); })},
   };
 }
 
@@ -273,6 +274,7 @@ TEST(Screens, TheLongestRecordFits) {
       one.change(record, view);
       assign(record.printer, wide);
       assign(record.message, wide);
+      if (!record.code.view().empty()) assign(record.code, "4829138");
       if (!record.question.view().empty()) assign(record.question, wide);
       for (std::size_t i = record.scan_count; i < PrinterRecord::kMostScans; ++i) record.scans[i] = record.scans[0];
       record.scan_count = PrinterRecord::kMostScans;

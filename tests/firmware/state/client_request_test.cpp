@@ -38,6 +38,10 @@ TEST(ClientRequest, HasACommandAndWhatItNeeds) {
   ASSERT_TRUE(set.request) << set.request.error().message();
   EXPECT_EQ(set.request->key.view(), "scale");
   EXPECT_EQ(set.request->value.view(), "-1.5e+3");
+  EXPECT_EQ(parse(R"({"do":"mask","layer":4294967295})").request->layer, 4294967295U);
+  EXPECT_EQ(parse(R"({"do":"report","from":24576})").request->from, 24576U);
+  EXPECT_EQ(parse(R"({"do":"code","code":"0482913"})").request->code.view(), "0482913");
+  EXPECT_EQ(parse(R"({"do":"code","code":""})").request->code.view(), "");
   EXPECT_EQ(parse(R"({"do":"set","key":"fit","value":true})").request->value.view(), "true");
   EXPECT_EQ(parse(R"({"do":"set","key":"profile","value":"\ud83d\ude00 \"\\\/"})").request->value.view(),
             "\xf0\x9f\x98\x80 \"\\/");
@@ -84,6 +88,15 @@ TEST(ClientRequest, SaysWhatIsWrong) {
       {"{\"do\":\"choose\",\"scan\":0}", "scan: allowed is"},
       {"{\"do\":\"choose\",\"scan\":65}", "scan: allowed is"},
       {"{\"do\":\"set\",\"key\":\"scale\"}", "set needs \"key\" and \"value\""},
+      {"{\"do\":\"mask\"}", "mask needs \"layer\""},
+      {"{\"do\":\"mask\",\"layer\":-1}", "layer: allowed is"},
+      {"{\"do\":\"mask\",\"layer\":4294967296}", "layer: allowed is"},
+      {"{\"do\":\"mask\",\"layer\":1,\"scan\":1}", "mask needs \"layer\""},
+      {"{\"do\":\"report\"}", "report needs \"from\""},
+      {"{\"do\":\"report\",\"from\":\"0\"}", "from: allowed is"},
+      {"{\"do\":\"code\",\"code\":482913}", "code: allowed is"},
+      {"{\"do\":\"code\",\"code\":\"12345678\"}", "code: allowed is"},
+      {"{\"do\":\"code\",\"code\":\"12 34\"}", "code: allowed is"},
       {"{\"do\":\"set\",\"key\":1,\"value\":1}", "key: allowed is a text"},
       {"{\"do\":\"set\",\"key\":\"a key that is longer than any key is\",\"value\":1}", "at most 31 bytes"},
   };

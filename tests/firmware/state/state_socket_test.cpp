@@ -7,6 +7,7 @@
 #include <sys/socket.h>
 #include <sys/stat.h>
 
+#include <cstring>
 #include <string>
 #include <vector>
 
@@ -41,6 +42,18 @@ class StateSocketTest : public testing::Test, public CommandTaker {
     taken_.push_back(request.command);
     if (request.command == Command::kCancel) return fail(ErrorCode::kBadSetting, "not now.\tLater");
     return button_of(request.command);
+  }
+
+  Status draw_mask(std::uint32_t layer, LayerPicture& picture) override {
+    if (layer > 1) return fail(ErrorCode::kBadSetting, "there is no layer %u: the last one is 1", layer);
+    picture.columns = picture.rows = 2;
+    picture.bytes()[0] = 255;
+    return {};
+  }
+  Expected<ReportPart> read_report(std::uint64_t from, std::span<std::byte> out) override {
+    if (from > 0) return ReportPart{0, 5};
+    std::memcpy(out.data(), "hello", 5);
+    return ReportPart{5, 5};
   }
 
   TemporaryFolder folder_;
@@ -98,6 +111,34 @@ TEST_F(StateSocketTest, IsForEverybodyToReadAndForTheGroupToCommand) {
   EXPECT_EQ(json_member(line_of(reader), "type"), "\"state\"");
   EXPECT_THAT(line_of(reader), HasSubstr("this socket is for reading"));
   EXPECT_TRUE(taken_.empty());
+}
+
+TEST_F(StateSocketTest, ShowsMasksAndAReportToWhoeverMayReadAndCodesToNobody) {
+  StateLink reader = link(false), user = link(true);
+  record_->has_report = true;
+  assign(record_->code, "482913");
+  serve();
+  ASSERT_TRUE(
+      reader.send("{\"do\":\"mask\",\"layer\":1,\"id\":1}\n{\"do\":\"mask\",\"layer\":2}\n"
+                  "{\"do\":\"report\",\"from\":0}\n{\"do\":\"code\",\"code\":\"1\"}\n"));
+  for (int turn = 0; turn < 4; ++turn) serve();
+  const std::string state = line_of(reader);
+  EXPECT_EQ(state.find("482913"), std::string::npos);
+  EXPECT_EQ(json_member(state, "report"), "false") << "the storage may take its time only when nothing is printed";
+  EXPECT_THAT(line_of(reader), HasSubstr(R"({"type": "reply", "id": 1, "ok": true, "layer": 1, "png": "iVBORw0KGgo)"));
+  EXPECT_THAT(line_of(reader), HasSubstr("there is no layer 2"));
+  EXPECT_THAT(line_of(reader), HasSubstr("there is no report now"));
+  EXPECT_THAT(line_of(reader), HasSubstr("this socket is for reading"));
+  record_->state = PrintState::kPlateInUse;
+  ASSERT_TRUE(reader.send("{\"do\":\"report\",\"from\":0,\"id\":4}\n{\"do\":\"report\",\"from\":5}\n"));
+  for (int turn = 0; turn < 2; ++turn) serve();
+  EXPECT_EQ(json_member(line_of(reader), "report"), "true");
+  EXPECT_EQ(line_of(reader), R"({"type": "reply", "id": 4, "ok": true, "from": 0, "size": 5, "data": "aGVsbG8="})");
+  EXPECT_THAT(line_of(reader), HasSubstr(R"("size": 5, "data": "")"));
+  EXPECT_TRUE(taken_.empty());
+  ASSERT_TRUE(user.send("{\"do\":\"code\",\"code\":\"123\"}\n"));
+  serve();
+  EXPECT_EQ(taken_, std::vector<Command>{Command::kCode});
 }
 
 TEST_F(StateSocketTest, TurnsAwayWhoeverIsOneTooManyButNotThoseWhoCommand) {

@@ -1,0 +1,35 @@
+#include "firmware/daemon/offered_masks.hpp"
+
+#include "firmware/print/plan/print_plan.hpp"
+
+namespace plumbline {
+
+Expected<std::unique_ptr<OfferedMasks>> OfferedMasks::create(const SlicedScan& sliced, const PrintProfile& profile,
+                                                             const MachineFile& machine, Arena& arena) {
+  const PrintGrid& grid = sliced.rrep.grid;
+  std::unique_ptr<OfferedMasks> offered(new OfferedMasks(arena));
+  const auto plan = plan_print(profile, machine, static_cast<double>(grid.layer_height_mm), grid.layers);
+  PLUMBLINE_TRY(plan);
+  const auto stream = MaskStream::create(sliced.rrep, sliced.supports, arena);
+  PLUMBLINE_TRY(stream);
+  offered->stream_ = *stream;
+  const auto masks = MaskRenderer::create(*offered->stream_, *plan, arena);
+  PLUMBLINE_TRY(masks);
+  offered->masks_ = *masks;
+  const auto words = arena.take_bottom<std::uint64_t>(BitImage::words_needed(grid.columns, grid.rows), "mask");
+  PLUMBLINE_TRY(words);
+  offered->mask_ = BitImage(*words, grid.columns, grid.rows);
+  return offered;
+}
+
+Status OfferedMasks::draw(std::uint32_t layer, LayerPicture& picture) {
+  const std::uint32_t layers = masks_->grid().layers;
+  if (layer >= layers) {
+    return fail(ErrorCode::kBadSetting, "there is no layer %u: the last one is %u", layer, layers - 1);
+  }
+  masks_->render(layer, mask_);
+  draw_layer_picture(mask_, picture);
+  return {};
+}
+
+}  // namespace plumbline

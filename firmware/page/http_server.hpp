@@ -1,0 +1,123 @@
+#pragma once
+/// HTTP for the page, by libmicrohttpd: one thread, bounded connections, requests and memory.
+
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "firmware/state/state_line.hpp"
+#include "slicer/core/error.hpp"
+
+namespace plumbline {
+
+/// Valid during HttpHandler::answer() only. A header that the request does not have is empty.
+struct HttpRequest {
+  std::string_view method, path;
+  std::string_view host, origin, content_type;
+  std::string_view token;          ///< header Plumbline-Token
+  std::optional<std::uint32_t> n;  ///< ?n=
+  std::string_view body;
+};
+
+struct HttpAnswer {
+  unsigned status = 200;
+  const char* type = "application/json";
+  std::string_view body;          ///< copied, unless it is fixed
+  bool is_fixed = false;          ///< the body's memory stays as it is for ever
+  const char* save_as = nullptr;  ///< file name; null: not for saving
+  const char* allow = nullptr;    ///< of status 405: the methods
+};
+
+/// A request that is answered later.
+struct HttpTicket {
+  std::size_t place = 0;
+  std::uint64_t number = 0;
+};
+
+/// An answer that is written bit by bit.
+struct HttpStream {
+  enum class Kind : std::uint8_t {
+    kEvents,  ///< server-sent events, without end
+    kReport,  ///< of `size` bytes
+  };
+  /// For what is sent next: an event, or a part of a report.
+  static constexpr std::size_t kRoom = kLongestLine + 64;
+
+  Kind kind = Kind::kEvents;
+  std::uint64_t size = 0;
+  const char* type = "text/event-stream";
+  const char* save_as = nullptr;
+};
+
+struct HttpLater {};
+using HttpReply = std::variant<HttpAnswer, HttpLater, HttpStream>;
+
+class HttpHandler {
+ public:
+  virtual ~HttpHandler() = default;
+  /// @returns an answer, or HttpLater: the server waits for HttpServer::finish()
+  virtual HttpReply answer(const HttpRequest& request, const HttpTicket& ticket) = 0;
+  /// Writes what a stream sends next.
+  /// @param stream  below HttpServer::kMostStreams
+  /// @param begins  it is the first part of a new stream
+  /// @param sent    bytes that the stream has sent so far
+  /// @returns bytes written; 0: nothing yet, HttpServer::wake() or fail() comes later; none: the stream has failed
+  virtual std::optional<std::size_t> fill(std::size_t stream, HttpStream::Kind kind, bool begins, std::uint64_t sent,
+                                          std::span<char> out) = 0;
+};
+
+struct HttpTimes {
+  std::chrono::milliseconds request = std::chrono::seconds(15);  ///< for a request to come whole
+  std::chrono::milliseconds answer = std::chrono::seconds(60);   ///< for an answer to be taken
+};
+
+class HttpServer {
+ public:
+  using HostClock = std::chrono::steady_clock;
+
+  static constexpr unsigned kMostConnections = 24;
+  static constexpr unsigned kMostOfOneAddress = 16;  ///< a reverse proxy is one
+  static constexpr std::size_t kMostStreams = 10;
+  static constexpr std::size_t kLongestBody = 1023;
+  /// @param address  numeric; empty: all of this machine
+  /// @param port     0: any
+  /// @param handler  must outlive the server
+  /// @retval ErrorCode::kCannotOpen  the address, the reason
+  [[nodiscard]] static Expected<std::unique_ptr<HttpServer>> open(const std::string& address, std::uint16_t port,
+                                                                  HttpHandler& handler, const HttpTimes& times = {});
+  ~HttpServer();
+  HttpServer(const HttpServer&) = delete;
+  HttpServer& operator=(const HttpServer&) = delete;
+
+  std::uint16_t port() const;
+  /// Becomes readable when run() has something to do.
+  int descriptor() const;
+  /// The longest that run() may be left uncalled.
+  std::chrono::milliseconds patience() const;
+  void run();
+
+  /// Answers a request. Does nothing if its connection has ended.
+  void finish(const HttpTicket& ticket, const HttpAnswer& answer);
+  /// The same by a stream.
+  void begin_stream(const HttpTicket& ticket, const HttpStream& stream);
+  /// fill() has something for a stream.
+  void wake(std::size_t stream);
+  /// A stream can't go on. The browser sees that it did not end well.
+  void fail(std::size_t stream);
+  /// wake() for all streams of a kind.
+  void wake_all(HttpStream::Kind kind);
+
+ private:
+  struct Parts;
+  explicit HttpServer(std::unique_ptr<Parts> parts);
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace plumbline

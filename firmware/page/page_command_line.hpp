@@ -1,0 +1,10 @@
+#pragma once
+
+#include "firmware/io/exit_code.hpp"
+
+namespace plumbline {
+
+/// The program `plumbline-page`.
+ExitCode run_page_command_line(int argc, char** argv);
+
+}  // namespace plumbline

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <span>
+#include <string_view>
+
+namespace plumbline {
+
+/// A file of web/, in the program.
+struct PageFile {
+  std::string_view path;  ///< "/", "/page.css", ...
+  const char* type;
+  std::string_view text;
+};
+
+std::span<const PageFile> page_files();
+
+}  // namespace plumbline

@@ -1,0 +1,415 @@
+#include "firmware/page/page_server.hpp"
+
+#include <poll.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstdio>
+#include <cstring>
+#include <utility>
+
+#include "firmware/io/base64.hpp"
+#include "firmware/io/json_cursor.hpp"
+#include "firmware/io/json_writer.hpp"
+#include "firmware/page/access.hpp"
+#include "firmware/page/octoprint.hpp"
+#include "firmware/page/page_files.hpp"
+#include "firmware/state/socket_place.hpp"
+
+namespace plumbline {
+namespace {
+
+constexpr std::size_t kMostPng = kLongestLine / 4 * 3;
+constexpr auto kOneLine = JsonWriter::Layout::kOneLine;
+constexpr std::string_view kPicturePath = "/picture/";
+
+std::optional<std::uint64_t> whole_number(std::optional<std::string_view> text) {
+  std::uint64_t number = 0;
+  if (!text) return std::nullopt;
+  const auto [end, problem] = std::from_chars(text->data(), text->data() + text->size(), number);
+  return problem == std::errc() && end == text->data() + text->size() ? std::optional(number) : std::nullopt;
+}
+
+/// A text without escapes, which base64, names of states and codes are.
+std::string_view plain_text(std::optional<std::string_view> value) {
+  if (!value || value->size() < 2 || value->front() != '"') return {};
+  return value->substr(1, value->size() - 2);
+}
+
+/// The request of a paired browser, written anew: nothing of what came goes to the printer as it is.
+Status write_request(TextSink& out, const ClientRequest& request, std::uint64_t id) {
+  JsonWriter json(out);
+  json.begin_object(kOneLine);
+  json.member("do", to_string(request.command));
+  json.member("id", id);
+  if (request.command == Command::kChoose) json.member("scan", request.scan);
+  if (request.command == Command::kSet) {
+    json.member("key", request.key.view());
+    json.member("value", request.value.view());
+  }
+  json.end_object();
+  return json.finish();
+}
+
+FixedText<120> question_line(const char* what, std::uint64_t id) {
+  FixedText<120> line;
+  line.add("{%s, \"id\": %llu}\n", what, static_cast<unsigned long long>(id));
+  return line;
+}
+
+/// Commands that a browser may give: those that a state may list.
+bool is_command(Command command) { return static_cast<std::size_t>(command) < kCommandCount; }
+
+}  // namespace
+
+PageServer::PageServer(const std::string& socket, PageChoice page, std::string page_host, Pairing pairing)
+    : page_(page),
+      page_host_(std::move(page_host)),
+      pairing_(std::move(pairing)),
+      link_(command_socket(socket)),
+      mask_(kMostPng) {
+  for (Picture& picture : pictures_) picture.png.resize(kMostPng);
+  for (Stream& stream : streams_) stream.report.resize(kMostPng);
+}
+
+HttpAnswer PageServer::refuse(unsigned status, const char* error, std::string_view advice) {
+  text_.clear();
+  JsonWriter json(text_);
+  json.begin_object(kOneLine);
+  json.member("ok", false);
+  json.member("error", error);
+  if (!advice.empty()) json.member("advice", advice);
+  json.end_object();
+  static_cast<void>(json.finish());
+  return {.status = status, .body = text_.view()};
+}
+
+HttpReply PageServer::answer(const HttpRequest& request, const HttpTicket& ticket) {
+  if (!is_known_host(request.host, page_, page_host_)) {
+    return refuse(
+        421, "this machine is not known by that name",
+        page_ == PageChoice::kLocal ? "Open http://localhost" : "Use its address, or set [printer] page_host");
+  }
+  if (request.method == "GET" || request.method == "HEAD") return get(request, ticket);
+  if (request.method == "POST") return post(request, ticket);
+  HttpAnswer answer = refuse(405, "only GET and POST are served");
+  answer.allow = "GET, HEAD, POST";
+  return answer;
+}
+
+HttpReply PageServer::get(const HttpRequest& request, const HttpTicket& ticket) {
+  for (const PageFile& file : page_files()) {
+    if (request.path == file.path) return HttpAnswer{.type = file.type, .body = file.text, .is_fixed = true};
+  }
+  if (request.path == "/events") return HttpStream{};
+  if (request.path == "/access") return access(request);
+  if (request.path == "/api/version") {
+    return octoprint([](TextSink& out, std::string_view) { return write_octoprint_version(out); });
+  }
+  if (request.path == "/api/job") return octoprint(write_octoprint_job);
+  if (request.path == "/api/printer") return octoprint(write_octoprint_printer);
+  const bool is_picture = request.path.starts_with(kPicturePath);
+  const bool is_mask = request.path == "/mask", is_report = request.path == "/report.json";
+  if (!is_picture && !is_mask && !is_report && request.path != "/state") return refuse(404, "there is no such page");
+  if (state_.view().empty()) return refuse(503, "the printer's daemon does not answer", "Start plumblined");
+  if (request.path == "/state") return HttpAnswer{.body = state_.view()};
+  if (is_picture) {
+    const std::string_view name = request.path.substr(kPicturePath.size());
+    const auto* const word = std::find(kPictureWords.begin(), kPictureWords.end(), name);
+    if (word == kPictureWords.end()) return refuse(404, "there is no such picture");
+    return picture(static_cast<PictureName>(word - kPictureWords.begin()), ticket);
+  }
+  Question question{.kind = is_mask ? Question::Kind::kMask : Question::Kind::kReportBegin, .ticket = ticket};
+  FixedText<60> what;
+  if (is_mask) {
+    if (!request.n) return refuse(400, "which layer?", "Ask for /mask?n=0");
+    what.add(R"("do": "mask", "layer": %u)", *request.n);
+  } else {
+    what.add(R"("do": "report", "from": 0)");
+  }
+  question.id = ++last_id_;
+  if (!ask(question, question_line(what.c_str(), question.id).view())) return refuse(503, "the printer is busy");
+  return HttpLater{};
+}
+
+HttpAnswer PageServer::octoprint(Status (*write)(TextSink&, std::string_view)) {
+  text_.clear();
+  if (!write(text_, state_.view())) return refuse(500, "the answer is too long");
+  return {.body = text_.view()};
+}
+
+/// What this browser may do.
+HttpAnswer PageServer::access(const HttpRequest& request) {
+  text_.clear();
+  JsonWriter json(text_);
+  json.begin_object(kOneLine);
+  json.member("page", page_ == PageChoice::kLocal ? "local" : "network");
+  json.member("paired", pairing_.knows(request.token));
+  json.end_object();
+  static_cast<void>(json.finish());
+  return {.body = text_.view()};
+}
+
+HttpReply PageServer::picture(PictureName name, const HttpTicket& ticket) {
+  const Picture& kept = pictures_[static_cast<std::size_t>(name)];
+  const std::string_view word = kPictureWords[static_cast<std::size_t>(name)];
+  const auto pictures = json_member(state_.view(), "pictures");
+  const auto number = pictures ? whole_number(json_member(*pictures, word)) : std::nullopt;
+  if (!number) return refuse(404, "there is no such picture now");
+  if (kept.number == *number) {
+    return HttpAnswer{.type = "image/png", .body = {reinterpret_cast<const char*>(kept.png.data()), kept.size}};
+  }
+  Question question{.kind = Question::Kind::kPicture, .ticket = ticket, .picture = name};
+  if (const auto id = in_flight(name)) {
+    question.id = *id;
+    return ask(question, {}) ? HttpReply(HttpLater{}) : refuse(503, "the printer is busy");
+  }
+  question.id = ++last_id_;
+  FixedText<80> what;
+  what.add(R"("do": "picture", "picture": "%.*s")", static_cast<int>(word.size()), word.data());
+  if (!ask(question, question_line(what.c_str(), question.id).view())) return refuse(503, "the printer is busy");
+  return HttpLater{};
+}
+
+HttpReply PageServer::post(const HttpRequest& request, const HttpTicket& ticket) {
+  if (request.path != "/command" && request.path != "/pair") {
+    HttpAnswer answer = refuse(405, "nothing is sent there");
+    answer.allow = "GET, HEAD";
+    return answer;
+  }
+  if (!is_same_origin(request.host, request.origin)) return refuse(403, "only the printer's own page may do that");
+  if (!request.content_type.starts_with("application/json"))
+    return refuse(415, "what is sent must be application/json");
+  return request.path == "/pair" ? pair(request) : command(request, ticket);
+}
+
+/// {}: show a code on the screen, or pair at once if only this machine can ask. {"code": "482913"}: the person has read it.
+HttpReply PageServer::pair(const HttpRequest& request) {
+  const auto now = HostClock::now();
+  const std::string_view code = plain_text(json_member(request.body, "code"));
+  std::optional<PageToken> token;
+  if (page_ == PageChoice::kLocal) {
+    token = pairing_.add();
+  } else if (code.empty()) {
+    const auto made = pairing_.new_code(now);
+    if (!made) return refuse(429, std::string(made.error().finding()).c_str(), made.error().advice());
+    FixedText<60> what;
+    what.add(R"("do": "code", "code": "%s")", made->c_str());
+    if (!link_.send(question_line(what.c_str(), ++last_id_).view())) {
+      return refuse(503, "the printer's daemon does not answer", "Start plumblined");
+    }
+    // For a printer without a screen: whoever may read the log of the machine may command it.
+    std::fprintf(stderr, "plumbline-page: the code for a browser is %s\n", made->c_str());
+  } else {
+    const auto made = pairing_.pair(code, now);
+    if (!made) return refuse(403, std::string(made.error().finding()).c_str(), made.error().advice());
+    token = *made;
+    static_cast<void>(link_.send(question_line(R"("do": "code", "code": "")", ++last_id_).view()));
+  }
+  text_.clear();
+  JsonWriter json(text_);
+  json.begin_object(kOneLine);
+  json.member("ok", true);
+  if (token) json.member("token", token->view());
+  json.end_object();
+  static_cast<void>(json.finish());
+  return HttpAnswer{.body = text_.view()};
+}
+
+HttpReply PageServer::command(const HttpRequest& request, const HttpTicket& ticket) {
+  if (!pairing_.knows(request.token)) return refuse(401, "this browser is not paired with the printer");
+  std::optional<std::uint64_t> id;
+  const auto asked = parse_request(request.body, id);
+  if (!asked) return refuse(400, std::string(asked.error().finding()).c_str(), asked.error().advice());
+  if (!is_command(asked->command)) return refuse(400, "a browser can't command that");
+  const Question question{.kind = Question::Kind::kCommand, .id = ++last_id_, .ticket = ticket};
+  TextBuffer<1024> line;
+  if (!write_request(line, *asked, question.id)) return refuse(400, "the command is too long");
+  if (!ask(question, line.view())) return refuse(503, "the printer's daemon does not answer", "Start plumblined");
+  return HttpLater{};
+}
+
+std::optional<std::uint64_t> PageServer::in_flight(PictureName name) const {
+  for (const Question& question : questions_) {
+    if (question.kind == Question::Kind::kPicture && question.picture == name) return question.id;
+  }
+  return std::nullopt;
+}
+
+PageServer::Question* PageServer::free_question() {
+  auto* const free = std::find_if(questions_.begin(), questions_.end(),
+                                  [](const Question& one) { return one.kind == Question::Kind::kNone; });
+  return free != questions_.end() ? free : nullptr;
+}
+
+/// @param line  empty: the printer was asked before
+/// @returns whether an answer can be expected
+bool PageServer::ask(const Question& question, std::string_view line) {
+  Question* const place = free_question();
+  if (place == nullptr || (!line.empty() && !link_.send(line))) return false;
+  *place = question;
+  place->until = HostClock::now() + kPatience;
+  return true;
+}
+
+void PageServer::answer_question(HttpServer& server, Question& question, std::string_view line) {
+  const Question asked = std::exchange(question, Question());
+  const bool is_done = json_member(line, "ok") == "true";
+  const bool for_stream = asked.kind == Question::Kind::kReportPart;
+  if (!is_done && !for_stream) {
+    return server.finish(asked.ticket, {.status = asked.kind == Question::Kind::kCommand ? 409U : 404U, .body = line});
+  }
+  switch (asked.kind) {
+    case Question::Kind::kNone: return;
+    case Question::Kind::kCommand: return server.finish(asked.ticket, {.body = line});
+    case Question::Kind::kMask: {
+      const auto size = read_base64(plain_text(json_member(line, "png")), mask_);
+      return server.finish(asked.ticket, {.status = size ? 200U : 502U,
+                                          .type = "image/png",
+                                          .body = {reinterpret_cast<const char*>(mask_.data()), size.value_or(0)}});
+    }
+    case Question::Kind::kPicture: {
+      Picture& picture = pictures_[static_cast<std::size_t>(asked.picture)];
+      const auto size = read_base64(plain_text(json_member(line, "png")), picture.png);
+      picture.size = size.value_or(0);
+      picture.number = static_cast<std::uint32_t>(size ? whole_number(json_member(line, "number")).value_or(0) : 0);
+      return server.finish(asked.ticket, {.status = size ? 200U : 502U,
+                                          .type = "image/png",
+                                          .body = {reinterpret_cast<const char*>(picture.png.data()), picture.size}});
+    }
+    case Question::Kind::kReportBegin: {
+      // The answer only says how long it is: a stream asks for it again, from its start.
+      text_.clear();
+      return server.begin_stream(asked.ticket, {.kind = HttpStream::Kind::kReport,
+                                                .size = whole_number(json_member(line, "size")).value_or(0),
+                                                .type = "application/json",
+                                                .save_as = "report.json"});
+    }
+    case Question::Kind::kReportPart: {
+      Stream& stream = streams_[asked.stream];
+      const auto size = is_done ? read_base64(plain_text(json_member(line, "data")), stream.report) : std::nullopt;
+      // A report that has become shorter, or can't be read any more, ends the download.
+      if (size.value_or(0) == 0) return server.fail(asked.stream);
+      stream.report_bytes = *size;
+      return server.wake(asked.stream);
+    }
+  }
+}
+
+void PageServer::take_reply(HttpServer& server, std::string_view line) {
+  const auto id = whole_number(json_member(line, "id"));
+  for (Question& question : questions_) {
+    if (question.kind != Question::Kind::kNone && question.id == id) answer_question(server, question, line);
+  }
+}
+
+void PageServer::end_questions(HttpServer& server, HostClock::time_point now, bool all) {
+  for (Question& question : questions_) {
+    if (question.kind == Question::Kind::kNone || (!all && now < question.until)) continue;
+    const Question asked = std::exchange(question, Question());
+    if (asked.kind == Question::Kind::kReportPart) {
+      server.fail(asked.stream);
+    } else {
+      server.finish(asked.ticket, refuse(504, "the printer has not answered", "Look at what it does, then try again"));
+    }
+  }
+}
+
+void PageServer::receive(HttpServer& server) {
+  const bool was_open = link_.is_open();
+  link_.receive();
+  while (const auto line = link_.take_line()) {
+    const auto type = json_member(*line, "type");
+    if (type == "\"reply\"") {
+      take_reply(server, *line);
+    } else if (type == "\"state\"") {
+      state_.clear();
+      if (!state_.write(*line)) state_.clear();
+      ++event_;
+    }
+  }
+  if (!was_open || link_.is_open()) return;
+  state_.clear();
+  ++event_;
+  for (Picture& picture : pictures_) picture.number = 0;  // the next daemon counts from 1
+  end_questions(server, HostClock::now(), true);
+}
+
+std::size_t PageServer::write_event(Stream& stream, std::span<char> out) {
+  const auto now = HostClock::now();
+  std::string_view parts[] = {":", "", "\n\n"};  // a comment: a sign of life
+  if (stream.told != event_) {
+    if (now - stream.told_at < kBetweenEvents) {
+      owes_event_ = true;
+      return 0;
+    }
+    parts[0] = state_.view().empty() ? "event: lost\ndata: " : "data: ";
+    parts[1] = state_.view();
+  } else if (now - stream.told_at < kSignOfLife) {
+    return 0;
+  }
+  std::size_t size = 0;
+  for (const std::string_view part : parts) {
+    part.copy(out.data() + size, part.size());
+    size += part.size();
+  }
+  stream.told = event_;
+  stream.told_at = now;
+  return size;
+}
+
+std::optional<std::size_t> PageServer::write_report(std::size_t place, std::uint64_t sent, std::span<char> out) {
+  Stream& stream = streams_[place];
+  if (stream.report_bytes > 0) {
+    const std::size_t size = std::min(out.size(), std::exchange(stream.report_bytes, 0));
+    std::memcpy(out.data(), stream.report.data(), size);
+    return size;
+  }
+  Question question{.kind = Question::Kind::kReportPart, .stream = place};
+  question.id = ++last_id_;
+  FixedText<60> what;
+  what.add(R"("do": "report", "from": %llu)", static_cast<unsigned long long>(sent));
+  if (!ask(question, question_line(what.c_str(), question.id).view())) return std::nullopt;
+  return 0;
+}
+
+std::optional<std::size_t> PageServer::fill(std::size_t stream, HttpStream::Kind kind, bool begins, std::uint64_t sent,
+                                            std::span<char> out) {
+  if (begins) {
+    // What the one before in this place has asked is nobody's any more.
+    for (Question& question : questions_) {
+      if (question.kind == Question::Kind::kReportPart && question.stream == stream) question = {};
+    }
+    streams_[stream].told = 0;
+    streams_[stream].told_at = {};
+    streams_[stream].report_bytes = 0;
+  }
+  return kind == HttpStream::Kind::kEvents ? write_event(streams_[stream], out) : write_report(stream, sent, out);
+}
+
+void PageServer::run(HttpServer& server) {
+  HostClock::time_point woken{};
+  std::uint64_t woken_for = 0;
+  for (;;) {
+    const auto now = HostClock::now();
+    link_.connect(now);
+    receive(server);
+    end_questions(server, now, false);
+    const bool is_new = event_ != woken_for || owes_event_;
+    if (now - woken >= (is_new ? kBetweenEvents : HostClock::duration(kSignOfLife))) {
+      woken = now;
+      woken_for = event_;
+      owes_event_ = false;
+      server.wake_all(HttpStream::Kind::kEvents);
+    }
+    server.run();
+    const auto until =
+        is_new ? std::min<std::chrono::milliseconds>(server.patience(), kBetweenEvents) : server.patience();
+    std::array<pollfd, 2> files{};
+    files[0] = {.fd = server.descriptor(), .events = POLLIN, .revents = 0};
+    files[1] = {.fd = link_.is_open() ? link_.descriptor() : -1, .events = POLLIN, .revents = 0};
+    static_cast<void>(::poll(files.data(), files.size(), static_cast<int>(until.count())));
+  }
+}
+
+}  // namespace plumbline

@@ -1,0 +1,340 @@
+// Shows the printer's state, which comes as server-sent events, and sends commands. No library, nothing from elsewhere.
+"use strict";
+
+const words = texts[navigator.language.startsWith("de") ? "de" : "en"];
+const $ = (id) => document.getElementById(id);
+let state = null;
+let access = {page: "local", paired: false};
+
+// --- Small tools
+
+function element(name, text, attributes = {}) {
+  const made = document.createElement(name);
+  if (text !== undefined) made.textContent = text;
+  for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
+  return made;
+}
+function show(id, shown, text) {
+  const node = $(id);
+  node.hidden = !shown;
+  if (text !== undefined && node.textContent !== text) node.textContent = text;
+}
+// Fills a list or a group only if it has changed, so that the keyboard's focus and a screen reader stay where they are.
+function fill(node, key, make) {
+  const text = JSON.stringify(key);
+  if (node.dataset.key === text) return;
+  node.dataset.key = text;
+  node.replaceChildren(...make());
+}
+const number = (value, digits) => value.toLocaleString(words.locale, {minimumFractionDigits: digits, maximumFractionDigits: digits});
+function duration(seconds) {
+  if (seconds < 60) return `${Math.round(seconds)} ${words.s}`;
+  const minutes = Math.ceil(seconds / 60);
+  return minutes < 60 ? `${minutes} ${words.min}` : `${Math.floor(minutes / 60)} ${words.h} ${minutes % 60} ${words.min}`;
+}
+
+// --- To the printer
+
+async function post(path, body) {
+  const headers = {"Content-Type": "application/json", "Plumbline-Token": localStorage.getItem("token") || ""};
+  const reply = await fetch(path, {method: "POST", headers, body: JSON.stringify(body)});
+  return {status: reply.status, ...await reply.json()};
+}
+async function lookAtAccess() {
+  const reply = await fetch("/access", {headers: {"Plumbline-Token": localStorage.getItem("token") || ""}});
+  access = await reply.json();
+  if (access.page === "local" && !access.paired) {
+    const paired = await post("/pair", {});
+    if (paired.token) localStorage.setItem("token", paired.token);
+    access.paired = Boolean(paired.token);
+  }
+}
+async function command(body) {
+  show("notice", false);
+  try {
+    if (!access.paired) await lookAtAccess();
+    if (!access.paired && !await pair()) return;
+    const reply = await post("/command", body);
+    if (reply.status === 401) {
+      access.paired = false;
+      return command(body);
+    }
+    if (!reply.ok) show("notice", true, `${reply.error}${reply.advice ? `. ${reply.advice}` : ""}`);
+  } catch {
+    show("notice", true, words.lost);
+  }
+}
+
+// Asks for the code on the printer's screen. Gives back whether this browser is paired now.
+function pair() {
+  const dialog = $("pair"), form = dialog.querySelector("form");
+  return new Promise((done) => {
+    const wrong = (reply) => show("pair-error", !reply.ok, reply.ok ? "" : `${reply.error}. ${reply.advice || ""}`);
+    form.onsubmit = async (event) => {
+      event.preventDefault();
+      const reply = await post("/pair", {code: $("code").value});
+      wrong(reply);
+      if (!reply.token) return;
+      localStorage.setItem("token", reply.token);
+      access.paired = true;
+      dialog.close();
+    };
+    form.querySelector("button[type=button]").onclick = () => dialog.close();
+    dialog.onclose = () => done(access.paired);
+    $("code").value = "";
+    dialog.showModal();
+    post("/pair", {}).then(wrong);
+  });
+}
+
+function askToCancel() {
+  const dialog = $("ask");
+  dialog.returnValue = "";
+  dialog.onclose = () => { if (dialog.returnValue === "yes") command({do: "cancel"}); };
+  dialog.showModal();
+}
+
+// --- The parts of the page
+
+const isRunning = () => ["checks", "homing", "printing", "pausing", "paused", "cover open", "cooling down", "feed me"].includes(state.state);
+
+function buttonText(name) {
+  if (name === "cancel") {
+    return {offered: words.decline, slicing: words.stop, interrupted: words.giveUp}[state.state] || words.cancel;
+  }
+  return name === "start" && state.sliced ? words.again : words[name];
+}
+function showButtons() {
+  const names = state.commands.filter((name) => name !== "choose" && name !== "set");
+  fill($("buttons"), [names, names.map(buttonText)], () => names.map((name) => {
+    const kind = name === "cancel" ? "danger" : name === "pause" ? "" : "main";
+    const button = element("button", buttonText(name), {class: kind, "data-do": name});
+    const asks = name === "cancel" && (isRunning() || state.state === "interrupted");
+    button.onclick = () => asks ? askToCancel() : command({do: name});
+    return button;
+  }));
+}
+function showFacts() {
+  const rows = [];
+  const {progress, sliced, job, resin, slicing} = state;
+  if (slicing) rows.push([words.step, slicing.stage]);
+  if (job) rows.push([words.scan, job.scan], [words.profile, job.profile]);
+  if (sliced) {
+    const sides = [sliced.width_mm, sliced.depth_mm, sliced.height_mm].map((side) => number(side, 1)).join(" × ");
+    rows.push([words.size, `${sides} mm`], [words.layers, `${sliced.layers} × ${number(sliced.layer_height_mm, 3)} mm`]);
+    if (!progress) rows.push([words.time, duration(sliced.time_s)], [words.resin, `${number(sliced.resin_ml, 1)} ml`]);
+  }
+  if (progress) {
+    rows.push([words.layer, `${Math.min(progress.layers_done + 1, progress.layers)} ${words.of} ${progress.layers}`],
+              [words.height, `${number(progress.height_mm, 2)} mm`], [words.elapsed, duration(progress.elapsed_s)]);
+    if (progress.ends_at) {
+      rows.push([words.ends, new Date(progress.ends_at).toLocaleString(words.locale, {dateStyle: "short", timeStyle: "short"})]);
+    }
+    if (resin) {
+      rows.push([words.resin, `${number(resin.used_ml, 1)} ml ${words.used}, ${number(resin.needed_ml, 1)} ml ${words.needed}, ` +
+                              `${number(resin.tank_ml, 0)} ml ${words.tank}`]);
+    }
+    if (progress.slack_s !== null) rows.push([words.slack, `${number(progress.slack_s, 1)} s ${words.before}`]);
+  }
+  fill($("facts"), rows, () => rows.flatMap(([name, value]) => [element("dt", name), element("dd", value)]));
+}
+function showNow() {
+  const offersSliced = state.state === "offered" && state.sliced;
+  show("title", true, offersSliced ? words.sliced : words[state.state] || state.state);
+  let hint = words.hints[state.state] || "";
+  if (state.state === "idle" && state.stick.present) hint = words.hints.stick;
+  if (state.state === "offered") hint = offersSliced ? words.hints.sliced : state.stick.job_file ? words.hints.job : words.hints.offered;
+  show("hint", hint !== "", hint);
+  show("question", Boolean(state.question), state.question || "");
+  show("message", Boolean(state.message) && !state.fault, state.message || "");
+  const fault = state.fault;
+  $("fault").hidden = !fault;
+  if (fault) {
+    show("fault-title", true, `${fault.code}: ${fault.title}`);
+    show("fault-message", Boolean(fault.message), fault.message || "");
+    show("fault-meaning", true, fault.meaning);
+    show("fault-remedy", true, fault.remedy);
+  }
+  const progress = state.progress;
+  const done = state.slicing ? state.slicing.fraction : progress && progress.layers ? progress.layers_done / progress.layers : null;
+  $("progress").hidden = done === null;
+  if (done !== null) {
+    $("progress").value = done;
+    $("progress").textContent = `${Math.round(100 * done)} %`;
+  }
+  const waits = progress && (isRunning() || state.state === "interrupted");
+  show("left", Boolean(waits), waits ? `${Math.floor(100 * done)} % · ${words.locale === "de-DE" ? `${words.left} ${duration(progress.left_s)}` : `${duration(progress.left_s)} ${words.left}`}` : "");
+}
+function showPictures() {
+  const there = Object.entries(state.pictures || {}).filter(([, value]) => value !== null);
+  $("pictures").hidden = there.length === 0;
+  const names = there.map(([name]) => name);
+  fill($("pictures"), names, () => [$("pictures").firstElementChild, ...names.map((name) => {
+    const figure = element("figure"), caption = name === "layer" ? words.layerPicture : words[name] || name;
+    figure.append(element("img", undefined, {alt: caption, id: `picture-${name}`}), element("figcaption", caption));
+    return figure;
+  })]);
+  for (const [name, value] of there) {
+    const address = `/picture/${name}?n=${value}`, img = $(`picture-${name}`);
+    if (img.getAttribute("src") !== address) img.src = address;
+  }
+}
+
+// The slider asks for one layer at a time, and then for where it stands by now.
+let layerAsked = 0;
+function showLayer() {
+  const layer = Number($("layer").value);
+  $("which").textContent = `${words.layer} ${layer} ${words.of} ${$("layer").max}, ${number(layer * state.sliced.layer_height_mm, 2)} mm`;
+  if (layerAsked || $("mask").dataset.layer === String(layer)) return;
+  layerAsked = layer;
+  $("mask").src = `/mask?n=${layer - 1}`;
+}
+$("mask").onload = $("mask").onerror = () => {
+  $("mask").dataset.layer = layerAsked;
+  layerAsked = 0;
+  if (state && state.masks) showLayer();
+};
+$("layer").oninput = showLayer;
+function showMasks() {
+  const shown = Boolean(state.masks && state.sliced);
+  if (shown && $("layers").hidden) {
+    $("layer").max = state.sliced.layers;
+    $("layer").value = Math.ceil(state.sliced.layers / 2);
+    delete $("mask").dataset.layer;
+    showLayer();
+  }
+  $("layers").hidden = !shown;
+}
+function showStick() {
+  const {scans, left_out: leftOut} = state.stick;
+  $("stick").hidden = scans.length === 0;
+  const mayChoose = state.commands.includes("choose") && !state.sliced;
+  const chosen = state.job ? state.job.number : null;
+  fill($("scans"), [scans, mayChoose, chosen], () => scans.map((scan) => {
+    const line = element("li");
+    const button = element("button", undefined, {"aria-pressed": scan.number === chosen});
+    button.disabled = !mayChoose;
+    button.append(element("span", scan.name), element("span", size(scan.bytes), {class: "pale"}));
+    button.onclick = () => command({do: "choose", scan: scan.number});
+    line.append(button);
+    if (scan.problem) line.append(element("p", scan.problem, {class: "problem"}));
+    return line;
+  }));
+  show("left-out", leftOut > 0, `${leftOut} ${words.leftOut}`);
+}
+function size(bytes) {
+  if (bytes < 1000) return `${bytes} ${words.bytes}`;
+  return bytes < 1e6 ? `${number(bytes / 1e3, 1)} kB` : `${number(bytes / 1e6, 1)} MB`;
+}
+
+// Settings: name, label, kind, the printer's value, and what to send for what was entered.
+const angles = ["-90", "0", "90", "180"].map((value) => [value, `${value}°`]);
+const settings = [
+  ["profile", words.profile, () => state.profiles.map((name) => [name, name]), (job) => job.profile, (value) => ["profile", value]],
+  ["height", words.heightMm, "number", (job) => job.size && job.size.side === "height" ? job.size.mm : "",
+   (value) => value ? ["height", `${value}mm`] : ["scale", "1"]],
+  ["rotate_z_deg", words.turn, () => angles, (job) => job.rotate_z_deg, (value) => ["rotate_z_deg", value]],
+  ["rotate_x_deg", words.tilt, () => angles, (job) => job.rotate_x_deg, (value) => ["rotate_x_deg", value]],
+  ["orient", words.upright, "checkbox", (job) => job.orient === "auto", (value) => ["orient", value ? "auto" : "none"]],
+  ["supports", words.supports, () => [["", words.ofProfile], ["auto", words.auto], ["none", words.none]], (job) => job.supports || "",
+   (value) => ["supports", value]],
+  ["layer_height", words.layerHeight, "number", (job) => job.layer_height || "", (value) => ["layer_height", value]],
+];
+function makeSettings() {
+  const parts = [];
+  for (const [name, label, kind, , toSend] of settings) {
+    const id = `set-${name}`, isList = typeof kind === "function";
+    const input = element(isList ? "select" : "input", undefined, {id});
+    if (!isList) input.type = kind;
+    if (kind === "number") Object.assign(input, {min: 0, step: "any"});
+    input.onchange = () => {
+      const [key, value] = toSend(kind === "checkbox" ? input.checked : input.value);
+      command({do: "set", key, value});
+    };
+    const line = element("div"), text = element("label", label, {for: id});
+    if (kind === "checkbox") text.prepend(input);
+    line.append(text);
+    if (kind !== "checkbox") line.append(input);
+    parts.push(line);
+  }
+  return parts;
+}
+function showSettings() {
+  const shown = state.commands.includes("set") && Boolean(state.job) && !state.sliced;
+  $("settings").hidden = !shown;
+  if (!shown) return;
+  fill($("form"), 1, makeSettings);
+  for (const [name, , kind, ofJob] of settings) {
+    const input = $(`set-${name}`), value = ofJob(state.job);
+    if (typeof kind === "function") {
+      const choices = kind();
+      if (!choices.some(([choice]) => choice === String(value))) choices.push([String(value), String(value)]);
+      fill(input, choices, () => choices.map(([choice, text]) => element("option", text, {value: choice})));
+    }
+    if (document.activeElement === input && kind === "number") continue;  // somebody is typing
+    if (kind === "checkbox") input.checked = value;
+    else if (input.value !== String(value)) input.value = value;
+  }
+}
+function showLists() {
+  const findings = state.findings.map((one) => [one.severity, one.text]);
+  const checks = state.checks.map((one) => [one.outcome, `${one.check}: ${one.detail}`]);
+  for (const [id, rows] of [["findings", findings], ["checks", checks]]) {
+    $(id).hidden = rows.length === 0;
+    fill($(id).querySelector("ul"), rows, () => rows.map(([kind, text]) => element("li", text, {class: kind})));
+  }
+  $("report").hidden = !state.report;
+}
+
+function render() {
+  document.title = `${words[state.state] || state.state} · ${state.printer}`;
+  show("printer", true, state.printer);
+  show("simulated", state.simulated, words.simulated);
+  document.body.dataset.state = state.state;
+  for (const part of [showNow, showButtons, showFacts, showPictures, showMasks, showStick, showSettings, showLists]) part();
+}
+
+// --- From the printer
+
+function listen() {
+  const events = new EventSource("/events");
+  events.onmessage = (event) => {
+    state = JSON.parse(event.data);
+    show("lost", false);
+    $("now").inert = false;
+    render();
+  };
+  const lose = (text) => {
+    show("lost", true, text);
+    $("now").inert = true;
+  };
+  events.addEventListener("lost", () => lose(words.noDaemon));
+  events.onerror = () => {
+    lose(words.lost);
+    if (events.readyState === EventSource.CLOSED) setTimeout(listen, 3000);
+  };
+}
+
+function sayWords() {
+  document.documentElement.lang = words.locale.slice(0, 2);
+  const put = (selector, text) => { document.querySelector(selector).textContent = text; };
+  for (const [id, text] of Object.entries({pictures: words.pictures, layers: words.masks, stick: words.stickTitle, settings: words.settings,
+                                           findings: words.findings, checks: words.checksTitle, report: words.report})) put(`#${id} h2`, text);
+  put("#report a", words.download);
+  put("#fault-do", words.doThis);
+  put("#ask-title", words.askTitle);
+  put("#ask-text", words.askText);
+  put("#ask button:first-of-type", words.keep);
+  put("#ask button.danger", words.end);
+  put("#pair-title", words.pairTitle);
+  put("#pair label", words.pairLabel);
+  put("#pair button.main", words.pair);
+  put("#pair button[type=button]", words.close);
+  put("#layers label", words.layer);
+  $("mask").alt = words.masksAlt;
+  $("progress").setAttribute("aria-label", words.printing);
+}
+
+sayWords();
+lookAtAccess().catch(() => {});
+listen();

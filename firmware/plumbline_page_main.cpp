@@ -1,0 +1,5 @@
+/// The program `plumbline-page`.
+
+#include "firmware/page/page_command_line.hpp"
+
+int main(int argc, char** argv) { return static_cast<int>(plumbline::run_page_command_line(argc, argv)); }

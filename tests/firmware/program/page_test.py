@@ -1,0 +1,251 @@
+#!/usr/bin/env python3
+"""The printer's page, asked by HTTP as browsers and as those who mean harm ask: a real plumbline-page at a real plumblined."""
+
+import contextlib
+import json
+import os
+import socket
+import subprocess
+import time
+import unittest
+
+from case import main
+from page_client import PAGE, PagePrinter
+
+CODE = "the code for a browser is "
+
+
+class Page(PagePrinter):
+    def events(self):
+        """@returns a function that waits for a state for which holds(state)"""
+        stream = socket.create_connection(("127.0.0.1", self.port), 30)
+        self.addCleanup(stream.close)
+        stream.sendall(f"GET /events HTTP/1.1\r\nHost: localhost:{self.port}\r\n\r\n".encode())
+        file = stream.makefile("rb")
+        self.addCleanup(file.close)
+
+        def until(holds):
+            for line in iter(file.readline, b""):
+                if not line.startswith(b"data: "):
+                    continue
+                state = {"state": None, **json.loads(line[6:].strip() or b"{}")}  # None: the printer does not answer
+                if holds(state):
+                    return state
+            return self.fail("the stream has ended")
+
+        return until
+
+    def test_a_print_by_page_from_the_stick_to_the_report(self):
+        self.start(plate=False, speedup=100, printer=self.page_board("local"))
+        self.start_page()
+        token = self.paired()
+        until = self.events()
+        until(lambda s: s["state"] == "plate in use")
+        self.post("/command", {"do": "plate-empty"}, headers=token)
+        self.put_stick({"a.ply": 2, "b.ply": 2})
+        self.assertFalse(until(lambda s: s["state"] == "offered")["masks"])
+        self.post("/command", {"do": "choose", "scan": 2}, headers=token)
+        self.post("/command", {"do": "set", "key": "layer_height", "value": "0.1"}, headers=token)
+        until(lambda s: s["job"]["number"] == 2 and s["job"]["layer_height"] == 0.1)
+        # What the printer refuses is said in its words.
+        refused = self.post("/command", {"do": "choose", "scan": 3}, status=409, headers=token)
+        self.assertIn("no scan 3", refused["error"])
+        self.post("/command", {"do": "start"}, headers=token)
+        sliced = until(lambda s: s["state"] == "offered" and s["sliced"])
+        self.assertTrue(sliced["masks"])
+        # The masks that would be printed, in any order.
+        last = sliced["sliced"]["layers"] - 1
+        masks = [self.get(f"/mask?n={n}") for n in (last // 2, 0, last, last // 2)]
+        self.assertTrue(all(mask.startswith(b"\x89PNG") for mask in masks))
+        self.assertEqual(masks[0], masks[3])
+        self.assertNotEqual(masks[0], masks[1])
+        for path in (f"/mask?n={last + 1}", "/mask?n=4294967295", "/picture/none"):
+            self.assertEqual(self.ask("GET", path)[0], 404, path)
+        for path in ("/mask", "/mask?n=-1", "/mask?n=x", "/mask?n=99999999999"):
+            self.assertEqual(self.ask("GET", path)[0], 400, path)
+        preview = self.get("/picture/preview")
+        self.assertTrue(preview.startswith(b"\x89PNG"))
+        self.post("/command", {"do": "start"}, headers=token)
+        printing = until(lambda s: s["state"] == "printing" and s["progress"]["layers_done"] > 2)
+        self.assertFalse(printing["masks"])
+        self.assertTrue(self.get("/picture/layer").startswith(b"\x89PNG"))
+        self.assertEqual(self.ask("GET", "/report.json")[0], 404, "no report is read while the printer prints")
+        job = json.loads(self.get("/api/job"))
+        self.assertEqual((job["state"], job["job"]["file"]["name"]), ("Printing", "b.ply"))
+        self.assertTrue(json.loads(self.get("/api/printer"))["state"]["flags"]["printing"])
+        self.assertEqual(json.loads(self.get("/api/version"))["api"], "0.1")
+        self.post("/command", {"do": "pause"}, headers=token)
+        until(lambda s: s["state"] == "paused")
+        self.post("/command", {"do": "resume"}, headers=token)
+        done = until(lambda s: s["state"] == "plate in use" and s["commands"])
+        self.assertEqual((done["job"]["result"], done["report"]), ("finished", True))
+        # In parts of 24 kB, and whole.
+        _, headers, report = self.ask("GET", "/report.json")
+        self.assertIn("attachment", headers["Content-Disposition"])
+        self.assertEqual(report, (self.folder / "report.json").read_bytes())
+        self.assertEqual(json.loads(self.get("/state"))["state"], "plate in use")
+
+    def test_a_browser_of_the_network_needs_the_code_on_the_screen(self):
+        frames = self.dir / "frames"
+        self.start("--screen", frames, printer=self.page_board("network"))
+        self.start_page("network")
+        until = self.events()
+        until(lambda s: s["state"] == "idle")
+        self.post("/command", {"do": "offer"}, status=401)
+        self.post("/command", {"do": "offer"}, status=401, headers={"Plumbline-Token": "0" * 32})
+        self.post("/pair", {"code": "123456"}, status=403)
+        before = max(frames.glob("0*.png")).read_bytes()
+        self.assertNotIn("token", self.post("/pair", {}))
+        end = time.monotonic() + 30
+        while (not self.log or max(frames.glob("0*.png")).read_bytes() == before) and time.monotonic() < end:
+            time.sleep(0.05)
+        self.assertNotEqual(max(frames.glob("0*.png")).read_bytes(), before, "the screen shows the code")
+        (line,) = self.log
+        code = line.split(CODE)[1].strip()
+        self.assertNotIn(code, self.get("/state").decode())
+        wrong = "000000" if code != "000000" else "000001"
+        self.assertIn("not the code", self.post("/pair", {"code": wrong}, status=403)["error"])
+        token = {"Plumbline-Token": self.post("/pair", {"code": code})["token"]}
+        self.assertTrue(json.loads(self.get("/access", headers=token))["paired"])
+        self.assertIn("no command now", self.post("/command", {"do": "offer"}, status=409, headers=token)["error"])
+        # Another one has to read a new code, and has three guesses.
+        self.post("/pair", {"code": code}, status=403)
+        self.post("/pair", {})
+        for _ in range(3):
+            self.post("/pair", {"code": "x"}, status=403)
+        self.post("/pair", {}, status=429)
+        # The page forgets nobody.
+        self.end_page()
+        self.start_page("network")
+        self.assertTrue(json.loads(self.get("/access", headers=token))["paired"])
+
+    def test_only_the_pages_own_scripts_may_command(self):
+        self.start(printer=self.page_board("local"))
+        self.start_page()
+        token = self.paired()
+        host = f"localhost:{self.port}"
+        for headers in ({"Origin": "http://evil.example"}, {"Origin": "null"}, {"Origin": ""}, {"Origin": f"http://{host}"}):
+            self.post("/command", {"do": "offer"}, status=403, headers={**token, **headers})
+            self.post("/pair", {}, status=403, headers=headers)
+        self.post("/command", {"do": "offer"}, status=415, headers={**token, "Content-Type": "text/plain"})
+        # Another site's name that was pointed at this machine, and the network's names while the page is local.
+        for name in ("evil.example", f"evil.example:{self.port}", "printer.local", "192.168.1.2"):
+            self.assertEqual(self.ask("GET", "/state", host=name)[0], 421, name)
+        for body in ({"do": "picture", "picture": "layer"}, {"do": "mask", "layer": 0}, {"do": "report", "from": 0}, {"do": "code", "code": "1"},
+                     {"do": "dance"}, {}, [], "start", {"do": "start", "do2": 1}):
+            self.post("/command", body, status=400, headers=token)
+        for method in ("PUT", "DELETE", "OPTIONS", "PATCH", "TRACE", "BREW"):
+            self.assertEqual(self.ask(method, "/command")[0], 405, method)
+        self.assertEqual(self.ask("POST", "/state", {})[0], 405)
+        _, headers, page = self.ask("GET", "/")
+        self.assertIn("default-src 'none'", headers["Content-Security-Policy"])
+        self.assertIn(b"<!DOCTYPE html>", page)
+        for path in ("/page.js", "/page.css", "/words.js"):
+            self.assertIn("charset=utf-8", self.ask("GET", path)[1]["Content-Type"])
+        for path in ("/../../etc/passwd", "/%2e%2e/etc/passwd", "/page.js/", "//", "/\u00e4".encode("latin-1").decode("latin-1")):
+            self.assertEqual(self.ask("GET", path.replace("\u00e4", "%e4"))[0], 404, path)
+
+    def facts(self):
+        with open(f"/proc/{self.page.pid}/status", encoding="ascii") as file:
+            return dict(line.rstrip("\n").split(":\t", 1) for line in file if ":\t" in line)
+
+    def test_is_there_before_and_after_the_printer_and_has_no_rights(self):
+        self.folder.mkdir()
+        self.start_page()
+        self.assertEqual(self.ask("GET", "/state")[0], 503)
+        self.assertEqual(json.loads(self.get("/api/job"))["state"], "Offline")
+        daemon, _ = self.start(printer=self.page_board("local"))
+        until = self.events()
+        until(lambda s: s["state"] == "idle")
+        daemon.kill()
+        daemon.wait()
+        until(lambda s: s["state"] is None)
+        self.start(printer=self.page_board("local"))
+        until(lambda s: s["state"] == "idle")
+        facts = self.facts()
+        self.assertEqual({facts[key].strip() for key in ("CapInh", "CapPrm", "CapEff", "CapAmb")}, {"0" * 16})
+        if "PLUMBLINE_SANITIZED" not in os.environ:
+            self.assertEqual((facts["Seccomp"].strip(), facts["NoNewPrivs"].strip(), facts["Threads"].strip()), ("2", "1", "1"))
+
+    def raw(self, data, patience=0.2):
+        """Sends bytes on a connection of their own. @returns what came back, until the end of an answer's headers"""
+        with contextlib.closing(socket.create_connection(("127.0.0.1", self.port), 5)) as line:
+            with contextlib.suppress(OSError):
+                line.sendall(data)
+            line.settimeout(patience)
+            got = b""
+            with contextlib.suppress(OSError):
+                while b"\r\n\r\n" not in got and (part := line.recv(65536)):
+                    got += part
+            return got
+
+    def test_hostile_http_is_refused_and_takes_no_memory(self):
+        self.start(printer=self.page_board("local"))
+        self.start_page()
+        token = self.paired()
+        host = f"Host: localhost:{self.port}\r\n".encode()
+        post = b"POST /command HTTP/1.1\r\n" + host + f"Origin: http://localhost:{self.port}\r\n".encode() + b"Content-Type: application/json\r\n"
+        post += f"Plumbline-Token: {token['Plumbline-Token']}\r\n".encode()
+        hostile = [
+            b"", b"\r\n\r\n", b"\x00" * 2000, b"\xff\xfe\r\n\r\n", b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03" + b"x" * 500,
+            b"GET", b"GET / HTTP/1.1\r\n", b"GET / HTTP/1.1\r\n\r\n", b"GET / HTTP/9.9\r\n" + host + b"\r\n", b"GET /\r\n\r\n", b"get / http/1.1\r\n\r\n",
+            b"GET /" + b"a" * 100_000 + b" HTTP/1.1\r\n" + host + b"\r\n", b"GET / HTTP/1.1\r\n" + host + b"X: " + b"y" * 100_000 + b"\r\n\r\n",
+            b"GET / HTTP/1.1\r\n" + host + b"X: y\r\n" * 20_000 + b"\r\n", b"GET / HTTP/1.1\r\nHost:\r\n\r\n", b"GET / HTTP/1.1\r\n" + host + host + b"\r\n",
+            b"GET http://evil.example/ HTTP/1.1\r\nHost: evil.example\r\n\r\n", b"GET /%00 HTTP/1.1\r\n" + host + b"\r\n", b"GET /%zz%f HTTP/1.1\r\n" + host + b"\r\n",
+            b"GET /mask?" + b"n=1&" * 3000 + b" HTTP/1.1\r\n" + host + b"\r\n", b"CONNECT evil.example:25 HTTP/1.1\r\n" + host + b"\r\n",
+            b"GET / HTTP/1.1\r\nHost: localhost\r\n X: folded\r\n\r\n", b"GET / HTTP/1.1\r\n" + host + b"no colon\r\n\r\n",
+            post + b"Content-Length: 99999999999999999999999\r\n\r\n", post + b"Content-Length: 1048576\r\n\r\n" + b"{" * 1_000_000,
+            post + b"Content-Length: -1\r\n\r\n", post + b"Content-Length: 0x10\r\n\r\n", post + b"Content-Length: 500\r\n\r\n{}",
+            post + b"Content-Length: 2\r\nContent-Length: 5\r\n\r\n{}", post + b"Transfer-Encoding: chunked\r\n\r\nFFFFFFFFFFFFFFFF\r\nx",
+            post + b"Transfer-Encoding: chunked\r\nContent-Length: 2\r\n\r\n{}", post + b"Content-Length: 1000\r\n\r\n" + b'{"do":' * 166 + b"xxxx",
+            post + b"Content-Length: 13\r\n\r\n" + b'{"do":"\xc3\xc3"}', post + b"Expect: 100-continue\r\nContent-Length: 4\r\n\r\nnull",
+            post + b"Upgrade: websocket\r\nConnection: Upgrade\r\nContent-Length: 4\r\n\r\nnull", b"GET / HTTP/1.1\r\n" + host + b"\r\n" + b"garbage" * 1000,
+        ]
+        for round_ in range(2):
+            for data in hostile:
+                got = self.raw(data)
+                self.assertIsNone(self.page.poll(), data[:200])
+                if got:
+                    # The page itself is what the harmless first half of two of them asks for.
+                    self.assertRegex(got, rb"^HTTP/1\.[01] (?:[45]\d\d|100|200) ", data[:200])
+            if round_ == 0:
+                before = self.facts()
+        self.assertEqual(json.loads(self.get("/state"))["state"], "idle")
+        if "PLUMBLINE_SANITIZED" not in os.environ:
+            after = self.facts()
+            grown = {key: int(after[key].split()[0]) - int(before[key].split()[0]) for key in ("VmData", "VmStk")}
+            self.assertLess(max(grown.values()), 300, grown)
+
+    def test_connections_are_bounded_and_are_free_again(self):
+        self.start(printer=self.page_board("local"))
+        self.start_page()
+        lines = []
+        for _ in range(60):
+            line = socket.create_connection(("127.0.0.1", self.port), 5)
+            self.addCleanup(line.close)
+            with contextlib.suppress(OSError):
+                line.sendall(b"GET / HTTP/1.1\r\nHost: loc")
+            lines.append(line)
+        self.assertLess(len(os.listdir(f"/proc/{self.page.pid}/fd")), 24 + 16)
+        for line in lines:
+            line.close()
+        end = time.monotonic() + 20
+        while time.monotonic() < end:
+            with contextlib.suppress(OSError, AssertionError):
+                self.get("/state")
+                return
+        self.fail("the page serves nobody any more")
+
+    def test_there_is_no_page_unless_the_board_file_says_so(self):
+        board = self.page_board("off")
+        done = subprocess.run([PAGE, "--printer", board], capture_output=True, text=True, timeout=30, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("so there is no page", done.stdout)
+        done = subprocess.run([PAGE, "--printer", self.page_board("local"), "--listen", "0.0.0.0"], capture_output=True, text=True, timeout=30,
+                              check=False)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("is for this machine", done.stderr)
+
+
+if __name__ == "__main__":
+    main()
