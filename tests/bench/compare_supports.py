@@ -112,15 +112,20 @@ def plumbline_supports(plumbline, scan, work, pitch):
     return aligned, masks
 
 
-def prusa_masks(mesh, work, pitch, panel, *options):
+def prusa_archive(mesh, work, pitch, panel, *options):
+    """The layers as PrusaSlicer exports them, as a ZIP file of PNG files."""
     archive = work / "mesh.sl1"
     pixels = round(panel / pitch)
     run("prusa-slicer", "--export-sla", mesh, "--output", archive, "--printer-technology", "SLA", "--layer-height", pitch,
         "--initial-layer-height", pitch, "--display-orientation", "landscape", "--display-width", panel, "--display-height", panel,
-        "--display-pixels-x", pixels, "--display-pixels-y", pixels, "--max-print-height", 1000, "--gamma-correction", 0,
+        "--display-pixels-x", pixels, "--display-pixels-y", pixels, "--max-print-height", 1000,
         "--absolute-correction", 0, "--elefant-foot-compensation", 0, "--display-mirror-x=0",
         "--bed-shape", f"0x0,{panel}x0,{panel}x{panel},0x{panel}", "--center", f"{panel / 2},{panel / 2}", *options)  # fmt: skip
-    with zipfile.ZipFile(archive) as masks:
+    return archive
+
+
+def prusa_masks(mesh, work, pitch, panel, *options):
+    with zipfile.ZipFile(prusa_archive(mesh, work, pitch, panel, "--gamma-correction", 0, *options)) as masks:
         names = sorted(name for name in masks.namelist() if name.endswith(".png") and "/" not in name)
         return stack(io.BytesIO(masks.read(name)) for name in names)
 
