@@ -29,6 +29,8 @@ class PixelRuns {
     std::uint32_t row = 0;      ///< of its widest run
     std::uint32_t column = 0;   ///< middle of that run
     std::uint32_t width = 0;    ///< of that run
+    std::uint32_t top_row = 0;  ///< its first row
+    std::uint32_t top_begin = 0;  ///< and the first column there
   };
 
   /// The white regions of `image`.
