@@ -10,7 +10,7 @@ namespace plumbline {
 namespace {
 
 /// Contacts of a pillar are so far apart, mm: below kWantedFree_mm, since places are rounded to pixels and layers,
-constexpr double kApart = 4.5;
+constexpr double kApart = 3.2;
 /// but at least this much more than a brace rises.
 constexpr double kBetween = 1.5;
 /// Longest rise of a brace, mm: with kBetween it must stay below kMostFree_mm.

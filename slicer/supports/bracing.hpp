@@ -30,7 +30,7 @@ struct BraceCounts {
 class Bracing {
  public:
   static constexpr double kMostFree_mm = 10;
-  static constexpr double kWantedFree_mm = 5;
+  static constexpr double kWantedFree_mm = 3.5;
 
   /// @param contacts  room for most_contacts()
   Bracing(const SupportSettings& settings, double raft_mm, const Obstacles& obstacles, StrutList& list,
