@@ -72,7 +72,8 @@ void IslandFinder::read_runs(ConstBitImage mask, ConstBitImage below, ConstBitIm
     const std::int64_t r = row;
     const bool held = both_in(mask, below, r, before, after) || both_in(mask, below, r - 1, run.begin, run.end) ||
                       both_in(mask, below, r + 1, run.begin, run.end);
-    regions_[run.region] = {run.region, run.end - run.begin, {run.begin + (run.end - run.begin) / 2, row, run.end - run.begin}, held, true};
+    regions_[run.region] = {
+        run.region, run.end - run.begin, {run.begin + (run.end - run.begin) / 2, row, run.end - run.begin}, held, true};
   }
 }
 

@@ -3,7 +3,11 @@
 
 import json
 import math
+import shutil
 import struct
+import subprocess
+import unittest
+import zipfile
 import zlib
 
 from case import Program, main, write_lying_cone
@@ -34,6 +38,18 @@ def write_peers_layers(folder):
         body = b"".join(struct.pack(">I", len(d)) + n + d + struct.pack(">I", zlib.crc32(n + d)) for n, d in chunks)
         (folder / f"peer{k:05}.png").write_bytes(b"\x89PNG\r\n\x1a\n" + body)
     return {(c, r, k) for k in range(LAYERS) for r in range(ROWS) for c in range(COLUMNS) if grey(c, r, k) > 127}
+
+
+def box(low, high, hollow=False):
+    """The triangles of a box as STL; of a hollow, they face inwards."""
+    corner = [[(low, high)[i >> axis & 1][axis] for axis in range(3)] for i in range(8)]
+    faces = ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5))
+    text = ""
+    for a, b, c, d in faces:
+        for triangle in ((a, b, c), (a, c, d)):
+            points = [corner[i] for i in (triangle[::-1] if hollow else triangle)]
+            text += "facet normal 0 0 0\nouter loop\n" + "".join(f"vertex {x} {y} {z}\n" for x, y, z in points) + "endloop\nendfacet\n"
+    return text
 
 
 def flooded(seeds, may_pass, top=LAYERS):
@@ -122,6 +138,30 @@ class Check(Program):
         self.run_it("check", self.out, "--check", "first_layer_area=refuse", status=1)
         for wrong in ("overhang", "overhang=shout", "cliff=warn"):
             self.assertIn("is not KIND=ACTION", self.slice_it("--check", wrong, status=2).stderr)
+
+    @unittest.skipUnless(shutil.which("prusa-slicer"), "needs the package prusa-slicer")
+    def test_check_finds_in_a_stack_of_prusa_slicer_what_is_in_the_mesh(self):
+        # A block of 3 x 4 x 2.4 mm with a bubble of 1.2 x 1.6 x 1 mm, and a peg of 1 x 1 x 1.2 mm below a beam beside it.
+        solid = box((0, 0, 0), (3, 4, 2.4)) + box((0.8, 1, 0.6), (2, 2.6, 1.6), hollow=True)
+        peg = box((4, 1, 0.8), (5, 2, 2)) + box((2.8, 1, 2), (5, 2, 2.4))
+        mesh, archive, folder = self.dir / "mesh.stl", self.dir / "mesh.sl1", self.dir / "peer"
+        mesh.write_text(f"solid mesh\n{solid}{peg}endsolid mesh\n")
+        panel = ("--display-width", 7, "--display-height", 5, "--display-pixels-x", COLUMNS, "--display-pixels-y", ROWS)
+        command = ("prusa-slicer", "--export-sla", mesh, "--output", archive, "--printer-technology", "SLA", "--layer-height", PITCH,
+                   "--initial-layer-height", PITCH, "--display-orientation", "landscape", *panel, "--bed-shape", "0x0,7x0,7x5,0x5",
+                   "--center", "3.5,2.5", "--supports-enable=0", "--pad-enable=0", "--absolute-correction", 0,
+                   "--elefant-foot-compensation", 0)  # fmt: skip
+        subprocess.run(list(map(str, command)), check=True, capture_output=True)
+        with zipfile.ZipFile(archive) as layers:
+            layers.extractall(folder, [name for name in layers.namelist() if name.endswith(".png") and "/" not in name])
+        told = json.loads(self.run_it("check", folder, "--pixel-pitch", PITCH, "--layer-height", PITCH, "--json").stdout)
+        kinds = told["issues"]["kinds"]
+        self.assertEqual([kinds[kind]["count"] for kind in ("resin_trap", "island", "free_piece")], [1, 1, 1])
+        self.assertNotIn("suction_cup", kinds)
+        self.assertAlmostEqual(kinds["resin_trap"]["largest"][0]["volume_ml"] * 1000, 1.2 * 1.6 * 1, delta=0.2)
+        piece = kinds["free_piece"]["largest"][0]
+        self.assertAlmostEqual(piece["volume_ml"] * 1000, 1.2, delta=0.2)
+        self.assertEqual((piece["first_layer"], piece["last_layer"]), (8, 19))
 
 
 if __name__ == "__main__":
