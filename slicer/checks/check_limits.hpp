@@ -5,17 +5,20 @@
 
 namespace plumbline {
 
-/// Defaults are UVtools' (IslandDetectionConfiguration and its like, version 5), as far as it has the check. They are
-/// pixels where UVtools counts pixels, whatever the pitch.
+/// Defaults are UVtools' as far as it has the check. They are pixels where UVtools counts pixels, whatever the pitch. UVtools has
+/// two sets of them: those of its library and command line (IslandDetectionConfiguration and its like), and those of its window
+/// (UserSettings). Where these differ, the more useful one is here, and the other one is named.
 struct CheckLimits {
   // Island: fewer pixels are above white ones than a quarter of the region. With 10 pixels and a quarter of that share or
   // more, only if it also has an overhang.
   std::uint32_t island_held_divisor = 4;  ///< 1 / RequiredPixelsToSupportMultiplier
   std::uint32_t island_held_pixels = 10;  ///< of the enhanced detection
-  std::uint32_t overhang_reach = 40;      ///< pixels: ErodeIterations
+  std::uint32_t overhang_reach = 40;      ///< pixels: ErodeIterations; 49 in the window
   std::uint32_t drain_pixels = 10;  ///< RequiredBlackPixelsToDrain: a smaller opening between layers drains nothing
-  std::uint32_t trap_pixels = 17;   ///< of the largest region of a resin trap: the area to process in UVtools' settings
-  std::uint32_t suction_pixels = 100;  ///< RequiredAreaToConsiderSuctionCup
+  /// Of the largest region of a resin trap: RequiredAreaToProcessCheck of the window. The library's is 4, but traps that small are
+  /// those of one layer between the grey edges of supports.
+  std::uint32_t trap_pixels = 17;
+  std::uint32_t suction_pixels = 100;  ///< RequiredAreaToConsiderSuctionCup; 10000 in the window
   double suction_height_mm = 0.5;      ///< RequiredHeightToConsiderSuctionCup
   std::uint32_t bound_margin = 5;      ///< pixels: MarginLeft and its like
   bool has_panel = false;              ///< the grid is a panel, so its edge is one

@@ -93,16 +93,33 @@ SeenLayer StackChecker::compare_with_below(ConstBitImage mask) {
 bool StackChecker::find_overhangs(const PixelBox& box) {
   if (box.empty() || erode_fresh(fresh_, box, limits_.overhang_reach, eroded_) == 0) return false;
   if (!overhangs_.label(eroded_)) return true;
-  // UVtools leaves out what its contours enclose no area of: single pixels and lines.
-  const auto broad = [&](std::uint32_t region, std::uint32_t widest) {
-    const std::uint32_t length = 1U + overhangs_.run(widest).last - overhangs_.run(widest).first;
-    return overhangs_.area(region) >= 4 && length >= 2 && overhangs_.area(region) > length;
-  };
   for_each_region(overhangs_, widest_, [&](std::uint32_t region, bool white) {
-    if (!white || !broad(region, widest_[region])) return;
+    if (!white || !has_contour_area(region)) return;
     findings_.of(IssueKind::kOverhang).add(issue_at(IssueKind::kOverhang, layer_, overhangs_, widest_[region]));
   });
   return true;
+}
+
+/// UVtools leaves out overhangs whose contours enclose less than a pixel's area. A contour runs through the middles of pixels, so
+/// four pixels of which all are white add 1 to its area, three white ones add 1/2.
+bool StackChecker::has_contour_area(std::uint32_t region) const {
+  const auto white = [&](std::uint32_t c, std::uint32_t r) {
+    return c < eroded_.columns() && r < eroded_.rows() && eroded_.at(c, r) ? 1U : 0U;
+  };
+  std::uint32_t halves = 0;
+  for (std::uint32_t r = overhangs_.row_of(region); r < overhangs_.rows(); ++r) {
+    for (std::uint32_t i = overhangs_.row_begin(r); i < overhangs_.row_begin(r + 1); ++i) {
+      if (overhangs_.region(i) != region) continue;
+      const LayerRegions::Run& run = overhangs_.run(i);
+      for (std::uint32_t end = run.first; end <= run.last + 1U; ++end) {  // columns end - 1 and end
+        const std::uint32_t left = end > 0 ? white(end - 1, r) + white(end - 1, r + 1) : 0;
+        const std::uint32_t pixels = left + white(end, r) + white(end, r + 1);
+        halves += pixels == 4 ? 2 : pixels == 3 ? 1 : 0;
+        if (halves >= 2) return true;
+      }
+    }
+  }
+  return false;
 }
 
 const StackFindings& StackChecker::finish() {

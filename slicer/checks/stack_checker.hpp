@@ -39,6 +39,7 @@ class StackChecker {
 
   SeenLayer compare_with_below(ConstBitImage mask);
   bool find_overhangs(const PixelBox& box);
+  bool has_contour_area(std::uint32_t region) const;
 
   CheckLimits limits_;
   StackFindings findings_;

@@ -9,9 +9,11 @@
 namespace plumbline {
 namespace {
 
-/// Contacts of a pillar are at most this far apart, mm: below kMostFree_mm, since places are rounded to pixels and layers.
-constexpr double kApart = 9.5;
-/// Longest rise of a brace, mm: two of them must fit into kApart with some room between.
+/// Contacts of a pillar are so far apart, mm: below kWantedFree_mm, since places are rounded to pixels and layers,
+constexpr double kApart = 3.2;
+/// but at least this much more than a brace rises.
+constexpr double kBetween = 1.5;
+/// Longest rise of a brace, mm: with kBetween it must stay below kMostFree_mm.
 constexpr double kMostRise = 8;
 /// A brace is this share of a pillar's diameter.
 constexpr double kThickness = 0.5;
@@ -113,7 +115,7 @@ Expected<bool> Bracing::zigzag(Pillar& a, Pillar& b) {
       ++counts_.braces;
       any = true;
       std::swap(lower, upper);
-      high -= kApart - rise;
+      high -= std::max(kApart - rise, kBetween);
     } else {
       high -= std::max(lh_, Obstacles::kVoxel_mm);
     }
@@ -128,7 +130,7 @@ Status Bracing::brace(std::size_t index) {
   std::size_t last = 0;
   for (std::size_t tried = 0; tried < kMostNeighbours; ++tried) {
     const Gap gap = largest_gap(pillar);
-    if (gap.height() <= kMostFree_mm) return {};
+    if (gap.height() <= kWantedFree_mm) return {};
     std::size_t nearest = pillars.size();
     double least = 0;
     for (std::size_t i = 0; i < pillars.size(); ++i) {

@@ -24,11 +24,13 @@ struct BraceCounts {
   double longest_free_mm = 0;  ///< of all pillars
 };
 
-/// Puts zig-zags of braces between neighbouring pillars until none has more than kMostFree_mm without one, from its foot to its
-/// head. A pillar with no neighbour within max_pillar_link_distance gets a helper: a second pillar beside it.
+/// Puts zig-zags of braces between neighbouring pillars until none has more than kWantedFree_mm without one, from its foot to its
+/// head, or no neighbour within max_pillar_link_distance is left. A pillar that then has more than kMostFree_mm gets a helper: a second
+/// pillar beside it.
 class Bracing {
  public:
   static constexpr double kMostFree_mm = 10;
+  static constexpr double kWantedFree_mm = 3.5;
 
   /// @param contacts  room for most_contacts()
   Bracing(const SupportSettings& settings, double raft_mm, const Obstacles& obstacles, StrutList& list,

@@ -72,7 +72,8 @@ void IslandFinder::read_runs(ConstBitImage mask, ConstBitImage below, ConstBitIm
     const std::int64_t r = row;
     const bool held = both_in(mask, below, r, before, after) || both_in(mask, below, r - 1, run.begin, run.end) ||
                       both_in(mask, below, r + 1, run.begin, run.end);
-    regions_[run.region] = {run.region, run.end - run.begin, {run.begin + (run.end - run.begin) / 2, row}, held, true};
+    regions_[run.region] = {
+        run.region, run.end - run.begin, {run.begin + (run.end - run.begin) / 2, row, run.end - run.begin}, held, true};
   }
 }
 
@@ -86,10 +87,12 @@ void IslandFinder::join_with_row_above() {
       if (joined != kept) {
         Region& to = regions_[kept];
         const Region& from = regions_[joined];
+        const std::uint32_t pixels = to.middle.pixels + from.middle.pixels;
         if (from.width > to.width) {
           to.width = from.width;
           to.middle = from.middle;
         }
+        to.middle.pixels = pixels;
         to.held |= from.held;
         to.goes_on = true;
       }

@@ -26,6 +26,7 @@ class IslandFinder {
   /// The middle pixel of the widest run of an island.
   struct Place {
     std::uint32_t column = 0, row = 0;
+    std::uint32_t pixels = 0;  ///< of the island
   };
 
   /// Takes the next row of a layer, the first one after create() or end().

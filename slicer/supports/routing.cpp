@@ -26,7 +26,7 @@ constexpr double kLowestJoint = 0.5;
 struct LoadClass {
   double tip, pillar;
 };
-constexpr LoadClass kLight = {0.75, 0.75};
+constexpr LoadClass kLight = {kLightTip, 0.75};
 constexpr LoadClass kMedium = {1, 1};
 constexpr LoadClass kHeavy = {1.5, 1.2};
 

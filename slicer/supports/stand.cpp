@@ -37,8 +37,14 @@ Expected<std::uint32_t> first_flat_layer(const RRep& rrep, Arena& arena) {
   for (std::uint32_t k = 0; k < rrep.grid.layers; k += kMeasured) {
     largest = std::max(largest, pixels_in(stream->mask(k), window));
   }
+  const auto rise = static_cast<std::uint32_t>(kFlatRise_mm / static_cast<double>(rrep.grid.layer_height_mm) + 0.5);
+  const auto is_flat = [&](std::uint32_t layer) {
+    const std::uint64_t here = pixels_in(stream->mask(layer), window);
+    if (here * kFlatShare < largest) return false;
+    return here * 2 >= pixels_in(stream->mask(std::min(layer + rise, rrep.grid.layers - 1)), window);
+  };
   std::uint32_t flat = 0;
-  while (flat < candidates && pixels_in(stream->mask(flat), window) * kFlatShare < largest) ++flat;
+  while (flat < candidates && !is_flat(flat)) ++flat;
   arena.release_bottom(mark);
   return flat < candidates ? flat : rrep.grid.layers;
 }

@@ -16,12 +16,15 @@ struct Stand {
 };
 
 /// An underside is flat if a section at most kMostSunk_mm and 1 / kSunkShare of the height above the lowest point has at
-/// least 1 / kFlatShare of the largest section's area. So a ball is not flat, whatever its size: it has 9.8 % there. An object
-/// with a flat underside sinks to the first such layer and stands on the plate. Any other is lifted by object_elevation and the
-/// raft: its lowest layers would hold on the plate with a tip's area, and be torn off.
+/// least 1 / kFlatShare of the largest section's area, and at least half of the area of the section kFlatRise_mm higher. So a ball
+/// is not flat, whatever its size: it has 9.8 % there. Nor is what lies on one end of its underside, while the rest of it begins
+/// a little higher: supports there have no height to widen in, and tear off the plate. An object with a flat underside sinks to the
+/// first such layer and stands on the plate. Any other is lifted by object_elevation and the raft: its lowest layers would hold on
+/// the plate with a tip's area, and be torn off.
 inline constexpr double kMostSunk_mm = 0.3;
 inline constexpr double kSunkShare = 40;
 inline constexpr std::uint64_t kFlatShare = 10;
+inline constexpr double kFlatRise_mm = 1;
 
 /// @param most_layers  that the printer can print
 /// @retval ErrorCode::kDoesNotFit   the lifted object is too high

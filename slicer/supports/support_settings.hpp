@@ -51,6 +51,9 @@ struct SupportField {
   std::string_view help;  ///< one line
 };
 
+/// Diameter of a tip of light load, as a share of head_front_diameter.
+inline constexpr double kLightTip = 0.75;
+
 /// Largest support_overhang_span, mm: bounds the memory of the search.
 inline constexpr double kLongestSpan = 30;
 

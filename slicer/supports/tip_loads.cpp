@@ -12,6 +12,10 @@ constexpr double kCell = 2;
 /// mm in height over which an overhang still hangs from a tip.
 constexpr double kHangs = 3;
 
+/// A region of which less than a sixteenth is held is an island to UVtools and slicer/checks.
+constexpr double kIslandShare = 16;
+constexpr double kPi = 3.14159265358979324;
+
 std::uint32_t cell_pixels(const PrintGrid& grid) {
   const double pitch = std::max(static_cast<double>(grid.pitch_x_mm), static_cast<double>(grid.pitch_y_mm));
   return static_cast<std::uint32_t>(std::max(1.0, std::floor(kCell / pitch)));
@@ -30,10 +34,12 @@ Expected<TipLoads> TipLoads::create(const PrintGrid& grid, const SupportSettings
   loads.cells_y_ = cells(grid.rows, loads.cell_);
   const double pixel = static_cast<double>(grid.pitch_x_mm) * static_cast<double>(grid.pitch_y_mm);
   loads.most_ = static_cast<std::uint32_t>(std::clamp(settings.area_per_tip / pixel, 1.0, 4e9));
+  const double light = settings.head_front_diameter * kLightTip;
+  loads.most_of_island_ =
+      static_cast<std::uint32_t>(std::clamp(kIslandShare * kPi / 4 * light * light / pixel, 1.0, 4e9));
   loads.layers_ = static_cast<std::uint32_t>(std::ceil(kHangs / static_cast<double>(grid.layer_height_mm)));
   loads.apart_ = nanometres(settings.points_minimal_distance);
   // No tip can relieve another one this near, so every tip keeps room for what may come there.
-  constexpr double kPi = 3.14159265358979324;
   const double near = kPi * settings.points_minimal_distance * settings.points_minimal_distance / pixel;
   loads.reserve_ = static_cast<std::uint32_t>(std::min(near, loads.most_ / 2.0));
   const auto head = arena.take_top<std::uint32_t>(std::size_t{loads.cells_x_} * loads.cells_y_, kStage);
@@ -58,7 +64,7 @@ void TipLoads::add(std::uint32_t tip) {
   head = tip;
 }
 
-bool TipLoads::carry(std::uint32_t column, std::uint32_t row, std::uint32_t layer, std::uint32_t pixels) {
+const Tip* TipLoads::carry(std::uint32_t column, std::uint32_t row, std::uint32_t layer, std::uint32_t pixels) {
   std::uint32_t nearest = kNone;
   Nanometres least = 0;
   const std::uint32_t x = column / cell_;
@@ -77,15 +83,17 @@ bool TipLoads::carry(std::uint32_t column, std::uint32_t row, std::uint32_t laye
       }
     }
   }
-  if (nearest == kNone) return false;
+  if (nearest == kNone) return nullptr;
   Tip& tip = list_[nearest];
   if (least < apart_ * apart_) {
     tip.close += pixels;
+  } else if (tip.dense && tip.layer == layer && tip.load + pixels > most_of_island_) {
+    return &tip;
   } else if (tip.load + pixels + reserve_ - std::min(reserve_, tip.close) > most_) {
-    return true;
+    return &tip;
   }
   tip.load += pixels;
-  return false;
+  return nullptr;
 }
 
 }  // namespace plumbline

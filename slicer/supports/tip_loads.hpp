@@ -28,8 +28,8 @@ class TipLoads {
   void add(std::uint32_t tip);
 
   /// Gives `pixels` of overhang in `layer`, round (column, row), to the nearest tip.
-  /// @returns whether that tip had its full load already, so that another one is needed here
-  bool carry(std::uint32_t column, std::uint32_t row, std::uint32_t layer, std::uint32_t pixels);
+  /// @returns that tip if it had its full load already, so that another one is needed here
+  const Tip* carry(std::uint32_t column, std::uint32_t row, std::uint32_t layer, std::uint32_t pixels);
 
  private:
   static constexpr std::uint32_t kNone = ~0U;
@@ -40,10 +40,11 @@ class TipLoads {
   PixelPitch pitch_;
   std::uint32_t cell_ = 1;  ///< pixels
   std::uint32_t cells_x_ = 1, cells_y_ = 1;
-  std::uint32_t most_ = 1;     ///< pixels that a tip carries
-  std::uint32_t layers_ = 1;   ///< below: a tip farther down carries nothing here
-  Nanometres apart_ = 0;       ///< least distance of tips
-  std::uint32_t reserve_ = 0;  ///< pixels of overhang that may come nearer than that
+  std::uint32_t most_ = 1;            ///< pixels that a tip carries
+  std::uint32_t most_of_island_ = 1;  ///< of its first layer, if it is dense
+  std::uint32_t layers_ = 1;          ///< below: a tip farther down carries nothing here
+  Nanometres apart_ = 0;              ///< least distance of tips
+  std::uint32_t reserve_ = 0;         ///< pixels of overhang that may come nearer than that
 };
 
 }  // namespace plumbline

@@ -18,6 +18,8 @@ constexpr const char* kStage = "supports";
 
 // The list has room for a tip on every so many pixels or mm2 of the panel, whatever is more.
 constexpr double kPixelsPerTip = 64;
+/// mm2: larger islands are flats, which their tips hold as they hold other overhangs.
+constexpr double kDenseIsland = 12;
 constexpr double kAreaPerTip = 1;  ///< mm2; on an overhang they share, tips are a few times rarer
 
 /// Where to put the tip for the first pixel, in reading order, that needs one: in later rows or to the side, so that the tip
@@ -35,6 +37,7 @@ class Sweep {
       : grid_(rrep.grid), window_(window_of(rrep)), pitch_(rrep.grid), list_(list) {
     const auto layer_height = static_cast<double>(grid_.layer_height_mm);
     head_ = nanometres(settings.head_front_diameter / 2);
+    dense_pixels_ = kDenseIsland / (static_cast<double>(grid_.pitch_x_mm) * static_cast<double>(grid_.pitch_y_mm));
     penetration_ = static_cast<std::uint32_t>(std::floor(settings.head_penetration / layer_height + 0.5));
   }
 
@@ -109,6 +112,7 @@ class Sweep {
     Status done;
     const auto hold = [&](const IslandFinder::Place& place) {
       if (done) done = add_tip(place.column, place.row, layer, mask, true);
+      if (done) list_[count_ - 1].dense = place.pixels <= dense_pixels_;
     };
     for (std::uint32_t r = window_.row; r < window_.row_end; ++r) {
       islands_.next_row(mask, below_, fresh_, r, window_, hold);
@@ -169,8 +173,9 @@ class Sweep {
           const std::uint32_t length =
               std::min(static_cast<std::uint32_t>(std::countr_one(rest >> first)), TipLoads::kMostPixels);
           const std::uint32_t column = w * 64 + first + length / 2;
-          if (loads_.carry(column, r, layer, length)) {
+          if (const Tip* const full = loads_.carry(column, r, layer, length)) {
             PLUMBLINE_TRY(add_tip(column, r, layer, mask, false));
+            list_[count_ - 1].dense = full->dense && full->layer == layer;
             loads_.carry(column, r, layer, length);
           }
           rest &= ~(((std::uint64_t{1} << length) - 1) << first);
@@ -231,6 +236,7 @@ class Sweep {
   Nanometres head_ = 0;            ///< radius of a tip
   Nanometres reach_ = 0;           ///< of a tip
   std::uint32_t penetration_ = 0;  ///< layers
+  double dense_pixels_ = 0;        ///< of an island, at most, that gets dense tips
   std::span<Tip> list_;            ///< by layer
   std::size_t count_ = 0;
   std::size_t heads_ = 0;         ///< index of the first tip that may be in the layer

@@ -1,11 +1,10 @@
 #!/usr/bin/env python3
 """Compares plumbline's supports with PrusaSlicer's on the same meshes:
 
-  compare_supports.py PLUMBLINE MESH.ply ... [--size MM] [--pitch MM] [--orientations N] [--points N] [--keep DIR]
+  compare_supports.py PLUMBLINE MESH.ply ... [--size MM] [--pitch MM] [--orientations N] [--keep DIR]
 
-Each mesh is scaled to --size (25 mm) and turned into up to six orientations. PrusaSlicer slices the mesh, plumbline a scan of --points
-(200,000) random points of it with the faces' normals. Both use their default settings. Masks of both are measured alike
-(support_figures.py). Voxels are cubes of --pitch (0.1 mm).
+Each mesh is scaled to --size (25 mm) and turned into up to six orientations. Both slice it with their default settings. Masks of both are
+measured alike (support_figures.py). Voxels are cubes of --pitch (0.1 mm).
 Prints a table in Markdown. Needs .ci/setup bench, python3-numpy, python3-scipy and python3-pil.
 Exit status: 0 done, 1 a program failed, 2 wrong use.
 """
@@ -67,20 +66,6 @@ def write_stl(path, points, faces):
     path.write_bytes(bytes(80) + np.uint32(len(faces)).tobytes() + record.tobytes())
 
 
-def write_scan(path, points, faces, count):
-    random = np.random.default_rng(1)
-    a, b, c = (points[faces[:, i]] for i in range(3))
-    cross = np.cross(b - a, c - a)
-    area = np.linalg.norm(cross, axis=1)
-    chosen = random.choice(len(faces), count, p=area / area.sum())
-    u, v = random.random(count), random.random(count)
-    u, v = np.where(u + v > 1, 1 - u, u)[:, None], np.where(u + v > 1, 1 - v, v)[:, None]
-    places = a[chosen] + u * (b - a)[chosen] + v * (c - a)[chosen]
-    table = np.hstack([places, cross[chosen] / area[chosen][:, None]]).astype("<f4")
-    names = "".join(f"property float {name}\n" for name in ("x", "y", "z", "nx", "ny", "nz"))
-    path.write_bytes(f"ply\nformat binary_little_endian 1.0\nelement vertex {count}\n{names}end_header\n".encode() + table.tobytes())
-
-
 def run(*command):
     done = subprocess.run([str(word) for word in command], capture_output=True, text=True, check=False)
     if done.returncode != 0:
@@ -91,19 +76,19 @@ def stack(images):
     return np.stack([np.asarray(Image.open(image).convert("L")) > 127 for image in images])
 
 
-def plumbline_masks(plumbline, scan, work, pitch, *options):
+def plumbline_masks(plumbline, mesh, work, pitch, *options):
     out = work / "out"
-    run(plumbline, "slice", scan, "-o", out, "--pixel-pitch", pitch, "--layer-height", pitch, "--no-preview", "--threads", 1, "--quiet",
+    run(plumbline, "slice", mesh, "-o", out, "--pixel-pitch", pitch, "--layer-height", pitch, "--no-preview", "--threads", 1, "--quiet",
         *options)  # fmt: skip
     manifest = json.loads((out / "manifest.json").read_text())
     masks = stack(sorted((out / "layers").glob("*.png"))[: manifest["grid"]["layers"]])
     return masks, manifest
 
 
-def plumbline_supports(plumbline, scan, work, pitch):
+def plumbline_supports(plumbline, mesh, work, pitch):
     """Object without and with supports, aligned."""
-    thing, _ = plumbline_masks(plumbline, scan, work, pitch, "--supports", "none")
-    masks, manifest = plumbline_masks(plumbline, scan, work, pitch, "--supports", "auto")
+    thing, _ = plumbline_masks(plumbline, mesh, work, pitch, "--supports", "none")
+    masks, manifest = plumbline_masks(plumbline, mesh, work, pitch, "--supports", "auto")
     found = manifest["supports"]
     thing = thing[found["sunk_layers"] :]
     room = (masks.shape[1] - thing.shape[1]) // 2
@@ -112,15 +97,20 @@ def plumbline_supports(plumbline, scan, work, pitch):
     return aligned, masks
 
 
-def prusa_masks(mesh, work, pitch, panel, *options):
+def prusa_archive(mesh, work, pitch, panel, *options):
+    """The layers as PrusaSlicer exports them, as a ZIP file of PNG files."""
     archive = work / "mesh.sl1"
     pixels = round(panel / pitch)
     run("prusa-slicer", "--export-sla", mesh, "--output", archive, "--printer-technology", "SLA", "--layer-height", pitch,
         "--initial-layer-height", pitch, "--display-orientation", "landscape", "--display-width", panel, "--display-height", panel,
-        "--display-pixels-x", pixels, "--display-pixels-y", pixels, "--max-print-height", 1000, "--gamma-correction", 0,
+        "--display-pixels-x", pixels, "--display-pixels-y", pixels, "--max-print-height", 1000,
         "--absolute-correction", 0, "--elefant-foot-compensation", 0, "--display-mirror-x=0",
         "--bed-shape", f"0x0,{panel}x0,{panel}x{panel},0x{panel}", "--center", f"{panel / 2},{panel / 2}", *options)  # fmt: skip
-    with zipfile.ZipFile(archive) as masks:
+    return archive
+
+
+def prusa_masks(mesh, work, pitch, panel, *options):
+    with zipfile.ZipFile(prusa_archive(mesh, work, pitch, panel, "--gamma-correction", 0, *options)) as masks:
         names = sorted(name for name in masks.namelist() if name.endswith(".png") and "/" not in name)
         return stack(io.BytesIO(masks.read(name)) for name in names)
 
@@ -147,7 +137,6 @@ def main():
     parser.add_argument("--size", type=float, default=25)
     parser.add_argument("--pitch", type=float, default=0.1)
     parser.add_argument("--orientations", type=int, default=len(ORIENTATIONS))
-    parser.add_argument("--points", type=int, default=200_000)
     parser.add_argument("--keep", type=Path, help="save masks of both here, as NumPy arrays")
     chosen = parser.parse_args()
     print("| shape | turned about x, y | program | islands | tips | mm2 a tip | most | far mm2 | free mm | supports mm3 |")
@@ -159,11 +148,9 @@ def main():
         for turn in ORIENTATIONS[: chosen.orientations]:
             with tempfile.TemporaryDirectory(prefix="plumbline-supports-") as folder:
                 work = Path(folder)
-                stl, scan = work / "mesh.stl", work / "scan.ply"
-                placed = turned(points, *turn)
-                write_stl(stl, placed, faces)
-                write_scan(scan, placed, faces, chosen.points)
-                ours = plumbline_supports(chosen.plumbline, scan, work, chosen.pitch)
+                stl = work / "mesh.stl"
+                write_stl(stl, turned(points, *turn), faces)
+                ours = plumbline_supports(chosen.plumbline, stl, work, chosen.pitch)
                 print(row(mesh.stem, turn, "plumbline", measure_supports(*ours, chosen.pitch)), flush=True)
                 theirs = prusa_supports(stl, work, chosen.pitch, panel)
                 print(row(mesh.stem, turn, "PrusaSlicer", measure_supports(*theirs, chosen.pitch)), flush=True)

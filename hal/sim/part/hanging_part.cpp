@@ -166,9 +166,8 @@ void HangingPart::peel(BitImage lit, ConstBitImage asked) {
   for (std::uint32_t gap = 1; cavities_.any() && gap < gaps.size(); ++gap) {
     if (!cavities_.sealed(gap)) continue;
     const double mouth = gaps[gap].pixels * pixel_mm2_;
-    // The white pixel to the left of its widest run is in the region round it.
-    const std::uint32_t left = gaps[gap].column - gaps[gap].width / 2 - 1;
-    sealed_mm2_[here_.region_at(left, gaps[gap].row)] += mouth;
+    // The white pixel to the left of its first run is in the region round it: what stands within has a row of the gap above it.
+    sealed_mm2_[here_.region_at(gaps[gap].top_begin - 1, gaps[gap].top_row)] += mouth;
     suction_mm2_ += mouth;
   }
   peel_n_ = 0;

@@ -119,6 +119,10 @@ void PixelRuns::number_regions() {
       // Above and below, less the sides that two of its rows share, which both have counted.
       region.sides_x += 2 * (pixels - shared_[i]);
       region.sides_y += 2;
+      if (region.width == 0) {
+        region.top_row = first_row_ + r;
+        region.top_begin = run.begin;
+      }
       if (pixels <= region.width) continue;
       region.width = pixels;
       region.row = first_row_ + r;

@@ -24,11 +24,13 @@ class PixelRuns {
   };
   struct Region {
     std::uint32_t pixels = 0;
-    std::uint32_t sides_x = 0;  ///< pixel sides along x on its outline, holes included
-    std::uint32_t sides_y = 0;  ///< the same along y
-    std::uint32_t row = 0;      ///< of its widest run
-    std::uint32_t column = 0;   ///< middle of that run
-    std::uint32_t width = 0;    ///< of that run
+    std::uint32_t sides_x = 0;    ///< pixel sides along x on its outline, holes included
+    std::uint32_t sides_y = 0;    ///< the same along y
+    std::uint32_t row = 0;        ///< of its widest run
+    std::uint32_t column = 0;     ///< middle of that run
+    std::uint32_t width = 0;      ///< of that run
+    std::uint32_t top_row = 0;    ///< its first row
+    std::uint32_t top_begin = 0;  ///< and the first column there
   };
 
   /// The white regions of `image`.

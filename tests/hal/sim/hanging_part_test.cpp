@@ -222,6 +222,20 @@ TEST(HangingPart, TearsWhereACupSucks) {
   }
 }
 
+TEST(HangingPart, LetsTheWallOfACupCarryItsSuctionAndNothingWithin) {
+  // A bar to the left of the cavity's widest row, on a neck that holds 2 N: enough for its own peel of 0.4 N, but not for a suction
+  // of 2.3 N.
+  Bench bench;
+  bench.print(
+      [&](double x, double y, double z) {
+        const bool bar = std::abs(x + 5) < 0.1 && std::abs(y) < (z < 1.5 ? 1 : 3);
+        return radius(x, y) < 7 && (z < 1 || radius(x, y) > 6 || bar);
+      },
+      3);
+  EXPECT_THAT(bench.part.losses(), IsEmpty());
+  EXPECT_GT(bench.part.suction_mm2(), 100);
+}
+
 TEST(HangingPart, CountsTheResinInAClosedBall) {
   // A hollow ball, its cavity 4 mm in radius: 4/3 pi r^3.
   const auto ball = [](double hole) {

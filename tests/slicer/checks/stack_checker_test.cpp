@@ -85,6 +85,22 @@ TEST(StackChecker, FindsAnOverhangBeyondTheReach) {
             0U);
 }
 
+TEST(StackChecker, FindsNoOverhangWhoseContourEnclosesLessThanAPixel) {
+  CheckLimits limits;
+  limits.overhang_reach = 0;  // all new pixels are overhangs
+  const auto overhangs = [&](const std::vector<std::pair<std::uint32_t, std::uint32_t>>& pixels) {
+    std::vector<Pixels> masks(2, Pixels(kSide, kSide));
+    for (const auto& [c, r] : pixels) masks[1].set(62 + c, 40 + r, true);
+    return check(masks, limits).count(IssueKind::kOverhang);
+  };
+  EXPECT_EQ(overhangs({{0, 0}, {1, 0}, {2, 0}, {3, 0}, {4, 0}}), 0U);          // a line
+  EXPECT_EQ(overhangs({{0, 0}, {1, 1}, {2, 2}, {3, 3}, {4, 4}}), 0U);          // across
+  EXPECT_EQ(overhangs({{0, 0}, {1, 0}, {2, 0}, {2, 1}}), 0U);                  // half a pixel in the corner
+  EXPECT_EQ(overhangs({{0, 0}, {1, 0}, {1, 1}, {2, 1}}), 1U);                  // half in each of two
+  EXPECT_EQ(overhangs({{0, 0}, {1, 0}, {0, 1}, {1, 1}}), 1U);                  // a square
+  EXPECT_EQ(overhangs({{1, 0}, {0, 1}, {1, 1}, {2, 1}, {1, 2}, {5, 0}}), 1U);  // a plus, and a pixel
+}
+
 TEST(StackChecker, FindsAResinTrap) {
   const auto masks = stack_of(kSide, 20, without(blocks({{20, 60, 20, 60, 0, 20}}), blocks({{30, 50, 30, 40, 5, 15}})));
   const auto findings = check(masks, {});

@@ -38,10 +38,26 @@ TEST(Stand, SinksToTheFirstLayerOfEnoughArea) {
   EXPECT_EQ(on_a(7, 2).stand->sunk, 2U);
   EXPECT_EQ(on_a(7, 2).stand->lifted, 0U);
   EXPECT_EQ(on_a(7, 3).stand->sunk, 3U);
-  EXPECT_EQ(on_a(8, 3).stand->sunk, 0U);
-  EXPECT_EQ(on_a(8, 3).stand->lifted, 0U);
+  EXPECT_EQ(on_a(8, 3).stand->sunk, 3U);
   EXPECT_EQ(on_a(7, 4).stand->sunk, 0U);
   EXPECT_EQ(on_a(7, 4).stand->lifted, 60U);
+}
+
+TEST(Stand, IsOnAFootThatHasATenthOfTheLargestSection) {
+  const auto on_a = [](std::uint32_t side) {
+    return Stood(blocks({{30, 30 + side, 30, 30 + side, 0, 40}, {20, 44, 20, 44, 15, 40}}));
+  };
+  EXPECT_EQ(on_a(8).stand->lifted, 0U);
+  EXPECT_EQ(on_a(7).stand->lifted, 60U);
+}
+
+TEST(Stand, LiftsWhatLiesOnOneEndOfItsUnderside) {
+  // A block of 24 x 24 pixels whose underside begins 0.5 mm above the plate, but for `columns` of it.
+  const auto on_a_foot_of = [](std::uint32_t columns) {
+    return Stood(blocks({{20, 20 + columns, 20, 44, 0, 40}, {20, 44, 20, 44, 5, 40}}));
+  };
+  EXPECT_EQ(on_a_foot_of(12).stand->lifted, 0U);
+  EXPECT_EQ(on_a_foot_of(11).stand->lifted, 60U);
 }
 
 TEST(Stand, LiftsWhatIsNotFlatByElevationAndRaft) {
