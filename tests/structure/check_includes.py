@@ -34,7 +34,7 @@ ORDER = {
     "firmware/print": ["plan", "status", "store"],
     "firmware/daemon": ["stick", "service"],
     "firmware/cli": ["options", "reports"],
-    "firmware": ["io", "settings", "pictures", "canvas", "sample", "machine", "slice", "print", "child", "state", "screen", "daemon",
+    "firmware": ["io", "settings", "pictures", "canvas", "archive", "sample", "machine", "slice", "print", "child", "state", "screen", "daemon",
                  "cli"],
 }
 
@@ -50,6 +50,8 @@ ONE_SOURCE_FILE = {
     "nanoflann.hpp": "exactly",
     "lodepng.h": "at most",
     "libdeflate.h": "at most",
+    "minizip/zip.h": "at most",
+    "minizip/unzip.h": "at most",
     "toml++/toml.h": "at most",
     "gpiod.h": "at most",
     "libusb.h": "at most",
