@@ -1,7 +1,13 @@
 #include "firmware/archive/sl1_settings.hpp"
 
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
 #include "firmware/io/fixed_text.hpp"
 #include "firmware/io/version.hpp"
+#include "slicer/reader/stream/number.hpp"
+#include "slicer/reader/stream/words.hpp"
 
 namespace plumbline {
 namespace {
@@ -27,7 +33,59 @@ class Lines {
   std::string text_;
 };
 
+std::string_view trimmed(std::string_view text) {
+  const auto begin = text.find_first_not_of(" \t");
+  if (begin == std::string_view::npos) return {};
+  return text.substr(begin, text.find_last_not_of(" \t") + 1 - begin);
+}
+
 }  // namespace
+
+Status read_sl1_settings(std::string_view text, Sl1Settings& settings) {
+  struct Rule {
+    std::string_view key;
+    double low, high;
+    std::optional<double>* to;
+  };
+  std::optional<double> faded, mirror_x, mirror_y;
+  const Rule rules[] = {
+      {"layer_height", 0.005, 1, &settings.layer_height_mm},
+      {"layerHeight", 0.005, 1, &settings.layer_height_mm},
+      {"exposure_time", 0.1, 1000, &settings.exposure_s},
+      {"expTime", 0.1, 1000, &settings.exposure_s},
+      {"initial_exposure_time", 0.1, 1000, &settings.initial_exposure_s},
+      {"expTimeFirst", 0.1, 1000, &settings.initial_exposure_s},
+      {"faded_layers", 0, 1000, &faded},
+      {"numFade", 0, 1000, &faded},
+      {"display_width", 1, 10000, &settings.width_mm},
+      {"display_height", 1, 10000, &settings.depth_mm},
+      {"display_mirror_x", 0, 1, &mirror_x},
+      {"display_mirror_y", 0, 1, &mirror_y},
+  };
+  while (!text.empty()) {
+    const auto line = text.substr(0, text.find_first_of("\r\n"));
+    text.remove_prefix(std::min(line.size() + 1, text.size()));
+    const auto equals = line.find('=');
+    if (equals == std::string_view::npos) continue;
+    const auto key = trimmed(line.substr(0, equals));
+    const auto value = trimmed(line.substr(equals + 1));
+    if (key == "display_orientation") settings.portrait = value == "portrait";
+    const auto* const rule =
+        std::find_if(std::begin(rules), std::end(rules), [key](const Rule& r) { return r.key == key; });
+    if (rule == std::end(rules) || *rule->to) continue;
+    double number = 0;
+    const char* const end = parse_real(value.data(), value.data() + value.size(), number);
+    if (end != value.data() + value.size() || !(number >= rule->low && number <= rule->high)) {
+      return fail(ErrorCode::kMalformed, "%.*s is '%s', not a number from %g to %g.\tExport it again",
+                  static_cast<int>(key.size()), key.data(), Quote(value).c_str(), rule->low, rule->high);
+    }
+    *rule->to = number;
+  }
+  if (faded && !settings.faded_layers) settings.faded_layers = static_cast<std::uint32_t>(*faded);
+  settings.mirror_x = settings.mirror_x || mirror_x.value_or(0) > 0;
+  settings.mirror_y = settings.mirror_y || mirror_y.value_or(0) > 0;
+  return {};
+}
 
 std::string sl1_config(const Sl1Job& job) {
   const PrintProfile& profile = job.profile;

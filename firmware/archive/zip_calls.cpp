@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstddef>
-#include <span>
 
 namespace plumbline {
 namespace {
@@ -22,7 +21,7 @@ uLong read_it(voidpf opaque, voidpf /*stream*/, void* to, uLong size) {
   ZipHandle& handle = handle_of(opaque);
   uLong filled = 0;
   while (filled < size) {
-    const ssize_t got = ::read(handle.file.get(), static_cast<std::byte*>(to) + filled, size - filled);
+    const ssize_t got = ::read(handle.file, static_cast<std::byte*>(to) + filled, size - filled);
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) note(handle);
     if (got <= 0) break;
@@ -33,14 +32,22 @@ uLong read_it(voidpf opaque, voidpf /*stream*/, void* to, uLong size) {
 
 uLong write_it(voidpf opaque, voidpf /*stream*/, const void* from, uLong size) {
   ZipHandle& handle = handle_of(opaque);
-  if (handle.file.write_all({static_cast<const std::byte*>(from), size})) return size;
-  note(handle);
-  return 0;
+  uLong written = 0;
+  while (written < size) {
+    const ssize_t put = ::write(handle.file, static_cast<const std::byte*>(from) + written, size - written);
+    if (put < 0 && errno == EINTR) continue;
+    if (put < 0) {
+      note(handle);
+      break;
+    }
+    written += static_cast<uLong>(put);
+  }
+  return written;
 }
 
 ZPOS64_T tell_it(voidpf opaque, voidpf /*stream*/) {
   ZipHandle& handle = handle_of(opaque);
-  const off_t at = ::lseek(handle.file.get(), 0, SEEK_CUR);
+  const off_t at = ::lseek(handle.file, 0, SEEK_CUR);
   if (at < 0) note(handle);
   return static_cast<ZPOS64_T>(std::max<off_t>(at, 0));
 }
@@ -48,7 +55,7 @@ ZPOS64_T tell_it(voidpf opaque, voidpf /*stream*/) {
 long seek_it(voidpf opaque, voidpf /*stream*/, ZPOS64_T offset, int origin) {
   ZipHandle& handle = handle_of(opaque);
   const int from = origin == ZLIB_FILEFUNC_SEEK_SET ? SEEK_SET : origin == ZLIB_FILEFUNC_SEEK_CUR ? SEEK_CUR : SEEK_END;
-  if (::lseek(handle.file.get(), static_cast<off_t>(offset), from) >= 0) return 0;
+  if (::lseek(handle.file, static_cast<off_t>(offset), from) >= 0) return 0;
   if (errno != EINVAL) note(handle);  // a place that an archive made up
   return -1;
 }

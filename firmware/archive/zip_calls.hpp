@@ -3,12 +3,10 @@
 
 #include <minizip/ioapi.h>
 
-#include "firmware/io/descriptor.hpp"
-
 namespace plumbline {
 
 struct ZipHandle {
-  Descriptor file;
+  int file = -1;   ///< a descriptor
   int reason = 0;  ///< errno of the first call that failed; 0: none did
 };
 

@@ -22,14 +22,15 @@ Expected<ZipWriter> ZipWriter::create(const std::string& path) {
   }
   writer.handle_ = std::make_unique<ZipHandle>();
   constexpr mode_t kMode = 0666;  // less the user's umask
-  writer.handle_->file =
+  writer.file_ =
       Descriptor(::open(writer.new_path().c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, kMode));
-  if (!writer.handle_->file.is_open()) {
+  if (!writer.file_.is_open()) {
     const int reason = errno;
     writer.named_ = true;  // there is nothing to remove
     return fail(ErrorCode::kCannotOpen, "%s: cannot be created: %s.\tCheck the folder, or choose another one",
                 path.c_str(), std::strerror(reason));
   }
+  writer.handle_->file = writer.file_.get();
   zlib_filefunc64_def calls = zip_calls(*writer.handle_);
   writer.zip_ = ::zipOpen2_64(path.c_str(), APPEND_STATUS_CREATE, nullptr, &calls);
   if (writer.zip_ == nullptr) return writer.cannot_write();
@@ -38,6 +39,7 @@ Expected<ZipWriter> ZipWriter::create(const std::string& path) {
 
 ZipWriter::ZipWriter(ZipWriter&& other) noexcept
     : path_(other.path_),
+      file_(std::move(other.file_)),
       handle_(std::move(other.handle_)),
       zip_(std::exchange(other.zip_, nullptr)),
       named_(std::exchange(other.named_, true)) {}

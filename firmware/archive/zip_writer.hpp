@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 
+#include "firmware/io/descriptor.hpp"
 #include "firmware/io/fixed_text.hpp"
 #include "slicer/core/error.hpp"
 
@@ -41,6 +42,7 @@ class ZipWriter {
   FixedPath new_path() const;
 
   FixedPath path_;
+  Descriptor file_;
   std::unique_ptr<ZipHandle> handle_;  ///< minizip keeps its address
   void* zip_ = nullptr;                ///< null: closed
   bool named_ = false;                 ///< finish() has renamed it, or it was moved from

@@ -50,6 +50,7 @@ ONE_SOURCE_FILE = {
     "nanoflann.hpp": "exactly",
     "lodepng.h": "at most",
     "libdeflate.h": "at most",
+    "spng.h": "at most",
     "minizip/zip.h": "at most",
     "minizip/unzip.h": "at most",
     "toml++/toml.h": "at most",
