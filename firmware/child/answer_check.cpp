@@ -137,4 +137,37 @@ Expected<CheckedAnswer> check_answer(const ScanAnswer& answer, const ScanRequest
   return checked;
 }
 
+Expected<SlicedArchive> check_archive_answer(const ScanAnswer& answer, const ScanRequest& request, Arena& arena) {
+  if (answer.kind == ScanAnswer::kRefused) return child_error(answer, kScanErrors);
+  if (answer.kind != ScanAnswer::kArchive) return wrong("no answer");
+  const auto is_within = [](double value, double low, double high) { return value >= low && value <= high; };
+  if (!is_within(answer.layer_height_mm, 0.005, 1)) return wrong("layer height");
+  SlicedArchive sliced;
+  sliced.grid = panel_grid(*request.settings.placement.printer, static_cast<float>(answer.layer_height_mm));
+  if (answer.layers == 0 || answer.layers > sliced.grid.layers) return wrong("layers");
+  sliced.grid.layers = answer.layers;
+  if (answer.bottom_used > arena.available()) return wrong("memory");
+  const auto result = arena.take_bottom<std::byte>(static_cast<std::size_t>(answer.bottom_used), "layers");
+  PLUMBLINE_TRY(result);
+  sliced.layers = part_of<ArchiveLayer>(*result, answer.archive_at, answer.layers);
+  sliced.layers_end = arena.bottom_mark();
+  if (sliced.layers.size() != answer.layers) return wrong("places");
+  if (!are_findings(answer.findings, sliced.grid)) return wrong("findings");
+  sliced.findings = answer.findings;
+  sliced.turn = {answer.turn[0] != 0, answer.turn[1] != 0, answer.turn[2] != 0};
+  sliced.extent = {answer.extent[0], answer.extent[1], answer.extent[2], answer.extent[3]};
+  const MaskExtent& extent = sliced.extent;
+  const bool inside = extent.right <= sliced.grid.columns && extent.bottom <= sliced.grid.rows &&
+                      (extent.empty() || extent.top < extent.bottom);
+  if (!inside) return wrong("extent");
+  for (const double exposure : {answer.exposure_s, answer.initial_exposure_s}) {
+    if (exposure != 0 && !is_within(exposure, 0.1, 1000)) return wrong("exposure");
+  }
+  if (answer.faded_layers > 1000) return wrong("faded layers");
+  if (answer.exposure_s > 0) sliced.settings.exposure_s = answer.exposure_s;
+  if (answer.initial_exposure_s > 0) sliced.settings.initial_exposure_s = answer.initial_exposure_s;
+  if (answer.fades != 0) sliced.settings.faded_layers = answer.faded_layers;
+  return sliced;
+}
+
 }  // namespace plumbline

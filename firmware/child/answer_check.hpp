@@ -7,6 +7,7 @@
 #include "firmware/child/scan_answer.hpp"
 #include "firmware/child/scan_request.hpp"
 #include "firmware/io/fixed_text.hpp"
+#include "firmware/print/sliced_archive.hpp"
 #include "firmware/print/sliced_scan.hpp"
 #include "slicer/core/arena.hpp"
 
@@ -29,6 +30,11 @@ inline constexpr const char* kExportAgain =
 /// @param arena   empty, over the memory that the child worked in. Takes the child's result at its bottom
 /// @retval ErrorCode::kMalformed  the answer does not add up; otherwise the child's own error, if it can be a scan's
 [[nodiscard]] Expected<CheckedAnswer> check_answer(const ScanAnswer& answer, const ScanRequest& request, Arena& arena);
+
+/// The same for an archive's answer: that each layer will be found, and is what was checked, is seen when it is decoded.
+/// @param arena  as above; takes the layers at its bottom
+[[nodiscard]] Expected<SlicedArchive> check_archive_answer(const ScanAnswer& answer, const ScanRequest& request,
+                                                           Arena& arena);
 
 /// The error of a child that refused its file.
 /// @param possible  what such a file can cause; the child may claim nothing else

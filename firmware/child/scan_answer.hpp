@@ -16,6 +16,8 @@ struct ScanAnswer {
   static constexpr std::uint32_t kSliced = 0x50534C31;   ///< "PSL1"
   static constexpr std::uint32_t kRefused = 0x50535231;  ///< "PSR1"
   static constexpr std::uint32_t kJob = 0x50534A31;      ///< "PSJ1"
+  static constexpr std::uint32_t kArchive = 0x50534131;  ///< "PSA1"
+  static constexpr std::uint32_t kLayer = 0x50534D31;    ///< "PSM1": the mask lies where it was asked for
   static constexpr std::size_t kMostRemarks = 8;
 
   std::uint32_t kind = 0;
@@ -40,6 +42,14 @@ struct ScanAnswer {
   std::array<std::array<char, 256>, kMostRemarks> remark{};  ///< for_each_remark()
 
   JobAnswer job;  ///< kJob
+
+  // kArchive: a SlicedArchive. Of the above it has layers, bottom_used and findings. A number that it doesn't give is 0.
+  std::uint64_t archive_at = 0;           ///< SlicedArchive::layers
+  std::array<std::uint32_t, 3> turn{};    ///< MaskTurn, in its order
+  std::array<std::uint32_t, 4> extent{};  ///< MaskExtent, in its order
+  double layer_height_mm = 0, exposure_s = 0, initial_exposure_s = 0;
+  std::uint32_t fades = 0;  ///< 1: the next one is given
+  std::uint32_t faded_layers = 0;
 };
 
 }  // namespace plumbline

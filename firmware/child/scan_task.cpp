@@ -1,33 +1,14 @@
 #include "firmware/child/scan_task.hpp"
 
-#include <algorithm>
-
 #include "firmware/child/given_file.hpp"
 #include "firmware/child/rights.hpp"
+#include "firmware/child/shared_progress.hpp"
 #include "firmware/print/sliced_scan.hpp"
 #include "firmware/settings/job_options.hpp"
 #include "firmware/slice/job_report.hpp"
 
 namespace plumbline {
 namespace {
-
-class SharedProgress final : public ProgressSink {
- public:
-  explicit SharedProgress(ChildProgress& progress) : progress_(progress) {}
-
-  void begin(Stage stage) override { advance(stage, 0); }
-  bool advance(Stage stage, double fraction) override {
-    progress_.stage.store(static_cast<std::uint32_t>(stage), std::memory_order_relaxed);
-    progress_.permille.store(static_cast<std::uint32_t>(1000 * std::clamp(fraction, 0.0, 1.0)),
-                             std::memory_order_relaxed);
-    progress_.beats.fetch_add(1, std::memory_order_relaxed);
-    return true;  // the firmware cancels with a signal
-  }
-  void end(Stage stage, std::size_t /*peak_bytes*/) override { advance(stage, 1); }
-
- private:
-  ChildProgress& progress_;
-};
 
 void hand_back(const SlicedScan& sliced, const SliceReport& report, const Arena& arena, ScanAnswer& answer,
                std::span<const std::byte> block) {

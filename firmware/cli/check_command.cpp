@@ -28,6 +28,7 @@ constexpr const char* kFooter =
     "  plumbline check peer --pixel-pitch 0.05 --layer-height 0.05   another slicer's layers, in a folder of PNG "
     "files\n"
     "  plumbline check peer --printer mono2k --picture issues.png    and where they have issues\n"
+    "  plumbline check part.sl1 --printer mono2k                 a sliced archive\n"
     "  plumbline check bust.ply --printer mono2k                 a scan, without writing its layers\n"
     "  plumbline check out --check all=refuse                    fail if there is anything\n"
     "\n"
@@ -52,7 +53,7 @@ Expected<PrintGrid> grid_of(const MaskStack& stack, const JobOptions& job, const
   const auto& printer = setup.placement.printer;
   if (!known && !printer && (!job.pixel_pitch_mm || !job.layer_height_mm)) {
     return fail(ErrorCode::kBadSetting,
-                "%s: has no manifest.json that says how large a pixel and how high a layer is.\tGive --pixel-pitch and "
+                "%s: does not say how large a pixel and how high a layer is.\tGive --pixel-pitch and "
                 "--layer-height, or --printer",
                 job.scans[0].c_str());
   }
@@ -192,13 +193,13 @@ Status write_json(const CheckedMasks& masks, const CheckPolicy& policy) {
 }  // namespace
 
 CLI::App* add_check_command(CLI::App& app, CheckOptions& options) {
-  auto* command =
-      app.add_subcommand("check", "Find what would go wrong with layers: of a scan or a mesh, or in a folder");
+  auto* command = app.add_subcommand(
+      "check", "Find what would go wrong with layers: of a scan or a mesh, or in a folder or an archive");
   command->footer(kFooter);
   command->add_option("--picture", options.picture, "Draw where the issues are")->type_name("PNG");
   add_slicing_options(*command, options.job, options.supports, options.checks)
       ->type_name("STACK|SCAN")
-      ->description("A folder of layers as PNG files, or the files of a scan or mesh");
+      ->description("A folder of layers as PNG files, an archive (.sl1, .sl1s, .zip), or the files of a scan or mesh");
   return command;
 }
 
@@ -206,7 +207,8 @@ ExitCode run_check(const CheckOptions& options, std::span<std::byte> arena_block
   const auto setup = set_up(options.job, arena_block.size());
   if (!setup) return report_error(setup.error());
   TerminalJob terminal(options.job, *setup, arena_block);
-  const bool stack = options.job.scans.size() == 1 && is_folder(options.job.scans[0]);
+  const std::string& first = options.job.scans[0];
+  const bool stack = options.job.scans.size() == 1 && (is_folder(first) || is_archive_name(first));
   const auto masks = stack ? check_stack(options, *setup, terminal) : check_scan(options, *setup, terminal);
   if (!masks) return report_error(masks.error());
   const CheckPolicy policy = options.checks.over(checks_of(setup->board));

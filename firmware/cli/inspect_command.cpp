@@ -1,12 +1,19 @@
+#include <fcntl.h>
+
 #include <CLI/CLI.hpp>
+#include <cerrno>
+#include <cstring>
 
 #include "firmware/cli/commands.hpp"
 #include "firmware/cli/options/shared_options.hpp"
+#include "firmware/cli/reports/archive_report.hpp"
 #include "firmware/cli/reports/inspect_report.hpp"
 #include "firmware/cli/reports/issues_file.hpp"
 #include "firmware/cli/reports/print_time.hpp"
 #include "firmware/cli/terminal_job.hpp"
+#include "firmware/io/descriptor.hpp"
 #include "firmware/io/scan_files.hpp"
+#include "firmware/print/sliced_archive.hpp"
 #include "firmware/slice/issue_report.hpp"
 #include "slicer/checks/stack_checker.hpp"
 #include "slicer/layers/layer_stream.hpp"
@@ -52,10 +59,40 @@ Expected<StackFindings> check_coarsely(const RRep& rrep, Arena& arena) {
   return large;
 }
 
+ExitCode inspect_archive(const InspectOptions& options, const JobSetup& setup) {
+  const std::string& path = options.job.scans[0];
+  if (!options.picture.empty() || !options.issues.empty()) {
+    return report_error(Error::format(ErrorCode::kBadSetting,
+                                      "%s: is sliced already.\tLeave out --picture and --issues; 'plumbline check "
+                                      "--picture' draws where its layers have issues",
+                                      path.c_str()));
+  }
+  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (!file.is_open()) {
+    return report_error(
+        Error::format(ErrorCode::kCannotOpen, "%s: cannot be opened: %s", path.c_str(), std::strerror(errno)));
+  }
+  const std::string name = path.substr(path.rfind('/') + 1);
+  const auto archive = LayerArchive::open(file.get(), name);
+  if (!archive) return report_error(archive.error());
+  std::string refusal;
+  if (setup.board) {
+    const auto fits = check_panel(*archive, name, printer_volume(*setup.board));
+    if (!fits) refusal = fits.error().message();
+  }
+  if (options.job.quiet && !options.job.json) return ExitCode::kDone;
+  OutputFile out = OutputFile::standard_output();
+  JsonWriter json(out);
+  if (options.job.json) write_archive_report(json, *archive, name, setup, refusal);
+  const auto written = options.job.json ? json.finish() : write_archive_report(out, *archive, name, setup, refusal);
+  return written ? ExitCode::kDone : report_error(written.error());
+}
+
 }  // namespace
 
 CLI::App* add_inspect_command(CLI::App& app, InspectOptions& options) {
-  auto* command = app.add_subcommand("inspect", "Show what is in a scan or a mesh, and whether it fits the printer");
+  auto* command = app.add_subcommand(
+      "inspect", "Show what is in a scan, a mesh or a sliced archive, and whether it fits the printer");
   command->footer(kFooter);
   add_look_options(*command, options.job, options.picture, "Draw what the scanner saw and what it did not");
   command->add_option("--issues", options.issues, "Draw where the checks find something, if they do")->type_name("PNG");
@@ -70,6 +107,7 @@ ExitCode run_inspect(const InspectOptions& inspect_options, std::span<std::byte>
     if (picture->empty()) continue;
     if (const auto possible = check_can_create(picture->c_str()); !possible) return report_error(possible.error());
   }
+  if (options.scans.size() == 1 && is_archive_name(options.scans[0])) return inspect_archive(inspect_options, *setup);
   TerminalJob terminal(options, *setup, arena_block);
   Arena& arena = terminal.arena();
   const auto scan = ScanFiles::open(options.scans);

@@ -1,11 +1,17 @@
+#include <fcntl.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <vector>
 
 #include "firmware/cli/commands.hpp"
 #include "firmware/cli/options/shared_options.hpp"
 #include "firmware/cli/reports/issues_file.hpp"
 #include "firmware/cli/reports/printed_part.hpp"
 #include "firmware/cli/terminal_job.hpp"
+#include "firmware/io/hash64.hpp"
 #include "firmware/io/progress_lines.hpp"
 #include "firmware/io/scan_files.hpp"
 #include "firmware/machine/back_end.hpp"
@@ -25,6 +31,7 @@ constexpr const char* kFooter =
     "\nExamples:\n"
     "  plumbline print bust.ply --printer sim2k                     hours of printing in seconds\n"
     "  plumbline print bust.ply --printer sim2k --keep-part part    and keep the part that came of it\n"
+    "  plumbline print bust.sl1 --printer sim2k                     what another slicer has made for this panel\n"
     "  plumbline print bust.ply --printer sim2k --fault temperature.lamp_hot@layer=40,for=5s   it waits and goes on\n"
     "  plumbline print bust.ply --printer sim2k --state job --fault power.cut@layer=40\n"
     "  plumbline print --resume --printer sim2k --state job         go on after the power cut\n"
@@ -85,9 +92,93 @@ Expected<Printer> read_printer(const PrintOptions& options) {
   return printer;
 }
 
-Status make_ready(const PrintOptions& options, const JobSetup& setup, const Printer& printer, PrintSession& session,
-                  TerminalJob& terminal) {
+/// What was printed as it is can't be turned, scaled or supported any more.
+Status check_archive_options(const PrintOptions& options) {
+  const JobOptions& job = options.job;
+  const bool turned = job.orient || job.rotate_degrees != decltype(job.rotate_degrees){};
+  const bool read_otherwise = job.units != Units::kMillimetres || job.as != ReadAs::kAuto ||
+                              job.base != BaseChoice::kAuto || job.floor != FloorChoice() || job.keep_all;
+  const bool supported =
+      options.supports.enable || std::any_of(options.supports.values.begin(), options.supports.values.end(),
+                                             [](const auto& value) { return value.has_value(); });
+  if (job.scale == 1 && !job.fit && !job.size && !turned && !read_otherwise && !supported) return {};
+  return fail(ErrorCode::kBadSetting,
+              "%s: is sliced already, so it is printed as it is.\tLeave out the options that place, read or support a "
+              "scan",
+              job.scans[0].c_str());
+}
+
+struct OpenArchive {
+  Descriptor file;
+  std::uint64_t hash = 0;
+};
+
+/// Copies an archive into the store, or hashes it where it is if there is none.
+Expected<OpenArchive> open_archive(const std::string& path, JobStore* store, TerminalJob& terminal) {
+  auto source = FileSource::open(path);
+  PLUMBLINE_TRY(source);
+  const auto advance = [&](double fraction) -> Status {
+    if (terminal.progress().advance(Stage::kRead, fraction)) return {};
+    return fail(ErrorCode::kCancelled, "interrupted while the archive was read");
+  };
+  if (store != nullptr) {
+    auto received = store->receive(*source, advance);
+    PLUMBLINE_TRY(received);
+    return OpenArchive{std::move(received->file), received->hash};
+  }
+  OpenArchive archive;
+  Hash64 hash;
+  std::vector<std::byte> block(65536);
+  for (;;) {
+    PLUMBLINE_TRY(advance(0));
+    const auto got = source->read(block);
+    PLUMBLINE_TRY(got);
+    if (*got == 0) break;
+    hash.add(std::span(block).first(*got));
+  }
+  archive.hash = hash.value();
+  archive.file = Descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (!archive.file.is_open()) return fail(ErrorCode::kCannotOpen, "%s: %s", path.c_str(), std::strerror(errno));
+  return archive;
+}
+
+/// @param profile  gets the archive's exposures
+Status make_archive_ready(const PrintOptions& options, const JobSetup& setup, const Printer& printer, JobStore* store,
+                          PrintProfile& profile, PrintSession& session, TerminalJob& terminal) {
+  const std::string& path = options.job.scans[0];
+  PLUMBLINE_TRY(check_archive_options(options));
+  auto archive = open_archive(path, store, terminal);
+  PLUMBLINE_TRY(archive);
+  Arena& arena = terminal.arena();
+  const std::string name = path.substr(path.rfind('/') + 1);
+  const ArchiveTarget target{printer_volume(printer.board), static_cast<double>(setup.placement.layer_height_mm)};
+  const int file = archive->file.get();
+  const auto sliced = check_archive(file, name, target, arena, &terminal.progress());
+  PLUMBLINE_TRY(sliced);
+  profile = profile_of(profile, sliced->settings);
+  for_each_issue(sliced->findings, sliced->grid, profile.checks,
+                 [&](IssueKind, CheckAction, std::string_view sentence) { terminal.warn(sentence); });
+  if (!sliced->rrep.first.empty()) {
+    const auto written =
+        write_issues_file(options.issues, {name, sliced->grid, sliced->findings}, sliced->rrep, Supports{}, arena);
+    if (!written) terminal.warn("no picture of the issues: " + std::string(written.error().message()));
+  }
+  arena.release_bottom(sliced->layers_end);
+  PLUMBLINE_TRY(judge(sliced->findings, sliced->grid, profile.checks));
+  const auto taken = session.take(*sliced, name, profile, std::move(archive->file), archive->hash);
+  return taken ? taken : Status(tl::unexpected<Error>(taken.error().with_prefix(name)));
+}
+
+bool is_archive(const PrintOptions& options) {
+  return options.job.scans.size() == 1 && is_archive_name(options.job.scans[0]);
+}
+
+Status make_ready(const PrintOptions& options, const JobSetup& setup, Printer& printer, JobStore* store,
+                  PrintSession& session, TerminalJob& terminal) {
   if (options.resume) return session.load();
+  if (is_archive(options)) {
+    return make_archive_ready(options, setup, printer, store, printer.profile, session, terminal);
+  }
   const auto supports = options.supports.over(printer.profile.supports_enable, printer.profile.supports);
   PLUMBLINE_TRY(supports);
   const auto scan = ScanFiles::open(options.job.scans);
@@ -169,7 +260,7 @@ ExitCode exit_code(PrintState state) {
 
 CLI::App* add_print_command(CLI::App& app, PrintOptions& options) {
   constexpr const char* kPrint = "Print";
-  auto* command = app.add_subcommand("print", "Print a scan or a mesh");
+  auto* command = app.add_subcommand("print", "Print a scan, a mesh or a sliced archive");
   command->footer(kFooter);
   auto* scan = add_job_options(*command, options.job)->required(false);
   command->get_option("--printer")->required();
@@ -212,7 +303,7 @@ CLI::App* add_print_command(CLI::App& app, PrintOptions& options) {
 }
 
 ExitCode run_print(const PrintOptions& options, std::span<std::byte> arena_block) {
-  const auto printer = read_printer(options);
+  auto printer = read_printer(options);
   if (!printer) return report_error(printer.error());
   if (const auto possible = check_back_end(printer->board, printer->machine, options.simulation); !possible) {
     return report_error(possible.error());
@@ -237,7 +328,7 @@ ExitCode run_print(const PrintOptions& options, std::span<std::byte> arena_block
   if (!outputs) return report_error(outputs.error());
   TerminalJob terminal(job, *setup, arena_block);
   PrintSession session(printer->board, printer->machine, terminal.arena(), store ? &*store : nullptr);
-  const auto ready = make_ready(options, *setup, *printer, session, terminal);
+  const auto ready = make_ready(options, *setup, *printer, store ? &*store : nullptr, session, terminal);
   if (!ready) return report_error(ready.error());
 
   // The machine is opened after slicing, because a simulated one's time begins with its first use.

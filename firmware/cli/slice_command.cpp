@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <chrono>
 
 #include "firmware/cli/commands.hpp"
 #include "firmware/cli/options/shared_options.hpp"
@@ -22,6 +23,7 @@ constexpr const char* kFooter =
     "  plumbline slice bust.ply -o out --rotate-x 90            a scan whose y points up\n"
     "  plumbline slice front.ply back.ply -o out                one scan in two files\n"
     "  plumbline slice part.stl -o out --printer mono2k         a mesh: STL, OBJ, PLY or OFF\n"
+    "  plumbline slice part.stl -o part.sl1 --printer mono2k    an archive that PrusaSlicer and UVtools open\n"
     "\n"
     "Output:\n"
     "  OUT/layers/00000.png ...  a mask per layer, lowest first: 1-bit greyscale, white cures, row 0 has the smallest "
@@ -30,6 +32,9 @@ constexpr const char* kFooter =
     "  OUT/coverage.png          which parts of the surface were scanned, and which were closed; not of a mesh\n"
     "  OUT/manifest.json         grid, hashes, figures; written last, so a job that has it is complete\n"
     "An older job in OUT is replaced. A folder that holds anything else is refused.\n"
+    "If OUT ends in .sl1 or .sl1s: one archive of the same masks, with thumbnails, and with exposures from the "
+    "printer's\n"
+    "profile in config.ini and prusaslicer.ini. An older file is replaced.\n"
     "\n"
     "Exit status: 0 done, 1 file, scan or disk error, 2 wrong command line, 130 interrupted.\n";
 
@@ -51,14 +56,37 @@ Status write_result(const JobReport& report, const SliceOptions& options, const 
 CLI::App* add_slice_command(CLI::App& app, SliceOptions& options) {
   auto* command = app.add_subcommand("slice", "Slice a scan or a mesh into layer masks");
   command->footer(kFooter);
-  command->add_option("-o,--output", options.output, "Folder for the layers; created if it is missing")
+  command->add_option("-o,--output", options.output, "Folder for the layers, created if it is missing; or an archive, OUT.sl1")
       ->required()
       ->type_name("OUT");
   command->add_flag_callback(
-      "--no-preview", [&options] { options.preview = false; }, "Don't draw preview.png and coverage.png");
+      "--no-preview", [&options] { options.preview = false; },
+      "Don't draw preview.png and coverage.png, nor an archive's thumbnails");
   add_slicing_options(*command, options.job, options.supports, options.checks);
   return command;
 }
+
+namespace {
+
+Expected<ArchiveSettings> archive_settings(const JobSetup& setup, const std::string& output) {
+  if (!setup.board) {
+    return fail(ErrorCode::kBadSetting,
+                "%s: an .sl1 archive is made for a printer's panel.\tName the printer with --printer, or give a folder",
+                output.c_str());
+  }
+  const BoardFile& board = *setup.board;
+  const auto machine = machine_of(board, board.path);
+  PLUMBLINE_TRY(machine);
+  auto profile = read_print_profile(machine->profile, board.path);
+  PLUMBLINE_TRY(profile);
+  const auto seconds = [board](const PrintGrid& grid) {
+    const auto time = estimate_print_time(board, grid.layers, static_cast<double>(grid.layer_height_mm));
+    return time ? std::chrono::duration<double>(time->time).count() : 0;
+  };
+  return ArchiveSettings{board, std::move(*profile), seconds};
+}
+
+}  // namespace
 
 ExitCode run_slice(const SliceOptions& options, std::span<std::byte> arena_block) {
   const auto setup = set_up(options.job, arena_block.size());
@@ -66,6 +94,11 @@ ExitCode run_slice(const SliceOptions& options, std::span<std::byte> arena_block
   SliceJobSettings settings;
   settings.scan_paths = options.job.scans;
   settings.output_path = options.output;
+  if (is_sl1_name(options.output)) {
+    auto archive = archive_settings(*setup, options.output);
+    if (!archive) return report_error(archive.error());
+    settings.archive = std::move(*archive);
+  }
   settings.printer_name = setup->printer_name;
   settings.preview = options.preview;
   settings.supports = *options.supports.over(true, {});  // checked when the arguments were parsed

@@ -42,6 +42,7 @@ PrinterDaemon::PrinterDaemon(Machine& machine, const DaemonSettings& settings, S
       record_(record),
       observer_(record, machine.stick, observer),
       slicing_(child, machine, arena, observer_, settings.slicing_patience),
+      decoder_(child, printer_volume(settings.board)),
       answers_(machine, record, observer_) {
   record.state = PrintState::kIdle;
   assign(record.printer, settings.board.name);
@@ -219,12 +220,13 @@ Expected<std::optional<StickJob>> PrinterDaemon::choose(const StickMount& mount)
 
 /// Says what the checks of the masks have found. Asks whether to print it, if the profile or the board file wants that.
 /// @returns whether to print it. If not, the state says why
-Expected<bool> PrinterDaemon::accept(const SlicedScan& sliced, const PrintProfile& profile) {
-  const auto record = sliced_record(sliced, profile, settings_.machine);
+Expected<bool> PrinterDaemon::accept(const PrintGrid& grid, const MaskExtent& extent, const StackFindings& findings,
+                                     const PrintProfile& profile) {
+  const auto record = sliced_record(grid, extent, findings, profile, settings_.machine);
   PLUMBLINE_TRY(record);
   record_.sliced = *record;
   record_.slicing.reset();
-  const IssueQuestion question(sliced.findings, sliced.rrep.grid, profile.checks);
+  const IssueQuestion question(findings, grid, profile.checks);
   question.tell(observer_);
   if (question.action() == CheckAction::kRefuse) {
     refuse(question.refusal(), FaultCode::kIssueFound);
@@ -245,15 +247,37 @@ Expected<bool> PrinterDaemon::accept(const SlicedScan& sliced, const PrintProfil
   return *accepted;
 }
 
+Expected<bool> PrinterDaemon::prepare_scan(PrintSession& session, const CheckedAnswer& answer, std::string_view name,
+                                           const PrintProfile& profile) {
+  const SlicedScan& sliced = answer.sliced;
+  const auto wanted = accept(sliced.rrep.grid, extent_of(sliced.rrep), sliced.findings, profile);
+  if (!wanted || !*wanted) return wanted;
+  PLUMBLINE_TRY(session.take(sliced, name, profile));
+  return true;
+}
+
+Expected<bool> PrinterDaemon::prepare_archive(PrintSession& session, JobStore::Received& copy,
+                                              const ScanRequest& request, PrintProfile& profile) {
+  const auto sliced = slicing_.check(copy.file.get(), request);
+  PLUMBLINE_TRY(sliced);
+  observer_.previewed(child_.preview());
+  profile = profile_of(profile, sliced->settings);
+  const auto wanted = accept(sliced->grid, sliced->extent, sliced->findings, profile);
+  if (!wanted || !*wanted) return wanted;
+  PLUMBLINE_TRY(session.take(*sliced, request.name.view(), profile, std::move(copy.file), copy.hash));
+  return true;
+}
+
 Status PrinterDaemon::serve_stick() {
   served_ = true;
   fault_ = FaultCode::kNone;
   observer_.begin_job();
   apply(PrintEvent::kJobOffered);
-  PrintSession session(settings_.board, settings_.machine, arena_, &store_);
+  PrintSession session(settings_.board, settings_.machine, arena_, &store_, &decoder_);
   std::optional<PrintProfile> profile;
   std::optional<CheckedAnswer> answer;
-  FixedText<256> name;
+  std::optional<JobStore::Received> copy;
+  std::optional<ScanRequest> request;
   {
     const auto mount = machine_.stick.mount();
     PLUMBLINE_TRY(mount);
@@ -273,29 +297,35 @@ Status PrinterDaemon::serve_stick() {
     FixedText<400> text;
     text.add("reading %s, profile %s", job.scan.c_str(), profile->name.c_str());
     observer_.say(text.view());
-    const auto request = stick_request(job, *scan, *profile, settings_);
-    PLUMBLINE_TRY(request);
-    const auto sliced = slicing_.run(*mount, *scan, *request);
-    PLUMBLINE_TRY(sliced);
-    answer = *sliced;
-    observer_.previewed(child_.preview());
-    name = request->name;
-    for (std::size_t i = 0; i < answer->remarks; ++i) {
-      observer_.warn(in_stick_words(answer->remark[i].view()).view());
+    const auto asked = stick_request(job, *scan, *profile, settings_);
+    PLUMBLINE_TRY(asked);
+    request = *asked;
+    if (is_archive_name(job.scan)) {
+      auto copied = slicing_.copy(*mount, *scan, store_);
+      PLUMBLINE_TRY(copied);
+      copy.emplace(std::move(*copied));
+    } else {
+      const auto sliced = slicing_.run(*mount, *scan, *request);
+      PLUMBLINE_TRY(sliced);
+      answer = *sliced;
+      observer_.previewed(child_.preview());
+      for (std::size_t i = 0; i < answer->remarks; ++i) {
+        observer_.warn(in_stick_words(answer->remark[i].view()).view());
+      }
     }
   }
   observer_.say("the stick may be pulled");
-  const auto wanted = accept(answer->sliced, *profile);
-  PLUMBLINE_TRY(wanted);
-  if (!*wanted) return {};
-  PLUMBLINE_TRY(session.take(answer->sliced, name.view(), *profile));
+  const auto ready = copy ? prepare_archive(session, *copy, *request, *profile)
+                          : prepare_scan(session, *answer, request->name.view(), *profile);
+  PLUMBLINE_TRY(ready);
+  if (!*ready) return {};
   apply(PrintEvent::kSliced);
   print(session, *profile);
   return {};
 }
 
 Status PrinterDaemon::resume() {
-  PrintSession session(settings_.board, settings_.machine, arena_, &store_);
+  PrintSession session(settings_.board, settings_.machine, arena_, &store_, &decoder_);
   const auto loaded = session.load();
   if (!loaded) {
     const bool another = loaded.error().code() == ErrorCode::kUnsupported;

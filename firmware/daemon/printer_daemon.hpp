@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "firmware/child/child_layer_decoder.hpp"
 #include "firmware/child/slicing_child.hpp"
 #include "firmware/daemon/answers.hpp"
 #include "firmware/daemon/daemon_observer.hpp"
@@ -58,7 +59,15 @@ class PrinterDaemon final : public CommandTaker {
   Expected<std::optional<StickJob>> choose(const StickMount& mount);
   /// Tells what the checks found, then refuses the job, asks a person or goes on, as the policy and the board file say.
   /// @returns whether to go on
-  Expected<bool> accept(const SlicedScan& sliced, const PrintProfile& profile);
+  Expected<bool> accept(const PrintGrid& grid, const MaskExtent& extent, const StackFindings& findings,
+                        const PrintProfile& profile);
+  /// Gets a session ready to print what was read, if somebody wants that.
+  Expected<bool> prepare_scan(PrintSession& session, const CheckedAnswer& answer, std::string_view name,
+                              const PrintProfile& profile);
+  /// The same after an archive was copied, which is looked through here.
+  /// @param profile  gets the archive's exposures
+  Expected<bool> prepare_archive(PrintSession& session, JobStore::Received& copy, const ScanRequest& request,
+                                 PrintProfile& profile);
   Status resume();
   void print(PrintSession& session, const PrintProfile& profile);
   void refuse(const Error& error, FaultCode code);
@@ -72,6 +81,7 @@ class PrinterDaemon final : public CommandTaker {
   PrinterRecord& record_;  ///< holds the state
   StateRecorder observer_;
   ScanSlicing slicing_;
+  ChildLayerDecoder decoder_;
   Answers answers_;
   StickOffer* offer_ = nullptr;    ///< that somebody is asked about
   OfferedMasks* masks_ = nullptr;  ///< the same

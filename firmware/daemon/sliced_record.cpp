@@ -6,29 +6,32 @@
 
 namespace plumbline {
 
-Expected<SlicedRecord> sliced_record(const SlicedScan& sliced, const PrintProfile& profile,
-                                     const MachineFile& machine) {
-  const PrintGrid& grid = sliced.rrep.grid;
+MaskExtent extent_of(const RRep& rrep) {
+  MaskExtent extent;
+  for (const std::uint32_t pixel : rrep.pixel) {
+    const std::uint32_t row = pixel / rrep.grid.columns, column = pixel - row * rrep.grid.columns;
+    extent.left = std::min(extent.left, column);
+    extent.right = std::max(extent.right, column + 1);
+    extent.top = std::min(extent.top, row);
+    extent.bottom = std::max(extent.bottom, row + 1);
+  }
+  return extent;
+}
+
+Expected<SlicedRecord> sliced_record(const PrintGrid& grid, const MaskExtent& extent, const StackFindings& findings,
+                                     const PrintProfile& profile, const MachineFile& machine) {
   const double layer_height = double{grid.layer_height_mm};
   const auto plan = plan_print(profile, machine, layer_height, grid.layers);
   PLUMBLINE_TRY(plan);
-  std::uint32_t left = grid.columns, right = 0, top = grid.rows, bottom = 0;
-  for (const std::uint32_t pixel : sliced.rrep.pixel) {
-    const std::uint32_t row = pixel / grid.columns, column = pixel - row * grid.columns;
-    left = std::min(left, column);
-    right = std::max(right, column + 1);
-    top = std::min(top, row);
-    bottom = std::max(bottom, row + 1);
-  }
   SlicedRecord record;
-  if (left < right) {
-    record.width_mm = (right - left) * double{grid.pitch_x_mm};
-    record.depth_mm = (bottom - top) * double{grid.pitch_y_mm};
+  if (!extent.empty()) {
+    record.width_mm = (extent.right - extent.left) * double{grid.pitch_x_mm};
+    record.depth_mm = (extent.bottom - extent.top) * double{grid.pitch_y_mm};
   }
   record.layers = grid.layers;
   record.layer_height_mm = layer_height;
   record.height_mm = grid.layers * layer_height;
-  record.resin_ml = resin_ml(sliced.findings.voxels, double{grid.pitch_x_mm}, double{grid.pitch_y_mm}, layer_height);
+  record.resin_ml = resin_ml(findings.voxels, double{grid.pitch_x_mm}, double{grid.pitch_y_mm}, layer_height);
   record.time = std::chrono::duration_cast<std::chrono::seconds>(print_time(*plan));
   return record;
 }

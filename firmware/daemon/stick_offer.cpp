@@ -22,11 +22,16 @@ Expected<StickOffer> StickOffer::read(const StickMount& mount, ScanSlicing& slic
     auto job = slicing.read_job(mount, *file);
     PLUMBLINE_TRY(job);
     offer.job_ = std::move(*job);
+  } else if (scans->count == 0 && scans->foreign) {
+    return tl::unexpected<Error>(*scans->foreign);
   } else if (scans->count == 0) {
     return fail(ErrorCode::kNoPoints,
-                "there is no scan or mesh on the stick:\tput an STL, OBJ, PLY, OFF, PCD or XYZ file in its top folder");
+                "there is no scan or mesh on the stick, nor a sliced archive:\tput an STL, OBJ, PLY, OFF, PCD, XYZ or "
+                ".sl1 file in its "
+                "top folder");
   } else {
     offer.job_.scan = scans->list[0].name.view();
+    if (scans->foreign) recorder.say(scans->foreign->message());
   }
   offer.record();
   return offer;

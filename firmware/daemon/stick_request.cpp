@@ -2,6 +2,7 @@
 
 #include "firmware/print/plan/print_plan.hpp"
 #include "firmware/settings/support_choice.hpp"
+#include "slicer/core/printable_text.hpp"
 #include "slicer/support_building.hpp"
 
 namespace plumbline {
@@ -29,6 +30,17 @@ Expected<ScanRequest> stick_request(const StickJob& job, const StickFile& scan, 
   PLUMBLINE_TRY(supports);
   request.supports = *supports;
   if (*supports) placement.room = support_room(**supports);
+  if (is_archive_name(job.scan)) {
+    const JobSettings& settings = job;
+    if (settings != JobSettings()) {
+      return fail(ErrorCode::kBadSetting,
+                  "%s: is sliced already, so of the job's settings only the profile counts.\tLeave out the others, or "
+                  "put the mesh or scan that it was made of on the stick",
+                  PrintableText(job.scan).c_str());
+    }
+    request.archive.ask = ArchiveRequest::Ask::kCheck;
+    request.supports.reset();
+  }
   PLUMBLINE_TRY(plan_print(profile, daemon.machine, static_cast<double>(placement.layer_height_mm), 1));
   return request;
 }

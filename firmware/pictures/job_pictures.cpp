@@ -17,48 +17,90 @@ struct Part {
   std::uint32_t left = 0, top = 0, columns = 0, rows = 0;
 };
 
-/// The three views of a page, without the texts around them.
-Part views_of(const RRep& rrep, const Supports& supports, std::span<std::uint64_t> words) {
+/// The three views of a page, without the texts around them; or the front view alone.
+Part views_of(const RRep& rrep, const Supports& supports, bool front_only, std::span<std::uint64_t> words) {
   const preview::Extent object = preview::find_extent(rrep, words);
   if (object.empty()) return {};
   const preview::Layout page = preview::lay_out(preview::with_supports(object, supports, rrep.grid), rrep.grid);
   const std::int64_t left = std::max<std::int64_t>(page.front_left - kRim, 0);
-  const std::int64_t right = std::min<std::int64_t>(page.top_left + page.width + kRim, kPreviewColumns);
+  const std::int64_t end = (front_only ? page.front_left : page.top_left) + page.width + kRim;
+  const std::int64_t right = std::min<std::int64_t>(end, kPreviewColumns);
   // The scale's bar ends above, and the views' names begin below.
-  const std::int64_t top = std::max<std::int64_t>(page.floor - page.tall - kRim, preview::kTop);
+  const std::int64_t tall = front_only ? page.height : page.tall;
+  const std::int64_t top = std::max<std::int64_t>(page.floor - tall - kRim, preview::kTop);
   const std::int64_t bottom = std::min<std::int64_t>(page.floor + kRim, kPreviewRows);
   return {static_cast<std::uint32_t>(left), static_cast<std::uint32_t>(top), static_cast<std::uint32_t>(right - left),
           static_cast<std::uint32_t>(bottom - top)};
 }
 
-/// Means over the part's pixels, as large as the picture's memory allows at the part's proportions.
-void reduce(std::span<const std::uint8_t> page, const Part& part, PreviewPicture& picture) {
-  picture.columns = std::min(PreviewPicture::kMostColumns, PreviewPicture::kMostRows * part.columns / part.rows);
-  picture.columns = std::clamp(picture.columns, 1U, part.columns);
-  picture.rows = std::clamp(picture.columns * part.rows / part.columns, 1U, PreviewPicture::kMostRows);
-  const std::span<std::uint8_t> out = picture.bytes();
+/// Pixels [begin, end) of a part's side that pixel `i` of a picture's side shows.
+struct Stretch {
+  std::uint32_t begin = 0, end = 0;
+  bool beyond = false;  ///< the picture goes on there, and the part does not
+};
+
+/// The part's middle is the picture's.
+/// @param shown  pixels of the picture's side that the part fills, 1 to `side`
+Stretch stretch_of(std::uint32_t i, std::uint32_t side, std::uint32_t shown, std::uint32_t part) {
+  const std::uint32_t before = (side - shown) / 2;
+  const std::uint32_t at = i < before ? 0 : std::min(i - before, shown - 1);
+  const auto begin = static_cast<std::uint32_t>(std::uint64_t{at} * part / shown);
+  const auto end = static_cast<std::uint32_t>((std::uint64_t{at} + 1) * part / shown);
+  return {begin, std::max(begin + 1, end), i < before || i - before >= shown};
+}
+
+struct Size {
+  std::uint32_t columns = 0, rows = 0;
+};
+
+/// As large as the picture allows at the part's proportions.
+Size fitted(const Part& part, Size picture) {
+  if (std::uint64_t{part.columns} * picture.rows >= std::uint64_t{part.rows} * picture.columns) {
+    return {picture.columns, std::max(1U, picture.columns * part.rows / part.columns)};
+  }
+  return {std::max(1U, picture.rows * part.columns / part.rows), picture.rows};
+}
+
+/// Means over the part's pixels.
+/// @param shown  pixels in the picture's middle that the part fills
+void reduce(std::span<const std::uint8_t> page, const Part& part, Size shown, Size picture, std::span<std::uint8_t> out) {
   for (std::uint32_t y = 0; y < picture.rows; ++y) {
-    const std::uint32_t top = y * part.rows / picture.rows;
-    const std::uint32_t bottom = std::max(top + 1, (y + 1) * part.rows / picture.rows);
+    const Stretch down = stretch_of(y, picture.rows, shown.rows, part.rows);
     for (std::uint32_t x = 0; x < picture.columns; ++x) {
-      const std::uint32_t left = x * part.columns / picture.columns;
-      const std::uint32_t right = std::max(left + 1, (x + 1) * part.columns / picture.columns);
+      const Stretch across = stretch_of(x, picture.columns, shown.columns, part.columns);
+      // Each row of the page begins with background.
+      const bool beyond = down.beyond || across.beyond;
+      const std::size_t left = beyond ? 0 : std::size_t{part.left} + across.begin;
+      const std::size_t right = beyond ? 1 : std::size_t{part.left} + across.end;
       std::array<std::uint32_t, 3> sum{};
-      for (std::uint32_t r = top; r < bottom; ++r) {
-        for (std::uint32_t c = left; c < right; ++c) {
-          const std::size_t at = 3 * (std::size_t{part.top + r} * kPreviewColumns + part.left + c);
+      for (std::uint32_t r = down.begin; r < down.end; ++r) {
+        for (std::size_t c = left; c < right; ++c) {
+          const std::size_t at = 3 * (std::size_t{part.top + r} * kPreviewColumns + c);
           for (std::size_t channel = 0; channel < 3; ++channel) sum[channel] += page[at + channel];
         }
       }
-      const std::uint32_t count = (bottom - top) * (right - left);
+      const std::size_t count = (down.end - down.begin) * (right - left);
       for (std::size_t channel = 0; channel < 3; ++channel) {
-        const auto mean = static_cast<std::uint8_t>(sum[channel] / count);
-        // 5 bits, as many as a small screen shows: the picture's PNG has to fit a line of the state socket.
-        out[3 * (std::size_t{y} * picture.columns + x) + channel] =
-            static_cast<std::uint8_t>((mean & 0xF8U) | mean >> 5U);
+        out[3 * (std::size_t{y} * picture.columns + x) + channel] = static_cast<std::uint8_t>(sum[channel] / count);
       }
     }
   }
+}
+
+/// The page with the views, and the part of it that is shown.
+struct DrawnPage {
+  std::span<const std::uint8_t> rgb;  ///< at the arena's top
+  Part part;
+};
+
+Expected<DrawnPage> draw_page(const RRep& rrep, const Supports& supports, bool front_only, Arena& arena) {
+  const auto rgb = arena.take_top<std::uint8_t>(std::size_t{3} * kPreviewColumns * kPreviewRows, "preview");
+  PLUMBLINE_TRY(rgb);
+  PLUMBLINE_TRY(draw_preview(rrep, supports, {}, arena, *rgb));
+  const auto words =
+      arena.take_top<std::uint64_t>(BitImage::words_needed(rrep.grid.columns, rrep.grid.rows), "preview");
+  PLUMBLINE_TRY(words);
+  return DrawnPage{*rgb, views_of(rrep, supports, front_only, *words)};
 }
 
 /// Pixels that are set among `count` from `begin` on; at most 64.
@@ -76,15 +118,35 @@ std::uint32_t count_bits(std::span<const std::uint64_t> row, std::uint32_t begin
 Status draw_preview_picture(const RRep& rrep, const Supports& supports, Arena& arena, PreviewPicture& picture) {
   picture.clear();
   const ArenaScope scope(arena);
-  const auto rgb = arena.take_top<std::uint8_t>(std::size_t{3} * kPreviewColumns * kPreviewRows, "preview");
-  PLUMBLINE_TRY(rgb);
-  PLUMBLINE_TRY(draw_preview(rrep, supports, {}, arena, *rgb));
-  const auto words =
-      arena.take_top<std::uint64_t>(BitImage::words_needed(rrep.grid.columns, rrep.grid.rows), "preview");
-  PLUMBLINE_TRY(words);
-  const Part part = views_of(rrep, supports, *words);
-  if (part.columns > 0 && part.rows > 0) reduce(*rgb, part, picture);
+  const auto page = draw_page(rrep, supports, false, arena);
+  PLUMBLINE_TRY(page);
+  const Part& part = page->part;
+  if (part.columns == 0 || part.rows == 0) return {};
+  picture.columns = std::min(PreviewPicture::kMostColumns, PreviewPicture::kMostRows * part.columns / part.rows);
+  picture.columns = std::clamp(picture.columns, 1U, part.columns);
+  picture.rows = std::clamp(picture.columns * part.rows / part.columns, 1U, PreviewPicture::kMostRows);
+  const Size size{picture.columns, picture.rows};
+  reduce(page->rgb, part, size, size, picture.bytes());
+  for (std::uint8_t& level : picture.bytes()) {
+    // 5 bits, as many as a small screen shows: the picture's PNG has to fit a line of the state socket.
+    level = static_cast<std::uint8_t>((level & 0xF8U) | level >> 5U);
+  }
   return {};
+}
+
+Expected<std::span<const std::uint8_t>> draw_thumbnail(const RRep& rrep, const Supports& supports,
+                                                       std::uint32_t columns, std::uint32_t rows, Arena& arena) {
+  const auto rgb = arena.take_top<std::uint8_t>(std::size_t{3} * columns * rows, "thumbnail");
+  PLUMBLINE_TRY(rgb);
+  std::fill(rgb->begin(), rgb->end(), std::uint8_t{0});
+  const ArenaScope scope(arena);
+  const auto page = draw_page(rrep, supports, columns <= rows, arena);
+  PLUMBLINE_TRY(page);
+  const Size size{columns, rows};
+  if (page->part.columns > 0 && page->part.rows > 0) {
+    reduce(page->rgb, page->part, fitted(page->part, size), size, *rgb);
+  }
+  return *rgb;
 }
 
 void draw_layer_picture(ConstBitImage mask, LayerPicture& picture) {

@@ -46,23 +46,24 @@ void erode(BitImage image, std::uint32_t steps, std::span<std::uint64_t> scratch
   }
 }
 
-Expected<MaskRenderer> MaskRenderer::create(MaskStream& stream, const PrintPlan& plan, Arena& arena) {
-  const auto rows = arena.take_bottom<std::uint64_t>(3 * BitImage::words_needed(stream.grid().columns, 1), "masks");
+Expected<MaskRenderer> MaskRenderer::create(MaskSource& source, const PrintPlan& plan, Arena& arena) {
+  const auto rows = arena.take_bottom<std::uint64_t>(3 * BitImage::words_needed(source.grid().columns, 1), "masks");
   PLUMBLINE_TRY(rows);
-  return MaskRenderer(stream, plan, *rows);
+  return MaskRenderer(source, plan, *rows);
 }
 
 std::size_t MaskRenderer::bytes_needed(const PrintGrid& grid) {
   return Arena::rounded(3 * BitImage::words_needed(grid.columns, 1) * sizeof(std::uint64_t));
 }
 
-MaskFacts MaskRenderer::render(std::uint32_t layer, BitImage out) {
+Expected<MaskFacts> MaskRenderer::render(std::uint32_t layer, BitImage out) {
   using HostClock = std::chrono::steady_clock;
   MaskFacts facts;
   const auto start = HostClock::now();
-  const ConstBitImage mask = stream_->mask(layer);
+  const auto mask = source_->mask(layer);
+  PLUMBLINE_TRY(mask);
   const auto made = HostClock::now();
-  std::copy(mask.words().begin(), mask.words().end(), out.words().begin());
+  std::copy(mask->words().begin(), mask->words().end(), out.words().begin());
   const auto copied = HostClock::now();
   facts.making = made - start;
   facts.copying = copied - made;

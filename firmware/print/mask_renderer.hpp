@@ -1,14 +1,14 @@
 #pragma once
-/// Draws the layer stream's masks into the panel's buffer, with the bottom layers' outlines moved inwards against elephant's foot.
+/// Draws the masks of a print into the panel's buffer, with the bottom layers' outlines moved inwards against elephant's foot.
 
 #include <chrono>
 #include <cstdint>
 #include <span>
 
+#include "firmware/print/mask_source.hpp"
 #include "firmware/print/plan/print_plan.hpp"
 #include "slicer/core/arena.hpp"
 #include "slicer/core/bit_image.hpp"
-#include "slicer/supports/drawing/mask_stream.hpp"
 
 namespace plumbline {
 
@@ -16,30 +16,31 @@ namespace plumbline {
 struct MaskFacts {
   std::uint64_t hash = 0;              ///< mask_hash()
   std::uint64_t pixels = 0;            ///< that let light through
-  std::chrono::nanoseconds making{};   ///< in the layer stream, and eroding
+  std::chrono::nanoseconds making{};   ///< in its source, and eroding
   std::chrono::nanoseconds copying{};  ///< into the panel's buffer
 };
 
 class MaskRenderer {
  public:
   /// Takes three rows from the bottom of the arena.
-  /// @param stream  must outlive the renderer
+  /// @param source  must outlive the renderer
   /// @retval ErrorCode::kOutOfMemory
-  [[nodiscard]] static Expected<MaskRenderer> create(MaskStream& stream, const PrintPlan& plan, Arena& arena);
+  [[nodiscard]] static Expected<MaskRenderer> create(MaskSource& source, const PrintPlan& plan, Arena& arena);
 
   static std::size_t bytes_needed(const PrintGrid& grid);
 
-  const PrintGrid& grid() const { return stream_->grid(); }
+  const PrintGrid& grid() const { return source_->grid(); }
 
   /// Draws the mask of a layer. Layers in ascending order cost least.
   /// @param out  of the grid's columns and rows; every word is written
-  MaskFacts render(std::uint32_t layer, BitImage out);
+  /// @retval any error of the source
+  [[nodiscard]] Expected<MaskFacts> render(std::uint32_t layer, BitImage out);
 
  private:
-  MaskRenderer(MaskStream& stream, const PrintPlan& plan, std::span<std::uint64_t> rows)
-      : stream_(&stream), plan_(plan), rows_(rows) {}
+  MaskRenderer(MaskSource& source, const PrintPlan& plan, std::span<std::uint64_t> rows)
+      : source_(&source), plan_(plan), rows_(rows) {}
 
-  MaskStream* stream_;
+  MaskSource* source_;
   PrintPlan plan_;
   std::span<std::uint64_t> rows_;  ///< three rows of scratch
 };

@@ -20,6 +20,12 @@ constexpr auto kTimeToLook = std::chrono::milliseconds(300);
 /// How often the lamp's temperature is read while it cools, which takes minutes.
 constexpr auto kCoolingLook = std::chrono::seconds(2);
 
+/// Whether a mask could not be made, while the panel is well. It is tried again before its own light, so the layer below cures whole.
+bool is_of_mask(ErrorCode code) {
+  return code == ErrorCode::kMalformed || code == ErrorCode::kUnsupported || code == ErrorCode::kCannotRead ||
+         code == ErrorCode::kOutOfMemory;
+}
+
 }  // namespace
 
 PrintJob::PrintJob(Machine& machine, const PrintSettings& settings, MaskRenderer& masks, Journal* journal,
@@ -253,7 +259,9 @@ Status PrintJob::render(std::uint32_t layer) {
   mask_.reset();
   auto buffer = machine_.mask.lend();
   PLUMBLINE_TRY(buffer);
-  mask_facts_ = masks_.render(layer, buffer->image());
+  const auto facts = masks_.render(layer, buffer->image());
+  PLUMBLINE_TRY(facts);
+  mask_facts_ = *facts;
   mask_.emplace(std::move(*buffer));
   mask_layer_ = layer;
   return {};
@@ -278,10 +286,13 @@ Expected<bool> PrintJob::expose() {
   PLUMBLINE_TRY(exposure);
   slack_.reset();
   if (layer + 1 < plan_.layers) {
-    PLUMBLINE_TRY(render(layer + 1));
-    slack_ = exposure->ends_by() - machine_.clock.now();
-    if (*slack_ < nanoseconds::zero()) ++report_.late_masks;
-    if (*slack_ > kTimeToLook) observer_.mask_made(layer + 1, mask_->image());
+    const auto rendered = render(layer + 1);
+    if (!rendered && !is_of_mask(rendered.error().code())) return tl::unexpected<Error>(rendered.error());
+    if (rendered) {
+      slack_ = exposure->ends_by() - machine_.clock.now();
+      if (*slack_ < nanoseconds::zero()) ++report_.late_masks;
+      if (*slack_ > kTimeToLook) observer_.mask_made(layer + 1, mask_->image());
+    }
   }
   PLUMBLINE_TRY(watch_.wait_for(*exposure));
   const auto report = exposure->finish();

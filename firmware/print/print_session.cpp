@@ -5,10 +5,20 @@
 
 namespace plumbline {
 
-PrintSession::PrintSession(const BoardFile& board, const MachineFile& machine, Arena& arena, JobStore* store)
-    : board_(board), machine_(machine), arena_(arena), store_(store), bottom_(arena.bottom_mark()) {}
+PrintSession::PrintSession(const BoardFile& board, const MachineFile& machine, Arena& arena, JobStore* store,
+                           LayerDecoder* decoder)
+    : board_(board),
+      machine_(machine),
+      arena_(arena),
+      store_(store),
+      bottom_(arena.bottom_mark()),
+      top_(arena.top_mark()),
+      decoder_(decoder != nullptr ? decoder : &own_decoder_) {}
 
-PrintSession::~PrintSession() { arena_.release_bottom(bottom_); }
+PrintSession::~PrintSession() {
+  arena_.release_bottom(bottom_);
+  arena_.release_top(top_);
+}
 
 Status PrintSession::slice_scan(ScanSources scan, const SliceSettings& settings,
                                 const std::optional<SupportSettings>& supports, const PrintProfile& profile,
@@ -24,15 +34,28 @@ Status PrintSession::slice_scan(ScanSources scan, const SliceSettings& settings,
 }
 
 Status PrintSession::take(const SlicedScan& sliced, std::string_view scan, const PrintProfile& profile) {
-  rrep_ = sliced.rrep;
-  supports_ = sliced.supports;
+  parts_ = {sliced.rrep, sliced.supports, {}};
   support_counts_ = sliced.support_counts;
   support_pixels_ = sliced.support_pixels;
-  findings_ = sliced.findings;
-  first_layer_pixels_ = sliced.findings.first_layer_pixels;
-  facts_.cured_pixels = sliced.findings.voxels;
   facts_.scan_hash = sliced.scan_hash;
-  const auto plan = plan_print(profile, machine_, static_cast<double>(rrep_.grid.layer_height_mm), rrep_.grid.layers);
+  return begin(scan, profile, sliced.findings);
+}
+
+Status PrintSession::take(const SlicedArchive& sliced, std::string_view name, const PrintProfile& profile,
+                          Descriptor archive, std::uint64_t hash) {
+  parts_ = {{.grid = sliced.grid, .first = {}, .pixel = {}, .is_exact = true}, {}, sliced.layers};
+  facts_.turn = sliced.turn;
+  facts_.scan_hash = hash;
+  archive_ = std::move(archive);
+  return begin(name, profile, sliced.findings);
+}
+
+/// Plans the print of parts_, makes it ready, and stores it.
+Status PrintSession::begin(std::string_view scan, const PrintProfile& profile, const StackFindings& findings) {
+  findings_ = findings;
+  first_layer_pixels_ = findings.first_layer_pixels;
+  facts_.cured_pixels = findings.voxels;
+  const auto plan = plan_print(profile, machine_, static_cast<double>(grid().layer_height_mm), grid().layers);
   PLUMBLINE_TRY(plan);
   facts_.scan = short_name(PrintableText(scan, facts_.scan.size()).view());
   facts_.printer = short_name(board_.name);
@@ -42,7 +65,7 @@ Status PrintSession::take(const SlicedScan& sliced, std::string_view scan, const
   facts_.plan = *plan;
   PLUMBLINE_TRY(make_ready());
   if (store_ == nullptr) return {};
-  auto file = store_->begin(facts_, rrep_, supports_);
+  auto file = store_->begin(facts_, parts_);
   PLUMBLINE_TRY(file);
   journal_file_ = std::move(*file);
   const auto journal = Journal::open(*journal_file_);
@@ -62,30 +85,46 @@ Status PrintSession::load() {
                 static_cast<int>(printer.size()), printer.data());
   }
   facts_ = job.facts;
-  rrep_ = job.rrep;
-  supports_ = job.supports;
+  parts_ = job.parts;
+  archive_ = std::move(stored->archive);
   journal_file_ = std::move(stored->journal);
   const auto journal = Journal::open(*journal_file_);
   PLUMBLINE_TRY(journal);
-  if (journal->job_hash() != job.hash || journal->layers() != rrep_.grid.layers) {
+  if (journal->job_hash() != job.hash || journal->layers() != grid().layers) {
     return fail(ErrorCode::kMalformed, "the stored job and its journal are of different prints");
   }
   journal_ = *journal;
   resumed_ = true;
   PLUMBLINE_TRY(make_ready());
-  first_layer_pixels_ = stream_->mask(0).count();
+  const auto first = source_->mask(0);
+  PLUMBLINE_TRY(first);
+  first_layer_pixels_ = first->count();
   return {};
 }
 
-/// Makes the streams and the room for the report, after slicing or loading.
-Status PrintSession::make_ready() {
-  auto stream = MaskStream::create(rrep_, supports_, arena_);
+Status PrintSession::make_source() {
+  if (parts_.is_archive()) {
+    auto masks =
+        ArchiveMasks::create(archive_.get(), view(facts_.scan), grid(), parts_.archive, facts_.turn, *decoder_, arena_);
+    PLUMBLINE_TRY(masks);
+    archive_masks_.emplace(std::move(*masks));
+    source_ = &*archive_masks_;
+    return {};
+  }
+  const auto stream = MaskStream::create(parts_.rrep, parts_.supports, arena_);
   PLUMBLINE_TRY(stream);
-  stream_ = *stream;
-  auto masks = MaskRenderer::create(*stream_, facts_.plan, arena_);
+  stream_masks_.emplace(*stream);
+  source_ = &*stream_masks_;
+  return {};
+}
+
+/// Makes the masks' source and the room for the report, after slicing or loading.
+Status PrintSession::make_ready() {
+  PLUMBLINE_TRY(make_source());
+  auto masks = MaskRenderer::create(*source_, facts_.plan, arena_);
   PLUMBLINE_TRY(masks);
   masks_ = *masks;
-  const std::size_t exposures = std::size_t{rrep_.grid.layers} + kSpareExposures;
+  const std::size_t exposures = std::size_t{grid().layers} + kSpareExposures;
   const auto lines = arena_.take_bottom<ExposureLine>(exposures, "report");
   PLUMBLINE_TRY(lines);
   lines_ = *lines;

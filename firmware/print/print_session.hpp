@@ -6,8 +6,10 @@
 #include <span>
 #include <string_view>
 
+#include "firmware/print/archive_masks.hpp"
 #include "firmware/print/mask_renderer.hpp"
 #include "firmware/print/print_job.hpp"
+#include "firmware/print/sliced_archive.hpp"
 #include "firmware/print/sliced_scan.hpp"
 #include "firmware/print/store/job_store.hpp"
 #include "firmware/settings/board_file.hpp"
@@ -24,7 +26,9 @@ class PrintSession {
 
   /// @param arena  all of it is the session's. Must outlive it, as must board and store
   /// @param store  null: nothing is stored, so a power cut ends the print for good
-  PrintSession(const BoardFile& board, const MachineFile& machine, Arena& arena, JobStore* store);
+  /// @param decoder  of an archive's layers; null: this process decodes them
+  PrintSession(const BoardFile& board, const MachineFile& machine, Arena& arena, JobStore* store,
+               LayerDecoder* decoder = nullptr);
   ~PrintSession();
   PrintSession(const PrintSession&) = delete;
   PrintSession& operator=(const PrintSession&) = delete;
@@ -50,6 +54,15 @@ class PrintSession {
   /// @retval any error of plan_print() and JobStore::begin()
   [[nodiscard]] Status take(const SlicedScan& sliced, std::string_view scan, const PrintProfile& profile);
 
+  /// Gets ready to print what somebody else has sliced.
+  /// @param sliced   its layers are in this session's arena, at its bottom
+  /// @param profile  profile_of() it
+  /// @param archive  the file; with a store, the copy that JobStore::receive() has made
+  /// @param hash     of its bytes
+  /// @retval any error of plan_print() and JobStore::begin()
+  [[nodiscard]] Status take(const SlicedArchive& sliced, std::string_view name, const PrintProfile& profile,
+                            Descriptor archive, std::uint64_t hash);
+
   /// Loads the interrupted print.
   /// @retval any error of JobStore::load() and Journal::open()
   /// @retval ErrorCode::kUnsupported  it was made for another printer, or by another version
@@ -63,9 +76,13 @@ class PrintSession {
   const SliceReport& sliced() const { return slice_report_; }
   const JobFacts& facts() const { return facts_; }
   const PrintPlan& plan() const { return facts_.plan; }
-  const PrintGrid& grid() const { return rrep_.grid; }
-  const RRep& rrep() const { return rrep_; }
-  const Supports& supports() const { return supports_; }
+  const PrintGrid& grid() const { return parts_.rrep.grid; }
+  /// Of an archive's print it has only its grid: see mask().
+  const RRep& rrep() const { return parts_.rrep; }
+  const Supports& supports() const { return parts_.supports; }
+  bool is_archive() const { return parts_.is_archive(); }
+  /// The mask of a layer. @pre the print is not running
+  [[nodiscard]] Expected<ConstBitImage> mask(std::uint32_t layer) { return source_->mask(layer); }
   /// Known only after slice_scan(): the requested settings, the supports by purpose, and the pixels that they add.
   const std::optional<SupportSettings>& support_settings() const { return support_settings_; }
   const SupportCounts& support_counts() const { return support_counts_; }
@@ -76,23 +93,29 @@ class PrintSession {
   double pixel_ml() const;
 
  private:
+  [[nodiscard]] Status begin(std::string_view scan, const PrintProfile& profile, const StackFindings& findings);
+  [[nodiscard]] Status make_source();
   [[nodiscard]] Status make_ready();
 
   const BoardFile& board_;
   const MachineFile& machine_;
   Arena& arena_;
   JobStore* store_;
-  std::size_t bottom_;
+  std::size_t bottom_, top_;
 
   SliceReport slice_report_;
   JobFacts facts_;
-  RRep rrep_;
-  Supports supports_;
+  MaskParts parts_;
   std::optional<SupportSettings> support_settings_;
   SupportCounts support_counts_;
   std::uint64_t support_pixels_ = 0;
   std::optional<StackFindings> findings_;
-  std::optional<MaskStream> stream_;
+  Descriptor archive_;
+  OwnLayerDecoder own_decoder_;
+  LayerDecoder* decoder_;
+  std::optional<StreamMasks> stream_masks_;  ///< one of these
+  std::optional<ArchiveMasks> archive_masks_;
+  MaskSource* source_ = nullptr;
   std::optional<MaskRenderer> masks_;
   std::optional<JournalFile> journal_file_;
   std::optional<Journal> journal_;

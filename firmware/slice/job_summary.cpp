@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <string_view>
 
+#include "firmware/slice/job_archive.hpp"
+
 namespace plumbline {
 namespace {
 
@@ -68,6 +70,10 @@ void add_print(Text& text, const JobReport& report, std::string_view print_time)
 }
 
 void add_look_at(Text& text, const JobReport& report, const char* output) {
+  if (is_sl1_name(output)) {
+    text.add("written    %s\n", output);
+    return;
+  }
   text.add("look at    ");
   if (report.has_preview) text.add("%s/preview.png, ", output);
   if (report.has_coverage) text.add("%s/coverage.png, ", output);
@@ -192,7 +198,7 @@ Status write_summary(OutputFile& out, const JobReport& report, const char* outpu
   add_stages(text, report);
   text.add("took       %.2f s with %u thread%s\n", report.total_seconds, report.threads,
            report.threads == 1 ? "" : "s");
-  text.add("manifest   %s/manifest.json\n", output);
+  if (!is_sl1_name(output)) text.add("manifest   %s/manifest.json\n", output);
   return out.write(text.view());
 }
 

@@ -1,12 +1,17 @@
 #include "firmware/slice/mask_stack.hpp"
 
+#include <fcntl.h>
+
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
 #include <charconv>
+#include <cstring>
 #include <filesystem>
 #include <utility>
 
 #include "firmware/io/file_source.hpp"
+#include "firmware/io/last_number.hpp"
 #include "firmware/pictures/png_writer.hpp"
 #include "slicer/core/print_grid.hpp"
 
@@ -19,18 +24,6 @@ namespace fs = std::filesystem;
 constexpr std::uint64_t kLargestFile = std::uint64_t{512} << 20U;
 /// A manifest with a hash for each of 65535 layers has 2 MB.
 constexpr std::uint64_t kLargestManifest = std::uint64_t{16} << 20U;
-
-/// The last number in a name; none: there is none.
-std::optional<std::uint64_t> last_number(std::string_view name) {
-  constexpr std::string_view kDigits = "0123456789";
-  const auto last = name.find_last_of(kDigits);
-  if (last == std::string_view::npos) return std::nullopt;
-  const auto before = name.find_last_not_of(kDigits, last);
-  const auto first = before == std::string_view::npos ? 0 : before + 1;
-  std::uint64_t number = 0;
-  const auto [end, error] = std::from_chars(name.data() + first, name.data() + last + 1, number);
-  return error == std::errc() ? std::optional(number) : std::nullopt;
-}
 
 bool ends_in_png(const std::string& name) {
   std::string end = name.substr(name.size() - std::min<std::size_t>(name.size(), 4));
@@ -94,8 +87,29 @@ std::optional<StackScale> scale_in_manifest(std::string_view json) {
   return scale;
 }
 
+Expected<MaskStack> MaskStack::open_archive(const std::string& path) {
+  MaskStack stack;
+  stack.file_ = Descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (!stack.file_.is_open()) {
+    return fail(ErrorCode::kCannotOpen, "%s: cannot be opened: %s", path.c_str(), std::strerror(errno));
+  }
+  auto archive = LayerArchive::open(stack.file_.get(), path);
+  PLUMBLINE_TRY(archive);
+  stack.archive_.emplace(std::move(*archive));
+  stack.archive_layers_.resize(stack.archive_->layers());
+  PLUMBLINE_TRY(stack.archive_->list(stack.archive_layers_));
+  stack.columns_ = stack.archive_->columns();
+  stack.rows_ = stack.archive_->rows();
+  const Sl1Settings& settings = stack.archive_->settings();
+  if (settings.width_mm && settings.depth_mm && settings.layer_height_mm) {
+    stack.scale_ = {*settings.width_mm / stack.columns_, *settings.depth_mm / stack.rows_, *settings.layer_height_mm};
+  }
+  return stack;
+}
+
 Expected<MaskStack> MaskStack::open(const std::string& path) {
   std::error_code error;
+  if (is_archive_name(path) && !fs::is_directory(path, error)) return open_archive(path);
   const fs::path top(path);
   const fs::path folder = fs::is_directory(top / "layers", error) ? top / "layers" : top;
   std::vector<std::pair<std::uint64_t, std::string>> numbered;
@@ -141,6 +155,7 @@ Expected<MaskStack> MaskStack::open(const std::string& path) {
 Status MaskStack::load(std::uint32_t layer) { return read_whole(files_[layer], kLargestFile, bytes_); }
 
 Status MaskStack::read(std::uint32_t layer, BitImage out) {
+  if (archive_) return archive_->read(archive_layers_[layer], out);
   PLUMBLINE_TRY(load(layer));
   const auto done = decode_mask(bytes_, out);
   if (!done) return tl::unexpected<Error>(done.error().with_prefix(files_[layer]));

@@ -1,5 +1,5 @@
 #pragma once
-/// A folder of masks as PNG files, of plumbline or another slicer.
+/// Masks as PNG files in a folder or an archive, of plumbline or another slicer.
 
 #include <cstddef>
 #include <cstdint>
@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "firmware/archive/layer_archive.hpp"
+#include "firmware/io/descriptor.hpp"
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/error.hpp"
 
@@ -25,15 +27,17 @@ class MaskStack {
 
   /// Lists the PNG files of a folder, or of its folder `layers`. They are layers in the order of the last number in their names;
   /// those without a number, such as preview.png, are left out.
+  /// An archive's are LayerArchive's.
   /// @retval ErrorCode::kCannotOpen  the folder can't be listed
+  /// @retval any error of LayerArchive
   /// @retval ErrorCode::kNoPoints    it has no such file
   /// @retval ErrorCode::kMalformed   two files have one number, or the first one is no PNG
   [[nodiscard]] static Expected<MaskStack> open(const std::string& path);
 
-  std::uint32_t layers() const { return static_cast<std::uint32_t>(files_.size()); }
+  std::uint32_t layers() const { return static_cast<std::uint32_t>(archive_ ? archive_layers_.size() : files_.size()); }
   std::uint32_t columns() const { return columns_; }
   std::uint32_t rows() const { return rows_; }
-  /// From a manifest.json beside the layers; none: there is none that has it.
+  /// From a manifest.json beside the layers, or an archive's settings; none: they don't have it.
   const std::optional<StackScale>& scale() const { return scale_; }
 
   /// Reads a layer. Grey levels above 127 are white, as in UVtools.
@@ -45,7 +49,12 @@ class MaskStack {
  private:
   [[nodiscard]] Status load(std::uint32_t layer);
 
+  [[nodiscard]] static Expected<MaskStack> open_archive(const std::string& path);
+
   std::vector<std::string> files_;
+  Descriptor file_;  ///< of the archive
+  std::optional<LayerArchive> archive_;
+  std::vector<ArchiveLayer> archive_layers_;
   std::vector<std::byte> bytes_;  ///< of the file that was loaded last
   std::uint32_t columns_ = 0, rows_ = 0;
   std::optional<StackScale> scale_;

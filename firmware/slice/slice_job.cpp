@@ -8,6 +8,7 @@
 #include "firmware/io/mask_hash.hpp"
 #include "firmware/pictures/coverage_picture.hpp"
 #include "firmware/pictures/issue_picture.hpp"
+#include "firmware/pictures/job_pictures.hpp"
 #include "firmware/pictures/preview.hpp"
 #include "firmware/settings/job_options.hpp"
 #include "firmware/slice/issue_report.hpp"
@@ -21,9 +22,16 @@ namespace plumbline {
 Expected<SliceJob> SliceJob::prepare(const SliceJobSettings& settings, Arena& arena) {
   auto scan = ScanFiles::open(settings.scan_paths);
   PLUMBLINE_TRY(scan);
-  auto directory = JobDirectory::open(settings.output_path);
-  PLUMBLINE_TRY(directory);
-  SliceJob job(settings, arena, std::move(*scan), std::move(*directory));
+  SliceJob job(settings, arena, std::move(*scan));
+  if (settings.archive) {
+    auto archive = JobArchive::open(settings.output_path);
+    PLUMBLINE_TRY(archive);
+    job.archive_.emplace(std::move(*archive));
+  } else {
+    auto directory = JobDirectory::open(settings.output_path);
+    PLUMBLINE_TRY(directory);
+    job.directory_.emplace(std::move(*directory));
+  }
   if (const auto& printer = settings.slice.placement.printer) {
     auto masks = PngEncoder::for_masks(printer->columns, printer->rows);
     PLUMBLINE_TRY(masks);
@@ -41,6 +49,7 @@ Expected<SliceJob> SliceJob::prepare(const SliceJobSettings& settings, Arena& ar
   job.report_.base = settings.slice.base;
   job.report_.printer_name = settings.printer_name;
   job.report_.checks = settings.checks;
+  job.report_.draws_coverage = settings.preview && !settings.archive;
   job.report_.arena_bytes = arena.capacity();
   job.report_.threads = settings.slice.threads;
   return job;
@@ -51,7 +60,8 @@ Status SliceJob::run(JobProgress& progress) {
   auto done = work(progress);
   report_.slice.confidence = {};  // its memory is released below
   arena_->release_bottom(bottom);
-  if (!done) directory_.discard();
+  if (!done && directory_) directory_->discard();
+  if (!done) archive_.reset();
   return done;
 }
 
@@ -63,7 +73,7 @@ Status SliceJob::work(JobProgress& progress) {
     PLUMBLINE_TRY(masks);
     masks_ = std::move(*masks);
   }
-  PLUMBLINE_TRY(directory_.begin());
+  if (directory_) PLUMBLINE_TRY(directory_->begin());
   const auto supports = find_supports(*rrep, progress);
   PLUMBLINE_TRY(supports);
   arena_->reset_peak();
@@ -76,15 +86,16 @@ Status SliceJob::work(JobProgress& progress) {
   PLUMBLINE_TRY(written);
   if (!report_.slice.mesh) report_.coverage = report_.slice.confidence.shares();
   find_warnings(report_);
-  if (pictures_) {
+  report_.hash = job_hash(*hashes);
+  if (archive_) PLUMBLINE_TRY(write_archive_end(*rrep, *supports));
+  if (directory_ && pictures_) {
     PLUMBLINE_TRY(write_preview(*rrep, *supports));
     if (report_.coverage) PLUMBLINE_TRY(write_coverage(*rrep));
     PLUMBLINE_TRY(write_issue_picture(*rrep, *supports));
   }
-  report_.hash = job_hash(*hashes);
   report_.seconds = progress.seconds();
   report_.total_seconds = progress.total_seconds();
-  return write_manifest_file(*hashes);
+  return directory_ ? write_manifest_file(*hashes) : Status();
 }
 
 Expected<Supports> SliceJob::find_supports(RRep& rrep, JobProgress& progress) {
@@ -112,11 +123,32 @@ Status SliceJob::write_layers(const RRep& rrep, const Supports& supports, std::s
     report_.support_pixels += stream->support_pixels();
     const auto png = masks_->encode(mask);
     PLUMBLINE_TRY(png);
-    PLUMBLINE_TRY(directory_.write_layer(layer, *png));
+    PLUMBLINE_TRY(directory_ ? directory_->write_layer(layer, *png) : archive_->write_layer(layer, *png));
   }
   report_.findings = checker->finish();
   report_.cured_pixels = report_.findings->voxels;
   return judge(*report_.findings, rrep.grid, settings_.checks);
+}
+
+/// Thumbnails and settings: what follows the masks in an archive.
+Status SliceJob::write_archive_end(const RRep& rrep, const Supports& supports) {
+  if (pictures_) {
+    for (const ThumbnailSize size : kThumbnailSizes) {
+      const ArenaScope scope(*arena_);
+      const auto rgb = draw_thumbnail(rrep, supports, size.columns, size.rows, *arena_);
+      if (!rgb) {
+        // The masks are complete without the picture.
+        report_.warnings.add().add("no thumbnails: %s", rgb.error().message());
+        break;
+      }
+      const auto png = pictures_->encode(*rgb, size.columns, size.rows);
+      PLUMBLINE_TRY(png);
+      PLUMBLINE_TRY(archive_->write_thumbnail(size, *png));
+    }
+  }
+  const ArchiveSettings& archive = *settings_.archive;
+  return archive_->finish({archive.board, archive.profile, rrep.grid, report_.volume_mm3() / 1000,
+                           archive.seconds ? archive.seconds(rrep.grid) : 0});
 }
 
 Status SliceJob::write_preview(const RRep& rrep, const Supports& supports) {
@@ -138,7 +170,7 @@ Status SliceJob::write_preview(const RRep& rrep, const Supports& supports) {
     report_.warnings.add().add("no preview.png: %s", png.error().message());
     return {};
   }
-  PLUMBLINE_TRY(directory_.write_picture(Picture::kPreview, *png));
+  PLUMBLINE_TRY(directory_->write_picture(Picture::kPreview, *png));
   report_.has_preview = true;
   report_.preview_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return {};
@@ -153,7 +185,7 @@ Status SliceJob::write_coverage(const RRep& rrep) {
     report_.warnings.add().add("no coverage.png: %s", png.error().message());
     return {};
   }
-  PLUMBLINE_TRY(directory_.write_picture(Picture::kCoverage, *png));
+  PLUMBLINE_TRY(directory_->write_picture(Picture::kCoverage, *png));
   report_.has_coverage = true;
   report_.preview_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return {};
@@ -169,19 +201,19 @@ Status SliceJob::write_issue_picture(const RRep& rrep, const Supports& supports)
     return {};
   }
   if (png->empty()) return {};
-  PLUMBLINE_TRY(directory_.write_picture(Picture::kIssues, *png));
+  PLUMBLINE_TRY(directory_->write_picture(Picture::kIssues, *png));
   report_.has_issue_picture = true;
   report_.preview_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return {};
 }
 
 Status SliceJob::write_manifest_file(std::span<const std::uint64_t> hashes) {
-  auto file = directory_.create_manifest();
+  auto file = directory_->create_manifest();
   PLUMBLINE_TRY(file);
   JsonWriter json(*file);
   write_manifest(json, report_, hashes);
   PLUMBLINE_TRY(json.finish());
-  return directory_.finish(*file);
+  return directory_->finish(*file);
 }
 
 }  // namespace plumbline

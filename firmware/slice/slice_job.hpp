@@ -1,6 +1,7 @@
 #pragma once
-/// `plumbline slice` without its command line: a scan file becomes a folder of layers.
+/// `plumbline slice` without its command line: a scan file becomes a folder of layers, or an .sl1 archive.
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "firmware/io/scan_files.hpp"
 #include "firmware/pictures/png_writer.hpp"
 #include "firmware/settings/check_policy.hpp"
+#include "firmware/slice/job_archive.hpp"
 #include "firmware/slice/job_directory.hpp"
 #include "firmware/slice/job_report.hpp"
 #include "slicer/core/arena.hpp"
@@ -17,9 +19,17 @@
 
 namespace plumbline {
 
+/// What an .sl1 archive says besides the masks.
+struct ArchiveSettings {
+  BoardFile board;
+  PrintProfile profile;
+  std::function<double(const PrintGrid&)> seconds;  ///< that a print takes; 0: not known
+};
+
 struct SliceJobSettings {
   std::vector<std::string> scan_paths;  ///< files of one scan, in this order
-  std::string output_path;
+  std::string output_path;  ///< a folder, or the archive
+  std::optional<ArchiveSettings> archive;  ///< none: a folder
   std::string printer_name;  ///< for the manifest; empty: none
   SliceSettings slice;
   std::optional<SupportSettings> supports;  ///< as check_support_settings() accepts; none: no supports
@@ -37,22 +47,23 @@ class SliceJob {
   /// @retval ErrorCode::kCannotOpen, kCannotWrite, kOutOfMemory
   [[nodiscard]] static Expected<SliceJob> prepare(const SliceJobSettings& settings, Arena& arena);
 
-  /// Slices and writes. After an error the folder holds nothing of this job.
+  /// Slices and writes. After an error the folder holds nothing of this job, and there is no archive.
   /// @retval ErrorCode::kCancelled  progress said so
   /// @retval ErrorCode::kBadSetting  settings.checks refuse what was found, or ask about it
-  /// @retval any error of slice(), JobDirectory and PngEncoder
+  /// @retval any error of slice(), JobDirectory, JobArchive and PngEncoder
   [[nodiscard]] Status run(JobProgress& progress);
 
   const JobReport& report() const { return report_; }
 
  private:
-  SliceJob(const SliceJobSettings& settings, Arena& arena, ScanFiles scan, JobDirectory directory)
-      : settings_(settings), arena_(&arena), scan_(std::move(scan)), directory_(std::move(directory)) {}
+  SliceJob(const SliceJobSettings& settings, Arena& arena, ScanFiles scan)
+      : settings_(settings), arena_(&arena), scan_(std::move(scan)) {}
 
   [[nodiscard]] Status work(JobProgress& progress);
   [[nodiscard]] Expected<Supports> find_supports(RRep& rrep, JobProgress& progress);
   [[nodiscard]] Status write_layers(const RRep& rrep, const Supports& supports, std::span<std::uint64_t> hashes,
                                     JobProgress& progress);
+  [[nodiscard]] Status write_archive_end(const RRep& rrep, const Supports& supports);
   [[nodiscard]] Status write_preview(const RRep& rrep, const Supports& supports);
   [[nodiscard]] Status write_coverage(const RRep& rrep);
   [[nodiscard]] Status write_issue_picture(const RRep& rrep, const Supports& supports);
@@ -61,7 +72,8 @@ class SliceJob {
   SliceJobSettings settings_;
   Arena* arena_;
   ScanFiles scan_;
-  JobDirectory directory_;
+  std::optional<JobDirectory> directory_;  ///< one of these
+  std::optional<JobArchive> archive_;
   std::optional<PngEncoder> masks_;
   std::optional<PngEncoder> pictures_;
   JobReport report_;

@@ -59,7 +59,7 @@ const std::vector<std::byte>& whole() {
     const Supports supports{.list = kSupports, .pitch = PixelPitch(rrep.grid)};
     MemoryFile file;
     std::uint64_t hash = 0;
-    require(write_job(file.file(), facts, rrep, supports, hash), "write_job");
+    require(write_job(file.file(), facts, {rrep, supports, {}}, hash), "write_job");
     return file.content();
   }();
   return made;
@@ -83,12 +83,14 @@ void check(const std::vector<std::byte>& bytes, bool forged) {
     return;
   }
   require(arena.used() <= arena.capacity(), "more than the arena");
-  require(job->rrep.first.size() == job->rrep.grid.layers + std::size_t{1}, "layers");
+  require(job->parts.is_archive() ? job->parts.archive.size() == job->parts.rrep.grid.layers
+                                  : job->parts.rrep.first.size() == job->parts.rrep.grid.layers + std::size_t{1},
+          "layers");
   if (forged) return;
   require(view(job->facts.scan) == "bust.ply" && job->facts.print_id == 11, "other facts than were stored");
-  require(same<std::uint32_t>(job->rrep.first, kFirst) && same<std::uint32_t>(job->rrep.pixel, kPixel),
+  require(same<std::uint32_t>(job->parts.rrep.first, kFirst) && same<std::uint32_t>(job->parts.rrep.pixel, kPixel),
           "another R-Rep than was stored");
-  require(same<Strut>(job->supports.list, kSupports), "other supports than were stored");
+  require(same<Strut>(job->parts.supports.list, kSupports), "other supports than were stored");
 }
 
 /// Makes the hash at the end right, so that the reader looks at the rest.

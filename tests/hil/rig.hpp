@@ -218,8 +218,8 @@ class Rig {
       machine_.reset();
       machine_.emplace(plant);
     }
-    stream_ = MaskStream::create(tower_.rrep(), supports_, *arena_).value();
-    masks_ = MaskRenderer::create(*stream_, plan, *arena_).value();
+    source_.emplace(MaskStream::create(tower_.rrep(), supports_, *arena_).value());
+    masks_ = MaskRenderer::create(*source_, plan, *arena_).value();
     auto opened = Journal::open(storage);
     const bool is_new = !opened && opened.error().code() == ErrorCode::kTruncated;
     if (is_new) opened = Journal::create(storage, 77, plan.layers);
@@ -284,7 +284,7 @@ class Rig {
   std::optional<Arena> arena_;
   std::optional<SimMachine> machine_;
   Supports supports_;  ///< none
-  std::optional<MaskStream> stream_;
+  std::optional<StreamMasks> source_;
   std::optional<MaskRenderer> masks_;
   std::optional<Journal> journal_;
   std::vector<ExposureLine> lines_;

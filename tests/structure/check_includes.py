@@ -34,8 +34,8 @@ ORDER = {
     "firmware/print": ["plan", "status", "store"],
     "firmware/daemon": ["stick", "service"],
     "firmware/cli": ["options", "reports"],
-    "firmware": ["io", "settings", "pictures", "canvas", "sample", "machine", "slice", "print", "child", "state", "screen", "daemon",
-                 "page", "cli"],
+    "firmware": ["io", "settings", "pictures", "canvas", "archive", "sample", "machine", "slice", "print", "child", "state", "screen",
+                 "daemon", "page", "cli"],
 }
 
 # The source file that opens each back end of the HAL. firmware/machine/back_end.cpp chooses between them.
@@ -52,6 +52,9 @@ ONE_SOURCE_FILE = {
     "zlib.h": "exactly",
     "lodepng.h": "at most",
     "libdeflate.h": "at most",
+    "spng.h": "at most",
+    "minizip/zip.h": "at most",
+    "minizip/unzip.h": "at most",
     "toml++/toml.h": "at most",
     "gpiod.h": "at most",
     "microhttpd.h": "at most",

@@ -42,15 +42,15 @@ struct PartRRep {
 constexpr std::size_t kPreviewBytes = std::size_t{3} * kPreviewColumns * kPreviewRows;
 
 /// Writes the picture of the issues that the masks had, if there are any and the arena has room for it.
-Status write_issue_picture(JobDirectory& directory, const PrintSession& session, std::string_view name, Arena& arena,
-                           PngEncoder& encoder) {
+Status write_issue_picture(JobDirectory& directory, const PrintSession& session, const RRep& sliced,
+                           std::string_view name, Arena& arena, PngEncoder& encoder) {
   if (!session.findings()) return {};
-  const auto png = encode_issues(*session.findings(), session.rrep(), session.supports(), name, arena, encoder);
+  const auto png = encode_issues(*session.findings(), sliced, session.supports(), name, arena, encoder);
   return png && !png->empty() ? directory.write_picture(Picture::kIssues, *png) : Status();
 }
 
 /// Writes the preview of the cured part, and a comparison that shows what was to be printed to its left.
-Status write_pictures(JobDirectory& directory, const PrintSession& session, const RRep& part, const JobReport& job,
+Status write_pictures(JobDirectory& directory, PrintSession& session, const RRep& part, const JobReport& job,
                       Arena& arena) {
   auto encoder = PngEncoder::for_pictures(2 * kPreviewColumns, kPreviewRows);
   PLUMBLINE_TRY(encoder);
@@ -64,14 +64,25 @@ Status write_pictures(JobDirectory& directory, const PrintSession& session, cons
   // A print resumed from its store has no placement.
   const Placement& placement = session.sliced().placement;
   const auto size = placement.grid.layers > 0 ? size_text(placement) : FixedText<96>();
-  PLUMBLINE_TRY(draw_preview(session.rrep(), session.supports(), {job.scan_name, size.view(), sliced_captions}, arena,
-                             std::span(sliced)));
+  PartRRep masks;
+  RRep rrep = session.rrep();
+  if (session.is_archive()) {
+    for (std::uint32_t layer = 0; layer < session.grid().layers; ++layer) {
+      const auto mask = session.mask(layer);
+      PLUMBLINE_TRY(mask);
+      masks.add(*mask);
+    }
+    rrep.first = masks.first;
+    rrep.pixel = masks.pixel;
+  }
+  PLUMBLINE_TRY(
+      draw_preview(rrep, session.supports(), {job.scan_name, size.view(), sliced_captions}, arena, std::span(sliced)));
   // The layers already include the cured supports.
   PLUMBLINE_TRY(draw_preview(part, Supports{}, {job.scan_name, {}, printed_captions}, arena, std::span(printed)));
   const auto preview = encoder->encode(printed, kPreviewColumns, kPreviewRows);
   PLUMBLINE_TRY(preview);
   PLUMBLINE_TRY(directory.write_picture(Picture::kPreview, *preview));
-  PLUMBLINE_TRY(write_issue_picture(directory, session, job.scan_name, arena, *encoder));
+  PLUMBLINE_TRY(write_issue_picture(directory, session, rrep, job.scan_name, arena, *encoder));
 
   std::vector<std::uint8_t> both;
   both.reserve(2 * kPreviewBytes);
@@ -88,7 +99,7 @@ Status write_pictures(JobDirectory& directory, const PrintSession& session, cons
 
 }  // namespace
 
-Status write_printed_part(JobDirectory& directory, const Witness& witness, const PrintSession& session, Arena& arena) {
+Status write_printed_part(JobDirectory& directory, const Witness& witness, PrintSession& session, Arena& arena) {
   PLUMBLINE_TRY(directory.begin());
   const PrintGrid& grid = session.grid();
   auto masks = PngEncoder::for_masks(grid.columns, grid.rows);

@@ -12,7 +12,7 @@ namespace plumbline {
 /// scan, and comparison.png, which shows the part beside what was to be printed. For the desktop: uses the heap.
 /// @param arena  its free part is used for the picture
 /// @retval the errors of JobDirectory and PngEncoder
-[[nodiscard]] Status write_printed_part(JobDirectory& directory, const Witness& witness, const PrintSession& session,
+[[nodiscard]] Status write_printed_part(JobDirectory& directory, const Witness& witness, PrintSession& session,
                                         Arena& arena);
 
 }  // namespace plumbline

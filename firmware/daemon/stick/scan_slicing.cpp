@@ -28,6 +28,10 @@ FixedText<60> numbered(const char* before, long number, const char* after) {
 /// The error of a child that crashed or hung.
 tl::unexpected<Error> broke(const ScanRequest& request, const FixedText<60>& how) {
   const char* const name = request.name.c_str();
+  if (request.archive.ask != ArchiveRequest::Ask::kNothing) {
+    return fail(ErrorCode::kMalformed, "%s: %s.\tExport it again, and report this file to plumbline's maintainers",
+                name, how.c_str());
+  }
   if (!request.is_job_file) return fail(ErrorCode::kMalformed, "%s: %s.\t%s", name, how.c_str(), kExportAgain);
   return fail(ErrorCode::kBadSetting, "%s: %s.\tWrite it anew, or remove it", name, how.c_str());
 }
@@ -54,6 +58,28 @@ Expected<StickJob> ScanSlicing::read_job(const StickMount& mount, StickFile& fil
   return job;
 }
 
+Expected<JobStore::Received> ScanSlicing::copy(const StickMount& mount, StickFile& archive, JobStore& store) {
+  const auto advance = [&](double fraction) -> Status {
+    PLUMBLINE_TRY(look_at_buttons());
+    observer_.slicing(Stage::kRead, fraction);
+    return mount.check();
+  };
+  auto received = store.receive(archive, advance);
+  if (!received && received.error().code() == ErrorCode::kCannotRead) {
+    return tl::unexpected<Error>(pulled_or_bad(mount, received.error()));
+  }
+  return received;
+}
+
+Expected<SlicedArchive> ScanSlicing::check(int file, const ScanRequest& request) {
+  PLUMBLINE_TRY(child_.start(request, file));
+  const auto answer = follow(nullptr, nullptr, request);
+  PLUMBLINE_TRY(answer);
+  auto checked = check_archive_answer(*answer, request, arena_);
+  if (checked || answer->kind == ScanAnswer::kRefused) return checked;
+  return tl::unexpected<Error>(checked.error().with_prefix(request.name.view()));
+}
+
 /// Runs a child on a file until it ends, or until something ends it.
 Expected<ScanAnswer> ScanSlicing::work(const StickMount& mount, StickFile& file, const ScanRequest& request) {
   ScanFeed feed(file);
@@ -61,6 +87,12 @@ Expected<ScanAnswer> ScanSlicing::work(const StickMount& mount, StickFile& file,
   PLUMBLINE_TRY(descriptor);
   PLUMBLINE_TRY(child_.start(request, *descriptor));
   feed.opened();
+  return follow(&mount, &feed, request);
+}
+
+/// Waits until the child has ended.
+/// @param mount, feed  null: its file is not on the stick
+Expected<ScanAnswer> ScanSlicing::follow(const StickMount* mount, ScanFeed* feed, const ScanRequest& request) {
   beats_ = 0;
   reached_ = 0;
   beaten_at_ = risen_at_ = HostClock::now();
@@ -73,7 +105,7 @@ Expected<ScanAnswer> ScanSlicing::work(const StickMount& mount, StickFile& file,
       if (**ended != 0) return broke(request, numbered("reading it failed (status ", WEXITSTATUS(**ended), ")"));
       return child_.answer();
     }
-    const auto moved = feed.pump();
+    const auto moved = feed != nullptr ? feed->pump() : Expected<bool>(false);
     fed = moved && *moved;
     const Status status = moved ? watch(mount, request, fed) : Status(tl::unexpected<Error>(moved.error()));
     if (status) continue;
@@ -91,13 +123,13 @@ Error ScanSlicing::child_said(const ScanAnswer& answer, const Error& error, cons
 }
 
 /// What may end the slicing before the child does.
-Status ScanSlicing::watch(const StickMount& mount, const ScanRequest& request, bool fed) {
+Status ScanSlicing::watch(const StickMount* mount, const ScanRequest& request, bool fed) {
   PLUMBLINE_TRY(look_at_buttons());
   const ChildProgress& progress = child_.progress();
   const std::uint32_t stage = std::min<std::uint32_t>(progress.stage, kStageCount - 1);
   const std::uint32_t permille = std::min<std::uint32_t>(progress.permille, 1000);
   observer_.slicing(static_cast<Stage>(stage), permille / 1000.0);
-  if (static_cast<Stage>(stage) == Stage::kRead) PLUMBLINE_TRY(mount.check());
+  if (mount != nullptr && static_cast<Stage>(stage) == Stage::kRead) PLUMBLINE_TRY(mount->check());
   const auto now = HostClock::now();
   if (const std::uint32_t beats = progress.beats; fed || beats != beats_) {
     beats_ = beats;

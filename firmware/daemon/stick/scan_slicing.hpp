@@ -5,7 +5,9 @@
 
 #include "firmware/child/answer_check.hpp"
 #include "firmware/child/slicing_child.hpp"
+#include "firmware/daemon/stick/scan_feed.hpp"
 #include "firmware/daemon/stick/stick_task.hpp"
+#include "firmware/print/store/job_store.hpp"
 #include "hal/machine.hpp"
 #include "slicer/core/arena.hpp"
 
@@ -47,14 +49,24 @@ class ScanSlicing {
   /// @retval the errors of check_job_answer(), and those of run()
   [[nodiscard]] Expected<StickJob> read_job(const StickMount& mount, StickFile& file);
 
+  /// Copies an archive from a stick into the store.
+  /// @retval the errors of JobStore::receive(); kCancelled and kStickGone as of run()
+  [[nodiscard]] Expected<JobStore::Received> copy(const StickMount& mount, StickFile& archive, JobStore& store);
+  /// Has an archive looked through by a child.
+  /// @param file  its descriptor
+  /// @returns what the child found, checked; its layers are at the bottom of the arena
+  /// @retval the errors of check_archive_answer(), and those of run() but of a stick
+  [[nodiscard]] Expected<SlicedArchive> check(int file, const ScanRequest& request);
+
   bool shutdown() const { return shutdown_; }  ///< whether the system asked to end
 
  private:
   using HostClock = std::chrono::steady_clock;
 
   [[nodiscard]] Expected<ScanAnswer> work(const StickMount& mount, StickFile& file, const ScanRequest& request);
+  [[nodiscard]] Expected<ScanAnswer> follow(const StickMount* mount, ScanFeed* feed, const ScanRequest& request);
   Error child_said(const ScanAnswer& answer, const Error& error, const StickMount& mount, const StickFile& file);
-  Status watch(const StickMount& mount, const ScanRequest& request, bool fed);
+  Status watch(const StickMount* mount, const ScanRequest& request, bool fed);
   Status look_at_buttons();
   [[nodiscard]] Expected<int> kill_and_wait();
   Error pulled_or_bad(const StickMount& mount, const Error& error);

@@ -5,10 +5,13 @@
 #include <string>
 #include <vector>
 
+#include "firmware/archive/layer_archive.hpp"
 #include "firmware/settings/job_options.hpp"
 #include "firmware/settings/print_length.hpp"
 #include "firmware/settings/settings_file.hpp"
+#include "slicer/core/printable_text.hpp"
 #include "slicer/reader/formats/scan_endings.hpp"
+#include "slicer/reader/formats/sliced_formats.hpp"
 
 namespace plumbline {
 namespace {
@@ -95,6 +98,11 @@ struct StickListing final : StickMount::FileVisitor {
       nearly_job =
           Error::format(ErrorCode::kBadSetting, "%.*s: looks like the stick's job.\tCall it job.toml, or remove it",
                         length, name.data());
+    } else if (const ForeignFormat* const foreign = foreign_format(name)) {
+      if (!scans.foreign) {
+        scans.foreign = Error::format(ErrorCode::kUnknownFormat, "%s %s (%s);\t%s", PrintableText(name).c_str(),
+                                      foreign->what, foreign->program, foreign->advice);
+      }
     } else if (is_scan_name(name)) {
       if (scans.count == StickScans::kMost) {
         ++scans.left_out;
@@ -150,7 +158,7 @@ bool is_scan_name(std::string_view name) {
   const auto has_ending = [&lower](std::string_view ending) {
     return lower.size() > ending.size() && std::string_view(lower).ends_with(ending);
   };
-  return std::any_of(kMarkedEndings.begin(), kMarkedEndings.end(), has_ending) ||
+  return is_archive_name(name) || std::any_of(kMarkedEndings.begin(), kMarkedEndings.end(), has_ending) ||
          std::any_of(kXyzEndings.begin(), kXyzEndings.end(), has_ending);
 }
 

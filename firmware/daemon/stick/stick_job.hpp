@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -49,8 +50,9 @@ struct StickScans {
   static constexpr std::size_t kMost = 64;
   std::array<StickScan, kMost> list;
   std::size_t count = 0;
-  std::size_t left_out = 0;  ///< scans for which there was no room
-  FixedText<256> job_file;   ///< its name on the stick; empty: there is none
+  std::size_t left_out = 0;      ///< scans for which there was no room
+  FixedText<256> job_file;       ///< its name on the stick; empty: there is none
+  std::optional<Error> foreign;  ///< says what one of the files is that other printers print; none: there is none
 };
 
 /// Whether a file is offered as a scan, by its name: its ending is one of scan_endings.hpp, and it is

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "firmware/child/answer_check.hpp"
+#include "firmware/child/archive_task.hpp"
 #include "firmware/child/given_file.hpp"
 #include "firmware/child/rights.hpp"
 #include "firmware/child/scan_task.hpp"
@@ -62,6 +63,7 @@ bool is_within(double value, double low, double high) { return value >= low && v
 
 void run_stick_task(SharedMemory& memory, std::uint32_t threads) {
   MessagePage& page = memory.page();
+  if (page.request.archive.ask != ArchiveRequest::Ask::kNothing) return run_archive_task(memory, threads);
   if (!page.request.is_job_file) return run_scan_task(memory, threads);
   if (!filter_system_calls()) return refuse_without_filter(page.answer);
   const auto job = read_job(page.request);

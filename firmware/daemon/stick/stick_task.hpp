@@ -7,7 +7,7 @@
 
 namespace plumbline {
 
-/// A ChildTask: reads a job file if that is what is asked for, else run_scan_task().
+/// A ChildTask: reads a job file or an archive if that is what is asked for, else run_scan_task().
 void run_stick_task(SharedMemory& memory, std::uint32_t threads);
 
 /// @param answer  a copy of what the child left

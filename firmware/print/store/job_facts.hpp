@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include "firmware/pictures/mask_decoder.hpp"
 #include "firmware/print/plan/print_plan.hpp"
 #include "firmware/settings/board_file.hpp"
 #include "hal/units.hpp"
@@ -15,7 +16,7 @@ using ShortName = std::array<char, 64>;
 ShortName short_name(std::string_view text);
 std::string_view view(const ShortName& name);
 
-/// Everything about a print except its R-Rep and supports. Stored byte for byte, so it holds no pointers.
+/// Everything about a print except what its masks are made of. Stored byte for byte, so it holds no pointers.
 struct JobFacts {
   ShortName scan = {};  ///< file name
   ShortName printer = {};
@@ -25,6 +26,7 @@ struct JobFacts {
   std::uint64_t printer_hash = 0;  ///< hash_of() the board file
   std::uint64_t cured_pixels = 0;  ///< of all masks together
   Distance cure_depth;             ///< at a normal layer's exposure
+  MaskTurn turn;                   ///< of an archive's layers
   PrintPlan plan;
 };
 

@@ -1,5 +1,6 @@
 #include "firmware/print/store/job_file.hpp"
 
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <limits>
@@ -12,7 +13,7 @@ namespace {
 
 /// Change the version whenever the stored data change, JobFacts and PrintPlan included.
 constexpr std::uint32_t kMagic = 0x424F4A50;  // "PJOB"
-constexpr std::uint32_t kVersion = 4;
+constexpr std::uint32_t kVersion = 5;
 
 struct JobHeader {
   std::uint32_t magic = kMagic;
@@ -21,10 +22,11 @@ struct JobHeader {
   std::uint64_t crossings = 0;
   std::uint64_t supports = 0;
   std::uint64_t is_exact = 0;  ///< RRep::is_exact
+  std::uint64_t archive = 0;   ///< layers of it; 0: there is none
   PrintGrid grid;
 };
 static_assert(std::is_trivially_copyable_v<JobFacts> && std::is_trivially_copyable_v<JobHeader>);
-static_assert(std::is_trivially_copyable_v<Strut>);
+static_assert(std::is_trivially_copyable_v<Strut> && std::is_trivially_copyable_v<ArchiveLayer>);
 
 template <class T>
 std::span<const std::byte> bytes_of(const T& value) {
@@ -54,7 +56,8 @@ Status check(const JobHeader& header, const char* path) {
   }
   // The arena refuses sizes that exceed it; this refuses those that overflow a 32-bit size_t.
   constexpr std::uint64_t kMost = std::numeric_limits<std::size_t>::max() / sizeof(Strut);
-  const bool sizes = header.crossings <= kMost && header.supports <= kMost;
+  const bool sizes = header.crossings <= kMost && header.supports <= kMost &&
+                     (header.archive == 0 || header.archive == header.grid.layers);
   const bool layers = header.grid.layers > 0 && header.grid.layers <= PrintGrid::kMaxLayers;
   // A board file has .005 to 1 mm.
   const auto is_fine = [](float mm) { return mm >= 0.001F && mm <= 10; };
@@ -63,21 +66,29 @@ Status check(const JobHeader& header, const char* path) {
   return sizes && layers && lengths ? Status() : Status(damaged(path, "damaged"));
 }
 
+/// All parts of the file but its header and facts.
+std::array<std::span<const std::byte>, 4> bytes_of_parts(const MaskParts& parts) {
+  return {std::as_bytes(parts.rrep.first), std::as_bytes(parts.rrep.pixel), std::as_bytes(parts.supports.list),
+          std::as_bytes(parts.archive)};
+}
+
 }  // namespace
 
-bool write_job(const Descriptor& file, const JobFacts& facts, const RRep& rrep, const Supports& supports,
-               std::uint64_t& hash) {
+bool write_job(const Descriptor& file, const JobFacts& facts, const MaskParts& parts, std::uint64_t& hash) {
   JobHeader header;
-  header.crossings = rrep.crossings();
-  header.supports = supports.list.size();
-  header.is_exact = rrep.is_exact ? 1 : 0;
-  header.grid = rrep.grid;
+  header.crossings = parts.rrep.crossings();
+  header.supports = parts.supports.list.size();
+  header.is_exact = parts.rrep.is_exact ? 1 : 0;
+  header.archive = parts.archive.size();
+  header.grid = parts.rrep.grid;
   Hash64 all;
-  const std::span<const std::byte> parts[] = {bytes_of(header), bytes_of(facts), std::as_bytes(rrep.first),
-                                              std::as_bytes(rrep.pixel), std::as_bytes(supports.list)};
-  for (const auto part : parts) {
+  const auto write = [&](std::span<const std::byte> part) {
     all.add(part);
-    if (!file.write_all(part)) return false;
+    return file.write_all(part);
+  };
+  if (!write(bytes_of(header)) || !write(bytes_of(facts))) return false;
+  for (const auto part : bytes_of_parts(parts)) {
+    if (!write(part)) return false;
   }
   hash = all.value();
   return file.write_all(bytes_of(hash));
@@ -89,23 +100,28 @@ Expected<StoredJob> read_job(const Descriptor& file, const char* path, Arena& ar
   PLUMBLINE_TRY(check(header, path));
   StoredJob job;
   if (!file.read_all(writable_bytes_of(job.facts))) return cannot_read(path);
-  const auto first = arena.take_bottom<std::uint32_t>(std::size_t{header.grid.layers} + 1, "r-rep");
+  const std::size_t ends = header.archive > 0 ? 0 : std::size_t{header.grid.layers} + 1;
+  const auto first = arena.take_bottom<std::uint32_t>(ends, "r-rep");
   PLUMBLINE_TRY(first);
   const auto pixel = arena.take_bottom<std::uint32_t>(static_cast<std::size_t>(header.crossings), "r-rep");
   PLUMBLINE_TRY(pixel);
   const auto supports = arena.take_bottom<Strut>(static_cast<std::size_t>(header.supports), "supports");
   PLUMBLINE_TRY(supports);
-  if (!file.read_all(std::as_writable_bytes(*first)) || !file.read_all(std::as_writable_bytes(*pixel)) ||
-      !file.read_all(std::as_writable_bytes(*supports)) || !file.read_all(writable_bytes_of(job.hash))) {
-    return cannot_read(path);
+  const auto archive = arena.take_bottom<ArchiveLayer>(static_cast<std::size_t>(header.archive), "layers");
+  PLUMBLINE_TRY(archive);
+  for (const auto part :
+       {std::as_writable_bytes(*first), std::as_writable_bytes(*pixel), std::as_writable_bytes(*supports),
+        std::as_writable_bytes(*archive), writable_bytes_of(job.hash)}) {
+    if (!file.read_all(part)) return cannot_read(path);
   }
+  job.parts.rrep = {.grid = header.grid, .first = *first, .pixel = *pixel, .is_exact = header.is_exact != 0};
+  job.parts.supports = {.list = *supports, .pitch = PixelPitch(header.grid)};
+  job.parts.archive = *archive;
   Hash64 hash;
-  const std::span<const std::byte> parts[] = {bytes_of(header), bytes_of(job.facts), std::as_bytes(*first),
-                                              std::as_bytes(*pixel), std::as_bytes(*supports)};
-  for (const auto part : parts) hash.add(part);
+  hash.add(bytes_of(header));
+  hash.add(bytes_of(job.facts));
+  for (const auto part : bytes_of_parts(job.parts)) hash.add(part);
   if (hash.value() != job.hash) return damaged(path, "damaged");
-  job.rrep = {.grid = header.grid, .first = *first, .pixel = *pixel, .is_exact = header.is_exact != 0};
-  job.supports = {.list = *supports, .pitch = PixelPitch(header.grid)};
   return job;
 }
 

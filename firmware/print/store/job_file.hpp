@@ -1,8 +1,10 @@
 #pragma once
-/// The stored job: a header, JobFacts, R-Rep, supports, and a hash of all of it.
+/// The stored job: a header, JobFacts, R-Rep and supports or the layers of an archive, and a hash of all of it.
 
 #include <cstdint>
+#include <span>
 
+#include "firmware/archive/layer_archive.hpp"
 #include "firmware/io/descriptor.hpp"
 #include "firmware/print/store/job_facts.hpp"
 #include "slicer/core/arena.hpp"
@@ -11,17 +13,25 @@
 
 namespace plumbline {
 
+/// What a print's masks are made of: an R-Rep and its supports, or an archive, of which the R-Rep has only the grid.
+struct MaskParts {
+  RRep rrep;
+  Supports supports;
+  std::span<const ArchiveLayer> archive;
+
+  bool is_archive() const { return !archive.empty(); }
+};
+
 struct StoredJob {
   JobFacts facts;
-  RRep rrep;          ///< at the bottom of the arena
-  Supports supports;  ///< at the bottom of the arena
+  MaskParts parts;  ///< at the bottom of the arena
   std::uint64_t hash = 0;
 };
 
 /// Takes nothing from the heap.
 /// @param hash  that of what was written
 /// @returns false: errno has the reason
-[[nodiscard]] bool write_job(const Descriptor& file, const JobFacts& facts, const RRep& rrep, const Supports& supports,
+[[nodiscard]] bool write_job(const Descriptor& file, const JobFacts& facts, const MaskParts& parts,
                              std::uint64_t& hash);
 
 /// @param path  for messages

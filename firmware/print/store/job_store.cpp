@@ -4,11 +4,16 @@
 #include <sys/file.h>
 #include <sys/random.h>
 #include <sys/stat.h>
+#include <sys/statvfs.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <utility>
+
+#include "firmware/io/hash64.hpp"
 
 namespace plumbline {
 namespace {
@@ -17,6 +22,10 @@ constexpr const char* kJob = "job";
 constexpr const char* kJournal = "journal";
 constexpr const char* kNewJob = "job.new";
 constexpr const char* kNewJournal = "journal.new";
+constexpr const char* kArchive = "archive";
+constexpr const char* kNewArchive = "archive.new";
+/// Left free on the board's storage when an archive is copied: for the journal and the system's own logs.
+constexpr std::uint64_t kSpareBytes = std::uint64_t{16} << 20U;
 constexpr mode_t kFileMode = 0644;
 constexpr mode_t kFolderMode = 0755;
 
@@ -62,32 +71,35 @@ Status JobStore::end() {
   if (::unlinkat(folder_.get(), kJournal, 0) != 0 && errno != ENOENT) return cannot_write(kJournal);
   PLUMBLINE_TRY(sync_folder());
   // Without its journal the job only takes up room, so a failure is harmless.
-  static_cast<void>(::unlinkat(folder_.get(), kJob, 0));
+  for (const char* name : {kJob, kArchive}) static_cast<void>(::unlinkat(folder_.get(), name, 0));
   return {};
 }
 
-Expected<JournalFile> JobStore::begin(const JobFacts& facts, const RRep& rrep, const Supports& supports) {
+Expected<JournalFile> JobStore::begin(const JobFacts& facts, const MaskParts& parts) {
   PLUMBLINE_TRY(end());
-  auto journal = write(facts, rrep, supports);
+  auto journal = write(facts, parts);
   if (!journal) {
-    for (const char* name : {kNewJob, kNewJournal, kJournal, kJob}) ::unlinkat(folder_.get(), name, 0);
+    for (const char* name : {kNewJob, kNewJournal, kNewArchive, kJournal, kJob, kArchive})
+      ::unlinkat(folder_.get(), name, 0);
   }
   return journal;
 }
 
-Expected<JournalFile> JobStore::write(const JobFacts& facts, const RRep& rrep, const Supports& supports) {
+Expected<JournalFile> JobStore::write(const JobFacts& facts, const MaskParts& parts) {
   JobFacts own = facts;
   const ssize_t got = ::getrandom(&own.print_id, sizeof own.print_id, 0);
   if (got != static_cast<ssize_t>(sizeof own.print_id)) return cannot_write(kNewJob);
   std::uint64_t job_hash = 0;
-  PLUMBLINE_TRY(write_job_file(own, rrep, supports, job_hash));
-  return create_journal(job_hash, rrep.grid.layers);
+  if (parts.is_archive() && ::renameat(folder_.get(), kNewArchive, folder_.get(), kArchive) != 0) {
+    return cannot_write(kNewArchive);
+  }
+  PLUMBLINE_TRY(write_job_file(own, parts, job_hash));
+  return create_journal(job_hash, parts.rrep.grid.layers);
 }
 
-Status JobStore::write_job_file(const JobFacts& facts, const RRep& rrep, const Supports& supports,
-                                std::uint64_t& job_hash) {
+Status JobStore::write_job_file(const JobFacts& facts, const MaskParts& parts, std::uint64_t& job_hash) {
   const Descriptor file(::openat(folder_.get(), kNewJob, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, kFileMode));
-  if (!file.is_open() || !write_job(file, facts, rrep, supports, job_hash) || ::fdatasync(file.get()) != 0 ||
+  if (!file.is_open() || !write_job(file, facts, parts, job_hash) || ::fdatasync(file.get()) != 0 ||
       ::renameat(folder_.get(), kNewJob, folder_.get(), kJob) != 0) {
     return cannot_write(kNewJob);
   }
@@ -102,6 +114,47 @@ Expected<JournalFile> JobStore::create_journal(std::uint64_t job_hash, std::uint
   if (::renameat(folder_.get(), kNewJournal, folder_.get(), kJournal) != 0) return cannot_write(kNewJournal);
   PLUMBLINE_TRY(sync_folder());
   return file;
+}
+
+Expected<JobStore::Received> JobStore::receive(ByteSource& archive, FunctionRef<Status(double)> advance) {
+  static_cast<void>(::unlinkat(folder_.get(), kNewArchive, 0));  // of a print that never began
+  struct statvfs room = {};
+  const std::uint64_t size = archive.size().value_or(0);
+  if (::fstatvfs(folder_.get(), &room) == 0) {
+    const std::uint64_t free = std::uint64_t{room.f_bavail} * room.f_frsize;
+    if (free < size + kSpareBytes) {
+      constexpr double kMb = 1e6;
+      return fail(ErrorCode::kCannotWrite,
+                  "%s: the copy of the archive needs %.0f MB, %.0f MB are free.\tMake room there", path_.c_str(),
+                  static_cast<double>(size + kSpareBytes) / kMb, static_cast<double>(free) / kMb);
+    }
+  }
+  const Descriptor file(::openat(folder_.get(), kNewArchive, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kFileMode));
+  if (!file.is_open()) return cannot_write(kNewArchive);
+  Hash64 hash;
+  std::array<std::byte, 65536> block;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+  const auto copy = [&]() -> Status {
+    for (std::uint64_t copied = 0;;) {
+      PLUMBLINE_TRY(advance(size > 0 ? std::min(1.0, static_cast<double>(copied) / static_cast<double>(size)) : 0));
+      const auto got = archive.read(block);
+      PLUMBLINE_TRY(got);
+      if (*got == 0) break;
+      // A file that is being written to must not fill the storage.
+      if (copied + *got > size) return fail(ErrorCode::kMalformed, "has grown while it was copied.\tStart again");
+      copied += *got;
+      hash.add(std::span(block).first(*got));
+      if (!file.write_all(std::span(block).first(*got))) return cannot_write(kNewArchive);
+    }
+    return ::fdatasync(file.get()) == 0 ? Status() : Status(cannot_write(kNewArchive));
+  };
+  const auto copied = copy();
+  Descriptor again(copied ? ::openat(folder_.get(), kNewArchive, O_RDONLY | O_CLOEXEC) : -1);
+  if (!copied || !again.is_open()) {
+    const Status error = copied ? Status(cannot_read(kNewArchive)) : copied;
+    static_cast<void>(::unlinkat(folder_.get(), kNewArchive, 0));
+    return tl::unexpected<Error>(error.error());
+  }
+  return Received{std::move(again), hash.value()};
 }
 
 Expected<JournalFile> JobStore::open_journal() const {
@@ -133,7 +186,12 @@ Expected<JobStore::Interrupted> JobStore::load(Arena& arena) {
   if (!file.is_open()) return cannot_read(kJob);
   const auto job = read_job(file, path.c_str(), arena);
   PLUMBLINE_TRY(job);
-  return Interrupted{.job = *job, .journal = std::move(*journal)};
+  Descriptor archive;
+  if (job->parts.is_archive()) {
+    archive = Descriptor(::openat(folder_.get(), kArchive, O_RDONLY | O_CLOEXEC));
+    if (!archive.is_open()) return cannot_read(kArchive);
+  }
+  return Interrupted{.job = *job, .journal = std::move(*journal), .archive = std::move(archive)};
 }
 
 }  // namespace plumbline

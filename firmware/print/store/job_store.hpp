@@ -2,6 +2,7 @@
 /// Stores a print on the printer, so that the stick can be pulled and the print survives a power cut:
 ///
 ///   STATE/job       settings, R-Rep and supports, written once before the first layer (job_file.hpp)
+///   STATE/archive   instead of the R-Rep: the archive that somebody else has sliced, byte for byte
 ///   STATE/journal   what has been cured (journal.hpp)
 ///
 /// The journal is created last and removed first, so if it exists, its job is complete.
@@ -13,6 +14,8 @@
 #include "firmware/io/fixed_text.hpp"
 #include "firmware/print/store/job_file.hpp"
 #include "firmware/print/store/journal_file.hpp"
+#include "slicer/cloud/kd_tree.hpp"
+#include "slicer/core/byte_source.hpp"
 
 namespace plumbline {
 
@@ -29,11 +32,23 @@ class JobStore {
   /// After an error no print is stored, or still the old one if that could not be removed.
   /// @returns its journal, for Journal::open()
   /// @retval ErrorCode::kCannotWrite
-  [[nodiscard]] Expected<JournalFile> begin(const JobFacts& facts, const RRep& rrep, const Supports& supports);
+  /// @pre for an archive: receive() has copied it
+  [[nodiscard]] Expected<JournalFile> begin(const JobFacts& facts, const MaskParts& parts);
+
+  struct Received {
+    Descriptor file;         ///< to read the copy
+    std::uint64_t hash = 0;  ///< of its bytes
+  };
+  /// Copies an archive, for a print that begins later. Durable when it returns; a second call replaces it.
+  /// @param advance  called with the share that is copied; its error ends the copying
+  /// @retval ErrorCode::kCannotWrite  also if there is not enough room: how much is needed
+  /// @retval any error of advance() and archive.read()
+  [[nodiscard]] Expected<Received> receive(ByteSource& archive, FunctionRef<Status(double)> advance);
 
   struct Interrupted {
     StoredJob job;
     JournalFile journal;
+    Descriptor archive;  ///< of an archive's print
   };
   /// Loads the interrupted print.
   /// @retval ErrorCode::kTruncated  there is none
@@ -51,9 +66,8 @@ class JobStore {
 
  private:
   JobStore() = default;
-  [[nodiscard]] Expected<JournalFile> write(const JobFacts& facts, const RRep& rrep, const Supports& supports);
-  [[nodiscard]] Status write_job_file(const JobFacts& facts, const RRep& rrep, const Supports& supports,
-                                      std::uint64_t& job_hash);
+  [[nodiscard]] Expected<JournalFile> write(const JobFacts& facts, const MaskParts& parts);
+  [[nodiscard]] Status write_job_file(const JobFacts& facts, const MaskParts& parts, std::uint64_t& job_hash);
   [[nodiscard]] Expected<JournalFile> create_journal(std::uint64_t job_hash, std::uint32_t layers);
   [[nodiscard]] Expected<JournalFile> open_journal() const;
   [[nodiscard]] Status sync_folder() const;

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "slicer/reader/formats/scan_endings.hpp"
+#include "slicer/reader/formats/sliced_formats.hpp"
 #include "slicer/reader/stream/number.hpp"
 #include "slicer/reader/stream/words.hpp"
 
@@ -105,6 +106,9 @@ class Probe {
     const auto refuse = [&](const char* what, const char* advice) {
       return input_.fail(ErrorCode::kUnknownFormat, "this is %s;\t%s", what, advice);
     };
+    if (const ForeignFormat* const foreign = foreign_format(input_.name())) {
+      return input_.fail(ErrorCode::kUnknownFormat, "%s (%s);\t%s", foreign->what, foreign->program, foreign->advice);
+    }
     if (window_.starts_with("PK") && has_ending(input_.name(), ".3mf")) return refuse("3MF", kMesh);
     for (const Mark& mark : kMarks) {
       if (window_.starts_with(mark.bytes)) return refuse(mark.what, mark.advice);

@@ -47,7 +47,7 @@ class JobStoreTest : public ::testing::Test {
   void store() {
     auto store = JobStore::open(state());
     ASSERT_TRUE(store) << store.error().message();
-    auto file = store->begin(facts(), small_rrep(), small_supports());
+    auto file = store->begin(facts(), {small_rrep(), small_supports(), {}});
     ASSERT_TRUE(file) << file.error().message();
     auto journal = Journal::open(*file);
     ASSERT_TRUE(journal);
@@ -74,12 +74,12 @@ TEST_F(JobStoreTest, LoadsAnInterruptedPrint) {
   EXPECT_EQ(view(job->job.facts.scan), "bust.ply");
   EXPECT_EQ(job->job.facts.printer_hash, 7U);
   EXPECT_EQ(job->job.facts.plan.exposure, std::chrono::milliseconds(2500));
-  EXPECT_EQ(job->job.rrep.grid.layers, 3U);
-  EXPECT_THAT(job->job.rrep.first, ElementsAreArray(kFirst));
-  EXPECT_THAT(job->job.rrep.pixel, ElementsAreArray(kPixel));
-  EXPECT_THAT(job->job.supports.list, ElementsAreArray(kSupports));
-  EXPECT_EQ(job->job.supports.pitch.x, small_supports().pitch.x);
-  EXPECT_EQ(job->job.supports.pitch.y, small_supports().pitch.y);
+  EXPECT_EQ(job->job.parts.rrep.grid.layers, 3U);
+  EXPECT_THAT(job->job.parts.rrep.first, ElementsAreArray(kFirst));
+  EXPECT_THAT(job->job.parts.rrep.pixel, ElementsAreArray(kPixel));
+  EXPECT_THAT(job->job.parts.supports.list, ElementsAreArray(kSupports));
+  EXPECT_EQ(job->job.parts.supports.pitch.x, small_supports().pitch.x);
+  EXPECT_EQ(job->job.parts.supports.pitch.y, small_supports().pitch.y);
   const auto journal = Journal::open(job->journal);
   ASSERT_TRUE(journal) << journal.error().message();
   EXPECT_EQ(journal->job_hash(), job->job.hash);
@@ -130,7 +130,7 @@ TEST_F(JobStoreTest, RefusesLengthsThatNoPrinterHas) {
     const std::string path = folder_ / "job";
     const Descriptor file(::open(path.c_str(), O_RDWR | O_CREAT | O_TRUNC, 0600));
     std::uint64_t hash = 0;
-    ASSERT_TRUE(write_job(file, facts(), rrep, Supports{}, hash));
+    ASSERT_TRUE(write_job(file, facts(), {rrep, Supports{}, {}}, hash));
     ASSERT_EQ(::lseek(file.get(), 0, SEEK_SET), 0);
     arena_.release_bottom(0);
     const auto job = read_job(file, path.c_str(), arena_);

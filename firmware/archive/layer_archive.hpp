@@ -1,0 +1,68 @@
+#pragma once
+/// The layers in an archive of a sliced print: .sl1, .sl1s, or a zip of numbered PNG files.
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "firmware/archive/sl1_settings.hpp"
+#include "firmware/archive/zip_reader.hpp"
+#include "firmware/pictures/mask_decoder.hpp"
+#include "slicer/core/bit_image.hpp"
+#include "slicer/core/error.hpp"
+
+namespace plumbline {
+
+/// Whether a name is that of an archive of a sliced print: .sl1, .sl1s, .zip, in any case.
+bool is_archive_name(std::string_view name);
+
+/// A layer of an archive. Stored byte for byte.
+struct ArchiveLayer {
+  ZipPlace place;
+  std::uint64_t number = 0;  ///< in its name
+  std::uint64_t hash = 0;    ///< mask_hash(), once it was read
+};
+
+class LayerArchive {
+ public:
+  /// Reads the directory and the settings, and the size of the first layer. Layers are the PNG files with a number in their names, but
+  /// thumbnails and previews; their order is that of the last number.
+  /// @param file  see ZipReader::open()
+  /// @retval any error of ZipReader
+  /// @retval ErrorCode::kNoPoints    no layer, or more than PrintGrid::kMaxLayers
+  /// @retval ErrorCode::kMalformed   settings that read_sl1_settings() refuses, or a first layer that is no PNG
+  [[nodiscard]] static Expected<LayerArchive> open(int file, std::string_view name);
+
+  std::uint32_t layers() const { return layers_; }
+  std::uint32_t columns() const { return columns_; }  ///< pixels along x of the plate
+  std::uint32_t rows() const { return rows_; }        ///< along y
+  const Sl1Settings& settings() const { return settings_; }
+  const MaskTurn& turn() const { return turn_; }
+
+  /// @param out  layers() of them, lowest first
+  /// @retval ErrorCode::kMalformed  two layers have one number
+  [[nodiscard]] Status list(std::span<ArchiveLayer> out);
+
+  /// @param out  columns() x rows(), row 0 with the smallest y
+  /// @retval any error of decode_turned_mask(), with the names of the archive and the layer
+  [[nodiscard]] Status read(const ArchiveLayer& layer, BitImage out);
+
+ private:
+  explicit LayerArchive(ZipReader zip) : zip_(std::move(zip)) {}
+  [[nodiscard]] Status read_settings(const ZipPlace& place, const char* name);
+  [[nodiscard]] Status read_size(const ZipPlace& place);
+
+  ZipReader zip_;
+  Sl1Settings settings_;
+  MaskTurn turn_;
+  std::uint32_t layers_ = 0, columns_ = 0, rows_ = 0;
+};
+
+/// Reads one layer of an archive that was opened before.
+/// @param turn  LayerArchive::turn() of then
+/// @retval any error of ZipReader and decode_turned_mask()
+[[nodiscard]] Status read_archive_layer(int file, std::string_view name, const ArchiveLayer& layer,
+                                        const MaskTurn& turn, BitImage out);
+
+}  // namespace plumbline

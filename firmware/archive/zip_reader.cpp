@@ -1,0 +1,93 @@
+#include "firmware/archive/zip_reader.hpp"
+
+#include <fcntl.h>
+#include <minizip/unzip.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <limits>
+#include <utility>
+
+#include "firmware/archive/zip_calls.hpp"
+
+namespace plumbline {
+
+Expected<ZipReader> ZipReader::open(int file, std::string_view name) {
+  ZipReader reader;
+  reader.name_ = name;
+  reader.handle_ = std::make_unique<ZipHandle>();
+  reader.handle_->file = file;
+  zlib_filefunc64_def calls = zip_calls(*reader.handle_);
+  reader.zip_ = ::unzOpen2_64("", &calls);
+  if (reader.zip_ == nullptr) return reader.broken(UNZ_BADZIPFILE);
+  unz_global_info64 facts = {};
+  if (const int code = ::unzGetGlobalInfo64(reader.zip_, &facts); code != UNZ_OK) return reader.broken(code);
+  if (facts.number_entry > kMostEntries) {
+    return fail(ErrorCode::kUnsupported, "%s: says that it has %llu files; %llu are allowed", reader.name_.c_str(),
+                static_cast<unsigned long long>(facts.number_entry), static_cast<unsigned long long>(kMostEntries));
+  }
+  return reader;
+}
+
+ZipReader::ZipReader(ZipReader&& other) noexcept
+    : name_(std::move(other.name_)), handle_(std::move(other.handle_)), zip_(std::exchange(other.zip_, nullptr)) {}
+
+ZipReader::~ZipReader() {
+  if (zip_ == nullptr) return;
+  ::unzCloseCurrentFile(zip_);
+  ::unzClose(zip_);
+}
+
+tl::unexpected<Error> ZipReader::broken(int code) const {
+  if (handle_->reason != 0) {
+    return fail(ErrorCode::kCannotRead, "%s: %s", name_.c_str(), std::strerror(handle_->reason));
+  }
+  if (code == UNZ_INTERNALERROR) return fail(ErrorCode::kOutOfMemory, "%s: no memory to unpack it", name_.c_str());
+  return fail(ErrorCode::kMalformed, "%s: is no zip archive, or a damaged one.\tCopy or export it again",
+              name_.c_str());
+}
+
+Status ZipReader::for_each(FunctionRef<Status(std::string_view, const ZipPlace&)> visit) {
+  int code = ::unzGoToFirstFile(zip_);
+  while (code == UNZ_OK) {
+    std::array<char, 256> name = {};
+    unz_file_info64 facts = {};
+    unz64_file_pos place = {};
+    code = ::unzGetCurrentFileInfo64(zip_, &facts, name.data(), name.size() - 1, nullptr, 0, nullptr, 0);
+    if (code == UNZ_OK) code = ::unzGetFilePos64(zip_, &place);
+    if (code != UNZ_OK) return broken(code);
+    PLUMBLINE_TRY(visit(name.data(), ZipPlace{place.pos_in_zip_directory, place.num_of_file}));
+    code = ::unzGoToNextFile(zip_);
+  }
+  return code == UNZ_END_OF_LIST_OF_FILE ? Status() : Status(broken(code));
+}
+
+Status ZipReader::open_entry(const ZipPlace& place) {
+  ::unzCloseCurrentFile(zip_);
+  const unz64_file_pos at = {place.at, place.entry};
+  unz_file_info64 facts = {};
+  int code = ::unzGoToFilePos64(zip_, &at);
+  if (code == UNZ_OK) code = ::unzGetCurrentFileInfo64(zip_, &facts, nullptr, 0, nullptr, 0, nullptr, 0);
+  if (code != UNZ_OK) return broken(code);
+  constexpr uLong kEncrypted = 1;
+  if ((facts.flag & kEncrypted) != 0 || (facts.compression_method != 0 && facts.compression_method != Z_DEFLATED)) {
+    return fail(ErrorCode::kUnsupported, "%s: is %s.\tPack it as a plain zip archive", name_.c_str(),
+                (facts.flag & kEncrypted) != 0 ? "encrypted" : "packed in a way that plumbline does not read");
+  }
+  code = ::unzOpenCurrentFile(zip_);
+  return code == UNZ_OK ? Status() : Status(broken(code));
+}
+
+Expected<std::size_t> ZipReader::read(std::span<std::byte> buffer) {
+  const auto most = static_cast<unsigned>(std::min<std::size_t>(buffer.size(), std::numeric_limits<int>::max()));
+  const int got = ::unzReadCurrentFile(zip_, buffer.data(), most);
+  if (got < 0 || handle_->reason != 0) return broken(got);
+  if (got > 0) return static_cast<std::size_t>(got);
+  const int code = ::unzCloseCurrentFile(zip_);
+  if (code != UNZ_OK) return broken(code);  // its checksum
+  return std::size_t{0};
+}
+
+}  // namespace plumbline

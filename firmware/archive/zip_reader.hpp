@@ -1,0 +1,62 @@
+#pragma once
+/// Reads a zip archive by its directory. What the archive says of its sizes is never used to take memory: some 100 kB of the heap do for any.
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "slicer/cloud/kd_tree.hpp"
+#include "slicer/core/error.hpp"
+
+namespace plumbline {
+
+struct ZipHandle;
+
+/// Where an entry's record is in the directory. Of a stored print: any value may come back.
+struct ZipPlace {
+  std::uint64_t at = 0;
+  std::uint64_t entry = 0;
+};
+
+class ZipReader {
+ public:
+  static constexpr std::uint64_t kMostEntries = 100'000;
+
+  /// @param file  a descriptor that can be sought; a copy of it is read, at the file's own place
+  /// @param name  for messages
+  /// @retval ErrorCode::kMalformed    no zip archive, or one that is cut off
+  /// @retval ErrorCode::kUnsupported  more than kMostEntries
+  /// @retval ErrorCode::kCannotRead, kOutOfMemory
+  [[nodiscard]] static Expected<ZipReader> open(int file, std::string_view name);
+  ZipReader(ZipReader&& other) noexcept;
+  ZipReader& operator=(ZipReader&&) = delete;
+  ~ZipReader();
+
+  /// Calls visit(name, place) for each entry in the directory's order, folders included. A name longer than 255 bytes is cut.
+  /// @retval ErrorCode::kMalformed, kCannotRead, and any error of `visit`
+  [[nodiscard]] Status for_each(FunctionRef<Status(std::string_view, const ZipPlace&)> visit);
+
+  /// Opens an entry for read(), and closes the one before it.
+  /// @retval ErrorCode::kMalformed    there is none at that place, or it is damaged
+  /// @retval ErrorCode::kUnsupported  encrypted, or packed by something else than deflate
+  /// @retval ErrorCode::kCannotRead
+  [[nodiscard]] Status open_entry(const ZipPlace& place);
+  /// @returns 0 at the end of the entry, whose checksum was right
+  /// @retval ErrorCode::kMalformed, kCannotRead
+  [[nodiscard]] Expected<std::size_t> read(std::span<std::byte> buffer);
+
+  const std::string& name() const { return name_; }
+
+ private:
+  ZipReader() = default;
+  tl::unexpected<Error> broken(int code) const;
+
+  std::string name_;
+  std::unique_ptr<ZipHandle> handle_;  ///< minizip keeps its address
+  void* zip_ = nullptr;
+};
+
+}  // namespace plumbline

@@ -1,0 +1,74 @@
+#include "firmware/child/archive_task.hpp"
+
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include "firmware/child/rights.hpp"
+#include "firmware/child/scan_task.hpp"
+#include "firmware/child/shared_progress.hpp"
+#include "firmware/print/sliced_archive.hpp"
+#include "firmware/settings/job_options.hpp"
+
+namespace plumbline {
+namespace {
+
+Status check(SharedMemory& memory) {
+  MessagePage& page = memory.page();
+  ScanAnswer& answer = page.answer;
+  Arena arena(memory.arena());
+  SharedProgress progress(page.progress);
+  const PlacementSettings& placement = page.request.settings.placement;
+  const ArchiveTarget target{*placement.printer, static_cast<double>(placement.layer_height_mm)};
+  const auto sliced = check_archive(STDIN_FILENO, page.request.name.view(), target, arena, &progress);
+  PLUMBLINE_TRY(sliced);
+  answer.layers = sliced->grid.layers;
+  answer.archive_at =
+      static_cast<std::uint64_t>(reinterpret_cast<const std::byte*>(sliced->layers.data()) - memory.arena().data());
+  answer.bottom_used = sliced->layers_end;
+  answer.findings = sliced->findings;
+  const MaskTurn& turn = sliced->turn;
+  answer.turn = {turn.mirror_x ? 1U : 0U, turn.mirror_y ? 1U : 0U, turn.swaps ? 1U : 0U};
+  const MaskExtent& extent = sliced->extent;
+  answer.extent = {extent.left, extent.right, extent.top, extent.bottom};
+  answer.layer_height_mm = static_cast<double>(sliced->grid.layer_height_mm);
+  answer.exposure_s = sliced->settings.exposure_s.value_or(0);
+  answer.initial_exposure_s = sliced->settings.initial_exposure_s.value_or(0);
+  answer.fades = sliced->settings.faded_layers ? 1 : 0;
+  answer.faded_layers = sliced->settings.faded_layers.value_or(0);
+  answer.kind = ScanAnswer::kArchive;
+  // Where the arena has no room for it, the job has no picture.
+  if (!sliced->rrep.first.empty()) {
+    static_cast<void>(draw_preview_picture(sliced->rrep, Supports{}, arena, page.preview));
+  }
+  return {};
+}
+
+Status decode(SharedMemory& memory) {
+  MessagePage& page = memory.page();
+  const ScanRequest& request = page.request;
+  const PrinterVolume& printer = *request.settings.placement.printer;
+  const auto words = BitImage::words_needed(printer.columns, printer.rows);
+  auto* const mask = reinterpret_cast<std::uint64_t*>(memory.arena().data() + request.archive.mask_at);
+  PLUMBLINE_TRY(read_archive_layer(STDIN_FILENO, request.name.view(), request.archive.layer, request.archive.turn,
+                                   BitImage({mask, words}, printer.columns, printer.rows)));
+  page.answer.kind = ScanAnswer::kLayer;
+  return {};
+}
+
+}  // namespace
+
+void run_archive_task(SharedMemory& memory, std::uint32_t threads) {
+  MessagePage& page = memory.page();
+  const ArchiveRequest& request = page.request.archive;
+  const bool one = request.ask == ArchiveRequest::Ask::kLayer;
+  if (!one) start_threads(threads);
+  // The firmware is printing from the arena.
+  if (one && ::mprotect(memory.arena().data(), static_cast<std::size_t>(request.mask_at), PROT_READ) != 0) {
+    return refuse_without_filter(page.answer);
+  }
+  if (!filter_system_calls()) return refuse_without_filter(page.answer);
+  const Status done = one ? decode(memory) : check(memory);
+  if (!done) hand_back_error(done.error(), page.answer);
+}
+
+}  // namespace plumbline

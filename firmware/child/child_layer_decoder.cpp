@@ -1,0 +1,56 @@
+#include "firmware/child/child_layer_decoder.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+
+#include "firmware/child/answer_check.hpp"
+
+namespace plumbline {
+namespace {
+
+constexpr std::size_t kPage = 65536;  ///< the largest page of any board
+
+}  // namespace
+
+Status ChildLayerDecoder::prepare(const PrintGrid& grid, Arena& arena) {
+  const std::size_t bytes = BitImage::words_needed(grid.columns, grid.rows) * sizeof(std::uint64_t);
+  const auto room = arena.take_top<std::byte>(bytes + 2 * kPage, "masks");
+  PLUMBLINE_TRY(room);
+  // Whole pages, so that none of what lies before or after it is on them.
+  const auto at = static_cast<std::size_t>(room->data() - child_.arena_block().data());
+  mask_ = child_.arena_block().subspan((at + kPage - 1) / kPage * kPage, bytes);
+  return {};
+}
+
+Status ChildLayerDecoder::decode(int file, std::string_view name, const ArchiveLayer& layer, const MaskTurn& turn,
+                                 BitImage out) {
+  ScanRequest request;
+  request.name.add("%.*s", static_cast<int>(name.size()), name.data());
+  request.settings.placement.printer = printer_;
+  request.archive = {ArchiveRequest::Ask::kLayer, layer, turn,
+                     static_cast<std::uint64_t>(mask_.data() - child_.arena_block().data())};
+  PLUMBLINE_TRY(child_.start(request, file));
+  auto ended = child_.wait(kPatience);
+  PLUMBLINE_TRY(ended);
+  const bool hung = !*ended;
+  if (hung) child_.kill();
+  while (!*ended) {
+    ended = child_.wait(kPatience);
+    PLUMBLINE_TRY(ended);
+  }
+  const ScanAnswer answer = child_.answer();
+  constexpr std::array kErrors = {ErrorCode::kCannotRead, ErrorCode::kMalformed, ErrorCode::kUnsupported,
+                                  ErrorCode::kOutOfMemory};
+  if (hung || **ended != 0) {
+    return fail(ErrorCode::kMalformed, "%s: layer %llu: decoding it %s", request.name.c_str(),
+                static_cast<unsigned long long>(layer.number), hung ? "made no progress" : "failed");
+  }
+  if (answer.kind == ScanAnswer::kRefused) return child_error(answer, kErrors);
+  if (answer.kind != ScanAnswer::kLayer) return fail(ErrorCode::kMalformed, "%s: no answer", request.name.c_str());
+  std::memcpy(out.words().data(), mask_.data(), mask_.size());
+  for (std::uint32_t r = 0; r < out.rows(); ++r) out.row(r).back() &= out.last_word_mask();
+  return {};
+}
+
+}  // namespace plumbline

@@ -1,0 +1,39 @@
+#pragma once
+/// Decodes a mask from a PNG row by row, in memory that depends on the panel's width only. By libspng: lodepng needs room for the whole
+/// file and for a byte a pixel, from a heap that can't be replaced.
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "slicer/cloud/kd_tree.hpp"
+#include "slicer/core/bit_image.hpp"
+#include "slicer/core/error.hpp"
+
+namespace plumbline {
+
+/// Hands out the next bytes of a PNG file. @returns as ByteSource::read()
+using PngBytes = FunctionRef<Expected<std::size_t>(std::span<std::byte>)>;
+
+/// Where the pixels of a file lie on the plate.
+struct MaskTurn {
+  bool mirror_x = false;  ///< the file's columns run against theirs
+  bool mirror_y = false;  ///< the file's rows run against theirs
+  bool swaps = false;     ///< then the file's columns are the plate's rows
+
+  bool operator==(const MaskTurn&) const = default;
+};
+
+/// Decodes a grey PNG of any depth. The upper half of its levels is white, as in UVtools; transparency does not count.
+/// @param most_bytes  of the file; what is longer is refused when so many have come
+/// @param out         overwritten, also after an error
+/// @retval ErrorCode::kMalformed    no PNG, damaged, cut off, too long, or not of the size of `out`
+/// @retval ErrorCode::kUnsupported  it has colours, or is interlaced
+/// @retval ErrorCode::kOutOfMemory  the heap has no 200 kB
+/// @retval any error of `bytes`
+[[nodiscard]] Status decode_turned_mask(PngBytes bytes, std::uint64_t most_bytes, const MaskTurn& turn, BitImage out);
+
+/// Bytes that no PNG of a mask exceeds: two bytes a channel, two channels, without any compression.
+std::uint64_t most_mask_bytes(std::uint32_t columns, std::uint32_t rows);
+
+}  // namespace plumbline

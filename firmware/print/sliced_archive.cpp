@@ -1,0 +1,174 @@
+#include "firmware/print/sliced_archive.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <optional>
+
+#include "firmware/io/mask_hash.hpp"
+#include "firmware/pictures/preview.hpp"
+#include "firmware/slice/issue_report.hpp"
+#include "slicer/checks/stack_checker.hpp"
+#include "slicer/core/printable_text.hpp"
+#include "slicer/core/stage_scope.hpp"
+
+namespace plumbline {
+namespace {
+
+/// Collects the pixels that differ from the layer below, as long as there is room.
+class Crossings {
+ public:
+  /// Takes what the arena has left at its bottom, but for the pictures' own room.
+  static Crossings make(const PrintGrid& grid, Arena& arena) {
+    Crossings all;
+    const std::size_t pictures = preview_bytes(grid) + std::size_t{3} * kPreviewColumns * kPreviewRows +
+                                 3 * BitImage::words_needed(grid.columns, grid.rows) * sizeof(std::uint64_t);
+    const auto first = arena.take_bottom<std::uint32_t>(std::size_t{grid.layers} + 1, "preview");
+    if (!first || arena.available() <= pictures) return all;
+    const auto pixel =
+        arena.take_bottom<std::uint32_t>((arena.available() - pictures) / sizeof(std::uint32_t), "preview");
+    if (!pixel) return all;
+    all.first_ = *first;
+    all.pixel_ = *pixel;
+    all.first_[0] = 0;
+    all.fits_ = true;
+    return all;
+  }
+
+  void next(std::uint32_t layer, ConstBitImage mask, BitImage below) {
+    for (std::uint32_t r = 0; r < mask.rows() && fits_; ++r) {
+      const auto now = mask.row(r);
+      const auto before = below.row(r);
+      for (std::size_t w = 0; w < now.size(); ++w) {
+        for (std::uint64_t rest = now[w] ^ before[w]; rest != 0 && fits_; rest &= rest - 1) {
+          fits_ = count_ < pixel_.size();
+          if (!fits_) break;
+          const auto column = static_cast<std::uint32_t>(64 * w) + static_cast<std::uint32_t>(std::countr_zero(rest));
+          pixel_[count_++] = r * mask.columns() + column;
+        }
+      }
+    }
+    if (fits_) first_[layer + 1] = static_cast<std::uint32_t>(count_);
+  }
+
+  RRep rrep(const PrintGrid& grid) const {
+    if (!fits_) return {};
+    return {.grid = grid, .first = first_, .pixel = pixel_.first(count_), .is_exact = true};
+  }
+
+ private:
+  std::span<std::uint32_t> first_, pixel_;
+  std::size_t count_ = 0;
+  bool fits_ = false;
+};
+
+Status check_layers(LayerArchive& archive, const PlacementSettings& placement, SlicedArchive& sliced,
+                    std::span<ArchiveLayer> layers, Arena& arena, ProgressSink* progress) {
+  const PrintGrid& grid = sliced.grid;
+  std::array<std::size_t, kStageCount> peaks = {};
+  const StageScope stage(Stage::kLayers, arena, progress, peaks);
+  const ArenaScope scratch(arena);
+  const std::size_t words = BitImage::words_needed(grid.columns, grid.rows);
+  const auto two = arena.take_top<std::uint64_t>(2 * words, "masks");
+  PLUMBLINE_TRY(two);
+  BitImage mask(two->first(words), grid.columns, grid.rows), below(two->last(words), grid.columns, grid.rows);
+  below.clear();
+  auto checker = StackChecker::create(grid, check_limits(placement), arena);
+  PLUMBLINE_TRY(checker);
+  Crossings crossings = Crossings::make(grid, arena);
+  for (std::uint32_t layer = 0; layer < grid.layers; ++layer) {
+    if (progress != nullptr && !progress->advance(Stage::kLayers, static_cast<double>(layer) / grid.layers)) {
+      return fail(ErrorCode::kCancelled, "stopped while the layers were checked, at layer %u of %u", layer,
+                  grid.layers);
+    }
+    PLUMBLINE_TRY(archive.read(layers[layer], mask));
+    layers[layer].hash = mask_hash(mask);
+    checker->next(mask);
+    sliced.extent.hold(mask);
+    crossings.next(layer, mask, below);
+    std::swap(mask, below);
+  }
+  sliced.findings = checker->finish();
+  sliced.rrep = crossings.rrep(grid);
+  return {};
+}
+
+}  // namespace
+
+void MaskExtent::hold(ConstBitImage mask) {
+  for (std::uint32_t r = 0; r < mask.rows(); ++r) {
+    const auto row = mask.row(r);
+    const auto is_white = [](std::uint64_t word) { return word != 0; };
+    const auto first = std::find_if(row.begin(), row.end(), is_white);
+    if (first == row.end()) continue;
+    const auto last = std::find_if(row.rbegin(), row.rend(), is_white);
+    const auto words_before = [&row](auto at) { return static_cast<std::uint32_t>(at - row.begin()); };
+    left = std::min(left, 64 * words_before(first) + static_cast<std::uint32_t>(std::countr_zero(*first)));
+    right = std::max(right, 64 * words_before(last.base()) - static_cast<std::uint32_t>(std::countl_zero(*last)));
+    top = std::min(top, r);
+    bottom = std::max(bottom, r + 1);
+  }
+}
+
+Status check_panel(const LayerArchive& archive, std::string_view name, const PrinterVolume& printer) {
+  const PrintableText shown = name;
+  if (archive.columns() != printer.columns || archive.rows() != printer.rows) {
+    return fail(ErrorCode::kDoesNotFit,
+                "%s: is sliced for a panel of %u x %u pixels, this printer's has %u x %u.\tSlice it for this printer",
+                shown.c_str(), archive.columns(), archive.rows(), printer.columns, printer.rows);
+  }
+  const double width = printer.columns * double{printer.pitch_x_mm}, depth = printer.rows * double{printer.pitch_y_mm};
+  const double its_width = archive.settings().width_mm.value_or(width);
+  const double its_depth = archive.settings().depth_mm.value_or(depth);
+  // Data sheets round a panel's size. A part that is 1 % too large no longer fits another.
+  constexpr double kMostOff = 0.005;
+  if (std::abs(its_width / width - 1) > kMostOff || std::abs(its_depth / depth - 1) > kMostOff) {
+    return fail(ErrorCode::kDoesNotFit,
+                "%s: is sliced for a panel of %.2f x %.2f mm, this printer's has %.2f x %.2f mm.\tSlice it for this "
+                "printer",
+                shown.c_str(), its_width, its_depth, width, depth);
+  }
+  return {};
+}
+
+Expected<SlicedArchive> check_archive(int file, std::string_view name, const ArchiveTarget& target, Arena& arena,
+                                      ProgressSink* progress) {
+  auto archive = LayerArchive::open(file, name);
+  PLUMBLINE_TRY(archive);
+  PLUMBLINE_TRY(check_panel(*archive, name, target.printer));
+  SlicedArchive sliced;
+  sliced.settings = archive->settings();
+  sliced.turn = archive->turn();
+  PlacementSettings placement;
+  placement.printer = target.printer;
+  placement.layer_height_mm = static_cast<float>(sliced.settings.layer_height_mm.value_or(target.layer_height_mm));
+  sliced.grid = panel_grid(target.printer, placement.layer_height_mm);
+  if (archive->layers() > sliced.grid.layers) {
+    return fail(ErrorCode::kDoesNotFit,
+                "%s: its %u layers of %.4g mm are %.1f mm high, this printer's travel is %.1f mm.\tSlice it lower",
+                PrintableText(name).c_str(), archive->layers(), static_cast<double>(placement.layer_height_mm),
+                archive->layers() * static_cast<double>(placement.layer_height_mm),
+                static_cast<double>(target.printer.travel_mm));
+  }
+  sliced.grid.layers = archive->layers();
+  const auto layers = arena.take_bottom<ArchiveLayer>(archive->layers(), "layers");
+  PLUMBLINE_TRY(layers);
+  sliced.layers_end = arena.bottom_mark();
+  PLUMBLINE_TRY(archive->list(*layers));
+  PLUMBLINE_TRY(check_layers(*archive, placement, sliced, *layers, arena, progress));
+  sliced.layers = *layers;
+  return sliced;
+}
+
+PrintProfile profile_of(const PrintProfile& printers, const Sl1Settings& settings) {
+  PrintProfile profile = printers;
+  if (settings.exposure_s) profile.exposure_time = *settings.exposure_s;
+  if (settings.initial_exposure_s) profile.initial_exposure_time = *settings.initial_exposure_s;
+  if (settings.faded_layers) profile.faded_layers = *settings.faded_layers;
+  // Its slicer has shrunk the bottom layers if that was wanted.
+  profile.elefant_foot_compensation = 0;
+  return profile;
+}
+
+}  // namespace plumbline

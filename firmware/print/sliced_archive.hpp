@@ -1,0 +1,58 @@
+#pragma once
+/// A print that somebody else has sliced, looked through before it is printed.
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "firmware/archive/layer_archive.hpp"
+#include "firmware/settings/print_profile.hpp"
+#include "slicer/checks/stack_findings.hpp"
+#include "slicer/core/arena.hpp"
+#include "slicer/core/progress.hpp"
+#include "slicer/placement/placement.hpp"
+#include "slicer/rrep/rrep.hpp"
+
+namespace plumbline {
+
+/// Columns [left, right) and rows [top, bottom) that hold all white pixels; empty if there are none.
+struct MaskExtent {
+  std::uint32_t left = UINT32_MAX, right = 0, top = UINT32_MAX, bottom = 0;
+
+  bool empty() const { return left >= right; }
+  void hold(ConstBitImage mask);
+};
+
+struct SlicedArchive {
+  PrintGrid grid;
+  std::span<const ArchiveLayer> layers;  ///< with their hashes, at the bottom of the arena
+  std::size_t layers_end = 0;            ///< the arena's bottom mark above them
+  MaskTurn turn;
+  Sl1Settings settings;
+  MaskExtent extent;
+  StackFindings findings;  ///< of its masks
+  RRep rrep;               ///< for pictures, above `layers` in the arena; empty: there was no room for it
+};
+
+/// What a print of another slicer meets.
+struct ArchiveTarget {
+  PrinterVolume printer;
+  double layer_height_mm = 0;  ///< if the archive does not say
+};
+
+/// Whether an archive is for the printer's panel.
+/// @retval ErrorCode::kDoesNotFit  it has other pixels: how many there and here, or how large
+[[nodiscard]] Status check_panel(const LayerArchive& archive, std::string_view name, const PrinterVolume& printer);
+
+/// Decodes every layer once, checks the masks, and hashes them. Pictures may be drawn before the arena is released down to `layers`.
+/// @param file      the archive's descriptor
+/// @param progress  may be null
+/// @retval any error of LayerArchive and check_panel()
+/// @retval ErrorCode::kCancelled, kOutOfMemory
+[[nodiscard]] Expected<SlicedArchive> check_archive(int file, std::string_view name, const ArchiveTarget& target,
+                                                    Arena& arena, ProgressSink* progress);
+
+/// The profile with the archive's exposures and without what its slicer has done already.
+PrintProfile profile_of(const PrintProfile& printers, const Sl1Settings& settings);
+
+}  // namespace plumbline

@@ -1,0 +1,130 @@
+#include "firmware/pictures/mask_decoder.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <lodepng.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "firmware/pictures/png_writer.hpp"
+
+namespace plumbline {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr std::uint32_t kColumns = 131, kRows = 37;
+
+/// An image of any size with the memory that it is in.
+struct Mask {
+  Mask(std::uint32_t columns, std::uint32_t rows)
+      : words(BitImage::words_needed(columns, rows), ~std::uint64_t{0}), image(words, columns, rows) {}
+  std::vector<std::uint64_t> words;
+  BitImage image;
+};
+
+/// A PNG of noise.
+std::vector<unsigned char> noise(LodePNGColorType colour, unsigned depth, std::uint32_t columns = kColumns,
+                                 std::uint32_t rows = kRows, bool interlaced = false) {
+  LodePNGState state;
+  lodepng_state_init(&state);
+  state.info_raw.colortype = state.info_png.color.colortype = colour;
+  state.info_raw.bitdepth = state.info_png.color.bitdepth = depth;
+  state.info_png.interlace_method = interlaced ? 1 : 0;
+  state.encoder.auto_convert = 0;
+  std::vector<unsigned char> raw(lodepng_get_raw_size(columns, rows, &state.info_raw));
+  std::mt19937 random(depth);
+  for (auto& byte : raw) byte = static_cast<unsigned char>(random());
+  unsigned char* png = nullptr;
+  std::size_t size = 0;
+  EXPECT_EQ(lodepng_encode(&png, &size, raw.data(), columns, rows, &state), 0U);
+  lodepng_state_cleanup(&state);
+  std::vector<unsigned char> file(png, png + size);
+  std::free(png);
+  return file;
+}
+
+/// @param step  bytes handed out at once
+Status decode(std::span<const unsigned char> file, const MaskTurn& turn, BitImage out, std::size_t step = 1000,
+              std::uint64_t most = UINT64_MAX) {
+  std::size_t at = 0;
+  const auto bytes = [&](std::span<std::byte> to) -> Expected<std::size_t> {
+    const std::size_t count = std::min({step, to.size(), file.size() - at});
+    std::memcpy(to.data(), file.data() + at, count);
+    at += count;
+    return count;
+  };
+  return decode_turned_mask(bytes, most, turn, out);
+}
+
+TEST(MaskDecoder, AgreesWithLodepngAtEveryDepth) {
+  for (const auto colour : {LCT_GREY, LCT_GREY_ALPHA}) {
+    for (const unsigned depth : {1U, 2U, 4U, 8U, 16U}) {
+      if (colour == LCT_GREY_ALPHA && depth < 8) continue;
+      const auto file = noise(colour, depth);
+      Mask ours(kColumns, kRows), theirs(kColumns, kRows);
+      for (const std::size_t step : {1U, 7U, 100'000U}) {
+        const auto done = decode(file, {}, ours.image, step);
+        ASSERT_TRUE(done) << done.error().message();
+        ASSERT_TRUE(decode_mask(std::as_bytes(std::span(file)), theirs.image));
+        EXPECT_EQ(ours.words, theirs.words) << "depth " << depth;
+      }
+    }
+  }
+}
+
+TEST(MaskDecoder, LaysEveryPixelWhereTheTurnSays) {
+  const auto file = noise(LCT_GREY, 8);
+  Mask plain(kColumns, kRows);
+  ASSERT_TRUE(decode(file, {}, plain.image));
+  for (const unsigned bits : {0U, 1U, 2U, 3U, 4U, 5U, 6U, 7U}) {
+    const MaskTurn turn{(bits & 1U) != 0, (bits & 2U) != 0, (bits & 4U) != 0};
+    Mask turned(turn.swaps ? kRows : kColumns, turn.swaps ? kColumns : kRows);
+    ASSERT_TRUE(decode(file, turn, turned.image));
+    for (std::uint32_t row = 0; row < kRows; ++row) {
+      for (std::uint32_t column = 0; column < kColumns; ++column) {
+        const std::uint32_t x = turn.mirror_x ? kColumns - 1 - column : column;
+        const std::uint32_t y = turn.mirror_y ? kRows - 1 - row : row;
+        ASSERT_EQ(plain.image.at(column, row), turn.swaps ? turned.image.at(y, x) : turned.image.at(x, y)) << bits;
+      }
+    }
+    EXPECT_EQ(turned.image.count(), plain.image.count()) << "no pixel outside the image";
+  }
+}
+
+TEST(MaskDecoder, RefusesWhatIsNoMask) {
+  Mask mask(kColumns, kRows);
+  const auto grey = noise(LCT_GREY, 8);
+  EXPECT_THAT(decode(noise(LCT_RGB, 8), {}, mask.image).error().message(), HasSubstr("has colours"));
+  EXPECT_THAT(decode(noise(LCT_GREY, 8, kColumns, kRows, true), {}, mask.image).error().message(),
+              HasSubstr("is interlaced"));
+  EXPECT_THAT(decode(noise(LCT_GREY, 8, 40, 30), {}, mask.image).error().message(),
+              HasSubstr("has 40 x 30 pixels, the first layer 131 x 37"));
+  EXPECT_THAT(decode(grey, {}, mask.image, 1000, 200).error().message(), HasSubstr("is longer than a mask can be"));
+  for (std::size_t size = 0; size + 12 < grey.size(); size += 97) {
+    EXPECT_FALSE(decode(std::span(grey).first(size), {}, mask.image)) << size;
+  }
+  for (std::size_t at = 60; at < grey.size() - 16; at += 211) {
+    auto damaged = grey;
+    damaged[at] ^= 4;
+    EXPECT_FALSE(decode(damaged, {}, mask.image)) << at;
+  }
+}
+
+TEST(MaskDecoder, PassesOnTheErrorOfItsBytes) {
+  Mask mask(kColumns, kRows);
+  const auto fails = [](std::span<std::byte>) -> Expected<std::size_t> {
+    return fail(ErrorCode::kCannotRead, "bad sector");
+  };
+  const auto done = decode_turned_mask(fails, 1000, {}, mask.image);
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().code(), ErrorCode::kCannotRead);
+}
+
+}  // namespace
+}  // namespace plumbline

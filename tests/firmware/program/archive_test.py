@@ -1,0 +1,114 @@
+#!/usr/bin/env python3
+"""Archives of sliced prints, .sl1: what `plumbline slice` writes."""
+
+import configparser
+import re
+import shutil
+import subprocess
+import unittest
+import zipfile
+
+from case import SIM2K, Program, main, write_sphere
+
+
+def settings(archive, name):
+    parser = configparser.ConfigParser()
+    parser.optionxform = str
+    parser.read_string("[top]\n" + archive.read(name).decode())
+    return dict(parser["top"])
+
+
+def layers_of(archive):
+    """
+    The layers that PrusaSlicer 2.9 reads (ZipperArchiveImport.cpp: its names are compared in lower case): they hold "png" or "ini" and
+    not "thumbnail", in the order of their names.
+    """
+    names = sorted(name.lower() for name in archive.namelist())
+    read = [name for name in names if ("png" in name or "ini" in name) and "thumbnail" not in name]
+    return [name for name in read if name not in ("config.ini", "prusaslicer.ini")]
+
+
+class WrittenArchive(Program):
+    def slice_sphere(self, out, *options, **kwargs):
+        if not self.scan.exists():
+            write_sphere(self.scan, points=10_000, radius=6)
+        same = ("--printer", SIM2K, "--layer-height", 0.2, "--threads", 2)
+        return self.run_it("slice", self.scan, "-o", out, *same, *options, **kwargs)
+
+    def test_masks_are_those_of_the_folder(self):
+        part = self.dir / "part.sl1"
+        self.slice_sphere(self.out, "--no-preview")
+        done = self.slice_sphere(part)
+        self.assertIn(f"written    {part}", done.stdout)
+        self.assertFalse((self.dir / "part.sl1.part").exists())
+        with zipfile.ZipFile(part) as archive:
+            self.assertIsNone(archive.testzip())
+            layers = layers_of(archive)
+            self.assertGreater(len(layers), 50)
+            self.assertEqual(layers, [f"layer{k:05}.png" for k in range(len(layers))])
+            self.assertEqual(len(layers), len(self.layers()))
+            for ours, theirs in zip(self.layers(), layers):
+                self.assertEqual((self.out / "layers" / ours).read_bytes(), archive.read(theirs), ours)
+        if shutil.which("unzip"):
+            subprocess.run(["unzip", "-tq", part], check=True, stdout=subprocess.DEVNULL)
+
+    def test_has_the_settings_and_thumbnails_of_its_printer(self):
+        part = self.dir / "part.SL1S"
+        self.slice_sphere(part)
+        with zipfile.ZipFile(part) as archive:
+            config, prusa = settings(archive, "config.ini"), settings(archive, "prusaslicer.ini")
+            count = len(layers_of(archive))
+            for size in ("400x400", "800x480"):
+                png = archive.read(f"thumbnail/thumbnail{size}.png")
+                wide, tall = map(int, size.split("x"))
+                self.assertEqual(png[16:24], wide.to_bytes(4, "big") + tall.to_bytes(4, "big"))
+        self.assertEqual((config["action"], config["layerHeight"], config["jobDir"]), ("print", "0.2", "layer"))
+        self.assertEqual((config["expTime"], config["expTimeFirst"], config["numFade"]), ("2.5", "30", "8"))
+        self.assertEqual(int(config["numFast"]) + int(config["numSlow"]), count)
+        self.assertAlmostEqual(float(config["usedMaterial"]), 4 / 3 * 3.14159 * 0.6**3, delta=0.3)  # and supports
+        self.assertGreater(float(config["printTime"]), 600)
+        # What PrusaSlicer's reader can't do without: SL1.cpp, get_raster_params(), and SLAArchiveReader.cpp, get_slice_params().
+        self.assertEqual((prusa["display_pixels_x"], prusa["display_pixels_y"]), ("1440", "2560"))
+        self.assertEqual((prusa["display_width"], prusa["display_height"]), ("68.04", "120.96"))
+        self.assertEqual((prusa["display_mirror_x"], prusa["display_mirror_y"]), ("0", "1"))
+        self.assertEqual((prusa["display_orientation"], prusa["printer_technology"]), ("landscape", "SLA"))
+        self.assertEqual((prusa["layer_height"], prusa["initial_layer_height"]), ("0.2", "0.2"))
+
+    @unittest.skipUnless(shutil.which("prusa-slicer"), "needs prusa-slicer")
+    def test_prusaslicer_takes_its_settings(self):
+        part, ini, saved = self.dir / "part.sl1", self.dir / "prusaslicer.ini", self.dir / "saved.ini"
+        self.slice_sphere(part, "--no-preview")
+        with zipfile.ZipFile(part) as archive:
+            ini.write_bytes(archive.read("prusaslicer.ini"))
+            ours = settings(archive, "prusaslicer.ini")
+        subprocess.run(["prusa-slicer", "--loglevel", "1", "--load", ini, "--save", saved], check=True, capture_output=True)
+        theirs = dict(re.findall(r"^(\S+) = (.*)$", saved.read_text(), re.MULTILINE))
+        self.assertEqual({key: theirs.get(key) for key in ours}, ours)
+
+    def test_same_scan_makes_the_same_bytes(self):
+        first, second = self.dir / "first.sl1", self.dir / "second.sl1"
+        self.slice_sphere(first)
+        self.slice_sphere(second)
+        self.assertEqual(first.read_bytes(), second.read_bytes())
+
+    def test_a_job_that_fails_leaves_the_older_file(self):
+        part = self.dir / "part.sl1"
+        part.write_text("older")
+        self.slice_sphere(part, "--check", "all=refuse", "--supports", "none", status=1)
+        self.assertEqual(part.read_text(), "older")
+        self.assertFalse((self.dir / "part.sl1.part").exists())
+
+    def test_says_what_is_missing(self):
+        write_sphere(self.scan)
+        done = self.run_it("slice", self.scan, "-o", self.dir / "part.sl1", status=1)
+        self.assertIn("part.sl1: an .sl1 archive is made for a printer's panel. Name the printer with --printer", done.stderr)
+        done = self.slice_sphere(self.dir / "nowhere" / "part.sl1", status=1)
+        self.assertIn("part.sl1: cannot be created: No such file or directory", done.stderr)
+        folder = self.dir / "folder.sl1"
+        folder.mkdir()
+        done = self.slice_sphere(folder, status=1)
+        self.assertIn("folder.sl1: is there and is no file. Choose another name", done.stderr)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,309 @@
+#!/usr/bin/env python3
+"""Prints that somebody else has sliced: .sl1 archives and zips of PNG files, for print, check, inspect and the daemon."""
+
+import json
+import os
+import shutil
+import signal
+import struct
+import subprocess
+import unittest
+import zipfile
+import zlib
+
+from case import PLUMBLINED, SIM2K, Program, confirm_plate, main, on_stick_printer
+
+
+def write_ell(path, height=2.0):
+    """An L with a long and a short leg, so that no mirror image or turn of it is the same: 20 x 10 mm."""
+    outline = [(0, 0), (20, 0), (20, 4), (6, 4), (6, 10), (0, 10)]
+    flat = [(0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 5)]
+    corner = lambda i, z: (*outline[i], z)
+    faces = [[corner(i, 0) for i in reversed(face)] for face in flat] + [[corner(i, height) for i in face] for face in flat]
+    for i in range(6):
+        j = (i + 1) % 6
+        faces += [[corner(i, 0), corner(j, 0), corner(j, height)], [corner(i, 0), corner(j, height), corner(i, height)]]
+    with open(path, "wb") as file:
+        file.write(bytes(80) + struct.pack("<I", len(faces)))
+        for face in faces:
+            file.write(bytes(12) + b"".join(struct.pack("<3f", *corner) for corner in face) + bytes(2))
+
+
+def png(columns, rows, pixels, depth=8, colour=0, extra=b""):
+    """@param pixels  of all rows, filter bytes included"""
+    def chunk(kind, body):
+        return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
+
+    header = struct.pack(">IIBBBBB", columns, rows, depth, colour, 0, 0, 0)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + extra + chunk(b"IDAT", zlib.compress(pixels)) + chunk(b"IEND", b"")
+
+
+def square(size=200):
+    """A white square in the middle of the panel of sim2k, in grey."""
+    empty, row = bytes(1441), bytearray(1441)
+    row[700 - size // 2 : 700 + size // 2] = b"\xff" * size
+    return png(1440, 2560, empty * 1000 + bytes(row) * size + empty * (1560 - size))
+
+
+def exposures(report):
+    return json.loads(report.read_text())["exposures"]
+
+
+class Sliced(Program):
+    same = ("--printer", SIM2K, "--layer-height", 0.1, "--supports", "none")
+
+    def setUp(self):
+        super().setUp()
+        self.mesh, self.part, self.state = self.dir / "ell.stl", self.dir / "part.sl1", self.dir / "state"
+        self.report = self.dir / "report.json"
+        write_ell(self.mesh)
+
+    def make_part(self):
+        self.run_it("slice", self.mesh, "-o", self.part, "--no-preview", *self.same)
+
+    def layer_hashes(self):
+        self.run_it("slice", self.mesh, "-o", self.out, "--no-preview", *self.same)
+        return self.manifest()["hashes"]["layers"]
+
+    def pack(self, layers, ini="", name="part.zip"):
+        path = self.dir / name
+        with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+            for entry, body in layers.items():
+                archive.writestr(entry, body)
+            if ini:
+                archive.writestr("prusaslicer.ini", ini)
+        return path
+
+    def print_it(self, part, *arguments, status=0):
+        return self.run_it("print", part, "--printer", SIM2K, "--report", self.report, *arguments, status=status)
+
+
+class Printed(Sliced):
+    def test_prints_the_masks_bit_for_bit_and_goes_on_after_a_power_cut(self):
+        self.make_part()
+        hashes = self.layer_hashes()
+        self.print_it(self.part)
+        printed = exposures(self.report)
+        self.assertEqual([line["mask_hash"] for line in printed], hashes)
+        self.assertEqual(json.loads(self.report.read_text())["state"], "finished")
+        self.print_it(self.part, "--state", self.state, "--fault", "power.cut@layer=8", status=1)
+        self.assertEqual((self.state / "archive").read_bytes(), self.part.read_bytes())
+        self.part.unlink()
+        self.run_it("print", "--resume", "--state", self.state, "--printer", SIM2K, "--report", self.report)
+        resumed = json.loads(self.report.read_text())
+        self.assertEqual((resumed["state"], resumed["scan"], resumed["objections"]), ("finished", "part.sl1", []))
+        self.assertGreater(resumed["first_layer"], 0)
+        self.assertEqual([line["mask_hash"] for line in resumed["exposures"]], hashes[resumed["first_layer"] :])
+        self.assertFalse((self.state / "archive").exists(), "a print that has ended leaves nothing")
+
+    def test_exposures_are_the_archives(self):
+        ini = "exposure_time = 2.25\ninitial_exposure_time = 6\nfaded_layers = 0\nlayer_height = 0.05\n"
+        part = self.pack({f"a{k:03}.png": square() for k in range(8)}, ini + "display_mirror_y = 1\n", "other.sl1")
+        self.print_it(part)
+        asked = [line["asked_s"] for line in exposures(self.report)]
+        self.assertEqual(set(asked), {2.25, 6})
+        self.assertEqual(json.loads(self.report.read_text())["layer_height_mm"], 0.05)
+        part = self.pack({"1.png": square()}, ini.replace("2.25", "400"), "other.sl1")
+        done = self.print_it(part, status=1)
+        self.assertIn("other.sl1: profile standard: an exposure is 400 s, this printer's lamp may be lit for 60 s at most", done.stderr)
+
+    def test_part_is_kept_and_compared(self):
+        self.make_part()
+        self.print_it(self.part, "--keep-part", self.out)
+        self.assertTrue((self.out / "comparison.png").exists())
+
+    def test_layers_are_in_the_order_of_their_numbers(self):
+        layers = {f"p{k}.png": square(100 + 20 * k) for k in (11, 2, 10, 1)}
+        self.print_it(self.pack({"preview.png": b"x", "thumbnail/thumbnail400x400.png": b"y", "__MACOSX/._p1.png": b"z", **layers}))
+        pixels = json.loads(self.run_it("check", self.dir / "part.zip", "--printer", SIM2K, "--json").stdout)
+        self.assertEqual(pixels["grid"]["layers"], 4)
+        alone = [self.run_it("check", self.pack({"1.png": body}, name=f"{k}.zip"), "--printer", SIM2K, "--json").stdout
+                 for k, body in layers.items()]
+        volumes = [json.loads(text)["volume_ml"] for text in alone]
+        self.assertEqual(sorted(volumes), [volumes[3], volumes[1], volumes[2], volumes[0]])
+        self.assertEqual(len({line["mask_hash"] for line in exposures(self.report)}), 4)
+
+    def test_another_panel_is_refused_with_both_sizes(self):
+        part = self.pack({"1.png": png(1620, 2560, bytes(1621) * 2560)})
+        for command in (["print", part], ["check", part]):
+            done = self.run_it(*command, "--printer", SIM2K, status=1)
+            for size in ("1620 x 2560", "1440 x 2560"):
+                self.assertIn(size, done.stderr)
+        inspected = self.run_it("inspect", part, "--printer", SIM2K).stdout
+        self.assertIn("is sliced for a panel of 1620 x 2560 pixels, this printer's has 1440 x 2560", inspected)
+        part = self.pack({"1.png": square()}, "display_width = 120\ndisplay_height = 215\n", "wide.sl1")
+        done = self.print_it(part, status=1)
+        self.assertIn("panel of 120.00 x 215.00 mm, this printer's has 68.04 x 120.96 mm", done.stderr)
+
+    def test_broken_layer_is_found_before_light(self):
+        whole = square()
+        for broken, words in (
+            (whole[: len(whole) // 2], "part.zip: layer 2: cannot be read as PNG"),
+            (whole[:60] + bytes([whole[60] ^ 1]) + whole[61:], "part.zip: layer 2: cannot be read as PNG"),
+            (b"no picture", "part.zip: layer 2: cannot be read as PNG"),
+            (png(1440, 100, bytes(1441) * 100), "layer 2: has 1440 x 100 pixels, the first layer 1440 x 2560"),
+            (png(1440, 2560, bytes(1 + 3 * 1440) * 2560, colour=2), "layer 2: has colours"),
+        ):
+            done = self.print_it(self.pack({"1.png": whole, "2.png": broken, "3.png": whole}), "--state", self.state, status=1)
+            self.assertIn(words, done.stderr)
+            self.assertFalse(self.report.exists())
+            self.assertFalse((self.state / "job").exists())
+
+    def test_bomb_ends_at_the_plan(self):
+        # 200 MB that pack into 200 kB, as a chunk that a reader skips.
+        for kind, words in ((b"tEXt", "cannot be read as PNG (reached chunk/cache limits)"), (b"abCd", "is longer than a mask can be")):
+            bomb = struct.pack(">I", 100_000_000) + kind + bytes(100_000_000) + b"\0\0\0\0"
+            part = self.pack({"1.png": png(1440, 2560, bytes(1441) * 2560, extra=bomb)})
+            self.assertLess(part.stat().st_size, 250_000)
+            done = self.run_it("check", part, "--printer", SIM2K, status=1)
+            self.assertIn(f"part.zip: layer 1: {words}", done.stderr)
+
+    def test_store_that_was_changed_stops_the_print_in_the_dark(self):
+        layers = {f"{k}.png": square(100 + 10 * k) for k in range(1, 13)}
+        part = self.pack(layers)
+        self.print_it(part, "--state", self.state, "--fault", "power.cut@layer=4", status=1)
+        # The same archive, but for one layer.
+        changed = self.pack({**layers, "9.png": layers["8.png"]}, name="changed.zip")
+        (self.state / "archive").write_bytes(changed.read_bytes())
+        self.run_it("print", "--resume", "--state", self.state, "--printer", SIM2K, "--report", self.report, status=1)
+        report = json.loads(self.report.read_text())
+        self.assertEqual(report["state"], "fault")
+        self.assertIn("layer 9 is not as it was when the print was checked", json.dumps(report["fault"]))
+        self.assertEqual(report["next_layer"], 8, "the layer below has cured whole")
+        self.assertEqual([line["end"] for line in report["exposures"]], ["time up"] * len(report["exposures"]))
+        self.assertEqual(report["objections"], [])
+
+    def test_options_that_change_a_scan_are_refused(self):
+        self.make_part()
+        for options in (("--scale", 2), ("--supports", "auto"), ("--rotate-x", 90), ("--fit",)):
+            done = self.print_it(self.part, *options, status=1)
+            self.assertIn("part.sl1: is sliced already, so it is printed as it is", done.stderr)
+
+    def test_checks_find_the_same_as_in_a_folder(self):
+        self.make_part()
+        self.layer_hashes()
+        ours = json.loads(self.run_it("check", self.part, "--json").stdout)
+        folder = json.loads(self.run_it("check", self.out, "--json").stdout)
+        self.assertEqual({**ours, "name": 0}, {**folder, "name": 0})
+        inspected = json.loads(self.run_it("inspect", self.part, "--json", "--printer", SIM2K).stdout)
+        self.assertEqual((inspected["archive"]["layers"], inspected["archive"]["exposure_s"], inspected["fits"]), (20, 2.5, True))
+        self.assertIn("20 layers of 0.1 mm, 2.00 mm high", self.run_it("inspect", self.part).stdout)
+
+    @unittest.skipUnless(shutil.which("prusa-slicer"), "needs prusa-slicer")
+    def test_prusaslicers_archives_lie_as_its_model_does(self):
+        """Whatever PrusaSlicer mirrors and turns for its printer's panel: the L is at its place, and no mirror image."""
+        folder = self.run_it("slice", self.mesh, "-o", self.out, "--no-preview", *self.same)
+        ours = json.loads(self.run_it("check", self.out, "--json").stdout)["volume_ml"]
+        for orientation, mirrors in (("portrait", (1, 0)), ("landscape", (0, 1)), ("landscape", (1, 1)), ("portrait", (0, 0))):
+            ini, part = self.dir / "sla.ini", self.dir / "theirs.sl1"
+            part.unlink(missing_ok=True)
+            ini.write_text(
+                "printer_technology = SLA\nlayer_height = 0.1\ninitial_layer_height = 0.1\ndisplay_pixels_x = 1440\n"
+                "display_pixels_y = 2560\ndisplay_width = 68.04\ndisplay_height = 120.96\n"
+                "bed_shape = 0x0,68.04x0,68.04x120.96,0x120.96\nsupports_enable = 0\npad_enable = 0\n"
+                f"display_mirror_x = {mirrors[0]}\ndisplay_mirror_y = {mirrors[1]}\ndisplay_orientation = {orientation}\n"
+            )
+            subprocess.run(["prusa-slicer", "--loglevel", "1", "--export-sla", "--load", ini, "--center", "34.02,60.48", self.mesh,
+                            "-o", part], check=True, capture_output=True)
+            self.print_it(part, "--keep-part", self.dir / f"kept-{orientation}-{mirrors[0]}")
+            kept = self.dir / f"kept-{orientation}-{mirrors[0]}" / "layers"
+            self.assertAlmostEqual(self.shared_with(kept), 1, delta=0.01)
+
+    def shared_with(self, kept):
+        """Intersection over union of the middle layer with ours."""
+        from case import png_rows
+        both = either = 0
+        for a, b in zip(png_rows(self.out / "layers" / "00010.png")[1], png_rows(kept / "00010.png")[1]):
+            a, b = int.from_bytes(a, "big"), int.from_bytes(b, "big")
+            both += (a & b).bit_count()
+            either += (a | b).bit_count()
+        return both / either
+
+
+class FromAStick(Sliced):
+    """The daemon: the child without rights decodes every layer."""
+
+    def start(self, *arguments):
+        confirm_plate(self.state)
+        printer = on_stick_printer(self.dir)
+        command = [PLUMBLINED, "--printer", printer, "--state", self.state, "--stick", self.dir / "stick", *arguments]
+        daemon = subprocess.Popen(list(map(str, command)), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(daemon.stderr.close)
+        self.addCleanup(daemon.wait)
+        self.addCleanup(daemon.kill)
+        return daemon
+
+    def until(self, daemon, words):
+        said = ""
+        for line in daemon.stderr:
+            said += line
+            if words in line:
+                return said
+        return self.fail(said)
+
+    def put_stick(self, *files, job=""):
+        folder = self.dir / "new"
+        folder.mkdir()
+        for file in files:
+            shutil.copy(file, folder)
+        if job:
+            (folder / "job.toml").write_text(job)
+        folder.rename(self.dir / "stick")
+
+    def test_prints_from_its_store_and_survives_being_killed(self):
+        self.make_part()
+        hashes = self.layer_hashes()
+        self.put_stick(self.part)
+        daemon = self.start("--speedup", 60)
+        self.until(daemon, "the stick may be pulled")
+        shutil.rmtree(self.dir / "stick")
+        self.until(daemon, "layer 3 of 20")
+        os.kill(daemon.pid, signal.SIGKILL)
+        daemon.wait()
+        self.assertEqual((self.state / "archive").read_bytes(), self.part.read_bytes())
+        daemon = self.start("--speedup", 1e6, "--jobs", 1)
+        self.until(daemon, "an interrupted print can go on")
+        self.run_it("ctl", "resume", "--socket", self.state / "state")
+        self.until(daemon, "finished")
+        self.assertEqual(daemon.wait(60), 0)
+        report = json.loads((self.state / "report.json").read_text())
+        self.assertEqual((report["state"], report["scan"]), ("finished", "part.sl1"))
+        self.assertEqual([line["mask_hash"] for line in report["exposures"]][-15:], hashes[-15:])
+
+    def test_says_why_it_does_not_print(self):
+        self.make_part()
+        self.put_stick(self.part, job='[job]\nscan = "part.sl1"\n[placement]\nscale = 2.0\n')
+        daemon = self.start("--speedup", 1e6)
+        self.until(daemon, "part.sl1: is sliced already, so of the job's settings only the profile counts")
+        daemon.kill()
+        shutil.rmtree(self.dir / "stick")
+        broken = self.pack({"1.png": square(), "2.png": square()[:2000]})
+        self.put_stick(broken)
+        daemon = self.start("--speedup", 1e6)
+        self.until(daemon, "part.zip: layer 2: cannot be read as PNG")
+
+
+    def test_names_what_other_printers_print(self):
+        for name in ("part.ctb", "part.pdf", "photo.png", "thumb.jpg"):
+            (self.dir / name).write_bytes(b"\x12\xfd\x19\x86" + bytes(500))
+        self.put_stick(*(self.dir / name for name in ("part.ctb", "part.pdf", "photo.png", "thumb.jpg")))
+        daemon = self.start("--speedup", 1e6)
+        said = self.until(daemon, "part.ctb is sliced for another printer (Chitubox). Export it as .sl1")
+        self.assertNotIn("pdf", said)
+        daemon.kill()
+        shutil.rmtree(self.dir / "stick")
+        self.put_stick(self.dir / "part.ctb", self.mesh)
+        daemon = self.start("--speedup", 1e6)
+        said = self.until(daemon, "reading ell.stl")
+        self.assertIn("part.ctb is sliced for another printer (Chitubox); export it as .sl1", said)
+        for name, words in (
+            ("part.ctb", "part.ctb: is sliced for another printer (Chitubox); export it as .sl1"),
+            ("part.pwmx", "part.pwmx: is sliced for another printer (Photon Workshop); export it as .sl1"),
+            ("part.lys", "part.lys: is a project (Lychee Slicer); export its mesh as STL"),
+            ("part.gcode", "part.gcode: is sliced for a filament printer (G-code); export its mesh as STL"),
+        ):
+            (self.dir / name).write_bytes(b"PK\x03\x04" + bytes(500))
+            self.assertIn(words, self.print_it(self.dir / name, status=1).stderr)
+
+if __name__ == "__main__":
+    main()
