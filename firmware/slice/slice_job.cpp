@@ -110,9 +110,7 @@ Status SliceJob::write_layers(const RRep& rrep, const Supports& supports, std::s
     hashes[layer] = mask_hash(mask);
     checker->next(mask);
     report_.support_pixels += stream->support_pixels();
-    const auto png = masks_->encode(mask);
-    PLUMBLINE_TRY(png);
-    PLUMBLINE_TRY(directory_.write_layer(layer, *png));
+    PLUMBLINE_TRY(directory_.write_layer(layer, masks_->encode(mask)));
   }
   report_.findings = checker->finish();
   report_.cured_pixels = report_.findings->voxels;
