@@ -28,26 +28,64 @@ void store_big_endian(unsigned char* to, std::uint64_t word) {
   std::memcpy(to, &word, sizeof word);
 }
 
-/// Packs the pixels as lodepng takes them: first pixel in the high bit, rows not padded.
-/// @param to  8 bytes more than the pixels fill
+/// Packs the pixels as the lines of a PNG without a filter: a 0, then the first pixel in the high bit.
+/// @param to  8 bytes more than the lines fill
 void pack(ConstBitImage mask, unsigned char* to) {
-  std::uint64_t waiting = 0;  // bits that don't fill a word yet, from the high end
-  unsigned filled = 0;
-  const auto put = [&](std::uint64_t bits, unsigned count) {
-    waiting |= bits >> filled;
-    if (filled + count >= 64) {
-      store_big_endian(to, waiting);
-      to += 8;
-      waiting = filled == 0 ? 0 : bits << (64 - filled);
-    }
-    filled = (filled + count) % 64;
-  };
+  const std::size_t width = (mask.columns() + std::size_t{7}) / 8;
   for (std::uint32_t r = 0; r < mask.rows(); ++r) {
+    *to++ = 0;
+    // The last word may reach into the next line, which is written later.
     const auto row = mask.row(r);
-    for (std::uint32_t w = 0; w + 1 < mask.stride(); ++w) put(reversed_bits(row[w]), 64);
-    put(reversed_bits(row.back() & mask.last_word_mask()), mask.columns() - 64 * (mask.stride() - 1));
+    for (std::size_t w = 0; w + 1 < row.size(); ++w) store_big_endian(to + 8 * w, reversed_bits(row[w]));
+    store_big_endian(to + 8 * (row.size() - 1), reversed_bits(row.back() & mask.last_word_mask()));
+    to += width;
   }
-  store_big_endian(to, waiting);
+}
+
+struct PngFormat {
+  std::uint32_t columns = 0, rows = 0;
+  unsigned bits = 8;  ///< a channel
+  LodePNGColorType colour = LCT_GREY;
+};
+
+/// Writes a PNG file round the zlib stream of its lines.
+/// @param lines  filtered
+/// @param file   kFrameBytes more than libdeflate's bound
+std::span<const std::byte> write_png(const PngFormat& format, std::span<const std::uint8_t> lines,
+                                     libdeflate_compressor* compressor, std::span<std::uint8_t> file) {
+  std::size_t size = 0;
+  const auto put = [&](std::span<const std::uint8_t> bytes) {
+    std::copy(bytes.begin(), bytes.end(), file.begin() + static_cast<std::ptrdiff_t>(size));
+    size += bytes.size();
+  };
+  const auto put_number = [&](std::size_t value) {
+    for (int shift = 24; shift >= 0; shift -= 8) file[size++] = static_cast<std::uint8_t>(value >> shift);
+  };
+  const auto end_chunk = [&](std::size_t begin) {
+    put_number(libdeflate_crc32(0, file.data() + begin + 4, size - begin - 4));
+  };
+  put(std::array<std::uint8_t, 8>{0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'});
+  std::size_t begin = size;
+  put_number(13);
+  put(std::array<std::uint8_t, 4>{'I', 'H', 'D', 'R'});
+  put_number(format.columns);
+  put_number(format.rows);
+  put(std::array<std::uint8_t, 5>{static_cast<std::uint8_t>(format.bits), static_cast<std::uint8_t>(format.colour), 0,
+                                  0, 0});
+  end_chunk(begin);
+  begin = size;
+  const std::size_t room = file.size() - size - 8 - 4 - 12;
+  const std::size_t packed =
+      libdeflate_zlib_compress(compressor, lines.data(), lines.size(), file.data() + size + 8, room);
+  put_number(packed);
+  put(std::array<std::uint8_t, 4>{'I', 'D', 'A', 'T'});
+  size += packed;
+  end_chunk(begin);
+  begin = size;
+  put_number(0);
+  put(std::array<std::uint8_t, 4>{'I', 'E', 'N', 'D'});
+  end_chunk(begin);
+  return std::as_bytes(std::span<const std::uint8_t>(file).first(size));
 }
 
 }  // namespace
@@ -56,18 +94,29 @@ void PngEncoder::FreeCompressor::operator()(libdeflate_compressor* compressor) c
   libdeflate_free_compressor(compressor);
 }
 
+/// Zeroed, so that the pages exist before the first layer needs them.
+bool PngEncoder::Buffer::take(std::size_t count) {
+  bytes.reset(new (std::nothrow) unsigned char[count]());
+  size = count;
+  return bytes != nullptr;
+}
+
 Expected<PngEncoder> PngEncoder::for_masks(std::uint32_t columns, std::uint32_t rows, int level) {
   auto encoder = create((columns + std::size_t{7}) / 8, rows, level);
   PLUMBLINE_TRY(encoder);
-  const std::size_t packed = (std::size_t{columns} * rows + 7) / 8 + 8;
-  encoder->packed_.bytes.reset(new (std::nothrow) unsigned char[packed]());
-  encoder->packed_.size = packed;
-  if (!encoder->packed_.bytes) return fail(ErrorCode::kOutOfMemory, "PNG encoder: no memory for a mask");
+  if (!encoder->lines_.take((1 + (columns + std::size_t{7}) / 8) * rows + 8)) {
+    return fail(ErrorCode::kOutOfMemory, "PNG encoder: no memory for a mask");
+  }
   return encoder;
 }
 
 Expected<PngEncoder> PngEncoder::for_pictures(std::uint32_t columns, std::uint32_t rows, int level) {
-  return create(std::size_t{3} * columns, rows, level);
+  auto encoder = create(std::size_t{3} * columns, rows, level);
+  PLUMBLINE_TRY(encoder);
+  if (!encoder->compressed_.take(encoder->file_.size - kFrameBytes)) {
+    return fail(ErrorCode::kOutOfMemory, "PNG encoder: no memory for a picture");
+  }
+  return encoder;
 }
 
 Expected<PngEncoder> PngEncoder::create(std::size_t row_bytes, std::uint32_t rows, int level) {
@@ -77,11 +126,7 @@ Expected<PngEncoder> PngEncoder::create(std::size_t row_bytes, std::uint32_t row
   if (!encoder.compressor_) return fail(ErrorCode::kOutOfMemory, "PNG encoder: no memory for the compressor");
   const std::size_t scan_lines = (1 + row_bytes) * rows;
   const std::size_t bound = libdeflate_zlib_compress_bound(encoder.compressor_.get(), scan_lines);
-  // Zeroed, so that their pages exist before the first layer needs them.
-  encoder.compressed_ = {std::unique_ptr<unsigned char[]>(new (std::nothrow) unsigned char[bound]()), bound};
-  encoder.file_ = {std::unique_ptr<unsigned char[]>(new (std::nothrow) unsigned char[bound + kFrameBytes]()),
-                   bound + kFrameBytes};
-  if (!encoder.compressed_.bytes || !encoder.file_.bytes) {
+  if (!encoder.file_.take(bound + kFrameBytes)) {
     return fail(ErrorCode::kOutOfMemory, "PNG encoder: no memory for %zu bytes of output", bound);
   }
   return encoder;
@@ -105,16 +150,16 @@ unsigned PngEncoder::compress(unsigned char** out, std::size_t* out_size, const 
 }
 
 Expected<std::span<const std::byte>> PngEncoder::encode_raw(const unsigned char* raw, std::uint32_t columns,
-                                                            std::uint32_t rows, bool is_mask) {
+                                                            std::uint32_t rows) {
   LodePNGState state;
   lodepng_state_init(&state);
-  state.info_raw.colortype = is_mask ? LCT_GREY : LCT_RGB;
-  state.info_raw.bitdepth = is_mask ? 1 : 8;
+  state.info_raw.colortype = LCT_RGB;
+  state.info_raw.bitdepth = 8;
   state.info_png.color.colortype = state.info_raw.colortype;
   state.info_png.color.bitdepth = state.info_raw.bitdepth;
   state.encoder.auto_convert = 0;
   state.encoder.filter_palette_zero = 1;
-  state.encoder.filter_strategy = is_mask ? LFS_ZERO : LFS_MINSUM;
+  state.encoder.filter_strategy = LFS_MINSUM;
   state.encoder.zlibsettings.custom_zlib = [](unsigned char** out, std::size_t* out_size, const unsigned char* in,
                                               std::size_t in_size, const LodePNGCompressSettings* settings) {
     return compress(out, out_size, in, in_size, settings);
@@ -133,18 +178,19 @@ Expected<std::span<const std::byte>> PngEncoder::encode_raw(const unsigned char*
   return std::as_bytes(std::span<const unsigned char>(file_.bytes.get(), size));
 }
 
-Expected<std::span<const std::byte>> PngEncoder::encode(ConstBitImage mask) {
-  assert(mask.columns() > 0 && mask.rows() > 0);
-  assert((std::size_t{mask.columns()} * mask.rows() + 7) / 8 + 8 <= packed_.size);
-  pack(mask, packed_.bytes.get());
-  return encode_raw(packed_.bytes.get(), mask.columns(), mask.rows(), true);
+std::span<const std::byte> PngEncoder::encode(ConstBitImage mask) {
+  const std::size_t lines = (1 + (mask.columns() + std::size_t{7}) / 8) * mask.rows();
+  assert(lines > 0 && lines + 8 <= lines_.size);
+  pack(mask, lines_.bytes.get());
+  return write_png({mask.columns(), mask.rows(), 1, LCT_GREY}, {lines_.bytes.get(), lines}, compressor_.get(),
+                   {file_.bytes.get(), file_.size});
 }
 
 Expected<std::span<const std::byte>> PngEncoder::encode(std::span<const std::uint8_t> rgb, std::uint32_t columns,
                                                         std::uint32_t rows) {
   assert(columns > 0 && rows > 0 && rgb.size() == std::size_t{3} * columns * rows);
   assert((1 + std::size_t{3} * columns) * rows <= compressed_.size);
-  return encode_raw(rgb.data(), columns, rows, false);
+  return encode_raw(rgb.data(), columns, rows);
 }
 
 void SmallPngEncoder::FreeCompressor::operator()(libdeflate_compressor* compressor) const {
@@ -173,38 +219,8 @@ std::span<const std::byte> SmallPngEncoder::encode(std::span<const std::uint8_t>
       line[1 + i] = static_cast<std::uint8_t>(pixels[r * width + i] - above);
     }
   }
-  std::size_t size = 0;
-  const auto put = [&](std::span<const std::uint8_t> bytes) {
-    std::copy(bytes.begin(), bytes.end(), file_.begin() + static_cast<std::ptrdiff_t>(size));
-    size += bytes.size();
-  };
-  const auto put_number = [&](std::size_t value) {
-    for (int shift = 24; shift >= 0; shift -= 8) file_[size++] = static_cast<std::uint8_t>(value >> shift);
-  };
-  const auto end_chunk = [&](std::size_t begin) {
-    put_number(libdeflate_crc32(0, file_.data() + begin + 4, size - begin - 4));
-  };
-  put(std::array<std::uint8_t, 8>{0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'});
-  std::size_t begin = size;
-  put_number(13);
-  put(std::array<std::uint8_t, 4>{'I', 'H', 'D', 'R'});
-  put_number(columns);
-  put_number(rows);
-  put(std::array<std::uint8_t, 5>{8, static_cast<std::uint8_t>(channels == 3 ? LCT_RGB : LCT_GREY), 0, 0, 0});
-  end_chunk(begin);
-  begin = size;
-  const std::size_t room = file_.size() - size - 8 - 4 - 12;
-  const std::size_t packed =
-      libdeflate_zlib_compress(compressor_.get(), lines_.data(), rows * (width + 1), file_.data() + size + 8, room);
-  put_number(packed);
-  put(std::array<std::uint8_t, 4>{'I', 'D', 'A', 'T'});
-  size += packed;
-  end_chunk(begin);
-  begin = size;
-  put_number(0);
-  put(std::array<std::uint8_t, 4>{'I', 'E', 'N', 'D'});
-  end_chunk(begin);
-  return std::as_bytes(std::span<const std::uint8_t>(file_).first(size));
+  const PngFormat format{columns, rows, 8, channels == 3 ? LCT_RGB : LCT_GREY};
+  return write_png(format, std::span(lines_).first(rows * (width + 1)), compressor_.get(), file_);
 }
 
 Expected<PngSize> png_size(std::span<const std::byte> file) {

@@ -1,5 +1,5 @@
 #pragma once
-/// PNG images: written by lodepng with libdeflate behind it, and masks read by lodepng.
+/// PNG images: masks and small pictures by libdeflate alone, others by lodepng with libdeflate behind it; masks read by lodepng.
 
 #include <cstddef>
 #include <cstdint>
@@ -16,12 +16,8 @@ namespace plumbline {
 
 /// Encodes one image after another, with buffers and a compressor that it takes once, when it is made.
 ///
-/// For each image lodepng takes memory with malloc: Debian builds the library with its own allocators, which can't be
-/// replaced. For a mask it takes 8 blocks, all freed before encode() returns. One is large, with
-/// rows * (1 + ceil(columns / 8)) bytes: 463 360 for 1440 x 2560, 1 154 400 for 3840 x 2400. (A width that is not a
-/// multiple of 8 takes a second one like it.) Two are as large as the compressed file, 5 to 25 kB, the rest is some
-/// 100 bytes. To keep the heap unchanged, set M_MMAP_THRESHOLD and M_TRIM_THRESHOLD above the large one and encode one
-/// image beforehand.
+/// For a picture, but not for a mask, lodepng takes memory with malloc: Debian builds the library with its own allocators, which
+/// can't be replaced.
 class PngEncoder {
  public:
   /// libdeflate's level, 1 to 12. Measured on a plate full of busts, cut at their plinths; one core of x86-64, the whole call:
@@ -44,8 +40,7 @@ class PngEncoder {
   /// 1-bit greyscale, white (1) where resin cures.
   /// @param mask  1 x 1 or more, not larger than the encoder was made for
   /// @returns the whole file, valid until the next call
-  /// @retval ErrorCode::kOutOfMemory  lodepng found no memory
-  [[nodiscard]] Expected<std::span<const std::byte>> encode(ConstBitImage mask);
+  std::span<const std::byte> encode(ConstBitImage mask);
 
   /// 8-bit RGB.
   /// @param rgb  3 * columns * rows bytes, row after row from the top
@@ -61,18 +56,20 @@ class PngEncoder {
   struct Buffer {
     std::unique_ptr<unsigned char[]> bytes;
     std::size_t size = 0;
+
+    [[nodiscard]] bool take(std::size_t count);
   };
 
   PngEncoder() = default;
   [[nodiscard]] static Expected<PngEncoder> create(std::size_t row_bytes, std::uint32_t rows, int level);
   [[nodiscard]] Expected<std::span<const std::byte>> encode_raw(const unsigned char* raw, std::uint32_t columns,
-                                                                std::uint32_t rows, bool is_mask);
+                                                                std::uint32_t rows);
   static unsigned compress(unsigned char** out, std::size_t* out_size, const unsigned char* in, std::size_t in_size,
                            const void* settings);
 
   std::unique_ptr<libdeflate_compressor, FreeCompressor> compressor_;
-  Buffer packed_;      ///< the mask as PNG has it: first pixel in the high bit
-  Buffer compressed_;  ///< the zlib stream
+  Buffer lines_;       ///< of a mask, as PNG has them
+  Buffer compressed_;  ///< the zlib stream of a picture
   Buffer file_;        ///< what encode() returns
 };
 

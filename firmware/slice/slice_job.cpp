@@ -122,8 +122,7 @@ Status SliceJob::write_layers(const RRep& rrep, const Supports& supports, std::s
     checker->next(mask);
     report_.support_pixels += stream->support_pixels();
     const auto png = masks_->encode(mask);
-    PLUMBLINE_TRY(png);
-    PLUMBLINE_TRY(directory_ ? directory_->write_layer(layer, *png) : archive_->write_layer(layer, *png));
+    PLUMBLINE_TRY(directory_ ? directory_->write_layer(layer, png) : archive_->write_layer(layer, png));
   }
   report_.findings = checker->finish();
   report_.cured_pixels = report_.findings->voxels;

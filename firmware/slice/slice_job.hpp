@@ -38,7 +38,7 @@ struct SliceJobSettings {
 };
 
 /// One job. prepare() takes all the heap memory that the job needs; during run() only lodepng takes any, and frees it after each
-/// image. (One exception: without a printer the size of the masks is unknown until the scan has been read, so their encoder is
+/// picture. (One exception: without a printer the size of the masks is unknown until the scan has been read, so their encoder is
 /// made when they are admitted, before the first one.)
 class SliceJob {
  public:

@@ -63,7 +63,9 @@ bool PointThinner::progress(double /*fraction*/) { return true; }
 PointThinner::Key PointThinner::key_of(const Vec3f& p) const {
   // All coordinates beyond 1e18 cells share a cell, so the conversion can't overflow. No intact scan is that large.
   const auto index = [&](float v) {
-    return static_cast<std::int64_t>(std::floor(std::clamp(static_cast<double>(v) / cell_, -1e18, 1e18)));
+    const double cells = std::clamp(static_cast<double>(v) / cell_, -1e18, 1e18);
+    const auto towards_0 = static_cast<std::int64_t>(cells);  // rounding down is a call on some machines
+    return towards_0 - (cells < static_cast<double>(towards_0) ? 1 : 0);
   };
   return {index(p[0]), index(p[1]), index(p[2])};
 }

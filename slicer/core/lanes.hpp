@@ -1,6 +1,7 @@
 #pragma once
 /// Eight numbers at a time, with the same result on every machine.
 
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 
@@ -31,6 +32,14 @@ PLUMBLINE_INLINE void store(float* to, const Lanes& lanes) { std::memcpy(to, &la
 PLUMBLINE_INLINE void round_lanes(Lanes& integers, const Lanes& x) {
   constexpr float kRound = 12582912;  // 1.5 * 2^23: a sum with it has no bits below 1
   integers = (x + kRound) - kRound;
+}
+
+/// Through memory, where the compiler makes one instruction of the loop.
+PLUMBLINE_INLINE void square_root(Lanes& root, const Lanes& x) {
+  float lanes[kLanes];
+  store(lanes, x);
+  for (float& lane : lanes) lane = std::sqrt(lane);
+  load(root, lanes);
 }
 
 PLUMBLINE_INLINE float sum(const Lanes& v) { return ((v[0] + v[4]) + (v[1] + v[5])) + ((v[2] + v[6]) + (v[3] + v[7])); }

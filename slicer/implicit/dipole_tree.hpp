@@ -66,15 +66,43 @@ class DipoleTree {
   /// @param near  near(i) for each point of a leaf that is too close for that
   template <class Far, class Near>
   void walk(const Vec3f& x, Far far, Near near) const {
+    const auto take = [&](const DipoleNode& node) {
+      const Vec3f d = node.centre - x;
+      const float distance2 = d.dot(d);
+      if (!(distance2 > node.reach2)) return false;
+      if (node.reach2 >= 0) far(node, d, distance2);
+      return true;
+    };
+    walk_nodes(take, near);
+  }
+
+  /// The same for all places in a box at once: a node acts as one dipole if it does so at every place.
+  /// @param far  far(node)
+  template <class Far, class Near>
+  void walk(const Box3f& box, Far far, Near near) const {
+    const auto take = [&](const DipoleNode& node) {
+      const Vec3f d = (box.low - node.centre).cwiseMax(node.centre - box.high).cwiseMax(0.0F);
+      if (!(d.dot(d) > node.reach2)) return false;
+      if (node.reach2 >= 0) far(node);
+      return true;
+    };
+    walk_nodes(take, near);
+  }
+
+ private:
+  static constexpr float kOpening = 2.0F;  ///< node radii: a closer node is opened. Larger: more exact, slower
+
+  static std::uint32_t leaves(std::uint32_t points) { return (points + LeafPoints - 1) / LeafPoints; }
+
+  /// @param take  take(node): false if the node must be opened
+  template <class Take, class Near>
+  void walk_nodes(Take take, Near near) const {
     const auto count = static_cast<std::uint32_t>(nodes_.size());
     std::uint32_t leaf = 0;  // number of leaves before node `at`
     for (std::uint32_t at = 0; at < count;) {
       const DipoleNode& node = nodes_[at];
-      const Vec3f d = node.centre - x;
-      const float distance2 = d.dot(d);
       const std::uint32_t under = (node.skip - at + 1) / 2;
-      if (distance2 > node.reach2) {
-        if (node.reach2 >= 0) far(node, d, distance2);
+      if (take(node)) {
         leaf += under;
         at = node.skip;
       } else if (under > 1) {
@@ -87,11 +115,6 @@ class DipoleTree {
       }
     }
   }
-
- private:
-  static constexpr float kOpening = 2.0F;  ///< node radii: a closer node is opened. Larger: more exact, slower
-
-  static std::uint32_t leaves(std::uint32_t points) { return (points + LeafPoints - 1) / LeafPoints; }
 
   /// Builds node `at` over leaves [first, last), and its descendants.
   template <class AddPoint>

@@ -12,9 +12,6 @@ constexpr std::uint32_t kBaseSamples = 48;  ///< samples a side, over the base p
 constexpr float kBaseOpen = 0.1F;
 constexpr std::uint32_t kLeastOpen = 10;  ///< an open underside is at least 1 / kLeastOpen of the section above it
 constexpr int kSections = 8;              ///< most sections compared
-constexpr int kBisections = 8;            ///< leave a 256th of the interval
-constexpr float kRounding = 0.3F;         ///< factor of c, see inside()
-constexpr float kMostRounding = 0.12F;    ///< largest kRounding * |c|: s (1 - s^2) is at most 0.385
 constexpr float kInverse4Pi = 0.0795774715F;
 constexpr float kPi = std::numbers::pi_v<float>;
 
@@ -74,20 +71,11 @@ float WindingTree::operator()(const Vec3f& x) const {
 }
 
 bool WindingTree::inside(const Vec3f& x, float winding) const {
-  const float w = winding - kSurface;
-  if (std::abs(w) >= kMostRounding) return w > 0;
-  Lean lean;
+  if (is_plain(winding)) return winding > kSurface;
+  WindingLean lean;
   add_lean(x, lean);
   if (has_base_) add_lean({x[0], x[1], 2 * base_ - x[2]}, lean);
-  return w * lean.weight + kRounding * lean.outwards > 0;
-}
-
-float WindingTree::surface_between(float x, float y, float from, float to, bool inside_at_from, float tolerance) const {
-  for (int i = 0; i < kBisections && std::abs(to - from) > tolerance; ++i) {
-    const float middle = 0.5F * (from + to);
-    (inside({x, y, middle}) == inside_at_from ? from : to) = middle;
-  }
-  return 0.5F * (from + to);
+  return lean.inside(winding);
 }
 
 float WindingTree::sum(const Vec3f& x) const {
@@ -106,7 +94,7 @@ float WindingTree::sum(const Vec3f& x) const {
   return w;
 }
 
-void WindingTree::add_lean(const Vec3f& x, Lean& lean) const {
+void WindingTree::add_lean(const Vec3f& x, WindingLean& lean) const {
   const auto add = [&](float area, float towards, float distance2) {
     const float weight = area / (distance2 * distance2);
     lean.weight += weight;

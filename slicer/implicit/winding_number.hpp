@@ -2,6 +2,7 @@
 /// Generalized winding number of the oriented cloud: how often the sampled surface winds around a place. It is 1 inside and 0
 /// outside, and changes smoothly across a hole in the scan.
 
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <numbers>
@@ -11,6 +12,17 @@
 #include "slicer/implicit/dipole_tree.hpp"
 
 namespace plumbline {
+
+/// Numerator and denominator of c in WindingTree::inside(), divided by 4 pi.
+struct WindingLean {
+  static constexpr float kRounding = 0.3F;  ///< factor of c
+  static constexpr float kMost = 0.12F;     ///< largest kRounding * |c|: s (1 - s^2) is at most 0.385
+
+  float outwards = 0;
+  float weight = 0;
+
+  bool inside(float winding) const { return (winding - 0.5F) * weight + kRounding * outwards > 0; }
+};
 
 /// A hierarchy of dipoles over the cloud (Barill et al. 2018, eq. 6). Built once, then read by many threads.
 ///
@@ -58,19 +70,26 @@ class WindingTree {
   bool inside(const Vec3f& x) const { return inside(x, operator()(x)); }
   /// @param winding  the winding number at x
   bool inside(const Vec3f& x, float winding) const;
-  /// Depth at which the ray at (x, y) passes the surface between two depths, one of which is inside; by bisection.
-  /// @param from, to   mm; either may be the lower
-  /// @param tolerance  mm: stops at this distance, or at a 256th of the way
-  float surface_between(float x, float y, float from, float to, bool inside_at_from, float tolerance) const;
+  /// Whether a winding number is so far from 1/2 that a hole does not matter.
+  static bool is_plain(float winding) { return std::abs(winding - kSurface) >= WindingLean::kMost; }
+
+  /// Calls add(place, dipole, area, softening) for dipoles that make up the winding number at every place in a box, with the mirror
+  /// image of the surface. The unit of the areas, which are the lengths of the dipoles, is 4 pi mm^2.
+  template <class Add>
+  void for_each_dipole(const Box3f& box, Add add) const {
+    walk(box, add);
+    if (!has_base_) return;
+    const auto mirrored = [&](const Vec3f& p) { return Vec3f(p[0], p[1], 2 * base_ - p[2]); };
+    Box3f mirror;
+    mirror.extend(mirrored(box.low));
+    mirror.extend(mirrored(box.high));
+    walk(mirror, [&](const Vec3f& place, const Vec3f& dipole, float area, float softening) {
+      add(mirrored(place), Vec3f(dipole[0], dipole[1], -dipole[2]), area, softening);
+    });
+  }
 
  private:
   using Tree = DipoleTree<kLeafPoints>;
-
-  /// Numerator and denominator of c in inside(), divided by 4 pi.
-  struct Lean {
-    float outwards = 0;
-    float weight = 0;
-  };
 
   /// mm^2
   float area_of(std::uint32_t i) const {
@@ -84,8 +103,23 @@ class WindingTree {
     return kShare * radius_[i] * radius_[i] * area_factor_ * std::numbers::inv_pi_v<float>;
   }
 
+  template <class Add>
+  void walk(const Box3f& box, Add add) const {
+    constexpr float kInverse4Pi = 0.25F * std::numbers::inv_pi_v<float>;
+    tree_.walk(
+        box,
+        [&](const Node& node) {
+          const float area = std::sqrt(node.dipole.dot(node.dipole));
+          if (area > 0) add(node.centre, node.dipole, area, 0.0F);
+        },
+        [&](std::uint32_t i) {
+          const float area = area_of(i) * kInverse4Pi;
+          if (area > 0) add(position_[i], Vec3f(normal_[i].unpack() * area), area, softening_of(i));
+        });
+  }
+
   float sum(const Vec3f& x) const;
-  void add_lean(const Vec3f& x, Lean& lean) const;
+  void add_lean(const Vec3f& x, WindingLean& lean) const;
 
   Tree tree_;
   std::span<const Vec3f> position_;

@@ -13,7 +13,7 @@ constexpr float kTolerance = 1.0F / 16;  ///< of the bisection, as a share of th
 
 /// First depth, from a crossing towards the next, where the winding number agrees with the interval between them.
 /// @param solid  whether that interval is solid
-std::optional<float> first_agreed(const WindingTree& winding, float x, float y, float depth, float next, float step,
+std::optional<float> first_agreed(ColumnWinding& winding, float x, float y, float depth, float next, float step,
                                   bool solid) {
   const float stride = next > depth ? step : -step;
   const auto places = static_cast<int>(std::ceil(std::abs(next - depth) / step));
@@ -27,7 +27,7 @@ std::optional<float> first_agreed(const WindingTree& winding, float x, float y, 
 
 }  // namespace
 
-bool settle_extrapolated(std::span<RayCrossing>& crossings, float x, float y, const WindingTree& winding, float reach) {
+bool settle_extrapolated(std::span<RayCrossing>& crossings, float x, float y, ColumnWinding& winding, float reach) {
   bool changed = false;
   for (std::size_t i = 0; i < crossings.size();) {
     const std::size_t at = i++;

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "slicer/implicit/winding_number.hpp"
+#include "slicer/implicit/column_winding.hpp"
 #include "slicer/rrep/ray_crossing.hpp"
 
 namespace plumbline {
@@ -22,6 +22,6 @@ inline constexpr float kExtrapolated = 0.4F;
 /// @param crossings  of the ray at (x, y), mm; ascending, alternately entering and exiting. Shrinks by pairs
 /// @param reach      largest support radius of its points, mm
 /// @returns whether any crossing was moved or removed
-bool settle_extrapolated(std::span<RayCrossing>& crossings, float x, float y, const WindingTree& winding, float reach);
+bool settle_extrapolated(std::span<RayCrossing>& crossings, float x, float y, ColumnWinding& winding, float reach);
 
 }  // namespace plumbline

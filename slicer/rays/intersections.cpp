@@ -39,18 +39,28 @@ RaySurface RaySolver::surface() const { return {bands_.first(band_count_), inter
 void RaySolver::find_bands(const RayGatherer& gatherer, const RayPoints& points) {
   band_count_ = 0;
   intersection_count_ = 0;
-  for (std::uint32_t j = 0; j < points.size; ++j) {
-    const float half = gatherer.half_chord(j);
-    float low = points.depth[j] - half;
-    float high = points.depth[j] + half;
+  if (points.size == 0) return;
+  float low = points.depth[0] - gatherer.half_chord(0);
+  float high = points.depth[0] + gatherer.half_chord(0);
+  for (std::uint32_t j = 1; j < points.size; ++j) {
+    const float from = points.depth[j] - gatherer.half_chord(j);
+    const float to = points.depth[j] + gatherer.half_chord(j);
+    if (high < from && band_count_ + 1 < kMaxBands) {
+      bands_[band_count_++] = Band{low, high, 0, 0, false, false};
+      low = from;
+      high = to;
+      continue;
+    }
+    low = std::min(low, from);
+    high = std::max(high, to);
     // Depths ascend, but the lower ends need not: a wide support radius may reach down into bands already closed.
-    while (band_count_ > 0 && (bands_[band_count_ - 1].high >= low || band_count_ == kMaxBands)) {
+    while (band_count_ > 0 && bands_[band_count_ - 1].high >= low) {
       const Band& last = bands_[--band_count_];
       low = std::min(low, last.low);
       high = std::max(high, last.high);
     }
-    bands_[band_count_++] = Band{low, high, 0, 0, false, false};
   }
+  bands_[band_count_++] = Band{low, high, 0, 0, false, false};
 }
 
 void RaySolver::solve_root(const RayPoints& points, RayWindow hint, float low, float low_value, float high,

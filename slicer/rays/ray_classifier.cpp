@@ -38,7 +38,7 @@ const char* to_string(RayDecision decision) {
 }
 
 std::size_t RayClassifier::bytes_needed(std::uint32_t tile_capacity) {
-  return RayGatherer::bytes_needed(tile_capacity) + RaySolver::bytes_needed() +
+  return RayGatherer::bytes_needed(tile_capacity) + RaySolver::bytes_needed() + ColumnWinding::bytes_needed() +
          Arena::rounded(kMaxCrossingsFound * sizeof(RayCrossing));
 }
 
@@ -49,13 +49,15 @@ Expected<RayClassifier> RayClassifier::create(const Cloud& cloud, const KdTree2&
   if (!gatherer) return tl::unexpected<Error>(gatherer.error());
   auto solver = RaySolver::create(settings.intersections, arena);
   if (!solver) return tl::unexpected<Error>(solver.error());
+  const auto column_winding = ColumnWinding::create(winding, arena);
+  PLUMBLINE_TRY(column_winding);
   auto crossings = arena.take_top<RayCrossing>(kMaxCrossingsFound, kStage);
   if (!crossings) return tl::unexpected<Error>(crossings.error());
 
   RayClassifier classifier;
   classifier.gatherer_ = *gatherer;
   classifier.solver_ = *solver;
-  classifier.winding_ = &winding;
+  classifier.winding_ = *column_winding;
   classifier.grid_ = grid;
   classifier.settings_ = settings;
   classifier.crossings_ = *crossings;
@@ -67,7 +69,7 @@ Expected<RayClassifier> RayClassifier::create(const Cloud& cloud, const KdTree2&
 void RayClassifier::judge_tile(std::uint32_t level) {
   Verdict& verdict = column_verdicts_[level];
   if (verdict == Verdict::kUnknown) {
-    const float w = (*winding_)({column_centre_[0], column_centre_[1], level_height(level)});
+    const float w = winding_.tree()({column_centre_[0], column_centre_[1], level_height(level)});
     verdict = w > WindingTree::kSurface + kSure   ? Verdict::kInside
               : w < WindingTree::kSurface - kSure ? Verdict::kOutside
                                                   : Verdict::kUnsure;
@@ -85,11 +87,17 @@ void RayClassifier::begin_tile(std::uint32_t column, std::uint32_t row) {
   gatherer_.gather(low, high);
 
   levels_.fill({});
-  const std::uint32_t column_middle = column / kColumnSide * kColumnSide + kColumnSide / 2;
-  const std::uint32_t row_middle = row / kColumnSide * kColumnSide + kColumnSide / 2;
-  const Vec2f column_centre(static_cast<float>(column_middle) * grid_.pitch_x_mm,
-                            static_cast<float>(row_middle) * grid_.pitch_y_mm);
-  if (column_centre != column_centre_) column_verdicts_.fill(Verdict::kUnknown);
+  const std::uint32_t first_column = column / kColumnSide * kColumnSide;
+  const std::uint32_t first_row = row / kColumnSide * kColumnSide;
+  const auto corner = [&](std::uint32_t rays) {
+    return Vec2f(static_cast<float>(first_column + rays) * grid_.pitch_x_mm,
+                 static_cast<float>(first_row + rays) * grid_.pitch_y_mm);
+  };
+  const Vec2f column_centre = corner(kColumnSide / 2);
+  if (column_centre != column_centre_) {
+    column_verdicts_.fill(Verdict::kUnknown);
+    winding_.begin(corner(0), corner(kColumnSide));
+  }
   column_centre_ = column_centre;
   // Depths ascend. A level below the support of one point stays free, even if a later point's wider support reaches down to it.
   free_levels_ = 0;
@@ -119,7 +127,7 @@ bool RayClassifier::alternates(const RaySurface& surface) const {
 }
 
 void RayClassifier::bisect(float x, float y, float from, float to, bool inside_at_from) {
-  emit(winding_->surface_between(x, y, from, to, inside_at_from, grid_.layer_height_mm), Evidence::kWinding);
+  emit(winding_.surface_between(x, y, from, to, inside_at_from, grid_.layer_height_mm), Evidence::kWinding);
 }
 
 bool RayClassifier::level_inside(std::uint32_t level, float x, float y) {
@@ -127,8 +135,8 @@ bool RayClassifier::level_inside(std::uint32_t level, float x, float y) {
   if (!block.knows(level) && (free_levels_ >> level & 1U) != 0) judge_tile(level);
   if (!block.knows(level)) {
     const Vec3f at(x, y, level_height(level));
-    const float w = (*winding_)(at);
-    if (std::abs(w - WindingTree::kSurface) < kSure) return winding_->inside(at, w);
+    const float w = winding_(at);
+    if (std::abs(w - WindingTree::kSurface) < kSure) return winding_.inside(at, w);
     block.set(level, w > WindingTree::kSurface);
   }
   return block.is_inside(level);
@@ -159,7 +167,7 @@ RayClassifier::Gap RayClassifier::decide_gap(float x, float y, float low, float 
     return {below, above};
   }
   // The last level and the band above disagree: an unseen sheet lies between them, or the band faces the wrong way.
-  if (walk.inside != above && winding_->inside({x, y, high}) == above) step(walk, high, above);
+  if (walk.inside != above && winding_.inside({x, y, high}) == above) step(walk, high, above);
   if (crossing_count_ != crossings_before || walk.inside_at_low != below || walk.inside != above) used_winding_ = true;
   return {walk.inside_at_low, walk.inside};
 }
@@ -169,7 +177,7 @@ void RayClassifier::step(GapWalk& walk, float z, bool inside) {
     walk.begun = true;
     walk.inside_at_low = inside;
     // The first level and the band below disagree: for the same two reasons.
-    if (inside != walk.inside && winding_->inside({walk.x, walk.y, walk.at}) == walk.inside) {
+    if (inside != walk.inside && winding_.inside({walk.x, walk.y, walk.at}) == walk.inside) {
       walk.inside_at_low = walk.inside;
       bisect(walk.x, walk.y, walk.at, z, walk.inside);
     }
@@ -198,13 +206,13 @@ Evidence RayClassifier::evidence_of(float depth) const {
   return gatherer_.continued(depth) ? Evidence::kWinding : Evidence::kMeasured;
 }
 
-bool RayClassifier::more_than_a_sheet(const Vec3f& x, bool is_inside) const {
-  const float w = (*winding_)(x);
+bool RayClassifier::more_than_a_sheet(const Vec3f& x, bool is_inside) {
+  const float w = winding_(x);
   return is_inside ? w > WindingTree::kSurface + kBeyondOneSheet : w < WindingTree::kSurface - kBeyondOneSheet;
 }
 
 bool RayClassifier::bisect_agreed(float x, float y, float end, float place, bool inside_at_end) {
-  const auto inside = [&](float z) { return winding_->inside({x, y, z}); };
+  const auto inside = [&](float z) { return winding_.inside({x, y, z}); };
   if (inside(end) != inside_at_end || inside(place) == inside_at_end) return false;
   bisect(x, y, end, place, inside_at_end);
   return true;
@@ -294,11 +302,11 @@ ClassifiedRay RayClassifier::ray(std::uint32_t column, std::uint32_t row) {
     return std::tie(a.depth, a.evidence) < std::tie(b.depth, b.evidence);
   });
   std::span<RayCrossing> settled = crossings_.first(crossing_count_);
-  used_winding_ |= settle_extrapolated(settled, x, y, *winding_, points.reach);
+  used_winding_ |= settle_extrapolated(settled, x, y, winding_, points.reach);
   crossing_count_ = static_cast<std::uint32_t>(settled.size());
   drop_thin_stretches();
   RayDecision decision = used_winding_ ? RayDecision::kWinding : RayDecision::kPerfect;
-  if (base && crossing_count_ > 0) decision = winding_->has_base() ? RayDecision::kBase : RayDecision::kWinding;
+  if (base && crossing_count_ > 0) decision = winding_.tree().has_base() ? RayDecision::kBase : RayDecision::kWinding;
   if (crossing_count_ == 0) decision = RayDecision::kOutside;
   return {std::span<const RayCrossing>(crossings_).first(crossing_count_ / 2 * 2), decision};
 }

@@ -7,7 +7,7 @@
 #include <span>
 
 #include "slicer/core/print_grid.hpp"
-#include "slicer/implicit/winding_number.hpp"
+#include "slicer/implicit/column_winding.hpp"
 #include "slicer/rays/intersections.hpp"
 #include "slicer/rays/ray_points.hpp"
 #include "slicer/rrep/ray_crossing.hpp"
@@ -116,7 +116,7 @@ class RayClassifier {
   bool gap_agrees(float x, float y, float low, float high, bool inside);
   Gap decide_gap(float x, float y, float low, float high, bool below, bool above);
   /// Whether the winding number puts x on that side by more than a sheet that stands alone would (kBeyondOneSheet).
-  bool more_than_a_sheet(const Vec3f& x, bool is_inside) const;
+  bool more_than_a_sheet(const Vec3f& x, bool is_inside);
   /// Emits a crossing between the end of a band, where gap and band disagree, and a place in the band, if the winding number
   /// agrees with the gap at the end and with the band at the place.
   bool bisect_agreed(float x, float y, float end, float place, bool inside_at_end);
@@ -127,7 +127,7 @@ class RayClassifier {
 
   RayGatherer gatherer_;
   RaySolver solver_;
-  const WindingTree* winding_ = nullptr;
+  ColumnWinding winding_;
   PrintGrid grid_;
   RayClassifierSettings settings_;
   std::span<RayCrossing> crossings_;

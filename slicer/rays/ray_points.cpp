@@ -50,7 +50,8 @@ void RayGatherer::gather(const Vec2f& low, const Vec2f& high) {
   };
   const auto keep = [&](std::uint32_t i) {
     const PackedNormal& n = cloud_->normal[i];
-    tile_[count_++] = {cloud_->position[i], std::min(cloud_->radius[i], max_radius_), n.unpack(), i, n.weight};
+    const float radius = std::min(cloud_->radius[i], max_radius_);
+    tile_[count_++] = {cloud_->position[i], radius, 1.0F / (radius * radius), n.unpack(), i, n.weight};
   };
 
   count_ = 0;
@@ -82,7 +83,8 @@ void RayGatherer::gather(const Vec2f& low, const Vec2f& high) {
 }
 
 const RayPoints& RayGatherer::points_of_ray(float x, float y) {
-  add_points(x, y, 0, count_);
+  choose(x, y, 0, count_);
+  add_chosen<true>(x, y);
   return columns_;
 }
 
@@ -91,12 +93,13 @@ const RayPoints& RayGatherer::points_near(float x, float y, float depth) {
   const auto below = [](const TilePoint& p, float z) { return p.position[2] < z; };
   const auto first = std::lower_bound(points.begin(), points.end(), depth - tile_reach_, below);
   const auto last = std::lower_bound(first, points.end(), depth + tile_reach_, below);
-  add_points(x, y, static_cast<std::uint32_t>(first - points.begin()),
-             static_cast<std::uint32_t>(last - points.begin()));
+  choose(x, y, static_cast<std::uint32_t>(first - points.begin()), static_cast<std::uint32_t>(last - points.begin()));
+  add_chosen<false>(x, y);
   return columns_;
 }
 
-void RayGatherer::add_points(float x, float y, std::uint32_t first, std::uint32_t last) {
+/// Chooses the tile points [first, last) whose supports meet the ray.
+void RayGatherer::choose(float x, float y, std::uint32_t first, std::uint32_t last) {
   // Without branches, which could not be predicted.
   std::uint32_t chosen = 0;
   for (std::uint32_t t = first; t < last; ++t) {
@@ -106,20 +109,24 @@ void RayGatherer::add_points(float x, float y, std::uint32_t first, std::uint32_
     chosen_[chosen] = t;
     chosen += dx * dx + dy * dy < p.radius * p.radius ? 1 : 0;
   }
+  chosen_count_ = chosen;
+}
+
+/// @tparam Chords  also sets half_chord_
+template <bool Chords>
+void RayGatherer::add_chosen(float x, float y) {
   RayPoints& c = columns_;
   c.size = 0;
   c.reach = 0;
   continued_low_ = std::numeric_limits<float>::max();
   continued_high_ = std::numeric_limits<float>::lowest();
-  for (const std::uint32_t t : chosen_.first(chosen)) {
+  for (const std::uint32_t t : chosen_.first(chosen_count_)) {
     const TilePoint& p = tile_[t];
     const float dx = x - p.position[0];
     const float dy = y - p.position[1];
-    const float distance2 = dx * dx + dy * dy;
-    const float radius2 = p.radius * p.radius;
-    half_chord_[c.size] = std::sqrt(radius2 - distance2);
+    if constexpr (Chords) half_chord_[c.size] = std::sqrt(p.radius * p.radius - (dx * dx + dy * dy));
     c.reach = std::max(c.reach, p.radius);
-    c.add(dx, dy, p.position[2], p.normal, 1.0F / radius2, p.points);
+    c.add(dx, dy, p.position[2], p.normal, p.inverse_radius2, p.points);
     if (p.index < cloud_->seen()) continue;
     continued_low_ = std::min(continued_low_, p.position[2] - p.radius);
     continued_high_ = std::max(continued_high_, p.position[2] + p.radius);

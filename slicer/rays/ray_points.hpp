@@ -28,7 +28,8 @@ class RayGatherer {
 
   struct TilePoint {
     Vec3f position;
-    float radius;  ///< of its support, mm
+    float radius;           ///< of its support, mm
+    float inverse_radius2;  ///< mm^-2
     Vec3f normal;
     std::uint32_t index;
     std::uint8_t points;  ///< of the scan that it stands for
@@ -46,13 +47,16 @@ class RayGatherer {
   bool continued(float depth) const { return depth > continued_low_ && depth < continued_high_; }
 
  private:
-  void add_points(float x, float y, std::uint32_t first, std::uint32_t last);
+  void choose(float x, float y, std::uint32_t first, std::uint32_t last);
+  template <bool Chords>
+  void add_chosen(float x, float y);
 
   const Cloud* cloud_ = nullptr;
   const KdTree2* tree_ = nullptr;
   float max_radius_ = 0;
   std::span<TilePoint> tile_;
   std::span<std::uint32_t> chosen_;  ///< tile points of a ray
+  std::uint32_t chosen_count_ = 0;
   std::span<float> half_chord_;
   RayPoints columns_;
   std::uint32_t count_ = 0;

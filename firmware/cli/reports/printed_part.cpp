@@ -119,9 +119,7 @@ Status write_printed_part(JobDirectory& directory, const Witness& witness, Print
       const ConstBitImage layer = is_it ? cured : ConstBitImage(black, cured.columns(), cured.rows());
       part.add(layer);
       job.cured_pixels += layer.count();
-      const auto png = masks->encode(layer);
-      done = png ? directory.write_layer(static_cast<std::uint32_t>(hashes.size()), *png)
-                 : Status(tl::unexpected<Error>(png.error()));
+      done = directory.write_layer(static_cast<std::uint32_t>(hashes.size()), masks->encode(layer));
       hashes.push_back(mask_hash(layer));
     }
   });

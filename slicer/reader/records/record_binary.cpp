@@ -1,6 +1,7 @@
 #include "slicer/reader/records/record_binary.hpp"
 
 #include <algorithm>
+#include <cstring>
 
 #include "slicer/reader/stream/number.hpp"
 
@@ -53,6 +54,22 @@ Expected<bool> walk_record(ByteInput& input, const RecordLayout& layout, std::en
   return true;
 }
 
+/// Reads the fields of a record of a fixed size.
+void load_row(const RecordLayout& layout, std::endian order, const char* at, SlotValues& row) {
+  for (const RecordStep& step : layout.steps()) {
+    if (step.kind == Kind::kField) {
+      if (step.type == ScalarType::kFloat && order == std::endian::native) {  // nearly always
+        float value = 0;
+        std::memcpy(&value, at, sizeof value);
+        row[step.slot] = static_cast<double>(value);
+      } else {
+        row[step.slot] = load_scalar(step.type, at, order);
+      }
+    }
+    at += step.bytes;
+  }
+}
+
 /// Reads records of a fixed size, as many at a time as the window holds.
 Status read_fixed(ByteInput& input, const RecordLayout& layout, std::uint64_t count, std::endian order,
                   PointBatch& batch) {
@@ -64,11 +81,7 @@ Status read_fixed(ByteInput& input, const RecordLayout& layout, std::uint64_t co
     if (*ready < size) return fail_truncated(input, "points", done, count);
     const std::uint64_t whole = std::min<std::uint64_t>(count - done, *ready / size);
     for (std::uint64_t i = 0; i < whole; ++i) {
-      const char* at = input.begin();
-      for (const RecordStep& step : layout.steps()) {
-        if (step.kind == Kind::kField) row[step.slot] = load_scalar(step.type, at, order);
-        at += step.bytes;
-      }
+      load_row(layout, order, input.begin(), row);
       input.consume(size);
       batch.add(row);
       if (batch.full()) PLUMBLINE_TRY(batch.flush());

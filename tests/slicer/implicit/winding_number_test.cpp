@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "tests/slicer/support/winding_field.hpp"
@@ -56,6 +57,38 @@ TEST(WindingNumber, IsTheSumOverAllPoints) {
     mean += off / 300;
   }
   EXPECT_LT(mean, 0.01);
+}
+
+/// A ball with a large hole, and a plane below it that mirrors it.
+TEST(WindingNumber, OfAColumnIsThatOfTheTree) {
+  const Vec3d centre(10, 10, 4);
+  Surface surface;
+  for (const SurfacePoint& p : sphere(20000, 5, centre)) {
+    if (p.normal[0] < 0.6) surface.push_back(p);
+  }
+  WindingField field(surface);
+  for (const bool has_base : {false, true}) {
+    if (has_base) field->set_base(0.5F, 1, true);
+    ColumnWinding column = field.column(13, 10, 0.4F);
+    ColumnWinding other = field.column(13, 10, 0.4F);
+    Random random(54);
+    double mean = 0;
+    int other_side = 0;
+    std::vector<std::pair<Vec3f, float>> asked;
+    for (int i = 0; i < 2000; ++i) {  // in more cells than there is room for
+      const Vec3f x =
+          Vec3d(random.uniform(12.6, 13.4), random.uniform(9.6, 10.4), random.uniform(-9, 90)).cast<float>();
+      asked.emplace_back(x, column(x));
+      const double off = std::abs(column(x) - (*field)(x));
+      EXPECT_LT(off, 0.03) << x.transpose();
+      mean += off / 2000;
+      other_side += column.inside(x) != (*field).inside(x) ? 1 : 0;
+    }
+    EXPECT_LT(mean, 0.002);
+    EXPECT_LT(other_side, 10);
+    std::reverse(asked.begin(), asked.end());
+    for (const auto& [x, winding] : asked) EXPECT_EQ(other(x), winding) << "the order of the questions matters";
+  }
 }
 
 TEST(WindingNumber, IsOneHalfOnTheSurfaceAndBoundedAtAPoint) {
@@ -125,10 +158,10 @@ TEST(WindingNumber, HasABaseForAnOpenUndersideAndNotForAHoleInIt) {
 
 /// Height at which the vertical line through the middle of a hole passes the surface that closes the hole, mm.
 double closed_at(const Surface& surface, const Vec3d& middle) {
-  const WindingField field(surface);
-  return (*field).surface_between(static_cast<float>(middle[0]), static_cast<float>(middle[1]),
-                                  static_cast<float>(middle[2]) - 2, static_cast<float>(middle[2]) + 2,
-                                  (*field).inside((middle - Vec3d(0, 0, 2)).cast<float>()), 0.001F);
+  WindingField field(surface);
+  const Vec3f place = middle.cast<float>();
+  return field.column(place[0], place[1], 0.2F)
+      .surface_between(place[0], place[1], place[2] - 2, place[2] + 2, (*field).inside(place - Vec3f(0, 0, 2)), 0.001F);
 }
 
 /// A sphere of 10 mm radius, or a hollow of that size in a larger one, without the cap within `degrees` of the z axis.

@@ -20,7 +20,7 @@ class ExtrapolatedCrossings : public ::testing::Test {
   void settle(std::initializer_list<RayCrossing> crossings) {
     crossings_ = crossings;
     std::span<RayCrossing> left = crossings_;
-    changed_ = settle_extrapolated(left, 10, 10, *field_, kReach);
+    changed_ = settle_extrapolated(left, 10, 10, column_, kReach);
     crossings_.resize(left.size());
   }
   void expect_the_ball() const {
@@ -31,7 +31,8 @@ class ExtrapolatedCrossings : public ::testing::Test {
   static constexpr RayCrossing measured(float depth) { return {depth, Evidence::kMeasured, false}; }
   static constexpr RayCrossing extrapolated(float depth) { return {depth, Evidence::kMeasured, true}; }
 
-  const WindingField field_{sphere(20000, 5, {10, 10, 10})};
+  WindingField field_{sphere(20000, 5, {10, 10, 10})};
+  ColumnWinding column_ = field_.column(10, 10, 0.2F);
   std::vector<RayCrossing> crossings_;
   bool changed_ = false;
 };

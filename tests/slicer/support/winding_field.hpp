@@ -1,7 +1,7 @@
 #pragma once
 /// The winding number of a surface, from its clustered points.
 
-#include "slicer/implicit/winding_number.hpp"
+#include "slicer/implicit/column_winding.hpp"
 #include "tests/slicer/support/arena_block.hpp"
 #include "tests/slicer/support/scan_cloud.hpp"
 
@@ -16,6 +16,12 @@ class WindingField {
   }
   const WindingTree& operator*() const { return tree_; }
   WindingTree* operator->() { return &tree_; }
+  /// For rays up to `side` mm away from (x, y).
+  ColumnWinding column(float x, float y, float side) {
+    ColumnWinding column = value_of(ColumnWinding::create(tree_, *arena_));
+    column.begin({x - side, y - side}, {x + side, y + side});
+    return column;
+  }
   double at(const Vec3d& x) const { return tree_(x.cast<float>()); }
   const ClusteredScan& scan() const { return scan_; }
 

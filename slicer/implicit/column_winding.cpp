@@ -1,0 +1,167 @@
+#include "slicer/implicit/column_winding.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "slicer/core/lanes.hpp"
+
+namespace plumbline {
+namespace {
+
+constexpr const char* kStage = "winding number";
+
+/// Of what fills up the last lanes: not 0, by which the lean divides.
+constexpr float kNoArea = 1e-30F;
+
+struct DipoleLanes {
+  Lanes x, y, z, dipole_x, dipole_y, dipole_z, area, softening;
+};
+PLUMBLINE_INLINE void load_dipoles(DipoleLanes& lanes, const DipoleList& list, std::uint32_t at) {
+  load(lanes.x, list.x + at);
+  load(lanes.y, list.y + at);
+  load(lanes.z, list.z + at);
+  load(lanes.dipole_x, list.dipole_x + at);
+  load(lanes.dipole_y, list.dipole_y + at);
+  load(lanes.dipole_z, list.dipole_z + at);
+  load(lanes.area, list.area + at);
+  load(lanes.softening, list.softening + at);
+}
+
+PLUMBLINE_WIDE void add_up(const DipoleList& list, const Vec3f& place, float& winding) {
+  Lanes sums{};
+  for (std::uint32_t j = 0; j < list.size; j += kLanes) {
+    DipoleLanes p;
+    load_dipoles(p, list, j);
+    const Lanes x = p.x - place[0];
+    const Lanes y = p.y - place[1];
+    const Lanes z = p.z - place[2];
+    const Lanes distance2 = x * x + y * y + z * z + p.softening;
+    Lanes distance;
+    square_root(distance, distance2);
+    sums += (p.dipole_x * x + p.dipole_y * y + p.dipole_z * z) / (distance2 * distance);
+  }
+  winding = sum(sums);
+}
+
+PLUMBLINE_WIDE void add_up_lean(const DipoleList& list, const Vec3f& place, WindingLean& lean) {
+  Lanes outwards{};
+  Lanes weights{};
+  for (std::uint32_t j = 0; j < list.size; j += kLanes) {
+    DipoleLanes p;
+    load_dipoles(p, list, j);
+    const Lanes x = p.x - place[0];
+    const Lanes y = p.y - place[1];
+    const Lanes z = p.z - place[2];
+    const Lanes distance2 = x * x + y * y + z * z + p.softening;
+    Lanes distance;
+    square_root(distance, distance2);
+    const Lanes towards = (p.dipole_x * x + p.dipole_y * y + p.dipole_z * z) / (p.area * distance);
+    const Lanes weight = p.area / (distance2 * distance2);
+    weights += weight;
+    outwards += weight * towards * (1.0F - towards * towards);
+  }
+  lean = {sum(outwards), sum(weights)};
+}
+
+}  // namespace
+
+std::size_t ColumnWinding::bytes_needed() { return Arena::rounded(kColumns * kPool * sizeof(float)); }
+
+Expected<ColumnWinding> ColumnWinding::create(const WindingTree& tree, Arena& arena) {
+  const auto pool = arena.take_top<float>(kColumns * kPool, kStage);
+  PLUMBLINE_TRY(pool);
+  ColumnWinding winding;
+  winding.tree_ = &tree;
+  winding.pool_ = *pool;
+  return winding;
+}
+
+void ColumnWinding::begin(const Vec2f& low, const Vec2f& high) {
+  low_ = low;
+  high_ = high;
+  const Vec2f side = high - low;
+  cell_height_ = std::max({side[0], side[1], std::numeric_limits<float>::min()});
+  clear();
+}
+
+void ColumnWinding::clear() {
+  cells_.fill({});
+  used_ = 0;
+}
+
+/// The dipoles for a place: none if they are too many.
+std::optional<DipoleList> ColumnWinding::list_at(const Vec3f& x) {
+  const float number = std::floor(x[2] / cell_height_);
+  if (!(std::abs(number) < 1e9F)) return std::nullopt;
+  const auto cell_number = static_cast<std::int32_t>(number);
+  Cell& cell = cells_[static_cast<std::uint32_t>(cell_number) % kCells];
+  if (cell.number != cell_number) {
+    const bool whole = used_ == 0;
+    if (!gather(cell_number, cell) && !whole) {
+      clear();
+      gather(cell_number, cell);
+    }
+  }
+  if (cell.size == 0) return std::nullopt;
+  const auto at = [&](std::size_t i) -> const float* { return column(i) + cell.first; };
+  return DipoleList{at(0), at(1), at(2), at(3), at(4), at(5), at(6), at(7), cell.size};
+}
+
+/// @param cell  out: without dipoles if there is no room
+/// @returns whether there is
+bool ColumnWinding::gather(std::int32_t number, Cell& cell) {
+  const auto below = static_cast<float>(number);
+  Box3f box;
+  box.extend(Vec3f(low_[0], low_[1], below * cell_height_));
+  box.extend(Vec3f(high_[0], high_[1], (below + 1) * cell_height_));
+  std::uint32_t end = used_;
+  bool room = true;
+  const auto put = [&](const Vec3f& place, const Vec3f& dipole, float area, float softening) {
+    room &= end < kPool;
+    if (!room) return;
+    column(0)[end] = place[0];
+    column(1)[end] = place[1];
+    column(2)[end] = place[2];
+    column(3)[end] = dipole[0];
+    column(4)[end] = dipole[1];
+    column(5)[end] = dipole[2];
+    column(6)[end] = area;
+    column(7)[end] = softening;
+    ++end;
+  };
+  tree_->for_each_dipole(box, put);
+  const Vec3f beside(box.high[0] + 1, box.high[1], box.high[2]);
+  while (room && end % kLanes != 0) put(beside, Vec3f::Zero(), kNoArea, 0);
+  cell = {number, used_, room ? end - used_ : 0};
+  if (room) used_ = end;
+  return room;
+}
+
+float ColumnWinding::operator()(const Vec3f& x) {
+  if (x[2] < tree_->base()) return 0;
+  const auto list = list_at(x);
+  if (!list) return (*tree_)(x);
+  float winding = 0;
+  add_up(*list, x, winding);
+  return winding;
+}
+
+bool ColumnWinding::inside(const Vec3f& x, float winding) {
+  if (WindingTree::is_plain(winding)) return winding > WindingTree::kSurface;
+  const auto list = list_at(x);
+  if (!list) return tree_->inside(x, winding);
+  WindingLean lean;
+  add_up_lean(*list, x, lean);
+  return lean.inside(winding);
+}
+
+float ColumnWinding::surface_between(float x, float y, float from, float to, bool inside_at_from, float tolerance) {
+  constexpr int kBisections = 8;  // leave a 256th of the interval
+  for (int i = 0; i < kBisections && std::abs(to - from) > tolerance; ++i) {
+    const float middle = 0.5F * (from + to);
+    (inside({x, y, middle}) == inside_at_from ? from : to) = middle;
+  }
+  return 0.5F * (from + to);
+}
+
+}  // namespace plumbline
