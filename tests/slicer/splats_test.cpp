@@ -7,7 +7,7 @@
 namespace plumbline::testing {
 namespace {
 
-constexpr double kRadius = 10;
+constexpr double kSplatBallRadius = 10;
 
 /// A ball of flat splats that face either side, and a fifth of them floaters that hardly show, in the air around it.
 std::vector<Splat> ball_with_floaters() {
@@ -16,7 +16,7 @@ std::vector<Splat> ball_with_floaters() {
   const auto random = [&state](double low, double high) {
     return low + (high - low) * static_cast<double>(mix64(state += kGoldenStep64) >> 11U) * 0x1p-53;
   };
-  for (const SurfacePoint& p : sphere(24'000, kRadius, {0, 0, 0})) {
+  for (const SurfacePoint& p : sphere(24'000, kSplatBallRadius, {0, 0, 0})) {
     const Vec3d n = (random(0, 1) < 0.5 && p.normal[2] < 0.9) || p.normal[2] < -0.9 ? Vec3d(-p.normal) : p.normal;
     splats.push_back({p.position, random(0.5, 1), {0.12, 0.15, 0.01}, turn_from_z(n)});
   }
@@ -31,10 +31,10 @@ void expect_ball(const std::string& bytes, const char* name) {
   const Slicing sliced(MemorySource(bytes, name), settings_with_pitch(0.2F), 64 * kMiB);
   EXPECT_EQ(sliced.report().scan.left_out, 6'000U) << name;
   EXPECT_EQ(sliced.report().scan.without_normal, 0U) << name;
-  const double volume = 4.0 / 3 * 3.14159265358979 * kRadius * kRadius * kRadius;
+  const double volume = 4.0 / 3 * 3.14159265358979 * kSplatBallRadius * kSplatBallRadius * kSplatBallRadius;
   EXPECT_NEAR(sliced.volume() / volume, 1, 0.02) << name;
   for (int axis = 0; axis < 3; ++axis) {
-    EXPECT_NEAR(sliced.report().placement.size_mm[axis], 2 * kRadius, 0.02 * 2 * kRadius) << name;
+    EXPECT_NEAR(sliced.report().placement.size_mm[axis], 2 * kSplatBallRadius, 0.02 * 2 * kSplatBallRadius) << name;
   }
 }
 

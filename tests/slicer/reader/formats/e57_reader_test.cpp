@@ -10,26 +10,27 @@ namespace {
 
 using ::testing::HasSubstr;
 
-const std::vector<float> kX = {0.001F, -0.5F, 2.25F, 0};
-const std::vector<float> kY = {0.25F, 1.5F, -8, 0.125F};
-const std::vector<float> kZ = {-1, 0, 0.75F, 64};
+const std::vector<float> kMetresX = {0.001F, -0.5F, 2.25F, 0};
+const std::vector<float> kMetresY = {0.25F, 1.5F, -8, 0.125F};
+const std::vector<float> kMetresZ = {-1, 0, 0.75F, 64};
 
-std::vector<E57Column> floats() {
-  return {float_column("cartesianX", kX), float_column("cartesianY", kY), float_column("cartesianZ", kZ)};
+std::vector<E57Column> float_columns() {
+  return {float_column("cartesianX", kMetresX), float_column("cartesianY", kMetresY),
+          float_column("cartesianZ", kMetresZ)};
 }
 
-std::vector<ScanPoint> in_mm() {
+std::vector<ScanPoint> e57_points() {
   std::vector<ScanPoint> points;
-  for (std::size_t i = 0; i < kX.size(); ++i) {
-    points.push_back({static_cast<double>(kX[i]) * 1000, static_cast<double>(kY[i]) * 1000,
-                      static_cast<double>(kZ[i]) * 1000, 0, 0, 0});
+  for (std::size_t i = 0; i < kMetresX.size(); ++i) {
+    points.push_back({static_cast<double>(kMetresX[i]) * 1000, static_cast<double>(kMetresY[i]) * 1000,
+                      static_cast<double>(kMetresZ[i]) * 1000, 0, 0, 0});
   }
   return points;
 }
 
-Reading read_e57(const std::vector<E57TestScan>& scans) { return read(E57File().bytes(scans), "scan.e57", {1000}); }
+Reading read_e57_of(const std::vector<E57TestScan>& scans) { return read(E57File().bytes(scans), "scan.e57", {1000}); }
 
-void expect_near(const Reading& reading, const std::vector<ScanPoint>& wanted) {
+void expect_near_points(const Reading& reading, const std::vector<ScanPoint>& wanted) {
   ASSERT_TRUE(reading.summary.has_value()) << reading.message();
   ASSERT_EQ(reading.sink.points.size(), wanted.size());
   for (std::size_t i = 0; i < wanted.size(); ++i) {
@@ -44,12 +45,12 @@ void expect_near(const Reading& reading, const std::vector<ScanPoint>& wanted) {
 }
 
 TEST(E57Reader, ReadsFloatsInMillimetres) {
-  auto reading = read_e57({{.columns = floats()}});
+  auto reading = read_e57_of({{.columns = float_columns()}});
   ASSERT_TRUE(reading.summary.has_value()) << reading.message();
   EXPECT_EQ(reading.summary->header.format, ScanFormat::kE57);
   EXPECT_EQ(reading.summary->header.declared_points, 4U);
   EXPECT_FALSE(reading.summary->header.has_normals);
-  EXPECT_TRUE(same_points(reading.points(), in_mm()));
+  EXPECT_TRUE(same_points(reading.points(), e57_points()));
 }
 
 TEST(E57Reader, ReadsDoublesAndIntegersOfAnyBitsWhateverTheirPackets) {
@@ -74,7 +75,7 @@ TEST(E57Reader, ReadsDoublesAndIntegersOfAnyBitsWhateverTheirPackets) {
     for (const std::size_t packet : {64U, 200U, 4000U, 100'000U}) {
       for (const std::size_t uneven : {0U, 400U}) {
         if (packet * 4 / 8 > 60'000) continue;
-        auto reading = read_e57({{.columns = columns, .packet = packet, .uneven = uneven}});
+        auto reading = read_e57_of({{.columns = columns, .packet = packet, .uneven = uneven}});
         ASSERT_TRUE(reading.summary.has_value()) << bits << ' ' << packet << ": " << reading.message();
         EXPECT_TRUE(same_points(reading.points(), wanted)) << bits << ' ' << packet << ' ' << uneven;
       }
@@ -83,16 +84,16 @@ TEST(E57Reader, ReadsDoublesAndIntegersOfAnyBitsWhateverTheirPackets) {
 }
 
 TEST(E57Reader, AFieldOfOneValueTakesNoBits) {
-  auto columns = floats();
+  auto columns = float_columns();
   columns[1] = integer_column("cartesianY", "ScaledInteger", 7, 7, {7, 7, 7, 7}, R"(scale="0.5")");
   ASSERT_EQ(columns[1].bits, 0);
-  auto wanted = in_mm();
+  auto wanted = e57_points();
   for (auto& p : wanted) p.y = 3500;
-  auto reading = read_e57({{.columns = columns}});
+  auto reading = read_e57_of({{.columns = columns}});
   ASSERT_TRUE(reading.summary.has_value()) << reading.message();
   EXPECT_TRUE(same_points(reading.points(), wanted));
   for (std::size_t c : {0U, 2U}) columns[c] = integer_column(columns[c].name, "Integer", 1, 1, {1, 1, 1, 1});
-  EXPECT_THAT(read_e57({{.columns = columns}}).message(), HasSubstr("all points of a scan are at one place"));
+  EXPECT_THAT(read_e57_of({{.columns = columns}}).message(), HasSubstr("all points of a scan are at one place"));
 }
 
 TEST(E57Reader, MovesEachScanByItsPose) {
@@ -100,17 +101,17 @@ TEST(E57Reader, MovesEachScanByItsPose) {
   const std::string turned =
       "<rotation type=\"Structure\"><w type=\"Float\"> 2.0\n</w><x type=\"Float\"/><z>2</z></rotation>"
       "<translation type=\"Structure\"><x type=\"Float\">1e0</x><y>-2</y></translation>";
-  auto columns = floats();
+  auto columns = float_columns();
   columns.push_back(float_column("nor:normalX", {1, 0, 0, 0}));
   columns.push_back(float_column("nor:normalY", {0, 1, 0, 0}));
   columns.push_back(float_column("nor:normalZ", {0, 0, 1, 0}));
-  const auto reading = read_e57({{.columns = floats()}, {.columns = columns, .pose = turned}});
-  std::vector<ScanPoint> wanted = in_mm();
+  const auto reading = read_e57_of({{.columns = float_columns()}, {.columns = columns, .pose = turned}});
+  std::vector<ScanPoint> wanted = e57_points();
   for (std::size_t i = 0; i < 4; ++i) {
     const ScanPoint p = wanted[i];
     wanted.push_back({1000 - p.y, -2000 + p.x, p.z, i == 1 ? -1.0F : 0.0F, i == 0 ? 1.0F : 0.0F, i == 2 ? 1.0F : 0.0F});
   }
-  expect_near(reading, wanted);
+  expect_near_points(reading, wanted);
   EXPECT_TRUE(reading.summary->header.has_normals);
   EXPECT_EQ(reading.summary->without_normal, 5U);
   EXPECT_EQ(reading.summary->header.declared_points, 8U);
@@ -124,19 +125,19 @@ TEST(E57Reader, ReadsSphericalCoordinatesAndLeavesOutInvalidPoints) {
                                     double_column("sphericalElevation", elevation),
                                     double_column("sphericalRange", range),
                                     integer_column("sphericalInvalidState", "Integer", 0, 2, {0, 0, 0, 2, 0})};
-  const auto reading = read_e57({{.columns = columns}});
+  const auto reading = read_e57_of({{.columns = columns}});
   std::vector<ScanPoint> wanted;
   for (std::size_t i = 0; i < 3; ++i) {
     wanted.push_back({1000 * range[i] * std::cos(elevation[i]) * std::cos(azimuth[i]),
                       1000 * range[i] * std::cos(elevation[i]) * std::sin(azimuth[i]),
                       1000 * range[i] * std::sin(elevation[i]), 0, 0, 0});
   }
-  expect_near(reading, wanted);
+  expect_near_points(reading, wanted);
   EXPECT_EQ(reading.summary->left_out, 1U);
   EXPECT_EQ(reading.summary->not_finite, 1U) << "an angle of 1e9";
-  auto cartesian = floats();
+  auto cartesian = float_columns();
   cartesian.push_back(integer_column("cartesianInvalidState", "Integer", 0, 2, {0, 1, 2, 0}));
-  EXPECT_EQ(read_e57({{.columns = cartesian}}).summary->left_out, 2U);
+  EXPECT_EQ(read_e57_of({{.columns = cartesian}}).summary->left_out, 2U);
 }
 
 TEST(E57Reader, ManyPointsFillManyPagesAndPackets) {
@@ -150,7 +151,7 @@ TEST(E57Reader, ManyPointsFillManyPagesAndPackets) {
   const std::vector<E57Column> columns = {
       float_column("cartesianX", x), float_column("cartesianY", y), float_column("cartesianZ", z),
       integer_column("colorRed", "Integer", 0, 255, std::vector<std::int64_t>(kCount, 3))};
-  const auto reading = read_e57({{.columns = columns, .packet = 21'000 * 8 / 2, .uneven = 4000}});
+  const auto reading = read_e57_of({{.columns = columns, .packet = 21'000 * 8 / 2, .uneven = 4000}});
   ASSERT_TRUE(reading.summary.has_value()) << reading.message();
   ASSERT_EQ(reading.summary->points, kCount);
   for (std::size_t i = 0; i < kCount; ++i) ASSERT_EQ(reading.sink.points[i].x, static_cast<double>(i) * 1000);
@@ -159,7 +160,7 @@ TEST(E57Reader, ManyPointsFillManyPagesAndPackets) {
 }
 
 TEST(E57Reader, FindsAWrongChecksum) {
-  auto bytes = E57File().bytes({{.columns = floats()}});
+  auto bytes = E57File().bytes({{.columns = float_columns()}});
   for (const std::size_t at : {std::size_t{100}, std::size_t{1022}, bytes.size() - 1}) {
     auto wrong = bytes;
     wrong[at] = static_cast<char>(wrong[at] ^ 4);
@@ -171,7 +172,7 @@ TEST(E57Reader, FindsAWrongChecksum) {
 }
 
 TEST(E57Reader, ChecksTheHeader) {
-  const auto payload = E57File::unpaged(E57File().bytes({{.columns = floats()}}));
+  const auto payload = E57File::unpaged(E57File().bytes({{.columns = float_columns()}}));
   const auto with = [&](std::size_t at, const std::string& by) {
     auto changed = payload;
     return read(E57File::paged(changed.replace(at, by.size(), by)), "scan.e57");
@@ -187,7 +188,8 @@ TEST(E57Reader, ChecksTheHeader) {
 }
 
 TEST(E57Reader, NamesWhatIsWrongWithTheXml) {
-  const auto with = [&](const char* what, const char* by, std::vector<E57TestScan> scans = {{.columns = floats()}}) {
+  const auto with = [&](const char* what, const char* by,
+                        std::vector<E57TestScan> scans = {{.columns = float_columns()}}) {
     E57File file;
     file.change_xml = [&](const std::string& xml) {
       EXPECT_NE(xml.find(what), std::string::npos) << what;
@@ -203,7 +205,7 @@ TEST(E57Reader, NamesWhatIsWrongWithTheXml) {
   EXPECT_THAT(with("Float", "String"), HasSubstr("'cartesianX' is of type 'String'"));
   EXPECT_THAT(with("<points", std::string("<a " + std::string(400'000, 'b') + "='c'/><points").c_str()),
               HasSubstr("tags too long"));
-  const E57TestScan posed{.columns = floats(), .pose = "<rotation><w>1</w></rotation>"};
+  const E57TestScan posed{.columns = float_columns(), .pose = "<rotation><w>1</w></rotation>"};
   EXPECT_THAT(with("<w>1</w>", "<w>0</w>", {posed}), HasSubstr("a rotation of length 0"));
   EXPECT_THAT(with("<w>1</w>", "<w>one</w>", {posed}), HasSubstr("'one' is not a number of a pose"));
   const E57TestScan ranged{.columns = {integer_column("cartesianX", "Integer", 0, 9, {1}),
@@ -214,7 +216,7 @@ TEST(E57Reader, NamesWhatIsWrongWithTheXml) {
 }
 
 TEST(E57Reader, FewerPointsThanDeclaredAreTruncated) {
-  const auto reading = read_e57({{.columns = floats(), .more = 3}});
+  const auto reading = read_e57_of({{.columns = float_columns(), .more = 3}});
   EXPECT_EQ(reading.code(), ErrorCode::kTruncated);
   EXPECT_THAT(reading.message(), HasSubstr("ends with 4 of the 7 points"));
   const auto twice = [] {
@@ -224,14 +226,14 @@ TEST(E57Reader, FewerPointsThanDeclaredAreTruncated) {
       const auto end = xml.find("</vectorChild>") + 14;
       return xml.substr(0, end) + xml.substr(at);
     };
-    return read(file.bytes({{.columns = floats()}}), "scan.e57");
+    return read(file.bytes({{.columns = float_columns()}}), "scan.e57");
   }();
   EXPECT_EQ(twice.code(), ErrorCode::kMalformed);
   EXPECT_THAT(twice.message(), HasSubstr("within others"));
 }
 
 TEST(E57Reader, RefusesAStreamThatCanNotBeRewound) {
-  const auto bytes = E57File().bytes({{.columns = floats()}});
+  const auto bytes = E57File().bytes({{.columns = float_columns()}});
   MemorySource source(bytes, "scan.e57");
   source.be_a_pipe();
   const auto reading = read(source);

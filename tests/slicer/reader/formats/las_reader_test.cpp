@@ -8,7 +8,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr std::size_t kBytes[] = {20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
+constexpr std::size_t kLasPointBytes[] = {20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
 
 struct LasPoint {
   std::int32_t x = 0, y = 0, z = 0;
@@ -31,7 +31,7 @@ struct LasFile {
     std::string out = "LASF" + std::string(20, '\0');
     out += little(std::uint8_t{1}, minor) + std::string(68, '\0');
     out += little(static_cast<std::uint16_t>(head), static_cast<std::uint32_t>(head + records), 0U, format,
-                  static_cast<std::uint16_t>(kBytes[format & 15U] + extra), minor >= 4 ? 0U : count);
+                  static_cast<std::uint16_t>(kLasPointBytes[format & 15U] + extra), minor >= 4 ? 0U : count);
     out += std::string(20, '\0');
     for (const double s : scale) out += little(s);
     for (const double o : offset) out += little(o);
@@ -39,7 +39,7 @@ struct LasFile {
     if (minor >= 4) out.replace(247, 8, little(std::uint64_t{count}));
     out += std::string(records, 'r');
     for (const LasPoint& p : points) {
-      std::string record = little(p.x, p.y, p.z) + std::string(kBytes[format] + extra - 12, '\x7e');
+      std::string record = little(p.x, p.y, p.z) + std::string(kLasPointBytes[format] + extra - 12, '\x7e');
       if (format >= 6) {
         record[15] = static_cast<char>(p.withheld ? 4 : 0);
         record[16] = static_cast<char>(p.point_class);
@@ -52,7 +52,7 @@ struct LasFile {
   }
 };
 
-LasFile two_points() {
+LasFile las_of_two_points() {
   LasFile file;
   file.points = {{1000, 2000, -3}, {-5, 0, 2147483647}};
   return file;
@@ -62,7 +62,7 @@ TEST(LasReader, ReadsEveryVersionAndPointFormat) {
   for (const auto minor : std::initializer_list<std::uint8_t>{0, 1, 2, 3, 4}) {
     for (std::uint8_t format = 0; format <= 10; ++format) {
       for (const std::size_t extra : {0U, 7U}) {
-        LasFile file = two_points();
+        LasFile file = las_of_two_points();
         file.minor = minor;
         file.format = format;
         file.extra = extra;
@@ -81,7 +81,7 @@ TEST(LasReader, ReadsEveryVersionAndPointFormat) {
 
 TEST(LasReader, LeavesOutWithheldPointsAndNoise) {
   for (const auto format : std::initializer_list<std::uint8_t>{0, 3, 6, 8}) {
-    LasFile file = two_points();
+    LasFile file = las_of_two_points();
     file.format = format;
     file.points[1].withheld = true;
     file.points.push_back({7, 7, 7, 7, false});
@@ -91,7 +91,7 @@ TEST(LasReader, LeavesOutWithheldPointsAndNoise) {
     EXPECT_EQ(reading.summary->points, 1U);
     EXPECT_EQ(reading.summary->left_out, format >= 6 ? 3U : 2U);
   }
-  LasFile nothing = two_points();
+  LasFile nothing = las_of_two_points();
   for (auto& p : nothing.points) p.withheld = true;
   const auto reading = read(nothing.bytes(), "scan.las");
   EXPECT_EQ(reading.code(), ErrorCode::kNoPoints);
@@ -99,7 +99,7 @@ TEST(LasReader, LeavesOutWithheldPointsAndNoise) {
 }
 
 TEST(LasReader, RefusesLazAndSaysHowToExportIt) {
-  LasFile file = two_points();
+  LasFile file = las_of_two_points();
   auto bytes = file.bytes();
   bytes[104] = static_cast<char>(0x80);
   const auto reading = read(bytes, "scan.laz");
@@ -109,7 +109,7 @@ TEST(LasReader, RefusesLazAndSaysHowToExportIt) {
 }
 
 TEST(LasReader, NamesWhatIsWrongWithAHeader) {
-  const auto whole = two_points().bytes();
+  const auto whole = las_of_two_points().bytes();
   const auto with = [&](std::size_t at, const std::string& by) {
     auto bytes = whole;
     return read(bytes.replace(at, by.size(), by), "scan.las");
@@ -126,7 +126,7 @@ TEST(LasReader, NamesWhatIsWrongWithAHeader) {
 }
 
 TEST(LasReader, FewerPointsThanDeclaredAreTruncated) {
-  LasFile file = two_points();
+  LasFile file = las_of_two_points();
   for (const auto minor : std::initializer_list<std::uint8_t>{2, 4}) {
     file.minor = minor;
     const auto bytes = file.bytes();

@@ -9,7 +9,7 @@ namespace {
 using ::testing::HasSubstr;
 
 /// Eight on a plane that faces n, and what is to be left out.
-std::vector<Splat> some(const Vec3d& n) {
+std::vector<Splat> some_splats(const Vec3d& n) {
   std::vector<Splat> splats;
   for (int i = 0; i < 8; ++i) splats.push_back({.position = {i * 0.5, i * 0.25, -1.0}, .turn = turn_from_z(n)});
   splats.push_back({.position = {9, 9, 9}, .opacity = 0.2});               // transparent
@@ -19,13 +19,13 @@ std::vector<Splat> some(const Vec3d& n) {
   return splats;
 }
 
-struct File {
+struct SplatCase {
   const char* name;
   std::string bytes;
   double place;   ///< error of a coordinate
   double normal;  ///< error of a component
 };
-std::vector<File> files_of(const std::vector<Splat>& splats) {
+std::vector<SplatCase> splat_cases(const std::vector<Splat>& splats) {
   return {{"binary.ply", splat_ply(splats), 1e-6, 1e-6},
           {"ascii.ply", splat_ply(splats, true), 1e-5, 1e-5},
           {"two.spz", gzip(plain_spz(splats, 2)), 2e-4, 0.03},
@@ -34,8 +34,8 @@ std::vector<File> files_of(const std::vector<Splat>& splats) {
 
 TEST(SplatReader, KeepsOpaqueSplatsOfUsualSizeWithTheirShortestAxis) {
   for (const Vec3d& n : {Vec3d(0, 0, 1), Vec3d(0.6, 0, 0.8), Vec3d(0, -0.8, -0.6), Vec3d(2.0 / 3, 1.0 / 3, -2.0 / 3)}) {
-    const auto splats = some(n);
-    for (const File& file : files_of(splats)) {
+    const auto splats = some_splats(n);
+    for (const SplatCase& file : splat_cases(splats)) {
       for (const auto& pieces : std::vector<std::vector<std::size_t>>{{}, {7}}) {
         const auto reading = read(file.bytes, file.name, pieces);
         ASSERT_TRUE(reading.summary.has_value()) << reading.message();
@@ -90,7 +90,7 @@ TEST(SplatReader, NamesTheCompressedPlyOfSuperSplat) {
 }
 
 TEST(SplatReader, SaysWhatIsWrongWithAnSpz) {
-  const auto plain = plain_spz(some({0, 0, 1}), 3);
+  const auto plain = plain_spz(some_splats({0, 0, 1}), 3);
   const auto with = [&](std::size_t at, const std::string& by) {
     auto changed = plain;
     return read(gzip(changed.replace(at, by.size(), by)), "a.spz");
