@@ -13,7 +13,7 @@
 #include "tests/slicer/support/solid.hpp"
 
 namespace plumbline {
-namespace {
+namespace support_shape_test {
 
 using namespace testing;
 
@@ -223,5 +223,5 @@ TEST(SupportShape, IsNeverCutAtThePanelsEdge) {
   }
 }
 
-}  // namespace
+}  // namespace support_shape_test
 }  // namespace plumbline
