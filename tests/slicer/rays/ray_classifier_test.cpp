@@ -8,7 +8,7 @@
 #include "tests/slicer/support/scan_cloud.hpp"
 
 namespace plumbline {
-namespace {
+namespace ray_classifier_test {
 
 using namespace testing;
 
@@ -116,5 +116,5 @@ TEST(RayClassifier, BeginsWithTheObjectBehindAWallThatContinuesBelowIt) {
   }
 }
 
-}  // namespace
+}  // namespace ray_classifier_test
 }  // namespace plumbline
