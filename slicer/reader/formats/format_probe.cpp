@@ -110,6 +110,9 @@ class Probe {
       return input_.fail(ErrorCode::kUnknownFormat, "%s (%s);\t%s", foreign->what, foreign->program, foreign->advice);
     }
     if (window_.starts_with("PK") && has_ending(input_.name(), ".3mf")) return refuse("3MF", kMesh);
+    if (window_.starts_with("PK") && (has_ending(input_.name(), ".sl1") || has_ending(input_.name(), ".sl1s"))) {
+      return refuse("a print that is sliced already", "print it, or check it");
+    }
     for (const Mark& mark : kMarks) {
       if (window_.starts_with(mark.bytes)) return refuse(mark.what, mark.advice);
     }

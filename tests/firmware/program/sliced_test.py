@@ -179,6 +179,11 @@ class Printed(Sliced):
             done = self.print_it(self.part, *options, status=1)
             self.assertIn("part.sl1: is sliced already, so it is printed as it is", done.stderr)
 
+    def test_what_is_sliced_is_not_sliced_again(self):
+        self.make_part()
+        done = self.run_it("slice", self.part, "-o", self.out, status=1)
+        self.assertIn("part.sl1: this is a print that is sliced already; print it, or check it", done.stderr)
+
     def test_checks_find_the_same_as_in_a_folder(self):
         self.make_part()
         self.layer_hashes()
