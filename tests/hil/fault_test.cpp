@@ -7,7 +7,7 @@
 #include "tests/hil/session_rig.hpp"
 
 namespace plumbline {
-namespace {
+namespace fault_test {
 
 using enum PrintState;
 
@@ -230,5 +230,5 @@ TEST(Faults, LostStepsAreFoundWhenThePartIsRaised) {
   EXPECT_NE(warnings.find("PL-405"), std::string::npos) << warnings;
 }
 
-}  // namespace
+}  // namespace fault_test
 }  // namespace plumbline

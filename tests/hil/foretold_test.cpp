@@ -14,7 +14,7 @@
 #include "tests/hal/small_print.hpp"
 
 namespace plumbline {
-namespace {
+namespace foretold_test {
 
 constexpr std::uint32_t kColumns = 130;
 constexpr std::uint32_t kRows = 64;
@@ -148,5 +148,5 @@ TEST(Foretold, FreePiecesDropInTheirLayersWithTheirVolume) {
   }
 }
 
-}  // namespace
+}  // namespace foretold_test
 }  // namespace plumbline

@@ -7,7 +7,7 @@
 #include <vector>
 
 namespace plumbline {
-namespace {
+namespace png_writer_test {
 
 struct Mask {
   Mask(std::uint32_t columns, std::uint32_t rows)
@@ -122,5 +122,5 @@ TEST(PngEncoder, RoundTripsPictures) {
   }
 }
 
-}  // namespace
+}  // namespace png_writer_test
 }  // namespace plumbline

@@ -13,7 +13,7 @@
 #include "firmware/settings/settings_file.hpp"
 
 namespace plumbline {
-namespace {
+namespace print_profile_test {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -178,5 +178,5 @@ TEST(BoardReadme, GivesTheRangesThatTheProgramChecks) {
   EXPECT_GE(checked, 35);
 }
 
-}  // namespace
+}  // namespace print_profile_test
 }  // namespace plumbline

@@ -17,7 +17,7 @@
 namespace plumbline {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 alignas(64) std::byte arena_block[std::size_t{64} * 1024 * 1024];
 

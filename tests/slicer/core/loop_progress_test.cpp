@@ -26,7 +26,7 @@ TEST(LoopProgress, NeverGoesBackWhenStepsRunOutOfOrder) {
   Recorder recorder;
   LoopProgress progress({&recorder, Stage::kClustering, 0.5, 1}, 256);
   for (const std::uint32_t step : {128U, 192U, 193U, 0U, 64U}) EXPECT_TRUE(progress.step(step));
-  EXPECT_THAT(recorder.reports, testing::ElementsAre(0.5, 0.625, 0.75, 0.875));
+  EXPECT_THAT(recorder.reports, ::testing::ElementsAre(0.5, 0.625, 0.75, 0.875));
 }
 
 TEST(LoopProgress, SkipsAllStepsAfterACancel) {

@@ -8,7 +8,7 @@
 #include "tests/slicer/support/scan_cloud.hpp"
 
 namespace plumbline {
-namespace {
+namespace ray_classifier_test {
 
 using namespace testing;
 
@@ -118,5 +118,5 @@ TEST(RayClassifier, BeginsWithTheObjectBehindAWallThatContinuesBelowIt) {
   }
 }
 
-}  // namespace
+}  // namespace ray_classifier_test
 }  // namespace plumbline

@@ -14,7 +14,7 @@
 #include "tests/slicer/support/stop.hpp"
 
 namespace plumbline {
-namespace {
+namespace support_finder_test {
 
 using namespace testing;
 using ::testing::HasSubstr;
@@ -312,5 +312,5 @@ TEST(Supports, StopWhenAsked) {
   EXPECT_EQ(arena->used(), 0U);
 }
 
-}  // namespace
+}  // namespace support_finder_test
 }  // namespace plumbline

@@ -12,7 +12,7 @@
 #include "tests/slicer/support/solid.hpp"
 
 namespace plumbline {
-namespace {
+namespace support_shape_test {
 
 using namespace testing;
 
@@ -215,5 +215,5 @@ TEST(SupportShape, IsNeverCutAtThePanelsEdge) {
   }
 }
 
-}  // namespace
+}  // namespace support_shape_test
 }  // namespace plumbline

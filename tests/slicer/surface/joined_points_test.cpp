@@ -9,7 +9,7 @@
 #include "tests/slicer/support/scan_cloud.hpp"
 
 namespace plumbline {
-namespace {
+namespace joined_points_test {
 
 using namespace testing;
 
@@ -88,5 +88,5 @@ TEST(JoinedPoints, LeaveContinuedPointsAlone) {
   for (std::uint32_t i = cloud.seen(); i < cloud.size; ++i) EXPECT_EQ(cloud.normal[i].weight, 1);
 }
 
-}  // namespace
+}  // namespace joined_points_test
 }  // namespace plumbline

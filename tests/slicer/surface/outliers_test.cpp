@@ -9,7 +9,7 @@
 #include "tests/slicer/support/slicing.hpp"
 
 namespace plumbline {
-namespace {
+namespace outliers_test {
 
 using namespace testing;
 using ::testing::HasSubstr;
@@ -83,5 +83,5 @@ TEST(Outliers, DontHideASurfaceOfFewerPoints) {
   EXPECT_NEAR(sliced.volume(), 4.0 / 3 * kPi * 343, 0.05 * 4.0 / 3 * kPi * 343);
 }
 
-}  // namespace
+}  // namespace outliers_test
 }  // namespace plumbline

@@ -10,7 +10,7 @@
 #include "tests/slicer/support/scan_cloud.hpp"
 
 namespace plumbline {
-namespace {
+namespace sparse_surface_test {
 
 using namespace testing;
 
@@ -129,5 +129,5 @@ TEST(SparseSurface, IsOffWithARadiusOfZero) {
   EXPECT_FALSE(sparse_surface_radius(cloud, tree, 0, 1, settings).has_value());
 }
 
-}  // namespace
+}  // namespace sparse_surface_test
 }  // namespace plumbline

@@ -5,7 +5,7 @@
 #include "tests/slicer/support/slicing.hpp"
 
 namespace plumbline {
-namespace {
+namespace stray_pieces_test {
 
 using namespace testing;
 
@@ -108,5 +108,5 @@ TEST(StrayPieces, AreAllFoundWhenOneIsFarAway) {
   EXPECT_NEAR(slicing.report().placement.size_mm.maxCoeff(), 20, 0.1);
 }
 
-}  // namespace
+}  // namespace stray_pieces_test
 }  // namespace plumbline

@@ -10,7 +10,7 @@
 #include "tests/slicer/support/stop.hpp"
 
 namespace plumbline {
-namespace {
+namespace support_size_test {
 
 using namespace testing;
 
@@ -115,5 +115,5 @@ TEST(SupportSize, ReportsProgressAndStopsWhenCancelled) {
   EXPECT_EQ(cloud.radius[0], before);
 }
 
-}  // namespace
+}  // namespace support_size_test
 }  // namespace plumbline

@@ -12,7 +12,7 @@
 #include "firmware/io/hash64.hpp"
 
 namespace plumbline {
-namespace {
+namespace journal_test {
 
 using namespace plumbline::literals;
 using namespace std::chrono_literals;
@@ -372,5 +372,5 @@ TEST(Hash64, CountsZerosAtTheEnd) {
   EXPECT_EQ(std::adjacent_find(values.begin(), values.end()), values.end());
 }
 
-}  // namespace
+}  // namespace journal_test
 }  // namespace plumbline

@@ -4,7 +4,7 @@
 #include "tests/slicer/reader/scan_fixture.hpp"
 
 namespace plumbline::testing {
-namespace {
+namespace obj_reader_test {
 
 using ::testing::HasSubstr;
 
@@ -93,5 +93,5 @@ TEST(ObjReader, FindsNoPointsInAFileWithoutVertices) {
   EXPECT_THAT(nowhere.message(), HasSubstr("all of its 2 points"));
 }
 
-}  // namespace
+}  // namespace obj_reader_test
 }  // namespace plumbline::testing

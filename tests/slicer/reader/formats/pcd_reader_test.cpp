@@ -7,7 +7,7 @@
 #include "tests/slicer/reader/scan_fixture.hpp"
 
 namespace plumbline::testing {
-namespace {
+namespace pcd_reader_test {
 
 using ::testing::HasSubstr;
 
@@ -196,5 +196,5 @@ TEST(PcdReader, RefusesInvalidCompressedBlocks) {
   EXPECT_EQ(read(head + "abc").code(), ErrorCode::kTruncated);
 }
 
-}  // namespace
+}  // namespace pcd_reader_test
 }  // namespace plumbline::testing

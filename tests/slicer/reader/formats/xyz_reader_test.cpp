@@ -4,7 +4,7 @@
 #include "tests/slicer/reader/scan_fixture.hpp"
 
 namespace plumbline::testing {
-namespace {
+namespace xyz_reader_test {
 
 using ::testing::HasSubstr;
 
@@ -146,5 +146,5 @@ TEST(XyzReader, RefusesTextThatIsNoTable) {
   EXPECT_EQ(read("1 2\n").code(), ErrorCode::kMalformed);
 }
 
-}  // namespace
+}  // namespace xyz_reader_test
 }  // namespace plumbline::testing

@@ -11,7 +11,7 @@
 #include "tests/slicer/support/surfaces.hpp"
 
 namespace plumbline {
-namespace {
+namespace mask_stream_test {
 
 using namespace testing;
 
@@ -111,5 +111,5 @@ TEST(MaskStream, IsRefusedIfItsListDoesNotFit) {
   EXPECT_EQ(stream.error().code(), ErrorCode::kOutOfMemory);
 }
 
-}  // namespace
+}  // namespace mask_stream_test
 }  // namespace plumbline

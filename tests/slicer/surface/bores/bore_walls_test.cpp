@@ -10,7 +10,7 @@
 #include "tests/slicer/support/stop.hpp"
 
 namespace plumbline {
-namespace {
+namespace bore_walls_test {
 
 using namespace testing;
 
@@ -269,5 +269,5 @@ TEST(BoreWalls, KeepTheBoreOpen) {
   EXPECT_EQ(sliced.wrong_voxels(distance, 0.25), 0U);
 }
 
-}  // namespace
+}  // namespace bore_walls_test
 }  // namespace plumbline
