@@ -50,12 +50,16 @@ def measure(program, work):
     write_torus(scans["clean"])
     subprocess.run([program, "sample", scans["noisy"], *NOISY, "--quiet"], check=True)
 
+    # Building the command line and loading the libraries is no part of reading a scan.
+    start = counter.run(["slice", work / "missing.ply", "-o", work / "none"], status=1).total
+
     def run(name, out):
         sizes = ["--pixel-pitch", PITCH[name], "--layer-height", PITCH[name]]
         counts = counter.run(["slice", scans[name], "-o", out, *sizes, "--no-preview"])
         views = json.loads((out / "manifest.json").read_text())["views"]["found"]
         if (views > 0) != (name == "noisy"):
             sys.exit(f"the {name} scan has {views} views, so it no longer tests what it is for")
+        counts.stages = {"start": start, **counts.stages, "read": counts.stages["read"] - start}
         return counts
 
     runs = {name: run(name, work / name) for name in scans}
