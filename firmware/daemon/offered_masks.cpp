@@ -12,7 +12,7 @@ Expected<std::unique_ptr<OfferedMasks>> OfferedMasks::create(const SlicedScan& s
   PLUMBLINE_TRY(plan);
   const auto stream = MaskStream::create(sliced.rrep, sliced.supports, arena);
   PLUMBLINE_TRY(stream);
-  offered->stream_ = *stream;
+  offered->stream_.emplace(*stream);
   const auto masks = MaskRenderer::create(*offered->stream_, *plan, arena);
   PLUMBLINE_TRY(masks);
   offered->masks_ = *masks;
@@ -27,7 +27,7 @@ Status OfferedMasks::draw(std::uint32_t layer, LayerPicture& picture) {
   if (layer >= layers) {
     return fail(ErrorCode::kBadSetting, "there is no layer %u: the last one is %u", layer, layers - 1);
   }
-  masks_->render(layer, mask_);
+  PLUMBLINE_TRY(masks_->render(layer, mask_));
   draw_layer_picture(mask_, picture);
   return {};
 }

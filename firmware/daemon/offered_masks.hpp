@@ -6,6 +6,7 @@
 
 #include "firmware/pictures/job_pictures.hpp"
 #include "firmware/print/mask_renderer.hpp"
+#include "firmware/print/mask_source.hpp"
 #include "firmware/print/sliced_scan.hpp"
 #include "firmware/settings/board_file.hpp"
 #include "firmware/settings/print_profile.hpp"
@@ -37,7 +38,7 @@ class OfferedMasks {
 
   Arena& arena_;
   std::size_t mark_;
-  std::optional<MaskStream> stream_;
+  std::optional<StreamMasks> stream_;
   std::optional<MaskRenderer> masks_;
   BitImage mask_;
 };

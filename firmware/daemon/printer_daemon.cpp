@@ -221,7 +221,7 @@ Expected<std::optional<StickJob>> PrinterDaemon::choose(const StickMount& mount)
 /// Says what the checks of the masks have found. Asks whether to print it, if the profile or the board file wants that.
 /// @returns whether to print it. If not, the state says why
 Expected<bool> PrinterDaemon::accept(const PrintGrid& grid, const MaskExtent& extent, const StackFindings& findings,
-                                     const PrintProfile& profile) {
+                                     const PrintProfile& profile, OfferedMasks* masks) {
   const auto record = sliced_record(grid, extent, findings, profile, settings_.machine);
   PLUMBLINE_TRY(record);
   record_.sliced = *record;
@@ -235,10 +235,8 @@ Expected<bool> PrinterDaemon::accept(const PrintGrid& grid, const MaskExtent& ex
   const bool asks = question.action() == CheckAction::kAsk || settings_.machine.start == StartChoice::kAfterPreview;
   if (!asks) return true;
   apply(PrintEvent::kJobOffered);
-  // Without room for them there are none to look at.
-  const auto masks = OfferedMasks::create(sliced, profile, settings_.machine, arena_);
-  masks_ = masks ? masks->get() : nullptr;
-  record_.has_masks = masks_ != nullptr;
+  masks_ = masks;
+  record_.has_masks = masks != nullptr;
   const auto accepted = question.ask(*record, answers_, observer_);
   masks_ = nullptr;
   record_.has_masks = false;
@@ -250,8 +248,12 @@ Expected<bool> PrinterDaemon::accept(const PrintGrid& grid, const MaskExtent& ex
 Expected<bool> PrinterDaemon::prepare_scan(PrintSession& session, const CheckedAnswer& answer, std::string_view name,
                                            const PrintProfile& profile) {
   const SlicedScan& sliced = answer.sliced;
-  const auto wanted = accept(sliced.rrep.grid, extent_of(sliced.rrep), sliced.findings, profile);
-  if (!wanted || !*wanted) return wanted;
+  {
+    // Without room for them there are none to look at.
+    const auto masks = OfferedMasks::create(sliced, profile, settings_.machine, arena_);
+    const auto wanted = accept(sliced.rrep.grid, extent_of(sliced.rrep), sliced.findings, profile, masks ? masks->get() : nullptr);
+    if (!wanted || !*wanted) return wanted;
+  }
   PLUMBLINE_TRY(session.take(sliced, name, profile));
   return true;
 }
@@ -262,7 +264,7 @@ Expected<bool> PrinterDaemon::prepare_archive(PrintSession& session, JobStore::R
   PLUMBLINE_TRY(sliced);
   observer_.previewed(child_.preview());
   profile = profile_of(profile, sliced->settings);
-  const auto wanted = accept(sliced->grid, sliced->extent, sliced->findings, profile);
+  const auto wanted = accept(sliced->grid, sliced->extent, sliced->findings, profile, nullptr);
   if (!wanted || !*wanted) return wanted;
   PLUMBLINE_TRY(session.take(*sliced, request.name.view(), profile, std::move(copy.file), copy.hash));
   return true;

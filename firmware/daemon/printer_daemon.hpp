@@ -58,9 +58,10 @@ class PrinterDaemon final : public CommandTaker {
   Status serve_stick();
   Expected<std::optional<StickJob>> choose(const StickMount& mount);
   /// Tells what the checks found, then refuses the job, asks a person or goes on, as the policy and the board file say.
+  /// @param masks  to look at meanwhile; may be null
   /// @returns whether to go on
   Expected<bool> accept(const PrintGrid& grid, const MaskExtent& extent, const StackFindings& findings,
-                        const PrintProfile& profile);
+                        const PrintProfile& profile, OfferedMasks* masks);
   /// Gets a session ready to print what was read, if somebody wants that.
   Expected<bool> prepare_scan(PrintSession& session, const CheckedAnswer& answer, std::string_view name,
                               const PrintProfile& profile);

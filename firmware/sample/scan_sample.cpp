@@ -183,7 +183,10 @@ Status check(const SampleSettings& settings) {
 
 Status scan_bust(const SampleSettings& settings, PointSink& sink) {
   PLUMBLINE_TRY(check(settings));
-  PLUMBLINE_TRY(sink.begin({ScanFormat::kPly, "binary little endian", true, settings.points}));
+  PLUMBLINE_TRY(sink.begin({.format = ScanFormat::kPly,
+                            .encoding = "binary little endian",
+                            .has_normals = true,
+                            .declared_points = settings.points}));
   const std::array<Station, kViews> views = make_views(settings.seed);
   const auto stream = [](std::size_t view, std::uint64_t use) { return 100 + 8 * std::uint64_t{view} + use; };
 

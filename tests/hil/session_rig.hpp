@@ -149,7 +149,7 @@ class DaemonRig {
     machine_.reset();
     machine_.emplace(plant);
     Machine machine = machine_->machine();
-    DaemonSettings settings{session_board(), rig_machine(), board_path, {}, 1, patience};
+    DaemonSettings settings{session_board(), rig_machine(), board_path, {}, {}, 1, patience};
     settings.machine.start = start;
     PrinterDaemon daemon(machine, settings, child, arena, *store, *plate, user, record);
     const auto served = daemon.run();

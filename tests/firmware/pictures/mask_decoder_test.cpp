@@ -14,7 +14,7 @@
 #include "firmware/pictures/png_writer.hpp"
 
 namespace plumbline {
-namespace {
+namespace mask_decoder_test {
 
 using testing::HasSubstr;
 
@@ -126,5 +126,5 @@ TEST(MaskDecoder, PassesOnTheErrorOfItsBytes) {
   EXPECT_EQ(done.error().code(), ErrorCode::kCannotRead);
 }
 
-}  // namespace
+}  // namespace mask_decoder_test
 }  // namespace plumbline
