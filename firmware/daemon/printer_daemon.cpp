@@ -146,9 +146,10 @@ Status PrinterDaemon::serve_plate() {
   while (!ending()) {
     const auto answer = answers_.ask();
     PLUMBLINE_TRY(answer);
+    if (*answer == EventKind::kStickArrived) served_ = false;
     if (*answer != EventKind::kStartPressed) continue;
     PLUMBLINE_TRY(plate_.confirm_empty());
-    // Offers the stick in the port again. A rig's would start again, so there it has to be plugged in anew.
+    // Offers the stick in the port again. A rig's would start again, so there it has to be plugged in anew, after the print.
     served_ = served_ && settings_.machine.start == StartChoice::kOnStick;
     apply(PrintEvent::kPlateEmpty);
     break;

@@ -110,6 +110,21 @@ TEST(Start, WaitsAfterAPrintUntilSomebodyConfirmsThePlateAlsoAcrossRestarts) {
   EXPECT_EQ(rig.user.reports.size(), 2U);
 }
 
+TEST(Start, PrintsAStickOfARigThatWasChangedBeforeThePlateWasConfirmed) {
+  DaemonRig rig;
+  rig.put_scan("first.ply");
+  rig.plant.plug_stick(rig.stick());
+  rig.user.on_printed = [&] {
+    if (rig.user.reports.size() == 2) return rig.plant.press(EventKind::kShutdownRequested);
+    rig.plant.pull_stick();
+    std::filesystem::rename(rig.stick() + "/first.ply", rig.stick() + "/second.ply");
+    rig.plant.plug_stick(rig.stick());
+    rig.plant.timeline().at(rig.plant.now() + 10s, [&] { rig.plant.press(EventKind::kStartPressed); });
+  };
+  ASSERT_TRUE(rig.run());
+  EXPECT_THAT(rig.user.scans, ElementsAre("first.ply", "second.ply"));
+}
+
 TEST(Start, TakesTwoQuickPressesForOne) {
   RequestRig rig;
   std::filesystem::remove(rig.state() + "/plate-is-empty");
