@@ -21,7 +21,7 @@ class PagePrinter(StatePrinter):
         folder = self.dir / "board"
         if not folder.exists():
             shutil.copytree(SOURCE_DIR / "board" / "profiles", folder / "profiles")
-        text = SIM2K.read_text().replace('"on_request"', f'"{start}"').replace("simulated = true", f'simulated = true\npage = "{page}"')
+        text = SIM2K.read_text().replace('"on_request"', f'"{start}"').replace('page = "off"', f'page = "{page}"')
         (folder / "sim2k.toml").write_text(text)
         return folder / "sim2k.toml"
 

@@ -85,7 +85,7 @@ class E57File {
     const std::uint64_t pages = (payload_.size() + 1019) / 1020;
     payload_.replace(0, 48,
                      "ASTM-E57" + little(1U, 0U, pages * 1024, xml_at, std::uint64_t{xml.size()}, std::uint64_t{1024}));
-    payload_.resize(pages * 1020, '\0');
+    payload_.resize(static_cast<std::size_t>(pages) * 1020, '\0');
     return paged(payload_);
   }
 
