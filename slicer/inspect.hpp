@@ -1,8 +1,8 @@
 #pragma once
 /// Measures a scan and slices it coarsely, to predict the result of slice().
 
-#include "slicer/cloud/kd_tree.hpp"
 #include "slicer/core/arena.hpp"
+#include "slicer/core/function_ref.hpp"
 #include "slicer/core/length.hpp"
 #include "slicer/core/progress.hpp"
 #include "slicer/reader/scan_sources.hpp"

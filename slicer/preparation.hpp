@@ -6,6 +6,7 @@
 #include "slicer/cloud/cloud.hpp"
 #include "slicer/cloud/kd_tree.hpp"
 #include "slicer/core/arena.hpp"
+#include "slicer/core/function_ref.hpp"
 #include "slicer/reader/scan_sources.hpp"
 #include "slicer/slice_report.hpp"
 #include "slicer/slice_settings.hpp"

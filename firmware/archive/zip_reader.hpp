@@ -8,8 +8,8 @@
 #include <string>
 #include <string_view>
 
-#include "slicer/cloud/kd_tree.hpp"
 #include "slicer/core/error.hpp"
+#include "slicer/core/function_ref.hpp"
 
 namespace plumbline {
 

@@ -9,9 +9,9 @@
 
 #include "firmware/pictures/png_writer.hpp"
 #include "slicer/checks/stack_findings.hpp"
-#include "slicer/cloud/kd_tree.hpp"
 #include "slicer/core/arena.hpp"
 #include "slicer/core/error.hpp"
+#include "slicer/core/function_ref.hpp"
 #include "slicer/core/print_grid.hpp"
 #include "slicer/rrep/rrep.hpp"
 #include "slicer/supports/drawing/supports.hpp"

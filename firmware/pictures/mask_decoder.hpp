@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <span>
 
-#include "slicer/cloud/kd_tree.hpp"
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/error.hpp"
+#include "slicer/core/function_ref.hpp"
 
 namespace plumbline {
 

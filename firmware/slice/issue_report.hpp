@@ -8,8 +8,8 @@
 #include "firmware/settings/check_policy.hpp"
 #include "slicer/checks/check_limits.hpp"
 #include "slicer/checks/stack_findings.hpp"
-#include "slicer/cloud/kd_tree.hpp"
 #include "slicer/core/error.hpp"
+#include "slicer/core/function_ref.hpp"
 #include "slicer/placement/placement.hpp"
 
 namespace plumbline {

@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "slicer/cloud/cloud.hpp"
-#include "slicer/cloud/kd_tree.hpp"
 #include "slicer/core/byte_source.hpp"
+#include "slicer/core/function_ref.hpp"
 #include "slicer/core/progress.hpp"
 #include "slicer/reader/scan_sources.hpp"
 

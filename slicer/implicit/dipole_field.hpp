@@ -5,7 +5,7 @@
 #include <span>
 
 #include "slicer/cloud/cloud.hpp"
-#include "slicer/cloud/kd_tree.hpp"
+#include "slicer/core/function_ref.hpp"
 #include "slicer/implicit/dipole_tree.hpp"
 
 namespace plumbline {

@@ -14,8 +14,8 @@
 #include "firmware/io/fixed_text.hpp"
 #include "firmware/print/store/job_file.hpp"
 #include "firmware/print/store/journal_file.hpp"
-#include "slicer/cloud/kd_tree.hpp"
 #include "slicer/core/byte_source.hpp"
+#include "slicer/core/function_ref.hpp"
 
 namespace plumbline {
 
