@@ -1,6 +1,6 @@
 #include <vector>
 
-#include "slicer/reader/formats/e57_pages.hpp"
+#include "slicer/reader/formats/e57/e57_pages.hpp"
 #include "tests/fuzz/fuzz_scan.hpp"
 
 /// The input is the pages' payload, since hardly any change of a byte would leave a checksum right.

@@ -4,9 +4,9 @@
 #include <limits>
 
 #include "slicer/core/degrees.hpp"
-#include "slicer/reader/formats/e57_pages.hpp"
-#include "slicer/reader/formats/e57_streams.hpp"
-#include "slicer/reader/formats/e57_xml.hpp"
+#include "slicer/reader/formats/e57/e57_pages.hpp"
+#include "slicer/reader/formats/e57/e57_streams.hpp"
+#include "slicer/reader/formats/e57/e57_xml.hpp"
 #include "slicer/reader/formats/format_probe.hpp"
 #include "slicer/reader/formats/scan_formats.hpp"
 #include "slicer/reader/stream/number.hpp"

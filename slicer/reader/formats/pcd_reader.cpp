@@ -1,5 +1,5 @@
-#include "slicer/reader/formats/pcd_compressed.hpp"
-#include "slicer/reader/formats/pcd_header.hpp"
+#include "slicer/reader/formats/pcd/pcd_compressed.hpp"
+#include "slicer/reader/formats/pcd/pcd_header.hpp"
 #include "slicer/reader/formats/scan_formats.hpp"
 #include "slicer/reader/records/record_binary.hpp"
 #include "slicer/reader/records/record_text.hpp"

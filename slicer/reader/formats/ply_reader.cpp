@@ -1,6 +1,6 @@
 #include "slicer/reader/formats/ply_header.hpp"
 #include "slicer/reader/formats/scan_formats.hpp"
-#include "slicer/reader/formats/splat_filter.hpp"
+#include "slicer/reader/formats/splats/splat_filter.hpp"
 #include "slicer/reader/records/record_binary.hpp"
 #include "slicer/reader/records/record_text.hpp"
 #include "slicer/reader/stream/line_input.hpp"

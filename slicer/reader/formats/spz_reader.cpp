@@ -3,9 +3,9 @@
 #include <cmath>
 #include <cstring>
 
-#include "slicer/reader/formats/gzip_stream.hpp"
 #include "slicer/reader/formats/scan_formats.hpp"
-#include "slicer/reader/formats/splat_filter.hpp"
+#include "slicer/reader/formats/splats/gzip_stream.hpp"
+#include "slicer/reader/formats/splats/splat_filter.hpp"
 #include "slicer/reader/stream/number.hpp"
 
 namespace plumbline {

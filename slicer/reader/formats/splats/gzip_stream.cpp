@@ -1,4 +1,4 @@
-#include "slicer/reader/formats/gzip_stream.hpp"
+#include "slicer/reader/formats/splats/gzip_stream.hpp"
 
 #include <zlib.h>
 

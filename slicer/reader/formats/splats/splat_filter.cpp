@@ -1,4 +1,4 @@
-#include "slicer/reader/formats/splat_filter.hpp"
+#include "slicer/reader/formats/splats/splat_filter.hpp"
 
 #include <algorithm>
 

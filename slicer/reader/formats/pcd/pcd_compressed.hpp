@@ -2,7 +2,7 @@
 /// Reads the points of a PCD file with DATA binary_compressed.
 
 #include "slicer/core/arena.hpp"
-#include "slicer/reader/formats/pcd_header.hpp"
+#include "slicer/reader/formats/pcd/pcd_header.hpp"
 #include "slicer/reader/stream/byte_input.hpp"
 #include "slicer/reader/stream/point_batch.hpp"
 

@@ -1,4 +1,4 @@
-#include "slicer/reader/formats/pcd_header.hpp"
+#include "slicer/reader/formats/pcd/pcd_header.hpp"
 
 #include <array>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "slicer/reader/formats/pcd_compressed.hpp"
+#include "slicer/reader/formats/pcd/pcd_compressed.hpp"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 #include <cstring>
 #include <limits>
 
-#include "slicer/reader/formats/lzf_stream.hpp"
+#include "slicer/reader/formats/pcd/lzf_stream.hpp"
 #include "slicer/reader/stream/number.hpp"
 
 namespace plumbline {

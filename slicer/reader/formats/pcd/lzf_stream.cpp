@@ -1,4 +1,4 @@
-#include "slicer/reader/formats/lzf_stream.hpp"
+#include "slicer/reader/formats/pcd/lzf_stream.hpp"
 
 #include <cstring>
 

@@ -1,4 +1,4 @@
-#include "slicer/reader/formats/e57_streams.hpp"
+#include "slicer/reader/formats/e57/e57_streams.hpp"
 
 #include <algorithm>
 #include <bit>

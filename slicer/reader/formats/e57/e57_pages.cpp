@@ -1,4 +1,4 @@
-#include "slicer/reader/formats/e57_pages.hpp"
+#include "slicer/reader/formats/e57/e57_pages.hpp"
 
 #include <algorithm>
 #include <array>

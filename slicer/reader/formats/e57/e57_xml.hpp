@@ -6,7 +6,7 @@
 #include <span>
 
 #include "slicer/core/arena.hpp"
-#include "slicer/reader/formats/e57_pages.hpp"
+#include "slicer/reader/formats/e57/e57_pages.hpp"
 #include "slicer/reader/records/scan_pose.hpp"
 
 namespace plumbline {

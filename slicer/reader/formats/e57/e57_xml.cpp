@@ -1,4 +1,4 @@
-#include "slicer/reader/formats/e57_xml.hpp"
+#include "slicer/reader/formats/e57/e57_xml.hpp"
 
 #include <expat.h>
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <span>
 
-#include "slicer/reader/formats/e57_xml.hpp"
+#include "slicer/reader/formats/e57/e57_xml.hpp"
 
 namespace plumbline {
 
