@@ -168,6 +168,22 @@ class Program(unittest.TestCase):
         self.scan, self.board, self.out = self.dir / "sphere.ply", self.dir / "small.toml", self.dir / "out"
         write_board(self.board)
 
+    def start_daemon(self, *arguments):
+        """@returns plumblined, which is killed at the test's end"""
+        daemon = subprocess.Popen([PLUMBLINED, *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        for end in (daemon.stderr.close, daemon.stdout.close, daemon.wait, daemon.kill):  # the last one first
+            self.addCleanup(end)
+        return daemon
+
+    def until(self, daemon, words):
+        """Reads the daemon's log until a line has the words. @returns what it read"""
+        said = ""
+        for line in daemon.stderr:
+            said += line
+            if words in line:
+                return said
+        return self.fail(said)
+
     def run_it(self, *arguments, status=0, **options):
         done = subprocess.run(
             [PLUMBLINE, *map(str, arguments)], capture_output=True, text=True, timeout=120, check=False, **options

@@ -147,20 +147,8 @@ class Daemon(Program):
         if on_stick:
             printer = on_stick_printer(self.dir)
             confirm_plate(self.state)
-        command = [PLUMBLINED, "--printer", printer, "--state", self.state, "--stick", self.stick, "--speedup", speedup, *arguments]
-        daemon = subprocess.Popen(list(map(str, command)), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        self.addCleanup(daemon.wait)
-        self.addCleanup(daemon.kill)
-        return daemon
-
-    def until(self, daemon, words):
-        """Reads its log until a line has the words."""
-        said = ""
-        for line in daemon.stderr:
-            said += line
-            if words in line:
-                return said
-        self.fail(said)
+        place = ("--printer", printer, "--state", self.state, "--stick", self.stick)
+        return self.start_daemon(*place, "--speedup", speedup, *arguments)
 
     def put_stick(self, *scans, job="", radius=2):
         """Plugs a stick in: all its files appear at once."""

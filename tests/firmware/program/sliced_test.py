@@ -11,7 +11,7 @@ import unittest
 import zipfile
 import zlib
 
-from case import PLUMBLINED, SIM2K, Program, confirm_plate, main, on_stick_printer
+from case import SIM2K, Program, confirm_plate, main, on_stick_printer
 
 
 def write_ell(path, height=2.0):
@@ -230,21 +230,8 @@ class FromAStick(Sliced):
 
     def start(self, *arguments):
         confirm_plate(self.state)
-        printer = on_stick_printer(self.dir)
-        command = [PLUMBLINED, "--printer", printer, "--state", self.state, "--stick", self.dir / "stick", *arguments]
-        daemon = subprocess.Popen(list(map(str, command)), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-        self.addCleanup(daemon.stderr.close)
-        self.addCleanup(daemon.wait)
-        self.addCleanup(daemon.kill)
-        return daemon
-
-    def until(self, daemon, words):
-        said = ""
-        for line in daemon.stderr:
-            said += line
-            if words in line:
-                return said
-        return self.fail(said)
+        stick = self.dir / "stick"
+        return self.start_daemon("--printer", on_stick_printer(self.dir), "--state", self.state, "--stick", stick, *arguments)
 
     def put_stick(self, *files, job=""):
         folder = self.dir / "new"
