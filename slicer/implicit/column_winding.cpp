@@ -13,32 +13,35 @@ constexpr const char* kStage = "winding number";
 /// Of what fills up the last lanes: not 0, by which the lean divides.
 constexpr float kNoArea = 1e-30F;
 
-struct DipoleLanes {
-  Lanes x, y, z, dipole_x, dipole_y, dipole_z, area, softening;
+/// kLanes dipoles, seen from a place.
+struct SeenDipoles {
+  Lanes distance2;  ///< with the softening, mm^2
+  Lanes distance;   ///< mm
+  Lanes outwards;   ///< the dipole times the way to it
 };
-PLUMBLINE_INLINE void load_dipoles(DipoleLanes& lanes, const DipoleList& list, std::uint32_t at) {
-  load(lanes.x, list.x + at);
-  load(lanes.y, list.y + at);
-  load(lanes.z, list.z + at);
-  load(lanes.dipole_x, list.dipole_x + at);
-  load(lanes.dipole_y, list.dipole_y + at);
-  load(lanes.dipole_z, list.dipole_z + at);
-  load(lanes.area, list.area + at);
-  load(lanes.softening, list.softening + at);
+PLUMBLINE_INLINE void see(SeenDipoles& seen, const DipoleList& list, std::uint32_t at, const Vec3f& place) {
+  Lanes x, y, z, dipole_x, dipole_y, dipole_z, softening;
+  load(x, list.x + at);
+  load(y, list.y + at);
+  load(z, list.z + at);
+  load(dipole_x, list.dipole_x + at);
+  load(dipole_y, list.dipole_y + at);
+  load(dipole_z, list.dipole_z + at);
+  load(softening, list.softening + at);
+  x -= place[0];
+  y -= place[1];
+  z -= place[2];
+  seen.distance2 = x * x + y * y + z * z + softening;
+  square_root(seen.distance, seen.distance2);
+  seen.outwards = dipole_x * x + dipole_y * y + dipole_z * z;
 }
 
 PLUMBLINE_WIDE void add_up(const DipoleList& list, const Vec3f& place, float& winding) {
   Lanes sums{};
   for (std::uint32_t j = 0; j < list.size; j += kLanes) {
-    DipoleLanes p;
-    load_dipoles(p, list, j);
-    const Lanes x = p.x - place[0];
-    const Lanes y = p.y - place[1];
-    const Lanes z = p.z - place[2];
-    const Lanes distance2 = x * x + y * y + z * z + p.softening;
-    Lanes distance;
-    square_root(distance, distance2);
-    sums += (p.dipole_x * x + p.dipole_y * y + p.dipole_z * z) / (distance2 * distance);
+    SeenDipoles seen;
+    see(seen, list, j, place);
+    sums += seen.outwards / (seen.distance2 * seen.distance);
   }
   winding = sum(sums);
 }
@@ -47,16 +50,12 @@ PLUMBLINE_WIDE void add_up_lean(const DipoleList& list, const Vec3f& place, Wind
   Lanes outwards{};
   Lanes weights{};
   for (std::uint32_t j = 0; j < list.size; j += kLanes) {
-    DipoleLanes p;
-    load_dipoles(p, list, j);
-    const Lanes x = p.x - place[0];
-    const Lanes y = p.y - place[1];
-    const Lanes z = p.z - place[2];
-    const Lanes distance2 = x * x + y * y + z * z + p.softening;
-    Lanes distance;
-    square_root(distance, distance2);
-    const Lanes towards = (p.dipole_x * x + p.dipole_y * y + p.dipole_z * z) / (p.area * distance);
-    const Lanes weight = p.area / (distance2 * distance2);
+    SeenDipoles seen;
+    see(seen, list, j, place);
+    Lanes area;
+    load(area, list.area + j);
+    const Lanes towards = seen.outwards / (area * seen.distance);
+    const Lanes weight = area / (seen.distance2 * seen.distance2);
     weights += weight;
     outwards += weight * towards * (1.0F - towards * towards);
   }
