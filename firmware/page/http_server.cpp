@@ -1,17 +1,16 @@
 #include "firmware/page/http_server.hpp"
 
-#include <arpa/inet.h>
 #include <microhttpd.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
 #include <cstring>
 
 #include "firmware/io/descriptor.hpp"
+#include "firmware/page/listening_socket.hpp"
 
 namespace plumbline {
 namespace {
@@ -19,7 +18,6 @@ namespace {
 /// Of each connection, for the request's line and headers and the answer's: a longer request is refused by libmicrohttpd.
 constexpr std::size_t kConnectionMemory = std::size_t{16} * 1024;
 constexpr unsigned kIdleSeconds = 20;
-constexpr int kBacklog = 16;
 
 constexpr const char* kPolicy =
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; "
@@ -64,44 +62,6 @@ constexpr HttpAnswer refusal(unsigned status, std::string_view body) {
 constexpr HttpAnswer kTooLong = refusal(413, R"({"ok": false, "error": "the request is too long"})");
 constexpr HttpAnswer kNoLength = refusal(411, R"({"ok": false, "error": "the request has no Content-Length"})");
 constexpr HttpAnswer kTooMany = refusal(503, R"({"ok": false, "error": "too many pages are open: close one"})");
-
-Descriptor listen_on(const sockaddr* address, socklen_t size) {
-  Descriptor socket(::socket(address->sa_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-  if (!socket.is_open()) return socket;
-  const int on = 1, off = 0;
-  static_cast<void>(::setsockopt(socket.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on));
-  if (address->sa_family == AF_INET6) {
-    static_cast<void>(::setsockopt(socket.get(), IPPROTO_IPV6, IPV6_V6ONLY, &off, sizeof off));
-  }
-  if (::bind(socket.get(), address, size) == 0 && ::listen(socket.get(), kBacklog) == 0) return socket;
-  const int reason = errno;
-  { Descriptor closed(std::move(socket)); }
-  errno = reason;
-  return socket;
-}
-
-Expected<Descriptor> listen_at(const std::string& address, std::uint16_t port) {
-  sockaddr_in four{};
-  four.sin_family = AF_INET;
-  four.sin_port = htons(port);
-  sockaddr_in6 six{};
-  six.sin6_family = AF_INET6;
-  six.sin6_port = htons(port);
-  const bool is_four = ::inet_pton(AF_INET, address.c_str(), &four.sin_addr) == 1;
-  if (!is_four && !address.empty() && ::inet_pton(AF_INET6, address.c_str(), &six.sin6_addr) != 1) {
-    return fail(ErrorCode::kBadSetting, "--listen: '%s' is no address.\tWrite numbers, such as 127.0.0.1 or ::1",
-                address.c_str());
-  }
-  Descriptor socket;
-  if (!is_four) socket = listen_on(reinterpret_cast<const sockaddr*>(&six), sizeof six);
-  // A kernel without IPv6 has the old addresses.
-  if (is_four || (!socket.is_open() && address.empty() && errno == EAFNOSUPPORT)) {
-    socket = listen_on(reinterpret_cast<const sockaddr*>(&four), sizeof four);
-  }
-  if (socket.is_open()) return socket;
-  return fail(ErrorCode::kCannotOpen, "port %u: %s.\tEnd the program that uses it, or set [printer] page_port", port,
-              std::strerror(errno));
-}
 
 std::string_view header(MHD_Connection* connection, const char* name, MHD_ValueKind kind = MHD_HEADER_KIND) {
   const char* const value = MHD_lookup_connection_value(connection, kind, name);
