@@ -25,7 +25,7 @@ bool holds(std::string_view name, std::string_view word) {
   return false;
 }
 
-/// The number of the layer that an entry is; none: it is something else.
+/// The layer's number in an entry's name; none if the entry is no layer.
 std::optional<std::uint64_t> layer_number(std::string_view name) {
   if (!has_ending(name, ".png")) return std::nullopt;
   const auto slash = name.rfind('/');
@@ -76,7 +76,7 @@ Expected<LayerArchive> LayerArchive::open(int file, std::string_view name) {
         "unpack a scan or mesh",
         archive.zip_.name().c_str(), archive.layers_, PrintGrid::kMaxLayers);
   }
-  // A key of the first one stays.
+  // Where both have a key, the value of the first one counts.
   if (prusaslicer) PLUMBLINE_TRY(archive.read_settings(*prusaslicer, "prusaslicer.ini"));
   if (config) PLUMBLINE_TRY(archive.read_settings(*config, "config.ini"));
   if (prusaslicer) {

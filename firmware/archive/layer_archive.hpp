@@ -26,8 +26,8 @@ struct ArchiveLayer {
 
 class LayerArchive {
  public:
-  /// Reads the directory and the settings, and the size of the first layer. Layers are the PNG files with a number in their names, but
-  /// thumbnails and previews; their order is that of the last number.
+  /// Reads the directory and the settings, and the size of the first layer. A layer is a PNG file with a number in its name,
+  /// unless it is a thumbnail or a preview. The last number of each name gives the order.
   /// @param file  see ZipReader::open()
   /// @retval any error of ZipReader
   /// @retval ErrorCode::kNoPoints    no layer, or more than PrintGrid::kMaxLayers
@@ -59,8 +59,8 @@ class LayerArchive {
   std::uint32_t layers_ = 0, columns_ = 0, rows_ = 0;
 };
 
-/// Reads one layer of an archive that was opened before.
-/// @param turn  LayerArchive::turn() of then
+/// Reads one layer of an archive that LayerArchive has opened before.
+/// @param turn  LayerArchive::turn()
 /// @retval any error of ZipReader and decode_turned_mask()
 [[nodiscard]] Status read_archive_layer(int file, std::string_view name, const ArchiveLayer& layer,
                                         const MaskTurn& turn, BitImage out);

@@ -33,8 +33,7 @@ struct Sl1Settings {
   bool mirror_x = false, mirror_y = false, portrait = false;  ///< display_mirror_x, ...: PrusaSlicer's
 };
 
-/// Reads the lines of config.ini or prusaslicer.ini. Keys that are not known and lines that are none are passed over; a key that was set
-/// before stays.
+/// Reads the lines of config.ini or prusaslicer.ini. Ignores unknown keys and lines without '='. Keeps what `settings` has already.
 /// @retval ErrorCode::kMalformed  a known key whose value is no number in its range: the key and the value
 [[nodiscard]] Status read_sl1_settings(std::string_view text, Sl1Settings& settings);
 

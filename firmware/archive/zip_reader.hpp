@@ -1,5 +1,5 @@
 #pragma once
-/// Reads a zip archive by its directory. What the archive says of its sizes is never used to take memory: some 100 kB of the heap do for any.
+/// Reads a zip archive through its directory, in about 100 kB of heap whatever sizes the archive claims.
 
 #include <cstddef>
 #include <cstdint>
@@ -15,7 +15,7 @@ namespace plumbline {
 
 struct ZipHandle;
 
-/// Where an entry's record is in the directory. Of a stored print: any value may come back.
+/// Where an entry's record is in the directory. It is stored with a print, so a damaged one may be asked for.
 struct ZipPlace {
   std::uint64_t at = 0;
   std::uint64_t entry = 0;
@@ -35,7 +35,7 @@ class ZipReader {
   ZipReader& operator=(ZipReader&&) = delete;
   ~ZipReader();
 
-  /// Calls visit(name, place) for each entry in the directory's order, folders included. A name longer than 255 bytes is cut.
+  /// Calls visit(name, place) for each entry, folders included, in the directory's order. Cuts names to 255 bytes.
   /// @retval ErrorCode::kMalformed, kCannotRead, and any error of `visit`
   [[nodiscard]] Status for_each(FunctionRef<Status(std::string_view, const ZipPlace&)> visit);
 

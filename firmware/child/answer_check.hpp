@@ -31,7 +31,7 @@ inline constexpr const char* kExportAgain =
 /// @retval ErrorCode::kMalformed  the answer does not add up; otherwise the child's own error, if it can be a scan's
 [[nodiscard]] Expected<CheckedAnswer> check_answer(const ScanAnswer& answer, const ScanRequest& request, Arena& arena);
 
-/// The same for an archive's answer: that each layer will be found, and is what was checked, is seen when it is decoded.
+/// The same for the answer about an archive. Whether a layer is there, and is the one that was checked, shows when it is decoded.
 /// @param arena  as above; takes the layers at its bottom
 [[nodiscard]] Expected<SlicedArchive> check_archive_answer(const ScanAnswer& answer, const ScanRequest& request,
                                                            Arena& arena);

@@ -36,7 +36,7 @@ Status check(SharedMemory& memory) {
   answer.fades = sliced->settings.faded_layers ? 1 : 0;
   answer.faded_layers = sliced->settings.faded_layers.value_or(0);
   answer.kind = ScanAnswer::kArchive;
-  // Where the arena has no room for it, the job has no picture.
+  // If the arena has no room for it, the job has no picture.
   if (!sliced->rrep.first.empty()) {
     static_cast<void>(draw_preview_picture(sliced->rrep, Supports{}, arena, page.preview));
   }

@@ -19,7 +19,7 @@ class ChildLayerDecoder final : public LayerDecoder {
   /// @param printer  whose panel the masks are for
   ChildLayerDecoder(SlicingChild& child, const PrinterVolume& printer) : child_(child), printer_(printer) {}
 
-  /// Takes a mask and up to two pages from the arena's top, which is over the child's memory.
+  /// Takes a mask and up to two pages from the top of the arena that the child shares.
   Status prepare(const PrintGrid& grid, Arena& arena) override;
   /// @retval ErrorCode::kMalformed      also if the child crashed or hung
   /// @retval ErrorCode::kDeviceTimeout  no child can be started any more

@@ -61,7 +61,7 @@ void run_scan_task(SharedMemory& memory, std::uint32_t threads) {
       slice_for_print(ScanSources(one), page.request.settings, page.request.supports, arena, &progress, report);
   if (sliced) {
     hand_back(*sliced, report, arena, page.answer, memory.arena());
-    // Where the arena has no room for it, the job has no picture.
+    // If the arena has no room for it, the job has no picture.
     static_cast<void>(draw_preview_picture(sliced->rrep, sliced->supports, arena, page.preview));
   } else {
     hand_back_error(sliced.error(), page.answer);

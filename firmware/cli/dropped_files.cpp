@@ -21,7 +21,7 @@ std::optional<std::uint64_t> DroppedFiles::signature() const {
     const auto size = static_cast<std::uint64_t>(entry->file_size(unknown));
     const auto time = static_cast<std::uint64_t>(entry->last_write_time(unknown).time_since_epoch().count());
     const std::uint64_t name = std::hash<std::string>()(entry->path().filename().string());
-    // A sum, since a folder's order is any.
+    // A sum does not depend on the order of the folder.
     sum += (name * 31 + size) * 31 + time;
     any = true;
   }

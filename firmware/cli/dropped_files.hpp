@@ -16,7 +16,7 @@ class DroppedFiles {
   DroppedFiles(const DroppedFiles&) = delete;
   DroppedFiles& operator=(const DroppedFiles&) = delete;
 
-  /// To be called some times a second. Files that still change are being copied, so it waits for two looks that see the same.
+  /// Call it a few times a second. Files that still change are being copied, so it waits for two looks that see the same.
   /// @param reading  the printer reads the stick: it stays in
   void look(bool reading);
 

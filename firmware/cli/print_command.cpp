@@ -92,7 +92,7 @@ Expected<Printer> read_printer(const PrintOptions& options) {
   return printer;
 }
 
-/// What was printed as it is can't be turned, scaled or supported any more.
+/// An archive is printed as it is: it can't be turned, scaled or supported any more.
 Status check_archive_options(const PrintOptions& options) {
   const JobOptions& job = options.job;
   const bool turned = job.orient || job.rotate_degrees != decltype(job.rotate_degrees){};
@@ -113,7 +113,7 @@ struct OpenArchive {
   std::uint64_t hash = 0;
 };
 
-/// Copies an archive into the store, or hashes it where it is if there is none.
+/// Copies an archive into the store. Without a store, hashes it where it is.
 Expected<OpenArchive> open_archive(const std::string& path, JobStore* store, TerminalJob& terminal) {
   auto source = FileSource::open(path);
   PLUMBLINE_TRY(source);

@@ -15,7 +15,7 @@
 
 namespace plumbline {
 
-/// The masks that would be printed, while somebody is asked about them. At its end the arena is as it was.
+/// The masks that would be printed, to look at while the printer asks whether to print them. Its destructor releases the arena.
 class OfferedMasks {
  public:
   /// Takes a mask stream and a mask from the bottom of the arena.

@@ -62,10 +62,10 @@ class PrinterDaemon final : public CommandTaker {
   /// @returns whether to go on
   Expected<bool> accept(const PrintGrid& grid, const MaskExtent& extent, const StackFindings& findings,
                         const PrintProfile& profile, OfferedMasks* masks);
-  /// Gets a session ready to print what was read, if somebody wants that.
+  /// Prepares a session to print what was read, if somebody wants it.
   Expected<bool> prepare_scan(PrintSession& session, const CheckedAnswer& answer, std::string_view name,
                               const PrintProfile& profile);
-  /// The same after an archive was copied, which is looked through here.
+  /// The same for an archive that was copied; a child checks it first.
   /// @param profile  gets the archive's exposures
   Expected<bool> prepare_archive(PrintSession& session, JobStore::Received& copy, const ScanRequest& request,
                                  PrintProfile& profile);

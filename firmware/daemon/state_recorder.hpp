@@ -20,7 +20,7 @@ namespace plumbline {
 /// Stands between the daemon and its observer.
 class StateRecorder final : public DaemonObserver {
  public:
-  /// As long as a person needs to read a code and type it, twice.
+  /// Twice as long as a person needs to read a code and type it.
   static constexpr std::chrono::minutes kCodeTime{2};
 
   /// All must outlive it.

@@ -1,5 +1,5 @@
 #pragma once
-/// Which requests the page believes, by what a browser says of them. Pure functions.
+/// Which requests the page accepts, by their Host and Origin. Pure functions.
 
 #include <string_view>
 
@@ -7,8 +7,7 @@
 
 namespace plumbline {
 
-/// Whether a request's Host is a name of this machine. A page of somebody else, whose name was pointed at this machine (DNS rebinding), has
-/// another one.
+/// Whether a request's Host is a name of this machine. With DNS rebinding it is not: somebody else's name then leads to this machine.
 ///   local    localhost, 127.0.0.1, [::1]
 ///   network  those, any numeric address, a name without a dot, a name that ends in .local, and `page_host`
 /// @param host       as in the header, with or without port

@@ -1,5 +1,5 @@
 #pragma once
-/// HTTP for the page, by libmicrohttpd: one thread, bounded connections, requests and memory.
+/// HTTP for the page, by libmicrohttpd, in one thread. Connections, requests and memory are bounded.
 
 #include <array>
 #include <chrono>

@@ -19,7 +19,7 @@ namespace {
 constexpr const char* kAbout =
     "The printer's page: shows what plumblined does, and takes commands, in a browser.\n"
     "\n"
-    "Whether there is one says the board file: [printer] page = \"off\", \"local\" (only on this machine) or "
+    "The board file says whether there is one: [printer] page = \"off\", \"local\" (only on this machine) or "
     "\"network\".\n"
     "With \"network\" a browser is paired by a code on the printer's screen before it may command.\n";
 

@@ -4,8 +4,8 @@
 
 namespace plumbline {
 
-/// Gives up, for good, what the page does not need: capabilities, files (Landlock, where the kernel has it), debugging, and every system call
-/// but those for the sockets that it has, for Unix sockets, for memory and for the time. A call that is not allowed fails with EPERM.
+/// Gives up, for good, what the page does not need: capabilities, files (Landlock, where the kernel has it) and debugging. Of the system
+/// calls it keeps those for its own sockets, Unix sockets, memory and time. Others fail with EPERM.
 /// @pre everything is open but the state socket
 /// @retval ErrorCode::kUnsupported  the kernel lacks it
 [[nodiscard]] Status give_up_page_rights();

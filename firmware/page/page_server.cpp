@@ -30,7 +30,7 @@ std::optional<std::uint64_t> whole_number(std::optional<std::string_view> text) 
   return problem == std::errc() && end == text->data() + text->size() ? std::optional(number) : std::nullopt;
 }
 
-/// A text without escapes, which base64, names of states and codes are.
+/// What a JSON string without escapes holds, such as base64, the name of a state, or a code.
 std::string_view plain_text(std::optional<std::string_view> value) {
   if (!value || value->size() < 2 || value->front() != '"') return {};
   return value->substr(1, value->size() - 2);
@@ -376,7 +376,7 @@ std::optional<std::size_t> PageServer::write_report(std::size_t place, std::uint
 std::optional<std::size_t> PageServer::fill(std::size_t stream, HttpStream::Kind kind, bool begins, std::uint64_t sent,
                                             std::span<char> out) {
   if (begins) {
-    // What the one before in this place has asked is nobody's any more.
+    // Nobody waits for what the previous stream of this place has asked.
     for (Question& question : questions_) {
       if (question.kind == Question::Kind::kReportPart && question.stream == stream) question = {};
     }

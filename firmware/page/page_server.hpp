@@ -22,7 +22,7 @@ class PageServer final : public HttpHandler {
  public:
   using HostClock = std::chrono::steady_clock;
 
-  /// The newest state goes to a browser no sooner after the one before.
+  /// At least this long between two states for one browser.
   static constexpr std::chrono::milliseconds kBetweenEvents{200};
   /// Something is sent at least as often, so that a browser that has gone is noticed.
   static constexpr std::chrono::seconds kSignOfLife{10};

@@ -13,7 +13,7 @@
 namespace plumbline {
 namespace {
 
-/// From the kernel's generator. Without it there are no secrets, so the process ends.
+/// Fills bytes from the kernel's generator. Ends the process if that fails, since there would be no secrets.
 void fill_random(std::span<std::uint8_t> bytes) {
   while (::getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) {
     if (errno != EINTR) std::abort();
@@ -100,7 +100,7 @@ PageToken Pairing::add() {
   if (place == tokens_.size()) place = next_++ % kMostBrowsers;
   fill_random(tokens_[place]);
   if (file_.is_open()) {
-    // A storage that fails costs a code later on, nothing else.
+    // If this fails, the browser is asked for a code again after a restart.
     static_cast<void>(!::pwrite(file_.get(), tokens_.data(), sizeof tokens_, 0));
   }
   return token_of(tokens_[place]);

@@ -26,7 +26,7 @@ class Pairing {
   static constexpr std::size_t kMostBrowsers = 16;
   /// As long as the screen shows the code: StateRecorder::kCodeTime.
   static constexpr std::chrono::minutes kCodeTime{2};
-  /// Wrong codes until there has to be a new one. With one code a minute, all of a million take three quarters of a year.
+  /// Wrong codes before a new one is needed. At three wrong codes a minute, trying a million takes 230 days.
   static constexpr unsigned kMostTries = 3;
   static constexpr std::chrono::minutes kBetweenCodes{1};
 

@@ -136,7 +136,7 @@ Status decode_turned_mask(PngBytes bytes, std::uint64_t most_bytes, const MaskTu
               {bits.get(), words});
     place({bits.get(), words}, row, turn, out);
   }
-  // To the end of the file, so that its checksums count.
+  // Reads on to the end of the file, so that its checksums are checked.
   if (reason == 0) reason = spng_decode_chunks(context.get());
   return reason == 0 ? Status() : Status(refuse(input, reason));
 }

@@ -20,7 +20,7 @@ constexpr auto kTimeToLook = std::chrono::milliseconds(300);
 /// How often the lamp's temperature is read while it cools, which takes minutes.
 constexpr auto kCoolingLook = std::chrono::seconds(2);
 
-/// Whether a mask could not be made, while the panel is well. It is tried again before its own light, so the layer below cures whole.
+/// Whether a mask could not be made although the panel works. The layer below cures whole; the mask is tried again before its own light.
 bool is_of_mask(ErrorCode code) {
   return code == ErrorCode::kMalformed || code == ErrorCode::kUnsupported || code == ErrorCode::kCannotRead ||
          code == ErrorCode::kOutOfMemory;

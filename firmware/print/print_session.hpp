@@ -54,7 +54,7 @@ class PrintSession {
   /// @retval any error of plan_print() and JobStore::begin()
   [[nodiscard]] Status take(const SlicedScan& sliced, std::string_view scan, const PrintProfile& profile);
 
-  /// Gets ready to print what somebody else has sliced.
+  /// Prepares the print of an archive.
   /// @param sliced   its layers are in this session's arena, at its bottom
   /// @param profile  profile_of() it
   /// @param archive  the file; with a store, the copy that JobStore::receive() has made
@@ -77,7 +77,7 @@ class PrintSession {
   const JobFacts& facts() const { return facts_; }
   const PrintPlan& plan() const { return facts_.plan; }
   const PrintGrid& grid() const { return parts_.rrep.grid; }
-  /// Of an archive's print it has only its grid: see mask().
+  /// For an archive it has only the grid: see mask().
   const RRep& rrep() const { return parts_.rrep; }
   const Supports& supports() const { return parts_.supports; }
   bool is_archive() const { return parts_.is_archive(); }

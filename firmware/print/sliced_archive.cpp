@@ -166,7 +166,7 @@ PrintProfile profile_of(const PrintProfile& printers, const Sl1Settings& setting
   if (settings.exposure_s) profile.exposure_time = *settings.exposure_s;
   if (settings.initial_exposure_s) profile.initial_exposure_time = *settings.initial_exposure_s;
   if (settings.faded_layers) profile.faded_layers = *settings.faded_layers;
-  // Its slicer has shrunk the bottom layers if that was wanted.
+  // If the bottom layers are to be smaller, the archive's slicer has made them so.
   profile.elefant_foot_compensation = 0;
   return profile;
 }

@@ -34,7 +34,7 @@ struct SlicedArchive {
   RRep rrep;               ///< for pictures, above `layers` in the arena; empty: there was no room for it
 };
 
-/// What a print of another slicer meets.
+/// The printer that an archive has to fit.
 struct ArchiveTarget {
   PrinterVolume printer;
   double layer_height_mm = 0;  ///< if the archive does not say

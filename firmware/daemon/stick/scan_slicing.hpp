@@ -52,7 +52,7 @@ class ScanSlicing {
   /// Copies an archive from a stick into the store.
   /// @retval the errors of JobStore::receive(); kCancelled and kStickGone as of run()
   [[nodiscard]] Expected<JobStore::Received> copy(const StickMount& mount, StickFile& archive, JobStore& store);
-  /// Has an archive looked through by a child.
+  /// Lets a child check an archive.
   /// @param file  its descriptor
   /// @returns what the child found, checked; its layers are at the bottom of the arena
   /// @retval the errors of check_archive_answer(), and those of run() but of a stick

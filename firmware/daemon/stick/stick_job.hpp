@@ -52,7 +52,7 @@ struct StickScans {
   std::size_t count = 0;
   std::size_t left_out = 0;      ///< scans for which there was no room
   FixedText<256> job_file;       ///< its name on the stick; empty: there is none
-  std::optional<Error> foreign;  ///< says what one of the files is that other printers print; none: there is none
+  std::optional<Error> foreign;  ///< about a file that is sliced for another printer
 };
 
 /// Whether a file is offered as a scan, by its name: its ending is one of scan_endings.hpp, and it is
