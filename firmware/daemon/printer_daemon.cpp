@@ -320,6 +320,7 @@ Status PrinterDaemon::serve_stick() {
   observer_.say("the stick may be pulled");
   const auto ready = copy ? prepare_archive(session, *copy, *request, *profile)
                           : prepare_scan(session, *answer, request->name.view(), *profile);
+  if (copy && (!ready || !*ready)) store_.drop_received();
   PLUMBLINE_TRY(ready);
   if (!*ready) return {};
   apply(PrintEvent::kSliced);

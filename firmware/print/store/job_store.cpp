@@ -60,6 +60,7 @@ Expected<JobStore> JobStore::open(const std::string& folder) {
                 "%s: another plumbline is printing with this folder;\tgive another one with --state", folder.c_str());
   }
   if (::faccessat(store.folder_.get(), ".", W_OK, AT_EACCESS) != 0) return store.cannot_write(kJob);
+  store.drop_received();
   return store;
 }
 
@@ -117,7 +118,7 @@ Expected<JournalFile> JobStore::create_journal(std::uint64_t job_hash, std::uint
 }
 
 Expected<JobStore::Received> JobStore::receive(ByteSource& archive, FunctionRef<Status(double)> advance) {
-  static_cast<void>(::unlinkat(folder_.get(), kNewArchive, 0));  // of a print that never began
+  drop_received();
   struct statvfs room = {};
   const std::uint64_t size = archive.size().value_or(0);
   if (::fstatvfs(folder_.get(), &room) == 0) {
@@ -151,11 +152,13 @@ Expected<JobStore::Received> JobStore::receive(ByteSource& archive, FunctionRef<
   Descriptor again(copied ? ::openat(folder_.get(), kNewArchive, O_RDONLY | O_CLOEXEC) : -1);
   if (!copied || !again.is_open()) {
     const Status error = copied ? Status(cannot_read(kNewArchive)) : copied;
-    static_cast<void>(::unlinkat(folder_.get(), kNewArchive, 0));
+    drop_received();
     return tl::unexpected<Error>(error.error());
   }
   return Received{std::move(again), hash.value()};
 }
+
+void JobStore::drop_received() { static_cast<void>(::unlinkat(folder_.get(), kNewArchive, 0)); }
 
 Expected<JournalFile> JobStore::open_journal() const {
   Descriptor file(::openat(folder_.get(), kJournal, O_RDWR | O_CLOEXEC));

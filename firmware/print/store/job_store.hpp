@@ -39,11 +39,13 @@ class JobStore {
     Descriptor file;         ///< to read the copy
     std::uint64_t hash = 0;  ///< of its bytes
   };
-  /// Copies an archive, for a print that begins later. Durable when it returns; a second call replaces it.
+  /// Copies an archive, for a print that begins later. Durable when it returns; a second call, drop_received() and open() remove it.
   /// @param advance  called with the share that is copied; its error ends the copying
   /// @retval ErrorCode::kCannotWrite  also if there is not enough room: how much is needed
   /// @retval any error of advance() and archive.read()
   [[nodiscard]] Expected<Received> receive(ByteSource& archive, FunctionRef<Status(double)> advance);
+  /// Removes what receive() has copied, if no print of it has begun.
+  void drop_received();
 
   struct Interrupted {
     StoredJob job;

@@ -273,7 +273,7 @@ class FromAStick(Sliced):
         self.put_stick(broken)
         daemon = self.start("--speedup", 1e6)
         self.until(daemon, "part.zip: layer 2: cannot be read as PNG")
-
+        self.assertFalse((self.state / "archive.new").exists(), "a refused archive takes no room")
 
     def test_names_what_other_printers_print(self):
         for name in ("part.ctb", "part.pdf", "photo.png", "thumb.jpg"):
@@ -296,6 +296,7 @@ class FromAStick(Sliced):
         ):
             (self.dir / name).write_bytes(b"PK\x03\x04" + bytes(500))
             self.assertIn(words, self.print_it(self.dir / name, status=1).stderr)
+
 
 if __name__ == "__main__":
     main()
