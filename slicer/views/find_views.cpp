@@ -25,8 +25,10 @@ constexpr std::uint32_t kMaxFailedPairs = 16;    ///< pairs of peaks of one patc
 constexpr std::uint32_t kMinViewPoints = 400;
 constexpr std::uint32_t kMinViewShare = 500;  ///< or 1 / kMinViewShare of the scan's points
 
-// A grid that is known only to a coarse tolerance is grown again from elsewhere.
+// A grid that is known only to a coarse tolerance is grown again from elsewhere, until that finds few more points twice.
 constexpr std::uint32_t kMaxRestarts = 5;
+constexpr std::uint32_t kMaxVainRestarts = 2;
+constexpr std::uint32_t kFewMore = 64;  ///< less than one in so many
 constexpr float kRestartRadius = 50;  ///< spacings; that of a middle-sized patch
 constexpr double kFine = 0.01;        ///< pixels: a well-found grid has a tolerance up to this
 
@@ -208,7 +210,9 @@ class ViewFinder {
     try_from(best.grid, best.radius);
     // A grid fitted to flat faces alone may be off by whole pixels between them. Growing it from another place corrects
     // that.
-    for (std::uint32_t k = 1; k <= kMaxRestarts && best.tolerance > kFine; ++k) {
+    std::uint32_t vain = 0;
+    for (std::uint32_t k = 1; k <= kMaxRestarts && vain < kMaxVainRestarts && best.tolerance > kFine; ++k) {
+      const std::uint32_t before = most;
       std::uint32_t left = most * k / (kMaxRestarts + 1);
       std::uint32_t start = cloud_.size;
       for_each_on(best, kNoView, [&](std::uint32_t i) {
@@ -216,6 +220,7 @@ class ViewFinder {
       });
       if (start == cloud_.size) break;
       try_from(best.grid.around(cloud_.position[start]), static_cast<double>(kRestartRadius * spacing_));
+      vain = most - before < before / kFewMore ? vain + 1 : 0;
     }
     if (!claim(view, best)) grids_[view].tolerance = 0;
   }

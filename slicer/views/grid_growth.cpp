@@ -22,6 +22,7 @@ constexpr double kCoarse = 0.3;
 constexpr double kMedium = 0.2;
 constexpr double kFine = 0.12;
 constexpr double kFinest = 0.06;
+constexpr double kSettled = 0.1;  ///< share of the width: a step that moves the grid by less needs no other like it
 /// Points on a grid above those by chance, in standard deviations. High, since many pairs of peaks are tried.
 constexpr double kSignificance = 8;
 // Range of a pixel's size while its grid grows, over the first: a fit that shrinks or stretches it has left the view.
@@ -71,8 +72,12 @@ Expected<GridGrowth> GridGrowth::create(const Cloud& cloud, const KdTree3& tree,
 
 /// @returns whether clearly more points lie on the grid than would by chance
 bool GridGrowth::fit(ViewGrid& grid, const LocalPoints& points, double radius) const {
-  for (const double width : {kCoarse, kCoarse, kCoarse, kMedium, kMedium, kFine, kFine, kFinest, kFinest}) {
-    if (!fit_.improve(grid, points, radius, width)) return false;
+  for (const auto& [width, steps] : {std::pair{kCoarse, 3}, {kMedium, 2}, {kFine, 2}, {kFinest, 2}}) {
+    for (int step = 0; step < steps; ++step) {
+      const auto moved = fit_.improve(grid, points, radius, width);
+      if (!moved) return false;
+      if (*moved < kSettled * width) break;
+    }
   }
   const auto distances2 = room_.first(points.size());
   distances2_from_grid(grid, points, distances2);

@@ -14,11 +14,12 @@ namespace {
 
 constexpr const char* kStage = "views";
 
-constexpr std::uint32_t kPlaces = 16384;      ///< places measured in each round; sets the time
-constexpr std::uint32_t kFirstPlaces = 4096;  ///< the same of the first rounds, which need not be exact
-constexpr std::uint32_t kChunk = 64;          ///< places measured in parallel before they are summed up in order
-constexpr int kRounds = 5;                    ///< Gauss-Newton steps
-constexpr int kRoundsWithoutRipple = 2;       ///< first rounds: the residuals of misaligned views look like ripple
+/// Places measured before each Gauss-Newton step; they set the time. The first steps need not be exact.
+constexpr std::array<std::uint32_t, 5> kPlaces = {4096, 4096, 8192, 8192, 16384};
+constexpr std::uint32_t kLastPlaces = 4096;  ///< places measured after the last step, for the report
+constexpr std::uint32_t kMotionSample = 65536;  ///< points whose motion is averaged
+constexpr std::uint32_t kChunk = 64;         ///< places measured in parallel before they are summed up in order
+constexpr std::size_t kStepsWithoutRipple = 2;  ///< first steps: the residuals of misaligned views look like ripple
 /// A view with at least this share of the mean view's points counts fully in holding the scan in place.
 constexpr double kWholeView = 0.25;
 /// Standard deviation of the motions before the first round, in spacings. Later rounds use the variance found.
@@ -86,16 +87,17 @@ class Registrar {
     PLUMBLINE_TRY(waves);
     set_shares();
     Registration result;
-    for (int round = 0; round <= kRounds; ++round) {
-      const auto mean_square =
-          measure_places(round < kRoundsWithoutRipple ? kFirstPlaces : kPlaces,
-                         progress.part(1.0 * round / (kRounds + 1), (round + 1.0) / (kRounds + 1)));
+    constexpr std::size_t kSteps = kPlaces.size();
+    for (std::size_t step = 0; step <= kSteps; ++step) {
+      const double done = static_cast<double>(step);
+      const auto mean_square = measure_places(step < kSteps ? kPlaces[step] : kLastPlaces,
+                                              progress.part(done / (kSteps + 1), (done + 1) / (kSteps + 1)));
       PLUMBLINE_TRY(mean_square);
       if (!(*mean_square > 0)) return Registration{};
       result.after = static_cast<float>(std::sqrt(*mean_square));
-      if (round == 0) result.before = result.after;
-      if (round == kRounds || !improve()) break;
-      if (round < kRoundsWithoutRipple) continue;
+      if (step == 0) result.before = result.after;
+      if (step == kSteps || !improve()) break;
+      if (step < kStepsWithoutRipple) continue;
       for (std::size_t v = 0; v < views_.size(); ++v) {
         DepthImage image = image_of(v);
         waves->improve(views_.ripples[v], image);
@@ -238,7 +240,8 @@ class Registrar {
     double sum = 0;
     double ripple = 0;
     std::uint32_t count = 0;
-    for (std::uint32_t i = 0; i < cloud_.size; ++i) {
+    const std::uint32_t stride = std::max(1U, cloud_.size / kMotionSample);
+    for (std::uint32_t i = 0; i < cloud_.size; i += stride) {
       if (views_.view_of(i) == kNoView) continue;
       const double depth = views_.ripples[views_.view_of(i)].depth(views_.seen_position(i));
       const Vec3f by = moved_position(i) - cloud_.position[i];
@@ -251,6 +254,7 @@ class Registrar {
   }
 
   void move() {
+#pragma omp parallel for schedule(static)
     for (std::uint32_t i = 0; i < cloud_.size; ++i) {
       if (views_.view_of(i) != kNoView) cloud_.position[i] = moved_position(i);
     }

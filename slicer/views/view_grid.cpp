@@ -277,7 +277,7 @@ LocalPoints ViewGridFit::near(const ViewGrid& grid, const LocalPoints& points, d
   return {to[0].first(size), to[1].first(size), to[2].first(size)};
 }
 
-bool ViewGridFit::improve(ViewGrid& grid, const LocalPoints& points, double radius, double width) const {
+std::optional<double> ViewGridFit::improve(ViewGrid& grid, const LocalPoints& points, double radius, double width) const {
   const LocalPoints used = near(grid, points, width);
   Sums sums;
   const FlatGrid flat(grid);
@@ -292,7 +292,8 @@ bool ViewGridFit::improve(ViewGrid& grid, const LocalPoints& points, double radi
     for (int j = 0; j <= i; ++j) held(i, j) = held(j, i) = sums.products[at++];
   }
   const double trace = held.diagonal().head<11>().sum();
-  if (!(trace > 0)) return false;
+  if (!(trace > 0)) return std::nullopt;
+  const double weights = held(3, 3);  // of a0, by which a pixel moves as much
   held.diagonal().array() += kRidge * trace;
   const auto expect = [&](int i, double value, double deviation) {
     const double prior = kPixelNoise * kPixelNoise / (deviation * deviation);
@@ -312,13 +313,13 @@ bool ViewGridFit::improve(ViewGrid& grid, const LocalPoints& points, double radi
   for (const int i : {14, 15}) expect(i, grid.lens.lean[i - 14], kLikelyDistortion / reach);
   const auto factors = held.ldlt();
   const Eigen::Matrix<double, kSize, 1> step = factors.solve(target);
-  if (!step.allFinite()) return false;
+  if (!step.allFinite() || !(weights > 0)) return std::nullopt;
   for (int i = 0; i < 11; ++i) grid.map[i] -= i == 3 || i == 7 ? step[i] : step[i] / radius;
   for (int i = 0; i < 3; ++i) grid.lens.radial[static_cast<std::size_t>(i)] -= step[11 + i];
   grid.lens.lean -= step.tail<2>();
   const double variance = factors.solve(Eigen::Matrix<double, kSize, 1>::Unit(11))[11];
   if (std::abs(grid.lens.radial[0]) > kSureDeviations * kPixelNoise * std::sqrt(variance)) settle_centre(grid, reach);
-  return true;
+  return std::sqrt(std::max(0.0, step.dot(target)) / weights);
 }
 
 }  // namespace plumbline

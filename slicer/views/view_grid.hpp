@@ -69,8 +69,9 @@ class ViewGridFit {
   ///
   /// @param points  within `radius` (mm) of the grid's middle, kMaxPoints at most
   /// @param width   pixels; points farther from the grid don't count
-  /// @returns false, and leaves `grid` unchanged, if the points don't determine a step
-  bool improve(ViewGrid& grid, const LocalPoints& points, double radius, double width) const;
+  /// @returns how far the step moved the grid at the points, RMS in pixels; nothing, with `grid` unchanged, if the points don't
+  /// determine a step
+  std::optional<double> improve(ViewGrid& grid, const LocalPoints& points, double radius, double width) const;
 
  private:
   LocalPoints near(const ViewGrid& grid, const LocalPoints& points, double width) const;
