@@ -116,8 +116,7 @@ class ViewFinder {
     std::uint32_t count = 0;
 #pragma omp parallel for schedule(static) reduction(+ : count)
     for (std::uint32_t first = 0; first < cloud_.size; first += kBlock) {
-      count +=
-          for_block_on(grid, kNoView, first, [&](std::uint32_t i) { view_of_[i] = static_cast<std::uint8_t>(view); });
+      count += claim_block(static_cast<std::uint8_t>(view), grid, first);
     }
     if (count < std::max(kMinViewPoints, cloud_.size / kMinViewShare)) {
       relabel(view, kNoView);
@@ -130,31 +129,49 @@ class ViewFinder {
     return true;
   }
 
-  /// Calls `use` for points of a view that lie on a grid, among the block that begins with point `first`.
-  /// @returns how many there are
-  template <class Use>
-  std::uint32_t for_block_on(const GrownGrid& grid, std::uint32_t view, std::uint32_t first, Use use) const {
-    const auto of = view_of_.subspan(first, std::min(kBlock, cloud_.size - first));
+  std::span<std::uint8_t> views_of_block(std::uint32_t first) const {
+    return view_of_.subspan(first, std::min(kBlock, cloud_.size - first));
+  }
+  /// Which points of a view lie on a grid, among the block that begins with point `first`.
+  /// @returns how many do; if none does, `on` may not be set
+  std::uint32_t find_on(const GrownGrid& grid, std::uint32_t view, std::uint32_t first,
+                        std::array<std::uint8_t, kBlock>& on) const {
+    const auto of = views_of_block(first);
     if (std::memchr(of.data(), static_cast<int>(view), of.size()) == nullptr) return 0;
     std::array<float, kBlock> distances2;  // NOLINT(cppcoreguidelines-pro-type-member-init)
     distances2_within(grid.grid, grid.radius, cloud_.positions().subspan(first, of.size()), distances2);
     const auto most = static_cast<float>(grid.tolerance * grid.tolerance);
     std::uint32_t count = 0;
-    for (std::uint32_t k = 0; k < of.size(); ++k) {
-      if (of[k] != view || distances2[k] > most) continue;
-      use(first + k);
-      ++count;
+    for (std::uint32_t k = 0; k < of.size(); ++k) {  // without a branch
+      on[k] = static_cast<std::uint8_t>(static_cast<int>(of[k] == view) & static_cast<int>(distances2[k] <= most));
+      count += on[k];
     }
     return count;
   }
-  /// The same among every `thinning_`-th block of the cloud.
+  std::uint32_t claim_block(std::uint8_t view, const GrownGrid& grid, std::uint32_t first) {
+    std::array<std::uint8_t, kBlock> on;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+    const std::uint32_t count = find_on(grid, kNoView, first, on);
+    if (count == 0) return 0;
+    const auto of = views_of_block(first);
+    for (std::uint32_t k = 0; k < of.size(); ++k) of[k] = on[k] != 0 ? view : of[k];
+    return count;
+  }
+  /// Calls `use` for each point of a view that lies on a grid, among every `thinning_`-th block of the cloud.
+  /// @returns how many there are
   template <class Use>
   std::uint32_t for_each_on(const GrownGrid& grid, std::uint32_t view, Use use) const {
-    std::uint32_t count = 0;
+    std::array<std::uint8_t, kBlock> on;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+    std::uint32_t sum = 0;
     for (std::uint32_t first = 0; first < cloud_.size; first += thinning_ * kBlock) {
-      count += for_block_on(grid, view, first, use);
+      const std::uint32_t count = find_on(grid, view, first, on);
+      sum += count;
+      for (std::uint32_t k = 0, left = count; left > 0; ++k) {
+        if (on[k] == 0) continue;
+        use(first + k);
+        --left;
+      }
     }
-    return count;
+    return sum;
   }
   std::uint32_t count_on(const GrownGrid& grid, std::uint32_t view) const {
     return for_each_on(grid, view, [](std::uint32_t /*i*/) {});
