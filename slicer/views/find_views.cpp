@@ -29,8 +29,8 @@ constexpr std::uint32_t kMinViewShare = 500;  ///< or 1 / kMinViewShare of the s
 constexpr std::uint32_t kMaxRestarts = 5;
 constexpr std::uint32_t kMaxVainRestarts = 2;
 constexpr std::uint32_t kFewMore = 64;  ///< less than one in so many
-constexpr float kRestartRadius = 50;  ///< spacings; that of a middle-sized patch
-constexpr double kFine = 0.01;        ///< pixels: a well-found grid has a tolerance up to this
+constexpr float kRestartRadius = 50;    ///< spacings; that of a middle-sized patch
+constexpr double kFine = 0.01;          ///< pixels: a well-found grid has a tolerance up to this
 
 constexpr std::uint32_t kBlock = 128;      ///< points whose distances are measured together
 constexpr std::uint32_t kCounted = 65536;  ///< points that are enough to compare two grids by

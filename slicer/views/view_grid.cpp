@@ -289,7 +289,8 @@ LocalPoints ViewGridFit::near(const ViewGrid& grid, const LocalPoints& points, d
   return {to[0].first(size), to[1].first(size), to[2].first(size)};
 }
 
-std::optional<double> ViewGridFit::improve(ViewGrid& grid, const LocalPoints& points, double radius, double width) const {
+std::optional<double> ViewGridFit::improve(ViewGrid& grid, const LocalPoints& points, double radius,
+                                           double width) const {
   const LocalPoints used = near(grid, points, width);
   Sums sums;
   const FlatGrid flat(grid);
