@@ -25,12 +25,12 @@ constexpr std::uint32_t kMaxFailedPairs = 16;    ///< pairs of peaks of one patc
 constexpr std::uint32_t kMinViewPoints = 400;
 constexpr std::uint32_t kMinViewShare = 500;  ///< or 1 / kMinViewShare of the scan's points
 
-// A grid that is known only to a coarse tolerance is grown again from elsewhere, until that finds few more points twice.
+// A grid that is known only to a coarse tolerance is grown again from other places.
 constexpr std::uint32_t kMaxRestarts = 5;
-constexpr std::uint32_t kMaxVainRestarts = 2;
-constexpr std::uint32_t kFewMore = 64;  ///< less than one in so many
-constexpr float kRestartRadius = 50;    ///< spacings; that of a middle-sized patch
-constexpr double kFine = 0.01;          ///< pixels: a well-found grid has a tolerance up to this
+constexpr std::uint32_t kMaxVainRestarts = 2;  ///< restarts in a row that find hardly more points
+constexpr std::uint32_t kHardlyMore = 64;      ///< less than 1 / kHardlyMore more
+constexpr float kRestartRadius = 50;           ///< spacings; that of a middle-sized patch
+constexpr double kFine = 0.01;                 ///< pixels: a well-found grid has a tolerance up to this
 
 constexpr std::uint32_t kBlock = 128;      ///< points whose distances are measured together
 constexpr std::uint32_t kCounted = 65536;  ///< points that are enough to compare two grids by
@@ -132,8 +132,8 @@ class ViewFinder {
   std::span<std::uint8_t> views_of_block(std::uint32_t first) const {
     return view_of_.subspan(first, std::min(kBlock, cloud_.size - first));
   }
-  /// Which points of a view lie on a grid, among the block that begins with point `first`.
-  /// @returns how many do; if none does, `on` may not be set
+  /// Sets `on` to 1 for the points of a view that lie on a grid, else to 0, in the block that begins with point `first`.
+  /// @returns how many lie on it; if none does, `on` may be left as it was
   std::uint32_t find_on(const GrownGrid& grid, std::uint32_t view, std::uint32_t first,
                         std::array<std::uint8_t, kBlock>& on) const {
     const auto of = views_of_block(first);
@@ -148,6 +148,7 @@ class ViewFinder {
     }
     return count;
   }
+  /// Gives the free points on a grid to `view`, in the block that begins with point `first`.
   std::uint32_t claim_block(std::uint8_t view, const GrownGrid& grid, std::uint32_t first) {
     std::array<std::uint8_t, kBlock> on;  // NOLINT(cppcoreguidelines-pro-type-member-init)
     const std::uint32_t count = find_on(grid, kNoView, first, on);
@@ -237,7 +238,7 @@ class ViewFinder {
       });
       if (start == cloud_.size) break;
       try_from(best.grid.around(cloud_.position[start]), static_cast<double>(kRestartRadius * spacing_));
-      vain = most - before < before / kFewMore ? vain + 1 : 0;
+      vain = most - before < before / kHardlyMore ? vain + 1 : 0;
     }
     if (!claim(view, best)) grids_[view].tolerance = 0;
   }

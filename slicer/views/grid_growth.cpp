@@ -22,7 +22,7 @@ constexpr double kCoarse = 0.3;
 constexpr double kMedium = 0.2;
 constexpr double kFine = 0.12;
 constexpr double kFinest = 0.06;
-constexpr double kSettled = 0.1;  ///< share of the width: a step that moves the grid by less needs no other like it
+constexpr double kSettled = 0.1;  ///< share of the width: after a step that moves the grid by less comes the next width
 /// Points on a grid above those by chance, in standard deviations. High, since many pairs of peaks are tried.
 constexpr double kSignificance = 8;
 // Range of a pixel's size while its grid grows, over the first: a fit that shrinks or stretches it has left the view.

@@ -14,11 +14,12 @@ namespace {
 
 constexpr const char* kStage = "views";
 
-/// Places measured before each Gauss-Newton step; they set the time. The first steps need not be exact.
+/// Number of places that are measured before each Gauss-Newton step. Most of the time goes into measuring them, and only the last
+/// step has to be exact.
 constexpr std::array<std::uint32_t, 5> kPlaces = {4096, 4096, 8192, 8192, 16384};
-constexpr std::uint32_t kLastPlaces =
-    4096;  ///< places measured after the last step, which tell whether it was worth it
-constexpr std::uint32_t kMotionSample = 65536;  ///< points whose motion is averaged
+/// The same after the last step. They show how much closer the views have come, which decides whether the views are moved.
+constexpr std::uint32_t kLastPlaces = kPlaces.front();
+constexpr std::uint32_t kMotionSample = 65536;  ///< points, at least, whose motions are averaged
 constexpr std::uint32_t kChunk = 64;            ///< places measured in parallel before they are summed up in order
 constexpr std::size_t kStepsWithoutRipple = 2;  ///< first steps: the residuals of misaligned views look like ripple
 /// A view with at least this share of the mean view's points counts fully in holding the scan in place.

@@ -84,27 +84,15 @@ PLUMBLINE_INLINE void distance2_of(Lanes& distance2, const FlatGrid& grid, const
   distance2 = p.q < static_cast<float>(kMinQ) ? Lanes{} + 1 : p.du * p.du + p.dv * p.dv;
 }
 
-/// Coordinates of kLanes points, from x, y, z of each.
-PLUMBLINE_INLINE void load_points(Lanes& x, Lanes& y, Lanes& z, const float* from) {
-  Lanes a, b, c;
-  load(a, from);
-  load(b, from + kLanes);
-  load(c, from + 2 * kLanes);
-  x = __builtin_shufflevector(__builtin_shufflevector(a, b, 0, 3, 6, 9, 12, 15, 0, 0), c, 0, 1, 2, 3, 4, 5, 10, 13);
-  y = __builtin_shufflevector(__builtin_shufflevector(a, b, 1, 4, 7, 10, 13, 0, 0, 0), c, 0, 1, 2, 3, 4, 8, 11, 14);
-  z = __builtin_shufflevector(__builtin_shufflevector(a, b, 2, 5, 8, 11, 14, 0, 0, 0), c, 0, 1, 2, 3, 4, 9, 12, 15);
-}
-
 PLUMBLINE_WIDE void measure_within(const FlatGrid& grid, const Vec3f& middle, float radius2, const Vec3f* points,
                                    std::size_t size, float* distances2) {
   for (std::size_t i = 0; i < size; i += kLanes) {
     Lanes x, y, z, distance2;
-    if (i + kLanes <= size) {
-      load_points(x, y, z, points[i].data());
-    } else {
-      float last[3 * kLanes] = {};  // NOLINT(cppcoreguidelines-avoid-c-arrays)
-      std::copy(points[i].data(), points[i].data() + 3 * (size - i), last);
-      load_points(x, y, z, last);
+    for (std::size_t k = 0; k < kLanes; ++k) {
+      const float* const point = points[std::min(i + k, size - 1)].data();
+      x[k] = point[0];
+      y[k] = point[1];
+      z[k] = point[2];
     }
     x -= middle.data()[0];
     y -= middle.data()[1];
@@ -305,8 +293,8 @@ std::optional<double> ViewGridFit::improve(ViewGrid& grid, const LocalPoints& po
     for (int j = 0; j <= i; ++j) held(i, j) = held(j, i) = sums.products[at++];
   }
   const double trace = held.diagonal().head<11>().sum();
-  if (!(trace > 0)) return std::nullopt;
-  const double weights = held(3, 3);  // of a0, by which a pixel moves as much
+  const double weights = held(3, 3);  // nearly: a pixel moves by as much as a0, but for lens and perspective
+  if (!(weights > 0)) return std::nullopt;
   held.diagonal().array() += kRidge * trace;
   const auto expect = [&](int i, double value, double deviation) {
     const double prior = kPixelNoise * kPixelNoise / (deviation * deviation);
@@ -326,7 +314,7 @@ std::optional<double> ViewGridFit::improve(ViewGrid& grid, const LocalPoints& po
   for (const int i : {14, 15}) expect(i, grid.lens.lean[i - 14], kLikelyDistortion / reach);
   const auto factors = held.ldlt();
   const Eigen::Matrix<double, kSize, 1> step = factors.solve(target);
-  if (!step.allFinite() || !(weights > 0)) return std::nullopt;
+  if (!step.allFinite()) return std::nullopt;
   for (int i = 0; i < 11; ++i) grid.map[i] -= i == 3 || i == 7 ? step[i] : step[i] / radius;
   for (int i = 0; i < 3; ++i) grid.lens.radial[static_cast<std::size_t>(i)] -= step[11 + i];
   grid.lens.lean -= step.tail<2>();
