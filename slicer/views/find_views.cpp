@@ -20,6 +20,7 @@ constexpr std::array<float, 3> kPatchRadii = {36, 50, 70};
 constexpr std::uint32_t kMaxSeeds = 400;         ///< patches in all
 constexpr std::uint32_t kMaxFailedPatches = 16;  ///< patches in a row that show no view
 constexpr std::uint32_t kMaxFailedPairs = 16;    ///< pairs of peaks of one patch that turn out not to be a grid
+constexpr std::uint32_t kJudgedViews = 8;        ///< the first views, which tell whether the scan is made of views
 
 // Least number of points of a view. Fewer may lie on a grid by chance, and hardly determine the view's position.
 constexpr std::uint32_t kMinViewPoints = 400;
@@ -57,9 +58,12 @@ class ViewFinder {
     PLUMBLINE_TRY(grids);
     growth_ = *growth;
     grids_ = *grids;
-    if (!search(*patch, progress.part(0, kSearched)) || !refine(progress.part(kSearched, 1))) {
-      return fail(ErrorCode::kCancelled, "cancelled while views were looked for");
+    if (!search(*patch, progress.part(0, kSearched))) return cancelled();
+    if (!is_made_of_views()) {
+      std::fill(view_of_.begin(), view_of_.end(), kNoView);
+      return FoundViews{};
     }
+    if (!refine(progress.part(kSearched, 1))) return cancelled();
     FoundViews found;
     found.count = views_;
     found.points = assign_points();
@@ -68,6 +72,10 @@ class ViewFinder {
   }
 
  private:
+  static tl::unexpected<Error> cancelled() {
+    return fail(ErrorCode::kCancelled, "cancelled while views were looked for");
+  }
+
   bool search(PatchGrids& patch, const StageProgress& progress) {
     std::uint32_t failures = 0;
     std::uint64_t seed = 0;
@@ -81,6 +89,7 @@ class ViewFinder {
       const std::uint32_t before = views_;
       search_around(i, patch);
       failures = views_ > before ? 0 : failures + 1;
+      if (!is_made_of_views() && views_ >= kJudgedViews) break;
     }
     return true;
   }
@@ -103,6 +112,7 @@ class ViewFinder {
         if (!start) continue;
         const auto grown = growth_->grow(*start, static_cast<double>(patch.radius()), patch.points());
         if (grown && claim(views_, *grown)) {
+          if (views_ < kJudgedViews) facing_ += count_facing(views_);
           ++views_;
         } else {
           ++failures;
@@ -127,6 +137,23 @@ class ViewFinder {
     radial_ += count * grid.grid.lens.radial[0];
     growth_->expect_lens(radial_ / static_cast<double>(claimed_));
     return true;
+  }
+
+  /// Points of a view whose surface was seen from the front, less those where it was seen from behind. In a camera's
+  /// view the second kind are on its grid by chance. Points on a lattice are as often one as the other.
+  std::uint64_t count_facing(std::uint32_t view) const {
+    std::int64_t sum = 0;
+#pragma omp parallel for schedule(static) reduction(+ : sum)
+    for (std::uint32_t i = 0; i < cloud_.size; ++i) {
+      if (view_of_[i] != view) continue;
+      const Vec3d ray = grids_[view].grid.ray(cloud_.position[i]);
+      sum += ray.dot(cloud_.normal[i].unpack().cast<double>()) > 0 ? 1 : -1;
+    }
+    return static_cast<std::uint64_t>(std::abs(sum));
+  }
+  /// Whether the first views are as large as those of a scan that is made of kMaxViews views at most.
+  bool is_made_of_views() const {
+    return facing_ * kMaxViews >= std::uint64_t{std::min(views_, kJudgedViews)} * cloud_.size;
   }
 
   std::span<std::uint8_t> views_of_block(std::uint32_t first) const {
@@ -290,6 +317,7 @@ class ViewFinder {
   std::uint32_t thinning_;  ///< every how many-th block is enough to count
   std::uint32_t views_ = 0;
   double radial_ = 0;          ///< sum of the lens's first coefficient over the claimed points
+  std::uint64_t facing_ = 0;   ///< sum of count_facing() over the first views, as they were when found
   std::uint64_t claimed_ = 0;  ///< points given to views; counted again when a view is grown again
 };
 

@@ -142,6 +142,36 @@ TEST(FindViews, FindsTheSameViewsOfAShuffledScanForAnyNumberOfThreads) {
   EXPECT_GT(right, 0.98 * views.points);
 }
 
+/// @returns how many views the search finds in a scan
+std::uint32_t views_in(const Surface& surface, float spacing = kSpacing) {
+  Scan scan(surface);
+  std::vector<std::uint8_t> found(scan.cloud.size);
+  const FoundViews views = value_of(find_views(scan.cloud, scan.tree, spacing, found, *scan.block));
+  EXPECT_EQ(std::any_of(found.begin(), found.end(), [](std::uint8_t v) { return v != kNoView; }), views.count > 0);
+  return views.count;
+}
+
+TEST(FindViews, FindsNoneInFlatFacesThatAreSampledByVoxels) {
+  constexpr double kVoxel = 0.25;  // mm
+  Random random(6);
+  Surface plate;
+  for (const double side : {-1.0, 1.0}) {
+    for (int i = -90; i < 90; ++i) {
+      for (int j = -90; j < 90; ++j) {
+        for (const double height : {4.0, 4.0 + kVoxel}) {
+          const Vec3d off = random.vector() * 0.06 * kVoxel;
+          plate.push_back({Vec3d(i * kVoxel, j * kVoxel, height * side) + off, Vec3d(0, 0, side)});
+        }
+      }
+    }
+  }
+  EXPECT_EQ(views_in(plate, 0.18F), 0U);
+}
+
+TEST(FindViews, FindsNoneWhereTheGridsBendAsNoCameraBendsThem) {
+  EXPECT_EQ(views_in(scan_ellipsoid({.wobble = 1}, 1).surface), 0U);
+}
+
 TEST(ViewGrid, ProjectsTheSameAroundAnotherMiddle) {
   ViewGrid grid;
   grid.middle = Vec3f(1, 2, 3);

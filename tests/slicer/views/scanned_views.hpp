@@ -23,6 +23,7 @@ struct Cameras {
   double shift = 0.05;       ///< standard deviation over the views along each axis, mm
   double turn = 0.002;       ///< standard deviation over the views about each axis, radians
   double lens = 0;           ///< radial distortion, as a share at the edge of the ellipsoid
+  double wobble = 0;         ///< of rows and columns, as of a scanner that is swept by hand; amplitude in pixels
   double ripple = 0;         ///< amplitude along the ray of each view's two waves of 4 to 8 mm, mm
 };
 
@@ -62,7 +63,9 @@ inline ScannedViews scan_ellipsoid(const Cameras& cameras, std::uint32_t seed) {
     for (int j = -half; j <= half; ++j) {
       for (int i = -half; i <= half; ++i) {
         const double bent = 1 + cameras.lens * (i * i + j * j) / (half * half);
-        const Vec3d ray = (ahead * kDistance + (right * i + down * j) * (cameras.pixel * bent)).normalized();
+        const double u = i + cameras.wobble * std::sin(0.07 * j + v);
+        const double w = j + cameras.wobble * std::sin(0.09 * i + v);
+        const Vec3d ray = (ahead * kDistance + (right * u + down * w) * (cameras.pixel * bent)).normalized();
         // |(eye + t ray) / axes| = 1
         const Vec3d e = eye.cwiseQuotient(kEllipsoid);
         const Vec3d r = ray.cwiseQuotient(kEllipsoid);
