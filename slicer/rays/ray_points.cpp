@@ -1,6 +1,7 @@
 #include "slicer/rays/ray_points.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -9,10 +10,17 @@ namespace {
 
 constexpr const char* kStage = "ray search";
 
+/// Ascends with the depth, then with the index of the point, which is its lower half.
+std::uint64_t depth_key(float depth, std::uint32_t index) {
+  constexpr std::uint32_t kSign = 1U << 31U;
+  const auto bits = std::bit_cast<std::uint32_t>(depth + 0.0F);  // which turns -0 into 0
+  return std::uint64_t{(bits & kSign) != 0 ? ~bits : bits | kSign} << 32U | index;
+}
+
 }  // namespace
 
 std::size_t RayGatherer::bytes_needed(std::uint32_t capacity) {
-  return Arena::rounded(capacity * sizeof(TilePoint)) + Arena::rounded(capacity * sizeof(std::uint32_t)) +
+  return Arena::rounded(capacity * sizeof(TilePoint)) + Arena::rounded(capacity * sizeof(std::uint64_t)) +
          Arena::rounded(capacity * sizeof(float)) + RayPoints::bytes_needed(capacity);
 }
 
@@ -25,7 +33,7 @@ Expected<RayGatherer> RayGatherer::create(const Cloud& cloud, const KdTree2& tre
   auto tile = arena.take_top<TilePoint>(capacity, kStage);
   if (!tile) return tl::unexpected<Error>(tile.error());
   gatherer.tile_ = *tile;
-  auto chosen = arena.take_top<std::uint32_t>(capacity, kStage);
+  auto chosen = arena.take_top<std::uint64_t>(capacity, kStage);
   if (!chosen) return tl::unexpected<Error>(chosen.error());
   gatherer.chosen_ = *chosen;
   auto half_chord = arena.take_top<float>(capacity, kStage);
@@ -48,11 +56,7 @@ void RayGatherer::gather(const Vec2f& low, const Vec2f& high) {
     const float dy = std::max({low[1] - p[1], 0.0F, p[1] - high[1]});
     return dx * dx + dy * dy < radius * radius;
   };
-  const auto keep = [&](std::uint32_t i) {
-    const PackedNormal& n = cloud_->normal[i];
-    const float radius = std::min(cloud_->radius[i], max_radius_);
-    tile_[count_++] = {cloud_->position[i], radius, 1.0F / (radius * radius), n.unpack(), i, n.weight};
-  };
+  const auto keep = [&](std::uint32_t i) { chosen_[count_++] = depth_key(cloud_->position[i][2], i); };
 
   count_ = 0;
   thinned_ = false;
@@ -75,11 +79,15 @@ void RayGatherer::gather(const Vec2f& low, const Vec2f& high) {
       }
     });
   }
+  std::sort(chosen_.begin(), chosen_.begin() + count_);
   tile_reach_ = 0;
-  for (const TilePoint& p : tile_.first(count_)) tile_reach_ = std::max(tile_reach_, p.radius);
-  std::sort(tile_.begin(), tile_.begin() + count_, [](const TilePoint& a, const TilePoint& b) {
-    return a.position[2] < b.position[2] || (a.position[2] == b.position[2] && a.index < b.index);
-  });
+  for (std::uint32_t t = 0; t < count_; ++t) {
+    const auto i = static_cast<std::uint32_t>(chosen_[t]);
+    const PackedNormal& n = cloud_->normal[i];
+    const float radius = std::min(cloud_->radius[i], max_radius_);
+    tile_[t] = {cloud_->position[i], radius, 1.0F / (radius * radius), n.unpack(), i, n.weight};
+    tile_reach_ = std::max(tile_reach_, radius);
+  }
 }
 
 const RayPoints& RayGatherer::points_of_ray(float x, float y) {
@@ -120,7 +128,7 @@ void RayGatherer::add_chosen(float x, float y) {
   c.reach = 0;
   continued_low_ = std::numeric_limits<float>::max();
   continued_high_ = std::numeric_limits<float>::lowest();
-  for (const std::uint32_t t : chosen_.first(chosen_count_)) {
+  for (const std::uint64_t t : chosen_.first(chosen_count_)) {
     const TilePoint& p = tile_[t];
     const float dx = x - p.position[0];
     const float dy = y - p.position[1];

@@ -55,7 +55,7 @@ class RayGatherer {
   const KdTree2* tree_ = nullptr;
   float max_radius_ = 0;
   std::span<TilePoint> tile_;
-  std::span<std::uint32_t> chosen_;  ///< tile points of a ray
+  std::span<std::uint64_t> chosen_;  ///< tile points of a ray; while gathering, keys that sort them by depth
   std::uint32_t chosen_count_ = 0;
   std::span<float> half_chord_;
   RayPoints columns_;
