@@ -129,7 +129,7 @@ void RayGatherer::add_chosen(float x, float y) {
   continued_low_ = std::numeric_limits<float>::max();
   continued_high_ = std::numeric_limits<float>::lowest();
   for (const std::uint64_t t : chosen_.first(chosen_count_)) {
-    const TilePoint& p = tile_[t];
+    const TilePoint& p = tile_[static_cast<std::size_t>(t)];
     const float dx = x - p.position[0];
     const float dy = y - p.position[1];
     if constexpr (Chords) half_chord_[c.size] = std::sqrt(p.radius * p.radius - (dx * dx + dy * dy));
