@@ -1,5 +1,7 @@
 #include "slicer/surface/bores/round_bores.hpp"
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 
@@ -37,6 +39,9 @@ constexpr int kWalled = 7;                  ///< of eight directions with wall: 
 constexpr int kBare = 5;                    ///< with fewer, a step counts as unseen
 constexpr std::uint32_t kMinRatio = 3;      ///< points of its own wall for each point of another
 constexpr float kRetryDistance = 0.3F;      ///< widths; no new attempt starts closer to one that failed
+// Two first fits from one end that are the same cylinder, which is followed once.
+constexpr float kSameAxis = 0.995F;  ///< least inner product of their axes: 6 degrees
+constexpr float kSamePlace = 0.1F;   ///< largest distance of their axes, and difference of their radii, in radii
 
 /// A rotation that advances in equal steps. Its step is given by the tangent of half the angle, since sines differ
 /// between C libraries.
@@ -86,6 +91,14 @@ std::uint32_t octant(float t, float s) {
   return (t > 0 ? 1U : 0U) | (s > 0 ? 2U : 0U) | (std::abs(t) > std::abs(s) ? 4U : 0U);
 }
 
+bool are_same(const Cylinder& a, const Cylinder& b) {
+  const Vec3f apart = a.middle - b.middle;
+  const Vec3f across = apart - b.axis * apart.dot(b.axis);
+  const float limit = kSamePlace * b.radius;
+  return std::abs(a.axis.dot(b.axis)) > kSameAxis && across.dot(across) < limit * limit &&
+         std::abs(a.radius - b.radius) < limit;
+}
+
 class RoundBores {
  public:
   explicit RoundBores(BoreSurface& surface)
@@ -97,6 +110,8 @@ class RoundBores {
     const float width = end.width;
     const Frame frame(n);
     Turn turn(kTwelfth);
+    std::array<Cylinder, 12> followed;
+    std::size_t count = 0;
     for (int k = 0; k < 12; ++k, turn.advance()) {
       Cylinder c{surface_.position(end.point) + n * (0.5F * width), frame.at(turn.cosine(), turn.sine()), 0.5F * width};
       if (std::popcount(survey(c, {-0.5F * width, 0.5F * width}, 0.25F * width, 0).wall) < kWalled) continue;
@@ -104,8 +119,10 @@ class RoundBores {
         return fit(c, {-width, width}, std::max(tolerance * width, tolerance_), true) &&
                c.radius < kMaxRadius * width && c.radius > kMinRadius * width;
       });
-      if (!fits) continue;
+      const auto known = std::span(followed).first(count);
+      if (!fits || std::any_of(known.begin(), known.end(), [&](const Cylinder& f) { return are_same(c, f); })) continue;
       if (auto bore = follow(c)) return bore;
+      followed[count++] = c;
     }
     return std::nullopt;
   }
