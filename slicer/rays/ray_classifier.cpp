@@ -67,9 +67,9 @@ Expected<RayClassifier> RayClassifier::create(const Cloud& cloud, const KdTree2&
 }
 
 void RayClassifier::judge_tile(std::uint32_t level) {
-  Verdict& verdict = column_verdicts_[level];
+  Verdict& verdict = verdicts_[meeting_number_][level];
   if (verdict == Verdict::kUnknown) {
-    const float w = winding_.tree()({column_centre_[0], column_centre_[1], level_height(level)});
+    const float w = winding_({meeting_[0], meeting_[1], level_height(level)});
     verdict = w > WindingTree::kSurface + kSure   ? Verdict::kInside
               : w < WindingTree::kSurface - kSure ? Verdict::kOutside
                                                   : Verdict::kUnsure;
@@ -87,18 +87,21 @@ void RayClassifier::begin_tile(std::uint32_t column, std::uint32_t row) {
   gatherer_.gather(low, high);
 
   levels_.fill({});
+  const auto corner = [&](std::uint32_t of_column, std::uint32_t of_row) {
+    return Vec2f(static_cast<float>(of_column) * grid_.pitch_x_mm, static_cast<float>(of_row) * grid_.pitch_y_mm);
+  };
   const std::uint32_t first_column = column / kColumnSide * kColumnSide;
   const std::uint32_t first_row = row / kColumnSide * kColumnSide;
-  const auto corner = [&](std::uint32_t rays) {
-    return Vec2f(static_cast<float>(first_column + rays) * grid_.pitch_x_mm,
-                 static_cast<float>(first_row + rays) * grid_.pitch_y_mm);
-  };
-  const Vec2f column_centre = corner(kColumnSide / 2);
-  if (column_centre != column_centre_) {
-    column_verdicts_.fill(Verdict::kUnknown);
-    winding_.begin(corner(0), corner(kColumnSide));
+  const Vec2f column_corner = corner(first_column, first_row);
+  if (column_corner != column_corner_) {
+    column_corner_ = column_corner;
+    verdicts_ = {};
+    winding_.begin(column_corner, corner(first_column + kColumnSide, first_row + kColumnSide));
   }
-  column_centre_ = column_centre;
+  const std::uint32_t across = column / kMeetingSide;
+  const std::uint32_t along = row / kMeetingSide;
+  meeting_number_ = along % kMeetings * kMeetings + across % kMeetings;
+  meeting_ = corner(across * kMeetingSide + kTileSide, along * kMeetingSide + kTileSide);
   // Depths ascend. A level below the support of one point stays free, even if a later point's wider support reaches down to it.
   free_levels_ = 0;
   std::uint32_t level = 0;

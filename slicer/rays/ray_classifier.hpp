@@ -47,7 +47,7 @@ struct RayClassifierSettings {
 /// of the scan and a band only a few.
 class RayClassifier {
  public:
-  static constexpr std::uint32_t kColumnSide = 2 * kTileSide;  ///< rays
+  static constexpr std::uint32_t kColumnSide = 4 * kTileSide;  ///< rays
   static constexpr std::uint32_t kMaxCrossings =
       254;  ///< a ray; if it has more, the thinnest intervals are dropped. Counts fit a byte
 
@@ -86,7 +86,7 @@ class RayClassifier {
   };
   /// Inside or outside by the winding number at fixed levels, for a block of rays. Away from points the number changes slowly,
   /// so the first ray of the block for which a level is sure (kSure) answers for all. Levels that no point of the tile reaches are
-  /// answered for the whole tile by the centre of the column of tiles, if the number there is sure (kSure).
+  /// answered for the whole tile by the corner in which it meets three others of its column, if the number there is sure (kSure).
   struct LevelSet {
     std::uint64_t known = 0;  ///< bit k: level k is answered
     std::uint64_t inside = 0;
@@ -99,6 +99,8 @@ class RayClassifier {
     }
   };
   static constexpr std::uint32_t kLevels = 64;
+  static constexpr std::uint32_t kMeetingSide = 2 * kTileSide;             ///< rays
+  static constexpr std::uint32_t kMeetings = kColumnSide / kMeetingSide;  ///< along a side of a column
   static constexpr std::uint32_t kBlock = 4;  ///< rays a side
   /// Where the ends of a gap agree, only every kStride-th level is checked. A thinner solid of which the scan shows neither
   /// underside nor top is missed.
@@ -131,9 +133,11 @@ class RayClassifier {
   PrintGrid grid_;
   RayClassifierSettings settings_;
   std::span<RayCrossing> crossings_;
-  /// Verdicts at the levels in the centre of the column of tiles, found when first needed.
-  std::array<Verdict, kLevels> column_verdicts_{};
-  Vec2f column_centre_ = Vec2f::Constant(-1);
+  /// Verdicts at the levels in each place of the column where four tiles meet, found when first needed.
+  std::array<std::array<Verdict, kLevels>, kMeetings * kMeetings> verdicts_{};
+  Vec2f column_corner_ = Vec2f::Constant(-1);
+  Vec2f meeting_ = Vec2f::Zero();     ///< of the tile, mm
+  std::uint32_t meeting_number_ = 0;  ///< index into verdicts_
   std::array<LevelSet, (kTileSide / kBlock) * (kTileSide / kBlock)> levels_{};
   std::uint64_t free_levels_ = 0;  ///< bit k: no point of the tile reaches level k
   std::uint32_t ray_block_ = 0;    ///< index into levels_ for the ray
