@@ -209,7 +209,7 @@ Expected<CommandTaker::ReportPart> PrinterDaemon::read_report(std::uint64_t from
 Expected<std::optional<StickJob>> PrinterDaemon::choose(const StickMount& mount) {
   auto offer = StickOffer::read(mount, slicing_, settings_, observer_);
   PLUMBLINE_TRY(offer);
-  if (offer->choices() == 1 && settings_.machine.start == StartChoice::kOnStick) return offer->job();
+  if (offer->is_certain() && settings_.machine.start == StartChoice::kOnStick) return offer->job();
   offer_ = &*offer;
   const auto answer = offer->ask(answers_);
   offer_ = nullptr;
@@ -252,7 +252,8 @@ Expected<bool> PrinterDaemon::prepare_scan(PrintSession& session, const CheckedA
   {
     // Without room for them there are none to look at.
     const auto masks = OfferedMasks::create(sliced, profile, settings_.machine, arena_);
-    const auto wanted = accept(sliced.rrep.grid, extent_of(sliced.rrep), sliced.findings, profile, masks ? masks->get() : nullptr);
+    const auto wanted =
+        accept(sliced.rrep.grid, extent_of(sliced.rrep), sliced.findings, profile, masks ? masks->get() : nullptr);
     if (!wanted || !*wanted) return wanted;
   }
   PLUMBLINE_TRY(session.take(sliced, name, profile));
@@ -294,17 +295,17 @@ Status PrinterDaemon::serve_stick() {
     auto read = settings_.profile(job.profile);
     PLUMBLINE_TRY(read);
     profile = std::move(*read);
-    auto scan = mount->open(job.scan);
+    auto scan = open_scan(job, *mount);
     PLUMBLINE_TRY(scan);
     apply(PrintEvent::kJobTaken);
     FixedText<400> text;
-    text.add("reading %s, profile %s", job.scan.c_str(), profile->name.c_str());
+    text.add("reading %s, profile %s", job.title().c_str(), profile->name.c_str());
     observer_.say(text.view());
     const auto asked = stick_request(job, *scan, *profile, settings_);
     PLUMBLINE_TRY(asked);
     request = *asked;
-    if (is_archive_name(job.scan)) {
-      auto copied = slicing_.copy(*mount, *scan, store_);
+    if (is_archive_name(job.scans[0])) {
+      auto copied = slicing_.copy(*mount, scan->front(), store_);
       PLUMBLINE_TRY(copied);
       copy.emplace(std::move(*copied));
     } else {
