@@ -246,8 +246,8 @@ Expected<bool> PrinterDaemon::accept(const PrintGrid& grid, const MaskExtent& ex
   return *accepted;
 }
 
-Expected<bool> PrinterDaemon::prepare_scan(PrintSession& session, const CheckedAnswer& answer, std::string_view name,
-                                           const PrintProfile& profile) {
+Expected<bool> PrinterDaemon::prepare_scan(PrintSession& session, const CheckedAnswer& answer,
+                                           const ScanRequest& request, const PrintProfile& profile) {
   const SlicedScan& sliced = answer.sliced;
   {
     // Without room for them there are none to look at.
@@ -256,7 +256,8 @@ Expected<bool> PrinterDaemon::prepare_scan(PrintSession& session, const CheckedA
         accept(sliced.rrep.grid, extent_of(sliced.rrep), sliced.findings, profile, masks ? masks->get() : nullptr);
     if (!wanted || !*wanted) return wanted;
   }
-  PLUMBLINE_TRY(session.take(sliced, name, profile));
+  for (const RequestedFile& file : request.files()) session.add_scan_file(file.name.view());
+  PLUMBLINE_TRY(session.take(sliced, request.name.view(), profile));
   return true;
 }
 
@@ -319,8 +320,8 @@ Status PrinterDaemon::serve_stick() {
     }
   }
   observer_.say("the stick may be pulled");
-  const auto ready = copy ? prepare_archive(session, *copy, *request, *profile)
-                          : prepare_scan(session, *answer, request->name.view(), *profile);
+  const auto ready =
+      copy ? prepare_archive(session, *copy, *request, *profile) : prepare_scan(session, *answer, *request, *profile);
   if (copy && (!ready || !*ready)) store_.drop_received();
   PLUMBLINE_TRY(ready);
   if (!*ready) return {};

@@ -72,7 +72,7 @@ class Scans(StatePrinter):
         self.assertEqual(job["files"], ["bust/back.ply", "bust/front.ply"])
         user.do("start")
         report, masks = self.printed(user)
-        self.assertEqual((report["scan"], masks), ("bust/back.ply and 1 more", hashes))
+        self.assertEqual((report["scan"], report["files"], masks), ("bust/back.ply and 1 more", job["files"], hashes))
 
     def test_bad_file_is_named(self):
         _, user = self.start(speedup=1e4)
