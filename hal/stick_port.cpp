@@ -130,25 +130,45 @@ Expected<StickFile> StickMount::open(std::string_view name) const {
 
 Status StickMount::check() const { return port_->check_mounted(); }
 
-Status StickMount::for_each_file(FileVisitor& visitor) const {
+bool StickMount::is_folder(std::string_view name) const {
+  const int file = stays_inside(name) ? open_below(folder_, name) : -1;
+  struct stat facts {};
+  const bool folder = file >= 0 && ::fstat(file, &facts) == 0 && S_ISDIR(facts.st_mode);
+  if (file >= 0) ::close(file);
+  return folder;
+}
+
+Status StickMount::for_each_file(FileVisitor& visitor, std::string_view folder) const {
   PLUMBLINE_TRY(port_->check_mounted());
+  const auto refused = [folder](int reason) {
+    if (folder.empty()) {
+      return fail(ErrorCode::kCannotRead, "the stick's files can't be listed: %s", std::strerror(reason));
+    }
+    const int shown = static_cast<int>(std::min<std::size_t>(folder.size(), 200));
+    return fail(ErrorCode::kCannotRead, "%.*s: its files can't be listed: %s", shown, folder.data(),
+                std::strerror(reason));
+  };
+  if (!folder.empty() && !stays_inside(folder)) return refused(EACCES);
   // A descriptor of its own: a directory stream moves its descriptor's position and closes it.
-  const int again = ::openat(folder_, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  DIR* const folder = again < 0 ? nullptr : ::fdopendir(again);
-  if (folder == nullptr) {
+  const int again =
+      folder.empty() ? ::openat(folder_, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC) : open_below(folder_, folder);
+  DIR* const listing = again < 0 ? nullptr : ::fdopendir(again);
+  if (listing == nullptr) {
     const int reason = errno;
     if (again >= 0) ::close(again);
     PLUMBLINE_TRY(port_->check_mounted());
-    return fail(ErrorCode::kCannotRead, "the stick's files can't be listed: %s", std::strerror(reason));
+    return refused(reason);
   }
   errno = 0;
-  while (const dirent* const entry = ::readdir(folder)) {
+  while (const dirent* const entry = ::readdir(listing)) {
     struct stat facts {};
     if (entry->d_name[0] != '.') {
-      if (::fstatat(folder_, entry->d_name, &facts, AT_SYMLINK_NOFOLLOW) != 0) {
+      if (::fstatat(again, entry->d_name, &facts, AT_SYMLINK_NOFOLLOW) != 0) {
         visitor.on_other(entry->d_name, "unreadable");
       } else if (S_ISREG(facts.st_mode)) {
         visitor.on_file(entry->d_name, static_cast<std::uint64_t>(facts.st_size));
+      } else if (S_ISDIR(facts.st_mode)) {
+        visitor.on_folder(entry->d_name);
       } else {
         visitor.on_other(entry->d_name, kind_of(facts.st_mode));
       }
@@ -156,9 +176,9 @@ Status StickMount::for_each_file(FileVisitor& visitor) const {
     errno = 0;
   }
   const int reason = errno;
-  ::closedir(folder);
+  ::closedir(listing);
   PLUMBLINE_TRY(port_->check_mounted());
-  if (reason != 0) return fail(ErrorCode::kCannotRead, "the stick's files can't be listed: %s", std::strerror(reason));
+  if (reason != 0) return refused(reason);
   return {};
 }
 

@@ -82,10 +82,15 @@ class StickMount {
     virtual void on_file(std::string_view name, std::uint64_t bytes) = 0;
     /// @param what  "a folder", "a symbolic link", "a pipe", ...: it can't be read as a file
     virtual void on_other(std::string_view name, const char* what) = 0;
+    virtual void on_folder(std::string_view name) { on_other(name, "a folder"); }
   };
-  /// Visits what is in the stick's top folder in no particular order, without hidden names. Opens nothing.
-  /// @retval ErrorCode::kCannotRead, kStickGone, kPowerLost
-  [[nodiscard]] Status for_each_file(FileVisitor& visitor) const;
+  /// Visits what is in a folder in no particular order, without hidden names. Opens no file.
+  /// @param folder  as the name of open(); empty: the stick's top folder
+  /// @retval ErrorCode::kCannotRead  also: it is no folder
+  /// @retval ErrorCode::kStickGone, kPowerLost
+  [[nodiscard]] Status for_each_file(FileVisitor& visitor, std::string_view folder = {}) const;
+  /// Whether a name of open() is a folder.
+  [[nodiscard]] bool is_folder(std::string_view name) const;
 
  private:
   friend class StickPort;

@@ -3,7 +3,7 @@
 /// among them: they are in the shared memory.
 ///
 ///   template -> firmware   ready, or why not
-///   firmware -> template   start, with the scan's descriptor       the template forks a child
+///   firmware -> template   start, with the files' descriptors      the template forks a child
 ///   firmware -> template   kill                                    the child is killed
 ///   template -> firmware   ended                                   once for each start, when no thread of the child is left
 

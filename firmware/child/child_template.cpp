@@ -10,6 +10,7 @@
 #include <array>
 #include <csignal>
 #include <latch>
+#include <span>
 #include <string_view>
 #include <thread>
 #include <vector>
@@ -40,11 +41,15 @@ void leave_stacks(std::uint32_t threads) {
   for (auto& thread : team) thread.join();
 }
 
-[[noreturn]] void run_child(int scan, pid_t parent, SharedMemory& memory, std::uint32_t threads, ChildTask task) {
+[[noreturn]] void run_child(std::span<const int> files, pid_t parent, SharedMemory& memory, std::uint32_t threads,
+                            ChildTask task) {
   end_with(parent);
   ::prctl(PR_SET_NAME, "plumbline-scan", 0, 0, 0);
   ::close(kKeptDescriptor);
-  if (scan != 0) ::_exit(1);                          // the lowest free number
+  if (files.empty()) ::_exit(1);
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    if (files[i] != static_cast<int>(i)) ::_exit(1);  // the lowest free numbers
+  }
   static_cast<void>(lock_memory(Untouched::kLeave));  // not inherited
   task(memory, threads);
   ::_exit(0);
@@ -73,16 +78,16 @@ class Template {
     ChildMessage message;
     const auto received = receive_message(kKeptDescriptor, std::as_writable_bytes(std::span(&message, 1)));
     if (!received || received->bytes != sizeof message) return false;
-    if (message.word == ChildWord::kStart) start(received->descriptor);
+    if (message.word == ChildWord::kStart) start(*received);
     if (message.word == ChildWord::kKill && child_ > 0) ::kill(child_, SIGKILL);
     return true;
   }
 
-  void start(int scan) {
+  void start(const ReceivedMessage& files) {
     const pid_t self = ::getpid();
     child_ = ::fork();
-    if (child_ == 0) run_child(scan, self, memory_, threads_, task_);
-    ::close(scan);
+    if (child_ == 0) run_child(files.descriptors(), self, memory_, threads_, task_);
+    files.close_descriptors();
     // By number: C libraries older than Debian 12's lack the function.
     if (child_ > 0) process_file_ = static_cast<int>(::syscall(SYS_pidfd_open, child_, 0));
     if (child_ < 0 || process_file_ < 0) report_end();

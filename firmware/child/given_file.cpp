@@ -9,17 +9,17 @@ namespace plumbline {
 
 Expected<std::size_t> GivenFile::read(std::span<std::byte> buffer) {
   for (;;) {
-    const ssize_t got = ::read(STDIN_FILENO, buffer.data(), buffer.size());
+    const ssize_t got = ::read(descriptor_, buffer.data(), buffer.size());
     if (got >= 0) return static_cast<std::size_t>(got);
     if (errno == EINTR) continue;
     return fail(ErrorCode::kCannotRead,
                 "%s: %s: the stick has bad sectors or a damaged file system:\tcopy the file to another stick",
-                request_.name.c_str(), std::strerror(errno));
+                file_.name.c_str(), std::strerror(errno));
   }
 }
 
 Status GivenFile::rewind() {
-  if (::lseek(STDIN_FILENO, 0, SEEK_SET) != 0) return ByteSource::rewind();
+  if (::lseek(descriptor_, 0, SEEK_SET) != 0) return ByteSource::rewind();
   return {};
 }
 

@@ -5,18 +5,19 @@
 
 namespace plumbline {
 
-/// The file that a child reads: its only descriptor, 0.
+/// A file that a child reads.
 class GivenFile final : public ByteSource {
  public:
-  explicit GivenFile(const ScanRequest& request) : request_(request) {}
+  GivenFile(int descriptor, const RequestedFile& file) : descriptor_(descriptor), file_(file) {}
 
   Expected<std::size_t> read(std::span<std::byte> buffer) override;
-  std::string_view name() const override { return request_.name.view(); }
-  std::optional<std::uint64_t> size() const override { return request_.size; }
+  std::string_view name() const override { return file_.name.view(); }
+  std::optional<std::uint64_t> size() const override { return file_.size; }
   Status rewind() override;
 
  private:
-  const ScanRequest& request_;
+  int descriptor_;
+  const RequestedFile& file_;
 };
 
 }  // namespace plumbline

@@ -4,11 +4,14 @@
 #include <array>
 #include <cstdint>
 
+#include "slicer/reader/scan_sources.hpp"
+
 namespace plumbline {
 
 /// The fields of a StickJob.
 struct JobAnswer {
-  std::array<char, 256> scan{};
+  std::array<std::array<char, 256>, kMostScans> scan{};
+  std::uint32_t scans = 0;  ///< how many
   std::array<char, 64> profile{};
   std::uint32_t units = 0;     ///< a Units
   std::uint32_t as = 0;        ///< a ReadAs

@@ -20,7 +20,8 @@ namespace plumbline {
 /// @param kept  a descriptor
 /// @returns, @pre, @retval as give_up_files()
 [[nodiscard]] Expected<bool> give_up_rights(int kept);
-inline constexpr int kKeptDescriptor = 3;
+/// Above those of the scan's files, which have 0, 1, ...
+inline constexpr int kKeptDescriptor = 32;
 
 /// After this call the threads of the process can only compute, wait for each other, read the descriptors they have, and exit. A request
 /// for memory fails. Any other system call kills the process (SIGSYS).

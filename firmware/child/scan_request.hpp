@@ -1,11 +1,15 @@
 #pragma once
 /// What the firmware asks the slicing child for.
 
+#include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
+#include <string_view>
 
 #include "firmware/archive/layer_archive.hpp"
 #include "firmware/io/fixed_text.hpp"
+#include "slicer/reader/scan_sources.hpp"
 #include "slicer/slice_settings.hpp"
 #include "slicer/supports/support_settings.hpp"
 
@@ -25,14 +29,29 @@ struct ArchiveRequest {
       0;  ///< kLayer: byte of the arena where the mask goes, on a page. The child can't write to the arena before it
 };
 
-/// One scan, a stick's job file, or an archive. Its bytes come through the child's descriptor.
-struct ScanRequest {
-  bool is_job_file = false;  ///< only its name and size count
+/// One of the files of a request.
+struct RequestedFile {
   FixedText<256> name;
   std::optional<std::uint64_t> size;  ///< bytes, if known
-  SliceSettings settings;             ///< with a printer
+};
+
+/// One scan of one or several files, a stick's job file, or an archive. The bytes of file i come through the child's descriptor i.
+struct ScanRequest {
+  bool is_job_file = false;  ///< only the file counts
+  FixedText<256> name;       ///< for messages
+  std::array<RequestedFile, kMostScans> file;
+  std::uint32_t file_count = 0;
+  SliceSettings settings;  ///< with a printer
   std::optional<SupportSettings> supports;
   ArchiveRequest archive;
+
+  /// @pre file_count < kMostScans
+  void add_file(std::string_view file_name, std::optional<std::uint64_t> bytes) {
+    RequestedFile& added = file[file_count++];
+    added.name.add("%.*s", static_cast<int>(file_name.size()), file_name.data());
+    added.size = bytes;
+  }
+  std::span<const RequestedFile> files() const { return std::span(file).first(file_count); }
 };
 
 }  // namespace plumbline

@@ -1,5 +1,7 @@
 #include "firmware/child/scan_task.hpp"
 
+#include <vector>
+
 #include "firmware/child/given_file.hpp"
 #include "firmware/child/rights.hpp"
 #include "firmware/child/shared_progress.hpp"
@@ -53,12 +55,13 @@ void run_scan_task(SharedMemory& memory, std::uint32_t threads) {
   MessagePage& page = memory.page();
   if (!filter_system_calls()) return refuse_without_filter(page.answer);
   Arena arena(memory.arena());
-  GivenFile scan(page.request);
-  ByteSource* const one[] = {&scan};
+  std::vector<GivenFile> files;
+  for (const RequestedFile& file : page.request.files()) files.emplace_back(static_cast<int>(files.size()), file);
+  std::vector<ByteSource*> sources;
+  for (GivenFile& file : files) sources.push_back(&file);
   SharedProgress progress(page.progress);
   SliceReport report;
-  const auto sliced =
-      slice_for_print(ScanSources(one), page.request.settings, page.request.supports, arena, &progress, report);
+  const auto sliced = slice_for_print(sources, page.request.settings, page.request.supports, arena, &progress, report);
   if (sliced) {
     hand_back(*sliced, report, arena, page.answer, memory.arena());
     // If the arena has no room for it, the job has no picture.

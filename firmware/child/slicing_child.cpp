@@ -15,10 +15,10 @@
 namespace plumbline {
 namespace {
 
-bool send(const Descriptor& socket, ChildWord word, int descriptor = -1) {
+bool send(const Descriptor& socket, ChildWord word, std::span<const int> descriptors = {}) {
   ChildMessage message;
   message.word = word;
-  return send_message(socket.get(), std::as_bytes(std::span(&message, 1)), descriptor);
+  return send_message(socket.get(), std::as_bytes(std::span(&message, 1)), descriptors);
 }
 
 std::optional<ChildMessage> receive(const Descriptor& socket) {
@@ -73,7 +73,7 @@ tl::unexpected<Error> SlicingChild::has_gone() {
       "scans can't be read any more, since the process that reads them has ended:\tswitch the printer off and on");
 }
 
-Status SlicingChild::start(const ScanRequest& request, int scan) {
+Status SlicingChild::start(const ScanRequest& request, std::span<const int> files) {
   MessagePage& page = memory_.page();
   page.request = request;
   page.answer = ScanAnswer();
@@ -81,7 +81,7 @@ Status SlicingChild::start(const ScanRequest& request, int scan) {
   page.progress.beats = 0;
   page.progress.stage = 0;
   page.progress.permille = 0;
-  return send(socket_, ChildWord::kStart, scan) ? Status() : Status(has_gone());
+  return send(socket_, ChildWord::kStart, files) ? Status() : Status(has_gone());
 }
 
 Expected<std::optional<int>> SlicingChild::wait(std::chrono::milliseconds patience) {

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <memory>
 #include <optional>
+#include <span>
 
 #include "firmware/child/child_template.hpp"
 #include "firmware/child/scan_task.hpp"
@@ -38,10 +39,11 @@ class SlicingChild {
   pid_t template_process() const { return template_; }
 
   /// Starts a child on a scan.
-  /// @param scan  its descriptor; the caller closes its own
+  /// @param files  descriptors of the request's files, 1 to kMostScans; the caller closes its own
   /// @pre no child runs
   /// @retval ErrorCode::kDeviceTimeout  the template has ended
-  [[nodiscard]] Status start(const ScanRequest& request, int scan);
+  [[nodiscard]] Status start(const ScanRequest& request, std::span<const int> files);
+  [[nodiscard]] Status start(const ScanRequest& request, int file) { return start(request, std::span(&file, 1)); }
   /// Waits for the child to end. Once it has, none of its threads is left, so nothing changes the arena or the answer any more.
   /// @returns its status as wait(2) gives it; nothing: it still runs
   /// @retval ErrorCode::kDeviceTimeout  the template has ended

@@ -209,7 +209,7 @@ Expected<CommandTaker::ReportPart> PrinterDaemon::read_report(std::uint64_t from
 Expected<std::optional<StickJob>> PrinterDaemon::choose(const StickMount& mount) {
   auto offer = StickOffer::read(mount, slicing_, settings_, observer_);
   PLUMBLINE_TRY(offer);
-  if (offer->choices() == 1 && settings_.machine.start == StartChoice::kOnStick) return offer->job();
+  if (offer->is_certain() && settings_.machine.start == StartChoice::kOnStick) return offer->job();
   offer_ = &*offer;
   const auto answer = offer->ask(answers_);
   offer_ = nullptr;
@@ -246,16 +246,18 @@ Expected<bool> PrinterDaemon::accept(const PrintGrid& grid, const MaskExtent& ex
   return *accepted;
 }
 
-Expected<bool> PrinterDaemon::prepare_scan(PrintSession& session, const CheckedAnswer& answer, std::string_view name,
-                                           const PrintProfile& profile) {
+Expected<bool> PrinterDaemon::prepare_scan(PrintSession& session, const CheckedAnswer& answer,
+                                           const ScanRequest& request, const PrintProfile& profile) {
   const SlicedScan& sliced = answer.sliced;
   {
     // Without room for them there are none to look at.
     const auto masks = OfferedMasks::create(sliced, profile, settings_.machine, arena_);
-    const auto wanted = accept(sliced.rrep.grid, extent_of(sliced.rrep), sliced.findings, profile, masks ? masks->get() : nullptr);
+    const auto wanted =
+        accept(sliced.rrep.grid, extent_of(sliced.rrep), sliced.findings, profile, masks ? masks->get() : nullptr);
     if (!wanted || !*wanted) return wanted;
   }
-  PLUMBLINE_TRY(session.take(sliced, name, profile));
+  for (const RequestedFile& file : request.files()) session.add_scan_file(file.name.view());
+  PLUMBLINE_TRY(session.take(sliced, request.name.view(), profile));
   return true;
 }
 
@@ -294,17 +296,17 @@ Status PrinterDaemon::serve_stick() {
     auto read = settings_.profile(job.profile);
     PLUMBLINE_TRY(read);
     profile = std::move(*read);
-    auto scan = mount->open(job.scan);
+    auto scan = open_scan(job, *mount);
     PLUMBLINE_TRY(scan);
     apply(PrintEvent::kJobTaken);
     FixedText<400> text;
-    text.add("reading %s, profile %s", job.scan.c_str(), profile->name.c_str());
+    text.add("reading %s, profile %s", job.title().c_str(), profile->name.c_str());
     observer_.say(text.view());
     const auto asked = stick_request(job, *scan, *profile, settings_);
     PLUMBLINE_TRY(asked);
     request = *asked;
-    if (is_archive_name(job.scan)) {
-      auto copied = slicing_.copy(*mount, *scan, store_);
+    if (is_archive_name(job.scans[0])) {
+      auto copied = slicing_.copy(*mount, scan->front(), store_);
       PLUMBLINE_TRY(copied);
       copy.emplace(std::move(*copied));
     } else {
@@ -318,8 +320,8 @@ Status PrinterDaemon::serve_stick() {
     }
   }
   observer_.say("the stick may be pulled");
-  const auto ready = copy ? prepare_archive(session, *copy, *request, *profile)
-                          : prepare_scan(session, *answer, request->name.view(), *profile);
+  const auto ready =
+      copy ? prepare_archive(session, *copy, *request, *profile) : prepare_scan(session, *answer, *request, *profile);
   if (copy && (!ready || !*ready)) store_.drop_received();
   PLUMBLINE_TRY(ready);
   if (!*ready) return {};

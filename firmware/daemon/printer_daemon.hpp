@@ -63,7 +63,7 @@ class PrinterDaemon final : public CommandTaker {
   Expected<bool> accept(const PrintGrid& grid, const MaskExtent& extent, const StackFindings& findings,
                         const PrintProfile& profile, OfferedMasks* masks);
   /// Prepares a session to print what was read, if somebody wants it.
-  Expected<bool> prepare_scan(PrintSession& session, const CheckedAnswer& answer, std::string_view name,
+  Expected<bool> prepare_scan(PrintSession& session, const CheckedAnswer& answer, const ScanRequest& request,
                               const PrintProfile& profile);
   /// The same for an archive that was copied; a child checks it first.
   /// @param profile  gets the archive's exposures

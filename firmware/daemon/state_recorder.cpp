@@ -96,16 +96,32 @@ void StateRecorder::found(const StickScans& scans) {
   const auto before = record_.scans;
   const std::size_t count_before = record_.scan_count;
   record_.has_job_file = !scans.job_file.view().empty();
-  record_.scan_count = scans.count;
+  record_.scan_count = 0;
   record_.scans_left_out = scans.left_out;
-  for (std::size_t i = 0; i < scans.count; ++i) {
-    ScanRecord& scan = record_.scans[i];
+  const auto add = [&](std::string_view name, std::size_t files, std::uint64_t bytes) -> ScanRecord& {
+    ScanRecord& scan = record_.scans[record_.scan_count++];
     scan = {};
-    assign(scan.name, scans.list[i].name.view());
-    scan.bytes = scans.list[i].bytes;
-    if (scan.bytes == 0) assign(scan.problem, "the file is empty");
+    assign(scan.name, name);
+    scan.files = static_cast<std::uint32_t>(files);
+    scan.bytes = bytes;
     for (std::size_t k = 0; k < count_before; ++k) {
-      if (before[k].name.view() == scan.name.view() && before[k].bytes == scan.bytes) scan.problem = before[k].problem;
+      const ScanRecord& known = before[k];
+      if (known.name.view() == scan.name.view() && known.files == files && known.bytes == bytes)
+        scan.problem = known.problem;
+    }
+    return scan;
+  };
+  for (std::size_t i = 0; i < scans.count; ++i) {
+    const StickScan& found = scans.list[i];
+    ScanRecord& scan = add(found.name.view(), 1, found.bytes);
+    if (found.bytes == 0 && scan.problem.view().empty()) assign(scan.problem, "the file is empty");
+  }
+  for (const StickSeries& series : scans.series) {
+    ScanRecord& scan = add(series.names[0], series.names.size(), series.bytes);
+    if (series.names.size() > kMostScans) {
+      FixedText<80> text;
+      text.add("one scan may have %zu files at most", kMostScans);
+      assign(scan.problem, text.view());
     }
   }
 }
@@ -113,7 +129,10 @@ void StateRecorder::found(const StickScans& scans) {
 void StateRecorder::offered(const StickJob& job, std::string_view profile, std::optional<std::size_t> chosen) {
   JobRecord& record = record_.job.emplace();
   static_cast<JobSettings&>(record) = job;
-  assign(record.scan, job.scan);
+  assign(record.scan, job.title());
+  for (const std::string& file : job.scans) {
+    if (record.file_count < record.files.size()) assign(record.files[record.file_count++], file);
+  }
   assign(record.profile, profile);
   record.chosen = chosen;
 }

@@ -10,6 +10,7 @@
 
 #include "firmware/daemon/daemon_observer.hpp"
 #include "firmware/daemon/stick/stick_job.hpp"
+#include "firmware/daemon/stick/stick_scans.hpp"
 #include "firmware/print/status/fault.hpp"
 #include "firmware/state/printer_record.hpp"
 #include "hal/stick_port.hpp"

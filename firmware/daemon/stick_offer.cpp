@@ -22,15 +22,16 @@ Expected<StickOffer> StickOffer::read(const StickMount& mount, ScanSlicing& slic
     auto job = slicing.read_job(mount, *file);
     PLUMBLINE_TRY(job);
     offer.job_ = std::move(*job);
-  } else if (scans->count == 0 && scans->foreign) {
+    PLUMBLINE_TRY(find_files(offer.job_, mount));
+  } else if (offer.choices() == 0 && scans->foreign) {
     return tl::unexpected<Error>(*scans->foreign);
-  } else if (scans->count == 0) {
+  } else if (offer.choices() == 0) {
     return fail(ErrorCode::kNoPoints,
                 "there is no scan or mesh on the stick, nor a sliced archive:\tput an STL, OBJ, PLY, OFF, PCD, XYZ or "
                 ".sl1 file in its "
                 "top folder");
   } else {
-    offer.job_.scan = scans->list[0].name.view();
+    offer.job_.scans = offer.files_of(0);
     if (scans->foreign) recorder.say(scans->foreign->message());
   }
   offer.record();
@@ -58,16 +59,24 @@ void StickOffer::show() const {
   const bool several = choices() > 1;
   FixedText<400> text;
   if (several) text.add("scan %zu of %zu: ", chosen_ + 1, choices());
-  text.add("%s%s%s. Press start to print it%s", scans_.job_file.c_str(), has_job_file() ? " asks for " : "",
-           job_.scan.c_str(), several ? ", pause for the next one, cancel for none" : "");
+  if (has_job_file()) text.add("%s asks for ", scans_.job_file.c_str());
+  if (job_.scans.size() > 1) text.add("%zu scans as one: ", job_.scans.size());
+  text.add("%s. Press start to print it%s", job_.title().c_str(),
+           several ? ", pause for the next one, cancel for none" : "");
   recorder_->say(text.view());
+}
+
+/// The files of a choice: those of a series come after the single scans.
+std::vector<std::string> StickOffer::files_of(std::size_t choice) const {
+  if (choice >= scans_.count) return scans_.series[choice - scans_.count].names;
+  return {std::string(scans_.list[choice].name.view())};
 }
 
 /// @pre scan < choices()
 void StickOffer::choose(std::size_t scan) {
   if (choices() == 1) return;
   chosen_ = scan;
-  job_.scan = scans_.list[scan].name.view();
+  job_.scans = files_of(scan);
   record();
   show();
 }

@@ -1,13 +1,16 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "firmware/daemon/answers.hpp"
 #include "firmware/daemon/daemon_settings.hpp"
 #include "firmware/daemon/state_recorder.hpp"
 #include "firmware/daemon/stick/scan_slicing.hpp"
 #include "firmware/daemon/stick/stick_job.hpp"
+#include "firmware/daemon/stick/stick_scans.hpp"
 #include "firmware/state/client_request.hpp"
 #include "hal/events.hpp"
 #include "slicer/core/error.hpp"
@@ -18,14 +21,16 @@ namespace plumbline {
 class StickOffer {
  public:
   /// Reads what a stick has. Both settings and recorder must outlive the offer.
-  /// @retval the errors of list_scans() and of ScanSlicing::read_job()
+  /// @retval the errors of list_scans(), of ScanSlicing::read_job() and of find_files()
   /// @retval ErrorCode::kNoPoints  there is no scan
   [[nodiscard]] static Expected<StickOffer> read(const StickMount& mount, ScanSlicing& slicing,
                                                  const DaemonSettings& settings, StateRecorder& recorder);
 
   const StickJob& job() const { return job_; }
-  /// Scans to choose from; 1 if a job file says what is printed.
-  std::size_t choices() const { return has_job_file() ? 1 : scans_.count; }
+  /// Scans and series to choose from; 1 if a job file says what is printed.
+  std::size_t choices() const { return has_job_file() ? 1 : scans_.count + scans_.series.size(); }
+  /// Whether nobody has to choose: a job file, or one scan and nothing else. That scans are parts of one is only a guess.
+  bool is_certain() const { return has_job_file() || (choices() == 1 && scans_.series.empty()); }
 
   /// Says what would be printed, and waits for what people make of it. Pause chooses the next scan.
   /// @returns start: job() is wanted; otherwise cancel, the stick's departure or a shutdown
@@ -39,6 +44,7 @@ class StickOffer {
   StickOffer(const DaemonSettings& settings, StateRecorder& recorder) : settings_(&settings), recorder_(&recorder) {}
   bool has_job_file() const { return !scans_.job_file.view().empty(); }
   void show() const;
+  std::vector<std::string> files_of(std::size_t choice) const;
   void choose(std::size_t scan);
   Status set(std::string_view key, std::string_view value);
   void record() const;
@@ -47,7 +53,7 @@ class StickOffer {
   StateRecorder* recorder_;
   StickScans scans_;
   StickJob job_;
-  std::size_t chosen_ = 0;  ///< of the scans, if there is no job file
+  std::size_t chosen_ = 0;  ///< of the scans and series, if there is no job file
 };
 
 }  // namespace plumbline

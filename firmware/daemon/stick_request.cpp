@@ -7,11 +7,18 @@
 
 namespace plumbline {
 
-Expected<ScanRequest> stick_request(const StickJob& job, const StickFile& scan, const PrintProfile& profile,
+Expected<ScanRequest> stick_request(const StickJob& job, std::span<const StickFile> scan, const PrintProfile& profile,
                                     const DaemonSettings& daemon) {
   ScanRequest request;
-  request.name.add("%s", job.scan.c_str());
-  request.size = scan.size();
+  request.name.add("%s", job.title().c_str());
+  for (const StickFile& file : scan) {
+    if (scan.size() > 1 && is_archive_name(file.name())) {
+      return fail(ErrorCode::kBadSetting,
+                  "%s: is sliced already, so it can't be part of a scan.\tTake it out of the list `scan`",
+                  PrintableText(file.name()).c_str());
+    }
+    request.add_file(file.name(), file.size());
+  }
   request.settings.threads = daemon.threads;
   request.settings.as = job.as;
   request.settings.base = job.base;
@@ -30,13 +37,13 @@ Expected<ScanRequest> stick_request(const StickJob& job, const StickFile& scan, 
   PLUMBLINE_TRY(supports);
   request.supports = *supports;
   if (*supports) placement.room = support_room(**supports);
-  if (is_archive_name(job.scan)) {
+  if (is_archive_name(scan[0].name())) {
     const JobSettings& settings = job;
     if (settings != JobSettings()) {
       return fail(ErrorCode::kBadSetting,
                   "%s: is sliced already, so of the job's settings only the profile counts.\tLeave out the others, or "
                   "put the mesh or scan that it was made of on the stick",
-                  PrintableText(job.scan).c_str());
+                  job.title().c_str());
     }
     request.archive.ask = ArchiveRequest::Ask::kCheck;
     request.supports.reset();

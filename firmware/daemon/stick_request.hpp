@@ -1,5 +1,7 @@
 #pragma once
 
+#include <span>
+
 #include "firmware/child/scan_request.hpp"
 #include "firmware/daemon/daemon_settings.hpp"
 #include "firmware/daemon/stick/stick_job.hpp"
@@ -11,10 +13,10 @@ namespace plumbline {
 
 /// What the slicing child is asked for, to print a job from a stick. Runs the checks of the print that don't depend on its height, before
 /// the minutes that slicing takes.
-/// @param scan     the job's file, open
+/// @param scan     the job's files, open
 /// @param profile  the job's
-/// @retval ErrorCode::kBadSetting  the profile's supports, and any error of plan_print()
-[[nodiscard]] Expected<ScanRequest> stick_request(const StickJob& job, const StickFile& scan,
+/// @retval ErrorCode::kBadSetting  an archive that is part of a scan or has settings, the profile's supports, and any error of plan_print()
+[[nodiscard]] Expected<ScanRequest> stick_request(const StickJob& job, std::span<const StickFile> scan,
                                                   const PrintProfile& profile, const DaemonSettings& daemon);
 
 }  // namespace plumbline

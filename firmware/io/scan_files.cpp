@@ -1,19 +1,58 @@
 #include "firmware/io/scan_files.hpp"
 
+#include <filesystem>
+#include <iterator>
+#include <system_error>
+#include <utility>
+
+#include "firmware/io/scan_names.hpp"
 #include "slicer/core/printable_text.hpp"
 
 namespace plumbline {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The paths, and instead of each folder those of its scans.
+Expected<std::vector<std::string>> with_folders_listed(std::span<const std::string> paths) {
+  std::vector<std::string> listed;
+  for (const std::string& path : paths) {
+    std::error_code problem;
+    if (!fs::is_directory(path, problem)) {
+      listed.push_back(path);
+      continue;
+    }
+    FolderScans scans;
+    for (fs::directory_iterator entry(path, problem), end; !problem && entry != end; entry.increment(problem)) {
+      const std::string name = entry->path().filename().string();
+      std::error_code unknown;
+      if (!name.starts_with('.') && !entry->is_directory(unknown)) scans.add(name);
+    }
+    if (problem) {
+      return fail(ErrorCode::kCannotOpen, "%s: the folder can't be listed: %s", path.c_str(),
+                  problem.message().c_str());
+    }
+    auto found = scans.paths(without_slash(path));
+    PLUMBLINE_TRY(found);
+    std::move(found->begin(), found->end(), std::back_inserter(listed));
+  }
+  return listed;
+}
+
+}  // namespace
 
 Expected<ScanFiles> ScanFiles::open(std::span<const std::string> paths) {
-  if (paths.empty() || paths.size() > kMostScans) {
+  auto listed = with_folders_listed(paths);
+  PLUMBLINE_TRY(listed);
+  if (listed->empty() || listed->size() > kMostScans) {
     return fail(
         ErrorCode::kBadSetting,
         "a scan of %zu files was given; it may have 1 to %zu. Join some of them: text files can be concatenated",
-        paths.size(), kMostScans);
+        listed->size(), kMostScans);
   }
   ScanFiles scan;
-  scan.files_.reserve(paths.size());
-  for (const std::string& path : paths) {
+  scan.files_.reserve(listed->size());
+  for (const std::string& path : *listed) {
     auto file = FileSource::open(path);
     PLUMBLINE_TRY(file);
     scan.files_.push_back(std::move(*file));

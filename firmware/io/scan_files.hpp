@@ -12,7 +12,8 @@ namespace plumbline {
 
 class ScanFiles {
  public:
-  /// @param paths  1 to kMostScans, in the order to read them
+  /// @param paths  files in the order to read them, and folders, whose scans are read in the order of their names: 1 to kMostScans files
+  /// @retval the errors of FolderScans::paths()
   /// @retval ErrorCode::kCannotOpen   any of them: FileSource::open()
   /// @retval ErrorCode::kBadSetting   too many, or none
   [[nodiscard]] static Expected<ScanFiles> open(std::span<const std::string> paths);

@@ -1,5 +1,7 @@
 #include "firmware/print/print_session.hpp"
 
+#include <utility>
+
 #include "firmware/slice/issue_report.hpp"
 #include "slicer/core/printable_text.hpp"
 
@@ -30,7 +32,12 @@ Status PrintSession::slice_scan(ScanSources scan, const SliceSettings& settings,
   PLUMBLINE_TRY(sliced);
   PLUMBLINE_TRY(judge(sliced->findings, sliced->rrep.grid, profile.checks));
   support_settings_ = supports;
+  for (const ByteSource* const file : scan) add_scan_file(file->name());
   return take(*sliced, title_of(scan).c_str(), profile);
+}
+
+void PrintSession::add_scan_file(std::string_view name) {
+  scan_files_[scan_file_count_++].add("%s", PrintableText(name, 79).c_str());
 }
 
 Status PrintSession::take(const SlicedScan& sliced, std::string_view scan, const PrintProfile& profile) {

@@ -182,6 +182,12 @@ void write_print_report(JsonWriter& json, const PrintOutcome& outcome) {
   const JobFacts& facts = outcome.session.facts();
   json.begin_object();
   json.member("scan", view(facts.scan));
+  if (const auto files = outcome.session.scan_files(); files.size() > 1) {
+    json.key("files");
+    json.begin_array(Layout::kOneLine);
+    for (const auto& file : files) json.value(file.view());
+    json.end_array();
+  }
   json.member("printer", view(facts.printer));
   json.member("profile", view(facts.profile));
   json.member("state", to_string(report.state));

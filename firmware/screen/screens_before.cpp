@@ -48,6 +48,12 @@ void draw_hint(const Sheet& sheet, const PixelBox& box, const JobRecord& job) {
     sheet.page.paragraph(box, sheet.say(Words::kJobFileAsks), sheet.plain(ink::kPale));
     return;
   }
+  if (job.file_count > 1) {
+    FixedText<kMostScans * 82> files;
+    for (std::size_t i = 0; i < job.file_count; ++i) files.add("%s%s", i == 0 ? "" : ", ", job.files[i].c_str());
+    sheet.page.paragraph(box, files.view(), sheet.plain(ink::kPale, Fit::kMayCut));
+    return;
+  }
   FixedText<200> text;
   const auto profile = sheet.say(Words::kProfile);
   text.add("%.*s %s", static_cast<int>(profile.size()), profile.data(), job.profile.c_str());
@@ -96,8 +102,10 @@ void draw_scans(const Sheet& sheet) {
     } else {
       const ScanRecord& scan = record.scans[row];
       const bool bad = !scan.problem.view().empty();
-      FixedText<96> name;
-      name.add("%s%s", bad ? "⚠ " : "", scan.name.c_str());
+      FixedText<160> name;
+      if (bad) name.add("⚠ ");
+      if (scan.files > 1) name.add("%s: ", filled_in(sheet.say(Words::kScansAsOne), scan.files).c_str());
+      name.add("%s%s", scan.name.c_str(), scan.files > 1 ? ", …" : "");
       draw_pair(sheet, room, name.view(), file_size(scan.bytes, sheet.language).view(),
                 sheet.plain(bad ? ink::kAttention : ink::kText, Fit::kMayCut));
     }

@@ -41,6 +41,7 @@ constexpr std::array kTable{
     Row{kShowAgain,
         {"▶ shows what is on it. Or plug in another one.", "▶ zeigt, was darauf ist. Oder einen anderen einstecken."}},
     Row{kJobFileAsks, {"job.toml asks for this scan", "job.toml verlangt diesen Scan"}},
+    Row{kScansAsOne, {"%u scans as one", "%u Scans als einer"}},
     Row{kEmptyStick, {"Looking at the stick", "Stick wird angesehen"}},
     Row{kPleaseWait, {"Please wait", "Bitte warten"}},
     Row{kStep, {"Step %u of %u", "Schritt %u von %u"}},

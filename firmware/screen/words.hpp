@@ -37,6 +37,7 @@ enum class Words : std::uint8_t {
   kStickIsIn,
   kShowAgain,
   kJobFileAsks,
+  kScansAsOne,
   kEmptyStick,
   kPleaseWait,
   kStep,
@@ -103,7 +104,7 @@ enum class Words : std::uint8_t {
 };
 inline constexpr std::size_t kWordsCount = static_cast<std::size_t>(Words::kPageCode) + 1;
 
-/// Some have places for numbers, as printf has them: kStep and kLayerOf two %u, kLayers one, kTimeLeft and kPageCode a %s.
+/// Some have places for numbers, as printf has them: kStep and kLayerOf two %u, kLayers and kScansAsOne one, kTimeLeft and kPageCode a %s.
 std::string_view words(Words which, Language language);
 
 }  // namespace plumbline

@@ -29,6 +29,9 @@ std::string allowed(const SettingRule& rule) {
       return "a string of " + range +
              (text.kind == TextKind::kName ? " letters, digits, spaces and . _ -" : " characters");
     }
+    std::string operator()(const PathListSetting& paths) const {
+      return "a string of " + range + " characters, or an array of 1 to " + std::to_string(paths.most) + " of them";
+    }
     std::string operator()(const std::uint32_t*) const { return "an integer from " + range + rule.unit; }
     std::string operator()(const double*) const { return "a number from " + range + rule.unit; }
     std::string operator()(const bool*) const { return "true or false"; }

@@ -68,6 +68,20 @@ bool store_text(const TextSetting& text, const SettingRule& rule, const toml::no
   return true;
 }
 
+bool store_paths(const PathListSetting& paths, const SettingRule& rule, const toml::node& node) {
+  std::vector<std::string> values;
+  const auto take = [&](const toml::node& path) {
+    return store_text({&values.emplace_back(), TextKind::kPath}, rule, path);
+  };
+  if (const toml::array* const list = node.as_array()) {
+    if (list->empty() || list->size() > paths.most || !std::all_of(list->begin(), list->end(), take)) return false;
+  } else if (!take(node)) {
+    return false;
+  }
+  *paths.values = std::move(values);
+  return true;
+}
+
 /// @returns false and stores nothing if the rule does not allow the value
 bool store(const SettingRule& rule, const toml::node& node) {
   struct Store {
@@ -76,6 +90,7 @@ bool store(const SettingRule& rule, const toml::node& node) {
     bool in_range(double value) const { return value >= rule.low && value <= rule.high; }  // NaN is not
 
     bool operator()(const TextSetting& text) const { return store_text(text, rule, node); }
+    bool operator()(const PathListSetting& paths) const { return store_paths(paths, rule, node); }
     bool operator()(std::uint32_t* integer) const {
       const auto value = node.value_exact<std::int64_t>();
       if (!value || !in_range(static_cast<double>(*value))) return false;

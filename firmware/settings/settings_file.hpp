@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include "slicer/core/error.hpp"
 
@@ -39,12 +40,18 @@ struct TextSetting {
   TextKind kind = TextKind::kName;
 };
 
+/// One path or an array of paths.
+struct PathListSetting {
+  std::vector<std::string>* values = nullptr;
+  std::size_t most = 0;  ///< paths
+};
+
 /// One key of a file: its table, what it accepts, and where its value goes.
 struct SettingRule {
   std::string_view table;
   std::string_view key;
-  std::variant<TextSetting, std::uint32_t*, double*, bool*, ChoiceSetting, NumberChoiceSetting> value;
-  double low = 0;         ///< least number, or fewest characters of a text; unused for a choice
+  std::variant<TextSetting, PathListSetting, std::uint32_t*, double*, bool*, ChoiceSetting, NumberChoiceSetting> value;
+  double low = 0;         ///< least number, or fewest characters of each text; unused for a choice
   double high = 0;        ///< greatest; both are allowed
   const char* unit = "";  ///< for messages, with a leading space
   Presence presence = Presence::kRequired;

@@ -17,6 +17,7 @@
 #include "firmware/settings/job_settings.hpp"
 #include "slicer/core/printable_text.hpp"
 #include "slicer/core/progress.hpp"
+#include "slicer/reader/scan_sources.hpp"
 
 namespace plumbline {
 
@@ -28,14 +29,17 @@ void assign(FixedText<Capacity>& to, std::string_view text) {
 }
 
 struct ScanRecord {
-  FixedText<80> name;  ///< as it is shown: a longer one is cut
-  std::uint64_t bytes = 0;
-  FixedText<120> problem;  ///< what is wrong with it; empty: nothing is known to be
+  FixedText<80> name;       ///< as it is shown: a longer one is cut
+  std::uint32_t files = 1;  ///< more: that many scans as one, and the name is that of the first
+  std::uint64_t bytes = 0;  ///< of all files
+  FixedText<120> problem;   ///< what is wrong with it; empty: nothing is known to be
 };
 
 /// What is offered or printed, and how.
 struct JobRecord : JobSettings {
   FixedText<256> scan;
+  std::array<FixedText<80>, kMostScans> files;  ///< of the scan, as ScanRecord::name
+  std::size_t file_count = 0;                   ///< 0: unknown, for it is a resumed print
   FixedText<64> profile;
   std::optional<std::size_t>
       chosen;  ///< index of the scan among those on the stick; none: job.toml names it, or it is a resumed print

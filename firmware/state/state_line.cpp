@@ -49,6 +49,7 @@ void write_stick(JsonWriter& json, const PrinterRecord& record) {
     json.begin_object(kOneLine);
     json.member("number", static_cast<std::uint32_t>(i + 1));
     json.member("name", scan.name.view());
+    json.member("files", scan.files);
     json.member("bytes", scan.bytes);
     text_or_null(json, "problem", scan.problem.view());
     json.end_object();
@@ -72,6 +73,10 @@ void write_job(JsonWriter& json, const PrinterRecord& record) {
   const JobRecord& job = *record.job;
   json.begin_object(kOneLine);
   json.member("scan", job.scan.view());
+  json.key("files");
+  json.begin_array(kOneLine);
+  for (std::size_t i = 0; i < job.file_count; ++i) json.value(job.files[i].view());
+  json.end_array();
   json.key("number");
   if (job.chosen) {
     json.value(static_cast<std::uint32_t>(*job.chosen + 1));

@@ -1,19 +1,26 @@
 #pragma once
-/// Messages between processes that can carry a file descriptor, over a SOCK_SEQPACKET socket.
+/// Messages between processes that can carry file descriptors, over a SOCK_SEQPACKET socket.
 
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <span>
 
 namespace plumbline {
 
-/// @param descriptor  the receiver gets a copy of it; below 0: none
+inline constexpr std::size_t kMostPassed = 32;  ///< descriptors in a message
+
+/// @param descriptors  the receiver gets a copy of each; kMostPassed at most
 /// @returns false: errno has the reason
-[[nodiscard]] bool send_message(int socket, std::span<const std::byte> bytes, int descriptor = -1);
+[[nodiscard]] bool send_message(int socket, std::span<const std::byte> bytes, std::span<const int> descriptors = {});
 
 struct ReceivedMessage {
-  std::size_t bytes = 0;  ///< 0: the other end is closed
-  int descriptor = -1;    ///< close-on-exec, the caller's; -1: none
+  std::size_t bytes = 0;                  ///< 0: the other end is closed
+  std::array<int, kMostPassed> passed{};  ///< descriptors: close-on-exec, the caller's
+  std::size_t passed_count = 0;
+
+  std::span<const int> descriptors() const { return std::span(passed).first(passed_count); }
+  void close_descriptors() const;
 };
 
 /// Waits for a message.

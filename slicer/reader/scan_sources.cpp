@@ -6,15 +6,17 @@
 
 namespace plumbline {
 
-ScanTitle title_of(ScanSources sources) {
+ScanTitle title_of(ScanSources sources) { return title_of(sources.front()->name(), sources.size()); }
+
+ScanTitle title_of(std::string_view first, std::size_t count) {
   ScanTitle title;
   // Leaves room for " and 31 more".
-  const PrintableText first(sources.front()->name(), title.text.size() - 24);
-  const auto length = static_cast<int>(first.view().size());
-  if (sources.size() == 1) {
-    std::snprintf(title.text.data(), title.text.size(), "%.*s", length, first.c_str());
+  const PrintableText shown(first, title.text.size() - 24);
+  const auto length = static_cast<int>(shown.view().size());
+  if (count == 1) {
+    std::snprintf(title.text.data(), title.text.size(), "%.*s", length, shown.c_str());
   } else {
-    std::snprintf(title.text.data(), title.text.size(), "%.*s and %zu more", length, first.c_str(), sources.size() - 1);
+    std::snprintf(title.text.data(), title.text.size(), "%.*s and %zu more", length, shown.c_str(), count - 1);
   }
   return title;
 }

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string_view>
 
 #include "slicer/core/byte_source.hpp"
 #include "slicer/reader/stream/scan_point.hpp"
@@ -22,6 +23,8 @@ struct ScanTitle {
   const char* c_str() const { return text.data(); }
 };
 ScanTitle title_of(ScanSources sources);
+/// @param first  name of the first of `count` files
+ScanTitle title_of(std::string_view first, std::size_t count);
 
 /// What was read from each file, in order.
 struct ScanSummaries {

@@ -6,6 +6,7 @@
 
 #include "firmware/daemon/stick/stick_job.hpp"
 #include "firmware/settings/job_options.hpp"
+#include "slicer/reader/scan_sources.hpp"
 #include "tests/fuzz/require.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
@@ -20,7 +21,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
     require(message.size() > std::string_view(kJobFile).size() + 2, "an error without a reason");
     return 0;
   }
-  require(!job->scan.empty() && job->scan.size() <= 255, "the scan's name");
+  require(!job->scans.empty() && job->scans.size() <= kMostScans, "the number of files");
+  for (const std::string& scan : job->scans) require(!scan.empty() && scan.size() <= 255, "a file's name");
   require(job->scale >= kSmallestScale && job->scale <= kLargestScale, "scale");
   for (const double degrees : {job->rotate_x_deg, job->rotate_y_deg, job->rotate_z_deg}) {
     require(std::abs(degrees) <= 360, "rotation");

@@ -65,6 +65,39 @@ TEST(Daemon, PrintsTheNextStickAfterOneWasPulledWhileItWasRead) {
   EXPECT_EQ(rig.user.reports[0].state, kFinished);
 }
 
+TEST(Daemon, PrintsAFolderOfScansAfterItsStickWasPulledWhileTheyWereRead) {
+  auto settings = session_plant();
+  settings.stick_bytes_per_second = 2e4;  // some 100 kB take 5 s
+  DaemonRig rig(settings);
+  std::filesystem::create_directory(rig.stick() + "/ball");
+  rig.put_scan("ball/scan_1.ply", 2, 2000);
+  rig.put_scan("ball/scan_2.ply", 2, 2100);
+  write_text(rig.stick() + "/job.toml", "[job]\nscan = 'ball'\n");
+  rig.plant.plug_stick(rig.stick());
+  rig.plant.timeline().at(TimePoint() + 3s, [&] { rig.plant.pull_stick(); });
+  rig.user.on_words.emplace("PL-107", [&] {
+    EXPECT_EQ(rig.arena.used(), 0U);
+    rig.plant.plug_stick(rig.stick());
+  });
+  rig.user.on_printed = [&] { rig.plant.press(EventKind::kShutdownRequested); };
+  ASSERT_TRUE(rig.run());
+  EXPECT_THAT(rig.user.said, Contains(HasSubstr("PL-107, stick pulled")));
+  EXPECT_THAT(rig.user.scans, ElementsAre("ball/scan_1.ply and 1 more"));
+  EXPECT_EQ(rig.user.reports[0].state, kFinished);
+}
+
+TEST(Daemon, WaitsForSomebodyIfOnlyNamesSayThatScansAreOne) {
+  DaemonRig rig;  // a rig's: a stick with one scan starts its print
+  std::filesystem::create_directory(rig.stick() + "/ball");
+  rig.put_scan("ball/scan_1.ply", 2, 2000);
+  rig.put_scan("ball/scan_2.ply", 2, 2100);
+  rig.plant.plug_stick(rig.stick());
+  rig.user.on_words.emplace("2 scans as one: ball/scan_1.ply and 1 more. Press start",
+                            [&] { rig.plant.press(EventKind::kShutdownRequested); });
+  ASSERT_TRUE(rig.run());
+  EXPECT_TRUE(rig.user.scans.empty());
+}
+
 TEST(Daemon, FollowsTheJobFile) {
   DaemonRig rig;
   rig.put_scan("a.ply");

@@ -3,6 +3,7 @@
 #include <charconv>
 #include <functional>
 #include <optional>
+#include <vector>
 
 #include "firmware/io/fixed_text.hpp"
 #include "firmware/io/json_cursor.hpp"
@@ -62,7 +63,11 @@ void add_stick(std::string& page, std::string_view state) {
     const double number = json_number(scan, "number");
     const std::string problem = json_text(scan, "problem");
     FixedText<512> line;
-    line.add("%c %2.0f  %-30s %9.1f MB%s%s", number == chosen ? '*' : ' ', number, json_text(scan, "name").c_str(),
+    FixedText<160> name;
+    const double files = json_number(scan, "files");
+    if (files > 1) name.add("%.0f scans as one: ", files);
+    name.add("%s%s", json_text(scan, "name").c_str(), files > 1 ? ", ..." : "");
+    line.add("%c %2.0f  %-30s %9.1f MB%s%s", number == chosen ? '*' : ' ', number, name.c_str(),
              json_number(scan, "bytes") / 1e6, problem.empty() ? "" : "  ", problem.c_str());
     add_line(page, any ? "" : "scans", std::string(line.view()));
     any = true;
@@ -118,6 +123,9 @@ std::string status_page(std::string_view state) {
     add_line(page, "job",
              json_text(job, "scan") + ", profile " + json_text(job, "profile") +
                  (has(job, "result") ? ": " + json_text(job, "result") : ""));
+    std::vector<std::string> files;
+    for_each_element(object_of(job, "files"), [&](std::string_view file) { files.push_back(text_of(file)); });
+    for (std::size_t i = 0; files.size() > 1 && i < files.size(); ++i) add_line(page, i == 0 ? "files" : "", files[i]);
   }
   add_progress(page, state);
   add_stick(page, state);

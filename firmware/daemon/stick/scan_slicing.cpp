@@ -38,11 +38,12 @@ tl::unexpected<Error> broke(const ScanRequest& request, const FixedText<60>& how
 
 }  // namespace
 
-Expected<CheckedAnswer> ScanSlicing::run(const StickMount& mount, StickFile& scan, const ScanRequest& request) {
+Expected<CheckedAnswer> ScanSlicing::run(const StickMount& mount, std::span<StickFile> scan,
+                                         const ScanRequest& request) {
   const auto answer = work(mount, scan, request);
   PLUMBLINE_TRY(answer);
   auto checked = check_answer(*answer, request, arena_);
-  if (!checked) return tl::unexpected<Error>(child_said(*answer, checked.error(), mount, scan));
+  if (!checked) return tl::unexpected<Error>(child_said(*answer, checked.error(), mount, request));
   return checked;
 }
 
@@ -50,11 +51,11 @@ Expected<StickJob> ScanSlicing::read_job(const StickMount& mount, StickFile& fil
   ScanRequest request;
   request.is_job_file = true;
   request.name.add("%.*s", static_cast<int>(file.name().size()), file.name().data());
-  request.size = file.size();
-  const auto answer = work(mount, file, request);
+  request.add_file(file.name(), file.size());
+  const auto answer = work(mount, std::span(&file, 1), request);
   PLUMBLINE_TRY(answer);
   auto job = check_job_answer(*answer);
-  if (!job) return tl::unexpected<Error>(child_said(*answer, job.error(), mount, file));
+  if (!job) return tl::unexpected<Error>(child_said(*answer, job.error(), mount, request));
   return job;
 }
 
@@ -80,12 +81,13 @@ Expected<SlicedArchive> ScanSlicing::check(int file, const ScanRequest& request)
   return tl::unexpected<Error>(checked.error().with_prefix(request.name.view()));
 }
 
-/// Runs a child on a file until it ends, or until something ends it.
-Expected<ScanAnswer> ScanSlicing::work(const StickMount& mount, StickFile& file, const ScanRequest& request) {
-  ScanFeed feed(file);
-  const auto descriptor = feed.open();
-  PLUMBLINE_TRY(descriptor);
-  PLUMBLINE_TRY(child_.start(request, *descriptor));
+/// Runs a child on files until it ends, or until something ends it.
+Expected<ScanAnswer> ScanSlicing::work(const StickMount& mount, std::span<StickFile> files,
+                                       const ScanRequest& request) {
+  ScanFeed feed(files);
+  const auto descriptors = feed.open();
+  PLUMBLINE_TRY(descriptors);
+  PLUMBLINE_TRY(child_.start(request, *descriptors));
   feed.opened();
   return follow(&mount, &feed, request);
 }
@@ -116,10 +118,10 @@ Expected<ScanAnswer> ScanSlicing::follow(const StickMount* mount, ScanFeed* feed
 
 /// The error for a child's answer that was refused.
 Error ScanSlicing::child_said(const ScanAnswer& answer, const Error& error, const StickMount& mount,
-                              const StickFile& file) {
+                              const ScanRequest& request) {
   if (error.code() == ErrorCode::kCannotRead) return pulled_or_bad(mount, error);
   // The child names its file in errors of its own.
-  return answer.kind == ScanAnswer::kRefused ? error : error.with_prefix(file.name());
+  return answer.kind == ScanAnswer::kRefused ? error : error.with_prefix(request.name.view());
 }
 
 /// What may end the slicing before the child does.

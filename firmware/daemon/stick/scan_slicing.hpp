@@ -2,6 +2,7 @@
 /// Has a stick's files read by the slicing child, and keeps the printer's buttons working meanwhile.
 
 #include <chrono>
+#include <span>
 
 #include "firmware/child/answer_check.hpp"
 #include "firmware/child/slicing_child.hpp"
@@ -35,6 +36,7 @@ class ScanSlicing {
               std::chrono::nanoseconds patience)
       : child_(child), machine_(machine), arena_(arena), observer_(observer), patience_(patience) {}
 
+  /// @param scan  the request's files, open
   /// @returns what the child found, checked, at the bottom of the arena
   /// @retval the errors of check_answer()
   /// @retval ErrorCode::kMalformed      the child crashed or hung
@@ -43,7 +45,8 @@ class ScanSlicing {
   /// @retval ErrorCode::kCannotRead     bad sectors
   /// @retval ErrorCode::kDeviceTimeout  no child can be started any more
   /// @retval ErrorCode::kPowerLost
-  [[nodiscard]] Expected<CheckedAnswer> run(const StickMount& mount, StickFile& scan, const ScanRequest& request);
+  [[nodiscard]] Expected<CheckedAnswer> run(const StickMount& mount, std::span<StickFile> scan,
+                                            const ScanRequest& request);
 
   /// Has a job file read by a child.
   /// @retval the errors of check_job_answer(), and those of run()
@@ -63,9 +66,10 @@ class ScanSlicing {
  private:
   using HostClock = std::chrono::steady_clock;
 
-  [[nodiscard]] Expected<ScanAnswer> work(const StickMount& mount, StickFile& file, const ScanRequest& request);
+  [[nodiscard]] Expected<ScanAnswer> work(const StickMount& mount, std::span<StickFile> files,
+                                          const ScanRequest& request);
   [[nodiscard]] Expected<ScanAnswer> follow(const StickMount* mount, ScanFeed* feed, const ScanRequest& request);
-  Error child_said(const ScanAnswer& answer, const Error& error, const StickMount& mount, const StickFile& file);
+  Error child_said(const ScanAnswer& answer, const Error& error, const StickMount& mount, const ScanRequest& request);
   Status watch(const StickMount* mount, const ScanRequest& request, bool fed);
   Status look_at_buttons();
   [[nodiscard]] Expected<int> kill_and_wait();

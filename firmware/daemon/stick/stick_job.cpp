@@ -1,17 +1,15 @@
 #include "firmware/daemon/stick/stick_job.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "firmware/archive/layer_archive.hpp"
+#include "firmware/io/scan_names.hpp"
 #include "firmware/settings/job_options.hpp"
 #include "firmware/settings/print_length.hpp"
 #include "firmware/settings/settings_file.hpp"
-#include "slicer/core/printable_text.hpp"
-#include "slicer/reader/formats/scan_endings.hpp"
-#include "slicer/reader/formats/sliced_formats.hpp"
+#include "slicer/reader/scan_sources.hpp"
 
 namespace plumbline {
 namespace {
@@ -27,7 +25,7 @@ static_assert(static_cast<int>(Side::kWidth) == 0 && static_cast<int>(Side::kLen
 std::vector<SettingRule> rules_for(StickJob& job, JobTexts& texts) {
   constexpr auto kOptional = Presence::kOptional;
   return {
-      {"job", "scan", TextSetting{&job.scan, TextKind::kPath}, 1, 255},
+      {"job", "scan", PathListSetting{&job.scans, kMostScans}, 1, 255},
       {"job", "profile", TextSetting{&job.profile}, 1, 63, "", kOptional},
       {"job", "supports", ChoiceSetting{kSupportWords, [&job](std::size_t word) { job.supports = word == 1; }}, 0, 0,
        "", kOptional},
@@ -74,61 +72,6 @@ std::string take_text(StickJob& job, const JobTexts& texts, std::string_view key
   return {};
 }
 
-std::string in_lower_case(std::string_view name) {
-  std::string lower(name);
-  std::transform(lower.begin(), lower.end(), lower.begin(),
-                 [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); });
-  return lower;
-}
-
-/// Collects scans and job.toml. Anything that may have been meant as one of them is an error, never skipped: without its
-/// job.toml a scan would be printed at the wrong size.
-struct StickListing final : StickMount::FileVisitor {
-  void on_file(std::string_view name, std::uint64_t bytes) override {
-    const auto length = static_cast<int>(name.size());
-    const std::string lower = in_lower_case(name);
-    if (lower == kJobFile) {
-      if (!scans.job_file.view().empty()) {
-        wrong_job = Error::format(ErrorCode::kBadSetting, "%s and %.*s: the stick has two jobs.\tLeave one of them",
-                                  scans.job_file.c_str(), length, name.data());
-        return;
-      }
-      scans.job_file.add("%.*s", length, name.data());
-    } else if (lower.starts_with(kJobFile)) {
-      nearly_job =
-          Error::format(ErrorCode::kBadSetting, "%.*s: looks like the stick's job.\tCall it job.toml, or remove it",
-                        length, name.data());
-    } else if (const ForeignFormat* const foreign = foreign_format(name)) {
-      if (!scans.foreign) {
-        scans.foreign = Error::format(ErrorCode::kUnknownFormat, "%s %s (%s);\t%s", PrintableText(name).c_str(),
-                                      foreign->what, foreign->program, foreign->advice);
-      }
-    } else if (is_scan_name(name)) {
-      if (scans.count == StickScans::kMost) {
-        ++scans.left_out;
-      } else {
-        StickScan& scan = scans.list[scans.count++];
-        scan.name.add("%.*s", length, name.data());
-        scan.bytes = bytes;
-      }
-    }
-  }
-  void on_other(std::string_view name, const char* what) override {
-    const auto length = static_cast<int>(name.size());
-    if (in_lower_case(name) == kJobFile) {
-      wrong_job = Error::format(ErrorCode::kBadSetting, "%.*s: %s, not a file.\tPut a file there, or remove it", length,
-                                name.data(), what);
-    } else if (is_scan_name(name)) {
-      wrong_scan =
-          Error::format(ErrorCode::kCannotOpen, "%.*s: %s, not a file.\tRemove it, or name the scan in job.toml",
-                        length, name.data(), what);
-    }
-  }
-
-  StickScans scans;
-  std::optional<Error> wrong_job, nearly_job, wrong_scan;
-};
-
 }  // namespace
 
 Error as_setting_error(const Error& error) {
@@ -149,30 +92,37 @@ Expected<StickJob> parse_stick_job(std::string_view text, std::string_view path)
   return job;
 }
 
-bool is_scan_name(std::string_view name) {
-  // Text files that come with scans; no scan has such a name.
-  constexpr std::array<std::string_view, 7> kTexts = {"readme.txt",  "read me.txt",   "license.txt", "licence.txt",
-                                                      "copying.txt", "changelog.txt", "notes.txt"};
-  const std::string lower = in_lower_case(name);
-  if (std::find(kTexts.begin(), kTexts.end(), lower) != kTexts.end() || lower.starts_with(kJobFile)) return false;
-  const auto has_ending = [&lower](std::string_view ending) {
-    return lower.size() > ending.size() && std::string_view(lower).ends_with(ending);
-  };
-  return is_archive_name(name) || std::any_of(kMarkedEndings.begin(), kMarkedEndings.end(), has_ending) ||
-         std::any_of(kXyzEndings.begin(), kXyzEndings.end(), has_ending);
+std::string StickJob::title() const { return scans.empty() ? "" : title_of(scans.front(), scans.size()).c_str(); }
+
+Status find_files(StickJob& job, const StickMount& mount) {
+  if (job.scans.size() != 1 || !mount.is_folder(job.scans[0])) return {};
+  struct Listing final : StickMount::FileVisitor {
+    void on_file(std::string_view name, std::uint64_t /*bytes*/) override { scans.add(name); }
+    void on_other(std::string_view /*name*/, const char* /*what*/) override {}
+    FolderScans scans;
+  } listing;
+  const std::string_view folder = without_slash(job.scans[0]);
+  PLUMBLINE_TRY(mount.for_each_file(listing, folder));
+  auto paths = listing.scans.paths(folder);
+  PLUMBLINE_TRY(paths);
+  job.scans = std::move(*paths);
+  return {};
 }
 
-Expected<StickScans> list_scans(const StickMount& mount) {
-  StickListing listing;
-  PLUMBLINE_TRY(mount.for_each_file(listing));
-  if (listing.wrong_job) return tl::unexpected<Error>(*listing.wrong_job);
-  StickScans& scans = listing.scans;
-  const bool has_job = !scans.job_file.view().empty();
-  if (!has_job && listing.nearly_job) return tl::unexpected<Error>(*listing.nearly_job);
-  if (!has_job && listing.wrong_scan) return tl::unexpected<Error>(*listing.wrong_scan);
-  std::sort(scans.list.begin(), scans.list.begin() + static_cast<std::ptrdiff_t>(scans.count),
-            [](const auto& a, const auto& b) { return a.name.view() < b.name.view(); });
-  return scans;
+Expected<std::vector<StickFile>> open_scan(const StickJob& job, const StickMount& mount) {
+  if (job.scans.size() > kMostScans) {
+    return fail(
+        ErrorCode::kBadSetting,
+        "%s: one scan may have %zu files at most:\tjoin some of them, or name those that are needed in job.toml",
+        job.title().c_str(), kMostScans);
+  }
+  std::vector<StickFile> files;
+  for (const std::string& name : job.scans) {
+    auto file = mount.open(name);
+    PLUMBLINE_TRY(file);
+    files.push_back(std::move(*file));
+  }
+  return files;
 }
 
 }  // namespace plumbline

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "firmware/io/fixed_text.hpp"
 #include "firmware/settings/job_settings.hpp"
@@ -15,8 +16,10 @@
 namespace plumbline {
 
 struct StickJob : JobSettings {
-  std::string scan;     ///< name on the stick
-  std::string profile;  ///< name of a profile; empty: the printer's
+  std::vector<std::string>
+      scans;                  ///< names on the stick of a scan's files, 1 to kMostScans, or of one folder that has them
+  std::string profile;        ///< name of a profile; empty: the printer's
+  std::string title() const;  ///< "bust.ply", or "front.ply and 2 more"; printable
   bool operator==(const StickJob&) const = default;
 };
 
@@ -40,28 +43,13 @@ Error as_setting_error(const Error& error);
 /// @retval ErrorCode::kBadSetting  any error of parse_settings()
 [[nodiscard]] Expected<StickJob> parse_stick_job(std::string_view text, std::string_view path);
 
-struct StickScan {
-  FixedText<256> name;
-  std::uint64_t bytes = 0;
-};
+/// Names the files of a job whose scan is a folder. Other jobs stay as they are.
+/// @retval the errors of FolderScans::paths() and StickMount::for_each_file()
+[[nodiscard]] Status find_files(StickJob& job, const StickMount& mount);
 
-/// The scans in a stick's top folder, by name.
-struct StickScans {
-  static constexpr std::size_t kMost = 64;
-  std::array<StickScan, kMost> list;
-  std::size_t count = 0;
-  std::size_t left_out = 0;      ///< scans for which there was no room
-  FixedText<256> job_file;       ///< its name on the stick; empty: there is none
-  std::optional<Error> foreign;  ///< about a file that is sliced for another printer
-};
-
-/// Whether a file is offered as a scan, by its name: its ending is one of scan_endings.hpp, and it is
-/// not a text that comes with scans, such as README.txt.
-bool is_scan_name(std::string_view name);
-
-/// @retval ErrorCode::kBadSetting  a job.toml that is not a file; two of them; or a name that looks like a misspelt job.toml's
-/// @retval ErrorCode::kCannotOpen  without a job.toml: something with a scan's name that is not a file
-/// @retval the errors of StickMount::for_each_file()
-[[nodiscard]] Expected<StickScans> list_scans(const StickMount& mount);
+/// @returns the files of a job's scan, in their order
+/// @retval ErrorCode::kBadSetting  more than kMostScans files
+/// @retval the errors of StickMount::open()
+[[nodiscard]] Expected<std::vector<StickFile>> open_scan(const StickJob& job, const StickMount& mount);
 
 }  // namespace plumbline

@@ -1,5 +1,7 @@
 #include "firmware/daemon/stick/stick_task.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -16,7 +18,7 @@ namespace plumbline {
 namespace {
 
 Expected<StickJob> read_job(const ScanRequest& request) {
-  GivenFile file(request);
+  GivenFile file(STDIN_FILENO, request.file[0]);
   std::string text(kMaxSettingsFileBytes + 1, '\0');
   std::size_t filled = 0;
   while (filled < text.size()) {
@@ -31,7 +33,10 @@ Expected<StickJob> read_job(const ScanRequest& request) {
 
 void hand_back(const StickJob& job, ScanAnswer& answer) {
   JobAnswer& fields = answer.job;
-  job.scan.copy(fields.scan.data(), fields.scan.size() - 1);
+  for (const std::string& scan : job.scans) {
+    auto& field = fields.scan[fields.scans++];
+    scan.copy(field.data(), field.size() - 1);
+  }
   job.profile.copy(fields.profile.data(), fields.profile.size() - 1);
   fields.units = static_cast<std::uint32_t>(job.units);
   fields.as = static_cast<std::uint32_t>(job.as);
@@ -80,7 +85,11 @@ Expected<StickJob> check_job_answer(const ScanAnswer& answer) {
   if (answer.kind == ScanAnswer::kRefused) return child_error(answer, kErrors);
   const JobAnswer& fields = answer.job;
   StickJob job;
-  job.scan = text_of(fields.scan);
+  for (std::size_t i = 0; i < std::min<std::size_t>(fields.scans, kMostScans); ++i) {
+    job.scans.push_back(text_of(fields.scan[i]));
+  }
+  const bool named = fields.scans >= 1 && fields.scans <= kMostScans &&
+                     std::none_of(job.scans.begin(), job.scans.end(), [](const auto& scan) { return scan.empty(); });
   job.profile = text_of(fields.profile);
   const bool angles = std::all_of(fields.rotate_deg.begin(), fields.rotate_deg.end(),
                                   [](double degrees) { return is_within(degrees, -360, 360); });
@@ -94,8 +103,7 @@ Expected<StickJob> check_job_answer(const ScanAnswer& answer) {
                        is_within(fields.floor_height, -kLargestFloorHeight, kLargestFloorHeight) &&
                        is_within(fields.scale, kSmallestScale, kLargestScale) &&
                        (fields.layer_height == 0 || is_within(fields.layer_height, kFinestMm, kCoarsestMm));
-  if (answer.kind != ScanAnswer::kJob || job.scan.empty() || !is_setting_name(job.profile) || !angles || !choices ||
-      !lengths) {
+  if (answer.kind != ScanAnswer::kJob || !named || !is_setting_name(job.profile) || !angles || !choices || !lengths) {
     return fail(ErrorCode::kBadSetting, "what was read of it does not add up");
   }
   job.units = static_cast<Units>(fields.units);

@@ -118,7 +118,7 @@ function showFacts() {
   const rows = [];
   const {progress, sliced, job, resin, slicing} = state;
   if (slicing) rows.push([words.step, slicing.stage]);
-  if (job) rows.push([words.scan, job.scan], [words.profile, job.profile]);
+  if (job) rows.push([words.scan, job.files.length > 1 ? job.files.join(", ") : job.scan], [words.profile, job.profile]);
   if (sliced) {
     const sides = [sliced.width_mm, sliced.depth_mm, sliced.height_mm].map((side) => number(side, 1)).join(" × ");
     rows.push([words.size, `${sides} mm`], [words.layers, `${sliced.layers} × ${number(sliced.layer_height_mm, 3)} mm`]);
@@ -214,7 +214,8 @@ function showStick() {
     const line = element("li");
     const button = element("button", undefined, {"aria-pressed": scan.number === chosen});
     button.disabled = !mayChoose;
-    button.append(element("span", scan.name), element("span", size(scan.bytes), {class: "pale"}));
+    const name = scan.files > 1 ? `${scan.files} ${words.asOne}: ${scan.name}, …` : scan.name;
+    button.append(element("span", name), element("span", size(scan.bytes), {class: "pale"}));
     button.onclick = () => command({do: "choose", scan: scan.number});
     line.append(button);
     if (scan.problem) line.append(element("p", scan.problem, {class: "problem"}));

@@ -76,7 +76,7 @@ void serve(int client) {
   std::array<char, kDeviceNameBytes> name{};
   const auto request = receive_message(client, std::as_writable_bytes(std::span(name)));
   if (!request) return;
-  if (request->descriptor >= 0) ::close(request->descriptor);
+  request->close_descriptors();
   int folder = -1;
   int reason = EACCES;
   if (is_on_usb({name.data(), request->bytes})) {
@@ -92,7 +92,7 @@ void serve(int client) {
     if (folder >= 0) reason = 0;
   }
   // A client that has gone needs no answer.
-  static_cast<void>(send_message(client, std::as_bytes(std::span(&reason, 1)), folder));
+  static_cast<void>(send_message(client, std::as_bytes(std::span(&reason, 1)), {&folder, folder >= 0 ? 1U : 0U}));
   if (folder >= 0) ::close(folder);
 }
 

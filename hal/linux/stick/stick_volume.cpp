@@ -85,7 +85,8 @@ Reply ask_to_mount(std::string_view device, const std::string& socket) {
     received = receive_message(connection, std::as_writable_bytes(std::span(&result, 1)));
   }
   if (received && received->bytes == sizeof result) {
-    reply = {received->descriptor, true, result};
+    const auto folder = received->descriptors();
+    reply = {folder.empty() ? -1 : folder[0], true, result};
   } else {
     reply.reason = received ? ECONNRESET : errno;
   }

@@ -37,7 +37,7 @@ class ChildTest : public testing::Test {
   static ScanRequest request_of(const std::string& path, std::uint32_t threads, bool supports = false) {
     ScanRequest request;
     request.name.add("%s", path.substr(path.rfind('/') + 1).c_str());
-    request.size = std::filesystem::file_size(path);
+    request.add_file(request.name.view(), std::filesystem::file_size(path));
     request.settings.placement.printer = small_printer();
     request.settings.placement.layer_height_mm = 0.1F;
     request.settings.threads = threads;

@@ -64,6 +64,57 @@ TEST_F(SlicingChildTest, FindsWhatThisProcessFindsScanAfterScan) {
   }
 }
 
+TEST_F(SlicingChildTest, SlicesSeveralFilesAsOneScanAndNamesTheBadOne) {
+  const auto cloud = sphere_scan(6000, 4);
+  std::vector<std::string> paths;
+  ScanRequest request;
+  request.name.add("part0.ply and 31 more");
+  request.settings.placement.printer = small_printer();
+  request.settings.placement.layer_height_mm = 0.1F;
+  request.settings.threads = 1;
+  std::vector<Descriptor> open;
+  std::vector<int> descriptors;
+  for (std::size_t i = 0; i < kMostScans; ++i) {
+    paths.push_back(folder_ / ("part" + std::to_string(i) + ".ply"));
+    const std::size_t from = cloud.size() * i / kMostScans, to = cloud.size() * (i + 1) / kMostScans;
+    write_scan(paths.back(),
+               {cloud.begin() + static_cast<std::ptrdiff_t>(from), cloud.begin() + static_cast<std::ptrdiff_t>(to)});
+    request.add_file("part" + std::to_string(i) + ".ply", std::filesystem::file_size(paths.back()));
+    open.emplace_back(::open(paths.back().c_str(), O_RDONLY | O_CLOEXEC));
+    descriptors.push_back(open.back().get());
+  }
+  auto child = make(1);
+  const auto finish = [&child] {
+    std::optional<int> ended;
+    while (!ended) ended = child.wait(std::chrono::seconds(1)).value();
+    return *ended;
+  };
+  ASSERT_TRUE(child.start(request, descriptors));
+  ASSERT_EQ(finish(), 0);
+  Arena arena(child.arena_block());
+  const auto found = check_answer(child.answer(), request, arena);
+  ASSERT_TRUE(found) << found.error().message();
+  auto files = ScanFiles::open(paths);
+  ASSERT_TRUE(files);
+  std::vector<std::byte> block(kArenaBytes);
+  Arena here(block);
+  SliceReport report;
+  const auto expected = slice_for_print(files->sources(), request.settings, std::nullopt, here, nullptr, report);
+  ASSERT_TRUE(expected) << expected.error().message();
+  EXPECT_TRUE(std::ranges::equal(found->sliced.rrep.first, expected->rrep.first));
+  EXPECT_TRUE(std::ranges::equal(found->sliced.rrep.pixel, expected->rrep.pixel));
+  EXPECT_EQ(found->sliced.scan_hash, expected->scan_hash);
+
+  write_text(paths[7], read_text(paths[7]).substr(0, 300));
+  for (const Descriptor& file : open) ::lseek(file.get(), 0, SEEK_SET);
+  ASSERT_TRUE(child.start(request, descriptors));
+  ASSERT_EQ(finish(), 0);
+  Arena again(child.arena_block());
+  const auto bad = check_answer(child.answer(), request, again);
+  ASSERT_FALSE(bad);
+  EXPECT_THAT(bad.error().message(), ::testing::StartsWith("part7.ply: "));
+}
+
 TEST_F(SlicingChildTest, ReportsErrorsOfTheScanInItsOwnWords) {
   auto child = make(1);
   const std::string path = folder_ / "cut.ply";
@@ -90,6 +141,7 @@ TEST_F(SlicingChildTest, IsToldApartFromABadMedium) {
   auto child = make(1);
   ScanRequest request;
   request.name.add("folder.ply");
+  request.add_file("folder.ply", std::nullopt);
   request.settings.placement.printer = small_printer();
   ASSERT_EQ(run(child, request, folder_ / "."), 0) << "a folder can't be read, as a bad sector can't";
   Arena arena(child.arena_block());

@@ -22,7 +22,7 @@ class WorldErrors(Program):
         self.assertFalse(self.out.exists())
 
     def test_directory_for_a_scan(self):
-        self.refused("slice", self.dir, "-o", self.out, message=".*: is a folder. Name the scan in it")
+        self.refused("slice", self.dir, "-o", self.out, message=".*: the folder has no scans: name one with PLY")
 
     def test_file_that_is_not_a_scan(self):
         self.scan.write_bytes(bytes(range(256)) * 10)

@@ -49,6 +49,18 @@ std::vector<ScreenCase> golden_cases() {
       {"idle", with(kIdle, [](auto& record, auto&) { record.has_stick = false, record.scan_count = 0; })},
       {"idle-with-stick", with(kIdle)},
       {"scans", with(kOffered)},
+      {"scans-as-one", with(kOffered,
+                            [](auto& record, auto&) {
+                              ScanRecord& scan = record.scans[record.scan_count++];
+                              assign(scan.name, "statue/back.ply");
+                              scan.files = 3;
+                              scan.bytes = 61'400'000;
+                              record.job->chosen = 3;
+                              assign(record.job->scan, "statue/back.ply and 2 more");
+                              for (const char* file : {"statue/back.ply", "statue/front.ply", "statue/top.ply"}) {
+                                assign(record.job->files[record.job->file_count++], file);
+                              }
+                            })},
       {"scans-broken", with(kOffered,
                             [](auto& record, auto&) {
                               record.job->chosen = 1;
@@ -280,10 +292,15 @@ TEST(Screens, TheLongestRecordFits) {
       record.scan_count = PrinterRecord::kMostScans;
       for (ScanRecord& scan : record.scans) {
         assign(scan.name, wide);
+        if (scan.files > 1) scan.files = 64;
         scan.bytes = 9'999'999'999'999;
         if (!scan.problem.view().empty()) assign(scan.problem, wide);
       }
-      if (record.job) assign(record.job->scan, wide);
+      if (record.job) {
+        assign(record.job->scan, wide);
+        if (record.job->file_count > 1) record.job->file_count = record.job->files.size();
+        for (auto& file : record.job->files) assign(file, wide);
+      }
       for (FindingRecord& finding : record.findings) assign(finding.text, wide);
       if (record.fault) record.set_fault(FaultCode::kJournalOfAnother, wide, wide);
       if (record.sliced) {

@@ -31,9 +31,12 @@ std::unique_ptr<PrinterRecord> longest_record() {
     fill(scan.name);
     fill(scan.problem);
     scan.bytes = ~std::uint64_t{0};
+    scan.files = 64;
   }
   JobRecord& job = record->job.emplace();
   fill(job.scan);
+  for (auto& file : job.files) fill(file);
+  job.file_count = job.files.size();
   fill(job.profile);
   job.scale = 1.2345678901234567e-5;
   record->result = PrintState::kSuspended;

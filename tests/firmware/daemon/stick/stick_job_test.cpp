@@ -13,6 +13,7 @@
 namespace plumbline {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
@@ -23,7 +24,7 @@ TEST(StickJob, HasEveryKeyThatItsFileHas) {
       "layer_height = 0.1\n",
       "job.toml");
   ASSERT_TRUE(job) << job.error().message();
-  EXPECT_EQ(job->scan, "a b.ply");
+  EXPECT_THAT(job->scans, ElementsAre("a b.ply"));
   EXPECT_EQ(job->profile, "draft");
   EXPECT_EQ(job->supports, true);
   EXPECT_EQ(job->base, BaseChoice::kFlat);
@@ -35,6 +36,22 @@ TEST(StickJob, HasEveryKeyThatItsFileHas) {
   EXPECT_DOUBLE_EQ(job->rotate_y_deg, -2);
   EXPECT_DOUBLE_EQ(job->rotate_z_deg, 3);
   EXPECT_DOUBLE_EQ(job->layer_height, 0.1);
+}
+
+TEST(StickJob, TakesSeveralFilesAsOneScan) {
+  const auto job = parse_stick_job("[job]\nscan = ['front.ply', 'more/back.ply']\n", "job.toml");
+  ASSERT_TRUE(job) << job.error().message();
+  EXPECT_THAT(job->scans, ElementsAre("front.ply", "more/back.ply"));
+  EXPECT_EQ(job->title(), "front.ply and 1 more");
+  std::string many;
+  for (int i = 0; i < 33; ++i) many += "'a.ply',";
+  for (const std::string& wrong : {std::string("[]"), "[" + many + "]", std::string("['a.ply', 2]"),
+                                   std::string("['a.ply', '']"), std::string("[['a.ply']]")}) {
+    const auto refused = parse_stick_job("[job]\nscan = " + wrong + "\n", "job.toml");
+    ASSERT_FALSE(refused) << wrong;
+    EXPECT_THAT(refused.error().message(), HasSubstr("job.toml:2: [job] scan: found an array, allowed is a string of 1 "
+                                                     "to 255 characters, or an array of 1 to 32 of them"));
+  }
 }
 
 TEST(StickJob, TakesASizeInItsUnit) {
@@ -93,7 +110,7 @@ TEST(StickJob, CallsTheUndersideAsTheCommandLineDoes) {
 TEST(StickJob, TakesAnyLetterInAStringAndRefusesItInAKey) {
   const auto job = parse_stick_job("[job]\nscan = 'b\u00FCste \u0391\u0416.ply'  # B\u00FCste\n", "job.toml");
   ASSERT_TRUE(job.has_value()) << job.error().message();
-  EXPECT_EQ(job->scan, "b\u00FCste \u0391\u0416.ply");
+  EXPECT_EQ(job->scans[0], "b\u00FCste \u0391\u0416.ply");
   for (const char* const letter : {"\u00A1", "\u00DF", "\u00FC", "\u020F", "\u0391", "\u0416", "\u0499"}) {
     for (const std::string& text : {std::string(letter) + " = 2\n", std::string("ma") + letter + " = 2\n"}) {
       const auto wrong = parse_stick_job("[job]\nscan = 'a.ply'\n" + text, "job.toml");
@@ -114,7 +131,7 @@ TEST(StickJob, IsExplainedKeyByKeyInTheReadme) {
     const std::string table = match[1];
     const std::string keys = line.substr(0, line.find('|', 1));
     for (std::sregex_iterator name(keys.begin(), keys.end(), key), end; name != end; ++name) {
-      // No key takes an array, so the message shows whether the key exists.
+      // No key takes an array of numbers, so the message shows whether the key exists.
       const std::string word = (*name)[1];
       std::string text = word == "scan" ? "[job]\n" : "[job]\nscan = 'a.ply'\n";
       if (table == "placement") text += "[placement]\n";
@@ -125,14 +142,6 @@ TEST(StickJob, IsExplainedKeyByKeyInTheReadme) {
     }
   }
   EXPECT_EQ(explained, 19);
-}
-
-TEST(ScanName, IsKnownByItsEnding) {
-  for (const char* name : {"a.ply", "A.PLY", "b.xyzrgb", "c.xyz", "points.txt", "d.asc", "e.csv", "part.STL", "f.off"})
-    EXPECT_TRUE(is_scan_name(name)) << name;
-  for (const char* name : {".ply", "job.toml", "a.ctb", "README.txt", "Read me.txt", "LICENSE.txt"}) {
-    EXPECT_FALSE(is_scan_name(name)) << name;
-  }
 }
 
 }  // namespace

@@ -23,6 +23,7 @@ class StickTask : public ChildTest {
     ScanRequest request;
     request.is_job_file = true;
     request.name.add("job.toml");
+    request.add_file("job.toml", std::nullopt);
     EXPECT_EQ(run(child_, request, path), 0);
     return child_.answer();
   }
@@ -40,7 +41,8 @@ TEST_F(StickTask, ReadsAJobFileAsThisProcessDoes) {
       "[job]\nscan = 'a.ply'\n[placement]\nheight = '8 cm'\norient = 'auto'\n",
       "[job]\nscan = 'a.ply'\nfloor = 'keep'\n",
       "[job]\nscan = 'a.ply'\nfloor = '-3.5'\n",
-      "[job]\nscan = 'a.ply'\n[placement]\nlength = '3.15in'\n"};
+      "[job]\nscan = 'a.ply'\n[placement]\nlength = '3.15in'\n",
+      "[job]\nscan = ['front.ply', 'back.ply', 'top.xyz']\n"};
   for (const auto& text : texts) {
     const auto expected = parse_stick_job(text, "job.toml").value();
     const auto job = check_job_answer(answer_to(text));
@@ -67,7 +69,10 @@ TEST_F(StickTask, BelievesNoFieldOutOfRange) {
   ASSERT_TRUE(check_job_answer(good));
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   const std::function<void(JobAnswer&)> changes[] = {
-      [](JobAnswer& job) { job.scan[0] = '\0'; },
+      [](JobAnswer& job) { job.scan[0][0] = '\0'; },
+      [](JobAnswer& job) { job.scans = 0; },
+      [](JobAnswer& job) { job.scans = 2; },
+      [](JobAnswer& job) { job.scans = 33; },
       [](JobAnswer& job) { job.profile[0] = '/'; },
       [](JobAnswer& job) { job.units = 5; },
       [](JobAnswer& job) { job.base = 3; },
@@ -94,7 +99,7 @@ TEST_F(StickTask, BelievesNoFieldOutOfRange) {
     const auto bytes = std::as_writable_bytes(std::span(&answer.job, 1));
     for (int times = 0; times < 3; ++times) bytes[random() % bytes.size()] = static_cast<std::byte>(random());
     const auto job = check_job_answer(answer);
-    EXPECT_TRUE(!job || job->scan.size() < 256U);
+    EXPECT_TRUE(!job || (job->scans.size() <= kMostScans && job->scans[0].size() < 256U));
   }
 }
 

@@ -8,6 +8,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <chrono>
 #include <filesystem>
@@ -55,15 +56,15 @@ class Mount : public testing::Test {
   }
 
   /// The reply to a request.
-  int ask(const std::string& device, int descriptor = -1) const {
+  int ask(const std::string& device, std::span<const int> descriptors = {}) const {
     const int connection = connect_to_mount(socket_);
     EXPECT_GE(connection, 0);
-    EXPECT_TRUE(send_message(connection, std::as_bytes(std::span(device)), descriptor));
+    EXPECT_TRUE(send_message(connection, std::as_bytes(std::span(device)), descriptors));
     int reason = 0;
     const auto reply = receive_message(connection, std::as_writable_bytes(std::span(&reason, 1)));
     ::close(connection);
     EXPECT_TRUE(reply && reply->bytes == sizeof reason);
-    EXPECT_EQ(reply->descriptor, -1);
+    EXPECT_TRUE(reply->descriptors().empty());
     return reason;
   }
 
@@ -96,7 +97,8 @@ TEST_F(Mount, ServesTheNextAfterOneThatSaysNothingOrHasGoneOrSendsADescriptor) {
   ::close(connect_to_mount(socket_));
   EXPECT_EQ(ask("nothing"), EACCES) << "after a second";
   ::close(silent);
-  for (int times = 0; times < 2000; ++times) ASSERT_EQ(ask("nothing", STDIN_FILENO), EACCES) << "out of descriptors";
+  constexpr std::array kTwo = {STDIN_FILENO, STDIN_FILENO};
+  for (int times = 0; times < 2000; ++times) ASSERT_EQ(ask("nothing", kTwo), EACCES) << "out of descriptors";
 }
 
 TEST_F(Mount, ListensForItsOwnUserOnly) {

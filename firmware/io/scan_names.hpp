@@ -1,0 +1,41 @@
+#pragma once
+/// Which files are scans or meshes, by their names.
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "slicer/core/error.hpp"
+
+namespace plumbline {
+
+/// A name in lower case, for what is the same in any case. ASCII only.
+std::string in_lower_case(std::string_view name);
+
+/// Whether a file is read as a scan or a mesh: its ending is one of scan_endings.hpp, and it is not a text that comes with scans, such as
+/// README.txt.
+bool is_scan_file_name(std::string_view name);
+
+/// The scans of a folder, which together are one scan.
+class FolderScans {
+ public:
+  /// @param name  of a file in the folder; files that are no scans are passed over
+  void add(std::string_view name);
+
+  /// @param folder  its path, without a slash at the end
+  /// @returns the paths of its scans, 1 to kMostScans, sorted by name
+  /// @retval ErrorCode::kNoPoints    it has no scans
+  /// @retval ErrorCode::kBadSetting  it has more than kMostScans: how many
+  [[nodiscard]] Expected<std::vector<std::string>> paths(std::string_view folder) const;
+
+ private:
+  std::vector<std::string> names_;  ///< kMostScans at most
+  std::size_t count_ = 0;
+};
+
+/// A path without the slashes at its end.
+std::string_view without_slash(std::string_view path);
+
+}  // namespace plumbline

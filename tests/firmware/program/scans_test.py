@@ -1,0 +1,152 @@
+#!/usr/bin/env python3
+"""Several files that are one scan: on a stick, because job.toml says so or somebody chooses them, and for the command line."""
+
+import json
+import shutil
+
+from case import SIM2K, main, split, write_sphere
+from state_client import StatePrinter
+
+
+class Scans(StatePrinter):
+    same = ("--printer", SIM2K, "--supports", "none", "--layer-height", 0.1)
+    settings = '[job]\nscan = %s\nsupports = "none"\n[placement]\nlayer_height = 0.1\n'
+
+    def setUp(self):
+        super().setUp()
+        self.front, self.back = self.dir / "front.ply", self.dir / "back.ply"
+        write_sphere(self.scan, points=5000, radius=2.0)
+        split(self.scan, 2600, self.front, self.back)
+        self.halves = {path.name: path.read_bytes() for path in (self.front, self.back)}
+
+    def slice_masks(self, *scans):
+        self.run_it("slice", *scans, "-o", self.out, "--no-preview", *self.same)
+        return self.manifest()["hashes"]["layers"]
+
+    def manifest(self):
+        return json.loads((self.out / "manifest.json").read_text())
+
+    def printed(self, user):
+        done = user.state("plate in use", "plate-empty")
+        self.assertEqual(done["job"]["result"], "finished")
+        report = json.loads((self.folder / "report.json").read_text())
+        return report, [line["mask_hash"] for line in report["exposures"]]
+
+    def put_folder(self, name, scans, job=""):
+        """A stick with a folder."""
+        new = self.dir / "new"
+        (new / name).mkdir(parents=True)
+        for file, what in scans.items():
+            (new / name / file).write_bytes(what)
+        if job:
+            (new / "job.toml").write_text(job)
+        new.rename(self.stick)
+
+    def test_job_file_lists_files_and_a_print_goes_on_after_a_power_cut(self):
+        hashes = self.slice_masks(self.front, self.back)
+        daemon, user = self.start()
+        self.put_stick(self.halves, self.settings % '["front.ply", "back.ply"]')
+        job = user.state("offered", "start")["job"]
+        self.assertEqual((job["scan"], job["files"], job["number"]), ("front.ply and 1 more", ["front.ply", "back.ply"], None))
+        shown = self.run_it("status", "--socket", self.path).stdout
+        self.assertIn("job.toml asks for 2 scans as one: front.ply and 1 more", shown)
+        self.assertRegex(shown, r"(?m)^files +front.ply\n +back.ply$")
+        user.do("start")
+        user.until(lambda s: s["state"] == "printing" and s["progress"]["layers_done"] > 3, "layer 4")
+        daemon.kill()
+        daemon.wait()
+        shutil.rmtree(self.stick)
+        _, user = self.start(plate=False, speedup=1e4)
+        user.state("interrupted", "resume")
+        user.do("resume")
+        report, masks = self.printed(user)
+        self.assertEqual(report["scan"], "front.ply and 1 more")
+        self.assertGreater(report["first_layer"], 0)
+        self.assertEqual(masks, hashes[report["first_layer"]:])
+
+    def test_job_file_names_a_folder_whose_scans_are_sorted_by_name(self):
+        hashes = self.slice_masks(self.back, self.front)
+        _, user = self.start(speedup=1e4)
+        self.put_folder("bust", {**self.halves, "readme.txt": b"no scan", "view.jpg": b"no scan"}, self.settings % '"bust/"')
+        job = user.state("offered", "start")["job"]
+        self.assertEqual(job["files"], ["bust/back.ply", "bust/front.ply"])
+        user.do("start")
+        report, masks = self.printed(user)
+        self.assertEqual((report["scan"], report["files"], masks), ("bust/back.ply and 1 more", job["files"], hashes))
+
+    def test_bad_file_is_named(self):
+        _, user = self.start(speedup=1e4)
+        for name, files, scan, words in (
+            ("cut", {**self.halves, "back.ply": self.halves["back.ply"][:5000]}, '["front.ply", "back.ply"]', "back.ply: "),
+            ("missing", self.halves, '["front.ply", "bakc.ply"]', "bakc.ply: No such file"),
+            ("archive", {**self.halves, "part.sl1": b"PK"}, '["front.ply", "part.sl1"]', "part.sl1: is sliced already, so it can't be part"),
+        ):
+            with self.subTest(name):
+                self.put_stick(files, self.settings % scan)
+                user.state("offered", "start")
+                user.do("start")
+                self.assertIn(words, user.state("fault", "seen")["fault"]["message"])
+                self.pull(user)
+        many = {f"{i}.ply": self.halves["back.ply"] for i in range(33)}
+        for files, words in ((many, "bust: the folder has 33 scans, but one scan may have 32"), ({}, "bust: the folder has no scans")):
+            self.put_folder("bust", files, self.settings % '"bust"')
+            self.assertIn(words, user.state("fault", "seen")["fault"]["message"])
+            self.pull(user)
+
+    def pull(self, user):
+        shutil.rmtree(self.stick)
+        user.until(lambda s: s["state"] == "idle" and not s["stick"]["present"], "an empty port")
+
+    def test_names_that_say_so_are_offered_as_one_and_apart(self):
+        hashes = self.slice_masks(self.back, self.front)
+        _, user = self.start(speedup=1e4)
+        (self.dir / "new").mkdir()
+        for folder in ("", "scans", "others"):
+            (self.dir / "new" / folder).mkdir(exist_ok=True)
+            for i, name in enumerate(("back.ply", "front.ply") if folder != "others" else ("cat.ply", "dog.ply")):
+                (self.dir / "new" / folder / name).write_bytes(self.halves["front.ply" if i else "back.ply"])
+        (self.dir / "new").rename(self.stick)
+        offered = user.state("offered", "start")
+        self.assertEqual([(s["number"], s["name"], s["files"]) for s in offered["stick"]["scans"]],
+                         [(1, "back.ply", 1), (2, "front.ply", 1), (3, "back.ply", 2), (4, "scans/back.ply", 2)])
+        self.assertEqual((offered["job"]["files"], offered["job"]["number"]), (["back.ply"], 1), "nothing is joined unless somebody asks")
+        self.assertEqual(offered["stick"]["scans"][2]["bytes"], sum(map(len, self.halves.values())))
+        self.run_it("ctl", "choose", 4, "--socket", self.path)
+        job = user.until(lambda s: s["job"]["number"] == 4, "the folder")["job"]
+        self.assertEqual(job["files"], ["scans/back.ply", "scans/front.ply"])
+        shown = self.run_it("status", "--socket", self.path).stdout
+        self.assertIn("*  4  2 scans as one: scans/back.ply, ...", shown)
+        for key, value in (("supports", "none"), ("layer_height", 0.1)):
+            user.do("set", key=key, value=value)
+        user.do("start")
+        self.assertEqual(self.printed(user)[1], hashes)
+
+    def test_series_too_long_for_a_scan_is_refused_in_words(self):
+        _, user = self.start(speedup=1e4)
+        self.put_folder("turntable", {f"scan_{i:03}.ply": b"ply" for i in range(40)})
+        offered = user.state("offered", "start")
+        self.assertEqual([(s["name"], s["problem"]) for s in offered["stick"]["scans"]],
+                         [("turntable/scan_000.ply", "one scan may have 32 files at most")])
+        user.do("start")
+        self.assertIn("one scan may have 32 files at most", user.state("fault", "seen")["fault"]["message"])
+
+    def test_command_line_takes_a_folder(self):
+        folder = self.dir / "project"
+        folder.mkdir()
+        for path in (self.front, self.back):
+            shutil.copy(path, folder)
+        (folder / "notes.txt").write_text("no scan")
+        hashes = self.slice_masks(self.back, self.front)
+        shutil.rmtree(self.out)
+        self.assertEqual(self.slice_masks(f"{folder}/"), hashes)
+        inspected = self.run_it("inspect", folder).stdout
+        self.assertIn("back.ply: 2400 points", inspected)
+        self.assertIn("front.ply: 2600 points", inspected)
+        for i in range(40):
+            (folder / f"{i}.ply").touch()
+        refused = self.run_it("slice", folder, "-o", self.dir / "many", status=1).stderr
+        self.assertIn("project: the folder has 42 scans, but one scan may have 32 files at most", refused)
+
+
+if __name__ == "__main__":
+    main()
