@@ -78,8 +78,9 @@ Expected<Motion> ZStage::begin_jog(Distance distance) {
   }
   if (interlock_.lamp_lit()) return fail(ErrorCode::kLampLit, "the stage does not move while the lamp is lit");
   if (end_stop_pressed()) {
-    return fail(ErrorCode::kEndStopStuck,
-                "the end stop is pressed:\tturn the screw by hand until it is free, or correct active of [end_stop_line]");
+    return fail(
+        ErrorCode::kEndStopStuck,
+        "the end stop is pressed:\tturn the screw by hand until it is free, or correct active of [end_stop_line]");
   }
   PLUMBLINE_TRY(do_begin_jog(distance, std::min(kJogSpeed, limits_.fastest)));
   return Motion(*this);

@@ -54,8 +54,8 @@ struct PlantSettings {
       compute_per_mask{};  ///< virtual time that the firmware needs for each mask, in addition to Pace::computing
   Pace pace;
   std::vector<Fault> faults;
-  LampWire* lamp_wire = nullptr;  ///< follows the lamp's line; null: none. Must outlive the plant
-  bool keep_part = true;          ///< needed for part().for_each_layer()
+  LampWire* lamp_wire = nullptr;                  ///< follows the lamp's line; null: none. Must outlive the plant
+  bool keep_part = true;                          ///< needed for part().for_each_layer()
   std::optional<BuiltOtherwise> built_otherwise;  ///< nothing: as the firmware believes
   /// What an earlier plant left on the plate. A print that lights above it resumes that part.
   std::uint32_t layers_on_plate = 0;

@@ -69,7 +69,7 @@ class FakeLines final : public StageLines {
 
   std::int64_t height = 450;   // steps above the film
   std::int64_t stop_at = 500;  // where the switch closes
-  bool reversed = false;  // the direction line is wired the other way round
+  bool reversed = false;       // the direction line is wired the other way round
   bool enabled = false;
   bool broken = false;
   bool stuck = false;
