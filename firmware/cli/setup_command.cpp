@@ -54,6 +54,7 @@ tl::unexpected<Error> cannot_write(const std::string& path, int reason) {
 Status write_new(const std::string& path, const std::string& text) {
   const std::string made = path + ".new-" + std::to_string(::getpid());
   const auto written = write_file(made.c_str(), std::as_bytes(std::span(text)));
+  if (!written) ::unlink(made.c_str());
   PLUMBLINE_TRY(written);
   if (::renameat2(AT_FDCWD, made.c_str(), AT_FDCWD, path.c_str(), RENAME_NOREPLACE) == 0) return {};
   const int reason = errno;
@@ -68,11 +69,12 @@ Status measure(Dialogue& dialogue, bool may_go_on, const Status& measured) {
   return {};
 }
 
-Expected<PrintProfile> profile_of(const BoardDraft& draft) {
-  return read_print_profile(draft.value("print", "profile"), draft.values().path);
-}
-
 Expected<BoardFile> set_up(const SetupOptions& options, Dialogue& dialogue, BoardDraft& draft) {
+  const std::string name = fs::path(options.output).stem().string();
+  if (const auto named = draft.set("printer", "name", name, ""); !named) {
+    return fail(ErrorCode::kBadSetting, "%s: the file is named after its printer: %s",
+                PrintableText(options.output, 150).c_str(), named.error().message());
+  }
   SimulationOptions simulation;
   if (!options.simulated.empty()) {
     auto built = read_board_file(options.simulated);
@@ -83,9 +85,9 @@ Expected<BoardFile> set_up(const SetupOptions& options, Dialogue& dialogue, Boar
     simulation.built = std::move(*built);
   }
   if (!simulation.simulate) dialogue.say(to_text(board_parts()));
-  dialogue.say("Press return to take what is in [ ]: the value of " + draft.values().name + ".");
-  PLUMBLINE_TRY(ask_about_printer(dialogue, draft, fs::path(options.output).stem().string()));
-  const auto profile = profile_of(draft);
+  dialogue.say("Press return to take what is in [ ]: the value of " + draft.like_name() + ".");
+  PLUMBLINE_TRY(ask_about_printer(dialogue, draft, name));
+  const auto profile = read_print_profile(draft.value("print", "profile"), draft.values().path);
   PLUMBLINE_TRY(profile);
   const auto ready = dialogue.ask_yes(
       {"measure", "measure now? The printer is switched on, its cover closes, and nothing is in its way", "", "yes"});
@@ -169,7 +171,12 @@ ExitCode run_setup(const SetupOptions& options) {
   if (written_answers != nullptr) {
     if (const auto used = written_answers->check_all_used(); !used) return report_error(used.error());
   }
-  if (const auto written = write_new(options.output, draft->text()); !written) return report_error(written.error());
+  if (const auto written = write_new(options.output, draft->text()); !written) {
+    // Nobody answers all that twice.
+    OutputFile out = OutputFile::standard_output();
+    static_cast<void>(out.write(draft->text()));
+    return report_error(written.error());
+  }
   dialogue->say("\nWrote " + options.output + ".");
   if (!options.simulated.empty() || board->machine->simulated) return ExitCode::kDone;
   return examine(*dialogue, *board);

@@ -111,7 +111,7 @@ Expected<BoardDraft> BoardDraft::like(const std::string& like) {
 }
 
 void BoardDraft::note(std::string_view table, std::string_view key, std::string_view source) {
-  sources_[{std::string(table), std::string(key)}] = source;
+  if (!source.empty()) sources_[{std::string(table), std::string(key)}] = source;
 }
 
 Status BoardDraft::set(std::string_view table, std::string_view key, const std::string& answer,

@@ -18,7 +18,7 @@ class BoardDraft {
   [[nodiscard]] static Expected<BoardDraft> like(const std::string& like);
 
   /// @param answer  as a person types it: a text or word without quotes, a number, true or yes
-  /// @param source  where it comes from: the comment of its line
+  /// @param source  where it comes from: the comment of its line; empty: from where it was
   /// @retval ErrorCode::kBadSetting  what was found and what is allowed
   [[nodiscard]] Status set(std::string_view table, std::string_view key, const std::string& answer,
                            std::string_view source);
@@ -44,6 +44,8 @@ class BoardDraft {
   /// The file, parsed by the rules of all board files.
   /// @retval ErrorCode::kBadSetting  two answers contradict each other
   [[nodiscard]] Expected<BoardFile> board() const;
+  /// Name of the printer that the draft began with.
+  const std::string& like_name() const { return like_; }
   /// The values without the checks of one against the others.
   const BoardFile& values() const { return board_; }
 

@@ -140,8 +140,13 @@ Expected<std::string> WrittenAnswers::answer(const Question& question) {
 }
 
 Status WrittenAnswers::refuse(const Question& question, const Error& reason) {
-  return fail(ErrorCode::kBadSetting, "%s:%zu: %s: %s", PrintableText(path_, 150).c_str(),
-              answers_.find(question.name)->second.line, question.name.c_str(), reason.message());
+  const auto given = answers_.find(question.name);
+  if (given == answers_.end()) {
+    return fail(ErrorCode::kBadSetting, "%s: add an answer to %s: %s", PrintableText(path_, 150).c_str(),
+                question.name.c_str(), reason.message());
+  }
+  return fail(ErrorCode::kBadSetting, "%s:%zu: %s: %s", PrintableText(path_, 150).c_str(), given->second.line,
+              question.name.c_str(), reason.message());
 }
 
 }  // namespace plumbline

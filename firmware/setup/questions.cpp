@@ -69,9 +69,13 @@ Status ask_about_printer(Dialogue& dialogue, BoardDraft& draft, const std::strin
   const auto ask_key = [&](const Key& one) {
     const std::string full = std::string(one.table) + "." + one.key;
     const Question question{full, one.use, draft.allowed_for(one.table, one.key), draft.value(one.table, one.key)};
-    return dialogue.ask(question, [&](const std::string& answer) {
-      if (answer == draft.value(one.table, one.key)) return Status();
-      return draft.set(one.table, one.key, answer, kAsked);
+    return dialogue.ask(question, [&](const std::string& answer) -> Status {
+      // What is taken over is checked, too: another answer may not go with it.
+      const bool same = answer == draft.value(one.table, one.key);
+      PLUMBLINE_TRY(draft.set(one.table, one.key, answer, same ? "" : kAsked));
+      if (one.key != std::string_view("profile")) return Status();
+      const auto profile = read_print_profile(answer, draft.values().path);
+      return profile ? Status() : Status(tl::unexpected<Error>(profile.error()));
     });
   };
   for (const Key& one : kKeys) PLUMBLINE_TRY(ask_key(one));

@@ -314,6 +314,9 @@ TEST_F(SetUp, AsksAgainWhatCannotBe) {
   EXPECT_THAT(refusal("step_line", "chip 2000"), HasSubstr("from 0 to 1023"));
   EXPECT_THAT(refusal("resin_sensor", "lm75"), HasSubstr("hwmon NAME"));
   EXPECT_EQ(draft_->line("step_line"), "9030000.pl061 0") << "as before";
+  EXPECT_THAT(refusal("print.profile", "none"), HasSubstr("none"));
+  EXPECT_THAT(refusal("z_stage.travel_mm", "60"), HasSubstr("at least travel_mm + 1"))
+      << "the end stop's height that is offered does not go with it";
 }
 
 TEST_F(SetUp, TakesEachKindOfWiring) {
