@@ -25,13 +25,13 @@ Status measure_lamp(Dialogue& dialogue, BoardDraft& draft, const OpenMachine& op
   std::string how;
   PLUMBLINE_TRY(
       dialogue.ask({"lamp.how",
-                    "how to measure the lamp.\n  meter: one for 405 nm lies on the panel\n  square: resin is cured on "
+                    "how to measure the lamp.\n  meter: one for 405 nm lies on the panel\n  sheet: resin is cured on "
                     "the film, and you measure how thick it gets",
-                    "meter, square, or skip to keep " + draft.value("lamp", "power_mw_cm2") + " mW/cm2", "skip"},
+                    "meter, sheet, or skip to keep " + draft.value("lamp", "power_mw_cm2") + " mW/cm2", "skip"},
                    [&](const std::string& answer) -> Status {
                      how = answer;
-                     if (how == "meter" || how == "square" || how == "skip") return {};
-                     return fail(ErrorCode::kBadSetting, "answer meter, square or skip");
+                     if (how == "meter" || how == "sheet" || how == "skip") return {};
+                     return fail(ErrorCode::kBadSetting, "answer meter, sheet or skip");
                    }));
   if (how == "skip") return {};
   const auto board = draft.board();
@@ -67,9 +67,9 @@ Status measure_lamp(Dialogue& dialogue, BoardDraft& draft, const OpenMachine& op
   dialogue.say("\nFill some mm of the resin of profile " + profile.name +
                " into the tank, and leave the plate out. The whole panel cures a sheet on the film.");
   double seconds = 0;
-  const Question how_long{"lamp.seconds", "how long to cure it", "s, from 1 to " + number(kLongestSquareS), "10"};
+  const Question how_long{"lamp.seconds", "how long to cure it", "s, from 1 to " + number(kLongestSheetS), "10"};
   const auto asked = dialogue.ask(how_long, [&](const std::string& answer) -> Status {
-    const auto value = number_in(answer, 1, kLongestSquareS, "s");
+    const auto value = number_in(answer, 1, kLongestSheetS, "s");
     PLUMBLINE_TRY(value);
     seconds = *value;
     return {};

@@ -15,8 +15,8 @@ namespace plumbline {
 /// Longest light for a look at the panel, and for a meter's reading.
 inline constexpr std::chrono::seconds kFlash{1};
 inline constexpr std::chrono::seconds kMeterFlash{5};
-/// Longest light for a cured square, s.
-inline constexpr double kLongestSquareS = 30;
+/// Longest light for a cured sheet, s.
+inline constexpr double kLongestSheetS = 30;
 
 /// Opens the devices of a draft. Each measurement opens them anew, and closes them at its end: the lamp is dark and the stage still
 /// whenever nothing is measured.
@@ -36,8 +36,8 @@ std::string to_text(std::span<const BoardPart> parts);
 /// Jogs the stage and asks how far it went: steps a mm, and which way is up.
 [[nodiscard]] Status measure_stage(Dialogue& dialogue, BoardDraft& draft, const OpenMachine& open);
 
-/// Finds the lamp's irradiance with a meter or by the thickness of a cured square.
-/// @param profile  of the resin whose square is cured
+/// Finds the lamp's irradiance with a meter or by the thickness of a cured sheet.
+/// @param profile  of the resin that is cured
 [[nodiscard]] Status measure_lamp(Dialogue& dialogue, BoardDraft& draft, const OpenMachine& open,
                                   const PrintProfile& profile);
 

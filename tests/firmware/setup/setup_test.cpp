@@ -238,7 +238,7 @@ TEST_F(SetUp, MeasuresTheLampByACuredSheet) {
   BoardFile built = board("rig");
   built.machine->power_mw_cm2 = 2.2;
   begin("rig", built);
-  person_.answers = {{"lamp.how", "square"}, {"lamp.seconds", "20"}, {"lamp.light", "yes"}};
+  person_.answers = {{"lamp.how", "sheet"}, {"lamp.seconds", "20"}, {"lamp.light", "yes"}};
   person_.before = [this](const std::string& question) {
     if (question != "lamp.thickness") return;
     const double dose = 2.2 * 20;
@@ -289,7 +289,7 @@ TEST_F(SetUp, StopsForAButtonInAMoveAndInLight) {
   EXPECT_EQ(moved.error().code(), ErrorCode::kCancelled) << moved.error().message();
   EXPECT_EQ(person_.asked.back(), "end_stop.right") << "it ended in the first jog";
   faults_ = {"button.cancel@t=5s"};
-  person_.answers = {{"lamp.how", "square"}, {"lamp.seconds", "20"}, {"lamp.light", "yes"}};
+  person_.answers = {{"lamp.how", "sheet"}, {"lamp.seconds", "20"}, {"lamp.light", "yes"}};
   const Status lit = measure_lamp(person_, *draft_, open_, profile_);
   ASSERT_FALSE(lit);
   EXPECT_EQ(lit.error().code(), ErrorCode::kCancelled) << lit.error().message();
