@@ -26,6 +26,24 @@ struct PanelLayout {
   std::uint32_t mode_width() const { return picture_width() / (rgb ? 3 : 1); }
   std::uint32_t mode_height() const { return sideways() ? columns : rows; }
 
+  struct Pixel {
+    std::uint32_t column = 0, row = 0;
+    bool operator==(const Pixel&) const = default;
+  };
+  /// Where a pixel of the mask is in the picture that is sent, before it is packed.
+  Pixel sent(Pixel mask) const {
+    Pixel to = mask;
+    if (rotation_deg == 90) to = {mask.row, columns - 1 - mask.column};
+    if (rotation_deg == 180) to = {columns - 1 - mask.column, rows - 1 - mask.row};
+    if (rotation_deg == 270) to = {rows - 1 - mask.row, mask.column};
+    if (mirror == Mirror::kX) to.column = picture_width() - 1 - to.column;
+    if (mirror == Mirror::kY) to.row = mode_height() - 1 - to.row;
+    return to;
+  }
+
+  /// Width of the picture before it is packed, pixels.
+  std::uint32_t picture_width() const { return sideways() ? rows : columns; }
+
   /// @retval ErrorCode::kBadSetting  rgb, and the rotated width is not a multiple of 3
   [[nodiscard]] Status check() const {
     if (!rgb || picture_width() % 3 == 0) return {};
@@ -35,7 +53,6 @@ struct PanelLayout {
 
  private:
   bool sideways() const { return rotation_deg == 90 || rotation_deg == 270; }
-  std::uint32_t picture_width() const { return sideways() ? rows : columns; }
 };
 
 }  // namespace plumbline

@@ -1,5 +1,6 @@
 #include "hal/z_stage.hpp"
 
+#include <algorithm>
 #include <cassert>
 
 namespace plumbline {
@@ -63,6 +64,25 @@ Expected<Motion> ZStage::begin_move(ZPosition target, Speed speed) {
   if (!homed()) return fail(ErrorCode::kNotHomed, "the stage is not homed, so its height is unknown: home it first");
   if (interlock_.lamp_lit()) return fail(ErrorCode::kLampLit, "the stage does not move while the lamp is lit");
   PLUMBLINE_TRY(do_begin_move(target, speed));
+  return Motion(*this);
+}
+
+Expected<Motion> ZStage::begin_jog(Distance distance) {
+  // Slow enough for a motor whose step is sixteen times as long as the board file says, and for a person with a hand on the switch.
+  constexpr Speed kJogSpeed(1);
+  PLUMBLINE_TRY(interlock_.check_power());
+  if (moving()) return fail(ErrorCode::kBusy, "the stage is already moving");
+  if (distance == Distance() || distance > kLongestJog || distance < -kLongestJog) {
+    return fail(ErrorCode::kOutsideTravel, "a jog by %.4f mm: allowed is up to %.0f mm up or down",
+                distance.millimetres(), kLongestJog.millimetres());
+  }
+  if (interlock_.lamp_lit()) return fail(ErrorCode::kLampLit, "the stage does not move while the lamp is lit");
+  if (end_stop_pressed()) {
+    return fail(
+        ErrorCode::kEndStopStuck,
+        "the end stop is pressed:\tturn the screw by hand until it is free, or correct active of [end_stop_line]");
+  }
+  PLUMBLINE_TRY(do_begin_jog(distance, std::min(kJogSpeed, limits_.fastest)));
   return Motion(*this);
 }
 

@@ -99,6 +99,18 @@ class ZStage {
   /// @retval ErrorCode::kNotHomed, kLampLit, kBusy, kPowerLost
   [[nodiscard]] Expected<Motion> begin_move(ZPosition target, Speed speed);
 
+  /// The longest jog.
+  static constexpr Distance kLongestJog = 10_mm;
+
+  /// Moves a short way from where the stage is, slowly, for somebody who watches which way it goes and how far: `plumbline setup`. Nobody
+  /// needs to know yet where up is, so it ends when the end stop closes, whichever way it goes; then the report has not arrived.
+  /// Afterwards the stage is not homed.
+  /// @param distance  up is positive; not 0, at most kLongestJog either way
+  /// @retval ErrorCode::kOutsideTravel  0 or too far
+  /// @retval ErrorCode::kEndStopStuck   the end stop is pressed already
+  /// @retval ErrorCode::kLampLit, kBusy, kPowerLost
+  [[nodiscard]] Expected<Motion> begin_jog(Distance distance);
+
   /// begin_homing() and Motion::finish(). Nothing interrupts it; to handle events meanwhile use await() (hal/await.hpp).
   [[nodiscard]] Expected<MotionReport> home();
   /// begin_move() and Motion::finish(), like home().
@@ -117,6 +129,7 @@ class ZStage {
   virtual ZPosition do_position() const = 0;
   virtual Status do_begin_homing() = 0;
   virtual Status do_begin_move(ZPosition target, Speed speed) = 0;
+  virtual Status do_begin_jog(Distance distance, Speed speed) = 0;
   virtual TimePoint do_ends_by() const = 0;
   virtual Status do_stop() = 0;
   /// Waits until the stage has stopped, then reports the last motion.

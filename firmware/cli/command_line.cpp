@@ -22,6 +22,7 @@ constexpr const char* kAbout =
     "  plumbline print bust.ply --printer sim2k           print it on the simulated printer\n"
     "  plumbline simulate bust.ply                        the same on the printer's page, in a browser\n"
     "\n"
+    "On a printer's board: 'plumbline setup' makes its board file, 'plumbline doctor' checks it.\n"
     "Lengths are mm, angles degrees. 'plumbline slice --help' explains the options of slice, and so on.\n";
 
 }  // namespace
@@ -42,6 +43,7 @@ ExitCode run_command_line(int argc, char** argv, std::span<std::byte> arena_bloc
   StatusOptions status;
   ControlOptions control;
   SimulateOptions simulate;
+  SetupOptions setup;
   const CLI::App* slice_command = add_slice_command(app, slice);
   const CLI::App* inspect_command = add_inspect_command(app, inspect);
   const CLI::App* orient_command = add_orient_command(app, orient);
@@ -51,6 +53,7 @@ ExitCode run_command_line(int argc, char** argv, std::span<std::byte> arena_bloc
   const CLI::App* status_command = add_status_command(app, status);
   const CLI::App* control_command = add_control_command(app, control);
   const CLI::App* simulate_command = add_simulate_command(app, simulate);
+  const CLI::App* setup_command = add_setup_command(app, setup);
   add_doctor_command(app, doctor);
 
   try {
@@ -71,6 +74,7 @@ ExitCode run_command_line(int argc, char** argv, std::span<std::byte> arena_bloc
   if (status_command->parsed()) return run_status(status);
   if (control_command->parsed()) return run_control(control);
   if (simulate_command->parsed()) return run_simulate(simulate);
+  if (setup_command->parsed()) return run_setup(setup);
   return run_doctor(doctor);
 }
 

@@ -96,6 +96,14 @@ struct SimulateOptions {
   std::string folder;              ///< empty: a new one, which is removed
 };
 
+struct SetupOptions {
+  std::string output;     ///< board file to write
+  std::string like;       ///< board file whose values are offered; empty: rpi4_dxq608, or what is simulated
+  std::string answers;    ///< file; empty: a person answers
+  std::string simulated;  ///< board file as which a simulated printer is built; empty: this board
+  bool list = false;      ///< only list what the board has
+};
+
 /// Each adds a subcommand whose options are parsed into `options`, which must outlive the parsing.
 CLI::App* add_slice_command(CLI::App& app, SliceOptions& options);
 CLI::App* add_inspect_command(CLI::App& app, InspectOptions& options);
@@ -107,6 +115,7 @@ CLI::App* add_doctor_command(CLI::App& app, DoctorOptions& options);
 CLI::App* add_status_command(CLI::App& app, StatusOptions& options);
 CLI::App* add_control_command(CLI::App& app, ControlOptions& options);
 CLI::App* add_simulate_command(CLI::App& app, SimulateOptions& options);
+CLI::App* add_setup_command(CLI::App& app, SetupOptions& options);
 
 /// Each runs a subcommand. Results go to standard output; progress, warnings and errors to standard error.
 /// @param arena_block  the program's static memory
@@ -120,5 +129,6 @@ ExitCode run_doctor(const DoctorOptions& options);
 ExitCode run_status(const StatusOptions& options);
 ExitCode run_control(const ControlOptions& options);
 ExitCode run_simulate(const SimulateOptions& options);
+ExitCode run_setup(const SetupOptions& options);
 
 }  // namespace plumbline

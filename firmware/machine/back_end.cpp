@@ -36,4 +36,6 @@ Expected<std::vector<MachineFinding>> examine_machine(const BoardFile& board, co
   return examine_linux_machine(board, machine);
 }
 
+std::vector<BoardPart> board_parts() { return linux_board_parts(); }
+
 }  // namespace plumbline

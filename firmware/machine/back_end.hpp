@@ -12,6 +12,7 @@
 #include "firmware/machine/step_figures.hpp"
 #include "firmware/settings/board_file.hpp"
 #include "firmware/settings/print_profile.hpp"
+#include "hal/board_part.hpp"
 #include "hal/machine.hpp"
 #include "hal/machine_finding.hpp"
 #include "slicer/core/bit_image.hpp"
@@ -31,7 +32,17 @@ struct SimulationOptions {
   std::uint32_t layers_on_plate = 0;  ///< cured by an earlier run that this one resumes
   ZPosition height_on_plate;          ///< of the last of them
   std::optional<ZPosition> plate_at;  ///< where that run left the plate; nothing: raised
-  std::string lamp_line;              ///< plumbline-keeper lights it whenever the simulated lamp is lit; empty: none
+  /// How the simulated printer is built where the board file is wrong about it: `plumbline setup` measures it. Must have a machine.
+  std::optional<BoardFile> built;
+  std::string lamp_line;  ///< plumbline-keeper lights it whenever the simulated lamp is lit; empty: none
+};
+
+/// A picture that somebody sees.
+struct Sight {
+  std::uint32_t columns = 0, rows = 0;
+  std::vector<std::uint64_t> words;
+
+  ConstBitImage image() const { return {words, columns, rows}; }
 };
 
 /// What only a simulation knows, and the actions of a simulated user.
@@ -46,6 +57,12 @@ class Witness {
   virtual PartFigures part_figures() const = 0;
   /// Layers of the part, from the plate on: the pixels of the masks that were cured and stayed. Needs SimulationOptions::keep_part.
   virtual void for_each_cured_layer(const std::function<void(ZPosition, ConstBitImage)>& visit) const = 0;
+
+  /// The panel's pixels that let light through, for somebody who looks down on it with its lower edge in front.
+  virtual Sight panel_from_above() = 0;
+  virtual Distance plate_height() = 0;  ///< above the film
+  virtual Irradiance irradiance() = 0;  ///< that a meter on the film reads under a white mask
+  virtual bool light() = 0;
 
   virtual void plug_stick(const std::string& folder) = 0;
   virtual void pull_stick() = 0;
@@ -81,5 +98,8 @@ class BackEnd {
 /// Checks the board that this runs on. Moves and lights nothing.
 /// @retval ErrorCode::kUnsupported  the printer is a simulated one, or this build has no board devices
 [[nodiscard]] Expected<std::vector<MachineFinding>> examine_machine(const BoardFile& board, const MachineFile& machine);
+
+/// What the board that this runs on has for a board file to name. Opens, moves and lights nothing.
+std::vector<BoardPart> board_parts();
 
 }  // namespace plumbline

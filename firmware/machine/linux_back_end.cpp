@@ -8,6 +8,7 @@
 
 #include "firmware/machine/machine_limits.hpp"
 #include "firmware/settings/wiring_file.hpp"
+#include "hal/linux/board_parts.hpp"
 #include "hal/linux/lamp/lamp_keeper.hpp"
 #ifdef PLUMBLINE_HAS_BOARD_DEVICES
 #include "hal/linux/examination.hpp"
@@ -129,6 +130,8 @@ Expected<std::vector<MachineFinding>> examine_linux_machine(const BoardFile& boa
 }
 
 #endif
+
+std::vector<BoardPart> linux_board_parts() { return list_board_parts(); }
 
 Expected<std::unique_ptr<KeptLampLine>> keep_lamp_line(const std::string& line, const MachineFile& machine) {
   // A simulation that falls behind shortens the pauses and not the exposures, so the light of a minute is not limited.

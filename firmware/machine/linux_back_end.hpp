@@ -26,6 +26,9 @@ namespace plumbline {
 [[nodiscard]] Expected<std::vector<MachineFinding>> examine_linux_machine(const BoardFile& board,
                                                                           const MachineFile& machine);
 
+/// Every build has it; without board devices it lists no GPIO lines.
+std::vector<BoardPart> linux_board_parts();
+
 /// Starts plumbline-keeper for one lamp line. Every build has it.
 /// @param line     as the keeper's --line takes it
 /// @param machine  its longest exposure and its watchdog

@@ -43,6 +43,17 @@ PlantSettings plant_of(const BoardFile& board, const MachineFile& machine, const
   return plant;
 }
 
+/// Lets a plant that is made as `built` says meet a firmware that believes `machine`.
+void build_otherwise(PlantSettings& plant, const MachineFile& machine, const MachineFile& built) {
+  const bool reversed = machine.wiring.direction.active_low != built.wiring.direction.active_low;
+  plant.built_otherwise = {.believed = machine.panel,
+                           .panel = built.panel,
+                           .travel_ratio = built.step_mm() / machine.step_mm() * (reversed ? -1 : 1)};
+  plant.travel = travel_limits(machine);
+  plant.lamp = lamp_limits(machine);
+  plant.lamp.irradiance = Irradiance(built.power_mw_cm2);
+}
+
 /// Lights a real line for as long as the simulated lamp is lit, in the host's time.
 class HostTimeWire final : public LampWire {
  public:
@@ -128,6 +139,22 @@ class SimulatedBackEnd final : public BackEnd, public Witness {
   void for_each_cured_layer(const std::function<void(ZPosition, ConstBitImage)>& visit) const override {
     plant_.part().for_each_layer([&](const CuredLayer& layer, ConstBitImage cured) { visit(layer.z, cured); });
   }
+  Sight panel_from_above() override {
+    const ConstBitImage mask = plant_.panel().visible();
+    Sight seen{mask.columns(), mask.rows(), std::vector<std::uint64_t>(mask.words().size())};
+    if (plant_.panel().black()) return seen;
+    const BitImage image(seen.words, seen.columns, seen.rows);
+    for (std::uint32_t row = 0; row < seen.rows; ++row) {
+      for (std::uint32_t column = 0; column < seen.columns; ++column) {
+        if (mask.at(column, row)) image.set(seen.columns - 1 - column, row);
+      }
+    }
+    return seen;
+  }
+  Distance plate_height() override { return plant_.stage().height(); }
+  Irradiance irradiance() override { return plant_.settings().lamp.irradiance; }
+  bool light() override { return plant_.light(); }
+
   void plug_stick(const std::string& folder) override { plant_.plug_stick(folder); }
   void pull_stick() override { plant_.pull_stick(); }
   void press(EventKind button) override { plant_.press(button); }
@@ -156,7 +183,9 @@ Expected<std::unique_ptr<BackEnd>> open_simulated_back_end(const BoardFile& boar
                                                            const PrintProfile& profile,
                                                            const SimulationOptions& options,
                                                            std::unique_ptr<KeptLampLine> lamp_line) {
-  PlantSettings settings = plant_of(board, machine, profile);
+  PlantSettings settings =
+      options.built ? plant_of(*options.built, *options.built->machine, profile) : plant_of(board, machine, profile);
+  if (options.built) build_otherwise(settings, machine, *options.built->machine);
   for (const auto& text : options.faults) {
     const auto fault = parse_fault(text);
     PLUMBLINE_TRY(fault);

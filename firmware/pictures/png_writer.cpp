@@ -94,39 +94,39 @@ void PngEncoder::FreeCompressor::operator()(libdeflate_compressor* compressor) c
   libdeflate_free_compressor(compressor);
 }
 
-/// Zeroed, so that the pages exist before the first layer needs them.
-bool PngEncoder::Buffer::take(std::size_t count) {
-  bytes.reset(new (std::nothrow) unsigned char[count]());
+bool PngEncoder::Buffer::take(std::size_t count, Pages pages) {
+  bytes.reset(pages == Pages::kNow ? new (std::nothrow) unsigned char[count]()
+                                   : new (std::nothrow) unsigned char[count]);
   size = count;
   return bytes != nullptr;
 }
 
 Expected<PngEncoder> PngEncoder::for_masks(std::uint32_t columns, std::uint32_t rows, int level) {
-  auto encoder = create((columns + std::size_t{7}) / 8, rows, level);
+  auto encoder = create((columns + std::size_t{7}) / 8, rows, level, Pages::kNow);
   PLUMBLINE_TRY(encoder);
-  if (!encoder->lines_.take((1 + (columns + std::size_t{7}) / 8) * rows + 8)) {
+  if (!encoder->lines_.take((1 + (columns + std::size_t{7}) / 8) * rows + 8, Pages::kNow)) {
     return fail(ErrorCode::kOutOfMemory, "PNG encoder: no memory for a mask");
   }
   return encoder;
 }
 
 Expected<PngEncoder> PngEncoder::for_pictures(std::uint32_t columns, std::uint32_t rows, int level) {
-  auto encoder = create(std::size_t{3} * columns, rows, level);
+  auto encoder = create(std::size_t{3} * columns, rows, level, Pages::kAsNeeded);
   PLUMBLINE_TRY(encoder);
-  if (!encoder->compressed_.take(encoder->file_.size - kFrameBytes)) {
+  if (!encoder->compressed_.take(encoder->file_.size - kFrameBytes, Pages::kAsNeeded)) {
     return fail(ErrorCode::kOutOfMemory, "PNG encoder: no memory for a picture");
   }
   return encoder;
 }
 
-Expected<PngEncoder> PngEncoder::create(std::size_t row_bytes, std::uint32_t rows, int level) {
+Expected<PngEncoder> PngEncoder::create(std::size_t row_bytes, std::uint32_t rows, int level, Pages pages) {
   assert(row_bytes > 0 && rows > 0 && level >= 1 && level <= 12);
   PngEncoder encoder;
   encoder.compressor_.reset(libdeflate_alloc_compressor(level));
   if (!encoder.compressor_) return fail(ErrorCode::kOutOfMemory, "PNG encoder: no memory for the compressor");
   const std::size_t scan_lines = (1 + row_bytes) * rows;
   const std::size_t bound = libdeflate_zlib_compress_bound(encoder.compressor_.get(), scan_lines);
-  if (!encoder.file_.take(bound + kFrameBytes)) {
+  if (!encoder.file_.take(bound + kFrameBytes, pages)) {
     return fail(ErrorCode::kOutOfMemory, "PNG encoder: no memory for %zu bytes of output", bound);
   }
   return encoder;

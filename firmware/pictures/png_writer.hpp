@@ -53,15 +53,18 @@ class PngEncoder {
   struct FreeCompressor {
     void operator()(libdeflate_compressor* compressor) const;
   };
+  /// Whether the pages of a buffer exist at once, before the first layer needs them, or when a picture fills them: a compressed picture
+  /// is far smaller than its bound.
+  enum class Pages : std::uint8_t { kNow, kAsNeeded };
   struct Buffer {
     std::unique_ptr<unsigned char[]> bytes;
     std::size_t size = 0;
 
-    [[nodiscard]] bool take(std::size_t count);
+    [[nodiscard]] bool take(std::size_t count, Pages pages);
   };
 
   PngEncoder() = default;
-  [[nodiscard]] static Expected<PngEncoder> create(std::size_t row_bytes, std::uint32_t rows, int level);
+  [[nodiscard]] static Expected<PngEncoder> create(std::size_t row_bytes, std::uint32_t rows, int level, Pages pages);
   [[nodiscard]] Expected<std::span<const std::byte>> encode_raw(const unsigned char* raw, std::uint32_t columns,
                                                                 std::uint32_t rows);
   static unsigned compress(unsigned char** out, std::size_t* out_size, const unsigned char* in, std::size_t in_size,

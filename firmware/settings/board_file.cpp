@@ -20,8 +20,9 @@ constexpr std::array<std::string_view, 3> kPages = {"off", "local", "network"}; 
 constexpr std::array<std::uint32_t, 4> kRotations = {0, 90, 180, 270};
 constexpr std::array<std::uint32_t, 9> kMicrosteps = {1, 2, 4, 8, 16, 32, 64, 128, 256};
 
-/// The keys in the order in which messages list them. board/README.md explains them in the same order.
-std::vector<SettingRule> rules_for(BoardFile& board, MachineFile& machine) {
+}  // namespace
+
+std::vector<SettingRule> board_rules(BoardFile& board, MachineFile& machine) {
   constexpr auto kMachine = Presence::kAllOrNone;
   std::vector<SettingRule> rules = {
       {"printer", "name", TextSetting{&board.name}, 1, 63},
@@ -67,8 +68,9 @@ std::vector<SettingRule> rules_for(BoardFile& board, MachineFile& machine) {
   return rules;
 }
 
-/// What is wrong with a key given the others; empty: nothing.
-std::string check(const SettingRule& rule, const BoardFile& board, const MachineFile& machine) {
+std::string check_board_key(const SettingRule& rule, const BoardFile& board, MachineFile& machine) {
+  machine.panel.columns = board.columns;
+  machine.panel.rows = board.rows;
   if (rule.key == "lamp_resume_c" && machine.lamp_resume_c >= machine.lamp_max_c) {
     return "allowed is less than lamp_max_c";
   }
@@ -89,17 +91,13 @@ std::string check(const SettingRule& rule, const BoardFile& board, const Machine
   return check_wiring(rule, machine.wiring);
 }
 
-}  // namespace
-
 Expected<BoardFile> parse_board_file(std::string_view text, std::string_view path) {
   BoardFile board;
   MachineFile machine;
   bool has_machine = false;
-  const auto rules = rules_for(board, machine);
+  const auto rules = board_rules(board, machine);
   const auto check_key = [&](const SettingRule& rule) {
-    machine.panel.columns = board.columns;
-    machine.panel.rows = board.rows;
-    return has_machine ? check(rule, board, machine) : std::string();
+    return has_machine ? check_board_key(rule, board, machine) : std::string();
   };
   PLUMBLINE_TRY(parse_settings(text, path, {"a board file", rules, &has_machine, check_key}));
   if (has_machine) board.machine = std::move(machine);

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "firmware/settings/language.hpp"
 #include "firmware/settings/settings_file.hpp"
@@ -94,6 +95,12 @@ inline constexpr std::size_t kMaxBoardFileBytes = kMaxSettingsFileBytes;
 /// The same from text in memory.
 /// @param path  for messages only
 [[nodiscard]] Expected<BoardFile> parse_board_file(std::string_view text, std::string_view path);
+
+/// The rules of a board file's keys, bound to where their values are, in the order of board/README.md.
+std::vector<SettingRule> board_rules(BoardFile& board, MachineFile& machine);
+
+/// What is wrong with the value of one key given the others: "allowed is less than lamp_max_c". Empty: nothing.
+std::string check_board_key(const SettingRule& rule, const BoardFile& board, MachineFile& machine);
 
 /// @retval ErrorCode::kBadSetting  the file lacks the keys that printing needs
 [[nodiscard]] Expected<MachineFile> machine_of(const BoardFile& board, std::string_view path);

@@ -17,10 +17,12 @@ namespace plumbline {
 /// Whether a text has only what TextKind::kName allows: letters, digits, spaces, and . _ -
 bool is_setting_name(std::string_view text);
 
-/// One of a few words. `store` is called with the index of the word found.
+/// One of a few words. `store` is called with the index of the word found, `load` gives that of the present value; it
+/// may be null in a file that nothing writes.
 struct ChoiceSetting {
   std::span<const std::string_view> words;
   std::function<void(std::size_t)> store;
+  std::function<std::size_t()> load = nullptr;
 };
 
 /// One of a few numbers.
@@ -60,7 +62,8 @@ struct SettingRule {
 /// An enumeration whose values 0, 1, ... have the names `words`.
 template <class Enum>
 ChoiceSetting choice(std::span<const std::string_view> words, Enum& value) {
-  return {words, [&value](std::size_t index) { value = static_cast<Enum>(index); }};
+  return {words, [&value](std::size_t index) { value = static_cast<Enum>(index); },
+          [&value] { return static_cast<std::size_t>(value); }};
 }
 
 struct SettingsSchema {

@@ -7,7 +7,14 @@
 namespace plumbline {
 
 SimMaskDisplay::SimMaskDisplay(Plant& plant, Interlock& interlock)
-    : MaskDisplay(plant.settings().panel.columns, plant.settings().panel.rows, interlock), plant_(plant) {}
+    : MaskDisplay(plant.settings().built_otherwise ? plant.settings().built_otherwise->believed.columns
+                                                   : plant.settings().panel.columns,
+                  plant.settings().built_otherwise ? plant.settings().built_otherwise->believed.rows
+                                                   : plant.settings().panel.rows,
+                  interlock),
+      plant_(plant) {
+  if (plant.settings().built_otherwise) lent_.resize(BitImage::words_needed(columns(), rows()));
+}
 
 Expected<BitImage> SimMaskDisplay::do_lend() {
   const SimCall call(plant_);
@@ -15,7 +22,42 @@ Expected<BitImage> SimMaskDisplay::do_lend() {
   if (plant_.mask_cost() > nanoseconds::zero()) {
     PLUMBLINE_TRY(plant_.wait_until(plant_.now() + plant_.mask_cost(), [] { return false; }));
   }
+  if (!lent_.empty()) return BitImage(lent_, columns(), rows());
   return plant_.panel().back();
+}
+
+Status SimMaskDisplay::do_present() {
+  if (const auto& otherwise = plant_.settings().built_otherwise) PLUMBLINE_TRY(send_otherwise(*otherwise));
+  return show(false);
+}
+
+Status SimMaskDisplay::send_otherwise(const BuiltOtherwise& otherwise) {
+  const PanelLayout& believed = otherwise.believed;
+  const PanelLayout& panel = otherwise.panel;
+  if (believed.mode_width() != panel.mode_width() || believed.mode_height() != panel.mode_height()) {
+    return fail(ErrorCode::kPanelFailed, "the panel has a mode of %u x %u, but not one of %u x %u:\tcorrect [panel]",
+                panel.mode_width(), panel.mode_height(), believed.mode_width(), believed.mode_height());
+  }
+  const std::uint32_t width = panel.picture_width(), height = panel.mode_height();
+  std::vector<std::uint64_t> words(BitImage::words_needed(width, height));
+  const BitImage picture(words, width, height);
+  const ConstBitImage mask(lent_, columns(), rows());
+  for (std::uint32_t row = 0; row < rows(); ++row) {
+    for (std::uint32_t column = 0; column < columns(); ++column) {
+      if (!mask.at(column, row)) continue;
+      const auto to = believed.sent({column, row});
+      picture.set(to.column, to.row);
+    }
+  }
+  const BitImage shown = plant_.panel().back();
+  shown.clear();
+  for (std::uint32_t row = 0; row < shown.rows(); ++row) {
+    for (std::uint32_t column = 0; column < shown.columns(); ++column) {
+      const auto from = panel.sent({column, row});
+      if (picture.at(from.column, from.row)) shown.set(column, row);
+    }
+  }
+  return {};
 }
 
 Status SimMaskDisplay::show(bool black) {

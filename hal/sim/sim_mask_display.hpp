@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "hal/mask_display.hpp"
 #include "hal/sim/plant/plant.hpp"
 
@@ -13,11 +15,14 @@ class SimMaskDisplay final : public MaskDisplay {
  private:
   Expected<BitImage> do_lend() override;
   void do_release() override {}
-  Status do_present() override { return show(false); }
+  Status do_present() override;
   Status do_blank() override { return show(true); }
   Status show(bool black);
+  /// Sends the lent mask as the firmware believes, and takes it as the panel is built.
+  Status send_otherwise(const BuiltOtherwise& otherwise);
 
   Plant& plant_;
+  std::vector<std::uint64_t> lent_;  ///< only for a panel that is built otherwise
 };
 
 }  // namespace plumbline

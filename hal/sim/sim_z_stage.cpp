@@ -1,6 +1,7 @@
 #include "hal/sim/sim_z_stage.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "hal/sim/sim_call.hpp"
 
@@ -34,7 +35,7 @@ bool SimZStage::do_end_stop_pressed() const {
 
 ZPosition SimZStage::do_position() const {
   const SimCall call(plant_);
-  return position_ + plant_.stage().moved();
+  return position_ + counted(plant_.stage().moved());
 }
 
 TimePoint SimZStage::do_ends_by() const { return ends_by_; }
@@ -45,9 +46,25 @@ void SimZStage::begin_report() {
   report_.position = position_;
 }
 
+Distance SimZStage::built(Distance asked) const {
+  const auto& otherwise = plant_.settings().built_otherwise;
+  return otherwise ? Distance::micrometres(asked.micrometres() * otherwise->travel_ratio) : asked;
+}
+
+Distance SimZStage::counted(Distance travel) const {
+  const auto& otherwise = plant_.settings().built_otherwise;
+  return otherwise ? Distance::micrometres(travel.micrometres() / otherwise->travel_ratio) : travel;
+}
+
 void SimZStage::start(Phase phase, Distance distance, Speed speed, StageSwitch until) {
   phase_ = phase;
-  plant_.start_leg(distance, std::min(speed, limits().fastest), until, [this](const LegResult& leg) { on_rest(leg); });
+  const auto& otherwise = plant_.settings().built_otherwise;
+  const Speed true_speed = std::min(speed, limits().fastest) * (otherwise ? std::abs(otherwise->travel_ratio) : 1);
+  plant_.start_leg(built(distance), true_speed, until, [this](LegResult leg) {
+    leg.moved = counted(leg.moved);
+    leg.switched = counted(leg.switched);
+    on_rest(leg);
+  });
 }
 
 Status SimZStage::do_begin_move(ZPosition target, Speed speed) {
@@ -57,6 +74,18 @@ Status SimZStage::do_begin_move(ZPosition target, Speed speed) {
   stopping_ = false;
   problem_.reset();
   start(Phase::kMove, plant_.stage().rounded(target - position_), speed, StageSwitch::kNone);
+  ends_by_ = plant_.stage().ends_at();
+  return {};
+}
+
+Status SimZStage::do_begin_jog(Distance distance, Speed speed) {
+  const SimCall call(plant_);
+  begin_report();
+  homed_ = false;
+  moving_ = true;
+  stopping_ = false;
+  problem_.reset();
+  start(Phase::kJog, distance, speed, StageSwitch::kPressed);
   ends_by_ = plant_.stage().ends_at();
   return {};
 }
@@ -108,6 +137,8 @@ void SimZStage::on_rest(const LegResult& leg) {
     fail_motion(Error::format(ErrorCode::kStageStalled, "the stage is blocked:\tlook for what is in its way"));
   } else if (leg.end == LegEnd::kStopped || (stopping_ && phase_ != Phase::kMove)) {
     finish_motion(false);
+  } else if (phase_ == Phase::kJog) {
+    finish_motion(leg.end == LegEnd::kComplete);
   } else if (phase_ == Phase::kMove || phase_ == Phase::kReturn) {
     if (phase_ == Phase::kReturn) {
       homed_ = true;

@@ -14,8 +14,8 @@ class SimZStage final : public ZStage {
   ~SimZStage() override;
 
  private:
-  /// A move, and the legs of homing in order.
-  enum class Phase : std::uint8_t { kMove, kRelease, kApproach, kBackOff, kFind, kReturn };
+  /// A move, a jog, and the legs of homing in order.
+  enum class Phase : std::uint8_t { kMove, kJog, kRelease, kApproach, kBackOff, kFind, kReturn };
 
   bool do_homed() const override;
   bool do_moving() const override;
@@ -23,11 +23,15 @@ class SimZStage final : public ZStage {
   ZPosition do_position() const override;
   Status do_begin_homing() override;
   Status do_begin_move(ZPosition target, Speed speed) override;
+  Status do_begin_jog(Distance distance, Speed speed) override;
   TimePoint do_ends_by() const override;
   Status do_stop() override;
   Expected<MotionReport> do_finish() override;
 
   void begin_report();
+  /// True travel for what the firmware asks, and back.
+  Distance built(Distance asked) const;
+  Distance counted(Distance travel) const;
   void start(Phase phase, Distance distance, Speed speed, StageSwitch until);
   void on_rest(const LegResult& leg);
   void continue_homing(const LegResult& leg);

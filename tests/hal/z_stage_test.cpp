@@ -139,6 +139,60 @@ TEST_P(StageContract, StoppedHomingLeavesTheHeightUnknown) {
   EXPECT_TRUE(machine.stage.homed());
 }
 
+TEST_P(StageContract, JogsAShortWayWithoutBeingHomed) {
+  const Machine machine = rig_->machine();
+  const Distance before = rig_->plate_height();
+  for (const Distance way : {2_mm, -5_mm}) {
+    auto jog = machine.stage.begin_jog(way);
+    ASSERT_TRUE(jog) << jog.error().message();
+    const auto report = jog->finish();
+    ASSERT_TRUE(report) << report.error().message();
+    EXPECT_TRUE(report->arrived);
+  }
+  EXPECT_NEAR((rig_->plate_height() - before).micrometres(), -3000, 5);
+  EXPECT_FALSE(machine.stage.homed());
+  for (const Distance far : {0_mm, 10_mm + 1_um, -10_mm - 1_um}) {
+    EXPECT_TRUE(failed_with(machine.stage.begin_jog(far), ErrorCode::kOutsideTravel));
+  }
+  EXPECT_TRUE(machine.stage.begin_jog(10_mm)->finish());
+  home();
+  EXPECT_TRUE(machine.stage.begin_jog(-1_mm)->finish());
+  EXPECT_FALSE(machine.stage.homed()) << "a jog knows no height";
+}
+
+TEST_P(StageContract, AJogEndsAtTheEndStopAndDoesNotBeginThere) {
+  const Machine machine = rig_->machine();
+  home();
+  auto jog = machine.stage.begin_jog(10_mm);  // the end stop is 2 mm above
+  ASSERT_TRUE(jog);
+  const auto report = jog->finish();
+  ASSERT_TRUE(report) << report.error().message();
+  EXPECT_FALSE(report->arrived);
+  EXPECT_TRUE(machine.stage.end_stop_pressed());
+  EXPECT_LT(rig_->plate_height() - machine.stage.limits().end_stop.above_film(), 100_um);
+  EXPECT_TRUE(failed_with(machine.stage.begin_jog(1_mm), ErrorCode::kEndStopStuck));
+  EXPECT_TRUE(failed_with(machine.stage.begin_jog(-1_mm), ErrorCode::kEndStopStuck));
+}
+
+TEST_P(StageContract, AJogIsStoppedByAButtonAndRefusedUnderLight) {
+  const Machine machine = rig_->machine();
+  const Distance before = rig_->plate_height();
+  rig_->press(EventKind::kCancelPressed, 1s);
+  auto jog = machine.stage.begin_jog(10_mm);
+  ASSERT_TRUE(jog);
+  const auto over = await(*jog, machine.events, machine.clock, [](const Event&) { return Waiting::kReturn; });
+  ASSERT_TRUE(over);
+  EXPECT_FALSE(*over);
+  ASSERT_TRUE(jog->stop());
+  EXPECT_FALSE(jog->finish()->arrived);
+  EXPECT_NEAR((rig_->plate_height() - before).millimetres(), 1.0, 0.1);  // at 1 mm/s
+  home();
+  show_a_mask();
+  const auto exposure = machine.lamp.begin_exposure(1s);
+  ASSERT_TRUE(exposure);
+  EXPECT_TRUE(failed_with(machine.stage.begin_jog(1_mm), ErrorCode::kLampLit));
+}
+
 TEST_P(StageContract, EndOfAMotionIsAnEvent) {
   home();
   auto motion = rig_->machine().stage.begin_move(ZPosition(165_mm), Speed(5));

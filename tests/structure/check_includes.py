@@ -36,7 +36,7 @@ ORDER = {
     "firmware/daemon": ["stick", "service"],
     "firmware/cli": ["options", "reports"],
     "firmware": ["io", "settings", "pictures", "canvas", "archive", "sample", "machine", "slice", "print", "child", "state", "screen",
-                 "daemon", "page", "cli"],
+                 "daemon", "page", "setup", "cli"],
 }
 
 # The source file that opens each back end of the HAL. firmware/machine/back_end.cpp chooses between them.

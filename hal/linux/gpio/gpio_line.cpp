@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <gpiod.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
@@ -52,6 +53,29 @@ tl::unexpected<Error> cannot_use(const LinePlace& place, const std::string& use,
 
 void ReleaseLine::operator()(gpiod_line* line) const {
   ::gpiod_chip_close(::gpiod_line_get_chip(line));  // releases its lines
+}
+
+std::vector<GpioChip> list_gpio_chips() {
+  std::vector<GpioChip> chips;
+  const auto text = [](const char* name) { return std::string(name == nullptr ? "" : name); };
+  // gpiod_chip_iter gives up at the first chip that can't be opened.
+  for (unsigned number = 0; ::access(("/dev/gpiochip" + std::to_string(number)).c_str(), F_OK) == 0; ++number) {
+    gpiod_chip* const chip = ::gpiod_chip_open_by_number(number);
+    if (chip == nullptr) continue;
+    GpioChip found{text(::gpiod_chip_name(chip)), text(::gpiod_chip_label(chip)), {}};
+    for (unsigned offset = 0; offset < ::gpiod_chip_num_lines(chip); ++offset) {
+      gpiod_line* const line = ::gpiod_chip_get_line(chip, offset);
+      if (line == nullptr) continue;
+      const char* const holder = ::gpiod_line_consumer(line);
+      found.lines.push_back({offset, text(::gpiod_line_name(line)),
+                             holder != nullptr            ? holder
+                             : ::gpiod_line_is_used(line) ? "the kernel"
+                                                          : ""});
+    }
+    ::gpiod_chip_close(chip);
+    chips.push_back(std::move(found));
+  }
+  return chips;
 }
 
 Expected<LinePlace> find_line(const LineSettings& settings, const std::string& use) {

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "hal/linux/gpio/line_place.hpp"
 #include "hal/wiring.hpp"
@@ -24,6 +25,19 @@ namespace plumbline {
 
 /// Who holds the line, according to the kernel; empty: nobody.
 [[nodiscard]] Expected<std::string> holder_of(const LinePlace& place);
+
+struct GpioChip {
+  struct Line {
+    std::uint32_t offset = 0;
+    std::string name;    ///< empty: it has none
+    std::string holder;  ///< empty: nobody holds it
+  };
+  std::string name;   ///< "gpiochip0"
+  std::string label;  ///< "pinctrl-bcm2711"
+  std::vector<Line> lines;
+};
+/// All chips that this process may open. Requests no line.
+std::vector<GpioChip> list_gpio_chips();
 
 /// Releases a line and its chip.
 struct ReleaseLine {

@@ -62,7 +62,7 @@ void LinuxZStage::run_thread() {
     const Order order = order_;
     if (order == Order::kQuit) return;
     lock.unlock();
-    const Status outcome = order == Order::kMove ? move() : home();
+    const Status outcome = order == Order::kMove ? move() : order == Order::kJog ? jog() : home();
     lock.lock();
     if (order_ != Order::kQuit) order_ = Order::kNone;
     arrived_ = outcome.has_value();
@@ -133,6 +133,17 @@ Status LinuxZStage::do_begin_move(ZPosition target, Speed speed) {
   began_at_ = monotonic_now();
   ends_by_ = began_at_ + duration_of(distance_of(target_ - legs_.count()), speed, limits().acceleration);
   start(Order::kMove);
+  return {};
+}
+
+Status LinuxZStage::do_begin_jog(Distance distance, Speed speed) {
+  const std::scoped_lock lock(mutex_);
+  homed_ = false;
+  target_ = legs_.count() + steps_of(distance);
+  speed_ = speed;
+  began_at_ = monotonic_now();
+  ends_by_ = began_at_ + duration_of(distance, speed, limits().acceleration);
+  start(Order::kJog);
   return {};
 }
 
@@ -207,6 +218,16 @@ Status LinuxZStage::move() {
     case StepLegEnd::kFailed:
       return fail(ErrorCode::kStageStalled, "a line of the stage's driver can't be set: %s", std::strerror(errno));
   }
+  return {};
+}
+
+Status LinuxZStage::jog() {
+  if (!lines_.enable(true)) {
+    return fail(ErrorCode::kStageStalled, "the stage's driver can't be enabled: %s", std::strerror(errno));
+  }
+  StepLegResult result;
+  PLUMBLINE_TRY(run_leg(distance_of(target_ - legs_.count()), speed_, LegUntil::kPressed, result));
+  if (result.end == StepLegEnd::kSwitched) return fail(ErrorCode::kCancelled, "the end stop closed");
   return {};
 }
 

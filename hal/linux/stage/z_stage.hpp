@@ -34,7 +34,7 @@ class LinuxZStage final : public ZStage {
   bool has_real_time_priority() const { return has_real_time_priority_; }
 
  private:
-  enum class Order : std::uint8_t { kNone, kMove, kHome, kQuit };
+  enum class Order : std::uint8_t { kNone, kMove, kJog, kHome, kQuit };
 
   bool do_homed() const override;
   bool do_moving() const override;
@@ -42,6 +42,7 @@ class LinuxZStage final : public ZStage {
   ZPosition do_position() const override;
   Status do_begin_homing() override;
   Status do_begin_move(ZPosition target, Speed speed) override;
+  Status do_begin_jog(Distance distance, Speed speed) override;
   TimePoint do_ends_by() const override;
   Status do_stop() override;
   Expected<MotionReport> do_finish() override;
@@ -50,6 +51,7 @@ class LinuxZStage final : public ZStage {
   void start(Order order);
   // These run in the thread and return an error for whatever ended the motion early.
   Status move();
+  Status jog();
   Status home();
   Status approach();
   Status find_end_stop();

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "hal/events.hpp"
+#include "hal/panel_layout.hpp"
 #include "hal/sim/plant/cured_part.hpp"
 #include "hal/sim/plant/fault.hpp"
 #include "hal/sim/plant/lamp_model.hpp"
@@ -25,6 +26,13 @@
 #include "hal/z_stage.hpp"
 
 namespace plumbline {
+
+/// How the printer is built where the firmware's board file is wrong about it.
+struct BuiltOtherwise {
+  PanelLayout believed;     ///< as the firmware sends its masks
+  PanelLayout panel;        ///< as the panel shows them; its mask has the size of PlantSettings::panel
+  double travel_ratio = 1;  ///< true travel for the travel that the firmware asks for; negative: the other way. Not 0
+};
 
 struct PlantSettings {
   PanelModel::Build panel;
@@ -46,8 +54,9 @@ struct PlantSettings {
       compute_per_mask{};  ///< virtual time that the firmware needs for each mask, in addition to Pace::computing
   Pace pace;
   std::vector<Fault> faults;
-  LampWire* lamp_wire = nullptr;  ///< follows the lamp's line; null: none. Must outlive the plant
-  bool keep_part = true;          ///< needed for part().for_each_layer()
+  LampWire* lamp_wire = nullptr;                  ///< follows the lamp's line; null: none. Must outlive the plant
+  bool keep_part = true;                          ///< needed for part().for_each_layer()
+  std::optional<BuiltOtherwise> built_otherwise;  ///< nothing: as the firmware believes
   /// What an earlier plant left on the plate. A print that lights above it resumes that part.
   std::uint32_t layers_on_plate = 0;
   ZPosition height_on_plate;

@@ -177,7 +177,7 @@ class Usage(Program):
         self.assertIn(message, self.run_it(*arguments, status=2).stderr)
 
     def test_unknown_subcommand_is_named_with_all_subcommands(self):
-        every = "Subcommands are slice, inspect, orient, print, check, sample, status, ctl, simulate, doctor"
+        every = "Subcommands are slice, inspect, orient, print, check, sample, status, ctl, simulate, setup, doctor"
         self.says("foo", message=f"plumbline: 'foo' is not a subcommand. {every}")
         self.says("prnt", message=f"plumbline: 'prnt' is not a subcommand; did you mean print? {every}")
         self.says(message=f"plumbline: no subcommand given. {every}")

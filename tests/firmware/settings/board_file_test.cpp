@@ -77,6 +77,23 @@ TEST(BoardFile, LoadsEveryBoard) {
   EXPECT_GE(boards, 4);
 }
 
+TEST(BoardFile, GivesTheSourceOfEachLineOfARealBoard) {
+  for (const char* const name : {"rpi4_dxq608", "pine64_ls055"}) {
+    const std::string path = std::string(PLUMBLINE_SOURCE_DIR "/board/") + name + ".toml";
+    std::ifstream file(path);
+    int keys = 0;
+    for (std::string line; std::getline(file, line);) {
+      if (line.find(" = ") == std::string::npos || line.starts_with('#')) continue;
+      ++keys;
+      EXPECT_NE(line.find(" # "), std::string::npos) << path << ": " << line;
+    }
+    EXPECT_GT(keys, 50);
+    const auto board = read_board_file(path);
+    ASSERT_TRUE(board) << board.error().message();
+    EXPECT_TRUE(missing_tables(board->machine->wiring).empty()) << path << " is not wired";
+  }
+}
+
 TEST(BoardFile, AllowsExactlyTheRange) {
   EXPECT_TRUE(parse_board_file(good_with("columns = 1440", "columns = 1"), "b.toml"));
   EXPECT_TRUE(parse_board_file(good_with("columns = 1440", "columns = 16384"), "b.toml"));

@@ -35,7 +35,7 @@ class FakeLines final : public StageLines {
   }
   bool step() noexcept override {
     const std::scoped_lock lock(mutex_);
-    height += up_ ? 1 : -1;
+    height += up_ != reversed ? 1 : -1;
     taken.push_back(monotonic_now());
     touch();
     return !broken;
@@ -69,6 +69,7 @@ class FakeLines final : public StageLines {
 
   std::int64_t height = 450;   // steps above the film
   std::int64_t stop_at = 500;  // where the switch closes
+  bool reversed = false;       // the direction line is wired the other way round
   bool enabled = false;
   bool broken = false;
   bool stuck = false;
@@ -295,6 +296,22 @@ TEST_F(Stage, ReportsADriverThatCannotBeSet) {
   const auto moved = stage().move_to(ZPosition(5_mm), Speed(20));
   ASSERT_FALSE(moved);
   EXPECT_EQ(moved.error().code(), ErrorCode::kStageStalled);
+}
+
+TEST_F(Stage, EndsAJogAtTheEndStopWhicheverWayItGoes) {
+  for (const bool reversed : {false, true}) {
+    lines_.reversed = reversed;
+    lines_.height = 450;
+    lines_.touch();
+    auto jog = stage().begin_jog(reversed ? -5_mm : 5_mm);
+    ASSERT_TRUE(jog) << jog.error().message();
+    const auto report = jog->finish();
+    ASSERT_TRUE(report) << report.error().message();
+    EXPECT_FALSE(report->arrived);
+    EXPECT_GE(lines_.height, 500);
+    EXPECT_LT(lines_.height, 505) << "1 mm/s stops within the time that confirms the switch";
+    EXPECT_FALSE(stage().homed());
+  }
 }
 
 TEST_F(Stage, CausesAnEventAtTheEndOfEachMotion) {

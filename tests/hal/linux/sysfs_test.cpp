@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "hal/linux/board_parts.hpp"
 #include "hal/linux/stick/stick_volume.hpp"
 #include "hal/linux/thermals/thermals.hpp"
 
@@ -75,6 +76,40 @@ TEST_F(Sysfs, FindsSensorsByNameAndReadsThemEachTime) {
   EXPECT_DOUBLE_EQ(thermals->temperature(TemperatureSite::kBoard)->value(), 48.0);
   write("class/hwmon/hwmon4/temp1_input", "66000");
   EXPECT_DOUBLE_EQ(thermals->temperature(TemperatureSite::kLamp)->value(), 66.0);
+}
+
+TEST_F(Sysfs, ListsWhatABoardFileCanName) {
+  write("class/drm/card1-HDMI-A-1/status", "connected");
+  write("class/drm/card1-HDMI-A-1/modes", "540x2560\n540x2560\n640x480");
+  write("class/drm/version", "drm 1.1.0");
+  write("class/pwm/pwmchip0/npwm", "2");
+  write("bus/w1/devices/28-0316/temperature", "21500");
+  write("bus/usb/devices/1-1.2/manufacturer", "SanDisk");
+  write("bus/usb/devices/1-1.2/product", "Cruzer");
+  write("bus/usb/devices/1-1.2:1.0/product", "an interface");
+  write("class/watchdog/watchdog0/identity", "Broadcom BCM2835 Watchdog timer");
+  write("dev/watchdog", "");
+  write("dev/watchdog0", "");
+  write("dev/input/by-path/platform-i2c-event", "");
+  write("dev/serial/by-id/usb-FTDI-port0", "");
+  std::vector<std::string> found;
+  for (const BoardPart& part : list_board_parts(root_.string(), (root_ / "dev").string())) {
+    if (part.kind == "line") continue;  // of the machine that runs the test
+    std::string text = part.kind + ": " + part.answer + (part.detail.empty() ? "" : "; " + part.detail);
+    for (std::size_t at; (at = text.find(root_.string())) != std::string::npos;) text.erase(at, root_.string().size());
+    found.push_back(text);
+  }
+  EXPECT_THAT(
+      found,
+      testing::ElementsAre(
+          "connector: HDMI-A-1; connected, modes 540x2560, 640x480, of /dev/dri/card1", "fan: hwmon lm75 1",
+          "fan: hwmon lm75 2", "fan: pwm pwmchip0 0; 2 channels, from 0 on", "sensor: hwmon lm75 1; 31 degrees C now",
+          "sensor: hwmon lm75 2; -4 degrees C now", "sensor: zone soc-thermal; 48 degrees C now",
+          "sensor: file /bus/w1/devices/28-0316/temperature; 21 degrees C now", "stick port: 1-1.2; SanDisk Cruzer",
+          "watchdog: /dev/watchdog0; Broadcom BCM2835 Watchdog timer",
+          "touch panel: /dev/input/by-path/platform-i2c-event; or another input",
+          "serial port: /dev/serial/by-id/usb-FTDI-port0"));
+  EXPECT_TRUE(std::all_of(found.begin(), found.end(), [](const auto& text) { return text.size() < 200; }));
 }
 
 TEST_F(Sysfs, ReportsASensorWithoutAPlausibleReadingAsDead) {

@@ -310,5 +310,45 @@ TEST(Plant, TakesTornPiecesOutOfTheLayersBeforeToo) {
   EXPECT_EQ(pixels, (std::vector<std::uint64_t>{2400, 2400, 2400, 0, 0, 0, 0, 0, 0}));
 }
 
+TEST(Plant, MovesAsItIsBuiltAndNotAsTheFirmwareBelieves) {
+  PlantSettings settings = small_printer();
+  settings.built_otherwise = {.believed = {100, 60}, .panel = {100, 60}, .travel_ratio = -0.5};
+  Plant plant(settings);
+  SimMachine run(plant);
+  ZStage& stage = run.machine().stage;
+  const Distance before = plant.stage().height();
+  const auto report = stage.begin_jog(4_mm)->finish();
+  ASSERT_TRUE(report) << report.error().message();
+  EXPECT_TRUE(report->arrived);
+  EXPECT_NEAR((plant.stage().height() - before).micrometres(), -2000, 2);
+}
+
+TEST(Plant, ShowsAMaskAsItsPanelIsBuilt) {
+  using Mirror = PanelLayout::Mirror;
+  PlantSettings settings = small_printer();
+  // The firmware sends masks of 60 x 100 as they are; the panel needs 100 x 60 turned by 90 degrees and mirrored.
+  settings.built_otherwise = {.believed = {60, 100}, .panel = {100, 60, 90, Mirror::kX}};
+  Plant plant(settings);
+  SimMachine run(plant);
+  auto mask = run.machine().mask.lend();
+  ASSERT_TRUE(mask);
+  ASSERT_EQ(mask->image().columns(), 60U);
+  mask->image().clear();
+  mask->image().set(7, 2);
+  ASSERT_TRUE(run.machine().mask.present(std::move(*mask)));
+  const ConstBitImage seen = plant.panel().visible();
+  EXPECT_EQ(seen.count(), 1U);
+  // 90 degrees puts (c, r) at (r, 99 - c); mirrored: (59 - r, 99 - c).
+  EXPECT_TRUE(seen.at(97, 52));
+
+  settings.built_otherwise->believed = {60, 99};
+  Plant other(settings);
+  SimMachine other_run(other);
+  auto wrong = other_run.machine().mask.lend();
+  const auto shown = other_run.machine().mask.present(std::move(*wrong));
+  ASSERT_FALSE(shown);
+  EXPECT_EQ(shown.error().code(), ErrorCode::kPanelFailed);
+}
+
 }  // namespace
 }  // namespace plumbline

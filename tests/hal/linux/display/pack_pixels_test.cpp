@@ -37,6 +37,23 @@ std::uint32_t pixel(const Picture& picture, std::size_t r, std::size_t c, bool r
          (picture[r][3 * c + 2] ? 0x0000FFU : 0U);
 }
 
+TEST(PanelLayout, SaysWhereAPixelIsSent) {
+  for (const std::uint32_t degrees : {0U, 90U, 180U, 270U}) {
+    for (const auto mirror : {PanelLayout::Mirror::kNone, PanelLayout::Mirror::kX, PanelLayout::Mirror::kY}) {
+      const PanelLayout layout{5, 3, degrees, mirror, false};
+      for (std::uint32_t r = 0; r < 3; ++r) {
+        for (std::uint32_t c = 0; c < 5; ++c) {
+          Picture picture(3, std::vector<bool>(5));
+          picture[r][c] = true;
+          const auto [column, row] = layout.sent({c, r});
+          EXPECT_TRUE(turned_over(turned(picture, degrees), mirror)[row][column])
+              << degrees << " degrees, mirror " << static_cast<int>(mirror) << ", pixel " << c << ", " << r;
+        }
+      }
+    }
+  }
+}
+
 TEST(PanelLayout, PacksEveryPixelWhereRotationMirrorAndPackingPutIt) {
   std::mt19937 random(4);
   int layouts = 0;

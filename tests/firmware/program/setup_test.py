@@ -1,0 +1,100 @@
+#!/usr/bin/env python3
+"""plumbline setup as a program: a file of answers, a terminal, and every way to stop it."""
+
+import os
+import pty
+import signal
+import subprocess
+import time
+import unittest
+
+from case import PLUMBLINE, SOURCE_DIR, Program, main
+
+LIKE = SOURCE_DIR / "board" / "pine64_ls055.toml"
+# The panel of LIKE seen without rotation or mirror; its stage as its file says.
+ANSWERS = {
+    "z_stage.travel_mm": "140",
+    "look.corners": "1 2 3 4",
+    "move.ready": "yes",
+    "move.1": "1",
+    "move.2": "5.1",
+    "lamp.how": "skip",
+}
+
+
+class Setup(Program):
+    def setUp(self):
+        super().setUp()
+        self.file = self.dir / "mine.toml"
+        self.answers = self.dir / "answers.txt"
+
+    def setup_with(self, answers, status=0):
+        self.answers.write_text("# answers\n" + "".join(f"{name} = {text}\n" for name, text in answers.items()))
+        return self.run_it("setup", self.file, "--simulated", LIKE, "--answers", self.answers, status=status)
+
+    def test_a_file_of_answers_makes_a_board_file(self):
+        done = self.setup_with(ANSWERS)
+        self.assertIn("Wrote", done.stderr)
+        text = self.file.read_text()
+        for line in ('name = "mine" ', "travel_mm = 140 ", 'mirror = "x" ', "microsteps = 16 ", 'chip = "1c20800.pinctrl" '):
+            self.assertIn("\n" + line, text)
+        self.assertTrue(all("#" in line for line in text.splitlines() if " = " in line))
+        again = self.run_it("setup", self.file, "--simulated", LIKE, "--answers", self.answers, status=1)
+        self.assertRegex(again.stderr, "mine.toml: exists already")
+        self.assertEqual(self.file.read_text(), text)
+        self.assertEqual(sorted(p.name for p in self.dir.iterdir() if "mine" in p.name), ["mine.toml"])
+
+    def test_a_wrong_answer_names_its_line_and_writes_nothing(self):
+        for change, message in (
+            ({"look.corners": "1 3 2 4"}, "answers.txt:3: look.corners: no panel shows the corners as 1 3 2 4"),
+            ({"z_stage.travel_mm": "tall"}, "answers.txt:2: z_stage.travel_mm: found a string 'tall', allowed is a number from 1"),
+            ({"z_stag.travel_mm": "1"}, "answers.txt:8: nobody asked z_stag.travel_mm"),
+            ({"move.ready": "perhaps"}, "answers.txt:4: move.ready: answer yes or no"),
+            ({"move.2": "77"}, "no answer to move.3"),
+        ):
+            done = self.setup_with(ANSWERS | change, status=1)
+            self.assertIn(message, done.stderr.splitlines()[-1])
+            self.assertFalse(self.file.exists())
+
+    def test_without_measuring_the_file_is_like_the_other(self):
+        self.setup_with({"measure": "no"})
+        self.assertIn('connector = "HDMI-A-1"', self.file.read_text())
+
+    def at_a_question(self, name, act, status):
+        """Runs it on a terminal, presses return until it asks `name`, then acts."""
+        process, terminal = pty.fork()
+        if process == 0:
+            os.execv(PLUMBLINE, [str(PLUMBLINE), "setup", str(self.file), "--simulated", str(LIKE)])
+        said, end = b"", time.monotonic() + 20
+        while time.monotonic() < end:
+            try:
+                said += os.read(terminal, 4096)
+            except OSError:
+                break
+            if said.endswith(b"> ") and said.rstrip().split(b"\r\n\r\n")[-1].startswith(name.encode()):
+                act(process, terminal)
+                name = "nothing more"
+            elif said.endswith(b"> "):
+                os.write(terminal, b"\n")
+                said += b"."
+        self.assertEqual(os.waitstatus_to_exitcode(os.waitpid(process, 0)[1]), status, said.decode())
+        self.assertFalse(self.file.exists())
+        self.assertIn("nothing was written", said.decode())
+
+    def test_stops_for_ctrl_c_sigterm_and_the_end_of_the_input(self):
+        self.at_a_question("panel.rows", lambda _, terminal: os.write(terminal, b"\x03"), 130)
+        self.at_a_question("look.corners", lambda _, terminal: os.write(terminal, b"\x03"), 130)
+        self.at_a_question("look.corners", lambda process, _: os.kill(process, signal.SIGTERM), 130)
+        self.at_a_question("look.corners", lambda _, terminal: os.write(terminal, b"\x04"), 130)
+        closed = subprocess.run(
+            [PLUMBLINE, "setup", self.file, "--simulated", LIKE], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=20
+        )
+        self.assertEqual(closed.returncode, 130)
+        self.assertIn("the input has ended: nothing was written", closed.stderr)
+
+    def test_lists_the_board(self):
+        self.assertRegex(self.run_it("setup", "--list").stdout, "board")
+        self.assertRegex(self.run_it("setup", status=2).stderr, "name the board file to write, or --list")
+
+
+main()
