@@ -18,6 +18,11 @@ bool is_text(const SettingRule& rule) {
 std::string shown(const SettingRule& rule) {
   struct Show {
     std::string operator()(const TextSetting& text) const { return *text.value; }
+    std::string operator()(const PathListSetting& list) const {
+      std::string all;
+      for (const std::string& path : *list.values) all += (all.empty() ? "" : ", ") + path;
+      return all;
+    }
     std::string operator()(const std::uint32_t* integer) const { return std::to_string(*integer); }
     std::string operator()(const double* real) const { return number(*real); }
     std::string operator()(const bool* truth) const { return *truth ? "true" : "false"; }
