@@ -36,7 +36,8 @@ Status check_exposures(const PrintProfile& profile, const MachineFile& machine) 
                 "%s: its exposure %s is %g s, this printer's lamp may be lit for %g s at most.\tSlice it again with a "
                 "shorter exposure",
                 PrintableText(profile.exposures_of).c_str(),
-                longest > profile.exposure_time ? "of the first layers" : "of a layer", longest, machine.max_exposure_s);
+                longest > profile.exposure_time ? "of the first layers" : "of a layer", longest,
+                machine.max_exposure_s);
   }
   return fail(ErrorCode::kExposureTooLong,
               "profile %s: an exposure is %g s, this printer's lamp may be lit for %g s at most:\tlower %s",

@@ -105,7 +105,7 @@ class Printed(Sliced):
         self.assertEqual(json.loads(self.report.read_text())["layer_height_mm"], 0.05)
         part = self.pack({"1.png": square()}, ini.replace("2.25", "400"), "other.sl1")
         done = self.print_it(part, status=1)
-        self.assertIn("other.sl1: profile standard: an exposure is 400 s, this printer's lamp may be lit for 60 s at most", done.stderr)
+        self.assertIn("other.sl1: its exposure of a layer is 400 s, this printer's lamp may be lit for 60 s at most", done.stderr)
 
     def test_part_is_kept_and_compared(self):
         self.make_part()
