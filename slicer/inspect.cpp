@@ -102,13 +102,14 @@ Expected<CrossingStore> find_scan_crossings(ScanSources sources, const SliceSett
   };
   auto scan = prepare(sources, settings, arena, progress, report, measure_all);
   PLUMBLINE_TRY(scan);
+  const PlacementSettings placing = heed_header(settings.placement, report.scan.header);
   if (scan->cloud.size > 0) report.bounds = scan->bounds();
-  report.units = units_of(report.bounds, settings.placement);
+  report.units = units_of(report.bounds, placing);
   const double unit_mm = millimetres_per(report.units);
-  report.placement = place(report.bounds, unit_mm, settings.placement);
+  report.placement = place(report.bounds, unit_mm, placing);
   prepared = true;
-  PLUMBLINE_TRY(check_surface(*scan, sources, report, settings.placement));
-  const auto coarse = place_coarsely(report.bounds, unit_mm, settings.placement, report.placement);
+  PLUMBLINE_TRY(check_surface(*scan, sources, report, placing));
+  const auto coarse = place_coarsely(report.bounds, unit_mm, placing, report.placement);
   PLUMBLINE_TRY(coarse);
   static_cast<PreparationCounts&>(report.coarse) = report;
   move_to_print(*coarse, *scan, report, report.coarse);
