@@ -103,12 +103,13 @@ Expected<CrossingStore> find_scan_crossings(ScanSources sources, const SliceSett
   auto scan = prepare(sources, settings, arena, progress, report, measure_all);
   PLUMBLINE_TRY(scan);
   if (scan->cloud.size > 0) report.bounds = scan->bounds();
-  report.units = units_of(report.bounds, settings.placement);
+  const PlacementSettings asked = placement_of(report.scan.header, settings.placement);
+  report.units = units_of(report.bounds, asked);
   const double unit_mm = millimetres_per(report.units);
-  report.placement = place(report.bounds, unit_mm, settings.placement);
+  report.placement = place(report.bounds, unit_mm, asked);
   prepared = true;
-  PLUMBLINE_TRY(check_surface(*scan, sources, report, settings.placement));
-  const auto coarse = place_coarsely(report.bounds, unit_mm, settings.placement, report.placement);
+  PLUMBLINE_TRY(check_surface(*scan, sources, report, asked));
+  const auto coarse = place_coarsely(report.bounds, unit_mm, asked, report.placement);
   PLUMBLINE_TRY(coarse);
   static_cast<PreparationCounts&>(report.coarse) = report;
   move_to_print(*coarse, *scan, report, report.coarse);

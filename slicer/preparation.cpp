@@ -300,6 +300,12 @@ Status check_surface(const PreparedScan& scan, ScanSources sources, const Prepar
               title.c_str(), points);
 }
 
+PlacementSettings placement_of(const ScanHeader& header, const PlacementSettings& settings) {
+  PlacementSettings placement = settings;
+  if (header.is_in_mm) placement.units = Units::kMillimetres;
+  return placement;
+}
+
 Units units_of(const Box3d& bounds, const PlacementSettings& settings) {
   return settings.units == Units::kAuto ? guess_units(bounds.size().maxCoeff()) : settings.units;
 }

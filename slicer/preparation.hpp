@@ -62,6 +62,9 @@ using NormalsLook = FunctionRef<Status(const PreparedScan& scan)>;
 [[nodiscard]] Status check_surface(const PreparedScan& scan, ScanSources sources, const PreparationReport& found,
                                    const PlacementSettings& settings);
 
+/// The placement of a scan, whose unit is the millimetre where the format has one, whatever was asked for.
+PlacementSettings placement_of(const ScanHeader& header, const PlacementSettings& settings);
+
 /// The unit asked for, or the one that the extent suggests.
 /// @param bounds  of the scan, scan units
 Units units_of(const Box3d& bounds, const PlacementSettings& settings);

@@ -33,18 +33,20 @@ Expected<CrossingStore> find_scan_crossings(ScanSources sources, const SliceSett
                                             ProgressSink* progress, SliceReport& report) {
   PreparationReport found;
   const auto admit = [&](const PreparedScan& read) -> Status {
-    PLUMBLINE_TRY(check_no_speck(read.bounds(), sources, settings.placement));
+    const PlacementSettings asked = placement_of(found.scan.header, settings.placement);
+    PLUMBLINE_TRY(check_no_speck(read.bounds(), sources, asked));
     if (settings.orient) return {};  // it may fit when it is turned
-    return check_core_fits(read, settings.placement, arena);
+    return check_core_fits(read, asked, arena);
   };
   auto scan = prepare(sources, settings, arena, progress, found, kNoMeasurement, admit);
   static_cast<PreparationCounts&>(report) = found;
   PLUMBLINE_TRY(scan);
-  PLUMBLINE_TRY(check_surface(*scan, sources, found, settings.placement));
+  const PlacementSettings asked = placement_of(found.scan.header, settings.placement);
+  PLUMBLINE_TRY(check_surface(*scan, sources, found, asked));
   const Box3d bounds = scan->bounds();
-  report.units = units_of(bounds, settings.placement);
-  report.units_guessed = settings.placement.units == Units::kAuto && !settings.placement.size;
-  const auto placement = place(bounds, millimetres_per(report.units), settings.placement);
+  report.units = units_of(bounds, asked);
+  report.units_guessed = asked.units == Units::kAuto && !asked.size;
+  const auto placement = place(bounds, millimetres_per(report.units), asked);
   PLUMBLINE_TRY(placement);
   move_to_print(*placement, *scan, found, report);
   return shoot_rays(scan->cloud, settings, arena, progress, report);

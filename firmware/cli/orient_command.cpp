@@ -138,8 +138,9 @@ ExitCode run_orient(const OrientOptions& options, std::span<std::byte> arena_blo
     found.best = *best;
     Box3d box;
     for (const SurfaceSample& patch : samples->patches) box.extend(patch.position.cast<double>());
-    const double unit_mm = millimetres_per(units_of(box, settings.placement));
-    found.unit_mm = unit_mm * scale_of(box.size() * unit_mm, settings.placement);
+    const PlacementSettings asked = placement_of(report.scan.header, settings.placement);
+    const double unit_mm = millimetres_per(units_of(box, asked));
+    found.unit_mm = unit_mm * scale_of(box.size() * unit_mm, asked);
     return options.picture.empty() ? Status() : draw(prepared, *samples, found, scan->title(), options.picture, arena);
   };
   const auto done = prepare_normals(scan->sources(), settings, arena, &terminal.progress(), report, look);

@@ -65,7 +65,9 @@ void add_print(Text& text, const ScanOutlook& o, std::string_view print_time) {
   if (o.largest_scale)
     text.add("%s up to scale %.4g\n", o.scan.placement ? "fits       yes," : "          ", *o.largest_scale);
   const double longest = o.scan.bounds.size().maxCoeff();
-  if (o.placement.units == Units::kAuto && !o.placement.size) {
+  if (o.scan.scan.header.is_in_mm) {
+    text.add("units      mm, since the format has a unit; --units changes nothing\n");
+  } else if (o.placement.units == Units::kAuto && !o.placement.size) {
     text.add(
         "units      %s, a guess: the scan is %.4g units long, so it is %.4g mm. Give --units or --height to be sure\n",
         to_string(o.guess), longest, longest * millimetres_per(o.guess));
@@ -261,7 +263,7 @@ ScanOutlook make_outlook(const InspectReport& scan, const PlacementSettings& pla
   o.placement = placement;
   o.arena_bytes = arena_bytes;
   o.threads = threads;
-  o.guess = guess_units(scan.bounds.size().maxCoeff());
+  o.guess = scan.scan.header.is_in_mm ? Units::kMillimetres : guess_units(scan.bounds.size().maxCoeff());
   std::optional<PrintGrid> grid;
   if (placement.printer) {
     grid = panel_grid(*placement.printer, placement.layer_height_mm);
