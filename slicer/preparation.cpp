@@ -37,6 +37,11 @@ double first_cell(const PlacementSettings& p) {
          (millimetres_per(p.units) * p.scale);
 }
 
+PlacementSettings with_units(PlacementSettings settings, Units units) {
+  settings.units = units;
+  return settings;
+}
+
 void rotate(PreparedScan& scan, const Mat3d& rotation) {
   for (std::uint32_t i = 0; i < scan.cloud.size; ++i) {
     Vec3f& p = scan.cloud.position[i];
@@ -86,7 +91,8 @@ class Preparation {
     if (placement.printer) panel = panel_grid(*placement.printer, placement.layer_height_mm);
     auto admission = ScanAdmission::create(arena_.available(), panel, settings_.threads, settings_.confidence);
     PLUMBLINE_TRY(admission);
-    const CloudReadSettings reading{rotation_matrix(placement.rotation_degrees), first_cell(placement)};
+    const CloudReadSettings reading{rotation_matrix(placement.rotation_degrees), first_cell(placement),
+                                    first_cell(with_units(placement, Units::kMillimetres))};
     const auto admit = [&](const ScanAnnouncement& announced) { return admission->admit(announced); };
     const auto read = read_cloud(sources_, reading, admit, arena_, progress_);
     PLUMBLINE_TRY(read);
@@ -94,12 +100,28 @@ class Preparation {
     scan_.offset = read->offset;
     report_.scans = read->scans;
     report_.scan = sum_of(read->scans);
+    PLUMBLINE_TRY(check_one_unit());
+    const Units units = placement.units;
+    const bool differs = units == Units::kCentimetres || units == Units::kInches;
+    if (report_.scan.header.is_in_mm && differs) report_.ignored_units = units;
     report_.cloud_capacity = admission->room();
     report_.cloud_points = read->cloud.size;
     report_.averaged_points = read->averaged;
     report_.lengths.thinning_cell = {static_cast<float>(read->cell)};
     report_.planned_bytes = admission->plan_for(read->cloud.size).bytes;
     return {};
+  }
+
+  /// Files that are in mm by their format share a frame with the others only if those are in mm, too.
+  Status check_one_unit() const {
+    const Units units = settings_.placement.units;
+    if (!report_.scan.header.is_in_mm || units == Units::kAuto || units == Units::kMillimetres) return {};
+    const auto scans = report_.scans.all();
+    if (std::all_of(scans.begin(), scans.end(), [](const ScanSummary& scan) { return scan.header.is_in_mm; })) return {};
+    return fail(ErrorCode::kBadSetting,
+                "%s: the E57 files are in mm once they are read, the others would be in %s.\tExport all files as E57, or "
+                "the others in mm, and leave out the units",
+                title_of(sources_).c_str(), to_string(units));
   }
 
   Status build_tree() {
@@ -264,19 +286,26 @@ Status prepare_normals(ScanSources sources, const SliceSettings& settings, Arena
   return read_mesh_or_scan(sources, settings, arena, progress, report, of_mesh, of_scan);
 }
 
-Status check_no_speck(const Box3d& bounds, ScanSources sources, const PlacementSettings& settings) {
+PlacementSettings heed_header(const PlacementSettings& settings, const ScanHeader& header) {
+  return header.is_in_mm ? with_units(settings, Units::kMillimetres) : settings;
+}
+
+Status check_no_speck(const Box3d& bounds, ScanSources sources, const PlacementSettings& settings, bool is_in_mm) {
   const double longest = bounds.size().maxCoeff() * millimetres_per(units_of(bounds, settings)) * settings.scale;
   if (settings.fit || settings.size || longest >= kFewestPixels * finest_pitch(settings)) return {};
-  return fail(
-      ErrorCode::kNoSurface,
-      "%s: the object would be %.2g mm long, less than %.0f pixels of the printer.\tUse --units m or --units cm if "
-      "the scan is in those, or give a size, such as --height 80mm",
-      title_of(sources).c_str(), longest, kFewestPixels);
+  const char* const advice = is_in_mm ? "Give a size, such as --height 80mm, or --scale"
+                                      : "Use --units m or --units cm if the scan is in those, or give a size, such as "
+                                        "--height 80mm";
+  return fail(ErrorCode::kNoSurface,
+              "%s: the object would be %.2g mm long, less than %.0f pixels of the printer.\t%s",
+              title_of(sources).c_str(), longest, kFewestPixels, advice);
 }
 
 Status check_surface(const PreparedScan& scan, ScanSources sources, const PreparationReport& found,
                      const PlacementSettings& settings) {
-  if (scan.cloud.size > 0) PLUMBLINE_TRY(check_no_speck(scan.bounds(), sources, settings));
+  if (scan.cloud.size > 0) {
+    PLUMBLINE_TRY(check_no_speck(scan.bounds(), sources, settings, found.scan.header.is_in_mm));
+  }
   const ScanTitle title = title_of(sources);
   const auto points = static_cast<unsigned long long>(found.scan.points);
   if (found.floor.points > 0 && scan.cloud.size == 0) {
@@ -298,12 +327,6 @@ Status check_surface(const PreparedScan& scan, ScanSources sources, const Prepar
               "%s: no surface found in %llu points: most have too few neighbours that face the same way.\tCheck the "
               "normals of the scan, or scan more densely",
               title.c_str(), points);
-}
-
-PlacementSettings placement_of(const ScanHeader& header, const PlacementSettings& settings) {
-  PlacementSettings placement = settings;
-  if (header.is_in_mm) placement.units = Units::kMillimetres;
-  return placement;
 }
 
 Units units_of(const Box3d& bounds, const PlacementSettings& settings) {

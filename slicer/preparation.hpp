@@ -54,19 +54,23 @@ using NormalsLook = FunctionRef<Status(const PreparedScan& scan)>;
 [[nodiscard]] Status prepare_normals(ScanSources sources, const SliceSettings& settings, Arena& arena,
                                      ProgressSink* progress, PreparationReport& report, NormalsLook look);
 
-/// @param bounds  of the scan, rotated scan coordinates
+/// The settings with the unit that the format of the scan fixes, if it fixes one.
+/// @param header  sum_of() the files
+PlacementSettings heed_header(const PlacementSettings& settings, const ScanHeader& header);
+
+/// @param bounds    of the scan, rotated scan coordinates
+/// @param is_in_mm  ScanHeader::is_in_mm
 /// @retval ErrorCode::kNoSurface  the object would be a speck: names the files, its size, and what to do
-[[nodiscard]] Status check_no_speck(const Box3d& bounds, ScanSources sources, const PlacementSettings& settings);
+[[nodiscard]] Status check_no_speck(const Box3d& bounds, ScanSources sources, const PlacementSettings& settings,
+                                    bool is_in_mm);
 
 /// @retval ErrorCode::kNoSurface  the object is a speck, or the scan has no surface: names the files and what to do
 [[nodiscard]] Status check_surface(const PreparedScan& scan, ScanSources sources, const PreparationReport& found,
                                    const PlacementSettings& settings);
 
-/// The placement of a scan, whose unit is the millimetre where the format has one, whatever was asked for.
-PlacementSettings placement_of(const ScanHeader& header, const PlacementSettings& settings);
-
 /// The unit asked for, or the one that the extent suggests.
-/// @param bounds  of the scan, scan units
+/// @param bounds    of the scan, scan units
+/// @param settings  of a scan: after heed_header()
 Units units_of(const Box3d& bounds, const PlacementSettings& settings);
 
 /// Moves the cloud from scan units to print coordinates, mm, and sets the report's placement and lengths.

@@ -48,6 +48,7 @@ struct FloorCut {
 struct PreparationCounts {
   ScanSummary scan;                   ///< of all files: sum_of()
   ScanSummaries scans;                ///< of each file
+  std::optional<Units> ignored_units;  ///< asked for, but the format of the scan is in metres, whatever was asked for
   std::optional<MeshCounts> mesh;     ///< the files were sliced as a mesh; what is said of points is 0
   std::uint32_t cloud_capacity = 0;   ///< points the arena has room for
   std::uint32_t cloud_points = 0;     ///< points after thinning

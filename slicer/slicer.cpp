@@ -32,21 +32,22 @@ Status check_core_fits(const PreparedScan& scan, const PlacementSettings& settin
 Expected<CrossingStore> find_scan_crossings(ScanSources sources, const SliceSettings& settings, Arena& arena,
                                             ProgressSink* progress, SliceReport& report) {
   PreparationReport found;
+  PlacementSettings placing = settings.placement;
   const auto admit = [&](const PreparedScan& read) -> Status {
-    const PlacementSettings asked = placement_of(found.scan.header, settings.placement);
-    PLUMBLINE_TRY(check_no_speck(read.bounds(), sources, asked));
+    const ScanHeader& header = found.scan.header;
+    placing = heed_header(placing, header);
+    PLUMBLINE_TRY(check_no_speck(read.bounds(), sources, placing, header.is_in_mm));
     if (settings.orient) return {};  // it may fit when it is turned
-    return check_core_fits(read, asked, arena);
+    return check_core_fits(read, placing, arena);
   };
   auto scan = prepare(sources, settings, arena, progress, found, kNoMeasurement, admit);
   static_cast<PreparationCounts&>(report) = found;
   PLUMBLINE_TRY(scan);
-  const PlacementSettings asked = placement_of(found.scan.header, settings.placement);
-  PLUMBLINE_TRY(check_surface(*scan, sources, found, asked));
+  PLUMBLINE_TRY(check_surface(*scan, sources, found, placing));
   const Box3d bounds = scan->bounds();
-  report.units = units_of(bounds, asked);
-  report.units_guessed = asked.units == Units::kAuto && !asked.size;
-  const auto placement = place(bounds, millimetres_per(report.units), asked);
+  report.units = units_of(bounds, placing);
+  report.units_guessed = placing.units == Units::kAuto && !placing.size;
+  const auto placement = place(bounds, millimetres_per(report.units), placing);
   PLUMBLINE_TRY(placement);
   move_to_print(*placement, *scan, found, report);
   return shoot_rays(scan->cloud, settings, arena, progress, report);
@@ -57,7 +58,7 @@ Expected<CrossingStore> find_mesh_crossings(MeshFiles& files, const MeshSurvey& 
                                             SliceReport& report) {
   const auto mesh = turn_mesh(files, survey, settings, arena, progress, report);
   PLUMBLINE_TRY(mesh);
-  PLUMBLINE_TRY(check_no_speck(mesh->bounds, sources, settings.placement));
+  PLUMBLINE_TRY(check_no_speck(mesh->bounds, sources, settings.placement, false));
   report.units = units_of(mesh->bounds, settings.placement);
   report.units_guessed = settings.placement.units == Units::kAuto && !settings.placement.size;
   const auto placement = place(mesh->bounds, millimetres_per(report.units), settings.placement);

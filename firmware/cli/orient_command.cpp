@@ -138,9 +138,9 @@ ExitCode run_orient(const OrientOptions& options, std::span<std::byte> arena_blo
     found.best = *best;
     Box3d box;
     for (const SurfaceSample& patch : samples->patches) box.extend(patch.position.cast<double>());
-    const PlacementSettings asked = placement_of(report.scan.header, settings.placement);
-    const double unit_mm = millimetres_per(units_of(box, asked));
-    found.unit_mm = unit_mm * scale_of(box.size() * unit_mm, asked);
+    const PlacementSettings placing = heed_header(settings.placement, report.scan.header);
+    const double unit_mm = millimetres_per(units_of(box, placing));
+    found.unit_mm = unit_mm * scale_of(box.size() * unit_mm, placing);
     return options.picture.empty() ? Status() : draw(prepared, *samples, found, scan->title(), options.picture, arena);
   };
   const auto done = prepare_normals(scan->sources(), settings, arena, &terminal.progress(), report, look);

@@ -155,7 +155,7 @@ Status make_archive_ready(const PrintOptions& options, const JobSetup& setup, co
   const int file = archive->file.get();
   const auto sliced = check_archive(file, name, target, arena, &terminal.progress());
   PLUMBLINE_TRY(sliced);
-  profile = profile_of(profile, sliced->settings);
+  profile = profile_of(profile, sliced->settings, name);
   for_each_issue(sliced->findings, sliced->grid, profile.checks,
                  [&](IssueKind, CheckAction, std::string_view sentence) { terminal.warn(sentence); });
   if (!sliced->rrep.first.empty()) {
@@ -166,7 +166,9 @@ Status make_archive_ready(const PrintOptions& options, const JobSetup& setup, co
   arena.release_bottom(sliced->layers_end);
   PLUMBLINE_TRY(judge(sliced->findings, sliced->grid, profile.checks));
   const auto taken = session.take(*sliced, name, profile, std::move(archive->file), archive->hash);
-  return taken ? taken : Status(tl::unexpected<Error>(taken.error().with_prefix(name)));
+  // What is wrong with its exposures names the archive already.
+  if (taken || taken.error().code() == ErrorCode::kExposureTooLong) return taken;
+  return tl::unexpected<Error>(taken.error().with_prefix(name));
 }
 
 bool is_archive(const PrintOptions& options) {

@@ -266,7 +266,7 @@ Expected<bool> PrinterDaemon::prepare_archive(PrintSession& session, JobStore::R
   const auto sliced = slicing_.check(copy.file.get(), request);
   PLUMBLINE_TRY(sliced);
   observer_.previewed(child_.preview());
-  profile = profile_of(profile, sliced->settings);
+  profile = profile_of(profile, sliced->settings, request.name.view());
   const auto wanted = accept(sliced->grid, sliced->extent, sliced->findings, profile, nullptr);
   if (!wanted || !*wanted) return wanted;
   PLUMBLINE_TRY(session.take(*sliced, request.name.view(), profile, std::move(copy.file), copy.hash));

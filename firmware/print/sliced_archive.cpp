@@ -161,10 +161,12 @@ Expected<SlicedArchive> check_archive(int file, std::string_view name, const Arc
   return sliced;
 }
 
-PrintProfile profile_of(const PrintProfile& printers, const Sl1Settings& settings) {
+PrintProfile profile_of(const PrintProfile& printers, const Sl1Settings& settings, std::string_view name) {
   PrintProfile profile = printers;
   if (settings.exposure_s) profile.exposure_time = *settings.exposure_s;
   if (settings.initial_exposure_s) profile.initial_exposure_time = *settings.initial_exposure_s;
+  const bool first_is_longest = profile.initial_exposure_time > profile.exposure_time;
+  if (first_is_longest ? settings.initial_exposure_s : settings.exposure_s) profile.exposures_of = name;
   if (settings.faded_layers) profile.faded_layers = *settings.faded_layers;
   // If the bottom layers are to be smaller, the archive's slicer has made them so.
   profile.elefant_foot_compensation = 0;

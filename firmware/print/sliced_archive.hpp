@@ -53,6 +53,7 @@ struct ArchiveTarget {
                                                     Arena& arena, ProgressSink* progress);
 
 /// The profile with the archive's exposures and without what its slicer has done already.
-PrintProfile profile_of(const PrintProfile& printers, const Sl1Settings& settings);
+/// @param name  of the archive, for messages
+PrintProfile profile_of(const PrintProfile& printers, const Sl1Settings& settings, std::string_view name);
 
 }  // namespace plumbline

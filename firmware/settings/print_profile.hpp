@@ -45,6 +45,7 @@ struct PrintProfile {
   double pause_lift_height = 0;          ///< [print] mm that a pause raises the part
   bool supports_enable = true;           ///< [supports] for jobs that don't say
   SupportSettings supports;              ///< [supports] what they look like
+  std::string exposures_of;              ///< the archive that the longest exposure is of; empty: the profile itself
   CheckPolicy checks;                    ///< [checks] what happens when the masks have an issue
 };
 

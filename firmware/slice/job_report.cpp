@@ -24,6 +24,7 @@ void for_each_size_remark(const SliceReport& slice, FunctionRef<void(std::string
   const Vec3d& size = slice.placement.size_mm;
   const double longest = size.maxCoeff();
   FixedText<256> text;
+  if (slice.ignored_units) visit(ignored_units_warning(*slice.ignored_units).view());
   if (slice.units_guessed) {
     text.add(
         "the scan is %.4g units long and says no unit; %s, which make it %.4g mm, are a guess. Confirm it with "
@@ -33,13 +34,12 @@ void for_each_size_remark(const SliceReport& slice, FunctionRef<void(std::string
   }
   text = {};
   if (longest < kSmallestUsual) {
-    text.add(
-        "the object is only %.3g mm long. If that is wrong, use --units m, --units cm, --units in, or give a size: "
-        "--height 80mm",
-        longest);
+    text.add("the object is only %.3g mm long. If that is wrong, %s give a size: --height 80mm", longest,
+             slice.scan.header.is_in_mm ? "use --scale, or" : "use --units m, --units cm, --units in, or");
     visit(text.view());
   } else if (longest > kLargestUsual) {
-    text.add("the object is %.4g mm long. If that is wrong, use --units or --scale, or --fit with a printer", longest);
+    text.add("the object is %.4g mm long. If that is wrong, use %s, or --fit with a printer", longest,
+             slice.scan.header.is_in_mm ? "--scale" : "--units or --scale");
     visit(text.view());
   }
   const auto pitch = static_cast<double>(std::min(grid.pitch_x_mm, grid.pitch_y_mm));
@@ -145,6 +145,15 @@ FixedText<256> stray_warning(const StrayPieces& strays) {
       "%u stray piece%s left out: %u points apart from the object, %.2g %% of the scan's surface. --keep-all keeps %s",
       strays.pieces, one ? " was" : "s were", strays.points, 100 * static_cast<double>(strays.share),
       one ? "it" : "them");
+  return text;
+}
+
+FixedText<256> ignored_units_warning(Units units) {
+  FixedText<256> text;
+  text.add(
+      "the unit %s was ignored: an E57 file is in metres by its standard. If the print has the wrong size, give one: "
+      "--height 80mm",
+      to_string(units));
   return text;
 }
 

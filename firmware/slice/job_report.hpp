@@ -95,6 +95,9 @@ FixedText<96> size_text(const Placement& placement);
 /// The sentence about stray pieces that were left out; empty if there were none.
 FixedText<256> stray_warning(const StrayPieces& strays);
 
+/// Says that the unit asked for was ignored, and why.
+FixedText<256> ignored_units_warning(Units units);
+
 /// The sentence about a floor that was cut off.
 FixedText<256> floor_warning(const FloorCut& floor);
 

@@ -51,7 +51,8 @@ class CloudSink final : public PointSink {
     PLUMBLINE_TRY(table);
     read_ = reading_.cloud;
     read_.position = read_.position.first(*capacity);
-    thinner_.emplace(read_, *table, settings_.rotation, settings_.first_cell);
+    const double cell = header.is_in_mm ? settings_.first_cell_mm : settings_.first_cell;
+    thinner_.emplace(read_, *table, settings_.rotation, cell);
     return thinner_->begin(header);
   }
   Status take(std::span<const ScanPoint> points) override {

@@ -14,7 +14,8 @@ namespace plumbline {
 
 struct CloudReadSettings {
   Mat3d rotation = Mat3d::Identity();  ///< from scan axes to print axes
-  double first_cell = 0;  ///< of the thinning, scan units; 0: points are thinned only when the room is full
+  double first_cell = 0;     ///< of the thinning, scan units; 0: points are thinned only when the room is full
+  double first_cell_mm = 0;  ///< the same where the first file is in mm by its format
 };
 
 /// What the headers of all files announce, known before the first point is read.

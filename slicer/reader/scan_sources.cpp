@@ -28,7 +28,7 @@ ScanSummary sum_of(const ScanSummaries& summaries) {
   for (const ScanSummary& scan : summaries.all()) {
     sum.header.has_normals |= scan.header.has_normals;
     sum.header.has_unsigned_normals |= scan.header.has_unsigned_normals;
-    sum.header.is_in_mm &= scan.header.is_in_mm;
+    sum.header.is_in_mm |= scan.header.is_in_mm;
   }
   for (const ScanSummary& scan : summaries.all()) {
     sum.points += scan.points;

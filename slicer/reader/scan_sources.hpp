@@ -36,7 +36,7 @@ struct ScanSummaries {
 };
 
 /// The files as one: the header of the first, the sums of all. If only some files have normals, the points of the others
-/// count as points without a normal.
+/// count as points without a normal. If one file is in mm by its format, all are.
 ScanSummary sum_of(const ScanSummaries& summaries);
 
 }  // namespace plumbline

@@ -45,16 +45,6 @@ TEST(ReadTwice, ScansThroughAPipeGiveTheSameCrossings) {
   }
 }
 
-TEST(Slice, AnE57HasItsSizeWhateverTheUnitAskedFor) {
-  for (const Units units : {Units::kAuto, Units::kMillimetres, Units::kMetres, Units::kInches}) {
-    SliceSettings settings = settings_with_pitch(0.25F);
-    settings.placement.units = units;
-    const Slicing sliced(MemorySource(e57_ball(5), "ball.e57"), settings, 32 * kMiB);
-    EXPECT_EQ(sliced.report().units, Units::kMillimetres) << to_string(units);
-    EXPECT_NEAR(sliced.grid().layers * 0.25, 10, 0.3) << to_string(units);
-  }
-}
-
 TEST(ReadTwice, AnE57MayFollowAnotherFile) {
   const std::string first = binary_ply(sphere(4000, 5, {0, 0, 0}));
   const std::string second = e57_ball(5);

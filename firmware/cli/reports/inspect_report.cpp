@@ -11,6 +11,7 @@
 #include "firmware/slice/job_report.hpp"
 #include "firmware/slice/manifest.hpp"
 #include "slicer/plan/mesh_plan.hpp"
+#include "slicer/preparation.hpp"
 
 namespace plumbline {
 namespace {
@@ -65,8 +66,8 @@ void add_print(Text& text, const ScanOutlook& o, std::string_view print_time) {
   if (o.largest_scale)
     text.add("%s up to scale %.4g\n", o.scan.placement ? "fits       yes," : "          ", *o.largest_scale);
   const double longest = o.scan.bounds.size().maxCoeff();
-  if (o.scan.scan.header.is_in_mm) {
-    text.add("units      mm, since the format has a unit; --units changes nothing\n");
+  if (o.scan.ignored_units) {
+    text.add("units      %s\n", ignored_units_warning(*o.scan.ignored_units).c_str());
   } else if (o.placement.units == Units::kAuto && !o.placement.size) {
     text.add(
         "units      %s, a guess: the scan is %.4g units long, so it is %.4g mm. Give --units or --height to be sure\n",
@@ -260,7 +261,7 @@ ScanOutlook make_outlook(const InspectReport& scan, const PlacementSettings& pla
                          std::uint32_t threads) {
   ScanOutlook o;
   o.scan = scan;
-  o.placement = placement;
+  o.placement = heed_header(placement, scan.scan.header);
   o.arena_bytes = arena_bytes;
   o.threads = threads;
   o.guess = scan.scan.header.is_in_mm ? Units::kMillimetres : guess_units(scan.bounds.size().maxCoeff());

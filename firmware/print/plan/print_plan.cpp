@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "hal/ramp.hpp"
+#include "slicer/core/printable_text.hpp"
 
 namespace plumbline {
 namespace {
@@ -30,6 +31,13 @@ Status check_speeds(const PrintProfile& profile, const MachineFile& machine) {
 Status check_exposures(const PrintProfile& profile, const MachineFile& machine) {
   const double longest = std::max(profile.exposure_time, profile.initial_exposure_time);
   if (longest <= machine.max_exposure_s) return {};
+  if (!profile.exposures_of.empty()) {
+    return fail(ErrorCode::kExposureTooLong,
+                "%s: its exposure %s is %g s, this printer's lamp may be lit for %g s at most.\tSlice it again with a "
+                "shorter exposure",
+                PrintableText(profile.exposures_of).c_str(),
+                longest > profile.exposure_time ? "of the first layers" : "of a layer", longest, machine.max_exposure_s);
+  }
   return fail(ErrorCode::kExposureTooLong,
               "profile %s: an exposure is %g s, this printer's lamp may be lit for %g s at most:\tlower %s",
               profile.name.c_str(), longest, machine.max_exposure_s,
@@ -49,6 +57,13 @@ Status check_height(const PrintPlan& plan) {
 Status check_light(const PrintPlan& plan, const PrintProfile& profile, const MachineFile& machine) {
   const double most = std::chrono::duration<double>(most_light_in_a_minute(plan)).count();
   if (most <= machine.max_light_per_minute_s) return {};
+  if (!profile.exposures_of.empty()) {
+    return fail(ErrorCode::kExposureTooLong,
+                "%s: its exposures give up to %.1f s of light in a minute, this printer's lamp may be lit for %g s of "
+                "one.\tSlice it again with shorter exposures, or raise wait_time_after_lift in the profile %s",
+                PrintableText(profile.exposures_of).c_str(), most, machine.max_light_per_minute_s,
+                profile.name.c_str());
+  }
   return fail(ErrorCode::kExposureTooLong,
               "profile %s: up to %.1f s of light in a minute, this printer's lamp may be lit for %g s of one:\tlower "
               "initial_exposure_time or exposure_time, or raise wait_time_after_lift",

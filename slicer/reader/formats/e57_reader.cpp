@@ -64,7 +64,11 @@ class E57Reader {
     if (scans->empty()) {
       return input_.fail(ErrorCode::kNoPoints, "the file has no points with coordinates;\texport the scan again");
     }
-    ScanHeader header{.format = ScanFormat::kE57, .encoding = "bit-packed", .is_in_mm = true, .declared_points = 0, .is_packed = true};
+    ScanHeader header{.format = ScanFormat::kE57,
+                      .encoding = "bit-packed",
+                      .is_in_mm = true,
+                      .declared_points = 0,
+                      .is_packed = true};
     for (const E57Scan& scan : *scans) {
       header.has_normals |= scan.has_normals();
       header.declared_points = saturating_add(*header.declared_points, scan.points);

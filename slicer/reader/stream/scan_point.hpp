@@ -25,7 +25,7 @@ struct ScanHeader {
   const char* encoding = "";                     ///< "ascii", "binary little endian", "binary compressed", ...
   bool has_normals = false;                      ///< it has columns or properties for normals
   bool has_unsigned_normals = false;             ///< either side of the surface, not always its outside
-  bool is_in_mm = false;                         ///< the format has a unit, and the points come in mm
+  bool is_in_mm = false;                         ///< whatever unit is asked for: the format fixes its unit
   std::optional<std::uint64_t> declared_points;  ///< not to be trusted before as many points have been read
   bool is_packed = false;                        ///< a point may take less than a byte of the file
   std::uint64_t reader_bytes = 0;                ///< kept by the reader beyond its workspace; from the header, so

@@ -6,8 +6,12 @@
 
 #include <cstring>
 #include <functional>
+#include <limits>
 #include <random>
 
+#include "firmware/archive/zip_writer.hpp"
+#include "firmware/child/archive_task.hpp"
+#include "firmware/pictures/png_writer.hpp"
 #include "slicer/supports/drawing/mask_stream.hpp"
 #include "tests/firmware/child/child_fixture.hpp"
 
@@ -162,6 +166,125 @@ TEST_F(AnswerCheck, BelievesNoErrorThatAScanCanNotCause) {
   EXPECT_EQ(std::strlen(error_of(ErrorCode::kMalformed, std::string(Error::kCapacity, 'x')).message()),
             Error::kCapacity - 1);
   EXPECT_EQ(error_of(ErrorCode::kMalformed, "").code(), ErrorCode::kMalformed);
+}
+
+/// A real child's answer about an archive, and the memory it left.
+class ArchiveAnswerCheck : public ChildTest {
+ protected:
+  static constexpr std::uint32_t kLayers = 12;
+
+  ArchiveAnswerCheck() : child_(make(1, run_archive_task)) {
+    const std::string path = folder_ / "part.sl1";
+    write_archive(path);
+    request_ = request_of(path, 1);
+    request_.archive.ask = ArchiveRequest::Ask::kCheck;
+    EXPECT_EQ(run(child_, request_, path), 0);
+    good_ = child_.answer();
+  }
+
+  static void write_archive(const std::string& path) {
+    auto zip = ZipWriter::create(path).value();
+    const auto add = [&](const std::string& name, std::span<const std::byte> bytes) {
+      EXPECT_TRUE(zip.add(name.c_str(), bytes, ZipWriter::Packing::kStore));
+    };
+    constexpr std::string_view kConfig = "layerHeight = 0.1\nexpTime = 2\nexpTimeFirst = 20\nnumFade = 3\n";
+    add("config.ini", std::as_bytes(std::span(kConfig)));
+    const PrinterVolume printer = small_printer();
+    std::vector<std::uint64_t> words(BitImage::words_needed(printer.columns, printer.rows));
+    BitImage mask(words, printer.columns, printer.rows);
+    mask.clear();
+    for (std::uint32_t row = 100; row < 150; ++row) mask.row(row)[1] = ~std::uint64_t{0};
+    auto encoder = PngEncoder::for_masks(printer.columns, printer.rows).value();
+    const auto png = encoder.encode(mask);
+    for (std::uint32_t k = 0; k < kLayers; ++k) add("part" + std::to_string(100 + k) + ".png", png);
+    EXPECT_TRUE(zip.finish());
+  }
+
+  Expected<SlicedArchive> check(const ScanAnswer& answer) const {
+    Arena arena(child_.arena_block());
+    return check_archive_answer(answer, request_, arena);
+  }
+  void refuses(const char* words, const std::function<void(ScanAnswer&)>& change) const {
+    ScanAnswer answer = good_;
+    change(answer);
+    const auto checked = check(answer);
+    ASSERT_FALSE(checked) << words;
+    EXPECT_EQ(checked.error().code(), ErrorCode::kMalformed);
+    EXPECT_THAT(checked.error().message(), HasSubstr(std::string("(") + words + ")"));
+  }
+
+  SlicingChild child_;
+  ScanRequest request_;
+  ScanAnswer good_;
+};
+
+TEST_F(ArchiveAnswerCheck, TakesWhatARealChildHandsBack) {
+  ASSERT_EQ(good_.kind, ScanAnswer::kArchive) << good_.message.data();
+  const auto checked = check(good_);
+  ASSERT_TRUE(checked) << checked.error().message();
+  EXPECT_EQ(checked->grid.layers, kLayers);
+  EXPECT_EQ(checked->layers.size(), kLayers);
+  EXPECT_FLOAT_EQ(checked->grid.layer_height_mm, 0.1F);
+  EXPECT_EQ(checked->settings.exposure_s, 2);
+  EXPECT_EQ(checked->settings.initial_exposure_s, 20);
+  EXPECT_EQ(checked->settings.faded_layers, 3U);
+  EXPECT_EQ(checked->extent.left, 64U);
+  EXPECT_EQ(checked->extent.right, 128U);
+  EXPECT_EQ(checked->extent.bottom - checked->extent.top, 50U);
+  EXPECT_EQ(checked->findings.voxels, 64U * 50 * kLayers);
+}
+
+TEST_F(ArchiveAnswerCheck, RefusesEveryNumberThatDoesNotAddUp) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  refuses("no answer", [](ScanAnswer& a) { a.kind = 0; });
+  refuses("no answer", [](ScanAnswer& a) { a.kind = ScanAnswer::kSliced; });
+  refuses("its error", [](ScanAnswer& a) { a.kind = ScanAnswer::kRefused; });
+  for (const double height : {0.0, 0.004, 1.1, -0.1, kNan}) {
+    refuses("layer height", [&](ScanAnswer& a) { a.layer_height_mm = height; });
+  }
+  refuses("layers", [](ScanAnswer& a) { a.layers = 0; });
+  refuses("layers", [](ScanAnswer& a) { a.layers = 501; });
+  refuses("memory", [](ScanAnswer& a) { a.bottom_used = kArenaBytes + 1; });
+  refuses("memory", [](ScanAnswer& a) { a.bottom_used = ~std::uint64_t{0}; });
+  refuses("places", [](ScanAnswer& a) { a.bottom_used = 0; });
+  refuses("places", [](ScanAnswer& a) { a.archive_at += 4; });
+  refuses("places", [](ScanAnswer& a) { a.archive_at = ~std::uint64_t{7}; });
+  refuses("places", [](ScanAnswer& a) { a.layers = 500; });
+  refuses("findings", [](ScanAnswer& a) { --a.layers; });
+  refuses("findings", [](ScanAnswer& a) { a.findings.voxels = ~std::uint64_t{0}; });
+  refuses("findings", [](ScanAnswer& a) { a.findings.peel_layer = a.layers; });
+  refuses("extent", [](ScanAnswer& a) { a.extent[1] = 404; });
+  refuses("extent", [](ScanAnswer& a) { a.extent[3] = 301; });
+  refuses("extent", [](ScanAnswer& a) { a.extent[2] = a.extent[3]; });
+  for (const double exposure : {0.09, 1001.0, -1.0, kNan}) {
+    refuses("exposure", [&](ScanAnswer& a) { a.exposure_s = exposure; });
+    refuses("exposure", [&](ScanAnswer& a) { a.initial_exposure_s = exposure; });
+  }
+  refuses("faded layers", [](ScanAnswer& a) { a.faded_layers = 1001; });
+}
+
+TEST_F(ArchiveAnswerCheck, HandsOnTheErrorsOfArchivesOnly) {
+  ScanAnswer answer;
+  answer.kind = ScanAnswer::kRefused;
+  answer.message = {"part.sl1: broken"};
+  answer.code = static_cast<std::uint32_t>(ErrorCode::kTruncated);
+  const auto broken = check(answer);
+  ASSERT_FALSE(broken);
+  EXPECT_EQ(broken.error().code(), ErrorCode::kTruncated);
+  EXPECT_STREQ(broken.error().message(), "part.sl1: broken");
+  answer.code = static_cast<std::uint32_t>(ErrorCode::kExposureTooLong);
+  const auto lamp = check(answer);
+  ASSERT_FALSE(lamp);
+  EXPECT_THAT(lamp.error().message(), HasSubstr("(its error)"));
+}
+
+TEST_F(ArchiveAnswerCheck, NumbersThatAreNotGivenAreLeftToTheProfile) {
+  ScanAnswer answer = good_;
+  answer.exposure_s = answer.initial_exposure_s = 0;
+  answer.fades = 0;
+  const auto checked = check(answer);
+  ASSERT_TRUE(checked) << checked.error().message();
+  EXPECT_FALSE(checked->settings.exposure_s || checked->settings.initial_exposure_s || checked->settings.faded_layers);
 }
 
 }  // namespace

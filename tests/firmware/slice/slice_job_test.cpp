@@ -271,6 +271,20 @@ TEST(JobWarnings, NameUnitsSizeThinningHolesAndNormals) {
   for (const auto& line : lines) EXPECT_FALSE(line.cut()) << line.c_str();
 }
 
+TEST(JobWarnings, SayThatAUnitWasIgnoredAndAdviseNoneForAnE57) {
+  auto report = std::make_unique<JobReport>();
+  report->slice.scan.header.is_in_mm = true;
+  report->slice.ignored_units = Units::kCentimetres;
+  report->slice.placement.size_mm = {4, 4, 4};
+  report->slice.placement.scale = 1;
+  find_warnings(*report);
+  const auto lines = report->warnings.all();
+  ASSERT_GE(lines.size(), 2U);
+  EXPECT_THAT(lines[0].c_str(), HasSubstr("the unit cm was ignored: an E57 file is in metres"));
+  EXPECT_THAT(lines[1].c_str(), HasSubstr("only 4 mm long. If that is wrong, use --scale, or give a size"));
+  for (const auto& line : lines) EXPECT_FALSE(line.cut()) << line.c_str();
+}
+
 TEST(Unseen, IsReportedAsSharesOfTheWholeSurface) {
   EXPECT_STREQ(unseen_sentence({0.126, 0.041}).c_str(),
                "the underside (12.6 % of the surface) and 4.1 % elsewhere were not scanned");

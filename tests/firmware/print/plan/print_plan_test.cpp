@@ -9,12 +9,16 @@
 #include <utility>
 #include <vector>
 
+#include "firmware/print/sliced_archive.hpp"
+
 namespace plumbline {
 namespace {
 
 using namespace plumbline::literals;
 using namespace std::chrono_literals;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 PrintProfile profile() { return read_print_profile(PLUMBLINE_SOURCE_DIR "/board/profiles/standard.toml").value(); }
 MachineFile machine() { return *read_board_file(PLUMBLINE_SOURCE_DIR "/board/sim2k.toml").value().machine; }
@@ -155,6 +159,38 @@ TEST(PrintPlan, RefusesMoreLightInAMinuteThanTheLampMayGive) {
   EXPECT_THAT(refused.error().message(), HasSubstr("of light in a minute, this printer's lamp may be lit for 50 s"));
   bright.wait_time_after_lift = 10;
   EXPECT_TRUE(plan_print(bright, lamp, 0.05, 100));
+}
+
+TEST(PrintPlan, BlamesTheArchiveForItsExposures) {
+  const auto message = [](const Sl1Settings& settings, const MachineFile& lamp) -> std::string {
+    const auto refused = plan_print(profile_of(profile(), settings, "part.sl1"), lamp, 0.05, 100);
+    if (refused) return "taken";
+    EXPECT_EQ(refused.error().code(), ErrorCode::kExposureTooLong);
+    return refused.error().message();
+  };
+  Sl1Settings settings;
+  EXPECT_EQ(message(settings, machine()), "taken");
+  settings.initial_exposure_s = 61;
+  EXPECT_THAT(message(settings, machine()),
+              AllOf(HasSubstr("part.sl1: its exposure of the first layers is 61 s, this printer's lamp may be lit for "
+                              "60 s at most"),
+                    HasSubstr("Slice it again with a shorter exposure"), Not(HasSubstr("profile"))));
+  settings.exposure_s = 62;
+  EXPECT_THAT(message(settings, machine()), HasSubstr("part.sl1: its exposure of a layer is 62 s"));
+  auto lamp = machine();
+  lamp.max_light_per_minute_s = 20;
+  settings.exposure_s = 50;
+  settings.initial_exposure_s = 55;
+  EXPECT_THAT(message(settings, lamp), HasSubstr("part.sl1: its exposures give up to "));
+
+  // The profile's own exposure is the profile's fault, even with an archive.
+  auto bright = profile();
+  bright.initial_exposure_time = 61;
+  settings.exposure_s = 2;
+  settings.initial_exposure_s.reset();
+  const auto refused = plan_print(profile_of(bright, settings, "part.sl1"), machine(), 0.05, 100);
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message(), HasSubstr("lower initial_exposure_time"));
 }
 
 TEST(PrintPlan, RefusesWhatTheMachineCannotDo) {

@@ -1,0 +1,99 @@
+/// Scans whose format fixes their unit.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+
+#include "slicer/inspect.hpp"
+#include "tests/slicer/reader/formats/e57_file.hpp"
+#include "tests/slicer/support/slicing.hpp"
+
+namespace plumbline {
+namespace {
+
+using namespace testing;
+using ::testing::HasSubstr;
+
+/// A ball of 20 mm, in metres as the standard has it.
+std::string e57_ball(double radius_mm = 10) {
+  std::array<std::vector<float>, 6> values;
+  for (const SurfacePoint& p : sphere(8000, radius_mm, {0, 0, 0})) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      values[axis].push_back(static_cast<float>(p.position[static_cast<int>(axis)] / 1000));
+      values[3 + axis].push_back(static_cast<float>(p.normal[static_cast<int>(axis)]));
+    }
+  }
+  constexpr std::array kNames = {"cartesianX", "cartesianY", "cartesianZ", "nor:normalX", "nor:normalY", "nor:normalZ"};
+  std::vector<E57Column> columns;
+  for (std::size_t i = 0; i < kNames.size(); ++i) columns.push_back(float_column(kNames[i], values[i]));
+  return E57File().bytes({{.columns = columns, .packet = 20'000}});
+}
+
+SliceSettings settings_with_units(Units units) {
+  SliceSettings settings = settings_with_pitch(0.2F);
+  settings.placement.units = units;
+  return settings;
+}
+
+constexpr std::array kAllUnits = {Units::kMillimetres, Units::kCentimetres, Units::kMetres, Units::kInches,
+                                  Units::kAuto};
+
+TEST(FixedUnits, AnE57IsPrintedAtItsSizeWhateverUnitIsAskedFor) {
+  const std::string scan = e57_ball();
+  for (const Units units : kAllUnits) {
+    SliceSettings settings = settings_with_units(units);
+    settings.placement.printer = PrinterVolume{300, 300, 0.2F, 0.2F, 100};
+    const Slicing sliced(MemorySource(scan, "ball.e57"), settings, 64 * kMiB);
+    const SliceReport& report = sliced.report();
+    EXPECT_NEAR(report.placement.size_mm.maxCoeff(), 20, 0.1) << to_string(units);
+    EXPECT_NEAR(sliced.volume(), 4189, 84) << to_string(units);
+    EXPECT_EQ(report.units, Units::kMillimetres);
+    EXPECT_FALSE(report.units_guessed);
+    const bool differs = units == Units::kCentimetres || units == Units::kInches;
+    EXPECT_EQ(report.ignored_units, differs ? std::optional(units) : std::nullopt);
+  }
+}
+
+TEST(FixedUnits, InspectAgrees) {
+  const std::string scan = e57_ball();
+  for (const Units units : kAllUnits) {
+    MemorySource source(scan, "ball.e57");
+    ByteSource* const sources[] = {&source};
+    ArenaBlock arena(64 * kMiB);
+    InspectReport report;
+    ASSERT_TRUE(inspect(sources, settings_with_units(units), *arena, nullptr, report, kNoLook));
+    EXPECT_EQ(report.units, Units::kMillimetres);
+    ASSERT_TRUE(report.placement.has_value());
+    EXPECT_NEAR(report.placement->size_mm.maxCoeff(), 20, 0.1) << to_string(units);
+  }
+}
+
+TEST(FixedUnits, NoSizeIsGuessedAndNoUnitAdvisedForASpeck) {
+  const std::string scan = e57_ball(0.2);  // 0.4 long, which a guess would take for metres
+  MemorySource source(scan, "speck.e57");
+  ArenaBlock arena(64 * kMiB);
+  SliceReport report;
+  const auto sliced = slice(source, settings_with_units(Units::kAuto), *arena, nullptr, report);
+  ASSERT_FALSE(sliced);
+  EXPECT_THAT(sliced.error().message(), HasSubstr("0.38 mm long"));
+  EXPECT_THAT(sliced.error().advice(), HasSubstr("--scale"));
+}
+
+TEST(FixedUnits, OthersInOneFrameMustBeInMillimetresToo) {
+  const std::string e57 = e57_ball(), ply = binary_ply(sphere(8000, 10, {0, 0, 0}));
+  for (const Units units : {Units::kMetres, Units::kMillimetres}) {
+    MemorySource first(ply, "a.ply"), second(e57, "b.e57");
+    ByteSource* const sources[] = {&first, &second};
+    ArenaBlock arena(64 * kMiB);
+    SliceReport report;
+    const auto sliced = slice(sources, settings_with_units(units), *arena, nullptr, report);
+    ASSERT_EQ(sliced.has_value(), units == Units::kMillimetres);
+    if (sliced) continue;
+    EXPECT_EQ(sliced.error().code(), ErrorCode::kBadSetting);
+    EXPECT_THAT(sliced.error().message(), HasSubstr("a.ply and 1 more: the E57 files are in mm"));
+  }
+}
+
+}  // namespace
+}  // namespace plumbline
