@@ -78,7 +78,10 @@ struct StatusOptions {
   bool follow = false;                ///< until the daemon ends
   bool json = false;
   std::string picture;  ///< kPictureWords; empty: none is asked for
-  std::string output;   ///< PNG file for the picture
+  bool prints = false;        ///< list those that are kept
+  std::uint32_t report = 0;   ///< of which print the report is asked for; 0: of none
+  std::uint32_t preview = 0;  ///< the same for the preview
+  std::string output;         ///< file for the picture or the report
 };
 
 struct ControlOptions {

@@ -1,6 +1,9 @@
 #include <CLI/CLI.hpp>
 #include <array>
+#include <charconv>
 #include <cstddef>
+#include <cstdint>
+#include <string>
 #include <vector>
 
 #include "firmware/cli/commands.hpp"
@@ -18,6 +21,8 @@ constexpr const char* kFooter =
     "  plumbline status --follow              a line for each change, until the daemon ends\n"
     "  plumbline status --json --follow       the same for programs: firmware/state/README.md explains each member\n"
     "  plumbline status --picture layer -o layer.png   the mask of the layer that is printed\n"
+    "  plumbline status --prints              the last prints, whose reports the printer keeps\n"
+    "  plumbline status --report 12 -o 12.json   the report of print 12, and with --preview 12 its picture\n"
     "  plumbline status --socket state/state  of a simulated printer whose daemon has --state state\n";
 
 /// Bytes of a base64 text without line breaks. @returns none: it is none
@@ -57,20 +62,39 @@ CLI::App* add_status_command(CLI::App& app, StatusOptions& options) {
                        "Write a picture to --output: the preview of what was sliced, or the layer being printed")
           ->type_name("NAME")
           ->check(CLI::IsMember({"preview", "layer"}).description(""));
-  auto* output = command->add_option("-o,--output", options.output, "PNG file for the picture")->type_name("FILE");
-  picture->needs(output)->excludes("--follow")->excludes("--json");
-  output->needs(picture);
+  auto* output = command->add_option("-o,--output", options.output, "File for the picture or the report")->type_name("FILE");
+  auto* prints = command->add_flag("--prints", options.prints, "List the last prints, newest first");
+  auto* report = command
+                     ->add_option("--report", options.report,
+                                  "Write the report (JSON) of a print that --prints lists to --output; the printer must be at rest")
+                     ->type_name("N")
+                     ->check(CLI::Range(1U, UINT32_MAX).description(""));
+  auto* preview =
+      command->add_option("--preview", options.preview, "The same for the picture (PNG) of what was printed")
+          ->type_name("N")
+          ->check(CLI::Range(1U, UINT32_MAX).description(""));
+  const std::array<CLI::Option*, 4> choices = {prints, picture, report, preview};
+  for (CLI::Option* const choice : choices) {
+    if (choice != prints) choice->needs(output)->excludes("--json");
+    choice->excludes("--follow");
+    for (CLI::Option* const other : choices) {
+      if (other != choice) choice->excludes(other);
+    }
+  }
   return command;
 }
 
 namespace {
 
-/// Asks for a picture and writes it into a file.
-Status fetch_picture(const StatusOptions& options) {
-  auto link = StateLink::open(options.socket, false);
-  PLUMBLINE_TRY(link);
-  PLUMBLINE_TRY(link->send("{\"do\": \"picture\", \"picture\": \"" + options.picture + "\"}\n"));
-  const auto reply = link->next_of_type("reply", kPatience);
+struct Fetched {
+  std::vector<std::byte> bytes;
+  std::size_t size = 0;  ///< of the whole report; 0: it is a picture
+};
+
+/// @param member  of the reply: that with the bytes, in base64
+Expected<Fetched> fetch(StateLink& link, const std::string& question, std::string_view member) {
+  PLUMBLINE_TRY(link.send(question + "\n"));
+  const auto reply = link.next_of_type("reply", kPatience);
   PLUMBLINE_TRY(reply);
   if (json_member(*reply, "ok") != "true") {
     std::array<char, 1024> room;
@@ -78,18 +102,49 @@ Status fetch_picture(const StatusOptions& options) {
     const auto said = error.take_text(room).value_or("the daemon refused");
     return fail(ErrorCode::kCannotRead, "%.*s", static_cast<int>(said.size()), said.data());
   }
-  std::string_view text = json_member(*reply, "png").value_or("");
-  if (text.size() < 2) return fail(ErrorCode::kMalformed, "the daemon's reply has no picture");
-  const auto bytes = bytes_of_base64(text.substr(1, text.size() - 2));
-  if (!bytes) return fail(ErrorCode::kMalformed, "the daemon's reply has no picture");
-  return write_file(options.output.c_str(), *bytes);
+  std::string_view text = json_member(*reply, member).value_or("");
+  auto bytes = text.size() < 2 ? std::nullopt : bytes_of_base64(text.substr(1, text.size() - 2));
+  if (!bytes) return fail(ErrorCode::kMalformed, "the daemon's reply has no bytes");
+  Fetched fetched{std::move(*bytes)};
+  const std::string_view size = json_member(*reply, "size").value_or("0");
+  std::from_chars(size.data(), size.data() + size.size(), fetched.size);
+  return fetched;
+}
+
+/// Asks for a picture or a report and writes it into a file.
+Status fetch_file(const StatusOptions& options) {
+  auto link = StateLink::open(options.socket, false);
+  PLUMBLINE_TRY(link);
+  if (options.report == 0) {
+    const std::string print = options.preview > 0 ? ", \"print\": " + std::to_string(options.preview) : "";
+    const std::string name = options.preview > 0 ? "preview" : options.picture;
+    const auto picture = fetch(*link, R"({"do": "picture", "picture": ")" + name + "\"" + print + "}", "png");
+    PLUMBLINE_TRY(picture);
+    return write_file(options.output.c_str(), picture->bytes);
+  }
+  std::vector<std::byte> report;
+  for (;;) {
+    const auto part = fetch(*link,
+                            R"({"do": "report", "print": )" + std::to_string(options.report) + ", \"from\": " +
+                                std::to_string(report.size()) + "}",
+                            "data");
+    PLUMBLINE_TRY(part);
+    report.insert(report.end(), part->bytes.begin(), part->bytes.end());
+    if (report.size() >= part->size) break;
+    if (part->bytes.empty()) return fail(ErrorCode::kTruncated, "the report ends early");
+  }
+  return write_file(options.output.c_str(), report);
 }
 
 }  // namespace
 
 ExitCode run_status(const StatusOptions& options) {
-  if (!options.picture.empty()) {
-    const auto fetched = fetch_picture(options);
+  if (!options.output.empty() && options.picture.empty() && options.report == 0 && options.preview == 0) {
+    return report_error(Error::format(ErrorCode::kBadSetting,
+                                      "--output has nothing to write;\tname it with --picture, --report or --preview"));
+  }
+  if (!options.output.empty()) {
+    const auto fetched = fetch_file(options);
     return fetched ? ExitCode::kDone : report_error(fetched.error());
   }
   auto link = StateLink::open(options.socket, false);
@@ -97,7 +152,7 @@ ExitCode run_status(const StatusOptions& options) {
   const auto first = link->next_of_type("state", kPatience);
   if (!first) return report_error(first.error());
   OutputFile out = OutputFile::standard_output();
-  if (const auto told = out.write(options.json ? *first + "\n" : status_page(*first)); !told) {
+  if (const auto told = out.write(options.json ? *first + "\n" : options.prints ? prints_page(*first) : status_page(*first)); !told) {
     return report_error(told.error());
   }
   std::string shown = status_line(*first);

@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <csignal>
+#include <ctime>
 
 #include "firmware/daemon/printer_daemon.hpp"
 #include "firmware/daemon/service/service_events.hpp"
@@ -15,10 +16,13 @@
 #include "firmware/io/version.hpp"
 #include "firmware/machine/back_end.hpp"
 #include "firmware/print/print_summary.hpp"
+#include "firmware/pictures/png_writer.hpp"
 #include "firmware/print/status/print_lines.hpp"
+#include "firmware/print/store/kept_prints.hpp"
 #include "firmware/screen/screen_server.hpp"
 #include "firmware/settings/job_options.hpp"
 #include "firmware/settings/settings_folders.hpp"
+#include "firmware/state/picture_line.hpp"
 #include "firmware/state/socket_place.hpp"
 
 namespace plumbline {
@@ -68,8 +72,18 @@ std::string report_path(const DaemonOptions& options) { return options.state + "
 /// Logs to standard error and the service manager, writes reports, and plugs the simulated stick in and out.
 class DaemonLog final : public DaemonObserver {
  public:
-  DaemonLog(const DaemonOptions& options, BackEnd& back_end, ServiceManager& manager)
-      : options_(options), back_end_(back_end), witness_(back_end.witness()), manager_(manager) {}
+  /// @param prints   gets the report of each print
+  /// @param record   has the preview
+  /// @param encoder  for a preview
+  DaemonLog(const DaemonOptions& options, BackEnd& back_end, ServiceManager& manager, KeptPrints& prints,
+            const PrinterRecord& record, SmallPngEncoder encoder)
+      : options_(options),
+        back_end_(back_end),
+        witness_(back_end.witness()),
+        manager_(manager),
+        prints_(prints),
+        record_(record),
+        encoder_(std::move(encoder)) {}
 
   void say(const PrintableText& text) override {
     FixedText<PrintableText::kCapacity + 16> line;
@@ -100,6 +114,7 @@ class DaemonLog final : public DaemonObserver {
     if (const auto told = write_print_summary(out, outcome, report_path(options_), false); !told)
       say(told.error().message());
     if (const auto kept = write_report(outcome); !kept) say(kept.error().message());
+    if (const auto kept = keep(outcome); !kept) say(kept.error().message());
     if (++jobs_ == options_.jobs) end();
   }
   void idle() override { look_around(); }
@@ -119,6 +134,31 @@ class DaemonLog final : public DaemonObserver {
     write_print_report(json, outcome);
     PLUMBLINE_TRY(json.finish());
     return file->close();
+  }
+  /// Keeps the report and the preview with those of the prints before.
+  Status keep(const PrintOutcome& outcome) {
+    KeptPrint print;
+    print.result = static_cast<std::uint32_t>(outcome.report.state);
+    print.layers = outcome.report.layers;
+    print.layers_done = outcome.report.next_layer;
+    print.scan = outcome.session.facts().scan;
+    print.profile = outcome.session.facts().profile;
+    print.ended_at = std::time(nullptr);
+    print.resin_ml = outcome.report.resin_ml;
+    std::span<const std::byte> png;
+    if (record_.pictures != nullptr && record_.pictures->preview.there()) {
+      const PreviewPicture& preview = record_.pictures->preview;
+      png = encoder_.encode(preview.bytes(), preview.columns, preview.rows, PreviewPicture::kChannels);
+      if (png.size() > PictureLine::kMostPng) png = {};
+    }
+    return prints_.keep(
+        print,
+        [&outcome](TextSink& out) {
+          JsonWriter json(out);
+          write_print_report(json, outcome);
+          return json.finish();
+        },
+        png);
   }
   void look_around() {
     if (interrupted()) end();
@@ -146,6 +186,9 @@ class DaemonLog final : public DaemonObserver {
   BackEnd& back_end_;
   Witness* witness_;  ///< the back end's
   ServiceManager& manager_;
+  KeptPrints& prints_;
+  const PrinterRecord& record_;
+  SmallPngEncoder encoder_;
   PrintLines lines_{PrintLines::Show::kPrint, std::nullopt};
   bool plugged_ = false;
   bool ended_ = false;
@@ -170,6 +213,14 @@ ExitCode serve(const DaemonOptions& options, std::size_t largest_arena) {
   if (!store) return report_error(store.error());
   auto plate = PlateRecord::open(options.state);
   if (!plate) return report_error(plate.error());
+  auto prints = KeptPrints::open(options.state, [](std::string_view text) {
+    FixedText<240> line;
+    line.add("plumblined: %.*s", static_cast<int>(text.size()), text.data());
+    write_line(line.view());
+  });
+  if (!prints) return report_error(prints.error());
+  auto encoder = SmallPngEncoder::create(sizeof(PreviewPicture::memory), PreviewPicture::kMostRows);
+  if (!encoder) return report_error(encoder.error());
   const auto socket = StateSocket::open(socket_path(options, *machine));
   if (!socket) return report_error(socket.error());
   auto manager = ServiceManager::of_environment();
@@ -189,7 +240,9 @@ ExitCode serve(const DaemonOptions& options, std::size_t largest_arena) {
   const DaemonSettings settings{*board,        *machine, board->path, profile_names(board->path), report_path(options),
                                 setup->threads};
   Arena arena(child->arena_block());
-  DaemonLog log(options, **back_end, *manager);
+  PrinterRecord record;
+  record.prints = &*prints;
+  DaemonLog log(options, **back_end, *manager, *prints, record, std::move(*encoder));
   const Machine& devices = (*back_end)->machine();
   ServiceEvents events(devices.events, devices.clock, *manager);
   Machine watched{.clock = devices.clock,
@@ -201,7 +254,6 @@ ExitCode serve(const DaemonOptions& options, std::size_t largest_arena) {
                   .panel = devices.panel,
                   .thermals = devices.thermals,
                   .screen = devices.screen};
-  PrinterRecord record;
   PrinterDaemon daemon(watched, settings, *child, arena, *store, *plate, log, record);
   std::optional<ScreenServer> screen;
   if (watched.screen != nullptr) screen.emplace(*watched.screen, machine->language);
@@ -221,7 +273,7 @@ ExitCode run_daemon_command_line(int argc, char** argv, std::size_t largest_aren
   DaemonOptions options;
   options.simulation.speedup = 1;  // a stick is plugged in and out in real time
   app.add_option("--printer", options.printer, "Board file")->required()->type_name("TOML");
-  app.add_option("--state", options.state, "Folder for journal, job and the last report [/var/lib/plumbline]")
+  app.add_option("--state", options.state, "Folder for journal, job and the last reports [/var/lib/plumbline]")
       ->type_name("DIR");
   app.add_option(
          "--socket", options.socket,

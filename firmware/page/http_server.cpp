@@ -93,7 +93,7 @@ struct HttpServer::Parts {
     MHD_Connection* connection = nullptr;  ///< null: this one is free
     Parts* parts = nullptr;
     std::size_t place = 0;
-    HttpStream::Kind kind = HttpStream::Kind::kEvents;
+    HttpStream what;
     bool begins = false;
     bool sleeps = false;  ///< suspended until wake()
     bool failed = false;
@@ -223,7 +223,7 @@ struct HttpServer::Parts {
     stream->connection = connection;
     stream->parts = this;
     stream->place = static_cast<std::size_t>(stream - streams.data());
-    stream->kind = what.kind;
+    stream->what = what;
     stream->begins = true;
     stream->sleeps = stream->failed = false;
     stream->sent = 0;
@@ -237,7 +237,7 @@ struct HttpServer::Parts {
     if (stream.taken == stream.filled) {
       stream.taken = 0;
       const auto filled = stream.failed ? std::nullopt
-                                        : stream.parts->handler.fill(stream.place, stream.kind, stream.begins,
+                                        : stream.parts->handler.fill(stream.place, stream.what, stream.begins,
                                                                      stream.sent, stream.room);
       if (!filled) return MHD_CONTENT_READER_END_WITH_ERROR;
       stream.filled = *filled;
@@ -362,7 +362,7 @@ void HttpServer::wake(std::size_t stream) {
 
 void HttpServer::wake_all(HttpStream::Kind kind) {
   for (std::size_t i = 0; i < kMostStreams; ++i) {
-    if (parts_->streams[i].kind == kind) wake(i);
+    if (parts_->streams[i].what.kind == kind) wake(i);
   }
 }
 

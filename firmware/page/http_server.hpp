@@ -52,6 +52,7 @@ struct HttpStream {
 
   Kind kind = Kind::kEvents;
   std::uint64_t size = 0;
+  std::uint32_t n = 0;  ///< ?n= of the request that it answers; 0: it had none
   const char* type = "text/event-stream";
   const char* save_as = nullptr;
 };
@@ -66,10 +67,11 @@ class HttpHandler {
   virtual HttpReply answer(const HttpRequest& request, const HttpTicket& ticket) = 0;
   /// Writes what a stream sends next.
   /// @param stream  below HttpServer::kMostStreams
+  /// @param what    as it was begun
   /// @param begins  it is the first part of a new stream
   /// @param sent    bytes that the stream has sent so far
   /// @returns bytes written; 0: nothing yet, HttpServer::wake() or fail() comes later; none: the stream has failed
-  virtual std::optional<std::size_t> fill(std::size_t stream, HttpStream::Kind kind, bool begins, std::uint64_t sent,
+  virtual std::optional<std::size_t> fill(std::size_t stream, const HttpStream& what, bool begins, std::uint64_t sent,
                                           std::span<char> out) = 0;
 };
 

@@ -22,6 +22,7 @@ namespace {
 constexpr std::size_t kMostPng = kLongestLine / 4 * 3;
 constexpr auto kOneLine = JsonWriter::Layout::kOneLine;
 constexpr std::string_view kPicturePath = "/picture/";
+constexpr std::string_view kPrintPicturePath = "/print.png";
 
 std::optional<std::uint64_t> whole_number(std::optional<std::string_view> text) {
   std::uint64_t number = 0;
@@ -55,6 +56,15 @@ FixedText<120> question_line(const char* what, std::uint64_t id) {
   FixedText<120> line;
   line.add("{%s, \"id\": %llu}\n", what, static_cast<unsigned long long>(id));
   return line;
+}
+
+/// What asks for a report from its byte `from` on.
+/// @param print  0: the last one
+FixedText<100> report_question(std::uint32_t print, std::uint64_t from) {
+  FixedText<100> what;
+  what.add(R"("do": "report", "from": %llu)", static_cast<unsigned long long>(from));
+  if (print > 0) what.add(R"(, "print": %u)", print);
+  return what;
 }
 
 /// Commands that a browser may give: those that a state may list.
@@ -110,7 +120,8 @@ HttpReply PageServer::get(const HttpRequest& request, const HttpTicket& ticket) 
   if (request.path == "/api/printer") return octoprint(write_octoprint_printer);
   const bool is_picture = request.path.starts_with(kPicturePath);
   const bool is_mask = request.path == "/mask", is_report = request.path == "/report.json";
-  if (!is_picture && !is_mask && !is_report && request.path != "/state") return refuse(404, "there is no such page");
+  const bool is_print = request.path == kPrintPicturePath;
+  if (!is_picture && !is_mask && !is_report && !is_print && request.path != "/state") return refuse(404, "there is no such page");
   if (state_.view().empty()) return refuse(503, "the printer's daemon does not answer", "Start plumblined");
   if (request.path == "/state") return HttpAnswer{.body = state_.view()};
   if (is_picture) {
@@ -119,13 +130,19 @@ HttpReply PageServer::get(const HttpRequest& request, const HttpTicket& ticket) 
     if (word == kPictureWords.end()) return refuse(404, "there is no such picture");
     return picture(static_cast<PictureName>(word - kPictureWords.begin()), ticket);
   }
-  Question question{.kind = is_mask ? Question::Kind::kMask : Question::Kind::kReportBegin, .ticket = ticket};
-  FixedText<60> what;
-  if (is_mask) {
+  // The preview of a print that is kept is one picture in one reply, as a mask is.
+  Question question{.kind = is_report ? Question::Kind::kReportBegin : Question::Kind::kMask,
+                    .ticket = ticket,
+                    .print = is_report ? request.n.value_or(0) : 0};
+  FixedText<100> what;
+  if (is_print) {
+    if (request.n.value_or(0) == 0) return refuse(400, "which print?", "Ask for /print.png?n=1");
+    what.add(R"("do": "picture", "picture": "preview", "print": %u)", *request.n);
+  } else if (is_mask) {
     if (!request.n) return refuse(400, "which layer?", "Ask for /mask?n=0");
     what.add(R"("do": "mask", "layer": %u)", *request.n);
   } else {
-    what.add(R"("do": "report", "from": 0)");
+    what = report_question(question.print, 0);
   }
   question.id = ++last_id_;
   if (!ask(question, question_line(what.c_str(), question.id).view())) return refuse(503, "the printer is busy");
@@ -282,6 +299,7 @@ void PageServer::answer_question(HttpServer& server, Question& question, std::st
       text_.clear();
       return server.begin_stream(asked.ticket, {.kind = HttpStream::Kind::kReport,
                                                 .size = whole_number(json_member(line, "size")).value_or(0),
+                                                .n = asked.print,
                                                 .type = "application/json",
                                                 .save_as = "report.json"});
     }
@@ -358,7 +376,8 @@ std::size_t PageServer::write_event(Stream& stream, std::span<char> out) {
   return size;
 }
 
-std::optional<std::size_t> PageServer::write_report(std::size_t place, std::uint64_t sent, std::span<char> out) {
+std::optional<std::size_t> PageServer::write_report(std::size_t place, std::uint32_t print, std::uint64_t sent,
+                                                   std::span<char> out) {
   Stream& stream = streams_[place];
   if (stream.report_bytes > 0) {
     const std::size_t size = std::min(out.size(), std::exchange(stream.report_bytes, 0));
@@ -367,13 +386,11 @@ std::optional<std::size_t> PageServer::write_report(std::size_t place, std::uint
   }
   Question question{.kind = Question::Kind::kReportPart, .stream = place};
   question.id = ++last_id_;
-  FixedText<60> what;
-  what.add(R"("do": "report", "from": %llu)", static_cast<unsigned long long>(sent));
-  if (!ask(question, question_line(what.c_str(), question.id).view())) return std::nullopt;
+  if (!ask(question, question_line(report_question(print, sent).c_str(), question.id).view())) return std::nullopt;
   return 0;
 }
 
-std::optional<std::size_t> PageServer::fill(std::size_t stream, HttpStream::Kind kind, bool begins, std::uint64_t sent,
+std::optional<std::size_t> PageServer::fill(std::size_t stream, const HttpStream& what, bool begins, std::uint64_t sent,
                                             std::span<char> out) {
   if (begins) {
     // Nobody waits for what the previous stream of this place has asked.
@@ -384,7 +401,8 @@ std::optional<std::size_t> PageServer::fill(std::size_t stream, HttpStream::Kind
     streams_[stream].told_at = {};
     streams_[stream].report_bytes = 0;
   }
-  return kind == HttpStream::Kind::kEvents ? write_event(streams_[stream], out) : write_report(stream, sent, out);
+  return what.kind == HttpStream::Kind::kEvents ? write_event(streams_[stream], out)
+                                                : write_report(stream, what.n, sent, out);
 }
 
 void PageServer::run(HttpServer& server) {

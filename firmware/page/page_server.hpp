@@ -36,7 +36,7 @@ class PageServer final : public HttpHandler {
   PageServer(const std::string& socket, PageChoice page, std::string page_host, Pairing pairing);
 
   HttpReply answer(const HttpRequest& request, const HttpTicket& ticket) override;
-  std::optional<std::size_t> fill(std::size_t stream, HttpStream::Kind kind, bool begins, std::uint64_t sent,
+  std::optional<std::size_t> fill(std::size_t stream, const HttpStream& what, bool begins, std::uint64_t sent,
                                   std::span<char> out) override;
 
   /// Serves until `server` is gone, which is never: a signal ends the process.
@@ -52,6 +52,7 @@ class PageServer final : public HttpHandler {
     HttpTicket ticket{};
     std::size_t stream = 0;
     PictureName picture = PictureName::kPreview;
+    std::uint32_t print = 0;  ///< of kReportBegin: 0: the last one
     HostClock::time_point until{};
   };
   struct Picture {
@@ -84,7 +85,7 @@ class PageServer final : public HttpHandler {
   void answer_question(HttpServer& server, Question& question, std::string_view line);
   void end_questions(HttpServer& server, HostClock::time_point now, bool all);
   std::size_t write_event(Stream& stream, std::span<char> out);
-  std::optional<std::size_t> write_report(std::size_t place, std::uint64_t sent, std::span<char> out);
+  std::optional<std::size_t> write_report(std::size_t place, std::uint32_t print, std::uint64_t sent, std::span<char> out);
 
   PageChoice page_;
   std::string page_host_;

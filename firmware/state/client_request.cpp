@@ -18,14 +18,15 @@ struct Value {
   std::string_view text;
 };
 
-constexpr std::array<std::string_view, 9> kMembers = {"do",      "id",    "scan", "key", "value",
-                                                      "picture", "layer", "from", "code"};
-enum Member : std::uint8_t { kDo, kId, kScan, kKey, kValue, kPicture, kLayer, kFrom, kCode };
+constexpr std::array<std::string_view, 10> kMembers = {"do",      "id",    "scan", "key",  "value",
+                                                       "picture", "layer", "from", "code", "print"};
+enum Member : std::uint8_t { kDo, kId, kScan, kKey, kValue, kPicture, kLayer, kFrom, kCode, kPrint };
 
 /// The members that a command needs beside "do", and a reminder of them.
 struct Needs {
   std::uint32_t members = 0;  ///< bit m: member m
   const char* words = "nothing";
+  std::uint32_t allowed = 0;  ///< members that it may have as well
 };
 
 constexpr std::uint32_t bit(Member member) { return std::uint32_t{1} << member; }
@@ -34,9 +35,9 @@ Needs needs_of(Command command) {
   switch (command) {
     case Command::kChoose: return {bit(kScan), "\"scan\", a number from the list of scans"};
     case Command::kSet: return {bit(kKey) | bit(kValue), "\"key\" and \"value\""};
-    case Command::kPicture: return {bit(kPicture), "\"picture\", preview or layer,"};
+    case Command::kPicture: return {bit(kPicture), "\"picture\", preview or layer,", bit(kPrint)};
     case Command::kMask: return {bit(kLayer), "\"layer\", a number from 0 on,"};
-    case Command::kReport: return {bit(kFrom), "\"from\", a number of bytes from 0 on,"};
+    case Command::kReport: return {bit(kFrom), "\"from\", a number of bytes from 0 on,", bit(kPrint)};
     case Command::kCode: return {bit(kCode), "\"code\", up to 7 digits,"};
     case Command::kStart:
     case Command::kPause:
@@ -126,6 +127,12 @@ Status store(Member member, const Value& value, ClientRequest& request, std::opt
       request.from = *number;
       return {};
     }
+    case kPrint: {
+      const auto number = whole_number(value);
+      if (!number || *number == 0 || *number > UINT32_MAX) return wrong_value("print", "a number from 1 on");
+      request.print = static_cast<std::uint32_t>(*number);
+      return {};
+    }
     case kCode:
       request.code.add("%.*s", static_cast<int>(value.text.size()), value.text.data());
       if (value.kind != Value::Kind::kText || request.code.cut() ||
@@ -146,7 +153,7 @@ Status check_members(const ClientRequest& request, const std::array<bool, kMembe
     if (found[member]) others |= bit(static_cast<Member>(member));
   }
   const Needs needs = needs_of(request.command);
-  if (others == needs.members) return {};
+  if ((others & ~needs.allowed) == needs.members) return {};
   const auto word = to_string(request.command);
   return fail(ErrorCode::kBadSetting, "%.*s needs %s beside \"do\" and \"id\"", static_cast<int>(word.size()),
               word.data(), needs.words);
@@ -171,7 +178,7 @@ Expected<ClientRequest> parse_request(std::string_view line, std::optional<std::
       const auto* const known = std::find(kMembers.begin(), kMembers.end(), *name);
       if (known == kMembers.end()) {
         return fail(ErrorCode::kBadSetting,
-                    "'%.*s': unknown member.\tKnown are do, id, scan, key, value, picture, layer, from and code",
+                    "'%.*s': unknown member.\tKnown are do, id, scan, key, value, picture, layer, from, code and print",
                     static_cast<int>(name->size()), name->data());
       }
       const auto member = static_cast<Member>(known - kMembers.begin());

@@ -11,6 +11,7 @@ namespace {
 /// For all of a reply but the picture.
 constexpr std::size_t kRoomForTheRest = 256;
 constexpr std::size_t kMostCharacters = kLongestLine - kRoomForTheRest;
+static_assert(PictureLine::kMostPng == kMostCharacters / 4 * 3);
 
 Error too_large(std::size_t bytes) {
   return Error::format(ErrorCode::kCannotWrite, "the picture has %zu bytes, more than a line holds", bytes);
@@ -54,6 +55,18 @@ Status PictureLine::write(TextSink& out, std::optional<std::uint64_t> id, Pictur
   FixedText<64> members;
   members.add("\"picture\": \"%.*s\", \"number\": %u", static_cast<int>(word.size()), word.data(), number);
   return write_data_line(out, id, members.view(), "png", {encoded.base64.data(), encoded.size});
+}
+
+Status PictureLine::write_kept(TextSink& out, std::optional<std::uint64_t> id, const KeptPrints& prints,
+                               std::uint32_t print) {
+  std::array<std::byte, kMostPng> png;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+  const auto got = prints.read(print, KeptPrints::Part::kPreview, 0, png);
+  PLUMBLINE_TRY(got);
+  const auto size = write_base64(std::span(png).first(got->bytes), mask_base64_);
+  if (!size || got->bytes < got->size) return tl::unexpected<Error>(too_large(static_cast<std::size_t>(got->size)));
+  FixedText<64> members;
+  members.add("\"picture\": \"preview\", \"print\": %u", print);
+  return write_data_line(out, id, members.view(), "png", {mask_base64_.data(), *size});
 }
 
 Status PictureLine::write_mask(TextSink& out, std::optional<std::uint64_t> id, std::uint32_t layer) {

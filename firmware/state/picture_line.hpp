@@ -31,6 +31,15 @@ class PictureLine {
   /// @retval ErrorCode::kCannotWrite  it is too large for a line
   [[nodiscard]] Status write_mask(TextSink& out, std::optional<std::uint64_t> id, std::uint32_t layer);
 
+  /// The preview of a print that is kept.
+  /// @retval ErrorCode::kBadSetting   no such print is kept, or it has none
+  /// @retval ErrorCode::kCannotRead
+  [[nodiscard]] Status write_kept(TextSink& out, std::optional<std::uint64_t> id, const KeptPrints& prints,
+                                  std::uint32_t print);
+
+  /// Of a PNG: more don't fit into a line.
+  static constexpr std::size_t kMostPng = (kLongestLine - 256) / 4 * 3;
+
  private:
   /// A picture as it was encoded last.
   struct Encoded {

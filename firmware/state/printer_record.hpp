@@ -14,6 +14,7 @@
 #include "firmware/print/status/print_observer.hpp"
 #include "firmware/print/status/print_report.hpp"
 #include "firmware/print/status/print_state.hpp"
+#include "firmware/print/store/kept_prints.hpp"
 #include "firmware/settings/job_settings.hpp"
 #include "slicer/core/printable_text.hpp"
 #include "slicer/core/progress.hpp"
@@ -123,6 +124,7 @@ struct PrinterRecord {
   const JobPictures* pictures = nullptr;  ///< none: nobody makes them
   bool has_masks = false;                 ///< the mask of any layer may be asked for
   bool has_report = false;                ///< that of the last print may be asked for, when the printer is at rest
+  const KeptPrints* prints = nullptr;     ///< reports and previews of the last prints; none: nobody keeps them
   FixedText<8> code;  ///< that the screen shows to pair a browser; empty: none. Never in a state line
 
   /// Forgets the job of before.

@@ -195,6 +195,25 @@ void write_progress(JsonWriter& json, const PrinterRecord& record) {
   json.end_object();
 }
 
+void write_prints(JsonWriter& json, const PrinterRecord& record) {
+  json.begin_array(kOneLine);
+  const auto prints = record.prints != nullptr ? record.prints->list() : std::span<const KeptPrint>();
+  for (const KeptPrint& print : prints) {
+    json.begin_object(kOneLine);
+    json.member("number", print.number);
+    json.member("scan", view(print.scan));
+    json.member("profile", view(print.profile));
+    json.member("result", to_string(static_cast<PrintState>(print.result)));
+    json.member("layers_done", print.layers_done);
+    json.member("layers", print.layers);
+    json.member("resin_ml", thousandths(print.resin_ml));
+    write_time(json, "ended_at", print.ended_at);
+    json.member("preview", print.preview_bytes > 0);
+    json.end_object();
+  }
+  json.end_array();
+}
+
 void write_resin(JsonWriter& json, const PrinterRecord& record) {
   if (!record.resin) return json.null();
   json.begin_object(kOneLine);
@@ -278,6 +297,8 @@ Status write_state_line(TextSink& out, const PrinterRecord& record, std::uint64_
   write_pictures(json, record);
   json.member("masks", record.has_masks);
   json.member("report", record.has_report && at_rest(record.state));
+  json.key("prints");
+  write_prints(json, record);
   json.key("progress");
   write_progress(json, record);
   json.key("resin");

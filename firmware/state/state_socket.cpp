@@ -160,6 +160,7 @@ void StateSocket::answer(StateClient& client, std::optional<std::uint64_t> id, c
 
 Status StateSocket::write_answer(std::optional<std::uint64_t> id, const ClientRequest& question,
                                  const PrinterRecord& record, CommandTaker& taker) {
+  if (question.print > 0) return write_kept(id, question, record);
   if (question.command == Command::kPicture) return pictures_.write(reply_, id, question.picture, record);
   if (question.command == Command::kMask) {
     PLUMBLINE_TRY(taker.draw_mask(question.layer, pictures_.mask()));
@@ -173,14 +174,37 @@ Status StateSocket::write_answer(std::optional<std::uint64_t> id, const ClientRe
 
 Status StateSocket::write_report(std::optional<std::uint64_t> id, std::uint64_t from, CommandTaker& taker) {
   std::array<std::byte, kReportPart> bytes;
-  std::array<char, (kReportPart + 2) / 3 * 4> base64;
   const auto part = taker.read_report(from, bytes);
   PLUMBLINE_TRY(part);
-  const auto size = write_base64(std::span(bytes).first(part->bytes), base64);
+  return write_part(id, from, part->size, std::span(bytes).first(part->bytes));
+}
+
+/// Of a print that is kept.
+Status StateSocket::write_kept(std::optional<std::uint64_t> id, const ClientRequest& question,
+                               const PrinterRecord& record) {
+  if (record.prints == nullptr || !at_rest(record.state)) {
+    return fail(ErrorCode::kBadSetting, "no print before can be read now.\tAsk again when the print is over");
+  }
+  if (question.command == Command::kPicture) {
+    if (question.picture != PictureName::kPreview) {
+      return fail(ErrorCode::kBadSetting, "only the preview of a print is kept.\tAsk for \"picture\": \"preview\"");
+    }
+    return pictures_.write_kept(reply_, id, *record.prints, question.print);
+  }
+  std::array<std::byte, kReportPart> bytes;
+  const auto part = record.prints->read(question.print, KeptPrints::Part::kReport, question.from, bytes);
+  PLUMBLINE_TRY(part);
+  return write_part(id, question.from, part->size, std::span(bytes).first(part->bytes));
+}
+
+Status StateSocket::write_part(std::optional<std::uint64_t> id, std::uint64_t from, std::uint64_t size,
+                               std::span<const std::byte> bytes) {
+  std::array<char, (kReportPart + 2) / 3 * 4> base64;
+  const auto characters = write_base64(bytes, base64);
   FixedText<80> members;
   members.add("\"from\": %llu, \"size\": %llu", static_cast<unsigned long long>(from),
-              static_cast<unsigned long long>(part->size));
-  return write_data_line(reply_, id, members.view(), "data", {base64.data(), size.value_or(0)});
+              static_cast<unsigned long long>(size));
+  return write_data_line(reply_, id, members.view(), "data", {base64.data(), characters.value_or(0)});
 }
 
 }  // namespace plumbline

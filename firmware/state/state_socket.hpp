@@ -102,7 +102,10 @@ class StateSocket {
   void answer(StateClient& client, std::optional<std::uint64_t> id, const Error* error);
   Status write_answer(std::optional<std::uint64_t> id, const ClientRequest& question, const PrinterRecord& record,
                       CommandTaker& taker);
+  Status write_kept(std::optional<std::uint64_t> id, const ClientRequest& question, const PrinterRecord& record);
   Status write_report(std::optional<std::uint64_t> id, std::uint64_t from, CommandTaker& taker);
+  Status write_part(std::optional<std::uint64_t> id, std::uint64_t from, std::uint64_t size,
+                    std::span<const std::byte> bytes);
 
   StateSocketTimes times_;
   std::array<StateClient, kReaders + kCommanders> clients_;

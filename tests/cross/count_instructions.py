@@ -71,7 +71,7 @@ def measure(host, command, work):
         # Not proportional either: the support radius depends on the scan.
         "rays, a thousand rays, twice the points": twice.stages["rays"] * 1000 / twice.rays,
         "R-Rep, a layer": more(["r-rep"], fine) / more_layers,
-        "mask, a layer": printed.stages["layers"] / base.layers,
+        "mask and checks, a layer": printed.stages["layers"] / base.layers,
         "mask and its PNG file, a layer": more(["layers"], fine) / more_layers,
         "slice of 100,000 points": base.total,
     }

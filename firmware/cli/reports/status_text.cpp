@@ -140,6 +140,21 @@ std::string status_page(std::string_view state) {
   return page;
 }
 
+std::string prints_page(std::string_view state) {
+  std::string page;
+  for_each_element(object_of(state, "prints"), [&page](std::string_view print) {
+    FixedText<400> line;
+    FixedText<40> layers;
+    layers.add("%.0f of %.0f layers", json_number(print, "layers_done"), json_number(print, "layers"));
+    line.add("%4.0f  %-20s  %-9s  %-19s  %7.1f ml  %s%s\n", json_number(print, "number"),
+             json_text(print, "ended_at").c_str(), json_text(print, "result").c_str(), layers.c_str(),
+             json_number(print, "resin_ml"),
+             json_text(print, "scan").c_str(), json_member(print, "preview") == "true" ? "" : "  (no preview)");
+    page += line.view();
+  });
+  return page.empty() ? "no print is kept yet\n" : page;
+}
+
 std::string status_line(std::string_view state) {
   if (!has(state, "fault")) return json_text(state, "state") + ": " + json_text(state, "message");
   const auto fault = object_of(state, "fault");

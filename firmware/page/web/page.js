@@ -286,13 +286,29 @@ function showLists() {
   }
   $("report").hidden = !state.report;
 }
+// The last prints, which the printer gives out only while it is at rest: as it does with the last one's report.
+function showPrints() {
+  $("prints").hidden = !state.report || state.prints.length === 0;
+  if ($("prints").hidden) return;
+  fill($("prints").querySelector("ul"), state.prints, () => state.prints.map((print) => {
+    const line = element("li"), ended = print.ended_at ? new Date(print.ended_at).toLocaleString(words.locale) : "";
+    if (print.preview) line.append(element("img", undefined, {src: `/print.png?n=${print.number}&of=${print.ended_at}`, alt: words.preview, loading: "lazy"}));
+    const name = element("strong", print.scan);
+    const facts = `${words[print.result] || print.result} · ${words.layers} ${print.layers_done} ${words.of} ${print.layers} · ` +
+      `${number(print.resin_ml, 1)} ml · ${ended}`;
+    const link = element("a", words.downloadOf, {href: `/report.json?n=${print.number}`, download: `print-${print.number}.json`});
+    link.setAttribute("aria-label", `${words.downloadOf}: ${print.scan}, ${ended}`);
+    line.append(name, element("div", facts), link);
+    return line;
+  }));
+}
 
 function render() {
   document.title = `${words[state.state] || state.state} · ${state.printer}`;
   show("printer", true, state.printer);
   show("simulated", state.simulated, words.simulated);
   document.body.dataset.state = state.state;
-  for (const part of [showNow, showButtons, showFacts, showPictures, showMasks, showStick, showSettings, showLists]) part();
+  for (const part of [showNow, showButtons, showFacts, showPictures, showMasks, showStick, showSettings, showLists, showPrints]) part();
 }
 
 // --- From the printer
@@ -320,7 +336,7 @@ function sayWords() {
   document.documentElement.lang = words.locale.slice(0, 2);
   const put = (selector, text) => { document.querySelector(selector).textContent = text; };
   for (const [id, text] of Object.entries({pictures: words.pictures, layers: words.masks, stick: words.stickTitle, settings: words.settings,
-                                           findings: words.findings, checks: words.checksTitle, report: words.report})) put(`#${id} h2`, text);
+                                           findings: words.findings, checks: words.checksTitle, report: words.report, prints: words.printsTitle})) put(`#${id} h2`, text);
   put("#report a", words.download);
   put("#fault-do", words.doThis);
   put("#ask-title", words.askTitle);

@@ -32,7 +32,7 @@ class HttpServerTest : public testing::Test, public HttpHandler {
       return HttpStream{.kind = HttpStream::Kind::kReport, .size = 10, .type = "text/plain"};
     return HttpAnswer{.body = "{}"};
   }
-  std::optional<std::size_t> fill(std::size_t stream, HttpStream::Kind /*kind*/, bool begins, std::uint64_t sent,
+  std::optional<std::size_t> fill(std::size_t stream, const HttpStream& /*what*/, bool begins, std::uint64_t sent,
                                   std::span<char> out) override {
     EXPECT_EQ(begins, sent == 0 && parts_ == 0);
     stream_ = stream;
@@ -136,7 +136,7 @@ TEST_F(HttpServerTest, SendsAStreamBitByBitAndSaysThatOneFailed) {
 TEST(HttpServer, SaysWhyItCantListen) {
   class Nobody final : public HttpHandler {
     HttpReply answer(const HttpRequest&, const HttpTicket&) override { return HttpAnswer{}; }
-    std::optional<std::size_t> fill(std::size_t, HttpStream::Kind, bool, std::uint64_t, std::span<char>) override {
+    std::optional<std::size_t> fill(std::size_t, const HttpStream&, bool, std::uint64_t, std::span<char>) override {
       return std::nullopt;
     }
   } nobody;

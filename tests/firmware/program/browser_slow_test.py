@@ -176,6 +176,11 @@ class BrowserTest(PagePrinter):
         self.look("finished")
         report = browser.run("return fetch('/report.json').then((r) => r.json()).then((r) => [r.state, r.next_layer, r.layers])")
         self.assertEqual((report[0], report[1]), ("finished", report[2]))
+        # The last prints, each with its picture and its report.
+        self.browser.until("return [...document.querySelectorAll('#prints img')].some((e) => e.complete && e.naturalWidth > 0)", "a preview")
+        reports = browser.run("""return Promise.all([...document.querySelectorAll('#prints a')].map((a) => fetch(a.href).then((r) => r.json())))
+            .then((all) => all.map((r) => r.state))""")
+        self.assertEqual((len(reports), reports[0]), (browser.run("return document.querySelectorAll('#prints li').length"), "finished"))
         # The part is off. What is on the stick is offered again.
         self.do("plate-empty")
         self.until_state("offered")

@@ -83,6 +83,12 @@ class Page(PagePrinter):
         _, headers, report = self.ask("GET", "/report.json")
         self.assertIn("attachment", headers["Content-Disposition"])
         self.assertEqual(report, (self.folder / "report.json").read_bytes())
+        # It is kept, with the preview that was seen before the print.
+        self.assertEqual([(print["number"], print["scan"], print["result"]) for print in done["prints"]], [(1, "b.ply", "finished")])
+        self.assertEqual(self.get("/report.json?n=1"), report)
+        self.assertEqual(self.get("/print.png?n=1"), preview)
+        for path, status in (("/print.png?n=2", 404), ("/report.json?n=2", 404), ("/print.png", 400), ("/print.png?n=0", 400)):
+            self.assertEqual(self.ask("GET", path)[0], status, path)
         self.assertEqual(json.loads(self.get("/state"))["state"], "plate in use")
 
     def test_a_browser_of_the_network_needs_the_code_on_the_screen(self):

@@ -82,11 +82,33 @@ class State(StatePrinter):
         user.do("start")
         user.until(lambda s: s["state"] == "printing" and s["progress"]["layers_done"] > 0, "layer 1")
         user.do("cancel")
-        self.assertEqual(user.state("plate in use", "plate-empty")["job"]["result"], "cancelled")
+        cancelled = user.state("plate in use", "plate-empty")
+        self.assertEqual(cancelled["job"]["result"], "cancelled")
+        self.check_kept_prints(user, cancelled)
         sequences = [state["sequence"] for state in user.states]
         self.assertEqual(sequences, sorted(set(sequences)))
         daemon.terminate()
         self.assertEqual(daemon.wait(60), 0)
+
+    def check_kept_prints(self, user, state):
+        """The two prints of before, by socket and command line."""
+        second, first = state["prints"]
+        self.assertEqual((first["number"], first["scan"], first["profile"], first["result"], first["layers_done"], first["preview"]),
+                         (1, "b.ply", "draft", "finished", first["layers"], True))
+        self.assertEqual((second["number"], second["result"]), (2, "cancelled"))
+        self.assertLess(second["layers_done"], second["layers"])
+        user.refused("print 3 is not kept", "report", print=3, **{"from": 0})
+        user.refused("only the preview", "picture", picture="layer", print=1)
+        report, picture = self.dir / "kept.json", self.dir / "kept.png"
+        for number, kept in ((1, first), (2, second)):
+            self.run_it("status", "--socket", self.path, "--report", number, "-o", report)
+            told = json.loads(report.read_text())
+            self.assertEqual((told["state"], told["next_layer"]), (kept["result"], kept["layers_done"]))
+        self.assertEqual(report.read_bytes(), (self.folder / "report.json").read_bytes())
+        self.run_it("status", "--socket", self.path, "--preview", 1, "-o", picture)
+        self.assertTrue(picture.read_bytes().startswith(b"\x89PNG"))
+        shown = self.run_it("status", "--socket", self.path, "--prints").stdout
+        self.assertRegex(shown, r"(?m)^ +2 .* cancelled .* a\.ply\n +1 .* finished .* b\.ply$")
 
     def test_a_fault_says_what_to_do_and_its_scan_is_marked(self):
         daemon, user = self.start()

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "firmware/io/json_cursor.hpp"
+#include "tests/firmware/support/job_fixture.hpp"
 
 namespace plumbline {
 namespace {
@@ -63,7 +64,21 @@ std::unique_ptr<PrinterRecord> longest_record() {
 }
 
 TEST(StateLine, OfTheLongestRecordFits) {
+  const TemporaryFolder folder;
+  auto prints = KeptPrints::open(folder / ".", [](std::string_view /*text*/) {});
+  ASSERT_TRUE(prints);
+  KeptPrint print;
+  print.result = static_cast<std::uint32_t>(PrintState::kSuspended);
+  print.scan = print.profile = short_name(std::string(100, '"'));
+  print.layers = print.layers_done = ~std::uint32_t{0};
+  print.ended_at = 1'900'000'000;
+  print.resin_ml = 12345.678;
+  for (std::size_t i = 0; i < KeptPrints::kMost; ++i) {
+    ASSERT_TRUE(prints->keep(
+        print, [](TextSink& out) { return out.write("{}"); }, {}));
+  }
   const auto record = longest_record();
+  record->prints = &*prints;
   const auto line = std::make_unique<StateLine>();
   ASSERT_TRUE(write_state_line(*line, *record, ~std::uint64_t{0}));
   EXPECT_TRUE(line->view().ends_with("}\n"));
