@@ -117,11 +117,13 @@ class Preparation {
     const Units units = settings_.placement.units;
     if (!report_.scan.header.is_in_mm || units == Units::kAuto || units == Units::kMillimetres) return {};
     const auto scans = report_.scans.all();
-    if (std::all_of(scans.begin(), scans.end(), [](const ScanSummary& scan) { return scan.header.is_in_mm; })) return {};
-    return fail(ErrorCode::kBadSetting,
-                "%s: the E57 files are in mm once they are read, the others would be in %s.\tExport all files as E57, or "
-                "the others in mm, and leave out the units",
-                title_of(sources_).c_str(), to_string(units));
+    if (std::all_of(scans.begin(), scans.end(), [](const ScanSummary& scan) { return scan.header.is_in_mm; }))
+      return {};
+    return fail(
+        ErrorCode::kBadSetting,
+        "%s: the E57 files are in mm once they are read, the others would be in %s.\tExport all files as E57, or "
+        "the others in mm, and leave out the units",
+        title_of(sources_).c_str(), to_string(units));
   }
 
   Status build_tree() {
@@ -296,8 +298,7 @@ Status check_no_speck(const Box3d& bounds, ScanSources sources, const PlacementS
   const char* const advice = is_in_mm ? "Give a size, such as --height 80mm, or --scale"
                                       : "Use --units m or --units cm if the scan is in those, or give a size, such as "
                                         "--height 80mm";
-  return fail(ErrorCode::kNoSurface,
-              "%s: the object would be %.2g mm long, less than %.0f pixels of the printer.\t%s",
+  return fail(ErrorCode::kNoSurface, "%s: the object would be %.2g mm long, less than %.0f pixels of the printer.\t%s",
               title_of(sources).c_str(), longest, kFewestPixels, advice);
 }
 

@@ -46,13 +46,13 @@ struct FloorCut {
 
 /// What prepare() found, apart from lengths.
 struct PreparationCounts {
-  ScanSummary scan;                   ///< of all files: sum_of()
-  ScanSummaries scans;                ///< of each file
+  ScanSummary scan;                    ///< of all files: sum_of()
+  ScanSummaries scans;                 ///< of each file
   std::optional<Units> ignored_units;  ///< asked for, but the format of the scan is in metres, whatever was asked for
-  std::optional<MeshCounts> mesh;     ///< the files were sliced as a mesh; what is said of points is 0
-  std::uint32_t cloud_capacity = 0;   ///< points the arena has room for
-  std::uint32_t cloud_points = 0;     ///< points after thinning
-  std::uint64_t averaged_points = 0;  ///< scan points that were averaged into another
+  std::optional<MeshCounts> mesh;      ///< the files were sliced as a mesh; what is said of points is 0
+  std::uint32_t cloud_capacity = 0;    ///< points the arena has room for
+  std::uint32_t cloud_points = 0;      ///< points after thinning
+  std::uint64_t averaged_points = 0;   ///< scan points that were averaged into another
   NormalCounts normals;
   ViewCounts views;
   ClusteringCounts clustering;

@@ -77,7 +77,7 @@ struct StatusOptions {
   std::string socket = kStateSocket;  ///< the daemon's state socket
   bool follow = false;                ///< until the daemon ends
   bool json = false;
-  std::string picture;  ///< kPictureWords; empty: none is asked for
+  std::string picture;        ///< kPictureWords; empty: none is asked for
   bool prints = false;        ///< list those that are kept
   std::uint32_t report = 0;   ///< of which print the report is asked for; 0: of none
   std::uint32_t preview = 0;  ///< the same for the preview

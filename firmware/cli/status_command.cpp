@@ -62,13 +62,16 @@ CLI::App* add_status_command(CLI::App& app, StatusOptions& options) {
                        "Write a picture to --output: the preview of what was sliced, or the layer being printed")
           ->type_name("NAME")
           ->check(CLI::IsMember({"preview", "layer"}).description(""));
-  auto* output = command->add_option("-o,--output", options.output, "File for the picture or the report")->type_name("FILE");
+  auto* output =
+      command->add_option("-o,--output", options.output, "File for the picture or the report")->type_name("FILE");
   auto* prints = command->add_flag("--prints", options.prints, "List the last prints, newest first");
-  auto* report = command
-                     ->add_option("--report", options.report,
-                                  "Write the report (JSON) of a print that --prints lists to --output; the printer must be at rest")
-                     ->type_name("N")
-                     ->check(CLI::Range(1U, UINT32_MAX).description(""));
+  auto* report =
+      command
+          ->add_option(
+              "--report", options.report,
+              "Write the report (JSON) of a print that --prints lists to --output; the printer must be at rest")
+          ->type_name("N")
+          ->check(CLI::Range(1U, UINT32_MAX).description(""));
   auto* preview =
       command->add_option("--preview", options.preview, "The same for the picture (PNG) of what was printed")
           ->type_name("N")
@@ -125,8 +128,8 @@ Status fetch_file(const StatusOptions& options) {
   std::vector<std::byte> report;
   for (;;) {
     const auto part = fetch(*link,
-                            R"({"do": "report", "print": )" + std::to_string(options.report) + ", \"from\": " +
-                                std::to_string(report.size()) + "}",
+                            R"({"do": "report", "print": )" + std::to_string(options.report) +
+                                ", \"from\": " + std::to_string(report.size()) + "}",
                             "data");
     PLUMBLINE_TRY(part);
     report.insert(report.end(), part->bytes.begin(), part->bytes.end());
@@ -152,7 +155,10 @@ ExitCode run_status(const StatusOptions& options) {
   const auto first = link->next_of_type("state", kPatience);
   if (!first) return report_error(first.error());
   OutputFile out = OutputFile::standard_output();
-  if (const auto told = out.write(options.json ? *first + "\n" : options.prints ? prints_page(*first) : status_page(*first)); !told) {
+  if (const auto told = out.write(options.json     ? *first + "\n"
+                                  : options.prints ? prints_page(*first)
+                                                   : status_page(*first));
+      !told) {
     return report_error(told.error());
   }
   std::string shown = status_line(*first);

@@ -121,7 +121,8 @@ HttpReply PageServer::get(const HttpRequest& request, const HttpTicket& ticket) 
   const bool is_picture = request.path.starts_with(kPicturePath);
   const bool is_mask = request.path == "/mask", is_report = request.path == "/report.json";
   const bool is_print = request.path == kPrintPicturePath;
-  if (!is_picture && !is_mask && !is_report && !is_print && request.path != "/state") return refuse(404, "there is no such page");
+  if (!is_picture && !is_mask && !is_report && !is_print && request.path != "/state")
+    return refuse(404, "there is no such page");
   if (state_.view().empty()) return refuse(503, "the printer's daemon does not answer", "Start plumblined");
   if (request.path == "/state") return HttpAnswer{.body = state_.view()};
   if (is_picture) {
@@ -377,7 +378,7 @@ std::size_t PageServer::write_event(Stream& stream, std::span<char> out) {
 }
 
 std::optional<std::size_t> PageServer::write_report(std::size_t place, std::uint32_t print, std::uint64_t sent,
-                                                   std::span<char> out) {
+                                                    std::span<char> out) {
   Stream& stream = streams_[place];
   if (stream.report_bytes > 0) {
     const std::size_t size = std::min(out.size(), std::exchange(stream.report_bytes, 0));

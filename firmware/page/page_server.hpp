@@ -85,7 +85,8 @@ class PageServer final : public HttpHandler {
   void answer_question(HttpServer& server, Question& question, std::string_view line);
   void end_questions(HttpServer& server, HostClock::time_point now, bool all);
   std::size_t write_event(Stream& stream, std::span<char> out);
-  std::optional<std::size_t> write_report(std::size_t place, std::uint32_t print, std::uint64_t sent, std::span<char> out);
+  std::optional<std::size_t> write_report(std::size_t place, std::uint32_t print, std::uint64_t sent,
+                                          std::span<char> out);
 
   PageChoice page_;
   std::string page_host_;

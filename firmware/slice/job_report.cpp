@@ -266,9 +266,9 @@ void find_warnings(JobReport& report) {
   if (report.coverage) {
     const auto unseen = unseen_sentence(Unseen::of(*report.coverage));
     if (!unseen.view().empty()) {
-      report.warnings.add().add("%s and had to be closed: %s", unseen.c_str(),
-                                report.draws_coverage ? "look at coverage.png"
-                                                      : "'plumbline inspect' draws where, with --picture");
+      report.warnings.add().add(
+          "%s and had to be closed: %s", unseen.c_str(),
+          report.draws_coverage ? "look at coverage.png" : "'plumbline inspect' draws where, with --picture");
     }
   }
   if (!report.findings) return;

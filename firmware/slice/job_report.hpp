@@ -47,7 +47,7 @@ struct JobReport {
   std::optional<ConfidenceShares> coverage;  ///< what the surface rests on; none: no map was kept
   std::optional<StackFindings> findings;     ///< of the masks; none: they were not checked
   CheckPolicy checks;                        ///< what happens when they have an issue
-  bool draws_coverage = false;  ///< coverage.png is asked for
+  bool draws_coverage = false;               ///< coverage.png is asked for
   bool has_preview = false;
   bool has_coverage = false;       ///< its picture
   bool has_issue_picture = false;  ///< issues.png

@@ -99,9 +99,9 @@ class RayClassifier {
     }
   };
   static constexpr std::uint32_t kLevels = 64;
-  static constexpr std::uint32_t kMeetingSide = 2 * kTileSide;             ///< rays
+  static constexpr std::uint32_t kMeetingSide = 2 * kTileSide;            ///< rays
   static constexpr std::uint32_t kMeetings = kColumnSide / kMeetingSide;  ///< along a side of a column
-  static constexpr std::uint32_t kBlock = 4;  ///< rays a side
+  static constexpr std::uint32_t kBlock = 4;                              ///< rays a side
   /// Where the ends of a gap agree, only every kStride-th level is checked. A thinner solid of which the scan shows neither
   /// underside nor top is missed.
   static constexpr std::uint32_t kStride = 4;

@@ -148,8 +148,8 @@ std::string prints_page(std::string_view state) {
     layers.add("%.0f of %.0f layers", json_number(print, "layers_done"), json_number(print, "layers"));
     line.add("%4.0f  %-20s  %-9s  %-19s  %7.1f ml  %s%s\n", json_number(print, "number"),
              json_text(print, "ended_at").c_str(), json_text(print, "result").c_str(), layers.c_str(),
-             json_number(print, "resin_ml"),
-             json_text(print, "scan").c_str(), json_member(print, "preview") == "true" ? "" : "  (no preview)");
+             json_number(print, "resin_ml"), json_text(print, "scan").c_str(),
+             json_member(print, "preview") == "true" ? "" : "  (no preview)");
     page += line.view();
   });
   return page.empty() ? "no print is kept yet\n" : page;

@@ -76,7 +76,8 @@ class KeptPrints {
 
  private:
   KeptPrints() = default;
-  [[nodiscard]] Status write(KeptPrint& facts, FunctionRef<Status(TextSink&)> write, std::span<const std::byte> preview);
+  [[nodiscard]] Status write(KeptPrint& facts, FunctionRef<Status(TextSink&)> write,
+                             std::span<const std::byte> preview);
   void insert(const KeptPrint& print);
   void drop_oldest();
   std::uint64_t bytes() const;

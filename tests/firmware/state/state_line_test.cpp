@@ -74,8 +74,7 @@ TEST(StateLine, OfTheLongestRecordFits) {
   print.ended_at = 1'900'000'000;
   print.resin_ml = 12345.678;
   for (std::size_t i = 0; i < KeptPrints::kMost; ++i) {
-    ASSERT_TRUE(prints->keep(
-        print, [](TextSink& out) { return out.write("{}"); }, {}));
+    ASSERT_TRUE(prints->keep(print, [](TextSink& out) { return out.write("{}"); }, {}));
   }
   const auto record = longest_record();
   record->prints = &*prints;

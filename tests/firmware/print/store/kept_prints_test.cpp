@@ -25,14 +25,16 @@ class KeptPrintsTest : public ::testing::Test {
     EXPECT_TRUE(prints) << prints.error().message();
     return std::move(*prints);
   }
-  static Status keep(KeptPrints& prints, const std::string& scan, const std::string& report, std::string_view png = "") {
+  static Status keep(KeptPrints& prints, const std::string& scan, const std::string& report,
+                     std::string_view png = "") {
     KeptPrint facts;
     facts.scan = short_name(scan);
     facts.layers = 7;
     return prints.keep(
         facts, [&](TextSink& out) { return out.write(report); }, std::as_bytes(std::span(png)));
   }
-  static std::string read(const KeptPrints& prints, std::uint32_t number, KeptPrints::Part part, std::uint64_t from = 0) {
+  static std::string read(const KeptPrints& prints, std::uint32_t number, KeptPrints::Part part,
+                          std::uint64_t from = 0) {
     std::array<std::byte, 64> room{};
     const auto got = prints.read(number, part, from, room);
     if (!got) return std::string(got.error().finding());
@@ -103,9 +105,9 @@ TEST_F(KeptPrintsTest, ATornOneIsRemovedWithAWord) {
   std::ofstream(file("notes.txt")) << "somebody's";
   const KeptPrints prints = open();
   EXPECT_THAT(numbers(prints), ElementsAre(5));
-  EXPECT_THAT(told_, ElementsAre(HasSubstr("the power went"), HasSubstr("print 1 is damaged"),
-                                 HasSubstr("print 2 is damaged"), HasSubstr("print 3 is damaged"),
-                                 HasSubstr("print 4 is damaged")));
+  EXPECT_THAT(told_,
+              ElementsAre(HasSubstr("the power went"), HasSubstr("print 1 is damaged"), HasSubstr("print 2 is damaged"),
+                          HasSubstr("print 3 is damaged"), HasSubstr("print 4 is damaged")));
   EXPECT_FALSE(std::filesystem::exists(file("new")));
   EXPECT_TRUE(std::filesystem::exists(file("notes.txt")));
   EXPECT_TRUE(std::filesystem::exists(file("00000005")));
