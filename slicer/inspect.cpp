@@ -75,9 +75,11 @@ Expected<Placement> place_coarsely(const Box3d& bounds, double unit_mm, const Pl
   return placed;
 }
 
-Expected<CrossingStore> find_mesh_crossings(MeshFiles& files, const MeshSurvey& survey, SliceSettings settings,
-                                            Arena& arena, ProgressSink* progress, InspectReport& report,
-                                            bool& prepared) {
+Expected<CrossingStore> find_mesh_crossings(MeshFiles& files, const MeshSurvey& survey, ScanSources sources,
+                                            SliceSettings settings, Arena& arena, ProgressSink* progress,
+                                            InspectReport& report, bool& prepared) {
+  PLUMBLINE_TRY(check_units(sources, settings.placement.units, report));
+  settings.placement = heed_header(settings.placement, report.scan.header);
   const auto mesh = turn_mesh(files, survey, settings, arena, progress, report);
   PLUMBLINE_TRY(mesh);
   report.bounds = report.bounds_with_noise = mesh->bounds;
@@ -121,8 +123,8 @@ Expected<CrossingStore> find_scan_crossings(ScanSources sources, const SliceSett
 Expected<CrossingStore> find_crossings(ScanSources sources, const SliceSettings& settings, Arena& arena,
                                        ProgressSink* progress, InspectReport& report, bool& prepared) {
   const ArenaScope all(arena);
-  const auto of_mesh = [&](MeshFiles& files, const MeshSurvey& survey, ScanSources) {
-    return find_mesh_crossings(files, survey, settings, arena, progress, report, prepared);
+  const auto of_mesh = [&](MeshFiles& files, const MeshSurvey& survey, ScanSources given) {
+    return find_mesh_crossings(files, survey, given, settings, arena, progress, report, prepared);
   };
   const auto of_scan = [&](ScanSources given) {
     return find_scan_crossings(given, settings, arena, progress, report, prepared);

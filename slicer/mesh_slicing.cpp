@@ -169,7 +169,7 @@ Expected<std::optional<MeshSurvey>> survey_mesh(MeshFiles& files, const SliceSet
   if (settings.as == ReadAs::kPoints) return std::nullopt;
   const auto hint = hint_of_files(files, arena);
   PLUMBLINE_TRY(hint);
-  const bool sure = settings.as == ReadAs::kMesh || *hint >= MeshHint::kMesh;
+  const bool sure = settings.as == ReadAs::kMesh || *hint >= MeshHint::kPackedMesh;
   if (!sure && *hint == MeshHint::kNone) return std::nullopt;
   PLUMBLINE_TRY(files.keep_all(arena));
   const auto most_vertices = *hint == MeshHint::kTriangles ? std::optional<std::uint64_t>(0) : std::nullopt;

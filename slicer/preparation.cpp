@@ -100,30 +100,13 @@ class Preparation {
     scan_.offset = read->offset;
     report_.scans = read->scans;
     report_.scan = sum_of(read->scans);
-    PLUMBLINE_TRY(check_one_unit());
-    const Units units = placement.units;
-    const bool differs = units == Units::kCentimetres || units == Units::kInches;
-    if (report_.scan.header.is_in_mm && differs) report_.ignored_units = units;
+    PLUMBLINE_TRY(check_units(sources_, placement.units, report_));
     report_.cloud_capacity = admission->room();
     report_.cloud_points = read->cloud.size;
     report_.averaged_points = read->averaged;
     report_.lengths.thinning_cell = {static_cast<float>(read->cell)};
     report_.planned_bytes = admission->plan_for(read->cloud.size).bytes;
     return {};
-  }
-
-  /// Files that are in mm by their format share a frame with the others only if those are in mm, too.
-  Status check_one_unit() const {
-    const Units units = settings_.placement.units;
-    if (!report_.scan.header.is_in_mm || units == Units::kAuto || units == Units::kMillimetres) return {};
-    const auto scans = report_.scans.all();
-    if (std::all_of(scans.begin(), scans.end(), [](const ScanSummary& scan) { return scan.header.is_in_mm; }))
-      return {};
-    return fail(
-        ErrorCode::kBadSetting,
-        "%s: the E57 files are in mm once they are read, the others would be in %s.\tExport all files as E57, or "
-        "the others in mm, and leave out the units",
-        title_of(sources_).c_str(), to_string(units));
   }
 
   Status build_tree() {
@@ -286,6 +269,20 @@ Status prepare_normals(ScanSources sources, const SliceSettings& settings, Arena
     return Preparation(given, settings, arena, progress, report).run_normals(look);
   };
   return read_mesh_or_scan(sources, settings, arena, progress, report, of_mesh, of_scan);
+}
+
+Status check_units(ScanSources sources, Units units, PreparationCounts& report) {
+  if (!report.scan.header.is_in_mm || units == Units::kAuto || units == Units::kMillimetres) return {};
+  const auto scans = report.scans.all();
+  if (!std::all_of(scans.begin(), scans.end(), [](const ScanSummary& scan) { return scan.header.is_in_mm; })) {
+    return fail(
+        ErrorCode::kBadSetting,
+        "%s: the E57 and 3MF files are in mm once they are read, the others would be in %s.\tExport all files as "
+        "one of these, or the others in mm, and leave out the units",
+        title_of(sources).c_str(), to_string(units));
+  }
+  if (units == Units::kCentimetres || units == Units::kInches) report.ignored_units = units;
+  return {};
 }
 
 PlacementSettings heed_header(const PlacementSettings& settings, const ScanHeader& header) {

@@ -54,6 +54,11 @@ using NormalsLook = FunctionRef<Status(const PreparedScan& scan)>;
 [[nodiscard]] Status prepare_normals(ScanSources sources, const SliceSettings& settings, Arena& arena,
                                      ProgressSink* progress, PreparationReport& report, NormalsLook look);
 
+/// Tests that files whose format fixes their unit share a frame only with others of that unit, and notes a unit that is ignored for them.
+/// @param report  its scans are known
+/// @retval ErrorCode::kBadSetting  only some of the files are in mm whatever unit is asked for
+[[nodiscard]] Status check_units(ScanSources sources, Units units, PreparationCounts& report);
+
 /// The settings with the unit that the format of the scan fixes, if it fixes one.
 /// @param header  sum_of() the files
 PlacementSettings heed_header(const PlacementSettings& settings, const ScanHeader& header);

@@ -56,9 +56,12 @@ Expected<CrossingStore> find_scan_crossings(ScanSources sources, const SliceSett
 Expected<CrossingStore> find_mesh_crossings(MeshFiles& files, const MeshSurvey& survey, ScanSources sources,
                                             SliceSettings settings, Arena& arena, ProgressSink* progress,
                                             SliceReport& report) {
+  PLUMBLINE_TRY(check_units(sources, settings.placement.units, report));
+  const bool is_in_mm = report.scan.header.is_in_mm;
+  settings.placement = heed_header(settings.placement, report.scan.header);
   const auto mesh = turn_mesh(files, survey, settings, arena, progress, report);
   PLUMBLINE_TRY(mesh);
-  PLUMBLINE_TRY(check_no_speck(mesh->bounds, sources, settings.placement, false));
+  PLUMBLINE_TRY(check_no_speck(mesh->bounds, sources, settings.placement, is_in_mm));
   report.units = units_of(mesh->bounds, settings.placement);
   report.units_guessed = settings.placement.units == Units::kAuto && !settings.placement.size;
   const auto placement = place(mesh->bounds, millimetres_per(report.units), settings.placement);

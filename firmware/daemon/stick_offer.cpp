@@ -27,9 +27,8 @@ Expected<StickOffer> StickOffer::read(const StickMount& mount, ScanSlicing& slic
     return tl::unexpected<Error>(*scans->foreign);
   } else if (offer.choices() == 0) {
     return fail(ErrorCode::kNoPoints,
-                "there is no scan or mesh on the stick, nor a sliced archive:\tput an STL, OBJ, PLY, OFF, PCD, XYZ or "
-                ".sl1 file in its "
-                "top folder");
+                "there is no scan or mesh on the stick, nor a sliced archive:\tput an STL, OBJ, PLY, OFF, 3MF, "
+                "PCD, XYZ or .sl1 file in its top folder");
   } else {
     offer.job_.scans = offer.files_of(0);
     if (scans->foreign) recorder.say(scans->foreign->message());

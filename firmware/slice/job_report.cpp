@@ -98,6 +98,7 @@ const char* to_string(ScanFormat format) {
     case ScanFormat::kObj: return "OBJ";
     case ScanFormat::kStl: return "STL";
     case ScanFormat::kOff: return "OFF";
+    case ScanFormat::k3mf: return "3MF";
     case ScanFormat::kLas: return "LAS";
     case ScanFormat::kPtx: return "PTX";
     case ScanFormat::kE57: return "E57";
@@ -151,7 +152,7 @@ FixedText<256> stray_warning(const StrayPieces& strays) {
 FixedText<256> ignored_units_warning(Units units) {
   FixedText<256> text;
   text.add(
-      "the unit %s was ignored: an E57 file is in metres by its standard. If the print has the wrong size, give one: "
+      "the unit %s was ignored: the file says its own (E57 in metres, 3MF any). If the print has the wrong size, give one: "
       "--height 80mm",
       to_string(units));
   return text;

@@ -9,7 +9,8 @@
 namespace plumbline {
 namespace {
 
-/// Whether a scan is read twice: an E57 says at its end where its points are, and splats are surveyed first.
+/// Whether a scan is read twice: an E57 says at its end where its points are, a 3MF where its
+/// objects stand, and splats are surveyed first.
 Expected<bool> is_read_twice(RereadSource& file) {
   std::array<std::byte, RereadSource::kHeadBytes> head{};
   std::size_t filled = 0;
@@ -22,7 +23,7 @@ Expected<bool> is_read_twice(RereadSource& file) {
   }
   PLUMBLINE_TRY(file.rewind());
   const std::string_view text(reinterpret_cast<const char*>(head.data()), filled);
-  return text.starts_with(kE57Signature) ||
+  return text.starts_with(kE57Signature) || text.starts_with(kZipSignature) ||
          (text.starts_with("ply") && text.find(" scale_0") != std::string_view::npos);
 }
 
@@ -49,6 +50,7 @@ Expected<MeshHint> MeshFiles::hint(std::span<std::byte> workspace) {
     const auto hint = hint_of(*files_[i], workspace);
     PLUMBLINE_TRY(files_[i]->rewind());
     PLUMBLINE_TRY(hint);
+    packed_ |= *hint == MeshHint::kPackedMesh;
     least = std::min(least, *hint);
   }
   return least;
@@ -71,6 +73,7 @@ std::array<ByteSource*, kMostScans> MeshFiles::pointers() {
 }
 
 std::optional<std::uint64_t> MeshFiles::largest() const {
+  if (packed_) return std::nullopt;
   std::uint64_t largest = 0;
   for (std::size_t i = 0; i < count_; ++i) {
     const auto size = files_[i]->size();

@@ -50,7 +50,7 @@ class MeshFiles {
   /// The files as a scan's.
   std::array<ByteSource*, kMostScans> pointers();
   std::size_t count() const { return count_; }
-  /// Bytes of the largest file; none: unknown.
+  /// Bytes of the largest file; none: unknown, or a file is packed (see hint())
   std::optional<std::uint64_t> largest() const;
 
   /// Where the current file's progress lies in that of all files.
@@ -64,6 +64,7 @@ class MeshFiles {
 
   std::size_t count_ = 0;
   std::size_t file_ = 0;  ///< that is read
+  bool packed_ = false;   ///< any of them
   std::array<std::optional<RereadSource>, kMostScans> files_;
 };
 

@@ -93,6 +93,7 @@ ScanSummary as_scan(const MeshSummary& mesh) {
   ScanSummary scan;
   scan.header.format = mesh.format;
   scan.header.encoding = mesh.encoding;
+  scan.header.is_in_mm = mesh.is_in_mm;
   scan.points = mesh.vertices;
   scan.bytes = mesh.bytes;
   return scan;

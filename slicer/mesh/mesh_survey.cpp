@@ -34,7 +34,7 @@ void Surveyor::end_file(const MeshSummary& summary) {
   survey_.vertices += summary.vertices;
   survey_.used_vertices += summary.used_vertices;
   survey_.triangles += summary.triangles;
-  survey_.most_vertices = std::max(survey_.most_vertices, summary.vertices);
+  survey_.most_vertices = std::max(survey_.most_vertices, summary.most_vertices);
 }
 
 }  // namespace plumbline

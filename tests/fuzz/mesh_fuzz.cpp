@@ -109,7 +109,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   constexpr std::array kNames = {"a.stl", "a.obj", "a.ply", "a.off"};
   if (size == 0) return 0;
   const std::string_view bytes(reinterpret_cast<const char*>(data) + 1, size - 1);
-  const char* const name = kNames[data[0] & 3U];
+  const char* const name = (data[0] & 32U) != 0 ? "a.3mf" : kNames[data[0] & 3U];
   require(read_it(bytes, name, true) == read_it(bytes, name, false), "reading in pieces gives another mesh");
   const std::uint64_t first = slice_it(bytes, name, data[0], std::byte{0xA5});
   require(slice_it(bytes, name, data[0], std::byte{0x5A}) == first, "the second run differs");

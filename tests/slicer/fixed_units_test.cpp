@@ -91,7 +91,7 @@ TEST(FixedUnits, OthersInOneFrameMustBeInMillimetresToo) {
     ASSERT_EQ(sliced.has_value(), units == Units::kMillimetres);
     if (sliced) continue;
     EXPECT_EQ(sliced.error().code(), ErrorCode::kBadSetting);
-    EXPECT_THAT(sliced.error().message(), HasSubstr("a.ply and 1 more: the E57 files are in mm"));
+    EXPECT_THAT(sliced.error().message(), HasSubstr("a.ply and 1 more: the E57 and 3MF files are in mm"));
   }
 }
 

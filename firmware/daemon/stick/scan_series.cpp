@@ -14,7 +14,7 @@ constexpr std::array<std::string_view, 16> kSides = {"front",  "back", "rear",  
                                                      "bottom", "side", "vorn",  "vorne", "hinten", "links",
                                                      "rechts", "oben", "unten", "seite"};
 /// Each file of these is a whole object.
-constexpr std::array<std::string_view, 2> kMeshEndings = {".stl", ".off"};
+constexpr std::array<std::string_view, 3> kMeshEndings = {".stl", ".off", ".3mf"};
 
 /// Bytes of letters beyond ASCII are letters, too.
 bool is_letter(char c) {

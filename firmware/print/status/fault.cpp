@@ -11,7 +11,7 @@ constexpr std::array kFaults{
     FaultInfo{FaultCode::kScanUnreadable, "scan can't be read", "The file can't be opened, or its medium failed.",
               "Check the name and the medium, or copy the scan again."},
     FaultInfo{FaultCode::kNotAScan, "not a scan", "The file is damaged, or of a kind that plumbline does not read.",
-              "Export it again: a scan as PLY, PCD, OBJ or XYZ, a mesh as STL, OBJ, PLY or OFF."},
+              "Export it again: a scan as PLY, PCD, OBJ or XYZ, a mesh as STL, OBJ, PLY, OFF or 3MF."},
     FaultInfo{FaultCode::kNothingToPrint, "nothing to print",
               "The scan has no points, no surface, or nothing that stands on the plate.",
               "Look at the scan in the scanner's program, then export it with its points."},

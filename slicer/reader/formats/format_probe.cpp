@@ -21,12 +21,12 @@ struct Mark {
 };
 constexpr const char* kUnpack = "unpack it and give the scan inside";
 constexpr const char* kConvert = "convert it to PLY with the program that wrote it or with CloudCompare";
-constexpr const char* kMesh = "export the mesh as STL, OBJ, PLY or OFF";
+constexpr const char* kMesh = "export the mesh as STL, OBJ, PLY, OFF or 3MF";
 
 /// Other files that people have on their sticks.
 constexpr Mark kMarks[] = {
     {"NGSP"sv, "SPZ of version 4 or later", "export the splats as SPZ version 3, or as PLY"},
-    {"PK\x03\x04"sv, "a zip archive", kUnpack},
+    {kZipSignature, "a zip archive", kUnpack},
     {"PK\x05\x06"sv, "an empty zip archive", kUnpack},
     {"7z\xbc\xaf\x27\x1c"sv, "a 7z archive", kUnpack},
     {"Rar!\x1a\x07"sv, "a RAR archive", kUnpack},
@@ -60,6 +60,7 @@ class Probe {
     if (window_.starts_with("LASF")) return ScanFormat::kLas;
     if (window_.starts_with("\x1f\x8b")) return ScanFormat::kSpz;  // or another gzip file, as its reader says
     if (window_.starts_with(kE57Signature)) return ScanFormat::kE57;
+    if (is_3mf()) return ScanFormat::k3mf;
     PLUMBLINE_TRY(refuse_other_formats());
     if (is_stl()) return ScanFormat::kStl;
     if (is_off()) return ScanFormat::kOff;
@@ -109,7 +110,6 @@ class Probe {
     if (const ForeignFormat* const foreign = foreign_format(input_.name())) {
       return input_.fail(ErrorCode::kUnknownFormat, "%s (%s);\t%s", foreign->what, foreign->program, foreign->advice);
     }
-    if (window_.starts_with("PK") && has_ending(input_.name(), ".3mf")) return refuse("3MF", kMesh);
     if (window_.starts_with("PK") && (has_ending(input_.name(), ".sl1") || has_ending(input_.name(), ".sl1s"))) {
       return refuse("a print that is sliced already", "print it, or check it");
     }
@@ -117,6 +117,15 @@ class Probe {
       if (window_.starts_with(mark.bytes)) return refuse(mark.what, mark.advice);
     }
     return {};
+  }
+
+  /// A zip archive whose name says so, or whose first part is one of a 3MF.
+  bool is_3mf() const {
+    constexpr std::size_t kName = 30;  // bytes before the first part's name
+    if (!window_.starts_with(kZipSignature)) return false;
+    const auto first = window_.substr(std::min(kName, window_.size()));
+    return has_ending(input_.name(), ".3mf") || first.starts_with("3D/") || first.starts_with("_rels/") ||
+           first.starts_with("[Content_Types]");
   }
 
   /// Binary STL has no signature: 80 arbitrary bytes, the number of triangles, 50 bytes for each.
@@ -171,7 +180,7 @@ class Probe {
     }
     return input_.fail(ErrorCode::kUnknownFormat,
                        "byte 0: expected a scan in PLY, XYZ, PTS, PTX, LAS, E57, SPZ, PCD or OBJ, or a mesh in STL, "
-                       "OBJ, PLY or OFF, found "
+                       "OBJ, PLY, OFF or 3MF, found "
                        "'%s';\t%s",
                        Quote(line.empty() ? window_ : line).c_str(), kConvert);
   }

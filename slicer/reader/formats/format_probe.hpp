@@ -7,6 +7,7 @@
 namespace plumbline {
 
 inline constexpr std::string_view kE57Signature = "ASTM-E57";
+inline constexpr std::string_view kZipSignature = "PK\x03\x04";
 
 /// Looks at as much of the file's start as the window holds. Consumes only a UTF-8 byte order mark.
 ///

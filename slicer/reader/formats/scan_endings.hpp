@@ -10,7 +10,7 @@ namespace plumbline {
 inline constexpr std::array<std::string_view, 6> kXyzEndings = {".xyz", ".xyzrgb", ".txt", ".pts", ".asc", ".csv"};
 
 /// Formats with a signature or keywords of their own.
-inline constexpr std::array<std::string_view, 9> kMarkedEndings = {".ply", ".pcd", ".obj", ".stl", ".off",
-                                                                   ".las", ".ptx", ".e57", ".spz"};
+inline constexpr std::array<std::string_view, 10> kMarkedEndings = {".ply", ".pcd", ".obj", ".stl", ".off",
+                                                                    ".3mf", ".las", ".ptx", ".e57", ".spz"};
 
 }  // namespace plumbline

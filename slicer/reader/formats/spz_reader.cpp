@@ -4,8 +4,8 @@
 #include <cstring>
 
 #include "slicer/reader/formats/scan_formats.hpp"
-#include "slicer/reader/formats/splats/gzip_stream.hpp"
 #include "slicer/reader/formats/splats/splat_filter.hpp"
+#include "slicer/reader/stream/inflate_stream.hpp"
 #include "slicer/reader/stream/number.hpp"
 
 namespace plumbline {
@@ -30,7 +30,8 @@ std::uint32_t load32(std::span<const char> bytes, std::size_t at) {
 /// radii are kept until the rotations come.
 class SpzReader {
  public:
-  SpzReader(ByteInput& input, PointBatch& batch, GzipStream& stream) : input_(input), batch_(batch), stream_(stream) {}
+  SpzReader(ByteInput& input, PointBatch& batch, InflateStream& stream)
+      : input_(input), batch_(batch), stream_(stream) {}
 
   Status read(Arena& columns) {
     PLUMBLINE_TRY(read_header());
@@ -98,7 +99,7 @@ class SpzReader {
     // Not even the best compression makes so many splats from so few bytes.
     const auto size = input_.size();
     const std::uint64_t least = kPosition + 1 + kColours + kScales + rotation_bytes_;
-    if (size && points_ * least > saturating_multiply(*size, GzipStream::kLargestRatio)) {
+    if (size && points_ * least > saturating_multiply(*size, InflateStream::kLargestRatio)) {
       return input_.fail(ErrorCode::kTruncated,
                          "%llu bytes can't hold the %llu splats that the header declares;\tcopy or export it again",
                          shown(*size), shown(points_));
@@ -198,7 +199,7 @@ class SpzReader {
 
   ByteInput& input_;
   PointBatch& batch_;
-  GzipStream& stream_;
+  InflateStream& stream_;
   unsigned version_ = 0;
   std::uint64_t points_ = 0;
   double unit_ = 1;
@@ -208,11 +209,11 @@ class SpzReader {
 }  // namespace
 
 Status read_spz(ByteInput& input, PointBatch& batch, Arena& memory, Arena& columns) {
-  const auto window = memory.take_bottom<char>(GzipStream::kWindow, kStage);
+  const auto window = memory.take_bottom<char>(InflateStream::kWindow, kStage);
   PLUMBLINE_TRY(window);
-  const auto heap = memory.take_bottom<std::byte>(GzipStream::kHeap, kStage);
+  const auto heap = memory.take_bottom<std::byte>(InflateStream::kHeap, kStage);
   PLUMBLINE_TRY(heap);
-  GzipStream stream(input, *window, *heap);
+  InflateStream stream(input, InflateStream::Wrapping::kGzip, *window, *heap);
   return SpzReader(input, batch, stream).read(columns);
 }
 

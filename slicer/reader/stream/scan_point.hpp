@@ -17,7 +17,7 @@ struct ScanPoint {
   float nx = 0, ny = 0, nz = 0;  ///< any length; all zero if the file has no usable normal for this point
 };
 
-enum class ScanFormat : std::uint8_t { kPly, kXyz, kPcd, kObj, kStl, kOff, kLas, kPtx, kE57, kSpz };
+enum class ScanFormat : std::uint8_t { kPly, kXyz, kPcd, kObj, kStl, kOff, k3mf, kLas, kPtx, kE57, kSpz };
 
 /// What the header of a scan declares, known before its first point.
 struct ScanHeader {

@@ -1,5 +1,7 @@
 #include "slicer/reader/triangles/mesh_reader.hpp"
 
+#include <algorithm>
+
 #include "slicer/reader/formats/format_probe.hpp"
 #include "slicer/reader/formats/ply_header.hpp"
 #include "slicer/reader/triangles/triangle_formats.hpp"
@@ -38,6 +40,13 @@ tl::unexpected<Error> fail_vertices(const ByteInput& input, const VertexList& ve
                     static_cast<unsigned long long>(vertices.capacity()));
 }
 
+void count_vertices(VertexList& vertices, MeshSummary& summary) {
+  summary.vertices += vertices.size();
+  summary.used_vertices += vertices.used();
+  summary.most_vertices = std::max(summary.most_vertices, vertices.size());
+  vertices.clear();
+}
+
 Expected<MeshHint> hint_of(ByteSource& source, std::span<std::byte> workspace) {
   Arena memory(workspace);
   const auto window = memory.take_bottom<std::byte>(kWindow, "reading the mesh");
@@ -52,6 +61,7 @@ Expected<MeshHint> hint_of(ByteSource& source, std::span<std::byte> workspace) {
   switch (*format) {
     case ScanFormat::kStl: return MeshHint::kTriangles;
     case ScanFormat::kOff: return MeshHint::kMesh;
+    case ScanFormat::k3mf: return MeshHint::kPackedMesh;
     case ScanFormat::kPly: return hint_of_ply(input, memory);
     case ScanFormat::kObj: return MeshHint::kMaybe;
     case ScanFormat::kXyz:
@@ -81,6 +91,7 @@ Expected<MeshSummary> read_mesh(ByteSource& source, TriangleSink& sink, VertexLi
   switch (*format) {
     case ScanFormat::kStl: PLUMBLINE_TRY(read_stl(input, batch)); break;
     case ScanFormat::kOff: PLUMBLINE_TRY(read_off(input, batch, mesh)); break;
+    case ScanFormat::k3mf: PLUMBLINE_TRY(read_3mf(input, batch, mesh)); break;
     case ScanFormat::kPly: PLUMBLINE_TRY(read_ply_mesh(input, batch, mesh)); break;
     case ScanFormat::kObj: PLUMBLINE_TRY(read_obj_mesh(input, batch, mesh)); break;
     case ScanFormat::kXyz:
@@ -93,9 +104,8 @@ Expected<MeshSummary> read_mesh(ByteSource& source, TriangleSink& sink, VertexLi
   }
   PLUMBLINE_TRY(batch.flush());
   PLUMBLINE_TRY(input.finish());
-  summary.vertices = vertices.size();
-  summary.used_vertices = vertices.used();
-  summary.bytes = input.bytes_read();
+  count_vertices(vertices, summary);
+  summary.bytes = input.farthest();
   return summary;
 }
 

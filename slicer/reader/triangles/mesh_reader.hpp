@@ -12,10 +12,11 @@ namespace plumbline {
 
 /// Whether a file holds a mesh, as far as its beginning shows.
 enum class MeshHint : std::uint8_t {
-  kNone,       ///< it has no faces, or is no format that is known
-  kMaybe,      ///< it has vertices, and perhaps faces between them: PLY and OBJ
-  kMesh,       ///< it has vertices and faces: OFF
-  kTriangles,  ///< it has nothing but triangles: STL. No vertices need to be kept
+  kNone,        ///< it has no faces, or is no format that is known
+  kMaybe,       ///< it has vertices, and perhaps faces between them: PLY and OBJ
+  kPackedMesh,  ///< as kMesh, but its size does not tell how many vertices there may be: 3MF
+  kMesh,        ///< it has vertices and faces: OFF
+  kTriangles,   ///< it has nothing but triangles: STL. No vertices need to be kept
 };
 
 /// @param source     at its beginning; some of it is read

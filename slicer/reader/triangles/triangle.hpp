@@ -26,11 +26,13 @@ class TriangleSink : public ReadProgress {
 struct MeshSummary {
   ScanFormat format = ScanFormat::kStl;
   const char* encoding = "";        ///< as ScanHeader::encoding
+  bool is_in_mm = false;            ///< as ScanHeader::is_in_mm
   std::uint64_t faces = 0;          ///< in the file
   std::uint64_t triangles = 0;      ///< delivered to the sink
   std::uint64_t not_finite = 0;     ///< triangles left out: a coordinate is NaN, infinite or above kLargestCoordinate
   std::uint64_t vertices = 0;       ///< of an indexed format; 0: STL
   std::uint64_t used_vertices = 0;  ///< of these, those of a face
+  std::uint64_t most_vertices = 0;  ///< kept at a time: those of one object
   std::uint64_t bytes = 0;          ///< read from the source
 };
 

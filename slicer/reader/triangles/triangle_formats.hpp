@@ -28,6 +28,14 @@ struct MeshRoom {
 /// Object file format of Geomview, ascii: OFF, COFF, NOFF, STOFF and their combinations.
 [[nodiscard]] Status read_off(ByteInput& input, TriangleBatch& batch, const MeshRoom& room);
 
+/// 3D Manufacturing Format: the objects that the build places, in mm. Supports and modifiers are left out. Reads the input twice, since the
+/// build comes after the meshes.
+/// @retval ErrorCode::kUnsupported  encrypted, packed other than by deflate, or it needs an extension that changes its shape
+[[nodiscard]] Status read_3mf(ByteInput& input, TriangleBatch& batch, const MeshRoom& room);
+
+/// Adds the vertices of an object to the counts, and clears them.
+void count_vertices(VertexList& vertices, MeshSummary& summary);
+
 /// The error of a mesh that has more vertices than there is room for.
 tl::unexpected<Error> fail_vertices(const ByteInput& input, const VertexList& vertices);
 

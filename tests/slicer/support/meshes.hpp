@@ -14,6 +14,7 @@
 #include "slicer/core/vec.hpp"
 #include "tests/slicer/reader/scan_fixture.hpp"
 #include "tests/slicer/support/surface_files.hpp"
+#include "tests/slicer/support/threemf_file.hpp"
 
 namespace plumbline::testing {
 
@@ -159,6 +160,29 @@ std::string binary_ply_of(const TestMesh& mesh) {
   return bytes;
 }
 
+/// An object of a 3MF model.
+inline std::string object_of(const TestMesh& mesh, int id, const std::string& attributes = "") {
+  std::string text = "<object id=\"" + std::to_string(id) + "\" " + attributes + "><mesh><vertices>\n";
+  for (const Vec3d& v : mesh.vertices) {
+    const Vec3f f = v.cast<float>();
+    char row[128];
+    std::snprintf(row, sizeof row, "<vertex x=\"%.9g\" y=\"%.9g\" z=\"%.9g\"/>\n", static_cast<double>(f[0]),
+                  static_cast<double>(f[1]), static_cast<double>(f[2]));
+    text += row;
+  }
+  text += "</vertices><triangles>\n";
+  for (const auto& f : mesh.faces) {
+    char row[128];
+    std::snprintf(row, sizeof row, "<triangle v1=\"%u\" v2=\"%u\" v3=\"%u\"/>\n", f[0], f[1], f[2]);
+    text += row;
+  }
+  return text + "</triangles></mesh></object>\n";
+}
+inline std::string threemf_of(const TestMesh& mesh) {
+  return threemf_with(
+      model_of("<resources>" + object_of(mesh, 1) + "</resources><build><item objectid=\"1\"/></build>"));
+}
+
 /// The mesh in every format.
 inline std::vector<SurfaceFile> files_of(const TestMesh& mesh) {
   return {{"binary.stl", binary_stl(mesh)},
@@ -167,7 +191,8 @@ inline std::vector<SurfaceFile> files_of(const TestMesh& mesh) {
           {"mesh.off", off_of(mesh)},
           {"ascii.ply", ascii_ply(mesh)},
           {"little.ply", binary_ply_of<std::endian::little>(mesh)},
-          {"big.ply", binary_ply_of<std::endian::big>(mesh)}};
+          {"big.ply", binary_ply_of<std::endian::big>(mesh)},
+          {"mesh.3mf", threemf_of(mesh)}};
 }
 
 }  // namespace plumbline::testing

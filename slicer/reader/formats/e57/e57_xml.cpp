@@ -1,22 +1,14 @@
 #include "slicer/reader/formats/e57/e57_xml.hpp"
 
-#include <expat.h>
-
 #include <algorithm>
 #include <bit>
-#include <charconv>
-#include <cmath>
-#include <cstdarg>
-#include <cstdio>
 #include <limits>
 #include <memory>
 #include <new>
-#include <optional>
 #include <string_view>
 
-#include "slicer/reader/stream/fixed_heap.hpp"
-#include "slicer/reader/stream/number.hpp"
 #include "slicer/reader/stream/words.hpp"
+#include "slicer/reader/stream/xml_parser.hpp"
 
 namespace plumbline {
 namespace {
@@ -26,57 +18,14 @@ constexpr const char* kStage = "reading E57";
 /// More scans or fields than any scanner writes for an object that can be printed.
 constexpr std::size_t kMostScans = 192;
 
-/// expat's functions for memory take no context.
-thread_local FixedHeap* heap_of_parser = nullptr;
-
-const XML_Memory_Handling_Suite kMemory = {
-    [](std::size_t bytes) { return heap_of_parser->allocate(bytes); },
-    [](void* old, std::size_t bytes) { return heap_of_parser->reallocate(old, bytes); },
-    [](void* part) { heap_of_parser->release(part); },
-};
-
-struct FreeParser {
-  void operator()(XML_Parser parser) const { XML_ParserFree(parser); }
-};
-using Parser = std::unique_ptr<std::remove_pointer_t<XML_Parser>, FreeParser>;
-
-class Attributes {
- public:
-  explicit Attributes(const XML_Char** list) : list_(list) {}
-
-  /// @returns empty if there is none of that name
-  std::string_view operator[](std::string_view name) const {
-    for (const XML_Char** at = list_; *at != nullptr; at += 2) {
-      if (name == at[0]) return at[1];
-    }
-    return {};
-  }
-
- private:
-  const XML_Char** list_;
-};
-
-template <class Number>
-bool parse(std::string_view text, Number& number) {
-  const char* const end = text.data() + text.size();
-  if constexpr (std::is_floating_point_v<Number>) {
-    return parse_real(text.data(), end, number) == end && std::isfinite(number);
-  } else {
-    const auto [stop, error] = std::from_chars(text.data(), end, number);
-    return error == std::errc{} && stop == end;
-  }
-}
-
 /// Follows the elements e57Root / data3D / scan / pose and points.
-class E57Document {
+class E57Document final : public XmlHandler {
  public:
-  E57Document(std::span<E57Scan> room, XML_Parser parser) : room_(room), parser_(parser) {}
+  explicit E57Document(std::span<E57Scan> room) : room_(room) {}
 
   std::span<E57Scan> scans() const { return room_.first(count_); }
-  /// What is wrong with the document, other than its XML; empty if nothing is.
-  const char* complaint() const { return complaint_.data(); }
 
-  void begin(std::string_view name, const Attributes& attributes) {
+  void begin(std::string_view name, const XmlAttributes& attributes) override {
     ++depth_;
     if (depth_ == 2) in_scans_ = name == "data3D";
     if (!in_scans_) return;
@@ -88,32 +37,24 @@ class E57Document {
     if (part_ == Part::kPoints && depth_ >= 6 && in_prototype_) add_field(name, attributes);
   }
 
-  void text(std::string_view piece) {
+  void text(std::string_view piece) override {
     if (value_ == nullptr || depth_ != 6) return;
     const std::size_t count = std::min(piece.size(), text_.size() - text_size_);
     std::copy_n(piece.begin(), count, text_.begin() + static_cast<std::ptrdiff_t>(text_size_));
     text_size_ += count;
-    if (count < piece.size()) complain("a number of a pose is too long");
+    if (count < piece.size()) parser_->complain("a number of a pose is too long");
   }
 
-  void end() {
+  void end(std::string_view /*name*/) override {
     if (value_ != nullptr && depth_ == 6) {
       const auto word = Words({text_.data(), text_size_}, kXmlBlanks).next();
-      if (!word.empty() && !parse(word, *value_)) complain("'%s' is not a number of a pose", Quote(word).c_str());
+      if (!word.empty() && !parse_number(word, *value_))
+        parser_->complain("'%s' is not a number of a pose", Quote(word).c_str());
       value_ = nullptr;
     }
     if (in_scans_ && depth_ == 3) end_scan();
     if (depth_ == 4) part_ = Part::kOther;
     --depth_;
-  }
-
-  [[gnu::format(printf, 2, 3)]] void complain(const char* pattern, ...) {
-    if (complaint_[0] != 0) return;
-    va_list args;
-    va_start(args, pattern);
-    std::vsnprintf(complaint_.data(), complaint_.size(), pattern, args);
-    va_end(args);
-    XML_StopParser(parser_, XML_FALSE);
   }
 
  private:
@@ -151,19 +92,20 @@ class E57Document {
     if (is_translation_) value_ = &scan_.pose.translation[static_cast<int>(axis)];
   }
 
-  void begin_points(const Attributes& attributes) {
+  void begin_points(const XmlAttributes& attributes) {
     has_points_ = true;
     in_prototype_ = false;
-    if (!parse(attributes["fileOffset"], scan_.section) || !parse(attributes["recordCount"], scan_.points)) {
-      complain("points without a usable fileOffset and recordCount");
+    if (!parse_number(attributes["fileOffset"], scan_.section) ||
+        !parse_number(attributes["recordCount"], scan_.points)) {
+      parser_->complain("points without a usable fileOffset and recordCount");
     }
   }
 
   /// Elements with others in them have no stream of their own.
-  void add_field(std::string_view name, const Attributes& attributes) {
+  void add_field(std::string_view name, const XmlAttributes& attributes) {
     const auto type = attributes["type"];
     if (type == "Structure" || type == "Vector") return;
-    if (scan_.streams == kE57MostStreams) return complain("points of more than %zu fields", kE57MostStreams);
+    if (scan_.streams == kE57MostStreams) return parser_->complain("points of more than %zu fields", kE57MostStreams);
     E57Field* const field = depth_ == 6 ? wanted(name) : nullptr;
     if (field != nullptr && field->kind == Kind::kNone) *field = parse_field(name, type, attributes);
     ++scan_.streams;
@@ -183,7 +125,7 @@ class E57Document {
     return nullptr;
   }
 
-  E57Field parse_field(std::string_view name, std::string_view type, const Attributes& attributes) {
+  E57Field parse_field(std::string_view name, std::string_view type, const XmlAttributes& attributes) {
     E57Field field;
     field.stream = static_cast<std::uint16_t>(scan_.streams);
     if (type == "Float") {
@@ -193,18 +135,18 @@ class E57Document {
       return field;
     }
     if (type != "Integer" && type != "ScaledInteger") {
-      complain("'%s' is of type '%s'", Quote(name).c_str(), Quote(type).c_str());
+      parser_->complain("'%s' is of type '%s'", Quote(name).c_str(), Quote(type).c_str());
       return field;
     }
     field.kind = Kind::kInteger;
     field.minimum = std::numeric_limits<std::int64_t>::min();
     std::int64_t maximum = std::numeric_limits<std::int64_t>::max();
     const auto usable = [&](const char* key, auto& number) {
-      return attributes[key].empty() || parse(attributes[key], number);
+      return attributes[key].empty() || parse_number(attributes[key], number);
     };
     bool good = usable("minimum", field.minimum) && usable("maximum", maximum) && field.minimum <= maximum;
     if (type == "ScaledInteger") good = good && usable("scale", field.scale) && usable("offset", field.offset);
-    if (!good) complain("'%s' has no usable range or scale", Quote(name).c_str());
+    if (!good) parser_->complain("'%s' has no usable range or scale", Quote(name).c_str());
     field.bits = static_cast<std::uint8_t>(
         std::bit_width(static_cast<std::uint64_t>(maximum) - static_cast<std::uint64_t>(field.minimum)));
     return field;
@@ -222,20 +164,18 @@ class E57Document {
     if (are_all(normal_)) std::copy(normal_.begin(), normal_.end(), scan_.field.begin() + kE57Nx);
     scan_.field[kE57Invalid] = scan_.is_spherical ? spherical_invalid_ : cartesian_invalid_;
     if (std::all_of(position.begin(), position.end(), [](const E57Field& f) { return f.bits == 0; })) {
-      return complain("all points of a scan are at one place");
+      return parser_->complain("all points of a scan are at one place");
     }
     const auto [w, x, y, z] = rotation_;
     const auto rotation = rotation_of(w, x, y, z);
-    if (!rotation) return complain("a pose has a rotation of length 0");
+    if (!rotation) return parser_->complain("a pose has a rotation of length 0");
     scan_.pose.rotation = *rotation;
-    if (count_ == room_.size()) return complain("more than %zu scans", room_.size());
+    if (count_ == room_.size()) return parser_->complain("more than %zu scans", room_.size());
     room_[count_++] = scan_;
   }
 
   std::span<E57Scan> room_;
-  XML_Parser parser_;
   std::size_t count_ = 0;
-  std::array<char, 160> complaint_ = {};
 
   std::uint64_t depth_ = 0;  ///< of the open element, from 1
   bool in_scans_ = false;
@@ -253,52 +193,15 @@ class E57Document {
   E57Field cartesian_invalid_, spherical_invalid_;
 };
 
-E57Document& document_of(void* user) { return *static_cast<E57Document*>(user); }
-
-tl::unexpected<Error> fail_xml(const E57Pages& pages, XML_Parser parser, const E57Document& document,
-                               const FixedHeap& heap) {
-  const ByteInput& input = pages.input();
-  const auto line = static_cast<unsigned long long>(XML_GetCurrentLineNumber(parser));
-  if (document.complaint()[0] != 0) {
-    return input.fail(ErrorCode::kMalformed, "line %llu of its XML: %s;\texport the file again", line,
-                      document.complaint());
-  }
-  if (heap.refused()) {
-    return input.fail(ErrorCode::kUnsupported,
-                      "line %llu of its XML: tags too long or too deep for the memory;\texport only the points", line);
-  }
-  return input.fail(ErrorCode::kMalformed, "line %llu of its XML: %s; the file is damaged.\tExport it again", line,
-                    XML_ErrorString(XML_GetErrorCode(parser)));
-}
-
 /// @param room  for the scans
-Expected<std::span<E57Scan>> parse_xml(E57Pages& pages, std::uint64_t bytes, std::span<E57Scan> room,
-                                       const FixedHeap& heap) {
-  const Parser parser(XML_ParserCreate_MM(nullptr, &kMemory, nullptr));
-  if (!parser) return fail(ErrorCode::kOutOfMemory, "%s: no room for the XML parser", kStage);
-  E57Document document(room, parser.get());
-  XML_SetHashSalt(parser.get(), 1);  // expat would ask the kernel for a random one
-  XML_SetUserData(parser.get(), &document);
-  XML_SetElementHandler(
-      parser.get(),
-      [](void* user, const XML_Char* name, const XML_Char** attributes) {
-        document_of(user).begin(name, Attributes(attributes));
-      },
-      [](void* user, const XML_Char* /*name*/) { document_of(user).end(); });
-  XML_SetCharacterDataHandler(parser.get(), [](void* user, const XML_Char* text, int length) {
-    document_of(user).text({text, static_cast<std::size_t>(length)});
-  });
-  // Without a document type there are no entities to expand.
-  XML_SetStartDoctypeDeclHandler(
-      parser.get(), [](void* user, const XML_Char* /*name*/, const XML_Char* /*system*/, const XML_Char* /*open*/,
-                       int /*has_internal*/) { document_of(user).complain("a document type"); });
+Expected<std::span<E57Scan>> parse_xml(E57Pages& pages, std::uint64_t bytes, std::span<E57Scan> room, FixedHeap& heap) {
+  E57Document document(room);
+  XmlParser parser(heap, document);
   for (std::uint64_t left = bytes; left > 0;) {
     const auto piece = pages.next(left);
     PLUMBLINE_TRY(piece);
     left -= piece->size();
-    if (XML_Parse(parser.get(), piece->data(), static_cast<int>(piece->size()), left == 0) != XML_STATUS_OK) {
-      return fail_xml(pages, parser.get(), document, heap);
-    }
+    PLUMBLINE_TRY(parser.parse(*piece, left == 0, pages.input(), "its XML"));
   }
   return document.scans();
 }
@@ -313,9 +216,7 @@ Expected<std::span<E57Scan>> read_e57_xml(E57Pages& pages, std::uint64_t bytes, 
   const auto block = memory.take_bottom<std::byte>(memory.available() / Arena::kAlignment * Arena::kAlignment, kStage);
   PLUMBLINE_TRY(block);
   FixedHeap heap(*block);
-  heap_of_parser = &heap;
   const auto scans = parse_xml(pages, bytes, *room, heap);
-  heap_of_parser = nullptr;
   memory.release_bottom(mark);
   return scans;
 }

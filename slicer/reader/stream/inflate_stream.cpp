@@ -1,4 +1,4 @@
-#include "slicer/reader/formats/splats/gzip_stream.hpp"
+#include "slicer/reader/stream/inflate_stream.hpp"
 
 #include <zlib.h>
 
@@ -7,7 +7,12 @@
 
 namespace plumbline {
 
-GzipStream::GzipStream(ByteInput& input, std::span<char> window, std::span<std::byte> heap)
+std::uint32_t crc32_of(std::span<const char> bytes, std::uint32_t before) {
+  return static_cast<std::uint32_t>(
+      ::crc32(before, reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uInt>(bytes.size())));
+}
+
+InflateStream::InflateStream(ByteInput& input, Wrapping wrapping, std::span<char> window, std::span<std::byte> heap)
     : input_(input), window_(window), heap_(heap) {
   void* const place = heap_.allocate(sizeof(z_stream));
   if (place == nullptr) return;
@@ -17,16 +22,22 @@ GzipStream::GzipStream(ByteInput& input, std::span<char> window, std::span<std::
   };
   zlib->zfree = [](voidpf own, voidpf part) { static_cast<FixedHeap*>(own)->release(part); };
   zlib->opaque = &heap_;
-  constexpr int kGzip = 16 + 15;  // with the largest window
-  if (inflateInit2(zlib, kGzip) == Z_OK) zlib_ = zlib;
+  constexpr int kLargestWindow = 15;
+  const int window_bits = wrapping == Wrapping::kGzip ? 16 + kLargestWindow : -kLargestWindow;
+  if (inflateInit2(zlib, window_bits) == Z_OK) zlib_ = zlib;
 }
 
-GzipStream::~GzipStream() {
+InflateStream::~InflateStream() {
   if (zlib_ != nullptr) inflateEnd(zlib_);
 }
 
-Expected<std::span<const char>> GzipStream::next(std::uint64_t most) {
-  if (zlib_ == nullptr) return fail(ErrorCode::kOutOfMemory, "reading SPZ: no room for zlib");
+void InflateStream::restart() {
+  if (zlib_ != nullptr) inflateReset(zlib_);
+  ended_ = false;
+}
+
+Expected<std::span<const char>> InflateStream::next(std::uint64_t most) {
+  if (zlib_ == nullptr) return input_.fail(ErrorCode::kOutOfMemory, "no room for zlib");
   const auto wanted = static_cast<std::size_t>(std::min<std::uint64_t>(most, window_.size()));
   zlib_->next_out = reinterpret_cast<Bytef*>(window_.data());
   zlib_->avail_out = static_cast<uInt>(wanted);

@@ -1,0 +1,81 @@
+#include "slicer/reader/triangles/threemf/model_parts.hpp"
+
+#include "slicer/core/mix64.hpp"
+#include "slicer/reader/stream/words.hpp"
+#include "slicer/reader/stream/xml_parser.hpp"
+
+namespace plumbline {
+namespace {
+
+constexpr const char* kStage = "reading 3MF";
+constexpr Separators kXmlBlanks{" \t\r\n"};
+
+}  // namespace
+
+std::optional<Affine> parse_transform(std::string_view text) {
+  Affine transform;
+  Words words(text, kXmlBlanks);
+  auto word = words.next();
+  if (word.empty()) return transform;
+  for (int row = 0; row < 4; ++row) {
+    for (int column = 0; column < 3; ++column, word = words.next()) {
+      double& number = row < 3 ? transform.linear(column, row) : transform.shift[column];
+      if (!parse_number(word, number)) return std::nullopt;
+    }
+  }
+  return word.empty() ? std::optional(transform) : std::nullopt;
+}
+
+std::uint64_t part_key(std::string_view path) {
+  if (path.starts_with('/')) path.remove_prefix(1);
+  std::uint64_t key = 0;
+  for (const char c : path) {
+    const char lower = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    key = mix64(key + kGoldenStep64 + static_cast<unsigned char>(lower));
+  }
+  return key;
+}
+
+Expected<ModelParts> ModelParts::create(Arena& memory) {
+  const auto places = memory.take_bottom<Place>(kMostPlaces, kStage);
+  PLUMBLINE_TRY(places);
+  const auto instances = memory.take_bottom<Affine>(kMostInstances, kStage);
+  PLUMBLINE_TRY(instances);
+  ModelParts parts;
+  parts.places_ = *places;
+  parts.instances_ = *instances;
+  return parts;
+}
+
+bool ModelParts::add(const ObjectKey& child, const ObjectKey& in, const Affine& place) {
+  if (size_ == places_.size()) return false;
+  places_[size_++] = {child, in, place};
+  return true;
+}
+
+ModelParts::Found ModelParts::find_instances(const ObjectKey& mesh) {
+  count_ = 0;
+  steps_ = 0;
+  return follow(mesh, {}, 0);
+}
+
+/// @param so_far  from the mesh to the object
+ModelParts::Found ModelParts::follow(const ObjectKey& object, const Affine& so_far, std::uint32_t depth) {
+  if (depth > kMostNested) return Found::kTooDeep;
+  if (++steps_ > kMostSteps) return Found::kTooMany;
+  for (const Place& place : places_.first(size_)) {
+    if (place.child != object) continue;
+    if (place.in.id == 0 && place.in.part != root_) continue;
+    const Affine on{place.place.linear * so_far.linear, place.place(so_far.shift)};
+    if (place.in.id == 0) {
+      if (count_ == instances_.size()) return Found::kTooMany;
+      instances_[count_++] = on;
+      continue;
+    }
+    const Found found = follow(place.in, on, depth + 1);
+    if (found != Found::kAll) return found;
+  }
+  return Found::kAll;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,82 @@
+#pragma once
+/// Where the objects of a 3MF file stand: build items and components, with their transforms.
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "slicer/core/arena.hpp"
+#include "slicer/core/vec.hpp"
+
+namespace plumbline {
+
+/// x -> linear x + shift
+struct Affine {
+  Mat3d linear = Mat3d::Identity();
+  Vec3d shift = Vec3d::Zero();
+
+  Vec3d operator()(const Vec3d& x) const { return linear * x + shift; }
+};
+
+/// Parses a transform of 3MF: twelve numbers, row after row of a matrix of four rows that a row vector is multiplied by.
+/// @param text  empty: no transform
+/// @returns nothing if it is not twelve finite numbers
+std::optional<Affine> parse_transform(std::string_view text);
+
+/// An object's name: objects of different model parts of a file may have the same number.
+struct ObjectKey {
+  std::uint64_t part = 0;  ///< part_key() of its model part
+  std::uint32_t id = 0;    ///< from 1; 0 is the build
+
+  friend bool operator==(const ObjectKey&, const ObjectKey&) = default;
+};
+
+/// @param path  of a part: "/3D/3dmodel.model" is the same as "3d/3dmodel.model"
+std::uint64_t part_key(std::string_view path);
+
+/// All build items and components.
+class ModelParts {
+ public:
+  static constexpr std::size_t kMostPlaces = 1024;    ///< items and components
+  static constexpr std::size_t kMostInstances = 512;  ///< of one mesh
+  static constexpr std::uint32_t kMostSteps = 16384;  ///< of the search for them
+  static constexpr std::uint32_t kMostNested = 32;    ///< components within components
+
+  enum class Found : std::uint8_t { kAll, kTooMany, kTooDeep };
+
+  [[nodiscard]] static Expected<ModelParts> create(Arena& memory);
+
+  /// @param child  the object that stands there
+  /// @param in     the object that has it as a component; id 0 if it is an item of that part's build
+  /// @returns false if there is no room
+  [[nodiscard]] bool add(const ObjectKey& child, const ObjectKey& in, const Affine& place);
+
+  /// Makes a part's build the one that is printed, and its unit the file's. The others don't count.
+  void set_root(std::uint64_t part) { root_ = part; }
+  std::uint64_t root() const { return root_; }
+
+  /// Finds the transform of each copy of a mesh that is printed.
+  Found find_instances(const ObjectKey& mesh);
+  /// As found last.
+  std::span<const Affine> instances() const { return instances_.first(count_); }
+
+ private:
+  struct Place {
+    ObjectKey child;
+    ObjectKey in;
+    Affine place;
+  };
+
+  Found follow(const ObjectKey& object, const Affine& so_far, std::uint32_t depth);
+
+  std::span<Place> places_;
+  std::size_t size_ = 0;
+  std::span<Affine> instances_;
+  std::size_t count_ = 0;
+  std::uint32_t steps_ = 0;
+  std::uint64_t root_ = part_key("3D/3dmodel.model");
+};
+
+}  // namespace plumbline

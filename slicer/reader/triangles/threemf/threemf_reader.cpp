@@ -1,0 +1,364 @@
+#include <algorithm>
+#include <cmath>
+
+#include "slicer/reader/stream/words.hpp"
+#include "slicer/reader/stream/xml_parser.hpp"
+#include "slicer/reader/triangles/threemf/model_parts.hpp"
+#include "slicer/reader/triangles/threemf/zip_parts.hpp"
+#include "slicer/reader/triangles/triangle_formats.hpp"
+
+namespace plumbline {
+namespace {
+
+constexpr const char* kStage = "reading 3MF";
+
+/// Share of the progress that the first pass takes: it finds what stands where, the second one reads the meshes.
+constexpr double kFirstPass = 0.4;
+
+/// Of all model parts, unpacked: some forty million triangles. Packed blanks must not keep the parser busy for hours.
+constexpr std::uint64_t kMostXmlBytes = std::uint64_t{4} << 30U;
+
+struct Unit {
+  std::string_view name;
+  double mm;
+};
+constexpr std::array<Unit, 6> kUnits = {
+    {{"micron", 0.001}, {"millimeter", 1}, {"centimeter", 10}, {"inch", 25.4}, {"foot", 304.8}, {"meter", 1000}}};
+
+/// Extensions that may be required: paths to other parts, colours, marked triangles, contours for other printers. Whatever else a file
+/// requires changes its shape.
+constexpr std::array<std::string_view, 4> kHarmlessExtensions = {"/production/", "/material/", "/trianglesets/",
+                                                                 "/slice/"};
+
+/// An element's name without its prefix.
+std::string_view local_name(std::string_view name) { return name.substr(name.find(':') + 1); }
+
+/// Follows the elements model / resources / object / mesh or components, and model / build.
+class ModelDocument : public XmlHandler {
+ public:
+  ModelDocument(std::uint64_t part, ModelParts& parts) : part_(part), parts_(parts) {}
+
+  double unit_mm() const { return unit_mm_; }
+
+  void begin(std::string_view name, const XmlAttributes& attributes) override {
+    name = local_name(name);
+    ++depth_;
+    switch (depth_) {
+      case 1: begin_model(name, attributes); break;
+      case 2:
+        is_resources_ = name == "resources";
+        is_build_ = name == "build";
+        break;
+      case 3:
+        if (is_build_ && name == "item") place(attributes, {part_, 0});
+        is_object_ = is_resources_ && name == "object";
+        if (is_object_) begin_object_element(attributes);
+        break;
+      case 4:
+        is_mesh_ = is_object_ && name == "mesh";
+        is_components_ = is_object_ && name == "components";
+        break;
+      case 5:
+        if (is_components_ && name == "component") place(attributes, object_);
+        list_ = !is_mesh_             ? List::kOther
+                : name == "vertices"  ? List::kVertices
+                : name == "triangles" ? List::kTriangles
+                                      : List::kOther;
+        break;
+      case 6:
+        if (list_ == List::kVertices && name == "vertex") vertex(attributes);
+        if (list_ == List::kTriangles && name == "triangle") triangle(attributes);
+        break;
+      default: break;
+    }
+  }
+
+  void end(std::string_view /*name*/) override {
+    if (depth_ == 3 && is_object_) end_object();
+    if (depth_ == 4) is_mesh_ = is_components_ = false;
+    if (depth_ == 5) list_ = List::kOther;
+    --depth_;
+  }
+
+ protected:
+  virtual void begin_object(const ObjectKey& /*key*/, bool /*printed*/) {}
+  virtual void end_object() {}
+  virtual void vertex(const XmlAttributes& /*attributes*/) {}
+  virtual void triangle(const XmlAttributes& /*attributes*/) {}
+  virtual void placed(const ObjectKey& /*child*/, const ObjectKey& /*in*/, const Affine& /*place*/) {}
+
+  ModelParts& parts() { return parts_; }
+
+ private:
+  enum class List : std::uint8_t { kOther, kVertices, kTriangles };
+
+  void begin_model(std::string_view name, const XmlAttributes& attributes) {
+    if (name != "model") return parser_->complain("expected a model, found '%s'", Quote(name).c_str());
+    if (const auto unit = attributes["unit"]; !unit.empty()) {
+      const auto known = std::find_if(kUnits.begin(), kUnits.end(), [&](const Unit& u) { return u.name == unit; });
+      if (known == kUnits.end()) return parser_->complain("unknown unit '%s'", Quote(unit).c_str());
+      unit_mm_ = known->mm;
+    }
+    Words required(attributes["requiredextensions"]);
+    for (auto prefix = required.next(); !prefix.empty(); prefix = required.next()) {
+      const auto space = attributes.any(prefix);
+      const auto is_harmless = [&](std::string_view part) { return space.find(part) != std::string_view::npos; };
+      if (std::any_of(kHarmlessExtensions.begin(), kHarmlessExtensions.end(), is_harmless)) continue;
+      return parser_->complain("the model needs the extension '%s' of 3MF, which is not supported",
+                               Quote(prefix).c_str());
+    }
+  }
+
+  void begin_object_element(const XmlAttributes& attributes) {
+    object_ = {part_, number(attributes["id"], "an object's id")};
+    const auto type = attributes["type"];
+    begin_object(object_, type.empty() || type == "model" || type == "solidsupport");
+  }
+
+  void place(const XmlAttributes& attributes, const ObjectKey& in) {
+    if (attributes.any("printable") == "0") return;  // PrusaSlicer's
+    const auto path = attributes.any("path");
+    const ObjectKey child{path.empty() ? part_ : part_key(path), number(attributes["objectid"], "an objectid")};
+    const auto transform = parse_transform(attributes["transform"]);
+    if (!transform)
+      return parser_->complain("'%s' is no transform of 12 numbers", Quote(attributes["transform"]).c_str());
+    placed(child, in, *transform);
+  }
+
+  std::uint32_t number(std::string_view text, const char* wanted) {
+    std::uint32_t value = 0;
+    if (!parse_number(text, value) || value == 0) {
+      parser_->complain("expected %s from 1, found '%s'", wanted, Quote(text).c_str());
+    }
+    return value;
+  }
+
+  std::uint64_t part_;
+  ModelParts& parts_;
+  double unit_mm_ = 1;
+  std::uint64_t depth_ = 0;  ///< of the open element, from 1
+  bool is_resources_ = false, is_build_ = false;
+  bool is_object_ = false, is_mesh_ = false, is_components_ = false;
+  List list_ = List::kOther;
+  ObjectKey object_;
+};
+
+/// The first pass: what stands where.
+class PlaceDocument final : public ModelDocument {
+ public:
+  using ModelDocument::ModelDocument;
+
+ private:
+  void placed(const ObjectKey& child, const ObjectKey& in, const Affine& place) override {
+    if (parts().add(child, in, place)) return;
+    parser_->complain("more than %zu items and components", ModelParts::kMostPlaces);
+  }
+};
+
+/// The second pass: the triangles of each mesh, as often as it is printed.
+class MeshDocument final : public ModelDocument {
+ public:
+  MeshDocument(std::uint64_t part, ModelParts& parts, double unit_mm, TriangleBatch& batch, VertexList& vertices)
+      : ModelDocument(part, parts), unit_mm_(unit_mm), batch_(batch), vertices_(vertices) {}
+
+  /// What the sink or the list of vertices refused.
+  const Status& status() const { return status_; }
+  bool full() const { return full_; }
+
+ private:
+  void begin_object(const ObjectKey& key, bool printed) override {
+    is_printed_ = false;
+    if (!printed) return;
+    const auto found = parts().find_instances(key);
+    if (found == ModelParts::Found::kTooDeep) {
+      return parser_->complain("components more than %u deep, or one that contains itself", ModelParts::kMostNested);
+    }
+    if (found == ModelParts::Found::kTooMany) {
+      return parser_->complain("an object that is printed more than %zu times", ModelParts::kMostInstances);
+    }
+    is_printed_ = !parts().instances().empty();
+  }
+  void end_object() override { count_vertices(vertices_, batch_.summary()); }
+
+  void vertex(const XmlAttributes& attributes) override {
+    if (!is_printed_) return;
+    Vec3d p;
+    constexpr std::array<std::string_view, 3> kAxes = {"x", "y", "z"};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto text = attributes[kAxes[axis]];
+      if (!parse_number(text, p[static_cast<int>(axis)])) {
+        return parser_->complain("'%s' is no coordinate", Quote(text).c_str());
+      }
+    }
+    if (vertices_.add(p)) return;
+    full_ = true;
+    parser_->complain("no room for another vertex");
+  }
+
+  void triangle(const XmlAttributes& attributes) override {
+    if (!is_printed_ || !status_) return;
+    ++batch_.summary().faces;
+    Triangle corners;
+    constexpr std::array<std::string_view, 3> kCorners = {"v1", "v2", "v3"};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto text = attributes[kCorners[k]];
+      const auto vertex = parse_count(text);
+      if (!vertex || *vertex >= vertices_.size()) {
+        return parser_->complain("a triangle names vertex '%s', but there are %llu, numbered from 0",
+                                 Quote(text).c_str(), static_cast<unsigned long long>(vertices_.size()));
+      }
+      vertices_.use(*vertex);
+      corners[k] = vertices_.at(*vertex);
+    }
+    for (const Affine& place : parts().instances()) {
+      Triangle t;
+      for (std::size_t k = 0; k < 3; ++k) t[k] = place(corners[k]) * unit_mm_;
+      if (place.linear.determinant() < 0) std::swap(t[1], t[2]);
+      status_ = batch_.add(t);
+      if (!status_) return parser_->complain("stopped");
+    }
+  }
+
+  double unit_mm_;
+  TriangleBatch& batch_;
+  VertexList& vertices_;
+  bool is_printed_ = false;
+  bool full_ = false;
+  Status status_;
+};
+
+/// Finds the model that is printed among a file's relationships.
+class RelationDocument final : public XmlHandler {
+ public:
+  explicit RelationDocument(ModelParts& parts) : parts_(parts) {}
+  void begin(std::string_view name, const XmlAttributes& attributes) override {
+    if (local_name(name) == "Relationship" && attributes["Type"].ends_with("/3dmodel")) {
+      parts_.set_root(part_key(attributes["Target"]));
+    }
+  }
+  void end(std::string_view /*name*/) override {}
+
+ private:
+  ModelParts& parts_;
+};
+
+/// (3MF Core Specification 1.3)
+class ThreeMfReader {
+ public:
+  ThreeMfReader(ByteInput& input, TriangleBatch& batch, VertexList& vertices, ModelParts& parts, InflateStream& inflate,
+                std::span<std::byte> heap)
+      : input_(input), batch_(batch), vertices_(vertices), parts_(parts), inflate_(inflate), heap_(heap) {}
+
+  Status read() {
+    MeshSummary& summary = batch_.summary();
+    summary.format = ScanFormat::k3mf;
+    summary.encoding = "zip";
+    summary.is_in_mm = true;
+    input_.report_within(0, kFirstPass);
+    PLUMBLINE_TRY(for_parts([&](ZipParts& part) { return read_places(part); }));
+    const auto models = std::span(models_).first(model_count_);
+    const auto root =
+        std::find_if(models.begin(), models.end(), [&](const Model& m) { return m.part == parts_.root(); });
+    if (root == models.end()) {
+      return input_.fail(ErrorCode::kUnsupported,
+                         "the archive has no 3D model (3D/3dmodel.model);\texport the object as 3MF or STL");
+    }
+    unit_mm_ = root->unit_mm;
+    PLUMBLINE_TRY(input_.rewind());
+    input_.report_within(kFirstPass, 1);
+    return for_parts([&](ZipParts& part) { return read_mesh_part(part); });
+  }
+
+ private:
+  template <class Use>
+  Status for_parts(Use use) {
+    ZipParts part(input_, inflate_);
+    bytes_ = 0;
+    for (;;) {
+      const auto found = part.next();
+      PLUMBLINE_TRY(found);
+      if (!*found) return {};
+      PLUMBLINE_TRY(use(part));
+    }
+  }
+
+  struct Model {
+    std::uint64_t part = 0;
+    double unit_mm = 1;
+  };
+
+  static bool is_model(const ZipParts& part) { return has_ending(part.name(), ".model"); }
+
+  Status read_places(ZipParts& part) {
+    if (same_word(part.name(), "_rels/.rels")) {
+      RelationDocument relations(parts_);
+      return parse(part, relations);
+    }
+    if (!is_model(part)) return {};
+    const std::uint64_t key = part_key(part.name());
+    PlaceDocument places(key, parts_);
+    PLUMBLINE_TRY(parse(part, places));
+    if (model_count_ == models_.size()) {
+      return input_.fail(ErrorCode::kUnsupported,
+                         "more than %zu models in one archive;\texport fewer objects at a time", models_.size());
+    }
+    models_[model_count_++] = {key, places.unit_mm()};
+    return {};
+  }
+
+  Status read_mesh_part(ZipParts& part) {
+    if (!is_model(part)) return {};
+    MeshDocument meshes(part_key(part.name()), parts_, unit_mm_, batch_, vertices_);
+    const Status read = parse(part, meshes);
+    if (meshes.full()) return fail_vertices(input_, vertices_);
+    if (!meshes.status()) return meshes.status();
+    return read;
+  }
+
+  Status parse(ZipParts& part, XmlHandler& handler) {
+    FixedHeap heap(heap_);
+    XmlParser parser(heap, handler);
+    const Quote name(part.name());
+    for (;;) {
+      const auto piece = part.read();
+      PLUMBLINE_TRY(piece);
+      bytes_ += piece->size();
+      if (bytes_ > kMostXmlBytes) {
+        return input_.fail(ErrorCode::kUnsupported,
+                           "its models have more than %llu GiB when they are unpacked.\tReduce its triangles",
+                           static_cast<unsigned long long>(kMostXmlBytes >> 30U));
+      }
+      PLUMBLINE_TRY(parser.parse(*piece, piece->empty(), input_, name.c_str()));
+      if (piece->empty()) return {};
+    }
+  }
+
+  ByteInput& input_;
+  TriangleBatch& batch_;
+  VertexList& vertices_;
+  ModelParts& parts_;
+  InflateStream& inflate_;
+  std::span<std::byte> heap_;      ///< of the XML parser
+  std::uint64_t bytes_ = 0;        ///< of the models, unpacked
+  std::array<Model, 512> models_;  ///< which of them is printed may be said after them
+  std::size_t model_count_ = 0;
+  double unit_mm_ = 1;  ///< of that model
+};
+
+}  // namespace
+
+Status read_3mf(ByteInput& input, TriangleBatch& batch, const MeshRoom& room) {
+  auto parts = ModelParts::create(room.memory);
+  PLUMBLINE_TRY(parts);
+  const auto window = room.memory.take_bottom<char>(InflateStream::kWindow, kStage);
+  PLUMBLINE_TRY(window);
+  const auto zlib = room.memory.take_bottom<std::byte>(InflateStream::kHeap, kStage);
+  PLUMBLINE_TRY(zlib);
+  const auto heap =
+      room.memory.take_bottom<std::byte>(room.memory.available() / Arena::kAlignment * Arena::kAlignment, kStage);
+  PLUMBLINE_TRY(heap);
+  InflateStream inflate(input, InflateStream::Wrapping::kNone, *window, *zlib);
+  return ThreeMfReader(input, batch, room.vertices, *parts, inflate, *heap).read();
+}
+
+}  // namespace plumbline
