@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "slicer/reader/scan_reader.hpp"
+#include "slicer/reader/triangles/mesh_reader.hpp"
 #include "tests/slicer/support/meshes.hpp"
 #include "tests/slicer/support/slicing.hpp"
 
