@@ -5,6 +5,7 @@
 #include "firmware/child/given_file.hpp"
 #include "firmware/child/rights.hpp"
 #include "firmware/child/shared_progress.hpp"
+#include "firmware/pictures/issue_picture.hpp"
 #include "firmware/print/sliced_scan.hpp"
 #include "firmware/settings/job_options.hpp"
 #include "firmware/slice/job_report.hpp"
@@ -64,8 +65,9 @@ void run_scan_task(SharedMemory& memory, std::uint32_t threads) {
   const auto sliced = slice_for_print(sources, page.request.settings, page.request.supports, arena, &progress, report);
   if (sliced) {
     hand_back(*sliced, report, arena, page.answer, memory.arena());
-    // If the arena has no room for it, the job has no picture.
+    // If the arena has no room for them, the job has no pictures.
     static_cast<void>(draw_preview_picture(sliced->rrep, sliced->supports, arena, page.preview));
+    static_cast<void>(draw_issues_picture(sliced->findings, sliced->rrep, sliced->supports, arena, page.issues));
   } else {
     hand_back_error(sliced.error(), page.answer);
   }

@@ -27,6 +27,7 @@ struct MessagePage {
   ChildProgress progress;  ///< the child's, while it runs
   ScanAnswer answer;       ///< the child's, complete when it has exited
   PreviewPicture preview;  ///< the child's; no byte of its pixels is invalid
+  IssuesPicture issues;    ///< the same
 };
 
 /// Every process forked from this one shares it, at the same address. A page takes no memory until it is touched.

@@ -78,6 +78,7 @@ Status SlicingChild::start(const ScanRequest& request, std::span<const int> file
   page.request = request;
   page.answer = ScanAnswer();
   page.preview.clear();
+  page.issues.clear();
   page.progress.beats = 0;
   page.progress.stage = 0;
   page.progress.permille = 0;

@@ -55,6 +55,7 @@ class SlicingChild {
   const ScanAnswer& answer() const { return memory_.page().answer; }
   /// What the child has drawn of the job. Its size may be anything.
   const PreviewPicture& preview() const { return memory_.page().preview; }
+  const IssuesPicture& issues() const { return memory_.page().issues; }
 
  private:
   SlicingChild(SharedMemory memory, Descriptor socket, pid_t process)

@@ -56,12 +56,12 @@ CLI::App* add_status_command(CLI::App& app, StatusOptions& options) {
       ->type_name("PATH");
   command->add_flag("--follow", options.follow, "Go on: a line for each change");
   command->add_flag("--json", options.json, "For programs: the socket's own lines");
-  auto* picture =
-      command
-          ->add_option("--picture", options.picture,
-                       "Write a picture to --output: the preview of what was sliced, or the layer being printed")
-          ->type_name("NAME")
-          ->check(CLI::IsMember({"preview", "layer"}).description(""));
+  auto* picture = command
+                      ->add_option("--picture", options.picture,
+                                   "Write a picture to --output: the preview of what was sliced, where its masks have "
+                                   "issues, or the layer being printed")
+                      ->type_name("NAME")
+                      ->check(CLI::IsMember({"preview", "issues", "layer"}).description(""));
   auto* output =
       command->add_option("-o,--output", options.output, "File for the picture or the report")->type_name("FILE");
   auto* prints = command->add_flag("--prints", options.prints, "List the last prints, newest first");

@@ -8,6 +8,22 @@
 
 namespace plumbline {
 
+namespace {
+
+/// Copies a picture that a child has drawn.
+/// @returns false if there is none: its size may be anything
+template <class Picture>
+bool take(const Picture& drawn, Picture& to) {
+  const std::uint32_t columns = drawn.columns, rows = drawn.rows;
+  if (columns == 0 || rows == 0 || columns > Picture::kMostColumns || rows > Picture::kMostRows) return false;
+  to = drawn;
+  to.columns = columns;
+  to.rows = rows;
+  return true;
+}
+
+}  // namespace
+
 StateRecorder::StateRecorder(PrinterRecord& record, const StickPort& stick, DaemonObserver& observer)
     : record_(record), stick_(stick), observer_(observer), pictures_(std::make_unique<JobPictures>()) {
   record.pictures = pictures_.get();
@@ -18,13 +34,9 @@ void StateRecorder::begin_job() {
   pictures_->clear();
 }
 
-void StateRecorder::previewed(const PreviewPicture& preview) {
-  const std::uint32_t columns = preview.columns, rows = preview.rows;
-  if (columns == 0 || rows == 0 || columns > PreviewPicture::kMostColumns || rows > PreviewPicture::kMostRows) return;
-  pictures_->preview = preview;
-  pictures_->preview.columns = columns;
-  pictures_->preview.rows = rows;
-  ++pictures_->preview_number;
+void StateRecorder::previewed(const PreviewPicture& preview, const IssuesPicture& issues) {
+  pictures_->preview_number += take(preview, pictures_->preview) ? 1 : 0;
+  pictures_->issues_number += take(issues, pictures_->issues) ? 1 : 0;
 }
 
 void StateRecorder::mask_made(std::uint32_t layer, ConstBitImage mask) {

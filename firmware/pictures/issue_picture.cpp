@@ -18,10 +18,29 @@ namespace {
 
 constexpr const char* kStage = "issue picture";
 
-// The page, in pixels: two rows of three tiles, each with two lines of text.
-constexpr std::uint32_t kMargin = 60, kTop = 100, kTileColumns = 470, kTileRows = 300, kTileStep = 505, kRowStep = 390;
-constexpr std::uint32_t kTilesARow = 3;
-static_assert(kMargin + 2 * kTileStep + kTileColumns <= kPreviewColumns && kTop + kRowStep + kTileRows <= kPreviewRows);
+/// Where the tiles are, in pixels.
+struct TileLayout {
+  std::uint32_t left, top;       ///< of the first one
+  std::uint32_t columns, rows;   ///< of a tile
+  std::uint32_t step, row_step;  ///< from one tile to the next
+  std::uint32_t tiles_a_row;
+};
+
+/// The page: two rows of three tiles, each with two lines of text.
+constexpr TileLayout kPage{60, 100, 470, 300, 505, 390, 3};
+static_assert(kPage.left + 2 * kPage.step + kPage.columns <= kPreviewColumns &&
+              kPage.top + kPage.row_step + kPage.rows <= kPreviewRows);
+constexpr std::uint32_t kGap = 4;  ///< between the tiles of the small picture
+
+/// The small picture: as few rows of tiles as there must be, which fill it.
+TileLayout small_layout(std::size_t issues) {
+  const auto count = static_cast<std::uint32_t>(issues);
+  const std::uint32_t tiles_a_row = count <= 1 ? 1 : count <= 4 ? 2 : 3;
+  const std::uint32_t tile_rows = (count + tiles_a_row - 1) / tiles_a_row;
+  const std::uint32_t columns = (IssuesPicture::kMostColumns - (tiles_a_row - 1) * kGap) / tiles_a_row;
+  const std::uint32_t rows = (IssuesPicture::kMostRows - (tile_rows - 1) * kGap) / tile_rows;
+  return {0, 0, columns, rows, columns + kGap, rows + kGap, tiles_a_row};
+}
 
 constexpr Colour kAir{28, 33, 40}, kSolid{206, 202, 192}, kBelow{86, 95, 107}, kIssue{232, 78, 56};
 
@@ -89,31 +108,35 @@ Colour colour_at(const Issue& issue, const Layer& layer, std::uint32_t column, s
   return white ? kSolid : below ? kBelow : kAir;
 }
 
-void draw_tile(const Picture& picture, std::int64_t left, std::int64_t top, const Issue& issue, const Layer& layer,
-               const PrintGrid& grid) {
+struct TilePlace {
+  std::int64_t left = 0, top = 0;
+};
+
+void draw_tile(const Picture& picture, const TilePlace& place, const TileLayout& tile, const Issue& issue,
+               const Layer& layer, const PrintGrid& grid) {
   const PixelBox& box = layer.box;
   const bool whole = box.empty();
   const double wide = whole ? grid.columns : 1.6 * (box.column_end - box.column);
   const double high = whole ? grid.rows : 1.6 * (box.row_end - box.row);
   // Pixels of the mask a pixel of the picture: the tile holds the box, and the pixels keep their shape.
   const double aspect = static_cast<double>(grid.pitch_y_mm) / static_cast<double>(grid.pitch_x_mm);
-  const double step = std::max({wide / kTileColumns, high * aspect / kTileRows, kLeastShown / kTileRows});
+  const double step = std::max({wide / tile.columns, high * aspect / tile.rows, kLeastShown / tile.rows});
   const double middle_column = whole ? grid.columns / 2.0 : (box.column + box.column_end) / 2.0;
   const double middle_row = whole ? grid.rows / 2.0 : (box.row + box.row_end) / 2.0;
-  for (std::uint32_t y = 0; y < kTileRows; ++y) {
-    const double row = middle_row + (y + 0.5 - kTileRows / 2.0) * step / aspect;
-    for (std::uint32_t x = 0; x < kTileColumns; ++x) {
-      const double column = middle_column + (x + 0.5 - kTileColumns / 2.0) * step;
+  for (std::uint32_t y = 0; y < tile.rows; ++y) {
+    const double row = middle_row + (y + 0.5 - tile.rows / 2.0) * step / aspect;
+    for (std::uint32_t x = 0; x < tile.columns; ++x) {
+      const double column = middle_column + (x + 0.5 - tile.columns / 2.0) * step;
       const bool outside = column < 0 || row < 0 || column >= grid.columns || row >= grid.rows;
       if (outside) continue;
-      picture.fill(left + x, top + y, 1, 1,
+      picture.fill(place.left + x, place.top + y, 1, 1,
                    colour_at(issue, layer, static_cast<std::uint32_t>(column), static_cast<std::uint32_t>(row)));
     }
   }
 }
 
-void draw_caption(const Picture& picture, std::int64_t left, std::int64_t top, const Issue& issue,
-                  const IssueScale& scale) {
+void draw_caption(const Picture& picture, const TilePlace& place, const Issue& issue, const IssueScale& scale) {
+  const std::int64_t top = place.top + kPage.rows + 12;
   const TextStyle plain{.scale = 2, .colour = kInk};
   const TextStyle pale{.scale = 2, .colour = kPaleInk};
   char text[96];
@@ -121,10 +144,63 @@ void draw_caption(const Picture& picture, std::int64_t left, std::int64_t top, c
   const double size = words.size == IssueSize::kVolume ? scale.ml(issue.voxels) : scale.mm2(issue.pixels);
   std::snprintf(text, sizeof text, "%.*s, %.3g %s", static_cast<int>(words.one.size()), words.one.data(), size,
                 words.size == IssueSize::kVolume ? "ml" : "mm2");
-  draw_text(picture, left, top, cut(text, kTileColumns, plain), plain);
+  draw_text(picture, place.left, top, cut(text, kPage.columns, plain), plain);
   std::snprintf(text, sizeof text, "layer %u, %.2f mm: x %.1f, y %.1f mm", issue.layer, scale.z_mm(issue.layer),
                 scale.x_mm(issue), scale.y_mm(issue));
-  draw_text(picture, left, top + 24, cut(text, kTileColumns, pale), pale);
+  draw_text(picture, place.left, top + 24, cut(text, kPage.columns, pale), pale);
+}
+
+/// Draws a tile for each issue.
+/// @param caption  called with each issue and where its tile is
+template <class Caption>
+Status draw_tiles(const Picture& picture, const TileLayout& tile, const ShownIssues& shown, const PrintGrid& grid,
+                  MaskOf masks, Arena& arena, Caption caption) {
+  const ArenaScope scope(arena);
+  std::array<BitImage, 2> images;  // the layer below, the layer
+  for (BitImage& image : images) {
+    const auto words = arena.take_top<std::uint64_t>(BitImage::words_needed(grid.columns, grid.rows), kStage);
+    PLUMBLINE_TRY(words);
+    image = BitImage(*words, grid.columns, grid.rows);
+  }
+  auto regions = LayerRegions::create(
+      grid.columns, grid.rows, arena,
+      {.runs_per_row = std::max(64U, grid.columns / 32), .join_white_corners = false, .stage = kStage});
+  PLUMBLINE_TRY(regions);
+  for (std::uint32_t i = 0; i < shown.count; ++i) {
+    const Issue& issue = shown.issues[i];
+    images[0].clear();
+    for (std::uint32_t below = issue.layer > 0 ? 1 : 0, k = issue.layer - below; k <= issue.layer; ++k) {
+      const auto mask = masks(k);
+      PLUMBLINE_TRY(mask);
+      std::copy(mask->words().begin(), mask->words().end(), images[k == issue.layer ? 1 : 0].words().begin());
+    }
+    Layer layer{.mask = images[1], .below = images[0], .regions = &*regions, .box = {}};
+    if (regions->label(images[1])) {
+      const bool is_region =
+          is_air(issue.kind) || issue.kind == IssueKind::kIsland || issue.kind == IssueKind::kFreePiece;
+      if (is_region) layer.region = regions->region(run_at(*regions, issue.column, issue.row));
+      layer.box = box_of(*regions, layer.region);
+    }
+    const TilePlace place{tile.left + i % tile.tiles_a_row * tile.step,
+                          tile.top + i / tile.tiles_a_row * tile.row_step};
+    draw_tile(picture, place, tile, issue, layer, grid);
+    caption(issue, place);
+  }
+  return {};
+}
+
+/// Calls `draw` with a function that makes the masks of an R-Rep anew.
+template <class Draw>
+auto with_masks(const RRep& rrep, const Supports& supports, Arena& arena, Draw draw) {
+  const std::size_t bottom = arena.bottom_mark();
+  auto stream = MaskStream::create(rrep, supports, arena);
+  const auto mask = [&](std::uint32_t layer) -> Expected<ConstBitImage> {
+    PLUMBLINE_TRY(stream);
+    return stream->mask(layer);
+  };
+  const auto drawn = draw(MaskOf(mask));
+  arena.release_bottom(bottom);
+  return drawn;
 }
 
 }  // namespace
@@ -149,61 +225,43 @@ Expected<std::span<const std::byte>> encode_issues(const StackFindings& findings
   const ArenaScope scope(arena);
   const auto rgb = arena.take_top<std::uint8_t>(std::size_t{3} * kPreviewColumns * kPreviewRows, kStage);
   PLUMBLINE_TRY(rgb);
-  std::array<BitImage, 2> images;  // the layer below, the layer
-  for (BitImage& image : images) {
-    const auto words = arena.take_top<std::uint64_t>(BitImage::words_needed(grid.columns, grid.rows), kStage);
-    PLUMBLINE_TRY(words);
-    image = BitImage(*words, grid.columns, grid.rows);
-  }
-  auto regions = LayerRegions::create(
-      grid.columns, grid.rows, arena,
-      {.runs_per_row = std::max(64U, grid.columns / 32), .join_white_corners = false, .stage = kStage});
-  PLUMBLINE_TRY(regions);
-
   const Picture picture{*rgb, kPreviewColumns, kPreviewRows};
   draw_background(picture);
   const TextStyle title{.scale = 4, .colour = kInk};
-  draw_text(picture, kMargin, 38, cut(name, kPreviewColumns - 800, title), title);
+  draw_text(picture, kPage.left, 38, cut(name, kPreviewColumns - 800, title), title);
   constexpr std::string_view kAbout = "issues in red; grey: the layer below";
   const TextStyle plain{.scale = 2, .colour = kPaleInk};
-  draw_text(picture, std::int64_t{kPreviewColumns} - kMargin - text_width(kAbout, plain), 52, kAbout, plain);
+  draw_text(picture, std::int64_t{kPreviewColumns} - kPage.left - text_width(kAbout, plain), 52, kAbout, plain);
 
   const IssueScale scale(grid);
-  for (std::size_t i = 0; i < shown.count; ++i) {
-    const Issue& issue = shown.issues[i];
-    images[0].clear();
-    for (std::uint32_t below = issue.layer > 0 ? 1 : 0, k = issue.layer - below; k <= issue.layer; ++k) {
-      const auto mask = masks(k);
-      PLUMBLINE_TRY(mask);
-      std::copy(mask->words().begin(), mask->words().end(), images[k == issue.layer ? 1 : 0].words().begin());
-    }
-    Layer layer{.mask = images[1], .below = images[0], .regions = &*regions, .box = {}};
-    if (regions->label(images[1])) {
-      const bool is_region =
-          is_air(issue.kind) || issue.kind == IssueKind::kIsland || issue.kind == IssueKind::kFreePiece;
-      if (is_region) layer.region = regions->region(run_at(*regions, issue.column, issue.row));
-      layer.box = box_of(*regions, layer.region);
-    }
-    const std::int64_t left = kMargin + static_cast<std::int64_t>(i % kTilesARow * kTileStep);
-    const std::int64_t top = kTop + static_cast<std::int64_t>(i / kTilesARow * kRowStep);
-    draw_tile(picture, left, top, issue, layer, grid);
-    draw_caption(picture, left, top + kTileRows + 12, issue, scale);
-  }
+  PLUMBLINE_TRY(draw_tiles(picture, kPage, shown, grid, masks, arena, [&](const Issue& issue, const TilePlace& place) {
+    draw_caption(picture, place, issue, scale);
+  }));
   return encoder.encode(*rgb, kPreviewColumns, kPreviewRows);
 }
 
 Expected<std::span<const std::byte>> encode_issues(const StackFindings& findings, const RRep& rrep,
                                                    const Supports& supports, std::string_view name, Arena& arena,
                                                    PngEncoder& encoder) {
-  const std::size_t bottom = arena.bottom_mark();
-  auto stream = MaskStream::create(rrep, supports, arena);
-  const auto mask = [&](std::uint32_t layer) -> Expected<ConstBitImage> {
-    PLUMBLINE_TRY(stream);
-    return stream->mask(layer);
-  };
-  const auto png = encode_issues(findings, rrep.grid, name, mask, arena, encoder);
-  arena.release_bottom(bottom);
-  return png;
+  return with_masks(rrep, supports, arena,
+                    [&](MaskOf masks) { return encode_issues(findings, rrep.grid, name, masks, arena, encoder); });
+}
+
+Status draw_issues_picture(const StackFindings& findings, const RRep& rrep, const Supports& supports, Arena& arena,
+                           IssuesPicture& picture) {
+  picture.clear();
+  const ShownIssues shown(findings);
+  if (shown.count == 0) return {};
+  const Picture pixels{picture.memory, IssuesPicture::kMostColumns, IssuesPicture::kMostRows};
+  draw_background(pixels);
+  const Status drawn = with_masks(rrep, supports, arena, [&](MaskOf masks) {
+    return draw_tiles(pixels, small_layout(shown.count), shown, rrep.grid, masks, arena,
+                      [](const Issue& /*issue*/, const TilePlace& /*place*/) {});
+  });
+  PLUMBLINE_TRY(drawn);
+  picture.columns = IssuesPicture::kMostColumns;
+  picture.rows = IssuesPicture::kMostRows;
+  return {};
 }
 
 }  // namespace plumbline

@@ -7,6 +7,7 @@
 #include <span>
 #include <string_view>
 
+#include "firmware/pictures/job_pictures.hpp"
 #include "firmware/pictures/png_writer.hpp"
 #include "slicer/checks/stack_findings.hpp"
 #include "slicer/core/arena.hpp"
@@ -46,5 +47,12 @@ struct ShownIssues {
 [[nodiscard]] Expected<std::span<const std::byte>> encode_issues(const StackFindings& findings, const RRep& rrep,
                                                                  const Supports& supports, std::string_view name,
                                                                  Arena& arena, PngEncoder& encoder);
+
+/// Draws the same tiles without texts, small enough to be kept for as long as the job lasts. There is no picture if there is nothing to
+/// show.
+/// @param arena  two images of the grid and the regions of one are taken from its top, a MaskStream from its bottom; released
+/// @retval ErrorCode::kOutOfMemory  there is no picture then
+[[nodiscard]] Status draw_issues_picture(const StackFindings& findings, const RRep& rrep, const Supports& supports,
+                                         Arena& arena, IssuesPicture& picture);
 
 }  // namespace plumbline

@@ -30,13 +30,15 @@ struct FixedPicture {
 };
 
 using PreviewPicture = FixedPicture<3, 320, 180>;
+using IssuesPicture = FixedPicture<3, 320, 180>;
 using LayerPicture = FixedPicture<1, 320, 320>;
 
 struct JobPictures {
   PreviewPicture preview;              ///< what has been sliced, from three sides
+  IssuesPicture issues;                ///< where the checks have found something
   std::array<LayerPicture, 2> layers;  ///< the mask of the layer that is printed, and the one that is made next
   std::size_t shown = 0;               ///< of layers
-  std::uint32_t preview_number = 0, layer_number = 0;  ///< rise with each new picture
+  std::uint32_t preview_number = 0, issues_number = 0, layer_number = 0;  ///< rise with each new picture
 
   const LayerPicture& layer() const { return layers[shown]; }
   LayerPicture& next_layer() { return layers[1 - shown]; }
@@ -46,6 +48,7 @@ struct JobPictures {
   }
   void clear() {
     preview.clear();
+    issues.clear();
     for (LayerPicture& layer : layers) layer.clear();
   }
 };

@@ -62,6 +62,11 @@ void draw_hint(const Sheet& sheet, const PixelBox& box, const JobRecord& job) {
   sheet.page.paragraph(box, text.view(), sheet.plain(ink::kPale, Fit::kMayCut));
 }
 
+void draw_picture(const Sheet& sheet, const PixelBox& box, const PreviewPicture& picture) {
+  const auto columns = static_cast<int>(picture.columns), rows = static_cast<int>(picture.rows);
+  sheet.canvas().draw_rgb(fitted(box, columns, rows), picture.bytes(), columns, rows);
+}
+
 }  // namespace
 
 void draw_idle(const Sheet& sheet) {
@@ -134,10 +139,14 @@ void draw_preview_screen(const Sheet& sheet) {
   const int line = sheet.look().plain.line_height();
   const int lines = record.finding_count == 0 ? 3 : 4;  // a finding takes two
   const PixelBox picture = body.top_rows(body.height - lines * line - sheet.px(2));
-  if (record.pictures != nullptr && record.pictures->preview.there()) {
-    const auto& preview = record.pictures->preview;
-    const auto columns = static_cast<int>(preview.columns), rows = static_cast<int>(preview.rows);
-    sheet.canvas().draw_rgb(fitted(picture, columns, rows), preview.bytes(), columns, rows);
+  const JobPictures* const pictures = record.pictures;
+  if (pictures != nullptr && pictures->preview.there() && pictures->issues.there()) {
+    // Side by side: a picture is wider than tall, and so is what is left of the screen.
+    const int half = (picture.width - sheet.px(4)) / 2;
+    draw_picture(sheet, {picture.x, picture.y, half, picture.height}, pictures->preview);
+    draw_picture(sheet, {picture.x + picture.width - half, picture.y, half, picture.height}, pictures->issues);
+  } else if (pictures != nullptr && pictures->preview.there()) {
+    draw_picture(sheet, picture, pictures->preview);
   } else {
     sheet.page.line(picture, sheet.say(Words::kNoPicture), {sheet.look().plain, ink::kPale, Align::kCentre});
   }

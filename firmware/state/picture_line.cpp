@@ -13,6 +13,28 @@ constexpr std::size_t kRoomForTheRest = 256;
 constexpr std::size_t kMostCharacters = kLongestLine - kRoomForTheRest;
 static_assert(PictureLine::kMostPng == kMostCharacters / 4 * 3);
 
+struct DrawnPicture {
+  std::span<const std::uint8_t> bytes;
+  std::uint32_t columns = 0, rows = 0;
+  std::uint32_t channels = 0;
+  std::uint32_t number = 0;
+};
+
+template <class Picture>
+std::optional<DrawnPicture> drawn_one(const Picture& picture, std::uint32_t number) {
+  if (!picture.there()) return std::nullopt;
+  return DrawnPicture{picture.bytes(), picture.columns, picture.rows, std::uint32_t{Picture::kChannels}, number};
+}
+
+std::optional<DrawnPicture> drawn_picture(const JobPictures& pictures, PictureName name) {
+  switch (name) {
+    case PictureName::kPreview: return drawn_one(pictures.preview, pictures.preview_number);
+    case PictureName::kIssues: return drawn_one(pictures.issues, pictures.issues_number);
+    case PictureName::kLayer: break;
+  }
+  return drawn_one(pictures.layer(), pictures.layer_number);
+}
+
 Error too_large(std::size_t bytes) {
   return Error::format(ErrorCode::kCannotWrite, "the picture has %zu bytes, more than a line holds", bytes);
 }
@@ -20,7 +42,8 @@ Error too_large(std::size_t bytes) {
 }  // namespace
 
 Expected<PictureLine> PictureLine::create() {
-  constexpr std::size_t kMostBytes = std::max(sizeof(PreviewPicture::memory), sizeof(LayerPicture::memory));
+  constexpr std::size_t kMostBytes =
+      std::max({sizeof(PreviewPicture::memory), sizeof(IssuesPicture::memory), sizeof(LayerPicture::memory)});
   auto encoder = SmallPngEncoder::create(kMostBytes, std::max(PreviewPicture::kMostRows, LayerPicture::kMostRows));
   PLUMBLINE_TRY(encoder);
   PictureLine line(std::move(*encoder));
@@ -33,20 +56,16 @@ Status PictureLine::write(TextSink& out, std::optional<std::uint64_t> id, Pictur
                           const PrinterRecord& record) {
   const std::string_view word = kPictureWords[static_cast<std::size_t>(name)];
   const JobPictures* const pictures = record.pictures;
-  const bool is_preview = name == PictureName::kPreview;
-  const bool there = pictures != nullptr && (is_preview ? pictures->preview.there() : pictures->layer().there());
-  if (!there) {
+  const auto drawn = pictures != nullptr ? drawn_picture(*pictures, name) : std::nullopt;
+  if (!drawn) {
     return fail(ErrorCode::kBadSetting,
                 "there is no picture '%.*s' now.\tThe state's \"pictures\" says which there are",
                 static_cast<int>(word.size()), word.data());
   }
-  const std::uint32_t number = is_preview ? pictures->preview_number : pictures->layer_number;
+  const std::uint32_t number = drawn->number;
   Encoded& encoded = encoded_[static_cast<std::size_t>(name)];
   if (encoded.number != number) {
-    const auto png = is_preview ? encoder_.encode(pictures->preview.bytes(), pictures->preview.columns,
-                                                  pictures->preview.rows, PreviewPicture::kChannels)
-                                : encoder_.encode(pictures->layer().bytes(), pictures->layer().columns,
-                                                  pictures->layer().rows, LayerPicture::kChannels);
+    const auto png = encoder_.encode(drawn->bytes, drawn->columns, drawn->rows, drawn->channels);
     const auto size = write_base64(png, encoded.base64);
     if (!size) return tl::unexpected<Error>(too_large(png.size()));
     encoded.size = *size;

@@ -50,7 +50,7 @@ def rgb_rows(path, most=None):
 
 def sliced_state_pictures(user):
     pictures = user.states[-1]["pictures"]
-    return pictures["preview"], pictures["layer"]
+    return pictures["preview"], pictures["issues"], pictures["layer"]
 
 
 def bright_runs(row):
@@ -100,15 +100,20 @@ class Screen(StatePrinter):
             self.assertAlmostEqual(sliced[side], 4, delta=0.1)
         self.assertAlmostEqual(sliced["resin_ml"], 4 / 3 * 3.1416 * 8 / 1000, delta=0.01)
         self.shown("preview")
-        self.assertEqual(sliced_state_pictures(user), (1, None))
+        self.assertEqual(sliced_state_pictures(user), (1, 1, None))
         preview = self.picture(user, "preview")
         self.assertEqual(preview[0], 320)
         # A ball is as wide from each of the three sides: the middle row crosses three shapes of one width.
         runs = bright_runs(preview[1][len(preview[1]) // 2])
         self.assertEqual(len(runs), 3)
         self.assertLess(max(runs) - min(runs), 6)
+        # Without supports the ball's first layers hang over the ones below: a red ring round each.
+        columns, rows = self.picture(user, "issues")
+        self.assertEqual((columns, len(rows)), (320, 180))
+        red = sum(row[at : at + 3] == bytes((232, 78, 56)) for row in rows for at in range(0, len(row), 3))
+        self.assertGreater(red, 500)
         user.refused("no picture 'layer'", "picture", picture="layer")
-        user.refused("preview or layer", "picture", picture="part")
+        user.refused("preview, issues or layer", "picture", picture="part")
         user.state("offered", "start")
         user.do("start")
         user.until(lambda s: s["state"] == "printing" and s["progress"]["layers_done"] > 2, "layer 3")

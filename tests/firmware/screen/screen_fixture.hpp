@@ -63,6 +63,28 @@ inline const JobPictures& ball_pictures() {
   return *pictures;
 }
 
+/// The same, with two red islands in a grey ball's layer.
+inline const JobPictures& pictures_with_issues() {
+  static const auto pictures = [] {
+    auto made = std::make_unique<JobPictures>(ball_pictures());
+    IssuesPicture& issues = made->issues;
+    issues.columns = IssuesPicture::kMostColumns;
+    issues.rows = IssuesPicture::kMostRows;
+    for (std::uint32_t y = 0; y < issues.rows; ++y) {
+      for (std::uint32_t x = 0; x < issues.columns; ++x) {
+        const double dx = static_cast<double>(x % 162) - 79, dy = static_cast<double>(y) - 90;
+        const double r2 = dx * dx + dy * dy;
+        const std::array<std::uint8_t, 3> colour = r2 < 30 * 30   ? std::array<std::uint8_t, 3>{232, 78, 56}
+                                                   : r2 < 60 * 60 ? std::array<std::uint8_t, 3>{86, 95, 107}
+                                                                  : std::array<std::uint8_t, 3>{28, 33, 40};
+        std::ranges::copy(colour, &issues.memory[3 * (std::size_t{y} * issues.columns + x)]);
+      }
+    }
+    return made;
+  }();
+  return *pictures;
+}
+
 inline PrintStatus status_of(PrintState state) {
   PrintStatus status;
   status.state = state;

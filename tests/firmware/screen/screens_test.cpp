@@ -78,6 +78,7 @@ std::vector<ScreenCase> golden_cases() {
       {"preview", with(kOffered,
                        [](auto& record, auto&) {
                          record.sliced = a_sliced_job();
+                         record.pictures = &pictures_with_issues();
                          record.add_finding(Severity::kWarning,
                                             "2 overhangs without support, the largest at layer 803, 12.1 mm2");
                          record.add_finding(Severity::kWarning, "1 suction cup at layer 20, 3.2 ml");

@@ -1,8 +1,6 @@
 #pragma once
 /// Gaussian splats as PLY and SPZ.
 
-#include <zlib.h>
-
 #include <array>
 #include <cmath>
 #include <string>
@@ -10,6 +8,7 @@
 
 #include "slicer/core/vec.hpp"
 #include "tests/slicer/reader/scan_fixture.hpp"
+#include "tests/slicer/support/deflated.hpp"
 
 namespace plumbline::testing {
 
@@ -51,19 +50,7 @@ inline std::string splat_ply(const std::vector<Splat>& splats, bool ascii = fals
   return out;
 }
 
-inline std::string gzip(std::string_view bytes) {
-  z_stream zlib = {};
-  deflateInit2(&zlib, 6, Z_DEFLATED, 16 + 15, 8, Z_DEFAULT_STRATEGY);
-  std::string out(deflateBound(&zlib, bytes.size()), '\0');
-  zlib.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
-  zlib.avail_in = static_cast<uInt>(bytes.size());
-  zlib.next_out = reinterpret_cast<Bytef*>(out.data());
-  zlib.avail_out = static_cast<uInt>(out.size());
-  deflate(&zlib, Z_FINISH);
-  out.resize(zlib.total_out);
-  deflateEnd(&zlib);
-  return out;
-}
+inline std::string gzip(std::string_view bytes) { return deflated(bytes, 16 + 15); }
 
 /// The bytes of an SPZ before its compression.
 inline std::string plain_spz(const std::vector<Splat>& splats, std::uint32_t version, int fraction_bits = 12) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tests/slicer/reader/scan_fixture.hpp"
+#include "tests/slicer/support/deflated.hpp"
 
 namespace plumbline::testing {
 
@@ -24,25 +25,11 @@ struct ZipPart {
   std::uint32_t checksum_error = 0;  ///< added to the checksum
 };
 
-inline std::string deflated(const std::string& bytes) {
-  z_stream zlib = {};
-  deflateInit2(&zlib, 6, Z_DEFLATED, -15, 8, Z_DEFAULT_STRATEGY);
-  std::string out(deflateBound(&zlib, bytes.size()), '\0');
-  zlib.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
-  zlib.avail_in = static_cast<uInt>(bytes.size());
-  zlib.next_out = reinterpret_cast<Bytef*>(out.data());
-  zlib.avail_out = static_cast<uInt>(out.size());
-  deflate(&zlib, Z_FINISH);
-  out.resize(zlib.total_out);
-  deflateEnd(&zlib);
-  return out;
-}
-
 inline std::string zip_of(const std::vector<ZipPart>& parts) {
   std::string zip;
   std::string directory;
   for (const ZipPart& part : parts) {
-    const std::string packed = part.deflated ? deflated(part.content) : part.content;
+    const std::string packed = part.deflated ? deflated(part.content, -15) : part.content;
     const auto checksum = static_cast<std::uint32_t>(crc32(0, reinterpret_cast<const Bytef*>(part.content.data()),
                                                            static_cast<uInt>(part.content.size()))) +
                           part.checksum_error;
