@@ -201,4 +201,21 @@ Expected<StickMount> StickPort::mount() {
   return StickMount(*this, *folder);
 }
 
+Expected<bool> StickPort::store(const StickReport& report) {
+  PLUMBLINE_TRY(interlock_.check_power());
+  if (mounted_) return fail(ErrorCode::kBusy, "the stick is mounted");
+  return do_store(report);
+}
+
+tl::unexpected<Error> not_stored(int reason) {
+  const char* const why = reason == ENOSPC                      ? "it is full"
+                          : reason == EROFS || reason == EACCES ? "it is write-protected"
+                          : reason == ENOENT                    ? "it has no folder plumbline-reports"
+                                                                : std::strerror(reason);
+  return fail(ErrorCode::kCannotWrite,
+              "the report does not get onto the stick: %s.\tUse another stick, or ask for the report "
+              "on the printer's page",
+              why);
+}
+
 }  // namespace plumbline

@@ -25,6 +25,17 @@ struct StickIdentity {
   std::array<char, 64> serial{};
 };
 
+/// A report that goes onto a stick: a part of a file of the printer's.
+struct StickReport {
+  std::string_view name;              ///< on the stick; is_report_name()
+  int file = -1;                      ///< descriptor
+  std::uint64_t from = 0, bytes = 0;  ///< of that file
+};
+
+/// The error of a report that does not get onto a stick.
+/// @param reason  errno
+tl::unexpected<Error> not_stored(int reason);
+
 /// A file on a stick, read once from start to end. Move-only.
 /// Read it here and not through its path: a back end can tell a pulled stick from a bad sector.
 class StickFile final : public ByteSource {
@@ -119,6 +130,14 @@ class StickPort {
   /// @retval ErrorCode::kPowerLost
   [[nodiscard]] Expected<StickMount> mount();
 
+  /// Copies a report into the stick's folder kReportFolder. The stick is writable only for that moment; afterwards it may be pulled.
+  /// Overwrites nothing.
+  /// @returns false if a file of that name is there already
+  /// @retval ErrorCode::kNoStick, kMountFailed, kPowerLost
+  /// @retval ErrorCode::kBusy         it is mounted
+  /// @retval ErrorCode::kCannotWrite  it has no such folder, is full or write-protected, was pulled, or its file system is damaged
+  [[nodiscard]] Expected<bool> store(const StickReport& report);
+
  protected:
   explicit StickPort(Interlock& interlock) : interlock_(interlock) {}
 
@@ -132,6 +151,7 @@ class StickPort {
   virtual Expected<StickIdentity> do_identity() const = 0;
   /// Mounts the stick. @returns a descriptor of its top folder; closing the last file of it unmounts the stick
   virtual Expected<int> do_mount() = 0;
+  virtual Expected<bool> do_store(const StickReport& report) = 0;
   /// Reads like read(2), with the errors of StickFile::read().
   virtual Expected<std::size_t> do_read(int file, std::span<std::byte> buffer) = 0;
   /// @retval ErrorCode::kStickGone  the mounted stick was pulled, even if another one was plugged in since

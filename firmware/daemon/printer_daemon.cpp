@@ -12,6 +12,7 @@
 
 #include "firmware/daemon/issue_question.hpp"
 #include "firmware/daemon/sliced_record.hpp"
+#include "firmware/daemon/stick/stick_reports.hpp"
 #include "firmware/daemon/stick/stick_words.hpp"
 #include "firmware/daemon/stick_request.hpp"
 #include "firmware/io/descriptor.hpp"
@@ -273,9 +274,26 @@ Expected<bool> PrinterDaemon::prepare_archive(PrintSession& session, JobStore::R
   return true;
 }
 
+bool PrinterDaemon::store_reports() {
+  if (record_.prints == nullptr || !machine_.stick.has_stick()) return false;
+  const auto stored = plumbline::store_reports(machine_.stick, *record_.prints, settings_.board.name);
+  if (!stored) {
+    observer_.say(stored.error().message());
+    return false;
+  }
+  if (stored->files > 0) {
+    FixedText<120> text;
+    text.add("%zu file%s of the last prints are on the stick now, in plumbline-reports", stored->files,
+             stored->files == 1 ? "" : "s");
+    observer_.say(text.view());
+  }
+  return stored->asked;
+}
+
 Status PrinterDaemon::serve_stick() {
   served_ = true;
   fault_ = FaultCode::kNone;
+  const bool wants_reports = store_reports();
   observer_.begin_job();
   apply(PrintEvent::kJobOffered);
   PrintSession session(settings_.board, settings_.machine, arena_, &store_, &decoder_);
@@ -287,8 +305,10 @@ Status PrinterDaemon::serve_stick() {
     const auto mount = machine_.stick.mount();
     PLUMBLINE_TRY(mount);
     const auto wanted = choose(*mount);
-    PLUMBLINE_TRY(wanted);
-    if (!*wanted) {
+    // A stick may have come for the reports alone.
+    const bool is_empty = !wanted && wanted.error().code() == ErrorCode::kNoPoints && wants_reports;
+    if (!is_empty) PLUMBLINE_TRY(wanted);
+    if (is_empty || !*wanted) {
       apply(PrintEvent::kCancelAsked);
       return {};
     }
@@ -351,6 +371,7 @@ void PrinterDaemon::print(PrintSession& session, const PrintProfile& profile) {
                               settings_.machine.tank_volume_ml};
   const PrintReport& report = session.print(machine_, observer_, &plate_);
   observer_.printed(report, session, profile);
+  store_reports();
   // Don't print the same stick again until it is plugged in anew.
   served_ = machine_.stick.has_stick();
   fault_ = report.fault;

@@ -69,6 +69,9 @@ class PrinterDaemon final : public CommandTaker {
   /// @param profile  gets the archive's exposures
   Expected<bool> prepare_archive(PrintSession& session, JobStore::Received& copy, const ScanRequest& request,
                                  PrintProfile& profile);
+  /// Writes reports onto the stick if it asks for them. What goes wrong is only said.
+  /// @returns whether it asks
+  bool store_reports();
   Status resume();
   void print(PrintSession& session, const PrintProfile& profile);
   void refuse(const Error& error, FaultCode code);

@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "hal/process/report_folder.hpp"
 #include "hal/sim/sim_call.hpp"
 
 namespace plumbline {
@@ -42,6 +43,16 @@ Expected<int> SimStickPort::do_mount() {
   if (top < 0) return fail(ErrorCode::kMountFailed, "%s: %s", folder.c_str(), std::strerror(errno));
   mounted_stick_ = plant_.sticks_plugged();
   return top;
+}
+
+Expected<bool> SimStickPort::do_store(const StickReport& report) {
+  const auto top = do_mount();
+  PLUMBLINE_TRY(top);
+  const int reason = copy_report(*top, report.name, report.file, report.from, report.bytes);
+  ::close(*top);
+  if (reason == EEXIST) return false;
+  if (reason != 0) return not_stored(reason);
+  return true;
 }
 
 Status SimStickPort::do_check_mounted() const {

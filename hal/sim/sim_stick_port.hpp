@@ -14,6 +14,7 @@ class SimStickPort final : public StickPort {
   bool do_has_stick() const override;
   Expected<StickIdentity> do_identity() const override;
   Expected<int> do_mount() override;
+  Expected<bool> do_store(const StickReport& report) override;
   Expected<std::size_t> do_read(int file, std::span<std::byte> buffer) override;
   Status do_check_mounted() const override;
   /// Reading takes virtual time and can fail, which only do_read() knows.

@@ -1,5 +1,6 @@
 /// Contract of every back end: the port for sticks.
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -40,6 +41,40 @@ class StickContract : public Contract {
   }
   std::filesystem::path folder_;
 };
+
+TEST_P(StickContract, ReportsGoIntoTheirFolderAndOverwriteNothing) {
+  StickPort& port = rig_->machine().stick;
+  const int file = ::open((folder_ / "bust.ply").c_str(), O_RDONLY | O_CLOEXEC);
+  ASSERT_GE(file, 0);
+  const StickReport report{"sim2k-20261127-0001.json", file, 5, 200'000};
+  EXPECT_TRUE(failed_with(port.store(report), ErrorCode::kNoStick));
+  plug();
+  EXPECT_TRUE(failed_with(port.store(report), ErrorCode::kCannotWrite)) << "the stick has not asked for it";
+  const auto folder = folder_ / "plumbline-reports";
+  std::filesystem::create_directory_symlink(folder_ / "scans", folder);
+  EXPECT_TRUE(failed_with(port.store(report), ErrorCode::kCannotWrite)) << "a link may lead anywhere";
+  std::filesystem::remove(folder);
+  std::filesystem::create_directory(folder);
+  write("plumbline-reports/unfinished", "of a print whose stick was pulled");
+  {
+    const auto mount = port.mount();
+    ASSERT_TRUE(mount);
+    EXPECT_TRUE(failed_with(port.store(report), ErrorCode::kBusy));
+  }
+  EXPECT_EQ(port.store(report).value(), true);
+  EXPECT_EQ(port.store(report).value(), false) << "it is there";
+  std::ifstream stored(folder / report.name, std::ios::binary);
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(stored), {}), std::string(200'000, 'p'));
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
+  std::filesystem::create_symlink(folder_ / "job.toml", folder / "linked.json");
+  EXPECT_EQ(port.store({"linked.json", file, 0, 10}).value(), false) << "nothing is written through a link";
+  for (const char* name : {"", ".hidden", "../job.toml", "a/b", "a b"}) {
+    EXPECT_TRUE(failed_with(port.store({name, file, 0, 10}), ErrorCode::kCannotWrite)) << name;
+  }
+  EXPECT_TRUE(failed_with(port.store({"short.json", file, 299'999, 10}), ErrorCode::kCannotWrite));
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 2) << "nothing is left of what failed";
+  ::close(file);
+}
 
 TEST_P(StickContract, StickArrivesIsMountedIsReadAndLeaves) {
   StickPort& port = rig_->machine().stick;

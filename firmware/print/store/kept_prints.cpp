@@ -102,6 +102,10 @@ bool read_whole(int folder, std::uint32_t number, KeptPrint& print) {
   return file.read_all(std::as_writable_bytes(std::span(&stored, 1))) && stored == hash.value();
 }
 
+tl::unexpected<Error> cannot_read(std::uint32_t number) {
+  return fail(ErrorCode::kCannotRead, "print %u can't be read: %s", number, std::strerror(errno));
+}
+
 }  // namespace
 
 tl::unexpected<Error> KeptPrints::cannot_write() const {
@@ -203,21 +207,27 @@ Status KeptPrints::write(KeptPrint& facts, FunctionRef<Status(TextSink&)> write_
   return {};
 }
 
-Expected<KeptPrints::Got> KeptPrints::read(std::uint32_t number, Part part, std::uint64_t from,
-                                           std::span<std::byte> out) const {
+Expected<KeptPrints::Place> KeptPrints::find(std::uint32_t number, Part part) const {
   const auto prints = list();
   const auto print = std::ranges::find(prints, number, &KeptPrint::number);
   if (print == prints.end()) return fail(ErrorCode::kBadSetting, "print %u is not kept", number);
   const bool is_report = part == Part::kReport;
   const std::uint64_t size = is_report ? print->report_bytes : print->preview_bytes;
   if (size == 0) return fail(ErrorCode::kBadSetting, "print %u has no preview", number);
-  if (from >= size) return Got{0, size};
-  const std::uint64_t at = sizeof(Head) + (is_report ? 0 : print->report_bytes) + from;
-  const auto wanted = static_cast<std::size_t>(std::min<std::uint64_t>(out.size(), size - from));
-  const Descriptor file(::openat(folder_.get(), name_of(number).c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
-  const ssize_t got = file.is_open() ? ::pread(file.get(), out.data(), wanted, static_cast<off_t>(at)) : -1;
-  if (got < 0) return fail(ErrorCode::kCannotRead, "print %u can't be read: %s", number, std::strerror(errno));
-  return Got{static_cast<std::size_t>(got), size};
+  Descriptor file(::openat(folder_.get(), name_of(number).c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
+  if (!file.is_open()) return cannot_read(number);
+  return Place{std::move(file), sizeof(Head) + (is_report ? 0 : print->report_bytes), size};
+}
+
+Expected<KeptPrints::Got> KeptPrints::read(std::uint32_t number, Part part, std::uint64_t from,
+                                           std::span<std::byte> out) const {
+  const auto place = find(number, part);
+  PLUMBLINE_TRY(place);
+  if (from >= place->bytes) return Got{0, place->bytes};
+  const auto wanted = static_cast<std::size_t>(std::min<std::uint64_t>(out.size(), place->bytes - from));
+  const ssize_t got = ::pread(place->file.get(), out.data(), wanted, static_cast<off_t>(place->from + from));
+  if (got < 0) return cannot_read(number);
+  return Got{static_cast<std::size_t>(got), place->bytes};
 }
 
 }  // namespace plumbline

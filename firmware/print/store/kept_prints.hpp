@@ -74,6 +74,14 @@ class KeptPrints {
   /// @retval ErrorCode::kCannotRead
   [[nodiscard]] Expected<Got> read(std::uint32_t number, Part part, std::uint64_t from, std::span<std::byte> out) const;
 
+  /// Where a part of a kept print lies.
+  struct Place {
+    Descriptor file;
+    std::uint64_t from = 0, bytes = 0;  ///< of the file
+  };
+  /// Errors as of read().
+  [[nodiscard]] Expected<Place> find(std::uint32_t number, Part part) const;
+
  private:
   KeptPrints() = default;
   [[nodiscard]] Status write(KeptPrint& facts, FunctionRef<Status(TextSink&)> write,

@@ -1,5 +1,6 @@
 /// The program `plumbline-mount`: mounts sticks for the firmware. Of all processes only this one has CAP_SYS_ADMIN, so it does nothing
-/// else. It mounts storage on the USB bus, vfat or exfat, read-only, nosuid, nodev, noexec.
+/// else. It mounts storage on the USB bus, vfat or exfat, read-only, nosuid, nodev, noexec; and writable for as long as it copies a report
+/// into the stick's own folder for them.
 ///
 ///   plumbline-mount SOCKET       listens there, for processes of its own user; mount_protocol.hpp has the messages
 
@@ -40,14 +41,15 @@ bool is_on_usb(std::string_view name) {
          std::isdigit(static_cast<unsigned char>(path[usb + 4])) != 0;
 }
 
+enum class Access : std::uint8_t { kRead, kWrite };
+
 struct Kind {
   const char* name;
-  std::array<std::array<const char*, 2>, 4> options;
+  std::array<std::array<const char*, 2>, 2> options;
 };
-/// Everybody may read, nobody may write or execute; names are UTF-8. errors=continue: a read-only mount has nothing to lose.
-constexpr std::array kKinds = {
-    Kind{"vfat", {{{"utf8", "1"}, {"fmask", "0333"}, {"dmask", "0222"}, {"errors", "continue"}}}},
-    Kind{"exfat", {{{"iocharset", "utf8"}, {"fmask", "0333"}, {"dmask", "0222"}, {"errors", "continue"}}}}};
+/// Names are UTF-8. errors=continue: a read-only mount has nothing to lose.
+constexpr std::array kKinds = {Kind{"vfat", {{{"utf8", "1"}, {"errors", "continue"}}}},
+                               Kind{"exfat", {{{"iocharset", "utf8"}, {"errors", "continue"}}}}};
 
 // By number: C libraries older than 2.36 lack these functions.
 long configure(long context, unsigned command, const char* key, const char* value) {
@@ -55,42 +57,76 @@ long configure(long context, unsigned command, const char* key, const char* valu
 }
 
 /// @returns a descriptor of the top folder, or -1 with errno set
-int mount(const char* device, const Kind& kind) {
+int mount(const char* device, const Kind& kind, Access access) {
+  const bool reads = access == Access::kRead;
   const long context = ::syscall(SYS_fsopen, kind.name, FSOPEN_CLOEXEC);
   if (context < 0) return -1;
   long result = configure(context, FSCONFIG_SET_STRING, "source", device);
-  if (result == 0) result = configure(context, FSCONFIG_SET_FLAG, "ro", nullptr);
+  if (result == 0) result = configure(context, FSCONFIG_SET_FLAG, reads ? "ro" : "rw", nullptr);
   for (const auto& [key, value] : kind.options) {
     if (result == 0) result = configure(context, FSCONFIG_SET_STRING, key, value);
   }
+  // Everybody may read and nobody may write; or this process alone may do both. Nobody may execute.
+  std::array<char, 16> user{};
+  std::snprintf(user.data(), user.size(), "%u", static_cast<unsigned>(::geteuid()));
+  if (result == 0) result = configure(context, FSCONFIG_SET_STRING, "fmask", reads ? "0333" : "0177");
+  if (result == 0) result = configure(context, FSCONFIG_SET_STRING, "dmask", reads ? "0222" : "0077");
+  if (result == 0 && !reads) result = configure(context, FSCONFIG_SET_STRING, "uid", user.data());
   if (result == 0) result = configure(context, FSCONFIG_CMD_CREATE, nullptr, nullptr);
-  constexpr unsigned kSafe = MOUNT_ATTR_RDONLY | MOUNT_ATTR_NOSUID | MOUNT_ATTR_NODEV | MOUNT_ATTR_NOEXEC;
-  if (result == 0) result = ::syscall(SYS_fsmount, context, FSMOUNT_CLOEXEC, kSafe);
+  constexpr unsigned kSafe = MOUNT_ATTR_NOSUID | MOUNT_ATTR_NODEV | MOUNT_ATTR_NOEXEC;
+  if (result == 0) {
+    result = ::syscall(SYS_fsmount, context, FSMOUNT_CLOEXEC, reads ? kSafe | MOUNT_ATTR_RDONLY : kSafe);
+  }
   const int reason = errno;
   ::close(static_cast<int>(context));
   errno = reason;
   return static_cast<int>(result);
 }
 
+/// Mounts storage whose name is that of a block device.
+/// @returns a descriptor of the top folder; or -1, and `reason` is errno
+int mount_device(std::string_view name, Access access, int& reason) {
+  reason = EACCES;
+  if (!is_on_usb(name)) return -1;
+  reason = 0;
+  std::array<char, 64> device{};
+  std::snprintf(device.data(), device.size(), "/dev/%.*s", static_cast<int>(name.size()), name.data());
+  for (const Kind& kind : kKinds) {
+    const int folder = mount(device.data(), kind, access);
+    if (folder >= 0) {
+      reason = 0;
+      return folder;
+    }
+    // EINVAL means another file system, ENODEV an unknown one. Any other error says more.
+    if (reason == 0 || (errno != EINVAL && errno != ENODEV)) reason = errno;
+  }
+  return -1;
+}
+
+/// @returns errno
+int store(const ReportRequest& request, std::span<const int> files) {
+  if (files.size() != 1 || request.device.back() != '\0' || request.name.back() != '\0') return EACCES;
+  int reason = 0;
+  const int folder = mount_device(request.device.data(), Access::kWrite, reason);
+  if (folder < 0) return reason;
+  reason = copy_report(folder, request.name.data(), files[0], request.from, request.bytes);
+  ::close(folder);
+  return reason;
+}
+
 void serve(int client) {
-  std::array<char, kDeviceNameBytes> name{};
-  const auto request = receive_message(client, std::as_writable_bytes(std::span(name)));
-  if (!request) return;
-  request->close_descriptors();
+  ReportRequest request;
+  const auto bytes = std::as_writable_bytes(std::span(&request, 1));
+  const auto got = receive_message(client, bytes);
+  if (!got) return;
   int folder = -1;
   int reason = EACCES;
-  if (is_on_usb({name.data(), request->bytes})) {
-    reason = 0;
-    std::array<char, 64> device{};
-    std::snprintf(device.data(), device.size(), "/dev/%.*s", static_cast<int>(request->bytes), name.data());
-    for (const Kind& kind : kKinds) {
-      folder = mount(device.data(), kind);
-      if (folder >= 0) break;
-      // EINVAL means another file system, ENODEV an unknown one. Any other error says more.
-      if (reason == 0 || (errno != EINVAL && errno != ENODEV)) reason = errno;
-    }
-    if (folder >= 0) reason = 0;
+  if (got->bytes == bytes.size()) {
+    reason = store(request, got->descriptors());
+  } else if (got->bytes < kDeviceNameBytes) {
+    folder = mount_device({request.device.data(), got->bytes}, Access::kRead, reason);
   }
+  got->close_descriptors();
   // A client that has gone needs no answer.
   static_cast<void>(send_message(client, std::as_bytes(std::span(&reason, 1)), {&folder, folder >= 0 ? 1U : 0U}));
   if (folder >= 0) ::close(folder);

@@ -84,6 +84,11 @@ Expected<int> LinuxStickPort::do_mount() {
   return top;
 }
 
+Expected<bool> LinuxStickPort::do_store(const StickReport& report) {
+  if (!attached()) return no_stick();
+  return store_on_stick(block_devices(folder()), report, mount_socket_);
+}
+
 Status LinuxStickPort::do_check_mounted() const {
   if (mounted_arrival_ == arrivals_ && attached()) return {};
   return pulled();

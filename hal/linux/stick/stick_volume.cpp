@@ -15,6 +15,7 @@
 #include <span>
 #include <utility>
 
+#include "hal/linux/stick/mount_protocol.hpp"
 #include "hal/process/passed_descriptor.hpp"
 
 namespace plumbline {
@@ -75,13 +76,14 @@ struct Reply {
   int reason = 0;         ///< errno
 };
 
-Reply ask_to_mount(std::string_view device, const std::string& socket) {
+/// @param descriptors  for plumbline-mount
+Reply ask_to_mount(std::span<const std::byte> request, std::span<const int> descriptors, const std::string& socket) {
   const int connection = connect_to_mount(socket);
   if (connection < 0) return {.reason = errno};
   Reply reply;
   std::optional<ReceivedMessage> received;
   int result = 0;
-  if (send_message(connection, std::as_bytes(std::span(device)))) {
+  if (send_message(connection, request, descriptors)) {
     received = receive_message(connection, std::as_writable_bytes(std::span(&result, 1)));
   }
   if (received && received->bytes == sizeof result) {
@@ -92,6 +94,17 @@ Reply ask_to_mount(std::string_view device, const std::string& socket) {
   }
   ::close(connection);
   return reply;
+}
+
+/// "sda1" of "/dev/sda1".
+std::string_view device_of(std::string_view node) { return node.substr(node.rfind('/') + 1); }
+
+tl::unexpected<Error> no_storage() {
+  return fail(ErrorCode::kMountFailed, "the board finds no storage on the stick:\ttry another stick");
+}
+tl::unexpected<Error> no_answer(int reason) {
+  return fail(ErrorCode::kMountFailed, "plumbline-mount does not answer (%s):\tstart plumbline-mount.service",
+              std::strerror(reason));
 }
 
 }  // namespace
@@ -161,22 +174,37 @@ std::vector<std::string> block_devices(const std::string& device, const std::str
 }
 
 Expected<int> mount_stick(const std::vector<std::string>& nodes, const std::string& socket) {
-  if (nodes.empty()) {
-    return fail(ErrorCode::kMountFailed, "the board finds no storage on the stick:\ttry another stick");
-  }
+  if (nodes.empty()) return no_storage();
   int reason = 0;
   for (const auto& node : nodes) {
-    const Reply reply = ask_to_mount(node.substr(node.rfind('/') + 1), socket);
+    const Reply reply = ask_to_mount(std::as_bytes(std::span(device_of(node))), {}, socket);
     if (reply.folder >= 0) return reply.folder;
-    if (!reply.answered) {
-      return fail(ErrorCode::kMountFailed, "plumbline-mount does not answer (%s):\tstart plumbline-mount.service",
-                  std::strerror(reply.reason));
-    }
+    if (!reply.answered) return no_answer(reply.reason);
     // EINVAL means another file system, ENODEV an unknown one. Any other error says more.
     if (reason == 0 || (reply.reason != EINVAL && reply.reason != ENODEV)) reason = reply.reason;
   }
   return fail(ErrorCode::kMountFailed, "the stick's file system can't be read (%s: %s):\tformat it as FAT32 or exFAT",
               nodes.front().c_str(), std::strerror(reason));
+}
+
+Expected<bool> store_on_stick(const std::vector<std::string>& nodes, const StickReport& report,
+                              const std::string& socket) {
+  if (nodes.empty()) return no_storage();
+  ReportRequest request;
+  request.from = report.from;
+  request.bytes = report.bytes;
+  report.name.copy(request.name.data(), request.name.size() - 1);
+  int reason = 0;
+  for (const auto& node : nodes) {
+    request.device.fill('\0');
+    device_of(node).copy(request.device.data(), request.device.size() - 1);
+    const Reply reply = ask_to_mount(std::as_bytes(std::span(&request, 1)), {&report.file, 1}, socket);
+    if (!reply.answered) return no_answer(reply.reason);
+    if (reply.reason == 0) return true;
+    if (reply.reason == EEXIST) return false;
+    if (reason == 0 || (reply.reason != EINVAL && reply.reason != ENODEV)) reason = reply.reason;
+  }
+  return not_stored(reason);
 }
 
 }  // namespace plumbline

@@ -31,4 +31,11 @@ std::vector<std::string> block_devices(const std::string& device, const std::str
 /// @retval ErrorCode::kMountFailed  none can be mounted: the kernel's reason; or plumbline-mount does not answer
 [[nodiscard]] Expected<int> mount_stick(const std::vector<std::string>& nodes, const std::string& socket);
 
+/// Has plumbline-mount copy a report onto the first of `nodes` that is vfat or exfat.
+/// @retval ErrorCode::kMountFailed  as mount_stick()
+/// @retval ErrorCode::kCannotWrite  the stick is full or write-protected, or its file system is damaged
+/// @returns false if it is there already
+[[nodiscard]] Expected<bool> store_on_stick(const std::vector<std::string>& nodes, const StickReport& report,
+                                            const std::string& socket);
+
 }  // namespace plumbline

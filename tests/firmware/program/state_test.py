@@ -85,10 +85,27 @@ class State(StatePrinter):
         cancelled = user.state("plate in use", "plate-empty")
         self.assertEqual(cancelled["job"]["result"], "cancelled")
         self.check_kept_prints(user, cancelled)
+        self.check_stored_reports(user, cancelled)
         sequences = [state["sequence"] for state in user.states]
         self.assertEqual(sequences, sorted(set(sequences)))
         daemon.terminate()
         self.assertEqual(daemon.wait(60), 0)
+
+    def check_stored_reports(self, user, state):
+        """A folder on the stick gets the reports of both prints, and nothing is overwritten."""
+        folder = self.dir / "stick/plumbline-reports"
+        folder.mkdir()
+        names = [
+            f"sim2k-{kept['ended_at'][:10].replace('-', '')}-{kept['number']:04}"
+            for kept in reversed(state["prints"])
+        ]
+        (folder / f"{names[0]}.png").write_text("mine")
+        user.do("plate-empty")
+        user.state("offered", "start")
+        stored = [f"{names[0]}.json", f"{names[0]}.png", f"{names[1]}.json"]
+        self.assertEqual(sorted(path.name for path in folder.iterdir() if path.name != f"{names[1]}.png"), stored)
+        self.assertEqual((folder / f"{names[0]}.png").read_text(), "mine")
+        self.assertEqual((folder / f"{names[1]}.json").read_bytes(), (self.folder / "report.json").read_bytes())
 
     def check_kept_prints(self, user, state):
         """The two prints of before, by socket and command line."""

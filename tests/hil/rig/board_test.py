@@ -6,6 +6,7 @@ Usage: board_test.py HOST_BUILD CROSS_BUILD [--arch arm64|armhf] [unittest optio
 This machine runs only when the host gives it time, so these tests judge no milliseconds; exact_test.py does.
 """
 
+import json
 import re
 import time
 
@@ -76,8 +77,15 @@ class Board(rig.Rig):
         self.start_daemon()
         self.run_in_guest("echo from here on > /sys/kernel/tracing/trace_marker")
         locked = self.daemon_status("VmLck")
-        self.plug(self.stick)
+        stick = self.dir / "reports.img"
+        guest.make_stick(stick, [self.scan], folders=["plumbline-reports"])
+        self.plug(stick, writable=True)
         self.prints()
+        self.until("of the last prints are on the stick now")
+        self.assertEqual(self.stick_files(), 0, "nothing stays mounted")
+        names = guest.stick_folder(stick, "plumbline-reports")
+        reports = [name for name in names if name.endswith(".json")]
+        self.assertEqual(json.loads(guest.stick_file(stick, f"plumbline-reports/{reports[-1]}")), self.report())
         text = self.run_in_guest(f"cd /sys/kernel/tracing; cat trace; echo > set_event_pid; for call in {MEMORY_CALLS};"
                                  " do echo 0 > $call/enable; done")
         before, after = ([line for line in part.splitlines() if re.search(OURS_TAKES, line)]

@@ -218,7 +218,18 @@ def make_systemd_disk(arch, folder, files):
     return disk
 
 
-def make_stick(path, files, damaged=False):
+def stick_file(path, name):
+    """The bytes of a file on a stick."""
+    return subprocess.run(["mtype", "-i", f"{path}@@1M", f"::/{name}"], check=True, capture_output=True).stdout
+
+
+def stick_folder(path, name):
+    """The names in a folder on a stick."""
+    listed = subprocess.run(["mdir", "-b", "-i", f"{path}@@1M", f"::/{name}"], check=True, capture_output=True, text=True)
+    return [line.rsplit("/", 1)[1] for line in listed.stdout.split()]
+
+
+def make_stick(path, files, damaged=False, folders=()):
     """A stick of 48 MB with one FAT32 partition. @param damaged  overwrites its file allocation table"""
     sectors, first = 48 * 2048, 2048
     entry = b"\0" + bytes(3) + b"\x0c" + bytes(3) + first.to_bytes(4, "little") + (sectors - first).to_bytes(4, "little")
@@ -233,6 +244,8 @@ def make_stick(path, files, damaged=False):
     subprocess.run(command, check=True, capture_output=True)
     for file in files:
         subprocess.run(["mcopy", "-i", f"{path}@@1M", file, "::/"], check=True)
+    for folder in folders:
+        subprocess.run(["mmd", "-i", f"{path}@@1M", f"::/{folder}"], check=True)
     if damaged:
         with open(path, "r+b") as image:
             image.seek(first * 512)

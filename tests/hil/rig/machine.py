@@ -192,13 +192,13 @@ class Machine:
         assert red == data[3][1::3] == data[3][2::3], "a colour on a panel without colours"
         return red
 
-    def plug(self, name, image, bytes_per_second=None, bad_sector=None):
-        file = {"driver": "file", "filename": str(image), "read-only": True}
+    def plug(self, name, image, bytes_per_second=None, bad_sector=None, writable=False):
+        file = {"driver": "file", "filename": str(image), "read-only": not writable}
         if bad_sector is not None:
             error = {"event": "none", "iotype": "read", "sector": bad_sector, "errno": 5, "once": False}
             file = {"driver": "blkdebug", "inject-error": [error], "image": file}
         top = f"raw-{name}"
-        self.ask("blockdev-add", **{"driver": "raw", "node-name": top, "read-only": True, "file": file})
+        self.ask("blockdev-add", **{"driver": "raw", "node-name": top, "read-only": not writable, "file": file})
         if bytes_per_second:
             group = {"qom-type": "throttle-group", "id": f"limit-{name}", "limits": {"bps-total": bytes_per_second}}
             self.ask("object-add", **group)

@@ -101,6 +101,25 @@ TEST_F(Mount, ServesTheNextAfterOneThatSaysNothingOrHasGoneOrSendsADescriptor) {
   for (int times = 0; times < 2000; ++times) ASSERT_EQ(ask("nothing", kTwo), EACCES) << "out of descriptors";
 }
 
+TEST_F(Mount, StoresNoReportOnWhatIsNoStick) {
+  for (const char* device : {"nothing", "../sda1", ""}) {
+    ReportRequest request;
+    std::string_view(device).copy(request.device.data(), request.device.size() - 1);
+    std::string_view("a.json").copy(request.name.data(), request.name.size() - 1);
+    const std::string bytes(reinterpret_cast<const char*>(&request), sizeof request);
+    constexpr std::array kOne = {STDIN_FILENO};
+    constexpr std::array kTwo = {STDIN_FILENO, STDIN_FILENO};
+    EXPECT_EQ(ask(bytes, kOne), EACCES);
+    EXPECT_EQ(ask(bytes, kTwo), EACCES);
+    EXPECT_EQ(ask(bytes), EACCES);
+  }
+  const std::string endless(sizeof(ReportRequest), 'a');
+  EXPECT_EQ(ask(endless), EACCES);
+  const auto refused = store_on_stick({"/dev/nothing1"}, {"a.json", STDIN_FILENO, 0, 1}, socket_);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code(), ErrorCode::kCannotWrite);
+}
+
 TEST_F(Mount, ListensForItsOwnUserOnly) {
   struct stat facts {};
   ASSERT_EQ(::stat(socket_.c_str(), &facts), 0);
