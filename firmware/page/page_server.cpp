@@ -14,6 +14,8 @@
 #include "firmware/page/access.hpp"
 #include "firmware/page/octoprint.hpp"
 #include "firmware/page/page_files.hpp"
+#include "firmware/print/status/fault.hpp"
+#include "firmware/screen/fault_words.hpp"
 #include "firmware/state/socket_place.hpp"
 
 namespace plumbline {
@@ -67,6 +69,24 @@ FixedText<100> report_question(std::uint32_t print, std::uint64_t from) {
   return what;
 }
 
+/// The faults in German, by code: what the state says of them is in English.
+Status write_german_faults(TextSink& out) {
+  JsonWriter json(out);
+  json.begin_object(kOneLine);
+  for (const FaultInfo& fault : all_faults()) {
+    const FaultWords words = fault_words(fault.code, Language::kGerman);
+    FixedText<16> code;
+    code.add("PL-%u", static_cast<unsigned>(fault.code));
+    json.key(code.view());
+    json.begin_object(kOneLine);
+    json.member("title", words.title);
+    json.member("remedy", words.next);
+    json.end_object();
+  }
+  json.end_object();
+  return json.finish();
+}
+
 /// Commands that a browser may give: those that a state may list.
 bool is_command(Command command) { return static_cast<std::size_t>(command) < kCommandCount; }
 
@@ -78,6 +98,7 @@ PageServer::PageServer(const std::string& socket, PageChoice page, std::string p
       pairing_(std::move(pairing)),
       link_(command_socket(socket)),
       mask_(kMostPng) {
+  static_cast<void>(write_german_faults(faults_));
   for (Picture& picture : pictures_) picture.png.resize(kMostPng);
   for (Stream& stream : streams_) stream.report.resize(kMostPng);
 }
@@ -111,6 +132,7 @@ HttpReply PageServer::get(const HttpRequest& request, const HttpTicket& ticket) 
   for (const PageFile& file : page_files()) {
     if (request.path == file.path) return HttpAnswer{.type = file.type, .body = file.text, .is_fixed = true};
   }
+  if (request.path == "/faults.json") return HttpAnswer{.body = faults_.view(), .is_fixed = true};
   if (request.path == "/events") return HttpStream{};
   if (request.path == "/access") return access(request);
   if (request.path == "/api/version") {

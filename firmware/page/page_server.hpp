@@ -101,6 +101,7 @@ class PageServer final : public HttpHandler {
   std::vector<std::byte> mask_;  ///< scratch
   std::array<Stream, HttpServer::kMostStreams> streams_;
   TextBuffer<4096> text_;  ///< of an answer; copied before the next one
+  TextBuffer<16384> faults_;
 };
 
 }  // namespace plumbline

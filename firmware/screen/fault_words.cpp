@@ -17,7 +17,8 @@ using enum FaultCode;
 /// kFaults of fault.cpp in German, by code.
 constexpr std::array kGerman{
     GermanFault{kScanUnreadable, {"Scan ist nicht lesbar", "Name und Stick prüfen oder den Scan neu kopieren."}},
-    GermanFault{kNotAScan, {"Kein Scan", "Den Scan neu als PLY, PCD, OBJ oder XYZ exportieren."}},
+    GermanFault{kNotAScan,
+                {"Kein Scan", "Den Scan neu als PLY, PCD, OBJ oder XYZ exportieren, ein Modell als STL oder 3MF."}},
     GermanFault{kNothingToPrint,
                 {"Nichts zu drucken", "Den Scan im Programm des Scanners ansehen und mit seinen Punkten exportieren."}},
     GermanFault{kOutOfMemory,

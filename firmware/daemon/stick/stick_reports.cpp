@@ -21,7 +21,7 @@ ReportName name_of(const KeptPrint& print, KeptPrints::Part part, std::string_vi
     const bool plain = c != '.' && is_report_name({&c, 1});
     name.add("%c", plain ? c : '-');
   }
-  const std::time_t ended = print.ended_at;
+  const auto ended = static_cast<std::time_t>(print.ended_at);
   std::tm day{};
   ::gmtime_r(&ended, &day);
   name.add("-%04d%02d%02d-%04u.%s", std::clamp(day.tm_year + 1900, 0, 9999), day.tm_mon + 1, day.tm_mday, print.number,

@@ -4,6 +4,7 @@
 const words = texts[navigator.language.startsWith("de") ? "de" : "en"];
 const $ = (id) => document.getElementById(id);
 let state = null;
+let faults = {};  // by code, in the browser's language; none: as the printer says them
 let access = {page: "local", paired: false};
 
 // --- Small tools
@@ -150,10 +151,11 @@ function showNow() {
   const fault = state.fault;
   $("fault").hidden = !fault;
   if (fault) {
-    show("fault-title", true, `${fault.code}: ${fault.title}`);
+    const said = faults[fault.code];
+    show("fault-title", true, `${fault.code}: ${said ? said.title : fault.title}`);
     show("fault-message", Boolean(fault.message), fault.message || "");
-    show("fault-meaning", true, fault.meaning);
-    show("fault-remedy", true, fault.remedy);
+    show("fault-meaning", !said, fault.meaning);
+    show("fault-remedy", true, said ? said.remedy : fault.remedy);
   }
   const progress = state.progress;
   const done = state.slicing ? state.slicing.fraction : progress && progress.layers ? progress.layers_done / progress.layers : null;
@@ -352,6 +354,14 @@ function sayWords() {
   $("progress").setAttribute("aria-label", words.printing);
 }
 
+// What a fault means and what to do is a table of its own in each language but English.
+async function fetchFaults() {
+  const answer = await fetch("/faults.json");
+  if (answer.ok) faults = await answer.json();
+  if (state) showNow();
+}
+
 sayWords();
+if (words === texts.de) fetchFaults().catch(() => {});
 lookAtAccess().catch(() => {});
 listen();

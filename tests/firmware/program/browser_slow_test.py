@@ -4,6 +4,7 @@ and a keyboard find; contrast; sizes from a phone's to a desktop's. PLUMBLINE_LO
 
 import os
 import re
+import shutil
 import time
 import unittest
 from pathlib import Path
@@ -207,6 +208,14 @@ class BrowserTest(PagePrinter):
         self.look("deutsch")
         self.do("cancel")
         self.until_state("idle")
+        shutil.rmtree(self.stick)
+        time.sleep(1)  # the printer looks for its simulated stick again and again
+        self.put_stick({"hello.ply": b"hello"})
+        self.until_state("offered")
+        self.do("start")
+        self.until_state("fault")
+        browser.until("return document.querySelector('#fault-title').textContent === 'PL-102: Kein Scan'", "a fault in German")
+        self.look("fehler")
 
 
 if __name__ == "__main__":
