@@ -25,6 +25,23 @@ PixelBox Sheet::body() const {
 
 int row_height(const Sheet& sheet) { return sheet.px(22); }
 
+PixelBox draw_row(const Sheet& sheet, const PixelBox& box, bool chosen) {
+  if (chosen) sheet.canvas().fill(box, ink::kChosen);
+  return box.inset(sheet.px(4), 0);
+}
+
+void draw_pair(const Sheet& sheet, const PixelBox& room, std::string_view left, std::string_view right,
+               const TextStyle& style) {
+  const int width = sheet.look().plain.width(right);
+  sheet.page.line(room.left_columns(room.width - width - sheet.px(8)), left, style);
+  sheet.page.line(room.from_column(room.width - width), right, {sheet.look().plain, style.ink, Align::kRight});
+}
+
+ListPart shown_part(const Sheet& sheet, int height, std::size_t rows, std::size_t at) {
+  const auto count = std::min(rows, static_cast<std::size_t>(height / row_height(sheet)));
+  return {std::min(at > count / 2 ? at - count / 2 : 0, rows - count), count};
+}
+
 void draw_title(const Sheet& sheet, std::string_view title, Colour bar) {
   Canvas& canvas = sheet.canvas();
   canvas.fill(canvas.all(), ink::kGround);

@@ -36,6 +36,17 @@ struct Sheet {
 
 /// A row's height in lists.
 int row_height(const Sheet& sheet);
+/// A row of a list, the chosen one on a bar.
+/// @returns the room for its text
+PixelBox draw_row(const Sheet& sheet, const PixelBox& box, bool chosen);
+/// Two texts of a row, one at either end.
+void draw_pair(const Sheet& sheet, const PixelBox& room, std::string_view left, std::string_view right,
+               const TextStyle& style);
+/// Rows of a list that fit, so that the one at hand is among them.
+struct ListPart {
+  std::size_t first = 0, count = 0;
+};
+ListPart shown_part(const Sheet& sheet, int height, std::size_t rows, std::size_t at);
 
 /// The ground and the title's bar. A code that somebody is to type into a browser takes the title's place.
 /// @param bar  its colour; the text is dark on bright ones
@@ -76,6 +87,7 @@ void draw_raising(const Sheet& sheet);
 void draw_plate(const Sheet& sheet);
 void draw_interrupted(const Sheet& sheet);
 void draw_fault(const Sheet& sheet);
+void draw_prints(const Sheet& sheet);
 void draw_ending(const Sheet& sheet);
 
 }  // namespace plumbline

@@ -62,7 +62,8 @@ std::optional<Event> ScreenServer::filter(const Event& event, const PrinterRecor
   drawn_at_ = {};  // whoever presses a button sees at once what it did
   if (view_.asks_to_cancel && event.at < asked_at_ + kSettle) return std::nullopt;
   const auto use = buttons_of(record, view_)[static_cast<std::size_t>(*button)];
-  if (!use) return view_.asks_to_cancel || view_.settings_open ? std::nullopt : std::optional(event);
+  if (!use)
+    return view_.asks_to_cancel || view_.settings_open || view_.prints_open ? std::nullopt : std::optional(event);
   if (use->act == ButtonAct::kCommand) {
     view_.asks_to_cancel = false;
     return event;
@@ -97,6 +98,9 @@ void ScreenServer::act(ButtonAct act, const PrinterRecord& record, CommandTaker&
       asked_at_ = at;
       break;
     case ButtonAct::kKeepPrinting: view_.asks_to_cancel = false; break;
+    case ButtonAct::kOpenPrints: view_.prints_open = true; break;
+    case ButtonAct::kNextPrint: view_.print = (view_.print + 1) % record.prints->list().size(); break;
+    case ButtonAct::kClosePrints: view_.prints_open = false; break;
   }
 }
 

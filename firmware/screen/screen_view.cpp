@@ -10,6 +10,10 @@ using Uses = std::array<std::optional<ButtonUse>, kScreenButtonCount>;
 /// A part hangs on the plate, or is about to.
 bool loses_a_part(PrintState state) { return state == PrintState::kPrinting || is_pause(state); }
 
+std::size_t kept_prints(const PrinterRecord& record) {
+  return record.prints != nullptr ? record.prints->list().size() : 0;
+}
+
 Uses uses_on_scans(const PrinterRecord& record, const ScreenView& view) {
   if (view.settings_open) {
     return {ButtonUse{Words::kDoChange, ButtonAct::kChangeSetting}, ButtonUse{Words::kDoNext, ButtonAct::kNextSetting},
@@ -35,7 +39,15 @@ Uses buttons_of(const PrinterRecord& record, const ScreenView& view) {
   }
   const ButtonAct ask = loses_a_part(record.state) ? ButtonAct::kAskToCancel : ButtonAct::kCommand;
   switch (screen_of(record)) {
-    case ScreenKind::kIdle: give(kStart, Command::kOffer, Words::kDoOffer); break;
+    case ScreenKind::kIdle:
+      if (view.prints_open) {
+        if (kept_prints(record) > 1) uses[1] = ButtonUse{Words::kDoNext, ButtonAct::kNextPrint};
+        uses[2] = ButtonUse{Words::kDoBack, ButtonAct::kClosePrints};
+        break;
+      }
+      give(kStart, Command::kOffer, Words::kDoOffer);
+      if (kept_prints(record) > 0) uses[1] = ButtonUse{Words::kDoPrints, ButtonAct::kOpenPrints};
+      break;
     case ScreenKind::kScans:
       if (record.job && takes(record, Command::kStart)) return uses_on_scans(record, view);
       break;
@@ -72,6 +84,8 @@ ScreenView still_open(const PrinterRecord& record, ScreenView view) {
   if (kind != ScreenKind::kScans) view.on_settings_row = view.settings_open = false;
   if (!view.settings_open) view.setting = 0;
   if (kind != ScreenKind::kPreview || view.finding >= record.finding_count) view.finding = 0;
+  view.prints_open = view.prints_open && kind == ScreenKind::kIdle && kept_prints(record) > 0;
+  if (!view.prints_open || view.print >= kept_prints(record)) view.print = 0;
   view.asks_to_cancel = view.asks_to_cancel && loses_a_part(record.state) && takes(record, Command::kCancel);
   return view;
 }

@@ -18,7 +18,9 @@ struct ScreenView {
   bool settings_open = false;
   std::size_t setting = 0;  ///< the row at hand
   bool asks_to_cancel = false;
-  std::size_t finding = 0;  ///< the first one shown
+  std::size_t finding = 0;   ///< the first one shown
+  bool prints_open = false;  ///< the last prints
+  std::size_t print = 0;     ///< the row at hand
 };
 
 enum class ScreenButton : std::uint8_t { kStart, kPause, kCancel };
@@ -34,6 +36,9 @@ enum class ButtonAct : std::uint8_t {
   kMoreFindings,
   kAskToCancel,
   kKeepPrinting,
+  kOpenPrints,
+  kNextPrint,
+  kClosePrints,
 };
 
 struct ButtonUse {

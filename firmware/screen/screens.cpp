@@ -9,7 +9,7 @@ namespace {
 void draw_kind(const Sheet& sheet) {
   if (sheet.view.asks_to_cancel) return draw_cancel_question(sheet);
   switch (screen_of(sheet.record)) {
-    case ScreenKind::kIdle: return draw_idle(sheet);
+    case ScreenKind::kIdle: return sheet.view.prints_open ? draw_prints(sheet) : draw_idle(sheet);
     case ScreenKind::kScans: return sheet.view.settings_open ? draw_settings(sheet) : draw_scans(sheet);
     case ScreenKind::kPreview: return draw_preview_screen(sheet);
     case ScreenKind::kSlicing: return draw_slicing(sheet);

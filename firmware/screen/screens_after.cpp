@@ -1,6 +1,8 @@
 /// The screens at the end of a print, for better or worse.
 
+#include <algorithm>
 #include <cctype>
+#include <ctime>
 
 #include "firmware/screen/fault_words.hpp"
 #include "firmware/screen/screen_parts.hpp"
@@ -16,7 +18,55 @@ Words plate_title(const PrinterRecord& record) {
   return Words::kPlateInUse;
 }
 
+Words result_of(const KeptPrint& print) {
+  switch (static_cast<PrintState>(print.result)) {
+    case PrintState::kFinished: return Words::kFinished;
+    case PrintState::kCancelled: return Words::kCancelled;
+    case PrintState::kFault: return Words::kFault;
+    default: return Words::kInterrupted;
+  }
+}
+
+/// The day on which a print ended, UTC.
+ShortText day_of(const KeptPrint& print) {
+  const auto ended = static_cast<std::time_t>(print.ended_at);
+  std::tm day{};
+  ::gmtime_r(&ended, &day);
+  ShortText text;
+  text.add("%04d-%02d-%02d", std::clamp(day.tm_year + 1900, 0, 9999), day.tm_mon + 1, day.tm_mday);
+  return text;
+}
+
 }  // namespace
+
+void draw_prints(const Sheet& sheet) {
+  draw_title(sheet, sheet.say(Words::kPrints));
+  const auto prints = sheet.record.prints->list();
+  const PixelBox body = sheet.body();
+  const int height = row_height(sheet);
+  const int line = sheet.look().plain.line_height();
+  const int facts_height = 2 * line + sheet.px(4);
+  const ListPart part = shown_part(sheet, body.height - facts_height, prints.size(), sheet.view.print);
+  for (std::size_t i = 0; i < part.count; ++i) {
+    const KeptPrint& print = prints[part.first + i];
+    const PixelBox box{body.x, body.y + static_cast<int>(i) * height, body.width, height};
+    const bool good = result_of(print) == Words::kFinished;
+    ShortText name;
+    name.add("%s%s", good ? "" : "⚠ ", PrintableText(view(print.scan), 64).c_str());
+    draw_pair(sheet, draw_row(sheet, box, part.first + i == sheet.view.print), name.view(), day_of(print).view(),
+              sheet.plain(good ? ink::kText : ink::kAttention, Fit::kMayCut));
+  }
+  const KeptPrint& print = prints[sheet.view.print];
+  const bool good = result_of(print) == Words::kFinished;
+  PixelBox rest = body.from_row(body.height - 2 * line);
+  draw_pair(sheet, rest.top_rows(line), sheet.say(result_of(print)), PrintableText(view(print.profile), 32).view(),
+            sheet.bold(good ? ink::kGood : ink::kAttention));
+  rest = rest.from_row(line);
+  ShortText resin;
+  resin.add("%s ml", decimal(print.resin_ml, 1, sheet.language).c_str());
+  const auto layers = filled_in(sheet.say(Words::kLayerOf), print.layers_done, print.layers);
+  draw_pair(sheet, rest.top_rows(line), layers.view(), resin.view(), sheet.plain());
+}
 
 void draw_raising(const Sheet& sheet) {
   draw_title(sheet, sheet.say(Words::kRaising));

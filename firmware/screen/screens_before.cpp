@@ -23,20 +23,6 @@ ShortText file_size(std::uint64_t bytes, Language language) {
   return text;
 }
 
-/// A row of a list, the chosen one on a bar.
-/// @returns the room for its text
-PixelBox draw_row(const Sheet& sheet, const PixelBox& box, bool chosen) {
-  if (chosen) sheet.canvas().fill(box, ink::kChosen);
-  return box.inset(sheet.px(4), 0);
-}
-
-void draw_pair(const Sheet& sheet, const PixelBox& room, std::string_view left, std::string_view right,
-               const TextStyle& style) {
-  const int width = sheet.look().plain.width(right);
-  sheet.page.line(room.left_columns(room.width - width - sheet.px(8)), left, style);
-  sheet.page.line(room.from_column(room.width - width), right, {sheet.look().plain, style.ink, Align::kRight});
-}
-
 /// What is wrong with the scan at hand, or how it is printed.
 void draw_hint(const Sheet& sheet, const PixelBox& box, const JobRecord& job) {
   const PrinterRecord& record = sheet.record;
@@ -94,10 +80,9 @@ void draw_scans(const Sheet& sheet) {
   const std::size_t at = sheet.view.on_settings_row ? scans : job.chosen.value_or(0);
   const int height = row_height(sheet);
   const int hint = 2 * sheet.look().plain.line_height();
-  const auto shown = std::min(rows, static_cast<std::size_t>((body.height - hint) / height));
-  const std::size_t first = std::min(at > shown / 2 ? at - shown / 2 : 0, rows - shown);
-  for (std::size_t i = 0; i < shown; ++i) {
-    const std::size_t row = first + i;
+  const ListPart part = shown_part(sheet, body.height - hint, rows, at);
+  for (std::size_t i = 0; i < part.count; ++i) {
+    const std::size_t row = part.first + i;
     const PixelBox room =
         draw_row(sheet, {body.x, body.y + static_cast<int>(i) * height, body.width, height}, row == at);
     if (row == scans) {

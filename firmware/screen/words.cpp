@@ -34,9 +34,12 @@ constexpr std::array kTable{
     Row{kInterrupted, {"Print interrupted", "Druck unterbrochen"}},
     Row{kEnding, {"Shutting down", "Wird beendet"}},
     Row{kFault, {"Fault", "Fehler"}},
+    Row{kPrints, {"Last prints", "Letzte Drucke"}},
 
     Row{kPlugIn, {"Plug in a USB stick with a scan", "USB-Stick mit einem Scan einstecken"}},
-    Row{kScanKinds, {"PLY, PCD, OBJ or XYZ, in its top folder", "PLY, PCD, OBJ oder XYZ, im obersten Ordner"}},
+    Row{kScanKinds,
+        {"or a mesh: PLY, XYZ, OBJ, STL, 3MF and more, in its top folder",
+         "oder einem Modell: PLY, XYZ, OBJ, STL, 3MF und mehr, im obersten Ordner"}},
     Row{kStickIsIn, {"The stick is in", "Der Stick steckt"}},
     Row{kShowAgain,
         {"▶ shows what is on it. Or plug in another one.", "▶ zeigt, was darauf ist. Oder einen anderen einstecken."}},
@@ -111,6 +114,7 @@ constexpr std::array kTable{
     Row{kDoGiveUp, {"Give up", "Aufgeben"}},
     Row{kDoEmpty, {"Empty", "Leer"}},
     Row{kDoSeen, {"Seen", "Gelesen"}},
+    Row{kDoPrints, {"Prints", "Drucke"}},
 
     Row{kPageCode, {"Page code: %s", "Code der Seite: %s"}},
 };

@@ -31,6 +31,7 @@ enum class Words : std::uint8_t {
   kInterrupted,
   kEnding,
   kFault,
+  kPrints,
   // What there is to do, in large letters, and what else there is to say.
   kPlugIn,
   kScanKinds,
@@ -99,6 +100,7 @@ enum class Words : std::uint8_t {
   kDoGiveUp,
   kDoEmpty,
   kDoSeen,
+  kDoPrints,
   // In the place of any title.
   kPageCode,
 };

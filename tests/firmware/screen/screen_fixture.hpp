@@ -8,7 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "firmware/print/store/kept_prints.hpp"
 #include "firmware/screen/screens.hpp"
+#include "tests/firmware/support/job_fixture.hpp"
 
 namespace plumbline {
 
@@ -83,6 +85,38 @@ inline const JobPictures& pictures_with_issues() {
     return made;
   }();
   return *pictures;
+}
+
+/// Five prints, kept in a folder of their own.
+inline const KeptPrints& some_prints() {
+  struct Row {
+    const char* scan;
+    PrintState result;
+    std::uint32_t layers_done;
+    double resin_ml;
+  };
+  static const TemporaryFolder folder;
+  static const KeptPrints prints = [] {
+    auto opened = KeptPrints::open(folder / ".", [](std::string_view) {});
+    constexpr std::array kRows = {
+        Row{"bust.ply", PrintState::kFinished, 1604, 34.4}, Row{"gear.stl", PrintState::kCancelled, 152, 2.1},
+        Row{"a statue with a very long name.ply and 3 more", PrintState::kFinished, 1604, 120.9},
+        Row{"ring.3mf", PrintState::kFault, 12, 0.4}, Row{"bust.ply", PrintState::kFinished, 1604, 34.4}};
+    std::int64_t day = 1'795'000'000;
+    for (const Row& row : kRows) {
+      KeptPrint print;
+      print.scan = short_name(row.scan);
+      print.profile = short_name("standard");
+      print.result = static_cast<std::uint32_t>(row.result);
+      print.layers = 1604;
+      print.layers_done = row.layers_done;
+      print.resin_ml = row.resin_ml;
+      print.ended_at = day += 86'400;
+      EXPECT_TRUE(opened->keep(print, [](TextSink& out) { return out.write("{}"); }, {}));
+    }
+    return std::move(*opened);
+  }();
+  return prints;
 }
 
 inline PrintStatus status_of(PrintState state) {

@@ -101,6 +101,25 @@ TEST(ScreenServer, LetsAPauseAndAResumeThrough) {
   EXPECT_TRUE(rig.press(kCoverOpened));
 }
 
+TEST(ScreenServer, ShowsTheLastPrintsWhileThePrinterIsIdle) {
+  Rig rig(kIdle);
+  EXPECT_TRUE(rig.press(kPausePressed)) << "there are none";
+  rig.record->prints = &some_prints();
+  EXPECT_FALSE(rig.press(kPausePressed));
+  EXPECT_TRUE(rig.server.view().prints_open);
+  for (std::size_t i = 1; i <= some_prints().list().size(); ++i) {
+    EXPECT_FALSE(rig.press(kPausePressed));
+    EXPECT_EQ(rig.server.view().print, i % some_prints().list().size());
+  }
+  EXPECT_FALSE(rig.press(kStartPressed)) << "nothing is printed from here";
+  EXPECT_FALSE(rig.press(kCancelPressed));
+  EXPECT_FALSE(rig.server.view().prints_open);
+  rig.press(kPausePressed);
+  rig.record->state = kOffered;
+  rig.server.show(*rig.record, 1h);
+  EXPECT_FALSE(rig.server.view().prints_open) << "a stick has come";
+}
+
 TEST(ScreenServer, GoesRoundTheScansAndTheSettings) {
   Rig rig(kOffered);
   EXPECT_FALSE(rig.press(kPausePressed));

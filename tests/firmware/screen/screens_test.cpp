@@ -48,6 +48,17 @@ std::vector<ScreenCase> golden_cases() {
   return {
       {"idle", with(kIdle, [](auto& record, auto&) { record.has_stick = false, record.scan_count = 0; })},
       {"idle-with-stick", with(kIdle)},
+      {"idle-with-prints", with(kIdle,
+                                [](auto& record, auto&) {
+                                  record.has_stick = false, record.scan_count = 0;
+                                  record.prints = &some_prints();
+                                })},
+      {"prints", with(kIdle,
+                      [](auto& record, auto& view) {
+                        record.prints = &some_prints();
+                        view.prints_open = true;
+                        view.print = 1;
+                      })},
       {"scans", with(kOffered)},
       {"scans-as-one", with(kOffered,
                             [](auto& record, auto&) {
