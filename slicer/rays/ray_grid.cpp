@@ -114,9 +114,13 @@ void fill_contours(BitImage passing, BitImage outside) {
 }  // namespace
 
 float grid_width(const Cloud& cloud, const KdTree2& tree, const RayGridSettings& settings) {
-  const double entering = mean_distance(cloud, tree, PointClass::kEntering, settings);
-  const double exiting = mean_distance(cloud, tree, PointClass::kExiting, settings);
-  const double least = std::min(entering, exiting);
+  constexpr std::array kClasses = {PointClass::kEntering, PointClass::kExiting};
+  std::array<double, 2> distances = {};
+#pragma omp parallel for schedule(static, 1)
+  for (std::size_t i = 0; i < kClasses.size(); ++i) {
+    distances[i] = mean_distance(cloud, tree, kClasses[i], settings);
+  }
+  const double least = std::min(distances[0], distances[1]);
   return std::isfinite(least) ? kSqrtPi * static_cast<float>(least) : 0.0F;
 }
 

@@ -132,6 +132,7 @@ class Registrar {
     places_ = *places;
     frames_ = *frames;
     cells_ = *cells;
+#pragma omp parallel for schedule(dynamic)
     for (std::size_t v = 0; v < views; ++v) frames_[v] = views_.image_frame(static_cast<std::uint8_t>(v));
     return {};
   }
