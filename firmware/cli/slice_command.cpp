@@ -56,7 +56,9 @@ Status write_result(const JobReport& report, const SliceOptions& options, const 
 CLI::App* add_slice_command(CLI::App& app, SliceOptions& options) {
   auto* command = app.add_subcommand("slice", "Slice a scan or a mesh into layer masks");
   command->footer(kFooter);
-  command->add_option("-o,--output", options.output, "Folder for the layers, created if it is missing; or an archive, OUT.sl1")
+  command
+      ->add_option("-o,--output", options.output,
+                   "Folder for the layers, created if it is missing; or an archive, OUT.sl1")
       ->required()
       ->type_name("OUT");
   command->add_flag_callback(

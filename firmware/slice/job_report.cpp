@@ -152,8 +152,8 @@ FixedText<256> stray_warning(const StrayPieces& strays) {
 FixedText<256> ignored_units_warning(Units units) {
   FixedText<256> text;
   text.add(
-      "the unit %s was ignored: the file says its own (E57 in metres, 3MF any). If the print has the wrong size, give one: "
-      "--height 80mm",
+      "the unit %s was ignored: the file says its own (E57 in metres, 3MF any). If the print has the wrong size, give "
+      "one: --height 80mm",
       to_string(units));
   return text;
 }
