@@ -25,6 +25,10 @@ struct CheckLimits {
   double travel_mm = 0;                ///< of the Z stage; 0: unknown
 
   // UVtools has no such checks.
+  /// Of the largest region of a hollow that the plate closes, such as a hole of a raft. UVtools finds no suction cup there at all. The
+  /// low pressure in it pulls at the plate, not at the part, so only a large one matters: at 20 kPa this is 0.5 N, what 1 mm2 of
+  /// first layer holds (PeelSettings of hal/sim). It is what the window's 10000 pixels are with pixels of 0.05 mm.
+  double plate_suction_mm2 = 25;
   double first_layer_mm2 = 10;  ///< three tips of supports hold as much
   /// A third of a 6 inch panel of 68 x 120 mm. Release films let go of full plates, too, but the lift has to be slow.
   double peel_mm2 = 2700;

@@ -247,6 +247,7 @@ void RegionTracker::add_column(IssueKind kind, const RegionColumn& column, Stack
 
 void RegionTracker::add_cup(const RegionColumn& column, StackFindings& findings) {
   if (column.largest < limits_.suction_pixels) return;
+  if (column.on_plate && scale_.mm2(column.largest) < limits_.plate_suction_mm2) return;
   const std::uint32_t layers = column.broad_last - column.broad_first + 1;
   if (scale_.z_mm(layers) < limits_.suction_height_mm * (1 - kRounding)) return;
   add_column(IssueKind::kSuctionCup, column, findings);

@@ -19,6 +19,7 @@ inline CheckLimits strict_limits() {
   limits.trap_pixels = 1;
   limits.suction_pixels = 1;
   limits.suction_height_mm = 0;
+  limits.plate_suction_mm2 = 0;
   limits.overhang_reach = 1;
   limits.first_layer_mm2 = 0;
   limits.peel_mm2 = 1e9;

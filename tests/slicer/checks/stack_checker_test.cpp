@@ -129,11 +129,21 @@ TEST(StackChecker, FindsASuctionCupThatOpensUpwards) {
 
 TEST(StackChecker, FindsTheSuctionOfABowlUpsideDown) {
   // Its rim stands on the plate, so the hollow is closed from layer 0 on, and its roof closes it before it is taken off.
-  const auto findings =
-      check(stack_of(kSide, 20, without(blocks({{20, 60, 20, 60, 0, 20}}), blocks({{30, 50, 30, 40, 0, 15}}))), {});
+  const auto bowl = stack_of(kSide, 20, without(blocks({{20, 60, 20, 60, 0, 20}}), blocks({{30, 50, 30, 40, 0, 15}})));
+  const auto findings = check(bowl, {}, 0.4F);  // 32 mm2
   const Issue cup = only(findings, IssueKind::kSuctionCup);
   EXPECT_EQ(cup.voxels, 200U * 15);
   EXPECT_EQ(findings.count(IssueKind::kResinTrap), 0U);
+}
+
+TEST(StackChecker, IsSilentAboutASmallHoleOfARaft) {
+  // 10 layers of raft with a hole of 200 pixels that ends at the raft's top; a pillar goes on.
+  const auto raft =
+      stack_of(kSide, 20,
+               without(blocks({{20, 60, 20, 60, 0, 10}, {22, 28, 22, 28, 10, 20}}), blocks({{30, 50, 30, 40, 0, 10}})));
+  EXPECT_EQ(check(raft, {}, 0.1F).count(IssueKind::kSuctionCup), 0U);   // 2 mm2
+  EXPECT_EQ(check(raft, {}, 0.35F).count(IssueKind::kSuctionCup), 0U);  // 24.5 mm2
+  EXPECT_EQ(check(raft, {}, 0.36F).count(IssueKind::kSuctionCup), 1U);  // 25.9 mm2
 }
 
 TEST(StackChecker, KnowsThatAHoleNearThePlateVentsACup) {
