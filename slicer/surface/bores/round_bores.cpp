@@ -236,8 +236,8 @@ class RoundBores {
   std::optional<Bore> follow(Cylinder c) const {
     const float first_radius = c.radius;
     const auto fit_all = [&](const Stretch& stretch) {
-      return fit(c, stretch, tolerance_, true) && c.radius < kMaxChange * first_radius &&
-             first_radius < kMaxChange * c.radius;
+      return fit(c, stretch, tolerance_, true) && fit(c, stretch, tolerance_, true) &&
+             c.radius < kMaxChange * first_radius && first_radius < kMaxChange * c.radius;
     };
     if (tolerance_ > kMaxTolerance * c.radius) return std::nullopt;
     std::array<Way, 2> ways{{{-1, kStep * c.radius}, {1, kStep * c.radius}}};
