@@ -15,9 +15,6 @@ constexpr const char* kStage = "reading 3MF";
 /// Share of the progress that the first pass takes: it finds what stands where, the second one reads the meshes.
 constexpr double kFirstPass = 0.4;
 
-/// Of all model parts, unpacked: some forty million triangles. Packed blanks must not keep the parser busy for hours.
-constexpr std::uint64_t kMostXmlBytes = std::uint64_t{4} << 30U;
-
 struct Unit {
   std::string_view name;
   double mm;
@@ -273,7 +270,6 @@ class ThreeMfReader {
   template <class Use>
   Status for_parts(Use use) {
     ZipParts part(input_, inflate_);
-    bytes_ = 0;
     for (;;) {
       const auto found = part.next();
       PLUMBLINE_TRY(found);
@@ -322,12 +318,6 @@ class ThreeMfReader {
     for (;;) {
       const auto piece = part.read();
       PLUMBLINE_TRY(piece);
-      bytes_ += piece->size();
-      if (bytes_ > kMostXmlBytes) {
-        return input_.fail(ErrorCode::kUnsupported,
-                           "its models have more than %llu GiB when they are unpacked.\tReduce its triangles",
-                           static_cast<unsigned long long>(kMostXmlBytes >> 30U));
-      }
       PLUMBLINE_TRY(parser.parse(*piece, piece->empty(), input_, name.c_str()));
       if (piece->empty()) return {};
     }
@@ -339,7 +329,6 @@ class ThreeMfReader {
   ModelParts& parts_;
   InflateStream& inflate_;
   std::span<std::byte> heap_;      ///< of the XML parser
-  std::uint64_t bytes_ = 0;        ///< of the models, unpacked
   std::array<Model, 512> models_;  ///< which of them is printed may be said after them
   std::size_t model_count_ = 0;
   double unit_mm_ = 1;  ///< of that model

@@ -125,6 +125,11 @@ Expected<std::span<const char>> ZipParts::read() {
   touched_ = true;
   const auto bytes = piece();
   PLUMBLINE_TRY(bytes);
+  unpacked_ += bytes->size();
+  if (unpacked_ > kMostUnpacked) {
+    return input_.fail(ErrorCode::kUnsupported, "it has more than %llu GiB when it is unpacked.\tReduce its triangles",
+                       static_cast<unsigned long long>(kMostUnpacked >> 30U));
+  }
   if (!bytes->empty()) {
     sum_ = crc32_of(*bytes, sum_);
     return bytes;

@@ -16,6 +16,8 @@ namespace plumbline {
 class ZipParts {
  public:
   static constexpr std::size_t kLongestName = 256;  ///< bytes; parts with longer names have no name here
+  /// Bytes of all parts that have to be unpacked: some forty million triangles of a 3MF. Packed blanks must not take hours.
+  static constexpr std::uint64_t kMostUnpacked = std::uint64_t{4} << 30U;
 
   /// @param inflate  Wrapping::kNone, over the same input
   ZipParts(ByteInput& input, InflateStream& inflate) : input_(input), inflate_(inflate) {}
@@ -32,7 +34,7 @@ class ZipParts {
 
   /// Takes the next bytes of the part.
   /// @returns valid until the next call; empty at the end of the part
-  /// @retval ErrorCode::kUnsupported  encrypted, or packed other than by deflate
+  /// @retval ErrorCode::kUnsupported  encrypted, packed other than by deflate, or more than kMostUnpacked
   /// @retval ErrorCode::kMalformed    damaged; the checksum is tested at the end of the part
   [[nodiscard]] Expected<std::span<const char>> read();
 
@@ -57,6 +59,7 @@ class ZipParts {
   std::uint64_t left_ = 0;      ///< packed bytes, unless sizes_follow_
   std::uint32_t checksum_ = 0;  ///< of the header
   std::uint32_t sum_ = 0;       ///< of what was read
+  std::uint64_t unpacked_ = 0;  ///< of all parts so far
 };
 
 }  // namespace plumbline
