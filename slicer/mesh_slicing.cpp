@@ -79,6 +79,7 @@ class MeshStages {
     std::size_t& planned = report_.planned_bytes[static_cast<std::size_t>(Stage::kRays)];
     const std::size_t reading = kReaderWorkspace + VertexList::bytes_needed(survey_.most_vertices);
     const std::uint32_t slots = MeshDipoles::slots_in(arena_.available() - std::min(arena_.available(), reading));
+    planned += resolve_bytes(settings_.threads, false) - resolve_bytes(settings_.threads, true);
     planned = std::max(planned + MeshDipoles::field_bytes(slots),
                        arena_.used() + reading + MeshDipoles::reading_bytes(slots));
   }

@@ -258,6 +258,7 @@ void write_mesh(JsonWriter& json, const std::optional<MeshCounts>& mesh) {
   json.member("rays", mesh->rays);
   json.member("rays_broken", mesh->broken_rays);
   json.member("rays_decided_by_winding_number", mesh->decided_rays);
+  json.member("rays_asked_for_winding_number", mesh->asked_rays);
   json.member("rays_crowded", mesh->crowded_rays);
   json.end_object();
 }

@@ -77,6 +77,15 @@ class HitList {
   std::uint32_t tile_rows_ = 0;
 };
 
+/// The hits of ray `ray` at the front of `hits`, which it removes.
+inline std::span<const PackedHit> take_ray(std::span<const PackedHit>& hits, std::uint32_t ray) {
+  std::size_t count = 0;
+  while (count < hits.size() && hits[count].ray() == ray) ++count;
+  const auto taken = hits.first(count);
+  hits = hits.subspan(count);
+  return taken;
+}
+
 /// Sorts hits in place: into buckets by their tile, then each bucket.
 /// @param tiles  all hits lie in tiles below it
 void sort_hits(std::span<PackedHit> hits, std::uint32_t tiles);

@@ -5,86 +5,32 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <optional>
 
 #include "slicer/core/loop_progress.hpp"
-#include "slicer/mesh/ray_solids.hpp"
+#include "slicer/mesh/mesh_ray.hpp"
+#include "slicer/mesh/open_rays.hpp"
 
 namespace plumbline {
 namespace {
 
+constexpr const char* kStage = "mesh";
 constexpr std::uint32_t kRaysPerTile = kTileSide * kTileSide;
-/// A stretch this many cells long is judged by the winding number in its middle.
-constexpr float kTrusted = 2;
-/// Samples of a stretch, at most. It has no hits, so only where the surface has holes can it change; a winding number costs 1 us.
-constexpr std::uint32_t kMostSamples = 24;
+constexpr std::size_t kRoom = std::size_t{kRaysPerTile} * kMostRayCrossings;
 /// Cells between the samples that look for solid parts that the hits miss.
 constexpr float kSearchStep = 4;
-
-/// The field along one ray.
-class RayField {
- public:
-  RayField(const MeshField& field, const PrintGrid& grid, std::uint32_t column, std::uint32_t row)
-      : field_(field),
-        layer_height_(grid.layer_height_mm),
-        x_((static_cast<float>(column) + 0.5F) * grid.pitch_x_mm),
-        y_((static_cast<float>(row) + 0.5F) * grid.pitch_y_mm) {}
-
-  bool inside(std::uint32_t layer) const {
-    return field_.winding->inside({x_, y_, (static_cast<float>(layer) + 0.5F) * layer_height_});
-  }
-  /// Layers in a number of cells, at least 1.
-  std::uint32_t layers_in(float cells) const {
-    return static_cast<std::uint32_t>(std::clamp(cells * field_.cell / layer_height_, 1.0F, 65535.0F));
-  }
-
-  /// Sets the solid parts of a stretch by samples a cell apart or more, and finds the layer where they change by bisection.
-  void decide(const RayStretch& stretch, RayToggles& toggles) const {
-    const std::uint32_t length = stretch.end - stretch.begin;
-    const std::uint32_t samples = std::clamp(length / layers_in(1), 1U, kMostSamples);
-    bool before = false;
-    std::uint32_t last = stretch.begin;
-    for (std::uint32_t s = 0; s < samples; ++s) {
-      const auto layer =
-          stretch.begin + static_cast<std::uint32_t>((2 * std::uint64_t{s} + 1) * length / (2 * samples));
-      const bool solid = inside(layer);
-      toggles.set(s == 0 ? stretch.begin : solid == before ? layer : change(last, layer, before), solid);
-      before = solid;
-      last = layer;
-    }
-  }
-
- private:
-  /// The first layer above `low` that is not as there.
-  std::uint32_t change(std::uint32_t low, std::uint32_t high, bool at_low) const {
-    while (high - low > 1) {
-      const std::uint32_t middle = low + (high - low) / 2;
-      (inside(middle) == at_low ? low : high) = middle;
-    }
-    return high;
-  }
-
-  const MeshField& field_;
-  float layer_height_;
-  float x_, y_;
-};
-
-/// The hits of ray `ray` at the front of `hits`, which it removes.
-std::span<const PackedHit> take_ray(std::span<const PackedHit>& hits, std::uint32_t ray) {
-  std::size_t count = 0;
-  while (count < hits.size() && hits[count].ray() == ray) ++count;
-  const auto taken = hits.first(count);
-  hits = hits.subspan(count);
-  return taken;
-}
+/// Such samples of a stretch, at most.
+constexpr std::uint32_t kMostSearched = 16;
 
 /// Whether the winding number finds solid where the hits are sure that there is none. The other way round the hits are right: faces
 /// that are flipped make the winding number too small near them.
-bool misses_solid(const RayField& field, std::span<const PackedHit> ray, std::uint32_t layers) {
+bool misses_solid(const MeshField& mesh, const MeshRay& field, std::span<const PackedHit> ray, const PrintGrid& grid) {
   bool found = false;
-  const std::uint32_t clear = field.layers_in(1);
-  const std::uint32_t step = field.layers_in(kSearchStep);
-  for_each_stretch(ray, layers, [&](const RayStretch& stretch) {
+  const std::uint32_t clear = mesh.layers_in(1, grid.layer_height_mm);
+  const std::uint32_t least_step = mesh.layers_in(kSearchStep, grid.layer_height_mm);
+  for_each_stretch(ray, grid.layers, [&](const RayStretch& stretch) {
     if (!stretch.is_sure() || stretch.is_solid()) return;
+    const std::uint32_t step = std::max(least_step, (stretch.end - stretch.begin) / kMostSearched);
     for (std::uint32_t k = stretch.begin + clear; !found && k + clear < stretch.end; k += step) {
       found = field.inside(k);
     }
@@ -92,58 +38,90 @@ bool misses_solid(const RayField& field, std::span<const PackedHit> ray, std::ui
   return found;
 }
 
+/// What one thread works with.
+struct Worker {
+  std::span<std::uint16_t> room;  ///< kRaysPerTile * kMostRayCrossings layers
+  std::optional<OpenRays> open;   ///< of a mesh that is not closed
+  MeshCounts counts;
+};
+
+/// Blocks of tiles, so that open rays can be decided by others that are far.
 class Resolver {
  public:
-  Resolver(const HitList& hits, const PrintGrid& grid, const MeshField* field)
-      : hits_(hits), grid_(grid), field_(field) {}
+  Resolver(const HitList& hits, const PrintGrid& grid, CrossingStore& store, LoopProgress& progress)
+      : hits_(hits), grid_(grid), store_(store), progress_(progress) {}
 
-  /// @param room  kRaysPerTile * kMostRayCrossings layers
-  Status tile(std::uint32_t tile, std::span<std::uint16_t> room, CrossingStore& store, MeshCounts& counts) const {
+  std::uint32_t block_columns() const { return (hits_.tile_columns() + kSide - 1) / kSide; }
+  std::uint32_t blocks() const { return block_columns() * ((hits_.tile_rows() + kSide - 1) / kSide); }
+
+  /// Stores the crossings of a block, unless the caller has cancelled.
+  Status store_block(std::uint32_t block, Worker& worker) const {
+    const std::uint32_t first_column = block % block_columns() * kSide;
+    const std::uint32_t first_row = block / block_columns() * kSide;
+    if (worker.open) worker.open->begin(hits_, first_column * kTileSide, first_row * kTileSide);
+    for (std::uint32_t r = first_row; r < std::min(first_row + kSide, hits_.tile_rows()); ++r) {
+      for (std::uint32_t c = first_column; c < std::min(first_column + kSide, hits_.tile_columns()); ++c) {
+        if (!progress_.step(r * hits_.tile_columns() + c)) return {};
+        PLUMBLINE_TRY(store_tile(c, r, worker));
+      }
+    }
+    return {};
+  }
+
+ private:
+  static constexpr std::uint32_t kSide = OpenRays::kSide / kTileSide;  ///< tiles
+
+  Status store_tile(std::uint32_t tile_column, std::uint32_t tile_row, Worker& worker) const {
+    const std::uint32_t tile = tile_row * hits_.tile_columns() + tile_column;
     auto hits = hits_.of_tile(tile);
-    const bool doubtful =
-        field_ != nullptr && field_->doubtful.at(tile % hits_.tile_columns(), tile / hits_.tile_columns());
-    if (hits.empty() && !doubtful) return {};
+    if (hits.empty() && !worker.open) return {};
     std::array<std::uint8_t, kRaysPerTile> counted{};
     std::size_t used = 0;
     for (std::uint32_t i = 0; i < kRaysPerTile; ++i) {
       const auto ray = take_ray(hits, i);
-      const std::uint32_t column = tile % hits_.tile_columns() * kTileSide + i % kTileSide;
-      const std::uint32_t row = tile / hits_.tile_columns() * kTileSide + i / kTileSide;
-      if (column >= grid_.columns || row >= grid_.rows || (ray.empty() && !doubtful)) continue;
-      RayToggles toggles(room.subspan(used));
-      resolve(ray, column, row, doubtful, toggles, counts);
+      const std::uint32_t column = tile_column * kTileSide + i % kTileSide;
+      const std::uint32_t row = tile_row * kTileSide + i / kTileSide;
+      const bool open = worker.open && worker.open->is_open(column, row);
+      if (ray.empty() && !open) continue;
+      RayToggles toggles(worker.room.subspan(used));
+      if (open) {
+        worker.open->decide(column, row, toggles);
+      } else {
+        for_each_stretch(ray, grid_.layers,
+                         [&](const RayStretch& stretch) { toggles.set(stretch.begin, stretch.is_solid()); });
+      }
+      worker.counts.rays += ray.empty() ? 0 : 1;
+      worker.counts.broken_rays += winding_sum(ray) != 0 ? 1 : 0;
+      worker.counts.decided_rays += open ? 1 : 0;
+      worker.counts.crowded_rays += toggles.crowded() ? 1 : 0;
       counted[i] = static_cast<std::uint8_t>(toggles.count());
       used += toggles.count();
     }
-    return used > 0 ? store.put(tile, counted, room.first(used)) : Status{};
-  }
-
- private:
-  void resolve(std::span<const PackedHit> ray, std::uint32_t column, std::uint32_t row, bool doubtful,
-               RayToggles& toggles, MeshCounts& counts) const {
-    counts.rays += ray.empty() ? 0 : 1;
-    bool decided = false;
-    for_each_stretch(ray, grid_.layers, [&](const RayStretch& stretch) {
-      if (field_ != nullptr) {
-        const RayField field(*field_, grid_, column, row);
-        const bool long_gap = !stretch.is_solid() && stretch.end - stretch.begin > field.layers_in(kTrusted);
-        if (!stretch.is_sure() || (doubtful && long_gap)) {
-          field.decide(stretch, toggles);
-          decided = true;
-          return;
-        }
-      }
-      toggles.set(stretch.begin, stretch.is_solid());
-    });
-    counts.broken_rays += winding_sum(ray) != 0 ? 1 : 0;
-    counts.decided_rays += decided ? 1 : 0;
-    counts.crowded_rays += toggles.crowded() ? 1 : 0;
+    return used > 0 ? store_.put(tile, counted, worker.room.first(used)) : Status{};
   }
 
   const HitList& hits_;
   const PrintGrid& grid_;
-  const MeshField* field_;
+  CrossingStore& store_;
+  LoopProgress& progress_;
 };
+
+Expected<std::span<Worker>> make_workers(const PrintGrid& grid, const MeshField* field, std::uint32_t threads,
+                                         Arena& arena) {
+  const auto workers = arena.take_top<Worker>(threads, kStage);
+  PLUMBLINE_TRY(workers);
+  for (Worker& worker : *workers) {
+    worker = {};
+    const auto room = arena.take_top<std::uint16_t>(kRoom, kStage);
+    PLUMBLINE_TRY(room);
+    worker.room = *room;
+    if (field == nullptr) continue;
+    const auto open = OpenRays::create(*field, grid, arena);
+    PLUMBLINE_TRY(open);
+    worker.open = *open;
+  }
+  return workers;
+}
 
 }  // namespace
 
@@ -162,7 +140,7 @@ bool find_doubtful(MeshField& field, const HitList& hits, const PrintGrid& grid,
     const std::uint32_t number = row % kTileSide * kTileSide + column % kTileSide;
     auto in_tile = hits.of_tile(tile_row * hits.tile_columns() + tile_column);
     while (!in_tile.empty() && in_tile.front().ray() < number) in_tile = in_tile.subspan(1);
-    if (!misses_solid(RayField(field, grid, column, row), take_ray(in_tile, number), grid.layers)) continue;
+    if (!misses_solid(field, MeshRay(field, grid, column, row), take_ray(in_tile, number), grid)) continue;
     for (std::uint32_t r = std::max(tile_row, 1U) - 1; r <= std::min(tile_row + 1, hits.tile_rows() - 1); ++r) {
       for (std::uint32_t c = std::max(tile_column, 1U) - 1; c <= std::min(tile_column + 1, hits.tile_columns() - 1);
            ++c) {
@@ -174,28 +152,27 @@ bool find_doubtful(MeshField& field, const HitList& hits, const PrintGrid& grid,
   return !loop.stopped();
 }
 
+std::size_t resolve_bytes(std::uint32_t threads, bool closed) {
+  return Arena::rounded(threads * sizeof(Worker)) +
+         threads * (Arena::rounded(kRoom * sizeof(std::uint16_t)) + (closed ? 0 : OpenRays::bytes_needed()));
+}
+
 Expected<CrossingStore> resolve_hits(const HitList& hits, const PrintGrid& grid, const MeshField* field,
                                      std::uint32_t threads, Arena& arena, const StageProgress& progress,
                                      MeshCounts& counts) {
-  constexpr std::size_t kRoom = std::size_t{kRaysPerTile} * kMostRayCrossings;
-  const auto rooms = arena.take_top<std::uint16_t>(threads * kRoom, "mesh");
-  PLUMBLINE_TRY(rooms);
-  const auto partial = arena.take_top<MeshCounts>(threads, "mesh");
-  PLUMBLINE_TRY(partial);
-  std::fill(partial->begin(), partial->end(), MeshCounts{});
+  const auto workers = make_workers(grid, field, threads, arena);
+  PLUMBLINE_TRY(workers);
   auto store = CrossingStore::create(grid, arena);
   PLUMBLINE_TRY(store);
-  const Resolver resolver(hits, grid, field);
-  const std::uint32_t tiles = hits.tile_columns() * hits.tile_rows();
-  LoopProgress loop(progress, tiles);
+  LoopProgress loop(progress, hits.tile_columns() * hits.tile_rows());
+  const Resolver resolver(hits, grid, *store, loop);
+  const std::uint32_t blocks = resolver.blocks();
   std::atomic<bool> failed = false;
   Status status;
-#pragma omp parallel for schedule(dynamic, 16) num_threads(static_cast <int>(threads))
-  for (std::uint32_t tile = 0; tile < tiles; ++tile) {
-    if (failed.load(std::memory_order_relaxed) || !loop.step(tile)) continue;
-    const auto thread = static_cast<std::size_t>(omp_get_thread_num());
-    MeshCounts& own = (*partial)[thread];
-    const Status stored = resolver.tile(tile, rooms->subspan(thread * kRoom, kRoom), *store, own);
+#pragma omp parallel for schedule(dynamic, 1) num_threads(static_cast <int>(threads))
+  for (std::uint32_t block = 0; block < blocks; ++block) {
+    if (failed.load(std::memory_order_relaxed) || loop.stopped()) continue;
+    const Status stored = resolver.store_block(block, (*workers)[static_cast<std::size_t>(omp_get_thread_num())]);
     if (!stored) {
 #pragma omp critical
       status = stored;
@@ -204,11 +181,12 @@ Expected<CrossingStore> resolve_hits(const HitList& hits, const PrintGrid& grid,
   }
   PLUMBLINE_TRY(status);
   if (loop.stopped()) return fail(ErrorCode::kCancelled, "cancelled while the mesh was sliced");
-  for (const MeshCounts& own : *partial) {
-    counts.rays += own.rays;
-    counts.broken_rays += own.broken_rays;
-    counts.decided_rays += own.decided_rays;
-    counts.crowded_rays += own.crowded_rays;
+  for (const Worker& worker : *workers) {
+    counts.rays += worker.counts.rays;
+    counts.broken_rays += worker.counts.broken_rays;
+    counts.decided_rays += worker.counts.decided_rays;
+    counts.asked_rays += worker.open ? worker.open->asked() : 0;
+    counts.crowded_rays += worker.counts.crowded_rays;
   }
   store->close(arena);
   return store;

@@ -18,6 +18,7 @@ struct MeshCounts {
   std::uint64_t rays = 0;           ///< that pass a triangle
   std::uint64_t broken_rays = 0;    ///< of these, those that enter and exit a different number of times
   std::uint64_t decided_rays = 0;   ///< of all rays, those of which the winding number decided a part
+  std::uint64_t asked_rays = 0;     ///< of these, those along which it was computed; the rest lie between such rays
   std::uint64_t crowded_rays = 0;   ///< that have more crossings than can be stored; the upper ones are left out
 };
 

@@ -5,7 +5,6 @@
 
 #include "slicer/checks/stack_checker.hpp"
 #include "slicer/mesh/hit_resolver.hpp"
-#include "slicer/mesh/ray_solids.hpp"
 #include "slicer/reader/scan_reader.hpp"
 #include "slicer/reader/triangles/vertex_list.hpp"
 #include "slicer/supports/drawing/mask_stream.hpp"
@@ -33,7 +32,6 @@ MemoryPlan plan_mesh(const MeshNeed& need, std::uint32_t threads) {
   MemoryPlan plan;
   const RayYield yield{need.hits / 2, need.hits};
   const std::size_t hits = Arena::rounded(static_cast<std::size_t>(std::min(need.hits, kMostHits)) * sizeof(PackedHit));
-  const std::size_t rooms = threads * Arena::rounded(sizeof(std::uint16_t) * kTileSide * kTileSide * kMostRayCrossings);
   const std::size_t reading = kReaderWorkspace + VertexList::bytes_needed(need.most_vertices);
   const std::size_t store = store_bytes(grid, yield);
   const std::size_t rrep = rrep_bytes(grid, yield);
@@ -41,7 +39,7 @@ MemoryPlan plan_mesh(const MeshNeed& need, std::uint32_t threads) {
   const auto set = [&](Stage stage, std::size_t bytes) { plan.bytes[static_cast<std::size_t>(stage)] = bytes; };
   set(Stage::kRead, reading);
   set(Stage::kRayGrid, reading + hits);
-  set(Stage::kRays, hits + rooms + store);
+  set(Stage::kRays, hits + resolve_bytes(threads, true) + store);
   set(Stage::kRRep, store + std::max(store, rrep));
   set(Stage::kSupports, rrep + find_supports_bytes(grid));
   set(Stage::kLayers,

@@ -86,6 +86,21 @@ TEST(BrokenMesh, IsDecidedByItsWindingNumber) {
   }
 }
 
+TEST(BrokenMesh, AsksTheWindingNumberOnFewRaysWhereTheyAreAlike) {
+  TestMesh mesh = fine_box();
+  std::erase_if(mesh.faces, [&](const auto& f) {
+    return mesh.vertices[f[0]][2] + mesh.vertices[f[1]][2] + mesh.vertices[f[2]][2] > 29.99;
+  });
+  SliceSettings settings = settings_with_pitch(0.1F);
+  settings.base = BaseChoice::kNone;
+  const Slicing slicing = sliced(mesh, settings);
+  const MeshCounts& counts = *slicing.report().mesh;
+  EXPECT_EQ(counts.decided_rays, 10000U);
+  EXPECT_LT(counts.asked_rays, 1600U);
+  // Near the walls they are asked one by one, and say the same.
+  EXPECT_EQ(wrong(slicing, [&](const Vec3d& p) { return in_box(p, {0, 0, 0}, {10, 10, 10}, 0.2); }), 0U);
+}
+
 TEST(BrokenMesh, LeavesOutAndCountsTrianglesThatAreNotFinite) {
   TestMesh mesh = fine_box();
   const std::uint32_t corner = mesh.faces[1500][1];
