@@ -45,7 +45,7 @@ class MeshStages {
     report_.planned_bytes[kReading] = report_.peak_bytes[kReading];  // it has been read, with room for more vertices
     PLUMBLINE_TRY(find_hits());
     const StageScope stage(Stage::kRays, arena_, progress_, report_.peak_bytes);
-    const bool whole = report_.mesh->closed;
+    const bool whole = report_.mesh->closed || report_.mesh->turned;
     if (!whole) {
       plan_field();
       PLUMBLINE_TRY(build_field());
@@ -69,6 +69,7 @@ class MeshStages {
     PLUMBLINE_TRY(found);
     hits_ = found->hits;
     report_.mesh->closed = found->closed;
+    report_.mesh->turned = !found->closed && found->paired && !has_overlaps(hits_);
     report_.mesh->flat = found->flat;
     report_.mesh->hits = hits_.size();
     return {};

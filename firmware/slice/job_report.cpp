@@ -198,10 +198,15 @@ void for_each_mesh_remark(const MeshCounts& mesh, FunctionRef<void(std::string_v
   }
   if (!mesh.closed) {
     text = {};
-    text.add(
-        "the mesh is not closed (holes, or faces that are flipped, doubled or missing): %llu of %llu rays were "
-        "decided by its winding number. Look at the preview",
-        big(mesh.decided_rays), big(std::max(mesh.rays, mesh.decided_rays)));
+    if (mesh.turned) {
+      text.add("some of the mesh's faces are turned over: %llu of %llu rays were decided without their direction",
+               big(mesh.broken_rays), big(mesh.rays));
+    } else {
+      text.add(
+          "the mesh is not closed (holes, or faces that are flipped, doubled or missing): %llu of %llu rays were "
+          "decided by its winding number. Look at the preview",
+          big(mesh.decided_rays), big(std::max(mesh.rays, mesh.decided_rays)));
+    }
     visit(text.view());
   }
   if (mesh.crowded_rays > 0) {
@@ -215,7 +220,10 @@ void for_each_mesh_remark(const MeshCounts& mesh, FunctionRef<void(std::string_v
 
 FixedText<128> mesh_text(const MeshCounts& mesh) {
   FixedText<128> text;
-  text.add("%llu triangles, %s", big(mesh.triangles), mesh.closed ? "closed" : "not closed");
+  text.add("%llu triangles, %s", big(mesh.triangles),
+           mesh.closed   ? "closed"
+           : mesh.turned ? "closed, some faces turned over"
+                         : "not closed");
   return text;
 }
 

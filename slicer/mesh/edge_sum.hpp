@@ -1,6 +1,7 @@
 #pragma once
 /// Whether a mesh is closed, found in one pass and without its edges.
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 
@@ -12,6 +13,9 @@ namespace plumbline {
 /// Sums a random number for each edge, with the sign of its direction. In a closed mesh with consistent faces every edge runs as
 /// often one way as the other, and the sum is 0. Then every ray enters as often as it exits. Any other mesh has the sum 0 with a
 /// probability of 2^-64.
+///
+/// A second sum, bit by bit modulo 2, knows no direction. It is 0 if every edge belongs to an even number of triangles. Then every
+/// ray passes an even number of them, whichever way they face.
 class EdgeSum {
  public:
   void add(const LatticeTriangle& triangle) {
@@ -23,6 +27,7 @@ class EdgeSum {
     add(c, a);
   }
   bool is_closed() const { return sum_ == 0; }
+  bool is_paired() const { return parity_ == 0; }
 
  private:
   static std::uint64_t number_of(const LatticePoint& p) {
@@ -30,14 +35,14 @@ class EdgeSum {
     return mix64(mix64(word(p.x) | word(p.y) << 32U) + word(p.z) * kGoldenStep64);
   }
   void add(std::uint64_t from, std::uint64_t to) {
-    if (from < to) {
-      sum_ += mix64(from ^ std::rotl(to, 32));
-    } else if (to < from) {
-      sum_ -= mix64(to ^ std::rotl(from, 32));
-    }
+    if (from == to) return;
+    const std::uint64_t edge = mix64(std::min(from, to) ^ std::rotl(std::max(from, to), 32));
+    sum_ += from < to ? edge : 0 - edge;
+    parity_ ^= edge;
   }
 
   std::uint64_t sum_ = 0;
+  std::uint64_t parity_ = 0;
 };
 
 }  // namespace plumbline

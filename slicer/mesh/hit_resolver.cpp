@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cstdlib>
 #include <optional>
 
 #include "slicer/core/loop_progress.hpp"
@@ -150,6 +151,20 @@ bool find_doubtful(MeshField& field, const HitList& hits, const PrintGrid& grid,
     }
   }
   return !loop.stopped();
+}
+
+bool has_overlaps(const HitList& hits) {
+  const auto all = hits.all();
+  for (std::size_t begin = 0, end = 0; begin < all.size(); begin = end) {
+    int winding = 0;
+    bool overlaps = false;
+    for (; end < all.size() && all[end].tile() == all[begin].tile() && all[end].ray() == all[begin].ray(); ++end) {
+      winding += all[end].winding();
+      overlaps |= std::abs(winding) > 1;
+    }
+    if (overlaps && winding == 0) return true;
+  }
+  return false;
 }
 
 std::size_t resolve_bytes(std::uint32_t threads, bool closed) {

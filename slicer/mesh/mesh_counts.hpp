@@ -15,6 +15,7 @@ struct MeshCounts {
   double seen_area = 0;             ///< of all triangles from above, squared scan units; decides the number of hits
   std::uint64_t hits = 0;           ///< of rays and triangles
   bool closed = false;              ///< every edge runs as often one way as the other
+  bool turned = false;              ///< not closed, but it would be if some faces were turned over
   std::uint64_t rays = 0;           ///< that pass a triangle
   std::uint64_t broken_rays = 0;    ///< of these, those that enter and exit a different number of times
   std::uint64_t decided_rays = 0;   ///< of all rays, those of which the winding number decided a part

@@ -56,7 +56,7 @@ class HitSink final : public StagedSink {
                 "(--arena-mib), a coarser grid or a smaller --scale",
                 hits_.capacity());
   }
-  bool is_closed() const { return edges_.is_closed(); }
+  const EdgeSum& edges() const { return edges_; }
   std::uint64_t flat() const { return flat_; }
 
  private:
@@ -142,7 +142,7 @@ Expected<MeshHits> hit(MeshFiles& files, const MeshSurvey& survey, const PrintGr
   }
   PLUMBLINE_TRY(hits->close(arena));
   arena.reset_peak();  // the open list took the rest of the arena
-  return MeshHits{*hits, sink.is_closed(), sink.flat()};
+  return MeshHits{*hits, sink.edges().is_closed(), sink.edges().is_paired(), sink.flat()};
 }
 
 Expected<ReadDipoles> add_up(MeshFiles& files, std::uint64_t most_vertices, const DipoleSurface& surface, Arena& arena,

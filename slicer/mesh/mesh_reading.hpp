@@ -32,6 +32,7 @@ struct SurveyedMesh {
 struct MeshHits {
   HitList hits;            ///< sorted, at the top of the arena
   bool closed = false;     ///< EdgeSum
+  bool paired = false;     ///< EdgeSum
   std::uint64_t flat = 0;  ///< triangles with two corners in one place
 };
 /// @param survey  of the same files

@@ -18,7 +18,9 @@ struct RayStretch {
   int from_below = 0;                ///< winding number by the hits below
   int from_above = 0;                ///< by those above; equal if the ray is whole
   bool is_sure() const { return (from_below != 0) == (from_above != 0); }
-  bool is_solid() const { return from_below != 0; }  ///< if it is sure
+  /// If it is sure. Of a mesh with faces that are turned over also if not: from_below and from_above differ by an even number then, so
+  /// if one is 0, the ray passes an even number of faces below.
+  bool is_solid() const { return from_below != 0 && from_above != 0; }
 };
 
 inline int winding_sum(std::span<const PackedHit> ray) {

@@ -101,6 +101,43 @@ TEST(BrokenMesh, AsksTheWindingNumberOnFewRaysWhereTheyAreAlike) {
   EXPECT_EQ(wrong(slicing, [&](const Vec3d& p) { return in_box(p, {0, 0, 0}, {10, 10, 10}, 0.2); }), 0U);
 }
 
+TEST(BrokenMesh, TurnedFacesAreNoDamageWhereSolidsLieApart) {
+  // A box with a hollow, and one above it. An eighth of the faces is large here, so no winding number could tell.
+  const auto object = [](auto turn) {
+    TestMesh mesh = box_mesh({0, 0, 0}, {10, 10, 4});
+    TestMesh hollow = box_mesh({2, 2, 1}, {9, 9, 3});
+    flip(hollow, 0, hollow.faces.size());
+    append(mesh, hollow);
+    append(mesh, box_mesh({1, 1, 6}, {8, 8, 10}));
+    turn(mesh);
+    return mesh;
+  };
+  SliceSettings settings = settings_with_pitch(0.2F);
+  settings.base = BaseChoice::kNone;
+  const auto inside = [](const Vec3d& p) {
+    if (in_box(p, {2, 2, 1}, {9, 9, 3}) > 0) return -1;
+    return std::max(in_box(p, {0, 0, 0}, {10, 10, 4}), in_box(p, {1, 1, 6}, {8, 8, 10}));
+  };
+  for (const std::size_t face : {0U, 11U, 12U, 22U, 24U, 35U}) {
+    const Slicing slicing = sliced(object([&](TestMesh& mesh) { flip(mesh, face, face + 1); }), settings);
+    const MeshCounts& counts = *slicing.report().mesh;
+    EXPECT_FALSE(counts.closed);
+    EXPECT_TRUE(counts.turned);
+    EXPECT_GT(counts.broken_rays, 0U);
+    EXPECT_EQ(counts.decided_rays, 0U);
+    EXPECT_EQ(wrong(slicing, inside), 0U) << "face " << face;
+  }
+}
+
+TEST(BrokenMesh, AsksTheWindingNumberOfTurnedFacesWhereSolidsLieInEachOther) {
+  TestMesh mesh = fine_box();
+  append(mesh, box_mesh({2, 2, 2}, {8, 8, 8}));
+  flip(mesh, 100, 101);
+  const Slicing slicing = sliced(mesh, settings_with_pitch(0.2F));
+  EXPECT_FALSE(slicing.report().mesh->turned);
+  EXPECT_EQ(wrong(slicing, [](const Vec3d& p) { return in_box(p, {0, 0, 0}, {10, 10, 10}, 0.5); }), 0U);
+}
+
 TEST(BrokenMesh, LeavesOutAndCountsTrianglesThatAreNotFinite) {
   TestMesh mesh = fine_box();
   const std::uint32_t corner = mesh.faces[1500][1];
