@@ -72,6 +72,7 @@ class MeshStages {
     report_.mesh->turned = !found->closed && found->paired && !has_overlaps(hits_);
     report_.mesh->flat = found->flat;
     report_.mesh->hits = hits_.size();
+    if (!found->closed) hits_.drop_doubled();
     return {};
   }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cstdlib>
 
 namespace plumbline {
 namespace {
@@ -36,6 +37,24 @@ Status HitList::close(Arena& arena) {
   free_ = 0;
   sort_hits(hits_, tile_columns_ * tile_rows_);
   return {};
+}
+
+void HitList::drop_doubled() {
+  std::size_t kept = 0;
+  for (std::size_t begin = 0, end = 0; begin < hits_.size(); begin = end) {
+    int sum = 0;
+    int sum_of_different = 0;
+    for (; end < hits_.size() && hits_[end].is_on_ray_of(hits_[begin]); ++end) {
+      sum += hits_[end].winding();
+      if (end == begin || hits_[end] != hits_[end - 1]) sum_of_different += hits_[end].winding();
+    }
+    const bool drop = std::abs(sum_of_different) < std::abs(sum);
+    const std::size_t first = kept;
+    for (std::size_t i = begin; i < end; ++i) {
+      if (!drop || kept == first || hits_[i] != hits_[kept - 1]) hits_[kept++] = hits_[i];
+    }
+  }
+  hits_ = hits_.first(kept);
 }
 
 std::span<const PackedHit> HitList::of_tile(std::uint32_t tile) const {

@@ -37,6 +37,7 @@ class PackedHit {
   int winding() const {
     return (word_ & 1U) != 0 ? -1 : 1;
   }  ///< what the hit adds to the winding number of the ray above it
+  bool is_on_ray_of(const PackedHit& other) const { return word_ >> 17U == other.word_ >> 17U; }
   auto operator<=>(const PackedHit&) const = default;
 
  private:
@@ -64,6 +65,10 @@ class HitList {
   /// Gives the unused memory back, and sorts.
   /// @param arena  with nothing at its top that was taken after the list
   [[nodiscard]] Status close(Arena& arena);
+
+  /// After close(): leaves out hits that are there twice on a ray if the others come nearer to entering as often as exiting. So
+  /// a face that is there twice does no harm.
+  void drop_doubled();
 
   /// After close(): the hits in order.
   std::span<const PackedHit> all() const { return hits_.subspan(free_); }

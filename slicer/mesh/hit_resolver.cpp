@@ -158,7 +158,7 @@ bool has_overlaps(const HitList& hits) {
   for (std::size_t begin = 0, end = 0; begin < all.size(); begin = end) {
     int winding = 0;
     bool overlaps = false;
-    for (; end < all.size() && all[end].tile() == all[begin].tile() && all[end].ray() == all[begin].ray(); ++end) {
+    for (; end < all.size() && all[end].is_on_ray_of(all[begin]); ++end) {
       winding += all[end].winding();
       overlaps |= std::abs(winding) > 1;
     }

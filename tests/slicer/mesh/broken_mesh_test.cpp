@@ -129,6 +129,16 @@ TEST(BrokenMesh, TurnedFacesAreNoDamageWhereSolidsLieApart) {
   }
 }
 
+TEST(BrokenMesh, DoubledFacesAreNoDamage) {
+  TestMesh mesh = box_mesh({0, 0, 0}, {10, 10, 10});
+  append(mesh, box_mesh({2, 2, 2}, {8, 8, 8}));
+  for (const std::size_t face : {0U, 11U, 12U, 23U}) mesh.faces.push_back(mesh.faces[face]);
+  const Slicing slicing = sliced(mesh, settings_with_pitch(0.2F));
+  EXPECT_FALSE(slicing.report().mesh->closed);
+  EXPECT_EQ(slicing.report().mesh->broken_rays, 0U);
+  EXPECT_EQ(wrong(slicing, [](const Vec3d& p) { return in_box(p, {0, 0, 0}, {10, 10, 10}); }), 0U);
+}
+
 TEST(BrokenMesh, AsksTheWindingNumberOfTurnedFacesWhereSolidsLieInEachOther) {
   TestMesh mesh = fine_box();
   append(mesh, box_mesh({2, 2, 2}, {8, 8, 8}));
