@@ -38,7 +38,7 @@ Status check(SharedMemory& memory) {
   answer.kind = ScanAnswer::kArchive;
   // If the arena has no room for it, the job has no picture.
   if (!sliced->rrep.first.empty()) {
-    static_cast<void>(draw_preview_picture(sliced->rrep, Supports{}, arena, page.preview));
+    static_cast<void>(draw_preview_picture(sliced->rrep, Supports{}, arena, page.pictures.preview));
   }
   return {};
 }

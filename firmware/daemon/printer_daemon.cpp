@@ -266,7 +266,7 @@ Expected<bool> PrinterDaemon::prepare_archive(PrintSession& session, JobStore::R
                                               const ScanRequest& request, PrintProfile& profile) {
   const auto sliced = slicing_.check(copy.file.get(), request);
   PLUMBLINE_TRY(sliced);
-  observer_.previewed(child_.preview(), child_.issues());
+  observer_.previewed(child_.pictures());
   profile = profile_of(profile, sliced->settings, request.name.view());
   const auto wanted = accept(sliced->grid, sliced->extent, sliced->findings, profile, nullptr);
   if (!wanted || !*wanted) return wanted;
@@ -333,7 +333,7 @@ Status PrinterDaemon::serve_stick() {
       const auto sliced = slicing_.run(*mount, *scan, *request);
       PLUMBLINE_TRY(sliced);
       answer = *sliced;
-      observer_.previewed(child_.preview(), child_.issues());
+      observer_.previewed(child_.pictures());
       for (std::size_t i = 0; i < answer->remarks; ++i) {
         observer_.warn(in_stick_words(answer->remark[i].view()).view());
       }

@@ -35,7 +35,7 @@ Needs needs_of(Command command) {
   switch (command) {
     case Command::kChoose: return {bit(kScan), "\"scan\", a number from the list of scans"};
     case Command::kSet: return {bit(kKey) | bit(kValue), "\"key\" and \"value\""};
-    case Command::kPicture: return {bit(kPicture), "\"picture\", preview, issues or layer,", bit(kPrint)};
+    case Command::kPicture: return {bit(kPicture), "\"picture\", preview, issues, coverage or layer,", bit(kPrint)};
     case Command::kMask: return {bit(kLayer), "\"layer\", a number from 0 on,"};
     case Command::kReport: return {bit(kFrom), "\"from\", a number of bytes from 0 on,", bit(kPrint)};
     case Command::kCode: return {bit(kCode), "\"code\", up to 7 digits,"};
@@ -110,7 +110,7 @@ Status store(Member member, const Value& value, ClientRequest& request, std::opt
     case kPicture: {
       const auto* const word = std::find(kPictureWords.begin(), kPictureWords.end(), value.text);
       if (value.kind != Value::Kind::kText || word == kPictureWords.end()) {
-        return wrong_value("picture", "preview, issues or layer");
+        return wrong_value("picture", "preview, issues, coverage or layer");
       }
       request.picture = static_cast<PictureName>(word - kPictureWords.begin());
       return {};

@@ -18,9 +18,9 @@
 
 namespace plumbline {
 
-enum class PictureName : std::uint8_t { kPreview, kIssues, kLayer };
-/// "preview", "issues", "layer", in this order.
-inline constexpr std::array<std::string_view, 3> kPictureWords = {"preview", "issues", "layer"};
+enum class PictureName : std::uint8_t { kPreview, kIssues, kCoverage, kLayer };
+/// In this order.
+inline constexpr std::array<std::string_view, 4> kPictureWords = {"preview", "issues", "coverage", "layer"};
 
 struct ClientRequest {
   Command command = Command::kStart;

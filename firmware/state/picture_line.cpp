@@ -30,6 +30,7 @@ std::optional<DrawnPicture> drawn_picture(const JobPictures& pictures, PictureNa
   switch (name) {
     case PictureName::kPreview: return drawn_one(pictures.preview, pictures.preview_number);
     case PictureName::kIssues: return drawn_one(pictures.issues, pictures.issues_number);
+    case PictureName::kCoverage: return drawn_one(pictures.coverage, pictures.coverage_number);
     case PictureName::kLayer: break;
   }
   return drawn_one(pictures.layer(), pictures.layer_number);
@@ -42,8 +43,8 @@ Error too_large(std::size_t bytes) {
 }  // namespace
 
 Expected<PictureLine> PictureLine::create() {
-  constexpr std::size_t kMostBytes =
-      std::max({sizeof(PreviewPicture::memory), sizeof(IssuesPicture::memory), sizeof(LayerPicture::memory)});
+  constexpr std::size_t kMostBytes = std::max({sizeof(PreviewPicture::memory), sizeof(IssuesPicture::memory),
+                                               sizeof(CoveragePicture::memory), sizeof(LayerPicture::memory)});
   auto encoder = SmallPngEncoder::create(kMostBytes, std::max(PreviewPicture::kMostRows, LayerPicture::kMostRows));
   PLUMBLINE_TRY(encoder);
   PictureLine line(std::move(*encoder));

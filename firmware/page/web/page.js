@@ -167,6 +167,12 @@ function showNow() {
   const waits = progress && (isRunning() || state.state === "interrupted");
   show("left", Boolean(waits), waits ? `${Math.floor(100 * done)} % · ${words.locale === "de-DE" ? `${words.left} ${duration(progress.left_s)}` : `${duration(progress.left_s)} ${words.left}`}` : "");
 }
+// What the colours of the picture of the scanned surface mean.
+function coverageLegend() {
+  const list = element("ul", undefined, {class: "legend"});
+  for (const name of ["scanned", "closed", "underside"]) list.append(element("li", words[name], {class: name}));
+  return list;
+}
 function showPictures() {
   const there = Object.entries(state.pictures || {}).filter(([, value]) => value !== null);
   $("pictures").hidden = there.length === 0;
@@ -174,6 +180,7 @@ function showPictures() {
   fill($("pictures"), names, () => [$("pictures").firstElementChild, ...names.map((name) => {
     const figure = element("figure"), caption = name === "layer" ? words.layerPicture : words[name] || name;
     figure.append(element("img", undefined, {alt: caption, id: `picture-${name}`}), element("figcaption", caption));
+    if (name === "coverage") figure.append(coverageLegend());
     return figure;
   })]);
   for (const [name, value] of there) {

@@ -113,7 +113,7 @@ class Screen(StatePrinter):
         red = sum(row[at : at + 3] == bytes((232, 78, 56)) for row in rows for at in range(0, len(row), 3))
         self.assertGreater(red, 500)
         user.refused("no picture 'layer'", "picture", picture="layer")
-        user.refused("preview, issues or layer", "picture", picture="part")
+        user.refused("preview, issues, coverage or layer", "picture", picture="part")
         user.state("offered", "start")
         user.do("start")
         user.until(lambda s: s["state"] == "printing" and s["progress"]["layers_done"] > 2, "layer 3")
