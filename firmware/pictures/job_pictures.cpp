@@ -122,13 +122,14 @@ void fill_from(std::span<const std::uint8_t> page, const Part& part, Picture& pi
   picture.rows = std::clamp(picture.columns * part.rows / part.columns, 1U, Picture::kMostRows);
   const Size size{picture.columns, picture.rows};
   reduce(page, part, size, size, picture.bytes());
-  for (std::uint8_t& level : picture.bytes()) {
-    // 5 bits, as many as a small screen shows: the picture's PNG has to fit a line of the state socket.
-    level = static_cast<std::uint8_t>((level & 0xF8U) | level >> 5U);
-  }
+  keep_five_bits(picture.bytes());
 }
 
 }  // namespace
+
+void keep_five_bits(std::span<std::uint8_t> levels) {
+  for (std::uint8_t& level : levels) level = static_cast<std::uint8_t>((level & 0xF8U) | level >> 5U);
+}
 
 Status draw_preview_picture(const RRep& rrep, const Supports& supports, Arena& arena, PreviewPicture& picture) {
   picture.clear();

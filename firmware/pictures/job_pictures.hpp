@@ -33,6 +33,9 @@ struct FixedPicture {
 using PreviewPicture = FixedPicture<3, 320, 180>;
 using IssuesPicture = FixedPicture<3, 320, 180>;
 using CoveragePicture = FixedPicture<3, 480, 180>;
+using SidePicture = FixedPicture<3, 200, 180>;
+inline constexpr std::size_t kSideCount = 16;
+using SidePictures = std::array<SidePicture, kSideCount>;
 using LayerPicture = FixedPicture<1, 320, 320>;
 
 /// What is drawn of a job when it has been sliced.
@@ -40,18 +43,20 @@ struct SlicedPictures {
   PreviewPicture preview;    ///< what has been sliced, from three sides
   IssuesPicture issues;      ///< where the checks have found something
   CoveragePicture coverage;  ///< which parts of the surface were scanned
+  SidePictures sides;        ///< what has been sliced, from all sides: all of them are there, or none
 
   void clear() {
     preview.clear();
     issues.clear();
     coverage.clear();
+    for (SidePicture& side : sides) side.clear();
   }
 };
 
 struct JobPictures : SlicedPictures {
   std::array<LayerPicture, 2> layers;  ///< the mask of the layer that is printed, and the one that is made next
   std::size_t shown = 0;               ///< of layers
-  std::uint32_t preview_number = 0, issues_number = 0, coverage_number = 0,
+  std::uint32_t preview_number = 0, issues_number = 0, coverage_number = 0, side_number = 0,
                 layer_number = 0;  ///< rise with each new picture
 
   const LayerPicture& layer() const { return layers[shown]; }
@@ -65,6 +70,9 @@ struct JobPictures : SlicedPictures {
     for (LayerPicture& layer : layers) layer.clear();
   }
 };
+
+/// Leaves 5 bits of each level, as many as a small screen shows: the picture's PNG has to fit a line of the state socket.
+void keep_five_bits(std::span<std::uint8_t> levels);
 
 /// Draws the print from three sides, without texts.
 /// @param arena  room for draw_preview() and its picture is taken from its top and released

@@ -168,6 +168,7 @@ void write_pictures(JsonWriter& json, const PrinterRecord& record) {
   number("coverage", pictures != nullptr && pictures->coverage.there(),
          pictures != nullptr ? pictures->coverage_number : 0);
   number("layer", pictures != nullptr && pictures->layer().there(), pictures != nullptr ? pictures->layer_number : 0);
+  number("side", pictures != nullptr && pictures->sides[0].there(), pictures != nullptr ? pictures->side_number : 0);
   json.end_object();
 }
 
