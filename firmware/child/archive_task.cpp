@@ -6,6 +6,7 @@
 #include "firmware/child/rights.hpp"
 #include "firmware/child/scan_task.hpp"
 #include "firmware/child/shared_progress.hpp"
+#include "firmware/pictures/side_pictures.hpp"
 #include "firmware/print/sliced_archive.hpp"
 #include "firmware/settings/job_options.hpp"
 
@@ -36,9 +37,10 @@ Status check(SharedMemory& memory) {
   answer.fades = sliced->settings.faded_layers ? 1 : 0;
   answer.faded_layers = sliced->settings.faded_layers.value_or(0);
   answer.kind = ScanAnswer::kArchive;
-  // If the arena has no room for it, the job has no picture.
+  // If the arena has no room for them, the job has no pictures.
   if (!sliced->rrep.first.empty()) {
-    static_cast<void>(draw_preview_picture(sliced->rrep, Supports{}, arena, page.preview));
+    static_cast<void>(draw_preview_picture(sliced->rrep, Supports{}, arena, page.pictures.preview));
+    static_cast<void>(draw_side_pictures(sliced->rrep, Supports{}, arena, page.pictures.sides));
   }
   return {};
 }

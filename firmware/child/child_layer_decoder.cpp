@@ -25,32 +25,50 @@ Status ChildLayerDecoder::prepare(const PrintGrid& grid, Arena& arena) {
 
 Status ChildLayerDecoder::decode(int file, std::string_view name, const ArchiveLayer& layer, const MaskTurn& turn,
                                  BitImage out) {
+  PLUMBLINE_TRY(begin(file, name, layer, turn));
+  const auto done = finish(kPatience, out);
+  PLUMBLINE_TRY(done);
+  return *done ? Status() : Status(tl::unexpected<Error>(give_up()));
+}
+
+Status ChildLayerDecoder::begin(int file, std::string_view name, const ArchiveLayer& layer, const MaskTurn& turn) {
   ScanRequest request;
   request.name.add("%.*s", static_cast<int>(name.size()), name.data());
   request.settings.placement.printer = printer_;
   request.archive = {ArchiveRequest::Ask::kLayer, layer, turn,
                      static_cast<std::uint64_t>(mask_.data() - child_.arena_block().data())};
-  PLUMBLINE_TRY(child_.start(request, file));
-  auto ended = child_.wait(kPatience);
+  name_ = request.name;
+  number_ = layer.number;
+  return child_.start(request, file);
+}
+
+Expected<bool> ChildLayerDecoder::finish(std::chrono::milliseconds patience, BitImage out) {
+  const auto ended = child_.wait(patience);
   PLUMBLINE_TRY(ended);
-  const bool hung = !*ended;
-  if (hung) child_.kill();
-  while (!*ended) {
-    ended = child_.wait(kPatience);
-    PLUMBLINE_TRY(ended);
-  }
+  if (!*ended) return false;
+  if (**ended != 0) return tl::unexpected<Error>(broke("failed"));
   const ScanAnswer answer = child_.answer();
   constexpr std::array kErrors = {ErrorCode::kCannotRead, ErrorCode::kMalformed, ErrorCode::kUnsupported,
                                   ErrorCode::kOutOfMemory};
-  if (hung || **ended != 0) {
-    return fail(ErrorCode::kMalformed, "%s: layer %llu: decoding it %s", request.name.c_str(),
-                static_cast<unsigned long long>(layer.number), hung ? "made no progress" : "failed");
-  }
   if (answer.kind == ScanAnswer::kRefused) return child_error(answer, kErrors);
-  if (answer.kind != ScanAnswer::kLayer) return fail(ErrorCode::kMalformed, "%s: no answer", request.name.c_str());
+  if (answer.kind != ScanAnswer::kLayer) return fail(ErrorCode::kMalformed, "%s: no answer", name_.c_str());
   std::memcpy(out.words().data(), mask_.data(), mask_.size());
   for (std::uint32_t r = 0; r < out.rows(); ++r) out.row(r).back() &= out.last_word_mask();
-  return {};
+  return true;
+}
+
+Error ChildLayerDecoder::give_up() {
+  child_.kill();
+  for (;;) {
+    const auto ended = child_.wait(kPatience);
+    if (!ended) return ended.error();
+    if (*ended) return broke("made no progress");
+  }
+}
+
+Error ChildLayerDecoder::broke(const char* how) const {
+  return Error::format(ErrorCode::kMalformed, "%s: layer %llu: decoding it %s", name_.c_str(),
+                       static_cast<unsigned long long>(number_), how);
 }
 
 }  // namespace plumbline

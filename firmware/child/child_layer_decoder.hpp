@@ -26,10 +26,29 @@ class ChildLayerDecoder final : public LayerDecoder {
   Status decode(int file, std::string_view name, const ArchiveLayer& layer, const MaskTurn& turn,
                 BitImage out) override;
 
+  // The same in steps, for those who can't wait: begin(), then finish() until it is true or fails.
+
+  /// @pre no child runs
+  /// @retval ErrorCode::kDeviceTimeout  no child can be started any more
+  [[nodiscard]] Status begin(int file, std::string_view name, const ArchiveLayer& layer, const MaskTurn& turn);
+  /// @param patience  how long to wait for the child
+  /// @param out       overwritten once the layer is decoded
+  /// @returns whether it is; false: the child still works
+  /// @retval as decode(); the child has ended then, unless no child can be started any more
+  [[nodiscard]] Expected<bool> finish(std::chrono::milliseconds patience, BitImage out);
+  /// Kills the child and waits for its end.
+  /// @returns the error of a layer that took too long
+  /// @retval ErrorCode::kDeviceTimeout  no child can be started any more
+  Error give_up();
+
  private:
+  Error broke(const char* how) const;
+
   SlicingChild& child_;
   PrinterVolume printer_;
   std::span<std::byte> mask_;  ///< on a page
+  FixedText<256> name_;        ///< of the archive whose layer is decoded
+  std::uint64_t number_ = 0;   ///< of that layer
 };
 
 }  // namespace plumbline

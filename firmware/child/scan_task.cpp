@@ -6,6 +6,7 @@
 #include "firmware/child/rights.hpp"
 #include "firmware/child/shared_progress.hpp"
 #include "firmware/pictures/issue_picture.hpp"
+#include "firmware/pictures/side_pictures.hpp"
 #include "firmware/print/sliced_scan.hpp"
 #include "firmware/settings/job_options.hpp"
 #include "firmware/slice/job_report.hpp"
@@ -66,8 +67,14 @@ void run_scan_task(SharedMemory& memory, std::uint32_t threads) {
   if (sliced) {
     hand_back(*sliced, report, arena, page.answer, memory.arena());
     // If the arena has no room for them, the job has no pictures.
-    static_cast<void>(draw_preview_picture(sliced->rrep, sliced->supports, arena, page.preview));
-    static_cast<void>(draw_issues_picture(sliced->findings, sliced->rrep, sliced->supports, arena, page.issues));
+    static_cast<void>(draw_preview_picture(sliced->rrep, sliced->supports, arena, page.pictures.preview));
+    static_cast<void>(
+        draw_issues_picture(sliced->findings, sliced->rrep, sliced->supports, arena, page.pictures.issues));
+    static_cast<void>(draw_side_pictures(sliced->rrep, sliced->supports, arena, page.pictures.sides));
+    // Of a mesh all is known.
+    if (!report.mesh) {
+      static_cast<void>(draw_coverage_picture(sliced->rrep, report.confidence, arena, page.pictures.coverage));
+    }
   } else {
     hand_back_error(sliced.error(), page.answer);
   }

@@ -77,8 +77,7 @@ Status SlicingChild::start(const ScanRequest& request, std::span<const int> file
   MessagePage& page = memory_.page();
   page.request = request;
   page.answer = ScanAnswer();
-  page.preview.clear();
-  page.issues.clear();
+  page.pictures.clear();
   page.progress.beats = 0;
   page.progress.stage = 0;
   page.progress.permille = 0;

@@ -53,9 +53,8 @@ class SlicingChild {
 
   const ChildProgress& progress() const { return memory_.page().progress; }
   const ScanAnswer& answer() const { return memory_.page().answer; }
-  /// What the child has drawn of the job. Its size may be anything.
-  const PreviewPicture& preview() const { return memory_.page().preview; }
-  const IssuesPicture& issues() const { return memory_.page().issues; }
+  /// What the child has drawn of the job. Their sizes may be anything.
+  const SlicedPictures& pictures() const { return memory_.page().pictures; }
 
  private:
   SlicingChild(SharedMemory memory, Descriptor socket, pid_t process)

@@ -59,9 +59,9 @@ CLI::App* add_status_command(CLI::App& app, StatusOptions& options) {
   auto* picture = command
                       ->add_option("--picture", options.picture,
                                    "Write a picture to --output: the preview of what was sliced, where its masks have "
-                                   "issues, or the layer being printed")
+                                   "issues, the coverage of its surface by the scan, or the layer being printed")
                       ->type_name("NAME")
-                      ->check(CLI::IsMember({"preview", "issues", "layer"}).description(""));
+                      ->check(CLI::IsMember({"preview", "issues", "coverage", "layer"}).description(""));
   auto* output =
       command->add_option("-o,--output", options.output, "File for the picture or the report")->type_name("FILE");
   auto* prints = command->add_flag("--prints", options.prints, "List the last prints, newest first");

@@ -4,10 +4,15 @@
 
 namespace plumbline {
 
-Expected<std::unique_ptr<OfferedMasks>> OfferedMasks::create(const SlicedScan& sliced, const PrintProfile& profile,
-                                                             const MachineFile& machine, Arena& arena) {
+tl::unexpected<Error> no_such_layer(std::uint32_t layer, std::uint32_t layers) {
+  return fail(ErrorCode::kBadSetting, "there is no layer %u: the last one is %u", layer, layers - 1);
+}
+
+Expected<std::unique_ptr<OfferedScanMasks>> OfferedScanMasks::create(const SlicedScan& sliced,
+                                                                     const PrintProfile& profile,
+                                                                     const MachineFile& machine, Arena& arena) {
   const PrintGrid& grid = sliced.rrep.grid;
-  std::unique_ptr<OfferedMasks> offered(new OfferedMasks(arena));
+  std::unique_ptr<OfferedScanMasks> offered(new OfferedScanMasks(arena));
   const auto plan = plan_print(profile, machine, static_cast<double>(grid.layer_height_mm), grid.layers);
   PLUMBLINE_TRY(plan);
   const auto stream = MaskStream::create(sliced.rrep, sliced.supports, arena);
@@ -22,14 +27,12 @@ Expected<std::unique_ptr<OfferedMasks>> OfferedMasks::create(const SlicedScan& s
   return offered;
 }
 
-Status OfferedMasks::draw(std::uint32_t layer, LayerPicture& picture) {
+Expected<bool> OfferedScanMasks::draw(std::uint32_t layer, LayerPicture& picture) {
   const std::uint32_t layers = masks_->grid().layers;
-  if (layer >= layers) {
-    return fail(ErrorCode::kBadSetting, "there is no layer %u: the last one is %u", layer, layers - 1);
-  }
+  if (layer >= layers) return no_such_layer(layer, layers);
   PLUMBLINE_TRY(masks_->render(layer, mask_));
   draw_layer_picture(mask_, picture);
-  return {};
+  return true;
 }
 
 }  // namespace plumbline

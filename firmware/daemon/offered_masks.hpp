@@ -15,26 +15,36 @@
 
 namespace plumbline {
 
-/// The masks that would be printed, to look at while the printer asks whether to print them. Its destructor releases the arena.
+/// The masks that would be printed, to look at while the printer asks whether to print them.
 class OfferedMasks {
+ public:
+  virtual ~OfferedMasks() = default;
+  /// Draws the mask of a layer.
+  /// @returns false: it is being made. Ask again
+  /// @retval ErrorCode::kBadSetting  there is no such layer
+  /// @retval any error of its source
+  [[nodiscard]] virtual Expected<bool> draw(std::uint32_t layer, LayerPicture& picture) = 0;
+};
+
+/// Those of a scan. Its destructor releases the arena.
+class OfferedScanMasks final : public OfferedMasks {
  public:
   /// Takes a mask stream and a mask from the bottom of the arena.
   /// @param sliced  must outlive it, as must the arena
   /// @retval ErrorCode::kOutOfMemory
   /// @retval the errors of plan_print()
-  [[nodiscard]] static Expected<std::unique_ptr<OfferedMasks>> create(const SlicedScan& sliced,
-                                                                      const PrintProfile& profile,
-                                                                      const MachineFile& machine, Arena& arena);
-  ~OfferedMasks() { arena_.release_bottom(mark_); }
-  OfferedMasks(const OfferedMasks&) = delete;
-  OfferedMasks& operator=(const OfferedMasks&) = delete;
+  [[nodiscard]] static Expected<std::unique_ptr<OfferedScanMasks>> create(const SlicedScan& sliced,
+                                                                          const PrintProfile& profile,
+                                                                          const MachineFile& machine, Arena& arena);
+  ~OfferedScanMasks() override { arena_.release_bottom(mark_); }
+  OfferedScanMasks(const OfferedScanMasks&) = delete;
+  OfferedScanMasks& operator=(const OfferedScanMasks&) = delete;
 
-  /// A layer above the one before costs the crossings between them, one below it all crossings from layer 0.
-  /// @retval ErrorCode::kBadSetting  there is no such layer
-  [[nodiscard]] Status draw(std::uint32_t layer, LayerPicture& picture);
+  /// At once. A layer above the one before costs the crossings between them, one below it all crossings from layer 0.
+  Expected<bool> draw(std::uint32_t layer, LayerPicture& picture) override;
 
  private:
-  explicit OfferedMasks(Arena& arena) : arena_(arena), mark_(arena.bottom_mark()) {}
+  explicit OfferedScanMasks(Arena& arena) : arena_(arena), mark_(arena.bottom_mark()) {}
 
   Arena& arena_;
   std::size_t mark_;
@@ -42,5 +52,8 @@ class OfferedMasks {
   std::optional<MaskRenderer> masks_;
   BitImage mask_;
 };
+
+/// The error of a layer that a stack of `layers` does not have.
+[[nodiscard]] tl::unexpected<Error> no_such_layer(std::uint32_t layer, std::uint32_t layers);
 
 }  // namespace plumbline

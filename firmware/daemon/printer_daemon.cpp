@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "firmware/daemon/issue_question.hpp"
+#include "firmware/daemon/offered_archive.hpp"
 #include "firmware/daemon/sliced_record.hpp"
 #include "firmware/daemon/stick/stick_reports.hpp"
 #include "firmware/daemon/stick/stick_words.hpp"
@@ -188,7 +189,7 @@ Expected<std::optional<EventKind>> PrinterDaemon::take(const ClientRequest& requ
   return std::nullopt;
 }
 
-Status PrinterDaemon::draw_mask(std::uint32_t layer, LayerPicture& picture) {
+Expected<bool> PrinterDaemon::draw_mask(std::uint32_t layer, LayerPicture& picture) {
   if (masks_ == nullptr) {
     return fail(ErrorCode::kBadSetting, "there are no masks now.\tAsk again while what has been sliced is offered");
   }
@@ -252,7 +253,7 @@ Expected<bool> PrinterDaemon::prepare_scan(PrintSession& session, const CheckedA
   const SlicedScan& sliced = answer.sliced;
   {
     // Without room for them there are none to look at.
-    const auto masks = OfferedMasks::create(sliced, profile, settings_.machine, arena_);
+    const auto masks = OfferedScanMasks::create(sliced, profile, settings_.machine, arena_);
     const auto wanted =
         accept(sliced.rrep.grid, extent_of(sliced.rrep), sliced.findings, profile, masks ? masks->get() : nullptr);
     if (!wanted || !*wanted) return wanted;
@@ -266,10 +267,15 @@ Expected<bool> PrinterDaemon::prepare_archive(PrintSession& session, JobStore::R
                                               const ScanRequest& request, PrintProfile& profile) {
   const auto sliced = slicing_.check(copy.file.get(), request);
   PLUMBLINE_TRY(sliced);
-  observer_.previewed(child_.preview(), child_.issues());
+  observer_.previewed(child_.pictures());
   profile = profile_of(profile, sliced->settings, request.name.view());
-  const auto wanted = accept(sliced->grid, sliced->extent, sliced->findings, profile, nullptr);
-  if (!wanted || !*wanted) return wanted;
+  {
+    // Without room for them there are none to look at.
+    const auto masks = OfferedArchiveMasks::create(copy.file.get(), request.name.view(), *sliced, profile,
+                                                   settings_.machine, decoder_, arena_);
+    const auto wanted = accept(sliced->grid, sliced->extent, sliced->findings, profile, masks ? masks->get() : nullptr);
+    if (!wanted || !*wanted) return wanted;
+  }
   PLUMBLINE_TRY(session.take(*sliced, request.name.view(), profile, std::move(copy.file), copy.hash));
   return true;
 }
@@ -333,7 +339,7 @@ Status PrinterDaemon::serve_stick() {
       const auto sliced = slicing_.run(*mount, *scan, *request);
       PLUMBLINE_TRY(sliced);
       answer = *sliced;
-      observer_.previewed(child_.preview(), child_.issues());
+      observer_.previewed(child_.pictures());
       for (std::size_t i = 0; i < answer->remarks; ++i) {
         observer_.warn(in_stick_words(answer->remark[i].view()).view());
       }

@@ -41,7 +41,7 @@ class PrinterDaemon final : public CommandTaker {
 
   /// Called while the daemon waits for an event.
   Expected<std::optional<EventKind>> take(const ClientRequest& request) override;
-  Status draw_mask(std::uint32_t layer, LayerPicture& picture) override;
+  Expected<bool> draw_mask(std::uint32_t layer, LayerPicture& picture) override;
   Expected<ReportPart> read_report(std::uint64_t from, std::span<std::byte> out) override;
 
   FaultCode fault() const { return fault_; }  ///< of the last job; kNone: none

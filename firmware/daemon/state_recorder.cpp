@@ -34,9 +34,16 @@ void StateRecorder::begin_job() {
   pictures_->clear();
 }
 
-void StateRecorder::previewed(const PreviewPicture& preview, const IssuesPicture& issues) {
-  pictures_->preview_number += take(preview, pictures_->preview) ? 1 : 0;
-  pictures_->issues_number += take(issues, pictures_->issues) ? 1 : 0;
+void StateRecorder::previewed(const SlicedPictures& drawn) {
+  pictures_->preview_number += take(drawn.preview, pictures_->preview) ? 1 : 0;
+  pictures_->issues_number += take(drawn.issues, pictures_->issues) ? 1 : 0;
+  pictures_->coverage_number += take(drawn.coverage, pictures_->coverage) ? 1 : 0;
+  bool all = true;
+  for (std::size_t i = 0; i < kSideCount; ++i) all = take(drawn.sides[i], pictures_->sides[i]) && all;
+  if (!all) {
+    for (SidePicture& side : pictures_->sides) side.clear();
+  }
+  pictures_->side_number += all ? 1 : 0;
 }
 
 void StateRecorder::mask_made(std::uint32_t layer, ConstBitImage mask) {

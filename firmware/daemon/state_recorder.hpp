@@ -37,8 +37,8 @@ class StateRecorder final : public DaemonObserver {
 
   /// Forgets the job of before.
   void begin_job();
-  /// Keeps the picture of what has been sliced, if it has a size that a picture can have.
-  void previewed(const PreviewPicture& preview, const IssuesPicture& issues);
+  /// Keeps the pictures of what has been sliced, if they have sizes that pictures can have.
+  void previewed(const SlicedPictures& drawn);
 
   /// The scans of a stick. What was wrong with one of them is remembered as long as the stick is in.
   void found(const StickScans& scans);

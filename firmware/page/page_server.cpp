@@ -25,6 +25,7 @@ constexpr std::size_t kMostPng = kLongestLine / 4 * 3;
 constexpr auto kOneLine = JsonWriter::Layout::kOneLine;
 constexpr std::string_view kPicturePath = "/picture/";
 constexpr std::string_view kPrintPicturePath = "/print.png";
+constexpr std::string_view kSidePath = "/side";
 
 std::optional<std::uint64_t> whole_number(std::optional<std::string_view> text) {
   std::uint64_t number = 0;
@@ -142,8 +143,8 @@ HttpReply PageServer::get(const HttpRequest& request, const HttpTicket& ticket) 
   if (request.path == "/api/printer") return octoprint(write_octoprint_printer);
   const bool is_picture = request.path.starts_with(kPicturePath);
   const bool is_mask = request.path == "/mask", is_report = request.path == "/report.json";
-  const bool is_print = request.path == kPrintPicturePath;
-  if (!is_picture && !is_mask && !is_report && !is_print && request.path != "/state")
+  const bool is_print = request.path == kPrintPicturePath, is_side = request.path == kSidePath;
+  if (!is_picture && !is_mask && !is_report && !is_print && !is_side && request.path != "/state")
     return refuse(404, "there is no such page");
   if (state_.view().empty()) return refuse(503, "the printer's daemon does not answer", "Start plumblined");
   if (request.path == "/state") return HttpAnswer{.body = state_.view()};
@@ -153,7 +154,7 @@ HttpReply PageServer::get(const HttpRequest& request, const HttpTicket& ticket) 
     if (word == kPictureWords.end()) return refuse(404, "there is no such picture");
     return picture(static_cast<PictureName>(word - kPictureWords.begin()), ticket);
   }
-  // The preview of a print that is kept is one picture in one reply, as a mask is.
+  // The preview of a print that is kept is one picture in one reply, as a mask is, and so is a side.
   Question question{.kind = is_report ? Question::Kind::kReportBegin : Question::Kind::kMask,
                     .ticket = ticket,
                     .print = is_report ? request.n.value_or(0) : 0};
@@ -161,6 +162,9 @@ HttpReply PageServer::get(const HttpRequest& request, const HttpTicket& ticket) 
   if (is_print) {
     if (request.n.value_or(0) == 0) return refuse(400, "which print?", "Ask for /print.png?n=1");
     what.add(R"("do": "picture", "picture": "preview", "print": %u)", *request.n);
+  } else if (is_side) {
+    if (request.n.value_or(kSideCount) >= kSideCount) return refuse(400, "which side?", "Ask for /side?n=0");
+    what.add(R"("do": "picture", "picture": "side", "side": %u)", *request.n);
   } else if (is_mask) {
     if (!request.n) return refuse(400, "which layer?", "Ask for /mask?n=0");
     what.add(R"("do": "mask", "layer": %u)", *request.n);

@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "firmware/pictures/coverage_survey.hpp"
+#include "firmware/pictures/coverage_views.hpp"
 #include "firmware/pictures/preview_page.hpp"
 
 namespace plumbline {
@@ -31,21 +32,16 @@ void draw_legend(const Picture& picture, const ConfidenceMap& map) {
   }
 }
 
-Status draw(const RRep& rrep, const ConfidenceMap& map, const PreviewText& text, Arena& arena, const Picture& picture) {
+/// @returns the part of the page that has the views; empty if there is no object
+Expected<PagePart> draw_views(const RRep& rrep, const ConfidenceMap& map, bool named, Arena& arena,
+                              const Picture& picture) {
   const ArenaScope scope(arena);
   const PrintGrid& grid = rrep.grid;
   const auto words = arena.take_top<std::uint64_t>(BitImage::words_needed(grid.columns, grid.rows), kStage);
   PLUMBLINE_TRY(words);
-  draw_background(picture);
-  const TextStyle title{.scale = 4, .colour = kInk};
-  draw_text(picture, kMargin, 38, cut(text.name, kPreviewColumns - 700, title), title);
-  constexpr std::string_view kAbout = "which parts of the surface were scanned";
   const TextStyle plain{.scale = 2, .colour = kInk};
-  draw_text(picture, std::int64_t{kPreviewColumns} - kMargin - text_width(kAbout, plain), 52, kAbout, plain);
-  draw_legend(picture, map);
-
   const Extent extent = find_extent(rrep, *words);
-  if (extent.empty()) return {};
+  if (extent.empty()) return PagePart{};
   const CoverageLayout layout = CoverageLayout::of(extent, grid);
   const auto in_samples = [&](float mm) { return std::max(1.0F, mm * static_cast<float>(layout.samples_per_mm)); };
   std::int64_t left = layout.left;
@@ -76,16 +72,44 @@ Status draw(const RRep& rrep, const ConfidenceMap& map, const PreviewText& text,
       smooth_depth(view, *scratch, {.across = in_samples(across_mm), .deep = in_samples(deep_mm)});
       const std::int64_t height = rows / kSamplesPerPixel;
       shade_depth(view, picture, left, (std::int64_t{kTop} + kBottom - height) / 2, kColours);
-      draw_text(picture, left + (std::int64_t{layout.width} - text_width(name, plain)) / 2, kBottom + 6, name, plain);
+      if (named) {
+        draw_text(picture, left + (std::int64_t{layout.width} - text_width(name, plain)) / 2, kBottom + 6, name, plain);
+      }
       left += layout.step;
     }
     return {};
   };
   PLUMBLINE_TRY(draw_pair(true));
-  return draw_pair(false);
+  PLUMBLINE_TRY(draw_pair(false));
+  const std::int64_t rim = kBetween / 4;
+  const std::int64_t first = std::max<std::int64_t>(layout.left - rim, 0);
+  const std::int64_t end = std::min<std::int64_t>(left - layout.step + layout.width + rim, kPreviewColumns);
+  const std::int64_t tall = std::max(layout.height, layout.depth);
+  const std::int64_t top = (std::int64_t{kTop} + kBottom - tall) / 2 - rim;
+  return PagePart{static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(top),
+                  static_cast<std::uint32_t>(end - first), static_cast<std::uint32_t>(tall + 2 * rim)};
+}
+
+Status draw(const RRep& rrep, const ConfidenceMap& map, const PreviewText& text, Arena& arena, const Picture& picture) {
+  draw_background(picture);
+  const TextStyle title{.scale = 4, .colour = kInk};
+  draw_text(picture, kMargin, 38, cut(text.name, kPreviewColumns - 700, title), title);
+  constexpr std::string_view kAbout = "which parts of the surface were scanned";
+  const TextStyle plain{.scale = 2, .colour = kInk};
+  draw_text(picture, std::int64_t{kPreviewColumns} - kMargin - text_width(kAbout, plain), 52, kAbout, plain);
+  draw_legend(picture, map);
+  PLUMBLINE_TRY(draw_views(rrep, map, true, arena, picture));
+  return {};
 }
 
 }  // namespace
+
+Expected<PagePart> preview::draw_coverage_views(const RRep& rrep, const ConfidenceMap& map, Arena& arena,
+                                                std::span<std::uint8_t> rgb) {
+  const Picture picture{rgb, kPreviewColumns, kPreviewRows};
+  draw_background(picture);
+  return draw_views(rrep, map, false, arena, picture);
+}
 
 Expected<std::span<const std::byte>> encode_coverage(const RRep& rrep, const ConfidenceMap& map,
                                                      const PreviewText& text, Arena& arena, PngEncoder& encoder) {

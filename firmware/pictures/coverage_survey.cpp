@@ -11,7 +11,6 @@ namespace {
 constexpr const char* kStage = "coverage picture";
 constexpr std::uint32_t kNone = 0xFFFFFFFFU;
 constexpr std::uint16_t kNever = 0xFFFF;
-constexpr std::int64_t kBetween = 60;  ///< pixels between two views
 
 class Surveyor {
  public:

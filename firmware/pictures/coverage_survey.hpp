@@ -12,6 +12,8 @@
 
 namespace plumbline::preview {
 
+inline constexpr std::int64_t kBetween = 60;  ///< pixels between two views of the coverage picture
+
 /// The scale that four views share, and where they go on the page.
 struct CoverageLayout {
   double samples_per_mm = 0;

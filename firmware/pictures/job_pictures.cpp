@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "firmware/pictures/coverage_views.hpp"
 #include "firmware/pictures/preview.hpp"
 #include "firmware/pictures/preview_layout.hpp"
 
@@ -13,9 +14,7 @@ namespace {
 constexpr std::int64_t kRim = 12;
 
 /// Part of a page that is reduced to a picture.
-struct Part {
-  std::uint32_t left = 0, top = 0, columns = 0, rows = 0;
-};
+using Part = preview::PagePart;
 
 /// The three views of a page, without the texts around them; or the front view alone.
 Part views_of(const RRep& rrep, const Supports& supports, bool front_only, std::span<std::uint64_t> words) {
@@ -63,7 +62,8 @@ Size fitted(const Part& part, Size picture) {
 
 /// Means over the part's pixels.
 /// @param shown  pixels in the picture's middle that the part fills
-void reduce(std::span<const std::uint8_t> page, const Part& part, Size shown, Size picture, std::span<std::uint8_t> out) {
+void reduce(std::span<const std::uint8_t> page, const Part& part, Size shown, Size picture,
+            std::span<std::uint8_t> out) {
   for (std::uint32_t y = 0; y < picture.rows; ++y) {
     const Stretch down = stretch_of(y, picture.rows, shown.rows, part.rows);
     for (std::uint32_t x = 0; x < picture.columns; ++x) {
@@ -113,24 +113,42 @@ std::uint32_t count_bits(std::span<const std::uint64_t> row, std::uint32_t begin
   return static_cast<std::uint32_t>(std::popcount(bits));
 }
 
+/// The part of a page as a picture, as large as it can be at the part's proportions.
+template <class Picture>
+void fill_from(std::span<const std::uint8_t> page, const Part& part, Picture& picture) {
+  if (part.columns == 0 || part.rows == 0) return;
+  picture.columns = std::min(Picture::kMostColumns, Picture::kMostRows * part.columns / part.rows);
+  picture.columns = std::clamp(picture.columns, 1U, part.columns);
+  picture.rows = std::clamp(picture.columns * part.rows / part.columns, 1U, Picture::kMostRows);
+  const Size size{picture.columns, picture.rows};
+  reduce(page, part, size, size, picture.bytes());
+  keep_five_bits(picture.bytes());
+}
+
 }  // namespace
+
+void keep_five_bits(std::span<std::uint8_t> levels) {
+  for (std::uint8_t& level : levels) level = static_cast<std::uint8_t>((level & 0xF8U) | level >> 5U);
+}
 
 Status draw_preview_picture(const RRep& rrep, const Supports& supports, Arena& arena, PreviewPicture& picture) {
   picture.clear();
   const ArenaScope scope(arena);
   const auto page = draw_page(rrep, supports, false, arena);
   PLUMBLINE_TRY(page);
-  const Part& part = page->part;
-  if (part.columns == 0 || part.rows == 0) return {};
-  picture.columns = std::min(PreviewPicture::kMostColumns, PreviewPicture::kMostRows * part.columns / part.rows);
-  picture.columns = std::clamp(picture.columns, 1U, part.columns);
-  picture.rows = std::clamp(picture.columns * part.rows / part.columns, 1U, PreviewPicture::kMostRows);
-  const Size size{picture.columns, picture.rows};
-  reduce(page->rgb, part, size, size, picture.bytes());
-  for (std::uint8_t& level : picture.bytes()) {
-    // 5 bits, as many as a small screen shows: the picture's PNG has to fit a line of the state socket.
-    level = static_cast<std::uint8_t>((level & 0xF8U) | level >> 5U);
-  }
+  fill_from(page->rgb, page->part, picture);
+  return {};
+}
+
+Status draw_coverage_picture(const RRep& rrep, const ConfidenceMap& map, Arena& arena, CoveragePicture& picture) {
+  picture.clear();
+  if (map.empty()) return {};
+  const ArenaScope scope(arena);
+  const auto rgb = arena.take_top<std::uint8_t>(std::size_t{3} * kPreviewColumns * kPreviewRows, "coverage picture");
+  PLUMBLINE_TRY(rgb);
+  const auto part = preview::draw_coverage_views(rrep, map, arena, *rgb);
+  PLUMBLINE_TRY(part);
+  fill_from(*rgb, *part, picture);
   return {};
 }
 

@@ -9,6 +9,7 @@
 #include "slicer/core/arena.hpp"
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/error.hpp"
+#include "slicer/rrep/confidence.hpp"
 #include "slicer/rrep/rrep.hpp"
 #include "slicer/supports/drawing/supports.hpp"
 
@@ -31,14 +32,32 @@ struct FixedPicture {
 
 using PreviewPicture = FixedPicture<3, 320, 180>;
 using IssuesPicture = FixedPicture<3, 320, 180>;
+using CoveragePicture = FixedPicture<3, 480, 180>;
+using SidePicture = FixedPicture<3, 200, 180>;
+inline constexpr std::size_t kSideCount = 16;
+using SidePictures = std::array<SidePicture, kSideCount>;
 using LayerPicture = FixedPicture<1, 320, 320>;
 
-struct JobPictures {
-  PreviewPicture preview;              ///< what has been sliced, from three sides
-  IssuesPicture issues;                ///< where the checks have found something
+/// What is drawn of a job when it has been sliced.
+struct SlicedPictures {
+  PreviewPicture preview;    ///< what has been sliced, from three sides
+  IssuesPicture issues;      ///< where the checks have found something
+  CoveragePicture coverage;  ///< which parts of the surface were scanned
+  SidePictures sides;        ///< what has been sliced, from all sides: all of them are there, or none
+
+  void clear() {
+    preview.clear();
+    issues.clear();
+    coverage.clear();
+    for (SidePicture& side : sides) side.clear();
+  }
+};
+
+struct JobPictures : SlicedPictures {
   std::array<LayerPicture, 2> layers;  ///< the mask of the layer that is printed, and the one that is made next
   std::size_t shown = 0;               ///< of layers
-  std::uint32_t preview_number = 0, issues_number = 0, layer_number = 0;  ///< rise with each new picture
+  std::uint32_t preview_number = 0, issues_number = 0, coverage_number = 0, side_number = 0,
+                layer_number = 0;  ///< rise with each new picture
 
   const LayerPicture& layer() const { return layers[shown]; }
   LayerPicture& next_layer() { return layers[1 - shown]; }
@@ -47,17 +66,26 @@ struct JobPictures {
     ++layer_number;
   }
   void clear() {
-    preview.clear();
-    issues.clear();
+    SlicedPictures::clear();
     for (LayerPicture& layer : layers) layer.clear();
   }
 };
+
+/// Leaves 5 bits of each level, as many as a small screen shows: the picture's PNG has to fit a line of the state socket.
+void keep_five_bits(std::span<std::uint8_t> levels);
 
 /// Draws the print from three sides, without texts.
 /// @param arena  room for draw_preview() and its picture is taken from its top and released
 /// @retval ErrorCode::kOutOfMemory  the arena has no room; there is no picture then
 [[nodiscard]] Status draw_preview_picture(const RRep& rrep, const Supports& supports, Arena& arena,
                                           PreviewPicture& picture);
+
+/// Draws which parts of the surface were scanned, from the front, the back, above and below, without texts.
+/// @param map    of `rrep`; empty, as that of a mesh: there is no picture
+/// @param arena  a page and what it is drawn with are taken from its top and released
+/// @retval ErrorCode::kOutOfMemory  the arena has no room; there is no picture then
+[[nodiscard]] Status draw_coverage_picture(const RRep& rrep, const ConfidenceMap& map, Arena& arena,
+                                           CoveragePicture& picture);
 
 /// Draws a picture of the print in any size: from three sides if it is wider than tall, else from the front.
 /// @param arena  the picture and room to draw it are taken from its top; only the latter is released

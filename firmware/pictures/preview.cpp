@@ -18,8 +18,6 @@ using namespace preview;
 
 namespace {
 
-/// Colours of the object and of its supports.
-constexpr std::array<Colour, 2> kMaterials{{{255, 243, 222}, {122, 178, 214}}};
 constexpr Colour kLine{112, 123, 136};
 
 void draw_centred(const Picture& picture, std::int64_t centre, std::int64_t top, std::string_view text,

@@ -21,6 +21,11 @@ inline constexpr double kMostPixelsPerMm = 120.0;
 inline constexpr std::size_t kSamples =
     std::size_t{kAreaColumns} * kSamplesPerPixel * kAreaRows * kSamplesPerPixel;  // of all three maps together
 
+/// A part of the page, pixels.
+struct PagePart {
+  std::uint32_t left = 0, top = 0, columns = 0, rows = 0;
+};
+
 /// Half-open ranges of pixels and layers that hold the object.
 struct Extent {
   std::uint32_t column = 0, column_end = 0, row = 0, row_end = 0, layer = 0, layer_end = 0;

@@ -1,6 +1,7 @@
 #pragma once
 /// Shared by all pictures: background, ink, and cutting text to a width.
 
+#include <array>
 #include <cstdint>
 #include <string_view>
 
@@ -9,6 +10,8 @@
 namespace plumbline::preview {
 
 inline constexpr Colour kInk{236, 232, 224}, kPaleInk{158, 168, 180};
+/// Of the object and of its supports.
+inline constexpr std::array<Colour, 2> kMaterials{{{255, 243, 222}, {122, 178, 214}}};
 
 /// Fills the page with a grey that darkens upwards.
 void draw_background(const Picture& picture);

@@ -88,6 +88,7 @@ void draw_plate(const Sheet& sheet);
 void draw_interrupted(const Sheet& sheet);
 void draw_fault(const Sheet& sheet);
 void draw_prints(const Sheet& sheet);
+void draw_light_card(const Sheet& sheet);
 void draw_ending(const Sheet& sheet);
 
 }  // namespace plumbline

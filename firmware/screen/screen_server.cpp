@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "firmware/screen/light_card.hpp"
 #include "firmware/screen/screens.hpp"
 #include "firmware/screen/setting_rows.hpp"
 
@@ -62,8 +63,10 @@ std::optional<Event> ScreenServer::filter(const Event& event, const PrinterRecor
   drawn_at_ = {};  // whoever presses a button sees at once what it did
   if (view_.asks_to_cancel && event.at < asked_at_ + kSettle) return std::nullopt;
   const auto use = buttons_of(record, view_)[static_cast<std::size_t>(*button)];
-  if (!use)
-    return view_.asks_to_cancel || view_.settings_open || view_.prints_open ? std::nullopt : std::optional(event);
+  if (!use) {
+    const bool opened = view_.asks_to_cancel || view_.settings_open || view_.prints_open || view_.lights_open;
+    return opened ? std::nullopt : std::optional(event);
+  }
   if (use->act == ButtonAct::kCommand) {
     view_.asks_to_cancel = false;
     return event;
@@ -101,6 +104,12 @@ void ScreenServer::act(ButtonAct act, const PrinterRecord& record, CommandTaker&
     case ButtonAct::kOpenPrints: view_.prints_open = true; break;
     case ButtonAct::kNextPrint: view_.print = (view_.print + 1) % record.prints->list().size(); break;
     case ButtonAct::kClosePrints: view_.prints_open = false; break;
+    case ButtonAct::kOpenLights:
+      view_.lights_open = true;
+      view_.pattern = light_pattern_of(record.state);
+      break;
+    case ButtonAct::kNextPattern: view_.pattern = (view_.pattern + 1) % kLightPatternCount; break;
+    case ButtonAct::kCloseLights: view_.lights_open = false; break;
   }
 }
 

@@ -26,6 +26,11 @@ Uses uses_on_scans(const PrinterRecord& record, const ScreenView& view) {
   return uses;
 }
 
+/// The screens from which the card can be opened: nobody is in a hurry there.
+bool has_light_card(ScreenKind kind) { return kind == ScreenKind::kIdle || kind == ScreenKind::kPlate; }
+
+constexpr ButtonUse kOpenCard{Words::kDoLights, ButtonAct::kOpenLights};
+
 }  // namespace
 
 Uses buttons_of(const PrinterRecord& record, const ScreenView& view) {
@@ -37,6 +42,10 @@ Uses buttons_of(const PrinterRecord& record, const ScreenView& view) {
   if (view.asks_to_cancel) {
     return {ButtonUse{Words::kDoKeepPrinting, ButtonAct::kKeepPrinting}, std::nullopt, ButtonUse{Words::kDoEndPrint}};
   }
+  if (view.lights_open) {
+    return {std::nullopt, ButtonUse{Words::kDoNext, ButtonAct::kNextPattern},
+            ButtonUse{Words::kDoBack, ButtonAct::kCloseLights}};
+  }
   const ButtonAct ask = loses_a_part(record.state) ? ButtonAct::kAskToCancel : ButtonAct::kCommand;
   switch (screen_of(record)) {
     case ScreenKind::kIdle:
@@ -47,6 +56,7 @@ Uses buttons_of(const PrinterRecord& record, const ScreenView& view) {
       }
       give(kStart, Command::kOffer, Words::kDoOffer);
       if (kept_prints(record) > 0) uses[1] = ButtonUse{Words::kDoPrints, ButtonAct::kOpenPrints};
+      uses[2] = kOpenCard;
       break;
     case ScreenKind::kScans:
       if (record.job && takes(record, Command::kStart)) return uses_on_scans(record, view);
@@ -67,7 +77,10 @@ Uses buttons_of(const PrinterRecord& record, const ScreenView& view) {
       give(kPause, Command::kPause, Words::kDoPause);
       give(kCancel, Command::kCancel, Words::kDoCancel, ask);
       break;
-    case ScreenKind::kPlate: give(kStart, Command::kPlateEmpty, Words::kDoEmpty); break;
+    case ScreenKind::kPlate:
+      give(kStart, Command::kPlateEmpty, Words::kDoEmpty);
+      uses[2] = kOpenCard;
+      break;
     case ScreenKind::kInterrupted:
       give(kStart, Command::kResume, Words::kDoResume);
       give(kCancel, Command::kCancel, Words::kDoGiveUp);
@@ -86,6 +99,8 @@ ScreenView still_open(const PrinterRecord& record, ScreenView view) {
   if (kind != ScreenKind::kPreview || view.finding >= record.finding_count) view.finding = 0;
   view.prints_open = view.prints_open && kind == ScreenKind::kIdle && kept_prints(record) > 0;
   if (!view.prints_open || view.print >= kept_prints(record)) view.print = 0;
+  view.lights_open = view.lights_open && has_light_card(kind);
+  if (!view.lights_open) view.pattern = 0;
   view.asks_to_cancel = view.asks_to_cancel && loses_a_part(record.state) && takes(record, Command::kCancel);
   return view;
 }

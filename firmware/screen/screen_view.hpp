@@ -21,6 +21,8 @@ struct ScreenView {
   std::size_t finding = 0;   ///< the first one shown
   bool prints_open = false;  ///< the last prints
   std::size_t print = 0;     ///< the row at hand
+  bool lights_open = false;  ///< the card of lights and buzzer
+  std::size_t pattern = 0;   ///< the row at hand
 };
 
 enum class ScreenButton : std::uint8_t { kStart, kPause, kCancel };
@@ -39,6 +41,9 @@ enum class ButtonAct : std::uint8_t {
   kOpenPrints,
   kNextPrint,
   kClosePrints,
+  kOpenLights,
+  kNextPattern,
+  kCloseLights,
 };
 
 struct ButtonUse {

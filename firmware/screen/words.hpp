@@ -32,6 +32,7 @@ enum class Words : std::uint8_t {
   kEnding,
   kFault,
   kPrints,
+  kLightCard,
   // What there is to do, in large letters, and what else there is to say.
   kPlugIn,
   kScanKinds,
@@ -82,6 +83,27 @@ enum class Words : std::uint8_t {
   kCheckResin,
   kCheckJournal,
   kCheckStage,
+  // The card of lights and buzzer: its columns, what stands in them, what each pattern means.
+  kLightReady,
+  kLightPrinting,
+  kLightAttention,
+  kLightFault,
+  kBuzzer,
+  kLightOn,
+  kLightBlinks,
+  kLightOff,
+  kBuzzes,
+  kMeansReady,
+  kMeansOffered,
+  kMeansBusy,
+  kMeansPrinting,
+  kMeansPaused,
+  kMeansResin,
+  kMeansInterrupted,
+  kMeansFinished,
+  kMeansPlate,
+  kMeansFault,
+  kMeansEnd,
   // Buttons.
   kDoPrint,
   kDoNext,
@@ -101,6 +123,7 @@ enum class Words : std::uint8_t {
   kDoEmpty,
   kDoSeen,
   kDoPrints,
+  kDoLights,
   // In the place of any title.
   kPageCode,
 };

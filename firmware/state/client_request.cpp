@@ -11,6 +11,8 @@
 namespace plumbline {
 namespace {
 
+static_assert(kSideCount == 16, "the messages name the last side");
+
 /// A member's value. JSON has other kinds; none of them is allowed.
 struct Value {
   enum class Kind : std::uint8_t { kText, kNumber, kTruth };
@@ -18,9 +20,9 @@ struct Value {
   std::string_view text;
 };
 
-constexpr std::array<std::string_view, 10> kMembers = {"do",      "id",    "scan", "key",  "value",
-                                                       "picture", "layer", "from", "code", "print"};
-enum Member : std::uint8_t { kDo, kId, kScan, kKey, kValue, kPicture, kLayer, kFrom, kCode, kPrint };
+constexpr std::array<std::string_view, 11> kMembers = {"do",    "id",   "scan", "key",   "value", "picture",
+                                                       "layer", "from", "code", "print", "side"};
+enum Member : std::uint8_t { kDo, kId, kScan, kKey, kValue, kPicture, kLayer, kFrom, kCode, kPrint, kSide };
 
 /// The members that a command needs beside "do", and a reminder of them.
 struct Needs {
@@ -35,7 +37,8 @@ Needs needs_of(Command command) {
   switch (command) {
     case Command::kChoose: return {bit(kScan), "\"scan\", a number from the list of scans"};
     case Command::kSet: return {bit(kKey) | bit(kValue), "\"key\" and \"value\""};
-    case Command::kPicture: return {bit(kPicture), "\"picture\", preview, issues or layer,", bit(kPrint)};
+    case Command::kPicture:
+      return {bit(kPicture), "\"picture\", preview, issues, coverage, layer or side,", bit(kPrint) | bit(kSide)};
     case Command::kMask: return {bit(kLayer), "\"layer\", a number from 0 on,"};
     case Command::kReport: return {bit(kFrom), "\"from\", a number of bytes from 0 on,", bit(kPrint)};
     case Command::kCode: return {bit(kCode), "\"code\", up to 7 digits,"};
@@ -110,7 +113,7 @@ Status store(Member member, const Value& value, ClientRequest& request, std::opt
     case kPicture: {
       const auto* const word = std::find(kPictureWords.begin(), kPictureWords.end(), value.text);
       if (value.kind != Value::Kind::kText || word == kPictureWords.end()) {
-        return wrong_value("picture", "preview, issues or layer");
+        return wrong_value("picture", "preview, issues, coverage, layer or side");
       }
       request.picture = static_cast<PictureName>(word - kPictureWords.begin());
       return {};
@@ -133,6 +136,12 @@ Status store(Member member, const Value& value, ClientRequest& request, std::opt
       request.print = static_cast<std::uint32_t>(*number);
       return {};
     }
+    case kSide: {
+      const auto number = whole_number(value);
+      if (!number || *number >= kSideCount) return wrong_value("side", "a number from 0 to 15");
+      request.side = static_cast<std::uint32_t>(*number);
+      return {};
+    }
     case kCode:
       request.code.add("%.*s", static_cast<int>(value.text.size()), value.text.data());
       if (value.kind != Value::Kind::kText || request.code.cut() ||
@@ -151,6 +160,9 @@ Status check_members(const ClientRequest& request, const std::array<bool, kMembe
   std::uint32_t others = 0;
   for (std::size_t member = kScan; member < kMembers.size(); ++member) {
     if (found[member]) others |= bit(static_cast<Member>(member));
+  }
+  if (found[kSide] && request.picture != PictureName::kSide) {
+    return fail(ErrorCode::kBadSetting, "\"side\" is for the picture \"side\" only");
   }
   const Needs needs = needs_of(request.command);
   if ((others & ~needs.allowed) == needs.members) return {};
@@ -178,7 +190,8 @@ Expected<ClientRequest> parse_request(std::string_view line, std::optional<std::
       const auto* const known = std::find(kMembers.begin(), kMembers.end(), *name);
       if (known == kMembers.end()) {
         return fail(ErrorCode::kBadSetting,
-                    "'%.*s': unknown member.\tKnown are do, id, scan, key, value, picture, layer, from, code and print",
+                    "'%.*s': unknown member.\tKnown are do, id, scan, key, value, picture, layer, from, code, print "
+                    "and side",
                     static_cast<int>(name->size()), name->data());
       }
       const auto member = static_cast<Member>(known - kMembers.begin());

@@ -165,7 +165,10 @@ void write_pictures(JsonWriter& json, const PrinterRecord& record) {
   number("preview", pictures != nullptr && pictures->preview.there(),
          pictures != nullptr ? pictures->preview_number : 0);
   number("issues", pictures != nullptr && pictures->issues.there(), pictures != nullptr ? pictures->issues_number : 0);
+  number("coverage", pictures != nullptr && pictures->coverage.there(),
+         pictures != nullptr ? pictures->coverage_number : 0);
   number("layer", pictures != nullptr && pictures->layer().there(), pictures != nullptr ? pictures->layer_number : 0);
+  number("side", pictures != nullptr && pictures->sides[0].there(), pictures != nullptr ? pictures->side_number : 0);
   json.end_object();
 }
 

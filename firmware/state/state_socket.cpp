@@ -131,14 +131,19 @@ void StateSocket::serve_client(StateClient& client, const Door& door, const Prin
   std::optional<std::uint64_t> id;
   std::optional<Error> error;
   const auto request = parse_request(*line, id);
+  std::optional<Expected<bool>> answered;
+  if (request && is_question(request->command)) {
+    reply_.clear();
+    answered = write_answer(id, *request, record, taker);
+    // The line stays, and so do those behind it: replies come in order.
+    if (*answered && !**answered) return;
+  }
   client.take_line();
   if (!request) {
     error = request.error();
-  } else if (is_question(request->command)) {
-    reply_.clear();
-    const auto written = write_answer(id, *request, record, taker);
-    if (written) return client.send(reply_.view());
-    error = written.error();
+  } else if (answered) {
+    if (*answered) return client.send(reply_.view());
+    error = answered->error();
   } else if (!door.may_command) {
     error = Error::format(ErrorCode::kBadSetting,
                           "this socket is for reading.\tConnect to the one beside it whose name ends in .command");
@@ -158,18 +163,24 @@ void StateSocket::answer(StateClient& client, std::optional<std::uint64_t> id, c
   client.send(reply_.view());
 }
 
-Status StateSocket::write_answer(std::optional<std::uint64_t> id, const ClientRequest& question,
-                                 const PrinterRecord& record, CommandTaker& taker) {
-  if (question.print > 0) return write_kept(id, question, record);
-  if (question.command == Command::kPicture) return pictures_.write(reply_, id, question.picture, record);
-  if (question.command == Command::kMask) {
-    PLUMBLINE_TRY(taker.draw_mask(question.layer, pictures_.mask()));
-    return pictures_.write_mask(reply_, id, question.layer);
-  }
-  if (!record.has_report || !at_rest(record.state)) {
+/// @returns false: there is no answer yet
+Expected<bool> StateSocket::write_answer(std::optional<std::uint64_t> id, const ClientRequest& question,
+                                         const PrinterRecord& record, CommandTaker& taker) {
+  if (question.print > 0) {
+    PLUMBLINE_TRY(write_kept(id, question, record));
+  } else if (question.command == Command::kPicture) {
+    PLUMBLINE_TRY(pictures_.write(reply_, id, question.picture, question.side, record));
+  } else if (question.command == Command::kMask) {
+    const auto drawn = taker.draw_mask(question.layer, pictures_.mask());
+    PLUMBLINE_TRY(drawn);
+    if (!*drawn) return false;
+    PLUMBLINE_TRY(pictures_.write_mask(reply_, id, question.layer));
+  } else if (!record.has_report || !at_rest(record.state)) {
     return fail(ErrorCode::kBadSetting, "there is no report now.\tAsk again when the print is over");
+  } else {
+    PLUMBLINE_TRY(write_report(id, question.from, taker));
   }
-  return write_report(id, question.from, taker);
+  return true;
 }
 
 Status StateSocket::write_report(std::optional<std::uint64_t> id, std::uint64_t from, CommandTaker& taker) {

@@ -34,9 +34,10 @@ class CommandTaker {
   /// @retval ErrorCode::kBadSetting  what is wrong with it
   [[nodiscard]] virtual Expected<std::optional<EventKind>> take(const ClientRequest& request) = 0;
 
-  /// Draws the mask of a layer of what is offered.
+  /// Draws the mask of a layer of what is offered. Never waits.
+  /// @returns false: it is being made. The same is asked again in the next turn
   /// @retval ErrorCode::kBadSetting  nothing is offered that has been sliced, or it has no such layer
-  [[nodiscard]] virtual Status draw_mask(std::uint32_t /*layer*/, LayerPicture& /*picture*/) {
+  [[nodiscard]] virtual Expected<bool> draw_mask(std::uint32_t /*layer*/, LayerPicture& /*picture*/) {
     return fail(ErrorCode::kBadSetting, "there are no masks");
   }
 
@@ -100,8 +101,8 @@ class StateSocket {
   void serve_client(StateClient& client, const Door& door, const PrinterRecord& record, CommandTaker& taker,
                     std::optional<EventKind>& event);
   void answer(StateClient& client, std::optional<std::uint64_t> id, const Error* error);
-  Status write_answer(std::optional<std::uint64_t> id, const ClientRequest& question, const PrinterRecord& record,
-                      CommandTaker& taker);
+  Expected<bool> write_answer(std::optional<std::uint64_t> id, const ClientRequest& question,
+                              const PrinterRecord& record, CommandTaker& taker);
   Status write_kept(std::optional<std::uint64_t> id, const ClientRequest& question, const PrinterRecord& record);
   Status write_report(std::optional<std::uint64_t> id, std::uint64_t from, CommandTaker& taker);
   Status write_part(std::optional<std::uint64_t> id, std::uint64_t from, std::uint64_t size,

@@ -167,19 +167,95 @@ function showNow() {
   const waits = progress && (isRunning() || state.state === "interrupted");
   show("left", Boolean(waits), waits ? `${Math.floor(100 * done)} % · ${words.locale === "de-DE" ? `${words.left} ${duration(progress.left_s)}` : `${duration(progress.left_s)} ${words.left}`}` : "");
 }
+// What the colours of the picture of the scanned surface mean.
+function coverageLegend() {
+  const list = element("ul", undefined, {class: "legend"});
+  for (const name of ["scanned", "closed", "underside"]) list.append(element("li", words[name], {class: name}));
+  return list;
+}
 function showPictures() {
-  const there = Object.entries(state.pictures || {}).filter(([, value]) => value !== null);
+  const there = Object.entries(state.pictures || {}).filter(([name, value]) => value !== null && name !== "side");
   $("pictures").hidden = there.length === 0;
   const names = there.map(([name]) => name);
   fill($("pictures"), names, () => [$("pictures").firstElementChild, ...names.map((name) => {
     const figure = element("figure"), caption = name === "layer" ? words.layerPicture : words[name] || name;
     figure.append(element("img", undefined, {alt: caption, id: `picture-${name}`}), element("figcaption", caption));
+    if (name === "coverage") figure.append(coverageLegend());
     return figure;
   })]);
   for (const [name, value] of there) {
     const address = `/picture/${name}?n=${value}`, img = $(`picture-${name}`);
     if (img.getAttribute("src") !== address) img.src = address;
   }
+}
+
+// The part from sixteen sides, a picture each. They are fetched one at a time: first the one that is wanted, and once somebody turns the
+// part the others.
+const sides = 16, dragStep = 24;  // pixels of the screen from one side to the next
+let turned = 0, sidesOf = null, sidePictures = [], sideLoads = false, turns = false, dragFrom = null;
+function showSide() {
+  const side = (sides - turned) % sides, degrees = turned * 360 / sides;
+  const text = degrees ? `${words.turnedBy} ${number(degrees, 1)}°` : words.front;
+  $("stage").setAttribute("aria-valuenow", degrees);
+  $("stage").setAttribute("aria-valuetext", text);
+  $("turned").textContent = text;
+  const picture = sidePictures[side];
+  if (picture && picture.naturalWidth) {
+    picture.alt = text;
+    if ($("stage").firstChild !== picture) $("stage").replaceChildren(picture);
+  }
+  if (!picture) return loadSide(side);
+  for (let away = 1; turns && away <= sides / 2; ++away) {
+    for (const next of [(side + away) % sides, (side + sides - away) % sides]) {
+      if (!sidePictures[next]) return loadSide(next);
+    }
+  }
+}
+function loadSide(side) {
+  if (sideLoads) return;
+  sideLoads = true;
+  const picture = new Image(), of = sidesOf;
+  picture.onload = picture.onerror = () => {
+    sideLoads = false;
+    if (of === sidesOf) sidePictures[side] = picture;
+    if (sidesOf !== null) showSide();
+  };
+  picture.src = `/side?n=${side}&of=${of}`;
+}
+function turnBy(steps) {
+  turns = true;
+  turned = (turned + steps + sides) % sides;
+  showSide();
+}
+$("turn-left").onclick = () => turnBy(-1);
+$("turn-right").onclick = () => turnBy(1);
+$("stage").onkeydown = (event) => {
+  const steps = {ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1, Home: -turned}[event.key];
+  if (steps === undefined) return;
+  event.preventDefault();
+  turnBy(steps);
+};
+$("stage").onpointerdown = (event) => {
+  dragFrom = event.clientX;
+  $("stage").setPointerCapture(event.pointerId);
+};
+$("stage").onpointermove = (event) => {
+  const steps = dragFrom === null ? 0 : Math.trunc((event.clientX - dragFrom) / dragStep);
+  if (steps === 0) return;
+  dragFrom += steps * dragStep;
+  turnBy(steps % sides);
+};
+$("stage").onpointerup = $("stage").onpointercancel = () => { dragFrom = null; };
+function showTurn() {
+  const of = state.pictures && state.pictures.side || null;
+  $("turn").hidden = of === null;
+  if (of === sidesOf) return;
+  sidesOf = of;
+  sidePictures = [];
+  turned = 0;
+  turns = false;
+  $("stage").replaceChildren();
+  if (of !== null) showSide();
 }
 
 // The slider asks for one layer at a time, and then for where it stands by now.
@@ -310,7 +386,7 @@ function render() {
   show("printer", true, state.printer);
   show("simulated", state.simulated, words.simulated);
   document.body.dataset.state = state.state;
-  for (const part of [showNow, showButtons, showFacts, showPictures, showMasks, showStick, showSettings, showLists, showPrints]) part();
+  for (const part of [showNow, showButtons, showFacts, showPictures, showTurn, showMasks, showStick, showSettings, showLists, showPrints]) part();
 }
 
 // --- From the printer
@@ -337,7 +413,7 @@ function listen() {
 function sayWords() {
   document.documentElement.lang = words.locale.slice(0, 2);
   const put = (selector, text) => { document.querySelector(selector).textContent = text; };
-  for (const [id, text] of Object.entries({pictures: words.pictures, layers: words.masks, stick: words.stickTitle, settings: words.settings,
+  for (const [id, text] of Object.entries({pictures: words.pictures, turn: words.turnTitle, layers: words.masks, stick: words.stickTitle, settings: words.settings,
                                            findings: words.findings, checks: words.checksTitle, report: words.report, prints: words.printsTitle})) put(`#${id} h2`, text);
   put("#report a", words.download);
   put("#fault-do", words.doThis);
@@ -350,6 +426,9 @@ function sayWords() {
   put("#pair button.main", words.pair);
   put("#pair button[type=button]", words.close);
   put("#layers label", words.layer);
+  put("#turn-left", words.turnLeft);
+  put("#turn-right", words.turnRight);
+  $("stage").setAttribute("aria-label", words.turnTitle);
   $("mask").alt = words.masksAlt;
   $("progress").setAttribute("aria-label", words.printing);
 }

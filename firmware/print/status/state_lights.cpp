@@ -7,6 +7,8 @@ namespace {
 
 LightState on_if(bool on) { return on ? LightState::kOn : LightState::kOff; }
 
+}  // namespace
+
 LightState light_for(PanelLight light, PrintState state) {
   const bool waits = waits_for_start(state) || state == PrintState::kCoverOpen || state == PrintState::kOffered ||
                      state == PrintState::kInterrupted;
@@ -25,8 +27,6 @@ LightState light_for(PanelLight light, PrintState state) {
 bool calls_the_user(PrintState state) {
   return state == PrintState::kFeedMe || state == PrintState::kFinished || state == PrintState::kFault;
 }
-
-}  // namespace
 
 void show_on_panel(FrontPanel& panel, PrintState state) {
   for (std::size_t i = 0; i < kPanelLightCount; ++i) {

@@ -99,6 +99,30 @@ class BrowserTest(PagePrinter):
         self.browser.press(ENTER)
         self.browser.until("return !document.querySelector('#pair').open", "paired")
 
+    def turn_the_part(self):
+        """By keyboard, by buttons, by dragging: each time the picture is another one."""
+        seen = set()
+
+        def shows(text):
+            picture = self.browser.until(f"""const i = document.querySelector('#stage img');
+                return document.querySelector('#turned').textContent === '{text}' && i && i.alt === '{text}' && i.naturalWidth === 200 && i.src""", text)
+            seen.add(picture)
+
+        shows("from the front")
+        self.tab_to("#stage")
+        self.browser.press(RIGHT, RIGHT)
+        shows("turned by 45.0°")
+        self.browser.click("#turn-left")
+        shows("turned by 22.5°")
+        self.browser.click("#turn-right")
+        self.browser.click("#turn-right")
+        shows("turned by 67.5°")
+        self.browser.drag("#stage", -98)
+        shows("turned by 337.5°")
+        self.assertEqual(len(seen), 5)
+        stage = self.browser.run("const s = document.querySelector('#stage'); return [s.role, s.ariaLabel, s.ariaValueText, s.ariaValueNow]")
+        self.assertEqual(stage, ["slider", "Turn the part", "turned by 337.5°", "337.5"])
+
     def test_a_job_from_the_stick_to_the_finished_part(self):
         self.start("--fault", "stage.stalls@layer=40", plate=False, speedup=120, printer=self.page_board("network"))
         self.start_page("network")
@@ -140,6 +164,8 @@ class BrowserTest(PagePrinter):
         browser.until(f"return document.querySelector('#mask').dataset.layer === '{int(first) + 3}'", "the mask of three layers above")
         self.assertRegex(browser.run("return document.querySelector('#which').textContent"), rf"^Layer {int(first) + 3} of \d+, \d\.\d0 mm$")
         browser.until("return document.querySelector('#picture-preview').naturalWidth === 320", "the preview")
+        browser.until("return document.querySelector('#picture-coverage').naturalWidth > 300", "what was scanned")
+        self.turn_the_part()
         self.look("sliced")
         self.do("start")
         self.until_state("printing")

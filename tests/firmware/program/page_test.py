@@ -4,12 +4,13 @@
 import contextlib
 import json
 import os
+import shutil
 import socket
 import subprocess
 import time
 import unittest
 
-from case import main
+from case import main, write_sphere
 from page_client import PAGE, PagePrinter
 
 CODE = "the code for a browser is "
@@ -65,6 +66,7 @@ class Page(PagePrinter):
             self.assertEqual(self.ask("GET", path)[0], 400, path)
         preview = self.get("/picture/preview")
         self.assertTrue(preview.startswith(b"\x89PNG"))
+        self.assertTrue(self.get("/picture/coverage").startswith(b"\x89PNG"))
         self.post("/command", {"do": "start"}, headers=token)
         printing = until(lambda s: s["state"] == "printing" and s["progress"]["layers_done"] > 2)
         self.assertFalse(printing["masks"])
@@ -93,6 +95,38 @@ class Page(PagePrinter):
         for path, status in (("/print.png?n=2", 404), ("/report.json?n=2", 404), ("/print.png", 400), ("/print.png?n=0", 400)):
             self.assertEqual(self.ask("GET", path)[0], status, path)
         self.assertEqual(json.loads(self.get("/state"))["state"], "plate in use")
+
+    def test_an_archive_shows_the_masks_of_its_scan(self):
+        board = self.page_board("local")
+        self.start(printer=board)
+        self.start_page()
+        token = self.paired()
+        until = self.events()
+        scan, part = self.dir / "ball.ply", self.dir / "part.sl1"
+        write_sphere(scan, points=5000, radius=2)
+        self.run_it("slice", scan, "-o", part, "--no-preview", "--printer", board, "--layer-height", 0.1, "--supports", "none")
+
+        def masks(file):
+            self.put_stick({file.name: file.read_bytes()})
+            until(lambda s: s["state"] == "offered" and s["job"] and s["job"]["scan"] == file.name)
+            if file == scan:
+                for key, value in (("layer_height", "0.1"), ("supports", "none")):
+                    self.post("/command", {"do": "set", "key": key, "value": value}, headers=token)
+            self.post("/command", {"do": "start"}, headers=token)
+            last = until(lambda s: s["masks"])["sliced"]["layers"] - 1
+            shown = [self.get(f"/mask?n={n}") for n in (last, last // 2, last // 2 + 1, last // 2)]
+            self.assertEqual(self.ask("GET", f"/mask?n={last + 1}")[0], 404)
+            self.post("/command", {"do": "cancel"}, headers=token)
+            until(lambda s: s["state"] == "idle" and not s["masks"])
+            self.assertEqual(self.ask("GET", "/mask?n=0")[0], 404)
+            shutil.rmtree(self.stick)
+            until(lambda s: not s["stick"]["present"])
+            return shown
+
+        of_scan, of_archive = masks(scan), masks(part)
+        self.assertEqual(of_scan, of_archive)
+        self.assertEqual(of_archive[1], of_archive[3])
+        self.assertNotEqual(of_archive[0], of_archive[1])
 
     def test_a_browser_of_the_network_needs_the_code_on_the_screen(self):
         frames = self.dir / "frames"

@@ -112,8 +112,16 @@ class Screen(StatePrinter):
         self.assertEqual((columns, len(rows)), (320, 180))
         red = sum(row[at : at + 3] == bytes((232, 78, 56)) for row in rows for at in range(0, len(row), 3))
         self.assertGreater(red, 500)
+        # The part from all sides, and what of it was scanned: all of it.
+        for side in (0, 15):
+            reply = user.ask("picture", picture="side", side=side)
+            self.assertEqual((reply["ok"], reply["side"], reply["number"]), (True, side, 1))
+        user.refused("a number from 0 to 15", "picture", picture="side", side=16)
+        columns, rows = self.picture(user, "coverage")
+        self.assertEqual(columns, 480)
+        self.assertFalse(any(row[at] > row[at + 2] + 100 for row in rows for at in range(0, len(row), 3)))
         user.refused("no picture 'layer'", "picture", picture="layer")
-        user.refused("preview, issues or layer", "picture", picture="part")
+        user.refused("preview, issues, coverage, layer or side", "picture", picture="part")
         user.state("offered", "start")
         user.do("start")
         user.until(lambda s: s["state"] == "printing" and s["progress"]["layers_done"] > 2, "layer 3")

@@ -77,6 +77,13 @@ class Browser:
         actions = [{"type": kind, "value": key} for key in keys for kind in ("keyDown", "keyUp")]
         self.call("POST", "/actions", {"actions": [{"type": "key", "id": "keyboard", "actions": actions}]})
 
+    def drag(self, selector, columns):
+        """Drags the middle of an element to the right with the pointer."""
+        middle = {ELEMENT: self.find(selector)}
+        actions = [{"type": "pointerMove", "origin": middle, "x": 0, "y": 0}, {"type": "pointerDown", "button": 0},
+                   {"type": "pointerMove", "duration": 100, "origin": "pointer", "x": columns, "y": 0}, {"type": "pointerUp", "button": 0}]
+        self.call("POST", "/actions", {"actions": [{"type": "pointer", "id": "mouse", "actions": actions}]})
+
     def label(self, element):
         """The name that a screen reader says."""
         return self.call("GET", f"/element/{element}/computedlabel")

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "firmware/screen/light_card.hpp"
 #include "firmware/screen/screen_kind.hpp"
 #include "firmware/screen/setting_rows.hpp"
 #include "tests/firmware/screen/screen_fixture.hpp"
@@ -120,6 +121,28 @@ TEST(ScreenServer, ShowsTheLastPrintsWhileThePrinterIsIdle) {
   EXPECT_FALSE(rig.server.view().prints_open) << "a stick has come";
 }
 
+TEST(ScreenServer, ShowsTheCardOfLightsWhileNobodyIsInAHurry) {
+  Rig rig(kPlateInUse);
+  EXPECT_FALSE(rig.press(kCancelPressed));
+  ASSERT_TRUE(rig.server.view().lights_open);
+  const std::size_t now = light_pattern_of(kPlateInUse);
+  EXPECT_EQ(rig.server.view().pattern, now) << "it begins with the lights of this moment";
+  EXPECT_FALSE(rig.press(kStartPressed)) << "the plate is not empty because somebody has read the card";
+  for (std::size_t i = 1; i <= kLightPatternCount; ++i) {
+    EXPECT_FALSE(rig.press(kPausePressed));
+    EXPECT_EQ(rig.server.view().pattern, (now + i) % kLightPatternCount);
+  }
+  EXPECT_FALSE(rig.press(kCancelPressed));
+  EXPECT_FALSE(rig.server.view().lights_open);
+  EXPECT_TRUE(rig.press(kStartPressed));
+  rig.record->state = kIdle;
+  rig.press(kCancelPressed);
+  EXPECT_TRUE(rig.server.view().lights_open);
+  rig.record->state = kOffered;
+  rig.server.show(*rig.record, 1h);
+  EXPECT_FALSE(rig.server.view().lights_open) << "a stick has come";
+}
+
 TEST(ScreenServer, GoesRoundTheScansAndTheSettings) {
   Rig rig(kOffered);
   EXPECT_FALSE(rig.press(kPausePressed));
@@ -218,7 +241,9 @@ TEST(ScreenServer, LabelsOnlyButtonsThatThePrinterTakes) {
                        takes(record, Command::kPlateEmpty) || takes(record, Command::kSeen) ||
                        takes(record, Command::kOffer);
     EXPECT_EQ(uses[0].has_value(), start) << to_string(record.state);
-    EXPECT_EQ(uses[2].has_value(), takes(record, Command::kCancel)) << to_string(record.state);
+    const ScreenKind kind = screen_of(record);
+    const bool has_card = kind == ScreenKind::kIdle || kind == ScreenKind::kPlate;
+    EXPECT_EQ(uses[2].has_value(), has_card || takes(record, Command::kCancel)) << to_string(record.state);
     if (screen_of(record) != ScreenKind::kScans) {
       EXPECT_EQ(uses[1].has_value(), takes(record, Command::kPause)) << to_string(record.state);
     }

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <lodepng.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <fstream>
 #include <map>
@@ -17,6 +18,7 @@
 #include <vector>
 
 #include "firmware/screen/fault_words.hpp"
+#include "firmware/screen/light_card.hpp"
 #include "firmware/screen/screen_kind.hpp"
 #include "firmware/screen/setting_rows.hpp"
 #include "tests/firmware/screen/screen_fixture.hpp"
@@ -58,6 +60,11 @@ std::vector<ScreenCase> golden_cases() {
                         record.prints = &some_prints();
                         view.prints_open = true;
                         view.print = 1;
+                      })},
+      {"lights", with(kIdle,
+                      [](auto&, auto& view) {
+                        view.lights_open = true;
+                        view.pattern = 5;
                       })},
       {"scans", with(kOffered)},
       {"scans-as-one", with(kOffered,
@@ -266,6 +273,25 @@ TEST(Screens, EachFaultFitsWithWhatToDo) {
       fill_in(record, kFault);
       record.set_fault(fault.code, std::string(440, 'w'), fault.next);
     });
+  }
+}
+
+TEST(Screens, EachPatternOfLightsFitsWithItsMeaning) {
+  for (std::size_t pattern = 0; pattern < kLightPatternCount; ++pattern) {
+    expect_all_fit([&](PrinterRecord& record, ScreenView& view) {
+      fill_in(record, kPlateInUse);
+      view.lights_open = true;
+      view.pattern = pattern;
+    });
+  }
+}
+
+TEST(Screens, TheCardHasEachPatternOfLightsOnce) {
+  for (std::size_t i = 0; i < kPrintStateCount; ++i) {
+    const auto state = static_cast<PrintState>(i);
+    const auto rows =
+        std::ranges::count_if(kLightPatterns, [&](const auto& row) { return same_lights(row.state, state); });
+    EXPECT_EQ(rows, 1) << to_string(state);
   }
 }
 

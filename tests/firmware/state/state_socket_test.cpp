@@ -44,11 +44,12 @@ class StateSocketTest : public testing::Test, public CommandTaker {
     return button_of(request.command);
   }
 
-  Status draw_mask(std::uint32_t layer, LayerPicture& picture) override {
+  Expected<bool> draw_mask(std::uint32_t layer, LayerPicture& picture) override {
+    if (turns_until_drawn_ > 0 && turns_until_drawn_-- > 0) return false;
     if (layer > 1) return fail(ErrorCode::kBadSetting, "there is no layer %u: the last one is 1", layer);
     picture.columns = picture.rows = 2;
     picture.bytes()[0] = 255;
-    return {};
+    return true;
   }
   Expected<ReportPart> read_report(std::uint64_t from, std::span<std::byte> out) override {
     if (from > 0) return ReportPart{0, 5};
@@ -61,6 +62,7 @@ class StateSocketTest : public testing::Test, public CommandTaker {
   std::unique_ptr<PrinterRecord> record_ = std::make_unique<PrinterRecord>();
   std::unique_ptr<StateSocket> socket_ = StateSocket::open(path(), {.turn = 0ns, .patience = 0ns}).value();
   std::vector<Command> taken_;
+  int turns_until_drawn_ = 0;
 };
 
 TEST_F(StateSocketTest, SendsTheStateAtOnceAndWhenItHasChanged) {
@@ -178,6 +180,24 @@ TEST_F(StateSocketTest, DropsAClientThatReadsNothingAndKeepsTheOthers) {
   while (line_of(sleeper) != "the end") ++lines;
   EXPECT_GT(lines, 10U);
   EXPECT_LT(lines, 1500U) << "it was dropped, with what the kernel had taken";
+}
+
+TEST_F(StateSocketTest, AnswersAMaskWhenItIsReadyAndKeepsTheOrder) {
+  StateLink reader = link(false), user = link(true);
+  serve();
+  line_of(reader);
+  line_of(user);
+  turns_until_drawn_ = 3;
+  ASSERT_TRUE(reader.send("{\"do\":\"mask\",\"layer\":1,\"id\":1}\n{\"do\":\"mask\",\"layer\":7,\"id\":2}\n"));
+  for (int turn = 0; turn < 3; ++turn) {
+    ASSERT_TRUE(user.send("{\"do\":\"pause\",\"id\":9}\n"));
+    EXPECT_EQ(serve(), EventKind::kPausePressed) << "others are served meanwhile";
+    EXPECT_THAT(line_of(user), HasSubstr("\"id\": 9, \"ok\": true"));
+  }
+  serve();
+  serve();
+  EXPECT_THAT(line_of(reader), HasSubstr("\"id\": 1, \"ok\": true, \"layer\": 1"));
+  EXPECT_THAT(line_of(reader), HasSubstr("\"id\": 2, \"ok\": false, \"error\": \"there is no layer 7"));
 }
 
 TEST_F(StateSocketTest, DropsAClientThatAsksAndDoesNotReadTheReplies) {

@@ -1,0 +1,80 @@
+#include "firmware/daemon/offered_archive.hpp"
+
+#include <utility>
+
+#include "firmware/io/mask_hash.hpp"
+#include "firmware/print/plan/print_plan.hpp"
+
+namespace plumbline {
+
+Expected<std::unique_ptr<OfferedArchiveMasks>> OfferedArchiveMasks::create(int file, std::string_view name,
+                                                                           const SlicedArchive& sliced,
+                                                                           const PrintProfile& profile,
+                                                                           const MachineFile& machine,
+                                                                           ChildLayerDecoder& decoder, Arena& arena) {
+  const PrintGrid& grid = sliced.grid;
+  std::unique_ptr<OfferedArchiveMasks> offered(new OfferedArchiveMasks(file, name, sliced, decoder, arena));
+  const auto plan = plan_print(profile, machine, static_cast<double>(grid.layer_height_mm), grid.layers);
+  PLUMBLINE_TRY(plan);
+  PLUMBLINE_TRY(decoder.prepare(grid, arena));
+  const std::size_t words = BitImage::words_needed(grid.columns, grid.rows);
+  const auto both = arena.take_bottom<std::uint64_t>(2 * words, "masks");
+  PLUMBLINE_TRY(both);
+  offered->decoded_.emplace(grid, BitImage(both->first(words), grid.columns, grid.rows));
+  offered->mask_ = BitImage(both->last(words), grid.columns, grid.rows);
+  const auto masks = MaskRenderer::create(*offered->decoded_, *plan, arena);
+  PLUMBLINE_TRY(masks);
+  offered->masks_ = *masks;
+  return offered;
+}
+
+OfferedArchiveMasks::OfferedArchiveMasks(int file, std::string_view name, const SlicedArchive& sliced,
+                                         ChildLayerDecoder& decoder, Arena& arena)
+    : file_(file), sliced_(sliced), decoder_(decoder), arena_(arena), bottom_(arena.bottom_mark()), top_(arena) {
+  name_.add("%.*s", static_cast<int>(name.size()), name.data());
+}
+
+OfferedArchiveMasks::~OfferedArchiveMasks() {
+  if (asked_) static_cast<void>(decoder_.give_up());
+  arena_.release_bottom(bottom_);
+}
+
+Expected<bool> OfferedArchiveMasks::draw(std::uint32_t layer, LayerPicture& picture) {
+  if (layer >= sliced_.grid.layers) return no_such_layer(layer, sliced_.grid.layers);
+  look();
+  if (done_ == layer) {
+    if (problem_) {
+      done_.reset();  // whoever asks again lets it be tried again
+      return tl::unexpected<Error>(*problem_);
+    }
+    PLUMBLINE_TRY(masks_->render(layer, mask_));
+    draw_layer_picture(mask_, picture);
+    return true;
+  }
+  if (asked_) return false;
+  PLUMBLINE_TRY(decoder_.begin(file_, name_.view(), sliced_.layers[layer], sliced_.turn));
+  done_.reset();
+  asked_ = layer;
+  asked_at_ = HostClock::now();
+  return false;
+}
+
+/// Takes what the child has decoded, if it has ended.
+void OfferedArchiveMasks::look() {
+  if (!asked_) return;
+  const auto finished = decoder_.finish(std::chrono::milliseconds(0), decoded_->image());
+  const bool hangs = finished && !*finished && HostClock::now() - asked_at_ > ChildLayerDecoder::kPatience;
+  if (finished && !*finished && !hangs) return;
+  done_ = std::exchange(asked_, std::nullopt);
+  problem_.reset();
+  if (hangs) {
+    problem_ = decoder_.give_up();
+  } else if (!finished) {
+    problem_ = finished.error();
+  } else if (mask_hash(decoded_->image()) != sliced_.layers[*done_].hash) {
+    problem_ = Error::format(ErrorCode::kMalformed, "%s: layer %u is not as it was when the print was checked",
+                             name_.c_str(), *done_ + 1);
+  }
+}
+
+}  // namespace plumbline

@@ -1,0 +1,156 @@
+/// The masks of an archive while the printer asks whether to print it: real children, asked as clients ask.
+
+#include "firmware/daemon/offered_archive.hpp"
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+
+#include <memory>
+#include <thread>
+
+#include "firmware/archive/zip_writer.hpp"
+#include "firmware/child/archive_task.hpp"
+#include "firmware/pictures/png_writer.hpp"
+#include "firmware/settings/board_file.hpp"
+#include "tests/firmware/child/child_fixture.hpp"
+
+namespace plumbline {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::HasSubstr;
+
+constexpr std::uint32_t kLayers = 5;
+
+/// Layer k has a white stripe of 10 (k + 1) rows.
+void draw_stripe(std::uint32_t layer, BitImage mask) {
+  mask.clear();
+  for (std::uint32_t row = 0; row < 10 * (layer + 1); ++row) mask.row(100 + row)[1] = ~std::uint64_t{0};
+}
+
+/// Says at some layers that it is another one, or never ends.
+void unreliable_task(SharedMemory& memory, std::uint32_t threads) {
+  const ArchiveRequest& request = memory.page().request.archive;
+  const bool one = request.ask == ArchiveRequest::Ask::kLayer;
+  if (one && request.layer.number % 5 == 1) {
+    for (;;) std::this_thread::sleep_for(1s);
+  }
+  if (one && request.layer.number % 5 == 2) ::abort();
+  run_archive_task(memory, threads);
+  if (one && request.layer.number % 5 == 3)
+    memory.arena()[static_cast<std::size_t>(request.mask_at) + 100] ^= std::byte{4};
+}
+
+class OfferedArchiveTest : public ChildTest {
+ protected:
+  explicit OfferedArchiveTest(ChildTask task = run_archive_task) : child_(make(1, task)) {
+    const std::string path = folder_ / "part.sl1";
+    write_archive(path);
+    ScanRequest request = request_of(path, 1);
+    request.archive.ask = ArchiveRequest::Ask::kCheck;
+    EXPECT_EQ(run(child_, request, path), 0);
+    sliced_ = check_archive_answer(child_.answer(), request, arena_).value();
+    file_ = Descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+    machine_ = *read_board_file(PLUMBLINE_SOURCE_DIR "/board/sim2k.toml").value().machine;
+    profile_ = read_print_profile(PLUMBLINE_SOURCE_DIR "/board/profiles/standard.toml").value();
+    profile_.elefant_foot_compensation = 0;
+  }
+
+  void write_archive(const std::string& path) const {
+    auto zip = ZipWriter::create(path).value();
+    const PrinterVolume printer = small_printer();
+    std::vector<std::uint64_t> words(BitImage::words_needed(printer.columns, printer.rows));
+    const BitImage mask(words, printer.columns, printer.rows);
+    auto encoder = PngEncoder::for_masks(printer.columns, printer.rows).value();
+    for (std::uint32_t k = 0; k < kLayers; ++k) {
+      draw_stripe(k, mask);
+      EXPECT_TRUE(zip.add(("part" + std::to_string(100 + k) + ".png").c_str(), encoder.encode(mask),
+                          ZipWriter::Packing::kStore));
+    }
+    EXPECT_TRUE(zip.finish());
+  }
+
+  std::unique_ptr<OfferedArchiveMasks> offer() {
+    auto made = OfferedArchiveMasks::create(file_.get(), "part.sl1", sliced_, profile_, machine_, decoder_, arena_);
+    EXPECT_TRUE(made) << made.error().message();
+    return std::move(*made);
+  }
+  /// Asks until there is an answer. @returns "" or the error
+  std::string ask(OfferedMasks& masks, std::uint32_t layer) {
+    for (int turn = 0; turn < 3000; ++turn) {
+      const auto drawn = masks.draw(layer, *picture_);
+      if (!drawn) return drawn.error().message();
+      if (*drawn) return "";
+      std::this_thread::sleep_for(10ms);
+    }
+    return "no answer";
+  }
+  bool shows(std::uint32_t layer) const {
+    const PrinterVolume printer = small_printer();
+    std::vector<std::uint64_t> words(BitImage::words_needed(printer.columns, printer.rows));
+    const BitImage mask(words, printer.columns, printer.rows);
+    draw_stripe(layer, mask);
+    const auto expected = std::make_unique<LayerPicture>();
+    draw_layer_picture(mask, *expected);
+    return std::ranges::equal(expected->bytes(), picture_->bytes());
+  }
+
+  SlicingChild child_;
+  Arena arena_{child_.arena_block()};
+  ChildLayerDecoder decoder_{child_, small_printer()};
+  SlicedArchive sliced_;
+  Descriptor file_;
+  MachineFile machine_;
+  PrintProfile profile_;
+  std::unique_ptr<LayerPicture> picture_ = std::make_unique<LayerPicture>();
+};
+
+TEST_F(OfferedArchiveTest, ShowsAnyLayerInAnyOrder) {
+  const std::size_t used = arena_.used();
+  {
+    const auto masks = offer();
+    EXPECT_FALSE(masks->draw(0, *picture_).value()) << "nobody waits for the child";
+    for (const std::uint32_t layer : {3U, 0U, 4U, 4U, 1U}) {
+      ASSERT_EQ(ask(*masks, layer), "");
+      EXPECT_TRUE(shows(layer)) << layer;
+    }
+    EXPECT_THAT(ask(*masks, kLayers), HasSubstr("there is no layer 5: the last one is 4"));
+  }
+  EXPECT_EQ(arena_.used(), used);
+}
+
+TEST_F(OfferedArchiveTest, GivesEachOfTwoClientsItsLayer) {
+  const auto masks = offer();
+  bool first = false, second = false;
+  for (int turn = 0; turn < 3000 && !(first && second); ++turn) {
+    if (!first && masks->draw(1, *picture_).value()) first = shows(1);
+    if (!second && masks->draw(2, *picture_).value()) second = shows(2);
+    std::this_thread::sleep_for(1ms);
+  }
+  EXPECT_TRUE(first && second);
+}
+
+TEST_F(OfferedArchiveTest, CanBeEndedWhileAChildWorks) {
+  for (int i = 0; i < 5; ++i) EXPECT_FALSE(offer()->draw(0, *picture_).value());
+  const auto masks = offer();
+  EXPECT_EQ(ask(*masks, 2), "") << "no child is left";
+}
+
+class BadChildren : public OfferedArchiveTest {
+ protected:
+  BadChildren() : OfferedArchiveTest(unreliable_task) {}
+};
+
+TEST_F(BadChildren, AreErrorsOfTheirLayersOnly) {
+  const auto masks = offer();
+  EXPECT_EQ(ask(*masks, 4), "");
+  EXPECT_THAT(ask(*masks, 2), HasSubstr("decoding it failed"));
+  EXPECT_THAT(ask(*masks, 3), HasSubstr("layer 4 is not as it was when the print was checked"));
+  EXPECT_EQ(ask(*masks, 4), "");
+  EXPECT_TRUE(shows(4));
+  EXPECT_FALSE(masks->draw(1, *picture_).value());
+  EXPECT_FALSE(masks->draw(4, *picture_).value()) << "it waits for the child that hangs";
+}
+
+}  // namespace
+}  // namespace plumbline
