@@ -37,6 +37,7 @@ class Sweep {
       : grid_(rrep.grid), window_(window_of(rrep)), pitch_(rrep.grid), list_(list) {
     const auto layer_height = static_cast<double>(grid_.layer_height_mm);
     head_ = nanometres(settings.head_front_diameter / 2);
+    light_head_ = nanometres(settings.head_front_diameter / 2 * kLightTip);
     dense_pixels_ = kDenseIsland / (static_cast<double>(grid_.pitch_x_mm) * static_cast<double>(grid_.pitch_y_mm));
     penetration_ = static_cast<std::uint32_t>(std::floor(settings.head_penetration / layer_height + 0.5));
   }
@@ -208,7 +209,8 @@ class Sweep {
     return {};
   }
 
-  /// Keeps the layer as the one below, with the heads in it. A head ends where the object above its tip ends.
+  /// Keeps the layer as the one below, with the heads in it, as thin as they may become: what only a thicker one touches would be an
+  /// island. A head ends where the object above its tip ends.
   void keep_as_below(std::uint32_t layer, ConstBitImage mask) {
     for (std::uint32_t r = window_.row; r < window_.row_end; ++r) {
       const auto from = mask.row(r).subspan(window_.word, window_.word_end - window_.word);
@@ -221,7 +223,7 @@ class Sweep {
         tip.end = static_cast<std::uint16_t>(layer);
         continue;
       }
-      for_each_disc_span(pitch_, tip.column, tip.row, head_, grid_.columns, grid_.rows,
+      for_each_disc_span(pitch_, tip.column, tip.row, light_head_, grid_.columns, grid_.rows,
                          [&](std::uint32_t row, std::uint32_t begin, std::uint32_t end) {
                            if (row < window_.row || row >= window_.row_end) return;
                            const auto line = below_.row(row);
@@ -233,7 +235,8 @@ class Sweep {
   PrintGrid grid_;
   Window window_;
   PixelPitch pitch_;
-  Nanometres head_ = 0;            ///< radius of a tip
+  Nanometres head_ = 0;            ///< radius of a tip of medium load
+  Nanometres light_head_ = 0;      ///< and of light load
   Nanometres reach_ = 0;           ///< of a tip
   std::uint32_t penetration_ = 0;  ///< layers
   double dense_pixels_ = 0;        ///< of an island, at most, that gets dense tips

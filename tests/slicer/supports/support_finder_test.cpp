@@ -111,6 +111,13 @@ TEST(Supports, AreNoneInAnEmptyPrint) {
   EXPECT_TRUE(s.supports.empty());
 }
 
+TEST(Supports, HoldASpeckThatOnlyAThickerTipWouldTouch) {
+  // A light tip has a radius of 12 pixels of 0.0125 mm, a medium one of 16. From the tip at (32, 31), the speck is 11 aside and 7 up.
+  const Supported s(cubic_grid(kSide, 48, 0.0125F), blocks({{31, 34, 31, 34, 20, 44}, {43, 46, 38, 41, 21, 44}}));
+  EXPECT_EQ(floating_islands(s.masks), 0U);
+  EXPECT_EQ(s.counts.islands, 2U);
+}
+
 TEST(Supports, HoldTheWingsOfAT) {
   const Supported s(blocks({{29, 35, 20, 44, 0, 40}, {2, 62, 20, 44, 24, 40}}));
   expect_printable(s);
