@@ -71,6 +71,7 @@ void expect_printable(const Supported& s) {
     for (std::uint32_t k = strut.first; k < strut.end; ++k) {
       const StrutSection disc = section_of(strut, k);
       EXPECT_TRUE(s.masks[k].at(disc.column, disc.row)) << "broken in layer " << k;
+      if (strut.kind == StrutKind::kBase && strut.radius0 == strut.radius1) continue;  // a pad below a foot
       // A slanted head meets the surface at its side.
       if (strut.kind == StrutKind::kHead && k + 2 >= strut.end) continue;
       EXPECT_FALSE(s.object[k].at(disc.column, disc.row))
@@ -109,6 +110,26 @@ TEST(Supports, AreNoneBelowACubeOnThePlate) {
 TEST(Supports, AreNoneInAnEmptyPrint) {
   const Supported s(blocks({}));
   EXPECT_TRUE(s.supports.empty());
+}
+
+TEST(Supports, PutPadsBelowSmallFeetOnThePlate) {
+  // Two feet of 0.36 and 0.25 mm2 side by side, and one of 1 mm2.
+  const Supported s(blocks({{20, 26, 20, 26, 0, 40}, {20, 25, 27, 32, 0, 40}, {45, 55, 20, 30, 0, 40}}));
+  EXPECT_EQ(s.counts.pads, 1U) << "a foot on another one's pad needs none";
+  EXPECT_EQ(s.supports.tips(), 0U);
+  // A disc of 1 mm, 0.3 mm high, round the first one.
+  for (std::uint32_t k = 0; k < 5; ++k) {
+    EXPECT_EQ(s.masks[k].at(14, 20), k < 3) << k;
+    EXPECT_EQ(s.masks[k].at(32, 20), k < 3) << k;
+  }
+  EXPECT_NEAR(static_cast<double>(s.masks[0].count()), 314 + 100, 16);
+  EXPECT_EQ(s.masks[3], s.object[3]);
+}
+
+TEST(Supports, PutNoPadsBelowARaft) {
+  const Supported s(cone(8, 0.8), SupportSettings{});
+  EXPECT_GT(s.counts.lifted, 0U);
+  EXPECT_EQ(s.counts.pads, 0U);
 }
 
 TEST(Supports, HoldASpeckThatOnlyAThickerTipWouldTouch) {
