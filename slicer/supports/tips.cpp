@@ -9,6 +9,7 @@
 #include "slicer/supports/held_area.hpp"
 #include "slicer/supports/islands.hpp"
 #include "slicer/supports/tip_loads.hpp"
+#include "slicer/supports/weak_regions.hpp"
 #include "slicer/supports/window.hpp"
 
 namespace plumbline {
@@ -62,6 +63,9 @@ class Sweep {
     auto islands = IslandFinder::create(grid_.columns, arena);
     PLUMBLINE_TRY(islands);
     islands_ = *islands;
+    auto weak = WeakRegions::create(grid_.columns, grid_.rows, arena);
+    PLUMBLINE_TRY(weak);
+    weak_ = *weak;
     auto loads = TipLoads::create(grid_, settings, list_, arena);
     PLUMBLINE_TRY(loads);
     loads_ = *loads;
@@ -73,8 +77,10 @@ class Sweep {
       held_.begin(mask);
     } else if (compare_with_below(layer, mask)) {
       held_.next_layer(layer, mask);
+      const std::size_t lower = count_;
       PLUMBLINE_TRY(hold_islands(layer, mask));
       PLUMBLINE_TRY(hold_overhangs(layer, mask));
+      if (islands_.may_be_weak()) PLUMBLINE_TRY(hold_weak_regions(layer, mask, list_.first(count_).subspan(lower)));
       PLUMBLINE_TRY(share_loads(layer, mask));
     } else {
       held_.next_layer(layer, mask);
@@ -119,6 +125,17 @@ class Sweep {
       islands_.next_row(mask, below_, fresh_, r, window_, hold);
     }
     islands_.end(hold);
+    return done;
+  }
+
+  /// @param tips  of this layer
+  Status hold_weak_regions(std::uint32_t layer, ConstBitImage mask, std::span<const Tip> tips) {
+    weak_.look_at(mask, below_, tips);
+    Status done;
+    weak_.for_each(mask, below_, [&](const WeakRegions::Place& place) {
+      if (done) done = add_tip(place.column, place.row, layer, mask, true);
+      if (done) list_[count_ - 1].dense = place.pixels <= dense_pixels_;
+    });
     return done;
   }
 
@@ -248,6 +265,7 @@ class Sweep {
   BitImage fresh_;                ///< new pixels of the layer, then those that are not held
   HeldArea held_;
   IslandFinder islands_;
+  WeakRegions weak_;
   TipLoads loads_;
 };
 
@@ -286,7 +304,7 @@ std::size_t find_tips_bytes(const PrintGrid& grid) {
   const std::size_t columns = (grid.columns + 63) / 64 * std::size_t{64};
   return LayerStream::bytes_needed(grid) + Arena::rounded(columns * grid.rows * sizeof(std::uint16_t)) + 2 * image +
          HeldArea::bytes_needed(grid) + IslandFinder::bytes_needed(grid.columns) +
-         TipLoads::bytes_needed(grid, most_tips(grid));
+         WeakRegions::bytes_needed(grid.rows) + TipLoads::bytes_needed(grid, most_tips(grid));
 }
 
 }  // namespace plumbline

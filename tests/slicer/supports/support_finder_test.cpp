@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "slicer/supports/tips.hpp"
+#include "tests/slicer/checks/checked_stack.hpp"
 #include "tests/slicer/support/hanging.hpp"
 #include "tests/slicer/support/solid.hpp"
 #include "tests/slicer/support/stop.hpp"
@@ -137,6 +138,21 @@ TEST(Supports, HoldASpeckThatOnlyAThickerTipWouldTouch) {
   const Supported s(cubic_grid(kSide, 48, 0.0125F), blocks({{31, 34, 31, 34, 20, 44}, {43, 46, 38, 41, 21, 44}}));
   EXPECT_EQ(floating_islands(s.masks), 0U);
   EXPECT_EQ(s.counts.islands, 2U);
+}
+
+TEST(Supports, HoldABlobThatHangsOnAFewPixels) {
+  // 9 of 100 pixels continue from below. Nothing is farther than 1 mm from these, so it is no overhang.
+  const Inside blob = blocks({{5, 25, 5, 25, 0, 40}, {40, 43, 40, 43, 0, 40}, {37, 47, 37, 47, 20, 30}});
+  const Supported s(blob);
+  expect_printable(s);
+  ASSERT_EQ(s.tips().size(), 1U);
+  EXPECT_EQ(s.counts.islands, 1U);
+  EXPECT_EQ(s.tips()[0].first, 20U);
+  EXPECT_EQ(check(s.object, {}).count(IssueKind::kIsland), 1U);
+  EXPECT_EQ(check(s.masks, {}).count(IssueKind::kIsland), 0U);
+  // 25 pixels of 80 hold.
+  const Supported held(blocks({{5, 25, 5, 25, 0, 40}, {40, 45, 40, 45, 0, 40}, {40, 48, 40, 50, 20, 30}}));
+  EXPECT_EQ(held.tips().size(), 0U);
 }
 
 TEST(Supports, HoldTheWingsOfAT) {
