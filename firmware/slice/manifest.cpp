@@ -187,6 +187,7 @@ void write_supports(JsonWriter& json, const JobReport& report) {
   json.member("close_to_walls", s.close);
   json.member("braces", s.braces);
   json.member("helper_pillars", s.helpers);
+  json.member("pads", s.pads);
   json.member("unbraced_pillars", s.unbraced);
   json.member("longest_free_mm", s.longest_free_mm);
   json.member("largest_load_mm2", s.largest_load_mm2);

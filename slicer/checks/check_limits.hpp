@@ -24,6 +24,15 @@ struct CheckLimits {
   bool has_panel = false;              ///< the grid is a panel, so its edge is one
   double travel_mm = 0;                ///< of the Z stage; 0: unknown
 
+  // UVtools does not know supports: below a flat underside, heads of 0.4 mm on every 2 to 3 mm hold a fiftieth to a twentieth of the
+  // region, less than its sixteenth. So a region that its share makes an island is none if it rests on two tips or more, and all of it
+  // is near to them.
+  std::uint32_t island_tips_divisor =
+      32;  ///< of the region that they touch, at least: 150 kPa, three times what a flat peels with
+  double island_tips_mm2 = 0.05;  ///< that they touch at least: a light tip has 0.07
+  /// Farthest place from what they touch: half of support_overhang_span, and the tenths by which held area lags behind.
+  static constexpr double kIslandTipsReach_mm = 2;
+
   // UVtools has no such checks.
   /// Of the largest region of a hollow that the plate closes, such as a hole of a raft. UVtools finds no suction cup there at all. The
   /// low pressure in it pulls at the plate, not at the part, so only a large one matters: at 20 kPa this is 0.5 N, what 1 mm2 of

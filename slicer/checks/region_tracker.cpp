@@ -52,6 +52,9 @@ Expected<RegionTracker> RegionTracker::create(const PrintGrid& grid, const Check
     PLUMBLINE_TRY(created);
     *columns = *created;
   }
+  auto reach = Disc::create(PixelPitch(grid), nanometres(CheckLimits::kIslandTipsReach_mm), arena);
+  PLUMBLINE_TRY(reach);
+  tracker.reach_ = *reach;
   return tracker;
 }
 
@@ -59,11 +62,12 @@ std::size_t RegionTracker::bytes_needed(const PrintGrid& grid) {
   const auto settings = region_settings(grid);
   const std::size_t runs = LayerRegions::most_runs(grid.rows, settings);
   return 2 * LayerRegions::bytes_needed(grid.rows, settings) + 5 * Arena::rounded(runs * sizeof(std::uint32_t)) +
-         Arena::rounded(runs * sizeof(Contact)) + 2 * RegionColumns::bytes_needed(kMostColumns);
+         Arena::rounded(runs * sizeof(Contact)) + 2 * RegionColumns::bytes_needed(kMostColumns) +
+         Disc::bytes_needed(PixelPitch(grid), nanometres(CheckLimits::kIslandTipsReach_mm));
 }
 
-void RegionTracker::next(ConstBitImage mask, ConstBitImage eroded, StackFindings& findings) {
-  below_is_known_ = track(mask, eroded, findings);
+void RegionTracker::next(ConstBitImage mask, ConstBitImage eroded, BitImage scratch, StackFindings& findings) {
+  below_is_known_ = track(mask, eroded, scratch, findings);
   if (!below_is_known_) {
     ++findings.unchecked_layers;
     solid_.clear();
@@ -72,7 +76,7 @@ void RegionTracker::next(ConstBitImage mask, ConstBitImage eroded, StackFindings
   ++layer_;
 }
 
-bool RegionTracker::track(ConstBitImage mask, ConstBitImage eroded, StackFindings& findings) {
+bool RegionTracker::track(ConstBitImage mask, ConstBitImage eroded, BitImage scratch, StackFindings& findings) {
   if (!now().regions.label(mask)) return false;
   root_count_ = 0;
   for_each_region(now().regions, widest_, [&](std::uint32_t region, bool white) {
@@ -86,7 +90,7 @@ bool RegionTracker::track(ConstBitImage mask, ConstBitImage eroded, StackFinding
   if (below_is_known_ && !find_contacts()) return false;
   if (!start_columns()) return false;
   if (below_is_known_) {
-    find_islands(eroded, findings);
+    find_islands(eroded, scratch, findings);
     join_solid();
     join_air(findings);
   }
@@ -143,28 +147,81 @@ bool RegionTracker::start_columns() {
   return true;
 }
 
-void RegionTracker::find_islands(ConstBitImage eroded, StackFindings& findings) {
+/// @param visit  called with (row, run) until it returns true
+/// @returns whether it did
+template <class Visit>
+bool RegionTracker::any_run_of(std::uint32_t region, Visit visit) const {
+  const LayerRegions& regions = now().regions;
+  std::uint32_t left = regions.area(region);
+  for (std::uint32_t r = regions.row_of(region); r < regions.rows() && left > 0; ++r) {
+    for (std::uint32_t i = regions.row_begin(r); i < regions.row_begin(r + 1); ++i) {
+      if (regions.region(i) != region) continue;
+      const LayerRegions::Run& run = regions.run(i);
+      left -= run.last + 1U - run.first;
+      if (visit(r, run)) return true;
+    }
+  }
+  return false;
+}
+
+void RegionTracker::find_islands(ConstBitImage eroded, BitImage scratch, StackFindings& findings) {
+  bool is_black = false;
   for (std::uint32_t i = 0; i < root_count_; ++i) {
     const std::uint32_t region = roots_[i] & ~kWhite;
     if ((roots_[i] & kWhite) == 0 || !is_island(region, eroded)) continue;
+    if (!is_black) scratch.clear();
+    is_black = true;
+    if (rests_on_tips(region, scratch)) continue;
     const Issue issue = issue_at(IssueKind::kIsland, layer_, now().regions, widest_[region]);
     findings.of(issue.kind).add(issue);
   }
 }
 
 bool RegionTracker::is_island(std::uint32_t region, ConstBitImage eroded) const {
-  const LayerRegions& regions = now().regions;
-  const std::uint64_t area = regions.area(region);
+  const std::uint64_t area = now().regions.area(region);
   const std::uint64_t held = std::uint64_t{shared_[region]} * limits_.island_held_divisor;
   if (shared_[region] > 0 && held >= area) return false;
   if (shared_[region] < limits_.island_held_pixels || held * limits_.island_held_divisor < area) return true;
-  for (std::uint32_t r = regions.row_of(region); r < regions.rows(); ++r) {
-    for (std::uint32_t i = regions.row_begin(r); i < regions.row_begin(r + 1); ++i) {
-      if (regions.region(i) != region) continue;
-      if (count_in(eroded.row(r), regions.run(i).first, regions.run(i).last + 1U) > 0) return true;
-    }
-  }
-  return false;
+  return any_run_of(region, [&](std::uint32_t row, const LayerRegions::Run& run) {
+    return count_in(eroded.row(row), run.first, run.last + 1U) > 0;
+  });
+}
+
+/// Whether a region touches the layer below in several places, and all of it is near to these.
+/// @param touched  black on entry and on return
+bool RegionTracker::rests_on_tips(std::uint32_t region, BitImage touched) const {
+  if (scale_.mm2(shared_[region]) < limits_.island_tips_mm2) return false;
+  if (std::uint64_t{shared_[region]} * limits_.island_tips_divisor < now().regions.area(region)) return false;
+  const LayerRegions& under = below().regions;
+  std::uint32_t tip = kNone;  // one of those that it touches
+  bool any_other = false;
+  const auto draw = [&](bool white) {
+    any_run_of(region, [&](std::uint32_t row, const LayerRegions::Run& run) {
+      for (std::uint32_t i = under.row_begin(row); i < under.row_begin(row + 1); ++i) {
+        if (!under.white(row, i)) continue;
+        const std::uint32_t begin = std::max(run.first, under.run(i).first);
+        const std::uint32_t end = std::min(run.last, under.run(i).last) + 1U;
+        if (begin >= end) continue;
+        any_other = any_other || (tip != kNone && tip != under.region(i));
+        tip = under.region(i);
+        for_each_word(begin, end, [&](std::uint32_t w, std::uint64_t bits) {
+          std::uint64_t& word = touched.row(row)[w];
+          word = white ? word | bits : word & ~bits;
+        });
+      }
+      return false;
+    });
+  };
+  draw(true);
+  const bool any_far = any_run_of(region, [&](std::uint32_t row, const LayerRegions::Run& run) {
+    bool far = false;
+    for_each_word(run.first, run.last + 1U, [&](std::uint32_t w, std::uint64_t bits) {
+      far = far || reach_.near(touched, row, w, bits) != bits;
+    });
+    return far;
+  });
+  draw(false);
+  return any_other && !any_far;
 }
 
 /// What touches only pieces that fall, falls with them.

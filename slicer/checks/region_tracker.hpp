@@ -14,6 +14,7 @@
 #include "slicer/core/error.hpp"
 #include "slicer/core/print_grid.hpp"
 #include "slicer/layers/layer_regions.hpp"
+#include "slicer/supports/near.hpp"
 
 namespace plumbline {
 
@@ -54,8 +55,9 @@ class RegionTracker {
 
   /// Takes the layers one after the other. One that has more regions than there is room for is counted and left out: all of the
   /// layer above it is held, and its air is open.
-  /// @param eroded  the layer's overhangs: see erode_fresh()
-  void next(ConstBitImage mask, ConstBitImage eroded, StackFindings& findings);
+  /// @param eroded   the layer's overhangs: see erode_fresh()
+  /// @param scratch  of the same size; overwritten
+  void next(ConstBitImage mask, ConstBitImage eroded, BitImage scratch, StackFindings& findings);
   /// After the last one.
   void finish(StackFindings& findings);
 
@@ -72,11 +74,14 @@ class RegionTracker {
 
   RegionTracker(const PrintGrid& grid, const CheckLimits& limits) : scale_(grid), limits_(limits) {}
 
-  bool track(ConstBitImage mask, ConstBitImage eroded, StackFindings& findings);
+  bool track(ConstBitImage mask, ConstBitImage eroded, BitImage scratch, StackFindings& findings);
   bool find_contacts();
   bool start_columns();
-  void find_islands(ConstBitImage eroded, StackFindings& findings);
+  void find_islands(ConstBitImage eroded, BitImage scratch, StackFindings& findings);
   bool is_island(std::uint32_t region, ConstBitImage eroded) const;
+  bool rests_on_tips(std::uint32_t region, BitImage touched) const;
+  template <class Visit>
+  bool any_run_of(std::uint32_t region, Visit visit) const;
   void join_solid();
   void join_air(StackFindings& findings);
   void count_regions();
@@ -100,6 +105,7 @@ class RegionTracker {
   std::span<Contact> contacts_;  ///< [0, solid_contacts_) of solid, [air_contacts_, end) of air
   std::size_t solid_contacts_ = 0, air_contacts_ = 0;
   RegionColumns solid_, air_;  ///< column 0: held; open to the outside
+  Disc reach_;                 ///< kIslandTipsReach_mm
 };
 
 }  // namespace plumbline

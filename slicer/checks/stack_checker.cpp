@@ -51,7 +51,7 @@ void StackChecker::next(ConstBitImage mask) {
   measures_.next(mask, seen, findings_);
   const PixelBox both = joined(seen.box, below_box_);
   const bool eroded = layer_ > 0 && find_overhangs(both);
-  regions_.next(mask, eroded_, findings_);
+  regions_.next(mask, eroded_, fresh_, findings_);
   for (std::uint32_t r = both.row; eroded && r < both.row_end; ++r) {
     const auto line = eroded_.row(r);
     std::fill(line.begin(), line.end(), std::uint64_t{0});

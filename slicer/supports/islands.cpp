@@ -12,14 +12,16 @@ constexpr const char* kStage = "supports";
 
 std::size_t most_runs(std::uint32_t columns) { return columns / 2 + 1; }
 
-/// Whether both images are white in any of the columns [begin, end) of a row. Outside of the image all is black.
-bool both_in(ConstBitImage a, ConstBitImage b, std::int64_t row, std::uint32_t begin, std::uint32_t end) {
-  if (row < 0 || row >= a.rows()) return false;
+/// Columns [begin, end) of a row in which both images are white. Outside of the image all is black.
+std::uint32_t count_both(ConstBitImage a, ConstBitImage b, std::int64_t row, std::uint32_t begin, std::uint32_t end) {
+  if (row < 0 || row >= a.rows() || begin >= end) return 0;
   const auto line_a = a.row(static_cast<std::uint32_t>(row));
   const auto line_b = b.row(static_cast<std::uint32_t>(row));
-  bool found = false;
-  for_each_word(begin, end, [&](std::uint32_t w, std::uint64_t bits) { found |= (line_a[w] & line_b[w] & bits) != 0; });
-  return found;
+  std::uint32_t count = 0;
+  for_each_word(begin, end, [&](std::uint32_t w, std::uint64_t bits) {
+    count += static_cast<std::uint32_t>(std::popcount(line_a[w] & line_b[w] & bits));
+  });
+  return count;
 }
 
 }  // namespace
@@ -46,6 +48,7 @@ std::size_t IslandFinder::bytes_needed(std::uint32_t columns) {
 
 void IslandFinder::read_runs(ConstBitImage mask, ConstBitImage below, ConstBitImage fresh, std::uint32_t row,
                              const Window& window) {
+  if (open_ == 0 && row == window.row) may_be_weak_ = false;
   std::swap(above_, here_);
   above_count_ = open_ == 0 ? 0 : here_count_;
   here_count_ = 0;
@@ -70,10 +73,14 @@ void IslandFinder::read_runs(ConstBitImage mask, ConstBitImage below, ConstBitIm
     const std::uint32_t before = run.begin - std::min(run.begin, 1U);
     const std::uint32_t after = std::min(run.end + 1, mask.columns());
     const std::int64_t r = row;
-    const bool held = both_in(mask, below, r, before, after) || both_in(mask, below, r - 1, run.begin, run.end) ||
-                      both_in(mask, below, r + 1, run.begin, run.end);
-    regions_[run.region] = {
-        run.region, run.end - run.begin, {run.begin + (run.end - run.begin) / 2, row, run.end - run.begin}, held, true};
+    const std::uint32_t sides = count_both(mask, below, r, before, after) +
+                                count_both(mask, below, r - 1, run.begin, run.end) +
+                                count_both(mask, below, r + 1, run.begin, run.end);
+    regions_[run.region] = {run.region,
+                            run.end - run.begin,
+                            {run.begin + (run.end - run.begin) / 2, row, run.end - run.begin},
+                            sides,
+                            true};
   }
 }
 
@@ -93,7 +100,7 @@ void IslandFinder::join_with_row_above() {
           to.middle = from.middle;
         }
         to.middle.pixels = pixels;
-        to.held |= from.held;
+        to.sides += from.sides;
         to.goes_on = true;
       }
     }

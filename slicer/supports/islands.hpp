@@ -41,19 +41,19 @@ class IslandFinder {
     read_runs(mask, below, fresh, row, window);
     join_with_row_above();
     for (std::uint32_t i = 0; i < open_; ++i) {
-      const Region& region = regions_[i];
-      if (region.parent == i && !region.goes_on && !region.held) visit(region.middle);
+      if (regions_[i].parent == i && !regions_[i].goes_on) close(regions_[i], visit);
     }
     keep_what_goes_on();
   }
   /// After the last row: visits the islands that reach into it.
   template <class Visit>
   void end(Visit visit) {
-    for (std::uint32_t i = 0; i < open_; ++i) {
-      if (!regions_[i].held) visit(regions_[i].middle);
-    }
+    for (std::uint32_t i = 0; i < open_; ++i) close(regions_[i], visit);
     open_ = 0;
   }
+  /// Whether the layer may have weak regions (WeakRegions): more new pixels in one piece than sides at which it is held, by so much as
+  /// such a region has. Until the next row.
+  bool may_be_weak() const { return may_be_weak_; }
 
  private:
   struct Run {
@@ -64,12 +64,23 @@ class IslandFinder {
     std::uint32_t parent = 0;
     std::uint32_t width = 0;  ///< pixels of its widest run
     Place middle;             ///< of that run
-    bool held = false;        ///< beside a pixel that continues from below
+    std::uint32_t sides = 0;  ///< at which its pixels are beside one that continues from below
     bool goes_on = false;     ///< into the row being read
   };
 
+  static constexpr std::uint32_t kFewSides = 40;   ///< ten pixels have no more
+  static constexpr std::uint32_t kManyPixels = 4;  ///< for each side: a sixteenth of them is a quarter of a pixel
+
   using Sets = DisjointSets<Region, &Region::parent>;
 
+  template <class Visit>
+  void close(const Region& region, Visit visit) {
+    if (region.sides == 0) {
+      visit(region.middle);
+    } else if (region.middle.pixels > region.sides) {
+      may_be_weak_ = may_be_weak_ || region.sides < kFewSides || region.middle.pixels / kManyPixels > region.sides;
+    }
+  }
   void read_runs(ConstBitImage mask, ConstBitImage below, ConstBitImage fresh, std::uint32_t row, const Window& window);
   void join_with_row_above();
   void keep_what_goes_on();
@@ -78,6 +89,7 @@ class IslandFinder {
   std::uint32_t above_count_ = 0, here_count_ = 0;
   std::span<Region> regions_, kept_;  ///< [0, open_): those with a run in the row above; then one for each run here
   std::uint32_t open_ = 0;
+  bool may_be_weak_ = false;
 };
 
 }  // namespace plumbline

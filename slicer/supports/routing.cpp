@@ -224,6 +224,14 @@ Status Routing::straight_down(const Tip& tip, const Head& head) {
   const Place foot{head.tip.x, head.tip.y, bottom};
   const std::uint32_t above = std::min(joint, list_.layer_at(bottom + cone));
   PLUMBLINE_TRY(list_.add(StrutKind::kBase, foot, foot, tip.floor, above, head.tip_radius, radius));
+  // Into the object, as a head goes: on the point of a spire the foot would be an island. Never through it: it goes on for a voxel.
+  const auto deep = static_cast<std::uint32_t>(std::floor(settings_.head_penetration / lh_ + 0.5));
+  const auto voxel = static_cast<std::uint32_t>(std::ceil(Obstacles::kVoxel_mm / lh_));
+  if (deep > 0 && tip.floor > deep + voxel &&
+      !obstacles_.is_clear(tip.column, tip.row, tip.floor - 1 - deep - voxel, 0)) {
+    PLUMBLINE_TRY(
+        list_.add(StrutKind::kBase, foot, foot, tip.floor - deep, tip.floor, head.tip_radius, head.tip_radius));
+  }
   PLUMBLINE_TRY(list_.add(StrutKind::kPillar, foot, top, above, joint, radius, radius));
   Pillar pillar;
   pillar.x = top.x;

@@ -5,6 +5,7 @@
 
 #include "slicer/layers/layer_stream.hpp"
 #include "slicer/supports/bracing.hpp"
+#include "slicer/supports/feet.hpp"
 #include "slicer/supports/obstacles.hpp"
 #include "slicer/supports/raft.hpp"
 #include "slicer/supports/routing.hpp"
@@ -108,16 +109,22 @@ void count_tips(std::span<const Tip> tips, const PrintGrid& grid, SupportCounts&
 /// @param scratch  for the struts
 Expected<std::span<Strut>> find_struts(const RRep& rrep, const SupportSettings& settings, const Scratch& scratch,
                                        Arena& arena, ProgressSink* progress, SupportCounts& counts) {
-  const ArenaScope scope(arena);
-  const auto tips = find_tips(rrep, settings, scratch.tips, arena, progress);
-  PLUMBLINE_TRY(tips);
-  if (tips->empty()) return std::span<Strut>();
-  count_tips(*tips, rrep.grid, counts);
-  const auto obstacles = Obstacles::create(rrep, nanometres(Routing::clearance(settings)), arena);
-  PLUMBLINE_TRY(obstacles);
   StrutList list(rrep.grid, scratch.struts, scratch.pillars);
-  const double raft_mm = counts.lifted > 0 ? settings.pad_wall_thickness : 0;
-  PLUMBLINE_TRY(build(*tips, settings, raft_mm, *obstacles, scratch, list, counts));
+  {
+    const ArenaScope scope(arena);
+    const auto tips = find_tips(rrep, settings, scratch.tips, arena, progress);
+    PLUMBLINE_TRY(tips);
+    if (!tips->empty()) {
+      count_tips(*tips, rrep.grid, counts);
+      const auto obstacles = Obstacles::create(rrep, nanometres(Routing::clearance(settings)), arena);
+      PLUMBLINE_TRY(obstacles);
+      const double raft_mm = counts.lifted > 0 ? settings.pad_wall_thickness : 0;
+      PLUMBLINE_TRY(build(*tips, settings, raft_mm, *obstacles, scratch, list, counts));
+    }
+  }
+  const auto pads = add_feet(rrep, list, arena);
+  PLUMBLINE_TRY(pads);
+  counts.pads = *pads;
   const auto struts = list.struts();
   std::sort(struts.begin(), struts.end(), [](const Strut& a, const Strut& b) {
     const auto key = [](const Strut& s) {
@@ -168,7 +175,8 @@ std::size_t find_supports_bytes(const PrintGrid& grid) {
   const auto lift = static_cast<std::size_t>(kMostLift_mm / static_cast<double>(grid.layer_height_mm)) + 2;
   const std::size_t layers = std::min<std::size_t>(grid.layers + lift, PrintGrid::kMaxLayers) + 1;
   return Arena::rounded(layers * sizeof(std::uint32_t)) + Scratch::bytes_needed(grid) +
-         std::max(find_tips_bytes(grid), LayerStream::bytes_needed(grid) + Obstacles::bytes_needed(grid)) +
+         std::max({find_tips_bytes(grid), LayerStream::bytes_needed(grid) + Obstacles::bytes_needed(grid),
+                   add_feet_bytes(grid)}) +
          Arena::rounded(most_struts(grid) * sizeof(Strut));
 }
 

@@ -24,6 +24,7 @@ struct SupportCounts {
   std::uint32_t close = 0;  ///< nearer to the object's walls than support_base_safety_distance
   std::uint32_t braces = 0;
   std::uint32_t helpers = 0;    ///< pillars that carry nothing but brace another
+  std::uint32_t pads = 0;       ///< below small regions of the first layer
   std::uint32_t unbraced = 0;   ///< pillars with more than 10 mm between braces
   std::uint32_t lifted = 0;     ///< layers by which the object was lifted
   std::uint32_t sunk = 0;       ///< layers that were cut off below it
@@ -34,7 +35,7 @@ struct SupportCounts {
 };
 
 /// Chooses how the object stands (stand.hpp), finds what must be held (tips.hpp), leads it to the plate (routing.hpp), braces
-/// the pillars (bracing.hpp) and puts a raft below a lifted object (raft.hpp).
+/// the pillars (bracing.hpp), puts a raft below a lifted object (raft.hpp) and pads below small feet on the plate (feet.hpp).
 /// @param rrep         the newest block at the bottom of the arena; changed if the object sinks or is lifted
 /// @param settings     accepted by check_support_settings()
 /// @param most_layers  that the printer can print

@@ -21,7 +21,7 @@ namespace plumbline {
 ///     ----------- plate
 struct SupportSettings {
   double head_front_diameter = 0.4;  ///< where a support of medium load meets the object
-  double head_penetration = 0.2;     ///< how far the head reaches into the object; never through it
+  double head_penetration = 0.2;     ///< how far the head reaches into the object, and a foot on it; never through it
   double head_width = 1;             ///< length of the head
   double pillar_diameter = 1;
   double base_diameter = 4;  ///< of the base; a support that ends on the object has a head there instead

@@ -9,6 +9,7 @@
 #include "slicer/supports/held_area.hpp"
 #include "slicer/supports/islands.hpp"
 #include "slicer/supports/tip_loads.hpp"
+#include "slicer/supports/weak_regions.hpp"
 #include "slicer/supports/window.hpp"
 
 namespace plumbline {
@@ -37,6 +38,7 @@ class Sweep {
       : grid_(rrep.grid), window_(window_of(rrep)), pitch_(rrep.grid), list_(list) {
     const auto layer_height = static_cast<double>(grid_.layer_height_mm);
     head_ = nanometres(settings.head_front_diameter / 2);
+    light_head_ = nanometres(settings.head_front_diameter / 2 * kLightTip);
     dense_pixels_ = kDenseIsland / (static_cast<double>(grid_.pitch_x_mm) * static_cast<double>(grid_.pitch_y_mm));
     penetration_ = static_cast<std::uint32_t>(std::floor(settings.head_penetration / layer_height + 0.5));
   }
@@ -61,6 +63,9 @@ class Sweep {
     auto islands = IslandFinder::create(grid_.columns, arena);
     PLUMBLINE_TRY(islands);
     islands_ = *islands;
+    auto weak = WeakRegions::create(grid_.columns, grid_.rows, arena);
+    PLUMBLINE_TRY(weak);
+    weak_ = *weak;
     auto loads = TipLoads::create(grid_, settings, list_, arena);
     PLUMBLINE_TRY(loads);
     loads_ = *loads;
@@ -72,8 +77,10 @@ class Sweep {
       held_.begin(mask);
     } else if (compare_with_below(layer, mask)) {
       held_.next_layer(layer, mask);
+      const std::size_t lower = count_;
       PLUMBLINE_TRY(hold_islands(layer, mask));
       PLUMBLINE_TRY(hold_overhangs(layer, mask));
+      if (islands_.may_be_weak()) PLUMBLINE_TRY(hold_weak_regions(layer, mask, list_.first(count_).subspan(lower)));
       PLUMBLINE_TRY(share_loads(layer, mask));
     } else {
       held_.next_layer(layer, mask);
@@ -118,6 +125,17 @@ class Sweep {
       islands_.next_row(mask, below_, fresh_, r, window_, hold);
     }
     islands_.end(hold);
+    return done;
+  }
+
+  /// @param tips  of this layer
+  Status hold_weak_regions(std::uint32_t layer, ConstBitImage mask, std::span<const Tip> tips) {
+    weak_.look_at(mask, below_, tips);
+    Status done;
+    weak_.for_each(mask, below_, [&](const WeakRegions::Place& place) {
+      if (done) done = add_tip(place.column, place.row, layer, mask, true);
+      if (done) list_[count_ - 1].dense = place.pixels <= dense_pixels_;
+    });
     return done;
   }
 
@@ -208,7 +226,8 @@ class Sweep {
     return {};
   }
 
-  /// Keeps the layer as the one below, with the heads in it. A head ends where the object above its tip ends.
+  /// Keeps the layer as the one below, with the heads in it, as thin as they may become: what only a thicker one touches would be an
+  /// island. A head ends where the object above its tip ends.
   void keep_as_below(std::uint32_t layer, ConstBitImage mask) {
     for (std::uint32_t r = window_.row; r < window_.row_end; ++r) {
       const auto from = mask.row(r).subspan(window_.word, window_.word_end - window_.word);
@@ -221,7 +240,7 @@ class Sweep {
         tip.end = static_cast<std::uint16_t>(layer);
         continue;
       }
-      for_each_disc_span(pitch_, tip.column, tip.row, head_, grid_.columns, grid_.rows,
+      for_each_disc_span(pitch_, tip.column, tip.row, light_head_, grid_.columns, grid_.rows,
                          [&](std::uint32_t row, std::uint32_t begin, std::uint32_t end) {
                            if (row < window_.row || row >= window_.row_end) return;
                            const auto line = below_.row(row);
@@ -233,7 +252,8 @@ class Sweep {
   PrintGrid grid_;
   Window window_;
   PixelPitch pitch_;
-  Nanometres head_ = 0;            ///< radius of a tip
+  Nanometres head_ = 0;            ///< radius of a tip of medium load
+  Nanometres light_head_ = 0;      ///< and of light load
   Nanometres reach_ = 0;           ///< of a tip
   std::uint32_t penetration_ = 0;  ///< layers
   double dense_pixels_ = 0;        ///< of an island, at most, that gets dense tips
@@ -245,6 +265,7 @@ class Sweep {
   BitImage fresh_;                ///< new pixels of the layer, then those that are not held
   HeldArea held_;
   IslandFinder islands_;
+  WeakRegions weak_;
   TipLoads loads_;
 };
 
@@ -283,7 +304,7 @@ std::size_t find_tips_bytes(const PrintGrid& grid) {
   const std::size_t columns = (grid.columns + 63) / 64 * std::size_t{64};
   return LayerStream::bytes_needed(grid) + Arena::rounded(columns * grid.rows * sizeof(std::uint16_t)) + 2 * image +
          HeldArea::bytes_needed(grid) + IslandFinder::bytes_needed(grid.columns) +
-         TipLoads::bytes_needed(grid, most_tips(grid));
+         WeakRegions::bytes_needed(grid.rows) + TipLoads::bytes_needed(grid, most_tips(grid));
 }
 
 }  // namespace plumbline

@@ -28,6 +28,8 @@ void Cavities::next_layer(const PixelRuns& white, std::uint32_t columns, bool fi
   for (std::uint32_t i = 1; i < count; ++i) {
     all[here(i)] = {.vented = false,
                     .on_plate = first,
+                    .plate_pixels = first ? regions[i].pixels : 0,
+                    .mouth_pixels = regions[i].pixels,
                     .mm3 = regions[i].pixels * pixel_mm3,
                     .column = regions[i].column,
                     .row = regions[i].row};
@@ -53,6 +55,8 @@ void Cavities::next_layer(const PixelRuns& white, std::uint32_t columns, bool fi
     Cavity& sum = sums[sets.root(i)];
     sum.vented = sum.vented || all[i].vented || sets.root(i) == 0;
     sum.on_plate = sum.on_plate || all[i].on_plate;
+    sum.plate_pixels += all[i].plate_pixels;
+    if (i > old) sum.mouth_pixels += all[i].mouth_pixels;
     sum.mm3 += all[i].mm3;
     if (i > old || sum.mm3 == all[i].mm3) {
       sum.column = all[i].column;

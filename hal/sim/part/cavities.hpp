@@ -11,7 +11,7 @@ namespace plumbline {
 /// Follows the black regions of the layers from the plate on. Regions that lie above each other are one cavity. A cavity is
 /// *vented* once it meets the outside in any layer; until then it is *sealed*, by the part or by the plate. A sealed cavity that
 /// reaches the newest layer is a suction cup. One that ends is a trap, unless the plate is its ceiling: that one drains when the
-/// part comes off.
+/// part comes off. What sucks in a cup pulls at its ceiling, so the plate carries its share of that.
 class Cavities {
  public:
   /// Largest of the traps.
@@ -31,6 +31,14 @@ class Cavities {
   /// Whether a black region of the last layer is the mouth of a sealed cavity.
   bool sealed(std::uint32_t region) const { return region > 0 && !cavities_[of_region_[region]].vented; }
   bool any() const { return !cavities_.empty(); }
+  /// Of the mouths of a sealed cavity, the share below which the ceiling is part, not plate. 0: the plate is as wide as they are.
+  /// @param region  sealed
+  double share_of_part(std::uint32_t region) const {
+    const Cavity& cavity = cavities_[of_region_[region]];
+    return cavity.plate_pixels < cavity.mouth_pixels
+               ? 1 - static_cast<double>(cavity.plate_pixels) / static_cast<double>(cavity.mouth_pixels)
+               : 0;
+  }
 
   double trapped_mm3() const { return trapped_mm3_; }
   std::uint32_t traps() const { return traps_; }
@@ -40,6 +48,8 @@ class Cavities {
   struct Cavity {
     bool vented = false;
     bool on_plate = false;
+    std::uint64_t plate_pixels = 0;  ///< of its ceiling that are plate
+    std::uint64_t mouth_pixels = 0;  ///< in the last layer
     double mm3 = 0;
     std::uint32_t column = 0, row = 0;  ///< of a region in the last layer
   };

@@ -161,16 +161,20 @@ void HangingPart::hang_up(double height_mm, double bleed_mm) {
 void HangingPart::peel(BitImage lit, ConstBitImage asked) {
   const auto regions = here_.regions();
   suction_mm2_ = 0;
+  double plate_mm2 = 0;  // of mouths whose suction the plate carries
   sealed_mm2_.assign(regions.size(), 0);
   const auto gaps = cavities_.black().regions();
   for (std::uint32_t gap = 1; cavities_.any() && gap < gaps.size(); ++gap) {
     if (!cavities_.sealed(gap)) continue;
     const double mouth = gaps[gap].pixels * pixel_mm2_;
+    // Where the plate is the ceiling, it is pulled at and no joint. Of a part that is hung on, the ceiling is unknown.
+    const double carried = on_part_ ? mouth : mouth * cavities_.share_of_part(gap);
     // The white pixel to the left of its first run is in the region round it: what stands within has a row of the gap above it.
-    sealed_mm2_[here_.region_at(gaps[gap].top_begin - 1, gaps[gap].top_row)] += mouth;
+    sealed_mm2_[here_.region_at(gaps[gap].top_begin - 1, gaps[gap].top_row)] += carried;
     suction_mm2_ += mouth;
+    plate_mm2 += mouth - carried;
   }
-  peel_n_ = 0;
+  peel_n_ = build_.peel.force(0, 0, plate_mm2);
   loads_.clear();
   for (std::uint32_t r = 0; r < regions.size(); ++r) {
     const double outline = kOutline * (regions[r].sides_x * build_.pitch_x_mm + regions[r].sides_y * build_.pitch_y_mm);

@@ -100,7 +100,7 @@ class HangingPart {
   std::vector<Contact> contacts_;
   std::vector<std::uint32_t> first_contact_;  ///< of a region
   std::vector<Below> below_;                  ///< of a region above
-  std::vector<double> sealed_mm2_;            ///< of a region: mouths of suction cups in it
+  std::vector<double> sealed_mm2_;            ///< of a region: mouths of suction cups in it that it carries
   std::vector<HoldGraph::Load> loads_;        ///< of the regions
 
   HoldGraph graph_;

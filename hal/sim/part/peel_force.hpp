@@ -15,7 +15,8 @@ namespace plumbline {
 ///        surface projection stereolithography, Rapid Prototyping Journal 23, 2017); a film that bends bounds it.
 ///   g P  Then a peel front moves inwards from the outline. A front of unit width needs the force g at a right angle (K. Kendall,
 ///        Journal of Physics D 8, 1975, 1449).
-///   p C  No resin can follow into a cavity that is closed by the part or the plate: the film is sucked up into it.
+///   p C  No resin can follow into a cavity that is closed by the part or the plate: the film is sucked up into it. The ceiling of the
+///        cavity is pulled down as hard. Where that is the plate, such as in the hole of a raft, the motor feels it but no joint does.
 ///
 /// Each layer's force passes through every cross-section up to the plate. A joint between two layers holds green_strength times the
 /// area in which they overlap, the plate holds plate_adhesion times the area of the first layer. Leverage is left out: joints

@@ -18,7 +18,7 @@ enum class StrutKind : std::uint8_t {
   kBridge,  ///< from a head to a pillar beside it
   kPillar,  ///< upright
   kBrace,   ///< between two pillars
-  kBase,    ///< cone at the foot of a pillar
+  kBase,    ///< cone at the foot of a pillar, or pad below a small foot
   kRaft,    ///< on the plate
 };
 inline constexpr std::uint32_t kStrutKinds = 7;

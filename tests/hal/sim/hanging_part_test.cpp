@@ -236,6 +236,37 @@ TEST(HangingPart, LetsTheWallOfACupCarryItsSuctionAndNothingWithin) {
   EXPECT_GT(bench.part.suction_mm2(), 100);
 }
 
+TEST(HangingPart, LetsThePlateCarryTheSuctionOfAHoleThatItCloses) {
+  // A ring on the plate, so thin that it holds its own peel but not the suction of what it encloses.
+  PeelSettings peel;
+  const auto ring = [](double x, double y, double) { return radius(x, y) < 8 && radius(x, y) > 7.6; };
+  const double area = std::numbers::pi * (64 - 57.76);
+  const double outline = 2 * std::numbers::pi * (8 + 7.6);
+  const double mouth = std::numbers::pi * 57.76;
+  peel.plate_adhesion_mpa = peel.force(area, outline, mouth / 4) / area;
+  Bench bench(peel);
+  bench.print(ring, 1);
+  EXPECT_THAT(bench.part.losses(), IsEmpty());
+  EXPECT_NEAR(bench.part.suction_mm2(), mouth, 0.005 * mouth);
+  const double peeled = peel.force(area, outline, mouth);
+  EXPECT_NEAR(bench.part.peel_n(), peeled, 0.03 * peeled) << "the motor feels it";
+}
+
+TEST(HangingPart, LetsTheWallCarryTheSuctionBesideThePlatesShare) {
+  // From 1 mm on, a hole of 5 mm radius in a disc of 8 mm on the plate is 7.6 mm wide. The disc is the ceiling of pi (7.6^2 - 5^2), the plate
+  // that of the rest. The layer at 1 mm needs so much: with 0.9 of it in the joint above, the wall tears, with 1.1 it does not.
+  const double own = PeelSettings{}.force(std::numbers::pi * (64 - 57.76), 2 * std::numbers::pi * (8 + 7.6), 0);
+  const double suction = 1e-3 * PeelSettings{}.suction_kpa * std::numbers::pi * (57.76 - 25);
+  for (const double factor : {0.9, 1.1}) {
+    PeelSettings peel;
+    peel.green_strength_mpa = factor * (own + suction) / (std::numbers::pi * (64 - 57.76));
+    peel.plate_adhesion_mpa = 5;
+    Bench bench(peel);
+    bench.print([](double x, double y, double z) { return radius(x, y) < 8 && radius(x, y) > (z < 1 ? 5 : 7.6); }, 2);
+    EXPECT_THAT(bench.part.losses(), SizeIs(factor < 1 ? 1 : 0)) << factor;
+  }
+}
+
 TEST(HangingPart, CountsTheResinInAClosedBall) {
   // A hollow ball, its cavity 4 mm in radius: 4/3 pi r^3.
   const auto ball = [](double hole) {

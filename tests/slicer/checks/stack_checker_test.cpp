@@ -73,6 +73,42 @@ TEST(StackChecker, LetsATenthOfAWideRegionHoldItUnlessItOverhangs) {
   EXPECT_GT(findings.count(IssueKind::kOverhang), 0U);
 }
 
+/// In layer 0 posts of 3 x 3 pixels as far apart as asked, in layer 1 a plate on them. Pixels of 0.1 mm.
+std::vector<Pixels> plate_on_posts(std::uint32_t apart, std::uint32_t columns_with_posts) {
+  return stack_of(kSide, 2, [=](std::uint32_t c, std::uint32_t r, std::uint32_t k) {
+    const bool post = c % apart >= apart / 2 && c % apart < apart / 2 + 3 && r % apart >= apart / 2 &&
+                      r % apart < apart / 2 + 3 && c < columns_with_posts;
+    return c >= 5 && c < 95 && r >= 5 && r < 95 && (k == 1 || post);
+  });
+}
+
+TEST(StackChecker, FindsNoIslandThatRestsOnTipsAllOver) {
+  // 9 of 225 pixels are held, 4 %.
+  EXPECT_EQ(check(plate_on_posts(15, kSide), {}).count(IssueKind::kIsland), 0U);
+  // 9 of 324, less than a thirty-second.
+  EXPECT_EQ(check(plate_on_posts(18, kSide), {}).count(IssueKind::kIsland), 1U);
+  // The same posts, none below the last 2.5 mm.
+  EXPECT_EQ(check(plate_on_posts(15, 70), {}).count(IssueKind::kIsland), 1U);
+  // In finer pixels the posts have 0.02 mm2 each, but touch 4 % all the same, and are nearer.
+  EXPECT_EQ(check(plate_on_posts(15, kSide), {}, 0.05F).count(IssueKind::kIsland), 0U);
+}
+
+TEST(StackChecker, FindsTheIslandBesideTipsOfAnotherRegion) {
+  // A strip of 1 x 4 mm stands on two posts at its end. Along it, half a millimetre aside, is a wall.
+  const auto masks = stack_of(
+      kSide, 2,
+      blocks({{10, 13, 10, 13, 0, 1}, {16, 19, 10, 13, 0, 1}, {10, 20, 10, 50, 1, 2}, {25, 35, 10, 90, 0, 2}}));
+  EXPECT_EQ(only(check(masks, {}), IssueKind::kIsland).pixels, 400U);
+}
+
+TEST(StackChecker, FindsASmallIslandThatTouchesLessThanATip) {
+  // 10 of 288 pixels are held, a twenty-ninth, all nearer than 2 mm: 0.025 mm2 with pixels of 0.05 mm.
+  const auto masks =
+      stack_of(kSide, 2, blocks({{40, 45, 40, 41, 0, 1}, {50, 55, 40, 41, 0, 1}, {34, 58, 36, 48, 1, 2}}));
+  EXPECT_EQ(check(masks, {}, 0.05F).count(IssueKind::kIsland), 1U);
+  EXPECT_EQ(check(masks, {}, 0.1F).count(IssueKind::kIsland), 0U);
+}
+
 TEST(StackChecker, FindsAnOverhangBeyondTheReach) {
   // A shelf 60 pixels long. Pixels more than 40 beyond the wall are left: 20 of them in 30 rows.
   const auto masks = stack_of(kSide, 2, blocks({{10, 20, 10, 40, 0, 2}, {20, 80, 10, 40, 1, 2}}));

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "slicer/supports/tips.hpp"
+#include "tests/slicer/checks/checked_stack.hpp"
 #include "tests/slicer/support/hanging.hpp"
 #include "tests/slicer/support/solid.hpp"
 #include "tests/slicer/support/stop.hpp"
@@ -71,6 +72,7 @@ void expect_printable(const Supported& s) {
     for (std::uint32_t k = strut.first; k < strut.end; ++k) {
       const StrutSection disc = section_of(strut, k);
       EXPECT_TRUE(s.masks[k].at(disc.column, disc.row)) << "broken in layer " << k;
+      if (strut.kind == StrutKind::kBase && strut.radius0 == strut.radius1) continue;  // a pad, or a foot in the object
       // A slanted head meets the surface at its side.
       if (strut.kind == StrutKind::kHead && k + 2 >= strut.end) continue;
       EXPECT_FALSE(s.object[k].at(disc.column, disc.row))
@@ -109,6 +111,63 @@ TEST(Supports, AreNoneBelowACubeOnThePlate) {
 TEST(Supports, AreNoneInAnEmptyPrint) {
   const Supported s(blocks({}));
   EXPECT_TRUE(s.supports.empty());
+}
+
+TEST(Supports, PutPadsBelowSmallFeetOnThePlate) {
+  // Two feet of 0.36 and 0.25 mm2 side by side, and one of 1 mm2.
+  const Supported s(blocks({{20, 26, 20, 26, 0, 40}, {20, 25, 27, 32, 0, 40}, {45, 55, 20, 30, 0, 40}}));
+  EXPECT_EQ(s.counts.pads, 1U) << "a foot on another one's pad needs none";
+  EXPECT_EQ(s.supports.tips(), 0U);
+  // A disc of 1 mm, 0.3 mm high, round the first one.
+  for (std::uint32_t k = 0; k < 5; ++k) {
+    EXPECT_EQ(s.masks[k].at(14, 20), k < 3) << k;
+    EXPECT_EQ(s.masks[k].at(32, 20), k < 3) << k;
+  }
+  EXPECT_NEAR(static_cast<double>(s.masks[0].count()), 314 + 100, 16);
+  EXPECT_EQ(s.masks[3], s.object[3]);
+}
+
+TEST(Supports, PutNoPadsBelowARaft) {
+  const Supported s(cone(8, 0.8), SupportSettings{});
+  EXPECT_GT(s.counts.lifted, 0U);
+  EXPECT_EQ(s.counts.pads, 0U);
+}
+
+TEST(Supports, HoldASpeckThatOnlyAThickerTipWouldTouch) {
+  // A light tip has a radius of 12 pixels of 0.0125 mm, a medium one of 16. From the tip at (32, 31), the speck is 11 aside and 7 up.
+  const Supported s(cubic_grid(kSide, 48, 0.0125F), blocks({{31, 34, 31, 34, 20, 44}, {43, 46, 38, 41, 21, 44}}));
+  EXPECT_EQ(floating_islands(s.masks), 0U);
+  EXPECT_EQ(s.counts.islands, 2U);
+}
+
+TEST(Supports, HoldABlobThatHangsOnAFewPixels) {
+  // 9 of 100 pixels continue from below. Nothing is farther than 1 mm from these, so it is no overhang.
+  const Inside blob = blocks({{5, 25, 5, 25, 0, 40}, {40, 43, 40, 43, 0, 40}, {37, 47, 37, 47, 20, 30}});
+  const Supported s(blob);
+  expect_printable(s);
+  ASSERT_EQ(s.tips().size(), 1U);
+  EXPECT_EQ(s.counts.islands, 1U);
+  EXPECT_EQ(s.tips()[0].first, 20U);
+  EXPECT_EQ(check(s.object, {}).count(IssueKind::kIsland), 1U);
+  EXPECT_EQ(check(s.masks, {}).count(IssueKind::kIsland), 0U);
+  // 25 pixels of 80 hold.
+  const Supported held(blocks({{5, 25, 5, 25, 0, 40}, {40, 45, 40, 45, 0, 40}, {40, 48, 40, 50, 20, 30}}));
+  EXPECT_EQ(held.tips().size(), 0U);
+}
+
+TEST(Supports, StandInTheObjectAndNotOnThePointOfASpire) {
+  // An icicle of a roof, above a spire whose point has 9 pixels of 0.025 mm. A foot there has 113.
+  const Inside cave = blocks({{2, 62, 2, 62, 0, 10},
+                              {2, 8, 2, 62, 10, 100},
+                              {2, 62, 2, 62, 90, 100},
+                              {30, 35, 30, 35, 80, 90},
+                              {24, 41, 24, 41, 10, 35},
+                              {31, 34, 29, 32, 35, 40}});
+  const Supported s(cubic_grid(kSide, 100, 0.025F), cave);
+  EXPECT_EQ(s.counts.on_object, 1U);
+  EXPECT_TRUE(s.masks[40].at(28, 32)) << "the foot is on the spire";
+  EXPECT_EQ(floating_islands(s.masks), 0U);
+  EXPECT_EQ(check(s.masks, {}, 0.025F).count(IssueKind::kIsland), 0U);
 }
 
 TEST(Supports, HoldTheWingsOfAT) {
@@ -199,7 +258,7 @@ TEST(Supports, EndOnTheObjectWhereItIsBelow) {
   for (const Strut& strut : s.supports.list) {
     const bool at_foot = strut.kind == StrutKind::kBase;
     const bool at_tip = strut.kind == StrutKind::kTip;
-    EXPECT_TRUE(!at_foot || strut.first == 8);
+    EXPECT_TRUE(!at_foot || strut.first == 8 || strut.end == 8);  // on the object, or in it
     EXPECT_TRUE(!at_tip || strut.first == 36);
   }
 }

@@ -1,0 +1,87 @@
+#include "slicer/supports/weak_regions.hpp"
+
+#include <algorithm>
+
+#include "slicer/supports/drawing/disc.hpp"
+
+namespace plumbline {
+namespace {
+
+constexpr const char* kStage = "supports";
+constexpr LayerRegions::Settings kRegions{.runs_per_row = 4, .join_white_corners = false, .stage = kStage};
+
+// As in CheckLimits.
+constexpr std::uint32_t kHeldDivisor = 4;
+constexpr std::uint32_t kHeldPixels = 10;
+
+}  // namespace
+
+Expected<WeakRegions> WeakRegions::create(std::uint32_t columns, std::uint32_t rows, Arena& arena) {
+  WeakRegions weak;
+  auto regions = LayerRegions::create(columns, rows, arena, kRegions);
+  PLUMBLINE_TRY(regions);
+  weak.regions_ = *regions;
+  const auto held = arena.take_top<std::uint32_t>(LayerRegions::most_runs(rows, kRegions), kStage);
+  PLUMBLINE_TRY(held);
+  weak.held_ = *held;
+  return weak;
+}
+
+std::size_t WeakRegions::bytes_needed(std::uint32_t rows) {
+  return LayerRegions::bytes_needed(rows, kRegions) +
+         Arena::rounded(LayerRegions::most_runs(rows, kRegions) * sizeof(std::uint32_t));
+}
+
+void WeakRegions::look_at(ConstBitImage mask, ConstBitImage below, std::span<const Tip> tips) {
+  any_ = regions_.label(mask);
+  if (!any_) return;
+  std::fill_n(held_.begin(), regions_.run_count(), 0U);
+  for (std::uint32_t r = 0; r < regions_.rows(); ++r) {
+    for (std::uint32_t i = regions_.row_begin(r) + 1; i < regions_.row_begin(r + 1); i += 2) {  // white ones
+      const LayerRegions::Run& run = regions_.run(i);
+      std::uint32_t& held = held_[regions_.region(i)];
+      for_each_word(run.first, run.last + 1U, [&](std::uint32_t w, std::uint64_t bits) {
+        held += static_cast<std::uint32_t>(std::popcount(below.row(r)[w] & bits));
+      });
+    }
+  }
+  for (const Tip& tip : tips) {
+    for (std::uint32_t i = regions_.row_begin(tip.row) + 1; i < regions_.row_begin(tip.row + 1U); i += 2) {
+      if (tip.column > regions_.run(i).last) continue;
+      if (tip.column >= regions_.run(i).first) held_[regions_.region(i)] = LayerRegions::kNone;
+      break;
+    }
+  }
+}
+
+bool WeakRegions::is_weak(std::uint32_t region) const {
+  const std::uint64_t area = regions_.area(region);
+  const std::uint64_t held = std::uint64_t{held_[region]} * kHeldDivisor;
+  return held > 0 && held < area && (held_[region] < kHeldPixels || held * kHeldDivisor < area);
+}
+
+WeakRegions::Place WeakRegions::place_in(std::uint32_t region, ConstBitImage mask, ConstBitImage below) const {
+  Place place{.column = 0, .row = 0, .pixels = regions_.area(region)};
+  std::uint32_t widest = 0;
+  std::uint32_t left = place.pixels;
+  for (std::uint32_t r = regions_.row_of(region); r < regions_.rows() && left > 0; ++r) {
+    for (std::uint32_t i = regions_.row_begin(r) + 1; i < regions_.row_begin(r + 1); i += 2) {
+      if (regions_.region(i) != region) continue;
+      const LayerRegions::Run& run = regions_.run(i);
+      left -= run.last + 1U - run.first;
+      std::uint32_t begin = run.first;
+      for (std::uint32_t c = run.first; c <= run.last + 1U; ++c) {
+        if (c <= run.last && mask.at(c, r) && !below.at(c, r)) continue;
+        if (c - begin > widest) {
+          widest = c - begin;
+          place.column = begin + widest / 2;
+          place.row = r;
+        }
+        begin = c + 1;
+      }
+    }
+  }
+  return place;
+}
+
+}  // namespace plumbline
