@@ -276,7 +276,8 @@ ExitCode run_daemon_command_line(int argc, char** argv, std::size_t largest_aren
   DaemonOptions options;
   options.simulation.speedup = 1;  // a stick is plugged in and out in real time
   app.add_option("--printer", options.printer, "Board file")->required()->type_name("TOML");
-  app.add_option("--state", options.state, "Folder for journal, job and the last reports [/var/lib/plumbline]")
+  app.add_option("--state", options.state,
+                 "Folder for journal, job, the uploaded scan and the last reports [/var/lib/plumbline]")
       ->type_name("DIR");
   app.add_option(
          "--socket", options.socket,

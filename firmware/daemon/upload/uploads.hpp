@@ -38,7 +38,7 @@ class Uploads {
   Uploads(const Uploads&) = delete;
   Uploads& operator=(const Uploads&) = delete;
 
-  /// Begins to take a scan. Takes nothing from the heap.
+  /// Begins to take a scan.
   /// @param from  what was handed over: a connected stream socket of this machine, else it is refused, since reading anything else may block
   /// @returns the number of PrinterRecord::upload
   /// @retval ErrorCode::kBadSetting  the printer is not at rest, takes none or is taking one; or the errors of check_upload_name()
