@@ -219,6 +219,8 @@ ExitCode serve(const DaemonOptions& options, std::size_t largest_arena) {
     write_line(line.view());
   });
   if (!prints) return report_error(prints.error());
+  auto upload_store = UploadStore::open(options.state, std::uint64_t{machine->upload_mib} << 20U);
+  if (!upload_store) return report_error(upload_store.error());
   auto encoder = SmallPngEncoder::create(sizeof(PreviewPicture::memory), PreviewPicture::kMostRows);
   if (!encoder) return report_error(encoder.error());
   const auto socket = StateSocket::open(socket_path(options, *machine));
@@ -242,6 +244,7 @@ ExitCode serve(const DaemonOptions& options, std::size_t largest_arena) {
   Arena arena(child->arena_block());
   PrinterRecord record;
   record.prints = &*prints;
+  Uploads uploads(std::move(*upload_store), record);
   DaemonLog log(options, **back_end, *manager, *prints, record, std::move(*encoder));
   const Machine& devices = (*back_end)->machine();
   ServiceEvents events(devices.events, devices.clock, *manager);
@@ -254,10 +257,10 @@ ExitCode serve(const DaemonOptions& options, std::size_t largest_arena) {
                   .panel = devices.panel,
                   .thermals = devices.thermals,
                   .screen = devices.screen};
-  PrinterDaemon daemon(watched, settings, *child, arena, *store, *plate, log, record);
+  PrinterDaemon daemon(watched, settings, *child, arena, *store, *plate, log, record, &uploads);
   std::optional<ScreenServer> screen;
   if (watched.screen != nullptr) screen.emplace(*watched.screen, machine->language);
-  events.serve(**socket, record, daemon, screen ? &*screen : nullptr);
+  events.serve(**socket, record, daemon, screen ? &*screen : nullptr, &uploads);
   if (const auto told = manager->ready(); !told) return report_error(told.error());
   const auto served = daemon.run();
   if (!served) return report_error(served.error());
@@ -273,7 +276,8 @@ ExitCode run_daemon_command_line(int argc, char** argv, std::size_t largest_aren
   DaemonOptions options;
   options.simulation.speedup = 1;  // a stick is plugged in and out in real time
   app.add_option("--printer", options.printer, "Board file")->required()->type_name("TOML");
-  app.add_option("--state", options.state, "Folder for journal, job and the last reports [/var/lib/plumbline]")
+  app.add_option("--state", options.state,
+                 "Folder for journal, job, the uploaded scan and the last reports [/var/lib/plumbline]")
       ->type_name("DIR");
   app.add_option(
          "--socket", options.socket,

@@ -34,7 +34,8 @@ namespace {
 }  // namespace
 
 PrinterDaemon::PrinterDaemon(Machine& machine, const DaemonSettings& settings, SlicingChild& child, Arena& arena,
-                             JobStore& store, PlateRecord& plate, DaemonObserver& observer, PrinterRecord& record)
+                             JobStore& store, PlateRecord& plate, DaemonObserver& observer, PrinterRecord& record,
+                             Uploads* uploads)
     : machine_(machine),
       settings_(settings),
       child_(child),
@@ -45,7 +46,8 @@ PrinterDaemon::PrinterDaemon(Machine& machine, const DaemonSettings& settings, S
       observer_(record, machine.stick, observer),
       slicing_(child, machine, arena, observer_, settings.slicing_patience),
       decoder_(child, printer_volume(settings.board)),
-      answers_(machine, record, observer_) {
+      answers_(machine, record, observer_),
+      uploads_(uploads) {
   record.state = PrintState::kIdle;
   assign(record.printer, settings.board.name);
   record.simulated = settings.machine.simulated;
@@ -108,15 +110,17 @@ Status PrinterDaemon::settle() {
 }
 
 Status PrinterDaemon::serve_idle() {
-  if (machine_.stick.has_stick() && !served_) return serve_stick();
+  if (has_new_upload()) return serve_upload();
+  if (machine_.stick.has_stick() && !served_) return serve_scans(machine_.stick, false);
+  if (uploads_ != nullptr && uploads_->port().has_stick() && !upload_served_) return serve_upload();
   if (!std::exchange(told_ready_, true)) observer_.say("ready");
   const auto event = answers_.look();
   PLUMBLINE_TRY(event);
   if (!*event) return {};
   switch ((*event)->kind) {
+    case EventKind::kStartPressed: upload_served_ = false; [[fallthrough]];
     case EventKind::kStickArrived:
-    case EventKind::kStickDeparted:
-    case EventKind::kStartPressed: served_ = false; return {};
+    case EventKind::kStickDeparted: scans_came(); return {};
     case EventKind::kShutdownRequested:
     case EventKind::kCancelPressed:
     case EventKind::kPausePressed:
@@ -148,11 +152,14 @@ Status PrinterDaemon::serve_plate() {
   while (!ending()) {
     const auto answer = answers_.ask();
     PLUMBLINE_TRY(answer);
-    if (*answer == EventKind::kStickArrived) served_ = false;
+    if (*answer == EventKind::kStickArrived) scans_came();
     if (*answer != EventKind::kStartPressed) continue;
     PLUMBLINE_TRY(plate_.confirm_empty());
-    // Offers the stick in the port again. A rig's would start again, so there it has to be plugged in anew, after the print.
-    served_ = served_ && settings_.machine.start == StartChoice::kOnStick;
+    // Offers what was printed again. A rig's stick would start again, so there it has to be plugged in anew, after the print.
+    if (was_upload_)
+      upload_served_ = false;
+    else
+      served_ = served_ && settings_.machine.start == StartChoice::kOnStick;
     apply(PrintEvent::kPlateEmpty);
     break;
   }
@@ -167,7 +174,7 @@ Status PrinterDaemon::serve_fault() {
     PLUMBLINE_TRY(answer);
     const bool button = *answer == EventKind::kStartPressed || *answer == EventKind::kCancelPressed;
     if (!button && !plate_.is_empty()) continue;
-    served_ = *answer == EventKind::kCancelPressed;
+    if (button || !has_new_upload()) (was_upload_ ? upload_served_ : served_) = *answer == EventKind::kCancelPressed;
     apply(PrintEvent::kAcknowledged);
     break;
   }
@@ -189,6 +196,13 @@ Expected<std::optional<EventKind>> PrinterDaemon::take(const ClientRequest& requ
   return std::nullopt;
 }
 
+Expected<std::uint32_t> PrinterDaemon::take_upload(const ClientRequest& upload, Descriptor from) {
+  if (uploads_ == nullptr) return CommandTaker::take_upload(upload, std::move(from));
+  const auto number = uploads_->begin(upload, std::move(from));
+  PLUMBLINE_TRY(number);
+  return *number;
+}
+
 Expected<bool> PrinterDaemon::draw_mask(std::uint32_t layer, LayerPicture& picture) {
   if (masks_ == nullptr) {
     return fail(ErrorCode::kBadSetting, "there are no masks now.\tAsk again while what has been sliced is offered");
@@ -208,16 +222,18 @@ Expected<CommandTaker::ReportPart> PrinterDaemon::read_report(std::uint64_t from
 }
 
 /// @returns the job that somebody wants printed; none: nobody does, or the stick was pulled
-Expected<std::optional<StickJob>> PrinterDaemon::choose(const StickMount& mount) {
-  auto offer = StickOffer::read(mount, slicing_, settings_, observer_);
+Expected<std::optional<StickJob>> PrinterDaemon::choose(const StickMount& mount, bool uploaded) {
+  auto offer = StickOffer::read(mount, slicing_, settings_, observer_, uploaded);
   PLUMBLINE_TRY(offer);
-  if (offer->is_certain() && settings_.machine.start == StartChoice::kOnStick) return offer->job();
+  if (!uploaded && offer->is_certain() && settings_.machine.start == StartChoice::kOnStick) return offer->job();
   offer_ = &*offer;
-  const auto answer = offer->ask(answers_);
+  const auto answer = offer->ask(answers_, [this] { return has_new_upload(); });
   offer_ = nullptr;
   PLUMBLINE_TRY(answer);
   if (*answer == EventKind::kStartPressed) return offer->job();
-  served_ = *answer != EventKind::kStickDeparted;
+  // What has arrived meanwhile is offered next: a new upload, or a stick instead of an upload.
+  if (uploaded && *answer == EventKind::kStickArrived) scans_came();
+  if (!uploaded) served_ = *answer != EventKind::kStickDeparted;
   return std::nullopt;
 }
 
@@ -296,10 +312,24 @@ bool PrinterDaemon::store_reports() {
   return stored->asked;
 }
 
-Status PrinterDaemon::serve_stick() {
-  served_ = true;
+bool PrinterDaemon::has_new_upload() const { return uploads_ != nullptr && uploads_->is_new(); }
+
+/// A stick has come or gone, or an upload has come. Only the first is a reason to offer a stick again.
+void PrinterDaemon::scans_came() {
+  if (!has_new_upload()) served_ = false;
+}
+
+Status PrinterDaemon::serve_upload() {
+  if (uploads_->take_new()) observer_.forget_scans();
+  upload_served_ = true;
+  return serve_scans(uploads_->port(), true);
+}
+
+Status PrinterDaemon::serve_scans(StickPort& port, bool uploaded) {
+  if (!uploaded) served_ = true;
+  was_upload_ = uploaded;
   fault_ = FaultCode::kNone;
-  const bool wants_reports = store_reports();
+  const bool wants_reports = !uploaded && store_reports();
   observer_.begin_job();
   apply(PrintEvent::kJobOffered);
   PrintSession session(settings_.board, settings_.machine, arena_, &store_, &decoder_);
@@ -308,9 +338,9 @@ Status PrinterDaemon::serve_stick() {
   std::optional<JobStore::Received> copy;
   std::optional<ScanRequest> request;
   {
-    const auto mount = machine_.stick.mount();
+    const auto mount = port.mount();
     PLUMBLINE_TRY(mount);
-    const auto wanted = choose(*mount);
+    const auto wanted = choose(*mount, uploaded);
     // A stick may have come for the reports alone.
     const bool is_empty = !wanted && wanted.error().code() == ErrorCode::kNoPoints && wants_reports;
     if (!is_empty) PLUMBLINE_TRY(wanted);
@@ -345,7 +375,7 @@ Status PrinterDaemon::serve_stick() {
       }
     }
   }
-  observer_.say("the stick may be pulled");
+  if (!uploaded) observer_.say("the stick may be pulled");
   const auto ready =
       copy ? prepare_archive(session, *copy, *request, *profile) : prepare_scan(session, *answer, *request, *profile);
   if (copy && (!ready || !*ready)) store_.drop_received();
@@ -357,6 +387,7 @@ Status PrinterDaemon::serve_stick() {
 }
 
 Status PrinterDaemon::resume() {
+  was_upload_ = false;
   PrintSession session(settings_.board, settings_.machine, arena_, &store_, &decoder_);
   const auto loaded = session.load();
   if (!loaded) {
@@ -379,7 +410,7 @@ void PrinterDaemon::print(PrintSession& session, const PrintProfile& profile) {
   observer_.printed(report, session, profile);
   store_reports();
   // Don't print the same stick again until it is plugged in anew.
-  served_ = machine_.stick.has_stick();
+  if (!was_upload_) served_ = machine_.stick.has_stick();
   fault_ = report.fault;
   // The print has left the record in its last state. A fault stays until somebody has seen it; after any other end, settle() asks for
   // the plate.

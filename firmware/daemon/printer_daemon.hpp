@@ -14,6 +14,7 @@
 #include "firmware/daemon/stick/scan_slicing.hpp"
 #include "firmware/daemon/stick/stick_job.hpp"
 #include "firmware/daemon/stick_offer.hpp"
+#include "firmware/daemon/upload/uploads.hpp"
 #include "firmware/print/print_session.hpp"
 #include "firmware/print/status/fault.hpp"
 #include "firmware/print/store/job_store.hpp"
@@ -31,8 +32,9 @@ class PrinterDaemon final : public CommandTaker {
   /// All must outlive the daemon.
   /// @param arena   over the child's arena_block()
   /// @param record  what the daemon does is written there
+  /// @param uploads  null: none are taken
   PrinterDaemon(Machine& machine, const DaemonSettings& settings, SlicingChild& child, Arena& arena, JobStore& store,
-                PlateRecord& plate, DaemonObserver& observer, PrinterRecord& record);
+                PlateRecord& plate, DaemonObserver& observer, PrinterRecord& record, Uploads* uploads = nullptr);
 
   /// Prints jobs until the system shuts down.
   /// @retval ErrorCode::kPowerLost
@@ -42,6 +44,7 @@ class PrinterDaemon final : public CommandTaker {
   /// Called while the daemon waits for an event.
   Expected<std::optional<EventKind>> take(const ClientRequest& request) override;
   Expected<bool> draw_mask(std::uint32_t layer, LayerPicture& picture) override;
+  Expected<std::uint32_t> take_upload(const ClientRequest& upload, Descriptor from) override;
   Expected<ReportPart> read_report(std::uint64_t from, std::span<std::byte> out) override;
 
   FaultCode fault() const { return fault_; }  ///< of the last job; kNone: none
@@ -55,8 +58,12 @@ class PrinterDaemon final : public CommandTaker {
   Status serve_interrupted();
   Status serve_plate();
   Status serve_fault();
-  Status serve_stick();
-  Expected<std::optional<StickJob>> choose(const StickMount& mount);
+  bool has_new_upload() const;
+  void scans_came();
+  Status serve_upload();
+  /// @param port  the stick's, or that of the uploads
+  Status serve_scans(StickPort& port, bool uploaded);
+  Expected<std::optional<StickJob>> choose(const StickMount& mount, bool uploaded);
   /// Tells what the checks found, then refuses the job, asks a person or goes on, as the policy and the board file say.
   /// @param masks  to look at meanwhile; may be null
   /// @returns whether to go on
@@ -90,6 +97,10 @@ class PrinterDaemon final : public CommandTaker {
   StickOffer* offer_ = nullptr;    ///< that somebody is asked about
   OfferedMasks* masks_ = nullptr;  ///< the same
   FaultCode fault_ = FaultCode::kNone;
+  Uploads* uploads_;
+  bool upload_served_ =
+      true;                  ///< the same of the uploaded scan, which is offered when it comes, and when somebody asks
+  bool was_upload_ = false;  ///< the last job was that of an upload
   bool served_ = false;      ///< the stick in the port has been printed, refused or declined
   bool told_ready_ = false;  ///< since the printer has become idle
 };

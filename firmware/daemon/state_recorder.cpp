@@ -67,7 +67,7 @@ void StateRecorder::say(const PrintableText& text) {
 
 void StateRecorder::look_around() {
   record_.has_stick = stick_.has_stick();
-  if (!record_.has_stick) record_.scan_count = record_.scans_left_out = 0;
+  if (!record_.has_stick && !record_.scans_uploaded) forget_scans();
   if (!record_.code.view().empty() && std::chrono::steady_clock::now() > code_until_) record_.code.clear();
 }
 
@@ -111,7 +111,11 @@ void StateRecorder::idle() {
   observer_.idle();
 }
 
-void StateRecorder::found(const StickScans& scans) {
+void StateRecorder::forget_scans() { record_.scan_count = record_.scans_left_out = 0; }
+
+void StateRecorder::found(const StickScans& scans, bool uploaded) {
+  if (record_.scans_uploaded != uploaded) forget_scans();
+  record_.scans_uploaded = uploaded;
   const auto before = record_.scans;
   const std::size_t count_before = record_.scan_count;
   record_.has_job_file = !scans.job_file.view().empty();

@@ -40,8 +40,11 @@ class StateRecorder final : public DaemonObserver {
   /// Keeps the pictures of what has been sliced, if they have sizes that pictures can have.
   void previewed(const SlicedPictures& drawn);
 
+  /// Forgets the scans that were listed: others have been uploaded.
+  void forget_scans();
   /// The scans of a stick. What was wrong with one of them is remembered as long as the stick is in.
-  void found(const StickScans& scans);
+  /// @param uploaded  they are those of the printer's store
+  void found(const StickScans& scans, bool uploaded);
   /// What would be printed.
   /// @param profile  the job's, or the printer's
   /// @param chosen   index of its scan among those of the stick; none: a job file names it

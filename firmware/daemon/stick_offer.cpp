@@ -10,12 +10,13 @@
 namespace plumbline {
 
 Expected<StickOffer> StickOffer::read(const StickMount& mount, ScanSlicing& slicing, const DaemonSettings& settings,
-                                      StateRecorder& recorder) {
+                                      StateRecorder& recorder, bool uploaded) {
   const auto scans = list_scans(mount);
   PLUMBLINE_TRY(scans);
   StickOffer offer(settings, recorder);
   offer.scans_ = *scans;
-  recorder.found(*scans);
+  offer.uploaded_ = uploaded;
+  recorder.found(*scans, uploaded);
   if (offer.has_job_file()) {
     auto file = mount.open(scans->job_file.view());
     PLUMBLINE_TRY(file);
@@ -37,12 +38,17 @@ Expected<StickOffer> StickOffer::read(const StickMount& mount, ScanSlicing& slic
   return offer;
 }
 
-Expected<EventKind> StickOffer::ask(Answers& answers) {
+Expected<EventKind> StickOffer::ask(Answers& answers, const std::function<bool()>& is_new) {
   show();
-  for (;;) {
+  while (!is_new()) {
     auto answer = answers.ask([this] { choose((chosen_ + 1) % choices()); });
-    if (!answer || *answer != EventKind::kStickArrived) return answer;  // the one that is read has arrived, too
+    if (!answer) return answer;
+    if (*answer == EventKind::kStickDeparted && uploaded_) continue;
+    if (*answer == EventKind::kStickArrived && !uploaded_ && !is_new())
+      continue;  // the one that is read has arrived, too
+    return answer;
   }
+  return EventKind::kStickArrived;
 }
 
 Status StickOffer::change(const ClientRequest& request) {

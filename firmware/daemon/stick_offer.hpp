@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,11 +21,13 @@ namespace plumbline {
 /// What is on a stick, and what of it would be printed if somebody pressed start. Each change is recorded.
 class StickOffer {
  public:
-  /// Reads what a stick has. Both settings and recorder must outlive the offer.
+  /// Reads what a stick or the store of uploads has. Both settings and recorder must outlive the offer.
+  /// @param uploaded  it is the store
   /// @retval the errors of list_scans(), of ScanSlicing::read_job() and of find_files()
   /// @retval ErrorCode::kNoPoints  there is no scan
   [[nodiscard]] static Expected<StickOffer> read(const StickMount& mount, ScanSlicing& slicing,
-                                                 const DaemonSettings& settings, StateRecorder& recorder);
+                                                 const DaemonSettings& settings, StateRecorder& recorder,
+                                                 bool uploaded);
 
   const StickJob& job() const { return job_; }
   /// Scans and series to choose from; 1 if a job file says what is printed.
@@ -33,8 +36,9 @@ class StickOffer {
   bool is_certain() const { return has_job_file() || (choices() == 1 && scans_.series.empty()); }
 
   /// Says what would be printed, and waits for what people make of it. Pause chooses the next scan.
-  /// @returns start: job() is wanted; otherwise cancel, the stick's departure or a shutdown
-  [[nodiscard]] Expected<EventKind> ask(Answers& answers);
+  /// @param is_new  whether a scan has been uploaded since, which is then offered instead
+  /// @returns start: job() is wanted; otherwise cancel, the stick's departure, the arrival of another stick or of an upload, or a shutdown
+  [[nodiscard]] Expected<EventKind> ask(Answers& answers, const std::function<bool()>& is_new);
   /// Chooses a scan or changes a setting, as a client asks.
   /// @param request  choose or set
   /// @retval ErrorCode::kBadSetting  no such scan or profile, or the errors of set_job_setting(); nothing has changed
@@ -53,6 +57,7 @@ class StickOffer {
   StateRecorder* recorder_;
   StickScans scans_;
   StickJob job_;
+  bool uploaded_ = false;
   std::size_t chosen_ = 0;  ///< of the scans and series, if there is no job file
 };
 

@@ -84,8 +84,10 @@ struct HttpServer::Parts {
     std::uint64_t number = 0;              ///< differs for each request
     std::array<char, kLongestBody> body{};
     std::size_t filled = 0;
-    bool waits = false;  ///< suspended until finish()
-    Response response;   ///< of finish()
+    bool waits = false;    ///< suspended until finish()
+    bool streams = false;  ///< its body goes to HttpHandler::take_body()
+    bool stuck = false;    ///< suspended until go_on()
+    Response response;     ///< of finish()
     unsigned status = 0;
     std::optional<HttpStream> stream;  ///< of HttpServer::begin_stream()
   };
@@ -152,8 +154,9 @@ struct HttpServer::Parts {
       exchange->connection = connection;
       exchange->number = ++parts.requests;
       exchange->filled = 0;
-      return begin(parts, connection);
+      return parts.handler.streams_body(url) ? parts.begin_body(*exchange, url, method) : begin(parts, connection);
     }
+    if (*upload_size > 0 && exchange->streams) return parts.take_body(*exchange, upload, *upload_size);
     if (*upload_size > 0) {
       if (*upload_size > exchange->body.size() - exchange->filled) return MHD_NO;
       std::memcpy(exchange->body.data() + exchange->filled, upload, *upload_size);
@@ -182,7 +185,42 @@ struct HttpServer::Parts {
     return queue(connection, kTooLong);
   }
 
-  MHD_Result dispatch(Exchange& exchange, const char* url, const char* method) {
+  HttpTicket ticket_of(const Exchange& exchange) const {
+    return {static_cast<std::size_t>(&exchange - exchanges.data()), exchange.number};
+  }
+
+  /// Lets the handler look at a request whose body goes to it.
+  MHD_Result begin_body(Exchange& exchange, const char* url, const char* method) {
+    MHD_Connection* const connection = exchange.connection;
+    const std::string_view length = header(connection, "Content-Length");
+    std::uint64_t bytes = 0;
+    const auto [end, problem] = std::from_chars(length.data(), length.data() + length.size(), bytes);
+    const bool has_length = !length.empty() && problem == std::errc() && end == length.data() + length.size() &&
+                            header(connection, "Transfer-Encoding").empty();
+    const auto refusal = has_length ? handler.begin_body(request_of(exchange, url, method), bytes, ticket_of(exchange))
+                                    : std::optional(kNoLength);
+    if (refusal) {
+      note(connection, true, false);
+      return queue(connection, *refusal);
+    }
+    exchange.streams = true;
+    // As long as bytes come: libmicrohttpd ends a connection that is silent, and the printer an upload that is slow.
+    note(connection, false, true);
+    return MHD_YES;
+  }
+
+  MHD_Result take_body(Exchange& exchange, const char* upload, std::size_t& upload_size) {
+    const auto taken = handler.take_body(ticket_of(exchange), {upload, upload_size});
+    if (!taken) return MHD_NO;
+    upload_size -= *taken;
+    if (upload_size > 0) {
+      exchange.stuck = true;
+      MHD_suspend_connection(exchange.connection);
+    }
+    return MHD_YES;
+  }
+
+  static HttpRequest request_of(const Exchange& exchange, const char* url, const char* method) {
     MHD_Connection* const connection = exchange.connection;
     HttpRequest request;
     request.method = method;
@@ -196,8 +234,12 @@ struct HttpServer::Parts {
     const auto [end, problem] = std::from_chars(n.data(), n.data() + n.size(), number);
     if (!n.empty() && problem == std::errc() && end == n.data() + n.size()) request.n = number;
     request.body = {exchange.body.data(), exchange.filled};
-    const HttpReply reply =
-        handler.answer(request, {static_cast<std::size_t>(&exchange - exchanges.data()), exchange.number});
+    return request;
+  }
+
+  MHD_Result dispatch(Exchange& exchange, const char* url, const char* method) {
+    MHD_Connection* const connection = exchange.connection;
+    const HttpReply reply = handler.answer(request_of(exchange, url, method), ticket_of(exchange));
     if (const auto* const answer = std::get_if<HttpAnswer>(&reply)) {
       note(connection, true, false);
       return queue(connection, *answer);
@@ -258,12 +300,15 @@ struct HttpServer::Parts {
   static void on_completed(void* cls, MHD_Connection* connection, void** context, MHD_RequestTerminationCode /*code*/) {
     auto* const exchange = static_cast<Exchange*>(*context);
     if (exchange == nullptr) return;
+    auto& parts = *static_cast<Parts*>(cls);
+    const bool streamed = exchange->streams;
     exchange->connection = nullptr;
-    exchange->waits = false;
+    exchange->waits = exchange->streams = exchange->stuck = false;
     exchange->response.reset();
     exchange->stream.reset();
     *context = nullptr;
-    static_cast<Parts*>(cls)->note(connection, false, false);
+    parts.note(connection, false, false);
+    if (streamed) parts.handler.ended(parts.ticket_of(*exchange));
   }
 
   /// Ends connections that take too long. Those that send or take nothing at all are ended by libmicrohttpd.
@@ -281,7 +326,7 @@ HttpServer::HttpServer(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) 
 
 HttpServer::~HttpServer() {
   for (Parts::Exchange& exchange : parts_->exchanges) {
-    if (exchange.waits) MHD_resume_connection(exchange.connection);
+    if (exchange.waits || exchange.stuck) MHD_resume_connection(exchange.connection);
   }
   for (Parts::Stream& stream : parts_->streams) {
     if (stream.connection != nullptr && stream.sleeps) MHD_resume_connection(stream.connection);
@@ -337,6 +382,13 @@ void HttpServer::finish(const HttpTicket& ticket, const HttpAnswer& answer) {
   exchange.response = response_of(answer);
   exchange.status = answer.status;
   parts_->note(exchange.connection, true, false);
+  MHD_resume_connection(exchange.connection);
+}
+
+void HttpServer::go_on(const HttpTicket& ticket) {
+  Parts::Exchange& exchange = parts_->exchanges[ticket.place];
+  if (exchange.number != ticket.number || !exchange.stuck) return;
+  exchange.stuck = false;
   MHD_resume_connection(exchange.connection);
 }
 

@@ -63,6 +63,21 @@ using HttpReply = std::variant<HttpAnswer, HttpLater, HttpStream>;
 class HttpHandler {
  public:
   virtual ~HttpHandler() = default;
+  /// Whether the body of a request for this path goes to take_body() as it comes: it may be long, and answer() gets none.
+  virtual bool streams_body(std::string_view /*path*/) { return false; }
+  /// Called before such a body comes. @param bytes  that were announced; 0: none
+  /// @returns a refusal; none: it may come
+  virtual std::optional<HttpAnswer> begin_body(const HttpRequest& /*request*/, std::uint64_t /*bytes*/,
+                                               const HttpTicket& /*ticket*/) {
+    return HttpAnswer{.status = 404, .body = "{}"};
+  }
+  /// Takes what has come of such a body.
+  /// @returns bytes taken; fewer than there are: HttpServer::go_on() comes later; none: the connection ends
+  virtual std::optional<std::size_t> take_body(const HttpTicket& /*ticket*/, std::span<const char> /*bytes*/) {
+    return std::nullopt;
+  }
+  /// A request with such a body is over: answered, or its connection has ended.
+  virtual void ended(const HttpTicket& /*ticket*/) {}
   /// @returns an answer, or HttpLater: the server waits for HttpServer::finish()
   virtual HttpReply answer(const HttpRequest& request, const HttpTicket& ticket) = 0;
   /// Writes what a stream sends next.
@@ -107,7 +122,9 @@ class HttpServer {
 
   /// Answers a request. Does nothing if its connection has ended.
   void finish(const HttpTicket& ticket, const HttpAnswer& answer);
-  /// The same by a stream.
+  /// take_body() can take more of a request's body. Does nothing if its connection has ended.
+  void go_on(const HttpTicket& ticket);
+  /// The same as finish() by a stream.
   void begin_stream(const HttpTicket& ticket, const HttpStream& stream);
   /// fill() has something for a stream.
   void wake(std::size_t stream);

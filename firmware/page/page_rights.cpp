@@ -51,6 +51,8 @@ constexpr CallRule kRules[] = {
     // The state socket, again when the printer's daemon has started again. Its folder is opened as a place, not for reading.
     {SYS_socket, {.argument = 0, .mask = ~0U, .value = AF_UNIX}},
     {SYS_connect},
+    // Through which a scan goes to the printer.
+    {SYS_socketpair, {.argument = 0, .mask = ~0U, .value = AF_UNIX}},
     {SYS_openat, {.argument = 2, .mask = O_PATH, .value = O_PATH}},
 #ifdef SYS_open
     {SYS_open, {.argument = 1, .mask = O_PATH, .value = O_PATH}},

@@ -26,6 +26,7 @@ constexpr auto kOneLine = JsonWriter::Layout::kOneLine;
 constexpr std::string_view kPicturePath = "/picture/";
 constexpr std::string_view kPrintPicturePath = "/print.png";
 constexpr std::string_view kSidePath = "/side";
+constexpr std::string_view kBodyPath = "/upload/body";
 
 std::optional<std::uint64_t> whole_number(std::optional<std::string_view> text) {
   std::uint64_t number = 0;
@@ -47,6 +48,10 @@ Status write_request(TextSink& out, const ClientRequest& request, std::uint64_t 
   json.member("do", to_string(request.command));
   json.member("id", id);
   if (request.command == Command::kChoose) json.member("scan", request.scan);
+  if (request.command == Command::kUpload) {
+    json.member("name", request.name.view());
+    json.member("bytes", request.bytes);
+  }
   if (request.command == Command::kSet) {
     json.member("key", request.key.view());
     json.member("value", request.value.view());
@@ -216,15 +221,24 @@ HttpReply PageServer::picture(PictureName name, const HttpTicket& ticket) {
 }
 
 HttpReply PageServer::post(const HttpRequest& request, const HttpTicket& ticket) {
-  if (request.path != "/command" && request.path != "/pair") {
+  if (request.path == kBodyPath) return uploaded(ticket);
+  if (request.path != "/command" && request.path != "/pair" && request.path != "/upload") {
     HttpAnswer answer = refuse(405, "nothing is sent there");
     answer.allow = "GET, HEAD";
     return answer;
   }
+  if (const auto refusal = distrust(request, "application/json")) return *refusal;
+  if (request.path == "/pair") return pair(request);
+  return request.path == "/upload" ? upload(request, ticket) : command(request, ticket);
+}
+
+/// Refuses what the page's own script would not send.
+std::optional<HttpAnswer> PageServer::distrust(const HttpRequest& request, std::string_view type) {
   if (!is_same_origin(request.host, request.origin)) return refuse(403, "only the printer's own page may do that");
-  if (!request.content_type.starts_with("application/json"))
-    return refuse(415, "what is sent must be application/json");
-  return request.path == "/pair" ? pair(request) : command(request, ticket);
+  if (request.content_type.starts_with(type)) return std::nullopt;
+  FixedText<80> text;
+  text.add("what is sent must be %.*s", static_cast<int>(type.size()), type.data());
+  return refuse(415, text.c_str());
 }
 
 /// {}: show a code on the screen, or pair at once if only this machine can ask. {"code": "482913"}: the person has read it.
@@ -273,6 +287,82 @@ HttpReply PageServer::command(const HttpRequest& request, const HttpTicket& tick
   return HttpLater{};
 }
 
+/// Asks the printer whether it takes a scan. The scan itself comes in a second request: a browser that is refused while it sends a long
+/// body may not see why.
+HttpReply PageServer::upload(const HttpRequest& request, const HttpTicket& ticket) {
+  if (!pairing_.knows(request.token)) return refuse(401, "this browser is not paired with the printer");
+  std::optional<std::uint64_t> id;
+  const auto asked = parse_request(request.body, id);
+  if (!asked) return refuse(400, std::string(asked.error().finding()).c_str(), asked.error().advice());
+  if (asked->command != Command::kUpload) return refuse(400, "only an upload may be asked for there");
+  if (upload_.stage() != PageUpload::Stage::kFree) {
+    return refuse(409, "another scan is being uploaded", "Try again when it has come");
+  }
+  const Question question{.kind = Question::Kind::kUpload, .id = ++last_id_, .ticket = ticket};
+  TextBuffer<1024> line;
+  if (!write_request(line, *asked, question.id)) return refuse(400, "the name is too long");
+  const Descriptor for_printer = upload_.offer(asked->bytes);
+  if (!for_printer.is_open()) return refuse(503, "the page has no room for an upload", "Try again");
+  if (ask(question, line.view(), for_printer.get())) return HttpLater{};
+  upload_.drop();
+  return refuse(503, "the printer's daemon does not answer", "Start plumblined");
+}
+
+bool PageServer::streams_body(std::string_view path) { return path == kBodyPath; }
+
+std::optional<HttpAnswer> PageServer::begin_body(const HttpRequest& request, std::uint64_t bytes,
+                                                 const HttpTicket& ticket) {
+  if (!is_known_host(request.host, page_, page_host_)) return refuse(421, "this machine is not known by that name");
+  if (request.method != "POST") {
+    HttpAnswer answer = refuse(405, "a scan is sent by POST");
+    answer.allow = "POST";
+    return answer;
+  }
+  if (const auto refusal = distrust(request, "application/octet-stream")) return refusal;
+  if (!pairing_.knows(request.token)) return refuse(401, "this browser is not paired with the printer");
+  if (upload_.begin(request.n.value_or(0), bytes, ticket)) return std::nullopt;
+  return refuse(409, "the printer does not wait for this scan", "Ask by /upload first");
+}
+
+std::optional<std::size_t> PageServer::take_body(const HttpTicket& ticket, std::span<const char> bytes) {
+  return upload_.is_of(ticket) ? upload_.take(bytes) : std::nullopt;
+}
+
+void PageServer::ended(const HttpTicket& ticket) {
+  if (upload_.is_of(ticket)) upload_.drop();
+}
+
+/// All of the scan has come: the printer says whether it is kept.
+HttpReply PageServer::uploaded(const HttpTicket& ticket) {
+  if (!upload_.is_of(ticket)) return refuse(409, "the printer does not wait for this scan", "Ask by /upload first");
+  upload_.whole();
+  upload_until_ = HostClock::now() + kKeepPatience;
+  return HttpLater{};
+}
+
+/// Tells the browser what became of its upload, once that is known.
+void PageServer::look_at_upload(HttpServer& server, HostClock::time_point now) {
+  const auto stage = upload_.stage();
+  if (stage == PageUpload::Stage::kWaiting && (now > upload_until_ || !link_.is_open())) {
+    server.finish(upload_.ticket(),
+                  refuse(504, "the printer has not answered", "Look at what it does, then try again"));
+    return upload_.drop();
+  }
+  if (!link_.is_open() && stage != PageUpload::Stage::kFree) {
+    const HttpTicket ticket = upload_.ticket();
+    upload_.drop();
+    return server.go_on(ticket);
+  }
+  if (upload_.outcome().empty()) return;
+  const HttpTicket ticket = upload_.ticket();
+  if (stage == PageUpload::Stage::kWaiting) {
+    server.finish(ticket, {.status = upload_.is_kept() ? 200U : 409U, .body = upload_.outcome()});
+  }
+  // Before its body has come whole, the connection ends when it sends more.
+  upload_.drop();
+  server.go_on(ticket);
+}
+
 std::optional<std::uint64_t> PageServer::in_flight(PictureName name) const {
   for (const Question& question : questions_) {
     if (question.kind == Question::Kind::kPicture && question.picture == name) return question.id;
@@ -288,9 +378,9 @@ PageServer::Question* PageServer::free_question() {
 
 /// @param line  empty: the printer was asked before
 /// @returns whether an answer can be expected
-bool PageServer::ask(const Question& question, std::string_view line) {
+bool PageServer::ask(const Question& question, std::string_view line, int file) {
   Question* const place = free_question();
-  if (place == nullptr || (!line.empty() && !link_.send(line))) return false;
+  if (place == nullptr || (!line.empty() && !link_.send(line, file))) return false;
   *place = question;
   place->until = HostClock::now() + kPatience;
   return true;
@@ -300,11 +390,16 @@ void PageServer::answer_question(HttpServer& server, Question& question, std::st
   const Question asked = std::exchange(question, Question());
   const bool is_done = json_member(line, "ok") == "true";
   const bool for_stream = asked.kind == Question::Kind::kReportPart;
+  const bool is_command = asked.kind == Question::Kind::kCommand || asked.kind == Question::Kind::kUpload;
+  if (!is_done && asked.kind == Question::Kind::kUpload) upload_.drop();
   if (!is_done && !for_stream) {
-    return server.finish(asked.ticket, {.status = asked.kind == Question::Kind::kCommand ? 409U : 404U, .body = line});
+    return server.finish(asked.ticket, {.status = is_command ? 409U : 404U, .body = line});
   }
   switch (asked.kind) {
     case Question::Kind::kNone: return;
+    case Question::Kind::kUpload:
+      upload_.accepted(static_cast<std::uint32_t>(whole_number(json_member(line, "upload")).value_or(0)));
+      return server.finish(asked.ticket, {.body = line});
     case Question::Kind::kCommand: return server.finish(asked.ticket, {.body = line});
     case Question::Kind::kMask: {
       const auto size = read_base64(plain_text(json_member(line, "png")), mask_);
@@ -352,6 +447,7 @@ void PageServer::end_questions(HttpServer& server, HostClock::time_point now, bo
   for (Question& question : questions_) {
     if (question.kind == Question::Kind::kNone || (!all && now < question.until)) continue;
     const Question asked = std::exchange(question, Question());
+    if (asked.kind == Question::Kind::kUpload) upload_.drop();
     if (asked.kind == Question::Kind::kReportPart) {
       server.fail(asked.stream);
     } else {
@@ -370,6 +466,7 @@ void PageServer::receive(HttpServer& server) {
     } else if (type == "\"state\"") {
       state_.clear();
       if (!state_.write(*line)) state_.clear();
+      upload_.look_at(*line);
       ++event_;
     }
   }
@@ -440,6 +537,7 @@ void PageServer::run(HttpServer& server) {
     link_.connect(now);
     receive(server);
     end_questions(server, now, false);
+    look_at_upload(server, now);
     const bool is_new = event_ != woken_for || owes_event_;
     if (now - woken >= (is_new ? kBetweenEvents : HostClock::duration(kSignOfLife))) {
       woken = now;
@@ -450,10 +548,15 @@ void PageServer::run(HttpServer& server) {
     server.run();
     const auto until =
         is_new ? std::min<std::chrono::milliseconds>(server.patience(), kBetweenEvents) : server.patience();
-    std::array<pollfd, 2> files{};
+    std::array<pollfd, 3> files{};
     files[0] = {.fd = server.descriptor(), .events = POLLIN, .revents = 0};
     files[1] = {.fd = link_.is_open() ? link_.descriptor() : -1, .events = POLLIN, .revents = 0};
+    files[2] = {.fd = upload_.wants_room() ? upload_.descriptor() : -1, .events = POLLOUT, .revents = 0};
     static_cast<void>(::poll(files.data(), files.size(), static_cast<int>(until.count())));
+    if (files[2].revents != 0) {
+      upload_.has_room();
+      server.go_on(upload_.ticket());
+    }
   }
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "firmware/page/http_server.hpp"
+#include "firmware/page/page_upload.hpp"
 #include "firmware/page/pairing.hpp"
 #include "firmware/page/printer_link.hpp"
 #include "firmware/settings/board_file.hpp"
@@ -26,6 +27,8 @@ class PageServer final : public HttpHandler {
   static constexpr std::chrono::milliseconds kBetweenEvents{200};
   /// Something is sent at least as often, so that a browser that has gone is noticed.
   static constexpr std::chrono::seconds kSignOfLife{10};
+  /// The printer says so much later at most that it has kept a scan: slow storage has to be written.
+  static constexpr std::chrono::minutes kKeepPatience{2};
   /// The printer answers when no mask waits: some seconds at most.
   static constexpr std::chrono::seconds kPatience{10};
 
@@ -36,6 +39,11 @@ class PageServer final : public HttpHandler {
   PageServer(const std::string& socket, PageChoice page, std::string page_host, Pairing pairing);
 
   HttpReply answer(const HttpRequest& request, const HttpTicket& ticket) override;
+  bool streams_body(std::string_view path) override;
+  std::optional<HttpAnswer> begin_body(const HttpRequest& request, std::uint64_t bytes,
+                                       const HttpTicket& ticket) override;
+  std::optional<std::size_t> take_body(const HttpTicket& ticket, std::span<const char> bytes) override;
+  void ended(const HttpTicket& ticket) override;
   std::optional<std::size_t> fill(std::size_t stream, const HttpStream& what, bool begins, std::uint64_t sent,
                                   std::span<char> out) override;
 
@@ -46,7 +54,7 @@ class PageServer final : public HttpHandler {
  private:
   /// What the printer was asked, and who waits for it.
   struct Question {
-    enum class Kind : std::uint8_t { kNone, kCommand, kPicture, kMask, kReportBegin, kReportPart };
+    enum class Kind : std::uint8_t { kNone, kCommand, kUpload, kPicture, kMask, kReportBegin, kReportPart };
     Kind kind = Kind::kNone;
     std::uint64_t id = 0;
     HttpTicket ticket{};
@@ -69,14 +77,18 @@ class PageServer final : public HttpHandler {
 
   HttpReply get(const HttpRequest& request, const HttpTicket& ticket);
   HttpReply post(const HttpRequest& request, const HttpTicket& ticket);
+  std::optional<HttpAnswer> distrust(const HttpRequest& request, std::string_view type);
   HttpReply command(const HttpRequest& request, const HttpTicket& ticket);
+  HttpReply upload(const HttpRequest& request, const HttpTicket& ticket);
+  HttpReply uploaded(const HttpTicket& ticket);
+  void look_at_upload(HttpServer& server, HostClock::time_point now);
   HttpReply pair(const HttpRequest& request);
   HttpReply picture(PictureName name, const HttpTicket& ticket);
   HttpAnswer access(const HttpRequest& request);
   HttpAnswer octoprint(Status (*write)(TextSink&, std::string_view));
   HttpAnswer refuse(unsigned status, const char* error, std::string_view advice = {});
 
-  bool ask(const Question& question, std::string_view line);
+  bool ask(const Question& question, std::string_view line, int file = -1);
   Question* free_question();
   std::optional<std::uint64_t> in_flight(PictureName name) const;
 
@@ -95,6 +107,8 @@ class PageServer final : public HttpHandler {
   StateLine state_;          ///< the newest; empty: there is no connection
   std::uint64_t event_ = 1;  ///< rises with each state and when the connection ends
   bool owes_event_ = false;  ///< a stream got none yet because it had one a moment ago
+  PageUpload upload_;
+  HostClock::time_point upload_until_{};  ///< of PageUpload::Stage::kWaiting
   std::array<Question, 24> questions_;
   std::uint64_t last_id_ = 0;
   std::array<Picture, kPictureWords.size()> pictures_;

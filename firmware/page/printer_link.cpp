@@ -4,7 +4,9 @@
 #include <sys/socket.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
+#include <cstring>
 #include <utility>
 
 #include "firmware/state/socket_place.hpp"
@@ -59,9 +61,25 @@ std::optional<std::string_view> PrinterLink::take_line() {
   return rest.substr(0, length);
 }
 
-bool PrinterLink::send(std::string_view line) {
+bool PrinterLink::send(std::string_view line, int file) {
   if (!is_open()) return false;
-  if (::send(socket_.get(), line.data(), line.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(line.size())) return true;
+  iovec bytes{
+      .iov_base = const_cast<char*>(line.data()),  // NOLINT(cppcoreguidelines-pro-type-const-cast): is only read
+      .iov_len = line.size()};
+  msghdr message{};
+  message.msg_iov = &bytes;
+  message.msg_iovlen = 1;
+  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> room{};
+  if (file >= 0) {
+    message.msg_control = room.data();
+    message.msg_controllen = room.size();
+    cmsghdr* const part = CMSG_FIRSTHDR(&message);
+    part->cmsg_level = SOL_SOCKET;
+    part->cmsg_type = SCM_RIGHTS;
+    part->cmsg_len = CMSG_LEN(sizeof(int));
+    std::memcpy(CMSG_DATA(part), &file, sizeof file);
+  }
+  if (::sendmsg(socket_.get(), &message, MSG_NOSIGNAL) == static_cast<ssize_t>(line.size())) return true;
   end();
   return false;
 }

@@ -31,8 +31,9 @@ class PrinterLink {
   /// @returns the oldest line that has not been taken, without its end; valid until receive(). None: it has not all come yet
   std::optional<std::string_view> take_line();
   /// Ends the connection if the printer does not take the line at once.
+  /// @param file  a descriptor that the printer gets a copy of; below 0: none
   /// @returns whether it was sent
-  bool send(std::string_view line);
+  bool send(std::string_view line, int file = -1);
 
  private:
   void end();

@@ -66,7 +66,7 @@ void draw_idle(const Sheet& sheet) {
 }
 
 void draw_scans(const Sheet& sheet) {
-  draw_title(sheet, sheet.say(Words::kScans));
+  draw_title(sheet, sheet.say(sheet.record.scans_uploaded ? Words::kUploadedScan : Words::kScans));
   const PrinterRecord& record = sheet.record;
   const PixelBox body = sheet.body();
   if (!record.job) {

@@ -15,6 +15,7 @@ using enum Words;
 constexpr std::array kTable{
     Row{kReady, {"Ready", "Bereit"}},
     Row{kScans, {"Scans on the stick", "Scans auf dem Stick"}},
+    Row{kUploadedScan, {"Uploaded scan", "Hochgeladener Scan"}},
     Row{kSettings, {"Settings", "Einstellungen"}},
     Row{kReading, {"Reading the scan", "Scan wird gelesen"}},
     Row{kPreview, {"Print this?", "Das drucken?"}},

@@ -12,6 +12,7 @@ enum class Words : std::uint8_t {
   // Titles, a screen each.
   kReady,
   kScans,
+  kUploadedScan,
   kSettings,
   kReading,
   kPreview,

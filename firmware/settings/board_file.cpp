@@ -32,6 +32,7 @@ std::vector<SettingRule> board_rules(BoardFile& board, MachineFile& machine) {
       {"printer", "page", choice(kPages, machine.page), 0, 0, "", Presence::kOptional},
       {"printer", "page_port", &machine.page_port, 1024, 65535, "", Presence::kOptional},
       {"printer", "page_host", TextSetting{&machine.page_host}, 1, 253, "", Presence::kOptional},
+      {"printer", "upload_mib", &machine.upload_mib, 0, 4096, " MiB", Presence::kOptional},
       {"panel", "columns", &board.columns, 1, kMaxSide, " pixels"},
       {"panel", "rows", &board.rows, 1, kMaxSide, " pixels"},
       {"panel", "pixel_pitch_x_mm", &board.pixel_pitch_x_mm, 0.005, 1, " mm"},

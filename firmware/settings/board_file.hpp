@@ -42,6 +42,7 @@ struct MachineFile {
   PageChoice page = PageChoice::kOff;           ///< [printer]
   std::uint32_t page_port = 8080;               ///< [printer] TCP
   std::string page_host;                        ///< [printer] a further name that browsers know this machine by
+  std::uint32_t upload_mib = 256;               ///< [printer] largest scan that is taken through the page; 0: none
   PanelLayout panel;                            ///< [panel]
   double refresh_delay_ms = 0;                  ///< [panel] from the end of the scan-out until the pixels have settled
   double rotation_distance_mm = 0;              ///< [z_stage] travel for one turn of the motor

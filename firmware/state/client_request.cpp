@@ -20,9 +20,23 @@ struct Value {
   std::string_view text;
 };
 
-constexpr std::array<std::string_view, 11> kMembers = {"do",    "id",   "scan", "key",   "value", "picture",
-                                                       "layer", "from", "code", "print", "side"};
-enum Member : std::uint8_t { kDo, kId, kScan, kKey, kValue, kPicture, kLayer, kFrom, kCode, kPrint, kSide };
+constexpr std::array<std::string_view, 13> kMembers = {"do",   "id",   "scan",  "key",  "value", "picture", "layer",
+                                                       "from", "code", "print", "side", "name",  "bytes"};
+enum Member : std::uint8_t {
+  kDo,
+  kId,
+  kScan,
+  kKey,
+  kValue,
+  kPicture,
+  kLayer,
+  kFrom,
+  kCode,
+  kPrint,
+  kSide,
+  kName,
+  kBytes
+};
 
 /// The members that a command needs beside "do", and a reminder of them.
 struct Needs {
@@ -42,6 +56,7 @@ Needs needs_of(Command command) {
     case Command::kMask: return {bit(kLayer), "\"layer\", a number from 0 on,"};
     case Command::kReport: return {bit(kFrom), "\"from\", a number of bytes from 0 on,", bit(kPrint)};
     case Command::kCode: return {bit(kCode), "\"code\", up to 7 digits,"};
+    case Command::kUpload: return {bit(kName) | bit(kBytes), "\"name\" and \"bytes\""};
     case Command::kStart:
     case Command::kPause:
     case Command::kResume:
@@ -88,9 +103,10 @@ Status store(Member member, const Value& value, ClientRequest& request, std::opt
     case kDo: {
       const auto command = value.kind == Value::Kind::kText ? command_of(value.text) : std::nullopt;
       if (!command) {
-        return wrong_value("do",
-                           "start, pause, resume, cancel, plate-empty, seen, offer, choose, set, picture, mask, report "
-                           "or code");
+        return wrong_value(
+            "do",
+            "start, pause, resume, cancel, plate-empty, seen, offer, choose, set, picture, mask, report, "
+            "code or upload");
       }
       request.command = *command;
       return {};
@@ -142,6 +158,17 @@ Status store(Member member, const Value& value, ClientRequest& request, std::opt
       request.side = static_cast<std::uint32_t>(*number);
       return {};
     }
+    case kName:
+      request.name.add("%.*s", static_cast<int>(value.text.size()), value.text.data());
+      if (value.kind != Value::Kind::kText || request.name.cut())
+        return wrong_value("name", "a text of at most 79 bytes");
+      return {};
+    case kBytes: {
+      const auto number = whole_number(value);
+      if (!number) return wrong_value("bytes", "a whole number, 0 to 2^53");
+      request.bytes = *number;
+      return {};
+    }
     case kCode:
       request.code.add("%.*s", static_cast<int>(value.text.size()), value.text.data());
       if (value.kind != Value::Kind::kText || request.code.cut() ||
@@ -190,8 +217,8 @@ Expected<ClientRequest> parse_request(std::string_view line, std::optional<std::
       const auto* const known = std::find(kMembers.begin(), kMembers.end(), *name);
       if (known == kMembers.end()) {
         return fail(ErrorCode::kBadSetting,
-                    "'%.*s': unknown member.\tKnown are do, id, scan, key, value, picture, layer, from, code, print "
-                    "and side",
+                    "'%.*s': unknown member.\tKnown are do, id, scan, key, value, picture, layer, from, code, "
+                    "print, side, name and bytes",
                     static_cast<int>(name->size()), name->data());
       }
       const auto member = static_cast<Member>(known - kMembers.begin());

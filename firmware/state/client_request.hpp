@@ -3,6 +3,7 @@
 ///
 ///     {"do": "start"}   {"do": "choose", "scan": 2, "id": 7}   {"do": "set", "key": "scale", "value": 1.5}
 ///     {"do": "picture", "picture": "layer"}   {"do": "mask", "layer": 12}   {"do": "report", "from": 24576}   {"do": "code", "code": "482913"}
+///     {"do": "upload", "name": "bust.ply", "bytes": 480213}
 ///     {"do": "report", "print": 12, "from": 0}   {"do": "picture", "picture": "preview", "print": 12}
 ///     {"do": "picture", "picture": "side", "side": 3}
 ///
@@ -31,6 +32,8 @@ struct ClientRequest {
   std::uint32_t layer = 0;  ///< of mask: from 0
   std::uint64_t from = 0;   ///< of report: the first byte
   std::uint32_t print = 0;  ///< of report and picture: a print that is kept, from 1; 0: the last one, the job at hand
+  FixedText<80> name;       ///< of upload: as it was sent, so anything
+  std::uint64_t bytes = 0;  ///< of upload: that will come
   FixedText<8> code;        ///< of code: digits; empty: show none any more
   FixedText<32> key;        ///< of set
   FixedText<64> value;      ///< of set: a text, or a number, true or false as it is written

@@ -51,6 +51,7 @@ std::string_view to_string(Command command) {
     case Command::kMask: return "mask";
     case Command::kReport: return "report";
     case Command::kCode: return "code";
+    case Command::kUpload: return "upload";
   }
   return "unknown command";
 }
@@ -63,11 +64,16 @@ std::optional<Command> command_of(std::string_view word) {
 }
 
 bool takes(const PrinterRecord& record, Command command) {
-  if (is_question(command) || command == Command::kCode) return true;
+  if (is_question(command) || command == Command::kCode || command == Command::kUpload) return true;
   if (at_rest(record.state) && !record.waits) return false;
-  if (command == Command::kOffer && !record.has_stick) return false;
+  if (command == Command::kOffer && !record.has_stick && !record.has_upload) return false;
   if (command == Command::kChoose && (record.has_job_file || record.scan_count < 2)) return false;
   return takes_in(record.state, command);
+}
+
+bool takes_upload(const PrinterRecord& record) {
+  const bool is_coming = record.upload && record.upload->stage == UploadRecord::Stage::kComing;
+  return record.most_upload_bytes > 0 && at_rest(record.state) && !is_coming;
 }
 
 FixedText<200> what_it_takes(const PrinterRecord& record) {
@@ -99,7 +105,8 @@ std::optional<EventKind> button_of(Command command) {
     case Command::kPicture:
     case Command::kMask:
     case Command::kReport:
-    case Command::kCode: return std::nullopt;
+    case Command::kCode:
+    case Command::kUpload: return std::nullopt;
   }
   return std::nullopt;
 }

@@ -27,10 +27,11 @@ enum class Command : std::uint8_t {
   kMask,     ///< the mask of any layer, while what has been sliced is offered
   kReport,   ///< a part of the last print's report
   kCode,     ///< show a code on the printer's screen
+  kUpload,   ///< take a scan, whose bytes come through a socket that is handed over
 };
 /// Those that a state's list of commands may have.
 inline constexpr std::size_t kCommandCount = 9;
-inline constexpr std::size_t kRequestCount = 13;
+inline constexpr std::size_t kRequestCount = 14;
 
 /// Whether a request changes nothing.
 constexpr bool is_question(Command command) {
@@ -41,13 +42,16 @@ constexpr bool is_question(Command command) {
 std::string_view to_string(Command command);
 std::optional<Command> command_of(std::string_view word);
 
-/// Whether the printer takes a command now.
+/// Whether the printer takes a command now. Of kUpload the daemon says itself why not: takes_upload() is not all of it.
 bool takes(const PrinterRecord& record, Command command);
+
+/// Whether a scan may be uploaded now: the printer is at rest, so writing to its storage makes no mask late, and no other scan is coming.
+bool takes_upload(const PrinterRecord& record);
 
 /// "the printer is printing: it takes pause, cancel"
 FixedText<200> what_it_takes(const PrinterRecord& record);
 
-/// The button that does the same; none: the daemon does it itself (choose, set, code).
+/// The button that does the same; none: the daemon does it itself (choose, set, code, upload).
 /// @pre takes()
 std::optional<EventKind> button_of(Command command);
 

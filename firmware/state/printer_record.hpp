@@ -85,6 +85,21 @@ struct FindingRecord {
   FixedText<160> text;
 };
 
+/// The last scan that somebody has sent to the printer's store, since the daemon started.
+struct UploadRecord {
+  enum class Stage : std::uint8_t {
+    kComing,
+    kKept,    ///< whole and durable; what it holds is not known yet
+    kFailed,  ///< nothing of it is left
+  };
+  std::uint32_t number = 0;  ///< from 1, rises with each
+  Stage stage = Stage::kComing;
+  FixedText<80> name;
+  std::uint64_t bytes = 0;     ///< that were announced
+  std::uint64_t received = 0;  ///< so far
+  FixedText<200> problem;      ///< of kFailed: why
+};
+
 struct FaultRecord {
   FaultCode code = FaultCode::kNone;
   FixedText<448> message;  ///< what happened this time; may be empty
@@ -107,7 +122,11 @@ struct PrinterRecord {
   bool has_stick = false;
   std::array<ScanRecord, kMostScans> scans;
   std::size_t scan_count = 0;
-  std::size_t scans_left_out = 0;                     ///< beyond the room for them
+  std::size_t scans_left_out = 0;       ///< beyond the room for them
+  bool scans_uploaded = false;          ///< `scans` are in the printer's store, not on a stick
+  bool has_upload = false;              ///< the store has an uploaded scan
+  std::uint64_t most_upload_bytes = 0;  ///< of a scan; 0: none is taken
+  std::optional<UploadRecord> upload;
   bool has_job_file = false;                          ///< job.toml says what is printed
   std::optional<JobRecord> job;                       ///< offered, printing, or the last one
   std::array<FixedText<64>, kMostProfiles> profiles;  ///< names, for a job's setting `profile`

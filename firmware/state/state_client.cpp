@@ -3,19 +3,23 @@
 #include <sys/socket.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
+#include <cstring>
 #include <utility>
 
 namespace plumbline {
 
-void StateClient::open(Descriptor socket) {
+void StateClient::open(Descriptor socket, bool may_hand_over) {
   socket_ = std::move(socket);
+  may_hand_over_ = may_hand_over;
+  handed_ = Descriptor();
   ended_ = false;
   sent_ = 0;
   filled_ = line_size_ = sent_of_out_ = owed_ = 0;
 }
 
-void StateClient::drop() { Descriptor gone(std::move(socket_)); }
+void StateClient::drop() { const Descriptor gone(std::move(socket_)), handed(std::move(handed_)); }
 
 bool StateClient::flush(HostClock::time_point now, HostClock::duration patience) {
   while (owed_ > 0) {
@@ -57,9 +61,36 @@ void StateClient::send_state(std::string_view line, std::uint64_t sequence) {
   send(line);
 }
 
+/// As recv(2), into in_. Of the descriptors that come along the last one is kept and all others are closed.
+ssize_t StateClient::receive_with_descriptors() {
+  constexpr std::size_t kMost = 4;  // that one message may bring: the kernel closes the others
+  alignas(cmsghdr) std::array<char, CMSG_SPACE(kMost * sizeof(int))> room{};
+  iovec bytes{.iov_base = in_.data() + filled_, .iov_len = in_.size() - filled_};
+  msghdr message{};
+  message.msg_iov = &bytes;
+  message.msg_iovlen = 1;
+  message.msg_control = room.data();
+  message.msg_controllen = room.size();
+  const ssize_t got = ::recvmsg(socket_.get(), &message, MSG_DONTWAIT | MSG_CMSG_CLOEXEC);
+  if (got < 0) return got;
+  for (const cmsghdr* part = CMSG_FIRSTHDR(&message); part != nullptr;
+       part = CMSG_NXTHDR(&message, const_cast<cmsghdr*>(part))) {  // NOLINT(cppcoreguidelines-pro-type-const-cast)
+    if (part->cmsg_level != SOL_SOCKET || part->cmsg_type != SCM_RIGHTS) continue;
+    const std::size_t count = (part->cmsg_len - CMSG_LEN(0)) / sizeof(int);
+    for (std::size_t i = 0; i < count; ++i) {
+      int file = -1;
+      std::memcpy(&file, CMSG_DATA(part) + i * sizeof file, sizeof file);
+      const Descriptor before = std::exchange(handed_, Descriptor(file));
+    }
+  }
+  return got;
+}
+
 void StateClient::receive() {
   if (ended_ || filled_ == in_.size()) return;
-  const ssize_t got = ::recv(socket_.get(), in_.data() + filled_, in_.size() - filled_, MSG_DONTWAIT);
+  // Without room for them the kernel closes descriptors that come along.
+  const ssize_t got = may_hand_over_ ? receive_with_descriptors()
+                                     : ::recv(socket_.get(), in_.data() + filled_, in_.size() - filled_, MSG_DONTWAIT);
   if (got > 0) filled_ += static_cast<std::size_t>(got);
   if (got == 0) ended_ = true;
   if (got < 0 && errno != EAGAIN && errno != EINTR) drop();

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 #include "firmware/io/descriptor.hpp"
 #include "firmware/state/client_request.hpp"
@@ -20,7 +21,8 @@ class StateClient {
   using HostClock = std::chrono::steady_clock;
 
   bool is_open() const { return socket_.is_open(); }
-  void open(Descriptor socket);
+  /// @param may_hand_over  descriptors that come with its bytes are taken: see handed_over()
+  void open(Descriptor socket, bool may_hand_over = false);
   void drop();
 
   /// Sends what is owed.
@@ -36,6 +38,9 @@ class StateClient {
   /// Valid until take_line().
   std::optional<std::string_view> line();
   void take_line();
+  /// The newest descriptor that came with the client's bytes (SCM_RIGHTS), and is not the client's any more; it may be anything. Not open:
+  /// none came.
+  Descriptor handed_over() { return std::exchange(handed_, Descriptor()); }
   /// More than kLongestRequest bytes have come without the end of a line.
   bool is_flooding() const { return filled_ == in_.size() && line_size_ == 0; }
   /// The client sends nothing more, and all that it asked for is answered.
@@ -43,8 +48,11 @@ class StateClient {
 
  private:
   void receive();
+  ssize_t receive_with_descriptors();
 
   Descriptor socket_;
+  bool may_hand_over_ = false;
+  Descriptor handed_;
   bool ended_ = false;         ///< the client has closed its end for sending
   std::uint64_t sent_ = 0;     ///< sequence of the last state line
   std::size_t filled_ = 0;     ///< of in_

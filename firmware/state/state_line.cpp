@@ -56,6 +56,29 @@ void write_stick(JsonWriter& json, const PrinterRecord& record) {
   }
   json.end_array();
   json.member("left_out", static_cast<std::uint64_t>(record.scans_left_out));
+  json.member("uploaded", record.scans_uploaded);
+  json.end_object();
+}
+
+std::string_view word_of(UploadRecord::Stage stage) {
+  switch (stage) {
+    case UploadRecord::Stage::kComing: return "coming";
+    case UploadRecord::Stage::kKept: return "kept";
+    case UploadRecord::Stage::kFailed: return "failed";
+  }
+  return "failed";
+}
+
+void write_upload(JsonWriter& json, const PrinterRecord& record) {
+  if (!record.upload) return json.null();
+  const UploadRecord& upload = *record.upload;
+  json.begin_object(kOneLine);
+  json.member("number", upload.number);
+  json.member("stage", word_of(upload.stage));
+  json.member("name", upload.name.view());
+  json.member("bytes", upload.bytes);
+  json.member("received", upload.received);
+  text_or_null(json, "problem", upload.problem.view());
   json.end_object();
 }
 
@@ -289,6 +312,9 @@ Status write_state_line(TextSink& out, const PrinterRecord& record, std::uint64_
   json.end_array();
   json.key("stick");
   write_stick(json, record);
+  json.member("upload_limit", takes_upload(record) ? record.most_upload_bytes : std::uint64_t{0});
+  json.key("upload");
+  write_upload(json, record);
   json.key("job");
   write_job(json, record);
   json.key("profiles");
@@ -332,6 +358,22 @@ Status write_reply_line(TextSink& out, std::optional<std::uint64_t> id, const Er
     json.member("error", error->finding());
     text_or_null(json, "advice", error->advice());
   }
+  json.end_object();
+  return json.finish();
+}
+
+Status write_upload_reply(TextSink& out, std::optional<std::uint64_t> id, std::uint32_t number) {
+  JsonWriter json(out);
+  json.begin_object(kOneLine);
+  json.member("type", "reply");
+  json.key("id");
+  if (id) {
+    json.value(*id);
+  } else {
+    json.null();
+  }
+  json.member("ok", true);
+  json.member("upload", number);
   json.end_object();
   return json.finish();
 }

@@ -27,6 +27,9 @@ using StateLine = TextBuffer<kLongestLine>;
 /// @param error  null: the request was carried out
 [[nodiscard]] Status write_reply_line(TextSink& out, std::optional<std::uint64_t> id, const Error* error);
 
+/// The reply to an upload that was taken. @param number  of the state's `upload`
+[[nodiscard]] Status write_upload_reply(TextSink& out, std::optional<std::uint64_t> id, std::uint32_t number);
+
 /// The reply to a question, with what was asked for.
 /// @param members  further ones, as JSON
 /// @param name     of the member that has the bytes

@@ -99,7 +99,7 @@ void StateSocket::let_in(Door& door) {
     auto* const client = std::find_if_not(door.clients.data(), door.clients.data() + door.clients.size(),
                                           [](const StateClient& one) { return one.is_open(); });
     if (client != door.clients.data() + door.clients.size()) {
-      client->open(std::move(socket));
+      client->open(std::move(socket), door.may_command);
       client->send_state(line_.view(), sequence_);
       continue;
     }
@@ -147,6 +147,14 @@ void StateSocket::serve_client(StateClient& client, const Door& door, const Prin
   } else if (!door.may_command) {
     error = Error::format(ErrorCode::kBadSetting,
                           "this socket is for reading.\tConnect to the one beside it whose name ends in .command");
+  } else if (request->command == Command::kUpload) {
+    const auto number = taker.take_upload(*request, client.handed_over());
+    if (number) {
+      reply_.clear();
+      static_cast<void>(write_upload_reply(reply_, id, *number));
+      return client.send(reply_.view());
+    }
+    error = number.error();
   } else if (!takes(record, request->command)) {
     error = Error::format(ErrorCode::kBadSetting, "%s", what_it_takes(record).c_str());
   } else if (const auto taken = taker.take(*request)) {

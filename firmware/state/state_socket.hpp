@@ -34,6 +34,15 @@ class CommandTaker {
   /// @retval ErrorCode::kBadSetting  what is wrong with it
   [[nodiscard]] virtual Expected<std::optional<EventKind>> take(const ClientRequest& request) = 0;
 
+  /// Begins to take a scan into the printer's store.
+  /// @param upload  its name and size, as they were sent
+  /// @param from    a socket that its bytes come through; may be anything, or not open
+  /// @returns the number of PrinterRecord::upload
+  /// @retval ErrorCode::kBadSetting  this printer takes none, or not such a one, or not now
+  [[nodiscard]] virtual Expected<std::uint32_t> take_upload(const ClientRequest& /*upload*/, Descriptor /*from*/) {
+    return fail(ErrorCode::kBadSetting, "no scan can be uploaded");
+  }
+
   /// Draws the mask of a layer of what is offered. Never waits.
   /// @returns false: it is being made. The same is asked again in the next turn
   /// @retval ErrorCode::kBadSetting  nothing is offered that has been sliced, or it has no such layer

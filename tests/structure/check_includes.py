@@ -33,7 +33,7 @@ ORDER = {
     "slicer/supports": ["drawing"],
     "hal/linux": ["gpio", "events", "keeper", "lamp", "stage", "display", "screen", "stick", "thermals"],
     "firmware/print": ["plan", "status", "store"],
-    "firmware/daemon": ["stick", "service"],
+    "firmware/daemon": ["stick", "upload", "service"],
     "firmware/cli": ["options", "reports"],
     "firmware": ["io", "settings", "pictures", "canvas", "archive", "sample", "machine", "slice", "print", "child", "state", "screen",
                  "daemon", "page", "setup", "cli"],

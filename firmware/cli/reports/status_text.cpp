@@ -56,7 +56,8 @@ void add_line(std::string& page, std::string_view name, const std::string& text)
 
 void add_stick(std::string& page, std::string_view state) {
   const auto stick = object_of(state, "stick");
-  if (json_member(stick, "present") != "true") return;
+  const bool is_uploaded = json_member(stick, "uploaded") == "true";
+  if (json_member(stick, "present") != "true" && !is_uploaded) return;
   const auto chosen = json_number(object_of(state, "job"), "number");
   bool any = false;
   for_each_element(object_of(stick, "scans"), [&](std::string_view scan) {
@@ -69,10 +70,10 @@ void add_stick(std::string& page, std::string_view state) {
     name.add("%s%s", json_text(scan, "name").c_str(), files > 1 ? ", ..." : "");
     line.add("%c %2.0f  %-30s %9.1f MB%s%s", number == chosen ? '*' : ' ', number, name.c_str(),
              json_number(scan, "bytes") / 1e6, problem.empty() ? "" : "  ", problem.c_str());
-    add_line(page, any ? "" : "scans", std::string(line.view()));
+    add_line(page, any ? "" : is_uploaded ? "uploaded" : "scans", std::string(line.view()));
     any = true;
   });
-  if (!any) add_line(page, "stick", "in the port");
+  if (!any && !is_uploaded) add_line(page, "stick", "in the port");
 }
 
 void add_progress(std::string& page, std::string_view state) {

@@ -8,6 +8,8 @@ namespace {
 /// Longest single wait. No command waits longer, and no watchdog of over a second is kept waiting: one second of a simulated machine may
 /// take ten of the manager's.
 constexpr nanoseconds kLongestWait = std::chrono::milliseconds(200);
+/// While a scan is uploaded: what a socket holds, some 200 kB, comes in some 5 ms on a fast network.
+constexpr nanoseconds kUploadWait = std::chrono::milliseconds(5);
 
 }  // namespace
 
@@ -17,11 +19,13 @@ ServiceEvents::ServiceEvents(Events& events, const Clock& clock, ServiceManager&
       manager_(manager),
       longest_wait_(manager.watches() ? std::min(nanoseconds(manager.watchdog()) / 4, kLongestWait) : kLongestWait) {}
 
-void ServiceEvents::serve(StateSocket& socket, const PrinterRecord& record, CommandTaker& taker, ScreenServer* screen) {
+void ServiceEvents::serve(StateSocket& socket, const PrinterRecord& record, CommandTaker& taker, ScreenServer* screen,
+                          Uploads* uploads) {
   socket_ = &socket;
   record_ = &record;
   taker_ = &taker;
   screen_ = screen;
+  uploads_ = uploads;
 }
 
 Expected<std::optional<Event>> ServiceEvents::do_next_event(TimePoint deadline) {
@@ -29,11 +33,13 @@ Expected<std::optional<Event>> ServiceEvents::do_next_event(TimePoint deadline) 
     if (socket_ != nullptr) {
       if (const auto command = socket_->serve(*record_, *taker_)) return Event{clock_.now(), *command};
     }
+    if (uploads_ != nullptr && uploads_->receive()) return Event{clock_.now(), EventKind::kStickArrived};
     if (screen_ != nullptr) {
       if (const auto touch = screen_->touched(*record_, *taker_)) return touch;
       screen_->show(*record_, deadline - clock_.now());
     }
-    const TimePoint turn = std::min(deadline, clock_.now() + longest_wait_);
+    const bool hurries = uploads_ != nullptr && uploads_->is_coming();
+    const TimePoint turn = std::min(deadline, clock_.now() + (hurries ? kUploadWait : longest_wait_));
     const auto event = events_.next_event(turn);
     manager_.alive();
     if (event && *event && (*event)->kind == EventKind::kShutdownRequested) manager_.stopping();

@@ -1,8 +1,9 @@
 #pragma once
 /// The machine's events, and those that commands become. Every look for one also serves the state socket and the screen, and
-/// sends a sign of life to the service manager.
+/// sends a sign of life to the service manager. A scan that is being uploaded comes in here, too.
 
 #include "firmware/daemon/service/service_manager.hpp"
+#include "firmware/daemon/upload/uploads.hpp"
 #include "firmware/screen/screen_server.hpp"
 #include "firmware/state/state_socket.hpp"
 #include "hal/events.hpp"
@@ -16,8 +17,10 @@ class ServiceEvents final : public Events {
   /// @param events, clock  the machine's; both must outlive this, as must the manager
   ServiceEvents(Events& events, const Clock& clock, ServiceManager& manager);
 
-  /// From now on serves a socket, and a screen if there is one. All must outlive this.
-  void serve(StateSocket& socket, const PrinterRecord& record, CommandTaker& taker, ScreenServer* screen = nullptr);
+  /// From now on serves a socket, and a screen and uploads if there are any. All must outlive this. An upload that has become whole is
+  /// EventKind::kStickArrived: there are scans to offer.
+  void serve(StateSocket& socket, const PrinterRecord& record, CommandTaker& taker, ScreenServer* screen = nullptr,
+             Uploads* uploads = nullptr);
 
  private:
   Expected<std::optional<Event>> do_next_event(TimePoint deadline) override;
@@ -30,6 +33,7 @@ class ServiceEvents final : public Events {
   const PrinterRecord* record_ = nullptr;
   CommandTaker* taker_ = nullptr;
   ScreenServer* screen_ = nullptr;
+  Uploads* uploads_ = nullptr;
 };
 
 }  // namespace plumbline

@@ -103,6 +103,7 @@ function buttonText(name) {
   if (name === "cancel") {
     return {offered: words.decline, slicing: words.stop, interrupted: words.giveUp}[state.state] || words.cancel;
   }
+  if (name === "offer" && !state.stick.present) return words.offerUpload;
   return name === "start" && state.sliced ? words.again : words[name];
 }
 function showButtons() {
@@ -141,9 +142,13 @@ function showFacts() {
 }
 function showNow() {
   const offersSliced = state.state === "offered" && state.sliced;
-  show("title", true, offersSliced ? words.sliced : words[state.state] || state.state);
+  const offersUpload = state.state === "offered" && state.stick.uploaded;
+  show("title", true, offersSliced ? words.sliced : offersUpload ? words.offeredUpload : words[state.state] || state.state);
   let hint = words.hints[state.state] || "";
   if (state.state === "idle" && state.stick.present) hint = words.hints.stick;
+  else if (state.state === "idle" && state.commands.includes("offer")) hint = words.hints.kept;
+  else if (state.state === "idle" && state.upload_limit) hint = words.hints.idleUpload;
+  if (state.state === "slicing" && state.stick.uploaded) hint = words.hints.wait;
   if (state.state === "offered") hint = offersSliced ? words.hints.sliced : state.stick.job_file ? words.hints.job : words.hints.offered;
   show("hint", hint !== "", hint);
   show("question", Boolean(state.question), state.question || "");
@@ -286,6 +291,7 @@ function showMasks() {
 function showStick() {
   const {scans, left_out: leftOut} = state.stick;
   $("stick").hidden = scans.length === 0;
+  $("stick").querySelector("h2").textContent = state.stick.uploaded ? words.uploadedTitle : words.stickTitle;
   const mayChoose = state.commands.includes("choose") && !state.sliced;
   const chosen = state.job ? state.job.number : null;
   fill($("scans"), [scans, mayChoose, chosen], () => scans.map((scan) => {
@@ -301,6 +307,79 @@ function showStick() {
   }));
   show("left-out", leftOut > 0, `${leftOut} ${words.leftOut}`);
 }
+
+// A scan from this device into the printer's store. The printer is asked first, since a browser that is refused while it sends a long file may
+// not see why.
+let sending = null;  // {abort, number, refused} while this browser sends one
+let sent = 0;        // number of the last one
+let others = "";     // what is said of one that another browser sends
+const fileName = (name) => {
+  const plain = name.normalize("NFKD").replace(/[\u0300-\u036f]/g, "").replaceAll("ß", "ss").replace(/[^A-Za-z0-9 ._()+-]/g, "_").replace(/^[ .-]+/, "");
+  const dot = plain.lastIndexOf(".");
+  return dot < 0 || plain.length < 80 ? plain.slice(0, 79) : plain.slice(0, 79 - plain.length + dot) + plain.slice(dot);
+};
+const sayUpload = (status, error = "") => {
+  show("upload-status", true, status);
+  show("upload-error", error !== "", error);
+};
+async function askForUpload(file) {
+  if (!access.paired) await lookAtAccess();
+  if (!access.paired && !await pair()) return null;
+  const reply = await post("/upload", {do: "upload", name: fileName(file.name), bytes: file.size});
+  if (reply.status !== 401) return reply;
+  access.paired = false;
+  return askForUpload(file);
+}
+async function upload(file) {
+  if (file.size === 0) return sayUpload("", words.emptyFile);
+  if (state.upload_limit && file.size > state.upload_limit) return sayUpload("", `${words.tooLarge} ${size(state.upload_limit)}.`);
+  sending = {abort: new AbortController(), number: 0, refused: false};
+  sayUpload(`${words.uploading}: ${file.name}`);
+  showUpload();
+  let problem = null;
+  try {
+    const asked = await askForUpload(file);
+    if (asked && asked.ok) {
+      sent = sending.number = asked.upload;
+      const headers = {"Content-Type": "application/octet-stream", "Plumbline-Token": localStorage.getItem("token") || ""};
+      const reply = await fetch(`/upload/body?n=${asked.upload}`, {method: "POST", headers, body: file, signal: sending.abort.signal});
+      const said = await reply.json();
+      problem = said.ok ? "" : said.error || words.uploadFailed;
+    } else {
+      problem = asked ? `${asked.error}${asked.advice ? `. ${asked.advice}` : ""}` : words.uploadStopped;
+    }
+  } catch {
+    const told = state && state.upload && state.upload.number === sending.number ? state.upload.problem : null;
+    problem = sending.abort.signal.aborted && !sending.refused ? words.uploadStopped : told || words.uploadFailed;
+  }
+  sending = null;
+  sayUpload(problem === "" ? `${words.uploaded}: ${file.name}` : "", problem);
+  if (problem === "") $("send").reset();
+  showUpload();
+}
+function showUpload() {
+  const coming = state.upload && state.upload.stage === "coming" ? state.upload : null;
+  $("upload").hidden = !(state.upload_limit || coming || sending);
+  $("file").disabled = $("send").querySelector("button").disabled = Boolean(sending || coming);
+  $("stop-upload").hidden = !sending;
+  $("sent").hidden = !(coming || sending);
+  $("sent").value = coming && coming.bytes ? coming.received / coming.bytes : 0;
+  $("sent").textContent = `${Math.round(100 * $("sent").value)} %`;
+  const other = coming && !sending && coming.number !== sent ? `${words.uploading}: ${coming.name}` : "";
+  if (other !== others) sayUpload(other);
+  others = other;
+  // The printer has ended it, so the rest of the file need not be sent.
+  if (sending && state.upload && state.upload.number === sending.number && state.upload.stage === "failed") {
+    sending.refused = true;
+    sending.abort.abort();
+  }
+}
+$("send").onsubmit = (event) => {
+  event.preventDefault();
+  if ($("file").files.length && !sending) upload($("file").files[0]);
+};
+$("stop-upload").onclick = () => { if (sending) sending.abort.abort(); };
+
 function size(bytes) {
   if (bytes < 1000) return `${bytes} ${words.bytes}`;
   return bytes < 1e6 ? `${number(bytes / 1e3, 1)} kB` : `${number(bytes / 1e6, 1)} MB`;
@@ -386,7 +465,7 @@ function render() {
   show("printer", true, state.printer);
   show("simulated", state.simulated, words.simulated);
   document.body.dataset.state = state.state;
-  for (const part of [showNow, showButtons, showFacts, showPictures, showTurn, showMasks, showStick, showSettings, showLists, showPrints]) part();
+  for (const part of [showNow, showButtons, showFacts, showPictures, showTurn, showMasks, showStick, showUpload, showSettings, showLists, showPrints]) part();
 }
 
 // --- From the printer
@@ -414,7 +493,8 @@ function sayWords() {
   document.documentElement.lang = words.locale.slice(0, 2);
   const put = (selector, text) => { document.querySelector(selector).textContent = text; };
   for (const [id, text] of Object.entries({pictures: words.pictures, turn: words.turnTitle, layers: words.masks, stick: words.stickTitle, settings: words.settings,
-                                           findings: words.findings, checks: words.checksTitle, report: words.report, prints: words.printsTitle})) put(`#${id} h2`, text);
+                                           findings: words.findings, checks: words.checksTitle, upload: words.uploadTitle, report: words.report,
+                                           prints: words.printsTitle})) put(`#${id} h2`, text);
   put("#report a", words.download);
   put("#fault-do", words.doThis);
   put("#ask-title", words.askTitle);
@@ -429,6 +509,10 @@ function sayWords() {
   put("#turn-left", words.turnLeft);
   put("#turn-right", words.turnRight);
   $("stage").setAttribute("aria-label", words.turnTitle);
+  put("#send label", words.uploadLabel);
+  put("#send button.main", words.uploadDo);
+  put("#stop-upload", words.uploadStop);
+  $("sent").setAttribute("aria-label", words.uploading);
   $("mask").alt = words.masksAlt;
   $("progress").setAttribute("aria-label", words.printing);
 }

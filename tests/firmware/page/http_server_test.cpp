@@ -8,6 +8,7 @@
 #include <poll.h>
 #include <sys/socket.h>
 
+#include <algorithm>
 #include <csignal>
 #include <string>
 #include <thread>
@@ -41,6 +42,24 @@ class HttpServerTest : public testing::Test, public HttpHandler {
     std::string_view("hello").copy(out.data(), 5);
     return 5;
   }
+
+  bool streams_body(std::string_view path) override { return path == "/body"; }
+  std::optional<HttpAnswer> begin_body(const HttpRequest& request, std::uint64_t bytes,
+                                       const HttpTicket& ticket) override {
+    if (request.token != "known") return HttpAnswer{.status = 401, .body = "refused"};
+    ticket_ = ticket;
+    announced_ = bytes;
+    return std::nullopt;
+  }
+  /// 500 bytes at a time, and none of a body that breaks off.
+  std::optional<std::size_t> take_body(const HttpTicket& ticket, std::span<const char> bytes) override {
+    EXPECT_EQ(ticket.number, ticket_.number);
+    if (bytes[0] == '!') return std::nullopt;
+    const std::size_t taken = std::min<std::size_t>(bytes.size(), 500);
+    body_.append(bytes.data(), taken);
+    return taken;
+  }
+  void ended(const HttpTicket& ticket) override { ended_ = ticket.number; }
 
   Descriptor connect() const {
     Descriptor line(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
@@ -81,7 +100,56 @@ class HttpServerTest : public testing::Test, public HttpHandler {
   std::string seen_;
   std::size_t stream_ = 0;
   int parts_ = 0;
+  std::uint64_t announced_ = 0, ended_ = 0;
+  std::string body_;
 };
+
+TEST_F(HttpServerTest, HandsOnALongBodyAsFastAsItIsTaken) {
+  const Descriptor line = connect();
+  constexpr std::size_t kBytes = 5000;  // longer than another request's may be
+  send(line, "POST /body HTTP/1.1\r\nHost: x\r\nPlumbline-Token: known\r\nContent-Length: 5000\r\n\r\n");
+  send(line, std::string(kBytes, 'x'));
+  ASSERT_TRUE(serve_until([&] { return body_.size() == 500; }));
+  EXPECT_EQ(announced_, kBytes);
+  EXPECT_FALSE(serve_until([&] { return body_.size() > 500; }, 400ms)) << "longer than a request may take to come";
+  server_->go_on({ticket_.place, ticket_.number + 1});
+  EXPECT_FALSE(serve_until([&] { return body_.size() > 500; }, 50ms)) << "another's";
+  ASSERT_TRUE(serve_until([&] {
+    server_->go_on(ticket_);
+    return !seen_.empty();
+  }));
+  EXPECT_EQ(body_, std::string(kBytes, 'x'));
+  EXPECT_EQ(seen_, "POST /body ") << "it is answered when all has come";
+  std::string got;
+  ASSERT_TRUE(serve_until([&] {
+    receive(line, got);
+    return ended_ == ticket_.number;
+  }));
+  EXPECT_THAT(got, StartsWith("HTTP/1.1 200 "));
+}
+
+TEST_F(HttpServerTest, EndsALongBodyThatIsNotTakenAndForgetsWhoseConnectionEnds) {
+  const std::string head = "POST /body HTTP/1.1\r\nHost: x\r\nContent-Length: 5000\r\nPlumbline-Token: ";
+  std::string got;
+  const Descriptor unknown = connect();
+  send(unknown, head + "x\r\n\r\n");
+  ASSERT_TRUE(serve_until([&] { return receive(unknown, got) || got.ends_with("refused"); }));
+  EXPECT_THAT(got, StartsWith("HTTP/1.1 401 "));
+  EXPECT_EQ(announced_, 0U);
+  const Descriptor broken = connect();
+  send(broken, head + "known\r\n\r\n!");
+  ASSERT_TRUE(serve_until([&] { return receive(broken, got); }));
+  ASSERT_NE(ticket_.number, 0U);
+  EXPECT_EQ(ended_, ticket_.number);
+  const std::uint64_t before = ticket_.number;
+  {
+    const Descriptor gone = connect();
+    send(gone, head + "known\r\n\r\nx");
+    ASSERT_TRUE(serve_until([&] { return body_ == "x"; }));
+  }
+  EXPECT_TRUE(serve_until([&] { return ended_ == ticket_.number && ended_ != before; }));
+  EXPECT_EQ(seen_, "");
+}
 
 TEST_F(HttpServerTest, EndsARequestThatTakesTooLong) {
   const Descriptor slow = connect();

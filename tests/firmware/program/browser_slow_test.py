@@ -9,7 +9,7 @@ import time
 import unittest
 from pathlib import Path
 
-from case import main
+from case import main, write_sphere
 from page_client import PagePrinter
 from web_driver import CHROMIUM, DRIVER, ENTER, ESCAPE, RIGHT, TAB, Browser
 
@@ -214,6 +214,61 @@ class BrowserTest(PagePrinter):
         # Nothing came from elsewhere.
         hosts = browser.run("return [...new Set(performance.getEntriesByType('resource').map((e) => new URL(e.name).host))]")
         self.assertEqual(hosts, [f"127.0.0.1:{self.port}"])
+
+    def test_a_scan_is_uploaded_and_printed(self):
+        self.start(speedup=200, printer=self.page_board("local"))
+        self.start_page()
+        self.browser = browser = Browser(self, self.dir)
+        browser.open(f"http://127.0.0.1:{self.port}/")
+        self.until_state("idle", "!document.querySelector('#upload').hidden")
+        self.look("upload")
+        # A name with letters that the printer does not take.
+        scan = self.dir / "Büste <1>.ply"
+        write_sphere(scan, points=5000, radius=2)
+        browser.type("#file", str(scan))
+        self.tab_to("#send button.main")
+        browser.press(ENTER)
+        self.until_state("offered", "!document.querySelector('#stick').hidden")
+        self.assertEqual(browser.run("return document.querySelector('#title').textContent"), "Uploaded scan")
+        self.assertIn("Buste _1_.ply", browser.run("return document.querySelector('#scans').innerText"))
+        browser.until("return document.querySelector('#upload-status').textContent === 'Uploaded: Büste <1>.ply'", "what became of it")
+        self.look("uploaded")
+        # What the printer refuses is said, and what was uploaded before stays.
+        for name, data, words in (("notes.doc", b"x", "no scan, mesh or sliced archive"), ("empty.ply", b"", "The file is empty")):
+            (self.dir / name).write_bytes(data)
+            browser.type("#file", str(self.dir / name))
+            browser.click("#send button.main")
+            browser.until(f"return document.querySelector('#upload-error').textContent.includes('{words}')", words)
+        self.look("refused", "/upload - .* status of 409")
+        self.do("start")
+        self.until_state("offered", "!document.querySelector('#layers').hidden")
+        self.do("start")
+        self.until_state("printing", "document.querySelector('#upload').hidden")
+        self.until_state("plate in use", "!document.querySelector('#report').hidden")
+        self.do("plate-empty")
+        self.until_state("offered", "document.querySelector('#title').textContent === 'Uploaded scan'")
+        self.do("cancel")
+        self.until_state("idle", "document.querySelector('[data-do=offer]').textContent === 'Show the uploaded scan'")
+
+    def test_an_upload_is_stopped(self):
+        self.start(printer=self.page_board("local"))
+        self.start_page()
+        self.browser = browser = Browser(self, self.dir, language="de")
+        browser.open(f"http://127.0.0.1:{self.port}/")
+        self.until_state("idle", "!document.querySelector('#upload').hidden")
+        # So slow a network that it can be looked at.
+        browser.cdp("Network.enable")
+        browser.cdp("Network.emulateNetworkConditions", offline=False, latency=0, downloadThroughput=-1, uploadThroughput=20_000)
+        (self.dir / "large.xyz").write_bytes(b"1 2 3\n" * 1_000_000)
+        browser.type("#file", str(self.dir / "large.xyz"))
+        browser.click("#send button.main")
+        browser.until("return document.querySelector('#sent').value > 0 && !document.querySelector('#stop-upload').hidden", "progress")
+        self.assertEqual(browser.run("return document.querySelector('#upload-status').textContent"), "Wird hochgeladen: large.xyz")
+        self.look("hochladen")
+        browser.click("#stop-upload")
+        browser.until("return document.querySelector('#upload-error').textContent.startsWith('Das Hochladen wurde beendet')", "the end")
+        browser.until("return !document.querySelector('#file').disabled", "the next one may come")
+        self.assertEqual(list((self.folder / "uploads").iterdir()), [])
 
     def test_the_page_says_that_the_printer_is_gone_and_comes_back(self):
         daemon, _ = self.start(printer=self.page_board("local"))

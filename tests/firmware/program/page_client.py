@@ -44,13 +44,15 @@ class PagePrinter(StatePrinter):
         self.page.stderr.close()
 
     def ask(self, method, path, body=None, headers=None, host=None):
-        """@returns (status, headers, bytes)"""
+        """@param body  bytes, or what becomes JSON
+        @returns (status, headers, bytes)
+        """
         connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=30)
         host = host or f"127.0.0.1:{self.port}"
         sent = {"Host": host, **(headers or {})}
         if method == "POST":
             sent = {"Origin": f"http://{host}", "Content-Type": "application/json", **sent}
-        connection.request(method, path, body=None if body is None else json.dumps(body), headers=sent)
+        connection.request(method, path, body=body if body is None or isinstance(body, bytes) else json.dumps(body), headers=sent)
         answer = connection.getresponse()
         data = answer.read()
         connection.close()
@@ -65,6 +67,11 @@ class PagePrinter(StatePrinter):
         got, _, data = self.ask("POST", path, body, **options)
         self.assertEqual(got, status, (path, body, data[:300]))
         return json.loads(data)
+
+    def upload(self, name, data, headers, status=200):
+        """Asks, then sends. @returns the answer"""
+        asked = self.post("/upload", {"do": "upload", "name": name, "bytes": len(data)}, headers=headers)
+        return self.post(f"/upload/body?n={asked['upload']}", data, status=status, headers={**headers, "Content-Type": "application/octet-stream"})
 
     def paired(self):
         """@returns the headers of a browser that is paired with a local page"""

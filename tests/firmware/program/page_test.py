@@ -127,6 +127,165 @@ class Page(PagePrinter):
         self.assertEqual(of_scan, of_archive)
         self.assertEqual(of_archive[1], of_archive[3])
         self.assertNotEqual(of_archive[0], of_archive[1])
+    def stored(self):
+        return sorted(path.name for path in (self.folder / "uploads").iterdir())
+
+    def sphere(self):
+        write_sphere(self.dir / "sphere.ply", points=5000, radius=2)
+        return (self.dir / "sphere.ply").read_bytes()
+
+    def begin_upload(self, name, size, headers):
+        """@returns a connection through which `size` bytes are awaited"""
+        asked = self.post("/upload", {"do": "upload", "name": name, "bytes": size}, headers=headers)
+        line = socket.create_connection(("127.0.0.1", self.port), 30)
+        self.addCleanup(line.close)
+        host = f"localhost:{self.port}"
+        fields = {"Host": host, "Origin": f"http://{host}", "Content-Type": "application/octet-stream", "Content-Length": size, **headers}
+        head = f"POST /upload/body?n={asked['upload']} HTTP/1.1\r\n" + "".join(f"{key}: {value}\r\n" for key, value in fields.items())
+        line.sendall(f"{head}\r\n".encode())
+        return line
+
+    def test_a_scan_is_uploaded_and_printed(self):
+        self.start(speedup=100, printer=self.page_board("local"))
+        self.start_page()
+        token = self.paired()
+        until = self.events()
+        self.assertEqual(until(lambda s: s["state"] == "idle")["upload_limit"], 256 << 20)
+        self.assertEqual(self.upload("bust (2).ply", self.sphere(), token), {"ok": True})
+        offered = until(lambda s: s["state"] == "offered")
+        self.assertEqual([scan["name"] for scan in offered["stick"]["scans"]], ["bust (2).ply"])
+        self.assertEqual((offered["stick"]["present"], offered["stick"]["uploaded"], offered["upload"]["stage"]), (False, True, "kept"))
+        # Another one is offered instead, though its name is the same. It is no scan, which a child finds out.
+        self.upload("bust (2).ply", b"hello", token)
+        until(lambda s: s["state"] == "offered" and s["stick"]["scans"][0]["bytes"] == 5)
+        self.post("/command", {"do": "start"}, headers=token)
+        fault = until(lambda s: s["state"] == "fault")
+        self.assertEqual((fault["fault"]["code"], fault["stick"]["scans"][0]["problem"][:6]), ("PL-102", "PL-102"))
+        # Nobody needs to read that first: the next one has come.
+        self.upload("bust.ply", self.sphere(), token)
+        offered = until(lambda s: s["state"] == "offered" and s["stick"]["scans"][0]["name"] == "bust.ply")
+        self.assertIsNone(offered["stick"]["scans"][0]["problem"])
+        self.post("/command", {"do": "set", "key": "layer_height", "value": "0.1"}, headers=token)
+        self.post("/command", {"do": "start"}, headers=token)
+        until(lambda s: s["state"] == "offered" and s["sliced"])
+        self.assertTrue(self.get("/picture/preview").startswith(b"\x89PNG"))
+        self.post("/command", {"do": "start"}, headers=token)
+        printing = until(lambda s: s["state"] == "printing")
+        self.assertEqual(printing["upload_limit"], 0)
+        refused = self.post("/upload", {"do": "upload", "name": "gear.ply", "bytes": 5}, status=409, headers=token)
+        self.assertIn("at rest, and its state is", refused["error"])
+        done = until(lambda s: s["state"] == "plate in use" and s["commands"])
+        self.assertEqual((done["job"]["result"], done["job"]["scan"]), ("finished", "bust.ply"))
+        self.post("/command", {"do": "plate-empty"}, headers=token)
+        until(lambda s: s["state"] == "offered")
+        self.assertEqual(self.stored(), ["bust.ply"])
+
+    def test_a_stick_and_an_upload_are_offered_one_after_the_other(self):
+        self.put_stick({"stick.ply": 2})
+        self.start(printer=self.page_board("local"))
+        self.start_page()
+        token = self.paired()
+        until = self.events()
+        until(lambda s: s["state"] == "offered")
+        self.upload("upload.ply", self.sphere(), token)
+        until(lambda s: s["state"] == "offered" and s["job"]["scan"] == "upload.ply")
+        self.post("/command", {"do": "cancel"}, headers=token)
+        until(lambda s: s["state"] == "idle" and "offer" in s["commands"])
+        for scan in ("stick.ply", "upload.ply"):
+            if scan == "stick.ply":
+                self.post("/command", {"do": "offer"}, headers=token)
+            until(lambda s, scan=scan: s["state"] == "offered" and s["job"]["scan"] == scan and s["commands"])
+            self.post("/command", {"do": "cancel"}, headers=token)
+        until(lambda s: s["state"] == "idle" and "offer" in s["commands"])
+
+    def test_uploads_of_others_and_of_what_is_no_scan_are_refused(self):
+        self.start(printer=self.page_board("local"))
+        self.start_page()
+        token = self.paired()
+        ask = {"do": "upload", "name": "a.ply", "bytes": 5}
+        self.post("/upload", ask, status=401)
+        self.post("/upload", ask, status=403, headers={**token, "Origin": "http://evil.example"})
+        self.post("/upload", ask, status=415, headers={**token, "Content-Type": "text/plain"})
+        for wrong in ({"do": "start"}, {}, [], {**ask, "bytes": -1}, {**ask, "bytes": 1e99}, {**ask, "path": "/"}, {**ask, "name": "a" * 80}):
+            self.post("/upload", wrong, status=400, headers=token)
+        self.post("/command", ask, status=400, headers=token)
+        for name in ("../../etc/a.ply", "a/b.ply", ".a.ply", "job.toml", "a.exe", "", "a\nb.ply", "a\u0000.ply", "b\u00fcste.ply"):
+            self.post("/upload", {**ask, "name": name}, status=409, headers=token)
+        for size, words in ((0, "is empty"), ((256 << 20) + 1, "takes 256 MiB at most"), (2**53, "takes 256 MiB at most")):
+            self.assertIn(words, self.post("/upload", {**ask, "bytes": size}, status=409, headers=token)["error"])
+        body = {**token, "Content-Type": "application/octet-stream"}
+        self.post("/upload/body?n=1", b"hello", status=409, headers=body)
+        asked = self.post("/upload", ask, headers=token)
+        path = f"/upload/body?n={asked['upload']}"
+        self.assertIn("another scan", self.post("/upload", ask, status=409, headers=token)["error"])
+        self.post(path, b"hello", status=401, headers={**body, "Plumbline-Token": "0" * 32})
+        self.post(path, b"hello", status=403, headers={**body, "Origin": "http://evil.example"})
+        self.post(path, b"hello", status=415, headers=token)
+        self.post(path, b"hello!", status=409, headers=body)
+        self.post("/upload/body?n=99", b"hello", status=409, headers=body)
+        self.post("/upload/body", b"hello", status=409, headers=body)
+        self.assertEqual(self.ask("POST", path, b"hello", headers=body, host="evil.example")[0], 421)
+        for method in ("GET", "PUT"):
+            self.assertIn(self.ask(method, path)[0], (405, 411))
+        self.assertIn(b" 411 ", self.raw(b"POST /upload/body?n=1 HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\nf\r\n"))
+        self.assertEqual(self.stored(), [".incoming"])
+        self.post(path, b"hello", headers=body)
+        self.assertEqual(self.stored(), ["a.ply"])
+
+    def test_an_upload_that_breaks_off_leaves_nothing(self):
+        daemon, _ = self.start(printer=self.page_board("local"))
+        self.start_page()
+        token = self.paired()
+        until = self.events()
+        self.upload("whole.ply", self.sphere(), token)
+        until(lambda s: s["state"] == "offered")
+        # The browser goes.
+        line = self.begin_upload("half.ply", 1000, token)
+        line.sendall(b"x" * 500)
+        until(lambda s: s["upload"]["stage"] == "coming" and s["upload"]["received"] == 500)
+        line.close()
+        failed = until(lambda s: s["upload"]["stage"] == "failed")
+        self.assertIn("ended after 500 of 1000 bytes", failed["upload"]["problem"])
+        self.assertEqual(self.stored(), ["whole.ply"])
+        # A job begins, here that of the upload before: what is written meanwhile could make a mask late.
+        line = self.begin_upload("half.ply", 100_000_000, token)
+        line.sendall(b"x" * 500)
+        until(lambda s: s["upload"]["stage"] == "coming" and s["upload"]["received"] == 500)
+        self.post("/command", {"do": "start"}, headers=token)
+        failed = until(lambda s: s["upload"]["stage"] == "failed")
+        self.assertIn("begun with another job", failed["upload"]["problem"])
+        with contextlib.suppress(OSError):
+            for _ in range(100):
+                line.sendall(b"x" * 1_000_000)
+            self.fail("the rest of it is not taken")
+        self.post("/command", {"do": "cancel"}, headers=token)
+        # The daemon is killed, as by a power cut.
+        until(lambda s: s["upload_limit"] > 0)
+        line = self.begin_upload("half.ply", 1000, token)
+        line.sendall(b"x" * 500)
+        until(lambda s: s["upload"]["stage"] == "coming" and s["upload"]["received"] == 500)
+        daemon.kill()
+        daemon.wait()
+        self.assertEqual(self.stored(), [".incoming", "whole.ply"])
+        until(lambda s: s["state"] is None)
+        self.start(printer=self.page_board("local"))
+        idle = until(lambda s: s["state"] == "idle" and s["commands"])
+        self.assertEqual((idle["commands"], idle["upload"], self.stored()), (["offer"], None, ["whole.ply"]))
+        self.post("/command", {"do": "offer"}, headers=token)
+        until(lambda s: s["state"] == "offered" and s["job"]["scan"] == "whole.ply")
+
+    def test_a_large_upload_takes_no_memory(self):
+        self.start(printer=self.page_board("local"))
+        self.start_page()
+        token = self.paired()
+        before = self.facts()
+        data = bytes(range(256)) * (40 << 12)
+        began = time.monotonic()
+        self.upload("large.xyz", data, token)
+        self.assertLess(time.monotonic() - began, 30)
+        self.assertEqual((self.folder / "uploads/large.xyz").read_bytes(), data)
+        if "PLUMBLINE_SANITIZED" not in os.environ:
+            self.assertLess(int(self.facts()["VmHWM"].split()[0]) - int(before["VmHWM"].split()[0]), 2000)
 
     def test_a_browser_of_the_network_needs_the_code_on_the_screen(self):
         frames = self.dir / "frames"

@@ -8,9 +8,10 @@ import socket
 import stat
 import subprocess
 import threading
+import time
 import unittest
 
-from case import PLUMBLINE, SOURCE_DIR, main
+from case import PLUMBLINE, SOURCE_DIR, main, write_sphere
 from state_client import SCHEMA, Client, Draft202012Validator, StatePrinter
 
 
@@ -167,6 +168,35 @@ class State(StatePrinter):
         self.assertFalse(check.is_valid(wrong))
         self.assertTrue(check.is_valid({"do": "set", "key": "fit", "value": True}))
         self.assertFalse(check.is_valid({"do": "set", "kye": "fit"}))
+
+    def test_a_script_uploads_a_scan_and_nothing_else(self):
+        _, user = self.start()
+        user.state("idle")
+
+        def upload(name, size, file):
+            user.asked += 1
+            request = {"do": "upload", "name": name, "bytes": size, "id": user.asked}
+            socket.send_fds(user.socket, [json.dumps(request).encode() + b"\n"], [file.fileno()])
+            while not user.replies or user.replies[-1]["id"] != user.asked:
+                user.receive(time.monotonic() + 30)
+            return user.replies[-1]
+
+        write_sphere(self.dir / "a.ply", points=5000, radius=2)
+        scan = (self.dir / "a.ply").read_bytes()
+        with open("/dev/zero", "rb") as file:
+            self.assertIn("no socket", upload("a.ply", 5, file)["error"])
+        user.refused("no socket", "upload", name="a.ply", bytes=5)
+        ours, theirs = socket.socketpair()
+        with ours:
+            with theirs:
+                self.assertEqual(upload("a.ply", len(scan), theirs), {"type": "reply", "id": user.asked, "ok": True, "upload": 1})
+            ours.sendall(scan)
+        offered = user.state("offered", "start")
+        self.assertEqual((offered["upload"]["stage"], offered["stick"]["uploaded"]), ("kept", True))
+        self.assertRegex(self.run_it("status", "--socket", self.path).stdout, r"(?m)^uploaded +\*  1  a.ply")
+        user.do("start")
+        user.state("plate in use", "plate-empty")
+        self.assertEqual(user.states[-1]["job"]["result"], "finished")
 
     def test_the_programs_show_and_command(self):
         self.put_stick({"a.ply": 2}, '[job]\nscan = "a.ply"\n')

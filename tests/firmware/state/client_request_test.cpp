@@ -44,6 +44,10 @@ TEST(ClientRequest, HasACommandAndWhatItNeeds) {
   EXPECT_EQ(parse(R"({"do":"report","from":24576})").request->from, 24576U);
   EXPECT_EQ(parse(R"({"do":"code","code":"0482913"})").request->code.view(), "0482913");
   EXPECT_EQ(parse(R"({"do":"code","code":""})").request->code.view(), "");
+  const auto upload = parse(R"({"do":"upload","name":"../b\u00fcst.ply","bytes":9007199254740992})");
+  ASSERT_TRUE(upload.request) << "the daemon looks at the name";
+  EXPECT_EQ(upload.request->name.view(), "../b\xc3\xbcst.ply");
+  EXPECT_EQ(upload.request->bytes, 9007199254740992U);
   EXPECT_EQ(parse(R"({"do":"set","key":"fit","value":true})").request->value.view(), "true");
   EXPECT_EQ(parse(R"({"do":"set","key":"profile","value":"\ud83d\ude00 \"\\\/"})").request->value.view(),
             "\xf0\x9f\x98\x80 \"\\/");
@@ -84,7 +88,7 @@ TEST(ClientRequest, SaysWhatIsWrong) {
       {"{\"do\":\"start\",\"id\":-1}", "id: allowed is a whole number"},
       {"{\"do\":\"start\",\"id\":1.5}", "id: allowed is a whole number"},
       {"{\"do\":\"start\",\"id\":9007199254740993}", "id: allowed is a whole number"},
-      {"{\"do\":\"start\",\"name\":1}", "'name': unknown member"},
+      {"{\"do\":\"start\",\"file\":1}", "'file': unknown member"},
       {"{\"do\":\"start\",\"scan\":1}", "start needs nothing beside"},
       {"{\"do\":\"choose\"}", "choose needs \"scan\""},
       {"{\"do\":\"choose\",\"scan\":0}", "scan: allowed is"},
@@ -102,6 +106,10 @@ TEST(ClientRequest, SaysWhatIsWrong) {
       {"{\"do\":\"code\",\"code\":482913}", "code: allowed is"},
       {"{\"do\":\"code\",\"code\":\"12345678\"}", "code: allowed is"},
       {"{\"do\":\"code\",\"code\":\"12 34\"}", "code: allowed is"},
+      {"{\"do\":\"upload\",\"name\":\"a.ply\"}", "upload needs \"name\" and \"bytes\""},
+      {"{\"do\":\"upload\",\"name\":1,\"bytes\":1}", "name: allowed is a text"},
+      {"{\"do\":\"upload\",\"name\":\"a.ply\",\"bytes\":-1}", "bytes: allowed is"},
+      {"{\"do\":\"start\",\"bytes\":1}", "start needs nothing beside"},
       {"{\"do\":\"set\",\"key\":1,\"value\":1}", "key: allowed is a text"},
       {"{\"do\":\"set\",\"key\":\"a key that is longer than any key is\",\"value\":1}", "at most 31 bytes"},
   };

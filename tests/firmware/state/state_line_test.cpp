@@ -34,6 +34,11 @@ std::unique_ptr<PrinterRecord> longest_record() {
     scan.bytes = ~std::uint64_t{0};
     scan.files = 64;
   }
+  UploadRecord& upload = record->upload.emplace();
+  upload.number = ~std::uint32_t{0};
+  upload.bytes = upload.received = ~std::uint64_t{0};
+  fill(upload.name);
+  fill(upload.problem);
   JobRecord& job = record->job.emplace();
   fill(job.scan);
   for (auto& file : job.files) fill(file);
@@ -112,6 +117,35 @@ TEST(StateLine, SaysWhatThePrinterTakes) {
   EXPECT_THAT(what_it_takes(record).c_str(), HasSubstr("'printing'. It takes pause, cancel"));
   record.state = PrintState::kFinishing;
   EXPECT_EQ(commands(), "[]");
+}
+
+TEST(StateLine, SaysWhatIsUploadedAndHowMuchMayBe) {
+  PrinterRecord record;
+  const auto member = [&record](std::string_view name) {
+    StateLine line;
+    EXPECT_TRUE(write_state_line(line, record, 1));
+    return std::string(json_member(line.view(), name).value_or("none"));
+  };
+  EXPECT_EQ(member("upload_limit"), "0") << "this printer takes none";
+  EXPECT_EQ(member("upload"), "null");
+  record.most_upload_bytes = 1000;
+  EXPECT_EQ(member("upload_limit"), "1000");
+  record.state = PrintState::kPrinting;
+  EXPECT_EQ(member("upload_limit"), "0");
+  record.state = PrintState::kPlateInUse;
+  record.upload.emplace();
+  record.upload->number = 3;
+  record.upload->bytes = 20;
+  record.upload->received = 10;
+  assign(record.upload->name, "a.ply");
+  EXPECT_EQ(member("upload_limit"), "0") << "one at a time";
+  EXPECT_EQ(member("upload"),
+            R"({"number": 3, "stage": "coming", "name": "a.ply", "bytes": 20, "received": 10, "problem": null})");
+  record.upload->stage = UploadRecord::Stage::kKept;
+  EXPECT_EQ(member("upload_limit"), "1000");
+  record.has_upload = record.waits = true;
+  record.state = PrintState::kIdle;
+  EXPECT_EQ(member("commands"), R"(["offer"])");
 }
 
 // A command that a state takes must be an event that this state knows, or nobody would carry it out.

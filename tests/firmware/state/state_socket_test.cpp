@@ -2,12 +2,16 @@
 
 #include "firmware/state/state_socket.hpp"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 
+#include <array>
 #include <cstring>
+#include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -44,6 +48,12 @@ class StateSocketTest : public testing::Test, public CommandTaker {
     return button_of(request.command);
   }
 
+  Expected<std::uint32_t> take_upload(const ClientRequest& upload, Descriptor from) override {
+    taken_.push_back(upload.command);
+    from_ = std::move(from);
+    if (!from_.is_open()) return fail(ErrorCode::kBadSetting, "no socket.\tSend one");
+    return 7U;
+  }
   Expected<bool> draw_mask(std::uint32_t layer, LayerPicture& picture) override {
     if (turns_until_drawn_ > 0 && turns_until_drawn_-- > 0) return false;
     if (layer > 1) return fail(ErrorCode::kBadSetting, "there is no layer %u: the last one is 1", layer);
@@ -63,7 +73,42 @@ class StateSocketTest : public testing::Test, public CommandTaker {
   std::unique_ptr<StateSocket> socket_ = StateSocket::open(path(), {.turn = 0ns, .patience = 0ns}).value();
   std::vector<Command> taken_;
   int turns_until_drawn_ = 0;
+  Descriptor from_;  ///< of the last upload
 };
+
+/// A client that hands descriptors over.
+class Giver {
+ public:
+  explicit Giver(const std::string& path) : socket_(SocketPlace::at(path)->connect()) {}
+  void send(std::string_view line, std::span<const int> files) const {
+    iovec bytes{.iov_base = const_cast<char*>(line.data()), .iov_len = line.size()};
+    msghdr message{};
+    message.msg_iov = &bytes;
+    message.msg_iovlen = 1;
+    alignas(cmsghdr) std::array<char, CMSG_SPACE(16 * sizeof(int))> room{};
+    message.msg_control = room.data();
+    message.msg_controllen = CMSG_SPACE(files.size_bytes());
+    cmsghdr* const part = CMSG_FIRSTHDR(&message);
+    part->cmsg_level = SOL_SOCKET;
+    part->cmsg_type = SCM_RIGHTS;
+    part->cmsg_len = CMSG_LEN(files.size_bytes());
+    std::memcpy(CMSG_DATA(part), files.data(), files.size_bytes());
+    EXPECT_EQ(::sendmsg(socket_.get(), &message, MSG_NOSIGNAL), static_cast<ssize_t>(line.size()));
+  }
+  std::string receive() const {
+    std::array<char, 65536> text{};
+    const ssize_t got = ::recv(socket_.get(), text.data(), text.size(), 0);
+    return {text.data(), static_cast<std::size_t>(std::max<ssize_t>(got, 0))};
+  }
+
+ private:
+  Descriptor socket_;
+};
+
+std::size_t open_files() {
+  return static_cast<std::size_t>(
+      std::distance(std::filesystem::directory_iterator("/proc/self/fd"), std::filesystem::directory_iterator()));
+}
 
 TEST_F(StateSocketTest, SendsTheStateAtOnceAndWhenItHasChanged) {
   StateLink reader = link(false);
@@ -141,6 +186,43 @@ TEST_F(StateSocketTest, ShowsMasksAndAReportToWhoeverMayReadAndCodesToNobody) {
   ASSERT_TRUE(user.send("{\"do\":\"code\",\"code\":\"123\"}\n"));
   serve();
   EXPECT_EQ(taken_, std::vector<Command>{Command::kCode});
+}
+
+TEST_F(StateSocketTest, TakesTheSocketOfAnUploadAndNoOtherDescriptor) {
+  const Giver user(command_socket(path())), reader(path());
+  serve();
+  std::array<int, 2> ends{};
+  ASSERT_EQ(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()), 0);
+  const Descriptor ours(ends[0]), theirs(ends[1]);
+  const std::size_t files = open_files();
+  constexpr std::string_view kUpload = "{\"do\":\"upload\",\"name\":\"a.ply\",\"bytes\":5,\"id\":1}\n";
+  user.send(kUpload, std::span(&ends[1], 1));
+  serve();
+  ASSERT_TRUE(from_.is_open());
+  EXPECT_THAT(user.receive(), HasSubstr(R"({"type": "reply", "id": 1, "ok": true, "upload": 7})"));
+  ASSERT_EQ(::send(ours.get(), "x", 1, 0), 1);
+  char got = 0;
+  EXPECT_EQ(::recv(from_.get(), &got, 1, MSG_DONTWAIT), 1);
+  EXPECT_NE(static_cast<unsigned>(::fcntl(from_.get(), F_GETFD)) & static_cast<unsigned>(FD_CLOEXEC), 0U);
+  { const Descriptor gone = std::exchange(from_, Descriptor()); }
+  // Many of them, with another request, or from somebody who may only read: all are closed.
+  const std::array<int, 16> many{ends[0], ends[0], ends[0], ends[0], ends[0], ends[0], ends[0], ends[0],
+                                 ends[0], ends[0], ends[0], ends[0], ends[0], ends[0], ends[0], ends[0]};
+  user.send("{\"do\":\"pause\"}\n", many);
+  reader.send(kUpload, many);
+  serve();
+  EXPECT_LE(open_files(), files + 1) << "one at most is kept, for an upload that may follow";
+  EXPECT_THAT(reader.receive(), HasSubstr("this socket is for reading"));
+  user.send(kUpload, many);
+  serve();
+  { const Descriptor gone = std::exchange(from_, Descriptor()); }
+  EXPECT_EQ(open_files(), files);
+  StateLink without = link(true);
+  serve();
+  ASSERT_TRUE(without.send(std::string(kUpload)));
+  serve();
+  EXPECT_EQ(json_member(line_of(without), "type"), "\"state\"");
+  EXPECT_THAT(line_of(without), HasSubstr("no socket"));
 }
 
 TEST_F(StateSocketTest, TurnsAwayWhoeverIsOneTooManyButNotThoseWhoCommand) {

@@ -6,9 +6,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <map>
+#include <span>
 
+#include "firmware/daemon/upload/upload_store.hpp"
 #include "firmware/io/file_source.hpp"
 #include "firmware/print/print_session.hpp"
 #include "firmware/slice/slice_job.hpp"
@@ -274,6 +277,69 @@ TEST_F(PrintingFailure, OfAnyOtherCallOfStoreAndJournalDoesTheSame) {
   failed_ = 0;
   for_each_call(Calls::kWrites, Failure::kCutInHalf, attempt);
   EXPECT_EQ(failed_, 0U);
+}
+
+/// Keeps a scan in the store of uploads, in place of another one.
+class UploadFailure : public ::testing::Test {
+ protected:
+  static constexpr std::string_view kOld = "the scan before";
+
+  static Status upload(UploadStore& store, std::string_view name, std::string_view text) {
+    PLUMBLINE_TRY(store.begin(name, text.size()));
+    for (std::string_view rest = text; !rest.empty(); rest.remove_prefix(std::min(rest.size(), kPart))) {
+      PLUMBLINE_TRY(store.write(std::as_bytes(std::span(rest.substr(0, kPart)))));
+    }
+    return store.keep();
+  }
+  bool fails_cleanly(std::uint32_t nth, Calls calls, Failure failure) {
+    const std::size_t files = open_files();
+    Status done;
+    bool happened = false;
+    {
+      auto store = UploadStore::open(folder_ / ".", std::uint64_t{1} << 30U);
+      EXPECT_TRUE(store);
+      EXPECT_TRUE(upload(*store, "old.ply", kOld));
+      const FailingCall call(calls, nth, failure);
+      done = upload(*store, "new.ply", new_);
+      happened = call.happened();
+      EXPECT_EQ(store->kept(), files_in(uploads()).begin()->first);
+    }
+    EXPECT_EQ(open_files(), files);
+    const auto kept = files_in(uploads());
+    EXPECT_EQ(kept.size(), 1U) << "half a scan";
+    const bool is_new = kept.count("new.ply") == 1;
+    EXPECT_EQ(kept.begin()->second, is_new ? new_ : kOld);
+    EXPECT_TRUE(is_new || !done);
+    if (!done) {
+      EXPECT_TRUE(happened);
+      EXPECT_EQ(done.error().code(), ErrorCode::kCannotWrite);
+      EXPECT_THAT(done.error().message(), HasSubstr(failure == Failure::kIoError ? "Input/output error" : "is full"));
+      ++failed_;
+    }
+    return happened;
+  }
+  std::string uploads() const { return folder_ / "uploads"; }
+
+  static constexpr std::size_t kPart = std::size_t{1} << 20U;
+  TemporaryFolder folder_;
+  std::string new_ = std::string(UploadStore::kDurableBytes + kPart + 2, 'x');
+  std::uint32_t failed_ = 0;
+};
+
+TEST_F(UploadFailure, OfAnyCallLeavesOneWholeScan) {
+  const auto attempt = [this](auto... how) { return fails_cleanly(how...); };
+  for (const Failure failure : kWriteFailures) {
+    SCOPED_TRACE(static_cast<int>(failure));
+    failed_ = 0;
+    EXPECT_EQ(for_each_call(Calls::kWrites, failure, attempt), failed_) << "each is noticed";
+    EXPECT_GT(failed_, 5U);
+  }
+  failed_ = 0;
+  for_each_call(Calls::kFiles, Failure::kIoError, attempt);
+  EXPECT_GE(failed_, 4U) << "open, fdatasync, fsync, rename";
+  failed_ = 0;
+  for_each_call(Calls::kWrites, Failure::kCutInHalf, attempt);
+  EXPECT_EQ(failed_, 0U) << "a short write alone is no failure";
 }
 
 }  // namespace

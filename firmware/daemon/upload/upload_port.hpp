@@ -1,0 +1,33 @@
+#pragma once
+
+#include "firmware/daemon/upload/upload_store.hpp"
+#include "hal/stick_port.hpp"
+
+namespace plumbline {
+
+/// What UploadPort needs before its base: no device of the machine is behind its files.
+struct UploadPortPower {
+  Interlock interlock;
+};
+
+/// The scan that was uploaded, as on a stick.
+class UploadPort final : private UploadPortPower, public StickPort {
+ public:
+  /// @param store  must outlive it
+  explicit UploadPort(const UploadStore& store) : StickPort(interlock), store_(store) {}
+
+ private:
+  bool do_has_stick() const override { return !store_.kept().empty(); }
+  Expected<StickIdentity> do_identity() const override;
+  Expected<int> do_mount() override;
+  Expected<bool> do_store(const StickReport& report) override;
+  Expected<std::size_t> do_read(int file, std::span<std::byte> buffer) override;
+  /// @retval ErrorCode::kStickGone  another scan is kept since
+  Status do_check_mounted() const override;
+  bool do_has_real_files() const override { return true; }
+
+  const UploadStore& store_;
+  std::uint32_t mounted_ = 0;  ///< UploadStore::kept_count() then
+};
+
+}  // namespace plumbline

@@ -1,0 +1,138 @@
+#include "firmware/daemon/upload/uploads.hpp"
+
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include "firmware/daemon/upload/upload_name.hpp"
+
+namespace plumbline {
+namespace {
+
+constexpr std::chrono::minutes kFirstMinute{1};
+
+/// Whether it is a stream socket of this machine: recv(2) with MSG_DONTWAIT never waits for one, whatever its other end does. A pipe
+/// would wait, since its other end can make it a waiting one again at any time.
+bool is_local_stream(int file) {
+  int domain = 0, type = 0;
+  socklen_t size = sizeof(int);
+  if (::getsockopt(file, SOL_SOCKET, SO_DOMAIN, &domain, &size) != 0 || domain != AF_UNIX) return false;
+  size = sizeof(int);
+  return ::getsockopt(file, SOL_SOCKET, SO_TYPE, &type, &size) == 0 && type == SOCK_STREAM;
+}
+
+tl::unexpected<Error> why_not_now(const PrinterRecord& record) {
+  if (record.most_upload_bytes == 0) {
+    return fail(ErrorCode::kBadSetting,
+                "this printer takes no uploads.\tPut the scan on a stick, or set [printer] upload_mib");
+  }
+  if (!at_rest(record.state)) {
+    const auto state = to_string(record.state);
+    return fail(ErrorCode::kBadSetting,
+                "the printer takes a scan while it is at rest, and its state is '%.*s'.\tUpload it after the print",
+                static_cast<int>(state.size()), state.data());
+  }
+  return fail(ErrorCode::kBadSetting, "another scan is being uploaded.\tTry again when it has come");
+}
+
+}  // namespace
+
+Uploads::Uploads(UploadStore store, PrinterRecord& record, const UploadTimes& times)
+    : store_(std::move(store)), record_(record), times_(times) {
+  record_.most_upload_bytes = store_.most_bytes();
+  record_.has_upload = !store_.kept().empty();
+}
+
+Expected<std::uint32_t> Uploads::begin(const ClientRequest& request, Descriptor from) {
+  if (!takes_upload(record_)) return why_not_now(record_);
+  if (!is_local_stream(from.get())) {
+    return fail(ErrorCode::kBadSetting,
+                "no socket for the scan's bytes came with the request.\tHand over one end of socketpair(AF_UNIX, "
+                "SOCK_STREAM)");
+  }
+  PLUMBLINE_TRY(check_upload_name(request.name.view()));
+  PLUMBLINE_TRY(store_.begin(request.name.view(), request.bytes));
+  const Descriptor before = std::exchange(from_, std::move(from));
+  received_ = 0;
+  heard_at_ = told_at_ = HostClock::now();
+  until_ = heard_at_ + kFirstMinute + std::chrono::seconds(request.bytes / kSlowestBytesPerSecond);
+  UploadRecord& upload = record_.upload.emplace();
+  upload.number = ++number_;
+  upload.bytes = request.bytes;
+  assign(upload.name, request.name.view());
+  return number_;
+}
+
+bool Uploads::receive() {
+  if (!is_coming()) return false;
+  const auto begin = HostClock::now();
+  if (!at_rest(record_.state)) {
+    end(Error::format(ErrorCode::kCancelled, "the printer has begun with another job.\tUpload the scan after it"));
+    return false;
+  }
+  for (auto now = begin; now - begin <= times_.turn; now = HostClock::now()) {
+    const ssize_t got = ::recv(from_.get(), bytes_.data(), bytes_.size(), MSG_DONTWAIT);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) break;
+    if (got < 0 || (got == 0 && !store_.is_whole())) {
+      end(Error::format(ErrorCode::kTruncated, "the upload ended after %llu of %llu bytes.\tSend the scan again",
+                        static_cast<unsigned long long>(received_),
+                        static_cast<unsigned long long>(record_.upload->bytes)));
+      return false;
+    }
+    if (got == 0) return keep();
+    heard_at_ = now;
+    received_ += static_cast<std::uint64_t>(got);
+    if (const auto written = store_.write(std::span(bytes_).first(static_cast<std::size_t>(got))); !written) {
+      end(written.error());
+      return false;
+    }
+  }
+  const auto now = HostClock::now();
+  tell(now);
+  if (now - heard_at_ > times_.silence || now > until_) {
+    end(Error::format(ErrorCode::kDeviceTimeout,
+                      "the upload was too slow: %llu of %llu bytes have come.\tCheck the network, then send the scan "
+                      "again",
+                      static_cast<unsigned long long>(received_),
+                      static_cast<unsigned long long>(record_.upload->bytes)));
+  }
+  return false;
+}
+
+bool Uploads::keep() {
+  const auto kept = store_.keep();
+  record_.has_upload = !store_.kept().empty();
+  if (!kept) {
+    end(kept.error());
+    return false;
+  }
+  const Descriptor done = std::exchange(from_, Descriptor());
+  record_.upload->received = received_;
+  record_.upload->stage = UploadRecord::Stage::kKept;
+  is_new_ = true;
+  return true;
+}
+
+void Uploads::end(const Error& error) {
+  const Descriptor gone = std::exchange(from_, Descriptor());
+  store_.drop();
+  UploadRecord& upload = *record_.upload;
+  upload.received = received_;
+  upload.stage = UploadRecord::Stage::kFailed;
+  FixedText<400> text;
+  text.add("%.*s. %.*s", static_cast<int>(error.finding().size()), error.finding().data(),
+           static_cast<int>(error.advice().size()), error.advice().data());
+  assign(upload.problem, text.view());
+}
+
+void Uploads::tell(HostClock::time_point now) {
+  if (now - told_at_ < times_.told) return;
+  told_at_ = now;
+  record_.upload->received = received_;
+}
+
+}  // namespace plumbline
