@@ -120,11 +120,11 @@ struct PrinterRecord {
   FixedText<400> message;   ///< what the daemon said last
   FixedText<160> question;  ///< that start or cancel answers while a print is paused; empty: none
   bool has_stick = false;
+  bool scans_uploaded = false;  ///< `scans` are in the printer's store, not on a stick
+  bool has_upload = false;      ///< the store has an uploaded scan
   std::array<ScanRecord, kMostScans> scans;
   std::size_t scan_count = 0;
   std::size_t scans_left_out = 0;       ///< beyond the room for them
-  bool scans_uploaded = false;          ///< `scans` are in the printer's store, not on a stick
-  bool has_upload = false;              ///< the store has an uploaded scan
   std::uint64_t most_upload_bytes = 0;  ///< of a scan; 0: none is taken
   std::optional<UploadRecord> upload;
   bool has_job_file = false;                          ///< job.toml says what is printed
