@@ -72,7 +72,7 @@ class MeshStages {
     report_.mesh->turned = !found->closed && found->paired && !has_overlaps(hits_);
     report_.mesh->flat = found->flat;
     report_.mesh->hits = hits_.size();
-    if (!found->closed) hits_.drop_doubled();
+    doubled_ = !found->closed && hits_.drop_doubled();
     return {};
   }
 
@@ -114,6 +114,8 @@ class MeshStages {
     field_.end_column = tile_of(box_.high[0], grid().pitch_x_mm, hits_.tile_columns()) + 1;
     field_.first_row = tile_of(box_.low[1], grid().pitch_y_mm, hits_.tile_rows());
     field_.end_row = tile_of(box_.high[1], grid().pitch_y_mm, hits_.tile_rows()) + 1;
+    // Faces that are there twice weigh double in the field: it finds solid where there is none. Their hits are whole.
+    if (doubled_) return {};
     if (find_doubtful(field_, hits_, grid(), {progress_, Stage::kRays, kFieldRead, kFieldBuilt})) return {};
     return fail(ErrorCode::kCancelled, "cancelled while the mesh was sliced");
   }
@@ -127,6 +129,7 @@ class MeshStages {
   MeshTransform transform_;
   Box3f box_;  ///< of the placed mesh, mm
   HitList hits_;
+  bool doubled_ = false;  ///< some hits were there twice
   WindingTree winding_;
   MeshField field_;
 };

@@ -39,7 +39,7 @@ Status HitList::close(Arena& arena) {
   return {};
 }
 
-void HitList::drop_doubled() {
+bool HitList::drop_doubled() {
   std::size_t kept = 0;
   for (std::size_t begin = 0, end = 0; begin < hits_.size(); begin = end) {
     int sum = 0;
@@ -54,7 +54,9 @@ void HitList::drop_doubled() {
       if (!drop || kept == first || hits_[i] != hits_[kept - 1]) hits_[kept++] = hits_[i];
     }
   }
+  const bool dropped = kept < hits_.size();
   hits_ = hits_.first(kept);
+  return dropped;
 }
 
 std::span<const PackedHit> HitList::of_tile(std::uint32_t tile) const {

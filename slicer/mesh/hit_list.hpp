@@ -68,7 +68,8 @@ class HitList {
 
   /// After close(): leaves out hits that are there twice on a ray if the others come nearer to entering as often as exiting. So
   /// a face that is there twice does no harm.
-  void drop_doubled();
+  /// @returns whether there were any
+  bool drop_doubled();
 
   /// After close(): the hits in order.
   std::span<const PackedHit> all() const { return hits_.subspan(free_); }

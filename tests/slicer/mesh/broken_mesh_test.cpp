@@ -139,6 +139,19 @@ TEST(BrokenMesh, DoubledFacesAreNoDamage) {
   EXPECT_EQ(wrong(slicing, [](const Vec3d& p) { return in_box(p, {0, 0, 0}, {10, 10, 10}); }), 0U);
 }
 
+TEST(BrokenMesh, DoubledFacesDoNotFillTheGapBetweenPlates) {
+  // With half of the upper plate's top there four times, the winding number in the gap is that of a solid.
+  TestMesh mesh = box_mesh({0, 0, 0}, {30, 30, 1});
+  append(mesh, box_mesh({0, 0, 5}, {30, 30, 6}));
+  for (const std::size_t face : {22U, 22U, 22U, 23U}) mesh.faces.push_back(mesh.faces[face]);
+  const Slicing slicing = sliced(mesh, settings_with_pitch(0.5F));
+  EXPECT_EQ(wrong(slicing,
+                  [](const Vec3d& p) {
+                    return std::max(in_box(p, {0, 0, 0}, {30, 30, 1}), in_box(p, {0, 0, 5}, {30, 30, 6}));
+                  }),
+            0U);
+}
+
 TEST(BrokenMesh, AsksTheWindingNumberOfTurnedFacesWhereSolidsLieInEachOther) {
   TestMesh mesh = fine_box();
   append(mesh, box_mesh({2, 2, 2}, {8, 8, 8}));
