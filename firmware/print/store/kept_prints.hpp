@@ -46,17 +46,17 @@ class KeptPrints {
 
   enum class Part : std::uint8_t { kReport, kPreview };
 
-  /// Creates the folder if it is missing. Removes what is torn or too much.
+  /// Creates the folder if it is missing. Removes what is torn or too much; what can't be read now stays where it is, unlisted.
   /// @param state  folder of the JobStore, which has locked it
-  /// @param tell   gets a sentence for each print that was removed because it is torn
+  /// @param tell   gets a sentence for each print that is torn or can't be read
   /// @retval ErrorCode::kCannotOpen  the path, the reason
   [[nodiscard]] static Expected<KeptPrints> open(const std::string& state, FunctionRef<void(std::string_view)> tell);
 
   /// Newest first.
   std::span<const KeptPrint> list() const { return std::span(list_).first(count_); }
 
-  /// Keeps a print and drops the oldest ones where there are too many, or where the storage is full. Durable when it returns. Takes
-  /// nothing from the heap.
+  /// Keeps a print and drops the oldest ones where there are too many. Where the storage is full, it drops as many as make room, and
+  /// none if all together have too few bytes. Durable when it returns. Takes nothing from the heap.
   /// @param facts    number and sizes are set here
   /// @param write    writes the report; called again where room had to be made
   /// @param preview  PNG; empty: there is none
@@ -84,17 +84,24 @@ class KeptPrints {
 
  private:
   KeptPrints() = default;
-  [[nodiscard]] Status write(KeptPrint& facts, FunctionRef<Status(TextSink&)> write,
-                             std::span<const std::byte> preview);
+  /// What became of a print that was written.
+  struct Attempt {
+    int problem = 0;          ///< errno; 0: it is durable
+    std::uint64_t bytes = 0;  ///< that there was room for
+  };
+  Attempt write(KeptPrint& facts, FunctionRef<Status(TextSink&)> write, std::span<const std::byte> preview);
+  Attempt write_new(KeptPrint& facts, FunctionRef<Status(TextSink&)> write, std::span<const std::byte> preview);
+  bool make_room(std::uint64_t missing);
   void insert(const KeptPrint& print);
   void drop_oldest();
   std::uint64_t bytes() const;
-  tl::unexpected<Error> cannot_write() const;
+  tl::unexpected<Error> cannot_write(int reason) const;
 
   FixedPath path_;
   Descriptor folder_;
   std::array<KeptPrint, kMost> list_;
   std::size_t count_ = 0;
+  std::uint32_t newest_ = 0;  ///< the highest number there is, even if its print can't be read
 };
 
 }  // namespace plumbline

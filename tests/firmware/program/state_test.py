@@ -158,6 +158,17 @@ class State(StatePrinter):
         user.do("cancel")
         self.assertEqual(user.state("plate in use", "plate-empty")["job"]["result"], "cancelled")
 
+    def test_a_report_that_cant_be_kept_disturbs_no_print(self):
+        _, user = self.start(speedup=1e4)
+        (self.folder / "prints").rmdir()  # now nothing can be written in it
+        self.put_stick({"a.ply": 2})
+        for _ in range(2):
+            user.state("offered", "start")
+            user.do("start")
+            done = user.state("plate in use", "plate-empty")
+            self.assertEqual((done["job"]["result"], done["report"], done["prints"]), ("finished", True, []))
+            user.do("plate-empty")
+
     @unittest.skipUnless(Draft202012Validator, "no python3-jsonschema")
     def test_the_schema_holds_for_the_examples_and_for_nothing_else(self):
         check = Draft202012Validator(SCHEMA)

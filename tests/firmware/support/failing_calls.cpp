@@ -1,14 +1,17 @@
 #include "tests/firmware/support/failing_calls.hpp"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <sys/types.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
+#include <csignal>
 #include <cstdarg>
 #include <cstddef>
+#include <map>
 
 namespace plumbline {
 namespace {
@@ -21,27 +24,64 @@ struct Plan {
 } plan;
 std::atomic<std::uint32_t> count{0};
 
+/// By inode: a descriptor of its own.
+std::map<ino_t, int> changed;
+
+ino_t inode_of(int file) {
+  struct stat facts {};
+  return ::fstat(file, &facts) == 0 ? facts.st_ino : 0;
+}
+
+void note_change(int file) {
+  if (!plan.armed || plan.failure != Failure::kPowerCut || file <= STDERR_FILENO) return;
+  if (const auto [place, is_new] = changed.try_emplace(inode_of(file), -1); is_new) place->second = ::dup(file);
+}
+
+int note_durable(int file, int result) {
+  if (result == 0) changed.erase(inode_of(file));
+  return result;
+}
+
+void die() {
+  for (const auto& [inode, file] : changed) {
+    struct stat facts {};
+    const bool lost = ::fstat(file, &facts) == 0 && S_ISREG(facts.st_mode) && ::ftruncate(file, 0) == 0;
+    if (lost && ::ftruncate(file, facts.st_size) != 0) ::_exit(1);
+  }
+  ::raise(SIGKILL);
+}
+
 /// What to do with a call.
-enum class Verdict : std::uint8_t { kPass, kFail, kHalf };
+enum class Verdict : std::uint8_t { kPass, kFail, kHalf, kHalfAndDie };
 
 Verdict judge(Calls calls, int file) {
-  if (!plan.armed || calls != plan.calls || file <= STDERR_FILENO) return Verdict::kPass;
+  if (!plan.armed || (calls != plan.calls && plan.calls != Calls::kAll) || file <= STDERR_FILENO) return Verdict::kPass;
   const std::uint32_t number = ++count;
   if (plan.failure == Failure::kShort && calls == Calls::kWrites && number == plan.nth + 1 && plan.nth > 0) {
     errno = ENOSPC;
     return Verdict::kFail;
   }
-  if (number != plan.nth) return Verdict::kPass;
+  const bool stays_full = plan.failure == Failure::kStaysFull && plan.nth > 0 && number > plan.nth;
+  if (number != plan.nth && !stays_full) return Verdict::kPass;
+  if (plan.failure == Failure::kKilled || plan.failure == Failure::kPowerCut) {
+    if (calls == Calls::kWrites) return Verdict::kHalfAndDie;
+    die();
+  }
   if (plan.failure == Failure::kShort || plan.failure == Failure::kCutInHalf) return Verdict::kHalf;
-  errno = plan.failure == Failure::kDiskFull ? ENOSPC : EIO;
+  errno = plan.failure == Failure::kDiskFull || plan.failure == Failure::kStaysFull ? ENOSPC : EIO;
   return Verdict::kFail;
 }
 
 /// @param call  takes the number of bytes
 template <class Call>
 ssize_t transfer(Calls calls, int file, std::size_t bytes, Call call) {
+  if (calls == Calls::kWrites) note_change(file);
   switch (judge(calls, file)) {
     case Verdict::kPass: break;
+    case Verdict::kHalfAndDie:
+      static_cast<void>(call(bytes / 2));
+      die();
+      break;
     case Verdict::kFail: return -1;
     case Verdict::kHalf: bytes = std::max<std::size_t>(bytes / 2, 1); break;
   }
@@ -60,10 +100,13 @@ mode_t mode_in(int flags, va_list args) {
 
 FailingCall::FailingCall(Calls calls, std::uint32_t nth, Failure failure) {
   count = 0;
+  changed.clear();
   plan = {.armed = true, .calls = calls, .failure = failure, .nth = nth};
 }
 FailingCall::~FailingCall() { plan.armed = false; }
 bool FailingCall::happened() const { return count >= plan.nth; }
+
+std::size_t not_durable() { return changed.size(); }
 
 }  // namespace plumbline
 
@@ -80,6 +123,7 @@ int __real_fsync(int);
 int __real_fdatasync(int);
 int __real_rename(const char*, const char*);
 int __real_renameat(int, const char*, int, const char*);
+int __real_unlinkat(int, const char*, int);
 int __real_close(int);
 
 using plumbline::Calls;
@@ -111,11 +155,19 @@ int __wrap_openat(int folder, const char* path, int flags, ...) {
   va_end(args);
   return plumbline::writes(flags) && plumbline::fails() ? -1 : __real_openat(folder, path, flags, mode);
 }
-int __wrap_fsync(int file) { return plumbline::fails(file) ? -1 : __real_fsync(file); }
-int __wrap_fdatasync(int file) { return plumbline::fails(file) ? -1 : __real_fdatasync(file); }
+int __wrap_fsync(int file) { return plumbline::fails(file) ? -1 : plumbline::note_durable(file, __real_fsync(file)); }
+int __wrap_fdatasync(int file) {
+  return plumbline::fails(file) ? -1 : plumbline::note_durable(file, __real_fdatasync(file));
+}
 int __wrap_rename(const char* from, const char* to) { return plumbline::fails() ? -1 : __real_rename(from, to); }
 int __wrap_renameat(int folder, const char* from, int to_folder, const char* to) {
-  return plumbline::fails() ? -1 : __real_renameat(folder, from, to_folder, to);
+  if (plumbline::fails()) return -1;
+  plumbline::note_change(to_folder);
+  return __real_renameat(folder, from, to_folder, to);
+}
+int __wrap_unlinkat(int folder, const char* path, int flags) {
+  return plumbline::judge(Calls::kRemovals, folder) != plumbline::Verdict::kPass ? -1
+                                                                                 : __real_unlinkat(folder, path, flags);
 }
 int __wrap_close(int file) {
   const bool failed = plumbline::fails(file);

@@ -2,14 +2,17 @@
 /// Lets one system call fail in the code under test, which is linked with --wrap (tests/CMakeLists.txt). Calls of libraries, and those on
 /// the three standard streams, are left alone.
 
+#include <cstddef>
 #include <cstdint>
 
 namespace plumbline {
 
 enum class Calls : std::uint8_t {
-  kReads,   ///< read, pread
-  kWrites,  ///< write, pwrite
-  kFiles,   ///< open and openat for writing, fsync, fdatasync, rename, renameat, close
+  kReads,     ///< read, pread
+  kWrites,    ///< write, pwrite
+  kFiles,     ///< open and openat for writing, fsync, fdatasync, rename, renameat, close
+  kRemovals,  ///< unlinkat
+  kAll,
 };
 
 enum class Failure : std::uint8_t {
@@ -17,7 +20,13 @@ enum class Failure : std::uint8_t {
   kDiskFull,   ///< ENOSPC
   kShort,      ///< half of the bytes, or one if there is but one. A write that follows finds the disk full
   kCutInHalf,  ///< half of the bytes, and no failure
+  kStaysFull,  ///< ENOSPC, for this call and all behind it
+  kKilled,     ///< SIGKILL before the call, or halfway through a write. For a child of the test
+  kPowerCut,   ///< the same, and all files that are not durable are left as zeros, under the names that they have
 };
+
+/// Files and folders that were changed since a FailingCall with kPowerCut began, and are not durable.
+std::size_t not_durable();
 
 /// From construction to destruction. One at a time.
 class FailingCall {
