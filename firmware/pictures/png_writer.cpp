@@ -20,6 +20,10 @@ namespace {
 /// Bytes of a PNG file besides its compressed pixels: signature, header, frame of one data chunk, end chunk.
 constexpr std::size_t kFrameBytes = 8 + 25 + 12 + 12;
 
+constexpr std::array<std::uint8_t, 8> kSignature{0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
+/// Filter of a small picture's lines: each byte less the one above it.
+constexpr std::uint8_t kUpFilter = 2;
+
 /// libdeflate's level for small pictures: they are made while a printer has other things to do.
 constexpr int kSmallLevel = 8;
 
@@ -64,7 +68,7 @@ std::span<const std::byte> write_png(const PngFormat& format, std::span<const st
   const auto end_chunk = [&](std::size_t begin) {
     put_number(libdeflate_crc32(0, file.data() + begin + 4, size - begin - 4));
   };
-  put(std::array<std::uint8_t, 8>{0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'});
+  put(kSignature);
   std::size_t begin = size;
   put_number(13);
   put(std::array<std::uint8_t, 4>{'I', 'H', 'D', 'R'});
@@ -210,10 +214,9 @@ std::span<const std::byte> SmallPngEncoder::encode(std::span<const std::uint8_t>
                                                    std::uint32_t rows, std::uint32_t channels) {
   const std::size_t width = std::size_t{channels} * columns;
   assert(pixels.size() == width * rows && pixels.size() + rows <= lines_.size());
-  // Each byte less the one above it: filter 2 of PNG.
   for (std::size_t r = 0; r < rows; ++r) {
     std::uint8_t* const line = lines_.data() + r * (width + 1);
-    line[0] = 2;
+    line[0] = kUpFilter;
     for (std::size_t i = 0; i < width; ++i) {
       const unsigned above = r > 0 ? pixels[(r - 1) * width + i] : 0U;
       line[1 + i] = static_cast<std::uint8_t>(pixels[r * width + i] - above);
@@ -221,6 +224,54 @@ std::span<const std::byte> SmallPngEncoder::encode(std::span<const std::uint8_t>
   }
   const PngFormat format{columns, rows, 8, channels == 3 ? LCT_RGB : LCT_GREY};
   return write_png(format, std::span(lines_).first(rows * (width + 1)), compressor_.get(), file_);
+}
+
+void SmallPngDecoder::FreeDecompressor::operator()(libdeflate_decompressor* decompressor) const {
+  libdeflate_free_decompressor(decompressor);
+}
+
+Expected<SmallPngDecoder> SmallPngDecoder::create(std::size_t most_bytes, std::uint32_t most_rows) {
+  SmallPngDecoder decoder;
+  decoder.decompressor_.reset(libdeflate_alloc_decompressor());
+  if (!decoder.decompressor_) return fail(ErrorCode::kOutOfMemory, "PNG decoder: no memory for the decompressor");
+  decoder.lines_.resize(most_bytes + most_rows);
+  return decoder;
+}
+
+Expected<PngSize> SmallPngDecoder::decode(std::span<const std::byte> file, std::uint32_t channels, PngSize most,
+                                          std::span<std::uint8_t> pixels) {
+  const auto* const bytes = reinterpret_cast<const std::uint8_t*>(file.data());
+  const auto number_at = [&](std::size_t at) {
+    return std::uint32_t{bytes[at]} << 24U | std::uint32_t{bytes[at + 1]} << 16U | std::uint32_t{bytes[at + 2]} << 8U |
+           bytes[at + 3];
+  };
+  const auto malformed = [] { return fail(ErrorCode::kMalformed, "the picture is damaged"); };
+  // Where write_png() puts the header's fields, and the one chunk of data.
+  constexpr std::size_t kHeader = 16, kDataSize = 33, kData = 41;
+  if (file.size() < kFrameBytes || !std::equal(kSignature.begin(), kSignature.end(), bytes)) return malformed();
+  const PngSize size{number_at(kHeader), number_at(kHeader + 4)};
+  const std::size_t packed = number_at(kDataSize);
+  if (bytes[kHeader + 8] != 8 || bytes[kHeader + 9] != (channels == 3 ? LCT_RGB : LCT_GREY) ||
+      packed != file.size() - kFrameBytes || size.columns == 0 || size.rows == 0) {
+    return malformed();
+  }
+  const std::size_t width = std::size_t{channels} * size.columns;
+  if (size.columns > most.columns || size.rows > most.rows || width * size.rows > pixels.size() ||
+      (width + 1) * size.rows > lines_.size()) {
+    return fail(ErrorCode::kUnsupported, "the picture has %u x %u pixels", size.columns, size.rows);
+  }
+  const auto unpacked = libdeflate_zlib_decompress(decompressor_.get(), bytes + kData, packed, lines_.data(),
+                                                   (width + 1) * size.rows, nullptr);
+  if (unpacked != LIBDEFLATE_SUCCESS) return malformed();
+  for (std::size_t r = 0; r < size.rows; ++r) {
+    const std::uint8_t* const line = lines_.data() + r * (width + 1);
+    if (line[0] != kUpFilter) return malformed();
+    for (std::size_t i = 0; i < width; ++i) {
+      const unsigned above = r > 0 ? pixels[(r - 1) * width + i] : 0U;
+      pixels[r * width + i] = static_cast<std::uint8_t>(line[1 + i] + above);
+    }
+  }
+  return size;
 }
 
 Expected<PngSize> png_size(std::span<const std::byte> file) {

@@ -1,5 +1,6 @@
 #pragma once
-/// PNG images: masks and small pictures by libdeflate alone, others by lodepng with libdeflate behind it; masks read by lodepng.
+/// PNG images: masks and small pictures by libdeflate alone, others by lodepng with libdeflate behind it; masks read by lodepng, small
+/// pictures by libdeflate.
 
 #include <cstddef>
 #include <cstdint>
@@ -11,6 +12,7 @@
 #include "slicer/core/error.hpp"
 
 struct libdeflate_compressor;
+struct libdeflate_decompressor;
 
 namespace plumbline {
 
@@ -102,6 +104,30 @@ class SmallPngEncoder {
 
 struct PngSize {
   std::uint32_t columns = 0, rows = 0;  ///< 1 to PrintGrid::kMaxSide
+};
+
+/// Decodes what SmallPngEncoder has encoded, without the heap. All memory is taken when it is made. Any bytes are safe to decode.
+class SmallPngDecoder {
+ public:
+  /// @param most_bytes  of the pixels of any picture
+  /// @retval ErrorCode::kOutOfMemory  the heap has no room for the buffers
+  [[nodiscard]] static Expected<SmallPngDecoder> create(std::size_t most_bytes, std::uint32_t most_rows);
+
+  /// @param channels  1: grey levels, 3: RGB
+  /// @param pixels    channels * columns * rows bytes of it are written, row after row from the top
+  /// @retval ErrorCode::kMalformed    damaged, or none of SmallPngEncoder's with so many channels
+  /// @retval ErrorCode::kUnsupported  larger than `most` or `pixels`
+  [[nodiscard]] Expected<PngSize> decode(std::span<const std::byte> file, std::uint32_t channels, PngSize most,
+                                         std::span<std::uint8_t> pixels);
+
+ private:
+  struct FreeDecompressor {
+    void operator()(libdeflate_decompressor* decompressor) const;
+  };
+  SmallPngDecoder() = default;
+
+  std::unique_ptr<libdeflate_decompressor, FreeDecompressor> decompressor_;
+  std::vector<std::uint8_t> lines_;  ///< filtered
 };
 
 /// @param file  of a PNG

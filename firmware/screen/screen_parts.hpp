@@ -19,6 +19,7 @@ struct Sheet {
   const PrinterRecord& record;
   const ScreenView& view;
   Language language;
+  const PreviewPicture* kept_preview;  ///< nullptr: there is none
 
   std::string_view say(Words which) const { return words(which, language); }
   const Look& look() const { return page.look(); }
@@ -54,6 +55,9 @@ void draw_title(const Sheet& sheet, std::string_view title, Colour bar = ink::kB
 void draw_buttons(const Sheet& sheet);
 /// A bar that is full at 1.
 void draw_bar(const Sheet& sheet, const PixelBox& box, double fraction);
+/// A picture as large as the box allows.
+/// @param picture  nullptr: words say that there is none
+void draw_picture(const Sheet& sheet, const PixelBox& box, const PreviewPicture* picture);
 /// Large text, and below it plain text.
 /// @returns y below both
 int draw_message(const Sheet& sheet, const PixelBox& box, std::string_view large, std::string_view plain);

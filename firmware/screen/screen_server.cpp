@@ -36,7 +36,8 @@ ScreenServer::ScreenServer(StatusScreen& screen, Language language)
       language_(language),
       look_(static_cast<int>(screen.columns()), static_cast<int>(screen.rows())),
       shown_(std::size_t{screen.columns()} * screen.rows()),
-      next_(shown_.size()) {}
+      next_(shown_.size()),
+      kept_preview_(KeptPreview::create()) {}
 
 void ScreenServer::show(const PrinterRecord& record, nanoseconds spare) {
   if (record.state == PrintState::kPrinting && spare < kSpare) return;
@@ -45,7 +46,9 @@ void ScreenServer::show(const PrinterRecord& record, nanoseconds spare) {
   view_ = still_open(record, view_);
   Canvas canvas(next_, static_cast<int>(screen_.columns()), static_cast<int>(screen_.rows()));
   Page page(canvas, look_);
-  draw_screen(page, record, view_, language_);
+  const auto wanted = preview_wanted(record, view_);
+  const bool can_show = wanted && kept_preview_;
+  draw_screen(page, record, view_, language_, can_show ? kept_preview_->of(*record.prints, *wanted) : nullptr);
   if (frames_ == 0 || next_ != shown_) {
     if (screen_.present(next_)) {
       std::swap(next_, shown_);

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "firmware/screen/kept_preview.hpp"
 #include "firmware/screen/look.hpp"
 #include "firmware/screen/screen_view.hpp"
 #include "firmware/state/state_socket.hpp"
@@ -53,6 +54,7 @@ class ScreenServer {
   Language language_;
   Look look_;
   std::vector<Colour> shown_, next_;
+  Expected<KeptPreview> kept_preview_;  ///< an error: kept prints are listed without a picture
   ScreenView view_;
   TimePoint asked_at_;
   HostClock::time_point drawn_at_{};

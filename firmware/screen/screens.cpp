@@ -27,8 +27,14 @@ void draw_kind(const Sheet& sheet) {
 
 }  // namespace
 
-void draw_screen(Page& page, const PrinterRecord& record, const ScreenView& view, Language language) {
-  const Sheet sheet{page, record, view, language};
+std::optional<std::uint32_t> preview_wanted(const PrinterRecord& record, const ScreenView& view) {
+  if (!view.prints_open) return std::nullopt;
+  return record.prints->list()[view.print].number;
+}
+
+void draw_screen(Page& page, const PrinterRecord& record, const ScreenView& view, Language language,
+                 const PreviewPicture* kept_preview) {
+  const Sheet sheet{page, record, view, language, kept_preview};
   draw_kind(sheet);
   draw_buttons(sheet);
 }

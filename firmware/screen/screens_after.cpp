@@ -11,6 +11,9 @@
 namespace plumbline {
 namespace {
 
+/// Of the list of prints: the rest of the screen is the picture's.
+constexpr int kPrintRows = 3;
+
 Words plate_title(const PrinterRecord& record) {
   const PrintState end = record.state == PrintState::kPlateInUse ? record.result.value_or(record.state) : record.state;
   if (end == PrintState::kFinished) return Words::kFinished;
@@ -39,14 +42,14 @@ ShortText day_of(const KeptPrint& print) {
 
 }  // namespace
 
+/// The prints, and the picture and facts of the one at hand.
 void draw_prints(const Sheet& sheet) {
   draw_title(sheet, sheet.say(Words::kPrints));
   const auto prints = sheet.record.prints->list();
   const PixelBox body = sheet.body();
   const int height = row_height(sheet);
   const int line = sheet.look().plain.line_height();
-  const int facts_height = 2 * line + sheet.px(4);
-  const ListPart part = shown_part(sheet, body.height - facts_height, prints.size(), sheet.view.print);
+  const ListPart part = shown_part(sheet, kPrintRows * height, prints.size(), sheet.view.print);
   for (std::size_t i = 0; i < part.count; ++i) {
     const KeptPrint& print = prints[part.first + i];
     const PixelBox box{body.x, body.y + static_cast<int>(i) * height, body.width, height};
@@ -56,16 +59,22 @@ void draw_prints(const Sheet& sheet) {
     draw_pair(sheet, draw_row(sheet, box, part.first + i == sheet.view.print), name.view(), day_of(print).view(),
               sheet.plain(good ? ink::kText : ink::kAttention, Fit::kMayCut));
   }
+  const PixelBox rest = body.from_row(kPrintRows * height + sheet.px(4));
+  draw_picture(sheet, rest.top_rows(rest.height - line - sheet.px(2)), sheet.kept_preview);
   const KeptPrint& print = prints[sheet.view.print];
-  const bool good = result_of(print) == Words::kFinished;
-  PixelBox rest = body.from_row(body.height - 2 * line);
-  draw_pair(sheet, rest.top_rows(line), sheet.say(result_of(print)), PrintableText(view(print.profile), 32).view(),
-            sheet.bold(good ? ink::kGood : ink::kAttention));
-  rest = rest.from_row(line);
-  ShortText resin;
-  resin.add("%s ml", decimal(print.resin_ml, 1, sheet.language).c_str());
-  const auto layers = filled_in(sheet.say(Words::kLayerOf), print.layers_done, print.layers);
-  draw_pair(sheet, rest.top_rows(line), layers.view(), resin.view(), sheet.plain());
+  const Words result = result_of(print);
+  const auto word = sheet.say(result);
+  ShortText facts;
+  facts.add("%.*s · %u/%u · %s ml", static_cast<int>(word.size()), word.data(), print.layers_done, print.layers,
+            decimal(print.resin_ml, 1, sheet.language).c_str());
+  const TextStyle style = sheet.plain(result == Words::kFinished ? ink::kGood : ink::kAttention);
+  const PixelBox last = rest.from_row(rest.height - line);
+  const PrintableText profile(view(print.profile), 32);
+  // The profile's name, where there is room for it.
+  const Face& face = sheet.look().plain;
+  const bool both = face.width(facts.view()) + sheet.px(12) + face.width(profile.view()) <= last.width;
+  if (both) return draw_pair(sheet, last, facts.view(), profile.view(), style);
+  sheet.page.line(last, facts.view(), style);
 }
 
 void draw_raising(const Sheet& sheet) {

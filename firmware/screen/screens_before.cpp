@@ -48,11 +48,6 @@ void draw_hint(const Sheet& sheet, const PixelBox& box, const JobRecord& job) {
   sheet.page.paragraph(box, text.view(), sheet.plain(ink::kPale, Fit::kMayCut));
 }
 
-void draw_picture(const Sheet& sheet, const PixelBox& box, const PreviewPicture& picture) {
-  const auto columns = static_cast<int>(picture.columns), rows = static_cast<int>(picture.rows);
-  sheet.canvas().draw_rgb(fitted(box, columns, rows), picture.bytes(), columns, rows);
-}
-
 }  // namespace
 
 void draw_idle(const Sheet& sheet) {
@@ -128,12 +123,10 @@ void draw_preview_screen(const Sheet& sheet) {
   if (pictures != nullptr && pictures->preview.there() && pictures->issues.there()) {
     // Side by side: a picture is wider than tall, and so is what is left of the screen.
     const int half = (picture.width - sheet.px(4)) / 2;
-    draw_picture(sheet, {picture.x, picture.y, half, picture.height}, pictures->preview);
-    draw_picture(sheet, {picture.x + picture.width - half, picture.y, half, picture.height}, pictures->issues);
-  } else if (pictures != nullptr && pictures->preview.there()) {
-    draw_picture(sheet, picture, pictures->preview);
+    draw_picture(sheet, {picture.x, picture.y, half, picture.height}, &pictures->preview);
+    draw_picture(sheet, {picture.x + picture.width - half, picture.y, half, picture.height}, &pictures->issues);
   } else {
-    sheet.page.line(picture, sheet.say(Words::kNoPicture), {sheet.look().plain, ink::kPale, Align::kCentre});
+    draw_picture(sheet, picture, pictures != nullptr ? &pictures->preview : nullptr);
   }
   PixelBox rest = body.from_row(body.height - lines * line);
   const auto mm = [&](double value) { return decimal(value, 1, sheet.language); };

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 #include <lodepng.h>
 
+#include <optional>
 #include <random>
+#include <tuple>
 #include <vector>
 
 namespace plumbline {
@@ -119,6 +121,58 @@ TEST(PngEncoder, RoundTripsPictures) {
     EXPECT_EQ(decoded.rows, 41U);
     EXPECT_EQ(decoded.type, LCT_RGB);
     EXPECT_EQ(decoded.bytes, rgb);
+  }
+}
+
+/// Noise with a slope, so that no two bytes of a line need be alike.
+std::vector<std::uint8_t> pixels_of(std::uint32_t columns, std::uint32_t rows, std::uint32_t channels) {
+  std::mt19937 random(columns * 1000 + rows);
+  std::vector<std::uint8_t> pixels(std::size_t{channels} * columns * rows);
+  for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<std::uint8_t>(i / 7 + random() % 5);
+  return pixels;
+}
+
+TEST(SmallPngDecoder, GivesBackWhatWasEncoded) {
+  auto encoder = SmallPngEncoder::create(std::size_t{3} * 320 * 180, 180);
+  auto decoder = SmallPngDecoder::create(std::size_t{3} * 320 * 180, 180);
+  ASSERT_TRUE(encoder && decoder);
+  std::vector<std::uint8_t> out(std::size_t{3} * 320 * 180);
+  for (const auto& [columns, rows, channels] :
+       {std::tuple(320U, 180U, 3U), {1U, 1U, 3U}, {320U, 1U, 1U}, {1U, 180U, 1U}, {97U, 31U, 3U}}) {
+    const auto pixels = pixels_of(columns, rows, channels);
+    const auto size = decoder->decode(encoder->encode(pixels, columns, rows, channels), channels, {320, 180}, out);
+    ASSERT_TRUE(size) << size.error().message();
+    EXPECT_EQ(std::pair(size->columns, size->rows), std::pair(columns, rows));
+    EXPECT_TRUE(std::equal(pixels.begin(), pixels.end(), out.begin()));
+  }
+}
+
+TEST(SmallPngDecoder, RefusesWhatIsTooLargeOrDamagedAndWritesNothingBeyondItsRoom) {
+  auto encoder = SmallPngEncoder::create(std::size_t{3} * 40 * 20, 20);
+  auto decoder = SmallPngDecoder::create(std::size_t{3} * 40 * 20, 20);
+  ASSERT_TRUE(encoder && decoder);
+  const auto encoded = encoder->encode(pixels_of(40, 20, 3), 40, 20, 3);
+  const std::vector<std::byte> file(encoded.begin(), encoded.end());
+  std::vector<std::uint8_t> out(std::size_t{3} * 40 * 20);
+  const auto code = [&](std::span<const std::byte> bytes, std::uint32_t channels, PngSize most,
+                        std::span<std::uint8_t> room) {
+    const auto size = decoder->decode(bytes, channels, most, room);
+    return size ? std::optional<ErrorCode>() : size.error().code();
+  };
+  EXPECT_EQ(code(file, 3, {40, 20}, out), std::nullopt);
+  EXPECT_EQ(code(file, 3, {39, 20}, out), ErrorCode::kUnsupported);
+  EXPECT_EQ(code(file, 3, {40, 19}, out), ErrorCode::kUnsupported);
+  EXPECT_EQ(code(file, 3, {40, 20}, std::span(out).first(out.size() - 1)), ErrorCode::kUnsupported);
+  EXPECT_EQ(code(file, 1, {40, 20}, out), ErrorCode::kMalformed);
+  for (std::size_t size = 0; size < file.size(); ++size) {
+    EXPECT_EQ(code(std::span(file).first(size), 3, {40, 20}, out), ErrorCode::kMalformed) << size;
+  }
+  // Any byte may be wrong: memory checkers see whether that is safe.
+  std::mt19937 random(5);
+  for (std::size_t at = 0; at < file.size(); ++at) {
+    auto damaged = file;
+    damaged[at] ^= static_cast<std::byte>(1 + random() % 255);
+    static_cast<void>(code(damaged, 3, {40, 20}, out));
   }
 }
 

@@ -5,6 +5,8 @@
 
 #include "firmware/io/file_source.hpp"
 #include "firmware/print/print_session.hpp"
+#include "firmware/print/store/kept_prints.hpp"
+#include "firmware/screen/kept_preview.hpp"
 #include "hal/sim/sim_machine.hpp"
 #include "tests/firmware/support/heap_trap.hpp"
 #include "tests/firmware/support/job_fixture.hpp"
@@ -56,6 +58,30 @@ TEST(Print, TakesNothingFromTheHeapFromItsAdmissionToItsReport) {
   if (use.trapped > 0) HeapTrap::print_stacks();
   EXPECT_GT(use.simulator, 0) << "the trap was armed during the print";
   EXPECT_EQ(use.lodepng, 0);
+}
+
+TEST(KeptPrint, IsWrittenReadAndShownWithoutTheHeap) {
+  const TemporaryFolder folder;
+  auto prints = KeptPrints::open(folder / ".", [](std::string_view) {});
+  auto encoder = SmallPngEncoder::create(sizeof(PreviewPicture::memory), PreviewPicture::kMostRows);
+  auto preview = KeptPreview::create();
+  ASSERT_TRUE(prints && encoder && preview);
+  const std::vector<std::uint8_t> pixels(std::size_t{3} * 320 * 100, 77);
+  HeapTrap trap;
+  bool kept = true, shown = true;
+  for (std::uint32_t number = 1; number <= KeptPrints::kMost + 2; ++number) {
+    const auto png = encoder->encode(pixels, 320, 100, PreviewPicture::kChannels);
+    kept = kept && prints->keep(
+                       {}, [](TextSink& out) { return out.write("{}"); }, png);
+    const PreviewPicture* const picture = preview->of(*prints, number);
+    shown = shown && picture != nullptr && picture->columns == 320 && picture->bytes().back() == 77;
+  }
+  const PreviewPicture* const dropped = preview->of(*prints, 1);
+  const HeapUse use = trap.disarm();
+  EXPECT_TRUE(kept && shown);
+  EXPECT_EQ(dropped, nullptr);
+  EXPECT_EQ(use.trapped, 0);
+  if (use.trapped > 0) HeapTrap::print_stacks();
 }
 
 }  // namespace

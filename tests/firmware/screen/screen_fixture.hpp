@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "firmware/print/store/kept_prints.hpp"
+#include "firmware/screen/kept_preview.hpp"
 #include "firmware/screen/screens.hpp"
 #include "tests/firmware/support/job_fixture.hpp"
 
@@ -19,7 +20,10 @@ struct DrawnScreen {
       : pixels(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows)),
         canvas(pixels, columns, rows),
         page(canvas, look_of(columns, rows)) {
-    draw_screen(page, record, still_open(record, view), language);
+    const ScreenView open = still_open(record, view);
+    const auto wanted = preview_wanted(record, open);
+    auto previews = KeptPreview::create();
+    draw_screen(page, record, open, language, wanted ? previews->of(*record.prints, *wanted) : nullptr);
   }
   /// Made once for each size.
   static const Look& look_of(int columns, int rows) {
@@ -87,7 +91,7 @@ inline const JobPictures& pictures_with_issues() {
   return *pictures;
 }
 
-/// Five prints, kept in a folder of their own.
+/// Five prints, kept in a folder of their own: two balls, then one without a preview, as a resumed print has none, and two more balls.
 inline const KeptPrints& some_prints() {
   struct Row {
     const char* scan;
@@ -102,6 +106,7 @@ inline const KeptPrints& some_prints() {
         Row{"bust.ply", PrintState::kFinished, 1604, 34.4}, Row{"gear.stl", PrintState::kCancelled, 152, 2.1},
         Row{"a statue with a very long name.ply and 3 more", PrintState::kFinished, 1604, 120.9},
         Row{"ring.3mf", PrintState::kFault, 12, 0.4}, Row{"bust.ply", PrintState::kFinished, 1604, 34.4}};
+    auto encoder = SmallPngEncoder::create(sizeof(PreviewPicture::memory), PreviewPicture::kMostRows);
     std::int64_t day = 1'795'000'000;
     for (const Row& row : kRows) {
       KeptPrint print;
@@ -112,7 +117,11 @@ inline const KeptPrints& some_prints() {
       print.layers_done = row.layers_done;
       print.resin_ml = row.resin_ml;
       print.ended_at = day += 86'400;
-      EXPECT_TRUE(opened->keep(print, [](TextSink& out) { return out.write("{}"); }, {}));
+      const PreviewPicture& ball = ball_pictures().preview;
+      const bool resumed = print.layers_done == print.layers && print.resin_ml > 100;
+      const auto png = encoder->encode(ball.bytes(), ball.columns, ball.rows, PreviewPicture::kChannels);
+      EXPECT_TRUE(opened->keep(
+          print, [](TextSink& out) { return out.write("{}"); }, resumed ? std::span<const std::byte>() : png));
     }
     return std::move(*opened);
   }();

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <utility>
@@ -119,6 +120,20 @@ TEST(ScreenServer, ShowsTheLastPrintsWhileThePrinterIsIdle) {
   rig.record->state = kOffered;
   rig.server.show(*rig.record, 1h);
   EXPECT_FALSE(rig.server.view().prints_open) << "a stick has come";
+}
+
+TEST(KeptPreview, IsThePictureThatWasKept) {
+  auto preview = KeptPreview::create();
+  ASSERT_TRUE(preview);
+  const PreviewPicture& ball = ball_pictures().preview;
+  for (const std::uint32_t number : {1U, 5U, 5U, 1U}) {
+    const PreviewPicture* const picture = preview->of(some_prints(), number);
+    ASSERT_NE(picture, nullptr);
+    EXPECT_EQ(picture->columns, ball.columns);
+    EXPECT_TRUE(std::ranges::equal(picture->bytes(), ball.bytes()));
+    EXPECT_EQ(preview->of(some_prints(), 3), nullptr) << "a resumed print";
+    EXPECT_EQ(preview->of(some_prints(), 6), nullptr) << "no print";
+  }
 }
 
 TEST(ScreenServer, ShowsTheCardOfLightsWhileNobodyIsInAHurry) {

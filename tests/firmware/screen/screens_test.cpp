@@ -61,6 +61,12 @@ std::vector<ScreenCase> golden_cases() {
                         view.prints_open = true;
                         view.print = 1;
                       })},
+      {"prints-resumed", with(kIdle,
+                              [](auto& record, auto& view) {
+                                record.prints = &some_prints();
+                                view.prints_open = true;
+                                view.print = 2;
+                              })},
       {"lights", with(kIdle,
                       [](auto&, auto& view) {
                         view.lights_open = true;
