@@ -6,12 +6,28 @@
 #include "firmware/child/rights.hpp"
 #include "firmware/child/scan_task.hpp"
 #include "firmware/child/shared_progress.hpp"
+#include "firmware/pictures/issue_picture.hpp"
 #include "firmware/pictures/side_pictures.hpp"
 #include "firmware/print/sliced_archive.hpp"
 #include "firmware/settings/job_options.hpp"
 
 namespace plumbline {
 namespace {
+
+/// Draws where the checks have found something, from layers that are decoded again: there are at most a dozen of them.
+/// @param arena  an image is taken from its top and released, as is what draw_issues_picture() takes
+Status draw_issues(const SlicedArchive& sliced, std::string_view name, Arena& arena, IssuesPicture& picture) {
+  const ArenaScope scope(arena);
+  const PrintGrid& grid = sliced.grid;
+  const auto words = arena.take_top<std::uint64_t>(BitImage::words_needed(grid.columns, grid.rows), "masks");
+  PLUMBLINE_TRY(words);
+  const BitImage image(*words, grid.columns, grid.rows);
+  const auto mask = [&](std::uint32_t layer) -> Expected<ConstBitImage> {
+    PLUMBLINE_TRY(read_archive_layer(STDIN_FILENO, name, sliced.layers[layer], sliced.turn, image));
+    return ConstBitImage(image);
+  };
+  return draw_issues_picture(sliced.findings, grid, mask, arena, picture);
+}
 
 Status check(SharedMemory& memory) {
   MessagePage& page = memory.page();
@@ -42,6 +58,8 @@ Status check(SharedMemory& memory) {
     static_cast<void>(draw_preview_picture(sliced->rrep, Supports{}, arena, page.pictures.preview));
     static_cast<void>(draw_side_pictures(sliced->rrep, Supports{}, arena, page.pictures.sides));
   }
+  arena.release_bottom(sliced->layers_end);  // the R-Rep's room
+  static_cast<void>(draw_issues(*sliced, page.request.name.view(), arena, page.pictures.issues));
   return {};
 }
 

@@ -249,16 +249,19 @@ Expected<std::span<const std::byte>> encode_issues(const StackFindings& findings
 
 Status draw_issues_picture(const StackFindings& findings, const RRep& rrep, const Supports& supports, Arena& arena,
                            IssuesPicture& picture) {
+  return with_masks(rrep, supports, arena,
+                    [&](MaskOf masks) { return draw_issues_picture(findings, rrep.grid, masks, arena, picture); });
+}
+
+Status draw_issues_picture(const StackFindings& findings, const PrintGrid& grid, MaskOf masks, Arena& arena,
+                           IssuesPicture& picture) {
   picture.clear();
   const ShownIssues shown(findings);
   if (shown.count == 0) return {};
   const Picture pixels{picture.memory, IssuesPicture::kMostColumns, IssuesPicture::kMostRows};
   draw_background(pixels);
-  const Status drawn = with_masks(rrep, supports, arena, [&](MaskOf masks) {
-    return draw_tiles(pixels, small_layout(shown.count), shown, rrep.grid, masks, arena,
-                      [](const Issue& /*issue*/, const TilePlace& /*place*/) {});
-  });
-  PLUMBLINE_TRY(drawn);
+  PLUMBLINE_TRY(draw_tiles(pixels, small_layout(shown.count), shown, grid, masks, arena,
+                           [](const Issue& /*issue*/, const TilePlace& /*place*/) {}));
   picture.columns = IssuesPicture::kMostColumns;
   picture.rows = IssuesPicture::kMostRows;
   return {};

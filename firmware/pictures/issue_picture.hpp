@@ -49,9 +49,15 @@ struct ShownIssues {
                                                                  Arena& arena, PngEncoder& encoder);
 
 /// Draws the same tiles without texts, small enough to be kept for as long as the job lasts. There is no picture if there is nothing to
-/// show.
-/// @param arena  two images of the grid and the regions of one are taken from its top, a MaskStream from its bottom; released
-/// @retval ErrorCode::kOutOfMemory  there is no picture then
+/// show, and none after an error.
+/// @param masks  called for each layer that is shown and the one below it, in ascending order
+/// @param arena  two images of the grid and the regions of one are taken from its top and released
+/// @retval ErrorCode::kOutOfMemory, and any error of `masks`
+[[nodiscard]] Status draw_issues_picture(const StackFindings& findings, const PrintGrid& grid, MaskOf masks,
+                                         Arena& arena, IssuesPicture& picture);
+
+/// The same for the masks of an R-Rep, which are made anew.
+/// @param arena  a MaskStream is taken from its bottom and released, too
 [[nodiscard]] Status draw_issues_picture(const StackFindings& findings, const RRep& rrep, const Supports& supports,
                                          Arena& arena, IssuesPicture& picture);
 

@@ -96,7 +96,7 @@ class Page(PagePrinter):
             self.assertEqual(self.ask("GET", path)[0], status, path)
         self.assertEqual(json.loads(self.get("/state"))["state"], "plate in use")
 
-    def test_an_archive_shows_the_masks_of_its_scan(self):
+    def test_an_archive_shows_the_masks_of_its_scan_and_their_issues(self):
         board = self.page_board("local")
         self.start(printer=board)
         self.start_page()
@@ -115,6 +115,7 @@ class Page(PagePrinter):
             self.post("/command", {"do": "start"}, headers=token)
             last = until(lambda s: s["masks"])["sliced"]["layers"] - 1
             shown = [self.get(f"/mask?n={n}") for n in (last, last // 2, last // 2 + 1, last // 2)]
+            shown.append(self.get("/picture/issues"))
             self.assertEqual(self.ask("GET", f"/mask?n={last + 1}")[0], 404)
             self.post("/command", {"do": "cancel"}, headers=token)
             until(lambda s: s["state"] == "idle" and not s["masks"])

@@ -38,11 +38,29 @@ def png(columns, rows, pixels, depth=8, colour=0, extra=b""):
     return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + extra + chunk(b"IDAT", zlib.compress(pixels)) + chunk(b"IEND", b"")
 
 
-def square(size=200):
-    """A white square in the middle of the panel of sim2k, in grey."""
+def square(size=200, island=0):
+    """A white square in the middle of the panel of sim2k, in grey, and to its right a smaller one."""
     empty, row = bytes(1441), bytearray(1441)
     row[700 - size // 2 : 700 + size // 2] = b"\xff" * size
-    return png(1440, 2560, empty * 1000 + bytes(row) * size + empty * (1560 - size))
+    both = row[:1000] + b"\xff" * island + row[1000 + island :]
+    return png(1440, 2560, empty * 1000 + bytes(both) * island + bytes(row) * (size - island) + empty * (1560 - size))
+
+
+def rgb_of(path):
+    """Columns, rows and pixels of an RGB picture whose lines are stored as differences to the one above."""
+    data, at, stream = path.read_bytes(), 8, b""
+    while at < len(data):
+        length, kind = struct.unpack(">I4s", data[at : at + 8])
+        if kind == b"IHDR":
+            columns, rows = struct.unpack(">II", data[at + 8 : at + 16])
+        if kind == b"IDAT":
+            stream += data[at + 8 : at + 8 + length]
+        at += 12 + length
+    raw, pixels, above = zlib.decompress(stream), [], bytes(3 * columns)
+    for line in (raw[at : at + 3 * columns + 1] for at in range(0, len(raw), 3 * columns + 1)):
+        above = bytes((a + b) & 255 for a, b in zip(line[1:], above))
+        pixels += zip(above[::3], above[1::3], above[2::3])
+    return columns, rows, pixels
 
 
 def exposures(report):
@@ -261,6 +279,33 @@ class FromAStick(Sliced):
         report = json.loads((self.state / "report.json").read_text())
         self.assertEqual((report["state"], report["scan"]), ("finished", "part.sl1"))
         self.assertEqual([line["mask_hash"] for line in report["exposures"]][-15:], hashes[-15:])
+
+    def pictures_of(self, part):
+        """Prints it. @returns the state's numbers of pictures while it prints"""
+        self.put_stick(part)
+        daemon = self.start("--speedup", 60)
+        self.until(daemon, "layer 1 of")
+        state = json.loads(self.run_it("status", "--json", "--socket", self.state / "state").stdout)
+        picture = self.dir / "issues.png"
+        if state["pictures"]["issues"]:
+            self.run_it("status", "--socket", self.state / "state", "--picture", "issues", "-o", picture)
+        daemon.kill()
+        daemon.wait()
+        shutil.rmtree(self.dir / "stick")
+        shutil.rmtree(self.state)
+        return state["pictures"]
+
+    def test_shows_where_the_masks_have_issues(self):
+        # A square, and beside it on the second layer and above one that nothing holds.
+        first, above = square(), square(island=60)
+        self.assertIsNone(self.pictures_of(self.pack({f"{i}.png": first for i in range(1, 5)}))["issues"])
+        self.assertGreater(self.pictures_of(self.pack({f"{i}.png": first if i == 1 else above for i in range(1, 5)}))["issues"], 0)
+        columns, rows, pixels = rgb_of(self.dir / "issues.png")
+        self.assertEqual((columns, rows), (320, 180))
+        red = sum(red > 200 and green < 120 for red, green, _ in pixels)
+        # The issue is drawn as large as the tile allows, with what is round it.
+        self.assertGreater(red, 1000)
+        self.assertLess(red, 320 * 180 // 2)
 
     def test_says_why_it_does_not_print(self):
         self.make_part()
