@@ -64,7 +64,10 @@ Status write_new(const std::string& path, const std::string& text) {
 
 /// A measurement that fails leaves the answers as they are. A person reads why and goes on; a file of answers ends.
 Status measure(Dialogue& dialogue, bool may_go_on, const Status& measured) {
-  if (measured || !may_go_on || measured.error().code() == ErrorCode::kCancelled) return measured;
+  if (measured || !may_go_on) return measured;
+  // With a lamp that does not go dark nothing else is measured.
+  const ErrorCode code = measured.error().code();
+  if (code == ErrorCode::kCancelled || code == ErrorCode::kLampStuckOn) return measured;
   dialogue.say(std::string("  Not measured: ") + measured.error().message());
   return {};
 }
@@ -82,6 +85,8 @@ Expected<BoardFile> set_up(const SetupOptions& options, Dialogue& dialogue, Boar
     PLUMBLINE_TRY(machine_of(*built, built->path));
     simulation.simulate = true;
     simulation.computing = 0;
+    simulation.speedup = options.speedup;
+    simulation.lamp_line = options.lamp_line;
     simulation.built = std::move(*built);
   }
   if (!simulation.simulate) dialogue.say(to_text(board_parts()));
@@ -129,6 +134,16 @@ CLI::App* add_setup_command(CLI::App& app, SetupOptions& options) {
       ->add_option("--simulated", options.simulated,
                    "Measure a simulated printer that is built as this board file says")
       ->type_name("NAME");
+  command
+      ->add_option("--speedup", options.speedup,
+                   "Simulated seconds per second, 0.1 to 1000000 [as fast as this machine can]")
+      ->type_name("N")
+      ->check(CLI::Range(0.1, 1e6).description(""));
+  command
+      ->add_option("--lamp-line", options.lamp_line,
+                   "Line that plumbline-keeper switches together with the simulated lamp; file:PATH records the "
+                   "changes. Needs --speedup")
+      ->type_name("LINE");
   command->add_flag("--list", options.list, "List what this board has, and nothing else");
   command->callback([&options] {
     if (options.list == options.output.empty()) return;

@@ -72,9 +72,11 @@ Expected<bool> Bench::flash(nanoseconds time, const std::string& name, const std
     return false;
   }
   PLUMBLINE_TRY(exposure);
-  PLUMBLINE_TRY(wait_for(*exposure, machine()));  // the exposure ends when it goes out of scope
+  const Status waited = wait_for(*exposure, machine());
+  // Ends the light. Nobody is told that the lamp is dark before it is.
   const auto report = exposure->finish();
   PLUMBLINE_TRY(report);
+  PLUMBLINE_TRY(waited);
   dialogue_.say("  The lamp is dark again.");
   return report->end == ExposureEnd::kTimeUp;
 }

@@ -25,7 +25,7 @@ inline constexpr const char* kMeasured = "measured by plumbline setup";
 /// Waits for a motion or an exposure. Ends it, and returns why, when somebody wants to stop.
 template <class Action>
 Status wait_for(Action& action, Machine& machine) {
-  constexpr std::chrono::milliseconds kLook{100};  // Ctrl-C is no event
+  constexpr std::chrono::milliseconds kLook{10};  // Ctrl-C is no event
   constexpr std::chrono::seconds kGrace{2};
   while (!action.over()) {
     if (interrupted()) {

@@ -3,12 +3,14 @@
 
 import os
 import pty
+import re
+import select
 import signal
 import subprocess
 import time
 import unittest
 
-from case import PLUMBLINE, SOURCE_DIR, Program, main
+from case import PLUMBLINE, SIM2K, SOURCE_DIR, Program, main
 
 LIKE = SOURCE_DIR / "board" / "pine64_ls055.toml"
 # The panel of LIKE seen without rotation or mirror; its stage as its file says.
@@ -91,6 +93,49 @@ class Setup(Program):
         )
         self.assertEqual(closed.returncode, 130)
         self.assertIn("the input has ended: nothing was written", closed.stderr)
+
+    def changes(self):
+        """The lamp's line: on or off, and when, in ns of the monotonic clock."""
+        text = self.line.read_text() if self.line.exists() else ""
+        return [(word, int(at)) for word, at in (line.split() for line in text[: text.rfind("\n") + 1].splitlines())]
+
+    def struck_in_light(self, strike):
+        """Lights the lamp for 20 s of the host's time, then strikes. @returns seconds until it is dark, what the program said"""
+        self.line = self.dir / "lamp-line"
+        self.line.unlink(missing_ok=True)
+        answers = {"move.ready": "no", "lamp.how": "sheet", "lamp.seconds": "30", "lamp.light": "yes"}
+        process, terminal = pty.fork()
+        if process == 0:
+            os.execv(PLUMBLINE, [str(PLUMBLINE), "setup", str(self.file), "--simulated", str(SIM2K), "--speedup", "1.5",
+                                 "--lamp-line", f"file:{self.line}"])
+        said, struck, end = b"", None, time.monotonic() + 60
+        while time.monotonic() < end:
+            if select.select([terminal], [], [], 0.005)[0]:
+                try:
+                    said += os.read(terminal, 4096)
+                except OSError:
+                    break
+            if said.endswith(b"> "):
+                name = said.rstrip().split(b"\r\n\r\n")[-1].split(b":")[0].decode()
+                if name == "look.corners":
+                    answers[name] = re.findall("simulated: you see ([1-4 ]+)", said.decode())[-1]
+                os.write(terminal, answers.get(name, "").encode() + b"\n")
+                said += b"."
+            if struck is None and self.changes()[-1:] and self.changes()[-1][0] == "on":
+                struck = time.monotonic_ns()
+                strike(process, terminal)
+        self.assertEqual(os.waitstatus_to_exitcode(os.waitpid(process, 0)[1]), 130, said.decode())
+        self.assertFalse(self.file.exists())
+        self.assertEqual([word for word, _ in self.changes()], ["on", "off"])
+        return (self.changes()[-1][1] - struck) / 1e9, said.decode()
+
+    def test_ctrl_c_and_sigterm_turn_the_lit_lamp_off_at_once(self):
+        for strike in (lambda _, terminal: os.write(terminal, b"\x03"), lambda process, _: os.kill(process, signal.SIGTERM)):
+            dark_after, said = self.struck_in_light(strike)
+            # 10 ms on an idle machine; other tests may run beside this one.
+            self.assertLess(dark_after, 1)
+            self.assertIn("interrupted: the lamp is dark, the plate stands, and nothing was written", said)
+            self.assertNotIn("lamp.thickness", said)
 
     def test_lists_the_board(self):
         self.assertRegex(self.run_it("setup", "--list").stdout, "board")

@@ -6,9 +6,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <csignal>
 #include <map>
 #include <random>
 
+#include "firmware/io/interrupt.hpp"
 #include "firmware/setup/panel_look.hpp"
 #include "firmware/setup/stage_trial.hpp"
 
@@ -76,6 +78,69 @@ std::string squares_seen(const Sight& sight) {
   return text;
 }
 
+/// The events of a machine. The first wait in which the lamp is lit begins with a signal.
+class InterruptedEvents final : public Events {
+ public:
+  InterruptedEvents(Machine& machine, int signal) : machine_(machine), signal_(signal) {}
+  std::optional<TimePoint> raised_at;
+  TimePoint returned_at;  ///< from the last wait
+
+ private:
+  Expected<std::optional<Event>> do_next_event(TimePoint until) override {
+    if (!raised_at && machine_.lamp.lit()) {
+      raised_at = machine_.clock.now();
+      std::raise(signal_);
+    }
+    auto event = machine_.events.next_event(until);
+    returned_at = machine_.clock.now();
+    return event;
+  }
+
+  Machine& machine_;
+  int signal_;
+};
+
+/// A simulated machine with such events, which tells at its end how it was left.
+class InterruptedBackEnd final : public BackEnd {
+ public:
+  struct End {
+    std::optional<TimePoint> raised_at;
+    TimePoint last_wait_at;
+    bool light = false;
+    Distance height;
+  };
+  InterruptedBackEnd(std::unique_ptr<BackEnd> back_end, int signal, std::function<void(const End&)> ended)
+      : back_end_(std::move(back_end)),
+        events_(back_end_->machine(), signal),
+        machine_(with_events(back_end_->machine(), events_)),
+        ended_(std::move(ended)) {}
+  ~InterruptedBackEnd() override {
+    Witness& witness = *back_end_->witness();
+    ended_({events_.raised_at, events_.returned_at, witness.light(), witness.plate_height()});
+  }
+  Machine& machine() override { return machine_; }
+  Witness* witness() override { return back_end_->witness(); }
+  std::optional<StepFigures> take_step_figures() override { return std::nullopt; }
+
+ private:
+  static Machine with_events(const Machine& machine, Events& events) {
+    return {.clock = machine.clock,
+            .events = events,
+            .mask = machine.mask,
+            .lamp = machine.lamp,
+            .stage = machine.stage,
+            .stick = machine.stick,
+            .panel = machine.panel,
+            .thermals = machine.thermals,
+            .screen = machine.screen};
+  }
+
+  std::unique_ptr<BackEnd> back_end_;
+  InterruptedEvents events_;
+  Machine machine_;
+  std::function<void(const End&)> ended_;
+};
+
 /// A printer and whoever sets it up. `built` says how it is, the draft begins as board/`like`.
 class SetUp : public testing::Test {
  protected:
@@ -106,6 +171,22 @@ class SetUp : public testing::Test {
     };
     person_.answers["move.ready"] = "yes";
   }
+  /// From now on the first light is interrupted.
+  void interrupt_in_light(int signal) {
+    was_lit_ = false;
+    open_ = [this, plain = open_, signal](const BoardFile& board) -> Expected<std::unique_ptr<BackEnd>> {
+      auto back_end = plain(board);
+      PLUMBLINE_TRY(back_end);
+      const auto note = [this](const InterruptedBackEnd::End& end) {
+        was_lit_ = end.raised_at.has_value();
+        interrupted_at_ = end.raised_at.value_or(TimePoint());
+        noticed_at_ = end.last_wait_at;
+        light_at_end_ = end.light;
+        height_at_end_ = end.height;
+      };
+      return std::make_unique<InterruptedBackEnd>(std::move(*back_end), signal, note);
+    };
+  }
   static BoardFile board(const std::string& name) {
     auto read = read_board_file(kBoards + name + ".toml");
     EXPECT_TRUE(read) << read.error().message();
@@ -120,6 +201,9 @@ class SetUp : public testing::Test {
   OpenMachine open_;
   Witness* witness_ = nullptr;
   Distance height_;
+  bool was_lit_ = false, light_at_end_ = false;
+  TimePoint interrupted_at_, noticed_at_;
+  Distance height_at_end_;
 };
 
 TEST_F(SetUp, FindsEachWayAPanelCanShowAPicture) {
@@ -294,6 +378,39 @@ TEST_F(SetUp, StopsForAButtonInAMoveAndInLight) {
   ASSERT_FALSE(lit);
   EXPECT_EQ(lit.error().code(), ErrorCode::kCancelled) << lit.error().message();
   EXPECT_EQ(person_.asked.back(), "lamp.light");
+}
+
+TEST_F(SetUp, TurnsTheLampOffAtOnceWhenInterrupted) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    SCOPED_TRACE(signal);
+    catch_interrupts();
+    begin("rig", board("rig"));
+    interrupt_in_light(signal);
+    person_.answers = {{"lamp.how", "sheet"}, {"lamp.seconds", "20"}, {"lamp.light", "yes"}};
+    const Status lit = measure_lamp(person_, *draft_, open_, profile_);
+    ASSERT_FALSE(lit);
+    EXPECT_EQ(lit.error().code(), ErrorCode::kCancelled);
+    EXPECT_THAT(lit.error().message(), HasSubstr("interrupted: the lamp is dark, the plate stands"));
+    EXPECT_TRUE(was_lit_) << "the signal came while the lamp was lit";
+    EXPECT_FALSE(light_at_end_);
+    EXPECT_LE(noticed_at_ - interrupted_at_, std::chrono::milliseconds(10));
+    EXPECT_EQ(height_at_end_, height_);
+    EXPECT_EQ(person_.asked.back(), "lamp.light") << "nothing was asked after it";
+  }
+  catch_interrupts();
+}
+
+TEST_F(SetUp, NeverSaysThatTheLampIsDarkWhileItIsLit) {
+  catch_interrupts();
+  begin("rig", board("rig"));
+  interrupt_in_light(SIGINT);
+  faults_ = {"lamp.stuck_on@t=0s"};
+  person_.answers = {{"lamp.how", "sheet"}, {"lamp.seconds", "20"}, {"lamp.light", "yes"}};
+  const Status lit = measure_lamp(person_, *draft_, open_, profile_);
+  ASSERT_FALSE(lit);
+  EXPECT_EQ(lit.error().code(), ErrorCode::kLampStuckOn) << lit.error().message();
+  EXPECT_TRUE(was_lit_);
+  catch_interrupts();
 }
 
 TEST_F(SetUp, AsksAgainWhatCannotBe) {
