@@ -84,7 +84,7 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
   const std::size_t reorder = Cloud::reorder_bytes(points);
   set(Stage::kNormals, cloud + tree + std::max({normals_bytes(points), sample_surface_bytes(points), reorder}));
   set(Stage::kTrees, cloud + tree + reorder);
-  set(Stage::kViews, cloud + tree + std::max(align_views_bytes(points), reorder));
+  set(Stage::kViews, cloud + tree + std::max(align_views_bytes(points, threads), reorder));
   set(Stage::kClustering, cloud + tree +
                               std::max({sizeof(PackedNormal) * std::size_t{points}, stray_pieces_bytes(points),
                                         support_size_bytes(), bore_walls_bytes(points)}));
