@@ -1,8 +1,18 @@
 #include "slicer/cloud/cloud.hpp"
 
+#include <bit>
 #include <cmath>
 
 namespace plumbline {
+namespace {
+
+/// What is moved at a time: a normal, or two numbers.
+struct Piece {
+  float a, b;
+};
+static_assert(sizeof(Piece) == sizeof(PackedNormal));
+
+}  // namespace
 
 void PackedNormal::set(const Vec3f& n) {
   const float length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
@@ -55,32 +65,33 @@ void Cloud::drop_noise() {
   size = kept;
 }
 
+std::size_t Cloud::reorder_bytes(std::uint32_t points) { return points * sizeof(Piece); }
+
 Status Cloud::reorder(std::span<const std::uint32_t> order, Arena& arena) {
   const ArenaScope scope(arena);
-  auto bits = arena.take_top<std::uint64_t>((size + 63) / 64, "reordering the cloud");
-  if (!bits) return tl::unexpected<Error>(bits.error());
-  std::span<std::uint64_t> done = *bits;
-  std::fill(done.begin(), done.end(), 0);
-  for (std::uint32_t start = 0; start < size; ++start) {
-    if ((done[start / 64] >> (start % 64)) & 1U) continue;
-    // Follow the cycle of the permutation that starts here.
-    const Vec3f first_position = position[start];
-    const PackedNormal first_normal = normal[start];
-    const float first_radius = radius[start];
-    std::uint32_t at = start;
-    for (;;) {
-      done[at / 64] |= std::uint64_t{1} << (at % 64);
-      const std::uint32_t from = order[at];
-      if (from == start) break;
-      position[at] = position[from];
-      normal[at] = normal[from];
-      radius[at] = radius[from];
-      at = from;
-    }
-    position[at] = first_position;
-    normal[at] = first_normal;
-    radius[at] = first_radius;
-  }
+  const auto room = arena.take_top<Piece>(size, "reordering the cloud");
+  if (!room) return tl::unexpected<Error>(room.error());
+  const auto copy = [&](auto from, auto to) {
+#pragma omp parallel for schedule(static)
+    for (std::uint32_t i = 0; i < size; ++i) (*room)[i] = from(order[i]);
+#pragma omp parallel for schedule(static)
+    for (std::uint32_t i = 0; i < size; ++i) to(i, (*room)[i]);
+  };
+  copy(
+      [&](std::uint32_t i) {
+        return Piece{position[i][0], position[i][1]};
+      },
+      [&](std::uint32_t i, const Piece& piece) { position[i].head<2>() << piece.a, piece.b; });
+  copy(
+      [&](std::uint32_t i) {
+        return Piece{position[i][2], radius[i]};
+      },
+      [&](std::uint32_t i, const Piece& piece) {
+        position[i][2] = piece.a;
+        radius[i] = piece.b;
+      });
+  copy([&](std::uint32_t i) { return std::bit_cast<Piece>(normal[i]); },
+       [&](std::uint32_t i, const Piece& piece) { normal[i] = std::bit_cast<PackedNormal>(piece); });
   return {};
 }
 

@@ -68,7 +68,9 @@ struct Cloud {
   /// Removes the points of class kNoise and keeps the order of the others.
   void drop_noise();
 
-  /// Moves point order[i] to i, in place. Takes one bit a point from the top of the arena, and releases it.
+  /// Bytes that reorder() takes.
+  static std::size_t reorder_bytes(std::uint32_t points);
+  /// Moves point order[i] to i. Takes room at the top of the arena, and releases it.
   [[nodiscard]] Status reorder(std::span<const std::uint32_t> order, Arena& arena);
 };
 

@@ -1,7 +1,7 @@
 #include "slicer/cloud/kd_tree.hpp"
 
 // nanoflann has no allocator hook: its pool calls ::malloc and ::free, and its index is a std::vector. Only this file
-// includes it. All headers that nanoflann needs come first. Then malloc and free are redirected around that one include,
+// includes it. TreeBuilder makes the nodes, so the pool stays empty. All headers that nanoflann needs come first. Then malloc and free are redirected around that one include,
 // and std::allocator is specialised for an index type of our own, as the standard allows.
 #include <algorithm>
 #include <array>
@@ -21,45 +21,20 @@
 #include <unordered_set>
 #include <vector>
 
+#include "slicer/cloud/tree_builder.hpp"
+
 namespace plumbline {
 namespace {
 
-/// Gives nanoflann memory of the arena while it builds a tree. nanoflann asks for blocks of some 8 KiB as it adds nodes, so
-/// this also reports the progress. A cancelled build gets no more memory.
-class Building {
- public:
-  /// @param expected  bytes of the finished tree
-  Building(Arena& arena, const StageProgress& progress, std::size_t expected);
-  ~Building();
+/// Set while a tree is built, in the thread that began it.
+thread_local TreeMemory* building = nullptr;  // NOLINT(cppcoreguidelines-avoid-non-const-global-variables)
+
+struct Building {
+  explicit Building(TreeMemory& memory) { building = &memory; }
+  ~Building() { building = nullptr; }
   Building(const Building&) = delete;
   Building& operator=(const Building&) = delete;
-
-  void* take(std::size_t bytes) {
-    const double fraction = static_cast<double>(arena_.top_used() - before_) / static_cast<double>(expected_);
-    cancelled_ = !progress_.advance(std::min(1.0, fraction));
-    if (cancelled_) return nullptr;
-    auto block = arena_.take_top<std::byte>(bytes, "kd-tree");
-    return block ? static_cast<void*>(block->data()) : nullptr;
-  }
-  bool cancelled() const { return cancelled_; }
-  std::size_t taken() const { return arena_.top_used() - before_; }
-
- private:
-  Arena& arena_;
-  const StageProgress& progress_;
-  std::size_t before_;
-  std::size_t expected_;
-  bool cancelled_ = false;
 };
-
-/// Set while a tree is built, in the thread that builds it.
-thread_local Building* building = nullptr;  // NOLINT(cppcoreguidelines-avoid-non-const-global-variables)
-
-Building::Building(Arena& arena, const StageProgress& progress, std::size_t expected)
-    : arena_(arena), progress_(progress), before_(arena.top_used()), expected_(expected) {
-  building = this;
-}
-Building::~Building() { building = nullptr; }
 
 void* arena_bytes(std::size_t bytes) { return building == nullptr ? nullptr : building->take(bytes); }
 
@@ -97,11 +72,7 @@ class std::allocator<plumbline::PointIndex> {
 void* plumbline_nanoflann_malloc(std::size_t bytes);
 void plumbline_nanoflann_free(void* block);
 // nanoflann answers a null pointer with a line on stderr and this exception. Throwing it here keeps stderr clean.
-void* plumbline_nanoflann_malloc(std::size_t bytes) {
-  void* block = plumbline::arena_bytes(bytes);
-  if (block == nullptr) throw std::bad_alloc();
-  return block;
-}
+void* plumbline_nanoflann_malloc(std::size_t /*bytes*/) { throw std::bad_alloc(); }
 void plumbline_nanoflann_free(void* /*block*/) {}
 
 #define malloc plumbline_nanoflann_malloc
@@ -174,7 +145,8 @@ struct KdTree<Dimension>::Impl {
   using Node = typename Index::Node;
 
   explicit Impl(std::span<const Vec3f> points)
-      : set{points}, index(Dimension, set, nanoflann::KDTreeSingleIndexAdaptorParams(kLeafSize)) {}
+      : set{points},
+        index(Dimension, set, {kLeafSize, nanoflann::KDTreeSingleIndexAdaptorFlags::SkipInitialBuildIndex}) {}
 
   /// Walks the leaves that overlap a box, and joins adjacent ones before it passes them to `visit`.
   struct Visitor {
@@ -237,18 +209,23 @@ Expected<KdTree<Dimension>> KdTree<Dimension>::build(std::span<const Vec3f> poin
   using Storage = std::aligned_storage_t<sizeof(Impl), alignof(Impl)>;
   auto place = arena.take_top<Storage>(1, stage);
   if (!place) return tl::unexpected<Error>(place.error());
-  const Building here(arena, progress, points.size() * kBytesPerPoint);
+  TreeMemory memory(arena, progress, points.size() * kBytesPerPoint);
+  const Building here(memory);
   KdTree tree;
+  bool built = false;
   try {
     tree.impl_ = new (place->data()) Impl(points);
-  } catch (const std::bad_alloc&) {
-    if (here.cancelled()) return fail(ErrorCode::kCancelled, "%s: cancelled while building a tree", stage);
+    built = TreeBuilder(tree.impl_->index, memory).run();
+  } catch (const std::bad_alloc&) {  // of the order of the points
+  }
+  if (!built) {
+    if (memory.cancelled()) return fail(ErrorCode::kCancelled, "%s: cancelled while building a tree", stage);
     constexpr double kMiB = 1024.0 * 1024.0;
     return fail(
         ErrorCode::kOutOfMemory,
         "%s: the %dD tree of %zu points needs more than the %.1f MiB that were left of the arena's %.1f MiB.\tUse a "
         "larger arena or fewer points",
-        stage, Dimension, points.size(), static_cast<double>(here.taken()) / kMiB,
+        stage, Dimension, points.size(), static_cast<double>(memory.taken()) / kMiB,
         static_cast<double>(arena.capacity()) / kMiB);
   }
   return tree;

@@ -81,9 +81,10 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
   const auto reader =
       static_cast<std::size_t>(std::min<std::uint64_t>(evidence.reader_bytes, kTooMuch) + evidence.kept_bytes);
   set(Stage::kRead, cloud + PointThinner::table_bytes(points) + kReaderWorkspace + reader);
-  set(Stage::kNormals, cloud + tree + std::max(normals_bytes(points), sample_surface_bytes(points)));
-  set(Stage::kTrees, cloud + tree + points / 8);
-  set(Stage::kViews, cloud + tree + align_views_bytes(points));
+  const std::size_t reorder = Cloud::reorder_bytes(points);
+  set(Stage::kNormals, cloud + tree + std::max({normals_bytes(points), sample_surface_bytes(points), reorder}));
+  set(Stage::kTrees, cloud + tree + reorder);
+  set(Stage::kViews, cloud + tree + std::max(align_views_bytes(points, threads), reorder));
   set(Stage::kClustering, cloud + tree +
                               std::max({sizeof(PackedNormal) * std::size_t{points}, stray_pieces_bytes(points),
                                         support_size_bytes(), bore_walls_bytes(points)}));

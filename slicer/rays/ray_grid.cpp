@@ -1,5 +1,7 @@
 #include "slicer/rays/ray_grid.hpp"
 
+#include <omp.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -82,6 +84,30 @@ bool spread(ConstBitImage passing, BitImage outside, std::uint32_t from, std::ui
   return changed;
 }
 
+/// Sets the pixels whose centres are within the radius of a point: row by row, the chord of the point's disc.
+/// @param share  only rows share, share + shares, share + 2 shares, ... are set: a thread's own
+void mark_passing(const Cloud& cloud, const PrintGrid& grid, float radius, BitImage passing, std::uint32_t share,
+                  std::uint32_t shares) {
+  for (const Vec3f& p : cloud.positions()) {
+    const float centre_row = p[1] / grid.pitch_y_mm - 0.5F;
+    const float half_rows = radius / grid.pitch_y_mm;
+    const float last_row = static_cast<float>(grid.rows - 1);
+    if (centre_row + half_rows < 0 || centre_row - half_rows > last_row) continue;
+    const auto low = static_cast<std::uint32_t>(std::ceil(std::max(0.0F, centre_row - half_rows)));
+    const auto high = static_cast<std::uint32_t>(std::floor(std::min(last_row, centre_row + half_rows)));
+    for (std::uint32_t r = low + (share + shares - low % shares) % shares; r <= high; r += shares) {
+      const float dy = (static_cast<float>(r) - centre_row) * grid.pitch_y_mm;
+      const float half = std::sqrt(std::max(0.0F, radius * radius - dy * dy)) / grid.pitch_x_mm;
+      const float centre = p[0] / grid.pitch_x_mm - 0.5F;
+      const float last_column = static_cast<float>(grid.columns - 1);
+      if (centre + half < 0 || centre - half > last_column) continue;
+      const auto first = static_cast<std::uint32_t>(std::ceil(std::max(0.0F, centre - half)));
+      const auto last = static_cast<std::uint32_t>(std::floor(std::min(last_column, centre + half)));
+      if (first <= last) set_run(passing.row(r), first, last + 1);
+    }
+  }
+}
+
 /// Fills what the passing pixels enclose: all that cannot be reached from the border of the image.
 void fill_contours(BitImage passing, BitImage outside) {
   outside.clear();
@@ -129,26 +155,9 @@ Status find_interested_rays(const Cloud& cloud, const PrintGrid& grid, float wid
   auto words = arena.take_top<std::uint64_t>(BitImage::words_needed(grid.columns, grid.rows), "ray grid");
   if (!words) return tl::unexpected<Error>(words.error());
   interested.clear();
-  const float radius = kSqrt2 * width;
-  for (const Vec3f& p : cloud.positions()) {
-    // Pixel (i, j) passes where its centre is within the radius: row by row, the chord of the disc.
-    const float centre_row = p[1] / grid.pitch_y_mm - 0.5F;
-    const float half_rows = radius / grid.pitch_y_mm;
-    const float last_row = static_cast<float>(grid.rows - 1);
-    if (centre_row + half_rows < 0 || centre_row - half_rows > last_row) continue;
-    const auto low = static_cast<std::uint32_t>(std::ceil(std::max(0.0F, centre_row - half_rows)));
-    const auto high = static_cast<std::uint32_t>(std::floor(std::min(last_row, centre_row + half_rows)));
-    for (std::uint32_t r = low; r <= high; ++r) {
-      const float dy = (static_cast<float>(r) - centre_row) * grid.pitch_y_mm;
-      const float half = std::sqrt(std::max(0.0F, radius * radius - dy * dy)) / grid.pitch_x_mm;
-      const float centre = p[0] / grid.pitch_x_mm - 0.5F;
-      const float last_column = static_cast<float>(grid.columns - 1);
-      if (centre + half < 0 || centre - half > last_column) continue;
-      const auto first = static_cast<std::uint32_t>(std::ceil(std::max(0.0F, centre - half)));
-      const auto last = static_cast<std::uint32_t>(std::floor(std::min(last_column, centre + half)));
-      if (first <= last) set_run(interested.row(r), first, last + 1);
-    }
-  }
+#pragma omp parallel
+  mark_passing(cloud, grid, kSqrt2 * width, interested, static_cast<std::uint32_t>(omp_get_thread_num()),
+               static_cast<std::uint32_t>(omp_get_num_threads()));
   fill_contours(interested, BitImage(*words, grid.columns, grid.rows));
   return {};
 }

@@ -49,9 +49,9 @@ ScanNoise measure_noise(const Cloud& cloud, const KdTree3& tree) {
 
 }  // namespace
 
-std::size_t align_views_bytes(std::uint32_t points) {
+std::size_t align_views_bytes(std::uint32_t points, std::uint32_t threads) {
   if (points < kMinPoints) return 0;
-  return points + std::max(find_views_bytes(), register_views_bytes());
+  return points + std::max(find_views_bytes(threads), register_views_bytes(threads));
 }
 
 Expected<ViewAlignment> align_views(Cloud& cloud, const KdTree3& tree, Arena& arena, const StageProgress& progress) {

@@ -10,7 +10,7 @@
 namespace plumbline {
 
 /// Upper bound of the arena bytes that align_views() takes, without alignment.
-std::size_t align_views_bytes(std::uint32_t points);
+std::size_t align_views_bytes(std::uint32_t points, std::uint32_t threads);
 
 /// Result of align_views(). Nothing was moved if `moved` is 0.
 struct ViewCounts {

@@ -107,7 +107,8 @@ void DepthImage::fit(Wave& wave, bool fit_frequency) {
 }
 
 std::size_t WaveSearch::bytes() {
-  return (std::size_t{kSide} * kRight + kSteps) * sizeof(Phasor) + std::size_t{2} * kUp * kRight * sizeof(float);
+  return Arena::rounded(std::size_t{kSide} * kRight * sizeof(Phasor)) + Arena::rounded(kSteps * sizeof(Phasor)) +
+         2 * Arena::rounded(std::size_t{kUp} * kRight * sizeof(float));
 }
 
 Expected<WaveSearch> WaveSearch::create(Arena& arena) {
@@ -130,7 +131,6 @@ Expected<WaveSearch> WaveSearch::create(Arena& arena) {
 
 /// Computes the power spectrum of the image: first along the rows, then across them.
 void WaveSearch::transform(std::span<const DepthImage::Cell> cells) {
-#pragma omp parallel for schedule(static)
   for (std::uint32_t y = 0; y < kSide; ++y) {
     const auto row = rows_.subspan(std::size_t{y} * kRight, kRight);
     std::fill(row.begin(), row.end(), Phasor{0, 0});
@@ -144,7 +144,6 @@ void WaveSearch::transform(std::span<const DepthImage::Cell> cells) {
       }
     }
   }
-#pragma omp parallel for schedule(static)
   for (std::uint32_t l = 0; l < kUp; ++l) {
     std::array<Phasor, kRight> sums;
     sums.fill({0, 0});

@@ -56,8 +56,7 @@ class DepthImage {
 /// Finds waves in depth images: peaks of their spectra.
 class WaveSearch {
  public:
-  /// Upper bound of the arena bytes that create() takes, without alignment.
-  static std::size_t bytes();
+  static std::size_t bytes();  ///< of the arena that create() takes
   static Expected<WaveSearch> create(Arena& arena);
 
   /// Fits the known waves of a view to what is left of them in its image, and adds waves that stand out.

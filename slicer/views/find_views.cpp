@@ -187,29 +187,35 @@ class ViewFinder {
     return count;
   }
   /// Calls `use` for each point of a view that lies on a grid, among every `thinning_`-th block of the cloud.
-  /// @returns how many there are
   template <class Use>
-  std::uint32_t for_each_on(const GrownGrid& grid, std::uint32_t view, Use use) const {
+  void for_each_on(const GrownGrid& grid, std::uint32_t view, Use use) const {
     std::array<std::uint8_t, kBlock> on;  // NOLINT(cppcoreguidelines-pro-type-member-init)
-    std::uint32_t sum = 0;
     for (std::uint32_t first = 0; first < cloud_.size; first += thinning_ * kBlock) {
-      const std::uint32_t count = find_on(grid, view, first, on);
-      sum += count;
-      for (std::uint32_t k = 0, left = count; left > 0; ++k) {
+      std::uint32_t left = find_on(grid, view, first, on);
+      for (std::uint32_t k = 0; left > 0; ++k) {
         if (on[k] == 0) continue;
         use(first + k);
         --left;
       }
     }
-    return sum;
   }
+  /// How many points for_each_on() would use.
   std::uint32_t count_on(const GrownGrid& grid, std::uint32_t view) const {
-    return for_each_on(grid, view, [](std::uint32_t /*i*/) {});
+    std::uint32_t sum = 0;
+#pragma omp parallel for schedule(static) reduction(+ : sum)
+    for (std::uint32_t first = 0; first < cloud_.size; first += thinning_ * kBlock) {
+      std::array<std::uint8_t, kBlock> on;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+      sum += find_on(grid, view, first, on);
+    }
+    return sum;
   }
 
   void relabel(std::uint32_t from, std::uint32_t to) {
     // Without a branch, unlike std::replace().
-    for (std::uint8_t& v : view_of_) v = v == from ? static_cast<std::uint8_t>(to) : v;
+#pragma omp parallel for schedule(static)
+    for (std::uint32_t first = 0; first < cloud_.size; first += kBlock) {
+      for (std::uint8_t& v : views_of_block(first)) v = v == from ? static_cast<std::uint8_t>(to) : v;
+    }
   }
 
   /// Grows each view again without the points of all others, and joins parts of one view.
@@ -325,7 +331,9 @@ class ViewFinder {
 
 }  // namespace
 
-std::size_t find_views_bytes() { return PatchGrids::bytes() + GridGrowth::bytes() + kMaxViews * sizeof(GrownGrid); }
+std::size_t find_views_bytes(std::uint32_t threads) {
+  return PatchGrids::bytes(threads) + GridGrowth::bytes(threads) + kMaxViews * sizeof(GrownGrid);
+}
 
 Expected<FoundViews> find_views(const Cloud& cloud, const KdTree3& tree, float spacing, std::span<std::uint8_t> view_of,
                                 Arena& arena, const StageProgress& progress) {

@@ -24,7 +24,7 @@ struct FoundViews {
 };
 
 /// Upper bound of the arena bytes that find_views() takes, without alignment.
-std::size_t find_views_bytes();
+std::size_t find_views_bytes(std::uint32_t threads);
 
 /// Assigns each point to its view.
 ///

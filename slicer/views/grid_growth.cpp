@@ -1,5 +1,7 @@
 #include "slicer/views/grid_growth.hpp"
 
+#include <omp.h>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -13,6 +15,8 @@ namespace {
 constexpr const char* kStage = "views";
 
 constexpr std::size_t kSample = ViewGridFit::kMaxPoints;
+constexpr std::uint32_t kBlock = 1024;      ///< points of the cloud that one thread looks at in a row
+constexpr std::size_t kRoom = kSample + 1;  ///< points: one more than fit, before every second one is dropped
 /// Growth of the radius in one step. The grid must be right to a third of a pixel at the new radius, so that larger
 /// steps lose it and smaller ones take longer.
 constexpr double kGrowth = 1.4;
@@ -31,6 +35,9 @@ constexpr double kMaxScale = 1.4;
 constexpr double kViewShare = 0.9;  ///< share of a view's points that its tolerance must hold
 constexpr double kMaxChance = 0.3;  ///< share of the points within the tolerance that may be there by chance
 constexpr double kPi = std::numbers::pi;
+
+/// One thread's part is the whole.
+std::size_t parts_for(std::size_t threads) { return threads > 1 ? threads + 1 : 1; }
 
 /// The number of points within a distance of the grid, and how many to expect there by chance.
 struct Score {
@@ -53,20 +60,29 @@ bool keeps_scale(const ViewGrid& grid, const ViewGrid& first) {
 
 }  // namespace
 
-std::size_t GridGrowth::bytes() { return kSample * (7 * sizeof(float) + sizeof(std::uint32_t)); }
+std::size_t GridGrowth::bytes(std::uint32_t threads) {
+  const std::size_t parts = parts_for(threads);
+  return 4 * kSample * sizeof(float) + parts * (sizeof(Part) + kRoom * (3 * sizeof(float) + sizeof(std::uint32_t)));
+}
 
 Expected<GridGrowth> GridGrowth::create(const Cloud& cloud, const KdTree3& tree, std::span<const std::uint8_t> view_of,
                                         Arena& arena) {
   auto room = arena.take_top<float>(4 * kSample, kStage);
   PLUMBLINE_TRY(room);
-  auto sample = arena.take_top<float>(3 * kSample, kStage);
-  PLUMBLINE_TRY(sample);
-  auto sampled = arena.take_top<std::uint32_t>(kSample, kStage);
-  PLUMBLINE_TRY(sampled);
+  auto parts = arena.take_top<Part>(parts_for(static_cast<std::size_t>(omp_get_max_threads())), kStage);
+  PLUMBLINE_TRY(parts);
+  auto samples = arena.take_top<float>(3 * kRoom * parts->size(), kStage);
+  PLUMBLINE_TRY(samples);
+  auto indices = arena.take_top<std::uint32_t>(kRoom * parts->size(), kStage);
+  PLUMBLINE_TRY(indices);
   const Vec3f size = cloud.bounds().size();
   GridGrowth growth(cloud, tree, view_of, 0.5 * std::sqrt(static_cast<double>(size.dot(size))), *room);
-  for (std::size_t axis = 0; axis < 3; ++axis) growth.sample_[axis] = sample->subspan(axis * kSample, kSample);
-  growth.sampled_ = *sampled;
+  for (std::size_t i = 0; i < parts->size(); ++i) {
+    Part& part = (*parts)[i] = {};
+    for (std::size_t axis = 0; axis < 3; ++axis) part.at[axis] = samples->subspan((3 * i + axis) * kRoom, kRoom);
+    part.index = indices->subspan(i * kRoom, kRoom);
+  }
+  growth.parts_ = *parts;
   return growth;
 }
 
@@ -118,46 +134,92 @@ double GridGrowth::tolerance_of(ViewGrid& grid, double radius) {
   return 0;
 }
 
+/// Adds a point of another part.
+void GridGrowth::Part::copy(const Part& from, std::size_t k) {
+  for (std::size_t axis = 0; axis < 3; ++axis) at[axis][size] = from.at[axis][k];
+  index[size++] = from.index[k];
+}
+
+/// Doubles the stride.
+void GridGrowth::Part::thin() {
+  stride *= 2;
+  const std::size_t before = size;
+  size = 0;
+  for (std::size_t k = 0; k < before; ++k) {
+    if ((index[k] & (stride - 1)) == 0) copy(*this, k);
+  }
+}
+
 /// Free points around `middle`: all of them, or every second, fourth, and so on, so that they fit.
 LocalPoints GridGrowth::take_sample(const Vec3f& middle, double radius) {
-  const auto r = static_cast<float>(radius);
   const double share = std::min(1.0, radius * radius / (extent_ * extent_));
   const double expected = share * cloud_->size / (2 * static_cast<double>(kSample));
   std::uint32_t stride = std::bit_floor(std::max(1U, static_cast<std::uint32_t>(expected)));
-  std::size_t size = 0;
-  const auto keep = [&](std::size_t to, std::size_t from) {
-    for (const auto& axis : sample_) axis[to] = axis[from];
-    sampled_[to] = sampled_[from];
-  };
+  for (;;) {
+    const Part& sample = collect(middle, static_cast<float>(radius), stride);
+    if (sample.size >= kSample / 4 || sample.stride == 1) {
+      const std::size_t size = sample.size - sample.size % kLanes;
+      return {sample.at[0].first(size), sample.at[1].first(size), sample.at[2].first(size)};
+    }
+    stride = std::max(1U, sample.stride / 4);
+  }
+}
+
+/// @param stride  of the sample, at least: the smallest with which the points fit
+const GridGrowth::Part& GridGrowth::collect(const Vec3f& middle, float radius, std::uint32_t stride) {
+  for (Part& part : parts_) {
+    part.size = part.taken = 0;
+    part.stride = stride;
+  }
+#pragma omp parallel
+  collect_part(middle, radius, static_cast<std::uint32_t>(omp_get_thread_num()),
+               static_cast<std::uint32_t>(omp_get_num_threads()));
+  Part& whole = parts_.back();
+  const auto parts = parts_.first(parts_.size() - 1);
+  if (parts.empty()) return whole;
+  for (const Part& part : parts) whole.stride = std::max(whole.stride, part.stride);
+  for (;; whole.stride *= 2) {
+    std::size_t size = 0;
+    for (Part& part : parts) {
+      while (part.stride < whole.stride) part.thin();
+      size += part.size;
+    }
+    if (size <= kSample) break;
+  }
+  for (;;) {
+    Part* next = nullptr;
+    for (Part& part : parts) {
+      if (part.taken == part.size) continue;
+      if (next == nullptr || part.index[part.taken] < next->index[next->taken]) next = &part;
+    }
+    if (next == nullptr) return whole;
+    whole.copy(*next, next->taken++);
+  }
+}
+
+/// Takes the points of a thread: the blocks of the cloud go around.
+void GridGrowth::collect_part(const Vec3f& middle, float radius, std::uint32_t thread, std::uint32_t threads) {
+  Part& part = parts_[thread];
   const auto add = [&](std::uint32_t i) {
     const Vec3f d = cloud_->position[i] - middle;
-    if (view_of_[i] != kNoView || d.dot(d) > r * r) return;
-    if (size == kSample) {
-      stride *= 2;
-      std::size_t kept = 0;
-      for (std::size_t k = 0; k < size; ++k) {
-        if ((sampled_[k] & (stride - 1)) == 0) keep(kept++, k);
-      }
-      size = kept;
-      if ((i & (stride - 1)) != 0) return;
-    }
-    for (std::size_t axis = 0; axis < 3; ++axis) sample_[axis][size] = d[static_cast<Eigen::Index>(axis)];
-    sampled_[size++] = i;
+    if (view_of_[i] != kNoView || d.dot(d) > radius * radius) return;
+    for (std::size_t axis = 0; axis < 3; ++axis) part.at[axis][part.size] = d[static_cast<Eigen::Index>(axis)];
+    part.index[part.size++] = i;
+    while (part.size > kSample) part.thin();
   };
-  for (;;) {
-    tree_->visit_box(middle - Vec3f::Constant(r), middle + Vec3f::Constant(r),
-                     [&](std::uint32_t first, std::uint32_t last) {
-                       for (std::uint32_t i = (first + stride - 1) & ~(stride - 1); i < last;) {
-                         add(i);
-                         i = (i & ~(stride - 1)) + stride;
+  tree_->visit_box(middle - Vec3f::Constant(radius), middle + Vec3f::Constant(radius),
+                   [&](std::uint32_t first, std::uint32_t last) {
+                     for (std::uint32_t begin = first; begin < last;) {
+                       const std::uint32_t end = std::min(last, (begin / kBlock + 1) * kBlock);
+                       if (begin / kBlock % threads == thread) {
+                         for (std::uint32_t i = (begin + part.stride - 1) & ~(part.stride - 1); i < end;) {
+                           add(i);
+                           i = (i & ~(part.stride - 1)) + part.stride;
+                         }
                        }
-                     });
-    if (size >= kSample / 4 || stride == 1) break;
-    stride = std::max(1U, stride / 4);
-    size = 0;
-  }
-  size -= size % kLanes;
-  return {sample_[0].first(size), sample_[1].first(size), sample_[2].first(size)};
+                       begin = end;
+                     }
+                   });
 }
 
 }  // namespace plumbline

@@ -26,7 +26,7 @@ struct GrownGrid {
 class GridGrowth {
  public:
   /// Upper bound of the arena bytes that create() takes, without alignment.
-  static std::size_t bytes();
+  static std::size_t bytes(std::uint32_t threads);
   /// @param view_of  each point's view, kNoView where none is known; read at every call
   static Expected<GridGrowth> create(const Cloud& cloud, const KdTree3& tree, std::span<const std::uint8_t> view_of,
                                      Arena& arena);
@@ -48,16 +48,28 @@ class GridGrowth {
       : cloud_(&cloud), tree_(&tree), view_of_(view_of), extent_(extent), fit_(extent, room), room_(room) {}
   bool fit(ViewGrid& grid, const LocalPoints& points, double radius) const;
   double tolerance_of(ViewGrid& grid, double radius);
+  /// What one thread finds of a sample, in the order of the cloud: points whose index is a multiple of `stride`.
+  struct Part {
+    std::array<std::span<float>, 3> at;  ///< coordinates
+    std::span<std::uint32_t> index;
+    std::size_t size = 0;
+    std::size_t taken = 0;  ///< points that are in the sample already
+    std::uint32_t stride = 1;
+
+    void copy(const Part& from, std::size_t k);
+    void thin();
+  };
   LocalPoints take_sample(const Vec3f& middle, double radius);
+  const Part& collect(const Vec3f& middle, float radius, std::uint32_t stride);
+  void collect_part(const Vec3f& middle, float radius, std::uint32_t thread, std::uint32_t threads);
 
   const Cloud* cloud_;
   const KdTree3* tree_;
   std::span<const std::uint8_t> view_of_;
   double extent_;  ///< half the diagonal of the scan, mm
   ViewGridFit fit_;
-  std::span<float> room_;                   ///< for fit_, and between fits for distances
-  std::array<std::span<float>, 3> sample_;  ///< coordinates
-  std::span<std::uint32_t> sampled_;        ///< index of each point of the sample
+  std::span<float> room_;  ///< for fit_, and between fits for distances
+  std::span<Part> parts_;  ///< of each thread; the last one is the whole
 };
 
 }  // namespace plumbline

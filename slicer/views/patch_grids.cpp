@@ -29,8 +29,8 @@ constexpr float kMinSumPower = 10;      ///< SpectrumPeak::power; 1 is chance
 
 }  // namespace
 
-std::size_t PatchGrids::bytes() {
-  return PatchSpectrum::bytes() + kMaxCandidates * sizeof(Candidate) + 3 * kMaxPoints * sizeof(float);
+std::size_t PatchGrids::bytes(std::uint32_t threads) {
+  return PatchSpectrum::bytes(threads) + kMaxCandidates * sizeof(Candidate) + 3 * kMaxPoints * sizeof(float);
 }
 
 Expected<PatchGrids> PatchGrids::create(const Cloud& cloud, const KdTree3& tree, std::span<const std::uint8_t> view_of,

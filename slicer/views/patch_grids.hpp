@@ -17,7 +17,7 @@ namespace plumbline {
 class PatchGrids {
  public:
   /// Upper bound of the arena bytes that create() takes, without alignment.
-  static std::size_t bytes();
+  static std::size_t bytes(std::uint32_t threads);
   /// @param spacing  of the scan's points, mm
   /// @param view_of  each point's view, kNoView where none is known; read at every take()
   static Expected<PatchGrids> create(const Cloud& cloud, const KdTree3& tree, std::span<const std::uint8_t> view_of,

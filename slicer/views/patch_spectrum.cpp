@@ -1,5 +1,7 @@
 #include "slicer/views/patch_spectrum.hpp"
 
+#include <omp.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -22,6 +24,7 @@ constexpr float kMaxSteepness = 2;
 /// Step of the frequency across the patch, over 1 / its RMS depth: small enough that no peak falls between two steps.
 constexpr float kAcrossStep = 0.15F;
 constexpr std::uint32_t kMaxSlices = 64;  ///< steps across the patch; bounds the time of deep patches
+constexpr std::size_t kCells = std::size_t{PatchSpectrum::kSide} * PatchSpectrum::kSide;
 /// Largest share of a peak's power that may remain at a distance of 1 / radius. A grid's peak has fallen to nothing
 /// there; a flat wall makes a streak instead.
 constexpr float kMaxStreak = 0.4F;
@@ -114,6 +117,12 @@ PLUMBLINE_WIDE void transform_columns(float* re, float* im, const float* twiddle
   }
 }
 
+/// A total order, strongest first.
+bool is_stronger(const SpectrumPeak& a, const SpectrumPeak& b) {
+  if (a.power != b.power) return a.power > b.power;
+  return std::lexicographical_compare(a.frequency.begin(), a.frequency.end(), b.frequency.begin(), b.frequency.end());
+}
+
 void transpose(float* image) {
   constexpr std::size_t kSide = PatchSpectrum::kSide;
   for (std::size_t i = 0; i < kSide; ++i) {
@@ -135,22 +144,22 @@ float power_at(const LocalPoints& points, const Vec3f& frequency) {
   return (c.re * c.re + c.im * c.im) * static_cast<float>(points.size());
 }
 
-std::size_t PatchSpectrum::bytes() {
-  return 2 * (std::size_t{kSide} * kSide + kSide) * sizeof(float) + (kMaxCandidates + kMaxPeaks) * sizeof(SpectrumPeak);
+std::size_t PatchSpectrum::bytes(std::uint32_t threads) {
+  return 2 * (threads * kCells + kSide) * sizeof(float) + (kMaxCandidates + kMaxPeaks) * sizeof(SpectrumPeak);
 }
 
 Expected<PatchSpectrum> PatchSpectrum::create(Arena& arena) {
   PatchSpectrum spectrum;
-  auto image = arena.take_top<float>(2 * std::size_t{kSide} * kSide, "views");
-  PLUMBLINE_TRY(image);
+  const auto threads = static_cast<std::size_t>(omp_get_max_threads());
+  auto images = arena.take_top<float>(threads * 2 * kCells, "views");
+  PLUMBLINE_TRY(images);
   auto twiddles = arena.take_top<float>(2 * kSide, "views");
   PLUMBLINE_TRY(twiddles);
   auto candidates = arena.take_top<SpectrumPeak>(kMaxCandidates, "views");
   PLUMBLINE_TRY(candidates);
   auto peaks = arena.take_top<SpectrumPeak>(kMaxPeaks, "views");
   PLUMBLINE_TRY(peaks);
-  spectrum.re_ = image->first(std::size_t{kSide} * kSide);
-  spectrum.im_ = image->last(std::size_t{kSide} * kSide);
+  spectrum.images_ = *images;
   spectrum.twiddles_ = *twiddles;
   spectrum.candidates_ = *candidates;
   spectrum.peaks_ = *peaks;
@@ -162,21 +171,21 @@ Expected<PatchSpectrum> PatchSpectrum::create(Arena& arena) {
   return spectrum;
 }
 
+/// Keeps the strongest, in whatever order they are added.
 void PatchSpectrum::add(const SpectrumPeak& peak) {
   if (candidate_count_ < kMaxCandidates) {
     candidates_[candidate_count_++] = peak;
     return;
   }
-  auto least = std::min_element(candidates_.begin(), candidates_.end(),
-                                [](const SpectrumPeak& a, const SpectrumPeak& b) { return a.power < b.power; });
-  if (least->power < peak.power) *least = peak;
+  const auto weakest = std::max_element(candidates_.begin(), candidates_.end(), is_stronger);
+  if (is_stronger(peak, *weakest)) *weakest = peak;
 }
 
 /// Adds the peaks of one slice. Frequencies are in the frame of the patch: x and y in its plane, z across.
-void PatchSpectrum::find_peaks(float across, float cell, std::size_t count) {
+void PatchSpectrum::find_peaks(float across, float cell, std::size_t count, const Image& image) {
   const auto power = [&](std::uint32_t x, std::uint32_t y) {
     const std::size_t i = std::size_t{x % kSide} * kSide + y % kSide;
-    return re_[i] * re_[i] + im_[i] * im_[i];
+    return image.re[i] * image.re[i] + image.im[i] * image.im[i];
   };
   const float least = kMinPower * static_cast<float>(count);
   const float step = 1 / (cell * static_cast<float>(kSide));
@@ -197,13 +206,15 @@ void PatchSpectrum::find_peaks(float across, float cell, std::size_t count) {
           if ((dx != 0 || dy != 0) && power(x + dx, y + dy) > here) highest = false;
         }
       }
-      if (highest) add({f, here / static_cast<float>(count)});
+      if (!highest) continue;
+#pragma omp critical(patch_spectrum_add)
+      add({f, here / static_cast<float>(count)});
     }
   }
 }
 
 /// Draws each point into the image, spread over four cells and turned by its phase at a frequency across the patch.
-void PatchSpectrum::draw(const LocalPoints& points, const Vec3f& normal, float across, float cell) {
+void PatchSpectrum::draw(const LocalPoints& points, const Vec3f& normal, float across, float cell, const Image& image) {
   const Frame frame(normal);
   PatchAxes axes = {};
   for (std::size_t k = 0; k < 3; ++k) {
@@ -212,8 +223,8 @@ void PatchSpectrum::draw(const LocalPoints& points, const Vec3f& normal, float a
     axes.up[k] = frame.s[axis] / cell;
     axes.across[k] = -across * normal[axis];
   }
-  std::fill(re_.begin(), re_.end(), 0.0F);
-  std::fill(im_.begin(), im_.end(), 0.0F);
+  std::fill(image.re.begin(), image.re.end(), 0.0F);
+  std::fill(image.im.begin(), image.im.end(), 0.0F);
   constexpr float kMiddle = static_cast<float>(kSide) / 2;
   DrawnPoints drawn;
   for (std::size_t first = 0; first < points.size(); first += DrawnPoints::kSize) {
@@ -228,8 +239,8 @@ void PatchSpectrum::draw(const LocalPoints& points, const Vec3f& normal, float a
       const float u = x - static_cast<float>(column);
       const float v = y - static_cast<float>(row);
       const auto put = [&](std::size_t at, float weight) {
-        re_[at] += weight * drawn.re[i];
-        im_[at] += weight * drawn.im[i];
+        image.re[at] += weight * drawn.re[i];
+        image.im[at] += weight * drawn.im[i];
       };
       put(row * kSide + column, (1 - u) * (1 - v));
       put(row * kSide + column + 1, u * (1 - v));
@@ -237,6 +248,18 @@ void PatchSpectrum::draw(const LocalPoints& points, const Vec3f& normal, float a
       put((row + 1) * kSide + column + 1, u * v);
     }
   }
+}
+
+/// Adds the peaks at one frequency across the patch. Runs in several threads.
+void PatchSpectrum::transform_slice(const LocalPoints& points, const Vec3f& normal, float across, float cell) {
+  const auto thread = static_cast<std::size_t>(omp_get_thread_num());
+  const Image image{images_.subspan(thread * 2 * kCells, kCells), images_.subspan((thread * 2 + 1) * kCells, kCells)};
+  draw(points, normal, across, cell, image);
+  transform_columns(image.re.data(), image.im.data(), twiddles_.data());
+  transpose(image.re.data());
+  transpose(image.im.data());
+  transform_columns(image.re.data(), image.im.data(), twiddles_.data());
+  find_peaks(across, cell, points.size(), image);
 }
 
 std::span<const SpectrumPeak> PatchSpectrum::peaks(const LocalPoints& points, const Vec3f& normal, float radius,
@@ -254,19 +277,13 @@ std::span<const SpectrumPeak> PatchSpectrum::peaks(const LocalPoints& points, co
   const float steepest = highest_ * kMaxSteepness / std::sqrt(1 + kMaxSteepness * kMaxSteepness);
   const float step = std::max(kAcrossStep / std::max(depth, 1e-6F * radius), steepest / kMaxSlices);
   const float cell = kImageSide * radius / static_cast<float>(kSide);
-  for (float across = 0; across <= steepest; across += step) {
-    draw(points, normal, across, cell);
-    transform_columns(re_.data(), im_.data(), twiddles_.data());
-    transpose(re_.data());
-    transpose(im_.data());
-    transform_columns(re_.data(), im_.data(), twiddles_.data());
-    find_peaks(across, cell, points.size());
-  }
+  std::array<float, kMaxSlices + 2> slices;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+  std::size_t count = 0;
+  for (float across = 0; across <= steepest && count < slices.size(); across += step) slices[count++] = across;
+#pragma omp parallel for schedule(dynamic)
+  for (std::size_t s = 0; s < count; ++s) transform_slice(points, normal, slices[s], cell);
   const auto found = candidates_.first(candidate_count_);
-  std::sort(found.begin(), found.end(), [](const SpectrumPeak& a, const SpectrumPeak& b) {
-    if (a.power != b.power) return a.power > b.power;
-    return std::lexicographical_compare(a.frequency.begin(), a.frequency.end(), b.frequency.begin(), b.frequency.end());
-  });
+  std::sort(found.begin(), found.end(), is_stronger);
   const float apart = kPeakDistance / radius;
   std::uint32_t kept = 0;
   for (const SpectrumPeak& c : found) {

@@ -34,7 +34,7 @@ class PatchSpectrum {
   static constexpr std::uint32_t kSide = 128;
 
   /// Upper bound of the arena bytes that create() takes, without alignment.
-  static std::size_t bytes();
+  static std::size_t bytes(std::uint32_t threads);
   static Expected<PatchSpectrum> create(Arena& arena);
 
   /// @param points   relative to the middle of the patch, mm
@@ -48,13 +48,18 @@ class PatchSpectrum {
   static constexpr std::uint32_t kMaxPeaks = 24;
   static constexpr std::uint32_t kMaxCandidates = 512;
 
-  void draw(const LocalPoints& points, const Vec3f& normal, float across, float cell);
-  void find_peaks(float across, float cell, std::size_t count);
+  /// Real and imaginary parts, row after row. After the transform a row is a column of frequencies.
+  struct Image {
+    std::span<float> re, im;
+  };
+
+  void transform_slice(const LocalPoints& points, const Vec3f& normal, float across, float cell);
+  static void draw(const LocalPoints& points, const Vec3f& normal, float across, float cell, const Image& image);
+  void find_peaks(float across, float cell, std::size_t count, const Image& image);
   static void climb(SpectrumPeak& peak, const LocalPoints& points, std::span<const Vec3f> directions);
   void add(const SpectrumPeak& peak);
 
-  // Real and imaginary parts, row after row. After the transform a row is a column of frequencies.
-  std::span<float> re_, im_;
+  std::span<float> images_;    ///< of each thread: real parts, imaginary parts
   std::span<float> twiddles_;  ///< exp(-2 pi i k / kSide), real then imaginary
   std::span<SpectrumPeak> candidates_;
   std::span<SpectrumPeak> peaks_;

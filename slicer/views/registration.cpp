@@ -1,5 +1,7 @@
 #include "slicer/views/registration.hpp"
 
+#include <omp.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -85,8 +87,6 @@ class Registrar {
   Expected<Registration> run(Arena& arena, const StageProgress& progress) {
     const auto taken = allocate(arena);
     PLUMBLINE_TRY(taken);
-    auto waves = WaveSearch::create(arena);
-    PLUMBLINE_TRY(waves);
     set_shares();
     Registration result;
     constexpr std::size_t kSteps = kPlaces.size();
@@ -100,10 +100,7 @@ class Registrar {
       if (step == 0) result.before = result.after;
       if (step == kSteps || !improve()) break;
       if (step < kStepsWithoutRipple) continue;
-      for (std::size_t v = 0; v < views_.size(); ++v) {
-        DepthImage image = image_of(v);
-        waves->improve(views_.ripples[v], image);
-      }
+      improve_ripples();
     }
     measure_motion(result);
     if (result.after <= kMaxRemaining * result.before && result.moved <= kMaxMoved * result.before) {
@@ -127,11 +124,19 @@ class Registrar {
     PLUMBLINE_TRY(frames);
     auto cells = arena.take_top<DepthImage::Cell>(views * DepthImage::kCells, kStage);
     PLUMBLINE_TRY(cells);
+    auto searches = arena.take_top<WaveSearch>(static_cast<std::size_t>(omp_get_max_threads()), kStage);
+    PLUMBLINE_TRY(searches);
+    for (WaveSearch& search : *searches) {
+      const auto created = WaveSearch::create(arena);
+      PLUMBLINE_TRY(created);
+      search = *created;
+    }
     products_ = *products;
     residuals_ = *residuals;
     places_ = *places;
     frames_ = *frames;
     cells_ = *cells;
+    searches_ = *searches;
 #pragma omp parallel for schedule(dynamic)
     for (std::size_t v = 0; v < views; ++v) frames_[v] = views_.image_frame(static_cast<std::uint8_t>(v));
     return {};
@@ -160,14 +165,22 @@ class Registrar {
       if (!progress.advance(1.0 * first / places))
         return fail(ErrorCode::kCancelled, "cancelled while views were registered");
       const std::uint32_t here = std::min(kChunk, places - first);
-#pragma omp parallel for schedule(dynamic, 8)
-      for (std::uint32_t k = 0; k < here; ++k) {
-        const auto i = static_cast<std::uint32_t>(std::uint64_t{first + k} * cloud_.size / places);
-        if (!places_[k].measure(cloud_, tree_, views_, i)) places_[k].views = 0;
+#pragma omp parallel
+      {
+#pragma omp for schedule(dynamic, 8)
+        for (std::uint32_t k = 0; k < here; ++k) {
+          const auto i = static_cast<std::uint32_t>(std::uint64_t{first + k} * cloud_.size / places);
+          if (!places_[k].measure(cloud_, tree_, views_, i)) places_[k].views = 0;
+        }
+        // Each thread sums up for views of its own, always in the order of the places.
+        const Share share{static_cast<std::uint32_t>(omp_get_thread_num()),
+                          static_cast<std::uint32_t>(omp_get_num_threads())};
+        for (const SharedPlace& place : places_.first(here)) {
+          if (place.views >= 2) add(place, share);
+        }
       }
       for (const SharedPlace& place : places_.first(here)) {
         if (place.views < 2) continue;
-        add(place);
         sum += place.mean_square;
         ++count;
       }
@@ -175,10 +188,17 @@ class Registrar {
     return count > 0 ? sum / count : 0;
   }
 
-  void add(const SharedPlace& place) {
+  /// A thread's views.
+  struct Share {
+    std::uint32_t thread, threads;
+    bool has(std::uint32_t view) const { return threads == 1 || view % threads == thread; }
+  };
+
+  void add(const SharedPlace& place, const Share& share) {
     const std::size_t n = residuals_.size();
     const double* lever = place.lever.data();
     for (std::uint32_t v = 0; v < place.views; ++v) {
+      if (!share.has(place.view[v])) continue;
       const std::size_t row = 6 * std::size_t{place.view[v]};
       for (std::size_t a = 0; a < 6; ++a) residuals_[row + a] -= place.residuals[v] * lever[a];
       for (std::uint32_t w = 0; w < place.views; ++w) {
@@ -192,7 +212,16 @@ class Registrar {
     }
     for (std::uint32_t k = 0; k < place.points; ++k) {
       const std::uint32_t i = place.point[k];
+      if (!share.has(views_.view_of(i))) continue;
       image_of(views_.view_of(i)).add(views_.seen_position(i), place.offset[k], place.weight[k]);
+    }
+  }
+
+  void improve_ripples() {
+#pragma omp parallel for schedule(dynamic)
+    for (std::size_t v = 0; v < views_.size(); ++v) {
+      DepthImage image = image_of(v);
+      searches_[static_cast<std::size_t>(omp_get_thread_num())].improve(views_.ripples[v], image);
     }
   }
 
@@ -271,6 +300,7 @@ class Registrar {
   std::span<SharedPlace> places_;
   std::span<DepthFrame> frames_;
   std::span<DepthImage::Cell> cells_;  ///< of each view's image
+  std::span<WaveSearch> searches_;     ///< a thread's each
   /// Variance of one component of a view's motion, mm^2: the sum of all squared components over the number of
   /// components that the scan determines (MacKay, Bayesian interpolation, 1992). The others stay small.
   double motion2_;
@@ -279,10 +309,10 @@ class Registrar {
 
 }  // namespace
 
-std::size_t register_views_bytes() {
+std::size_t register_views_bytes(std::uint32_t threads) {
   constexpr std::size_t kUnknowns = 6 * std::size_t{kMaxViews};
-  return MovedViews::bytes(kMaxViews) + WaveSearch::bytes() + kUnknowns * (kUnknowns + 1) * sizeof(double) +
-         kChunk * sizeof(SharedPlace) +
+  return MovedViews::bytes(kMaxViews) + threads * (WaveSearch::bytes() + sizeof(WaveSearch)) +
+         kUnknowns * (kUnknowns + 1) * sizeof(double) + kChunk * sizeof(SharedPlace) +
          kMaxViews * (sizeof(DepthFrame) + std::size_t{DepthImage::kCells} * sizeof(DepthImage::Cell));
 }
 

@@ -11,7 +11,7 @@
 namespace plumbline {
 
 /// Upper bound of the arena bytes that register_views() takes, without alignment.
-std::size_t register_views_bytes();
+std::size_t register_views_bytes(std::uint32_t threads);
 
 /// Result of register_views(), mm.
 struct Registration {

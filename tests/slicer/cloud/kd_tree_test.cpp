@@ -1,11 +1,13 @@
 #include "slicer/cloud/kd_tree.hpp"
 
 #include <gtest/gtest.h>
+#include <omp.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "tests/slicer/support/arena_block.hpp"
@@ -202,6 +204,108 @@ TEST(KdTree, ReturnsOutOfMemoryInEveryArenaThatIsTooSmall) {
   }
   EXPECT_GT(built, 0U);
   EXPECT_GT(refused, 0U);
+}
+
+/// Leaves the number of threads as it was.
+class ManyThreads {
+ public:
+  explicit ManyThreads(int threads) { omp_set_num_threads(threads); }
+  ~ManyThreads() { omp_set_num_threads(before_); }
+  ManyThreads(const ManyThreads&) = delete;
+  ManyThreads& operator=(const ManyThreads&) = delete;
+
+ private:
+  int before_ = omp_get_max_threads();
+};
+
+/// Enough points that several threads build their tree; most in a corner, so that the parts are of very different sizes.
+Points crowded_points(std::uint32_t count, Random& random) {
+  Points points = uniform_points(count, random);
+  for (std::uint32_t i = 0; i < count; ++i) points[i] *= i % 16 == 0 ? 1 : 0.01F;
+  return points;
+}
+
+template <int Dimension>
+void expect_same_for_any_number_of_threads(const Points& points) {
+  std::vector<std::uint32_t> order;
+  std::vector<std::uint32_t> ranges;
+  for (const int threads : {1, 2, 3, 8}) {
+    const ManyThreads set(threads);
+    ArenaBlock arena(8 * kMiB);
+    const auto tree = value_of(KdTree<Dimension>::build(points, *arena, "test"));
+    EXPECT_LT(arena->top_used(), points.size() * KdTree<Dimension>::kBytesPerPoint) << threads;
+    std::vector<std::uint32_t> visited;
+    for (const Vec3f& at : {points[0], points[1], points[points.size() / 2]}) {
+      const Vec3f half = Vec3f::Constant(0.05F);
+      tree.visit_box(at - half, at + half, [&](std::uint32_t first, std::uint32_t last) {
+        visited.insert(visited.end(), {first, last});
+      });
+    }
+    if (threads == 1) {
+      order.assign(tree.order().begin(), tree.order().end());
+      ranges = visited;
+    }
+    EXPECT_TRUE(std::ranges::equal(tree.order(), order)) << threads;
+    EXPECT_EQ(visited, ranges) << threads;
+  }
+}
+
+TEST(KdTree, IsTheSameForAnyNumberOfThreads) {
+  Random random(11);
+  const Points points = crowded_points(300000, random);
+  expect_same_for_any_number_of_threads<3>(points);
+  expect_same_for_any_number_of_threads<2>(points);
+  Random others(12);
+  expect_same_for_any_number_of_threads<3>(lattice_points(100000, others));
+  expect_same_for_any_number_of_threads<3>(equal_points(100000, others));
+}
+
+TEST(KdTree, ReturnsOutOfMemoryWhenSeveralThreadsBuildIt) {
+  const ManyThreads set(3);
+  Random random(13);
+  const Points points = crowded_points(100000, random);
+  std::size_t built = 0;
+  for (std::size_t bytes = 0; bytes < 2 * kMiB; bytes += 65521) {
+    ArenaBlock arena(bytes);
+    const auto tree = KdTree3::build(points, *arena, "the stage");
+    built += tree ? 1 : 0;
+    if (!tree) {
+      EXPECT_EQ(tree.error().code(), ErrorCode::kOutOfMemory);
+    }
+  }
+  EXPECT_GT(built, 0U);
+  EXPECT_LT(built, 32U);
+}
+
+/// Cancels at the given report.
+class Cancelling final : public ProgressSink {
+ public:
+  explicit Cancelling(int at) : at_(at) {}
+  void begin(Stage /*stage*/) override {}
+  bool advance(Stage /*stage*/, double fraction) override {
+    EXPECT_GE(fraction, last_);
+    last_ = fraction;
+    return at_-- > 0;
+  }
+  void end(Stage /*stage*/, std::size_t /*peak*/) override {}
+
+ private:
+  int at_;
+  double last_ = 0;
+};
+
+TEST(KdTree, CanBeCancelled) {
+  Random random(14);
+  const Points points = crowded_points(100000, random);
+  // Only the caller's thread reports. Of several threads it may build little, so only its first report is certain.
+  for (const auto& [threads, at] : {std::pair{3, 0}, std::pair{1, 1}, std::pair{1, 20}}) {
+    const ManyThreads set(threads);
+    Cancelling progress(at);
+    ArenaBlock arena(4 * kMiB);
+    const auto tree = KdTree3::build(points, *arena, "the stage", {&progress, Stage::kTrees});
+    ASSERT_FALSE(tree.has_value()) << at;
+    EXPECT_EQ(tree.error().code(), ErrorCode::kCancelled);
+  }
 }
 
 }  // namespace

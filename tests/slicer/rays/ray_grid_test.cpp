@@ -1,6 +1,7 @@
 #include "slicer/rays/ray_grid.hpp"
 
 #include <gtest/gtest.h>
+#include <omp.h>
 
 #include <algorithm>
 #include <cmath>
@@ -201,6 +202,21 @@ TEST_F(InterestedRays, AreDiscsAlsoOnOblongPixelsAndAcrossTheEdgesOfThePanel) {
     of(surface, grid(1 + random.below(140), 1 + random.below(60), 0.1F, 0.2F),
        static_cast<float>(random.uniform(0.05, 1)));
   }
+}
+
+TEST_F(InterestedRays, AreTheSameForAnyNumberOfThreads) {
+  const int before = omp_get_max_threads();
+  for (const int threads : {1, 2, 5}) {
+    omp_set_num_threads(threads);
+    Random random(72);
+    Surface surface;
+    for (int i = 0; i < 60; ++i) {
+      surface.push_back({Vec3d(random.uniform(-1, 14), random.uniform(-1, 8), 0), Vec3d(0, 0, 1)});
+    }
+    of(surface, grid(130, 70, 0.1F, 0.1F), 0.6F);
+    of(surface, grid(130, 3, 0.1F, 0.1F), 0.6F);
+  }
+  omp_set_num_threads(before);
 }
 
 TEST_F(InterestedRays, NeedOneMoreImage) {

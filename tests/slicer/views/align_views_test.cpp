@@ -192,10 +192,11 @@ TEST(AlignViews, MovesViewsBackToWhereTheyAgree) {
   Scan scan(truth.surface);
   const double before = error(scan, truth);
   const std::size_t used = scan.block->used();
+  const auto threads = static_cast<std::uint32_t>(omp_get_max_threads());
   scan.block->reset_peak();
   const ViewAlignment done = scan.align();
   EXPECT_EQ(scan.block->used(), used);
-  EXPECT_LE(scan.block->peak() - used, align_views_bytes(scan.cloud.size) + 32 * Arena::kAlignment);
+  EXPECT_LE(scan.block->peak() - used, align_views_bytes(scan.cloud.size, threads) + 32 * Arena::kAlignment);
   EXPECT_GT(before, 0.04);
   EXPECT_LT(error(scan, truth), before / 4);
   EXPECT_GT(done.moved, 0.04F);
