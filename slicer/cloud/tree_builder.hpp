@@ -75,22 +75,25 @@ class TreeBuilder {
     index_.init_vind();
     index_.computeBoundingBox(index_.root_bbox);
     const std::size_t points = index_.vAcc.size();
-    const auto most = static_cast<std::size_t>(omp_get_max_threads());
-    const std::size_t threads = std::clamp(points / kPointsOfThread, std::size_t{1}, most);
+    const auto threads = static_cast<std::size_t>(omp_get_max_threads());
+    // A team of fewer threads than the others of the job would be taken from the heap.
+    const bool shared = threads > 1 && points >= threads * kPointsOfThread;
     parts_[0] = {nullptr, 0, points, 0, 0, index_.root_bbox, true};
-    const std::size_t levels = threads > 1 ? kLevels : 0;
-#pragma omp parallel num_threads(static_cast <int>(threads))
-    {
+    const std::size_t levels = shared ? kLevels : 0;
+    if (shared) {
+#pragma omp parallel
+      {
+        Nodes nodes(memory_);
+        for (std::size_t level = 0; level < levels; ++level) {
+#pragma omp for schedule(dynamic, 1)
+          for (std::size_t i = first_part(level); i < first_part(level + 1); ++i) divide_part(i, nodes);
+        }
+#pragma omp for schedule(dynamic, 1)
+        for (std::size_t i = 0; i < first_part(levels + 1); ++i) build_part(i, nodes);
+      }
+    } else {
       Nodes nodes(memory_);
-      for (std::size_t level = 0; level < levels; ++level) {
-#pragma omp for schedule(dynamic, 1)
-        for (std::size_t i = first_part(level); i < first_part(level + 1); ++i) divide_part(i, nodes);
-      }
-#pragma omp for schedule(dynamic, 1)
-      for (std::size_t i = 0; i < first_part(levels + 1); ++i) {
-        Part& part = parts_[i];
-        if (part.whole) part.node = build(part.first, part.last, part.box, nodes);
-      }
+      build_part(0, nodes);
     }
     for (std::size_t i = first_part(levels); i-- > 0;) {
       if (!join_part(i)) return false;
@@ -108,6 +111,11 @@ class TreeBuilder {
   /// A thread for so many points. A thread wastes less than a block of nodes, so this is a 32th of a byte a point.
   static constexpr std::size_t kPointsOfThread = 32768;
   static constexpr std::size_t kBlock = 1024;  ///< bytes of nodes that a thread takes at a time
+
+  void build_part(std::size_t i, auto& nodes) {
+    Part& part = parts_[i];
+    if (part.whole) part.node = build(part.first, part.last, part.box, nodes);
+  }
 
   /// A thread's memory for nodes.
   class Nodes {
