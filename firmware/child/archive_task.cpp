@@ -14,7 +14,7 @@
 namespace plumbline {
 namespace {
 
-/// Draws where the checks have found something, from layers that are decoded again: there are at most a dozen of them.
+/// Draws where the checks have found something. The layers shown, a dozen at most, are decoded again.
 /// @param arena  an image is taken from its top and released, as is what draw_issues_picture() takes
 Status draw_issues(const SlicedArchive& sliced, std::string_view name, Arena& arena, IssuesPicture& picture) {
   const ArenaScope scope(arena);

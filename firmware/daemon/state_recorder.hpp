@@ -37,7 +37,7 @@ class StateRecorder final : public DaemonObserver {
 
   /// Forgets the job of before.
   void begin_job();
-  /// Keeps the pictures of what has been sliced, if they have sizes that pictures can have.
+  /// Keeps the pictures of what has been sliced. Those with impossible sizes are left out.
   void previewed(const SlicedPictures& drawn);
 
   /// Forgets the scans that were listed: others have been uploaded.

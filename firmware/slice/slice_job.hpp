@@ -27,10 +27,10 @@ struct ArchiveSettings {
 };
 
 struct SliceJobSettings {
-  std::vector<std::string> scan_paths;  ///< files of one scan, in this order
-  std::string output_path;  ///< a folder, or the archive
+  std::vector<std::string> scan_paths;     ///< files of one scan, in this order
+  std::string output_path;                 ///< a folder, or the archive
   std::optional<ArchiveSettings> archive;  ///< none: a folder
-  std::string printer_name;  ///< for the manifest; empty: none
+  std::string printer_name;                ///< for the manifest; empty: none
   SliceSettings slice;
   std::optional<SupportSettings> supports;  ///< as check_support_settings() accepts; none: no supports
   CheckPolicy checks;

@@ -343,7 +343,8 @@ Status write_state_line(TextSink& out, const PrinterRecord& record, std::uint64_
   return json.finish();
 }
 
-Status write_reply_line(TextSink& out, std::optional<std::uint64_t> id, const Error* error) {
+Status write_reply_line(TextSink& out, std::optional<std::uint64_t> id, const Error* error,
+                        std::optional<std::uint32_t> upload) {
   JsonWriter json(out);
   json.begin_object(kOneLine);
   json.member("type", "reply");
@@ -354,26 +355,11 @@ Status write_reply_line(TextSink& out, std::optional<std::uint64_t> id, const Er
     json.null();
   }
   json.member("ok", error == nullptr);
+  if (upload) json.member("upload", *upload);
   if (error != nullptr) {
     json.member("error", error->finding());
     text_or_null(json, "advice", error->advice());
   }
-  json.end_object();
-  return json.finish();
-}
-
-Status write_upload_reply(TextSink& out, std::optional<std::uint64_t> id, std::uint32_t number) {
-  JsonWriter json(out);
-  json.begin_object(kOneLine);
-  json.member("type", "reply");
-  json.key("id");
-  if (id) {
-    json.value(*id);
-  } else {
-    json.null();
-  }
-  json.member("ok", true);
-  json.member("upload", number);
   json.end_object();
   return json.finish();
 }

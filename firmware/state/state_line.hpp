@@ -24,11 +24,10 @@ using StateLine = TextBuffer<kLongestLine>;
 [[nodiscard]] Status write_state_line(TextSink& out, const PrinterRecord& record, std::uint64_t sequence);
 
 /// @param id     the request's; none: it had none
-/// @param error  null: the request was carried out
-[[nodiscard]] Status write_reply_line(TextSink& out, std::optional<std::uint64_t> id, const Error* error);
-
-/// The reply to an upload that was taken. @param number  of the state's `upload`
-[[nodiscard]] Status write_upload_reply(TextSink& out, std::optional<std::uint64_t> id, std::uint32_t number);
+/// @param error   null: the request was carried out
+/// @param upload  number of the state's `upload` that begins with it
+[[nodiscard]] Status write_reply_line(TextSink& out, std::optional<std::uint64_t> id, const Error* error,
+                                      std::optional<std::uint32_t> upload = std::nullopt);
 
 /// The reply to a question, with what was asked for.
 /// @param members  further ones, as JSON

@@ -151,7 +151,7 @@ void StateSocket::serve_client(StateClient& client, const Door& door, const Prin
     const auto number = taker.take_upload(*request, client.handed_over());
     if (number) {
       reply_.clear();
-      static_cast<void>(write_upload_reply(reply_, id, *number));
+      static_cast<void>(write_reply_line(reply_, id, nullptr, *number));
       return client.send(reply_.view());
     }
     error = number.error();

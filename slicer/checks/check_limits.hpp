@@ -27,8 +27,8 @@ struct CheckLimits {
   // UVtools does not know supports: below a flat underside, heads of 0.4 mm on every 2 to 3 mm hold a fiftieth to a twentieth of the
   // region, less than its sixteenth. So a region that its share makes an island is none if it rests on two tips or more, and all of it
   // is near to them.
-  std::uint32_t island_tips_divisor =
-      32;  ///< of the region that they touch, at least: 150 kPa, three times what a flat peels with
+  /// Least share of the region that they touch, as its inverse: 150 kPa, three times what a flat peels with.
+  std::uint32_t island_tips_divisor = 32;
   double island_tips_mm2 = 0.05;  ///< that they touch at least: a light tip has 0.07
   /// Farthest place from what they touch: half of support_overhang_span, and the tenths by which held area lags behind.
   static constexpr double kIslandTipsReach_mm = 2;

@@ -1,8 +1,9 @@
 #include "slicer/cloud/kd_tree.hpp"
 
 // nanoflann has no allocator hook: its pool calls ::malloc and ::free, and its index is a std::vector. Only this file
-// includes it. TreeBuilder makes the nodes, so the pool stays empty. All headers that nanoflann needs come first. Then malloc and free are redirected around that one include,
-// and std::allocator is specialised for an index type of our own, as the standard allows.
+// includes it. TreeBuilder makes the nodes, so the pool stays empty. All headers that nanoflann needs come first. Then malloc
+// and free are redirected around that one include, and std::allocator is specialised for an index type of our own, as the
+// standard allows.
 #include <algorithm>
 #include <array>
 #include <bit>

@@ -5,8 +5,6 @@ import struct
 
 import numpy as np
 
-DAMAGES = {"missing": 30, "turned over": 30, "doubled": 50}  # one triangle in so many
-
 
 def fan(faces):
     return [(face[0], face[i], face[i + 1]) for face in faces for i in range(1, len(face) - 1)]
@@ -92,8 +90,8 @@ def scaled(triangles, longest):
     return ((triangles - low) * (longest / (high - low).max())).astype(np.float32)
 
 
-def damaged(triangles, kind):
-    chosen = np.random.default_rng(1).permutation(len(triangles))[: max(1, len(triangles) // DAMAGES[kind])]
+def damaged(triangles, kind, one_in):
+    chosen = np.random.default_rng(1).permutation(len(triangles))[: max(1, len(triangles) // one_in)]
     if kind == "missing":
         return np.delete(triangles, chosen, axis=0)
     if kind == "doubled":
@@ -109,7 +107,7 @@ def write_stl(path, triangles):
     path.write_bytes(bytes(80) + struct.pack("<I", len(triangles)) + records.tobytes())
 
 
-def prepare(path, longest, thinnest, most, kind, whole, copy):
+def prepare(path, longest, thinnest, most, kind, one_in, whole, copy):
     """Writes a mesh, and a damaged copy.
 
     Raises UnfitMesh."""
@@ -123,4 +121,4 @@ def prepare(path, longest, thinnest, most, kind, whole, copy):
     if not np.isfinite(triangles).all() or (np.ptp(triangles, axis=(0, 1)) < thinnest).any():
         raise UnfitMesh("flat, or not finite")
     write_stl(whole, triangles)
-    write_stl(copy, damaged(triangles, kind))
+    write_stl(copy, damaged(triangles, kind, one_in))

@@ -5,7 +5,7 @@
 
 namespace plumbline {
 
-/// What UploadPort needs before its base: no device of the machine is behind its files.
+/// The interlock that StickPort asks for. It stands for no device, since uploads are files of the printer.
 struct UploadPortPower {
   Interlock interlock;
 };

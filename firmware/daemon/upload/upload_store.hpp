@@ -22,7 +22,7 @@ class UploadStore {
  public:
   /// Left free on the printer's storage: for the journal and the system's own logs, as JobStore leaves it.
   static constexpr std::uint64_t kSpareBytes = std::uint64_t{16} << 20U;
-  /// So many bytes are written before they are made durable: at most half a second of a slow card's, since buttons wait meanwhile.
+  /// Bytes between two syncs. A slow card needs half a second for them, and buttons wait meanwhile.
   static constexpr std::uint64_t kDurableBytes = std::uint64_t{4} << 20U;
 
   /// Creates STATE/uploads if it is missing, and removes what a power cut has left there but the newest scan.

@@ -1,6 +1,5 @@
 #pragma once
-/// Takes scans into the printer's store, from a socket that a client of the state socket hands over, and offers the one that is kept as a
-/// stick would.
+/// Stores scans that clients of the state socket upload, and offers the newest one as a stick would.
 
 #include <array>
 #include <chrono>

@@ -1,0 +1,76 @@
+#include "firmware/page/printer_texts.hpp"
+
+#include <charconv>
+
+#include "firmware/io/json_writer.hpp"
+#include "firmware/print/status/fault.hpp"
+#include "firmware/screen/fault_words.hpp"
+
+namespace plumbline {
+namespace {
+
+constexpr auto kOneLine = JsonWriter::Layout::kOneLine;
+
+}  // namespace
+
+std::optional<std::uint64_t> whole_number(std::optional<std::string_view> text) {
+  std::uint64_t number = 0;
+  if (!text) return std::nullopt;
+  const auto [end, problem] = std::from_chars(text->data(), text->data() + text->size(), number);
+  return problem == std::errc() && end == text->data() + text->size() ? std::optional(number) : std::nullopt;
+}
+
+std::string_view plain_text(std::optional<std::string_view> value) {
+  if (!value || value->size() < 2 || value->front() != '"') return {};
+  return value->substr(1, value->size() - 2);
+}
+
+Status write_request(TextSink& out, const ClientRequest& request, std::uint64_t id) {
+  JsonWriter json(out);
+  json.begin_object(kOneLine);
+  json.member("do", to_string(request.command));
+  json.member("id", id);
+  if (request.command == Command::kChoose) json.member("scan", request.scan);
+  if (request.command == Command::kUpload) {
+    json.member("name", request.name.view());
+    json.member("bytes", request.bytes);
+  }
+  if (request.command == Command::kSet) {
+    json.member("key", request.key.view());
+    json.member("value", request.value.view());
+  }
+  json.end_object();
+  return json.finish();
+}
+
+FixedText<120> question_line(const char* what, std::uint64_t id) {
+  FixedText<120> line;
+  line.add("{%s, \"id\": %llu}\n", what, static_cast<unsigned long long>(id));
+  return line;
+}
+
+FixedText<100> report_question(std::uint32_t print, std::uint64_t from) {
+  FixedText<100> what;
+  what.add(R"("do": "report", "from": %llu)", static_cast<unsigned long long>(from));
+  if (print > 0) what.add(R"(, "print": %u)", print);
+  return what;
+}
+
+Status write_german_faults(TextSink& out) {
+  JsonWriter json(out);
+  json.begin_object(kOneLine);
+  for (const FaultInfo& fault : all_faults()) {
+    const FaultWords words = fault_words(fault.code, Language::kGerman);
+    FixedText<16> code;
+    code.add("PL-%u", static_cast<unsigned>(fault.code));
+    json.key(code.view());
+    json.begin_object(kOneLine);
+    json.member("title", words.title);
+    json.member("remedy", words.next);
+    json.end_object();
+  }
+  json.end_object();
+  return json.finish();
+}
+
+}  // namespace plumbline

@@ -1,0 +1,35 @@
+#pragma once
+/// What the page says to the printer, and small parts of what the printer says.
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "firmware/io/fixed_text.hpp"
+#include "firmware/state/client_request.hpp"
+#include "slicer/core/error.hpp"
+
+namespace plumbline {
+
+class TextSink;
+
+/// A JSON number, if it is whole and fits.
+std::optional<std::uint64_t> whole_number(std::optional<std::string_view> text);
+
+/// What a JSON string without escapes holds, such as base64, the name of a state, or a code.
+std::string_view plain_text(std::optional<std::string_view> value);
+
+/// The request of a paired browser, written anew: nothing of what came goes to the printer as it is.
+[[nodiscard]] Status write_request(TextSink& out, const ClientRequest& request, std::uint64_t id);
+
+/// @param what  members of the question, as JSON
+FixedText<120> question_line(const char* what, std::uint64_t id);
+
+/// What asks for a report from its byte `from` on.
+/// @param print  0: the last one
+FixedText<100> report_question(std::uint32_t print, std::uint64_t from);
+
+/// The faults in German, by code: what the state says of them is in English.
+[[nodiscard]] Status write_german_faults(TextSink& out);
+
+}  // namespace plumbline
