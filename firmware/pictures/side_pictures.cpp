@@ -185,7 +185,7 @@ double scale_of(const Extent& extent, const PrintGrid& grid) {
   const double width = (extent.column_end - extent.column) * double{grid.pitch_x_mm};
   const double depth = (extent.row_end - extent.row) * double{grid.pitch_y_mm};
   const double height = (extent.layer_end - extent.layer) * double{grid.layer_height_mm};
-  const double across = std::hypot(width, depth);
+  const double across = std::sqrt(width * width + depth * depth);
   const double tall = height * std::cos(kElevation) + across * std::sin(kElevation);
   return std::min({(kColumns - 2 * kRim) / across, (kRows - 2 * kRim) / tall, kMostPixelsPerMm * kSamplesPerPixel});
 }
