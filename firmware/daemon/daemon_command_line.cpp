@@ -24,6 +24,7 @@
 #include "firmware/settings/settings_folders.hpp"
 #include "firmware/state/picture_line.hpp"
 #include "firmware/state/socket_place.hpp"
+#include "hal/process/process_memory.hpp"
 
 namespace plumbline {
 namespace {
@@ -261,6 +262,7 @@ ExitCode serve(const DaemonOptions& options, std::size_t largest_arena) {
   std::optional<ScreenServer> screen;
   if (watched.screen != nullptr) screen.emplace(*watched.screen, machine->language);
   events.serve(**socket, record, daemon, screen ? &*screen : nullptr, &uploads);
+  reserve_heap();  // again: what has been made since the devices were opened has used up the first one
   if (const auto told = manager->ready(); !told) return report_error(told.error());
   const auto served = daemon.run();
   if (!served) return report_error(served.error());

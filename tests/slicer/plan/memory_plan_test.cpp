@@ -42,8 +42,11 @@ TEST(MemoryPlan, NeedsMoreForMoreThreadsAndLargerPanels) {
   EXPECT_GT(plan_memory(100000, panel(1440, 2560), 8).bytes[rays],
             plan_memory(100000, panel(1440, 2560), 1).bytes[rays]);
   EXPECT_GT(plan_memory(1000, panel(3840, 2400), 1).peak(), plan_memory(1000, panel(1440, 2560), 1).peak());
-  // With few points the R-Rep stage needs most, and it runs in one thread.
-  EXPECT_EQ(plan_memory(1000, panel(1440, 2560), 2).widest(), Stage::kRRep);
+  // With few points the R-Rep stage needs more than the rays, and it runs in one thread.
+  const auto rrep = static_cast<std::size_t>(Stage::kRRep);
+  const MemoryPlan two = plan_memory(1000, panel(1440, 2560), 2);
+  EXPECT_GT(two.bytes[rrep], two.bytes[rays]);
+  EXPECT_EQ(two.bytes[rrep], plan_memory(1000, panel(1440, 2560), 1).bytes[rrep]);
 }
 
 TEST(MemoryPlan, NamesTheStageOfItsPeak) {
