@@ -5,13 +5,13 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cassert>
 #include <cstdlib>
 #include <cstring>
 #include <memory>
 #include <new>
 
+#include "firmware/pictures/mask_deflate.hpp"
 #include "slicer/core/print_grid.hpp"
 
 namespace plumbline {
@@ -27,25 +27,6 @@ constexpr std::uint8_t kUpFilter = 2;
 /// libdeflate's level for small pictures: they are made while a printer has other things to do.
 constexpr int kSmallLevel = 8;
 
-void store_big_endian(unsigned char* to, std::uint64_t word) {
-  if constexpr (std::endian::native == std::endian::little) word = __builtin_bswap64(word);
-  std::memcpy(to, &word, sizeof word);
-}
-
-/// Packs the pixels as the lines of a PNG without a filter: a 0, then the first pixel in the high bit.
-/// @param to  8 bytes more than the lines fill
-void pack(ConstBitImage mask, unsigned char* to) {
-  const std::size_t width = (mask.columns() + std::size_t{7}) / 8;
-  for (std::uint32_t r = 0; r < mask.rows(); ++r) {
-    *to++ = 0;
-    // The last word may reach into the next line, which is written later.
-    const auto row = mask.row(r);
-    for (std::size_t w = 0; w + 1 < row.size(); ++w) store_big_endian(to + 8 * w, reversed_bits(row[w]));
-    store_big_endian(to + 8 * (row.size() - 1), reversed_bits(row.back() & mask.last_word_mask()));
-    to += width;
-  }
-}
-
 struct PngFormat {
   std::uint32_t columns = 0, rows = 0;
   unsigned bits = 8;  ///< a channel
@@ -53,10 +34,10 @@ struct PngFormat {
 };
 
 /// Writes a PNG file round the zlib stream of its lines.
-/// @param lines  filtered
-/// @param file   kFrameBytes more than libdeflate's bound
-std::span<const std::byte> write_png(const PngFormat& format, std::span<const std::uint8_t> lines,
-                                     libdeflate_compressor* compressor, std::span<std::uint8_t> file) {
+/// @param compress  writes the stream into a span, returns its size
+/// @param file      kFrameBytes more than that needs
+template <class Compress>
+std::span<const std::byte> write_png(const PngFormat& format, const Compress& compress, std::span<std::uint8_t> file) {
   std::size_t size = 0;
   const auto put = [&](std::span<const std::uint8_t> bytes) {
     std::copy(bytes.begin(), bytes.end(), file.begin() + static_cast<std::ptrdiff_t>(size));
@@ -78,9 +59,7 @@ std::span<const std::byte> write_png(const PngFormat& format, std::span<const st
                                   0, 0});
   end_chunk(begin);
   begin = size;
-  const std::size_t room = file.size() - size - 8 - 4 - 12;
-  const std::size_t packed =
-      libdeflate_zlib_compress(compressor, lines.data(), lines.size(), file.data() + size + 8, room);
+  const std::size_t packed = compress(file.subspan(size + 8, file.size() - size - 8 - 4 - 12));
   put_number(packed);
   put(std::array<std::uint8_t, 4>{'I', 'D', 'A', 'T'});
   size += packed;
@@ -98,40 +77,29 @@ void PngEncoder::FreeCompressor::operator()(libdeflate_compressor* compressor) c
   libdeflate_free_compressor(compressor);
 }
 
-bool PngEncoder::Buffer::take(std::size_t count, Pages pages) {
-  bytes.reset(pages == Pages::kNow ? new (std::nothrow) unsigned char[count]()
-                                   : new (std::nothrow) unsigned char[count]);
+bool PngEncoder::Buffer::take(std::size_t count) {
+  bytes.reset(new (std::nothrow) unsigned char[count]);
   size = count;
   return bytes != nullptr;
 }
 
-Expected<PngEncoder> PngEncoder::for_masks(std::uint32_t columns, std::uint32_t rows, int level) {
-  auto encoder = create((columns + std::size_t{7}) / 8, rows, level, Pages::kNow);
-  PLUMBLINE_TRY(encoder);
-  if (!encoder->lines_.take((1 + (columns + std::size_t{7}) / 8) * rows + 8, Pages::kNow)) {
+Expected<PngEncoder> PngEncoder::for_masks(std::uint32_t columns, std::uint32_t rows) {
+  PngEncoder encoder;
+  if (!encoder.file_.take(deflated_mask_bound(columns, rows) + kFrameBytes)) {
     return fail(ErrorCode::kOutOfMemory, "PNG encoder: no memory for a mask");
   }
   return encoder;
 }
 
 Expected<PngEncoder> PngEncoder::for_pictures(std::uint32_t columns, std::uint32_t rows, int level) {
-  auto encoder = create(std::size_t{3} * columns, rows, level, Pages::kAsNeeded);
-  PLUMBLINE_TRY(encoder);
-  if (!encoder->compressed_.take(encoder->file_.size - kFrameBytes, Pages::kAsNeeded)) {
-    return fail(ErrorCode::kOutOfMemory, "PNG encoder: no memory for a picture");
-  }
-  return encoder;
-}
-
-Expected<PngEncoder> PngEncoder::create(std::size_t row_bytes, std::uint32_t rows, int level, Pages pages) {
-  assert(row_bytes > 0 && rows > 0 && level >= 1 && level <= 12);
+  assert(columns > 0 && rows > 0 && level >= 1 && level <= 12);
   PngEncoder encoder;
   encoder.compressor_.reset(libdeflate_alloc_compressor(level));
   if (!encoder.compressor_) return fail(ErrorCode::kOutOfMemory, "PNG encoder: no memory for the compressor");
-  const std::size_t scan_lines = (1 + row_bytes) * rows;
-  const std::size_t bound = libdeflate_zlib_compress_bound(encoder.compressor_.get(), scan_lines);
-  if (!encoder.file_.take(bound + kFrameBytes, pages)) {
-    return fail(ErrorCode::kOutOfMemory, "PNG encoder: no memory for %zu bytes of output", bound);
+  const std::size_t lines = (1 + std::size_t{3} * columns) * rows;
+  const std::size_t bound = libdeflate_zlib_compress_bound(encoder.compressor_.get(), lines);
+  if (!encoder.compressed_.take(bound) || !encoder.file_.take(bound + kFrameBytes)) {
+    return fail(ErrorCode::kOutOfMemory, "PNG encoder: no memory for a picture");
   }
   return encoder;
 }
@@ -183,10 +151,8 @@ Expected<std::span<const std::byte>> PngEncoder::encode_raw(const unsigned char*
 }
 
 std::span<const std::byte> PngEncoder::encode(ConstBitImage mask) {
-  const std::size_t lines = (1 + (mask.columns() + std::size_t{7}) / 8) * mask.rows();
-  assert(lines > 0 && lines + 8 <= lines_.size);
-  pack(mask, lines_.bytes.get());
-  return write_png({mask.columns(), mask.rows(), 1, LCT_GREY}, {lines_.bytes.get(), lines}, compressor_.get(),
+  return write_png({mask.columns(), mask.rows(), 1, LCT_GREY},
+                   [mask](std::span<std::uint8_t> out) { return deflate_mask(mask, out); },
                    {file_.bytes.get(), file_.size});
 }
 
@@ -222,8 +188,10 @@ std::span<const std::byte> SmallPngEncoder::encode(std::span<const std::uint8_t>
       line[1 + i] = static_cast<std::uint8_t>(pixels[r * width + i] - above);
     }
   }
-  const PngFormat format{columns, rows, 8, channels == 3 ? LCT_RGB : LCT_GREY};
-  return write_png(format, std::span(lines_).first(rows * (width + 1)), compressor_.get(), file_);
+  const auto compress = [this, lines = rows * (width + 1)](std::span<std::uint8_t> out) {
+    return libdeflate_zlib_compress(compressor_.get(), lines_.data(), lines, out.data(), out.size());
+  };
+  return write_png({columns, rows, 8, channels == 3 ? LCT_RGB : LCT_GREY}, compress, file_);
 }
 
 void SmallPngDecoder::FreeDecompressor::operator()(libdeflate_decompressor* decompressor) const {

@@ -1,6 +1,6 @@
 #pragma once
-/// PNG images: masks and small pictures by libdeflate alone, others by lodepng with libdeflate behind it; masks read by lodepng, small
-/// pictures by libdeflate.
+/// PNG images: masks by mask_deflate, small pictures by libdeflate, others by lodepng with libdeflate behind it; masks read by lodepng,
+/// small pictures by libdeflate.
 
 #include <cstddef>
 #include <cstdint>
@@ -22,19 +22,9 @@ namespace plumbline {
 /// can't be replaced.
 class PngEncoder {
  public:
-  /// libdeflate's level, 1 to 12. Measured on a plate full of busts, cut at their plinths; one core of x86-64, the whole call:
-  ///
-  ///   level                 1       2       3       4       5       6       7       8       9
-  ///   1440 x 2560, ms     1.3     0.8     0.9     0.9     1.0     1.2     1.7     3.6     6.0
-  ///                kB    15.1    15.1    15.3    14.5    13.0    11.8    10.5     9.1     9.0
-  ///   3840 x 2400, ms     2.8     1.8     1.9     1.9     2.0     2.5     3.3     6.7    10.2
-  ///                kB    20.1    22.5    22.7    19.7    18.1    18.7    14.9    13.5    13.2
-  static constexpr int kMaskLevel = 5;
-
   /// For masks of up to `columns` x `rows`, 1 bit a pixel.
   /// @retval ErrorCode::kOutOfMemory  the heap has no room for the buffers
-  [[nodiscard]] static Expected<PngEncoder> for_masks(std::uint32_t columns, std::uint32_t rows,
-                                                      int level = kMaskLevel);
+  [[nodiscard]] static Expected<PngEncoder> for_masks(std::uint32_t columns, std::uint32_t rows);
   /// For pictures of up to `columns` x `rows`, 8-bit RGB.
   /// @retval ErrorCode::kOutOfMemory  the heap has no room for the buffers
   [[nodiscard]] static Expected<PngEncoder> for_pictures(std::uint32_t columns, std::uint32_t rows, int level = 6);
@@ -55,27 +45,23 @@ class PngEncoder {
   struct FreeCompressor {
     void operator()(libdeflate_compressor* compressor) const;
   };
-  /// Whether the pages of a buffer exist at once, before the first layer needs them, or when a picture fills them: a compressed picture
-  /// is far smaller than its bound.
-  enum class Pages : std::uint8_t { kNow, kAsNeeded };
+  /// Its pages exist from when they are filled: a compressed picture is far smaller than its bound.
   struct Buffer {
     std::unique_ptr<unsigned char[]> bytes;
     std::size_t size = 0;
 
-    [[nodiscard]] bool take(std::size_t count, Pages pages);
+    [[nodiscard]] bool take(std::size_t count);
   };
 
   PngEncoder() = default;
-  [[nodiscard]] static Expected<PngEncoder> create(std::size_t row_bytes, std::uint32_t rows, int level, Pages pages);
   [[nodiscard]] Expected<std::span<const std::byte>> encode_raw(const unsigned char* raw, std::uint32_t columns,
                                                                 std::uint32_t rows);
   static unsigned compress(unsigned char** out, std::size_t* out_size, const unsigned char* in, std::size_t in_size,
                            const void* settings);
 
-  std::unique_ptr<libdeflate_compressor, FreeCompressor> compressor_;
-  Buffer lines_;       ///< of a mask, as PNG has them
-  Buffer compressed_;  ///< the zlib stream of a picture
-  Buffer file_;        ///< what encode() returns
+  std::unique_ptr<libdeflate_compressor, FreeCompressor> compressor_;  ///< of pictures
+  Buffer compressed_;                                                  ///< the zlib stream of a picture
+  Buffer file_;                                                        ///< what encode() returns
 };
 
 /// Encodes small pictures without the heap: for a process whose memory is fixed. All memory is taken when it is made.

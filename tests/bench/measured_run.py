@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+import tempfile
 import time
 from typing import NamedTuple
 
@@ -18,15 +19,20 @@ class Cost(NamedTuple):
 
 
 def measure(command):
-    """Ends this program if the other one fails, with what it printed."""
+    """Ends this program if the other one fails, with what it printed.
+
+    GNU time starts it: the kernel counts the pages of whoever starts a program as its own, and Python has more than plumbline."""
     started = time.monotonic()
-    process = subprocess.Popen(list(map(str, command)), stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
-    said = process.stdout.read().decode(errors="replace")
-    _, status, used = os.wait4(process.pid, 0)
+    with tempfile.NamedTemporaryFile("r") as peak:
+        timed = ["time", "--output", peak.name, "--format", "%M", *map(str, command)]
+        process = subprocess.Popen(timed, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        said = process.stdout.read().decode(errors="replace")
+        _, status, used = os.wait4(process.pid, 0)
+        peak_kib = peak.read().split()[-1:]
     process.returncode = os.waitstatus_to_exitcode(status)
     if process.returncode != 0:
         sys.exit(f"{' '.join(map(str, command))}\nended with {process.returncode}:\n{said[-3000:]}")
-    return Cost(used.ru_utime + used.ru_stime, time.monotonic() - started, used.ru_maxrss / 1024)
+    return Cost(used.ru_utime + used.ru_stime, time.monotonic() - started, int(peak_kib[0]) / 1024)
 
 
 def stay_on_one_core():
