@@ -30,6 +30,17 @@ double finest_pitch(const PlacementSettings& p) {
   return static_cast<double>(p.printer ? std::min(p.printer->pitch_x_mm, p.printer->pitch_y_mm) : p.pixel_pitch_mm);
 }
 
+/// Files whose format fixes their unit share a frame only with others of that unit.
+/// @param some_in_mm        some files are of such a format
+/// @param some_in_any_unit  some are not
+Status check_units(ScanSources sources, Units units, bool some_in_mm, bool some_in_any_unit) {
+  if (!some_in_mm || !some_in_any_unit || units == Units::kAuto || units == Units::kMillimetres) return {};
+  return fail(ErrorCode::kBadSetting,
+              "%s: the E57 and 3MF files are in mm once they are read, the others would be in %s.\tExport all files as "
+              "one of these, or the others in mm, and leave out the units",
+              title_of(sources).c_str(), to_string(units));
+}
+
 /// First cell of the thinning in scan units; 0 while the size of a scan unit on the print is unknown.
 double first_cell(const PlacementSettings& p) {
   if (p.fit || p.size || p.units == Units::kAuto) return 0;
@@ -93,7 +104,10 @@ class Preparation {
     PLUMBLINE_TRY(admission);
     const CloudReadSettings reading{rotation_matrix(placement.rotation_degrees), first_cell(placement),
                                     first_cell(with_units(placement, Units::kMillimetres))};
-    const auto admit = [&](const ScanAnnouncement& announced) { return admission->admit(announced); };
+    const auto admit = [&](const ScanAnnouncement& announced) -> Expected<std::uint32_t> {
+      PLUMBLINE_TRY(check_units(sources_, placement.units, announced.some_in_mm, announced.some_in_any_unit));
+      return admission->admit(announced);
+    };
     const auto read = read_cloud(sources_, reading, admit, arena_, progress_);
     PLUMBLINE_TRY(read);
     scan_.cloud = read->cloud;
@@ -272,15 +286,11 @@ Status prepare_normals(ScanSources sources, const SliceSettings& settings, Arena
 }
 
 Status check_units(ScanSources sources, Units units, PreparationCounts& report) {
-  if (!report.scan.header.is_in_mm || units == Units::kAuto || units == Units::kMillimetres) return {};
+  if (!report.scan.header.is_in_mm) return {};
   const auto scans = report.scans.all();
-  if (!std::all_of(scans.begin(), scans.end(), [](const ScanSummary& scan) { return scan.header.is_in_mm; })) {
-    return fail(
-        ErrorCode::kBadSetting,
-        "%s: the E57 and 3MF files are in mm once they are read, the others would be in %s.\tExport all files as "
-        "one of these, or the others in mm, and leave out the units",
-        title_of(sources).c_str(), to_string(units));
-  }
+  const bool all =
+      std::all_of(scans.begin(), scans.end(), [](const ScanSummary& scan) { return scan.header.is_in_mm; });
+  PLUMBLINE_TRY(check_units(sources, units, true, !all));
   if (units == Units::kCentimetres || units == Units::kInches) report.ignored_units = units;
   return {};
 }

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "slicer/cloud/thinning.hpp"
+#include "slicer/reader/formats/format_probe.hpp"
 #include "slicer/reader/peeked_source.hpp"
 #include "slicer/reader/scan_reader.hpp"
 
@@ -44,7 +45,9 @@ class CloudSink final : public PointSink {
     // The columns of a compressed file are released before the next file is read, so the largest counts.
     const auto capacity = room_({.points = sum_of_bounds(later_.points, most_points(header, source_->size())),
                                  .reader_bytes = std::max(header.reader_bytes, later_.reader_bytes),
-                                 .kept_bytes = later_.kept_bytes});
+                                 .kept_bytes = later_.kept_bytes,
+                                 .some_in_mm = later_.some_in_mm || header.is_in_mm,
+                                 .some_in_any_unit = later_.some_in_any_unit || !header.is_in_mm});
     PLUMBLINE_TRY(capacity);
     PLUMBLINE_TRY(take_room(*capacity));
     const auto table = arena_.take_top<std::byte>(PointThinner::table_bytes(*capacity), kStage);
@@ -124,6 +127,10 @@ class ScanQueue {
       const ScanHeader header = head->value_or(unknown);
       later.points = sum_of_bounds(later.points, most_points(header, sources_[i]->size()));
       later.reader_bytes = std::max(later.reader_bytes, header.reader_bytes);
+      // The header of an E57 is at its end.
+      const bool is_in_mm = header.is_in_mm || peeked_[i]->begins_with(kE57Signature);
+      later.some_in_mm |= is_in_mm;
+      later.some_in_any_unit |= head->has_value() && !is_in_mm;
     }
     return later;
   }

@@ -23,6 +23,8 @@ struct ScanAnnouncement {
   std::optional<std::uint64_t> points;  ///< at most; none where a file doesn't limit its number
   std::uint64_t reader_bytes = 0;       ///< ScanHeader::reader_bytes, the largest of the files
   std::uint64_t kept_bytes = 0;         ///< of the arena, for the heads of files that wait for their turn
+  bool some_in_mm = false;              ///< by their format, whatever unit is asked for
+  bool some_in_any_unit = false;        ///< for certain: a header that could not be read ahead says nothing
 };
 
 /// Decides how many points the cloud gets room for. Called once, when the headers of all files have been read.

@@ -29,6 +29,11 @@ class PeekedSource final : public ByteSource {
   /// @retval ErrorCode::kCannotRead  the source failed
   [[nodiscard]] Expected<std::optional<ScanHeader>> peek(std::span<std::byte> workspace);
 
+  /// Whether the file begins with these bytes. Call it after peek().
+  bool begins_with(std::string_view signature) const {
+    return std::string_view(reinterpret_cast<const char*>(room_.data()), kept_).starts_with(signature);
+  }
+
   [[nodiscard]] Expected<std::size_t> read(std::span<std::byte> buffer) override;
   std::string_view name() const override { return source_.name(); }
   std::optional<std::uint64_t> size() const override { return peeking_ ? kept_ : source_.size(); }

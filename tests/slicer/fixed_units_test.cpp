@@ -36,6 +36,23 @@ SliceSettings settings_with_units(Units units) {
   return settings;
 }
 
+class MeteredSource final : public ByteSource {
+ public:
+  MeteredSource(std::string_view content, std::string name) : source_(content, std::move(name)) {}
+  Expected<std::size_t> read(std::span<std::byte> buffer) override {
+    auto got = source_.read(buffer);
+    bytes += got.value_or(0);
+    return got;
+  }
+  Status rewind() override { return source_.rewind(); }
+  std::string_view name() const override { return source_.name(); }
+  std::optional<std::uint64_t> size() const override { return source_.size(); }
+  std::size_t bytes = 0;
+
+ private:
+  MemorySource source_;
+};
+
 constexpr std::array kAllUnits = {Units::kMillimetres, Units::kCentimetres, Units::kMetres, Units::kInches,
                                   Units::kAuto};
 
@@ -92,6 +109,20 @@ TEST(FixedUnits, OthersInOneFrameMustBeInMillimetresToo) {
     if (sliced) continue;
     EXPECT_EQ(sliced.error().code(), ErrorCode::kBadSetting);
     EXPECT_THAT(sliced.error().message(), HasSubstr("a.ply and 1 more: the E57 and 3MF files are in mm"));
+  }
+}
+
+TEST(FixedUnits, AMixOfUnitsIsRefusedBeforeAnyPointIsRead) {
+  const std::string e57 = e57_ball(), ply = binary_ply(sphere(400'000, 10, {0, 0, 0}));
+  for (const bool e57_first : {false, true}) {
+    MeteredSource scan(ply, "a.ply"), fixed(e57, "b.e57");
+    ByteSource* const sources[] = {e57_first ? &fixed : &scan, e57_first ? &scan : &fixed};
+    ArenaBlock arena(64 * kMiB);
+    SliceReport report;
+    const auto sliced = slice(sources, settings_with_units(Units::kInches), *arena, nullptr, report);
+    ASSERT_FALSE(sliced);
+    EXPECT_THAT(sliced.error().message(), HasSubstr("the E57 and 3MF files are in mm"));
+    EXPECT_LT(scan.bytes, ply.size() / 10);
   }
 }
 
