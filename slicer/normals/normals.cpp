@@ -1,6 +1,7 @@
 #include "slicer/normals/normals.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "slicer/cloud/tangent_plane.hpp"
 #include "slicer/core/loop_progress.hpp"
@@ -15,6 +16,10 @@ constexpr const char* kStage = "normals";
 // Shares of the time, for progress only.
 constexpr double kCompletionShare = 0.7;  ///< estimating missing normals; turning flipped ones takes the rest
 constexpr double kEstimateShare = 0.7;    ///< of estimating: the tangent planes; orienting them takes the rest
+
+/// Cosine of 30 degrees: a splat whose axis is farther from the normal of its neighbours' plane takes that. The axes of splats that
+/// training has left round or turned mean nothing. One of seven random directions is as near.
+constexpr float kSplatAgrees = 0.86602540F;
 
 }  // namespace
 
@@ -41,12 +46,11 @@ Expected<std::uint32_t> estimate_normals(Cloud& cloud, const KdTree3& tree, Aren
     for (std::uint32_t i = w * 64; i < last; ++i) {
       planes.look_at(i);
       cloud.radius[i] = planes.share_radius();
-      if (cloud.normal[i].known()) {
-        if (sides == NormalSides::kUnknown) word |= std::uint64_t{1} << (i % 64);
-        continue;
-      }
+      const PackedNormal own = cloud.normal[i];
+      if (own.known() && sides == NormalSides::kKnown) continue;
       const auto normal = planes.normal();
-      if (!normal) continue;
+      if (own.known()) word |= std::uint64_t{1} << (i % 64);
+      if (!normal || (own.known() && std::abs(own.unpack().dot(*normal)) >= kSplatAgrees)) continue;
       cloud.normal[i].set(*normal);
       word |= std::uint64_t{1} << (i % 64);
       ++filled;

@@ -28,7 +28,8 @@ std::size_t normals_bytes(std::uint32_t points);
 /// noise.
 ///
 /// @param cloud  in the order of `tree`; afterwards radius[] is sqrt(area / pi) of each point's share of the surface
-/// @param sides  kUnknown: the known normals keep their direction only; their side is found as well
+/// @param sides  kUnknown: the known normals keep their direction only, and only within 30 degrees of that of their neighbours' plane; the
+///               others are estimated. The side of all is found
 /// @returns normals estimated. The same bits on any machine, for any number of threads
 /// @retval ErrorCode::kOutOfMemory, kCancelled
 [[nodiscard]] Expected<std::uint32_t> estimate_normals(Cloud& cloud, const KdTree3& tree, Arena& arena,

@@ -27,6 +27,20 @@ std::vector<Splat> ball_with_floaters() {
   return splats;
 }
 
+/// Splats of which two thirds are turned at random.
+std::vector<Splat> box_of_turned_splats(double half) {
+  std::vector<Splat> splats;
+  std::uint64_t state = 7;
+  const auto random = [&state] { return static_cast<double>(mix64(state += kGoldenStep64) >> 11U) * 0x1p-52 - 1; };
+  Random jitter(7);
+  for (const SurfacePoint& p : box({-half, -half, -half}, {half, half, half}, 0.35, 0.3, jitter)) {
+    const double x = random(), y = random(), z = random();
+    const Vec3d n = random() < 1.0 / 3 ? Vec3d(x, y, z).normalized() : p.normal;
+    splats.push_back({p.position, 0.9, {0.2, 0.2, 0.01}, turn_from_z(n[2] < 0 ? Vec3d(-n) : n)});
+  }
+  return splats;
+}
+
 void expect_ball(const std::string& bytes, const char* name) {
   const Slicing sliced(MemorySource(bytes, name), settings_with_pitch(0.2F), 64 * kMiB);
   EXPECT_EQ(sliced.report().scan.left_out, 6'000U) << name;
@@ -42,6 +56,13 @@ TEST(Splats, ABallWithTransparentFloatersKeepsItsSize) {
   const auto splats = ball_with_floaters();
   expect_ball(splat_ply(splats), "ball.ply");
   expect_ball(gzip(plain_spz(splats, 3)), "ball.spz");
+}
+
+TEST(Splats, ABoxIsThereEvenIfMostSplatsAreTurned) {
+  const Slicing sliced(MemorySource(splat_ply(box_of_turned_splats(10)), "box.ply"), settings_with_pitch(0.2F),
+                       64 * kMiB);
+  EXPECT_GT(sliced.report().normals.estimated, sliced.report().scan.points / 3);
+  EXPECT_NEAR(sliced.volume() / 8000, 1, 0.01);
 }
 
 }  // namespace

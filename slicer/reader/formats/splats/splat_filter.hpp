@@ -15,7 +15,7 @@ namespace plumbline {
 /// 0.3, or if its largest radius is more than 10 times that of the median splat, which needs a survey of all of them first.
 ///
 /// A splat that is flat, its shortest radius below half of the next one, has a normal along the shortest axis. Its side is
-/// not known.
+/// not known, and training leaves many turned anyhow: estimate_normals() keeps those that agree with their neighbours.
 class SplatFilter final : public PointFilter {
  public:
   static constexpr double kFaintest = -0.84729786038720345;   ///< ln(0.3 / 0.7): the logit of 0.3
