@@ -115,7 +115,7 @@ def confirm_plate(state):
 
 
 def png_rows(path):
-    """Columns and row bytes of a 1-bit greyscale PNG without filters."""
+    """Columns and row bytes of a 1-bit greyscale PNG whose lines have no filter or the one above."""
     data = path.read_bytes()
     assert data[:8] == b"\x89PNG\r\n\x1a\n"
     at, stream, header = 8, b"", None
@@ -131,8 +131,13 @@ def png_rows(path):
     columns, rows, depth, colour, _, _, interlace = header
     assert (depth, colour, interlace) == (1, 0, 0)
     raw, width = zlib.decompress(stream), (columns + 7) // 8
-    assert len(raw) == rows * (width + 1) and not any(raw[:: width + 1])
-    return columns, [raw[r * (width + 1) + 1 : (r + 1) * (width + 1)] for r in range(rows)]
+    assert len(raw) == rows * (width + 1) and not set(raw[:: width + 1]) - {0, 2}
+    lines, above = [], bytes(width)
+    for start in range(0, len(raw), width + 1):
+        line = raw[start + 1 : start + 1 + width]
+        above = bytes((a + b) & 255 for a, b in zip(line, above)) if raw[start] == 2 else line
+        lines.append(above)
+    return columns, lines
 
 
 def mix(z):

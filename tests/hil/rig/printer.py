@@ -121,7 +121,7 @@ def objections(lights, masks, layer_steps, lift_steps, first=0):
 
 
 def mask_pixels(path):
-    """A mask's PNG, 1 bit and unfiltered, as a byte a pixel."""
+    """A mask's PNG, 1 bit, whose lines have no filter or the one above, as a byte a pixel."""
     data, at, stream = path.read_bytes(), 8, b""
     while at < len(data):
         length, kind = struct.unpack(">I4s", data[at : at + 8])
@@ -132,10 +132,13 @@ def mask_pixels(path):
             stream += body
         at += 12 + length
     raw, width = zlib.decompress(stream), 1 + (columns + 7) // 8
-    assert not any(raw[::width]), "a filter"
-    pixels = bytearray()
+    assert not set(raw[::width]) - {0, 2}, "another filter"
+    pixels, line = bytearray(), bytes(width - 1)
     for row in range(rows):
-        bits = bin(int.from_bytes(b"\1" + raw[row * width + 1 : (row + 1) * width], "big"))[3:]
+        above, line = line, raw[row * width + 1 : (row + 1) * width]
+        if raw[row * width] == 2:
+            line = bytes((a + b) & 255 for a, b in zip(line, above, strict=True))
+        bits = bin(int.from_bytes(b"\1" + line, "big"))[3:]
         pixels += bits[:columns].encode()
     return bytes(pixels).translate(bytes.maketrans(b"01", b"\0\xff"))
 
