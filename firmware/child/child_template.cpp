@@ -35,10 +35,25 @@ void end_with(pid_t parent) {
 /// for memory.
 void leave_stacks(std::uint32_t threads) {
   if (threads < 2) return;
-  std::latch all_started(threads - 1);
+  std::latch all_started(threads);
   std::vector<std::thread> team;
-  for (std::uint32_t i = 1; i < threads; ++i) team.emplace_back([&all_started] { all_started.arrive_and_wait(); });
+  for (std::uint32_t i = 0; i < threads; ++i) team.emplace_back([&all_started] { all_started.arrive_and_wait(); });
   for (auto& thread : team) thread.join();
+}
+
+/// Runs the task where OpenMP's threads can be started. libgomp keeps a team for each thread that has had one. If the firmware's has, this
+/// one's memory says so, too, and it would wait for ever for threads that a fork does not copy. A new thread has no team yet.
+[[noreturn]] void run_task(SharedMemory& memory, std::uint32_t threads, ChildTask task) {
+  const auto run = [&] {
+    task(memory, threads);
+    ::_exit(0);
+  };
+  if (threads > 1) {
+    std::thread(run).join();
+  } else {
+    run();
+  }
+  ::_exit(0);
 }
 
 [[noreturn]] void run_child(std::span<const int> files, pid_t parent, SharedMemory& memory, std::uint32_t threads,
@@ -51,8 +66,7 @@ void leave_stacks(std::uint32_t threads) {
     if (files[i] != static_cast<int>(i)) ::_exit(1);  // the lowest free numbers
   }
   static_cast<void>(lock_memory(Untouched::kLeave));  // not inherited
-  task(memory, threads);
-  ::_exit(0);
+  run_task(memory, threads, task);
 }
 
 class Template {
