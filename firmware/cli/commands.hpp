@@ -100,13 +100,14 @@ struct SimulateOptions {
 };
 
 struct SetupOptions {
-  std::string output;     ///< board file to write
-  std::string like;       ///< board file whose values are offered; empty: rpi4_dxq608, or what is simulated
-  std::string answers;    ///< file; empty: a person answers
-  std::string simulated;  ///< board file as which a simulated printer is built; empty: this board
-  double speedup = 0;     ///< of the simulated printer, as SimulationOptions
-  std::string lamp_line;  ///< that the simulated lamp lights, as SimulationOptions
-  bool list = false;      ///< only list what the board has
+  std::string output;               ///< board file to write
+  std::string like;                 ///< board file whose values are offered; empty: rpi4_dxq608, or what is simulated
+  std::string answers;              ///< file; empty: a person answers
+  std::string simulated;            ///< board file as which a simulated printer is built; empty: this board
+  double speedup = 0;               ///< of the simulated printer, as SimulationOptions
+  std::string lamp_line;            ///< that the simulated lamp lights, as SimulationOptions
+  std::vector<std::string> faults;  ///< of the simulated printer, as SimulationOptions
+  bool list = false;                ///< only list what the board has
 };
 
 /// Each adds a subcommand whose options are parsed into `options`, which must outlive the parsing.

@@ -87,6 +87,7 @@ Expected<BoardFile> set_up(const SetupOptions& options, Dialogue& dialogue, Boar
     simulation.computing = 0;
     simulation.speedup = options.speedup;
     simulation.lamp_line = options.lamp_line;
+    simulation.faults = options.faults;
     simulation.built = std::move(*built);
   }
   if (!simulation.simulate) dialogue.say(to_text(board_parts()));
@@ -144,6 +145,11 @@ CLI::App* add_setup_command(CLI::App& app, SetupOptions& options) {
                    "Line that plumbline-keeper switches together with the simulated lamp; file:PATH records the "
                    "changes. Needs --speedup")
       ->type_name("LINE");
+  command
+      ->add_option("--fault", options.faults,
+                   "What goes wrong with the simulated printer, such as lamp.stuck_on@t=0s; may be repeated")
+      ->type_name("FAULT")
+      ->take_all();
   command->add_flag("--list", options.list, "List what this board has, and nothing else");
   command->callback([&options] {
     if (options.list == options.output.empty()) return;

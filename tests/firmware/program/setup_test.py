@@ -101,13 +101,21 @@ class Setup(Program):
 
     def struck_in_light(self, strike):
         """Lights the lamp for 20 s of the host's time, then strikes. @returns seconds until it is dark, what the program said"""
+        answers = {"move.ready": "no", "lamp.how": "sheet", "lamp.seconds": "30", "lamp.light": "yes"}
+        said, struck = self.on_a_terminal(answers, "--speedup", "1.5", strike=strike)
+        return (self.changes()[-1][1] - struck) / 1e9, said
+
+    def on_a_terminal(self, answers, *options, strike=None, status=130):
+        """
+        A person who answers, and presses return where `answers` has nothing. The lamp is lit once, and nothing is written.
+        @param strike  called when the lamp is lit
+        @returns what the program said, when it was struck
+        """
         self.line = self.dir / "lamp-line"
         self.line.unlink(missing_ok=True)
-        answers = {"move.ready": "no", "lamp.how": "sheet", "lamp.seconds": "30", "lamp.light": "yes"}
         process, terminal = pty.fork()
         if process == 0:
-            os.execv(PLUMBLINE, [str(PLUMBLINE), "setup", str(self.file), "--simulated", str(SIM2K), "--speedup", "1.5",
-                                 "--lamp-line", f"file:{self.line}"])
+            os.execv(PLUMBLINE, [str(PLUMBLINE), "setup", str(self.file), "--simulated", str(SIM2K), "--lamp-line", f"file:{self.line}", *options])
         said, struck, end = b"", None, time.monotonic() + 60
         while time.monotonic() < end:
             if select.select([terminal], [], [], 0.005)[0]:
@@ -117,17 +125,18 @@ class Setup(Program):
                     break
             if said.endswith(b"> "):
                 name = said.rstrip().split(b"\r\n\r\n")[-1].split(b":")[0].decode()
-                if name == "look.corners":
+                if name == "look.corners" and answers.get(name) != "light":
                     answers[name] = re.findall("simulated: you see ([1-4 ]+)", said.decode())[-1]
                 os.write(terminal, answers.get(name, "").encode() + b"\n")
                 said += b"."
-            if struck is None and self.changes()[-1:] and self.changes()[-1][0] == "on":
+            if strike and struck is None and self.changes()[-1:] and self.changes()[-1][0] == "on":
                 struck = time.monotonic_ns()
                 strike(process, terminal)
-        self.assertEqual(os.waitstatus_to_exitcode(os.waitpid(process, 0)[1]), 130, said.decode())
+        os.close(terminal)  # ends it, should it still ask
+        self.assertEqual(os.waitstatus_to_exitcode(os.waitpid(process, 0)[1]), status, said.decode())
         self.assertFalse(self.file.exists())
         self.assertEqual([word for word, _ in self.changes()], ["on", "off"])
-        return (self.changes()[-1][1] - struck) / 1e9, said.decode()
+        return said.decode(), struck
 
     def test_ctrl_c_and_sigterm_turn_the_lit_lamp_off_at_once(self):
         for strike in (lambda _, terminal: os.write(terminal, b"\x03"), lambda process, _: os.kill(process, signal.SIGTERM)):
@@ -136,6 +145,20 @@ class Setup(Program):
             self.assertLess(dark_after, 1)
             self.assertIn("interrupted: the lamp is dark, the plate stands, and nothing was written", said)
             self.assertNotIn("lamp.thickness", said)
+
+    def test_a_lamp_that_stays_lit_ends_it(self):
+        meter = {"move.ready": "no", "lamp.how": "meter", "lamp.light": "yes"}
+        look = {"look.corners": "light", "look.light": "yes"}
+        for answers, last in ((meter, "lamp.light"), (look, "look.light")):
+            for fault, told in (("lamp.stuck_on", "the lamp went off only when its supply was cut: have the lamp repaired"),
+                                ("lamp.runaway", "the lamp stays on even with its supply cut: pull the printer's plug")):
+                with self.subTest(last, fault=fault):
+                    said, _ = self.on_a_terminal(answers, "--speedup", "50", "--fault", f"{fault}@t=0s", status=1)
+                    # It is the last thing that is said: no other measurement, no move, no question and no file.
+                    self.assertTrue(said.rstrip().splitlines()[-1].startswith(f"plumbline: {told}"), said)
+                    self.assertEqual(re.findall(r"(?m)^([a-z_]+\.[a-z_0-9]+): ", said.replace("\r", ""))[-1], last)
+                    for words in ("The lamp is dark again", "Moving up", "Wrote", "Not measured", "end_stop.right"):
+                        self.assertNotIn(words, said)
 
     def test_lists_the_board(self):
         self.assertRegex(self.run_it("setup", "--list").stdout, "board")
