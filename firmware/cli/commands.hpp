@@ -89,6 +89,8 @@ struct ControlOptions {
   std::string command;                ///< to_string(Command)
   std::uint32_t scan = 0;             ///< of choose
   std::string key, value;             ///< of set
+  std::string file;                   ///< of upload: its path
+  std::string name;                   ///< of remove
 };
 
 struct SimulateOptions {

@@ -3,6 +3,7 @@
 
 #include "firmware/cli/commands.hpp"
 #include "firmware/cli/reports/status_text.hpp"
+#include "firmware/cli/scan_upload.hpp"
 #include "firmware/io/json_cursor.hpp"
 #include "firmware/io/json_writer.hpp"
 #include "firmware/io/progress_lines.hpp"
@@ -17,6 +18,8 @@ constexpr const char* kFooter =
     "  plumbline ctl start                    print what is on the stick\n"
     "  plumbline ctl choose 2                 take the second scan of 'plumbline status'\n"
     "  plumbline ctl set scale 1.5            a key of job.toml for this print; board/README.md has all of them\n"
+    "  plumbline ctl upload bust.ply          put a scan into the printer's store: it is offered as on a stick\n"
+    "  plumbline ctl remove bust.ply          remove it from there; 'plumbline status' has its name\n"
     "  plumbline ctl plate-empty              after a print: somebody has looked, and the plate is empty\n"
     "  plumbline ctl resume --socket PATH     of a daemon with another socket\n"
     "\n"
@@ -38,6 +41,8 @@ constexpr Word kWords[] = {
     {Command::kOffer, "Offer what is on the stick again"},
     {Command::kChoose, "Choose a scan by its number in 'plumbline status'"},
     {Command::kSet, "Change a setting of the print that is offered"},
+    {Command::kUpload, "Put a scan into the printer's store, in place of the one there"},
+    {Command::kRemove, "Remove the scan from the printer's store"},
 };
 
 std::string request_line(const ControlOptions& options) {
@@ -51,6 +56,7 @@ std::string request_line(const ControlOptions& options) {
     json.member("key", options.key);
     json.member("value", options.value);
   }
+  if (options.command == to_string(Command::kRemove)) json.member("name", options.name);
   json.end_object();
   if (!json.finish()) return {};
   return std::string(line.view());
@@ -75,14 +81,27 @@ CLI::App* add_control_command(CLI::App& app, ControlOptions& options) {
       verb->add_option("key", options.key, "Such as scale, supports, layer_height")->required()->type_name("KEY");
       verb->add_option("value", options.value, "A number, a word, true or false")->required()->type_name("VALUE");
     }
+    if (word.command == Command::kUpload) {
+      verb->add_option("file", options.file, "A scan, a mesh or a sliced archive")->required()->type_name("FILE");
+    }
+    if (word.command == Command::kRemove) {
+      verb->add_option("name", options.name, "Its name in 'plumbline status'")->required()->type_name("NAME");
+    }
   }
   return command;
 }
 
 ExitCode run_control(const ControlOptions& options) {
+  if (options.command == to_string(Command::kUpload)) {
+    const auto name = upload_scan(options.socket, options.file);
+    if (!name) return report_error(name.error());
+    write_line("in the printer's store: " + *name);
+    return ExitCode::kDone;
+  }
   const std::string line = request_line(options);
   if (line.empty() || line.size() > kLongestRequest) {
-    return report_error(Error::format(ErrorCode::kBadSetting, "%s: the value is too long", options.key.c_str()));
+    return report_error(Error::format(ErrorCode::kBadSetting, "%s: the value is too long",
+                                      options.key.empty() ? "name" : options.key.c_str()));
   }
   auto link = StateLink::open(options.socket, true);
   if (!link) return report_error(link.error());

@@ -261,7 +261,7 @@ ExitCode serve(const DaemonOptions& options, std::size_t largest_arena) {
   PrinterDaemon daemon(watched, settings, *child, arena, *store, *plate, log, record, &uploads);
   std::optional<ScreenServer> screen;
   if (watched.screen != nullptr) screen.emplace(*watched.screen, machine->language);
-  events.serve(**socket, record, daemon, screen ? &*screen : nullptr, &uploads);
+  events.serve(**socket, record, daemon.commands(), screen ? &*screen : nullptr, &uploads);
   reserve_heap();  // again: what has been made since the devices were opened has used up the first one
   if (const auto told = manager->ready(); !told) return report_error(told.error());
   const auto served = daemon.run();

@@ -1,13 +1,9 @@
 #include "firmware/daemon/printer_daemon.hpp"
 
-#include <fcntl.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
-#include <cerrno>
 #include <cstddef>
-#include <cstring>
 #include <utility>
 
 #include "firmware/daemon/issue_question.hpp"
@@ -16,7 +12,6 @@
 #include "firmware/daemon/stick/stick_reports.hpp"
 #include "firmware/daemon/stick/stick_words.hpp"
 #include "firmware/daemon/stick_request.hpp"
-#include "firmware/io/descriptor.hpp"
 #include "firmware/print/status/state_lights.hpp"
 #include "firmware/print/store/interrupted_print.hpp"
 
@@ -47,7 +42,8 @@ PrinterDaemon::PrinterDaemon(Machine& machine, const DaemonSettings& settings, S
       slicing_(child, machine, arena, observer_, settings.slicing_patience),
       decoder_(child, printer_volume(settings.board)),
       answers_(machine, record, observer_),
-      uploads_(uploads) {
+      uploads_(uploads),
+      commands_(record, observer_, answers_, uploads, settings.report_path) {
   record.state = PrintState::kIdle;
   assign(record.printer, settings.board.name);
   record.simulated = settings.machine.simulated;
@@ -156,7 +152,7 @@ Status PrinterDaemon::serve_plate() {
     if (*answer != EventKind::kStartPressed) continue;
     PLUMBLINE_TRY(plate_.confirm_empty());
     // Offers what was printed again. A rig's stick would start again, so there it has to be plugged in anew, after the print.
-    if (was_upload_)
+    if (commands_.of_upload)
       upload_served_ = false;
     else
       served_ = served_ && settings_.machine.start == StartChoice::kOnStick;
@@ -174,51 +170,12 @@ Status PrinterDaemon::serve_fault() {
     PLUMBLINE_TRY(answer);
     const bool button = *answer == EventKind::kStartPressed || *answer == EventKind::kCancelPressed;
     if (!button && !plate_.is_empty()) continue;
-    if (button || !has_new_upload()) (was_upload_ ? upload_served_ : served_) = *answer == EventKind::kCancelPressed;
+    if (button || !has_new_upload())
+      (commands_.of_upload ? upload_served_ : served_) = *answer == EventKind::kCancelPressed;
     apply(PrintEvent::kAcknowledged);
     break;
   }
   return {};
-}
-
-/// Carries out a command. One that answers a question becomes the button that does.
-Expected<std::optional<EventKind>> PrinterDaemon::take(const ClientRequest& request) {
-  if (const auto button = button_of(request.command)) {
-    answers_.answer_by_command();
-    return button;
-  }
-  if (request.command == Command::kCode) {
-    observer_.show_code(request.code.view());
-    return std::nullopt;
-  }
-  if (offer_ == nullptr) return fail(ErrorCode::kBadSetting, "nothing is offered");
-  PLUMBLINE_TRY(offer_->change(request));
-  return std::nullopt;
-}
-
-Expected<std::uint32_t> PrinterDaemon::take_upload(const ClientRequest& upload, Descriptor from) {
-  if (uploads_ == nullptr) return CommandTaker::take_upload(upload, std::move(from));
-  const auto number = uploads_->begin(upload, std::move(from));
-  PLUMBLINE_TRY(number);
-  return *number;
-}
-
-Expected<bool> PrinterDaemon::draw_mask(std::uint32_t layer, LayerPicture& picture) {
-  if (masks_ == nullptr) {
-    return fail(ErrorCode::kBadSetting, "there are no masks now.\tAsk again while what has been sliced is offered");
-  }
-  return masks_->draw(layer, picture);
-}
-
-Expected<CommandTaker::ReportPart> PrinterDaemon::read_report(std::uint64_t from, std::span<std::byte> out) {
-  const Descriptor file(::open(settings_.report_path.c_str(), O_RDONLY | O_CLOEXEC));
-  struct stat facts {};
-  if (!file.is_open() || ::fstat(file.get(), &facts) != 0) {
-    return fail(ErrorCode::kBadSetting, "there is no report of a print");
-  }
-  const ssize_t got = ::pread(file.get(), out.data(), out.size(), static_cast<off_t>(from));
-  if (got < 0) return fail(ErrorCode::kCannotRead, "the report can't be read: %s", std::strerror(errno));
-  return ReportPart{static_cast<std::size_t>(got), static_cast<std::uint64_t>(facts.st_size)};
 }
 
 /// @returns the job that somebody wants printed; none: nobody does, or the stick was pulled
@@ -226,9 +183,9 @@ Expected<std::optional<StickJob>> PrinterDaemon::choose(const StickMount& mount,
   auto offer = StickOffer::read(mount, slicing_, settings_, observer_, uploaded);
   PLUMBLINE_TRY(offer);
   if (!uploaded && offer->is_certain() && settings_.machine.start == StartChoice::kOnStick) return offer->job();
-  offer_ = &*offer;
+  commands_.offer = &*offer;
   const auto answer = offer->ask(answers_, [this] { return has_new_upload(); });
-  offer_ = nullptr;
+  commands_.offer = nullptr;
   PLUMBLINE_TRY(answer);
   if (*answer == EventKind::kStartPressed) return offer->job();
   // What has arrived meanwhile is offered next: a new upload, or a stick instead of an upload.
@@ -254,10 +211,10 @@ Expected<bool> PrinterDaemon::accept(const PrintGrid& grid, const MaskExtent& ex
   const bool asks = question.action() == CheckAction::kAsk || settings_.machine.start == StartChoice::kAfterPreview;
   if (!asks) return true;
   apply(PrintEvent::kJobOffered);
-  masks_ = masks;
+  commands_.masks = masks;
   record_.has_masks = masks != nullptr;
   const auto accepted = question.ask(*record, answers_, observer_);
-  masks_ = nullptr;
+  commands_.masks = nullptr;
   record_.has_masks = false;
   PLUMBLINE_TRY(accepted);
   apply(*accepted ? PrintEvent::kJobTaken : PrintEvent::kCancelAsked);
@@ -327,7 +284,7 @@ Status PrinterDaemon::serve_upload() {
 
 Status PrinterDaemon::serve_scans(StickPort& port, bool uploaded) {
   if (!uploaded) served_ = true;
-  was_upload_ = uploaded;
+  commands_.of_upload = uploaded;
   fault_ = FaultCode::kNone;
   const bool wants_reports = !uploaded && store_reports();
   observer_.begin_job();
@@ -387,7 +344,7 @@ Status PrinterDaemon::serve_scans(StickPort& port, bool uploaded) {
 }
 
 Status PrinterDaemon::resume() {
-  was_upload_ = false;
+  commands_.of_upload = false;
   PrintSession session(settings_.board, settings_.machine, arena_, &store_, &decoder_);
   const auto loaded = session.load();
   if (!loaded) {
@@ -410,7 +367,7 @@ void PrinterDaemon::print(PrintSession& session, const PrintProfile& profile) {
   observer_.printed(report, session, profile);
   store_reports();
   // Don't print the same stick again until it is plugged in anew.
-  if (!was_upload_) served_ = machine_.stick.has_stick();
+  if (!commands_.of_upload) served_ = machine_.stick.has_stick();
   fault_ = report.fault;
   // The print has left the record in its last state. A fault stays until somebody has seen it; after any other end, settle() asks for
   // the plate.

@@ -7,6 +7,7 @@
 #include "firmware/child/child_layer_decoder.hpp"
 #include "firmware/child/slicing_child.hpp"
 #include "firmware/daemon/answers.hpp"
+#include "firmware/daemon/daemon_commands.hpp"
 #include "firmware/daemon/daemon_observer.hpp"
 #include "firmware/daemon/daemon_settings.hpp"
 #include "firmware/daemon/offered_masks.hpp"
@@ -27,7 +28,7 @@
 
 namespace plumbline {
 
-class PrinterDaemon final : public CommandTaker {
+class PrinterDaemon {
  public:
   /// All must outlive the daemon.
   /// @param arena   over the child's arena_block()
@@ -41,12 +42,7 @@ class PrinterDaemon final : public CommandTaker {
   /// @retval ErrorCode::kDeviceTimeout  no scan can be sliced any more: the daemon must be started anew
   [[nodiscard]] Status run();
 
-  /// Called while the daemon waits for an event.
-  Expected<std::optional<EventKind>> take(const ClientRequest& request) override;
-  Expected<bool> draw_mask(std::uint32_t layer, LayerPicture& picture) override;
-  Expected<std::uint32_t> take_upload(const ClientRequest& upload, Descriptor from) override;
-  Expected<ReportPart> read_report(std::uint64_t from, std::span<std::byte> out) override;
-
+  CommandTaker& commands() { return commands_; }
   FaultCode fault() const { return fault_; }  ///< of the last job; kNone: none
 
  private:
@@ -94,15 +90,12 @@ class PrinterDaemon final : public CommandTaker {
   ScanSlicing slicing_;
   ChildLayerDecoder decoder_;
   Answers answers_;
-  StickOffer* offer_ = nullptr;    ///< that somebody is asked about
-  OfferedMasks* masks_ = nullptr;  ///< the same
   FaultCode fault_ = FaultCode::kNone;
   Uploads* uploads_;
-  bool upload_served_ =
-      true;                  ///< the same of the uploaded scan, which is offered when it comes, and when somebody asks
-  bool was_upload_ = false;  ///< the last job was that of an upload
-  bool served_ = false;      ///< the stick in the port has been printed, refused or declined
-  bool told_ready_ = false;  ///< since the printer has become idle
+  DaemonCommands commands_;    ///< knows what is offered, and whether the last job was that of an upload
+  bool upload_served_ = true;  ///< the uploaded scan is offered when it comes, and when somebody asks
+  bool served_ = false;        ///< the stick in the port has been printed, refused or declined
+  bool told_ready_ = false;    ///< since the printer has become idle
 };
 
 }  // namespace plumbline

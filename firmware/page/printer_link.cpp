@@ -4,13 +4,13 @@
 #include <sys/socket.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
-#include <cstring>
+#include <span>
 #include <utility>
 
 #include "firmware/state/socket_place.hpp"
 #include "firmware/state/state_line.hpp"
+#include "hal/process/passed_descriptor.hpp"
 
 namespace plumbline {
 
@@ -63,23 +63,7 @@ std::optional<std::string_view> PrinterLink::take_line() {
 
 bool PrinterLink::send(std::string_view line, int file) {
   if (!is_open()) return false;
-  iovec bytes{
-      .iov_base = const_cast<char*>(line.data()),  // NOLINT(cppcoreguidelines-pro-type-const-cast): is only read
-      .iov_len = line.size()};
-  msghdr message{};
-  message.msg_iov = &bytes;
-  message.msg_iovlen = 1;
-  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> room{};
-  if (file >= 0) {
-    message.msg_control = room.data();
-    message.msg_controllen = room.size();
-    cmsghdr* const part = CMSG_FIRSTHDR(&message);
-    part->cmsg_level = SOL_SOCKET;
-    part->cmsg_type = SCM_RIGHTS;
-    part->cmsg_len = CMSG_LEN(sizeof(int));
-    std::memcpy(CMSG_DATA(part), &file, sizeof file);
-  }
-  if (::sendmsg(socket_.get(), &message, MSG_NOSIGNAL) == static_cast<ssize_t>(line.size())) return true;
+  if (send_message(socket_.get(), std::as_bytes(std::span(line)), std::span(&file, file >= 0 ? 1 : 0))) return true;
   end();
   return false;
 }

@@ -25,24 +25,6 @@ std::string_view plain_text(std::optional<std::string_view> value) {
   return value->substr(1, value->size() - 2);
 }
 
-Status write_request(TextSink& out, const ClientRequest& request, std::uint64_t id) {
-  JsonWriter json(out);
-  json.begin_object(kOneLine);
-  json.member("do", to_string(request.command));
-  json.member("id", id);
-  if (request.command == Command::kChoose) json.member("scan", request.scan);
-  if (request.command == Command::kUpload) {
-    json.member("name", request.name.view());
-    json.member("bytes", request.bytes);
-  }
-  if (request.command == Command::kSet) {
-    json.member("key", request.key.view());
-    json.member("value", request.value.view());
-  }
-  json.end_object();
-  return json.finish();
-}
-
 FixedText<120> question_line(const char* what, std::uint64_t id) {
   FixedText<120> line;
   line.add("{%s, \"id\": %llu}\n", what, static_cast<unsigned long long>(id));

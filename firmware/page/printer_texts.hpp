@@ -6,7 +6,6 @@
 #include <string_view>
 
 #include "firmware/io/fixed_text.hpp"
-#include "firmware/state/client_request.hpp"
 #include "slicer/core/error.hpp"
 
 namespace plumbline {
@@ -18,9 +17,6 @@ std::optional<std::uint64_t> whole_number(std::optional<std::string_view> text);
 
 /// What a JSON string without escapes holds, such as base64, the name of a state, or a code.
 std::string_view plain_text(std::optional<std::string_view> value);
-
-/// The request of a paired browser, written anew: nothing of what came goes to the printer as it is.
-[[nodiscard]] Status write_request(TextSink& out, const ClientRequest& request, std::uint64_t id);
 
 /// @param what  members of the question, as JSON
 FixedText<120> question_line(const char* what, std::uint64_t id);

@@ -80,6 +80,7 @@ ShortText filled_in(std::string_view pattern, Values... values) {
 // The screens, by their file.
 void draw_idle(const Sheet& sheet);
 void draw_scans(const Sheet& sheet);
+void draw_remove_question(const Sheet& sheet);
 void draw_settings(const Sheet& sheet);
 void draw_preview_screen(const Sheet& sheet);
 void draw_slicing(const Sheet& sheet);

@@ -64,18 +64,18 @@ std::optional<Event> ScreenServer::filter(const Event& event, const PrinterRecor
   if (!button) return event;
   view_ = still_open(record, view_);
   drawn_at_ = {};  // whoever presses a button sees at once what it did
-  if (view_.asks_to_cancel && event.at < asked_at_ + kSettle) return std::nullopt;
+  const bool asks = view_.asks_to_cancel || view_.asks_to_remove;
+  if (asks && event.at < asked_at_ + kSettle) return std::nullopt;
   const auto use = buttons_of(record, view_)[static_cast<std::size_t>(*button)];
   if (!use) {
-    const bool opened = view_.asks_to_cancel || view_.settings_open || view_.prints_open || view_.lights_open;
+    const bool opened = asks || view_.settings_open || view_.prints_open || view_.lights_open;
     return opened ? std::nullopt : std::optional(event);
   }
   if (use->act == ButtonAct::kCommand) {
     view_.asks_to_cancel = false;
     return event;
   }
-  act(use->act, record, taker, event.at);
-  return std::nullopt;
+  return act(use->act, record, taker, event.at);
 }
 
 std::optional<Event> ScreenServer::touched(const PrinterRecord& record, CommandTaker& taker) {
@@ -87,7 +87,8 @@ std::optional<Event> ScreenServer::touched(const PrinterRecord& record, CommandT
   return filter({touch->at, kEvents[third]}, record, taker);
 }
 
-void ScreenServer::act(ButtonAct act, const PrinterRecord& record, CommandTaker& taker, TimePoint at) {
+/// @returns the event that a command has become
+std::optional<Event> ScreenServer::act(ButtonAct act, const PrinterRecord& record, CommandTaker& taker, TimePoint at) {
   switch (act) {
     case ButtonAct::kCommand: break;
     case ButtonAct::kNextScan: choose_next(record, taker); break;
@@ -103,7 +104,20 @@ void ScreenServer::act(ButtonAct act, const PrinterRecord& record, CommandTaker&
       view_.asks_to_cancel = true;
       asked_at_ = at;
       break;
-    case ButtonAct::kKeepPrinting: view_.asks_to_cancel = false; break;
+    case ButtonAct::kAskToRemove:
+      view_.asks_to_remove = true;
+      asked_at_ = at;
+      break;
+    case ButtonAct::kRemove: {
+      view_.asks_to_remove = false;
+      ClientRequest request;
+      request.command = Command::kRemove;
+      request.name.add("%s", record.stored->name.c_str());
+      const auto taken = taker.take(request);
+      if (taken && *taken) return Event{at, **taken};
+      break;
+    }
+    case ButtonAct::kKeep: view_.asks_to_cancel = view_.asks_to_remove = false; break;
     case ButtonAct::kOpenPrints: view_.prints_open = true; break;
     case ButtonAct::kNextPrint: view_.print = (view_.print + 1) % record.prints->list().size(); break;
     case ButtonAct::kClosePrints: view_.prints_open = false; break;
@@ -114,20 +128,25 @@ void ScreenServer::act(ButtonAct act, const PrinterRecord& record, CommandTaker&
     case ButtonAct::kNextPattern: view_.pattern = (view_.pattern + 1) % kLightPatternCount; break;
     case ButtonAct::kCloseLights: view_.lights_open = false; break;
   }
+  return std::nullopt;
 }
 
-/// Goes round the scans and, behind the last one, the settings.
+/// Goes round the scans and, behind the last one, the other rows.
 void ScreenServer::choose_next(const PrinterRecord& record, CommandTaker& taker) {
   const bool several = takes(record, Command::kChoose);
   const std::size_t at = record.job->chosen.value_or(0);
-  if (!view_.on_settings_row && (!several || at + 1 == record.scan_count)) {
-    view_.on_settings_row = true;
+  if (view_.row == ListRow::kScan && (!several || at + 1 == record.scan_count)) {
+    view_.row = ListRow::kSettings;
+    return;
+  }
+  if (view_.row == ListRow::kSettings && has_remove_row(record)) {
+    view_.row = ListRow::kRemove;
     return;
   }
   ClientRequest request;
   request.command = Command::kChoose;
-  request.scan = view_.on_settings_row ? 1 : static_cast<std::uint32_t>(at) + 2;
-  view_.on_settings_row = false;
+  request.scan = view_.row != ListRow::kScan ? 1 : static_cast<std::uint32_t>(at) + 2;
+  view_.row = ListRow::kScan;
   if (several) static_cast<void>(taker.take(request));
 }
 

@@ -47,7 +47,7 @@ class ScreenServer {
   HostClock::duration longest_turn() const { return longest_turn_; }
 
  private:
-  void act(ButtonAct act, const PrinterRecord& record, CommandTaker& taker, TimePoint at);
+  std::optional<Event> act(ButtonAct act, const PrinterRecord& record, CommandTaker& taker, TimePoint at);
   void choose_next(const PrinterRecord& record, CommandTaker& taker);
 
   StatusScreen& screen_;

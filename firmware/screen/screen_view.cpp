@@ -20,7 +20,11 @@ Uses uses_on_scans(const PrinterRecord& record, const ScreenView& view) {
             ButtonUse{Words::kDoBack, ButtonAct::kCloseSettings}};
   }
   Uses uses;
-  uses[0] = view.on_settings_row ? ButtonUse{Words::kDoOpen, ButtonAct::kOpenSettings} : ButtonUse{Words::kDoPrint};
+  switch (view.row) {
+    case ListRow::kScan: uses[0] = ButtonUse{Words::kDoPrint}; break;
+    case ListRow::kSettings: uses[0] = ButtonUse{Words::kDoOpen, ButtonAct::kOpenSettings}; break;
+    case ListRow::kRemove: uses[0] = ButtonUse{Words::kDoDelete, ButtonAct::kAskToRemove}; break;
+  }
   uses[1] = ButtonUse{Words::kDoNext, ButtonAct::kNextScan};
   if (takes(record, Command::kCancel)) uses[2] = ButtonUse{Words::kDoDecline};
   return uses;
@@ -33,6 +37,8 @@ constexpr ButtonUse kOpenCard{Words::kDoLights, ButtonAct::kOpenLights};
 
 }  // namespace
 
+bool has_remove_row(const PrinterRecord& record) { return record.scans_uploaded && takes(record, Command::kRemove); }
+
 Uses buttons_of(const PrinterRecord& record, const ScreenView& view) {
   Uses uses;
   const auto give = [&](ScreenButton button, Command command, Words label, ButtonAct act = ButtonAct::kCommand) {
@@ -40,7 +46,10 @@ Uses buttons_of(const PrinterRecord& record, const ScreenView& view) {
   };
   using enum ScreenButton;
   if (view.asks_to_cancel) {
-    return {ButtonUse{Words::kDoKeepPrinting, ButtonAct::kKeepPrinting}, std::nullopt, ButtonUse{Words::kDoEndPrint}};
+    return {ButtonUse{Words::kDoKeepPrinting, ButtonAct::kKeep}, std::nullopt, ButtonUse{Words::kDoEndPrint}};
+  }
+  if (view.asks_to_remove) {
+    return {ButtonUse{Words::kDoBack, ButtonAct::kKeep}, std::nullopt, ButtonUse{Words::kDoDelete, ButtonAct::kRemove}};
   }
   if (view.lights_open) {
     return {std::nullopt, ButtonUse{Words::kDoNext, ButtonAct::kNextPattern},
@@ -94,7 +103,11 @@ Uses buttons_of(const PrinterRecord& record, const ScreenView& view) {
 
 ScreenView still_open(const PrinterRecord& record, ScreenView view) {
   const ScreenKind kind = screen_of(record);
-  if (kind != ScreenKind::kScans) view.on_settings_row = view.settings_open = false;
+  if (kind != ScreenKind::kScans || (view.row == ListRow::kRemove && !has_remove_row(record))) {
+    view.row = ListRow::kScan;
+    view.settings_open = false;
+  }
+  view.asks_to_remove = view.asks_to_remove && view.row == ListRow::kRemove;
   if (!view.settings_open) view.setting = 0;
   if (kind != ScreenKind::kPreview || view.finding >= record.finding_count) view.finding = 0;
   view.prints_open = view.prints_open && kind == ScreenKind::kIdle && kept_prints(record) > 0;

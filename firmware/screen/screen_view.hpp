@@ -13,11 +13,19 @@
 
 namespace plumbline {
 
+/// A row of the list of scans that is no scan. They come last.
+enum class ListRow : std::uint8_t {
+  kScan,      ///< the job's
+  kSettings,  ///< opens them
+  kRemove,    ///< of an uploaded scan: deletes it
+};
+
 struct ScreenView {
-  bool on_settings_row = false;  ///< of the list of scans: its last row
+  ListRow row = ListRow::kScan;
   bool settings_open = false;
   std::size_t setting = 0;  ///< the row at hand
   bool asks_to_cancel = false;
+  bool asks_to_remove = false;
   std::size_t finding = 0;   ///< the first one shown
   bool prints_open = false;  ///< the last prints
   std::size_t print = 0;     ///< the row at hand
@@ -37,7 +45,9 @@ enum class ButtonAct : std::uint8_t {
   kCloseSettings,
   kMoreFindings,
   kAskToCancel,
-  kKeepPrinting,
+  kAskToRemove,
+  kRemove,
+  kKeep,  ///< the print or the scan: the question is closed
   kOpenPrints,
   kNextPrint,
   kClosePrints,
@@ -50,6 +60,9 @@ struct ButtonUse {
   Words label;
   ButtonAct act = ButtonAct::kCommand;
 };
+
+/// Whether the list of scans has a row that deletes the uploaded one.
+bool has_remove_row(const PrinterRecord& record);
 
 /// By ScreenButton; none: the button does nothing.
 std::array<std::optional<ButtonUse>, kScreenButtonCount> buttons_of(const PrinterRecord& record,

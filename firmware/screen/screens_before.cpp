@@ -56,7 +56,9 @@ void draw_idle(const Sheet& sheet) {
   if (sheet.record.has_stick) {
     draw_message(sheet, body, sheet.say(Words::kStickIsIn), sheet.say(Words::kShowAgain));
   } else {
-    draw_message(sheet, body, sheet.say(Words::kPlugIn), sheet.say(Words::kScanKinds));
+    const bool has_upload = takes(sheet.record, Command::kOffer);
+    draw_message(sheet, body, sheet.say(Words::kPlugIn),
+                 sheet.say(has_upload ? Words::kShowUpload : Words::kScanKinds));
   }
 }
 
@@ -69,10 +71,11 @@ void draw_scans(const Sheet& sheet) {
     return;
   }
   const JobRecord& job = *record.job;
-  // The scans, and as the last row the settings.
+  // The scans, and behind them the other rows.
   const std::size_t scans = record.has_job_file ? 1 : record.scan_count;
-  const std::size_t rows = scans + 1;
-  const std::size_t at = sheet.view.on_settings_row ? scans : job.chosen.value_or(0);
+  const std::size_t rows = scans + (has_remove_row(record) ? 2 : 1);
+  const auto extra = static_cast<std::size_t>(sheet.view.row);
+  const std::size_t at = extra > 0 ? scans + extra - 1 : job.chosen.value_or(0);
   const int height = row_height(sheet);
   const int hint = 2 * sheet.look().plain.line_height();
   const ListPart part = shown_part(sheet, body.height - hint, rows, at);
@@ -80,8 +83,8 @@ void draw_scans(const Sheet& sheet) {
     const std::size_t row = part.first + i;
     const PixelBox room =
         draw_row(sheet, {body.x, body.y + static_cast<int>(i) * height, body.width, height}, row == at);
-    if (row == scans) {
-      sheet.page.line(room, sheet.say(Words::kSettings), sheet.bold());
+    if (row >= scans) {
+      sheet.page.line(room, sheet.say(row == scans ? Words::kSettings : Words::kDeleteScan), sheet.bold());
     } else if (record.has_job_file) {
       sheet.page.line(room, job.scan.view(), sheet.plain(ink::kText, Fit::kMayCut));
     } else {
@@ -96,6 +99,16 @@ void draw_scans(const Sheet& sheet) {
     }
   }
   draw_hint(sheet, body.from_row(body.height - hint), job);
+}
+
+void draw_remove_question(const Sheet& sheet) {
+  draw_title(sheet, sheet.say(Words::kDeleteQuestion), ink::kAttention);
+  const PixelBox body = sheet.body();
+  const int y = sheet.page.paragraph(body, sheet.say(Words::kAskedToDelete), sheet.bold());
+  if (!sheet.record.stored) return;
+  const int line = sheet.look().plain.line_height();
+  sheet.page.line({body.x, y + sheet.px(6), body.width, line}, sheet.record.stored->name.view(),
+                  sheet.plain(ink::kPale, Fit::kMayCut));
 }
 
 void draw_settings(const Sheet& sheet) {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "firmware/io/json_cursor.hpp"
+#include "firmware/io/json_writer.hpp"
 
 namespace plumbline {
 namespace {
@@ -56,6 +57,7 @@ Needs needs_of(Command command) {
     case Command::kMask: return {bit(kLayer), "\"layer\", a number from 0 on,"};
     case Command::kReport: return {bit(kFrom), "\"from\", a number of bytes from 0 on,", bit(kPrint)};
     case Command::kCode: return {bit(kCode), "\"code\", up to 7 digits,"};
+    case Command::kRemove: return {bit(kName), "\"name\", that of \"stored\" in the state,"};
     case Command::kUpload: return {bit(kName) | bit(kBytes), "\"name\" and \"bytes\""};
     case Command::kStart:
     case Command::kPause:
@@ -105,7 +107,7 @@ Status store(Member member, const Value& value, ClientRequest& request, std::opt
       if (!command) {
         return wrong_value(
             "do",
-            "start, pause, resume, cancel, plate-empty, seen, offer, choose, set, picture, mask, report, "
+            "start, pause, resume, cancel, plate-empty, seen, offer, choose, set, remove, picture, mask, report, "
             "code or upload");
       }
       request.command = *command;
@@ -230,6 +232,24 @@ Expected<ClientRequest> parse_request(std::string_view line, std::optional<std::
   if (!cursor.at_end()) return not_an_object();
   PLUMBLINE_TRY(check_members(request, found));
   return request;
+}
+
+Status write_request(TextSink& out, const ClientRequest& request, std::uint64_t id) {
+  JsonWriter json(out);
+  json.begin_object(JsonWriter::Layout::kOneLine);
+  json.member("do", to_string(request.command));
+  json.member("id", id);
+  if (request.command == Command::kChoose) json.member("scan", request.scan);
+  if (request.command == Command::kUpload || request.command == Command::kRemove) {
+    json.member("name", request.name.view());
+  }
+  if (request.command == Command::kUpload) json.member("bytes", request.bytes);
+  if (request.command == Command::kSet) {
+    json.member("key", request.key.view());
+    json.member("value", request.value.view());
+  }
+  json.end_object();
+  return json.finish();
 }
 
 }  // namespace plumbline

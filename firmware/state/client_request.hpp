@@ -3,7 +3,7 @@
 ///
 ///     {"do": "start"}   {"do": "choose", "scan": 2, "id": 7}   {"do": "set", "key": "scale", "value": 1.5}
 ///     {"do": "picture", "picture": "layer"}   {"do": "mask", "layer": 12}   {"do": "report", "from": 24576}   {"do": "code", "code": "482913"}
-///     {"do": "upload", "name": "bust.ply", "bytes": 480213}
+///     {"do": "upload", "name": "bust.ply", "bytes": 480213}   {"do": "remove", "name": "bust.ply"}
 ///     {"do": "report", "print": 12, "from": 0}   {"do": "picture", "picture": "preview", "print": 12}
 ///     {"do": "picture", "picture": "side", "side": 3}
 ///
@@ -20,6 +20,8 @@
 
 namespace plumbline {
 
+class TextSink;
+
 enum class PictureName : std::uint8_t { kPreview, kIssues, kCoverage, kLayer, kSide };
 /// In this order.
 inline constexpr std::array<std::string_view, 5> kPictureWords = {"preview", "issues", "coverage", "layer", "side"};
@@ -32,7 +34,7 @@ struct ClientRequest {
   std::uint32_t layer = 0;  ///< of mask: from 0
   std::uint64_t from = 0;   ///< of report: the first byte
   std::uint32_t print = 0;  ///< of report and picture: a print that is kept, from 1; 0: the last one, the job at hand
-  FixedText<80> name;       ///< of upload: as it was sent, so anything
+  FixedText<80> name;       ///< of upload and remove: as it was sent, so anything
   std::uint64_t bytes = 0;  ///< of upload: that will come
   FixedText<8> code;        ///< of code: digits; empty: show none any more
   FixedText<32> key;        ///< of set
@@ -47,5 +49,9 @@ inline constexpr std::size_t kLongestRequest = 1023;
 /// @retval ErrorCode::kMalformed   not a flat JSON object of texts, numbers, true and false
 /// @retval ErrorCode::kBadSetting  an unknown command or member; a member that the command needs or does not know
 [[nodiscard]] Expected<ClientRequest> parse_request(std::string_view line, std::optional<std::uint64_t>& id);
+
+/// Writes a command, with its end.
+/// @retval ErrorCode::kCannotWrite  `out` is full
+[[nodiscard]] Status write_request(TextSink& out, const ClientRequest& request, std::uint64_t id);
 
 }  // namespace plumbline

@@ -7,6 +7,7 @@ namespace {
 
 /// A state at rest must also wait for an answer: else the command would be lost.
 bool takes_in(PrintState state, Command command) {
+  if (command == Command::kRemove) return at_rest(state);
   switch (state) {
     case PrintState::kIdle: return command == Command::kOffer;
     case PrintState::kOffered:
@@ -47,6 +48,7 @@ std::string_view to_string(Command command) {
     case Command::kOffer: return "offer";
     case Command::kChoose: return "choose";
     case Command::kSet: return "set";
+    case Command::kRemove: return "remove";
     case Command::kPicture: return "picture";
     case Command::kMask: return "mask";
     case Command::kReport: return "report";
@@ -66,7 +68,8 @@ std::optional<Command> command_of(std::string_view word) {
 bool takes(const PrinterRecord& record, Command command) {
   if (is_question(command) || command == Command::kCode || command == Command::kUpload) return true;
   if (at_rest(record.state) && !record.waits) return false;
-  if (command == Command::kOffer && !record.has_stick && !record.has_upload) return false;
+  if (command == Command::kOffer && !record.has_stick && !record.stored) return false;
+  if (command == Command::kRemove && !record.stored) return false;
   if (command == Command::kChoose && (record.has_job_file || record.scan_count < 2)) return false;
   return takes_in(record.state, command);
 }
@@ -102,6 +105,7 @@ std::optional<EventKind> button_of(Command command) {
     case Command::kCancel: return EventKind::kCancelPressed;
     case Command::kChoose:
     case Command::kSet:
+    case Command::kRemove:
     case Command::kPicture:
     case Command::kMask:
     case Command::kReport:

@@ -40,7 +40,7 @@ struct ScanRecord {
 struct JobRecord : JobSettings {
   FixedText<256> scan;
   std::array<FixedText<80>, kMostScans> files;  ///< of the scan, as ScanRecord::name
-  std::size_t file_count = 0;                   ///< 0: unknown, for it is a resumed print
+  std::size_t file_count = 0;
   FixedText<64> profile;
   std::optional<std::size_t>
       chosen;  ///< index of the scan among those on the stick; none: job.toml names it, or it is a resumed print
@@ -85,6 +85,12 @@ struct FindingRecord {
   FixedText<160> text;
 };
 
+/// The uploaded scan in the printer's store.
+struct StoredRecord {
+  FixedText<80> name;  ///< as it is shown: a longer one is cut
+  std::uint64_t bytes = 0;
+};
+
 /// The last scan that somebody has sent to the printer's store, since the daemon started.
 struct UploadRecord {
   enum class Stage : std::uint8_t {
@@ -121,12 +127,12 @@ struct PrinterRecord {
   FixedText<160> question;  ///< that start or cancel answers while a print is paused; empty: none
   bool has_stick = false;
   bool scans_uploaded = false;  ///< `scans` are in the printer's store, not on a stick
-  bool has_upload = false;      ///< the store has an uploaded scan
   std::array<ScanRecord, kMostScans> scans;
   std::size_t scan_count = 0;
   std::size_t scans_left_out = 0;       ///< beyond the room for them
   std::uint64_t most_upload_bytes = 0;  ///< of a scan; 0: none is taken
   std::optional<UploadRecord> upload;
+  std::optional<StoredRecord> stored;                 ///< none: the store is empty
   bool has_job_file = false;                          ///< job.toml says what is printed
   std::optional<JobRecord> job;                       ///< offered, printing, or the last one
   std::array<FixedText<64>, kMostProfiles> profiles;  ///< names, for a job's setting `profile`

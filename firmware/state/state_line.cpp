@@ -82,6 +82,14 @@ void write_upload(JsonWriter& json, const PrinterRecord& record) {
   json.end_object();
 }
 
+void write_stored(JsonWriter& json, const PrinterRecord& record) {
+  if (!record.stored) return json.null();
+  json.begin_object(kOneLine);
+  json.member("name", record.stored->name.view());
+  json.member("bytes", record.stored->bytes);
+  json.end_object();
+}
+
 std::string_view word_of(BaseChoice base) {
   switch (base) {
     case BaseChoice::kAuto: return "auto";
@@ -315,6 +323,8 @@ Status write_state_line(TextSink& out, const PrinterRecord& record, std::uint64_
   json.member("upload_limit", takes_upload(record) ? record.most_upload_bytes : std::uint64_t{0});
   json.key("upload");
   write_upload(json, record);
+  json.key("stored");
+  write_stored(json, record);
   json.key("job");
   write_job(json, record);
   json.key("profiles");

@@ -6,9 +6,11 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <span>
 
 #include "firmware/io/json_cursor.hpp"
 #include "firmware/state/socket_place.hpp"
+#include "hal/process/passed_descriptor.hpp"
 
 namespace plumbline {
 
@@ -71,8 +73,8 @@ Expected<std::string> StateLink::next_of_type(std::string_view type, std::chrono
   }
 }
 
-Status StateLink::send(const std::string& line) {
-  if (::send(socket_.get(), line.data(), line.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(line.size())) return {};
+Status StateLink::send(const std::string& line, int file) {
+  if (send_message(socket_.get(), std::as_bytes(std::span(line)), std::span(&file, file >= 0 ? 1 : 0))) return {};
   return fail(ErrorCode::kCannotWrite, "%s: %s", path_.c_str(), std::strerror(errno));
 }
 

@@ -28,8 +28,9 @@ class StateLink {
   /// @retval the errors of next_line()
   /// @retval ErrorCode::kCannotRead  the daemon has ended
   [[nodiscard]] Expected<std::string> next_of_type(std::string_view type, std::chrono::milliseconds patience);
+  /// @param file  a descriptor that goes with it; below 0: none
   /// @retval ErrorCode::kCannotWrite
-  [[nodiscard]] Status send(const std::string& line);
+  [[nodiscard]] Status send(const std::string& line, int file = -1);
 
  private:
   StateLink() = default;

@@ -1,5 +1,6 @@
 #pragma once
-/// Messages between processes that can carry file descriptors, over a SOCK_SEQPACKET socket.
+/// Messages between processes that can carry file descriptors, over a socket of this machine: SOCK_SEQPACKET, or SOCK_STREAM for those that
+/// are only sent.
 
 #include <array>
 #include <cstddef>

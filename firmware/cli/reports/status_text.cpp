@@ -76,6 +76,14 @@ void add_stick(std::string& page, std::string_view state) {
   if (!any && !is_uploaded) add_line(page, "stick", "in the port");
 }
 
+void add_stored(std::string& page, std::string_view state) {
+  if (!has(state, "stored")) return;
+  const auto stored = object_of(state, "stored");
+  FixedText<200> line;
+  line.add("%s, %.1f MB, uploaded", json_text(stored, "name").c_str(), json_number(stored, "bytes") / 1e6);
+  add_line(page, "stored", std::string(line.view()));
+}
+
 void add_progress(std::string& page, std::string_view state) {
   if (has(state, "progress")) {
     const auto progress = object_of(state, "progress");
@@ -130,6 +138,7 @@ std::string status_page(std::string_view state) {
   }
   add_progress(page, state);
   add_stick(page, state);
+  add_stored(page, state);
   for_each_element(object_of(state, "findings"), [&](std::string_view finding) {
     add_line(page, json_text(finding, "severity"), json_text(finding, "text"));
   });

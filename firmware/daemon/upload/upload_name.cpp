@@ -1,5 +1,8 @@
 #include "firmware/daemon/upload/upload_name.hpp"
 
+#include <algorithm>
+#include <string>
+
 #include "firmware/daemon/stick/stick_scans.hpp"
 #include "slicer/core/printable_text.hpp"
 #include "slicer/reader/formats/sliced_formats.hpp"
@@ -30,6 +33,23 @@ Status check_upload_name(std::string_view name) {
               "%s: is no scan, mesh or sliced archive by its name.\tSend an STL, OBJ, PLY, OFF, 3MF, PCD, XYZ or .sl1 "
               "file",
               PrintableText(name).c_str());
+}
+
+FixedText<80> upload_name_of(std::string_view file_name) {
+  std::string plain;
+  for (const char c : file_name) {
+    const bool continues = (static_cast<unsigned char>(c) & 0xc0U) == 0x80U;  // a character of UTF-8
+    if (!continues) plain += kAllowed.find(c) != std::string_view::npos ? c : '_';
+  }
+  plain.erase(0, plain.find_first_not_of(" .-"));
+  if (plain.size() > kLongestName) {
+    const std::size_t dot = std::min(plain.rfind('.'), plain.size());
+    const std::string ending = plain.substr(dot).substr(0, kLongestName);
+    plain = plain.substr(0, kLongestName - ending.size()) + ending;
+  }
+  FixedText<80> name;
+  name.add("%s", plain.c_str());
+  return name;
 }
 
 }  // namespace plumbline

@@ -2,6 +2,7 @@
 
 #include <string_view>
 
+#include "firmware/io/fixed_text.hpp"
 #include "slicer/core/error.hpp"
 
 namespace plumbline {
@@ -11,5 +12,9 @@ namespace plumbline {
 /// @retval ErrorCode::kBadSetting     what is allowed
 /// @retval ErrorCode::kUnknownFormat  it is sliced for another printer
 [[nodiscard]] Status check_upload_name(std::string_view name);
+
+/// The name of any file as it may be in the printer's store: other characters become _, and a long one is cut before its ending. What
+/// kind of file it is does not matter here.
+FixedText<80> upload_name_of(std::string_view file_name);
 
 }  // namespace plumbline

@@ -23,6 +23,7 @@ class UploadPort final : private UploadPortPower, public StickPort {
   Expected<bool> do_store(const StickReport& report) override;
   Expected<std::size_t> do_read(int file, std::span<std::byte> buffer) override;
   /// @retval ErrorCode::kStickGone  another scan is kept since
+  /// @retval ErrorCode::kNoStick    it was removed
   Status do_check_mounted() const override;
   bool do_has_real_files() const override { return true; }
 

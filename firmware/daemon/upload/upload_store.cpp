@@ -69,6 +69,7 @@ Status UploadStore::tidy() {
       if (!kept_.view().empty()) static_cast<void>(::unlinkat(again, kept_.c_str(), 0));
       kept_.clear();
       kept_.add("%s", entry->d_name);
+      kept_bytes_ = static_cast<std::uint64_t>(facts.st_size);
       newest = facts.st_mtim;
     } else if (::unlinkat(again, entry->d_name, 0) != 0 && errno == EISDIR) {
       static_cast<void>(::unlinkat(again, entry->d_name, AT_REMOVEDIR));  // nobody but people makes one
@@ -134,9 +135,27 @@ Status UploadStore::keep() {
   }
   kept_.clear();
   kept_.add("%s", name_.c_str());
+  kept_bytes_ = bytes_;
   ++kept_count_;
   if (::fsync(folder_.get()) != 0) {
     return fail(ErrorCode::kCannotWrite, "the scan may be gone after a power cut: %s.\tCheck the printer's storage",
+                std::strerror(errno));
+  }
+  return {};
+}
+
+Status UploadStore::remove() {
+  if (kept_.view().empty()) return {};
+  if (::unlinkat(folder_.get(), kept_.c_str(), 0) != 0 && errno != ENOENT) {
+    return fail(ErrorCode::kCannotWrite, "the scan can't be removed: %s.\tCheck the printer's storage",
+                std::strerror(errno));
+  }
+  kept_.clear();
+  kept_bytes_ = 0;
+  ++kept_count_;
+  if (::fsync(folder_.get()) != 0) {
+    return fail(ErrorCode::kCannotWrite,
+                "the scan may be there again after a power cut: %s.\tCheck the printer's storage",
                 std::strerror(errno));
   }
   return {};

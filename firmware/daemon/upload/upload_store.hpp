@@ -34,7 +34,8 @@ class UploadStore {
   std::uint64_t most_bytes() const { return most_bytes_; }
   /// Name of the scan that is kept; empty: there is none.
   std::string_view kept() const { return kept_.view(); }
-  /// Rises with each scan that is kept.
+  std::uint64_t kept_bytes() const { return kept_bytes_; }
+  /// Rises when another scan is kept, and when it is removed.
   std::uint32_t kept_count() const { return kept_count_; }
   /// @returns a descriptor of STATE/uploads, below 0: errno has the reason
   int open_folder() const;
@@ -53,6 +54,9 @@ class UploadStore {
   /// @retval ErrorCode::kCannotWrite  it is dropped; the one that was kept still is
   [[nodiscard]] Status keep();
   void drop();
+  /// Removes the scan that is kept, if there is one. Durable when this returns.
+  /// @retval ErrorCode::kCannotWrite  it is still kept; or it may be there again after a power cut, and kept() is empty
+  [[nodiscard]] Status remove();
 
  private:
   UploadStore() = default;
@@ -66,6 +70,7 @@ class UploadStore {
   FixedText<80> name_;  ///< that the file gets
   std::uint64_t bytes_ = 0, written_ = 0, durable_ = 0;
   FixedText<256> kept_;
+  std::uint64_t kept_bytes_ = 0;
   std::uint32_t kept_count_ = 0;
 };
 

@@ -43,7 +43,7 @@ tl::unexpected<Error> why_not_now(const PrinterRecord& record) {
 Uploads::Uploads(UploadStore store, PrinterRecord& record, const UploadTimes& times)
     : store_(std::move(store)), record_(record), times_(times) {
   record_.most_upload_bytes = store_.most_bytes();
-  record_.has_upload = !store_.kept().empty();
+  record_kept();
 }
 
 Expected<std::uint32_t> Uploads::begin(const ClientRequest& request, Descriptor from) {
@@ -105,7 +105,7 @@ bool Uploads::receive() {
 
 bool Uploads::keep() {
   const auto kept = store_.keep();
-  record_.has_upload = !store_.kept().empty();
+  record_kept();
   if (!kept) {
     end(kept.error());
     return false;
@@ -115,6 +115,26 @@ bool Uploads::keep() {
   record_.upload->stage = UploadRecord::Stage::kKept;
   is_new_ = true;
   return true;
+}
+
+Status Uploads::remove(std::string_view name) {
+  if (!record_.stored) return fail(ErrorCode::kBadSetting, "there is no scan in the printer's store");
+  if (name != record_.stored->name.view()) {
+    return fail(ErrorCode::kBadSetting, "%s: is not in the printer's store.\tThe scan there is %s",
+                PrintableText(name, 79).c_str(), record_.stored->name.c_str());
+  }
+  const auto removed = store_.remove();
+  record_kept();
+  is_new_ = is_new_ && record_.stored;
+  return removed;
+}
+
+void Uploads::record_kept() {
+  record_.stored.reset();
+  if (store_.kept().empty()) return;
+  StoredRecord& stored = record_.stored.emplace();
+  assign(stored.name, store_.kept());
+  stored.bytes = store_.kept_bytes();
 }
 
 void Uploads::end(const Error& error) {

@@ -44,6 +44,12 @@ class Uploads {
   /// @retval the errors of UploadStore::begin()
   [[nodiscard]] Expected<std::uint32_t> begin(const ClientRequest& request, Descriptor from);
 
+  /// Removes the scan that is kept.
+  /// @param name  of PrinterRecord::stored, so that nobody removes another one than they have seen
+  /// @retval ErrorCode::kBadSetting   there is none of that name: which one there is
+  /// @retval the errors of UploadStore::remove()
+  [[nodiscard]] Status remove(std::string_view name);
+
   /// Takes what has come, without waiting, unless a mask could become late: then the upload ends.
   /// @returns whether a scan has just become whole
   bool receive();
@@ -59,6 +65,7 @@ class Uploads {
   bool keep();
   void end(const Error& error);
   void tell(HostClock::time_point now);
+  void record_kept();
 
   UploadStore store_;
   PrinterRecord& record_;

@@ -88,12 +88,18 @@ function pair() {
   });
 }
 
-function askToCancel() {
-  const dialog = $("ask");
+// Asks before it sends a command that can't be taken back.
+function ask(title, text, no, yes, body) {
+  const dialog = $("ask"), [stay, go] = dialog.querySelectorAll("button");
+  $("ask-title").textContent = title;
+  $("ask-text").textContent = text;
+  stay.textContent = no;
+  go.textContent = yes;
   dialog.returnValue = "";
-  dialog.onclose = () => { if (dialog.returnValue === "yes") command({do: "cancel"}); };
+  dialog.onclose = () => { if (dialog.returnValue === "yes") command(body); };
   dialog.showModal();
 }
+const askToCancel = () => ask(words.askTitle, words.askText, words.keep, words.end, {do: "cancel"});
 
 // --- The parts of the page
 
@@ -107,7 +113,7 @@ function buttonText(name) {
   return name === "start" && state.sliced ? words.again : words[name];
 }
 function showButtons() {
-  const names = state.commands.filter((name) => name !== "choose" && name !== "set");
+  const names = state.commands.filter((name) => !["choose", "set", "remove"].includes(name));
   fill($("buttons"), [names, names.map(buttonText)], () => names.map((name) => {
     const kind = name === "cancel" ? "danger" : name === "pause" ? "" : "main";
     const button = element("button", buttonText(name), {class: kind, "data-do": name});
@@ -359,7 +365,15 @@ async function upload(file) {
 }
 function showUpload() {
   const coming = state.upload && state.upload.stage === "coming" ? state.upload : null;
-  $("upload").hidden = !(state.upload_limit || coming || sending);
+  const stored = state.stored;
+  $("upload").hidden = !(state.upload_limit || coming || sending || state.commands.includes("remove"));
+  $("send").hidden = !(state.upload_limit || coming || sending);
+  $("stored").hidden = !stored;
+  if (stored) {
+    const text = `${words.stored}: ${stored.name}, ${size(stored.bytes)}`;
+    if ($("stored").firstElementChild.textContent !== text) $("stored").firstElementChild.textContent = text;
+    $("stored").lastElementChild.disabled = !state.commands.includes("remove");
+  }
   $("file").disabled = $("send").querySelector("button").disabled = Boolean(sending || coming);
   $("stop-upload").hidden = !sending;
   $("sent").hidden = !(coming || sending);
@@ -377,6 +391,10 @@ function showUpload() {
 $("send").onsubmit = (event) => {
   event.preventDefault();
   if ($("file").files.length && !sending) upload($("file").files[0]);
+};
+$("stored").lastElementChild.onclick = () => {
+  const {name} = state.stored;
+  ask(words.removeTitle, `${name} ${words.removeText}`, words.keepStored, words.remove, {do: "remove", name});
 };
 $("stop-upload").onclick = () => { if (sending) sending.abort.abort(); };
 
@@ -497,10 +515,6 @@ function sayWords() {
                                            prints: words.printsTitle})) put(`#${id} h2`, text);
   put("#report a", words.download);
   put("#fault-do", words.doThis);
-  put("#ask-title", words.askTitle);
-  put("#ask-text", words.askText);
-  put("#ask button:first-of-type", words.keep);
-  put("#ask button.danger", words.end);
   put("#pair-title", words.pairTitle);
   put("#pair label", words.pairLabel);
   put("#pair button.main", words.pair);
@@ -512,6 +526,7 @@ function sayWords() {
   put("#send label", words.uploadLabel);
   put("#send button.main", words.uploadDo);
   put("#stop-upload", words.uploadStop);
+  put("#stored button", words.remove);
   $("sent").setAttribute("aria-label", words.uploading);
   $("mask").alt = words.masksAlt;
   $("progress").setAttribute("aria-label", words.printing);

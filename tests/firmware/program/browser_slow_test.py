@@ -249,6 +249,21 @@ class BrowserTest(PagePrinter):
         self.until_state("offered", "document.querySelector('#title').textContent === 'Uploaded scan'")
         self.do("cancel")
         self.until_state("idle", "document.querySelector('[data-do=offer]').textContent === 'Show the uploaded scan'")
+        # It is deleted by whoever says yes. Escape and the first button keep it.
+        self.assertIn("Kept on the printer: Buste _1_.ply", browser.run("return document.querySelector('#stored').innerText"))
+        self.look("kept")
+        for keep in (lambda: browser.press(ESCAPE), lambda: browser.press(ENTER)):
+            browser.click("#stored button")
+            browser.until("return document.querySelector('#ask').open", "the question")
+            self.assertEqual(browser.run("return document.activeElement.textContent"), "Keep it")
+            keep()
+            browser.until("return !document.querySelector('#ask').open", "the answer")
+        browser.click("#stored button")
+        browser.until("return document.querySelector('#ask').open", "the question")
+        self.look("delete")
+        browser.click("#ask button.danger")
+        self.until_state("idle", "document.querySelector('#stored').hidden && !document.querySelector('[data-do=offer]')")
+        self.assertEqual(list((self.folder / "uploads").iterdir()), [])
 
     def test_an_upload_is_stopped(self):
         self.start(printer=self.page_board("local"))

@@ -128,6 +128,7 @@ class Page(PagePrinter):
         self.assertEqual(of_scan, of_archive)
         self.assertEqual(of_archive[1], of_archive[3])
         self.assertNotEqual(of_archive[0], of_archive[1])
+
     def stored(self):
         return sorted(path.name for path in (self.folder / "uploads").iterdir())
 
@@ -271,9 +272,61 @@ class Page(PagePrinter):
         until(lambda s: s["state"] is None)
         self.start(printer=self.page_board("local"))
         idle = until(lambda s: s["state"] == "idle" and s["commands"])
-        self.assertEqual((idle["commands"], idle["upload"], self.stored()), (["offer"], None, ["whole.ply"]))
+        self.assertEqual((idle["commands"], idle["upload"], self.stored()), (["offer", "remove"], None, ["whole.ply"]))
         self.post("/command", {"do": "offer"}, headers=token)
         until(lambda s: s["state"] == "offered" and s["job"]["scan"] == "whole.ply")
+
+    def test_an_uploaded_scan_is_removed(self):
+        self.start(speedup=100, printer=self.page_board("local"))
+        self.start_page()
+        token = self.paired()
+        until = self.events()
+        remove = {"do": "remove", "name": "a.ply"}
+        self.assertIn("takes no command", self.post("/command", remove, status=409, headers=token)["error"])
+        self.upload("a.ply", self.sphere(), token)
+        until(lambda s: s["state"] == "offered" and "remove" in s["commands"] and s["stored"] == {"name": "a.ply", "bytes": len(self.sphere())})
+        self.post("/command", remove, status=401)
+        self.post("/command", remove, status=403, headers={**token, "Origin": "http://evil.example"})
+        self.post("/command", {"do": "remove"}, status=400, headers=token)
+        for name in ("../journal", "b.ply", "", "a.ply\n"):
+            self.assertIn("not in the printer's store", self.post("/command", {**remove, "name": name}, status=409, headers=token)["error"])
+        self.assertEqual(self.stored(), ["a.ply"])
+        # What is offered is taken back.
+        self.post("/command", remove, headers=token)
+        idle = until(lambda s: s["state"] == "idle" and not s["stored"])
+        self.assertEqual((idle["stick"]["scans"], self.stored()), ([], []))
+        # So is what has been sliced. A stick that is offered is not.
+        self.upload("a.ply", self.sphere(), token)
+        until(lambda s: s["state"] == "offered" and s["commands"])
+        self.post("/command", {"do": "set", "key": "layer_height", "value": "0.1"}, headers=token)
+        self.post("/command", {"do": "start"}, headers=token)
+        until(lambda s: s["masks"] and "remove" in s["commands"])
+        self.post("/command", remove, headers=token)
+        until(lambda s: s["state"] == "idle" and not s["masks"])
+        self.upload("a.ply", self.sphere(), token)
+        until(lambda s: s["state"] == "offered" and s["commands"])
+        self.post("/command", {"do": "cancel"}, headers=token)
+        self.put_stick({"stick.ply": 2})
+        until(lambda s: s["state"] == "offered" and s["job"] and s["job"]["scan"] == "stick.ply" and s["commands"])
+        self.post("/command", remove, headers=token)
+        self.assertEqual(until(lambda s: not s["stored"])["state"], "offered")
+        self.post("/command", {"do": "set", "key": "layer_height", "value": "0.1"}, headers=token)
+        # While it reads and prints the printer removes nothing.
+        self.upload("a.ply", self.sphere(), token)
+        until(lambda s: s["state"] == "offered" and s["job"]["scan"] == "a.ply" and s["commands"])
+        self.post("/command", {"do": "start"}, headers=token)
+        until(lambda s: s["state"] == "offered" and s["masks"])
+        self.post("/command", {"do": "start"}, headers=token)
+        until(lambda s: s["state"] == "printing")
+        self.assertIn("It takes pause, cancel", self.post("/command", remove, status=409, headers=token)["error"])
+        self.assertEqual(self.stored(), ["a.ply"])
+        self.post("/command", {"do": "cancel"}, headers=token)
+        until(lambda s: s["state"] == "plate in use" and "remove" in s["commands"])
+        self.post("/command", remove, headers=token)
+        until(lambda s: not s["stored"])
+        self.post("/command", {"do": "plate-empty"}, headers=token)
+        idle = until(lambda s: s["state"] == "idle" and s["commands"])
+        self.assertEqual((idle["commands"], self.stored()), (["offer"], []))
 
     def test_a_large_upload_takes_no_memory(self):
         self.start(printer=self.page_board("local"))

@@ -210,6 +210,104 @@ class State(StatePrinter):
         user.state("plate in use", "plate-empty")
         self.assertEqual(user.states[-1]["job"]["result"], "finished")
 
+    def ctl(self, *words, status=0):
+        return self.run_it("ctl", *words, "--socket", self.path, status=status).stderr
+
+    def test_ctl_uploads_a_scan_and_removes_it(self):
+        daemon, user = self.start(speedup=1e4)
+        user.state("idle")
+        store = self.folder / "uploads"
+
+        def stored():
+            return sorted(path.name for path in store.iterdir())
+
+        scan = self.dir / "Büste <1>.ply"
+        write_sphere(scan, points=5000, radius=2)
+        self.assertIn("takes no command", self.ctl("remove", "a.ply", status=1))
+        self.assertIn("in the printer's store: B_ste _1_.ply", self.ctl("upload", scan))
+        self.assertEqual((store / "B_ste _1_.ply").read_bytes(), scan.read_bytes())
+        offered = user.state("offered", "start")
+        self.assertEqual(offered["stored"], {"name": "B_ste _1_.ply", "bytes": scan.stat().st_size})
+        self.assertRegex(self.run_it("status", "--socket", self.path).stdout, r"(?m)^stored +B_ste _1_.ply, 0.1 MB, uploaded$")
+        # The same limits as for a browser, in the printer's words. What was there stays.
+        empty, other, large, fifo = (self.dir / name for name in ("empty.ply", "notes.doc", "large.ply", "pipe.ply"))
+        empty.write_bytes(b"")
+        other.write_bytes(b"x")
+        with open(large, "wb") as file:
+            file.truncate((256 << 20) + 1)
+        os.mkfifo(fifo)
+        for path, words in ((empty, "the file is empty"), (other, "no scan, mesh or sliced archive"), (large, "takes 256 MiB at most"),
+                            (fifo, "is no file"), (self.dir, "is no file"), (self.dir / "none.ply", "No such file")):
+            self.assertIn(words, self.ctl("upload", path, status=1))
+        self.assertEqual(stored(), ["B_ste _1_.ply"])
+        large.unlink()
+        # A large one, of which nothing is half there.
+        with open(large, "wb") as file:
+            file.write(os.urandom(1 << 20) * 30)
+        self.ctl("upload", large)
+        self.assertEqual(stored(), ["large.ply"])
+        self.assertEqual((store / "large.ply").read_bytes(), large.read_bytes())
+        user.until(lambda s: s["state"] == "offered" and s["job"] and s["job"]["scan"] == "large.ply" and s["commands"], "offered")
+        # It goes by its name, and only as it is shown.
+        self.assertIn("is not in the printer's store. The scan there is large.ply", self.ctl("remove", "../journal", status=1))
+        self.assertEqual(self.ctl("remove", "large.ply"), "")
+        idle = user.until(lambda s: s["state"] == "idle" and not s["stored"], "idle")
+        self.assertEqual((stored(), idle["stick"]["scans"]), ([], []))
+        self.assertIn("takes no command", self.ctl("remove", "large.ply", status=1))
+        # Not while it prints, and it says why.
+        self.ctl("upload", scan)
+        user.until(lambda s: s["state"] == "offered" and s["commands"], "offered")
+        user.do("start")
+        user.until(lambda s: s["state"] == "printing", "printing")
+        self.assertIn("takes a scan while it is at rest", self.ctl("upload", scan, status=1))
+        self.assertIn("It takes", self.ctl("remove", "B_ste _1_.ply", status=1))
+        user.state("plate in use", "plate-empty")
+        self.ctl("remove", "B_ste _1_.ply")
+        user.do("plate-empty")
+        user.until(lambda s: s["state"] == "idle" and not s["stored"], "nothing is offered again")
+        daemon.kill()
+        daemon.wait()
+        self.assertIn("no plumblined serves", self.ctl("upload", scan, status=1))
+
+    def test_an_upload_by_ctl_that_breaks_off_leaves_nothing(self):
+        daemon, user = self.start()
+        user.state("idle")
+        store = self.folder / "uploads"
+        large = self.dir / "large.ply"
+        with open(large, "wb") as file:
+            file.truncate(250 << 20)
+
+        def begin():
+            sender = subprocess.Popen([PLUMBLINE, "ctl", "upload", large, "--socket", self.path], stderr=subprocess.PIPE, text=True)
+            self.addCleanup(sender.stderr.close)
+            user.until(lambda s: s["upload"] and s["upload"]["stage"] == "coming" and s["upload"]["received"] > 0, "it comes")
+            return sender
+
+        sender = begin()
+        sender.kill()
+        sender.wait()
+        failed = user.until(lambda s: s["upload"]["stage"] == "failed", "the printer notices")
+        self.assertRegex(failed["upload"]["problem"], r"ended after \d+ of 262144000 bytes")
+        self.assertEqual(list(store.iterdir()), [])
+        # A job begins: it ends the upload, which the program says.
+        self.put_stick({"a.ply": 2})
+        user.state("offered", "start")
+        sender = begin()
+        user.do("start")
+        self.assertEqual(sender.wait(60), 1)
+        self.assertIn("begun with another job", sender.stderr.read())
+        self.assertEqual(list(store.iterdir()), [])
+        user.do("cancel")
+        user.state("idle", "offer")
+        # The daemon is killed.
+        sender = begin()
+        daemon.kill()
+        daemon.wait()
+        self.assertEqual(sender.wait(60), 1)
+        self.assertIn("plumblined has ended", sender.stderr.read())
+        self.start()
+        self.assertEqual(list(store.iterdir()), [])
+
     def test_the_programs_show_and_command(self):
         self.put_stick({"a.ply": 2}, '[job]\nscan = "a.ply"\n')
         daemon, user = self.start(speedup=1e4)

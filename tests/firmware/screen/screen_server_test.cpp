@@ -45,6 +45,11 @@ class TestTaker final : public CommandTaker {
  public:
   explicit TestTaker(PrinterRecord& record) : record_(record) {}
   Expected<std::optional<EventKind>> take(const ClientRequest& request) override {
+    if (request.command == Command::kRemove) {
+      taken.push_back("remove " + std::string(request.name.view()));
+      record_.stored.reset();
+      return kCancelPressed;
+    }
     if (request.command == Command::kChoose) {
       taken.push_back("choose " + std::to_string(request.scan));
       record_.job->chosen = request.scan - 1;
@@ -164,11 +169,37 @@ TEST(ScreenServer, GoesRoundTheScansAndTheSettings) {
   EXPECT_FALSE(rig.press(kPausePressed));
   EXPECT_THAT(rig.taker.taken, ElementsAre("choose 2", "choose 3"));
   EXPECT_FALSE(rig.press(kPausePressed));
-  EXPECT_TRUE(rig.server.view().on_settings_row);
+  EXPECT_EQ(rig.server.view().row, ListRow::kSettings);
   EXPECT_FALSE(rig.press(kPausePressed));
   EXPECT_THAT(rig.taker.taken, ElementsAre("choose 2", "choose 3", "choose 1"));
   EXPECT_TRUE(rig.press(kStartPressed)) << "prints the first one";
   EXPECT_TRUE(rig.press(kCancelPressed));
+}
+
+TEST(ScreenServer, AsksBeforeItDeletesAnUploadedScan) {
+  Rig rig(kOffered);
+  rig.record->scan_count = 1;
+  assign(rig.record->stored.emplace().name, "bust.ply");
+  EXPECT_FALSE(rig.press(kPausePressed, 10s));
+  EXPECT_FALSE(rig.press(kPausePressed, 11s));
+  EXPECT_EQ(rig.server.view().row, ListRow::kScan) << "what is offered is on a stick";
+  rig.record->scans_uploaded = true;
+  EXPECT_FALSE(rig.press(kPausePressed, 12s));
+  EXPECT_FALSE(rig.press(kPausePressed, 13s));
+  ASSERT_EQ(rig.server.view().row, ListRow::kRemove);
+  EXPECT_FALSE(rig.press(kStartPressed, 14s)) << "it asks, and prints nothing";
+  ASSERT_TRUE(rig.server.view().asks_to_remove);
+  EXPECT_FALSE(rig.press(kCancelPressed, 14s + 500ms)) << "a press that was meant for the screen before";
+  EXPECT_FALSE(rig.press(kPausePressed, 16s));
+  EXPECT_FALSE(rig.press(kStartPressed, 16s)) << "back";
+  EXPECT_FALSE(rig.server.view().asks_to_remove);
+  EXPECT_THAT(rig.taker.taken, ElementsAre());
+  EXPECT_FALSE(rig.press(kStartPressed, 20s));
+  EXPECT_TRUE(rig.press(kCancelPressed, 22s)) << "what was offered is gone, which the printer has to know";
+  EXPECT_THAT(rig.taker.taken, ElementsAre("remove bust.ply"));
+  rig.server.show(*rig.record, 1h);
+  EXPECT_EQ(rig.server.view().row, ListRow::kScan);
+  EXPECT_FALSE(rig.server.view().asks_to_remove);
 }
 
 TEST(ScreenServer, ChangesEachSettingByOneButton) {

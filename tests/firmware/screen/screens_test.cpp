@@ -47,9 +47,20 @@ std::vector<ScreenCase> golden_cases() {
     for (std::size_t i = 0; i < passed; ++i) record.checks[i].outcome = CheckOutcome::kPassed;
     record.checks[2].outcome = CheckOutcome::kWarned;
   };
+  const auto upload = [](PrinterRecord& record) {
+    record.has_stick = false;
+    record.scans_uploaded = true;
+    record.scan_count = 1;
+    assign(record.stored.emplace().name, record.scans[0].name.view());
+  };
   return {
       {"idle", with(kIdle, [](auto& record, auto&) { record.has_stick = false, record.scan_count = 0; })},
       {"idle-with-stick", with(kIdle)},
+      {"idle-with-upload", with(kIdle,
+                                [](auto& record, auto&) {
+                                  record.has_stick = false, record.scan_count = 0;
+                                  assign(record.stored.emplace().name, "bust.ply");
+                                })},
       {"idle-with-prints", with(kIdle,
                                 [](auto& record, auto&) {
                                   record.has_stick = false, record.scan_count = 0;
@@ -90,9 +101,21 @@ std::vector<ScreenCase> golden_cases() {
                               record.job->chosen = 1;
                               assign(record.job->scan, "broken.ply");
                             })},
+      {"scans-uploaded", with(kOffered,
+                              [=](auto& record, auto& view) {
+                                upload(record);
+                                view.row = ListRow::kRemove;
+                              })},
+      {"delete-question", with(kOffered,
+                               [=](auto& record, auto& view) {
+                                 upload(record);
+                                 view.row = ListRow::kRemove;
+                                 view.asks_to_remove = true;
+                               })},
       {"settings", with(kOffered,
                         [](auto&, auto& view) {
-                          view.on_settings_row = view.settings_open = true;
+                          view.row = ListRow::kSettings;
+                          view.settings_open = true;
                           view.setting = 1;
                         })},
       {"reading", with(kSlicing,

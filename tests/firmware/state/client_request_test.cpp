@@ -24,7 +24,7 @@ Parsed parse(std::string_view line) {
 TEST(ClientRequest, HasACommandAndWhatItNeeds) {
   for (std::size_t i = 0; i < kCommandCount; ++i) {
     const auto command = static_cast<Command>(i);
-    if (command == Command::kChoose || command == Command::kSet) continue;
+    if (command == Command::kChoose || command == Command::kSet || command == Command::kRemove) continue;
     const auto parsed = parse("{\"do\":\"" + std::string(to_string(command)) + "\"}");
     ASSERT_TRUE(parsed.request) << parsed.request.error().message();
     EXPECT_EQ(parsed.request->command, command);
@@ -48,6 +48,7 @@ TEST(ClientRequest, HasACommandAndWhatItNeeds) {
   ASSERT_TRUE(upload.request) << "the daemon looks at the name";
   EXPECT_EQ(upload.request->name.view(), "../b\xc3\xbcst.ply");
   EXPECT_EQ(upload.request->bytes, 9007199254740992U);
+  EXPECT_EQ(parse(R"({"do":"remove","name":"../b.ply"})").request->name.view(), "../b.ply");
   EXPECT_EQ(parse(R"({"do":"set","key":"fit","value":true})").request->value.view(), "true");
   EXPECT_EQ(parse(R"({"do":"set","key":"profile","value":"\ud83d\ude00 \"\\\/"})").request->value.view(),
             "\xf0\x9f\x98\x80 \"\\/");
@@ -109,6 +110,9 @@ TEST(ClientRequest, SaysWhatIsWrong) {
       {"{\"do\":\"upload\",\"name\":\"a.ply\"}", "upload needs \"name\" and \"bytes\""},
       {"{\"do\":\"upload\",\"name\":1,\"bytes\":1}", "name: allowed is a text"},
       {"{\"do\":\"upload\",\"name\":\"a.ply\",\"bytes\":-1}", "bytes: allowed is"},
+      {"{\"do\":\"remove\"}", "remove needs \"name\""},
+      {"{\"do\":\"remove\",\"name\":true}", "name: allowed is a text"},
+      {"{\"do\":\"remove\",\"name\":\"a.ply\",\"bytes\":1}", "remove needs \"name\""},
       {"{\"do\":\"start\",\"bytes\":1}", "start needs nothing beside"},
       {"{\"do\":\"set\",\"key\":1,\"value\":1}", "key: allowed is a text"},
       {"{\"do\":\"set\",\"key\":\"a key that is longer than any key is\",\"value\":1}", "at most 31 bytes"},

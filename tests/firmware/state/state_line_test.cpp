@@ -39,6 +39,9 @@ std::unique_ptr<PrinterRecord> longest_record() {
   upload.bytes = upload.received = ~std::uint64_t{0};
   fill(upload.name);
   fill(upload.problem);
+  StoredRecord& stored = record->stored.emplace();
+  stored.bytes = ~std::uint64_t{0};
+  fill(stored.name);
   JobRecord& job = record->job.emplace();
   fill(job.scan);
   for (auto& file : job.files) fill(file);
@@ -143,9 +146,20 @@ TEST(StateLine, SaysWhatIsUploadedAndHowMuchMayBe) {
             R"({"number": 3, "stage": "coming", "name": "a.ply", "bytes": 20, "received": 10, "problem": null})");
   record.upload->stage = UploadRecord::Stage::kKept;
   EXPECT_EQ(member("upload_limit"), "1000");
-  record.has_upload = record.waits = true;
+  record.waits = true;
+  assign(record.stored.emplace().name, "a.ply");
   record.state = PrintState::kIdle;
-  EXPECT_EQ(member("commands"), R"(["offer"])");
+  EXPECT_EQ(member("commands"), R"(["offer", "remove"])");
+  record.stored->bytes = 20;
+  EXPECT_EQ(member("stored"), R"({"name": "a.ply", "bytes": 20})");
+  record.state = PrintState::kFault;
+  EXPECT_EQ(member("commands"), R"(["seen", "remove"])");
+  record.waits = false;
+  EXPECT_EQ(member("commands"), "[]") << "nobody is there to take it";
+  record.state = PrintState::kPrinting;
+  EXPECT_EQ(member("commands"), R"(["pause", "cancel"])") << "removing could make a mask late";
+  record.stored.reset();
+  EXPECT_EQ(member("stored"), "null");
 }
 
 // A command that a state takes must be an event that this state knows, or nobody would carry it out.

@@ -5,8 +5,11 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <csignal>
 #include <filesystem>
 #include <map>
 #include <span>
@@ -340,6 +343,65 @@ TEST_F(UploadFailure, OfAnyCallLeavesOneWholeScan) {
   failed_ = 0;
   for_each_call(Calls::kWrites, Failure::kCutInHalf, attempt);
   EXPECT_EQ(failed_, 0U) << "a short write alone is no failure";
+}
+
+TEST_F(UploadFailure, AKillOrAPowerCutAtAnyCallLeavesOneWholeScanOrNoneThatWasToGo) {
+  for (const Failure failure : {Failure::kKilled, Failure::kPowerCut}) {
+    for (const bool removes : {false, true}) {
+      SCOPED_TRACE(removes ? "removes" : "keeps");
+      const auto calls = for_each_call(Calls::kAll, failure, [&](std::uint32_t nth, Calls all, Failure how) {
+        auto store = UploadStore::open(folder_ / ".", std::uint64_t{1} << 30U);
+        EXPECT_TRUE(store);
+        EXPECT_TRUE(upload(*store, "old.ply", kOld));
+        const pid_t child = ::fork();
+        if (child == 0) {
+          const FailingCall call(all, nth, how);
+          const Status done = removes ? store->remove() : upload(*store, "new.ply", new_);
+          ::_exit(done && not_durable() == 0 ? 0 : 1);
+        }
+        int status = -1;
+        EXPECT_EQ(::waitpid(child, &status, 0), child);
+        const bool died = WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL;
+        EXPECT_TRUE(died || status == 0) << status;
+        const auto again = UploadStore::open(folder_ / ".", std::uint64_t{1} << 30U);
+        EXPECT_TRUE(again);
+        const auto kept = files_in(uploads());
+        EXPECT_EQ(kept.size(), again->kept().empty() ? 0U : 1U);
+        for (const auto& [name, text] : kept) EXPECT_EQ(text, name == "new.ply" ? new_ : kOld) << name;
+        EXPECT_TRUE(removes || !kept.empty());
+        if (!died) {
+          EXPECT_EQ(kept.count("new.ply"), removes ? 0U : 1U);
+          EXPECT_EQ(kept.count("old.ply"), 0U);
+        }
+        return died;
+      });
+      EXPECT_GE(calls, removes ? 2U : 10U);
+    }
+  }
+}
+
+TEST_F(UploadFailure, OfAnyCallRemovesAScanOrSaysThatItIsThere) {
+  for (const Calls calls : {Calls::kRemovals, Calls::kFiles}) {
+    failed_ = 0;
+    for_each_call(calls, Failure::kIoError, [this](std::uint32_t nth, Calls which, Failure failure) {
+      auto store = UploadStore::open(folder_ / ".", std::uint64_t{1} << 30U);
+      EXPECT_TRUE(store);
+      EXPECT_TRUE(upload(*store, "old.ply", kOld));
+      const std::size_t files = open_files();
+      const FailingCall call(which, nth, failure);
+      const auto done = store->remove();
+      EXPECT_EQ(open_files(), files);
+      EXPECT_EQ(files_in(uploads()).count("old.ply"), store->kept().empty() ? 0U : 1U);
+      if (!done) {
+        EXPECT_EQ(done.error().code(), ErrorCode::kCannotWrite);
+        EXPECT_THAT(done.error().message(), HasSubstr("Input/output error"));
+        ++failed_;
+      }
+      EXPECT_EQ(done.has_value(), !call.happened()) << "each is noticed";
+      return call.happened();
+    });
+    EXPECT_EQ(failed_, 1U) << "unlink, fsync";
+  }
 }
 
 }  // namespace

@@ -49,6 +49,19 @@ TEST(UploadName, IsAPlainFileNameThatEndsLikeAScan) {
   EXPECT_THAT(check_upload_name("part.ctb").error().message(), HasSubstr("Chitubox"));
 }
 
+TEST(UploadName, CanBeMadeOfTheNameOfAnyFile) {
+  for (const auto& [file, name] : {std::pair{"bust.ply", "bust.ply"},
+                                   {"B\xc3\xbcste <1>.ply", "B_ste _1_.ply"},
+                                   {"..-.bust.ply", "bust.ply"},
+                                   {"\x1b[2J\n.ply", "__2J_.ply"},
+                                   {"", ""}}) {
+    EXPECT_EQ(upload_name_of(file).view(), name) << file;
+  }
+  EXPECT_EQ(upload_name_of(std::string(200, 'a') + ".ply").view(), std::string(75, 'a') + ".ply");
+  EXPECT_EQ(upload_name_of("a." + std::string(200, 'b')).view().size(), 79U);
+  EXPECT_TRUE(check_upload_name(upload_name_of(std::string(200, '\xff') + ".ply").view()));
+}
+
 class UploadsTest : public testing::Test {
  protected:
   UploadsTest() { start(); }
@@ -112,7 +125,7 @@ TEST_F(UploadsTest, AreKeptWhenTheyAreWholeAndOfferedAsOnAStick) {
   EXPECT_TRUE(uploads_->receive());
   EXPECT_EQ(record_->upload->stage, Stage::kKept);
   EXPECT_EQ(record_->upload->received, 10U);
-  EXPECT_TRUE(record_->has_upload);
+  EXPECT_TRUE(record_->stored);
   EXPECT_TRUE(uploads_->take_new());
   EXPECT_FALSE(uploads_->take_new());
   EXPECT_EQ(read_text(folder_ / "uploads/bust.ply"), "helloworld");
@@ -235,11 +248,62 @@ TEST_F(UploadsTest, ThatAPowerCutEndsLeaveNothingAndTheNewestOfTwoStays) {
   uploads_.reset();
   start();
   EXPECT_THAT(files(), ElementsAre("new.ply"));
-  EXPECT_TRUE(record_->has_upload);
+  EXPECT_TRUE(record_->stored);
   EXPECT_FALSE(uploads_->is_new()) << "it is offered when somebody asks";
   EXPECT_TRUE(uploads_->port().has_stick());
   EXPECT_TRUE(upload("next.ply", "next"));
   EXPECT_THAT(files(), ElementsAre("next.ply"));
+}
+
+TEST_F(UploadsTest, AreRemovedByTheNameThatIsShown) {
+  EXPECT_THAT(uploads_->remove("bust.ply").error().message(), HasSubstr("no scan in the printer's store"));
+  ASSERT_TRUE(upload("bust.ply", "hello"));
+  ASSERT_TRUE(record_->stored);
+  EXPECT_EQ(record_->stored->name.view(), "bust.ply");
+  EXPECT_EQ(record_->stored->bytes, 5U);
+  write_text(folder_ / "journal", "precious");
+  for (const char* name : {"", ".", "..", "bust", "Bust.ply", "gear.ply", "../journal", "../uploads/bust.ply",
+                           "bust.ply/", ".incoming", "bust.ply\n"}) {
+    const auto removed = uploads_->remove(name);
+    ASSERT_FALSE(removed) << name;
+    EXPECT_EQ(removed.error().code(), ErrorCode::kBadSetting);
+    EXPECT_THAT(removed.error().message(), HasSubstr("The scan there is bust.ply"));
+  }
+  EXPECT_THAT(files(), ElementsAre("bust.ply"));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "journal"));
+  {
+    const auto mount = uploads_->port().mount();
+    ASSERT_TRUE(mount);
+    ASSERT_TRUE(uploads_->remove("bust.ply"));
+    EXPECT_EQ(mount->check().error().code(), ErrorCode::kNoStick);
+  }
+  EXPECT_THAT(files(), IsEmpty());
+  EXPECT_FALSE(record_->stored);
+  EXPECT_FALSE(uploads_->port().has_stick());
+  EXPECT_FALSE(uploads_->is_new()) << "nothing is left to offer";
+  uploads_.reset();
+  start();
+  EXPECT_FALSE(record_->stored);
+  // Beside one that comes, and then that one.
+  ASSERT_TRUE(upload("old.ply", "old"));
+  ASSERT_TRUE(begin("new.ply", 10));
+  ASSERT_TRUE(send("hello"));
+  EXPECT_FALSE(uploads_->receive());
+  ASSERT_TRUE(uploads_->remove("old.ply"));
+  EXPECT_THAT(files(), ElementsAre(".incoming"));
+  ASSERT_TRUE(send("world"));
+  close();
+  EXPECT_TRUE(uploads_->receive());
+  EXPECT_THAT(files(), ElementsAre("new.ply"));
+  ASSERT_TRUE(uploads_->remove("new.ply"));
+  // One that people have put there, whose name does not fit the record.
+  uploads_.reset();
+  write_text(folder_ / ("uploads/" + std::string(200, 'n') + "\x1b.ply"), "x");
+  start();
+  const std::string shown(record_->stored->name.view());
+  EXPECT_EQ(shown.size(), 79U);
+  EXPECT_TRUE(uploads_->remove(shown));
+  EXPECT_THAT(files(), IsEmpty());
 }
 
 TEST_F(UploadsTest, TakeALargeOneInTurns) {

@@ -1,0 +1,67 @@
+#include "firmware/daemon/daemon_commands.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include "firmware/io/descriptor.hpp"
+
+namespace plumbline {
+
+Expected<std::optional<EventKind>> DaemonCommands::take(const ClientRequest& request) {
+  if (const auto button = button_of(request.command)) {
+    answers_.answer_by_command();
+    return button;
+  }
+  if (request.command == Command::kCode) {
+    observer_.show_code(request.code.view());
+    return std::nullopt;
+  }
+  if (request.command == Command::kRemove) return remove_upload(request.name.view());
+  if (offer == nullptr) return fail(ErrorCode::kBadSetting, "nothing is offered");
+  PLUMBLINE_TRY(offer->change(request));
+  return std::nullopt;
+}
+
+/// @returns cancel, if the scan is offered: that takes the offer back
+Expected<std::optional<EventKind>> DaemonCommands::remove_upload(std::string_view name) {
+  if (uploads_ == nullptr) return fail(ErrorCode::kBadSetting, "this printer has no store for scans");
+  const auto removed = uploads_->remove(name);
+  if (record_.stored) return tl::unexpected<Error>(removed.error());
+  if (record_.scans_uploaded) observer_.forget_scans();
+  if (!removed) observer_.say(removed.error().message());
+  if (record_.state != PrintState::kOffered || !of_upload) return std::nullopt;
+  answers_.answer_by_command();
+  return EventKind::kCancelPressed;
+}
+
+Expected<std::uint32_t> DaemonCommands::take_upload(const ClientRequest& upload, Descriptor from) {
+  if (uploads_ == nullptr) return CommandTaker::take_upload(upload, std::move(from));
+  const auto number = uploads_->begin(upload, std::move(from));
+  PLUMBLINE_TRY(number);
+  return *number;
+}
+
+Expected<bool> DaemonCommands::draw_mask(std::uint32_t layer, LayerPicture& picture) {
+  if (masks == nullptr) {
+    return fail(ErrorCode::kBadSetting, "there are no masks now.\tAsk again while what has been sliced is offered");
+  }
+  return masks->draw(layer, picture);
+}
+
+Expected<CommandTaker::ReportPart> DaemonCommands::read_report(std::uint64_t from, std::span<std::byte> out) {
+  const Descriptor file(::open(report_path_.c_str(), O_RDONLY | O_CLOEXEC));
+  struct stat facts {};
+  if (!file.is_open() || ::fstat(file.get(), &facts) != 0) {
+    return fail(ErrorCode::kBadSetting, "there is no report of a print");
+  }
+  const ssize_t got = ::pread(file.get(), out.data(), out.size(), static_cast<off_t>(from));
+  if (got < 0) return fail(ErrorCode::kCannotRead, "the report can't be read: %s", std::strerror(errno));
+  return ReportPart{static_cast<std::size_t>(got), static_cast<std::uint64_t>(facts.st_size)};
+}
+
+}  // namespace plumbline

@@ -1,0 +1,46 @@
+#pragma once
+/// What clients of the state socket ask of the daemon, and the printer's own screen with them.
+
+#include <string>
+#include <string_view>
+
+#include "firmware/daemon/answers.hpp"
+#include "firmware/daemon/offered_masks.hpp"
+#include "firmware/daemon/state_recorder.hpp"
+#include "firmware/daemon/stick_offer.hpp"
+#include "firmware/daemon/upload/uploads.hpp"
+#include "firmware/state/printer_record.hpp"
+#include "firmware/state/state_socket.hpp"
+
+namespace plumbline {
+
+class DaemonCommands final : public CommandTaker {
+ public:
+  /// All must outlive it.
+  /// @param uploads      null: none are taken
+  /// @param report_path  of the last print's report
+  DaemonCommands(const PrinterRecord& record, StateRecorder& observer, Answers& answers, Uploads* uploads,
+                 const std::string& report_path)
+      : record_(record), observer_(observer), answers_(answers), uploads_(uploads), report_path_(report_path) {}
+
+  /// Called while the daemon waits for an event. A command that answers a question becomes the button that does.
+  Expected<std::optional<EventKind>> take(const ClientRequest& request) override;
+  Expected<bool> draw_mask(std::uint32_t layer, LayerPicture& picture) override;
+  Expected<std::uint32_t> take_upload(const ClientRequest& upload, Descriptor from) override;
+  Expected<ReportPart> read_report(std::uint64_t from, std::span<std::byte> out) override;
+
+  StickOffer* offer = nullptr;    ///< that somebody is asked about; null: none
+  OfferedMasks* masks = nullptr;  ///< the same, of what has been sliced
+  bool of_upload = false;         ///< what is offered was uploaded
+
+ private:
+  Expected<std::optional<EventKind>> remove_upload(std::string_view name);
+
+  const PrinterRecord& record_;
+  StateRecorder& observer_;
+  Answers& answers_;
+  Uploads* uploads_;
+  const std::string& report_path_;
+};
+
+}  // namespace plumbline
