@@ -249,6 +249,7 @@ Expected<bool> PrinterDaemon::prepare_archive(PrintSession& session, JobStore::R
     const auto wanted = accept(sliced->grid, sliced->extent, sliced->findings, profile, masks ? masks->get() : nullptr);
     if (!wanted || !*wanted) return wanted;
   }
+  for (const RequestedFile& file : request.files()) session.add_scan_file(file.name.view());
   PLUMBLINE_TRY(session.take(*sliced, request.name.view(), profile, std::move(copy.file), copy.hash));
   return true;
 }
@@ -354,7 +355,7 @@ Status PrinterDaemon::resume() {
   }
   auto profile = settings_.profile(std::string(view(session.facts().profile)));
   PLUMBLINE_TRY(profile);
-  observer_.resumed(view(session.facts().scan), view(session.facts().profile));
+  observer_.resumed(session);
   apply(PrintEvent::kJobResumed);
   print(session, *profile);
   return {};

@@ -160,11 +160,12 @@ void StateRecorder::offered(const StickJob& job, std::string_view profile, std::
   record.chosen = chosen;
 }
 
-void StateRecorder::resumed(std::string_view scan, std::string_view profile) {
+void StateRecorder::resumed(const PrintSession& session) {
   begin_job();
   JobRecord& record = record_.job.emplace();
-  assign(record.scan, scan);
-  assign(record.profile, profile);
+  assign(record.scan, view(session.facts().scan));
+  for (const FileName& file : session.scan_files()) assign(record.files[record.file_count++], view(file));
+  assign(record.profile, view(session.facts().profile));
 }
 
 void StateRecorder::warn(std::string_view sentence) {

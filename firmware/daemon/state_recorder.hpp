@@ -50,7 +50,7 @@ class StateRecorder final : public DaemonObserver {
   /// @param chosen   index of its scan among those of the stick; none: a job file names it
   void offered(const StickJob& job, std::string_view profile, std::optional<std::size_t> chosen);
   /// A print that goes on.
-  void resumed(std::string_view scan, std::string_view profile);
+  void resumed(const PrintSession& session);
   /// Says something that whoever prints should know.
   void warn(std::string_view sentence);
   /// Says why a job can't be printed and what to do, for somebody who has buttons and a stick.

@@ -37,7 +37,7 @@ Status PrintSession::slice_scan(ScanSources scan, const SliceSettings& settings,
 }
 
 void PrintSession::add_scan_file(std::string_view name) {
-  scan_files_[scan_file_count_++].add("%s", PrintableText(name, 79).c_str());
+  facts_.files[facts_.file_count++] = file_name(PrintableText(name, 79).view());
 }
 
 Status PrintSession::take(const SlicedScan& sliced, std::string_view scan, const PrintProfile& profile) {

@@ -2,12 +2,10 @@
 /// One print in the printer's memory, from its scan or from what was stored of an interrupted print, to its report. The next
 /// print takes the same memory.
 
-#include <array>
 #include <optional>
 #include <span>
 #include <string_view>
 
-#include "firmware/io/fixed_text.hpp"
 #include "firmware/print/archive_masks.hpp"
 #include "firmware/print/mask_renderer.hpp"
 #include "firmware/print/print_job.hpp"
@@ -55,7 +53,7 @@ class PrintSession {
   /// @param scan    its name
   /// @retval any error of plan_print() and JobStore::begin()
   [[nodiscard]] Status take(const SlicedScan& sliced, std::string_view scan, const PrintProfile& profile);
-  /// Names a file of the scan for the report. slice_scan() does it itself.
+  /// Names a file of the scan for the report, before take(). slice_scan() does it itself.
   /// @pre called at most kMostScans times
   void add_scan_file(std::string_view name);
 
@@ -92,8 +90,8 @@ class PrintSession {
   const std::optional<SupportSettings>& support_settings() const { return support_settings_; }
   const SupportCounts& support_counts() const { return support_counts_; }
   std::uint64_t support_pixels() const { return support_pixels_; }
-  /// Names of the scan's files; none for an archive or a resumed print.
-  std::span<const FixedText<80>> scan_files() const { return std::span(scan_files_).first(scan_file_count_); }
+  /// Names of the scan's files; longer ones are cut.
+  std::span<const FileName> scan_files() const { return std::span(facts_.files).first(facts_.file_count); }
   /// Of the masks; none for a print resumed from its store, whose masks were checked when it began.
   const std::optional<StackFindings>& findings() const { return findings_; }
   MaskFigures mask_figures() const;
@@ -112,8 +110,6 @@ class PrintSession {
 
   SliceReport slice_report_;
   JobFacts facts_;
-  std::array<FixedText<80>, kMostScans> scan_files_;  ///< longer names are cut
-  std::size_t scan_file_count_ = 0;
   MaskParts parts_;
   std::optional<SupportSettings> support_settings_;
   SupportCounts support_counts_;

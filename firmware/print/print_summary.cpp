@@ -185,7 +185,7 @@ void write_print_report(JsonWriter& json, const PrintOutcome& outcome) {
   if (const auto files = outcome.session.scan_files(); files.size() > 1) {
     json.key("files");
     json.begin_array(Layout::kOneLine);
-    for (const auto& file : files) json.value(file.view());
+    for (const auto& file : files) json.value(view(file));
     json.end_array();
   }
   json.member("printer", view(facts.printer));

@@ -86,6 +86,7 @@ void check(const std::vector<std::byte>& bytes, bool forged) {
   require(job->parts.is_archive() ? job->parts.archive.size() == job->parts.rrep.grid.layers
                                   : job->parts.rrep.first.size() == job->parts.rrep.grid.layers + std::size_t{1},
           "layers");
+  require(job->facts.file_count <= job->facts.files.size(), "more files than there is room for");
   if (forged) return;
   require(view(job->facts.scan) == "bust.ply" && job->facts.print_id == 11, "other facts than were stored");
   require(same<std::uint32_t>(job->parts.rrep.first, kFirst) && same<std::uint32_t>(job->parts.rrep.pixel, kPixel),

@@ -2,20 +2,31 @@
 
 #include <algorithm>
 #include <bit>
+#include <span>
 
 #include "firmware/io/hash64.hpp"
 
 namespace plumbline {
 
-ShortName short_name(std::string_view text) {
-  ShortName name = {};
+namespace {
+
+template <std::size_t Size>
+std::array<char, Size> filled(std::string_view text) {
+  std::array<char, Size> name = {};
   std::copy_n(text.begin(), std::min(text.size(), name.size()), name.begin());
   return name;
 }
 
-std::string_view view(const ShortName& name) {
+std::string_view text_in(std::span<const char> name) {
   return {name.data(), static_cast<std::size_t>(std::find(name.begin(), name.end(), '\0') - name.begin())};
 }
+
+}  // namespace
+
+ShortName short_name(std::string_view text) { return filled<std::tuple_size_v<ShortName>>(text); }
+FileName file_name(std::string_view text) { return filled<std::tuple_size_v<FileName>>(text); }
+std::string_view view(const ShortName& name) { return text_in(name); }
+std::string_view view(const FileName& name) { return text_in(name); }
 
 std::uint64_t hash_of(const BoardFile& board) {
   Hash64 hash;

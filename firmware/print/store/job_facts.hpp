@@ -8,6 +8,7 @@
 #include "firmware/print/plan/print_plan.hpp"
 #include "firmware/settings/board_file.hpp"
 #include "hal/units.hpp"
+#include "slicer/reader/scan_sources.hpp"
 
 namespace plumbline {
 
@@ -16,9 +17,14 @@ using ShortName = std::array<char, 64>;
 ShortName short_name(std::string_view text);
 std::string_view view(const ShortName& name);
 
+/// The name of one file of a scan, the same way.
+using FileName = std::array<char, 80>;
+FileName file_name(std::string_view text);
+std::string_view view(const FileName& name);
+
 /// Everything about a print except what its masks are made of. Stored byte for byte, so it holds no pointers.
 struct JobFacts {
-  ShortName scan = {};  ///< file name
+  ShortName scan = {};  ///< for people: its file, or the first one and how many more
   ShortName printer = {};
   ShortName profile = {};
   std::uint64_t print_id = 0;      ///< random, so that no two prints of a scan are taken for each other
@@ -28,6 +34,8 @@ struct JobFacts {
   Distance cure_depth;             ///< at a normal layer's exposure
   MaskTurn turn;                   ///< of an archive's layers
   PrintPlan plan;
+  std::uint32_t file_count = 0;                 ///< of the scan; at most kMostScans
+  std::array<FileName, kMostScans> files = {};  ///< their names
 };
 
 /// Hash of the values of a board file that masks and heights depend on. Layout and comments do not count.

@@ -13,7 +13,7 @@ namespace {
 
 /// Change the version whenever the stored data change, JobFacts and PrintPlan included.
 constexpr std::uint32_t kMagic = 0x424F4A50;  // "PJOB"
-constexpr std::uint32_t kVersion = 5;
+constexpr std::uint32_t kVersion = 6;
 
 struct JobHeader {
   std::uint32_t magic = kMagic;
@@ -100,6 +100,7 @@ Expected<StoredJob> read_job(const Descriptor& file, const char* path, Arena& ar
   PLUMBLINE_TRY(check(header, path));
   StoredJob job;
   if (!file.read_all(writable_bytes_of(job.facts))) return cannot_read(path);
+  if (job.facts.file_count > job.facts.files.size()) return damaged(path, "damaged");
   const std::size_t ends = header.archive > 0 ? 0 : std::size_t{header.grid.layers} + 1;
   const auto first = arena.take_bottom<std::uint32_t>(ends, "r-rep");
   PLUMBLINE_TRY(first);

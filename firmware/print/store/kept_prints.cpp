@@ -32,9 +32,9 @@ struct Head {
 };
 static_assert(std::is_trivially_copyable_v<Head>);
 
-using FileName = FixedText<24>;
-FileName name_of(std::uint32_t number) {
-  FileName name;
+using PrintName = FixedText<24>;
+PrintName name_of(std::uint32_t number) {
+  PrintName name;
   name.add("%0*u", static_cast<int>(kDigits), number);
   return name;
 }
@@ -230,7 +230,7 @@ Status KeptPrints::keep(KeptPrint facts, FunctionRef<Status(TextSink&)> write_re
 /// Writes a print, or leaves nothing of it.
 KeptPrints::Attempt KeptPrints::write(KeptPrint& facts, FunctionRef<Status(TextSink&)> write_report,
                                       std::span<const std::byte> preview) {
-  const FileName name = name_of(facts.number);
+  const PrintName name = name_of(facts.number);
   Attempt tried = write_new(facts, write_report, preview);
   if (tried.problem != 0) {
     static_cast<void>(::unlinkat(folder_.get(), kNew, 0));

@@ -60,7 +60,8 @@ class Scans(StatePrinter):
         user.state("interrupted", "resume")
         user.do("resume")
         report, masks = self.printed(user)
-        self.assertEqual(report["scan"], "front.ply and 1 more")
+        self.assertEqual((report["scan"], report["files"]), ("front.ply and 1 more", ["front.ply", "back.ply"]))
+        self.assertEqual(user.states[-1]["job"]["files"], report["files"])
         self.assertGreater(report["first_layer"], 0)
         self.assertEqual(masks, hashes[report["first_layer"]:])
 

@@ -33,7 +33,8 @@ Supports small_supports() { return {.list = kSupports, .pitch = PixelPitch(small
 
 JobFacts facts() {
   JobFacts facts;
-  facts.scan = short_name("bust.ply");
+  facts.scan = short_name("bust.ply and 31 more");
+  for (FileName& file : facts.files) file = file_name(std::string(70, 'a') + std::to_string(facts.file_count++));
   facts.printer_hash = 7;
   facts.plan.layers = 3;
   facts.plan.exposure = std::chrono::milliseconds(2500);
@@ -71,7 +72,9 @@ TEST_F(JobStoreTest, LoadsAnInterruptedPrint) {
   store();
   auto job = load();
   ASSERT_TRUE(job) << job.error().message();
-  EXPECT_EQ(view(job->job.facts.scan), "bust.ply");
+  EXPECT_EQ(view(job->job.facts.scan), "bust.ply and 31 more");
+  EXPECT_EQ(job->job.facts.file_count, kMostScans);
+  EXPECT_EQ(job->job.facts.files, facts().files);
   EXPECT_EQ(job->job.facts.printer_hash, 7U);
   EXPECT_EQ(job->job.facts.plan.exposure, std::chrono::milliseconds(2500));
   EXPECT_EQ(job->job.parts.rrep.grid.layers, 3U);
