@@ -42,7 +42,7 @@ std::uint64_t number_of(std::string_view object, std::string_view key) {
 Status send_bytes(const Descriptor& from, std::uint64_t bytes, const Descriptor& into) {
   std::vector<std::byte> part(std::size_t{64} * 1024);
   while (bytes > 0) {
-    const auto now = std::span(part).first(std::min<std::uint64_t>(part.size(), bytes));
+    const auto now = std::span(part).first(static_cast<std::size_t>(std::min<std::uint64_t>(part.size(), bytes)));
     if (!from.read_all(now)) {
       return fail(ErrorCode::kCannotRead, "%s", errno == 0 ? "the file has become shorter" : std::strerror(errno));
     }
