@@ -125,7 +125,7 @@ function showButtons() {
 function showFacts() {
   const rows = [];
   const {progress, sliced, job, resin, slicing} = state;
-  if (slicing) rows.push([words.step, slicing.stage]);
+  if (slicing) rows.push([words.step, words.steps[slicing.stage] || slicing.stage]);
   if (job) rows.push([words.scan, job.files.length > 1 ? job.files.join(", ") : job.scan], [words.profile, job.profile]);
   if (sliced) {
     const sides = [sliced.width_mm, sliced.depth_mm, sliced.height_mm].map((side) => number(side, 1)).join(" × ");
@@ -158,6 +158,7 @@ function showNow() {
   if (state.state === "offered") hint = offersSliced ? words.hints.sliced : state.stick.job_file ? words.hints.job : words.hints.offered;
   show("hint", hint !== "", hint);
   show("question", Boolean(state.question), state.question || "");
+  show("answers", Boolean(state.question), words.answers);  // the printer speaks of its own buttons
   show("message", Boolean(state.message) && !state.fault, state.message || "");
   const fault = state.fault;
   $("fault").hidden = !fault;
@@ -368,6 +369,7 @@ function showUpload() {
   const stored = state.stored;
   $("upload").hidden = !(state.upload_limit || coming || sending || state.commands.includes("remove"));
   $("send").hidden = !(state.upload_limit || coming || sending);
+  if ($("upload").hidden) sayUpload("");  // what is said of the last one is old when the section comes back
   $("stored").hidden = !stored;
   if (stored) {
     const text = `${words.stored}: ${stored.name}, ${size(stored.bytes)}`;

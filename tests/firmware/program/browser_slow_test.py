@@ -194,6 +194,8 @@ class BrowserTest(PagePrinter):
         self.do("resume")
         # The stage stood elsewhere than the journal says, so the printer asks. Whoever goes on has measured the part.
         self.until_state("paused", "!document.querySelector('#question').hidden")
+        # It names the printer's buttons. The page says which of its own those are.
+        self.assertIn("start is “Go on”", browser.run("return document.querySelector('#answers').innerText"))
         self.look("question")
         self.do("resume")
         self.until_state("printing")
@@ -244,6 +246,7 @@ class BrowserTest(PagePrinter):
         self.until_state("offered", "!document.querySelector('#layers').hidden")
         self.do("start")
         self.until_state("printing", "document.querySelector('#upload').hidden")
+        self.assertEqual(browser.run("return document.querySelector('#upload-error').textContent"), "", "what was wrong before is over")
         self.until_state("plate in use", "!document.querySelector('#report').hidden")
         self.do("plate-empty")
         self.until_state("offered", "document.querySelector('#title').textContent === 'Uploaded scan'")
