@@ -63,10 +63,10 @@ bool are_supports(std::span<const Strut> supports, const PrintGrid& grid) {
 bool are_findings(const StackFindings& findings, const PrintGrid& grid) {
   const std::uint64_t pixels = std::uint64_t{grid.columns} * grid.rows;
   const std::uint64_t voxels = pixels * grid.layers;
-  const bool figures = findings.layers == grid.layers && findings.unchecked_layers <= grid.layers &&
-                       findings.voxels <= voxels && findings.first_layer_pixels <= pixels &&
-                       findings.peel_pixels <= pixels && findings.peel_layer < grid.layers &&
-                       findings.jump_pixels <= pixels && findings.jump_layer < grid.layers;
+  const bool figures =
+      findings.layers == grid.layers && findings.unchecked_layers <= grid.layers && findings.voxels <= voxels &&
+      findings.shadowed_voxels <= voxels && findings.first_layer_pixels <= pixels && findings.peel_pixels <= pixels &&
+      findings.peel_layer < grid.layers && findings.jump_pixels <= pixels && findings.jump_layer < grid.layers;
   if (!figures) return false;
   for (std::size_t i = 0; i < kIssueKindCount; ++i) {
     const IssueGroup& group = findings.groups[i];

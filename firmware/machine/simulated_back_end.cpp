@@ -127,6 +127,7 @@ class SimulatedBackEnd final : public BackEnd, public Witness {
                         .bleed_ml = part.bleed_mm3() / 1000,
                         .lost = {}};
     for (const Loss& loss : part.losses()) {
+      if (loss.joined != Loss::kNone) continue;
       figures.lost.push_back({.kind = to_string(kind_of(loss.kind)),
                               .layer = loss.layer,
                               .last_layer = loss.last_layer,

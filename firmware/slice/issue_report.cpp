@@ -103,6 +103,9 @@ FixedText<256> issue_sentence(IssueKind kind, const StackFindings& findings, con
   text.add("%s", group.count == 1 ? (kind == IssueKind::kFreePiece ? ": " : " of ") : ", the largest of ");
   add_size(text, group.kept[0], scale);
   add_place(text, group.kept[0], scale);
+  if (kind == IssueKind::kFreePiece && findings.shadowed_voxels > 0) {
+    text.add(", and %s ml more in its shadow", rounded(scale.ml(findings.shadowed_voxels)).c_str());
+  }
   return text;
 }
 
@@ -176,6 +179,7 @@ void write_issues(JsonWriter& json, const StackFindings& findings, const PrintGr
   json.end_object();
   json.member("falls_share", findings.fallen_share());
   json.member("falls_ml", scale.ml(findings.of(IssueKind::kFreePiece).voxels));
+  json.member("shadowed_ml", scale.ml(findings.shadowed_voxels));
   json.key("kinds");
   json.begin_object();
   for_each_found(findings, [&](IssueKind kind, const IssueGroup& group) {

@@ -52,6 +52,9 @@ Expected<RegionTracker> RegionTracker::create(const PrintGrid& grid, const Check
     PLUMBLINE_TRY(created);
     *columns = *created;
   }
+  auto film = Film::create(grid, arena);
+  PLUMBLINE_TRY(film);
+  tracker.film_ = *film;
   auto reach = Disc::create(PixelPitch(grid), nanometres(CheckLimits::kIslandTipsReach_mm), arena);
   PLUMBLINE_TRY(reach);
   tracker.reach_ = *reach;
@@ -63,13 +66,14 @@ std::size_t RegionTracker::bytes_needed(const PrintGrid& grid) {
   const std::size_t runs = LayerRegions::most_runs(grid.rows, settings);
   return 2 * LayerRegions::bytes_needed(grid.rows, settings) + 5 * Arena::rounded(runs * sizeof(std::uint32_t)) +
          Arena::rounded(runs * sizeof(Contact)) + 2 * RegionColumns::bytes_needed(kMostColumns) +
-         Disc::bytes_needed(PixelPitch(grid), nanometres(CheckLimits::kIslandTipsReach_mm));
+         Film::bytes_needed(grid) + Disc::bytes_needed(PixelPitch(grid), nanometres(CheckLimits::kIslandTipsReach_mm));
 }
 
 void RegionTracker::next(ConstBitImage mask, ConstBitImage eroded, BitImage scratch, StackFindings& findings) {
   below_is_known_ = track(mask, eroded, scratch, findings);
   if (!below_is_known_) {
     ++findings.unchecked_layers;
+    if (!film_.clean()) film_.keep(mask);
     solid_.clear();
     air_.clear();
   }
@@ -88,9 +92,17 @@ bool RegionTracker::track(ConstBitImage mask, ConstBitImage eroded, BitImage scr
   solid_.begin_layer();
   air_.begin_layer();
   if (below_is_known_ && !find_contacts()) return false;
+  if (below_is_known_) find_islands(eroded, scratch, findings);
+  const bool shaded = !film_.clean();
+  if (shaded && !find_what_stays(mask, scratch, findings)) return false;
   if (!start_columns()) return false;
+  const auto falls = [&](std::uint32_t region) { return now().column[region] != 0; };
+  const auto is_white = [](std::uint32_t root) { return (root & kWhite) != 0; };
+  if (!shaded && std::any_of(roots_.begin(), roots_.begin() + root_count_,
+                             [&](std::uint32_t root) { return is_white(root) && falls(root & ~kWhite); })) {
+    film_.lay_down(now().regions, falls);
+  }
   if (below_is_known_) {
-    find_islands(eroded, scratch, findings);
     join_solid();
     join_air(findings);
   }
@@ -222,6 +234,43 @@ bool RegionTracker::rests_on_tips(std::uint32_t region, BitImage touched) const 
   });
   draw(false);
   return any_other && !any_far;
+}
+
+/// Where something lies on the film: of each region, the pixels that get light and hang from what stayed below, itself or through others.
+/// A region without any falls. Overwrites the regions of the layer below, which are not needed any more.
+/// @returns false if the layer has too many regions
+bool RegionTracker::find_what_stays(ConstBitImage mask, BitImage lit, StackFindings& findings) {
+  film_.shade(mask, lit);
+  auto& [pieces, held] = layers_[(layer_ + 1) % 2];
+  if (!pieces.label(lit)) return false;
+  std::fill_n(held.begin(), pieces.run_count(), below_is_known_ ? 0 : 1);
+  const auto for_each_piece = [&, &pieces = pieces](auto visit) {
+    for (std::uint32_t r = 0; r < pieces.rows(); ++r) {
+      for (std::uint32_t i = pieces.row_begin(r) + 1; i < pieces.row_begin(r + 1); i += 2) visit(r, i);
+    }
+  };
+  for_each_piece([&, &pieces = pieces, &held = held](std::uint32_t row, std::uint32_t i) {
+    std::uint32_t& is_held = held[pieces.region(i)];
+    if (is_held == 0 && film_.touches_part(row, pieces.run(i))) is_held = 1;
+  });
+  const LayerRegions& regions = now().regions;
+  for (std::uint32_t i = 0; i < root_count_; ++i) shared_[roots_[i] & ~kWhite] = 0;
+  std::uint32_t j = 0;  // the white run of the mask that a lit one is part of
+  for_each_piece([&, &pieces = pieces, &held = held](std::uint32_t row, std::uint32_t i) {
+    const LayerRegions::Run& run = pieces.run(i);
+    if (held[pieces.region(i)] == 0) return;
+    j = std::max(j, regions.row_begin(row) + 1);
+    while (regions.run(j).last < run.first) j += 2;
+    shared_[regions.region(j)] += run.last + 1U - run.first;
+  });
+  for (std::uint32_t i = 0; i < root_count_; ++i) {
+    if ((roots_[i] & kWhite) == 0) continue;
+    const std::uint32_t region = roots_[i] & ~kWhite;
+    now().column[region] = shared_[region] > 0 ? 0 : kNone;
+    if (shared_[region] > 0) findings.shadowed_voxels += regions.area(region) - shared_[region];
+  }
+  film_.lay_down(pieces, [&held = held](std::uint32_t piece) { return held[piece] == 0; });
+  return true;
 }
 
 /// What touches only pieces that fall, falls with them.

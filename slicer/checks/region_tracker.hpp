@@ -7,6 +7,7 @@
 #include <span>
 
 #include "slicer/checks/check_limits.hpp"
+#include "slicer/checks/film.hpp"
 #include "slicer/checks/region_columns.hpp"
 #include "slicer/checks/stack_findings.hpp"
 #include "slicer/core/arena.hpp"
@@ -47,6 +48,8 @@ inline Issue issue_at(IssueKind kind, std::uint32_t layer, const LayerRegions& r
 /// Only two layers are in memory. Regions of a layer are labelled as runs; regions of consecutive layers that touch belong
 /// to one column (union-find), which carries its size, its largest region and whether it is held or open. So nothing has to be
 /// swept downwards: a hollow becomes a suction cup when it opens, and a resin trap when it ends without having opened.
+///
+/// From the first piece that falls on, a region is held only by its pixels that get light and touch what stayed below: see Film.
 class RegionTracker {
  public:
   /// @retval ErrorCode::kOutOfMemory  bytes_needed() from the top of the arena
@@ -82,6 +85,7 @@ class RegionTracker {
   bool rests_on_tips(std::uint32_t region, BitImage touched) const;
   template <class Visit>
   bool any_run_of(std::uint32_t region, Visit visit) const;
+  bool find_what_stays(ConstBitImage mask, BitImage lit, StackFindings& findings);
   void join_solid();
   void join_air(StackFindings& findings);
   void count_regions();
@@ -99,13 +103,14 @@ class RegionTracker {
   bool below_is_known_ = false;  ///< its regions are
   std::array<Layer, 2> layers_;
   std::span<std::uint32_t> roots_;   ///< the regions of the layer, white ones marked
-  std::span<std::uint32_t> shared_;  ///< by region: pixels above white ones
+  std::span<std::uint32_t> shared_;  ///< by region: pixels above white ones; later those that stay
   std::span<std::uint32_t> widest_;  ///< by region: its widest run
   std::uint32_t root_count_ = 0;
   std::span<Contact> contacts_;  ///< [0, solid_contacts_) of solid, [air_contacts_, end) of air
   std::size_t solid_contacts_ = 0, air_contacts_ = 0;
   RegionColumns solid_, air_;  ///< column 0: held; open to the outside
-  Disc reach_;                 ///< kIslandTipsReach_mm
+  Film film_;
+  Disc reach_;  ///< kIslandTipsReach_mm
 };
 
 }  // namespace plumbline

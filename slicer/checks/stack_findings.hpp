@@ -46,6 +46,8 @@ struct StackFindings {
   std::uint32_t layers = 0;                        ///< of the stack
   std::uint32_t unchecked_layers = 0;              ///< too fine for the memory: their regions were not looked at
   std::uint64_t voxels = 0;                        ///< white ones
+  std::uint64_t shadowed_voxels =
+      0;  ///< of what is held, those that get no light, since something has fallen below them
   std::uint64_t first_layer_pixels = 0;
   std::uint64_t peel_pixels = 0;  ///< of the largest layer
   std::uint32_t peel_layer = 0;

@@ -102,11 +102,12 @@ void HangingPart::drop_what_is_loose(double height_mm, BitImage lit, ConstBitIma
   }
   if (!loss_above_.empty()) {
     for_each_contact(asked_above_, asked_, [&](std::uint32_t a, std::uint32_t b, std::uint32_t) {
-      if (stays[b] == 0) loss_[b] = std::min(loss_[b], loss_above_[a]);
+      if (stays[b] == 0 && loss_above_[a] != kNone) loss_[b] = join(loss_[b], loss_above_[a]);
     });
   }
   for (std::uint32_t r = 0; r < wanted.size(); ++r) {
     const PixelRuns::Region& region = wanted[r];
+    if (loss_[r] != kNone) loss_[r] = joined(loss_[r]);
     if (stays[r] == region.pixels) continue;
     if (stays[r] == 0) {
       if (loss_[r] == kNone) loss_[r] = new_loss(LossKind::kDropped, region);
@@ -220,6 +221,24 @@ void HangingPart::lay_on_film(std::uint32_t row, const PixelRuns::Run& run, BitI
   fill(lit, row, run, false);
   fill(BitImage(film_, build_.columns, build_.rows), row, run, true);
   clean_ = false;
+}
+
+std::uint32_t HangingPart::joined(std::uint32_t loss) const {
+  while (losses_[loss].joined != Loss::kNone) loss = losses_[loss].joined;
+  return loss;
+}
+
+/// Two losses that a region belongs to: what drops and grows together is one piece. @param a  kNone: there is one only
+std::uint32_t HangingPart::join(std::uint32_t a, std::uint32_t b) {
+  b = joined(b);
+  if (a == kNone || joined(a) == b) return b;
+  a = joined(a);
+  if (a > b) std::swap(a, b);
+  if (losses_[a].kind != LossKind::kDropped || losses_[b].kind != LossKind::kDropped) return a;
+  take(a, losses_[b].ml);
+  take(b, -losses_[b].ml);
+  losses_[b].joined = a;
+  return a;
 }
 
 std::uint32_t HangingPart::new_loss(LossKind kind, const PixelRuns::Region& region) {

@@ -81,6 +81,8 @@ class HangingPart {
   void peel(BitImage lit, ConstBitImage asked);
   void tear_off(const HoldGraph::Tear& tear, BitImage lit, ConstBitImage asked);
   void lay_on_film(std::uint32_t row, const PixelRuns::Run& run, BitImage lit);
+  std::uint32_t joined(std::uint32_t loss) const;
+  std::uint32_t join(std::uint32_t a, std::uint32_t b);
   std::uint32_t new_loss(LossKind kind, const PixelRuns::Region& region);
   void take(std::uint32_t loss, double ml);
   void remember();

@@ -8,22 +8,27 @@ namespace plumbline {
 ///     F = s A + g P + p C
 ///
 /// A is the layer's area (mm2), P the length of its outline (mm), C the area of the sealed cavities that open to the film (mm2).
-///   s A  The resin between layer and film must flow in from the rim, so the film first pulls on the whole layer: a cohesive zone
-///        with a largest traction s (F. Liravi, S. Das, C. Zhou, Computer-Aided Design 69, 2015, doi 10.1016/j.cad.2015.05.002; H. Ye, A. Venketeswaran, S. Das,
-///        C. Zhou, Rapid Prototyping Journal 23, 2017, doi 10.1108/RPJ-06-2016-0091). With a rigid window this would be Stefan
-///        adhesion, which grows faster than the area (Y. Pan, H. He, J. Xu, A. Feinerman, Study of separation force in constrained
-///        surface projection stereolithography, Rapid Prototyping Journal 23, 2017); a film that bends bounds it.
-///   g P  Then a peel front moves inwards from the outline. A front of unit width needs the force g at a right angle (K. Kendall,
-///        Journal of Physics D 8, 1975, 1449).
+///   s A  Layer and film are joined by a cohesive zone: a traction that rises to its largest value s while they part, and then falls to
+///        nothing (F. Liravi, S. Das, C. Zhou, Computer-Aided Design 69, 2015, doi 10.1016/j.cad.2015.05.002; H. Ye,
+///        A. Venketeswaran, S. Das, C. Zhou, Rapid Prototyping Journal 23, 2017, doi 10.1108/RPJ-06-2016-0091; both fit it to
+///        measured forces). Of a layer that is narrower than the zone is long, all of it parts at once: the force is s A. Below a
+///        rigid window it would be Stefan adhesion instead, 3 pi mu v R^4 / (2 h^3) for a disc, which grows faster than the area
+///        (J. Stefan 1874; Y. Pan, H. He, J. Xu, A. Feinerman, Rapid Prototyping Journal 23, 2017, 353,
+///        doi 10.1108/RPJ-12-2015-0188). A film that bends lets the resin in.
+///   g P  Of a wider layer the film peels from the outline inwards. Per unit of its width a front at a right angle needs the work of the
+///        cohesive zone per area, g (K. Kendall, Journal of Physics D 8, 1975, 1449, equation of peeling without stretching).
 ///   p C  No resin can follow into a cavity that is closed by the part or the plate: the film is sucked up into it. The ceiling of the
 ///        cavity is pulled down as hard. Where that is the plate, such as in the hole of a raft, the motor feels it but no joint does.
+/// The cohesive models above give the smaller of the first two; their sum is never less, and at most twice as much.
 ///
 /// Each layer's force passes through every cross-section up to the plate. A joint between two layers holds green_strength times the
 /// area in which they overlap, the plate holds plate_adhesion times the area of the first layer. Leverage is left out: joints
 /// share a load as their strengths allow (HoldGraph).
 ///
-/// The defaults are of the usual order of magnitude at 60 mm/min, with a film of FEP and a standard resin, not of one product:
-/// a lift of 10 cm2 of solid square needs some 9 N.
+/// The constants are ours: none was found published for a free film of FEP, with which the largest force was 48 % less than with
+/// one that bends less (Flexible film separation analysis of LCD based mask stereolithography, 2020, abstract). They are of the usual
+/// order of magnitude at 60 mm/min: a solid square of 10 cm2 needs 9 N. To measure them, weigh the lift of two squares on a load cell,
+/// of a few mm and of a few cm, and solve for s and g. A profile sets all five in its [resin].
 struct PeelSettings {
   double traction_kpa = 5;          ///< s; 1 kPa is 0.001 N/mm2
   double line_force_n_mm = 0.03;    ///< g

@@ -13,7 +13,13 @@ void Plant::hang_last_layer() {
   for (const std::uint32_t i : hanging.changed()) {
     const Loss& loss = hanging.losses()[i];
     if (i < objection_of_loss_.size()) {
-      objections_[objection_of_loss_[i]].loss = loss;
+      const std::size_t at = objection_of_loss_[i];
+      if (loss.joined == Loss::kNone) {
+        objections_[at].loss = loss;
+        continue;
+      }
+      objections_.erase(objections_.begin() + static_cast<std::ptrdiff_t>(at));
+      for (std::size_t& later : objection_of_loss_) later -= later > at ? 1 : 0;
       continue;
     }
     objection_of_loss_.push_back(objections_.size());

@@ -10,6 +10,7 @@ namespace plumbline {
 namespace {
 
 using ::testing::ElementsAre;
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
@@ -41,6 +42,16 @@ TEST(IssueReport, SaysSizePlaceLayersAndWhatToDo) {
                           "in layers 70 to 109 (3.50 to 5.50 mm): add supports, or turn the object"));
   EXPECT_EQ(issue_counts(some_findings()).view(), "2 islands, 1 piece that nothing holds");
   EXPECT_EQ(issue_counts({}).view(), "no issues");
+}
+
+TEST(IssueReport, SaysHowMuchMoreIsLostInTheShadowOfWhatFalls) {
+  StackFindings findings = some_findings();
+  findings.shadowed_voxels = 4'000'000;
+  const auto sentence = issue_sentence(IssueKind::kFreePiece, findings, kGrid);
+  EXPECT_THAT(std::string(sentence.view()), EndsWith("(3.50 to 5.50 mm), and 0.5 ml more in its shadow"));
+  CheckPolicy policy;
+  policy.of(IssueKind::kFreePiece) = CheckAction::kRefuse;
+  EXPECT_THAT(std::string(judge(findings, kGrid, policy).error().advice()), HasSubstr("set free_piece in [checks]"));
 }
 
 TEST(IssueReport, IsSilentAboutWhatIsIgnored) {

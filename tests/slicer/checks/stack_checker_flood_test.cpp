@@ -110,32 +110,62 @@ std::uint64_t enclosed_while_printed(const std::vector<Pixels>& masks) {
   return sum;
 }
 
-/// Voxels that fall: each layer keeps what touches a kept pixel below, in its own layer or through it.
-std::uint64_t fallen_voxels(const std::vector<Pixels>& masks) {
-  std::uint64_t fallen = 0;
+/// What is joined to `start` at sides in `mask`, `start` itself left out where it is not white there.
+Pixels joined_to(const Pixels& start, const Pixels& mask) {
+  Pixels all(mask.columns(), mask.rows());
+  std::vector<std::pair<std::int64_t, std::int64_t>> open;
+  const auto add = [&](std::int64_t c, std::int64_t r) {
+    if (!mask.at(c, r) || all.at(c, r)) return;
+    all.set(static_cast<std::uint32_t>(c), static_cast<std::uint32_t>(r), true);
+    open.emplace_back(c, r);
+  };
+  for (std::uint32_t r = 0; r < mask.rows(); ++r) {
+    for (std::uint32_t c = 0; c < mask.columns(); ++c) {
+      if (start.at(c, r)) add(c, r);
+    }
+  }
+  while (!open.empty()) {
+    const auto [c, r] = open.back();
+    open.pop_back();
+    add(c + 1, r);
+    add(c - 1, r);
+    add(c, r + 1);
+    add(c, r - 1);
+  }
+  return all;
+}
+
+/// Of two images of a size: where `a` is white and `b` is not.
+Pixels less(const Pixels& a, const Pixels& b) {
+  Pixels rest = a;
+  for (std::uint32_t r = 0; r < a.rows(); ++r) {
+    for (std::uint32_t c = 0; c < a.columns(); ++c) rest.set(c, r, a.at(c, r) && !b.at(c, r));
+  }
+  return rest;
+}
+
+struct Fallen {
+  std::uint64_t voxels = 0;    ///< of regions of which nothing stays
+  std::uint64_t shadowed = 0;  ///< of the others
+};
+
+/// Each layer keeps what gets light and touches a kept pixel below, itself or through its own layer. What gets light and is not kept
+/// lies on the film, which is dark from then on.
+Fallen what_falls(const std::vector<Pixels>& masks) {
+  Fallen fallen;
   Pixels kept = masks[0];
+  Pixels film(kept.columns(), kept.rows());
   for (std::size_t k = 1; k < masks.size(); ++k) {
-    Pixels here(kept.columns(), kept.rows());
-    std::vector<std::pair<std::int64_t, std::int64_t>> open;
-    for (std::uint32_t r = 0; r < kept.rows(); ++r) {
-      for (std::uint32_t c = 0; c < kept.columns(); ++c) {
-        if (!masks[k].at(c, r) || !kept.at(c, r)) continue;
-        here.set(c, r, true);
-        open.emplace_back(c, r);
+    const Pixels lit = less(masks[k], film);
+    kept = joined_to(kept, lit);
+    for (std::uint32_t r = 0; r < film.rows(); ++r) {
+      for (std::uint32_t c = 0; c < film.columns(); ++c) {
+        if (lit.at(c, r) && !kept.at(c, r)) film.set(c, r, true);
       }
     }
-    while (!open.empty()) {
-      const auto [x, y] = open.back();
-      open.pop_back();
-      for (const auto& [nx, ny] :
-           {std::pair{x + 1, y}, std::pair{x - 1, y}, std::pair{x, y + 1}, std::pair{x, y - 1}}) {
-        if (!masks[k].at(nx, ny) || here.at(nx, ny)) continue;
-        here.set(static_cast<std::uint32_t>(nx), static_cast<std::uint32_t>(ny), true);
-        open.emplace_back(nx, ny);
-      }
-    }
-    fallen += masks[k].count() - here.count();
-    kept = here;
+    const Pixels held = joined_to(kept, masks[k]);
+    fallen.voxels += masks[k].count() - held.count();
+    fallen.shadowed += held.count() - kept.count();
   }
   return fallen;
 }
@@ -165,6 +195,7 @@ TEST(StackCheckerAgainstAFlood, FindsTheSameInRandomStacks) {
   std::uint64_t traps_seen = 0;
   std::uint64_t cups_seen = 0;
   std::uint64_t pieces_seen = 0;
+  std::uint64_t shadow_seen = 0;
   for (int i = 0; i < 400; ++i) {
     const auto masks = random_stack(random, 2 + random.below(13));
     const StackFindings findings = check(masks, limits);
@@ -183,10 +214,13 @@ TEST(StackCheckerAgainstAFlood, FindsTheSameInRandomStacks) {
     for (std::size_t t = 0; t < found.kept_count; ++t) EXPECT_EQ(found.kept[t].voxels, traps[t]);
 
     EXPECT_EQ(findings.of(IssueKind::kSuctionCup).voxels + in_traps, enclosed_while_printed(masks));
-    EXPECT_EQ(findings.of(IssueKind::kFreePiece).voxels, fallen_voxels(masks));
+    const Fallen fallen = what_falls(masks);
+    EXPECT_EQ(findings.of(IssueKind::kFreePiece).voxels, fallen.voxels);
+    EXPECT_EQ(findings.shadowed_voxels, fallen.shadowed);
     traps_seen += traps.size();
     cups_seen += findings.count(IssueKind::kSuctionCup);
     pieces_seen += findings.count(IssueKind::kFreePiece);
+    shadow_seen += fallen.shadowed;
     // An issue's place belongs to it.
     for (const IssueGroup& group : findings.groups) {
       for (const Issue& issue : group.all_kept()) {
@@ -199,6 +233,7 @@ TEST(StackCheckerAgainstAFlood, FindsTheSameInRandomStacks) {
   EXPECT_GT(traps_seen, 1000U);
   EXPECT_GT(cups_seen, 1000U);
   EXPECT_GT(pieces_seen, 1000U);
+  EXPECT_GT(shadow_seen, 1000U);
 }
 
 TEST(StackCheckerAgainstAFlood, FindsTheIslandsOfUvtoolsRule) {
