@@ -1,6 +1,7 @@
 #include "firmware/slice/issue_report.hpp"
 
 #include <algorithm>
+#include <cctype>
 
 namespace plumbline {
 namespace {
@@ -148,12 +149,13 @@ Status judge(const StackFindings& findings, const PrintGrid& grid, const CheckPo
     const auto sentence = issue_sentence(kind, findings, grid);
     const std::string_view advice = words_of(kind).advice;
     const std::string_view key = words_of(kind).key;
+    const int capital = std::toupper(static_cast<unsigned char>(advice[0]));
     if (action == CheckAction::kAsk) {
-      status = fail(ErrorCode::kBadSetting, "%s.\t%c%.*s, or accept it with --accept", sentence.c_str(), advice[0],
+      status = fail(ErrorCode::kBadSetting, "%s.\t%c%.*s, or accept it with --accept", sentence.c_str(), capital,
                     static_cast<int>(advice.size()) - 1, advice.data() + 1);
     } else {
       status = fail(ErrorCode::kBadSetting, "%s, which the profile refuses.\t%c%.*s, or set %.*s in [checks]",
-                    sentence.c_str(), advice[0], static_cast<int>(advice.size()) - 1, advice.data() + 1,
+                    sentence.c_str(), capital, static_cast<int>(advice.size()) - 1, advice.data() + 1,
                     static_cast<int>(key.size()), key.data());
     }
   });

@@ -71,6 +71,7 @@ TEST(IssueReport, TheStrictestActionCounts) {
   ASSERT_FALSE(asked);
   EXPECT_EQ(asked.error().code(), ErrorCode::kBadSetting);
   EXPECT_THAT(asked.error().message(), HasSubstr("2 islands"));
+  EXPECT_THAT(std::string(asked.error().advice()), StartsWith("Add supports"));
   EXPECT_THAT(std::string(asked.error().advice()), HasSubstr("--accept"));
   policy.of(IssueKind::kFreePiece) = CheckAction::kRefuse;
   EXPECT_EQ(verdict(some_findings(), policy), CheckAction::kRefuse);
