@@ -37,69 +37,78 @@ std::size_t LayerStream::bytes_needed(const PrintGrid& grid) {
 
 void LayerStream::toggle(std::uint32_t layer) {
   const std::uint32_t columns = rrep_->grid.columns;
-  const std::uint32_t first = rrep_->first[layer];
-  const std::uint32_t last = rrep_->first[layer + 1];
-  if (first == last) return;
-  std::uint32_t row = rrep_->pixel[first] / columns;
+  const auto crossings = rrep_->pixel.subspan(rrep_->first[layer], rrep_->first[layer + 1] - rrep_->first[layer]);
+  if (crossings.empty()) return;
+  std::uint32_t row = crossings.front() / columns;
   std::uint32_t row_start = row * columns;
   first_changed_ = std::min(first_changed_, row);
-  end_changed_ = std::max(end_changed_, rrep_->pixel[last - 1] / columns + 1);
-  for (std::uint32_t i = first; i < last; ++i) {
-    const std::uint32_t pixel = rrep_->pixel[i];
-    while (pixel - row_start >= columns) {  // pixels ascend: no division
+  end_changed_ = std::max(end_changed_, crossings.back() / columns + 1);
+  for (std::size_t i = 0; i < crossings.size();) {
+    while (crossings[i] - row_start >= columns) {  // pixels ascend: no division
       row_start += columns;
       ++row;
     }
-    const std::uint32_t column = pixel - row_start;
-    const std::uint32_t word = column / 64;
-    const std::uint32_t bit = column % 64;
-    section_.words()[std::size_t{row} * section_.stride() + word] ^= std::uint64_t{1} << bit;
+    const std::uint32_t word = (crossings[i] - row_start) / 64;
+    const std::uint32_t word_start = row_start + word * 64;
+    const std::uint32_t word_end = std::min(word_start + 64, row_start + columns);
+    std::uint64_t bits = 0;
+    const std::size_t rest = word_end - crossings[i];
+    if (i + rest <= crossings.size() && crossings[i + rest - 1] == word_end - 1) {  // all that are left of the word
+      bits = ~std::uint64_t{0} >> (64 - rest) << (crossings[i] - word_start);
+      i += rest;
+    } else {
+      do {
+        bits |= std::uint64_t{1} << (crossings[i++] - word_start);
+      } while (i < crossings.size() && crossings[i] < word_end);
+    }
+    section_.row(row)[word] ^= bits;
     changed_.set(word, row);
-    if (bit < kOpenCloseReach && word > 0) changed_.set(word - 1, row);
-    if (bit >= 64 - kOpenCloseReach && word + 1 < section_.stride()) changed_.set(word + 1, row);
+    constexpr std::uint64_t kFirst = (1U << kOpenCloseReach) - 1;
+    if ((bits & kFirst) != 0 && word > 0) changed_.set(word - 1, row);
+    if ((bits & kFirst << (64 - kOpenCloseReach)) != 0 && word + 1 < section_.stride()) changed_.set(word + 1, row);
+  }
+}
+
+/// @param row  changed_ has the word's bit
+void LayerStream::remake(std::uint32_t word, std::uint32_t row) {
+  // Rows that a change affects, and those of the next change below, are done in one go if they meet.
+  constexpr std::uint32_t kApart = 2 * kOpenCloseReach + 1;
+  const std::uint32_t first = row;
+  std::uint32_t last = row;
+  for (; row < end_changed_ && row - last <= kApart; ++row) {
+    std::uint64_t& group = changed_.row(row)[word / 64];
+    const std::uint64_t bit = std::uint64_t{1} << (word % 64);
+    if ((group & bit) == 0) continue;
+    group ^= bit;
+    last = row;
+  }
+  if (rrep_->is_exact) {
+    for (std::uint32_t r = first; r <= last; ++r) mask_.row(r)[word] = section_.row(r)[word];
+  } else {
+    open_and_close_rows(section_, mask_, word, first - std::min(first, kOpenCloseReach),
+                        std::min(section_.rows(), last + kOpenCloseReach + 1));
   }
 }
 
 void LayerStream::remake_changed() {
-  static_assert(kOpenCloseReach == 2, "a change affects two rows above and below it");
-  const std::uint32_t rows = section_.rows();
-  const std::uint32_t words = section_.stride();
-  const std::uint32_t groups = changed_.stride();
-  const std::uint32_t begin = std::max(first_changed_, 2U) - 2;
-  const std::uint32_t end = std::min(rows, end_changed_ + 2);
-  for (std::uint32_t r = begin; r < end; ++r) {
-    const std::uint32_t from = r < 2 ? 0 : r - 2;
-    const std::uint32_t to = std::min(rows - 1, r + 2);
-    for (std::uint32_t g = 0; g < groups; ++g) {
-      std::uint64_t todo = 0;
-      for (std::uint32_t k = from; k <= to; ++k) todo |= changed_.row(k)[g];
-      if (words - g * 64 < 64) todo &= (std::uint64_t{1} << (words - g * 64)) - 1;
-      while (todo != 0) {
-        const auto first = static_cast<std::uint32_t>(std::countr_zero(todo));
-        const auto length = static_cast<std::uint32_t>(std::countr_one(todo >> first));
-        const std::uint32_t begin_word = g * 64 + first;
-        if (rrep_->is_exact) {
-          std::copy_n(section_.row(r).begin() + begin_word, length, mask_.row(r).begin() + begin_word);
-        } else {
-          open_and_close_run(section_, mask_, r, begin_word, begin_word + length);
-        }
-        if (first + length >= 64) break;
-        todo &= ~std::uint64_t{0} << (first + length);
-      }
+  for (std::uint32_t r = first_changed_; r < end_changed_; ++r) {
+    const auto groups = changed_.row(r);
+    for (std::uint32_t g = 0; g < groups.size(); ++g) {
+      while (groups[g] != 0) remake(g * 64 + static_cast<std::uint32_t>(std::countr_zero(groups[g])), r);
     }
   }
-  for (std::uint32_t r = first_changed_; r < end_changed_; ++r) {
-    const auto line = changed_.row(r);
-    std::fill(line.begin(), line.end(), 0);
-  }
-  first_changed_ = rows;
+  first_changed_ = section_.rows();
   end_changed_ = 0;
 }
 
 ConstBitImage LayerStream::mask(std::uint32_t layer) {
   if (static_cast<std::int64_t>(layer) < at_) {
     section_.clear();
-    for (auto& word : changed_.words()) word = ~std::uint64_t{0};
+    for (std::uint32_t r = 0; r < changed_.rows(); ++r) {
+      const auto groups = changed_.row(r);
+      std::fill(groups.begin(), groups.end(), ~std::uint64_t{0});
+      groups.back() = changed_.last_word_mask();
+    }
     first_changed_ = 0;
     end_changed_ = section_.rows();
     at_ = -1;

@@ -45,6 +45,7 @@ class LayerStream {
 
  private:
   void toggle(std::uint32_t layer);
+  void remake(std::uint32_t word, std::uint32_t row);
   void remake_changed();
 
   const RRep* rrep_ = nullptr;

@@ -1,64 +1,69 @@
 #include "slicer/layers/morphology.hpp"
 
+#include <algorithm>
+
 namespace plumbline {
 namespace {
 
-/// A word with its two neighbours in the row; only their adjacent bits matter.
-struct Triple {
-  std::uint64_t before = 0, word = 0, after = 0;
+/// A word, two columns before it and two after: bit b of both together is column b - 2 of the word.
+struct Window {
+  std::uint64_t low = 0, high = 0;
 
-  Triple operator&(const Triple& o) const { return {before & o.before, word & o.word, after & o.after}; }
-  Triple operator|(const Triple& o) const { return {before | o.before, word | o.word, after | o.after}; }
-  /// Bit c takes the value of bit c + 1.
-  Triple from_next() const { return {before >> 1 | word << 63, word >> 1 | after << 63, after >> 1}; }
-  /// Bit c takes the value of bit c - 1.
-  Triple from_previous() const { return {before << 1, word << 1 | before >> 63, after << 1 | word >> 63}; }
+  Window operator&(const Window& o) const { return {low & o.low, high & o.high}; }
+  Window operator|(const Window& o) const { return {low | o.low, high | o.high}; }
+  /// Each column takes the value of the next one.
+  Window from_next() const { return {low >> 1 | high << 63, high >> 1}; }
+  /// Each column takes the value of the one before.
+  Window from_previous() const { return {low << 1, high << 1 | low >> 63}; }
+  std::uint64_t word() const { return low >> kOpenCloseReach | high << (64 - kOpenCloseReach); }
 };
 
-Triple load(ConstBitImage image, std::int64_t row, std::uint32_t word) {
+Window load(ConstBitImage image, std::int64_t row, std::uint32_t word) {
+  static_assert(kOpenCloseReach == 2);
   if (row < 0 || row >= image.rows()) return {};
-  const auto line = image.row(static_cast<std::uint32_t>(row));
-  return {word > 0 ? line[word - 1] : 0, line[word], word + 1 < image.stride() ? line[word + 1] : 0};
+  const std::uint64_t* const at = &image.words()[static_cast<std::size_t>(row) * image.stride() + word];
+  const std::uint64_t before = word > 0 ? at[-1] : 0;
+  const std::uint64_t after = word + 1 < image.stride() ? at[1] : 0;
+  return {at[0] << 2 | before >> 62, at[0] >> 62 | (after & 3U) << 2};
 }
 
 /// White where the pixel, the next one and the two below them are white.
-Triple erode(const Triple& row, const Triple& below) {
-  const Triple both = row & below;
+Window erode(const Window& row, const Window& below) {
+  const Window both = row & below;
   return both & both.from_next();
 }
 /// White where the pixel, the one before or one of the two above them is white.
-Triple dilate(const Triple& above, const Triple& row) {
-  const Triple either = above | row;
+Window dilate(const Window& above, const Window& row) {
+  const Window either = above | row;
   return either | either.from_previous();
 }
 
 }  // namespace
 
-void open_and_close_run(ConstBitImage in, BitImage out, std::uint32_t row, std::uint32_t first, std::uint32_t last) {
-  const auto target = out.row(row);
-  for (std::uint32_t w = first; w < last; ++w) {
-    const std::int64_t r = row;
-    const Triple i0 = load(in, r - 2, w);
-    const Triple i1 = load(in, r - 1, w);
-    const Triple i2 = load(in, r, w);
-    const Triple i3 = load(in, r + 1, w);
-    const Triple i4 = load(in, r + 2, w);
-    const Triple e0 = erode(i0, i1);
-    const Triple e1 = erode(i1, i2);
-    const Triple e2 = erode(i2, i3);
-    const Triple e3 = erode(i3, i4);
-    const Triple opened0 = dilate(e0, e1);  // rows r - 1, r, r + 1 of the opening
-    const Triple opened1 = dilate(e1, e2);
-    const Triple opened2 = dilate(e2, e3);
-    const Triple dilated0 = dilate(opened0, opened1);
-    const Triple dilated1 = dilate(opened1, opened2);
-    target[w] = erode(dilated0, dilated1).word;
+void open_and_close_rows(ConstBitImage in, BitImage out, std::uint32_t word, std::uint32_t first, std::uint32_t last) {
+  const std::uint64_t valid = word + 1 == out.stride() ? out.last_word_mask() : ~std::uint64_t{0};
+  Window row;      // of the image
+  Window eroded;   // of its opening, half done
+  Window opened;   // of its opening
+  Window dilated;  // of its closing, half done
+  constexpr std::int64_t kReach = kOpenCloseReach;
+  for (std::int64_t r = first - kReach; r < last + kReach; ++r) {
+    const Window next_row = load(in, r, word);
+    const Window next_eroded = erode(row, next_row);
+    const Window next_opened = dilate(eroded, next_eroded);
+    const Window next_dilated = dilate(opened, next_opened);
+    if (r >= first + kReach) {
+      out.row(static_cast<std::uint32_t>(r - kReach))[word] = erode(dilated, next_dilated).word() & valid;
+    }
+    row = next_row;
+    eroded = next_eroded;
+    opened = next_opened;
+    dilated = next_dilated;
   }
-  if (last == out.stride()) target[last - 1] &= out.last_word_mask();
 }
 
 void open_and_close(ConstBitImage in, BitImage out) {
-  for (std::uint32_t r = 0; r < in.rows(); ++r) open_and_close_run(in, out, r, 0, in.stride());
+  for (std::uint32_t w = 0; w < in.stride(); ++w) open_and_close_rows(in, out, w, 0, in.rows());
 }
 
 }  // namespace plumbline

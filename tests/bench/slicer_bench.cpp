@@ -3,11 +3,13 @@
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <stdexcept>
 #include <vector>
 
+#include "slicer/core/median.hpp"
 #include "slicer/implicit/winding_number.hpp"
 #include "slicer/layers/layer_stream.hpp"
 #include "slicer/rays/ray_classifier.hpp"
@@ -74,6 +76,35 @@ void mask_of_a_layer(benchmark::State& state) {
   state.SetBytesProcessed(state.iterations() * mask_bytes(state.range(0), state.range(1)));
 }
 BENCHMARK(mask_of_a_layer)->Apply(panels);
+
+/// What a print has, layer by layer: making the mask, then copying it into the panel's buffer. Each layer counts with its shortest
+/// time of all passes. The counters are the median and the worst mask over the median copy.
+void masks_of_a_print(benchmark::State& state) {
+  constexpr std::uint32_t kLayers = 2000;
+  const Ellipsoid solid(static_cast<std::uint32_t>(state.range(0)), static_cast<std::uint32_t>(state.range(1)),
+                        kLayers);
+  ArenaBlock arena(8 * kMiB);
+  LayerStream stream = value_of(LayerStream::create(solid.rrep(), *arena));
+  std::vector<std::uint64_t> panel(stream.mask(0).words().size());
+  using Clock = std::chrono::steady_clock;
+  std::vector<Clock::duration> making(kLayers, Clock::duration::max());
+  std::vector<Clock::duration> copying(kLayers, Clock::duration::max());
+  while (state.KeepRunning()) {
+    for (std::uint32_t layer = 0; layer < kLayers; ++layer) {
+      const auto start = Clock::now();
+      const ConstBitImage mask = stream.mask(layer);
+      const auto made = Clock::now();
+      std::copy(mask.words().begin(), mask.words().end(), panel.begin());
+      benchmark::ClobberMemory();
+      copying[layer] = std::min(copying[layer], Clock::now() - made);
+      making[layer] = std::min(making[layer], made - start);
+    }
+  }
+  const auto copy = static_cast<double>(median(std::span(copying)).count());
+  state.counters["worst"] = static_cast<double>(std::max_element(making.begin(), making.end())->count()) / copy;
+  state.counters["median"] = static_cast<double>(median(std::span(making)).count()) / copy;
+}
+BENCHMARK(masks_of_a_print)->Apply(panels)->Iterations(20);
 
 /// Copying a mask: the lower bound for mask_of_a_layer.
 void copy_of_a_mask(benchmark::State& state) {
