@@ -1,14 +1,20 @@
 #include "firmware/io/mask_hash.hpp"
 
+#include "slicer/core/blank_row.hpp"
 #include "slicer/core/mix64.hpp"
 
 namespace plumbline {
 std::uint64_t mask_hash(ConstBitImage mask) {
   std::uint64_t sum = mix64((std::uint64_t{mask.columns()} << 32) + mask.rows());
   std::uint64_t place = 0;
-  for (const std::uint64_t word : mask.words()) {
-    place += kGoldenStep64;
-    if (word != 0) sum += mix64(reversed_bits(word) + place);
+  for (std::uint32_t r = 0; r < mask.rows(); ++r, place += mask.stride() * kGoldenStep64) {
+    const auto row = mask.row(r);
+    if (is_blank(row)) continue;
+    std::uint64_t at = place;
+    for (const std::uint64_t word : row) {
+      at += kGoldenStep64;
+      if (word != 0) sum += mix64(reversed_bits(word) + at);
+    }
   }
   return mix64(sum);
 }

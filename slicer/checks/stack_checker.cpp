@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <bit>
 
+#include "slicer/core/blank_row.hpp"
+
 namespace plumbline {
 namespace {
 
 constexpr const char* kStage = "checks";
-
-constexpr std::uint32_t kNoWord = ~std::uint32_t{0};
 
 /// What erosion leaves has few runs.
 constexpr LayerRegions::Settings kOverhangRegions{.runs_per_row = 8, .join_white_corners = true, .stage = kStage};
@@ -24,7 +24,7 @@ Expected<StackChecker> StackChecker::create(const PrintGrid& grid, const CheckLi
   auto regions = RegionTracker::create(grid, limits, arena);
   PLUMBLINE_TRY(regions);
   StackChecker checker(grid, limits, *regions);
-  for (BitImage* image : {&checker.below_, &checker.fresh_, &checker.eroded_}) {
+  for (BitImage* image : {&checker.below_mask_, &checker.fresh_, &checker.eroded_}) {
     const auto words = arena.take_top<std::uint64_t>(BitImage::words_needed(grid.columns, grid.rows), kStage);
     PLUMBLINE_TRY(words);
     *image = BitImage(*words, grid.columns, grid.rows);
@@ -49,37 +49,42 @@ std::size_t StackChecker::bytes_needed(const PrintGrid& grid) {
 void StackChecker::next(ConstBitImage mask) {
   const SeenLayer seen = compare_with_below(mask);
   measures_.next(mask, seen, findings_);
-  const PixelBox both = joined(seen.box, below_box_);
+  const PixelBox both = joined(seen.box, below_.box);
   const bool eroded = layer_ > 0 && find_overhangs(both);
   regions_.next(mask, eroded_, fresh_, findings_);
-  for (std::uint32_t r = both.row; eroded && r < both.row_end; ++r) {
-    const auto line = eroded_.row(r);
-    std::fill(line.begin(), line.end(), std::uint64_t{0});
-  }
-  below_box_ = seen.box;
+  const auto blacken = [&](const BitImage& image) {
+    for (std::uint32_t r = both.row; r < both.row_end; ++r) std::ranges::fill(image.row(r), std::uint64_t{0});
+  };
+  blacken(fresh_);
+  if (eroded) blacken(eroded_);
+  below_ = seen;
   ++layer_;
 }
 
-/// Finds the new pixels, and keeps the layer as the one below.
+/// Finds the new pixels, and keeps the layer as the one below. Rows that are black in both cost one look at their words.
 SeenLayer StackChecker::compare_with_below(ConstBitImage mask) {
   SeenLayer seen;
+  seen.pixels = below_.pixels;
   PixelBox& box = seen.box;
   for (std::uint32_t r = 0; r < mask.rows(); ++r) {
     const auto line = mask.row(r);
-    const auto below = below_.row(r);
+    const bool is_black = is_blank(line);
+    if (is_black && (r < below_.box.row || r >= below_.box.row_end)) continue;
+    const auto below = below_mask_.row(r);
     const auto fresh = fresh_.row(r);
-    std::uint32_t first = kNoWord;
-    std::uint32_t last = 0;
     for (std::uint32_t w = 0; w < line.size(); ++w) {
       const std::uint64_t word = line[w];
+      if (word == below[w]) continue;
       fresh[w] = word & ~below[w];
-      below[w] = word;
-      if (word == 0) continue;
       seen.pixels += static_cast<std::uint64_t>(std::popcount(word));
-      if (first == kNoWord) first = w;
-      last = w;
+      seen.pixels -= static_cast<std::uint64_t>(std::popcount(below[w]));
+      below[w] = word;
     }
-    if (first == kNoWord) continue;
+    if (is_black) continue;
+    std::uint32_t first = 0;
+    while (line[first] == 0) ++first;
+    std::uint32_t last = mask.stride() - 1;
+    while (line[last] == 0) --last;
     box.row = std::min(box.row, r);
     box.row_end = r + 1;
     box.column = std::min(box.column, first * 64 + static_cast<std::uint32_t>(std::countr_zero(line[first])));

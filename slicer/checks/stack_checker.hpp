@@ -46,8 +46,9 @@ class StackChecker {
   LayerMeasures measures_;
   RegionTracker regions_;
   std::uint32_t layer_ = 0;
-  BitImage below_, fresh_, eroded_;
-  PixelBox below_box_;
+  SeenLayer below_;
+  BitImage below_mask_;
+  BitImage fresh_, eroded_;          ///< black between layers
   LayerRegions overhangs_;           ///< of the layer's eroded new pixels
   std::span<std::uint32_t> widest_;  ///< by region of overhangs_: its widest run
 };

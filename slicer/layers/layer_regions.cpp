@@ -3,22 +3,30 @@
 #include <algorithm>
 #include <bit>
 
+#include "slicer/core/blank_row.hpp"
 #include "slicer/core/disjoint_sets.hpp"
 
 namespace plumbline {
 namespace {
 
-/// First column from `from` on whose pixel is `white`, `columns` if there is none.
-std::uint32_t find(std::span<const std::uint64_t> row, std::uint32_t from, std::uint32_t columns, bool white) {
-  const std::uint64_t flip = white ? 0 : ~std::uint64_t{0};
-  std::uint32_t word = from / 64;
-  if (word >= row.size()) return columns;
-  std::uint64_t bits = (row[word] ^ flip) & (~std::uint64_t{0} << (from % 64));
-  while (bits == 0) {
-    if (++word == row.size()) return columns;
-    bits = row[word] ^ flip;
+/// Calls visit(end) for each run of a row, from left to right, alternately black and white, black first.
+/// @param visit  gets the column behind the run; returns whether to go on
+/// @returns whether all calls did
+template <class Visit>
+bool for_each_run_end(std::span<const std::uint64_t> row, std::uint32_t columns, Visit visit) {
+  std::uint64_t before = 0;  // the last pixel of the word before
+  std::uint32_t end = 0;
+  if (!is_blank(row)) {
+    for (std::uint32_t w = 0; w < row.size(); ++w) {
+      std::uint64_t changes = row[w] ^ (row[w] << 1 | before);
+      before = row[w] >> 63;
+      for (; changes != 0; changes &= changes - 1) {
+        end = w * 64 + static_cast<std::uint32_t>(std::countr_zero(changes));
+        if (!visit(end)) return false;
+      }
+    }
   }
-  return std::min(columns, word * 64 + static_cast<std::uint32_t>(std::countr_zero(bits)));
+  return end == columns || visit(columns);
 }
 
 }  // namespace
@@ -75,26 +83,27 @@ bool LayerRegions::label(ConstBitImage mask) {
   std::uint32_t count = 1;
   for (std::uint32_t r = 0; r < mask.rows(); ++r) {
     row_first_[r] = count;
+    const bool is_border_row = r == 0 || r + 1 == mask.rows();
     std::uint32_t column = 0;
-    bool is_white = false;
-    do {
-      if (count == runs_.size()) {
-        std::fill(row_first_.begin(), row_first_.end(), 1);
-        return false;
-      }
-      const std::uint32_t end = find(mask.row(r), column, columns_, !is_white);
+    const bool room = for_each_run_end(mask.row(r), columns_, [&](std::uint32_t end) {
+      if (count == runs_.size()) return false;
       // Columns fit 16 bits. An empty black run is [1, 0].
       runs_[count] =
           end > column ? Run{static_cast<std::uint16_t>(column), static_cast<std::uint16_t>(end - 1)} : Run{1, 0};
-      sets.start(count);
-      const bool at_border = column == 0 || end == columns_ || r == 0 || r + 1 == mask.rows();
-      if (!is_white && end > column && at_border) sets.unite(count, kOutside);
+      const bool is_white = ((count - row_first_[r]) & 1U) != 0;
+      const bool at_border = column == 0 || end == columns_ || is_border_row;
+      region_[count] = !is_white && end > column && at_border ? kOutside : count;
       ++count;
       column = end;
-      is_white = !is_white;
-    } while (column < columns_);
+      return true;
+    });
+    if (!room) {
+      std::fill(row_first_.begin(), row_first_.end(), 1);
+      return false;
+    }
     row_first_[r + 1] = count;
-    if (r > 0) join_rows(r);
+    // Of two black rows, both are outside.
+    if (r > 0 && count - row_first_[r - 1] > 2) join_rows(r);
   }
   sets.flatten(count);
   std::fill_n(area_.begin(), count, 0);
