@@ -32,18 +32,31 @@ void draw_legend(const Picture& picture, const ConfidenceMap& map) {
   }
 }
 
-/// @returns the part of the page that has the views; empty if there is no object
-Expected<PagePart> draw_views(const RRep& rrep, const ConfidenceMap& map, bool named, Arena& arena,
-                              const Picture& picture) {
+Status draw(const RRep& rrep, const ConfidenceMap& map, const PreviewText& text, Arena& arena, const Picture& picture) {
+  PLUMBLINE_TRY(draw_coverage_views(rrep, map, kCoveragePage, true, arena, picture));
+  const TextStyle title{.scale = 4, .colour = kInk};
+  draw_text(picture, kMargin, 38, cut(text.name, kPreviewColumns - 700, title), title);
+  constexpr std::string_view kAbout = "which parts of the surface were scanned";
+  const TextStyle plain{.scale = 2, .colour = kInk};
+  draw_text(picture, std::int64_t{kPreviewColumns} - kMargin - text_width(kAbout, plain), 52, kAbout, plain);
+  draw_legend(picture, map);
+  return {};
+}
+
+}  // namespace
+
+Expected<PagePart> preview::draw_coverage_views(const RRep& rrep, const ConfidenceMap& map, const Page& page,
+                                                bool named, Arena& arena, const Picture& picture) {
   const ArenaScope scope(arena);
+  draw_background(picture);
   const PrintGrid& grid = rrep.grid;
   const auto words = arena.take_top<std::uint64_t>(BitImage::words_needed(grid.columns, grid.rows), kStage);
   PLUMBLINE_TRY(words);
   const TextStyle plain{.scale = 2, .colour = kInk};
   const Extent extent = find_extent(rrep, *words);
   if (extent.empty()) return PagePart{};
-  const CoverageLayout layout = CoverageLayout::of(extent, grid);
-  const auto in_samples = [&](float mm) { return std::max(1.0F, mm * static_cast<float>(layout.samples_per_mm)); };
+  const CoverageLayout layout = CoverageLayout::of(extent, grid, page);
+  const auto in_samples = [&](float mm) { return mm * static_cast<float>(layout.samples_per_mm); };
   std::int64_t left = layout.left;
   // Two views at a time: all four at once would need more memory than any other stage of a small job.
   const auto draw_pair = [&](bool walls) -> Status {
@@ -71,9 +84,10 @@ Expected<PagePart> draw_views(const RRep& rrep, const ConfidenceMap& map, bool n
       const std::string_view name = walls ? (is_first ? "front" : "back") : (is_first ? "above" : "below");
       smooth_depth(view, *scratch, {.across = in_samples(across_mm), .deep = in_samples(deep_mm)});
       const std::int64_t height = rows / kSamplesPerPixel;
-      shade_depth(view, picture, left, (std::int64_t{kTop} + kBottom - height) / 2, kColours);
+      shade_depth(view, picture, left, (std::int64_t{page.top} + page.bottom - height) / 2, kColours);
       if (named) {
-        draw_text(picture, left + (std::int64_t{layout.width} - text_width(name, plain)) / 2, kBottom + 6, name, plain);
+        draw_text(picture, left + (std::int64_t{layout.width} - text_width(name, plain)) / 2, page.bottom + 6, name,
+                  plain);
       }
       left += layout.step;
     }
@@ -81,34 +95,9 @@ Expected<PagePart> draw_views(const RRep& rrep, const ConfidenceMap& map, bool n
   };
   PLUMBLINE_TRY(draw_pair(true));
   PLUMBLINE_TRY(draw_pair(false));
-  const std::int64_t rim = kBetween / 4;
-  const std::int64_t first = std::max<std::int64_t>(layout.left - rim, 0);
-  const std::int64_t end = std::min<std::int64_t>(left - layout.step + layout.width + rim, kPreviewColumns);
-  const std::int64_t tall = std::max(layout.height, layout.depth);
-  const std::int64_t top = (std::int64_t{kTop} + kBottom - tall) / 2 - rim;
-  return PagePart{static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(top),
-                  static_cast<std::uint32_t>(end - first), static_cast<std::uint32_t>(tall + 2 * rim)};
-}
-
-Status draw(const RRep& rrep, const ConfidenceMap& map, const PreviewText& text, Arena& arena, const Picture& picture) {
-  draw_background(picture);
-  const TextStyle title{.scale = 4, .colour = kInk};
-  draw_text(picture, kMargin, 38, cut(text.name, kPreviewColumns - 700, title), title);
-  constexpr std::string_view kAbout = "which parts of the surface were scanned";
-  const TextStyle plain{.scale = 2, .colour = kInk};
-  draw_text(picture, std::int64_t{kPreviewColumns} - kMargin - text_width(kAbout, plain), 52, kAbout, plain);
-  draw_legend(picture, map);
-  PLUMBLINE_TRY(draw_views(rrep, map, true, arena, picture));
-  return {};
-}
-
-}  // namespace
-
-Expected<PagePart> preview::draw_coverage_views(const RRep& rrep, const ConfidenceMap& map, Arena& arena,
-                                                std::span<std::uint8_t> rgb) {
-  const Picture picture{rgb, kPreviewColumns, kPreviewRows};
-  draw_background(picture);
-  return draw_views(rrep, map, false, arena, picture);
+  const std::uint32_t tall = std::max(layout.height, layout.depth);
+  return PagePart{static_cast<std::uint32_t>(layout.left) - kRim, (page.top + page.bottom - tall) / 2 - kRim,
+                  static_cast<std::uint32_t>(3 * layout.step) + layout.width + 2 * kRim, tall + 2 * kRim};
 }
 
 Expected<std::span<const std::byte>> encode_coverage(const RRep& rrep, const ConfidenceMap& map,

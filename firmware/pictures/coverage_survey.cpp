@@ -157,22 +157,22 @@ class Surveyor {
 
 }  // namespace
 
-CoverageLayout CoverageLayout::of(const Extent& extent, const PrintGrid& grid) {
+CoverageLayout CoverageLayout::of(const Extent& extent, const PrintGrid& grid, const Page& page) {
   const double width_mm = (extent.column_end - extent.column) * double{grid.pitch_x_mm};
   const double depth_mm = (extent.row_end - extent.row) * double{grid.pitch_y_mm};
   const double height_mm = (extent.layer_end - extent.layer) * double{grid.layer_height_mm};
-  const double across = kPreviewColumns - 2.0 * kMargin - 3.0 * kBetween;
-  const double pixels_per_mm =
-      std::min({across / (4 * width_mm), kAreaRows / std::max(height_mm, depth_mm), kMostPixelsPerMm});
+  const double pixels_per_mm = std::min(
+      {page.area_columns(4) / (4 * width_mm), page.area_rows() / std::max(height_mm, depth_mm), kMostPixelsPerMm});
   const auto pixels = [&](double mm) { return std::max(1U, static_cast<std::uint32_t>(mm * pixels_per_mm)); };
   CoverageLayout layout;
   layout.samples_per_mm = pixels_per_mm * kSamplesPerPixel;
   layout.width = pixels(width_mm);
   layout.depth = pixels(depth_mm);
   layout.height = pixels(height_mm);
-  const std::int64_t spare = std::int64_t{kPreviewColumns} - 2 * std::int64_t{kMargin} - 4 * std::int64_t{layout.width};
-  layout.step = layout.width + std::min<std::int64_t>(spare / 3, 2 * kBetween);
-  layout.left = (std::int64_t{kPreviewColumns} - 3 * layout.step - layout.width) / 2;
+  const std::int64_t spare =
+      std::int64_t{page.columns} - 2 * std::int64_t{page.margin} - 4 * std::int64_t{layout.width};
+  layout.step = layout.width + std::min<std::int64_t>(spare / 3, 2 * std::int64_t{page.gap});
+  layout.left = (std::int64_t{page.columns} - 3 * layout.step - layout.width) / 2;
   return layout;
 }
 

@@ -12,15 +12,13 @@
 
 namespace plumbline::preview {
 
-inline constexpr std::int64_t kBetween = 60;  ///< pixels between two views of the coverage picture
-
 /// The scale that four views share, and where they go on the page.
 struct CoverageLayout {
   double samples_per_mm = 0;
   std::uint32_t width = 0, depth = 0, height = 0;  ///< pixels
   std::int64_t left = 0, step = 0;                 ///< of the first view, and to the next one's left
 
-  static CoverageLayout of(const Extent& extent, const PrintGrid& grid);
+  static CoverageLayout of(const Extent& extent, const PrintGrid& grid, const Page& page);
 };
 
 /// DepthMap::material is an Evidence.

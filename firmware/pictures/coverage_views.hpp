@@ -1,9 +1,6 @@
 #pragma once
 /// The views of the coverage picture, for pages and for small pictures.
 
-#include <cstdint>
-#include <span>
-
 #include "firmware/pictures/preview_layout.hpp"
 #include "slicer/core/arena.hpp"
 #include "slicer/core/error.hpp"
@@ -12,13 +9,14 @@
 
 namespace plumbline::preview {
 
-/// Draws the four views on a page of the preview's size, without texts.
-/// @param map    not empty
-/// @param arena  for depths: taken from the top and released
-/// @param rgb    3 * kPreviewColumns * kPreviewRows bytes; overwritten
-/// @returns the part of the page that has the views; empty if there is no object
+/// Draws the print on a background, from the front, the back, above and below.
+/// @param map      not empty
+/// @param named    whether the views' names stand below the page's area
+/// @param arena    for depths: taken from the top and released
+/// @param picture  of the page's size; overwritten
+/// @returns the part of the page that has the views, with a rim; empty if there is no object
 /// @retval ErrorCode::kOutOfMemory
-[[nodiscard]] Expected<PagePart> draw_coverage_views(const RRep& rrep, const ConfidenceMap& map, Arena& arena,
-                                                     std::span<std::uint8_t> rgb);
+[[nodiscard]] Expected<PagePart> draw_coverage_views(const RRep& rrep, const ConfidenceMap& map, const Page& page,
+                                                     bool named, Arena& arena, const Picture& picture);
 
 }  // namespace plumbline::preview

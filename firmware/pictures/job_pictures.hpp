@@ -74,15 +74,18 @@ struct JobPictures : SlicedPictures {
 /// Leaves 5 bits of each level, as many as a small screen shows: the picture's PNG has to fit a line of the state socket.
 void keep_five_bits(std::span<std::uint8_t> levels);
 
+/// Bytes that draw_preview_picture() takes.
+std::size_t preview_picture_bytes(const PrintGrid& grid);
+
 /// Draws the print from three sides, without texts.
-/// @param arena  room for draw_preview() and its picture is taken from its top and released
+/// @param arena  preview_picture_bytes() are taken from its top and released
 /// @retval ErrorCode::kOutOfMemory  the arena has no room; there is no picture then
 [[nodiscard]] Status draw_preview_picture(const RRep& rrep, const Supports& supports, Arena& arena,
                                           PreviewPicture& picture);
 
 /// Draws which parts of the surface were scanned, from the front, the back, above and below, without texts.
 /// @param map    of `rrep`; empty, as that of a mesh: there is no picture
-/// @param arena  a page and what it is drawn with are taken from its top and released
+/// @param arena  what it is drawn with is taken from its top and released
 /// @retval ErrorCode::kOutOfMemory  the arena has no room; there is no picture then
 [[nodiscard]] Status draw_coverage_picture(const RRep& rrep, const ConfidenceMap& map, Arena& arena,
                                            CoveragePicture& picture);

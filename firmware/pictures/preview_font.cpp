@@ -161,8 +161,11 @@ void Picture::blend(std::int64_t column, std::int64_t row, const Colour& colour,
 
 void Picture::fill(std::int64_t left, std::int64_t top, std::int64_t width, std::int64_t height,
                    const Colour& colour) const {
-  for (std::int64_t y = top; y < top + height; ++y) {
-    for (std::int64_t x = left; x < left + width; ++x) blend(x, y, colour, 1.0F);
+  const std::int64_t first = std::clamp<std::int64_t>(left, 0, columns);
+  const std::int64_t end = std::clamp<std::int64_t>(left + width, first, columns);
+  for (std::int64_t y = std::max<std::int64_t>(top, 0); y < std::min<std::int64_t>(top + height, rows); ++y) {
+    std::uint8_t* pixel = rgb.data() + 3 * (y * std::int64_t{columns} + first);
+    for (std::int64_t x = first; x < end; ++x, pixel += 3) std::copy(colour.begin(), colour.end(), pixel);
   }
 }
 

@@ -35,29 +35,38 @@ Extent with_supports(Extent extent, const Supports& supports, const PrintGrid& g
   return extent;
 }
 
-Layout lay_out(const Extent& extent, const PrintGrid& grid) {
-  Layout page;
-  page.width_mm = (extent.column_end - extent.column) * double{grid.pitch_x_mm};
-  page.depth_mm = (extent.row_end - extent.row) * double{grid.pitch_y_mm};
-  page.height_mm = (extent.layer_end - extent.layer) * double{grid.layer_height_mm};
-  const double across = kAreaColumns / (2.0 * page.width_mm + page.depth_mm);
-  const double up = kAreaRows / std::max(page.height_mm, page.depth_mm);
-  page.pixels_per_mm = std::min({across, up, kMostPixelsPerMm});
+Layout lay_out(const Extent& extent, const PrintGrid& grid, const Page& page, Views views) {
+  Layout layout;
+  layout.width_mm = (extent.column_end - extent.column) * double{grid.pitch_x_mm};
+  layout.depth_mm = (extent.row_end - extent.row) * double{grid.pitch_y_mm};
+  layout.height_mm = (extent.layer_end - extent.layer) * double{grid.layer_height_mm};
+  const bool all = views == Views::kThreeSides;
+  const std::uint32_t area_columns = page.area_columns(static_cast<std::uint32_t>(views));
+  const double across = area_columns / (all ? 2.0 * layout.width_mm + layout.depth_mm : layout.width_mm);
+  const double up = page.area_rows() / (all ? std::max(layout.height_mm, layout.depth_mm) : layout.height_mm);
+  layout.pixels_per_mm = std::min({across, up, kMostPixelsPerMm});
   const auto pixels = [&](double mm, std::uint32_t most) {
-    return std::clamp(static_cast<std::uint32_t>(mm * page.pixels_per_mm), 1U, most);
+    return std::clamp(static_cast<std::uint32_t>(mm * layout.pixels_per_mm), 1U, most);
   };
-  page.width = pixels(page.width_mm, kAreaColumns / 2);
-  page.depth = pixels(page.depth_mm, std::min(kAreaColumns - 2 * page.width, kAreaRows));
-  page.height = pixels(page.height_mm, kAreaRows);
-  page.tall = std::max(page.height, page.depth);
-  // The rest of the width is shared between the gaps and the margins.
-  const std::int64_t spare = std::int64_t{kPreviewColumns} - 2 * kMargin - 2 * std::int64_t{page.width} - page.depth;
-  const std::int64_t gap = std::clamp<std::int64_t>(spare / 4, kGap, 2 * kGap);
-  page.front_left = (std::int64_t{kPreviewColumns} - 2 * std::int64_t{page.width} - page.depth - 2 * gap) / 2;
-  page.side_left = page.front_left + page.width + gap;
-  page.top_left = page.side_left + page.depth + gap;
-  page.floor = (std::int64_t{kTop} + kBottom + page.tall) / 2;
-  return page;
+  layout.height = pixels(layout.height_mm, page.area_rows());
+  if (!all) {
+    layout.width = pixels(layout.width_mm, area_columns);
+    layout.tall = layout.height;
+    layout.front_left = (std::int64_t{page.columns} - layout.width) / 2;
+  } else {
+    layout.width = pixels(layout.width_mm, area_columns / 2);
+    layout.depth = pixels(layout.depth_mm, std::min(area_columns - 2 * layout.width, page.area_rows()));
+    layout.tall = std::max(layout.height, layout.depth);
+    // The rest of the width is shared between the gaps and the margins.
+    const std::int64_t used = 2 * std::int64_t{layout.width} + layout.depth;
+    const std::int64_t spare = std::int64_t{page.columns} - 2 * std::int64_t{page.margin} - used;
+    const std::int64_t gap = std::clamp<std::int64_t>(spare / 4, page.gap, 2 * page.gap);
+    layout.front_left = (std::int64_t{page.columns} - used - 2 * gap) / 2;
+    layout.side_left = layout.front_left + layout.width + gap;
+    layout.top_left = layout.side_left + layout.depth + gap;
+  }
+  layout.floor = (std::int64_t{page.top} + page.bottom + layout.tall) / 2;
+  return layout;
 }
 
 }  // namespace plumbline::preview

@@ -12,19 +12,33 @@
 
 namespace plumbline::preview {
 
-// The page, in pixels.
-inline constexpr std::uint32_t kMargin = 60;
-inline constexpr std::uint32_t kTop = 120, kBottom = 740;  // of the area for the views
-inline constexpr std::uint32_t kGap = 90;                  // between two views
-inline constexpr std::uint32_t kAreaColumns = kPreviewColumns - 2 * kMargin - 2 * kGap, kAreaRows = kBottom - kTop;
-inline constexpr double kMostPixelsPerMm = 120.0;
-inline constexpr std::size_t kSamples =
-    std::size_t{kAreaColumns} * kSamplesPerPixel * kAreaRows * kSamplesPerPixel;  // of all three maps together
+/// A picture and the area for the views on it, pixels.
+struct Page {
+  std::uint32_t columns = 0, rows = 0;
+  std::uint32_t margin = 0;           ///< free on the left and the right
+  std::uint32_t top = 0, bottom = 0;  ///< rows of the area
+  std::uint32_t gap = 0;              ///< least columns between two views
 
-/// A part of the page, pixels.
+  std::uint32_t area_columns(std::uint32_t views) const { return columns - 2 * margin - (views - 1) * gap; }
+  std::uint32_t area_rows() const { return bottom - top; }
+};
+
+/// A part of a picture, pixels.
 struct PagePart {
   std::uint32_t left = 0, top = 0, columns = 0, rows = 0;
 };
+
+inline constexpr std::uint32_t kMargin = 60;
+inline constexpr Page kPreviewPage{kPreviewColumns, kPreviewRows, kMargin, 120, 740, 90};
+inline constexpr Page kCoveragePage{kPreviewColumns, kPreviewRows, kMargin, 120, 740, 60};
+inline constexpr double kMostPixelsPerMm = 120.0;
+
+/// Free around the views of a picture that has nothing else.
+inline constexpr std::uint32_t kRim = 3;
+
+constexpr Page page_of_views(std::uint32_t columns, std::uint32_t rows, std::uint32_t gap) {
+  return {columns, rows, kRim, kRim, rows - kRim, gap};
+}
 
 /// Half-open ranges of pixels and layers that hold the object.
 struct Extent {
@@ -46,7 +60,9 @@ Extent find_extent(const RRep& rrep, std::span<std::uint64_t> words);
 /// `extent` grown to hold the supports.
 Extent with_supports(Extent extent, const Supports& supports, const PrintGrid& grid);
 
-/// The scale that three views share, and where they go.
+enum class Views : std::uint8_t { kFront = 1, kThreeSides = 3 };
+
+/// The scale that the views share, and where they go. A view that is not shown has a place, too.
 struct Layout {
   double width_mm = 0, depth_mm = 0, height_mm = 0;  // x, y, z
   double pixels_per_mm = 0;
@@ -58,7 +74,7 @@ struct Layout {
   double samples_per_mm() const { return pixels_per_mm * kSamplesPerPixel; }
 };
 
-/// Chooses the largest scale at which all three views fit the page.
-Layout lay_out(const Extent& extent, const PrintGrid& grid);
+/// Chooses the largest scale at which the views fit the page.
+Layout lay_out(const Extent& extent, const PrintGrid& grid, const Page& page, Views views);
 
 }  // namespace plumbline::preview

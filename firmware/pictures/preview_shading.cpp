@@ -14,7 +14,10 @@ using Signed = std::int64_t;
 
 /// Smooths once, along rows or along columns.
 void smooth_once(const DepthMap& from, std::span<float> to, const VoxelSize& voxel, bool along_rows) {
-  const auto reach = static_cast<Signed>(std::clamp(2.2F * voxel.across, 4.0F, 40.0F));
+  const float least = std::min(4.0F, 4.0F * voxel.across);
+  const auto reach = static_cast<Signed>(std::clamp(2.2F * voxel.across, least, 40.0F));
+  // Within a voxel of many samples all are alike: a few pairs will do.
+  const Signed stride = std::max<Signed>(reach / 6, 1);
   const Signed columns = from.columns, rows = from.rows;
   const Signed step = along_rows ? 1 : columns;
 #pragma omp parallel for schedule(static)
@@ -30,12 +33,12 @@ void smooth_once(const DepthMap& from, std::span<float> to, const VoxelSize& vox
       float sum = depth * static_cast<float>(reach + 1), weight = static_cast<float>(reach + 1);
       // Average opposite neighbours in pairs, which leaves slopes unchanged. A pair that bends more than the steps do
       // ends the average: that bend belongs to the object.
-      for (Signed k = 1; k <= reach && position >= k && position + k < end; ++k) {
+      for (Signed k = stride; k <= reach && position >= k && position + k < end; k += stride) {
         const float a = from.depth[static_cast<std::size_t>(here - k * step)];
         const float b = from.depth[static_cast<std::size_t>(here + k * step)];
         const float way = static_cast<float>(k), rise = std::abs(a - b);
-        const float stairs = 2.0F * voxel.deep + rise / way * voxel.across;
-        if (std::abs(a + b - 2.0F * depth) > stairs || rise > kSteepest * (way + voxel.across)) break;
+        const float bend = std::abs(a + b - 2.0F * depth) - 2.0F * voxel.deep;
+        if (bend * way > rise * voxel.across || rise > kSteepest * (way + voxel.across)) break;
         const float w = static_cast<float>(reach + 1 - k);
         sum += w * (a + b);
         weight += 2.0F * w;
@@ -60,8 +63,18 @@ class Shader {
     float way = 3.0F;
     for (Step& step : towards_lamp_) {
       const auto nearest = [](float x) { return static_cast<Signed>(x < 0 ? x - 0.5F : x + 0.5F); };
-      step = {nearest(kKey.right * way), nearest(-kKey.up * way), way};
+      step = {nearest(kKey.right * way), nearest(-kKey.up * way), way, 1.0F / way};
       way *= 1.22F;
+    }
+    constexpr std::array<std::array<Signed, 2>, 8> kDirections{
+        {{2, 0}, {-2, 0}, {0, 2}, {0, -2}, {1, 1}, {-1, 1}, {1, -1}, {-1, -1}}};
+    constexpr std::array<Signed, 4> kReach{3, 7, 14, 26};
+    for (std::size_t d = 0; d < kDirections.size(); ++d) {
+      const auto& [x, y] = kDirections[d];
+      for (std::size_t k = 0; k < kReach.size(); ++k) {
+        const float length = (x * y == 0 ? 2.0F : 1.41421356F) * static_cast<float>(kReach[k]);
+        around_[d][k] = {x * kReach[k], y * kReach[k], length, 1.0F / length};
+      }
     }
   }
 
@@ -112,21 +125,19 @@ class Shader {
 
   /// 1 on a free plane, less in creases, from how high the surroundings rise in eight directions.
   float openness(Signed column, Signed row, float depth) const {
-    constexpr std::array<std::array<Signed, 2>, 8> kAround{
-        {{2, 0}, {-2, 0}, {0, 2}, {0, -2}, {1, 1}, {-1, 1}, {1, -1}, {-1, -1}}};
-    constexpr std::array<Signed, 4> kReach{3, 7, 14, 26};
     float closed = 0.0F;
-    for (const auto& [x, y] : kAround) {
-      const float length = x * y == 0 ? 2.0F : 1.41421356F;
+    for (const auto& direction : around_) {
       float steepest = 0.0F;
-      for (const Signed reach : kReach) {
-        const float* other = sample(column + x * reach, row + y * reach);
-        if (!other) continue;
-        const float rise = (depth - *other) / (length * static_cast<float>(reach));
-        // A high step in front is another part of the object, which shades less than a wall would.
+      for (const Step& step : direction) {
+        const Signed x = column + step.columns, y = row + step.rows;
+        if (!is_inside(x, y)) continue;
+        // Where nothing is, the depth is so large that it rises nowhere. A high step in front is another part of the object, which
+        // shades less than a wall would.
+        const float rise =
+            (depth - map_.at(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y))) * step.per_way;
         steepest = std::max(steepest, std::min(rise, 2.0F));
       }
-      closed += steepest / std::sqrt(1.0F + steepest * steepest);  // sine of the horizon's height
+      if (steepest > 0.0F) closed += steepest / std::sqrt(1.0F + steepest * steepest);  // sine of the horizon's height
     }
     return std::max(1.0F - 0.85F * closed / 8.0F, 0.0F);
   }
@@ -137,21 +148,25 @@ class Shader {
     float light = 1.0F;
     for (const Step& step : towards_lamp_) {
       const Signed x = column + step.columns, y = row + step.rows;
-      if (x < 0 || y < 0 || x >= map_.columns || y >= map_.rows) break;
-      if (const float* other = sample(x, y)) {
-        const float clearance = *other - (depth - kKey.near * step.way) + 1.0F;
-        light = std::min(light, 0.5F + 0.5F * kSoftness * clearance / step.way);
-        if (light <= 0.0F) return 0.0F;
-      }
+      if (!is_inside(x, y)) break;
+      const float other = map_.at(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y));
+      const float clearance = other - (depth - kKey.near * step.way) + 1.0F;
+      light = std::min(light, 0.5F + 0.5F * kSoftness * clearance * step.per_way);
+      if (light <= 0.0F) return 0.0F;
     }
     return light * light * (3.0F - 2.0F * light);
   }
 
+  bool is_inside(Signed column, Signed row) const {
+    return static_cast<std::uint64_t>(column) < map_.columns && static_cast<std::uint64_t>(row) < map_.rows;
+  }
+
   struct Step {
-    Signed columns, rows;
-    float way;  ///< samples from the start, along the ray
+    Signed columns = 0, rows = 0;
+    float way = 0, per_way = 0;  ///< samples from the start, along the ray; 1 / way
   };
   const DepthMap& map_;
+  std::array<std::array<Step, 4>, 8> around_;
   std::array<Step, 22> towards_lamp_;
 };
 
@@ -166,7 +181,7 @@ void smooth_depth(const DepthMap& map, std::span<float> scratch, const VoxelSize
 }
 
 void shade_depth(const DepthMap& map, const Picture& picture, std::int64_t left, std::int64_t top,
-                 std::span<const Colour> materials) {
+                 std::span<const Colour> materials, Shades shades) {
   const Shader shader(map);
   const Signed columns = (Signed{map.columns} + kSamplesPerPixel - 1) / kSamplesPerPixel;
   const Signed rows = (Signed{map.rows} + kSamplesPerPixel - 1) / kSamplesPerPixel;
@@ -175,11 +190,12 @@ void shade_depth(const DepthMap& map, const Picture& picture, std::int64_t left,
     for (Signed column = 0; column < columns; ++column) {
       std::array<float, 3> sum = {};
       std::uint32_t shown = 0;
+      float brightness = 0;
       for (std::uint32_t k = 0; k < kSamplesPerPixel * kSamplesPerPixel; ++k) {
         const Signed x = column * kSamplesPerPixel + k % kSamplesPerPixel;
         const Signed y = row * kSamplesPerPixel + k / kSamplesPerPixel;
         if (!shader.shows(x, y)) continue;
-        const float brightness = shader.brightness(x, y);
+        if (shown == 0 || shades == Shades::kEverySample) brightness = shader.brightness(x, y);
         const std::size_t sample = static_cast<std::size_t>(y) * map.columns + static_cast<std::size_t>(x);
         for (std::size_t c = 0; c < 3; ++c)
           sum[c] += brightness * static_cast<float>(materials[map.material[sample]][c]);

@@ -20,12 +20,16 @@ namespace {
 constexpr const char* kStage = "side pictures";
 constexpr std::uint32_t kColumns = SidePicture::kMostColumns * kSamplesPerPixel;
 constexpr std::uint32_t kRows = SidePicture::kMostRows * kSamplesPerPixel;
-constexpr double kRim = 8;  ///< samples that stay free round the print
+constexpr double kFree = 8;       ///< samples that stay free round the print
+constexpr double kMostVoxel = 8;  ///< samples that a side of a voxel has at most
 constexpr double kElevation = 20 * std::numbers::pi / 180;
 constexpr std::size_t kSamplesOfASide = std::size_t{kColumns} * kRows;
 
 /// What a cell of a coarse layer holds.
 enum class Cell : std::uint8_t { kEmpty, kObject, kSupport };
+
+/// Sides of a cell that have no other one next to them, as bits. Nobody looks from below.
+enum Face : std::uint8_t { kRight = 1, kLeft = 2, kBack = 4, kFront = 8, kTop = 16 };
 
 /// Half-open range of cells.
 struct Cells {
@@ -53,7 +57,7 @@ class CoarseLayers {
   /// The largest side of a voxel, samples.
   float voxel() const { return static_cast<float>(std::max({1.0, column_size_, row_size_, layer_size_})); }
 
-  /// Calls visit(x, y, z, cell) for each cell that somebody beside or above the print can see.
+  /// Calls visit(x, y, z, cell, faces) for each cell that somebody beside or above the print can see.
   /// @param words      scratch: an image of the grid
   /// @param now, next  scratch: cells() each
   template <class Visit>
@@ -79,10 +83,12 @@ class CoarseLayers {
         for (std::uint32_t x = 0; x < width_; ++x) {
           const std::size_t at = line + x;
           if (now[at] == Cell::kEmpty) continue;
-          const bool inner = x > 0 && y > 0 && x + 1 < width_ && y + 1 < depth_ && next[at] != Cell::kEmpty &&
-                             now[at - 1] != Cell::kEmpty && now[at + 1] != Cell::kEmpty &&
-                             now[at - width_] != Cell::kEmpty && now[at + width_] != Cell::kEmpty;
-          if (!inner) visit(x, y, z, now[at]);
+          unsigned faces = next[at] == Cell::kEmpty ? kTop : 0;
+          if (x + 1 == width_ || now[at + 1] == Cell::kEmpty) faces |= kRight;
+          if (x == 0 || now[at - 1] == Cell::kEmpty) faces |= kLeft;
+          if (y + 1 == depth_ || now[at + width_] == Cell::kEmpty) faces |= kBack;
+          if (y == 0 || now[at - width_] == Cell::kEmpty) faces |= kFront;
+          if (faces != 0) visit(x, y, z, now[at], faces);
         }
       }
     }
@@ -147,50 +153,68 @@ class CoarseLayers {
 class View {
  public:
   View(std::size_t side, const CoarseLayers& print, const DepthMap& map)
-      : map_(map), middle_{print.width() / 2.0, print.depth() / 2.0, print.height() / 2.0} {
+      : map_(map), middle_(vector(print.width() / 2.0, print.depth() / 2.0, print.height() / 2.0)) {
     const double turn = 2 * std::numbers::pi * static_cast<double>(side) / kSideCount;
-    const double c = std::cos(turn), s = std::sin(turn);
-    right_ = {c, s, 0};
-    away_ = {-s * std::cos(kElevation), c * std::cos(kElevation), -std::sin(kElevation)};
-    up_ = {-s * std::sin(kElevation), c * std::sin(kElevation), std::cos(kElevation)};
+    const double c = std::cos(turn), s = std::sin(turn), ce = std::cos(kElevation), se = std::sin(kElevation);
+    right_ = vector(c, s, 0);
+    away_ = vector(-s * ce, c * ce, -se);
+    up_ = vector(-s * se, c * se, ce);
+    if (away_[0] < kAcross) seen_ |= kRight;
+    if (away_[0] > -kAcross) seen_ |= kLeft;
+    if (away_[1] < kAcross) seen_ |= kBack;
+    if (away_[1] > -kAcross) seen_ |= kFront;
   }
 
   /// Shows a cell where nothing nearer is shown.
-  void show(std::uint32_t x, std::uint32_t y, std::uint32_t z, bool is_support) const {
-    const Vector place{x + 0.5 - middle_[0], y + 0.5 - middle_[1], z + 0.5 - middle_[2]};
-    const auto depth = static_cast<float>(dot(away_, place));
-    const double column = kColumns / 2.0 + dot(right_, place), row = kRows / 2.0 - dot(up_, place);
+  /// @param faces  those that are free
+  void show(std::uint32_t x, std::uint32_t y, std::uint32_t z, bool is_support, unsigned faces) const {
+    if ((faces & seen_) == 0) return;
+    const Vector place{static_cast<float>(x) + 0.5F - middle_[0], static_cast<float>(y) + 0.5F - middle_[1],
+                       static_cast<float>(z) + 0.5F - middle_[2]};
     // A cube covers 1.4 x 1.4 samples at most, and its neighbour's middle is no farther away: 2 x 2 leave no hole.
-    const auto first_column = static_cast<std::int64_t>(std::floor(column - 0.5));
-    const auto first_row = static_cast<std::int64_t>(std::floor(row - 0.5));
-    for (const std::int64_t v : {first_row, first_row + 1}) {
-      for (const std::int64_t u : {first_column, first_column + 1}) {
-        if (u < 0 || v < 0 || u >= kColumns || v >= kRows) continue;
-        const auto at_u = static_cast<std::uint32_t>(u), at_v = static_cast<std::uint32_t>(v);
-        if (depth < map_.at(at_u, at_v)) map_.show(at_u, at_v, depth, is_support);
-      }
+    const auto column = static_cast<std::int32_t>(kColumns / 2.0F - 0.5F + dot(right_, place));
+    const auto row = static_cast<std::int32_t>(kRows / 2.0F - 0.5F - dot(up_, place));
+    if (column < 0 || row < 0) return;
+    const float depth = dot(away_, place);
+    for (std::uint32_t k = 0; k < 4; ++k) {
+      const std::uint32_t u = static_cast<std::uint32_t>(column) + k % 2, v = static_cast<std::uint32_t>(row) + k / 2;
+      if (u < kColumns && v < kRows && depth < map_.at(u, v)) map_.show(u, v, depth, is_support);
     }
   }
 
  private:
-  using Vector = std::array<double, 3>;
-  static double dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+  using Vector = std::array<float, 3>;
+  static constexpr float kAcross = 1e-6F;  ///< a face along the view counts as seen
+  static Vector vector(double x, double y, double z) {
+    return {static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)};
+  }
+  static float dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
   DepthMap map_;
   Vector middle_, right_{}, away_{}, up_{};
+  unsigned seen_ = kTop;  ///< faces that are turned to the viewer
 };
 
-/// The largest scale at which the print fits each picture.
+/// The largest scale at which the print fits each picture, samples a mm.
 double scale_of(const Extent& extent, const PrintGrid& grid) {
   const double width = (extent.column_end - extent.column) * double{grid.pitch_x_mm};
   const double depth = (extent.row_end - extent.row) * double{grid.pitch_y_mm};
   const double height = (extent.layer_end - extent.layer) * double{grid.layer_height_mm};
+  const double voxel = std::max({grid.pitch_x_mm, grid.pitch_y_mm, grid.layer_height_mm});
   const double across = std::sqrt(width * width + depth * depth);
   const double tall = height * std::cos(kElevation) + across * std::sin(kElevation);
-  return std::min({(kColumns - 2 * kRim) / across, (kRows - 2 * kRim) / tall, kMostPixelsPerMm * kSamplesPerPixel});
+  return std::min({(kColumns - 2 * kFree) / across, (kRows - 2 * kFree) / tall, kMostVoxel / voxel});
 }
 
 }  // namespace
+
+std::size_t side_pictures_bytes(const PrintGrid& grid) {
+  // The print's diagonal fits a picture, and so does each side of a layer.
+  constexpr std::size_t kMostCells = std::size_t{kColumns} * kColumns;
+  return Arena::rounded(BitImage::words_needed(grid.columns, grid.rows) * sizeof(std::uint64_t)) +
+         Arena::rounded(2 * kMostCells * sizeof(Cell)) + Arena::rounded(kSideCount * kSamplesOfASide * sizeof(float)) +
+         Arena::rounded(kSideCount * kSamplesOfASide) + Arena::rounded(kSamplesOfASide * sizeof(float));
+}
 
 Status draw_side_pictures(const RRep& rrep, const Supports& supports, Arena& arena, SidePictures& pictures) {
   for (SidePicture& picture : pictures) picture.clear();
@@ -222,8 +246,8 @@ Status draw_side_pictures(const RRep& rrep, const Supports& supports, Arena& are
   }
   (std::make_index_sequence<kSideCount>());
   print.for_each_surface_cell(*words, layers->first(print.cells()), layers->last(print.cells()),
-                              [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, Cell cell) {
-                                for (const View& view : views) view.show(x, y, z, cell == Cell::kSupport);
+                              [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, Cell cell, unsigned faces) {
+                                for (const View& view : views) view.show(x, y, z, cell == Cell::kSupport, faces);
                               });
   for (std::size_t i = 0; i < kSideCount; ++i) {
     smooth_depth(maps[i], *scratch, {.across = print.voxel(), .deep = print.voxel()});
@@ -232,7 +256,7 @@ Status draw_side_pictures(const RRep& rrep, const Supports& supports, Arena& are
     picture.rows = SidePicture::kMostRows;
     const Picture page{picture.bytes(), picture.columns, picture.rows};
     draw_background(page);
-    shade_depth(maps[i], page, 0, 0, kMaterials);
+    shade_depth(maps[i], page, 0, 0, kMaterials, Shades::kOneAPixel);
     keep_five_bits(picture.bytes());
   }
   return {};

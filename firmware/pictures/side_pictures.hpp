@@ -9,9 +9,12 @@
 
 namespace plumbline {
 
+/// Bytes that draw_side_pictures() takes at most.
+std::size_t side_pictures_bytes(const PrintGrid& grid);
+
 /// Draws the print from kSideCount sides, 20 degrees from above, all at one scale. Side 0 is the front; each next one stands
 /// 360 / kSideCount degrees further to the right, seen by somebody in front of the print.
-/// @param arena     13 MiB, an image of the grid and two coarse layers are taken from its top and released
+/// @param arena     up to side_pictures_bytes() are taken from its top and released
 /// @param pictures  without an object, or after an error, there is none of them
 /// @retval ErrorCode::kOutOfMemory
 [[nodiscard]] Status draw_side_pictures(const RRep& rrep, const Supports& supports, Arena& arena,

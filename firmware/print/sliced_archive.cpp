@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "firmware/io/mask_hash.hpp"
-#include "firmware/pictures/preview.hpp"
+#include "firmware/pictures/side_pictures.hpp"
 #include "firmware/slice/issue_report.hpp"
 #include "slicer/checks/stack_checker.hpp"
 #include "slicer/core/printable_text.hpp"
@@ -22,8 +22,8 @@ class Crossings {
   /// Takes what the arena has left at its bottom, but for the pictures' own room.
   static Crossings make(const PrintGrid& grid, Arena& arena) {
     Crossings all;
-    const std::size_t pictures = preview_bytes(grid) + std::size_t{3} * kPreviewColumns * kPreviewRows +
-                                 3 * BitImage::words_needed(grid.columns, grid.rows) * sizeof(std::uint64_t);
+    const std::size_t pictures = std::max(preview_picture_bytes(grid), side_pictures_bytes(grid)) +
+                                 2 * BitImage::words_needed(grid.columns, grid.rows) * sizeof(std::uint64_t);
     const auto first = arena.take_bottom<std::uint32_t>(std::size_t{grid.layers} + 1, "preview");
     if (!first || arena.available() <= pictures) return all;
     const auto pixel =

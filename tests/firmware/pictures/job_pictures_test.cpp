@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "firmware/pictures/png_writer.hpp"
-#include "firmware/pictures/preview.hpp"
 #include "firmware/pictures/side_pictures.hpp"
 
 namespace plumbline {
@@ -81,7 +80,7 @@ TEST(PreviewPicture, ShowsTheThreeSidesOfABoxAtOneScale) {
   grid.layers = 30;
   grid.pitch_x_mm = grid.pitch_y_mm = grid.layer_height_mm = 0.1F;
   const BoxRRep box(grid);
-  std::vector<std::byte> memory(preview_bytes(grid) + std::size_t{3} * kPreviewColumns * kPreviewRows + 100'000);
+  std::vector<std::byte> memory(preview_picture_bytes(grid) + Arena::kAlignment);
   Arena arena(memory);
   const auto picture = std::make_unique<PreviewPicture>();
   ASSERT_TRUE(draw_preview_picture(box.rrep, {}, arena, *picture));
@@ -163,6 +162,17 @@ TEST(CoveragePicture, ShowsTheUndersideBlueAndTheRestAsScanned) {
   EXPECT_FALSE(draw_coverage_picture(box.rrep, map, small, *picture));
 }
 
+// What they are drawn in follows from what is drawn: a page of 1600 x 900 pixels would take 27 MB, and ten times as long.
+TEST(SmallPictures, AreDrawnAtTheirOwnSize) {
+  PrintGrid grid;
+  grid.columns = 1440;
+  grid.rows = 2560;
+  grid.layers = 3000;
+  EXPECT_LT(preview_picture_bytes(grid), std::size_t{13} << 20U);
+  grid.columns = grid.rows = 100;
+  EXPECT_LT(preview_picture_bytes(grid), std::size_t{3} << 20U);
+}
+
 /// Columns of a side's picture in which the print is brighter than the background is anywhere.
 std::uint32_t bright_columns(const SidePicture& picture) {
   std::uint32_t count = 0;
@@ -183,7 +193,7 @@ TEST(SidePictures, TurnABoxRoundAtOneScale) {
   grid.layers = 30;
   grid.pitch_x_mm = grid.pitch_y_mm = grid.layer_height_mm = 0.1F;
   const BoxRRep box(grid);
-  std::vector<std::byte> memory(std::size_t{14} << 20U);
+  std::vector<std::byte> memory(side_pictures_bytes(grid) + Arena::kAlignment);
   Arena arena(memory);
   const auto sides = std::make_unique<SidePictures>();
   ASSERT_TRUE(draw_side_pictures(box.rrep, {}, arena, *sides));

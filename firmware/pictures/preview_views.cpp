@@ -1,0 +1,109 @@
+#include "firmware/pictures/preview_views.hpp"
+
+#include <algorithm>
+
+#include "firmware/pictures/preview_page.hpp"
+#include "firmware/pictures/preview_shading.hpp"
+#include "firmware/pictures/preview_survey.hpp"
+#include "slicer/core/bit_image.hpp"
+
+namespace plumbline::preview {
+namespace {
+
+constexpr const char* kStage = "preview";
+constexpr Colour kLine{112, 123, 136};
+
+/// Draws the line that the object stands on, fading out at both ends.
+void draw_floor(const Picture& picture, std::int64_t left, std::int64_t width, std::int64_t row, std::int64_t fade) {
+  for (std::int64_t x = -fade; x < width + fade; ++x) {
+    const std::int64_t inside = std::min(x + fade, width + fade - x);
+    const float cover = std::min(static_cast<float>(inside) / static_cast<float>(fade), 1.0F);
+    picture.blend(left + x, row, kLine, cover);
+    picture.blend(left + x, row + 1, kLine, 0.4F * cover);
+  }
+}
+
+std::size_t material_bytes(const PrintGrid& grid) {
+  return std::max<std::size_t>(height_cells(grid), std::max(grid.columns, grid.rows));
+}
+
+/// Samples of all maps of a page together, at most.
+std::size_t samples_of(const Page& page, Views views) {
+  return std::size_t{page.area_columns(static_cast<std::uint32_t>(views))} * page.area_rows() * kSamplesPerPixel *
+         kSamplesPerPixel;
+}
+
+}  // namespace
+
+std::size_t views_bytes(const PrintGrid& grid, const Page& page, Views views) {
+  const std::size_t samples = samples_of(page, views);
+  return Arena::rounded(BitImage::words_needed(grid.columns, grid.rows) * sizeof(std::uint64_t)) +
+         Arena::rounded(std::size_t{std::max(grid.columns, grid.rows)} * sizeof(std::uint32_t)) +
+         Arena::rounded(std::size_t{(grid.columns + 63) / 64} * sizeof(std::uint64_t)) +
+         Arena::rounded(height_cells(grid) * sizeof(std::uint16_t)) + Arena::rounded(material_bytes(grid)) +
+         2 * Arena::rounded(samples * sizeof(float)) + Arena::rounded(samples);
+}
+
+Expected<std::optional<Layout>> draw_views(const RRep& rrep, const Supports& supports, const Page& page, Views views,
+                                           Arena& arena, const Picture& picture) {
+  const PrintGrid& grid = rrep.grid;
+  const ArenaScope scope(arena);
+  const auto words = arena.take_top<std::uint64_t>(BitImage::words_needed(grid.columns, grid.rows), kStage);
+  PLUMBLINE_TRY(words);
+  const auto nearest = arena.take_top<std::uint32_t>(std::max(grid.columns, grid.rows), kStage);
+  PLUMBLINE_TRY(nearest);
+  const auto found = arena.take_top<std::uint64_t>((grid.columns + 63) / 64, kStage);
+  PLUMBLINE_TRY(found);
+  const auto heights = arena.take_top<std::uint16_t>(height_cells(grid), kStage);
+  PLUMBLINE_TRY(heights);
+  const auto materials = arena.take_top<std::uint8_t>(material_bytes(grid), kStage);
+  PLUMBLINE_TRY(materials);
+  const std::size_t count = samples_of(page, views);
+  const auto samples = arena.take_top<std::uint8_t>(count, kStage);
+  PLUMBLINE_TRY(samples);
+  const auto depths = arena.take_top<float>(count, kStage);
+  PLUMBLINE_TRY(depths);
+  const auto scratch = arena.take_top<float>(count, kStage);
+  PLUMBLINE_TRY(scratch);
+
+  draw_background(picture);
+  const Extent object = find_extent(rrep, *words);
+  if (object.empty()) return std::optional<Layout>();
+  const Extent extent = with_supports(object, supports, grid);
+  const Layout layout = lay_out(extent, grid, page, views);
+  std::span<float> rest = *depths;
+  std::span<std::uint8_t> shown = *samples;
+  const auto take_map = [&](std::uint32_t width, std::uint32_t height) {
+    const std::uint32_t columns = width * kSamplesPerPixel, rows = height * kSamplesPerPixel;
+    const std::size_t size = std::size_t{columns} * rows;
+    const DepthMap map{rest.first(size), shown.first(size), columns, rows};
+    rest = rest.subspan(size);
+    shown = shown.subspan(size);
+    std::fill(map.depth.begin(), map.depth.end(), DepthMap::kEmpty);
+    return map;
+  };
+  const std::uint32_t top_width = views == Views::kThreeSides ? layout.width : 0;
+  const DepthMap front = take_map(layout.width, layout.height), side = take_map(layout.depth, layout.height),
+                 top = take_map(top_width, layout.depth);
+  survey(rrep, supports, extent, layout, {*words, *nearest, *found, *heights, *materials}, front, side, top);
+
+  const auto smooth = [&](const DepthMap& map, float across_mm, float up_mm, float deep_mm) {
+    const auto in_samples = [&](float mm) { return mm * static_cast<float>(layout.samples_per_mm()); };
+    smooth_depth(map, *scratch, {.across = in_samples(std::max(across_mm, up_mm)), .deep = in_samples(deep_mm)});
+  };
+  smooth(front, grid.pitch_x_mm, grid.layer_height_mm, grid.pitch_y_mm);
+  smooth(side, grid.pitch_y_mm, grid.layer_height_mm, grid.pitch_x_mm);
+  smooth(top, grid.pitch_x_mm, grid.pitch_y_mm, grid.layer_height_mm);
+
+  const std::int64_t upper = layout.floor - layout.height;
+  const std::int64_t top_upper = layout.floor - (std::int64_t{layout.tall} + layout.depth) / 2;
+  const std::int64_t fade = page.gap * 4 / 9;
+  draw_floor(picture, layout.front_left, layout.width, layout.floor, fade);
+  if (side.columns > 0) draw_floor(picture, layout.side_left, layout.depth, layout.floor, fade);
+  shade_depth(front, picture, layout.front_left, upper, kMaterials);
+  shade_depth(side, picture, layout.side_left, upper, kMaterials);
+  shade_depth(top, picture, layout.top_left, top_upper, kMaterials);
+  return std::optional<Layout>(layout);
+}
+
+}  // namespace plumbline::preview
