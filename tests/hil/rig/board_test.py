@@ -20,6 +20,7 @@ OURS_TAKES = r"^ *(plumbline|libusb).*: sys_(brk|mmap|mremap)"
 
 
 class Board(rig.Rig):
+    PROGRAMS = ("firmware/plumbline",)
     maxDiff = None
 
     @classmethod
@@ -95,6 +96,19 @@ class Board(rig.Rig):
         self.assertEqual(after, [])
         self.assertEqual(self.daemon_status("VmLck"), locked)
         self.tell(f"resident at most: {self.daemon_status('VmHWM')}")
+
+    def test_setup_lists_what_the_board_has(self):
+        free = self.run_in_guest("plumbline setup --list")
+        for words in ("Virtual-1", "/dev/watchdog0"):
+            self.assertIn(words, free)
+        lines = [line for line in free.splitlines() if "9030000.pl061" in line]
+        self.assertEqual([re.search(r"9030000\.pl061 (\d)", line).group(1) for line in lines], list("01234567"), free)
+        self.start_daemon()
+        held = self.run_in_guest("plumbline setup --list")
+        self.tell(held)
+        # Line 3 is nobody's (board/rig.toml).
+        held_by = {int(line): who for line, who in re.findall(r"9030000\.pl061 (\d).* held by (.*)", held)}
+        self.assertEqual(set(held_by), {0, 1, 2, 4, 5, 6, 7}, held)
 
     def test_a_reader_that_crashes_is_an_error_of_its_scan_and_has_no_rights(self):
         self.start_daemon()
