@@ -88,22 +88,31 @@ void ColumnWinding::clear() {
   used_ = 0;
 }
 
-/// The dipoles for a place: none if they are too many.
-std::optional<DipoleList> ColumnWinding::list_at(const Vec3f& x) {
+/// The cell that a place is in; null where none is kept.
+ColumnWinding::Cell* ColumnWinding::cell_at(const Vec3f& x) {
   const float number = std::floor(x[2] / cell_height_);
-  if (!(std::abs(number) < 1e9F)) return std::nullopt;
+  if (!(std::abs(number) < 1e9F)) return nullptr;
   const auto cell_number = static_cast<std::int32_t>(number);
   Cell& cell = cells_[static_cast<std::uint32_t>(cell_number) % kCells];
-  if (cell.number != cell_number) {
+  if (cell.number != cell_number) cell = {.number = cell_number};
+  return &cell;
+}
+
+/// The dipoles for a place: none if they are too many.
+std::optional<DipoleList> ColumnWinding::list_at(const Vec3f& x) {
+  Cell* const cell = cell_at(x);
+  if (cell == nullptr) return std::nullopt;
+  if (!cell->gathered) {
+    const std::int32_t number = cell->number;
     const bool whole = used_ == 0;
-    if (!gather(cell_number, cell) && !whole) {
+    if (!gather(number, *cell) && !whole) {
       clear();
-      gather(cell_number, cell);
+      gather(number, *cell);
     }
   }
-  if (cell.size == 0) return std::nullopt;
-  const auto at = [&](std::size_t i) -> const float* { return column(i) + cell.first; };
-  return DipoleList{at(0), at(1), at(2), at(3), at(4), at(5), at(6), at(7), cell.size};
+  if (cell->size == 0) return std::nullopt;
+  const auto at = [&](std::size_t i) -> const float* { return column(i) + cell->first; };
+  return DipoleList{at(0), at(1), at(2), at(3), at(4), at(5), at(6), at(7), cell->size};
 }
 
 /// @param cell  out: without dipoles if there is no room
@@ -131,7 +140,7 @@ bool ColumnWinding::gather(std::int32_t number, Cell& cell) {
   tree_->for_each_dipole(box, put);
   const Vec3f beside(box.high[0] + 1, box.high[1], box.high[2]);
   while (room && end % kLanes != 0) put(beside, Vec3f::Zero(), kNoArea, 0);
-  cell = {number, used_, room ? end - used_ : 0};
+  cell = {.number = number, .first = used_, .size = room ? end - used_ : 0, .gathered = true};
   if (room) used_ = end;
   return room;
 }
@@ -143,6 +152,15 @@ float ColumnWinding::operator()(const Vec3f& x) {
   float winding = 0;
   add_up(*list, x, winding);
   return winding;
+}
+
+float ColumnWinding::beyond(const Vec3f& x, float margin) {
+  Cell* const cell = cell_at(x);
+  if (cell != nullptr && !cell->gathered && cell->rough++ < kMostRough) {
+    const float rough = tree_->rough(x);
+    if (std::abs(rough - WindingTree::kSurface) > margin + WindingTree::kRough) return rough;
+  }
+  return (*this)(x);
 }
 
 bool ColumnWinding::inside(const Vec3f& x, float winding) {

@@ -29,7 +29,7 @@ struct DipoleList {
 /// is summed up for every place in the cell, several dipoles at a time. A node counts as one dipole if it does so for the whole
 /// cell, so the numbers are a little more exact than the tree's.
 ///
-/// One object a thread. The numbers depend on the column and the place only.
+/// One object a thread. The numbers depend on the column and the place only; those of beyond() also on how often it was asked there.
 class ColumnWinding {
  public:
   static std::size_t bytes_needed();
@@ -44,6 +44,8 @@ class ColumnWinding {
 
   // As WindingTree's, for places in the column at any height.
   float operator()(const Vec3f& x);
+  /// As exactly as it takes to tell whether the number is farther than `margin` from one half: most cells need no list for that.
+  float beyond(const Vec3f& x, float margin);
   bool inside(const Vec3f& x) { return inside(x, operator()(x)); }
   bool inside(const Vec3f& x, float winding);
   /// Depth at which the ray at (x, y) passes the surface between two depths, one of which is inside; by bisection.
@@ -55,14 +57,18 @@ class ColumnWinding {
   static constexpr std::uint32_t kPool = 16384;  ///< dipoles of all cells
   static constexpr std::uint32_t kCells = 64;
   static constexpr std::size_t kColumns = 8;
+  static constexpr std::uint32_t kMostRough = 8;  ///< rough numbers in a cell; a list takes as long as seven of them
   static constexpr std::int32_t kNoCell = std::numeric_limits<std::int32_t>::min();
 
   struct Cell {
     std::int32_t number = kNoCell;  ///< from the plate up
     std::uint32_t first = 0;        ///< in the pool
     std::uint32_t size = 0;         ///< 0: too many
+    std::uint32_t rough = 0;        ///< numbers given without the list
+    bool gathered = false;
   };
 
+  Cell* cell_at(const Vec3f& x);
   std::optional<DipoleList> list_at(const Vec3f& x);
   bool gather(std::int32_t number, Cell& cell);
   void clear();

@@ -64,12 +64,13 @@ class DipoleTree {
   /// Visits the nodes and points that make up the field at x, in the order of the nodes. Thread-safe.
   /// @param far   far(node, d, distance2) for each node that acts as one dipole; d = node.centre - x, distance2 = <d, d>
   /// @param near  near(i) for each point of a leaf that is too close for that
+  /// @param share  of the distance at which a node is no longer opened, squared: less is faster and less exact
   template <class Far, class Near>
-  void walk(const Vec3f& x, Far far, Near near) const {
+  void walk(const Vec3f& x, Far far, Near near, float share = 1) const {
     const auto take = [&](const DipoleNode& node) {
       const Vec3f d = node.centre - x;
       const float distance2 = d.dot(d);
-      if (!(distance2 > node.reach2)) return false;
+      if (!(distance2 > share * node.reach2)) return false;
       if (node.reach2 >= 0) far(node, d, distance2);
       return true;
     };

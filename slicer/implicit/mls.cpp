@@ -119,6 +119,16 @@ void RayPoints::close() {
   }
 }
 
+RayPoints RayPoints::part(std::ptrdiff_t first, std::uint32_t count) const {
+  RayPoints points = *this;
+  for (float** column : {&points.depth, &points.distance2, &points.plane, &points.slope, &points.inverse_radius2,
+                         &points.normal_x, &points.normal_y, &points.offset_x, &points.offset_y, &points.mass}) {
+    *column += first;
+  }
+  points.size = count;
+  return points;
+}
+
 RayWindow window(const RayPoints& points, float low, float high, RayWindow hint) {
   RayWindow found = hint;
   while (found.first < points.size && points.depth[found.first] < low - points.reach) ++found.first;

@@ -46,8 +46,23 @@ struct RayPoints {
     mass[size] = points;
     ++size;
   }
+  /// Sets entry j to entry t of `from`.
+  void copy(std::uint32_t j, const RayPoints& from, std::uint32_t t) {
+    depth[j] = from.depth[t];
+    distance2[j] = from.distance2[t];
+    plane[j] = from.plane[t];
+    slope[j] = from.slope[t];
+    inverse_radius2[j] = from.inverse_radius2[t];
+    normal_x[j] = from.normal_x[t];
+    normal_y[j] = from.normal_y[t];
+    offset_x[j] = from.offset_x[t];
+    offset_y[j] = from.offset_y[t];
+    mass[j] = from.mass[t];
+  }
   /// Pads the columns. Call it after the last add().
   void close();
+  /// `count` points from `first` on. What follows them stands for the padding: the caller knows that it has no weight.
+  RayPoints part(std::ptrdiff_t first, std::uint32_t count) const;
 };
 
 /// A range of RayPoints, found once for depths that are close together.

@@ -63,11 +63,11 @@ bool WindingTree::set_base(float height, float step, bool always) {
   return has_base_;
 }
 
-float WindingTree::operator()(const Vec3f& x) const {
-  if (!has_base_) return sum(x);
+float WindingTree::number(const Vec3f& x, float share) const {
+  if (!has_base_) return sum(x, share);
   if (x[2] < base_) return 0;
   // The mirrored surface seen from x is the surface seen from the mirror image of x.
-  return sum(x) + sum({x[0], x[1], 2 * base_ - x[2]});
+  return sum(x, share) + sum({x[0], x[1], 2 * base_ - x[2]}, share);
 }
 
 bool WindingTree::inside(const Vec3f& x, float winding) const {
@@ -78,7 +78,7 @@ bool WindingTree::inside(const Vec3f& x, float winding) const {
   return lean.inside(winding);
 }
 
-float WindingTree::sum(const Vec3f& x) const {
+float WindingTree::sum(const Vec3f& x, float share) const {
   float w = 0;
   tree_.walk(
       x,
@@ -90,7 +90,8 @@ float WindingTree::sum(const Vec3f& x) const {
         const float area = area_of(i);
         const float softened = e.dot(e) + softening_of(i);
         w += area * kInverse4Pi * normal_[i].unpack().dot(e) / (softened * std::sqrt(softened));
-      });
+      },
+      share);
   return w;
 }
 

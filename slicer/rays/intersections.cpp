@@ -104,21 +104,22 @@ void RaySolver::search(const RayPoints& points, Band& band, RayWindow& near, std
   const float inset = std::min(kEndInset * points.reach, 0.25F * (band.high - band.low));
   const float start = band.low + inset;
   const float end = band.high - inset;
-  // The next candidate above the last query; one within w of it is merged into a query w above it. On a smooth sheet all
-  // candidates lie on the surface, where the sign is rounding, so there is a query between sheets, too.
-  const auto next_query = [&](float previous) {
+  // The next candidate above the last query; one within w of it is merged into a query w above it, or farther above if the surface is
+  // farther away. On a smooth sheet all candidates lie on the surface, where the sign is rounding, so there is a query between sheets, too.
+  const auto next_query = [&](float previous, float value) {
+    const float step = std::max(settings_.width, std::abs(value));
     while (candidate < points.size && points.depth[candidate] <= previous) ++candidate;
     if (candidate == points.size || points.depth[candidate] > band.high) return end;
     const float depth = points.depth[candidate];
-    if (depth - previous > 2 * settings_.width) return std::min(end, 0.5F * (previous + depth));
-    return std::min(end, std::max(depth, previous + settings_.width));
+    if (depth - previous > 2 * step) return std::min(end, 0.5F * (previous + depth));
+    return std::min(end, std::max(depth, previous + step));
   };
   near = window(points, start, start, near);
   float previous = start;
   float previous_value = mls_value(points, near, start).distance;
   band.inside_at_low = !(previous_value > 0);
   for (;;) {
-    const float query = next_query(previous);
+    const float query = next_query(previous, previous_value);
     const RayWindow before = near;
     near = window(points, query, query, near);
     const MlsValue value = mls_value(points, near, query);

@@ -69,7 +69,7 @@ Expected<RayClassifier> RayClassifier::create(const Cloud& cloud, const KdTree2&
 void RayClassifier::judge_tile(std::uint32_t level) {
   Verdict& verdict = verdicts_[meeting_number_][level];
   if (verdict == Verdict::kUnknown) {
-    const float w = winding_({meeting_[0], meeting_[1], level_height(level)});
+    const float w = winding_.beyond({meeting_[0], meeting_[1], level_height(level)}, kSure);
     verdict = w > WindingTree::kSurface + kSure   ? Verdict::kInside
               : w < WindingTree::kSurface - kSure ? Verdict::kOutside
                                                   : Verdict::kUnsure;
@@ -113,7 +113,7 @@ void RayClassifier::begin_tile(std::uint32_t column, std::uint32_t row) {
   };
   skip_to(floor_);
   for (std::uint32_t t = 0; t < gatherer_.tile_points(); ++t) {
-    const RayGatherer::TilePoint& p = gatherer_.tile_point(t);
+    const RayGatherer::TilePoint p = gatherer_.tile_point(t);
     free_below(p.position[2] - p.radius);
     skip_to(p.position[2] + p.radius);
   }
@@ -138,7 +138,7 @@ bool RayClassifier::level_inside(std::uint32_t level, float x, float y) {
   if (!block.knows(level) && (free_levels_ >> level & 1U) != 0) judge_tile(level);
   if (!block.knows(level)) {
     const Vec3f at(x, y, level_height(level));
-    const float w = winding_(at);
+    const float w = winding_.beyond(at, kSure);
     if (std::abs(w - WindingTree::kSurface) < kSure) return winding_.inside(at, w);
     block.set(level, w > WindingTree::kSurface);
   }

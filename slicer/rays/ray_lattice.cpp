@@ -68,11 +68,11 @@ bool RayLattice::points_agree(const Square& square) {
   const float low_r = static_cast<float>(square.r) - 0.5F;
   const auto side = static_cast<float>(square.side);
   for (std::uint32_t t = 0; t < gatherer.tile_points(); ++t) {
-    const RayGatherer::TilePoint& p = gatherer.tile_point(t);
+    const RayGatherer::TilePoint p = gatherer.tile_point(t);
     const float c = p.position[0] / grid.pitch_x_mm - 0.5F - static_cast<float>(column_);
     const float r = p.position[1] / grid.pitch_y_mm - 0.5F - static_cast<float>(row_);
     if (c < low_c || c > low_c + side || r < low_r || r > low_r + side) continue;
-    const float slope = p.normal[2];
+    const float slope = p.slope;
     const float limit = kOnSheet * p.radius / std::max(std::abs(slope), kSteep);
     bool on_sheet = false;
     for (std::uint32_t i = 0; i < like_.count && !on_sheet; ++i) {

@@ -5,10 +5,54 @@
 #include <cmath>
 #include <limits>
 
+#include "slicer/core/lanes.hpp"
+
 namespace plumbline {
 namespace {
 
 constexpr const char* kStage = "ray search";
+
+constexpr float kFarAway = 1e15F;  ///< mm: of what fills up the last lanes
+
+struct Places {
+  const float* x;
+  const float* y;
+};
+
+/// Sets what depends on the ray for all points.
+/// @param least  out: of the inverse squares of their support radii, of those that have weight on the ray; else FLT_MAX
+PLUMBLINE_WIDE void look(const RayPoints& points, const Places& places, float ray_x, float ray_y, float& least) {
+  Lanes inverse2 = Lanes{} + std::numeric_limits<float>::max();
+  const Lanes none = inverse2;
+  for (std::uint32_t j = 0; j < points.size; j += kLanes) {
+    Lanes x, y, depth, nx, ny, nz, inverse;
+    load(x, places.x + j);
+    load(y, places.y + j);
+    load(depth, points.depth + j);
+    load(nx, points.normal_x + j);
+    load(ny, points.normal_y + j);
+    load(nz, points.slope + j);
+    load(inverse, points.inverse_radius2 + j);
+    x = ray_x - x;
+    y = ray_y - y;
+    const Lanes distance2 = x * x + y * y;
+    store(points.offset_x + j, x);
+    store(points.offset_y + j, y);
+    store(points.distance2 + j, distance2);
+    store(points.plane + j, nx * x + ny * y - nz * depth);
+    const Lanes met = distance2 * inverse < 1.0F ? inverse : none;
+    inverse2 = met < inverse2 ? met : inverse2;
+  }
+  least = inverse2[0];
+  for (std::uint32_t j = 1; j < kLanes; ++j) least = std::min(least, inverse2[j]);
+}
+
+/// @returns the largest support radius of the points that have weight on the ray, mm
+float look_from(const RayPoints& points, const Places& places, float ray_x, float ray_y) {
+  float least = 0;
+  look(points, places, ray_x, ray_y, least);
+  return 1.0F / std::sqrt(least);
+}
 
 /// Ascends with the depth, then with the index of the point, which is its lower half.
 std::uint64_t depth_key(float depth, std::uint32_t index) {
@@ -20,8 +64,9 @@ std::uint64_t depth_key(float depth, std::uint32_t index) {
 }  // namespace
 
 std::size_t RayGatherer::bytes_needed(std::uint32_t capacity) {
-  return Arena::rounded(capacity * sizeof(TilePoint)) + Arena::rounded(capacity * sizeof(std::uint64_t)) +
-         Arena::rounded(capacity * sizeof(float)) + RayPoints::bytes_needed(capacity);
+  return 2 * RayPoints::bytes_needed(capacity) + 3 * Arena::rounded((capacity + kLanes) * sizeof(float)) +
+         Arena::rounded(capacity * sizeof(std::uint32_t)) + Arena::rounded(capacity * sizeof(std::uint64_t)) +
+         Arena::rounded(capacity * sizeof(float));
 }
 
 Expected<RayGatherer> RayGatherer::create(const Cloud& cloud, const KdTree2& tree, std::uint32_t capacity,
@@ -30,18 +75,25 @@ Expected<RayGatherer> RayGatherer::create(const Cloud& cloud, const KdTree2& tre
   gatherer.cloud_ = &cloud;
   gatherer.tree_ = &tree;
   gatherer.max_radius_ = max_radius;
-  auto tile = arena.take_top<TilePoint>(capacity, kStage);
-  if (!tile) return tl::unexpected<Error>(tile.error());
-  gatherer.tile_ = *tile;
+  for (RayPoints* const points : {&gatherer.tile_, &gatherer.columns_}) {
+    auto columns = RayPoints::create(capacity, arena, kStage);
+    PLUMBLINE_TRY(columns);
+    *points = *columns;
+  }
+  for (std::span<float>* const column : {&gatherer.x_, &gatherer.y_, &gatherer.radius_}) {
+    auto room = arena.take_top<float>(capacity + kLanes, kStage);
+    PLUMBLINE_TRY(room);
+    *column = *room;
+  }
+  auto index = arena.take_top<std::uint32_t>(capacity, kStage);
+  PLUMBLINE_TRY(index);
+  gatherer.index_ = *index;
   auto chosen = arena.take_top<std::uint64_t>(capacity, kStage);
-  if (!chosen) return tl::unexpected<Error>(chosen.error());
+  PLUMBLINE_TRY(chosen);
   gatherer.chosen_ = *chosen;
   auto half_chord = arena.take_top<float>(capacity, kStage);
-  if (!half_chord) return tl::unexpected<Error>(half_chord.error());
+  PLUMBLINE_TRY(half_chord);
   gatherer.half_chord_ = *half_chord;
-  auto columns = RayPoints::create(capacity, arena, kStage);
-  if (!columns) return tl::unexpected<Error>(columns.error());
-  gatherer.columns_ = *columns;
   return gatherer;
 }
 
@@ -64,14 +116,14 @@ void RayGatherer::gather(const Vec2f& low, const Vec2f& high) {
   tree_->visit_box(from, to, [&](std::uint32_t first, std::uint32_t last) {
     for (std::uint32_t at = first; at < last; ++at) {
       if (!seen(order[at])) continue;
-      if (met++ < tile_.size()) keep(order[at]);
+      if (met++ < chosen_.size()) keep(order[at]);
     }
   });
-  if (met > tile_.size()) {
+  if (met > chosen_.size()) {
     // Too many points: use every n-th in the order of the tree, so that the choice depends on the cloud alone.
     thinned_ = true;
     count_ = 0;
-    const auto stride = static_cast<std::uint32_t>((met + tile_.size() - 1) / tile_.size());
+    const auto stride = static_cast<std::uint32_t>((met + chosen_.size() - 1) / chosen_.size());
     std::uint32_t nth = 0;
     tree_->visit_box(from, to, [&](std::uint32_t first, std::uint32_t last) {
       for (std::uint32_t at = first; at < last; ++at) {
@@ -81,65 +133,58 @@ void RayGatherer::gather(const Vec2f& low, const Vec2f& high) {
   }
   std::sort(chosen_.begin(), chosen_.begin() + count_);
   tile_reach_ = 0;
+  tile_.size = 0;
   for (std::uint32_t t = 0; t < count_; ++t) {
     const auto i = static_cast<std::uint32_t>(chosen_[t]);
+    const Vec3f& p = cloud_->position[i];
     const PackedNormal& n = cloud_->normal[i];
     const float radius = std::min(cloud_->radius[i], max_radius_);
-    tile_[t] = {cloud_->position[i], radius, 1.0F / (radius * radius), n.unpack(), i, n.weight};
+    x_[t] = p[0];
+    y_[t] = p[1];
+    radius_[t] = radius;
+    index_[t] = i;
+    tile_.add(0, 0, p[2], n.unpack(), 1.0F / (radius * radius), n.weight);
     tile_reach_ = std::max(tile_reach_, radius);
   }
+  tile_.close();
+  for (std::uint32_t t = count_; t < count_ + kLanes; ++t) x_[t] = y_[t] = kFarAway;
 }
 
 const RayPoints& RayGatherer::points_of_ray(float x, float y) {
-  choose(x, y, 0, count_);
-  add_chosen<true>(x, y);
-  return columns_;
-}
-
-const RayPoints& RayGatherer::points_near(float x, float y, float depth) {
-  const auto points = tile_.first(count_);
-  const auto below = [](const TilePoint& p, float z) { return p.position[2] < z; };
-  const auto first = std::lower_bound(points.begin(), points.end(), depth - tile_reach_, below);
-  const auto last = std::lower_bound(first, points.end(), depth + tile_reach_, below);
-  choose(x, y, static_cast<std::uint32_t>(first - points.begin()), static_cast<std::uint32_t>(last - points.begin()));
-  add_chosen<false>(x, y);
-  return columns_;
-}
-
-/// Chooses the tile points [first, last) whose supports meet the ray.
-void RayGatherer::choose(float x, float y, std::uint32_t first, std::uint32_t last) {
+  look_from(tile_, {x_.data(), y_.data()}, x, y);
   // Without branches, which could not be predicted.
-  std::uint32_t chosen = 0;
-  for (std::uint32_t t = first; t < last; ++t) {
-    const TilePoint& p = tile_[t];
-    const float dx = x - p.position[0];
-    const float dy = y - p.position[1];
-    chosen_[chosen] = t;
-    chosen += dx * dx + dy * dy < p.radius * p.radius ? 1 : 0;
+  std::uint32_t count = 0;
+  for (std::uint32_t t = 0; t < count_; ++t) {
+    chosen_[count] = t;
+    count += tile_.distance2[t] < radius_[t] * radius_[t] ? 1 : 0;
   }
-  chosen_count_ = chosen;
-}
-
-/// @tparam Chords  also sets half_chord_
-template <bool Chords>
-void RayGatherer::add_chosen(float x, float y) {
   RayPoints& c = columns_;
-  c.size = 0;
+  c.size = count;
   c.reach = 0;
   continued_low_ = std::numeric_limits<float>::max();
   continued_high_ = std::numeric_limits<float>::lowest();
-  for (const std::uint64_t t : chosen_.first(chosen_count_)) {
-    const TilePoint& p = tile_[static_cast<std::size_t>(t)];
-    const float dx = x - p.position[0];
-    const float dy = y - p.position[1];
-    if constexpr (Chords) half_chord_[c.size] = std::sqrt(p.radius * p.radius - (dx * dx + dy * dy));
-    c.reach = std::max(c.reach, p.radius);
-    c.add(dx, dy, p.position[2], p.normal, p.inverse_radius2, p.points);
-    if (p.index < cloud_->seen()) continue;
-    continued_low_ = std::min(continued_low_, p.position[2] - p.radius);
-    continued_high_ = std::max(continued_high_, p.position[2] + p.radius);
+  for (std::uint32_t j = 0; j < count; ++j) {
+    const auto t = static_cast<std::uint32_t>(chosen_[j]);
+    const float radius = radius_[t];
+    half_chord_[j] = std::sqrt(radius * radius - tile_.distance2[t]);
+    c.reach = std::max(c.reach, radius);
+    c.copy(j, tile_, t);
+    if (index_[t] < cloud_->seen()) continue;
+    continued_low_ = std::min(continued_low_, c.depth[j] - radius);
+    continued_high_ = std::max(continued_high_, c.depth[j] + radius);
   }
   c.close();
+  return c;
+}
+
+RayPoints RayGatherer::points_near(float x, float y, float depth) {
+  const float* const depths = tile_.depth;
+  const float* const first = std::lower_bound(depths, depths + count_, depth - tile_reach_);
+  const float* const last = std::lower_bound(first, depths + count_, depth + tile_reach_);
+  const std::ptrdiff_t below = first - depths;
+  RayPoints near = tile_.part(below, static_cast<std::uint32_t>(last - first));
+  near.reach = look_from(near, {x_.data() + below, y_.data() + below}, x, y);
+  return near;
 }
 
 }  // namespace plumbline

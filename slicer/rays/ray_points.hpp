@@ -28,35 +28,32 @@ class RayGatherer {
 
   struct TilePoint {
     Vec3f position;
-    float radius;           ///< of its support, mm
-    float inverse_radius2;  ///< mm^-2
-    Vec3f normal;
-    std::uint32_t index;
-    std::uint8_t points;  ///< of the scan that it stands for
+    float radius;  ///< of its support, mm
+    float slope;   ///< z of its normal
   };
   /// Depths ascend with t.
-  const TilePoint& tile_point(std::uint32_t t) const { return tile_[t]; }
+  TilePoint tile_point(std::uint32_t t) const { return {{x_[t], y_[t], tile_.depth[t]}, radius_[t], tile_.slope[t]}; }
 
   /// The points of the ray at (x, y), which must be in the tile. Valid until the next call.
   const RayPoints& points_of_ray(float x, float y);
-  /// Only those that may have weight at a depth, mm.
-  const RayPoints& points_near(float x, float y, float depth);
+  /// All points of the tile that may have weight at a depth, mm, and others that have none on the ray.
+  RayPoints points_near(float x, float y, float depth);
   /// Half the length of ray, mm, on which point j of the last points_of_ray() has weight.
   float half_chord(std::uint32_t j) const { return half_chord_[j]; }
   /// Whether points of continued bore walls (Cloud::continued) have weight at that depth of the last ray, mm.
   bool continued(float depth) const { return depth > continued_low_ && depth < continued_high_; }
 
  private:
-  void choose(float x, float y, std::uint32_t first, std::uint32_t last);
-  template <bool Chords>
-  void add_chosen(float x, float y);
-
   const Cloud* cloud_ = nullptr;
   const KdTree2* tree_ = nullptr;
   float max_radius_ = 0;
-  std::span<TilePoint> tile_;
+  // Of the tile's points, with room for kLanes more than the capacity. What depends on the ray is set for one after another.
+  RayPoints tile_;
+  std::span<float> x_;
+  std::span<float> y_;
+  std::span<float> radius_;
+  std::span<std::uint32_t> index_;
   std::span<std::uint64_t> chosen_;  ///< tile points of a ray; while gathering, keys that sort them by depth
-  std::uint32_t chosen_count_ = 0;
   std::span<float> half_chord_;
   RayPoints columns_;
   std::uint32_t count_ = 0;

@@ -91,6 +91,38 @@ TEST(WindingNumber, OfAColumnIsThatOfTheTree) {
   }
 }
 
+TEST(WindingNumber, RoughlyTellsWhatIsFarFromOneHalf) {
+  const Vec3d centre(10, 10, 10);
+  Surface surface;
+  for (const SurfacePoint& p : sphere(8000, 5, centre)) {
+    if (p.normal[0] < 0.3) surface.push_back(p);
+  }
+  WindingField field(surface);
+  ColumnWinding column = field.column(0, 0, 0.4F);
+  Random random(55);
+  int rough = 0;
+  for (int i = 0; i < 300; ++i) {
+    const Vec3d at(random.uniform(5, 15), random.uniform(5, 15), 0);
+    const Vec2f corner(static_cast<float>(at[0]), static_cast<float>(at[1]));
+    column.begin(corner, corner + Vec2f::Constant(0.8F));
+    for (int k = 0; k < 12; ++k) {
+      const Vec3d place(at[0], at[1], random.uniform(4, 16));
+      const Vec3f x = place.cast<float>();
+      const float exact = (*field)(x);
+      // No point is asked about nearer to the surface than a support radius.
+      if (std::abs((place - centre).norm() - 5) > 0.5) {
+        EXPECT_NEAR((*field).rough(x), exact, WindingTree::kRough);
+      }
+      const float told = column.beyond(x, 0.2F);
+      rough += told != exact && told == (*field).rough(x) ? 1 : 0;
+      if (std::abs(told - 0.5F) <= 0.25F) continue;
+      EXPECT_GT(std::abs(exact - 0.5F), 0.2F - 0.03F) << place.transpose();
+      EXPECT_EQ(told > 0.5F, exact > 0.5F) << place.transpose();
+    }
+  }
+  EXPECT_GT(rough, 1000) << "the rough number is not used";
+}
+
 TEST(WindingNumber, IsOneHalfOnTheSurfaceAndBoundedAtAPoint) {
   const Vec3d centre(10, 10, 10);
   const Surface surface = sphere(20000, 5, centre);
