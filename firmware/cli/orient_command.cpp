@@ -50,16 +50,18 @@ Line cost_text(const OrientationCost& cost, double mm) {
 
 Status draw(const PreparedScan& scan, const SurfaceSamples& samples, const Found& found, const std::string& title,
             const std::string& path, Arena& arena) {
-  std::array<std::array<Line, 3>, kBestOrientations> texts;
+  std::array<std::array<Line, 4>, kBestOrientations> texts;
   std::array<OrientationView, kBestOrientations> views;
   const double mm = found.unit_mm;
   for (std::size_t i = 0; i < views.size(); ++i) {
     const Orientation& o = found.best[i];
-    texts[i][0] = options_of(o);
-    texts[i][1].add("supports %.3g cm2, %.3g ml", o.cost.support_area * mm * mm / 100,
+    // A line each, so that none is cut: somebody will type them.
+    texts[i][0].add("--rotate-x %.4g", o.degrees[0]);
+    texts[i][1].add("--rotate-y %.4g", o.degrees[1]);
+    texts[i][2].add("supports %.3g cm2, %.3g ml", o.cost.support_area * mm * mm / 100,
                     o.cost.support_volume * mm * mm * mm / 1000);
-    texts[i][2].add("peel %.3g cm2, %.4g mm high", o.cost.peel_area * mm * mm / 100, o.cost.height * mm);
-    views[i] = {o.degrees, {texts[i][0].view(), texts[i][1].view(), texts[i][2].view()}};
+    texts[i][3].add("peel %.3g cm2, %.4g mm high", o.cost.peel_area * mm * mm / 100, o.cost.height * mm);
+    views[i] = {o.degrees, {texts[i][0].view(), texts[i][1].view(), texts[i][2].view(), texts[i][3].view()}};
   }
   auto encoder = PngEncoder::for_pictures(kPreviewColumns, kPreviewRows);
   PLUMBLINE_TRY(encoder);

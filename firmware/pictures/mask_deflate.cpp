@@ -181,12 +181,35 @@ constexpr std::uint64_t byte_differences(std::uint64_t a, std::uint64_t b) {
   return ((a | kHigh) - (b & ~kHigh)) ^ ((a ^ ~b) & kHigh);
 }
 
+/// The pixels of a word less those above it, as bits of whole bytes.
+void put_bits(LineWriter& lines, std::uint64_t word, std::uint64_t above, std::uint32_t pixels) {
+  const std::size_t bytes = (pixels + std::size_t{7}) / 8;
+  const std::uint64_t change = byte_differences(reversed_bits(word), reversed_bits(above));
+  for (std::size_t i = 0; i < bytes; ++i) {
+    const auto byte = static_cast<unsigned>(change >> (56 - 8 * i) & 0xFFU);
+    byte == 0 ? lines.zeros(1) : lines.literal(byte);
+  }
+}
+
+/// The pixels of a word less those above it, as bytes of 0 or 255.
+void put_bytes(LineWriter& lines, std::uint64_t word, std::uint64_t above, std::uint32_t pixels) {
+  std::uint32_t done = 0;
+  for (std::uint64_t changed = word ^ above; changed != 0; changed &= changed - 1) {
+    const auto at = static_cast<std::uint32_t>(std::countr_zero(changed));
+    lines.zeros(at - done);
+    lines.literal((word >> at & 1U) != 0 ? 255 : 1);
+    done = at + 1;
+  }
+  lines.zeros(pixels - done);
+}
+
 }  // namespace
 
-std::size_t deflate_mask(ConstBitImage mask, std::span<std::uint8_t> out) {
-  assert(mask.columns() > 0 && mask.rows() > 0 && out.size() >= deflated_mask_bound(mask.columns(), mask.rows()));
+std::size_t deflate_mask(ConstBitImage mask, MaskDepth depth, std::span<std::uint8_t> out) {
+  assert(mask.columns() > 0 && mask.rows() > 0);
+  assert(out.size() >= deflated_mask_bound(mask.columns(), mask.rows(), depth));
   LineWriter lines(out);
-  const std::size_t width = (mask.columns() + std::size_t{7}) / 8;
+  const auto bytes_of = [depth](std::uint32_t pixels) { return line_bytes(pixels, depth); };
   const std::size_t last = mask.stride() - std::size_t{1};
   const std::uint64_t valid = mask.last_word_mask();
   for (std::uint32_t r = 0; r < mask.rows(); ++r) {
@@ -195,7 +218,7 @@ std::size_t deflate_mask(ConstBitImage mask, std::span<std::uint8_t> out) {
     for (std::size_t w = 0; w < last; ++w) any |= row[w];
     if (any == 0) {
       static_assert(kNoFilter == 0);
-      lines.zeros(1 + width);
+      lines.zeros(1 + bytes_of(mask.columns()));
       continue;
     }
     lines.literal(kUpFilter);
@@ -203,15 +226,11 @@ std::size_t deflate_mask(ConstBitImage mask, std::span<std::uint8_t> out) {
       const std::uint64_t kept = w == last ? valid : ~std::uint64_t{0};
       const std::uint64_t word = row[w] & kept;
       const std::uint64_t above = r > 0 ? mask.row(r - 1)[w] & kept : 0U;
-      const std::size_t bytes = w == last ? width - 8 * last : 8;
+      const std::uint32_t pixels = w == last ? mask.columns() - static_cast<std::uint32_t>(64 * last) : 64;
       if (word == above) {
-        lines.zeros(bytes);
-        continue;
-      }
-      const std::uint64_t change = byte_differences(reversed_bits(word), reversed_bits(above));
-      for (std::size_t i = 0; i < bytes; ++i) {
-        const auto byte = static_cast<unsigned>(change >> (56 - 8 * i) & 0xFFU);
-        byte == 0 ? lines.zeros(1) : lines.literal(byte);
+        lines.zeros(bytes_of(pixels));
+      } else {
+        (depth == MaskDepth::kBit ? put_bits : put_bytes)(lines, word, above, pixels);
       }
     }
   }

@@ -83,9 +83,10 @@ bool PngEncoder::Buffer::take(std::size_t count) {
   return bytes != nullptr;
 }
 
-Expected<PngEncoder> PngEncoder::for_masks(std::uint32_t columns, std::uint32_t rows) {
+Expected<PngEncoder> PngEncoder::for_masks(std::uint32_t columns, std::uint32_t rows, MaskDepth depth) {
   PngEncoder encoder;
-  if (!encoder.file_.take(deflated_mask_bound(columns, rows) + kFrameBytes)) {
+  encoder.depth_ = depth;
+  if (!encoder.file_.take(deflated_mask_bound(columns, rows, depth) + kFrameBytes)) {
     return fail(ErrorCode::kOutOfMemory, "PNG encoder: no memory for a mask");
   }
   return encoder;
@@ -151,8 +152,8 @@ Expected<std::span<const std::byte>> PngEncoder::encode_raw(const unsigned char*
 }
 
 std::span<const std::byte> PngEncoder::encode(ConstBitImage mask) {
-  return write_png({mask.columns(), mask.rows(), 1, LCT_GREY},
-                   [mask](std::span<std::uint8_t> out) { return deflate_mask(mask, out); },
+  return write_png({mask.columns(), mask.rows(), static_cast<unsigned>(depth_), LCT_GREY},
+                   [&](std::span<std::uint8_t> out) { return deflate_mask(mask, depth_, out); },
                    {file_.bytes.get(), file_.size});
 }
 

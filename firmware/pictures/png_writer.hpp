@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "firmware/pictures/mask_deflate.hpp"
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/error.hpp"
 
@@ -22,14 +23,15 @@ namespace plumbline {
 /// can't be replaced.
 class PngEncoder {
  public:
-  /// For masks of up to `columns` x `rows`, 1 bit a pixel.
+  /// For masks of up to `columns` x `rows`.
   /// @retval ErrorCode::kOutOfMemory  the heap has no room for the buffers
-  [[nodiscard]] static Expected<PngEncoder> for_masks(std::uint32_t columns, std::uint32_t rows);
+  [[nodiscard]] static Expected<PngEncoder> for_masks(std::uint32_t columns, std::uint32_t rows,
+                                                      MaskDepth depth = MaskDepth::kBit);
   /// For pictures of up to `columns` x `rows`, 8-bit RGB.
   /// @retval ErrorCode::kOutOfMemory  the heap has no room for the buffers
   [[nodiscard]] static Expected<PngEncoder> for_pictures(std::uint32_t columns, std::uint32_t rows, int level = 6);
 
-  /// 1-bit greyscale, white (1) where resin cures.
+  /// Greyscale, white where resin cures.
   /// @param mask  1 x 1 or more, not larger than the encoder was made for
   /// @returns the whole file, valid until the next call
   std::span<const std::byte> encode(ConstBitImage mask);
@@ -62,6 +64,7 @@ class PngEncoder {
   std::unique_ptr<libdeflate_compressor, FreeCompressor> compressor_;  ///< of pictures
   Buffer compressed_;                                                  ///< the zlib stream of a picture
   Buffer file_;                                                        ///< what encode() returns
+  MaskDepth depth_ = MaskDepth::kBit;
 };
 
 /// Encodes small pictures without the heap: for a process whose memory is fixed. All memory is taken when it is made.

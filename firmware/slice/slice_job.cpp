@@ -33,7 +33,8 @@ Expected<SliceJob> SliceJob::prepare(const SliceJobSettings& settings, Arena& ar
     job.directory_.emplace(std::move(*directory));
   }
   if (const auto& printer = settings.slice.placement.printer) {
-    auto masks = PngEncoder::for_masks(printer->columns, printer->rows);
+    auto masks =
+        PngEncoder::for_masks(printer->columns, printer->rows, settings.archive ? MaskDepth::kByte : MaskDepth::kBit);
     PLUMBLINE_TRY(masks);
     job.masks_ = std::move(*masks);
   }

@@ -16,15 +16,16 @@ struct Mask {
   BitImage image;
 };
 
-std::vector<std::uint8_t> deflated(const Mask& mask) {
-  std::vector<std::uint8_t> stream(deflated_mask_bound(mask.image.columns(), mask.image.rows()));
-  stream.resize(deflate_mask(mask.image, stream));
+std::vector<std::uint8_t> deflated(const Mask& mask, MaskDepth depth = MaskDepth::kBit) {
+  std::vector<std::uint8_t> stream(deflated_mask_bound(mask.image.columns(), mask.image.rows(), depth));
+  stream.resize(deflate_mask(mask.image, depth, stream));
   return stream;
 }
 
 /// The lines as zlib inflates them, without their filters (PNG, 9.2); empty if zlib refuses the stream, its sum, or its length.
-std::vector<std::uint8_t> inflated(const std::vector<std::uint8_t>& stream, std::uint32_t columns, std::uint32_t rows) {
-  const std::size_t width = 1 + (columns + std::size_t{7}) / 8;
+std::vector<std::uint8_t> inflated(const std::vector<std::uint8_t>& stream, std::uint32_t columns, std::uint32_t rows,
+                                   MaskDepth depth) {
+  const std::size_t width = 1 + line_bytes(columns, depth);
   std::vector<std::uint8_t> lines(width * rows + 1);
   auto size = static_cast<uLongf>(lines.size());
   auto read = static_cast<uLong>(stream.size());
@@ -43,20 +44,27 @@ std::vector<std::uint8_t> inflated(const std::vector<std::uint8_t>& stream, std:
   return lines;
 }
 
-std::vector<std::uint8_t> lines_of(const Mask& mask) {
-  const std::size_t width = 1 + (mask.image.columns() + std::size_t{7}) / 8;
+std::vector<std::uint8_t> lines_of(const Mask& mask, MaskDepth depth) {
+  const std::size_t width = 1 + line_bytes(mask.image.columns(), depth);
   std::vector<std::uint8_t> lines(width * mask.image.rows());
   for (std::uint32_t r = 0; r < mask.image.rows(); ++r) {
     for (std::uint32_t c = 0; c < mask.image.columns(); ++c) {
-      if (mask.image.at(c, r)) lines[r * width + 1 + c / 8] |= static_cast<std::uint8_t>(0x80U >> (c % 8));
+      if (!mask.image.at(c, r)) continue;
+      if (depth == MaskDepth::kByte) {
+        lines[r * width + 1 + c] = 255;
+      } else {
+        lines[r * width + 1 + c / 8] |= static_cast<std::uint8_t>(0x80U >> (c % 8));
+      }
     }
   }
   return lines;
 }
 
 void expect_round_trip(const Mask& mask) {
-  const auto stream = deflated(mask);
-  EXPECT_EQ(inflated(stream, mask.image.columns(), mask.image.rows()), lines_of(mask));
+  for (const MaskDepth depth : {MaskDepth::kBit, MaskDepth::kByte}) {
+    const auto stream = deflated(mask, depth);
+    EXPECT_EQ(inflated(stream, mask.image.columns(), mask.image.rows(), depth), lines_of(mask, depth));
+  }
 }
 
 TEST(MaskDeflate, InflatesToTheSameLinesForEveryByteAndEveryLengthOfARun) {
@@ -93,7 +101,7 @@ TEST(MaskDeflate, WritesNoMoreThanItsBound) {
   for (std::uint32_t r = 0; r < 64; ++r) {
     for (auto& word : mask.image.row(r)) word = 0x9292929292929292U * (r % 2);
   }
-  EXPECT_LE(deflated(mask).size(), deflated_mask_bound(1440, 64));
+  EXPECT_LE(deflated(mask).size(), deflated_mask_bound(1440, 64, MaskDepth::kBit));
   expect_round_trip(mask);
 }
 

@@ -114,9 +114,8 @@ def confirm_plate(state):
     (state / "plate-is-empty").touch()
 
 
-def png_rows(path):
-    """Columns and row bytes of a 1-bit greyscale PNG whose lines have no filter or the one above."""
-    data = path.read_bytes()
+def png_rows(data, bits=1):
+    """Columns and row bytes of a greyscale PNG with that many bits a pixel, whose lines have no filter or the one above."""
     assert data[:8] == b"\x89PNG\r\n\x1a\n"
     at, stream, header = 8, b"", None
     while at < len(data):
@@ -129,8 +128,8 @@ def png_rows(path):
             stream += body
         at += 12 + length
     columns, rows, depth, colour, _, _, interlace = header
-    assert (depth, colour, interlace) == (1, 0, 0)
-    raw, width = zlib.decompress(stream), (columns + 7) // 8
+    assert (depth, colour, interlace) == (bits, 0, 0)
+    raw, width = zlib.decompress(stream), (columns * bits + 7) // 8
     assert len(raw) == rows * (width + 1) and not set(raw[:: width + 1]) - {0, 2}
     lines, above = [], bytes(width)
     for start in range(0, len(raw), width + 1):

@@ -21,7 +21,7 @@ class Slice(Program):
         self.assertEqual(self.layers(), [f"{k:05}.png" for k in range(grid["layers"])])
         hashes, white = [], 0
         for name in self.layers():
-            columns, rows = png_rows(self.out / "layers" / name)
+            columns, rows = png_rows((self.out / "layers" / name).read_bytes())
             self.assertEqual((columns, len(rows)), (403, 300))
             hashes.append(layer_hash(columns, rows))
             white += sum(bin(byte).count("1") for row in rows for byte in row)

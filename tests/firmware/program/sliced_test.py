@@ -235,8 +235,9 @@ class Printed(Sliced):
     def shared_with(self, kept):
         """Intersection over union of the middle layer with ours."""
         from case import png_rows
+        ours, theirs = (png_rows((folder / "00010.png").read_bytes())[1] for folder in (self.out / "layers", kept))
         both = either = 0
-        for a, b in zip(png_rows(self.out / "layers" / "00010.png")[1], png_rows(kept / "00010.png")[1]):
+        for a, b in zip(ours, theirs):
             a, b = int.from_bytes(a, "big"), int.from_bytes(b, "big")
             both += (a & b).bit_count()
             either += (a | b).bit_count()

@@ -24,7 +24,7 @@ class Supports(Program):
         self.assertEqual(supports["lifted_layers"] * manifest["grid"]["layer_height_mm"], 6)  # the elevation and the raft
         self.assertEqual(supports["unbraced_pillars"], 0)
         # The lowest layer is the raft's.
-        _, rows = png_rows(self.out / "layers" / "00000.png")
+        _, rows = png_rows((self.out / "layers" / "00000.png").read_bytes())
         white = sum(bin(byte).count("1") for row in rows for byte in row)
         self.assertGreater(white, supports["on_plate"] * 100)
         # Supports are the default, and change nothing where nothing falls: a hemisphere on its flat side.
