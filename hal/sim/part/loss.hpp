@@ -16,8 +16,8 @@ struct Loss {
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
   LossKind kind = LossKind::kDropped;
-  std::uint32_t joined =
-      kNone;  ///< index of the loss that this one, dropped too, has become part of; then its volume is there
+  /// Index of the loss that this one, dropped too, has become part of: its volume is there.
+  std::uint32_t joined = kNone;
   std::uint32_t layer = 0;       ///< where it began, 0-based
   std::uint32_t last_layer = 0;  ///< that it has taken something from
   double x_mm = 0, y_mm = 0;     ///< from the panel's corner; middle of the region's widest row in `layer`
