@@ -6,7 +6,7 @@
 
 namespace plumbline {
 
-/// Sends a scan into the store of the printer that serves its state at `socket`, and waits until it is kept there.
+/// Sends a scan to the store of the printer that serves its state at `socket`, and waits until it is kept there.
 /// @param file  a regular file. Its name in the store is upload_name_of()
 /// @returns its name in the store
 /// @retval ErrorCode::kCannotOpen, kCannotRead  the file, or the socket

@@ -1,5 +1,5 @@
 #pragma once
-/// What clients of the state socket ask of the daemon, and the printer's own screen with them.
+/// Carries out what the clients of the state socket, and the printer's own screen, ask of the daemon.
 
 #include <string>
 #include <string_view>

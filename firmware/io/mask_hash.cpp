@@ -1,6 +1,5 @@
 #include "firmware/io/mask_hash.hpp"
 
-#include "slicer/core/blank_row.hpp"
 #include "slicer/core/mix64.hpp"
 
 namespace plumbline {

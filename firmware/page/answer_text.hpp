@@ -14,6 +14,7 @@ class AnswerText {
   /// {"ok": false, "error": ..., "advice": ...}
   HttpAnswer refuse(unsigned status, std::string_view error, std::string_view advice = {});
   HttpAnswer refuse(unsigned status, const Error& error) { return refuse(status, error.finding(), error.advice()); }
+  HttpAnswer no_daemon() { return refuse(503, "the printer's daemon does not answer", "Start plumblined"); }
   /// An object with the members that `write` writes.
   template <class Write>
   HttpAnswer object(const Write& write) {

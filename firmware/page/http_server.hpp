@@ -41,7 +41,7 @@ struct HttpTicket {
   std::uint64_t number = 0;
 };
 
-/// An answer that is written bit by bit.
+/// An answer that is written in parts.
 struct HttpStream {
   enum class Kind : std::uint8_t {
     kEvents,  ///< server-sent events, without end

@@ -22,8 +22,6 @@ constexpr std::string_view kPicturePath = "/picture/";
 constexpr std::string_view kPrintPicturePath = "/print.png";
 constexpr std::string_view kSidePath = "/side";
 constexpr std::string_view kBodyPath = "/upload/body";
-constexpr const char* kNoDaemon = "the printer's daemon does not answer";
-constexpr const char* kStartIt = "Start plumblined";
 
 using Kind = PrinterQuestion::Kind;
 
@@ -74,7 +72,7 @@ HttpReply PageServer::get(const HttpRequest& request, const HttpTicket& ticket) 
   const bool is_print = request.path == kPrintPicturePath, is_side = request.path == kSidePath;
   if (!is_picture && !is_mask && !is_report && !is_print && !is_side && request.path != "/state")
     return text_.refuse(404, "there is no such page");
-  if (state_.view().empty()) return text_.refuse(503, kNoDaemon, kStartIt);
+  if (state_.view().empty()) return text_.no_daemon();
   if (request.path == "/state") return HttpAnswer{.body = state_.view()};
   if (is_picture) {
     const std::string_view name = request.path.substr(kPicturePath.size());
@@ -168,7 +166,7 @@ HttpReply PageServer::pair(const HttpRequest& request) {
     FixedText<60> what;
     what.add(R"("do": "code", "code": "%s")", made->c_str());
     if (!link_.send(question_line(what.c_str(), questions_.next_id()).view())) {
-      return text_.refuse(503, kNoDaemon, kStartIt);
+      return text_.no_daemon();
     }
     // For a printer without a screen: whoever may read the log of the machine may command it.
     std::fprintf(stderr, "plumbline-page: the code for a browser is %s\n", made->c_str());
@@ -192,7 +190,7 @@ HttpReply PageServer::command(const HttpRequest& request, const HttpTicket& tick
   const PrinterQuestion question{.kind = Kind::kCommand, .id = questions_.next_id(), .ticket = ticket};
   TextBuffer<1024> line;
   if (!write_request(line, *asked, question.id)) return text_.refuse(400, "the command is too long");
-  if (!questions_.ask(question, line.view())) return text_.refuse(503, kNoDaemon, kStartIt);
+  if (!questions_.ask(question, line.view())) return text_.no_daemon();
   return HttpLater{};
 }
 

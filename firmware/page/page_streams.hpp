@@ -1,5 +1,5 @@
 #pragma once
-/// Answers that are sent bit by bit: server-sent events, and reports of prints.
+/// Answers that are sent in parts: server-sent events, and reports of prints.
 
 #include <array>
 #include <chrono>

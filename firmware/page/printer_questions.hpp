@@ -44,7 +44,7 @@ class PrinterQuestions {
   bool ask(PrinterQuestion question, const char* what);
   /// The question for a picture whose answer has not come.
   std::optional<std::uint64_t> in_flight(PictureName name) const;
-  /// Takes a question whose answer has this number out of the list; several may wait for one answer.
+  /// Removes a question that waits for the answer with this number, and returns it. Several may wait for one answer.
   std::optional<PrinterQuestion> take(std::optional<std::uint64_t> id);
   /// The same for one that has waited too long. @param all  or any other
   std::optional<PrinterQuestion> take_late(HostClock::time_point now, bool all);

@@ -20,7 +20,7 @@ HttpReply UploadRequests::ask(std::string_view body, const HttpTicket& ticket) {
   if (!for_printer.is_open()) return text_.refuse(503, "the page has no room for an upload", "Try again");
   if (questions_.ask(question, line.view(), for_printer.get())) return HttpLater{};
   upload_.drop();
-  return text_.refuse(503, "the printer's daemon does not answer", "Start plumblined");
+  return text_.no_daemon();
 }
 
 void UploadRequests::answered(std::string_view reply) {

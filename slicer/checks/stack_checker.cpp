@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <bit>
 
-#include "slicer/core/blank_row.hpp"
-
 namespace plumbline {
 namespace {
 

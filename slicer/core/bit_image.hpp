@@ -66,4 +66,11 @@ class BasicBitImage {
 using BitImage = BasicBitImage<std::uint64_t>;
 using ConstBitImage = BasicBitImage<const std::uint64_t>;
 
+/// Whether all pixels of a row are black. Most of a panel is: one look at a row spares the rest of the work on it.
+inline bool is_blank(std::span<const std::uint64_t> row) {
+  std::uint64_t any = 0;
+  for (const std::uint64_t word : row) any |= word;
+  return any == 0;
+}
+
 }  // namespace plumbline

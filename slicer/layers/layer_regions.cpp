@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 
-#include "slicer/core/blank_row.hpp"
 #include "slicer/core/disjoint_sets.hpp"
 
 namespace plumbline {

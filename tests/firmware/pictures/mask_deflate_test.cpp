@@ -6,19 +6,16 @@
 #include <random>
 #include <vector>
 
+#include "tests/slicer/support/pixels.hpp"
+
 namespace plumbline {
 namespace mask_deflate_test {
 
-struct Mask {
-  Mask(std::uint32_t columns, std::uint32_t rows)
-      : words(BitImage::words_needed(columns, rows), 0), image(words, columns, rows) {}
-  std::vector<std::uint64_t> words;
-  BitImage image;
-};
+using testing::OwnedImage;
 
-std::vector<std::uint8_t> deflated(const Mask& mask, MaskDepth depth = MaskDepth::kBit) {
-  std::vector<std::uint8_t> stream(deflated_mask_bound(mask.image.columns(), mask.image.rows(), depth));
-  stream.resize(deflate_mask(mask.image, depth, stream));
+std::vector<std::uint8_t> deflated(const OwnedImage& mask, MaskDepth depth = MaskDepth::kBit) {
+  std::vector<std::uint8_t> stream(deflated_mask_bound(mask.view().columns(), mask.view().rows(), depth));
+  stream.resize(deflate_mask(mask.view(), depth, stream));
   return stream;
 }
 
@@ -44,12 +41,12 @@ std::vector<std::uint8_t> inflated(const std::vector<std::uint8_t>& stream, std:
   return lines;
 }
 
-std::vector<std::uint8_t> lines_of(const Mask& mask, MaskDepth depth) {
-  const std::size_t width = 1 + line_bytes(mask.image.columns(), depth);
-  std::vector<std::uint8_t> lines(width * mask.image.rows());
-  for (std::uint32_t r = 0; r < mask.image.rows(); ++r) {
-    for (std::uint32_t c = 0; c < mask.image.columns(); ++c) {
-      if (!mask.image.at(c, r)) continue;
+std::vector<std::uint8_t> lines_of(const OwnedImage& mask, MaskDepth depth) {
+  const std::size_t width = 1 + line_bytes(mask.view().columns(), depth);
+  std::vector<std::uint8_t> lines(width * mask.view().rows());
+  for (std::uint32_t r = 0; r < mask.view().rows(); ++r) {
+    for (std::uint32_t c = 0; c < mask.view().columns(); ++c) {
+      if (!mask.view().at(c, r)) continue;
       if (depth == MaskDepth::kByte) {
         lines[r * width + 1 + c] = 255;
       } else {
@@ -60,22 +57,22 @@ std::vector<std::uint8_t> lines_of(const Mask& mask, MaskDepth depth) {
   return lines;
 }
 
-void expect_round_trip(const Mask& mask) {
+void expect_round_trip(const OwnedImage& mask) {
   for (const MaskDepth depth : {MaskDepth::kBit, MaskDepth::kByte}) {
     const auto stream = deflated(mask, depth);
-    EXPECT_EQ(inflated(stream, mask.image.columns(), mask.image.rows(), depth), lines_of(mask, depth));
+    EXPECT_EQ(inflated(stream, mask.view().columns(), mask.view().rows(), depth), lines_of(mask, depth));
   }
 }
 
 TEST(MaskDeflate, InflatesToTheSameLinesForEveryByteAndEveryLengthOfARun) {
   // Line r holds byte r, then bytes of 1 that are r % 600 blank bytes apart.
-  Mask mask(8 * 1400, 700);
-  for (std::uint32_t r = 0; r < mask.image.rows(); ++r) {
+  OwnedImage mask(8 * 1400, 700);
+  for (std::uint32_t r = 0; r < mask.view().rows(); ++r) {
     for (std::uint32_t bit = 0; bit < 8; ++bit) {
-      if ((r >> bit & 1U) != 0) mask.image.set(7 - bit, r);
+      if ((r >> bit & 1U) != 0) mask.view().set(7 - bit, r);
     }
     const std::uint32_t step = 1 + (r * 7) % 600;
-    for (std::uint32_t byte = step; byte < 1400; byte += step) mask.image.set(8 * byte + 7, r);
+    for (std::uint32_t byte = step; byte < 1400; byte += step) mask.view().set(8 * byte + 7, r);
   }
   expect_round_trip(mask);
 }
@@ -83,33 +80,34 @@ TEST(MaskDeflate, InflatesToTheSameLinesForEveryByteAndEveryLengthOfARun) {
 TEST(MaskDeflate, InflatesToTheSameLinesWhateverTheMask) {
   std::mt19937_64 dice(11);
   for (int shape = 0; shape < 300; ++shape) {
-    Mask mask(1 + static_cast<std::uint32_t>(dice() % 400), 1 + static_cast<std::uint32_t>(dice() % 40));
+    OwnedImage mask(1 + static_cast<std::uint32_t>(dice() % 400), 1 + static_cast<std::uint32_t>(dice() % 40));
     const auto noise = static_cast<std::uint32_t>(dice() % 64);
     const auto blank = dice() % 3;
-    for (std::uint32_t r = 0; r < mask.image.rows(); ++r) {
+    for (std::uint32_t r = 0; r < mask.view().rows(); ++r) {
       if (dice() % 3 < blank) continue;
-      for (auto& word : mask.image.row(r)) word = noise == 0 ? ~std::uint64_t{0} : dice() << noise & dice();
-      mask.image.row(r).back() &= mask.image.last_word_mask();
+      for (auto& word : mask.view().row(r)) word = noise == 0 ? ~std::uint64_t{0} : dice() << noise & dice();
+      mask.view().row(r).back() &= mask.view().last_word_mask();
     }
     expect_round_trip(mask);
   }
 }
 
 TEST(MaskDeflate, WritesNoMoreThanItsBound) {
-  Mask mask(1440, 64);
+  OwnedImage mask(1440, 64);
   // Each byte differs from the one above by a number with the longest code.
   for (std::uint32_t r = 0; r < 64; ++r) {
-    for (auto& word : mask.image.row(r)) word = 0x9292929292929292U * (r % 2);
+    for (auto& word : mask.view().row(r)) word = 0x9292929292929292U * (r % 2);
+    mask.view().row(r).back() &= mask.view().last_word_mask();
   }
   EXPECT_LE(deflated(mask).size(), deflated_mask_bound(1440, 64, MaskDepth::kBit));
   expect_round_trip(mask);
 }
 
 TEST(MaskDeflate, SpendsNextToNothingOnBlankLinesAndTwoBytesOnALineLikeTheOneAbove) {
-  Mask mask(1440, 2560);
+  OwnedImage mask(1440, 2560);
   EXPECT_LT(deflated(mask).size(), 600U);
   for (std::uint32_t r = 1000; r < 1500; ++r) {
-    for (std::uint32_t c = 500; c < 900; ++c) mask.image.set(c, r);
+    for (std::uint32_t c = 500; c < 900; ++c) mask.view().set(c, r);
   }
   EXPECT_LT(deflated(mask).size(), 600U + 500U * 9 / 4 + 50U);
 }
