@@ -211,21 +211,26 @@ std::size_t deflate_mask(ConstBitImage mask, MaskDepth depth, std::span<std::uin
   LineWriter lines(out);
   const auto bytes_of = [depth](std::uint32_t pixels) { return line_bytes(pixels, depth); };
   const std::size_t last = mask.stride() - std::size_t{1};
+  const std::uint64_t valid = mask.last_word_mask();
   for (std::uint32_t r = 0; r < mask.rows(); ++r) {
     const auto row = mask.row(r);
-    if (is_blank(row)) {
+    std::uint64_t any = row[last] & valid;
+    for (std::size_t w = 0; w < last; ++w) any |= row[w];
+    if (any == 0) {
       static_assert(kNoFilter == 0);
       lines.zeros(1 + bytes_of(mask.columns()));
       continue;
     }
     lines.literal(kUpFilter);
     for (std::size_t w = 0; w <= last; ++w) {
-      const std::uint64_t above = r > 0 ? mask.row(r - 1)[w] : 0U;
+      const std::uint64_t kept = w == last ? valid : ~std::uint64_t{0};
+      const std::uint64_t word = row[w] & kept;
+      const std::uint64_t above = r > 0 ? mask.row(r - 1)[w] & kept : 0U;
       const std::uint32_t pixels = w == last ? mask.columns() - static_cast<std::uint32_t>(64 * last) : 64;
-      if (row[w] == above) {
+      if (word == above) {
         lines.zeros(bytes_of(pixels));
       } else {
-        (depth == MaskDepth::kBit ? put_bits : put_bytes)(lines, row[w], above, pixels);
+        (depth == MaskDepth::kBit ? put_bits : put_bytes)(lines, word, above, pixels);
       }
     }
   }

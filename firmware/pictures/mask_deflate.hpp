@@ -27,7 +27,7 @@ constexpr std::size_t deflated_mask_bound(std::uint32_t columns, std::uint32_t r
 /// written is literals and runs of zeros, with one fixed Huffman code. Only words that differ from those above take time: a 2K mask of a
 /// part of 15 mm takes 0.3 M instructions and 1.1 kB, where libdeflate at level 5 takes 13 M and 0.96 kB (slicer/EXPERIMENTS.md).
 ///
-/// @param mask  1 x 1 or more
+/// @param mask  1 x 1 or more. Bits past the last column are ignored
 /// @param out   deflated_mask_bound() bytes
 /// @returns the bytes written
 std::size_t deflate_mask(ConstBitImage mask, MaskDepth depth, std::span<std::uint8_t> out);

@@ -7,6 +7,7 @@ import re
 import select
 import signal
 import subprocess
+import termios
 import time
 import unittest
 
@@ -22,6 +23,13 @@ ANSWERS = {
     "move.2": "5.1",
     "lamp.how": "skip",
 }
+
+
+def keep_what_was_said(terminal):
+    """Else the kernel throws away at Ctrl-C what was not read yet, and perhaps what is said to it."""
+    attributes = termios.tcgetattr(terminal)
+    attributes[3] |= termios.NOFLSH
+    termios.tcsetattr(terminal, termios.TCSANOW, attributes)
 
 
 class Setup(Program):
@@ -67,6 +75,7 @@ class Setup(Program):
         process, terminal = pty.fork()
         if process == 0:
             os.execv(PLUMBLINE, [str(PLUMBLINE), "setup", str(self.file), "--simulated", str(LIKE)])
+        keep_what_was_said(terminal)
         said, end = b"", time.monotonic() + 20
         while time.monotonic() < end:
             try:
@@ -116,6 +125,7 @@ class Setup(Program):
         process, terminal = pty.fork()
         if process == 0:
             os.execv(PLUMBLINE, [str(PLUMBLINE), "setup", str(self.file), "--simulated", str(SIM2K), "--lamp-line", f"file:{self.line}", *options])
+        keep_what_was_said(terminal)
         said, struck, end = b"", None, time.monotonic() + 60
         while time.monotonic() < end:
             if select.select([terminal], [], [], 0.005)[0]:
