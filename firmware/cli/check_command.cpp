@@ -22,7 +22,7 @@
 namespace plumbline {
 namespace {
 
-constexpr const char* kFooter =
+constexpr const char* kCheckFooter =
     "\nExamples:\n"
     "  plumbline check out                                       the job in out/\n"
     "  plumbline check peer --pixel-pitch 0.05 --layer-height 0.05   another slicer's layers, in a folder of PNG "
@@ -130,7 +130,7 @@ Expected<CheckedMasks> check_scan(const CheckOptions& options, const JobSetup& s
   return checked;
 }
 
-Status write_text(const CheckedMasks& masks, const CheckOptions& options, const CheckPolicy& policy) {
+Status write_findings(const CheckedMasks& masks, const CheckOptions& options, const CheckPolicy& policy) {
   OutputFile out = OutputFile::standard_output();
   const StackFindings& found = masks.findings;
   const PrintGrid& grid = masks.grid;
@@ -166,7 +166,7 @@ Status write_text(const CheckedMasks& masks, const CheckOptions& options, const 
   return out.write(text.view());
 }
 
-Status write_json(const CheckedMasks& masks, const CheckPolicy& policy) {
+Status write_findings_json(const CheckedMasks& masks, const CheckPolicy& policy) {
   OutputFile out = OutputFile::standard_output();
   JsonWriter json(out);
   json.begin_object();
@@ -195,7 +195,7 @@ Status write_json(const CheckedMasks& masks, const CheckPolicy& policy) {
 CLI::App* add_check_command(CLI::App& app, CheckOptions& options) {
   auto* command = app.add_subcommand(
       "check", "Find what would go wrong with layers: of a scan or a mesh, or in a folder or an archive");
-  command->footer(kFooter);
+  command->footer(kCheckFooter);
   command->add_option("--picture", options.picture, "Draw where the issues are")->type_name("PNG");
   add_slicing_options(*command, options.job, options.supports, options.checks)
       ->type_name("STACK|SCAN")
@@ -213,7 +213,8 @@ ExitCode run_check(const CheckOptions& options, std::span<std::byte> arena_block
   if (!masks) return report_error(masks.error());
   const CheckPolicy policy = options.checks.over(checks_of(setup->board));
   if (options.job.json || !options.job.quiet) {
-    const auto written = options.job.json ? write_json(*masks, policy) : write_text(*masks, options, policy);
+    const auto written =
+        options.job.json ? write_findings_json(*masks, policy) : write_findings(*masks, options, policy);
     if (!written) return report_error(written.error());
   }
   const auto judged = judge(masks->findings, masks->grid, policy);

@@ -13,7 +13,7 @@
 namespace plumbline {
 namespace {
 
-constexpr const char* kFooter =
+constexpr const char* kControlFooter =
     "\nExamples:\n"
     "  plumbline ctl start                    print what is on the stick\n"
     "  plumbline ctl choose 2                 take the second scan of 'plumbline status'\n"
@@ -24,8 +24,6 @@ constexpr const char* kFooter =
     "  plumbline ctl resume --socket PATH     of a daemon with another socket\n"
     "\n"
     "Who may command is who may write to the socket: root and the group plumbline.\n";
-
-constexpr std::chrono::seconds kPatience{10};
 
 struct Word {
   Command command;
@@ -66,7 +64,7 @@ std::string request_line(const ControlOptions& options) {
 
 CLI::App* add_control_command(CLI::App& app, ControlOptions& options) {
   auto* command = app.add_subcommand("ctl", "Command the running daemon: start, pause, resume, cancel, ...");
-  command->footer(kFooter);
+  command->footer(kControlFooter);
   command->require_subcommand(1);
   command->fallthrough();
   command->add_option("--socket", options.socket, "The daemon's state socket [/run/plumbline/state]")
@@ -106,7 +104,7 @@ ExitCode run_control(const ControlOptions& options) {
   auto link = StateLink::open(options.socket, true);
   if (!link) return report_error(link.error());
   if (const auto sent = link->send(line); !sent) return report_error(sent.error());
-  const auto reply = link->next_of_type("reply", kPatience);
+  const auto reply = link->next_of_type("reply");
   if (!reply) return report_error(reply.error());
   if (json_member(*reply, "ok") == "true") return ExitCode::kDone;
   return report_error(Error::format(ErrorCode::kBadSetting, "%s.\t%s", json_text(*reply, "error").c_str(),

@@ -9,7 +9,7 @@
 namespace plumbline {
 namespace {
 
-constexpr const char* kFooter =
+constexpr const char* kDoctorFooter =
     "\nExamples:\n"
     "  plumbline doctor --printer my_printer.toml\n"
     "\n"
@@ -44,7 +44,7 @@ std::string padded(std::string text, std::size_t width) {
 
 CLI::App* add_doctor_command(CLI::App& app, DoctorOptions& options) {
   auto* command = app.add_subcommand("doctor", "Check the hardware of the printer this runs on");
-  command->footer(kFooter);
+  command->footer(kDoctorFooter);
   command->add_option("--printer", options.printer, "The printer's name or board file")->required()->type_name("NAME");
   command->add_flag("--json", options.json, "Print the findings as one JSON object and nothing else");
   return command;

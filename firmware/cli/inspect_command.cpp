@@ -21,7 +21,7 @@
 namespace plumbline {
 namespace {
 
-constexpr const char* kFooter =
+constexpr const char* kInspectFooter =
     "\nExamples:\n"
     "  plumbline inspect bust.ply\n"
     "  plumbline inspect bust.ply --printer mono2k --rotate-x 90\n"
@@ -93,7 +93,7 @@ ExitCode inspect_archive(const InspectOptions& options, const JobSetup& setup) {
 CLI::App* add_inspect_command(CLI::App& app, InspectOptions& options) {
   auto* command = app.add_subcommand(
       "inspect", "Show what is in a scan, a mesh or a sliced archive, and whether it fits the printer");
-  command->footer(kFooter);
+  command->footer(kInspectFooter);
   add_look_options(*command, options.job, options.picture, "Draw what the scanner saw and what it did not");
   command->add_option("--issues", options.issues, "Draw where the checks find something, if they do")->type_name("PNG");
   return command;

@@ -16,7 +16,7 @@
 namespace plumbline {
 namespace {
 
-constexpr const char* kFooter =
+constexpr const char* kOrientFooter =
     "\nExamples:\n"
     "  plumbline orient bust.ply --picture ways.png\n"
     "  plumbline slice bust.ply -o out --rotate-x 25 --rotate-y -10   use one of them\n"
@@ -84,7 +84,7 @@ void write_cost(JsonWriter& json, const Orientation& o, double mm) {
   json.end_object();
 }
 
-Status write_json(OutputFile& out, const Found& found) {
+Status write_proposals_json(OutputFile& out, const Found& found) {
   JsonWriter json(out);
   json.begin_object();
   json.key("now");
@@ -97,7 +97,7 @@ Status write_json(OutputFile& out, const Found& found) {
   return json.finish();
 }
 
-Status write_text(OutputFile& out, const Found& found, const OrientOptions& options) {
+Status write_proposals(OutputFile& out, const Found& found, const OrientOptions& options) {
   FixedText<2 * kMaxPath> text;
   text.add("as it lies   %s\n", cost_text(found.now.cost, found.unit_mm).c_str());
   for (const Orientation& o : found.best) {
@@ -111,7 +111,7 @@ Status write_text(OutputFile& out, const Found& found, const OrientOptions& opti
 
 CLI::App* add_orient_command(CLI::App& app, OrientOptions& options) {
   auto* command = app.add_subcommand("orient", "Find the best ways up to print a scan or a mesh");
-  command->footer(kFooter);
+  command->footer(kOrientFooter);
   add_look_options(*command, options.job, options.picture, "Draw the best four ways up");
   command->callback([&options] {
     for (const double angle : options.job.rotate_degrees) {
@@ -149,7 +149,7 @@ ExitCode run_orient(const OrientOptions& options, std::span<std::byte> arena_blo
   if (!done) return report_error(done.error());
   if (options.job.quiet && !options.job.json) return ExitCode::kDone;
   OutputFile out = OutputFile::standard_output();
-  const auto written = options.job.json ? write_json(out, found) : write_text(out, found, options);
+  const auto written = options.job.json ? write_proposals_json(out, found) : write_proposals(out, found, options);
   return written ? ExitCode::kDone : report_error(written.error());
 }
 

@@ -27,7 +27,7 @@ namespace {
 /// Virtual time that a print waits for an absent user.
 constexpr nanoseconds kNobodyComes = std::chrono::hours(1);
 
-constexpr const char* kFooter =
+constexpr const char* kPrintFooter =
     "\nExamples:\n"
     "  plumbline print bust.ply --printer sim2k                     hours of printing in seconds\n"
     "  plumbline print bust.ply --printer sim2k --keep-part part    and keep the part that came of it\n"
@@ -263,7 +263,7 @@ ExitCode exit_code(PrintState state) {
 CLI::App* add_print_command(CLI::App& app, PrintOptions& options) {
   constexpr const char* kPrint = "Print";
   auto* command = app.add_subcommand("print", "Print a scan, a mesh or a sliced archive");
-  command->footer(kFooter);
+  command->footer(kPrintFooter);
   auto* scan = add_job_options(*command, options.job)->required(false);
   command->get_option("--printer")->required();
   add_support_options(*command, options.supports, "[as in the profile]");

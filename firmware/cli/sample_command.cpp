@@ -11,7 +11,7 @@
 namespace plumbline {
 namespace {
 
-constexpr const char* kFooter =
+constexpr const char* kSampleFooter =
     "\nExamples:\n"
     "  plumbline sample bust.ply\n"
     "  plumbline sample big.ply --points 5000000 --seed 7\n"
@@ -24,7 +24,7 @@ constexpr const char* kFooter =
 
 CLI::App* add_sample_command(CLI::App& app, SampleOptions& options) {
   auto* command = app.add_subcommand("sample", "Make a scan to try plumbline with");
-  command->footer(kFooter);
+  command->footer(kSampleFooter);
   command->add_option("file", options.output, "The file to write, PLY")->required()->type_name("PLY");
   command->add_option("--points", options.points, "1000 to 50000000 [300000]")
       ->type_name("N")

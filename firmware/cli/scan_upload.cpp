@@ -26,7 +26,6 @@
 namespace plumbline {
 namespace {
 
-constexpr std::chrono::seconds kPatience{10};
 /// Slow storage has to be written before the printer says that a scan is kept.
 constexpr std::chrono::minutes kKeepPatience{2};
 
@@ -101,7 +100,7 @@ Expected<std::string> upload_scan(const std::string& socket, const std::string& 
     const Descriptor theirs(ends[1]);
     PLUMBLINE_TRY(link->send(std::string(line.view()), theirs.get()));
   }
-  const auto reply = link->next_of_type("reply", kPatience);
+  const auto reply = link->next_of_type("reply");
   PLUMBLINE_TRY(reply);
   if (json_member(*reply, "ok") != "true") {
     return fail(ErrorCode::kBadSetting, "%s.\t%s", json_text(*reply, "error").c_str(),

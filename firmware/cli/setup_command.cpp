@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kFooter =
+constexpr const char* kSetupFooter =
     "\nExamples:\n"
     "  plumbline setup my_printer.toml                      begin as a Raspberry Pi with a monochrome panel\n"
     "  plumbline setup my_printer.toml --like pine64_ls055  begin as another printer\n"
@@ -124,7 +124,7 @@ ExitCode examine(Dialogue& dialogue, const BoardFile& board) {
 
 CLI::App* add_setup_command(CLI::App& app, SetupOptions& options) {
   auto* command = app.add_subcommand("setup", "Make the board file of a printer: asks, and measures with you");
-  command->footer(kFooter);
+  command->footer(kSetupFooter);
   command->add_option("file", options.output, "The board file to write; its name is the printer's")
       ->type_name("NAME.toml");
   command->add_option("--like", options.like, "The board file whose values are offered: rpi4_dxq608 by default")

@@ -28,7 +28,7 @@ namespace {
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 
-constexpr const char* kFooter =
+constexpr const char* kSimulateFooter =
     "\nExamples:\n"
     "  plumbline simulate                          then open the address that it prints, and drop scans into its "
     "folder\n"
@@ -257,7 +257,7 @@ ExitCode simulate(const SimulateOptions& options) {
 CLI::App* add_simulate_command(CLI::App& app, SimulateOptions& options) {
   auto* command = app.add_subcommand(
       "simulate", "Open a simulated printer, with its page in the browser and a stick to drop files into");
-  command->footer(kFooter);
+  command->footer(kSimulateFooter);
   command->add_option("scans", options.scans, "Scans and meshes to copy onto the stick")->type_name("FILE ...");
   command->add_option("--printer", options.printer, "Board file of a simulated printer [sim2k]")->type_name("TOML");
   command->add_option("--speed", options.speed, "Simulated seconds per second, 0.1 to 1000000 [60]")

@@ -15,7 +15,7 @@
 namespace plumbline {
 namespace {
 
-constexpr const char* kFooter =
+constexpr const char* kSliceFooter =
     "\nExamples:\n"
     "  plumbline slice bust.ply -o out --printer mono2k         centred on the printer's plate\n"
     "  plumbline slice bust.ply -o out --printer mono2k --fit   as large as the printer can\n"
@@ -55,7 +55,7 @@ Status write_result(const JobReport& report, const SliceOptions& options, const 
 
 CLI::App* add_slice_command(CLI::App& app, SliceOptions& options) {
   auto* command = app.add_subcommand("slice", "Slice a scan or a mesh into layer masks");
-  command->footer(kFooter);
+  command->footer(kSliceFooter);
   command
       ->add_option("-o,--output", options.output,
                    "Folder for the layers, created if it is missing; or an archive, OUT.sl1")

@@ -15,7 +15,7 @@
 namespace plumbline {
 namespace {
 
-constexpr const char* kFooter =
+constexpr const char* kStatusFooter =
     "\nExamples:\n"
     "  plumbline status                       what the printer does, what it waits for, and what is wrong\n"
     "  plumbline status --follow              a line for each change, until the daemon ends\n"
@@ -44,14 +44,11 @@ std::optional<std::vector<std::byte>> bytes_of_base64(std::string_view text) {
   return bytes;
 }
 
-/// The daemon answers within a fifth of a second, unless it computes.
-constexpr std::chrono::seconds kPatience{10};
-
 }  // namespace
 
 CLI::App* add_status_command(CLI::App& app, StatusOptions& options) {
   auto* command = app.add_subcommand("status", "Show what the running daemon does");
-  command->footer(kFooter);
+  command->footer(kStatusFooter);
   command->add_option("--socket", options.socket, "The daemon's state socket [/run/plumbline/state]")
       ->type_name("PATH");
   command->add_flag("--follow", options.follow, "Go on: a line for each change");
@@ -97,7 +94,7 @@ struct Fetched {
 /// @param member  of the reply: that with the bytes, in base64
 Expected<Fetched> fetch(StateLink& link, const std::string& question, std::string_view member) {
   PLUMBLINE_TRY(link.send(question + "\n"));
-  const auto reply = link.next_of_type("reply", kPatience);
+  const auto reply = link.next_of_type("reply");
   PLUMBLINE_TRY(reply);
   if (json_member(*reply, "ok") != "true") {
     std::array<char, 1024> room;
@@ -152,7 +149,7 @@ ExitCode run_status(const StatusOptions& options) {
   }
   auto link = StateLink::open(options.socket, false);
   if (!link) return report_error(link.error());
-  const auto first = link->next_of_type("state", kPatience);
+  const auto first = link->next_of_type("state");
   if (!first) return report_error(first.error());
   OutputFile out = OutputFile::standard_output();
   if (const auto told = out.write(options.json     ? *first + "\n"

@@ -4,7 +4,7 @@ namespace plumbline {
 namespace {
 
 /// How long the daemon waits for an event before its next turn. Shorter responds faster, longer spares the processor.
-constexpr nanoseconds kLook = std::chrono::milliseconds(200);
+constexpr nanoseconds kAnswerLook = std::chrono::milliseconds(200);
 
 /// A press this soon after a question answers the one before it: whoever presses start twice must not print onto a full plate.
 constexpr nanoseconds kSettle = std::chrono::seconds(1);
@@ -14,7 +14,7 @@ constexpr nanoseconds kSettle = std::chrono::seconds(1);
 Expected<std::optional<Event>> Answers::look() {
   by_command_ = false;
   record_.waits = true;
-  auto event = machine_.events.next_event(machine_.clock.now() + kLook);
+  auto event = machine_.events.next_event(machine_.clock.now() + kAnswerLook);
   record_.waits = false;
   PLUMBLINE_TRY(event);
   observer_.idle();

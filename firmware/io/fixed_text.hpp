@@ -3,6 +3,7 @@
 
 #include <cstdarg>
 #include <cstddef>
+#include <cstdint>
 #include <cstdio>
 #include <string_view>
 
@@ -40,6 +41,9 @@ class FixedText {
   std::size_t size_ = 0;
   bool cut_ = false;
 };
+
+/// For "%llu", since std::uint64_t is another type on other architectures.
+constexpr unsigned long long big(std::uint64_t number) { return number; }
 
 /// The longest path that Linux takes, terminator included.
 inline constexpr std::size_t kMaxPath = 4096;

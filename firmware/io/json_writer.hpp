@@ -84,4 +84,6 @@ class JsonWriter {
   std::size_t filled_ = 0;
 };
 
+constexpr auto kOneLine = JsonWriter::Layout::kOneLine;
+
 }  // namespace plumbline

@@ -7,11 +7,7 @@
 #include "firmware/screen/fault_words.hpp"
 
 namespace plumbline {
-namespace {
-
-constexpr auto kOneLine = JsonWriter::Layout::kOneLine;
-
-}  // namespace
+namespace {}  // namespace
 
 std::optional<std::uint64_t> whole_number(std::optional<std::string_view> text) {
   std::uint64_t number = 0;

@@ -5,14 +5,16 @@
 namespace plumbline {
 namespace {
 
+namespace table {
+
 struct Row {
   Words which;
   std::array<std::string_view, kLanguageCount> text;  ///< by Language
 };
 
-using enum Words;
+using enum Words;  // two of its names are those of faults, whose texts are in this folder, too
 
-constexpr std::array kTable{
+constexpr std::array kTexts{
     Row{kReady, {"Ready", "Bereit"}},
     Row{kScans, {"Scans on the stick", "Scans auf dem Stick"}},
     Row{kUploadedScan, {"Uploaded scan", "Hochgeladener Scan"}},
@@ -158,18 +160,22 @@ constexpr std::array kTable{
     Row{kPageCode, {"Page code: %s", "Code der Seite: %s"}},
 };
 
+}  // namespace table
+
+using table::kTexts;
+
 constexpr bool is_in_order() {
-  for (std::size_t i = 0; i < kTable.size(); ++i) {
-    if (kTable[i].which != static_cast<Words>(i)) return false;
+  for (std::size_t i = 0; i < kTexts.size(); ++i) {
+    if (kTexts[i].which != static_cast<Words>(i)) return false;
   }
-  return kTable.size() == kWordsCount;
+  return kTexts.size() == kWordsCount;
 }
 static_assert(is_in_order());
 
 }  // namespace
 
 std::string_view words(Words which, Language language) {
-  return kTable[static_cast<std::size_t>(which)].text[static_cast<std::size_t>(language)];
+  return kTexts[static_cast<std::size_t>(which)].text[static_cast<std::size_t>(language)];
 }
 
 }  // namespace plumbline

@@ -17,7 +17,6 @@ constexpr std::array<std::string_view, 3> kMirrors = {"none", "x", "y"};  // by 
 constexpr std::array<std::string_view, 3> kStarts = {"on_request", "on_stick", "after_preview"};  // by StartChoice
 constexpr std::array<std::string_view, 2> kLanguages = {"en", "de"};                              // by Language
 constexpr std::array<std::string_view, 3> kPages = {"off", "local", "network"};                   // by PageChoice
-constexpr std::array<std::uint32_t, 4> kRotations = {0, 90, 180, 270};
 constexpr std::array<std::uint32_t, 9> kMicrosteps = {1, 2, 4, 8, 16, 32, 64, 128, 256};
 
 }  // namespace

@@ -30,6 +30,8 @@ struct NumberChoiceSetting {
   std::span<const std::uint32_t> numbers;
   std::uint32_t* value = nullptr;
 };
+/// Degrees that a display can be turned by.
+inline constexpr std::array<std::uint32_t, 4> kRotations = {0, 90, 180, 270};
 
 /// kRequired: the file must have the key. kOptional: it may. kAllOrNone: it has all keys of this kind or none.
 enum class Presence : std::uint8_t { kRequired, kOptional, kAllOrNone };

@@ -4,13 +4,12 @@ namespace plumbline {
 namespace {
 
 constexpr std::array<std::string_view, 2> kActive = {"high", "low"};  // by LineSettings::active_low
-constexpr std::array<std::uint32_t, 4> kRotations = {0, 90, 180, 270};
 constexpr std::array<std::uint32_t, 2> kScreenBits = {16, 24};
 // The smallest screen that the texts fit on; far above any panel for people.
 constexpr double kLeastScreenColumns = 320, kLeastScreenRows = 240, kMostScreenSide = 1920;
 constexpr auto kOptional = Presence::kOptional;
 // Characters: enough for any device, and bounded because messages repeat them.
-constexpr double kLongestPath = 255;
+constexpr double kLongestDevicePath = 255;
 constexpr double kLongestName = 63;
 
 template <class SomeThermals, class Visit>
@@ -31,7 +30,7 @@ TextSetting path(std::string& value) { return {&value, TextKind::kPath}; }
 
 void add_wiring_rules(std::vector<SettingRule>& rules, Wiring& wiring) {
   DisplaySettings& display = wiring.display;
-  rules.push_back({"display", "card", path(display.card), 1, kLongestPath, "", kOptional});
+  rules.push_back({"display", "card", path(display.card), 1, kLongestDevicePath, "", kOptional});
   rules.push_back({"display", "connector", path(display.connector), 1, kLongestName, "", kOptional});
   rules.push_back({"display", "refresh_hz", &display.refresh_hz, 1, 500, " Hz", kOptional});
   rules.push_back({"display", "plane", &display.plane, 1, 0xFFFFFFFF, "", kOptional});
@@ -39,12 +38,12 @@ void add_wiring_rules(std::vector<SettingRule>& rules, Wiring& wiring) {
   ScreenSettings& screen = wiring.screen;
   rules.push_back({"screen", "columns", &screen.columns, kLeastScreenColumns, kMostScreenSide, " pixels", kOptional});
   rules.push_back({"screen", "rows", &screen.rows, kLeastScreenRows, kMostScreenSide, " pixels", kOptional});
-  rules.push_back({"screen", "card", path(screen.card), 1, kLongestPath, "", kOptional});
+  rules.push_back({"screen", "card", path(screen.card), 1, kLongestDevicePath, "", kOptional});
   rules.push_back({"screen", "connector", path(screen.connector), 1, kLongestName, "", kOptional});
   rules.push_back(
       {"screen", "rotation_deg", NumberChoiceSetting{kRotations, &screen.rotation_deg}, 0, 0, " degrees", kOptional});
   rules.push_back({"screen", "bits", NumberChoiceSetting{kScreenBits, &screen.bits}, 0, 0, "", kOptional});
-  rules.push_back({"screen", "touch", path(screen.touch), 1, kLongestPath, "", kOptional});
+  rules.push_back({"screen", "touch", path(screen.touch), 1, kLongestDevicePath, "", kOptional});
   for_each_line(wiring, [&](const LineRole& role, LineSettings& line) {
     rules.push_back({role.table, "line", path(line.name), 1, kLongestName, "", kOptional});
     rules.push_back({role.table, "chip", path(line.chip), 1, kLongestName, "", kOptional});
@@ -56,7 +55,7 @@ void add_wiring_rules(std::vector<SettingRule>& rules, Wiring& wiring) {
     rules.push_back({table, "hwmon", path(sensor.hwmon), 1, kLongestName, "", kOptional});
     rules.push_back({table, "channel", &sensor.channel, 1, 64, "", kOptional});
     rules.push_back({table, "thermal_zone", path(sensor.thermal_zone), 1, kLongestName, "", kOptional});
-    rules.push_back({table, "file", path(sensor.file), 1, kLongestPath, "", kOptional});
+    rules.push_back({table, "file", path(sensor.file), 1, kLongestDevicePath, "", kOptional});
   });
   for_each_fan(wiring.thermals, [&](std::string_view table, FanSettings& fan) {
     rules.push_back({table, "hwmon", path(fan.hwmon), 1, kLongestName, "", kOptional});
@@ -65,7 +64,7 @@ void add_wiring_rules(std::vector<SettingRule>& rules, Wiring& wiring) {
     rules.push_back({table, "period_us", &fan.period_us, 1, 1000000, " us", kOptional});
   });
   rules.push_back({"stick", "port", path(wiring.stick.port), 1, kLongestName, "", kOptional});
-  rules.push_back({"watchdog", "device", path(wiring.watchdog.device), 1, kLongestPath, "", kOptional});
+  rules.push_back({"watchdog", "device", path(wiring.watchdog.device), 1, kLongestDevicePath, "", kOptional});
   rules.push_back({"watchdog", "timeout_s", &wiring.watchdog.timeout_s, 2, 60, " s", kOptional});
 }
 

@@ -6,10 +6,6 @@
 namespace plumbline {
 namespace {
 
-constexpr auto kOneLine = JsonWriter::Layout::kOneLine;
-
-unsigned long long big(std::uint64_t number) { return number; }
-
 /// Three digits are enough for a person, but areas of a panel have four before the point.
 FixedText<24> rounded(double value) {
   FixedText<24> text;

@@ -186,8 +186,6 @@ FixedText<256> turned_warning(const NormalCounts& normals, std::uint32_t points)
 
 namespace {
 
-unsigned long long big(std::uint64_t number) { return number; }
-
 /// What was left out of a mesh, and how its holes were closed.
 void for_each_mesh_remark(const MeshCounts& mesh, FunctionRef<void(std::string_view)> visit) {
   FixedText<256> text;

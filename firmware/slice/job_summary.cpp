@@ -14,8 +14,6 @@ using Text = FixedText<3 * kMaxPath>;
 
 double percent(double part, double whole) { return whole > 0 ? 100 * part / whole : 0; }
 
-unsigned long long big(std::uint64_t number) { return number; }
-
 /// Lists the files if there are several.
 void add_files(Text& text, std::span<const std::string> names, const ScanSummaries& scans) {
   if (names.size() < 2) return;

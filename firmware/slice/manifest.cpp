@@ -11,8 +11,6 @@
 namespace plumbline {
 namespace {
 
-constexpr auto kOneLine = JsonWriter::Layout::kOneLine;
-
 /// "winding number" as a key: "winding_number".
 FixedText<32> as_key(std::string_view name) {
   FixedText<32> key;

@@ -10,8 +10,6 @@
 namespace plumbline {
 namespace {
 
-constexpr auto kOneLine = JsonWriter::Layout::kOneLine;
-
 /// To a thousandth: more digits would only be noise.
 double thousandths(double value) { return std::round(value * 1000) / 1000; }
 

@@ -13,6 +13,9 @@ namespace plumbline {
 
 class StateLink {
  public:
+  /// More than a living daemon takes to answer.
+  static constexpr std::chrono::seconds kPatience{10};
+
   /// @param path      the state socket's
   /// @param commands  connect to the socket for commands that is beside it
   /// @retval ErrorCode::kCannotOpen  no daemon serves there, or this user may not command
@@ -27,7 +30,8 @@ class StateLink {
   /// The next line of a type: "state", "reply".
   /// @retval the errors of next_line()
   /// @retval ErrorCode::kCannotRead  the daemon has ended
-  [[nodiscard]] Expected<std::string> next_of_type(std::string_view type, std::chrono::milliseconds patience);
+  [[nodiscard]] Expected<std::string> next_of_type(std::string_view type,
+                                                   std::chrono::milliseconds patience = kPatience);
   /// @param file  a descriptor that goes with it; below 0: none
   /// @retval ErrorCode::kCannotWrite
   [[nodiscard]] Status send(const std::string& line, int file = -1);

@@ -17,11 +17,8 @@ namespace plumbline {
 namespace {
 
 constexpr double kMiB = 1024.0 * 1024.0;
-constexpr auto kOneLine = JsonWriter::Layout::kOneLine;
 
 using Text = FixedText<2 * kMaxPath>;
-
-unsigned long long big(std::uint64_t number) { return number; }
 
 std::uint64_t missing_normals(const ScanSummary& scan) { return scan.header.has_normals ? 0 : scan.points; }
 

@@ -12,7 +12,7 @@ namespace {
 using namespace std::chrono_literals;
 
 /// How long the firmware waits for the child before it looks at the buttons again.
-constexpr auto kLook = 10ms;
+constexpr auto kChildLook = 10ms;
 
 /// A child whose progress does not rise is killed after this many times the patience with a silent one: some steps can't say how far
 /// they are.
@@ -100,7 +100,7 @@ Expected<ScanAnswer> ScanSlicing::follow(const StickMount* mount, ScanFeed* feed
   beaten_at_ = risen_at_ = HostClock::now();
   bool fed = false;
   for (;;) {
-    const auto ended = child_.wait(fed ? 0ms : kLook);
+    const auto ended = child_.wait(fed ? 0ms : kChildLook);
     PLUMBLINE_TRY(ended);
     if (*ended) {
       if (WIFSIGNALED(**ended)) return broke(request, numbered("reading it failed (signal ", WTERMSIG(**ended), ")"));
@@ -164,7 +164,7 @@ Status ScanSlicing::look_at_buttons() {
 Expected<int> ScanSlicing::kill_and_wait() {
   child_.kill();
   for (;;) {
-    const auto ended = child_.wait(kLook);
+    const auto ended = child_.wait(kChildLook);
     PLUMBLINE_TRY(ended);
     if (*ended) return **ended;
     // What is pressed now changes nothing, but the request to shut down must not be lost.

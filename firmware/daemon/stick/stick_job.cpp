@@ -54,7 +54,7 @@ std::vector<SettingRule> rules_for(StickJob& job, JobTexts& texts) {
 std::string take_text(StickJob& job, const JobTexts& texts, std::string_view key) {
   if (key == "floor" && !texts.floor.empty()) {
     const auto floor = parse_floor(texts.floor);
-    if (!floor) return std::string("is not ") + kFloorForm;
+    if (!floor) return std::string("is not ").append(kFloorForm);
     job.floor = *floor;
   }
   if (key == "orient" && job.orient && (job.rotate_x_deg != 0 || job.rotate_y_deg != 0 || job.rotate_z_deg != 0)) {
@@ -65,7 +65,7 @@ std::string take_text(StickJob& job, const JobTexts& texts, std::string_view key
   const auto side = static_cast<std::size_t>(word - kSizeWords.begin());
   if (texts.sizes[side].empty()) return {};
   const auto mm = parse_length(texts.sizes[side]);
-  if (!mm) return std::string("is not ") + kLengthForm;
+  if (!mm) return std::string("is not ").append(kLengthForm);
   if (job.size || job.fit || job.scale != 1)
     return "is one size too many: keep one of width, depth, height, length, scale and fit";
   job.size = PrintSize{static_cast<Side>(side), *mm};

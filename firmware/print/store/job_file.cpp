@@ -12,11 +12,11 @@ namespace plumbline {
 namespace {
 
 /// Change the version whenever the stored data change, JobFacts and PrintPlan included.
-constexpr std::uint32_t kMagic = 0x424F4A50;  // "PJOB"
+constexpr std::uint32_t kJobMagic = 0x424F4A50;  // "PJOB"
 constexpr std::uint32_t kVersion = 6;
 
 struct JobHeader {
-  std::uint32_t magic = kMagic;
+  std::uint32_t magic = kJobMagic;
   std::uint32_t version = kVersion;
   std::uint64_t facts_bytes = sizeof(JobFacts);
   std::uint64_t crossings = 0;
@@ -38,18 +38,18 @@ std::span<std::byte> writable_bytes_of(T& value) {
   return std::as_writable_bytes(std::span(&value, 1));
 }
 
-tl::unexpected<Error> damaged(const char* path, const char* how) {
+tl::unexpected<Error> damaged_job(const char* path, const char* how) {
   return fail(ErrorCode::kMalformed, "%s: the stored job is %s and can't be resumed", path, how);
 }
 
 /// The error after read_all() has failed.
-tl::unexpected<Error> cannot_read(const char* path) {
-  if (errno == 0) return damaged(path, "cut off");
+tl::unexpected<Error> cannot_read_job(const char* path) {
+  if (errno == 0) return damaged_job(path, "cut off");
   return fail(ErrorCode::kCannotRead, "%s: %s", path, std::strerror(errno));
 }
 
 Status check(const JobHeader& header, const char* path) {
-  if (header.magic != kMagic) return damaged(path, "damaged");
+  if (header.magic != kJobMagic) return damaged_job(path, "damaged");
   if (header.version != kVersion || header.facts_bytes != sizeof(JobFacts)) {
     return fail(ErrorCode::kUnsupported,
                 "%s: the job was stored by another version of plumbline; only that one can resume it", path);
@@ -63,7 +63,7 @@ Status check(const JobHeader& header, const char* path) {
   const auto is_fine = [](float mm) { return mm >= 0.001F && mm <= 10; };
   const bool lengths =
       is_fine(header.grid.pitch_x_mm) && is_fine(header.grid.pitch_y_mm) && is_fine(header.grid.layer_height_mm);
-  return sizes && layers && lengths ? Status() : Status(damaged(path, "damaged"));
+  return sizes && layers && lengths ? Status() : Status(damaged_job(path, "damaged"));
 }
 
 /// All parts of the file but its header and facts.
@@ -96,11 +96,11 @@ bool write_job(const Descriptor& file, const JobFacts& facts, const MaskParts& p
 
 Expected<StoredJob> read_job(const Descriptor& file, const char* path, Arena& arena) {
   JobHeader header;
-  if (!file.read_all(writable_bytes_of(header))) return cannot_read(path);
+  if (!file.read_all(writable_bytes_of(header))) return cannot_read_job(path);
   PLUMBLINE_TRY(check(header, path));
   StoredJob job;
-  if (!file.read_all(writable_bytes_of(job.facts))) return cannot_read(path);
-  if (job.facts.file_count > job.facts.files.size()) return damaged(path, "damaged");
+  if (!file.read_all(writable_bytes_of(job.facts))) return cannot_read_job(path);
+  if (job.facts.file_count > job.facts.files.size()) return damaged_job(path, "damaged");
   const std::size_t ends = header.archive > 0 ? 0 : std::size_t{header.grid.layers} + 1;
   const auto first = arena.take_bottom<std::uint32_t>(ends, "r-rep");
   PLUMBLINE_TRY(first);
@@ -113,7 +113,7 @@ Expected<StoredJob> read_job(const Descriptor& file, const char* path, Arena& ar
   for (const auto part :
        {std::as_writable_bytes(*first), std::as_writable_bytes(*pixel), std::as_writable_bytes(*supports),
         std::as_writable_bytes(*archive), writable_bytes_of(job.hash)}) {
-    if (!file.read_all(part)) return cannot_read(path);
+    if (!file.read_all(part)) return cannot_read_job(path);
   }
   job.parts.rrep = {.grid = header.grid, .first = *first, .pixel = *pixel, .is_exact = header.is_exact != 0};
   job.parts.supports = {.list = *supports, .pitch = PixelPitch(header.grid)};
@@ -122,7 +122,7 @@ Expected<StoredJob> read_job(const Descriptor& file, const char* path, Arena& ar
   hash.add(bytes_of(header));
   hash.add(bytes_of(job.facts));
   for (const auto part : bytes_of_parts(job.parts)) hash.add(part);
-  if (hash.value() != job.hash) return damaged(path, "damaged");
+  if (hash.value() != job.hash) return damaged_job(path, "damaged");
   return job;
 }
 

@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "firmware/io/hash64.hpp"
+#include "firmware/print/store/file_modes.hpp"
 
 namespace plumbline {
 namespace {
@@ -26,8 +27,6 @@ constexpr const char* kArchive = "archive";
 constexpr const char* kNewArchive = "archive.new";
 /// Left free on the board's storage when an archive is copied: for the journal and the system's own logs.
 constexpr std::uint64_t kSpareBytes = std::uint64_t{16} << 20U;
-constexpr mode_t kFileMode = 0644;
-constexpr mode_t kFolderMode = 0755;
 
 }  // namespace
 

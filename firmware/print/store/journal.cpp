@@ -14,15 +14,15 @@
 namespace plumbline {
 namespace {
 
-constexpr std::uint32_t kMagic = 0x324A4C50;       // "PLJ2"
-constexpr std::uint32_t kFirstMagic = 0x314A4C50;  // "PLJ1": one copy, with zeros where no record is
+constexpr std::uint32_t kJournalMagic = 0x324A4C50;  // "PLJ2"
+constexpr std::uint32_t kFirstMagic = 0x314A4C50;    // "PLJ1": one copy, with zeros where no record is
 constexpr std::size_t kCopies = 2;
 /// `Record::next_layer` of a slot without a record.
 constexpr std::uint32_t kSeal = std::numeric_limits<std::uint32_t>::max();
 
 /// As on the medium: little-endian, no padding. The hash covers the bytes before it.
 struct Header {
-  std::uint32_t magic = kMagic;
+  std::uint32_t magic = kJournalMagic;
   std::uint32_t layers = 0;
   std::uint64_t job_hash = 0;
   std::array<std::uint64_t, 5> reserved = {};
@@ -69,7 +69,7 @@ bool unseal(const Bytes& bytes, T& value) {
   return value.hash == hash_of(value);
 }
 
-tl::unexpected<Error> damaged(std::size_t record, const char* how) {
+tl::unexpected<Error> damaged_journal(std::size_t record, const char* how) {
   return fail(ErrorCode::kMalformed, "the journal of the interrupted print is damaged at record %zu: %s", record, how);
 }
 
@@ -83,17 +83,17 @@ Expected<bool> read_header(JournalStorage& storage, std::size_t place, Header& h
     return fail(ErrorCode::kUnsupported,
                 "the interrupted print was started by an older version of plumbline; only that one can resume it");
   }
-  return whole && header.magic == kMagic;
+  return whole && header.magic == kJournalMagic;
 }
 
 /// Reads both headers; one of them is enough.
 Status find_header(JournalStorage& storage, Header& header) {
   const std::size_t size = storage.size();
   if (size == 0) return fail(ErrorCode::kTruncated, "no journal: the file is empty");
-  if (size < Journal::kRecordBytes) return damaged(0, "the file is cut off");
+  if (size < Journal::kRecordBytes) return damaged_journal(0, "the file is cut off");
   const auto first = read_header(storage, 0, header);
   PLUMBLINE_TRY(first);
-  if (size < Journal::bytes_needed(1)) return damaged(0, "the file is cut off");
+  if (size < Journal::bytes_needed(1)) return damaged_journal(0, "the file is cut off");
   Header other;
   const auto second = read_header(storage, size / kCopies, other);
   PLUMBLINE_TRY(second);
@@ -101,11 +101,12 @@ Status find_header(JournalStorage& storage, Header& header) {
     const Header zeros{.magic = 0};
     const auto blank = [&zeros](const Header& found) { return std::memcmp(&found, &zeros, sizeof found) == 0; };
     if (blank(header) && blank(other)) return fail(ErrorCode::kTruncated, "no journal: nothing was written to it");
-    return damaged(0, "both copies have lost their header");
+    return damaged_journal(0, "both copies have lost their header");
   }
-  if (*first && *second && std::memcmp(&header, &other, sizeof header) != 0) return damaged(0, "the headers differ");
+  if (*first && *second && std::memcmp(&header, &other, sizeof header) != 0)
+    return damaged_journal(0, "the headers differ");
   if (!*first) header = other;
-  if (size != Journal::bytes_needed(header.layers)) return damaged(0, "the file has another size");
+  if (size != Journal::bytes_needed(header.layers)) return damaged_journal(0, "the file has another size");
   return {};
 }
 
@@ -153,16 +154,17 @@ Status Journal::read_records() {
       if (!unseal(pages[copy][in_page], here) || here.slot != slot || here.job_hash != job_hash_) {
         spoiled[copy] = slot;
       } else if (here.next_layer != kSeal) {
-        if (record.next_layer != kSeal && record.hash != here.hash) return damaged(slot, "the two copies differ");
+        if (record.next_layer != kSeal && record.hash != here.hash)
+          return damaged_journal(slot, "the two copies differ");
         record = here;
         last[copy] = slot;
       }
     }
     if (record.next_layer == kSeal) continue;
-    if (slot != records_ + 1) return damaged(records_ + 1, "both copies have lost it");
+    if (slot != records_ + 1) return damaged_journal(records_ + 1, "both copies have lost it");
     const std::uint32_t before = last_.next_layer;
     if (record.next_layer > layers_ || (record.next_layer != before && record.next_layer != before + 1)) {
-      return damaged(slot, "it skips a layer");
+      return damaged_journal(slot, "it skips a layer");
     }
     last_ = {.next_layer = record.next_layer,
              .height = ZPosition(Distance::nanometres(record.height_nm)),
@@ -174,11 +176,11 @@ Status Journal::read_records() {
   }
   // The second copy may be one record behind, and the next write of either may be spoiled.
   if (last[0] != records_ || last[1] + 1 < records_) {
-    return damaged(std::min(last[0], last[1]) + 1, "one copy has lost it and all that came after it");
+    return damaged_journal(std::min(last[0], last[1]) + 1, "one copy has lost it and all that came after it");
   }
   second_behind_ = last[1] != records_;
   if (spoiled[0] > records_ + (second_behind_ ? 0 : 1) || spoiled[1] > records_) {
-    return damaged(std::max(spoiled[0], spoiled[1]), "it is after the journal's end and not empty");
+    return damaged_journal(std::max(spoiled[0], spoiled[1]), "it is after the journal's end and not empty");
   }
   return {};
 }

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "firmware/io/hash64.hpp"
+#include "firmware/print/store/file_modes.hpp"
 
 namespace plumbline {
 namespace {
@@ -21,8 +22,6 @@ namespace {
 constexpr const char* kFolder = "prints";
 constexpr const char* kNew = "new";
 constexpr std::size_t kDigits = 8;
-constexpr mode_t kFileMode = 0644;
-constexpr mode_t kFolderMode = 0755;
 
 /// Change the version whenever KeptPrint changes.
 struct Head {
@@ -120,7 +119,7 @@ Found read_print(int folder, std::uint32_t number, KeptPrint& print) {
   return stored == hash.value() ? Found::kWhole : Found::kTorn;
 }
 
-tl::unexpected<Error> cannot_read(std::uint32_t number) {
+tl::unexpected<Error> cannot_read_print(std::uint32_t number) {
   return fail(ErrorCode::kCannotRead, "print %u can't be read: %s", number, std::strerror(errno));
 }
 
@@ -276,7 +275,7 @@ Expected<KeptPrints::Place> KeptPrints::find(std::uint32_t number, Part part) co
   const std::uint64_t size = is_report ? print->report_bytes : print->preview_bytes;
   if (size == 0) return fail(ErrorCode::kBadSetting, "print %u has no preview", number);
   Descriptor file(::openat(folder_.get(), name_of(number).c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
-  if (!file.is_open()) return cannot_read(number);
+  if (!file.is_open()) return cannot_read_print(number);
   return Place{std::move(file), sizeof(Head) + (is_report ? 0 : print->report_bytes), size};
 }
 
@@ -287,7 +286,7 @@ Expected<KeptPrints::Got> KeptPrints::read(std::uint32_t number, Part part, std:
   if (from >= place->bytes) return Got{0, place->bytes};
   const auto wanted = static_cast<std::size_t>(std::min<std::uint64_t>(out.size(), place->bytes - from));
   const ssize_t got = ::pread(place->file.get(), out.data(), wanted, static_cast<off_t>(place->from + from));
-  if (got < 0) return cannot_read(number);
+  if (got < 0) return cannot_read_print(number);
   return Got{static_cast<std::size_t>(got), place->bytes};
 }
 

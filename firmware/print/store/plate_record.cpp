@@ -7,11 +7,12 @@
 #include <cerrno>
 #include <cstring>
 
+#include "firmware/print/store/file_modes.hpp"
+
 namespace plumbline {
 namespace {
 
 constexpr const char* kFile = "plate-is-empty";
-constexpr mode_t kFileMode = 0644;
 
 }  // namespace
 

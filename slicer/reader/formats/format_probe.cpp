@@ -69,9 +69,9 @@ class Probe {
     std::string_view rest = window_;
     const auto line = next_line(rest);
     if (is_count(line) && is_count(next_line(rest))) return ScanFormat::kPtx;
-    const auto word = Words(line, kBlanksAndCommas).next();
+    const auto word = LineWords(line, kBlanksAndCommas).next();
     if (word == "VERSION" || word == "FIELDS" || word == "COLUMNS") return ScanFormat::kPcd;
-    const auto keyword = Words(line).next();
+    const auto keyword = LineWords(line).next();
     if (std::find(std::begin(kObjKeywords), std::end(kObjKeywords), keyword) != std::end(kObjKeywords)) {
       return ScanFormat::kObj;
     }
@@ -146,7 +146,7 @@ class Probe {
 
   /// 4OFF and nOFF have other dimensions than three.
   bool is_off() const {
-    const auto first = Words(window_.substr(0, window_.find_first_of("\r\n"))).next();
+    const auto first = LineWords(window_.substr(0, window_.find_first_of("\r\n"))).next();
     for (const std::string_view off : {"OFF", "COFF", "NOFF", "CNOFF", "STOFF", "STCOFF", "STNOFF", "STCNOFF"}) {
       if (first == off) return true;
     }
@@ -158,7 +158,7 @@ class Probe {
     while (!rest.empty()) {
       const std::size_t end = std::min(rest.find_first_of("\r\n"), rest.size());
       const auto line = rest.substr(0, end);
-      const auto word = Words(line).next();
+      const auto word = LineWords(line).next();
       rest.remove_prefix(std::min(end + 1, rest.size()));
       if (!word.empty() && !word.starts_with('#') && !word.starts_with("//") && !word.starts_with(';')) return line;
     }
@@ -167,7 +167,7 @@ class Probe {
 
   /// A line of one whole number. A PTX begins with two, the columns and rows of its first scan; a PTS with one.
   static bool is_count(std::string_view line) {
-    Words words(line);
+    LineWords words(line);
     return parse_count(words.next()) && words.next().empty();
   }
 

@@ -5,7 +5,7 @@
 namespace plumbline {
 
 void ObjLines::split() {
-  Words words(line_.text);
+  LineWords words(line_.text);
   keyword_ = words.next();
   rest_ = words.rest();
 }

@@ -28,7 +28,7 @@ class ObjLines {
       const auto found = lines_.next(line_);
       PLUMBLINE_TRY(found);
       if (!*found) return false;
-      keyword_ = Words(line_.text).next();
+      keyword_ = LineWords(line_.text).next();
       if (wanted(keyword_)) {
         if (is_continued()) PLUMBLINE_TRY(join());
         split();

@@ -43,7 +43,7 @@ class HeaderParser {
                                    "the file ends after line %llu, before 'end_header';\tcopy or export it again",
                                    number());
       }
-      Words words(line.text);
+      LineWords words(line.text);
       const std::string_view keyword = words.next();
       if (first || keyword == "comment" || keyword == "obj_info") continue;
       if (line.cut) {
@@ -78,7 +78,7 @@ class HeaderParser {
                                number(), what, Quote(found).c_str());
   }
 
-  Status parse_format(Words& words) {
+  Status parse_format(LineWords& words) {
     const auto encoding = words.next();
     const auto version = words.next();
     if (encoding == "ascii") {
@@ -98,7 +98,7 @@ class HeaderParser {
     return {};
   }
 
-  Status parse_element(Words& words) {
+  Status parse_element(LineWords& words) {
     const auto name = words.next();
     const auto count_word = words.next();
     const auto count = parse_count(count_word);
@@ -142,7 +142,7 @@ class HeaderParser {
   }
 
   /// @returns false if the property can't be understood
-  bool parse_after_vertex(Words& words) {
+  bool parse_after_vertex(LineWords& words) {
     auto word = words.next();
     if (word != "list") {
       const auto type = type_of(word);
@@ -157,7 +157,7 @@ class HeaderParser {
     return layout_.add_list(*count, *item, wanted);
   }
 
-  Status parse_property(Words& words) {
+  Status parse_property(LineWords& words) {
     if (place_ == Place::kStart) return expected("an element before its properties", "property");
     if (place_ == Place::kAfter) return {};
     if (place_ > Place::kVertex) {

@@ -61,7 +61,7 @@ class PtxReader {
 
   /// Parses the current line as one whole number.
   Expected<std::uint64_t> read_count(const char* what) {
-    Words words(line_.text);
+    LineWords words(line_.text);
     const auto count = parse_count(words.next());
     if (count && words.next().empty()) return *count;
     return lines_.input().fail(
@@ -82,7 +82,7 @@ class PtxReader {
 
   Status read_numbers(std::span<double> numbers, const char* what) {
     PLUMBLINE_TRY(need_next(what));
-    Words words(line_.text);
+    LineWords words(line_.text);
     for (double& number : numbers) {
       const auto word = words.next();
       const char* const end = word.data() + word.size();

@@ -41,7 +41,7 @@ std::optional<XyzColumns> columns_by_name(std::string_view line, std::size_t& na
   while (!line.empty() && (line.front() == '#' || line.front() == '/' || line.front() == ';')) line.remove_prefix(1);
   XyzColumns columns;
   columns.of.fill(kMaxColumns);
-  Words words(line, kBlanksAndCommas);
+  LineWords words(line, kBlanksAndCommas);
   names = 0;
   for (auto name = words.next(); !name.empty(); name = words.next(), ++names) {
     while (name.size() > 1 && name.front() == '"' && name.back() == '"') name = name.substr(1, name.size() - 2);

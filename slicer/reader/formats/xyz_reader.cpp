@@ -55,7 +55,7 @@ Commas commas_of(std::string_view text) {
   bool is_decimal = true;
   bool has_inner = false;
   std::size_t numbers = 0;
-  Words words(text, kAllButCommas);
+  LineWords words(text, kAllButCommas);
   for (auto word = words.next(); !word.empty(); word = words.next(), ++numbers) {
     if (word.find('.') != std::string_view::npos) return Commas::kSeparators;
     const std::size_t comma = word.find(',');
@@ -135,7 +135,7 @@ class XyzReader {
   /// In PTS, a line of one whole number is the number of points that follow. Merged scans have one before each part.
   bool take_count(std::string_view text) {
     if (rows_ > 0 && rows_ != declared_) return false;
-    Words words(text, kBlanksAndCommas);
+    LineWords words(text, kBlanksAndCommas);
     const auto count = parse_count(words.next());
     if (!count || !words.next().empty()) return false;
     declared_ = saturating_add(declared_.value_or(0), *count);
@@ -152,7 +152,7 @@ class XyzReader {
     if (row.columns < 3) {
       static constexpr const char* kMissing[] = {"x", "y", "z"};
       RowOutcome outcome{.kind = RowOutcome::Kind::kTooFew, .word = {}, .wanted = kMissing[row.columns]};
-      Words words(text, *separators_);
+      LineWords words(text, *separators_);
       for (std::size_t i = 0; i < row.columns; ++i) words.next();
       outcome.word = words.next();
       if (!outcome.word.empty()) outcome.kind = RowOutcome::Kind::kNotANumber;

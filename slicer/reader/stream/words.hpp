@@ -32,9 +32,9 @@ inline const char* skip_word(const char* first, const char* last, const Separato
 }
 
 /// Splits a line into words, from the left.
-class Words {
+class LineWords {
  public:
-  explicit Words(std::string_view line, const Separators& separators = kBlanks)
+  explicit LineWords(std::string_view line, const Separators& separators = kBlanks)
       : first_(line.data()), last_(line.data() + line.size()), separators_(&separators) {}
 
   /// @returns the next word, empty at the end of the line

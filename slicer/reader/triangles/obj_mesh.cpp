@@ -59,7 +59,7 @@ class ObjMeshReader {
                           input().capacity());
     }
     fan_.begin();
-    Words words(lines_.rest());
+    LineWords words(lines_.rest());
     for (auto word = words.next(); !word.empty(); word = words.next()) {
       if (word.front() == '#') break;
       const auto digits = word.substr(0, word.find('/'));

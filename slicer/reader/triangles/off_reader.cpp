@@ -16,15 +16,15 @@ class OffReader {
     batch_.summary().format = ScanFormat::kOff;
     batch_.summary().encoding = "ascii";
     PLUMBLINE_TRY(next_line("its header"));
-    Words words(text_);
+    LineWords words(text_);
     words.next();  // OFF and its like
-    const auto more = Words(words.rest()).next();
+    const auto more = LineWords(words.rest()).next();
     if (same_word(more, "BINARY")) {
       return lines_.input().fail(ErrorCode::kUnsupported, "line 1: binary OFF can't be read;\texport it as ascii");
     }
     if (more.empty()) {
       PLUMBLINE_TRY(next_line("the number of its vertices"));
-      words = Words(text_);
+      words = LineWords(text_);
     }
     std::uint64_t vertices = 0;
     std::uint64_t faces = 0;
@@ -59,7 +59,7 @@ class OffReader {
     }
   }
 
-  Status count(Words& words, const char* wanted, std::uint64_t& out) const {
+  Status count(LineWords& words, const char* wanted, std::uint64_t& out) const {
     const auto word = words.next();
     const auto value = parse_count(word);
     if (!value) {
@@ -92,7 +92,7 @@ class OffReader {
 
   Status read_face(FaceFan& fan) {
     PLUMBLINE_TRY(next_line("the last face that its header declares"));
-    Words words(text_);
+    LineWords words(text_);
     std::uint64_t corners = 0;
     PLUMBLINE_TRY(count(words, "the number of a face's corners", corners));
     fan.begin();

@@ -152,7 +152,7 @@ class PlyMeshReader {
       }
       if (!is_blank(line.text)) break;
     }
-    Words words(line.text);
+    LineWords words(line.text);
     for (const RecordStep& step : header_.face.layout.steps()) {
       std::uint64_t items = step.words;
       if (step.kind == Kind::kList) {

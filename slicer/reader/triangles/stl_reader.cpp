@@ -29,7 +29,7 @@ std::uint64_t declared_triangles(const char* head) {
 /// A binary file may begin with "solid", too. A size that fits its number of triangles, or a byte that no text has, decides.
 bool is_ascii(const ByteInput& input) {
   const std::string_view window(input.begin(), input.available());
-  Words words(window.substr(0, window.find_first_of("\r\n")));
+  LineWords words(window.substr(0, window.find_first_of("\r\n")));
   if (!same_word(words.next(), "solid")) return false;
   if (window.size() >= kHead && input.size() == kHead + kRecord * declared_triangles(window.data())) return false;
   return window.find('\0') == std::string_view::npos;
@@ -83,7 +83,7 @@ class AsciiReader {
       const auto found = lines_.next(line);
       PLUMBLINE_TRY(found);
       if (!*found) break;
-      Words words(line.text);
+      LineWords words(line.text);
       const auto keyword = words.next();
       if (same_word(keyword, "vertex")) {
         PLUMBLINE_TRY(add_corner(line, words));
@@ -100,7 +100,7 @@ class AsciiReader {
  private:
   unsigned long long number() const { return static_cast<unsigned long long>(lines_.number()); }
 
-  Status add_corner(const Line& line, const Words& words) {
+  Status add_corner(const Line& line, const LineWords& words) {
     const std::string_view rest = words.rest();
     const char* at = rest.data();
     const char* const last = at + rest.size();

@@ -47,7 +47,7 @@ class E57Document final : public XmlHandler {
 
   void end(std::string_view /*name*/) override {
     if (value_ != nullptr && depth_ == 6) {
-      const auto word = Words({text_.data(), text_size_}, kXmlBlanks).next();
+      const auto word = LineWords({text_.data(), text_size_}, kXmlBlanks).next();
       if (!word.empty() && !parse_number(word, *value_))
         parser_->complain("'%s' is not a number of a pose", Quote(word).c_str());
       value_ = nullptr;

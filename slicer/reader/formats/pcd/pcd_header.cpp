@@ -42,7 +42,7 @@ class HeaderParser {
         return lines_.input().fail(ErrorCode::kTruncated,
                                    "the file ends after line %llu, before 'DATA';\tcopy or export it again", number());
       }
-      Words words(line.text);
+      LineWords words(line.text);
       const auto keyword = words.next();
       if (keyword.starts_with('#')) continue;
       if (line.cut) {
@@ -66,7 +66,7 @@ class HeaderParser {
                                number(), what, Quote(found).c_str());
   }
 
-  Status parse_line(std::string_view keyword, Words& words) {
+  Status parse_line(std::string_view keyword, LineWords& words) {
     if (keyword == "VERSION") return parse_version(words.next());
     if (keyword == "FIELDS" || keyword == "COLUMNS") return parse_fields(words);
     if (keyword == "SIZE" || keyword == "TYPE" || keyword == "COUNT") return parse_per_field(keyword, words);
@@ -86,7 +86,7 @@ class HeaderParser {
                                Quote(word).c_str());
   }
 
-  Status parse_fields(Words& words) {
+  Status parse_fields(LineWords& words) {
     if (used_ > 0) return expected("one line of field names", "another one");
     for (auto name = words.next(); !name.empty(); name = words.next()) {
       if (used_ == room_.size()) {
@@ -100,7 +100,7 @@ class HeaderParser {
     return {};
   }
 
-  Status parse_per_field(std::string_view keyword, Words& words) {
+  Status parse_per_field(std::string_view keyword, LineWords& words) {
     if (used_ == 0) return expected("FIELDS before SIZE, TYPE and COUNT", keyword);
     for (PcdField& field : room_.first(used_)) {
       const auto word = words.next();

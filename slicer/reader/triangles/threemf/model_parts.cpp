@@ -14,7 +14,7 @@ constexpr Separators kXmlBlanks{" \t\r\n"};
 
 std::optional<Affine> parse_transform(std::string_view text) {
   Affine transform;
-  Words words(text, kXmlBlanks);
+  LineWords words(text, kXmlBlanks);
   auto word = words.next();
   if (word.empty()) return transform;
   for (int row = 0; row < 4; ++row) {

@@ -96,7 +96,7 @@ class ModelDocument : public XmlHandler {
       if (known == kUnits.end()) return parser_->complain("unknown unit '%s'", Quote(unit).c_str());
       unit_mm_ = known->mm;
     }
-    Words required(attributes["requiredextensions"]);
+    LineWords required(attributes["requiredextensions"]);
     for (auto prefix = required.next(); !prefix.empty(); prefix = required.next()) {
       const auto space = attributes.any(prefix);
       const auto is_harmless = [&](std::string_view part) { return space.find(part) != std::string_view::npos; };
