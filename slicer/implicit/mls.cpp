@@ -55,11 +55,13 @@ PLUMBLINE_INLINE void sum_up(const RayPoints& points, RayWindow window, float de
     load(mass, points.mass + j);
     const Lanes dz = z - at;
     const Lanes t = 1.0F - (dz * dz + distance2) * inverse2;
-    const Lanes inside = t > 0.0F ? t : Lanes{};
+    Lanes inside;
+    choose(inside, t > 0.0F, t, Lanes{});
     Lanes w = inside * inside * mass;
     if (mean != nullptr) {
       const Lanes u = (*mean)[0] * nx + (*mean)[1] * ny + (*mean)[2] * nz - (kSharpness - 1);
-      const Lanes likeness = u > 0.0F ? u : Lanes{};
+      Lanes likeness;
+      choose(likeness, u > 0.0F, u, Lanes{});
       w *= likeness * likeness + kUnlike;
     }
     weights += w;

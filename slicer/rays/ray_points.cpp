@@ -40,11 +40,11 @@ PLUMBLINE_WIDE void look(const RayPoints& points, const Places& places, float ra
     store(points.offset_y + j, y);
     store(points.distance2 + j, distance2);
     store(points.plane + j, nx * x + ny * y - nz * depth);
-    const Lanes met = distance2 * inverse < 1.0F ? inverse : none;
-    inverse2 = met < inverse2 ? met : inverse2;
+    Lanes met;
+    choose(met, distance2 * inverse < 1.0F, inverse, none);
+    choose(inverse2, met < inverse2, met, inverse2);
   }
-  least = inverse2[0];
-  for (std::uint32_t j = 1; j < kLanes; ++j) least = std::min(least, inverse2[j]);
+  least = smallest(inverse2);
 }
 
 /// @returns the largest support radius of the points that have weight on the ray, mm

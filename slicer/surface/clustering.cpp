@@ -76,7 +76,9 @@ PLUMBLINE_WIDE void count(const Member& m, const Neighbourhood& batch, float eps
     const IntLanes facing = cosine > 0.0F;
     const IntLanes is_near = facing & (distance2 <= epsilon2 * cosine * cosine);
     near -= is_near;
-    offset += is_near ? height : Lanes{};
+    Lanes near_height;
+    choose(near_height, is_near, height, Lanes{});
+    offset += near_height;
     same_type -= is_near & (p.type == m.type);
     sheet -= facing & (distance2 <= epsilon2);
   }

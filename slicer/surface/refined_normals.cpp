@@ -58,7 +58,8 @@ PLUMBLINE_WIDE void add_all(const Member& m, float radius2, const Neighbourhood&
     const Lanes cosine = p.nx * m.normal[0] + p.ny * m.normal[1] + p.nz * m.normal[2];
     const IntLanes counts =
         (t > 0.0F) & (cosine >= kFacing) & (p.type != static_cast<std::int32_t>(PointClass::kNoise));
-    const Lanes w = counts ? t * t : Lanes{};
+    Lanes w;
+    choose(w, counts, t * t, Lanes{});
     const Lanes wx = w * x;
     const Lanes wy = w * y;
     const Lanes wz = w * z;

@@ -39,10 +39,11 @@ PLUMBLINE_INLINE void phasors(const Lanes& turns, Lanes& re, Lanes& im) {
   const Lanes c = 1 - x2 / 2 * (1 - x2 / 12 * (1 - x2 / 30 * (1 - x2 / 56)));
   const IntLanes odd = (quarter == 1) | (quarter == -1);
   const IntLanes half = (quarter == 2) | (quarter == -2);
-  const Lanes cosine = odd ? s : c;
-  const Lanes sine = odd ? c : s;
-  re = (half | (quarter == 1)) ? -cosine : cosine;
-  im = (half | (quarter == -1)) ? -sine : sine;
+  Lanes cosine, sine;
+  choose(cosine, odd, s, c);
+  choose(sine, odd, c, s);
+  choose(re, half | (quarter == 1), -cosine, cosine);
+  choose(im, half | (quarter == -1), -sine, sine);
 }
 
 /// The angle of (re, im) in turns, -1/2 to 1/2, error below 0.001: enough to start a fit.

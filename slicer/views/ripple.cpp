@@ -9,15 +9,22 @@ static_assert(Ripple::kMaxWaves == kLanes);
 
 PLUMBLINE_WIDE double depth_of(const Ripple& ripple, const Vec3d& x) {
   // A lane a wave; amplitudes of those that are none are 0.
-  Lanes fx, fy, fz, re, im, cosine, sine;
+  enum { kX, kY, kZ, kRe, kIm, kNumbers };
+  float number[kNumbers][kLanes];  // NOLINT(cppcoreguidelines-avoid-c-arrays)
   for (std::size_t k = 0; k < kLanes; ++k) {
     const Wave& wave = ripple.wave[k];
-    fx[k] = static_cast<float>(wave.frequency.data()[0]);
-    fy[k] = static_cast<float>(wave.frequency.data()[1]);
-    fz[k] = static_cast<float>(wave.frequency.data()[2]);
-    re[k] = static_cast<float>(wave.re);
-    im[k] = static_cast<float>(wave.im);
+    number[kX][k] = static_cast<float>(wave.frequency.data()[0]);
+    number[kY][k] = static_cast<float>(wave.frequency.data()[1]);
+    number[kZ][k] = static_cast<float>(wave.frequency.data()[2]);
+    number[kRe][k] = static_cast<float>(wave.re);
+    number[kIm][k] = static_cast<float>(wave.im);
   }
+  Lanes fx, fy, fz, re, im, cosine, sine;
+  load(fx, number[kX]);
+  load(fy, number[kY]);
+  load(fz, number[kZ]);
+  load(re, number[kRe]);
+  load(im, number[kIm]);
   const auto px = static_cast<float>(x.data()[0]);
   const auto py = static_cast<float>(x.data()[1]);
   const auto pz = static_cast<float>(x.data()[2]);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 
 #include "slicer/core/lanes.hpp"
 
@@ -81,24 +82,22 @@ PLUMBLINE_INLINE void distance2_of(Lanes& distance2, const FlatGrid& grid, const
                                    const Lanes& z) {
   FlatPixels p;
   project(p, grid, x, y, z);
-  distance2 = p.q < static_cast<float>(kMinQ) ? Lanes{} + 1 : p.du * p.du + p.dv * p.dv;
+  choose(distance2, p.q < static_cast<float>(kMinQ), Lanes{} + 1, p.du * p.du + p.dv * p.dv);
 }
 
 PLUMBLINE_WIDE void measure_within(const FlatGrid& grid, const Vec3f& middle, float radius2, const Vec3f* points,
                                    std::size_t size, float* distances2) {
+  float last[3 * kLanes] = {};  // NOLINT(cppcoreguidelines-avoid-c-arrays): the points that don't fill the lanes
+  const std::size_t whole = size - size % kLanes;
+  std::memcpy(last, points + whole, (size - whole) * sizeof(Vec3f));
   for (std::size_t i = 0; i < size; i += kLanes) {
-    Lanes x, y, z, distance2;
-    for (std::size_t k = 0; k < kLanes; ++k) {
-      const float* const point = points[std::min(i + k, size - 1)].data();
-      x[k] = point[0];
-      y[k] = point[1];
-      z[k] = point[2];
-    }
+    Lanes x{}, y{}, z{}, distance2;
+    load_points(x, y, z, i < whole ? points[i].data() : last);
     x -= middle.data()[0];
     y -= middle.data()[1];
     z -= middle.data()[2];
     distance2_of(distance2, grid, x, y, z);
-    distance2 = x * x + y * y + z * z > radius2 ? Lanes{} + 1 : distance2;
+    choose(distance2, x * x + y * y + z * z > radius2, Lanes{} + 1, distance2);
     store(distances2 + i, distance2);
   }
 }
@@ -127,7 +126,8 @@ PLUMBLINE_INLINE void add_lanes(const FlatGrid& g, const Lanes& x, const Lanes& 
   FlatPixels p;
   project(p, g, x, y, z);
   const Lanes rest = 1 - (p.du * p.du + p.dv * p.dv) * inverse_width2;
-  const Lanes weight = ((rest > 0) & (p.q >= static_cast<float>(kMinQ))) ? rest * rest : Lanes{};
+  Lanes weight;
+  choose(weight, (rest > 0) & (p.q >= static_cast<float>(kMinQ)), rest * rest, Lanes{});
   const Lanes uu = p.wu * p.wu;
   const Lanes vv = p.wv * p.wv;
   // Of the pixel by where the pinhole shows it.
