@@ -121,17 +121,21 @@ class NearestSet {
   }
   bool addPoint(float distance2, PointIndex index) {  // NOLINT(readability-identifier-naming): nanoflann's name
     if (accept_ != nullptr && !(*accept_)(index.value)) return true;
-    const auto before = [&](const Neighbour& other) {
-      return distance2 < other.distance2 || (distance2 == other.distance2 && index.value < other.index);
-    };
-    if (full() && !before(found_[count_ - 1])) return true;
+    const Neighbour point{index.value, distance2};
+    const std::uint64_t own = rank(point);
+    if (full() && own >= rank(found_[count_ - 1])) return true;
     std::size_t at = full() ? count_ - 1 : count_++;
-    for (; at > 0 && before(found_[at - 1]); --at) found_[at] = found_[at - 1];
-    found_[at] = {index.value, distance2};
+    for (; at > 0 && own < rank(found_[at - 1]); --at) found_[at] = found_[at - 1];
+    found_[at] = point;
     return true;
   }
 
  private:
+  /// Ascends with the distance, then with the index: squares are not negative, so they are in the order of their bits.
+  static std::uint64_t rank(const Neighbour& n) {
+    return std::uint64_t{std::bit_cast<std::uint32_t>(n.distance2)} << 32U | n.index;
+  }
+
   std::span<Neighbour> found_;
   const FunctionRef<bool(std::uint32_t)>* accept_;
   std::size_t count_ = 0;

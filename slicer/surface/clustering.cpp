@@ -191,10 +191,12 @@ class Clusterer {
   bool assign_others(const StageProgress& progress) {
     // Sparse surface belongs to a dense one. Among outliers a few always happen to face the same way.
     const int kept = coherent_ ? kDense | kSparse : kDense;
+    // What these are is known: their core points are needed for labels only.
+    const int known = labels_.empty() ? kCore | kept : kCore;
     return for_blocks(cloud_.size, kBlock, progress, [&](std::uint32_t begin, std::uint32_t end) {
       std::array<std::uint32_t, kBlock> nearest;  // NOLINT(cppcoreguidelines-pro-type-member-init)
       nearest.fill(kNoCluster);
-      find_nearest_core_points(begin, end, nearest);
+      find_nearest_core_points(begin, end, known, nearest);
       for (std::uint32_t i = begin; i < end; ++i) {
         const std::uint32_t core = (flags_[i] & kCore) != 0 ? i : nearest[i - begin];
         if (!labels_.empty()) labels_[i] = core == kNoCluster ? kNoCluster : sets_.root(core);
@@ -204,15 +206,16 @@ class Clusterer {
     });
   }
 
-  void find_nearest_core_points(std::uint32_t first, std::uint32_t last, std::array<std::uint32_t, kBlock>& nearest) {
-    const bool all_core =
-        std::all_of(flags_.begin() + first, flags_.begin() + last, [](std::uint8_t f) { return (f & kCore) != 0; });
-    if (all_core) return;
+  /// @param known  flags of points that are left out
+  void find_nearest_core_points(std::uint32_t first, std::uint32_t last, int known,
+                                std::array<std::uint32_t, kBlock>& nearest) {
+    const auto is_known = [known](std::uint8_t flags) { return (flags & known) != 0; };
+    if (std::all_of(flags_.begin() + first, flags_.begin() + last, is_known)) return;
     const float epsilon2 = epsilon_ * epsilon_;
     std::array<float, kBlock> best{};
     for_neighbourhood(cloud_, tree_, first, last, epsilon_, [&](const Neighbourhood& batch) {
       for (std::uint32_t i = first; i < last; ++i) {
-        if ((flags_[i] & kCore) != 0) continue;
+        if (is_known(flags_[i])) continue;
         const Member m = member(cloud_, i);
         for (std::uint32_t j = 0; j < batch.size; ++j) {
           const Within w = compare(m, batch, j);
