@@ -9,7 +9,7 @@ import struct
 import sys
 
 # ASCII, German, and what texts of plumbline and the buttons need.
-CHARACTERS = [chr(code) for code in range(32, 127)] + list("ÄÖÜßäöü°µ·×é–…„“”") + list("▶❚✓✖⚠") + ["\ufffd"]
+CHARACTERS = [chr(code) for code in range(32, 127)] + list("ÄÖÜßäöü°²µ·×é–…„“”") + list("▶❚✓✖⚠") + ["\ufffd"]
 
 
 class Font:

@@ -1,6 +1,7 @@
 #include "firmware/child/answer_check.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
 #include "slicer/placement/placement.hpp"
@@ -168,6 +169,22 @@ Expected<SlicedArchive> check_archive_answer(const ScanAnswer& answer, const Sca
   if (answer.initial_exposure_s > 0) sliced.settings.initial_exposure_s = answer.initial_exposure_s;
   if (answer.fades != 0) sliced.settings.faded_layers = answer.faded_layers;
   return sliced;
+}
+
+Expected<Proposals> check_proposals(const ScanAnswer& answer) {
+  if (answer.kind == ScanAnswer::kRefused) return child_error(answer, kScanErrors);
+  if (answer.kind != ScanAnswer::kProposals) return wrong("no answer");
+  constexpr double kMost = 1e30;  // a scan in another unit can be far too large for the printer
+  for (const Proposal& way : answer.proposals) {
+    for (const double degrees : way.degrees) {
+      if (!(std::abs(degrees) <= 360)) return wrong("angles");
+    }
+    for (const double figure :
+         {way.cost, way.support_mm2, way.support_mm3, way.peel_mm2, way.height_mm, way.scar_mm2}) {
+      if (!(figure >= 0 && figure <= kMost)) return wrong("figures");
+    }
+  }
+  return answer.proposals;
 }
 
 }  // namespace plumbline

@@ -36,6 +36,10 @@ inline constexpr const char* kExportAgain =
 [[nodiscard]] Expected<SlicedArchive> check_archive_answer(const ScanAnswer& answer, const ScanRequest& request,
                                                            Arena& arena);
 
+/// The same for the ways up that it proposes.
+/// @retval ErrorCode::kMalformed  a number is none, or can't be; otherwise the child's own error, if it can be a scan's
+[[nodiscard]] Expected<Proposals> check_proposals(const ScanAnswer& answer);
+
 /// The error of a child that refused its file.
 /// @param possible  what such a file can cause; the child may claim nothing else
 [[nodiscard]] tl::unexpected<Error> child_error(const ScanAnswer& answer, std::span<const ErrorCode> possible);

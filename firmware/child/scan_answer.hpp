@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "firmware/child/job_answer.hpp"
+#include "firmware/slice/orientation_proposals.hpp"
 #include "slicer/checks/stack_findings.hpp"
 #include "slicer/core/error.hpp"
 
@@ -13,11 +14,12 @@ namespace plumbline {
 
 /// Numbers and characters only, so that no value of a byte is invalid. check_answer() says what of it holds.
 struct ScanAnswer {
-  static constexpr std::uint32_t kSliced = 0x50534C31;   ///< "PSL1"
-  static constexpr std::uint32_t kRefused = 0x50535231;  ///< "PSR1"
-  static constexpr std::uint32_t kJob = 0x50534A31;      ///< "PSJ1"
-  static constexpr std::uint32_t kArchive = 0x50534131;  ///< "PSA1"
-  static constexpr std::uint32_t kLayer = 0x50534D31;    ///< "PSM1": the mask lies where it was asked for
+  static constexpr std::uint32_t kSliced = 0x50534C31;     ///< "PSL1"
+  static constexpr std::uint32_t kRefused = 0x50535231;    ///< "PSR1"
+  static constexpr std::uint32_t kJob = 0x50534A31;        ///< "PSJ1"
+  static constexpr std::uint32_t kArchive = 0x50534131;    ///< "PSA1"
+  static constexpr std::uint32_t kLayer = 0x50534D31;      ///< "PSM1": the mask lies where it was asked for
+  static constexpr std::uint32_t kProposals = 0x50534F31;  ///< "PSO1"
   static constexpr std::size_t kMostRemarks = 8;
 
   std::uint32_t kind = 0;
@@ -42,6 +44,8 @@ struct ScanAnswer {
   std::array<std::array<char, 256>, kMostRemarks> remark{};  ///< for_each_remark()
 
   JobAnswer job;  ///< kJob
+
+  Proposals proposals{};  ///< kProposals
 
   // kArchive: a SlicedArchive. Of the above it has layers, bottom_used and findings. A number that it doesn't give is 0.
   std::uint64_t archive_at = 0;           ///< SlicedArchive::layers

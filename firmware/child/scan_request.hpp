@@ -38,6 +38,7 @@ struct RequestedFile {
 /// One scan of one or several files, a stick's job file, or an archive. The bytes of file i come through the child's descriptor i.
 struct ScanRequest {
   bool is_job_file = false;  ///< only the file counts
+  bool proposes = false;     ///< only the best ways up are wanted. The rotation about x and about y is not used
   FixedText<256> name;       ///< for messages
   std::array<RequestedFile, kMostScans> file;
   std::uint32_t file_count = 0;

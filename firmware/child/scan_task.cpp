@@ -1,15 +1,19 @@
 #include "firmware/child/scan_task.hpp"
 
+#include <cmath>
 #include <vector>
 
 #include "firmware/child/given_file.hpp"
 #include "firmware/child/rights.hpp"
 #include "firmware/child/shared_progress.hpp"
 #include "firmware/pictures/issue_picture.hpp"
+#include "firmware/pictures/orientation_picture.hpp"
 #include "firmware/pictures/side_pictures.hpp"
 #include "firmware/print/sliced_scan.hpp"
 #include "firmware/settings/job_options.hpp"
 #include "firmware/slice/job_report.hpp"
+#include "firmware/slice/orientation_proposals.hpp"
+#include "slicer/preparation.hpp"
 
 namespace plumbline {
 namespace {
@@ -39,6 +43,30 @@ void hand_back(const SlicedScan& sliced, const SliceReport& report, const Arena&
   answer.kind = ScanAnswer::kSliced;
 }
 
+/// Finds the best ways up and draws them.
+Status propose(std::span<ByteSource* const> sources, const SliceSettings& asked, Arena& arena, ProgressSink& progress,
+               MessagePage& page) {
+  SliceSettings settings = set_threads(asked);
+  settings.orient = false;
+  settings.placement.rotation_degrees = Vec3d::Zero();
+  PreparationReport report;
+  return prepare_normals(sources, settings, arena, &progress, report, [&](const PreparedScan& scan) -> Status {
+    const auto samples = sample_surface(scan.cloud, arena);
+    PLUMBLINE_TRY(samples);
+    const auto proposals =
+        propose_orientations(*samples, report.scan.header, asked.placement, {&progress, Stage::kNormals});
+    PLUMBLINE_TRY(proposals);
+    page.answer.proposals = *proposals;
+    page.answer.kind = ScanAnswer::kProposals;
+    std::array<std::array<double, 2>, kProposalCount> degrees;
+    for (std::size_t i = 0; i < degrees.size(); ++i) degrees[i] = (*proposals)[i].degrees;
+    const float spacing = std::sqrt(samples->area / static_cast<float>(scan.cloud.size));
+    // If the arena has no room for them, there are no pictures.
+    static_cast<void>(draw_proposal_pictures(scan.cloud, spacing, degrees, arena, page.proposals));
+    return {};
+  });
+}
+
 }  // namespace
 
 void hand_back_error(const Error& error, ScanAnswer& answer) {
@@ -62,6 +90,11 @@ void run_scan_task(SharedMemory& memory, std::uint32_t threads) {
   std::vector<ByteSource*> sources;
   for (GivenFile& file : files) sources.push_back(&file);
   SharedProgress progress(page.progress);
+  if (page.request.proposes) {
+    const Status proposed = propose(sources, page.request.settings, arena, progress, page);
+    if (!proposed) hand_back_error(proposed.error(), page.answer);
+    return;
+  }
   SliceReport report;
   const auto sliced = slice_for_print(sources, page.request.settings, page.request.supports, arena, &progress, report);
   if (sliced) {

@@ -23,10 +23,11 @@ struct ChildProgress {
 };
 
 struct MessagePage {
-  ScanRequest request;      ///< the firmware's, from before the child starts
-  ChildProgress progress;   ///< the child's, while it runs
-  ScanAnswer answer;        ///< the child's, complete when it has exited
-  SlicedPictures pictures;  ///< the child's; no byte of their pixels is invalid
+  ScanRequest request;         ///< the firmware's, from before the child starts
+  ChildProgress progress;      ///< the child's, while it runs
+  ScanAnswer answer;           ///< the child's, complete when it has exited
+  SlicedPictures pictures;     ///< the child's; no byte of their pixels is invalid
+  ProposalPictures proposals;  ///< the same
 };
 
 /// Every process forked from this one shares it, at the same address. A page takes no memory until it is touched.

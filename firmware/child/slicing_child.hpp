@@ -55,6 +55,8 @@ class SlicingChild {
   const ScanAnswer& answer() const { return memory_.page().answer; }
   /// What the child has drawn of the job. Their sizes may be anything.
   const SlicedPictures& pictures() const { return memory_.page().pictures; }
+  /// The same for the ways up that it proposes.
+  const ProposalPictures& proposals() const { return memory_.page().proposals; }
 
  private:
   SlicingChild(SharedMemory memory, Descriptor socket, pid_t process)

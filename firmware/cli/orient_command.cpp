@@ -1,6 +1,7 @@
 #include <CLI/CLI.hpp>
 #include <array>
 #include <cmath>
+#include <span>
 
 #include "firmware/cli/commands.hpp"
 #include "firmware/cli/options/shared_options.hpp"
@@ -11,6 +12,7 @@
 #include "firmware/io/scan_files.hpp"
 #include "firmware/pictures/orientation_picture.hpp"
 #include "firmware/pictures/preview.hpp"
+#include "firmware/slice/orientation_proposals.hpp"
 #include "slicer/preparation.hpp"
 
 namespace plumbline {
@@ -26,41 +28,32 @@ constexpr const char* kOrientFooter =
     "it, the area of the largest layer (which must be peeled off the film), the height, and the area of scars that\n"
     "supports leave, counted more where the scanner saw the surface better. Units are mm.\n";
 
-struct Found {
-  Orientation now;
-  std::array<Orientation, kBestOrientations> best;
-  double unit_mm = 1;  ///< mm of the print in the unit of the scan
-};
-
 using Line = FixedText<200>;
 
-Line options_of(const Orientation& o) {
+Line options_of(const Proposal& o) {
   Line text;
   text.add("--rotate-x %.4g --rotate-y %.4g", o.degrees[0], o.degrees[1]);
   return text;
 }
 
-Line cost_text(const OrientationCost& cost, double mm) {
+Line cost_text(const Proposal& cost) {
   Line text;
-  text.add("supports %.3g cm2, %.3g ml below; peel %.3g cm2; height %.4g mm; scars %.3g cm2",
-           cost.support_area * mm * mm / 100, cost.support_volume * mm * mm * mm / 1000, cost.peel_area * mm * mm / 100,
-           cost.height * mm, cost.scar_area * mm * mm / 100);
+  text.add("supports %.3g cm2, %.3g ml below; peel %.3g cm2; height %.4g mm; scars %.3g cm2", cost.support_mm2 / 100,
+           cost.support_mm3 / 1000, cost.peel_mm2 / 100, cost.height_mm, cost.scar_mm2 / 100);
   return text;
 }
 
-Status draw(const PreparedScan& scan, const SurfaceSamples& samples, const Found& found, const std::string& title,
+Status draw(const PreparedScan& scan, const SurfaceSamples& samples, const Proposals& found, const std::string& title,
             const std::string& path, Arena& arena) {
   std::array<std::array<Line, 4>, kBestOrientations> texts;
   std::array<OrientationView, kBestOrientations> views;
-  const double mm = found.unit_mm;
   for (std::size_t i = 0; i < views.size(); ++i) {
-    const Orientation& o = found.best[i];
+    const Proposal& o = found[i + 1];
     // A line each, so that none is cut: somebody will type them.
     texts[i][0].add("--rotate-x %.4g", o.degrees[0]);
     texts[i][1].add("--rotate-y %.4g", o.degrees[1]);
-    texts[i][2].add("supports %.3g cm2, %.3g ml", o.cost.support_area * mm * mm / 100,
-                    o.cost.support_volume * mm * mm * mm / 1000);
-    texts[i][3].add("peel %.3g cm2, %.4g mm high", o.cost.peel_area * mm * mm / 100, o.cost.height * mm);
+    texts[i][2].add("supports %.3g cm2, %.3g ml", o.support_mm2 / 100, o.support_mm3 / 1000);
+    texts[i][3].add("peel %.3g cm2, %.4g mm high", o.peel_mm2 / 100, o.height_mm);
     views[i] = {o.degrees, {texts[i][0].view(), texts[i][1].view(), texts[i][2].view(), texts[i][3].view()}};
   }
   auto encoder = PngEncoder::for_pictures(kPreviewColumns, kPreviewRows);
@@ -71,37 +64,37 @@ Status draw(const PreparedScan& scan, const SurfaceSamples& samples, const Found
   return write_file(path.c_str(), *png);
 }
 
-void write_cost(JsonWriter& json, const Orientation& o, double mm) {
+void write_cost(JsonWriter& json, const Proposal& o) {
   json.begin_object(JsonWriter::Layout::kOneLine);
   json.member("rotate_x_deg", o.degrees[0]);
   json.member("rotate_y_deg", o.degrees[1]);
-  json.member("cost", o.cost.total);
-  json.member("support_mm2", o.cost.support_area * mm * mm);
-  json.member("support_mm3", o.cost.support_volume * mm * mm * mm);
-  json.member("peel_mm2", o.cost.peel_area * mm * mm);
-  json.member("height_mm", o.cost.height * mm);
-  json.member("scar_mm2", o.cost.scar_area * mm * mm);
+  json.member("cost", o.cost);
+  json.member("support_mm2", o.support_mm2);
+  json.member("support_mm3", o.support_mm3);
+  json.member("peel_mm2", o.peel_mm2);
+  json.member("height_mm", o.height_mm);
+  json.member("scar_mm2", o.scar_mm2);
   json.end_object();
 }
 
-Status write_proposals_json(OutputFile& out, const Found& found) {
+Status write_proposals_json(OutputFile& out, const Proposals& found) {
   JsonWriter json(out);
   json.begin_object();
   json.key("now");
-  write_cost(json, found.now, found.unit_mm);
+  write_cost(json, found[0]);
   json.key("best");
   json.begin_array();
-  for (const Orientation& o : found.best) write_cost(json, o, found.unit_mm);
+  for (const Proposal& o : std::span(found).subspan(1)) write_cost(json, o);
   json.end_array();
   json.end_object();
   return json.finish();
 }
 
-Status write_proposals(OutputFile& out, const Found& found, const OrientOptions& options) {
+Status write_proposals(OutputFile& out, const Proposals& found, const OrientOptions& options) {
   FixedText<2 * kMaxPath> text;
-  text.add("as it lies   %s\n", cost_text(found.now.cost, found.unit_mm).c_str());
-  for (const Orientation& o : found.best) {
-    text.add("%s\n             %s\n", options_of(o).c_str(), cost_text(o.cost, found.unit_mm).c_str());
+  text.add("as it lies   %s\n", cost_text(found[0]).c_str());
+  for (const Proposal& o : std::span(found).subspan(1)) {
+    text.add("%s\n             %s\n", options_of(o).c_str(), cost_text(o).c_str());
   }
   if (!options.picture.empty()) text.add("look at      %s\n", options.picture.c_str());
   return out.write(text.view());
@@ -131,18 +124,13 @@ ExitCode run_orient(const OrientOptions& options, std::span<std::byte> arena_blo
   if (!scan) return report_error(scan.error());
   const SliceSettings settings = set_threads(slice_settings(*setup));
   PreparationReport report;
-  Found found;
+  Proposals found;
   const auto look = [&](const PreparedScan& prepared) -> Status {
     const auto samples = sample_surface(prepared.cloud, arena);
     PLUMBLINE_TRY(samples);
-    found.now = {{0, 0}, cost_of(*samples, {0, 0})};
-    const auto best = best_orientations(*samples, {});
-    found.best = *best;
-    Box3d box;
-    for (const SurfaceSample& patch : samples->patches) box.extend(patch.position.cast<double>());
-    const PlacementSettings placing = heed_header(settings.placement, report.scan.header);
-    const double unit_mm = millimetres_per(units_of(box, placing));
-    found.unit_mm = unit_mm * scale_of(box.size() * unit_mm, placing);
+    const auto proposals = propose_orientations(*samples, report.scan.header, settings.placement, {});
+    PLUMBLINE_TRY(proposals);
+    found = *proposals;
     return options.picture.empty() ? Status() : draw(prepared, *samples, found, scan->title(), options.picture, arena);
   };
   const auto done = prepare_normals(scan->sources(), settings, arena, &terminal.progress(), report, look);

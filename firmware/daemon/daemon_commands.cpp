@@ -24,7 +24,10 @@ Expected<std::optional<EventKind>> DaemonCommands::take(const ClientRequest& req
   if (request.command == Command::kRemove) return remove_upload(request.name.view());
   if (offer == nullptr) return fail(ErrorCode::kBadSetting, "nothing is offered");
   PLUMBLINE_TRY(offer->change(request));
-  return std::nullopt;
+  if (request.command != Command::kPropose) return std::nullopt;
+  // The offer remembers that this start is none.
+  answers_.answer_by_command();
+  return EventKind::kStartPressed;
 }
 
 /// @returns cancel, if the scan is offered: that takes the offer back

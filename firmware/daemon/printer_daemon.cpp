@@ -180,18 +180,50 @@ Status PrinterDaemon::serve_fault() {
 
 /// @returns the job that somebody wants printed; none: nobody does, or the stick was pulled
 Expected<std::optional<StickJob>> PrinterDaemon::choose(const StickMount& mount, bool uploaded) {
-  auto offer = StickOffer::read(mount, slicing_, settings_, observer_, uploaded);
+  auto offer = StickOffer::read(mount, slicing_, settings_, observer_, uploaded, printed_ ? &*printed_ : nullptr);
   PLUMBLINE_TRY(offer);
   if (!uploaded && offer->is_certain() && settings_.machine.start == StartChoice::kOnStick) return offer->job();
-  commands_.offer = &*offer;
-  const auto answer = offer->ask(answers_, [this] { return has_new_upload(); });
-  commands_.offer = nullptr;
-  PLUMBLINE_TRY(answer);
-  if (*answer == EventKind::kStartPressed) return offer->job();
+  EventKind answer{};
+  do {
+    commands_.offer = &*offer;
+    const auto asked = offer->ask(answers_, [this] { return has_new_upload(); });
+    commands_.offer = nullptr;
+    PLUMBLINE_TRY(asked);
+    answer = *asked;
+    if (!offer->take_wish()) break;
+    PLUMBLINE_TRY(propose(mount, *offer));
+  } while (!ending());
+  if (answer == EventKind::kStartPressed && !ending()) return offer->job();
   // What has arrived meanwhile is offered next: a new upload, or a stick instead of an upload.
-  if (uploaded && *answer == EventKind::kStickArrived) scans_came();
-  if (!uploaded) served_ = *answer != EventKind::kStickDeparted;
+  if (uploaded && answer == EventKind::kStickArrived) scans_came();
+  if (!uploaded) served_ = answer != EventKind::kStickDeparted;
   return std::nullopt;
+}
+
+/// The job is offered again afterwards, also if somebody has stopped it.
+Status PrinterDaemon::propose(const StickMount& mount, StickOffer& offer) {
+  const StickJob& job = offer.job();
+  const auto profile = settings_.profile(job.profile);
+  PLUMBLINE_TRY(profile);
+  auto scan = open_scan(job, mount);
+  PLUMBLINE_TRY(scan);
+  auto request = stick_request(job, *scan, *profile, settings_);
+  PLUMBLINE_TRY(request);
+  request->proposes = true;
+  observer_.proposing();
+  apply(PrintEvent::kJobTaken);
+  FixedText<400> text;
+  text.add("looking for the best ways up of %s", job.title().c_str());
+  observer_.say(text.view());
+  const auto proposals = slicing_.propose(mount, *scan, *request);
+  if (proposals) {
+    offer.propose(*proposals, child_.proposals());
+  } else if (proposals.error().code() != ErrorCode::kCancelled || ending()) {
+    return tl::unexpected<Error>(proposals.error());
+  }
+  record_.slicing.reset();
+  apply(PrintEvent::kJobOffered);
+  return {};
 }
 
 /// Says what the checks of the masks have found. Asks whether to print it, if the profile or the board file wants that.
@@ -295,6 +327,7 @@ Status PrinterDaemon::serve_scans(StickPort& port, bool uploaded) {
   std::optional<CheckedAnswer> answer;
   std::optional<JobStore::Received> copy;
   std::optional<ScanRequest> request;
+  std::optional<StickJob> printed;
   {
     const auto mount = port.mount();
     PLUMBLINE_TRY(mount);
@@ -307,6 +340,7 @@ Status PrinterDaemon::serve_scans(StickPort& port, bool uploaded) {
       return {};
     }
     const StickJob& job = **wanted;
+    if (!record_.has_job_file) printed = job;
     auto read = settings_.profile(job.profile);
     PLUMBLINE_TRY(read);
     profile = std::move(*read);
@@ -340,6 +374,7 @@ Status PrinterDaemon::serve_scans(StickPort& port, bool uploaded) {
   PLUMBLINE_TRY(ready);
   if (!*ready) return {};
   apply(PrintEvent::kSliced);
+  printed_ = std::move(printed);
   print(session, *profile);
   return {};
 }

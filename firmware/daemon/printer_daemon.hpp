@@ -60,6 +60,8 @@ class PrinterDaemon {
   /// @param port  the stick's, or that of the uploads
   Status serve_scans(StickPort& port, bool uploaded);
   Expected<std::optional<StickJob>> choose(const StickMount& mount, bool uploaded);
+  /// Finds the best ways up of what is offered.
+  Status propose(const StickMount& mount, StickOffer& offer);
   /// Tells what the checks found, then refuses the job, asks a person or goes on, as the policy and the board file say.
   /// @param masks  to look at meanwhile; may be null
   /// @returns whether to go on
@@ -92,10 +94,11 @@ class PrinterDaemon {
   Answers answers_;
   FaultCode fault_ = FaultCode::kNone;
   Uploads* uploads_;
-  DaemonCommands commands_;    ///< knows what is offered, and whether the last job was that of an upload
-  bool upload_served_ = true;  ///< the uploaded scan is offered when it comes, and when somebody asks
-  bool served_ = false;        ///< the stick in the port has been printed, refused or declined
-  bool told_ready_ = false;    ///< since the printer has become idle
+  std::optional<StickJob> printed_;  ///< the last job; none: it came from a job file, or there was none
+  DaemonCommands commands_;          ///< knows what is offered, and whether the last job was that of an upload
+  bool upload_served_ = true;        ///< the uploaded scan is offered when it comes, and when somebody asks
+  bool served_ = false;              ///< the stick in the port has been printed, refused or declined
+  bool told_ready_ = false;          ///< since the printer has become idle
 };
 
 }  // namespace plumbline

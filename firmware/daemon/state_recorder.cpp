@@ -46,6 +46,23 @@ void StateRecorder::previewed(const SlicedPictures& drawn) {
   pictures_->side_number += all ? 1 : 0;
 }
 
+void StateRecorder::proposing() { record_.slicing = SlicingRecord{.proposes = true}; }
+
+void StateRecorder::proposed(const Proposals& found, const ProposalPictures& drawn) {
+  record_.slicing.reset();
+  forget_proposals();
+  record_.proposals = found;
+  bool all = true;
+  for (std::size_t i = 0; i < drawn.size(); ++i) all = take(drawn[i], pictures_->proposals[i]) && all;
+  if (!all) return pictures_->clear_proposals();
+  ++pictures_->proposal_number;
+}
+
+void StateRecorder::forget_proposals() {
+  record_.proposals.reset();
+  pictures_->clear_proposals();
+}
+
 void StateRecorder::mask_made(std::uint32_t layer, ConstBitImage mask) {
   draw_layer_picture(mask, pictures_->next_layer());
   next_layer_ = layer;
@@ -92,7 +109,7 @@ void StateRecorder::checked(Check check, const CheckResult& result) {
 
 void StateRecorder::slicing(Stage stage, double fraction) {
   look_around();
-  record_.slicing = SlicingRecord{stage, fraction};
+  record_.slicing = SlicingRecord{stage, fraction, record_.slicing && record_.slicing->proposes};
   observer_.slicing(stage, fraction);
 }
 
@@ -113,7 +130,7 @@ void StateRecorder::idle() {
 
 void StateRecorder::forget_scans() { record_.scan_count = record_.scans_left_out = 0; }
 
-void StateRecorder::found(const StickScans& scans, bool uploaded) {
+bool StateRecorder::found(const StickScans& scans, bool uploaded) {
   if (record_.scans_uploaded != uploaded) forget_scans();
   record_.scans_uploaded = uploaded;
   const auto before = record_.scans;
@@ -121,6 +138,7 @@ void StateRecorder::found(const StickScans& scans, bool uploaded) {
   record_.has_job_file = !scans.job_file.view().empty();
   record_.scan_count = 0;
   record_.scans_left_out = scans.left_out;
+  std::size_t known = 0;
   const auto add = [&](std::string_view name, std::size_t files, std::uint64_t bytes) -> ScanRecord& {
     ScanRecord& scan = record_.scans[record_.scan_count++];
     scan = {};
@@ -128,9 +146,11 @@ void StateRecorder::found(const StickScans& scans, bool uploaded) {
     scan.files = static_cast<std::uint32_t>(files);
     scan.bytes = bytes;
     for (std::size_t k = 0; k < count_before; ++k) {
-      const ScanRecord& known = before[k];
-      if (known.name.view() == scan.name.view() && known.files == files && known.bytes == bytes)
-        scan.problem = known.problem;
+      const ScanRecord& known_one = before[k];
+      if (known_one.name.view() != scan.name.view() || known_one.files != files || known_one.bytes != bytes) continue;
+      scan.problem = known_one.problem;
+      ++known;
+      break;
     }
     return scan;
   };
@@ -147,6 +167,7 @@ void StateRecorder::found(const StickScans& scans, bool uploaded) {
       assign(scan.problem, text.view());
     }
   }
+  return count_before > 0 && known == count_before && record_.scan_count == count_before;
 }
 
 void StateRecorder::offered(const StickJob& job, std::string_view profile, std::optional<std::size_t> chosen) {

@@ -40,11 +40,19 @@ class StateRecorder final : public DaemonObserver {
   /// Keeps the pictures of what has been sliced. Those with impossible sizes are left out.
   void previewed(const SlicedPictures& drawn);
 
+  /// From now on slicing() is that of proposals, until they are there or given up.
+  void proposing();
+  /// Keeps ways up, and their pictures if all sizes are possible.
+  void proposed(const Proposals& found, const ProposalPictures& drawn);
+  /// Forgets them: they are not those of the job any more.
+  void forget_proposals();
+
   /// Forgets the scans that were listed: others have been uploaded.
   void forget_scans();
   /// The scans of a stick. What was wrong with one of them is remembered as long as the stick is in.
   /// @param uploaded  they are those of the printer's store
-  void found(const StickScans& scans, bool uploaded);
+  /// @returns whether they are those that were listed before
+  bool found(const StickScans& scans, bool uploaded);
   /// What would be printed.
   /// @param profile  the job's, or the printer's
   /// @param chosen   index of its scan among those of the stick; none: a job file names it

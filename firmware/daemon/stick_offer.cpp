@@ -4,19 +4,20 @@
 #include <string>
 #include <utility>
 
+#include "firmware/archive/layer_archive.hpp"
 #include "firmware/daemon/stick/job_setting.hpp"
 #include "firmware/io/fixed_text.hpp"
 
 namespace plumbline {
 
 Expected<StickOffer> StickOffer::read(const StickMount& mount, ScanSlicing& slicing, const DaemonSettings& settings,
-                                      StateRecorder& recorder, bool uploaded) {
+                                      StateRecorder& recorder, bool uploaded, const StickJob* printed) {
   const auto scans = list_scans(mount);
   PLUMBLINE_TRY(scans);
   StickOffer offer(settings, recorder);
   offer.scans_ = *scans;
   offer.uploaded_ = uploaded;
-  recorder.found(*scans, uploaded);
+  const bool known = recorder.found(*scans, uploaded);
   if (offer.has_job_file()) {
     auto file = mount.open(scans->job_file.view());
     PLUMBLINE_TRY(file);
@@ -32,6 +33,11 @@ Expected<StickOffer> StickOffer::read(const StickMount& mount, ScanSlicing& slic
                 "PCD, XYZ or .sl1 file in its top folder");
   } else {
     offer.job_.scans = offer.files_of(0);
+    for (std::size_t i = 0; known && printed != nullptr && i < offer.choices(); ++i) {
+      if (offer.files_of(i) != printed->scans) continue;
+      offer.chosen_ = i;
+      offer.job_ = *printed;
+    }
     if (scans->foreign) recorder.say(scans->foreign->message());
   }
   offer.record();
@@ -53,6 +59,13 @@ Expected<EventKind> StickOffer::ask(Answers& answers, const std::function<bool()
 
 Status StickOffer::change(const ClientRequest& request) {
   if (request.command == Command::kSet) return set(request.key.view(), request.value.view());
+  if (request.command == Command::kPropose) {
+    if (is_archive_name(job_.scans[0])) {
+      return fail(ErrorCode::kBadSetting, "%s: is sliced already, so it stands as it is", job_.title().c_str());
+    }
+    wishes_ = true;
+    return {};
+  }
   if (request.scan > choices()) {
     return fail(ErrorCode::kBadSetting, "there is no scan %u on the stick: it has %zu", request.scan, choices());
   }
@@ -80,20 +93,57 @@ std::vector<std::string> StickOffer::files_of(std::size_t choice) const {
 /// @pre scan < choices()
 void StickOffer::choose(std::size_t scan) {
   if (choices() == 1) return;
+  if (chosen_ != scan) forget_proposals();
   chosen_ = scan;
   job_.scans = files_of(scan);
   record();
   show();
 }
 
+void StickOffer::propose(const Proposals& proposals, const ProposalPictures& drawn) {
+  proposals_ = proposals;
+  recorder_->proposed(proposals, drawn);
+}
+
+void StickOffer::forget_proposals() {
+  proposals_.reset();
+  recorder_->forget_proposals();
+}
+
 Status StickOffer::set(std::string_view key, std::string_view value) {
+  const JobSettings before = job_;
   if (key == "profile") {
     PLUMBLINE_TRY(settings_->profile(std::string(value)));
     job_.profile = value;
+  } else if (key == "proposal") {
+    PLUMBLINE_TRY(set_proposal(value));
   } else {
     PLUMBLINE_TRY(set_job_setting(job_, key, value));
   }
+  // Their figures are those of one size.
+  const bool sized = job_.fit || job_.size;
+  const bool same = before.units == job_.units && before.as == job_.as && before.scale == job_.scale &&
+                    before.fit == job_.fit && before.size == job_.size &&
+                    (before.rotate_z_deg == job_.rotate_z_deg || !sized);
+  if (!same) forget_proposals();
   record();
+  return {};
+}
+
+/// Turns the job as one of the proposals is turned.
+Status StickOffer::set_proposal(std::string_view value) {
+  if (!proposals_) {
+    return fail(ErrorCode::kBadSetting, "proposal: the best ways up are not known.\tSend {\"do\": \"propose\"} first");
+  }
+  const std::size_t number = value.size() == 1 ? static_cast<std::size_t>(value[0] - '0') : kProposalCount;
+  if (number >= kProposalCount) {
+    return fail(ErrorCode::kBadSetting, "proposal: found '%.*s', allowed is 0 to %zu", static_cast<int>(value.size()),
+                value.data(), kProposalCount - 1);
+  }
+  const auto& degrees = (*proposals_)[number].degrees;
+  job_.rotate_x_deg = degrees[0];
+  job_.rotate_y_deg = degrees[1];
+  job_.orient = false;
   return {};
 }
 

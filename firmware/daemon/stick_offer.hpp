@@ -2,8 +2,10 @@
 
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "firmware/daemon/answers.hpp"
@@ -23,11 +25,12 @@ class StickOffer {
  public:
   /// Reads what a stick or the store of uploads has. Both settings and recorder must outlive the offer.
   /// @param uploaded  it is the store
+  /// @param printed   the last job that was printed: the same scan of the same stick is offered with its settings. None: nullptr
   /// @retval the errors of list_scans(), of ScanSlicing::read_job() and of find_files()
   /// @retval ErrorCode::kNoPoints  there is no scan
   [[nodiscard]] static Expected<StickOffer> read(const StickMount& mount, ScanSlicing& slicing,
-                                                 const DaemonSettings& settings, StateRecorder& recorder,
-                                                 bool uploaded);
+                                                 const DaemonSettings& settings, StateRecorder& recorder, bool uploaded,
+                                                 const StickJob* printed);
 
   const StickJob& job() const { return job_; }
   /// Scans and series to choose from; 1 if a job file says what is printed.
@@ -39,8 +42,13 @@ class StickOffer {
   /// @param is_new  whether a scan has been uploaded since, which is then offered instead
   /// @returns start: job() is wanted; otherwise cancel, the stick's departure, the arrival of another stick or of an upload, or a shutdown
   [[nodiscard]] Expected<EventKind> ask(Answers& answers, const std::function<bool()>& is_new);
-  /// Chooses a scan or changes a setting, as a client asks.
-  /// @param request  choose or set
+  /// Whether somebody wants to see the best ways up, since the last call. Then ask() has returned start.
+  bool take_wish() { return std::exchange(wishes_, false); }
+  /// They are there: one can be chosen.
+  /// @param drawn  their pictures
+  void propose(const Proposals& proposals, const ProposalPictures& drawn);
+  /// Chooses a scan, changes a setting or wishes for proposals, as a client asks.
+  /// @param request  choose, set or propose
   /// @retval ErrorCode::kBadSetting  no such scan or profile, or the errors of set_job_setting(); nothing has changed
   [[nodiscard]] Status change(const ClientRequest& request);
 
@@ -51,13 +59,17 @@ class StickOffer {
   std::vector<std::string> files_of(std::size_t choice) const;
   void choose(std::size_t scan);
   Status set(std::string_view key, std::string_view value);
+  void forget_proposals();
+  Status set_proposal(std::string_view value);
   void record() const;
 
   const DaemonSettings* settings_;
   StateRecorder* recorder_;
   StickScans scans_;
   StickJob job_;
+  std::optional<Proposals> proposals_;  ///< for the job as it is
   bool uploaded_ = false;
+  bool wishes_ = false;
   std::size_t chosen_ = 0;  ///< of the scans and series, if there is no job file
 };
 

@@ -21,6 +21,7 @@ constexpr std::size_t kMostPng = kLongestLine / 4 * 3;
 constexpr std::string_view kPicturePath = "/picture/";
 constexpr std::string_view kPrintPicturePath = "/print.png";
 constexpr std::string_view kSidePath = "/side";
+constexpr std::string_view kProposalPath = "/proposal";
 constexpr std::string_view kBodyPath = "/upload/body";
 
 using Kind = PrinterQuestion::Kind;
@@ -70,7 +71,8 @@ HttpReply PageServer::get(const HttpRequest& request, const HttpTicket& ticket) 
   const bool is_picture = request.path.starts_with(kPicturePath);
   const bool is_mask = request.path == "/mask", is_report = request.path == "/report.json";
   const bool is_print = request.path == kPrintPicturePath, is_side = request.path == kSidePath;
-  if (!is_picture && !is_mask && !is_report && !is_print && !is_side && request.path != "/state")
+  const bool is_proposal = request.path == kProposalPath;
+  if (!is_picture && !is_mask && !is_report && !is_print && !is_side && !is_proposal && request.path != "/state")
     return text_.refuse(404, "there is no such page");
   if (state_.view().empty()) return text_.no_daemon();
   if (request.path == "/state") return HttpAnswer{.body = state_.view()};
@@ -80,7 +82,7 @@ HttpReply PageServer::get(const HttpRequest& request, const HttpTicket& ticket) 
     if (word == kPictureWords.end()) return text_.refuse(404, "there is no such picture");
     return picture(static_cast<PictureName>(word - kPictureWords.begin()), ticket);
   }
-  // The preview of a print that is kept is one picture in one reply, as a mask is, and so is a side.
+  // The preview of a print that is kept is one picture in one reply, as a mask is, and so is a side or a proposal.
   const PrinterQuestion question{.kind = is_report ? Kind::kReportBegin : Kind::kMask,
                                  .ticket = ticket,
                                  .print = is_report ? request.n.value_or(0) : 0};
@@ -91,6 +93,10 @@ HttpReply PageServer::get(const HttpRequest& request, const HttpTicket& ticket) 
   } else if (is_side) {
     if (request.n.value_or(kSideCount) >= kSideCount) return text_.refuse(400, "which side?", "Ask for /side?n=0");
     what.add(R"("do": "picture", "picture": "side", "side": %u)", *request.n);
+  } else if (is_proposal) {
+    if (request.n.value_or(kProposalCount) >= kProposalCount)
+      return text_.refuse(400, "which proposal?", "Ask for /proposal?n=1");
+    what.add(R"("do": "picture", "picture": "proposal", "proposal": %u)", *request.n);
   } else if (is_mask) {
     if (!request.n) return text_.refuse(400, "which layer?", "Ask for /mask?n=0");
     what.add(R"("do": "mask", "layer": %u)", *request.n);

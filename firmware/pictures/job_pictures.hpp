@@ -9,6 +9,7 @@
 #include "slicer/core/arena.hpp"
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/error.hpp"
+#include "slicer/orientation/orientations.hpp"
 #include "slicer/rrep/confidence.hpp"
 #include "slicer/rrep/rrep.hpp"
 #include "slicer/supports/drawing/supports.hpp"
@@ -37,6 +38,9 @@ using SidePicture = FixedPicture<3, 200, 180>;
 inline constexpr std::size_t kSideCount = 16;
 using SidePictures = std::array<SidePicture, kSideCount>;
 using LayerPicture = FixedPicture<1, 320, 320>;
+using ProposalPicture = FixedPicture<3, 160, 160>;
+/// Of the scan as it lies, then of the best ways up.
+using ProposalPictures = std::array<ProposalPicture, 1 + kBestOrientations>;
 
 /// What is drawn of a job when it has been sliced.
 struct SlicedPictures {
@@ -54,10 +58,11 @@ struct SlicedPictures {
 };
 
 struct JobPictures : SlicedPictures {
+  ProposalPictures proposals;          ///< all of them are there, or none
   std::array<LayerPicture, 2> layers;  ///< the mask of the layer that is printed, and the one that is made next
   std::size_t shown = 0;               ///< of layers
-  std::uint32_t preview_number = 0, issues_number = 0, coverage_number = 0, side_number = 0,
-                layer_number = 0;  ///< rise with each new picture
+  std::uint32_t preview_number = 0, issues_number = 0, coverage_number = 0, side_number = 0, layer_number = 0,
+                proposal_number = 0;  ///< rise with each new picture
 
   const LayerPicture& layer() const { return layers[shown]; }
   LayerPicture& next_layer() { return layers[1 - shown]; }
@@ -65,8 +70,12 @@ struct JobPictures : SlicedPictures {
     shown = 1 - shown;
     ++layer_number;
   }
+  void clear_proposals() {
+    for (ProposalPicture& proposal : proposals) proposal.clear();
+  }
   void clear() {
     SlicedPictures::clear();
+    clear_proposals();
     for (LayerPicture& layer : layers) layer.clear();
   }
 };

@@ -22,12 +22,49 @@ constexpr std::uint32_t kColumns = 350, kRows = 560;                          //
 constexpr std::uint32_t kStep = 372;                                          ///< from one view to the next
 constexpr std::int64_t kLeft = 58, kFloor = 690;
 
-/// Draws every point as a square of `reach` samples to each side, the nearest in front.
-void splat(const Cloud& cloud, const Mat3d& rotation, const Vec3d& middle, double samples, double reach,
-           const DepthMap& map) {
+constexpr std::uint32_t kMostPoints = 1U << 17U;  ///< of a small picture
+
+/// Where the object is, and how large.
+struct Sight {
+  Vec3d middle;
+  double diagonal;  ///< it fits, so every orientation does
+};
+
+Expected<Sight> find_sight(const Cloud& cloud, Arena& arena) {
+  const auto core = core_bounds(cloud.positions(), arena);
+  PLUMBLINE_TRY(core);
+  const auto box = dense_bounds(cloud.positions(), *core, arena);
+  PLUMBLINE_TRY(box);
+  const Vec3d size = box->size().cast<double>();
+  return Sight{box->centre().cast<double>(), std::max(1e-12, std::sqrt(size.dot(size)))};
+}
+
+/// Room for a depth map.
+struct MapMemory {
+  DepthMap map;
+  std::span<float> scratch;
+};
+
+Expected<MapMemory> take_map(std::uint32_t columns, std::uint32_t rows, Arena& arena) {
+  const std::size_t samples = std::size_t{columns} * rows;
+  const auto depths = arena.take_top<float>(2 * samples, kStage);
+  PLUMBLINE_TRY(depths);
+  const auto materials = arena.take_top<std::uint8_t>(samples, kStage);
+  PLUMBLINE_TRY(materials);
+  return MapMemory{{depths->first(samples), *materials, columns, rows}, depths->last(samples)};
+}
+
+/// Draws each step-th point as a square, the nearest in front.
+/// @param spacing  distance of these points from each other, unit of the cloud
+void draw_view(const Cloud& cloud, std::uint32_t step, float spacing, const std::array<double, 2>& degrees,
+               const Sight& sight, const MapMemory& memory) {
+  const DepthMap& map = memory.map;
+  const Mat3d rotation = rotation_matrix({degrees[0], degrees[1], 0});
+  const double samples = std::min(map.columns, map.rows) / sight.diagonal;
+  const double reach = 0.75 * static_cast<double>(spacing) * samples;  // to each side of a point
   std::fill(map.depth.begin(), map.depth.end(), DepthMap::kEmpty);
-  for (std::uint32_t i = 0; i < cloud.size; ++i) {
-    const Vec3d p = rotation * (cloud.position[i].cast<double>() - middle) * samples;
+  for (std::uint32_t i = 0; i < cloud.size; i += step) {
+    const Vec3d p = rotation * (cloud.position[i].cast<double>() - sight.middle) * samples;
     const bool steep = rotation.row(2).dot(cloud.normal[i].unpack().cast<double>()) < -static_cast<double>(kSteep);
     const double x = 0.5 * map.columns + p[0];
     const double y = 0.5 * map.rows - p[2];
@@ -41,6 +78,8 @@ void splat(const Cloud& cloud, const Mat3d& rotation, const Vec3d& middle, doubl
       }
     }
   }
+  const float voxel = static_cast<float>(std::max(1.0, 2 * reach));
+  smooth_depth(map, memory.scratch, {.across = voxel, .deep = voxel});
 }
 
 }  // namespace
@@ -52,14 +91,8 @@ Expected<std::span<const std::byte>> encode_orientations(const Cloud& cloud, flo
   const auto rgb = arena.take_top<std::uint8_t>(std::size_t{3} * kPreviewColumns * kPreviewRows, kStage);
   PLUMBLINE_TRY(rgb);
   const Picture picture{*rgb, kPreviewColumns, kPreviewRows};
-  constexpr std::uint32_t kMapColumns = kColumns * kSamplesPerPixel;
-  constexpr std::uint32_t kMapRows = kRows * kSamplesPerPixel;
-  constexpr std::size_t kMapSamples = std::size_t{kMapColumns} * kMapRows;
-  const auto depths = arena.take_top<float>(2 * kMapSamples, kStage);
-  PLUMBLINE_TRY(depths);
-  const auto materials = arena.take_top<std::uint8_t>(kMapSamples, kStage);
-  PLUMBLINE_TRY(materials);
-  const DepthMap map{depths->first(kMapSamples), *materials, kMapColumns, kMapRows};
+  const auto memory = take_map(kColumns * kSamplesPerPixel, kRows * kSamplesPerPixel, arena);
+  PLUMBLINE_TRY(memory);
   draw_background(picture);
   const TextStyle title{.scale = 4, .colour = kInk};
   const TextStyle plain{.scale = 2, .colour = kInk};
@@ -67,21 +100,12 @@ Expected<std::span<const std::byte>> encode_orientations(const Cloud& cloud, flo
   constexpr std::string_view kAbout = "the best ways up; what needs supports is orange";
   draw_text(picture, std::int64_t{kPreviewColumns} - kLeft - text_width(kAbout, plain), 52, kAbout, plain);
 
-  const auto core = core_bounds(cloud.positions(), arena);
-  PLUMBLINE_TRY(core);
-  const auto box = dense_bounds(cloud.positions(), *core, arena);
-  PLUMBLINE_TRY(box);
-  const Vec3d middle = box->centre().cast<double>();
-  // The diagonal fits, so every orientation does.
-  const Vec3d size = box->size().cast<double>();
-  const double samples = std::min(kMapColumns, kMapRows) / std::max(1e-12, std::sqrt(size.dot(size)));
-  const double reach = 0.75 * static_cast<double>(spacing) * samples;
+  const auto sight = find_sight(cloud, arena);
+  PLUMBLINE_TRY(sight);
   std::int64_t left = kLeft;
   for (const OrientationView& view : views) {
-    splat(cloud, rotation_matrix({view.degrees[0], view.degrees[1], 0}), middle, samples, reach, map);
-    const float voxel = static_cast<float>(std::max(1.0, 2 * reach));
-    smooth_depth(map, depths->last(kMapSamples), {.across = voxel, .deep = voxel});
-    shade_depth(map, picture, left, kFloor - kRows, kColours);
+    draw_view(cloud, 1, spacing, view.degrees, *sight, *memory);
+    shade_depth(memory->map, picture, left, kFloor - kRows, kColours);
     std::int64_t line = kFloor + 30;
     for (const std::string_view text : view.lines) {
       draw_text(picture, left, line, cut(text, kStep - 12, plain), plain);
@@ -90,6 +114,30 @@ Expected<std::span<const std::byte>> encode_orientations(const Cloud& cloud, flo
     left += kStep;
   }
   return encoder.encode(*rgb, kPreviewColumns, kPreviewRows);
+}
+
+Status draw_proposal_pictures(const Cloud& cloud, float spacing, std::span<const std::array<double, 2>> degrees,
+                              Arena& arena, ProposalPictures& pictures) {
+  for (ProposalPicture& picture : pictures) picture.clear();
+  const ArenaScope scope(arena);
+  const auto memory =
+      take_map(ProposalPicture::kMostColumns * kSamplesPerPixel, ProposalPicture::kMostRows * kSamplesPerPixel, arena);
+  PLUMBLINE_TRY(memory);
+  const auto sight = find_sight(cloud, arena);
+  PLUMBLINE_TRY(sight);
+  const std::uint32_t step = cloud.size / kMostPoints + 1;
+  const float apart = spacing * std::sqrt(static_cast<float>(step));
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    draw_view(cloud, step, apart, degrees[i], *sight, *memory);
+    ProposalPicture& picture = pictures[i];
+    picture.columns = ProposalPicture::kMostColumns;
+    picture.rows = ProposalPicture::kMostRows;
+    const Picture page{picture.bytes(), picture.columns, picture.rows};
+    draw_background(page);
+    shade_depth(memory->map, page, 0, 0, kColours, Shades::kOneAPixel);
+    keep_five_bits(picture.bytes());
+  }
+  return {};
 }
 
 }  // namespace plumbline

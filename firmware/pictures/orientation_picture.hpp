@@ -6,6 +6,7 @@
 #include <span>
 #include <string_view>
 
+#include "firmware/pictures/job_pictures.hpp"
 #include "firmware/pictures/png_writer.hpp"
 #include "slicer/cloud/cloud.hpp"
 #include "slicer/core/arena.hpp"
@@ -30,5 +31,12 @@ struct OrientationView {
                                                                        std::string_view name,
                                                                        std::span<const OrientationView> views,
                                                                        Arena& arena, PngEncoder& encoder);
+
+/// Draws the scan in small, as it lies and in each of the best orientations, all at one scale and as above but without texts.
+/// @param degrees  about x, then about y; of as many as there are pictures
+/// @retval ErrorCode::kOutOfMemory  the arena has no room; there are no pictures then
+[[nodiscard]] Status draw_proposal_pictures(const Cloud& cloud, float spacing,
+                                            std::span<const std::array<double, 2>> degrees, Arena& arena,
+                                            ProposalPictures& pictures);
 
 }  // namespace plumbline

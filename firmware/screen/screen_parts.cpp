@@ -85,15 +85,6 @@ void draw_bar(const Sheet& sheet, const PixelBox& box, double fraction) {
   sheet.canvas().fill(box.left_columns(static_cast<int>(std::lround(clamped * box.width))), ink::kGood);
 }
 
-void draw_picture(const Sheet& sheet, const PixelBox& box, const PreviewPicture* picture) {
-  if (picture == nullptr || !picture->there()) {
-    sheet.page.line(box, sheet.say(Words::kNoPicture), {sheet.look().plain, ink::kPale, Align::kCentre});
-    return;
-  }
-  const auto columns = static_cast<int>(picture->columns), rows = static_cast<int>(picture->rows);
-  sheet.canvas().draw_rgb(fitted(box, columns, rows), picture->bytes(), columns, rows);
-}
-
 int draw_message(const Sheet& sheet, const PixelBox& box, std::string_view large, std::string_view plain) {
   int y = sheet.page.paragraph(box, large, sheet.large()) + sheet.px(4);
   if (!plain.empty()) y = sheet.page.paragraph(box.from_row(y - box.y), plain, sheet.plain(ink::kPale));

@@ -57,7 +57,15 @@ void draw_buttons(const Sheet& sheet);
 void draw_bar(const Sheet& sheet, const PixelBox& box, double fraction);
 /// A picture as large as the box allows.
 /// @param picture  nullptr: words say that there is none
-void draw_picture(const Sheet& sheet, const PixelBox& box, const PreviewPicture* picture);
+template <class Picture>
+void draw_picture(const Sheet& sheet, const PixelBox& box, const Picture* picture) {
+  if (picture == nullptr || !picture->there()) {
+    sheet.page.line(box, sheet.say(Words::kNoPicture), {sheet.look().plain, ink::kPale, Align::kCentre});
+    return;
+  }
+  const auto columns = static_cast<int>(picture->columns), rows = static_cast<int>(picture->rows);
+  sheet.canvas().draw_rgb(fitted(box, columns, rows), picture->bytes(), columns, rows);
+}
 /// Large text, and below it plain text.
 /// @returns y below both
 int draw_message(const Sheet& sheet, const PixelBox& box, std::string_view large, std::string_view plain);
@@ -82,6 +90,7 @@ void draw_idle(const Sheet& sheet);
 void draw_scans(const Sheet& sheet);
 void draw_remove_question(const Sheet& sheet);
 void draw_settings(const Sheet& sheet);
+void draw_proposals(const Sheet& sheet);
 void draw_preview_screen(const Sheet& sheet);
 void draw_slicing(const Sheet& sheet);
 void draw_checks(const Sheet& sheet);

@@ -99,6 +99,27 @@ std::optional<Event> ScreenServer::act(ButtonAct act, const PrinterRecord& recor
       // A value that the printer refuses stays as it was: the screen shows the record's.
       static_cast<void>(taker.take(next_value(view_.setting, record, *record.job)));
       break;
+    case ButtonAct::kOpenProposals: {
+      view_.proposals_open = true;
+      view_.proposal = record.proposal().value_or(1);
+      if (record.proposals) break;
+      ClientRequest request;
+      request.command = Command::kPropose;
+      const auto taken = taker.take(request);
+      if (taken && *taken) return Event{at, **taken};
+      break;
+    }
+    case ButtonAct::kNextProposal: view_.proposal = (view_.proposal + 1) % kProposalCount; break;
+    case ButtonAct::kTakeProposal: {
+      ClientRequest request;
+      request.command = Command::kSet;
+      request.key.add("proposal");
+      request.value.add("%zu", view_.proposal);
+      static_cast<void>(taker.take(request));
+      view_.proposals_open = false;
+      break;
+    }
+    case ButtonAct::kCloseProposals: view_.proposals_open = false; break;
     case ButtonAct::kMoreFindings: view_.finding = (view_.finding + 1) % record.finding_count; break;
     case ButtonAct::kAskToCancel:
       view_.asks_to_cancel = true;

@@ -1,6 +1,7 @@
 #include "firmware/screen/screen_view.hpp"
 
 #include "firmware/screen/screen_kind.hpp"
+#include "firmware/screen/setting_rows.hpp"
 
 namespace plumbline {
 namespace {
@@ -15,6 +16,14 @@ std::size_t kept_prints(const PrinterRecord& record) {
 }
 
 Uses uses_on_scans(const PrinterRecord& record, const ScreenView& view) {
+  if (view.proposals_open) {
+    return {ButtonUse{Words::kDoTake, ButtonAct::kTakeProposal}, ButtonUse{Words::kDoNext, ButtonAct::kNextProposal},
+            ButtonUse{Words::kDoBack, ButtonAct::kCloseProposals}};
+  }
+  if (view.settings_open && opens_proposals(record, view.setting)) {
+    return {ButtonUse{Words::kDoOpen, ButtonAct::kOpenProposals}, ButtonUse{Words::kDoNext, ButtonAct::kNextSetting},
+            ButtonUse{Words::kDoBack, ButtonAct::kCloseSettings}};
+  }
   if (view.settings_open) {
     return {ButtonUse{Words::kDoChange, ButtonAct::kChangeSetting}, ButtonUse{Words::kDoNext, ButtonAct::kNextSetting},
             ButtonUse{Words::kDoBack, ButtonAct::kCloseSettings}};
@@ -103,7 +112,10 @@ Uses buttons_of(const PrinterRecord& record, const ScreenView& view) {
 
 ScreenView still_open(const PrinterRecord& record, ScreenView view) {
   const ScreenKind kind = screen_of(record);
-  if (kind != ScreenKind::kScans || (view.row == ListRow::kRemove && !has_remove_row(record))) {
+  const bool proposing = record.slicing && record.slicing->proposes;
+  view.proposals_open = view.proposals_open && (proposing || (kind == ScreenKind::kScans && record.proposals));
+  if (!view.proposals_open) view.proposal = 0;
+  if ((kind != ScreenKind::kScans && !proposing) || (view.row == ListRow::kRemove && !has_remove_row(record))) {
     view.row = ListRow::kScan;
     view.settings_open = false;
   }

@@ -23,7 +23,9 @@ enum class ListRow : std::uint8_t {
 struct ScreenView {
   ListRow row = ListRow::kScan;
   bool settings_open = false;
-  std::size_t setting = 0;  ///< the row at hand
+  std::size_t setting = 0;      ///< the row at hand
+  bool proposals_open = false;  ///< the best ways up, or the wait for them
+  std::size_t proposal = 0;     ///< the row at hand
   bool asks_to_cancel = false;
   bool asks_to_remove = false;
   std::size_t finding = 0;   ///< the first one shown
@@ -43,6 +45,10 @@ enum class ButtonAct : std::uint8_t {
   kNextSetting,
   kChangeSetting,
   kCloseSettings,
+  kOpenProposals,
+  kNextProposal,
+  kTakeProposal,
+  kCloseProposals,
   kMoreFindings,
   kAskToCancel,
   kAskToRemove,

@@ -10,6 +10,7 @@ void draw_kind(const Sheet& sheet) {
   if (sheet.view.asks_to_cancel) return draw_cancel_question(sheet);
   if (sheet.view.asks_to_remove) return draw_remove_question(sheet);
   if (sheet.view.lights_open) return draw_light_card(sheet);
+  if (sheet.view.proposals_open && sheet.record.proposals) return draw_proposals(sheet);
   switch (screen_of(sheet.record)) {
     case ScreenKind::kIdle: return sheet.view.prints_open ? draw_prints(sheet) : draw_idle(sheet);
     case ScreenKind::kScans: return sheet.view.settings_open ? draw_settings(sheet) : draw_scans(sheet);

@@ -43,7 +43,7 @@ void draw_hint(const Sheet& sheet, const PixelBox& box, const JobRecord& job) {
   FixedText<200> text;
   const auto profile = sheet.say(Words::kProfile);
   text.add("%.*s %s", static_cast<int>(profile.size()), profile.data(), job.profile.c_str());
-  const SettingRow height = setting_row(1, job, sheet.language);
+  const SettingRow height = setting_row(1, record, sheet.language);
   text.add(", %s", height.value.c_str());
   sheet.page.paragraph(box, text.view(), sheet.plain(ink::kPale, Fit::kMayCut));
 }
@@ -118,10 +118,51 @@ void draw_settings(const Sheet& sheet) {
   const int height = row_height(sheet);
   for (std::size_t i = 0; i < kSettingRowCount; ++i) {
     const PixelBox box{body.x, body.y + static_cast<int>(i) * height, body.width, height};
-    const SettingRow row = setting_row(i, *sheet.record.job, sheet.language);
+    const SettingRow row = setting_row(i, sheet.record, sheet.language);
     draw_pair(sheet, draw_row(sheet, box, i == sheet.view.setting), sheet.say(row.label), row.value.view(),
               sheet.bold());
   }
+}
+
+void draw_proposals(const Sheet& sheet) {
+  draw_title(sheet, sheet.say(Words::kProposals));
+  const PrinterRecord& record = sheet.record;
+  const Proposals& proposals = *record.proposals;
+  const PixelBox body = sheet.body();
+  const int legend = 2 * sheet.look().plain.line_height();
+  const PixelBox upper = body.top_rows(body.height - legend);
+  const int side = std::min(upper.height, body.width * 2 / 5);
+  const PixelBox table = upper.left_columns(body.width - side - sheet.px(4));
+  const int height = std::min(row_height(sheet), upper.height / (static_cast<int>(proposals.size()) + 1));
+  constexpr int kFigures = 3;
+  const int column = sheet.px(38);
+  const auto write_figures = [&](const PixelBox& room, const std::array<std::string_view, kFigures>& texts,
+                                 Colour ink) {
+    for (int i = 0; i < kFigures; ++i) {
+      const int from_right = (kFigures - i) * column;
+      const PixelBox box = PixelBox{room.x + room.width - from_right, room.y, column - sheet.px(2), room.height};
+      sheet.page.line(box, texts[static_cast<std::size_t>(i)], {sheet.look().plain, ink, Align::kRight, Fit::kMayCut});
+    }
+  };
+  write_figures(table.top_rows(height).inset(sheet.px(2), 0), {"ml", "mm", "cm²"}, ink::kPale);
+  const auto figure = [&](double value) { return decimal(value, value < 99.95 ? 1 : 0, sheet.language); };
+  for (std::size_t i = 0; i < proposals.size(); ++i) {
+    const Proposal& way = proposals[i];
+    const PixelBox box{table.x, table.y + static_cast<int>(i + 1) * height, table.width, height};
+    if (i == sheet.view.proposal) sheet.canvas().fill(box, ink::kChosen);
+    const PixelBox room = box.inset(sheet.px(2), 0);
+    const auto ml = figure(way.support_mm3 / 1000), mm = figure(way.height_mm), cm2 = figure(way.peel_mm2 / 100);
+    write_figures(room, {ml.view(), mm.view(), cm2.view()}, ink::kText);
+    const auto name = filled_in(sheet.say(Words::kProposal), static_cast<unsigned>(i));
+    const TextStyle style = record.proposal() == i ? sheet.plain(ink::kGood) : sheet.plain();
+    sheet.page.line(room.left_columns(room.width - kFigures * column),
+                    i == 0 ? sheet.say(Words::kUnturned) : name.view(), style);
+  }
+  const PixelBox picture{body.x + body.width - side, upper.y, side, upper.height};
+  const JobPictures* const pictures = record.pictures;
+  const ProposalPicture* const shown = pictures != nullptr ? &pictures->proposals[sheet.view.proposal] : nullptr;
+  draw_picture(sheet, picture, shown);
+  sheet.page.paragraph(body.from_row(upper.height), sheet.say(Words::kProposalUnits), sheet.plain(ink::kPale));
 }
 
 void draw_preview_screen(const Sheet& sheet) {
@@ -163,7 +204,8 @@ void draw_preview_screen(const Sheet& sheet) {
 }
 
 void draw_slicing(const Sheet& sheet) {
-  draw_title(sheet, sheet.say(Words::kReading));
+  const bool proposes = sheet.record.slicing && sheet.record.slicing->proposes;
+  draw_title(sheet, sheet.say(proposes ? Words::kProposing : Words::kReading));
   const PixelBox body = sheet.body();
   const int line = sheet.look().bold.line_height();
   if (sheet.record.job) {
@@ -171,11 +213,17 @@ void draw_slicing(const Sheet& sheet) {
   }
   if (!sheet.record.slicing) return;
   const SlicingRecord& slicing = *sheet.record.slicing;
-  const auto step = static_cast<unsigned>(slicing.stage) + 1;
+  auto step = static_cast<unsigned>(slicing.stage) + 1;
+  auto steps = static_cast<unsigned>(kStageCount);
+  if (proposes) {
+    // In this order: read, trees, normals.
+    constexpr unsigned kSteps = 3;
+    step = slicing.stage == Stage::kRead ? 1 : slicing.stage == Stage::kTrees ? 2 : kSteps;
+    steps = kSteps;
+  }
   const PixelBox rest = body.from_row(line + sheet.px(16));
   const int large = sheet.look().large.line_height();
-  sheet.page.line(rest.top_rows(large),
-                  filled_in(sheet.say(Words::kStep), step, static_cast<unsigned>(kStageCount)).view(), sheet.large());
+  sheet.page.line(rest.top_rows(large), filled_in(sheet.say(Words::kStep), step, steps).view(), sheet.large());
   draw_bar(sheet, rest.from_row(large + sheet.px(6)).top_rows(sheet.px(14)), slicing.fraction);
 }
 

@@ -5,6 +5,9 @@
 #include <cmath>
 #include <string_view>
 
+#include "firmware/screen/screen_parts.hpp"
+#include "firmware/state/command_rules.hpp"
+
 namespace plumbline {
 namespace {
 
@@ -34,6 +37,20 @@ void add_height(FixedText<64>& to, const JobRecord& job, Language language) {
   } else {
     to.add("× ");
     put(to, decimal(job.scale, 3, language).view());
+  }
+}
+
+void add_way(FixedText<64>& to, const PrinterRecord& record, Language language) {
+  const JobRecord& job = *record.job;
+  const auto proposal = record.proposal();
+  if (job.orient) {
+    put(to, words(Words::kYes, language));
+  } else if (proposal && *proposal > 0) {
+    put(to, filled_in(words(Words::kProposal, language), static_cast<unsigned>(*proposal)).view());
+  } else if (job.rotate_x_deg == 0 && job.rotate_y_deg == 0) {  // NOLINT(clang-diagnostic-float-equal): as it was set
+    put(to, words(Words::kAsScanned, language));
+  } else {
+    to.add("%.0f° / %.0f°", job.rotate_x_deg, job.rotate_y_deg);
   }
 }
 
@@ -81,7 +98,12 @@ FixedText<32> decimal(double value, int digits, Language language) {
   return german;
 }
 
-SettingRow setting_row(std::size_t row, const JobRecord& job, Language language) {
+bool opens_proposals(const PrinterRecord& record, std::size_t row) {
+  return static_cast<Row>(row) == Row::kUpright && takes(record, Command::kPropose);
+}
+
+SettingRow setting_row(std::size_t row, const PrinterRecord& record, Language language) {
+  const JobRecord& job = *record.job;
   SettingRow shown{};
   const auto say = [&](Words which) { put(shown.value, words(which, language)); };
   switch (static_cast<Row>(row)) {
@@ -103,7 +125,7 @@ SettingRow setting_row(std::size_t row, const JobRecord& job, Language language)
       break;
     case Row::kUpright:
       shown.label = Words::kUpright;
-      say(job.orient ? Words::kYes : Words::kNo);
+      add_way(shown.value, record, language);
       break;
     case Row::kSupports:
       shown.label = Words::kSupports;

@@ -18,8 +18,11 @@ struct SettingRow {
 };
 
 /// @param row  less than kSettingRowCount
-/// @param job  what is offered
-SettingRow setting_row(std::size_t row, const JobRecord& job, Language language);
+/// @param record  with a job
+SettingRow setting_row(std::size_t row, const PrinterRecord& record, Language language);
+
+/// Whether a row's values are the best ways up, which are looked at before one is taken.
+bool opens_proposals(const PrinterRecord& record, std::size_t row);
 
 /// The request that gives a row its next value.
 ClientRequest next_value(std::size_t row, const PrinterRecord& record, const JobRecord& job);

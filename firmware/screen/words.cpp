@@ -158,6 +158,15 @@ constexpr std::array kTexts{
     Row{kDoLights, {"Lights", "Lichter"}},
 
     Row{kPageCode, {"Page code: %s", "Code der Seite: %s"}},
+
+    Row{kProposals, {"Best ways up", "Beste Lagen"}},
+    Row{kProposing, {"Looking for ways up", "Lagen werden gesucht"}},
+    Row{kUnturned, {"Original", "Original"}},
+    Row{kProposal, {"Way %u", "Lage %u"}},
+    Row{kProposalUnits,
+        {"Space to support in ml (orange), height in mm, largest layer in cm²",
+         "Zu stützender Raum in ml (orange), Höhe in mm, größte Schicht in cm²"}},
+    Row{kDoTake, {"Take", "Nehmen"}},
 };
 
 }  // namespace table

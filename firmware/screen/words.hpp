@@ -132,10 +132,17 @@ enum class Words : std::uint8_t {
   kDoLights,
   // In the place of any title.
   kPageCode,
+  // The best ways up.
+  kProposals,
+  kProposing,
+  kUnturned,
+  kProposal,
+  kProposalUnits,
+  kDoTake,
 };
-inline constexpr std::size_t kWordsCount = static_cast<std::size_t>(Words::kPageCode) + 1;
+inline constexpr std::size_t kWordsCount = static_cast<std::size_t>(Words::kDoTake) + 1;
 
-/// Some have places for numbers, as printf has them: kStep and kLayerOf two %u, kLayers and kScansAsOne one, kTimeLeft and kPageCode a %s.
+/// Some have places for numbers, as printf has them: kStep and kLayerOf two %u, kLayers, kScansAsOne and kProposal one, kTimeLeft and kPageCode a %s.
 std::string_view words(Words which, Language language);
 
 }  // namespace plumbline

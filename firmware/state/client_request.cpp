@@ -12,7 +12,7 @@
 namespace plumbline {
 namespace {
 
-static_assert(kSideCount == 16, "the messages name the last side");
+static_assert(kSideCount == 16 && kProposalCount == 5, "the messages name the last one");
 
 /// A member's value. JSON has other kinds; none of them is allowed.
 struct Value {
@@ -21,8 +21,8 @@ struct Value {
   std::string_view text;
 };
 
-constexpr std::array<std::string_view, 13> kMembers = {"do",   "id",   "scan",  "key",  "value", "picture", "layer",
-                                                       "from", "code", "print", "side", "name",  "bytes"};
+constexpr std::array<std::string_view, 14> kMembers = {"do",   "id",   "scan",  "key",  "value", "picture", "layer",
+                                                       "from", "code", "print", "side", "name",  "bytes",   "proposal"};
 enum Member : std::uint8_t {
   kDo,
   kId,
@@ -36,7 +36,8 @@ enum Member : std::uint8_t {
   kPrint,
   kSide,
   kName,
-  kBytes
+  kBytes,
+  kProposal
 };
 
 /// The members that a command needs beside "do", and a reminder of them.
@@ -53,7 +54,8 @@ Needs needs_of(Command command) {
     case Command::kChoose: return {bit(kScan), "\"scan\", a number from the list of scans"};
     case Command::kSet: return {bit(kKey) | bit(kValue), "\"key\" and \"value\""};
     case Command::kPicture:
-      return {bit(kPicture), "\"picture\", preview, issues, coverage, layer or side,", bit(kPrint) | bit(kSide)};
+      return {bit(kPicture), "\"picture\", preview, issues, coverage, layer, side or proposal,",
+              bit(kPrint) | bit(kSide) | bit(kProposal)};
     case Command::kMask: return {bit(kLayer), "\"layer\", a number from 0 on,"};
     case Command::kReport: return {bit(kFrom), "\"from\", a number of bytes from 0 on,", bit(kPrint)};
     case Command::kCode: return {bit(kCode), "\"code\", up to 7 digits,"};
@@ -65,6 +67,7 @@ Needs needs_of(Command command) {
     case Command::kCancel:
     case Command::kPlateEmpty:
     case Command::kSeen:
+    case Command::kPropose:
     case Command::kOffer: return {};
   }
   return {};
@@ -107,8 +110,8 @@ Status store(Member member, const Value& value, ClientRequest& request, std::opt
       if (!command) {
         return wrong_value(
             "do",
-            "start, pause, resume, cancel, plate-empty, seen, offer, choose, set, remove, picture, mask, report, "
-            "code or upload");
+            "start, pause, resume, cancel, plate-empty, seen, offer, choose, set, remove, propose, picture, mask, "
+            "report, code or upload");
       }
       request.command = *command;
       return {};
@@ -131,7 +134,7 @@ Status store(Member member, const Value& value, ClientRequest& request, std::opt
     case kPicture: {
       const auto* const word = std::find(kPictureWords.begin(), kPictureWords.end(), value.text);
       if (value.kind != Value::Kind::kText || word == kPictureWords.end()) {
-        return wrong_value("picture", "preview, issues, coverage, layer or side");
+        return wrong_value("picture", "preview, issues, coverage, layer, side or proposal");
       }
       request.picture = static_cast<PictureName>(word - kPictureWords.begin());
       return {};
@@ -157,7 +160,13 @@ Status store(Member member, const Value& value, ClientRequest& request, std::opt
     case kSide: {
       const auto number = whole_number(value);
       if (!number || *number >= kSideCount) return wrong_value("side", "a number from 0 to 15");
-      request.side = static_cast<std::uint32_t>(*number);
+      request.which = static_cast<std::uint32_t>(*number);
+      return {};
+    }
+    case kProposal: {
+      const auto number = whole_number(value);
+      if (!number || *number >= kProposalCount) return wrong_value("proposal", "a number from 0 to 4");
+      request.which = static_cast<std::uint32_t>(*number);
       return {};
     }
     case kName:
@@ -193,6 +202,9 @@ Status check_members(const ClientRequest& request, const std::array<bool, kMembe
   if (found[kSide] && request.picture != PictureName::kSide) {
     return fail(ErrorCode::kBadSetting, "\"side\" is for the picture \"side\" only");
   }
+  if (found[kProposal] && request.picture != PictureName::kProposal) {
+    return fail(ErrorCode::kBadSetting, "\"proposal\" is for the picture \"proposal\" only");
+  }
   const Needs needs = needs_of(request.command);
   if ((others & ~needs.allowed) == needs.members) return {};
   const auto word = to_string(request.command);
@@ -220,7 +232,7 @@ Expected<ClientRequest> parse_request(std::string_view line, std::optional<std::
       if (known == kMembers.end()) {
         return fail(ErrorCode::kBadSetting,
                     "'%.*s': unknown member.\tKnown are do, id, scan, key, value, picture, layer, from, code, "
-                    "print, side, name and bytes",
+                    "print, side, name, bytes and proposal",
                     static_cast<int>(name->size()), name->data());
       }
       const auto member = static_cast<Member>(known - kMembers.begin());

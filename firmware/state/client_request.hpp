@@ -5,7 +5,7 @@
 ///     {"do": "picture", "picture": "layer"}   {"do": "mask", "layer": 12}   {"do": "report", "from": 24576}   {"do": "code", "code": "482913"}
 ///     {"do": "upload", "name": "bust.ply", "bytes": 480213}   {"do": "remove", "name": "bust.ply"}
 ///     {"do": "report", "print": 12, "from": 0}   {"do": "picture", "picture": "preview", "print": 12}
-///     {"do": "picture", "picture": "side", "side": 3}
+///     {"do": "picture", "picture": "side", "side": 3}   {"do": "picture", "picture": "proposal", "proposal": 1}   {"do": "propose"}
 ///
 /// Takes nothing from the heap, whatever the line.
 
@@ -22,15 +22,16 @@ namespace plumbline {
 
 class TextSink;
 
-enum class PictureName : std::uint8_t { kPreview, kIssues, kCoverage, kLayer, kSide };
+enum class PictureName : std::uint8_t { kPreview, kIssues, kCoverage, kLayer, kSide, kProposal };
 /// In this order.
-inline constexpr std::array<std::string_view, 5> kPictureWords = {"preview", "issues", "coverage", "layer", "side"};
+inline constexpr std::array<std::string_view, 6> kPictureWords = {"preview", "issues", "coverage",
+                                                                  "layer",   "side",   "proposal"};
 
 struct ClientRequest {
   Command command = Command::kStart;
   std::uint32_t scan = 0;  ///< of choose: from 1
   PictureName picture = PictureName::kPreview;
-  std::uint32_t side = 0;   ///< of picture, if it is that of a side: from 0
+  std::uint32_t which = 0;  ///< of picture, if it is that of a side or of a proposal: from 0
   std::uint32_t layer = 0;  ///< of mask: from 0
   std::uint64_t from = 0;   ///< of report: the first byte
   std::uint32_t print = 0;  ///< of report and picture: a print that is kept, from 1; 0: the last one, the job at hand

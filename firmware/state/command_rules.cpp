@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "firmware/archive/layer_archive.hpp"
+
 namespace plumbline {
 namespace {
 
@@ -12,7 +14,7 @@ bool takes_in(PrintState state, Command command) {
     case PrintState::kIdle: return command == Command::kOffer;
     case PrintState::kOffered:
       return command == Command::kStart || command == Command::kCancel || command == Command::kChoose ||
-             command == Command::kSet;
+             command == Command::kSet || command == Command::kPropose;
     case PrintState::kInterrupted: return command == Command::kResume || command == Command::kCancel;
     case PrintState::kPlateInUse: return command == Command::kPlateEmpty;
     case PrintState::kFault: return command == Command::kSeen;
@@ -49,6 +51,7 @@ std::string_view to_string(Command command) {
     case Command::kChoose: return "choose";
     case Command::kSet: return "set";
     case Command::kRemove: return "remove";
+    case Command::kPropose: return "propose";
     case Command::kPicture: return "picture";
     case Command::kMask: return "mask";
     case Command::kReport: return "report";
@@ -71,6 +74,10 @@ bool takes(const PrinterRecord& record, Command command) {
   if (command == Command::kOffer && !record.has_stick && !record.stored) return false;
   if (command == Command::kRemove && !record.stored) return false;
   if (command == Command::kChoose && (record.has_job_file || record.scan_count < 2)) return false;
+  // An archive stands as it was sliced.
+  if (command == Command::kPropose && (record.sliced || !record.job || is_archive_name(record.job->files[0].view()))) {
+    return false;
+  }
   return takes_in(record.state, command);
 }
 
@@ -106,6 +113,7 @@ std::optional<EventKind> button_of(Command command) {
     case Command::kChoose:
     case Command::kSet:
     case Command::kRemove:
+    case Command::kPropose:
     case Command::kPicture:
     case Command::kMask:
     case Command::kReport:

@@ -23,6 +23,7 @@ enum class Command : std::uint8_t {
   kChoose,      ///< a scan on the stick
   kSet,         ///< a setting of the job that is offered
   kRemove,      ///< the uploaded scan, out of the printer's store
+  kPropose,     ///< look for the best ways up of the scan that is offered
   // The others are in no state's list of commands.
   kPicture,  ///< a picture of the job. Whoever may read may ask for it, as for the next two
   kMask,     ///< the mask of any layer, while what has been sliced is offered
@@ -31,8 +32,8 @@ enum class Command : std::uint8_t {
   kUpload,   ///< take a scan, whose bytes come through a socket that is handed over
 };
 /// Those that a state's list of commands may have.
-inline constexpr std::size_t kCommandCount = 10;
-inline constexpr std::size_t kRequestCount = 15;
+inline constexpr std::size_t kCommandCount = 11;
+inline constexpr std::size_t kRequestCount = 16;
 
 /// Whether a request changes nothing.
 constexpr bool is_question(Command command) {
@@ -52,7 +53,7 @@ bool takes_upload(const PrinterRecord& record);
 /// "the printer is printing: it takes pause, cancel"
 FixedText<200> what_it_takes(const PrinterRecord& record);
 
-/// The button that does the same; none: the daemon does it itself (choose, set, remove, code, upload).
+/// The button that does the same; none: the daemon does it itself (choose, set, remove, propose, code, upload).
 /// @pre takes()
 std::optional<EventKind> button_of(Command command);
 

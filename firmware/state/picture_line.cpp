@@ -26,12 +26,13 @@ std::optional<DrawnPicture> drawn_one(const Picture& picture, std::uint32_t numb
   return DrawnPicture{picture.bytes(), picture.columns, picture.rows, std::uint32_t{Picture::kChannels}, number};
 }
 
-std::optional<DrawnPicture> drawn_picture(const JobPictures& pictures, PictureName name, std::uint32_t side) {
+std::optional<DrawnPicture> drawn_picture(const JobPictures& pictures, PictureName name, std::uint32_t which) {
   switch (name) {
     case PictureName::kPreview: return drawn_one(pictures.preview, pictures.preview_number);
     case PictureName::kIssues: return drawn_one(pictures.issues, pictures.issues_number);
     case PictureName::kCoverage: return drawn_one(pictures.coverage, pictures.coverage_number);
-    case PictureName::kSide: return drawn_one(pictures.sides[side], pictures.side_number);
+    case PictureName::kSide: return drawn_one(pictures.sides[which], pictures.side_number);
+    case PictureName::kProposal: return drawn_one(pictures.proposals[which], pictures.proposal_number);
     case PictureName::kLayer: break;
   }
   return drawn_one(pictures.layer(), pictures.layer_number);
@@ -46,7 +47,7 @@ Error too_large(std::size_t bytes) {
 Expected<PictureLine> PictureLine::create() {
   constexpr std::size_t kMostBytes =
       std::max({sizeof(PreviewPicture::memory), sizeof(IssuesPicture::memory), sizeof(CoveragePicture::memory),
-                sizeof(SidePicture::memory), sizeof(LayerPicture::memory)});
+                sizeof(SidePicture::memory), sizeof(LayerPicture::memory), sizeof(ProposalPicture::memory)});
   auto encoder = SmallPngEncoder::create(kMostBytes, std::max(PreviewPicture::kMostRows, LayerPicture::kMostRows));
   PLUMBLINE_TRY(encoder);
   PictureLine line(std::move(*encoder));
@@ -55,11 +56,11 @@ Expected<PictureLine> PictureLine::create() {
   return line;
 }
 
-Status PictureLine::write(TextSink& out, std::optional<std::uint64_t> id, PictureName name, std::uint32_t side,
+Status PictureLine::write(TextSink& out, std::optional<std::uint64_t> id, PictureName name, std::uint32_t which,
                           const PrinterRecord& record) {
   const std::string_view word = kPictureWords[static_cast<std::size_t>(name)];
   const JobPictures* const pictures = record.pictures;
-  const auto drawn = pictures != nullptr ? drawn_picture(*pictures, name, side) : std::nullopt;
+  const auto drawn = pictures != nullptr ? drawn_picture(*pictures, name, which) : std::nullopt;
   if (!drawn) {
     return fail(ErrorCode::kBadSetting,
                 "there is no picture '%.*s' now.\tThe state's \"pictures\" says which there are",
@@ -67,17 +68,18 @@ Status PictureLine::write(TextSink& out, std::optional<std::uint64_t> id, Pictur
   }
   const std::uint32_t number = drawn->number;
   Encoded& encoded = encoded_[static_cast<std::size_t>(name)];
-  if (encoded.number != number || encoded.side != side) {
+  if (encoded.number != number || encoded.which != which) {
     const auto png = encoder_.encode(drawn->bytes, drawn->columns, drawn->rows, drawn->channels);
     const auto size = write_base64(png, encoded.base64);
     if (!size) return tl::unexpected<Error>(too_large(png.size()));
     encoded.size = *size;
     encoded.number = number;
-    encoded.side = side;
+    encoded.which = which;
   }
   FixedText<64> members;
   members.add("\"picture\": \"%.*s\", \"number\": %u", static_cast<int>(word.size()), word.data(), number);
-  if (name == PictureName::kSide) members.add(", \"side\": %u", side);
+  if (name == PictureName::kSide) members.add(", \"side\": %u", which);
+  if (name == PictureName::kProposal) members.add(", \"proposal\": %u", which);
   return write_data_line(out, id, members.view(), "png", {encoded.base64.data(), encoded.size});
 }
 

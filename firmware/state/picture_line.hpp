@@ -13,7 +13,7 @@
 namespace plumbline {
 
 /// Writes pictures into replies: PNG in base64 (RFC 4648). Each picture is encoded once, however many clients ask for it; of the
-/// sides the last one.
+/// sides and the proposals the last one.
 class PictureLine {
  public:
   /// Takes all its memory here.
@@ -21,10 +21,10 @@ class PictureLine {
   [[nodiscard]] static Expected<PictureLine> create();
 
   /// @param id    the request's; none: it had none
-  /// @param side  below kSideCount, 0 if it is no picture of a side
+  /// @param which  of the sides or the proposals; 0 for other pictures
   /// @retval ErrorCode::kBadSetting   there is no such picture now
   /// @retval ErrorCode::kCannotWrite  it is too large for a line
-  [[nodiscard]] Status write(TextSink& out, std::optional<std::uint64_t> id, PictureName name, std::uint32_t side,
+  [[nodiscard]] Status write(TextSink& out, std::optional<std::uint64_t> id, PictureName name, std::uint32_t which,
                              const PrinterRecord& record);
 
   /// Room for the picture of a mask that somebody asks for.
@@ -46,7 +46,7 @@ class PictureLine {
   /// A picture as it was encoded last.
   struct Encoded {
     std::uint32_t number = 0;  ///< 0: none
-    std::uint32_t side = 0;
+    std::uint32_t which = 0;
     std::vector<char> base64;
     std::size_t size = 0;
   };

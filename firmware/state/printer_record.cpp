@@ -1,9 +1,12 @@
 #include "firmware/state/printer_record.hpp"
 
+#include <algorithm>
+
 namespace plumbline {
 
 void PrinterRecord::begin_job() {
   job.reset();
+  proposals.reset();
   slicing.reset();
   sliced.reset();
   progress.reset();
@@ -12,6 +15,14 @@ void PrinterRecord::begin_job() {
   fault.reset();
   checks = {};
   finding_count = 0;
+}
+
+std::optional<std::size_t> PrinterRecord::proposal() const {
+  if (!proposals || !job || job->orient) return std::nullopt;
+  const std::array<double, 2> turned = {job->rotate_x_deg, job->rotate_y_deg};
+  const auto* const found = std::ranges::find(*proposals, turned, &Proposal::degrees);
+  if (found == proposals->end()) return std::nullopt;
+  return static_cast<std::size_t>(found - proposals->begin());
 }
 
 void PrinterRecord::add_finding(Severity severity, std::string_view text) {

@@ -16,6 +16,7 @@
 #include "firmware/print/status/print_state.hpp"
 #include "firmware/print/store/kept_prints.hpp"
 #include "firmware/settings/job_settings.hpp"
+#include "firmware/slice/orientation_proposals.hpp"
 #include "slicer/core/printable_text.hpp"
 #include "slicer/core/progress.hpp"
 #include "slicer/reader/scan_sources.hpp"
@@ -48,7 +49,8 @@ struct JobRecord : JobSettings {
 
 struct SlicingRecord {
   Stage stage = Stage::kRead;
-  double fraction = 0;  ///< of the stage
+  double fraction = 0;    ///< of the stage
+  bool proposes = false;  ///< only the best ways up are looked for
 };
 
 /// What would be printed, as it was sliced.
@@ -137,6 +139,7 @@ struct PrinterRecord {
   std::optional<JobRecord> job;                       ///< offered, printing, or the last one
   std::array<FixedText<64>, kMostProfiles> profiles;  ///< names, for a job's setting `profile`
   std::size_t profile_count = 0;
+  std::optional<Proposals> proposals;  ///< ways up of the job's scan, to choose from
   std::optional<SlicingRecord> slicing;
   std::optional<SlicedRecord> sliced;  ///< from the end of slicing on
   std::optional<ProgressRecord> progress;
@@ -154,6 +157,8 @@ struct PrinterRecord {
 
   /// Forgets the job of before.
   void begin_job();
+  /// The index of the proposal that the job follows; none: there are none, or it follows none of them.
+  std::optional<std::size_t> proposal() const;
   void add_finding(Severity severity, std::string_view text);
   void set_progress(const PrintStatus& status, std::int64_t wall_clock_s);
   void set_fault(FaultCode which, std::string_view finding, std::string_view remedy);

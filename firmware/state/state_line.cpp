@@ -147,6 +147,12 @@ void write_job(JsonWriter& json, const PrinterRecord& record) {
   } else {
     json.null();
   }
+  json.key("proposal");
+  if (const auto proposal = record.proposal()) {
+    json.value(static_cast<std::uint32_t>(*proposal));
+  } else {
+    json.null();
+  }
   json.member("as", to_string(job.as));
   json.member("base", word_of(job.base));
   json.member("keep_all", job.keep_all);
@@ -157,6 +163,24 @@ void write_job(JsonWriter& json, const PrinterRecord& record) {
     json.null();
   }
   json.end_object();
+}
+
+void write_proposals(JsonWriter& json, const PrinterRecord& record) {
+  if (!record.proposals) return json.null();
+  json.begin_array(kOneLine);
+  for (std::uint32_t number = 0; const Proposal& way : *record.proposals) {
+    json.begin_object(kOneLine);
+    json.member("number", number++);
+    json.member("rotate_x_deg", way.degrees[0]);
+    json.member("rotate_y_deg", way.degrees[1]);
+    json.member("support_mm2", thousandths(way.support_mm2));
+    json.member("support_ml", thousandths(way.support_mm3 / 1000));
+    json.member("peel_mm2", thousandths(way.peel_mm2));
+    json.member("height_mm", thousandths(way.height_mm));
+    json.member("scar_mm2", thousandths(way.scar_mm2));
+    json.end_object();
+  }
+  json.end_array();
 }
 
 void write_profiles(JsonWriter& json, const PrinterRecord& record) {
@@ -198,6 +222,8 @@ void write_pictures(JsonWriter& json, const PrinterRecord& record) {
          pictures != nullptr ? pictures->coverage_number : 0);
   number("layer", pictures != nullptr && pictures->layer().there(), pictures != nullptr ? pictures->layer_number : 0);
   number("side", pictures != nullptr && pictures->sides[0].there(), pictures != nullptr ? pictures->side_number : 0);
+  number("proposal", pictures != nullptr && pictures->proposals[0].there(),
+         pictures != nullptr ? pictures->proposal_number : 0);
   json.end_object();
 }
 
@@ -206,6 +232,7 @@ void write_slicing(JsonWriter& json, const PrinterRecord& record) {
   json.begin_object(kOneLine);
   json.member("stage", to_string(record.slicing->stage));
   json.member("fraction", thousandths(record.slicing->fraction));
+  json.member("proposes", record.slicing->proposes);
   json.end_object();
 }
 
@@ -325,6 +352,8 @@ Status write_state_line(TextSink& out, const PrinterRecord& record, std::uint64_
   write_stored(json, record);
   json.key("job");
   write_job(json, record);
+  json.key("proposals");
+  write_proposals(json, record);
   json.key("profiles");
   write_profiles(json, record);
   json.key("slicing");

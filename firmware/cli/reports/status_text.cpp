@@ -76,6 +76,20 @@ void add_stick(std::string& page, std::string_view state) {
   if (!any && !is_uploaded) add_line(page, "stick", "in the port");
 }
 
+void add_proposals(std::string& page, std::string_view state) {
+  if (!has(state, "proposals")) return;
+  const auto job = object_of(state, "job");
+  for_each_element(object_of(state, "proposals"), [&](std::string_view way) {
+    const double number = json_number(way, "number");
+    const bool chosen = has(job, "proposal") && json_number(job, "proposal") == number;
+    FixedText<200> line;
+    line.add("%c %.0f  x %.4g, y %.4g degrees: %.3g ml to support, %.4g mm high, largest layer %.3g cm2",
+             chosen ? '*' : ' ', number, json_number(way, "rotate_x_deg"), json_number(way, "rotate_y_deg"),
+             json_number(way, "support_ml"), json_number(way, "height_mm"), json_number(way, "peel_mm2") / 100);
+    add_line(page, number == 0 ? "ways up" : "", std::string(line.view()));
+  });
+}
+
 void add_stored(std::string& page, std::string_view state) {
   if (!has(state, "stored")) return;
   const auto stored = object_of(state, "stored");
@@ -139,6 +153,7 @@ std::string status_page(std::string_view state) {
   add_progress(page, state);
   add_stick(page, state);
   add_stored(page, state);
+  add_proposals(page, state);
   for_each_element(object_of(state, "findings"), [&](std::string_view finding) {
     add_line(page, json_text(finding, "severity"), json_text(finding, "text"));
   });

@@ -47,6 +47,15 @@ Expected<CheckedAnswer> ScanSlicing::run(const StickMount& mount, std::span<Stic
   return checked;
 }
 
+Expected<Proposals> ScanSlicing::propose(const StickMount& mount, std::span<StickFile> scan,
+                                         const ScanRequest& request) {
+  const auto answer = work(mount, scan, request);
+  PLUMBLINE_TRY(answer);
+  auto checked = check_proposals(*answer);
+  if (!checked) return tl::unexpected<Error>(child_said(*answer, checked.error(), mount, request));
+  return checked;
+}
+
 Expected<StickJob> ScanSlicing::read_job(const StickMount& mount, StickFile& file) {
   ScanRequest request;
   request.is_job_file = true;

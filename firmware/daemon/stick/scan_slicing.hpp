@@ -48,6 +48,12 @@ class ScanSlicing {
   [[nodiscard]] Expected<CheckedAnswer> run(const StickMount& mount, std::span<StickFile> scan,
                                             const ScanRequest& request);
 
+  /// Has the best ways up of a scan found by a child.
+  /// @param scan  the request's files, open; the request proposes
+  /// @retval the errors of check_proposals(), and those of run()
+  [[nodiscard]] Expected<Proposals> propose(const StickMount& mount, std::span<StickFile> scan,
+                                            const ScanRequest& request);
+
   /// Has a job file read by a child.
   /// @retval the errors of check_job_answer(), and those of run()
   [[nodiscard]] Expected<StickJob> read_job(const StickMount& mount, StickFile& file);

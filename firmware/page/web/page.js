@@ -113,7 +113,7 @@ function buttonText(name) {
   return name === "start" && state.sliced ? words.again : words[name];
 }
 function showButtons() {
-  const names = state.commands.filter((name) => !["choose", "set", "remove"].includes(name));
+  const names = state.commands.filter((name) => !["choose", "set", "remove", "propose"].includes(name));
   fill($("buttons"), [names, names.map(buttonText)], () => names.map((name) => {
     const kind = name === "cancel" ? "danger" : name === "pause" ? "" : "main";
     const button = element("button", buttonText(name), {class: kind, "data-do": name});
@@ -149,7 +149,8 @@ function showFacts() {
 function showNow() {
   const offersSliced = state.state === "offered" && state.sliced;
   const offersUpload = state.state === "offered" && state.stick.uploaded;
-  show("title", true, offersSliced ? words.sliced : offersUpload ? words.offeredUpload : words[state.state] || state.state);
+  const proposes = Boolean(state.slicing && state.slicing.proposes);
+  show("title", true, proposes ? words.proposing : offersSliced ? words.sliced : offersUpload ? words.offeredUpload : words[state.state] || state.state);
   let hint = words.hints[state.state] || "";
   if (state.state === "idle" && state.stick.present) hint = words.hints.stick;
   else if (state.state === "idle" && state.commands.includes("offer")) hint = words.hints.kept;
@@ -186,7 +187,7 @@ function coverageLegend() {
   return list;
 }
 function showPictures() {
-  const there = Object.entries(state.pictures || {}).filter(([name, value]) => value !== null && name !== "side");
+  const there = Object.entries(state.pictures || {}).filter(([name, value]) => value !== null && !["side", "proposal"].includes(name));
   $("pictures").hidden = there.length === 0;
   const names = there.map(([name]) => name);
   fill($("pictures"), names, () => [$("pictures").firstElementChild, ...names.map((name) => {
@@ -454,6 +455,30 @@ function showSettings() {
     else if (input.value !== String(value)) input.value = value;
   }
 }
+// The best ways up, each with a picture and what it costs, beside the scan as it lies. The printer looks for them when somebody asks.
+function showWays() {
+  const proposals = state.proposals || [], of = state.pictures && state.pictures.proposal, chosen = state.job ? state.job.proposal : null;
+  $("ways").hidden = !state.commands.includes("propose");
+  $("propose").hidden = proposals.length > 0;
+  show("ways-hint", true, proposals.length ? words.waysLegend : words.waysHint);
+  fill($("proposals"), [proposals, of], () => proposals.map((way) => {
+    const line = element("li"), button = element("button", undefined, {type: "button", "data-proposal": way.number});
+    const name = way.number ? `${words.way} ${way.number}` : words.unturned;
+    if (of) button.append(element("img", undefined, {src: `/proposal?n=${way.number}&of=${of}`, alt: words.front}));
+    button.append(element("strong", name));
+    for (const text of [`${words.overhang} ${number(way.support_ml, 1)} ml, ${number(way.support_mm2 / 100, 1)} cm²`,
+                        `${words.height} ${number(way.height_mm, 1)} mm`, `${words.largestLayer} ${number(way.peel_mm2 / 100, 1)} cm²`]) {
+      button.append(element("span", text));
+    }
+    button.onclick = () => command({do: "set", key: "proposal", value: way.number});
+    line.append(button);
+    return line;
+  }));
+  for (const button of $("proposals").querySelectorAll("button")) {
+    button.setAttribute("aria-pressed", Number(button.dataset.proposal) === chosen);
+  }
+}
+$("propose").onclick = () => command({do: "propose"});
 function showLists() {
   const findings = state.findings.map((one) => [one.severity, one.text]);
   const checks = state.checks.map((one) => [one.outcome, `${one.check}: ${one.detail}`]);
@@ -485,7 +510,7 @@ function render() {
   show("printer", true, state.printer);
   show("simulated", state.simulated, words.simulated);
   document.body.dataset.state = state.state;
-  for (const part of [showNow, showButtons, showFacts, showPictures, showTurn, showMasks, showStick, showUpload, showSettings, showLists, showPrints]) part();
+  for (const part of [showNow, showButtons, showFacts, showPictures, showTurn, showMasks, showStick, showUpload, showSettings, showWays, showLists, showPrints]) part();
 }
 
 // --- From the printer
@@ -512,7 +537,7 @@ function listen() {
 function sayWords() {
   document.documentElement.lang = words.locale.slice(0, 2);
   const put = (selector, text) => { document.querySelector(selector).textContent = text; };
-  for (const [id, text] of Object.entries({pictures: words.pictures, turn: words.turnTitle, layers: words.masks, stick: words.stickTitle, settings: words.settings,
+  for (const [id, text] of Object.entries({pictures: words.pictures, turn: words.turnTitle, layers: words.masks, stick: words.stickTitle, settings: words.settings, ways: words.waysTitle,
                                            findings: words.findings, checks: words.checksTitle, upload: words.uploadTitle, report: words.report,
                                            prints: words.printsTitle})) put(`#${id} h2`, text);
   put("#report a", words.download);
@@ -525,6 +550,7 @@ function sayWords() {
   put("#turn-left", words.turnLeft);
   put("#turn-right", words.turnRight);
   $("stage").setAttribute("aria-label", words.turnTitle);
+  put("#propose", words.propose);
   put("#send label", words.uploadLabel);
   put("#send button.main", words.uploadDo);
   put("#stop-upload", words.uploadStop);

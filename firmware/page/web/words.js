@@ -40,6 +40,8 @@ const texts = {
     offerUpload: "Show the uploaded scan", stored: "Kept on the printer", remove: "Delete it", keepStored: "Keep it", removeTitle: "Delete the scan?",
     removeText: "will be deleted from the printer. It can't be brought back.",
     doThis: "What to do:", pairTitle: "Pair this browser", pairLabel: "Type the code that the printer's screen shows (without a screen: its log)", pair: "Pair", close: "Close",
+    waysTitle: "Best ways up", waysHint: "The printer can look which ways up need the fewest supports. That reads the scan once.", propose: "Look for them", proposing: "Looking for the best ways up",
+    waysLegend: "Orange needs supports. Choose one, or keep the scan as it is.", way: "Way", unturned: "As it is", overhang: "Space to support", largestLayer: "Largest layer",
     h: "h", min: "min", s: "s", locale: "en-GB",
   },
   de: {
@@ -81,6 +83,8 @@ const texts = {
     offerUpload: "Den hochgeladenen Scan zeigen", stored: "Auf dem Drucker aufbewahrt", remove: "Löschen", keepStored: "Behalten",
     removeTitle: "Den Scan löschen?", removeText: "wird vom Drucker gelöscht und lässt sich nicht zurückholen.",
     doThis: "Was zu tun ist:", pairTitle: "Diesen Browser koppeln", pairLabel: "Den Code eingeben, den der Bildschirm des Druckers zeigt (ohne Bildschirm: sein Log)", pair: "Koppeln", close: "Schließen",
+    waysTitle: "Beste Lagen", waysHint: "Der Drucker kann suchen, welche Lagen die wenigsten Stützen brauchen. Dazu liest er den Scan einmal.", propose: "Suchen", proposing: "Die besten Lagen werden gesucht",
+    waysLegend: "Orange braucht Stützen. Eine Lage wählen oder den Scan lassen, wie er ist.", way: "Lage", unturned: "Wie er ist", overhang: "Zu stützender Raum", largestLayer: "Größte Schicht",
     h: "h", min: "min", s: "s", locale: "de-DE",
   },
 };

@@ -144,6 +144,25 @@ TEST_F(AnswerCheck, SurvivesScribblesOverAnswerAndMemory) {
   EXPECT_GT(refused, kTimes / 4);
 }
 
+TEST_F(AnswerCheck, RefusesProposalsThatAreNoNumbers) {
+  ScanAnswer answer;
+  answer.kind = ScanAnswer::kProposals;
+  EXPECT_TRUE(check_proposals(answer));
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  const std::vector<std::function<void(Proposal&)>> damages = {
+      [](Proposal& way) { way.degrees[0] = kNan; },   [](Proposal& way) { way.degrees[1] = 361; },
+      [](Proposal& way) { way.support_mm3 = -1; },    [](Proposal& way) { way.height_mm = kNan; },
+      [](Proposal& way) { way.peel_mm2 = HUGE_VAL; },
+  };
+  for (const auto& damage : damages) {
+    ScanAnswer damaged = answer;
+    damage(damaged.proposals.back());
+    EXPECT_EQ(check_proposals(damaged).error().code(), ErrorCode::kMalformed);
+  }
+  answer.kind = ScanAnswer::kSliced;
+  EXPECT_EQ(check_proposals(answer).error().code(), ErrorCode::kMalformed);
+}
+
 TEST_F(AnswerCheck, BelievesNoErrorThatAScanCanNotCause) {
   ScanAnswer answer;
   answer.kind = ScanAnswer::kRefused;

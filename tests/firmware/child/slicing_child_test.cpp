@@ -61,6 +61,45 @@ TEST_F(SlicingChildTest, FindsWhatThisProcessFindsScanAfterScan) {
   }
 }
 
+TEST_F(SlicingChildTest, ProposesTheBestWaysUpWithAPictureOfEach) {
+  auto child = make(2);
+  const std::string path = folder_ / "ball.ply";
+  write_sphere_scan(path, 6000, 8);
+  auto request = request_of(path, 2);
+  request.proposes = true;
+  request.settings.orient = true;
+  request.settings.placement.size = PrintSize{Side::kHeight, 10};
+  ASSERT_EQ(run(child, request, path), 0);
+  const auto found = check_proposals(child.answer());
+  ASSERT_TRUE(found) << found.error().message();
+  EXPECT_EQ((*found)[0].degrees, (std::array<double, 2>{0, 0}));
+  for (std::size_t i = 0; i < kProposalCount; ++i) {
+    const Proposal& way = (*found)[i];
+    EXPECT_NEAR(way.height_mm, 10, 0.5);
+    EXPECT_NEAR(way.peel_mm2, 3.1416 * 25, 12) << "as patches show it";
+    for (std::size_t k = 0; k < i; ++k) EXPECT_TRUE(k == 0 || way.degrees != (*found)[k].degrees);
+    const ProposalPicture& picture = child.proposals()[i];
+    ASSERT_TRUE(picture.there());
+    // A ball whose box's diagonal fills the picture: the cap that needs supports is at its bottom, in orange.
+    int orange = 0, pale = 0;
+    for (std::size_t at = 0; at < picture.bytes().size(); at += 3) {
+      const auto red = picture.bytes()[at], blue = picture.bytes()[at + 2];
+      if (red > blue + 40) ++orange;
+      if (red > 120 && red <= blue + 40) ++pale;
+    }
+    EXPECT_GT(orange, 200);
+    EXPECT_GT(pale, 2000);
+  }
+  // What is no scan has none.
+  const std::string broken = folder_ / "broken.ply";
+  std::ofstream(broken) << "ply\n";
+  auto of_broken = request_of(broken, 2);
+  of_broken.proposes = true;
+  ASSERT_EQ(run(child, of_broken, broken), 0);
+  EXPECT_FALSE(check_proposals(child.answer()));
+  EXPECT_FALSE(child.proposals()[0].there());
+}
+
 // Regression: libgomp waited for the threads of this process's team, which the child has not.
 TEST_F(SlicingChildTest, StartsThreadsThoughThisProcessHasTeamsOfThem) {
   if (kHasSanitizer) GTEST_SKIP() << "a thread sanitizer allows no threads after such a fork";

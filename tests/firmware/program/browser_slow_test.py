@@ -153,6 +153,18 @@ class BrowserTest(PagePrinter):
         browser.until("return document.querySelector('#set-height').value === '5' && document.querySelector('#set-layer_height').value === '0.1'",
                       "the settings")
         self.look("offered")
+        # The best ways up, with a picture of each; the second is taken.
+        self.tab_to("#propose")
+        browser.press(ENTER)
+        browser.until("""const all = [...document.querySelectorAll('#proposals img')];
+            return all.length === 5 && all.every((img) => img.naturalWidth === 160)""", "five ways up")
+        ways = browser.run("return [...document.querySelectorAll('#proposals button')].map((b) => [b.ariaPressed, b.innerText])")
+        self.assertEqual([pressed for pressed, _ in ways], ["true", "false", "false", "false", "false"])
+        self.assertRegex(ways[2][1], r"^\s*Way 2\nSpace to support \d\.\d ml, \d\.\d cm²\nHeight \d\.\d mm\nLargest layer \d\.\d cm²$")
+        self.tab_to("#proposals li:nth-child(3) button")
+        browser.press(ENTER)
+        browser.until("return document.querySelector('#proposals li:nth-child(3) button').ariaPressed === 'true'", "the second way up")
+        self.look("ways")
         self.tab_to("[data-do=start]")
         browser.press(ENTER)
         # What would be printed, layer by layer.

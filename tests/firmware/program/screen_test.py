@@ -121,7 +121,7 @@ class Screen(StatePrinter):
         self.assertEqual(columns, 480)
         self.assertFalse(any(row[at] > row[at + 2] + 100 for row in rows for at in range(0, len(row), 3)))
         user.refused("no picture 'layer'", "picture", picture="layer")
-        user.refused("preview, issues, coverage, layer or side", "picture", picture="part")
+        user.refused("preview, issues, coverage, layer, side or proposal", "picture", picture="part")
         user.state("offered", "start")
         user.do("start")
         user.until(lambda s: s["state"] == "printing" and s["progress"]["layers_done"] > 2, "layer 3")
@@ -155,9 +155,69 @@ class Screen(StatePrinter):
             self.assertIn(name, titles, "in this order")
             titles = titles[titles.index(name):]
 
-    def picture(self, user, name):
+    def test_one_of_the_best_ways_up_is_chosen_and_printed_again(self):
+        daemon, user = self.start()
+        user.state("idle")
+        self.put_stick({"ball.ply": 3, "small.ply": 2, "junk.ply": b"ply\n"})
+        user.state("offered", "propose")
+        user.do("choose", scan=3)
+        user.do("set", key="layer_height", value=0.1)
+        user.refused("the best ways up are not known", "set", key="proposal", value=1)
+        user.do("propose")
+        user.until(lambda s: s["state"] == "slicing" and s["slicing"]["proposes"], "it looks for them")
+        found = user.until(lambda s: s["state"] == "offered" and s["proposals"] and s["commands"], "the best ways up")
+        self.assertEqual((found["job"]["number"], found["job"]["proposal"], found["pictures"]["proposal"]), (3, 0, 1))
+        self.assertEqual([way["number"] for way in found["proposals"]], [0, 1, 2, 3, 4])
+        for way in found["proposals"]:
+            self.assertAlmostEqual(way["height_mm"], 4, delta=0.2)
+            columns, rows = self.picture(user, "proposal", proposal=way["number"])
+            self.assertEqual((columns, len(rows)), (160, 160))
+        user.refused("a number from 0 to 4", "picture", picture="proposal", proposal=5)
+        user.refused("allowed is 0 to 4", "set", key="proposal", value="5")
+        second = found["proposals"][2]
+        user.do("set", key="proposal", value=2)
+
+        def follows(state):
+            job = state["job"]
+            return (job["rotate_x_deg"], job["rotate_y_deg"]) == (second["rotate_x_deg"], second["rotate_y_deg"])
+
+        user.until(lambda s: s["job"]["proposal"] == 2 and follows(s), "the second way up")
+        listed = self.run_it("status", "--socket", self.path).stdout
+        self.assertRegex(listed, r"\* 2  x -?[0-9.]+, y -?[0-9.]+ degrees: [0-9.]+ ml to support, [0-9.]+ mm high")
+        # The figures are those of one size; the way up stays.
+        user.do("set", key="height", value="5mm")
+        user.until(lambda s: s["proposals"] is None and s["pictures"]["proposal"] is None and follows(s), "no figures")
+        user.do("set", key="scale", value=1)
+        # Whoever stops it keeps the offer.
+        user.do("propose")
+        user.until(lambda s: s["state"] == "slicing", "it looks for them")
+        user.do("cancel")
+        user.until(lambda s: s["state"] == "offered" and s["commands"] and follows(s), "the offer")
+        user.do("start")
+        printed = user.state("plate in use", "plate-empty")
+        self.assertEqual(printed["job"]["result"], "finished")
+        user.do("plate-empty")
+        again = user.state("offered", "start")["job"]
+        self.assertTrue(again["number"] == 3 and again["layer_height"] == 0.1 and follows({"job": again}), again)
+        # Another stick begins anew, though its scan has that name.
+        shutil.rmtree(self.stick)
+        user.until(lambda s: not s["stick"]["present"], "no stick")
+        shutil.rmtree(self.dir / "new", ignore_errors=True)
+        self.put_stick({"ball.ply": 3, "small.ply": 2, "junk.ply": b"ply\n"})
+        fresh = user.state("offered", "start")["job"]
+        self.assertEqual((fresh["number"], fresh["rotate_x_deg"], fresh["layer_height"]), (1, 0, None))
+        # A scan that can't be read is a fault as if it were printed.
+        user.do("choose", scan=2)
+        user.do("propose")
+        self.assertEqual(user.state("fault", "seen")["fault"]["code"], "PL-102")
+        user.do("seen")
+        self.assertIn("PL-102", user.state("offered", "start")["stick"]["scans"][1]["problem"])
+        daemon.terminate()
+        self.assertEqual(daemon.wait(60), 0)
+
+    def picture(self, user, name, **which):
         """(columns, rows) of a picture that the socket sends."""
-        reply = user.ask("picture", picture=name)
+        reply = user.ask("picture", picture=name, **which)
         self.assertTrue(reply["ok"], reply)
         self.assertEqual(reply["picture"], name)
         file = self.dir / f"{name}.png"

@@ -91,6 +91,44 @@ inline const JobPictures& pictures_with_issues() {
   return *pictures;
 }
 
+/// The same, with an egg in five ways up whose underside is orange.
+inline const JobPictures& pictures_with_proposals() {
+  static const auto pictures = [] {
+    auto made = std::make_unique<JobPictures>(ball_pictures());
+    for (std::size_t i = 0; i < made->proposals.size(); ++i) {
+      ProposalPicture& picture = made->proposals[i];
+      picture.columns = ProposalPicture::kMostColumns;
+      picture.rows = ProposalPicture::kMostRows;
+      const double turn = static_cast<double>(i) * 0.6, c = std::cos(turn), s = std::sin(turn);
+      for (std::uint32_t y = 0; y < picture.rows; ++y) {
+        for (std::uint32_t x = 0; x < picture.columns; ++x) {
+          const double dx = static_cast<double>(x) - 80, dy = static_cast<double>(y) - 80;
+          const double u = (c * dx + s * dy) / 40, v = (c * dy - s * dx) / 68, r2 = u * u + v * v;
+          const double shade = r2 < 1 ? 0.3 + 0.7 * std::sqrt(1 - r2) : 0.12;
+          const bool below = r2 < 1 && dy > 40;
+          const std::array<double, 3> colour = below    ? std::array{232.0, 150.0, 56.0}
+                                               : r2 < 1 ? std::array{222.0, 222.0, 212.0}
+                                                        : std::array{180.0, 190.0, 200.0};
+          for (std::size_t k = 0; k < 3; ++k) {
+            picture.memory[3 * (std::size_t{y} * picture.columns + x) + k] =
+                static_cast<std::uint8_t>(shade * colour[k]);
+          }
+        }
+      }
+    }
+    return made;
+  }();
+  return *pictures;
+}
+
+/// Of a bust that lies on its back.
+inline Proposals some_proposals() {
+  return {Proposal{{0, 0}, 2.1, 1840, 31'500, 2310, 48.2, 900}, Proposal{{-90, 0}, 0.8, 212, 2900, 1180, 80.2, 150},
+          Proposal{{-65, 10.5}, 0.9, 240, 3400, 1010, 76.4, 160},
+          Proposal{{-120, -15}, 1.2, 530, 12'700, 1240, 71.9, 300},
+          Proposal{{15, 75}, 1.4, 760, 8800, 1690, 62.1, 410}};
+}
+
 /// Five prints, kept in a folder of their own: two balls, then one without a preview, as a resumed print has none, and two more balls.
 inline const KeptPrints& some_prints() {
   struct Row {

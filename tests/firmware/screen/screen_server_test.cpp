@@ -50,6 +50,10 @@ class TestTaker final : public CommandTaker {
       record_.stored.reset();
       return kCancelPressed;
     }
+    if (request.command == Command::kPropose) {
+      taken.push_back("propose");
+      return kStartPressed;
+    }
     if (request.command == Command::kChoose) {
       taken.push_back("choose " + std::to_string(request.scan));
       record_.job->chosen = request.scan - 1;
@@ -208,6 +212,7 @@ TEST(ScreenServer, ChangesEachSettingByOneButton) {
   EXPECT_FALSE(rig.press(kPausePressed));
   EXPECT_FALSE(rig.press(kStartPressed));
   ASSERT_TRUE(rig.server.view().settings_open);
+  assign(rig.record->job->files[0], "bust.sl1");  // has no proposals, so each row has a value
   for (std::size_t row = 0; row < kSettingRowCount; ++row) {
     EXPECT_FALSE(rig.press(kStartPressed));
     EXPECT_FALSE(rig.press(kPausePressed));
@@ -217,6 +222,62 @@ TEST(ScreenServer, ChangesEachSettingByOneButton) {
                           "set orient=auto", "set supports=auto", "set layer_height=0.025"));
   EXPECT_FALSE(rig.press(kCancelPressed));
   EXPECT_FALSE(rig.server.view().settings_open);
+}
+
+/// Opens the settings and goes to the row of the best ways up.
+void go_to_the_ways(Rig& rig) {
+  rig.record->scan_count = 1;
+  EXPECT_FALSE(rig.press(kPausePressed));
+  EXPECT_FALSE(rig.press(kStartPressed));
+  for (int row = 0; row < 4; ++row) EXPECT_FALSE(rig.press(kPausePressed));
+  ASSERT_TRUE(opens_proposals(*rig.record, rig.server.view().setting));
+}
+
+TEST(ScreenServer, WaitsForTheBestWaysUpThenTakesOneOfThem) {
+  Rig rig(kOffered);
+  go_to_the_ways(rig);
+  EXPECT_TRUE(rig.press(kStartPressed)) << "the daemon looks for them";
+  EXPECT_THAT(rig.taker.taken, ElementsAre("propose"));
+  rig.record->state = kSlicing;
+  rig.record->slicing = SlicingRecord{Stage::kTrees, 0.5, true};
+  rig.server.show(*rig.record, 1h);
+  EXPECT_FALSE(rig.press(kStartPressed));
+  rig.record->state = kOffered;
+  rig.record->slicing.reset();
+  rig.record->proposals = some_proposals();
+  rig.server.show(*rig.record, 1h);
+  ASSERT_TRUE(rig.server.view().proposals_open);
+  EXPECT_EQ(rig.server.view().proposal, 1U) << "the best";
+  for (const std::size_t row : {2U, 3U, 4U, 0U, 1U, 2U}) {
+    EXPECT_FALSE(rig.press(kPausePressed));
+    EXPECT_EQ(rig.server.view().proposal, row);
+  }
+  EXPECT_FALSE(rig.press(kStartPressed));
+  EXPECT_THAT(rig.taker.taken, ElementsAre("propose", "set proposal=2"));
+  EXPECT_FALSE(rig.server.view().proposals_open);
+  EXPECT_TRUE(rig.server.view().settings_open);
+  // They are known now: nothing is read again. The one that the job has is at hand.
+  rig.record->job->rotate_x_deg = -65;
+  rig.record->job->rotate_y_deg = 10.5;
+  EXPECT_FALSE(rig.press(kStartPressed));
+  EXPECT_EQ(rig.server.view().proposal, 2U);
+  EXPECT_FALSE(rig.press(kCancelPressed));
+  EXPECT_FALSE(rig.server.view().proposals_open);
+  EXPECT_EQ(rig.taker.taken.size(), 2U) << "back changes nothing";
+}
+
+TEST(ScreenServer, GoesBackToTheSettingsIfTheBestWaysUpAreGivenUp) {
+  Rig rig(kOffered);
+  go_to_the_ways(rig);
+  EXPECT_TRUE(rig.press(kStartPressed));
+  rig.record->state = kSlicing;
+  rig.record->slicing = SlicingRecord{Stage::kRead, 0.5, true};
+  EXPECT_TRUE(rig.press(kCancelPressed)) << "the daemon stops";
+  rig.record->state = kOffered;
+  rig.record->slicing.reset();
+  rig.server.show(*rig.record, 1h);
+  EXPECT_FALSE(rig.server.view().proposals_open);
+  EXPECT_TRUE(rig.server.view().settings_open);
 }
 
 TEST(ScreenServer, BringsEachSettingBackAfterAWhile) {

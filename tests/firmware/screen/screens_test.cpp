@@ -118,6 +118,30 @@ std::vector<ScreenCase> golden_cases() {
                           view.settings_open = true;
                           view.setting = 1;
                         })},
+      {"proposals", with(kOffered,
+                         [](auto& record, auto& view) {
+                           record.proposals = some_proposals();
+                           record.pictures = &pictures_with_proposals();
+                           record.job->rotate_x_deg = -90;
+                           view.row = ListRow::kSettings;
+                           view.settings_open = view.proposals_open = true;
+                           view.setting = 4;
+                           view.proposal = 2;
+                         })},
+      {"settings-way", with(kOffered,
+                            [](auto& record, auto& view) {
+                              record.proposals = some_proposals();
+                              record.job->rotate_x_deg = -65;
+                              record.job->rotate_y_deg = 10.5;
+                              view.row = ListRow::kSettings;
+                              view.settings_open = true;
+                              view.setting = 4;
+                            })},
+      {"proposing", with(kSlicing,
+                         [](auto& record, auto& view) {
+                           record.slicing = SlicingRecord{Stage::kTrees, 0.4, true};
+                           view.settings_open = view.proposals_open = true;
+                         })},
       {"reading", with(kSlicing,
                        [](auto& record, auto&) {
                          record.slicing = SlicingRecord{Stage::kRays, 0.62};
@@ -337,6 +361,7 @@ TEST(Screens, EachValueOfASettingFits) {
         job.orient = turns % 2 == 1;
         job.supports = turns % 3 == 0 ? std::nullopt : std::optional(turns % 3 == 1);
         job.layer_height = turns % 2 == 1 ? 0.025 : 0;
+        if (turns > 7) job.orient = false, job.rotate_x_deg = -359.9, job.rotate_y_deg = -359.9;
         if (turns == 11) job.size.reset(), job.scale = 1234.567;
         if (turns == 10) job.size.reset(), job.scale = 1;
       });
@@ -370,6 +395,7 @@ TEST(Screens, TheLongestRecordFits) {
       }
       for (FindingRecord& finding : record.findings) assign(finding.text, wide);
       if (record.fault) record.set_fault(FaultCode::kJournalOfAnother, wide, wide);
+      if (record.proposals) record.proposals->fill(Proposal{{-359.9, -359.9}, 9, 99'999, 9'999'999, 999'999, 9999, 9});
       if (record.sliced) {
         record.sliced->width_mm = record.sliced->depth_mm = record.sliced->height_mm = 1999.9;
         record.sliced->layers = 40'000;

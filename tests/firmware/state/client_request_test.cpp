@@ -39,8 +39,9 @@ TEST(ClientRequest, HasACommandAndWhatItNeeds) {
   EXPECT_EQ(set.request->key.view(), "scale");
   EXPECT_EQ(set.request->value.view(), "-1.5e+3");
   EXPECT_EQ(parse(R"({"do":"mask","layer":4294967295})").request->layer, 4294967295U);
-  EXPECT_EQ(parse(R"({"do":"picture","picture":"side","side":15})").request->side, 15U);
-  EXPECT_EQ(parse(R"({"side":3,"picture":"side","do":"picture"})").request->side, 3U);
+  EXPECT_EQ(parse(R"({"do":"picture","picture":"side","side":15})").request->which, 15U);
+  EXPECT_EQ(parse(R"({"side":3,"picture":"side","do":"picture"})").request->which, 3U);
+  EXPECT_EQ(parse(R"({"do":"picture","picture":"proposal","proposal":4})").request->which, 4U);
   EXPECT_EQ(parse(R"({"do":"report","from":24576})").request->from, 24576U);
   EXPECT_EQ(parse(R"({"do":"code","code":"0482913"})").request->code.view(), "0482913");
   EXPECT_EQ(parse(R"({"do":"code","code":""})").request->code.view(), "");
@@ -102,6 +103,9 @@ TEST(ClientRequest, SaysWhatIsWrong) {
       {"{\"do\":\"picture\",\"picture\":\"side\",\"side\":16}", "side: allowed is"},
       {"{\"do\":\"picture\",\"picture\":\"layer\",\"side\":1}", "\"side\" is for the picture"},
       {"{\"do\":\"start\",\"side\":1}", "\"side\" is for the picture"},
+      {"{\"do\":\"picture\",\"picture\":\"proposal\",\"proposal\":5}", "proposal: allowed is"},
+      {"{\"do\":\"picture\",\"picture\":\"side\",\"proposal\":1}", "\"proposal\" is for the picture"},
+      {"{\"do\":\"propose\",\"scan\":1}", "propose needs nothing beside"},
       {"{\"do\":\"report\"}", "report needs \"from\""},
       {"{\"do\":\"report\",\"from\":\"0\"}", "from: allowed is"},
       {"{\"do\":\"code\",\"code\":482913}", "code: allowed is"},

@@ -54,6 +54,7 @@ std::unique_ptr<PrinterRecord> longest_record() {
   record->sliced =
       SlicedRecord{1999.999, 1999.999, 1999.999, 0.123, ~std::uint32_t{0}, 12345.678, std::chrono::hours(99999)};
   record->slicing = SlicingRecord{Stage::kWindingTree, 0.123};
+  record->proposals.emplace().fill({{-359.9, -359.9}, 1, 1.23456e29, 1.23456e29, 1.23456e29, 1.23456e29, 1.23456e29});
   PrintStatus status;
   status.state = PrintState::kPrinting;
   status.layers = status.layer = ~std::uint32_t{0};
@@ -105,9 +106,12 @@ TEST(StateLine, SaysWhatThePrinterTakes) {
   record.state = PrintState::kOffered;
   EXPECT_EQ(commands(), "[]") << "nobody waits for an answer, so a command would be lost";
   record.waits = true;
-  EXPECT_EQ(commands(), R"(["start", "cancel", "set"])") << "there is one scan";
+  record.job.emplace();
+  EXPECT_EQ(commands(), R"(["start", "cancel", "set", "propose"])") << "there is one scan";
   record.scan_count = 2;
-  EXPECT_EQ(commands(), R"(["start", "cancel", "choose", "set"])");
+  EXPECT_EQ(commands(), R"(["start", "cancel", "choose", "set", "propose"])");
+  assign(record.job->files[0], "bust.sl1");
+  EXPECT_EQ(commands(), R"(["start", "cancel", "choose", "set"])") << "it stands as it was sliced";
   record.state = PrintState::kPlateInUse;
   EXPECT_EQ(commands(), R"(["plate-empty"])");
   record.state = PrintState::kIdle;
