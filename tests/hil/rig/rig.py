@@ -26,6 +26,7 @@ OPTIONS = None
 DISARM = "echo V > /dev/watchdog0"
 
 # Host seconds. Generous: emulation on a busy host is slow, which says nothing about the firmware. PLUMBLINE_RIG_PATIENCE gives more.
+VERBOSE = "PLUMBLINE_RIG_VERBOSE" in os.environ  # tells what the guest says while a test waits
 PATIENCE = int(os.environ.get("PLUMBLINE_RIG_PATIENCE", "180"))
 
 
@@ -158,12 +159,16 @@ class Rig(unittest.TestCase):
         return self.machine.run("cat /tmp/log")[1]
 
     def until(self, *patterns, seconds=PATIENCE):
-        """Waits until the log matches one of the patterns. @returns the log"""
+        """Waits until the log matches one of the patterns, and tells what is new in it meanwhile. @returns the log"""
         end = time.monotonic() + seconds
+        told = 0
         while time.monotonic() < end:
             log = self.log()
             if any(re.search(pattern, log, re.DOTALL) for pattern in patterns):
                 return log
+            if VERBOSE and len(log) > told:
+                self.tell(f"{time.monotonic() - end + seconds:6.1f} s  " + log[told:].rstrip())
+            told = len(log)
             time.sleep(0.2)
         self.fail(f"not in the log after {seconds} s: {patterns}\n{self.log()[-2000:]}")
 

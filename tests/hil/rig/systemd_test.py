@@ -102,6 +102,25 @@ class Systemd(rig.Rig):
         self.assertIn("state.command", said)
         self.prints()
 
+    def test_a_stick_with_the_folder_gets_the_reports_from_the_helper_alone(self):
+        stick = self.dir / "reports.img"
+        guest.make_stick(stick, [self.scan], folders=["plumbline-reports"])
+        self.plug(stick, writable=True)
+        self.until_lit(1)
+        self.run_in_guest("plumbline ctl cancel")  # a cancelled print has a report, too, and is over sooner
+        self.until("of the last prints are on the stick now")
+        report = json.loads(self.run_in_guest(f"cat {STATE}/report.json"))
+        # Nobody holds the stick any more, and no mount of it was ever seen outside the helper.
+        self.assertEqual(self.stick_files(), 0)
+        self.assertNotIn("/dev/sd", self.run_in_guest("cat /proc/mounts"))
+        self.assertEqual(self.show("plumbline-mount", "NRestarts", "ActiveState"), {"NRestarts": "0", "ActiveState": "active"})
+        self.pull()
+        names = guest.stick_folder(stick, "plumbline-reports")
+        self.assertEqual(sorted(name.rsplit(".")[-1] for name in names), ["json", "png"], names)
+        (named,) = (name for name in names if name.endswith(".json"))
+        self.assertEqual(json.loads(guest.stick_file(stick, f"plumbline-reports/{named}")), report)
+        self.assertEqual(report["state"], "cancelled")
+
     def test_a_killed_daemon_comes_back_and_the_print_goes_on(self):
         self.plug(self.stick)
         self.until_lit(3)
