@@ -161,11 +161,15 @@ tl::unexpected<Error> fail_empty(MeshFiles& files, const MeshCounts& counts) {
   const auto pointers = files.pointers();
   const auto title = title_of(std::span(pointers).first(files.count()));
   if (counts.not_finite == 0) {
-    return fail(ErrorCode::kNoPoints, "%s: has no triangle.\tExport the mesh again, with its faces", title.c_str());
+    return telling(
+        Told(ToldCode::kNoTriangles),
+        fail(ErrorCode::kNoPoints, "%s: has no triangle.\tExport the mesh again, with its faces", title.c_str()));
   }
-  return fail(ErrorCode::kNoPoints,
-              "%s: has no usable triangle: all %llu have a coordinate that is not finite or huge.\tExport it again",
-              title.c_str(), static_cast<unsigned long long>(counts.not_finite));
+  return telling(
+      Told(ToldCode::kNoTriangles),
+      fail(ErrorCode::kNoPoints,
+           "%s: has no usable triangle: all %llu have a coordinate that is not finite or huge.\tExport it again",
+           title.c_str(), static_cast<unsigned long long>(counts.not_finite)));
 }
 
 }  // namespace

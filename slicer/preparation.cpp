@@ -305,8 +305,10 @@ Status check_no_speck(const Box3d& bounds, ScanSources sources, const PlacementS
   const char* const advice = is_in_mm ? "Give a size, such as --height 80mm, or --scale"
                                       : "Use --units m or --units cm if the scan is in those, or give a size, such as "
                                         "--height 80mm";
-  return fail(ErrorCode::kNoSurface, "%s: the object would be %.2g mm long, less than %.0f pixels of the printer.\t%s",
-              title_of(sources).c_str(), longest, kFewestPixels, advice);
+  return telling(
+      Told(ToldCode::kTooSmall, {{Fact::kLongestMm, longest}}),
+      fail(ErrorCode::kNoSurface, "%s: the object would be %.2g mm long, less than %.0f pixels of the printer.\t%s",
+           title_of(sources).c_str(), longest, kFewestPixels, advice));
 }
 
 Status check_surface(const PreparedScan& scan, ScanSources sources, const PreparationReport& found,
@@ -317,24 +319,28 @@ Status check_surface(const PreparedScan& scan, ScanSources sources, const Prepar
   const ScanTitle title = title_of(sources);
   const auto points = static_cast<unsigned long long>(found.scan.points);
   if (found.floor.points > 0 && scan.cloud.size == 0) {
-    return fail(ErrorCode::kNoSurface,
-                "%s: all of the scan is below the floor, at height %.5g.\tUse a lower --floor, or --floor keep",
-                title.c_str(), found.floor.height);
+    return telling(Told(ToldCode::kBelowFloor, {{Fact::kFloor, found.floor.height}}),
+                   fail(ErrorCode::kNoSurface,
+                        "%s: all of the scan is below the floor, at height %.5g.\tUse a lower --floor, or --floor keep",
+                        title.c_str(), found.floor.height));
   }
   if (scan.has_surface) return {};
   // Cells that have grown from the first size show that the arena was too small. Else the points lie closer than pixels.
   const bool grown = static_cast<double>(found.lengths.thinning_cell.value) > 1.01 * first_cell(settings);
   if (grown && found.cloud_capacity < points && found.cloud_points < points) {
-    return fail(
-        ErrorCode::kNoSurface,
-        "%s: no surface found in %u points, to which %llu were thinned because the arena has no room for more.\t"
-        "Use a larger arena (--arena-mib), or check the normals of the scan",
-        title.c_str(), found.cloud_points, points);
+    return telling(
+        Told(ToldCode::kSurfaceNotFound, {{Fact::kPoints, found.cloud_points}}),
+        fail(ErrorCode::kNoSurface,
+             "%s: no surface found in %u points, to which %llu were thinned because the arena has no room for more.\t"
+             "Use a larger arena (--arena-mib), or check the normals of the scan",
+             title.c_str(), found.cloud_points, points));
   }
-  return fail(ErrorCode::kNoSurface,
-              "%s: no surface found in %llu points: most have too few neighbours that face the same way.\tCheck the "
-              "normals of the scan, or scan more densely",
-              title.c_str(), points);
+  return telling(
+      Told(ToldCode::kSurfaceNotFound, {{Fact::kPoints, points}}),
+      fail(ErrorCode::kNoSurface,
+           "%s: no surface found in %llu points: most have too few neighbours that face the same way.\tCheck the "
+           "normals of the scan, or scan more densely",
+           title.c_str(), points));
 }
 
 Units units_of(const Box3d& bounds, const PlacementSettings& settings) {

@@ -91,10 +91,11 @@ tl::unexpected<Error> child_error(const ScanAnswer& answer, std::span<const Erro
   const auto code = std::find_if(possible.begin(), possible.end(),
                                  [&answer](ErrorCode one) { return static_cast<std::uint32_t>(one) == answer.code; });
   if (code == possible.end() || text.empty()) return wrong("its error");
+  if (!answer.told.is_valid()) return wrong("what its error tells");
   const auto at = std::min<std::size_t>(answer.advice_at, text.size());
-  if (at == 0) return fail(*code, "%.*s", static_cast<int>(text.size()), text.data());
-  return fail(*code, "%.*s\t%.*s", static_cast<int>(at - 1), text.data(), static_cast<int>(text.size() - at),
-              text.data() + at);
+  if (at == 0) return telling(answer.told, fail(*code, "%.*s", static_cast<int>(text.size()), text.data()));
+  return telling(answer.told, fail(*code, "%.*s\t%.*s", static_cast<int>(at - 1), text.data(),
+                                   static_cast<int>(text.size() - at), text.data() + at));
 }
 
 Expected<CheckedAnswer> check_answer(const ScanAnswer& answer, const ScanRequest& request, Arena& arena) {
@@ -133,6 +134,8 @@ Expected<CheckedAnswer> check_answer(const ScanAnswer& answer, const ScanRequest
   if (answer.remarks > ScanAnswer::kMostRemarks) return wrong("remarks");
   for (std::size_t i = 0; i < answer.remarks; ++i) {
     const auto text = text_of(answer.remark[i]);
+    if (!answer.remark_told[i].is_valid()) return wrong("what a remark tells");
+    checked.remark_told[i] = answer.remark_told[i];
     checked.remark[checked.remarks++].add("%.*s", static_cast<int>(text.size()), text.data());
   }
   return checked;

@@ -12,9 +12,10 @@ Expected<std::size_t> GivenFile::read(std::span<std::byte> buffer) {
     const ssize_t got = ::read(descriptor_, buffer.data(), buffer.size());
     if (got >= 0) return static_cast<std::size_t>(got);
     if (errno == EINTR) continue;
-    return fail(ErrorCode::kCannotRead,
-                "%s: %s: the stick has bad sectors or a damaged file system:\tcopy the file to another stick",
-                file_.name.c_str(), std::strerror(errno));
+    return telling(Told(ToldCode::kBadSectors),
+                   fail(ErrorCode::kCannotRead,
+                        "%s: %s: the stick has bad sectors or a damaged file system:\tcopy the file to another stick",
+                        file_.name.c_str(), std::strerror(errno)));
   }
 }
 

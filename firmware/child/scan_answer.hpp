@@ -28,6 +28,7 @@ struct ScanAnswer {
   std::uint32_t code = 0;
   std::uint32_t advice_at = 0;  ///< where the message's advice begins; 0: it has none
   std::array<char, Error::kCapacity> message{};
+  Told told;  ///< what the message says
 
   // kSliced: a SlicedScan. Places are bytes from the arena's beginning.
   std::uint64_t bottom_used = 0;  ///< bytes; all that follows is below
@@ -42,6 +43,7 @@ struct ScanAnswer {
   StackFindings findings;
   std::uint32_t remarks = 0;
   std::array<std::array<char, 256>, kMostRemarks> remark{};  ///< for_each_remark()
+  std::array<Told, kMostRemarks> remark_told{};              ///< what each of them says
 
   JobAnswer job;  ///< kJob
 

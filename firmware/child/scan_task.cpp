@@ -35,8 +35,9 @@ void hand_back(const SlicedScan& sliced, const SliceReport& report, const Arena&
   }
   answer.scan_hash = sliced.scan_hash;
   answer.findings = sliced.findings;
-  for_each_remark(report, [&answer](std::string_view text) {
+  for_each_remark(report, [&answer](const Told& told, std::string_view text) {
     if (answer.remarks == ScanAnswer::kMostRemarks) return;
+    answer.remark_told[answer.remarks] = told;
     auto& remark = answer.remark[answer.remarks++];
     text.copy(remark.data(), remark.size() - 1);
   });
@@ -73,6 +74,7 @@ void hand_back_error(const Error& error, ScanAnswer& answer) {
   answer.code = static_cast<std::uint32_t>(error.code());
   answer.advice_at = static_cast<std::uint32_t>(error.advice().empty() ? 0 : error.advice().data() - error.message());
   std::string_view(error.message()).copy(answer.message.data(), answer.message.size() - 1);
+  answer.told = error.told();
   answer.kind = ScanAnswer::kRefused;
 }
 

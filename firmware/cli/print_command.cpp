@@ -187,7 +187,7 @@ Status make_ready(const PrintOptions& options, const JobSetup& setup, Printer& p
   PLUMBLINE_TRY(scan);
   const SliceSettings settings = slice_settings(setup, *supports);
   PLUMBLINE_TRY(session.slice_scan(scan->sources(), settings, *supports, printer.profile, &terminal.progress()));
-  for_each_remark(session.sliced(), [&](std::string_view remark) { terminal.warn(remark); });
+  for_each_remark(session.sliced(), [&](const Told&, std::string_view remark) { terminal.warn(remark); });
   for_each_issue(*session.findings(), session.grid(), printer.profile.checks,
                  [&](IssueKind, CheckAction, std::string_view sentence) { terminal.warn(sentence); });
   const auto written = write_issues_file(options.issues, {scan->title(), session.grid(), *session.findings()},

@@ -22,7 +22,8 @@ Expected<std::optional<EventKind>> DaemonCommands::take(const ClientRequest& req
     return std::nullopt;
   }
   if (request.command == Command::kRemove) return remove_upload(request.name.view());
-  if (offer == nullptr) return fail(ErrorCode::kBadSetting, "nothing is offered");
+  if (offer == nullptr)
+    return telling(Told(ToldCode::kCommandNotNow), fail(ErrorCode::kBadSetting, "nothing is offered"));
   PLUMBLINE_TRY(offer->change(request));
   if (request.command != Command::kPropose) return std::nullopt;
   // The offer remembers that this start is none.
@@ -36,7 +37,7 @@ Expected<std::optional<EventKind>> DaemonCommands::remove_upload(std::string_vie
   const auto removed = uploads_->remove(name);
   if (record_.stored) return tl::unexpected<Error>(removed.error());
   if (record_.scans_uploaded) observer_.forget_scans();
-  if (!removed) observer_.say(removed.error().message());
+  if (!removed) observer_.tell(removed.error().message(), removed.error().told());
   if (record_.state != PrintState::kOffered || !of_upload) return std::nullopt;
   answers_.answer_by_command();
   return EventKind::kCancelPressed;

@@ -9,8 +9,9 @@
 namespace plumbline {
 
 void IssueQuestion::tell(StateRecorder& recorder) const {
-  for_each_issue(findings_, grid_, policy_,
-                 [&](IssueKind, CheckAction, std::string_view sentence) { recorder.warn(sentence); });
+  for_each_issue(findings_, grid_, policy_, [&](IssueKind kind, CheckAction, std::string_view sentence) {
+    recorder.warn(sentence, told_issue(kind, findings_, grid_));
+  });
 }
 
 CheckAction IssueQuestion::action() const { return verdict(findings_, policy_); }

@@ -290,14 +290,14 @@ bool PrinterDaemon::store_reports() {
   if (record_.prints == nullptr || !machine_.stick.has_stick()) return false;
   const auto stored = plumbline::store_reports(machine_.stick, *record_.prints, settings_.board.name);
   if (!stored) {
-    observer_.say(stored.error().message());
+    observer_.tell(stored.error().message(), ToldCode::kReportsNotOnStick);
     return false;
   }
   if (stored->files > 0) {
     FixedText<120> text;
     text.add("%zu file%s of the last prints are on the stick now, in plumbline-reports", stored->files,
              stored->files == 1 ? "" : "s");
-    observer_.say(text.view());
+    observer_.tell(text.view(), {ToldCode::kReportsOnStick, {{Fact::kCount, stored->files}}});
   }
   return stored->asked;
 }
@@ -363,11 +363,11 @@ Status PrinterDaemon::serve_scans(StickPort& port, bool uploaded) {
       answer = *sliced;
       observer_.previewed(child_.pictures());
       for (std::size_t i = 0; i < answer->remarks; ++i) {
-        observer_.warn(in_stick_words(answer->remark[i].view()).view());
+        observer_.warn(in_stick_words(answer->remark[i].view()).view(), answer->remark_told[i]);
       }
     }
   }
-  if (!uploaded) observer_.say("the stick may be pulled");
+  if (!uploaded) observer_.tell("the stick may be pulled", ToldCode::kStickMayGo);
   const auto ready =
       copy ? prepare_archive(session, *copy, *request, *profile) : prepare_scan(session, *answer, *request, *profile);
   if (copy && (!ready || !*ready)) store_.drop_received();

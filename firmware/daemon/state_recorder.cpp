@@ -22,6 +22,25 @@ bool take(const Picture& drawn, Picture& to) {
   return true;
 }
 
+/// What an error of a scan says whose message has no code of its own.
+Told told_of(ErrorCode code) {
+  switch (code) {
+    case ErrorCode::kCannotOpen: return ToldCode::kFileNotOpened;
+    case ErrorCode::kCannotRead: return ToldCode::kFileNotRead;
+    case ErrorCode::kUnknownFormat: return ToldCode::kFormatUnknown;
+    case ErrorCode::kMalformed: return ToldCode::kFileDamaged;
+    case ErrorCode::kTruncated: return ToldCode::kFileCut;
+    case ErrorCode::kNoPoints: return ToldCode::kNothingToPrint;
+    case ErrorCode::kUnsupported: return ToldCode::kVariantUnknown;
+    case ErrorCode::kOutOfMemory: return ToldCode::kMemoryShort;
+    case ErrorCode::kDoesNotFit: return ToldCode::kTooLarge;
+    case ErrorCode::kBadSetting: return ToldCode::kSettingWrong;
+    case ErrorCode::kNoSurface: return ToldCode::kNoSurface;
+    // Of the others the fault says what they mean.
+    default: return {};
+  }
+}
+
 }  // namespace
 
 StateRecorder::StateRecorder(PrinterRecord& record, const StickPort& stick, DaemonObserver& observer)
@@ -77,8 +96,11 @@ void StateRecorder::show_layer(std::uint32_t layer) {
   pictures_->next_layer().clear();
 }
 
-void StateRecorder::say(const PrintableText& text) {
+void StateRecorder::say(const PrintableText& text) { tell(text, {}); }
+
+void StateRecorder::tell(const PrintableText& text, const Told& told) {
   assign(record_.message, text.view());
+  record_.message_told = told;
   observer_.say(text);
 }
 
@@ -99,6 +121,7 @@ bool StateRecorder::update(const PrintStatus& status) {
   record_.set_progress(status, std::time(nullptr));
   show_layer(status.layer);
   assign(record_.message, status_text(status).view());
+  record_.message_told = {};
   return observer_.update(status);
 }
 
@@ -117,9 +140,11 @@ void StateRecorder::printed(const PrintReport& report, const PrintSession& sessi
   record_.result = report.state;
   record_.has_report = true;
   if (report.fault != FaultCode::kNone) {
-    record_.set_fault(report.fault, report.fault_message.view(), explain(report.fault, {}).advice.view());
+    record_.set_fault(report.fault, report.fault_message.view(), explain(report.fault, {}).advice.view(),
+                      report.fault_told);
   }
-  for_each_warning(report, [this](std::string_view text) { record_.add_finding(Severity::kWarning, text); });
+  for_each_warning(
+      report, [this](const Told& told, std::string_view text) { record_.add_finding(Severity::kWarning, text, told); });
   observer_.printed(report, session, profile);
 }
 
@@ -149,6 +174,7 @@ bool StateRecorder::found(const StickScans& scans, bool uploaded) {
       const ScanRecord& known_one = before[k];
       if (known_one.name.view() != scan.name.view() || known_one.files != files || known_one.bytes != bytes) continue;
       scan.problem = known_one.problem;
+      scan.told = known_one.told;
       ++known;
       break;
     }
@@ -157,7 +183,10 @@ bool StateRecorder::found(const StickScans& scans, bool uploaded) {
   for (std::size_t i = 0; i < scans.count; ++i) {
     const StickScan& found = scans.list[i];
     ScanRecord& scan = add(found.name.view(), 1, found.bytes);
-    if (found.bytes == 0 && scan.problem.view().empty()) assign(scan.problem, "the file is empty");
+    if (found.bytes == 0 && scan.problem.view().empty()) {
+      assign(scan.problem, "the file is empty");
+      scan.told = ToldCode::kFileEmpty;
+    }
   }
   for (const StickSeries& series : scans.series) {
     ScanRecord& scan = add(series.names[0], series.names.size(), series.bytes);
@@ -165,6 +194,7 @@ bool StateRecorder::found(const StickScans& scans, bool uploaded) {
       FixedText<80> text;
       text.add("one scan may have %zu files at most", kMostScans);
       assign(scan.problem, text.view());
+      scan.told = {ToldCode::kTooManyFiles, {{Fact::kCount, kMostScans}}};
     }
   }
   return count_before > 0 && known == count_before && record_.scan_count == count_before;
@@ -189,9 +219,9 @@ void StateRecorder::resumed(const PrintSession& session) {
   assign(record.profile, view(session.facts().profile));
 }
 
-void StateRecorder::warn(std::string_view sentence) {
-  say(sentence);
-  record_.add_finding(Severity::kWarning, sentence);
+void StateRecorder::warn(std::string_view sentence, const Told& told) {
+  tell(sentence, told);
+  record_.add_finding(Severity::kWarning, sentence, told);
 }
 
 void StateRecorder::refused(FaultCode code, const Error& error) {
@@ -202,9 +232,12 @@ void StateRecorder::refused(FaultCode code, const Error& error) {
     advice.clear();
     advice.add("%.*s", static_cast<int>(info(code).next.size()), info(code).next.data());
   }
-  record_.set_fault(code, error.finding(), advice.view());
+  const bool of_scan = code == fault_of(error.code());
+  const Told told = error.told().empty() && of_scan ? told_of(error.code()) : error.told();
+  record_.set_fault(code, error.finding(), advice.view(), told);
   if (record_.job && record_.job->chosen && *record_.job->chosen < record_.scan_count) {
     assign(record_.scans[*record_.job->chosen].problem, fault.what.view());
+    record_.scans[*record_.job->chosen].told = told;
   }
   FixedText<1000> text;
   text.add("%s. %s", fault.what.c_str(), advice.c_str());

@@ -59,8 +59,10 @@ class StateRecorder final : public DaemonObserver {
   void offered(const StickJob& job, std::string_view profile, std::optional<std::size_t> chosen);
   /// A print that goes on.
   void resumed(const PrintSession& session);
+  /// Says what the state alone does not.
+  void tell(const PrintableText& text, const Told& told);
   /// Says something that whoever prints should know.
-  void warn(std::string_view sentence);
+  void warn(std::string_view sentence, const Told& told);
   /// Says why a job can't be printed and what to do, for somebody who has buttons and a stick.
   void refused(FaultCode code, const Error& error);
   /// Shows a code on the printer's screen, for kCodeTime. @param code  empty: no longer

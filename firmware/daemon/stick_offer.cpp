@@ -28,9 +28,10 @@ Expected<StickOffer> StickOffer::read(const StickMount& mount, ScanSlicing& slic
   } else if (offer.choices() == 0 && scans->foreign) {
     return tl::unexpected<Error>(*scans->foreign);
   } else if (offer.choices() == 0) {
-    return fail(ErrorCode::kNoPoints,
-                "there is no scan or mesh on the stick, nor a sliced archive:\tput an STL, OBJ, PLY, OFF, 3MF, "
-                "PCD, XYZ or .sl1 file in its top folder");
+    return telling(Told(ToldCode::kStickEmpty),
+                   fail(ErrorCode::kNoPoints,
+                        "there is no scan or mesh on the stick, nor a sliced archive:\tput an STL, OBJ, PLY, OFF, 3MF, "
+                        "PCD, XYZ or .sl1 file in its top folder"));
   } else {
     offer.job_.scans = offer.files_of(0);
     for (std::size_t i = 0; known && printed != nullptr && i < offer.choices(); ++i) {
@@ -38,7 +39,7 @@ Expected<StickOffer> StickOffer::read(const StickMount& mount, ScanSlicing& slic
       offer.chosen_ = i;
       offer.job_ = *printed;
     }
-    if (scans->foreign) recorder.say(scans->foreign->message());
+    if (scans->foreign) recorder.tell(scans->foreign->message(), scans->foreign->told());
   }
   offer.record();
   return offer;
@@ -67,7 +68,9 @@ Status StickOffer::change(const ClientRequest& request) {
     return {};
   }
   if (request.scan > choices()) {
-    return fail(ErrorCode::kBadSetting, "there is no scan %u on the stick: it has %zu", request.scan, choices());
+    return telling(
+        Told(ToldCode::kNoSuchScan, {{Fact::kCount, request.scan}}),
+        fail(ErrorCode::kBadSetting, "there is no scan %u on the stick: it has %zu", request.scan, choices()));
   }
   choose(request.scan - 1);
   return {};

@@ -13,9 +13,10 @@ Expected<ScanRequest> stick_request(const StickJob& job, std::span<const StickFi
   request.name.add("%s", job.title().c_str());
   for (const StickFile& file : scan) {
     if (scan.size() > 1 && is_archive_name(file.name())) {
-      return fail(ErrorCode::kBadSetting,
-                  "%s: is sliced already, so it can't be part of a scan.\tTake it out of the list `scan`",
-                  PrintableText(file.name()).c_str());
+      return telling(Told(ToldCode::kArchiveSettings, {}, file.name()),
+                     fail(ErrorCode::kBadSetting,
+                          "%s: is sliced already, so it can't be part of a scan.\tTake it out of the list `scan`",
+                          PrintableText(file.name()).c_str()));
     }
     request.add_file(file.name(), file.size());
   }
@@ -41,10 +42,12 @@ Expected<ScanRequest> stick_request(const StickJob& job, std::span<const StickFi
   if (is_archive_name(scan[0].name())) {
     const JobSettings& settings = job;
     if (settings != JobSettings()) {
-      return fail(ErrorCode::kBadSetting,
-                  "%s: is sliced already, so of the job's settings only the profile counts.\tLeave out the others, or "
-                  "put the mesh or scan that it was made of on the stick",
-                  job.title().c_str());
+      return telling(
+          Told(ToldCode::kArchiveSettings, {}, job.title()),
+          fail(ErrorCode::kBadSetting,
+               "%s: is sliced already, so of the job's settings only the profile counts.\tLeave out the others, or "
+               "put the mesh or scan that it was made of on the stick",
+               job.title().c_str()));
     }
     request.archive.ask = ArchiveRequest::Ask::kCheck;
     request.supports.reset();

@@ -37,7 +37,7 @@ PageServer::PageServer(const std::string& socket, PageChoice page, std::string p
       pairing_(std::move(pairing)),
       link_(command_socket(socket)),
       mask_(kMostPng) {
-  static_cast<void>(write_german_faults(faults_));
+  static_cast<void>(write_texts(texts_, Language::kGerman));
   for (Picture& picture : pictures_) picture.png.resize(kMostPng);
 }
 
@@ -58,7 +58,7 @@ HttpReply PageServer::get(const HttpRequest& request, const HttpTicket& ticket) 
   for (const PageFile& file : page_files()) {
     if (request.path == file.path) return HttpAnswer{.type = file.type, .body = file.text, .is_fixed = true};
   }
-  if (request.path == "/faults.json") return HttpAnswer{.body = faults_.view(), .is_fixed = true};
+  if (request.path == "/texts.de.json") return HttpAnswer{.body = texts_.view(), .is_fixed = true};
   if (request.path == "/events") return HttpStream{};
   if (request.path == "/access") return access(request);
   if (request.path == "/api/version") return text_.text([](TextSink& out) { return write_octoprint_version(out); });

@@ -76,7 +76,7 @@ class PageServer final : public HttpHandler {
   PageStreams streams_;
   std::array<Picture, kPictureWords.size()> pictures_;
   std::vector<std::byte> mask_;  ///< scratch
-  TextBuffer<16384> faults_;
+  TextBuffer<49152> texts_;
 };
 
 }  // namespace plumbline

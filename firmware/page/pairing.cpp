@@ -59,7 +59,8 @@ Expected<Pairing> Pairing::open(const std::string& folder) {
 
 Expected<PageCode> Pairing::new_code(HostClock::time_point now) {
   if (none_before_ && now < *none_before_) {
-    return fail(ErrorCode::kBusy, "there were too many wrong codes.\tTry again in a minute");
+    return telling(Told(ToldCode::kCodesTooMany),
+                   fail(ErrorCode::kBusy, "there were too many wrong codes.\tTry again in a minute"));
   }
   // Somebody may be typing it.
   if (!code_.view().empty() && now + kCodeTime / 4 < valid_until_) return code_;
@@ -81,7 +82,7 @@ Expected<PageCode> Pairing::new_code(HostClock::time_point now) {
 Expected<PageToken> Pairing::pair(std::string_view code, HostClock::time_point now) {
   if (code_.view().empty() || now > valid_until_) {
     code_.clear();
-    return fail(ErrorCode::kBadSetting, "the code is too old.\tAsk for a new one");
+    return telling(Told(ToldCode::kCodeOld), fail(ErrorCode::kBadSetting, "the code is too old.\tAsk for a new one"));
   }
   if (same(code, code_.view())) {
     code_.clear();
@@ -91,7 +92,8 @@ Expected<PageToken> Pairing::pair(std::string_view code, HostClock::time_point n
     code_.clear();
     none_before_ = now + kBetweenCodes;
   }
-  return fail(ErrorCode::kBadSetting, "that is not the code.\tRead it on the printer's screen");
+  return telling(Told(ToldCode::kCodeWrong),
+                 fail(ErrorCode::kBadSetting, "that is not the code.\tRead it on the printer's screen"));
 }
 
 PageToken Pairing::add() {

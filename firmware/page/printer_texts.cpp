@@ -5,6 +5,7 @@
 #include "firmware/io/json_writer.hpp"
 #include "firmware/print/status/fault.hpp"
 #include "firmware/screen/fault_words.hpp"
+#include "firmware/screen/told_words.hpp"
 
 namespace plumbline {
 namespace {}  // namespace
@@ -34,19 +35,24 @@ FixedText<100> report_question(std::uint32_t print, std::uint64_t from) {
   return what;
 }
 
-Status write_german_faults(TextSink& out) {
+Status write_texts(TextSink& out, Language language) {
   JsonWriter json(out);
   json.begin_object(kOneLine);
+  json.key("faults");
+  json.begin_object(kOneLine);
   for (const FaultInfo& fault : all_faults()) {
-    const FaultWords words = fault_words(fault.code, Language::kGerman);
+    const FaultWords words = fault_words(fault.code, language);
     FixedText<16> code;
     code.add("PL-%u", static_cast<unsigned>(fault.code));
     json.key(code.view());
     json.begin_object(kOneLine);
     json.member("title", words.title);
+    json.member("meaning", words.meaning);
     json.member("remedy", words.next);
     json.end_object();
   }
+  json.end_object();
+  write_told_words(json, language);
   json.end_object();
   return json.finish();
 }

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "firmware/io/fixed_text.hpp"
+#include "firmware/settings/language.hpp"
 #include "slicer/core/error.hpp"
 
 namespace plumbline {
@@ -25,7 +26,7 @@ FixedText<120> question_line(const char* what, std::uint64_t id);
 /// @param print  0: the last one
 FixedText<100> report_question(std::uint32_t print, std::uint64_t from);
 
-/// The faults in German, by code: what the state says of them is in English.
-[[nodiscard]] Status write_german_faults(TextSink& out);
+/// What the state says in English, in another language: "faults" by their code, "told" as write_told_words().
+[[nodiscard]] Status write_texts(TextSink& out, Language language);
 
 }  // namespace plumbline

@@ -36,6 +36,9 @@ void PrintChecks::check_job(bool has_journal) {
   result(Check::kMemory)
       .detail.add("%.1f of %.1f MiB", static_cast<double>(settings_.memory_needed) / kMiB,
                   static_cast<double>(settings_.memory_budget) / kMiB);
+  result(Check::kMemory).told = {ToldCode::kCheckMemory,
+                                 {{Fact::kNeededMib, static_cast<double>(settings_.memory_needed) / kMiB},
+                                  {Fact::kAvailableMib, static_cast<double>(settings_.memory_budget) / kMiB}}};
   conclude(Check::kMemory, passed_if(settings_.memory_needed <= settings_.memory_budget), FaultCode::kOutOfMemory);
 
   const ZPosition top = lift_from(plan, plan.layers - 1)[1].target;
@@ -46,19 +49,30 @@ void PrintChecks::check_job(bool has_journal) {
                   height_of(plan, plan.layers - 1).above_film().millimetres(),
                   on_plate ? "stands on the plate" : "nothing holds it because the first layer is empty",
                   top.above_film().millimetres(), highest.above_film().millimetres());
+  result(Check::kObject).told = {on_plate ? ToldCode::kCheckObject : ToldCode::kCheckObjectHangs,
+                                 {{Fact::kLayers, plan.layers},
+                                  {Fact::kHeightMm, top.above_film().millimetres()},
+                                  {Fact::kLimitMm, highest.above_film().millimetres()}}};
   conclude(Check::kObject, passed_if(on_plate && top <= highest),
            on_plate ? FaultCode::kOutsideTravel : FaultCode::kNothingToPrint);
 
   const bool known = !settings_.issues.view().empty();
   result(Check::kMasks).detail.add("%s", known ? settings_.issues.c_str() : "checked when the print began");
+  result(Check::kMasks).told = !known                 ? ToldCode::kCheckMasksBefore
+                               : settings_.has_issues ? ToldCode::kCheckMasksIssues
+                                                      : ToldCode::kCheckMasksClean;
   conclude(Check::kMasks, noted_unless(!settings_.has_issues));
 
   result(Check::kLight)
       .detail.add("a layer of %.3f mm cures %.3f mm deep", plan.layer_height.millimetres(),
                   settings_.cure_depth.millimetres());
+  result(Check::kLight).told = {
+      ToldCode::kCheckLight,
+      {{Fact::kHeightMm, plan.layer_height.millimetres()}, {Fact::kCureMm, settings_.cure_depth.millimetres()}}};
   conclude(Check::kLight, passed_if(settings_.cure_depth > plan.layer_height), FaultCode::kTooLittleLight);
 
   result(Check::kJournal).detail.add("%s", has_journal ? "kept" : "none, so a power cut ends the print for good");
+  result(Check::kJournal).told = has_journal ? ToldCode::kCheckJournal : ToldCode::kCheckJournalNone;
   conclude(Check::kJournal, noted_unless(has_journal));
 }
 
@@ -68,6 +82,8 @@ void PrintChecks::check_resin(std::uint64_t cured_pixels) {
   result(Check::kResin)
       .detail.add("%.1f ml needed, a full tank holds %.0f ml%s", needed, settings_.tank_ml,
                   enough ? "" : "; the print will pause for more");
+  result(Check::kResin).told = {enough ? ToldCode::kCheckResin : ToldCode::kCheckResinShort,
+                                {{Fact::kNeededMl, needed}, {Fact::kTankMl, settings_.tank_ml}}};
   conclude(Check::kResin, noted_unless(enough));
 }
 
@@ -75,15 +91,20 @@ void PrintChecks::check_lamp_dark() {
   machine_.lamp.turn_off();
   const bool lit = machine_.lamp.lit();
   result(Check::kLampDark).detail.add("%s", lit ? "there is light although the lamp is off" : "dark");
+  result(Check::kLampDark).told = lit ? ToldCode::kCheckLampLit : ToldCode::kCheckLampDark;
   conclude(Check::kLampDark, passed_if(!lit), FaultCode::kLampStuckOn);
 }
 
 Status PrintChecks::check_panel(const PrintGrid& masks) {
   MaskDisplay& panel = machine_.mask;
   CheckResult& check = result(Check::kPanel);
+  check.told = {ToldCode::kCheckPanel, {{Fact::kColumns, masks.columns}, {Fact::kRows, masks.rows}}};
   if (panel.columns() != masks.columns || panel.rows() != masks.rows) {
     check.detail.add("the panel has %u x %u pixels, the masks %u x %u", panel.columns(), panel.rows(), masks.columns,
                      masks.rows);
+    check.told.code = ToldCode::kCheckPanelOther;
+    check.told.add(Fact::kPanelColumns, panel.columns());
+    check.told.add(Fact::kPanelRows, panel.rows());
     conclude(Check::kPanel, CheckOutcome::kFailed, FaultCode::kPanelSize);
     return {};
   }
@@ -101,11 +122,13 @@ void PrintChecks::check_cover() {
   CheckResult& check = result(Check::kCover);
   if (!settings_.has_cover_switch) {
     check.detail.add("this printer has no cover switch");
+    check.told = ToldCode::kCheckCoverNone;
     conclude(Check::kCover, CheckOutcome::kWarned);
     return;
   }
   const bool open = machine_.panel.cover_open();
   check.detail.add("%s", open ? "open" : "closed");
+  check.told = open ? ToldCode::kCheckCoverOpen : ToldCode::kCheckCoverClosed;
   conclude(Check::kCover, passed_if(!open), FaultCode::kCoverOpen);
 }
 
@@ -122,6 +145,12 @@ Status PrintChecks::check_temperatures() {
   check.detail.add("lamp %.1f degrees C, at most %.0f allowed; resin %.1f degrees C, %.0f to %.0f allowed",
                    lamp->value(), settings_.lamp_max.value(), resin->value(), settings_.resin_min.value(),
                    settings_.resin_max.value());
+  check.told = {ToldCode::kCheckTemperatures,
+                {{Fact::kLampC, lamp->value()},
+                 {Fact::kLampLimitC, settings_.lamp_max.value()},
+                 {Fact::kResinC, resin->value()},
+                 {Fact::kResinLeastC, settings_.resin_min.value()},
+                 {Fact::kResinMostC, settings_.resin_max.value()}}};
   const FaultCode code = temperature_fault(*lamp, *resin, settings_);
   conclude(Check::kTemperatures, passed_if(code == FaultCode::kNone), code);
   return {};
@@ -130,13 +159,16 @@ Status PrintChecks::check_temperatures() {
 void PrintChecks::stage_homed() {
   result(Check::kStage)
       .detail.add("end stop found at %.2f mm", machine_.stage.limits().end_stop.above_film().millimetres());
+  result(Check::kStage).told = {ToldCode::kCheckStage,
+                                {{Fact::kHeightMm, machine_.stage.limits().end_stop.above_film().millimetres()}}};
   conclude(Check::kStage, CheckOutcome::kPassed);
 }
 
-void PrintChecks::journal_in_doubt(std::string_view finding) {
+void PrintChecks::journal_in_doubt(std::string_view finding, const Told& told) {
   CheckResult& check = result(Check::kJournal);
   check.detail.clear();
   check.detail.add("%.*s", static_cast<int>(finding.size()), finding.data());
+  check.told = told;
   conclude(Check::kJournal, CheckOutcome::kWarned);
 }
 
@@ -145,6 +177,7 @@ void PrintChecks::stage_failed(const Error& error) { conclude_failed(Check::kSta
 /// Leaves out the error's advice: the fault that it becomes gives its own.
 void PrintChecks::conclude_failed(Check check, const Error& error) {
   const std::string_view finding = error.finding();
+  result(check).told = error.told();
   result(check).detail.add("%.*s", static_cast<int>(finding.size()), finding.data());
   conclude(check, CheckOutcome::kFailed, fault_of(error.code()));
 }

@@ -29,12 +29,12 @@ class PrintChecks {
   /// The homing at the start of the print checks the stage.
   void stage_homed();
   /// @param finding  what that homing found instead of what the journal says
-  void journal_in_doubt(std::string_view finding);
+  void journal_in_doubt(std::string_view finding, const Told& told);
   void stage_failed(const Error& error);
 
   /// Fault of the first check that failed; kNone: none did.
   FaultCode fault() const { return fault_; }
-  const char* fault_message() const { return result(failed_).detail.c_str(); }
+  const CheckResult& failed() const { return result(failed_); }
 
  private:
   void check_job(bool has_journal);

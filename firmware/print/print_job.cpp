@@ -113,20 +113,24 @@ void PrintJob::notify() {
   status.slack = slack_;
   status.resin_ml = used_ml();
   FixedText<160> question;
-  if (doubt_ == Doubt::kAsked) question = question_about(entry_);
+  if (doubt_ == Doubt::kAsked) {
+    question = question_about(entry_);
+    status.question_told = told_question(entry_);
+  }
   status.question = question.view();
   if (!observer_.update(status)) watch_.request(Request::kCancel);
 }
 
-void PrintJob::fault(FaultCode code, std::string_view finding) {
+void PrintJob::fault(FaultCode code, std::string_view finding, const Told& told) {
   if (report_.fault == FaultCode::kNone) {
     report_.fault = code;
     report_.fault_message.add("%.*s", static_cast<int>(finding.size()), finding.data());
+    report_.fault_told = told;
   }
   apply(code == FaultCode::kPowerLost ? PrintEvent::kShutdown : PrintEvent::kFailed);
 }
 
-void PrintJob::fail_with(const Error& error) { fault(fault_of(error.code()), error.finding()); }
+void PrintJob::fail_with(const Error& error) { fault(fault_of(error.code()), error.finding(), error.told()); }
 
 Status PrintJob::step() {
   if (watch_.pending() >= Request::kCancel && apply_pending()) return {};
@@ -157,7 +161,7 @@ Status PrintJob::step() {
 Status PrintJob::run_checks() {
   PLUMBLINE_TRY(checks_.run(masks_.grid(), entry_.cured_pixels, journal_ != nullptr));
   if (checks_.fault() != FaultCode::kNone) {
-    fault(checks_.fault(), checks_.fault_message());
+    fault(checks_.fault(), checks_.failed().detail.view(), checks_.failed().told);
     return {};
   }
   // From here on a part may be on the plate, whatever ends this program.
@@ -194,7 +198,7 @@ void PrintJob::confirm_journal() {
     doubt_ = Doubt::kNone;
   } else {
     doubt_ = Doubt::kAsked;
-    checks_.journal_in_doubt(doubt_about(entry_, found).view());
+    checks_.journal_in_doubt(doubt_about(entry_, found).view(), told_doubt(entry_));
   }
 }
 

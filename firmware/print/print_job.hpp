@@ -56,7 +56,7 @@ class PrintJob {
   bool apply_pending();
   void go_on();
   void notify();
-  void fault(FaultCode code, std::string_view finding);
+  void fault(FaultCode code, std::string_view finding, const Told& told = {});
   void fail_with(const Error& error);
 
   Status step();

@@ -150,7 +150,7 @@ Status write_print_summary(OutputFile& out, const PrintOutcome& outcome, std::st
   if (verbose) add_details(text, outcome);
   PLUMBLINE_TRY(out.write(text.view()));
   Status written;
-  for_each_warning(outcome.report, [&](std::string_view warning) {
+  for_each_warning(outcome.report, [&](const Told&, std::string_view warning) {
     Text line;
     line.add("warning    %.*s\n", static_cast<int>(warning.size()), warning.data());
     if (written) written = out.write(line.view());
@@ -260,7 +260,7 @@ void write_print_report(JsonWriter& json, const PrintOutcome& outcome) {
   }
   json.key("warnings");
   json.begin_array();
-  for_each_warning(report, [&json](std::string_view warning) { json.value(warning); });
+  for_each_warning(report, [&json](const Told&, std::string_view warning) { json.value(warning); });
   json.end_array();
   json.key("objections");
   if (outcome.part) {

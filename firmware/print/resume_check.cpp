@@ -36,4 +36,14 @@ FixedText<160> question_about(const JournalEntry& last) {
   return text;
 }
 
+Told told_doubt(const JournalEntry& last) {
+  return {ToldCode::kCheckJournalDoubt, {{Fact::kHeightMm, last.height.above_film().millimetres()}}};
+}
+
+Told told_question(const JournalEntry& last) {
+  if (last.next_layer == 0) return ToldCode::kLookAtPlate;
+  return {ToldCode::kMeasurePart,
+          {{Fact::kHeightMm, last.height.above_film().millimetres()}, {Fact::kLayers, last.next_layer}}};
+}
+
 }  // namespace plumbline

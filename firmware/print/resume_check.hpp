@@ -24,5 +24,8 @@ bool stage_confirms(const JournalEntry& last, const PrintPlan& plan, std::option
 FixedText<160> doubt_about(const JournalEntry& last, std::optional<ZPosition> found);
 /// What the user must measure and answer by start or cancel.
 FixedText<160> question_about(const JournalEntry& last);
+/// Both as codes.
+Told told_doubt(const JournalEntry& last);
+Told told_question(const JournalEntry& last);
 
 }  // namespace plumbline

@@ -114,9 +114,14 @@ void MaskExtent::hold(ConstBitImage mask) {
 Status check_panel(const LayerArchive& archive, std::string_view name, const PrinterVolume& printer) {
   const PrintableText shown = name;
   if (archive.columns() != printer.columns || archive.rows() != printer.rows) {
-    return fail(ErrorCode::kDoesNotFit,
-                "%s: is sliced for a panel of %u x %u pixels, this printer's has %u x %u.\tSlice it for this printer",
-                shown.c_str(), archive.columns(), archive.rows(), printer.columns, printer.rows);
+    return telling(
+        Told(ToldCode::kArchivePixels, {{Fact::kColumns, archive.columns()},
+                                        {Fact::kRows, archive.rows()},
+                                        {Fact::kPanelColumns, printer.columns},
+                                        {Fact::kPanelRows, printer.rows}}),
+        fail(ErrorCode::kDoesNotFit,
+             "%s: is sliced for a panel of %u x %u pixels, this printer's has %u x %u.\tSlice it for this printer",
+             shown.c_str(), archive.columns(), archive.rows(), printer.columns, printer.rows));
   }
   const double width = printer.columns * double{printer.pitch_x_mm}, depth = printer.rows * double{printer.pitch_y_mm};
   const double its_width = archive.settings().width_mm.value_or(width);
@@ -124,10 +129,15 @@ Status check_panel(const LayerArchive& archive, std::string_view name, const Pri
   // Data sheets round a panel's size. A part that is 1 % too large no longer fits another.
   constexpr double kMostOff = 0.005;
   if (std::abs(its_width / width - 1) > kMostOff || std::abs(its_depth / depth - 1) > kMostOff) {
-    return fail(ErrorCode::kDoesNotFit,
-                "%s: is sliced for a panel of %.2f x %.2f mm, this printer's has %.2f x %.2f mm.\tSlice it for this "
-                "printer",
-                shown.c_str(), its_width, its_depth, width, depth);
+    return telling(
+        Told(ToldCode::kArchivePanel, {{Fact::kWidthMm, its_width},
+                                       {Fact::kDepthMm, its_depth},
+                                       {Fact::kPanelWidthMm, width},
+                                       {Fact::kPanelDepthMm, depth}}),
+        fail(ErrorCode::kDoesNotFit,
+             "%s: is sliced for a panel of %.2f x %.2f mm, this printer's has %.2f x %.2f mm.\tSlice it for this "
+             "printer",
+             shown.c_str(), its_width, its_depth, width, depth));
   }
   return {};
 }
@@ -145,11 +155,15 @@ Expected<SlicedArchive> check_archive(int file, std::string_view name, const Arc
   placement.layer_height_mm = static_cast<float>(sliced.settings.layer_height_mm.value_or(target.layer_height_mm));
   sliced.grid = panel_grid(target.printer, placement.layer_height_mm);
   if (archive->layers() > sliced.grid.layers) {
-    return fail(ErrorCode::kDoesNotFit,
-                "%s: its %u layers of %.4g mm are %.1f mm high, this printer's travel is %.1f mm.\tSlice it lower",
-                PrintableText(name).c_str(), archive->layers(), static_cast<double>(placement.layer_height_mm),
-                archive->layers() * static_cast<double>(placement.layer_height_mm),
-                static_cast<double>(target.printer.travel_mm));
+    return telling(
+        Told(ToldCode::kArchiveHigh, {{Fact::kLayers, archive->layers()},
+                                      {Fact::kHeightMm, archive->layers() * double{placement.layer_height_mm}},
+                                      {Fact::kLimitMm, target.printer.travel_mm}}),
+        fail(ErrorCode::kDoesNotFit,
+             "%s: its %u layers of %.4g mm are %.1f mm high, this printer's travel is %.1f mm.\tSlice it lower",
+             PrintableText(name).c_str(), archive->layers(), static_cast<double>(placement.layer_height_mm),
+             archive->layers() * static_cast<double>(placement.layer_height_mm),
+             static_cast<double>(target.printer.travel_mm)));
   }
   sliced.grid.layers = archive->layers();
   const auto layers = arena.take_bottom<ArchiveLayer>(archive->layers(), "layers");

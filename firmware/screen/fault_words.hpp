@@ -7,9 +7,10 @@
 
 namespace plumbline {
 
-/// A fault's title and what to do next.
+/// A fault's title, what it means and what to do next.
 struct FaultWords {
   std::string_view title;
+  std::string_view meaning;
   std::string_view next;
 };
 

@@ -72,6 +72,12 @@ int Page::paragraph(const PixelBox& box, std::string_view text, const TextStyle&
   return y;
 }
 
+int Page::lines_of(std::string_view text, int width, const Face& face) {
+  int lines = 0;
+  for (; !text.empty(); ++lines) take_line(text, width, face);
+  return lines;
+}
+
 void Page::set(int x, int baseline, std::string_view text, bool cut, const TextStyle& style, bool too_long) {
   int end = style.face.draw(canvas_, x, baseline, text, style.ink);
   if (cut) end = style.face.draw(canvas_, end, baseline, kEllipsis, style.ink);

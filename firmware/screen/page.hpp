@@ -41,6 +41,9 @@ class Page {
   /// @returns y below the last line
   int paragraph(const PixelBox& box, std::string_view text, const TextStyle& style);
 
+  /// How many lines paragraph() needs for a text.
+  static int lines_of(std::string_view text, int width, const Face& face);
+
   /// Where text was set, and whether one that must fit did not.
   struct Note {
     PixelBox box;

@@ -9,6 +9,7 @@
 #include "firmware/io/fixed_text.hpp"
 #include "firmware/screen/page.hpp"
 #include "firmware/screen/screen_view.hpp"
+#include "firmware/screen/told_words.hpp"
 #include "firmware/screen/words.hpp"
 
 namespace plumbline {
@@ -22,6 +23,10 @@ struct Sheet {
   const PreviewPicture* kept_preview;  ///< nullptr: there is none
 
   std::string_view say(Words which) const { return words(which, language); }
+  /// @param english  the sentence beside it
+  ToldText say(const Told& told, std::string_view english) const { return worded(told, language, english); }
+  /// The table's texts must fit.
+  Fit fit_of(const Told& told) const { return told_words(told.code, language) ? Fit::kMust : Fit::kMayCut; }
   const Look& look() const { return page.look(); }
   Canvas& canvas() const { return page.canvas(); }
   int px(int at_320) const { return page.look().px(at_320); }

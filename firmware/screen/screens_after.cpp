@@ -100,8 +100,9 @@ void draw_plate(const Sheet& sheet) {
     rest = rest.from_row(line);
   }
   if (sheet.record.finding_count > 0 && rest.height >= line) {
-    FixedText<200> finding;
-    finding.add("⚠ %s", sheet.record.findings[sheet.record.finding_count - 1].text.c_str());
+    const FindingRecord& last = sheet.record.findings[sheet.record.finding_count - 1];
+    FixedText<420> finding;
+    finding.add("⚠ %s", sheet.say(last.told, last.text.view()).c_str());
     sheet.page.paragraph(rest, finding.view(), sheet.plain(ink::kAttention, Fit::kMayCut));
   }
 }
@@ -125,14 +126,21 @@ void draw_fault(const Sheet& sheet) {
   name.add("%c%.*s", std::toupper(static_cast<unsigned char>(known.title[0])), static_cast<int>(known.title.size()) - 1,
            known.title.data() + 1);
   int y = sheet.page.paragraph(body, name.view(), {sheet.look().title});
-  // The record's remedy may know more than the table, and is English.
-  const bool own = sheet.language == Language::kEnglish && !fault->remedy.view().empty();
-  const std::string_view remedy = own ? fault->remedy.view() : known.next;
-  const Fit fit = remedy == known.next ? Fit::kMust : Fit::kMayCut;
+  // What is told may know a better remedy than the fault's table; the record's is English.
+  const auto told = told_words(fault->told.code, sheet.language);
+  const bool english = sheet.language == Language::kEnglish;
+  const bool own = english ? !fault->remedy.view().empty() : told && !told->remedy.empty();
+  const std::string_view remedy = !own ? known.next : english ? fault->remedy.view() : told->remedy;
+  const Fit fit = own && english && remedy != known.next ? Fit::kMayCut : Fit::kMust;
   y = sheet.page.paragraph(body.from_row(y - body.y + sheet.px(2)), remedy, sheet.bold(ink::kText, fit)) + sheet.px(4);
   const PixelBox rest = body.from_row(y - body.y);
   if (rest.height >= sheet.look().plain.line_height()) {
-    sheet.page.paragraph(rest, fault->message.view(), sheet.plain(ink::kPale, Fit::kMayCut));
+    const ToldText happened = told ? filled_in(told->sentence, fault->told, sheet.language) : ToldText();
+    sheet.page.paragraph(rest,
+                         english ? fault->message.view()
+                         : told  ? happened.view()
+                                 : known.meaning,
+                         sheet.plain(ink::kPale, sheet.fit_of(fault->told)));
   }
 }
 

@@ -27,7 +27,10 @@ ShortText file_size(std::uint64_t bytes, Language language) {
 void draw_hint(const Sheet& sheet, const PixelBox& box, const JobRecord& job) {
   const PrinterRecord& record = sheet.record;
   if (job.chosen && *job.chosen < record.scan_count && !record.scans[*job.chosen].problem.view().empty()) {
-    sheet.page.paragraph(box, record.scans[*job.chosen].problem.view(), sheet.plain(ink::kAttention, Fit::kMayCut));
+    const ScanRecord& scan = record.scans[*job.chosen];
+    const auto told = told_words(scan.told.code, sheet.language);  // what to do has been said when it was refused
+    const ToldText problem = told ? filled_in(told->sentence, scan.told, sheet.language) : ToldText();
+    sheet.page.paragraph(box, told ? problem.view() : scan.problem.view(), sheet.plain(ink::kAttention, Fit::kMayCut));
     return;
   }
   if (record.has_job_file) {
@@ -171,7 +174,18 @@ void draw_preview_screen(const Sheet& sheet) {
   const SlicedRecord& sliced = *record.sliced;
   const PixelBox body = sheet.body();
   const int line = sheet.look().plain.line_height();
-  const int lines = record.finding_count == 0 ? 3 : 4;  // a finding takes two
+  FixedText<420> finding;
+  Fit fit = Fit::kMust;
+  int lines = 3;  // the last one for what was found
+  if (record.finding_count > 0) {
+    const FindingRecord& shown = record.findings[sheet.view.finding];
+    fit = sheet.fit_of(shown.told);
+    if (record.finding_count > 1) finding.add("%zu/%zu ", sheet.view.finding + 1, record.finding_count);
+    finding.add("⚠ %s", sheet.say(shown.told, shown.text.view()).c_str());
+    // With where it is and what to do it takes three lines, seldom four. The rest is the picture's.
+    const int most = fit == Fit::kMust ? 4 : 3;
+    lines = 2 + std::min(most, Page::lines_of(finding.view(), body.width, sheet.look().plain));
+  }
   const PixelBox picture = body.top_rows(body.height - lines * line - sheet.px(2));
   const JobPictures* const pictures = record.pictures;
   if (pictures != nullptr && pictures->preview.there() && pictures->issues.there()) {
@@ -197,10 +211,7 @@ void draw_preview_screen(const Sheet& sheet) {
     sheet.page.line(rest.top_rows(line), sheet.say(Words::kNoFindings), sheet.plain(ink::kGood));
     return;
   }
-  FixedText<200> finding;
-  if (record.finding_count > 1) finding.add("%zu/%zu ", sheet.view.finding + 1, record.finding_count);
-  finding.add("⚠ %s", record.findings[sheet.view.finding].text.c_str());
-  sheet.page.paragraph(rest, finding.view(), sheet.plain(ink::kAttention, Fit::kMayCut));
+  sheet.page.paragraph(rest, finding.view(), sheet.plain(ink::kAttention, fit));
 }
 
 void draw_slicing(const Sheet& sheet) {

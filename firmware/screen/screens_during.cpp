@@ -115,7 +115,8 @@ void draw_pause(const Sheet& sheet) {
   if (sheet.record.question.view().empty()) {
     sheet.page.paragraph(text, sheet.say(pause_text(sheet.record.state)), {sheet.look().title});
   } else {
-    sheet.page.paragraph(text, sheet.record.question.view(), sheet.bold(ink::kText, Fit::kMayCut));
+    sheet.page.paragraph(text, sheet.say(sheet.record.question_told, sheet.record.question.view()).view(),
+                         sheet.bold(ink::kText, sheet.fit_of(sheet.record.question_told)));
   }
   if (!sheet.record.progress) return;
   const PixelBox rest = body.from_row(body.height - 2 * facts);

@@ -84,7 +84,9 @@ Expected<std::string> find_profile(const std::string& name_or_path, const std::s
     std::string folder = board + "/profiles";
     if (std::find(folders.begin(), folders.end(), folder) == folders.end()) folders.push_back(std::move(folder));
   }
-  return find(name_or_path, folders, "profile");
+  auto found = find(name_or_path, folders, "profile");
+  if (!found) found.error().tell({ToldCode::kProfileUnknown, {}, name_or_path});
+  return found;
 }
 
 std::vector<std::string> profile_names(const std::string& board_path) {

@@ -106,6 +106,32 @@ FixedText<256> issue_sentence(IssueKind kind, const StackFindings& findings, con
   return text;
 }
 
+Told told_issue(IssueKind kind, const StackFindings& findings, const PrintGrid& grid) {
+  const IssueGroup& group = findings.of(kind);
+  const Issue& largest = group.kept[0];
+  const IssueScale scale(grid);
+  Told told(static_cast<ToldCode>(static_cast<std::size_t>(ToldCode::kIsland) + static_cast<std::size_t>(kind)),
+            {{Fact::kCount, group.count}});
+  if (kind == IssueKind::kFreePiece) told.add(Fact::kPercent, 100 * findings.fallen_share());
+  switch (words_of(kind).size) {
+    case IssueSize::kArea: told.add(Fact::kAreaMm2, scale.mm2(largest.pixels)); break;
+    case IssueSize::kVolume: told.add(Fact::kVolumeMl, scale.ml(largest.voxels)); break;
+    case IssueSize::kLayers: told.add(Fact::kLayers, largest.layers()); break;
+  }
+  if (words_of(kind).size != IssueSize::kLayers) {
+    told.add(Fact::kXMm, scale.x_mm(largest));
+    told.add(Fact::kYMm, scale.y_mm(largest));
+  }
+  if (largest.layers() > 1) {
+    told.add(Fact::kFirstLayer, largest.first_layer);
+    told.add(Fact::kLastLayer, largest.last_layer);
+  } else {
+    told.add(Fact::kLayer, largest.layer);
+  }
+  told.add(Fact::kFromMm, scale.z_mm(largest.first_layer));
+  return told;
+}
+
 FixedText<160> issue_counts(const StackFindings& findings) {
   FixedText<160> text;
   for_each_found(findings, [&](IssueKind kind, const IssueGroup& group) {
@@ -146,13 +172,15 @@ Status judge(const StackFindings& findings, const PrintGrid& grid, const CheckPo
     const std::string_view advice = words_of(kind).advice;
     const std::string_view key = words_of(kind).key;
     const int capital = std::toupper(static_cast<unsigned char>(advice[0]));
+    const Told told = told_issue(kind, findings, grid);
     if (action == CheckAction::kAsk) {
-      status = fail(ErrorCode::kBadSetting, "%s.\t%c%.*s, or accept it with --accept", sentence.c_str(), capital,
-                    static_cast<int>(advice.size()) - 1, advice.data() + 1);
+      status = telling(told, fail(ErrorCode::kBadSetting, "%s.\t%c%.*s, or accept it with --accept", sentence.c_str(),
+                                  capital, static_cast<int>(advice.size()) - 1, advice.data() + 1));
     } else {
-      status = fail(ErrorCode::kBadSetting, "%s, which the profile refuses.\t%c%.*s, or set %.*s in [checks]",
-                    sentence.c_str(), capital, static_cast<int>(advice.size()) - 1, advice.data() + 1,
-                    static_cast<int>(key.size()), key.data());
+      status =
+          telling(told, fail(ErrorCode::kBadSetting, "%s, which the profile refuses.\t%c%.*s, or set %.*s in [checks]",
+                             sentence.c_str(), capital, static_cast<int>(advice.size()) - 1, advice.data() + 1,
+                             static_cast<int>(key.size()), key.data()));
     }
   });
   return status;

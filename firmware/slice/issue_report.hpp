@@ -24,6 +24,9 @@ CheckLimits coarse_limits(const PrintGrid& grid);
 /// @param group  not empty
 FixedText<256> issue_sentence(IssueKind kind, const StackFindings& findings, const PrintGrid& grid);
 
+/// The same as a code with values.
+Told told_issue(IssueKind kind, const StackFindings& findings, const PrintGrid& grid);
+
 /// "2 islands, 1 resin trap", "no issues".
 FixedText<160> issue_counts(const StackFindings& findings);
 

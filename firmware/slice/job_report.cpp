@@ -19,28 +19,31 @@ double voxel_mm3(const PrintGrid& grid) {
 }
 
 /// Remarks on what a wrong unit causes, and on the points that did not fit.
-void for_each_size_remark(const SliceReport& slice, FunctionRef<void(std::string_view)> visit) {
+void for_each_size_remark(const SliceReport& slice, RemarkVisit visit) {
   const PrintGrid& grid = slice.placement.grid;
   const Vec3d& size = slice.placement.size_mm;
   const double longest = size.maxCoeff();
   FixedText<256> text;
-  if (slice.ignored_units) visit(ignored_units_warning(*slice.ignored_units).view());
+  if (slice.ignored_units) {
+    visit({ToldCode::kUnitsIgnored, {}, to_string(*slice.ignored_units)},
+          ignored_units_warning(*slice.ignored_units).view());
+  }
   if (slice.units_guessed) {
     text.add(
         "the scan is %.4g units long and says no unit; %s, which make it %.4g mm, are a guess. Confirm it with "
         "--units %s, give another unit, or a size: --height 80mm",
         longest / slice.placement.scale, to_string(slice.units), longest, to_string(slice.units));
-    visit(text.view());
+    visit({ToldCode::kUnitsGuessed, {{Fact::kLongestMm, longest}}, to_string(slice.units)}, text.view());
   }
   text = {};
   if (longest < kSmallestUsual) {
     text.add("the object is only %.3g mm long. If that is wrong, %s give a size: --height 80mm", longest,
              slice.scan.header.is_in_mm ? "use --scale, or" : "use --units m, --units cm, --units in, or");
-    visit(text.view());
+    visit({ToldCode::kObjectSmall, {{Fact::kLongestMm, longest}}}, text.view());
   } else if (longest > kLargestUsual) {
     text.add("the object is %.4g mm long. If that is wrong, use %s, or --fit with a printer", longest,
              slice.scan.header.is_in_mm ? "--scale" : "--units or --scale");
-    visit(text.view());
+    visit({ToldCode::kObjectLarge, {{Fact::kLongestMm, longest}}}, text.view());
   }
   const auto pitch = static_cast<double>(std::min(grid.pitch_x_mm, grid.pitch_y_mm));
   const Vec3d thinnest = kThinnest * Vec3d(pitch, pitch, static_cast<double>(grid.layer_height_mm));
@@ -50,7 +53,8 @@ void for_each_size_remark(const SliceReport& slice, FunctionRef<void(std::string
         "the scan is %.3g x %.3g x %.3g mm: along one axis it is thinner than %.0f pixels or layers, and little of it "
         "may print. Look at the layers",
         size[0], size[1], size[2], kThinnest);
-    visit(text.view());
+    visit({ToldCode::kObjectThin, {{Fact::kWidthMm, size[0]}, {Fact::kDepthMm, size[1]}, {Fact::kHeightMm, size[2]}}},
+          text.view());
   }
   const auto cell_mm = static_cast<double>(slice.lengths.thinning_cell.value);
   if (cell_mm > pitch) {
@@ -59,7 +63,7 @@ void for_each_size_remark(const SliceReport& slice, FunctionRef<void(std::string
         "the scan has more points than memory holds (%u): they were averaged in cells of %.3g mm, coarser than the "
         "pixels of %.3g mm. A larger arena keeps more detail",
         slice.cloud_capacity, cell_mm, pitch);
-    visit(text.view());
+    visit({ToldCode::kPointsAveraged, {{Fact::kCellMm, cell_mm}, {Fact::kPixelMm, pitch}}}, text.view());
   }
 }
 
@@ -186,16 +190,29 @@ FixedText<256> turned_warning(const NormalCounts& normals, std::uint32_t points)
 
 namespace {
 
+/// turned_warning() as a code.
+Told told_turned(const NormalCounts& normals, std::uint32_t points) {
+  const ToldCode code = normals.contradictory ? ToldCode::kNormalsAtRandom
+                        : normals.inside_out  ? ToldCode::kInsideOut
+                                              : ToldCode::kNormalsFlipped;
+  return {code, {{Fact::kPercent, 100.0 * normals.turned / std::max(points, 1U)}}};
+}
+
 /// What was left out of a mesh, and how its holes were closed.
-void for_each_mesh_remark(const MeshCounts& mesh, FunctionRef<void(std::string_view)> visit) {
+void for_each_mesh_remark(const MeshCounts& mesh, RemarkVisit visit) {
   FixedText<256> text;
   if (mesh.not_finite > 0) {
     text.add("%llu of the mesh's %llu triangles have a coordinate that is not finite or huge, and were left out",
              big(mesh.not_finite), big(mesh.not_finite + mesh.triangles));
-    visit(text.view());
+    visit(
+        {ToldCode::kTrianglesLeftOut, {{Fact::kCount, mesh.not_finite}, {Fact::kOf, mesh.not_finite + mesh.triangles}}},
+        text.view());
   }
   if (!mesh.closed) {
     text = {};
+    Told told(mesh.turned ? ToldCode::kFacesTurned : ToldCode::kMeshOpen);
+    told.add(Fact::kCount, mesh.turned ? mesh.broken_rays : mesh.decided_rays);
+    told.add(Fact::kOf, mesh.turned ? mesh.rays : std::max(mesh.rays, mesh.decided_rays));
     if (mesh.turned) {
       text.add("some of the mesh's faces are turned over: %llu of %llu rays were decided without their direction",
                big(mesh.broken_rays), big(mesh.rays));
@@ -205,12 +222,12 @@ void for_each_mesh_remark(const MeshCounts& mesh, FunctionRef<void(std::string_v
           "decided by its winding number. Look at the preview",
           big(mesh.decided_rays), big(std::max(mesh.rays, mesh.decided_rays)));
     }
-    visit(text.view());
+    visit(told, text.view());
   }
   if (mesh.crowded_rays > 0) {
     text = {};
     text.add("%llu rays have more than 254 crossings, of which the upper ones were left out", big(mesh.crowded_rays));
-    visit(text.view());
+    visit({ToldCode::kRaysCrowded, {{Fact::kCount, mesh.crowded_rays}}}, text.view());
   }
 }
 
@@ -230,44 +247,56 @@ bool lies_on_its_face(const ClusteringCounts& clustering) {
          !clustering.points.is_negligible(PointClass::kEntering);
 }
 
-void for_each_remark(const SliceReport& slice, FunctionRef<void(std::string_view)> visit) {
+void for_each_remark(const SliceReport& slice, RemarkVisit visit) {
   for_each_size_remark(slice, visit);
   if (slice.mesh) return for_each_mesh_remark(*slice.mesh, visit);
-  if (slice.floor.points > 0) visit(floor_warning(slice.floor).view());
-  if (slice.strays.pieces > 0) visit(stray_warning(slice.strays).view());
+  if (slice.floor.points > 0) {
+    visit({ToldCode::kFloorCut, {{Fact::kPoints, slice.floor.points}, {Fact::kFloor, slice.floor.height}}},
+          floor_warning(slice.floor).view());
+  }
+  if (const StrayPieces& strays = slice.strays; strays.pieces > 0) {
+    visit(
+        {ToldCode::kPiecesLeftOut,
+         {{Fact::kCount, strays.pieces}, {Fact::kPoints, strays.points}, {Fact::kPercent, 100 * double{strays.share}}}},
+        stray_warning(strays).view());
+  }
   FixedText<256> text = turned_warning(slice.normals, slice.cloud_points);
-  if (!text.view().empty()) visit(text.view());
+  if (!text.view().empty()) visit(told_turned(slice.normals, slice.cloud_points), text.view());
   if (slice.components.floating_solids > 0) {
     text = {};
     const bool one = slice.components.floating_solids == 1;
     text.add("%u small solid%s neither the object nor the plate %s left out. --keep-all keeps %s",
              slice.components.floating_solids, one ? " that touches" : "s that touch", one ? "was" : "were",
              one ? "it" : "them");
-    visit(text.view());
+    visit({ToldCode::kSolidsLeftOut, {{Fact::kCount, slice.components.floating_solids}}}, text.view());
   }
   if (slice.components.sealed_cavities > 0) {
     text = {};
     const bool one = slice.components.sealed_cavities == 1;
     text.add("%u small enclosed cavit%s, which no scanner can have seen, %s filled. --keep-all keeps %s",
              slice.components.sealed_cavities, one ? "y" : "ies", one ? "was" : "were", one ? "it" : "them");
-    visit(text.view());
+    visit({ToldCode::kCavitiesFilled, {{Fact::kCount, slice.components.sealed_cavities}}}, text.view());
   }
   if (lies_on_its_face(slice.clustering)) {
-    visit(kOnItsFace);
+    visit(ToldCode::kOnItsFace, kOnItsFace);
   } else if (slice.upright) {
-    visit(lies_wrong_sentence(slice.upright->degrees[0], slice.upright->degrees[1]).view());
+    const auto [x, y] = std::pair(slice.upright->degrees[0], slice.upright->degrees[1]);
+    Told told(ToldCode::kLiesWrong);
+    if (x != 0) told.add(Fact::kTurnXDeg, x);
+    if (y != 0) told.add(Fact::kTurnYDeg, y);
+    visit(told, lies_wrong_sentence(x, y).view());
   }
   if (slice.normals.estimated > 0) {
     text = {};
     text.add("%u points of the scan have no normal; normals were estimated from neighbouring points",
              slice.normals.estimated);
-    visit(text.view());
+    visit({ToldCode::kNormalsEstimated, {{Fact::kPoints, slice.normals.estimated}}}, text.view());
   }
 }
 
 void find_warnings(JobReport& report) {
   const SliceReport& s = report.slice;
-  for_each_remark(s, [&](std::string_view warning) {
+  for_each_remark(s, [&](const Told&, std::string_view warning) {
     report.warnings.add().add("%.*s", static_cast<int>(warning.size()), warning.data());
   });
   if (report.coverage) {

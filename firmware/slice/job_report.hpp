@@ -115,8 +115,9 @@ inline constexpr const char* kOnItsFace =
     "relief: "
     "--rotate-x 180, or rotate_x_deg = 180 in job.toml";
 
+using RemarkVisit = FunctionRef<void(const Told& told, std::string_view sentence)>;
 /// A sentence each for what was left out of the scan, what was changed in it, and a bad orientation.
-void for_each_remark(const SliceReport& slice, FunctionRef<void(std::string_view)> visit);
+void for_each_remark(const SliceReport& slice, RemarkVisit visit);
 
 /// Adds to report.warnings what a user should know before printing, issues of the masks included.
 void find_warnings(JobReport& report);

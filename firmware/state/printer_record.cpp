@@ -25,11 +25,12 @@ std::optional<std::size_t> PrinterRecord::proposal() const {
   return static_cast<std::size_t>(found - proposals->begin());
 }
 
-void PrinterRecord::add_finding(Severity severity, std::string_view text) {
+void PrinterRecord::add_finding(Severity severity, std::string_view text, const Told& told) {
   if (finding_count == findings.size()) return;
   FindingRecord& finding = findings[finding_count++];
   finding.severity = severity;
   assign(finding.text, text);
+  finding.told = told;
 }
 
 void PrinterRecord::set_progress(const PrintStatus& status, std::int64_t wall_clock_s) {
@@ -47,13 +48,15 @@ void PrinterRecord::set_progress(const PrintStatus& status, std::int64_t wall_cl
   progress = now;
   state = status.state;
   assign(question, status.question);
+  question_told = status.question_told;
 }
 
-void PrinterRecord::set_fault(FaultCode which, std::string_view finding, std::string_view remedy) {
+void PrinterRecord::set_fault(FaultCode which, std::string_view finding, std::string_view remedy, const Told& told) {
   fault.emplace();
   fault->code = which;
   assign(fault->message, finding);
   assign(fault->remedy, remedy);
+  fault->told = told;
 }
 
 }  // namespace plumbline

@@ -19,6 +19,7 @@
 #include "firmware/slice/orientation_proposals.hpp"
 #include "slicer/core/printable_text.hpp"
 #include "slicer/core/progress.hpp"
+#include "slicer/core/told.hpp"
 #include "slicer/reader/scan_sources.hpp"
 
 namespace plumbline {
@@ -35,6 +36,7 @@ struct ScanRecord {
   std::uint32_t files = 1;  ///< more: that many scans as one, and the name is that of the first
   std::uint64_t bytes = 0;  ///< of all files
   FixedText<120> problem;   ///< what is wrong with it; empty: nothing is known to be
+  Told told;                ///< the same as a code, like all that follow
 };
 
 /// What is offered or printed, and how.
@@ -85,6 +87,7 @@ enum class Severity : std::uint8_t { kNote, kWarning };
 struct FindingRecord {
   Severity severity = Severity::kNote;
   FixedText<160> text;
+  Told told;
 };
 
 /// The uploaded scan in the printer's store.
@@ -106,12 +109,14 @@ struct UploadRecord {
   std::uint64_t bytes = 0;     ///< that were announced
   std::uint64_t received = 0;  ///< so far
   FixedText<200> problem;      ///< of kFailed: why
+  Told told;
 };
 
 struct FaultRecord {
   FaultCode code = FaultCode::kNone;
   FixedText<448> message;  ///< what happened this time; may be empty
-  FixedText<400> remedy;   ///< what to do, for somebody who has buttons
+  Told told;
+  FixedText<400> remedy;  ///< what to do, for somebody who has buttons
 };
 
 /// One writer, the thread that prints; the same thread serves it. Fixed in size.
@@ -126,7 +131,9 @@ struct PrinterRecord {
   PrintState state = PrintState::kIdle;
   bool waits = false;       ///< somebody at rest waits for a person's answer
   FixedText<400> message;   ///< what the daemon said last
+  Told message_told;        ///< empty: it says no more than the state does
   FixedText<160> question;  ///< that start or cancel answers while a print is paused; empty: none
+  Told question_told;
   bool has_stick = false;
   bool scans_uploaded = false;  ///< `scans` are in the printer's store, not on a stick
   std::array<ScanRecord, kMostScans> scans;
@@ -159,9 +166,9 @@ struct PrinterRecord {
   void begin_job();
   /// The index of the proposal that the job follows; none: there are none, or it follows none of them.
   std::optional<std::size_t> proposal() const;
-  void add_finding(Severity severity, std::string_view text);
+  void add_finding(Severity severity, std::string_view text, const Told& told = {});
   void set_progress(const PrintStatus& status, std::int64_t wall_clock_s);
-  void set_fault(FaultCode which, std::string_view finding, std::string_view remedy);
+  void set_fault(FaultCode which, std::string_view finding, std::string_view remedy, const Told& told = {});
 };
 
 }  // namespace plumbline

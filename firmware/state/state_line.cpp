@@ -24,6 +24,22 @@ void text_or_null(JsonWriter& json, std::string_view name, std::string_view text
   }
 }
 
+/// {"code": "island", "values": {"count": 3, ...}, "name": ...}; null if it has no code.
+void write_told(JsonWriter& json, std::string_view name, const Told& told) {
+  json.key(name);
+  if (told.empty()) return json.null();
+  json.begin_object(kOneLine);
+  json.member("code", to_string(told.code));
+  json.key("values");
+  json.begin_object(kOneLine);
+  for (std::size_t i = 0; i < told.count; ++i) {
+    json.member(format_of(told.facts[i]).name, thousandths(told.values[i]));
+  }
+  json.end_object();
+  if (!told.name().empty()) json.member("name", told.name());
+  json.end_object();
+}
+
 /// "2026-11-25T22:10:05Z"; null for 0.
 void write_time(JsonWriter& json, std::string_view name, std::int64_t seconds) {
   json.key(name);
@@ -50,6 +66,7 @@ void write_stick(JsonWriter& json, const PrinterRecord& record) {
     json.member("files", scan.files);
     json.member("bytes", scan.bytes);
     text_or_null(json, "problem", scan.problem.view());
+    write_told(json, "told", scan.told);
     json.end_object();
   }
   json.end_array();
@@ -77,6 +94,7 @@ void write_upload(JsonWriter& json, const PrinterRecord& record) {
   json.member("bytes", upload.bytes);
   json.member("received", upload.received);
   text_or_null(json, "problem", upload.problem.view());
+  write_told(json, "told", upload.told);
   json.end_object();
 }
 
@@ -291,6 +309,7 @@ void write_checks(JsonWriter& json, const PrinterRecord& record) {
     json.member("check", to_string(static_cast<Check>(i)));
     json.member("outcome", to_string(record.checks[i].outcome));
     json.member("detail", record.checks[i].detail.view());
+    write_told(json, "told", record.checks[i].told);
     json.end_object();
   }
   json.end_array();
@@ -303,6 +322,7 @@ void write_findings(JsonWriter& json, const PrinterRecord& record) {
     json.begin_object(kOneLine);
     json.member("severity", finding.severity == Severity::kNote ? "note" : "warning");
     json.member("text", finding.text.view());
+    write_told(json, "told", finding.told);
     json.end_object();
   }
   json.end_array();
@@ -319,6 +339,7 @@ void write_fault(JsonWriter& json, const PrinterRecord& record) {
   json.member("title", known.title);
   json.member("meaning", known.meaning);
   text_or_null(json, "message", fault.message.view());
+  write_told(json, "told", fault.told);
   json.member("remedy", fault.remedy.view());
   json.end_object();
 }
@@ -336,7 +357,9 @@ Status write_state_line(TextSink& out, const PrinterRecord& record, std::uint64_
   json.member("simulated", record.simulated);
   json.member("state", to_string(record.state));
   text_or_null(json, "message", record.message.view());
+  write_told(json, "message_told", record.message_told);
   text_or_null(json, "question", record.question.view());
+  write_told(json, "question_told", record.question_told);
   json.key("commands");
   json.begin_array(kOneLine);
   for (std::size_t i = 0; i < kCommandCount; ++i) {
@@ -396,6 +419,7 @@ Status write_reply_line(TextSink& out, std::optional<std::uint64_t> id, const Er
   if (error != nullptr) {
     json.member("error", error->finding());
     text_or_null(json, "advice", error->advice());
+    write_told(json, "told", error->told());
   }
   json.end_object();
   return json.finish();

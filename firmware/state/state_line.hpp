@@ -16,7 +16,7 @@ namespace plumbline {
 inline constexpr std::uint32_t kStateProtocol = 1;
 
 /// Longer than any line: a test writes the longest one.
-inline constexpr std::size_t kLongestLine = std::size_t{60} * 1024;
+inline constexpr std::size_t kLongestLine = std::size_t{96} * 1024;
 using StateLine = TextBuffer<kLongestLine>;
 
 /// @param sequence  rises with each line that differs from the one before

@@ -156,7 +156,7 @@ void StateSocket::serve_client(StateClient& client, const Door& door, const Prin
     }
     error = number.error();
   } else if (!takes(record, request->command)) {
-    error = Error::format(ErrorCode::kBadSetting, "%s", what_it_takes(record).c_str());
+    error = Error::format(ErrorCode::kBadSetting, "%s", what_it_takes(record).c_str()).tell(ToldCode::kCommandNotNow);
   } else if (const auto taken = taker.take(*request)) {
     event = *taken;
   } else {

@@ -19,12 +19,15 @@ Expected<void*> Arena::take_bytes(std::size_t count, std::size_t size, const cha
   const bool overflows = count > (std::numeric_limits<std::size_t>::max() - kAlignment) / size;
   const std::size_t need = overflows ? std::numeric_limits<std::size_t>::max() : rounded(count * size);
   if (requests_++ == refused_ || need > available()) {
-    return fail(
-        ErrorCode::kOutOfMemory,
-        "%s: needs %.1f MiB, but %.1f MiB of the arena's %.1f MiB are left.\tUse a larger arena, fewer points or a "
-        "coarser grid",
-        stage, static_cast<double>(need) / kMiB, static_cast<double>(available()) / kMiB,
-        static_cast<double>(capacity_) / kMiB);
+    return telling(
+        Told(ToldCode::kMemoryNeeded, {{Fact::kNeededMib, static_cast<double>(need) / kMiB},
+                                       {Fact::kAvailableMib, static_cast<double>(available()) / kMiB}}),
+        fail(
+            ErrorCode::kOutOfMemory,
+            "%s: needs %.1f MiB, but %.1f MiB of the arena's %.1f MiB are left.\tUse a larger arena, fewer points or a "
+            "coarser grid",
+            stage, static_cast<double>(need) / kMiB, static_cast<double>(available()) / kMiB,
+            static_cast<double>(capacity_) / kMiB));
   }
   std::size_t offset = bottom_;
   if (bottom) {

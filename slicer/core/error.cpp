@@ -100,11 +100,16 @@ tl::unexpected<Error> fail(ErrorCode code, const char* pattern, ...) {
   return tl::unexpected<Error>(error);
 }
 
+tl::unexpected<Error> telling(const Told& told, tl::unexpected<Error> error) {
+  error.value().tell(told);
+  return error;
+}
+
 Error Error::with_prefix(std::string_view prefix) const {
   const auto length = static_cast<int>(prefix.size());
-  if (advice_at_ == 0) return format(code_, "%.*s: %s", length, prefix.data(), message_);
+  if (advice_at_ == 0) return format(code_, "%.*s: %s", length, prefix.data(), message_).tell(told_);
   const int found = advice_at_ - 1;
-  return format(code_, "%.*s: %.*s\t%s", length, prefix.data(), found, message_, message_ + advice_at_);
+  return format(code_, "%.*s: %.*s\t%s", length, prefix.data(), found, message_, message_ + advice_at_).tell(told_);
 }
 
 std::string_view Error::finding() const {

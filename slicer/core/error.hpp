@@ -7,6 +7,8 @@
 #include <string_view>
 #include <tl/expected.hpp>
 
+#include "slicer/core/told.hpp"
+
 namespace plumbline {
 
 /// Kinds of errors. The numbers are stable: scripts and logs may rely on them.
@@ -54,7 +56,8 @@ enum class ErrorCode : std::uint16_t {
 /// @returns the code's name without the k, such as "Truncated"
 std::string_view to_string(ErrorCode code);
 
-/// A code and a message for the user: file, place, what was found, what to do.
+/// A code and a message for the user: file, place, what was found, what to do. Where it is shown to people who read another language than
+/// English, it also has what is told as a code with values.
 class Error {
  public:
   /// Bytes of a message, terminator included; longer ones are cut. Every Expected<> carries as many, so a larger capacity
@@ -75,10 +78,18 @@ class Error {
   /// The same error with `prefix` and ": " before the message, for a caller that knows the file's name.
   Error with_prefix(std::string_view prefix) const;
 
+  /// What the message says; empty() if it has no code of its own.
+  const Told& told() const { return told_; }
+  Error& tell(const Told& told) {
+    told_ = told;
+    return *this;
+  }
+
  private:
   ErrorCode code_ = ErrorCode::kMalformed;
   std::uint16_t advice_at_ = 0;  ///< in message_; 0: no advice
   char message_[kCapacity] = {};
+  Told told_;
 };
 
 template <class T>
@@ -87,6 +98,8 @@ using Status = tl::expected<void, Error>;
 
 /// An error to return from a function that returns Expected<T> or Status; see Error::format(). The compiler checks the message as printf's.
 [[nodiscard, gnu::format(printf, 2, 3)]] tl::unexpected<Error> fail(ErrorCode code, const char* pattern, ...);
+/// An error that also has what its message says as a code: return telling(Told(ToldCode::kFileEmpty), fail(...)).
+[[nodiscard]] tl::unexpected<Error> telling(const Told& told, tl::unexpected<Error> error);
 
 }  // namespace plumbline
 

@@ -136,9 +136,11 @@ Expected<MeshHits> hit(MeshFiles& files, const MeshSurvey& survey, const PrintGr
   std::uint64_t triangles = 0;
   PLUMBLINE_TRY(files.read(sink, *vertices, *workspace, [&](const MeshSummary& mesh) { triangles += mesh.triangles; }));
   if (triangles != survey.triangles) {
-    return fail(ErrorCode::kCannotRead,
-                "the mesh has changed while it was read, or its medium delivers other bytes each time.\tTry again, or "
-                "use another stick");
+    return telling(
+        Told(ToldCode::kMeshChanged),
+        fail(ErrorCode::kCannotRead,
+             "the mesh has changed while it was read, or its medium delivers other bytes each time.\tTry again, or "
+             "use another stick"));
   }
   PLUMBLINE_TRY(hits->close(arena));
   arena.reset_peak();  // the open list took the rest of the arena

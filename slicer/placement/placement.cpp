@@ -144,19 +144,27 @@ Expected<Placement> place(const Box3d& bounds, double unit_mm, const PlacementSe
       factor = largest * kClear;
     } else if (factor > largest) {
       static constexpr std::array<const char*, 3> kAxis = {"wide (x)", "deep (y)", "high (z)"};
+      static constexpr std::array kTold = {std::pair(ToldCode::kTooWide, Fact::kWidthMm),
+                                           std::pair(ToldCode::kTooDeep, Fact::kDepthMm),
+                                           std::pair(ToldCode::kTooHigh, Fact::kHeightMm)};
       int worst = 0;
       for (int a = 1; a < 3; ++a) {
         if (extent[a] * room[worst] > extent[worst] * room[a]) worst = a;
       }
       const double least = settings.size ? settings.size->mm / factor : 1;
       const char* const option = settings.size ? to_string(settings.size->side) : "scale";
-      return fail(ErrorCode::kDoesNotFit,
-                  "the object is %.2f mm %s, but the printer has room for %.2f mm: %.2f mm too much.\tUse --%s %.4g%s "
-                  "or less, "
-                  "--fit, or rotate it",
-                  extent[worst] * factor, kAxis[static_cast<std::size_t>(worst)], room[worst],
-                  extent[worst] * factor - room[worst], option, rounded_down(largest * kClear * least),
-                  settings.size ? "mm" : "");
+      const auto [code, side] = kTold[static_cast<std::size_t>(worst)];
+      return telling(
+          Told(code, {{side, extent[worst] * factor},
+                      {Fact::kLimitMm, room[worst]},
+                      {Fact::kExcessMm, extent[worst] * factor - room[worst]}}),
+          fail(ErrorCode::kDoesNotFit,
+               "the object is %.2f mm %s, but the printer has room for %.2f mm: %.2f mm too much.\tUse --%s %.4g%s "
+               "or less, "
+               "--fit, or rotate it",
+               extent[worst] * factor, kAxis[static_cast<std::size_t>(worst)], room[worst],
+               extent[worst] * factor - room[worst], option, rounded_down(largest * kClear * least),
+               settings.size ? "mm" : ""));
     }
     p.size_mm = extent * factor;
     p.grid.layers = cells(p.size_mm[2], lh);

@@ -125,19 +125,25 @@ Expected<MemoryPlan> largest_plan(std::size_t arena_bytes, std::optional<std::ui
   if (plan.peak() > arena_bytes) {
     constexpr double kMiB = 1024.0 * 1024.0;
     if (evidence.reader_bytes > 0 && plan_memory(kFewestPoints, grid, threads).peak() <= arena_bytes) {
-      return fail(
-          ErrorCode::kOutOfMemory,
-          "the job does not fit into the arena of %.1f MiB: this compressed scan stores its columns one after another, "
-          "and keeping them takes %.1f MiB while it is read.\tSave it without compression (PCD as binary, splats as "
-          "PLY), or use a larger arena (--arena-mib)",
-          static_cast<double>(arena_bytes) / kMiB, static_cast<double>(evidence.reader_bytes) / kMiB);
+      return telling(
+          Told(ToldCode::kMemoryNeeded, {{Fact::kNeededMib, static_cast<double>(evidence.reader_bytes) / kMiB},
+                                         {Fact::kAvailableMib, static_cast<double>(arena_bytes) / kMiB}}),
+          fail(ErrorCode::kOutOfMemory,
+               "the job does not fit into the arena of %.1f MiB: this compressed scan stores its columns one after "
+               "another, "
+               "and keeping them takes %.1f MiB while it is read.\tSave it without compression (PCD as binary, splats "
+               "as "
+               "PLY), or use a larger arena (--arena-mib)",
+               static_cast<double>(arena_bytes) / kMiB, static_cast<double>(evidence.reader_bytes) / kMiB));
     }
-    return fail(
-        ErrorCode::kOutOfMemory,
-        "the job does not fit into the arena of %.1f MiB: stage '%.*s' needs %.1f MiB even for a scan thinned to %u "
-        "points.\tUse a larger arena (--arena-mib), fewer threads or a smaller panel",
-        static_cast<double>(arena_bytes) / kMiB, static_cast<int>(to_string(plan.widest()).size()),
-        to_string(plan.widest()).data(), static_cast<double>(plan.peak()) / kMiB, kFewestPoints);
+    return telling(Told(ToldCode::kMemoryNeeded, {{Fact::kNeededMib, static_cast<double>(plan.peak()) / kMiB},
+                                                  {Fact::kAvailableMib, static_cast<double>(arena_bytes) / kMiB}}),
+                   fail(ErrorCode::kOutOfMemory,
+                        "the job does not fit into the arena of %.1f MiB: stage '%.*s' needs %.1f MiB even for a scan "
+                        "thinned to %u "
+                        "points.\tUse a larger arena (--arena-mib), fewer threads or a smaller panel",
+                        static_cast<double>(arena_bytes) / kMiB, static_cast<int>(to_string(plan.widest()).size()),
+                        to_string(plan.widest()).data(), static_cast<double>(plan.peak()) / kMiB, kFewestPoints));
   }
   std::uint32_t low = kFewestPoints;
   std::uint32_t high = most;

@@ -55,12 +55,14 @@ Status admit_mesh(const MeshNeed& need, std::uint32_t threads, const Arena& aren
   if (sure.peak() <= arena.available()) return {};
   constexpr double kMiB = 1024.0 * 1024.0;
   const auto stage = to_string(sure.widest());
-  return fail(
-      ErrorCode::kOutOfMemory,
-      "the mesh does not fit into the arena of %.1f MiB: stage '%.*s' needs about %.1f MiB for %.0f crossings.\t"
-      "Use a larger arena (--arena-mib), a coarser grid or a smaller --scale",
-      static_cast<double>(arena.capacity()) / kMiB, static_cast<int>(stage.size()), stage.data(),
-      static_cast<double>(sure.peak()) / kMiB, need.hits);
+  return telling(
+      Told(ToldCode::kMemoryNeeded, {{Fact::kNeededMib, static_cast<double>(sure.peak()) / kMiB},
+                                     {Fact::kAvailableMib, static_cast<double>(arena.capacity()) / kMiB}}),
+      fail(ErrorCode::kOutOfMemory,
+           "the mesh does not fit into the arena of %.1f MiB: stage '%.*s' needs about %.1f MiB for %.0f crossings.\t"
+           "Use a larger arena (--arena-mib), a coarser grid or a smaller --scale",
+           static_cast<double>(arena.capacity()) / kMiB, static_cast<int>(stage.size()), stage.data(),
+           static_cast<double>(sure.peak()) / kMiB, need.hits));
 }
 
 }  // namespace plumbline

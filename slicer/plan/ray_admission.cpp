@@ -59,11 +59,14 @@ Status admit_rays(const PlacedObject& object, const Arena& arena, std::array<std
   const std::size_t need = std::max(shooting, sorting);
   if (need <= arena.capacity()) return {};
   constexpr double kMiB = 1024.0 * 1024.0;
-  return fail(ErrorCode::kOutOfMemory,
-              "%s: the object's %.0f crossings need about %.1f MiB, the arena has %.1f MiB.\tUse a larger arena "
-              "(--arena-mib), a coarser grid or a smaller --scale",
-              sorting > shooting ? "R-Rep" : "rays", sure.crossings, static_cast<double>(need) / kMiB,
-              static_cast<double>(arena.capacity()) / kMiB);
+  return telling(
+      Told(ToldCode::kMemoryNeeded, {{Fact::kNeededMib, static_cast<double>(need) / kMiB},
+                                     {Fact::kAvailableMib, static_cast<double>(arena.capacity()) / kMiB}}),
+      fail(ErrorCode::kOutOfMemory,
+           "%s: the object's %.0f crossings need about %.1f MiB, the arena has %.1f MiB.\tUse a larger arena "
+           "(--arena-mib), a coarser grid or a smaller --scale",
+           sorting > shooting ? "R-Rep" : "rays", sure.crossings, static_cast<double>(need) / kMiB,
+           static_cast<double>(arena.capacity()) / kMiB));
 }
 
 }  // namespace plumbline

@@ -24,13 +24,14 @@ Status read_as(ScanFormat format, ByteInput& input, PointBatch& batch, Arena& me
     case ScanFormat::kStl:
     case ScanFormat::kOff:
     case ScanFormat::k3mf:
-      return input.fail(
-          ErrorCode::kUnsupported,
-          "this is %s, a mesh without scanned points;\tslice it as a mesh: leave out --as points, and give "
-          "no scans together with it",
-          format == ScanFormat::kStl   ? "STL"
-          : format == ScanFormat::kOff ? "OFF"
-                                       : "3MF");
+      return telling(
+          Told(ToldCode::kNotPoints),
+          input.fail(ErrorCode::kUnsupported,
+                     "this is %s, a mesh without scanned points;\tslice it as a mesh: leave out --as points, and give "
+                     "no scans together with it",
+                     format == ScanFormat::kStl   ? "STL"
+                     : format == ScanFormat::kOff ? "OFF"
+                                                  : "3MF"));
   }
   return {};
 }

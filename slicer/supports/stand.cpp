@@ -60,13 +60,19 @@ Expected<Stand> choose_stand(const RRep& rrep, const SupportSettings& settings, 
   const auto layer_height = static_cast<double>(rrep.grid.layer_height_mm);
   const auto lifted = static_cast<std::uint32_t>(std::ceil(lift_mm(settings) / layer_height - 1e-6));
   if (most_layers < rrep.grid.layers || lifted > most_layers - rrep.grid.layers) {
-    return fail(
-        ErrorCode::kDoesNotFit,
-        "the object is %.2f mm high and has no flat underside, so supports lift it by %.2f mm: %.2f mm more than "
-        "the printer's %.2f mm.\tUse a smaller --scale, --fit, a smaller --support-object-elevation, or rotate it",
-        rrep.grid.layers * layer_height, lifted * layer_height,
-        (rrep.grid.layers + lifted - std::min(most_layers, rrep.grid.layers + lifted)) * layer_height,
-        most_layers * layer_height);
+    return telling(
+        Told(ToldCode::kTooHighOnSupports,
+             {{Fact::kHeightMm, rrep.grid.layers * layer_height},
+              {Fact::kLiftMm, lifted * layer_height},
+              {Fact::kExcessMm,
+               (rrep.grid.layers + lifted - std::min(most_layers, rrep.grid.layers + lifted)) * layer_height},
+              {Fact::kLimitMm, most_layers * layer_height}}),
+        fail(ErrorCode::kDoesNotFit,
+             "the object is %.2f mm high and has no flat underside, so supports lift it by %.2f mm: %.2f mm more than "
+             "the printer's %.2f mm.\tUse a smaller --scale, --fit, a smaller --support-object-elevation, or rotate it",
+             rrep.grid.layers * layer_height, lifted * layer_height,
+             (rrep.grid.layers + lifted - std::min(most_layers, rrep.grid.layers + lifted)) * layer_height,
+             most_layers * layer_height));
   }
   return Stand{0, lifted};
 }

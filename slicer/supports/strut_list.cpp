@@ -17,9 +17,11 @@ std::uint16_t whole(double value, std::uint32_t most) {
 Status StrutList::add(StrutKind kind, const Place& from, const Place& to, std::uint32_t first, std::uint32_t end,
                       double radius_from, double radius_to, bool lies) {
   if (strut_count_ == struts_.size()) {
-    return fail(ErrorCode::kOutOfMemory,
-                "supports: more than %zu struts are needed.\tTurn the object, or allow a larger support_overhang_span",
-                struts_.size());
+    return telling(
+        Told(ToldCode::kTooManySupports, {{Fact::kCount, struts_.size()}}),
+        fail(ErrorCode::kOutOfMemory,
+             "supports: more than %zu struts are needed.\tTurn the object, or allow a larger support_overhang_span",
+             struts_.size()));
   }
   const auto px = static_cast<double>(grid_.pitch_x_mm);
   const auto py = static_cast<double>(grid_.pitch_y_mm);
@@ -43,8 +45,9 @@ Status StrutList::add(StrutKind kind, const Place& from, const Place& to, std::u
 
 Status StrutList::add_pillar(const Pillar& pillar) {
   if (pillar_count_ == pillars_.size()) {
-    return fail(ErrorCode::kOutOfMemory, "supports: more than %zu pillars are needed.\tTurn the object",
-                pillars_.size());
+    return telling(
+        Told(ToldCode::kTooManySupports, {{Fact::kCount, pillars_.size()}}),
+        fail(ErrorCode::kOutOfMemory, "supports: more than %zu pillars are needed.\tTurn the object", pillars_.size()));
   }
   pillars_[pillar_count_++] = pillar;
   return {};

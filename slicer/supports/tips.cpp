@@ -205,12 +205,13 @@ class Sweep {
 
   Status add_tip(std::uint32_t column, std::uint32_t row, std::uint32_t layer, ConstBitImage mask, bool island) {
     if (count_ == list_.size()) {
-      return fail(
-          ErrorCode::kOutOfMemory,
-          "%s: more than %zu are needed up to layer %u of %u, the list has room for no more.\tTurn the object, "
-          "allow a smaller support_overhang_angle or a larger support_overhang_span, or look at the preview for "
-          "outliers in the scan",
-          kStage, list_.size(), layer, grid_.layers);
+      return telling(
+          Told(ToldCode::kTooManySupports, {{Fact::kCount, list_.size()}}),
+          fail(ErrorCode::kOutOfMemory,
+               "%s: more than %zu are needed up to layer %u of %u, the list has room for no more.\tTurn the object, "
+               "allow a smaller support_overhang_angle or a larger support_overhang_span, or look at the preview for "
+               "outliers in the scan",
+               kStage, list_.size(), layer, grid_.layers));
     }
     Tip& tip = list_[count_];
     tip = {};

@@ -226,7 +226,7 @@ TEST(Faults, LostStepsAreFoundWhenThePartIsRaised) {
   const auto& report = rig.run();
   EXPECT_NEAR(std::abs(report.steps_lost.millimetres()), 0.2, 0.005);
   std::string warnings;
-  for_each_warning(report, [&](std::string_view text) { warnings += text; });
+  for_each_warning(report, [&](const Told&, std::string_view text) { warnings += text; });
   EXPECT_NE(warnings.find("PL-405"), std::string::npos) << warnings;
 }
 

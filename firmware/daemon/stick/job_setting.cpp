@@ -22,8 +22,9 @@ std::optional<double> number_of(std::string_view text) {
 }
 
 tl::unexpected<Error> refused(std::string_view key, std::string_view value, const char* allowed) {
-  return fail(ErrorCode::kBadSetting, "%.*s: found '%.*s', allowed is %s", static_cast<int>(key.size()), key.data(),
-              static_cast<int>(value.size()), value.data(), allowed);
+  return telling(Told(ToldCode::kSettingValue, {}, key),
+                 fail(ErrorCode::kBadSetting, "%.*s: found '%.*s', allowed is %s", static_cast<int>(key.size()),
+                      key.data(), static_cast<int>(value.size()), value.data(), allowed));
 }
 
 struct NumberKey {
@@ -135,11 +136,13 @@ Status set_job_setting(StickJob& job, std::string_view key, std::string_view val
     if (job.orient) job.rotate_x_deg = job.rotate_y_deg = job.rotate_z_deg = 0;
     return {};
   }
-  return fail(ErrorCode::kBadSetting,
-              "'%.*s': unknown setting.\tKnown are profile, units, scale, fit, width, depth, height, length, floor, "
-              "orient, rotate_x_deg, "
-              "rotate_y_deg, rotate_z_deg, layer_height, supports, as, base and keep_all",
-              static_cast<int>(key.size()), key.data());
+  return telling(
+      Told(ToldCode::kSettingUnknown, {}, key),
+      fail(ErrorCode::kBadSetting,
+           "'%.*s': unknown setting.\tKnown are profile, units, scale, fit, width, depth, height, length, floor, "
+           "orient, rotate_x_deg, "
+           "rotate_y_deg, rotate_z_deg, layer_height, supports, as, base and keep_all",
+           static_cast<int>(key.size()), key.data()));
 }
 
 }  // namespace plumbline

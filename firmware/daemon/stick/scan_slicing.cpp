@@ -29,10 +29,14 @@ FixedText<60> numbered(const char* before, long number, const char* after) {
 tl::unexpected<Error> broke(const ScanRequest& request, const FixedText<60>& how) {
   const char* const name = request.name.c_str();
   if (request.archive.ask != ArchiveRequest::Ask::kNothing) {
-    return fail(ErrorCode::kMalformed, "%s: %s.\tExport it again, and report this file to plumbline's maintainers",
-                name, how.c_str());
+    return telling(
+        Told(ToldCode::kReadingBroke),
+        fail(ErrorCode::kMalformed, "%s: %s.\tExport it again, and report this file to plumbline's maintainers", name,
+             how.c_str()));
   }
-  if (!request.is_job_file) return fail(ErrorCode::kMalformed, "%s: %s.\t%s", name, how.c_str(), kExportAgain);
+  if (!request.is_job_file)
+    return telling(Told(ToldCode::kReadingBroke),
+                   fail(ErrorCode::kMalformed, "%s: %s.\t%s", name, how.c_str(), kExportAgain));
   return fail(ErrorCode::kBadSetting, "%s: %s.\tWrite it anew, or remove it", name, how.c_str());
 }
 

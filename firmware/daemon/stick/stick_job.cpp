@@ -77,9 +77,10 @@ std::string take_text(StickJob& job, const JobTexts& texts, std::string_view key
 Error as_setting_error(const Error& error) {
   const auto finding = error.finding();
   const auto advice = error.advice();
-  if (advice.empty()) return Error::format(ErrorCode::kBadSetting, "%s", error.message());
+  if (advice.empty()) return Error::format(ErrorCode::kBadSetting, "%s", error.message()).tell(error.told());
   return Error::format(ErrorCode::kBadSetting, "%.*s.\t%.*s", static_cast<int>(finding.size()), finding.data(),
-                       static_cast<int>(advice.size()), advice.data());
+                       static_cast<int>(advice.size()), advice.data())
+      .tell(error.told());
 }
 
 Expected<StickJob> parse_stick_job(std::string_view text, std::string_view path) {
@@ -111,10 +112,11 @@ Status find_files(StickJob& job, const StickMount& mount) {
 
 Expected<std::vector<StickFile>> open_scan(const StickJob& job, const StickMount& mount) {
   if (job.scans.size() > kMostScans) {
-    return fail(
-        ErrorCode::kBadSetting,
-        "%s: one scan may have %zu files at most:\tjoin some of them, or name those that are needed in job.toml",
-        job.title().c_str(), kMostScans);
+    return telling(
+        Told(ToldCode::kTooManyFiles, {{Fact::kCount, kMostScans}}),
+        fail(ErrorCode::kBadSetting,
+             "%s: one scan may have %zu files at most:\tjoin some of them, or name those that are needed in job.toml",
+             job.title().c_str(), kMostScans));
   }
   std::vector<StickFile> files;
   for (const std::string& name : job.scans) {

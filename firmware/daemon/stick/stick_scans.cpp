@@ -25,18 +25,21 @@ struct StickListing final : StickMount::FileVisitor {
     if (lower == kJobFile) {
       if (!scans.job_file.view().empty()) {
         wrong_job = Error::format(ErrorCode::kBadSetting, "%s and %.*s: the stick has two jobs.\tLeave one of them",
-                                  scans.job_file.c_str(), length, name.data());
+                                  scans.job_file.c_str(), length, name.data())
+                        .tell({ToldCode::kStickTwoJobs, {}, name});
         return;
       }
       scans.job_file.add("%.*s", length, name.data());
     } else if (lower.starts_with(kJobFile)) {
       nearly_job =
           Error::format(ErrorCode::kBadSetting, "%.*s: looks like the stick's job.\tCall it job.toml, or remove it",
-                        length, name.data());
+                        length, name.data())
+              .tell({ToldCode::kStickOtherJob, {}, name});
     } else if (const ForeignFormat* const foreign = foreign_format(name)) {
       if (!scans.foreign) {
         scans.foreign = Error::format(ErrorCode::kUnknownFormat, "%s %s (%s);\t%s", PrintableText(name).c_str(),
-                                      foreign->what, foreign->program, foreign->advice);
+                                      foreign->what, foreign->program, foreign->advice)
+                            .tell({ToldCode::kStickForeign, {}, name});
       }
     } else if (is_scan_name(name)) {
       if (scans.count == StickScans::kMost) {

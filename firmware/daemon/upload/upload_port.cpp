@@ -38,7 +38,9 @@ Expected<std::size_t> UploadPort::do_read(int file, std::span<std::byte> buffer)
 Status UploadPort::do_check_mounted() const {
   if (mounted_ == store_.kept_count()) return {};
   if (!do_has_stick()) return none();
-  return fail(ErrorCode::kStickGone, "another scan was uploaded meanwhile:\tstart that one, or upload this one again");
+  return telling(
+      Told(ToldCode::kUploadReplaced),
+      fail(ErrorCode::kStickGone, "another scan was uploaded meanwhile:\tstart that one, or upload this one again"));
 }
 
 }  // namespace plumbline

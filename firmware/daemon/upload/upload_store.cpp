@@ -31,8 +31,10 @@ struct ListingEnd {
 tl::unexpected<Error> UploadStore::cannot_write() {
   const int reason = errno;
   drop();
-  return fail(ErrorCode::kCannotWrite, "the scan can't be stored: %s.\tMake room on the printer, or use a stick",
-              reason == ENOSPC ? "the printer's storage is full" : std::strerror(reason));
+  return telling(
+      Told(ToldCode::kUploadNotStored),
+      fail(ErrorCode::kCannotWrite, "the scan can't be stored: %s.\tMake room on the printer, or use a stick",
+           reason == ENOSPC ? "the printer's storage is full" : std::strerror(reason)));
 }
 
 Expected<UploadStore> UploadStore::open(const std::string& state, std::uint64_t most_bytes) {
@@ -82,21 +84,28 @@ int UploadStore::open_folder() const { return ::openat(folder_.get(), ".", O_RDO
 
 Status UploadStore::begin(std::string_view name, std::uint64_t bytes) {
   drop();
-  if (bytes == 0) return fail(ErrorCode::kBadSetting, "the file is empty.\tExport the scan again");
+  if (bytes == 0)
+    return telling(Told(ToldCode::kUploadEmpty),
+                   fail(ErrorCode::kBadSetting, "the file is empty.\tExport the scan again"));
   if (bytes > most_bytes_) {
-    return fail(ErrorCode::kBadSetting,
-                "the file has %.1f MiB, and this printer takes %.0f MiB at most.\tUse a stick, or raise [printer] "
-                "upload_mib",
-                static_cast<double>(bytes) / kMib, static_cast<double>(most_bytes_) / kMib);
+    return telling(
+        Told(ToldCode::kUploadLarge, {{Fact::kNeededMib, static_cast<double>(bytes) / kMib},
+                                      {Fact::kAvailableMib, static_cast<double>(most_bytes_) / kMib}}),
+        fail(ErrorCode::kBadSetting,
+             "the file has %.1f MiB, and this printer takes %.0f MiB at most.\tUse a stick, or raise [printer] "
+             "upload_mib",
+             static_cast<double>(bytes) / kMib, static_cast<double>(most_bytes_) / kMib));
   }
   struct statvfs room {};
   if (::fstatvfs(folder_.get(), &room) != 0) return cannot_write();
   const std::uint64_t free = std::uint64_t{room.f_bavail} * room.f_frsize;
   if (free < kSpareBytes || bytes > free - kSpareBytes) {
-    return fail(
-        ErrorCode::kCannotWrite,
-        "the printer's storage has %.0f MiB free, and this scan needs %.0f MiB.\tMake room on it, or use a stick",
-        static_cast<double>(free) / kMib, static_cast<double>(bytes + kSpareBytes) / kMib);
+    return telling(
+        Told(ToldCode::kUploadNoRoom, {{Fact::kNeededMib, static_cast<double>(bytes + kSpareBytes) / kMib},
+                                       {Fact::kAvailableMib, static_cast<double>(free) / kMib}}),
+        fail(ErrorCode::kCannotWrite,
+             "the printer's storage has %.0f MiB free, and this scan needs %.0f MiB.\tMake room on it, or use a stick",
+             static_cast<double>(free) / kMib, static_cast<double>(bytes + kSpareBytes) / kMib));
   }
   file_ =
       Descriptor(::openat(folder_.get(), kIncoming, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, kFileMode));
@@ -138,8 +147,10 @@ Status UploadStore::keep() {
   kept_bytes_ = bytes_;
   ++kept_count_;
   if (::fsync(folder_.get()) != 0) {
-    return fail(ErrorCode::kCannotWrite, "the scan may be gone after a power cut: %s.\tCheck the printer's storage",
-                std::strerror(errno));
+    return telling(
+        Told(ToldCode::kUploadNotStored),
+        fail(ErrorCode::kCannotWrite, "the scan may be gone after a power cut: %s.\tCheck the printer's storage",
+             std::strerror(errno)));
   }
   return {};
 }
@@ -147,16 +158,18 @@ Status UploadStore::keep() {
 Status UploadStore::remove() {
   if (kept_.view().empty()) return {};
   if (::unlinkat(folder_.get(), kept_.c_str(), 0) != 0 && errno != ENOENT) {
-    return fail(ErrorCode::kCannotWrite, "the scan can't be removed: %s.\tCheck the printer's storage",
-                std::strerror(errno));
+    return telling(Told(ToldCode::kNotRemoved),
+                   fail(ErrorCode::kCannotWrite, "the scan can't be removed: %s.\tCheck the printer's storage",
+                        std::strerror(errno)));
   }
   kept_.clear();
   kept_bytes_ = 0;
   ++kept_count_;
   if (::fsync(folder_.get()) != 0) {
-    return fail(ErrorCode::kCannotWrite,
-                "the scan may be there again after a power cut: %s.\tCheck the printer's storage",
-                std::strerror(errno));
+    return telling(
+        Told(ToldCode::kNotRemoved),
+        fail(ErrorCode::kCannotWrite, "the scan may be there again after a power cut: %s.\tCheck the printer's storage",
+             std::strerror(errno)));
   }
   return {};
 }

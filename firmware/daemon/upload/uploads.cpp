@@ -26,16 +26,20 @@ bool is_local_stream(int file) {
 
 tl::unexpected<Error> why_not_now(const PrinterRecord& record) {
   if (record.most_upload_bytes == 0) {
-    return fail(ErrorCode::kBadSetting,
-                "this printer takes no uploads.\tPut the scan on a stick, or set [printer] upload_mib");
+    return telling(Told(ToldCode::kUploadsOff),
+                   fail(ErrorCode::kBadSetting,
+                        "this printer takes no uploads.\tPut the scan on a stick, or set [printer] upload_mib"));
   }
   if (!at_rest(record.state)) {
     const auto state = to_string(record.state);
-    return fail(ErrorCode::kBadSetting,
-                "the printer takes a scan while it is at rest, and its state is '%.*s'.\tUpload it after the print",
-                static_cast<int>(state.size()), state.data());
+    return telling(
+        Told(ToldCode::kUploadNotNow),
+        fail(ErrorCode::kBadSetting,
+             "the printer takes a scan while it is at rest, and its state is '%.*s'.\tUpload it after the print",
+             static_cast<int>(state.size()), state.data()));
   }
-  return fail(ErrorCode::kBadSetting, "another scan is being uploaded.\tTry again when it has come");
+  return telling(Told(ToldCode::kUploadOther),
+                 fail(ErrorCode::kBadSetting, "another scan is being uploaded.\tTry again when it has come"));
 }
 
 }  // namespace
@@ -70,7 +74,8 @@ bool Uploads::receive() {
   if (!is_coming()) return false;
   const auto begin = HostClock::now();
   if (!at_rest(record_.state)) {
-    end(Error::format(ErrorCode::kCancelled, "the printer has begun with another job.\tUpload the scan after it"));
+    end(Error::format(ErrorCode::kCancelled, "the printer has begun with another job.\tUpload the scan after it")
+            .tell(ToldCode::kUploadJobBegan));
     return false;
   }
   for (auto now = begin; now - begin <= times_.turn; now = HostClock::now()) {
@@ -80,7 +85,8 @@ bool Uploads::receive() {
     if (got < 0 || (got == 0 && !store_.is_whole())) {
       end(Error::format(ErrorCode::kTruncated, "the upload ended after %llu of %llu bytes.\tSend the scan again",
                         static_cast<unsigned long long>(received_),
-                        static_cast<unsigned long long>(record_.upload->bytes)));
+                        static_cast<unsigned long long>(record_.upload->bytes))
+              .tell(how_far(ToldCode::kUploadBroke)));
       return false;
     }
     if (got == 0) return keep();
@@ -98,9 +104,17 @@ bool Uploads::receive() {
                       "the upload was too slow: %llu of %llu bytes have come.\tCheck the network, then send the scan "
                       "again",
                       static_cast<unsigned long long>(received_),
-                      static_cast<unsigned long long>(record_.upload->bytes)));
+                      static_cast<unsigned long long>(record_.upload->bytes))
+            .tell(how_far(ToldCode::kUploadSlow)));
   }
   return false;
+}
+
+Told Uploads::how_far(ToldCode code) const {
+  constexpr double kMegabyte = 1e6;
+  return {code,
+          {{Fact::kReceivedMb, static_cast<double>(received_) / kMegabyte},
+           {Fact::kTotalMb, static_cast<double>(record_.upload->bytes) / kMegabyte}}};
 }
 
 bool Uploads::keep() {
@@ -118,10 +132,13 @@ bool Uploads::keep() {
 }
 
 Status Uploads::remove(std::string_view name) {
-  if (!record_.stored) return fail(ErrorCode::kBadSetting, "there is no scan in the printer's store");
+  if (!record_.stored)
+    return telling(Told(ToldCode::kNotInStore, {}, name),
+                   fail(ErrorCode::kBadSetting, "there is no scan in the printer's store"));
   if (name != record_.stored->name.view()) {
-    return fail(ErrorCode::kBadSetting, "%s: is not in the printer's store.\tThe scan there is %s",
-                PrintableText(name, 79).c_str(), record_.stored->name.c_str());
+    return telling(Told(ToldCode::kNotInStore, {}, name),
+                   fail(ErrorCode::kBadSetting, "%s: is not in the printer's store.\tThe scan there is %s",
+                        PrintableText(name, 79).c_str(), record_.stored->name.c_str()));
   }
   const auto removed = store_.remove();
   record_kept();
@@ -147,6 +164,7 @@ void Uploads::end(const Error& error) {
   text.add("%.*s. %.*s", static_cast<int>(error.finding().size()), error.finding().data(),
            static_cast<int>(error.advice().size()), error.advice().data());
   assign(upload.problem, text.view());
+  upload.told = error.told();
 }
 
 void Uploads::tell(HostClock::time_point now) {

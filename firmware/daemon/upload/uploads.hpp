@@ -64,6 +64,8 @@ class Uploads {
  private:
   bool keep();
   void end(const Error& error);
+  /// A code, and how much has come of how much.
+  Told how_far(ToldCode code) const;
   void tell(HostClock::time_point now);
   void record_kept();
 

@@ -4,7 +4,7 @@
 const words = texts[navigator.language.startsWith("de") ? "de" : "en"];
 const $ = (id) => document.getElementById(id);
 let state = null;
-let faults = {};  // by code, in the browser's language; none: as the printer says them
+let said = null;  // the printer's texts in the browser's language; null: it says them in English itself
 let access = {page: "local", paired: false};
 
 // --- Small tools
@@ -34,6 +34,33 @@ function duration(seconds) {
   return minutes < 60 ? `${minutes} ${words.min}` : `${Math.floor(minutes / 60)} ${words.h} ${minutes % 60} ${words.min}`;
 }
 
+// --- What the printer tells: a code with its values, and beside it an English sentence
+
+// As firmware/screen/told_words.hpp has it: {area_mm2} is a value, {count?Insel|Inseln} chooses, [ ] is left out if a value of it is not told.
+function fact(name, value) {
+  const digits = said.digits[name] || 0;
+  if (digits >= 0) return number(value, digits);
+  return Math.abs(value) >= 10 ** (-digits - 1) ? number(value, 0) : value.toLocaleString(words.locale, {maximumSignificantDigits: -digits});
+}
+function filledIn(pattern, told) {
+  const isTold = (part) => [...part.matchAll(/\{(\w+)/g)].every(([, name]) => name === "name" ? told.name : name in told.values);
+  return pattern.replace(/\[([^\]]*)\]/g, (all, part) => isTold(part) ? part : "").replace(/\{(\w+)(?:\?([^|}]*)\|([^}]*))?\}/g, (all, name, one, many) => {
+    if (name === "name") return told.name || "";
+    if (!(name in told.values)) return "";
+    return one === undefined ? fact(name, told.values[name]) : told.values[name] === 1 ? one : many;
+  });
+}
+// The sentence and the remedy; null: there are none but the English sentence.
+function inWords(told) {
+  const texts = said && told && said.told[told.code];
+  return texts ? texts.map((text) => filledIn(text, told)) : null;
+}
+function worded(told, english) {
+  const texts = inWords(told);
+  return texts ? `${texts[0]}${texts[1] ? `. ${texts[1]}` : ""}` : english;
+}
+const refusal = (reply) => worded(reply.told, `${reply.error}${reply.advice ? `. ${reply.advice}` : ""}`);
+
 // --- To the printer
 
 async function post(path, body) {
@@ -60,7 +87,7 @@ async function command(body) {
       access.paired = false;
       return command(body);
     }
-    if (!reply.ok) show("notice", true, `${reply.error}${reply.advice ? `. ${reply.advice}` : ""}`);
+    if (!reply.ok) show("notice", true, refusal(reply));
   } catch {
     show("notice", true, words.lost);
   }
@@ -70,7 +97,7 @@ async function command(body) {
 function pair() {
   const dialog = $("pair"), form = dialog.querySelector("form");
   return new Promise((done) => {
-    const wrong = (reply) => show("pair-error", !reply.ok, reply.ok ? "" : `${reply.error}. ${reply.advice || ""}`);
+    const wrong = (reply) => show("pair-error", !reply.ok, reply.ok ? "" : refusal(reply));
     form.onsubmit = async (event) => {
       event.preventDefault();
       const reply = await post("/pair", {code: $("code").value});
@@ -158,17 +185,22 @@ function showNow() {
   if (state.state === "slicing" && state.stick.uploaded) hint = words.hints.wait;
   if (state.state === "offered") hint = offersSliced ? words.hints.sliced : state.stick.job_file ? words.hints.job : words.hints.offered;
   show("hint", hint !== "", hint);
-  show("question", Boolean(state.question), state.question || "");
+  show("question", Boolean(state.question), worded(state.question_told, state.question || ""));
   show("answers", Boolean(state.question), words.answers);  // the printer speaks of its own buttons
-  show("message", Boolean(state.message) && !state.fault, state.message || "");
+  // A message without a code says what title, hint and facts say, too.
+  const message = said && !inWords(state.message_told) ? "" : worded(state.message_told, state.message || "");
+  show("message", message !== "" && !state.fault, message);
   const fault = state.fault;
   $("fault").hidden = !fault;
   if (fault) {
-    const said = faults[fault.code];
-    show("fault-title", true, `${fault.code}: ${said ? said.title : fault.title}`);
-    show("fault-message", Boolean(fault.message), fault.message || "");
-    show("fault-meaning", !said, fault.meaning);
-    show("fault-remedy", true, said ? said.remedy : fault.remedy);
+    const known = said && said.faults[fault.code], texts = inWords(fault.told);
+    show("fault-title", true, `${fault.code}: ${known ? known.title : fault.title}`);
+    const told = texts ? texts[0] : known ? "" : fault.message || "";
+    show("fault-told", told !== "", told);
+    show("fault-meaning", true, known ? known.meaning : fault.meaning);
+    show("fault-remedy", true, texts && texts[1] || (known ? known.remedy : fault.remedy));
+    // It has the file's own words and places, which no table has.
+    show("fault-wording", Boolean(known && fault.message), `${words.wording}: ${fault.message}`);
   }
   const progress = state.progress;
   const done = state.slicing ? state.slicing.fraction : progress && progress.layers ? progress.layers_done / progress.layers : null;
@@ -302,7 +334,7 @@ function showStick() {
   $("stick").querySelector("h2").textContent = state.stick.uploaded ? words.uploadedTitle : words.stickTitle;
   const mayChoose = state.commands.includes("choose") && !state.sliced;
   const chosen = state.job ? state.job.number : null;
-  fill($("scans"), [scans, mayChoose, chosen], () => scans.map((scan) => {
+  fill($("scans"), [scans, mayChoose, chosen, Boolean(said)], () => scans.map((scan) => {
     const line = element("li");
     const button = element("button", undefined, {"aria-pressed": scan.number === chosen});
     button.disabled = !mayChoose;
@@ -310,7 +342,7 @@ function showStick() {
     button.append(element("span", name), element("span", size(scan.bytes), {class: "pale"}));
     button.onclick = () => command({do: "choose", scan: scan.number});
     line.append(button);
-    if (scan.problem) line.append(element("p", scan.problem, {class: "problem"}));
+    if (scan.problem) line.append(element("p", worded(scan.told, scan.problem), {class: "problem"}));
     return line;
   }));
   show("left-out", leftOut > 0, `${leftOut} ${words.leftOut}`);
@@ -351,13 +383,13 @@ async function upload(file) {
       sent = sending.number = asked.upload;
       const headers = {"Content-Type": "application/octet-stream", "Plumbline-Token": localStorage.getItem("token") || ""};
       const reply = await fetch(`/upload/body?n=${asked.upload}`, {method: "POST", headers, body: file, signal: sending.abort.signal});
-      const said = await reply.json();
-      problem = said.ok ? "" : said.error || words.uploadFailed;
+      const answer = await reply.json();
+      problem = answer.ok ? "" : answer.error ? refusal(answer) : words.uploadFailed;
     } else {
-      problem = asked ? `${asked.error}${asked.advice ? `. ${asked.advice}` : ""}` : words.uploadStopped;
+      problem = asked ? refusal(asked) : words.uploadStopped;
     }
   } catch {
-    const told = state && state.upload && state.upload.number === sending.number ? state.upload.problem : null;
+    const told = state && state.upload && state.upload.number === sending.number ? worded(state.upload.told, state.upload.problem) : null;
     problem = sending.abort.signal.aborted && !sending.refused ? words.uploadStopped : told || words.uploadFailed;
   }
   sending = null;
@@ -480,8 +512,8 @@ function showWays() {
 }
 $("propose").onclick = () => command({do: "propose"});
 function showLists() {
-  const findings = state.findings.map((one) => [one.severity, one.text]);
-  const checks = state.checks.map((one) => [one.outcome, `${one.check}: ${one.detail}`]);
+  const findings = state.findings.map((one) => [one.severity, worded(one.told, one.text)]);
+  const checks = state.checks.map((one) => [one.outcome, `${words.checkNames[one.check] || one.check}: ${worded(one.told, one.detail)}`]);
   for (const [id, rows] of [["findings", findings], ["checks", checks]]) {
     $(id).hidden = rows.length === 0;
     fill($(id).querySelector("ul"), rows, () => rows.map(([kind, text]) => element("li", text, {class: kind})));
@@ -560,14 +592,14 @@ function sayWords() {
   $("progress").setAttribute("aria-label", words.printing);
 }
 
-// What a fault means and what to do is a table of its own in each language but English.
-async function fetchFaults() {
-  const answer = await fetch("/faults.json");
-  if (answer.ok) faults = await answer.json();
-  if (state) showNow();
+// What the printer tells has a table of texts in each language but English.
+async function fetchTexts() {
+  const answer = await fetch("/texts.de.json");
+  if (answer.ok) said = await answer.json();
+  if (state) render();
 }
 
 sayWords();
-if (words === texts.de) fetchFaults().catch(() => {});
+if (words === texts.de) fetchTexts().catch(() => {});
 lookAtAccess().catch(() => {});
 listen();

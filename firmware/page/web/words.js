@@ -1,4 +1,4 @@
-// All texts of the page. What the printer itself says is English.
+// All texts of the page. What the printer tells is in /texts.de.json; the English sentence comes with it.
 "use strict";
 const texts = {
   en: {
@@ -21,6 +21,7 @@ const texts = {
       winding: "telling inside from outside", "ray grid": "laying out the rays", rays: "following the rays", "r-rep": "collecting the layers", supports: "finding supports",
       layers: "checking the layers",
     },
+    checkNames: {}, wording: "",
     answers: "Here start is “Go on”, and cancel is “Cancel the print”.",
     start: "Print", again: "Start the print", pause: "Pause", resume: "Go on", cancel: "Cancel the print", decline: "Not now", stop: "Stop reading", giveUp: "Give up",
     "plate-empty": "The plate is empty", seen: "I have read it", offer: "Show what is on the stick",
@@ -64,7 +65,12 @@ const texts = {
       winding: "innen und außen unterscheiden", "ray grid": "Strahlen anlegen", rays: "Strahlen verfolgen", "r-rep": "Schichten sammeln", supports: "Stützen finden",
       layers: "Schichten prüfen",
     },
-    answers: "Start heißt hier „Weiter“ und Cancel „Druck abbrechen“.",
+    checkNames: {
+      memory: "Speicher", object: "Objekt", masks: "Schichten", light: "Licht", "lamp dark": "Lampe dunkel", panel: "LCD", cover: "Haube", temperatures: "Wärme",
+      resin: "Harz", journal: "Journal", stage: "Z-Achse",
+    },
+    wording: "Wortlaut (Englisch)",
+    answers: "▶ heißt hier „Weiter“ und ✖ „Druck abbrechen“.",
     start: "Drucken", again: "Druck starten", pause: "Pause", resume: "Weiter", cancel: "Druck abbrechen", decline: "Jetzt nicht", stop: "Nicht weiterlesen", giveUp: "Aufgeben",
     "plate-empty": "Die Platte ist leer", seen: "Gelesen", offer: "Zeigen, was auf dem Stick ist",
     askTitle: "Druck abbrechen?", askText: "Das Teil bleibt, wie es jetzt ist. Es kann nicht fertig werden.", keep: "Weiterdrucken", end: "Druck beenden",

@@ -24,6 +24,7 @@ struct PrintStatus {
   std::optional<nanoseconds> slack;  ///< of the last mask
   double resin_ml = 0;               ///< used so far
   std::string_view question;         ///< why the print is paused, if start or cancel answers a question; else empty
+  Told question_told;                ///< the same as a code
 };
 
 /// Follows a print.

@@ -65,36 +65,36 @@ MaskFigures mask_figures(std::span<const ExposureLine> exposures, std::span<nano
   return figures;
 }
 
-void for_each_warning(const PrintReport& report, const std::function<void(std::string_view)>& tell) {
+void for_each_warning(const PrintReport& report, const std::function<void(const Told&, std::string_view)>& tell) {
   FixedText<320> text;
-  const auto say = [&text, &tell] {
-    tell(text.view());
+  const auto say = [&text, &tell](const Told& told) {
+    tell(told, text.view());
     text.clear();
   };
   if (report.marked_layer) {
     text.add("the print was interrupted before layer %u, which may show a mark", *report.marked_layer + 1);
-    say();
+    say({ToldCode::kMayShowMark, {{Fact::kLayer, *report.marked_layer + 1.0}}});
   }
   if (report.late_masks > 0) {
     text.add("%u mask%s late; the exposures waited for them and are whole", report.late_masks,
              report.late_masks == 1 ? " was" : "s were");
-    say();
+    say({ToldCode::kMasksLate, {{Fact::kCount, report.late_masks}}});
   }
   if (report.doses_off > 0) {
     text.add("%u exposure%s more than 1 %% off in dose: have the lamp measured", report.doses_off,
              report.doses_off == 1 ? " was" : "s were");
-    say();
+    say({ToldCode::kDosesOff, {{Fact::kCount, report.doses_off}}});
   }
   // Ten microns: below any layer height, above the repeatability of homing.
   constexpr Distance kNoticed = Distance::micrometres(10);
   if (report.steps_lost > kNoticed || -report.steps_lost > kNoticed) {
     text.add("PL-%u: the Z stage was %.3f mm off when it came back to its end stop, so the part may have a step",
              static_cast<unsigned>(FaultCode::kStepsLost), report.steps_lost.millimetres());
-    say();
+    say({ToldCode::kStepsLost, {{Fact::kOffMm, report.steps_lost.millimetres()}}});
   }
   if (report.exposures_left_out > 0) {
     text.add("the report has no room for %u more exposures", report.exposures_left_out);
-    say();
+    say({ToldCode::kReportFull, {{Fact::kCount, report.exposures_left_out}}});
   }
 }
 

@@ -41,6 +41,7 @@ std::string_view to_string(CheckOutcome outcome);
 struct CheckResult {
   CheckOutcome outcome = CheckOutcome::kNotReached;
   FixedText<200> detail;  ///< "28.0 degrees, 18 to 40 allowed"
+  Told told;              ///< the same as a code
 };
 
 /// One exposure, and the next mask, which was rendered meanwhile.
@@ -63,6 +64,7 @@ struct PrintReport {
   PrintState state = PrintState::kIdle;  ///< at the end
   FaultCode fault = FaultCode::kNone;
   FixedText<448> fault_message;
+  Told fault_told;  ///< what the message says, if it has a code
   std::array<CheckResult, kCheckCount> checks;
 
   bool begun = false;  ///< the checks have passed; before that nothing lights or moves
@@ -109,6 +111,6 @@ struct MaskFigures {
 MaskFigures mask_figures(std::span<const ExposureLine> exposures, std::span<nanoseconds> scratch);
 
 /// Passes each sentence that the user should read to `tell`.
-void for_each_warning(const PrintReport& report, const std::function<void(std::string_view)>& tell);
+void for_each_warning(const PrintReport& report, const std::function<void(const Told&, std::string_view)>& tell);
 
 }  // namespace plumbline

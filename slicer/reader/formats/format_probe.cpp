@@ -195,7 +195,8 @@ Expected<ScanFormat> probe_format(ByteInput& input) {
   const auto size = input.fill(input.capacity());
   PLUMBLINE_TRY(size);
   if (*size == 0) {
-    return input.fail(ErrorCode::kNoPoints, "the file is empty (0 bytes);\tcopy or export the scan again");
+    return telling(Told(ToldCode::kFileEmpty),
+                   input.fail(ErrorCode::kNoPoints, "the file is empty (0 bytes);\tcopy or export the scan again"));
   }
   return Probe(input, {input.begin(), *size}).format();
 }

@@ -99,9 +99,11 @@ class LasReader {
 
   Status check_header() const {
     if ((header_.format & 0xC0U) != 0) {
-      return input_.fail(ErrorCode::kUnsupported,
-                         "this is LAZ, which is compressed;\tsave it as LAS with the program that wrote it, with "
-                         "CloudCompare, or with 'laszip -i scan.laz -o scan.las'");
+      return telling(
+          Told(ToldCode::kLaz),
+          input_.fail(ErrorCode::kUnsupported,
+                      "this is LAZ, which is compressed;\tsave it as LAS with the program that wrote it, with "
+                      "CloudCompare, or with 'laszip -i scan.laz -o scan.las'"));
     }
     if (header_.format >= kPointBytes.size()) {
       return input_.fail(

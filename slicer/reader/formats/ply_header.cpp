@@ -207,11 +207,12 @@ class HeaderParser {
                                  number());
     }
     if (is_compressed_ && !header_.vertex.layout.has_position()) {
-      return lines_.input().fail(
-          ErrorCode::kUnsupported,
-          "line %llu: these are Gaussian splats in a compressed PLY;\texport them as PLY without "
-          "compression, or as SPZ",
-          number());
+      return telling(
+          Told(ToldCode::kSplatsCompressed),
+          lines_.input().fail(ErrorCode::kUnsupported,
+                              "line %llu: these are Gaussian splats in a compressed PLY;\texport them as PLY without "
+                              "compression, or as SPZ",
+                              number()));
     }
     if (!header_.vertex.layout.has_position()) {
       return lines_.input().fail(

@@ -100,7 +100,8 @@ Expected<MeshSummary> read_mesh(ByteSource& source, TriangleSink& sink, VertexLi
     case ScanFormat::kPtx:
     case ScanFormat::kE57:
     case ScanFormat::kSpz:
-      return input.fail(ErrorCode::kUnsupported, "the file has points but no faces;\tuse --as points");
+      return telling(Told(ToldCode::kNoFaces),
+                     input.fail(ErrorCode::kUnsupported, "the file has points but no faces;\tuse --as points"));
   }
   PLUMBLINE_TRY(batch.flush());
   PLUMBLINE_TRY(input.finish());

@@ -42,7 +42,8 @@ class PlyMeshReader {
     batch_.summary().format = ScanFormat::kPly;
     batch_.summary().encoding = header_.encoding();
     if (header_.face.count == 0) {
-      return input_.fail(ErrorCode::kUnsupported, "the file has no faces that can be read;\tuse --as points");
+      return telling(Told(ToldCode::kNoFaces),
+                     input_.fail(ErrorCode::kUnsupported, "the file has no faces that can be read;\tuse --as points"));
     }
     PLUMBLINE_TRY(skip(header_.before_vertex));
     PLUMBLINE_TRY(read_vertices(memory));

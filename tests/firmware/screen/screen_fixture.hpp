@@ -192,6 +192,7 @@ inline void fill_in(PrinterRecord& record, PrintState state) {
     record.scans[i].bytes = kBytes[i];
   }
   assign(record.scans[1].problem, "PL-102, not a scan: broken.ply: the file ends after line 8, with 1 of the 5 points");
+  record.scans[1].told = ToldCode::kFileCut;
   JobRecord& job = record.job.emplace();
   assign(job.scan, "bust of a young woman.ply");
   assign(job.profile, "standard");

@@ -21,6 +21,7 @@
 #include "firmware/screen/light_card.hpp"
 #include "firmware/screen/screen_kind.hpp"
 #include "firmware/screen/setting_rows.hpp"
+#include "firmware/screen/told_words.hpp"
 #include "tests/firmware/screen/screen_fixture.hpp"
 
 namespace plumbline {
@@ -151,7 +152,16 @@ std::vector<ScreenCase> golden_cases() {
                          record.sliced = a_sliced_job();
                          record.pictures = &pictures_with_issues();
                          record.add_finding(Severity::kWarning,
-                                            "2 overhangs without support, the largest at layer 803, 12.1 mm2");
+                                            "2 overhangs, the largest of 12.1 mm2 (4850 px) at x 34.2, y 61.0 mm in "
+                                            "layer 803 (40.15 mm): add supports, set them closer with "
+                                            "support_overhang_span, or turn the object",
+                                            {ToldCode::kOverhang,
+                                             {{Fact::kCount, 2},
+                                              {Fact::kAreaMm2, 12.13},
+                                              {Fact::kXMm, 34.2},
+                                              {Fact::kYMm, 61},
+                                              {Fact::kLayer, 803},
+                                              {Fact::kFromMm, 40.15}}});
                          record.add_finding(Severity::kWarning, "1 suction cup at layer 20, 3.2 ml");
                        })},
       {"preview-clean", with(kOffered, [](auto& record, auto&) { record.sliced = a_sliced_job(); })},
@@ -164,8 +174,9 @@ std::vector<ScreenCase> golden_cases() {
        with(kPaused,
             [](auto& record, auto&) {
               assign(record.question,
-                     "measure the part: start if it is 30.65 mm tall, cancel if it is taller, because then the "
-                     "journal has lost its end");
+                     "the part must be 30.65 mm tall (613 layers). Measure it: press start if it is, cancel if it is "
+                     "taller");
+              record.question_told = {ToldCode::kMeasurePart, {{Fact::kHeightMm, 30.65}, {Fact::kLayers, 613}}};
             })},
       {"cover-open", with(kCoverOpen)},
       {"cooling-down", with(kCoolingDown)},
@@ -188,6 +199,16 @@ std::vector<ScreenCase> golden_cases() {
                        record.set_fault(FaultCode::kStageStalled, "the motor lost 240 steps at 30.65 mm",
                                         info(FaultCode::kStageStalled).next);
                      })},
+      {"fault-of-scan",
+       with(kFault,
+            [](auto& record, auto&) {
+              record.set_fault(
+                  FaultCode::kDoesNotFit,
+                  "the object is 182.40 mm high (z), but the printer has room for 150.00 mm: 32.40 mm too "
+                  "much",
+                  "Use scale = 0.82 or less, fit = true, or rotate it (in job.toml on the stick).",
+                  {ToldCode::kTooHigh, {{Fact::kHeightMm, 182.4}, {Fact::kLimitMm, 150}, {Fact::kExcessMm, 32.4}}});
+            })},
       {"ending", with(kSuspended)},
       {"page-code", with(kPrinting, [](auto& record, auto&) { assign(record.code, "482913"); })},
   };
@@ -325,6 +346,55 @@ TEST(Screens, EachFaultFitsWithWhatToDo) {
     expect_all_fit([&](PrinterRecord& record, ScreenView&) {
       fill_in(record, kFault);
       record.set_fault(fault.code, std::string(440, 'w'), fault.next);
+    });
+  }
+}
+
+/// A code with all facts of its words, each as long as a printer of 350 mm and 9,999 layers has it, and a long name.
+Told longest_told(ToldCode code) {
+  Told told(code, {}, "a file with a long name.ply");
+  const std::string_view text = told_words(code, Language::kGerman)->sentence;
+  for (std::size_t i = 0; i < kFactCount; ++i) {
+    const auto fact = static_cast<Fact>(i);
+    const std::string name(format_of(fact).name);
+    const bool used = text.find("{" + name + "}") != text.npos || text.find("{" + name + "?") != text.npos;
+    // A range of layers is longer than one.
+    if (used && fact != Fact::kLayer)
+      told.add(fact, fact <= Fact::kLayers ? 4567 : name.ends_with("mm") ? 234.56 : 1234.5);
+  }
+  return told;
+}
+
+TEST(Screens, EachFindingFitsInGermanWithWhatToDo) {
+  for (auto code = ToldCode::kIsland; code <= ToldCode::kReportFull;
+       code = static_cast<ToldCode>(static_cast<int>(code) + 1)) {
+    SCOPED_TRACE(to_string(code));
+    expect_all_fit([&](PrinterRecord& record, ScreenView&) {
+      fill_in(record, kOffered);
+      record.sliced = a_sliced_job();
+      for (int i = 0; i < 12; ++i) record.add_finding(Severity::kWarning, std::string(150, 'w'), longest_told(code));
+    });
+  }
+}
+
+TEST(Screens, EachRefusalFitsInGermanWithWhatToDo) {
+  for (auto code = ToldCode::kFileNotOpened; code <= ToldCode::kSettingValue;
+       code = static_cast<ToldCode>(static_cast<int>(code) + 1)) {
+    SCOPED_TRACE(to_string(code));
+    expect_all_fit([&](PrinterRecord& record, ScreenView&) {
+      fill_in(record, kFault);
+      record.set_fault(FaultCode::kOutOfMemory, std::string(440, 'w'), info(FaultCode::kOutOfMemory).next,
+                       longest_told(code));
+    });
+  }
+}
+
+TEST(Screens, EachQuestionFitsInGerman) {
+  for (const ToldCode code : {ToldCode::kMeasurePart, ToldCode::kLookAtPlate}) {
+    expect_all_fit([&](PrinterRecord& record, ScreenView&) {
+      fill_in(record, kPaused);
+      assign(record.question, std::string(150, 'w'));
+      record.question_told = longest_told(code);
     });
   }
 }

@@ -20,6 +20,16 @@ void fill(FixedText<Capacity>& text) {
   assign(text, std::string(Capacity - 1, '"'));
 }
 
+/// As long as can be: eight facts with the longest names, and a name.
+Told longest_told() {
+  Told told(ToldCode::kTooHighOnSupports, {}, std::string(39, '"'));
+  for (const Fact fact : {Fact::kPanelColumns, Fact::kPanelWidthMm, Fact::kPanelDepthMm, Fact::kAvailableMib,
+                          Fact::kResinLeastC, Fact::kLampLimitC, Fact::kSpeedMmMin, Fact::kLimitMmMin}) {
+    told.add(fact, 1234567.891);
+  }
+  return told;
+}
+
 /// A record in which everything is as long as can be.
 std::unique_ptr<PrinterRecord> longest_record() {
   auto record = std::make_unique<PrinterRecord>();
@@ -31,6 +41,7 @@ std::unique_ptr<PrinterRecord> longest_record() {
   for (ScanRecord& scan : record->scans) {
     fill(scan.name);
     fill(scan.problem);
+    scan.told = longest_told();
     scan.bytes = ~std::uint64_t{0};
     scan.files = 64;
   }
@@ -39,6 +50,7 @@ std::unique_ptr<PrinterRecord> longest_record() {
   upload.bytes = upload.received = ~std::uint64_t{0};
   fill(upload.name);
   fill(upload.problem);
+  upload.told = record->message_told = record->question_told = longest_told();
   StoredRecord& stored = record->stored.emplace();
   stored.bytes = ~std::uint64_t{0};
   fill(stored.name);
@@ -59,16 +71,18 @@ std::unique_ptr<PrinterRecord> longest_record() {
   status.state = PrintState::kPrinting;
   status.layers = status.layer = ~std::uint32_t{0};
   status.slack = nanoseconds(123456789);
+  status.question_told = longest_told();
   record->set_progress(status, 1'900'000'000);
   record->resin = ResinRecord{12345.678, 20000};
   for (CheckResult& check : record->checks) {
     check.outcome = CheckOutcome::kWarned;
     fill(check.detail);
+    check.told = longest_told();
   }
   for (std::size_t i = 0; i < PrinterRecord::kMostFindings; ++i) {
-    record->add_finding(Severity::kWarning, std::string(1000, '"'));
+    record->add_finding(Severity::kWarning, std::string(1000, '"'), longest_told());
   }
-  record->set_fault(FaultCode::kJournalOfAnother, std::string(1000, '"'), std::string(1000, '"'));
+  record->set_fault(FaultCode::kJournalOfAnother, std::string(1000, '"'), std::string(1000, '"'), longest_told());
   return record;
 }
 
@@ -88,7 +102,7 @@ TEST(StateLine, OfTheLongestRecordFits) {
   const auto record = longest_record();
   record->prints = &*prints;
   const auto line = std::make_unique<StateLine>();
-  ASSERT_TRUE(write_state_line(*line, *record, ~std::uint64_t{0}));
+  ASSERT_TRUE(write_state_line(*line, *record, ~std::uint64_t{0})) << "more than " << kLongestLine << " bytes";
   EXPECT_TRUE(line->view().ends_with("}\n"));
   EXPECT_GT(line->view().size(), kLongestLine / 2) << "the bound is not far above what is needed";
   JsonCursor cursor(line->view());
@@ -126,6 +140,21 @@ TEST(StateLine, SaysWhatThePrinterTakes) {
   EXPECT_EQ(commands(), "[]");
 }
 
+TEST(StateLine, HasWhatIsToldAsACodeWithItsValues) {
+  PrinterRecord record;
+  record.add_finding(Severity::kWarning, "3 islands",
+                     {ToldCode::kIsland, {{Fact::kCount, 3}, {Fact::kAreaMm2, 113.25}, {Fact::kLayer, 702}}});
+  record.add_finding(Severity::kNote, "no code");
+  record.question_told = {ToldCode::kProfileUnknown, {}, "fine"};
+  StateLine line;
+  ASSERT_TRUE(write_state_line(line, record, 1));
+  EXPECT_EQ(json_member(line.view(), "findings"),
+            R"([{"severity": "warning", "text": "3 islands", "told": {"code": "island", "values": {"count": 3, )"
+            R"("area_mm2": 113.25, "layer": 702}}}, {"severity": "note", "text": "no code", "told": null}])");
+  EXPECT_EQ(json_member(line.view(), "question_told"), R"({"code": "profile_unknown", "values": {}, "name": "fine"})");
+  EXPECT_EQ(json_member(line.view(), "message_told"), "null");
+}
+
 TEST(StateLine, SaysWhatIsUploadedAndHowMuchMayBe) {
   PrinterRecord record;
   const auto member = [&record](std::string_view name) {
@@ -146,8 +175,9 @@ TEST(StateLine, SaysWhatIsUploadedAndHowMuchMayBe) {
   record.upload->received = 10;
   assign(record.upload->name, "a.ply");
   EXPECT_EQ(member("upload_limit"), "0") << "one at a time";
-  EXPECT_EQ(member("upload"),
-            R"({"number": 3, "stage": "coming", "name": "a.ply", "bytes": 20, "received": 10, "problem": null})");
+  EXPECT_EQ(
+      member("upload"),
+      R"({"number": 3, "stage": "coming", "name": "a.ply", "bytes": 20, "received": 10, "problem": null, "told": null})");
   record.upload->stage = UploadRecord::Stage::kKept;
   EXPECT_EQ(member("upload_limit"), "1000");
   record.waits = true;

@@ -1,0 +1,418 @@
+#include "firmware/screen/told_words.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "firmware/io/json_writer.hpp"
+
+namespace plumbline {
+namespace {
+
+struct Row {
+  ToldCode code;
+  ToldWords words;
+};
+
+using enum ToldCode;
+
+// Where an issue is, if it is in one place.
+#define PLACE "[ bei x {x_mm}, y {y_mm}, z {from_mm} mm][, Schicht {layer}][, Schichten {first_layer}–{last_layer}]"
+
+/// By code.
+constexpr std::array kGerman{
+    Row{kIsland, {"{count} {count?Insel von|Inseln bis} {area_mm2} mm²" PLACE, "Stützen setzen oder drehen."}},
+    Row{kOverhang, {"{count} {count?Überhang von|Überhänge bis} {area_mm2} mm²" PLACE, "Stützen setzen oder drehen."}},
+    Row{kFreePiece,
+        {"{count} {count?Stück, das|Stücke, die} nichts hält, {percent} % des Drucks, {count?|bis }{volume_ml} "
+         "ml" PLACE,
+         "Stützen setzen oder drehen."}},
+    Row{kResinTrap,
+        {"{count} {count?Harzfalle von|Harzfallen bis} {volume_ml} ml" PLACE,
+         "Im Modell ein Loch zum Ablaufen vorsehen."}},
+    Row{kSuctionCup,
+        {"{count} {count?Saugnapf von|Saugnäpfe bis} {volume_ml} ml" PLACE,
+         "Drehen, oder im Modell nahe der Platte ein Loch vorsehen."}},
+    Row{kTouchingBound,
+        {"{count} {count?Teil|Teile} am Rand des LCD, {count?|bis }{area_mm2} mm²" PLACE,
+         "Das Objekt kleiner drucken."}},
+    Row{kEmptyLayer,
+        {"{count} {count?Lücke|Lücken} aus leeren Schichten" PLACE, "Was darüber ist, fällt: das Objekt drehen."}},
+    Row{kPrintHeight,
+        {"{count} {count?Teil|Teile} über dem Weg der Z-Achse" PLACE, "Das Objekt niedriger drucken oder drehen."}},
+    Row{kFirstLayerArea,
+        {"Kleine erste Schicht von {area_mm2} mm²" PLACE, "Es könnte abfallen: drehen oder Stützen setzen."}},
+    Row{kPeelArea,
+        {"{count} große {count?Schicht von|Schichten bis} {area_mm2} mm²" PLACE,
+         "Drehen, oder ein Profil wählen, das langsamer hebt."}},
+    Row{kPeelJump,
+        {"{count} {count?Sprung|Sprünge} der Fläche um {count?|bis zu }{area_mm2} mm²" PLACE,
+         "So drehen, dass die Fläche langsam wächst."}},
+
+    Row{kUnitsIgnored,
+        {"Die Einheit {name} gilt nicht: die Datei nennt ihre eigene",
+         "Wenn die Größe falsch ist: unter Einstellungen die Höhe wählen."}},
+    Row{kUnitsGuessed,
+        {"Der Scan nennt keine Einheit. {name} ist geraten: {longest_mm} mm lang",
+         "Wenn das falsch ist: unter Einstellungen die Höhe wählen."}},
+    Row{kObjectSmall,
+        {"Das Objekt ist nur {longest_mm} mm lang", "Wenn das falsch ist: unter Einstellungen die Höhe wählen."}},
+    Row{kObjectLarge,
+        {"Das Objekt ist {longest_mm} mm lang", "Wenn das falsch ist: unter Einstellungen die Höhe wählen."}},
+    Row{kObjectThin,
+        {"Der Scan ist {width_mm} × {depth_mm} × {height_mm} mm, in einer Richtung zu dünn zum Drucken",
+         "Die Schichten ansehen."}},
+    Row{kPointsAveraged,
+        {"Der Scan hat mehr Punkte, als in den Speicher passen: gemittelt über {cell_mm} mm, ein Pixel ist {pixel_mm} "
+         "mm",
+         "Feine Einzelheiten fehlen."}},
+    Row{kTrianglesLeftOut,
+        {"{count} von {of} Dreiecken des Modells fehlen: ihre Koordinaten sind unbrauchbar", "Die Vorschau ansehen."}},
+    Row{kFacesTurned,
+        {"Einige Flächen des Modells sind umgedreht ({count} von {of} Strahlen)", "Die Vorschau ansehen."}},
+    Row{kMeshOpen,
+        {"Das Modell ist nicht geschlossen ({count} von {of} Strahlen): Löcher, verdrehte oder doppelte Flächen",
+         "Die Vorschau ansehen."}},
+    Row{kRaysCrowded,
+        {"{count} {count?Strahl schneidet|Strahlen schneiden} das Modell mehr als 254-mal, was darüber ist, fehlt",
+         "Die Vorschau ansehen."}},
+    Row{kFloorCut,
+        {"Das Objekt steht auf einem Boden. Er ist abgeschnitten, {points} Punkte bei Höhe {floor}",
+         "Soll er mit: floor = \"keep\" in job.toml auf dem Stick."}},
+    Row{kPiecesLeftOut,
+        {"{count} {count?loses Stück fehlt|lose Stücke fehlen}: {points} Punkte, {percent} % der Oberfläche",
+         "Soll es mit: keep_all = true in job.toml auf dem Stick."}},
+    Row{kNormalsAtRandom,
+        {"Die Normalen des Scans zeigen wahllos nach innen und außen, {percent} % sind umgedreht",
+         "Die Vorschau prüfen, oder neu scannen."}},
+    Row{kInsideOut, {"Der Scan war von innen nach außen gekehrt, {percent} % der Normalen sind umgedreht", {}}},
+    Row{kNormalsFlipped, {"{percent} % der Normalen zeigten ins Objekt und sind umgedreht", {}}},
+    Row{kSolidsLeftOut,
+        {"{count} {count?kleiner Körper fehlt, der|kleine Körper fehlen, die} weder Objekt noch Platte "
+         "{count?berührt|berühren}",
+         "Soll es mit: keep_all = true in job.toml auf dem Stick."}},
+    Row{kCavitiesFilled,
+        {"{count} {count?kleiner Hohlraum, den kein Scanner sieht, ist|kleine Hohlräume, die kein Scanner sieht, sind} "
+         "gefüllt",
+         "Soll es hohl bleiben: keep_all = true in job.toml auf dem Stick."}},
+    Row{kOnItsFace,
+        {"Der Scan zeigt nur eine Seite, und die liegt unten: das meiste lässt sich nicht schließen",
+         "Unter Einstellungen um 180° kippen; dann wird es ein Relief."}},
+    Row{kLiesWrong,
+        {"Der Scan liegt wohl auf der Seite oder auf dem Kopf[ (x {turn_x_deg}°)][ (y {turn_y_deg}°)]",
+         "Unter Einstellungen kippen oder die beste Lage suchen."}},
+    Row{kNormalsEstimated, {"{points} Punkte ohne Normale, sie ist aus den Nachbarn geschätzt", {}}},
+
+    Row{kMayShowMark, {"Der Druck war vor Schicht {layer} unterbrochen, dort kann eine Spur bleiben", {}}},
+    Row{kMasksLate,
+        {"{count} {count?Maske kam|Masken kamen} zu spät; die Belichtung hat gewartet und ist vollständig", {}}},
+    Row{kDosesOff,
+        {"{count} {count?Belichtung wich|Belichtungen wichen} um mehr als 1 % von der Dosis ab",
+         "Die Lampe messen lassen."}},
+    Row{kStepsLost,
+        {"Die Z-Achse war am Ende {off_mm} mm daneben, das Teil kann einen Absatz haben",
+         "Nachsehen, was die Z-Achse blockiert."}},
+    Row{kReportFull, {"Im Bericht fehlen {count} Belichtungen: er ist voll", {}}},
+
+    Row{kFileNotOpened, {"Die Datei lässt sich nicht öffnen", {}}},
+    Row{kFileNotRead,
+        {"Die Datei lässt sich nicht lesen: der Stick versagt", "Die Datei auf einen anderen Stick kopieren."}},
+    Row{kFormatUnknown, {"Die Datei ist von keiner Art, die plumbline liest", {}}},
+    Row{kFileDamaged, {"Die Datei ist beschädigt", {}}},
+    Row{kFileCut, {"Die Datei ist nicht vollständig, das Ende fehlt", "Die Datei neu kopieren oder exportieren."}},
+    Row{kNothingToPrint, {"In der Datei ist nichts, was sich drucken lässt", {}}},
+    Row{kVariantUnknown, {"Diese Variante der Dateiart liest plumbline nicht", {}}},
+    Row{kMemoryShort, {"Der Auftrag braucht mehr Speicher, als der Drucker hat", {}}},
+    Row{kTooLarge, {"Das Objekt ist größer, als der Drucker drucken kann", {}}},
+    Row{kSettingWrong, {"Eine Einstellung ist falsch", {}}},
+    Row{kNoSurface, {"Der Scan hat keine Oberfläche, die sich drucken lässt", {}}},
+
+    Row{kTooWide,
+        {"Das Objekt ist {width_mm} mm breit, Platz ist für {limit_mm} mm: {excess_mm} mm zu viel",
+         "Unter Einstellungen drehen oder kleiner drucken."}},
+    Row{kTooDeep,
+        {"Das Objekt ist {depth_mm} mm tief, Platz ist für {limit_mm} mm: {excess_mm} mm zu viel",
+         "Unter Einstellungen drehen oder kleiner drucken."}},
+    Row{kTooHigh,
+        {"Das Objekt ist {height_mm} mm hoch, Platz ist für {limit_mm} mm: {excess_mm} mm zu viel",
+         "Unter Einstellungen kippen oder kleiner drucken."}},
+    Row{kTooHighOnSupports,
+        {"Das Objekt ist {height_mm} mm hoch, Stützen heben es um {lift_mm} mm: {excess_mm} mm zu viel",
+         "Unter Einstellungen kippen, kleiner oder ohne Stützen drucken."}},
+    Row{kTooManySupports, {"Das Objekt braucht mehr als {count} Stützen", "Unter Einstellungen drehen oder kippen."}},
+    Row{kMemoryNeeded,
+        {"Der Auftrag braucht {needed_mib} MiB Speicher, {available_mib} MiB sind frei",
+         "Kleiner oder mit dickeren Schichten drucken."}},
+    Row{kTooSmall, {"Das Objekt wäre nur {longest_mm} mm lang", "Unter Einstellungen die Höhe wählen."}},
+    Row{kBelowFloor,
+        {"Der ganze Scan liegt unter dem Boden bei Höhe {floor}",
+         "floor = \"keep\" in job.toml auf dem Stick setzen."}},
+    Row{kNoTriangles, {"Das Modell hat kein brauchbares Dreieck", "Das Modell neu exportieren, mit seinen Flächen."}},
+    Row{kSurfaceNotFound,
+        {"In {points} Punkten ist keine Oberfläche zu finden", "Die Normalen des Scans prüfen oder dichter scannen."}},
+    Row{kMeshChanged,
+        {"Die Datei hat sich beim Lesen geändert, oder der Stick versagt",
+         "Noch einmal, oder mit einem anderen Stick."}},
+    Row{kNotPoints,
+        {"Die Datei ist ein Modell ohne Punkte",
+         "Als Modell drucken: as = \"points\" aus job.toml auf dem Stick nehmen."}},
+    Row{kNoFaces, {"Die Datei hat Punkte, aber keine Flächen", "as = \"points\" in job.toml auf dem Stick setzen."}},
+    Row{kLaz, {"Die Datei ist ein komprimiertes LAS (LAZ)", "Den Scan als LAS speichern."}},
+    Row{kSplatsCompressed,
+        {"Das sind Splats in einem komprimierten PLY", "Als PLY ohne Kompression oder als SPZ exportieren."}},
+    Row{kFileEmpty, {"Die Datei ist leer", "Die Datei neu kopieren oder exportieren."}},
+    Row{kBadSectors,
+        {"Der Stick hat fehlerhafte Stellen oder ein beschädigtes Dateisystem",
+         "Die Datei auf einen anderen Stick kopieren."}},
+    Row{kReadingBroke, {"Das Lesen der Datei ist abgebrochen: sie ist wohl beschädigt", "Die Datei neu exportieren."}},
+    Row{kArchivePixels,
+        {"Das Archiv ist für ein LCD mit {columns} × {rows} Pixeln, dieses hat {panel_columns} × {panel_rows}",
+         "Für diesen Drucker neu slicen."}},
+    Row{kArchivePanel,
+        {"Das Archiv ist für ein LCD von {width_mm} × {depth_mm} mm, dieses hat {panel_width_mm} × {panel_depth_mm} mm",
+         "Für diesen Drucker neu slicen."}},
+    Row{kArchiveHigh,
+        {"Das Archiv ist mit {layers} Schichten {height_mm} mm hoch, die Z-Achse fährt {limit_mm} mm",
+         "Niedriger slicen."}},
+    Row{kExposureLong,
+        {"{name} belichtet {exposure_s} s, die Lampe darf {limit_s} s leuchten",
+         "Kürzer belichten oder ein anderes Profil wählen."}},
+    Row{kLightLong,
+        {"{name} belichtet {exposure_s} s in einer Minute, die Lampe darf {limit_s} s leuchten",
+         "Kürzer belichten oder ein anderes Profil wählen."}},
+    Row{kStageSlow,
+        {"{name} fährt {speed_mm_min} mm/min, die Z-Achse höchstens {limit_mm_min} mm/min",
+         "Ein anderes Profil wählen."}},
+    Row{kLastLiftHigh,
+        {"Die Platte hebt am Ende bis {height_mm} mm, die Z-Achse fährt {limit_mm} mm: {excess_mm} mm zu viel",
+         "Das Objekt um so viel niedriger drucken."}},
+    Row{kProfileUnknown,
+        {"Ein Profil {name} gibt es auf diesem Drucker nicht", "Unter Einstellungen ein anderes wählen."}},
+    Row{kStickEmpty,
+        {"Auf dem Stick ist kein Scan, kein Modell und kein Archiv",
+         "Eine Datei STL, OBJ, PLY, OFF, 3MF, PCD, XYZ oder .sl1 in den obersten Ordner kopieren."}},
+    Row{kStickTwoJobs, {"Auf dem Stick sind zwei Aufträge, {name} ist einer", "Einen davon löschen."}},
+    Row{kStickOtherJob, {"{name} sieht nach dem Auftrag des Sticks aus", "Die Datei job.toml nennen oder löschen."}},
+    Row{kStickForeign,
+        {"{name} ist von einer Art, die plumbline nicht liest",
+         "Als STL, OBJ, PLY, OFF, 3MF, PCD, XYZ oder .sl1 exportieren."}},
+    Row{kTooManyFiles,
+        {"Ein Scan darf höchstens {count} Dateien haben",
+         "Einige zusammenfügen, oder die nötigen in job.toml nennen."}},
+    Row{kArchiveSettings,
+        {"{name} ist schon geslict: von den Einstellungen gilt nur das Profil",
+         "Die anderen weglassen, oder den Scan selbst auf den Stick kopieren."}},
+    Row{kSettingUnknown, {"Die Einstellung {name} gibt es nicht", "Die Zeile in job.toml auf dem Stick löschen."}},
+    Row{kSettingValue, {"Die Einstellung {name} hat einen falschen Wert", "Einen anderen wählen."}},
+
+    Row{kMeasurePart,
+        {"Das Teil messen: es muss {height_mm} mm hoch sein ({layers} {layers?Schicht|Schichten}). ▶ wenn ja, ✖ wenn "
+         "es höher ist",
+         {}}},
+    Row{kLookAtPlate,
+        {"Noch ist keine Schicht hart. Die Platte ansehen: ▶ wenn sie leer ist, ✖ wenn ein Teil daran hängt", {}}},
+
+    Row{kStickMayGo, {"Der Stick kann abgezogen werden", {}}},
+    Row{kReportsOnStick,
+        {"{count} {count?Datei|Dateien} der letzten Drucke {count?ist|sind} jetzt auf dem Stick, in plumbline-reports",
+         {}}},
+    Row{kReportsNotOnStick,
+        {"Die Berichte ließen sich nicht auf den Stick schreiben",
+         "Platz auf dem Stick schaffen oder einen anderen nehmen."}},
+
+    Row{kCheckMemory, {"{needed_mib} von {available_mib} MiB", {}}},
+    Row{kCheckObject,
+        {"{layers} Schichten, steht auf der Platte; das letzte Heben endet bei {height_mm} mm, die Z-Achse fährt "
+         "{limit_mm} mm",
+         {}}},
+    Row{kCheckObjectHangs, {"{layers} Schichten, aber die erste ist leer: nichts hält das Objekt", {}}},
+    Row{kCheckMasksClean, {"nichts gefunden", {}}},
+    Row{kCheckMasksIssues, {"etwas gefunden: siehe Hinweise", {}}},
+    Row{kCheckMasksBefore, {"geprüft, als der Druck begann", {}}},
+    Row{kCheckLight, {"eine Schicht von {height_mm} mm härtet {cure_mm} mm tief", {}}},
+    Row{kCheckLampDark, {"dunkel", {}}},
+    Row{kCheckLampLit, {"sie leuchtet, obwohl sie aus ist", {}}},
+    Row{kCheckPanel, {"{columns} × {rows} Pixel, schwarz", {}}},
+    Row{kCheckPanelOther, {"das LCD hat {panel_columns} × {panel_rows} Pixel, die Masken {columns} × {rows}", {}}},
+    Row{kCheckCoverClosed, {"geschlossen", {}}},
+    Row{kCheckCoverOpen, {"offen", {}}},
+    Row{kCheckCoverNone, {"dieser Drucker hat keinen Schalter an der Haube", {}}},
+    Row{kCheckTemperatures,
+        {"Lampe {lamp_c} °C, höchstens {lamp_limit_c}; Harz {resin_c} °C, erlaubt {resin_least_c} bis {resin_most_c}",
+         {}}},
+    Row{kCheckResin, {"{needed_ml} ml nötig, ein voller Tank hat {tank_ml} ml", {}}},
+    Row{kCheckResinShort,
+        {"{needed_ml} ml nötig, ein voller Tank hat {tank_ml} ml; der Druck pausiert zum Nachfüllen", {}}},
+    Row{kCheckJournal, {"wird geführt", {}}},
+    Row{kCheckJournalNone, {"keins: ein Stromausfall beendet den Druck für immer", {}}},
+    Row{kCheckJournalDoubt, {"es endet bei {height_mm} mm, die Platte stand woanders: das Teil messen", {}}},
+    Row{kCheckStage, {"Endschalter gefunden bei {height_mm} mm", {}}},
+
+    Row{kUploadsOff, {"Dieser Drucker nimmt nichts über das Netz an", "Den Scan auf einen Stick kopieren."}},
+    Row{kUploadName,
+        {"Der Drucker nimmt {name} mit diesem Namen nicht an",
+         "Nur Buchstaben, Ziffern, Leerzeichen und ._-()+ verwenden."}},
+    Row{kUploadKind,
+        {"{name} ist dem Namen nach kein Scan, kein Modell und kein Archiv",
+         "Eine Datei STL, OBJ, PLY, OFF, 3MF, PCD, XYZ oder .sl1 hochladen."}},
+    Row{kUploadEmpty, {"Die Datei ist leer", "Den Scan neu exportieren."}},
+    Row{kUploadLarge,
+        {"Die Datei hat {needed_mib} MiB, der Drucker nimmt höchstens {available_mib} MiB", "Einen Stick verwenden."}},
+    Row{kUploadNoRoom,
+        {"Der Scan braucht {needed_mib} MiB, auf dem Drucker sind {available_mib} MiB frei",
+         "Platz schaffen oder einen Stick verwenden."}},
+    Row{kUploadNotNow,
+        {"Der Drucker nimmt einen Scan nur an, wenn er nichts anderes tut", "Nach dem Druck hochladen."}},
+    Row{kUploadOther, {"Ein anderer Scan wird gerade hochgeladen", "Noch einmal, wenn er da ist."}},
+    Row{kUploadJobBegan, {"Der Drucker hat einen anderen Auftrag begonnen", "Danach noch einmal hochladen."}},
+    Row{kUploadBroke, {"Nach {received_mb} von {total_mb} MB brach das Hochladen ab", "Noch einmal hochladen."}},
+    Row{kUploadSlow,
+        {"Das Hochladen war zu langsam: {received_mb} von {total_mb} MB kamen an",
+         "Das Netz prüfen, dann noch einmal hochladen."}},
+    Row{kUploadNotStored,
+        {"Der Scan lässt sich auf dem Drucker nicht speichern", "Platz schaffen oder einen Stick verwenden."}},
+    Row{kUploadReplaced,
+        {"Inzwischen ist ein anderer Scan hochgeladen", "Diesen noch einmal hochladen, oder den anderen drucken."}},
+    Row{kNotInStore, {"{name} ist nicht mehr auf dem Drucker", {}}},
+    Row{kNotRemoved, {"Der Scan ließ sich nicht sicher löschen", "Den Speicher des Druckers prüfen."}},
+
+    Row{kCommandNotNow, {"Das geht jetzt nicht: der Drucker tut inzwischen etwas anderes", {}}},
+    Row{kNoSuchScan, {"Scan {count} gibt es auf dem Stick nicht", {}}},
+    Row{kCodeWrong, {"Das ist nicht der Code", "Ihn am Bildschirm des Druckers ablesen."}},
+    Row{kCodeOld, {"Der Code gilt nicht mehr", "Einen neuen anfordern."}},
+    Row{kCodesTooMany, {"Zu viele falsche Codes", "In einer Minute noch einmal."}},
+};
+#undef PLACE
+
+constexpr bool is_complete() {
+  for (std::size_t i = 0; i < kGerman.size(); ++i) {
+    if (static_cast<std::size_t>(kGerman[i].code) != i + 1) return false;
+  }
+  return kGerman.size() + 1 == kToldCodeCount;
+}
+static_assert(is_complete(), "a code has no German text, or the table is not in the order of ToldCode");
+
+FixedText<40> number_text(const FactFormat& format, double value, Language language) {
+  FixedText<40> text;
+  const int digits = -format.decimals;
+  const bool rounded = digits > 0 && std::abs(value) >= std::pow(10, digits - 1);
+  std::array<char, 40> raw{};
+  std::snprintf(raw.data(), raw.size(), digits > 0 && !rounded ? "%.*g" : "%.*f",
+                rounded ? 0 : std::abs(format.decimals), value);
+  if (language == Language::kGerman) std::replace(raw.begin(), raw.end(), '.', ',');
+  text.add("%s", raw.data());
+  return text;
+}
+
+/// Fills in texts with places, one after the other.
+class Filling {
+ public:
+  Filling(const Told& told, Language language) : told_(told), language_(language) {}
+
+  void add(std::string_view pattern) {
+    while (!pattern.empty()) {
+      const auto mark = std::min(pattern.find_first_of("{["), pattern.size());
+      put(pattern.substr(0, mark));
+      pattern.remove_prefix(mark);
+      if (pattern.empty()) break;
+      const bool place = pattern.front() == '{';
+      const auto end = pattern.find(place ? '}' : ']');
+      const auto inside = pattern.substr(1, end - 1);
+      if (place) {
+        add_place(inside);
+      } else if (is_told(inside)) {
+        add(inside);
+      }
+      pattern.remove_prefix(end + 1);
+    }
+  }
+  const ToldText& text() const { return text_; }
+
+ private:
+  void put(std::string_view text) { text_.add("%.*s", static_cast<int>(text.size()), text.data()); }
+
+  /// "area_mm2", "name", or "count?Insel|Inseln"
+  void add_place(std::string_view place) {
+    if (place == "name") return put(told_.name());
+    const auto question = place.find('?');
+    const auto number = number_of(place.substr(0, question));
+    if (!number) return;
+    if (question == std::string_view::npos)
+      return put(number_text(format_of(number->fact), number->value, language_).view());
+    const auto one = place.substr(question + 1), many = one.substr(one.find('|') + 1);
+    put(number->value == 1 ? one.substr(0, one.find('|')) : many);
+  }
+  std::optional<Told::Number> number_of(std::string_view name) const {
+    for (std::size_t i = 0; i < told_.count; ++i) {
+      if (format_of(told_.facts[i]).name == name) return Told::Number{told_.facts[i], told_.values[i]};
+    }
+    return std::nullopt;
+  }
+  /// Whether all places of a text are told.
+  bool is_told(std::string_view text) const {
+    for (auto at = text.find('{'); at != std::string_view::npos; at = text.find('{', at + 1)) {
+      const auto place = text.substr(at + 1, text.find_first_of("?}", at) - at - 1);
+      if (place == "name" ? told_.name().empty() : !number_of(place)) return false;
+    }
+    return true;
+  }
+
+  const Told& told_;
+  Language language_;
+  ToldText text_;
+};
+
+}  // namespace
+
+std::optional<ToldWords> told_words(ToldCode code, Language language) {
+  if (language == Language::kEnglish || code == kNone) return std::nullopt;
+  return kGerman[static_cast<std::size_t>(code) - 1].words;
+}
+
+ToldText filled_in(std::string_view pattern, const Told& told, Language language) {
+  Filling filling(told, language);
+  filling.add(pattern);
+  return filling.text();
+}
+
+ToldText worded(const Told& told, Language language, std::string_view english) {
+  ToldText text;
+  const auto words = told_words(told.code, language);
+  if (!words) {
+    text.add("%.*s", static_cast<int>(english.size()), english.data());
+    return text;
+  }
+  Filling filling(told, language);
+  filling.add(words->sentence);
+  if (words->remedy.empty()) return filling.text();
+  filling.add(". ");
+  filling.add(words->remedy);
+  return filling.text();
+}
+
+void write_told_words(JsonWriter& json, Language language) {
+  constexpr auto kOneLine = JsonWriter::Layout::kOneLine;
+  json.key("told");
+  json.begin_object(kOneLine);
+  for (std::size_t i = 1; i < kToldCodeCount; ++i) {
+    const auto code = static_cast<ToldCode>(i);
+    const auto words = told_words(code, language);
+    if (!words) continue;
+    json.key(to_string(code));
+    json.begin_array(kOneLine);
+    json.value(words->sentence);
+    json.value(words->remedy);
+    json.end_array();
+  }
+  json.end_object();
+  json.key("digits");
+  json.begin_object(kOneLine);
+  for (std::size_t i = 0; i < kFactCount; ++i) {
+    const FactFormat& format = format_of(static_cast<Fact>(i));
+    if (format.decimals != 0) json.member(format.name, static_cast<double>(format.decimals));
+  }
+  json.end_object();
+}
+
+}  // namespace plumbline

@@ -1,0 +1,140 @@
+#include "firmware/screen/told_words.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "firmware/print/status/fault.hpp"
+#include "firmware/screen/fault_words.hpp"
+#include "firmware/slice/issue_report.hpp"
+#include "slicer/checks/issue.hpp"
+
+namespace plumbline {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+/// All codes but kNone.
+std::vector<ToldCode> all_codes() {
+  std::vector<ToldCode> codes;
+  for (std::size_t i = 1; i < kToldCodeCount; ++i) codes.push_back(static_cast<ToldCode>(i));
+  return codes;
+}
+
+/// The names of the places in a text: "area_mm2", "count".
+std::set<std::string> places_of(std::string_view text) {
+  std::set<std::string> places;
+  for (auto at = text.find('{'); at != std::string_view::npos; at = text.find('{', at + 1)) {
+    places.emplace(text.substr(at + 1, text.find_first_of("?}", at) - at - 1));
+  }
+  return places;
+}
+
+std::string in_german(const Told& told) { return std::string(worded(told, Language::kGerman, "English").view()); }
+
+TEST(ToldWords, EachCodeHasAGermanTextWithPlacesThatThereAre) {
+  std::set<std::string> facts{"name"};
+  for (std::size_t i = 0; i < kFactCount; ++i) facts.emplace(format_of(static_cast<Fact>(i)).name);
+  EXPECT_EQ(facts.size(), kFactCount + 1) << "two facts have the same name";
+  std::set<std::string_view> names;
+  for (const ToldCode code : all_codes()) {
+    SCOPED_TRACE(to_string(code));
+    EXPECT_TRUE(names.insert(to_string(code)).second) << "two codes have the same word";
+    const auto words = told_words(code, Language::kGerman);
+    ASSERT_TRUE(words);
+    EXPECT_GT(words->sentence.size(), 4U);
+    EXPECT_FALSE(words->sentence.ends_with('.')) << "a full stop comes with the remedy";
+    EXPECT_TRUE(words->remedy.empty() || words->remedy.ends_with('.'));
+    EXPECT_THAT(std::string(words->remedy), Not(HasSubstr("--"))) << "no flags: there are buttons";
+    EXPECT_TRUE(places_of(words->remedy).empty());
+    for (const auto text : {words->sentence, words->remedy}) {
+      for (const std::string& place : places_of(text)) EXPECT_TRUE(facts.contains(place)) << place;
+    }
+  }
+}
+
+TEST(ToldWords, EachFaultHasAGermanMeaning) {
+  for (const FaultInfo& fault : all_faults()) {
+    EXPECT_TRUE(fault_words(fault.code, Language::kGerman).meaning.ends_with('.')) << fault.title;
+    EXPECT_NE(fault_words(fault.code, Language::kGerman).meaning, fault.meaning);
+  }
+}
+
+TEST(ToldWords, EachIssueIsToldWithTheFactsOfItsText) {
+  PrintGrid grid;
+  grid.pitch_x_mm = grid.pitch_y_mm = grid.layer_height_mm = 0.05F;
+  for (std::size_t i = 0; i < kIssueKindCount; ++i) {
+    const auto kind = static_cast<IssueKind>(i);
+    SCOPED_TRACE(words_of(kind).key);
+    StackFindings findings;
+    findings.voxels = 1'000'000;
+    findings.of(kind).add({.kind = kind, .layer = 7, .first_layer = 7, .last_layer = 9, .pixels = 500, .voxels = 900});
+    const Told told = told_issue(kind, findings, grid);
+    EXPECT_EQ(to_string(told.code), words_of(kind).key);
+    const std::string sentence(told_words(told.code, Language::kGerman)->sentence);
+    std::set<std::string> told_facts{"layer"};  // instead of first_layer and last_layer, if there is one
+    for (std::size_t k = 0; k < told.count; ++k) told_facts.emplace(format_of(told.facts[k]).name);
+    for (const std::string& place : places_of(sentence)) {
+      const bool optional =
+          (place == "x_mm" || place == "y_mm" || place == "from_mm") && words_of(kind).size == IssueSize::kLayers;
+      EXPECT_TRUE(optional || told_facts.contains(place)) << place;
+    }
+    EXPECT_THAT(in_german(told), HasSubstr("Schichten 7–9. "));
+  }
+}
+
+TEST(ToldWords, NumbersAreRoundedForPeopleAndOneIsNotMany) {
+  const Told many(ToldCode::kIsland, {{Fact::kCount, 3},
+                                      {Fact::kAreaMm2, 113.42},
+                                      {Fact::kXMm, 34.25},
+                                      {Fact::kYMm, 61},
+                                      {Fact::kLayer, 702},
+                                      {Fact::kFromMm, 35.1}});
+  EXPECT_EQ(in_german(many),
+            "3 Inseln bis 113 mm² bei x 34,2, y 61,0, z 35,10 mm, Schicht 702. Stützen setzen oder drehen.");
+  const Told one(ToldCode::kIsland, {{Fact::kCount, 1}, {Fact::kAreaMm2, 1.4642}});
+  EXPECT_EQ(in_german(one), "1 Insel von 1,46 mm². Stützen setzen oder drehen.");
+  EXPECT_EQ(in_german({ToldCode::kProfileUnknown, {}, "fine"}),
+            "Ein Profil fine gibt es auf diesem Drucker nicht. Unter Einstellungen ein anderes wählen.");
+}
+
+TEST(ToldWords, WithoutACodeOrInEnglishTheSentenceBesideItIsShown) {
+  EXPECT_EQ(in_german({}), "English");
+  EXPECT_EQ(worded({ToldCode::kLaz}, Language::kEnglish, "this is LAZ").view(), "this is LAZ");
+}
+
+TEST(Told, FromAnotherProcessIsCheckedBeforeItIsUsed) {
+  const Told good(ToldCode::kIsland, {{Fact::kCount, 3}}, "name");
+  EXPECT_TRUE(good.is_valid());
+  EXPECT_TRUE(Told().is_valid());
+  Told told = good;
+  told.code = static_cast<ToldCode>(kToldCodeCount);
+  EXPECT_FALSE(told.is_valid());
+  told = good;
+  told.count = Told::kMostFacts + 1;
+  EXPECT_FALSE(told.is_valid());
+  told = good;
+  told.facts[0] = static_cast<Fact>(kFactCount);
+  EXPECT_FALSE(told.is_valid());
+  told = good;
+  told.values[0] = std::numeric_limits<double>::infinity();
+  EXPECT_FALSE(told.is_valid());
+  told = good;
+  told.text.fill('x');
+  EXPECT_FALSE(told.is_valid()) << "it has no end";
+}
+
+TEST(Told, KeepsItsNameSafeAndShort) {
+  const Told told(ToldCode::kStickForeign, {}, "a\x1b[2J" + std::string(100, 'x'));
+  EXPECT_TRUE(told.is_valid());
+  EXPECT_THAT(std::string(told.name()), testing::StartsWith("a\\x1b[2J"));
+  EXPECT_TRUE(told.name().ends_with("..."));
+}
+
+}  // namespace
+}  // namespace plumbline
