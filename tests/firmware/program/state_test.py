@@ -79,6 +79,10 @@ class State(StatePrinter):
         self.assertEqual(done["job"]["result"], "finished")
         self.assertEqual(done["progress"]["layers_done"], done["progress"]["layers"])
         self.assertEqual(len(done["findings"]) > 0, True, "the ball is 2 mm long, which is suspicious")
+        small = done["findings"][0]["told"]
+        self.assertEqual(small["code"], "object_small")
+        self.assertAlmostEqual(small["values"]["longest_mm"], 2, delta=0.1)
+        self.assertEqual([check["check"] for check in done["checks"] if not check["told"]], [], "a check has no code")
         user.do("plate-empty")
         user.state("offered", "start")
         user.do("start")
@@ -145,6 +149,8 @@ class State(StatePrinter):
         again = user.state("offered", "start")
         self.assertIsNone(again["fault"])
         self.assertIn("PL-102", again["stick"]["scans"][0]["problem"])
+        # The same as a code, which has come out of the slicing child: the file ends too early.
+        self.assertEqual((fault["fault"]["told"], again["stick"]["scans"][0]["told"]), ({"code": "file_cut", "values": {}},) * 2)
         # A power cut's print: seen, resumed, given up.
         user.do("choose", scan=2)
         user.do("start")

@@ -139,7 +139,8 @@ TEST_F(StateSocketTest, AnswersEachRequestAndTellsOneEventATurn) {
   for (int turn = 0; turn < 4; ++turn) EXPECT_EQ(serve(), std::nullopt);
   EXPECT_EQ(json_member(line_of(user), "type"), "\"state\"");
   EXPECT_EQ(line_of(user), R"({"type": "reply", "id": 1, "ok": true})");
-  EXPECT_EQ(line_of(user), R"({"type": "reply", "id": 2, "ok": false, "error": "not now", "advice": "Later"})");
+  EXPECT_EQ(line_of(user),
+            R"({"type": "reply", "id": 2, "ok": false, "error": "not now", "advice": "Later", "told": null})");
   EXPECT_THAT(line_of(user), HasSubstr("not a flat JSON object"));
   EXPECT_THAT(line_of(user), HasSubstr("'printing'. It takes pause, cancel"));
   EXPECT_EQ(json_member(line_of(other), "type"), "\"state\"");
