@@ -47,6 +47,7 @@ std::size_t PointThinner::table_bytes(std::uint32_t capacity) { return slots_for
 PointThinner::PointThinner(Cloud& cloud, std::span<std::byte> table, const Mat3d& rotation, double cell)
     : cloud_(cloud),
       table_(std::span(reinterpret_cast<std::uint32_t*>(table.data()), slots_for(cloud.capacity()))),
+      index_mask_(std::bit_ceil(cloud.capacity() + 1) - 1),
       rotation_(rotation),
       cell_(cell) {
   table_.clear();
@@ -70,12 +71,17 @@ PointThinner::Key PointThinner::key_of(const Vec3f& p) const {
   return {index(p[0]), index(p[1]), index(p[2])};
 }
 
-std::uint32_t PointThinner::slot_of(const Key& key) const {
+std::uint64_t PointThinner::hash_of(const Key& key) {
   std::uint64_t hash = static_cast<std::uint64_t>(key.x) * kGoldenStep64;
   hash = (hash ^ (hash >> 32)) + static_cast<std::uint64_t>(key.y) * 0xC2B2AE3D27D4EB4FU;
   hash = (hash ^ (hash >> 29)) + static_cast<std::uint64_t>(key.z) * 0x165667B19E3779F9U;
-  hash = (hash ^ (hash >> 32)) * kGoldenStep64;
-  return table_.find(hash >> 20, [&](std::uint32_t place) { return key_of(cloud_.position[place - 1]) == key; });
+  return (hash ^ (hash >> 32)) * kGoldenStep64;
+}
+
+std::uint32_t PointThinner::slot_of(const Key& key, std::uint64_t hash) const {
+  return table_.find(hash >> 20, [&](std::uint32_t entry) {
+    return (entry & ~index_mask_) == tag_of(hash) && key_of(cloud_.position[place_of(entry)]) == key;
+  });
 }
 
 void PointThinner::merge(std::uint32_t place, const Vec3f& p, const PackedNormal& normal) {
@@ -101,24 +107,54 @@ void PointThinner::merge(std::uint32_t place, const Vec3f& p, const PackedNormal
   kept.weight = static_cast<std::uint8_t>(std::min(255, kept.weight + normal.weight));
 }
 
-void PointThinner::add(const Vec3f& p, const PackedNormal& normal) {
+void PointThinner::add(const Incoming& point) {
   if (cell_ > 0) {
-    const std::uint32_t slot = slot_of(key_of(p));
+    const std::uint32_t slot = slot_of(point.key, point.hash);
     if (table_[slot] != 0) {
-      merge(table_[slot] - 1, p, normal);
+      const std::uint32_t place = place_of(table_[slot]);
+      merge(place, point.position, point.normal);
+      // The mean of points at a cell's side may round to the other side.
+      table_[slot] = (place + 1) | tag_of(hash_of(key_of(cloud_.position[place])));
       ++averaged_;
       return;
     }
-    if (cloud_.size < cloud_.capacity()) table_[slot] = cloud_.size + 1;
+    if (cloud_.size < cloud_.capacity()) table_[slot] = (cloud_.size + 1) | tag_of(point.hash);
   }
   if (cloud_.size == cloud_.capacity()) {
     grow_cell();
-    add(p, normal);
+    Incoming again = point;
+    find_cell(again);
+    add(again);
     return;
   }
-  cloud_.position[cloud_.size] = p;
-  cloud_.normal[cloud_.size] = normal;
+  cloud_.position[cloud_.size] = point.position;
+  cloud_.normal[cloud_.size] = point.normal;
   ++cloud_.size;
+}
+
+void PointThinner::find_cell(Incoming& point) const {
+  point.key = key_of(point.position);
+  point.hash = hash_of(point.key);
+}
+
+void PointThinner::add(std::span<Incoming> points) {
+  const double cell = cell_;
+  if (cell > 0) {
+    for (Incoming& point : points) {
+      find_cell(point);
+      __builtin_prefetch(&table_[table_.first(point.hash >> 20)]);
+    }
+    for (const Incoming& point : points) {
+      const std::uint32_t entry = table_[table_.first(point.hash >> 20)];
+      if (entry == 0) continue;
+      __builtin_prefetch(&cloud_.position[place_of(entry)]);
+      __builtin_prefetch(&cloud_.normal[place_of(entry)]);
+    }
+  }
+  for (Incoming& point : points) {
+    if (cell_ != cell) find_cell(point);  // it has grown meanwhile
+    add(point);
+  }
 }
 
 void PointThinner::grow_cell() {
@@ -135,23 +171,21 @@ void PointThinner::grow_cell() {
     table_.clear();
     const std::uint32_t count = cloud_.size;
     cloud_.size = 0;
-    for (std::uint32_t i = 0; i < count; ++i) {
-      const Vec3f p = cloud_.position[i];
-      const PackedNormal normal = cloud_.normal[i];
-      const std::uint32_t slot = slot_of(key_of(p));
-      if (table_[slot] != 0) {
-        merge(table_[slot] - 1, p, normal);
-        ++averaged_;
-      } else {
-        cloud_.position[cloud_.size] = p;
-        cloud_.normal[cloud_.size] = normal;
-        table_[slot] = ++cloud_.size;
+    std::array<Incoming, kTogether> points;
+    for (std::uint32_t i = 0; i < count;) {
+      std::uint32_t held = 0;
+      for (; held < kTogether && i < count; ++held, ++i) {
+        points[held].position = cloud_.position[i];
+        points[held].normal = cloud_.normal[i];
       }
+      add(std::span(points).first(held));
     }
   } while (cloud_.size > goal);
 }
 
 Status PointThinner::take(std::span<const ScanPoint> points) {
+  std::array<Incoming, kTogether> incoming;
+  std::uint32_t held = 0;
   for (const ScanPoint& point : points) {
     const Vec3d rotated = rotation_ * Vec3d(point.x, point.y, point.z);
     if (seen_++ == 0) offset_ = rotated;
@@ -162,10 +196,16 @@ Status PointThinner::take(std::span<const ScanPoint> points) {
           "point %llu lies at (%g, %g, %g), more than 1e18 from the first one: the file is damaged.\tExport it again",
           static_cast<unsigned long long>(seen_ - seen_before_), point.x, point.y, point.z);
     }
-    PackedNormal normal;
-    normal.set((rotation_ * Vec3d(point.nx, point.ny, point.nz)).cast<float>());
-    add(local, normal);
+    Incoming& taken = incoming[held++];
+    taken.position = local;
+    taken.normal = {};
+    taken.normal.set((rotation_ * Vec3d(point.nx, point.ny, point.nz)).cast<float>());
+    if (held == kTogether) {
+      add(incoming);
+      held = 0;
+    }
   }
+  add(std::span(incoming).first(held));
   return {};
 }
 

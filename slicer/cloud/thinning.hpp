@@ -44,14 +44,34 @@ class PointThinner final : public PointSink {
     std::int64_t x, y, z;
     bool operator==(const Key&) const = default;
   };
+  /// A point on its way to its cell.
+  struct Incoming {
+    Vec3f position;
+    PackedNormal normal;
+    Key key;             ///< of its cell, as is `hash`
+    std::uint64_t hash;  ///< bits from 20 on find the slot, the highest are the tag
+  };
+  /// Points whose cells are fetched together: a scan in random order has each in another place of the memory, and a processor
+  /// waits no longer for many of them than for one.
+  static constexpr std::uint32_t kTogether = 64;
+
   Key key_of(const Vec3f& p) const;
-  std::uint32_t slot_of(const Key& key) const;  ///< the slot of the cell, or the empty one where it belongs
+  static std::uint64_t hash_of(const Key& key);
+  void find_cell(Incoming& point) const;  ///< sets its key and hash
+  std::uint32_t tag_of(std::uint64_t hash) const { return static_cast<std::uint32_t>(hash >> 32) & ~index_mask_; }
+  std::uint32_t place_of(std::uint32_t entry) const { return (entry & index_mask_) - 1; }
+  /// The slot of the cell, or the empty one where it belongs.
+  std::uint32_t slot_of(const Key& key, std::uint64_t hash) const;
   void merge(std::uint32_t place, const Vec3f& p, const PackedNormal& normal);
-  void add(const Vec3f& p, const PackedNormal& normal);
+  void add(const Incoming& point);       ///< one whose cell is found
+  void add(std::span<Incoming> points);  ///< in their order, after finding their cells
   void grow_cell();
 
   Cloud& cloud_;
-  CellTable<std::uint32_t> table_;  ///< index + 1 of a cell's point; keys are computed from its position
+  /// Index + 1 of a cell's point, and the tag of the point's cell in the bits above index_mask_: of two cells that want the same
+  /// slot, the tag nearly always tells which one has it, without a look at the point.
+  CellTable<std::uint32_t> table_;
+  std::uint32_t index_mask_;
   Mat3d rotation_;
   double cell_;
   Vec3d offset_ = Vec3d::Zero();

@@ -67,14 +67,16 @@ class CellTable {
   Slot& operator[](std::uint32_t i) const { return slots_[i]; }
   bool occupied(std::uint32_t i) const { return mark(i) != 0; }
 
+  /// The slot where the search for a cell begins.
+  std::uint32_t first(std::uint64_t hash) const { return static_cast<std::uint32_t>(hash) & (size() - 1); }
+
   /// The slot that holds a cell, or the empty slot where it belongs.
   /// @param hash     of the cell; its low bits are used
   /// @param is_cell  bool(const Slot&): whether an occupied slot holds the cell
   template <class IsCell>
   std::uint32_t find(std::uint64_t hash, IsCell is_cell) const {
-    const std::uint32_t last = size() - 1;
-    std::uint32_t i = static_cast<std::uint32_t>(hash) & last;
-    while (occupied(i) && !is_cell(slots_[i])) i = (i + 1) & last;
+    std::uint32_t i = first(hash);
+    while (occupied(i) && !is_cell(slots_[i])) i = first(i + 1);
     return i;
   }
   /// The same for slots whose mark is a key of CellGrid.

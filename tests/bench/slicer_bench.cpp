@@ -9,11 +9,13 @@
 #include <stdexcept>
 #include <vector>
 
+#include "slicer/cloud/cloud_reader.hpp"
 #include "slicer/core/median.hpp"
 #include "slicer/implicit/winding_number.hpp"
 #include "slicer/layers/layer_stream.hpp"
 #include "slicer/rays/ray_classifier.hpp"
 #include "slicer/rays/ray_grid.hpp"
+#include "tests/slicer/reader/scan_fixture.hpp"
 #include "tests/slicer/support/arena_block.hpp"
 #include "tests/slicer/support/scan_cloud.hpp"
 
@@ -127,6 +129,26 @@ Surface scan(std::uint32_t points) {
   shuffle(surface, random);
   return surface;
 }
+
+/// A scan with twice the points that there is room for: in the order of a spiral from top to bottom, or in random order.
+void read_and_thin(benchmark::State& state) {
+  constexpr std::uint32_t kRoom = 1'700'000;  // of a 2K panel in 96 MiB
+  Random random(72);
+  Surface surface = sphere(2 * kRoom, 30, Vec3d::Zero());
+  if (state.range(0) != 0) shuffle(surface, random);
+  const std::string bytes = binary_ply(surface);
+  ArenaBlock arena(96 * kMiB);
+  while (state.KeepRunning()) {
+    const ArenaScope scope(*arena);
+    MemorySource source(bytes, "sphere.ply");
+    ByteSource* const sources[] = {&source};
+    const auto room = [&](const ScanAnnouncement&) { return Expected<std::uint32_t>(kRoom); };
+    const CloudReading read = value_of(read_cloud(sources, {.first_cell = 0.02}, room, *arena, nullptr));
+    if (read.averaged < kRoom) throw std::runtime_error("the scan was not thinned");
+  }
+  state.SetBytesProcessed(state.iterations() * static_cast<std::int64_t>(bytes.size()));
+}
+BENCHMARK(read_and_thin)->Arg(0)->Arg(1)->ArgName("random")->Unit(benchmark::kMillisecond);
 
 /// The nearest neighbours of each point in the order of the tree, as clustering and normals search them.
 void nearest_neighbours(benchmark::State& state) {
