@@ -174,6 +174,16 @@ Status trim(RRep& rrep, Arena& arena, SliceReport& report) {
   return {};
 }
 
+/// Plans the R-Rep anew, since the crossings are known now.
+void plan_rrep(const CrossingStore& store, const Arena& arena, SliceReport& report) {
+  const PrintGrid& grid = store.grid();
+  const RayYield yield{static_cast<double>(report.rays.interested -
+                                           report.rays.decided[static_cast<std::size_t>(RayDecision::kOutside)]),
+                       static_cast<double>(store.crossings())};
+  report.planned_bytes[static_cast<std::size_t>(Stage::kRRep)] =
+      arena.used() - store.bytes() + rrep_stage_bytes(grid, store.bytes(), yield);
+}
+
 /// A mesh is printed as it is, however small its parts are.
 Expected<RRep> finish_mesh(CrossingStore& store, Arena& arena, SliceReport& report) {
   auto rrep = CrossingStore::sort(store, arena);
@@ -194,6 +204,7 @@ Expected<RRep> finish_rrep(CrossingStore& store, const SliceSettings& settings, 
                            SliceReport& report) {
   const StageScope stage(Stage::kRRep, arena, progress, report.peak_bytes);
   if (report.mesh) return finish_mesh(store, arena, report);
+  plan_rrep(store, arena, report);
   ComponentLimits limits = component_limits(report.lengths.epsilon, report.placement.grid);
   limits.drop_floating = !settings.keep_all;
   report.components = drop_small_components(store, limits, arena);

@@ -15,6 +15,7 @@
 #include "firmware/slice/manifest.hpp"
 #include "slicer/checks/stack_checker.hpp"
 #include "slicer/core/stage_scope.hpp"
+#include "slicer/plan/memory_plan.hpp"
 #include "slicer/support_building.hpp"
 #include "slicer/supports/drawing/mask_stream.hpp"
 
@@ -77,6 +78,7 @@ Status SliceJob::work(JobProgress& progress) {
   if (directory_) PLUMBLINE_TRY(directory_->begin());
   const auto supports = find_supports(*rrep, progress);
   PLUMBLINE_TRY(supports);
+  plan_layers(*rrep, *supports);
   arena_->reset_peak();
   auto hashes = arena_->take_bottom<std::uint64_t>(rrep->grid.layers, "layers");
   PLUMBLINE_TRY(hashes);
@@ -97,6 +99,12 @@ Status SliceJob::work(JobProgress& progress) {
   report_.seconds = progress.seconds();
   report_.total_seconds = progress.total_seconds();
   return directory_ ? write_manifest_file(*hashes) : Status();
+}
+
+/// Plans the layers anew, since the R-Rep and the supports are known now.
+void SliceJob::plan_layers(const RRep& rrep, const Supports& supports) {
+  report_.slice.planned_bytes[static_cast<std::size_t>(Stage::kLayers)] =
+      arena_->used() + rrep.grid.layers * sizeof(std::uint64_t) + layers_stage_bytes(rrep.grid, supports.list.size());
 }
 
 Expected<Supports> SliceJob::find_supports(RRep& rrep, JobProgress& progress) {

@@ -60,6 +60,7 @@ class SliceJob {
       : settings_(settings), arena_(&arena), scan_(std::move(scan)) {}
 
   [[nodiscard]] Status work(JobProgress& progress);
+  void plan_layers(const RRep& rrep, const Supports& supports);
   [[nodiscard]] Expected<Supports> find_supports(RRep& rrep, JobProgress& progress);
   [[nodiscard]] Status write_layers(const RRep& rrep, const Supports& supports, std::span<std::uint64_t> hashes,
                                     JobProgress& progress);

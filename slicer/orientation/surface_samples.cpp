@@ -40,8 +40,8 @@ std::uint64_t side_of(const Vec3f& n) {
 float SurfaceSamples::hole_share() const { return area > 0 ? std::sqrt(hole.dot(hole)) / area : 0; }
 
 std::size_t sample_surface_bytes(std::uint32_t points) {
-  return Arena::rounded(sizeof(float) * std::size_t{points}) + Arena::rounded(kSlots * sizeof(Cell)) +
-         Arena::rounded(kSlots * sizeof(SurfaceSample));
+  return std::max(Arena::rounded(sizeof(float) * std::size_t{points}),  // core_bounds()
+                  Arena::rounded(kSlots * sizeof(Cell)) + Arena::rounded(kSlots * sizeof(SurfaceSample)));
 }
 
 Expected<SurfaceSamples> sample_surface(const Cloud& cloud, Arena& arena) {

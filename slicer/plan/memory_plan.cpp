@@ -60,6 +60,17 @@ std::size_t rrep_bytes(const PrintGrid& grid, const RayYield& yield) {
   return bounded(4 * yield.crossings) + 4 * (std::size_t{grid.layers} + 1);
 }
 
+std::size_t rrep_stage_bytes(const PrintGrid& grid, std::size_t store, const RayYield& yield) {
+  const std::size_t sorted = rrep_bytes(grid, yield);
+  // The store is first moved to the top of the arena, so for a moment there are two of it.
+  return kSlack + std::max(store + std::max({store, sorted, components_bytes(grid, yield.rays, yield.crossings)}),
+                           sorted + layer_features_bytes(grid));
+}
+
+std::size_t layers_stage_bytes(const PrintGrid& grid, std::size_t struts) {
+  return kSlack + MaskStream::bytes_needed(grid, struts) + StackChecker::bytes_needed(grid);
+}
+
 std::size_t MemoryPlan::peak() const { return *std::max_element(bytes.begin(), bytes.end()); }
 
 Stage MemoryPlan::widest() const {
@@ -100,14 +111,10 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
     const RayYield yield = evidence.yield.value_or(expected_yield(*grid));
     store = store_bytes(*grid, yield);
     const std::size_t sorted = rrep_bytes(*grid, yield);
-    // The store is first moved to the top of the arena, so for a moment there are two of it.
-    set(Stage::kRRep,
-        map + std::max(store + std::max({store, sorted, components_bytes(*grid, yield.rays, yield.crossings)}),
-                       sorted + layer_features_bytes(*grid)));
+    set(Stage::kRRep, map + rrep_stage_bytes(*grid, store, yield));
     const std::uint32_t struts = most_struts(*grid);
     set(Stage::kSupports, map + sorted + find_supports_bytes(*grid));
-    set(Stage::kLayers, map + sorted + struts * sizeof(Strut) + MaskStream::bytes_needed(*grid, struts) +
-                            StackChecker::bytes_needed(*grid));
+    set(Stage::kLayers, map + sorted + struts * sizeof(Strut) + layers_stage_bytes(*grid, struts));
   }
   const std::size_t flat_tree = KdTree2::kBytesPerPoint * std::size_t{ray_points};
   set(Stage::kRayGrid, field + flat_tree + 2 * image);

@@ -30,6 +30,12 @@ std::size_t store_bytes(const PrintGrid& grid, const RayYield& yield);
 /// Bytes of the R-Rep: four a crossing, four a layer.
 std::size_t rrep_bytes(const PrintGrid& grid, const RayYield& yield);
 
+/// Bytes of the stage that makes the R-Rep of a scan, without the map.
+/// @param store  bytes of the crossing store
+std::size_t rrep_stage_bytes(const PrintGrid& grid, std::size_t store, const RayYield& yield);
+/// Bytes that making and checking the masks takes beside map, R-Rep and supports.
+std::size_t layers_stage_bytes(const PrintGrid& grid, std::size_t struts);
+
 /// A job that has room for fewer points is refused: their surface would not be worth a print. The value matters only for
 /// arenas of a few MiB.
 inline constexpr std::uint32_t kFewestPoints = 1000;

@@ -3,11 +3,9 @@
 #include <algorithm>
 #include <limits>
 
-#include "slicer/checks/stack_checker.hpp"
 #include "slicer/mesh/hit_resolver.hpp"
 #include "slicer/reader/scan_reader.hpp"
 #include "slicer/reader/triangles/vertex_list.hpp"
-#include "slicer/supports/drawing/mask_stream.hpp"
 #include "slicer/supports/support_finder.hpp"
 
 namespace plumbline {
@@ -42,8 +40,7 @@ MemoryPlan plan_mesh(const MeshNeed& need, std::uint32_t threads) {
   set(Stage::kRays, hits + resolve_bytes(threads, true) + store);
   set(Stage::kRRep, store + std::max(store, rrep));
   set(Stage::kSupports, rrep + find_supports_bytes(grid));
-  set(Stage::kLayers,
-      rrep + struts * sizeof(Strut) + MaskStream::bytes_needed(grid, struts) + StackChecker::bytes_needed(grid));
+  set(Stage::kLayers, rrep + struts * sizeof(Strut) + layers_stage_bytes(grid, struts));
   return plan;
 }
 

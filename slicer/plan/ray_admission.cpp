@@ -46,7 +46,8 @@ Status admit_rays(const PlacedObject& object, const Arena& arena, std::array<std
                                       {.confidence = object.confidence,
                                        .ray_points = object.cloud.size,
                                        .yield = yield_of(kPlannedShare * 2 * std::max(seen.entering, seen.exiting))});
-  for (const Stage stage : {Stage::kRayGrid, Stage::kRays, Stage::kRRep, Stage::kSupports, Stage::kLayers}) {
+  for (const Stage stage :
+       {Stage::kWindingTree, Stage::kRayGrid, Stage::kRays, Stage::kRRep, Stage::kSupports, Stage::kLayers}) {
     planned_bytes[static_cast<std::size_t>(stage)] = plan.bytes[static_cast<std::size_t>(stage)];
   }
   // A refusal counts only surface that the scan has seen.

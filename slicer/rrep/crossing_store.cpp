@@ -82,6 +82,11 @@ Expected<CrossingStore::RowRoom> CrossingStore::take_row_room(Arena& arena) cons
   return RowRoom{*rays, *reads, *writes};
 }
 
+std::uint32_t CrossingStore::crossings() const {
+  const auto empty = static_cast<std::size_t>(std::count(directory_.begin(), directory_.end(), kEmpty));
+  return used_ - static_cast<std::uint32_t>((directory_.size() - empty) * kTileSide * kTileSide / 2);
+}
+
 Expected<RRep> CrossingStore::sort(CrossingStore& store, Arena& arena) {
   const ArenaScope scope(arena);
   const PrintGrid& grid = store.grid_;

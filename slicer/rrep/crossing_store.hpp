@@ -72,6 +72,9 @@ class CrossingStore {
   template <class Visit>
   void for_each_row(const RowRoom& room, Visit visit);
 
+  std::size_t bytes() const { return directory_.size_bytes() + std::size_t{used_} * sizeof(std::uint16_t); }
+  std::uint32_t crossings() const;  ///< of all rays
+
   /// Gives the unused memory back.
   void close(Arena& arena) { arena.trim_bottom(data_.data(), std::size_t{used_} * sizeof(std::uint16_t)); }
 

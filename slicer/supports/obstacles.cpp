@@ -114,11 +114,11 @@ Status Obstacles::find_lowest(Nanometres column_radius, Arena& arena) {
   return {};
 }
 
-std::size_t Obstacles::bytes_needed(const PrintGrid& grid) {
+std::size_t Obstacles::bytes_needed(const PrintGrid& grid, double lift_mm) {
   const Sizes s = sizes_of(grid);
   constexpr std::size_t kDisc = 1024;  // rows of voxels in the largest radius, 15 mm, with a margin
-  // A lifted object has up to 60 mm of layers more; its voxels may then be larger, but take no more than kMostBytes.
-  const auto lifted = static_cast<std::size_t>(60 / kVoxel_mm) + 2;
+  // A lifted object has more layers; its voxels may then be larger, but take no more than kMostBytes.
+  const auto lifted = static_cast<std::size_t>(lift_mm / (s.layers * static_cast<double>(grid.layer_height_mm))) + 2;
   const std::size_t words = s.slab_words() * (s.nz + lifted) * sizeof(std::uint64_t);
   // Larger voxels are fewer, so the images of find_lowest() are no larger for a lifted object.
   const std::size_t images = 2 * Arena::rounded(s.slab_words() * sizeof(std::uint64_t)) +

@@ -25,7 +25,8 @@ class Obstacles {
   /// Makes all masks once.
   /// @retval ErrorCode::kOutOfMemory  bytes_needed() from the top of the arena, and a LayerStream's from the bottom
   [[nodiscard]] static Expected<Obstacles> create(const RRep& rrep, Nanometres column_radius, Arena& arena);
-  static std::size_t bytes_needed(const PrintGrid& grid);
+  /// @param lift_mm  by which the object may be lifted above the grid's layers
+  static std::size_t bytes_needed(const PrintGrid& grid, double lift_mm);
 
   /// Whether no solid is within `radius` of a pixel, at the height of a layer.
   bool is_clear(std::int64_t column, std::int64_t row, std::int64_t layer, Nanometres radius) const;

@@ -11,6 +11,7 @@
 #include "slicer/supports/routing.hpp"
 #include "slicer/supports/stand.hpp"
 #include "slicer/supports/tips.hpp"
+#include "slicer/supports/window.hpp"
 
 namespace plumbline {
 namespace {
@@ -155,6 +156,15 @@ Expected<Supports> find(RRep& rrep, const SupportSettings& settings, std::uint32
   return Supports{*list, PixelPitch(rrep.grid)};
 }
 
+std::size_t bytes_needed(const PrintGrid& grid, const Window& window, double most_lift_mm) {
+  const auto lift = static_cast<std::size_t>(most_lift_mm / static_cast<double>(grid.layer_height_mm)) + 2;
+  const std::size_t layers = std::min<std::size_t>(grid.layers + lift, PrintGrid::kMaxLayers) + 1;
+  return Arena::rounded(layers * sizeof(std::uint32_t)) + Scratch::bytes_needed(grid) +
+         std::max({find_tips_bytes(grid, window),
+                   LayerStream::bytes_needed(grid) + Obstacles::bytes_needed(grid, most_lift_mm), add_feet_bytes(grid),
+                   Arena::rounded(most_struts(grid) * sizeof(Strut))});
+}
+
 }  // namespace
 
 Expected<Supports> find_supports(RRep& rrep, const SupportSettings& settings, std::uint32_t most_layers, Arena& arena,
@@ -172,12 +182,11 @@ Expected<Supports> find_supports(RRep& rrep, const SupportSettings& settings, st
 std::uint32_t most_struts(const PrintGrid& grid) { return kStrutsPerTip * most_tips(grid); }
 
 std::size_t find_supports_bytes(const PrintGrid& grid) {
-  const auto lift = static_cast<std::size_t>(kMostLift_mm / static_cast<double>(grid.layer_height_mm)) + 2;
-  const std::size_t layers = std::min<std::size_t>(grid.layers + lift, PrintGrid::kMaxLayers) + 1;
-  return Arena::rounded(layers * sizeof(std::uint32_t)) + Scratch::bytes_needed(grid) +
-         std::max({find_tips_bytes(grid), LayerStream::bytes_needed(grid) + Obstacles::bytes_needed(grid),
-                   add_feet_bytes(grid)}) +
-         Arena::rounded(most_struts(grid) * sizeof(Strut));
+  return bytes_needed(grid, {0, grid.rows, 0, (grid.columns + 63) / 64}, kMostLift_mm);
+}
+
+std::size_t find_supports_bytes(const RRep& rrep, const SupportSettings& settings) {
+  return bytes_needed(rrep.grid, window_of(rrep), lift_mm(settings));
 }
 
 }  // namespace plumbline

@@ -50,6 +50,8 @@ struct SupportCounts {
 
 /// Peak bytes of arena of find_supports(), its list included, for any object and settings.
 std::size_t find_supports_bytes(const PrintGrid& grid);
+/// The same for this object. Without a tip it takes less.
+std::size_t find_supports_bytes(const RRep& rrep, const SupportSettings& settings);
 
 /// Largest number of struts.
 std::uint32_t most_struts(const PrintGrid& grid);

@@ -300,10 +300,10 @@ std::uint32_t most_tips(const PrintGrid& grid) {
   return static_cast<std::uint32_t>(std::clamp(std::max(pixels / kPixelsPerTip, area / kAreaPerTip), 256.0, 16384.0));
 }
 
-std::size_t find_tips_bytes(const PrintGrid& grid) {
+std::size_t find_tips_bytes(const PrintGrid& grid, const Window& window) {
   const std::size_t image = Arena::rounded(BitImage::words_needed(grid.columns, grid.rows) * sizeof(std::uint64_t));
-  const std::size_t columns = (grid.columns + 63) / 64 * std::size_t{64};
-  return LayerStream::bytes_needed(grid) + Arena::rounded(columns * grid.rows * sizeof(std::uint16_t)) + 2 * image +
+  const std::size_t pixels = std::size_t{window.columns()} * window.rows();
+  return LayerStream::bytes_needed(grid) + Arena::rounded(pixels * sizeof(std::uint16_t)) + 2 * image +
          HeldArea::bytes_needed(grid) + IslandFinder::bytes_needed(grid.columns) +
          WeakRegions::bytes_needed(grid.rows) + TipLoads::bytes_needed(grid, most_tips(grid));
 }

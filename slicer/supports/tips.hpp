@@ -10,6 +10,7 @@
 #include "slicer/core/progress.hpp"
 #include "slicer/rrep/rrep.hpp"
 #include "slicer/supports/support_settings.hpp"
+#include "slicer/supports/window.hpp"
 
 namespace plumbline {
 
@@ -44,8 +45,9 @@ struct Tip {
 [[nodiscard]] Expected<std::span<Tip>> find_tips(const RRep& rrep, const SupportSettings& settings, std::span<Tip> list,
                                                  Arena& arena, ProgressSink* progress);
 
-/// Bytes from the bottom and top of the arena while find_tips() runs, for any object and settings.
-std::size_t find_tips_bytes(const PrintGrid& grid);
+/// Bytes from the bottom and top of the arena while find_tips() runs, for any settings.
+/// @param window  of the object
+std::size_t find_tips_bytes(const PrintGrid& grid, const Window& window);
 
 /// Largest number of tips on a panel. It follows the panel's area, so coarse pixels leave no object without its supports.
 std::uint32_t most_tips(const PrintGrid& grid);
