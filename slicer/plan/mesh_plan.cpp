@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "slicer/layers/layer_stream.hpp"
 #include "slicer/mesh/hit_resolver.hpp"
 #include "slicer/reader/scan_reader.hpp"
 #include "slicer/reader/triangles/vertex_list.hpp"
@@ -38,7 +39,8 @@ MemoryPlan plan_mesh(const MeshNeed& need, std::uint32_t threads) {
   set(Stage::kRead, reading);
   set(Stage::kRayGrid, reading + hits);
   set(Stage::kRays, hits + resolve_bytes(threads, true) + store);
-  set(Stage::kRRep, store + std::max(store, rrep));
+  // The search for empty layers streams the masks.
+  set(Stage::kRRep, std::max(store + std::max(store, rrep), rrep + LayerStream::bytes_needed(grid)));
   set(Stage::kSupports, rrep + find_supports_bytes(grid));
   set(Stage::kLayers, rrep + struts * sizeof(Strut) + layers_stage_bytes(grid, struts));
   return plan;

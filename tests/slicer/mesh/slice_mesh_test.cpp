@@ -197,6 +197,15 @@ TEST(SliceMesh, ThePlanHoldsWhatEveryStageTakes) {
   }
 }
 
+TEST(SliceMesh, ThePlanHoldsTheImagesOfAPanelThatIsMuchLargerThanTheMesh) {
+  SliceSettings settings = settings_with_pitch(0.1F);
+  settings.placement.printer = PrinterVolume{1440, 2560, 0.1F, 0.1F, 60};
+  const SurfaceFile file = files_of(box_mesh({0, 0, 0}, {4, 3, 2})).front();
+  const Slicing slicing(MemorySource(file.bytes, file.name), settings, kArena);
+  constexpr auto kRRep = static_cast<std::size_t>(Stage::kRRep);
+  EXPECT_LE(slicing.report().peak_bytes[kRRep], slicing.report().planned_bytes[kRRep]);
+}
+
 struct AsCase {
   const char* name;
   std::string bytes;
