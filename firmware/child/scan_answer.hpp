@@ -20,6 +20,7 @@ struct ScanAnswer {
   static constexpr std::uint32_t kArchive = 0x50534131;    ///< "PSA1"
   static constexpr std::uint32_t kLayer = 0x50534D31;      ///< "PSM1": the mask lies where it was asked for
   static constexpr std::uint32_t kProposals = 0x50534F31;  ///< "PSO1"
+  static constexpr std::uint32_t kGlance = 0x50534731;     ///< "PSG1": there is a picture of the scan
   static constexpr std::size_t kMostRemarks = 8;
 
   std::uint32_t kind = 0;

@@ -39,6 +39,7 @@ struct RequestedFile {
 struct ScanRequest {
   bool is_job_file = false;  ///< only the file counts
   bool proposes = false;     ///< only the best ways up are wanted. The rotation about x and about y is not used
+  bool is_glance = false;    ///< only a picture of the scan is wanted
   FixedText<256> name;       ///< for messages
   std::array<RequestedFile, kMostScans> file;
   std::uint32_t file_count = 0;

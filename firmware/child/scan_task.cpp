@@ -13,6 +13,8 @@
 #include "firmware/settings/job_options.hpp"
 #include "firmware/slice/job_report.hpp"
 #include "firmware/slice/orientation_proposals.hpp"
+#include "slicer/cloud/cloud_reader.hpp"
+#include "slicer/mesh_slicing.hpp"
 #include "slicer/preparation.hpp"
 
 namespace plumbline {
@@ -68,6 +70,32 @@ Status propose(std::span<ByteSource* const> sources, const SliceSettings& asked,
   });
 }
 
+/// Reads a scan or a mesh in few points and draws it.
+Status glance(std::span<ByteSource* const> sources, const SliceSettings& settings, Arena& arena, ProgressSink& progress,
+              MessagePage& page) {
+  // A picture of 64 x 64 pixels shows no more.
+  constexpr std::uint32_t kFewPoints = 1U << 15U;
+  PreparationReport report;
+  const auto draw = [&](const Cloud& cloud) -> Status {
+    if (cloud.size == 0) return fail(ErrorCode::kNoPoints, "there are no points");
+    PLUMBLINE_TRY(draw_scan_picture(cloud, arena, page.glance));
+    page.answer.kind = ScanAnswer::kGlance;
+    return {};
+  };
+  const auto of_mesh = [&](MeshFiles& files, const MeshSurvey& survey, ScanSources) -> Status {
+    const auto cloud = mesh_cloud(files, survey, arena, &progress, report);
+    PLUMBLINE_TRY(cloud);
+    return draw(*cloud);
+  };
+  const auto of_scan = [&](ScanSources given) -> Status {
+    const auto room = [](const ScanAnnouncement&) -> Expected<std::uint32_t> { return kFewPoints; };
+    const auto read = read_cloud(given, {}, room, arena, &progress);
+    PLUMBLINE_TRY(read);
+    return draw(read->cloud);
+  };
+  return read_mesh_or_scan(sources, settings, arena, &progress, report, of_mesh, of_scan);
+}
+
 }  // namespace
 
 void hand_back_error(const Error& error, ScanAnswer& answer) {
@@ -92,9 +120,10 @@ void run_scan_task(SharedMemory& memory, std::uint32_t threads) {
   std::vector<ByteSource*> sources;
   for (GivenFile& file : files) sources.push_back(&file);
   SharedProgress progress(page.progress);
-  if (page.request.proposes) {
-    const Status proposed = propose(sources, page.request.settings, arena, progress, page);
-    if (!proposed) hand_back_error(proposed.error(), page.answer);
+  if (page.request.proposes || page.request.is_glance) {
+    const auto& task = page.request.proposes ? propose : glance;
+    const Status done = task(sources, page.request.settings, arena, progress, page);
+    if (!done) hand_back_error(done.error(), page.answer);
     return;
   }
   SliceReport report;

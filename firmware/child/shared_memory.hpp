@@ -28,6 +28,7 @@ struct MessagePage {
   ScanAnswer answer;           ///< the child's, complete when it has exited
   SlicedPictures pictures;     ///< the child's; no byte of their pixels is invalid
   ProposalPictures proposals;  ///< the same
+  ScanPicture glance;          ///< the same
 };
 
 /// Every process forked from this one shares it, at the same address. A page takes no memory until it is touched.

@@ -79,6 +79,7 @@ Status SlicingChild::start(const ScanRequest& request, std::span<const int> file
   page.answer = ScanAnswer();
   page.pictures.clear();
   for (ProposalPicture& picture : page.proposals) picture.clear();
+  page.glance.clear();
   page.progress.beats = 0;
   page.progress.stage = 0;
   page.progress.permille = 0;

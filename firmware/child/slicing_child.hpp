@@ -57,6 +57,7 @@ class SlicingChild {
   const SlicedPictures& pictures() const { return memory_.page().pictures; }
   /// The same for the ways up that it proposes.
   const ProposalPictures& proposals() const { return memory_.page().proposals; }
+  const ScanPicture& glance() const { return memory_.page().glance; }
 
  private:
   SlicingChild(SharedMemory memory, Descriptor socket, pid_t process)

@@ -18,6 +18,9 @@ class Answers {
   Answers(Machine& machine, PrinterRecord& record, DaemonObserver& observer)
       : machine_(machine), record_(record), observer_(observer) {}
 
+  /// Work that is done while somebody is waited for. It never waits, and returns whether it goes on. Empty: there is none.
+  std::function<bool()> background;
+
   /// Waits a fifth of a second for something to happen.
   /// @returns nothing: nothing did
   [[nodiscard]] Expected<std::optional<Event>> look();

@@ -8,6 +8,7 @@
 
 #include "firmware/daemon/issue_question.hpp"
 #include "firmware/daemon/offered_archive.hpp"
+#include "firmware/daemon/scan_glances.hpp"
 #include "firmware/daemon/sliced_record.hpp"
 #include "firmware/daemon/stick/stick_reports.hpp"
 #include "firmware/daemon/stick/stick_words.hpp"
@@ -185,9 +186,13 @@ Expected<std::optional<StickJob>> PrinterDaemon::choose(const StickMount& mount,
   if (!uploaded && offer->is_certain() && settings_.machine.start == StartChoice::kOnStick) return offer->job();
   EventKind answer{};
   do {
+    ScanGlances glances(mount, *offer, record_, child_, slicing_, observer_, settings_);
     commands_.offer = &*offer;
+    answers_.background = [&glances] { return glances.step(); };
     const auto asked = offer->ask(answers_, [this] { return has_new_upload(); });
+    answers_.background = nullptr;
     commands_.offer = nullptr;
+    glances.stop();
     PLUMBLINE_TRY(asked);
     answer = *asked;
     if (!offer->take_wish()) break;

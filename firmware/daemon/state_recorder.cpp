@@ -44,8 +44,13 @@ Told told_of(ErrorCode code) {
 }  // namespace
 
 StateRecorder::StateRecorder(PrinterRecord& record, const StickPort& stick, DaemonObserver& observer)
-    : record_(record), stick_(stick), observer_(observer), pictures_(std::make_unique<JobPictures>()) {
+    : record_(record),
+      stick_(stick),
+      observer_(observer),
+      pictures_(std::make_unique<JobPictures>()),
+      scan_pictures_(std::make_unique<ScanPictures>()) {
   record.pictures = pictures_.get();
+  record.scan_pictures = scan_pictures_.get();
 }
 
 void StateRecorder::begin_job() {
@@ -63,6 +68,10 @@ void StateRecorder::previewed(const SlicedPictures& drawn) {
     for (SidePicture& side : pictures_->sides) side.clear();
   }
   pictures_->side_number += all ? 1 : 0;
+}
+
+void StateRecorder::glanced(std::size_t scan, const ScanPicture& drawn) {
+  if (take(drawn, (*scan_pictures_)[scan])) record_.scans[scan].picture = ++scan_picture_number_;
 }
 
 void StateRecorder::proposing() { record_.slicing = SlicingRecord{.proposes = true}; }
@@ -175,6 +184,7 @@ bool StateRecorder::found(const StickScans& scans, bool uploaded) {
       if (known_one.name.view() != scan.name.view() || known_one.files != files || known_one.bytes != bytes) continue;
       scan.problem = known_one.problem;
       scan.told = known_one.told;
+      if (k + 1 == record_.scan_count) scan.picture = known_one.picture;  // it is still there
       ++known;
       break;
     }

@@ -40,6 +40,9 @@ class StateRecorder final : public DaemonObserver {
   /// Keeps the pictures of what has been sliced. Those with impossible sizes are left out.
   void previewed(const SlicedPictures& drawn);
 
+  /// Keeps the picture of a scan that is listed, if its size is possible.
+  void glanced(std::size_t scan, const ScanPicture& drawn);
+
   /// From now on slicing() is that of proposals, until they are there or given up.
   void proposing();
   /// Keeps ways up, and their pictures if all sizes are possible.
@@ -77,6 +80,8 @@ class StateRecorder final : public DaemonObserver {
   const StickPort& stick_;
   DaemonObserver& observer_;
   std::unique_ptr<JobPictures> pictures_;
+  std::unique_ptr<ScanPictures> scan_pictures_;
+  std::uint32_t scan_picture_number_ = 0;
   std::chrono::steady_clock::time_point code_until_{};
   std::uint32_t next_layer_ = 0;  ///< of the picture that waits
 };

@@ -35,6 +35,8 @@ class StickOffer {
   const StickJob& job() const { return job_; }
   /// Scans and series to choose from; 1 if a job file says what is printed.
   std::size_t choices() const { return has_job_file() ? 1 : scans_.count + scans_.series.size(); }
+  /// The names of a choice's files. @pre choice < choices(), and there is no job file
+  std::vector<std::string> files_of(std::size_t choice) const;
   /// Whether nobody has to choose: a job file, or one scan and nothing else. That scans are parts of one is only a guess.
   bool is_certain() const { return has_job_file() || (choices() == 1 && scans_.series.empty()); }
 
@@ -56,7 +58,6 @@ class StickOffer {
   StickOffer(const DaemonSettings& settings, StateRecorder& recorder) : settings_(&settings), recorder_(&recorder) {}
   bool has_job_file() const { return !scans_.job_file.view().empty(); }
   void show() const;
-  std::vector<std::string> files_of(std::size_t choice) const;
   void choose(std::size_t scan);
   Status set(std::string_view key, std::string_view value);
   void forget_proposals();

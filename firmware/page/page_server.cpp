@@ -22,6 +22,7 @@ constexpr std::string_view kPicturePath = "/picture/";
 constexpr std::string_view kPrintPicturePath = "/print.png";
 constexpr std::string_view kSidePath = "/side";
 constexpr std::string_view kProposalPath = "/proposal";
+constexpr std::string_view kScanPath = "/scan.png";
 constexpr std::string_view kBodyPath = "/upload/body";
 
 using Kind = PrinterQuestion::Kind;
@@ -71,8 +72,9 @@ HttpReply PageServer::get(const HttpRequest& request, const HttpTicket& ticket) 
   const bool is_picture = request.path.starts_with(kPicturePath);
   const bool is_mask = request.path == "/mask", is_report = request.path == "/report.json";
   const bool is_print = request.path == kPrintPicturePath, is_side = request.path == kSidePath;
-  const bool is_proposal = request.path == kProposalPath;
-  if (!is_picture && !is_mask && !is_report && !is_print && !is_side && !is_proposal && request.path != "/state")
+  const bool is_proposal = request.path == kProposalPath, is_scan = request.path == kScanPath;
+  if (!is_picture && !is_mask && !is_report && !is_print && !is_side && !is_proposal && !is_scan &&
+      request.path != "/state")
     return text_.refuse(404, "there is no such page");
   if (state_.view().empty()) return text_.no_daemon();
   if (request.path == "/state") return HttpAnswer{.body = state_.view()};
@@ -97,6 +99,10 @@ HttpReply PageServer::get(const HttpRequest& request, const HttpTicket& ticket) 
     if (request.n.value_or(kProposalCount) >= kProposalCount)
       return text_.refuse(400, "which proposal?", "Ask for /proposal?n=1");
     what.add(R"("do": "picture", "picture": "proposal", "proposal": %u)", *request.n);
+  } else if (is_scan) {
+    const std::uint32_t scan = request.n.value_or(0);
+    if (scan == 0 || scan > kMostListedScans) return text_.refuse(400, "which scan?", "Ask for /scan.png?n=1");
+    what.add(R"("do": "picture", "picture": "scan", "scan": %u)", scan);
   } else if (is_mask) {
     if (!request.n) return text_.refuse(400, "which layer?", "Ask for /mask?n=0");
     what.add(R"("do": "mask", "layer": %u)", *request.n);

@@ -42,6 +42,9 @@ using ProposalPicture = FixedPicture<3, 160, 160>;
 /// Of the scan as it lies, then of the best ways up.
 using ProposalPictures = std::array<ProposalPicture, 1 + kBestOrientations>;
 
+/// A scan, small, before anything is known of it but its points.
+using ScanPicture = FixedPicture<3, 64, 64>;
+
 /// What is drawn of a job when it has been sliced.
 struct SlicedPictures {
   PreviewPicture preview;    ///< what has been sliced, from three sides

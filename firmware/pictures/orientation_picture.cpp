@@ -22,7 +22,8 @@ constexpr std::uint32_t kColumns = 350, kRows = 560;                          //
 constexpr std::uint32_t kStep = 372;                                          ///< from one view to the next
 constexpr std::int64_t kLeft = 58, kFloor = 690;
 
-constexpr std::uint32_t kMostPoints = 1U << 17U;  ///< of a small picture
+constexpr std::array<Colour, 2> kSidesOfScan{{{222, 222, 212}, {96, 108, 122}}};  // of its surface: outside, inside
+constexpr std::uint32_t kMostPoints = 1U << 17U;                                  ///< of a small picture
 
 /// Where the object is, and how large.
 struct Sight {
@@ -55,17 +56,18 @@ Expected<MapMemory> take_map(std::uint32_t columns, std::uint32_t rows, Arena& a
 }
 
 /// Draws each step-th point as a square, the nearest in front.
-/// @param spacing  distance of these points from each other, unit of the cloud
-void draw_view(const Cloud& cloud, std::uint32_t step, float spacing, const std::array<double, 2>& degrees,
-               const Sight& sight, const MapMemory& memory) {
+/// @param spacing    distance of these points from each other, unit of the cloud
+/// @param is_second  whether a point with this rotated normal is of the second material
+template <class IsSecond>
+void draw_points(const Cloud& cloud, std::uint32_t step, float spacing, const Mat3d& rotation, const Sight& sight,
+                 const MapMemory& memory, const IsSecond& is_second) {
   const DepthMap& map = memory.map;
-  const Mat3d rotation = rotation_matrix({degrees[0], degrees[1], 0});
   const double samples = std::min(map.columns, map.rows) / sight.diagonal;
   const double reach = 0.75 * static_cast<double>(spacing) * samples;  // to each side of a point
   std::fill(map.depth.begin(), map.depth.end(), DepthMap::kEmpty);
   for (std::uint32_t i = 0; i < cloud.size; i += step) {
     const Vec3d p = rotation * (cloud.position[i].cast<double>() - sight.middle) * samples;
-    const bool steep = rotation.row(2).dot(cloud.normal[i].unpack().cast<double>()) < -static_cast<double>(kSteep);
+    const bool second = is_second(rotation * cloud.normal[i].unpack().cast<double>());
     const double x = 0.5 * map.columns + p[0];
     const double y = 0.5 * map.rows - p[2];
     const auto clamped = [](double v, std::uint32_t end) {
@@ -74,12 +76,19 @@ void draw_view(const Cloud& cloud, std::uint32_t step, float spacing, const std:
     for (std::uint32_t row = clamped(y - reach, map.rows); row < clamped(y + reach + 1, map.rows); ++row) {
       for (std::uint32_t column = clamped(x - reach, map.columns); column < clamped(x + reach + 1, map.columns);
            ++column) {
-        if (static_cast<float>(p[1]) < map.at(column, row)) map.show(column, row, static_cast<float>(p[1]), steep);
+        if (static_cast<float>(p[1]) < map.at(column, row)) map.show(column, row, static_cast<float>(p[1]), second);
       }
     }
   }
   const float voxel = static_cast<float>(std::max(1.0, 2 * reach));
   smooth_depth(map, memory.scratch, {.across = voxel, .deep = voxel});
+}
+
+/// What needs supports is the second material.
+void draw_view(const Cloud& cloud, std::uint32_t step, float spacing, const std::array<double, 2>& degrees,
+               const Sight& sight, const MapMemory& memory) {
+  const auto is_steep = [](const Vec3d& normal) { return normal[2] < -static_cast<double>(kSteep); };
+  draw_points(cloud, step, spacing, rotation_matrix({degrees[0], degrees[1], 0}), sight, memory, is_steep);
 }
 
 }  // namespace
@@ -137,6 +146,49 @@ Status draw_proposal_pictures(const Cloud& cloud, float spacing, std::span<const
     shade_depth(memory->map, page, 0, 0, kColours, Shades::kOneAPixel);
     keep_five_bits(picture.bytes());
   }
+  return {};
+}
+
+Status draw_scan_picture(const Cloud& cloud, Arena& arena, ScanPicture& picture) {
+  picture.clear();
+  const ArenaScope scope(arena);
+  const auto memory =
+      take_map(ScanPicture::kMostColumns * kSamplesPerPixel, ScanPicture::kMostRows * kSamplesPerPixel, arena);
+  PLUMBLINE_TRY(memory);
+  const auto sight = find_sight(cloud, arena);
+  PLUMBLINE_TRY(sight);
+  constexpr std::uint32_t kEnough = 1U << 15U;
+  const std::uint32_t step = cloud.size / kEnough + 1;
+  // As if the points lay on a ball of that diameter.
+  const double radius = sight->diagonal / 2;
+  const auto apart = static_cast<float>(radius * std::sqrt(4 * 3.14159 * step / cloud.size));
+  const auto faces_away = [](const Vec3d& normal) { return normal[1] > 0.1; };
+  const auto draw = [&](int side) {
+    constexpr double kAbove = 20;
+    const Mat3d rotation = rotation_matrix({kAbove, 0, 0}) * rotation_matrix({0, 0, side * 45.0});
+    draw_points(cloud, step, apart, rotation, *sight, *memory, faces_away);
+  };
+  const DepthMap& map = memory->map;
+  int best = 0;
+  std::size_t most = 0;
+  for (int side = 0; side < 8; ++side) {
+    draw(side);
+    std::size_t seen = 0;
+    for (std::size_t i = 0; i < map.depth.size(); ++i) {
+      if (map.depth[i] < DepthMap::kEmpty && map.material[i] == 0) ++seen;
+    }
+    // Others must be clearly better than the front.
+    if (seen <= most + most / 20) continue;
+    most = seen;
+    best = side;
+  }
+  draw(best);
+  picture.columns = ScanPicture::kMostColumns;
+  picture.rows = ScanPicture::kMostRows;
+  const Picture page{picture.bytes(), picture.columns, picture.rows};
+  draw_background(page);
+  shade_depth(map, page, 0, 0, kSidesOfScan, Shades::kOneAPixel);
+  keep_five_bits(picture.bytes());
   return {};
 }
 

@@ -69,7 +69,7 @@ void draw_light_card(const Sheet& sheet) {
   }
   const PixelBox list = body.from_row(line);
   const int meaning = 2 * line + sheet.px(2);
-  const ListPart part = shown_part(sheet, list.height - meaning, kLightPatternCount, sheet.view.pattern);
+  const ListPart part = shown_part(list.height - meaning, row_height(sheet), kLightPatternCount, sheet.view.pattern);
   for (std::size_t i = 0; i < part.count; ++i) {
     const std::size_t pattern = part.first + i;
     const PixelBox row{list.x, list.y + static_cast<int>(i) * height, list.width, height};

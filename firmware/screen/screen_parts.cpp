@@ -37,8 +37,8 @@ void draw_pair(const Sheet& sheet, const PixelBox& room, std::string_view left, 
   sheet.page.line(room.from_column(room.width - width), right, {sheet.look().plain, style.ink, Align::kRight});
 }
 
-ListPart shown_part(const Sheet& sheet, int height, std::size_t rows, std::size_t at) {
-  const auto count = std::min(rows, static_cast<std::size_t>(height / row_height(sheet)));
+ListPart shown_part(int height, int row, std::size_t rows, std::size_t at) {
+  const auto count = std::min(rows, static_cast<std::size_t>(height / row));
   return {std::min(at > count / 2 ? at - count / 2 : 0, rows - count), count};
 }
 

@@ -48,11 +48,11 @@ PixelBox draw_row(const Sheet& sheet, const PixelBox& box, bool chosen);
 /// Two texts of a row, one at either end.
 void draw_pair(const Sheet& sheet, const PixelBox& room, std::string_view left, std::string_view right,
                const TextStyle& style);
-/// Rows of a list that fit, so that the one at hand is among them.
+/// Rows of a list that fit a height, if each has that of `row`, so that the one at hand is among them.
 struct ListPart {
   std::size_t first = 0, count = 0;
 };
-ListPart shown_part(const Sheet& sheet, int height, std::size_t rows, std::size_t at);
+ListPart shown_part(int height, int row, std::size_t rows, std::size_t at);
 
 /// The ground and the title's bar. A code that somebody is to type into a browser takes the title's place.
 /// @param bar  its colour; the text is dark on bright ones

@@ -49,7 +49,7 @@ void draw_prints(const Sheet& sheet) {
   const PixelBox body = sheet.body();
   const int height = row_height(sheet);
   const int line = sheet.look().plain.line_height();
-  const ListPart part = shown_part(sheet, kPrintRows * height, prints.size(), sheet.view.print);
+  const ListPart part = shown_part(kPrintRows * height, row_height(sheet), prints.size(), sheet.view.print);
   for (std::size_t i = 0; i < part.count; ++i) {
     const KeptPrint& print = prints[part.first + i];
     const PixelBox box{body.x, body.y + static_cast<int>(i) * height, body.width, height};

@@ -8,6 +8,7 @@
 namespace plumbline {
 namespace {
 
+constexpr int kRowsWithPictures = 3;  ///< fewer than without, so that the pictures are large enough
 constexpr double kMegabyte = 1e6, kKilobyte = 1e3;
 
 ShortText file_size(std::uint64_t bytes, Language language) {
@@ -79,13 +80,22 @@ void draw_scans(const Sheet& sheet) {
   const std::size_t rows = scans + (has_remove_row(record) ? 2 : 1);
   const auto extra = static_cast<std::size_t>(sheet.view.row);
   const std::size_t at = extra > 0 ? scans + extra - 1 : job.chosen.value_or(0);
-  const int height = row_height(sheet);
+  const bool pictures =
+      !record.has_job_file && std::any_of(record.scans.begin(), record.scans.begin() + record.scan_count,
+                                          [](const ScanRecord& scan) { return scan.picture > 0; });
   const int hint = 2 * sheet.look().plain.line_height();
-  const ListPart part = shown_part(sheet, body.height - hint, rows, at);
+  const int height = pictures ? (body.height - hint) / kRowsWithPictures : row_height(sheet);
+  const ListPart part = shown_part(body.height - hint, height, rows, at);
   for (std::size_t i = 0; i < part.count; ++i) {
     const std::size_t row = part.first + i;
-    const PixelBox room =
-        draw_row(sheet, {body.x, body.y + static_cast<int>(i) * height, body.width, height}, row == at);
+    PixelBox room = draw_row(sheet, {body.x, body.y + static_cast<int>(i) * height, body.width, height}, row == at);
+    if (pictures && row < scans) {
+      const PixelBox box{room.x, room.y + sheet.px(1), height - sheet.px(2), height - sheet.px(2)};
+      if (record.scans[row].picture > 0 && record.scan_pictures != nullptr) {
+        draw_picture(sheet, box, &(*record.scan_pictures)[row]);
+      }
+      room = room.from_column(height + sheet.px(4));
+    }
     if (row >= scans) {
       sheet.page.line(room, sheet.say(row == scans ? Words::kSettings : Words::kDeleteScan), sheet.bold());
     } else if (record.has_job_file) {

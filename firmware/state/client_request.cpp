@@ -54,8 +54,8 @@ Needs needs_of(Command command) {
     case Command::kChoose: return {bit(kScan), "\"scan\", a number from the list of scans"};
     case Command::kSet: return {bit(kKey) | bit(kValue), "\"key\" and \"value\""};
     case Command::kPicture:
-      return {bit(kPicture), "\"picture\", preview, issues, coverage, layer, side or proposal,",
-              bit(kPrint) | bit(kSide) | bit(kProposal)};
+      return {bit(kPicture), "\"picture\", preview, issues, coverage, layer, side, proposal or scan,",
+              bit(kPrint) | bit(kSide) | bit(kProposal) | bit(kScan)};
     case Command::kMask: return {bit(kLayer), "\"layer\", a number from 0 on,"};
     case Command::kReport: return {bit(kFrom), "\"from\", a number of bytes from 0 on,", bit(kPrint)};
     case Command::kCode: return {bit(kCode), "\"code\", up to 7 digits,"};
@@ -134,7 +134,7 @@ Status store(Member member, const Value& value, ClientRequest& request, std::opt
     case kPicture: {
       const auto* const word = std::find(kPictureWords.begin(), kPictureWords.end(), value.text);
       if (value.kind != Value::Kind::kText || word == kPictureWords.end()) {
-        return wrong_value("picture", "preview, issues, coverage, layer, side or proposal");
+        return wrong_value("picture", "preview, issues, coverage, layer, side, proposal or scan");
       }
       request.picture = static_cast<PictureName>(word - kPictureWords.begin());
       return {};
@@ -201,6 +201,9 @@ Status check_members(const ClientRequest& request, const std::array<bool, kMembe
   }
   if (found[kSide] && request.picture != PictureName::kSide) {
     return fail(ErrorCode::kBadSetting, "\"side\" is for the picture \"side\" only");
+  }
+  if (request.command == Command::kPicture && found[kScan] != (request.picture == PictureName::kScan)) {
+    return fail(ErrorCode::kBadSetting, "the picture \"scan\", and no other, needs \"scan\", a number from the list");
   }
   if (found[kProposal] && request.picture != PictureName::kProposal) {
     return fail(ErrorCode::kBadSetting, "\"proposal\" is for the picture \"proposal\" only");

@@ -6,6 +6,7 @@
 ///     {"do": "upload", "name": "bust.ply", "bytes": 480213}   {"do": "remove", "name": "bust.ply"}
 ///     {"do": "report", "print": 12, "from": 0}   {"do": "picture", "picture": "preview", "print": 12}
 ///     {"do": "picture", "picture": "side", "side": 3}   {"do": "picture", "picture": "proposal", "proposal": 1}   {"do": "propose"}
+///     {"do": "picture", "picture": "scan", "scan": 2}
 ///
 /// Takes nothing from the heap, whatever the line.
 
@@ -22,14 +23,14 @@ namespace plumbline {
 
 class TextSink;
 
-enum class PictureName : std::uint8_t { kPreview, kIssues, kCoverage, kLayer, kSide, kProposal };
+enum class PictureName : std::uint8_t { kPreview, kIssues, kCoverage, kLayer, kSide, kProposal, kScan };
 /// In this order.
-inline constexpr std::array<std::string_view, 6> kPictureWords = {"preview", "issues", "coverage",
-                                                                  "layer",   "side",   "proposal"};
+inline constexpr std::array<std::string_view, 7> kPictureWords = {"preview", "issues",   "coverage", "layer",
+                                                                  "side",    "proposal", "scan"};
 
 struct ClientRequest {
   Command command = Command::kStart;
-  std::uint32_t scan = 0;  ///< of choose: from 1
+  std::uint32_t scan = 0;  ///< of choose, and of picture if it is that of a scan: from 1
   PictureName picture = PictureName::kPreview;
   std::uint32_t which = 0;  ///< of picture, if it is that of a side or of a proposal: from 0
   std::uint32_t layer = 0;  ///< of mask: from 0

@@ -26,6 +26,12 @@ std::optional<DrawnPicture> drawn_one(const Picture& picture, std::uint32_t numb
   return DrawnPicture{picture.bytes(), picture.columns, picture.rows, std::uint32_t{Picture::kChannels}, number};
 }
 
+/// @param which  of the scans, from 0
+std::optional<DrawnPicture> drawn_scan(const PrinterRecord& record, std::uint32_t which) {
+  if (record.scan_pictures == nullptr || which >= record.scan_count || record.scans[which].picture == 0) return {};
+  return drawn_one((*record.scan_pictures)[which], record.scans[which].picture);
+}
+
 std::optional<DrawnPicture> drawn_picture(const JobPictures& pictures, PictureName name, std::uint32_t which) {
   switch (name) {
     case PictureName::kPreview: return drawn_one(pictures.preview, pictures.preview_number);
@@ -33,6 +39,7 @@ std::optional<DrawnPicture> drawn_picture(const JobPictures& pictures, PictureNa
     case PictureName::kCoverage: return drawn_one(pictures.coverage, pictures.coverage_number);
     case PictureName::kSide: return drawn_one(pictures.sides[which], pictures.side_number);
     case PictureName::kProposal: return drawn_one(pictures.proposals[which], pictures.proposal_number);
+    case PictureName::kScan:
     case PictureName::kLayer: break;
   }
   return drawn_one(pictures.layer(), pictures.layer_number);
@@ -60,7 +67,9 @@ Status PictureLine::write(TextSink& out, std::optional<std::uint64_t> id, Pictur
                           const PrinterRecord& record) {
   const std::string_view word = kPictureWords[static_cast<std::size_t>(name)];
   const JobPictures* const pictures = record.pictures;
-  const auto drawn = pictures != nullptr ? drawn_picture(*pictures, name, which) : std::nullopt;
+  const auto drawn = name == PictureName::kScan ? drawn_scan(record, which)
+                     : pictures != nullptr      ? drawn_picture(*pictures, name, which)
+                                                : std::nullopt;
   if (!drawn) {
     return fail(ErrorCode::kBadSetting,
                 "there is no picture '%.*s' now.\tThe state's \"pictures\" says which there are",
@@ -79,6 +88,7 @@ Status PictureLine::write(TextSink& out, std::optional<std::uint64_t> id, Pictur
   FixedText<64> members;
   members.add("\"picture\": \"%.*s\", \"number\": %u", static_cast<int>(word.size()), word.data(), number);
   if (name == PictureName::kSide) members.add(", \"side\": %u", which);
+  if (name == PictureName::kScan) members.add(", \"scan\": %u", which + 1);
   if (name == PictureName::kProposal) members.add(", \"proposal\": %u", which);
   return write_data_line(out, id, members.view(), "png", {encoded.base64.data(), encoded.size});
 }

@@ -13,7 +13,7 @@
 namespace plumbline {
 
 /// Writes pictures into replies: PNG in base64 (RFC 4648). Each picture is encoded once, however many clients ask for it; of the
-/// sides and the proposals the last one.
+/// sides, the proposals and the scans the last one.
 class PictureLine {
  public:
   /// Takes all its memory here.
@@ -21,7 +21,7 @@ class PictureLine {
   [[nodiscard]] static Expected<PictureLine> create();
 
   /// @param id    the request's; none: it had none
-  /// @param which  of the sides or the proposals; 0 for other pictures
+  /// @param which  of the sides, the proposals or the scans, from 0; 0 for other pictures
   /// @retval ErrorCode::kBadSetting   there is no such picture now
   /// @retval ErrorCode::kCannotWrite  it is too large for a line
   [[nodiscard]] Status write(TextSink& out, std::optional<std::uint64_t> id, PictureName name, std::uint32_t which,

@@ -32,12 +32,16 @@ void assign(FixedText<Capacity>& to, std::string_view text) {
 }
 
 struct ScanRecord {
-  FixedText<80> name;       ///< as it is shown: a longer one is cut
-  std::uint32_t files = 1;  ///< more: that many scans as one, and the name is that of the first
-  std::uint64_t bytes = 0;  ///< of all files
-  FixedText<120> problem;   ///< what is wrong with it; empty: nothing is known to be
-  Told told;                ///< the same as a code, like all that follow
+  FixedText<80> name;         ///< as it is shown: a longer one is cut
+  std::uint32_t files = 1;    ///< more: that many scans as one, and the name is that of the first
+  std::uint64_t bytes = 0;    ///< of all files
+  FixedText<120> problem;     ///< what is wrong with it; empty: nothing is known to be
+  std::uint32_t picture = 0;  ///< number of its picture, which rises with each; 0: there is none
+  Told told;                  ///< the problem as a code
 };
+
+inline constexpr std::size_t kMostListedScans = 64;
+using ScanPictures = std::array<ScanPicture, kMostListedScans>;
 
 /// What is offered or printed, and how.
 struct JobRecord : JobSettings {
@@ -121,7 +125,7 @@ struct FaultRecord {
 
 /// One writer, the thread that prints; the same thread serves it. Fixed in size.
 struct PrinterRecord {
-  static constexpr std::size_t kMostScans = 64;
+  static constexpr std::size_t kMostScans = kMostListedScans;
   static constexpr std::size_t kMostFindings = 12;
   static constexpr std::size_t kMostProfiles = 16;
 
@@ -156,11 +160,12 @@ struct PrinterRecord {
   std::array<FindingRecord, kMostFindings> findings;
   std::size_t finding_count = 0;
   std::optional<FaultRecord> fault;
-  const JobPictures* pictures = nullptr;  ///< none: nobody makes them
-  bool has_masks = false;                 ///< the mask of any layer may be asked for
-  bool has_report = false;                ///< that of the last print may be asked for, when the printer is at rest
-  const KeptPrints* prints = nullptr;     ///< reports and previews of the last prints; none: nobody keeps them
-  FixedText<8> code;  ///< that the screen shows to pair a browser; empty: none. Never in a state line
+  const ScanPictures* scan_pictures = nullptr;  ///< of `scans`; none: nobody makes them
+  const JobPictures* pictures = nullptr;        ///< none: nobody makes them
+  bool has_masks = false;                       ///< the mask of any layer may be asked for
+  bool has_report = false;             ///< that of the last print may be asked for, when the printer is at rest
+  const KeptPrints* prints = nullptr;  ///< reports and previews of the last prints; none: nobody keeps them
+  FixedText<8> code;                   ///< that the screen shows to pair a browser; empty: none. Never in a state line
 
   /// Forgets the job of before.
   void begin_job();

@@ -67,6 +67,12 @@ void write_stick(JsonWriter& json, const PrinterRecord& record) {
     json.member("bytes", scan.bytes);
     text_or_null(json, "problem", scan.problem.view());
     write_told(json, "told", scan.told);
+    json.key("picture");
+    if (scan.picture > 0) {
+      json.value(scan.picture);
+    } else {
+      json.null();
+    }
     json.end_object();
   }
   json.end_array();

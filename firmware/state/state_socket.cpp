@@ -177,7 +177,8 @@ Expected<bool> StateSocket::write_answer(std::optional<std::uint64_t> id, const 
   if (question.print > 0) {
     PLUMBLINE_TRY(write_kept(id, question, record));
   } else if (question.command == Command::kPicture) {
-    PLUMBLINE_TRY(pictures_.write(reply_, id, question.picture, question.which, record));
+    const std::uint32_t which = question.picture == PictureName::kScan ? question.scan - 1 : question.which;
+    PLUMBLINE_TRY(pictures_.write(reply_, id, question.picture, which, record));
   } else if (question.command == Command::kMask) {
     const auto drawn = taker.draw_mask(question.layer, pictures_.mask());
     PLUMBLINE_TRY(drawn);

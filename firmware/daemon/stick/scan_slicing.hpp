@@ -67,6 +67,9 @@ class ScanSlicing {
   /// @retval the errors of check_archive_answer(), and those of run() but of a stick
   [[nodiscard]] Expected<SlicedArchive> check(int file, const ScanRequest& request);
 
+  /// Kills a child that somebody else has started, and waits for its end: see kill_and_wait().
+  void end_child() { static_cast<void>(kill_and_wait()); }
+
   bool shutdown() const { return shutdown_; }  ///< whether the system asked to end
 
  private:

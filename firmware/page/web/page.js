@@ -339,6 +339,7 @@ function showStick() {
     const button = element("button", undefined, {"aria-pressed": scan.number === chosen});
     button.disabled = !mayChoose;
     const name = scan.files > 1 ? `${scan.files} ${words.asOne}: ${scan.name}, …` : scan.name;
+    if (scan.picture) button.append(element("img", undefined, {src: `/scan.png?n=${scan.number}&of=${scan.picture}`, alt: words.scanPicture}));
     button.append(element("span", name), element("span", size(scan.bytes), {class: "pale"}));
     button.onclick = () => command({do: "choose", scan: scan.number});
     line.append(button);

@@ -42,7 +42,7 @@ const texts = {
     removeText: "will be deleted from the printer. It can't be brought back.",
     doThis: "What to do:", pairTitle: "Pair this browser", pairLabel: "Type the code that the printer's screen shows (without a screen: its log)", pair: "Pair", close: "Close",
     waysTitle: "Best ways up", waysHint: "The printer can look which ways up need the fewest supports. That reads the scan once.", propose: "Look for them", proposing: "Looking for the best ways up",
-    waysLegend: "Orange needs supports. Choose one, or keep the scan as it is.", way: "Way", unturned: "As it is", overhang: "Space to support", largestLayer: "Largest layer",
+    waysLegend: "Orange needs supports. Choose one, or keep the scan as it is.", way: "Way", unturned: "As it is", overhang: "Space to support", largestLayer: "Largest layer", scanPicture: "Picture of it",
     h: "h", min: "min", s: "s", locale: "en-GB",
   },
   de: {
@@ -90,7 +90,7 @@ const texts = {
     removeTitle: "Den Scan löschen?", removeText: "wird vom Drucker gelöscht und lässt sich nicht zurückholen.",
     doThis: "Was zu tun ist:", pairTitle: "Diesen Browser koppeln", pairLabel: "Den Code eingeben, den der Bildschirm des Druckers zeigt (ohne Bildschirm: sein Log)", pair: "Koppeln", close: "Schließen",
     waysTitle: "Beste Lagen", waysHint: "Der Drucker kann suchen, welche Lagen die wenigsten Stützen brauchen. Dazu liest er den Scan einmal.", propose: "Suchen", proposing: "Die besten Lagen werden gesucht",
-    waysLegend: "Orange braucht Stützen. Eine Lage wählen oder den Scan lassen, wie er ist.", way: "Lage", unturned: "Wie er ist", overhang: "Zu stützender Raum", largestLayer: "Größte Schicht",
+    waysLegend: "Orange braucht Stützen. Eine Lage wählen oder den Scan lassen, wie er ist.", way: "Lage", unturned: "Wie er ist", overhang: "Zu stützender Raum", largestLayer: "Größte Schicht", scanPicture: "Bild davon",
     h: "h", min: "min", s: "s", locale: "de-DE",
   },
 };

@@ -100,6 +100,32 @@ TEST_F(SlicingChildTest, ProposesTheBestWaysUpWithAPictureOfEach) {
   EXPECT_FALSE(child.proposals()[0].there());
 }
 
+TEST_F(SlicingChildTest, DrawsAGlanceAtAScanFromTheSideThatWasScanned) {
+  auto child = make(1);
+  const std::string path = folder_ / "wall.ply";
+  // A wall, 40 x 2 x 20, scanned from behind and from the right only: its left end and its front are missing.
+  std::ofstream file(path);
+  file << "ply\nformat ascii 1.0\nelement vertex 8400\n";
+  for (const char* name : {"x", "y", "z", "nx", "ny", "nz"}) file << "property float " << name << "\n";
+  file << "end_header\n";
+  for (int i = 0; i < 8000; ++i) file << 0.4 * (i % 100) << " 2 " << 0.25 * (i / 100) << " 0 1 0\n";
+  for (int i = 0; i < 400; ++i) file << "40 " << 0.4 * (i % 5) << ' ' << 0.25 * (i / 5) << " 1 0 0\n";
+  file.close();
+  auto request = request_of(path, 1);
+  request.is_glance = true;
+  ASSERT_EQ(run(child, request, path), 0);
+  ASSERT_EQ(child.answer().kind, ScanAnswer::kGlance);
+  const ScanPicture& picture = child.glance();
+  ASSERT_TRUE(picture.there());
+  // Its inside and the ground are darker, and bluish.
+  int outside = 0;
+  for (std::size_t at = 0; at < picture.bytes().size(); at += 3) {
+    const int red = picture.bytes()[at], blue = picture.bytes()[at + 2];
+    if (red > 130 && red >= blue) ++outside;
+  }
+  EXPECT_GT(outside, 500);
+}
+
 // Regression: libgomp waited for the threads of this process's team, which the child has not.
 TEST_F(SlicingChildTest, StartsThreadsThoughThisProcessHasTeamsOfThem) {
   if (kHasSanitizer) GTEST_SKIP() << "a thread sanitizer allows no threads after such a fork";

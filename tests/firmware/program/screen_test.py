@@ -121,7 +121,7 @@ class Screen(StatePrinter):
         self.assertEqual(columns, 480)
         self.assertFalse(any(row[at] > row[at + 2] + 100 for row in rows for at in range(0, len(row), 3)))
         user.refused("no picture 'layer'", "picture", picture="layer")
-        user.refused("preview, issues, coverage, layer, side or proposal", "picture", picture="part")
+        user.refused("preview, issues, coverage, layer, side, proposal or scan", "picture", picture="part")
         user.state("offered", "start")
         user.do("start")
         user.until(lambda s: s["state"] == "printing" and s["progress"]["layers_done"] > 2, "layer 3")
@@ -160,6 +160,14 @@ class Screen(StatePrinter):
         user.state("idle")
         self.put_stick({"ball.ply": 3, "small.ply": 2, "junk.ply": b"ply\n"})
         user.state("offered", "propose")
+        # A glance at each scan, while the printer waits. What is no scan has no picture.
+        seen = user.until(lambda s: s["stick"]["scans"] and s["stick"]["scans"][2]["picture"], "pictures of the scans")
+        self.assertEqual([scan["picture"] for scan in seen["stick"]["scans"]], [1, None, 2])
+        for scan in (1, 3):
+            columns, rows = self.picture(user, "scan", scan=scan)
+            self.assertEqual((columns, len(rows)), (64, 64))
+        user.refused("no picture 'scan'", "picture", picture="scan", scan=2)
+        user.refused("needs \"scan\"", "picture", picture="scan")
         user.do("choose", scan=3)
         user.do("set", key="layer_height", value=0.1)
         user.refused("the best ways up are not known", "set", key="proposal", value=1)

@@ -121,6 +121,28 @@ inline const JobPictures& pictures_with_proposals() {
   return *pictures;
 }
 
+/// A ball and a flat egg: small pictures of the first and the last scan.
+inline const ScanPictures& some_scan_pictures() {
+  static const auto pictures = [] {
+    auto made = std::make_unique<ScanPictures>();
+    for (std::size_t i = 0; i < made->size(); ++i) {
+      ScanPicture& picture = (*made)[i];
+      picture.columns = ScanPicture::kMostColumns;
+      picture.rows = ScanPicture::kMostRows;
+      for (std::uint32_t y = 0; y < picture.rows; ++y) {
+        for (std::uint32_t x = 0; x < picture.columns; ++x) {
+          const double dx = (static_cast<double>(x) - 32) / 28, dy = (static_cast<double>(y) - 32) / (i == 2 ? 12 : 28);
+          const double r2 = dx * dx + dy * dy;
+          const auto shade = static_cast<std::uint8_t>(r2 < 1 ? 60 + 180 * std::sqrt(1 - r2) : 24);
+          for (std::size_t k = 0; k < 3; ++k) picture.memory[3 * (std::size_t{y} * picture.columns + x) + k] = shade;
+        }
+      }
+    }
+    return made;
+  }();
+  return *pictures;
+}
+
 /// Of a bust that lies on its back.
 inline Proposals some_proposals() {
   return {Proposal{{0, 0}, 2.1, 1840, 31'500, 2310, 48.2, 900}, Proposal{{-90, 0}, 0.8, 212, 2900, 1180, 80.2, 150},

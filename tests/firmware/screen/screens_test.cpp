@@ -85,6 +85,14 @@ std::vector<ScreenCase> golden_cases() {
                         view.pattern = 5;
                       })},
       {"scans", with(kOffered)},
+      {"scans-seen", with(kOffered,
+                          [](auto& record, auto&) {
+                            record.scan_pictures = &some_scan_pictures();
+                            record.scans[0].picture = 1;
+                            record.scans[2].picture = 2;
+                            record.job->chosen = 2;
+                            assign(record.job->scan, "gear wheel 40 teeth.xyz");
+                          })},
       {"scans-as-one", with(kOffered,
                             [](auto& record, auto&) {
                               ScanRecord& scan = record.scans[record.scan_count++];

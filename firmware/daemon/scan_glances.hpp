@@ -1,0 +1,65 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "firmware/child/slicing_child.hpp"
+#include "firmware/daemon/daemon_settings.hpp"
+#include "firmware/daemon/state_recorder.hpp"
+#include "firmware/daemon/stick/scan_feed.hpp"
+#include "firmware/daemon/stick/scan_slicing.hpp"
+#include "firmware/daemon/stick_offer.hpp"
+#include "hal/stick_port.hpp"
+
+namespace plumbline {
+
+/// Draws what is on a stick while somebody chooses: a small picture of each scan, one after the other, each in a child without rights.
+class ScanGlances {
+ public:
+  /// Of all files of a scan: reading more takes too long. Larger ones have no picture.
+  static constexpr std::uint64_t kMostBytes = 32'000'000;
+  /// A child that takes longer is killed.
+  static constexpr std::chrono::seconds kPatience{20};
+
+  /// All must outlive it. No other child runs while it works.
+  ScanGlances(const StickMount& mount, const StickOffer& offer, const PrinterRecord& record, SlicingChild& child,
+              ScanSlicing& slicing, StateRecorder& recorder, const DaemonSettings& settings)
+      : mount_(mount),
+        offer_(offer),
+        record_(record),
+        child_(child),
+        slicing_(slicing),
+        recorder_(recorder),
+        settings_(settings) {}
+  ~ScanGlances() { stop(); }
+  ScanGlances(const ScanGlances&) = delete;
+  ScanGlances& operator=(const ScanGlances&) = delete;
+
+  /// Goes on, and never waits for a child.
+  /// @returns whether one works
+  bool step();
+  /// Ends the child, if one works.
+  void stop();
+
+ private:
+  using HostClock = std::chrono::steady_clock;
+  bool begin(std::size_t scan);
+
+  const StickMount& mount_;
+  const StickOffer& offer_;
+  const PrinterRecord& record_;
+  SlicingChild& child_;
+  ScanSlicing& slicing_;
+  StateRecorder& recorder_;
+  const DaemonSettings& settings_;
+  std::size_t next_ = 0;  ///< scan to look at, or the one that is looked at
+  bool works_ = false;
+  bool killed_ = false;
+  HostClock::time_point began_at_{};
+  std::vector<StickFile> files_;
+  std::optional<ScanFeed> feed_;
+};
+
+}  // namespace plumbline
