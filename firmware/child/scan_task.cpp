@@ -73,8 +73,6 @@ Status propose(std::span<ByteSource* const> sources, const SliceSettings& asked,
 /// Reads a scan or a mesh in few points and draws it.
 Status glance(std::span<ByteSource* const> sources, const SliceSettings& settings, Arena& arena, ProgressSink& progress,
               MessagePage& page) {
-  // A picture of 64 x 64 pixels shows no more.
-  constexpr std::uint32_t kFewPoints = 1U << 15U;
   PreparationReport report;
   const auto draw = [&](const Cloud& cloud) -> Status {
     if (cloud.size == 0) return fail(ErrorCode::kNoPoints, "there are no points");
@@ -88,7 +86,8 @@ Status glance(std::span<ByteSource* const> sources, const SliceSettings& setting
     return draw(*cloud);
   };
   const auto of_scan = [&](ScanSources given) -> Status {
-    const auto room = [](const ScanAnnouncement&) -> Expected<std::uint32_t> { return kFewPoints; };
+    // A picture of 64 x 64 pixels shows no more points.
+    const auto room = [](const ScanAnnouncement&) -> Expected<std::uint32_t> { return 1U << 15U; };
     const auto read = read_cloud(given, {}, room, arena, &progress);
     PLUMBLINE_TRY(read);
     return draw(read->cloud);

@@ -131,7 +131,7 @@ class State(StatePrinter):
         self.run_it("status", "--socket", self.path, "--preview", 1, "-o", picture)
         self.assertTrue(picture.read_bytes().startswith(b"\x89PNG"))
         shown = self.run_it("status", "--socket", self.path, "--prints").stdout
-        self.assertRegex(shown, r"(?m)^ +2 .* cancelled .* a\.ply\n +1 .* finished .* b\.ply$")
+        self.assertRegex(shown, r"(?m)^ +2 .* cancelled .* b\.ply\n +1 .* finished .* b\.ply$")
 
     def test_a_fault_says_what_to_do_and_its_scan_is_marked(self):
         daemon, user = self.start()
