@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "slicer/core/peel_force.hpp"
 #include "slicer/placement/base_choice.hpp"
 #include "slicer/placement/floor_choice.hpp"
 #include "slicer/placement/placement.hpp"
@@ -20,6 +21,7 @@ struct SliceSettings {
   bool orient = false;        ///< turn the scan the best way up; placement.rotation_degrees must be 0
   bool confidence = false;    ///< keep a map of the evidence for each part of the surface
   bool keep_all = false;      ///< keep stray pieces and small components too
+  PeelSettings peel;          ///< of the resin: for the checks of the masks only
   std::uint32_t threads = 1;  ///< 1 to 64; the result does not depend on it
 };
 

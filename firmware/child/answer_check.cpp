@@ -78,6 +78,8 @@ bool are_findings(const StackFindings& findings, const PrintGrid& grid) {
       const bool here = issue.kind == static_cast<IssueKind>(i) && issue.column < grid.columns && issue.row < grid.rows;
       const bool layers =
           issue.first_layer <= issue.layer && issue.layer <= issue.last_layer && issue.last_layer < grid.layers;
+      const auto is_force = [](float newtons) { return newtons >= 0 && newtons <= 1e12F; };
+      if (!is_force(issue.asked_n) || !is_force(issue.held_n)) return false;
       if (!here || !layers || issue.pixels > group.pixels || issue.voxels > group.voxels) return false;
     }
   }

@@ -35,7 +35,8 @@ Status check(SharedMemory& memory) {
   Arena arena(memory.arena());
   SharedProgress progress(page.progress);
   const PlacementSettings& placement = page.request.settings.placement;
-  const ArchiveTarget target{*placement.printer, static_cast<double>(placement.layer_height_mm)};
+  const ArchiveTarget target{*placement.printer, static_cast<double>(placement.layer_height_mm),
+                             page.request.settings.peel};
   const auto sliced = check_archive(STDIN_FILENO, page.request.name.view(), target, arena, &progress);
   PLUMBLINE_TRY(sliced);
   answer.layers = sliced->grid.layers;

@@ -40,15 +40,16 @@ std::string print_time_of(const ScanOutlook& outlook, const std::optional<BoardF
 }
 
 /// What a coarse slice can show of its issues: the large ones.
-constexpr std::array kShownCoarsely = {IssueKind::kFreePiece, IssueKind::kResinTrap, IssueKind::kSuctionCup};
+constexpr std::array kShownCoarsely = {IssueKind::kFreePiece, IssueKind::kTear, IssueKind::kResinTrap,
+                                       IssueKind::kSuctionCup};
 
 /// Checks the coarse masks, without supports.
-Expected<StackFindings> check_coarsely(const RRep& rrep, Arena& arena) {
+Expected<StackFindings> check_coarsely(const RRep& rrep, const PeelSettings& peel, Arena& arena) {
   const ArenaScope scope(arena);
   const std::size_t bottom = arena.bottom_mark();
   auto stream = LayerStream::create(rrep, arena);
   PLUMBLINE_TRY(stream);
-  auto checker = StackChecker::create(rrep.grid, coarse_limits(rrep.grid), arena);
+  auto checker = StackChecker::create(rrep.grid, coarse_limits(rrep.grid, peel), arena);
   PLUMBLINE_TRY(checker);
   for (std::uint32_t k = 0; k < rrep.grid.layers; ++k) checker->next(stream->mask(k));
   arena.release_bottom(bottom);
@@ -123,7 +124,7 @@ ExitCode run_inspect(const InspectOptions& inspect_options, std::span<std::byte>
       PLUMBLINE_TRY(previewed);
       coverage = *previewed;
     }
-    const auto checked = check_coarsely(rrep, arena);
+    const auto checked = check_coarsely(rrep, setup->peel, arena);
     PLUMBLINE_TRY(checked);
     findings = *checked;
     coarse_grid = rrep.grid;

@@ -151,7 +151,8 @@ Status make_archive_ready(const PrintOptions& options, const JobSetup& setup, co
   PLUMBLINE_TRY(archive);
   Arena& arena = terminal.arena();
   const std::string name = path.substr(path.rfind('/') + 1);
-  const ArchiveTarget target{printer_volume(printer.board), static_cast<double>(setup.placement.layer_height_mm)};
+  const ArchiveTarget target{printer_volume(printer.board), static_cast<double>(setup.placement.layer_height_mm),
+                             profile.peel};
   const int file = archive->file.get();
   const auto sliced = check_archive(file, name, target, arena, &terminal.progress());
   PLUMBLINE_TRY(sliced);
@@ -185,7 +186,8 @@ Status make_ready(const PrintOptions& options, const JobSetup& setup, Printer& p
   PLUMBLINE_TRY(supports);
   const auto scan = ScanFiles::open(options.job.scans);
   PLUMBLINE_TRY(scan);
-  const SliceSettings settings = slice_settings(setup, *supports);
+  SliceSettings settings = slice_settings(setup, *supports);
+  settings.peel = printer.profile.peel;
   PLUMBLINE_TRY(session.slice_scan(scan->sources(), settings, *supports, printer.profile, &terminal.progress()));
   for_each_remark(session.sliced(), [&](const Told&, std::string_view remark) { terminal.warn(remark); });
   for_each_issue(*session.findings(), session.grid(), printer.profile.checks,

@@ -26,6 +26,7 @@ Expected<ScanRequest> stick_request(const StickJob& job, std::span<const StickFi
   request.settings.floor = job.floor;
   request.settings.orient = job.orient;
   request.settings.keep_all = job.keep_all;
+  request.settings.peel = profile.peel;
   request.settings.confidence = true;  // for the picture of what was scanned
   PlacementSettings& placement = request.settings.placement;
   placement.units = job.units;

@@ -35,11 +35,7 @@ PlantSettings plant_of(const BoardFile& board, const MachineFile& machine, const
   plant.lamp_fall = plant.lamp_rise;
   plant.resin.critical = Dose(profile.critical_energy);
   plant.resin.penetration_mm = profile.penetration_depth;
-  plant.peel = {.traction_kpa = profile.peel_traction,
-                .line_force_n_mm = profile.peel_line_force,
-                .suction_kpa = profile.peel_suction,
-                .green_strength_mpa = profile.green_strength,
-                .plate_adhesion_mpa = profile.plate_adhesion};
+  plant.peel = profile.peel;
   return plant;
 }
 

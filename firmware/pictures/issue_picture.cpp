@@ -93,6 +93,7 @@ Colour colour_at(const Issue& issue, const Layer& layer, std::uint32_t column, s
     case IssueKind::kPeelJump: is_issue = white && !below; break;
     case IssueKind::kIsland:
     case IssueKind::kFreePiece:
+    case IssueKind::kTear:
     case IssueKind::kResinTrap:
     case IssueKind::kSuctionCup:
       is_issue = layer.region != LayerRegions::kNone && white != is_air(issue.kind) &&
@@ -176,8 +177,8 @@ Status draw_tiles(const Picture& picture, const TileLayout& tile, const ShownIss
     }
     Layer layer{.mask = images[1], .below = images[0], .regions = &*regions, .box = {}};
     if (regions->label(images[1])) {
-      const bool is_region =
-          is_air(issue.kind) || issue.kind == IssueKind::kIsland || issue.kind == IssueKind::kFreePiece;
+      const bool is_region = is_air(issue.kind) || issue.kind == IssueKind::kIsland ||
+                             issue.kind == IssueKind::kFreePiece || issue.kind == IssueKind::kTear;
       if (is_region) layer.region = regions->region(run_at(*regions, issue.column, issue.row));
       layer.box = box_of(*regions, layer.region);
     }

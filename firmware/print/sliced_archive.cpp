@@ -63,7 +63,7 @@ class Crossings {
   bool fits_ = false;
 };
 
-Status check_layers(LayerArchive& archive, const PlacementSettings& placement, SlicedArchive& sliced,
+Status check_layers(LayerArchive& archive, const CheckLimits& limits, SlicedArchive& sliced,
                     std::span<ArchiveLayer> layers, Arena& arena, ProgressSink* progress) {
   const PrintGrid& grid = sliced.grid;
   std::array<std::size_t, kStageCount> peaks = {};
@@ -74,7 +74,7 @@ Status check_layers(LayerArchive& archive, const PlacementSettings& placement, S
   PLUMBLINE_TRY(two);
   BitImage mask(two->first(words), grid.columns, grid.rows), below(two->last(words), grid.columns, grid.rows);
   below.clear();
-  auto checker = StackChecker::create(grid, check_limits(placement), arena);
+  auto checker = StackChecker::create(grid, limits, arena);
   PLUMBLINE_TRY(checker);
   Crossings crossings = Crossings::make(grid, arena);
   for (std::uint32_t layer = 0; layer < grid.layers; ++layer) {
@@ -170,7 +170,7 @@ Expected<SlicedArchive> check_archive(int file, std::string_view name, const Arc
   PLUMBLINE_TRY(layers);
   sliced.layers_end = arena.bottom_mark();
   PLUMBLINE_TRY(archive->list(*layers));
-  PLUMBLINE_TRY(check_layers(*archive, placement, sliced, *layers, arena, progress));
+  PLUMBLINE_TRY(check_layers(*archive, check_limits(placement, target.peel), sliced, *layers, arena, progress));
   sliced.layers = *layers;
   return sliced;
 }

@@ -38,6 +38,7 @@ struct SlicedArchive {
 struct ArchiveTarget {
   PrinterVolume printer;
   double layer_height_mm = 0;  ///< if the archive does not say
+  PeelSettings peel;           ///< of the resin: for the checks
 };
 
 /// Whether an archive is for the printer's panel.

@@ -19,7 +19,7 @@ Status check_masks(SlicedScan& sliced, const SliceSettings& settings, Arena& are
   const std::size_t bottom = arena.bottom_mark();
   auto stream = MaskStream::create(sliced.rrep, sliced.supports, arena);
   PLUMBLINE_TRY(stream);
-  auto checker = StackChecker::create(sliced.rrep.grid, check_limits(settings.placement), arena);
+  auto checker = StackChecker::create(sliced.rrep.grid, check_limits(settings.placement, settings.peel), arena);
   PLUMBLINE_TRY(checker);
   for (std::uint32_t layer = 0; layer < layers; ++layer) {
     if (progress != nullptr && !progress->advance(Stage::kLayers, static_cast<double>(layer) / layers)) {

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <utility>
 
+#include "firmware/settings/print_profile.hpp"
 #include "slicer/support_building.hpp"
 
 namespace plumbline {
@@ -58,6 +59,7 @@ Expected<JobSetup> set_up(const JobOptions& options, std::size_t built_bytes) {
   setup.floor = options.floor;
   setup.orient = options.orient;
   setup.keep_all = options.keep_all;
+  setup.peel = peel_of(setup.board);
   setup.threads = options.threads.value_or(default_threads());
   return setup;
 }
@@ -71,6 +73,7 @@ SliceSettings slice_settings(const JobSetup& setup, const std::optional<SupportS
   settings.floor = setup.floor;
   settings.orient = setup.orient;
   settings.keep_all = setup.keep_all;
+  settings.peel = setup.peel;
   settings.threads = setup.threads;
   return settings;
 }

@@ -55,6 +55,7 @@ struct JobSetup {
   FloorChoice floor;
   bool orient = false;
   bool keep_all = false;
+  PeelSettings peel;  ///< of the board's profile
   std::uint32_t threads = 1;
 };
 

@@ -14,11 +14,11 @@ std::vector<SettingRule> rules_for(PrintProfile& p) {
       {"profile", "name", TextSetting{&p.name}, 1, 63},
       {"resin", "penetration_depth", &p.penetration_depth, 0.01, 2, " mm"},
       {"resin", "critical_energy", &p.critical_energy, 0.1, 500, " mJ/cm2"},
-      {"resin", "green_strength", &p.green_strength, 0.01, 100, " MPa", kOptional},
-      {"resin", "plate_adhesion", &p.plate_adhesion, 0.001, 100, " MPa", kOptional},
-      {"resin", "peel_traction", &p.peel_traction, 0, 1000, " kPa", kOptional},
-      {"resin", "peel_line_force", &p.peel_line_force, 0, 10, " N/mm", kOptional},
-      {"resin", "peel_suction", &p.peel_suction, 0, 101, " kPa", kOptional},
+      {"resin", "green_strength", &p.peel.green_strength_mpa, 0.01, 100, " MPa", kOptional},
+      {"resin", "plate_adhesion", &p.peel.plate_adhesion_mpa, 0.001, 100, " MPa", kOptional},
+      {"resin", "peel_traction", &p.peel.traction_kpa, 0, 1000, " kPa", kOptional},
+      {"resin", "peel_line_force", &p.peel.line_force_n_mm, 0, 10, " N/mm", kOptional},
+      {"resin", "peel_suction", &p.peel.suction_kpa, 0, 101, " kPa", kOptional},
       {"resin", "bottle_cost", &p.bottle_cost, 0, 100000, "", kOptional},
       {"resin", "bottle_volume", &p.bottle_volume, 1, 100000, " ml", kOptional},
       {"print", "layer_height", &p.layer_height, 0.005, 1, " mm"},
@@ -92,10 +92,17 @@ Expected<PrintProfile> read_print_profile(const std::string& name_or_path, const
   return read_print_profile(*path);
 }
 
-CheckPolicy checks_of(const std::optional<BoardFile>& board) {
+namespace {
+
+PrintProfile profile_or_defaults(const std::optional<BoardFile>& board) {
   if (!board || !board->machine) return {};
-  const auto profile = read_print_profile(board->machine->profile, board->path);
-  return profile ? profile->checks : CheckPolicy();
+  return read_print_profile(board->machine->profile, board->path).value_or(PrintProfile());
 }
+
+}  // namespace
+
+CheckPolicy checks_of(const std::optional<BoardFile>& board) { return profile_or_defaults(board).checks; }
+
+PeelSettings peel_of(const std::optional<BoardFile>& board) { return profile_or_defaults(board).peel; }
 
 }  // namespace plumbline

@@ -9,6 +9,7 @@
 #include "firmware/settings/board_file.hpp"
 #include "firmware/settings/check_policy.hpp"
 #include "slicer/core/error.hpp"
+#include "slicer/core/peel_force.hpp"
 #include "slicer/supports/support_settings.hpp"
 
 namespace plumbline {
@@ -19,11 +20,7 @@ struct PrintProfile {
   std::string name;                      ///< [profile]
   double penetration_depth = 0;          ///< [resin] mm: Dp of Jacobs' working curve Cd = Dp ln(E / Ec)
   double critical_energy = 0;            ///< [resin] mJ/cm2: Ec of that curve
-  double green_strength = 5;             ///< [resin] MPa that a joint between two layers holds before post-curing
-  double plate_adhesion = 0.5;           ///< [resin] MPa that the first layer holds on the plate
-  double peel_traction = 5;              ///< [resin] kPa: largest pull of the film on a layer's area
-  double peel_line_force = 0.03;         ///< [resin] N/mm of a layer's outline that peel it off the film
-  double peel_suction = 20;              ///< [resin] kPa: of a cavity that no resin can follow into
+  PeelSettings peel;                     ///< [resin] green_strength, plate_adhesion and peel_...
   double bottle_cost = 0;                ///< [resin] of a bottle, in any currency; 0: unknown
   double bottle_volume = 0;              ///< [resin] ml of a bottle; 0: unknown
   double layer_height = 0;               ///< [print] mm
@@ -62,5 +59,7 @@ struct PrintProfile {
 
 /// [checks] of the printer's own profile; the defaults without a printer, or if its profile can't be read.
 CheckPolicy checks_of(const std::optional<BoardFile>& board);
+/// The [resin] of a board's profile, for the checks; the defaults if there is none or it is wrong.
+PeelSettings peel_of(const std::optional<BoardFile>& board);
 
 }  // namespace plumbline

@@ -19,8 +19,13 @@ void add_size(FixedText<256>& text, const Issue& issue, const IssueScale& scale)
       text.add("%s mm2 (%llu px)", rounded(scale.mm2(issue.pixels)).c_str(), big(issue.pixels));
       break;
     case IssueSize::kVolume:
-      text.add("%s ml, up to %s mm2 wide", rounded(scale.ml(issue.voxels)).c_str(),
-               rounded(scale.mm2(issue.pixels)).c_str());
+      text.add("%s ml", rounded(scale.ml(issue.voxels)).c_str());
+      if (issue.kind == IssueKind::kTear) {
+        text.add(", pulled with %s N and held with %s N", rounded(static_cast<double>(issue.asked_n)).c_str(),
+                 rounded(static_cast<double>(issue.held_n)).c_str());
+      } else {
+        text.add(", up to %s mm2 wide", rounded(scale.mm2(issue.pixels)).c_str());
+      }
       break;
     case IssueSize::kLayers: text.add("%u layer%s", issue.layers(), issue.layers() == 1 ? "" : "s"); break;
   }
@@ -57,13 +62,18 @@ void write_issue(JsonWriter& json, const Issue& issue, const IssueScale& scale) 
   json.member("pixels", issue.pixels);
   json.member("area_mm2", scale.mm2(issue.pixels));
   if (words_of(issue.kind).size == IssueSize::kVolume) json.member("volume_ml", scale.ml(issue.voxels));
+  if (issue.kind == IssueKind::kTear) {
+    json.member("asked_n", static_cast<double>(issue.asked_n));
+    json.member("held_n", static_cast<double>(issue.held_n));
+  }
   json.end_object();
 }
 
 }  // namespace
 
-CheckLimits check_limits(const PlacementSettings& placement) {
+CheckLimits check_limits(const PlacementSettings& placement, const PeelSettings& peel) {
   CheckLimits limits;
+  limits.peel = peel;
   if (const auto& printer = placement.printer) {
     limits.has_panel = true;
     limits.travel_mm = static_cast<double>(printer->travel_mm);
@@ -71,9 +81,10 @@ CheckLimits check_limits(const PlacementSettings& placement) {
   return limits;
 }
 
-CheckLimits coarse_limits(const PrintGrid& grid) {
+CheckLimits coarse_limits(const PrintGrid& grid, const PeelSettings& peel) {
   constexpr double kUsualPitch = 0.05;  // mm
   CheckLimits limits;
+  limits.peel = peel;
   const double pixels = kUsualPitch / std::max(kUsualPitch, IssueScale(grid).pitch_x_mm);
   const auto scaled = [](std::uint32_t limit, double factor) {
     return std::max(1U, static_cast<std::uint32_t>(limit * factor + 0.5));
@@ -97,7 +108,8 @@ FixedText<256> issue_sentence(IssueKind kind, const StackFindings& findings, con
     text.add(", %.2g %% of the print", 100 * findings.fallen_share());
   }
   if (group.count > 1 && words.size == IssueSize::kVolume) text.add(", %s ml", rounded(scale.ml(group.voxels)).c_str());
-  text.add("%s", group.count == 1 ? (kind == IssueKind::kFreePiece ? ": " : " of ") : ", the largest of ");
+  text.add("%s", group.count == 1 ? (kind == IssueKind::kFreePiece || kind == IssueKind::kTear ? ": " : " of ")
+                                  : ", the largest of ");
   add_size(text, group.kept[0], scale);
   add_place(text, group.kept[0], scale);
   if (kind == IssueKind::kFreePiece && findings.shadowed_voxels > 0) {
@@ -205,6 +217,7 @@ void write_issues(JsonWriter& json, const StackFindings& findings, const PrintGr
   json.end_object();
   json.member("falls_share", findings.fallen_share());
   json.member("falls_ml", scale.ml(findings.of(IssueKind::kFreePiece).voxels));
+  json.member("torn_ml", scale.ml(findings.of(IssueKind::kTear).voxels));
   json.member("shadowed_ml", scale.ml(findings.shadowed_voxels));
   json.key("kinds");
   json.begin_object();

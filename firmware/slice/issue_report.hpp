@@ -15,10 +15,10 @@
 namespace plumbline {
 
 /// The limits for a job. With a printer its panel has an edge and its Z stage a travel.
-CheckLimits check_limits(const PlacementSettings& placement);
+CheckLimits check_limits(const PlacementSettings& placement, const PeelSettings& peel);
 
 /// The limits for coarse masks, whose pixels are larger than those that the defaults are meant for.
-CheckLimits coarse_limits(const PrintGrid& grid);
+CheckLimits coarse_limits(const PrintGrid& grid, const PeelSettings& peel);
 
 /// "3 islands, the largest of 1.46 mm2 (582 px) at x 34.2, y 61.0 mm in layer 702 (35.10 mm)".
 /// @param group  not empty

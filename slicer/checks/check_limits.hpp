@@ -3,6 +3,8 @@
 
 #include <cstdint>
 
+#include "slicer/core/peel_force.hpp"
+
 namespace plumbline {
 
 /// Defaults are UVtools' as far as it has the check. They are pixels where UVtools counts pixels, whatever the pitch. UVtools has
@@ -36,13 +38,14 @@ struct CheckLimits {
   // UVtools has no such checks.
   /// Of the largest region of a hollow that the plate closes, such as a hole of a raft. UVtools finds no suction cup there at all. The
   /// low pressure in it pulls at the plate, not at the part, so only a large one matters: at 20 kPa this is 0.5 N, what 1 mm2 of
-  /// first layer holds (PeelSettings of hal/sim). It is what the window's 10000 pixels are with pixels of 0.05 mm.
+  /// first layer holds (PeelSettings). It is what the window's 10000 pixels are with pixels of 0.05 mm.
   double plate_suction_mm2 = 25;
   double first_layer_mm2 = 10;  ///< three tips of supports hold as much
   /// A third of a 6 inch panel of 68 x 120 mm. Release films let go of full plates, too, but the lift has to be slow.
   double peel_mm2 = 2700;
   /// A tenth of that panel: a lift that suits the layers below may be too fast for the next one.
   double peel_jump_mm2 = 800;
+  PeelSettings peel;  ///< what tears: see there
 };
 
 }  // namespace plumbline

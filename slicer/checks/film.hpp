@@ -30,6 +30,8 @@ class Film {
   /// @param falls  called with a white region: whether nothing holds it
   template <class Falls>
   void lay_down(const LayerRegions& lit, Falls falls);
+  /// The pixels of the newest layer that stayed. @pre !clean()
+  ConstBitImage stayed() const { return stayed_; }
   /// Takes a layer of which all that gets light stays.
   void keep(ConstBitImage mask);
 

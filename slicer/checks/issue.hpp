@@ -11,6 +11,7 @@ enum class IssueKind : std::uint8_t {
   kIsland,          ///< region of a layer with little or nothing below it
   kOverhang,        ///< new pixels that reach too far
   kFreePiece,       ///< regions that nothing holds, over all of their layers: they fall
+  kTear,            ///< a piece that the film pulls at with more than holds it, and what would hang from it
   kResinTrap,       ///< enclosed air: resin that stays in the part
   kSuctionCup,      ///< air enclosed by part and film while its layers are peeled
   kTouchingBound,   ///< pixels at the edge of the panel
@@ -20,7 +21,7 @@ enum class IssueKind : std::uint8_t {
   kPeelArea,        ///< a layer has more area than the film lets go easily
   kPeelJump,        ///< a layer has much more area than the one below
 };
-inline constexpr std::size_t kIssueKindCount = 11;
+inline constexpr std::size_t kIssueKindCount = 12;
 
 enum class IssueSize : std::uint8_t { kArea, kVolume, kLayers };
 
@@ -39,6 +40,8 @@ inline constexpr std::array<IssueWords, kIssueKindCount> kIssueWords = {{
      "add supports, set them closer with support_overhang_span, or turn the object"},
     {"free_piece", "piece that nothing holds", "pieces that nothing holds", IssueSize::kVolume,
      "add supports, or turn the object"},
+    {"tear", "piece that the peel tears off", "pieces that the peel tears off", IssueSize::kVolume,
+     "add supports, or turn the object"},
     {"resin_trap", "resin trap", "resin traps", IssueSize::kVolume, "give the hollow a hole to drain"},
     {"suction_cup", "suction cup", "suction cups", IssueSize::kVolume,
      "turn the object, or give it a hole near the plate"},
@@ -54,7 +57,8 @@ inline constexpr std::array<IssueWords, kIssueKindCount> kIssueWords = {{
 }};
 constexpr const IssueWords& words_of(IssueKind kind) { return kIssueWords[static_cast<std::size_t>(kind)]; }
 
-/// One finding. Its place is a pixel that belongs to it, in `layer`: the middle of the widest run of pixels.
+/// One finding. Its place is a pixel that belongs to it, in `layer`: the middle of the widest run of pixels. That of kTear is where it
+/// tears, and its pixels are those that the film pulls at.
 struct Issue {
   IssueKind kind = IssueKind::kIsland;
   std::uint32_t layer = 0;        ///< where it is largest
@@ -63,6 +67,8 @@ struct Issue {
   std::uint32_t column = 0, row = 0;
   std::uint64_t pixels = 0;  ///< in `layer`; of kPeelJump: by which the area grows
   std::uint64_t voxels = 0;  ///< over all layers; of kArea kinds: as `pixels`
+  float asked_n = 0;         ///< of kTear: force of the peel,
+  float held_n = 0;          ///< and what holds against it
 
   std::uint32_t layers() const { return last_layer - first_layer + 1; }
   /// What ranks it among issues of its kind.

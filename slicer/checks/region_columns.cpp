@@ -10,7 +10,7 @@ void RegionColumn::add(const RegionColumn& other) {
   last_layer = std::max(last_layer, other.last_layer);
   voxels += other.voxels;
   // Of equal ones the lower layer's, so that the order of unions does not matter.
-  if (other.largest > largest || (other.largest == largest && other.largest_layer < largest_layer)) {
+  if (!torn && (other.largest > largest || (other.largest == largest && other.largest_layer < largest_layer))) {
     largest = other.largest;
     largest_layer = other.largest_layer;
     column = other.column;

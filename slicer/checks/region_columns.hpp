@@ -24,6 +24,8 @@ struct RegionColumn {
   bool on_plate = false;                              ///< has a region in layer 0
   bool drains = false;                                ///< has a region large enough to drain
   bool alive = false;                                 ///< has a region in the newest layer
+  bool torn = false;                                  ///< tore off: `largest` and its place are those of the tear
+  float asked_n = 0, held_n = 0;                      ///< of a tear
 
   void add(const RegionColumn& other);
 };

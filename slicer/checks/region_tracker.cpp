@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <tuple>
+#include <utility>
 
 #include "slicer/checks/layer_measures.hpp"
 
@@ -22,6 +23,18 @@ constexpr std::uint32_t kWhite = std::uint32_t{1} << 31;
 /// Lattices have a wall every millimetre or so; wide panels have more of them in a row.
 LayerRegions::Settings region_settings(const PrintGrid& grid) {
   return {.runs_per_row = std::max(64U, grid.columns / 32), .join_white_corners = false, .stage = kStage};
+}
+
+/// Calls visit(run, region) for each white run of `parts` and the region of `whole` that it is part of.
+template <class Visit>
+void for_each_run_within(const LayerRegions& parts, const LayerRegions& whole, Visit visit) {
+  for (std::uint32_t r = 0; r < parts.rows(); ++r) {
+    std::uint32_t j = whole.row_begin(r) + 1;
+    for (std::uint32_t i = parts.row_begin(r) + 1; i < parts.row_begin(r + 1); i += 2) {
+      while (whole.run(j).last < parts.run(i).first) j += 2;
+      visit(i, whole.region(j));
+    }
+  }
 }
 
 }  // namespace
@@ -55,6 +68,9 @@ Expected<RegionTracker> RegionTracker::create(const PrintGrid& grid, const Check
   auto film = Film::create(grid, arena);
   PLUMBLINE_TRY(film);
   tracker.film_ = *film;
+  auto tears = TearFinder::create(grid, limits.peel, runs, arena);
+  PLUMBLINE_TRY(tears);
+  tracker.tears_ = *tears;
   auto reach = Disc::create(PixelPitch(grid), nanometres(CheckLimits::kIslandTipsReach_mm), arena);
   PLUMBLINE_TRY(reach);
   tracker.reach_ = *reach;
@@ -64,12 +80,14 @@ Expected<RegionTracker> RegionTracker::create(const PrintGrid& grid, const Check
 std::size_t RegionTracker::bytes_needed(const PrintGrid& grid) {
   const auto settings = region_settings(grid);
   const std::size_t runs = LayerRegions::most_runs(grid.rows, settings);
-  return 2 * LayerRegions::bytes_needed(grid.rows, settings) + 5 * Arena::rounded(runs * sizeof(std::uint32_t)) +
+  return 3 * LayerRegions::bytes_needed(grid.rows, settings) + 6 * Arena::rounded(runs * sizeof(std::uint32_t)) +
          Arena::rounded(runs * sizeof(Contact)) + 2 * RegionColumns::bytes_needed(kMostColumns) +
-         Film::bytes_needed(grid) + Disc::bytes_needed(PixelPitch(grid), nanometres(CheckLimits::kIslandTipsReach_mm));
+         Film::bytes_needed(grid) + TearFinder::bytes_needed(grid, runs) +
+         Disc::bytes_needed(PixelPitch(grid), nanometres(CheckLimits::kIslandTipsReach_mm));
 }
 
 void RegionTracker::next(ConstBitImage mask, ConstBitImage eroded, BitImage scratch, StackFindings& findings) {
+  now_ = another(below_, stayed_below_);
   below_is_known_ = track(mask, eroded, scratch, findings);
   if (!below_is_known_) {
     ++findings.unchecked_layers;
@@ -77,6 +95,8 @@ void RegionTracker::next(ConstBitImage mask, ConstBitImage eroded, BitImage scra
     solid_.clear();
     air_.clear();
   }
+  below_ = now_;
+  stayed_below_ = stayed_now_;
   ++layer_;
 }
 
@@ -93,20 +113,23 @@ bool RegionTracker::track(ConstBitImage mask, ConstBitImage eroded, BitImage scr
   air_.begin_layer();
   if (below_is_known_ && !find_contacts()) return false;
   if (below_is_known_) find_islands(eroded, scratch, findings);
+  bool any_falls = false;
   const bool shaded = !film_.clean();
-  if (shaded && !find_what_stays(mask, scratch, findings)) return false;
+  if (shaded && !find_what_stays(mask, scratch, any_falls, findings)) return false;
+  if (below_is_known_) join_solid();
   if (!start_columns()) return false;
-  const auto falls = [&](std::uint32_t region) { return now().column[region] != 0; };
-  const auto is_white = [](std::uint32_t root) { return (root & kWhite) != 0; };
-  if (!shaded && std::any_of(roots_.begin(), roots_.begin() + root_count_,
-                             [&](std::uint32_t root) { return is_white(root) && falls(root & ~kWhite); })) {
-    film_.lay_down(now().regions, falls);
+  if (!shaded) {
+    const auto falls = [&](std::uint32_t region) { return now().column[region] != 0; };
+    any_falls = std::any_of(roots_.begin(), roots_.begin() + root_count_,
+                            [&](std::uint32_t root) { return (root & kWhite) != 0 && falls(root & ~kWhite); });
+    if (any_falls) film_.lay_down(now().regions, falls);
   }
-  if (below_is_known_) {
-    join_solid();
-    join_air(findings);
-  }
+  if (below_is_known_) join_air(findings);
   count_regions();
+  stayed_now_ = film_.clean() ? now_ : another(now_, stayed_below_);
+  LayerRegions& stayed = layers_[stayed_now_].regions;
+  if (any_falls && !stayed.label(film_.stayed())) return false;
+  if (!find_tears(stayed, shaded)) return false;
   end_layer(findings);
   return true;
 }
@@ -118,29 +141,32 @@ bool RegionTracker::find_contacts() {
   std::size_t front = 0;
   std::size_t back = contacts_.size();
   bool room = true;
-  for_each_contact(below().regions, above.regions, [&](const RegionContact& contact) {
-    const std::uint32_t column = below().column[contact.below];
-    if (contact.white) {
-      shared_[contact.above] += contact.pixels;
-      if (column == 0) {
-        above.column[contact.above] = 0;
-        return;
-      }
-      const bool again =
-          front > 0 && contacts_[front - 1].above == contact.above && contacts_[front - 1].below == column;
-      if (again) return;
-      room &= front < back;
-      if (room) contacts_[front++] = {contact.above, column, contact.pixels};
-      return;
-    }
-    if (column == 0 && contact.above == LayerRegions::kOutside) return;
-    if (back < contacts_.size() && contacts_[back].above == contact.above && contacts_[back].below == column) {
-      contacts_[back].pixels += contact.pixels;
-      return;
-    }
-    room &= front < back;
-    if (room) contacts_[--back] = {contact.above, column, contact.pixels};
-  });
+  for_each_contact(
+      below().regions, above.regions,
+      [&](const RegionContact& contact) {
+        const std::uint32_t column = below().column[contact.below];
+        if (contact.white) {
+          shared_[contact.above] += contact.pixels;
+          if (column == 0) {
+            above.column[contact.above] = 0;
+            return;
+          }
+          const bool again =
+              front > 0 && contacts_[front - 1].above == contact.above && contacts_[front - 1].below == column;
+          if (again) return;
+          room &= front < back;
+          if (room) contacts_[front++] = {contact.above, column, contact.pixels};
+          return;
+        }
+        if (column == 0 && contact.above == LayerRegions::kOutside) return;
+        if (back < contacts_.size() && contacts_[back].above == contact.above && contacts_[back].below == column) {
+          contacts_[back].pixels += contact.pixels;
+          return;
+        }
+        room &= front < back;
+        if (room) contacts_[--back] = {contact.above, column, contact.pixels};
+      },
+      BlackRows::kSkip);
   solid_contacts_ = front;
   air_contacts_ = back;
   return room;
@@ -239,9 +265,9 @@ bool RegionTracker::rests_on_tips(std::uint32_t region, BitImage touched) const 
 /// Where something lies on the film: of each region, the pixels that get light and hang from what stayed below, itself or through others.
 /// A region without any falls. Overwrites the regions of the layer below, which are not needed any more.
 /// @returns false if the layer has too many regions
-bool RegionTracker::find_what_stays(ConstBitImage mask, BitImage lit, StackFindings& findings) {
+bool RegionTracker::find_what_stays(ConstBitImage mask, BitImage lit, bool& any_falls, StackFindings& findings) {
   film_.shade(mask, lit);
-  auto& [pieces, held] = layers_[(layer_ + 1) % 2];
+  auto& [pieces, held] = layers_[another(now_, stayed_below_)];
   if (!pieces.label(lit)) return false;
   std::fill_n(held.begin(), pieces.run_count(), below_is_known_ ? 0 : 1);
   const auto for_each_piece = [&, &pieces = pieces](auto visit) {
@@ -255,13 +281,8 @@ bool RegionTracker::find_what_stays(ConstBitImage mask, BitImage lit, StackFindi
   });
   const LayerRegions& regions = now().regions;
   for (std::uint32_t i = 0; i < root_count_; ++i) shared_[roots_[i] & ~kWhite] = 0;
-  std::uint32_t j = 0;  // the white run of the mask that a lit one is part of
-  for_each_piece([&, &pieces = pieces, &held = held](std::uint32_t row, std::uint32_t i) {
-    const LayerRegions::Run& run = pieces.run(i);
-    if (held[pieces.region(i)] == 0) return;
-    j = std::max(j, regions.row_begin(row) + 1);
-    while (regions.run(j).last < run.first) j += 2;
-    shared_[regions.region(j)] += run.last + 1U - run.first;
+  for_each_run_within(pieces, regions, [&, &pieces = pieces, &held = held](std::uint32_t i, std::uint32_t home) {
+    if (held[pieces.region(i)] != 0) shared_[home] += pieces.run(i).last + 1U - pieces.run(i).first;
   });
   for (std::uint32_t i = 0; i < root_count_; ++i) {
     if ((roots_[i] & kWhite) == 0) continue;
@@ -269,16 +290,72 @@ bool RegionTracker::find_what_stays(ConstBitImage mask, BitImage lit, StackFindi
     now().column[region] = shared_[region] > 0 ? 0 : kNone;
     if (shared_[region] > 0) findings.shadowed_voxels += regions.area(region) - shared_[region];
   }
-  film_.lay_down(pieces, [&held = held](std::uint32_t piece) { return held[piece] == 0; });
+  film_.lay_down(pieces, [&](std::uint32_t piece) {
+    any_falls = any_falls || held[piece] == 0;
+    return held[piece] == 0;
+  });
   return true;
 }
 
-/// What touches only pieces that fall, falls with them.
+/// What touches only pieces that are lost is lost with them. Pieces that fall become one where they meet; what meets one that tore off
+/// belongs to the older of the two.
 void RegionTracker::join_solid() {
   for (const Contact& contact : contacts_.first(solid_contacts_)) {
-    const std::uint32_t above = now().column[contact.above];
-    if (above != 0) solid_.unite(above, contact.below);
+    std::uint32_t& above = now().column[contact.above];
+    if (above == 0) continue;
+    const std::uint32_t below = solid_.root(contact.below);
+    above = above == kNone ? below : solid_.root(above);
+    if (above == below) continue;
+    if (solid_.column(above).torn || solid_.column(below).torn) {
+      above = std::min(above, below);
+    } else {
+      solid_.unite(above, below);
+    }
   }
+}
+
+/// Takes off what the peel tears off: it lies on the film, too.
+/// @param shaded  shared_ has the pixels of each region that stayed; else all of them did, or none
+/// @returns false if there is no room
+bool RegionTracker::find_tears(const LayerRegions& stayed, bool shaded) {
+  bool any_tear = false;
+  bool room = true;
+  const LayerRegions& regions = now().regions;
+  const auto is_lost = [&](std::uint32_t root) {
+    return (root & kWhite) != 0 && now().column[root & ~kWhite] == 0 && shared_[root & ~kWhite] == 0;
+  };
+  tears_.next(layer_, stayed, below_is_known_ ? &layers_[stayed_below_].regions : nullptr,
+              [&](const HoldNetwork::Tear& tear, std::uint64_t pixels) {
+                if (!std::exchange(any_tear, true) && !shaded) {
+                  for (std::uint32_t i = 0; i < root_count_; ++i) {
+                    shared_[roots_[i] & ~kWhite] = regions.area(roots_[i] & ~kWhite);
+                  }
+                }
+                const std::uint32_t node = room ? solid_.start(false, false) : kNone;
+                room = node != kNone;
+                if (!room) return;
+                RegionColumn& column = solid_.column(node);
+                column.torn = true;
+                column.first_layer = column.largest_layer = tear.place.layer;
+                column.last_layer = layer_;
+                column.voxels = tear.voxels;
+                column.largest = static_cast<std::uint32_t>(pixels);
+                column.column = tear.place.column;
+                column.row = tear.place.row;
+                column.asked_n = static_cast<float>(tear.asked_n);
+                column.held_n = static_cast<float>(tear.held_n);
+                // A region of the mask is lost with the last of its pixels that stayed.
+                for_each_run_within(stayed, regions, [&](std::uint32_t i, std::uint32_t home) {
+                  if (tears_.in_piece(stayed.region(i))) shared_[home] -= stayed.run(i).last + 1U - stayed.run(i).first;
+                });
+                for (std::uint32_t i = 0; i < root_count_; ++i) {
+                  if (!is_lost(roots_[i])) continue;
+                  now().column[roots_[i] & ~kWhite] = node;
+                  column.alive = true;
+                }
+              });
+  if (any_tear) film_.lay_down(stayed, [&](std::uint32_t region) { return tears_.torn(region); });
+  return room;
 }
 
 void RegionTracker::join_air(StackFindings& findings) {
@@ -330,7 +407,9 @@ void RegionTracker::count_regions() {
 }
 
 void RegionTracker::end_layer(StackFindings& findings) {
-  solid_.end_layer([&](const RegionColumn& column) { add_column(IssueKind::kFreePiece, column, findings); });
+  solid_.end_layer([&](const RegionColumn& column) {
+    add_column(column.torn ? IssueKind::kTear : IssueKind::kFreePiece, column, findings);
+  });
   air_.end_layer([&](const RegionColumn& column) {
     // The plate closes what is open below, until the part is taken off it.
     if (column.on_plate) {
@@ -348,7 +427,7 @@ void RegionTracker::end_layer(StackFindings& findings) {
 
 void RegionTracker::add_column(IssueKind kind, const RegionColumn& column, StackFindings& findings) {
   findings.of(kind).add({kind, column.largest_layer, column.first_layer, column.last_layer, column.column, column.row,
-                         column.largest, column.voxels});
+                         column.largest, column.voxels, column.asked_n, column.held_n});
 }
 
 void RegionTracker::add_cup(const RegionColumn& column, StackFindings& findings) {
@@ -363,7 +442,9 @@ void RegionTracker::finish(StackFindings& findings) {
   // What is enclosed in the last layer is open above it.
   solid_.begin_layer();
   air_.begin_layer();
-  solid_.end_layer([&](const RegionColumn& column) { add_column(IssueKind::kFreePiece, column, findings); });
+  solid_.end_layer([&](const RegionColumn& column) {
+    add_column(column.torn ? IssueKind::kTear : IssueKind::kFreePiece, column, findings);
+  });
   air_.end_layer([&](const RegionColumn& column) { add_cup(column, findings); });
 }
 

@@ -10,6 +10,7 @@
 #include "slicer/checks/film.hpp"
 #include "slicer/checks/region_columns.hpp"
 #include "slicer/checks/stack_findings.hpp"
+#include "slicer/checks/tear_finder.hpp"
 #include "slicer/core/arena.hpp"
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/error.hpp"
@@ -85,23 +86,29 @@ class RegionTracker {
   bool rests_on_tips(std::uint32_t region, BitImage touched) const;
   template <class Visit>
   bool any_run_of(std::uint32_t region, Visit visit) const;
-  bool find_what_stays(ConstBitImage mask, BitImage lit, StackFindings& findings);
+  bool find_what_stays(ConstBitImage mask, BitImage lit, bool& any_falls, StackFindings& findings);
   void join_solid();
+  bool find_tears(const LayerRegions& stayed, bool shaded);
   void join_air(StackFindings& findings);
   void count_regions();
   void end_layer(StackFindings& findings);
   void add_column(IssueKind kind, const RegionColumn& column, StackFindings& findings);
   void add_cup(const RegionColumn& column, StackFindings& findings);
 
-  Layer& now() { return layers_[layer_ % 2]; }
-  const Layer& now() const { return layers_[layer_ % 2]; }
-  const Layer& below() const { return layers_[(layer_ + 1) % 2]; }
+  Layer& now() { return layers_[now_]; }
+  const Layer& now() const { return layers_[now_]; }
+  const Layer& below() const { return layers_[below_]; }
+  /// One that is neither a nor b.
+  static std::uint32_t another(std::uint32_t a, std::uint32_t b) { return a != b ? 3 - a - b : (a + 1) % 3; }
 
   IssueScale scale_;
   CheckLimits limits_;
   std::uint32_t layer_ = 0;
   bool below_is_known_ = false;  ///< its regions are
-  std::array<Layer, 2> layers_;
+  // Regions of the masks, and of what got light and stayed. These are the masks' while the film is clean.
+  std::array<Layer, 3> layers_;
+  std::uint32_t now_ = 0, below_ = 0;  ///< of the masks
+  std::uint32_t stayed_now_ = 0, stayed_below_ = 0;
   std::span<std::uint32_t> roots_;   ///< the regions of the layer, white ones marked
   std::span<std::uint32_t> shared_;  ///< by region: pixels above white ones; later those that stay
   std::span<std::uint32_t> widest_;  ///< by region: its widest run
@@ -110,6 +117,7 @@ class RegionTracker {
   std::size_t solid_contacts_ = 0, air_contacts_ = 0;
   RegionColumns solid_, air_;  ///< column 0: held; open to the outside
   Film film_;
+  TearFinder tears_;
   Disc reach_;  ///< kIslandTipsReach_mm
 };
 

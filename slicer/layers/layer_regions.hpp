@@ -76,14 +76,19 @@ struct RegionContact {
   bool white;
 };
 
+enum class BlackRows : bool { kSkip, kInclude };
+
 /// Calls use(contact) for every such pair, by rows and from left to right.
+/// @param black_rows  rows that are black in both layers; there the outside touches itself
 template <class Use>
-void for_each_contact(const LayerRegions& below, const LayerRegions& above, Use use) {
+void for_each_contact(const LayerRegions& below, const LayerRegions& above, Use use,
+                      BlackRows black_rows = BlackRows::kInclude) {
   for (std::uint32_t r = 0; r < below.rows(); ++r) {
     std::uint32_t a = below.row_begin(r);
     std::uint32_t b = above.row_begin(r);
     const std::uint32_t a_end = below.row_begin(r + 1);
     const std::uint32_t b_end = above.row_begin(r + 1);
+    if (black_rows == BlackRows::kSkip && a_end - a == 1 && b_end - b == 1) continue;
     while (a < a_end && b < b_end) {
       const LayerRegions::Run ra = below.run(a);
       const LayerRegions::Run rb = above.run(b);

@@ -101,7 +101,7 @@ void add_issues(Text& text, const ScanOutlook& o) {
     const auto kind = static_cast<IssueKind>(i);
     if (o.findings->count(kind) == 0) continue;
     text.add("%-10s %s%s\n", any ? "" : "issues", issue_sentence(kind, *o.findings, o.coarse_grid).c_str(),
-             kind == IssueKind::kFreePiece ? ", without supports" : "");
+             kind == IssueKind::kFreePiece || kind == IssueKind::kTear ? ", without supports" : "");
     any = true;
   }
   if (!any) text.add("issues     none seen in a coarse slice\n");

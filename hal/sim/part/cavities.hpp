@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "hal/sim/part/pixel_runs.hpp"
+#include "slicer/core/peel_force.hpp"
 
 namespace plumbline {
 
@@ -35,9 +36,7 @@ class Cavities {
   /// @param region  sealed
   double share_of_part(std::uint32_t region) const {
     const Cavity& cavity = cavities_[of_region_[region]];
-    return cavity.plate_pixels < cavity.mouth_pixels
-               ? 1 - static_cast<double>(cavity.plate_pixels) / static_cast<double>(cavity.mouth_pixels)
-               : 0;
+    return PeelSettings::share_of_part(cavity.plate_pixels, cavity.mouth_pixels);
   }
 
   double trapped_mm3() const { return trapped_mm3_; }

@@ -7,9 +7,6 @@
 namespace plumbline {
 namespace {
 
-/// Cauchy and Crofton: outlines measured along two axes are 4 / pi times too long on average over all directions, and for a circle.
-constexpr double kOutline = 0.7853981633974483;
-
 bool meet(ConstBitImage a, ConstBitImage b) {
   for (std::size_t i = 0; i < a.words().size(); ++i) {
     if ((a.words()[i] & b.words()[i]) != 0) return true;
@@ -133,8 +130,7 @@ void HangingPart::hang_up(double height_mm, double bleed_mm) {
     const HoldGraph::Place place{nth(), region.column, region.row};
     const double mm3 = region.pixels * pixel_mm2_ * height_mm;
     if (first_) {
-      const double holds =
-          on_part_ ? HoldGraph::kUnbreakable : build_.peel.plate_adhesion_mpa * region.pixels * pixel_mm2_;
+      const double holds = on_part_ ? HoldGraph::kUnbreakable : build_.peel.plate_n(region.pixels * pixel_mm2_);
       const HoldGraph::Joint to_plate{.limb = HoldGraph::kPlate, .newtons = holds};
       limb_[r] = graph_.begin_limb({&to_plate, 1}, place, mm3);
       continue;
@@ -145,7 +141,7 @@ void HangingPart::hang_up(double height_mm, double bleed_mm) {
       const Contact& contact = contacts_[at];
       new_pixels -= contact.pixels;
       joints.push_back({.limb = limb_above_[contact.above],
-                        .newtons = build_.peel.green_strength_mpa * contact.pixels * pixel_mm2_,
+                        .newtons = build_.peel.joint_n(contact.pixels * pixel_mm2_),
                         .share = static_cast<double>(contact.pixels) / below_[contact.above].pixels});
     }
     bleed_mm3_ += new_pixels * pixel_mm2_ * bleed_mm;
@@ -178,7 +174,8 @@ void HangingPart::peel(BitImage lit, ConstBitImage asked) {
   peel_n_ = build_.peel.force(0, 0, plate_mm2);
   loads_.clear();
   for (std::uint32_t r = 0; r < regions.size(); ++r) {
-    const double outline = kOutline * (regions[r].sides_x * build_.pitch_x_mm + regions[r].sides_y * build_.pitch_y_mm);
+    const double outline =
+        PeelSettings::outline_mm(regions[r].sides_x * build_.pitch_x_mm, regions[r].sides_y * build_.pitch_y_mm);
     const double newtons = build_.peel.force(regions[r].pixels * pixel_mm2_, outline, sealed_mm2_[r]);
     peel_n_ += newtons;
     loads_.push_back({.limb = limb_[r], .newtons = newtons});

@@ -8,9 +8,9 @@
 #include "hal/sim/part/cavities.hpp"
 #include "hal/sim/part/hold_graph.hpp"
 #include "hal/sim/part/loss.hpp"
-#include "hal/sim/part/peel_force.hpp"
 #include "hal/sim/part/pixel_runs.hpp"
 #include "slicer/core/bit_image.hpp"
+#include "slicer/core/peel_force.hpp"
 
 namespace plumbline {
 

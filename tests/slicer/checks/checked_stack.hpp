@@ -12,9 +12,10 @@
 
 namespace plumbline::testing {
 
-/// Limits that let nothing pass, so that every pixel counts.
+/// Limits that let nothing pass, so that every pixel counts. Nothing tears.
 inline CheckLimits strict_limits() {
   CheckLimits limits;
+  limits.peel.green_strength_mpa = limits.peel.plate_adhesion_mpa = 1e6;
   limits.drain_pixels = 1;
   limits.trap_pixels = 1;
   limits.suction_pixels = 1;

@@ -1,5 +1,8 @@
 #pragma once
-/// The force that pulls a cured layer off the film, and what the part holds against it.
+/// The force that pulls a cured layer off the film, and what the part holds against it. The simulated printer and the checks of the
+/// masks reckon with it.
+
+#include <cstdint>
 
 namespace plumbline {
 
@@ -39,6 +42,23 @@ struct PeelSettings {
   /// @returns N
   double force(double area_mm2, double outline_mm, double sealed_mm2) const {
     return 1e-3 * traction_kpa * area_mm2 + line_force_n_mm * outline_mm + 1e-3 * suction_kpa * sealed_mm2;
+  }
+  /// What two layers hold where they overlap, N.
+  double joint_n(double overlap_mm2) const { return green_strength_mpa * overlap_mm2; }
+  /// What the plate holds of a region of the first layer, N.
+  double plate_n(double area_mm2) const { return plate_adhesion_mpa * area_mm2; }
+
+  /// Length of an outline, holes included, from the sides of its pixels, mm. Lengths measured along two axes are 4 / pi times too long on
+  /// average over all directions, and for a circle (Cauchy and Crofton).
+  static double outline_mm(double sides_x_mm, double sides_y_mm) {
+    constexpr double kPiQuarter = 0.7853981633974483;
+    return kPiQuarter * (sides_x_mm + sides_y_mm);
+  }
+  /// Of what sucks in a cavity, the share that its ceiling hands to the part. The rest pulls at the plate and at no joint.
+  /// @param plate_pixels  of the ceiling that are plate
+  /// @param mouth_pixels  that open to the film
+  static double share_of_part(std::uint64_t plate_pixels, std::uint64_t mouth_pixels) {
+    return plate_pixels < mouth_pixels ? 1 - static_cast<double>(plate_pixels) / static_cast<double>(mouth_pixels) : 0;
   }
 };
 

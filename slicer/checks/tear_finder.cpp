@@ -1,0 +1,242 @@
+#include "slicer/checks/tear_finder.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "slicer/checks/stack_findings.hpp"
+#include "slicer/core/disjoint_sets.hpp"
+
+namespace plumbline {
+namespace {
+
+constexpr const char* kStage = "checks";
+
+/// Regions of a layer, white or enclosed, that there is room for: 1800 on a 2K panel.
+std::uint32_t most_regions(const PrintGrid& grid) {
+  return static_cast<std::uint32_t>(
+      std::clamp<std::uint64_t>(std::uint64_t{grid.columns} * grid.rows / 2048, 128, 8192));
+}
+
+}  // namespace
+
+Expected<TearFinder> TearFinder::create(const PrintGrid& grid, const PeelSettings& peel, std::size_t most_runs,
+                                        Arena& arena) {
+  TearFinder finder;
+  const std::uint32_t most = most_regions(grid);
+  const IssueScale scale(grid);
+  finder.peel_ = peel;
+  finder.pitch_x_mm_ = scale.pitch_x_mm;
+  finder.pitch_y_mm_ = scale.pitch_y_mm;
+  finder.pixel_mm2_ = scale.pixel_mm2;
+  const auto take = [&arena]<class T>(std::span<T>& to, std::size_t count) -> Status {
+    const auto taken = arena.take_top<T>(count, kStage);
+    PLUMBLINE_TRY(taken);
+    to = *taken;
+    return {};
+  };
+  for (auto& number : finder.number_) PLUMBLINE_TRY(take(number, most_runs));
+  PLUMBLINE_TRY(take(finder.held_, most));
+  PLUMBLINE_TRY(take(finder.is_torn_, most));
+  PLUMBLINE_TRY(take(finder.newtons_, most));
+  PLUMBLINE_TRY(take(finder.below_pixels_, most));
+  PLUMBLINE_TRY(take(finder.newest_contact_, most));
+  PLUMBLINE_TRY(take(finder.contacts_, std::size_t{2} * most));
+  PLUMBLINE_TRY(take(finder.links_, std::size_t{2} * most));
+  for (auto* hollows : {&finder.hollows_, &finder.next_hollows_}) {
+    PLUMBLINE_TRY(take(*hollows, std::size_t{2} * most));
+    (*hollows)[0] = {};
+  }
+  auto network = HoldNetwork::create(most, arena);
+  PLUMBLINE_TRY(network);
+  finder.network_ = *network;
+  return finder;
+}
+
+std::size_t TearFinder::bytes_needed(const PrintGrid& grid, std::size_t most_runs) {
+  const std::size_t most = most_regions(grid);
+  return 2 * Arena::rounded(most_runs * sizeof(std::uint16_t)) + Arena::rounded(most * sizeof(Held)) +
+         Arena::rounded(most * sizeof(bool)) + Arena::rounded(most * sizeof(double)) +
+         2 * Arena::rounded(most * sizeof(std::uint32_t)) + Arena::rounded(2 * most * sizeof(Contact)) +
+         Arena::rounded(2 * most * sizeof(HoldNetwork::Link)) + 2 * Arena::rounded(2 * most * sizeof(Hollow)) +
+         HoldNetwork::bytes_needed(most_regions(grid));
+}
+
+void TearFinder::next(std::uint32_t layer, const LayerRegions& stayed, const LayerRegions* below, OnTear on_tear) {
+  layer_ = layer;
+  hangs_ = hangs_ && below != nullptr;
+  hangs_ = take(stayed, hangs_ ? below : nullptr);
+  if (!hangs_) return;
+  const auto& number = number_[layer_ % 2];
+  network_.pull(newtons_.first(held_count_), [&](const HoldNetwork::Tear& tear, std::span<const std::uint32_t> ends) {
+    std::uint64_t pixels = 0;
+    std::fill_n(is_torn_.begin(), held_count_, false);
+    for (const std::uint32_t end : ends) {
+      pixels += stayed.area(held_[end].region);
+      is_torn_[end] = true;
+    }
+    on_tear(tear, pixels);
+  });
+  for (std::uint32_t end = 0; end < held_count_; ++end) {
+    if (network_.torn(end)) number[held_[end].region] = kTorn;
+  }
+}
+
+/// @returns whether there is room for the layer
+bool TearFinder::take(const LayerRegions& stayed, const LayerRegions* below) {
+  if (below == nullptr) {
+    network_.clear();
+    old_hollows_ = 1;
+  }
+  held_count_ = contact_count_ = 0;
+  if (!number_regions(stayed)) return false;
+  if (below != nullptr && !find_contacts(stayed, *below)) return false;
+  carry_suction(stayed);
+  // Above a layer of which nothing is known everything is held.
+  return hang_up(stayed, layer_ == 0 ? peel_.plate_n(1) : HoldNetwork::kUnbreakable);
+}
+
+bool TearFinder::number_regions(const LayerRegions& stayed) {
+  const auto& number = number_[layer_ % 2];
+  number[LayerRegions::kOutside] = 0;
+  hollow_count_ = old_hollows_;
+  std::uint32_t above = 0, above_end = 0;  // white runs of the row before
+  for (std::uint32_t r = 0; r < stayed.rows(); ++r) {
+    const std::uint32_t begin = stayed.row_begin(r);
+    const std::uint32_t end = stayed.row_begin(r + 1);
+    std::uint32_t k = std::exchange(above, begin + 1);
+    const std::uint32_t k_end = std::exchange(above_end, end);
+    if (end - begin == 1) continue;  // a black row
+    for (std::uint32_t i = begin; i < end; ++i) {
+      const LayerRegions::Run run = stayed.run(i);
+      const std::uint32_t region = stayed.region(i);
+      if (!stayed.white(r, i)) {
+        if (region != i || run.first > run.last) continue;
+        if (hollow_count_ == hollows_.size()) return false;
+        const std::uint64_t pixels = stayed.area(region);
+        hollows_[hollow_count_] = {.parent = hollow_count_,
+                                   .region = region,
+                                   .plate_pixels = layer_ == 0 ? pixels : 0,
+                                   .mouth_pixels = pixels};
+        // Above a layer of which nothing is known all air is open.
+        if (layer_ > 0 && !hangs_) hollows_[hollow_count_].parent = 0;
+        number[region] = static_cast<std::uint16_t>(hollow_count_++);
+        continue;
+      }
+      if (region == i) {
+        if (held_count_ == held_.size()) return false;
+        held_[held_count_] = {.region = region};
+        number[region] = static_cast<std::uint16_t>(held_count_++);
+      }
+      Held& held = held_[number[region]];
+      const std::uint32_t pixels = run.last + 1U - run.first;
+      // Above and below, less the sides that two of its rows share, which both count.
+      std::uint32_t shared = 0;
+      for (; k < k_end; k += 2) {
+        const LayerRegions::Run other = stayed.run(k);
+        const std::uint32_t from = std::max(run.first, other.first);
+        const std::uint32_t to = std::min(run.last, other.last) + 1U;
+        if (from < to) shared += to - from;
+        if (other.last > run.last) break;
+      }
+      held.sides_x += 2 * (pixels - shared);
+      held.sides_y += 2;
+      if (pixels <= held.width) continue;
+      held.width = pixels;
+      held.row = r;
+      held.column = run.first + pixels / 2;
+    }
+  }
+  return true;
+}
+
+bool TearFinder::find_contacts(const LayerRegions& stayed, const LayerRegions& below) {
+  const auto& number = number_[layer_ % 2];
+  const auto& number_below = number_[(layer_ + 1) % 2];
+  std::fill_n(below_pixels_.begin(), network_.ends(), 0);
+  std::fill_n(newest_contact_.begin(), network_.ends(), kNone);
+  DisjointSets<Hollow, &Hollow::parent> hollows(hollows_);
+  bool room = true;
+  for_each_contact(
+      below, stayed,
+      [&](const RegionContact& contact) {
+        const std::uint32_t under = number_below[contact.below];
+        const std::uint32_t over = number[contact.above];
+        if (!contact.white) {
+          hollows.unite(under, over);
+          return;
+        }
+        if (under == kTorn) return;
+        below_pixels_[under] += contact.pixels;
+        // A tip touches one region above it, a pillar one below it.
+        std::uint32_t& newest = newest_contact_[under];
+        std::uint32_t& first = held_[over].first_contact;
+        std::uint32_t at = newest != kNone && contacts_[newest].above == over ? newest : first;
+        while (at != kNone && contacts_[at].below != under) at = contacts_[at].next;
+        if (at != kNone) {
+          contacts_[at].pixels += contact.pixels;
+        } else if (contact_count_ < contacts_.size()) {
+          contacts_[contact_count_] = {over, under, contact.pixels, first};
+          newest = first = contact_count_++;
+        } else {
+          room = false;
+        }
+      },
+      BlackRows::kSkip);
+  return room;
+}
+
+/// Gives the suction of each closed hollow to the regions round its mouths, and its number to the next layer.
+void TearFinder::carry_suction(const LayerRegions& stayed) {
+  const auto& number = number_[layer_ % 2];
+  const DisjointSets<Hollow, &Hollow::parent> hollows(hollows_);
+  for (std::uint32_t i = 1; i < hollow_count_; ++i) {
+    const std::uint32_t root = hollows.root(i);
+    if (root == i || root == 0) continue;
+    hollows_[root].plate_pixels += hollows_[i].plate_pixels;
+    hollows_[root].mouth_pixels += hollows_[i].mouth_pixels;
+  }
+  std::uint32_t kept = 1;
+  for (std::uint32_t i = old_hollows_; i < hollow_count_; ++i) {
+    const std::uint32_t root = hollows.root(i);
+    const std::uint32_t region = hollows_[i].region;
+    number[region] = 0;
+    if (root == 0) continue;
+    Hollow& whole = hollows_[root];
+    if (whole.renamed == 0) {
+      whole.renamed = kept;
+      next_hollows_[kept] = {.parent = kept, .plate_pixels = whole.plate_pixels};
+      ++kept;
+    }
+    number[region] = static_cast<std::uint16_t>(whole.renamed);
+    // The white run to the left of its first one is in the region round it.
+    held_[number[stayed.region(region - 1)]].sealed_mm2 +=
+        stayed.area(region) * pixel_mm2_ * PeelSettings::share_of_part(whole.plate_pixels, whole.mouth_pixels);
+  }
+  std::swap(hollows_, next_hollows_);
+  old_hollows_ = kept;
+}
+
+/// @param plate_n_mm2  what holds of a region without a contact
+bool TearFinder::hang_up(const LayerRegions& stayed, double plate_n_mm2) {
+  network_.begin_layer();
+  for (const Contact& contact : contacts_.first(contact_count_)) network_.announce_link(contact.below);
+  for (std::uint32_t i = 0; i < held_count_; ++i) {
+    const Held& held = held_[i];
+    const std::uint32_t pixels = stayed.area(held.region);
+    std::uint32_t count = 0;
+    for (std::uint32_t at = held.first_contact; at != kNone; at = contacts_[at].next) {
+      const Contact& contact = contacts_[at];
+      links_[count++] = {contact.below, peel_.joint_n(contact.pixels * pixel_mm2_),
+                         static_cast<double>(contact.pixels) / below_pixels_[contact.below]};
+    }
+    const double mm2 = pixels * pixel_mm2_;
+    if (!network_.add_end(links_.first(count), plate_n_mm2 * mm2, {layer_, held.column, held.row}, pixels))
+      return false;
+    newtons_[i] = peel_.force(mm2, PeelSettings::outline_mm(held.sides_x * pitch_x_mm_, held.sides_y * pitch_y_mm_),
+                              held.sealed_mm2);
+  }
+  network_.end_layer();
+  return true;
+}
+
+}  // namespace plumbline
