@@ -92,8 +92,8 @@ CheckLimits coarse_limits(const PrintGrid& grid, const PeelSettings& peel) {
   limits.island_held_pixels = scaled(limits.island_held_pixels, pixels * pixels);
   limits.overhang_reach = scaled(limits.overhang_reach, pixels);
   limits.drain_pixels = scaled(limits.drain_pixels, pixels * pixels);
-  limits.trap_pixels = scaled(limits.trap_pixels, pixels * pixels);
   limits.suction_pixels = scaled(limits.suction_pixels, pixels * pixels);
+  // trap_pixels stays UVtools' 17 (RequiredAreaToProcessCheck): a hollow of one coarse pixel is noise.
   return limits;
 }
 

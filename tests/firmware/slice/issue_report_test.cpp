@@ -54,6 +54,14 @@ TEST(IssueReport, SaysHowMuchMoreIsLostInTheShadowOfWhatFalls) {
   EXPECT_THAT(std::string(judge(findings, kGrid, policy).error().advice()), HasSubstr("set free_piece in [checks]"));
 }
 
+TEST(IssueReport, SaysWithWhatForceAPieceIsPulledAndHeld) {
+  StackFindings findings = some_findings();
+  findings.of(IssueKind::kTear).add({IssueKind::kTear, 50, 50, 120, 683, 1219, 1600, 8'000'000, 1.234F, 0.45F});
+  EXPECT_STREQ(issue_sentence(IssueKind::kTear, findings, kGrid).c_str(),
+               "1 piece that the peel tears off: 1 ml, pulled with 1.23 N and held with 0.45 N at x 34.2, y 61.0 mm in "
+               "layers 50 to 120 (2.50 to 6.05 mm)");
+}
+
 TEST(IssueReport, IsSilentAboutWhatIsIgnored) {
   CheckPolicy policy;
   policy.of(IssueKind::kIsland) = CheckAction::kIgnore;
@@ -85,12 +93,13 @@ TEST(IssueReport, TheStrictestActionCounts) {
 
 TEST(IssueReport, CoarsePixelsHaveLimitsOfTheSameSizeInMillimetres) {
   PrintGrid coarse = kGrid;
-  EXPECT_EQ(coarse_limits(coarse).overhang_reach, 40U);
-  EXPECT_EQ(coarse_limits(coarse).suction_pixels, 100U);
+  EXPECT_EQ(coarse_limits(coarse, {}).overhang_reach, 40U);
+  EXPECT_EQ(coarse_limits(coarse, {}).suction_pixels, 100U);
   coarse.pitch_x_mm = coarse.pitch_y_mm = 0.5F;
-  EXPECT_EQ(coarse_limits(coarse).overhang_reach, 4U);
-  EXPECT_EQ(coarse_limits(coarse).suction_pixels, 1U);
-  EXPECT_EQ(coarse_limits(coarse).drain_pixels, 1U);
+  EXPECT_EQ(coarse_limits(coarse, {}).overhang_reach, 4U);
+  EXPECT_EQ(coarse_limits(coarse, {}).suction_pixels, 1U);
+  EXPECT_EQ(coarse_limits(coarse, {}).drain_pixels, 1U);
+  EXPECT_EQ(coarse_limits(coarse, {}).trap_pixels, 17U);  // a hollow of one coarse pixel is noise
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <tuple>
 #include <vector>
 
 #include "tests/slicer/checks/checked_stack.hpp"
@@ -107,6 +108,25 @@ TEST(StackChecker, FindsASmallIslandThatTouchesLessThanATip) {
       stack_of(kSide, 2, blocks({{40, 45, 40, 41, 0, 1}, {50, 55, 40, 41, 0, 1}, {34, 58, 36, 48, 1, 2}}));
   EXPECT_EQ(check(masks, {}, 0.05F).count(IssueKind::kIsland), 1U);
   EXPECT_EQ(check(masks, {}, 0.1F).count(IssueKind::kIsland), 0U);
+}
+
+TEST(StackChecker, ForetellsThatAThinNeckTearsWhenAPlateBelowItIsPeeled) {
+  // A neck of 0.09 mm2 holds 0.45 N. A plate of 4 x 4 mm needs 0.08 N for its area and 0.03 N/mm pi / 4 16 mm for its outline.
+  const auto masks =
+      stack_of(60, 15, blocks({{20, 40, 20, 40, 0, 5}, {28, 31, 28, 31, 5, 10}, {10, 50, 10, 50, 10, 15}}));
+  const StackFindings findings = check(masks, {});
+  const Issue tear = only(findings, IssueKind::kTear);
+  EXPECT_EQ(std::tuple(tear.layer, tear.first_layer, tear.last_layer, tear.column, tear.row),
+            std::tuple(5U, 5U, 14U, 29U, 28U));
+  EXPECT_EQ(tear.pixels, 1600U);
+  EXPECT_EQ(tear.voxels, 5U * 9 + 5 * 1600);
+  EXPECT_NEAR(static_cast<double>(tear.asked_n), 0.457, 0.001);
+  EXPECT_NEAR(static_cast<double>(tear.held_n), 0.45, 0.001);
+  EXPECT_EQ(findings.count(IssueKind::kFreePiece), 0U);
+
+  CheckLimits tough;
+  tough.peel.green_strength_mpa = 5.2;
+  EXPECT_EQ(check(masks, tough).count(IssueKind::kTear), 0U);
 }
 
 TEST(StackChecker, FindsAnOverhangBeyondTheReach) {
