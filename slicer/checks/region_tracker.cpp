@@ -290,7 +290,7 @@ bool RegionTracker::find_what_stays(ConstBitImage mask, BitImage lit, bool& any_
     now().column[region] = shared_[region] > 0 ? 0 : kNone;
     if (shared_[region] > 0) findings.shadowed_voxels += regions.area(region) - shared_[region];
   }
-  film_.lay_down(pieces, [&](std::uint32_t piece) {
+  film_.lay_down(pieces, [&, &held = held](std::uint32_t piece) {
     any_falls = any_falls || held[piece] == 0;
     return held[piece] == 0;
   });

@@ -101,7 +101,7 @@ class Check(Program):
     def test_check_finds_in_the_written_layers_what_slice_has_found(self):
         self.slice_it("--supports", "none")
         issues = self.manifest()["issues"]
-        self.assertEqual(list(issues["kinds"]), ["first_layer_area"])
+        self.assertEqual(list(issues["kinds"]), ["tear", "first_layer_area"])  # a ball on 3 mm2
         self.assertTrue((self.out / "issues.png").read_bytes().startswith(b"\x89PNG"))
         picture = self.dir / "found.png"
         told = json.loads(self.run_it("check", self.out, "--json", "--picture", picture).stdout)
