@@ -9,6 +9,7 @@
 #include <bit>
 #include <cassert>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -133,7 +134,8 @@ class NearestSet {
  private:
   /// Ascends with the distance, then with the index: squares are not negative, so they are in the order of their bits.
   static std::uint64_t rank(const Neighbour& n) {
-    return std::uint64_t{std::bit_cast<std::uint32_t>(n.distance2)} << 32U | n.index;
+    static_assert(std::endian::native == std::endian::little && offsetof(Neighbour, distance2) == 4);
+    return std::bit_cast<std::uint64_t>(n);
   }
 
   std::span<Neighbour> found_;
