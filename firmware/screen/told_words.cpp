@@ -28,6 +28,9 @@ constexpr std::array kGerman{
         {"{count} {count?Stück, das|Stücke, die} nichts hält, {percent} % des Drucks, {count?|bis }{volume_ml} "
          "ml" PLACE,
          "Stützen setzen oder drehen."}},
+    Row{kTear,
+        {"{count} {count?Stück, das abreißt,|Stücke, die abreißen,} {count?|bis }{volume_ml} ml" PLACE,
+         "Stützen setzen oder drehen."}},
     Row{kResinTrap,
         {"{count} {count?Harzfalle von|Harzfallen bis} {volume_ml} ml" PLACE,
          "Im Modell ein Loch zum Ablaufen vorsehen."}},

@@ -15,6 +15,7 @@ constexpr std::array<std::string_view, kToldCodeCount> kCodes = {
     "island",
     "overhang",
     "free_piece",
+    "tear",
     "resin_trap",
     "suction_cup",
     "touching_bound",

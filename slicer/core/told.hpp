@@ -18,6 +18,7 @@ enum class ToldCode : std::uint16_t {
   kIsland,
   kOverhang,
   kFreePiece,
+  kTear,
   kResinTrap,
   kSuctionCup,
   kTouchingBound,
