@@ -7,15 +7,17 @@
 namespace plumbline {
 namespace {
 
+/// A namespace for each table: see told_words.cpp.
+namespace fault_table {
+using enum FaultCode;
+
 struct GermanFault {
   FaultCode code;
   FaultWords words;
 };
 
-using enum FaultCode;
-
 /// kFaults of fault.cpp in German, by code.
-constexpr std::array kGerman{
+constexpr std::array kFaultTexts{
     GermanFault{kScanUnreadable,
                 {"Scan ist nicht lesbar", "Die Datei lässt sich nicht öffnen, oder ihr Stick versagt.",
                  "Name und Stick prüfen oder den Scan neu kopieren."}},
@@ -126,14 +128,19 @@ constexpr std::array kGerman{
                  "Fortsetzen und die Meldung an die Entwickler von plumbline schicken."}},
 };
 
+}  // namespace fault_table
+
+using fault_table::GermanFault;
+using fault_table::kFaultTexts;
+
 }  // namespace
 
 FaultWords fault_words(FaultCode code, Language language) {
   const FaultInfo& fault = info(code);
   if (language == Language::kEnglish) return {fault.title, fault.meaning, fault.next};
   const auto* const found =
-      std::find_if(kGerman.begin(), kGerman.end(), [code](const GermanFault& row) { return row.code == code; });
-  assert(found != kGerman.end());
+      std::find_if(kFaultTexts.begin(), kFaultTexts.end(), [code](const GermanFault& row) { return row.code == code; });
+  assert(found != kFaultTexts.end());
   return found->words;
 }
 

@@ -10,18 +10,20 @@
 namespace plumbline {
 namespace {
 
+/// A namespace for each table: the codes of told_words.cpp, fault_words.cpp and words.cpp share names.
+namespace told_table {
+using enum ToldCode;
+
 struct Row {
   ToldCode code;
   ToldWords words;
 };
 
-using enum ToldCode;
-
 // Where an issue is, if it is in one place.
 #define PLACE "[ bei x {x_mm}, y {y_mm}, z {from_mm} mm][, Schicht {layer}][, Schichten {first_layer}–{last_layer}]"
 
 /// By code.
-constexpr std::array kGerman{
+constexpr std::array kTold{
     Row{kIsland, {"{count} {count?Insel von|Inseln bis} {area_mm2} mm²" PLACE, "Stützen setzen oder drehen."}},
     Row{kOverhang, {"{count} {count?Überhang von|Überhänge bis} {area_mm2} mm²" PLACE, "Stützen setzen oder drehen."}},
     Row{kFreePiece,
@@ -288,11 +290,15 @@ constexpr std::array kGerman{
 };
 #undef PLACE
 
+}  // namespace told_table
+
+using told_table::kTold;
+
 constexpr bool is_complete() {
-  for (std::size_t i = 0; i < kGerman.size(); ++i) {
-    if (static_cast<std::size_t>(kGerman[i].code) != i + 1) return false;
+  for (std::size_t i = 0; i < kTold.size(); ++i) {
+    if (static_cast<std::size_t>(kTold[i].code) != i + 1) return false;
   }
-  return kGerman.size() + 1 == kToldCodeCount;
+  return kTold.size() + 1 == kToldCodeCount;
 }
 static_assert(is_complete(), "a code has no German text, or the table is not in the order of ToldCode");
 
@@ -369,8 +375,8 @@ class Filling {
 }  // namespace
 
 std::optional<ToldWords> told_words(ToldCode code, Language language) {
-  if (language == Language::kEnglish || code == kNone) return std::nullopt;
-  return kGerman[static_cast<std::size_t>(code) - 1].words;
+  if (language == Language::kEnglish || code == ToldCode::kNone) return std::nullopt;
+  return kTold[static_cast<std::size_t>(code) - 1].words;
 }
 
 ToldText filled_in(std::string_view pattern, const Told& told, Language language) {
@@ -395,7 +401,6 @@ ToldText worded(const Told& told, Language language, std::string_view english) {
 }
 
 void write_told_words(JsonWriter& json, Language language) {
-  constexpr auto kOneLine = JsonWriter::Layout::kOneLine;
   json.key("told");
   json.begin_object(kOneLine);
   for (std::size_t i = 1; i < kToldCodeCount; ++i) {

@@ -5,14 +5,15 @@
 namespace plumbline {
 namespace {
 
-namespace table {
+/// A namespace for each table: see told_words.cpp.
+namespace words_table {
 
 struct Row {
   Words which;
   std::array<std::string_view, kLanguageCount> text;  ///< by Language
 };
 
-using enum Words;  // two of its names are those of faults, whose texts are in this folder, too
+using enum Words;
 
 constexpr std::array kTexts{
     Row{kReady, {"Ready", "Bereit"}},
@@ -169,9 +170,9 @@ constexpr std::array kTexts{
     Row{kDoTake, {"Take", "Nehmen"}},
 };
 
-}  // namespace table
+}  // namespace words_table
 
-using table::kTexts;
+using words_table::kTexts;
 
 constexpr bool is_in_order() {
   for (std::size_t i = 0; i < kTexts.size(); ++i) {

@@ -171,7 +171,9 @@ std::size_t compare(const Shape& shape, const PeelSettings& peel) {
     EXPECT_TRUE(shape.solid(column, row, loss.layer));
   }
   const StackFindings foretold = foretell(shape, peel);
-  if (shape.pieces && torn.empty()) EXPECT_EQ(dropped.size(), *shape.pieces);
+  if (shape.pieces && torn.empty()) {
+    EXPECT_EQ(dropped.size(), *shape.pieces);
+  }
   EXPECT_EQ(foretold.shadowed_voxels, shadowed_voxels);
   EXPECT_EQ(foretold.of(IssueKind::kFreePiece).voxels + foretold.of(IssueKind::kTear).voxels, lost_voxels);
   const auto expect_alike = [&](IssueKind kind, const std::vector<Loss>& lost) {
