@@ -97,6 +97,7 @@ class Inspect(Program):
 
     def test_draws_where_the_checks_find_something(self):
         write_sphere(self.scan)
+        self.cut_below(-8)  # so that it stands on a disc
         picture = self.dir / "issues.png"
         self.run_it("inspect", self.scan, "--issues", picture)
         self.assertFalse(picture.exists())

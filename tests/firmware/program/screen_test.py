@@ -158,7 +158,7 @@ class Screen(StatePrinter):
     def test_one_of_the_best_ways_up_is_chosen_and_printed_again(self):
         daemon, user = self.start()
         user.state("idle")
-        self.put_stick({"ball.ply": 3, "small.ply": 2, "junk.ply": b"ply\n"})
+        self.put_stick({"ball.ply": 3, "small.ply": 2, "junk.ply": b"ply\n"}, points=200_000)  # time enough to cancel
         user.state("offered", "propose")
         # A glance at each scan, while the printer waits. What is no scan has no picture.
         seen = user.until(lambda s: s["stick"]["scans"] and s["stick"]["scans"][2]["picture"], "pictures of the scans")

@@ -100,7 +100,7 @@ class StatePrinter(Program):
                 time.sleep(0.02)
         return self.fail("no socket")
 
-    def put_stick(self, scans, text=None):
+    def put_stick(self, scans, text=None, points=5000):
         """@param scans  name -> radius in mm, or bytes"""
         folder = self.dir / "new"
         folder.mkdir()
@@ -108,7 +108,7 @@ class StatePrinter(Program):
             if isinstance(what, bytes):
                 (folder / name).write_bytes(what)
             else:
-                write_sphere(folder / name, points=5000, radius=what)
+                write_sphere(folder / name, points=points, radius=what)
         if text:
             (folder / "job.toml").write_text(text)
         folder.rename(self.stick)
