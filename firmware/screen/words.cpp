@@ -138,7 +138,7 @@ constexpr std::array kTexts{
     Row{kMeansEnd, {"For a moment at an end, or the printer is off.", "Kurz an einem Ende, oder der Drucker ist aus."}},
 
     Row{kDoPrint, {"Print", "Drucken"}},
-    Row{kDoNext, {"Next", "Nächster"}},
+    Row{kDoNext, {"Next", "Weiter"}},
     Row{kDoDecline, {"Decline", "Ablehnen"}},
     Row{kDoOffer, {"Show", "Zeigen"}},
     Row{kDoOpen, {"Open", "Öffnen"}},
