@@ -334,18 +334,25 @@ function showStick() {
   $("stick").querySelector("h2").textContent = state.stick.uploaded ? words.uploadedTitle : words.stickTitle;
   const mayChoose = state.commands.includes("choose") && !state.sliced;
   const chosen = state.job ? state.job.number : null;
-  fill($("scans"), [scans, mayChoose, chosen, Boolean(said)], () => scans.map((scan) => {
+  const unpictured = scans.map(({picture, ...scan}) => scan);
+  fill($("scans"), [unpictured, mayChoose, chosen, Boolean(said)], () => scans.map((scan) => {
     const line = element("li");
     const button = element("button", undefined, {"aria-pressed": scan.number === chosen});
     button.disabled = !mayChoose;
     const name = scan.files > 1 ? `${scan.files} ${words.asOne}: ${scan.name}, …` : scan.name;
-    if (scan.picture) button.append(element("img", undefined, {src: `/scan.png?n=${scan.number}&of=${scan.picture}`, alt: words.scanPicture}));
-    button.append(element("span", name), element("span", size(scan.bytes), {class: "pale"}));
+    button.append(element("img", undefined, {alt: words.scanPicture}), element("span", name), element("span", size(scan.bytes), {class: "pale"}));
     button.onclick = () => command({do: "choose", scan: scan.number});
     line.append(button);
     if (scan.problem) line.append(element("p", worded(scan.told, scan.problem), {class: "problem"}));
     return line;
   }));
+  // Pictures come one by one: a line that somebody is on stays.
+  scans.forEach((scan, i) => {
+    const image = $("scans").children[i].querySelector("img");
+    image.hidden = !scan.picture;
+    const address = `/scan.png?n=${scan.number}&of=${scan.picture}`;
+    if (scan.picture && image.getAttribute("src") !== address) image.src = address;
+  });
   show("left-out", leftOut > 0, `${leftOut} ${words.leftOut}`);
 }
 

@@ -5,9 +5,10 @@
 
 #include <algorithm>
 #include <array>
-#include <filesystem>
 #include <fstream>
 #include <iterator>
+
+#include "tests/firmware/support/job_fixture.hpp"
 
 namespace plumbline {
 namespace {
@@ -23,7 +24,8 @@ const std::array<MachineFinding, 3> kFindings = {
 /// The text that a writer puts into a file.
 template <class Write>
 std::string written(Write&& write) {
-  const std::string path = testing::TempDir() + "plumbline_doctor_test";
+  const TemporaryFolder folder;
+  const std::string path = folder / "findings";
   {
     auto file = OutputFile::create(path.c_str());
     EXPECT_TRUE(file);
@@ -31,9 +33,7 @@ std::string written(Write&& write) {
     EXPECT_TRUE(file->close());
   }
   std::ifstream in(path);
-  std::string text{std::istreambuf_iterator<char>(in), {}};
-  std::filesystem::remove(path);
-  return text;
+  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 TEST(Doctor, ReportsWhatWasFoundAndWhatToDo) {

@@ -142,6 +142,12 @@ class BrowserTest(PagePrinter):
         self.assertIn("bust <b>1.ply", names[0])
         self.assertIn("the file is empty", names[1])
         # Another scan and its settings, by keyboard.
+        # Pictures come one by one, and whoever is on a line stays there.
+        line, image = "document.querySelector('#scans li:nth-child(3) button')", "document.querySelector('#scans li:nth-child(3) img')"
+        browser.until(f"{line}.focus(); return document.activeElement === {line}", "the third line")
+        browser.until(f"return !{image}.hidden && {image}.complete && {image}.naturalWidth === 64", "its picture")
+        self.assertTrue(browser.run(f"return document.activeElement === {line}"), "the line was drawn anew")
+        browser.run("document.activeElement.blur()")
         self.tab_to("#scans li:nth-child(3) button")
         browser.press(ENTER)
         browser.until("return document.querySelector('#scans li:nth-child(3) button').ariaPressed === 'true'", "the third scan")
