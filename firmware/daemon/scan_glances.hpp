@@ -19,9 +19,9 @@ namespace plumbline {
 class ScanGlances {
  public:
   /// Of all files of a scan: reading more takes too long. Larger ones have no picture.
-  static constexpr std::uint64_t kMostBytes = 32'000'000;
+  static constexpr std::uint64_t kMostBytes = 256'000'000;
   /// A child that takes longer is killed.
-  static constexpr std::chrono::seconds kPatience{20};
+  static constexpr std::chrono::seconds kPatience{60};
 
   /// All must outlive it. No other child runs while it works.
   ScanGlances(const StickMount& mount, const StickOffer& offer, const PrinterRecord& record, SlicingChild& child,
