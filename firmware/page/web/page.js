@@ -447,14 +447,13 @@ function size(bytes) {
 }
 
 // Settings: name, label, kind, the printer's value, and what to send for what was entered.
-const angles = ["-90", "0", "90", "180"].map((value) => [value, `${value}°`]);
+const angles = (value) => [...new Set(["-90", "0", "90", "180", String(value)])].map((angle) => [angle, `${number(Number(angle), 0)}°`]);
 const settings = [
   ["profile", words.profile, () => state.profiles.map((name) => [name, name]), (job) => job.profile, (value) => ["profile", value]],
   ["height", words.heightMm, "number", (job) => job.size && job.size.side === "height" ? job.size.mm : "",
    (value) => value ? ["height", `${value}mm`] : ["scale", "1"]],
-  ["rotate_z_deg", words.turn, () => angles, (job) => job.rotate_z_deg, (value) => ["rotate_z_deg", value]],
-  ["rotate_x_deg", words.tilt, () => angles, (job) => job.rotate_x_deg, (value) => ["rotate_x_deg", value]],
-  ["orient", words.upright, "checkbox", (job) => job.orient === "auto", (value) => ["orient", value ? "auto" : "none"]],
+  ["rotate_z_deg", words.turn, angles, (job) => job.rotate_z_deg, (value) => ["rotate_z_deg", value]],
+  ["rotate_x_deg", words.tilt, angles, (job) => job.rotate_x_deg, (value) => ["rotate_x_deg", value]],
   ["supports", words.supports, () => [["", words.ofProfile], ["auto", words.auto], ["none", words.none]], (job) => job.supports || "",
    (value) => ["supports", value]],
   ["layer_height", words.layerHeight, "number", (job) => job.layer_height || "", (value) => ["layer_height", value]],
@@ -467,13 +466,11 @@ function makeSettings() {
     if (!isList) input.type = kind;
     if (kind === "number") Object.assign(input, {min: 0, step: "any"});
     input.onchange = () => {
-      const [key, value] = toSend(kind === "checkbox" ? input.checked : input.value);
+      const [key, value] = toSend(input.value);
       command({do: "set", key, value});
     };
-    const line = element("div"), text = element("label", label, {for: id});
-    if (kind === "checkbox") text.prepend(input);
-    line.append(text);
-    if (kind !== "checkbox") line.append(input);
+    const line = element("div");
+    line.append(element("label", label, {for: id}), input);
     parts.push(line);
   }
   return parts;
@@ -486,13 +483,12 @@ function showSettings() {
   for (const [name, , kind, ofJob] of settings) {
     const input = $(`set-${name}`), value = ofJob(state.job);
     if (typeof kind === "function") {
-      const choices = kind();
+      const choices = kind(value);
       if (!choices.some(([choice]) => choice === String(value))) choices.push([String(value), String(value)]);
       fill(input, choices, () => choices.map(([choice, text]) => element("option", text, {value: choice})));
     }
     if (document.activeElement === input && kind === "number") continue;  // somebody is typing
-    if (kind === "checkbox") input.checked = value;
-    else if (input.value !== String(value)) input.value = value;
+    if (input.value !== String(value)) input.value = value;
   }
 }
 // The best ways up, each with a picture and what it costs, beside the scan as it lies. The printer looks for them when somebody asks.

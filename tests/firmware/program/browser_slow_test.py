@@ -25,7 +25,7 @@ const bad = [];
 let seen = 0;
 for (const node of document.querySelectorAll('body *')) {
   const own = [...node.childNodes].some((child) => child.nodeType === 3 && child.textContent.trim());
-  const isInput = ['INPUT', 'SELECT'].includes(node.tagName) && node.type !== 'range' && node.type !== 'checkbox';
+  const isInput = ['INPUT', 'SELECT'].includes(node.tagName) && node.type !== 'range';
   if ((!own && !isInput) || !node.checkVisibility() || ['SCRIPT', 'OPTION'].includes(node.tagName)) continue;
   const chain = [];
   for (let at = node; at; at = at.parentElement) chain.push(at);
@@ -56,7 +56,7 @@ class BrowserTest(PagePrinter):
             seen, bad = self.browser.run(CONTRAST)
             self.assertGreater(seen, 3)
             self.assertEqual(bad, [], f"contrast of {name}")
-            small = self.browser.run("""return [...document.querySelectorAll('button, select, input:not([type=checkbox])')]
+            small = self.browser.run("""return [...document.querySelectorAll('button, select, input')]
                 .filter((e) => e.checkVisibility() && e.getBoundingClientRect().height < 44).map((e) => e.outerHTML)""")
             self.assertEqual(small, [], "too small for a finger")
             if folder := os.environ.get("PLUMBLINE_LOOK_AT"):
@@ -170,6 +170,11 @@ class BrowserTest(PagePrinter):
         self.tab_to("#proposals li:nth-child(3) button")
         browser.press(ENTER)
         browser.until("return document.querySelector('#proposals li:nth-child(3) button').ariaPressed === 'true'", "the second way up")
+        # Its angle is one of the choices, in degrees like the others, and of that list only.
+        for name, most in (("rotate_x_deg", 5), ("rotate_z_deg", 4)):
+            choices = browser.run(f"return [...document.querySelectorAll('#set-{name} option')].map((option) => option.textContent)")
+            self.assertTrue(all(choice.endswith("°") for choice in choices), choices)
+            self.assertLessEqual(len(choices), most, choices)
         self.look("ways")
         self.tab_to("[data-do=start]")
         browser.press(ENTER)
