@@ -12,7 +12,7 @@ bool ScanGlances::step() {
     works_ = begin(next_);
     if (!works_) ++next_;
   }
-  // In simulation the bytes go through a pipe: as many as it takes in a moment.
+  // A simulated stick hands its bytes on through a pipe. Never spend long on it, since the daemon has other work.
   const auto until = HostClock::now() + std::chrono::milliseconds(2);
   bool pumps = true;
   while (pumps && HostClock::now() < until) {

@@ -91,6 +91,34 @@ void draw_view(const Cloud& cloud, std::uint32_t step, float spacing, const std:
   draw_points(cloud, step, spacing, rotation_matrix({degrees[0], degrees[1], 0}), sight, memory, is_steep);
 }
 
+/// What the small pictures of one cloud share.
+struct Studio {
+  Sight sight;
+  MapMemory memory;
+};
+
+/// @param arena  given back by the caller
+template <class SmallPicture>
+Expected<Studio> set_up(const Cloud& cloud, Arena& arena) {
+  const auto memory =
+      take_map(SmallPicture::kMostColumns * kSamplesPerPixel, SmallPicture::kMostRows * kSamplesPerPixel, arena);
+  PLUMBLINE_TRY(memory);
+  const auto sight = find_sight(cloud, arena);
+  PLUMBLINE_TRY(sight);
+  return Studio{*sight, *memory};
+}
+
+/// Shades what was drawn into `map`.
+template <class SmallPicture>
+void fill_in(SmallPicture& picture, const DepthMap& map, const std::array<Colour, 2>& colours) {
+  picture.columns = SmallPicture::kMostColumns;
+  picture.rows = SmallPicture::kMostRows;
+  const Picture page{picture.bytes(), picture.columns, picture.rows};
+  draw_background(page);
+  shade_depth(map, page, 0, 0, colours, Shades::kOneAPixel);
+  keep_five_bits(picture.bytes());
+}
+
 }  // namespace
 
 Expected<std::span<const std::byte>> encode_orientations(const Cloud& cloud, float spacing, std::string_view name,
@@ -129,22 +157,13 @@ Status draw_proposal_pictures(const Cloud& cloud, float spacing, std::span<const
                               Arena& arena, ProposalPictures& pictures) {
   for (ProposalPicture& picture : pictures) picture.clear();
   const ArenaScope scope(arena);
-  const auto memory =
-      take_map(ProposalPicture::kMostColumns * kSamplesPerPixel, ProposalPicture::kMostRows * kSamplesPerPixel, arena);
-  PLUMBLINE_TRY(memory);
-  const auto sight = find_sight(cloud, arena);
-  PLUMBLINE_TRY(sight);
+  const auto studio = set_up<ProposalPicture>(cloud, arena);
+  PLUMBLINE_TRY(studio);
   const std::uint32_t step = cloud.size / kMostPoints + 1;
   const float apart = spacing * std::sqrt(static_cast<float>(step));
   for (std::size_t i = 0; i < pictures.size(); ++i) {
-    draw_view(cloud, step, apart, degrees[i], *sight, *memory);
-    ProposalPicture& picture = pictures[i];
-    picture.columns = ProposalPicture::kMostColumns;
-    picture.rows = ProposalPicture::kMostRows;
-    const Picture page{picture.bytes(), picture.columns, picture.rows};
-    draw_background(page);
-    shade_depth(memory->map, page, 0, 0, kColours, Shades::kOneAPixel);
-    keep_five_bits(picture.bytes());
+    draw_view(cloud, step, apart, degrees[i], studio->sight, studio->memory);
+    fill_in(pictures[i], studio->memory.map, kColours);
   }
   return {};
 }
@@ -152,23 +171,20 @@ Status draw_proposal_pictures(const Cloud& cloud, float spacing, std::span<const
 Status draw_scan_picture(const Cloud& cloud, Arena& arena, ScanPicture& picture) {
   picture.clear();
   const ArenaScope scope(arena);
-  const auto memory =
-      take_map(ScanPicture::kMostColumns * kSamplesPerPixel, ScanPicture::kMostRows * kSamplesPerPixel, arena);
-  PLUMBLINE_TRY(memory);
-  const auto sight = find_sight(cloud, arena);
-  PLUMBLINE_TRY(sight);
+  const auto studio = set_up<ScanPicture>(cloud, arena);
+  PLUMBLINE_TRY(studio);
   constexpr std::uint32_t kEnough = 1U << 15U;
   const std::uint32_t step = cloud.size / kEnough + 1;
   // As if the points lay on a ball of that diameter.
-  const double radius = sight->diagonal / 2;
+  const double radius = studio->sight.diagonal / 2;
   const auto apart = static_cast<float>(radius * std::sqrt(4 * 3.14159 * step / cloud.size));
   const auto faces_away = [](const Vec3d& normal) { return normal[1] > 0.1; };
   const auto draw = [&](int side) {
     constexpr double kAbove = 20;
     const Mat3d rotation = rotation_matrix({kAbove, 0, 0}) * rotation_matrix({0, 0, side * 45.0});
-    draw_points(cloud, step, apart, rotation, *sight, *memory, faces_away);
+    draw_points(cloud, step, apart, rotation, studio->sight, studio->memory, faces_away);
   };
-  const DepthMap& map = memory->map;
+  const DepthMap& map = studio->memory.map;
   int best = 0;
   std::size_t most = 0;
   for (int side = 0; side < 8; ++side) {
@@ -183,12 +199,7 @@ Status draw_scan_picture(const Cloud& cloud, Arena& arena, ScanPicture& picture)
     best = side;
   }
   draw(best);
-  picture.columns = ScanPicture::kMostColumns;
-  picture.rows = ScanPicture::kMostRows;
-  const Picture page{picture.bytes(), picture.columns, picture.rows};
-  draw_background(page);
-  shade_depth(map, page, 0, 0, kSidesOfScan, Shades::kOneAPixel);
-  keep_five_bits(picture.bytes());
+  fill_in(picture, map, kSidesOfScan);
   return {};
 }
 

@@ -39,7 +39,7 @@ struct OrientationView {
                                             std::span<const std::array<double, 2>> degrees, Arena& arena,
                                             ProposalPictures& pictures);
 
-/// Draws a scan or a mesh from the best of eight sides, from 20 degrees above: where most of its surface faces the viewer.
+/// Draws a scan or a mesh from the one of eight sides that shows most of its outer surface, seen from 20 degrees above.
 /// @param cloud  not empty; normals need not be known
 /// @retval ErrorCode::kOutOfMemory  the arena has no room; there is no picture then
 [[nodiscard]] Status draw_scan_picture(const Cloud& cloud, Arena& arena, ScanPicture& picture);
