@@ -98,7 +98,12 @@ void StickOffer::choose(std::size_t scan) {
   if (choices() == 1) return;
   if (chosen_ != scan) forget_proposals();
   chosen_ = scan;
+  const bool was_archive = is_archive_name(job_.scans[0]);
   job_.scans = files_of(scan);
+  const bool is_archive = is_archive_name(job_.scans[0]);
+  JobSettings& settings = job_;
+  if (is_archive && !was_archive) of_scans_ = std::exchange(settings, JobSettings());
+  if (was_archive && !is_archive) settings = of_scans_;
   record();
   show();
 }
@@ -120,6 +125,10 @@ Status StickOffer::set(std::string_view key, std::string_view value) {
     job_.profile = value;
   } else if (key == "proposal") {
     PLUMBLINE_TRY(set_proposal(value));
+  } else if (is_archive_name(job_.scans[0])) {
+    return telling(
+        Told(ToldCode::kArchiveSettings, {}, job_.title()),
+        fail(ErrorCode::kBadSetting, "%s: is sliced already, so only its profile can be set", job_.title().c_str()));
   } else {
     PLUMBLINE_TRY(set_job_setting(job_, key, value));
   }

@@ -68,6 +68,7 @@ class StickOffer {
   StateRecorder* recorder_;
   StickScans scans_;
   StickJob job_;
+  JobSettings of_scans_;                ///< those of job_, while an archive is chosen, which has none
   std::optional<Proposals> proposals_;  ///< for the job as it is
   bool uploaded_ = false;
   bool wishes_ = false;

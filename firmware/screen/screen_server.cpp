@@ -94,7 +94,7 @@ std::optional<Event> ScreenServer::act(ButtonAct act, const PrinterRecord& recor
     case ButtonAct::kNextScan: choose_next(record, taker); break;
     case ButtonAct::kOpenSettings: view_.settings_open = true; break;
     case ButtonAct::kCloseSettings: view_.settings_open = false; break;
-    case ButtonAct::kNextSetting: view_.setting = (view_.setting + 1) % kSettingRowCount; break;
+    case ButtonAct::kNextSetting: view_.setting = (view_.setting + 1) % setting_rows(record); break;
     case ButtonAct::kChangeSetting:
       // A value that the printer refuses stays as it was: the screen shows the record's.
       static_cast<void>(taker.take(next_value(view_.setting, record, *record.job)));

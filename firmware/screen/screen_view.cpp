@@ -20,7 +20,7 @@ Uses uses_on_scans(const PrinterRecord& record, const ScreenView& view) {
     return {ButtonUse{Words::kDoTake, ButtonAct::kTakeProposal}, ButtonUse{Words::kDoNext, ButtonAct::kNextProposal},
             ButtonUse{Words::kDoBack, ButtonAct::kCloseProposals}};
   }
-  if (view.settings_open && opens_proposals(record, view.setting)) {
+  if (view.settings_open && opens_proposals(view.setting)) {
     return {ButtonUse{Words::kDoOpen, ButtonAct::kOpenProposals}, ButtonUse{Words::kDoNext, ButtonAct::kNextSetting},
             ButtonUse{Words::kDoBack, ButtonAct::kCloseSettings}};
   }
@@ -120,7 +120,7 @@ ScreenView still_open(const PrinterRecord& record, ScreenView view) {
     view.settings_open = false;
   }
   view.asks_to_remove = view.asks_to_remove && view.row == ListRow::kRemove;
-  if (!view.settings_open) view.setting = 0;
+  if (!view.settings_open || !record.job || view.setting >= setting_rows(record)) view.setting = 0;
   if (kind != ScreenKind::kPreview || view.finding >= record.finding_count) view.finding = 0;
   view.prints_open = view.prints_open && kind == ScreenKind::kIdle && kept_prints(record) > 0;
   if (!view.prints_open || view.print >= kept_prints(record)) view.print = 0;

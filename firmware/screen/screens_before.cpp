@@ -129,7 +129,7 @@ void draw_settings(const Sheet& sheet) {
   if (!sheet.record.job) return;
   const PixelBox body = sheet.body();
   const int height = row_height(sheet);
-  for (std::size_t i = 0; i < kSettingRowCount; ++i) {
+  for (std::size_t i = 0; i < setting_rows(sheet.record); ++i) {
     const PixelBox box{body.x, body.y + static_cast<int>(i) * height, body.width, height};
     const SettingRow row = setting_row(i, sheet.record, sheet.language);
     draw_pair(sheet, draw_row(sheet, box, i == sheet.view.setting), sheet.say(row.label), row.value.view(),

@@ -5,14 +5,14 @@
 #include <cmath>
 #include <string_view>
 
+#include "firmware/archive/layer_archive.hpp"
 #include "firmware/screen/screen_parts.hpp"
-#include "firmware/state/command_rules.hpp"
 
 namespace plumbline {
 namespace {
 
 enum class Row : std::uint8_t { kProfile, kHeight, kTurn, kTilt, kUpright, kSupports, kLayerHeight };
-static_assert(static_cast<std::size_t>(Row::kLayerHeight) + 1 == kSettingRowCount);
+static_assert(static_cast<std::size_t>(Row::kLayerHeight) + 1 == kMostSettingRows);
 
 /// Heights of a print, mm: about a quarter more each. Any other one can be set in job.toml or by plumbline ctl.
 constexpr std::array kHeights = {20, 25, 30, 40, 50, 60, 80, 100, 120, 150};
@@ -98,9 +98,11 @@ FixedText<32> decimal(double value, int digits, Language language) {
   return german;
 }
 
-bool opens_proposals(const PrinterRecord& record, std::size_t row) {
-  return static_cast<Row>(row) == Row::kUpright && takes(record, Command::kPropose);
+std::size_t setting_rows(const PrinterRecord& record) {
+  return is_archive_name(record.job->files[0].view()) ? 1 : kMostSettingRows;
 }
+
+bool opens_proposals(std::size_t row) { return static_cast<Row>(row) == Row::kUpright; }
 
 SettingRow setting_row(std::size_t row, const PrinterRecord& record, Language language) {
   const JobRecord& job = *record.job;
@@ -168,10 +170,7 @@ ClientRequest next_value(std::size_t row, const PrinterRecord& record, const Job
       request.key.add("rotate_x_deg");
       request.value.add("%d", next_quarter(job.rotate_x_deg));
       break;
-    case Row::kUpright:
-      request.key.add("orient");
-      request.value.add("%s", job.orient ? "none" : "auto");
-      break;
+    case Row::kUpright: break;
     case Row::kSupports:
       request.key.add("supports");
       request.value.add("%s", !job.supports ? "auto" : *job.supports ? "none" : "");

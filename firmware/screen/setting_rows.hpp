@@ -10,21 +10,24 @@
 
 namespace plumbline {
 
-inline constexpr std::size_t kSettingRowCount = 7;
+/// How many rows a job has: all, or, if it is an archive, only the profile.
+/// @param record  with a job
+std::size_t setting_rows(const PrinterRecord& record);
+inline constexpr std::size_t kMostSettingRows = 7;
 
 struct SettingRow {
   Words label;
   FixedText<64> value;
 };
 
-/// @param row  less than kSettingRowCount
-/// @param record  with a job
+/// @param row  less than setting_rows(record)
 SettingRow setting_row(std::size_t row, const PrinterRecord& record, Language language);
 
 /// Whether a row's values are the best ways up, which are looked at before one is taken.
-bool opens_proposals(const PrinterRecord& record, std::size_t row);
+bool opens_proposals(std::size_t row);
 
 /// The request that gives a row its next value.
+/// @pre !opens_proposals(row)
 ClientRequest next_value(std::size_t row, const PrinterRecord& record, const JobRecord& job);
 
 /// A number with one to three digits behind the point: a comma in German.

@@ -487,6 +487,7 @@ function showSettings() {
       if (!choices.some(([choice]) => choice === String(value))) choices.push([String(value), String(value)]);
       fill(input, choices, () => choices.map(([choice, text]) => element("option", text, {value: choice})));
     }
+    input.parentElement.hidden = name !== "profile" && !state.commands.includes("propose");  // an archive stands as it was sliced
     if (document.activeElement === input && kind === "number") continue;  // somebody is typing
     if (input.value !== String(value)) input.value = value;
   }

@@ -427,7 +427,7 @@ TEST(Screens, TheCardHasEachPatternOfLightsOnce) {
 }
 
 TEST(Screens, EachValueOfASettingFits) {
-  for (std::size_t row = 0; row < kSettingRowCount; ++row) {
+  for (std::size_t row = 0; row < kMostSettingRows; ++row) {
     for (int turns = 0; turns < 12; ++turns) {
       expect_all_fit([&](PrinterRecord& record, ScreenView& view) {
         fill_in(record, kOffered);
