@@ -7,7 +7,7 @@
 
 #include "firmware/io/fixed_text.hpp"
 #include "firmware/io/last_number.hpp"
-#include "firmware/pictures/png_writer.hpp"
+#include "firmware/pictures/reduced_picture.hpp"
 #include "slicer/core/print_grid.hpp"
 #include "slicer/core/printable_text.hpp"
 #include "slicer/reader/stream/words.hpp"
@@ -25,13 +25,22 @@ bool holds(std::string_view name, std::string_view word) {
   return false;
 }
 
+std::string_view file_of(std::string_view name) {
+  const auto slash = name.rfind('/');
+  return slash == std::string_view::npos ? name : name.substr(slash + 1);
+}
+
+/// macOS adds a second, hidden file for each.
+bool is_picture(std::string_view name) { return has_ending(name, ".png") && !file_of(name).starts_with('.'); }
+
+bool is_thumbnail(std::string_view name) {
+  return is_picture(name) && (holds(name, "thumbnail") || holds(name, "preview"));
+}
+
 /// The layer's number in an entry's name; none if the entry is no layer.
 std::optional<std::uint64_t> layer_number(std::string_view name) {
-  if (!has_ending(name, ".png")) return std::nullopt;
-  const auto slash = name.rfind('/');
-  const auto file = slash == std::string_view::npos ? name : name.substr(slash + 1);
-  // macOS adds a second, hidden file for each.
-  if (file.starts_with('.') || holds(name, "thumbnail") || holds(name, "preview")) return std::nullopt;
+  if (!is_picture(name) || is_thumbnail(name)) return std::nullopt;
+  const auto file = file_of(name);
   return last_number(file.substr(0, file.size() - 4));
 }
 
@@ -52,7 +61,14 @@ bool is_archive_name(std::string_view name) {
 }
 
 Expected<LayerArchive> LayerArchive::open(int file, std::string_view name) {
-  auto zip = ZipReader::open(file, PrintableText(name).view());
+  return open(ZipReader::open(file, PrintableText(name).view()));
+}
+
+Expected<LayerArchive> LayerArchive::open(std::span<const std::byte> file, std::string_view name) {
+  return open(ZipReader::open(file, PrintableText(name).view()));
+}
+
+Expected<LayerArchive> LayerArchive::open(Expected<ZipReader> zip) {
   PLUMBLINE_TRY(zip);
   LayerArchive archive(std::move(*zip));
   std::optional<ZipPlace> first, config, prusaslicer;
@@ -60,6 +76,9 @@ Expected<LayerArchive> LayerArchive::open(int file, std::string_view name) {
   PLUMBLINE_TRY(archive.zip_.for_each([&](std::string_view entry, const ZipPlace& place) -> Status {
     if (same_word(entry, "config.ini")) config = place;
     if (same_word(entry, "prusaslicer.ini")) prusaslicer = place;
+    if (is_thumbnail(entry) && archive.thumbnail_count_ < kMostThumbnails) {
+      archive.thumbnails_[archive.thumbnail_count_++] = place;
+    }
     const auto number = layer_number(entry);
     if (!number) return {};
     if (!first || *number < least) {
@@ -84,7 +103,10 @@ Expected<LayerArchive> LayerArchive::open(int file, std::string_view name) {
     const Sl1Settings& s = archive.settings_;
     archive.turn_ = {s.portrait ? !s.mirror_x : s.mirror_x, !s.mirror_y, s.portrait};
   }
-  PLUMBLINE_TRY(archive.read_size(*first));
+  const auto size = archive.read_size(*first, "the first layer");
+  PLUMBLINE_TRY(size);
+  archive.columns_ = archive.turn_.swaps ? size->rows : size->columns;
+  archive.rows_ = archive.turn_.swaps ? size->columns : size->rows;
   return archive;
 }
 
@@ -103,7 +125,7 @@ Status LayerArchive::read_settings(const ZipPlace& place, const char* name) {
   return tl::unexpected<Error>(read.error().with_prefix(zip_.name() + ": " + name));
 }
 
-Status LayerArchive::read_size(const ZipPlace& place) {
+Expected<PngSize> LayerArchive::read_size(const ZipPlace& place, const char* what) {
   PLUMBLINE_TRY(zip_.open_entry(place));
   std::array<std::byte, 33> head = {};  // signature and header of a PNG
   std::size_t filled = 0;
@@ -114,10 +136,8 @@ Status LayerArchive::read_size(const ZipPlace& place) {
     filled += *got;
   }
   const auto size = png_size(std::span(head).first(filled));
-  if (!size) return tl::unexpected<Error>(size.error().with_prefix(zip_.name() + ": the first layer"));
-  columns_ = turn_.swaps ? size->rows : size->columns;
-  rows_ = turn_.swaps ? size->columns : size->rows;
-  return {};
+  if (!size) return tl::unexpected<Error>(size.error().with_prefix(zip_.name() + ": " + what));
+  return *size;
 }
 
 Status LayerArchive::list(std::span<ArchiveLayer> out) {
@@ -139,6 +159,27 @@ Status LayerArchive::list(std::span<ArchiveLayer> out) {
 }
 
 Status LayerArchive::read(const ArchiveLayer& layer, BitImage out) { return decode(zip_, layer, turn_, out); }
+
+Expected<bool> LayerArchive::draw_thumbnail(std::span<std::uint8_t> rgb, const PngSize& wanted) {
+  std::optional<ZipPlace> best;
+  bool best_serves = false;
+  std::uint64_t best_pixels = 0;
+  for (const ZipPlace& place : std::span(thumbnails_).first(thumbnail_count_)) {
+    const auto size = read_size(place, "a thumbnail");
+    if (!size) continue;
+    const bool serves = size->columns >= wanted.columns && size->rows >= wanted.rows;
+    const std::uint64_t pixels = std::uint64_t{size->columns} * size->rows;
+    const bool better = serves != best_serves ? serves : serves ? pixels < best_pixels : pixels > best_pixels;
+    if (best && !better) continue;
+    best = place;
+    best_serves = serves;
+    best_pixels = pixels;
+  }
+  if (!best) return false;
+  PLUMBLINE_TRY(zip_.open_entry(*best));
+  PLUMBLINE_TRY(decode_reduced([this](std::span<std::byte> buffer) { return zip_.read(buffer); }, rgb, wanted));
+  return true;
+}
 
 Status read_archive_layer(int file, std::string_view name, const ArchiveLayer& layer, const MaskTurn& turn,
                           BitImage out) {

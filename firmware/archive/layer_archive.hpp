@@ -1,6 +1,7 @@
 #pragma once
 /// The layers in an archive of a sliced print: .sl1, .sl1s, or a zip of numbered PNG files.
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -9,6 +10,7 @@
 #include "firmware/archive/sl1_settings.hpp"
 #include "firmware/archive/zip_reader.hpp"
 #include "firmware/pictures/mask_decoder.hpp"
+#include "firmware/pictures/png_writer.hpp"
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/error.hpp"
 
@@ -33,6 +35,8 @@ class LayerArchive {
   /// @retval ErrorCode::kNoPoints    no layer, or more than PrintGrid::kMaxLayers
   /// @retval ErrorCode::kMalformed   settings that read_sl1_settings() refuses, or a first layer that is no PNG
   [[nodiscard]] static Expected<LayerArchive> open(int file, std::string_view name);
+  /// The same for a file in memory, which must outlive the archive.
+  [[nodiscard]] static Expected<LayerArchive> open(std::span<const std::byte> file, std::string_view name);
 
   std::uint32_t layers() const { return layers_; }
   std::uint32_t columns() const { return columns_; }  ///< pixels along x of the plate
@@ -48,15 +52,26 @@ class LayerArchive {
   /// @retval any error of decode_turned_mask(), with the names of the archive and the layer
   [[nodiscard]] Status read(const ArchiveLayer& layer, BitImage out);
 
+  /// Draws the thumbnail or preview that the archive's slicer has put in: of those that are as large as `wanted`, the smallest, else the
+  /// largest. Looks at the first kMostThumbnails.
+  /// @param rgb  as that of decode_reduced()
+  /// @returns false: there is none
+  /// @retval any error of ZipReader and decode_reduced()
+  [[nodiscard]] Expected<bool> draw_thumbnail(std::span<std::uint8_t> rgb, const PngSize& wanted);
+  static constexpr std::size_t kMostThumbnails = 8;
+
  private:
   explicit LayerArchive(ZipReader zip) : zip_(std::move(zip)) {}
+  [[nodiscard]] static Expected<LayerArchive> open(Expected<ZipReader> zip);
   [[nodiscard]] Status read_settings(const ZipPlace& place, const char* name);
-  [[nodiscard]] Status read_size(const ZipPlace& place);
+  [[nodiscard]] Expected<PngSize> read_size(const ZipPlace& place, const char* what);
 
   ZipReader zip_;
   Sl1Settings settings_;
   MaskTurn turn_;
   std::uint32_t layers_ = 0, columns_ = 0, rows_ = 0;
+  std::array<ZipPlace, kMostThumbnails> thumbnails_{};
+  std::size_t thumbnail_count_ = 0;
 };
 
 /// Reads one layer of an archive that LayerArchive has opened before.

@@ -19,6 +19,12 @@ voidpf open_it(voidpf opaque, const void* /*name*/, int /*mode*/) { return opaqu
 
 uLong read_it(voidpf opaque, voidpf /*stream*/, void* to, uLong size) {
   ZipHandle& handle = handle_of(opaque);
+  if (handle.file < 0) {
+    const auto part = handle.memory.subspan(handle.at, std::min<std::size_t>(size, handle.memory.size() - handle.at));
+    std::copy(part.begin(), part.end(), static_cast<std::byte*>(to));
+    handle.at += part.size();
+    return static_cast<uLong>(part.size());
+  }
   uLong filled = 0;
   while (filled < size) {
     const ssize_t got = ::read(handle.file, static_cast<std::byte*>(to) + filled, size - filled);
@@ -47,6 +53,7 @@ uLong write_it(voidpf opaque, voidpf /*stream*/, const void* from, uLong size) {
 
 ZPOS64_T tell_it(voidpf opaque, voidpf /*stream*/) {
   ZipHandle& handle = handle_of(opaque);
+  if (handle.file < 0) return handle.at;
   const off_t at = ::lseek(handle.file, 0, SEEK_CUR);
   if (at < 0) note(handle);
   return static_cast<ZPOS64_T>(std::max<off_t>(at, 0));
@@ -54,6 +61,13 @@ ZPOS64_T tell_it(voidpf opaque, voidpf /*stream*/) {
 
 long seek_it(voidpf opaque, voidpf /*stream*/, ZPOS64_T offset, int origin) {
   ZipHandle& handle = handle_of(opaque);
+  if (handle.file < 0) {
+    const std::size_t size = handle.memory.size();
+    const ZPOS64_T from = origin == ZLIB_FILEFUNC_SEEK_SET ? 0 : origin == ZLIB_FILEFUNC_SEEK_CUR ? handle.at : size;
+    if (offset > size - from) return -1;  // as lseek() behind the end, whose read() then finds nothing
+    handle.at = static_cast<std::size_t>(from + offset);
+    return 0;
+  }
   const int from = origin == ZLIB_FILEFUNC_SEEK_SET ? SEEK_SET : origin == ZLIB_FILEFUNC_SEEK_CUR ? SEEK_CUR : SEEK_END;
   if (::lseek(handle.file, static_cast<off_t>(offset), from) >= 0) return 0;
   if (errno != EINVAL) note(handle);  // a place that an archive made up

@@ -1,13 +1,18 @@
 #pragma once
-/// How minizip reaches a file: by plain system calls on a descriptor, whose error is kept.
+/// How minizip reaches a file: by plain system calls on a descriptor, whose error is kept, or in memory.
 
 #include <minizip/ioapi.h>
+
+#include <cstddef>
+#include <span>
 
 namespace plumbline {
 
 struct ZipHandle {
-  int file = -1;   ///< a descriptor
-  int reason = 0;  ///< errno of the first call that failed; 0: none did
+  int file = -1;                      ///< a descriptor; below 0: the file is in `memory`, and only read
+  int reason = 0;                     ///< errno of the first call that failed; 0: none did
+  std::span<const std::byte> memory;  ///< the whole file
+  std::size_t at = 0;                 ///< the place in it
 };
 
 /// @param handle  must outlive what uses the calls; closing the archive leaves its file open

@@ -15,10 +15,17 @@
 namespace plumbline {
 
 Expected<ZipReader> ZipReader::open(int file, std::string_view name) {
+  return open(ZipHandle{.file = file, .memory = {}}, name);
+}
+
+Expected<ZipReader> ZipReader::open(std::span<const std::byte> file, std::string_view name) {
+  return open(ZipHandle{.file = -1, .memory = file}, name);
+}
+
+Expected<ZipReader> ZipReader::open(const ZipHandle& handle, std::string_view name) {
   ZipReader reader;
   reader.name_ = name;
-  reader.handle_ = std::make_unique<ZipHandle>();
-  reader.handle_->file = file;
+  reader.handle_ = std::make_unique<ZipHandle>(handle);
   zlib_filefunc64_def calls = zip_calls(*reader.handle_);
   reader.zip_ = ::unzOpen2_64("", &calls);
   if (reader.zip_ == nullptr) return reader.broken(UNZ_BADZIPFILE);

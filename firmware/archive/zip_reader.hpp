@@ -31,6 +31,8 @@ class ZipReader {
   /// @retval ErrorCode::kUnsupported  more than kMostEntries
   /// @retval ErrorCode::kCannotRead, kOutOfMemory
   [[nodiscard]] static Expected<ZipReader> open(int file, std::string_view name);
+  /// The same for a file in memory, which must outlive the reader.
+  [[nodiscard]] static Expected<ZipReader> open(std::span<const std::byte> file, std::string_view name);
   ZipReader(ZipReader&& other) noexcept;
   ZipReader& operator=(ZipReader&&) = delete;
   ~ZipReader();
@@ -52,6 +54,7 @@ class ZipReader {
 
  private:
   ZipReader() = default;
+  [[nodiscard]] static Expected<ZipReader> open(const ZipHandle& handle, std::string_view name);
   tl::unexpected<Error> broken(int code) const;
 
   std::string name_;

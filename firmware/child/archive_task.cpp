@@ -3,11 +3,13 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include "firmware/child/given_file.hpp"
 #include "firmware/child/rights.hpp"
 #include "firmware/child/scan_task.hpp"
 #include "firmware/child/shared_progress.hpp"
 #include "firmware/pictures/issue_picture.hpp"
 #include "firmware/pictures/side_pictures.hpp"
+#include "firmware/print/archive_glance.hpp"
 #include "firmware/print/sliced_archive.hpp"
 #include "firmware/settings/job_options.hpp"
 
@@ -76,19 +78,47 @@ Status decode(SharedMemory& memory) {
   return {};
 }
 
+/// Opens an archive where it is, or, if it comes through a pipe, when all of it is in the arena.
+Expected<LayerArchive> open_given(const ScanRequest& request, Arena& arena) {
+  const auto name = request.name.view();
+  if (::lseek(STDIN_FILENO, 0, SEEK_CUR) >= 0) return LayerArchive::open(STDIN_FILENO, name);
+  GivenFile file(STDIN_FILENO, request.file[0]);
+  const auto room = arena.take_top<std::byte>(static_cast<std::size_t>(file.size().value_or(0)), "archive");
+  PLUMBLINE_TRY(room);
+  std::size_t filled = 0;
+  while (filled < room->size()) {
+    const auto got = file.read(room->subspan(filled));
+    PLUMBLINE_TRY(got);
+    if (*got == 0) break;
+    filled += *got;
+  }
+  return LayerArchive::open(std::span<const std::byte>(room->first(filled)), name);
+}
+
+Status glance_at_archive(SharedMemory& memory) {
+  MessagePage& page = memory.page();
+  Arena arena(memory.arena());
+  auto archive = open_given(page.request, arena);
+  PLUMBLINE_TRY(archive);
+  PLUMBLINE_TRY(draw_archive_picture(*archive, *page.request.settings.placement.printer, arena, page.glance));
+  page.answer.kind = ScanAnswer::kGlance;
+  return {};
+}
+
 }  // namespace
 
 void run_archive_task(SharedMemory& memory, std::uint32_t threads) {
   MessagePage& page = memory.page();
   const ArchiveRequest& request = page.request.archive;
   const bool one = request.ask == ArchiveRequest::Ask::kLayer;
+  const bool looks = request.ask == ArchiveRequest::Ask::kGlance;
   if (!one) start_threads(threads);
   // The firmware is printing from the arena.
   if (one && ::mprotect(memory.arena().data(), static_cast<std::size_t>(request.mask_at), PROT_READ) != 0) {
     return refuse_without_filter(page.answer);
   }
   if (!filter_system_calls()) return refuse_without_filter(page.answer);
-  const Status done = one ? decode(memory) : check(memory);
+  const Status done = one ? decode(memory) : looks ? glance_at_archive(memory) : check(memory);
   if (!done) hand_back_error(done.error(), page.answer);
 }
 

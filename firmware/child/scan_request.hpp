@@ -21,6 +21,7 @@ struct ArchiveRequest {
     kNothing,  ///< it is no archive
     kCheck,    ///< look through all of it
     kLayer,    ///< decode one layer
+    kGlance,   ///< draw a small picture
   };
   Ask ask = Ask::kNothing;
   ArchiveLayer layer;  ///< kLayer
@@ -39,7 +40,7 @@ struct RequestedFile {
 struct ScanRequest {
   bool is_job_file = false;  ///< only the file counts
   bool proposes = false;     ///< only the best ways up are wanted. The rotation about x and about y is not used
-  bool is_glance = false;    ///< only a picture of the scan is wanted
+  bool is_glance = false;    ///< only a small picture of the scan is wanted; of an archive, ArchiveRequest says so
   FixedText<256> name;       ///< for messages
   std::array<RequestedFile, kMostScans> file;
   std::uint32_t file_count = 0;

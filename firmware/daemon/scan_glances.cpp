@@ -22,7 +22,8 @@ bool ScanGlances::step() {
   }
   const auto ended = child_.wait(std::chrono::milliseconds(0));
   if (ended && !*ended) {
-    if (HostClock::now() - began_at_ > kPatience && !std::exchange(killed_, true)) child_.kill();
+    const auto patience = settings_.slicing_patience / 2;
+    if (HostClock::now() - began_at_ > patience && !std::exchange(killed_, true)) child_.kill();
     return true;
   }
   works_ = false;
@@ -37,15 +38,22 @@ bool ScanGlances::step() {
 /// @returns whether a child works
 bool ScanGlances::begin(std::size_t scan) {
   const ScanRecord& known = record_.scans[scan];
-  if (known.picture > 0 || !known.problem.view().empty() || known.bytes > kMostBytes) return false;
+  if (known.picture > 0 || !known.problem.view().empty()) return false;
   StickJob job;
   job.scans = offer_.files_of(scan);
-  if (is_archive_name(job.scans[0])) return false;
+  // Of an archive only the directory and a picture, or some layers, are read.
+  const bool is_archive = is_archive_name(job.scans[0]);
+  if (!is_archive && known.bytes > kMostBytes) return false;
   auto files = open_scan(job, mount_);
   if (!files) return false;
   files_ = std::move(*files);
   ScanRequest request;
-  request.is_glance = true;
+  if (is_archive) {
+    request.archive.ask = ArchiveRequest::Ask::kGlance;
+    request.settings.placement.printer = printer_volume(settings_.board);
+  } else {
+    request.is_glance = true;
+  }
   request.name.add("%s", job.title().c_str());
   for (const StickFile& file : files_) request.add_file(file.name(), file.size());
   request.settings.threads = settings_.threads;

@@ -15,13 +15,12 @@
 
 namespace plumbline {
 
-/// Draws what is on a stick while somebody chooses: a small picture of each scan, one after the other, each in a child without rights.
+/// Draws what is on a stick while somebody chooses: a small picture of each scan and archive, one after the other, each in a child without
+/// rights. A child that takes longer than half of DaemonSettings::slicing_patience is killed.
 class ScanGlances {
  public:
-  /// Of all files of a scan: reading more takes too long. Larger ones have no picture.
+  /// Of all files of a scan, but not of an archive: reading more takes too long. Larger ones have no picture.
   static constexpr std::uint64_t kMostBytes = 256'000'000;
-  /// A child that takes longer is killed.
-  static constexpr std::chrono::seconds kPatience{60};
 
   /// All must outlive it. No other child runs while it works.
   ScanGlances(const StickMount& mount, const StickOffer& offer, const PrinterRecord& record, SlicingChild& child,

@@ -1,19 +1,13 @@
 #pragma once
-/// Decodes a mask from a PNG row by row, in memory that depends on the panel's width only. By libspng: lodepng needs room for the whole
-/// file and for a byte a pixel, from a heap that can't be replaced.
+/// Decodes a mask from a PNG row by row.
 
-#include <cstddef>
 #include <cstdint>
-#include <span>
 
+#include "firmware/pictures/png_rows.hpp"
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/error.hpp"
-#include "slicer/core/function_ref.hpp"
 
 namespace plumbline {
-
-/// Hands out the next bytes of a PNG file. @returns as ByteSource::read()
-using PngBytes = FunctionRef<Expected<std::size_t>(std::span<std::byte>)>;
 
 /// Where the pixels of a file lie on the plate.
 struct MaskTurn {

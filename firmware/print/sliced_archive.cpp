@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "firmware/io/mask_hash.hpp"
-#include "firmware/pictures/side_pictures.hpp"
+#include "firmware/print/layer_crossings.hpp"
 #include "firmware/slice/issue_report.hpp"
 #include "slicer/checks/stack_checker.hpp"
 #include "slicer/core/printable_text.hpp"
@@ -15,53 +15,6 @@
 
 namespace plumbline {
 namespace {
-
-/// Collects the pixels that differ from the layer below, as long as there is room.
-class Crossings {
- public:
-  /// Takes what the arena has left at its bottom, but for the pictures' own room.
-  static Crossings make(const PrintGrid& grid, Arena& arena) {
-    Crossings all;
-    const std::size_t pictures = std::max(preview_picture_bytes(grid), side_pictures_bytes(grid)) +
-                                 2 * BitImage::words_needed(grid.columns, grid.rows) * sizeof(std::uint64_t);
-    const auto first = arena.take_bottom<std::uint32_t>(std::size_t{grid.layers} + 1, "preview");
-    if (!first || arena.available() <= pictures) return all;
-    const auto pixel =
-        arena.take_bottom<std::uint32_t>((arena.available() - pictures) / sizeof(std::uint32_t), "preview");
-    if (!pixel) return all;
-    all.first_ = *first;
-    all.pixel_ = *pixel;
-    all.first_[0] = 0;
-    all.fits_ = true;
-    return all;
-  }
-
-  void next(std::uint32_t layer, ConstBitImage mask, BitImage below) {
-    for (std::uint32_t r = 0; r < mask.rows() && fits_; ++r) {
-      const auto now = mask.row(r);
-      const auto before = below.row(r);
-      for (std::size_t w = 0; w < now.size(); ++w) {
-        for (std::uint64_t rest = now[w] ^ before[w]; rest != 0 && fits_; rest &= rest - 1) {
-          fits_ = count_ < pixel_.size();
-          if (!fits_) break;
-          const auto column = static_cast<std::uint32_t>(64 * w) + static_cast<std::uint32_t>(std::countr_zero(rest));
-          pixel_[count_++] = r * mask.columns() + column;
-        }
-      }
-    }
-    if (fits_) first_[layer + 1] = static_cast<std::uint32_t>(count_);
-  }
-
-  RRep rrep(const PrintGrid& grid) const {
-    if (!fits_) return {};
-    return {.grid = grid, .first = first_, .pixel = pixel_.first(count_), .is_exact = true};
-  }
-
- private:
-  std::span<std::uint32_t> first_, pixel_;
-  std::size_t count_ = 0;
-  bool fits_ = false;
-};
 
 Status check_layers(LayerArchive& archive, const CheckLimits& limits, SlicedArchive& sliced,
                     std::span<ArchiveLayer> layers, Arena& arena, ProgressSink* progress) {
@@ -76,7 +29,7 @@ Status check_layers(LayerArchive& archive, const CheckLimits& limits, SlicedArch
   below.clear();
   auto checker = StackChecker::create(grid, limits, arena);
   PLUMBLINE_TRY(checker);
-  Crossings crossings = Crossings::make(grid, arena);
+  LayerCrossings crossings = LayerCrossings::make(grid, arena);
   for (std::uint32_t layer = 0; layer < grid.layers; ++layer) {
     if (progress != nullptr && !progress->advance(Stage::kLayers, static_cast<double>(layer) / grid.layers)) {
       return fail(ErrorCode::kCancelled, "stopped while the layers were checked, at layer %u of %u", layer,

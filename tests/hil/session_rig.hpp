@@ -82,6 +82,7 @@ class ScriptedUser final : public DaemonObserver {
     if (on_slicing) on_slicing();
   }
   void idle() override {
+    if (on_idle) on_idle();
     if (!todo_.empty() && ++waited_ > kTurnsToAct) {
       for (const auto& action : std::exchange(todo_, {})) action();
     }
@@ -91,6 +92,7 @@ class ScriptedUser final : public DaemonObserver {
   std::multimap<std::string, std::function<void()>> on_words;
   std::function<void()> on_printed;
   std::function<void()> on_slicing;  ///< at every look at the child
+  std::function<void()> on_idle;     ///< at every turn of a printer at rest
   std::vector<std::string> said;
   std::vector<PrintState> states;
   std::vector<PrintReport> reports;

@@ -139,6 +139,67 @@ TEST_F(SlicingChildren, EndWhenCancelIsPressed) {
   EXPECT_TRUE(rig.user.reports.empty());
 }
 
+/// A name says what the child does about a picture of it.
+void misbehave_at_a_glance(SharedMemory& memory, std::uint32_t threads) {
+  MessagePage& page = memory.page();
+  const std::string name(page.request.name.view());
+  const bool looks = page.request.is_glance || page.request.archive.ask == ArchiveRequest::Ask::kGlance;
+  const auto does = [&](const char* deed) { return looks && name.find(deed) != std::string::npos; };
+  if (does("crashes")) __builtin_trap();
+  if (does("hangs")) hang(0);
+  run_stick_task(memory, threads);
+  if (does("says larger")) page.glance.columns = page.glance.rows = UINT32_MAX;
+  if (does("says longer")) page.glance.rows = ScanPicture::kMostRows + 1;
+  if (does("says nothing")) page.glance.clear();
+  if (does("says other")) page.answer.kind = ScanAnswer::kSliced;
+  if (does("breaks")) __builtin_trap();
+}
+
+TEST_F(SlicingChildren, ThatFailAtAGlanceCostOnlyThePictureOfTheirFile) {
+  DaemonRig rig(session_plant(), std::size_t{24} << 20U, misbehave_at_a_glance);
+  rig.start = StartChoice::kOnRequest;
+  rig.patience = 600ms;
+  const std::vector<std::string> bad = {"1 crashes.ply",     "2 hangs.ply",        "3 says larger.ply",
+                                        "4 says longer.ply", "5 says nothing.ply", "6 says other.ply",
+                                        "7 breaks.ply",      "8 crashes.sl1",      "9 hangs.sl1"};
+  const auto after = [](const std::string& name) { return name.substr(0, 1) + " then a good one.ply"; };
+  for (const std::string& name : bad) {
+    rig.put_scan(name);
+    rig.put_scan(after(name));
+  }
+  rig.plant.plug_stick(rig.stick());
+  const auto has_picture = [&](const std::string& name) {
+    return std::ranges::any_of(rig.record.scans,
+                               [&](const ScanRecord& scan) { return scan.name.view() == name && scan.picture > 0; });
+  };
+  const auto end = std::chrono::steady_clock::now() + 60s;
+  rig.user.on_idle = [&] {
+    const bool all = std::ranges::all_of(bad, [&](const auto& name) { return has_picture(after(name)); });
+    rig.user.idle_turns = 0;  // a child takes this machine's time, not the printer's
+    if (all || std::chrono::steady_clock::now() > end) rig.plant.press(EventKind::kShutdownRequested);
+  };
+  ASSERT_TRUE(rig.run());
+  EXPECT_EQ(rig.record.scan_count, 2 * bad.size() + 1) << "the good ones may be parts of one";
+  for (const std::string& name : bad) {
+    EXPECT_FALSE(has_picture(name)) << name;
+    EXPECT_TRUE(has_picture(after(name))) << name;
+  }
+  EXPECT_TRUE(rig.user.reports.empty());
+}
+
+TEST_F(SlicingChildren, ThatLookAtAScanMakeWayForAPrint) {
+  const auto expected = undisturbed_masks();
+  DaemonRig rig(session_plant(), std::size_t{24} << 20U, misbehave_at_a_glance);
+  rig.start = StartChoice::kOnRequest;
+  rig.put_scan("hangs.ply");
+  rig.plant.plug_stick(rig.stick());
+  rig.user.on_words.emplace("Press start to print it", [&] { rig.plant.press(EventKind::kStartPressed); });
+  rig.user.on_printed = [&] { rig.plant.press(EventKind::kShutdownRequested); };
+  ASSERT_TRUE(rig.run());
+  ASSERT_EQ(rig.user.hashes.size(), 1U);
+  EXPECT_EQ(rig.user.hashes[0], expected);
+}
+
 TEST_F(SlicingChildren, ThatCanNotBeStartedAnyMoreEndTheDaemonWithWords) {
   DaemonRig rig;
   rig.put_scan("ball.ply");
