@@ -7,11 +7,13 @@ import os
 import shutil
 import socket
 import subprocess
+import threading
 import time
 import unittest
 
-from case import main, write_sphere
+from case import PLUMBLINE, main, write_sphere
 from page_client import PAGE, PagePrinter
+from state_client import Client
 
 CODE = "the code for a browser is "
 
@@ -329,6 +331,60 @@ class Page(PagePrinter):
         self.post("/command", {"do": "plate-empty"}, headers=token)
         idle = until(lambda s: s["state"] == "idle" and s["commands"])
         self.assertEqual((idle["commands"], self.stored()), (["offer"], []))
+
+    def crowd(self, stop, asked):
+        """Seven followers, a page that reads on, and two clients that ask for pictures, until `stop` is set."""
+        followers = [subprocess.Popen([PLUMBLINE, "status", "--follow", "--json", "--socket", self.path], stdout=subprocess.DEVNULL)
+                     for _ in range(7)]
+        until = self.events()
+
+        def ask():
+            client = Client(self, self.commands)
+            names = [{"picture": "scan", "scan": 1}, {"picture": "scan", "scan": 2}, {"picture": "side", "side": 3},
+                     {"picture": "layer"}, {"picture": "preview"}, {"picture": "coverage"}]
+            while not stop.is_set():
+                reply = client.ask("picture", **names[len(asked) % len(names)])
+                asked.append(reply["ok"])
+
+        askers = [threading.Thread(target=ask) for _ in range(2)]
+        for thread in askers:
+            thread.start()
+        until(lambda s: stop.is_set())
+        for thread in askers:
+            thread.join()
+        for process in followers:
+            process.kill()
+            process.wait()
+
+    def test_screen_page_followers_and_pictures_make_no_mask_late(self):
+        # The printer's own exposures, forty times as fast; a few layers are enough.
+        board = self.page_board("local", start="on_request")
+        _, user = self.start("--screen", self.dir / "screen", speedup=40, printer=board)
+        self.start_page()
+        self.put_stick({"a.ply": 1, "b.ply": 1})
+        slack, asked = [], []
+        for crowded in (False, True):
+            user.until(lambda s: s["state"] == "offered" and all(scan["picture"] for scan in s["stick"]["scans"]), "all pictures")
+            user.do("set", key="supports", value="none")
+            user.do("set", key="layer_height", value=0.1)
+            stop = threading.Event()
+            crowd = threading.Thread(target=self.crowd, args=(stop, asked))
+            if crowded:
+                crowd.start()
+            user.do("start")
+            user.state("printing")
+            done = user.state("plate in use", "plate-empty")
+            stop.set()
+            report = json.loads((self.folder / "report.json").read_text())
+            self.assertEqual((done["job"]["result"], report["late_masks"]), ("finished", 0))
+            slack.append(report["masks"]["smallest_slack_s"])
+            user.do("plate-empty")
+            if crowded:
+                crowd.join()
+        self.assertGreater(sum(asked), 20)
+        shortest = min(exposure["asked_s"] for exposure in report["exposures"])
+        print(f"smallest slack: {slack[0]:.4f} s alone, {slack[1]:.4f} s with {sum(asked)} pictures, of exposures of {shortest} s")
+        self.assertGreater(slack[1], shortest / 2)
 
     def test_a_large_upload_takes_no_memory(self):
         self.start(printer=self.page_board("local"))

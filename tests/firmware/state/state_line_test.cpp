@@ -44,6 +44,7 @@ std::unique_ptr<PrinterRecord> longest_record() {
     scan.told = longest_told();
     scan.bytes = ~std::uint64_t{0};
     scan.files = 64;
+    scan.picture = ~std::uint32_t{0};
   }
   UploadRecord& upload = record->upload.emplace();
   upload.number = ~std::uint32_t{0};
