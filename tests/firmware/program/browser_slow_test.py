@@ -10,6 +10,7 @@ import unittest
 from pathlib import Path
 
 from case import main, write_sphere
+from glances_test import LAYER, RED, archive_of, rgb_png
 from page_client import PagePrinter
 from web_driver import CHROMIUM, DRIVER, ENTER, ESCAPE, RIGHT, TAB, Browser
 
@@ -135,10 +136,11 @@ class BrowserTest(PagePrinter):
         self.pair()
         self.until_state("idle")
         self.look("idle")
-        self.put_stick({"bust <b>1.ply": 2.0, "gear.ply": 3.0, "empty.xyz": b""})
+        archive = archive_of(self.dir / "made.zip", {"1.png": LAYER, "thumbnail/thumbnail400x400.png": rgb_png(400, 400, RED)})
+        self.put_stick({"bust <b>1.ply": 2.0, "gear.ply": 3.0, "empty.xyz": b"", "part.sl1": archive})
         self.until_state("offered")
         names = browser.run("return [...document.querySelectorAll('#scans li')].map((e) => e.innerText.replace(/\\s+/g, ' '))")
-        self.assertEqual(len(names), 3)
+        self.assertEqual(len(names), 4)
         self.assertIn("bust <b>1.ply", names[0])
         self.assertIn("the file is empty", names[1])
         # Another scan and its settings, by keyboard.
@@ -148,9 +150,17 @@ class BrowserTest(PagePrinter):
         browser.until(f"return !{image}.hidden && {image}.complete && {image}.naturalWidth === 64", "its picture")
         self.assertTrue(browser.run(f"return document.activeElement === {line}"), "the line was drawn anew")
         browser.run("document.activeElement.blur()")
+        # An archive has its slicer's thumbnail, and of the settings only the profile.
+        browser.until("const i = document.querySelector('#scans li:nth-child(4) img'); return !i.hidden && i.complete && i.naturalWidth === 64", "a thumbnail")
+        shown = "[...document.querySelectorAll('#form select, #form input')].filter((e) => e.checkVisibility()).map((e) => e.id)"
+        self.assertEqual(len(browser.run(f"return {shown}")), 6)
+        browser.click("#scans li:nth-child(4) button")
+        browser.until(f"return {shown}.join() === 'set-profile'", "the profile alone")
+        self.look("archive")
         self.tab_to("#scans li:nth-child(3) button")
         browser.press(ENTER)
         browser.until("return document.querySelector('#scans li:nth-child(3) button').ariaPressed === 'true'", "the third scan")
+        browser.until(f"return {shown}.length === 6", "all settings")
         self.tab_to("#set-height")
         browser.type("#set-height", "5")
         browser.press(TAB)

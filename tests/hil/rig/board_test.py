@@ -8,7 +8,10 @@ This machine runs only when the host gives it time, so these tests judge no mill
 
 import json
 import re
+import struct
 import time
+import zipfile
+import zlib
 
 import guest
 import rig
@@ -17,6 +20,16 @@ from printer import LAMP
 # System calls that take memory, as the trace names them; mmap has another name on 32 bits.
 MEMORY_CALLS = "events/syscalls/sys_enter_brk events/syscalls/sys_enter_mmap* events/syscalls/sys_enter_mremap"
 OURS_TAKES = r"^ *(plumbline|libusb).*: sys_(brk|mmap|mremap)"
+
+
+def grey_png(columns, rows):
+    """A grey picture."""
+    def chunk(kind, body):
+        return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
+
+    header = struct.pack(">IIBBBBB", columns, rows, 8, 0, 0, 0, 0)
+    pixels = zlib.compress((b"\0" + b"\x90" * columns) * rows)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", pixels) + chunk(b"IEND", b"")
 
 
 class Board(rig.Rig):
@@ -77,10 +90,24 @@ class Board(rig.Rig):
                           f" for call in {MEMORY_CALLS}; do echo 1 > $call/enable; done")
         self.start_daemon()
         self.run_in_guest("echo from here on > /sys/kernel/tracing/trace_marker")
-        locked = self.daemon_status("VmLck")
-        stick = self.dir / "reports.img"
-        guest.make_stick(stick, [self.scan], folders=["plumbline-reports"])
+        sizes = ("VmLck", "VmData", "VmRSS")
+        at_ready = {name: self.daemon_status(name) for name in sizes}
+        self.tell(f"at ready: {at_ready}")
+        # Several scans and an archive are offered, each with a picture, and the first one is printed.
+        stick, second, archive = self.dir / "reports.img", self.dir / "second.ply", self.dir / "third.sl1"
+        rig.write_lentil(second, points=20_000)
+        with zipfile.ZipFile(archive, "w") as written:
+            for name, side in (("part1.png", 480), ("thumbnail/thumbnail400x400.png", 400)):
+                written.writestr(name, grey_png(640 if side == 480 else side, side))
+        guest.make_stick(stick, [self.scan, second, archive], folders=["plumbline-reports"])
         self.plug(stick, writable=True)
+        self.until("scan 1 of 3")
+        end = time.monotonic() + rig.PATIENCE
+        while self.run_in_guest("plumbline status --json | grep -o '\"picture\": [0-9]' | wc -l").strip() != "3":
+            self.assertLess(time.monotonic(), end, self.run_in_guest("plumbline status --json"))
+        self.assertEqual({name: self.daemon_status(name) for name in sizes[:2]}, {name: at_ready[name] for name in sizes[:2]})
+        self.tell(f"with pictures of the scans: {self.daemon_status('VmRSS')}")
+        self.press_start_until("reading lentil.ply")
         self.prints()
         self.until("of the last prints are on the stick now")
         self.assertEqual(self.stick_files(), 0, "nothing stays mounted")
@@ -94,7 +121,7 @@ class Board(rig.Rig):
         for call in ("sys_brk", "sys_mmap"):
             self.assertTrue(any(call in line for line in before), f"{call} at the start: {before}")
         self.assertEqual(after, [])
-        self.assertEqual(self.daemon_status("VmLck"), locked)
+        self.assertEqual({name: self.daemon_status(name) for name in sizes[:2]}, {name: at_ready[name] for name in sizes[:2]})
         self.tell(f"resident at most: {self.daemon_status('VmHWM')}")
 
     def test_setup_lists_what_the_board_has(self):
