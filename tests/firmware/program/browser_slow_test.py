@@ -60,6 +60,9 @@ class BrowserTest(PagePrinter):
             small = self.browser.run("""return [...document.querySelectorAll('button, select, input')]
                 .filter((e) => e.checkVisibility() && e.getBoundingClientRect().height < 44).map((e) => e.outerHTML)""")
             self.assertEqual(small, [], "too small for a finger")
+            # Regression: a scan without a picture showed a broken one.
+            unhidden = self.browser.run("return [...document.querySelectorAll('[hidden]')].filter((e) => e.checkVisibility()).map((e) => e.outerHTML)")
+            self.assertEqual(unhidden, [], "a style shows what is hidden")
             if folder := os.environ.get("PLUMBLINE_LOOK_AT"):
                 (Path(folder) / f"page-{name}-{columns}.png").write_bytes(self.browser.picture())
         part = "dialog[open]" if self.browser.run("return Boolean(document.querySelector('dialog[open]'))") else "body"
