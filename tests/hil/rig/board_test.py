@@ -19,7 +19,8 @@ from printer import LAMP
 
 # System calls that take memory, as the trace names them; mmap has another name on 32 bits.
 MEMORY_CALLS = "events/syscalls/sys_enter_brk events/syscalls/sys_enter_mmap* events/syscalls/sys_enter_mremap"
-OURS_TAKES = r"^ *(plumbline|libusb).*: sys_(brk|mmap|mremap)"
+# By whichever process of the daemon; `plumbline` itself is only asked for the state.
+OURS_TAKES = r"^ *(plumbline(?!-\d+ )|libusb).*: sys_(brk|mmap|mremap)"
 
 
 def grey_png(columns, rows):
