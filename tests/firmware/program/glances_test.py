@@ -11,7 +11,7 @@ import zipfile
 import zlib
 
 from case import SIM2K, main, write_sphere
-from screen_test import rgb_rows
+from rgb_picture import rgb_rows
 from sliced_test import png
 from state_client import Client, StatePrinter
 

@@ -9,6 +9,7 @@ This machine runs only when the host gives it time, so these tests judge no mill
 import json
 import re
 import struct
+import sys
 import time
 import zipfile
 import zlib
@@ -16,6 +17,9 @@ import zlib
 import guest
 import rig
 from printer import LAMP
+
+sys.path.append(str(guest.SOURCE / "tests/firmware/program"))
+from rgb_picture import rgb_rows  # noqa: E402
 
 # System calls that take memory, as the trace names them; mmap has another name on 32 bits.
 MEMORY_CALLS = "events/syscalls/sys_enter_brk events/syscalls/sys_enter_mmap* events/syscalls/sys_enter_mremap"
@@ -35,6 +39,7 @@ def grey_png(columns, rows):
 
 class Board(rig.Rig):
     PROGRAMS = ("firmware/plumbline",)
+    SCREEN = 320, 240
     maxDiff = None
 
     @classmethod
@@ -124,6 +129,30 @@ class Board(rig.Rig):
         self.assertEqual(after, [])
         self.assertEqual({name: self.daemon_status(name) for name in sizes[:2]}, {name: at_ready[name] for name in sizes[:2]})
         self.tell(f"resident at most: {self.daemon_status('VmHWM')}")
+
+    def test_its_screen_shows_what_the_golden_pictures_show(self):
+        self.start_daemon()
+        self.until_shown("idle")
+        self.plug(self.stick)
+        self.until_lit(3)
+        self.until_shown("printing")
+        self.prints()
+        self.until_shown("finished")
+
+    def until_shown(self, name):
+        """Waits until the screen has the title of a golden picture, but for the printer's name."""
+        wide, high = 3 * 200, 34  # bytes, rows
+        rows_of_it = rgb_rows(guest.SOURCE / f"tests/firmware/screen/golden/{name}-320.png", high)[1]
+        golden = b"".join(row[:wide] for row in rows_of_it)
+        end = time.monotonic() + rig.PATIENCE
+        while time.monotonic() < end:
+            columns, rows, shown = self.machine.colours("screen")
+            title = b"".join(shown[3 * columns * y : 3 * columns * y + wide] for y in range(high))
+            # PNG files and panels widen five and six bits to eight in ways that differ by a few levels.
+            if (columns, rows) == self.SCREEN and all(abs(a - b) <= 4 for a, b in zip(title, golden)):
+                return
+            time.sleep(0.2)
+        self.fail(f"the screen of {columns} x {rows} pixels has another title than {name}")
 
     def test_setup_lists_what_the_board_has(self):
         free = self.run_in_guest("plumbline setup --list")

@@ -78,7 +78,7 @@ class Machine:
     processor's clock counts instructions, 2 ns each, and the processor stands still while the host looks at a line.
     """
 
-    def __init__(self, folder, kernel, initramfs, arch="arm64", memory_mb=256, disk=None, panel=(640, 480), gate=None):
+    def __init__(self, folder, kernel, initramfs, arch="arm64", memory_mb=256, disk=None, panel=(640, 480), gate=None, screen=None):
         self.folder, self.panel, self.gate = folder, panel, gate
         self.events, self.edges, self.level = [], [], {}
         self.answers, self.answered, self.asking = [], threading.Condition(), threading.Lock()
@@ -100,6 +100,8 @@ class Machine:
         command += ["-device", "virtserialport,chardev=shell", "-device", "qemu-xhci,id=xhci"]
         command += ["-device", "i6300esb", "-action", "watchdog=reset"]
         command += ["-device", f"virtio-gpu-pci,id=panel,xres={panel[0]},yres={panel[1]}"]
+        if screen:
+            command += ["-device", f"virtio-gpu-pci,id=screen,xres={screen[0]},yres={screen[1]}"]
         if disk:
             command += ["-drive", f"if=virtio,format=raw,file={disk},cache=writethrough"]
         self.out = open(folder / "qemu", "w", encoding="utf-8")
@@ -184,13 +186,20 @@ class Machine:
 
     def picture(self):
         """The panel's picture, a byte a pixel."""
-        path = self.folder / "panel.ppm"
-        self.ask("screendump", filename=str(path), device="panel")
-        data = path.read_bytes().split(b"\n", 3)
-        assert data[0] == b"P6" and data[1] == b"%d %d" % self.panel, data[:2]
-        red = data[3][0::3]
-        assert red == data[3][1::3] == data[3][2::3], "a colour on a panel without colours"
+        columns, rows, pixels = self.colours("panel")
+        assert (columns, rows) == self.panel, (columns, rows)
+        red = pixels[0::3]
+        assert red == pixels[1::3] == pixels[2::3], "a colour on a panel without colours"
         return red
+
+    def colours(self, display):
+        """(columns, rows, RGB) of what "panel" or "screen" shows."""
+        path = self.folder / f"{display}.ppm"
+        self.ask("screendump", filename=str(path), device=display)
+        data = path.read_bytes().split(b"\n", 3)
+        assert data[0] == b"P6", data[0]
+        columns, rows = map(int, data[1].split())
+        return columns, rows, data[3]
 
     def plug(self, name, image, bytes_per_second=None, bad_sector=None, writable=False):
         file = {"driver": "file", "filename": str(image), "read-only": not writable}

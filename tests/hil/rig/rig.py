@@ -72,6 +72,7 @@ class Rig(unittest.TestCase):
     DISK = True  # keep the state on a disk, not in memory
     BOARD = {"columns": 640, "rows": 480, "end_stop_height_mm": 32}  # changes to board/rig.toml
     PROGRAMS = ()  # more programs of the cross build
+    SCREEN = None  # columns and rows of a screen for people
 
     @classmethod
     def setUpClass(cls):
@@ -80,6 +81,8 @@ class Rig(unittest.TestCase):
         cls.dir = Path(folder.name)
         root = guest.make_root(OPTIONS.arch)
         cls.board = guest.board_text(cls.BOARD)
+        if cls.SCREEN:
+            cls.board += '\n[screen]\ncolumns = {}\nrows = {}\nconnector = "Virtual-2"\n'.format(*cls.SCREEN)
         programs = [OPTIONS.cross / program for program in cls.PROGRAMS]
         guest.make_initramfs(OPTIONS.arch, root, OPTIONS.cross, cls.dir / "initramfs", cls.board, programs)
         cls.scans()
@@ -93,7 +96,7 @@ class Rig(unittest.TestCase):
         kernel = guest.kernel_of(root)
         cls.plugs = 0
         panel = cls.BOARD["columns"], cls.BOARD["rows"]
-        cls.machine = Machine(cls.dir, kernel, cls.dir / "initramfs", OPTIONS.arch, disk=disk, panel=panel, gate=gate)
+        cls.machine = Machine(cls.dir, kernel, cls.dir / "initramfs", OPTIONS.arch, disk=disk, panel=panel, gate=gate, screen=cls.SCREEN)
         cls.addClassCleanup(cls.machine.end)
         cls.boot()
 
