@@ -45,19 +45,32 @@ class MeshStages {
     report_.planned_bytes[kReading] = report_.peak_bytes[kReading];  // it has been read, with room for more vertices
     PLUMBLINE_TRY(find_hits());
     const StageScope stage(Stage::kRays, arena_, progress_, report_.peak_bytes);
-    const bool whole = report_.mesh->closed || report_.mesh->turned;
+    bool whole = report_.mesh->closed || report_.mesh->turned;
+    double done = 0;
     if (!whole) {
+      const auto holes =
+          close_holes(files_, survey_, grid(), transform_, hits_, arena_, {progress_, Stage::kRays, 0, kHolesClosed});
+      PLUMBLINE_TRY(holes);
+      report_.mesh->closed_holes = holes->holes;
+      caps_ = holes->caps;
+      whole = holes->all;
+      done = kHolesClosed;
+    }
+    if (!whole) {
+      doubled_ = hits_.drop_doubled();
+      done = kFieldBuilt;
       plan_field();
       PLUMBLINE_TRY(build_field());
     }
     auto store = resolve_hits(hits_, grid(), whole ? nullptr : &field_, settings_.threads, arena_,
-                              {progress_, Stage::kRays, whole ? 0 : kFieldBuilt, 1}, *report_.mesh);
+                              {progress_, Stage::kRays, done, 1}, *report_.mesh);
     arena_.reset_peak();  // the open store took the rest of the arena; the stage's need is what is used now
     return store;
   }
 
  private:
-  // Shares of the rays' time, if the winding number is needed.
+  // Shares of the rays' time, if the mesh is not closed.
+  static constexpr double kHolesClosed = 0.1;
   static constexpr double kFieldRead = 0.4;
   static constexpr double kFieldBuilt = 0.7;
 
@@ -72,7 +85,6 @@ class MeshStages {
     report_.mesh->turned = !found->closed && found->paired && !has_overlaps(hits_);
     report_.mesh->flat = found->flat;
     report_.mesh->hits = hits_.size();
-    doubled_ = !found->closed && hits_.drop_doubled();
     return {};
   }
 
@@ -89,8 +101,10 @@ class MeshStages {
   /// Reads the mesh into a tree of dipoles, and finds the tiles where the hits miss solid parts.
   Status build_field() {
     const double scale = report_.placement.scale;
-    const auto dipoles = read_dipoles(files_, survey_.most_vertices, {transform_, box_, survey_.area * scale * scale},
-                                      arena_, {progress_, Stage::kRays, 0, kFieldRead});
+    const auto dipoles =
+        read_dipoles(files_, survey_.most_vertices,
+                     {transform_, box_, survey_.area * scale * scale, caps_, MeshLattice(grid(), transform_).step()},
+                     arena_, {progress_, Stage::kRays, kHolesClosed, kFieldRead});
     PLUMBLINE_TRY(dipoles);
     const auto nodes =
         arena_.take_top<WindingTree::Node>(WindingTree::nodes_needed(dipoles->cloud.size), "winding number");
@@ -129,7 +143,8 @@ class MeshStages {
   MeshTransform transform_;
   Box3f box_;  ///< of the placed mesh, mm
   HitList hits_;
-  bool doubled_ = false;  ///< some hits were there twice
+  std::span<const LatticeTriangle> caps_;  ///< of small holes, whose hits are among the others
+  bool doubled_ = false;                   ///< some hits were there twice
   WindingTree winding_;
   MeshField field_;
 };

@@ -50,7 +50,7 @@ auto read_mesh_or_scan(ScanSources given, const SliceSettings& settings, Arena& 
 [[nodiscard]] Expected<MeshSurvey> turn_mesh(MeshFiles& files, const MeshSurvey& survey, SliceSettings& settings,
                                              Arena& arena, ProgressSink* progress, PreparationCounts& report);
 
-/// Reads the placed mesh once more, twice if it has holes, and finds the crossings of all rays.
+/// Reads the placed mesh once more, three or four times if it has holes, and finds the crossings of all rays.
 /// @param settings  as returned by set_threads()
 /// @param report    its placement and what survey_mesh() has found are known
 /// @returns crossings at the bottom of the arena; the caller releases its top

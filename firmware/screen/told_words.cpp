@@ -79,6 +79,10 @@ constexpr std::array kTold{
     Row{kMeshOpen,
         {"Das Modell ist nicht geschlossen ({count} von {of} Strahlen): Löcher, verdrehte oder doppelte Flächen",
          "Die Vorschau ansehen."}},
+    Row{kSmallHolesClosed,
+        {"Das Modell hatte {count} kleine {count?Lücke|Lücken} (fehlende, verdrehte, doppelte Flächen), die "
+         "geschlossen {count?wurde|wurden}",
+         "Die Vorschau ansehen."}},
     Row{kRaysCrowded,
         {"{count} {count?Strahl schneidet|Strahlen schneiden} das Modell mehr als 254-mal, was darüber ist, fehlt",
          "Die Vorschau ansehen."}},

@@ -208,7 +208,15 @@ void for_each_mesh_remark(const MeshCounts& mesh, RemarkVisit visit) {
         {ToldCode::kTrianglesLeftOut, {{Fact::kCount, mesh.not_finite}, {Fact::kOf, mesh.not_finite + mesh.triangles}}},
         text.view());
   }
-  if (!mesh.closed) {
+  if (mesh.closed_holes > 0) {
+    text = {};
+    text.add(
+        "the mesh had %llu small %s (faces that are missing, flipped or doubled), which %s closed. "
+        "Look at the preview",
+        big(mesh.closed_holes), mesh.closed_holes == 1 ? "gap" : "gaps", mesh.closed_holes == 1 ? "was" : "were");
+    visit({ToldCode::kSmallHolesClosed, {{Fact::kCount, mesh.closed_holes}}}, text.view());
+  }
+  if (!mesh.closed && (mesh.closed_holes == 0 || mesh.decided_rays > 0)) {
     text = {};
     Told told(mesh.turned ? ToldCode::kFacesTurned : ToldCode::kMeshOpen);
     told.add(Fact::kCount, mesh.turned ? mesh.broken_rays : mesh.decided_rays);

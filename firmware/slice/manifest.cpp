@@ -254,6 +254,7 @@ void write_mesh(JsonWriter& json, const std::optional<MeshCounts>& mesh) {
   json.member("vertices", mesh->vertices);
   json.member("closed", mesh->closed);
   json.member("turned_faces", mesh->turned);
+  json.member("small_holes_closed", mesh->closed_holes);
   json.member("hits", mesh->hits);
   json.member("rays", mesh->rays);
   json.member("rays_broken", mesh->broken_rays);

@@ -33,6 +33,7 @@ constexpr std::array<std::string_view, kToldCodeCount> kCodes = {
     "triangles_left_out",
     "faces_turned",
     "mesh_open",
+    "small_holes_closed",
     "rays_crowded",
     "floor_cut",
     "pieces_left_out",

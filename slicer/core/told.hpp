@@ -37,6 +37,7 @@ enum class ToldCode : std::uint16_t {
   kTrianglesLeftOut,
   kFacesTurned,
   kMeshOpen,
+  kSmallHolesClosed,
   kRaysCrowded,
   kFloorCut,
   kPiecesLeftOut,

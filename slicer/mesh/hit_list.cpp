@@ -19,12 +19,20 @@ Expected<HitList> HitList::create(const PrintGrid& grid, Arena& arena) {
   list.top_ = arena.top_mark();
   list.tile_columns_ = (grid.columns + kTileSide - 1) / kTileSide;
   list.tile_rows_ = (grid.rows + kTileSide - 1) / kTileSide;
+  PLUMBLINE_TRY(list.reopen(arena));
+  return list;
+}
+
+Status HitList::reopen(Arena& arena) {
+  const auto kept = hits_.subspan(free_);
+  arena.release_top(top_);
   constexpr std::size_t kInBlock = Arena::kAlignment / sizeof(PackedHit);
   const auto hits = arena.take_top<PackedHit>(arena.available() / sizeof(PackedHit) / kInBlock * kInBlock, kStage);
   PLUMBLINE_TRY(hits);
-  list.hits_ = *hits;
-  list.free_ = hits->size();
-  return list;
+  std::copy_backward(kept.begin(), kept.end(), hits->end());  // to the same place, or less than a cache line up
+  hits_ = *hits;
+  free_ = hits->size() - kept.size();
+  return {};
 }
 
 Status HitList::close(Arena& arena) {

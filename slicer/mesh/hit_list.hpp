@@ -66,6 +66,10 @@ class HitList {
   /// @param arena  with nothing at its top that was taken after the list
   [[nodiscard]] Status close(Arena& arena);
 
+  /// After close(): can be added to again, until the next close().
+  /// @param arena  as for close(). The list takes the rest of it
+  [[nodiscard]] Status reopen(Arena& arena);
+
   /// After close(): leaves out hits that are there twice on a ray if the others come nearer to entering as often as exiting. So
   /// a face that is there twice does no harm.
   /// @returns whether there were any

@@ -16,6 +16,7 @@ struct MeshCounts {
   std::uint64_t hits = 0;           ///< of rays and triangles
   bool closed = false;              ///< every edge runs as often one way as the other
   bool turned = false;              ///< not closed, but it would be if some faces were turned over
+  std::uint64_t closed_holes = 0;   ///< small ones, and faces that are turned over or there twice: close_small_holes()
   std::uint64_t rays = 0;           ///< that pass a triangle
   std::uint64_t broken_rays = 0;    ///< of these, those that enter and exit a different number of times
   std::uint64_t decided_rays = 0;   ///< of all rays, those of which the winding number decided a part

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <compare>
 #include <cstdint>
 
 #include "slicer/core/print_grid.hpp"
@@ -14,7 +15,7 @@ namespace plumbline {
 /// In steps of the lattice, from the origin of the print.
 struct LatticePoint {
   std::int32_t x = 0, y = 0, z = 0;
-  bool operator==(const LatticePoint&) const = default;
+  auto operator<=>(const LatticePoint&) const = default;
 };
 using LatticeTriangle = std::array<LatticePoint, 3>;
 
@@ -60,6 +61,8 @@ class MeshLattice {
     const Vec3d print = transform_(p);
     return {round(print[0], 0), round(print[1], 1), round(print[2], 2)};
   }
+  /// mm in a step, on each axis
+  Vec3d step() const { return {1 / steps_[0], 1 / steps_[1], 1 / steps_[2]}; }
 
  private:
   std::int32_t round(double mm, int axis) const {

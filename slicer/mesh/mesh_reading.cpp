@@ -4,6 +4,8 @@
 
 #include "slicer/mesh/edge_sum.hpp"
 #include "slicer/mesh/mesh_dipoles.hpp"
+#include "slicer/mesh/open_edges.hpp"
+#include "slicer/mesh/small_holes.hpp"
 #include "slicer/reader/scan_reader.hpp"
 
 namespace plumbline {
@@ -36,6 +38,17 @@ class SurveySink final : public StagedSink {
   Surveyor surveyor;
 };
 
+LatticeTriangle on_lattice(const MeshLattice& lattice, const Triangle& t) {
+  return {lattice(t[0]), lattice(t[1]), lattice(t[2])};
+}
+
+tl::unexpected<Error> fail_full(const HitList& hits) {
+  return fail(ErrorCode::kOutOfMemory,
+              "mesh: its rays have more crossings than the %zu that the arena has room for.\tUse a larger arena "
+              "(--arena-mib), a coarser grid or a smaller --scale",
+              hits.capacity());
+}
+
 class HitSink final : public StagedSink {
  public:
   HitSink(const MeshFiles& files, const StageProgress& progress, const PrintGrid& grid, const MeshTransform& transform,
@@ -45,16 +58,13 @@ class HitSink final : public StagedSink {
   Status take(std::span<const Triangle> triangles) override {
     bool full = false;
     for (const Triangle& triangle : triangles) {
-      const LatticeTriangle t = {lattice_(triangle[0]), lattice_(triangle[1]), lattice_(triangle[2])};
+      const LatticeTriangle t = on_lattice(lattice_, triangle);
       flat_ += t[0] == t[1] || t[1] == t[2] || t[2] == t[0] ? 1 : 0;
       edges_.add(t);
       for_each_hit(t, grid_, [&](const RayHit& hit) { full |= !hits_.add(hit); });
     }
-    if (!full) return {};
-    return fail(ErrorCode::kOutOfMemory,
-                "mesh: its rays have more crossings than the %zu that the arena has room for.\tUse a larger arena "
-                "(--arena-mib), a coarser grid or a smaller --scale",
-                hits_.capacity());
+    if (full) return fail_full(hits_);
+    return {};
   }
   const EdgeSum& edges() const { return edges_; }
   std::uint64_t flat() const { return flat_; }
@@ -65,6 +75,32 @@ class HitSink final : public StagedSink {
   HitList& hits_;
   EdgeSum edges_;
   std::uint64_t flat_ = 0;
+};
+
+/// Finds the open edges of a mesh, then their users.
+class EdgeSink final : public StagedSink {
+ public:
+  EdgeSink(const MeshFiles& files, const StageProgress& progress, const MeshLattice& lattice, OpenEdges& edges,
+           bool users)
+      : StagedSink(files, progress), lattice_(lattice), edges_(edges), users_(users) {}
+
+  Status take(std::span<const Triangle> triangles) override {
+    for (const Triangle& triangle : triangles) {
+      const LatticeTriangle t = on_lattice(lattice_, triangle);
+      if (users_) {
+        edges_.add_user(t, number_++);
+        continue;
+      }
+      PLUMBLINE_TRY(edges_.add(t));
+    }
+    return {};
+  }
+
+ private:
+  const MeshLattice& lattice_;
+  OpenEdges& edges_;
+  bool users_;
+  std::uint64_t number_ = 0;
 };
 
 class DipoleSink final : public StagedSink {
@@ -88,6 +124,15 @@ class DipoleSink final : public StagedSink {
   MeshDipoles& dipoles_;
   bool full_ = false;
 };
+
+/// @returns false if there are more cells than room
+bool add_caps(const DipoleSurface& surface, MeshDipoles& dipoles) {
+  const auto mm = [&](const LatticePoint& p) {
+    return Vec3d(surface.step[0] * p.x, surface.step[1] * p.y, surface.step[2] * p.z);
+  };
+  return std::ranges::all_of(surface.caps,
+                             [&](const LatticeTriangle& t) { return dipoles.add(mm(t[0]), mm(t[1]), mm(t[2])); });
+}
 
 ScanSummary as_scan(const MeshSummary& mesh) {
   ScanSummary scan;
@@ -147,6 +192,40 @@ Expected<MeshHits> hit(MeshFiles& files, const MeshSurvey& survey, const PrintGr
   return MeshHits{*hits, sink.edges().is_closed(), sink.edges().is_paired(), sink.flat()};
 }
 
+Expected<ClosedHoles> find_and_close_holes(MeshFiles& files, const MeshSurvey& survey, const PrintGrid& grid,
+                                           const MeshTransform& transform, HitList& hits, Arena& arena,
+                                           const StageProgress& progress) {
+  const auto workspace = arena.take_bottom<std::byte>(kReaderWorkspace, kStage);
+  PLUMBLINE_TRY(workspace);
+  auto vertices = VertexList::create(survey.most_vertices, arena);
+  PLUMBLINE_TRY(vertices);
+  auto edges = OpenEdges::create(arena);
+  PLUMBLINE_TRY(edges);
+  const MeshLattice lattice(grid, transform);
+  for (const bool users : {false, true}) {
+    const StageProgress half = users ? progress.part(0.5, 1) : progress.part(0, 0.5);
+    EdgeSink sink(files, half, lattice, *edges, users);
+    PLUMBLINE_TRY(files.read(sink, *vertices, *workspace, [](const MeshSummary&) {}));
+    if (edges->full() || edges->runs() > survey.triangles / 2) return ClosedHoles{};
+  }
+  if (small_hole_bytes(edges->runs()) > arena.available()) return ClosedHoles{};
+  const auto found = close_small_holes(*edges, lattice.step(), arena);
+  PLUMBLINE_TRY(found);
+  PLUMBLINE_TRY(hits.reopen(arena));
+  bool full = false;
+  for (const LatticeTriangle& cap : found->caps) {
+    for_each_hit(cap, grid, [&](const RayHit& hit) { full |= !hits.add(hit); });
+  }
+  if (full) return fail_full(hits);
+  PLUMBLINE_TRY(hits.close(arena));
+  arena.reset_peak();  // the open list took the rest of the arena
+  if (found->all) return ClosedHoles{{}, found->holes, true};
+  const auto caps = arena.take_top<LatticeTriangle>(found->caps.size(), kStage);
+  PLUMBLINE_TRY(caps);
+  std::ranges::copy(found->caps, caps->begin());
+  return ClosedHoles{*caps, found->holes, false};
+}
+
 Expected<ReadDipoles> add_up(MeshFiles& files, std::uint64_t most_vertices, const DipoleSurface& surface, Arena& arena,
                              const StageProgress& progress) {
   const auto workspace = arena.take_bottom<std::byte>(kReaderWorkspace, kStage);
@@ -158,8 +237,8 @@ Expected<ReadDipoles> add_up(MeshFiles& files, std::uint64_t most_vertices, cons
   for (;;) {
     DipoleSink sink(files, progress, surface.transform, *dipoles);
     const Status read = files.read(sink, *vertices, *workspace, [](const MeshSummary&) {});
-    if (read) break;
-    if (!sink.full()) return tl::unexpected<Error>(read.error());
+    if (!read && !sink.full()) return tl::unexpected<Error>(read.error());
+    if (read && add_caps(surface, *dipoles)) break;
     dipoles->double_cells();
   }
   const auto cloud = dipoles->to_cloud(arena);
@@ -181,6 +260,15 @@ Expected<MeshHits> read_hits(MeshFiles& files, const MeshSurvey& survey, const P
                              const MeshTransform& transform, Arena& arena, const StageProgress& progress) {
   const std::size_t bottom = arena.bottom_mark();
   const auto found = hit(files, survey, grid, transform, arena, progress);
+  arena.release_bottom(bottom);
+  return found;
+}
+
+Expected<ClosedHoles> close_holes(MeshFiles& files, const MeshSurvey& survey, const PrintGrid& grid,
+                                  const MeshTransform& transform, HitList& hits, Arena& arena,
+                                  const StageProgress& progress) {
+  const std::size_t bottom = arena.bottom_mark();
+  const auto found = find_and_close_holes(files, survey, grid, transform, hits, arena, progress);
   arena.release_bottom(bottom);
   return found;
 }

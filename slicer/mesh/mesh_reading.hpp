@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 
 #include "slicer/cloud/cloud.hpp"
 #include "slicer/core/arena.hpp"
@@ -40,11 +41,25 @@ struct MeshHits {
 [[nodiscard]] Expected<MeshHits> read_hits(MeshFiles& files, const MeshSurvey& survey, const PrintGrid& grid,
                                            const MeshTransform& transform, Arena& arena, const StageProgress& progress);
 
+struct ClosedHoles {
+  std::span<const LatticeTriangle> caps;  ///< at the top of the arena; none if `all`
+  std::uint64_t holes = 0;                ///< that were closed
+  bool all = false;                       ///< the hits are now those of a closed mesh
+};
+/// Reads the triangles twice, to close the small holes of a mesh (close_small_holes()) and to add the hits of the caps. It leaves a
+/// mesh alone most of whose edges are open, or that has more of them than there is room for.
+/// @param hits  of the same files, the last block taken from the top of the arena
+[[nodiscard]] Expected<ClosedHoles> close_holes(MeshFiles& files, const MeshSurvey& survey, const PrintGrid& grid,
+                                                const MeshTransform& transform, HitList& hits, Arena& arena,
+                                                const StageProgress& progress);
+
 /// What read_dipoles() needs to know of the surface, all of it transformed.
 struct DipoleSurface {
   MeshTransform transform;
   Box3f box;
   double area = 0;
+  std::span<const LatticeTriangle> caps = {};  ///< count as well
+  Vec3d step = Vec3d::Zero();                  ///< of their lattice, mm
 };
 struct ReadDipoles {
   Cloud cloud;     ///< MeshDipoles::to_cloud(), at the top of the arena

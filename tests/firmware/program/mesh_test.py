@@ -66,9 +66,10 @@ class Meshes(Program):
         corners, faces = box((0, 0, 0), (20, 10, 5))
         write_stl(self.mesh, corners, faces[:-1])
         done = self.slice_mesh(self.mesh, "--no-preview", "--supports", "none")
-        self.assertIn("the mesh is not closed", done.stderr)
+        self.assertIn("the mesh had 1 small gap", done.stderr)
         self.assertFalse(self.manifest()["mesh"]["closed"])
-        self.assertAlmostEqual(self.manifest()["volume_mm3"], 1000, delta=150)
+        self.assertEqual(self.manifest()["mesh"]["small_holes_closed"], 1)
+        self.assertAlmostEqual(self.manifest()["volume_mm3"], 1000, delta=0.1)
 
     def test_inspect_says_what_it_is_and_that_it_fits(self):
         done = self.run_it("inspect", self.mesh, "--printer", self.board, "-v")

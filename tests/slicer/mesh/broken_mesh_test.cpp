@@ -69,6 +69,16 @@ std::vector<Damage> damages() {
       {"doubled faces", doubled, 0.5}};
 }
 
+std::vector<bool> voxels(const Slicing& slicing) {
+  std::vector<bool> all;
+  slicing.for_each_section([&](std::uint32_t, ConstBitImage section) {
+    for (std::uint32_t r = 0; r < slicing.grid().rows; ++r) {
+      for (std::uint32_t c = 0; c < slicing.grid().columns; ++c) all.push_back(section.at(c, r));
+    }
+  });
+  return all;
+}
+
 TEST(BrokenMesh, IsDecidedByItsWindingNumber) {
   SliceSettings settings = settings_with_pitch(0.2F);
   settings.base = BaseChoice::kNone;
@@ -150,6 +160,58 @@ TEST(BrokenMesh, DoubledFacesDoNotFillTheGapBetweenPlates) {
                     return std::max(in_box(p, {0, 0, 0}, {30, 30, 1}), in_box(p, {0, 0, 5}, {30, 30, 6}));
                   }),
             0U);
+}
+
+TEST(BrokenMesh, IsWholeAgainWhereSingleFacesAreMissingDoubledOrTurnedOver) {
+  // A shell in a ball, so that directions count. Its faces are a millimetre long: no winding number could tell to a pixel.
+  const TestMesh whole = [] {
+    TestMesh mesh = ball_mesh({0, 0, 10}, 10, 3);
+    TestMesh inner = ball_mesh({1, 0, 10}, 6, 3);
+    append(mesh, inner);
+    return mesh;
+  }();
+  SliceSettings settings = settings_with_pitch(0.2F);
+  settings.base = BaseChoice::kNone;
+  const Slicing undamaged = sliced(whole, settings);
+  ASSERT_TRUE(undamaged.report().mesh->closed);
+  for (const char* damage : {"missing", "doubled", "turned over", "all of them"}) {
+    TestMesh mesh = whole;
+    const std::string kind = damage;
+    const bool all = kind == "all of them";
+    for (std::size_t i = 5; i + 80 < whole.faces.size(); i += 80) {
+      if (all || kind == "doubled") mesh.faces.push_back(whole.faces[i]);
+      if (all || kind == "turned over") flip(mesh, i + 30, i + 31);
+    }
+    for (const std::size_t i : {63U, 400U}) {
+      if (all || kind == "missing") std::erase(mesh.faces, whole.faces[i]);
+    }
+    const Slicing slicing = sliced(mesh, settings);
+    const MeshCounts& counts = *slicing.report().mesh;
+    EXPECT_FALSE(counts.closed) << damage;
+    EXPECT_FALSE(counts.turned) << damage;
+    EXPECT_GT(counts.closed_holes, 1U) << damage;
+    EXPECT_EQ(counts.decided_rays, 0U) << damage;
+    EXPECT_EQ(voxels(slicing), voxels(undamaged)) << damage;
+  }
+}
+
+TEST(BrokenMesh, KeepsLoneTrianglesWhoseCornersDoNotMeet) {
+  // Some faces are shrunk by a thousandth: their rims are loops like those of holes.
+  const TestMesh whole = fine_box();
+  TestMesh mesh = whole;
+  for (const std::size_t first : {0U, 100U, 400U, 1000U, 2000U, 2004U, 2900U}) {
+    Vec3d middle = Vec3d::Zero();
+    for (const std::uint32_t corner : whole.faces[first]) middle += whole.vertices[corner] / 3;
+    for (std::uint32_t& corner : mesh.faces[first]) {
+      mesh.vertices.push_back(middle + (whole.vertices[corner] - middle) * 0.999);
+      corner = static_cast<std::uint32_t>(mesh.vertices.size()) - 1;
+    }
+  }
+  SliceSettings settings = settings_with_pitch(0.2F);
+  settings.base = BaseChoice::kNone;
+  const Slicing slicing = sliced(mesh, settings);
+  EXPECT_FALSE(slicing.report().mesh->closed);
+  EXPECT_EQ(wrong(slicing, [](const Vec3d& p) { return in_box(p, {0, 0, 0}, {10, 10, 10}, 0.3); }), 0U);
 }
 
 TEST(BrokenMesh, AsksTheWindingNumberOfTurnedFacesWhereSolidsLieInEachOther) {

@@ -1,0 +1,134 @@
+#include "slicer/mesh/open_edges.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cstdlib>
+#include <tuple>
+
+#include "slicer/core/mix64.hpp"
+
+namespace plumbline {
+namespace {
+
+constexpr const char* kStage = "mesh";
+constexpr std::size_t kFewestSlots = 1U << 10U;
+
+std::uint64_t hash_of(const OpenEdge& edge) {
+  const auto word = [](std::int32_t i) { return std::uint64_t{static_cast<std::uint32_t>(i)}; };
+  const auto of = [&](const LatticePoint& p) { return (word(p.x) | word(p.y) << 32U) + word(p.z) * kGoldenStep64; };
+  return mix64(of(edge.low) * kGoldenStep64 + of(edge.high));
+}
+
+/// An edge of a triangle, with +1 or -1 as its surplus; 0: it has no length.
+OpenEdge edge_between(const LatticePoint& from, const LatticePoint& to) {
+  if (from == to) return {};
+  return from < to ? OpenEdge{from, to, 1} : OpenEdge{to, from, -1};
+}
+
+template <class Visit>
+void for_each_edge(const LatticeTriangle& triangle, Visit visit) {
+  for (std::size_t i = 0; i < 3; ++i) visit(edge_between(triangle[i], triangle[(i + 1) % 3]));
+}
+
+}  // namespace
+
+Expected<OpenEdges> OpenEdges::create(Arena& arena) {
+  OpenEdges edges;
+  edges.arena_ = &arena;
+  edges.mark_ = arena.bottom_mark();
+  edges.most_ = arena.available() / 4 / sizeof(OpenEdge);
+  const auto slots = arena.take_bottom<OpenEdge>(kFewestSlots, kStage);
+  PLUMBLINE_TRY(slots);
+  std::ranges::fill(*slots, OpenEdge{});
+  edges.slots_ = *slots;
+  return edges;
+}
+
+/// The slot where the search for an edge begins.
+std::size_t OpenEdges::slot_of(const OpenEdge& edge) const {
+  return static_cast<std::size_t>(hash_of(edge)) & (slots_.size() - 1);
+}
+
+/// The slot of an edge, or the empty one where it belongs.
+std::size_t OpenEdges::find(const OpenEdge& edge) const {
+  std::size_t slot = slot_of(edge);
+  while (slots_[slot].surplus != 0 && !(slots_[slot].low == edge.low && slots_[slot].high == edge.high)) {
+    slot = (slot + 1) & (slots_.size() - 1);
+  }
+  return slot;
+}
+
+/// Empties a slot, and moves those up that a search would no longer reach (Knuth, vol. 3, algorithm 6.4 R).
+void OpenEdges::remove(std::size_t slot) {
+  const std::size_t mask = slots_.size() - 1;
+  for (std::size_t next = (slot + 1) & mask; slots_[next].surplus != 0; next = (next + 1) & mask) {
+    const std::size_t home = slot_of(slots_[next]);
+    if (((next - home) & mask) < ((next - slot) & mask)) continue;
+    slots_[slot] = slots_[next];
+    slot = next;
+  }
+  slots_[slot] = {};
+  --used_;
+}
+
+Status OpenEdges::grow() {
+  const std::span<OpenEdge> old = slots_;
+  full_ = 2 * old.size() > most_;
+  if (full_) return {};
+  // The larger table is filled above the old one, then moved down to its place.
+  const auto above = arena_->take_bottom<OpenEdge>(2 * old.size(), kStage);
+  PLUMBLINE_TRY(above);
+  slots_ = *above;
+  std::ranges::fill(slots_, OpenEdge{});
+  for (const OpenEdge& edge : old) {
+    if (edge.surplus != 0) slots_[find(edge)] = edge;
+  }
+  arena_->release_bottom(mark_);
+  const auto larger = arena_->take_bottom<OpenEdge>(2 * old.size(), kStage);
+  PLUMBLINE_TRY(larger);
+  std::copy(slots_.begin(), slots_.end(), larger->begin());
+  slots_ = *larger;
+  return {};
+}
+
+Status OpenEdges::add(const LatticeTriangle& triangle) {
+  if (2 * (used_ + std::size_t{3}) > slots_.size()) PLUMBLINE_TRY(grow());
+  if (full_) return {};
+  for_each_edge(triangle, [&](const OpenEdge& edge) {
+    if (edge.surplus == 0) return;
+    const std::size_t slot = find(edge);
+    OpenEdge& kept = slots_[slot];
+    if (kept.surplus == 0) {
+      kept = edge;
+      ++used_;
+    } else if (kept.surplus + edge.surplus == 0) {
+      remove(slot);
+    } else {
+      kept.surplus += edge.surplus;
+    }
+  });
+  return {};
+}
+
+void OpenEdges::add_user(const LatticeTriangle& triangle, std::uint64_t number) {
+  for_each_edge(triangle, [&](const OpenEdge& edge) {
+    if (edge.surplus == 0) return;
+    OpenEdge& kept = slots_[find(edge)];
+    if (kept.surplus != 0) kept.users += static_cast<std::uint32_t>(mix64(number + 1));
+  });
+}
+
+std::uint64_t OpenEdges::runs() const {
+  std::uint64_t sum = 0;
+  for (const OpenEdge& edge : slots_) sum += static_cast<std::uint64_t>(std::abs(edge.surplus));
+  return sum;
+}
+
+std::span<OpenEdge> OpenEdges::sorted() {
+  const auto end = std::remove_if(slots_.begin(), slots_.end(), [](const OpenEdge& edge) { return edge.surplus == 0; });
+  std::sort(slots_.begin(), end,
+            [](const OpenEdge& a, const OpenEdge& b) { return std::tie(a.low, a.high) < std::tie(b.low, b.high); });
+  return {slots_.begin(), end};
+}
+
+}  // namespace plumbline

@@ -1,0 +1,56 @@
+#pragma once
+/// The edges of a mesh that run more often one way than the other, found in one reading of its triangles.
+
+#include <cstdint>
+#include <span>
+
+#include "slicer/core/arena.hpp"
+#include "slicer/mesh/mesh_lattice.hpp"
+
+namespace plumbline {
+
+/// An edge between two places of the lattice.
+struct OpenEdge {
+  LatticePoint low, high;    ///< low < high, in some order of all places
+  std::int32_t surplus = 0;  ///< how much more often it runs from low to high than back; 0: an empty slot
+  std::uint32_t users = 0;   ///< mixed numbers of all triangles that have it, whichever way: OpenEdges::add_user()
+};
+
+/// A hash table of open edges. An edge that runs as often one way as the other is removed, so that the table holds no more than the
+/// rim of what has been read.
+class OpenEdges {
+ public:
+  /// @param arena  a few KiB from the bottom, and more if there are more edges: up to a quarter of what is left. Nothing else may be
+  ///               taken from the bottom while triangles are added
+  /// @retval ErrorCode::kOutOfMemory
+  [[nodiscard]] static Expected<OpenEdges> create(Arena& arena);
+
+  /// Adds a triangle's edges, unless the table is full.
+  /// @retval ErrorCode::kOutOfMemory
+  [[nodiscard]] Status add(const LatticeTriangle& triangle);
+  /// There are more edges than a quarter of the arena holds: not all have been added.
+  bool full() const { return full_; }
+  /// After all triangles have been added: tells the open edges of a triangle that it has them.
+  /// @param number  of the triangle
+  void add_user(const LatticeTriangle& triangle, std::uint64_t number);
+
+  std::uint32_t size() const { return used_; }
+  std::uint64_t runs() const;  ///< sum of |surplus|
+  /// Moves the edges to the front of the table and sorts them. Nothing can be added after it.
+  std::span<OpenEdge> sorted();
+
+ private:
+  std::size_t slot_of(const OpenEdge& edge) const;
+  std::size_t find(const OpenEdge& edge) const;
+  void remove(std::size_t slot);
+  Status grow();
+
+  Arena* arena_ = nullptr;
+  std::span<OpenEdge> slots_;  ///< a power of two of them, at most half of them used
+  std::size_t mark_ = 0;       ///< of the arena, before the slots
+  std::size_t most_ = 0;       ///< slots
+  std::uint32_t used_ = 0;
+  bool full_ = false;
+};
+
+}  // namespace plumbline
