@@ -8,6 +8,7 @@
 #include "slicer/mesh/mesh_reading.hpp"
 #include "slicer/orientation/orientations.hpp"
 #include "slicer/plan/mesh_plan.hpp"
+#include "slicer/preparation.hpp"
 #include "slicer/reader/scan_reader.hpp"
 
 namespace plumbline {
@@ -196,6 +197,9 @@ Expected<std::optional<MeshSurvey>> survey_mesh(MeshFiles& files, const SliceSet
   PLUMBLINE_TRY(hint);
   const bool sure = settings.as == ReadAs::kMesh || *hint >= MeshHint::kPackedMesh;
   if (!sure && *hint == MeshHint::kNone) return std::nullopt;
+  const auto pointers = files.pointers();
+  PLUMBLINE_TRY(check_units(std::span(pointers).first(files.count()), settings.placement.units, files.some_in_mm(),
+                            files.some_in_any_unit()));
   PLUMBLINE_TRY(files.keep_all(arena));
   const auto most_vertices = *hint == MeshHint::kTriangles ? std::optional<std::uint64_t>(0) : std::nullopt;
   const auto found = survey_files(files, settings, most_vertices, arena, progress, report);

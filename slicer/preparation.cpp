@@ -30,17 +30,6 @@ double finest_pitch(const PlacementSettings& p) {
   return static_cast<double>(p.printer ? std::min(p.printer->pitch_x_mm, p.printer->pitch_y_mm) : p.pixel_pitch_mm);
 }
 
-/// Files whose format fixes their unit share a frame only with others of that unit.
-/// @param some_in_mm        some files are of such a format
-/// @param some_in_any_unit  some are not
-Status check_units(ScanSources sources, Units units, bool some_in_mm, bool some_in_any_unit) {
-  if (!some_in_mm || !some_in_any_unit || units == Units::kAuto || units == Units::kMillimetres) return {};
-  return fail(ErrorCode::kBadSetting,
-              "%s: the E57 and 3MF files are in mm once they are read, the others would be in %s.\tExport all files as "
-              "one of these, or the others in mm, and leave out the units",
-              title_of(sources).c_str(), to_string(units));
-}
-
 /// First cell of the thinning in scan units; 0 while the size of a scan unit on the print is unknown.
 double first_cell(const PlacementSettings& p) {
   if (p.fit || p.size || p.units == Units::kAuto) return 0;
@@ -283,6 +272,14 @@ Status prepare_normals(ScanSources sources, const SliceSettings& settings, Arena
     return Preparation(given, settings, arena, progress, report).run_normals(look);
   };
   return read_mesh_or_scan(sources, settings, arena, progress, report, of_mesh, of_scan);
+}
+
+Status check_units(ScanSources sources, Units units, bool some_in_mm, bool some_in_any_unit) {
+  if (!some_in_mm || !some_in_any_unit || units == Units::kAuto || units == Units::kMillimetres) return {};
+  return fail(ErrorCode::kBadSetting,
+              "%s: the E57 and 3MF files are in mm once they are read, the others would be in %s.\tExport all files as "
+              "one of these, or the others in mm, and leave out the units",
+              title_of(sources).c_str(), to_string(units));
 }
 
 Status check_units(ScanSources sources, Units units, PreparationCounts& report) {

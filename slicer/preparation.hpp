@@ -54,7 +54,12 @@ using NormalsLook = FunctionRef<Status(const PreparedScan& scan)>;
 [[nodiscard]] Status prepare_normals(ScanSources sources, const SliceSettings& settings, Arena& arena,
                                      ProgressSink* progress, PreparationReport& report, NormalsLook look);
 
-/// Tests that files whose format fixes their unit share a frame only with others of that unit, and notes a unit that is ignored for them.
+/// Tests that files whose format fixes their unit share a frame only with others of that unit.
+/// @param some_in_mm        some files are of such a format
+/// @param some_in_any_unit  some are not
+/// @retval ErrorCode::kBadSetting  both, and the others would be in another unit
+[[nodiscard]] Status check_units(ScanSources sources, Units units, bool some_in_mm, bool some_in_any_unit);
+/// The same once all files are read. Notes a unit that is ignored for them.
 /// @param report  its scans are known
 /// @retval ErrorCode::kBadSetting  only some of the files are in mm whatever unit is asked for
 [[nodiscard]] Status check_units(ScanSources sources, Units units, PreparationCounts& report);

@@ -45,12 +45,13 @@ Expected<MeshFiles> MeshFiles::open(ScanSources sources, Arena& arena) {
 
 Expected<MeshHint> MeshFiles::hint(std::span<std::byte> workspace) {
   MeshHint least = MeshHint::kTriangles;
+  packed_ = 0;
   for (std::size_t i = 0; i < count_; ++i) {
     files_[i]->peek();
     const auto hint = hint_of(*files_[i], workspace);
     PLUMBLINE_TRY(files_[i]->rewind());
     PLUMBLINE_TRY(hint);
-    packed_ |= *hint == MeshHint::kPackedMesh;
+    packed_ += *hint == MeshHint::kPackedMesh ? 1 : 0;
     least = std::min(least, *hint);
   }
   return least;
@@ -73,7 +74,7 @@ std::array<ByteSource*, kMostScans> MeshFiles::pointers() {
 }
 
 std::optional<std::uint64_t> MeshFiles::largest() const {
-  if (packed_) return std::nullopt;
+  if (packed_ > 0) return std::nullopt;
   std::uint64_t largest = 0;
   for (std::size_t i = 0; i < count_; ++i) {
     const auto size = files_[i]->size();

@@ -28,6 +28,10 @@ class MeshFiles {
   /// @returns the least sure hint of all files
   [[nodiscard]] Expected<MeshHint> hint(std::span<std::byte> workspace);
 
+  // After hint(): whether some files are of the format that is read in mm whatever unit it is in, 3MF, and whether some are not.
+  bool some_in_mm() const { return packed_ > 0; }
+  bool some_in_any_unit() const { return packed_ < count_; }
+
   /// Makes sure that all files can be read several times.
   [[nodiscard]] Status keep_all(Arena& arena);
 
@@ -63,8 +67,8 @@ class MeshFiles {
   MeshFiles() = default;
 
   std::size_t count_ = 0;
-  std::size_t file_ = 0;  ///< that is read
-  bool packed_ = false;   ///< any of them
+  std::size_t file_ = 0;    ///< that is read
+  std::size_t packed_ = 0;  ///< how many are MeshHint::kPackedMesh
   std::array<std::optional<RereadSource>, kMostScans> files_;
 };
 

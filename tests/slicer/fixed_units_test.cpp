@@ -7,6 +7,7 @@
 
 #include "slicer/inspect.hpp"
 #include "tests/slicer/reader/formats/e57_file.hpp"
+#include "tests/slicer/support/meshes.hpp"
 #include "tests/slicer/support/slicing.hpp"
 
 namespace plumbline {
@@ -123,6 +124,21 @@ TEST(FixedUnits, AMixOfUnitsIsRefusedBeforeAnyPointIsRead) {
     ASSERT_FALSE(sliced);
     EXPECT_THAT(sliced.error().message(), HasSubstr("the E57 and 3MF files are in mm"));
     EXPECT_LT(scan.bytes, ply.size() / 10);
+  }
+}
+
+TEST(FixedUnits, AMixOfUnitsOfMeshesIsRefusedBeforeAnyTriangleIsRead) {
+  const TestMesh ball = ball_mesh({0, 0, 5}, 5, 5);
+  const std::string stl = binary_stl(ball), threemf = threemf_of(ball);
+  for (const bool threemf_first : {false, true}) {
+    MeteredSource any(stl, "a.stl"), fixed(threemf, "b.3mf");
+    ByteSource* const sources[] = {threemf_first ? &fixed : &any, threemf_first ? &any : &fixed};
+    ArenaBlock arena(64 * kMiB);
+    SliceReport report;
+    const auto sliced = slice(sources, settings_with_units(Units::kInches), *arena, nullptr, report);
+    ASSERT_FALSE(sliced);
+    EXPECT_THAT(sliced.error().message(), HasSubstr("the E57 and 3MF files are in mm"));
+    EXPECT_LT(any.bytes, stl.size() / 4);
   }
 }
 
