@@ -6,6 +6,7 @@
 Reads the STL, OBJ, OFF and PLY files of a folder, scales each to --longest and slices it with both, as compare_meshes.py does. Of a
 mesh that is closed a damaged copy is made, of three kinds in turn: a thirtieth of the triangles is missing, a thirtieth is turned
 over, a fiftieth is there twice. What both make of the copy is compared with what they make of the undamaged mesh.
+Where a hundredth of a percent of a closed mesh's pixels differ or more, mesh_sections.py tells which of the two is right.
 Prints a line a mesh and sums up: pixels that differ, CPU seconds, peak memory. Needs .ci/setup bench, and mask_difference of a build
 with PLUMBLINE_BENCHMARKS.
 Exit status: 0 done, 2 wrong use.
@@ -23,6 +24,7 @@ from pathlib import Path
 from compare_meshes import LAYER, TRAVEL, WIDTH, differences, slice_with_plumbline, slice_with_prusa
 from measured_run import stay_on_one_core
 
+ASKED = 1e-4  # of the pixels may differ
 DAMAGES = {"missing": 30, "turned over": 30, "doubled": 50}  # one triangle in so many
 
 
@@ -52,6 +54,24 @@ def prepare(*arguments):
         maker.join()
 
 
+def judge(pipe, *arguments):
+    import mesh_sections
+
+    pipe.send(mesh_sections.compare(*arguments))
+
+
+def who_is_right(*arguments):
+    """mesh_sections.compare() in a process of its own, as prepare()."""
+    mine, theirs = multiprocessing.Pipe()
+    judging = multiprocessing.Process(target=judge, args=(theirs, *arguments))
+    judging.start()
+    theirs.close()
+    try:
+        return mine.recv()
+    finally:
+        judging.join()
+
+
 class Bench:
     def __init__(self, chosen, work):
         self.chosen, self.work = chosen, work
@@ -77,6 +97,11 @@ class Bench:
               f"{theirs.cpu_s:.2f} s {theirs.peak_mib:.0f} MiB; differ {100 * differ / found['pixels']:.4f} % of the pixels", flush=True)  # fmt: skip
         if not closed:
             return line
+        if differ >= ASKED * found["pixels"]:
+            ours_off, theirs_off, shifted, shift = who_is_right(self.mesh, self.work / "ours", their_masks, self.chosen.every)
+            line["exact"] = ours_off, theirs_off
+            print(f"  off the exact sections: ours {ours_off}, PrusaSlicer's {theirs_off} pixels; in three layers {shifted} of its pixels, if the "
+                  f"mesh lay ({shift[0]:.2f}, {shift[1]:.2f}) pixels and {shift[2]:.2f} layers away", flush=True)  # fmt: skip
         whole = self.work / "whole"
         shutil.rmtree(whole, ignore_errors=True)
         shutil.move(our_masks, whole)
@@ -100,7 +125,9 @@ def sum_up(lines):
     costs("closed", [(line["ours"], line["theirs"]) for line in closed])
     shares = sorted(line["differ"] / line["pixels"] for line in closed)
     if shares:
-        print(f"  below 0.01 % of the pixels differ: {sum(share < 1e-4 for share in shares)} of {len(shares)}; most {100 * shares[-1]:.4f} %")
+        print(f"  below 0.01 % of the pixels differ: {sum(share < ASKED for share in shares)} of {len(shares)}; most {100 * shares[-1]:.4f} %")
+        exact = [line["exact"] for line in closed if "exact" in line]
+        print(f"  pixels off the exact sections in the others: ours {sum(a for a, _ in exact)}, theirs {sum(b for _, b in exact)}")
     costs("open as they are", [(line["ours"], line["theirs"]) for line in lines if not line["closed"]])
     for kind in DAMAGES:
         copies = [line["damaged"] for line in closed if line["damaged"]["kind"] == kind]

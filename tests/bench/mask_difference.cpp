@@ -1,6 +1,7 @@
 // mask_difference FOLDER_A FOLDER_B [N]: counts the pixels in which two stacks of PNG masks differ; in every Nth layer only.
 //
-// A pixel of 128 or more cures. B may be mirrored: of the four ways, the one that fits the middle layers best is taken, and told.
+// A pixel of 128 or more cures. B may be mirrored: of the four ways, the one that fits up to 15 layers between bottom and top best is
+// taken, and told.
 // The layers of a stack are its PNG files in the order of their names; one that is missing counts as black.
 // Prints "pixels P  cured C  differ D  of which more than a pixel from an edge of A: F  mirrored x y".
 
@@ -89,7 +90,9 @@ int main(int argc, char** argv) {
     return 2;
   }
   std::array<Difference, 4> tried;
-  for (const std::size_t k : {both / 4, both / 2, both - both / 4 - 1}) {
+  // Many objects are symmetric in a few of their layers.
+  for (std::size_t sixteenth = 1; sixteenth < 16; ++sixteenth) {
+    const std::size_t k = both * sixteenth / 16;
     const Mask ours = load(a[k]);
     const Mask theirs = load(b[k]);
     for (unsigned way = 0; way < 4; ++way) add(ours, theirs, (way & 1U) != 0, (way & 2U) != 0, tried[way]);
