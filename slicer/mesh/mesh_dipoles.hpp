@@ -15,8 +15,8 @@ namespace plumbline {
 /// patches do; the winding number is trusted about a cell away from the surface.
 class MeshDipoles {
  public:
-  /// Cells for which there is room, if the arena has it: 20 MiB while triangles are read.
-  static constexpr std::uint32_t kMostSlots = 1U << 19U;
+  /// Cells for which there is room, if the arena has it: 5 MiB while triangles are read.
+  static constexpr std::uint32_t kMostSlots = 1U << 17U;
 
   /// Cells in an arena that has `available` bytes left.
   static std::uint32_t slots_in(std::size_t available);

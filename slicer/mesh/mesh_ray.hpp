@@ -2,6 +2,7 @@
 /// The winding number of a mesh along one ray.
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 #include "slicer/core/bit_image.hpp"
@@ -34,7 +35,12 @@ class MeshRay {
         y_((static_cast<float>(row) + 0.5F) * grid.pitch_y_mm) {}
 
   bool inside(std::uint32_t layer) const {
-    return field_.winding->inside({x_, y_, (static_cast<float>(layer) + 0.5F) * layer_height_});
+    // Most places are so plainly inside or outside that a rough number tells.
+    constexpr float kPlain = WindingLean::kMost + WindingTree::kRough;
+    const Vec3f place(x_, y_, (static_cast<float>(layer) + 0.5F) * layer_height_);
+    const float rough = field_.winding->rough(place);
+    if (std::abs(rough - WindingTree::kSurface) > kPlain) return rough > WindingTree::kSurface;
+    return field_.winding->inside(place);
   }
   /// Finds the solid parts of a stretch by samples a cell apart or more, and the layer where they change by bisection.
   /// @param set  set(layer, solid): from that layer upwards; first of all for the stretch's begin
