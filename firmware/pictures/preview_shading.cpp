@@ -78,12 +78,20 @@ class Shader {
     }
   }
 
-  /// Brightness of a sample that shows the object, 0 to 1.
-  float brightness(Signed column, Signed row) const {
+  /// How much of the light of the surroundings and of the lamp reaches a sample, 0 to 1.
+  struct Reaching {
+    float open, lamp;
+  };
+  Reaching reaching(Signed column, Signed row) const {
     const float depth = *sample(column, row);
-    const Direction normal = this->normal(column, row, depth);
-    const float open = openness(column, row, depth);
-    const float key = std::max(dot(normal, kKey), 0.0F) * light_reaching(column, row, depth);
+    return {openness(column, row, depth), light_reaching(column, row, depth)};
+  }
+
+  /// Brightness of a sample that shows the object, 0 to 1.
+  float brightness(Signed column, Signed row, const Reaching& reaching) const {
+    const auto [open, lamp] = reaching;
+    const Direction normal = this->normal(column, row, *sample(column, row));
+    const float key = std::max(dot(normal, kKey), 0.0F) * lamp;
     const float fill = std::max(dot(normal, kFill), 0.0F);
     const float sky = 0.5F + 0.5F * normal.up;
     const float shine = std::max(dot(normal, kHalfway), 0.0F);
@@ -191,11 +199,13 @@ void shade_depth(const DepthMap& map, const Picture& picture, std::int64_t left,
       std::array<float, 3> sum = {};
       std::uint32_t shown = 0;
       float brightness = 0;
+      Shader::Reaching reaching{};  // once a pixel: shadows are soft, and to follow them takes most of the time
       for (std::uint32_t k = 0; k < kSamplesPerPixel * kSamplesPerPixel; ++k) {
         const Signed x = column * kSamplesPerPixel + k % kSamplesPerPixel;
         const Signed y = row * kSamplesPerPixel + k / kSamplesPerPixel;
         if (!shader.shows(x, y)) continue;
-        if (shown == 0 || shades == Shades::kEverySample) brightness = shader.brightness(x, y);
+        if (shown == 0) reaching = shader.reaching(x, y);
+        if (shown == 0 || shades == Shades::kEverySample) brightness = shader.brightness(x, y, reaching);
         const std::size_t sample = static_cast<std::size_t>(y) * map.columns + static_cast<std::size_t>(x);
         for (std::size_t c = 0; c < 3; ++c)
           sum[c] += brightness * static_cast<float>(materials[map.material[sample]][c]);
