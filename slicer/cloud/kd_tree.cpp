@@ -112,13 +112,13 @@ float next_up(float x) {
 class NearestSet {
  public:
   using DistanceType = float;
-  NearestSet(std::span<Neighbour> found, const FunctionRef<bool(std::uint32_t)>* accept)
-      : found_(found), accept_(accept) {}
+  NearestSet(std::span<Neighbour> found, float most2, const FunctionRef<bool(std::uint32_t)>* accept)
+      : found_(found), beyond2_(next_up(most2)), accept_(accept) {}
   std::size_t size() const { return count_; }
   bool full() const { return count_ == found_.size(); }
   float worstDist() const {  // NOLINT(readability-identifier-naming): nanoflann's name
     // The next float up: a point at exactly the worst distance with a smaller index must not be pruned.
-    return full() ? next_up(found_[count_ - 1].distance2) : std::numeric_limits<float>::max();
+    return full() ? next_up(found_[count_ - 1].distance2) : beyond2_;
   }
   bool addPoint(float distance2, PointIndex index) {  // NOLINT(readability-identifier-naming): nanoflann's name
     if (accept_ != nullptr && !(*accept_)(index.value)) return true;
@@ -139,6 +139,7 @@ class NearestSet {
   }
 
   std::span<Neighbour> found_;
+  float beyond2_;  ///< mm^2: the next float above the largest square of a distance that counts
   const FunctionRef<bool(std::uint32_t)>* accept_;
   std::size_t count_ = 0;
 };
@@ -252,15 +253,15 @@ void KdTree<Dimension>::adopt_order() {
 
 template <int Dimension>
 std::uint32_t KdTree<Dimension>::nearest(const Vec3f& query, std::span<Neighbour> found) const {
-  NearestSet set(found, nullptr);
+  NearestSet set(found, std::numeric_limits<float>::max(), nullptr);
   impl_->index.findNeighbors(set, query.data(), nanoflann::SearchParams());
   return static_cast<std::uint32_t>(set.size());
 }
 
 template <int Dimension>
 std::uint32_t KdTree<Dimension>::nearest(const Vec3f& query, std::span<Neighbour> found,
-                                         FunctionRef<bool(std::uint32_t)> accept) const {
-  NearestSet set(found, &accept);
+                                         FunctionRef<bool(std::uint32_t)> accept, float most2) const {
+  NearestSet set(found, most2, &accept);
   impl_->index.findNeighbors(set, query.data(), nanoflann::SearchParams());
   return static_cast<std::uint32_t>(set.size());
 }

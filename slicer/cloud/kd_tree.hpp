@@ -3,6 +3,7 @@
 /// size 10. All of their memory is in the arena.
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 
@@ -46,7 +47,9 @@ class KdTree {
   /// Finds the `found.size()` nearest points (of those that `accept` returns true for), nearest first, ties by index.
   /// @returns how many it found
   std::uint32_t nearest(const Vec3f& query, std::span<Neighbour> found) const;
-  std::uint32_t nearest(const Vec3f& query, std::span<Neighbour> found, FunctionRef<bool(std::uint32_t)> accept) const;
+  /// @param most2  square of the distance, mm^2, beyond which nothing is looked for; a point at just that distance may be missed
+  std::uint32_t nearest(const Vec3f& query, std::span<Neighbour> found, FunctionRef<bool(std::uint32_t)> accept,
+                        float most2 = std::numeric_limits<float>::max()) const;
 
   /// Calls `visit(first, last)` for ranges of order() that together hold every point in the box [low, high], and some
   /// outside it. The ranges ascend and don't touch: adjacent leaves are joined.

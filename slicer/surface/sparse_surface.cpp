@@ -12,6 +12,7 @@ namespace {
 
 /// Nearest points searched: more than the 5 needed, since some are too far by the metric of the clustering.
 constexpr std::uint32_t kSearch = 16;
+constexpr float kRounded = 1.001F;  ///< of normals: the square of their length is 1 at most but for this
 /// Largest mean height over the mean distance of the neighbours for a point on their sheet.
 constexpr float kMaxHeight = 0.2F;
 constexpr std::uint32_t kBlock = 1024;  ///< points that a thread takes at a time
@@ -25,8 +26,8 @@ std::optional<float> sparse_surface_radius(const Cloud& cloud, const KdTree3& tr
   const float radius2 = settings.sparse_radius * epsilon * settings.sparse_radius * epsilon;
   const Vec3f normal = cloud.normal[i].unpack();
   // Behind a thin wall the points of the other side may be nearer, and many more.
-  const std::uint32_t count = tree.nearest(
-      cloud.position[i], found, [&](std::uint32_t other) { return cloud.normal[other].unpack().dot(normal) > 0; });
+  const auto faces_its_way = [&](std::uint32_t other) { return cloud.normal[other].unpack().dot(normal) > 0; };
+  const std::uint32_t count = tree.nearest(cloud.position[i], found, faces_its_way, kRounded * radius2);
   std::uint32_t near = 0;
   float farthest2 = 0;
   float height = 0;

@@ -79,6 +79,14 @@ void expect_nearest(const KdTree<Dimension>& tree, const Points& points, Random&
           ASSERT_EQ(found[k].index, expected[k].index) << "neighbour " << k << " of " << wanted;
           ASSERT_EQ(found[k].distance2, expected[k].distance2);
         }
+        if (expected.empty()) continue;
+        const float most2 = 1.001F * expected[expected.size() / 2].distance2;
+        const auto within =
+            std::count_if(expected.begin(), expected.end(), [&](const Neighbour& n) { return n.distance2 <= most2; });
+        const auto limited =
+            only_even ? tree.nearest(query, found, even, most2) : tree.nearest(query, found, any, most2);
+        ASSERT_EQ(limited, within);
+        for (std::size_t k = 0; k < limited; ++k) ASSERT_EQ(found[k].index, expected[k].index);
       }
     }
   }
