@@ -1,6 +1,7 @@
 #include "slicer/views/find_views.hpp"
 
 #include <algorithm>
+#include <cstring>
 #include <optional>
 
 #include "slicer/core/mix64.hpp"
@@ -167,12 +168,12 @@ class ViewFinder {
   std::uint32_t find_on(const GrownGrid& grid, std::uint32_t view, std::uint32_t first,
                         std::array<std::uint8_t, kBlock>& on) const {
     const auto of = views_of_block(first);
+    if (std::memchr(of.data(), static_cast<int>(view), of.size()) == nullptr) return 0;
     std::uint32_t size = 0;
     for (std::uint32_t k = 0; k < of.size(); ++k) {  // without a branch, as below
       on[size] = static_cast<std::uint8_t>(k);
       size += of[k] == view ? 1 : 0;
     }
-    if (size == 0) return 0;
     std::array<Vec3f, kBlock> position;
     for (std::uint32_t n = 0; n < size; ++n) position[n] = cloud_.position[first + on[n]];
     std::array<float, kBlock> distances2;  // NOLINT(cppcoreguidelines-pro-type-member-init)
