@@ -22,8 +22,12 @@ constexpr float kMinSide = 0.2F;         ///< least mean inner product with the 
 /// Least ratio of the two variances' product to their sum's square: 0.25 for a disc, 0 for a line, which has no plane.
 constexpr float kMinWidth2 = 0.05F;
 constexpr float kMaxTilt = 1;  ///< tangent of the largest tilt; points of a steeper plane are another sheet
-/// Distance from the plane of the points that face the same way, in epsilons, beyond which a point is beside the sheet.
-constexpr float kMaxOffset = 0.1F;
+// Distance from the plane of the points that face the same way, beyond which a point is beside the sheet. A third of the points of a
+// noisy sheet are farther from it than the noise, and each that is beside costs a search of its own. Walls of bores need it.
+constexpr float kMaxOffset = 0.1F;  ///< in epsilons; the noise if that is more
+constexpr float kAloneOffset = 2;   ///< times the noise, if hardly any point faces another way
+/// Weight of the points that face another way, over that of those that face the same way, up to which it is hardly any.
+constexpr float kOtherShare = 0.05F;
 /// sum w^2 u^2 / sum w u^2 over a disc with the weights w above; u is the coordinate along one axis of the plane.
 constexpr float kWeightsSpread = 0.4F;
 
@@ -31,6 +35,7 @@ constexpr float kWeightsSpread = 0.4F;
 struct Moments {
   std::uint32_t count = 0;
   float weight = 0;
+  float others = 0;  ///< weight of the points that face another way, which are in none of the other moments
   Vec3f first = Vec3f::Zero();
   float xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
 
@@ -46,6 +51,7 @@ PLUMBLINE_WIDE void add_all(const Member& m, float radius2, const Neighbourhood&
   const float inverse2 = 1 / radius2;
   IntLanes count{};
   Lanes weight{};
+  Lanes others{};
   Lanes sum_x{}, sum_y{}, sum_z{};
   Lanes xx{}, xy{}, xz{}, yy{}, yz{}, zz{};
   for (std::uint32_t j = 0; j < batch.size; j += kLanes) {
@@ -56,10 +62,12 @@ PLUMBLINE_WIDE void add_all(const Member& m, float radius2, const Neighbourhood&
     const Lanes z = p.z - m.position[2];
     const Lanes t = 1.0F - (x * x + y * y + z * z) * inverse2;
     const Lanes cosine = p.nx * m.normal[0] + p.ny * m.normal[1] + p.nz * m.normal[2];
-    const IntLanes counts =
-        (t > 0.0F) & (cosine >= kFacing) & (p.type != static_cast<std::int32_t>(PointClass::kNoise));
-    Lanes w;
-    choose(w, counts, t * t, Lanes{});
+    const IntLanes near = (t > 0.0F) & (p.type != static_cast<std::int32_t>(PointClass::kNoise));
+    const IntLanes counts = near & (cosine >= kFacing);
+    Lanes all, w;
+    choose(all, near, t * t, Lanes{});
+    choose(w, counts, all, Lanes{});
+    others += all - w;
     const Lanes wx = w * x;
     const Lanes wy = w * y;
     const Lanes wz = w * z;
@@ -77,6 +85,7 @@ PLUMBLINE_WIDE void add_all(const Member& m, float radius2, const Neighbourhood&
   }
   moments.count += static_cast<std::uint32_t>(sum(count));
   moments.weight += sum(weight);
+  moments.others += sum(others);
   moments.first += Vec3f(sum(sum_x), sum(sum_y), sum(sum_z));
   moments.xx += sum(xx);
   moments.xy += sum(xy);
@@ -89,11 +98,12 @@ PLUMBLINE_WIDE void add_all(const Member& m, float radius2, const Neighbourhood&
 /// The normal of the points around a point whose own can't be used, on the side that most of their normals face.
 /// @param search_radius  mm; a point with fewer than kMinPoints points within it is an outlier and keeps its normal
 /// @returns the point's own normal if the others lie on no plane, or don't agree on a side
-Vec3f fit_normal(TangentPlanes& planes, const Cloud& cloud, std::uint32_t i, float search_radius) {
+Vec3f fit_normal(TangentPlanes& planes, const Cloud& cloud, const KdTree3& tree, std::uint32_t i, float search_radius) {
   Vec3f own = cloud.normal[i].unpack();
+  std::array<Neighbour, kMinPoints> near;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+  const auto any = [](std::uint32_t) { return true; };
+  if (tree.nearest(cloud.position[i], near, any, search_radius * search_radius) < kMinPoints) return own;
   planes.look_at(i);
-  const auto nearest = planes.points();
-  if (nearest.size() < kMinPoints || nearest[kMinPoints - 1].distance2 > search_radius * search_radius) return own;
   const auto normal = planes.normal();
   if (!normal) return own;
   float side = 0;
@@ -102,8 +112,10 @@ Vec3f fit_normal(TangentPlanes& planes, const Cloud& cloud, std::uint32_t i, flo
   return side > 0 ? *normal : Vec3f(-*normal);
 }
 
-/// Whether the points that face the same way as a point's normal n lie more than `limit` (mm) to one side of the point.
-bool is_beside(const Vec3f& n, const Moments& moments, float limit) {
+/// Whether the points that face the same way as a point's normal n lie too far to one side of the point.
+bool is_beside(const Vec3f& n, const Moments& moments, const ClusteringResult& clustering) {
+  const bool alone = !(moments.others > kOtherShare * moments.weight);
+  const float limit = std::max(kMaxOffset * clustering.epsilon, (alone ? kAloneOffset : 1) * clustering.noise);
   return moments.count >= kMinPoints && std::abs(moments.first.dot(n)) > limit * moments.weight;
 }
 
@@ -141,7 +153,6 @@ Status refine_normals(const Cloud& cloud, const KdTree3& tree, const ClusteringS
   const bool measured = source == NormalSource::kScanner;
   const float share = std::sqrt(measured ? kPlanePoints / cloud.support_points : kPlaneSupports);
   const float explained = measured ? clustering.noise : 0;
-  const float max_offset = std::max(kMaxOffset * clustering.epsilon, clustering.noise);
   const auto refine_block = [&](std::uint32_t first, std::uint32_t last) {
     TangentPlanes planes(cloud, tree);
     std::array<Moments, kSharedSearch> moments{};
@@ -160,8 +171,8 @@ Status refine_normals(const Cloud& cloud, const KdTree3& tree, const ClusteringS
       refined[i] = cloud.normal[i];
       const bool is_noise = cloud.normal[i].point_class == PointClass::kNoise;
       const Vec3f n = cloud.normal[i].unpack();
-      if (is_noise || is_beside(n, moments[i - first], max_offset)) {
-        refined[i].set(fit_normal(planes, cloud, i, settings.sparse_radius * clustering.epsilon));
+      if (is_noise || is_beside(n, moments[i - first], clustering)) {
+        refined[i].set(fit_normal(planes, cloud, tree, i, settings.sparse_radius * clustering.epsilon));
         continue;
       }
       const Tilt& own = tilts[i - first] = measure_tilt(n, moments[i - first], explained);

@@ -35,7 +35,8 @@ enum class NormalSource : std::uint8_t {
 ///
 /// A point more than a tenth of epsilon, and more than the noise, off the plane of the others that face its way lies
 /// beside their sheet: it is on the wall below an edge, where the scanner's window saw more of the face above. Its
-/// normal is not used. Nor is that of a noise point, which is often noise because of its normal. Both get the normal of
+/// normal is not used. Where hardly any point faces another way there is no such edge, so there it must be off by more than
+/// twice the noise. Nor is that of a noise point, which is often noise because of its normal. Both get the normal of
 /// TangentPlanes, on the side of the normals around them (their mean inner product must be at least 0.2). A point with
 /// fewer than six points within settings.sparse_radius * epsilon keeps its own. Noise stays noise;
 /// rescue_sparse_surface() tests it again.

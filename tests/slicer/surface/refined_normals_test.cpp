@@ -39,12 +39,12 @@ Surface waves(double blur, double noise) {
   return surface;
 }
 
-/// The plane z = 0 over 16 mm x 16 mm with points up to 0.03 mm off it.
-Surface noisy_plane(const Vec3d& normal) {
+/// The plane z = 0 over 16 mm x 16 mm with points up to `most` mm off it.
+Surface noisy_plane(const Vec3d& normal, double most = 0.03) {
   Random random(2);
   Surface plane;
   for (double y = 0; y < 16; y += 0.1) {
-    for (double x = 0; x < 16; x += 0.1) plane.push_back({Vec3d(x, y, random.uniform(-0.03, 0.03)), normal});
+    for (double x = 0; x < 16; x += 0.1) plane.push_back({Vec3d(x, y, random.uniform(-most, most)), normal});
   }
   return plane;
 }
@@ -111,6 +111,25 @@ TEST(RefinedNormals, DontFollowNoise) {
   const double error = mean_error();
   clustering.noise = 0;
   EXPECT_LT(error, 0.25 * mean_error()) << "degrees; against normals that follow every point";
+}
+
+// Two fifths of these points are farther off than the noise, and once lost their good normals to those of twenty noisy points.
+TEST(RefinedNormals, OfPointsThatNoisePutOffTheirSheetAreKept) {
+  ArenaBlock block(32 * kMiB);
+  Cloud cloud = cloud_of(noisy_plane({0, 0, 1}, 0.1), *block);
+  const KdTree3 tree = sort_by_tree(cloud, *block);
+  const ClusteringResult clustering = clustered(cloud, tree, *block);
+  std::vector<PackedNormal> refined(cloud.size);
+  ASSERT_TRUE(refine_normals(cloud, tree, {}, clustering, NormalSource::kScanner, refined));
+  std::uint32_t off = 0;
+  std::uint32_t tilted = 0;
+  for (std::uint32_t i = 0; i < cloud.size; ++i) {
+    if (cloud.normal[i].point_class == PointClass::kNoise) continue;
+    off += std::abs(cloud.position[i][2]) > clustering.noise ? 1 : 0;
+    tilted += Refined::angle(Vec3d(0, 0, 1), refined[i].unpack()) > 5 ? 1 : 0;
+  }
+  EXPECT_GT(off, cloud.size / 4);
+  EXPECT_LT(tilted, cloud.size / 100);
 }
 
 // A noisy scan without normals once got a rougher surface than the same scan with normals.
