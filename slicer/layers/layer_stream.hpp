@@ -7,6 +7,7 @@
 #include "slicer/core/arena.hpp"
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/error.hpp"
+#include "slicer/core/quotient.hpp"
 #include "slicer/rrep/rrep.hpp"
 
 namespace plumbline {
@@ -32,28 +33,26 @@ class LayerStream {
   ConstBitImage section() const { return section_; }
 
   /// Calls draw(image, drawn) to draw on the last mask. The drawing stays until the next call of mask(), which restores
-  /// the words it touched.
-  /// @param draw  sets bit w of row r in `drawn` for each word w of row r of `image` that it changes
+  /// the strips it touched.
+  /// @param draw  sets bit r of row s in `drawn` for each row r of `image` that it changes in strip s (kStripColumns)
   template <class Draw>
   void draw_on_mask(Draw draw) {
     draw(mask_, changed_);
-    first_changed_ = 0;
-    end_changed_ = section_.rows();
   }
 
   const PrintGrid& grid() const { return rrep_->grid; }
 
  private:
   void toggle(std::uint32_t layer);
-  void remake(std::uint32_t word, std::uint32_t row);
+  void remake(std::uint32_t strip, std::uint32_t first, std::uint32_t end);
   void remake_changed();
 
   const RRep* rrep_ = nullptr;
-  BitImage section_;                                   ///< the crossings up to layer at_, toggled
-  BitImage mask_;                                      ///< section_, opened and closed
-  BitImage changed_;                                   ///< one bit for each word of mask_: must be remade
-  std::uint32_t first_changed_ = 0, end_changed_ = 0;  ///< half-open range of rows; changed_ has no bits elsewhere
-  std::int64_t at_ = -1;                               ///< layer of section_; -1: none yet
+  BitImage section_;      ///< the crossings up to layer at_, toggled
+  BitImage mask_;         ///< section_, opened and closed
+  BitImage changed_;      ///< one row a strip of mask_, one bit for each of its rows: must be remade
+  Quotient row_of_;       ///< of a pixel
+  std::int64_t at_ = -1;  ///< layer of section_; -1: none yet
 };
 
 }  // namespace plumbline

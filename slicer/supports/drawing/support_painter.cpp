@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 
+#include "slicer/layers/morphology.hpp"
+
 namespace plumbline {
 
 Expected<SupportPainter> SupportPainter::create(const Supports& supports, Arena& arena) {
@@ -40,8 +42,9 @@ std::uint64_t SupportPainter::draw(std::uint32_t layer, BitImage image, BitImage
                           for_each_word(begin, end, [&](std::uint32_t word, std::uint64_t bits) {
                             drawn += static_cast<std::uint64_t>(std::popcount(bits & ~line[word]));
                             line[word] |= bits;
-                            touched.set(word, row);
                           });
+                          for (std::uint32_t s = begin / kStripColumns; s * kStripColumns < end; ++s)
+                            touched.set(row, s);
                         });
   }
   return drawn;

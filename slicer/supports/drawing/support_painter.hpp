@@ -24,7 +24,8 @@ class SupportPainter {
   static std::size_t bytes_needed(std::size_t struts) { return Arena::rounded(struts * sizeof(std::uint32_t)); }
 
   /// Draws the struts of `layer` in white.
-  /// @param touched  one bit a word of `image`; set for every word that was drawn on, whether it changed or not
+  /// @param touched  one row a strip (kStripColumns) of `image`, one bit for each of its rows; set where it was drawn on, whether
+  ///                 it changed or not
   /// @returns number of pixels that were black before
   std::uint64_t draw(std::uint32_t layer, BitImage image, BitImage touched);
 

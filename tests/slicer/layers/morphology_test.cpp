@@ -56,16 +56,16 @@ TEST_P(MorphologyOfSize, ChangesNothingTheSecondTime) {
   }
 }
 
-TEST(Morphology, GivesTheSameForSomeRowsOfAWordAsForTheImage) {
+TEST(Morphology, GivesTheSameForSomeRowsOfAStripAsForTheImage) {
   Random random(5);
   const Pixels in = random_pixels(300, 20, 0.7, random);
   const Pixels whole = opened_and_closed(in);
   const OwnedImage image = in.image();
   for (const std::uint32_t rows : {1U, 2U, 3U, 7U, 20U}) {
     OwnedImage out(300, 20);
-    for (std::uint32_t word = 0; word < out.view().stride(); ++word) {
+    for (std::uint32_t strip = 0; strip < 2 * out.view().stride(); ++strip) {
       for (std::uint32_t row = 0; row < 20; row += rows) {
-        open_and_close_rows(image.view(), out.view(), word, row, std::min(20U, row + rows));
+        open_and_close_rows(image.view(), out.view(), strip, row, std::min(20U, row + rows));
       }
     }
     EXPECT_EQ(Pixels(out.view()), whole) << rows << " rows at a time";
