@@ -33,38 +33,20 @@ struct Ray {
   }
 };
 
-class Intervals {
- public:
-  Intervals(std::span<std::uint32_t> parent, std::span<std::uint32_t> volume) : sets_(parent), volume_(volume) {
-    sets_.start_all();
-    std::fill(volume_.begin(), volume_.end(), 0);
-  }
-  /// The lowest interval of the set; kOutside for the outside.
-  std::uint32_t root(std::uint32_t i) const { return sets_.root(i); }
-  void unite(std::uint32_t a, std::uint32_t b) { sets_.unite(a, b); }
-  void grow(std::uint32_t i, std::uint64_t voxels) {
-    const auto sum = std::min<std::uint64_t>(kMostVoxels, volume(i) + voxels);
-    volume_[i] = (volume_[i] & ~kMostVoxels) | static_cast<std::uint32_t>(sum);
-  }
-  std::uint32_t volume(std::uint32_t i) const { return volume_[i] & kMostVoxels; }
-
-  static constexpr std::uint32_t kMostVoxels = (1U << 30) - 1;
-  static constexpr std::uint32_t kAtPlate = 1U << 30;     ///< some of the component begins on the plate
-  static constexpr std::uint32_t kBelowPlate = 1U << 31;  ///< some of it begins below the plate
-  void mark(std::uint32_t root, std::uint32_t where) { volume_[root] |= where; }
-  /// Records, in place of a component's volume, whether it is removed or filled.
-  void decide(std::uint32_t root, bool goes) { volume_[root] = goes ? 1 : 0; }
-  bool goes(std::uint32_t i) { return root(i) != kOutside && volume_[root(i)] != 0; }
-  bool stands(std::uint32_t root) const { return (volume_[root] & (kAtPlate | kBelowPlate)) == kAtPlate; }
-  std::uint32_t size() const { return sets_.size(); }
-
- private:
-  DisjointSets<> sets_;
-  std::span<std::uint32_t> volume_;  ///< voxels (a root's: of the whole component) and marks
+/// A component: a set of intervals that are joined. The one of kOutside is the outside.
+struct Component {
+  std::uint64_t voxels : 61;
+  std::uint64_t at_plate : 1;     ///< some of it begins on the plate
+  std::uint64_t below_plate : 1;  ///< some of it begins below the plate
+  std::uint64_t goes : 1;         ///< it is removed or filled
+  bool stands() const { return at_plate != 0 && below_plate == 0; }
 };
 
+/// Room for components when memory is planned: one for so many intervals. Scans have one for thousands, pure noise one for a few.
+constexpr std::size_t kIntervalsPerComponent = 64;
+
 /// Joins intervals of two neighbouring rays that share a layer and are both solid or both hollow.
-void join(const Ray& a, const Ray& b, std::uint32_t layers, Intervals& intervals) {
+void join(const Ray& a, const Ray& b, std::uint32_t layers, DisjointSets<>& intervals) {
   std::uint32_t i = 0;
   std::uint32_t j = 0;
   while (i <= a.crossings.size() && j <= b.crossings.size()) {
@@ -77,46 +59,87 @@ void join(const Ray& a, const Ray& b, std::uint32_t layers, Intervals& intervals
   }
 }
 
-/// Decides which components are removed or filled.
-struct Sieve {
-  Intervals& intervals;
-  std::uint64_t min_voxels;       ///< voxels: smaller components are removed or filled
-  std::uint64_t floating_voxels;  ///< voxels: a solid with fewer must stand on the plate, a cavity with fewer is filled
-  std::uint32_t largest_solid;
-  bool is_small(std::uint32_t root) const {
-    return root != kOutside && root != largest_solid && intervals.volume(root) < min_voxels;
+/// Numbers the components by their lowest intervals and gives each interval its component's number.
+/// @returns how many there are, the outside included
+std::uint32_t number_components(std::span<std::uint32_t> parent) {
+  std::uint32_t count = 0;
+  for (std::uint32_t i = 0; i < parent.size(); ++i) {
+    // A parent is a lower interval, so it has its component's number already.
+    parent[i] = parent[i] == i ? count++ : parent[parent[i]];
   }
-  bool floats(std::uint32_t root, bool solid) const {
-    return solid && root != largest_solid && !intervals.stands(root) && intervals.volume(root) < floating_voxels;
-  }
-  bool is_sealed(std::uint32_t root, bool solid) const {
-    return !solid && root != kOutside && intervals.volume(root) < floating_voxels;
-  }
-  bool goes(std::uint32_t root, bool solid) const {
-    return is_small(root) || floats(root, solid) || is_sealed(root, solid);
-  }
-};
+  return count;
+}
 
-/// Marks the solids that begin within `layers` of the plate, which is where the largest one begins.
-void mark_plate(CrossingStore& store, const CrossingStore::RowRoom& room, std::uint32_t largest, std::uint32_t layers,
-                Intervals& intervals) {
-  const auto for_each_solid = [&](auto visit) {
+/// The inner intervals of all rays, with the components that they belong to.
+class Search {
+ public:
+  Search(CrossingStore& store, const CrossingStore::RowRoom& room, std::span<const std::uint32_t> component,
+         std::span<Component> components)
+      : store_(store), room_(room), component_(component), components_(components) {
+    std::fill(components_.begin(), components_.end(), Component{});
+  }
+
+  std::uint32_t of(std::uint32_t interval) const { return component_[interval]; }
+  Component& operator[](std::uint32_t component) const { return components_[component]; }
+
+  /// Calls visit(ray, s) for each inner interval s of each ray.
+  template <class Visit>
+  void for_each(Visit visit) const {
     std::uint32_t first = 1;
-    store.for_each_row(room, [&](std::uint32_t, std::span<CrossingStore::RayRef> row) {
+    store_.for_each_row(room_, [&](std::uint32_t, std::span<CrossingStore::RayRef> row) {
       for (const auto& ref : row) {
         const Ray ray{ref.crossings(), first};
         first += ray.inner();
-        for (std::uint32_t s = 1; s <= ray.inner(); s += 2) visit(intervals.root(ray.number(s)), ray.low(s));
+        for (std::uint32_t s = 1; s <= ray.inner(); ++s) visit(ray, s);
       }
     });
-  };
+  }
+  /// Calls visit(component, solid, encloser) for each component, in order of their numbers.
+  template <class Visit>
+  void for_each_component(Visit visit) const {
+    std::uint32_t next = kOutside + 1;
+    for_each([&](const Ray& ray, std::uint32_t s) {
+      const std::uint32_t component = of(ray.number(s));
+      if (component != next) return;
+      // The interval below a component's first one belongs to the component that encloses it.
+      visit(component, s % 2 == 1, of(ray.number(s - 1)));
+      ++next;
+    });
+  }
+
+ private:
+  CrossingStore& store_;
+  const CrossingStore::RowRoom& room_;
+  std::span<const std::uint32_t> component_;  ///< by interval
+  std::span<Component> components_;
+};
+
+/// Decides which components are removed or filled.
+struct Sieve {
+  const Search& search;
+  std::uint64_t min_voxels;  ///< voxels: smaller components are removed or filled
+  std::uint64_t floating_voxels =
+      0;  ///< voxels: a solid with fewer must stand on the plate, a cavity with fewer is filled
+  std::uint32_t largest_solid = kOutside;
+  bool is_small(std::uint32_t c) const { return c != largest_solid && search[c].voxels < min_voxels; }
+  bool floats(std::uint32_t c, bool solid) const {
+    return solid && c != largest_solid && !search[c].stands() && search[c].voxels < floating_voxels;
+  }
+  bool is_sealed(std::uint32_t c, bool solid) const { return !solid && search[c].voxels < floating_voxels; }
+  bool goes(std::uint32_t c, bool solid) const { return is_small(c) || floats(c, solid) || is_sealed(c, solid); }
+};
+
+/// Marks the solids that begin within `layers` of the plate, which is where the largest one begins.
+void mark_plate(const Search& search, std::uint32_t largest, std::uint32_t layers) {
   std::uint32_t plate = std::numeric_limits<std::uint32_t>::max();
-  for_each_solid([&](std::uint32_t root, std::uint32_t low) {
-    if (root == largest) plate = std::min(plate, low);
+  search.for_each([&](const Ray& ray, std::uint32_t s) {
+    if (search.of(ray.number(s)) == largest) plate = std::min(plate, ray.low(s));
   });
-  for_each_solid([&](std::uint32_t root, std::uint32_t low) {
-    if (low <= plate + layers)
-      intervals.mark(root, low + layers < plate ? Intervals::kBelowPlate : Intervals::kAtPlate);
+  search.for_each([&](const Ray& ray, std::uint32_t s) {
+    const std::uint32_t low = ray.low(s);
+    if (s % 2 == 0 || low > plate + layers) return;
+    Component& component = search[search.of(ray.number(s))];
+    (low + layers < plate ? component.below_plate : component.at_plate) = 1;
   });
 }
 
@@ -127,7 +150,7 @@ std::size_t components_bytes(const PrintGrid& grid, double rays, double crossing
   constexpr std::size_t kMostStretches = std::numeric_limits<std::size_t>::max() / 64;  // in 32 bits, too
   constexpr auto kMost = static_cast<double>(kMostStretches);
   const auto intervals = static_cast<std::size_t>(std::clamp(crossings - rays, 0.0, kMost)) + 1;
-  return 2 * sizeof(std::uint32_t) * intervals +
+  return sizeof(std::uint32_t) * intervals + sizeof(Component) * (intervals / kIntervalsPerComponent + 2) +
          grid.columns * (2 * sizeof(Ray) + sizeof(CrossingStore::RayRef) + 2 * sizeof(void*));
 }
 
@@ -143,11 +166,10 @@ ComponentCounts drop_small_components(CrossingStore& store, const ComponentLimit
     for (const auto& ray : row) interval_count += Ray::numbered(ray.count());
   });
   auto parent = arena.take_top<std::uint32_t>(interval_count, kStage);
-  auto volume = parent ? arena.take_top<std::uint32_t>(interval_count, kStage) : parent;
   auto rows = arena.take_top<Ray>(2 * std::size_t{grid.columns}, kStage);
-  if (!parent || !volume || !rows) return counts;
-  counts.counted = true;
-  Intervals intervals(*parent, *volume);
+  if (!parent || !rows) return counts;
+  DisjointSets<> intervals(*parent);
+  intervals.start_all();
 
   std::span<Ray> above = rows->first(grid.columns);
   std::span<Ray> here = rows->last(grid.columns);
@@ -157,53 +179,39 @@ ComponentCounts drop_small_components(CrossingStore& store, const ComponentLimit
     for (std::uint32_t c = 0; c < grid.columns; ++c) {
       here[c] = Ray{row[c].crossings(), next};
       next += here[c].inner();
-      for (std::uint32_t s = 1; s <= here[c].inner(); ++s) {
-        intervals.grow(here[c].number(s), here[c].high(s, grid.layers) - here[c].low(s));
-      }
       join(above[c], here[c], grid.layers, intervals);
       if (c > 0) join(here[c - 1], here[c], grid.layers, intervals);
     }
     std::swap(above, here);
   });
 
-  // Volumes go to the roots. A root's number is the lowest of its set, so every number above it is seen after it.
-  for (std::uint32_t i = 1; i < intervals.size(); ++i) {
-    const std::uint32_t root = intervals.root(i);
-    if (root != i) intervals.grow(root, intervals.volume(i));
-  }
-  Sieve sieve{intervals, limits.min_voxels, 0, kOutside};
-  const auto for_each_root = [&](auto visit) {
-    std::uint32_t number = 1;
-    store.for_each_row(*room, [&](std::uint32_t, std::span<CrossingStore::RayRef> row) {
-      for (const auto& ray : row) {
-        const std::uint32_t inner = Ray::numbered(ray.count());
-        for (std::uint32_t s = 1; s <= inner; ++s, ++number) {
-          // The interval below a component's root, in its first row, belongs to the component that encloses it.
-          if (intervals.root(number) == number) visit(number, s % 2 == 1, s == 1 ? kOutside : number - 1);
-        }
-      }
-    });
-  };
-  for_each_root([&](std::uint32_t root, bool solid, std::uint32_t) {
-    const bool larger =
-        sieve.largest_solid == kOutside || intervals.volume(root) > intervals.volume(sieve.largest_solid);
-    if (solid && larger) sieve.largest_solid = root;
+  const auto components = arena.take_top<Component>(number_components(*parent), kStage);
+  if (!components) return counts;
+  counts.counted = true;
+  const Search search(store, *room, *parent, *components);
+  search.for_each([&](const Ray& ray, std::uint32_t s) {
+    search[search.of(ray.number(s))].voxels += ray.high(s, grid.layers) - ray.low(s);
+  });
+  Sieve sieve{search, limits.min_voxels};
+  search.for_each_component([&](std::uint32_t c, bool solid, std::uint32_t) {
+    const bool larger = sieve.largest_solid == kOutside || search[c].voxels > search[sieve.largest_solid].voxels;
+    if (solid && larger) sieve.largest_solid = c;
   });
   if (limits.drop_floating && sieve.largest_solid != kOutside) {
-    sieve.floating_voxels = intervals.volume(sieve.largest_solid) / kSmallShare;
-    mark_plate(store, *room, sieve.largest_solid, limits.plate_layers, intervals);
+    sieve.floating_voxels = search[sieve.largest_solid].voxels / kSmallShare;
+    mark_plate(search, sieve.largest_solid, limits.plate_layers);
   }
-  // Roots ascend, so an enclosing component is decided before those inside it.
-  for_each_root([&](std::uint32_t root, bool solid, std::uint32_t encloser) {
-    const std::uint32_t voxels = intervals.volume(root);
-    const bool merges = intervals.goes(encloser);  // with the encloser, which then becomes the same kind
-    const bool goes = !merges && sieve.goes(root, solid);
+  // Numbers ascend, so an enclosing component is decided before those inside it.
+  search.for_each_component([&](std::uint32_t c, bool solid, std::uint32_t encloser) {
+    const std::uint64_t voxels = search[c].voxels;
+    const bool merges = search[encloser].goes != 0;  // with the encloser, which then becomes the same kind
+    const bool goes = !merges && sieve.goes(c, solid);
     if (goes) counts.changed_voxels += voxels;
-    if (goes && !sieve.is_small(root)) ++(solid ? counts.floating_solids : counts.sealed_cavities);
+    if (goes && !sieve.is_small(c)) ++(solid ? counts.floating_solids : counts.sealed_cavities);
     if (!goes && solid) counts.voxels += voxels;
     if (!merges)
       ++(solid ? (goes ? counts.dropped_solids : counts.solids) : (goes ? counts.filled_cavities : counts.cavities));
-    intervals.decide(root, goes);
+    search[c].goes = goes ? 1 : 0;
   });
   if (counts.dropped_solids + counts.filled_cavities == 0) return counts;
 
@@ -214,7 +222,7 @@ ComponentCounts drop_small_components(CrossingStore& store, const ComponentLimit
       const auto count = static_cast<std::uint32_t>(old.crossings.size());
       number += old.inner();
       // A crossing stays if the intervals on both sides of it still differ once components have changed.
-      const auto solid = [&](std::uint32_t s) { return (s % 2 == 1) != intervals.goes(old.number(s)); };
+      const auto solid = [&](std::uint32_t s) { return (s % 2 == 1) != (search[search.of(old.number(s))].goes != 0); };
       ray.begin_rewrite();
       for (std::uint32_t s = 0; s < count; ++s) {
         if (solid(s) != solid(s + 1)) ray.keep(old.crossings[s]);

@@ -1,0 +1,217 @@
+#include "slicer/rrep/components.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "tests/slicer/support/arena_block.hpp"
+#include "tests/slicer/support/scan_cloud.hpp"
+#include "tests/slicer/support/surfaces.hpp"
+
+namespace plumbline {
+namespace {
+
+using namespace testing;
+
+/// Solid and hollow voxels.
+struct Voxels {
+  PrintGrid grid;
+  std::vector<std::uint8_t> solid;
+
+  Voxels(std::uint32_t columns, std::uint32_t rows, std::uint32_t layers)
+      : grid{.columns = columns, .rows = rows, .layers = layers}, solid(std::size_t{columns} * rows * layers, 0) {}
+  std::size_t at(std::uint32_t c, std::uint32_t r, std::uint32_t k) const {
+    return (std::size_t{k} * grid.rows + r) * grid.columns + c;
+  }
+  void fill(std::array<std::uint32_t, 3> low, std::array<std::uint32_t, 3> high, bool with) {
+    for (std::uint32_t k = low[2]; k < high[2]; ++k) {
+      for (std::uint32_t r = low[1]; r < high[1]; ++r) {
+        for (std::uint32_t c = low[0]; c < high[0]; ++c) solid[at(c, r, k)] = with ? 1 : 0;
+      }
+    }
+  }
+};
+
+CrossingStore store_of(const Voxels& voxels, Arena& arena) {
+  constexpr std::uint32_t kSide = kTileSide;
+  CrossingStore store = value_of(CrossingStore::create(voxels.grid, arena));
+  for (std::uint32_t t = 0; t < store.tile_columns() * store.tile_rows(); ++t) {
+    std::vector<std::uint8_t> counts(std::size_t{kSide} * kSide, 0);
+    std::vector<std::uint16_t> layers;
+    for (std::uint32_t i = 0; i < kSide * kSide; ++i) {
+      const std::uint32_t c = t % store.tile_columns() * kSide + i % kSide;
+      const std::uint32_t r = t / store.tile_columns() * kSide + i / kSide;
+      if (c >= voxels.grid.columns || r >= voxels.grid.rows) continue;
+      std::uint8_t before = 0;
+      for (std::uint32_t k = 0; k <= voxels.grid.layers; ++k) {
+        const std::uint8_t now = k < voxels.grid.layers ? voxels.solid[voxels.at(c, r, k)] : 0;
+        if (now != before) {
+          layers.push_back(static_cast<std::uint16_t>(k));
+          ++counts[i];
+        }
+        before = now;
+      }
+    }
+    EXPECT_TRUE(store.put(t, counts, layers).has_value());
+  }
+  store.close(arena);
+  return store;
+}
+
+/// The voxels of the layers that the store's crossings make.
+Voxels voxels_of(CrossingStore& store, Arena& arena) {
+  const PrintGrid grid = store.grid();
+  Voxels voxels(grid.columns, grid.rows, grid.layers);
+  const RRep rrep = value_of(CrossingStore::sort(store, arena));
+  std::vector<std::uint8_t> now(std::size_t{grid.columns} * grid.rows, 0);
+  for (std::uint32_t k = 0; k < grid.layers; ++k) {
+    for (std::uint32_t i = rrep.first[k]; i < rrep.first[k + 1]; ++i) now[rrep.pixel[i]] ^= 1;
+    std::copy(now.begin(), now.end(), voxels.solid.begin() + static_cast<std::ptrdiff_t>(k * now.size()));
+  }
+  return voxels;
+}
+
+/// Components by a flood from voxel to voxel.
+class Flood {
+ public:
+  explicit Flood(const Voxels& voxels) : voxels_(voxels), component_(voxels.solid.size(), 0) {
+    for (std::size_t v = 0; v < component_.size(); ++v) {
+      if (component_[v] == 0) spread(v);
+    }
+  }
+  /// Voxels of the component that holds v, and whether it reaches a side of the grid.
+  std::size_t size(std::size_t v) const { return sizes_[component_[v] - 1]; }
+  bool is_outside(std::size_t v) const { return voxels_.solid[v] == 0 && outside_[component_[v] - 1]; }
+  std::size_t largest_solid() const {
+    std::size_t most = 0;
+    for (std::size_t v = 0; v < component_.size(); ++v) most = voxels_.solid[v] != 0 ? std::max(most, size(v)) : most;
+    return most;
+  }
+
+ private:
+  void spread(std::size_t start) {
+    const auto [columns, rows, layers] = std::array{voxels_.grid.columns, voxels_.grid.rows, voxels_.grid.layers};
+    const auto number = static_cast<std::uint32_t>(sizes_.size() + 1);
+    std::vector<std::size_t> open{start};
+    component_[start] = number;
+    std::size_t size = 0;
+    bool outside = false;
+    while (!open.empty()) {
+      const std::size_t v = open.back();
+      open.pop_back();
+      ++size;
+      const std::size_t c = v % columns;
+      const std::size_t r = v / columns % rows;
+      const std::size_t k = v / columns / rows;
+      outside = outside || c == 0 || r == 0 || k == 0 || c + 1 == columns || r + 1 == rows || k + 1 == layers;
+      const auto visit = [&](bool inside, std::size_t next) {
+        if (!inside || component_[next] != 0 || voxels_.solid[next] != voxels_.solid[start]) return;
+        component_[next] = number;
+        open.push_back(next);
+      };
+      const std::size_t plane = std::size_t{columns} * rows;
+      visit(c > 0, v - 1);
+      visit(c + 1 < columns, v + 1);
+      visit(r > 0, v - columns);
+      visit(r + 1 < rows, v + columns);
+      visit(k > 0, v - plane);
+      visit(k + 1 < layers, v + plane);
+    }
+    sizes_.push_back(size);
+    outside_.push_back(outside);
+  }
+
+  const Voxels& voxels_;
+  std::vector<std::uint32_t> component_;
+  std::vector<std::size_t> sizes_;
+  std::vector<bool> outside_;
+};
+
+/// Random boxes, solid and hollow, one in another, inside of a margin that stays hollow: so hollow parts that touch the grid's sides
+/// are the outside.
+Voxels random_boxes(Random& random) {
+  Voxels voxels(40, 30, 35);
+  for (int box = 0; box < 60; ++box) {
+    std::array<std::uint32_t, 3> low{};
+    std::array<std::uint32_t, 3> high{};
+    const std::array<std::uint32_t, 3> sides{40, 30, 35};
+    for (std::size_t a = 0; a < 3; ++a) {
+      low[a] = 1 + random.below(sides[a] - 2);
+      high[a] = std::min(sides[a] - 1, low[a] + 1 + random.below(box < 20 ? 14 : 4));
+    }
+    voxels.fill(low, high, random.below(3) != 0);
+  }
+  return voxels;
+}
+
+TEST(Components, RemovesAndFillsWhatAFloodFromVoxelToVoxelFindsSmall) {
+  Random random(11);
+  constexpr std::size_t kSmall = 20;
+  std::uint64_t removed = 0;
+  for (int round = 0; round < 40; ++round) {
+    const Voxels before = random_boxes(random);
+    const Flood flood(before);
+    const std::size_t largest_solid = flood.largest_solid();
+    ArenaBlock arena(4 * kMiB);
+    CrossingStore store = store_of(before, *arena);
+    const std::size_t used = arena->used();
+    const ComponentCounts counts = drop_small_components(store, {.min_voxels = kSmall}, *arena);
+    ASSERT_TRUE(counts.counted);
+    EXPECT_EQ(arena->used(), used);
+    const Voxels after = voxels_of(store, *arena);
+    std::uint64_t solid = 0;
+    for (std::size_t v = 0; v < before.solid.size(); ++v) {
+      const bool largest = before.solid[v] != 0 && flood.size(v) == largest_solid;
+      const bool small = flood.size(v) < kSmall && !flood.is_outside(v) && !largest;
+      if (small)
+        continue;  // one inside of another that changes stays: then it is of the same kind as what surrounds it
+      ASSERT_EQ(after.solid[v], before.solid[v]) << "round " << round << ", voxel " << v;
+      if (before.solid[v] != 0) ++solid;
+    }
+    EXPECT_GE(counts.voxels, solid) << "round " << round;
+    removed += counts.dropped_solids + counts.filled_cavities;
+    const Flood left(after);
+    const std::size_t largest_left = left.largest_solid();
+    for (std::size_t v = 0; v < after.solid.size(); ++v) {
+      if (left.is_outside(v) || left.size(v) == largest_left) continue;
+      ASSERT_GE(left.size(v), kSmall) << "round " << round;
+    }
+  }
+  EXPECT_GT(removed, 100U);
+}
+
+TEST(Components, TakeNoMoreThanTheirPlan) {
+  Voxels voxels(200, 120, 40);
+  voxels.fill({10, 10, 1}, {190, 110, 30}, true);
+  for (std::uint32_t hole = 12; hole < 180; hole += 8) voxels.fill({hole, 20, 5}, {hole + 4, 100, 9}, false);
+  ArenaBlock arena(4 * kMiB);
+  CrossingStore store = store_of(voxels, *arena);
+  arena->reset_peak();
+  const std::size_t used = arena->used();
+  const ComponentCounts counts = drop_small_components(store, {.min_voxels = 10}, *arena);
+  EXPECT_EQ(counts.solids, 1U);
+  EXPECT_EQ(counts.cavities, 21U);
+  EXPECT_LE(arena->peak() - used, components_bytes(voxels.grid, 180 * 100, store.crossings()) + 8 * Arena::kAlignment);
+}
+
+TEST(Components, StayUncountedWhereThereIsNoRoomToLookForThem) {
+  Voxels voxels(64, 64, 20);
+  voxels.fill({10, 10, 1}, {50, 50, 15}, true);
+  voxels.fill({60, 60, 1}, {61, 61, 2}, true);
+  ArenaBlock plenty(kMiB);
+  CrossingStore counted = store_of(voxels, *plenty);
+  const std::size_t most = counted.bytes() + components_bytes(voxels.grid, 1601, counted.crossings());
+  EXPECT_EQ(drop_small_components(counted, {.min_voxels = 10}, *plenty).dropped_solids, 1U);
+  ArenaBlock little(most / 2);
+  CrossingStore store = store_of(voxels, *little);
+  const ComponentCounts counts = drop_small_components(store, {.min_voxels = 10}, *little);
+  EXPECT_FALSE(counts.counted);
+  EXPECT_EQ(counts.dropped_solids, 0U);
+  EXPECT_EQ(store.crossings(), 2U * 1601U);
+}
+
+}  // namespace
+}  // namespace plumbline
