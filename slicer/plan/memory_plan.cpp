@@ -36,6 +36,8 @@ constexpr std::size_t kSlack = 64 * Arena::kAlignment;
 constexpr double kCoveredShare = 0.5;
 /// Assumed crossings of each of these rays. Figures and animals have 2.3 to 3.
 constexpr double kCrossingsPerRay = 3;
+/// Those that every object has: it is entered and left. Where no thinning makes room, a job is refused only if these don't fit.
+constexpr double kFewestCrossingsPerRay = 2;
 
 /// Larger than any budget, with 32 bits too, and small enough that sums of a few of them do not overflow.
 constexpr std::size_t kTooMuch = std::numeric_limits<std::size_t>::max() / 8;
@@ -44,9 +46,9 @@ std::size_t bounded(double bytes) {
   return bytes < static_cast<double>(kTooMuch) ? static_cast<std::size_t>(bytes) : kTooMuch;
 }
 
-RayYield expected_yield(const PrintGrid& grid) {
+RayYield expected_yield(const PrintGrid& grid, double crossings_per_ray) {
   const double rays = kCoveredShare * grid.columns * grid.rows;
-  return {rays, kCrossingsPerRay * rays};
+  return {rays, crossings_per_ray * rays};
 }
 
 }  // namespace
@@ -108,10 +110,12 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
   set(Stage::kWindingTree, field);
   if (grid) {
     image = Arena::rounded(BitImage::words_needed(grid->columns, grid->rows) * sizeof(std::uint64_t));
-    const RayYield yield = evidence.yield.value_or(expected_yield(*grid));
-    store = store_bytes(*grid, yield);
+    // While rays are shot, points share the arena with the crossings, so more of these mean fewer points. Afterwards all points
+    // are gone, and what the crossings need can't be spared.
+    store = store_bytes(*grid, evidence.yield.value_or(expected_yield(*grid, kCrossingsPerRay)));
+    const RayYield yield = evidence.yield.value_or(expected_yield(*grid, kFewestCrossingsPerRay));
     const std::size_t sorted = rrep_bytes(*grid, yield);
-    set(Stage::kRRep, map + rrep_stage_bytes(*grid, store, yield));
+    set(Stage::kRRep, map + rrep_stage_bytes(*grid, store_bytes(*grid, yield), yield));
     const std::uint32_t struts = most_struts(*grid);
     set(Stage::kSupports, map + sorted + find_supports_bytes(*grid));
     set(Stage::kLayers, map + sorted + struts * sizeof(Strut) + layers_stage_bytes(*grid, struts));

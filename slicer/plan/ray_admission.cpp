@@ -34,9 +34,9 @@ struct SeenSurface {
 }  // namespace
 
 Status admit_rays(const PlacedObject& object, const Arena& arena, std::array<std::size_t, kStageCount>& planned_bytes) {
-  // The estimate is within 6 % of the crossings (scans of closed objects); 10 % leave it a margin on either side.
+  // The estimate is within 6 % of the crossings (scans of closed objects); 8 % above and 10 % below leave it a margin.
   constexpr double kSureShare = 0.9;
-  constexpr double kPlannedShare = 1.1;
+  constexpr double kPlannedShare = 1.08;
   const SeenSurface seen(object);
   const auto yield_of = [&](double crossings) {
     return RayYield{std::min(crossings / 2, static_cast<double>(object.interested.count())), crossings};

@@ -63,6 +63,16 @@ TEST(MemoryPlan, IsTheLargestThatFits) {
   }
 }
 
+// Half of the panel covered, as for every plan before the scan is read.
+TEST(MemoryPlan, HasRoomForAMillionPointsOn4kIn96MibAndOn8kIn256) {
+  PrintGrid four = panel(3840, 2400);
+  four.layers = 3200;
+  EXPECT_GE(value_of(largest_plan(96 * kMiB, std::nullopt, four, 1)).points, 1'000'000U);
+  PrintGrid eight = panel(7680, 4320);
+  eight.layers = 4600;
+  EXPECT_GE(value_of(largest_plan(256 * kMiB, std::nullopt, eight, 1)).points, 1'000'000U);
+}
+
 TEST(MemoryPlan, PlansForNoMorePointsThanAreDeclaredAndAtLeastForTheFewest) {
   EXPECT_EQ(value_of(largest_plan(500 * kMiB, 123456, panel(1440, 2560), 1)).points, 123456U);
   EXPECT_EQ(value_of(largest_plan(500 * kMiB, 0, panel(1440, 2560), 1)).points, kFewestPoints);
