@@ -105,6 +105,9 @@ constexpr std::array kTold{
         {"{count} {count?kleiner Hohlraum, den kein Scanner sieht, ist|kleine Hohlräume, die kein Scanner sieht, sind} "
          "gefüllt",
          "Soll es hohl bleiben: keep_all = true in job.toml auf dem Stick."}},
+    Row{kSmallPartsStay,
+        {"Der Speicher reichte nicht, um lose Stücke, Hohlräume und Scanfehler zu suchen: sie werden gedruckt",
+         "Die Vorschau ansehen."}},
     Row{kOnItsFace,
         {"Der Scan zeigt nur eine Seite, und die liegt unten: das meiste lässt sich nicht schließen",
          "Unter Einstellungen um 180° kippen; dann wird es ein Relief."}},

@@ -285,6 +285,12 @@ void for_each_remark(const SliceReport& slice, RemarkVisit visit) {
              slice.components.sealed_cavities, one ? "y" : "ies", one ? "was" : "were", one ? "it" : "them");
     visit({ToldCode::kCavitiesFilled, {{Fact::kCount, slice.components.sealed_cavities}}}, text.view());
   }
+  if (slice.crossings > 0 && !(slice.components.counted && slice.features.counted)) {
+    visit(ToldCode::kSmallPartsStay,
+          "the arena had no room to look for small parts: loose solids, enclosed cavities, islands and holes that the "
+          "scan "
+          "does not resolve stay. A larger arena (--arena-mib) has it");
+  }
   if (lies_on_its_face(slice.clustering)) {
     visit(ToldCode::kOnItsFace, kOnItsFace);
   } else if (slice.upright) {

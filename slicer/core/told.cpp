@@ -42,6 +42,7 @@ constexpr std::array<std::string_view, kToldCodeCount> kCodes = {
     "normals_flipped",
     "solids_left_out",
     "cavities_filled",
+    "small_parts_stay",
     "on_its_face",
     "lies_wrong",
     "normals_estimated",

@@ -46,6 +46,7 @@ enum class ToldCode : std::uint16_t {
   kNormalsFlipped,
   kSolidsLeftOut,
   kCavitiesFilled,
+  kSmallPartsStay,
   kOnItsFace,
   kLiesWrong,
   kNormalsEstimated,
