@@ -34,9 +34,9 @@ struct SeenSurface {
 }  // namespace
 
 Status admit_rays(const PlacedObject& object, const Arena& arena, std::array<std::size_t, kStageCount>& planned_bytes) {
-  // The estimate is within 6 % of the crossings (scans of closed objects); 8 % above and 10 % below leave it a margin.
+  // The estimate is within 6 % of the crossings (scans of closed objects): the plan adds as much, a refusal leaves some more.
   constexpr double kSureShare = 0.9;
-  constexpr double kPlannedShare = 1.08;
+  constexpr double kPlannedShare = 1.06;
   const SeenSurface seen(object);
   const auto yield_of = [&](double crossings) {
     return RayYield{std::min(crossings / 2, static_cast<double>(object.interested.count())), crossings};
@@ -57,7 +57,8 @@ Status admit_rays(const PlacedObject& object, const Arena& arena, std::array<std
                                store_bytes(object.grid, sure);
   const std::size_t map = object.confidence ? ConfidenceMap::bytes_needed(object.grid.layers) : 0;
   const std::size_t sorting = store_bytes(object.grid, sure) + rrep_bytes(object.grid, sure) + map;
-  const std::size_t need = std::max(shooting, sorting);
+  const std::size_t printing = map + rrep_bytes(object.grid, sure) + layers_stage_bytes(object.grid, 0);
+  const std::size_t need = std::max({shooting, sorting, printing});
   if (need <= arena.capacity()) return {};
   constexpr double kMiB = 1024.0 * 1024.0;
   return telling(
@@ -66,8 +67,8 @@ Status admit_rays(const PlacedObject& object, const Arena& arena, std::array<std
       fail(ErrorCode::kOutOfMemory,
            "%s: the object's %.0f crossings need about %.1f MiB, the arena has %.1f MiB.\tUse a larger arena "
            "(--arena-mib), a coarser grid or a smaller --scale",
-           sorting > shooting ? "R-Rep" : "rays", sure.crossings, static_cast<double>(need) / kMiB,
-           static_cast<double>(arena.capacity()) / kMiB));
+           need == shooting ? "rays" : (need == sorting ? "R-Rep" : "layers"), sure.crossings,
+           static_cast<double>(need) / kMiB, static_cast<double>(arena.capacity()) / kMiB));
 }
 
 }  // namespace plumbline

@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include "slicer/plan/memory_plan.hpp"
 #include "tests/slicer/support/slicing.hpp"
 
 namespace plumbline {
@@ -119,7 +120,7 @@ TEST(Slice, LeavesTheArenaAsItWasWhereverItRunsOut) {
   int crossings_refused = 0;
   int sliced = 0;
   for (const std::size_t kib :
-       {600U, 1000U, 1400U, 1800U, 2000U, 2200U, 2400U, 2600U, 2800U, 3000U, 3500U, 4000U, 5000U, 8000U, 16000U}) {
+       {600U, 1000U, 1400U, 1800U, 2000U, 2200U, 2400U, 2600U, 2800U, 3000U, 3500U, 4000U, 5000U, 8000U, 16000U, 32000U}) {
     ArenaBlock arena(kib * 1024);
     ASSERT_TRUE(arena->take_bottom<std::byte>(1000, "of the caller").has_value());
     ASSERT_TRUE(arena->take_top<std::byte>(500, "of the caller").has_value());
@@ -205,6 +206,31 @@ TEST(Slice, RefusesAnObjectTooLargeForTheArenaBeforeItsRays) {
   ASSERT_FALSE(rrep.has_value());
   EXPECT_EQ(rrep.error().code(), ErrorCode::kOutOfMemory);
   EXPECT_THAT(rrep.error().message(), HasSubstr("the arena has 16.0 MiB"));
+  EXPECT_EQ(listener.last(), Stage::kRayGrid);
+  EXPECT_EQ(arena->used(), 0U);
+}
+
+TEST(Slice, RefusesBeforeItsRaysAnObjectWhoseMasksCouldNotBeChecked) {
+  // More than the half of a panel that the first plan is for, but not so much that sorting the crossings needs more.
+  Random random(3);
+  Surface surface;
+  for (int k = 0; k < 2; ++k) append(surface, box({0, 0, 1.0 * k}, {29.7, 29.7, 1.0 * k + 0.5}, 0.25, 0.3, random));
+  const std::string scan = binary_ply(surface);
+  SliceSettings settings = settings_with_pitch(0.05F);
+  settings.placement.printer = PrinterVolume{600, 600, 0.05F, 0.05F, 60};
+  const Slicing ample(scan, settings, 64 * kMiB);
+  // The R-Rep would fit, even beside the store that it is sorted from.
+  const auto crossings = static_cast<double>(ample.rrep().crossings());
+  const RayYield yield{0, 0.87 * crossings};
+  const std::size_t checking = layers_stage_bytes(ample.grid(), 0);
+  ASSERT_GT(checking, store_bytes(ample.grid(), {600 * 600, 1.1 * crossings}));
+  ArenaBlock arena(rrep_bytes(ample.grid(), yield) + checking);
+  MemorySource source(scan, "storeys.ply");
+  SliceReport report;
+  Listener listener;
+  const auto rrep = slice(source, settings, *arena, &listener, report);
+  ASSERT_FALSE(rrep.has_value());
+  EXPECT_THAT(rrep.error().message(), HasSubstr("layers: the object's"));
   EXPECT_EQ(listener.last(), Stage::kRayGrid);
   EXPECT_EQ(arena->used(), 0U);
 }
