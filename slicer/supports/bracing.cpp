@@ -10,17 +10,28 @@ namespace plumbline {
 namespace {
 
 /// Contacts of a pillar are so far apart, mm: below kWantedFree_mm, since places are rounded to pixels and layers,
-constexpr double kApart = 3.2;
+constexpr double kApart = 1.8;
 /// but at least this much more than a brace rises.
-constexpr double kBetween = 1.5;
+constexpr double kBetween = 0.8;
 /// Longest rise of a brace, mm: with kBetween it must stay below kMostFree_mm.
 constexpr double kMostRise = 8;
 /// A brace is this share of a pillar's diameter.
 constexpr double kThickness = 0.5;
+/// Legs of a pillar, at most, and their slope. One at the critical angle from the rim of the base would reach no higher than that is wide.
+constexpr int kMostLegs = 3;
+constexpr double kSteepest = 3;
+/// A leg that halves no gap, but takes less than this share of it, is left out.
+constexpr double kLeastShare = 0.2;
+/// The raft has a disc below each pillar, and a bar to the next one.
+constexpr std::size_t kStrutsOfRaft = 2;
 /// Neighbours that are tried.
 constexpr std::size_t kMostNeighbours = 12;
 /// Distances of a helper from its pillar, mm.
 constexpr std::array<double, 5> kHelperAway = {4, 5, 3, 6, 7};
+constexpr double kC = 0.70710678118654752;
+/// Unit vectors at multiples of 45 degrees.
+constexpr std::array<std::array<double, 2>, 8> kRound = {
+    {{1, 0}, {kC, kC}, {0, 1}, {-kC, kC}, {-1, 0}, {-kC, -kC}, {0, -1}, {kC, -kC}}};
 constexpr std::uint32_t kNone = ~0U;
 
 }  // namespace
@@ -104,7 +115,7 @@ Expected<bool> Bracing::zigzag(Pillar& a, Pillar& b) {
   Pillar* upper = a.top >= b.top ? &a : &b;
   Pillar* lower = upper == &a ? &b : &a;
   bool any = false;
-  while (high - rise > low) {
+  while (high - rise > low && has_room()) {
     const Place from{lower->x, lower->y, high - rise};
     const Place to{upper->x, upper->y, high};
     if (is_clear(from, to)) {
@@ -147,6 +158,13 @@ Status Bracing::brace(std::size_t index) {
     const auto done = zigzag(pillar, pillars[nearest]);
     PLUMBLINE_TRY(done);
   }
+  for (int legs = 0; legs < kMostLegs; ++legs) {
+    const Gap gap = largest_gap(pillar);
+    if (gap.height() <= kWantedFree_mm) return {};
+    const auto done = add_leg(pillar, gap);
+    PLUMBLINE_TRY(done);
+    if (!*done) break;
+  }
   for (int helpers = 0; helpers < 2; ++helpers) {
     const Gap gap = largest_gap(pillar);
     if (gap.height() <= kMostFree_mm) return {};
@@ -157,17 +175,40 @@ Status Bracing::brace(std::size_t index) {
   return {};
 }
 
+/// Props a pillar by a strut from its base: from the raft, or from the plate.
+Expected<bool> Bracing::add_leg(Pillar& pillar, const Gap& gap) {
+  if (!pillar.on_plate || !has_room()) return false;
+  const double rim = settings_.base_diameter / 2 + (raft_ > 0 ? settings_.pad_brim_size : 0) - radius_;
+  const double rise = std::min(std::max((gap.low + gap.high) / 2, gap.high - kWantedFree_mm) - raft_, kSteepest * rim);
+  const Place top{pillar.x, pillar.y, raft_ + rise};
+  if (top.z - gap.low < kLeastShare * gap.height()) return false;
+  const double away = std::min(rim, rise / slope_);
+  const double wide = (list_.grid().columns - 1) * px_ - radius_;
+  const double deep = (list_.grid().rows - 1) * py_ - radius_;
+  for (const auto& direction : kRound) {
+    const Place foot{pillar.x + away * direction[0], pillar.y + away * direction[1], raft_};
+    if (foot.x < radius_ || foot.y < radius_ || foot.x > wide || foot.y > deep || !is_clear(foot, top)) continue;
+    PLUMBLINE_TRY(list_.add(StrutKind::kBrace, foot, top, raft_ > 0 ? list_.layer_at(raft_ + lh_ / 2) : 0,
+                            list_.layer_at(top.z) + 1, radius_, radius_));
+    add_contact(pillar, top.z);
+    ++counts_.braces;
+    return true;
+  }
+  return false;
+}
+
+/// Whether the list has struts left that the raft does not need: braces are a help, so they refuse no print.
+bool Bracing::has_room() const { return list_.spare() > kStrutsOfRaft * (list_.pillars().size() + 1); }
+
 /// Puts a pillar beside another and braces the two.
 Expected<bool> Bracing::add_helper(std::size_t index, const Gap& gap) {
+  if (!has_room()) return false;
   const Pillar pillar = list_.pillars()[index];
   const double reach = settings_.base_diameter / 2 + (raft_ > 0 ? settings_.pad_brim_size : 0);
   const double wide = (list_.grid().columns - 1) * px_ - reach;
   const double deep = (list_.grid().rows - 1) * py_ - reach;
   for (const double away : kHelperAway) {
     if (away * slope_ > kMostRise || away > settings_.max_pillar_link_distance) continue;
-    constexpr double kC = 0.70710678118654752;
-    constexpr std::array<std::array<double, 2>, 8> kRound = {
-        {{1, 0}, {kC, kC}, {0, 1}, {-kC, kC}, {-1, 0}, {-kC, -kC}, {0, -1}, {kC, -kC}}};
     for (const auto& direction : kRound) {
       Pillar helper;
       helper.x = pillar.x + away * direction[0];

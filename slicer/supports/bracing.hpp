@@ -25,12 +25,13 @@ struct BraceCounts {
 };
 
 /// Puts zig-zags of braces between neighbouring pillars until none has more than kWantedFree_mm without one, from its foot to its
-/// head, or no neighbour within max_pillar_link_distance is left. A pillar that then has more than kMostFree_mm gets a helper: a second
-/// pillar beside it.
+/// head, or no neighbour within max_pillar_link_distance is left. A pillar that then has more gets up to three legs: braces from the
+/// rim of its base, as high as these reach. One that still has more than kMostFree_mm gets a helper: a second pillar beside it.
+/// Where the list of struts ends there are fewer braces; no print is refused for them.
 class Bracing {
  public:
   static constexpr double kMostFree_mm = 10;
-  static constexpr double kWantedFree_mm = 3.5;
+  static constexpr double kWantedFree_mm = 2;
 
   /// @param contacts  room for most_contacts()
   Bracing(const SupportSettings& settings, double raft_mm, const Obstacles& obstacles, StrutList& list,
@@ -53,6 +54,8 @@ class Bracing {
   /// @returns whether any brace was added
   Expected<bool> zigzag(Pillar& a, Pillar& b);
   Status brace(std::size_t index);
+  Expected<bool> add_leg(Pillar& pillar, const Gap& gap);
+  bool has_room() const;
   Expected<bool> add_helper(std::size_t index, const Gap& gap);
 
   double distance(const Pillar& a, const Pillar& b) const;

@@ -41,8 +41,9 @@ class StrutList {
                            double radius_from, double radius_to, bool lies = false);
   [[nodiscard]] Status add_pillar(const Pillar& pillar);
 
-  bool is_full() const { return strut_count_ == struts_.size(); }
-  std::uint32_t layer_at(double z) const;  ///< the layer in which height z, mm, lies
+  bool is_full() const { return spare() == 0; }
+  std::size_t spare() const { return struts_.size() - strut_count_; }  ///< struts that there is room for
+  std::uint32_t layer_at(double z) const;                              ///< the layer in which height z, mm, lies
 
   std::span<Strut> struts() const { return struts_.first(strut_count_); }
   std::span<Pillar> pillars() const { return pillars_.first(pillar_count_); }

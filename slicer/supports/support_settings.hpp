@@ -32,14 +32,14 @@ struct SupportSettings {
   double max_pillar_link_distance = 10;  ///< between pillars that are braced
   double points_minimal_distance = 1;    ///< between tips that share the load of an overhang
   double object_elevation = 5;           ///< of the object above the raft; 0: it stands on the plate
-  double pad_wall_thickness = 1;         ///< height of the raft; 0: none
+  double pad_wall_thickness = 0.8;       ///< height of the raft; 0: none
   double pad_wall_slope = 45;  ///< of its edge, from the horizontal: wider at the top, so that a scraper gets below
-  double pad_brim_size = 1.6;  ///< by which it is wider than the bases
+  double pad_brim_size = 0.8;  ///< by which it is wider than the bases: as wide as its bevel
   double pad_max_merge_distance = 50;  ///< between bases that it joins
   // What follows is ours.
   double overhang_angle = 45;  ///< from the horizontal; a steeper surface carries itself
   double overhang_span = 3;    ///< between two held places; an overhang longer than half of it gets supports
-  double area_per_tip = 7;     ///< mm2 of overhang that a tip carries at most
+  double area_per_tip = 4;     ///< mm2 of overhang that a tip carries at most
 };
 
 /// A setting, as in files, command lines and reports.

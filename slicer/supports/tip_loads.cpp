@@ -14,6 +14,8 @@ constexpr double kHangs = 3;
 
 /// A region of which less than a sixteenth is held is an island to UVtools and slicer/checks.
 constexpr double kIslandShare = 16;
+/// Of a tip's load, at most, that is kept for overhang too near for another tip.
+constexpr double kMostReserve = 0.8;
 constexpr double kPi = 3.14159265358979324;
 
 std::uint32_t cell_pixels(const PrintGrid& grid) {
@@ -41,7 +43,7 @@ Expected<TipLoads> TipLoads::create(const PrintGrid& grid, const SupportSettings
   loads.apart_ = nanometres(settings.points_minimal_distance);
   // No tip can relieve another one this near, so every tip keeps room for what may come there.
   const double near = kPi * settings.points_minimal_distance * settings.points_minimal_distance / pixel;
-  loads.reserve_ = static_cast<std::uint32_t>(std::min(near, loads.most_ / 2.0));
+  loads.reserve_ = static_cast<std::uint32_t>(std::min(near, loads.most_ * kMostReserve));
   const auto head = arena.take_top<std::uint32_t>(std::size_t{loads.cells_x_} * loads.cells_y_, kStage);
   PLUMBLINE_TRY(head);
   const auto next = arena.take_top<std::uint32_t>(list.size(), kStage);

@@ -1,11 +1,14 @@
 #!/usr/bin/env python3
-"""Compares plumbline's supports with PrusaSlicer's on the same meshes:
+"""Compares plumbline's supports with PrusaSlicer's on the same meshes and scans:
 
-  compare_supports.py PLUMBLINE MESH.ply ... [--size MM] [--pitch MM] [--orientations N] [--keep DIR]
+  compare_supports.py PLUMBLINE MESH.ply|SCAN.ply ... [--size MM] [--pitch MM] [--orientations N] [--runs N]
 
-Each mesh is scaled to --size (25 mm) and turned into up to six orientations. Both slice it with their default settings. Masks of both are
-measured alike (support_figures.py). Voxels are cubes of --pitch (0.1 mm).
-Prints a table in Markdown. Needs .ci/setup bench, python3-numpy, python3-scipy and python3-pil.
+Each is scaled to --size (25 mm) and turned into up to six orientations. Both slice it with their default settings. Masks of both are
+measured alike (support_figures.py). Voxels are cubes of --pitch (0.1 mm). A PLY file without faces is a scan with normals: PrusaSlicer
+gets its Poisson reconstruction (pcl_poisson_reconstruction, depth 9), plumbline the points. PrusaSlicer places its points at random: its
+figures are the medians of --runs (3).
+Prints a table in Markdown, plumbline / PrusaSlicer, and in how many rows plumbline is no worse. Needs .ci/setup bench, python3-numpy,
+python3-scipy and python3-pil.
 Exit status: 0 done, 1 a program failed, 2 wrong use.
 """
 
@@ -16,11 +19,13 @@ import subprocess
 import sys
 import tempfile
 import zipfile
+from dataclasses import astuple, fields
 from pathlib import Path
 
 import numpy as np
+from mesh_arrays import read_stl
 from PIL import Image
-from support_figures import measure_supports
+from support_figures import Figures, measure_supports
 
 # About x, then about y, degrees.
 ORIENTATIONS = ((0, 0), (180, 0), (90, 0), (0, 90), (35, 0), (0, 135))
@@ -28,7 +33,7 @@ PANEL_MM = 80  # at 25 mm
 
 
 def read_ply(path):
-    """Vertices and triangles of a binary or ASCII PLY file whose faces are triangles."""
+    """Vertices and triangles of a binary or ASCII PLY file whose faces are triangles; without faces, points with normals and None."""
     data = Path(path).read_bytes()
     end = data.index(b"end_header") + len(b"end_header\n")
     lines = data[:end].decode().split("\n")
@@ -47,6 +52,8 @@ def read_ply(path):
     types = {"float": "<f4", "float32": "<f4", "double": "<f8", "uchar": "u1", "uint8": "u1", "int": "<i4", "int32": "<i4"}
     vertex = np.dtype([(words[2], types[words[1]]) for words in properties["vertex"]])
     table = np.frombuffer(data, vertex, counts["vertex"], end)
+    if "face" not in counts:
+        return np.stack([table[axis] for axis in ("x", "y", "z", "nx", "ny", "nz")], axis=1).astype(float), None
     words = properties["face"][0]
     face = np.dtype([("n", types[words[2]]), ("v", "<i4", 3)])
     faces = np.frombuffer(data, face, counts["face"], end + counts["vertex"] * vertex.itemsize)["v"]
@@ -64,6 +71,23 @@ def write_stl(path, points, faces):
     record = np.zeros(len(faces), np.dtype([("n", "<f4", 3), ("v", "<f4", (3, 3)), ("a", "<u2")]))
     record["v"] = points[faces]
     path.write_bytes(bytes(80) + np.uint32(len(faces)).tobytes() + record.tobytes())
+
+
+def write_points(path, points):
+    """Points with normals."""
+    axes = "".join(f"property float {axis}\n" for axis in ("x", "y", "z", "nx", "ny", "nz"))
+    head = f"ply\nformat binary_little_endian 1.0\nelement vertex {len(points)}\n{axes}end_header\n"
+    path.write_bytes(head.encode() + points.astype("<f4").tobytes())
+
+
+def reconstruct(scan, work):
+    """Corners of the largest piece that Poisson reconstruction makes of a scan, and its triangles."""
+    cloud, mesh, stl = work / "scan.pcd", work / "mesh.vtk", work / "poisson.stl"
+    run("pcl_ply2pcd", scan, cloud)
+    run("pcl_poisson_reconstruction", cloud, mesh, "-depth", 9)
+    run(sys.executable, "-B", Path(__file__).with_name("vtk_to_stl.py"), mesh, stl)
+    corners = read_stl(stl.read_bytes()).reshape(-1, 3)
+    return corners, np.arange(len(corners)).reshape(-1, 3)
 
 
 def run(*command):
@@ -125,9 +149,32 @@ def prusa_supports(mesh, work, pitch, panel):
     return aligned, masks
 
 
-def row(shape, turn, program, f):
-    return (f"| {shape} | {turn[0]}, {turn[1]} | {program} | {f.islands} | {f.tips} | {f.mean_mm2:.2f} | {f.most_mm2:.1f} | {f.far_mm2:.1f} | "
-            f"{f.free_mm:.1f} | {f.volume_mm3:,.0f} |")  # fmt: skip
+COMPARED = {"islands": "islands", "mean_mm2": "mean", "most_mm2": "most", "free_mm": "free stretch", "volume_mm3": "volume"}
+
+
+def median(figures):
+    return Figures(*np.median([astuple(f) for f in figures], axis=0))
+
+
+def row(shape, turn, ours, theirs):
+    def pair(name, digits):
+        return f"{getattr(ours, name):,.{digits}f} / {getattr(theirs, name):,.{digits}f}"
+
+    cells = [pair(name, digits) for name, digits in
+             (("islands", 0), ("tips", 0), ("mean_mm2", 1), ("most_mm2", 1), ("far_mm2", 1), ("free_mm", 1), ("volume_mm3", 0))]  # fmt: skip
+    return f"| {shape} | {turn[0]}, {turn[1]} | {' | '.join(cells)} |"
+
+
+def shapes(path, size):
+    """What each of both slices, in mm: points or corners, and triangles if there are any."""
+    points, faces = read_ply(path)
+    corners = points[:, :3], faces
+    if faces is None:
+        with tempfile.TemporaryDirectory(prefix="plumbline-supports-") as folder:
+            corners = reconstruct(path, Path(folder))
+    middle, scale = corners[0].mean(axis=0), size / np.ptp(corners[0], axis=0).max()
+    points[:, :3] = (points[:, :3] - middle) * scale
+    return (points, faces), ((corners[0] - middle) * scale, corners[1])
 
 
 def main():
@@ -137,28 +184,36 @@ def main():
     parser.add_argument("--size", type=float, default=25)
     parser.add_argument("--pitch", type=float, default=0.1)
     parser.add_argument("--orientations", type=int, default=len(ORIENTATIONS))
-    parser.add_argument("--keep", type=Path, help="save masks of both here, as NumPy arrays")
+    parser.add_argument("--runs", type=int, default=3)
     chosen = parser.parse_args()
-    print("| shape | turned about x, y | program | islands | tips | mm2 a tip | most | far mm2 | free mm | supports mm3 |")
-    print("|---|---|---|---|---|---|---|---|---|---|", flush=True)
+    print("| shape | turned about x, y | islands | tips | mean, mm2 | most, mm2 | far, mm2 | free, mm | supports, mm3 |")
+    print("|---|---|---|---|---|---|---|---|---|", flush=True)
     panel = PANEL_MM * max(1.0, chosen.size / 25)
-    for mesh in chosen.meshes:
-        points, faces = read_ply(mesh)
-        points = (points - points.mean(axis=0)) * (chosen.size / np.ptp(points, axis=0).max())
+    pairs = []
+    for path in chosen.meshes:
+        (points, faces), corners = shapes(path, chosen.size)
         for turn in ORIENTATIONS[: chosen.orientations]:
             with tempfile.TemporaryDirectory(prefix="plumbline-supports-") as folder:
                 work = Path(folder)
-                stl = work / "mesh.stl"
-                write_stl(stl, turned(points, *turn), faces)
-                ours = plumbline_supports(chosen.plumbline, stl, work, chosen.pitch)
-                print(row(mesh.stem, turn, "plumbline", measure_supports(*ours, chosen.pitch)), flush=True)
-                theirs = prusa_supports(stl, work, chosen.pitch, panel)
-                print(row(mesh.stem, turn, "PrusaSlicer", measure_supports(*theirs, chosen.pitch)), flush=True)
-                if chosen.keep:
-                    chosen.keep.mkdir(parents=True, exist_ok=True)
-                    name = f"{mesh.stem}_{turn[0]}_{turn[1]}.npz"
-                    np.savez_compressed(chosen.keep / name, ours_object=ours[0], ours=ours[1], theirs_object=theirs[0],
-                                        theirs=theirs[1])  # fmt: skip
+                stl, scan = work / "mesh.stl", work / "scan.ply"
+                write_stl(stl, turned(corners[0], *turn), corners[1])
+                if faces is None:
+                    write_points(scan, np.hstack([turned(points[:, :3], *turn), turned(points[:, 3:], *turn)]))
+                masks = plumbline_supports(chosen.plumbline, scan if faces is None else stl, work, chosen.pitch)
+                ours = measure_supports(*masks, chosen.pitch)
+                theirs = median([measure_supports(*prusa_supports(stl, work, chosen.pitch, panel), chosen.pitch) for _ in range(chosen.runs)])
+                print(row(path.stem, turn, ours, theirs), flush=True)
+                pairs.append((ours, theirs))
+    print_tally(pairs)
+
+
+def print_tally(pairs):
+    rows = len(pairs)
+    for name, words in COMPARED.items():
+        good = sum(getattr(ours, name) <= getattr(theirs, name) + 1e-9 for ours, theirs in pairs)
+        print(f"{words}: no worse in {good} of {rows}")
+    for field in fields(Figures):
+        print(f"sum of {field.name}: {sum(getattr(o, field.name) for o, _ in pairs):.4g} / {sum(getattr(t, field.name) for _, t in pairs):.4g}")
 
 
 if __name__ == "__main__":

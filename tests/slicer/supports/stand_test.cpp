@@ -11,6 +11,8 @@ namespace {
 using namespace testing;
 using ::testing::HasSubstr;
 
+constexpr std::uint32_t kLift = 58;  ///< layers
+
 struct Stood {
   explicit Stood(const Inside& inside, const SupportSettings& settings = {}, std::uint32_t most_layers = 1000,
                  std::uint32_t layers = 48)
@@ -40,7 +42,7 @@ TEST(Stand, SinksToTheFirstLayerOfEnoughArea) {
   EXPECT_EQ(on_a(7, 3).stand->sunk, 3U);
   EXPECT_EQ(on_a(8, 3).stand->sunk, 3U);
   EXPECT_EQ(on_a(7, 4).stand->sunk, 0U);
-  EXPECT_EQ(on_a(7, 4).stand->lifted, 60U);
+  EXPECT_EQ(on_a(7, 4).stand->lifted, kLift);
 }
 
 TEST(Stand, IsOnAFootThatHasATenthOfTheLargestSection) {
@@ -48,7 +50,7 @@ TEST(Stand, IsOnAFootThatHasATenthOfTheLargestSection) {
     return Stood(blocks({{30, 30 + side, 30, 30 + side, 0, 40}, {20, 44, 20, 44, 15, 40}}));
   };
   EXPECT_EQ(on_a(8).stand->lifted, 0U);
-  EXPECT_EQ(on_a(7).stand->lifted, 60U);
+  EXPECT_EQ(on_a(7).stand->lifted, kLift);
 }
 
 TEST(Stand, LiftsWhatLiesOnOneEndOfItsUnderside) {
@@ -57,12 +59,12 @@ TEST(Stand, LiftsWhatLiesOnOneEndOfItsUnderside) {
     return Stood(blocks({{20, 20 + columns, 20, 44, 0, 40}, {20, 44, 20, 44, 5, 40}}));
   };
   EXPECT_EQ(on_a_foot_of(12).stand->lifted, 0U);
-  EXPECT_EQ(on_a_foot_of(11).stand->lifted, 60U);
+  EXPECT_EQ(on_a_foot_of(11).stand->lifted, kLift);
 }
 
 TEST(Stand, LiftsWhatIsNotFlatByElevationAndRaft) {
   const Inside round = ball(32, 32, 24, 24);
-  EXPECT_EQ(Stood(round).stand->lifted, 60U);  // 5 mm and 1 mm
+  EXPECT_EQ(Stood(round).stand->lifted, kLift);  // 5 mm and 0.8 mm
   SupportSettings settings;
   settings.object_elevation = 3;
   settings.pad_wall_thickness = 0;
@@ -73,11 +75,11 @@ TEST(Stand, LiftsWhatIsNotFlatByElevationAndRaft) {
 
 TEST(Stand, IsRefusedIfTheLiftedObjectIsTooHigh) {
   const Inside round = ball(32, 32, 24, 24);
-  EXPECT_TRUE(Stood(round, {}, 108).stand);
-  const Stood high(round, {}, 107);
+  EXPECT_TRUE(Stood(round, {}, 48 + kLift).stand);
+  const Stood high(round, {}, 47 + kLift);
   ASSERT_FALSE(high.stand);
   EXPECT_EQ(high.stand.error().code(), ErrorCode::kDoesNotFit);
-  EXPECT_THAT(high.stand.error().message(), HasSubstr("supports lift it by 6.00 mm: 0.10 mm more than"));
+  EXPECT_THAT(high.stand.error().message(), HasSubstr("supports lift it by 5.80 mm: 0.10 mm more than"));
 }
 
 TEST(Stand, MovesTheObjectAndNothingElse) {
@@ -85,9 +87,9 @@ TEST(Stand, MovesTheObjectAndNothingElse) {
   const auto before = round.solid.masks();
   ASSERT_TRUE(stand_object(round.solid.rrep, *round.stand, *round.arena));
   const auto after = round.solid.masks();
-  ASSERT_EQ(after.size(), before.size() + 60);
-  for (std::size_t k = 0; k < 60; ++k) EXPECT_EQ(after[k].count(), 0U);
-  for (std::size_t k = 0; k < before.size(); ++k) EXPECT_EQ(after[k + 60], before[k]);
+  ASSERT_EQ(after.size(), before.size() + kLift);
+  for (std::size_t k = 0; k < kLift; ++k) EXPECT_EQ(after[k].count(), 0U);
+  for (std::size_t k = 0; k < before.size(); ++k) EXPECT_EQ(after[k + kLift], before[k]);
 }
 
 }  // namespace
