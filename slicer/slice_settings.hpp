@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "slicer/core/foot_shrink.hpp"
 #include "slicer/core/peel_force.hpp"
 #include "slicer/placement/base_choice.hpp"
 #include "slicer/placement/floor_choice.hpp"
@@ -22,6 +23,8 @@ struct SliceSettings {
   bool confidence = false;    ///< keep a map of the evidence for each part of the surface
   bool keep_all = false;      ///< keep stray pieces and small components too
   PeelSettings peel;          ///< of the resin: for the checks of the masks only
+  FootShrink foot;            ///< of the print: for the checks of the masks only
+  double overcure_mm = 0;     ///< by which a layer's light cures more than the layer: for the checks of the masks only
   std::uint32_t threads = 1;  ///< 1 to 64; the result does not depend on it
 };
 

@@ -47,7 +47,7 @@ bool is_folder(const std::string& path) {
 /// What a stack's grid is: from the options, else from its manifest.
 Expected<PrintGrid> grid_of(const MaskStack& stack, const JobOptions& job, const JobSetup& setup, CheckLimits& limits) {
   PrintGrid grid{.columns = stack.columns(), .rows = stack.rows(), .layers = stack.layers()};
-  limits = check_limits(setup.placement, setup.peel);
+  limits = check_limits(setup.placement, setup.peel, 0);
   limits.has_panel = true;
   const auto& known = stack.scale();
   const auto& printer = setup.placement.printer;

@@ -187,7 +187,7 @@ Status make_ready(const PrintOptions& options, const JobSetup& setup, Printer& p
   const auto scan = ScanFiles::open(options.job.scans);
   PLUMBLINE_TRY(scan);
   SliceSettings settings = slice_settings(setup, *supports);
-  settings.peel = printer.profile.peel;
+  tell_checks(printer.profile, printer.machine, settings);
   PLUMBLINE_TRY(session.slice_scan(scan->sources(), settings, *supports, printer.profile, &terminal.progress()));
   for_each_remark(session.sliced(), [&](const Told&, std::string_view remark) { terminal.warn(remark); });
   for_each_issue(*session.findings(), session.grid(), printer.profile.checks,

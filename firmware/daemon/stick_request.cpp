@@ -26,7 +26,6 @@ Expected<ScanRequest> stick_request(const StickJob& job, std::span<const StickFi
   request.settings.floor = job.floor;
   request.settings.orient = job.orient;
   request.settings.keep_all = job.keep_all;
-  request.settings.peel = profile.peel;
   request.settings.confidence = true;  // for the picture of what was scanned
   PlacementSettings& placement = request.settings.placement;
   placement.units = job.units;
@@ -36,6 +35,7 @@ Expected<ScanRequest> stick_request(const StickJob& job, std::span<const StickFi
   placement.rotation_degrees = {job.rotate_x_deg, job.rotate_y_deg, job.rotate_z_deg};
   placement.layer_height_mm = static_cast<float>(job.layer_height > 0 ? job.layer_height : profile.layer_height);
   placement.printer = printer_volume(daemon.board);
+  tell_checks(profile, daemon.machine, request.settings);
   const auto supports = SupportChoice{job.supports, {}}.over(profile.supports_enable, profile.supports);
   PLUMBLINE_TRY(supports);
   request.supports = *supports;

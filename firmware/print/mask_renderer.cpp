@@ -1,7 +1,6 @@
 #include "firmware/print/mask_renderer.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "firmware/io/mask_hash.hpp"
 
@@ -67,8 +66,8 @@ Expected<MaskFacts> MaskRenderer::render(std::uint32_t layer, BitImage out) {
   const auto copied = HostClock::now();
   facts.making = made - start;
   facts.copying = copied - made;
-  const double pitch = (static_cast<double>(grid().pitch_x_mm) + static_cast<double>(grid().pitch_y_mm)) / 2;
-  const auto steps = static_cast<std::uint32_t>(std::lround(elephant_foot_of(plan_, layer).millimetres() / pitch));
+  const std::uint32_t steps =
+      foot_of(plan_).steps(layer, static_cast<double>(grid().pitch_x_mm), static_cast<double>(grid().pitch_y_mm));
   if (steps > 0) {
     erode(out, steps, rows_);
     facts.making += HostClock::now() - copied;

@@ -123,7 +123,7 @@ Expected<SlicedArchive> check_archive(int file, std::string_view name, const Arc
   PLUMBLINE_TRY(layers);
   sliced.layers_end = arena.bottom_mark();
   PLUMBLINE_TRY(archive->list(*layers));
-  PLUMBLINE_TRY(check_layers(*archive, check_limits(placement, target.peel), sliced, *layers, arena, progress));
+  PLUMBLINE_TRY(check_layers(*archive, check_limits(placement, target.peel, 0), sliced, *layers, arena, progress));
   sliced.layers = *layers;
   return sliced;
 }

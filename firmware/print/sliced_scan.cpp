@@ -1,14 +1,28 @@
 #include "firmware/print/sliced_scan.hpp"
 
 #include "firmware/io/hashing_source.hpp"
+#include "firmware/print/mask_renderer.hpp"
 #include "firmware/slice/issue_report.hpp"
 #include "slicer/checks/stack_checker.hpp"
 #include "slicer/core/stage_scope.hpp"
+#include "slicer/layers/morphology.hpp"
 #include "slicer/support_building.hpp"
 #include "slicer/supports/drawing/mask_stream.hpp"
 
 namespace plumbline {
 namespace {
+
+/// Makes a mask what the print shows of it.
+/// @param drawn  as for LayerStream::draw_on_mask()
+void shrink(BitImage image, std::uint32_t steps, std::span<std::uint64_t> rows, BitImage drawn) {
+  for (std::uint32_t r = 0; r < image.rows(); ++r) {
+    const auto row = image.row(r);
+    for (std::uint32_t strip = 0; strip * kStripColumns < image.columns(); ++strip) {
+      if (row[strip * kStripColumns / 64] != 0) drawn.set(r, strip);
+    }
+  }
+  erode(image, steps, rows);
+}
 
 /// Checks every mask, and counts what will cure. On a desktop it takes a second or two for a thousand layers of a large panel.
 Status check_masks(SlicedScan& sliced, const SliceSettings& settings, Arena& arena, ProgressSink* progress,
@@ -19,13 +33,22 @@ Status check_masks(SlicedScan& sliced, const SliceSettings& settings, Arena& are
   const std::size_t bottom = arena.bottom_mark();
   auto stream = MaskStream::create(sliced.rrep, sliced.supports, arena);
   PLUMBLINE_TRY(stream);
-  auto checker = StackChecker::create(sliced.rrep.grid, check_limits(settings.placement, settings.peel), arena);
+  auto checker = StackChecker::create(sliced.rrep.grid,
+                                      check_limits(settings.placement, settings.peel, settings.overcure_mm), arena);
   PLUMBLINE_TRY(checker);
+  const PrintGrid& mm = sliced.rrep.grid;
+  const auto rows = arena.take_top<std::uint64_t>(3 * BitImage::words_needed(mm.columns, 1), "checks");
+  PLUMBLINE_TRY(rows);
   for (std::uint32_t layer = 0; layer < layers; ++layer) {
     if (progress != nullptr && !progress->advance(Stage::kLayers, static_cast<double>(layer) / layers)) {
       return fail(ErrorCode::kCancelled, "stopped while the layers were checked, at layer %u of %u", layer, layers);
     }
-    checker->next(stream->mask(layer));
+    const ConstBitImage mask = stream->mask(layer);
+    if (const std::uint32_t steps =
+            settings.foot.steps(layer, static_cast<double>(mm.pitch_x_mm), static_cast<double>(mm.pitch_y_mm))) {
+      stream->draw_on_mask([&](BitImage image, BitImage drawn) { shrink(image, steps, *rows, drawn); });
+    }
+    checker->next(mask);
     sliced.support_pixels += stream->support_pixels();
   }
   sliced.findings = checker->finish();

@@ -74,6 +74,7 @@ SliceSettings slice_settings(const JobSetup& setup, const std::optional<SupportS
   settings.orient = setup.orient;
   settings.keep_all = setup.keep_all;
   settings.peel = setup.peel;
+  tell_checks(setup.board, settings);
   settings.threads = setup.threads;
   return settings;
 }

@@ -1,5 +1,7 @@
 #include "firmware/settings/print_profile.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "firmware/settings/settings_file.hpp"
@@ -104,5 +106,19 @@ PrintProfile profile_or_defaults(const std::optional<BoardFile>& board) {
 CheckPolicy checks_of(const std::optional<BoardFile>& board) { return profile_or_defaults(board).checks; }
 
 PeelSettings peel_of(const std::optional<BoardFile>& board) { return profile_or_defaults(board).peel; }
+
+void tell_checks(const PrintProfile& profile, const MachineFile& machine, SliceSettings& settings) {
+  settings.peel = profile.peel;
+  settings.foot = {profile.elefant_foot_compensation, profile.bottom_layer_count, profile.faded_layers};
+  // Jacobs' working curve; the faded layers' exposures are longer.
+  const double dose = machine.power_mw_cm2 * profile.exposure_time;
+  if (dose <= 0 || profile.critical_energy <= 0) return;
+  const double depth = profile.penetration_depth * std::log(dose / profile.critical_energy);
+  settings.overcure_mm = std::max(0.0, depth - static_cast<double>(settings.placement.layer_height_mm));
+}
+
+void tell_checks(const std::optional<BoardFile>& board, SliceSettings& settings) {
+  if (board && board->machine) tell_checks(profile_or_defaults(board), *board->machine, settings);
+}
 
 }  // namespace plumbline

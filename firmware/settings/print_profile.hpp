@@ -10,6 +10,7 @@
 #include "firmware/settings/check_policy.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/core/peel_force.hpp"
+#include "slicer/slice_settings.hpp"
 #include "slicer/supports/support_settings.hpp"
 
 namespace plumbline {
@@ -61,5 +62,11 @@ struct PrintProfile {
 CheckPolicy checks_of(const std::optional<BoardFile>& board);
 /// The [resin] of a board's profile, for the checks; the defaults if there is none or it is wrong.
 PeelSettings peel_of(const std::optional<BoardFile>& board);
+
+/// What the checks of the masks need to know of the print: the resin, the compensation of elephant's foot, and how deep light cures.
+/// @param settings  its layer height is read
+void tell_checks(const PrintProfile& profile, const MachineFile& machine, SliceSettings& settings);
+/// The same with the board's own profile. Without a printer, or if its profile can't be read, nothing is told.
+void tell_checks(const std::optional<BoardFile>& board, SliceSettings& settings);
 
 }  // namespace plumbline

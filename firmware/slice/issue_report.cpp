@@ -71,8 +71,9 @@ void write_issue(JsonWriter& json, const Issue& issue, const IssueScale& scale) 
 
 }  // namespace
 
-CheckLimits check_limits(const PlacementSettings& placement, const PeelSettings& peel) {
+CheckLimits check_limits(const PlacementSettings& placement, const PeelSettings& peel, double overcure_mm) {
   CheckLimits limits;
+  limits.cured_gap_mm = overcure_mm;
   limits.peel = peel;
   if (const auto& printer = placement.printer) {
     limits.has_panel = true;
@@ -105,7 +106,8 @@ FixedText<256> issue_sentence(IssueKind kind, const StackFindings& findings, con
   FixedText<256> text;
   text.add("%u %.*s", group.count, static_cast<int>(name.size()), name.data());
   if (kind == IssueKind::kFreePiece) {
-    text.add(", %.2g %% of the print", 100 * findings.fallen_share());
+    const double percent = 100 * findings.fallen_share();
+    text.add(", %.*g %% of the print", percent < 99.5 ? 2 : 3, percent);
   }
   if (group.count > 1 && words.size == IssueSize::kVolume) text.add(", %s ml", rounded(scale.ml(group.voxels)).c_str());
   text.add("%s", group.count == 1 ? (kind == IssueKind::kFreePiece || kind == IssueKind::kTear ? ": " : " of ")

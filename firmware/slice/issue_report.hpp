@@ -15,7 +15,7 @@
 namespace plumbline {
 
 /// The limits for a job. With a printer its panel has an edge and its Z stage a travel.
-CheckLimits check_limits(const PlacementSettings& placement, const PeelSettings& peel);
+CheckLimits check_limits(const PlacementSettings& placement, const PeelSettings& peel, double overcure_mm);
 
 /// The limits for coarse masks, whose pixels are larger than those that the defaults are meant for.
 CheckLimits coarse_limits(const PrintGrid& grid, const PeelSettings& peel);

@@ -119,8 +119,8 @@ Status SliceJob::write_layers(const RRep& rrep, const Supports& supports, std::s
   auto stream = MaskStream::create(rrep, supports, *arena_);
   PLUMBLINE_TRY(stream);
   const ArenaScope scratch(*arena_);
-  auto checker =
-      StackChecker::create(rrep.grid, check_limits(settings_.slice.placement, settings_.slice.peel), *arena_);
+  auto checker = StackChecker::create(
+      rrep.grid, check_limits(settings_.slice.placement, settings_.slice.peel, settings_.slice.overcure_mm), *arena_);
   PLUMBLINE_TRY(checker);
   const std::uint32_t layers = rrep.grid.layers;
   for (std::uint32_t layer = 0; layer < layers; ++layer) {

@@ -20,6 +20,8 @@ struct CheckLimits {
   /// Of the largest region of a resin trap: RequiredAreaToProcessCheck of the window. The library's is 4, but traps that small are
   /// those of one layer between the grey edges of supports.
   std::uint32_t trap_pixels = 17;
+  /// A hollow that is no higher is none: the light of the layer that closes it cures the resin in it. 0: all are traps, as in UVtools.
+  double cured_gap_mm = 0;
   std::uint32_t suction_pixels = 100;  ///< RequiredAreaToConsiderSuctionCup; 10000 in the window
   double suction_height_mm = 0.5;      ///< RequiredHeightToConsiderSuctionCup
   std::uint32_t bound_margin = 5;      ///< pixels: MarginLeft and its like

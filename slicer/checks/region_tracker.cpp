@@ -414,7 +414,8 @@ void RegionTracker::end_layer(StackFindings& findings) {
     // The plate closes what is open below, until the part is taken off it.
     if (column.on_plate) {
       add_cup(column, findings);
-    } else if (column.largest >= limits_.trap_pixels) {
+    } else if (column.largest >= limits_.trap_pixels &&
+               scale_.z_mm(column.last_layer - column.first_layer + 1) > limits_.cured_gap_mm) {
       add_column(IssueKind::kResinTrap, column, findings);
     }
   });

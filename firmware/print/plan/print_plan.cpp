@@ -87,12 +87,8 @@ Status check_light(const PrintPlan& plan, const PrintProfile& profile, const Mac
            profile.name.c_str(), most, machine.max_light_per_minute_s));
 }
 
-/// How far the fade has come: 0 on the bottom layers, 1 after the faded ones.
 double fade_of(const PrintPlan& plan, std::uint32_t layer) {
-  if (layer < plan.bottom_layers) return 0;
-  const std::uint32_t step = layer - plan.bottom_layers + 1;
-  if (step > plan.faded_layers) return 1;
-  return static_cast<double>(step) / (plan.faded_layers + 1.0);
+  return bottom_fade(layer, plan.bottom_layers, plan.faded_layers);
 }
 
 nanoseconds move_time(const PrintPlan& plan, Distance way, Speed speed) {
@@ -158,8 +154,8 @@ StageMove pause_above(const PrintPlan& plan, std::uint32_t layer) {
   return {std::min(height_of(plan, layer) + plan.pause_lift, plan.highest), plan.lift_speed2};
 }
 
-Distance elephant_foot_of(const PrintPlan& plan, std::uint32_t layer) {
-  return Distance::micrometres(plan.elephant_foot.micrometres() * (1 - fade_of(plan, layer)));
+FootShrink foot_of(const PrintPlan& plan) {
+  return {plan.elephant_foot.millimetres(), plan.bottom_layers, plan.faded_layers};
 }
 
 nanoseconds layer_time(const PrintPlan& plan, std::uint32_t layer) {

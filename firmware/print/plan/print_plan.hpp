@@ -16,6 +16,7 @@
 #include "hal/clock.hpp"
 #include "hal/units.hpp"
 #include "slicer/core/error.hpp"
+#include "slicer/core/foot_shrink.hpp"
 
 namespace plumbline {
 
@@ -77,8 +78,8 @@ TwoStageMove retract_to(const PrintPlan& plan, std::uint32_t layer);
 /// Where a pause holds the part: pause_lift above the layer, or as far as the travel goes.
 StageMove pause_above(const PrintPlan& plan, std::uint32_t layer);
 
-/// How far a layer's outline is drawn in: in full on the bottom layers, then fading to 0 with the exposure.
-Distance elephant_foot_of(const PrintPlan& plan, std::uint32_t layer);
+/// How far the layers' outlines are drawn in: in full on the bottom layers, then fading to 0 with the exposure.
+FootShrink foot_of(const PrintPlan& plan);
 
 /// Time from the start of a layer's retract to the end of its lift.
 nanoseconds layer_time(const PrintPlan& plan, std::uint32_t layer);

@@ -31,6 +31,12 @@ class MaskStream {
   /// @returns a view, valid until the next call
   ConstBitImage mask(std::uint32_t layer);
 
+  /// As LayerStream::draw_on_mask().
+  template <class Draw>
+  void draw_on_mask(Draw draw) {
+    layers_.draw_on_mask(draw);
+  }
+
   /// Pixels of the last mask that belong to supports only.
   std::uint64_t support_pixels() const { return support_pixels_; }
 

@@ -21,6 +21,18 @@ U64 = 2**64 - 1
 STEP = 0x9E3779B97F4A7C15
 
 
+def box(low, high, hollow=False):
+    """The triangles of a box as STL; of a hollow, they face inwards."""
+    corner = [[(low, high)[i >> axis & 1][axis] for axis in range(3)] for i in range(8)]
+    faces = ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5))
+    text = ""
+    for a, b, c, d in faces:
+        for triangle in ((a, b, c), (a, c, d)):
+            points = [corner[i] for i in (triangle[::-1] if hollow else triangle)]
+            text += "facet normal 0 0 0\nouter loop\n" + "".join(f"vertex {x} {y} {z}\n" for x, y, z in points) + "endloop\nendfacet\n"
+    return text
+
+
 def write_sphere(path, points=20_000, radius=12.0, normals=True):
     """Writes a clean sphere about the origin: Fibonacci lattice, binary PLY."""
     head = ["ply", "format binary_little_endian 1.0", f"element vertex {points}"]

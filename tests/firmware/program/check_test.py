@@ -10,7 +10,7 @@ import unittest
 import zipfile
 import zlib
 
-from case import Program, main, write_lying_cone
+from case import Program, box, main, write_lying_cone
 
 COLUMNS, ROWS, LAYERS, PITCH = 70, 50, 24, 0.1
 
@@ -38,18 +38,6 @@ def write_peers_layers(folder):
         body = b"".join(struct.pack(">I", len(d)) + n + d + struct.pack(">I", zlib.crc32(n + d)) for n, d in chunks)
         (folder / f"peer{k:05}.png").write_bytes(b"\x89PNG\r\n\x1a\n" + body)
     return {(c, r, k) for k in range(LAYERS) for r in range(ROWS) for c in range(COLUMNS) if grey(c, r, k) > 127}
-
-
-def box(low, high, hollow=False):
-    """The triangles of a box as STL; of a hollow, they face inwards."""
-    corner = [[(low, high)[i >> axis & 1][axis] for axis in range(3)] for i in range(8)]
-    faces = ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5))
-    text = ""
-    for a, b, c, d in faces:
-        for triangle in ((a, b, c), (a, c, d)):
-            points = [corner[i] for i in (triangle[::-1] if hollow else triangle)]
-            text += "facet normal 0 0 0\nouter loop\n" + "".join(f"vertex {x} {y} {z}\n" for x, y, z in points) + "endloop\nendfacet\n"
-    return text
 
 
 def flooded(seeds, may_pass, top=LAYERS):

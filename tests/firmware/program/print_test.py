@@ -9,7 +9,7 @@ import signal
 import subprocess
 import time
 
-from case import PLUMBLINED, SIM2K, SOURCE_DIR, Program, add_ball, confirm_plate, main, on_stick_printer, split, write_sphere
+from case import PLUMBLINED, SIM2K, SOURCE_DIR, Program, add_ball, box, confirm_plate, main, on_stick_printer, split, write_sphere
 
 
 class Print(Program):
@@ -99,6 +99,23 @@ class Print(Program):
             self.assertIn("excludes", done.stderr)
         done = self.run_it("print", "--resume", "--state", state, "--printer", SIM2K, status=1)
         self.assertIn("no interrupted print", done.stderr)
+
+    def test_what_falls_for_a_foot_that_is_shrunk_is_foretold(self):
+        # A block, and beside it one of 4 mm on a foot of 1 mm, whose bottom layers lose 0.6 mm on each side.
+        mesh, profile, report = self.dir / "part.stl", self.dir / "mine.toml", self.dir / "report.json"
+        boxes = box((8, 0, 0), (12, 4, 3)) + box((1.5, 1.5, 0), (2.5, 2.5, 1.5)) + box((0, 0, 1.5), (4, 4, 3))
+        mesh.write_text(f"solid part\n{boxes}endsolid part\n")
+        text = (SOURCE_DIR / "board/profiles/standard.toml").read_text()
+        lost = []
+        for foot in ("0.0", "0.6"):
+            profile.write_text(text.replace("elefant_foot_compensation = 0.0", f"elefant_foot_compensation = {foot}"))
+            self.run_it("print", mesh, "--printer", SIM2K, "--profile", profile, "--supports", "none", "--layer-height", 0.1, "--accept",
+                        "--quiet", "--report", report)  # fmt: skip
+            printed = json.loads(report.read_text())
+            lost.append(sum(loss["ml"] for loss in printed["part"]["lost"]))
+            self.assertAlmostEqual(printed["issues"]["falls_ml"] + printed["issues"]["torn_ml"], lost[-1], places=5)
+        self.assertEqual(lost[0], 0)
+        self.assertGreater(lost[1], 0.02)
 
     def test_supports_come_from_the_profile_by_default(self):
         write_sphere(self.scan)

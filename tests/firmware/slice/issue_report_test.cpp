@@ -44,6 +44,13 @@ TEST(IssueReport, SaysSizePlaceLayersAndWhatToDo) {
   EXPECT_EQ(issue_counts({}).view(), "no issues");
 }
 
+TEST(IssueReport, SaysThatAllOfThePrintFallsInPlainDigits) {
+  StackFindings findings = some_findings();
+  findings.voxels = findings.of(IssueKind::kFreePiece).voxels;
+  EXPECT_THAT(issue_sentence(IssueKind::kFreePiece, findings, kGrid).view(),
+              testing::HasSubstr("1 piece that nothing holds, 100 % of the print: 2 ml"));
+}
+
 TEST(IssueReport, SaysHowMuchMoreIsLostInTheShadowOfWhatFalls) {
   StackFindings findings = some_findings();
   findings.shadowed_voxels = 4'000'000;

@@ -173,6 +173,17 @@ TEST(StackChecker, IsSilentAboutATrapOfSixteenPixels) {
   EXPECT_EQ(check(with_hole(17), {}).count(IssueKind::kResinTrap), 1U);
 }
 
+TEST(StackChecker, IsSilentAboutAGapThatTheNextLayersLightCures) {
+  const auto with_hollow = [](std::uint32_t layers) {
+    return stack_of(kSide, 20, without(blocks({{20, 60, 20, 60, 0, 20}}), blocks({{30, 50, 30, 40, 5, 5 + layers}})));
+  };
+  CheckLimits limits;
+  limits.cured_gap_mm = 0.25;  // layers of 0.1 mm
+  EXPECT_EQ(check(with_hollow(2), limits).count(IssueKind::kResinTrap), 0U);
+  EXPECT_EQ(check(with_hollow(3), limits).count(IssueKind::kResinTrap), 1U);
+  EXPECT_EQ(check(with_hollow(1), {}).count(IssueKind::kResinTrap), 1U) << "UVtools' rule";
+}
+
 TEST(StackChecker, FindsASuctionCupThatOpensUpwards) {
   const auto findings =
       check(stack_of(kSide, 20, without(blocks({{20, 60, 20, 60, 0, 20}}), blocks({{30, 50, 30, 40, 5, 20}}))), {});

@@ -98,10 +98,11 @@ TEST(PrintPlan, FadesTheElephantFootWithTheExposure) {
   auto settings = profile();
   settings.elefant_foot_compensation = 0.18;
   const auto p = plan_print(settings, machine(), 0.05, 100).value();
-  EXPECT_EQ(elephant_foot_of(p, 0), 180_um);
-  EXPECT_EQ(elephant_foot_of(p, 4), 180_um);
-  EXPECT_EQ(elephant_foot_of(p, 5), 160_um) << "180 (1 - 1/9)";
-  EXPECT_EQ(elephant_foot_of(p, 13), 0_um);
+  const auto pixels = [&](std::uint32_t layer) { return foot_of(p).steps(layer, 0.002, 0.002); };
+  EXPECT_EQ(pixels(0), 90U);
+  EXPECT_EQ(pixels(4), 90U);
+  EXPECT_EQ(pixels(5), 80U) << "180 um (1 - 1/9)";
+  EXPECT_EQ(pixels(13), 0U);
 }
 
 /// Most light in any minute by brute force, from the times of all exposures.
