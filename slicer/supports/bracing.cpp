@@ -178,16 +178,18 @@ Status Bracing::brace(std::size_t index) {
 /// Props a pillar by a strut from its base: from the raft, or from the plate.
 Expected<bool> Bracing::add_leg(Pillar& pillar, const Gap& gap) {
   if (!pillar.on_plate || !has_room()) return false;
-  const double rim = settings_.base_diameter / 2 + (raft_ > 0 ? settings_.pad_brim_size : 0) - radius_;
+  // The raft is no wider than the panel.
+  const double beside = std::min(
+      {pillar.x, pillar.y, (list_.grid().columns - 1) * px_ - pillar.x, (list_.grid().rows - 1) * py_ - pillar.y});
+  const double rim =
+      std::min(settings_.base_diameter / 2 + (raft_ > 0 ? settings_.pad_brim_size : 0), beside) - radius_;
   const double rise = std::min(std::max((gap.low + gap.high) / 2, gap.high - kWantedFree_mm) - raft_, kSteepest * rim);
   const Place top{pillar.x, pillar.y, raft_ + rise};
   if (top.z - gap.low < kLeastShare * gap.height()) return false;
   const double away = std::min(rim, rise / slope_);
-  const double wide = (list_.grid().columns - 1) * px_ - radius_;
-  const double deep = (list_.grid().rows - 1) * py_ - radius_;
   for (const auto& direction : kRound) {
     const Place foot{pillar.x + away * direction[0], pillar.y + away * direction[1], raft_};
-    if (foot.x < radius_ || foot.y < radius_ || foot.x > wide || foot.y > deep || !is_clear(foot, top)) continue;
+    if (!is_clear(foot, top)) continue;
     PLUMBLINE_TRY(list_.add(StrutKind::kBrace, foot, top, raft_ > 0 ? list_.layer_at(raft_ + lh_ / 2) : 0,
                             list_.layer_at(top.z) + 1, radius_, radius_));
     add_contact(pillar, top.z);

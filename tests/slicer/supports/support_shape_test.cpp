@@ -254,6 +254,40 @@ TEST(SupportShape, HoldsItsTipsOnCoarsePixelsToo) {
   }
 }
 
+TEST(SupportShape, LeavesNoIslandFromATenthToTenTimesTheSize) {
+  // A ball of 5 mm with an arm that leans by 40 degrees and a drop below its end, and its print ten times smaller and larger.
+  struct Size {
+    double scale;
+    float pitch;
+  };
+  for (const Size& size : {Size{0.1, 0.02F}, Size{0.3, 0.05F}, Size{1, 0.1F}, Size{3, 0.2F}, Size{10, 0.4F}}) {
+    const double mm = static_cast<double>(size.pitch) / size.scale;  // of a pixel, in the unscaled object
+    const auto side = static_cast<std::uint32_t>(std::ceil(16 / mm));
+    const auto layers = static_cast<std::uint32_t>(std::ceil(7 / mm));
+    const Inside shape = [mm](std::uint32_t c, std::uint32_t r, std::uint32_t k) {
+      const double x = (c + 0.5) * mm - 5;
+      const double y = (r + 0.5) * mm - 8;
+      const double z = (k + 0.5) * mm;
+      const auto ball_at = [&](double bx, double bz, double radius) {
+        return (x - bx) * (x - bx) + y * y + (z - bz) * (z - bz) < radius * radius;
+      };
+      const double arm = z - 2.5 - 0.6 * x;
+      return ball_at(0, 2.5, 2.5) || ball_at(5, 3.5, 1) || (x > 0 && x < 6 && std::abs(y) < 0.7 && std::abs(arm) < 0.6);
+    };
+    Solid solid(cubic_grid(side, layers, size.pitch), shape);
+    ArenaBlock arena(64 * kMiB);
+    SupportCounts counts;
+    const std::size_t before = arena->used();
+    arena->reset_peak();
+    const std::size_t planned = find_supports_bytes(solid.rrep, {});
+    const Supports supports = value_of(find_supports(solid.rrep, {}, PrintGrid::kMaxLayers, *arena, nullptr, counts));
+    EXPECT_LE(arena->peak() - before, planned) << size.scale;
+    EXPECT_EQ(floating_islands(solid.masks(&supports)), 0U) << size.scale;
+    EXPECT_EQ(counts.unbraced, 0U) << size.scale;
+    EXPECT_GT(counts.all(), 0U) << size.scale;
+  }
+}
+
 TEST(SupportShape, IsNeverCutAtThePanelsEdge) {
   // A ball that nearly touches the edges.
   const Print print(110, 100, ball(55, 55, 50, 50));
