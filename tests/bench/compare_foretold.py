@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Compares what the checks foretell with what the simulated printer loses, without supports:
+"""Compares what the checks foretell with what the simulated printer loses, without supports, and says what it objects to with them:
 
   compare_foretold.py PLUMBLINE SCAN [OPTION ...] [-- SCAN [OPTION ...]] ...     options of 'plumbline print', such as --height 60mm
 
 Each scan or mesh is printed on sim2k in layers of 0.1 mm. Prints a table in Markdown; each pair is foretold, simulated.
-Exit status: 0 all as foretold, 1 something else was lost, or a program failed, 2 wrong use.
+Exit status: 0 all as foretold and no objection with supports, 1 otherwise, or a program failed, 2 wrong use.
 """
 
 import itertools
@@ -20,10 +20,10 @@ TOLERANCE = 0.02
 KINDS = {"free_piece": "region", "tear": "piece"}
 
 
-def printed(plumbline, job, folder):
+def printed(plumbline, job, folder, supports):
     report = folder / "report.json"
     done = subprocess.run(
-        [plumbline, "print", *job, "--printer", BOARD / "sim2k.toml", "--supports", "none", "--layer-height", "0.1", "--accept", "--quiet",
+        [plumbline, "print", *job, "--printer", BOARD / "sim2k.toml", "--supports", supports, "--layer-height", "0.1", "--accept", "--quiet",
          "--report", report], capture_output=True, text=True, check=False)  # fmt: skip
     if done.returncode != 0:
         sys.exit(f"{' '.join(job)}:\n{done.stderr}")
@@ -43,12 +43,13 @@ def main():
         sys.exit(__doc__)
     plumbline, *words = sys.argv[1:]
     jobs = [list(job) for end, job in itertools.groupby(words, lambda word: word == "--") if not end]
-    print("| scan | fall | ml | tear off | ml | in their shadow, ml | largest pieces that match |")
-    print("|---|---|---|---|---|---|---|", flush=True)
+    print("| scan | fall | ml | tear off | ml | in their shadow, ml | largest pieces that match | with supports: objections | foretold | supports |")
+    print("|---|---|---|---|---|---|---|---|---|---|", flush=True)
     good = True
     for job in jobs:
         with tempfile.TemporaryDirectory(prefix="plumbline-foretold-") as folder:
-            report = printed(plumbline, job, Path(folder))
+            report = printed(plumbline, job, Path(folder), "none")
+            held = printed(plumbline, job, Path(folder), "auto")
         found = report["issues"]
         losses = report["part"]["lost"]
         cells, matches, largest = [], 0, 0
@@ -62,8 +63,10 @@ def main():
             good = good and pieces["count"] == len(lost) and alike(*ml)
         shadow = found["shadowed_ml"], sum(loss["ml"] for loss in losses if loss["kind"].startswith("light"))
         good = good and matches == largest and alike(*shadow)
-        print(f"| {Path(job[0]).stem} {' '.join(job[1:])} | {' | '.join(cells)} | {shadow[0]:.4f}, {shadow[1]:.4f} | {matches} of {largest} |",
-              flush=True)  # fmt: skip
+        kinds = ", ".join(f"{kind['count']} {name}" for name, kind in held["issues"]["kinds"].items()) or "nothing"
+        good = good and not held["objections"]
+        print(f"| {Path(job[0]).stem} {' '.join(job[1:])} | {' | '.join(cells)} | {shadow[0]:.4f}, {shadow[1]:.4f} | {matches} of {largest} | "
+              f"{len(held['objections'])} | {kinds} | {held['supports']} |", flush=True)  # fmt: skip
     return 0 if good else 1
 
 

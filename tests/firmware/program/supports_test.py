@@ -21,7 +21,7 @@ class Supports(Program):
         self.assertEqual(supports["settings"]["support_critical_angle"], 45)
         self.assertIn(f" ml of it in {supports['count']} supports\n", done.stdout)
         self.assertEqual(done.stderr.count("placing supports"), 1)
-        self.assertEqual(supports["lifted_layers"] * manifest["grid"]["layer_height_mm"], 6)  # the elevation and the raft
+        self.assertAlmostEqual(supports["lifted_layers"] * manifest["grid"]["layer_height_mm"], 5.8)  # the elevation and the raft
         self.assertEqual(supports["unbraced_pillars"], 0)
         # The lowest layer is the raft's.
         _, rows = png_rows((self.out / "layers" / "00000.png").read_bytes())
