@@ -52,6 +52,7 @@ Response response_of(const HttpAnswer& answer) {
                                                     answer.is_fixed ? MHD_RESPMEM_PERSISTENT : MHD_RESPMEM_MUST_COPY));
   if (!response) return response;
   add_headers(response, answer.type, answer.save_as);
+  if (answer.is_gzip) add(response, "Content-Encoding", "gzip");
   if (answer.allow != nullptr) add(response, "Allow", answer.allow);
   return response;
 }
@@ -66,6 +67,12 @@ constexpr HttpAnswer kTooMany = refusal(503, R"({"ok": false, "error": "too many
 std::string_view header(MHD_Connection* connection, const char* name, MHD_ValueKind kind = MHD_HEADER_KIND) {
   const char* const value = MHD_lookup_connection_value(connection, kind, name);
   return value != nullptr ? value : std::string_view();
+}
+
+/// @param encodings  header Accept-Encoding, such as "gzip, deflate;q=0.5". A weight may be 0, so gzip with one is not taken
+bool takes_gzip(std::string_view encodings) {
+  const std::size_t at = encodings.find("gzip");
+  return at != std::string_view::npos && !encodings.substr(at).starts_with("gzip;");
 }
 
 }  // namespace
@@ -229,6 +236,7 @@ struct HttpServer::Parts {
     request.origin = header(connection, "Origin");
     request.content_type = header(connection, "Content-Type");
     request.token = header(connection, "Plumbline-Token");
+    request.takes_gzip = takes_gzip(header(connection, "Accept-Encoding"));
     const std::string_view n = header(connection, "n", MHD_GET_ARGUMENT_KIND);
     std::uint32_t number = 0;
     const auto [end, problem] = std::from_chars(n.data(), n.data() + n.size(), number);

@@ -22,6 +22,7 @@ struct HttpRequest {
   std::string_view method, path;
   std::string_view host, origin, content_type;
   std::string_view token;          ///< header Plumbline-Token
+  bool takes_gzip = false;         ///< as an answer's encoding
   std::optional<std::uint32_t> n;  ///< ?n=
   std::string_view body;
 };
@@ -31,6 +32,7 @@ struct HttpAnswer {
   const char* type = "application/json";
   std::string_view body;          ///< copied, unless it is fixed
   bool is_fixed = false;          ///< the body's memory stays as it is for ever
+  bool is_gzip = false;           ///< the body is packed: HttpRequest::takes_gzip
   const char* save_as = nullptr;  ///< file name; null: not for saving
   const char* allow = nullptr;    ///< of status 405: the methods
 };

@@ -10,6 +10,7 @@ struct PageFile {
   std::string_view path;  ///< "/", "/page.css", ...
   const char* type;
   std::string_view text;
+  std::string_view packed;  ///< the text by gzip
 };
 
 std::span<const PageFile> page_files();

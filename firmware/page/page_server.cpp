@@ -57,7 +57,11 @@ HttpReply PageServer::answer(const HttpRequest& request, const HttpTicket& ticke
 
 HttpReply PageServer::get(const HttpRequest& request, const HttpTicket& ticket) {
   for (const PageFile& file : page_files()) {
-    if (request.path == file.path) return HttpAnswer{.type = file.type, .body = file.text, .is_fixed = true};
+    if (request.path != file.path) continue;
+    return HttpAnswer{.type = file.type,
+                      .body = request.takes_gzip ? file.packed : file.text,
+                      .is_fixed = true,
+                      .is_gzip = request.takes_gzip};
   }
   if (request.path == "/texts.de.json") return HttpAnswer{.body = texts_.view(), .is_fixed = true};
   if (request.path == "/events") return HttpStream{};

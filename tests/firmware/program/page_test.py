@@ -2,6 +2,7 @@
 """The printer's page, asked by HTTP as browsers and as those who mean harm ask: a real plumbline-page at a real plumblined."""
 
 import contextlib
+import gzip
 import json
 import os
 import shutil
@@ -456,6 +457,14 @@ class Page(PagePrinter):
         self.assertIn(b"<!DOCTYPE html>", page)
         for path in ("/page.js", "/page.css", "/words.js"):
             self.assertIn("charset=utf-8", self.ask("GET", path)[1]["Content-Type"])
+        files = ("/", "/page.js", "/page.css", "/words.js")
+        packed = {path: self.ask("GET", path, headers={"Accept-Encoding": "deflate, gzip, br"}) for path in files}
+        for path, (_, headers, data) in packed.items():
+            self.assertEqual(headers["Content-Encoding"], "gzip")
+            _, headers, plain = self.ask("GET", path, headers={"Accept-Encoding": "gzip;q=0"})
+            self.assertNotIn("Content-Encoding", headers)
+            self.assertEqual(gzip.decompress(data), plain)
+        self.assertLess(sum(len(data) for _, _, data in packed.values()), 20000)
         for path in ("/../../etc/passwd", "/%2e%2e/etc/passwd", "/page.js/", "//", "/\u00e4".encode("latin-1").decode("latin-1")):
             self.assertEqual(self.ask("GET", path.replace("\u00e4", "%e4"))[0], 404, path)
 
