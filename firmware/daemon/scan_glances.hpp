@@ -19,7 +19,7 @@ namespace plumbline {
 /// rights. A child that takes longer than half of DaemonSettings::slicing_patience is killed.
 class ScanGlances {
  public:
-  /// Of all files of a scan, but not of an archive: reading more takes too long. Larger ones have no picture.
+  /// A scan whose files are larger in all has no picture, since reading it takes too long. An archive may have any size.
   static constexpr std::uint64_t kMostBytes = 256'000'000;
 
   /// All must outlive it. No other child runs while it works.

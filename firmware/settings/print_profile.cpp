@@ -107,13 +107,17 @@ CheckPolicy checks_of(const std::optional<BoardFile>& board) { return profile_or
 
 PeelSettings peel_of(const std::optional<BoardFile>& board) { return profile_or_defaults(board).peel; }
 
+double cure_depth_mm(const PrintProfile& profile, double dose_mj_cm2) {
+  return profile.penetration_depth * std::log(dose_mj_cm2 / profile.critical_energy);
+}
+
 void tell_checks(const PrintProfile& profile, const MachineFile& machine, SliceSettings& settings) {
   settings.peel = profile.peel;
   settings.foot = {profile.elefant_foot_compensation, profile.bottom_layer_count, profile.faded_layers};
-  // Jacobs' working curve; the faded layers' exposures are longer.
+  // That of a normal layer: bottom and faded layers are lit for longer.
   const double dose = machine.power_mw_cm2 * profile.exposure_time;
   if (dose <= 0 || profile.critical_energy <= 0) return;
-  const double depth = profile.penetration_depth * std::log(dose / profile.critical_energy);
+  const double depth = cure_depth_mm(profile, dose);
   settings.overcure_mm = std::max(0.0, depth - static_cast<double>(settings.placement.layer_height_mm));
 }
 

@@ -63,6 +63,9 @@ CheckPolicy checks_of(const std::optional<BoardFile>& board);
 /// The [resin] of a board's profile, for the checks; the defaults if there is none or it is wrong.
 PeelSettings peel_of(const std::optional<BoardFile>& board);
 
+/// How deep a dose cures: Dp ln(E / Ec), Jacobs' working curve (1992). Negative below Ec.
+double cure_depth_mm(const PrintProfile& profile, double dose_mj_cm2);
+
 /// What the checks of the masks need to know of the print: the resin, the compensation of elephant's foot, and how deep light cures.
 /// @param settings  its layer height is read
 void tell_checks(const PrintProfile& profile, const MachineFile& machine, SliceSettings& settings);

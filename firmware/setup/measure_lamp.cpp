@@ -82,9 +82,7 @@ Status measure_lamp(Dialogue& dialogue, BoardDraft& draft, const OpenMachine& op
   if (!*lit) return not_measured();
   if (witness != nullptr) {
     const double dose = witness->irradiance().value() * std::chrono::duration<double>(cure).count();
-    dialogue.say("  (simulated: it is " +
-                 number(std::max(0.0, profile.penetration_depth * std::log(dose / profile.critical_energy))) +
-                 " mm thick)");
+    dialogue.say("  (simulated: it is " + number(std::max(0.0, cure_depth_mm(profile, dose))) + " mm thick)");
   }
   return dialogue.ask(
       {"lamp.thickness", "take the sheet off the film, dab it dry, and measure it with a caliper", "mm", ""},

@@ -212,8 +212,7 @@ nanoseconds print_time(const PrintPlan& plan) {
 }
 
 Distance cure_depth(const PrintProfile& profile, Irradiance irradiance, nanoseconds lit) {
-  const Dose dose = dose_of(irradiance, lit);
-  return Distance::millimetres(profile.penetration_depth * std::log(dose.value() / profile.critical_energy));
+  return Distance::millimetres(cure_depth_mm(profile, dose_of(irradiance, lit).value()));
 }
 
 double resin_ml(std::uint64_t cured_pixels, double pitch_x_mm, double pitch_y_mm, double layer_height_mm) {

@@ -5,18 +5,17 @@
 #include <lodepng.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <cstring>
-#include <random>
 #include <string>
 #include <vector>
 
 #include "firmware/pictures/png_writer.hpp"
+#include "tests/firmware/pictures/noise_png.hpp"
 
 namespace plumbline {
 namespace mask_decoder_test {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 constexpr std::uint32_t kColumns = 131, kRows = 37;
 
@@ -28,25 +27,9 @@ struct Mask {
   BitImage image;
 };
 
-/// A PNG of noise.
 std::vector<unsigned char> noise(LodePNGColorType colour, unsigned depth, std::uint32_t columns = kColumns,
                                  std::uint32_t rows = kRows, bool interlaced = false) {
-  LodePNGState state;
-  lodepng_state_init(&state);
-  state.info_raw.colortype = state.info_png.color.colortype = colour;
-  state.info_raw.bitdepth = state.info_png.color.bitdepth = depth;
-  state.info_png.interlace_method = interlaced ? 1 : 0;
-  state.encoder.auto_convert = 0;
-  std::vector<unsigned char> raw(lodepng_get_raw_size(columns, rows, &state.info_raw));
-  std::mt19937 random(depth);
-  for (auto& byte : raw) byte = static_cast<unsigned char>(random());
-  unsigned char* png = nullptr;
-  std::size_t size = 0;
-  EXPECT_EQ(lodepng_encode(&png, &size, raw.data(), columns, rows, &state), 0U);
-  lodepng_state_cleanup(&state);
-  std::vector<unsigned char> file(png, png + size);
-  std::free(png);
-  return file;
+  return testing::NoisePng(colour, depth, columns, rows, interlaced).file;
 }
 
 /// @param step  bytes handed out at once

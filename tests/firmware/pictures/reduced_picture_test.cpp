@@ -2,52 +2,18 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <lodepng.h>
 
 #include <algorithm>
-#include <array>
-#include <cstdlib>
 #include <cstring>
-#include <random>
 #include <vector>
+
+#include "tests/firmware/pictures/noise_png.hpp"
 
 namespace plumbline {
 namespace reduced_picture_test {
 
 using ::testing::HasSubstr;
-
-/// A PNG of noise, and its pixels as 8-bit RGBA as lodepng has them.
-struct Noise {
-  std::vector<unsigned char> file, rgba;
-
-  Noise(LodePNGColorType colour, unsigned depth, std::uint32_t columns, std::uint32_t rows, bool interlaced = false) {
-    LodePNGState state;
-    lodepng_state_init(&state);
-    state.info_raw.colortype = state.info_png.color.colortype = colour;
-    state.info_raw.bitdepth = state.info_png.color.bitdepth = depth;
-    state.info_png.interlace_method = interlaced ? 1 : 0;
-    state.encoder.auto_convert = 0;
-    std::mt19937 random(depth + colour);
-    if (colour == LCT_PALETTE) {
-      for (unsigned i = 0; i < 1U << depth; ++i) {
-        std::array<unsigned char, 4> entry{};
-        for (auto& channel : entry) channel = static_cast<unsigned char>(random());
-        lodepng_palette_add(&state.info_png.color, entry[0], entry[1], entry[2], entry[3]);
-        lodepng_palette_add(&state.info_raw, entry[0], entry[1], entry[2], entry[3]);
-      }
-    }
-    std::vector<unsigned char> raw(lodepng_get_raw_size(columns, rows, &state.info_raw));
-    for (auto& byte : raw) byte = static_cast<unsigned char>(random());
-    unsigned char* png = nullptr;
-    std::size_t size = 0;
-    EXPECT_EQ(lodepng_encode(&png, &size, raw.data(), columns, rows, &state), 0U);
-    lodepng_state_cleanup(&state);
-    file.assign(png, png + size);
-    std::free(png);
-    unsigned width = 0, height = 0;
-    EXPECT_EQ(lodepng::decode(rgba, width, height, file, LCT_RGBA, 8), 0U);
-  }
-};
+using testing::NoisePng;
 
 Status reduce(std::span<const unsigned char> file, std::span<std::uint8_t> rgb, const PngSize& size) {
   std::size_t at = 0;
@@ -65,7 +31,7 @@ TEST(ReducedPicture, IsTheMeanOfThePixelsOfAnyFormat) {
   for (const auto& [colour, depth] :
        {std::pair{LCT_GREY, 1U}, std::pair{LCT_GREY, 16U}, std::pair{LCT_GREY_ALPHA, 8U}, std::pair{LCT_RGB, 8U},
         std::pair{LCT_RGB, 16U}, std::pair{LCT_RGBA, 8U}, std::pair{LCT_RGBA, 16U}, std::pair{LCT_PALETTE, 4U}}) {
-    const Noise noise(colour, depth, kSide * kTimes, kSide * kTimes);
+    const NoisePng noise(colour, depth, kSide * kTimes, kSide * kTimes);
     std::vector<std::uint8_t> rgb(std::size_t{3} * kSide * kSide, 40);
     const auto done = reduce(noise.file, rgb, {kSide, kSide});
     ASSERT_TRUE(done) << done.error().message();
@@ -111,7 +77,7 @@ TEST(ReducedPicture, IsCentredAndNotEnlarged) {
 
 TEST(ReducedPicture, RefusesWhatIsDamagedOrTooLarge) {
   std::vector<std::uint8_t> rgb(3 * 64 * 64);
-  const Noise noise(LCT_RGB, 8, 90, 70);
+  const NoisePng noise(LCT_RGB, 8, 90, 70);
   ASSERT_TRUE(reduce(noise.file, rgb, {64, 64}));
   for (std::size_t size = 0; size + 12 < noise.file.size(); size += 331) {
     EXPECT_FALSE(reduce(std::span(noise.file).first(size), rgb, {64, 64})) << size;
@@ -121,8 +87,10 @@ TEST(ReducedPicture, RefusesWhatIsDamagedOrTooLarge) {
     damaged[at] ^= 4;
     EXPECT_FALSE(reduce(damaged, rgb, {64, 64})) << at;
   }
-  EXPECT_THAT(reduce(Noise(LCT_RGB, 8, 90, 70, true).file, rgb, {64, 64}).error().message(), HasSubstr("interlaced"));
-  EXPECT_THAT(reduce(Noise(LCT_GREY, 1, 4097, 2).file, rgb, {64, 64}).error().message(), HasSubstr("4097 x 2 pixels"));
+  EXPECT_THAT(reduce(NoisePng(LCT_RGB, 8, 90, 70, true).file, rgb, {64, 64}).error().message(),
+              HasSubstr("interlaced"));
+  EXPECT_THAT(reduce(NoisePng(LCT_GREY, 1, 4097, 2).file, rgb, {64, 64}).error().message(),
+              HasSubstr("4097 x 2 pixels"));
 }
 
 }  // namespace reduced_picture_test
