@@ -6,11 +6,11 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cstring>
 
 #include "firmware/io/descriptor.hpp"
 #include "firmware/page/listening_socket.hpp"
+#include "slicer/core/to_number.hpp"
 
 namespace plumbline {
 namespace {
@@ -183,11 +183,8 @@ struct HttpServer::Parts {
       return queue(connection, kNoLength);
     }
     const std::string_view length = header(connection, "Content-Length");
-    std::uint64_t bytes = 0;
-    const auto [end, problem] = std::from_chars(length.data(), length.data() + length.size(), bytes);
-    if (length.empty() || (problem == std::errc() && end == length.data() + length.size() && bytes <= kLongestBody)) {
-      return MHD_YES;
-    }
+    const auto bytes = to_number<std::uint64_t>(length);
+    if (length.empty() || (bytes && *bytes <= kLongestBody)) return MHD_YES;
     parts.note(connection, true, false);
     return queue(connection, kTooLong);
   }
@@ -199,12 +196,9 @@ struct HttpServer::Parts {
   /// Lets the handler look at a request whose body goes to it.
   MHD_Result begin_body(Exchange& exchange, const char* url, const char* method) {
     MHD_Connection* const connection = exchange.connection;
-    const std::string_view length = header(connection, "Content-Length");
-    std::uint64_t bytes = 0;
-    const auto [end, problem] = std::from_chars(length.data(), length.data() + length.size(), bytes);
-    const bool has_length = !length.empty() && problem == std::errc() && end == length.data() + length.size() &&
-                            header(connection, "Transfer-Encoding").empty();
-    const auto refusal = has_length ? handler.begin_body(request_of(exchange, url, method), bytes, ticket_of(exchange))
+    const auto bytes = to_number<std::uint64_t>(header(connection, "Content-Length"));
+    const bool has_length = bytes && header(connection, "Transfer-Encoding").empty();
+    const auto refusal = has_length ? handler.begin_body(request_of(exchange, url, method), *bytes, ticket_of(exchange))
                                     : std::optional(kNoLength);
     if (refusal) {
       note(connection, true, false);
@@ -237,10 +231,7 @@ struct HttpServer::Parts {
     request.content_type = header(connection, "Content-Type");
     request.token = header(connection, "Plumbline-Token");
     request.takes_gzip = takes_gzip(header(connection, "Accept-Encoding"));
-    const std::string_view n = header(connection, "n", MHD_GET_ARGUMENT_KIND);
-    std::uint32_t number = 0;
-    const auto [end, problem] = std::from_chars(n.data(), n.data() + n.size(), number);
-    if (!n.empty() && problem == std::errc() && end == n.data() + n.size()) request.n = number;
+    if (const auto n = to_number<std::uint32_t>(header(connection, "n", MHD_GET_ARGUMENT_KIND))) request.n = *n;
     request.body = {exchange.body.data(), exchange.filled};
     return request;
   }

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <optional>
 
 #include "firmware/io/fixed_text.hpp"
 #include "firmware/io/json_cursor.hpp"
 #include "firmware/io/version.hpp"
+#include "slicer/core/to_number.hpp"
 
 namespace plumbline {
 namespace {
@@ -58,12 +58,6 @@ std::string_view member(std::string_view state_line, std::string_view of, std::s
   return outer ? json_member(*outer, name).value_or("null") : "null";
 }
 
-std::optional<double> number(std::string_view text) {
-  double value = 0;
-  const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return problem == std::errc() && end == text.data() + text.size() ? std::optional(value) : std::nullopt;
-}
-
 /// Writes pieces of JSON one after another.
 class Pieces {
  public:
@@ -90,8 +84,8 @@ Status write_octoprint_version(TextSink& out) {
 
 Status write_octoprint_job(TextSink& out, std::string_view state_line) {
   const std::string_view scan = member(state_line, "job", "scan");
-  const auto done = number(member(state_line, "progress", "layers_done"));
-  const auto layers = number(member(state_line, "progress", "layers"));
+  const auto done = to_number<double>(member(state_line, "progress", "layers_done"));
+  const auto layers = to_number<double>(member(state_line, "progress", "layers"));
   FixedText<32> completion;
   if (done && layers && *layers > 0) {
     // Without printf's decimal point, which is the locale's.

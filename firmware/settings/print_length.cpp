@@ -2,6 +2,7 @@
 
 #include <charconv>
 
+#include "slicer/core/to_number.hpp"
 #include "slicer/placement/placement.hpp"
 
 namespace plumbline {
@@ -23,10 +24,9 @@ std::optional<FloorChoice> parse_floor(std::string_view text) {
   floor.kind = FloorChoice::Kind::kKeep;
   if (text == "keep") return floor;
   floor.kind = FloorChoice::Kind::kHeight;
-  const char* const last = text.data() + text.size();
-  const auto [end, error] = std::from_chars(text.data(), last, floor.height);
-  const bool within = floor.height >= -kLargestFloorHeight && floor.height <= kLargestFloorHeight;  // NaN is not
-  if (error != std::errc() || end != last || !within) return std::nullopt;
+  const auto height = to_number<decltype(floor.height)>(text);
+  if (!(height >= -kLargestFloorHeight && height <= kLargestFloorHeight)) return std::nullopt;  // NaN is not
+  floor.height = *height;
   return floor;
 }
 

@@ -4,11 +4,10 @@
 #include <string_view>
 
 #include "firmware/slice/job_archive.hpp"
+#include "slicer/core/mib.hpp"
 
 namespace plumbline {
 namespace {
-
-constexpr double kMiB = 1024.0 * 1024.0;
 
 using Text = FixedText<3 * kMaxPath>;
 
@@ -159,15 +158,14 @@ void add_supports(Text& text, const JobReport& report) {
 }
 
 void add_stage(Text& text, std::string_view name, double seconds, std::size_t peak, std::size_t planned) {
-  text.add("  %-11.*s %8.2f s %9.1f MiB", static_cast<int>(name.size()), name.data(), seconds,
-           static_cast<double>(peak) / kMiB);
-  if (planned > 0) text.add(" %9.1f MiB", static_cast<double>(planned) / kMiB);
+  text.add("  %-11.*s %8.2f s %9.1f MiB", static_cast<int>(name.size()), name.data(), seconds, mib(peak));
+  if (planned > 0) text.add(" %9.1f MiB", mib(planned));
   text.add("\n");
 }
 
 void add_stages(Text& text, const JobReport& report) {
-  text.add("arena      %.1f of %.0f MiB at most; by stage: time, peak, planned\n",
-           static_cast<double>(report.peak_bytes()) / kMiB, static_cast<double>(report.arena_bytes) / kMiB);
+  text.add("arena      %.1f of %.0f MiB at most; by stage: time, peak, planned\n", mib(report.peak_bytes()),
+           mib(report.arena_bytes));
   for (std::size_t i = 0; i < kStageCount; ++i) {
     const auto stage = static_cast<Stage>(i);
     if (report.peak_bytes(stage) == 0) continue;  // a stage that had nothing to do

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <span>
 #include <utility>
 
 #include "firmware/io/json_cursor.hpp"
 #include "firmware/io/json_writer.hpp"
+#include "slicer/core/to_number.hpp"
 
 namespace plumbline {
 namespace {
@@ -90,12 +90,9 @@ std::optional<Value> take_value(JsonCursor& cursor, std::span<char> room) {
 
 /// A whole number from 0 to 2^53, which every reader of JSON can hold.
 std::optional<std::uint64_t> whole_number(const Value& value) {
-  std::uint64_t number = 0;
-  const char* const end = value.text.data() + value.text.size();
-  const auto [at, problem] = std::from_chars(value.text.data(), end, number);
   constexpr std::uint64_t kMost = std::uint64_t{1} << 53U;
-  if (value.kind != Value::Kind::kNumber || problem != std::errc() || at != end || number > kMost) return std::nullopt;
-  return number;
+  const auto number = to_number<std::uint64_t>(value.text);
+  return value.kind == Value::Kind::kNumber && number <= kMost ? number : std::nullopt;
 }
 
 tl::unexpected<Error> wrong_value(std::string_view member, const char* allowed) {

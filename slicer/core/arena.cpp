@@ -2,6 +2,8 @@
 
 #include <limits>
 
+#include "slicer/core/mib.hpp"
+
 namespace plumbline {
 
 Arena::Arena(std::span<std::byte> block, std::uint64_t refused) : refused_(refused) {
@@ -15,19 +17,16 @@ Arena::Arena(std::span<std::byte> block, std::uint64_t refused) : refused_(refus
 }
 
 Expected<void*> Arena::take_bytes(std::size_t count, std::size_t size, const char* stage, bool bottom) {
-  constexpr double kMiB = 1024.0 * 1024.0;
   const bool overflows = count > (std::numeric_limits<std::size_t>::max() - kAlignment) / size;
   const std::size_t need = overflows ? std::numeric_limits<std::size_t>::max() : rounded(count * size);
   if (requests_++ == refused_ || need > available()) {
     return telling(
-        Told(ToldCode::kMemoryNeeded, {{Fact::kNeededMib, static_cast<double>(need) / kMiB},
-                                       {Fact::kAvailableMib, static_cast<double>(available()) / kMiB}}),
+        Told(ToldCode::kMemoryNeeded, {{Fact::kNeededMib, mib(need)}, {Fact::kAvailableMib, mib(available())}}),
         fail(
             ErrorCode::kOutOfMemory,
             "%s: needs %.1f MiB, but %.1f MiB of the arena's %.1f MiB are left.\tUse a larger arena, fewer points or a "
             "coarser grid",
-            stage, static_cast<double>(need) / kMiB, static_cast<double>(available()) / kMiB,
-            static_cast<double>(capacity_) / kMiB));
+            stage, mib(need), mib(available()), mib(capacity_)));
   }
   std::size_t offset = bottom_;
   if (bottom) {

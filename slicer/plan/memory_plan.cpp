@@ -9,6 +9,7 @@
 #include "slicer/cloud/thinning.hpp"
 #include "slicer/core/arena.hpp"
 #include "slicer/core/bit_image.hpp"
+#include "slicer/core/mib.hpp"
 #include "slicer/implicit/winding_number.hpp"
 #include "slicer/layers/layer_features.hpp"
 #include "slicer/normals/normals.hpp"
@@ -134,27 +135,26 @@ Expected<MemoryPlan> largest_plan(std::size_t arena_bytes, std::optional<std::ui
       static_cast<std::uint32_t>(std::clamp<std::uint64_t>(declared.value_or(kMostPoints), kFewestPoints, kMostPoints));
   MemoryPlan plan = plan_memory(kFewestPoints, grid, threads, evidence);
   if (plan.peak() > arena_bytes) {
-    constexpr double kMiB = 1024.0 * 1024.0;
     if (evidence.reader_bytes > 0 && plan_memory(kFewestPoints, grid, threads).peak() <= arena_bytes) {
       return telling(
-          Told(ToldCode::kMemoryNeeded, {{Fact::kNeededMib, static_cast<double>(evidence.reader_bytes) / kMiB},
-                                         {Fact::kAvailableMib, static_cast<double>(arena_bytes) / kMiB}}),
+          Told(ToldCode::kMemoryNeeded,
+               {{Fact::kNeededMib, mib(evidence.reader_bytes)}, {Fact::kAvailableMib, mib(arena_bytes)}}),
           fail(ErrorCode::kOutOfMemory,
                "the job does not fit into the arena of %.1f MiB: this compressed scan stores its columns one after "
                "another, "
                "and keeping them takes %.1f MiB while it is read.\tSave it without compression (PCD as binary, splats "
                "as "
                "PLY), or use a larger arena (--arena-mib)",
-               static_cast<double>(arena_bytes) / kMiB, static_cast<double>(evidence.reader_bytes) / kMiB));
+               mib(arena_bytes), mib(evidence.reader_bytes)));
     }
-    return telling(Told(ToldCode::kMemoryNeeded, {{Fact::kNeededMib, static_cast<double>(plan.peak()) / kMiB},
-                                                  {Fact::kAvailableMib, static_cast<double>(arena_bytes) / kMiB}}),
-                   fail(ErrorCode::kOutOfMemory,
-                        "the job does not fit into the arena of %.1f MiB: stage '%.*s' needs %.1f MiB even for a scan "
-                        "thinned to %u "
-                        "points.\tUse a larger arena (--arena-mib), fewer threads or a smaller panel",
-                        static_cast<double>(arena_bytes) / kMiB, static_cast<int>(to_string(plan.widest()).size()),
-                        to_string(plan.widest()).data(), static_cast<double>(plan.peak()) / kMiB, kFewestPoints));
+    return telling(
+        Told(ToldCode::kMemoryNeeded, {{Fact::kNeededMib, mib(plan.peak())}, {Fact::kAvailableMib, mib(arena_bytes)}}),
+        fail(ErrorCode::kOutOfMemory,
+             "the job does not fit into the arena of %.1f MiB: stage '%.*s' needs %.1f MiB even for a scan "
+             "thinned to %u "
+             "points.\tUse a larger arena (--arena-mib), fewer threads or a smaller panel",
+             mib(arena_bytes), static_cast<int>(to_string(plan.widest()).size()), to_string(plan.widest()).data(),
+             mib(plan.peak()), kFewestPoints));
   }
   std::uint32_t low = kFewestPoints;
   std::uint32_t high = most;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "slicer/core/mib.hpp"
 #include "slicer/layers/layer_stream.hpp"
 #include "slicer/mesh/hit_resolver.hpp"
 #include "slicer/reader/scan_reader.hpp"
@@ -52,16 +53,14 @@ Status admit_mesh(const MeshNeed& need, std::uint32_t threads, const Arena& aren
   planned_bytes = plan_mesh(scaled(kPlannedShare), threads).bytes;
   const MemoryPlan sure = plan_mesh(scaled(kSureShare), threads);
   if (sure.peak() <= arena.available()) return {};
-  constexpr double kMiB = 1024.0 * 1024.0;
   const auto stage = to_string(sure.widest());
   return telling(
-      Told(ToldCode::kMemoryNeeded, {{Fact::kNeededMib, static_cast<double>(sure.peak()) / kMiB},
-                                     {Fact::kAvailableMib, static_cast<double>(arena.capacity()) / kMiB}}),
+      Told(ToldCode::kMemoryNeeded,
+           {{Fact::kNeededMib, mib(sure.peak())}, {Fact::kAvailableMib, mib(arena.capacity())}}),
       fail(ErrorCode::kOutOfMemory,
            "the mesh does not fit into the arena of %.1f MiB: stage '%.*s' needs about %.1f MiB for %.0f crossings.\t"
            "Use a larger arena (--arena-mib), a coarser grid or a smaller --scale",
-           static_cast<double>(arena.capacity()) / kMiB, static_cast<int>(stage.size()), stage.data(),
-           static_cast<double>(sure.peak()) / kMiB, need.hits));
+           mib(arena.capacity()), static_cast<int>(stage.size()), stage.data(), mib(sure.peak()), need.hits));
 }
 
 }  // namespace plumbline

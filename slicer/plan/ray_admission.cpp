@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "slicer/core/mib.hpp"
 #include "slicer/plan/memory_plan.hpp"
 #include "slicer/rays/ray_shooter.hpp"
 #include "slicer/rrep/confidence.hpp"
@@ -60,15 +61,13 @@ Status admit_rays(const PlacedObject& object, const Arena& arena, std::array<std
   const std::size_t printing = map + rrep_bytes(object.grid, sure) + layers_stage_bytes(object.grid, 0);
   const std::size_t need = std::max({shooting, sorting, printing});
   if (need <= arena.capacity()) return {};
-  constexpr double kMiB = 1024.0 * 1024.0;
   return telling(
-      Told(ToldCode::kMemoryNeeded, {{Fact::kNeededMib, static_cast<double>(need) / kMiB},
-                                     {Fact::kAvailableMib, static_cast<double>(arena.capacity()) / kMiB}}),
+      Told(ToldCode::kMemoryNeeded, {{Fact::kNeededMib, mib(need)}, {Fact::kAvailableMib, mib(arena.capacity())}}),
       fail(ErrorCode::kOutOfMemory,
            "%s: the object's %.0f crossings need about %.1f MiB, the arena has %.1f MiB.\tUse a larger arena "
            "(--arena-mib), a coarser grid or a smaller --scale",
-           need == shooting ? "rays" : (need == sorting ? "R-Rep" : "layers"), sure.crossings,
-           static_cast<double>(need) / kMiB, static_cast<double>(arena.capacity()) / kMiB));
+           need == shooting ? "rays" : (need == sorting ? "R-Rep" : "layers"), sure.crossings, mib(need),
+           mib(arena.capacity())));
 }
 
 }  // namespace plumbline

@@ -7,21 +7,20 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <cstddef>
 #include <cstdlib>
 #include <cstring>
 #include <optional>
 #include <utility>
 
+#include "slicer/core/to_number.hpp"
+
 namespace plumbline {
 namespace {
 
 std::optional<std::int64_t> number(std::string_view text) {
-  std::int64_t value = 0;
-  const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (problem != std::errc() || end != text.data() + text.size() || value <= 0) return std::nullopt;
-  return value;
+  const auto value = to_number<std::int64_t>(text);
+  return value > 0 ? value : std::nullopt;
 }
 
 /// An environment variable: a whole number above 0, or not set.

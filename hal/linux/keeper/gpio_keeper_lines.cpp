@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
+
+#include "slicer/core/to_number.hpp"
 
 namespace plumbline {
 namespace {
@@ -31,12 +32,13 @@ std::optional<LineOption> parse_line_option(std::string_view text) {
   }
   LineOption option;
   option.place.chip = parts[1];
-  const auto [stop, problem] = std::from_chars(parts[2].data(), parts[2].data() + parts[2].size(), option.place.offset);
+  const auto offset = to_number<std::uint32_t>(parts[2]);
   const auto* const bias = std::find(kLineBiasWords.begin(), kLineBiasWords.end(), parts[4]);
-  if (parts[0] != kGpio || parts[1].empty() || problem != std::errc() || stop != parts[2].data() + parts[2].size() ||
-      (parts[3] != "low" && parts[3] != "high") || bias == kLineBiasWords.end()) {
+  if (parts[0] != kGpio || parts[1].empty() || !offset || (parts[3] != "low" && parts[3] != "high") ||
+      bias == kLineBiasWords.end()) {
     return std::nullopt;
   }
+  option.place.offset = *offset;
   option.settings.active_low = parts[3] == "low";
   option.settings.bias = static_cast<LineBias>(bias - kLineBiasWords.begin());
   return option;

@@ -2,26 +2,18 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 
 #include "slicer/core/edit_distance.hpp"
+#include "slicer/core/to_number.hpp"
 
 namespace plumbline {
 namespace {
 
-template <class Number>
-std::optional<Number> whole_number(std::string_view text) {
-  Number number{};
-  const auto [end, reason] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (reason != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return number;
-}
-
 /// "12.5s"
 std::optional<nanoseconds> time_of(std::string_view text) {
   if (!text.ends_with('s')) return std::nullopt;
-  const auto seconds = whole_number<double>(text.substr(0, text.size() - 1));
+  const auto seconds = to_number<double>(text.substr(0, text.size() - 1));
   if (!seconds || !(*seconds >= 0 && *seconds <= 1e8)) return std::nullopt;
   return nanoseconds(std::llround(*seconds * 1e9));
 }
@@ -44,7 +36,7 @@ Status read_moment(std::string_view moment, const Text& text, Fault& fault) {
   if (!moment.starts_with("layer=")) return text.wrong("add a time: @layer=40, @layer=40+1.5s or @t=123.4s");
   moment.remove_prefix(6);
   const auto plus = moment.find('+');
-  fault.layer = whole_number<std::uint32_t>(moment.substr(0, plus));
+  fault.layer = to_number<std::uint32_t>(moment.substr(0, plus));
   if (!fault.layer) return text.wrong("layer= takes a whole number; 0 is the first layer");
   if (plus == std::string_view::npos) return {};
   const auto delay = time_of(moment.substr(plus + 1));
@@ -61,7 +53,7 @@ Status read_option(std::string_view option, const Text& text, const FaultRow& ro
   }
   if (!option.starts_with("by=")) return text.wrong("after a comma, write for=5s or by=0.2");
   if (row.by.empty()) return text.wrong("this fault has no amount: remove by=");
-  const auto amount = whole_number<double>(option.substr(3));
+  const auto amount = to_number<double>(option.substr(3));
   if (!amount || !(*amount >= row.least && *amount <= row.most)) {
     return fail(ErrorCode::kBadSetting, "fault \"%.*s\": by= takes %g to %g (%.*s)", static_cast<int>(text.all.size()),
                 text.all.data(), row.least, row.most, static_cast<int>(row.by.size()), row.by.data());

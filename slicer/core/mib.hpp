@@ -1,0 +1,10 @@
+#pragma once
+
+#include <cstdint>
+
+namespace plumbline {
+
+/// Bytes in MiB, for messages.
+constexpr double mib(std::uint64_t bytes) { return static_cast<double>(bytes) / (1024.0 * 1024.0); }
+
+}  // namespace plumbline
