@@ -7,13 +7,9 @@
 #include "firmware/child/answer_check.hpp"
 
 namespace plumbline {
-namespace {
-
-constexpr std::size_t kPage = 65536;  ///< the largest page of any board
-
-}  // namespace
 
 Status ChildLayerDecoder::prepare(const PrintGrid& grid, Arena& arena) {
+  constexpr std::size_t kPage = SharedMemory::kPage;
   const std::size_t bytes = BitImage::words_needed(grid.columns, grid.rows) * sizeof(std::uint64_t);
   const auto room = arena.take_top<std::byte>(bytes + 2 * kPage, "masks");
   PLUMBLINE_TRY(room);

@@ -34,6 +34,8 @@ struct MessagePage {
 /// Every process forked from this one shares it, at the same address. A page takes no memory until it is touched.
 class SharedMemory {
  public:
+  static constexpr std::size_t kPage = 65536;  ///< bytes: the largest page of any board
+
   /// @retval ErrorCode::kOutOfMemory  the kernel gives no address space for it
   [[nodiscard]] static Expected<SharedMemory> create(std::size_t arena_bytes);
 
@@ -41,7 +43,6 @@ class SharedMemory {
   std::span<std::byte> arena() const { return {block_.get() + kArenaAt, arena_bytes_}; }
 
  private:
-  static constexpr std::size_t kPage = 65536;  ///< the largest page of any board
   static constexpr std::size_t kArenaAt = (sizeof(MessagePage) + kPage - 1) / kPage * kPage;
 
   struct Unmap {

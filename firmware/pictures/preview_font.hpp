@@ -28,7 +28,6 @@ struct TextStyle {
   Colour colour{255, 255, 255};
 
   std::uint32_t advance() const { return 6 * scale; }  ///< pixels from one character to the next
-  std::uint32_t ascent() const { return 7 * scale; }   ///< pixels from the top of a capital to the baseline
 };
 
 /// Pixels that `text` is wide.

@@ -41,8 +41,7 @@ ScreenServer::ScreenServer(StatusScreen& screen, Language language)
 
 void ScreenServer::show(const PrinterRecord& record, nanoseconds spare) {
   if (record.state == PrintState::kPrinting && spare < kSpare) return;
-  const auto began = HostClock::now();
-  if (began - drawn_at_ < kTurn) return;
+  if (HostClock::now() - drawn_at_ < kTurn) return;
   view_ = still_open(record, view_);
   Canvas canvas(next_, static_cast<int>(screen_.columns()), static_cast<int>(screen_.rows()));
   Page page(canvas, look_);
@@ -56,7 +55,6 @@ void ScreenServer::show(const PrinterRecord& record, nanoseconds spare) {
     }
   }
   drawn_at_ = HostClock::now();
-  longest_turn_ = std::max(longest_turn_, drawn_at_ - began);
 }
 
 std::optional<Event> ScreenServer::filter(const Event& event, const PrinterRecord& record, CommandTaker& taker) {

@@ -43,8 +43,6 @@ class ScreenServer {
 
   const ScreenView& view() const { return view_; }
   std::uint32_t frames() const { return frames_; }
-  /// The longest time that a frame has taken so far, by the host's clock.
-  HostClock::duration longest_turn() const { return longest_turn_; }
 
  private:
   std::optional<Event> act(ButtonAct act, const PrinterRecord& record, CommandTaker& taker, TimePoint at);
@@ -58,7 +56,6 @@ class ScreenServer {
   ScreenView view_;
   TimePoint asked_at_;
   HostClock::time_point drawn_at_{};
-  HostClock::duration longest_turn_{};
   std::uint32_t frames_ = 0;
 };
 

@@ -7,7 +7,7 @@
 #include "slicer/core/arena.hpp"
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/error.hpp"
-#include "slicer/core/quotient.hpp"
+#include "slicer/layers/quotient.hpp"
 #include "slicer/rrep/rrep.hpp"
 
 namespace plumbline {

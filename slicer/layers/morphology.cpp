@@ -111,8 +111,4 @@ void open_and_close_rows(ConstBitImage in, BitImage out, std::uint32_t strip, st
   }
 }
 
-void open_and_close(ConstBitImage in, BitImage out) {
-  for (std::uint32_t s = 0; s < 2 * in.stride(); ++s) open_and_close_rows(in, out, s, 0, in.rows());
-}
-
 }  // namespace plumbline

@@ -22,7 +22,4 @@ inline constexpr std::uint32_t kStripColumns = 32;
 /// @param out    same size, separate memory
 void open_and_close_rows(ConstBitImage in, BitImage out, std::uint32_t strip, std::uint32_t first, std::uint32_t last);
 
-/// The same for a whole image.
-void open_and_close(ConstBitImage in, BitImage out);
-
 }  // namespace plumbline

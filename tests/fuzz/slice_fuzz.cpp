@@ -140,7 +140,8 @@ std::uint64_t check_masks(const RRep& rrep, Fingerprint& all) {
       const std::uint32_t column = rrep.pixel[i] % grid.columns;
       section.view.row(rrep.pixel[i] / grid.columns)[column / 64] ^= std::uint64_t{1} << (column % 64);
     }
-    open_and_close(section.view, mask.view);
+    for (std::uint32_t s = 0; s < 2 * mask.view.stride(); ++s)
+      open_and_close_rows(section.view, mask.view, s, 0, grid.rows);
     const ConstBitImage made = stream->mask(k);
     require(made.columns() == grid.columns && made.rows() == grid.rows, "a mask of another size");
     require(std::ranges::equal(stream->section().words(), section.words), "another section");

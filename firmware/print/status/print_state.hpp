@@ -100,9 +100,6 @@ constexpr bool is_pause(PrintState state) {
          state == PrintState::kCoolingDown;
 }
 
-/// The only state in which the lamp may be lit.
-constexpr bool may_expose(PrintState state) { return state == PrintState::kPrinting; }
-
 /// Transitions that all running states share.
 constexpr PrintState next_running(PrintState state, PrintEvent event) {
   switch (event) {

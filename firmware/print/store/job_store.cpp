@@ -25,8 +25,6 @@ constexpr const char* kNewJob = "job.new";
 constexpr const char* kNewJournal = "journal.new";
 constexpr const char* kArchive = "archive";
 constexpr const char* kNewArchive = "archive.new";
-/// Left free on the board's storage when an archive is copied: for the journal and the system's own logs.
-constexpr std::uint64_t kSpareBytes = std::uint64_t{16} << 20U;
 
 }  // namespace
 

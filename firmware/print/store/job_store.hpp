@@ -21,6 +21,9 @@ namespace plumbline {
 
 class JobStore {
  public:
+  /// Left free on the printer's storage when a scan or an archive is copied there: for the journal and the system's own logs.
+  static constexpr std::uint64_t kSpareBytes = std::uint64_t{16} << 20U;
+
   /// Creates the folder if it is missing, and locks it against other processes.
   /// @retval ErrorCode::kCannotOpen, kCannotWrite  the path, the reason
   [[nodiscard]] static Expected<JobStore> open(const std::string& folder);

@@ -1,4 +1,4 @@
-#include "slicer/core/quotient.hpp"
+#include "slicer/layers/quotient.hpp"
 
 #include <gtest/gtest.h>
 
