@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "firmware/told/printer_code.hpp"
 #include "slicer/placement/placement.hpp"
 
 namespace plumbline {
@@ -93,7 +94,7 @@ tl::unexpected<Error> child_error(const ScanAnswer& answer, std::span<const Erro
   const auto code = std::find_if(possible.begin(), possible.end(),
                                  [&answer](ErrorCode one) { return static_cast<std::uint32_t>(one) == answer.code; });
   if (code == possible.end() || text.empty()) return wrong("its error");
-  if (!answer.told.is_valid()) return wrong("what its error tells");
+  if (!is_valid(answer.told)) return wrong("what its error tells");
   const auto at = std::min<std::size_t>(answer.advice_at, text.size());
   if (at == 0) return telling(answer.told, fail(*code, "%.*s", static_cast<int>(text.size()), text.data()));
   return telling(answer.told, fail(*code, "%.*s\t%.*s", static_cast<int>(at - 1), text.data(),
@@ -136,7 +137,7 @@ Expected<CheckedAnswer> check_answer(const ScanAnswer& answer, const ScanRequest
   if (answer.remarks > ScanAnswer::kMostRemarks) return wrong("remarks");
   for (std::size_t i = 0; i < answer.remarks; ++i) {
     const auto text = text_of(answer.remark[i]);
-    if (!answer.remark_told[i].is_valid()) return wrong("what a remark tells");
+    if (!is_valid(answer.remark_told[i])) return wrong("what a remark tells");
     checked.remark_told[i] = answer.remark_told[i];
     checked.remark[checked.remarks++].add("%.*s", static_cast<int>(text.size()), text.data());
   }

@@ -5,6 +5,8 @@
 #include <cerrno>
 #include <cstring>
 
+#include "firmware/told/printer_code.hpp"
+
 namespace plumbline {
 
 Expected<std::size_t> GivenFile::read(std::span<std::byte> buffer) {
@@ -12,7 +14,7 @@ Expected<std::size_t> GivenFile::read(std::span<std::byte> buffer) {
     const ssize_t got = ::read(descriptor_, buffer.data(), buffer.size());
     if (got >= 0) return static_cast<std::size_t>(got);
     if (errno == EINTR) continue;
-    return telling(Told(ToldCode::kBadSectors),
+    return telling(Told(PrinterCode::kBadSectors),
                    fail(ErrorCode::kCannotRead,
                         "%s: %s: the stick has bad sectors or a damaged file system:\tcopy the file to another stick",
                         file_.name.c_str(), std::strerror(errno)));

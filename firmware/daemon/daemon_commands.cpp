@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "firmware/io/descriptor.hpp"
+#include "firmware/told/printer_code.hpp"
 
 namespace plumbline {
 
@@ -23,7 +24,7 @@ Expected<std::optional<EventKind>> DaemonCommands::take(const ClientRequest& req
   }
   if (request.command == Command::kRemove) return remove_upload(request.name.view());
   if (offer == nullptr)
-    return telling(Told(ToldCode::kCommandNotNow), fail(ErrorCode::kBadSetting, "nothing is offered"));
+    return telling(Told(PrinterCode::kCommandNotNow), fail(ErrorCode::kBadSetting, "nothing is offered"));
   PLUMBLINE_TRY(offer->change(request));
   if (request.command != Command::kPropose) return std::nullopt;
   // The offer remembers that this start is none.

@@ -15,6 +15,7 @@
 #include "firmware/daemon/stick_request.hpp"
 #include "firmware/print/status/state_lights.hpp"
 #include "firmware/print/store/interrupted_print.hpp"
+#include "firmware/told/printer_code.hpp"
 
 namespace plumbline {
 namespace {
@@ -295,14 +296,14 @@ bool PrinterDaemon::store_reports() {
   if (record_.prints == nullptr || !machine_.stick.has_stick()) return false;
   const auto stored = plumbline::store_reports(machine_.stick, *record_.prints, settings_.board.name);
   if (!stored) {
-    observer_.tell(stored.error().message(), ToldCode::kReportsNotOnStick);
+    observer_.tell(stored.error().message(), PrinterCode::kReportsNotOnStick);
     return false;
   }
   if (stored->files > 0) {
     FixedText<120> text;
     text.add("%zu file%s of the last prints are on the stick now, in plumbline-reports", stored->files,
              stored->files == 1 ? "" : "s");
-    observer_.tell(text.view(), {ToldCode::kReportsOnStick, {{Fact::kCount, stored->files}}});
+    observer_.tell(text.view(), {PrinterCode::kReportsOnStick, {{Fact::kCount, stored->files}}});
   }
   return stored->asked;
 }
@@ -372,7 +373,7 @@ Status PrinterDaemon::serve_scans(StickPort& port, bool uploaded) {
       }
     }
   }
-  if (!uploaded) observer_.tell("the stick may be pulled", ToldCode::kStickMayGo);
+  if (!uploaded) observer_.tell("the stick may be pulled", PrinterCode::kStickMayGo);
   const auto ready =
       copy ? prepare_archive(session, *copy, *request, *profile) : prepare_scan(session, *answer, *request, *profile);
   if (copy && (!ready || !*ready)) store_.drop_received();

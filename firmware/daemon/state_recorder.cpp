@@ -5,6 +5,7 @@
 
 #include "firmware/daemon/stick/stick_words.hpp"
 #include "firmware/print/status/print_lines.hpp"
+#include "firmware/told/printer_code.hpp"
 
 namespace plumbline {
 
@@ -25,17 +26,17 @@ bool take(const Picture& drawn, Picture& to) {
 /// What an error of a scan says whose message has no code of its own.
 Told told_of(ErrorCode code) {
   switch (code) {
-    case ErrorCode::kCannotOpen: return ToldCode::kFileNotOpened;
-    case ErrorCode::kCannotRead: return ToldCode::kFileNotRead;
-    case ErrorCode::kUnknownFormat: return ToldCode::kFormatUnknown;
-    case ErrorCode::kMalformed: return ToldCode::kFileDamaged;
-    case ErrorCode::kTruncated: return ToldCode::kFileCut;
-    case ErrorCode::kNoPoints: return ToldCode::kNothingToPrint;
-    case ErrorCode::kUnsupported: return ToldCode::kVariantUnknown;
-    case ErrorCode::kOutOfMemory: return ToldCode::kMemoryShort;
-    case ErrorCode::kDoesNotFit: return ToldCode::kTooLarge;
-    case ErrorCode::kBadSetting: return ToldCode::kSettingWrong;
-    case ErrorCode::kNoSurface: return ToldCode::kNoSurface;
+    case ErrorCode::kCannotOpen: return PrinterCode::kFileNotOpened;
+    case ErrorCode::kCannotRead: return PrinterCode::kFileNotRead;
+    case ErrorCode::kUnknownFormat: return PrinterCode::kFormatUnknown;
+    case ErrorCode::kMalformed: return PrinterCode::kFileDamaged;
+    case ErrorCode::kTruncated: return PrinterCode::kFileCut;
+    case ErrorCode::kNoPoints: return PrinterCode::kNothingToPrint;
+    case ErrorCode::kUnsupported: return PrinterCode::kVariantUnknown;
+    case ErrorCode::kOutOfMemory: return PrinterCode::kMemoryShort;
+    case ErrorCode::kDoesNotFit: return PrinterCode::kTooLarge;
+    case ErrorCode::kBadSetting: return PrinterCode::kSettingWrong;
+    case ErrorCode::kNoSurface: return PrinterCode::kNoSurface;
     // Of the others the fault says what they mean.
     default: return {};
   }
@@ -204,7 +205,7 @@ bool StateRecorder::found(const StickScans& scans, bool uploaded) {
       FixedText<80> text;
       text.add("one scan may have %zu files at most", kMostScans);
       assign(scan.problem, text.view());
-      scan.told = {ToldCode::kTooManyFiles, {{Fact::kCount, kMostScans}}};
+      scan.told = {PrinterCode::kTooManyFiles, {{Fact::kCount, kMostScans}}};
     }
   }
   return count_before > 0 && known == count_before && record_.scan_count == count_before;

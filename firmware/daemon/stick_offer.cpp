@@ -7,6 +7,7 @@
 #include "firmware/archive/layer_archive.hpp"
 #include "firmware/daemon/stick/job_setting.hpp"
 #include "firmware/io/fixed_text.hpp"
+#include "firmware/told/printer_code.hpp"
 
 namespace plumbline {
 
@@ -28,7 +29,7 @@ Expected<StickOffer> StickOffer::read(const StickMount& mount, ScanSlicing& slic
   } else if (offer.choices() == 0 && scans->foreign) {
     return tl::unexpected<Error>(*scans->foreign);
   } else if (offer.choices() == 0) {
-    return telling(Told(ToldCode::kStickEmpty),
+    return telling(Told(PrinterCode::kStickEmpty),
                    fail(ErrorCode::kNoPoints,
                         "there is no scan or mesh on the stick, nor a sliced archive:\tput an STL, OBJ, PLY, OFF, 3MF, "
                         "PCD, XYZ or .sl1 file in its top folder"));
@@ -62,14 +63,14 @@ Status StickOffer::change(const ClientRequest& request) {
   if (request.command == Command::kSet) return set(request.key.view(), request.value.view());
   if (request.command == Command::kPropose) {
     if (is_archive_name(job_.scans[0])) {
-      return fail(ErrorCode::kBadSetting, "%s: is sliced already, so it stands as it is", job_.title().c_str());
+      return fail(ErrorCode::kBadSetting, "%s: is sliced already, so it can't be turned", job_.title().c_str());
     }
     wishes_ = true;
     return {};
   }
   if (request.scan > choices()) {
     return telling(
-        Told(ToldCode::kNoSuchScan, {{Fact::kCount, request.scan}}),
+        Told(PrinterCode::kNoSuchScan, {{Fact::kCount, request.scan}}),
         fail(ErrorCode::kBadSetting, "there is no scan %u on the stick: it has %zu", request.scan, choices()));
   }
   choose(request.scan - 1);
@@ -127,7 +128,7 @@ Status StickOffer::set(std::string_view key, std::string_view value) {
     PLUMBLINE_TRY(set_proposal(value));
   } else if (is_archive_name(job_.scans[0])) {
     return telling(
-        Told(ToldCode::kArchiveSettings, {}, job_.title()),
+        Told(PrinterCode::kArchiveSettings, {}, job_.title()),
         fail(ErrorCode::kBadSetting, "%s: is sliced already, so only its profile can be set", job_.title().c_str()));
   } else {
     PLUMBLINE_TRY(set_job_setting(job_, key, value));

@@ -2,6 +2,7 @@
 
 #include "firmware/print/plan/print_plan.hpp"
 #include "firmware/settings/support_choice.hpp"
+#include "firmware/told/printer_code.hpp"
 #include "slicer/core/printable_text.hpp"
 #include "slicer/support_building.hpp"
 
@@ -13,7 +14,7 @@ Expected<ScanRequest> stick_request(const StickJob& job, std::span<const StickFi
   request.name.add("%s", job.title().c_str());
   for (const StickFile& file : scan) {
     if (scan.size() > 1 && is_archive_name(file.name())) {
-      return telling(Told(ToldCode::kArchiveSettings, {}, file.name()),
+      return telling(Told(PrinterCode::kArchiveSettings, {}, file.name()),
                      fail(ErrorCode::kBadSetting,
                           "%s: is sliced already, so it can't be part of a scan.\tTake it out of the list `scan`",
                           PrintableText(file.name()).c_str()));
@@ -44,7 +45,7 @@ Expected<ScanRequest> stick_request(const StickJob& job, std::span<const StickFi
     const JobSettings& settings = job;
     if (settings != JobSettings()) {
       return telling(
-          Told(ToldCode::kArchiveSettings, {}, job.title()),
+          Told(PrinterCode::kArchiveSettings, {}, job.title()),
           fail(ErrorCode::kBadSetting,
                "%s: is sliced already, so of the job's settings only the profile counts.\tLeave out the others, or "
                "put the mesh or scan that it was made of on the stick",

@@ -10,6 +10,8 @@
 #include <cstring>
 #include <span>
 
+#include "firmware/told/printer_code.hpp"
+
 namespace plumbline {
 namespace {
 
@@ -59,7 +61,7 @@ Expected<Pairing> Pairing::open(const std::string& folder) {
 
 Expected<PageCode> Pairing::new_code(HostClock::time_point now) {
   if (none_before_ && now < *none_before_) {
-    return telling(Told(ToldCode::kCodesTooMany),
+    return telling(Told(PrinterCode::kCodesTooMany),
                    fail(ErrorCode::kBusy, "there were too many wrong codes.\tTry again in a minute"));
   }
   // Somebody may be typing it.
@@ -82,7 +84,8 @@ Expected<PageCode> Pairing::new_code(HostClock::time_point now) {
 Expected<PageToken> Pairing::pair(std::string_view code, HostClock::time_point now) {
   if (code_.view().empty() || now > valid_until_) {
     code_.clear();
-    return telling(Told(ToldCode::kCodeOld), fail(ErrorCode::kBadSetting, "the code is too old.\tAsk for a new one"));
+    return telling(Told(PrinterCode::kCodeOld),
+                   fail(ErrorCode::kBadSetting, "the code is too old.\tAsk for a new one"));
   }
   if (same(code, code_.view())) {
     code_.clear();
@@ -92,7 +95,7 @@ Expected<PageToken> Pairing::pair(std::string_view code, HostClock::time_point n
     code_.clear();
     none_before_ = now + kBetweenCodes;
   }
-  return telling(Told(ToldCode::kCodeWrong),
+  return telling(Told(PrinterCode::kCodeWrong),
                  fail(ErrorCode::kBadSetting, "that is not the code.\tRead it on the printer's screen"));
 }
 

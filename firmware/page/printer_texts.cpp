@@ -1,20 +1,14 @@
 #include "firmware/page/printer_texts.hpp"
 
-#include <charconv>
-
 #include "firmware/io/json_writer.hpp"
 #include "firmware/print/status/fault.hpp"
 #include "firmware/screen/fault_words.hpp"
-#include "firmware/screen/told_words.hpp"
+#include "firmware/told/told_words.hpp"
+#include "slicer/core/to_number.hpp"
 
 namespace plumbline {
-namespace {}  // namespace
-
 std::optional<std::uint64_t> whole_number(std::optional<std::string_view> text) {
-  std::uint64_t number = 0;
-  if (!text) return std::nullopt;
-  const auto [end, problem] = std::from_chars(text->data(), text->data() + text->size(), number);
-  return problem == std::errc() && end == text->data() + text->size() ? std::optional(number) : std::nullopt;
+  return text ? to_number<std::uint64_t>(*text) : std::nullopt;
 }
 
 std::string_view plain_text(std::optional<std::string_view> value) {

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "firmware/io/fixed_text.hpp"
-#include "firmware/settings/language.hpp"
+#include "firmware/told/language.hpp"
 #include "slicer/core/error.hpp"
 
 namespace plumbline {

@@ -1,11 +1,11 @@
 #include "firmware/print/print_checks.hpp"
 
 #include "firmware/print/layer_checks.hpp"
+#include "firmware/told/printer_code.hpp"
+#include "slicer/core/mib.hpp"
 
 namespace plumbline {
 namespace {
-
-constexpr double kMiB = 1024.0 * 1024.0;
 
 CheckOutcome passed_if(bool good) { return good ? CheckOutcome::kPassed : CheckOutcome::kFailed; }
 CheckOutcome noted_unless(bool good) { return good ? CheckOutcome::kPassed : CheckOutcome::kWarned; }
@@ -33,12 +33,10 @@ void PrintChecks::conclude(Check check, CheckOutcome outcome, FaultCode code) {
 
 void PrintChecks::check_job(bool has_journal) {
   const PrintPlan& plan = settings_.plan;
-  result(Check::kMemory)
-      .detail.add("%.1f of %.1f MiB", static_cast<double>(settings_.memory_needed) / kMiB,
-                  static_cast<double>(settings_.memory_budget) / kMiB);
-  result(Check::kMemory).told = {ToldCode::kCheckMemory,
-                                 {{Fact::kNeededMib, static_cast<double>(settings_.memory_needed) / kMiB},
-                                  {Fact::kAvailableMib, static_cast<double>(settings_.memory_budget) / kMiB}}};
+  result(Check::kMemory).detail.add("%.1f of %.1f MiB", mib(settings_.memory_needed), mib(settings_.memory_budget));
+  result(Check::kMemory).told = {
+      PrinterCode::kCheckMemory,
+      {{Fact::kNeededMib, mib(settings_.memory_needed)}, {Fact::kAvailableMib, mib(settings_.memory_budget)}}};
   conclude(Check::kMemory, passed_if(settings_.memory_needed <= settings_.memory_budget), FaultCode::kOutOfMemory);
 
   const ZPosition top = lift_from(plan, plan.layers - 1)[1].target;
@@ -49,7 +47,7 @@ void PrintChecks::check_job(bool has_journal) {
                   height_of(plan, plan.layers - 1).above_film().millimetres(),
                   on_plate ? "stands on the plate" : "nothing holds it because the first layer is empty",
                   top.above_film().millimetres(), highest.above_film().millimetres());
-  result(Check::kObject).told = {on_plate ? ToldCode::kCheckObject : ToldCode::kCheckObjectHangs,
+  result(Check::kObject).told = {on_plate ? PrinterCode::kCheckObject : PrinterCode::kCheckObjectHangs,
                                  {{Fact::kLayers, plan.layers},
                                   {Fact::kHeightMm, top.above_film().millimetres()},
                                   {Fact::kLimitMm, highest.above_film().millimetres()}}};
@@ -58,21 +56,21 @@ void PrintChecks::check_job(bool has_journal) {
 
   const bool known = !settings_.issues.view().empty();
   result(Check::kMasks).detail.add("%s", known ? settings_.issues.c_str() : "checked when the print began");
-  result(Check::kMasks).told = !known                 ? ToldCode::kCheckMasksBefore
-                               : settings_.has_issues ? ToldCode::kCheckMasksIssues
-                                                      : ToldCode::kCheckMasksClean;
+  result(Check::kMasks).told = !known                 ? PrinterCode::kCheckMasksBefore
+                               : settings_.has_issues ? PrinterCode::kCheckMasksIssues
+                                                      : PrinterCode::kCheckMasksClean;
   conclude(Check::kMasks, noted_unless(!settings_.has_issues));
 
   result(Check::kLight)
       .detail.add("a layer of %.3f mm cures %.3f mm deep", plan.layer_height.millimetres(),
                   settings_.cure_depth.millimetres());
   result(Check::kLight).told = {
-      ToldCode::kCheckLight,
-      {{Fact::kHeightMm, plan.layer_height.millimetres()}, {Fact::kCureMm, settings_.cure_depth.millimetres()}}};
+      PrinterCode::kCheckLight,
+      {{Fact::kHeightMm, plan.layer_height.millimetres()}, {PrinterFact::kCureMm, settings_.cure_depth.millimetres()}}};
   conclude(Check::kLight, passed_if(settings_.cure_depth > plan.layer_height), FaultCode::kTooLittleLight);
 
   result(Check::kJournal).detail.add("%s", has_journal ? "kept" : "none, so a power cut ends the print for good");
-  result(Check::kJournal).told = has_journal ? ToldCode::kCheckJournal : ToldCode::kCheckJournalNone;
+  result(Check::kJournal).told = has_journal ? PrinterCode::kCheckJournal : PrinterCode::kCheckJournalNone;
   conclude(Check::kJournal, noted_unless(has_journal));
 }
 
@@ -82,8 +80,8 @@ void PrintChecks::check_resin(std::uint64_t cured_pixels) {
   result(Check::kResin)
       .detail.add("%.1f ml needed, a full tank holds %.0f ml%s", needed, settings_.tank_ml,
                   enough ? "" : "; the print will pause for more");
-  result(Check::kResin).told = {enough ? ToldCode::kCheckResin : ToldCode::kCheckResinShort,
-                                {{Fact::kNeededMl, needed}, {Fact::kTankMl, settings_.tank_ml}}};
+  result(Check::kResin).told = {enough ? PrinterCode::kCheckResin : PrinterCode::kCheckResinShort,
+                                {{PrinterFact::kNeededMl, needed}, {PrinterFact::kTankMl, settings_.tank_ml}}};
   conclude(Check::kResin, noted_unless(enough));
 }
 
@@ -91,20 +89,22 @@ void PrintChecks::check_lamp_dark() {
   machine_.lamp.turn_off();
   const bool lit = machine_.lamp.lit();
   result(Check::kLampDark).detail.add("%s", lit ? "there is light although the lamp is off" : "dark");
-  result(Check::kLampDark).told = lit ? ToldCode::kCheckLampLit : ToldCode::kCheckLampDark;
+  result(Check::kLampDark).told = lit ? PrinterCode::kCheckLampLit : PrinterCode::kCheckLampDark;
   conclude(Check::kLampDark, passed_if(!lit), FaultCode::kLampStuckOn);
 }
 
 Status PrintChecks::check_panel(const PrintGrid& masks) {
   MaskDisplay& panel = machine_.mask;
   CheckResult& check = result(Check::kPanel);
-  check.told = {ToldCode::kCheckPanel, {{Fact::kColumns, masks.columns}, {Fact::kRows, masks.rows}}};
+  check.told = {PrinterCode::kCheckPanel, {{PrinterFact::kColumns, masks.columns}, {PrinterFact::kRows, masks.rows}}};
   if (panel.columns() != masks.columns || panel.rows() != masks.rows) {
     check.detail.add("the panel has %u x %u pixels, the masks %u x %u", panel.columns(), panel.rows(), masks.columns,
                      masks.rows);
-    check.told.code = ToldCode::kCheckPanelOther;
-    check.told.add(Fact::kPanelColumns, panel.columns());
-    check.told.add(Fact::kPanelRows, panel.rows());
+    check.told = {PrinterCode::kCheckPanelOther,
+                  {{PrinterFact::kColumns, masks.columns},
+                   {PrinterFact::kRows, masks.rows},
+                   {PrinterFact::kPanelColumns, panel.columns()},
+                   {PrinterFact::kPanelRows, panel.rows()}}};
     conclude(Check::kPanel, CheckOutcome::kFailed, FaultCode::kPanelSize);
     return {};
   }
@@ -122,13 +122,13 @@ void PrintChecks::check_cover() {
   CheckResult& check = result(Check::kCover);
   if (!settings_.has_cover_switch) {
     check.detail.add("this printer has no cover switch");
-    check.told = ToldCode::kCheckCoverNone;
+    check.told = PrinterCode::kCheckCoverNone;
     conclude(Check::kCover, CheckOutcome::kWarned);
     return;
   }
   const bool open = machine_.panel.cover_open();
   check.detail.add("%s", open ? "open" : "closed");
-  check.told = open ? ToldCode::kCheckCoverOpen : ToldCode::kCheckCoverClosed;
+  check.told = open ? PrinterCode::kCheckCoverOpen : PrinterCode::kCheckCoverClosed;
   conclude(Check::kCover, passed_if(!open), FaultCode::kCoverOpen);
 }
 
@@ -145,12 +145,12 @@ Status PrintChecks::check_temperatures() {
   check.detail.add("lamp %.1f degrees C, at most %.0f allowed; resin %.1f degrees C, %.0f to %.0f allowed",
                    lamp->value(), settings_.lamp_max.value(), resin->value(), settings_.resin_min.value(),
                    settings_.resin_max.value());
-  check.told = {ToldCode::kCheckTemperatures,
-                {{Fact::kLampC, lamp->value()},
-                 {Fact::kLampLimitC, settings_.lamp_max.value()},
-                 {Fact::kResinC, resin->value()},
-                 {Fact::kResinLeastC, settings_.resin_min.value()},
-                 {Fact::kResinMostC, settings_.resin_max.value()}}};
+  check.told = {PrinterCode::kCheckTemperatures,
+                {{PrinterFact::kLampC, lamp->value()},
+                 {PrinterFact::kLampLimitC, settings_.lamp_max.value()},
+                 {PrinterFact::kResinC, resin->value()},
+                 {PrinterFact::kResinLeastC, settings_.resin_min.value()},
+                 {PrinterFact::kResinMostC, settings_.resin_max.value()}}};
   const FaultCode code = temperature_fault(*lamp, *resin, settings_);
   conclude(Check::kTemperatures, passed_if(code == FaultCode::kNone), code);
   return {};
@@ -159,7 +159,7 @@ Status PrintChecks::check_temperatures() {
 void PrintChecks::stage_homed() {
   result(Check::kStage)
       .detail.add("end stop found at %.2f mm", machine_.stage.limits().end_stop.above_film().millimetres());
-  result(Check::kStage).told = {ToldCode::kCheckStage,
+  result(Check::kStage).told = {PrinterCode::kCheckStage,
                                 {{Fact::kHeightMm, machine_.stage.limits().end_stop.above_film().millimetres()}}};
   conclude(Check::kStage, CheckOutcome::kPassed);
 }

@@ -1,5 +1,7 @@
 #include "firmware/print/resume_check.hpp"
 
+#include "firmware/told/printer_code.hpp"
+
 namespace plumbline {
 
 bool stage_confirms(const JournalEntry& last, const PrintPlan& plan, std::optional<ZPosition> found, Distance drift) {
@@ -37,12 +39,12 @@ FixedText<160> question_about(const JournalEntry& last) {
 }
 
 Told told_doubt(const JournalEntry& last) {
-  return {ToldCode::kCheckJournalDoubt, {{Fact::kHeightMm, last.height.above_film().millimetres()}}};
+  return {PrinterCode::kCheckJournalDoubt, {{Fact::kHeightMm, last.height.above_film().millimetres()}}};
 }
 
 Told told_question(const JournalEntry& last) {
-  if (last.next_layer == 0) return ToldCode::kLookAtPlate;
-  return {ToldCode::kMeasurePart,
+  if (last.next_layer == 0) return PrinterCode::kLookAtPlate;
+  return {PrinterCode::kMeasurePart,
           {{Fact::kHeightMm, last.height.above_film().millimetres()}, {Fact::kLayers, last.next_layer}}};
 }
 

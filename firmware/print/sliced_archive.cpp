@@ -9,6 +9,7 @@
 #include "firmware/io/mask_hash.hpp"
 #include "firmware/print/layer_crossings.hpp"
 #include "firmware/slice/issue_report.hpp"
+#include "firmware/told/printer_code.hpp"
 #include "slicer/checks/stack_checker.hpp"
 #include "slicer/core/printable_text.hpp"
 #include "slicer/core/stage_scope.hpp"
@@ -68,10 +69,10 @@ Status check_panel(const LayerArchive& archive, std::string_view name, const Pri
   const PrintableText shown = name;
   if (archive.columns() != printer.columns || archive.rows() != printer.rows) {
     return telling(
-        Told(ToldCode::kArchivePixels, {{Fact::kColumns, archive.columns()},
-                                        {Fact::kRows, archive.rows()},
-                                        {Fact::kPanelColumns, printer.columns},
-                                        {Fact::kPanelRows, printer.rows}}),
+        Told(PrinterCode::kArchivePixels, {{PrinterFact::kColumns, archive.columns()},
+                                           {PrinterFact::kRows, archive.rows()},
+                                           {PrinterFact::kPanelColumns, printer.columns},
+                                           {PrinterFact::kPanelRows, printer.rows}}),
         fail(ErrorCode::kDoesNotFit,
              "%s: is sliced for a panel of %u x %u pixels, this printer's has %u x %u.\tSlice it for this printer",
              shown.c_str(), archive.columns(), archive.rows(), printer.columns, printer.rows));
@@ -83,10 +84,10 @@ Status check_panel(const LayerArchive& archive, std::string_view name, const Pri
   constexpr double kMostOff = 0.005;
   if (std::abs(its_width / width - 1) > kMostOff || std::abs(its_depth / depth - 1) > kMostOff) {
     return telling(
-        Told(ToldCode::kArchivePanel, {{Fact::kWidthMm, its_width},
-                                       {Fact::kDepthMm, its_depth},
-                                       {Fact::kPanelWidthMm, width},
-                                       {Fact::kPanelDepthMm, depth}}),
+        Told(PrinterCode::kArchivePanel, {{Fact::kWidthMm, its_width},
+                                          {Fact::kDepthMm, its_depth},
+                                          {PrinterFact::kPanelWidthMm, width},
+                                          {PrinterFact::kPanelDepthMm, depth}}),
         fail(ErrorCode::kDoesNotFit,
              "%s: is sliced for a panel of %.2f x %.2f mm, this printer's has %.2f x %.2f mm.\tSlice it for this "
              "printer",
@@ -109,11 +110,12 @@ Expected<SlicedArchive> check_archive(int file, std::string_view name, const Arc
   sliced.grid = panel_grid(target.printer, placement.layer_height_mm);
   if (archive->layers() > sliced.grid.layers) {
     return telling(
-        Told(ToldCode::kArchiveHigh, {{Fact::kLayers, archive->layers()},
-                                      {Fact::kHeightMm, archive->layers() * double{placement.layer_height_mm}},
-                                      {Fact::kLimitMm, target.printer.travel_mm}}),
+        Told(PrinterCode::kArchiveHigh, {{Fact::kLayers, archive->layers()},
+                                         {Fact::kHeightMm, archive->layers() * double{placement.layer_height_mm}},
+                                         {Fact::kLimitMm, target.printer.travel_mm}}),
         fail(ErrorCode::kDoesNotFit,
-             "%s: its %u layers of %.4g mm are %.1f mm high, this printer's travel is %.1f mm.\tSlice it lower",
+             "%s: its %u layers of %.4g mm are %.1f mm high, this printer's travel is %.1f mm.\tScale it down and "
+             "slice it again",
              PrintableText(name).c_str(), archive->layers(), static_cast<double>(placement.layer_height_mm),
              archive->layers() * static_cast<double>(placement.layer_height_mm),
              static_cast<double>(target.printer.travel_mm)));

@@ -9,8 +9,9 @@
 #include "firmware/io/fixed_text.hpp"
 #include "firmware/screen/page.hpp"
 #include "firmware/screen/screen_view.hpp"
-#include "firmware/screen/told_words.hpp"
 #include "firmware/screen/words.hpp"
+#include "firmware/told/told_text.hpp"
+#include "firmware/told/told_words.hpp"
 
 namespace plumbline {
 

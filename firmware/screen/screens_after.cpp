@@ -7,6 +7,7 @@
 #include "firmware/screen/fault_words.hpp"
 #include "firmware/screen/screen_parts.hpp"
 #include "firmware/screen/setting_rows.hpp"
+#include "firmware/told/told_words.hpp"
 
 namespace plumbline {
 namespace {

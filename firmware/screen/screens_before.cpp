@@ -4,6 +4,7 @@
 
 #include "firmware/screen/screen_parts.hpp"
 #include "firmware/screen/setting_rows.hpp"
+#include "firmware/told/told_words.hpp"
 
 namespace plumbline {
 namespace {

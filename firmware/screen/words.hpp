@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "firmware/settings/language.hpp"
+#include "firmware/told/language.hpp"
 
 namespace plumbline {
 

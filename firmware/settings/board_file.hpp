@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "firmware/settings/language.hpp"
 #include "firmware/settings/settings_file.hpp"
+#include "firmware/told/language.hpp"
 #include "hal/panel_layout.hpp"
 #include "hal/wiring.hpp"
 #include "slicer/core/error.hpp"
@@ -84,9 +84,6 @@ struct BoardFile {
   /// Absent if the file describes only what slicing needs: it must have all of these keys or none.
   std::optional<MachineFile> machine;
 };
-
-/// Largest board file that is read, bytes.
-inline constexpr std::size_t kMaxBoardFileBytes = kMaxSettingsFileBytes;
 
 /// Reads a board file, which must be named after its printer.
 /// @param name_or_path  see find_board_file()

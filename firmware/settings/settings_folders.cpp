@@ -8,6 +8,7 @@
 #include <system_error>
 
 #include "firmware/settings/setting_words.hpp"
+#include "firmware/told/printer_code.hpp"
 
 namespace plumbline {
 namespace {
@@ -85,7 +86,7 @@ Expected<std::string> find_profile(const std::string& name_or_path, const std::s
     if (std::find(folders.begin(), folders.end(), folder) == folders.end()) folders.push_back(std::move(folder));
   }
   auto found = find(name_or_path, folders, "profile");
-  if (!found) found.error().tell({ToldCode::kProfileUnknown, {}, name_or_path});
+  if (!found) found.error().tell({PrinterCode::kProfileUnknown, {}, name_or_path});
   return found;
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cctype>
 
+#include "firmware/told/printer_code.hpp"
+
 namespace plumbline {
 namespace {
 
@@ -24,7 +26,7 @@ void add_size(FixedText<256>& text, const Issue& issue, const IssueScale& scale)
         text.add(", pulled with %s N and held with %s N", rounded(static_cast<double>(issue.asked_n)).c_str(),
                  rounded(static_cast<double>(issue.held_n)).c_str());
       } else {
-        text.add(", up to %s mm2 wide", rounded(scale.mm2(issue.pixels)).c_str());
+        text.add(", up to %s mm2 in area", rounded(scale.mm2(issue.pixels)).c_str());
       }
       break;
     case IssueSize::kLayers: text.add("%u layer%s", issue.layers(), issue.layers() == 1 ? "" : "s"); break;
@@ -124,7 +126,7 @@ Told told_issue(IssueKind kind, const StackFindings& findings, const PrintGrid& 
   const IssueGroup& group = findings.of(kind);
   const Issue& largest = group.kept[0];
   const IssueScale scale(grid);
-  Told told(static_cast<ToldCode>(static_cast<std::size_t>(ToldCode::kIsland) + static_cast<std::size_t>(kind)),
+  Told told(static_cast<ToldCode>(static_cast<std::size_t>(PrinterCode::kIsland) + static_cast<std::size_t>(kind)),
             {{Fact::kCount, group.count}});
   if (kind == IssueKind::kFreePiece) told.add(Fact::kPercent, 100 * findings.fallen_share());
   switch (words_of(kind).size) {

@@ -4,6 +4,7 @@
 
 #include "firmware/io/progress_lines.hpp"
 #include "firmware/slice/issue_report.hpp"
+#include "firmware/told/printer_code.hpp"
 
 namespace plumbline {
 namespace {
@@ -25,7 +26,7 @@ void for_each_size_remark(const SliceReport& slice, RemarkVisit visit) {
   const double longest = size.maxCoeff();
   FixedText<256> text;
   if (slice.ignored_units) {
-    visit({ToldCode::kUnitsIgnored, {}, to_string(*slice.ignored_units)},
+    visit({PrinterCode::kUnitsIgnored, {}, to_string(*slice.ignored_units)},
           ignored_units_warning(*slice.ignored_units).view());
   }
   if (slice.units_guessed) {
@@ -33,17 +34,17 @@ void for_each_size_remark(const SliceReport& slice, RemarkVisit visit) {
         "the scan is %.4g units long and says no unit; %s, which make it %.4g mm, are a guess. Confirm it with "
         "--units %s, give another unit, or a size: --height 80mm",
         longest / slice.placement.scale, to_string(slice.units), longest, to_string(slice.units));
-    visit({ToldCode::kUnitsGuessed, {{Fact::kLongestMm, longest}}, to_string(slice.units)}, text.view());
+    visit({PrinterCode::kUnitsGuessed, {{Fact::kLongestMm, longest}}, to_string(slice.units)}, text.view());
   }
   text = {};
   if (longest < kSmallestUsual) {
     text.add("the object is only %.3g mm long. If that is wrong, %s give a size: --height 80mm", longest,
              slice.scan.header.is_in_mm ? "use --scale, or" : "use --units m, --units cm, --units in, or");
-    visit({ToldCode::kObjectSmall, {{Fact::kLongestMm, longest}}}, text.view());
+    visit({PrinterCode::kObjectSmall, {{Fact::kLongestMm, longest}}}, text.view());
   } else if (longest > kLargestUsual) {
     text.add("the object is %.4g mm long. If that is wrong, use %s, or --fit with a printer", longest,
              slice.scan.header.is_in_mm ? "--scale" : "--units or --scale");
-    visit({ToldCode::kObjectLarge, {{Fact::kLongestMm, longest}}}, text.view());
+    visit({PrinterCode::kObjectLarge, {{Fact::kLongestMm, longest}}}, text.view());
   }
   const auto pitch = static_cast<double>(std::min(grid.pitch_x_mm, grid.pitch_y_mm));
   const Vec3d thinnest = kThinnest * Vec3d(pitch, pitch, static_cast<double>(grid.layer_height_mm));
@@ -53,8 +54,9 @@ void for_each_size_remark(const SliceReport& slice, RemarkVisit visit) {
         "the scan is %.3g x %.3g x %.3g mm: along one axis it is thinner than %.0f pixels or layers, and little of it "
         "may print. Look at the layers",
         size[0], size[1], size[2], kThinnest);
-    visit({ToldCode::kObjectThin, {{Fact::kWidthMm, size[0]}, {Fact::kDepthMm, size[1]}, {Fact::kHeightMm, size[2]}}},
-          text.view());
+    visit(
+        {PrinterCode::kObjectThin, {{Fact::kWidthMm, size[0]}, {Fact::kDepthMm, size[1]}, {Fact::kHeightMm, size[2]}}},
+        text.view());
   }
   const auto cell_mm = static_cast<double>(slice.lengths.thinning_cell.value);
   if (cell_mm > pitch) {
@@ -63,7 +65,7 @@ void for_each_size_remark(const SliceReport& slice, RemarkVisit visit) {
         "the scan has more points than memory holds (%u): they were averaged in cells of %.3g mm, coarser than the "
         "pixels of %.3g mm. A larger arena keeps more detail",
         slice.cloud_capacity, cell_mm, pitch);
-    visit({ToldCode::kPointsAveraged, {{Fact::kCellMm, cell_mm}, {Fact::kPixelMm, pitch}}}, text.view());
+    visit({PrinterCode::kPointsAveraged, {{Fact::kCellMm, cell_mm}, {Fact::kPixelMm, pitch}}}, text.view());
   }
 }
 
@@ -192,9 +194,9 @@ namespace {
 
 /// turned_warning() as a code.
 Told told_turned(const NormalCounts& normals, std::uint32_t points) {
-  const ToldCode code = normals.contradictory ? ToldCode::kNormalsAtRandom
-                        : normals.inside_out  ? ToldCode::kInsideOut
-                                              : ToldCode::kNormalsFlipped;
+  const PrinterCode code = normals.contradictory ? PrinterCode::kNormalsAtRandom
+                           : normals.inside_out  ? PrinterCode::kInsideOut
+                                                 : PrinterCode::kNormalsFlipped;
   return {code, {{Fact::kPercent, 100.0 * normals.turned / std::max(points, 1U)}}};
 }
 
@@ -204,9 +206,9 @@ void for_each_mesh_remark(const MeshCounts& mesh, RemarkVisit visit) {
   if (mesh.not_finite > 0) {
     text.add("%llu of the mesh's %llu triangles have a coordinate that is not finite or huge, and were left out",
              big(mesh.not_finite), big(mesh.not_finite + mesh.triangles));
-    visit(
-        {ToldCode::kTrianglesLeftOut, {{Fact::kCount, mesh.not_finite}, {Fact::kOf, mesh.not_finite + mesh.triangles}}},
-        text.view());
+    visit({PrinterCode::kTrianglesLeftOut,
+           {{Fact::kCount, mesh.not_finite}, {Fact::kOf, mesh.not_finite + mesh.triangles}}},
+          text.view());
   }
   if (mesh.closed_holes > 0) {
     text = {};
@@ -214,28 +216,24 @@ void for_each_mesh_remark(const MeshCounts& mesh, RemarkVisit visit) {
         "the mesh had %llu small %s (faces that are missing, flipped or doubled), which %s closed. "
         "Look at the preview",
         big(mesh.closed_holes), mesh.closed_holes == 1 ? "gap" : "gaps", mesh.closed_holes == 1 ? "was" : "were");
-    visit({ToldCode::kSmallHolesClosed, {{Fact::kCount, mesh.closed_holes}}}, text.view());
+    visit({PrinterCode::kSmallHolesClosed, {{Fact::kCount, mesh.closed_holes}}}, text.view());
   }
   if (!mesh.closed && (mesh.closed_holes == 0 || mesh.decided_rays > 0)) {
     text = {};
-    Told told(mesh.turned ? ToldCode::kFacesTurned : ToldCode::kMeshOpen);
-    told.add(Fact::kCount, mesh.turned ? mesh.broken_rays : mesh.decided_rays);
-    told.add(Fact::kOf, mesh.turned ? mesh.rays : std::max(mesh.rays, mesh.decided_rays));
-    if (mesh.turned) {
-      text.add("some of the mesh's faces are turned over: %llu of %llu rays were decided without their direction",
-               big(mesh.broken_rays), big(mesh.rays));
-    } else {
-      text.add(
-          "the mesh is not closed (holes, or faces that are flipped, doubled or missing): %llu of %llu rays were "
-          "decided by its winding number. Look at the preview",
-          big(mesh.decided_rays), big(std::max(mesh.rays, mesh.decided_rays)));
-    }
-    visit(told, text.view());
+    const std::uint64_t rays = mesh.turned ? mesh.rays : std::max(mesh.rays, mesh.decided_rays);
+    const std::uint64_t odd = mesh.turned ? mesh.broken_rays : mesh.decided_rays;
+    text.add(mesh.turned
+                 ? "some of the mesh's faces are turned over: %llu of %llu rays were decided without their direction"
+                 : "the mesh is not closed (holes, or faces that are flipped, doubled or missing): %llu of %llu rays "
+                   "were decided by its winding number. Look at the preview",
+             big(odd), big(rays));
+    visit({mesh.turned ? PrinterCode::kFacesTurned : PrinterCode::kMeshOpen, {{Fact::kCount, odd}, {Fact::kOf, rays}}},
+          text.view());
   }
   if (mesh.crowded_rays > 0) {
     text = {};
     text.add("%llu rays have more than 254 crossings, of which the upper ones were left out", big(mesh.crowded_rays));
-    visit({ToldCode::kRaysCrowded, {{Fact::kCount, mesh.crowded_rays}}}, text.view());
+    visit({PrinterCode::kRaysCrowded, {{Fact::kCount, mesh.crowded_rays}}}, text.view());
   }
 }
 
@@ -259,12 +257,12 @@ void for_each_remark(const SliceReport& slice, RemarkVisit visit) {
   for_each_size_remark(slice, visit);
   if (slice.mesh) return for_each_mesh_remark(*slice.mesh, visit);
   if (slice.floor.points > 0) {
-    visit({ToldCode::kFloorCut, {{Fact::kPoints, slice.floor.points}, {Fact::kFloor, slice.floor.height}}},
+    visit({PrinterCode::kFloorCut, {{Fact::kPoints, slice.floor.points}, {Fact::kFloor, slice.floor.height}}},
           floor_warning(slice.floor).view());
   }
   if (const StrayPieces& strays = slice.strays; strays.pieces > 0) {
     visit(
-        {ToldCode::kPiecesLeftOut,
+        {PrinterCode::kPiecesLeftOut,
          {{Fact::kCount, strays.pieces}, {Fact::kPoints, strays.points}, {Fact::kPercent, 100 * double{strays.share}}}},
         stray_warning(strays).view());
   }
@@ -276,26 +274,26 @@ void for_each_remark(const SliceReport& slice, RemarkVisit visit) {
     text.add("%u small solid%s neither the object nor the plate %s left out. --keep-all keeps %s",
              slice.components.floating_solids, one ? " that touches" : "s that touch", one ? "was" : "were",
              one ? "it" : "them");
-    visit({ToldCode::kSolidsLeftOut, {{Fact::kCount, slice.components.floating_solids}}}, text.view());
+    visit({PrinterCode::kSolidsLeftOut, {{Fact::kCount, slice.components.floating_solids}}}, text.view());
   }
   if (slice.components.sealed_cavities > 0) {
     text = {};
     const bool one = slice.components.sealed_cavities == 1;
     text.add("%u small enclosed cavit%s, which no scanner can have seen, %s filled. --keep-all keeps %s",
              slice.components.sealed_cavities, one ? "y" : "ies", one ? "was" : "were", one ? "it" : "them");
-    visit({ToldCode::kCavitiesFilled, {{Fact::kCount, slice.components.sealed_cavities}}}, text.view());
+    visit({PrinterCode::kCavitiesFilled, {{Fact::kCount, slice.components.sealed_cavities}}}, text.view());
   }
   if (slice.crossings > 0 && !(slice.components.counted && slice.features.counted)) {
-    visit(ToldCode::kSmallPartsStay,
+    visit(PrinterCode::kSmallPartsStay,
           "the arena had no room to look for small parts: loose solids, enclosed cavities, islands and holes that the "
           "scan "
           "does not resolve stay. A larger arena (--arena-mib) has it");
   }
   if (lies_on_its_face(slice.clustering)) {
-    visit(ToldCode::kOnItsFace, kOnItsFace);
+    visit(PrinterCode::kOnItsFace, kOnItsFaceText);
   } else if (slice.upright) {
     const auto [x, y] = std::pair(slice.upright->degrees[0], slice.upright->degrees[1]);
-    Told told(ToldCode::kLiesWrong);
+    Told told(PrinterCode::kLiesWrong);
     if (x != 0) told.add(Fact::kTurnXDeg, x);
     if (y != 0) told.add(Fact::kTurnYDeg, y);
     visit(told, lies_wrong_sentence(x, y).view());
@@ -304,7 +302,7 @@ void for_each_remark(const SliceReport& slice, RemarkVisit visit) {
     text = {};
     text.add("%u points of the scan have no normal; normals were estimated from neighbouring points",
              slice.normals.estimated);
-    visit({ToldCode::kNormalsEstimated, {{Fact::kPoints, slice.normals.estimated}}}, text.view());
+    visit({PrinterCode::kNormalsEstimated, {{Fact::kPoints, slice.normals.estimated}}}, text.view());
   }
 }
 

@@ -6,6 +6,7 @@
 #include "firmware/io/json_writer.hpp"
 #include "firmware/io/version.hpp"
 #include "firmware/state/command_rules.hpp"
+#include "firmware/told/printer_code.hpp"
 
 namespace plumbline {
 namespace {

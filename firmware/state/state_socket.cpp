@@ -11,6 +11,7 @@
 #include "firmware/io/base64.hpp"
 #include "firmware/state/command_rules.hpp"
 #include "firmware/state/socket_place.hpp"
+#include "firmware/told/printer_code.hpp"
 
 namespace plumbline {
 namespace {
@@ -66,7 +67,6 @@ std::optional<EventKind> StateSocket::serve(const PrinterRecord& record, Command
   if (now_ - served_at_ < times_.turn) return std::nullopt;
   const auto event = serve_all(record, taker);
   served_at_ = HostClock::now();
-  longest_turn_ = std::max(longest_turn_, served_at_ - now_);
   return event;
 }
 
@@ -156,7 +156,8 @@ void StateSocket::serve_client(StateClient& client, const Door& door, const Prin
     }
     error = number.error();
   } else if (!takes(record, request->command)) {
-    error = Error::format(ErrorCode::kBadSetting, "%s", what_it_takes(record).c_str()).tell(ToldCode::kCommandNotNow);
+    error =
+        Error::format(ErrorCode::kBadSetting, "%s", what_it_takes(record).c_str()).tell(PrinterCode::kCommandNotNow);
   } else if (const auto taken = taker.take(*request)) {
     event = *taken;
   } else {
@@ -203,7 +204,7 @@ Status StateSocket::write_report(std::optional<std::uint64_t> id, std::uint64_t 
 Status StateSocket::write_kept(std::optional<std::uint64_t> id, const ClientRequest& question,
                                const PrinterRecord& record) {
   if (record.prints == nullptr || !at_rest(record.state)) {
-    return fail(ErrorCode::kBadSetting, "no print before can be read now.\tAsk again when the print is over");
+    return fail(ErrorCode::kBadSetting, "no earlier print can be read now.\tAsk again when the print is over");
   }
   if (question.command == Command::kPicture) {
     if (question.picture != PictureName::kPreview) {

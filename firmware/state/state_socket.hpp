@@ -93,9 +93,6 @@ class StateSocket {
   /// @returns the event that a command has become
   std::optional<EventKind> serve(const PrinterRecord& record, CommandTaker& taker);
 
-  /// The longest that a call of serve() has taken so far.
-  HostClock::duration longest_turn() const { return longest_turn_; }
-
  private:
   struct Door {
     Descriptor listener;
@@ -127,7 +124,6 @@ class StateSocket {
   std::uint64_t sequence_ = 0;  ///< of line_
   HostClock::time_point now_;
   HostClock::time_point served_at_;
-  HostClock::duration longest_turn_{};
 };
 
 }  // namespace plumbline

@@ -35,7 +35,7 @@ ORDER = {
     "firmware/print": ["plan", "status", "store"],
     "firmware/daemon": ["stick", "upload", "service"],
     "firmware/cli": ["options", "reports"],
-    "firmware": ["io", "settings", "pictures", "canvas", "archive", "sample", "machine", "slice", "print", "child", "state", "screen",
+    "firmware": ["io", "told", "settings", "pictures", "canvas", "archive", "sample", "machine", "slice", "print", "child", "state", "screen",
                  "daemon", "page", "setup", "cli"],
 }
 

@@ -10,13 +10,12 @@
 #include "firmware/slice/issue_report.hpp"
 #include "firmware/slice/job_report.hpp"
 #include "firmware/slice/manifest.hpp"
+#include "slicer/core/mib.hpp"
 #include "slicer/plan/mesh_plan.hpp"
 #include "slicer/preparation.hpp"
 
 namespace plumbline {
 namespace {
-
-constexpr double kMiB = 1024.0 * 1024.0;
 
 using Text = FixedText<2 * kMaxPath>;
 
@@ -88,7 +87,7 @@ void add_coverage(Text& text, const ScanOutlook& o) {
              o.scan.turned->degrees[1]);
   }
   if (lies_on_its_face(o.scan.clustering)) {
-    text.add("           %s\n", kOnItsFace);
+    text.add("           %s\n", kOnItsFaceText);
   } else if (o.scan.upright) {
     text.add("           %s\n", lies_wrong_sentence(o.scan.upright->degrees[0], o.scan.upright->degrees[1]).c_str());
   }
@@ -164,13 +163,12 @@ void add_plan(Text& text, const ScanOutlook& o) {
   }
   FixedText<32> points;
   if (!s.mesh) points.add(" for %u points", o.plan->points);
-  text.add("arena      %.1f of %.0f MiB%s with %u thread%s; by stage:\n", static_cast<double>(o.plan->peak()) / kMiB,
-           static_cast<double>(o.arena_bytes) / kMiB, points.c_str(), o.threads, o.threads == 1 ? "" : "s");
+  text.add("arena      %.1f of %.0f MiB%s with %u thread%s; by stage:\n", mib(o.plan->peak()), mib(o.arena_bytes),
+           points.c_str(), o.threads, o.threads == 1 ? "" : "s");
   for (std::size_t i = 0; i < kStageCount; ++i) {
     if (o.plan->bytes[i] == 0) continue;
     const std::string_view name = to_string(static_cast<Stage>(i));
-    text.add("  %-11.*s %9.1f MiB\n", static_cast<int>(name.size()), name.data(),
-             static_cast<double>(o.plan->bytes[i]) / kMiB);
+    text.add("  %-11.*s %9.1f MiB\n", static_cast<int>(name.size()), name.data(), mib(o.plan->bytes[i]));
   }
 }
 

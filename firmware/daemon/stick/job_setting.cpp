@@ -2,27 +2,19 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <optional>
 #include <span>
 
 #include "firmware/settings/job_options.hpp"
 #include "firmware/settings/print_length.hpp"
+#include "firmware/told/printer_code.hpp"
+#include "slicer/core/to_number.hpp"
 
 namespace plumbline {
 namespace {
 
-/// A decimal number, without units and other words; none: it is none.
-std::optional<double> number_of(std::string_view text) {
-  double number = 0;
-  const char* const end = text.data() + text.size();
-  const auto [at, problem] = std::from_chars(text.data(), end, number);
-  if (problem != std::errc() || at != end) return std::nullopt;
-  return number;
-}
-
 tl::unexpected<Error> refused(std::string_view key, std::string_view value, const char* allowed) {
-  return telling(Told(ToldCode::kSettingValue, {}, key),
+  return telling(Told(PrinterCode::kSettingValue, {}, key),
                  fail(ErrorCode::kBadSetting, "%.*s: found '%.*s', allowed is %s", static_cast<int>(key.size()),
                       key.data(), static_cast<int>(value.size()), value.data(), allowed));
 }
@@ -78,7 +70,7 @@ Status set_job_setting(StickJob& job, std::string_view key, std::string_view val
       job.layer_height = 0;
       return {};
     }
-    const auto found = number_of(value);
+    const auto found = to_number<double>(value);
     if (!found || !(*found >= number.low && *found <= number.high)) return refused(key, value, number.allowed);
     job.*number.field = *found;
     clear_rivals(job, key);
@@ -137,7 +129,7 @@ Status set_job_setting(StickJob& job, std::string_view key, std::string_view val
     return {};
   }
   return telling(
-      Told(ToldCode::kSettingUnknown, {}, key),
+      Told(PrinterCode::kSettingUnknown, {}, key),
       fail(ErrorCode::kBadSetting,
            "'%.*s': unknown setting.\tKnown are profile, units, scale, fit, width, depth, height, length, floor, "
            "orient, rotate_x_deg, "

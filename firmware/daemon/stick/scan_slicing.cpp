@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "firmware/daemon/stick/scan_feed.hpp"
+#include "firmware/told/printer_code.hpp"
 
 namespace plumbline {
 namespace {
@@ -30,12 +31,12 @@ tl::unexpected<Error> broke(const ScanRequest& request, const FixedText<60>& how
   const char* const name = request.name.c_str();
   if (request.archive.ask != ArchiveRequest::Ask::kNothing) {
     return telling(
-        Told(ToldCode::kReadingBroke),
+        Told(PrinterCode::kReadingBroke),
         fail(ErrorCode::kMalformed, "%s: %s.\tExport it again, and report this file to plumbline's maintainers", name,
              how.c_str()));
   }
   if (!request.is_job_file)
-    return telling(Told(ToldCode::kReadingBroke),
+    return telling(Told(PrinterCode::kReadingBroke),
                    fail(ErrorCode::kMalformed, "%s: %s.\t%s", name, how.c_str(), kExportAgain));
   return fail(ErrorCode::kBadSetting, "%s: %s.\tWrite it anew, or remove it", name, how.c_str());
 }

@@ -9,6 +9,7 @@
 #include "firmware/settings/job_options.hpp"
 #include "firmware/settings/print_length.hpp"
 #include "firmware/settings/settings_file.hpp"
+#include "firmware/told/printer_code.hpp"
 #include "slicer/reader/scan_sources.hpp"
 
 namespace plumbline {
@@ -113,7 +114,7 @@ Status find_files(StickJob& job, const StickMount& mount) {
 Expected<std::vector<StickFile>> open_scan(const StickJob& job, const StickMount& mount) {
   if (job.scans.size() > kMostScans) {
     return telling(
-        Told(ToldCode::kTooManyFiles, {{Fact::kCount, kMostScans}}),
+        Told(PrinterCode::kTooManyFiles, {{Fact::kCount, kMostScans}}),
         fail(ErrorCode::kBadSetting,
              "%s: one scan may have %zu files at most:\tjoin some of them, or name those that are needed in job.toml",
              job.title().c_str(), kMostScans));

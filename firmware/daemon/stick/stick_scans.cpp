@@ -10,6 +10,7 @@
 #include "firmware/daemon/stick/scan_series.hpp"
 #include "firmware/daemon/stick/stick_job.hpp"
 #include "firmware/io/scan_names.hpp"
+#include "firmware/told/printer_code.hpp"
 #include "slicer/core/printable_text.hpp"
 #include "slicer/reader/formats/sliced_formats.hpp"
 
@@ -24,9 +25,9 @@ struct StickListing final : StickMount::FileVisitor {
     const std::string lower = in_lower_case(name);
     if (lower == kJobFile) {
       if (!scans.job_file.view().empty()) {
-        wrong_job = Error::format(ErrorCode::kBadSetting, "%s and %.*s: the stick has two jobs.\tLeave one of them",
+        wrong_job = Error::format(ErrorCode::kBadSetting, "%s and %.*s: the stick has two jobs.\tKeep only one of them",
                                   scans.job_file.c_str(), length, name.data())
-                        .tell({ToldCode::kStickTwoJobs, {}, name});
+                        .tell({PrinterCode::kStickTwoJobs, {}, name});
         return;
       }
       scans.job_file.add("%.*s", length, name.data());
@@ -34,12 +35,12 @@ struct StickListing final : StickMount::FileVisitor {
       nearly_job =
           Error::format(ErrorCode::kBadSetting, "%.*s: looks like the stick's job.\tCall it job.toml, or remove it",
                         length, name.data())
-              .tell({ToldCode::kStickOtherJob, {}, name});
+              .tell({PrinterCode::kStickOtherJob, {}, name});
     } else if (const ForeignFormat* const foreign = foreign_format(name)) {
       if (!scans.foreign) {
         scans.foreign = Error::format(ErrorCode::kUnknownFormat, "%s %s (%s);\t%s", PrintableText(name).c_str(),
                                       foreign->what, foreign->program, foreign->advice)
-                            .tell({ToldCode::kStickForeign, {}, name});
+                            .tell({PrinterCode::kStickForeign, {}, name});
       }
     } else if (is_scan_name(name)) {
       if (scans.count == StickScans::kMost) {

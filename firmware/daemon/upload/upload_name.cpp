@@ -4,6 +4,7 @@
 #include <string>
 
 #include "firmware/daemon/stick/stick_scans.hpp"
+#include "firmware/told/printer_code.hpp"
 #include "slicer/core/printable_text.hpp"
 #include "slicer/reader/formats/sliced_formats.hpp"
 
@@ -20,24 +21,24 @@ Status check_upload_name(std::string_view name) {
   if (name.empty() || name.size() > kLongestName || name.find_first_not_of(kAllowed) != std::string_view::npos ||
       std::string_view(" .-").find(name.front()) != std::string_view::npos) {
     return telling(
-        Told(ToldCode::kUploadName, {}, name),
+        Told(PrinterCode::kUploadName, {}, name),
         fail(ErrorCode::kBadSetting,
-             "%s: is no name for a scan in the printer's store.\tName the file with at most %zu letters, digits, "
+             "%s: is not a name that the printer's store takes.\tName the file with at most %zu letters, digits, "
              "spaces and ._-()+, a letter or a digit first",
              PrintableText(name, kLongestName).c_str(), kLongestName));
   }
   if (const ForeignFormat* const foreign = foreign_format(name)) {
-    return telling(Told(ToldCode::kUploadKind, {}, name),
+    return telling(Told(PrinterCode::kUploadKind, {}, name),
                    fail(ErrorCode::kUnknownFormat, "%s %s (%s).\t%s", PrintableText(name).c_str(), foreign->what,
                         foreign->program, foreign->advice));
   }
   if (is_scan_name(name)) return {};
-  return telling(
-      Told(ToldCode::kUploadKind, {}, name),
-      fail(ErrorCode::kBadSetting,
-           "%s: is no scan, mesh or sliced archive by its name.\tSend an STL, OBJ, PLY, OFF, 3MF, PCD, XYZ or .sl1 "
-           "file",
-           PrintableText(name).c_str()));
+  return telling(Told(PrinterCode::kUploadKind, {}, name),
+                 fail(ErrorCode::kBadSetting,
+                      "%s: does not have the ending of a scan, mesh or sliced archive.\tSend an STL, OBJ, PLY, OFF, "
+                      "3MF, PCD, XYZ or .sl1 "
+                      "file",
+                      PrintableText(name).c_str()));
 }
 
 FixedText<80> upload_name_of(std::string_view file_name) {

@@ -5,6 +5,8 @@
 #include <cerrno>
 #include <cstring>
 
+#include "firmware/told/printer_code.hpp"
+
 namespace plumbline {
 namespace {
 
@@ -39,7 +41,7 @@ Status UploadPort::do_check_mounted() const {
   if (mounted_ == store_.kept_count()) return {};
   if (!do_has_stick()) return none();
   return telling(
-      Told(ToldCode::kUploadReplaced),
+      Told(PrinterCode::kUploadReplaced),
       fail(ErrorCode::kStickGone, "another scan was uploaded meanwhile:\tstart that one, or upload this one again"));
 }
 

@@ -10,13 +10,16 @@
 #include <memory>
 #include <utility>
 
+#include "firmware/print/store/job_store.hpp"
+#include "firmware/told/printer_code.hpp"
+#include "slicer/core/mib.hpp"
+
 namespace plumbline {
 namespace {
 
 constexpr const char* kIncoming = ".incoming";
 constexpr mode_t kFileMode = 0600;
 constexpr mode_t kFolderMode = 0700;
-constexpr double kMib = 1024.0 * 1024.0;
 
 bool is_newer(const timespec& a, const timespec& b) {
   return a.tv_sec != b.tv_sec ? a.tv_sec > b.tv_sec : a.tv_nsec > b.tv_nsec;
@@ -32,7 +35,7 @@ tl::unexpected<Error> UploadStore::cannot_write() {
   const int reason = errno;
   drop();
   return telling(
-      Told(ToldCode::kUploadNotStored),
+      Told(PrinterCode::kUploadNotStored),
       fail(ErrorCode::kCannotWrite, "the scan can't be stored: %s.\tMake room on the printer, or use a stick",
            reason == ENOSPC ? "the printer's storage is full" : std::strerror(reason)));
 }
@@ -85,27 +88,26 @@ int UploadStore::open_folder() const { return ::openat(folder_.get(), ".", O_RDO
 Status UploadStore::begin(std::string_view name, std::uint64_t bytes) {
   drop();
   if (bytes == 0)
-    return telling(Told(ToldCode::kUploadEmpty),
+    return telling(Told(PrinterCode::kUploadEmpty),
                    fail(ErrorCode::kBadSetting, "the file is empty.\tExport the scan again"));
   if (bytes > most_bytes_) {
     return telling(
-        Told(ToldCode::kUploadLarge, {{Fact::kNeededMib, static_cast<double>(bytes) / kMib},
-                                      {Fact::kAvailableMib, static_cast<double>(most_bytes_) / kMib}}),
+        Told(PrinterCode::kUploadLarge, {{Fact::kNeededMib, mib(bytes)}, {Fact::kAvailableMib, mib(most_bytes_)}}),
         fail(ErrorCode::kBadSetting,
              "the file has %.1f MiB, and this printer takes %.0f MiB at most.\tUse a stick, or raise [printer] "
              "upload_mib",
-             static_cast<double>(bytes) / kMib, static_cast<double>(most_bytes_) / kMib));
+             mib(bytes), mib(most_bytes_)));
   }
   struct statvfs room {};
   if (::fstatvfs(folder_.get(), &room) != 0) return cannot_write();
   const std::uint64_t free = std::uint64_t{room.f_bavail} * room.f_frsize;
-  if (free < kSpareBytes || bytes > free - kSpareBytes) {
+  if (free < JobStore::kSpareBytes || bytes > free - JobStore::kSpareBytes) {
     return telling(
-        Told(ToldCode::kUploadNoRoom, {{Fact::kNeededMib, static_cast<double>(bytes + kSpareBytes) / kMib},
-                                       {Fact::kAvailableMib, static_cast<double>(free) / kMib}}),
+        Told(PrinterCode::kUploadNoRoom,
+             {{Fact::kNeededMib, mib(bytes + JobStore::kSpareBytes)}, {Fact::kAvailableMib, mib(free)}}),
         fail(ErrorCode::kCannotWrite,
              "the printer's storage has %.0f MiB free, and this scan needs %.0f MiB.\tMake room on it, or use a stick",
-             static_cast<double>(free) / kMib, static_cast<double>(bytes + kSpareBytes) / kMib));
+             mib(free), mib(bytes + JobStore::kSpareBytes)));
   }
   file_ =
       Descriptor(::openat(folder_.get(), kIncoming, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, kFileMode));
@@ -125,7 +127,7 @@ Status UploadStore::begin(std::string_view name, std::uint64_t bytes) {
 Status UploadStore::write(std::span<const std::byte> bytes) {
   if (bytes.size() > bytes_ - written_) {
     drop();
-    return fail(ErrorCode::kBadSetting, "more bytes came than were announced.\tSend the scan again");
+    return fail(ErrorCode::kBadSetting, "more bytes arrived than were announced.\tSend the scan again");
   }
   if (!file_.write_all(bytes)) return cannot_write();
   written_ += bytes.size();
@@ -148,7 +150,7 @@ Status UploadStore::keep() {
   ++kept_count_;
   if (::fsync(folder_.get()) != 0) {
     return telling(
-        Told(ToldCode::kUploadNotStored),
+        Told(PrinterCode::kUploadNotStored),
         fail(ErrorCode::kCannotWrite, "the scan may be gone after a power cut: %s.\tCheck the printer's storage",
              std::strerror(errno)));
   }
@@ -158,7 +160,7 @@ Status UploadStore::keep() {
 Status UploadStore::remove() {
   if (kept_.view().empty()) return {};
   if (::unlinkat(folder_.get(), kept_.c_str(), 0) != 0 && errno != ENOENT) {
-    return telling(Told(ToldCode::kNotRemoved),
+    return telling(Told(PrinterCode::kNotRemoved),
                    fail(ErrorCode::kCannotWrite, "the scan can't be removed: %s.\tCheck the printer's storage",
                         std::strerror(errno)));
   }
@@ -167,7 +169,7 @@ Status UploadStore::remove() {
   ++kept_count_;
   if (::fsync(folder_.get()) != 0) {
     return telling(
-        Told(ToldCode::kNotRemoved),
+        Told(PrinterCode::kNotRemoved),
         fail(ErrorCode::kCannotWrite, "the scan may be there again after a power cut: %s.\tCheck the printer's storage",
              std::strerror(errno)));
   }

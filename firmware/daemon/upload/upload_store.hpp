@@ -20,8 +20,6 @@ namespace plumbline {
 
 class UploadStore {
  public:
-  /// Left free on the printer's storage: for the journal and the system's own logs, as JobStore leaves it.
-  static constexpr std::uint64_t kSpareBytes = std::uint64_t{16} << 20U;
   /// Bytes between two syncs. A slow card needs half a second for them, and buttons wait meanwhile.
   static constexpr std::uint64_t kDurableBytes = std::uint64_t{4} << 20U;
 

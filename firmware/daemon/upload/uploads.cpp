@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "firmware/daemon/upload/upload_name.hpp"
+#include "firmware/told/printer_code.hpp"
 
 namespace plumbline {
 namespace {
@@ -26,20 +27,20 @@ bool is_local_stream(int file) {
 
 tl::unexpected<Error> why_not_now(const PrinterRecord& record) {
   if (record.most_upload_bytes == 0) {
-    return telling(Told(ToldCode::kUploadsOff),
+    return telling(Told(PrinterCode::kUploadsOff),
                    fail(ErrorCode::kBadSetting,
                         "this printer takes no uploads.\tPut the scan on a stick, or set [printer] upload_mib"));
   }
   if (!at_rest(record.state)) {
     const auto state = to_string(record.state);
     return telling(
-        Told(ToldCode::kUploadNotNow),
+        Told(PrinterCode::kUploadNotNow),
         fail(ErrorCode::kBadSetting,
              "the printer takes a scan while it is at rest, and its state is '%.*s'.\tUpload it after the print",
              static_cast<int>(state.size()), state.data()));
   }
-  return telling(Told(ToldCode::kUploadOther),
-                 fail(ErrorCode::kBadSetting, "another scan is being uploaded.\tTry again when it has come"));
+  return telling(Told(PrinterCode::kUploadOther),
+                 fail(ErrorCode::kBadSetting, "another scan is being uploaded.\tTry again when it is complete"));
 }
 
 }  // namespace
@@ -74,8 +75,8 @@ bool Uploads::receive() {
   if (!is_coming()) return false;
   const auto begin = HostClock::now();
   if (!at_rest(record_.state)) {
-    end(Error::format(ErrorCode::kCancelled, "the printer has begun with another job.\tUpload the scan after it")
-            .tell(ToldCode::kUploadJobBegan));
+    end(Error::format(ErrorCode::kCancelled, "the printer has begun another job.\tUpload the scan after it")
+            .tell(PrinterCode::kUploadJobBegan));
     return false;
   }
   for (auto now = begin; now - begin <= times_.turn; now = HostClock::now()) {
@@ -86,7 +87,7 @@ bool Uploads::receive() {
       end(Error::format(ErrorCode::kTruncated, "the upload ended after %llu of %llu bytes.\tSend the scan again",
                         static_cast<unsigned long long>(received_),
                         static_cast<unsigned long long>(record_.upload->bytes))
-              .tell(how_far(ToldCode::kUploadBroke)));
+              .tell(how_far(PrinterCode::kUploadBroke)));
       return false;
     }
     if (got == 0) return keep();
@@ -101,20 +102,20 @@ bool Uploads::receive() {
   tell(now);
   if (now - heard_at_ > times_.silence || now > until_) {
     end(Error::format(ErrorCode::kDeviceTimeout,
-                      "the upload was too slow: %llu of %llu bytes have come.\tCheck the network, then send the scan "
+                      "the upload was too slow: %llu of %llu bytes arrived.\tCheck the network, then send the scan "
                       "again",
                       static_cast<unsigned long long>(received_),
                       static_cast<unsigned long long>(record_.upload->bytes))
-            .tell(how_far(ToldCode::kUploadSlow)));
+            .tell(how_far(PrinterCode::kUploadSlow)));
   }
   return false;
 }
 
-Told Uploads::how_far(ToldCode code) const {
+Told Uploads::how_far(PrinterCode code) const {
   constexpr double kMegabyte = 1e6;
   return {code,
-          {{Fact::kReceivedMb, static_cast<double>(received_) / kMegabyte},
-           {Fact::kTotalMb, static_cast<double>(record_.upload->bytes) / kMegabyte}}};
+          {{PrinterFact::kReceivedMb, static_cast<double>(received_) / kMegabyte},
+           {PrinterFact::kTotalMb, static_cast<double>(record_.upload->bytes) / kMegabyte}}};
 }
 
 bool Uploads::keep() {
@@ -133,10 +134,10 @@ bool Uploads::keep() {
 
 Status Uploads::remove(std::string_view name) {
   if (!record_.stored)
-    return telling(Told(ToldCode::kNotInStore, {}, name),
+    return telling(Told(PrinterCode::kNotInStore, {}, name),
                    fail(ErrorCode::kBadSetting, "there is no scan in the printer's store"));
   if (name != record_.stored->name.view()) {
-    return telling(Told(ToldCode::kNotInStore, {}, name),
+    return telling(Told(PrinterCode::kNotInStore, {}, name),
                    fail(ErrorCode::kBadSetting, "%s: is not in the printer's store.\tThe scan there is %s",
                         PrintableText(name, 79).c_str(), record_.stored->name.c_str()));
   }

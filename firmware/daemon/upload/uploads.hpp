@@ -11,6 +11,7 @@
 #include "firmware/io/descriptor.hpp"
 #include "firmware/state/client_request.hpp"
 #include "firmware/state/printer_record.hpp"
+#include "firmware/told/printer_code.hpp"
 #include "slicer/core/error.hpp"
 
 namespace plumbline {
@@ -65,7 +66,7 @@ class Uploads {
   bool keep();
   void end(const Error& error);
   /// A code, and how much has come of how much.
-  Told how_far(ToldCode code) const;
+  Told how_far(PrinterCode code) const;
   void tell(HostClock::time_point now);
   void record_kept();
 

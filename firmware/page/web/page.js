@@ -36,7 +36,7 @@ function duration(seconds) {
 
 // --- What the printer tells: a code with its values, and beside it an English sentence
 
-// As firmware/screen/told_words.hpp has it: {area_mm2} is a value, {count?Insel|Inseln} chooses, [ ] is left out if a value of it is not told.
+// As firmware/told/told_words.hpp has it: {area_mm2} is a value, {count?Insel|Inseln} chooses, [ ] is left out if a value of it is not told.
 function fact(name, value) {
   const digits = said.digits[name] || 0;
   if (digits >= 0) return number(value, digits);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "firmware/told/printer_code.hpp"
 #include "hal/ramp.hpp"
 #include "slicer/core/printable_text.hpp"
 
@@ -22,7 +23,8 @@ Status check_speeds(const PrintProfile& profile, const MachineFile& machine) {
   for (const auto& speed : speeds) {
     if (speed.mm_min <= machine.max_speed_mm_min) continue;
     return telling(
-        Told(ToldCode::kStageSlow, {{Fact::kSpeedMmMin, speed.mm_min}, {Fact::kLimitMmMin, machine.max_speed_mm_min}},
+        Told(PrinterCode::kStageSlow,
+             {{PrinterFact::kSpeedMmMin, speed.mm_min}, {PrinterFact::kLimitMmMin, machine.max_speed_mm_min}},
              profile.name),
         fail(ErrorCode::kBadSetting,
              "profile %s: %s is %g mm/min, this printer's Z stage moves at %g mm/min at most:\tlower it",
@@ -36,7 +38,8 @@ Status check_exposures(const PrintProfile& profile, const MachineFile& machine) 
   if (longest <= machine.max_exposure_s) return {};
   if (!profile.exposures_of.empty()) {
     return telling(
-        Told(ToldCode::kExposureLong, {{Fact::kExposureS, longest}, {Fact::kLimitS, machine.max_exposure_s}},
+        Told(PrinterCode::kExposureLong,
+             {{PrinterFact::kExposureS, longest}, {PrinterFact::kLimitS, machine.max_exposure_s}},
              profile.exposures_of),
         fail(ErrorCode::kExposureTooLong,
              "%s: its exposure %s is %g s, this printer's lamp may be lit for %g s at most.\tSlice it again with a "
@@ -44,20 +47,21 @@ Status check_exposures(const PrintProfile& profile, const MachineFile& machine) 
              PrintableText(profile.exposures_of).c_str(),
              longest > profile.exposure_time ? "of the first layers" : "of a layer", longest, machine.max_exposure_s));
   }
-  return telling(Told(ToldCode::kExposureLong, {{Fact::kExposureS, longest}, {Fact::kLimitS, machine.max_exposure_s}},
-                      profile.name),
-                 fail(ErrorCode::kExposureTooLong,
-                      "profile %s: an exposure is %g s, this printer's lamp may be lit for %g s at most:\tlower %s",
-                      profile.name.c_str(), longest, machine.max_exposure_s,
-                      longest > profile.exposure_time ? "initial_exposure_time" : "exposure_time"));
+  return telling(
+      Told(PrinterCode::kExposureLong,
+           {{PrinterFact::kExposureS, longest}, {PrinterFact::kLimitS, machine.max_exposure_s}}, profile.name),
+      fail(ErrorCode::kExposureTooLong,
+           "profile %s: an exposure is %g s, this printer's lamp may be lit for %g s at most:\tlower %s",
+           profile.name.c_str(), longest, machine.max_exposure_s,
+           longest > profile.exposure_time ? "initial_exposure_time" : "exposure_time"));
 }
 
 Status check_height(const PrintPlan& plan) {
   const ZPosition top = height_of(plan, plan.layers - 1) + plan.lift + plan.lift2;
   if (top <= plan.highest) return {};
-  return telling(Told(ToldCode::kLastLiftHigh, {{Fact::kHeightMm, top.above_film().millimetres()},
-                                                {Fact::kLimitMm, plan.highest.above_film().millimetres()},
-                                                {Fact::kExcessMm, (top - plan.highest).millimetres()}}),
+  return telling(Told(PrinterCode::kLastLiftHigh, {{Fact::kHeightMm, top.above_film().millimetres()},
+                                                   {Fact::kLimitMm, plan.highest.above_film().millimetres()},
+                                                   {Fact::kExcessMm, (top - plan.highest).millimetres()}}),
                  fail(ErrorCode::kDoesNotFit,
                       "the lift of the last layer ends at %.2f mm, the Z stage goes up to %.2f mm: make the object "
                       "%.2f mm lower, or "
@@ -71,7 +75,8 @@ Status check_light(const PrintPlan& plan, const PrintProfile& profile, const Mac
   if (most <= machine.max_light_per_minute_s) return {};
   if (!profile.exposures_of.empty()) {
     return telling(
-        Told(ToldCode::kLightLong, {{Fact::kExposureS, most}, {Fact::kLimitS, machine.max_light_per_minute_s}},
+        Told(PrinterCode::kLightLong,
+             {{PrinterFact::kExposureS, most}, {PrinterFact::kLimitS, machine.max_light_per_minute_s}},
              profile.exposures_of),
         fail(ErrorCode::kExposureTooLong,
              "%s: its exposures give up to %.1f s of light in a minute, this printer's lamp may be lit for %g s of "
@@ -79,8 +84,8 @@ Status check_light(const PrintPlan& plan, const PrintProfile& profile, const Mac
              PrintableText(profile.exposures_of).c_str(), most, machine.max_light_per_minute_s, profile.name.c_str()));
   }
   return telling(
-      Told(ToldCode::kLightLong, {{Fact::kExposureS, most}, {Fact::kLimitS, machine.max_light_per_minute_s}},
-           profile.name),
+      Told(PrinterCode::kLightLong,
+           {{PrinterFact::kExposureS, most}, {PrinterFact::kLimitS, machine.max_light_per_minute_s}}, profile.name),
       fail(ErrorCode::kExposureTooLong,
            "profile %s: up to %.1f s of light in a minute, this printer's lamp may be lit for %g s of one:\tlower "
            "initial_exposure_time or exposure_time, or raise wait_time_after_lift",

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "firmware/told/printer_code.hpp"
 #include "slicer/core/median.hpp"
 
 namespace plumbline {
@@ -73,28 +74,28 @@ void for_each_warning(const PrintReport& report, const std::function<void(const 
   };
   if (report.marked_layer) {
     text.add("the print was interrupted before layer %u, which may show a mark", *report.marked_layer + 1);
-    say({ToldCode::kMayShowMark, {{Fact::kLayer, *report.marked_layer + 1.0}}});
+    say({PrinterCode::kMayShowMark, {{Fact::kLayer, *report.marked_layer + 1.0}}});
   }
   if (report.late_masks > 0) {
     text.add("%u mask%s late; the exposures waited for them and are whole", report.late_masks,
              report.late_masks == 1 ? " was" : "s were");
-    say({ToldCode::kMasksLate, {{Fact::kCount, report.late_masks}}});
+    say({PrinterCode::kMasksLate, {{Fact::kCount, report.late_masks}}});
   }
   if (report.doses_off > 0) {
     text.add("%u exposure%s more than 1 %% off in dose: have the lamp measured", report.doses_off,
              report.doses_off == 1 ? " was" : "s were");
-    say({ToldCode::kDosesOff, {{Fact::kCount, report.doses_off}}});
+    say({PrinterCode::kDosesOff, {{Fact::kCount, report.doses_off}}});
   }
   // Ten microns: below any layer height, above the repeatability of homing.
   constexpr Distance kNoticed = Distance::micrometres(10);
   if (report.steps_lost > kNoticed || -report.steps_lost > kNoticed) {
     text.add("PL-%u: the Z stage was %.3f mm off when it came back to its end stop, so the part may have a step",
              static_cast<unsigned>(FaultCode::kStepsLost), report.steps_lost.millimetres());
-    say({ToldCode::kStepsLost, {{Fact::kOffMm, report.steps_lost.millimetres()}}});
+    say({PrinterCode::kStepsLost, {{PrinterFact::kOffMm, report.steps_lost.millimetres()}}});
   }
   if (report.exposures_left_out > 0) {
     text.add("the report has no room for %u more exposures", report.exposures_left_out);
-    say({ToldCode::kReportFull, {{Fact::kCount, report.exposures_left_out}}});
+    say({PrinterCode::kReportFull, {{Fact::kCount, report.exposures_left_out}}});
   }
 }
 

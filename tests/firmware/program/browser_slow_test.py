@@ -272,7 +272,7 @@ class BrowserTest(PagePrinter):
         browser.until("return document.querySelector('#upload-status').textContent === 'Uploaded: Büste <1>.ply'", "what became of it")
         self.look("uploaded")
         # What the printer refuses is said, and what was uploaded before stays.
-        for name, data, words in (("notes.doc", b"x", "no scan, mesh or sliced archive"), ("empty.ply", b"", "The file is empty")):
+        for name, data, words in (("notes.doc", b"x", "not have the ending of a scan, mesh"), ("empty.ply", b"", "The file is empty")):
             (self.dir / name).write_bytes(data)
             browser.type("#file", str(self.dir / name))
             browser.click("#send button.main")

@@ -260,7 +260,7 @@ class Page(PagePrinter):
         until(lambda s: s["upload"]["stage"] == "coming" and s["upload"]["received"] == 500)
         self.post("/command", {"do": "start"}, headers=token)
         failed = until(lambda s: s["upload"]["stage"] == "failed")
-        self.assertIn("begun with another job", failed["upload"]["problem"])
+        self.assertIn("begun another job", failed["upload"]["problem"])
         with contextlib.suppress(OSError):
             for _ in range(100):
                 line.sendall(b"x" * 1_000_000)

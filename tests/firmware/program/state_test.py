@@ -242,8 +242,8 @@ class State(StatePrinter):
         with open(large, "wb") as file:
             file.truncate((256 << 20) + 1)
         os.mkfifo(fifo)
-        for path, words in ((empty, "the file is empty"), (other, "no scan, mesh or sliced archive"), (large, "takes 256 MiB at most"),
-                            (fifo, "is no file"), (self.dir, "is no file"), (self.dir / "none.ply", "No such file")):
+        for path, words in ((empty, "the file is empty"), (other, "not have the ending of a scan, mesh or sliced archive"), (large, "takes 256 MiB at most"),
+                            (fifo, "is not a file"), (self.dir, "is not a file"), (self.dir / "none.ply", "No such file")):
             self.assertIn(words, self.ctl("upload", path, status=1))
         self.assertEqual(stored(), ["B_ste _1_.ply"])
         large.unlink()
@@ -301,7 +301,7 @@ class State(StatePrinter):
         sender = begin()
         user.do("start")
         self.assertEqual(sender.wait(60), 1)
-        self.assertIn("begun with another job", sender.stderr.read())
+        self.assertIn("begun another job", sender.stderr.read())
         self.assertEqual(list(store.iterdir()), [])
         user.do("cancel")
         user.state("idle", "offer")

@@ -11,6 +11,7 @@
 #include "firmware/print/store/kept_prints.hpp"
 #include "firmware/screen/kept_preview.hpp"
 #include "firmware/screen/screens.hpp"
+#include "firmware/told/printer_code.hpp"
 #include "tests/firmware/support/job_fixture.hpp"
 
 namespace plumbline {
@@ -214,7 +215,7 @@ inline void fill_in(PrinterRecord& record, PrintState state) {
     record.scans[i].bytes = kBytes[i];
   }
   assign(record.scans[1].problem, "PL-102, not a scan: broken.ply: the file ends after line 8, with 1 of the 5 points");
-  record.scans[1].told = ToldCode::kFileCut;
+  record.scans[1].told = PrinterCode::kFileCut;
   JobRecord& job = record.job.emplace();
   assign(job.scan, "bust of a young woman.ply");
   assign(job.profile, "standard");

@@ -21,7 +21,8 @@
 #include "firmware/screen/light_card.hpp"
 #include "firmware/screen/screen_kind.hpp"
 #include "firmware/screen/setting_rows.hpp"
-#include "firmware/screen/told_words.hpp"
+#include "firmware/told/printer_code.hpp"
+#include "firmware/told/told_words.hpp"
 #include "tests/firmware/screen/screen_fixture.hpp"
 
 namespace plumbline {
@@ -163,7 +164,7 @@ std::vector<ScreenCase> golden_cases() {
                                             "2 overhangs, the largest of 12.1 mm2 (4850 px) at x 34.2, y 61.0 mm in "
                                             "layer 803 (40.15 mm): add supports, set them closer with "
                                             "support_overhang_span, or turn the object",
-                                            {ToldCode::kOverhang,
+                                            {PrinterCode::kOverhang,
                                              {{Fact::kCount, 2},
                                               {Fact::kAreaMm2, 12.13},
                                               {Fact::kXMm, 34.2},
@@ -184,7 +185,7 @@ std::vector<ScreenCase> golden_cases() {
               assign(record.question,
                      "the part must be 30.65 mm tall (613 layers). Measure it: press start if it is, cancel if it is "
                      "taller");
-              record.question_told = {ToldCode::kMeasurePart, {{Fact::kHeightMm, 30.65}, {Fact::kLayers, 613}}};
+              record.question_told = {PrinterCode::kMeasurePart, {{Fact::kHeightMm, 30.65}, {Fact::kLayers, 613}}};
             })},
       {"cover-open", with(kCoverOpen)},
       {"cooling-down", with(kCoolingDown)},
@@ -362,7 +363,7 @@ TEST(Screens, EachFaultFitsWithWhatToDo) {
 Told longest_told(ToldCode code) {
   Told told(code, {}, "a file with a long name.ply");
   const std::string_view text = told_words(code, Language::kGerman)->sentence;
-  for (std::size_t i = 0; i < kFactCount; ++i) {
+  for (std::size_t i = 0; i < kAllFacts; ++i) {
     const auto fact = static_cast<Fact>(i);
     const std::string name(format_of(fact).name);
     const bool used = text.find("{" + name + "}") != text.npos || text.find("{" + name + "?") != text.npos;
@@ -373,9 +374,16 @@ Told longest_told(ToldCode code) {
   return told;
 }
 
+/// The codes from `first` to `last`.
+template <class Code>
+std::vector<ToldCode> codes(Code first, Code last) {
+  std::vector<ToldCode> all;
+  for (int i = static_cast<int>(first); i <= static_cast<int>(last); ++i) all.push_back(static_cast<ToldCode>(i));
+  return all;
+}
+
 TEST(Screens, EachFindingFitsInGermanWithWhatToDo) {
-  for (auto code = ToldCode::kIsland; code <= ToldCode::kReportFull;
-       code = static_cast<ToldCode>(static_cast<int>(code) + 1)) {
+  for (const ToldCode code : codes(PrinterCode::kIsland, PrinterCode::kReportFull)) {
     SCOPED_TRACE(to_string(code));
     expect_all_fit([&](PrinterRecord& record, ScreenView&) {
       fill_in(record, kOffered);
@@ -386,8 +394,9 @@ TEST(Screens, EachFindingFitsInGermanWithWhatToDo) {
 }
 
 TEST(Screens, EachRefusalFitsInGermanWithWhatToDo) {
-  for (auto code = ToldCode::kFileNotOpened; code <= ToldCode::kSettingValue;
-       code = static_cast<ToldCode>(static_cast<int>(code) + 1)) {
+  std::vector<ToldCode> refusals = codes(ToldCode::kTooWide, ToldCode::kFileEmpty);
+  std::ranges::copy(codes(PrinterCode::kFileNotOpened, PrinterCode::kSettingValue), std::back_inserter(refusals));
+  for (const ToldCode code : refusals) {
     SCOPED_TRACE(to_string(code));
     expect_all_fit([&](PrinterRecord& record, ScreenView&) {
       fill_in(record, kFault);
@@ -398,7 +407,7 @@ TEST(Screens, EachRefusalFitsInGermanWithWhatToDo) {
 }
 
 TEST(Screens, EachQuestionFitsInGerman) {
-  for (const ToldCode code : {ToldCode::kMeasurePart, ToldCode::kLookAtPlate}) {
+  for (const ToldCode code : codes(PrinterCode::kMeasurePart, PrinterCode::kLookAtPlate)) {
     expect_all_fit([&](PrinterRecord& record, ScreenView&) {
       fill_in(record, kPaused);
       assign(record.question, std::string(150, 'w'));

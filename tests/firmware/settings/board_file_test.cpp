@@ -308,7 +308,7 @@ TEST(BoardReadme, ExplainsEveryTableAndKeyOfTheWiring) {
 }
 
 TEST(BoardFile, RefusesAFileOfAnotherKindBySize) {
-  EXPECT_THAT(refusal(std::string(kMaxBoardFileBytes + 1, '\n'), ErrorCode::kMalformed),
+  EXPECT_THAT(refusal(std::string(kMaxSettingsFileBytes + 1, '\n'), ErrorCode::kMalformed),
               HasSubstr("larger than 65536 bytes"));
 }
 

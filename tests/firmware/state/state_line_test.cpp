@@ -7,6 +7,7 @@
 #include <string>
 
 #include "firmware/io/json_cursor.hpp"
+#include "firmware/told/printer_code.hpp"
 #include "tests/firmware/support/job_fixture.hpp"
 
 namespace plumbline {
@@ -22,12 +23,17 @@ void fill(FixedText<Capacity>& text) {
 
 /// As long as can be: eight facts with the longest names, and a name.
 Told longest_told() {
-  Told told(ToldCode::kTooHighOnSupports, {}, std::string(39, '"'));
-  for (const Fact fact : {Fact::kPanelColumns, Fact::kPanelWidthMm, Fact::kPanelDepthMm, Fact::kAvailableMib,
-                          Fact::kResinLeastC, Fact::kLampLimitC, Fact::kSpeedMmMin, Fact::kLimitMmMin}) {
-    told.add(fact, 1234567.891);
-  }
-  return told;
+  constexpr double kLong = 1234567.891;
+  return {ToldCode::kTooHighOnSupports,
+          {{PrinterFact::kPanelColumns, kLong},
+           {PrinterFact::kPanelWidthMm, kLong},
+           {PrinterFact::kPanelDepthMm, kLong},
+           {Fact::kAvailableMib, kLong},
+           {PrinterFact::kResinLeastC, kLong},
+           {PrinterFact::kLampLimitC, kLong},
+           {PrinterFact::kSpeedMmMin, kLong},
+           {PrinterFact::kLimitMmMin, kLong}},
+          std::string(39, '"')};
 }
 
 /// A record in which everything is as long as can be.
@@ -144,9 +150,9 @@ TEST(StateLine, SaysWhatThePrinterTakes) {
 TEST(StateLine, HasWhatIsToldAsACodeWithItsValues) {
   PrinterRecord record;
   record.add_finding(Severity::kWarning, "3 islands",
-                     {ToldCode::kIsland, {{Fact::kCount, 3}, {Fact::kAreaMm2, 113.25}, {Fact::kLayer, 702}}});
+                     {PrinterCode::kIsland, {{Fact::kCount, 3}, {Fact::kAreaMm2, 113.25}, {Fact::kLayer, 702}}});
   record.add_finding(Severity::kNote, "no code");
-  record.question_told = {ToldCode::kProfileUnknown, {}, "fine"};
+  record.question_told = {PrinterCode::kProfileUnknown, {}, "fine"};
   StateLine line;
   ASSERT_TRUE(write_state_line(line, record, 1));
   EXPECT_EQ(json_member(line.view(), "findings"),

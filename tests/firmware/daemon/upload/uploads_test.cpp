@@ -44,7 +44,7 @@ TEST(UploadName, IsAPlainFileNameThatEndsLikeAScan) {
     EXPECT_EQ(check_upload_name(name).error().code(), ErrorCode::kBadSetting) << name;
   }
   for (const char* name : {"job.toml", "bust", "bust.ply.sh", "README.txt", "photo.jpg", "journal"}) {
-    EXPECT_THAT(check_upload_name(name).error().message(), HasSubstr("is no scan")) << name;
+    EXPECT_THAT(check_upload_name(name).error().message(), HasSubstr("does not have the ending of a scan")) << name;
   }
   EXPECT_THAT(check_upload_name("part.ctb").error().message(), HasSubstr("Chitubox"));
 }
@@ -161,7 +161,7 @@ TEST_F(UploadsTest, ThatEndEarlyOrBringMoreLeaveNothingAndKeepTheOneBefore) {
   ASSERT_TRUE(begin("bust.ply", 3));
   ASSERT_TRUE(send("more"));
   EXPECT_FALSE(uploads_->receive());
-  EXPECT_THAT(problem(), HasSubstr("more bytes came"));
+  EXPECT_THAT(problem(), HasSubstr("more bytes arrived"));
   EXPECT_FALSE(send("x")) << "the socket is closed";
   EXPECT_EQ(read_text(folder_ / "uploads/bust.ply"), "whole");
   EXPECT_FALSE(uploads_->is_coming());
@@ -171,7 +171,7 @@ TEST_F(UploadsTest, ThatEndEarlyOrBringMoreLeaveNothingAndKeepTheOneBefore) {
 TEST_F(UploadsTest, OfAWrongSizeAreRefusedBeforeTheyCome) {
   EXPECT_THAT(begin("bust.ply", 0).error().message(), HasSubstr("is empty"));
   EXPECT_THAT(begin("bust.ply", kMost + 1).error().message(), HasSubstr("takes 1 MiB at most"));
-  EXPECT_THAT(begin("../bust.ply", 1).error().message(), HasSubstr("no name for a scan"));
+  EXPECT_THAT(begin("../bust.ply", 1).error().message(), HasSubstr("not a name that the"));
   EXPECT_FALSE(record_->upload);
   EXPECT_THAT(files(), IsEmpty());
   EXPECT_TRUE(begin("bust.ply", kMost));
@@ -196,7 +196,7 @@ TEST_F(UploadsTest, AreTakenAtRestAndEndWhenAJobBegins) {
     close();
     record_->state = PrintState::kSlicing;
     EXPECT_FALSE(uploads_->receive());
-    EXPECT_THAT(problem(), HasSubstr("has begun with another job"));
+    EXPECT_THAT(problem(), HasSubstr("has begun another job"));
     EXPECT_THAT(files(), IsEmpty());
   }
 }

@@ -1,4 +1,4 @@
-#include "firmware/screen/told_words.hpp"
+#include "firmware/told/told_words.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,6 +11,7 @@
 #include "firmware/print/status/fault.hpp"
 #include "firmware/screen/fault_words.hpp"
 #include "firmware/slice/issue_report.hpp"
+#include "firmware/told/told_text.hpp"
 #include "slicer/checks/issue.hpp"
 
 namespace plumbline {
@@ -22,7 +23,7 @@ using ::testing::Not;
 /// All codes but kNone.
 std::vector<ToldCode> all_codes() {
   std::vector<ToldCode> codes;
-  for (std::size_t i = 1; i < kToldCodeCount; ++i) codes.push_back(static_cast<ToldCode>(i));
+  for (std::size_t i = 1; i < kAllCodes; ++i) codes.push_back(static_cast<ToldCode>(i));
   return codes;
 }
 
@@ -39,8 +40,8 @@ std::string in_german(const Told& told) { return std::string(worded(told, Langua
 
 TEST(ToldWords, EachCodeHasAGermanTextWithPlacesThatThereAre) {
   std::set<std::string> facts{"name"};
-  for (std::size_t i = 0; i < kFactCount; ++i) facts.emplace(format_of(static_cast<Fact>(i)).name);
-  EXPECT_EQ(facts.size(), kFactCount + 1) << "two facts have the same name";
+  for (std::size_t i = 0; i < kAllFacts; ++i) facts.emplace(format_of(static_cast<Fact>(i)).name);
+  EXPECT_EQ(facts.size(), kAllFacts + 1) << "two facts have the same name";
   std::set<std::string_view> names;
   for (const ToldCode code : all_codes()) {
     SCOPED_TRACE(to_string(code));
@@ -89,17 +90,17 @@ TEST(ToldWords, EachIssueIsToldWithTheFactsOfItsText) {
 }
 
 TEST(ToldWords, NumbersAreRoundedForPeopleAndOneIsNotMany) {
-  const Told many(ToldCode::kIsland, {{Fact::kCount, 3},
-                                      {Fact::kAreaMm2, 113.42},
-                                      {Fact::kXMm, 34.25},
-                                      {Fact::kYMm, 61},
-                                      {Fact::kLayer, 702},
-                                      {Fact::kFromMm, 35.1}});
+  const Told many(PrinterCode::kIsland, {{Fact::kCount, 3},
+                                         {Fact::kAreaMm2, 113.42},
+                                         {Fact::kXMm, 34.25},
+                                         {Fact::kYMm, 61},
+                                         {Fact::kLayer, 702},
+                                         {Fact::kFromMm, 35.1}});
   EXPECT_EQ(in_german(many),
             "3 Inseln bis 113 mm² bei x 34,2, y 61,0, z 35,10 mm, Schicht 702. Stützen setzen oder drehen.");
-  const Told one(ToldCode::kIsland, {{Fact::kCount, 1}, {Fact::kAreaMm2, 1.4642}});
+  const Told one(PrinterCode::kIsland, {{Fact::kCount, 1}, {Fact::kAreaMm2, 1.4642}});
   EXPECT_EQ(in_german(one), "1 Insel von 1,46 mm². Stützen setzen oder drehen.");
-  EXPECT_EQ(in_german({ToldCode::kProfileUnknown, {}, "fine"}),
+  EXPECT_EQ(in_german({PrinterCode::kProfileUnknown, {}, "fine"}),
             "Ein Profil fine gibt es auf diesem Drucker nicht. Unter Einstellungen ein anderes wählen.");
 }
 
@@ -109,29 +110,29 @@ TEST(ToldWords, WithoutACodeOrInEnglishTheSentenceBesideItIsShown) {
 }
 
 TEST(Told, FromAnotherProcessIsCheckedBeforeItIsUsed) {
-  const Told good(ToldCode::kIsland, {{Fact::kCount, 3}}, "name");
-  EXPECT_TRUE(good.is_valid());
-  EXPECT_TRUE(Told().is_valid());
+  const Told good(PrinterCode::kIsland, {{Fact::kCount, 3}}, "name");
+  EXPECT_TRUE(is_valid(good));
+  EXPECT_TRUE(is_valid(Told()));
   Told told = good;
-  told.code = static_cast<ToldCode>(kToldCodeCount);
-  EXPECT_FALSE(told.is_valid());
+  told.code = static_cast<ToldCode>(kAllCodes);
+  EXPECT_FALSE(is_valid(told));
   told = good;
   told.count = Told::kMostFacts + 1;
-  EXPECT_FALSE(told.is_valid());
+  EXPECT_FALSE(is_valid(told));
   told = good;
-  told.facts[0] = static_cast<Fact>(kFactCount);
-  EXPECT_FALSE(told.is_valid());
+  told.facts[0] = static_cast<Fact>(kAllFacts);
+  EXPECT_FALSE(is_valid(told));
   told = good;
   told.values[0] = std::numeric_limits<double>::infinity();
-  EXPECT_FALSE(told.is_valid());
+  EXPECT_FALSE(is_valid(told));
   told = good;
   told.text.fill('x');
-  EXPECT_FALSE(told.is_valid()) << "it has no end";
+  EXPECT_FALSE(is_valid(told)) << "it has no end";
 }
 
 TEST(Told, KeepsItsNameSafeAndShort) {
-  const Told told(ToldCode::kStickForeign, {}, "a\x1b[2J" + std::string(100, 'x'));
-  EXPECT_TRUE(told.is_valid());
+  const Told told(PrinterCode::kStickForeign, {}, "a\x1b[2J" + std::string(100, 'x'));
+  EXPECT_TRUE(is_valid(told));
   EXPECT_THAT(std::string(told.name()), testing::StartsWith("a\\x1b[2J"));
   EXPECT_TRUE(told.name().ends_with("..."));
 }

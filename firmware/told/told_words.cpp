@@ -1,9 +1,6 @@
-#include "firmware/screen/told_words.hpp"
+#include "firmware/told/told_words.hpp"
 
-#include <algorithm>
 #include <array>
-#include <cmath>
-#include <cstdio>
 
 #include "firmware/io/json_writer.hpp"
 
@@ -13,8 +10,12 @@ namespace {
 /// A namespace for each table: the codes of told_words.cpp, fault_words.cpp and words.cpp share names.
 namespace told_table {
 using enum ToldCode;
+using enum PrinterCode;
 
 struct Row {
+  template <class Code>
+  requires kExtends<Code, ToldCode>
+  constexpr Row(Code what, ToldWords its_words) : code(static_cast<ToldCode>(what)), words(its_words) {}
   ToldCode code;
   ToldWords words;
 };
@@ -24,6 +25,43 @@ struct Row {
 
 /// By code.
 constexpr std::array kTold{
+    // The slicer's.
+    Row{kTooWide,
+        {"Das Objekt ist {width_mm} mm breit, Platz ist für {limit_mm} mm: {excess_mm} mm zu viel",
+         "Unter Einstellungen drehen oder kleiner drucken."}},
+    Row{kTooDeep,
+        {"Das Objekt ist {depth_mm} mm tief, Platz ist für {limit_mm} mm: {excess_mm} mm zu viel",
+         "Unter Einstellungen drehen oder kleiner drucken."}},
+    Row{kTooHigh,
+        {"Das Objekt ist {height_mm} mm hoch, Platz ist für {limit_mm} mm: {excess_mm} mm zu viel",
+         "Unter Einstellungen kippen oder kleiner drucken."}},
+    Row{kTooHighOnSupports,
+        {"Das Objekt ist {height_mm} mm hoch, Stützen heben es um {lift_mm} mm: {excess_mm} mm zu viel",
+         "Unter Einstellungen kippen, kleiner oder ohne Stützen drucken."}},
+    Row{kTooManySupports, {"Das Objekt braucht mehr als {count} Stützen", "Unter Einstellungen drehen oder kippen."}},
+    Row{kMemoryNeeded,
+        {"Der Auftrag braucht {needed_mib} MiB Speicher, {available_mib} MiB sind frei",
+         "Kleiner oder mit dickeren Schichten drucken."}},
+    Row{kTooSmall, {"Das Objekt wäre nur {longest_mm} mm lang", "Unter Einstellungen die Höhe wählen."}},
+    Row{kBelowFloor,
+        {"Der ganze Scan liegt unter dem Boden bei Höhe {floor}",
+         "floor = \"keep\" in job.toml auf dem Stick setzen."}},
+    Row{kNoTriangles, {"Das Modell hat kein brauchbares Dreieck", "Das Modell neu exportieren, mit seinen Flächen."}},
+    Row{kSurfaceNotFound,
+        {"In {points} Punkten ist keine Oberfläche zu finden", "Die Normalen des Scans prüfen oder dichter scannen."}},
+    Row{kMeshChanged,
+        {"Die Datei hat sich beim Lesen geändert, oder der Stick versagt",
+         "Noch einmal, oder mit einem anderen Stick."}},
+    Row{kNotPoints,
+        {"Die Datei ist ein Modell ohne Punkte",
+         "Als Modell drucken: as = \"points\" aus job.toml auf dem Stick nehmen."}},
+    Row{kNoFaces, {"Die Datei hat Punkte, aber keine Flächen", "as = \"points\" in job.toml auf dem Stick setzen."}},
+    Row{kLaz, {"Die Datei ist ein komprimiertes LAS (LAZ)", "Den Scan als LAS speichern."}},
+    Row{kSplatsCompressed,
+        {"Das sind Splats in einem komprimierten PLY", "Als PLY ohne Kompression oder als SPZ exportieren."}},
+    Row{kFileEmpty, {"Die Datei ist leer", "Die Datei neu kopieren oder exportieren."}},
+
+    // The printer's.
     Row{kIsland, {"{count} {count?Insel von|Inseln bis} {area_mm2} mm²" PLACE, "Stützen setzen oder drehen."}},
     Row{kOverhang, {"{count} {count?Überhang von|Überhänge bis} {area_mm2} mm²" PLACE, "Stützen setzen oder drehen."}},
     Row{kFreePiece,
@@ -140,40 +178,6 @@ constexpr std::array kTold{
     Row{kSettingWrong, {"Eine Einstellung ist falsch", {}}},
     Row{kNoSurface, {"Der Scan hat keine Oberfläche, die sich drucken lässt", {}}},
 
-    Row{kTooWide,
-        {"Das Objekt ist {width_mm} mm breit, Platz ist für {limit_mm} mm: {excess_mm} mm zu viel",
-         "Unter Einstellungen drehen oder kleiner drucken."}},
-    Row{kTooDeep,
-        {"Das Objekt ist {depth_mm} mm tief, Platz ist für {limit_mm} mm: {excess_mm} mm zu viel",
-         "Unter Einstellungen drehen oder kleiner drucken."}},
-    Row{kTooHigh,
-        {"Das Objekt ist {height_mm} mm hoch, Platz ist für {limit_mm} mm: {excess_mm} mm zu viel",
-         "Unter Einstellungen kippen oder kleiner drucken."}},
-    Row{kTooHighOnSupports,
-        {"Das Objekt ist {height_mm} mm hoch, Stützen heben es um {lift_mm} mm: {excess_mm} mm zu viel",
-         "Unter Einstellungen kippen, kleiner oder ohne Stützen drucken."}},
-    Row{kTooManySupports, {"Das Objekt braucht mehr als {count} Stützen", "Unter Einstellungen drehen oder kippen."}},
-    Row{kMemoryNeeded,
-        {"Der Auftrag braucht {needed_mib} MiB Speicher, {available_mib} MiB sind frei",
-         "Kleiner oder mit dickeren Schichten drucken."}},
-    Row{kTooSmall, {"Das Objekt wäre nur {longest_mm} mm lang", "Unter Einstellungen die Höhe wählen."}},
-    Row{kBelowFloor,
-        {"Der ganze Scan liegt unter dem Boden bei Höhe {floor}",
-         "floor = \"keep\" in job.toml auf dem Stick setzen."}},
-    Row{kNoTriangles, {"Das Modell hat kein brauchbares Dreieck", "Das Modell neu exportieren, mit seinen Flächen."}},
-    Row{kSurfaceNotFound,
-        {"In {points} Punkten ist keine Oberfläche zu finden", "Die Normalen des Scans prüfen oder dichter scannen."}},
-    Row{kMeshChanged,
-        {"Die Datei hat sich beim Lesen geändert, oder der Stick versagt",
-         "Noch einmal, oder mit einem anderen Stick."}},
-    Row{kNotPoints,
-        {"Die Datei ist ein Modell ohne Punkte",
-         "Als Modell drucken: as = \"points\" aus job.toml auf dem Stick nehmen."}},
-    Row{kNoFaces, {"Die Datei hat Punkte, aber keine Flächen", "as = \"points\" in job.toml auf dem Stick setzen."}},
-    Row{kLaz, {"Die Datei ist ein komprimiertes LAS (LAZ)", "Den Scan als LAS speichern."}},
-    Row{kSplatsCompressed,
-        {"Das sind Splats in einem komprimierten PLY", "Als PLY ohne Kompression oder als SPZ exportieren."}},
-    Row{kFileEmpty, {"Die Datei ist leer", "Die Datei neu kopieren oder exportieren."}},
     Row{kBadSectors,
         {"Der Stick hat fehlerhafte Stellen oder ein beschädigtes Dateisystem",
          "Die Datei auf einen anderen Stick kopieren."}},
@@ -305,79 +309,9 @@ constexpr bool is_complete() {
   for (std::size_t i = 0; i < kTold.size(); ++i) {
     if (static_cast<std::size_t>(kTold[i].code) != i + 1) return false;
   }
-  return kTold.size() + 1 == kToldCodeCount;
+  return kTold.size() + 1 == kAllCodes;
 }
-static_assert(is_complete(), "a code has no German text, or the table is not in the order of ToldCode");
-
-FixedText<40> number_text(const FactFormat& format, double value, Language language) {
-  FixedText<40> text;
-  const int digits = -format.decimals;
-  const bool rounded = digits > 0 && std::abs(value) >= std::pow(10, digits - 1);
-  std::array<char, 40> raw{};
-  std::snprintf(raw.data(), raw.size(), digits > 0 && !rounded ? "%.*g" : "%.*f",
-                rounded ? 0 : std::abs(format.decimals), value);
-  if (language == Language::kGerman) std::replace(raw.begin(), raw.end(), '.', ',');
-  text.add("%s", raw.data());
-  return text;
-}
-
-/// Fills in texts with places, one after the other.
-class Filling {
- public:
-  Filling(const Told& told, Language language) : told_(told), language_(language) {}
-
-  void add(std::string_view pattern) {
-    while (!pattern.empty()) {
-      const auto mark = std::min(pattern.find_first_of("{["), pattern.size());
-      put(pattern.substr(0, mark));
-      pattern.remove_prefix(mark);
-      if (pattern.empty()) break;
-      const bool place = pattern.front() == '{';
-      const auto end = pattern.find(place ? '}' : ']');
-      const auto inside = pattern.substr(1, end - 1);
-      if (place) {
-        add_place(inside);
-      } else if (is_told(inside)) {
-        add(inside);
-      }
-      pattern.remove_prefix(end + 1);
-    }
-  }
-  const ToldText& text() const { return text_; }
-
- private:
-  void put(std::string_view text) { text_.add("%.*s", static_cast<int>(text.size()), text.data()); }
-
-  /// "area_mm2", "name", or "count?Insel|Inseln"
-  void add_place(std::string_view place) {
-    if (place == "name") return put(told_.name());
-    const auto question = place.find('?');
-    const auto number = number_of(place.substr(0, question));
-    if (!number) return;
-    if (question == std::string_view::npos)
-      return put(number_text(format_of(number->fact), number->value, language_).view());
-    const auto one = place.substr(question + 1), many = one.substr(one.find('|') + 1);
-    put(number->value == 1 ? one.substr(0, one.find('|')) : many);
-  }
-  std::optional<Told::Number> number_of(std::string_view name) const {
-    for (std::size_t i = 0; i < told_.count; ++i) {
-      if (format_of(told_.facts[i]).name == name) return Told::Number{told_.facts[i], told_.values[i]};
-    }
-    return std::nullopt;
-  }
-  /// Whether all places of a text are told.
-  bool is_told(std::string_view text) const {
-    for (auto at = text.find('{'); at != std::string_view::npos; at = text.find('{', at + 1)) {
-      const auto place = text.substr(at + 1, text.find_first_of("?}", at) - at - 1);
-      if (place == "name" ? told_.name().empty() : !number_of(place)) return false;
-    }
-    return true;
-  }
-
-  const Told& told_;
-  Language language_;
-  ToldText text_;
-};
+static_assert(is_complete(), "a code has no German text, or the table is not in the order of ToldCode and PrinterCode");
 
 }  // namespace
 
@@ -386,31 +320,10 @@ std::optional<ToldWords> told_words(ToldCode code, Language language) {
   return kTold[static_cast<std::size_t>(code) - 1].words;
 }
 
-ToldText filled_in(std::string_view pattern, const Told& told, Language language) {
-  Filling filling(told, language);
-  filling.add(pattern);
-  return filling.text();
-}
-
-ToldText worded(const Told& told, Language language, std::string_view english) {
-  ToldText text;
-  const auto words = told_words(told.code, language);
-  if (!words) {
-    text.add("%.*s", static_cast<int>(english.size()), english.data());
-    return text;
-  }
-  Filling filling(told, language);
-  filling.add(words->sentence);
-  if (words->remedy.empty()) return filling.text();
-  filling.add(". ");
-  filling.add(words->remedy);
-  return filling.text();
-}
-
 void write_told_words(JsonWriter& json, Language language) {
   json.key("told");
   json.begin_object(kOneLine);
-  for (std::size_t i = 1; i < kToldCodeCount; ++i) {
+  for (std::size_t i = 1; i < kAllCodes; ++i) {
     const auto code = static_cast<ToldCode>(i);
     const auto words = told_words(code, language);
     if (!words) continue;
@@ -423,7 +336,7 @@ void write_told_words(JsonWriter& json, Language language) {
   json.end_object();
   json.key("digits");
   json.begin_object(kOneLine);
-  for (std::size_t i = 0; i < kFactCount; ++i) {
+  for (std::size_t i = 0; i < kAllFacts; ++i) {
     const FactFormat& format = format_of(static_cast<Fact>(i));
     if (format.decimals != 0) json.member(format.name, static_cast<double>(format.decimals));
   }

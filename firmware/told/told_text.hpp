@@ -1,0 +1,20 @@
+#pragma once
+/// What the printer tells as a sentence in a language: the texts of told_words.hpp with their values filled in.
+
+#include <string_view>
+
+#include "firmware/io/fixed_text.hpp"
+#include "firmware/told/language.hpp"
+#include "firmware/told/printer_code.hpp"
+
+namespace plumbline {
+
+using ToldText = FixedText<400>;
+/// A text of the table with its values, in the way of the language.
+ToldText filled_in(std::string_view pattern, const Told& told, Language language);
+
+/// "3 Inseln bis 113 mm² bei x 34,2, y 61,0 mm, Schicht 702 (35,10 mm). Stützen setzen oder das Objekt drehen."
+/// @param english  what it is called if there is nothing in the table
+ToldText worded(const Told& told, Language language, std::string_view english);
+
+}  // namespace plumbline
