@@ -213,7 +213,7 @@ tl::unexpected<Error> not_stored(int reason) {
                           : reason == ENOENT                    ? "it has no folder plumbline-reports"
                                                                 : std::strerror(reason);
   return fail(ErrorCode::kCannotWrite,
-              "the report does not get onto the stick: %s.\tUse another stick, or ask for the report "
+              "the report can't be written to the stick: %s.\tUse another stick, or ask for the report "
               "on the printer's page",
               why);
 }

@@ -92,7 +92,7 @@ Expected<LayerArchive> LayerArchive::open(Expected<ZipReader> zip) {
     return fail(
         ErrorCode::kNoPoints,
         "%s: has %u PNG files with a number in their name, a sliced print has 1 to %u.\tExport a print as .sl1; "
-        "unpack a scan or mesh",
+        "unpack a scan or mesh to print it",
         archive.zip_.name().c_str(), archive.layers_, PrintGrid::kMaxLayers);
   }
   // Where both have a key, the value of the first one counts.

@@ -32,8 +32,9 @@ Expected<ZipReader> ZipReader::open(const ZipHandle& handle, std::string_view na
   unz_global_info64 facts = {};
   if (const int code = ::unzGetGlobalInfo64(reader.zip_, &facts); code != UNZ_OK) return reader.broken(code);
   if (facts.number_entry > kMostEntries) {
-    return fail(ErrorCode::kUnsupported, "%s: says that it has %llu files; %llu are allowed", reader.name_.c_str(),
-                static_cast<unsigned long long>(facts.number_entry), static_cast<unsigned long long>(kMostEntries));
+    return fail(ErrorCode::kUnsupported, "%s: claims to hold %llu files; at most %llu are allowed",
+                reader.name_.c_str(), static_cast<unsigned long long>(facts.number_entry),
+                static_cast<unsigned long long>(kMostEntries));
   }
   return reader;
 }
@@ -52,7 +53,7 @@ tl::unexpected<Error> ZipReader::broken(int code) const {
     return fail(ErrorCode::kCannotRead, "%s: %s", name_.c_str(), std::strerror(handle_->reason));
   }
   if (code == UNZ_INTERNALERROR) return fail(ErrorCode::kOutOfMemory, "%s: no memory to unpack it", name_.c_str());
-  return fail(ErrorCode::kMalformed, "%s: is no zip archive, or a damaged one.\tCopy or export it again",
+  return fail(ErrorCode::kMalformed, "%s: is not a zip archive, or is damaged.\tCopy or export it again",
               name_.c_str());
 }
 

@@ -18,7 +18,7 @@ Expected<ZipWriter> ZipWriter::create(const std::string& path) {
   writer.path_.add("%s", path.c_str());
   struct stat status = {};
   if (::stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode)) {
-    return fail(ErrorCode::kCannotOpen, "%s: is there and is no file.\tChoose another name", path.c_str());
+    return fail(ErrorCode::kCannotOpen, "%s: exists and is not a file.\tChoose another name", path.c_str());
   }
   writer.handle_ = std::make_unique<ZipHandle>();
   constexpr mode_t kMode = 0666;  // less the user's umask

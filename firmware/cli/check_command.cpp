@@ -24,13 +24,13 @@ namespace {
 
 constexpr const char* kCheckFooter =
     "\nExamples:\n"
-    "  plumbline check out                                       the job in out/\n"
+    "  plumbline check out                                           the job in out/\n"
     "  plumbline check peer --pixel-pitch 0.05 --layer-height 0.05   another slicer's layers, in a folder of PNG "
     "files\n"
     "  plumbline check peer --printer mono2k --picture issues.png    and where they have issues\n"
-    "  plumbline check part.sl1 --printer mono2k                 a sliced archive\n"
-    "  plumbline check bust.ply --printer mono2k                 a scan, without writing its layers\n"
-    "  plumbline check out --check all=refuse                    fail if there is anything\n"
+    "  plumbline check part.sl1 --printer mono2k                     a sliced archive\n"
+    "  plumbline check bust.ply --printer mono2k                     a scan, without writing its layers\n"
+    "  plumbline check out --check all=refuse                        fail if there is anything\n"
     "\n"
     "Finds what would go wrong: islands, overhangs, pieces that nothing holds, resin traps, suction cups, and the "
     "like.\n"

@@ -267,7 +267,7 @@ CLI::App* add_print_command(CLI::App& app, PrintOptions& options) {
   auto* command = app.add_subcommand("print", "Print a scan, a mesh or a sliced archive");
   command->footer(kPrintFooter);
   auto* scan = add_job_options(*command, options.job)->required(false);
-  command->get_option("--printer")->required();
+  command->get_option("--printer")->required()->description("A printer's name, such as sim2k, or its board file");
   add_support_options(*command, options.supports, "[as in the profile]");
   add_check_options(*command, options.checks);
   command

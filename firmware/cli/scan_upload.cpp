@@ -81,7 +81,7 @@ Expected<std::string> upload_scan(const std::string& socket, const std::string& 
     return fail(ErrorCode::kCannotOpen, "%s: %s", path.c_str(), std::strerror(errno));
   }
   if (!S_ISREG(facts.st_mode))
-    return fail(ErrorCode::kCannotOpen, "%s: is no file.\tName a scan or a mesh", path.c_str());
+    return fail(ErrorCode::kCannotOpen, "%s: is not a file.\tName a scan or a mesh", path.c_str());
   const auto bytes = static_cast<std::uint64_t>(facts.st_size);
   ClientRequest request;
   request.command = Command::kUpload;

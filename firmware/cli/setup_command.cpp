@@ -30,14 +30,11 @@ constexpr const char* kSetupFooter =
     "  plumbline setup try.toml --simulated board/sim2k.toml   try it on a simulated printer that is built like that "
     "file\n"
     "\n"
-    "Run it on the printer's own board, as root or as the user plumbline, while plumblined is stopped. It asks what "
-    "nobody "
-    "can\n"
-    "measure, then measures with you: which way the panel shows a picture, which way and how far the stage moves, how "
-    "bright "
-    "the\n"
-    "lamp is. The lamp lights only after a yes, once, for seconds; Ctrl-C, stop and the end stop end every move.\n"
-    "It writes the file only at the end, and never over another; then plumbline doctor checks it.\n"
+    "Run it on the printer's own board, as root or as the user plumbline, while plumblined is stopped. It asks what\n"
+    "nobody can measure, then measures with you: which way the panel shows a picture, which way and how far the stage\n"
+    "moves, how bright the lamp is. The lamp lights only after a yes, once, for seconds; Ctrl-C, stop and the end "
+    "stop\n"
+    "end every move. It writes the file only at the end, and never over another; then plumbline doctor checks it.\n"
     "\n"
     "Exit status: 0 written and ready to print, 1 something is wrong, 2 wrong command line, 130 stopped: nothing was "
     "written.\n";
@@ -75,7 +72,7 @@ Status measure(Dialogue& dialogue, bool may_go_on, const Status& measured) {
 Expected<BoardFile> set_up(const SetupOptions& options, Dialogue& dialogue, BoardDraft& draft) {
   const std::string name = fs::path(options.output).stem().string();
   if (const auto named = draft.set("printer", "name", name, ""); !named) {
-    return fail(ErrorCode::kBadSetting, "%s: the file is named after its printer: %s",
+    return fail(ErrorCode::kBadSetting, "%s: the file's name becomes the printer's: %s",
                 PrintableText(options.output, 150).c_str(), named.error().message());
   }
   SimulationOptions simulation;

@@ -35,14 +35,13 @@ constexpr const char* kSimulateFooter =
     "  plumbline simulate bust.ply --speed 600     with a scan on the stick; ten minutes of the printer a second\n"
     "  plumbline simulate --folder try --port 9000\n"
     "\n"
-    "It starts plumblined and plumbline-page with a board file of their own. Ctrl-C ends all, and removes the folder "
-    "unless "
-    "you named it.\n"
+    "It starts plumblined and plumbline-page with a board file of their own. Ctrl-C ends both, and removes the folder\n"
+    "unless you named it.\n"
     "In the folder:\n"
-    "  stick/          drop scans and meshes here: the printer sees a stick that is plugged in\n"
+    "  stick/              drop scans and meshes here: the printer sees a stick that is plugged in\n"
     "  screen/screen.png   what the printer's small screen shows\n"
-    "  board/          the printer's file and profiles: change them, then start again\n"
-    "  state/          journal, stored job, the last print's report\n";
+    "  board/              the printer's file and profiles: change them, then start again\n"
+    "  state/              journal, stored job, the last print's report\n";
 
 constexpr std::chrono::milliseconds kLook{300};
 constexpr std::chrono::seconds kStartTime{20};
@@ -258,7 +257,7 @@ CLI::App* add_simulate_command(CLI::App& app, SimulateOptions& options) {
   auto* command = app.add_subcommand(
       "simulate", "Open a simulated printer, with its page in the browser and a stick to drop files into");
   command->footer(kSimulateFooter);
-  command->add_option("scans", options.scans, "Scans and meshes to copy onto the stick")->type_name("FILE ...");
+  command->add_option("scans", options.scans, "Scans and meshes to copy onto the stick")->type_name("FILE");
   command->add_option("--printer", options.printer, "Board file of a simulated printer [sim2k]")->type_name("TOML");
   command->add_option("--speed", options.speed, "Simulated seconds per second, 0.1 to 1000000 [60]")
       ->type_name("N")

@@ -17,13 +17,14 @@ namespace {
 
 constexpr const char* kStatusFooter =
     "\nExamples:\n"
-    "  plumbline status                       what the printer does, what it waits for, and what is wrong\n"
-    "  plumbline status --follow              a line for each change, until the daemon ends\n"
-    "  plumbline status --json --follow       the same for programs: firmware/state/README.md explains each member\n"
+    "  plumbline status                                what the printer does, what it waits for, and what is wrong\n"
+    "  plumbline status --follow                       a line for each change, until the daemon ends\n"
+    "  plumbline status --json --follow                the same for programs: firmware/state/README.md explains each "
+    "member\n"
     "  plumbline status --picture layer -o layer.png   the mask of the layer that is printed\n"
-    "  plumbline status --prints              the last prints, whose reports the printer keeps\n"
-    "  plumbline status --report 12 -o 12.json   the report of print 12, and with --preview 12 its picture\n"
-    "  plumbline status --socket state/state  of a simulated printer whose daemon has --state state\n";
+    "  plumbline status --prints                       the last prints, whose reports the printer keeps\n"
+    "  plumbline status --report 12 -o 12.json       the report of print 12, and with --preview 12 its picture\n"
+    "  plumbline status --socket state/state           of a simulated printer whose daemon has --state state\n";
 
 /// Bytes of a base64 text without line breaks. @returns none: it is none
 std::optional<std::vector<std::byte>> bytes_of_base64(std::string_view text) {

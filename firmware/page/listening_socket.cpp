@@ -39,7 +39,7 @@ Expected<Descriptor> listen_at(const std::string& address, std::uint16_t port) {
   six.sin6_port = htons(port);
   const bool is_four = ::inet_pton(AF_INET, address.c_str(), &four.sin_addr) == 1;
   if (!is_four && !address.empty() && ::inet_pton(AF_INET6, address.c_str(), &six.sin6_addr) != 1) {
-    return fail(ErrorCode::kBadSetting, "--listen: '%s' is no address.\tWrite numbers, such as 127.0.0.1 or ::1",
+    return fail(ErrorCode::kBadSetting, "--listen: '%s' is not an address.\tWrite numbers, such as 127.0.0.1 or ::1",
                 address.c_str());
   }
   Descriptor socket;

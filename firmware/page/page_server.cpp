@@ -149,7 +149,7 @@ HttpReply PageServer::picture(PictureName name, const HttpTicket& ticket) {
 HttpReply PageServer::post(const HttpRequest& request, const HttpTicket& ticket) {
   if (request.path == kBodyPath) return uploads_.whole(ticket);
   if (request.path != "/command" && request.path != "/pair" && request.path != "/upload") {
-    HttpAnswer answer = text_.refuse(405, "nothing is sent there");
+    HttpAnswer answer = text_.refuse(405, "nothing can be sent there");
     answer.allow = "GET, HEAD";
     return answer;
   }

@@ -176,7 +176,7 @@ Status JobDirectory::inspect_layers() {
       return {};
     }
     return fail(ErrorCode::kCannotWrite,
-                "%s: holds '%s', which is no layer; nothing was changed.\tChoose a new or an empty output folder",
+                "%s: holds '%s', which is not a layer; nothing was changed.\tChoose a new or an empty output folder",
                 layers.c_str(), name);
   });
 }

@@ -195,8 +195,8 @@ CLI::Validator finite_range(double low, double high) {
 CLI::Option* add_job_options(CLI::App& app, JobOptions& job) {
   auto* scan = app.add_option("scan", job.scans,
                               "A scan (PLY, PCD, OBJ, E57, LAS, PTX, SPZ, or text: XYZ, XYZRGB, PTS, ASC, TXT, CSV) or "
-                              "a mesh (STL, OBJ, "
-                              "PLY, OFF). Several files in one frame make one object, and so do the files of a folder")
+                              "a mesh (STL, OBJ, PLY, OFF, 3MF). Several files in one frame make one object, and so do "
+                              "the files of a folder")
                    ->required()
                    ->expected(1, static_cast<int>(kMostScans))
                    ->type_name("SCAN");
@@ -235,8 +235,8 @@ void add_check_options(CLI::App& app, CheckChoice& choice) {
          [&choice](const std::vector<std::string>& texts) {
            for (const std::string& text : texts) set_check(text, choice);
          },
-         "What to do about an issue: KIND=ignore, warn, ask or refuse. KIND is all, or one of\n" + issue_keys() +
-             "\nMay be repeated [as in the printer's profile, or warn]")
+         "What to do about an issue: KIND is all, or one of " + issue_keys() +
+             "; ACTION is ignore, warn, ask or refuse. May be repeated [as in the printer's profile, or warn]")
       ->type_name("KIND=ACTION")
       ->take_all()
       ->group(kChecksGroup);

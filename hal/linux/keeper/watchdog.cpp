@@ -36,7 +36,7 @@ Expected<Watchdog> Watchdog::open(std::string_view device, std::chrono::seconds 
   if (seconds > timeout.count()) {
     watchdog.disarm();
     return fail(ErrorCode::kBadSetting,
-                "the watchdog, %s: it resets the board after %d s and not after %d:\twrite "
+                "the watchdog, %s: it can only reset the board after %d s, not after %d s:\twrite "
                 "timeout_s = %d in the board file",
                 path.c_str(), seconds, static_cast<int>(timeout.count()), seconds);
   }

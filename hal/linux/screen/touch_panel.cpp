@@ -52,7 +52,7 @@ Expected<TouchPanel> TouchPanel::open(const std::string& device, const ScreenLay
   const auto x = range_of(file, ABS_X, ABS_MT_POSITION_X), y = range_of(file, ABS_Y, ABS_MT_POSITION_Y);
   if (!x || !y) {
     ::close(file);
-    return fail(ErrorCode::kCannotOpen, "%s is no touch panel: it reports no place.\tCorrect [screen] touch",
+    return fail(ErrorCode::kCannotOpen, "%s is not a touch panel: it reports no positions.\tCorrect [screen] touch",
                 device.c_str());
   }
   return TouchPanel(file, TouchReader(layout, *x, *y));

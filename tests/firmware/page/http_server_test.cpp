@@ -212,7 +212,7 @@ TEST(HttpServer, SaysWhyItCantListen) {
   const auto second = HttpServer::open("127.0.0.1", first->port(), nobody);
   ASSERT_FALSE(second);
   EXPECT_THAT(second.error().message(), HasSubstr("page_port"));
-  EXPECT_THAT(HttpServer::open("localhost", 0, nobody).error().message(), HasSubstr("is no address"));
+  EXPECT_THAT(HttpServer::open("localhost", 0, nobody).error().message(), HasSubstr("is not an address"));
 }
 
 }  // namespace

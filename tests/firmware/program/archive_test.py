@@ -116,7 +116,7 @@ class WrittenArchive(Program):
         folder = self.dir / "folder.sl1"
         folder.mkdir()
         done = self.slice_sphere(folder, status=1)
-        self.assertIn("folder.sl1: is there and is no file. Choose another name", done.stderr)
+        self.assertIn("folder.sl1: exists and is not a file. Choose another name", done.stderr)
 
 
 if __name__ == "__main__":

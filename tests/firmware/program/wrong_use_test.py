@@ -3,6 +3,7 @@
 
 import ctypes
 import os
+import re
 import resource
 import subprocess
 import unittest
@@ -197,12 +198,23 @@ class Usage(Program):
         version = self.run_it("--version").stdout
         self.assertRegex(version, r"^plumbline \d+\.\d+\.\d+\n$")
         self.assertIn("plumbline sample bust.ply", self.run_it("--help").stdout)
-        for command in ("slice", "inspect", "print", "sample", "doctor"):
+        commands = ("slice", "inspect", "orient", "check", "print", "sample", "simulate", "setup", "doctor", "status", "ctl")
+        for command in commands:
             text = self.run_it(command, "--help").stdout
             self.assertIn("Examples:", text)
-            self.assertRegex(text, "Output:|Exit status:")
             self.assertNotIn("Excludes", text)
-            self.assertLessEqual(max(map(len, text.splitlines())), 120)
+            self.assertNotIn("....", text)
+            self.assertLessEqual(max(map(len, text.splitlines())), 120, command)
+        for command in ("slice", "inspect", "print", "sample", "doctor"):
+            self.assertRegex(self.run_it(command, "--help").stdout, "Output:|Exit status:")
+
+    def test_help_names_each_kind_of_file_and_each_kind_of_issue(self):
+        text = " ".join(self.run_it("slice", "--help").stdout.split())
+        endings = (SOURCE_DIR / "slicer/reader/formats/scan_endings.hpp").read_text()
+        for ending in re.findall(r'"\.(\w+)"', endings):
+            self.assertRegex(text.split("Options:")[0], rf"\b{ending.upper()}\b")
+        self.assertIn("KIND is all, or one of island, overhang,", text)
+        self.assertNotIn("Without it the grid", self.run_it("print", "--help").stdout)
 
 
 if __name__ == "__main__":

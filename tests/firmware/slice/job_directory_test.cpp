@@ -135,7 +135,7 @@ TEST(JobDirectory, RefusesLayersThatAreNotItsOwn) {
   std::filesystem::create_directories(folder / "out/layers");
   write_text(folder / "out/layers/00000.png", "layer");
   write_text(folder / "out/layers/holiday.png", "picture");
-  expect_refused(folder / "out", "holds 'holiday.png', which is no layer");
+  expect_refused(folder / "out", "holds 'holiday.png', which is not a layer");
 }
 
 TEST(JobDirectory, RefusesAManifestOfAnotherProgram) {

@@ -118,7 +118,7 @@ class ModelDocument : public XmlHandler {
     const ObjectKey child{path.empty() ? part_ : part_key(path), number(attributes["objectid"], "an objectid")};
     const auto transform = parse_transform(attributes["transform"]);
     if (!transform)
-      return parser_->complain("'%s' is no transform of 12 numbers", Quote(attributes["transform"]).c_str());
+      return parser_->complain("'%s' is not a transform of 12 numbers", Quote(attributes["transform"]).c_str());
     placed(child, in, *transform);
   }
 
@@ -184,7 +184,7 @@ class MeshDocument final : public ModelDocument {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const auto text = attributes[kAxes[axis]];
       if (!parse_number(text, p[static_cast<int>(axis)])) {
-        return parser_->complain("'%s' is no coordinate", Quote(text).c_str());
+        return parser_->complain("'%s' is not a coordinate", Quote(text).c_str());
       }
     }
     if (vertices_.add(p)) return;
