@@ -33,7 +33,7 @@ std::uint32_t to_layers(std::span<const RayCrossing> crossings, const PrintGrid&
 }  // namespace
 
 std::size_t RayShooter::bytes_needed(std::uint32_t tile_capacity) {
-  return RayClassifier::bytes_needed(tile_capacity) +
+  return RayClassifier::bytes_needed(tile_capacity) + Arena::rounded(sizeof(RayLattice)) +
          Arena::rounded(sizeof(std::uint16_t) * kRaysPerTile * RayClassifier::kMaxCrossings);
 }
 
@@ -47,7 +47,11 @@ Expected<RayShooter> RayShooter::create(const RayField& field, std::uint32_t thr
     if (!classifier) return tl::unexpected<Error>(classifier.error());
     auto layers = arena.take_top<std::uint16_t>(std::size_t{kRaysPerTile} * RayClassifier::kMaxCrossings, "R-Rep");
     if (!layers) return tl::unexpected<Error>(layers.error());
+    auto lattice = arena.take_top<RayLattice>(1, "R-Rep");
+    if (!lattice) return tl::unexpected<Error>(lattice.error());
+    lattice->front() = RayLattice(field.lattice_tolerance);
     worker.classifier = *classifier;
+    worker.lattice = lattice->data();
     worker.layers = *layers;
   }
   return shooter;
@@ -70,10 +74,10 @@ Status RayShooter::shoot_tile(Worker& worker, std::uint32_t tile, CrossingStore&
   total.thinned_tiles += worker.classifier.tile_thinned() ? 1 : 0;
   total.interested += interested;
 
-  RayLattice lattice(worker.classifier, field_.lattice_tolerance);
-  std::span<const TileRay> known;
-  if (interested == kRaysPerTile) {
-    known = lattice.decide(column, row);
+  RayLattice& lattice = *worker.lattice;
+  const bool whole = interested == kRaysPerTile;
+  if (whole) {
+    lattice.decide(worker.classifier, column, row);
     total.guided += lattice.guided();
     total.interpolated += lattice.interpolated();
   }
@@ -84,10 +88,10 @@ Status RayShooter::shoot_tile(Worker& worker, std::uint32_t tile, CrossingStore&
     for (std::uint32_t c = 0; c < columns; ++c) {
       if (!field_.interested.at(column + c, row + r)) continue;
       const std::uint32_t at = r * kTileSide + c;
-      const ClassifiedRay ray =
-          !known.empty() && known[at].known
-              ? ClassifiedRay{std::span(known[at].crossing).first(known[at].count), known[at].decision}
-              : worker.classifier.ray(column + c, row + r);
+      const TileRay& known = lattice.ray(c, r);
+      const ClassifiedRay ray = whole && known.known
+                                    ? ClassifiedRay{std::span(known.crossing).first(known.count), known.decision}
+                                    : worker.classifier.ray(column + c, row + r);
       const std::uint32_t n = to_layers(ray.crossings, grid, &worker.layers[used], evidence.data());
       for (std::uint32_t i = 0; field_.confidence != nullptr && i < n; ++i) {
         field_.confidence->add(column + c, row + r, worker.layers[used + i], evidence[i]);

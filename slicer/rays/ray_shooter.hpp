@@ -55,6 +55,7 @@ class RayShooter {
  private:
   struct Worker {
     RayClassifier classifier;
+    RayLattice* lattice = nullptr;
     std::span<std::uint16_t> layers;
     RayCounts counts;
   };

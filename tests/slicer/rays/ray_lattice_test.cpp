@@ -42,13 +42,12 @@ class LatticeLaboratory {
 
   /// Decides the tile that begins at this pixel. Counts how its rays were decided, and compares them.
   void compare(std::uint32_t column, std::uint32_t row) {
-    RayLattice lattice(classifier_, kTolerance);
     classifier_.begin_tile(column, row);
-    const auto rays = lattice.decide(column, row);
-    guided += lattice.guided();
-    interpolated += lattice.interpolated();
+    lattice_.decide(classifier_, column, row);
+    guided += lattice_.guided();
+    interpolated += lattice_.interpolated();
     for (std::uint32_t i = 0; i < kRays; ++i) {
-      const TileRay& ray = rays[i];
+      const TileRay& ray = lattice_.ray(i % kTileSide, i / kTileSide);
       if (!ray.known) continue;
       ++known;
       const ClassifiedRay shot = classifier_.ray(column + i % kTileSide, row + i / kTileSide);
@@ -76,6 +75,7 @@ class LatticeLaboratory {
   WindingTree winding_;
   KdTree2 tree_;
   RayClassifier classifier_;
+  RayLattice lattice_{kTolerance};
 };
 
 TEST(RayLattice, InterpolatesMostRaysOfASmoothSurface) {
@@ -83,6 +83,18 @@ TEST(RayLattice, InterpolatesMostRaysOfASmoothSurface) {
   laboratory.compare_row(120, 280, 200);
   EXPECT_EQ(laboratory.known, 20 * kRays);
   EXPECT_GT(laboratory.interpolated, 15 * kRays);
+  EXPECT_LT(laboratory.worst, 2 * kTolerance);
+}
+
+// Sixteen tiles, the first four of which have nothing above them and every fourth nothing before it.
+TEST(RayLattice, ShootsTheCornersThatTilesOfAColumnShareOnce) {
+  LatticeLaboratory laboratory(sphere(sphere_points(8, 0.15), 8, {10, 10, 10}), 0.15);
+  constexpr std::uint32_t kFirst = 6 * RayClassifier::kColumnSide;
+  for (std::uint32_t row = kFirst; row < kFirst + RayClassifier::kColumnSide; row += kTileSide) {
+    laboratory.compare_row(kFirst, kFirst + RayClassifier::kColumnSide, row);
+  }
+  EXPECT_EQ(laboratory.known, 16 * kRays);
+  EXPECT_EQ(laboratory.known - laboratory.guided - laboratory.interpolated, 5 * 5);
   EXPECT_LT(laboratory.worst, 2 * kTolerance);
 }
 
