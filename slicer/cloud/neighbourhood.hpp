@@ -69,12 +69,9 @@ inline Member member(const Cloud& cloud, std::uint32_t i) {
   return {cloud.position[i], cloud.normal[i].unpack(), static_cast<std::int32_t>(cloud.normal[i].point_class)};
 }
 
-/// Calls `use(batch)` for batches of all points within `reach` of the bounding box of points [first, last).
+/// Calls `use(batch)` for batches of all points within `reach` of a box.
 template <class Use>
-void for_neighbourhood(const Cloud& cloud, const KdTree3& tree, std::uint32_t first, std::uint32_t last, float reach,
-                       Use use) {
-  Box3f box;
-  for (std::uint32_t i = first; i < last; ++i) box.extend(cloud.position[i]);
+void for_neighbourhood(const Cloud& cloud, const KdTree3& tree, const Box3f& box, float reach, Use use) {
   const Vec3f margin = Vec3f::Constant(reach);
   const Vec3f low = box.low - margin;
   const Vec3f high = box.high + margin;
@@ -103,6 +100,14 @@ void for_neighbourhood(const Cloud& cloud, const KdTree3& tree, std::uint32_t fi
   });
   batch.pad();
   if (batch.size > 0) use(batch);
+}
+/// The same for the bounding box of points [first, last).
+template <class Use>
+void for_neighbourhood(const Cloud& cloud, const KdTree3& tree, std::uint32_t first, std::uint32_t last, float reach,
+                       Use use) {
+  Box3f box;
+  for (std::uint32_t i = first; i < last; ++i) box.extend(cloud.position[i]);
+  for_neighbourhood(cloud, tree, box, reach, use);
 }
 
 }  // namespace plumbline

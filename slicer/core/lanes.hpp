@@ -177,6 +177,13 @@ PLUMBLINE_INLINE std::int32_t sum(const IntLanes& v) {
 }
 #endif
 
+/// Whether a comparison holds in any lane.
+PLUMBLINE_INLINE bool any(const IntLanes& holds) {
+  std::uint64_t words[kLanes / 2];
+  std::memcpy(words, &holds, sizeof words);
+  return ((words[0] | words[1]) | (words[2] | words[3])) != 0;
+}
+
 /// Rounds x to the nearest integers. |x| must be below 2^22.
 PLUMBLINE_INLINE void round_lanes(Lanes& integers, const Lanes& x) {
   constexpr float kRound = 12582912;  // 1.5 * 2^23: a sum with it has no bits below 1

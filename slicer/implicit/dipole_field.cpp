@@ -25,7 +25,7 @@ void DipoleField::build(Sign sign) {
   });
 }
 
-DipoleField::Value DipoleField::operator()(const Vec3f& x, Sign sign) const {
+DipoleField::Value DipoleField::operator()(const Vec3f& x, Sign sign, float share) const {
   Value value;
   tree_.walk(
       x, [&](const Node& node, const Vec3f& d, float distance2) { add(node.dipole, d, distance2, value); },
@@ -36,7 +36,8 @@ DipoleField::Value DipoleField::operator()(const Vec3f& x, Sign sign) const {
         const Vec3f e = cloud_.position[i] - x;
         // Softened: a disc seen from nearby fills at most half the sphere, where a dipole would grow without bound.
         add(cloud_.normal[i].unpack() * (s * radius2 * 0.25F), e, e.dot(e) + radius2, value);
-      });
+      },
+      share);
   return value;
 }
 

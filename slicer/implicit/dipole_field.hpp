@@ -32,7 +32,8 @@ class DipoleField {
 
   /// The field at x, mm. Thread-safe.
   /// @param sign  as for build()
-  Value operator()(const Vec3f& x, Sign sign) const;
+  /// @param share  of DipoleTree::walk
+  Value operator()(const Vec3f& x, Sign sign, float share = 1) const;
 
  private:
   const Cloud& cloud_;

@@ -210,10 +210,14 @@ class Clusterer {
   void find_nearest_core_points(std::uint32_t first, std::uint32_t last, int known,
                                 std::array<std::uint32_t, kBlock>& nearest) {
     const auto is_known = [known](std::uint8_t flags) { return (flags & known) != 0; };
-    if (std::all_of(flags_.begin() + first, flags_.begin() + last, is_known)) return;
+    Box3f box;
+    for (std::uint32_t i = first; i < last; ++i) {
+      if (!is_known(flags_[i])) box.extend(cloud_.position[i]);
+    }
+    if (box.empty()) return;
     const float epsilon2 = epsilon_ * epsilon_;
     std::array<float, kBlock> best{};
-    for_neighbourhood(cloud_, tree_, first, last, epsilon_, [&](const Neighbourhood& batch) {
+    for_neighbourhood(cloud_, tree_, box, epsilon_, [&](const Neighbourhood& batch) {
       for (std::uint32_t i = first; i < last; ++i) {
         if (is_known(flags_[i])) continue;
         const Member m = member(cloud_, i);

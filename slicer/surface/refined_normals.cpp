@@ -61,6 +61,7 @@ PLUMBLINE_WIDE void add_all(const Member& m, float radius2, const Neighbourhood&
     const Lanes y = p.y - m.position[1];
     const Lanes z = p.z - m.position[2];
     const Lanes t = 1.0F - (x * x + y * y + z * z) * inverse2;
+    if (!any(t > 0.0F)) continue;  // most: they are near other points of the block
     const Lanes cosine = p.nx * m.normal[0] + p.ny * m.normal[1] + p.nz * m.normal[2];
     const IntLanes near = (t > 0.0F) & (p.type != static_cast<std::int32_t>(PointClass::kNoise));
     const IntLanes counts = near & (cosine >= kFacing);

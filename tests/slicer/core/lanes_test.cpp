@@ -66,6 +66,17 @@ TEST(Lanes, ChooseByComparisons) {
   EXPECT_EQ(sum(count), std::ranges::count(each([](float x, float y) { return x <= y ? 1.0F : 0.0F; }), 1.0F));
 }
 
+TEST(Lanes, TellWhetherAComparisonHoldsInAnyOfThem) {
+  EXPECT_FALSE(any(Lanes{} > 0.0F));
+  for (std::size_t k = 0; k < kLanes; ++k) {
+    Numbers one = {};
+    one[k] = 1;
+    Lanes lanes;
+    load(lanes, one.data());
+    EXPECT_TRUE(any(lanes > 0.0F)) << "lane " << k;
+  }
+}
+
 TEST(Lanes, TakeRootsAndTheSmallest) {
   Lanes a, b, root;
   load_both(a, b);
