@@ -2,7 +2,10 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
+
+#include "slicer/views/find_views.hpp"
 
 namespace plumbline {
 namespace {
@@ -47,24 +50,39 @@ Vec3d MovedViews::moved_position(std::uint32_t point, const Vec3d& ray) const {
   return x + m.head<3>() + m.tail<3>().cross(x) / extent_;
 }
 
-DepthFrame MovedViews::image_frame(std::uint8_t view) const {
-  Vec3d sum = Vec3d::Zero();
-  std::uint32_t count = 0;
-  for (std::uint32_t i = 0; i < cloud_->size; ++i) {
-    if (view_of(i) != view) continue;
-    sum += seen_position(i);
-    ++count;
+void MovedViews::set_image_frames(std::span<DepthFrame> frames) const {
+#pragma omp parallel
+  {
+    // Each thread sums up for views of its own, always in the order of the points.
+    const ViewShare share = ViewShare::of_thread();
+    const auto for_each = [&](auto use) {
+      for (std::uint32_t i = 0; i < cloud_->size; ++i) {
+        const std::uint8_t view = view_of(i);
+        if (view != kNoView && share.has(view)) use(view, seen_position(i));
+      }
+    };
+    std::array<Vec3d, kMaxViews> mean;
+    std::array<Vec3d, kMaxViews> axis;
+    std::array<std::uint32_t, kMaxViews> counts = {};
+    std::array<double, kMaxViews> radius2 = {};
+    mean.fill(Vec3d::Zero());
+    for_each([&](std::uint8_t view, const Vec3d& x) {
+      mean[view] += x;
+      ++counts[view];
+    });
+    for (std::uint32_t v = 0; v < frames.size(); ++v) {
+      mean[v] /= std::max(1U, counts[v]);
+      axis[v] = views_.grids[v].ray((mean[v] + middle_).cast<float>());
+    }
+    for_each([&](std::uint8_t view, const Vec3d& x) {
+      const Vec3d d = x - mean[view];
+      const double along = d.dot(axis[view]);
+      radius2[view] = std::max(radius2[view], d.squaredNorm() - along * along);
+    });
+    for (std::uint32_t v = 0; v < frames.size(); ++v) {
+      if (share.has(v)) frames[v] = {mean[v], axis[v], std::sqrt(radius2[v])};
+    }
   }
-  const Vec3d mean = sum / std::max(1U, count);
-  const Vec3d axis = views_.grids[view].ray((mean + middle_).cast<float>());
-  double radius2 = 0;
-  for (std::uint32_t i = 0; i < cloud_->size; ++i) {
-    if (view_of(i) != view) continue;
-    const Vec3d d = seen_position(i) - mean;
-    const double along = d.dot(axis);
-    radius2 = std::max(radius2, d.squaredNorm() - along * along);
-  }
-  return {mean, axis, std::sqrt(radius2)};
 }
 
 }  // namespace plumbline

@@ -1,6 +1,8 @@
 #pragma once
 /// The views of a scan with their current motions, and without their ripple.
 
+#include <omp.h>
+
 #include <cstdint>
 #include <span>
 
@@ -20,6 +22,16 @@ struct Views {
   std::span<const std::uint8_t> of;
   std::span<const ViewGrid> grids;  ///< of each view, where its points were seen; kMaxViews at most
   float spacing = 0;                ///< of the scan's points, mm
+};
+
+/// The views that a thread sums up for, so that their sums don't depend on the number of threads.
+struct ViewShare {
+  std::uint32_t thread, threads;
+  /// Of the calling thread.
+  static ViewShare of_thread() {
+    return {static_cast<std::uint32_t>(omp_get_thread_num()), static_cast<std::uint32_t>(omp_get_num_threads())};
+  }
+  bool has(std::uint32_t view) const { return threads == 1 || view % threads == thread; }
 };
 
 /// Reads positions and normals from the cloud at every call.
@@ -42,8 +54,8 @@ class MovedViews {
   Vec3d moved_position(std::uint32_t point, const Vec3d& ray) const;
   const Vec3d& middle() const { return middle_; }
   double extent() const { return extent_; }
-  /// Frame of an image that holds all points of a view.
-  DepthFrame image_frame(std::uint8_t view) const;
+  /// Sets the frame of an image that holds all points of a view, for each view.
+  void set_image_frames(std::span<DepthFrame> frames) const;
 
   /// Motion of each view: translation in mm, then rotation in mm of arc at `extent` from the middle.
   std::span<Vec6d> motions;

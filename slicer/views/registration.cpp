@@ -137,8 +137,7 @@ class Registrar {
     frames_ = *frames;
     cells_ = *cells;
     searches_ = *searches;
-#pragma omp parallel for schedule(dynamic)
-    for (std::size_t v = 0; v < views; ++v) frames_[v] = views_.image_frame(static_cast<std::uint8_t>(v));
+    views_.set_image_frames(frames_);
     return {};
   }
 
@@ -173,8 +172,7 @@ class Registrar {
           if (!places_[k].measure(cloud_, tree_, views_, i)) places_[k].views = 0;
         }
         // Each thread sums up for views of its own, always in the order of the places.
-        const Share share{static_cast<std::uint32_t>(omp_get_thread_num()),
-                          static_cast<std::uint32_t>(omp_get_num_threads())};
+        const ViewShare share = ViewShare::of_thread();
         for (const SharedPlace& place : places_.first(here)) {
           if (place.views >= 2) add(place, share);
         }
@@ -188,13 +186,7 @@ class Registrar {
     return count > 0 ? sum / count : 0;
   }
 
-  /// A thread's views.
-  struct Share {
-    std::uint32_t thread, threads;
-    bool has(std::uint32_t view) const { return threads == 1 || view % threads == thread; }
-  };
-
-  void add(const SharedPlace& place, const Share& share) {
+  void add(const SharedPlace& place, const ViewShare& share) {
     const std::size_t n = residuals_.size();
     const double* lever = place.lever.data();
     for (std::uint32_t v = 0; v < place.views; ++v) {
