@@ -17,6 +17,8 @@ namespace {
 constexpr const char* kStage = "mesh";
 /// Cells between the sections that are compared with the one at the base plane.
 constexpr float kSectionCells = 2;
+/// Cells along the longest side of a mesh, if the winding number follows its rim.
+constexpr float kRimCells = 256;
 /// Share of the time of turning a mesh that reading it takes.
 constexpr double kCloudRead = 0.3;
 /// Scan units: the cells of a longer mesh would have areas that no float holds.
@@ -53,6 +55,7 @@ class MeshStages {
           close_holes(files_, survey_, grid(), transform_, hits_, arena_, {progress_, Stage::kRays, 0, kHolesClosed});
       PLUMBLINE_TRY(holes);
       report_.mesh->closed_holes = holes->holes;
+      rim_ = holes->rim;
       caps_ = holes->caps;
       whole = holes->all;
       done = kHolesClosed;
@@ -60,8 +63,13 @@ class MeshStages {
     if (!whole) {
       doubled_ = hits_.drop_doubled();
       done = kFieldBuilt;
-      plan_field();
-      PLUMBLINE_TRY(build_field());
+      find_tiles();
+      PLUMBLINE_TRY(rim_.empty() ? build_field() : follow_rim());
+      // Faces that are there twice weigh double in the field: it finds solid where there is none. Their hits are whole.
+      if (!doubled_) {
+        PLUMBLINE_TRY(find_doubtful(field_, hits_, grid(), settings_.threads, arena_,
+                                    {progress_, Stage::kRays, kFieldRead, kFieldBuilt}));
+      }
     }
     auto store = resolve_hits(hits_, grid(), whole ? nullptr : &field_, settings_.threads, arena_,
                               {progress_, Stage::kRays, done, 1}, *report_.mesh);
@@ -89,18 +97,56 @@ class MeshStages {
     return {};
   }
 
-  /// Adds to the plan what a mesh needs that is not closed.
-  void plan_field() {
-    std::size_t& planned = report_.planned_bytes[static_cast<std::size_t>(Stage::kRays)];
-    const std::size_t reading = kReaderWorkspace + VertexList::bytes_needed(survey_.most_vertices);
-    const std::uint32_t slots = MeshDipoles::slots_in(arena_.available() - std::min(arena_.available(), reading));
-    planned += resolve_bytes(settings_.threads, false) - resolve_bytes(settings_.threads, true);
-    planned = std::max(planned + MeshDipoles::field_bytes(slots),
-                       arena_.used() + reading + MeshDipoles::reading_bytes(slots));
+  std::size_t& planned_for_rays() { return report_.planned_bytes[static_cast<std::size_t>(Stage::kRays)]; }
+  /// Adds to the plan what rays need that are not closed.
+  void plan_open_rays() {
+    planned_for_rays() += resolve_bytes(settings_.threads, &field_) - resolve_bytes(settings_.threads, nullptr);
   }
 
-  /// Reads the mesh into a tree of dipoles, and finds the tiles where the hits miss solid parts.
+  /// Which tiles the mesh covers.
+  void find_tiles() {
+    const auto tile_of = [](float mm, float pitch, std::uint32_t tiles) {
+      return std::min(static_cast<std::uint32_t>(std::max(0.0F, mm / pitch)) / kTileSide, tiles - 1);
+    };
+    field_.first_column = tile_of(box_.low[0], grid().pitch_x_mm, hits_.tile_columns());
+    field_.end_column = tile_of(box_.high[0], grid().pitch_x_mm, hits_.tile_columns()) + 1;
+    field_.first_row = tile_of(box_.low[1], grid().pitch_y_mm, hits_.tile_rows());
+    field_.end_row = tile_of(box_.high[1], grid().pitch_y_mm, hits_.tile_rows()) + 1;
+  }
+
+  Status make_doubtful() {
+    const auto words =
+        arena_.take_top<std::uint64_t>(BitImage::words_needed(hits_.tile_columns(), hits_.tile_rows()), kStage);
+    PLUMBLINE_TRY(words);
+    field_.doubtful = BitImage(*words, hits_.tile_columns(), hits_.tile_rows());
+    field_.doubtful.clear();
+    return {};
+  }
+
+  /// Makes a field of the rim alone.
+  Status follow_rim() {
+    field_.rim = {rim_, MeshLattice(grid(), transform_).step()};
+    field_.cell = std::max(box_.size().maxCoeff() / kRimCells, grid().layer_height_mm);
+    plan_open_rays();
+    planned_for_rays() += Arena::rounded(rim_.size_bytes());
+    PLUMBLINE_TRY(make_doubtful());
+    if (settings_.base == BaseChoice::kFlat) {
+      field_.base = box_.low[2];
+    } else if (settings_.base == BaseChoice::kAuto) {
+      PLUMBLINE_TRY(mirror_open_underside(field_, hits_, grid(), box_.low[2], arena_));
+    }
+    report_.flat_underside = field_.base.has_value();
+    return {};
+  }
+
+  /// Reads the mesh into a tree of dipoles.
   Status build_field() {
+    field_.winding = &winding_;
+    plan_open_rays();
+    const std::size_t reading = kReaderWorkspace + VertexList::bytes_needed(survey_.most_vertices);
+    const std::uint32_t slots = MeshDipoles::slots_in(arena_.available() - std::min(arena_.available(), reading));
+    planned_for_rays() = std::max(planned_for_rays() + MeshDipoles::field_bytes(slots),
+                                  arena_.used() + reading + MeshDipoles::reading_bytes(slots));
     const double scale = report_.placement.scale;
     const auto dipoles =
         read_dipoles(files_, survey_.most_vertices,
@@ -111,28 +157,12 @@ class MeshStages {
         arena_.take_top<WindingTree::Node>(WindingTree::nodes_needed(dipoles->cloud.size), "winding number");
     PLUMBLINE_TRY(nodes);
     winding_ = WindingTree::build(dipoles->cloud, *nodes);
-    field_.winding = &winding_;
     field_.cell = dipoles->cell;
     if (settings_.base != BaseChoice::kNone) {
       report_.flat_underside =
           winding_.set_base(box_.low[2], kSectionCells * field_.cell, settings_.base == BaseChoice::kFlat);
     }
-    const auto words =
-        arena_.take_top<std::uint64_t>(BitImage::words_needed(hits_.tile_columns(), hits_.tile_rows()), kStage);
-    PLUMBLINE_TRY(words);
-    field_.doubtful = BitImage(*words, hits_.tile_columns(), hits_.tile_rows());
-    field_.doubtful.clear();
-    const auto tile_of = [](float mm, float pitch, std::uint32_t tiles) {
-      return std::min(static_cast<std::uint32_t>(std::max(0.0F, mm / pitch)) / kTileSide, tiles - 1);
-    };
-    field_.first_column = tile_of(box_.low[0], grid().pitch_x_mm, hits_.tile_columns());
-    field_.end_column = tile_of(box_.high[0], grid().pitch_x_mm, hits_.tile_columns()) + 1;
-    field_.first_row = tile_of(box_.low[1], grid().pitch_y_mm, hits_.tile_rows());
-    field_.end_row = tile_of(box_.high[1], grid().pitch_y_mm, hits_.tile_rows()) + 1;
-    // Faces that are there twice weigh double in the field: it finds solid where there is none. Their hits are whole.
-    if (doubled_) return {};
-    if (find_doubtful(field_, hits_, grid(), {progress_, Stage::kRays, kFieldRead, kFieldBuilt})) return {};
-    return fail(ErrorCode::kCancelled, "cancelled while the mesh was sliced");
+    return make_doubtful();
   }
 
   MeshFiles& files_;
@@ -144,7 +174,8 @@ class MeshStages {
   MeshTransform transform_;
   Box3f box_;  ///< of the placed mesh, mm
   HitList hits_;
-  std::span<const LatticeTriangle> caps_;  ///< of small holes, whose hits are among the others
+  std::span<const RimCorner> rim_;         ///< MeshRim; empty: no field, or one of all triangles
+  std::span<const LatticeTriangle> caps_;  ///< for that one: of small holes, whose hits are among the others
   bool doubled_ = false;                   ///< some hits were there twice
   WindingTree winding_;
   MeshField field_;

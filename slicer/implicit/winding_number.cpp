@@ -10,8 +10,6 @@ constexpr std::uint32_t kBaseSamples = 48;  ///< samples a side, over the base p
 /// An opening in the base plane has winding number 1/2 there, a closed underside 0. Not kSurface, which asks inside or outside:
 /// this asks open or closed. A larger value misses narrow openings, a smaller one takes noise for an opening.
 constexpr float kBaseOpen = 0.1F;
-constexpr std::uint32_t kLeastOpen = 10;  ///< an open underside is at least 1 / kLeastOpen of the section above it
-constexpr int kSections = 8;              ///< most sections compared
 constexpr float kInverse4Pi = 0.0795774715F;
 constexpr float kPi = std::numbers::pi_v<float>;
 
@@ -44,22 +42,15 @@ bool WindingTree::set_base(float height, float step, bool always) {
   const auto sampled = [&](int axis, std::uint32_t i) {
     return box.low[axis] + (static_cast<float>(i) + 0.5F) / kBaseSamples * box.size()[axis];
   };
-  const auto count_above = [&](float least, float z) {
+  has_base_ = is_underside_open([&](std::uint32_t section) {
+    const float least = section == 0 ? kBaseOpen : kSurface;
+    const float z = height + static_cast<float>(section) * step;
     std::uint32_t count = 0;
     for (std::uint32_t i = 0; i < kBaseSamples * kBaseSamples; ++i) {
       count += sum({sampled(0, i % kBaseSamples), sampled(1, i / kBaseSamples), z}) > least ? 1 : 0;
     }
     return count;
-  };
-  // On the plane the surface and its mirror image have the same winding number: 1/2 where the surface is open there, 0 where
-  // it closes above the plane.
-  const std::uint32_t open = count_above(kBaseOpen, height);
-  // Outliers may lie below the object, and it may stand on a foot: compare with the lowest section that is no smaller.
-  std::uint32_t solid = 0;
-  for (int k = 1; open > 0 && k <= kSections && solid < open; ++k) {
-    solid = count_above(kSurface, height + static_cast<float>(k) * step);
-  }
-  has_base_ = kLeastOpen * open > solid;
+  });
   return has_base_;
 }
 

@@ -24,6 +24,21 @@ struct WindingLean {
   bool inside(float winding) const { return (winding - 0.5F) * weight + kRounding * outwards > 0; }
 };
 
+/// Whether an underside is open, by sections of the same samples: if the opening in the base plane has at least a tenth of the area of the
+/// lowest section above it that is no smaller. If less is open, the underside was scanned and merely has holes.
+/// @param count  count(0): samples on the base plane where the winding number is above 0.1, since it is 1/2 in an opening and 0 where
+///               the underside is closed; count(k): those on the k-th section above it that are inside
+template <class Count>
+bool is_underside_open(Count count) {
+  constexpr std::uint32_t kLeastOpen = 10;
+  constexpr std::uint32_t kSections = 8;  // most sections compared
+  const std::uint32_t open = count(0);
+  // Outliers may lie below the object, and it may stand on a foot.
+  std::uint32_t solid = 0;
+  for (std::uint32_t k = 1; open > 0 && k <= kSections && solid < open; ++k) solid = count(k);
+  return kLeastOpen * open > solid;
+}
+
 /// A hierarchy of dipoles over the cloud (Barill et al. 2018, eq. 6). Built once, then read by many threads.
 ///
 ///   W(x) = sum_i  a_i <n_i, p_i - x> / (4 pi |p_i - x|^3)
@@ -43,11 +58,9 @@ class WindingTree {
   /// @param nodes  nodes_needed(cloud.size) of them
   static WindingTree build(const Cloud& cloud, std::span<Node> nodes);
 
-  /// Mirrors the surface and its normals at the plane z = height, if the underside is open. An opening there then counts as
+  /// Mirrors the surface and its normals at the plane z = height, if the underside is open (is_underside_open()). An opening there then counts as
   /// closed flat. A closed object on the plane is not affected, since outside of it its mirror image has winding number 0.
   ///
-  /// The underside is open if the opening in the plane has at least a tenth of the area of the lowest section above it that
-  /// is no smaller than the opening. If less is open, the underside was scanned and merely has holes.
   /// @param height  mm
   /// @param step    mm between the sections that are compared, from the plane upwards
   /// @param always  mirror without testing

@@ -12,6 +12,17 @@ constexpr const char* kStage = "mesh";
 /// Buckets of the first step: so many that a bucket of a large mesh fits a cache of 256 KiB, so few that their ends do, too.
 constexpr std::uint32_t kBuckets = 1024;
 
+/// Whether the hits of a ray come nearer to entering as often as exiting if none is there twice.
+bool balances_without_doubled(std::span<const PackedHit> ray) {
+  int sum = 0;
+  int sum_of_different = 0;
+  for (std::size_t i = 0; i < ray.size(); ++i) {
+    sum += ray[i].winding();
+    if (i == 0 || ray[i] != ray[i - 1]) sum_of_different += ray[i].winding();
+  }
+  return std::abs(sum_of_different) < std::abs(sum);
+}
+
 }  // namespace
 
 Expected<HitList> HitList::create(const PrintGrid& grid, Arena& arena) {
@@ -48,23 +59,19 @@ Status HitList::close(Arena& arena) {
 }
 
 bool HitList::drop_doubled() {
-  std::size_t kept = 0;
-  for (std::size_t begin = 0, end = 0; begin < hits_.size(); begin = end) {
-    int sum = 0;
-    int sum_of_different = 0;
-    for (; end < hits_.size() && hits_[end].is_on_ray_of(hits_[begin]); ++end) {
-      sum += hits_[end].winding();
-      if (end == begin || hits_[end] != hits_[end - 1]) sum_of_different += hits_[end].winding();
-    }
-    const bool drop = std::abs(sum_of_different) < std::abs(sum);
-    const std::size_t first = kept;
-    for (std::size_t i = begin; i < end; ++i) {
-      if (!drop || kept == first || hits_[i] != hits_[kept - 1]) hits_[kept++] = hits_[i];
-    }
+  for (std::size_t begin = 0, end = 0; !drops_doubled_ && begin < hits_.size(); begin = end) {
+    while (end < hits_.size() && hits_[end].is_on_ray_of(hits_[begin])) ++end;
+    drops_doubled_ = balances_without_doubled(hits_.subspan(begin, end - begin));
   }
-  const bool dropped = kept < hits_.size();
-  hits_ = hits_.first(kept);
-  return dropped;
+  return drops_doubled_;
+}
+
+RayHits HitList::take_ray(std::span<const PackedHit>& in_tile, std::uint32_t ray) const {
+  std::size_t count = 0;
+  while (count < in_tile.size() && in_tile[count].ray() == ray) ++count;
+  const auto taken = in_tile.first(count);
+  in_tile = in_tile.subspan(count);
+  return {taken, drops_doubled_ && balances_without_doubled(taken)};
 }
 
 std::span<const PackedHit> HitList::of_tile(std::uint32_t tile) const {
@@ -72,6 +79,13 @@ std::span<const PackedHit> HitList::of_tile(std::uint32_t tile) const {
   const auto begin = std::lower_bound(hits.begin(), hits.end(), PackedHit::before_tile(tile));
   const auto end = std::lower_bound(begin, hits.end(), PackedHit::before_tile(tile + 1));
   return {begin, end};
+}
+
+RayHits HitList::of_ray(std::uint32_t column, std::uint32_t row) const {
+  const std::uint32_t number = row % kTileSide * kTileSide + column % kTileSide;
+  auto in_tile = of_tile(row / kTileSide * tile_columns_ + column / kTileSide);
+  while (!in_tile.empty() && in_tile.front().ray() < number) in_tile = in_tile.subspan(1);
+  return take_ray(in_tile, number);
 }
 
 void sort_hits(std::span<PackedHit> hits, std::uint32_t tiles) {

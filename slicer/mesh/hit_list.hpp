@@ -44,6 +44,16 @@ class PackedHit {
   std::uint64_t word_ = 0;
 };
 
+/// The hits of one ray, in order.
+struct RayHits {
+  std::span<const PackedHit> all;
+  bool drops_doubled = false;  ///< those that are equal to the one below are left out
+
+  bool empty() const { return all.empty(); }
+  std::size_t size() const { return all.size(); }
+  bool keeps(std::size_t i) const { return !drops_doubled || i == 0 || all[i] != all[i - 1]; }
+};
+
 /// Takes the rest of the arena for hits, and gives back what they don't need.
 class HitList {
  public:
@@ -70,14 +80,17 @@ class HitList {
   /// @param arena  as for close(). The list takes the rest of it
   [[nodiscard]] Status reopen(Arena& arena);
 
-  /// After close(): leaves out hits that are there twice on a ray if the others come nearer to entering as often as exiting. So
-  /// a face that is there twice does no harm.
-  /// @returns whether there were any
+  /// After close(): from now on, hits that are there twice on a ray are left out if the others come nearer to entering as often as
+  /// exiting. So a face that is there twice does no harm.
+  /// @returns whether there are any
   bool drop_doubled();
 
   /// After close(): the hits in order.
   std::span<const PackedHit> all() const { return hits_.subspan(free_); }
   std::span<const PackedHit> of_tile(std::uint32_t tile) const;
+  RayHits of_ray(std::uint32_t column, std::uint32_t row) const;
+  /// The hits of ray `ray` at the front of those of its tile, from which it removes them.
+  RayHits take_ray(std::span<const PackedHit>& in_tile, std::uint32_t ray) const;
 
  private:
   std::span<PackedHit> hits_;  ///< filled from the back, so that nothing moves when the front is given back
@@ -85,16 +98,8 @@ class HitList {
   std::size_t top_ = 0;  ///< mark of the arena before the list
   std::uint32_t tile_columns_ = 0;
   std::uint32_t tile_rows_ = 0;
+  bool drops_doubled_ = false;
 };
-
-/// The hits of ray `ray` at the front of `hits`, which it removes.
-inline std::span<const PackedHit> take_ray(std::span<const PackedHit>& hits, std::uint32_t ray) {
-  std::size_t count = 0;
-  while (count < hits.size() && hits[count].ray() == ray) ++count;
-  const auto taken = hits.first(count);
-  hits = hits.subspan(count);
-  return taken;
-}
 
 /// Sorts hits in place: into buckets by their tile, then each bucket.
 /// @param tiles  all hits lie in tiles below it

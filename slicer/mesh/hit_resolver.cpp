@@ -7,6 +7,7 @@
 #include <atomic>
 #include <cstdlib>
 #include <optional>
+#include <utility>
 
 #include "slicer/core/loop_progress.hpp"
 #include "slicer/mesh/mesh_ray.hpp"
@@ -20,12 +21,14 @@ constexpr std::uint32_t kRaysPerTile = kTileSide * kTileSide;
 constexpr std::size_t kRoom = std::size_t{kRaysPerTile} * kMostRayCrossings;
 /// Cells between the samples that look for solid parts that the hits miss.
 constexpr float kSearchStep = 4;
-/// Such samples of a stretch, at most.
+/// Cells between the sections that are compared with the one at the base plane.
+constexpr float kSectionCells = 2;
+/// Samples of a stretch for solid parts, at most.
 constexpr std::uint32_t kMostSearched = 16;
 
 /// Whether the winding number finds solid where the hits are sure that there is none. The other way round the hits are right: faces
 /// that are flipped make the winding number too small near them.
-bool misses_solid(const MeshField& mesh, const MeshRay& field, std::span<const PackedHit> ray, const PrintGrid& grid) {
+bool misses_solid(const MeshField& mesh, const MeshRay& field, const RayHits& ray, const PrintGrid& grid) {
   bool found = false;
   const std::uint32_t clear = mesh.layers_in(1, grid.layer_height_mm);
   const std::uint32_t least_step = mesh.layers_in(kSearchStep, grid.layer_height_mm);
@@ -33,10 +36,16 @@ bool misses_solid(const MeshField& mesh, const MeshRay& field, std::span<const P
     if (!stretch.is_sure() || stretch.is_solid()) return;
     const std::uint32_t step = std::max(least_step, (stretch.end - stretch.begin) / kMostSearched);
     for (std::uint32_t k = stretch.begin + clear; !found && k + clear < stretch.end; k += step) {
-      found = field.inside(k);
+      found = field.inside(k, stretch.from_all_above);
     }
   });
   return found;
+}
+
+/// The pixel in the middle of a tile, or the last one.
+std::pair<std::uint32_t, std::uint32_t> middle_of_tile(std::uint32_t column, std::uint32_t row, const PrintGrid& grid) {
+  constexpr std::uint32_t kMiddle = kTileSide / 2;
+  return {std::min(column * kTileSide + kMiddle, grid.columns - 1), std::min(row * kTileSide + kMiddle, grid.rows - 1)};
 }
 
 /// What one thread works with.
@@ -79,7 +88,7 @@ class Resolver {
     std::array<std::uint8_t, kRaysPerTile> counted{};
     std::size_t used = 0;
     for (std::uint32_t i = 0; i < kRaysPerTile; ++i) {
-      const auto ray = take_ray(hits, i);
+      const auto ray = hits_.take_ray(hits, i);
       const std::uint32_t column = tile_column * kTileSide + i % kTileSide;
       const std::uint32_t row = tile_row * kTileSide + i / kTileSide;
       const bool open = worker.open && worker.open->is_open(column, row);
@@ -126,22 +135,29 @@ Expected<std::span<Worker>> make_workers(const PrintGrid& grid, const MeshField*
 
 }  // namespace
 
-bool find_doubtful(MeshField& field, const HitList& hits, const PrintGrid& grid, const StageProgress& progress) {
-  constexpr std::uint32_t kMiddle = kTileSide / 2;
+Status find_doubtful(MeshField& field, const HitList& hits, const PrintGrid& grid, std::uint32_t threads, Arena& arena,
+                     const StageProgress& progress) {
+  const ArenaScope scope(arena);
+  const auto rays = arena.take_top<MeshRay>(threads, kStage);
+  PLUMBLINE_TRY(rays);
+  for (MeshRay& ray : *rays) {
+    const auto made = MeshRay::create(field, grid, arena);
+    PLUMBLINE_TRY(made);
+    ray = *made;
+  }
   const std::uint32_t rows = field.end_row - field.first_row;
   const std::uint32_t columns = field.end_column - field.first_column;
   LoopProgress loop(progress, rows * columns);
-#pragma omp parallel for schedule(dynamic, 16)
+#pragma omp parallel for schedule(dynamic, 16) num_threads(static_cast <int>(threads))
   for (std::uint32_t i = 0; i < rows * columns; ++i) {
     if (!loop.step(i)) continue;
     const std::uint32_t tile_column = field.first_column + i % columns;
     const std::uint32_t tile_row = field.first_row + i / columns;
-    const std::uint32_t column = std::min(tile_column * kTileSide + kMiddle, grid.columns - 1);
-    const std::uint32_t row = std::min(tile_row * kTileSide + kMiddle, grid.rows - 1);
-    const std::uint32_t number = row % kTileSide * kTileSide + column % kTileSide;
-    auto in_tile = hits.of_tile(tile_row * hits.tile_columns() + tile_column);
-    while (!in_tile.empty() && in_tile.front().ray() < number) in_tile = in_tile.subspan(1);
-    if (!misses_solid(field, MeshRay(field, grid, column, row), take_ray(in_tile, number), grid)) continue;
+    const auto [column, row] = middle_of_tile(tile_column, tile_row, grid);
+    const RayHits on_ray = hits.of_ray(column, row);
+    MeshRay& ray = (*rays)[static_cast<std::size_t>(omp_get_thread_num())];
+    ray.begin(column, row, on_ray);
+    if (!misses_solid(field, ray, on_ray, grid)) continue;
     for (std::uint32_t r = std::max(tile_row, 1U) - 1; r <= std::min(tile_row + 1, hits.tile_rows() - 1); ++r) {
       for (std::uint32_t c = std::max(tile_column, 1U) - 1; c <= std::min(tile_column + 1, hits.tile_columns() - 1);
            ++c) {
@@ -150,7 +166,38 @@ bool find_doubtful(MeshField& field, const HitList& hits, const PrintGrid& grid,
       }
     }
   }
-  return !loop.stopped();
+  if (loop.stopped()) return fail(ErrorCode::kCancelled, "cancelled while the mesh was sliced");
+  return {};
+}
+
+Expected<bool> mirror_open_underside(MeshField& field, const HitList& hits, const PrintGrid& grid, float height,
+                                     Arena& arena) {
+  const ArenaScope scope(arena);
+  auto ray = MeshRay::create(field, grid, arena);
+  PLUMBLINE_TRY(ray);
+  const auto layer = static_cast<std::uint32_t>(std::max(0.0F, height / grid.layer_height_mm));
+  const bool open = is_underside_open([&](std::uint32_t section) {
+    const std::uint32_t k = layer + section * field.layers_in(kSectionCells, grid.layer_height_mm);
+    std::uint32_t count = 0;
+    for (std::uint32_t r = field.first_row; r < field.end_row; ++r) {
+      for (std::uint32_t c = field.first_column; c < field.end_column; ++c) {
+        const auto [column, row] = middle_of_tile(c, r, grid);
+        const RayHits on_ray = hits.of_ray(column, row);
+        if (on_ray.empty()) continue;
+        ray->begin(column, row, on_ray);
+        if (section == 0) {
+          count += ray->is_open_at(height) ? 1 : 0;
+          continue;
+        }
+        for_each_stretch(on_ray, grid.layers, [&](const RayStretch& stretch) {
+          if (stretch.begin <= k && k < stretch.end) count += ray->inside(k, stretch.from_all_above) ? 1 : 0;
+        });
+      }
+    }
+    return count;
+  });
+  if (open) field.base = height;
+  return open;
 }
 
 bool has_overlaps(const HitList& hits) {
@@ -167,9 +214,9 @@ bool has_overlaps(const HitList& hits) {
   return false;
 }
 
-std::size_t resolve_bytes(std::uint32_t threads, bool closed) {
-  return Arena::rounded(threads * sizeof(Worker)) +
-         threads * (Arena::rounded(kRoom * sizeof(std::uint16_t)) + (closed ? 0 : OpenRays::bytes_needed()));
+std::size_t resolve_bytes(std::uint32_t threads, const MeshField* field) {
+  return Arena::rounded(threads * sizeof(Worker)) + threads * (Arena::rounded(kRoom * sizeof(std::uint16_t)) +
+                                                               (field == nullptr ? 0 : OpenRays::bytes_needed(*field)));
 }
 
 Expected<CrossingStore> resolve_hits(const HitList& hits, const PrintGrid& grid, const MeshField* field,

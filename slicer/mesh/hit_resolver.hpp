@@ -14,15 +14,23 @@ namespace plumbline {
 
 /// Compares hits and winding number along one ray of each tile, and marks the tiles where the hits miss solid parts, and their
 /// neighbours: holes are above each other there, and a ray through both looks whole.
-/// @returns false if the caller cancelled
-[[nodiscard]] bool find_doubtful(MeshField& field, const HitList& hits, const PrintGrid& grid,
-                                 const StageProgress& progress);
+/// @param arena  gets back what it takes from the top
+/// @retval ErrorCode::kOutOfMemory, kCancelled
+[[nodiscard]] Status find_doubtful(MeshField& field, const HitList& hits, const PrintGrid& grid, std::uint32_t threads,
+                                   Arena& arena, const StageProgress& progress);
+
+/// As WindingTree::set_base(), for a field with a rim: by the rays in the middle of all tiles.
+/// @returns whether the surface is mirrored
+/// @retval ErrorCode::kOutOfMemory
+[[nodiscard]] Expected<bool> mirror_open_underside(MeshField& field, const HitList& hits, const PrintGrid& grid,
+                                                   float height, Arena& arena);
 
 /// Whether parts of the object lie inside of each other: some ray is in two of them.
 [[nodiscard]] bool has_overlaps(const HitList& hits);
 
 /// Bytes of the arena for resolve_hits(), without its store.
-std::size_t resolve_bytes(std::uint32_t threads, bool closed);
+/// @param field  null: the mesh is closed
+std::size_t resolve_bytes(std::uint32_t threads, const MeshField* field);
 
 /// Stores the crossings of all rays.
 ///

@@ -4,18 +4,23 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/print_grid.hpp"
 #include "slicer/implicit/winding_number.hpp"
 #include "slicer/mesh/ray_solids.hpp"
+#include "slicer/mesh/rim_winding.hpp"
 
 namespace plumbline {
 
 /// The winding number of a mesh that is not closed.
 struct MeshField {
-  const WindingTree* winding = nullptr;
-  float cell = 0;     ///< mm: nearer to the surface the number is not trusted
+  MeshRim rim;                           ///< empty: it is too long, and all triangles are in `winding`
+  const WindingTree* winding = nullptr;  ///< null: by the rim
+  std::optional<float> base;             ///< mm: with a rim, the height at which the surface is mirrored
+  float cell =
+      0;  ///< mm: details that are smaller are not looked for. Nearer to the surface the tree's number is not trusted
   BitImage doubtful;  ///< one pixel a tile: where the hits miss solid parts. Set by find_doubtful()
   std::uint32_t first_column = 0, end_column = 0;  ///< tiles that the object's box covers
   std::uint32_t first_row = 0, end_row = 0;
@@ -26,38 +31,63 @@ struct MeshField {
   }
 };
 
+/// One ray after the other. One object a thread.
 class MeshRay {
  public:
-  MeshRay(const MeshField& field, const PrintGrid& grid, std::uint32_t column, std::uint32_t row)
-      : field_(field),
-        layer_height_(grid.layer_height_mm),
-        x_((static_cast<float>(column) + 0.5F) * grid.pitch_x_mm),
-        y_((static_cast<float>(row) + 0.5F) * grid.pitch_y_mm) {}
+  static std::size_t bytes_needed(const MeshField& field) {
+    return field.winding == nullptr ? RimWinding::bytes_needed(field.rim.corners.size()) : 0;
+  }
+  /// @param field  outlives this, as does the grid
+  /// @param arena  bytes_needed() from the top
+  /// @retval ErrorCode::kOutOfMemory
+  [[nodiscard]] static Expected<MeshRay> create(const MeshField& field, const PrintGrid& grid, Arena& arena) {
+    MeshRay ray(field, grid);
+    if (field.winding == nullptr) {
+      const auto rim = RimWinding::create(field.rim, arena);
+      PLUMBLINE_TRY(rim);
+      ray.rim_ = *rim;
+    }
+    return ray;
+  }
 
-  bool inside(std::uint32_t layer) const {
+  /// Begins the ray through a pixel.
+  void begin(std::uint32_t column, std::uint32_t row, const RayHits& hits) {
+    x_ = (static_cast<float>(column) + 0.5F) * grid_->pitch_x_mm;
+    y_ = (static_cast<float>(row) + 0.5F) * grid_->pitch_y_mm;
+    below_all_ = -winding_sum_of_all(hits);
+    if (rim_) rim_->begin(column, row);
+  }
+
+  /// @param above  RayStretch::from_all_above
+  bool inside(std::uint32_t layer, int above) const {
+    const float z = (static_cast<float>(layer) + 0.5F) * grid_->layer_height_mm;
+    if (rim_) return rim_inside(z, above);
     // Most places are so plainly inside or outside that a rough number tells.
     constexpr float kPlain = WindingLean::kMost + WindingTree::kRough;
-    const Vec3f place(x_, y_, (static_cast<float>(layer) + 0.5F) * layer_height_);
-    const float rough = field_.winding->rough(place);
+    const Vec3f place(x_, y_, z);
+    const float rough = field_->winding->rough(place);
     if (std::abs(rough - WindingTree::kSurface) > kPlain) return rough > WindingTree::kSurface;
-    return field_.winding->inside(place);
+    return field_->winding->inside(place);
   }
+  /// With a rim: whether the surface is open at a height, as seen from below.
+  bool is_open_at(float z) const { return rim_->at(z, below_all_).above_tenth(); }
+
   /// Finds the solid parts of a stretch by samples a cell apart or more, and the layer where they change by bisection.
   /// @param set  set(layer, solid): from that layer upwards; first of all for the stretch's begin
   template <class Set>
   void decide(const RayStretch& stretch, Set set) const {
     const std::uint32_t length = stretch.end - stretch.begin;
-    const std::uint32_t samples = std::clamp(length / field_.layers_in(1, layer_height_), 1U, kMostSamples);
+    const std::uint32_t samples = std::clamp(length / field_->layers_in(1, grid_->layer_height_mm), 1U, kMostSamples);
     bool before = false;
     std::uint32_t last = stretch.begin;
     for (std::uint32_t s = 0; s < samples; ++s) {
       const auto layer =
           stretch.begin + static_cast<std::uint32_t>((2 * std::uint64_t{s} + 1) * length / (2 * samples));
-      const bool solid = inside(layer);
+      const bool solid = inside(layer, stretch.from_all_above);
       if (s == 0) {
         set(stretch.begin, solid);
       } else if (solid != before) {
-        set(change(last, layer, before), solid);
+        set(change(last, layer, before, stretch.from_all_above), solid);
       }
       before = solid;
       last = layer;
@@ -68,18 +98,36 @@ class MeshRay {
   /// Samples of a stretch, at most. It has no hits, so only where the surface has holes can it change; a winding number costs 1 us.
   static constexpr std::uint32_t kMostSamples = 8;
 
+  MeshRay(const MeshField& field, const PrintGrid& grid) : field_(&field), grid_(&grid) {}
+
+  bool rim_inside(float z, int above) const {
+    WindingTurn turn = rim_->at(z, above);
+    if (field_->base) {
+      if (z < *field_->base) return false;
+      // The mirrored surface seen from here is the surface seen from the mirror image of this place, below all of it.
+      turn.add(rim_->at(2 * *field_->base - z, below_all_));
+    }
+    if (!turn.is_near_half()) return turn.above_half();
+    RimLean lean;
+    rim_->add_lean(z, lean);
+    if (field_->base) rim_->add_lean(2 * *field_->base - z, lean);
+    return turn.above_half(lean);
+  }
+
   /// The first layer above `low` that is not as there.
-  std::uint32_t change(std::uint32_t low, std::uint32_t high, bool at_low) const {
+  std::uint32_t change(std::uint32_t low, std::uint32_t high, bool at_low, int above) const {
     while (high - low > 1) {
       const std::uint32_t middle = low + (high - low) / 2;
-      (inside(middle) == at_low ? low : high) = middle;
+      (inside(middle, above) == at_low ? low : high) = middle;
     }
     return high;
   }
 
-  const MeshField& field_;
-  float layer_height_;
-  float x_, y_;
+  const MeshField* field_;
+  const PrintGrid* grid_;
+  std::optional<RimWinding> rim_;
+  float x_ = 0, y_ = 0;
+  int below_all_ = 0;  ///< the winding number below the mesh, by its hits
 };
 
 }  // namespace plumbline

@@ -88,7 +88,7 @@ class EdgeSink final : public StagedSink {
     for (const Triangle& triangle : triangles) {
       const LatticeTriangle t = on_lattice(lattice_, triangle);
       if (users_) {
-        edges_.add_user(t, number_++);
+        edges_.add_user(t, number_++, lattice_.step());
         continue;
       }
       PLUMBLINE_TRY(edges_.add(t));
@@ -206,10 +206,11 @@ Expected<ClosedHoles> find_and_close_holes(MeshFiles& files, const MeshSurvey& s
     const StageProgress half = users ? progress.part(0.5, 1) : progress.part(0, 0.5);
     EdgeSink sink(files, half, lattice, *edges, users);
     PLUMBLINE_TRY(files.read(sink, *vertices, *workspace, [](const MeshSummary&) {}));
-    if (edges->full() || edges->runs() > survey.triangles / 2) return ClosedHoles{};
+    if (edges->full()) return ClosedHoles{};
   }
-  if (small_hole_bytes(edges->runs()) > arena.available()) return ClosedHoles{};
-  const auto found = close_small_holes(*edges, lattice.step(), arena);
+  const bool whole = edges->runs() <= survey.triangles / 2;
+  if ((!whole && edges->runs() > kMostRim) || small_hole_bytes(edges->runs()) > arena.available()) return ClosedHoles{};
+  const auto found = close_small_holes(*edges, lattice.step(), whole ? kMostCorners : 0, arena);
   PLUMBLINE_TRY(found);
   PLUMBLINE_TRY(hits.reopen(arena));
   bool full = false;
@@ -219,11 +220,19 @@ Expected<ClosedHoles> find_and_close_holes(MeshFiles& files, const MeshSurvey& s
   if (full) return fail_full(hits);
   PLUMBLINE_TRY(hits.close(arena));
   arena.reset_peak();  // the open list took the rest of the arena
-  if (found->all) return ClosedHoles{{}, found->holes, true};
-  const auto caps = arena.take_top<LatticeTriangle>(found->caps.size(), kStage);
-  PLUMBLINE_TRY(caps);
-  std::ranges::copy(found->caps, caps->begin());
-  return ClosedHoles{*caps, found->holes, false};
+  ClosedHoles closed{found->holes, found->rim.empty(), {}, {}};
+  if (found->rim.size() <= kMostRim) {
+    const auto rim = arena.take_top<RimCorner>(found->rim.size(), kStage);
+    PLUMBLINE_TRY(rim);
+    std::ranges::copy(found->rim, rim->begin());
+    closed.rim = *rim;
+  } else {
+    const auto caps = arena.take_top<LatticeTriangle>(found->caps.size(), kStage);
+    PLUMBLINE_TRY(caps);
+    std::ranges::copy(found->caps, caps->begin());
+    closed.caps = *caps;
+  }
+  return closed;
 }
 
 Expected<ReadDipoles> add_up(MeshFiles& files, std::uint64_t most_vertices, const DipoleSurface& surface, Arena& arena,

@@ -13,6 +13,7 @@
 #include "slicer/mesh/mesh_files.hpp"
 #include "slicer/mesh/mesh_lattice.hpp"
 #include "slicer/mesh/mesh_survey.hpp"
+#include "slicer/mesh/rim_winding.hpp"
 #include "slicer/reader/scan_sources.hpp"
 
 namespace plumbline {
@@ -42,12 +43,17 @@ struct MeshHits {
                                            const MeshTransform& transform, Arena& arena, const StageProgress& progress);
 
 struct ClosedHoles {
-  std::span<const LatticeTriangle> caps;  ///< at the top of the arena; none if `all`
-  std::uint64_t holes = 0;                ///< that were closed
-  bool all = false;                       ///< the hits are now those of a closed mesh
+  std::uint64_t holes = 0;  ///< that were closed
+  bool all = false;         ///< the hits are now those of a closed mesh
+  // If not, one of these, at the top of the arena. Neither if no hole was closed, and the rim is long or not known.
+  std::span<const RimCorner> rim;         ///< MeshRim of what is left open
+  std::span<const LatticeTriangle> caps;  ///< that close the holes; the rim is longer than kMostRim
 };
-/// Reads the triangles twice, to close the small holes of a mesh (close_small_holes()) and to add the hits of the caps. It leaves a
-/// mesh alone most of whose edges are open, or that has more of them than there is room for.
+/// Corners of a rim: with more, the winding number of all triangles in cells takes less time.
+inline constexpr std::size_t kMostRim = 4096;
+
+/// Reads the triangles twice, to close the small holes of a mesh (close_small_holes()), to add the hits of the caps, and to find the
+/// rim of the large ones. It closes none in a mesh most of whose edges are open, or that has more of them than there is room for.
 /// @param hits  of the same files, the last block taken from the top of the arena
 [[nodiscard]] Expected<ClosedHoles> close_holes(MeshFiles& files, const MeshSurvey& survey, const PrintGrid& grid,
                                                 const MeshTransform& transform, HitList& hits, Arena& arena,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstdlib>
 #include <tuple>
 
@@ -22,7 +23,18 @@ std::uint64_t hash_of(const OpenEdge& edge) {
 /// An edge of a triangle, with +1 or -1 as its surplus; 0: it has no length.
 OpenEdge edge_between(const LatticePoint& from, const LatticePoint& to) {
   if (from == to) return {};
-  return from < to ? OpenEdge{from, to, 1} : OpenEdge{to, from, -1};
+  return from < to ? OpenEdge{.low = from, .high = to, .surplus = 1} : OpenEdge{.low = to, .high = from, .surplus = -1};
+}
+
+/// Of length 1; 0 of a triangle without area.
+Vec3f normal_of(const LatticeTriangle& t, const Vec3d& steps) {
+  const auto from_first = [&](const LatticePoint& p) {
+    return Vec3d(steps[0] * (double{1} * p.x - t[0].x), steps[1] * (double{1} * p.y - t[0].y),
+                 steps[2] * (double{1} * p.z - t[0].z));
+  };
+  const Vec3d directed = from_first(t[1]).cross(from_first(t[2]));
+  const double area = std::sqrt(directed.dot(directed));
+  return area > 0 ? Vec3f((directed / area).cast<float>()) : Vec3f::Zero();
 }
 
 template <class Visit>
@@ -110,11 +122,13 @@ Status OpenEdges::add(const LatticeTriangle& triangle) {
   return {};
 }
 
-void OpenEdges::add_user(const LatticeTriangle& triangle, std::uint64_t number) {
+void OpenEdges::add_user(const LatticeTriangle& triangle, std::uint64_t number, const Vec3d& steps) {
   for_each_edge(triangle, [&](const OpenEdge& edge) {
     if (edge.surplus == 0) return;
     OpenEdge& kept = slots_[find(edge)];
-    if (kept.surplus != 0) kept.users += static_cast<std::uint32_t>(mix64(number + 1));
+    if (kept.surplus == 0) return;
+    kept.users += static_cast<std::uint32_t>(mix64(number + 1));
+    kept.outward += normal_of(triangle, steps);
   });
 }
 

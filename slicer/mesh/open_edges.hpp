@@ -5,6 +5,7 @@
 #include <span>
 
 #include "slicer/core/arena.hpp"
+#include "slicer/core/vec.hpp"
 #include "slicer/mesh/mesh_lattice.hpp"
 
 namespace plumbline {
@@ -13,7 +14,9 @@ namespace plumbline {
 struct OpenEdge {
   LatticePoint low, high;    ///< low < high, in some order of all places
   std::int32_t surplus = 0;  ///< how much more often it runs from low to high than back; 0: an empty slot
-  std::uint32_t users = 0;   ///< mixed numbers of all triangles that have it, whichever way: OpenEdges::add_user()
+  // Of all triangles that have it, whichever way: OpenEdges::add_user()
+  std::uint32_t users = 0;        ///< their mixed numbers
+  Vec3f outward = Vec3f::Zero();  ///< the sum of their normals
 };
 
 /// A hash table of open edges. An edge that runs as often one way as the other is removed, so that the table holds no more than the
@@ -32,7 +35,8 @@ class OpenEdges {
   bool full() const { return full_; }
   /// After all triangles have been added: tells the open edges of a triangle that it has them.
   /// @param number  of the triangle
-  void add_user(const LatticeTriangle& triangle, std::uint64_t number);
+  /// @param steps   mm in a step of the lattice
+  void add_user(const LatticeTriangle& triangle, std::uint64_t number, const Vec3d& steps);
 
   std::uint32_t size() const { return used_; }
   std::uint64_t runs() const;  ///< sum of |surplus|

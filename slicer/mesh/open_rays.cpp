@@ -19,13 +19,19 @@ constexpr std::uint32_t kLeastSide = 4;
 
 }  // namespace
 
-OpenRays::OpenRays(const MeshField& field, const PrintGrid& grid, std::span<Ray> rays)
-    : field_(&field), grid_(&grid), rays_(rays), long_gap_(field.layers_in(kTrusted, grid.layer_height_mm)) {}
+OpenRays::OpenRays(const MeshField& field, const PrintGrid& grid, std::span<Ray> rays, const MeshRay& along)
+    : field_(&field),
+      grid_(&grid),
+      rays_(rays),
+      along_(along),
+      long_gap_(field.layers_in(kTrusted, grid.layer_height_mm)) {}
 
 Expected<OpenRays> OpenRays::create(const MeshField& field, const PrintGrid& grid, Arena& arena) {
   const auto rays = arena.take_top<Ray>(kSide * kSide, "mesh");
   PLUMBLINE_TRY(rays);
-  return OpenRays(field, grid, *rays);
+  const auto along = MeshRay::create(field, grid, arena);
+  PLUMBLINE_TRY(along);
+  return OpenRays(field, grid, *rays, *along);
 }
 
 void OpenRays::begin(const HitList& hits, std::uint32_t column, std::uint32_t row) {
@@ -43,7 +49,7 @@ void OpenRays::begin(const HitList& hits, std::uint32_t column, std::uint32_t ro
         const std::uint32_t ray_c = c + i % kTileSide;
         const std::uint32_t ray_r = r + i / kTileSide;
         Ray& ray = at(ray_c, ray_r);
-        ray.hits = take_ray(in_tile, i);
+        ray.hits = hits.take_ray(in_tile, i);
         ray.doubtful = doubtful;
         ray.known = false;
         ray.count = 0;
@@ -63,6 +69,7 @@ std::uint64_t OpenRays::kind_of(const Ray& ray) const {
     const auto windings = (std::uint64_t{static_cast<std::uint32_t>(stretch.from_below)} << 32U) |
                           static_cast<std::uint32_t>(stretch.from_above);
     kind = mix64(kind * kGoldenStep64 + windings + (asked ? 1 : 0));
+    kind += static_cast<std::uint32_t>(stretch.from_all_above - stretch.from_above);
   });
   return open ? std::max<std::uint64_t>(kind, 1) : 0;
 }
@@ -74,11 +81,11 @@ bool OpenRays::ask(std::uint32_t c, std::uint32_t r) {
   if (ray.known) return true;
   ++asked_;
   std::size_t count = 0;
-  const MeshRay along(*field_, *grid_, column_ + c, row_ + r);
+  along_.begin(column_ + c, row_ + r, ray.hits);
   for_each_stretch(ray.hits, grid_->layers, [&](const RayStretch& stretch) {
     if (!asks(ray, stretch)) return;
     bool begins = true;
-    along.decide(stretch, [&](std::uint32_t layer, bool solid) {
+    along_.decide(stretch, [&](std::uint32_t layer, bool solid) {
       if (count < kMostMarks) ray.mark[count] = {static_cast<std::uint16_t>(layer), solid, begins};
       begins = false;
       ++count;
@@ -116,9 +123,9 @@ bool OpenRays::ask_corners(const Square& square, Corners& corners) {
 bool OpenRays::lies_between(const Ray& ray, const Corners& corners) const {
   const std::uint32_t bulge = field_->layers_in(kBulge, grid_->layer_height_mm);
   for (std::size_t i = 0; i < ray.hits.size(); ++i) {
-    const auto [low, high] = std::minmax({corners[0]->hits[i].layer(), corners[1]->hits[i].layer(),
-                                          corners[2]->hits[i].layer(), corners[3]->hits[i].layer()});
-    const std::uint32_t layer = ray.hits[i].layer();
+    const auto [low, high] = std::minmax({corners[0]->hits.all[i].layer(), corners[1]->hits.all[i].layer(),
+                                          corners[2]->hits.all[i].layer(), corners[3]->hits.all[i].layer()});
+    const std::uint32_t layer = ray.hits.all[i].layer();
     if (layer + bulge < low || layer > high + bulge) return false;
   }
   return true;
@@ -183,13 +190,13 @@ void OpenRays::decide(std::uint32_t column, std::uint32_t row, RayToggles& toggl
   const auto set = [&](std::uint32_t layer, bool solid) { toggles.set(layer, solid); };
   const Ray& ray = ray_at(column, row);
   asked_ += ray.known ? 0 : 1;
-  const MeshRay along(*field_, *grid_, column, row);
+  if (!ray.known) along_.begin(column, row, ray.hits);
   std::span<const Mark> marks = ray.marks();
   for_each_stretch(ray.hits, grid_->layers, [&](const RayStretch& stretch) {
     if (!asks(ray, stretch)) {
       set(stretch.begin, stretch.is_solid());
     } else if (!ray.known) {
-      along.decide(stretch, set);
+      along_.decide(stretch, set);
     } else {
       set(stretch.begin, marks.front().solid);
       marks = marks.subspan(1);

@@ -25,7 +25,9 @@ class OpenRays {
  public:
   static constexpr std::uint32_t kSide = 4 * kTileSide;  ///< rays along each side of a block
 
-  static std::size_t bytes_needed() { return Arena::rounded(kSide * kSide * sizeof(Ray)); }
+  static std::size_t bytes_needed(const MeshField& field) {
+    return Arena::rounded(kSide * kSide * sizeof(Ray)) + MeshRay::bytes_needed(field);
+  }
   /// @param field  outlives this
   /// @param arena  bytes_needed() from the top
   /// @retval ErrorCode::kOutOfMemory
@@ -51,7 +53,7 @@ class OpenRays {
     bool begins = false;  ///< a stretch
   };
   struct Ray {
-    std::span<const PackedHit> hits;
+    RayHits hits;
     std::uint64_t kind =
         0;  ///< equal for rays with the same sequence of stretches; 0: not open, or outside of the grid
     std::array<Mark, kMostMarks> mark;
@@ -66,7 +68,7 @@ class OpenRays {
   };
   using Corners = std::array<const Ray*, 4>;
 
-  OpenRays(const MeshField& field, const PrintGrid& grid, std::span<Ray> rays);
+  OpenRays(const MeshField& field, const PrintGrid& grid, std::span<Ray> rays, const MeshRay& along);
   Ray& at(std::uint32_t c, std::uint32_t r) const { return rays_[r * kSide + c]; }
   const Ray& ray_at(std::uint32_t column, std::uint32_t row) const { return at(column - column_, row - row_); }
   bool asks(const Ray& ray, const RayStretch& stretch) const {
@@ -83,6 +85,7 @@ class OpenRays {
   const MeshField* field_;
   const PrintGrid* grid_;
   std::span<Ray> rays_;     ///< row by row
+  MeshRay along_;           ///< one of them
   std::uint32_t long_gap_;  ///< layers
   std::uint32_t column_ = 0, row_ = 0;
   std::uint64_t asked_ = 0;

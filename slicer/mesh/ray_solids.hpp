@@ -17,30 +17,36 @@ struct RayStretch {
   std::uint32_t begin = 0, end = 0;  ///< layers, half-open; begin < end
   int from_below = 0;                ///< winding number by the hits below
   int from_above = 0;                ///< by those above; equal if the ray is whole
+  int from_all_above = 0;            ///< by those above, with those that are left out because they are there twice
   bool is_sure() const { return (from_below != 0) == (from_above != 0); }
   /// If it is sure. Of a mesh with faces that are turned over also if not: from_below and from_above differ by an even number then, so
   /// if one is 0, the ray passes an even number of faces below.
   bool is_solid() const { return from_below != 0 && from_above != 0; }
 };
 
-inline int winding_sum(std::span<const PackedHit> ray) {
+inline int winding_sum(const RayHits& ray) {
   int sum = 0;
-  for (const PackedHit& hit : ray) sum += hit.winding();
+  for (std::size_t i = 0; i < ray.size(); ++i) sum += ray.keeps(i) ? ray.all[i].winding() : 0;
   return sum;
 }
+inline int winding_sum_of_all(const RayHits& ray) { return winding_sum({ray.all, false}); }
 
 /// Calls visit(RayStretch) from the plate upwards, for all layers.
-/// @param ray  its hits, in order
 template <class Visit>
-void for_each_stretch(std::span<const PackedHit> ray, std::uint32_t layers, Visit visit) {
-  const int total = winding_sum(ray);
+void for_each_stretch(const RayHits& ray, std::uint32_t layers, Visit visit) {
   RayStretch stretch;
-  stretch.from_above = -total;
+  stretch.from_above = -winding_sum(ray);
+  stretch.from_all_above = -winding_sum_of_all(ray);
   std::size_t i = 0;
   while (stretch.begin < layers) {
-    while (i < ray.size() && ray[i].layer() <= stretch.begin) stretch.from_below += ray[i++].winding();
-    stretch.from_above = stretch.from_below - total;
-    stretch.end = i < ray.size() ? std::min(ray[i].layer(), layers) : layers;
+    for (; i < ray.size() && ray.all[i].layer() <= stretch.begin; ++i) {
+      const int winding = ray.all[i].winding();
+      stretch.from_all_above += winding;
+      if (!ray.keeps(i)) continue;
+      stretch.from_below += winding;
+      stretch.from_above += winding;
+    }
+    stretch.end = i < ray.size() ? std::min(ray.all[i].layer(), layers) : layers;
     visit(stretch);
     stretch.begin = stretch.end;
   }

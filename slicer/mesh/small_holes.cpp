@@ -1,6 +1,7 @@
 #include "slicer/mesh/small_holes.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <tuple>
 
@@ -12,6 +13,7 @@ constexpr const char* kStage = "mesh";
 /// One run of an open edge.
 struct Run {
   LatticePoint from, to;
+  Vec3f outward = Vec3f::Zero();
   std::uint32_t users = 0;
   std::uint32_t left =
       0;  ///< of the first run from a place: those from there that have been walked along, which are the first ones
@@ -24,20 +26,22 @@ struct Loop {
 
 /// Whether a loop is the rim of a lone triangle, or of two.
 bool is_alone(const Loop& loop) {
-  std::array<std::uint32_t, kMostCorners> users{};
-  const auto end = users.begin() + static_cast<std::ptrdiff_t>(loop.corners);
-  std::transform(loop.run.begin(), loop.run.begin() + static_cast<std::ptrdiff_t>(loop.corners), users.begin(),
-                 [](const Run& run) { return run.users; });
-  std::sort(users.begin(), end);
-  const auto different = static_cast<std::size_t>(std::unique(users.begin(), end) - users.begin());
+  const auto runs = std::span(loop.run).first(loop.corners);
+  std::size_t different = 0;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    const auto before = runs.first(i);
+    const auto same = [&](const Run& run) { return run.users == runs[i].users; };
+    different += std::ranges::none_of(before, same) ? 1 : 0;
+  }
   // A triangle that reaches into a larger hole has two of its edges.
   return different + (loop.corners > 3 ? 1 : 0) < loop.corners;
 }
 
 class HoleCloser {
  public:
-  HoleCloser(std::span<Run> runs, std::span<std::uint32_t> path, std::span<LatticeTriangle> caps, const Vec3d& steps)
-      : runs_(runs), path_(path), caps_(caps), steps_(steps) {}
+  HoleCloser(std::span<Run> runs, std::span<std::uint32_t> path, std::span<LatticeTriangle> caps,
+             std::span<RimCorner> rim, const Vec3d& steps, std::size_t most)
+      : runs_(runs), path_(path), caps_(caps), rim_(rim), steps_(steps), most_(most) {}
 
   void close_all() {
     for (const Run& run : runs_) {
@@ -46,7 +50,7 @@ class HoleCloser {
   }
   std::size_t caps() const { return capped_; }
   std::uint64_t holes() const { return holes_; }
-  bool all() const { return all_; }
+  std::size_t rim() const { return rim_size_; }
 
  private:
   /// Adds the next run from a place to the path. @returns false: there is none
@@ -75,15 +79,15 @@ class HoleCloser {
         loop.corners = corners;
         close(loop);
       } else if (!leave(at)) {  // it is where it began, a long way round
-        all_ = false;
+        leave_open(std::span(path_).first(length_), [&](std::uint32_t run) { return runs_[run]; });
         length_ = 0;
       }
     }
   }
 
   void close(const Loop& loop) {
-    if (loop.corners < 3 || is_alone(loop)) {
-      all_ = false;
+    if (loop.corners < 3 || loop.corners > most_ || is_alone(loop)) {
+      leave_open(std::span(loop.run).first(loop.corners), [](const Run& run) { return run; });
       return;
     }
     ++holes_;
@@ -103,6 +107,19 @@ class HoleCloser {
     }
   }
 
+  /// Adds a loop to the rim: there from the rim's first corner, around, and back.
+  template <class Runs, class Get>
+  void leave_open(const Runs& runs, Get get) {
+    const bool first = rim_size_ == 0;
+    for (const auto& entry : runs) {
+      const Run& run = get(entry);
+      const float length = std::sqrt(run.outward.dot(run.outward));
+      rim_[rim_size_++] = {run.from, length > 0 ? Vec3f(run.outward / length) : Vec3f::Zero()};
+    }
+    rim_[rim_size_++] = {get(runs.front()).from, Vec3f::Zero(), true};
+    if (!first) rim_[rim_size_++] = {rim_[0].place, Vec3f::Zero(), true};
+  }
+
   static const LatticePoint& corner(const Loop& loop, std::size_t i) { return loop.run[i % loop.corners].from; }
   double squared_length(const LatticePoint& a, const LatticePoint& b) const {
     const Vec3d d(steps_[0] * (b.x - a.x), steps_[1] * (b.y - a.y), steps_[2] * (b.z - a.z));
@@ -113,24 +130,31 @@ class HoleCloser {
   std::span<std::uint32_t> path_;  ///< runs
   std::size_t length_ = 0;         ///< of the path
   std::span<LatticeTriangle> caps_;
+  std::span<RimCorner> rim_;
   Vec3d steps_;
+  std::size_t most_;
+  std::size_t rim_size_ = 0;
   std::size_t capped_ = 0;
   std::uint64_t holes_ = 0;
-  bool all_ = true;
 };
+
+/// Corners of the rim of that many runs: a loop of two or more has two more.
+std::size_t most_rim_corners(std::size_t runs) { return 2 * runs; }
 
 }  // namespace
 
 std::size_t small_hole_bytes(std::uint64_t runs) {
   const auto count = static_cast<std::size_t>(runs);
-  return Arena::rounded(count * sizeof(LatticeTriangle)) + Arena::rounded(count * sizeof(Run)) +
-         Arena::rounded(count * sizeof(std::uint32_t));
+  return Arena::rounded(most_rim_corners(count) * sizeof(RimCorner)) + Arena::rounded(count * sizeof(LatticeTriangle)) +
+         Arena::rounded(count * sizeof(Run)) + Arena::rounded(count * sizeof(std::uint32_t));
 }
 
-Expected<SmallHoles> close_small_holes(OpenEdges& edges, const Vec3d& steps, Arena& arena) {
+Expected<SmallHoles> close_small_holes(OpenEdges& edges, const Vec3d& steps, std::size_t most, Arena& arena) {
   const auto count = static_cast<std::size_t>(edges.runs());
   const auto caps = arena.take_bottom<LatticeTriangle>(count, kStage);  // a loop has fewer triangles than edges
   PLUMBLINE_TRY(caps);
+  const auto rim = arena.take_bottom<RimCorner>(most_rim_corners(count), kStage);
+  PLUMBLINE_TRY(rim);
   const auto runs = arena.take_bottom<Run>(count, kStage);
   PLUMBLINE_TRY(runs);
   const auto path = arena.take_bottom<std::uint32_t>(count, kStage);
@@ -139,14 +163,14 @@ Expected<SmallHoles> close_small_holes(OpenEdges& edges, const Vec3d& steps, Are
   for (const OpenEdge& edge : edges.sorted()) {
     const bool up = edge.surplus > 0;
     for (std::int32_t k = std::abs(edge.surplus); k > 0; --k) {
-      (*runs)[i++] = {up ? edge.low : edge.high, up ? edge.high : edge.low, edge.users, 0};
+      (*runs)[i++] = {up ? edge.low : edge.high, up ? edge.high : edge.low, edge.outward, edge.users, 0};
     }
   }
   std::sort(runs->begin(), runs->end(),
             [](const Run& a, const Run& b) { return std::tie(a.from, a.to) < std::tie(b.from, b.to); });
-  HoleCloser closer(*runs, *path, *caps, steps);
+  HoleCloser closer(*runs, *path, *caps, *rim, steps, most);
   closer.close_all();
-  return SmallHoles{caps->first(closer.caps()), closer.holes(), closer.all()};
+  return SmallHoles{caps->first(closer.caps()), closer.holes(), rim->first(closer.rim())};
 }
 
 }  // namespace plumbline

@@ -9,13 +9,14 @@
 #include "slicer/core/vec.hpp"
 #include "slicer/mesh/mesh_lattice.hpp"
 #include "slicer/mesh/open_edges.hpp"
+#include "slicer/mesh/rim_winding.hpp"
 
 namespace plumbline {
 
 struct SmallHoles {
   std::span<const LatticeTriangle> caps;  ///< at the bottom of the arena
   std::uint64_t holes = 0;                ///< that they close
-  bool all = false;                       ///< no edge is left open
+  std::span<const RimCorner> rim;         ///< MeshRim of the edges that are left open, at the bottom of the arena
 };
 
 /// A hole with up to this many corners is small.
@@ -34,8 +35,10 @@ std::size_t small_hole_bytes(std::uint64_t runs);
 /// A triangle or a pair of them that nothing else touches has a small loop, too. Its cap would cancel it, though it may be part of a
 /// surface whose corners don't meet. It is known by its edges, which have fewer users than there are corners, and stays open.
 /// @param steps  mm in a step of the lattice
+/// @param most   corners of a loop that is closed: kMostCorners, or 0
 /// @param arena  small_hole_bytes(edges.runs()) from the bottom; the caller releases them
 /// @retval ErrorCode::kOutOfMemory
-[[nodiscard]] Expected<SmallHoles> close_small_holes(OpenEdges& edges, const Vec3d& steps, Arena& arena);
+[[nodiscard]] Expected<SmallHoles> close_small_holes(OpenEdges& edges, const Vec3d& steps, std::size_t most,
+                                                     Arena& arena);
 
 }  // namespace plumbline

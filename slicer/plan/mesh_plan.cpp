@@ -39,7 +39,7 @@ MemoryPlan plan_mesh(const MeshNeed& need, std::uint32_t threads) {
   const auto set = [&](Stage stage, std::size_t bytes) { plan.bytes[static_cast<std::size_t>(stage)] = bytes; };
   set(Stage::kRead, reading);
   set(Stage::kRayGrid, reading + hits);
-  set(Stage::kRays, hits + resolve_bytes(threads, true) + store);
+  set(Stage::kRays, hits + resolve_bytes(threads, nullptr) + store);
   // The search for empty layers streams the masks.
   set(Stage::kRRep, std::max(store + std::max(store, rrep), rrep + LayerStream::bytes_needed(grid)));
   set(Stage::kSupports, rrep + find_supports_bytes(grid));
