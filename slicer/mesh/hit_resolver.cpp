@@ -68,6 +68,7 @@ class Resolver {
   Status store_block(std::uint32_t block, Worker& worker) const {
     const std::uint32_t first_column = block % block_columns() * kSide;
     const std::uint32_t first_row = block / block_columns() * kSide;
+    if (is_bare(first_column, first_row, worker)) return {};
     if (worker.open) worker.open->begin(hits_, first_column * kTileSide, first_row * kTileSide);
     for (std::uint32_t r = first_row; r < std::min(first_row + kSide, hits_.tile_rows()); ++r) {
       for (std::uint32_t c = first_column; c < std::min(first_column + kSide, hits_.tile_columns()); ++c) {
@@ -80,6 +81,17 @@ class Resolver {
 
  private:
   static constexpr std::uint32_t kSide = OpenRays::kSide / kTileSide;  ///< tiles
+
+  /// Whether a block has no hits, and no ray that is asked all the same. Then no tile of it needs a look, not even one of its progress.
+  bool is_bare(std::uint32_t first_column, std::uint32_t first_row, const Worker& worker) const {
+    for (std::uint32_t r = first_row; r < std::min(first_row + kSide, hits_.tile_rows()); ++r) {
+      for (std::uint32_t c = first_column; c < std::min(first_column + kSide, hits_.tile_columns()); ++c) {
+        if (worker.open && worker.open->is_doubtful(c, r)) return false;
+        if (!hits_.of_tile(r * hits_.tile_columns() + c).empty()) return false;
+      }
+    }
+    return true;
+  }
 
   Status store_tile(std::uint32_t tile_column, std::uint32_t tile_row, Worker& worker) const {
     const std::uint32_t tile = tile_row * hits_.tile_columns() + tile_column;

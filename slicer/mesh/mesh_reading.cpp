@@ -203,6 +203,7 @@ Expected<ClosedHoles> find_and_close_holes(MeshFiles& files, const MeshSurvey& s
   PLUMBLINE_TRY(edges);
   const MeshLattice lattice(grid, transform);
   for (const bool users : {false, true}) {
+    if (users) PLUMBLINE_TRY(edges->begin_users());
     const StageProgress half = users ? progress.part(0.5, 1) : progress.part(0, 0.5);
     EdgeSink sink(files, half, lattice, *edges, users);
     PLUMBLINE_TRY(files.read(sink, *vertices, *workspace, [](const MeshSummary&) {}));

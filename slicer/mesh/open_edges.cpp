@@ -4,7 +4,6 @@
 #include <bit>
 #include <cmath>
 #include <cstdlib>
-#include <tuple>
 
 #include "slicer/core/mix64.hpp"
 
@@ -84,11 +83,15 @@ void OpenEdges::remove(std::size_t slot) {
 }
 
 Status OpenEdges::grow() {
+  full_ = 2 * slots_.size() > most_;
+  return full_ ? Status{} : rebuild(2 * slots_.size());
+}
+
+/// Moves all edges to a table of another size.
+Status OpenEdges::rebuild(std::size_t slots) {
   const std::span<OpenEdge> old = slots_;
-  full_ = 2 * old.size() > most_;
-  if (full_) return {};
-  // The larger table is filled above the old one, then moved down to its place.
-  const auto above = arena_->take_bottom<OpenEdge>(2 * old.size(), kStage);
+  // The new table is filled above the old one, then moved down to its place.
+  const auto above = arena_->take_bottom<OpenEdge>(slots, kStage);
   PLUMBLINE_TRY(above);
   slots_ = *above;
   std::ranges::fill(slots_, OpenEdge{});
@@ -96,10 +99,19 @@ Status OpenEdges::grow() {
     if (edge.surplus != 0) slots_[find(edge)] = edge;
   }
   arena_->release_bottom(mark_);
-  const auto larger = arena_->take_bottom<OpenEdge>(2 * old.size(), kStage);
-  PLUMBLINE_TRY(larger);
-  std::copy(slots_.begin(), slots_.end(), larger->begin());
-  slots_ = *larger;
+  const auto moved = arena_->take_bottom<OpenEdge>(slots, kStage);
+  PLUMBLINE_TRY(moved);
+  std::copy(slots_.begin(), slots_.end(), moved->begin());
+  slots_ = *moved;
+  return {};
+}
+
+Status OpenEdges::begin_users() {
+  PLUMBLINE_TRY(rebuild(std::max(kFewestSlots, std::bit_ceil(2 * std::size_t{used_}))));
+  const auto users = arena_->take_bottom<EdgeUsers>(slots_.size(), kStage);
+  PLUMBLINE_TRY(users);
+  std::ranges::fill(*users, EdgeUsers{});
+  users_ = *users;
   return {};
 }
 
@@ -125,10 +137,10 @@ Status OpenEdges::add(const LatticeTriangle& triangle) {
 void OpenEdges::add_user(const LatticeTriangle& triangle, std::uint64_t number, const Vec3d& steps) {
   for_each_edge(triangle, [&](const OpenEdge& edge) {
     if (edge.surplus == 0) return;
-    OpenEdge& kept = slots_[find(edge)];
-    if (kept.surplus == 0) return;
-    kept.users += static_cast<std::uint32_t>(mix64(number + 1));
-    kept.outward += normal_of(triangle, steps);
+    const std::size_t slot = find(edge);
+    if (slots_[slot].surplus == 0) return;
+    users_[slot].numbers += static_cast<std::uint32_t>(mix64(number + 1));
+    users_[slot].outward += normal_of(triangle, steps);
   });
 }
 
@@ -136,13 +148,6 @@ std::uint64_t OpenEdges::runs() const {
   std::uint64_t sum = 0;
   for (const OpenEdge& edge : slots_) sum += static_cast<std::uint64_t>(std::abs(edge.surplus));
   return sum;
-}
-
-std::span<OpenEdge> OpenEdges::sorted() {
-  const auto end = std::remove_if(slots_.begin(), slots_.end(), [](const OpenEdge& edge) { return edge.surplus == 0; });
-  std::sort(slots_.begin(), end,
-            [](const OpenEdge& a, const OpenEdge& b) { return std::tie(a.low, a.high) < std::tie(b.low, b.high); });
-  return {slots_.begin(), end};
 }
 
 }  // namespace plumbline

@@ -14,8 +14,11 @@ namespace plumbline {
 struct OpenEdge {
   LatticePoint low, high;    ///< low < high, in some order of all places
   std::int32_t surplus = 0;  ///< how much more often it runs from low to high than back; 0: an empty slot
-  // Of all triangles that have it, whichever way: OpenEdges::add_user()
-  std::uint32_t users = 0;        ///< their mixed numbers
+};
+
+/// All triangles that have an open edge, whichever way it runs.
+struct EdgeUsers {
+  std::uint32_t numbers = 0;      ///< their mixed numbers
   Vec3f outward = Vec3f::Zero();  ///< the sum of their normals
 };
 
@@ -33,26 +36,36 @@ class OpenEdges {
   [[nodiscard]] Status add(const LatticeTriangle& triangle);
   /// There are more edges than a quarter of the arena holds: not all have been added.
   bool full() const { return full_; }
-  /// After all triangles have been added: tells the open edges of a triangle that it has them.
+  /// After all triangles have been added: the table becomes as small as the edges allow, and gets room for their users.
+  /// @retval ErrorCode::kOutOfMemory
+  [[nodiscard]] Status begin_users();
+  /// Tells the open edges of a triangle that it has them.
   /// @param number  of the triangle
   /// @param steps   mm in a step of the lattice
   void add_user(const LatticeTriangle& triangle, std::uint64_t number, const Vec3d& steps);
 
   std::uint32_t size() const { return used_; }
   std::uint64_t runs() const;  ///< sum of |surplus|
-  /// Moves the edges to the front of the table and sorts them. Nothing can be added after it.
-  std::span<OpenEdge> sorted();
+  /// Calls visit(edge, users) for each, in the order of the table.
+  template <class Visit>
+  void for_each(Visit visit) const {
+    for (std::size_t i = 0; i < slots_.size(); ++i) {
+      if (slots_[i].surplus != 0) visit(slots_[i], users_[i]);
+    }
+  }
 
  private:
   std::size_t slot_of(const OpenEdge& edge) const;
   std::size_t find(const OpenEdge& edge) const;
   void remove(std::size_t slot);
   Status grow();
+  Status rebuild(std::size_t slots);
 
   Arena* arena_ = nullptr;
-  std::span<OpenEdge> slots_;  ///< a power of two of them, at most half of them used
-  std::size_t mark_ = 0;       ///< of the arena, before the slots
-  std::size_t most_ = 0;       ///< slots
+  std::span<OpenEdge> slots_;   ///< a power of two of them, at most half of them used
+  std::span<EdgeUsers> users_;  ///< of each slot
+  std::size_t mark_ = 0;        ///< of the arena, before the slots
+  std::size_t most_ = 0;        ///< slots
   std::uint32_t used_ = 0;
   bool full_ = false;
 };

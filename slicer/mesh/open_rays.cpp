@@ -61,6 +61,7 @@ void OpenRays::begin(const HitList& hits, std::uint32_t column, std::uint32_t ro
 }
 
 std::uint64_t OpenRays::kind_of(const Ray& ray) const {
+  if (ray.hits.empty() && !ray.doubtful) return 0;
   bool open = false;
   std::uint64_t kind = mix64(ray.hits.size() + 1);
   for_each_stretch(ray.hits, grid_->layers, [&](const RayStretch& stretch) {

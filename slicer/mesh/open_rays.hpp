@@ -33,6 +33,10 @@ class OpenRays {
   /// @retval ErrorCode::kOutOfMemory
   [[nodiscard]] static Expected<OpenRays> create(const MeshField& field, const PrintGrid& grid, Arena& arena);
 
+  /// Whether rays of a tile are asked that have no hits.
+  bool is_doubtful(std::uint32_t tile_column, std::uint32_t tile_row) const {
+    return field_->doubtful.at(tile_column, tile_row);
+  }
   /// Begins a block whose first ray is at that pixel; both are multiples of kTileSide.
   /// @param hits  outlives the block
   void begin(const HitList& hits, std::uint32_t column, std::uint32_t row);

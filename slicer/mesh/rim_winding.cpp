@@ -26,8 +26,9 @@ enum Column : std::size_t {
   kOutwardZ,
   kLength,  ///< mm; 0: leads to another loop
   // At the place
-  kShare,  ///< kLength / r
-  kLean,   ///< kShare * s (1 - s^4)
+  kShare,   ///< kLength / r
+  kLean,    ///< kShare * s (1 - s^4)
+  kWeight,  ///< kLength / r^3
   kColumns
 };
 
@@ -97,12 +98,14 @@ PLUMBLINE_WIDE void see_edges(float* column, std::size_t stride, float z) {
     load(outward_z, column + kOutwardZ * stride + i);
     load(length, column + kLength * stride + i);
     height -= z;
-    square_root(r, x * x + y * y + height * height + length * length * 0.25F);
+    const Lanes r2 = x * x + y * y + height * height + length * length * 0.25F;
+    square_root(r, r2);
     const Lanes towards = (outward_x * x + outward_y * y + outward_z * height) / r;
     const Lanes squared = towards * towards;
     const Lanes share = length / r;
     store(column + kShare * stride + i, share);
     store(column + kLean * stride + i, share * towards * (1.0F - squared * squared));
+    store(column + kWeight * stride + i, share / r2);
   }
 }
 
@@ -207,21 +210,22 @@ WindingTurn RimWinding::at(float z, int above) const {
 
 void RimWinding::add_lean(float z, RimLean& lean) const {
   see_edges(room_.data(), stride_, z);
-  float leans = 0;
-  float shares = 0;
-  float weight = 0;
-  for (std::size_t i = 0; i < rim_->corners.size(); ++i) {
-    const float length = column(kLength)[i];
-    if (length > 0) {
-      const float share = column(kShare)[i];
-      leans += column(kLean)[i];
-      shares += share;
-      weight += share * share * share / (length * length);
-    } else if (rim_->corners[i].joins) {
-      if (shares > 0) lean.outwards += weight * (leans / shares);
-      lean.weight += weight;
-      leans = shares = weight = 0;
+  const auto corners = rim_->corners;
+  const float* const lean_of = column(kLean).data();
+  const float* const share_of = column(kShare).data();
+  const float* const weight_of = column(kWeight).data();
+  for (std::size_t begin = 0, end = 0; begin < corners.size(); begin = end + 1) {
+    float leans = 0;
+    float shares = 0;
+    float weight = 0;
+    for (end = begin; end < corners.size() && !corners[end].joins; ++end) {
+      leans += lean_of[end];
+      shares += share_of[end];
+      weight += weight_of[end];
     }
+    if (!(shares > 0)) continue;
+    lean.outwards += weight * (leans / shares);
+    lean.weight += weight;
   }
 }
 

@@ -149,7 +149,7 @@ std::size_t small_hole_bytes(std::uint64_t runs) {
          Arena::rounded(count * sizeof(Run)) + Arena::rounded(count * sizeof(std::uint32_t));
 }
 
-Expected<SmallHoles> close_small_holes(OpenEdges& edges, const Vec3d& steps, std::size_t most, Arena& arena) {
+Expected<SmallHoles> close_small_holes(const OpenEdges& edges, const Vec3d& steps, std::size_t most, Arena& arena) {
   const auto count = static_cast<std::size_t>(edges.runs());
   const auto caps = arena.take_bottom<LatticeTriangle>(count, kStage);  // a loop has fewer triangles than edges
   PLUMBLINE_TRY(caps);
@@ -160,12 +160,12 @@ Expected<SmallHoles> close_small_holes(OpenEdges& edges, const Vec3d& steps, std
   const auto path = arena.take_bottom<std::uint32_t>(count, kStage);
   PLUMBLINE_TRY(path);
   std::size_t i = 0;
-  for (const OpenEdge& edge : edges.sorted()) {
+  edges.for_each([&](const OpenEdge& edge, const EdgeUsers& users) {
     const bool up = edge.surplus > 0;
     for (std::int32_t k = std::abs(edge.surplus); k > 0; --k) {
-      (*runs)[i++] = {up ? edge.low : edge.high, up ? edge.high : edge.low, edge.outward, edge.users, 0};
+      (*runs)[i++] = {up ? edge.low : edge.high, up ? edge.high : edge.low, users.outward, users.numbers, 0};
     }
-  }
+  });
   std::sort(runs->begin(), runs->end(),
             [](const Run& a, const Run& b) { return std::tie(a.from, a.to) < std::tie(b.from, b.to); });
   HoleCloser closer(*runs, *path, *caps, *rim, steps, most);

@@ -38,7 +38,7 @@ std::size_t small_hole_bytes(std::uint64_t runs);
 /// @param most   corners of a loop that is closed: kMostCorners, or 0
 /// @param arena  small_hole_bytes(edges.runs()) from the bottom; the caller releases them
 /// @retval ErrorCode::kOutOfMemory
-[[nodiscard]] Expected<SmallHoles> close_small_holes(OpenEdges& edges, const Vec3d& steps, std::size_t most,
+[[nodiscard]] Expected<SmallHoles> close_small_holes(const OpenEdges& edges, const Vec3d& steps, std::size_t most,
                                                      Arena& arena);
 
 }  // namespace plumbline
