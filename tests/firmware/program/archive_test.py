@@ -34,6 +34,49 @@ def bits_of(line):
     return int(bits, 2).to_bytes(len(bits) // 8, "big")
 
 
+# What UVtools makes of a key (SL1File.cs): its words, each with a large first letter and without the underscores between them, are the name
+# of a member of any of its four groups of settings; a value that is no number of the member's type ends the import. Other keys it passes
+# over, and members of text take anything.
+UVTOOLS_WHOLE = {"DisplayMirrorX": 255, "DisplayMirrorY": 255, "SupportsEnable": 255, "PadEnable": 255, "Hollow": 255, "FadedLayers": 65535,
+                 "NumFade": 65535, "NumSlow": 65535, "NumFast": 2**32 - 1, "DisplayPixelsX": 2**32 - 1, "DisplayPixelsY": 2**32 - 1}  # fmt: skip
+UVTOOLS_FLOAT = {"MaxPrintHeight", "DisplayWidth", "DisplayHeight", "BottleCost", "BottleVolume", "BottleWeight", "MaterialDensity",
+                 "InitialLayerHeight", "ExposureTime", "InitialExposureTime", "LayerHeight", "ExpTime", "ExpTimeFirst", "ExpUserProfile", "PrintTime",
+                 "UsedMaterial"}  # fmt: skip
+
+
+def read_as_uvtools(archive):
+    """Members and their values, the layers by number, and the thumbnails' sizes."""
+    members, layers, thumbnails = {}, {}, []
+    names = [name.rsplit("/", 1)[-1] for name in archive.namelist()]
+    for path, name in zip(archive.namelist(), names):
+        if name.endswith(".ini"):
+            for line in archive.read(path).decode().splitlines():
+                key, equals, value = (part.strip() for part in line.partition("="))
+                if not equals:
+                    continue
+                member = "".join(word[:1].upper() + word[1:] for word in key.split("_"))
+                if member in UVTOOLS_WHOLE:
+                    if not re.fullmatch(r"\d+", value) or int(value) > UVTOOLS_WHOLE[member]:
+                        raise ValueError(f"{name}: {line}: is no whole number up to {UVTOOLS_WHOLE[member]}")
+                    value = int(value)
+                elif member in UVTOOLS_FLOAT:
+                    if not re.fullmatch(r"-?\d+(\.\d+)?([eE][-+]?\d+)?", value):
+                        raise ValueError(f"{name}: {line}: is no number")
+                    value = float(value)
+                members[member] = value
+        elif name.endswith(".png"):
+            png = archive.read(path)
+            size = int.from_bytes(png[16:20], "big"), int.from_bytes(png[20:24], "big")
+            if name.startswith("thumbnail"):
+                thumbnails.append(size)
+            else:
+                layers[int(name[-9:-4])] = size  # five digits
+    for needed in ("config.ini", "prusaslicer.ini"):
+        if needed not in names:
+            raise ValueError(f"{needed} is missing")
+    return members, layers, thumbnails
+
+
 class WrittenArchive(Program):
     def slice_sphere(self, out, *options, **kwargs):
         if not self.scan.exists():
@@ -93,6 +136,24 @@ class WrittenArchive(Program):
         subprocess.run(["prusa-slicer", "--loglevel", "1", "--load", ini, "--save", saved], check=True, capture_output=True)
         theirs = dict(re.findall(r"^(\S+) = (.*)$", saved.read_text(), re.MULTILINE))
         self.assertEqual({key: theirs.get(key) for key in ours}, ours)
+
+    def test_uvtools_reads_it(self):
+        part = self.dir / "part.sl1"
+        self.slice_sphere(part)
+        with zipfile.ZipFile(part) as archive:
+            members, layers, thumbnails = read_as_uvtools(archive)
+        # It makes as many layers as the settings say, and each must come: from 0 on, as large as the panel.
+        panel = members["DisplayPixelsX"], members["DisplayPixelsY"]
+        self.assertEqual(panel, (1440, 2560))
+        self.assertEqual(layers, {k: panel for k in range(members["NumSlow"] + members["NumFast"])})
+        self.assertEqual(thumbnails, [(400, 400), (800, 480)])  # any other size counts as the larger one
+        # What it shows and takes over into other printers' files.
+        self.assertEqual((members["DisplayWidth"], members["DisplayHeight"]), (68.04, 120.96))
+        self.assertEqual((members["DisplayMirrorX"], members["DisplayMirrorY"]), (0, 1))
+        self.assertEqual((members["LayerHeight"], members["ExpTime"], members["ExpTimeFirst"], members["NumFade"]), (0.2, 2.5, 30, 8))
+        self.assertGreater(members["MaxPrintHeight"], len(layers) * 0.2)
+        self.assertTrue(members["PrinterSettingsId"] and members["MaterialName"])
+        self.assertGreater(min(members["PrintTime"], members["UsedMaterial"]), 0)
 
     def test_same_scan_makes_the_same_bytes(self):
         first, second = self.dir / "first.sl1", self.dir / "second.sl1"
