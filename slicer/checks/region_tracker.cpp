@@ -57,7 +57,10 @@ Expected<RegionTracker> RegionTracker::create(const PrintGrid& grid, const Check
     PLUMBLINE_TRY(taken);
     *list = *taken;
   }
-  const auto contacts = arena.take_top<Contact>(runs, kStage);
+  auto touches = RegionContacts::create(runs, arena);
+  PLUMBLINE_TRY(touches);
+  tracker.touches_ = *touches;
+  const auto contacts = arena.take_top<Contact>(RegionContacts::room(runs), kStage);
   PLUMBLINE_TRY(contacts);
   tracker.contacts_ = *contacts;
   for (RegionColumns* columns : {&tracker.solid_, &tracker.air_}) {
@@ -81,8 +84,9 @@ std::size_t RegionTracker::bytes_needed(const PrintGrid& grid) {
   const auto settings = region_settings(grid);
   const std::size_t runs = LayerRegions::most_runs(grid.rows, settings);
   return 3 * LayerRegions::bytes_needed(grid.rows, settings) + 6 * Arena::rounded(runs * sizeof(std::uint32_t)) +
-         Arena::rounded(runs * sizeof(Contact)) + 2 * RegionColumns::bytes_needed(kMostColumns) +
-         Film::bytes_needed(grid) + TearFinder::bytes_needed(grid, runs) +
+         RegionContacts::bytes_needed(runs) + Arena::rounded(RegionContacts::room(runs) * sizeof(Contact)) +
+         2 * RegionColumns::bytes_needed(kMostColumns) + Film::bytes_needed(grid) +
+         TearFinder::bytes_needed(grid, runs) +
          Disc::bytes_needed(PixelPitch(grid), nanometres(CheckLimits::kIslandTipsReach_mm));
 }
 
@@ -129,6 +133,9 @@ bool RegionTracker::track(ConstBitImage mask, ConstBitImage eroded, BitImage scr
   stayed_now_ = film_.clean() ? now_ : another(now_, stayed_below_);
   LayerRegions& stayed = layers_[stayed_now_].regions;
   if (any_falls && !stayed.label(film_.stayed())) return false;
+  // While the film is clean, the regions that stayed are those of the masks.
+  const bool all_stayed = stayed_now_ == now_ && stayed_below_ == below_;
+  if (below_is_known_ && !all_stayed && !touches_.find(layers_[stayed_below_].regions, stayed)) return false;
   if (!find_tears(stayed, shaded)) return false;
   end_layer(findings);
   return true;
@@ -140,36 +147,23 @@ bool RegionTracker::find_contacts() {
   Layer& above = now();
   std::size_t front = 0;
   std::size_t back = contacts_.size();
-  bool room = true;
-  for_each_contact(
-      below().regions, above.regions,
-      [&](const RegionContact& contact) {
-        const std::uint32_t column = below().column[contact.below];
-        if (contact.white) {
-          shared_[contact.above] += contact.pixels;
-          if (column == 0) {
-            above.column[contact.above] = 0;
-            return;
-          }
-          const bool again =
-              front > 0 && contacts_[front - 1].above == contact.above && contacts_[front - 1].below == column;
-          if (again) return;
-          room &= front < back;
-          if (room) contacts_[front++] = {contact.above, column, contact.pixels};
-          return;
-        }
-        if (column == 0 && contact.above == LayerRegions::kOutside) return;
-        if (back < contacts_.size() && contacts_[back].above == contact.above && contacts_[back].below == column) {
-          contacts_[back].pixels += contact.pixels;
-          return;
-        }
-        room &= front < back;
-        if (room) contacts_[--back] = {contact.above, column, contact.pixels};
-      },
-      BlackRows::kSkip);
+  if (!touches_.find(below().regions, above.regions)) return false;
+  for (const RegionContact& touch : touches_.list()) {
+    const std::uint32_t column = below().column[touch.below];
+    if (touch.white) {
+      shared_[touch.above] += touch.pixels;
+      if (column == 0) {
+        above.column[touch.above] = 0;
+      } else {
+        contacts_[front++] = {touch.above, column, touch.pixels};
+      }
+    } else if (column != 0 || touch.above != LayerRegions::kOutside) {
+      contacts_[--back] = {touch.above, column, touch.pixels};
+    }
+  }
   solid_contacts_ = front;
   air_contacts_ = back;
-  return room;
+  return true;
 }
 
 /// Makes a column for each region that is not held or not the outside.
@@ -324,7 +318,7 @@ bool RegionTracker::find_tears(const LayerRegions& stayed, bool shaded) {
   const auto is_lost = [&](std::uint32_t root) {
     return (root & kWhite) != 0 && now().column[root & ~kWhite] == 0 && shared_[root & ~kWhite] == 0;
   };
-  tears_.next(layer_, stayed, below_is_known_ ? &layers_[stayed_below_].regions : nullptr,
+  tears_.next(layer_, stayed, below_is_known_ ? &touches_ : nullptr,
               [&](const HoldNetwork::Tear& tear, std::uint64_t pixels) {
                 if (!std::exchange(any_tear, true) && !shaded) {
                   for (std::uint32_t i = 0; i < root_count_; ++i) {

@@ -9,6 +9,7 @@
 #include "slicer/checks/check_limits.hpp"
 #include "slicer/checks/film.hpp"
 #include "slicer/checks/region_columns.hpp"
+#include "slicer/checks/region_contacts.hpp"
 #include "slicer/checks/stack_findings.hpp"
 #include "slicer/checks/tear_finder.hpp"
 #include "slicer/core/arena.hpp"
@@ -113,6 +114,7 @@ class RegionTracker {
   std::span<std::uint32_t> shared_;  ///< by region: pixels above white ones; later those that stay
   std::span<std::uint32_t> widest_;  ///< by region: its widest run
   std::uint32_t root_count_ = 0;
+  RegionContacts touches_;       ///< of the newest two layers
   std::span<Contact> contacts_;  ///< [0, solid_contacts_) of solid, [air_contacts_, end) of air
   std::size_t solid_contacts_ = 0, air_contacts_ = 0;
   RegionColumns solid_, air_;  ///< column 0: held; open to the outside

@@ -39,7 +39,6 @@ Expected<TearFinder> TearFinder::create(const PrintGrid& grid, const PeelSetting
   PLUMBLINE_TRY(take(finder.is_torn_, most));
   PLUMBLINE_TRY(take(finder.newtons_, most));
   PLUMBLINE_TRY(take(finder.below_pixels_, most));
-  PLUMBLINE_TRY(take(finder.newest_contact_, most));
   PLUMBLINE_TRY(take(finder.contacts_, std::size_t{2} * most));
   PLUMBLINE_TRY(take(finder.links_, std::size_t{2} * most));
   for (auto* hollows : {&finder.hollows_, &finder.next_hollows_}) {
@@ -56,15 +55,15 @@ std::size_t TearFinder::bytes_needed(const PrintGrid& grid, std::size_t most_run
   const std::size_t most = most_regions(grid);
   return 2 * Arena::rounded(most_runs * sizeof(std::uint16_t)) + Arena::rounded(most * sizeof(Held)) +
          Arena::rounded(most * sizeof(bool)) + Arena::rounded(most * sizeof(double)) +
-         2 * Arena::rounded(most * sizeof(std::uint32_t)) + Arena::rounded(2 * most * sizeof(Contact)) +
+         Arena::rounded(most * sizeof(std::uint32_t)) + Arena::rounded(2 * most * sizeof(Contact)) +
          Arena::rounded(2 * most * sizeof(HoldNetwork::Link)) + 2 * Arena::rounded(2 * most * sizeof(Hollow)) +
          HoldNetwork::bytes_needed(most_regions(grid));
 }
 
-void TearFinder::next(std::uint32_t layer, const LayerRegions& stayed, const LayerRegions* below, OnTear on_tear) {
+void TearFinder::next(std::uint32_t layer, const LayerRegions& stayed, const RegionContacts* touches, OnTear on_tear) {
   layer_ = layer;
-  hangs_ = hangs_ && below != nullptr;
-  hangs_ = take(stayed, hangs_ ? below : nullptr);
+  hangs_ = hangs_ && touches != nullptr;
+  hangs_ = take(stayed, hangs_ ? touches : nullptr);
   if (!hangs_) return;
   const auto& number = number_[layer_ % 2];
   network_.pull(newtons_.first(held_count_), [&](const HoldNetwork::Tear& tear, std::span<const std::uint32_t> ends) {
@@ -82,14 +81,14 @@ void TearFinder::next(std::uint32_t layer, const LayerRegions& stayed, const Lay
 }
 
 /// @returns whether there is room for the layer
-bool TearFinder::take(const LayerRegions& stayed, const LayerRegions* below) {
-  if (below == nullptr) {
+bool TearFinder::take(const LayerRegions& stayed, const RegionContacts* touches) {
+  if (touches == nullptr) {
     network_.clear();
     old_hollows_ = 1;
   }
   held_count_ = contact_count_ = 0;
   if (!number_regions(stayed)) return false;
-  if (below != nullptr && !find_contacts(stayed, *below)) return false;
+  if (touches != nullptr && !find_contacts(*touches)) return false;
   carry_suction(stayed);
   // Above a layer of which nothing is known everything is held.
   return hang_up(stayed, layer_ == 0 ? peel_.plate_n(1) : HoldNetwork::kUnbreakable);
@@ -149,40 +148,33 @@ bool TearFinder::number_regions(const LayerRegions& stayed) {
   return true;
 }
 
-bool TearFinder::find_contacts(const LayerRegions& stayed, const LayerRegions& below) {
+bool TearFinder::find_contacts(const RegionContacts& touches) {
   const auto& number = number_[layer_ % 2];
   const auto& number_below = number_[(layer_ + 1) % 2];
   std::fill_n(below_pixels_.begin(), network_.ends(), 0);
-  std::fill_n(newest_contact_.begin(), network_.ends(), kNone);
   DisjointSets<Hollow, &Hollow::parent> hollows(hollows_);
-  bool room = true;
-  for_each_contact(
-      below, stayed,
-      [&](const RegionContact& contact) {
-        const std::uint32_t under = number_below[contact.below];
-        const std::uint32_t over = number[contact.above];
-        if (!contact.white) {
-          hollows.unite(under, over);
-          return;
-        }
-        if (under == kTorn) return;
-        below_pixels_[under] += contact.pixels;
-        // A tip touches one region above it, a pillar one below it.
-        std::uint32_t& newest = newest_contact_[under];
-        std::uint32_t& first = held_[over].first_contact;
-        std::uint32_t at = newest != kNone && contacts_[newest].above == over ? newest : first;
-        while (at != kNone && contacts_[at].below != under) at = contacts_[at].next;
-        if (at != kNone) {
-          contacts_[at].pixels += contact.pixels;
-        } else if (contact_count_ < contacts_.size()) {
-          contacts_[contact_count_] = {over, under, contact.pixels, first};
-          newest = first = contact_count_++;
-        } else {
-          room = false;
-        }
-      },
-      BlackRows::kSkip);
-  return room;
+  for (const RegionContact& touch : touches.list()) {
+    const std::uint32_t under = number_below[touch.below];
+    const std::uint32_t over = number[touch.above];
+    if (!touch.white) {
+      hollows.unite(under, over);
+      continue;
+    }
+    if (under == kTorn) continue;
+    below_pixels_[under] += touch.pixels;
+    std::uint32_t& first = held_[over].first_contact;
+    std::uint32_t at = first;
+    while (at != kNone && contacts_[at].below != under) at = contacts_[at].next;
+    if (at != kNone) {
+      contacts_[at].pixels += touch.pixels;
+    } else if (contact_count_ < contacts_.size()) {
+      contacts_[contact_count_] = {under, touch.pixels, first};
+      first = contact_count_++;
+    } else {
+      return false;
+    }
+  }
+  return true;
 }
 
 /// Gives the suction of each closed hollow to the regions round its mouths, and its number to the next layer.

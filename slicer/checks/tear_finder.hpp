@@ -7,6 +7,7 @@
 #include <span>
 
 #include "slicer/checks/hold_network.hpp"
+#include "slicer/checks/region_contacts.hpp"
 #include "slicer/core/arena.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/core/function_ref.hpp"
@@ -28,9 +29,9 @@ class TearFinder {
   /// @param stays  called with a region of the newest layer
   using OnTear = FunctionRef<void(const HoldNetwork::Tear& tear, std::uint64_t pixels)>;
   /// Takes a layer. With more regions than HoldNetwork has room for it is held as if by the plate, and so is the next.
-  /// @param below    the regions that stayed of the layer below, those that tore off included; nullptr: not known
+  /// @param touches  contacts of the regions that stayed of the layer below, those that tore off included; nullptr: not known
   /// @param on_tear  called with each piece that tears off, and the pixels of its regions in this layer; in_piece() tells which
-  void next(std::uint32_t layer, const LayerRegions& stayed, const LayerRegions* below, OnTear on_tear);
+  void next(std::uint32_t layer, const LayerRegions& stayed, const RegionContacts* touches, OnTear on_tear);
   /// While on_tear() is called: whether a white region of the newest layer belongs to the piece.
   bool in_piece(std::uint32_t region) const { return is_torn_[number_[layer_ % 2][region]]; }
   /// Whether a white region of the newest layer tore off.
@@ -49,7 +50,7 @@ class TearFinder {
     std::uint32_t first_contact = kNone;
   };
   struct Contact {
-    std::uint32_t above = 0, below = 0;  ///< a Held; an end of the layer below
+    std::uint32_t below = 0;  ///< an end of the layer below
     std::uint32_t pixels = 0;
     std::uint32_t next = kNone;  ///< of the same region
   };
@@ -62,9 +63,9 @@ class TearFinder {
     std::uint64_t mouth_pixels = 0;  ///< in the newest layer
   };
 
-  bool take(const LayerRegions& stayed, const LayerRegions* below);
+  bool take(const LayerRegions& stayed, const RegionContacts* touches);
   bool number_regions(const LayerRegions& stayed);
-  bool find_contacts(const LayerRegions& stayed, const LayerRegions& below);
+  bool find_contacts(const RegionContacts& touches);
   void carry_suction(const LayerRegions& stayed);
   bool hang_up(const LayerRegions& stayed, double plate_n_mm2);
 
@@ -77,9 +78,8 @@ class TearFinder {
   std::span<bool> is_torn_;  ///< of a Held
   std::span<double> newtons_;
   std::span<Contact> contacts_;
-  std::span<std::uint32_t> newest_contact_;  ///< of an end of the layer below
-  std::span<std::uint32_t> below_pixels_;    ///< of an end of the layer below: sum of its contacts
-  std::span<HoldNetwork::Link> links_;       ///< of one region
+  std::span<std::uint32_t> below_pixels_;  ///< of an end of the layer below: sum of its contacts
+  std::span<HoldNetwork::Link> links_;     ///< of one region
   std::span<Hollow> hollows_, next_hollows_;
   std::uint32_t held_count_ = 0, contact_count_ = 0;
   std::uint32_t hollow_count_ = 1;  ///< of hollows_

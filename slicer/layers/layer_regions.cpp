@@ -57,6 +57,7 @@ Expected<LayerRegions> LayerRegions::create(std::uint32_t columns, std::uint32_t
   regions.area_ = *area;
   regions.row_first_ = *row_first;
   std::fill(regions.row_first_.begin(), regions.row_first_.end(), 1);
+  regions.first_enclosed_row_ = rows;
   return regions;
 }
 
@@ -98,6 +99,7 @@ bool LayerRegions::label(ConstBitImage mask) {
     });
     if (!room) {
       std::fill(row_first_.begin(), row_first_.end(), 1);
+      first_enclosed_row_ = mask.rows();
       return false;
     }
     row_first_[r + 1] = count;
@@ -106,8 +108,13 @@ bool LayerRegions::label(ConstBitImage mask) {
   }
   sets.flatten(count);
   std::fill_n(area_.begin(), count, 0);
-  for (std::uint32_t i = 1; i < count; ++i) {
-    if (runs_[i].first <= runs_[i].last) area_[region_[i]] += 1U + runs_[i].last - runs_[i].first;
+  first_enclosed_row_ = mask.rows();
+  for (std::uint32_t r = mask.rows(); r-- > 0;) {
+    for (std::uint32_t i = row_first_[r]; i < row_first_[r + 1]; ++i) {
+      if (region_[i] == kOutside || runs_[i].first > runs_[i].last) continue;
+      area_[region_[i]] += 1U + runs_[i].last - runs_[i].first;
+      if (!white(r, i)) first_enclosed_row_ = r;
+    }
   }
   area_[kOutside] = ~std::uint32_t{0};
   return true;

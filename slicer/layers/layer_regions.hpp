@@ -50,6 +50,8 @@ class LayerRegions {
   /// Pixels; of the outside: the largest value.
   std::uint32_t area(std::uint32_t region) const { return area_[region]; }
   std::uint32_t run_count() const { return row_first_.back(); }  ///< run 0 included
+  /// The first row with a black pixel that is not outside; rows() if there is none.
+  std::uint32_t first_enclosed_row() const { return first_enclosed_row_; }
   /// The row that holds run i.
   std::uint32_t row_of(std::uint32_t i) const {
     const auto next = std::upper_bound(row_first_.begin(), row_first_.end(), i);
@@ -67,6 +69,7 @@ class LayerRegions {
   std::span<std::uint32_t> region_;  ///< of a run; while label() runs, the parent in disjoint sets of runs
   std::span<std::uint32_t> area_;
   std::span<std::uint32_t> row_first_;  ///< rows + 1
+  std::uint32_t first_enclosed_row_ = 0;
 };
 
 /// Two runs of one colour that share columns in the same row of both layers.
@@ -76,31 +79,47 @@ struct RegionContact {
   bool white;
 };
 
-enum class BlackRows : bool { kSkip, kInclude };
+/// Calls use(contact) for every such pair in a row, from left to right.
+template <class Use>
+void for_each_contact_in_row(const LayerRegions& below, const LayerRegions& above, std::uint32_t row, Use use) {
+  std::uint32_t a = below.row_begin(row);
+  std::uint32_t b = above.row_begin(row);
+  const std::uint32_t a_end = below.row_begin(row + 1);
+  const std::uint32_t b_end = above.row_begin(row + 1);
+  while (a < a_end && b < b_end) {
+    const LayerRegions::Run ra = below.run(a);
+    const LayerRegions::Run rb = above.run(b);
+    const bool overlap = ra.first <= rb.last && rb.first <= ra.last && ra.first <= ra.last && rb.first <= rb.last;
+    if (overlap && below.white(row, a) == above.white(row, b)) {
+      const std::uint32_t shared = 1U + std::min(ra.last, rb.last) - std::max(ra.first, rb.first);
+      use(RegionContact{below.region(a), above.region(b), shared, above.white(row, b)});
+    }
+    // An empty run stands only at the start of a row.
+    (rb.first > rb.last || (ra.first <= ra.last && rb.last <= ra.last)) ? ++b : ++a;
+  }
+}
+
+/// The same for white runs only.
+template <class Use>
+void for_each_white_contact_in_row(const LayerRegions& below, const LayerRegions& above, std::uint32_t row, Use use) {
+  std::uint32_t a = below.row_begin(row) + 1;
+  std::uint32_t b = above.row_begin(row) + 1;
+  const std::uint32_t a_end = below.row_begin(row + 1);
+  const std::uint32_t b_end = above.row_begin(row + 1);
+  while (a < a_end && b < b_end) {
+    const LayerRegions::Run ra = below.run(a);
+    const LayerRegions::Run rb = above.run(b);
+    const std::uint32_t first = std::max(ra.first, rb.first);
+    const std::uint32_t last = std::min(ra.last, rb.last);
+    if (first <= last) use(RegionContact{below.region(a), above.region(b), 1U + last - first, true});
+    rb.last <= ra.last ? b += 2 : a += 2;
+  }
+}
 
 /// Calls use(contact) for every such pair, by rows and from left to right.
-/// @param black_rows  rows that are black in both layers; there the outside touches itself
 template <class Use>
-void for_each_contact(const LayerRegions& below, const LayerRegions& above, Use use,
-                      BlackRows black_rows = BlackRows::kInclude) {
-  for (std::uint32_t r = 0; r < below.rows(); ++r) {
-    std::uint32_t a = below.row_begin(r);
-    std::uint32_t b = above.row_begin(r);
-    const std::uint32_t a_end = below.row_begin(r + 1);
-    const std::uint32_t b_end = above.row_begin(r + 1);
-    if (black_rows == BlackRows::kSkip && a_end - a == 1 && b_end - b == 1) continue;
-    while (a < a_end && b < b_end) {
-      const LayerRegions::Run ra = below.run(a);
-      const LayerRegions::Run rb = above.run(b);
-      const bool overlap = ra.first <= rb.last && rb.first <= ra.last && ra.first <= ra.last && rb.first <= rb.last;
-      if (overlap && below.white(r, a) == above.white(r, b)) {
-        const std::uint32_t shared = 1U + std::min(ra.last, rb.last) - std::max(ra.first, rb.first);
-        use(RegionContact{below.region(a), above.region(b), shared, above.white(r, b)});
-      }
-      // An empty run stands only at the start of a row.
-      (rb.first > rb.last || (ra.first <= ra.last && rb.last <= ra.last)) ? ++b : ++a;
-    }
-  }
+void for_each_contact(const LayerRegions& below, const LayerRegions& above, Use use) {
+  for (std::uint32_t r = 0; r < below.rows(); ++r) for_each_contact_in_row(below, above, r, use);
 }
 
 }  // namespace plumbline

@@ -86,13 +86,17 @@ void LayerStream::remake_changed() {
     std::uint32_t end = 0;  // 0: no row yet
     const auto groups = changed_.row(strip);
     for (std::uint32_t g = 0; g < groups.size(); ++g) {
-      for (std::uint64_t group = std::exchange(groups[g], 0); group != 0; group &= group - 1) {
-        const std::uint32_t row = g * 64 + static_cast<std::uint32_t>(std::countr_zero(group));
+      std::uint64_t group = std::exchange(groups[g], 0);
+      while (group != 0) {
+        const auto bit = static_cast<std::uint32_t>(std::countr_zero(group));
+        const auto rows = static_cast<std::uint32_t>(std::countr_one(group >> bit));
+        group &= rows == 64 ? 0 : ~(((std::uint64_t{1} << rows) - 1) << bit);
+        const std::uint32_t row = g * 64 + bit;
         if (end == 0 || row - end >= kApart) {
           if (end > 0) remake(strip, first, end);
           first = row;
         }
-        end = row + 1;
+        end = row + rows;
       }
     }
     if (end > 0) remake(strip, first, end);

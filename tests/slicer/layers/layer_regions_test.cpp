@@ -88,6 +88,12 @@ TEST_P(LayerRegionsOf, AreThoseOfAFloodFill) {
     for (std::uint32_t p = 0; p < region.size(); ++p) {
       if (flood[p] < 0) fill(p, next++);
     }
+    std::uint32_t first_enclosed = 0;
+    while (first_enclosed < region.size() &&
+           (image.at(first_enclosed % kColumns, first_enclosed / kColumns) || flood[first_enclosed] == 1000000)) {
+      ++first_enclosed;
+    }
+    EXPECT_EQ(regions->first_enclosed_row(), first_enclosed / kColumns);
     std::set<std::pair<std::uint32_t, int>> pairs;
     for (std::uint32_t p = 0; p < region.size(); ++p) {
       pairs.insert({region[p], flood[p]});
