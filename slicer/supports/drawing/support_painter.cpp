@@ -32,21 +32,83 @@ void SupportPainter::go_to(std::uint32_t layer) {
   at_ = layer;
 }
 
+/// @returns nullptr if there are too many
+const SupportPainter::Rows* SupportPainter::rows_of(Nanometres radius) {
+  const PixelPitch& pitch = supports_->pitch;
+  Rows& rows = rows_[static_cast<std::size_t>(radius / 1000) % rows_.size()];
+  if (rows.radius == radius) return &rows;
+  if (radius / pitch.y > Rows::kMost) return nullptr;
+  rows.radius = radius;
+  rows.pixels = 0;
+  for_each_disc_row(pitch, radius, [&](std::uint32_t dy, std::uint32_t reach) {
+    rows.count = dy;
+    rows.reach[dy] = static_cast<std::uint16_t>(reach);
+    rows.pixels += (dy == 0 ? 1 : 2) * (2 * reach + 1);
+  });
+  return &rows;
+}
+
 std::uint64_t SupportPainter::draw(std::uint32_t layer, BitImage image, BitImage touched) {
   if (at_ != layer) go_to(layer);
   std::uint64_t drawn = 0;
+  // Most pixels are black before, so those that are not are counted.
+  const auto draw_word = [&](std::uint64_t& word, std::uint64_t bits) {
+    if ((word & bits) != 0) drawn -= static_cast<std::uint64_t>(std::popcount(word & bits));
+    word |= bits;
+  };
   for (const std::uint32_t i : active_.first(active_count_)) {
-    for_each_strut_span(supports_->pitch, supports_->list[i], layer, image.columns(), image.rows(),
-                        [&](std::uint32_t row, std::uint32_t begin, std::uint32_t end) {
-                          const auto line = image.row(row);
-                          for_each_word(begin, end, [&](std::uint32_t word, std::uint64_t bits) {
-                            drawn += static_cast<std::uint64_t>(std::popcount(bits & ~line[word]));
-                            line[word] |= bits;
-                          });
-                          for (std::uint32_t s = begin / kStripColumns; s * kStripColumns < end; ++s)
-                            touched.set(row, s);
-                        });
+    const Strut& strut = supports_->list[i];
+    const StrutSection disc = section_of(strut, layer);
+    const Rows* const rows = strut.lies != 0 ? nullptr : rows_of(disc.radius);
+    const std::uint32_t reach = rows == nullptr ? 0 : rows->reach[0];
+    if (rows == nullptr || disc.column < reach || disc.column + reach >= image.columns() || disc.row < rows->count ||
+        disc.row + rows->count >= image.rows()) {
+      drawn += draw_any(strut, layer, image, touched);
+      continue;
+    }
+    drawn += rows->pixels;
+    const std::uint32_t first = disc.column - reach;
+    const std::uint32_t last = disc.column + reach;
+    const std::size_t stride = image.stride();
+    const auto for_each_row = [&](auto draw_row) {
+      std::uint64_t* const middle = image.row(disc.row).data();
+      draw_row(middle, reach);
+      for (std::size_t dy = 1; dy <= rows->count; ++dy) {
+        draw_row(middle - dy * stride, rows->reach[dy]);
+        draw_row(middle + dy * stride, rows->reach[dy]);
+      }
+    };
+    if (first / 64 == last / 64) {
+      for_each_row([&](std::uint64_t* line, std::uint32_t half) {
+        draw_word(line[first / 64], ~std::uint64_t{0} >> (63 - 2 * half) << (disc.column % 64 - half));
+      });
+    } else {
+      for_each_row([&](std::uint64_t* line, std::uint32_t half) {
+        for_each_word(disc.column - half, disc.column + half + 1,
+                      [&](std::uint32_t w, std::uint64_t bits) { draw_word(line[w], bits); });
+      });
+    }
+    for (std::uint32_t s = first / kStripColumns; s <= last / kStripColumns; ++s) {
+      const auto drawn_rows = touched.row(s);
+      for_each_word(disc.row - rows->count, disc.row + rows->count + 1,
+                    [&](std::uint32_t w, std::uint64_t bits) { drawn_rows[w] |= bits; });
+    }
   }
+  return drawn;
+}
+
+/// Lying, large, or at the panel's edge.
+std::uint64_t SupportPainter::draw_any(const Strut& strut, std::uint32_t layer, BitImage image, BitImage touched) {
+  std::uint64_t drawn = 0;
+  for_each_strut_span(supports_->pitch, strut, layer, image.columns(), image.rows(),
+                      [&](std::uint32_t row, std::uint32_t begin, std::uint32_t end) {
+                        const auto line = image.row(row);
+                        for_each_word(begin, end, [&](std::uint32_t w, std::uint64_t bits) {
+                          drawn += static_cast<std::uint64_t>(std::popcount(bits & ~line[w]));
+                          line[w] |= bits;
+                        });
+                        for (std::uint32_t s = begin / kStripColumns; s * kStripColumns < end; ++s) touched.set(row, s);
+                      });
   return drawn;
 }
 

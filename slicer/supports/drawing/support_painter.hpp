@@ -1,6 +1,7 @@
 #pragma once
 /// Draws supports into masks, in any order of layers.
 
+#include <array>
 #include <cstdint>
 #include <span>
 
@@ -30,13 +31,26 @@ class SupportPainter {
   std::uint64_t draw(std::uint32_t layer, BitImage image, BitImage touched);
 
  private:
+  /// Half widths of a disc's rows. Pillars and braces of a print have few radii, so they are found once for many struts and layers.
+  struct Rows {
+    static constexpr std::uint32_t kMost = 192;
+
+    Nanometres radius = -1;
+    std::uint32_t count = 0;   ///< on either side of the middle one, which is the first
+    std::uint32_t pixels = 0;  ///< of the disc
+    std::array<std::uint16_t, kMost + 1> reach = {};
+  };
+
   void go_to(std::uint32_t layer);
+  const Rows* rows_of(Nanometres radius);
+  std::uint64_t draw_any(const Strut& strut, std::uint32_t layer, BitImage image, BitImage touched);
 
   const Supports* supports_ = nullptr;
   std::span<std::uint32_t> active_;  ///< indices of the struts in layer at_
   std::size_t active_count_ = 0;
   std::size_t next_ = 0;  ///< index of the first strut that begins above at_
   std::int64_t at_ = -1;
+  std::array<Rows, 8> rows_;
 };
 
 }  // namespace plumbline
