@@ -148,6 +148,9 @@ void add_supports(Text& text, const JobReport& report) {
   const SupportCounts& s = report.supports;
   text.add("supports   %u below islands, %u below overhangs; %u on the plate, %u on the object, %u on other supports\n",
            s.islands, s.overhangs, s.on_plate, s.on_object, s.on_supports);
+  if (s.specks > 0) {
+    text.add("           left out: %u specks that a tip would cover, %.3f mm3 in all\n", s.specks, s.specks_mm3);
+  }
   if (s.all() == 0) return;
   text.add(
       "           tips: %u light, %u medium, %u heavy; one carries at most %.1f mm2; %u braces, pillars free over %.1f "

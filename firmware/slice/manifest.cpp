@@ -186,6 +186,8 @@ void write_supports(JsonWriter& json, const JobReport& report) {
   json.member("braces", s.braces);
   json.member("helper_pillars", s.helpers);
   json.member("pads", s.pads);
+  json.member("specks_left_out", s.specks);
+  json.member("specks_mm3", s.specks_mm3);
   json.member("unbraced_pillars", s.unbraced);
   json.member("longest_free_mm", s.longest_free_mm);
   json.member("largest_load_mm2", s.largest_load_mm2);

@@ -31,6 +31,9 @@ Expected<HeldArea> HeldArea::create(const PrintGrid& grid, const SupportSettings
     *image = BitImage(*words, grid.columns, grid.rows);
     image->clear();
   }
+  auto open = arena.take_top<std::uint64_t>(BitImage::words_needed(grid.rows, 1), "supports");
+  PLUMBLINE_TRY(open);
+  area.open_ = BitImage(*open, grid.rows, 1);
   auto bridge = Disc::create(area.pitch_, area.reach_, arena);
   PLUMBLINE_TRY(bridge);
   area.bridge_ = *bridge;
@@ -39,6 +42,7 @@ Expected<HeldArea> HeldArea::create(const PrintGrid& grid, const SupportSettings
 
 std::size_t HeldArea::bytes_needed(const PrintGrid& grid) {
   return 3 * Arena::rounded(BitImage::words_needed(grid.columns, grid.rows) * sizeof(std::uint64_t)) +
+         Arena::rounded(BitImage::words_needed(grid.rows, 1) * sizeof(std::uint64_t)) +
          Disc::bytes_needed(PixelPitch(grid), nanometres(kLongestSpan / 2));
 }
 
@@ -50,10 +54,12 @@ void HeldArea::begin(ConstBitImage mask) {
 void HeldArea::next_layer(std::uint32_t layer, ConstBitImage mask) {
   const bool settles = layer % settle_layers_ == 0;
   bool any_open = false;
+  open_.clear();
   for (std::uint32_t r = window_.row; r < window_.row_end; ++r) {
     const auto line = mask.row(r);
     const auto held = held_.row(r);
     const auto settling = settling_.row(r);
+    std::uint64_t open = 0;
     for (std::uint32_t w = window_.word; w < window_.word_end; ++w) {
       held[w] &= line[w];
       settling[w] &= line[w];
@@ -61,8 +67,11 @@ void HeldArea::next_layer(std::uint32_t layer, ConstBitImage mask) {
         held[w] |= settling[w];
         settling[w] = line[w];
       }
-      any_open |= held[w] != line[w];
+      open |= held[w] ^ line[w];
     }
+    if (open == 0) continue;
+    open_.set(r, 0);
+    any_open = true;
   }
   if (any_open) grow(layer, mask);
 }
@@ -91,7 +100,7 @@ void HeldArea::grow_one(bool columns, bool rows, bool corners, ConstBitImage mas
   };
   // New pixels must not grow in the same step: a row is written once the next one has been read.
   for (std::uint32_t r = window_.row; r <= window_.row_end; ++r) {
-    if (r < window_.row_end) {
+    if (r < window_.row_end && open_.at(r, 0)) {
       const auto line = mask.row(r);
       const std::span<const std::uint64_t> held = held_.row(r);
       const std::span<const std::uint64_t> above = r > 0 ? held_.row(r - 1) : held;
@@ -106,7 +115,7 @@ void HeldArea::grow_one(bool columns, bool rows, bool corners, ConstBitImage mas
         if (corners) grown[w] |= open & (widened(above, w) | widened(under, w));
       }
     }
-    if (r == window_.row) continue;
+    if (r == window_.row || !open_.at(r - 1, 0)) continue;
     const auto grown = grown_.row(r - 1);
     const auto held = held_.row(r - 1);
     for (std::uint32_t w = window_.word; w < window_.word_end; ++w) held[w] |= grown[w];
@@ -126,12 +135,18 @@ std::uint64_t HeldArea::unheld(std::uint32_t row, std::uint32_t word, std::uint6
   return pixels & ~held_.row(row)[word];
 }
 
-void HeldArea::drop_what_is_near(BitImage fresh) const {
+void HeldArea::take_out(std::uint32_t column, std::uint32_t row) {
+  const std::uint64_t bit = std::uint64_t{1} << (column % 64);
+  held_.row(row)[column / 64] &= ~bit;
+  settling_.row(row)[column / 64] &= ~bit;
+}
+
+void HeldArea::drop_what_is_near(BitImage fresh, ConstBitImage marks) const {
   for (std::uint32_t r = window_.row; r < window_.row_end; ++r) {
     const auto line = fresh.row(r);
-    for (std::uint32_t w = window_.word; w < window_.word_end; ++w) {
+    for_each_marked(marks.row(r), [&](std::uint32_t w) {
       if (line[w] != 0) line[w] &= ~bridge_.near(held_, r, w, line[w]);
-    }
+    });
   }
 }
 

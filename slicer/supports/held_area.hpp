@@ -40,8 +40,12 @@ class HeldArea {
   /// A tip holds the pixels of its disc.
   void add_disc(std::uint32_t column, std::uint32_t row, Nanometres radius, ConstBitImage mask);
 
+  /// A pixel is left out of the layer.
+  void take_out(std::uint32_t column, std::uint32_t row);
+
   /// Clears the pixels of `fresh` that are within reach() of a held one.
-  void drop_what_is_near(BitImage fresh) const;
+  /// @param marks  of each row of `fresh`: its words that may have pixels
+  void drop_what_is_near(BitImage fresh, ConstBitImage marks) const;
 
   /// Of `pixels` in a word of a row, those that are not held.
   std::uint64_t unheld(std::uint32_t row, std::uint32_t word, std::uint64_t pixels) const;
@@ -62,6 +66,7 @@ class HeldArea {
   BitImage held_;
   BitImage settling_;  ///< pixels that all layers have had since the last multiple of settle_layers_
   BitImage grown_;     ///< scratch
+  BitImage open_;      ///< one row, a bit for each row that may have pixels that are not held
 };
 
 }  // namespace plumbline

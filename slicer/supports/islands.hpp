@@ -51,6 +51,8 @@ class IslandFinder {
     for (std::uint32_t i = 0; i < open_; ++i) close(regions_[i], visit);
     open_ = 0;
   }
+  /// Whether an island may go on into the next row.
+  bool any_open() const { return open_ > 0; }
   /// Whether the layer may have weak regions (WeakRegions): more new pixels in one piece than sides at which it is held, by so much as
   /// such a region has. Until the next row.
   bool may_be_weak() const { return may_be_weak_; }

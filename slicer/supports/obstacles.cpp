@@ -179,16 +179,22 @@ Vec3d Obstacles::normal(std::uint32_t column, std::uint32_t row, std::uint32_t l
     if (z + dz < 0 || z + dz >= static_cast<std::int32_t>(nz_)) continue;
     const ConstBitImage image = slab(static_cast<std::uint32_t>(z + dz));
     for (std::int32_t dy = -radius; dy <= radius; ++dy) {
-      for (std::int32_t dx = -radius; dx <= radius; ++dx) {
-        if (dx * dx + dy * dy + dz * dz > radius * radius) continue;
-        const std::int32_t c = x + dx;
-        const std::int32_t r = y + dy;
-        if (c < 0 || r < 0 || c >= static_cast<std::int32_t>(nx_) || r >= static_cast<std::int32_t>(ny_)) continue;
-        if (!image.at(static_cast<std::uint32_t>(c), static_cast<std::uint32_t>(r))) continue;
-        sum[0] -= dx;
-        sum[1] -= dy;
-        sum[2] -= dz;
-      }
+      const std::int32_t r = y + dy;
+      const std::int32_t rest = radius * radius - dy * dy - dz * dz;
+      if (rest < 0 || r < 0 || r >= static_cast<std::int32_t>(ny_)) continue;
+      std::int32_t reach = radius;
+      while (reach * reach > rest) --reach;
+      const auto line = image.row(static_cast<std::uint32_t>(r));
+      const auto begin = static_cast<std::uint32_t>(std::max(x - reach, 0));
+      const auto end = static_cast<std::uint32_t>(std::min(x + reach + 1, static_cast<std::int32_t>(nx_)));
+      if (begin >= end) continue;
+      for_each_word(begin, end, [&](std::uint32_t w, std::uint64_t bits) {
+        for (std::uint64_t solid = line[w] & bits; solid != 0; solid &= solid - 1) {
+          sum[0] -= static_cast<std::int32_t>(w * 64) + std::countr_zero(solid) - x;
+          sum[1] -= dy;
+          sum[2] -= dz;
+        }
+      });
     }
   }
   const Vec3d n(static_cast<double>(sum[0]), static_cast<double>(sum[1]), static_cast<double>(sum[2]));

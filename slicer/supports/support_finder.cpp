@@ -4,6 +4,7 @@
 #include <tuple>
 
 #include "slicer/layers/layer_stream.hpp"
+#include "slicer/layers/rrep_edit.hpp"
 #include "slicer/supports/bracing.hpp"
 #include "slicer/supports/feet.hpp"
 #include "slicer/supports/obstacles.hpp"
@@ -33,8 +34,12 @@ static_assert([] {
   return most;
 }() <= kMostLift_mm);
 
+/// Pixels of specks that are left out; a speck has some tens, and a noisy scan some tens of specks.
+constexpr std::size_t kMostSpeckPixels = 8192;
+
 struct Scratch {
   std::span<Tip> tips;
+  std::span<SpeckPixel> specks;
   std::span<Strut> struts;
   std::span<Pillar> pillars;
   std::span<Contact> contacts;
@@ -51,6 +56,7 @@ struct Scratch {
       return {};
     };
     PLUMBLINE_TRY(take_one(scratch.tips, most));
+    PLUMBLINE_TRY(take_one(scratch.specks, kMostSpeckPixels));
     PLUMBLINE_TRY(take_one(scratch.struts, most_struts(grid)));
     PLUMBLINE_TRY(take_one(scratch.pillars, kHelperShare * most));
     PLUMBLINE_TRY(take_one(scratch.contacts, kContactsPerTip * most));
@@ -60,8 +66,8 @@ struct Scratch {
   }
   static std::size_t bytes_needed(const PrintGrid& grid) {
     const std::size_t most = most_tips(grid);
-    return Arena::rounded(most * sizeof(Tip)) + Arena::rounded(most_struts(grid) * sizeof(Strut)) +
-           Arena::rounded(kHelperShare * most * sizeof(Pillar)) +
+    return Arena::rounded(most * sizeof(Tip)) + Arena::rounded(kMostSpeckPixels * sizeof(SpeckPixel)) +
+           Arena::rounded(most_struts(grid) * sizeof(Strut)) + Arena::rounded(kHelperShare * most * sizeof(Pillar)) +
            Arena::rounded(kContactsPerTip * most * sizeof(Contact)) +
            Arena::rounded(kHelperShare * most * sizeof(double)) +
            Arena::rounded(kHelperShare * most * sizeof(std::uint32_t));
@@ -107,20 +113,34 @@ void count_tips(std::span<const Tip> tips, const PrintGrid& grid, SupportCounts&
   counts.largest_load_mm2 = load * static_cast<double>(grid.pitch_x_mm) * static_cast<double>(grid.pitch_y_mm);
 }
 
+/// Removes specks from the R-Rep.
+Status leave_out(std::span<const SpeckPixel> specks, RRep& rrep, Arena& arena) {
+  if (specks.empty()) return {};
+  const ArenaScope scope(arena);
+  const auto toggles = arena.take_top<RRepToggle>(2 * specks.size(), kStage);
+  PLUMBLINE_TRY(toggles);
+  std::size_t count = 0;
+  for (const SpeckPixel& speck : specks) {
+    if (!speck.in_section) continue;
+    (*toggles)[count++] = {speck.layer, speck.pixel};
+    (*toggles)[count++] = {speck.layer + 1U, speck.pixel};
+  }
+  return toggle_crossings(rrep, toggles->first(count), arena);
+}
+
+/// @param tips     of `rrep`, which is lifted
 /// @param scratch  for the struts
-Expected<std::span<Strut>> find_struts(const RRep& rrep, const SupportSettings& settings, const Scratch& scratch,
-                                       Arena& arena, ProgressSink* progress, SupportCounts& counts) {
+Expected<std::span<Strut>> find_struts(const RRep& rrep, std::span<Tip> tips, const SupportSettings& settings,
+                                       const Scratch& scratch, Arena& arena, SupportCounts& counts) {
   StrutList list(rrep.grid, scratch.struts, scratch.pillars);
   {
     const ArenaScope scope(arena);
-    const auto tips = find_tips(rrep, settings, scratch.tips, arena, progress);
-    PLUMBLINE_TRY(tips);
-    if (!tips->empty()) {
-      count_tips(*tips, rrep.grid, counts);
+    if (!tips.empty()) {
+      count_tips(tips, rrep.grid, counts);
       const auto obstacles = Obstacles::create(rrep, nanometres(Routing::clearance(settings)), arena);
       PLUMBLINE_TRY(obstacles);
       const double raft_mm = counts.lifted > 0 ? settings.pad_wall_thickness : 0;
-      PLUMBLINE_TRY(build(*tips, settings, raft_mm, *obstacles, scratch, list, counts));
+      PLUMBLINE_TRY(build(tips, settings, raft_mm, *obstacles, scratch, list, counts));
     }
   }
   const auto pads = add_feet(rrep, list, arena);
@@ -141,13 +161,20 @@ Expected<Supports> find(RRep& rrep, const SupportSettings& settings, std::uint32
   const auto stand = choose_stand(rrep, settings, most_layers, arena);
   PLUMBLINE_TRY(stand);
   RRep stood = rrep;
-  PLUMBLINE_TRY(stand_object(stood, *stand, arena));
+  PLUMBLINE_TRY(stand_object(stood, {.sunk = stand->sunk, .lifted = 0}, arena));
   counts.lifted = stand->lifted;
   counts.sunk = stand->sunk;
   const ArenaScope scope(arena);
   const auto scratch = Scratch::take(stood.grid, arena);
   PLUMBLINE_TRY(scratch);
-  const auto found = find_struts(stood, settings, *scratch, arena, progress, counts);
+  const auto needed = find_tips(stood, stand->lifted, settings, scratch->tips, scratch->specks, arena, progress);
+  PLUMBLINE_TRY(needed);
+  counts.specks = needed->speck_count;
+  counts.specks_mm3 = static_cast<double>(needed->specks.size()) * static_cast<double>(stood.grid.pitch_x_mm) *
+                      static_cast<double>(stood.grid.pitch_y_mm) * static_cast<double>(stood.grid.layer_height_mm);
+  PLUMBLINE_TRY(leave_out(needed->specks, stood, arena));
+  PLUMBLINE_TRY(stand_object(stood, {.sunk = 0, .lifted = stand->lifted}, arena));
+  const auto found = find_struts(stood, needed->tips, settings, *scratch, arena, counts);
   PLUMBLINE_TRY(found);
   const auto list = arena.take_bottom<Strut>(found->size(), kStage);
   PLUMBLINE_TRY(list);

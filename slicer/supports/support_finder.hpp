@@ -24,6 +24,8 @@ struct SupportCounts {
   std::uint32_t close = 0;  ///< nearer to the object's walls than support_base_safety_distance
   std::uint32_t braces = 0;
   std::uint32_t helpers = 0;    ///< pillars that carry nothing but brace another
+  std::uint32_t specks = 0;     ///< left out of the print instead
+  double specks_mm3 = 0;        ///< their volume
   std::uint32_t pads = 0;       ///< below small regions of the first layer
   std::uint32_t unbraced = 0;   ///< pillars with more than 10 mm between braces
   std::uint32_t lifted = 0;     ///< layers by which the object was lifted
@@ -34,9 +36,10 @@ struct SupportCounts {
   std::uint32_t all() const { return on_plate + on_object + on_supports; }
 };
 
-/// Chooses how the object stands (stand.hpp), finds what must be held (tips.hpp), leads it to the plate (routing.hpp), braces
+/// Chooses how the object stands (stand.hpp), finds what must be held and what is too small to be (tips.hpp), leads it to the plate (routing.hpp), braces
 /// the pillars (bracing.hpp), puts a raft below a lifted object (raft.hpp) and pads below small feet on the plate (feet.hpp).
-/// @param rrep         the newest block at the bottom of the arena; changed if the object sinks or is lifted
+/// @param rrep         the newest block at the bottom of the arena; changed if the object sinks, is lifted, or
+///                     loses specks
 /// @param settings     accepted by check_support_settings()
 /// @param most_layers  that the printer can print
 /// @param arena        keeps the list at the bottom; find_supports_bytes() are needed while this runs

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "slicer/layers/layer_stream.hpp"
+#include "slicer/layers/morphology.hpp"
 #include "slicer/supports/held_area.hpp"
 #include "slicer/supports/islands.hpp"
 #include "slicer/supports/tip_loads.hpp"
@@ -21,6 +22,7 @@ constexpr const char* kStage = "supports";
 constexpr double kPixelsPerTip = 64;
 /// mm2: larger islands are flats, which their tips hold as they hold other overhangs.
 constexpr double kDenseIsland = 12;
+constexpr double kPi = 3.14159265358979324;
 constexpr double kAreaPerTip = 1;  ///< mm2; on an overhang they share, tips are a few times rarer
 
 /// Where to put the tip for the first pixel, in reading order, that needs one: in later rows or to the side, so that the tip
@@ -34,12 +36,16 @@ constexpr std::array<std::int32_t, 5> kShares = {64, 48, 32, 16, 8};
 /// The sweep; each method is one step.
 class Sweep {
  public:
-  Sweep(const RRep& rrep, const SupportSettings& settings, std::span<Tip> list)
-      : grid_(rrep.grid), window_(window_of(rrep)), pitch_(rrep.grid), list_(list) {
+  Sweep(const RRep& rrep, std::uint32_t lifted, const SupportSettings& settings, std::span<Tip> list,
+        std::span<SpeckPixel> specks)
+      : grid_(rrep.grid), lifted_(lifted), window_(window_of(rrep)), pitch_(rrep.grid), list_(list), specks_(specks) {
     const auto layer_height = static_cast<double>(grid_.layer_height_mm);
     head_ = nanometres(settings.head_front_diameter / 2);
     light_head_ = nanometres(settings.head_front_diameter / 2 * kLightTip);
-    dense_pixels_ = kDenseIsland / (static_cast<double>(grid_.pitch_x_mm) * static_cast<double>(grid_.pitch_y_mm));
+    const double pixel_mm2 = static_cast<double>(grid_.pitch_x_mm) * static_cast<double>(grid_.pitch_y_mm);
+    const double light_tip = settings.head_front_diameter * kLightTip;
+    dense_pixels_ = kDenseIsland / pixel_mm2;
+    speck_pixels_ = kPi / 4 * light_tip * light_tip / pixel_mm2;
     penetration_ = static_cast<std::uint32_t>(std::floor(settings.head_penetration / layer_height + 0.5));
   }
 
@@ -54,11 +60,15 @@ class Sweep {
       *image = BitImage(*words, grid_.columns, grid_.rows);
       image->clear();
     }
+    // One bit for each word of a row.
+    auto marks = arena.take_top<std::uint64_t>(BitImage::words_needed(fresh_.stride(), grid_.rows), kStage);
+    PLUMBLINE_TRY(marks);
+    marks_ = BitImage(*marks, fresh_.stride(), grid_.rows);
+    marks_.clear();
     auto held = HeldArea::create(grid_, settings, window_, arena);
     PLUMBLINE_TRY(held);
     held_ = *held;
     // An overhang is at most this far from its tip, so no tip carries more than the disc's area.
-    constexpr double kPi = 3.14159265358979324;
     reach_ = std::min(held_.reach(), nanometres(std::sqrt(settings.area_per_tip / kPi)));
     auto islands = IslandFinder::create(grid_.columns, arena);
     PLUMBLINE_TRY(islands);
@@ -72,13 +82,16 @@ class Sweep {
     return {};
   }
 
-  Status layer(std::uint32_t layer, ConstBitImage mask) {
+  /// Takes the next layer of the stream.
+  Status next_layer(LayerStream& stream) {
+    const ConstBitImage mask = stream.mask(index_);
+    const std::uint32_t layer = index_ + lifted_;
     if (layer == 0) {
       held_.begin(mask);
     } else if (compare_with_below(layer, mask)) {
       held_.next_layer(layer, mask);
       const std::size_t lower = count_;
-      PLUMBLINE_TRY(hold_islands(layer, mask));
+      PLUMBLINE_TRY(hold_islands(layer, mask, stream));
       PLUMBLINE_TRY(hold_overhangs(layer, mask));
       if (islands_.may_be_weak()) PLUMBLINE_TRY(hold_weak_regions(layer, mask, list_.first(count_).subspan(lower)));
       PLUMBLINE_TRY(share_loads(layer, mask));
@@ -86,10 +99,12 @@ class Sweep {
       held_.next_layer(layer, mask);
     }
     keep_as_below(layer, mask);
+    ++index_;
     return {};
   }
 
-  std::span<Tip> tips() const { return list_.first(count_); }
+  /// What was found so far.
+  FoundTips found() const { return {list_.first(count_), specks_.first(speck_end_), speck_count_}; }
 
  private:
   std::uint16_t& top(std::uint32_t column, std::uint32_t row) {
@@ -104,9 +119,14 @@ class Sweep {
       const auto line = mask.row(r);
       const auto below = below_.row(r);
       const auto fresh = fresh_.row(r);
+      const auto marks = marks_.row(r);
+      std::ranges::fill(marks, std::uint64_t{0});
       for (std::uint32_t w = window_.word; w < window_.word_end; ++w) {
         fresh[w] = line[w] & ~below[w];
-        any |= fresh[w] != 0;
+        if (fresh[w] != 0) {
+          marks[w / 64] |= std::uint64_t{1} << (w % 64);
+          any = true;
+        }
         for (std::uint64_t gone = below[w] & ~line[w]; gone != 0; gone &= gone - 1) {
           top(w * 64 + static_cast<std::uint32_t>(std::countr_zero(gone)), r) = static_cast<std::uint16_t>(layer);
         }
@@ -115,17 +135,73 @@ class Sweep {
     return any;
   }
 
-  Status hold_islands(std::uint32_t layer, ConstBitImage mask) {
+  Status hold_islands(std::uint32_t layer, ConstBitImage mask, LayerStream& stream) {
     Status done;
+    specks_below_ = specks_here_;
+    specks_here_ = speck_end_;
     const auto hold = [&](const IslandFinder::Place& place) {
+      if (place.pixels <= speck_pixels_ && leave_out(place, stream)) return;
       if (done) done = add_tip(place.column, place.row, layer, mask, true);
       if (done) list_[count_ - 1].dense = place.pixels <= dense_pixels_;
     };
     for (std::uint32_t r = window_.row; r < window_.row_end; ++r) {
-      islands_.next_row(mask, below_, fresh_, r, window_, hold);
+      Window with_fresh = window_;
+      with_fresh.word = with_fresh.word_end;
+      for_each_marked(marks_.row(r), [&](std::uint32_t w) {
+        with_fresh.word = std::min(with_fresh.word, w);
+        with_fresh.word_end = w + 1;
+      });
+      if (with_fresh.word == window_.word_end && !islands_.any_open() && r != window_.row) continue;
+      islands_.next_row(mask, below_, fresh_, r, with_fresh, hold);
     }
     islands_.end(hold);
     return done;
+  }
+
+  /// Leaves an island out of the layer if it is a speck.
+  /// @returns whether it is one
+  bool leave_out(const IslandFinder::Place& place, LayerStream& stream) {
+    if (place.pixels > specks_.size() - speck_end_) return false;
+    // All pixels of an island are new, and so are none beside it. The list is the queue of the flood fill.
+    std::size_t end = speck_end_;
+    const auto take = [&](std::uint32_t column, std::uint32_t row) {
+      if (column >= grid_.columns || row >= grid_.rows || !fresh_.at(column, row)) return;
+      fresh_.row(row)[column / 64] &= ~(std::uint64_t{1} << (column % 64));
+      specks_[end++] = {row * grid_.columns + column, static_cast<std::uint16_t>(index_), 1, true};
+    };
+    take(place.column, place.row);
+    std::uint16_t depth = 1;
+    for (std::size_t i = speck_end_; i < end; ++i) {
+      const std::uint32_t column = specks_[i].pixel % grid_.columns;
+      const std::uint32_t row = specks_[i].pixel / grid_.columns;
+      take(column - 1, row);
+      take(column + 1, row);
+      take(column, row - 1);
+      take(column, row + 1);
+      for (const SpeckPixel& below : specks_.subspan(specks_below_, specks_here_ - specks_below_)) {
+        const bool is_below = below.pixel == specks_[i].pixel && below.layer + 1U == index_;
+        if (is_below) depth = std::max(depth, static_cast<std::uint16_t>(below.depth + 1));
+      }
+    }
+    const auto pixels = specks_.subspan(speck_end_, end - speck_end_);
+    if (depth > penetration_) {
+      for (const SpeckPixel& pixel : pixels) fresh_.set(pixel.pixel % grid_.columns, pixel.pixel / grid_.columns);
+      return false;
+    }
+    stream.draw_on_mask([&](BitImage mask, BitImage drawn) {
+      for (SpeckPixel& speck : pixels) {
+        const std::uint32_t column = speck.pixel % grid_.columns;
+        const std::uint32_t row = speck.pixel / grid_.columns;
+        mask.row(row)[column / 64] &= ~(std::uint64_t{1} << (column % 64));
+        drawn.set(row, column / kStripColumns);
+        held_.take_out(column, row);
+        speck.depth = depth;
+        speck.in_section = stream.section().at(column, row);
+      }
+    });
+    speck_end_ = end;
+    if (depth == 1) ++speck_count_;
+    return true;
   }
 
   /// @param tips  of this layer
@@ -140,18 +216,19 @@ class Sweep {
   }
 
   Status hold_overhangs(std::uint32_t layer, ConstBitImage mask) {
-    held_.drop_what_is_near(fresh_);
+    held_.drop_what_is_near(fresh_, marks_);
+    Status done;
     for (std::uint32_t r = window_.row; r < window_.row_end; ++r) {
       const auto line = fresh_.row(r);
-      for (std::uint32_t w = window_.word; w < window_.word_end; ++w) {
-        while (line[w] != 0) {
+      for_each_marked(marks_.row(r), [&](std::uint32_t w) {
+        while (line[w] != 0 && done) {
           const auto place = place_for(w * 64 + static_cast<std::uint32_t>(std::countr_zero(line[w])), r);
-          PLUMBLINE_TRY(add_tip(place.column, place.row, layer, mask, false));
+          done = add_tip(place.column, place.row, layer, mask, false);
           clear_disc(place);
         }
-      }
+      });
     }
-    return {};
+    return done;
   }
 
   /// Place for the tip that holds (column, row) and as many pixels beside it as possible.
@@ -180,27 +257,28 @@ class Sweep {
 
   /// Gives the new pixels that nothing holds to their nearest tips, and puts more tips where one has too much.
   Status share_loads(std::uint32_t layer, ConstBitImage mask) {
+    Status done;
     for (std::uint32_t r = window_.row; r < window_.row_end; ++r) {
       const auto line = mask.row(r);
       const auto below = below_.row(r);
-      for (std::uint32_t w = window_.word; w < window_.word_end; ++w) {
-        std::uint64_t rest = line[w] & ~below[w];
-        if (rest != 0) rest = held_.unheld(r, w, rest);
-        while (rest != 0) {
+      for_each_marked(marks_.row(r), [&](std::uint32_t w) {
+        std::uint64_t rest = held_.unheld(r, w, line[w] & ~below[w]);
+        while (rest != 0 && done) {
           const auto first = static_cast<std::uint32_t>(std::countr_zero(rest));
           const std::uint32_t length =
               std::min(static_cast<std::uint32_t>(std::countr_one(rest >> first)), TipLoads::kMostPixels);
           const std::uint32_t column = w * 64 + first + length / 2;
           if (const Tip* const full = loads_.carry(column, r, layer, length)) {
-            PLUMBLINE_TRY(add_tip(column, r, layer, mask, false));
+            done = add_tip(column, r, layer, mask, false);
+            if (!done) return;
             list_[count_ - 1].dense = full->dense && full->layer == layer;
             loads_.carry(column, r, layer, length);
           }
           rest &= ~(((std::uint64_t{1} << length) - 1) << first);
         }
-      }
+      });
     }
-    return {};
+    return done;
   }
 
   Status add_tip(std::uint32_t column, std::uint32_t row, std::uint32_t layer, ConstBitImage mask, bool island) {
@@ -211,7 +289,7 @@ class Sweep {
                "%s: more than %zu are needed up to layer %u of %u, the list has room for no more.\tTurn the object, "
                "allow a smaller support_overhang_angle or a larger support_overhang_span, or look at the preview for "
                "outliers in the scan",
-               kStage, list_.size(), layer, grid_.layers));
+               kStage, list_.size(), layer, grid_.layers + lifted_));
     }
     Tip& tip = list_[count_];
     tip = {};
@@ -219,7 +297,7 @@ class Sweep {
     tip.row = static_cast<std::uint16_t>(row);
     tip.floor = top(column, row);
     tip.layer = static_cast<std::uint16_t>(layer);
-    tip.end = static_cast<std::uint16_t>(std::min(layer + penetration_, grid_.layers));
+    tip.end = static_cast<std::uint16_t>(std::min(layer + penetration_, grid_.layers + lifted_));
     tip.island = island;
     loads_.add(static_cast<std::uint32_t>(count_));
     ++count_;
@@ -251,18 +329,26 @@ class Sweep {
   }
 
   PrintGrid grid_;
+  std::uint32_t lifted_;
   Window window_;
   PixelPitch pitch_;
   Nanometres head_ = 0;            ///< radius of a tip of medium load
   Nanometres light_head_ = 0;      ///< and of light load
   Nanometres reach_ = 0;           ///< of a tip
   std::uint32_t penetration_ = 0;  ///< layers
+  std::uint32_t index_ = 0;        ///< of the layer, in the stream
+  double speck_pixels_ = 0;        ///< of a speck, at most
   double dense_pixels_ = 0;        ///< of an island, at most, that gets dense tips
   std::span<Tip> list_;            ///< by layer
   std::size_t count_ = 0;
+  std::span<SpeckPixel> specks_;
+  std::size_t speck_end_ = 0;
+  std::size_t specks_below_ = 0, specks_here_ = 0;  ///< where those of the layers begin
+  std::uint32_t speck_count_ = 0;
   std::size_t heads_ = 0;         ///< index of the first tip that may be in the layer
   std::span<std::uint16_t> top_;  ///< per pixel of the window: first layer above the object below it; 0: plate
   BitImage below_;                ///< the layer below, with heads
+  BitImage marks_;                ///< words of fresh_ that have new pixels, one bit each
   BitImage fresh_;                ///< new pixels of the layer, then those that are not held
   HeldArea held_;
   IslandFinder islands_;
@@ -272,11 +358,11 @@ class Sweep {
 
 }  // namespace
 
-Expected<std::span<Tip>> find_tips(const RRep& rrep, const SupportSettings& settings, std::span<Tip> list, Arena& arena,
-                                   ProgressSink* progress) {
+Expected<FoundTips> find_tips(const RRep& rrep, std::uint32_t lifted, const SupportSettings& settings,
+                              std::span<Tip> list, std::span<SpeckPixel> specks, Arena& arena, ProgressSink* progress) {
   const ArenaScope scope(arena);
   const std::size_t bottom = arena.bottom_mark();
-  Sweep sweep(rrep, settings, list);
+  Sweep sweep(rrep, lifted, settings, list, specks);
   PLUMBLINE_TRY(sweep.take_memory(settings, arena));
   auto stream = LayerStream::create(rrep, arena);
   PLUMBLINE_TRY(stream);
@@ -286,12 +372,12 @@ Expected<std::span<Tip>> find_tips(const RRep& rrep, const SupportSettings& sett
     if (progress != nullptr && !progress->advance(Stage::kSupports, static_cast<double>(k) / layers)) {
       done = fail(ErrorCode::kCancelled, "stopped while supports were sought, at layer %u of %u", k, layers);
     } else {
-      done = sweep.layer(k, stream->mask(k));
+      done = sweep.next_layer(*stream);
     }
   }
   arena.release_bottom(bottom);
   PLUMBLINE_TRY(done);
-  return sweep.tips();
+  return sweep.found();
 }
 
 std::uint32_t most_tips(const PrintGrid& grid) {
@@ -304,6 +390,7 @@ std::size_t find_tips_bytes(const PrintGrid& grid, const Window& window) {
   const std::size_t image = Arena::rounded(BitImage::words_needed(grid.columns, grid.rows) * sizeof(std::uint64_t));
   const std::size_t pixels = std::size_t{window.columns()} * window.rows();
   return LayerStream::bytes_needed(grid) + Arena::rounded(pixels * sizeof(std::uint16_t)) + 2 * image +
+         Arena::rounded(BitImage::words_needed((grid.columns + 63) / 64, grid.rows) * sizeof(std::uint64_t)) +
          HeldArea::bytes_needed(grid) + IslandFinder::bytes_needed(grid.columns) +
          WeakRegions::bytes_needed(grid.rows) + TipLoads::bytes_needed(grid, most_tips(grid));
 }

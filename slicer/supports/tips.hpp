@@ -26,6 +26,20 @@ struct Tip {
   std::uint32_t close = 0;  ///< those of them that are nearer than points_minimal_distance
 };
 
+/// A pixel of a speck: of an island that its own tip would cover, so the print does without it.
+struct SpeckPixel {
+  std::uint32_t pixel = 0;  ///< row * columns + column
+  std::uint16_t layer = 0;
+  std::uint16_t depth = 1;  ///< layers of the speck so far
+  bool in_section = true;   ///< else the mask's closing has added it
+};
+
+struct FoundTips {
+  std::span<Tip> tips;            ///< by layer
+  std::span<SpeckPixel> specks;   ///< by layer; those that the R-Rep has
+  std::uint32_t speck_count = 0;  ///< of specks, not of their pixels
+};
+
 /// Sweeps the object's masks once, from the plate up, and puts tips
 ///   - below every island: a region of a mask that has no pixel above the layer below or above the head of a support;
 ///   - below overhangs: new pixels of a layer farther than overhang_span / 2 from all *held* pixels;
@@ -36,14 +50,22 @@ struct Tip {
 ///
 /// The load of a tip is the area of new pixels that nothing held when they were cured and to which no other tip is nearer, of
 /// those at most a few millimetres below.
+///
+/// An island that is a *speck* gets no tip, but is to be left out of the print: it has at most the area of a light tip and, with such
+/// islands below it, at most the height to which a head reaches into the object. What a scan's last noise leaves at the lower end of a surface
+/// is that small, and vanishes in the region that grows over it. A tip would be larger, and so would its scar.
 /// @param settings  accepted by check_support_settings()
+/// @param rrep      not lifted yet
+/// @param lifted    empty layers that will be put below it; the tips' layers count them
 /// @param list      most_tips() of them, overwritten
+/// @param specks    overwritten; islands that there is no more room for here get tips
 /// @param progress  may be null
-/// @returns those of `list` that were found, by layer
+/// @returns those of both lists that were found
 /// @retval ErrorCode::kOutOfMemory  the arena is full, or the list
 /// @retval ErrorCode::kCancelled    `progress` asked to stop
-[[nodiscard]] Expected<std::span<Tip>> find_tips(const RRep& rrep, const SupportSettings& settings, std::span<Tip> list,
-                                                 Arena& arena, ProgressSink* progress);
+[[nodiscard]] Expected<FoundTips> find_tips(const RRep& rrep, std::uint32_t lifted, const SupportSettings& settings,
+                                            std::span<Tip> list, std::span<SpeckPixel> specks, Arena& arena,
+                                            ProgressSink* progress);
 
 /// Bytes from the bottom and top of the arena while find_tips() runs, for any settings.
 /// @param window  of the object

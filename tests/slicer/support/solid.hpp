@@ -33,6 +33,17 @@ struct Solid {
     first.push_back(static_cast<std::uint32_t>(pixel.size()));
     rrep = {grid, first, pixel};
   }
+  /// Supports edit an R-Rep at the bottom of an arena. This one must outlive the solid's use.
+  void move_to(Arena& arena) {
+    const auto copy = [&](const std::vector<std::uint32_t>& from) {
+      const auto to = value_of(arena.take_bottom<std::uint32_t>(from.size(), "test"));
+      std::copy(from.begin(), from.end(), to.begin());
+      return to;
+    };
+    rrep.first = copy(first);
+    rrep.pixel = copy(pixel);
+  }
+
   Solid(const Solid&) = delete;
   Solid& operator=(const Solid&) = delete;
 

@@ -36,6 +36,7 @@ SupportSettings on_the_plate() {
 struct Supported {
   Supported(const PrintGrid& grid, const Inside& inside, const SupportSettings& settings = on_the_plate())
       : solid(grid, inside), arena(32 * kMiB) {
+    solid.move_to(*arena);
     supports = value_of(find_supports(solid.rrep, settings, PrintGrid::kMaxLayers, *arena, nullptr, counts));
     object = solid.masks();
     masks = solid.masks(&supports);
@@ -301,6 +302,43 @@ TEST(Supports, HoldRandomObjects) {
   }
 }
 
+/// On the plate, a wall with a slab from layer 20 on, which bridges less than needs a tip, and below the slab whatever `below` is.
+Inside slab_over(const Block& below) { return blocks({{20, 30, 10, 54, 0, 40}, {30, 42, 10, 54, 20, 40}, below}); }
+
+TEST(Supports, LeaveOutASpeckThatATipWouldCover) {
+  // A light tip has 7 pixels and reaches 2 layers into the object.
+  const Supported s(slab_over({36, 39, 30, 32, 18, 20}));
+  EXPECT_EQ(s.counts.specks, 1U);
+  EXPECT_NEAR(s.counts.specks_mm3, 2 * 0.06 * 0.1, 1e-6);
+  EXPECT_TRUE(s.supports.empty());
+  const Solid without(cubic_grid(kSide, 48), slab_over({0, 0, 0, 0, 0, 0}));
+  EXPECT_EQ(s.masks, without.masks()) << "the slab stays as it is";
+}
+
+TEST(Supports, LeaveOutASpeckBelowALiftedObject) {
+  // A slab on a neck; without a lift it would stand on the plate.
+  const Inside shape = blocks({{10, 54, 10, 54, 12, 40}, {31, 33, 31, 33, 11, 12}});
+  SupportSettings settings;
+  settings.object_elevation = 2;
+  const Supported s(cubic_grid(kSide, 48), shape, settings);
+  EXPECT_GT(s.counts.lifted, 0U);
+  EXPECT_EQ(s.counts.specks, 1U);
+  EXPECT_EQ(floating_islands(s.masks), 0U);
+  EXPECT_EQ(s.object[11 + s.counts.lifted].count(), 0U);
+  EXPECT_EQ(s.object[12 + s.counts.lifted].count(), 44U * 44U);
+}
+
+TEST(Supports, HoldWhatIsMoreThanASpeck) {
+  // 9 pixels; and as small as a speck, but 3 layers high: its third layer gets a tip.
+  for (const Block& block : {Block{36, 39, 30, 33, 18, 20}, Block{36, 38, 30, 32, 17, 20}}) {
+    const Supported s(slab_over(block));
+    ASSERT_EQ(s.counts.islands, 1U);
+    EXPECT_EQ(s.tips()[0].first, block.layer == 18 ? 18 : 19);
+    EXPECT_EQ(s.counts.specks, block.layer == 18 ? 0U : 1U);
+    EXPECT_EQ(floating_islands(s.masks), 0U);
+  }
+}
+
 TEST(Supports, TakeAndReturnTheStatedBytes) {
   Solid solid(cubic_grid(kSide, 48), ball(32, 32, 27, 20));
   const PrintGrid& grid = solid.rrep.grid;
@@ -336,10 +374,10 @@ TEST(Supports, AreRefusedIfTheArenaIsFull) {
 }
 
 TEST(Supports, AreRefusedIfTheListIsFull) {
-  // In the air, a block of 2 x 2 pixels in every 4 x 4: 1024 islands.
+  // In the air, a block of 3 x 3 pixels in every 5 x 5: 676 islands.
   const PrintGrid grid = cubic_grid(128, 4);
-  ASSERT_LT(most_tips(grid), 1024U);
-  Solid solid(grid, [](std::uint32_t c, std::uint32_t r, std::uint32_t k) { return k > 1 && c % 4 < 2 && r % 4 < 2; });
+  ASSERT_LT(most_tips(grid), 676U);
+  Solid solid(grid, [](std::uint32_t c, std::uint32_t r, std::uint32_t k) { return k > 1 && c % 5 < 3 && r % 5 < 3; });
   ArenaBlock arena(32 * kMiB);
   SupportCounts counts;
   const auto supports = find_supports(solid.rrep, on_the_plate(), PrintGrid::kMaxLayers, *arena, nullptr, counts);
@@ -354,6 +392,7 @@ TEST(Supports, HaveRoomOnCoarsePixels) {
   const PrintGrid grid = cubic_grid(100, 4, 0.5F);
   Solid solid(grid, [](std::uint32_t c, std::uint32_t r, std::uint32_t k) { return k > 1 && c % 5 < 2 && r % 5 < 2; });
   ArenaBlock arena(32 * kMiB);
+  solid.move_to(*arena);
   SupportCounts counts;
   const auto supports =
       value_of(find_supports(solid.rrep, on_the_plate(), PrintGrid::kMaxLayers, *arena, nullptr, counts));

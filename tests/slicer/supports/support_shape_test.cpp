@@ -26,6 +26,7 @@ constexpr std::uint32_t kLift = 58;  ///< layers
 struct Print {
   Print(std::uint32_t side, std::uint32_t layers, const Inside& inside, const SupportSettings& settings = {})
       : solid(cubic_grid(side, layers), inside), arena(64 * kMiB) {
+    solid.move_to(*arena);
     supports = value_of(find_supports(solid.rrep, settings, PrintGrid::kMaxLayers, *arena, nullptr, counts));
     object = solid.masks();
     masks = solid.masks(&supports);
@@ -247,6 +248,7 @@ TEST(SupportShape, HoldsItsTipsOnCoarsePixelsToo) {
   for (const float pitch : {0.2F, 0.3F}) {
     Solid solid(cubic_grid(110, 70, pitch), ball(55, 55, 36, 33));
     ArenaBlock arena(64 * kMiB);
+    solid.move_to(*arena);
     SupportCounts counts;
     const Supports supports = value_of(find_supports(solid.rrep, {}, PrintGrid::kMaxLayers, *arena, nullptr, counts));
     EXPECT_GT(counts.light, 0U);
@@ -276,6 +278,7 @@ TEST(SupportShape, LeavesNoIslandFromATenthToTenTimesTheSize) {
     };
     Solid solid(cubic_grid(side, layers, size.pitch), shape);
     ArenaBlock arena(64 * kMiB);
+    solid.move_to(*arena);
     SupportCounts counts;
     const std::size_t before = arena->used();
     arena->reset_peak();
