@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """Compares plumbline's supports with PrusaSlicer's on the same meshes and scans:
 
-  compare_supports.py PLUMBLINE MESH.ply|SCAN.ply ... [--size MM] [--pitch MM] [--orientations N] [--runs N]
+  compare_supports.py PLUMBLINE MESH.ply|SCAN.ply ... [--size MM] [--pitch MM] [--orientations N] [--runs N] [--kept FILE]
 
 Each is scaled to --size (25 mm) and turned into up to six orientations. Both slice it with their default settings. Masks of both are
 measured alike (support_figures.py). Voxels are cubes of --pitch (0.1 mm). A PLY file without faces is a scan with normals: PrusaSlicer
 gets its Poisson reconstruction (pcl_poisson_reconstruction, depth 9), plumbline the points. PrusaSlicer places its points at random: its
-figures are the medians of --runs (3).
+figures are the medians of --runs (3). --kept FILE keeps them, and takes those that it has: they take most of the time, and do not change
+with plumbline.
 Prints a table in Markdown, plumbline / PrusaSlicer, and in how many rows plumbline is no worse. Needs .ci/setup bench, python3-numpy,
 python3-scipy and python3-pil.
 Exit status: 0 done, 1 a program failed, 2 wrong use.
@@ -152,6 +153,21 @@ def prusa_supports(mesh, work, pitch, panel):
 COMPARED = {"islands": "islands", "mean_mm2": "mean", "most_mm2": "most", "free_mm": "free stretch", "volume_mm3": "volume"}
 
 
+class Kept:
+    """PrusaSlicer's figures by shape, orientation and settings, in a JSON file if there is one."""
+
+    def __init__(self, path):
+        self.path = path
+        self.figures = json.loads(path.read_text()) if path and path.exists() else {}
+
+    def get(self, key, measure):
+        if key not in self.figures:
+            self.figures[key] = astuple(measure())
+            if self.path:
+                self.path.write_text(json.dumps(self.figures, indent=0))
+        return Figures(*self.figures[key])
+
+
 def median(figures):
     return Figures(*np.median([astuple(f) for f in figures], axis=0))
 
@@ -168,7 +184,7 @@ def row(shape, turn, ours, theirs):
 def shapes(path, size):
     """What each of both slices, in mm: points or corners, and triangles if there are any."""
     points, faces = read_ply(path)
-    corners = points[:, :3], faces
+    corners = points[:, :3].copy(), faces
     if faces is None:
         with tempfile.TemporaryDirectory(prefix="plumbline-supports-") as folder:
             corners = reconstruct(path, Path(folder))
@@ -185,7 +201,9 @@ def main():
     parser.add_argument("--pitch", type=float, default=0.1)
     parser.add_argument("--orientations", type=int, default=len(ORIENTATIONS))
     parser.add_argument("--runs", type=int, default=3)
+    parser.add_argument("--kept", type=Path)
     chosen = parser.parse_args()
+    kept = Kept(chosen.kept)
     print("| shape | turned about x, y | islands | tips | mean, mm2 | most, mm2 | far, mm2 | free, mm | supports, mm3 |")
     print("|---|---|---|---|---|---|---|---|---|", flush=True)
     panel = PANEL_MM * max(1.0, chosen.size / 25)
@@ -201,7 +219,9 @@ def main():
                     write_points(scan, np.hstack([turned(points[:, :3], *turn), turned(points[:, 3:], *turn)]))
                 masks = plumbline_supports(chosen.plumbline, scan if faces is None else stl, work, chosen.pitch)
                 ours = measure_supports(*masks, chosen.pitch)
-                theirs = median([measure_supports(*prusa_supports(stl, work, chosen.pitch, panel), chosen.pitch) for _ in range(chosen.runs)])
+                key = f"{path.stem} {turn[0]},{turn[1]}, {chosen.size} mm by {chosen.pitch} mm, {chosen.runs} runs"
+                theirs = kept.get(key, lambda stl=stl, work=work: median(
+                    [measure_supports(*prusa_supports(stl, work, chosen.pitch, panel), chosen.pitch) for _ in range(chosen.runs)]))  # fmt: skip
                 print(row(path.stem, turn, ours, theirs), flush=True)
                 pairs.append((ours, theirs))
     print_tally(pairs)
