@@ -173,7 +173,7 @@ struct FactFormat {
   int decimals = 0;       ///< digits behind the point; below 0: so many digits in all
 };
 
-/// The code's word on the state socket, which never changes: "island", "too_high", ...
+/// The code's key on the state socket, which never changes: "island", "too_high", ...
 std::string_view to_string(ToldCode code);
 const FactFormat& format_of(Fact fact);
 
