@@ -26,6 +26,7 @@ constexpr std::uint32_t kJudgedViews = 8;        ///< the first views, which tel
 // Least number of points of a view. Fewer may lie on a grid by chance, and hardly determine the view's position.
 constexpr std::uint32_t kMinViewPoints = 400;
 constexpr std::uint32_t kMinViewShare = 500;  ///< or 1 / kMinViewShare of the scan's points
+constexpr std::uint32_t kRoughly = 4;         ///< less than 1 / kRoughly of that in some blocks of the cloud is too few
 
 // A grid that is known only to a coarse tolerance is grown again from other places.
 constexpr std::uint32_t kMaxRestarts = 5;
@@ -125,12 +126,15 @@ class ViewFinder {
 
   /// Gives the free points on a grid to `view`, if there are enough of them.
   bool claim(std::uint32_t view, const GrownGrid& grid) {
+    const std::uint32_t least = std::max(kMinViewPoints, cloud_.size / kMinViewShare);
+    // Most grids that fail are those of views that have their points already: a part of the blocks tells.
+    if (count_on(grid, kNoView) * thinning_ < least / kRoughly) return false;
     std::uint32_t count = 0;
 #pragma omp parallel for schedule(static) reduction(+ : count)
     for (std::uint32_t first = 0; first < cloud_.size; first += kBlock) {
       count += claim_block(static_cast<std::uint8_t>(view), grid, first);
     }
-    if (count < std::max(kMinViewPoints, cloud_.size / kMinViewShare)) {
+    if (count < least) {
       relabel(view, kNoView);
       return false;
     }
