@@ -191,11 +191,12 @@ void WaveSearch::improve(Ripple& ripple, DepthImage& image) {
   while (ripple.waves < Ripple::kMaxWaves) {
     transform(image.cells());
     Wave wave;
-    if (!find_strongest(ripple, image.frame(), wave)) return;
+    if (!find_strongest(ripple, image.frame(), wave)) break;
     image.fit(wave, false);
     for (int k = 0; k < kSearchSteps; ++k) image.fit(wave, true);
     ripple.wave[ripple.waves++] = wave;
   }
+  ripple.pack();
 }
 
 }  // namespace plumbline

@@ -7,24 +7,13 @@ namespace {
 
 static_assert(Ripple::kMaxWaves == kLanes);
 
-PLUMBLINE_WIDE double depth_of(const Ripple& ripple, const Vec3d& x) {
-  // A lane a wave; amplitudes of those that are none are 0.
-  enum { kX, kY, kZ, kRe, kIm, kNumbers };
-  float number[kNumbers][kLanes];  // NOLINT(cppcoreguidelines-avoid-c-arrays)
-  for (std::size_t k = 0; k < kLanes; ++k) {
-    const Wave& wave = ripple.wave[k];
-    number[kX][k] = static_cast<float>(wave.frequency.data()[0]);
-    number[kY][k] = static_cast<float>(wave.frequency.data()[1]);
-    number[kZ][k] = static_cast<float>(wave.frequency.data()[2]);
-    number[kRe][k] = static_cast<float>(wave.re);
-    number[kIm][k] = static_cast<float>(wave.im);
-  }
-  Lanes fx, fy, fz, re, im, cosine, sine;
-  load(fx, number[kX]);
-  load(fy, number[kY]);
-  load(fz, number[kZ]);
-  load(re, number[kRe]);
-  load(im, number[kIm]);
+PLUMBLINE_WIDE double depth_of(const float* numbers, const Vec3d& x) {
+  Lanes fx, fy, fz, re, im, cosine, sine;  // a lane a wave
+  load(fx, numbers);
+  load(fy, numbers + kLanes);
+  load(fz, numbers + 2 * kLanes);
+  load(re, numbers + 3 * kLanes);
+  load(im, numbers + 4 * kLanes);
   const auto px = static_cast<float>(x.data()[0]);
   const auto py = static_cast<float>(x.data()[1]);
   const auto pz = static_cast<float>(x.data()[2]);
@@ -34,6 +23,17 @@ PLUMBLINE_WIDE double depth_of(const Ripple& ripple, const Vec3d& x) {
 
 }  // namespace
 
-double Ripple::depth(const Vec3d& x) const { return depth_of(*this, x); }
+void Ripple::pack() {
+  for (std::size_t k = 0; k < waves; ++k) {
+    const Wave& w = wave[k];
+    std::size_t at = k;
+    for (const double number : {w.frequency[0], w.frequency[1], w.frequency[2], w.re, w.im}) {
+      packed_[at] = static_cast<float>(number);
+      at += kMaxWaves;
+    }
+  }
+}
+
+double Ripple::depth(const Vec3d& x) const { return depth_of(packed_.data(), x); }
 
 }  // namespace plumbline

@@ -32,8 +32,15 @@ struct Ripple {
   std::array<Wave, kMaxWaves> wave;
   std::uint32_t waves = 0;
 
+  /// Call it after a change of the waves, before depth().
+  void pack();
   /// mm
   double depth(const Vec3d& x) const;
+
+ private:
+  static constexpr std::uint32_t kNumbers = 5;
+  /// Frequencies, then amplitudes, each of all waves in a row; amplitudes of those that are none are 0.
+  std::array<float, kNumbers * std::size_t{kMaxWaves}> packed_ = {};
 };
 
 }  // namespace plumbline
