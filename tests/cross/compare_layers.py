@@ -47,10 +47,12 @@ SAMPLES = [
      ["--pixel-pitch", "0.2", "--layer-height", "0.2", "--arena-mib", "6"]),
     ("with views", ["--points", "34000", "--seed", "4"], ["--pixel-pitch", "0.2", "--layer-height", "0.2"]),
 ]
-# Name, share of the faces that are missing, arguments of `plumbline slice`. The second asks winding numbers.
+# Name, share of the faces that are missing, mm beyond which all are, arguments of `plumbline slice`. The second and third ask winding
+# numbers: of all triangles, and of the rims of large holes.
 MESHES = [
-    ("a mesh", 0, ["--pixel-pitch", "0.1", "--layer-height", "0.1", "--rotate-x", "33", "--rotate-z", "12"]),
-    ("a mesh with holes", 0.05, ["--pixel-pitch", "0.3", "--layer-height", "0.3"]),
+    ("a mesh", 0, 99, ["--pixel-pitch", "0.1", "--layer-height", "0.1", "--rotate-x", "33", "--rotate-z", "12"]),
+    ("a mesh with holes", 0.05, 99, ["--pixel-pitch", "0.3", "--layer-height", "0.3"]),
+    ("a mesh without a side", 0, 9, ["--pixel-pitch", "0.1", "--layer-height", "0.1", "--rotate-x", "33"]),
 ]
 # Name: how many times larger the board's pixels are, and arguments of `plumbline slice`.
 REAL = {
@@ -76,7 +78,7 @@ def without_normals(ply, xyz):
             file.write(f"{vertex[0]:.9g} {vertex[1]:.9g} {vertex[2]:.9g}\n")
 
 
-def write_mesh(stl, missing, around=64, across=24):
+def write_mesh(stl, missing, cut, around=64, across=24):
     """A ring of 20 mm whose tube swells five times, as a binary STL."""
 
     def corner(i, j):
@@ -89,7 +91,7 @@ def write_mesh(stl, missing, around=64, across=24):
         for j in range(across):
             a, b, c, d = corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)
             triangles += [(a, b, c), (a, c, d)]
-    triangles = [triangle for k, triangle in enumerate(triangles) if (k * 0.618034) % 1 >= missing]
+    triangles = [triangle for k, triangle in enumerate(triangles) if (k * 0.618034) % 1 >= missing and min(corner[0] for corner in triangle) < cut]
     with open(stl, "wb") as file:
         file.write(bytes(80) + struct.pack("<I", len(triangles)))
         for a, b, c in triangles:
@@ -160,9 +162,9 @@ def main(arguments):
                 scan = work / "sample.xyz"
                 without_normals(files[0], scan)
             agree &= compare(name, scan, sliced, size, programs, work)
-        for name, missing, sliced in MESHES:
+        for name, missing, cut, sliced in MESHES:
             mesh = work / "mesh.stl"
-            write_mesh(mesh, missing)
+            write_mesh(mesh, missing, cut)
             agree &= compare(name, mesh, sliced, size, programs, work)
         real = [(scans / name, *how) for name, how in REAL.items() if scans and (scans / name).is_file()]
         for scan, larger, options in real:
