@@ -50,7 +50,7 @@ struct ClosedHoles {
   std::span<const LatticeTriangle> caps;  ///< that close the holes; the rim is longer than kMostRim
 };
 /// Corners of a rim: with more, the winding number of all triangles in cells takes less time.
-inline constexpr std::size_t kMostRim = 4096;
+inline constexpr std::size_t kMostRim = 2048;
 
 /// Reads the triangles twice, to close the small holes of a mesh (close_small_holes()), to add the hits of the caps, and to find the
 /// rim of the large ones. It closes none in a mesh most of whose edges are open, or that has more of them than there is room for.
