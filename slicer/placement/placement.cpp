@@ -71,7 +71,8 @@ Units guess_units(double longest_side) {
   for (const Units units : {Units::kMillimetres, Units::kMetres, Units::kCentimetres, Units::kInches}) {
     const double mm = longest_side * millimetres_per(units);
     // Most scanners write mm, so a small object in mm is likelier than a larger one in another unit.
-    const double least = units == Units::kMillimetres ? 10 : 20;
+    // Points fall a little short of the object's size: a ball of 20 mm may be 0.019998 units long.
+    const double least = units == Units::kMillimetres ? 10 : 19;
     if (mm >= least && mm <= 500) return units;
   }
   return Units::kMillimetres;

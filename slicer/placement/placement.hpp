@@ -18,7 +18,7 @@ const char* to_string(Units units);
 double millimetres_per(Units units);
 
 /// Guesses the unit from the longest side of a scan: mm if that makes it 10 to 500 mm long, the sizes that people print; else
-/// the first of m, cm, inches that makes it 20 to 500 mm long. mm if none does. The one rule of slice(), inspect() and
+/// the first of m, cm, inches that makes it 19 to 500 mm long. mm if none does. The one rule of slice(), inspect() and
 /// the programs.
 Units guess_units(double longest_side);
 

@@ -40,6 +40,8 @@ TEST(Placement, GuessesTheUnitThatGivesAPrintableSize) {
   EXPECT_EQ(guess_units(7), Units::kCentimetres);
   EXPECT_EQ(guess_units(20), Units::kMillimetres) << "a ball of 20 mm is not one of 20 cm";
   EXPECT_EQ(guess_units(19.9997), Units::kMillimetres);
+  EXPECT_EQ(guess_units(1.9997), Units::kCentimetres) << "the same ball in cm, not 51 mm in inches";
+  EXPECT_EQ(guess_units(0.019998), Units::kMetres);
   EXPECT_EQ(guess_units(10), Units::kMillimetres);
   EXPECT_EQ(guess_units(1.5), Units::kInches) << "15 mm in cm, 1500 mm in m";
   EXPECT_EQ(guess_units(1e6), Units::kMillimetres);
