@@ -23,6 +23,10 @@ namespace {
 /// little surface: a support of kMaxRadiusSupport points has a radius of 0.8 epsilon where the density is the median one.
 constexpr float kMaxRadiusShare = 1.15F;
 constexpr float kMaxRadiusSupport = 40;  ///< points; a larger support is cut at a proportionally larger radius
+/// Where more than one point in so many would be left with fewer points in its support than make a sheet, these are surface, such
+/// as the flat sides of a decimated mesh, and keep their supports. Fewer lie beside the surface, where few points face their way.
+constexpr std::uint32_t kWidest = 100;
+constexpr std::uint32_t kRadiusSample = 16384;  ///< points whose radii tell
 
 // Difference between a ray and the polynomial that may stand for it: this share of a layer, or of the noise if that is more.
 constexpr float kLayerShare = 1.0F / 50;
@@ -42,6 +46,7 @@ class RayStages {
 
   Expected<CrossingStore> run() {
     PLUMBLINE_TRY(start_confidence());
+    PLUMBLINE_TRY(limit_supports());
     join();
     PLUMBLINE_TRY(build_winding_tree());
     PLUMBLINE_TRY(find_interested());
@@ -52,6 +57,27 @@ class RayStages {
  private:
   const PrintGrid& grid() const { return report_.placement.grid; }
   float epsilon_mm() const { return report_.lengths.epsilon.value; }
+
+  /// Finds the radius to which supports are cut, before points are joined: sparse ones are not.
+  Status limit_supports() {
+    const StageScope stage(Stage::kWindingTree, arena_, progress_, report_.peak_bytes);
+    const ArenaScope scope(arena_);
+    const auto radii = arena_.take_top<float>(std::min(cloud_.seen(), kRadiusSample), "support radii");
+    PLUMBLINE_TRY(radii);
+    const auto samples = static_cast<std::uint32_t>(radii->size());
+    for (std::uint32_t s = 0; s < samples; ++s) {
+      (*radii)[s] = cloud_.radius[static_cast<std::uint32_t>(std::uint64_t{s} * cloud_.seen() / samples)];
+    }
+    const auto widest = radii->begin() + (samples - 1 - samples / kWidest);
+    std::nth_element(radii->begin(), widest, radii->end());
+    const float usual = std::sqrt(std::max(1.0F, cloud_.support_points / kMaxRadiusSupport));
+    max_radius_ = kMaxRadiusShare * epsilon_mm() * usual;
+    if (!(*widest > max_radius_)) return {};
+    const float left = max_radius_ / *widest;
+    const auto sheet = static_cast<float>(settings_.clustering.sparse_points);
+    if (cloud_.support_points * left * left < sheet) max_radius_ = *widest;
+    return {};
+  }
 
   /// Joins points. The height of the base plane is measured first, since a joined point lies above its lowest one.
   void join() {
@@ -118,8 +144,7 @@ class RayStages {
     field.interested = interested_;
     field.confidence = settings_.confidence ? &report_.confidence : nullptr;
     field.grid = grid();
-    field.max_radius =
-        kMaxRadiusShare * epsilon_mm() * std::sqrt(std::max(1.0F, cloud_.support_points / kMaxRadiusSupport));
+    field.max_radius = max_radius_;
     field.tile_capacity = tile_capacity(cloud_.capacity());
     field.settings.intersections.width = report_.width_mm;
     field.settings.height_field = is_height_field();
@@ -141,6 +166,7 @@ class RayStages {
   Arena& arena_;
   ProgressSink* progress_;
   SliceReport& report_;
+  float max_radius_ = 0;   ///< mm, see RayGatherer::create()
   float base_height_ = 0;  ///< mm
   float spread_ = 1;       ///< distance of joined points over that of the scan's
   WindingTree winding_;

@@ -54,6 +54,17 @@ TEST(SliceShapes, AStandingTorusIsInItsPlace) {
   expect_every_ray_closed(sliced);
 }
 
+// The supports of sparse points were once cut to about one epsilon: a tenth of these rays was left to the winding number.
+TEST(SliceShapes, ASphereWithASparseHalfKeepsItsSurface) {
+  Surface surface = sphere(60000, 20, {0, 0, 0});
+  Random random(3);
+  std::erase_if(surface, [&](const SurfacePoint& p) { return p.position[2] > 0 && random.uniform() > 1.0 / 30; });
+  const Slicing sliced(binary_ply(surface), settings_with_pitch(0.2F), 64 * kMiB);
+  EXPECT_NEAR(sliced.volume() / sphere_volume(20), 1, 0.002);
+  EXPECT_LT(sliced.rays(RayDecision::kWinding) * 100, sliced.rays(RayDecision::kPerfect));
+  expect_every_ray_closed(sliced);
+}
+
 /// Offset of `at` from the middle of its cell, in a row of cells `pitch` long.
 double from_nearest(double at, double pitch) { return at - pitch * (std::floor(at / pitch) + 0.5); }
 
