@@ -82,7 +82,9 @@ class ViewFinder {
     std::uint32_t failures = 0;
     std::uint64_t seed = 0;
     double done = 0;
-    const auto enough = [&] { return failures >= (views_ > 0 && is_made_of_views() ? kMaxFailedPatches : kMaxFailedFirst); };
+    const auto enough = [&] {
+      return failures >= (views_ > 0 && is_made_of_views() ? kMaxFailedPatches : kMaxFailedFirst);
+    };
     for (std::uint32_t s = 0; s < kMaxSeeds && !enough() && views_ < kMaxViews; ++s) {
       done = std::max({done, static_cast<double>(claimed_) / cloud_.size, 1.0 * failures / kMaxFailedPatches});
       if (!progress.advance(done)) return false;

@@ -35,11 +35,12 @@ std::vector<std::string> sentences(const StackFindings& findings, const CheckPol
 }
 
 TEST(IssueReport, SaysSizePlaceLayersAndWhatToDo) {
-  EXPECT_THAT(sentences(some_findings(), {}),
-              ElementsAre("2 islands, the largest of 1.46 mm2 (582 px) at x 34.2, y 61.0 mm in layer 70 (3.50 mm): add "
-                          "supports, or turn the object",
-                          "1 piece that nothing holds, 20 % of the print: 2 ml, up to 10 mm2 in area at x 34.2, y 61.0 mm "
-                          "in layers 70 to 109 (3.50 to 5.50 mm): add supports, or turn the object"));
+  EXPECT_THAT(
+      sentences(some_findings(), {}),
+      ElementsAre("2 islands, the largest of 1.46 mm2 (582 px) at x 34.2, y 61.0 mm in layer 70 (3.50 mm): add "
+                  "supports, or turn the object",
+                  "1 piece that nothing holds, 20 % of the print: 2 ml, up to 10 mm2 in area at x 34.2, y 61.0 mm "
+                  "in layers 70 to 109 (3.50 to 5.50 mm): add supports, or turn the object"));
   EXPECT_EQ(issue_counts(some_findings()).view(), "2 islands, 1 piece that nothing holds");
   EXPECT_EQ(issue_counts({}).view(), "no issues");
 }
