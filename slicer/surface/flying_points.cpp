@@ -166,16 +166,21 @@ class FlyingPoints {
     });
   }
 
+  /// How far apart two points hang together, mm: farther where both belong to a sparse part of the surface.
+  float step(std::uint32_t a, std::uint32_t b) const {
+    return std::max(kStepEpsilons * clustering_.epsilon, std::min(cloud_.radius[a], cloud_.radius[b]));
+  }
+
   /// Whether at least kFewestTogether points hang together with point i.
   bool is_together(std::uint32_t i) const {
     std::array<std::uint32_t, kFewestTogether> reached = {i};
     std::uint32_t size = 1;
-    const float step = kStepEpsilons * clustering_.epsilon;
     for (std::uint32_t next = 0; next < size; ++next) {
       std::array<Neighbour, kFewestTogether> found;  // NOLINT(cppcoreguidelines-pro-type-member-init)
       const std::uint32_t count = nearest(reached[next], found);
       for (const Neighbour& n : std::span(found).first(count)) {
-        if (n.distance2 > step * step) break;
+        const float most = step(reached[next], n.index);
+        if (n.distance2 > most * most) continue;
         if (std::find(reached.begin(), reached.begin() + size, n.index) != reached.begin() + size) continue;
         if (size == kFewestTogether) return true;
         reached[size++] = n.index;

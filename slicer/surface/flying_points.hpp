@@ -16,7 +16,8 @@ namespace plumbline {
 /// Takes the outermost surface point on each side of each axis and marks it if it is flying; then the next, until one is
 /// surface. So it looks at a few points only, and a scan without flying points stays as it is. A point is flying if one of
 /// these holds, among the points that are not noise:
-///   - fewer than 32 points hang together with it in steps of 1.5 epsilon: a lone point, a clump, a string,
+///   - fewer than 32 points hang together with it in steps of 1.5 epsilon, or of the smaller support radius of two points
+///     where that is larger: a lone point, a clump, a string,
 ///   - it is farther from each of its five nearest points than three times the reach of that point's own five,
 ///   - its eight nearest points lie in one direction, to eight degrees: it ends a string,
 ///   - it hangs above the sheet of its neighbours: its mean height over their tangent planes is above 0.6 of their mean

@@ -54,15 +54,27 @@ TEST(SliceShapes, AStandingTorusIsInItsPlace) {
   expect_every_ray_closed(sliced);
 }
 
+/// A sphere of radius 20 mm whose upper half keeps one of `ratio` points.
+Surface sphere_with_sparse_half(std::uint32_t points, double ratio) {
+  Surface surface = sphere(points, 20, {0, 0, 0});
+  Random random(3);
+  std::erase_if(surface, [&](const SurfacePoint& p) { return p.position[2] > 0 && random.uniform() > 1 / ratio; });
+  return surface;
+}
+
 // The supports of sparse points were once cut to about one epsilon: a tenth of these rays was left to the winding number.
 TEST(SliceShapes, ASphereWithASparseHalfKeepsItsSurface) {
-  Surface surface = sphere(60000, 20, {0, 0, 0});
-  Random random(3);
-  std::erase_if(surface, [&](const SurfacePoint& p) { return p.position[2] > 0 && random.uniform() > 1.0 / 30; });
+  const Surface surface = sphere_with_sparse_half(60000, 30);
   const Slicing sliced(binary_ply(surface), settings_with_pitch(0.2F), 64 * kMiB);
   EXPECT_NEAR(sliced.volume() / sphere_volume(20), 1, 0.002);
   EXPECT_LT(sliced.rays(RayDecision::kWinding) * 100, sliced.rays(RayDecision::kPerfect));
   expect_every_ray_closed(sliced);
+}
+
+// Its points were once flying points, one by one from the top, and a fifth of the sphere was lost.
+TEST(SliceShapes, ASphereWithAVerySparseHalfKeepsItsVolume) {
+  const Slicing sliced(binary_ply(sphere_with_sparse_half(60000, 60)), settings_with_pitch(0.2F), 64 * kMiB);
+  EXPECT_NEAR(sliced.volume() / sphere_volume(20), 1, 0.005);
 }
 
 /// Offset of `at` from the middle of its cell, in a row of cells `pitch` long.
