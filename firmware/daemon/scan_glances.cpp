@@ -41,7 +41,7 @@ bool ScanGlances::begin(std::size_t scan) {
   if (known.picture > 0 || !known.problem.view().empty()) return false;
   StickJob job;
   job.scans = offer_.files_of(scan);
-  // Of an archive only the directory and a picture, or some layers, are read.
+  // Only an archive's directory and its thumbnail or a few layers are read, so its size doesn't matter.
   const bool is_archive = is_archive_name(job.scans[0]);
   if (!is_archive && known.bytes > kMostBytes) return false;
   auto files = open_scan(job, mount_);

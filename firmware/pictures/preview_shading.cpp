@@ -78,7 +78,7 @@ class Shader {
     }
   }
 
-  /// How much of the light of the surroundings and of the lamp reaches a sample, 0 to 1.
+  /// Shares of the ambient light and of the lamp's light that reach a sample, 0 to 1.
   struct Reaching {
     float open, lamp;
   };

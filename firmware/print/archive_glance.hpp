@@ -9,7 +9,7 @@
 
 namespace plumbline {
 
-/// Draws the archive's own thumbnail, or, if it has none, a coarse print of some of its layers, from the front.
+/// Draws the archive's thumbnail, or a coarse print of some of its layers, seen from the front, if it has none.
 /// @param printer  whose pixels the layers are said to have, if the archive does not say how wide its panel is
 /// @param arena    what it is drawn with is taken from it and not released
 /// @retval any error of LayerArchive

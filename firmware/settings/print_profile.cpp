@@ -114,7 +114,7 @@ double cure_depth_mm(const PrintProfile& profile, double dose_mj_cm2) {
 void tell_checks(const PrintProfile& profile, const MachineFile& machine, SliceSettings& settings) {
   settings.peel = profile.peel;
   settings.foot = {profile.elefant_foot_compensation, profile.bottom_layer_count, profile.faded_layers};
-  // That of a normal layer: bottom and faded layers are lit for longer.
+  // The dose of a normal layer; bottom and faded layers get more.
   const double dose = machine.power_mw_cm2 * profile.exposure_time;
   if (dose <= 0 || profile.critical_energy <= 0) return;
   const double depth = cure_depth_mm(profile, dose);

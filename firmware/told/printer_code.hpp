@@ -1,5 +1,5 @@
 #pragma once
-/// What the printer says to people: its codes and facts, which go on where those of the slicer end, and the words of both on the state socket.
+/// Codes and facts of the printer's messages, numbered on from the slicer's, and the names of all of them on the state socket.
 
 #include <cstddef>
 #include <cstdint>
@@ -10,7 +10,7 @@
 namespace plumbline {
 
 enum class PrinterCode : std::uint16_t {
-  // What the checks of the masks find, in the order of IssueKind.
+  // Findings of the mask checks, in the order of IssueKind.
   kIsland = kToldCodeCount,
   kOverhang,
   kFreePiece,
@@ -167,17 +167,17 @@ template <>
 inline constexpr bool kExtends<PrinterFact, Fact> = true;
 inline constexpr std::size_t kAllFacts = static_cast<std::size_t>(PrinterFact::kTotalMb) + 1;
 
-/// How a fact is called on the state socket, and how many of its digits a person wants to see.
+/// A fact's name on the state socket, and how many of its digits are shown.
 struct FactFormat {
   std::string_view name;  ///< "area_mm2"
-  int decimals = 0;       ///< digits behind the point; below 0: so many digits in all
+  int decimals = 0;       ///< digits after the point; if negative, significant digits
 };
 
 /// The code's key on the state socket, which never changes: "island", "too_high", ...
 std::string_view to_string(ToldCode code);
 const FactFormat& format_of(Fact fact);
 
-/// Whether what another process handed over has a code, facts and finite values that there are.
+/// Whether a message from another process has a known code, known facts and finite values.
 bool is_valid(const Told& told);
 
 }  // namespace plumbline

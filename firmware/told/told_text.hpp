@@ -1,5 +1,5 @@
 #pragma once
-/// What the printer tells as a sentence in a language: the texts of told_words.hpp with their values filled in.
+/// The printer's messages as sentences in a language: the texts of told_words.hpp with their values filled in.
 
 #include <string_view>
 
@@ -10,7 +10,7 @@
 namespace plumbline {
 
 using ToldText = FixedText<400>;
-/// A text of the table with its values, in the way of the language.
+/// Fills a message's values into a text of the table, formatted as the language does.
 ToldText filled_in(std::string_view pattern, const Told& told, Language language);
 
 /// "3 Inseln bis 113 mm² bei x 34,2, y 61,0 mm, Schicht 702 (35,10 mm). Stützen setzen oder das Objekt drehen."

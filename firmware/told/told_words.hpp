@@ -1,5 +1,5 @@
 #pragma once
-/// The German of what the printer tells. English has no table: the sentence that goes beside a code is English.
+/// German texts of the printer's messages. English needs no table: the sentence that goes beside a code is English.
 
 #include <optional>
 #include <string_view>

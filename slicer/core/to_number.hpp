@@ -6,7 +6,7 @@
 
 namespace plumbline {
 
-/// The decimal number that a text is; none: it is none, has something before or behind it, or does not fit into a Number.
+/// Parses a whole text as a decimal number. Nothing if it is none, if anything stands before or after it, or if it doesn't fit into a Number.
 template <class Number>
 std::optional<Number> to_number(std::string_view text) {
   Number number{};

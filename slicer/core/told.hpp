@@ -68,7 +68,7 @@ inline constexpr std::size_t kFactCount = static_cast<std::size_t>(Fact::kAvaila
 template <class Own, class Base>
 inline constexpr bool kExtends = std::is_same_v<Own, Base>;
 
-/// Plain numbers and characters, so that a process can hand it to another.
+/// Plain numbers and characters, so that one process can pass it to another.
 struct Told {
   static constexpr std::size_t kMostFacts = 8;
   struct Number {

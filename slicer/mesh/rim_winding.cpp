@@ -180,7 +180,7 @@ void RimWinding::place_edges() {
 }
 
 void RimWinding::begin(std::uint32_t pixel_column, std::uint32_t pixel_row) {
-  // Moved as EdgeFunction says, by so little that floats tell it from nothing.
+  // Off the pixel's centre in the direction that EdgeFunction breaks ties in, just far enough that a float shows it.
   constexpr double kMoved = 1.0 / 1024;  // steps
   const double x = static_cast<double>(EdgeFunction::centre(pixel_column)) + kMoved;
   const double y = static_cast<double>(EdgeFunction::centre(pixel_row)) + kMoved * kMoved;

@@ -51,7 +51,7 @@ const SupportPainter::Rows* SupportPainter::rows_of(Nanometres radius) {
 std::uint64_t SupportPainter::draw(std::uint32_t layer, BitImage image, BitImage touched) {
   if (at_ != layer) go_to(layer);
   std::uint64_t drawn = 0;
-  // Most pixels are black before, so those that are not are counted.
+  // Few of a disc's pixels are white already: these are subtracted.
   const auto draw_word = [&](std::uint64_t& word, std::uint64_t bits) {
     if ((word & bits) != 0) drawn -= static_cast<std::uint64_t>(std::popcount(word & bits));
     word |= bits;
