@@ -17,10 +17,11 @@ constexpr double kBetween = 0.8;
 constexpr double kMostRise = 8;
 /// A brace is this share of a pillar's diameter.
 constexpr double kThickness = 0.5;
-/// Legs of a pillar, at most, and their slope. One at the critical angle from the rim of the base would reach no higher than that is wide.
+/// Props and legs of a pillar, at most, and their slope. A leg at the critical angle from the rim of the base would reach no higher than that is wide.
+constexpr int kMostProps = 6;
 constexpr int kMostLegs = 3;
 constexpr double kSteepest = 3;
-/// A leg that halves no gap, but takes less than this share of it, is left out.
+/// A prop or leg that halves no gap, but takes less than this share of it, is left out.
 constexpr double kLeastShare = 0.2;
 /// The raft has a disc below each pillar, and a bar to the next one.
 constexpr std::size_t kStrutsOfRaft = 2;
@@ -68,9 +69,14 @@ double Bracing::distance(const Pillar& a, const Pillar& b) const {
   return std::sqrt((a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y));
 }
 
+/// A brace between such pillars would hold neither.
+bool Bracing::stand_in_each_other(const Pillar& a, const Pillar& b) const {
+  return distance(a, b) < a.radius + b.radius;
+}
+
 Bracing::Gap Bracing::largest_gap(const Pillar& pillar) const {
   Gap largest;
-  double at = pillar.bottom + (pillar.on_plate ? raft_ : 0);
+  double at = foot(pillar);
   while (at < pillar.top) {
     double next = pillar.top;
     for (std::uint32_t c = pillar.contacts; c != kNone; c = contacts_[c].next) {
@@ -108,8 +114,7 @@ bool Bracing::is_clear(const Place& from, const Place& to) const {
 
 Expected<bool> Bracing::zigzag(Pillar& a, Pillar& b) {
   const double rise = distance(a, b) * slope_;
-  if (!(rise > 0) || rise > kMostRise) return false;
-  const auto foot = [&](const Pillar& p) { return p.bottom + (p.on_plate ? raft_ : 0); };
+  if (rise > kMostRise || stand_in_each_other(a, b)) return false;
   const double low = std::max(foot(a), foot(b));
   double high = std::min(a.top, b.top);
   Pillar* upper = a.top >= b.top ? &a : &b;
@@ -119,11 +124,7 @@ Expected<bool> Bracing::zigzag(Pillar& a, Pillar& b) {
     const Place from{lower->x, lower->y, high - rise};
     const Place to{upper->x, upper->y, high};
     if (is_clear(from, to)) {
-      PLUMBLINE_TRY(
-          list_.add(StrutKind::kBrace, from, to, list_.layer_at(from.z), list_.layer_at(to.z) + 1, radius_, radius_));
-      add_contact(*lower, from.z);
-      add_contact(*upper, to.z);
-      ++counts_.braces;
+      PLUMBLINE_TRY(add_brace(*lower, *upper, from, to));
       any = true;
       std::swap(lower, upper);
       high -= std::max(kApart - rise, kBetween);
@@ -132,6 +133,15 @@ Expected<bool> Bracing::zigzag(Pillar& a, Pillar& b) {
     }
   }
   return any;
+}
+
+Status Bracing::add_brace(Pillar& lower, Pillar& upper, const Place& from, const Place& to) {
+  PLUMBLINE_TRY(
+      list_.add(StrutKind::kBrace, from, to, list_.layer_at(from.z), list_.layer_at(to.z) + 1, radius_, radius_));
+  add_contact(lower, from.z);
+  add_contact(upper, to.z);
+  ++counts_.braces;
+  return {};
 }
 
 Status Bracing::brace(std::size_t index) {
@@ -158,6 +168,13 @@ Status Bracing::brace(std::size_t index) {
     const auto done = zigzag(pillar, pillars[nearest]);
     PLUMBLINE_TRY(done);
   }
+  for (int props = 0; props < kMostProps; ++props) {
+    const Gap gap = largest_gap(pillar);
+    if (gap.height() <= kWantedFree_mm) return {};
+    const auto done = add_prop(pillar, gap);
+    PLUMBLINE_TRY(done);
+    if (!*done) break;
+  }
   for (int legs = 0; legs < kMostLegs; ++legs) {
     const Gap gap = largest_gap(pillar);
     if (gap.height() <= kWantedFree_mm) return {};
@@ -173,6 +190,33 @@ Status Bracing::brace(std::size_t index) {
     if (!*done) return {};
   }
   return {};
+}
+
+/// Props a pillar as near to the middle of a gap as one of its neighbours can, the nearest one there.
+Expected<bool> Bracing::add_prop(Pillar& pillar, const Gap& gap) {
+  if (!has_room()) return false;
+  const double middle = (gap.low + gap.high) / 2;
+  for (double off = 0; off <= gap.height() * (0.5 - kLeastShare); off += Obstacles::kVoxel_mm) {
+    for (const double z : {middle - off, middle + off}) {
+      const Place to{pillar.x, pillar.y, z};
+      Pillar* nearest = nullptr;
+      Place from;
+      double least = std::min(settings_.max_pillar_link_distance, kMostRise / slope_);
+      for (Pillar& other : list_.pillars()) {
+        const double away = distance(pillar, other);
+        if (away > least || stand_in_each_other(pillar, other)) continue;
+        const Place at{other.x, other.y, std::min(other.top, z - away * slope_)};
+        if (at.z < foot(other) || z - at.z > std::max(slope_, kSteepest) * away || !is_clear(at, to)) continue;
+        nearest = &other;
+        from = at;
+        least = away;
+      }
+      if (nearest == nullptr) continue;
+      PLUMBLINE_TRY(add_brace(*nearest, pillar, from, to));
+      return true;
+    }
+  }
+  return false;
 }
 
 /// Props a pillar by a strut from its base: from the raft, or from the plate.

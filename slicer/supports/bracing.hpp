@@ -25,8 +25,9 @@ struct BraceCounts {
 };
 
 /// Puts zig-zags of braces between neighbouring pillars until none has more than kWantedFree_mm without one, from its foot to its
-/// head, or no neighbour within max_pillar_link_distance is left. A pillar that then has more gets up to three legs: braces from the
-/// rim of its base, as high as these reach. One that still has more than kMostFree_mm gets a helper: a second pillar beside it.
+/// head, or no neighbour within max_pillar_link_distance is left. A pillar that then has more gets props: braces to the middle of such a
+/// stretch, from neighbours that may be lower, at the critical angle or steeper; and up to three legs: braces from the rim of its base, as
+/// high as these reach. One that still has more than kMostFree_mm gets a helper: a second pillar beside it.
 /// Where the list of struts ends there are fewer braces; no print is refused for them.
 class Bracing {
  public:
@@ -54,11 +55,15 @@ class Bracing {
   /// @returns whether any brace was added
   Expected<bool> zigzag(Pillar& a, Pillar& b);
   Status brace(std::size_t index);
+  Expected<bool> add_prop(Pillar& pillar, const Gap& gap);
   Expected<bool> add_leg(Pillar& pillar, const Gap& gap);
+  Status add_brace(Pillar& lower, Pillar& upper, const Place& from, const Place& to);
   bool has_room() const;
   Expected<bool> add_helper(std::size_t index, const Gap& gap);
 
   double distance(const Pillar& a, const Pillar& b) const;
+  bool stand_in_each_other(const Pillar& a, const Pillar& b) const;
+  double foot(const Pillar& pillar) const { return pillar.bottom + (pillar.on_plate ? raft_ : 0); }
 
   SupportSettings settings_;
   double raft_, slope_, px_, py_, lh_, radius_;

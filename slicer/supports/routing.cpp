@@ -9,8 +9,8 @@
 namespace plumbline {
 namespace {
 
-/// A pillar carries this many heads besides its own, as in PrusaSlicer (support_max_bridges_on_pillar).
-constexpr std::uint32_t kMostBridges = 3;
+/// A pillar carries this many heads besides its own.
+constexpr std::uint32_t kMostBridges = 5;
 /// mm; farther pillars are joined only if nothing leads straight down.
 constexpr double kShortBridge = 4;
 /// The normal is that of the surface within so many voxels, 1 mm.

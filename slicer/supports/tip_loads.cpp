@@ -12,8 +12,9 @@ constexpr double kCell = 2;
 /// mm in height over which an overhang still hangs from a tip.
 constexpr double kHangs = 3;
 
-/// A region of which less than a sixteenth is held is an island to UVtools and slicer/checks.
-constexpr double kIslandShare = 16;
+/// A tip of an island carries at most so many times a light tip's area. Of less than a sixteenth held, a region is an island to UVtools
+/// and slicer/checks.
+constexpr double kIslandShare = 10;
 /// Of a tip's load, at most, that is kept for overhang too near for another tip.
 constexpr double kMostReserve = 0.8;
 constexpr double kPi = 3.14159265358979324;
@@ -89,7 +90,7 @@ const Tip* TipLoads::carry(std::uint32_t column, std::uint32_t row, std::uint32_
   Tip& tip = list_[nearest];
   if (least < apart_ * apart_) {
     tip.close += pixels;
-  } else if (tip.dense && tip.layer == layer && tip.load + pixels > most_of_island_) {
+  } else if (tip.dense && tip.load + pixels > most_of_island_) {
     return &tip;
   } else if (tip.load + pixels + reserve_ - std::min(reserve_, tip.close) > most_) {
     return &tip;

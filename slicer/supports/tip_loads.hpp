@@ -41,7 +41,7 @@ class TipLoads {
   std::uint32_t cell_ = 1;  ///< pixels
   std::uint32_t cells_x_ = 1, cells_y_ = 1;
   std::uint32_t most_ = 1;            ///< pixels that a tip carries
-  std::uint32_t most_of_island_ = 1;  ///< of its first layer, if it is dense
+  std::uint32_t most_of_island_ = 1;  ///< if it is dense
   std::uint32_t layers_ = 1;          ///< below: a tip farther down carries nothing here
   Nanometres apart_ = 0;              ///< least distance of tips
   std::uint32_t reserve_ = 0;         ///< pixels of overhang that may come nearer than that

@@ -21,7 +21,7 @@ struct Tip {
   std::uint16_t layer = 0;  ///< first layer of the object above it
   std::uint16_t end = 0;    ///< layer after the last that its head may reach into
   bool island = false;      ///< else an overhang
-  bool dense = false;       ///< carries little of its first layer: that is an island that its tips alone hold
+  bool dense = false;       ///< carries less, as it holds an island with no or few other tips
   std::uint32_t load = 0;   ///< pixels of overhang that it carries
   std::uint32_t close = 0;  ///< those of them that are nearer than points_minimal_distance
 };

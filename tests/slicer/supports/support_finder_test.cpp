@@ -165,7 +165,7 @@ TEST(Supports, StandInTheObjectAndNotOnThePointOfASpire) {
                               {24, 41, 24, 41, 10, 35},
                               {31, 34, 29, 32, 35, 40}});
   const Supported s(cubic_grid(kSide, 100, 0.025F), cave);
-  EXPECT_EQ(s.counts.on_object, 1U);
+  EXPECT_GE(s.counts.on_object, 1U);
   EXPECT_TRUE(s.masks[40].at(28, 32)) << "the foot is on the spire";
   EXPECT_EQ(floating_islands(s.masks), 0U);
   EXPECT_EQ(check(s.masks, {}, 0.025F).count(IssueKind::kIsland), 0U);

@@ -125,28 +125,62 @@ TEST(SupportShape, PropsALonePillarByLegsOnItsOwnBase) {
   EXPECT_GT(legs, 0U);
 }
 
-TEST(SupportShape, LeavesTheRaftItsStrutsWhenBracesFillTheList) {
-  const Solid nothing(cubic_grid(120, 400), [](auto, auto, auto) { return false; });
-  ArenaBlock arena(16 * kMiB);
-  const Obstacles obstacles = value_of(Obstacles::create(nothing.rrep, nanometres(1.5), *arena));
-  std::vector<Strut> struts(10);
-  std::vector<Pillar> pillars(4);
-  std::vector<Contact> contacts(64);
-  StrutList list(nothing.rrep.grid, struts, pillars);
-  for (const double x : {4.0, 7.0}) {
-    Pillar pillar;
-    pillar.x = x;
-    pillar.y = 5;
-    pillar.top = 38;
-    pillar.radius = 0.5;
-    pillar.on_plate = true;
-    ASSERT_TRUE(list.add_pillar(pillar));
+/// Braces of pillars that stand 5 mm from the panel's left edge, without an object.
+struct Braced {
+  struct Upright {
+    double x, top;  ///< mm
+  };
+  Braced(std::size_t most_struts, const std::vector<Upright>& uprights) : struts(most_struts) {
+    const Obstacles obstacles = value_of(Obstacles::create(nothing.rrep, nanometres(1.5), *arena));
+    StrutList list(nothing.rrep.grid, struts, pillars);
+    for (const Upright& upright : uprights) {
+      Pillar pillar;
+      pillar.x = upright.x;
+      pillar.y = 5;
+      pillar.top = upright.top;
+      pillar.radius = 0.5;
+      pillar.on_plate = true;
+      EXPECT_TRUE(list.add_pillar(pillar));
+    }
+    Bracing bracing({}, 0.8, obstacles, list, contacts);
+    EXPECT_TRUE(bracing.brace_all());
+    counts = bracing.counts();
+    spare = list.spare();
+    struts.resize(list.struts().size());
   }
-  Bracing bracing({}, 0.8, obstacles, list, contacts);
-  ASSERT_TRUE(bracing.brace_all());
-  EXPECT_GT(bracing.counts().braces, 2U);
-  EXPECT_GE(list.spare(), 4U) << "two discs and two bars";
-  EXPECT_EQ(bracing.counts().unbraced, 2U);
+
+  Solid nothing{cubic_grid(120, 400), [](auto, auto, auto) { return false; }};
+  ArenaBlock arena{16 * kMiB};
+  std::vector<Strut> struts;
+  std::vector<Pillar> pillars{8};
+  std::vector<Contact> contacts{64};
+  BraceCounts counts;
+  std::size_t spare = 0;
+};
+
+TEST(SupportShape, LeavesTheRaftItsStrutsWhenBracesFillTheList) {
+  const Braced two(10, {{4, 38}, {7, 38}});
+  EXPECT_GT(two.counts.braces, 2U);
+  EXPECT_GE(two.spare, 4U) << "two discs and two bars";
+  EXPECT_EQ(two.counts.unbraced, 2U);
+}
+
+TEST(SupportShape, PropsAPillarFromOneThatIsLower) {
+  const Braced two(200, {{4, 13}, {7, 8}});
+  EXPECT_EQ(two.counts.helpers, 0U);
+  EXPECT_LE(two.counts.longest_free_mm, Bracing::kWantedFree_mm);
+  for (const Strut& brace : two.struts) {
+    if (brace.column0 != 70 || brace.column1 != 40) continue;
+    EXPECT_LE(brace.first, 80) << "it begins at the lower pillar";
+    EXPECT_LE(brace.end, 130);
+  }
+}
+
+TEST(SupportShape, PutsNoBracesBetweenPillarsThatStandInEachOther) {
+  const Braced three(200, {{4, 10}, {4.3, 10}, {7, 10}});
+  EXPECT_GT(three.counts.braces, 6U);
+  EXPECT_LE(three.counts.longest_free_mm, Bracing::kWantedFree_mm);
+  for (const Strut& brace : three.struts) EXPECT_NE(brace.column0 + brace.column1, 40 + 43);
 }
 
 TEST(SupportShape, HoldsASixteenthOfAnIslandsFirstLayer) {
@@ -154,6 +188,16 @@ TEST(SupportShape, HoldsASixteenthOfAnIslandsFirstLayer) {
   const Print print(120, 60, blocks({{20, 60, 20, 60, 0, 60}, {80, 101, 20, 41, 30, 60}, {60, 80, 28, 32, 50, 60}}));
   EXPECT_GE(print.counts.islands + print.counts.overhangs, 3U);
   EXPECT_EQ(check(print.masks, {}, static_cast<float>(kPitch)).count(IssueKind::kIsland), 0U);
+}
+
+TEST(SupportShape, HoldsAnIslandThatWidensByMoreTips) {
+  // Beside a block a disc of 2.8 mm diameter, all of which a tip in its middle reaches, below it a stem of 0.4 mm.
+  const Inside stem = blocks({{10, 50, 20, 60, 0, 60}, {84, 88, 38, 42, 20, 21}});
+  const Print print(140, 60, [&](std::uint32_t c, std::uint32_t r, std::uint32_t k) {
+    return stem(c, r, k) || (k > 20 && (c - 86.0) * (c - 86.0) + (r - 40.0) * (r - 40.0) <= 14 * 14);
+  });
+  EXPECT_GE(print.counts.all(), 4U);
+  EXPECT_LT(print.counts.largest_load_mm2, 2.8);
 }
 
 TEST(SupportShape, PointsHeadsAlongTheSurfacesNormal) {
