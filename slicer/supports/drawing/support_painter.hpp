@@ -43,7 +43,9 @@ class SupportPainter {
 
   void go_to(std::uint32_t layer);
   const Rows* rows_of(Nanometres radius);
-  std::uint64_t draw_any(const Strut& strut, std::uint32_t layer, BitImage image, BitImage touched);
+  // Each returns how many pixels were black.
+  std::uint64_t draw_disc(const StrutSection& disc, BitImage image, BitImage touched);
+  std::uint64_t draw_span(std::uint32_t row, std::uint32_t begin, std::uint32_t end, BitImage image, BitImage touched);
 
   const Supports* supports_ = nullptr;
   std::span<std::uint32_t> active_;  ///< indices of the struts in layer at_

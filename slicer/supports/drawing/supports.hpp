@@ -59,66 +59,54 @@ inline StrutSection section_of(const Strut& strut, std::uint32_t layer) {
           static_cast<std::uint32_t>(between(strut.row0, strut.row1)), radius};
 }
 
-/// Calls visit(row, begin, end) for the pixels of a lying strut, as far as they are on the grid: columns [begin, end).
+/// Calls visit(row, begin, end) for the pixels of a lying strut between its ends, as far as they are on the grid: columns [begin, end).
+/// They are the rectangle |x dy - y dx| <= radius length, 0 <= x dx + y dy <= length^2 round the line from its lower end, (0, 0), to its upper
+/// one, (dx, dy).
 template <class Visit>
-void for_each_lying_span(const PixelPitch& pitch, const Strut& strut, Nanometres radius, std::uint32_t columns,
-                         std::uint32_t rows, Visit visit) {
+void for_each_band_span(const PixelPitch& pitch, const Strut& strut, Nanometres radius, std::uint32_t columns,
+                        std::uint32_t rows, Visit visit) {
   const auto px = static_cast<double>(pitch.x);
   const auto py = static_cast<double>(pitch.y);
   const auto r = static_cast<double>(radius);
   const double dx = (strut.column1 - strut.column0) * px;
   const double dy = (strut.row1 - strut.row0) * py;
-  const double length = std::sqrt(dx * dx + dy * dy);
-  const auto reach = static_cast<std::int64_t>(radius / pitch.y);
-  const std::int64_t low = std::max<std::int64_t>(0, std::min(strut.row0, strut.row1) - reach);
-  const std::int64_t high = std::min<std::int64_t>(rows - 1, std::max(strut.row0, strut.row1) + reach);
-  for (std::int64_t row = low; row <= high; ++row) {
-    double begin = 1e300;
-    double end = -1e300;
-    const auto hold = [&](double from, double to) {
-      begin = std::min(begin, from);
-      end = std::max(end, to);
-    };
-    const double y = static_cast<double>(row - strut.row0) * py;
-    if (y * y <= r * r) {
-      const double half = std::sqrt(r * r - y * y);
-      hold(-half, half);
-    }
-    if ((y - dy) * (y - dy) <= r * r) {
-      const double half = std::sqrt(r * r - (y - dy) * (y - dy));
-      hold(dx - half, dx + half);
-    }
-    // Between the ends: |x dy - y dx| <= r length and 0 <= x dx + y dy <= length^2.
-    double from = -1e300;
-    double to = 1e300;
-    const auto limit = [&](double factor, double least, double most) {  // least <= factor x <= most
-      if (factor == 0) {
-        if (least > 0 || most < 0) to = -1e300;
-        return;
-      }
-      from = std::max(from, (factor > 0 ? least : most) / factor);
-      to = std::min(to, (factor > 0 ? most : least) / factor);
-    };
-    limit(dy, y * dx - r * length, y * dx + r * length);
-    limit(dx, -y * dy, length * length - y * dy);
-    if (from <= to && length > 0) hold(from, to);
-    if (begin > end) continue;
-    const double first = std::max(0.0, std::ceil(begin / px) + strut.column0);
-    const double last = std::min(columns - 1.0, std::floor(end / px) + strut.column0);
-    if (first <= last) {
-      visit(static_cast<std::uint32_t>(row), static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(last) + 1);
-    }
+  const double square = dx * dx + dy * dy;
+  if (!(square > 0)) return;
+  const double length = std::sqrt(square);
+  // Rows of the rectangle's corners; and in row y columns |x - y along| <= side, least <= x - y across <= most.
+  const double beyond = r * std::abs(dx) / length;
+  const double along = dy == 0 ? 0 : dx / dy * py / px;
+  const double across = dx == 0 ? 0 : -dy / dx * py / px;
+  const double side = dy == 0 ? 1e300 : r * length / std::abs(dy) / px;
+  const double least = dx == 0 ? -1e300 : std::min(0.0, square / dx) / px;
+  const double most = dx == 0 ? 1e300 : std::max(0.0, square / dx) / px;
+  const auto low = static_cast<std::int64_t>(std::ceil((std::min(0.0, dy) - beyond) / py));
+  const auto high = static_cast<std::int64_t>(std::floor((std::max(0.0, dy) + beyond) / py));
+  const std::int64_t from_row = std::max(low, -std::int64_t{strut.row0});
+  const std::int64_t to_row = std::min(high, std::int64_t{rows} - 1 - strut.row0);
+  for (std::int64_t y = from_row; y <= to_row; ++y) {
+    const auto row = static_cast<double>(y);
+    const double begin = strut.column0 + std::max(row * along - side, row * across + least);
+    const double end = strut.column0 + std::min(row * along + side, row * across + most);
+    if (end < 0 || begin > columns - 1.0) continue;
+    auto first = static_cast<std::uint32_t>(std::max(0.0, begin));
+    if (first < begin) ++first;
+    const auto last = static_cast<std::uint32_t>(std::min(columns - 1.0, end));
+    if (first <= last) visit(static_cast<std::uint32_t>(strut.row0 + y), first, last + 1);
   }
 }
 
-/// Calls visit(row, begin, end) for the pixels of a strut in a layer, as far as they are on the grid: columns [begin, end).
+/// Calls visit(row, begin, end) for the pixels of a strut in a layer, as far as they are on the grid: columns [begin, end). Spans of a lying
+/// strut overlap.
 /// @param layer  that `strut` is in
 template <class Visit>
 void for_each_strut_span(const PixelPitch& pitch, const Strut& strut, std::uint32_t layer, std::uint32_t columns,
                          std::uint32_t rows, Visit visit) {
   const StrutSection disc = section_of(strut, layer);
-  if (strut.lies != 0) return for_each_lying_span(pitch, strut, disc.radius, columns, rows, visit);
   for_each_disc_span(pitch, disc.column, disc.row, disc.radius, columns, rows, visit);
+  if (strut.lies == 0 || (strut.column0 == strut.column1 && strut.row0 == strut.row1)) return;
+  for_each_disc_span(pitch, strut.column1, strut.row1, disc.radius, columns, rows, visit);
+  for_each_band_span(pitch, strut, disc.radius, columns, rows, visit);
 }
 
 struct Supports {
