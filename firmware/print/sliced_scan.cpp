@@ -39,17 +39,24 @@ Status check_masks(SlicedScan& sliced, const SliceSettings& settings, Arena& are
   const PrintGrid& mm = sliced.rrep.grid;
   const auto rows = arena.take_top<std::uint64_t>(3 * BitImage::words_needed(mm.columns, 1), "checks");
   PLUMBLINE_TRY(rows);
-  for (std::uint32_t layer = 0; layer < layers; ++layer) {
-    if (progress != nullptr && !progress->advance(Stage::kLayers, static_cast<double>(layer) / layers)) {
-      return fail(ErrorCode::kCancelled, "stopped while the layers were checked, at layer %u of %u", layer, layers);
-    }
+  const auto draw = [&](std::uint32_t layer) {
     const ConstBitImage mask = stream->mask(layer);
     if (const std::uint32_t steps =
             settings.foot.steps(layer, static_cast<double>(mm.pitch_x_mm), static_cast<double>(mm.pitch_y_mm))) {
       stream->draw_on_mask([&](BitImage image, BitImage drawn) { shrink(image, steps, *rows, drawn); });
     }
-    checker->next(mask);
+    return mask;
+  };
+  ConstBitImage mask = draw(0);
+  for (std::uint32_t layer = 0; layer < layers; ++layer) {
+    if (progress != nullptr && !progress->advance(Stage::kLayers, static_cast<double>(layer) / layers)) {
+      return fail(ErrorCode::kCancelled, "stopped while the layers were checked, at layer %u of %u", layer, layers);
+    }
+    checker->take(mask);
     sliced.support_pixels += stream->support_pixels();
+    checker->check_while([&] {
+      if (layer + 1 < layers) mask = draw(layer + 1);
+    });
   }
   sliced.findings = checker->finish();
   arena.release_bottom(bottom);

@@ -123,16 +123,21 @@ Status SliceJob::write_layers(const RRep& rrep, const Supports& supports, std::s
       rrep.grid, check_limits(settings_.slice.placement, settings_.slice.peel, settings_.slice.overcure_mm), *arena_);
   PLUMBLINE_TRY(checker);
   const std::uint32_t layers = rrep.grid.layers;
+  ConstBitImage mask = stream->mask(0);
   for (std::uint32_t layer = 0; layer < layers; ++layer) {
     if (!progress.advance(Stage::kLayers, static_cast<double>(layer) / layers)) {
       return fail(ErrorCode::kCancelled, "stopped at layer %u of %u", layer, layers);
     }
-    const ConstBitImage mask = stream->mask(layer);
-    hashes[layer] = mask_hash(mask);
-    checker->next(mask);
+    checker->take(mask);
     report_.support_pixels += stream->support_pixels();
-    const auto png = masks_->encode(mask);
-    PLUMBLINE_TRY(directory_ ? directory_->write_layer(layer, png) : archive_->write_layer(layer, png));
+    Status kept;
+    checker->check_while([&] {
+      hashes[layer] = mask_hash(mask);
+      const auto png = masks_->encode(mask);
+      kept = directory_ ? directory_->write_layer(layer, png) : archive_->write_layer(layer, png);
+      if (layer + 1 < layers) mask = stream->mask(layer + 1);
+    });
+    PLUMBLINE_TRY(kept);
   }
   report_.findings = checker->finish();
   report_.cured_pixels = report_.findings->voxels;

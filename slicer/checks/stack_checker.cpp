@@ -45,11 +45,28 @@ std::size_t StackChecker::bytes_needed(const PrintGrid& grid) {
 }
 
 void StackChecker::next(ConstBitImage mask) {
-  const SeenLayer seen = compare_with_below(mask);
-  measures_.next(mask, seen, findings_);
+  take(mask);
+  check();
+}
+
+void StackChecker::take(ConstBitImage mask) { taken_ = compare_with_below(mask); }
+
+void StackChecker::check_while(FunctionRef<void()> meanwhile) {
+#pragma omp parallel
+  {
+#pragma omp single nowait
+    check();
+#pragma omp single nowait
+    meanwhile();
+  }
+}
+
+void StackChecker::check() {
+  const SeenLayer& seen = taken_;
+  measures_.next(below_mask_, seen, findings_);
   const PixelBox both = joined(seen.box, below_.box);
   const bool eroded = layer_ > 0 && find_overhangs(both);
-  regions_.next(mask, eroded_, fresh_, findings_);
+  regions_.next(below_mask_, eroded_, fresh_, findings_);
   const auto blacken = [&](const BitImage& image) {
     for (std::uint32_t r = both.row; r < both.row_end; ++r) std::ranges::fill(image.row(r), std::uint64_t{0});
   };

@@ -13,6 +13,7 @@
 #include "slicer/core/arena.hpp"
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/error.hpp"
+#include "slicer/core/function_ref.hpp"
 #include "slicer/core/print_grid.hpp"
 #include "slicer/layers/layer_regions.hpp"
 
@@ -29,11 +30,16 @@ class StackChecker {
 
   /// @param mask  the next layer's, of the grid's size
   void next(ConstBitImage mask);
+  /// The same in two steps: take() copies the mask, then check_while() calls `meanwhile` in one of the job's threads while another
+  /// one checks. It may draw the next mask.
+  void take(ConstBitImage mask);
+  void check_while(FunctionRef<void()> meanwhile);
 
   /// After the last layer. Call it once.
   const StackFindings& finish();
 
  private:
+  void check();
   StackChecker(const PrintGrid& grid, const CheckLimits& limits, const RegionTracker& regions)
       : limits_(limits), measures_(grid, limits), regions_(regions) {}
 
@@ -47,7 +53,8 @@ class StackChecker {
   RegionTracker regions_;
   std::uint32_t layer_ = 0;
   SeenLayer below_;
-  BitImage below_mask_;
+  SeenLayer taken_;                  ///< not checked yet
+  BitImage below_mask_;              ///< from take() on the layer itself
   BitImage fresh_, eroded_;          ///< black between layers
   LayerRegions overhangs_;           ///< of the layer's eroded new pixels
   std::span<std::uint32_t> widest_;  ///< by region of overhangs_: its widest run

@@ -46,6 +46,7 @@ bool WindingTree::set_base(float height, float step, bool always) {
     const float least = section == 0 ? kBaseOpen : kSurface;
     const float z = height + static_cast<float>(section) * step;
     std::uint32_t count = 0;
+#pragma omp parallel for schedule(dynamic, 16) reduction(+ : count)
     for (std::uint32_t i = 0; i < kBaseSamples * kBaseSamples; ++i) {
       count += sum({sampled(0, i % kBaseSamples), sampled(1, i / kBaseSamples), z}) > least ? 1 : 0;
     }

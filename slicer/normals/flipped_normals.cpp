@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "slicer/normals/normal_orientation.hpp"
 #include "slicer/normals/sheets.hpp"
@@ -20,7 +21,7 @@ constexpr std::uint32_t kNearest =
 constexpr std::uint32_t kInARow = 3;  ///< following points that each point is joined with
 constexpr float kSameSide = 0.5F;     ///< least join_weight(): that across a right-angled edge
 constexpr float kNear2 = 4;  ///< followers are joined up to twice the distance of the farthest of the nearest; squared
-constexpr std::uint32_t kBatch = 1024;      ///< groups that are searched at once, in parallel: 128 KiB of scratch
+constexpr std::uint32_t kBatch = 1024;  ///< groups that are searched at once, in parallel: 128 KiB of scratch, twice
 constexpr std::int64_t kContradictory = 5;  ///< one in this many pairs of neighbours, see turn_flipped_normals()
 constexpr double kJoinShare = 0.6;          ///< of the time, for progress only; the field takes the rest
 
@@ -49,24 +50,39 @@ class FlippedNormals {
   Status join() {
     const ArenaScope scope(arena_);
     const std::uint32_t groups = (cloud_.size + kGroup - 1) / kGroup;
-    auto block = arena_.take_top<Neighbour>(std::size_t{std::min(kBatch, groups)} * kNearest, kStage);
+    const std::uint32_t most = std::min(kBatch, groups);
+    auto block = arena_.take_top<Neighbour>(2 * std::size_t{most} * kNearest, kStage);
     PLUMBLINE_TRY(block);
+    std::span<Neighbour> here = block->first(std::size_t{most} * kNearest);
+    std::span<Neighbour> before = block->last(here.size());
     for (std::uint32_t first = 0; first < groups; first += kBatch) {
       if (!progress_.advance(kJoinShare * first / groups)) {
         return fail(ErrorCode::kCancelled, "cancelled while orienting normals");
       }
       const std::uint32_t count = std::min(kBatch, groups - first);
-#pragma omp parallel for schedule(dynamic, 32)
-      for (std::uint32_t g = 0; g < count; ++g) {
-        const std::span<Neighbour> found = block->subspan(std::size_t{g} * kNearest, kNearest);
-        const std::uint32_t have = tree_.nearest(cloud_.position[(first + g) * kGroup], found);
-        std::fill(found.begin() + have, found.end(), found[have - 1]);
+#pragma omp parallel
+      {
+        // One thread joins the batch before, which depends on the order, while the others search.
+#pragma omp single nowait
+        if (first > 0) join_batch(first - kBatch, kBatch, before);
+#pragma omp for schedule(dynamic, 32)
+        for (std::uint32_t g = 0; g < count; ++g) search(first + g, here.subspan(std::size_t{g} * kNearest, kNearest));
       }
-      for (std::uint32_t g = 0; g < count; ++g) {
-        join_group((first + g) * kGroup, block->subspan(std::size_t{g} * kNearest, kNearest));
-      }
+      std::swap(here, before);
+      if (first + count == groups) join_batch(first, count, before);
     }
     return {};
+  }
+
+  void search(std::uint32_t group, std::span<Neighbour> found) const {
+    const std::uint32_t have = tree_.nearest(cloud_.position[group * kGroup], found);
+    std::fill(found.begin() + have, found.end(), found[have - 1]);
+  }
+
+  void join_batch(std::uint32_t first, std::uint32_t count, std::span<const Neighbour> found) {
+    for (std::uint32_t g = 0; g < count; ++g) {
+      join_group((first + g) * kGroup, found.subspan(std::size_t{g} * kNearest, kNearest));
+    }
   }
 
   void join_group(std::uint32_t first, std::span<const Neighbour> nearest) {
@@ -116,7 +132,7 @@ class FlippedNormals {
 
 std::size_t flipped_normals_bytes(std::uint32_t points) {
   const std::size_t sides = sizeof(std::uint32_t) * std::size_t{points};
-  const std::size_t batch = sizeof(Neighbour) * kNearest * std::size_t{kBatch};
+  const std::size_t batch = 2 * sizeof(Neighbour) * kNearest * std::size_t{kBatch};
   return std::max(sides + std::max(batch, Sheets::bytes_needed(points)), orientation_bytes(points));
 }
 

@@ -101,7 +101,7 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
   set(Stage::kViews, cloud + tree + std::max(align_views_bytes(points, threads), reorder));
   set(Stage::kClustering, cloud + tree +
                               std::max({sizeof(PackedNormal) * std::size_t{points}, stray_pieces_bytes(points),
-                                        support_size_bytes(), bore_walls_bytes(points)}));
+                                        support_size_bytes(threads), bore_walls_bytes(points)}));
   std::size_t image = 0;
   std::size_t store = 0;
   // Without a grid the number of layers is unknown, but the cells take most of the map.

@@ -1,5 +1,7 @@
 #include "slicer/surface/support_size.hpp"
 
+#include <omp.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -19,6 +21,7 @@ constexpr std::size_t kMaxSizes = 10;  ///< tried, from the present number of po
 // Each place needs enough samples for a mean, and there must be enough places to show all of the object. Together they
 // set the time.
 constexpr std::uint32_t kPlaces = 128;
+constexpr std::uint32_t kTogether = 16;  ///< places measured at once, in parallel, between two reports of progress
 constexpr std::uint32_t kSamples = 32;   ///< points of a place, spread evenly over a part of the tree
 constexpr double kRiskTolerance = 1.02;  ///< times the least risk: the narrowest supports up to this are taken
 constexpr float kProjectionPoints = 60;  ///< points of the supports with which a sample is moved onto the surface
@@ -43,7 +46,7 @@ struct Half {
   RayPoints columns;
   std::uint32_t size = 0;
   std::uint32_t near_size = 0;
-  Vec3f place;
+  Vec3f place = Vec3f::Zero();
 
   /// Goes to a place, with support radii up to `growth` times the present.
   void go_to(const Vec3f& x, float growth) {
@@ -78,55 +81,82 @@ struct Half {
   }
 };
 
-class RiskOfSizes {
+/// The numbers of points that are tried for a support.
+struct Sizes {
+  explicit Sizes(float present_size, float least) : present(present_size), least_growth(std::sqrt(least / present)) {
+    for (float size = present; count < kMaxSizes && size <= kMaxPoints; size *= kStep) size_of[count++] = size;
+  }
+  float growth(std::size_t k) const { return std::sqrt(size_of[k] / present); }
+
+  float present;
+  float least_growth;
+  std::array<float, kMaxSizes> size_of{};
+  std::size_t count = 0;
+};
+
+/// Of each size, at one place; nothing if none of its samples has surface around it.
+using Risks = std::optional<std::array<double, kMaxSizes>>;
+
+/// Measures places, in one thread.
+class RiskMeter {
  public:
-  RiskOfSizes(const Cloud& cloud, const KdTree3& tree, float present, float least, std::array<Half, 2>& halves)
-      : cloud_(cloud), tree_(tree), present_(present), halves_(halves) {
-    for (float size = present; count_ < kMaxSizes && size <= kMaxPoints; size *= kStep) sizes_[count_++] = size;
-    least_growth_ = std::sqrt(least / present);
+  static std::size_t bytes() {
+    return 2 * (Arena::rounded(kHalfCapacity * sizeof(Half::Point)) +
+                Arena::rounded((kHalfCapacity + 1) * sizeof(Half::Near)) + RayPoints::bytes_needed(kHalfCapacity));
+  }
+  static Expected<RiskMeter> create(const Cloud& cloud, const KdTree3& tree, const Sizes& sizes, Arena& arena) {
+    RiskMeter meter(cloud, tree, sizes);
+    for (Half& half : meter.halves_) {
+      const auto points = arena.take_top<Half::Point>(kHalfCapacity, kStage);
+      PLUMBLINE_TRY(points);
+      half.points = *points;
+      const auto nearby = arena.take_top<Half::Near>(kHalfCapacity + 1, kStage);  // go_to() writes one past the last
+      PLUMBLINE_TRY(nearby);
+      half.nearby = *nearby;
+      const auto columns = RayPoints::create(kHalfCapacity, arena, kStage);
+      PLUMBLINE_TRY(columns);
+      half.columns = *columns;
+    }
+    return meter;
   }
 
-  /// Adds the risks of one place.
-  /// @returns false if none of its samples has surface around it
-  bool add_place(std::uint32_t place) {
+  Risks measure_place(std::uint32_t place) {
     std::array<double, kMaxSizes> variance{};
     std::array<double, kMaxSizes> bias2{};
     std::uint32_t used = 0;
     for (std::uint32_t s = place * kSamples; s < (place + 1) * kSamples; ++s) {
-      const auto i = static_cast<std::uint32_t>(std::uint64_t{s} * cloud_.size / (kPlaces * kSamples));
-      if (cloud_.normal[i].point_class == PointClass::kNoise || !collect(i)) continue;
+      const auto i = static_cast<std::uint32_t>(std::uint64_t{s} * cloud_->size / (kPlaces * kSamples));
+      if (cloud_->normal[i].point_class == PointClass::kNoise || !collect(i)) continue;
       const auto x = project(i);
       if (!x) continue;
       if (!measure(*x)) continue;
       ++used;
       const auto [least_a, least_b] = least_;
-      for (std::size_t k = 0; k < count_; ++k) {
+      for (std::size_t k = 0; k < sizes_->count; ++k) {
         const auto [a, b] = values_[k];
         variance[k] += (a - b) * (a - b) / 4;
         bias2[k] += (a - least_a) * (b - least_b);
       }
     }
-    if (used == 0) return false;
-    for (std::size_t k = 0; k < count_; ++k) risk_[k] += std::sqrt((variance[k] + std::max(0.0, bias2[k])) / used);
-    return true;
-  }
-
-  /// The number of points to take for a support.
-  float best_size() const {
-    const double least = *std::min_element(risk_.begin(), risk_.begin() + static_cast<std::ptrdiff_t>(count_));
-    std::size_t k = 0;
-    while (risk_[k] > kRiskTolerance * least) ++k;
-    return sizes_[k];
+    if (used == 0) return std::nullopt;
+    std::array<double, kMaxSizes> risk{};
+    for (std::size_t k = 0; k < sizes_->count; ++k) {
+      risk[k] = std::sqrt((variance[k] + std::max(0.0, bias2[k])) / used);
+    }
+    return risk;
   }
 
  private:
+  RiskMeter(const Cloud& cloud, const KdTree3& tree, const Sizes& sizes)
+      : cloud_(&cloud), tree_(&tree), sizes_(&sizes) {}
+
   /// Fills the halves with all points whose widest supports may contain point i.
   /// @returns false if there are too many
   bool collect(std::uint32_t i) {
-    const float search_radius = kRadiusMargin * std::sqrt(kMaxPoints / present_) * cloud_.radius[i];
+    const float search_radius = kRadiusMargin * std::sqrt(kMaxPoints / sizes_->present) * cloud_->radius[i];
     for (Half& half : halves_) half.size = 0;
     bool room = true;
-    for_neighbourhood(cloud_, tree_, i, i + 1, search_radius, [&](const Neighbourhood& batch) {
+    for_neighbourhood(*cloud_, *tree_, i, i + 1, search_radius, [&](const Neighbourhood& batch) {
       for (std::uint32_t j = 0; j < batch.size; ++j) {
         if (batch.type[j] == static_cast<std::int32_t>(PointClass::kNoise)) continue;
         Half& half = halves_[batch.index[j] % 2];
@@ -135,7 +165,7 @@ class RiskOfSizes {
           continue;
         }
         half.points[half.size++] = {Vec3f(batch.x[j], batch.y[j], batch.z[j]),
-                                    Vec3f(batch.nx[j], batch.ny[j], batch.nz[j]), cloud_.radius[batch.index[j]]};
+                                    Vec3f(batch.nx[j], batch.ny[j], batch.nz[j]), cloud_->radius[batch.index[j]]};
       }
     });
     return room;
@@ -144,12 +174,11 @@ class RiskOfSizes {
   /// F of both halves at x, mm, with supports of all sizes and of the least.
   /// @returns false if the least supports contain no point
   bool measure(const Vec3f& x) {
-    const auto growth = [&](std::size_t k) { return std::sqrt(sizes_[k] / present_); };
     for (std::size_t h = 0; h < halves_.size(); ++h) {
       // From the widest supports to the narrowest, each with the points of the one before.
-      halves_[h].go_to(x, growth(count_ - 1));
-      for (std::size_t k = count_; k-- > 0;) values_[k][h] = halves_[h].distance(growth(k)).value_or(0);
-      const auto least = halves_[h].distance(least_growth_);
+      halves_[h].go_to(x, sizes_->growth(sizes_->count - 1));
+      for (std::size_t k = sizes_->count; k-- > 0;) values_[k][h] = halves_[h].distance(sizes_->growth(k)).value_or(0);
+      const auto least = halves_[h].distance(sizes_->least_growth);
       if (!least) return false;
       least_[h] = *least;
     }
@@ -158,9 +187,9 @@ class RiskOfSizes {
 
   /// Moves point i onto the mean of the surfaces of both halves.
   std::optional<Vec3f> project(std::uint32_t i) {
-    const Vec3f n = cloud_.normal[i].unpack();
-    const float growth = std::sqrt(kProjectionPoints / present_);
-    Vec3f x = cloud_.position[i];
+    const Vec3f n = cloud_->normal[i].unpack();
+    const float growth = std::sqrt(kProjectionPoints / sizes_->present);
+    Vec3f x = cloud_->position[i];
     for (int step = 0; step < kProjectionSteps; ++step) {
       for (Half& half : halves_) half.go_to(x, growth);
       const auto a = halves_[0].distance(growth);
@@ -171,23 +200,26 @@ class RiskOfSizes {
     return x;
   }
 
-  const Cloud& cloud_;
-  const KdTree3& tree_;
-  float present_;
-  float least_growth_ = 1;
-  std::array<Half, 2>& halves_;
-  std::array<float, kMaxSizes> sizes_{};
-  std::size_t count_ = 0;
+  const Cloud* cloud_;
+  const KdTree3* tree_;
+  const Sizes* sizes_;
+  std::array<Half, 2> halves_;
   std::array<std::array<double, 2>, kMaxSizes> values_{};  ///< by size and half, mm
   std::array<double, 2> least_{};
-  std::array<double, kMaxSizes> risk_{};
 };
+
+/// The number of points to take for a support.
+float best_size(const Sizes& sizes, std::span<const double> risk) {
+  const double least = *std::min_element(risk.begin(), risk.end());
+  std::size_t k = 0;
+  while (risk[k] > kRiskTolerance * least) ++k;
+  return sizes.size_of[k];
+}
 
 }  // namespace
 
-std::size_t support_size_bytes() {
-  return 2 * (Arena::rounded(kHalfCapacity * sizeof(Half::Point)) +
-              Arena::rounded((kHalfCapacity + 1) * sizeof(Half::Near)) + RayPoints::bytes_needed(kHalfCapacity));
+std::size_t support_size_bytes(std::uint32_t threads) {
+  return Arena::rounded(threads * sizeof(RiskMeter)) + threads * RiskMeter::bytes();
 }
 
 Status widen_supports(Cloud& cloud, const KdTree3& tree, const ClusteringSettings& settings, Arena& arena,
@@ -195,27 +227,33 @@ Status widen_supports(Cloud& cloud, const KdTree3& tree, const ClusteringSetting
   const float present = cloud.support_points;
   if (!(present > settings.min_support) || cloud.size < kPlaces * kSamples) return {};
   const ArenaScope scope(arena);
-  std::array<Half, 2> halves;
-  for (Half& half : halves) {
-    const auto points = arena.take_top<Half::Point>(kHalfCapacity, kStage);
-    PLUMBLINE_TRY(points);
-    half.points = *points;
-    const auto nearby = arena.take_top<Half::Near>(kHalfCapacity + 1, kStage);  // go_to() writes one past the last
-    PLUMBLINE_TRY(nearby);
-    half.nearby = *nearby;
-    const auto columns = RayPoints::create(kHalfCapacity, arena, kStage);
-    PLUMBLINE_TRY(columns);
-    half.columns = *columns;
+  const Sizes sizes(present, settings.min_support);
+  const auto meters = arena.take_top<RiskMeter>(static_cast<std::size_t>(omp_get_max_threads()), kStage);
+  PLUMBLINE_TRY(meters);
+  for (RiskMeter& meter : *meters) {
+    const auto created = RiskMeter::create(cloud, tree, sizes, arena);
+    PLUMBLINE_TRY(created);
+    meter = *created;
   }
-  RiskOfSizes risk(cloud, tree, present, settings.min_support, halves);
+  std::array<double, kMaxSizes> sum{};
   bool any = false;
-  for (std::uint32_t place = 0; place < kPlaces; ++place) {
-    if (!progress.advance(1.0 * place / kPlaces))
+  for (std::uint32_t first = 0; first < kPlaces; first += kTogether) {
+    if (!progress.advance(1.0 * first / kPlaces)) {
       return fail(ErrorCode::kCancelled, "cancelled while supports were sized");
-    any |= risk.add_place(place);
+    }
+    std::array<Risks, kTogether> risks;
+#pragma omp parallel for schedule(dynamic, 1)
+    for (std::uint32_t k = 0; k < kTogether; ++k) {
+      risks[k] = (*meters)[static_cast<std::size_t>(omp_get_thread_num())].measure_place(first + k);
+    }
+    // Always in the order of the places.
+    for (const Risks& risk : risks) {
+      any |= risk.has_value();
+      for (std::size_t k = 0; risk && k < sizes.count; ++k) sum[k] += (*risk)[k];
+    }
   }
   if (!any) return {};
-  cloud.set_support_points(risk.best_size());
+  cloud.set_support_points(best_size(sizes, std::span(sum).first(sizes.count)));
   return {};
 }
 

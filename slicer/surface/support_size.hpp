@@ -8,7 +8,7 @@
 namespace plumbline {
 
 /// Arena bytes that widen_supports() takes.
-std::size_t support_size_bytes();
+std::size_t support_size_bytes(std::uint32_t threads);
 
 /// Widens the supports of a noisy scan to the number of points with the least risk: remaining noise and lost detail
 /// together.

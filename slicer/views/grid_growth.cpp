@@ -193,7 +193,8 @@ const GridGrowth::Part& GridGrowth::collect(const Vec3f& middle, float radius, s
       if (next == nullptr || part.index[part.taken] < next->index[next->taken]) next = &part;
     }
     if (next == nullptr) return whole;
-    whole.copy(*next, next->taken++);
+    const std::uint32_t block = next->index[next->taken] / kBlock;  // all of it is in this part
+    while (next->taken < next->size && next->index[next->taken] / kBlock == block) whole.copy(*next, next->taken++);
   }
 }
 

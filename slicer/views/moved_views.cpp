@@ -30,10 +30,15 @@ Expected<MovedViews> MovedViews::create(const Cloud& cloud, const Views& views, 
   std::fill(moved.motions.begin(), moved.motions.end(), Vec6d::Zero());
   std::fill(moved.ripples.begin(), moved.ripples.end(), Ripple{});
   std::fill(moved.outward_.begin(), moved.outward_.end(), 0);
-  for (std::uint32_t i = 0; i < cloud.size; ++i) {
-    if (views.of[i] == kNoView) continue;
-    const Vec3d ray = views.grids[views.of[i]].ray(cloud.position[i]);
-    moved.outward_[views.of[i]] -= ray.dot(cloud.normal[i].unpack().cast<double>());
+#pragma omp parallel
+  {
+    // Each thread sums up for views of its own, always in the order of the points.
+    const ViewShare share = ViewShare::of_thread();
+    for (std::uint32_t i = 0; i < cloud.size; ++i) {
+      if (views.of[i] == kNoView || !share.has(views.of[i])) continue;
+      const Vec3d ray = views.grids[views.of[i]].ray(cloud.position[i]);
+      moved.outward_[views.of[i]] -= ray.dot(cloud.normal[i].unpack().cast<double>());
+    }
   }
   for (double& x : moved.outward_) x = x < 0 ? -1 : 1;
   const Box3f bounds = cloud.bounds();

@@ -304,7 +304,8 @@ std::span<const SpectrumPeak> PatchSpectrum::peaks(const LocalPoints& points, co
   // Move from the nearest sample to the top of each peak, in steps that halve.
   const std::array<Vec3f, 3> directions = {frame.t * (0.25F * apart), frame.s * (0.25F * apart),
                                            normal * (0.5F * step)};
-  for (SpectrumPeak& peak : peaks_.first(kept)) climb(peak, points, directions);
+#pragma omp parallel for schedule(dynamic)
+  for (std::size_t k = 0; k < kept; ++k) climb(peaks_[k], points, directions);
   return peaks_.first(kept);
 }
 

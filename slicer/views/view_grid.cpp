@@ -115,10 +115,14 @@ PLUMBLINE_WIDE void measure_distances2(const FlatGrid& grid, const float* x, con
 }
 
 /// Normal equations, of unknowns in the order of ViewGrid::map with lengths over the radius, then the lens's.
+template <class Number>
 struct Sums {
-  std::array<double, kProducts> products = {};  ///< lower half, row after row
-  std::array<double, kSize> residuals = {};
+  std::array<Number, kProducts> products = {};  ///< lower half, row after row
+  std::array<Number, kSize> residuals = {};
 };
+
+constexpr std::size_t kBatch = 32 * kLanes;  ///< points whose sums are kept in single precision
+constexpr std::size_t kFewBatches = 4;       ///< so few are added up sooner than other threads have begun
 
 /// Adds the equations of kLanes points.
 PLUMBLINE_INLINE void add_lanes(const FlatGrid& g, const Lanes& x, const Lanes& y, const Lanes& z, float scale,
@@ -172,22 +176,42 @@ PLUMBLINE_INLINE void add_lanes(const FlatGrid& g, const Lanes& x, const Lanes& 
   }
 }
 
-PLUMBLINE_WIDE void add_equations(const FlatGrid& grid, const float* x, const float* y, const float* z,
-                                  std::size_t size, float scale, float inverse_width2, Sums& sums) {
-  constexpr std::size_t kBatch = 32 * kLanes;  // points whose sums are kept in single precision
-  for (std::size_t first = 0; first < size; first += kBatch) {
-    Lanes products[kProducts] = {};  // NOLINT(cppcoreguidelines-avoid-c-arrays)
-    Lanes residuals[kSize] = {};     // NOLINT(cppcoreguidelines-avoid-c-arrays)
-    for (std::size_t i = first; i < std::min(size, first + kBatch); i += kLanes) {
-      Lanes px, py, pz;
-      load(px, x + i);
-      load(py, y + i);
-      load(pz, z + i);
-      add_lanes(grid, px, py, pz, scale, inverse_width2, products, residuals);
-    }
-    for (std::size_t i = 0; i < kProducts; ++i) sums.products[i] += static_cast<double>(sum(products[i]));
-    for (std::size_t i = 0; i < kSize; ++i) sums.residuals[i] += static_cast<double>(sum(residuals[i]));
+PLUMBLINE_WIDE void add_batch(const FlatGrid& grid, const float* x, const float* y, const float* z, std::size_t size,
+                              float scale, float inverse_width2, Sums<float>& sums) {
+  Lanes products[kProducts] = {};  // NOLINT(cppcoreguidelines-avoid-c-arrays)
+  Lanes residuals[kSize] = {};     // NOLINT(cppcoreguidelines-avoid-c-arrays)
+  for (std::size_t i = 0; i < size; i += kLanes) {
+    Lanes px, py, pz;
+    load(px, x + i);
+    load(py, y + i);
+    load(pz, z + i);
+    add_lanes(grid, px, py, pz, scale, inverse_width2, products, residuals);
   }
+  for (std::size_t i = 0; i < kProducts; ++i) sums.products[i] = sum(products[i]);
+  for (std::size_t i = 0; i < kSize; ++i) sums.residuals[i] = sum(residuals[i]);
+}
+
+/// @param points  ViewGridFit::kMaxPoints at most
+Sums<double> sum_equations(const FlatGrid& grid, const LocalPoints& points, float scale, float inverse_width2) {
+  const std::size_t count = (points.size() + kBatch - 1) / kBatch;
+  std::array<Sums<float>, ViewGridFit::kMaxPoints / kBatch> batches;
+  const auto add = [&](std::size_t batch) {
+    const std::size_t first = batch * kBatch;
+    add_batch(grid, &points.x[first], &points.y[first], &points.z[first], std::min(kBatch, points.size() - first),
+              scale, inverse_width2, batches[batch]);
+  };
+  if (count <= kFewBatches) {
+    for (std::size_t batch = 0; batch < count; ++batch) add(batch);
+  } else {
+#pragma omp parallel for schedule(dynamic, 1)
+    for (std::size_t batch = 0; batch < count; ++batch) add(batch);
+  }
+  Sums<double> sums;
+  for (const Sums<float>& batch : std::span(batches).first(count)) {
+    for (std::size_t i = 0; i < kProducts; ++i) sums.products[i] += static_cast<double>(batch.products[i]);
+    for (std::size_t i = 0; i < kSize; ++i) sums.residuals[i] += static_cast<double>(batch.residuals[i]);
+  }
+  return sums;
 }
 
 /// Moves the lens's centre by what the lean stands for, `most` units at most, and the map by the affine part of that.
@@ -280,11 +304,8 @@ LocalPoints ViewGridFit::near(const ViewGrid& grid, const LocalPoints& points, d
 std::optional<double> ViewGridFit::improve(ViewGrid& grid, const LocalPoints& points, double radius,
                                            double width) const {
   const LocalPoints used = near(grid, points, width);
-  Sums sums;
-  const FlatGrid flat(grid);
-  const auto scale = static_cast<float>(1 / radius);
-  const auto inverse_width2 = static_cast<float>(1 / (width * width));
-  add_equations(flat, used.x.data(), used.y.data(), used.z.data(), used.size(), scale, inverse_width2, sums);
+  const Sums<double> sums =
+      sum_equations(FlatGrid(grid), used, static_cast<float>(1 / radius), static_cast<float>(1 / (width * width)));
   Eigen::Matrix<double, kSize, kSize> held;
   Eigen::Matrix<double, kSize, 1> target;
   std::size_t at = 0;

@@ -110,21 +110,24 @@ class RoundBores {
     const float width = end.width;
     const Frame frame(n);
     Turn turn(kTwelfth);
-    std::array<Cylinder, 12> followed;
-    std::size_t count = 0;
-    for (int k = 0; k < 12; ++k, turn.advance()) {
-      Cylinder c{surface_.position(end.point) + n * (0.5F * width), frame.at(turn.cosine(), turn.sine()), 0.5F * width};
-      if (std::popcount(survey(c, {-0.5F * width, 0.5F * width}, 0.25F * width, 0).wall) < kWalled) continue;
-      const bool fits = std::all_of(kCoarseTolerances.begin(), kCoarseTolerances.end(), [&](float tolerance) {
-        return fit(c, {-width, width}, std::max(tolerance * width, tolerance_), true) &&
-               c.radius < kMaxRadius * width && c.radius > kMinRadius * width;
-      });
-      const auto known = std::span(followed).first(count);
-      if (!fits || std::any_of(known.begin(), known.end(), [&](const Cylinder& f) { return are_same(c, f); })) continue;
-      if (auto bore = follow(c)) return bore;
-      followed[count++] = c;
+    std::array<Cylinder, kDirections> first;
+    for (Cylinder& c : first) {
+      c = {surface_.position(end.point) + n * (0.5F * width), frame.at(turn.cosine(), turn.sine()), 0.5F * width};
+      turn.advance();
     }
-    return std::nullopt;
+    std::array<bool, kDirections> fits = {};
+#pragma omp parallel for schedule(dynamic, 1)
+    for (std::size_t k = 0; k < kDirections; ++k) fits[k] = fit_first(first[k], width);
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < kDirections; ++k) {
+      const auto is_known = [&](const Cylinder& c) { return are_same(first[k], c); };
+      if (fits[k] && std::none_of(first.begin(), first.begin() + count, is_known)) first[count++] = first[k];
+    }
+    std::array<std::optional<Bore>, kDirections> bores;
+#pragma omp parallel for schedule(dynamic, 1)
+    for (std::size_t k = 0; k < count; ++k) bores[k] = follow(first[k]);
+    const auto found = std::find_if(bores.begin(), bores.end(), [](const auto& bore) { return bore.has_value(); });
+    return found != bores.end() ? *found : std::nullopt;
   }
 
   bool contains(const Bore& bore, const Vec3f& x) const {
@@ -160,6 +163,18 @@ class RoundBores {
   }
 
  private:
+  static constexpr std::size_t kDirections = 12;  ///< of the first axes, across the normal of an end
+
+  /// The first fit, within the width of a bore.
+  /// @returns whether there is a cylinder with wall all around
+  bool fit_first(Cylinder& c, float width) const {
+    if (std::popcount(survey(c, {-0.5F * width, 0.5F * width}, 0.25F * width, 0).wall) < kWalled) return false;
+    return std::all_of(kCoarseTolerances.begin(), kCoarseTolerances.end(), [&](float tolerance) {
+      return fit(c, {-width, width}, std::max(tolerance * width, tolerance_), true) && c.radius < kMaxRadius * width &&
+             c.radius > kMinRadius * width;
+    });
+  }
+
   /// Calls visit(i, coordinates) for the points of the scan along a stretch, up to a distance from the axis.
   template <class Visit>
   void for_stretch(const Cylinder& c, const Stretch& stretch, float max_distance, Visit visit) const {

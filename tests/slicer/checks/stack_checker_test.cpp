@@ -1,7 +1,9 @@
 #include "slicer/checks/stack_checker.hpp"
 
 #include <gtest/gtest.h>
+#include <omp.h>
 
+#include <algorithm>
 #include <tuple>
 #include <vector>
 
@@ -35,6 +37,37 @@ TEST(StackChecker, FindsNothingInABlock) {
   EXPECT_EQ(findings.voxels, 50U * 50 * 20);
   EXPECT_EQ(findings.first_layer_pixels, 2500U);
   EXPECT_EQ(findings.peel_pixels, 2500U);
+}
+
+TEST(StackChecker, FindsTheSameWhileTheNextMaskIsDrawnOverTheOneThatItChecks) {
+  const auto masks =
+      stack_of(kSide, 15, blocks({{10, 30, 10, 60, 0, 15}, {50, 60, 20, 24, 5, 15}, {30, 50, 20, 24, 12, 15}}));
+  const auto findings = check(masks, {});
+  EXPECT_EQ(all_issues(findings), 2U);
+  for (const int threads : {1, 2, 3}) {
+    const int usual = omp_get_max_threads();
+    omp_set_num_threads(threads);
+    const PrintGrid grid = grid_of(masks);
+    ArenaBlock arena(16 * kMiB);
+    StackChecker checker = value_of(StackChecker::create(grid, {}, *arena));
+    OwnedImage mask = masks[0].image();
+    for (std::size_t k = 0; k < masks.size(); ++k) {
+      checker.take(mask.view());
+      int drawn = 0;
+      checker.check_while([&] {
+        ++drawn;
+        std::ranges::fill(mask.view().words(), ~std::uint64_t{0});
+        if (k + 1 < masks.size()) mask = masks[k + 1].image();
+      });
+      EXPECT_EQ(drawn, 1);
+    }
+    omp_set_num_threads(usual);
+    const StackFindings same = checker.finish();
+    EXPECT_EQ(same.voxels, findings.voxels);
+    EXPECT_EQ(all_issues(same), 2U);
+    for (const IssueKind kind : {IssueKind::kIsland, IssueKind::kFreePiece})
+      EXPECT_EQ(only(same, kind), only(findings, kind));
+  }
 }
 
 TEST(StackChecker, FindsAnIslandAndThePieceAboveItUntilItJoinsTheRest) {

@@ -1,9 +1,11 @@
 #include "slicer/surface/support_size.hpp"
 
 #include <gtest/gtest.h>
+#include <omp.h>
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "tests/slicer/support/arena_block.hpp"
 #include "tests/slicer/support/scan_cloud.hpp"
@@ -68,7 +70,22 @@ TEST(SupportSize, WidensSupportsOfASmoothNoisySurface) {
   EXPECT_GT(smooth.support_after, 1.5F * smooth.support_before);
   EXPECT_NEAR(smooth.growth, std::sqrt(smooth.support_after / smooth.support_before), 1e-4);
   EXPECT_GT(smooth.taken, 0U);
-  EXPECT_LE(smooth.taken, support_size_bytes());
+  EXPECT_LE(smooth.taken, support_size_bytes(static_cast<std::uint32_t>(omp_get_max_threads())));
+}
+
+TEST(SupportSize, IsTheSameForAnyNumberOfThreads) {
+  const int usual = omp_get_max_threads();
+  std::vector<float> growths;
+  for (const int threads : {1, 3}) {
+    omp_set_num_threads(threads);
+    Random random(1);
+    const Widened widened(waves(1, 20, 0.03, random));
+    EXPECT_LE(widened.taken, support_size_bytes(static_cast<std::uint32_t>(threads)));
+    growths.push_back(widened.growth);
+  }
+  omp_set_num_threads(usual);
+  EXPECT_GT(growths[0], 1);
+  EXPECT_EQ(growths[0], growths[1]);
 }
 
 TEST(SupportSize, KeepsSupportsWhereDetailExceedsTheNoise) {
