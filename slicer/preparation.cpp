@@ -9,6 +9,7 @@
 #include "slicer/cloud/cloud_reader.hpp"
 #include "slicer/core/stage_scope.hpp"
 #include "slicer/mesh_slicing.hpp"
+#include "slicer/plan/memory_plan.hpp"
 #include "slicer/plan/scan_admission.hpp"
 #include "slicer/rays/ray_shooter.hpp"
 #include "slicer/surface/surface_points.hpp"
@@ -172,6 +173,10 @@ class Preparation {
     const auto views = align_views(scan_.cloud, *tree_, arena_, progress.part(0, kAligned));
     PLUMBLINE_TRY(views);
     report_.views = *views;
+    const std::size_t tree = before_tree_ - arena_.top_mark();
+    // Until here there was room for the most views. Now it is known how many there are.
+    report_.planned_bytes[static_cast<std::size_t>(Stage::kViews)] =
+        arena_.used() - tree + views_stage_bytes(*views, scan_.cloud.size, tree, settings_.threads);
     report_.lengths.views_before = {views->before};
     report_.lengths.views_after = {views->after};
     report_.lengths.views_moved = {views->moved};

@@ -70,6 +70,13 @@ std::size_t rrep_stage_bytes(const PrintGrid& grid, std::size_t store, const Ray
                            sorted + layer_features_bytes(grid));
 }
 
+std::size_t views_stage_bytes(const ViewAlignment& found, std::uint32_t points, std::size_t tree,
+                              std::uint32_t threads) {
+  const std::size_t aligning = tree + align_views_bytes(found, points, threads);
+  const std::size_t sorting = KdTree3::kBytesPerPoint * std::size_t{points} + Cloud::reorder_bytes(points);
+  return kSlack + (found.moved > 0 ? std::max(aligning, sorting) : aligning);
+}
+
 std::size_t layers_stage_bytes(const PrintGrid& grid, std::size_t struts) {
   return kSlack + MaskStream::bytes_needed(grid, struts) + StackChecker::bytes_needed(grid);
 }

@@ -11,6 +11,8 @@
 
 namespace plumbline {
 
+struct ViewAlignment;
+
 /// Bytes of the arena in use while each stage runs, with everything that it keeps from earlier stages.
 struct MemoryPlan {
   std::uint32_t points = 0;                         ///< of the cloud that the plan is for
@@ -33,6 +35,9 @@ std::size_t rrep_bytes(const PrintGrid& grid, const RayYield& yield);
 /// Bytes of the stage that makes the R-Rep of a scan, without the map.
 /// @param store  bytes of the crossing store
 std::size_t rrep_stage_bytes(const PrintGrid& grid, std::size_t store, const RayYield& yield);
+/// Bytes that the views take beside the cloud: finding and aligning them beside a tree of so many bytes, then perhaps another tree.
+std::size_t views_stage_bytes(const ViewAlignment& found, std::uint32_t points, std::size_t tree,
+                              std::uint32_t threads);
 /// Bytes that making and checking the masks takes beside map, R-Rep and supports.
 std::size_t layers_stage_bytes(const PrintGrid& grid, std::size_t struts);
 

@@ -51,7 +51,12 @@ ScanNoise measure_noise(const Cloud& cloud, const KdTree3& tree) {
 
 std::size_t align_views_bytes(std::uint32_t points, std::uint32_t threads) {
   if (points < kMinPoints) return 0;
-  return points + std::max(find_views_bytes(threads), register_views_bytes(threads));
+  return align_views_bytes({.searched = true, .views = kMaxViews}, points, threads);
+}
+
+std::size_t align_views_bytes(const ViewCounts& found, std::uint32_t points, std::uint32_t threads) {
+  if (!found.searched) return 0;
+  return points + std::max(find_views_bytes(threads), found.views < 2 ? 0 : register_views_bytes(found.views, threads));
 }
 
 Expected<ViewAlignment> align_views(Cloud& cloud, const KdTree3& tree, Arena& arena, const StageProgress& progress) {
@@ -59,6 +64,7 @@ Expected<ViewAlignment> align_views(Cloud& cloud, const KdTree3& tree, Arena& ar
   if (cloud.size < kMinPoints) return alignment;
   const ScanNoise scan = measure_noise(cloud, tree);
   if (!(scan.noise > kMinNoise * scan.spacing)) return alignment;
+  alignment.searched = true;
   const ArenaScope scope(arena);
   const auto view_of = arena.take_top<std::uint8_t>(cloud.size, "views");
   PLUMBLINE_TRY(view_of);

@@ -12,8 +12,13 @@ namespace plumbline {
 /// Upper bound of the arena bytes that align_views() takes, without alignment.
 std::size_t align_views_bytes(std::uint32_t points, std::uint32_t threads);
 
+struct ViewCounts;
+/// What it has taken of them.
+std::size_t align_views_bytes(const ViewCounts& found, std::uint32_t points, std::uint32_t threads);
+
 /// Result of align_views(). Nothing was moved if `moved` is 0.
 struct ViewCounts {
+  bool searched = false;     ///< the scan is noisy enough to look for views
   std::uint32_t views = 0;   ///< views found
   std::uint32_t points = 0;  ///< points that belong to a view
 };

@@ -301,11 +301,11 @@ class Registrar {
 
 }  // namespace
 
-std::size_t register_views_bytes(std::uint32_t threads) {
-  constexpr std::size_t kUnknowns = 6 * std::size_t{kMaxViews};
-  return MovedViews::bytes(kMaxViews) + threads * (WaveSearch::bytes() + sizeof(WaveSearch)) +
-         kUnknowns * (kUnknowns + 1) * sizeof(double) + kChunk * sizeof(SharedPlace) +
-         kMaxViews * (sizeof(DepthFrame) + std::size_t{DepthImage::kCells} * sizeof(DepthImage::Cell));
+std::size_t register_views_bytes(std::uint32_t views, std::uint32_t threads) {
+  const std::size_t unknowns = 6 * std::size_t{views};
+  return MovedViews::bytes(views) + threads * (WaveSearch::bytes() + sizeof(WaveSearch)) +
+         unknowns * (unknowns + 1) * sizeof(double) + kChunk * sizeof(SharedPlace) +
+         views * (sizeof(DepthFrame) + std::size_t{DepthImage::kCells} * sizeof(DepthImage::Cell));
 }
 
 Expected<Registration> register_views(Cloud& cloud, const KdTree3& tree, const Views& views, Arena& arena,

@@ -10,8 +10,8 @@
 
 namespace plumbline {
 
-/// Upper bound of the arena bytes that register_views() takes, without alignment.
-std::size_t register_views_bytes(std::uint32_t threads);
+/// Arena bytes that register_views() takes for so many views, without alignment.
+std::size_t register_views_bytes(std::uint32_t views, std::uint32_t threads);
 
 /// Result of register_views(), mm.
 struct Registration {
