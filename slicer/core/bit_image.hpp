@@ -1,6 +1,7 @@
 #pragma once
 /// Images of one bit a pixel, 64 pixels a word: masks and sets of rays.
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <span>
@@ -13,6 +14,13 @@ constexpr std::uint64_t reversed_bits(std::uint64_t word) {
   word = ((word >> 2) & 0x3333333333333333U) | ((word & 0x3333333333333333U) << 2);
   word = ((word >> 4) & 0x0F0F0F0F0F0F0F0FU) | ((word & 0x0F0F0F0F0F0F0F0FU) << 4);
   return __builtin_bswap64(word);
+}
+
+/// Whether all pixels of a row are black. Most of a panel is: one look at a row spares the rest of the work on it.
+inline bool is_blank(std::span<const std::uint64_t> row) {
+  std::uint64_t any = 0;
+  for (const std::uint64_t word : row) any |= word;
+  return any == 0;
 }
 
 /// A view of `rows` rows of `columns` pixels. Pixel (column, row) is bit column % 64 of word
@@ -44,8 +52,13 @@ class BasicBitImage {
   void set(std::uint32_t column, std::uint32_t row) const {
     words_[std::size_t{row} * stride_ + column / 64] |= std::uint64_t{1} << (column % 64);
   }
+  /// Writes to no page that is blank already: on fresh memory these take no room. Most of a panel stays blank.
   void clear() const {
-    for (auto& word : words_) word = 0;
+    constexpr std::size_t kBlock = 512;  // words: a page
+    for (std::size_t at = 0; at < words_.size(); at += kBlock) {
+      const auto block = words_.subspan(at, std::min(kBlock, words_.size() - at));
+      if (!is_blank(block)) std::ranges::fill(block, Word{0});
+    }
   }
   std::uint64_t count() const {
     std::uint64_t sum = 0;
@@ -65,12 +78,5 @@ class BasicBitImage {
 };
 using BitImage = BasicBitImage<std::uint64_t>;
 using ConstBitImage = BasicBitImage<const std::uint64_t>;
-
-/// Whether all pixels of a row are black. Most of a panel is: one look at a row spares the rest of the work on it.
-inline bool is_blank(std::span<const std::uint64_t> row) {
-  std::uint64_t any = 0;
-  for (const std::uint64_t word : row) any |= word;
-  return any == 0;
-}
 
 }  // namespace plumbline

@@ -1,6 +1,7 @@
 #include "slicer/core/bit_image.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/mman.h>
 
 #include <bitset>
 #include <vector>
@@ -25,6 +26,27 @@ TEST(BitImage, StoresEachPixelInItsOwnBit) {
     }
     image.clear();
     EXPECT_EQ(image.count(), 0U);
+  }
+}
+
+TEST(BitImage, ClearWritesToNoBlankPage) {
+  constexpr std::uint32_t kRows = 4096;
+  const std::size_t size = BitImage::words_needed(64, kRows) * sizeof(std::uint64_t);
+  void* const memory = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  ASSERT_NE(memory, MAP_FAILED);
+  BitImage({static_cast<std::uint64_t*>(memory), kRows}, 64, kRows).clear();  // a write would end the program
+  ASSERT_EQ(::munmap(memory, size), 0);
+}
+
+TEST(BitImage, ClearBlackensEveryPixel) {
+  for (const std::uint32_t rows : {1U, 511U, 512U, 513U, 1100U}) {
+    std::vector<std::uint64_t> words(rows);
+    const BitImage image(words, 64, rows);
+    for (const std::uint32_t row : {0U, rows / 2, rows - 1}) {
+      image.set(63, row);
+      image.clear();
+      EXPECT_EQ(image.count(), 0U) << row << " of " << rows;
+    }
   }
 }
 
