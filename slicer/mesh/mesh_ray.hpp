@@ -2,9 +2,11 @@
 /// The winding number of a mesh along one ray.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <optional>
+#include <utility>
 
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/print_grid.hpp"
@@ -58,39 +60,54 @@ class MeshRay {
     if (rim_) rim_->begin(column, row);
   }
 
+  /// What a place is, and whether plainly: far from where the surface may lie.
+  struct Side {
+    bool solid = false;
+    bool plain = false;
+  };
   /// @param above  RayStretch::from_all_above
-  bool inside(std::uint32_t layer, int above) const {
+  bool inside(std::uint32_t layer, int above) const { return side(layer, above).solid; }
+  Side side(std::uint32_t layer, int above) const {
     const float z = (static_cast<float>(layer) + 0.5F) * grid_->layer_height_mm;
-    if (rim_) return rim_inside(z, above);
+    if (rim_) return rim_side(z, above);
     // Most places are so plainly inside or outside that a rough number tells.
     constexpr float kPlain = WindingLean::kMost + WindingTree::kRough;
     const Vec3f place(x_, y_, z);
     const float rough = field_->winding->rough(place);
-    if (std::abs(rough - WindingTree::kSurface) > kPlain) return rough > WindingTree::kSurface;
-    return field_->winding->inside(place);
+    if (std::abs(rough - WindingTree::kSurface) > kPlain) return {rough > WindingTree::kSurface, true};
+    return {field_->winding->inside(place), false};
   }
   /// With a rim: whether the surface is open at a height, as seen from below.
   bool is_open_at(float z) const { return rim_->at(z, below_all_).above_tenth(); }
 
-  /// Finds the solid parts of a stretch by samples a cell apart or more, and the layer where they change by bisection.
+  /// Finds the solid parts of a stretch by samples a cell apart or more, and the layer where they change by bisection. Between two
+  /// samples that are plainly on the same side there is nothing to find.
   /// @param set  set(layer, solid): from that layer upwards; first of all for the stretch's begin
   template <class Set>
   void decide(const RayStretch& stretch, Set set) const {
     const std::uint32_t length = stretch.end - stretch.begin;
     const std::uint32_t samples = std::clamp(length / field_->layers_in(1, grid_->layer_height_mm), 1U, kMostSamples);
-    bool before = false;
-    std::uint32_t last = stretch.begin;
-    for (std::uint32_t s = 0; s < samples; ++s) {
-      const auto layer =
-          stretch.begin + static_cast<std::uint32_t>((2 * std::uint64_t{s} + 1) * length / (2 * samples));
-      const bool solid = inside(layer, stretch.from_all_above);
-      if (s == 0) {
-        set(stretch.begin, solid);
-      } else if (solid != before) {
-        set(change(last, layer, before, stretch.from_all_above), solid);
+    const auto layer_at = [&](std::uint32_t s) {
+      return stretch.begin + static_cast<std::uint32_t>((2 * std::uint64_t{s} + 1) * length / (2 * samples));
+    };
+    std::array<Side, kMostSamples> found;
+    const auto sample = [&](std::uint32_t s) { found[s] = side(layer_at(s), stretch.from_all_above); };
+    for (const std::uint32_t s : {0U, samples / 2, samples - 1}) sample(s);
+    for (const auto& [low, high] : {std::pair(0U, samples / 2), std::pair(samples / 2, samples - 1)}) {
+      const bool plain = found[low].plain && found[high].plain && found[low].solid == found[high].solid;
+      for (std::uint32_t s = low + 1; s < high; ++s) {
+        if (plain) {
+          found[s] = found[low];
+        } else {
+          sample(s);
+        }
       }
-      before = solid;
-      last = layer;
+    }
+    set(stretch.begin, found[0].solid);
+    for (std::uint32_t s = 1; s < samples; ++s) {
+      const bool before = found[s - 1].solid;
+      if (found[s].solid == before) continue;
+      set(change(layer_at(s - 1), layer_at(s), before, stretch.from_all_above), found[s].solid);
     }
   }
 
@@ -100,18 +117,18 @@ class MeshRay {
 
   MeshRay(const MeshField& field, const PrintGrid& grid) : field_(&field), grid_(&grid) {}
 
-  bool rim_inside(float z, int above) const {
+  Side rim_side(float z, int above) const {
     WindingTurn turn = rim_->at(z, above);
     if (field_->base) {
-      if (z < *field_->base) return false;
+      if (z < *field_->base) return {false, true};
       // The mirrored surface seen from here is the surface seen from the mirror image of this place, below all of it.
       turn.add(rim_->at(2 * *field_->base - z, below_all_));
     }
-    if (!turn.is_near_half()) return turn.above_half();
+    if (!turn.is_near_half()) return {turn.above_half(), true};
     RimLean lean;
     rim_->add_lean(z, lean);
     if (field_->base) rim_->add_lean(2 * *field_->base - z, lean);
-    return turn.above_half(lean);
+    return {turn.above_half(lean), false};
   }
 
   /// The first layer above `low` that is not as there.

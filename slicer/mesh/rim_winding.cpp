@@ -32,6 +32,15 @@ enum Column : std::size_t {
   kColumns
 };
 
+constexpr double kMoved = 1.0 / 1024;  // steps
+/// Of the terms of a side in double precision: a sum that is larger is good to 2^-26.
+constexpr double kSure = 1.0 / (1 << 26);
+
+/// mm a step, and mm^2 of kCross for a side.
+struct RimSteps {
+  double x, y, cross;
+};
+
 /// What one factor adds to the full turns of a product.
 PLUMBLINE_INLINE std::int32_t turn(float im_a, float im_b, float im_of_product) {
   if (im_a >= 0 && im_b >= 0) return im_of_product < 0 ? 1 : 0;
@@ -109,6 +118,56 @@ PLUMBLINE_WIDE void see_edges(float* column, std::size_t stride, float z) {
   }
 }
 
+/// Sets the columns of a ray, but leaves kCross at 0 where it is too small for its sign to be sure.
+/// @param x, y  of stride + 1 corners, steps
+/// @param at_x, at_y  of the ray, steps
+PLUMBLINE_WIDE void place_ray(const double* x, const double* y, std::size_t stride, double at_x, double at_y,
+                              const RimSteps& rim, float* column) {
+  // Off the pixel's centre in the direction that EdgeFunction breaks ties in, just far enough that a float shows it.
+  const double off_x = at_x + kMoved;
+  const double off_y = at_y + kMoved * kMoved;
+  for (std::size_t i = 0; i < stride; ++i) {
+    const double from_x = rim.x * (x[i] - off_x);
+    const double from_y = rim.y * (y[i] - off_y);
+    const double to_x = rim.x * (x[i + 1] - off_x);
+    const double to_y = rim.y * (y[i + 1] - off_y);
+    const double left = (x[i + 1] - x[i]) * (at_y - y[i]);
+    const double right = (y[i + 1] - y[i]) * (at_x - x[i]);
+    const double side = left - right;
+    const bool sure = std::abs(side) > kSure * (std::abs(left) + std::abs(right));
+    column[kDistance2 * stride + i] = static_cast<float>(from_x * from_x + from_y * from_y);
+    column[kProduct * stride + i] = static_cast<float>(from_x * to_x + from_y * to_y);
+    column[kCross * stride + i] = static_cast<float>(sure ? rim.cross * side : 0);
+    column[kMiddleX * stride + i] = static_cast<float>(0.5 * (from_x + to_x));
+    column[kMiddleY * stride + i] = static_cast<float>(0.5 * (from_y + to_y));
+  }
+}
+
+/// The sum of each of three columns from `begin` to `end`.
+struct LeanSums {
+  float share = 0, lean = 0, weight = 0;
+};
+PLUMBLINE_WIDE void add_loop(const float* column, std::size_t stride, std::size_t begin, std::size_t end,
+                             LeanSums& sums) {
+  Lanes shares{}, leans{}, weights{};
+  std::size_t i = begin;
+  for (; i + kLanes <= end; i += kLanes) {
+    Lanes share, lean, weight;
+    load(share, column + kShare * stride + i);
+    load(lean, column + kLean * stride + i);
+    load(weight, column + kWeight * stride + i);
+    shares += share;
+    leans += lean;
+    weights += weight;
+  }
+  sums = {sum(shares), sum(leans), sum(weights)};
+  for (; i < end; ++i) {
+    sums.share += column[kShare * stride + i];
+    sums.lean += column[kLean * stride + i];
+    sums.weight += column[kWeight * stride + i];
+  }
+}
+
 }  // namespace
 
 void WindingTurn::add(const WindingTurn& other) {
@@ -140,7 +199,8 @@ bool WindingTurn::above_half(const RimLean& lean) const {
 std::size_t RimWinding::stride_of(std::size_t corners) { return ((corners + kLanes - 1) / kLanes + 1) * kLanes; }
 
 std::size_t RimWinding::bytes_needed(std::size_t corners) {
-  return Arena::rounded(kColumns * stride_of(corners) * sizeof(float));
+  const std::size_t stride = stride_of(corners);
+  return Arena::rounded(kColumns * stride * sizeof(float)) + Arena::rounded(2 * (stride + 1) * sizeof(double));
 }
 
 Expected<RimWinding> RimWinding::create(const MeshRim& rim, Arena& arena) {
@@ -150,6 +210,9 @@ Expected<RimWinding> RimWinding::create(const MeshRim& rim, Arena& arena) {
   const auto room = arena.take_top<float>(kColumns * winding.stride_, "mesh");
   PLUMBLINE_TRY(room);
   winding.room_ = *room;
+  const auto places = arena.take_top<double>(2 * (winding.stride_ + 1), "mesh");
+  PLUMBLINE_TRY(places);
+  winding.places_ = *places;
   winding.place_edges();
   return winding;
 }
@@ -164,6 +227,10 @@ RimWinding::Edge RimWinding::edge(std::size_t i) const {
 void RimWinding::place_edges() {
   const auto corners = rim_->corners;
   const Vec3d& step = rim_->step;
+  for (std::size_t i = 0; i <= stride_; ++i) {
+    places_[i] = edge(i).from.x;
+    places_[stride_ + 1 + i] = edge(i).from.y;
+  }
   for (std::size_t i = 0; i < stride_; ++i) {
     const auto [from, to] = edge(i);
     const Vec3d d(step[0] * (double{1} * to.x - from.x), step[1] * (double{1} * to.y - from.y),
@@ -180,24 +247,18 @@ void RimWinding::place_edges() {
 }
 
 void RimWinding::begin(std::uint32_t pixel_column, std::uint32_t pixel_row) {
-  // Off the pixel's centre in the direction that EdgeFunction breaks ties in, just far enough that a float shows it.
-  constexpr double kMoved = 1.0 / 1024;  // steps
-  const double x = static_cast<double>(EdgeFunction::centre(pixel_column)) + kMoved;
-  const double y = static_cast<double>(EdgeFunction::centre(pixel_row)) + kMoved * kMoved;
   const Vec3d& step = rim_->step;
+  const RimSteps steps{step[0], step[1], -step[0] * step[1]};
+  place_ray(places_.data(), places_.data() + stride_ + 1, stride_,
+            static_cast<double>(EdgeFunction::centre(pixel_column)),
+            static_cast<double>(EdgeFunction::centre(pixel_row)), steps, room_.data());
+  const auto cross = column(kCross);
   for (std::size_t i = 0; i < stride_; ++i) {
+    if (cross[i] != 0) continue;
     const auto [from, to] = edge(i);
-    const double from_x = step[0] * (from.x - x);
-    const double from_y = step[1] * (from.y - y);
-    const double to_x = step[0] * (to.x - x);
-    const double to_y = step[1] * (to.y - y);
     const std::int64_t side = EdgeFunction(from, to).at(pixel_column, pixel_row);
     const double moved = kMoved * (kMoved * (double{1} * to.x - from.x) - (double{1} * to.y - from.y));
-    column(kDistance2)[i] = static_cast<float>(from_x * from_x + from_y * from_y);
-    column(kProduct)[i] = static_cast<float>(from_x * to_x + from_y * to_y);
-    column(kCross)[i] = static_cast<float>(-step[0] * step[1] * (side != 0 ? static_cast<double>(side) : moved));
-    column(kMiddleX)[i] = static_cast<float>(0.5 * (from_x + to_x));
-    column(kMiddleY)[i] = static_cast<float>(0.5 * (from_y + to_y));
+    cross[i] = static_cast<float>(steps.cross * (side != 0 ? static_cast<double>(side) : moved));
   }
 }
 
@@ -211,21 +272,13 @@ WindingTurn RimWinding::at(float z, int above) const {
 void RimWinding::add_lean(float z, RimLean& lean) const {
   see_edges(room_.data(), stride_, z);
   const auto corners = rim_->corners;
-  const float* const lean_of = column(kLean).data();
-  const float* const share_of = column(kShare).data();
-  const float* const weight_of = column(kWeight).data();
   for (std::size_t begin = 0, end = 0; begin < corners.size(); begin = end + 1) {
-    float leans = 0;
-    float shares = 0;
-    float weight = 0;
-    for (end = begin; end < corners.size() && !corners[end].joins; ++end) {
-      leans += lean_of[end];
-      shares += share_of[end];
-      weight += weight_of[end];
-    }
-    if (!(shares > 0)) continue;
-    lean.outwards += weight * (leans / shares);
-    lean.weight += weight;
+    for (end = begin; end < corners.size() && !corners[end].joins;) ++end;
+    LeanSums sums;
+    add_loop(room_.data(), stride_, begin, end, sums);
+    if (!(sums.share > 0)) continue;
+    lean.outwards += sums.weight * (sums.lean / sums.share);
+    lean.weight += sums.weight;
   }
 }
 
