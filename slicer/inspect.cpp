@@ -82,6 +82,7 @@ Expected<CrossingStore> find_mesh_crossings(MeshFiles& files, const MeshSurvey& 
   settings.placement = heed_header(settings.placement, report.scan.header);
   const auto mesh = turn_mesh(files, survey, settings, arena, progress, report);
   PLUMBLINE_TRY(mesh);
+  PLUMBLINE_TRY(check_extent(mesh->bounds, sources));
   report.bounds = report.bounds_with_noise = mesh->bounds;
   report.units = units_of(report.bounds, settings.placement);
   const double unit_mm = millimetres_per(report.units);

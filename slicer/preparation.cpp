@@ -301,7 +301,15 @@ PlacementSettings heed_header(const PlacementSettings& settings, const ScanHeade
   return header.is_in_mm ? with_units(settings, Units::kMillimetres) : settings;
 }
 
+Status check_extent(const Box3d& bounds, ScanSources sources) {
+  if (bounds.size().maxCoeff() > 0) return {};
+  return telling(Told(ToldCode::kTooSmall, {{Fact::kLongestMm, 0.0}}),
+                 fail(ErrorCode::kNoSurface, "%s: all of it lies at one place, %.6g %.6g %.6g.\tExport it again",
+                      title_of(sources).c_str(), bounds.low[0], bounds.low[1], bounds.low[2]));
+}
+
 Status check_no_speck(const Box3d& bounds, ScanSources sources, const PlacementSettings& settings, bool is_in_mm) {
+  PLUMBLINE_TRY(check_extent(bounds, sources));
   const double longest = bounds.size().maxCoeff() * millimetres_per(units_of(bounds, settings)) * settings.scale;
   if (settings.fit || settings.size || longest >= kFewestPixels * finest_pitch(settings)) return {};
   const char* const advice = is_in_mm ? "Give a size, such as --height 80mm, or --scale"

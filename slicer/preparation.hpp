@@ -68,6 +68,9 @@ using NormalsLook = FunctionRef<Status(const PreparedScan& scan)>;
 /// @param header  sum_of() the files
 PlacementSettings heed_header(const PlacementSettings& settings, const ScanHeader& header);
 
+/// @retval ErrorCode::kNoSurface  all points or corners lie at one place: names the files
+[[nodiscard]] Status check_extent(const Box3d& bounds, ScanSources sources);
+
 /// @param bounds    of the scan, rotated scan coordinates
 /// @param is_in_mm  ScanHeader::is_in_mm
 /// @retval ErrorCode::kNoSurface  the object would be a speck: names the files, its size, and what to do

@@ -28,7 +28,7 @@ const char* splat_encoding(const PlyHeader& header) {
 /// @param start  of the file's text in the input
 Status read_splats(const PlyHeader& header, LineInput& lines, std::uint64_t start, PointBatch& batch, Arena& memory) {
   ByteInput& input = lines.input();
-  SplatFilter filter;
+  SplatFilter filter(header.vertex.layout.has(kThirdScale));
   batch.filter_by(&filter);
   input.report_within(0, 0.5);
   PLUMBLINE_TRY(read_vertices(header, lines, batch));

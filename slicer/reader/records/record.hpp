@@ -76,8 +76,9 @@ class RecordLayout {
   bool has(std::size_t slot) const { return (slots_ >> slot) & 1U; }
   bool has_position() const { return has(kX) && has(kY) && has(kZ); }
   bool has_normal() const { return has(kNx) && has(kNy) && has(kNz); }
+  /// With two radii or three.
   bool is_splat() const {
-    constexpr unsigned kAll = ((1U << kRowSlots) - 1) & ~((1U << kSlots) - 1);
+    constexpr unsigned kAll = ((1U << kRowSlots) - 1) & ~((1U << kSlots) - 1) & ~(1U << kThirdScale);
     return has_position() && (slots_ & kAll) == kAll;
   }
   bool has_lists() const { return lists_; }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <new>
+#include <string_view>
 
 namespace plumbline {
 
@@ -13,7 +14,7 @@ std::uint32_t crc32_of(std::span<const char> bytes, std::uint32_t before) {
 }
 
 InflateStream::InflateStream(ByteInput& input, Wrapping wrapping, std::span<char> window, std::span<std::byte> heap)
-    : input_(input), window_(window), heap_(heap) {
+    : input_(input), window_(window), heap_(heap), is_gzip_(wrapping == Wrapping::kGzip) {
   void* const place = heap_.allocate(sizeof(z_stream));
   if (place == nullptr) return;
   auto* const zlib = new (place) z_stream();
@@ -23,7 +24,7 @@ InflateStream::InflateStream(ByteInput& input, Wrapping wrapping, std::span<char
   zlib->zfree = [](voidpf own, voidpf part) { static_cast<FixedHeap*>(own)->release(part); };
   zlib->opaque = &heap_;
   constexpr int kLargestWindow = 15;
-  const int window_bits = wrapping == Wrapping::kGzip ? 16 + kLargestWindow : -kLargestWindow;
+  const int window_bits = is_gzip_ ? 16 + kLargestWindow : -kLargestWindow;
   if (inflateInit2(zlib, window_bits) == Z_OK) zlib_ = zlib;
 }
 
@@ -55,7 +56,12 @@ Expected<std::span<const char>> InflateStream::next(std::uint64_t most) {
     const int outcome = inflate(zlib_, Z_NO_FLUSH);
     input_.consume(given - zlib_->avail_in);
     ended_ = outcome == Z_STREAM_END;
-    if (outcome != Z_OK && !ended_) {
+    if (ended_ && is_gzip_) {
+      const auto follows = input_.fill(2);
+      PLUMBLINE_TRY(follows);
+      if (*follows >= 2 && std::string_view(input_.begin(), 2) == "\x1f\x8b") restart();
+    }
+    if (outcome != Z_OK && outcome != Z_STREAM_END) {
       return input_.fail(ErrorCode::kMalformed,
                          "byte %llu: the compressed data is damaged (%s);\tcopy or export the file again",
                          static_cast<unsigned long long>(input_.offset()), zlib_->msg != nullptr ? zlib_->msg : "zlib");

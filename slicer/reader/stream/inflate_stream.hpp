@@ -19,7 +19,7 @@ std::uint32_t crc32_of(std::span<const char> bytes, std::uint32_t before);
 class InflateStream {
  public:
   enum class Wrapping : std::uint8_t {
-    kGzip,  ///< RFC 1952, with a checksum of its own
+    kGzip,  ///< RFC 1952: members one after another, each with a checksum of its own
     kNone,  ///< as in a zip archive
   };
 
@@ -48,6 +48,7 @@ class InflateStream {
   std::span<char> window_;
   FixedHeap heap_;
   z_stream_s* zlib_ = nullptr;  ///< in heap_; null: there is no room for it
+  bool is_gzip_;
   bool ended_ = false;
 };
 

@@ -17,6 +17,7 @@ enum Slot : std::uint8_t { kX, kY, kZ, kNx, kNy, kNz };
 inline constexpr std::size_t kSlots = 6;
 /// What a Gaussian splat has besides: see SplatFilter.
 enum SplatSlot : std::uint8_t { kOpacity = kSlots, kScale, kTurn = kScale + 3 };
+inline constexpr std::size_t kThirdScale = kScale + 2;  ///< splats of two dimensions don't have it
 inline constexpr std::size_t kRowSlots = kTurn + 4;
 using SlotValues = double[kRowSlots];
 

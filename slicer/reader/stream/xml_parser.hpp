@@ -39,12 +39,12 @@ class XmlAttributes {
 };
 
 /// Parses a whole attribute or text.
-/// @returns false if it is no number, or not a finite one
+/// @returns false if it is empty, no number, or not a finite one
 template <class Number>
 bool parse_number(std::string_view text, Number& number) {
   const char* const end = text.data() + text.size();
   if constexpr (std::is_floating_point_v<Number>) {
-    return parse_real(text.data(), end, number) == end && std::isfinite(number);
+    return !text.empty() && parse_real(text.data(), end, number) == end && std::isfinite(number);
   } else {
     const auto [stop, error] = std::from_chars(text.data(), end, number);
     return error == std::errc{} && stop == end;

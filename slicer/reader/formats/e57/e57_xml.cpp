@@ -145,7 +145,9 @@ class E57Document final : public XmlHandler {
       return attributes[key].empty() || parse_number(attributes[key], number);
     };
     bool good = usable("minimum", field.minimum) && usable("maximum", maximum) && field.minimum <= maximum;
-    if (type == "ScaledInteger") good = good && usable("scale", field.scale) && usable("offset", field.offset);
+    if (type == "ScaledInteger") {
+      good = good && usable("scale", field.scale) && usable("offset", field.offset) && field.scale != 0;
+    }
     if (!good) parser_->complain("'%s' has no usable range or scale", Quote(name).c_str());
     field.bits = static_cast<std::uint8_t>(
         std::bit_width(static_cast<std::uint64_t>(maximum) - static_cast<std::uint64_t>(field.minimum)));

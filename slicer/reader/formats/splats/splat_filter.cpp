@@ -23,7 +23,8 @@ void SplatFilter::end_survey() {
 }
 
 PointFilter::Verdict SplatFilter::look(SlotValues& row) {
-  const double* const scale = row + kScale;
+  double* const scale = row + kScale;
+  if (!has_third_) scale[2] = std::min(scale[0], scale[1]) - 2 * kFlat;
   const auto [low, high] = std::minmax_element(scale, scale + 3);
   const bool finite = std::isfinite(scale[0]) && std::isfinite(scale[1]) && std::isfinite(scale[2]);
   if (surveying_) {

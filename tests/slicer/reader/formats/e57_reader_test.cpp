@@ -213,6 +213,10 @@ TEST(E57Reader, NamesWhatIsWrongWithTheXml) {
                                        integer_column("cartesianZ", "Integer", 0, 9, {1})}};
   EXPECT_THAT(with("maximum=\"9\"", "maximum=\"-1\"", {ranged}),
               HasSubstr("'cartesianX' has no usable range or scale"));
+  const E57TestScan scaled{.columns = {integer_column("cartesianX", "ScaledInteger", 0, 9, {1}, "scale=\"0.001\""),
+                                       integer_column("cartesianY", "ScaledInteger", 0, 9, {1}),
+                                       integer_column("cartesianZ", "ScaledInteger", 0, 9, {1})}};
+  EXPECT_THAT(with("scale=\"0.001\"", "scale=\"0\"", {scaled}), HasSubstr("'cartesianX' has no usable range or scale"));
 }
 
 TEST(E57Reader, FewerPointsThanDeclaredAreTruncated) {

@@ -72,8 +72,36 @@ TEST(SplatReader, ReadsProgressOnceAndAllBytes) {
   EXPECT_THAT(read(pipe).message(), HasSubstr("splats are read twice, and these come through a pipe"));
 }
 
+TEST(SplatReader, SplatsOfTwoDimensionsFaceAlongTheirThirdAxis) {
+  const Vec3d n(0.6, 0, 0.8);
+  auto splats = some_splats(n);
+  splats.erase(splats.begin() + 10, splats.end());  // of the others the third radius matters
+  for (const bool ascii : {false, true}) {
+    const auto reading = read(replaced(splat_ply(splats, ascii), "scale_2", "other"), "discs.ply");
+    ASSERT_TRUE(reading.summary.has_value()) << reading.message();
+    EXPECT_TRUE(reading.summary->header.has_unsigned_normals);
+    EXPECT_EQ(reading.summary->left_out, 2U) << "a transparent and a large one";
+    ASSERT_EQ(reading.summary->points, 8U);
+    for (const ScanPoint& p : reading.sink.points) {
+      const Vec3d found(p.nx, p.ny, p.nz);
+      EXPECT_LT(std::min((found - n).norm(), (found + n).norm()), 1e-5);
+    }
+  }
+}
+
+TEST(SplatReader, ReadsTheMembersOfAGzipOneAfterAnother) {
+  const auto splats = some_splats({0, 0, 1});
+  const auto plain = plain_spz(splats, 3);
+  const auto whole = read(gzip(plain), "a.spz");
+  const auto parts = read(gzip(plain.substr(0, 90)) + gzip(plain.substr(90)), "a.spz");
+  ASSERT_TRUE(parts.summary.has_value()) << parts.message();
+  EXPECT_EQ(parts.summary->points, whole.summary->points);
+  EXPECT_EQ(parts.sink.points.back().x, whole.sink.points.back().x);
+  EXPECT_TRUE(read(gzip(plain) + "padding", "a.spz").summary.has_value());
+}
+
 TEST(SplatReader, OnlySomePropertiesOfASplatMakeAPlainScan) {
-  const auto bytes = replaced(splat_ply({{}, {}}), "scale_2", "other");
+  const auto bytes = replaced(splat_ply({{}, {}}), "scale_1", "other");
   const auto reading = read(bytes, "scan.ply");
   ASSERT_TRUE(reading.summary.has_value()) << reading.message();
   EXPECT_FALSE(reading.summary->header.has_unsigned_normals);

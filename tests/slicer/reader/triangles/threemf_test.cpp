@@ -237,6 +237,7 @@ TEST(ThreeMf, BrokenAndHostileFilesAreRefusedInWords) {
             "unit="),
        ErrorCode::kMalformed, "needs the extension 'b'"},
       {"no coordinate", with("x=\"1\"", "x=\"one\""), ErrorCode::kMalformed, "'one' is not a coordinate"},
+      {"a missing coordinate", with("x=\"1\"", ""), ErrorCode::kMalformed, "'' is not a coordinate"},
       {"no number of a vertex", with("v2=\"2\"", "v2=\"-2\""), ErrorCode::kMalformed, "names vertex '-2'"},
       {"a vertex too many", with("v2=\"2\"", "v2=\"8\""), ErrorCode::kMalformed, "there are 8, numbered from 0"},
       {"a short transform", with("objectid=\"1\"", "objectid=\"1\" transform=\"1 0 0\""), ErrorCode::kMalformed,
