@@ -200,7 +200,8 @@ std::size_t RimWinding::stride_of(std::size_t corners) { return ((corners + kLan
 
 std::size_t RimWinding::bytes_needed(std::size_t corners) {
   const std::size_t stride = stride_of(corners);
-  return Arena::rounded(kColumns * stride * sizeof(float)) + Arena::rounded(2 * (stride + 1) * sizeof(double));
+  return Arena::rounded(kColumns * stride * sizeof(float)) + Arena::rounded(2 * (stride + 1) * sizeof(double)) +
+         Arena::rounded(corners * sizeof(std::uint32_t));
 }
 
 Expected<RimWinding> RimWinding::create(const MeshRim& rim, Arena& arena) {
@@ -213,6 +214,13 @@ Expected<RimWinding> RimWinding::create(const MeshRim& rim, Arena& arena) {
   const auto places = arena.take_top<double>(2 * (winding.stride_ + 1), "mesh");
   PLUMBLINE_TRY(places);
   winding.places_ = *places;
+  const auto ends = arena.take_top<std::uint32_t>(rim.corners.size(), "mesh");
+  PLUMBLINE_TRY(ends);
+  std::size_t loops = 0;
+  for (std::size_t i = 0; i < rim.corners.size(); ++i) {
+    if (rim.corners[i].joins || i + 1 == rim.corners.size()) (*ends)[loops++] = static_cast<std::uint32_t>(i);
+  }
+  winding.ends_ = ends->first(loops);
   winding.place_edges();
   return winding;
 }
@@ -271,11 +279,11 @@ WindingTurn RimWinding::at(float z, int above) const {
 
 void RimWinding::add_lean(float z, RimLean& lean) const {
   see_edges(room_.data(), stride_, z);
-  const auto corners = rim_->corners;
-  for (std::size_t begin = 0, end = 0; begin < corners.size(); begin = end + 1) {
-    for (end = begin; end < corners.size() && !corners[end].joins;) ++end;
+  std::size_t begin = 0;
+  for (const std::uint32_t end : ends_) {
     LeanSums sums;
     add_loop(room_.data(), stride_, begin, end, sums);
+    begin = end + std::size_t{1};
     if (!(sums.share > 0)) continue;
     lean.outwards += sums.weight * (sums.lean / sums.share);
     lean.weight += sums.weight;

@@ -90,7 +90,9 @@ class RimWinding {
   void place_edges();
 
   const MeshRim* rim_ = nullptr;
-  std::span<float> room_;     ///< columns of stride_ numbers
+  std::span<float> room_;  ///< columns of stride_ numbers
+  std::span<const std::uint32_t>
+      ends_;                  ///< of each loop: the edge that leads to the next one, or behind the last corner
   std::span<double> places_;  ///< x, then y of stride_ + 1 corners, steps
   std::size_t stride_ = 0;    ///< a multiple of kLanes, at least kLanes more than there are edges
 };
