@@ -9,8 +9,9 @@
 namespace plumbline {
 namespace {
 
-/// Contacts of a pillar are so far apart, mm: below kWantedFree_mm, since places are rounded to pixels and layers,
-constexpr double kApart = 1.8;
+/// Contacts of a pillar are so far apart, mm, and a brace is added where they are farther: below kWantedFree_mm, since places are rounded to
+/// pixels and layers,
+constexpr double kApart = 1.5;
 /// but at least this much more than a brace rises.
 constexpr double kBetween = 0.8;
 /// Longest rise of a brace, mm: with kBetween it must stay below kMostFree_mm.
@@ -71,7 +72,7 @@ double Bracing::distance(const Pillar& a, const Pillar& b) const {
 
 /// A brace between such pillars would hold neither.
 bool Bracing::stand_in_each_other(const Pillar& a, const Pillar& b) const {
-  return distance(a, b) < a.radius + b.radius;
+  return distance(a, b) < a.radius + b.radius + 2 * radius_;
 }
 
 Bracing::Gap Bracing::largest_gap(const Pillar& pillar) const {
@@ -86,6 +87,15 @@ Bracing::Gap Bracing::largest_gap(const Pillar& pillar) const {
     at = next;
   }
   return largest;
+}
+
+Bracing::Gap Bracing::gap_at(const Pillar& pillar, double z) const {
+  Gap gap{foot(pillar), pillar.top};
+  for (std::uint32_t c = pillar.contacts; c != kNone; c = contacts_[c].next) {
+    if (contacts_[c].z <= z) gap.low = std::max(gap.low, contacts_[c].z);
+    if (contacts_[c].z >= z) gap.high = std::min(gap.high, contacts_[c].z);
+  }
+  return gap;
 }
 
 void Bracing::add_contact(Pillar& pillar, double z) {
@@ -123,7 +133,8 @@ Expected<bool> Bracing::zigzag(Pillar& a, Pillar& b) {
   while (high - rise > low && has_room()) {
     const Place from{lower->x, lower->y, high - rise};
     const Place to{upper->x, upper->y, high};
-    if (is_clear(from, to)) {
+    const bool helps = gap_at(*lower, from.z).height() > kApart || gap_at(*upper, to.z).height() > kApart;
+    if (helps && is_clear(from, to)) {
       PLUMBLINE_TRY(add_brace(*lower, *upper, from, to));
       any = true;
       std::swap(lower, upper);

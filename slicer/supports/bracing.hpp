@@ -49,6 +49,7 @@ class Bracing {
   };
 
   Gap largest_gap(const Pillar& pillar) const;
+  Gap gap_at(const Pillar& pillar, double z) const;
   void add_contact(Pillar& pillar, double z);
   bool is_clear(const Place& from, const Place& to) const;
 
