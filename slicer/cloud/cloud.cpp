@@ -28,16 +28,10 @@ void PackedNormal::set(const Vec3f& n) {
 }
 
 Expected<Cloud> Cloud::create(std::uint32_t capacity, Arena& arena) {
-  const auto position = arena.take_top<Vec3f>(capacity, "cloud");
-  if (!position) return tl::unexpected<Error>(position.error());
-  const auto normal = arena.take_top<PackedNormal>(capacity, "cloud");
-  if (!normal) return tl::unexpected<Error>(normal.error());
-  const auto radius = arena.take_top<float>(capacity, "cloud");
-  if (!radius) return tl::unexpected<Error>(radius.error());
   Cloud cloud;
-  cloud.position = *position;
-  cloud.normal = *normal;
-  cloud.radius = *radius;
+  PLUMBLINE_TRY(arena.take_top(cloud.position, capacity, "cloud"));
+  PLUMBLINE_TRY(arena.take_top(cloud.normal, capacity, "cloud"));
+  PLUMBLINE_TRY(arena.take_top(cloud.radius, capacity, "cloud"));
   return cloud;
 }
 

@@ -50,6 +50,16 @@ class Arena {
     return take<T>(count, stage, false);
   }
 
+  /// The same, as a span that is there already.
+  template <class T>
+  [[nodiscard]] Status take_bottom(std::span<T>& block, std::size_t count, const char* stage) {
+    return take<T>(count, stage, true).map([&](std::span<T> taken) { block = taken; });
+  }
+  template <class T>
+  [[nodiscard]] Status take_top(std::span<T>& block, std::size_t count, const char* stage) {
+    return take<T>(count, stage, false).map([&](std::span<T> taken) { block = taken; });
+  }
+
   std::size_t bottom_mark() const { return bottom_; }
   std::size_t top_mark() const { return top_; }
   void release_bottom(std::size_t mark) { bottom_ = mark; }

@@ -67,11 +67,9 @@ PLUMBLINE_WIDE void add_up_lean(const DipoleList& list, const Vec3f& place, Wind
 std::size_t ColumnWinding::bytes_needed() { return Arena::rounded(kColumns * kPool * sizeof(float)); }
 
 Expected<ColumnWinding> ColumnWinding::create(const WindingTree& tree, Arena& arena) {
-  const auto pool = arena.take_top<float>(kColumns * kPool, kStage);
-  PLUMBLINE_TRY(pool);
   ColumnWinding winding;
+  PLUMBLINE_TRY(arena.take_top(winding.pool_, kColumns * kPool, kStage));
   winding.tree_ = &tree;
-  winding.pool_ = *pool;
   return winding;
 }
 

@@ -71,13 +71,12 @@ struct Layer {
 };
 
 Expected<Layer> Layer::create(const PrintGrid& grid, Arena& arena) {
-  auto regions = LayerRegions::create(grid.columns, grid.rows, arena);
-  if (!regions) return tl::unexpected<Error>(regions.error());
-  auto feature = arena.take_top<std::uint32_t>(most_regions(grid.rows), kStage);
-  if (!feature) return tl::unexpected<Error>(feature.error());
-  auto contact = arena.take_top<Contact>(most_regions(grid.rows), kStage);
-  if (!contact) return tl::unexpected<Error>(contact.error());
-  return Layer{*regions, *feature, *contact, 0};
+  const auto regions = LayerRegions::create(grid.columns, grid.rows, arena);
+  PLUMBLINE_TRY(regions);
+  Layer layer{*regions, {}, {}, 0};
+  PLUMBLINE_TRY(arena.take_top(layer.feature, most_regions(grid.rows), kStage));
+  PLUMBLINE_TRY(arena.take_top(layer.contact, most_regions(grid.rows), kStage));
+  return layer;
 }
 
 class Sweep {
@@ -123,12 +122,8 @@ Expected<Sweep> Sweep::create(const RRep& rrep, const FeatureLimits& limits, Are
   Sweep sweep;
   sweep.rrep_ = &rrep;
   sweep.limits_ = limits;
-  auto features = arena.take_top<Feature>(rrep.grid.rows * kRegionsPerRow, kStage);
-  if (!features) return tl::unexpected<Error>(features.error());
-  auto runs = arena.take_top<FeatureRun>(rrep.grid.rows * kRunsPerRow, kStage);
-  if (!runs) return tl::unexpected<Error>(runs.error());
-  sweep.features_ = *features;
-  sweep.runs_ = *runs;
+  PLUMBLINE_TRY(arena.take_top(sweep.features_, rrep.grid.rows * kRegionsPerRow, kStage));
+  PLUMBLINE_TRY(arena.take_top(sweep.runs_, rrep.grid.rows * kRunsPerRow, kStage));
   return sweep;
 }
 

@@ -41,21 +41,13 @@ std::size_t LayerRegions::bytes_needed(std::uint32_t rows, const Settings& setti
 Expected<LayerRegions> LayerRegions::create(std::uint32_t columns, std::uint32_t rows, Arena& arena,
                                             const Settings& settings) {
   const std::size_t runs = most_runs(rows, settings);
-  auto run_block = arena.take_top<Run>(runs, settings.stage);
-  if (!run_block) return tl::unexpected<Error>(run_block.error());
-  auto region = arena.take_top<std::uint32_t>(runs, settings.stage);
-  if (!region) return tl::unexpected<Error>(region.error());
-  auto area = arena.take_top<std::uint32_t>(runs, settings.stage);
-  if (!area) return tl::unexpected<Error>(area.error());
-  auto row_first = arena.take_top<std::uint32_t>(std::size_t{rows} + 1, settings.stage);
-  if (!row_first) return tl::unexpected<Error>(row_first.error());
   LayerRegions regions;
+  PLUMBLINE_TRY(arena.take_top(regions.runs_, runs, settings.stage));
+  PLUMBLINE_TRY(arena.take_top(regions.region_, runs, settings.stage));
+  PLUMBLINE_TRY(arena.take_top(regions.area_, runs, settings.stage));
+  PLUMBLINE_TRY(arena.take_top(regions.row_first_, std::size_t{rows} + 1, settings.stage));
   regions.columns_ = columns;
   regions.white_reach_ = settings.join_white_corners ? 1 : 0;
-  regions.runs_ = *run_block;
-  regions.region_ = *region;
-  regions.area_ = *area;
-  regions.row_first_ = *row_first;
   std::fill(regions.row_first_.begin(), regions.row_first_.end(), 1);
   regions.first_enclosed_row_ = rows;
   return regions;

@@ -54,15 +54,9 @@ class Orientation {
   Status join() {
     const ArenaScope scope(arena_);
     const std::uint32_t batch = std::min(kBatch, cloud_.size);
-    auto open_block = arena_.take_top<std::uint32_t>(batch, kStage);
-    if (!open_block) return tl::unexpected<Error>(open_block.error());
-    auto pair_block = arena_.take_top<std::uint32_t>(std::size_t{batch} * kPairs, kStage);
-    if (!pair_block) return tl::unexpected<Error>(pair_block.error());
-    auto class_block = arena_.take_top<std::uint8_t>(cloud_.size, kStage);
-    if (!class_block) return tl::unexpected<Error>(class_block.error());
-    open_ = *open_block;
-    pairs_ = *pair_block;
-    next_class_ = *class_block;
+    PLUMBLINE_TRY(arena_.take_top(open_, batch, kStage));
+    PLUMBLINE_TRY(arena_.take_top(pairs_, std::size_t{batch} * kPairs, kStage));
+    PLUMBLINE_TRY(arena_.take_top(next_class_, cloud_.size, kStage));
     for (std::uint32_t i = 0; i < cloud_.size; ++i) next_class_[i] = cloud_.normal[i].known() ? 0 : kNoClass;
     for (std::uint8_t c = 0; c < kNoClass; ++c) {
       std::uint32_t next = 0;

@@ -25,12 +25,8 @@ std::size_t RaySolver::bytes_needed() {
 Expected<RaySolver> RaySolver::create(const IntersectionSettings& settings, Arena& arena) {
   RaySolver solver;
   solver.settings_ = settings;
-  auto bands = arena.take_top<Band>(kMaxBands, kStage);
-  if (!bands) return tl::unexpected<Error>(bands.error());
-  auto intersections = arena.take_top<Intersection>(kMaxIntersections, kStage);
-  if (!intersections) return tl::unexpected<Error>(intersections.error());
-  solver.bands_ = *bands;
-  solver.intersections_ = *intersections;
+  PLUMBLINE_TRY(arena.take_top(solver.bands_, kMaxBands, kStage));
+  PLUMBLINE_TRY(arena.take_top(solver.intersections_, kMaxIntersections, kStage));
   return solver;
 }
 

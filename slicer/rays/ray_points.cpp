@@ -81,19 +81,11 @@ Expected<RayGatherer> RayGatherer::create(const Cloud& cloud, const KdTree2& tre
     *points = *columns;
   }
   for (std::span<float>* const column : {&gatherer.x_, &gatherer.y_, &gatherer.radius_}) {
-    auto room = arena.take_top<float>(capacity + kLanes, kStage);
-    PLUMBLINE_TRY(room);
-    *column = *room;
+    PLUMBLINE_TRY(arena.take_top(*column, capacity + kLanes, kStage));
   }
-  auto index = arena.take_top<std::uint32_t>(capacity, kStage);
-  PLUMBLINE_TRY(index);
-  gatherer.index_ = *index;
-  auto chosen = arena.take_top<std::uint64_t>(capacity, kStage);
-  PLUMBLINE_TRY(chosen);
-  gatherer.chosen_ = *chosen;
-  auto half_chord = arena.take_top<float>(capacity, kStage);
-  PLUMBLINE_TRY(half_chord);
-  gatherer.half_chord_ = *half_chord;
+  PLUMBLINE_TRY(arena.take_top(gatherer.index_, capacity, kStage));
+  PLUMBLINE_TRY(arena.take_top(gatherer.chosen_, capacity, kStage));
+  PLUMBLINE_TRY(arena.take_top(gatherer.half_chord_, capacity, kStage));
   return gatherer;
 }
 

@@ -45,14 +45,12 @@ Expected<RayShooter> RayShooter::create(const RayField& field, std::uint32_t thr
     auto classifier = RayClassifier::create(*field.cloud, *field.tree, *field.winding, field.grid, field.max_radius,
                                             field.tile_capacity, field.settings, arena);
     if (!classifier) return tl::unexpected<Error>(classifier.error());
-    auto layers = arena.take_top<std::uint16_t>(std::size_t{kRaysPerTile} * RayClassifier::kMaxCrossings, "R-Rep");
-    if (!layers) return tl::unexpected<Error>(layers.error());
+    PLUMBLINE_TRY(arena.take_top(worker.layers, std::size_t{kRaysPerTile} * RayClassifier::kMaxCrossings, "R-Rep"));
     auto lattice = arena.take_top<RayLattice>(1, "R-Rep");
     if (!lattice) return tl::unexpected<Error>(lattice.error());
     lattice->front() = RayLattice(field.lattice_tolerance);
     worker.classifier = *classifier;
     worker.lattice = lattice->data();
-    worker.layers = *layers;
   }
   return shooter;
 }

@@ -52,12 +52,8 @@ Expected<ConfidenceMap> ConfidenceMap::create(const PrintGrid& grid, const Box3f
   };
   while (!fit()) cell *= 1.0625F;
   map.inverse_ = 1 / cell;
-  const auto layers = arena.take_bottom<Counts>(grid.layers, kStage);
-  PLUMBLINE_TRY(layers);
-  const auto cells = arena.take_bottom<std::uint8_t>(kMostCells, kStage);
-  PLUMBLINE_TRY(cells);
-  map.layers_ = *layers;
-  map.cells_ = *cells;
+  PLUMBLINE_TRY(arena.take_bottom(map.layers_, grid.layers, kStage));
+  PLUMBLINE_TRY(arena.take_bottom(map.cells_, kMostCells, kStage));
   std::fill(map.layers_.begin(), map.layers_.end(), Counts{});
   std::fill(map.cells_.begin(), map.cells_.end(), std::uint8_t{0});
   return map;

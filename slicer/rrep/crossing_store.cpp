@@ -23,14 +23,10 @@ Expected<CrossingStore> CrossingStore::create(const PrintGrid& grid, Arena& aren
   store.bottom_mark_ = arena.bottom_mark();
   store.tile_columns_ = (grid.columns + kTileSide - 1) / kTileSide;
   store.tile_rows_ = (grid.rows + kTileSide - 1) / kTileSide;
-  auto directory = arena.take_bottom<std::uint32_t>(std::size_t{store.tile_columns_} * store.tile_rows_, "R-Rep");
-  if (!directory) return tl::unexpected<Error>(directory.error());
-  store.directory_ = *directory;
+  PLUMBLINE_TRY(arena.take_bottom(store.directory_, std::size_t{store.tile_columns_} * store.tile_rows_, "R-Rep"));
   std::fill(store.directory_.begin(), store.directory_.end(), kEmpty);
   const std::size_t room = std::min<std::size_t>(arena.available() / sizeof(std::uint16_t), kEmpty - 1);
-  auto data = arena.take_bottom<std::uint16_t>(room / 32 * 32, "R-Rep");
-  if (!data) return tl::unexpected<Error>(data.error());
-  store.data_ = *data;
+  PLUMBLINE_TRY(arena.take_bottom(store.data_, room / 32 * 32, "R-Rep"));
   return store;
 }
 
@@ -73,13 +69,11 @@ void CrossingStore::for_each_crossing(std::span<std::uint32_t> cursor, Visit vis
 }
 
 Expected<CrossingStore::RowRoom> CrossingStore::take_row_room(Arena& arena) const {
-  const auto rays = arena.take_top<RayRef>(grid_.columns, "R-Rep");
-  PLUMBLINE_TRY(rays);
-  const auto reads = arena.take_top<std::uint16_t*>(tile_columns_, "R-Rep");
-  PLUMBLINE_TRY(reads);
-  const auto writes = arena.take_top<std::uint16_t*>(tile_columns_, "R-Rep");
-  PLUMBLINE_TRY(writes);
-  return RowRoom{*rays, *reads, *writes};
+  RowRoom room;
+  PLUMBLINE_TRY(arena.take_top(room.rays, grid_.columns, "R-Rep"));
+  PLUMBLINE_TRY(arena.take_top(room.reads, tile_columns_, "R-Rep"));
+  PLUMBLINE_TRY(arena.take_top(room.writes, tile_columns_, "R-Rep"));
+  return room;
 }
 
 std::uint32_t CrossingStore::crossings() const {
@@ -91,29 +85,24 @@ Expected<RRep> CrossingStore::sort(CrossingStore& store, Arena& arena) {
   const ArenaScope scope(arena);
   const PrintGrid& grid = store.grid_;
   // The R-Rep stays until the print ends, so it belongs at the bottom: move the store out of its way.
-  auto data = arena.take_top<std::uint16_t>(store.used_, "R-Rep");
-  if (!data) return tl::unexpected<Error>(data.error());
-  auto directory = arena.take_top<std::uint32_t>(store.directory_.size(), "R-Rep");
-  if (!directory) return tl::unexpected<Error>(directory.error());
-  auto cursor = arena.take_top<std::uint32_t>(store.tile_columns_, "R-Rep");
-  if (!cursor) return tl::unexpected<Error>(cursor.error());
-  std::copy_n(store.data_.begin(), store.used_, data->begin());
-  std::copy(store.directory_.begin(), store.directory_.end(), directory->begin());
-  store.data_ = *data;
-  store.directory_ = *directory;
+  std::span<std::uint16_t> data;
+  std::span<std::uint32_t> directory, cursor, first, pixel;
+  PLUMBLINE_TRY(arena.take_top(data, store.used_, "R-Rep"));
+  PLUMBLINE_TRY(arena.take_top(directory, store.directory_.size(), "R-Rep"));
+  PLUMBLINE_TRY(arena.take_top(cursor, store.tile_columns_, "R-Rep"));
+  std::copy_n(store.data_.begin(), store.used_, data.begin());
+  std::copy(store.directory_.begin(), store.directory_.end(), directory.begin());
+  store.data_ = data;
+  store.directory_ = directory;
   arena.release_bottom(store.bottom_mark_);
 
-  auto first_block = arena.take_bottom<std::uint32_t>(std::size_t{grid.layers} + 1, "R-Rep");
-  if (!first_block) return tl::unexpected<Error>(first_block.error());
-  std::span<std::uint32_t> first = *first_block;
+  PLUMBLINE_TRY(arena.take_bottom(first, std::size_t{grid.layers} + 1, "R-Rep"));
   std::fill(first.begin(), first.end(), 0);
-  store.for_each_crossing(*cursor, [&](std::uint16_t layer, std::uint32_t) { ++first[layer + std::size_t{1}]; });
+  store.for_each_crossing(cursor, [&](std::uint16_t layer, std::uint32_t) { ++first[layer + std::size_t{1}]; });
   for (std::size_t k = 1; k < first.size(); ++k) first[k] += first[k - 1];
-  auto pixel_block = arena.take_bottom<std::uint32_t>(first.back(), "R-Rep");
-  if (!pixel_block) return tl::unexpected<Error>(pixel_block.error());
-  std::span<std::uint32_t> pixel = *pixel_block;
+  PLUMBLINE_TRY(arena.take_bottom(pixel, first.back(), "R-Rep"));
   // first[k] is where the layer's next crossing goes; after the last one it has become first[k + 1].
-  store.for_each_crossing(*cursor, [&](std::uint16_t layer, std::uint32_t at) { pixel[first[layer]++] = at; });
+  store.for_each_crossing(cursor, [&](std::uint16_t layer, std::uint32_t at) { pixel[first[layer]++] = at; });
   for (std::size_t k = first.size() - 1; k > 0; --k) first[k] = first[k - 1];
   first[0] = 0;
   return RRep{.grid = grid, .first = first, .pixel = pixel};

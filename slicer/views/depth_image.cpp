@@ -113,18 +113,10 @@ std::size_t WaveSearch::bytes() {
 
 Expected<WaveSearch> WaveSearch::create(Arena& arena) {
   WaveSearch search;
-  auto rows = arena.take_top<Phasor>(std::size_t{kSide} * kRight, kStage);
-  PLUMBLINE_TRY(rows);
-  auto powers = arena.take_top<float>(std::size_t{kUp} * kRight, kStage);
-  PLUMBLINE_TRY(powers);
-  auto sorted = arena.take_top<float>(powers->size(), kStage);
-  PLUMBLINE_TRY(sorted);
-  auto turns = arena.take_top<Phasor>(kSteps, kStage);
-  PLUMBLINE_TRY(turns);
-  search.rows_ = *rows;
-  search.powers_ = *powers;
-  search.sorted_ = *sorted;
-  search.turns_ = *turns;
+  PLUMBLINE_TRY(arena.take_top(search.rows_, std::size_t{kSide} * kRight, kStage));
+  PLUMBLINE_TRY(arena.take_top(search.powers_, std::size_t{kUp} * kRight, kStage));
+  PLUMBLINE_TRY(arena.take_top(search.sorted_, search.powers_.size(), kStage));
+  PLUMBLINE_TRY(arena.take_top(search.turns_, kSteps, kStage));
   for (std::uint32_t k = 0; k < kSteps; ++k) search.turns_[k] = phasor(static_cast<float>(k) / kSteps);
   return search;
 }

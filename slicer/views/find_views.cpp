@@ -56,10 +56,8 @@ class ViewFinder {
     PLUMBLINE_TRY(patch);
     auto growth = GridGrowth::create(cloud_, tree_, view_of_, arena);
     PLUMBLINE_TRY(growth);
-    auto grids = arena.take_top<GrownGrid>(kMaxViews, kStage);
-    PLUMBLINE_TRY(grids);
+    PLUMBLINE_TRY(arena.take_top(grids_, kMaxViews, kStage));
     growth_ = *growth;
-    grids_ = *grids;
     if (!search(*patch, progress.part(0, kSearched))) return cancelled();
     if (!is_made_of_views()) {
       std::fill(view_of_.begin(), view_of_.end(), kNoView);

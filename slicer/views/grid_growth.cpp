@@ -67,22 +67,16 @@ std::size_t GridGrowth::bytes(std::uint32_t threads) {
 
 Expected<GridGrowth> GridGrowth::create(const Cloud& cloud, const KdTree3& tree, std::span<const std::uint8_t> view_of,
                                         Arena& arena) {
-  auto room = arena.take_top<float>(4 * kSample, kStage);
+  const auto room = arena.take_top<float>(4 * kSample, kStage);
   PLUMBLINE_TRY(room);
-  auto parts = arena.take_top<Part>(parts_for(static_cast<std::size_t>(omp_get_max_threads())), kStage);
-  PLUMBLINE_TRY(parts);
-  auto samples = arena.take_top<float>(3 * kRoom * parts->size(), kStage);
-  PLUMBLINE_TRY(samples);
-  auto indices = arena.take_top<std::uint32_t>(kRoom * parts->size(), kStage);
-  PLUMBLINE_TRY(indices);
   const Vec3f size = cloud.bounds().size();
   GridGrowth growth(cloud, tree, view_of, 0.5 * std::sqrt(static_cast<double>(size.dot(size))), *room);
-  for (std::size_t i = 0; i < parts->size(); ++i) {
-    Part& part = (*parts)[i] = {};
-    for (std::size_t axis = 0; axis < 3; ++axis) part.at[axis] = samples->subspan((3 * i + axis) * kRoom, kRoom);
-    part.index = indices->subspan(i * kRoom, kRoom);
+  PLUMBLINE_TRY(arena.take_top(growth.parts_, parts_for(static_cast<std::size_t>(omp_get_max_threads())), kStage));
+  for (Part& part : growth.parts_) {
+    part = {};
+    for (std::span<float>& axis : part.at) PLUMBLINE_TRY(arena.take_top(axis, kRoom, kStage));
+    PLUMBLINE_TRY(arena.take_top(part.index, kRoom, kStage));
   }
-  growth.parts_ = *parts;
   return growth;
 }
 

@@ -18,15 +18,9 @@ std::size_t MovedViews::bytes(std::size_t views) { return views * (sizeof(Vec6d)
 
 Expected<MovedViews> MovedViews::create(const Cloud& cloud, const Views& views, Arena& arena) {
   MovedViews moved(cloud, views);
-  auto motions = arena.take_top<Vec6d>(views.grids.size(), kStage);
-  PLUMBLINE_TRY(motions);
-  auto ripples = arena.take_top<Ripple>(views.grids.size(), kStage);
-  PLUMBLINE_TRY(ripples);
-  auto outward = arena.take_top<double>(views.grids.size(), kStage);
-  PLUMBLINE_TRY(outward);
-  moved.motions = *motions;
-  moved.ripples = *ripples;
-  moved.outward_ = *outward;
+  PLUMBLINE_TRY(arena.take_top(moved.motions, views.grids.size(), kStage));
+  PLUMBLINE_TRY(arena.take_top(moved.ripples, views.grids.size(), kStage));
+  PLUMBLINE_TRY(arena.take_top(moved.outward_, views.grids.size(), kStage));
   std::fill(moved.motions.begin(), moved.motions.end(), Vec6d::Zero());
   std::fill(moved.ripples.begin(), moved.ripples.end(), Ripple{});
   std::fill(moved.outward_.begin(), moved.outward_.end(), 0);

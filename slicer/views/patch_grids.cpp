@@ -38,11 +38,9 @@ Expected<PatchGrids> PatchGrids::create(const Cloud& cloud, const KdTree3& tree,
   auto spectrum = PatchSpectrum::create(arena);
   PLUMBLINE_TRY(spectrum);
   PatchGrids patch(cloud, tree, view_of, spacing, *spectrum);
-  auto candidates = arena.take_top<Candidate>(kMaxCandidates, kStage);
-  PLUMBLINE_TRY(candidates);
+  PLUMBLINE_TRY(arena.take_top(patch.candidates_, kMaxCandidates, kStage));
   auto room = arena.take_top<float>(3 * kMaxPoints, kStage);
   PLUMBLINE_TRY(room);
-  patch.candidates_ = *candidates;
   for (std::size_t axis = 0; axis < 3; ++axis) patch.room_[axis] = room->subspan(axis * kMaxPoints, kMaxPoints);
   return patch;
 }

@@ -151,18 +151,10 @@ std::size_t PatchSpectrum::bytes(std::uint32_t threads) {
 Expected<PatchSpectrum> PatchSpectrum::create(Arena& arena) {
   PatchSpectrum spectrum;
   const auto threads = static_cast<std::size_t>(omp_get_max_threads());
-  auto images = arena.take_top<float>(threads * 2 * kCells, "views");
-  PLUMBLINE_TRY(images);
-  auto twiddles = arena.take_top<float>(2 * kSide, "views");
-  PLUMBLINE_TRY(twiddles);
-  auto candidates = arena.take_top<SpectrumPeak>(kMaxCandidates, "views");
-  PLUMBLINE_TRY(candidates);
-  auto peaks = arena.take_top<SpectrumPeak>(kMaxPeaks, "views");
-  PLUMBLINE_TRY(peaks);
-  spectrum.images_ = *images;
-  spectrum.twiddles_ = *twiddles;
-  spectrum.candidates_ = *candidates;
-  spectrum.peaks_ = *peaks;
+  PLUMBLINE_TRY(arena.take_top(spectrum.images_, threads * 2 * kCells, "views"));
+  PLUMBLINE_TRY(arena.take_top(spectrum.twiddles_, 2 * kSide, "views"));
+  PLUMBLINE_TRY(arena.take_top(spectrum.candidates_, kMaxCandidates, "views"));
+  PLUMBLINE_TRY(arena.take_top(spectrum.peaks_, kMaxPeaks, "views"));
   for (std::uint32_t k = 0; k < kSide; ++k) {
     const Phasor w = phasor(-static_cast<float>(k) / static_cast<float>(kSide));
     spectrum.twiddles_[k] = w.re;

@@ -114,29 +114,17 @@ class Registrar {
  private:
   Status allocate(Arena& arena) {
     const std::size_t views = views_.size();
-    auto products = arena.take_top<double>(36 * views * views, kStage);
-    PLUMBLINE_TRY(products);
-    auto residuals = arena.take_top<double>(6 * views, kStage);
-    PLUMBLINE_TRY(residuals);
-    auto places = arena.take_top<SharedPlace>(kChunk, kStage);
-    PLUMBLINE_TRY(places);
-    auto frames = arena.take_top<DepthFrame>(views, kStage);
-    PLUMBLINE_TRY(frames);
-    auto cells = arena.take_top<DepthImage::Cell>(views * DepthImage::kCells, kStage);
-    PLUMBLINE_TRY(cells);
-    auto searches = arena.take_top<WaveSearch>(static_cast<std::size_t>(omp_get_max_threads()), kStage);
-    PLUMBLINE_TRY(searches);
-    for (WaveSearch& search : *searches) {
+    PLUMBLINE_TRY(arena.take_top(products_, 36 * views * views, kStage));
+    PLUMBLINE_TRY(arena.take_top(residuals_, 6 * views, kStage));
+    PLUMBLINE_TRY(arena.take_top(places_, kChunk, kStage));
+    PLUMBLINE_TRY(arena.take_top(frames_, views, kStage));
+    PLUMBLINE_TRY(arena.take_top(cells_, views * DepthImage::kCells, kStage));
+    PLUMBLINE_TRY(arena.take_top(searches_, static_cast<std::size_t>(omp_get_max_threads()), kStage));
+    for (WaveSearch& search : searches_) {
       const auto created = WaveSearch::create(arena);
       PLUMBLINE_TRY(created);
       search = *created;
     }
-    products_ = *products;
-    residuals_ = *residuals;
-    places_ = *places;
-    frames_ = *frames;
-    cells_ = *cells;
-    searches_ = *searches;
     views_.set_image_frames(frames_);
     return {};
   }
