@@ -26,7 +26,6 @@ constexpr float kMaxRadiusSupport = 40;  ///< points; a larger support is cut at
 /// Where more than one point in so many would be left with fewer points in its support than make a sheet, these are surface, such
 /// as the flat sides of a decimated mesh, and keep their supports. Fewer lie beside the surface, where few points face their way.
 constexpr std::uint32_t kWidest = 100;
-constexpr std::uint32_t kRadiusSample = 16384;  ///< points whose radii tell
 
 // Difference between a ray and the polynomial that may stand for it: this share of a layer, or of the noise if that is more.
 constexpr float kLayerShare = 1.0F / 50;
@@ -62,7 +61,7 @@ class RayStages {
   Status limit_supports() {
     const StageScope stage(Stage::kWindingTree, arena_, progress_, report_.peak_bytes);
     const ArenaScope scope(arena_);
-    const auto radii = arena_.take_top<float>(std::min(cloud_.seen(), kRadiusSample), "support radii");
+    const auto radii = arena_.take_top<float>(std::min(cloud_.seen(), kMedianSample), "support radii");
     PLUMBLINE_TRY(radii);
     const auto samples = static_cast<std::uint32_t>(radii->size());
     for (std::uint32_t s = 0; s < samples; ++s) {

@@ -9,6 +9,9 @@
 
 namespace plumbline {
 
+/// Least inner product of the normals of points that face one way: within 60 degrees. They face opposite ways below -kOneWay.
+inline constexpr float kOneWay = 0.5F;
+
 /// Classes of points (thesis III-2.b, table 1).
 enum class PointClass : std::uint8_t {
   kEntering,  ///< normal against the manufacturing direction: rays going up enter here

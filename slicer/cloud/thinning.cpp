@@ -10,8 +10,6 @@
 namespace plumbline {
 namespace {
 
-/// Normals in a cell whose inner product is below this face opposite sides: 120 degrees apart.
-constexpr float kOpposite = -0.5F;
 /// The scan's normals face either side at random if at least one in kOften averaged points faces the opposite side of its cell,
 /// and at least kFewest do. Thin walls and noise make some: 1 in 100 of a noisy scan.
 constexpr std::uint64_t kOften = 10;
@@ -93,7 +91,7 @@ void PointThinner::merge(std::uint32_t place, const Vec3f& p, const PackedNormal
     if (kept.known()) {
       const Vec3f mean = kept.unpack();
       const Vec3f more = normal.unpack();
-      const bool opposite = mean.dot(more) < kOpposite;
+      const bool opposite = mean.dot(more) < -kOneWay;
       opposite_ += opposite ? 1 : 0;
       // Opposite normals would cancel. Where sides are random only the direction counts; complete_normals() finds the side.
       const bool random = opposite_ >= kFewest && kOften * opposite_ > averaged_;

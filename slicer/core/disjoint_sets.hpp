@@ -1,7 +1,6 @@
 #pragma once
 /// Disjoint sets of indices (union-find).
 
-#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -29,42 +28,25 @@ class DisjointSets {
     for (std::uint32_t i = 0; i < size(); ++i) start(i);
   }
 
-  bool is_root(std::uint32_t i) const { return load(i) == i; }
+  bool is_root(std::uint32_t i) const { return parent(i) == i; }
 
-  /// Lowest index of the set that holds i. Any thread may call it, also while others call unite_shared().
+  /// Lowest index of the set that holds i. For one thread, as it shortens the path.
   std::uint32_t root(std::uint32_t i) const {
-    for (;;) {
-      const std::uint32_t up = load(i);
-      const std::uint32_t above = load(up);
-      if (above == up) return up;
-      // `above` stays an ancestor of i, whatever other threads do meanwhile.
-      std::atomic_ref(parent(i)).store(above, std::memory_order_relaxed);
-      i = above;
-    }
+    while (parent(i) != parent(parent(i))) i = parent(i) = parent(parent(i));
+    return parent(i);
   }
 
   struct Union {
     std::uint32_t root = 0;      ///< of the joined set
     std::uint32_t absorbed = 0;  ///< the other set's former root; equal to `root` if a and b were in one set already
   };
-  /// Joins the sets of a and b. For one thread.
+  /// Joins the sets of a and b.
   Union unite(std::uint32_t a, std::uint32_t b) {
     a = root(a);
     b = root(b);
     if (b < a) std::swap(a, b);
     parent(b) = a;
     return {a, b};
-  }
-  /// Joins the sets of a and b; other threads may do the same meanwhile. The result does not depend on their order.
-  void unite_shared(std::uint32_t a, std::uint32_t b) {
-    for (;;) {
-      a = root(a);
-      b = root(b);
-      if (a == b) return;
-      if (b < a) std::swap(a, b);
-      std::uint32_t expected = b;  // still a root
-      if (std::atomic_ref(parent(b)).compare_exchange_strong(expected, a, std::memory_order_relaxed)) return;
-    }
   }
 
   /// Sets the parent of each of the first `count` indices to its root.
@@ -75,7 +57,6 @@ class DisjointSets {
 
  private:
   std::uint32_t& parent(std::uint32_t i) const { return std::invoke(Parent, entries_[i]); }
-  std::uint32_t load(std::uint32_t i) const { return std::atomic_ref(parent(i)).load(std::memory_order_relaxed); }
 
   std::span<Entry> entries_;
 };

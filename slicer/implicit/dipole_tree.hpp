@@ -11,6 +11,8 @@
 
 namespace plumbline {
 
+inline constexpr float kRoughShare = 0.39F;  ///< of DipoleTree::walk(): nodes are opened up to 1.25 radii
+
 struct DipoleNode {
   Vec3f centre;            ///< mean position of the points, weighted by area, mm
   float reach2 = 0;        ///< (opening * radius)^2, mm^2: beyond it the node acts as one dipole; -1: it has no points

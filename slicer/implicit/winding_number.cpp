@@ -10,7 +10,6 @@ constexpr std::uint32_t kBaseSamples = 48;  ///< samples a side, over the base p
 /// An opening in the base plane has winding number 1/2 there, a closed underside 0. Not kSurface, which asks inside or outside:
 /// this asks open or closed. A larger value misses narrow openings, a smaller one takes noise for an opening.
 constexpr float kBaseOpen = 0.1F;
-constexpr float kInverse4Pi = 0.0795774715F;
 constexpr float kPi = std::numbers::pi_v<float>;
 
 }  // namespace

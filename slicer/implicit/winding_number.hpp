@@ -121,7 +121,6 @@ class WindingTree {
 
   template <class Add>
   void walk(const Box3f& box, Add add) const {
-    constexpr float kInverse4Pi = 0.25F * std::numbers::inv_pi_v<float>;
     tree_.walk(
         box,
         [&](const Node& node) {
@@ -134,7 +133,7 @@ class WindingTree {
         });
   }
 
-  static constexpr float kRoughShare = 0.39F;  ///< of DipoleTree::walk: nodes are opened up to 1.25 radii
+  static constexpr float kInverse4Pi = 0.25F * std::numbers::inv_pi_v<float>;
 
   float number(const Vec3f& x, float share) const;
   float sum(const Vec3f& x, float share = 1) const;

@@ -35,9 +35,6 @@ constexpr double kInsideOut = -0.25;
 constexpr double kFacesDown = 0.01;
 constexpr float kDown = -0.087155743F;  ///< z of a normal that faces down: by 5 degrees, as in thesis III-2.b
 
-/// Of DipoleTree::walk: nodes are opened up to 1.25 radii. Of a single point the sign of the slope is enough.
-constexpr float kRoughShare = 0.39F;
-
 constexpr std::uint32_t kNoSheet = SidedSets::kIndex;
 
 std::uint32_t sheets_at_most(std::uint32_t points) { return points / kSmallestSheet; }
@@ -285,6 +282,7 @@ void Sheets::turn_loose_points(const DipoleField& field) {
 #pragma omp parallel for schedule(dynamic, 256) reduction(+ : turned)
   for (std::uint32_t i = 0; i < cloud_.size; ++i) {
     if (sets_.fixed(i) || !cloud_.normal[i].known() || sheet_of(i) != nullptr) continue;
+    // Of a single point the sign of the slope is enough.
     if (!(field(cloud_.position[i], side_of, kRoughShare).gradient.dot(cloud_.normal[i].unpack()) > 0)) continue;
     turn_normal(i);
     ++turned;

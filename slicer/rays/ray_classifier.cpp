@@ -12,12 +12,8 @@ namespace {
 constexpr const char* kStage = "perfect rays";
 constexpr std::uint32_t kMaxCrossingsFound = 4096;
 
-/// "Is the winding number sure?" has three answers, since it is asked in three places; joining them would change masks.
-///   kSure 0.2            for a block or a whole tile from one place: more than the rounding of holes can contribute (kMostRounding 0.12)
-///   kBeyondOneSheet 0.05 for one place: more than a sheet that stands alone
-///   kBaseOpen 0.1        whether the base plane is open (winding_number.cpp): one side of a fold, not inside or outside
-///
-/// kSure: margin around 1/2 beyond which the winding number of one place decides a level for its surroundings.
+/// Margin around 1/2 beyond which the winding number of one place decides a level for a block or a whole tile: more than the
+/// rounding of holes can contribute (WindingLean::kMost).
 constexpr float kSure = 0.2F;
 
 /// The winding number behind a sheet that stands alone is 1/2, whatever inside() makes of its rim. It must differ from 1/2 by
@@ -45,22 +41,19 @@ std::size_t RayClassifier::bytes_needed(std::uint32_t tile_capacity) {
 Expected<RayClassifier> RayClassifier::create(const Cloud& cloud, const KdTree2& tree, const WindingTree& winding,
                                               const PrintGrid& grid, float max_radius, std::uint32_t tile_capacity,
                                               const RayClassifierSettings& settings, Arena& arena) {
-  auto gatherer = RayGatherer::create(cloud, tree, tile_capacity, max_radius, arena);
-  if (!gatherer) return tl::unexpected<Error>(gatherer.error());
-  auto solver = RaySolver::create(settings.intersections, arena);
-  if (!solver) return tl::unexpected<Error>(solver.error());
+  const auto gatherer = RayGatherer::create(cloud, tree, tile_capacity, max_radius, arena);
+  PLUMBLINE_TRY(gatherer);
+  const auto solver = RaySolver::create(settings.intersections, arena);
+  PLUMBLINE_TRY(solver);
   const auto column_winding = ColumnWinding::create(winding, arena);
   PLUMBLINE_TRY(column_winding);
-  auto crossings = arena.take_top<RayCrossing>(kMaxCrossingsFound, kStage);
-  if (!crossings) return tl::unexpected<Error>(crossings.error());
-
   RayClassifier classifier;
+  PLUMBLINE_TRY(arena.take_top(classifier.crossings_, kMaxCrossingsFound, kStage));
   classifier.gatherer_ = *gatherer;
   classifier.solver_ = *solver;
   classifier.winding_ = *column_winding;
   classifier.grid_ = grid;
   classifier.settings_ = settings;
-  classifier.crossings_ = *crossings;
   classifier.top_ = static_cast<float>(grid.layers) * grid.layer_height_mm;
   classifier.floor_ = std::max(0.0F, winding.base());
   return classifier;
@@ -120,15 +113,6 @@ void RayClassifier::begin_tile(std::uint32_t column, std::uint32_t row) {
   free_below(top_);
 }
 
-bool RayClassifier::alternates(const RaySurface& surface) const {
-  bool inside = false;
-  for (const Band& band : surface.bands) {
-    if (band.inside_at_low != inside) return false;
-    inside = band.inside_at_high;
-  }
-  return !inside;
-}
-
 void RayClassifier::bisect(float x, float y, float from, float to, bool inside_at_from) {
   emit(winding_.surface_between(x, y, from, to, inside_at_from, grid_.layer_height_mm), Evidence::kWinding);
 }
@@ -159,45 +143,36 @@ bool RayClassifier::gap_agrees(float x, float y, float low, float high, bool ins
 RayClassifier::Gap RayClassifier::decide_gap(float x, float y, float low, float high, bool below, bool above) {
   if (below == above && gap_agrees(x, y, low, high, below)) return {below, above};
   const std::uint32_t crossings_before = crossing_count_;
-  GapWalk walk{x, y, low, below};
-  walk_levels(walk, high);
-  // No level lies in the gap. In so short a gap the bands on both sides are better evidence than the whole cloud.
-  if (!walk.begun) {
-    if (below != above) {
-      bisect(x, y, low, high, below);
-      used_winding_ = true;
-    }
-    return {below, above};
-  }
-  // The last level and the band above disagree: an unseen sheet lies between them, or the band faces the wrong way.
-  if (walk.inside != above && winding_.inside({x, y, high}) == above) step(walk, high, above);
-  if (crossing_count_ != crossings_before || walk.inside_at_low != below || walk.inside != above) used_winding_ = true;
-  return {walk.inside_at_low, walk.inside};
-}
-
-void RayClassifier::step(GapWalk& walk, float z, bool inside) {
-  if (!walk.begun) {
-    walk.begun = true;
-    walk.inside_at_low = inside;
-    // The first level and the band below disagree: for the same two reasons.
-    if (inside != walk.inside && winding_.inside({walk.x, walk.y, walk.at}) == walk.inside) {
-      walk.inside_at_low = walk.inside;
-      bisect(walk.x, walk.y, walk.at, z, walk.inside);
-    }
-  } else if (inside != walk.inside) {
-    bisect(walk.x, walk.y, walk.at, z, walk.inside);
-  }
-  walk.at = z;
-  walk.inside = inside;
-}
-
-void RayClassifier::walk_levels(GapWalk& walk, float high) {
-  const float spacing = top_ / kLevels;
-  for (auto level = static_cast<std::uint32_t>(std::max(walk.at, 0.0F) / spacing); level < kLevels; ++level) {
+  std::optional<Gap> gap;
+  float at = low;  // of the last level
+  // Where a band and the level next to it disagree, an unseen sheet lies between them, or the band faces the wrong way.
+  for (auto level = static_cast<std::uint32_t>(std::max(low, 0.0F) / (top_ / kLevels)); level < kLevels; ++level) {
     const float z = level_height(level);
     if (z >= high) break;
-    if (z > walk.at) step(walk, z, level_inside(level, walk.x, walk.y));
+    if (!(z > low)) continue;
+    const bool inside = level_inside(level, x, y);
+    if (!gap) {
+      gap = {inside, inside};
+      if (inside != below && winding_.inside({x, y, low}) == below) {
+        bisect(x, y, low, z, below);
+        gap->inside_at_low = below;
+      }
+    } else if (inside != gap->inside_at_high) {
+      bisect(x, y, at, z, gap->inside_at_high);
+      gap->inside_at_high = inside;
+    }
+    at = z;
   }
+  if (!gap) {
+    // No level lies in the gap. In so short a gap the bands on both sides are better evidence than the whole cloud.
+    if (below != above) bisect(x, y, low, high, below);
+    gap = {below, above};
+  } else if (gap->inside_at_high != above && winding_.inside({x, y, high}) == above) {
+    bisect(x, y, at, high, !above);
+    gap->inside_at_high = above;
+  }
+  used_winding_ |= crossing_count_ != crossings_before || gap->inside_at_low != below || gap->inside_at_high != above;
+  return *gap;
 }
 
 void RayClassifier::emit(float depth, Evidence evidence, bool extrapolated) {
@@ -207,11 +182,6 @@ void RayClassifier::emit(float depth, Evidence evidence, bool extrapolated) {
 
 Evidence RayClassifier::evidence_of(float depth) const {
   return gatherer_.continued(depth) ? Evidence::kWinding : Evidence::kMeasured;
-}
-
-bool RayClassifier::more_than_a_sheet(const Vec3f& x, bool is_inside) {
-  const float w = winding_(x);
-  return is_inside ? w > WindingTree::kSurface + kBeyondOneSheet : w < WindingTree::kSurface - kBeyondOneSheet;
 }
 
 bool RayClassifier::bisect_agreed(float x, float y, float end, float place, bool inside_at_end) {
@@ -231,7 +201,8 @@ void RayClassifier::cross_band(float x, float y, const RaySurface& surface, cons
   const auto left_out = [&](float end, float other_end, std::uint32_t outermost, bool inside_at_end) {
     const bool has_sheet = first != last;
     const float place = has_sheet ? 0.5F * (end + surface.intersections[outermost].depth) : other_end;
-    const bool believed = !has_sheet || more_than_a_sheet({x, y, place}, !inside_at_end);
+    const float w = has_sheet ? winding_({x, y, place}) - WindingTree::kSurface : 0;
+    const bool believed = !has_sheet || (inside_at_end ? w < -kBeyondOneSheet : w > kBeyondOneSheet);
     if (believed && bisect_agreed(x, y, end, place, inside_at_end)) return 0U;
     if (!has_sheet) emit(end, Evidence::kWinding);
     return has_sheet ? 1U : 0U;

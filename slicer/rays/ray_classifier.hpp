@@ -76,14 +76,6 @@ class RayClassifier {
     bool inside_at_low, inside_at_high;
   };
 
-  /// State while walking up through a gap.
-  struct GapWalk {
-    float x, y;
-    float at;     ///< depth of the last answer, mm; at first the lower end
-    bool inside;  ///< at that depth
-    bool begun = false;
-    bool inside_at_low = false;  ///< decided for the lower end
-  };
   /// Inside or outside by the winding number at fixed levels, for a block of rays. Away from points the number changes slowly,
   /// so the first ray of the block for which a level is sure (kSure) answers for all. Levels that no point of the tile reaches are
   /// answered for the whole tile by the corner in which it meets three others of its column, if the number there is sure (kSure).
@@ -109,16 +101,11 @@ class RayClassifier {
     return top_ * (static_cast<float>(level) + 0.5F) / static_cast<float>(kLevels);
   }
   bool level_inside(std::uint32_t level, float x, float y);
-  void step(GapWalk& walk, float z, bool inside);
-  void walk_levels(GapWalk& walk, float high);
 
   void judge_tile(std::uint32_t level);
   void bisect(float x, float y, float from, float to, bool inside_at_from);
-  bool alternates(const RaySurface& surface) const;
   bool gap_agrees(float x, float y, float low, float high, bool inside);
   Gap decide_gap(float x, float y, float low, float high, bool below, bool above);
-  /// Whether the winding number puts x on that side by more than a sheet that stands alone would (kBeyondOneSheet).
-  bool more_than_a_sheet(const Vec3f& x, bool is_inside);
   /// Emits a crossing between the end of a band, where gap and band disagree, and a place in the band, if the winding number
   /// agrees with the gap at the end and with the band at the place.
   bool bisect_agreed(float x, float y, float end, float place, bool inside_at_end);

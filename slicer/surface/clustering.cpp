@@ -7,7 +7,6 @@
 
 #include "slicer/cloud/neighbourhood.hpp"
 #include "slicer/cloud/nth_nearest.hpp"
-#include "slicer/core/disjoint_sets.hpp"
 #include "slicer/core/lanes.hpp"
 #include "slicer/core/loop_progress.hpp"
 #include "slicer/core/median.hpp"
@@ -24,7 +23,6 @@ constexpr const char* kStage = "clustering";
 constexpr std::int32_t kFewNeighbours = 8;
 /// Largest mean height of a point over its neighbours' planes, in epsilons, for a point on their sheet.
 constexpr float kMaxHeight = 0.2F;
-constexpr std::uint32_t kNoiseSample = 16384;  ///< points at which the noise is measured
 // Noise over epsilon between which supports grow from the least to the most points.
 constexpr float kCleanNoise = 0.02F;  ///< less is mostly curvature
 constexpr float kFullNoise = 0.1F;
@@ -34,9 +32,7 @@ constexpr float kFullNoise = 0.1F;
 /// 0.3.
 constexpr float kFacingShare = 0.4F;
 
-// Progress at the end of each step, 0 to 1.
-constexpr double kMeasured = 0.5;
-constexpr double kJoined = 0.8;
+constexpr double kMeasured = 0.6;  ///< progress when all points are measured, 0 to 1
 
 /// Kept apart from the classes: a point's type must not change while others compare with it.
 enum Flag : std::uint8_t { kCore = 1, kDense = 2, kNoisePoint = 4, kSparse = 8 };
@@ -90,20 +86,17 @@ PLUMBLINE_WIDE void count(const Member& m, const Neighbourhood& batch, float eps
 
 class Clusterer {
  public:
-  Clusterer(Cloud& cloud, const KdTree3& tree, float epsilon, const ClusteringSettings& settings,
-            std::span<std::uint32_t> labels)
+  Clusterer(Cloud& cloud, const KdTree3& tree, float epsilon, const ClusteringSettings& settings)
       : cloud_(cloud),
         tree_(tree),
         epsilon_(epsilon),
         settings_(settings),
-        labels_(labels),
-        noise_step_(cloud.size / kNoiseSample + 1) {}
+        noise_step_(cloud.size / kMedianSample + 1) {}
 
   Expected<ClusteringResult> run(Arena& arena, const StageProgress& progress) {
     PLUMBLINE_TRY(allocate(arena));
     for (PackedNormal& normal : cloud_.normal.first(cloud_.size)) normal.point_class = orientation_of(normal);
-    if (!measure(progress.part(0, kMeasured)) || !join_core_points(progress.part(kMeasured, kJoined)) ||
-        !assign_others(progress.part(kJoined, 1))) {
+    if (!measure(progress.part(0, kMeasured)) || !find_noise(progress.part(kMeasured, 1))) {
       return fail(ErrorCode::kCancelled, "cancelled while clusters were found");
     }
     return finish();
@@ -111,19 +104,9 @@ class Clusterer {
 
  private:
   Status allocate(Arena& arena) {
-    const auto parents = arena.take_top<std::uint32_t>(cloud_.size, kStage);
-    PLUMBLINE_TRY(parents);
-    const auto flags = arena.take_top<std::uint8_t>(cloud_.size, kStage);
-    PLUMBLINE_TRY(flags);
-    const auto heights = arena.take_top<float>((cloud_.size + noise_step_ - 1) / noise_step_, kStage);
-    PLUMBLINE_TRY(heights);
-    const auto near = arena.take_top<std::int32_t>(heights->size(), kStage);
-    PLUMBLINE_TRY(near);
-    flags_ = *flags;
-    heights_ = *heights;
-    near_ = *near;
-    sets_ = DisjointSets(*parents);
-    sets_.start_all();
+    PLUMBLINE_TRY(arena.take_top(flags_, cloud_.size, kStage));
+    PLUMBLINE_TRY(arena.take_top(heights_, (cloud_.size + noise_step_ - 1) / noise_step_, kStage));
+    PLUMBLINE_TRY(arena.take_top(near_, heights_.size(), kStage));
     return {};
   }
 
@@ -164,74 +147,31 @@ class Clusterer {
     }
   }
 
-  /// Joins core points of one type within epsilon of each other, if labels are wanted.
-  bool join_core_points(const StageProgress& progress) {
-    if (labels_.empty()) return true;
+  /// Finds the points that are neither dense, nor sparse surface, nor within epsilon of a core point of their type.
+  bool find_noise(const StageProgress& progress) {
+    // Sparse surface belongs to a dense one. Among outliers a few always happen to face the same way.
+    const int kept = coherent_ ? kCore | kDense | kSparse : kCore | kDense;
+    const auto is_kept = [&](std::uint32_t i) { return (flags_[i] & kept) != 0; };
     return for_blocks(cloud_.size, kBlock, progress, [&](std::uint32_t begin, std::uint32_t end) {
-      const float epsilon2 = epsilon_ * epsilon_;
-      for_neighbourhood(cloud_, tree_, begin, end, epsilon_, [&](const Neighbourhood& batch) {
+      Box3f box;
+      for (std::uint32_t i = begin; i < end; ++i) {
+        if (!is_kept(i)) box.extend(cloud_.position[i]);
+      }
+      if (box.empty()) return;
+      std::array<bool, kBlock> joins{};
+      for_neighbourhood(cloud_, tree_, box, epsilon_, [&](const Neighbourhood& batch) {
         for (std::uint32_t i = begin; i < end; ++i) {
-          if ((flags_[i] & kCore) == 0) continue;
+          if (is_kept(i)) continue;
           const Member m = member(cloud_, i);
-          std::array<std::uint8_t, Neighbourhood::kMost> near;  // NOLINT(cppcoreguidelines-pro-type-member-init)
-          for (std::uint32_t j = 0; j < batch.size; ++j) {
-            const Within w = compare(m, batch, j);
-            near[j] = static_cast<std::uint8_t>(w.near(epsilon2) & (batch.type[j] == m.type));
-          }
-          for (std::uint32_t j = 0; j < batch.size; ++j) {
-            const std::uint32_t other = batch.index[j];
-            if (near[j] != 0 && other < i && (flags_[other] & kCore) != 0) sets_.unite_shared(i, other);
+          for (std::uint32_t j = 0; j < batch.size && !joins[i - begin]; ++j) {
+            joins[i - begin] = batch.type[j] == m.type && compare(m, batch, j).near(epsilon_ * epsilon_) &&
+                               is_core(flags_[batch.index[j]]);
           }
         }
       });
-    });
-  }
-
-  /// Joins the other points to the nearest core point of their type, and marks noise.
-  bool assign_others(const StageProgress& progress) {
-    // Sparse surface belongs to a dense one. Among outliers a few always happen to face the same way.
-    const int kept = coherent_ ? kDense | kSparse : kDense;
-    // What these are is known: their core points are needed for labels only.
-    const int known = labels_.empty() ? kCore | kept : kCore;
-    return for_blocks(cloud_.size, kBlock, progress, [&](std::uint32_t begin, std::uint32_t end) {
-      std::array<std::uint32_t, kBlock> nearest;  // NOLINT(cppcoreguidelines-pro-type-member-init)
-      nearest.fill(kNoCluster);
-      find_nearest_core_points(begin, end, known, nearest);
       for (std::uint32_t i = begin; i < end; ++i) {
-        const std::uint32_t core = (flags_[i] & kCore) != 0 ? i : nearest[i - begin];
-        if (!labels_.empty()) labels_[i] = core == kNoCluster ? kNoCluster : sets_.root(core);
-        if (core == kNoCluster && (flags_[i] & kept) == 0)
-          std::atomic_ref(flags_[i]).fetch_or(kNoisePoint, std::memory_order_relaxed);
-      }
-    });
-  }
-
-  /// @param known  flags of points that are left out
-  void find_nearest_core_points(std::uint32_t first, std::uint32_t last, int known,
-                                std::array<std::uint32_t, kBlock>& nearest) {
-    const auto is_known = [known](std::uint8_t flags) { return (flags & known) != 0; };
-    Box3f box;
-    for (std::uint32_t i = first; i < last; ++i) {
-      if (!is_known(flags_[i])) box.extend(cloud_.position[i]);
-    }
-    if (box.empty()) return;
-    const float epsilon2 = epsilon_ * epsilon_;
-    std::array<float, kBlock> best{};
-    for_neighbourhood(cloud_, tree_, box, epsilon_, [&](const Neighbourhood& batch) {
-      for (std::uint32_t i = first; i < last; ++i) {
-        if (is_known(flags_[i])) continue;
-        const Member m = member(cloud_, i);
-        for (std::uint32_t j = 0; j < batch.size; ++j) {
-          const Within w = compare(m, batch, j);
-          if (!w.near(epsilon2) || batch.type[j] != m.type || !is_core(flags_[batch.index[j]])) continue;
-          const float distance2 = w.distance2 / (w.cosine * w.cosine);
-          std::uint32_t& at = nearest[i - first];
-          float& least = best[i - first];
-          if (at == kNoCluster || distance2 < least || (distance2 == least && batch.index[j] < at)) {
-            at = batch.index[j];
-            least = distance2;
-          }
-        }
+        if (is_kept(i) || joins[i - begin]) continue;
+        std::atomic_ref(flags_[i]).fetch_or(kNoisePoint, std::memory_order_relaxed);
       }
     });
   }
@@ -244,10 +184,8 @@ class Clusterer {
     const float noisy = std::clamp((result.noise / epsilon_ - kCleanNoise) / (kFullNoise - kCleanNoise), 0.0F, 1.0F);
     cloud_.set_support_points(settings_.min_support + noisy * (settings_.max_support - settings_.min_support));
     for (std::uint32_t i = 0; i < cloud_.size; ++i) {
-      const bool core = (flags_[i] & kCore) != 0;
       if ((flags_[i] & kNoisePoint) != 0) cloud_.normal[i].point_class = PointClass::kNoise;
-      if (core) ++result.core_points;
-      if (core && !labels_.empty() && sets_.is_root(i)) ++result.clusters;
+      if ((flags_[i] & kCore) != 0) ++result.core_points;
     }
     result.points = count_classes(cloud_.normal.first(cloud_.size));
     return result;
@@ -257,9 +195,7 @@ class Clusterer {
   const KdTree3& tree_;
   float epsilon_;
   const ClusteringSettings& settings_;
-  std::span<std::uint32_t> labels_;
   std::uint32_t noise_step_;  ///< step between points at which the noise is measured
-  DisjointSets<> sets_;
   std::span<std::uint8_t> flags_;
   std::span<float> heights_;      ///< of the samples, over the planes of their neighbours, mm
   std::span<std::int32_t> near_;  ///< points near the samples
@@ -291,9 +227,9 @@ Expected<float> density_epsilon(const Cloud& cloud, const KdTree3& tree, const C
 }
 
 Expected<ClusteringResult> cluster(Cloud& cloud, const KdTree3& tree, float epsilon, const ClusteringSettings& settings,
-                                   std::span<std::uint32_t> labels, Arena& arena, const StageProgress& progress) {
+                                   Arena& arena, const StageProgress& progress) {
   const ArenaScope scope(arena);
-  return Clusterer(cloud, tree, epsilon, settings, labels).run(arena, progress);
+  return Clusterer(cloud, tree, epsilon, settings).run(arena, progress);
 }
 
 }  // namespace plumbline

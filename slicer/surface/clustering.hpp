@@ -2,7 +2,6 @@
 /// Density and orientation clustering (thesis III-2.b).
 
 #include <cstdint>
-#include <span>
 
 #include "slicer/cloud/cloud.hpp"
 #include "slicer/cloud/kd_tree.hpp"
@@ -10,6 +9,9 @@
 #include "slicer/surface/surface_class.hpp"
 
 namespace plumbline {
+
+/// Points that tell a median over the scan: within 1 % of the whole cloud's.
+inline constexpr std::uint32_t kMedianSample = 16384;
 
 struct ClusteringSettings {
   std::uint32_t min_points = 30;  ///< minPts of the thesis
@@ -21,7 +23,7 @@ struct ClusteringSettings {
   float sparse_radius = 3;          ///< epsilons; 0 keeps the thesis' noise
   float min_support = 15;           ///< points of a support on a clean scan; more lose detail (slicer/EXPERIMENTS.md)
   float max_support = 100;          ///< points of a support on a noisy scan; more lose detail and take time
-  std::uint32_t epsilon_sample = 16384;  ///< points measured for epsilon: within 1 % of the whole cloud's
+  std::uint32_t epsilon_sample = kMedianSample;  ///< points measured for epsilon
 };
 
 /// epsilon: the median over the points of the distance to the (2 minPts)-th nearest other point, mm.
@@ -35,9 +37,8 @@ struct ClusteringSettings {
                                               const ClusteringSettings& settings, Arena& arena);
 
 struct ClusteringCounts {
-  bool coherent = true;        ///< false if most points are outliers: the median point's neighbours face other ways
-  std::uint32_t clusters = 0;  ///< 0 if no labels were asked for
-  ClassCounts points;          ///< by class
+  bool coherent = true;  ///< false if most points are outliers: the median point's neighbours face other ways
+  ClassCounts points;    ///< by class
   std::uint32_t core_points = 0;
 };
 struct ClusteringResult : ClusteringCounts {
@@ -46,27 +47,22 @@ struct ClusteringResult : ClusteringCounts {
       0;  ///< standard deviation of points off the sheet of their neighbours, from the median; unit of the cloud
 };
 
-inline constexpr std::uint32_t kNoCluster = 0xFFFFFFFFU;
-
 /// Sorts every point into entering, exiting, neutral or noise, and sets its support radius.
 ///
 /// Distance of two points: |p_i - p_j| / <n_i, n_j>, infinite if the inner product is not positive. A point is core if
-/// more than minPts points, itself included, lie within epsilon and more than 75 % of them have its type. Core points
-/// of one type within epsilon of each other form a cluster. Any other point joins the cluster of the nearest core point
-/// of its type within epsilon; ties go to the lower index. A point that joins no cluster is noise if it has fewer than
-/// minPts neighbours. With enough neighbours of mixed type it keeps its type without a cluster, as the thesis' wording
-/// has it: a noisy vertical wall mixes all three types and is not noise.
+/// more than minPts points, itself included, lie within epsilon and more than 75 % of them have its type. A point with fewer than
+/// minPts neighbours is noise, unless it lies within epsilon of a core point of its type, or on sparse surface. With enough
+/// neighbours of mixed type it keeps its type, as the thesis' wording has it: a noisy vertical wall mixes all three types and is
+/// not noise. The clusters themselves, into which the thesis joins core points, decide nothing and are not numbered.
 ///
 /// Cloud::radius is set for supports that hold Cloud::support_points points at the density of the surface
 /// around i: min_support on a clean scan, up to max_support where noise must be averaged out.
 ///
 /// @param cloud    in the order of `tree`; normal[].point_class and radius[] are set
-/// @param labels   cloud.size labels, output: the lowest index of a core point of the cluster, kNoCluster for none.
-///                 Empty if not needed: whether a point is noise depends on the core points, not on how they join
 /// @param progress  called from the caller's thread only
 /// @retval ErrorCode::kOutOfMemory, kCancelled
 [[nodiscard]] Expected<ClusteringResult> cluster(Cloud& cloud, const KdTree3& tree, float epsilon,
-                                                 const ClusteringSettings& settings, std::span<std::uint32_t> labels,
-                                                 Arena& arena, const StageProgress& progress = {});
+                                                 const ClusteringSettings& settings, Arena& arena,
+                                                 const StageProgress& progress = {});
 
 }  // namespace plumbline

@@ -16,12 +16,11 @@ namespace {
 // Points of a plane: more average noise out, fewer keep detail.
 constexpr float kPlanePoints = 26;  ///< for a scanner's normal; best IoU of the test scans: slicer/EXPERIMENTS.md
 constexpr float kPlaneSupports = 5.0F / 3;  ///< for an estimated normal, as a multiple of support_points
-constexpr float kFacing = 0.5F;          ///< least inner product with the normals of the points that count: 60 degrees
-constexpr std::uint32_t kMinPoints = 6;  ///< of a plane; it has three unknowns
-constexpr float kMinSide = 0.2F;         ///< least mean inner product with the normals around, or the side is not sure
+constexpr std::uint32_t kMinPoints = 6;     ///< of a plane; it has three unknowns
+constexpr float kMinSide = 0.2F;  ///< least mean inner product with the normals around, or the side is not sure
+constexpr float kMaxTilt = 1;     ///< tangent of the largest tilt; points of a steeper plane are another sheet
 /// Least ratio of the two variances' product to their sum's square: 0.25 for a disc, 0 for a line, which has no plane.
 constexpr float kMinWidth2 = 0.05F;
-constexpr float kMaxTilt = 1;  ///< tangent of the largest tilt; points of a steeper plane are another sheet
 // Distance from the plane of the points that face the same way, beyond which a point is beside the sheet. A third of the points of a
 // noisy sheet are farther from it than the noise, and each that is beside costs a search of its own. Walls of bores need it.
 constexpr float kMaxOffset = 0.1F;  ///< in epsilons; the noise if that is more
@@ -64,7 +63,7 @@ PLUMBLINE_WIDE void add_all(const Member& m, float radius2, const Neighbourhood&
     if (!any(t > 0.0F)) continue;  // most: they are near other points of the block
     const Lanes cosine = p.nx * m.normal[0] + p.ny * m.normal[1] + p.nz * m.normal[2];
     const IntLanes near = (t > 0.0F) & (p.type != static_cast<std::int32_t>(PointClass::kNoise));
-    const IntLanes counts = near & (cosine >= kFacing);
+    const IntLanes counts = near & (cosine >= kOneWay);
     Lanes all, w;
     choose(all, near, t * t, Lanes{});
     choose(w, counts, all, Lanes{});

@@ -17,8 +17,6 @@ constexpr const char* kStage = "stray pieces";
 constexpr std::uint32_t kMinSlots = 1U << 10;
 /// Of the cell table; the surface of a million points fills half of them.
 constexpr std::uint32_t kMaxSlots = 1U << 17;
-/// Edge of a cell. Cells must join the sparse parts of one surface, but not two separate things.
-constexpr float kCellEpsilons = 1.5F;
 
 constexpr double kMaxShare = 0.02;     ///< area of a stray piece over that of the largest piece: a fiftieth
 constexpr double kMaxAllShare = 0.05;  ///< area of all stray pieces over that of what stays: a twentieth
@@ -27,8 +25,6 @@ constexpr double kMaxAllShare = 0.05;  ///< area of all stray pieces over that o
 constexpr float kSure = 0.1F;
 
 constexpr std::uint32_t kMaxSuspects = 256;  ///< largest number of small pieces that are tested; the others stay
-constexpr std::uint32_t kMinPoints =
-    32;  ///< least points of a stray piece; fewer only make components that are too small to stay
 // The winding number is evaluated directly, so its time grows with the product of these two.
 constexpr std::uint32_t kPlaces = 4;              ///< of a piece
 constexpr std::uint32_t kFieldPoints = 1U << 14;  ///< points that represent the whole cloud
@@ -175,7 +171,7 @@ class Search {
   void decide() {
     for (std::uint32_t i = 0; i < cloud_.size; ++i) {
       Suspect* s = suspect(i);
-      if (s == nullptr || s->points < kMinPoints || s->visited++ % (s->points / kPlaces + 1) != 0) continue;
+      if (s == nullptr || s->points < kFewestOfPiece || s->visited++ % (s->points / kPlaces + 1) != 0) continue;
       s->winding += winding_without(s->root, cloud_.position[i]);
       ++s->places;
     }
@@ -223,7 +219,7 @@ Expected<StrayPieces> mark_stray_pieces(Cloud& cloud, const ClusteringResult& cl
   const auto suspects = arena.take_top<Suspect>(kMaxSuspects, kStage);
   PLUMBLINE_TRY(suspects);
   const float area_factor = kPi / cloud.support_points;
-  for (float edge = kCellEpsilons * clustering.epsilon;; edge *= 2) {
+  for (float edge = kTogetherEpsilons * clustering.epsilon;; edge *= 2) {
     Cells cells(cloud, edge, *slots);
     if (cells.fill(area_factor)) return Search(cloud, cells, area_factor, *suspects).mark();
   }

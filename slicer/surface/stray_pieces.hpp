@@ -12,6 +12,11 @@
 
 namespace plumbline {
 
+/// Points up to so many epsilons apart hang together: that joins the sparse parts of one surface, but not two separate things.
+inline constexpr float kTogetherEpsilons = 1.5F;
+/// Least points of a stray piece. Fewer are flying points.
+inline constexpr std::uint32_t kFewestOfPiece = 32;
+
 struct StrayPieces {
   std::uint32_t pieces = 0;
   std::uint32_t points = 0;

@@ -67,7 +67,7 @@ Expected<SurfacePoints> find_surface_points(Cloud& cloud, const KdTree3& tree, c
   const ClusteringSettings& clustering_settings = settings.clustering;
   const auto epsilon = density_epsilon(cloud, tree, clustering_settings, arena);
   PLUMBLINE_TRY(epsilon);
-  const auto clustered = cluster(cloud, tree, *epsilon, clustering_settings, {}, arena, progress.part(0, kClustered));
+  const auto clustered = cluster(cloud, tree, *epsilon, clustering_settings, arena, progress.part(0, kClustered));
   PLUMBLINE_TRY(clustered);
   SurfacePoints surface;
   surface.clustering = *clustered;

@@ -13,7 +13,6 @@ namespace {
 constexpr float kMinCosine = 0.8F;  ///< of the normals of one smooth place: within 37 degrees of its middle point's
 /// Share of points whose normals differ more; at an edge a paraboloid does not fit.
 constexpr float kMaxBentShare = 0.05F;
-constexpr float kFacingAway = -0.5F;  ///< cosine below which a point is on the other side of a wall, not at an edge
 /// Cosine of ray and normal below which a ray grazes. Noise along a grazing ray moves points outside of a curved
 /// surface.
 constexpr double kMinIncidence = 0.5;
@@ -72,7 +71,7 @@ bool SharedPlace::measure(const Cloud& cloud, const KdTree3& tree, const MovedVi
   for (const Neighbour& n : std::span(found).first(count)) {
     const Vec3f normal = cloud.normal[n.index].unpack();
     const float alike = normal.dot(facing);
-    if (alike < kFacingAway) continue;
+    if (alike < -kOneWay) continue;  // on the other side of a wall, not at an edge
     if (alike < kMinCosine) {
       ++bent;
       continue;

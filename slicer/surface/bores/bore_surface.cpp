@@ -10,8 +10,6 @@ namespace {
 /// epsilon, and 0.29 at a fifth of that density.
 constexpr float kSparse = 0.3F;
 constexpr float kMaxWidth = 8;  ///< epsilons between two walls of a bore; wider ones are seen from outside
-/// Largest inner product of the normals of opposite walls: within 60 degrees of opposed.
-constexpr float kOpposite = -0.5F;
 // Steps and radii of the search for the opposite wall. It may be as sparse as this one, so the radius grows with the
 // distance.
 constexpr float kMinStep = 0.5F;      ///< epsilons; also the least width and the least radius
@@ -46,7 +44,7 @@ std::optional<float> BoreSurface::width_at(std::uint32_t i) const {
     const std::uint32_t count = tree_.nearest(p + n * t, found, [&](std::uint32_t j) { return is_surface(j); });
     const float search_radius = std::max(kMinStep * epsilon(), kRadiusShare * t);
     for (const Neighbour& other : std::span(found).first(count)) {
-      if (other.distance2 > search_radius * search_radius || normal(other.index).dot(n) > kOpposite) continue;
+      if (other.distance2 > search_radius * search_radius || normal(other.index).dot(n) > -kOneWay) continue;
       const float width = (cloud_.position[other.index] - p).dot(n);
       if (width >= kMinStep * epsilon()) return width;
     }
@@ -58,7 +56,7 @@ std::optional<float> BoreSurface::width_at(std::uint32_t i) const {
 bool BoreSurface::has_wall(const Vec3f& x, const Vec3f& facing) const {
   return any_near(x, [&](const Neighbour& other) {
     const float own = std::max(share_radius(other.index), kSpacing * epsilon());
-    return other.distance2 < own * own && normal(other.index).dot(facing) > kSameWall;
+    return other.distance2 < own * own && normal(other.index).dot(facing) > kOneWay;
   });
 }
 

@@ -10,9 +10,6 @@
 
 namespace plumbline {
 
-/// Least inner product of the normals of one wall: within 60 degrees. A wider limit joins walls of different bores, a
-/// narrower one misses walls with noisy normals.
-inline constexpr float kSameWall = 0.5F;
 /// Least inner product of a wall's normal with the direction to the middle of its bore: within 73 degrees.
 inline constexpr float kWallCosine = 0.3F;
 

@@ -112,7 +112,7 @@ class StraightWalls {
     if (std::max(a.width, b.width) > kMaxWidthRatio * width) return std::nullopt;
     const Vec3f normal_a = surface_.normal(a.point);
     const Vec3f normal_b = surface_.normal(b.point);
-    if (normal_a.dot(normal_b) < kSameWall) return std::nullopt;
+    if (normal_a.dot(normal_b) < kOneWay) return std::nullopt;
     const float length = std::sqrt(length2);
     const Vec3f along = chord * (1 / length);
     const Vec3f mean = normal_a + normal_b;

@@ -72,23 +72,6 @@ TEST(DisjointSets, SayWhichRootAUnionAbsorbed) {
   expect(sets.unite(4, 5), 1, 1);
 }
 
-TEST(DisjointSets, AreTheSameWhenManyThreadsUnite) {
-  constexpr std::uint32_t kMembers = 20000;
-  const Pairs pairs = random_pairs(kMembers, kMembers, 2);
-  std::vector<std::uint32_t> alone(kMembers);
-  DisjointSets expected{std::span(alone)};
-  expected.start_all();
-  for (const auto& [a, b] : pairs) expected.unite(a, b);
-  for (int run = 0; run < 10; ++run) {
-    std::vector<std::uint32_t> parents(kMembers);
-    DisjointSets sets{std::span(parents)};
-    sets.start_all();
-#pragma omp parallel for num_threads(4) schedule(dynamic, 16)
-    for (std::size_t i = 0; i < pairs.size(); ++i) sets.unite_shared(pairs[i].first, pairs[i].second);
-    ASSERT_EQ(roots_of(sets), roots_of(expected)) << "run " << run;
-  }
-}
-
 TEST(DisjointSets, PointToTheirRootsOnceTheyAreFlat) {
   constexpr std::uint32_t kMembers = 300;
   const Pairs pairs = random_pairs(kMembers, 200, 3);

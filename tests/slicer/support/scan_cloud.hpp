@@ -61,7 +61,7 @@ inline ClusteredScan clustered(const Surface& surface, Arena& arena, const Clust
     const ArenaScope scope(arena);
     const KdTree3 tree = sort_by_tree(cloud, arena);
     const float epsilon = value_of(density_epsilon(cloud, tree, settings, arena));
-    result = value_of(cluster(cloud, tree, epsilon, settings, {}, arena));
+    result = value_of(cluster(cloud, tree, epsilon, settings, arena));
   }
   return {cloud, result, value_of(KdTree2::build(cloud.positions(), arena, "test"))};
 }

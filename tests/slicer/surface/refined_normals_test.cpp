@@ -50,7 +50,7 @@ Surface noisy_plane(const Vec3d& normal, double most = 0.03) {
 }
 
 ClusteringResult clustered(Cloud& cloud, const KdTree3& tree, Arena& arena) {
-  return value_of(cluster(cloud, tree, value_of(density_epsilon(cloud, tree, {}, arena)), {}, {}, arena));
+  return value_of(cluster(cloud, tree, value_of(density_epsilon(cloud, tree, {}, arena)), {}, arena));
 }
 
 struct Refined {

@@ -44,7 +44,7 @@ struct Clustered {
 
   explicit Clustered(const Surface& surface) : cloud(cloud_of(surface, *block)), tree(sort_by_tree(cloud, *block)) {
     const float epsilon = value_of(density_epsilon(cloud, tree, {}, *block));
-    result = value_of(cluster(cloud, tree, epsilon, {}, {}, *block));
+    result = value_of(cluster(cloud, tree, epsilon, {}, *block));
   }
   void rescue() {
     std::vector<PackedNormal> refined(cloud.size);

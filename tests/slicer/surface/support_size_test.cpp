@@ -47,7 +47,7 @@ struct Widened {
     Cloud cloud = cloud_of(surface, arena);
     const KdTree3 tree = sort_by_tree(cloud, arena);
     const float epsilon = value_of(density_epsilon(cloud, tree, {}, arena));
-    value_of(cluster(cloud, tree, epsilon, {}, {}, arena));
+    value_of(cluster(cloud, tree, epsilon, {}, arena));
     for (std::uint32_t i = 0; i < cloud.size; ++i) {
       if (cloud.position[i][2] > marked) cloud.normal[i].point_class = PointClass::kNoise;
     }
@@ -123,7 +123,7 @@ TEST(SupportSize, ReportsProgressAndStopsWhenCancelled) {
   Cloud cloud = cloud_of(waves(1, 20, 0.03, random), arena);
   const KdTree3 tree = sort_by_tree(cloud, arena);
   const float epsilon = value_of(density_epsilon(cloud, tree, {}, arena));
-  value_of(cluster(cloud, tree, epsilon, {}, {}, arena));
+  value_of(cluster(cloud, tree, epsilon, {}, arena));
   const float before = cloud.radius[0];
   const Status status = widen_supports(cloud, tree, {}, arena, {&stop, Stage::kClustering});
   ASSERT_FALSE(status);
