@@ -7,23 +7,18 @@
 #include <span>
 
 #include "slicer/core/median.hpp"
+#include "slicer/surface/stray_pieces.hpp"
 
 namespace plumbline {
 namespace {
 
 constexpr const char* kStage = "flying points";
 
-constexpr std::uint32_t kFewestTogether = 32;  ///< points; stray pieces of more are found by mark_stray_pieces()
-constexpr float kStepEpsilons = 1.5F;          ///< as the cells of stray pieces, which join sparse parts of one surface
-constexpr std::uint32_t kNearest = 5;          ///< points; as many make a sparse surface
-constexpr float kReaches = 3;        ///< a density that drops to a ninth from one point to the next is no surface
 constexpr std::uint32_t kSheet = 8;  ///< nearest points whose sheet a point must lie on
 /// Nearest points that a clump doesn't fill: a point beside a sheet is above most of them, whatever else hangs there.
-constexpr std::uint32_t kWide = kFewestTogether;
-/// Least mean height over mean distance. Estimated normals at an edge make up to 0.4 of it; a point straight above a sheet
-/// has 1.
-constexpr float kSteep = 0.6F;
-constexpr float kWideSteep = 0.2F;  ///< the same for the kWide nearest; estimated normals at a corner make up to 0.1
+constexpr std::uint32_t kWide = kFewestOfPiece;
+/// Least mean height over mean distance. Estimated normals at a corner make up to 0.1 of it; a point straight above a sheet has 1.
+constexpr float kSteep = 0.2F;
 /// Cosine within which the nearest points lie in one direction: a string of flying pixels. A surface has a tip so thin only
 /// if it is a needle of 16 degrees.
 constexpr float kInLine = 0.99F;
@@ -107,8 +102,7 @@ class FlyingPoints {
     const std::uint32_t count = nearest(i, found);
     if (count < kSheet) return true;
     const auto neighbours = std::span<const Neighbour>(found).first(count);
-    return is_above(i, neighbours) || ends_a_string(i, neighbours.first(kSheet)) || is_apart(neighbours) ||
-           !is_together(i);
+    return is_above(i, neighbours) || ends_a_string(i, neighbours.first(kSheet)) || !is_together(i);
   }
 
   /// Height of point i over the tangent plane of another; 0 below it, as beside an edge of the other side.
@@ -124,12 +118,10 @@ class FlyingPoints {
   }
 
   bool is_above(std::uint32_t i, std::span<const Neighbour> neighbours) const {
-    const auto is_steep = [&](std::span<const Neighbour> some, float least) {
-      float distance = 0;
-      for (const Neighbour& n : some) distance += std::sqrt(n.distance2);
-      return mean_height(i, some) * static_cast<float>(some.size()) > least * distance;
-    };
-    if (!is_steep(neighbours.first(kSheet), kSteep) && !is_steep(neighbours, kWideSteep)) return false;
+    float distance = 0;
+    for (const Neighbour& n : neighbours) distance += std::sqrt(n.distance2);
+    const float height = mean_height(i, neighbours);
+    if (!(height * static_cast<float>(neighbours.size()) > kSteep * distance)) return false;
     // Curvature makes heights, too, and noise does. Both are the same around the point.
     std::array<float, kWide> heights;  // NOLINT(cppcoreguidelines-pro-type-member-init)
     const auto of_neighbours = std::span(heights).first(neighbours.size());
@@ -141,7 +133,7 @@ class FlyingPoints {
     const float middle = median(of_neighbours);
     for (float& h : of_neighbours) h = std::abs(h - middle);
     const float deviation = static_cast<float>(kMedianToDeviation) * median(of_neighbours);
-    return mean_height(i, neighbours) > middle + kDeviations * deviation;
+    return height > middle + kDeviations * deviation;
   }
 
   bool ends_a_string(std::uint32_t i, std::span<const Neighbour> nearest) const {
@@ -158,35 +150,27 @@ class FlyingPoints {
                        [&](const Neighbour& n) { return towards(n).dot(mean) > kInLine * length; });
   }
 
-  bool is_apart(std::span<const Neighbour> neighbours) const {
-    return std::all_of(neighbours.begin(), neighbours.begin() + kNearest, [&](const Neighbour& n) {
-      std::array<Neighbour, kNearest> own;  // NOLINT(cppcoreguidelines-pro-type-member-init)
-      const std::uint32_t count = nearest(n.index, own);
-      return n.distance2 > kReaches * kReaches * own[count - 1].distance2;
-    });
-  }
-
   /// How far apart two points hang together, mm: farther where both belong to a sparse part of the surface.
   float step(std::uint32_t a, std::uint32_t b) const {
-    return std::max(kStepEpsilons * clustering_.epsilon, std::min(cloud_.radius[a], cloud_.radius[b]));
+    return std::max(kTogetherEpsilons * clustering_.epsilon, std::min(cloud_.radius[a], cloud_.radius[b]));
   }
 
-  /// Whether at least kFewestTogether points hang together with point i.
+  /// Whether at least kFewestOfPiece points hang together with point i.
   bool is_together(std::uint32_t i) const {
-    std::array<std::uint32_t, kFewestTogether> reached = {i};
+    std::array<std::uint32_t, kFewestOfPiece> reached = {i};
     std::uint32_t size = 1;
     for (std::uint32_t next = 0; next < size; ++next) {
-      std::array<Neighbour, kFewestTogether> found;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+      std::array<Neighbour, kFewestOfPiece> found;  // NOLINT(cppcoreguidelines-pro-type-member-init)
       const std::uint32_t count = nearest(reached[next], found);
       for (const Neighbour& n : std::span(found).first(count)) {
         const float most = step(reached[next], n.index);
         if (n.distance2 > most * most) continue;
         if (std::find(reached.begin(), reached.begin() + size, n.index) != reached.begin() + size) continue;
-        if (size == kFewestTogether) return true;
+        if (size == kFewestOfPiece) return true;
         reached[size++] = n.index;
       }
     }
-    return size == kFewestTogether;
+    return size == kFewestOfPiece;
   }
 
   Cloud& cloud_;
@@ -202,11 +186,10 @@ class FlyingPoints {
 Expected<std::uint32_t> mark_flying_points(Cloud& cloud, const KdTree3& tree, ClusteringResult& clustering,
                                            Arena& arena) {
   const ArenaScope scope(arena);
-  const auto order = arena.take_top<std::uint32_t>(cloud.size, kStage);
-  PLUMBLINE_TRY(order);
-  const auto marked = arena.take_top<std::uint32_t>(cloud.size / kMostShare, kStage);
-  PLUMBLINE_TRY(marked);
-  const std::uint32_t count = FlyingPoints(cloud, tree, clustering, *order, *marked).mark();
+  std::span<std::uint32_t> order, marked;
+  PLUMBLINE_TRY(arena.take_top(order, cloud.size, kStage));
+  PLUMBLINE_TRY(arena.take_top(marked, cloud.size / kMostShare, kStage));
+  const std::uint32_t count = FlyingPoints(cloud, tree, clustering, order, marked).mark();
   if (count > 0) clustering.points = count_classes(cloud.normal.first(cloud.size));
   return count;
 }

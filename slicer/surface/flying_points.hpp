@@ -18,11 +18,9 @@ namespace plumbline {
 /// these holds, among the points that are not noise:
 ///   - fewer than 32 points hang together with it in steps of 1.5 epsilon, or of the smaller support radius of two points
 ///     where that is larger: a lone point, a clump, a string,
-///   - it is farther from each of its five nearest points than three times the reach of that point's own five,
 ///   - its eight nearest points lie in one direction, to eight degrees: it ends a string,
-///   - it hangs above the sheet of its neighbours: its mean height over their tangent planes is above 0.6 of their mean
-///     distance for the eight nearest, or above 0.2 for the 32 nearest, and above five standard deviations of the
-///     neighbours' own mean heights.
+///   - it hangs above the sheet of its 32 nearest points: its mean height over their tangent planes is above 0.2 of their mean
+///     distance, and above five standard deviations of the neighbours' own mean heights.
 /// Points that would make a side longer by less than 0.115 epsilon, half the distance of two points, stay.
 /// If more than a twentieth of the points are flying, the scan is not understood, and no point is marked.
 ///
