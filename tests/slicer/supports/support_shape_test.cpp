@@ -176,11 +176,15 @@ TEST(SupportShape, PropsAPillarFromOneThatIsLower) {
   }
 }
 
-TEST(SupportShape, PutsNoBracesBetweenPillarsThatStandInEachOther) {
-  const Braced three(200, {{4, 10}, {4.3, 10}, {7, 10}});
-  EXPECT_GT(three.counts.braces, 6U);
-  EXPECT_LE(three.counts.longest_free_mm, Bracing::kWantedFree_mm);
-  for (const Strut& brace : three.struts) EXPECT_NE(brace.column0 + brace.column1, 40 + 43);
+TEST(SupportShape, PutsNoBracesBetweenPillarsThatNearlyTouch) {
+  for (const double beside : {4.3, 5.3}) {
+    const Braced three(200, {{4, 10}, {beside, 10}, {8, 10}});
+    EXPECT_GT(three.counts.braces, 6U);
+    EXPECT_LE(three.counts.longest_free_mm, Bracing::kWantedFree_mm);
+    for (const Strut& brace : three.struts) {
+      EXPECT_NE(brace.column0 + brace.column1, std::lround(40 + 10 * beside));
+    }
+  }
 }
 
 TEST(SupportShape, HoldsASixteenthOfAnIslandsFirstLayer) {
