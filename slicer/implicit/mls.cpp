@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "slicer/core/lanes.hpp"
 
@@ -12,6 +13,11 @@ constexpr float kAgree = 0.997F;  ///< |sum w n| / sum w above which normals agr
 constexpr float kFar = 0.25F;     ///< share of the reach: farther from the surface, a_i does not change the sign
 constexpr float kSharpness = 8;   ///< a point counts if the cosine to the mean is above 1 - 1 / kSharpness
 constexpr float kUnlike = 0.02F;  ///< weight beyond that; decides where all normals differ from their mean
+constexpr float kOpposed =
+    0.5F;  ///< |sum w n| / sum w below which points face each other or turn their backs to each other
+constexpr float kApart = 0.05F;  ///< of the reach: sheets whose points are no farther from their mean are one sheet
+/// |sum w n| / sum w of a side. Normals that face either way at random have 3/4, since only the points of half a sphere count.
+constexpr float kCoherent = 0.85F;
 
 /// Sums over points that make up a value.
 struct Sums {
@@ -28,8 +34,10 @@ struct Sums {
   float off_centre2(float reach) const { return offset.dot(offset) / (weight * weight * reach * reach); }
 };
 
-/// @param mean  if not null, eight times the unit mean of the normals, which lowers the weight of points that face other ways
-PLUMBLINE_INLINE void sum_up(const RayPoints& points, RayWindow window, float depth, const Vec3f* mean, Sums& sums) {
+/// @param facing     if not null, a unit vector: points that face other ways have less weight
+/// @param sharpness  how much less
+PLUMBLINE_INLINE void sum_up(const RayPoints& points, RayWindow window, float depth, const Vec3f* facing,
+                             float sharpness, Sums& sums) {
   const Lanes z = Lanes{} + depth;
   // Separate variables: some compilers keep an object in memory instead of registers.
   Lanes weights{};
@@ -58,11 +66,14 @@ PLUMBLINE_INLINE void sum_up(const RayPoints& points, RayWindow window, float de
     Lanes inside;
     choose(inside, t > 0.0F, t, Lanes{});
     Lanes w = inside * inside * mass;
-    if (mean != nullptr) {
-      const Lanes u = (*mean)[0] * nx + (*mean)[1] * ny + (*mean)[2] * nz - (kSharpness - 1);
+    if (facing != nullptr) {
+      const Lanes cosine = (*facing)[0] * nx + (*facing)[1] * ny + (*facing)[2] * nz;
+      const Lanes u = sharpness * cosine - (sharpness - 1);
       Lanes likeness;
       choose(likeness, u > 0.0F, u, Lanes{});
-      w *= likeness * likeness + kUnlike;
+      Lanes share;
+      choose(share, cosine > 0.0F, likeness * likeness + kUnlike, Lanes{});
+      w *= share;
     }
     weights += w;
     distances += w * (plane + nz * z);
@@ -80,10 +91,21 @@ PLUMBLINE_INLINE void sum_up(const RayPoints& points, RayWindow window, float de
 }
 
 PLUMBLINE_WIDE void sum_by_distance(const RayPoints& points, RayWindow window, float depth, Sums& sums) {
-  sum_up(points, window, depth, nullptr, sums);
+  sum_up(points, window, depth, nullptr, 0, sums);
 }
-PLUMBLINE_WIDE void sum_alike(const RayPoints& points, RayWindow window, float depth, const Vec3f& mean, Sums& sums) {
-  sum_up(points, window, depth, &mean, sums);
+PLUMBLINE_WIDE void sum_facing(const RayPoints& points, RayWindow window, float depth, const Vec3f& facing,
+                               float sharpness, Sums& sums) {
+  sum_up(points, window, depth, &facing, sharpness, sums);
+}
+
+/// The way that the points nearest to the place face, if the points lie on two sides of a thin wall or gap: from their middle to the
+/// place, or back if they face their middle.
+std::optional<Vec3f> nearest_side(const Sums& all, float reach) {
+  const Vec3f from_middle = all.offset / all.weight;
+  const float outwards = (all.normal.dot(from_middle) - all.distance) / all.weight;  // of <n_i, p_i - their mean>
+  const float length = std::sqrt(from_middle.dot(from_middle));
+  if (!(std::abs(outwards) > kApart * reach) || !(length > 0)) return std::nullopt;
+  return from_middle / (outwards > 0 ? length : -length);
 }
 
 std::size_t padded(std::uint32_t capacity) {
@@ -148,12 +170,24 @@ MlsValue mls_value(const RayPoints& points, RayWindow window, float depth) {
   const float length2 = all.normal.dot(all.normal);
   const float agreed = kAgree * all.weight;
   const bool agree = length2 >= agreed * agreed || !(length2 > 0);
-  if (agree || std::abs(value) > kFar * points.reach)
+  Vec3f normal = all.normal;
+  std::optional<Vec3f> side;
+  if (length2 < kOpposed * kOpposed * all.weight * all.weight) side = nearest_side(all, points.reach);
+  if (side) {
+    Sums near;
+    sum_facing(points, window, depth, *side, 1, near);
+    const float coherent = kCoherent * near.weight;
+    if (near.normal.dot(near.normal) > coherent * coherent) {
+      normal = near.normal;
+    } else {
+      side = {};
+    }
+  }
+  if (!side && (agree || std::abs(value) > kFar * points.reach))
     return {value, all.weight, all.normal[2] / all.weight, off_centre2};
 
-  const Vec3f mean = all.normal * (kSharpness / std::sqrt(length2));
   Sums alike;
-  sum_alike(points, window, depth, mean, alike);
+  sum_facing(points, window, depth, normal / std::sqrt(normal.dot(normal)), kSharpness, alike);
   return {alike.value(), all.weight, alike.normal[2] / alike.weight, off_centre2};
 }
 

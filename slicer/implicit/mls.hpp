@@ -87,7 +87,7 @@ struct MlsValue {
 ///   f(x) = 1/2 [ sum_i v_i <n_i, x - p_i> / V  +  <sum_i v_i n_i, sum_i v_i (x - p_i)> / V^2 ],   V = sum_i v_i
 ///   v_i(x) = w_i(x) a_i(x) m_i,   m_i is the number of points that were joined to point i
 ///   w_i(x) = (1 - |x - p_i|^2 / h_i^2)^2 inside h_i, 0 outside
-///   a_i(x) = max(0, 8 <n_i, m> - 7)^2 + 0.02,   m = sum_i w_i n_i / |sum_i w_i n_i|
+///   a_i(x) = max(0, 8 <n_i, m> - 7)^2 + 0.02 if <n_i, m> > 0, else 0,   m = sum_i w_i n_i / |sum_i w_i n_i|
 ///   a_i(x) = 1 if the normals agree, |sum_i w_i n_i| >= 0.997 sum_i w_i, or if |f| with a_i = 1 exceeds a quarter of the reach
 ///
 /// The first term is the mean distance to the points' tangent planes (Kolluri 2005, eq. 2). On a curved surface its zero lies
@@ -97,7 +97,16 @@ struct MlsValue {
 ///
 /// Near an edge, a_i lowers the weight of points whose normals differ from the mean m, nearly to nothing at 29 degrees
 /// (Oeztireli, Guennebaud and Gross 2009, without their iteration). The constant 0.02 decides where all normals differ from
-/// their mean, as on the two sides of a thin wall.
+/// their mean.
+///
+/// Of a wall thinner than the support radii, or of such a gap, x has points of both faces around it, and their mean tells neither
+/// face. So if |sum_i w_i n_i| < 1/2 sum_i w_i, m is the mean normal of the nearer face: of the points with <n_i, s> > 0, weighted by
+/// <n_i, s>^2 + 0.02,
+///
+///   s = (x - c) / |x - c| if d > 0, the opposite if d < 0,   c = sum_i w_i p_i / sum_i w_i,   d = sum_i w_i <n_i, p_i - c> / sum_i w_i
+///
+/// d is positive of a wall, whose points face away from their middle c, and negative of a gap. Where |d| is below 1/20 of the reach,
+/// or the normals of the face don't agree (|sum w n| < 0.85 sum w), a_i is that above.
 ///
 /// The weight is a polynomial of compact support: no exp and no root, so all machines compute the same bits. Four partial
 /// sums are added in a fixed order, so vector units may be used.

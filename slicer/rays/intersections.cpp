@@ -16,6 +16,17 @@ constexpr float kMostStep = 0.5F;     ///< of the reach: a zero farther away is 
 constexpr float kLeastSlope = 0.08F;  ///< of the MLS value along the ray; on steeper surface steps go astray
 constexpr std::uint32_t kMostSteps = 5;
 
+/// The middle of two sheets that two queries on the same side have between them: of a wall or a gap thinner than their distance.
+std::optional<float> between_sheets(const RayQuery& low, const RayQuery& high) {
+  const float side = low.value.distance > 0 ? 1.0F : -1.0F;
+  const bool same_side = side * high.value.distance > 0;
+  if (!same_side || !(side * low.value.slope < -kLeastSlope) || !(side * high.value.slope > kLeastSlope)) return {};
+  const float first = low.sheet();
+  const float second = high.sheet();
+  if (!(first < second)) return {};
+  return 0.5F * (first + second);
+}
+
 }  // namespace
 
 std::size_t RaySolver::bytes_needed() {
@@ -93,6 +104,12 @@ void RaySolver::solve_root(const RayPoints& points, RayWindow hint, float low, f
                                            frame.off_centre};
 }
 
+void RaySolver::solve_between(const RayPoints& points, RayWindow hint, const RayQuery& low, const RayQuery& high) {
+  const float at_low = low.value.distance;
+  const float at_high = high.value.distance;
+  if ((at_low > 0) != (at_high > 0)) solve_root(points, hint, low.depth, at_low, high.depth, at_high);
+}
+
 /// @param near       a window below the band; out: one in it
 /// @param candidate  first point that is not below the band; out: one that is not below its end
 void RaySolver::search(const RayPoints& points, Band& band, RayWindow& near, std::uint32_t& candidate) {
@@ -111,24 +128,30 @@ void RaySolver::search(const RayPoints& points, Band& band, RayWindow& near, std
     return std::min(end, std::max(depth, previous + step));
   };
   near = window(points, start, start, near);
-  float previous = start;
-  float previous_value = mls_value(points, near, start).distance;
-  band.inside_at_low = !(previous_value > 0);
-  for (;;) {
-    const float query = next_query(previous, previous_value);
+  RayQuery previous{start, mls_value(points, near, start)};
+  band.inside_at_low = !(previous.value.distance > 0);
+  for (float depth = start; depth < end;) {
+    depth = next_query(depth, previous.value.distance);
     const RayWindow before = near;
-    near = window(points, query, query, near);
-    const MlsValue value = mls_value(points, near, query);
+    near = window(points, depth, depth, near);
+    const RayQuery query{depth, mls_value(points, near, depth)};
     // In sparse scans a band may hold a place without weight, which has no sign.
-    if (value.weight > 0) {
-      if ((value.distance > 0) != (previous_value > 0))
-        solve_root(points, before, previous, previous_value, query, value.distance);
-      previous_value = value.distance;
+    if (!(query.value.weight > 0)) {
+      previous.depth = depth;
+      continue;
     }
+    if (const auto between = between_sheets(previous, query)) {
+      const RayWindow range = window(points, *between, *between, before);
+      const RayQuery middle{*between, mls_value(points, range, *between)};
+      if (middle.value.weight > 0) {
+        solve_between(points, before, previous, middle);
+        previous = middle;
+      }
+    }
+    solve_between(points, before, previous, query);
     previous = query;
-    if (query >= end) break;
   }
-  band.inside_at_high = !(previous_value > 0);
+  band.inside_at_high = !(previous.value.distance > 0);
   band.last = intersection_count_;
 }
 

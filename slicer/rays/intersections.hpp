@@ -37,6 +37,14 @@ struct IntersectionSettings {
   float interval = 0.1F;              ///< gamma / w: root found when it is enclosed this narrowly
 };
 
+/// A place on a ray and the MLS value there.
+struct RayQuery {
+  float depth = 0;  ///< z, mm
+  MlsValue value;
+  /// Where the tangent plane crosses the ray, mm.
+  float sheet() const { return depth - value.distance / value.slope; }
+};
+
 /// Result of the search on one ray. The spans are valid until the solver's next call.
 struct RaySurface {
   std::span<const Band> bands;                  ///< ascending, disjoint
@@ -65,6 +73,7 @@ class RaySolver {
  private:
   void find_bands(const RayGatherer& gatherer, const RayPoints& points);
   void search(const RayPoints& points, Band& band, RayWindow& near, std::uint32_t& candidate);
+  void solve_between(const RayPoints& points, RayWindow hint, const RayQuery& low, const RayQuery& high);
   void solve_root(const RayPoints& points, RayWindow hint, float low, float low_value, float high, float high_value);
   RaySurface surface() const;
 

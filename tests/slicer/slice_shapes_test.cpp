@@ -77,6 +77,21 @@ TEST(SliceShapes, ASphereWithAVerySparseHalfKeepsItsVolume) {
   EXPECT_NEAR(sliced.volume() / sphere_volume(20), 1, 0.005);
 }
 
+/// A plate of 14 x 12 mm with points .3 mm apart and noise of .05 mm, which lies flat.
+Surface noisy_plate(double thickness) {
+  Random random(6);
+  Surface surface = box({0, 0, 0}, {14, 12, thickness}, 0.3, 0.4, random);
+  for (SurfacePoint& p : surface) p.position += 0.05 * random.normal() * p.normal;
+  return surface;
+}
+
+// Queries on a ray were farther apart than the faces, so both were passed over: a hundredth of the plate was left.
+TEST(SliceShapes, AThinPlateKeepsItsVolume) {
+  const Slicing sliced(binary_ply(noisy_plate(0.8)), settings_with_pitch(0.1F), 64 * kMiB);
+  EXPECT_NEAR(sliced.volume() / (14 * 12 * 0.8), 1, 0.03);
+  expect_every_ray_closed(sliced);
+}
+
 /// Offset of `at` from the middle of its cell, in a row of cells `pitch` long.
 double from_nearest(double at, double pitch) { return at - pitch * (std::floor(at / pitch) + 0.5); }
 

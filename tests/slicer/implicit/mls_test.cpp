@@ -34,9 +34,13 @@ struct DirectSum {
     const double agreement = all.normals.norm() / weight;
     const double plain = std::abs(all.distance());
     sure = std::abs(agreement - 0.997) > 1e-4 && agreement > 0.05 && std::abs(plain - 0.25 * reach) > 1e-3;
+    Vec3d facing = normal;
+    const bool split = agreement < 0.5 && near_face(all, reach, facing);
+    sure &= std::abs(agreement - 0.5) > 1e-3;
     const auto likeness = [&](const Vec3d& n) {
-      const double t = std::max(0.0, 8 * n.dot(normal) - 7);
-      return agreement >= 0.997 || plain > 0.25 * reach ? 1.0 : t * t + 0.02;
+      const double t = std::max(0.0, 8 * n.dot(facing) - 7);
+      const bool plainly = !split && (agreement >= 0.997 || plain > 0.25 * reach);
+      return plainly ? 1.0 : n.dot(facing) > 0 ? t * t + 0.02 : 0;
     };
     distance = sums(likeness).distance();
   }
@@ -53,6 +57,21 @@ struct DirectSum {
     Vec3d offsets = Vec3d::Zero();
     double distance() const { return 0.5 * (to_planes / weight + normals.dot(offsets) / (weight * weight)); }
   };
+  /// Whether the points lie on two faces, and which way the nearer one faces.
+  bool near_face(const Sums& all, double reach, Vec3d& facing) {
+    const Vec3d from_middle = all.offsets / all.weight;
+    const double outwards = (all.normals.dot(from_middle) - all.to_planes) / all.weight;
+    const Vec3d side = from_middle.normalized() * (outwards > 0 ? 1 : -1);
+    const Sums face = sums([&](const Vec3d& n) {
+      const double cosine = n.dot(side);
+      return cosine > 0 ? cosine * cosine + 0.02 : 0;
+    });
+    const double coherent = face.normals.norm() / face.weight;
+    sure &= std::abs(std::abs(outwards) - 0.05 * reach) > 1e-4 * reach && std::abs(coherent - 0.85) > 1e-3;
+    if (!(std::abs(outwards) > 0.05 * reach && coherent > 0.85)) return false;
+    facing = face.normals.normalized();
+    return true;
+  }
   template <class Likeness>
   Sums sums(Likeness likeness) const {
     Sums s;
@@ -226,6 +245,26 @@ TEST(Mls, RoundsAnEdgeMuchLessThanTheSupportRadius) {
   }
   EXPECT_GT(plain, 0.015);
   EXPECT_LT(error, plain / 3);
+}
+
+// The mean of both faces once moved the surface out of the wall, by more than its thickness where supports are wide.
+TEST(Mls, IsTheDistanceToTheNearerFaceOfAThinWallOrGap) {
+  Random random(5);
+  for (const double up : {1.0, -1.0}) {
+    Surface surface = sheet({0, 0, 5}, Vec3d(6, 0, 0), Vec3d(0, 6, 0), 0.2, 0.4, random);
+    for (SurfacePoint& p : sheet({0, 0, 5.3}, Vec3d(6, 0, 0), Vec3d(0, 6, 0), 0.2, 0.4, random)) surface.push_back(p);
+    for (SurfacePoint& p : surface) p.normal[2] = p.position[2] > 5.1 ? up : -up;
+    ArenaBlock arena(4 * kMiB);
+    const Cloud cloud = cloud_of(surface, *arena, 1);
+    const KdTree2 tree = value_of(KdTree2::build(cloud.positions(), *arena, "test"));
+    RayGatherer gatherer = value_of(RayGatherer::create(cloud, tree, cloud.size, 1, *arena));
+    gatherer.gather({3.1F, 2.9F}, {3.1F, 2.9F});
+    const RayPoints& points = gatherer.points_of_ray(3.1F, 2.9F);
+    for (const float z : {4.8F, 4.95F, 5.05F, 5.25F, 5.35F, 5.5F}) {
+      const double to_nearer = z < 5.15F ? 5 - z : z - 5.3;
+      EXPECT_NEAR(mls_value(points, window(points, z, z), z).distance, up * to_nearer, 0.002) << up << " at " << z;
+    }
+  }
 }
 
 // The two terms of the value have the same error, one outwards and one inwards.
