@@ -239,6 +239,39 @@ void for_each_mesh_remark(const MeshCounts& mesh, RemarkVisit visit) {
 
 }  // namespace
 
+namespace {
+
+/// Says how much of the scan or of the print is left out as noise, if it is much.
+void remark_on_losses(const SliceReport& slice, RemarkVisit visit) {
+  constexpr double kMuch = 0.02;          // small solids over what stays; scans with outliers have up to .001
+  constexpr double kManyOutliers = 0.25;  // of all points; a bad scanner leaves a tenth
+  FixedText<256> text;
+  const ComponentCounts& c = slice.components;
+  const auto removed = static_cast<double>(c.dropped_voxels);
+  if (removed > kMuch * static_cast<double>(c.voxels)) {
+    const PrintGrid& grid = slice.placement.grid;
+    const double voxel_ml = static_cast<double>(grid.pitch_x_mm) * static_cast<double>(grid.pitch_y_mm) *
+                            static_cast<double>(grid.layer_height_mm) / 1000;
+    const double share = 100 * removed / static_cast<double>(std::max<std::uint64_t>(c.voxels, 1));
+    text.add(
+        "%u small solids (%.3g ml, %.2g %% of what stays) were removed, and may be parts of the object, such as thin "
+        "walls. "
+        "Look at the preview; scan more densely, or print it larger",
+        c.dropped_solids, removed * voxel_ml, share);
+    visit({PrinterCode::kMuchRemoved, {{Fact::kPercent, share}}}, text.view());
+  }
+  const std::uint32_t noise = slice.clustering.points[PointClass::kNoise];
+  const double all = static_cast<double>(noise) + slice.clustering.points.surface();
+  if (noise > kManyOutliers * all) {
+    text = {};
+    text.add("%.0f %% of the points lie on no surface and were left out. Look at the preview, or scan again",
+             100 * noise / all);
+    visit({PrinterCode::kManyOutliers, {{Fact::kPercent, 100 * noise / all}}}, text.view());
+  }
+}
+
+}  // namespace
+
 FixedText<128> mesh_text(const MeshCounts& mesh) {
   FixedText<128> text;
   text.add("%llu triangles, %s", big(mesh.triangles),
@@ -276,6 +309,7 @@ void for_each_remark(const SliceReport& slice, RemarkVisit visit) {
              one ? "it" : "them");
     visit({PrinterCode::kSolidsLeftOut, {{Fact::kCount, slice.components.floating_solids}}}, text.view());
   }
+  remark_on_losses(slice, visit);
   if (slice.components.sealed_cavities > 0) {
     text = {};
     const bool one = slice.components.sealed_cavities == 1;

@@ -41,6 +41,8 @@ enum class PrinterCode : std::uint16_t {
   kInsideOut,
   kNormalsFlipped,
   kSolidsLeftOut,
+  kMuchRemoved,
+  kManyOutliers,
   kCavitiesFilled,
   kSmallPartsStay,
   kOnItsFace,

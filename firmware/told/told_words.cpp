@@ -188,6 +188,14 @@ constexpr std::array kTold{
         {"{count} {count?kleiner Körper fehlt, der|kleine Körper fehlen, die} weder Objekt noch Platte "
          "{count?berührt|berühren}",
          "Soll es mit: keep_all = true in job.toml auf dem Stick."}},
+    Row{kMuchRemoved,
+        "much_removed",
+        {"Kleine Körper fehlen, zusammen {percent} % dessen, was bleibt: vielleicht Teile des Objekts, etwa dünne "
+         "Wände",
+         "Die Vorschau ansehen. Dichter scannen, oder größer drucken."}},
+    Row{kManyOutliers,
+        "many_outliers",
+        {"{percent} % der Punkte liegen auf keiner Fläche und fehlen", "Die Vorschau ansehen, oder neu scannen."}},
     Row{kCavitiesFilled,
         "cavities_filled",
         {"{count} {count?kleiner Hohlraum, den kein Scanner sieht, ist|kleine Hohlräume, die kein Scanner sieht, sind} "

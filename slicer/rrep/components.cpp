@@ -207,6 +207,7 @@ ComponentCounts drop_small_components(CrossingStore& store, const ComponentLimit
     const bool merges = search[encloser].goes != 0;  // with the encloser, which then becomes the same kind
     const bool goes = !merges && sieve.goes(c, solid);
     if (goes) counts.changed_voxels += voxels;
+    if (goes && solid) counts.dropped_voxels += voxels;
     if (goes && !sieve.is_small(c)) ++(solid ? counts.floating_solids : counts.sealed_cavities);
     if (!goes && solid) counts.voxels += voxels;
     if (!merges)

@@ -18,6 +18,7 @@ struct ComponentCounts {
   std::uint32_t filled_cavities = 0;  ///< cavities filled: small and sealed ones
   std::uint32_t sealed_cavities = 0;  ///< of those, the ones with min_voxels or more
   std::uint64_t changed_voxels = 0;   ///< of all components removed or filled
+  std::uint64_t dropped_voxels = 0;   ///< of the solids removed
   std::uint64_t voxels = 0;           ///< of the solids that stay
 };
 

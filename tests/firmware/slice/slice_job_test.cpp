@@ -292,6 +292,22 @@ TEST(JobWarnings, SayThatAUnitWasIgnoredAndAdviseNoneForAnE57) {
   for (const auto& line : lines) EXPECT_FALSE(line.cut()) << line.c_str();
 }
 
+TEST(JobWarnings, SayHowMuchIsRemovedAsNoise) {
+  auto report = std::make_unique<JobReport>();
+  report->slice.placement.size_mm = {30, 30, 1};
+  report->slice.placement.grid.pitch_x_mm = report->slice.placement.grid.pitch_y_mm = 0.1F;
+  report->slice.placement.grid.layer_height_mm = 0.1F;
+  report->slice.components = {.dropped_solids = 366, .dropped_voxels = 120'000, .voxels = 400'000};
+  report->slice.clustering.points[PointClass::kNoise] = 400;
+  report->slice.clustering.points[PointClass::kExiting] = 600;
+  find_warnings(*report);
+  const auto lines = report->warnings.all();
+  ASSERT_EQ(lines.size(), 2U);
+  EXPECT_THAT(lines[0].c_str(), HasSubstr("366 small solids (0.12 ml, 30 % of what stays) were removed"));
+  EXPECT_THAT(lines[1].c_str(), HasSubstr("40 % of the points lie on no surface"));
+  for (const auto& line : lines) EXPECT_FALSE(line.cut()) << line.c_str();
+}
+
 TEST(Unseen, IsReportedAsSharesOfTheWholeSurface) {
   EXPECT_STREQ(unseen_sentence({0.126, 0.041}).c_str(),
                "the underside (12.6 % of the surface) and 4.1 % elsewhere were not scanned");
