@@ -237,14 +237,10 @@ void for_each_mesh_remark(const MeshCounts& mesh, RemarkVisit visit) {
   }
 }
 
-}  // namespace
-
-namespace {
-
 /// Says how much of the scan or of the print is left out as noise, if it is much.
 void remark_on_losses(const SliceReport& slice, RemarkVisit visit) {
-  constexpr double kMuch = 0.02;          // small solids over what stays; scans with outliers have up to .001
-  constexpr double kManyOutliers = 0.25;  // of all points; a bad scanner leaves a tenth
+  constexpr double kMuch = 0.02;          // small solids over what stays: dirty scans have .001
+  constexpr double kManyOutliers = 0.25;  // of all points: dirty scans have .03
   FixedText<256> text;
   const ComponentCounts& c = slice.components;
   const auto removed = static_cast<double>(c.dropped_voxels);
@@ -255,8 +251,7 @@ void remark_on_losses(const SliceReport& slice, RemarkVisit visit) {
     const double share = 100 * removed / static_cast<double>(std::max<std::uint64_t>(c.voxels, 1));
     text.add(
         "%u small solids (%.3g ml, %.2g %% of what stays) were removed, and may be parts of the object, such as thin "
-        "walls. "
-        "Look at the preview; scan more densely, or print it larger",
+        "walls. Look at the preview; scan more densely, or print it larger",
         c.dropped_solids, removed * voxel_ml, share);
     visit({PrinterCode::kMuchRemoved, {{Fact::kPercent, share}}}, text.view());
   }

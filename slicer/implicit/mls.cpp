@@ -13,9 +13,8 @@ constexpr float kAgree = 0.997F;  ///< |sum w n| / sum w above which normals agr
 constexpr float kFar = 0.25F;     ///< share of the reach: farther from the surface, a_i does not change the sign
 constexpr float kSharpness = 8;   ///< a point counts if the cosine to the mean is above 1 - 1 / kSharpness
 constexpr float kUnlike = 0.02F;  ///< weight beyond that; decides where all normals differ from their mean
-constexpr float kOpposed =
-    0.5F;  ///< |sum w n| / sum w below which points face each other or turn their backs to each other
-constexpr float kApart = 0.05F;  ///< of the reach: sheets whose points are no farther from their mean are one sheet
+constexpr float kOpposed = 0.5F;  ///< |sum w n| / sum w below which the points may be those of two faces
+constexpr float kApart = 0.05F;   ///< of the reach: sheets whose points are no farther from their mean are one sheet
 /// |sum w n| / sum w of a side. Normals that face either way at random have 3/4, since only the points of half a sphere count.
 constexpr float kCoherent = 0.85F;
 
