@@ -190,9 +190,8 @@ constexpr std::array kTold{
          "Soll es mit: keep_all = true in job.toml auf dem Stick."}},
     Row{kMuchRemoved,
         "much_removed",
-        {"Kleine Körper fehlen, zusammen {percent} % dessen, was bleibt: vielleicht Teile des Objekts, etwa dünne "
-         "Wände",
-         "Die Vorschau ansehen. Dichter scannen, oder größer drucken."}},
+        {"Kleine Körper fehlen ({percent} % des Drucks): vielleicht dünne Wände",
+         "Vorschau ansehen. Dichter scannen oder größer drucken."}},
     Row{kManyOutliers,
         "many_outliers",
         {"{percent} % der Punkte liegen auf keiner Fläche und fehlen", "Die Vorschau ansehen, oder neu scannen."}},
