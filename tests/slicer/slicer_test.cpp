@@ -119,8 +119,8 @@ TEST(Slice, LeavesTheArenaAsItWasWhereverItRunsOut) {
   int images_refused = 0;
   int crossings_refused = 0;
   int sliced = 0;
-  for (const std::size_t kib :
-       {600U, 1000U, 1400U, 1800U, 2000U, 2200U, 2400U, 2600U, 2800U, 3000U, 3500U, 4000U, 5000U, 8000U, 16000U, 32000U}) {
+  for (const std::size_t kib : {600U, 1000U, 1400U, 1800U, 2000U, 2200U, 2400U, 2600U, 2800U, 3000U, 3500U, 4000U,
+                                5000U, 8000U, 16000U, 32000U}) {
     ArenaBlock arena(kib * 1024);
     ASSERT_TRUE(arena->take_bottom<std::byte>(1000, "of the caller").has_value());
     ASSERT_TRUE(arena->take_top<std::byte>(500, "of the caller").has_value());
