@@ -24,6 +24,7 @@ class PrintableText {
   explicit PrintableText(std::string_view raw, std::size_t longest);
   /// Implicit, because it makes the text safe.
   template <std::convertible_to<std::string_view> Text>
+  // NOLINTNEXTLINE(google-explicit-constructor)
   PrintableText(const Text& raw) : PrintableText(std::string_view(raw), kCapacity - 1) {}
 
   const char* c_str() const { return text_.data(); }

@@ -86,6 +86,7 @@ struct Told {
   std::array<char, 40> text{};  ///< a name, which has no language; ends with NUL
 
   Told() = default;
+  // NOLINTBEGIN(google-explicit-constructor): many codes need no numbers
   template <class Code>
   requires kExtends<Code, ToldCode> Told(Code what, std::initializer_list<Number> numbers = {},
                                          std::string_view name = {})
@@ -93,6 +94,7 @@ struct Told {
     for (const Number& number : numbers) add(number.fact, number.value);
     set_name(name);
   }
+  // NOLINTEND(google-explicit-constructor)
 
   /// Adds a number; there is room for kMostFacts.
   void add(Fact fact, double value);

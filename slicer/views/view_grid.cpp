@@ -89,7 +89,7 @@ PLUMBLINE_WIDE void measure_within(const FlatGrid& grid, const Vec3f& middle, fl
                                    std::size_t size, float* distances2) {
   float last[3 * kLanes] = {};  // NOLINT(cppcoreguidelines-avoid-c-arrays): the points that don't fill the lanes
   const std::size_t whole = size - size % kLanes;
-  std::memcpy(last, points + whole, (size - whole) * sizeof(Vec3f));
+  std::memcpy(last, static_cast<const void*>(points + whole), (size - whole) * sizeof(Vec3f));
   for (std::size_t i = 0; i < size; i += kLanes) {
     Lanes x{}, y{}, z{}, distance2;
     load_points(x, y, z, i < whole ? points[i].data() : last);
