@@ -80,8 +80,8 @@ class MeshRay {
   /// With a rim: whether the surface is open at a height, as seen from below.
   bool is_open_at(float z) const { return rim_->at(z, below_all_).above_tenth(); }
 
-  /// Finds the solid parts of a stretch by samples a cell apart or more, and the layer where they change by bisection. Between two
-  /// samples that are plainly on the same side there is nothing to find.
+  /// Finds the solid parts of a stretch: takes samples at least a cell apart, and finds the layer where two of them differ by bisection.
+  /// Between two samples that are plainly on the same side it takes none.
   /// @param set  set(layer, solid): from that layer upwards; first of all for the stretch's begin
   template <class Set>
   void decide(const RayStretch& stretch, Set set) const {

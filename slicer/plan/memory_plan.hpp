@@ -35,7 +35,9 @@ std::size_t rrep_bytes(const PrintGrid& grid, const RayYield& yield);
 /// Bytes of the stage that makes the R-Rep of a scan, without the map.
 /// @param store  bytes of the crossing store
 std::size_t rrep_stage_bytes(const PrintGrid& grid, std::size_t store, const RayYield& yield);
-/// Bytes that the views take beside the cloud: finding and aligning them beside a tree of so many bytes, then perhaps another tree.
+/// Bytes of the views' stage beside the cloud: to find and align them with a tree in memory or, where points have moved, to sort these for a
+/// new tree, whichever is more.
+/// @param tree  bytes of the tree
 std::size_t views_stage_bytes(const ViewAlignment& found, std::uint32_t points, std::size_t tree,
                               std::uint32_t threads);
 /// Bytes that making and checking the masks takes beside map, R-Rep and supports.

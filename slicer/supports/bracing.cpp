@@ -18,9 +18,11 @@ constexpr double kBetween = 0.8;
 constexpr double kMostRise = 8;
 /// A brace is this share of a pillar's diameter.
 constexpr double kThickness = 0.5;
-/// Props and legs of a pillar, at most, and their slope. A leg at the critical angle from the rim of the base would reach no higher than that is wide.
+/// Props, legs and helpers of a pillar, at most.
 constexpr int kMostProps = 6;
 constexpr int kMostLegs = 3;
+constexpr int kMostHelpers = 2;
+/// Slope of props and legs, at most. A leg at the critical angle from the rim of the base would reach no higher than that is wide.
 constexpr double kSteepest = 3;
 /// A prop or leg that halves no gap, but takes less than this share of it, is left out.
 constexpr double kLeastShare = 0.2;
@@ -179,28 +181,19 @@ Status Bracing::brace(std::size_t index) {
     const auto done = zigzag(pillar, pillars[nearest]);
     PLUMBLINE_TRY(done);
   }
-  for (int props = 0; props < kMostProps; ++props) {
-    const Gap gap = largest_gap(pillar);
-    if (gap.height() <= kWantedFree_mm) return {};
-    const auto done = add_prop(pillar, gap);
-    PLUMBLINE_TRY(done);
-    if (!*done) break;
-  }
-  for (int legs = 0; legs < kMostLegs; ++legs) {
-    const Gap gap = largest_gap(pillar);
-    if (gap.height() <= kWantedFree_mm) return {};
-    const auto done = add_leg(pillar, gap);
-    PLUMBLINE_TRY(done);
-    if (!*done) break;
-  }
-  for (int helpers = 0; helpers < 2; ++helpers) {
-    const Gap gap = largest_gap(pillar);
-    if (gap.height() <= kMostFree_mm) return {};
-    const auto done = add_helper(index, gap);
-    PLUMBLINE_TRY(done);
-    if (!*done) return {};
-  }
-  return {};
+  const auto add_up_to = [&](int most, double wanted_mm, auto add) -> Status {
+    for (int added = 0; added < most; ++added) {
+      const Gap gap = largest_gap(pillar);
+      if (gap.height() <= wanted_mm) return {};
+      const auto done = add(gap);
+      PLUMBLINE_TRY(done);
+      if (!*done) return {};
+    }
+    return {};
+  };
+  PLUMBLINE_TRY(add_up_to(kMostProps, kWantedFree_mm, [&](const Gap& gap) { return add_prop(pillar, gap); }));
+  PLUMBLINE_TRY(add_up_to(kMostLegs, kWantedFree_mm, [&](const Gap& gap) { return add_leg(pillar, gap); }));
+  return add_up_to(kMostHelpers, kMostFree_mm, [&](const Gap& gap) { return add_helper(index, gap); });
 }
 
 /// Props a pillar as near to the middle of a gap as one of its neighbours can, the nearest one there.
