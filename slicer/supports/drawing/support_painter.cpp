@@ -1,11 +1,53 @@
 #include "slicer/supports/drawing/support_painter.hpp"
 
 #include <algorithm>
-#include <bit>
 
 #include "slicer/layers/morphology.hpp"
 
 namespace plumbline {
+namespace {
+
+/// As std::popcount(), which calls libgcc on x86-64: half of the instructions.
+std::uint32_t count_ones(std::uint64_t word) {
+  word -= (word >> 1) & 0x5555555555555555U;
+  word = (word & 0x3333333333333333U) + ((word >> 2) & 0x3333333333333333U);
+  word = (word + (word >> 4)) & 0x0F0F0F0F0F0F0F0FU;
+  return static_cast<std::uint32_t>((word * 0x0101010101010101U) >> 56);
+}
+
+/// Draws a disc's part of a column of words.
+/// @param middle   the word in the disc's middle row
+/// @param reach    of the disc's rows, from the middle one on
+/// @param bits_of  bits_of(reach): the pixels of a row in these words
+/// @returns how many of them were white already: few of a disc's pixels are
+template <class BitsOf>
+std::uint64_t draw_words(std::uint64_t* middle, std::size_t stride, std::span<const std::uint16_t> reach,
+                         BitsOf bits_of) {
+  std::uint64_t white = 0;
+  const auto draw = [&white](std::uint64_t& word, std::uint64_t bits) {
+    const std::uint64_t before = word & bits;
+    word |= bits;
+    if (before != 0) white += count_ones(before);
+  };
+  draw(*middle, bits_of(reach.front()));
+  std::uint64_t* above = middle;
+  std::uint64_t* below = middle;
+  for (const std::uint32_t half : reach.subspan(1)) {
+    const std::uint64_t bits = bits_of(half);
+    draw(*(above -= stride), bits);
+    draw(*(below += stride), bits);
+  }
+  return white;
+}
+
+/// The pixels of columns [begin, end] in word `w` of a row; may be none.
+std::uint64_t bits_in_word(std::uint32_t w, std::uint32_t begin, std::uint32_t end) {
+  const std::uint32_t from = std::max(begin, w * 64);
+  const std::uint32_t to = std::min(end, w * 64 + 63);
+  return from > to ? 0 : ~std::uint64_t{0} << (from % 64) & ~std::uint64_t{0} >> (63 - to % 64);
+}
+
+}  // namespace
 
 Expected<SupportPainter> SupportPainter::create(const Supports& supports, Arena& arena) {
   auto active = arena.take_bottom<std::uint32_t>(supports.list.size(), "layer stream");
@@ -77,38 +119,29 @@ std::uint64_t SupportPainter::draw_disc(const StrutSection& disc, BitImage image
                        });
     return drawn;
   }
-  // Few of a disc's pixels are white already: these are subtracted.
+  const std::uint32_t column = disc.column;
+  const std::uint32_t first = (column - reach) / 64;
+  const std::uint32_t last = (column + reach) / 64;
+  const std::span<const std::uint16_t> halves(rows->reach.data(), rows->count + 1);
+  const auto draw_column = [&](std::uint32_t w, auto bits_of) {
+    return draw_words(&image.row(disc.row)[w], image.stride(), halves, bits_of);
+  };
   drawn = rows->pixels;
-  const auto draw_word = [&](std::uint64_t& word, std::uint64_t bits) {
-    if ((word & bits) != 0) drawn -= static_cast<std::uint64_t>(std::popcount(word & bits));
-    word |= bits;
-  };
-  const std::uint32_t first = disc.column - reach;
-  const std::uint32_t last = disc.column + reach;
-  const std::size_t stride = image.stride();
-  const auto for_each_row = [&](auto draw_row) {
-    std::uint64_t* const middle = image.row(disc.row).data();
-    draw_row(middle, reach);
-    for (std::size_t dy = 1; dy <= rows->count; ++dy) {
-      draw_row(middle - dy * stride, rows->reach[dy]);
-      draw_row(middle + dy * stride, rows->reach[dy]);
-    }
-  };
-  if (first / 64 == last / 64) {
-    for_each_row([&](std::uint64_t* line, std::uint32_t half) {
-      draw_word(line[first / 64], ~std::uint64_t{0} >> (63 - 2 * half) << (disc.column % 64 - half));
-    });
+  if (first == last) {
+    const std::uint32_t middle = column % 64;
+    drawn -= draw_column(
+        first, [middle](std::uint32_t half) { return ~std::uint64_t{0} >> (63 - 2 * half) << (middle - half); });
   } else {
-    for_each_row([&](std::uint64_t* line, std::uint32_t half) {
-      for_each_word(disc.column - half, disc.column + half + 1,
-                    [&](std::uint32_t w, std::uint64_t bits) { draw_word(line[w], bits); });
-    });
+    for (std::uint32_t w = first; w <= last; ++w) {
+      drawn -=
+          draw_column(w, [w, column](std::uint32_t half) { return bits_in_word(w, column - half, column + half); });
+    }
   }
-  for (std::uint32_t s = first / kStripColumns; s <= last / kStripColumns; ++s) {
-    const auto drawn_rows = touched.row(s);
-    for_each_word(disc.row - rows->count, disc.row + rows->count + 1,
-                  [&](std::uint32_t w, std::uint64_t bits) { drawn_rows[w] |= bits; });
-  }
+  for_each_word(disc.row - rows->count, disc.row + rows->count + 1, [&](std::uint32_t w, std::uint64_t bits) {
+    for (std::uint32_t s = (column - reach) / kStripColumns; s <= (column + reach) / kStripColumns; ++s) {
+      touched.row(s)[w] |= bits;
+    }
+  });
   return drawn;
 }
 
@@ -119,7 +152,7 @@ std::uint64_t SupportPainter::draw_span(std::uint32_t row, std::uint32_t begin, 
   for_each_word(begin, end, [&](std::uint32_t w, std::uint64_t bits) {
     bits &= ~line[w];
     if (bits == 0) return;
-    drawn += static_cast<std::uint64_t>(std::popcount(bits));
+    drawn += count_ones(bits);
     line[w] |= bits;
   });
   for (std::uint32_t s = begin / kStripColumns; s * kStripColumns < end; ++s) touched.set(row, s);
