@@ -56,8 +56,11 @@ class Extent {
 
 class FloorSearch {
  public:
-  FloorSearch(const Cloud& cloud, float epsilon, float noise)
-      : cloud_(cloud), epsilon_(epsilon), margin_(std::max(kMarginEpsilons * epsilon, kMarginNoise * noise)) {}
+  FloorSearch(const Cloud& cloud, float epsilon, float noise, bool sides_known)
+      : cloud_(cloud),
+        epsilon_(epsilon),
+        margin_(std::max(kMarginEpsilons * epsilon, kMarginNoise * noise)),
+        sides_known_(sides_known) {}
 
   std::optional<FloorPlane> find() {
     if (!find_heights() || !find_normal() || !find_offset()) return std::nullopt;
@@ -73,14 +76,17 @@ class FloorSearch {
   bool is_surface(std::uint32_t i) const { return cloud_.normal[i].point_class != PointClass::kNoise; }
   float above(const Vec3f& p) const { return plane_.normal.dot(p) - plane_.offset; }
 
-  /// Calls visit(position, normal) for the points low enough that face up.
+  /// Calls visit(position, normal) for the points low enough that face up, or down if sides are not known. The normal is the one that
+  /// points up.
   template <class Visit>
   void for_each_low(Visit visit) const {
     const float top = low_ + kLowPart * (high_ - low_);
     for (std::uint32_t i = 0; i < cloud_.size; ++i) {
       if (!is_surface(i) || cloud_.position[i][2] > top) continue;
-      if (static_cast<float>(cloud_.normal[i].z) < kUp * PackedNormal::kScale) continue;
-      visit(cloud_.position[i], cloud_.normal[i].unpack());
+      const auto up = static_cast<float>(cloud_.normal[i].z);
+      if ((sides_known_ ? up : std::abs(up)) < kUp * PackedNormal::kScale) continue;
+      const Vec3f normal = cloud_.normal[i].unpack();
+      visit(cloud_.position[i], up < 0 ? Vec3f(-normal) : normal);
     }
   }
 
@@ -242,14 +248,15 @@ class FloorSearch {
   const Cloud& cloud_;
   float epsilon_;
   float margin_;
+  bool sides_known_;
   float low_ = 0, high_ = 0;
   FloorPlane plane_;
 };
 
 }  // namespace
 
-std::optional<FloorPlane> find_floor(const Cloud& cloud, float epsilon, float noise) {
-  return FloorSearch(cloud, epsilon, noise).find();
+std::optional<FloorPlane> find_floor(const Cloud& cloud, float epsilon, float noise, bool sides_known) {
+  return FloorSearch(cloud, epsilon, noise, sides_known).find();
 }
 
 Mat3d levelling(const Vec3d& up) {

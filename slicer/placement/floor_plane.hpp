@@ -18,14 +18,15 @@ struct FloorPlane {
 
 /// Finds a plane that the object stands on. It is a floor only if all of this holds, so flat undersides, plates with letters and
 /// plinths are none:
-///   - it is level to 10 degrees, faces up, and has a twentieth of the points,
+///   - it is level to 10 degrees, faces up (if `sides_known`), and has a twentieth of the points,
 ///   - nothing was scanned below it: a plate or a plinth has walls there, and an underside,
 ///   - it reaches beyond the object on three sides or more, and a quarter of it is free of the object,
 ///   - the object on it is at least a quarter as high as it is wide: letters and reliefs are lower.
 /// @param cloud    with normals; points of class kNoise are not used
 /// @param epsilon  ClusteringResult::epsilon, above 0
 /// @param noise    ClusteringResult::noise
-std::optional<FloorPlane> find_floor(const Cloud& cloud, float epsilon, float noise);
+/// @param sides_known  normals are the scanner's. Of an estimated one the side is a guess: a plane with a ball on it has no outer side
+std::optional<FloorPlane> find_floor(const Cloud& cloud, float epsilon, float noise, bool sides_known);
 
 /// The rotation about a horizontal axis that turns a unit vector to +z.
 /// @param up  not -z

@@ -30,10 +30,13 @@ Status refine(Cloud& cloud, const KdTree3& tree, const SurfaceSettings& settings
   return {};
 }
 
-std::optional<FloorPlane> floor_of(const Cloud& cloud, const FloorChoice& choice, const ClusteringResult& clustering) {
+std::optional<FloorPlane> floor_of(const Cloud& cloud, const SurfaceSettings& settings,
+                                   const ClusteringResult& clustering) {
+  const FloorChoice& choice = settings.floor;
   switch (choice.kind) {
     case FloorChoice::Kind::kKeep: return std::nullopt;
-    case FloorChoice::Kind::kAuto: return find_floor(cloud, clustering.epsilon, clustering.noise);
+    case FloorChoice::Kind::kAuto:
+      return find_floor(cloud, clustering.epsilon, clustering.noise, settings.normals == NormalSource::kScanner);
     case FloorChoice::Kind::kHeight: break;
   }
   FloorPlane plane;
@@ -42,8 +45,8 @@ std::optional<FloorPlane> floor_of(const Cloud& cloud, const FloorChoice& choice
 }
 
 /// Looks for a floor and marks it and what is below it as noise.
-void cut_floor(Cloud& cloud, const FloorChoice& choice, SurfacePoints& surface) {
-  surface.floor = floor_of(cloud, choice, surface.clustering);
+void cut_floor(Cloud& cloud, const SurfaceSettings& settings, SurfacePoints& surface) {
+  surface.floor = floor_of(cloud, settings, surface.clustering);
   if (!surface.floor) return;
   for (std::uint32_t i = 0; i < cloud.size; ++i) {
     PackedNormal& normal = cloud.normal[i];
@@ -78,12 +81,12 @@ Expected<SurfacePoints> find_surface_points(Cloud& cloud, const KdTree3& tree, c
         rescue_sparse_surface(cloud, tree, clustering_settings, clustering, progress.part(kRefined, kRescued)));
   }
   // Beside a large floor a small object looks like a stray piece, and beside stray pieces a floor may not look like one.
-  if (surface.found()) cut_floor(cloud, settings.floor, surface);
+  if (surface.found()) cut_floor(cloud, settings, surface);
   if (!settings.keep_strays && surface.found()) {
     const auto strays = mark_stray_pieces(cloud, clustering, arena);
     PLUMBLINE_TRY(strays);
     surface.strays = *strays;
-    if (strays->pieces > 0 && !surface.floor) cut_floor(cloud, settings.floor, surface);
+    if (strays->pieces > 0 && !surface.floor) cut_floor(cloud, settings, surface);
   }
   if (surface.found()) {
     const auto flying = mark_flying_points(cloud, tree, clustering, arena);

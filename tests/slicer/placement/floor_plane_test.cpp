@@ -25,14 +25,25 @@ Surface floor_around(double side, double shadow, Random& random) {
   return seen;
 }
 
-Surface ball_on_floor(Random& random) {
+/// @param shadow  radius of the floor that was not seen; 0: the whole floor was
+Surface ball_on_floor(Random& random, double shadow = 5, double noise = 0.01) {
   Surface scan;
   for (const SurfacePoint& p : sphere(sphere_points(10, kSpacing), 10, {0, 0, 10})) {
-    if (p.position[2] > 1.5) scan.push_back(p);
+    if (p.position[2] > 0.3 * shadow) scan.push_back(p);
   }
-  append(scan, floor_around(60, 5, random));
-  add_noise(scan, 0.01, 0.01, random);
+  append(scan, floor_around(60, shadow, random));
+  add_noise(scan, noise, 0.01, random);
   return scan;
+}
+
+/// As XYZ files are: positions only.
+std::string text_of(const Surface& surface) {
+  std::string text;
+  for (const SurfacePoint& p : surface) {
+    text += std::to_string(p.position[0]) + ' ' + std::to_string(p.position[1]) + ' ' + std::to_string(p.position[2]) +
+            '\n';
+  }
+  return text;
 }
 
 /// Rotates a scan about x, as if the floor were not level.
@@ -77,6 +88,21 @@ TEST(Floor, IsLevelledIfItIsTilted) {
   for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(report.placement.size_mm[axis], 20, 0.25);
   const Vec3d up = report.placement.rotation * (rotation_matrix({4, 0, 0}) * Vec3d(0, 0, 1));
   EXPECT_NEAR(up[2], 1, 1e-5);
+}
+
+TEST(Floor, IsCutOffWithoutNormals) {
+  for (const double shadow : {0.0, 5.0}) {
+    for (const double degrees : {0.0, 4.0}) {
+      for (const double noise : {0.01, 0.08}) {
+        Random random(11);
+        const Surface scan = tilted(ball_on_floor(random, shadow, noise), degrees);
+        const Slicing sliced(MemorySource(text_of(scan), "ball.xyz"), settings_with_pitch(0.25F), 64 * kMiB);
+        EXPECT_GT(sliced.report().floor.points, 15'000U) << shadow << ' ' << degrees << ' ' << noise;
+        for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(sliced.report().placement.size_mm[axis], 20, 0.6);
+        EXPECT_NEAR(sliced.volume(), 4.0 / 3 * kPi * 1000, 0.06 * 4189);
+      }
+    }
+  }
 }
 
 TEST(Floor, IsPrintedIfItIsToBeKept) {
