@@ -12,7 +12,7 @@
 #include "slicer/placement/base_plane.hpp"
 #include "slicer/plan/memory_plan.hpp"
 #include "slicer/plan/ray_admission.hpp"
-#include "slicer/rays/ray_grid.hpp"
+#include "slicer/rays/grid_width.hpp"
 #include "slicer/rays/ray_shooter.hpp"
 #include "slicer/surface/joined_points.hpp"
 
@@ -48,7 +48,7 @@ class RayStages {
     PLUMBLINE_TRY(limit_supports());
     join();
     PLUMBLINE_TRY(build_winding_tree());
-    PLUMBLINE_TRY(find_interested());
+    PLUMBLINE_TRY(build_flat_tree());
     PLUMBLINE_TRY(admit());
     return shoot();
   }
@@ -98,17 +98,14 @@ class RayStages {
     return {};
   }
 
-  Status find_interested() {
+  Status build_flat_tree() {
     const StageScope stage(Stage::kRayGrid, arena_, progress_, report_.peak_bytes);
     auto tree = KdTree2::build(cloud_.positions(), arena_, "ray grid", {progress_, Stage::kRayGrid});
     PLUMBLINE_TRY(tree);
     tree_ = *tree;
     report_.width_mm = grid_width(cloud_, *tree_, {}) / spread_;
     if (!(report_.width_mm > kLeastWidth)) report_.width_mm = std::max(kLeastWidth, epsilon_mm());
-    const auto words = arena_.take_top<std::uint64_t>(BitImage::words_needed(grid().columns, grid().rows), "ray grid");
-    PLUMBLINE_TRY(words);
-    interested_ = BitImage(*words, grid().columns, grid().rows);
-    return find_interested_rays(cloud_, grid(), report_.width_mm, interested_, arena_);
+    return {};
   }
 
   Status start_confidence() {
@@ -124,7 +121,6 @@ class RayStages {
     const PlacedObject object{.cloud = cloud_,
                               .read_points = report_.cloud_points,
                               .grid = grid(),
-                              .interested = interested_,
                               .confidence = settings_.confidence,
                               .threads = settings_.threads};
     return admit_rays(object, arena_, report_.planned_bytes);
@@ -140,7 +136,6 @@ class RayStages {
     field.cloud = &cloud_;
     field.tree = &*tree_;
     field.winding = &winding_;
-    field.interested = interested_;
     field.confidence = settings_.confidence ? &report_.confidence : nullptr;
     field.grid = grid();
     field.max_radius = max_radius_;
@@ -170,7 +165,6 @@ class RayStages {
   float spread_ = 1;       ///< distance of joined points over that of the scan's
   WindingTree winding_;
   std::optional<KdTree2> tree_;
-  BitImage interested_;  ///< the rays that are shot
 };
 
 void drop_features(RRep& rrep, const SliceSettings& settings, Arena& arena, SliceReport& report) {

@@ -8,7 +8,6 @@
 #include "slicer/cloud/kd_tree.hpp"
 #include "slicer/cloud/thinning.hpp"
 #include "slicer/core/arena.hpp"
-#include "slicer/core/bit_image.hpp"
 #include "slicer/core/mib.hpp"
 #include "slicer/implicit/winding_number.hpp"
 #include "slicer/layers/layer_features.hpp"
@@ -109,7 +108,6 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
   set(Stage::kClustering, cloud + tree +
                               std::max({sizeof(PackedNormal) * std::size_t{points}, stray_pieces_bytes(points),
                                         support_size_bytes(threads), bore_walls_bytes(points)}));
-  std::size_t image = 0;
   std::size_t store = 0;
   // Without a grid the number of layers is unknown, but the cells take most of the map.
   const std::size_t map = evidence.confidence ? ConfidenceMap::bytes_needed(grid ? grid->layers : 0) : 0;
@@ -117,7 +115,6 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
   const std::size_t field = map + cloud + WindingTree::bytes_needed(ray_points);
   set(Stage::kWindingTree, field);
   if (grid) {
-    image = Arena::rounded(BitImage::words_needed(grid->columns, grid->rows) * sizeof(std::uint64_t));
     // While rays are shot, points share the arena with the crossings, so more of these mean fewer points. Afterwards all points
     // are gone, and what the crossings need can't be spared.
     store = store_bytes(*grid, evidence.yield.value_or(expected_yield(*grid, kCrossingsPerRay)));
@@ -129,9 +126,9 @@ MemoryPlan plan_memory(std::uint32_t points, const std::optional<PrintGrid>& gri
     set(Stage::kLayers, map + sorted + struts * sizeof(Strut) + layers_stage_bytes(*grid, struts));
   }
   const std::size_t flat_tree = KdTree2::kBytesPerPoint * std::size_t{ray_points};
-  set(Stage::kRayGrid, field + flat_tree + 2 * image);
+  set(Stage::kRayGrid, field + flat_tree);
   const std::size_t workers = threads * RayShooter::bytes_needed(tile_capacity(room));
-  set(Stage::kRays, field + flat_tree + image + store + workers);
+  set(Stage::kRays, field + flat_tree + store + workers);
   return plan;
 }
 

@@ -40,7 +40,7 @@ Status admit_rays(const PlacedObject& object, const Arena& arena, std::array<std
   constexpr double kPlannedShare = 1.06;
   const SeenSurface seen(object);
   const auto yield_of = [&](double crossings) {
-    return RayYield{std::min(crossings / 2, static_cast<double>(object.interested.count())), crossings};
+    return RayYield{std::min(crossings / 2, static_cast<double>(object.grid.columns) * object.grid.rows), crossings};
   };
   // The plan assumes that the scan missed surface: every ray leaves the object as often as it enters.
   const MemoryPlan plan = plan_memory(object.read_points, object.grid, object.threads,

@@ -6,7 +6,6 @@
 
 #include "slicer/cloud/cloud.hpp"
 #include "slicer/core/arena.hpp"
-#include "slicer/core/bit_image.hpp"
 #include "slicer/core/print_grid.hpp"
 #include "slicer/core/progress.hpp"
 
@@ -17,8 +16,7 @@ struct PlacedObject {
   const Cloud& cloud;             ///< mm
   std::uint32_t read_points = 0;  ///< points of the cloud after reading, for which its room was taken
   PrintGrid grid;
-  ConstBitImage interested;  ///< the rays that will be shot
-  bool confidence = false;   ///< SliceSettings::confidence
+  bool confidence = false;  ///< SliceSettings::confidence
   std::uint32_t threads = 1;
 };
 

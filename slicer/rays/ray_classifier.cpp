@@ -29,6 +29,7 @@ const char* to_string(RayDecision decision) {
     case RayDecision::kPerfect: return "perfect";
     case RayDecision::kWinding: return "winding number";
     case RayDecision::kBase: return "base plane";
+    case RayDecision::kAway: return "away";
   }
   return "unknown";
 }
@@ -239,7 +240,10 @@ ClassifiedRay RayClassifier::ray(std::uint32_t column, std::uint32_t row) {
   const float y = (static_cast<float>(row) + 0.5F) * grid_.pitch_y_mm;
   ray_block_ = row % kTileSide / kBlock * (kTileSide / kBlock) + column % kTileSide / kBlock;
   const RayPoints& points = gatherer_.points_of_ray(x, y);
-  const RaySurface surface = solver_.solve(gatherer_, points);
+  // Farther from all points than this (thesis III-4.a: no passing ray), MLS would only extrapolate.
+  const float width = settings_.intersections.width;
+  const bool passing = gatherer_.nearest2() <= 2 * width * width;
+  const RaySurface surface = passing ? solver_.solve(gatherer_, points) : RaySurface{};
   crossing_count_ = 0;
   used_winding_ = false;
   bool base = false;
@@ -281,7 +285,7 @@ ClassifiedRay RayClassifier::ray(std::uint32_t column, std::uint32_t row) {
   drop_thin_stretches();
   RayDecision decision = used_winding_ ? RayDecision::kWinding : RayDecision::kPerfect;
   if (base && crossing_count_ > 0) decision = winding_.tree().has_base() ? RayDecision::kBase : RayDecision::kWinding;
-  if (crossing_count_ == 0) decision = RayDecision::kOutside;
+  if (crossing_count_ == 0) decision = passing ? RayDecision::kOutside : RayDecision::kAway;
   return {std::span<const RayCrossing>(crossings_).first(crossing_count_ / 2 * 2), decision};
 }
 

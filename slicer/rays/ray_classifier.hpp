@@ -16,10 +16,11 @@ namespace plumbline {
 
 /// What decided the crossings of a ray.
 enum class RayDecision : std::uint8_t {
-  kOutside,  ///< no crossings: black at every height
+  kOutside,  ///< no crossings, though points are near: black at every height
   kPerfect,  ///< its intersections alternate, and the winding number of the cloud agrees
   kWinding,  ///< the winding number of the cloud added or moved crossings
   kBase,     ///< its lowest crossing is the base plane, under an open underside
+  kAway,     ///< no crossings, and no point within sqrt(2) w; not counted
 };
 inline constexpr std::size_t kRayDecisionCount = 4;
 

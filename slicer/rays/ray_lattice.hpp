@@ -33,7 +33,7 @@ class RayLattice {
   /// @param tolerance  mm: largest distance of the tested crossings from the polynomials
   explicit RayLattice(float tolerance) : tolerance_(tolerance) {}
 
-  /// Decides rays of a tile of which all rays are interested, after classifier.begin_tile(). The tiles of a column come row by row.
+  /// Decides rays of a tile that lies in the grid as a whole, after classifier.begin_tile(). The tiles of a column come row by row.
   /// @param column, row  pixel of the tile's first ray
   void decide(RayClassifier& classifier, std::uint32_t column, std::uint32_t row);
 

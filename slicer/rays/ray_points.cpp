@@ -153,6 +153,7 @@ const RayPoints& RayGatherer::points_of_ray(float x, float y) {
   RayPoints& c = columns_;
   c.size = count;
   c.reach = 0;
+  nearest2_ = std::numeric_limits<float>::infinity();
   continued_low_ = std::numeric_limits<float>::max();
   continued_high_ = std::numeric_limits<float>::lowest();
   for (std::uint32_t j = 0; j < count; ++j) {
@@ -160,6 +161,7 @@ const RayPoints& RayGatherer::points_of_ray(float x, float y) {
     const float radius = radius_[t];
     half_chord_[j] = std::sqrt(radius * radius - tile_.distance2[t]);
     c.reach = std::max(c.reach, radius);
+    nearest2_ = std::min(nearest2_, tile_.distance2[t]);
     c.copy(j, tile_, t);
     if (index_[t] < cloud_->seen()) continue;
     continued_low_ = std::min(continued_low_, c.depth[j] - radius);

@@ -36,6 +36,8 @@ class RayGatherer {
 
   /// The points of the ray at (x, y), which must be in the tile. Valid until the next call.
   const RayPoints& points_of_ray(float x, float y);
+  /// Squared distance in the plane of the nearest of them, mm^2; infinite if there are none.
+  float nearest2() const { return nearest2_; }
   /// All points of the tile that may have weight at a depth, mm, and others that have none on the ray.
   RayPoints points_near(float x, float y, float depth);
   /// Half the length of ray, mm, on which point j of the last points_of_ray() has weight.
@@ -57,6 +59,7 @@ class RayGatherer {
   std::span<float> half_chord_;
   RayPoints columns_;
   std::uint32_t count_ = 0;
+  float nearest2_ = 0;    ///< see nearest2()
   float tile_reach_ = 0;  ///< largest radius of the tile's points, mm
   bool thinned_ = false;
   float continued_low_ = 0;  ///< mm

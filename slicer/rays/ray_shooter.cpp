@@ -40,6 +40,9 @@ std::size_t RayShooter::bytes_needed(std::uint32_t tile_capacity) {
 Expected<RayShooter> RayShooter::create(const RayField& field, std::uint32_t threads, Arena& arena) {
   RayShooter shooter;
   shooter.field_ = field;
+  shooter.bounds_ = field.cloud->bounds();
+  shooter.bounds_.low -= Vec3f::Constant(field.max_radius);
+  shooter.bounds_.high += Vec3f::Constant(field.max_radius);
   shooter.threads_ = std::clamp<std::uint32_t>(threads, 1, kMaxThreads);
   for (Worker& worker : std::span(shooter.workers_).first(shooter.threads_)) {
     auto classifier = RayClassifier::create(*field.cloud, *field.tree, *field.winding, field.grid, field.max_radius,
@@ -61,19 +64,19 @@ Status RayShooter::shoot_tile(Worker& worker, std::uint32_t tile, CrossingStore&
   const std::uint32_t row = tile / store.tile_columns() * kTileSide;
   const std::uint32_t columns = std::min(kTileSide, grid.columns - column);
   const std::uint32_t rows = std::min(kTileSide, grid.rows - row);
-  std::uint32_t interested = 0;
-  for (std::uint32_t r = 0; r < rows; ++r) {
-    for (std::uint32_t c = 0; c < columns; ++c) interested += field_.interested.at(column + c, row + r) ? 1 : 0;
+  const Vec2f low(static_cast<float>(column) * grid.pitch_x_mm, static_cast<float>(row) * grid.pitch_y_mm);
+  const Vec2f high =
+      low + Vec2f(static_cast<float>(columns) * grid.pitch_x_mm, static_cast<float>(rows) * grid.pitch_y_mm);
+  if ((low.array() > bounds_.high.head<2>().array()).any() || (high.array() < bounds_.low.head<2>().array()).any()) {
+    return {};
   }
-  if (interested == 0) return {};
   worker.classifier.begin_tile(column, row);
   RayCounts& total = worker.counts;
   ++total.passing_tiles;
   total.thinned_tiles += worker.classifier.tile_thinned() ? 1 : 0;
-  total.interested += interested;
 
   RayLattice& lattice = *worker.lattice;
-  const bool whole = interested == kRaysPerTile;
+  const bool whole = columns * rows == kRaysPerTile;
   if (whole) {
     lattice.decide(worker.classifier, column, row);
     total.guided += lattice.guided();
@@ -84,7 +87,6 @@ Status RayShooter::shoot_tile(Worker& worker, std::uint32_t tile, CrossingStore&
   std::uint32_t used = 0;
   for (std::uint32_t r = 0; r < rows; ++r) {
     for (std::uint32_t c = 0; c < columns; ++c) {
-      if (!field_.interested.at(column + c, row + r)) continue;
       const std::uint32_t at = r * kTileSide + c;
       const TileRay& known = lattice.ray(c, r);
       const ClassifiedRay ray = whole && known.known
@@ -96,6 +98,8 @@ Status RayShooter::shoot_tile(Worker& worker, std::uint32_t tile, CrossingStore&
       }
       counts[at] = static_cast<std::uint8_t>(n);
       used += n;
+      if (ray.decision == RayDecision::kAway) continue;
+      ++total.interested;
       ++total.decided[static_cast<std::size_t>(ray.decision)];
     }
   }

@@ -6,7 +6,6 @@
 #include <span>
 
 #include "slicer/core/arena.hpp"
-#include "slicer/core/bit_image.hpp"
 #include "slicer/core/progress.hpp"
 #include "slicer/rays/ray_lattice.hpp"
 #include "slicer/rrep/crossing_store.hpp"
@@ -15,7 +14,7 @@ namespace plumbline {
 
 struct RayCounts {
   std::uint64_t passing_tiles = 0;
-  std::uint64_t interested = 0;                               ///< rays
+  std::uint64_t interested = 0;                               ///< rays with crossings, or with points near
   std::array<std::uint64_t, kRayDecisionCount> decided = {};  ///< rays, by RayDecision
   std::uint64_t guided = 0;         ///< rays whose crossings were looked for near predicted depths only (RayLattice)
   std::uint64_t interpolated = 0;   ///< rays that lie on the sheets of their neighbours
@@ -27,7 +26,6 @@ struct RayField {
   const Cloud* cloud = nullptr;
   const KdTree2* tree = nullptr;
   const WindingTree* winding = nullptr;
-  ConstBitImage interested;
   ConfidenceMap* confidence = nullptr;  ///< may be null
   PrintGrid grid;
   float max_radius = 0;             ///< mm, see RayGatherer::create()
@@ -48,7 +46,7 @@ class RayShooter {
   /// @retval ErrorCode::kOutOfMemory
   [[nodiscard]] static Expected<RayShooter> create(const RayField& field, std::uint32_t threads, Arena& arena);
 
-  /// Shoots every interested ray and stores its crossings. The result does not depend on the number of threads.
+  /// Shoots every ray within the bounds of the cloud's supports and stores its crossings. The result does not depend on the number of threads.
   /// @retval ErrorCode::kOutOfMemory, kCancelled
   [[nodiscard]] Expected<RayCounts> shoot(CrossingStore& store, ProgressSink* progress);
 
@@ -62,6 +60,7 @@ class RayShooter {
   Status shoot_tile(Worker& worker, std::uint32_t tile, CrossingStore& store) const;
 
   RayField field_;
+  Box3f bounds_;  ///< of the cloud's supports, mm
   std::array<Worker, kMaxThreads> workers_;
   std::uint32_t threads_ = 1;
 };

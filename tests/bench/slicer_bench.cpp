@@ -14,7 +14,7 @@
 #include "slicer/implicit/winding_number.hpp"
 #include "slicer/layers/layer_stream.hpp"
 #include "slicer/rays/ray_classifier.hpp"
-#include "slicer/rays/ray_grid.hpp"
+#include "slicer/rays/grid_width.hpp"
 #include "tests/slicer/reader/scan_fixture.hpp"
 #include "tests/slicer/support/arena_block.hpp"
 #include "tests/slicer/support/scan_cloud.hpp"

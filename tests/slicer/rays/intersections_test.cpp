@@ -7,7 +7,7 @@
 #include <functional>
 #include <vector>
 
-#include "slicer/rays/ray_grid.hpp"
+#include "slicer/rays/grid_width.hpp"
 #include "tests/slicer/support/arena_block.hpp"
 #include "tests/slicer/support/scan_cloud.hpp"
 
