@@ -14,7 +14,6 @@ namespace {
 // Distance from the cylinder within which a point is on its wall: the larger of these two.
 constexpr float kToleranceEpsilons = 0.1F;
 constexpr float kToleranceNoise = 2.5F;  ///< standard deviations of the noise
-constexpr float kMaxTolerance = 0.4F;    ///< radii; with more, any points make a cylinder
 // The first fit, within the width of the bore. Its tolerances, in widths, narrow down from the error of the first
 // guess.
 constexpr std::array<float, 7> kCoarseTolerances = {0.25F, 0.25F, 0.18F, 0.18F, 0.12F, 0.12F, 0.12F};
@@ -25,7 +24,6 @@ constexpr float kMaxChange = 2;  ///< ratio of the radius to the first; more is 
 constexpr float kStep = 0.5F;
 constexpr float kMinStep = 0.125F;  ///< a step that met something is halved down to this
 constexpr float kMaxLength = 16;
-constexpr float kMargin = 0.2F;  ///< left out of the last fit at either end
 constexpr float kMinUnseen = 2;  ///< epsilons of the length without wall; shorter gaps are closed without help
 // Limits that classify a point around the cylinder, by its distance from the axis, in radii, and by its normal.
 constexpr float kSurveyRadius = 1.5F;  ///< farther points don't count
@@ -170,7 +168,7 @@ class RoundBores {
   bool fit_first(Cylinder& c, float width) const {
     if (std::popcount(survey(c, {-0.5F * width, 0.5F * width}, 0.25F * width, 0).wall) < kWalled) return false;
     return std::all_of(kCoarseTolerances.begin(), kCoarseTolerances.end(), [&](float tolerance) {
-      return fit(c, {-width, width}, std::max(tolerance * width, tolerance_), true) && c.radius < kMaxRadius * width &&
+      return fit(c, {-width, width}, std::max(tolerance * width, tolerance_)) && c.radius < kMaxRadius * width &&
              c.radius > kMinRadius * width;
     });
   }
@@ -202,14 +200,14 @@ class RoundBores {
     return std::abs(n.dot(c.axis)) <= kFaceCosine && n.dot(at.outwards) <= 0;
   }
 
-  /// @param weigh_by_share  gives sparse points more weight: they lie deep in the bore and determine its axis
-  bool fit(Cylinder& c, const Stretch& stretch, float tolerance, bool weigh_by_share) const {
+  /// Gives sparse points more weight: they lie deep in the bore and determine its axis.
+  bool fit(Cylinder& c, const Stretch& stretch, float tolerance) const {
     CylinderFit fit(c);
     for_stretch(c, stretch, c.radius + tolerance, [&](std::uint32_t i, const OnCylinder& at) {
       if (!is_wall(i, c, at, tolerance)) return;
       const float off = (at.distance - c.radius) / tolerance;
       const float near = 1 - off * off;
-      const float share = weigh_by_share ? surface_.share_radius(i) : 1;
+      const float share = surface_.share_radius(i);
       fit.add(at, near * near * share * share);
     });
     return fit.improve(c) && c.radius > 0.25F * surface_.epsilon();
@@ -251,10 +249,9 @@ class RoundBores {
   std::optional<Bore> follow(Cylinder c) const {
     const float first_radius = c.radius;
     const auto fit_all = [&](const Stretch& stretch) {
-      return fit(c, stretch, tolerance_, true) && fit(c, stretch, tolerance_, true) &&
-             c.radius < kMaxChange * first_radius && first_radius < kMaxChange * c.radius;
+      return fit(c, stretch, tolerance_) && fit(c, stretch, tolerance_) && c.radius < kMaxChange * first_radius &&
+             first_radius < kMaxChange * c.radius;
     };
-    if (tolerance_ > kMaxTolerance * c.radius) return std::nullopt;
     std::array<Way, 2> ways{{{-1, kStep * c.radius}, {1, kStep * c.radius}}};
     std::uint32_t on = 0;
     std::uint32_t beside = 0;
@@ -278,10 +275,6 @@ class RoundBores {
       }
     }
     const Stretch walled{ways[0].walled, ways[1].walled};
-    const float margin = kMargin * c.radius;
-    for (int k = 0; k < 3; ++k) {
-      if (!fit(c, {walled.from + margin, walled.to - margin}, tolerance_, false)) return std::nullopt;
-    }
     if (on < kMinRatio * beside || !(unseen_length(c, walled) > kMinUnseen * surface_.epsilon())) return std::nullopt;
     return Bore{c, walled};
   }
