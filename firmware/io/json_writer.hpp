@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string_view>
 
 #include "firmware/io/text_sink.hpp"
@@ -54,6 +55,16 @@ class JsonWriter {
   void member(std::string_view name, const T& v) {
     key(name);
     value(v);
+  }
+  /// Null if there is none.
+  template <class T>
+  void member(std::string_view name, const std::optional<T>& v) {
+    key(name);
+    if (v) {
+      value(*v);
+    } else {
+      null();
+    }
   }
 
   /// Must be the last call: ends the line and empties the buffer.

@@ -129,7 +129,7 @@ void write_part(JsonWriter& json, const PartFigures& part) {
   json.key("lost");
   json.begin_array();
   for (const LostPiece& piece : part.lost) {
-    json.begin_object(JsonWriter::Layout::kOneLine);
+    json.begin_object(kOneLine);
     json.member("kind", piece.kind);
     json.member("layer", piece.layer);
     json.member("last_layer", piece.last_layer);
@@ -140,6 +140,71 @@ void write_part(JsonWriter& json, const PartFigures& part) {
   }
   json.end_array();
   json.end_object();
+}
+
+void write_fault(JsonWriter& json, const PrintReport& report) {
+  if (report.fault == FaultCode::kNone) return json.null();
+  const FaultText text = explain(report.fault, report.fault_message.view());
+  FixedText<16> code;
+  code.add("PL-%u", static_cast<unsigned>(report.fault));
+  json.begin_object();
+  json.member("code", code.view());
+  json.member("title", info(report.fault).title);
+  json.member("message", report.fault_message.view());
+  json.member("next", text.advice.view());
+  json.end_object();
+}
+
+void write_checks(JsonWriter& json, const PrintReport& report) {
+  json.begin_array();
+  for (std::size_t i = 0; i < kCheckCount; ++i) {
+    json.begin_object(kOneLine);
+    json.member("check", to_string(static_cast<Check>(i)));
+    json.member("outcome", to_string(report.checks[i].outcome));
+    json.member("detail", report.checks[i].detail.view());
+    json.end_object();
+  }
+  json.end_array();
+}
+
+void write_masks(JsonWriter& json, const MaskFigures& masks) {
+  json.begin_object();
+  json.member("smallest_slack_s", seconds(masks.smallest_slack));
+  json.member("smallest_slack_layer", masks.smallest_slack_layer);
+  json.member("median_ms", thousandths(milliseconds(masks.median_making)));
+  json.member("worst_ms", thousandths(milliseconds(masks.worst_making)));
+  json.member("copy_ms", thousandths(milliseconds(masks.median_copying)));
+  json.member("ratio_to_copy", thousandths(masks.ratio()));
+  json.end_object();
+}
+
+void write_steps(JsonWriter& json, const std::optional<StepFigures>& steps) {
+  if (!steps) return json.null();
+  json.begin_object();
+  json.member("steps", steps->steps);
+  json.member("late_steps", steps->late);
+  json.member("worst_lateness_ms", milliseconds(steps->worst_lateness));
+  json.member("standstills", steps->standstills);
+  json.member("real_time_priority", steps->real_time);
+  json.member("locked_memory", steps->memory_locked);
+  json.end_object();
+}
+
+void write_exposures(JsonWriter& json, const PrintReport& report) {
+  json.begin_array();
+  for (const auto& line : report.exposures) {
+    json.begin_object(kOneLine);
+    json.member("layer", line.layer);
+    json.member("asked_s", seconds(line.asked));
+    json.member("lit_s", seconds(line.lit));
+    json.member("dose_mj_cm2", thousandths(line.dose.value()));
+    json.member("expected_mj_cm2", thousandths(line.expected.value()));
+    json.member("end", word_of(line.end));
+    json.key("mask_hash");
+    json.hex(line.mask_hash);
+    json.end_object();
+  }
+  json.end_array();
 }
 
 }  // namespace
@@ -177,14 +242,13 @@ Status write_print_summary(OutputFile& out, const PrintOutcome& outcome, std::st
 }
 
 void write_print_report(JsonWriter& json, const PrintOutcome& outcome) {
-  using Layout = JsonWriter::Layout;
   const PrintReport& report = outcome.report;
   const JobFacts& facts = outcome.session.facts();
   json.begin_object();
   json.member("scan", view(facts.scan));
   if (const auto files = outcome.session.scan_files(); files.size() > 1) {
     json.key("files");
-    json.begin_array(Layout::kOneLine);
+    json.begin_array(kOneLine);
     for (const auto& file : files) json.value(view(file));
     json.end_array();
   }
@@ -192,29 +256,9 @@ void write_print_report(JsonWriter& json, const PrintOutcome& outcome) {
   json.member("profile", view(facts.profile));
   json.member("state", to_string(report.state));
   json.key("fault");
-  if (report.fault == FaultCode::kNone) {
-    json.null();
-  } else {
-    const FaultText text = explain(report.fault, report.fault_message.view());
-    FixedText<16> code;
-    code.add("PL-%u", static_cast<unsigned>(report.fault));
-    json.begin_object();
-    json.member("code", code.view());
-    json.member("title", info(report.fault).title);
-    json.member("message", report.fault_message.view());
-    json.member("next", text.advice.view());
-    json.end_object();
-  }
+  write_fault(json, report);
   json.key("checks");
-  json.begin_array();
-  for (std::size_t i = 0; i < kCheckCount; ++i) {
-    json.begin_object(Layout::kOneLine);
-    json.member("check", to_string(static_cast<Check>(i)));
-    json.member("outcome", to_string(report.checks[i].outcome));
-    json.member("detail", report.checks[i].detail.view());
-    json.end_object();
-  }
-  json.end_array();
+  write_checks(json, report);
   json.member("layers", report.layers);
   json.member("first_layer", report.first_layer);
   json.member("next_layer", report.next_layer);
@@ -235,29 +279,10 @@ void write_print_report(JsonWriter& json, const PrintOutcome& outcome) {
   json.member("slowest_layer_s", seconds(report.slowest));
   json.member("pauses", report.pauses);
   json.member("late_masks", report.late_masks);
-  const MaskFigures masks = outcome.session.mask_figures();
   json.key("masks");
-  json.begin_object();
-  json.member("smallest_slack_s", seconds(masks.smallest_slack));
-  json.member("smallest_slack_layer", masks.smallest_slack_layer);
-  json.member("median_ms", thousandths(milliseconds(masks.median_making)));
-  json.member("worst_ms", thousandths(milliseconds(masks.worst_making)));
-  json.member("copy_ms", thousandths(milliseconds(masks.median_copying)));
-  json.member("ratio_to_copy", thousandths(masks.ratio()));
-  json.end_object();
+  write_masks(json, outcome.session.mask_figures());
   json.key("stage");
-  if (outcome.steps) {
-    json.begin_object();
-    json.member("steps", outcome.steps->steps);
-    json.member("late_steps", outcome.steps->late);
-    json.member("worst_lateness_ms", milliseconds(outcome.steps->worst_lateness));
-    json.member("standstills", outcome.steps->standstills);
-    json.member("real_time_priority", outcome.steps->real_time);
-    json.member("locked_memory", outcome.steps->memory_locked);
-    json.end_object();
-  } else {
-    json.null();
-  }
+  write_steps(json, outcome.steps);
   json.key("warnings");
   json.begin_array();
   for_each_warning(report, [&json](const Told&, std::string_view warning) { json.value(warning); });
@@ -277,20 +302,7 @@ void write_print_report(JsonWriter& json, const PrintOutcome& outcome) {
     json.null();
   }
   json.key("exposures");
-  json.begin_array();
-  for (const auto& line : report.exposures) {
-    json.begin_object(Layout::kOneLine);
-    json.member("layer", line.layer);
-    json.member("asked_s", seconds(line.asked));
-    json.member("lit_s", seconds(line.lit));
-    json.member("dose_mj_cm2", thousandths(line.dose.value()));
-    json.member("expected_mj_cm2", thousandths(line.expected.value()));
-    json.member("end", word_of(line.end));
-    json.key("mask_hash");
-    json.hex(line.mask_hash);
-    json.end_object();
-  }
-  json.end_array();
+  write_exposures(json, report);
   json.end_object();
 }
 

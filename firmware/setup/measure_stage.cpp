@@ -35,6 +35,59 @@ Drive drive_of(const MachineFile& machine) {
           machine.wiring.direction.active_low};
 }
 
+/// Asks whether the end stop reads right, and turns its line round if not.
+Status check_end_stop(Dialogue& dialogue, BoardDraft& draft, const OpenMachine& open) {
+  const auto bench = Bench::open(dialogue, draft.values(), open);
+  PLUMBLINE_TRY(bench);
+  const std::string state = (*bench)->machine().stage.end_stop_pressed() ? "pressed" : "not pressed";
+  const auto right =
+      dialogue.ask_yes({"end_stop.right", "the printer sees the end stop as " + state + ". Is that so?", "", "yes"});
+  PLUMBLINE_TRY(right);
+  if (*right) return {};
+  const bool low = draft.values().machine->wiring.end_stop.active_low;
+  return draft.set("end_stop_line", "active", low ? "high" : "low", kMeasured);
+}
+
+struct Jog {
+  double moved_mm = 0;  ///< as the user measured it; below 0: down
+  bool arrived = true;  ///< else the end stop ended it
+};
+
+/// Moves the plate up, and asks how far it went.
+/// @param number_of_jog  from 1
+Expected<Jog> jog_up(Dialogue& dialogue, BoardDraft& draft, const OpenMachine& open, Distance way, int number_of_jog) {
+  const auto bench = Bench::open(dialogue, draft.values(), open);
+  PLUMBLINE_TRY(bench);
+  ZStage& stage = (*bench)->machine().stage;
+  Witness* const witness = (*bench)->witness();
+  const Distance before = witness != nullptr ? witness->plate_height() : Distance();
+  dialogue.say("\n  Moving up by " + number(way.millimetres()) + " mm.");
+  auto motion = stage.begin_jog(way);
+  PLUMBLINE_TRY(motion);
+  PLUMBLINE_TRY(wait_for(*motion, (*bench)->machine()));  // the motion stops when it goes out of scope
+  const auto report = motion->finish();
+  PLUMBLINE_TRY(report);
+  if (!report->arrived) dialogue.say("  The end stop closed, so it ended early. Measure as far as it went.");
+  if (witness != nullptr) {
+    dialogue.say("  (simulated: you measure " + number((witness->plate_height() - before).millimetres()) + " mm)");
+  }
+  double moved_mm = 0;
+  const Question question{"move." + std::to_string(number_of_jog),
+                          "how far did the plate move? Measure it with a caliper",
+                          "mm; below 0 if it went down, 0 if nothing could be seen", ""};
+  const auto asked = dialogue.ask(question, [&](const std::string& answer) -> Status {
+    const auto value = number_in(answer, -1000, 1000, "mm");
+    PLUMBLINE_TRY(value);
+    moved_mm = *value;
+    if (moved_mm == 0) return {};
+    const auto drive = drive_for(drive_of(*draft.values().machine), way, moved_mm);
+    PLUMBLINE_TRY(drive);
+    return {};
+  });
+  PLUMBLINE_TRY(asked);
+  return Jog{moved_mm, report->arrived};
+}
+
 }  // namespace
 
 Status measure_stage(Dialogue& dialogue, BoardDraft& draft, const OpenMachine& open) {
@@ -49,49 +102,13 @@ Status measure_stage(Dialogue& dialogue, BoardDraft& draft, const OpenMachine& o
     dialogue.say("  Left out: steps and direction stay as they are.");
     return {};
   }
-  {
-    const auto bench = Bench::open(dialogue, draft.values(), open);
-    PLUMBLINE_TRY(bench);
-    const std::string state = (*bench)->machine().stage.end_stop_pressed() ? "pressed" : "not pressed";
-    const auto right =
-        dialogue.ask_yes({"end_stop.right", "the printer sees the end stop as " + state + ". Is that so?", "", "yes"});
-    PLUMBLINE_TRY(right);
-    if (!*right) {
-      const bool low = draft.values().machine->wiring.end_stop.active_low;
-      PLUMBLINE_TRY(draft.set("end_stop_line", "active", low ? "high" : "low", kMeasured));
-    }
-  }
+  PLUMBLINE_TRY(check_end_stop(dialogue, draft, open));
   Distance next = kFirstJog;
   for (int jog = 1; jog <= kMostJogs; ++jog) {
-    const auto bench = Bench::open(dialogue, draft.values(), open);
-    PLUMBLINE_TRY(bench);
-    ZStage& stage = (*bench)->machine().stage;
-    Witness* const witness = (*bench)->witness();
-    const Distance before = witness != nullptr ? witness->plate_height() : Distance();
-    dialogue.say("\n  Moving up by " + number(next.millimetres()) + " mm.");
-    auto motion = stage.begin_jog(next);
-    PLUMBLINE_TRY(motion);
-    PLUMBLINE_TRY(wait_for(*motion, (*bench)->machine()));  // the motion stops when it goes out of scope
-    const auto report = motion->finish();
-    PLUMBLINE_TRY(report);
-    if (!report->arrived) dialogue.say("  The end stop closed, so it ended early. Measure as far as it went.");
-    if (witness != nullptr) {
-      dialogue.say("  (simulated: you measure " + number((witness->plate_height() - before).millimetres()) + " mm)");
-    }
-    double moved_mm = 0;
-    const Question question{"move." + std::to_string(jog), "how far did the plate move? Measure it with a caliper",
-                            "mm; below 0 if it went down, 0 if nothing could be seen", ""};
-    const auto asked = dialogue.ask(question, [&](const std::string& answer) -> Status {
-      const auto value = number_in(answer, -1000, 1000, "mm");
-      PLUMBLINE_TRY(value);
-      moved_mm = *value;
-      if (moved_mm == 0) return {};
-      const auto drive = drive_for(drive_of(*draft.values().machine), next, moved_mm);
-      PLUMBLINE_TRY(drive);
-      return {};
-    });
-    PLUMBLINE_TRY(asked);
-    if (!report->arrived) {
+    const auto jogged = jog_up(dialogue, draft, open, next, jog);
+    PLUMBLINE_TRY(jogged);
+    const double moved_mm = jogged->moved_mm;
+    if (!jogged->arrived) {
       dialogue.say("  Turn the screw by hand until the end stop is free.");
       continue;
     }

@@ -16,13 +16,14 @@ double thousandths(double value) { return std::round(value * 1000) / 1000; }
 
 double seconds_of(nanoseconds time) { return thousandths(std::chrono::duration<double>(time).count()); }
 
+/// `value`, or none where `there` is false.
+template <class T>
+std::optional<T> only_if(bool there, T value) {
+  return there ? std::optional(value) : std::nullopt;
+}
+
 void text_or_null(JsonWriter& json, std::string_view name, std::string_view text) {
-  json.key(name);
-  if (text.empty()) {
-    json.null();
-  } else {
-    json.value(text);
-  }
+  json.member(name, only_if(!text.empty(), text));
 }
 
 /// {"code": "island", "values": {"count": 3, ...}, "name": ...}; null if it has no code.
@@ -68,12 +69,7 @@ void write_stick(JsonWriter& json, const PrinterRecord& record) {
     json.member("bytes", scan.bytes);
     text_or_null(json, "problem", scan.problem.view());
     write_told(json, "told", scan.told);
-    json.key("picture");
-    if (scan.picture > 0) {
-      json.value(scan.picture);
-    } else {
-      json.null();
-    }
+    json.member("picture", only_if(scan.picture > 0, scan.picture));
     json.end_object();
   }
   json.end_array();
@@ -131,12 +127,7 @@ void write_job(JsonWriter& json, const PrinterRecord& record) {
   json.begin_array(kOneLine);
   for (std::size_t i = 0; i < job.file_count; ++i) json.value(job.files[i].view());
   json.end_array();
-  json.key("number");
-  if (job.chosen) {
-    json.value(static_cast<std::uint32_t>(*job.chosen + 1));
-  } else {
-    json.null();
-  }
+  json.member("number", only_if(job.chosen.has_value(), static_cast<std::uint32_t>(job.chosen.value_or(0) + 1)));
   json.member("profile", job.profile.view());
   json.member("units", to_string(job.units));
   json.member("scale", job.scale);
@@ -160,33 +151,14 @@ void write_job(JsonWriter& json, const PrinterRecord& record) {
   json.member("rotate_x_deg", job.rotate_x_deg);
   json.member("rotate_y_deg", job.rotate_y_deg);
   json.member("rotate_z_deg", job.rotate_z_deg);
-  json.key("layer_height");
-  if (job.layer_height > 0) {
-    json.value(job.layer_height);
-  } else {
-    json.null();
-  }
-  json.key("supports");
-  if (job.supports) {
-    json.value(*job.supports ? "auto" : "none");
-  } else {
-    json.null();
-  }
-  json.key("proposal");
-  if (const auto proposal = record.proposal()) {
-    json.value(static_cast<std::uint32_t>(*proposal));
-  } else {
-    json.null();
-  }
+  json.member("layer_height", only_if(job.layer_height > 0, job.layer_height));
+  json.member("supports", only_if(job.supports.has_value(), job.supports.value_or(false) ? "auto" : "none"));
+  const auto proposal = record.proposal();
+  json.member("proposal", only_if(proposal.has_value(), static_cast<std::uint32_t>(proposal.value_or(0))));
   json.member("as", to_string(job.as));
   json.member("base", word_of(job.base));
   json.member("keep_all", job.keep_all);
-  json.key("result");
-  if (record.result) {
-    json.value(to_string(*record.result));
-  } else {
-    json.null();
-  }
+  json.member("result", only_if(record.result.has_value(), to_string(record.result.value_or(PrintState::kIdle))));
   json.end_object();
 }
 
@@ -230,15 +202,10 @@ void write_sliced(JsonWriter& json, const PrinterRecord& record) {
 
 /// The number of a picture, which rises when there is another one; null: there is none.
 void write_pictures(JsonWriter& json, const PrinterRecord& record) {
-  const auto number = [&](std::string_view name, bool there, std::uint32_t value) {
-    json.key(name);
-    if (there) {
-      json.value(value);
-    } else {
-      json.null();
-    }
-  };
   const JobPictures* const pictures = record.pictures;
+  const auto number = [&](std::string_view name, bool there, std::uint32_t value) {
+    json.member(name, only_if(there, value));
+  };
   json.begin_object(kOneLine);
   number("preview", pictures != nullptr && pictures->preview.there(),
          pictures != nullptr ? pictures->preview_number : 0);
@@ -271,12 +238,7 @@ void write_progress(JsonWriter& json, const PrinterRecord& record) {
   json.member("elapsed_s", static_cast<std::uint64_t>(progress.elapsed.count()));
   json.member("left_s", static_cast<std::uint64_t>(progress.left.count()));
   write_time(json, "ends_at", progress.ends_at);
-  json.key("slack_s");
-  if (progress.slack) {
-    json.value(seconds_of(*progress.slack));
-  } else {
-    json.null();
-  }
+  json.member("slack_s", only_if(progress.slack.has_value(), seconds_of(progress.slack.value_or(nanoseconds()))));
   json.end_object();
 }
 
@@ -415,12 +377,7 @@ Status write_reply_line(TextSink& out, std::optional<std::uint64_t> id, const Er
   JsonWriter json(out);
   json.begin_object(kOneLine);
   json.member("type", "reply");
-  json.key("id");
-  if (id) {
-    json.value(*id);
-  } else {
-    json.null();
-  }
+  json.member("id", id);
   json.member("ok", error == nullptr);
   if (upload) json.member("upload", *upload);
   if (error != nullptr) {
