@@ -49,8 +49,26 @@ Expected<ModelParts> ModelParts::create(Arena& memory) {
 
 bool ModelParts::add(const ObjectKey& child, const ObjectKey& in, const Affine& place) {
   if (size_ == places_.size()) return false;
-  places_[size_++] = {child, in, place};
+  places_[size_++] = {child, in, place, false, false};
   return true;
+}
+
+bool ModelParts::declare(const ObjectKey& object) {
+  for (Place& place : places_.first(size_)) {
+    place.in_declared |= place.in == object;
+    if (place.child != object) continue;
+    if (place.declared) return false;
+    place.declared = true;
+  }
+  return true;
+}
+
+std::optional<std::uint32_t> ModelParts::missing() const {
+  for (const Place& place : places_.first(size_)) {
+    const bool counts = place.in.id == 0 ? place.in.part == root_ : place.in_declared;
+    if (counts && !place.declared) return place.child.id;
+  }
+  return std::nullopt;
 }
 
 ModelParts::Found ModelParts::find_instances(const ObjectKey& mesh) {

@@ -57,6 +57,13 @@ class ModelParts {
   void set_root(std::uint64_t part) { root_ = part; }
   std::uint64_t root() const { return root_; }
 
+  /// Notes that the file has this object.
+  /// @returns false if it is placed and there was one with the same key before
+  [[nodiscard]] bool declare(const ObjectKey& object);
+
+  /// @returns the id of an object that is placed in the root's build or in an object of the file, and that declare() was not called for
+  std::optional<std::uint32_t> missing() const;
+
   /// Finds the transform of each copy of a mesh that is printed.
   Found find_instances(const ObjectKey& mesh);
   /// As found last.
@@ -67,6 +74,8 @@ class ModelParts {
     ObjectKey child;
     ObjectKey in;
     Affine place;
+    bool declared;     ///< declare() was called for the child
+    bool in_declared;  ///< and for the object that it is in
   };
 
   Found follow(const ObjectKey& object, const Affine& so_far, std::uint32_t depth);

@@ -165,6 +165,7 @@ class MeshDocument final : public ModelDocument {
  private:
   void begin_object(const ObjectKey& key, bool printed) override {
     is_printed_ = false;
+    if (!parts().declare(key)) return parser_->complain("another object with the id %u", key.id);
     if (!printed) return;
     const auto found = parts().find_instances(key);
     if (found == ModelParts::Found::kTooDeep) {
@@ -263,7 +264,13 @@ class ThreeMfReader {
     unit_mm_ = root->unit_mm;
     PLUMBLINE_TRY(input_.rewind());
     input_.report_within(kFirstPass, 1);
-    return for_parts([&](ZipParts& part) { return read_mesh_part(part); });
+    PLUMBLINE_TRY(for_parts([&](ZipParts& part) { return read_mesh_part(part); }));
+    if (const auto id = parts_.missing()) {
+      return input_.fail(
+          ErrorCode::kMalformed,
+          "the object with the id %u is to be printed, but is not in the archive;\texport the file again", *id);
+    }
+    return {};
   }
 
  private:

@@ -245,6 +245,21 @@ TEST(ThreeMf, BrokenAndHostileFilesAreRefusedInWords) {
       {"an infinite transform", with("objectid=\"1\"", "objectid=\"1\" transform=\"1 0 0 0 1 0 0 0 1 0 0 1e999\""),
        ErrorCode::kMalformed, "is not a transform of 12 numbers"},
       {"no id", with("objectid=\"1\"", "objectid=\"x\""), ErrorCode::kMalformed, "expected an objectid from 1"},
+      {"an item without its object", threemf_with(built(block(1), "<item objectid=\"1\"/><item objectid=\"14\"/>")),
+       ErrorCode::kMalformed, "the object with the id 14 is to be printed, but is not in the archive"},
+      {"a component without its object",
+       threemf_with(built(
+           block(1) +
+               R"(<object id="2"><components><component objectid="1"/><component objectid="9"/></components></object>)",
+           "<item objectid=\"2\"/>")),
+       ErrorCode::kMalformed, "the object with the id 9 is to be printed"},
+      {"two meshes of one id", threemf_with(built(block(1) + block(1), "<item objectid=\"1\"/>")),
+       ErrorCode::kMalformed, "another object with the id 1"},
+      {"a mesh and components of one id",
+       threemf_with(
+           built(block(1) + block(2) + R"(<object id="2"><components><component objectid="1"/></components></object>)",
+                 "<item objectid=\"2\"/>")),
+       ErrorCode::kMalformed, "another object with the id 2"},
       {"too many items", threemf_with(built(block(1), many)), ErrorCode::kMalformed, "more than 1024 items"},
       {"too many copies", threemf_with(built(levels, "<item objectid=\"20\"/>")), ErrorCode::kMalformed,
        "more than 512 times"},
