@@ -38,6 +38,8 @@ constexpr Mark kMarks[] = {
     {"glTF"sv, "glTF", kMesh},
     {"Kaydara FBX"sv, "FBX", kMesh},
     {"<?xml"sv, "XML", kConvert},
+    {"<!DOCTYPE html"sv, "a web page", "download the file itself"},
+    {"version https://git-lfs"sv, "a pointer of Git LFS, not the file", "get the file with 'git lfs pull'"},
 };
 
 constexpr std::string_view kObjKeywords[] = {"v", "vn", "vt", "vp", "f",      "l",      "p",
@@ -66,9 +68,9 @@ class Probe {
     if (is_off()) return ScanFormat::kOff;
     if (window_.starts_with("# .PCD")) return ScanFormat::kPcd;
 
+    if (is_ptx()) return ScanFormat::kPtx;
     std::string_view rest = window_;
     const auto line = next_line(rest);
-    if (is_count(line) && is_count(next_line(rest))) return ScanFormat::kPtx;
     const auto word = LineWords(line, kBlanksAndCommas).next();
     if (word == "VERSION" || word == "FIELDS" || word == "COLUMNS") return ScanFormat::kPcd;
     const auto keyword = LineWords(line).next();
@@ -146,7 +148,8 @@ class Probe {
 
   /// 4OFF and nOFF have other dimensions than three.
   bool is_off() const {
-    const auto first = LineWords(window_.substr(0, window_.find_first_of("\r\n"))).next();
+    std::string_view rest = window_;
+    const auto first = LineWords(next_line(rest)).next();
     for (const std::string_view off : {"OFF", "COFF", "NOFF", "CNOFF", "STOFF", "STCOFF", "STNOFF", "STCNOFF"}) {
       if (first == off) return true;
     }
@@ -165,10 +168,25 @@ class Probe {
     return {};
   }
 
-  /// A line of one whole number. A PTX begins with two, the columns and rows of its first scan; a PTS with one.
-  static bool is_count(std::string_view line) {
-    LineWords words(line);
-    return parse_count(words.next()) && words.next().empty();
+  /// A PTX begins with two whole numbers, the columns and rows of its first scan, a PTS with one, or with several if its first blocks
+  /// are empty. Then the lines of three and of four numbers that follow in a PTX tell them apart.
+  bool is_ptx() const {
+    std::string_view rest = window_;
+    bool is_empty = false;
+    for (int line = 0; line < 2; ++line) {
+      LineWords words(next_line(rest));
+      const auto count = parse_count(words.next());
+      if (!count || !words.next().empty()) return false;
+      is_empty = is_empty || (line == 0 && *count == 0);
+    }
+    for (int line = 0; is_empty && line < 8; ++line) {
+      LineWords words(next_line(rest));
+      for (int word = 0; word < (line < 4 ? 3 : 4); ++word) {
+        if (words.next().empty()) return false;
+      }
+      if (!words.next().empty()) return false;
+    }
+    return true;
   }
 
   Expected<ScanFormat> by_name(std::string_view line) const {

@@ -110,7 +110,9 @@ class PtxReader {
           "the file again",
           number(), Quote(line_.text).c_str());
     }
-    return {};
+    if (pose_.rotation.determinant() != 0) return {};
+    return lines_.input().fail(ErrorCode::kMalformed,
+                               "line %llu: the scan's transform makes it flat;\texport the file again", number());
   }
 
   Status read_points(std::uint64_t count) {

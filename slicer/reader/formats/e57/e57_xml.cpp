@@ -33,8 +33,12 @@ class E57Document final : public XmlHandler {
     if (depth_ == 4) part_ = name == "pose" ? Part::kPose : name == "points" ? Part::kPoints : Part::kOther;
     if (part_ == Part::kPose && depth_ >= 5) begin_pose(name);
     if (part_ == Part::kPoints && depth_ == 4) begin_points(attributes);
-    if (part_ == Part::kPoints && depth_ == 5) in_prototype_ = name == "prototype";
+    if (part_ == Part::kPoints && depth_ == 5) {
+      in_prototype_ = name == "prototype";
+      in_codecs_ = name == "codecs";
+    }
     if (part_ == Part::kPoints && depth_ >= 6 && in_prototype_) add_field(name, attributes);
+    if (part_ == Part::kPoints && (depth_ == 6 || depth_ == 7) && in_codecs_) check_codec(name);
   }
 
   void text(std::string_view piece) override {
@@ -94,11 +98,17 @@ class E57Document final : public XmlHandler {
 
   void begin_points(const XmlAttributes& attributes) {
     has_points_ = true;
-    in_prototype_ = false;
+    in_prototype_ = in_codecs_ = false;
     if (!parse_number(attributes["fileOffset"], scan_.section) ||
         !parse_number(attributes["recordCount"], scan_.points)) {
       parser_->complain("points without a usable fileOffset and recordCount");
     }
+  }
+
+  /// Each entry lists the fields that a codec packs, and the codec. Fields that no entry lists are bit-packed.
+  void check_codec(std::string_view name) {
+    if (name == "vectorChild" || name == "inputs" || name == "bitPackCodec") return;
+    parser_->complain("points packed by '%s'; only 'bitPackCodec' is read", Quote(name).c_str());
   }
 
   /// Elements with others in them have no stream of their own.
@@ -182,7 +192,7 @@ class E57Document final : public XmlHandler {
   std::uint64_t depth_ = 0;  ///< of the open element, from 1
   bool in_scans_ = false;
   Part part_ = Part::kOther;
-  bool in_prototype_ = false;
+  bool in_prototype_ = false, in_codecs_ = false;
   bool is_rotation_ = false, is_translation_ = false;
   double* value_ = nullptr;  ///< of the pose, whose text is being read
   std::array<char, 64> text_ = {};

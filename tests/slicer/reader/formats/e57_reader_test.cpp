@@ -96,6 +96,24 @@ TEST(E57Reader, AFieldOfOneValueTakesNoBits) {
   EXPECT_THAT(read_e57_of({{.columns = columns}}).message(), HasSubstr("all points of a scan are at one place"));
 }
 
+TEST(E57Reader, RefusesPointsThatAreNotBitPacked) {
+  const auto read_with = [](const std::string& codec) {
+    E57File file;
+    file.change_xml = [&](const std::string& xml) {
+      return replaced(xml, "Children=\"1\"></codecs>", "Children=\"1\">" + codec + "</codecs>");
+    };
+    return read(file.bytes({{.columns = float_columns()}}), "scan.e57", {1000});
+  };
+  const std::string inputs = "<inputs type=\"Vector\"><vectorChild type=\"String\">cartesianX</vectorChild></inputs>";
+  auto packed =
+      read_with("<vectorChild type=\"Structure\">" + inputs + "<bitPackCodec type=\"Structure\"/></vectorChild>");
+  ASSERT_TRUE(packed.summary.has_value()) << packed.message();
+  EXPECT_TRUE(same_points(packed.points(), e57_points()));
+  EXPECT_THAT(
+      read_with("<vectorChild type=\"Structure\">" + inputs + "<x:zstd type=\"Structure\"/></vectorChild>").message(),
+      HasSubstr("of its XML: points packed by 'x:zstd'; only 'bitPackCodec' is read"));
+}
+
 TEST(E57Reader, MovesEachScanByItsPose) {
   // A quarter turn about z; the length of the quaternion does not matter, and zeros may be left out.
   const std::string turned =

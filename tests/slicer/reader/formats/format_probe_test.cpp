@@ -14,6 +14,8 @@ TEST(FormatProbe, NamesAFormatThatIsNoScanAndSaysWhatToDo) {
       {"\x1f\x8b\x08\x00 rest"s, "gzip", "unpack it"},
       {"PK\x03\x04 rest", "zip", "unpack it"},
       {"glTF rest", "glTF", "export the mesh as STL"},
+      {"<!DOCTYPE html>\n<html>", "a web page", "download the file itself"},
+      {"version https://git-lfs.github.com/spec/v1\n", "a pointer of Git LFS", "git lfs pull"},
       {"7z\xbc\xaf\x27\x1c rest", "7z", "unpack it"},
   };
   for (const auto& [bytes, what, advice] : cases) {

@@ -35,6 +35,13 @@ TEST(PtxReader, LeavesOutRaysThatReturnedNothing) {
   EXPECT_EQ(reading.summary->left_out, 2U);
 }
 
+TEST(PtxReader, ReadsAFileWhoseFirstScanIsEmpty) {
+  const auto reading = read("0\n0\n" + kPtxPlain + "1\n1\n" + kPtxTurned + "1 2 3 .5\n", "scan.ptx");
+  ASSERT_TRUE(reading.summary.has_value()) << reading.message();
+  EXPECT_EQ(reading.summary->header.format, ScanFormat::kPtx);
+  EXPECT_EQ(reading.summary->points, 1U);
+}
+
 TEST(PtxReader, NamesTheLineWithTheError) {
   EXPECT_THAT(read("2\n1\n" + kPtxPlain + "1 2 3 .5\n", "a.ptx").message(),
               HasSubstr("a.ptx: the file ends after line 11, with 1 of the 2 points of a scan"));
@@ -46,6 +53,8 @@ TEST(PtxReader, NamesTheLineWithTheError) {
               HasSubstr("line 10: expected 4 numbers for the scan's transform"));
   EXPECT_THAT(read("1\n1\n" + replaced(kPtxPlain, "1 0 0 0", "1 0 0 5") + "1 2 3 .5\n", "a.ptx").message(),
               HasSubstr("line 7: the last column of a scan's transform must be 0 0 0 1"));
+  EXPECT_THAT(read("1\n1\n" + replaced(kPtxPlain, "0 0 1 0", "0 0 0 0") + "1 2 3 .5\n", "a.ptx").message(),
+              HasSubstr("line 10: the scan's transform makes it flat"));
   EXPECT_THAT(read("1\n1\n" + kPtxPlain + "1 2 3 .5\n1 2 3 .5\n", "a.ptx").message(),
               HasSubstr("line 12: expected the number of columns of a scan, found '1 2 3 .5'"));
   EXPECT_THAT(read("1\n1\n" + kPtxPlain + "1 2 3 .5\n1\n", "a.ptx").message(), HasSubstr("before the rows of a scan"));

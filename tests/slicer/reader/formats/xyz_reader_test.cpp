@@ -45,6 +45,17 @@ TEST(XyzReader, ChecksThePointCountOfPts) {
   EXPECT_EQ(read("18446744073709551615\n1 2 3\n-4 5.5 60\n").code(), ErrorCode::kTruncated);
 }
 
+TEST(XyzReader, ReadsPtsWhoseFirstBlocksAreEmpty) {
+  const std::string row = "1 2 3 -900 9 9 9\n";
+  for (const std::string& text : {"0\n1\n" + row, "0\n0\n1\n" + row, "0\n8\n" + replaced(std::string(8, '!'), "!", row),
+                                  "0\n7\n" + replaced(std::string(7, '!'), "!", "1 2 3\n")}) {
+    const auto reading = read(text, "merged.pts");
+    ASSERT_TRUE(reading.summary.has_value()) << text << reading.message();
+    EXPECT_EQ(reading.summary->header.format, ScanFormat::kXyz) << text;
+    EXPECT_EQ(reading.summary->points, reading.summary->header.declared_points) << text;
+  }
+}
+
 TEST(XyzReader, FindsACountBetweenPartsAfterTheSampledRows) {
   std::string part = "100\n";
   for (int i = 0; i < 100; ++i) part += "1 2 3\n";

@@ -117,7 +117,8 @@ TEST(MeshReader, PlyFacesMayHaveOtherPropertiesAndElementsBetween) {
 }
 
 TEST(MeshReader, OffMayHaveCommentsColoursAndItsCountsInTheFirstLine) {
-  for (const std::string text : {"OFF # x\n# y\n3 1 0\n\n0 0 0\n1 0 0 # z\n0 1 0\n3 0 1 2 255 0 0\n",
+  for (const std::string text : {"# made by\n\nOFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+                                 "OFF # x\n# y\n3 1 0\n\n0 0 0\n1 0 0 # z\n0 1 0\n3 0 1 2 255 0 0\n",
                                  "COFF\n3 1 3\n0 0 0 1 1 1 1\n1 0 0 1 1 1 1\n0 1 0 1 1 1 1\n3 0 1 2\n",
                                  "NOFF 3 1 0\r\n0 0 0 0 0 1\r\n1 0 0 0 0 1\r\n0 1 0 0 0 1\r\n3 0 1 2\r\n"}) {
     const MeshReading reading = read_triangles(text, "a.off");
