@@ -139,7 +139,11 @@ void mark_plate(const Search& search, std::uint32_t largest, std::uint32_t layer
     const std::uint32_t low = ray.low(s);
     if (s % 2 == 0 || low > plate + layers) return;
     Component& component = search[search.of(ray.number(s))];
-    (low + layers < plate ? component.below_plate : component.at_plate) = 1;
+    if (low + layers < plate) {  // clang 14 can't assign to one of two bit-fields by ?:
+      component.below_plate = 1;
+    } else {
+      component.at_plate = 1;
+    }
   });
 }
 
