@@ -113,6 +113,9 @@ void count_tips(std::span<const Tip> tips, const PrintGrid& grid, SupportCounts&
   counts.largest_load_mm2 = load * static_cast<double>(grid.pitch_x_mm) * static_cast<double>(grid.pitch_y_mm);
 }
 
+/// What leave_out() toggles, and adds to the R-Rep where opening has removed from the mask below what its section has.
+constexpr std::size_t kMostSpeckCrossings = 2 * kMostSpeckPixels;
+
 /// Removes specks from the R-Rep.
 Status leave_out(std::span<const SpeckPixel> specks, RRep& rrep, Arena& arena) {
   if (specks.empty()) return {};
@@ -186,10 +189,13 @@ Expected<Supports> find(RRep& rrep, const SupportSettings& settings, std::uint32
 std::size_t bytes_needed(const PrintGrid& grid, const Window& window, double most_lift_mm) {
   const auto lift = static_cast<std::size_t>(most_lift_mm / static_cast<double>(grid.layer_height_mm)) + 2;
   const std::size_t layers = std::min<std::size_t>(grid.layers + lift, PrintGrid::kMaxLayers) + 1;
+  const std::size_t without_specks =
+      Arena::rounded(kMostSpeckCrossings * sizeof(std::uint32_t)) +
+      std::max({Arena::rounded(kMostSpeckCrossings * sizeof(RRepToggle)),
+                LayerStream::bytes_needed(grid) + Obstacles::bytes_needed(grid, most_lift_mm), add_feet_bytes(grid),
+                Arena::rounded(most_struts(grid) * sizeof(Strut))});
   return Arena::rounded(layers * sizeof(std::uint32_t)) + Scratch::bytes_needed(grid) +
-         std::max({find_tips_bytes(grid, window),
-                   LayerStream::bytes_needed(grid) + Obstacles::bytes_needed(grid, most_lift_mm), add_feet_bytes(grid),
-                   Arena::rounded(most_struts(grid) * sizeof(Strut))});
+         std::max(find_tips_bytes(grid, window), without_specks);
 }
 
 }  // namespace

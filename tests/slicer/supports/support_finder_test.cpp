@@ -352,6 +352,22 @@ TEST(Supports, TakeAndReturnTheStatedBytes) {
   EXPECT_GE(2 * arena->peak(), find_supports_bytes(grid));
 }
 
+TEST(Supports, TakeNoMoreThanTheStatedBytesWithThousandsOfSpecks) {
+  Solid solid(cubic_grid(kSide, 48), [](std::uint32_t c, std::uint32_t r, std::uint32_t k) {
+    return k < 4 || (k % 2 == 0 && k < 36 && c % 3 == 1 && r % 3 == 1);
+  });
+  solid.rrep.is_exact = true;  // so that single pixels are printed
+  ArenaBlock arena(32 * kMiB);
+  solid.move_to(*arena);
+  const std::size_t before = arena->used();
+  arena->reset_peak();
+  const std::size_t planned = find_supports_bytes(solid.rrep, on_the_plate());
+  SupportCounts counts;
+  value_of(find_supports(solid.rrep, on_the_plate(), PrintGrid::kMaxLayers, *arena, nullptr, counts));
+  EXPECT_GT(counts.specks, 6000U);
+  EXPECT_LE(arena->peak() - before, planned);
+}
+
 TEST(Supports, AreRefusedIfTheArenaIsFull) {
   Solid solid(cubic_grid(kSide, 48), ball(32, 32, 27, 20));
   std::size_t enough = 0;
