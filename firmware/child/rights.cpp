@@ -42,6 +42,21 @@ bool drop_capabilities() {
          ::syscall(SYS_capset, &head, none.data()) == 0;
 }
 
+#if defined(PLUMBLINE_HAS_SANITIZER) && defined(__clang__)
+/// clang's OpenMP run time registers itself in shared memory after a fork, and aborts where it can't.
+bool allow_openmp(int rules, std::uint64_t rights) {
+  landlock_path_beneath_attr shared{};
+  shared.allowed_access = rights;
+  shared.parent_fd = ::open("/dev/shm", O_PATH | O_CLOEXEC);
+  if (shared.parent_fd < 0) return true;
+  const bool added = ::syscall(SYS_landlock_add_rule, rules, LANDLOCK_RULE_PATH_BENEATH, &shared, 0) == 0;
+  ::close(shared.parent_fd);
+  return added;
+}
+#else
+bool allow_openmp(int /*rules*/, std::uint64_t /*rights*/) { return true; }
+#endif
+
 /// Landlock without any rule: nothing is allowed.
 /// @returns false: the kernel lacks it
 Expected<bool> deny_files() {
@@ -56,7 +71,10 @@ Expected<bool> deny_files() {
   const Denied denied{(std::uint64_t{1} << rights) - 1, version >= 4 ? 3U : 0U, version >= 6 ? 3U : 0U};
   const std::size_t size = version >= 6 ? sizeof denied : version >= 4 ? 2 * sizeof denied.files : sizeof denied.files;
   const long rules = ::syscall(SYS_landlock_create_ruleset, &denied, size, 0);
-  if (rules < 0 || ::syscall(SYS_landlock_restrict_self, rules, 0) != 0) return lacks("Landlock");
+  if (rules < 0 || !allow_openmp(static_cast<int>(rules), denied.files) ||
+      ::syscall(SYS_landlock_restrict_self, rules, 0) != 0) {
+    return lacks("Landlock");
+  }
   ::close(static_cast<int>(rules));
   return true;
 }
