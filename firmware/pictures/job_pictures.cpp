@@ -1,7 +1,6 @@
 #include "firmware/pictures/job_pictures.hpp"
 
 #include <algorithm>
-#include <bit>
 
 #include "firmware/pictures/coverage_views.hpp"
 #include "firmware/pictures/preview_views.hpp"
@@ -23,7 +22,7 @@ std::uint32_t count_bits(std::span<const std::uint64_t> row, std::uint32_t begin
   std::uint64_t bits = row[word] >> shift;
   if (shift > 0 && word + 1 < row.size()) bits |= row[word + 1] << (64 - shift);
   if (count < 64) bits &= (std::uint64_t{1} << count) - 1;
-  return static_cast<std::uint32_t>(std::popcount(bits));
+  return count_ones(bits);
 }
 
 /// The largest picture, in the memory of one that may be smaller.

@@ -1,7 +1,6 @@
 #include "slicer/checks/layer_measures.hpp"
 
 #include <algorithm>
-#include <bit>
 
 namespace plumbline {
 namespace {
@@ -31,7 +30,7 @@ std::uint64_t count_in(std::span<const std::uint64_t> line, std::uint32_t begin,
     const std::uint32_t bit = c % 64;
     const std::uint32_t taken = std::min(end - c, 64 - bit);
     const std::uint64_t ones = taken == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << taken) - 1;
-    sum += static_cast<std::uint64_t>(std::popcount(line[c / 64] >> bit & ones));
+    sum += count_ones(line[c / 64] >> bit & ones);
     c += taken;
   }
   return sum;

@@ -58,7 +58,7 @@ std::uint64_t erode_fresh(ConstBitImage fresh, const PixelBox& box, std::uint32_
     const auto line = out.row(r);
     for (std::uint32_t w = 0; w < line.size(); ++w) {
       for (std::uint32_t k = from; line[w] != 0 && k < to; ++k) line[w] &= fresh.row(k)[w];
-      left += static_cast<std::uint64_t>(std::popcount(line[w]));
+      left += count_ones(line[w]);
     }
   }
   return left;

@@ -91,8 +91,8 @@ SeenLayer StackChecker::compare_with_below(ConstBitImage mask) {
       const std::uint64_t word = line[w];
       if (word == below[w]) continue;
       fresh[w] = word & ~below[w];
-      seen.pixels += static_cast<std::uint64_t>(std::popcount(word));
-      seen.pixels -= static_cast<std::uint64_t>(std::popcount(below[w]));
+      seen.pixels += count_ones(word);
+      seen.pixels -= count_ones(below[w]);
       below[w] = word;
     }
     if (is_black) continue;

@@ -16,6 +16,14 @@ constexpr std::uint64_t reversed_bits(std::uint64_t word) {
   return __builtin_bswap64(word);
 }
 
+/// As std::popcount(), which calls libgcc on x86-64: half of the instructions.
+constexpr std::uint32_t count_ones(std::uint64_t word) {
+  word -= (word >> 1) & 0x5555555555555555U;
+  word = (word & 0x3333333333333333U) + ((word >> 2) & 0x3333333333333333U);
+  word = (word + (word >> 4)) & 0x0F0F0F0F0F0F0F0FU;
+  return static_cast<std::uint32_t>((word * 0x0101010101010101U) >> 56);
+}
+
 /// Whether all pixels of a row are black. Most of a panel is: one look at a row spares the rest of the work on it.
 inline bool is_blank(std::span<const std::uint64_t> row) {
   std::uint64_t any = 0;
@@ -62,7 +70,7 @@ class BasicBitImage {
   }
   std::uint64_t count() const {
     std::uint64_t sum = 0;
-    for (const auto word : words_) sum += static_cast<std::uint64_t>(std::popcount(word));
+    for (const auto word : words_) sum += count_ones(word);
     return sum;
   }
   /// Ones for the valid pixels of a row's last word.

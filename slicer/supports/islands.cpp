@@ -18,9 +18,8 @@ std::uint32_t count_both(ConstBitImage a, ConstBitImage b, std::int64_t row, std
   const auto line_a = a.row(static_cast<std::uint32_t>(row));
   const auto line_b = b.row(static_cast<std::uint32_t>(row));
   std::uint32_t count = 0;
-  for_each_word(begin, end, [&](std::uint32_t w, std::uint64_t bits) {
-    count += static_cast<std::uint32_t>(std::popcount(line_a[w] & line_b[w] & bits));
-  });
+  for_each_word(begin, end,
+                [&](std::uint32_t w, std::uint64_t bits) { count += count_ones(line_a[w] & line_b[w] & bits); });
   return count;
 }
 

@@ -1,7 +1,6 @@
 #include "slicer/supports/stand.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 #include "slicer/layers/layer_stream.hpp"
@@ -18,7 +17,7 @@ std::uint64_t pixels_in(ConstBitImage mask, const Window& window) {
   std::uint64_t sum = 0;
   for (std::uint32_t r = window.row; r < window.row_end; ++r) {
     for (const std::uint64_t word : mask.row(r).subspan(window.word, window.word_end - window.word)) {
-      if (word != 0) sum += static_cast<std::uint64_t>(std::popcount(word));
+      if (word != 0) sum += count_ones(word);
     }
   }
   return sum;

@@ -40,9 +40,8 @@ void WeakRegions::look_at(ConstBitImage mask, ConstBitImage below, std::span<con
     for (std::uint32_t i = regions_.row_begin(r) + 1; i < regions_.row_begin(r + 1); i += 2) {  // white ones
       const LayerRegions::Run& run = regions_.run(i);
       std::uint32_t& held = held_[regions_.region(i)];
-      for_each_word(run.first, run.last + 1U, [&](std::uint32_t w, std::uint64_t bits) {
-        held += static_cast<std::uint32_t>(std::popcount(below.row(r)[w] & bits));
-      });
+      for_each_word(run.first, run.last + 1U,
+                    [&](std::uint32_t w, std::uint64_t bits) { held += count_ones(below.row(r)[w] & bits); });
     }
   }
   for (const Tip& tip : tips) {

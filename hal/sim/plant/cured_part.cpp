@@ -69,7 +69,7 @@ void CuredPart::expose(ZPosition z, ConstBitImage mask, TimePoint began, TimePoi
       open_[i] |= mask.words()[i];
     }
     if (open_[i] == 0) continue;
-    layer.pixels += static_cast<std::uint64_t>(std::popcount(open_[i]));
+    layer.pixels += count_ones(open_[i]);
   }
 }
 

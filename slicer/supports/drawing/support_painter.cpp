@@ -7,14 +7,6 @@
 namespace plumbline {
 namespace {
 
-/// As std::popcount(), which calls libgcc on x86-64: half of the instructions.
-std::uint32_t count_ones(std::uint64_t word) {
-  word -= (word >> 1) & 0x5555555555555555U;
-  word = (word & 0x3333333333333333U) + ((word >> 2) & 0x3333333333333333U);
-  word = (word + (word >> 4)) & 0x0F0F0F0F0F0F0F0FU;
-  return static_cast<std::uint32_t>((word * 0x0101010101010101U) >> 56);
-}
-
 /// Draws a disc's part of a column of words.
 /// @param middle   the word in the disc's middle row
 /// @param reach    of the disc's rows, from the middle one on
