@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <span>
@@ -45,16 +46,19 @@ Line cost_text(const Proposal& cost) {
 
 Status draw(const PreparedScan& scan, const SurfaceSamples& samples, const Proposals& found, const std::string& title,
             const std::string& path, Arena& arena) {
-  std::array<std::array<Line, 4>, kBestOrientations> texts;
+  std::array<std::array<Line, 6>, kBestOrientations> texts;
   std::array<OrientationView, kBestOrientations> views;
   for (std::size_t i = 0; i < views.size(); ++i) {
     const Proposal& o = found[i + 1];
     // A line each, so that none is cut: somebody will type them.
     texts[i][0].add("--rotate-x %.4g", o.degrees[0]);
     texts[i][1].add("--rotate-y %.4g", o.degrees[1]);
-    texts[i][2].add("supports %.3g cm2, %.3g ml", o.support_mm2 / 100, o.support_mm3 / 1000);
-    texts[i][3].add("peel %.3g cm2, %.4g mm high", o.peel_mm2 / 100, o.height_mm);
-    views[i] = {o.degrees, {texts[i][0].view(), texts[i][1].view(), texts[i][2].view(), texts[i][3].view()}};
+    texts[i][2].add("%.3g cm2 need supports,", o.support_mm2 / 100);
+    texts[i][3].add("with %.3g ml of room below", o.support_mm3 / 1000);
+    texts[i][4].add("peels %.3g cm2 at most", o.peel_mm2 / 100);
+    texts[i][5].add("%.4g mm high", o.height_mm);
+    views[i].degrees = o.degrees;
+    std::ranges::transform(texts[i], views[i].lines.begin(), &Line::view);
   }
   auto encoder = PngEncoder::for_pictures(kPreviewColumns, kPreviewRows);
   PLUMBLINE_TRY(encoder);

@@ -38,7 +38,8 @@ void FolderScans::add(std::string_view name) {
 Expected<std::vector<std::string>> FolderScans::paths(std::string_view folder) const {
   const PrintableText shown(folder, 200);
   if (count_ == 0) {
-    return fail(ErrorCode::kNoPoints, "%s: the folder has no scans:\tname one with PLY, PCD, OBJ or XYZ files in it",
+    return fail(ErrorCode::kNoPoints,
+                "%s: the folder has no scans:\tname one with files such as .ply, .stl, .xyz or .e57 in it",
                 shown.c_str());
   }
   if (count_ > kMostScans) {

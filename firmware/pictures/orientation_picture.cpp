@@ -20,7 +20,7 @@ constexpr std::array<Colour, 2> kColours{{{222, 222, 212}, {232, 150, 56}}};  //
 constexpr float kSteep = 0.70710678F;                                         ///< cosine of 45 degrees
 constexpr std::uint32_t kColumns = 350, kRows = 560;                          ///< pixels of a view
 constexpr std::uint32_t kStep = 372;                                          ///< from one view to the next
-constexpr std::int64_t kLeft = 58, kFloor = 690;
+constexpr std::int64_t kLeft = 58, kFloor = 670;
 
 constexpr std::array<Colour, 2> kSidesOfScan{{{222, 222, 212}, {96, 108, 122}}};  // of its surface: outside, inside
 constexpr std::uint32_t kMostPoints = 1U << 17U;                                  ///< of a small picture

@@ -17,7 +17,7 @@ namespace plumbline {
 /// One orientation and the lines of text below it. ASCII; lines that are too long are cut.
 struct OrientationView {
   std::array<double, 2> degrees = {};  ///< about x, then about y
-  std::array<std::string_view, 4> lines;
+  std::array<std::string_view, 6> lines;
 };
 
 /// Draws up to four views side by side, each from the front (along +y) and at one scale. What needs supports there is drawn in
