@@ -59,11 +59,11 @@ class Meshes(Program):
         point = self.dir / "point.stl"
         write_stl(point, corners, faces)
         ptx = self.dir / "point.ptx"
-        ptx.write_text("3\n1\n" + 4 * "0 0 0\n" + 3 * "0 0 0 0\n" + "0 0 0 1\n1 2 3 0.5\n4 5 6 0.5\n7 8 10 0.5\n")
+        ptx.write_text("3\n1\n" + 4 * "0 0 0\n" + "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n" + 3 * "1 2 3 0.5\n")
         for arguments in (("inspect", point), ("inspect", point, "--printer", SIM2K), ("slice", point, "-o", self.out, "--height", "80mm")):
             self.assertIn("point.stl: all of it lies at one place, 5 6 7. Export it again", self.run_it(*arguments, status=1).stderr)
         done = self.run_it("slice", ptx, "-o", self.out, status=1)
-        self.assertIn("point.ptx: all of it lies at one place, 0 0 0. Export it again", done.stderr)
+        self.assertIn("point.ptx: all of it lies at one place, 1 2 3. Export it again", done.stderr)
 
     def test_formats_threads_and_options_give_the_same_layers(self):
         self.slice_mesh(self.mesh, "--rotate-x", 20, "--rotate-y", 35, "--threads", 1, "--no-preview")
