@@ -23,7 +23,7 @@ class WorldErrors(Program):
         self.assertFalse(self.out.exists())
 
     def test_directory_for_a_scan(self):
-        self.refused("slice", self.dir, "-o", self.out, message=".*: the folder has no scans: name one with PLY")
+        self.refused("slice", self.dir, "-o", self.out, message=".*: the folder has no scans: name one with files such as .ply")
 
     def test_file_that_is_not_a_scan(self):
         self.scan.write_bytes(bytes(range(256)) * 10)
