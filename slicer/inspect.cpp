@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "slicer/core/median.hpp"
+#include "slicer/core/numbers/median.hpp"
 #include "slicer/mesh_slicing.hpp"
 #include "slicer/preparation.hpp"
 #include "slicer/rrep_building.hpp"

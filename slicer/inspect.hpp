@@ -3,7 +3,7 @@
 
 #include "slicer/core/arena.hpp"
 #include "slicer/core/function_ref.hpp"
-#include "slicer/core/length.hpp"
+#include "slicer/core/numbers/length.hpp"
 #include "slicer/core/progress.hpp"
 #include "slicer/reader/scan_sources.hpp"
 #include "slicer/rrep/rrep.hpp"

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "slicer/core/length.hpp"
+#include "slicer/core/numbers/length.hpp"
 #include "slicer/core/progress.hpp"
 #include "slicer/layers/layer_features.hpp"
 #include "slicer/mesh/mesh_counts.hpp"

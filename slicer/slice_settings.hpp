@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "slicer/core/foot_shrink.hpp"
-#include "slicer/core/peel_force.hpp"
+#include "slicer/core/resin/foot_shrink.hpp"
+#include "slicer/core/resin/peel_force.hpp"
 #include "slicer/placement/base_choice.hpp"
 #include "slicer/placement/floor_choice.hpp"
 #include "slicer/placement/placement.hpp"

@@ -9,7 +9,7 @@
 #include "firmware/io/last_number.hpp"
 #include "firmware/pictures/reduced_picture.hpp"
 #include "slicer/core/print_grid.hpp"
-#include "slicer/core/printable_text.hpp"
+#include "slicer/core/words/printable_text.hpp"
 #include "slicer/reader/stream/words.hpp"
 
 namespace plumbline {

@@ -21,7 +21,7 @@
 #include "firmware/io/json_cursor.hpp"
 #include "firmware/state/client_request.hpp"
 #include "firmware/state/state_link.hpp"
-#include "slicer/core/printable_text.hpp"
+#include "slicer/core/words/printable_text.hpp"
 
 namespace plumbline {
 namespace {

@@ -4,7 +4,7 @@
 #include "firmware/print/print_session.hpp"
 #include "firmware/print/status/print_observer.hpp"
 #include "firmware/settings/print_profile.hpp"
-#include "slicer/core/printable_text.hpp"
+#include "slicer/core/words/printable_text.hpp"
 
 namespace plumbline {
 

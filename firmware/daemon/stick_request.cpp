@@ -3,7 +3,7 @@
 #include "firmware/print/plan/print_plan.hpp"
 #include "firmware/settings/support_choice.hpp"
 #include "firmware/told/printer_code.hpp"
-#include "slicer/core/printable_text.hpp"
+#include "slicer/core/words/printable_text.hpp"
 #include "slicer/support_building.hpp"
 
 namespace plumbline {

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <type_traits>
 
-#include "slicer/core/mix64.hpp"
+#include "slicer/core/numbers/mix64.hpp"
 
 namespace plumbline {
 

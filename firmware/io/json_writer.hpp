@@ -9,7 +9,7 @@
 
 #include "firmware/io/text_sink.hpp"
 #include "slicer/core/error.hpp"
-#include "slicer/core/printable_text.hpp"
+#include "slicer/core/words/printable_text.hpp"
 
 namespace plumbline {
 

@@ -1,6 +1,6 @@
 #include "firmware/io/mask_hash.hpp"
 
-#include "slicer/core/mix64.hpp"
+#include "slicer/core/numbers/mix64.hpp"
 
 namespace plumbline {
 std::uint64_t mask_hash(ConstBitImage mask) {

@@ -6,7 +6,7 @@
 
 #include "firmware/io/fixed_text.hpp"
 #include "firmware/io/job_progress.hpp"
-#include "slicer/core/printable_text.hpp"
+#include "slicer/core/words/printable_text.hpp"
 
 namespace plumbline {
 

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "firmware/io/scan_names.hpp"
-#include "slicer/core/printable_text.hpp"
+#include "slicer/core/words/printable_text.hpp"
 
 namespace plumbline {
 namespace {

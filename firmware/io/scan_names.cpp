@@ -4,7 +4,7 @@
 #include <array>
 #include <cctype>
 
-#include "slicer/core/printable_text.hpp"
+#include "slicer/core/words/printable_text.hpp"
 #include "slicer/reader/formats/scan_endings.hpp"
 #include "slicer/reader/scan_sources.hpp"
 

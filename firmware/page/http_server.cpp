@@ -10,7 +10,7 @@
 
 #include "firmware/io/descriptor.hpp"
 #include "firmware/page/listening_socket.hpp"
-#include "slicer/core/to_number.hpp"
+#include "slicer/core/numbers/to_number.hpp"
 
 namespace plumbline {
 namespace {

@@ -7,7 +7,7 @@
 #include "firmware/io/fixed_text.hpp"
 #include "firmware/io/json_cursor.hpp"
 #include "firmware/io/version.hpp"
-#include "slicer/core/to_number.hpp"
+#include "slicer/core/numbers/to_number.hpp"
 
 namespace plumbline {
 namespace {

@@ -4,7 +4,7 @@
 #include "firmware/print/status/fault.hpp"
 #include "firmware/screen/fault_words.hpp"
 #include "firmware/told/told_words.hpp"
-#include "slicer/core/to_number.hpp"
+#include "slicer/core/numbers/to_number.hpp"
 
 namespace plumbline {
 std::optional<std::uint64_t> whole_number(std::optional<std::string_view> text) {

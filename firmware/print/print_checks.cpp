@@ -2,7 +2,7 @@
 
 #include "firmware/print/layer_checks.hpp"
 #include "firmware/told/printer_code.hpp"
-#include "slicer/core/mib.hpp"
+#include "slicer/core/numbers/mib.hpp"
 
 namespace plumbline {
 namespace {

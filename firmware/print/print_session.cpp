@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "firmware/slice/issue_report.hpp"
-#include "slicer/core/printable_text.hpp"
+#include "slicer/core/words/printable_text.hpp"
 
 namespace plumbline {
 

@@ -11,8 +11,8 @@
 #include "firmware/slice/issue_report.hpp"
 #include "firmware/told/printer_code.hpp"
 #include "slicer/checks/stack_checker.hpp"
-#include "slicer/core/printable_text.hpp"
 #include "slicer/core/stage_scope.hpp"
+#include "slicer/core/words/printable_text.hpp"
 
 namespace plumbline {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 /// A bust defined by a formula: its scans need no download and no licence, and its true surface is known everywhere.
 
-#include "slicer/core/vec.hpp"
+#include "slicer/core/numbers/vec.hpp"
 
 namespace plumbline {
 

@@ -4,8 +4,8 @@
 
 #include <cstdint>
 
-#include "slicer/core/mix64.hpp"
-#include "slicer/core/vec.hpp"
+#include "slicer/core/numbers/mix64.hpp"
+#include "slicer/core/numbers/vec.hpp"
 
 namespace plumbline {
 

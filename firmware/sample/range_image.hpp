@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "firmware/sample/counter_rng.hpp"
-#include "slicer/core/vec.hpp"
+#include "slicer/core/numbers/vec.hpp"
 
 namespace plumbline {
 

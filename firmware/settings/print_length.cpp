@@ -2,7 +2,7 @@
 
 #include <charconv>
 
-#include "slicer/core/to_number.hpp"
+#include "slicer/core/numbers/to_number.hpp"
 #include "slicer/placement/placement.hpp"
 
 namespace plumbline {

@@ -9,7 +9,7 @@
 #include "firmware/settings/board_file.hpp"
 #include "firmware/settings/check_policy.hpp"
 #include "slicer/core/error.hpp"
-#include "slicer/core/peel_force.hpp"
+#include "slicer/core/resin/peel_force.hpp"
 #include "slicer/slice_settings.hpp"
 #include "slicer/supports/support_settings.hpp"
 

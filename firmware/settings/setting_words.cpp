@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "slicer/core/edit_distance.hpp"
-#include "slicer/core/printable_text.hpp"
+#include "slicer/core/words/edit_distance.hpp"
+#include "slicer/core/words/printable_text.hpp"
 
 namespace plumbline {
 

@@ -3,7 +3,7 @@
 
 #include "firmware/setup/setup.hpp"
 #include "hal/wiring.hpp"
-#include "slicer/core/printable_text.hpp"
+#include "slicer/core/words/printable_text.hpp"
 
 namespace plumbline {
 namespace {

@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include "firmware/slice/job_archive.hpp"
-#include "slicer/core/mib.hpp"
+#include "slicer/core/numbers/mib.hpp"
 
 namespace plumbline {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "firmware/io/json_cursor.hpp"
 #include "firmware/io/json_writer.hpp"
-#include "slicer/core/to_number.hpp"
+#include "slicer/core/numbers/to_number.hpp"
 
 namespace plumbline {
 namespace {

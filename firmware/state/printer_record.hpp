@@ -17,9 +17,9 @@
 #include "firmware/print/store/kept_prints.hpp"
 #include "firmware/settings/job_settings.hpp"
 #include "firmware/slice/orientation_proposals.hpp"
-#include "slicer/core/printable_text.hpp"
 #include "slicer/core/progress.hpp"
-#include "slicer/core/told.hpp"
+#include "slicer/core/words/printable_text.hpp"
+#include "slicer/core/words/told.hpp"
 #include "slicer/reader/scan_sources.hpp"
 
 namespace plumbline {

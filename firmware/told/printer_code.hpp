@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "slicer/core/told.hpp"
+#include "slicer/core/words/told.hpp"
 
 namespace plumbline {
 

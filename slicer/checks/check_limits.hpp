@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "slicer/core/peel_force.hpp"
+#include "slicer/core/resin/peel_force.hpp"
 
 namespace plumbline {
 

@@ -11,8 +11,8 @@
 #include "slicer/core/arena.hpp"
 #include "slicer/core/error.hpp"
 #include "slicer/core/function_ref.hpp"
-#include "slicer/core/peel_force.hpp"
 #include "slicer/core/print_grid.hpp"
+#include "slicer/core/resin/peel_force.hpp"
 #include "slicer/layers/layer_regions.hpp"
 
 namespace plumbline {

@@ -9,8 +9,8 @@
 
 #include "slicer/core/arena.hpp"
 #include "slicer/core/function_ref.hpp"
+#include "slicer/core/numbers/vec.hpp"
 #include "slicer/core/progress.hpp"
-#include "slicer/core/vec.hpp"
 
 namespace plumbline {
 

@@ -5,7 +5,7 @@
 #include <bit>
 #include <cmath>
 
-#include "slicer/core/mix64.hpp"
+#include "slicer/core/numbers/mix64.hpp"
 
 namespace plumbline {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "slicer/core/mib.hpp"
+#include "slicer/core/numbers/mib.hpp"
 
 namespace plumbline {
 

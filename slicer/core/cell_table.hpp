@@ -9,8 +9,8 @@
 #include <functional>
 #include <span>
 
-#include "slicer/core/mix64.hpp"
-#include "slicer/core/vec.hpp"
+#include "slicer/core/numbers/mix64.hpp"
+#include "slicer/core/numbers/vec.hpp"
 
 namespace plumbline {
 

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <cstring>
 
-#include "slicer/core/printable_text.hpp"
+#include "slicer/core/words/printable_text.hpp"
 
 namespace plumbline {
 

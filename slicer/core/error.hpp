@@ -7,7 +7,7 @@
 #include <string_view>
 #include <tl/expected.hpp>
 
-#include "slicer/core/told.hpp"
+#include "slicer/core/words/told.hpp"
 
 namespace plumbline {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "slicer/core/lanes.hpp"
+#include "slicer/core/numbers/lanes.hpp"
 
 namespace plumbline {
 namespace {

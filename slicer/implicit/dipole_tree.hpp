@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <span>
 
-#include "slicer/core/vec.hpp"
+#include "slicer/core/numbers/vec.hpp"
 
 namespace plumbline {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <optional>
 
-#include "slicer/core/lanes.hpp"
+#include "slicer/core/numbers/lanes.hpp"
 
 namespace plumbline {
 namespace {

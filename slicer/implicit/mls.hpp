@@ -4,14 +4,14 @@
 #include <cstdint>
 
 #include "slicer/core/arena.hpp"
-#include "slicer/core/vec.hpp"
+#include "slicer/core/numbers/vec.hpp"
 
 namespace plumbline {
 
 /// The points within whose support radius a ray at (x, y) passes, as columns sorted by depth. No other point has weight
 /// anywhere on the ray, so one search in the plane serves the whole ray.
 ///
-/// The columns are padded with kLanes (core/lanes.hpp) entries that have no weight anywhere: distance2 = 1, inverse_radius2 = 2.
+/// The columns are padded with kLanes (core/numbers/lanes.hpp) entries that have no weight anywhere: distance2 = 1, inverse_radius2 = 2.
 struct RayPoints {
   float* depth = nullptr;            ///< z of the point, mm, ascending
   float* distance2 = nullptr;        ///< squared distance of the point from the ray, in the plane, mm^2

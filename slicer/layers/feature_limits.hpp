@@ -1,7 +1,7 @@
 #pragma once
 /// Sizes below which a part of the object looks the same as what a few outliers make.
 
-#include "slicer/core/length.hpp"
+#include "slicer/core/numbers/length.hpp"
 #include "slicer/core/print_grid.hpp"
 #include "slicer/layers/layer_features.hpp"
 #include "slicer/rrep/components.hpp"

@@ -5,7 +5,7 @@
 #include <bit>
 #include <cstdint>
 
-#include "slicer/core/mix64.hpp"
+#include "slicer/core/numbers/mix64.hpp"
 #include "slicer/mesh/mesh_lattice.hpp"
 
 namespace plumbline {

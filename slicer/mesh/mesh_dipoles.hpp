@@ -7,7 +7,7 @@
 #include "slicer/cloud/cloud.hpp"
 #include "slicer/core/arena.hpp"
 #include "slicer/core/cell_table.hpp"
-#include "slicer/core/vec.hpp"
+#include "slicer/core/numbers/vec.hpp"
 
 namespace plumbline {
 

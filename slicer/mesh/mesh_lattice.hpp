@@ -7,8 +7,8 @@
 #include <compare>
 #include <cstdint>
 
+#include "slicer/core/numbers/vec.hpp"
 #include "slicer/core/print_grid.hpp"
-#include "slicer/core/vec.hpp"
 
 namespace plumbline {
 

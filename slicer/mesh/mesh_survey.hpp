@@ -1,7 +1,7 @@
 #pragma once
 /// The first reading of a mesh: how large it is, how many crossings it makes, and whether it is the surface of an object.
 
-#include "slicer/core/vec.hpp"
+#include "slicer/core/numbers/vec.hpp"
 #include "slicer/reader/triangles/triangle.hpp"
 
 namespace plumbline {

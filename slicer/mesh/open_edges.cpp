@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "slicer/core/mix64.hpp"
+#include "slicer/core/numbers/mix64.hpp"
 
 namespace plumbline {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "slicer/core/mix64.hpp"
+#include "slicer/core/numbers/mix64.hpp"
 
 namespace plumbline {
 namespace {

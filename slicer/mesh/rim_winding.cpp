@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "slicer/core/lanes.hpp"
+#include "slicer/core/numbers/lanes.hpp"
 #include "slicer/mesh/triangle_rays.hpp"
 
 namespace plumbline {

@@ -5,7 +5,7 @@
 #include <span>
 
 #include "slicer/core/arena.hpp"
-#include "slicer/core/vec.hpp"
+#include "slicer/core/numbers/vec.hpp"
 #include "slicer/mesh/mesh_lattice.hpp"
 
 namespace plumbline {

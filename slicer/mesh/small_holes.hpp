@@ -6,7 +6,7 @@
 #include <span>
 
 #include "slicer/core/arena.hpp"
-#include "slicer/core/vec.hpp"
+#include "slicer/core/numbers/vec.hpp"
 #include "slicer/mesh/mesh_lattice.hpp"
 #include "slicer/mesh/open_edges.hpp"
 #include "slicer/mesh/rim_winding.hpp"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "slicer/core/median.hpp"
+#include "slicer/core/numbers/median.hpp"
 
 namespace plumbline {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "slicer/core/arena.hpp"
 #include "slicer/core/error.hpp"
-#include "slicer/core/vec.hpp"
+#include "slicer/core/numbers/vec.hpp"
 
 namespace plumbline {
 

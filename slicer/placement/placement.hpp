@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "slicer/core/error.hpp"
+#include "slicer/core/numbers/vec.hpp"
 #include "slicer/core/print_grid.hpp"
-#include "slicer/core/vec.hpp"
 
 namespace plumbline {
 

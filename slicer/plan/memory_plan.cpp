@@ -8,7 +8,7 @@
 #include "slicer/cloud/kd_tree.hpp"
 #include "slicer/cloud/thinning.hpp"
 #include "slicer/core/arena.hpp"
-#include "slicer/core/mib.hpp"
+#include "slicer/core/numbers/mib.hpp"
 #include "slicer/implicit/winding_number.hpp"
 #include "slicer/layers/layer_features.hpp"
 #include "slicer/normals/normals.hpp"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "slicer/core/mib.hpp"
+#include "slicer/core/numbers/mib.hpp"
 #include "slicer/layers/layer_stream.hpp"
 #include "slicer/mesh/hit_resolver.hpp"
 #include "slicer/reader/scan_reader.hpp"

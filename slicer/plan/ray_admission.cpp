@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "slicer/core/mib.hpp"
+#include "slicer/core/numbers/mib.hpp"
 #include "slicer/plan/memory_plan.hpp"
 #include "slicer/rays/ray_shooter.hpp"
 #include "slicer/rrep/confidence.hpp"

@@ -5,7 +5,7 @@
 #include <optional>
 #include <span>
 
-#include "slicer/core/vec.hpp"
+#include "slicer/core/numbers/vec.hpp"
 #include "slicer/implicit/mls.hpp"
 #include "slicer/rays/ray_points.hpp"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "slicer/core/lanes.hpp"
+#include "slicer/core/numbers/lanes.hpp"
 
 namespace plumbline {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "slicer/core/printable_text.hpp"
+#include "slicer/core/words/printable_text.hpp"
 
 namespace plumbline {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <cstdio>
 
-#include "slicer/core/printable_text.hpp"
+#include "slicer/core/words/printable_text.hpp"
 
 namespace plumbline {
 

@@ -8,8 +8,8 @@
 
 #include "slicer/core/arena.hpp"
 #include "slicer/core/error.hpp"
+#include "slicer/core/numbers/vec.hpp"
 #include "slicer/core/print_grid.hpp"
-#include "slicer/core/vec.hpp"
 
 namespace plumbline {
 

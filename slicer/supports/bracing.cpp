@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "slicer/core/degrees.hpp"
+#include "slicer/core/numbers/degrees.hpp"
 
 namespace plumbline {
 namespace {

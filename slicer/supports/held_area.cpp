@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "slicer/core/degrees.hpp"
+#include "slicer/core/numbers/degrees.hpp"
 
 namespace plumbline {
 namespace {

@@ -7,7 +7,7 @@
 #include "slicer/core/arena.hpp"
 #include "slicer/core/bit_image.hpp"
 #include "slicer/core/error.hpp"
-#include "slicer/core/vec.hpp"
+#include "slicer/core/numbers/vec.hpp"
 #include "slicer/rrep/rrep.hpp"
 #include "slicer/supports/drawing/disc.hpp"
 #include "slicer/supports/window.hpp"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "slicer/core/degrees.hpp"
+#include "slicer/core/numbers/degrees.hpp"
 
 namespace plumbline {
 namespace {

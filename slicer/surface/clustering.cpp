@@ -7,9 +7,9 @@
 
 #include "slicer/cloud/neighbourhood.hpp"
 #include "slicer/cloud/nth_nearest.hpp"
-#include "slicer/core/lanes.hpp"
 #include "slicer/core/loop_progress.hpp"
-#include "slicer/core/median.hpp"
+#include "slicer/core/numbers/lanes.hpp"
+#include "slicer/core/numbers/median.hpp"
 #include "slicer/surface/sparse_surface.hpp"
 
 namespace plumbline {

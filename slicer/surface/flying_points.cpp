@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <span>
 
-#include "slicer/core/median.hpp"
+#include "slicer/core/numbers/median.hpp"
 #include "slicer/surface/stray_pieces.hpp"
 
 namespace plumbline {

@@ -6,9 +6,9 @@
 
 #include "slicer/cloud/neighbourhood.hpp"
 #include "slicer/cloud/tangent_plane.hpp"
-#include "slicer/core/lanes.hpp"
 #include "slicer/core/loop_progress.hpp"
-#include "slicer/core/vec.hpp"
+#include "slicer/core/numbers/lanes.hpp"
+#include "slicer/core/numbers/vec.hpp"
 
 namespace plumbline {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "slicer/core/median.hpp"
+#include "slicer/core/numbers/median.hpp"
 #include "slicer/views/find_views.hpp"
 #include "slicer/views/local_paraboloid.hpp"
 #include "slicer/views/registration.hpp"

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "slicer/core/median.hpp"
-#include "slicer/core/vec.hpp"
+#include "slicer/core/numbers/median.hpp"
+#include "slicer/core/numbers/vec.hpp"
 
 namespace plumbline {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <optional>
 
-#include "slicer/core/mix64.hpp"
+#include "slicer/core/numbers/mix64.hpp"
 #include "slicer/views/patch_grids.hpp"
 
 namespace plumbline {

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "slicer/core/lanes.hpp"
+#include "slicer/core/numbers/lanes.hpp"
 
 namespace plumbline {
 namespace {

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "slicer/core/lanes.hpp"
-#include "slicer/core/median.hpp"
+#include "slicer/core/numbers/lanes.hpp"
+#include "slicer/core/numbers/median.hpp"
 
 namespace plumbline {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <span>
 
-#include "slicer/core/vec.hpp"
+#include "slicer/core/numbers/vec.hpp"
 
 namespace plumbline {
 

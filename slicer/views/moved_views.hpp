@@ -8,7 +8,7 @@
 
 #include "slicer/cloud/cloud.hpp"
 #include "slicer/core/arena.hpp"
-#include "slicer/core/vec.hpp"
+#include "slicer/core/numbers/vec.hpp"
 #include "slicer/views/depth_image.hpp"
 #include "slicer/views/grid_growth.hpp"
 #include "slicer/views/local_paraboloid.hpp"

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "slicer/core/lanes.hpp"
+#include "slicer/core/numbers/lanes.hpp"
 #include "slicer/views/grid_growth.hpp"
 
 namespace plumbline {

@@ -6,8 +6,8 @@
 #include <array>
 #include <cmath>
 
-#include "slicer/core/lanes.hpp"
-#include "slicer/core/vec.hpp"
+#include "slicer/core/numbers/lanes.hpp"
+#include "slicer/core/numbers/vec.hpp"
 
 namespace plumbline {
 namespace {

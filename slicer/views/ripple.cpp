@@ -1,6 +1,6 @@
 #include "slicer/views/ripple.hpp"
 
-#include "slicer/core/lanes.hpp"
+#include "slicer/core/numbers/lanes.hpp"
 
 namespace plumbline {
 namespace {

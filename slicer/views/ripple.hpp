@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 
-#include "slicer/core/vec.hpp"
+#include "slicer/core/numbers/vec.hpp"
 #include "slicer/views/phasor.hpp"
 
 namespace plumbline {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <span>
 
-#include "slicer/core/vec.hpp"
+#include "slicer/core/numbers/vec.hpp"
 #include "slicer/views/local_points.hpp"
 
 namespace plumbline {

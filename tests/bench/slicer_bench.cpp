@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "slicer/cloud/cloud_reader.hpp"
-#include "slicer/core/median.hpp"
+#include "slicer/core/numbers/median.hpp"
 #include "slicer/implicit/winding_number.hpp"
 #include "slicer/layers/layer_stream.hpp"
-#include "slicer/rays/ray_classifier.hpp"
 #include "slicer/rays/grid_width.hpp"
+#include "slicer/rays/ray_classifier.hpp"
 #include "tests/slicer/reader/scan_fixture.hpp"
 #include "tests/slicer/support/arena_block.hpp"
 #include "tests/slicer/support/scan_cloud.hpp"

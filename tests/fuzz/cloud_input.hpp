@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "slicer/core/mix64.hpp"
-#include "slicer/core/vec.hpp"
+#include "slicer/core/numbers/mix64.hpp"
+#include "slicer/core/numbers/vec.hpp"
 #include "slicer/slice_settings.hpp"
 #include "tests/fuzz/edits.hpp"
 

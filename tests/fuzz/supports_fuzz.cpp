@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "slicer/checks/stack_checker.hpp"
-#include "slicer/core/mix64.hpp"
+#include "slicer/core/numbers/mix64.hpp"
 #include "slicer/layers/layer_stream.hpp"
 #include "slicer/supports/drawing/mask_stream.hpp"
 #include "slicer/supports/support_finder.hpp"

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "slicer/core/mix64.hpp"
+#include "slicer/core/numbers/mix64.hpp"
 #include "tests/slicer/support/slicing.hpp"
 #include "tests/slicer/support/splat_files.hpp"
 

@@ -28,6 +28,7 @@ MAY_INCLUDE = {
 ORDER = {
     "slicer": ["core", "reader", "cloud", "placement", "orientation", "implicit", "normals", "views", "surface", "rrep", "mesh", "rays",
                "layers", "supports", "checks", "plan"],
+    "slicer/core": ["numbers", "words", "resin"],
     "slicer/reader/formats": ["e57", "pcd", "splats"],
     "slicer/reader": ["stream", "records", "formats", "triangles"],
     "slicer/supports": ["drawing"],

@@ -10,7 +10,7 @@
 #include "firmware/slice/issue_report.hpp"
 #include "firmware/slice/job_report.hpp"
 #include "firmware/slice/manifest.hpp"
-#include "slicer/core/mib.hpp"
+#include "slicer/core/numbers/mib.hpp"
 #include "slicer/plan/mesh_plan.hpp"
 #include "slicer/preparation.hpp"
 

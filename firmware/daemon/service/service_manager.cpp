@@ -13,7 +13,7 @@
 #include <optional>
 #include <utility>
 
-#include "slicer/core/to_number.hpp"
+#include "slicer/core/numbers/to_number.hpp"
 
 namespace plumbline {
 namespace {

@@ -8,7 +8,7 @@
 #include "firmware/settings/job_options.hpp"
 #include "firmware/settings/print_length.hpp"
 #include "firmware/told/printer_code.hpp"
-#include "slicer/core/to_number.hpp"
+#include "slicer/core/numbers/to_number.hpp"
 
 namespace plumbline {
 namespace {

@@ -11,7 +11,7 @@
 #include "firmware/daemon/stick/stick_job.hpp"
 #include "firmware/io/scan_names.hpp"
 #include "firmware/told/printer_code.hpp"
-#include "slicer/core/printable_text.hpp"
+#include "slicer/core/words/printable_text.hpp"
 #include "slicer/reader/formats/sliced_formats.hpp"
 
 namespace plumbline {

@@ -12,7 +12,7 @@
 
 #include "firmware/print/store/job_store.hpp"
 #include "firmware/told/printer_code.hpp"
-#include "slicer/core/mib.hpp"
+#include "slicer/core/numbers/mib.hpp"
 
 namespace plumbline {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "firmware/told/printer_code.hpp"
 #include "hal/ramp.hpp"
-#include "slicer/core/printable_text.hpp"
+#include "slicer/core/words/printable_text.hpp"
 
 namespace plumbline {
 namespace {

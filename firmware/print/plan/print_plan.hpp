@@ -16,7 +16,7 @@
 #include "hal/clock.hpp"
 #include "hal/units.hpp"
 #include "slicer/core/error.hpp"
-#include "slicer/core/foot_shrink.hpp"
+#include "slicer/core/resin/foot_shrink.hpp"
 
 namespace plumbline {
 

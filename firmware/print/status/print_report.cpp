@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "firmware/told/printer_code.hpp"
-#include "slicer/core/median.hpp"
+#include "slicer/core/numbers/median.hpp"
 
 namespace plumbline {
 

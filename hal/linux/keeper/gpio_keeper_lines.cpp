@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "slicer/core/to_number.hpp"
+#include "slicer/core/numbers/to_number.hpp"
 
 namespace plumbline {
 namespace {

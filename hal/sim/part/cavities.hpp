@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "hal/sim/part/pixel_runs.hpp"
-#include "slicer/core/peel_force.hpp"
+#include "slicer/core/resin/peel_force.hpp"
 
 namespace plumbline {
 

@@ -10,7 +10,7 @@
 #include "hal/sim/part/loss.hpp"
 #include "hal/sim/part/pixel_runs.hpp"
 #include "slicer/core/bit_image.hpp"
-#include "slicer/core/peel_force.hpp"
+#include "slicer/core/resin/peel_force.hpp"
 
 namespace plumbline {
 

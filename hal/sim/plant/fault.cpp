@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 
-#include "slicer/core/edit_distance.hpp"
-#include "slicer/core/to_number.hpp"
+#include "slicer/core/numbers/to_number.hpp"
+#include "slicer/core/words/edit_distance.hpp"
 
 namespace plumbline {
 namespace {

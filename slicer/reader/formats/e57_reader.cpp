@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "slicer/core/degrees.hpp"
+#include "slicer/core/numbers/degrees.hpp"
 #include "slicer/reader/formats/e57/e57_pages.hpp"
 #include "slicer/reader/formats/e57/e57_streams.hpp"
 #include "slicer/reader/formats/e57/e57_xml.hpp"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <optional>
 
-#include "slicer/core/vec.hpp"
+#include "slicer/core/numbers/vec.hpp"
 #include "slicer/reader/stream/point_batch.hpp"
 
 namespace plumbline {

@@ -6,7 +6,7 @@
 #include <span>
 
 #include "slicer/core/error.hpp"
-#include "slicer/core/vec.hpp"
+#include "slicer/core/numbers/vec.hpp"
 #include "slicer/reader/stream/scan_point.hpp"
 
 namespace plumbline {

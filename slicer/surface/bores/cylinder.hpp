@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include "slicer/core/vec.hpp"
+#include "slicer/core/numbers/vec.hpp"
 
 namespace plumbline {
 

@@ -5,7 +5,7 @@
 #include <bit>
 #include <cmath>
 
-#include "slicer/core/vec.hpp"
+#include "slicer/core/numbers/vec.hpp"
 #include "slicer/surface/bores/cylinder.hpp"
 
 namespace plumbline {

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "slicer/core/vec.hpp"
+#include "slicer/core/numbers/vec.hpp"
 #include "tests/slicer/reader/scan_fixture.hpp"
 #include "tests/slicer/support/surface_files.hpp"
 #include "tests/slicer/support/threemf_file.hpp"

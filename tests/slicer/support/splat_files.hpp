@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "slicer/core/vec.hpp"
+#include "slicer/core/numbers/vec.hpp"
 #include "tests/slicer/reader/scan_fixture.hpp"
 #include "tests/slicer/support/deflated.hpp"
 

@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "slicer/core/vec.hpp"
+#include "slicer/core/numbers/vec.hpp"
 
 namespace plumbline::testing {
 

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "slicer/core/lanes.hpp"
+#include "slicer/core/numbers/lanes.hpp"
 #include "slicer/views/find_views.hpp"
 #include "slicer/views/view_grid.hpp"
 #include "tests/slicer/support/arena_block.hpp"

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "slicer/core/lanes.hpp"
+#include "slicer/core/numbers/lanes.hpp"
 #include "tests/slicer/support/arena_block.hpp"
 #include "tests/slicer/support/scan_cloud.hpp"
 

@@ -1,6 +1,6 @@
 #include "slicer/reader/triangles/threemf/model_parts.hpp"
 
-#include "slicer/core/mix64.hpp"
+#include "slicer/core/numbers/mix64.hpp"
 #include "slicer/reader/stream/words.hpp"
 #include "slicer/reader/stream/xml_parser.hpp"
 

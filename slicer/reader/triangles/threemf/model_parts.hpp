@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "slicer/core/arena.hpp"
-#include "slicer/core/vec.hpp"
+#include "slicer/core/numbers/vec.hpp"
 
 namespace plumbline {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "slicer/core/vec.hpp"
+#include "slicer/core/numbers/vec.hpp"
 #include "tests/slicer/support/scan_cloud.hpp"
 
 namespace plumbline {

@@ -1,4 +1,4 @@
-#include "slicer/core/lanes.hpp"
+#include "slicer/core/numbers/lanes.hpp"
 
 #include <gtest/gtest.h>
 

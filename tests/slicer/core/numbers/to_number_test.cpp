@@ -1,4 +1,4 @@
-#include "slicer/core/to_number.hpp"
+#include "slicer/core/numbers/to_number.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "slicer/core/mix64.hpp"
+#include "slicer/core/numbers/mix64.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "slicer/core/printable_text.hpp"
+#include "slicer/core/words/printable_text.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,8 +1,8 @@
-#include "slicer/core/told.hpp"
+#include "slicer/core/words/told.hpp"
 
 #include <cassert>
 
-#include "slicer/core/printable_text.hpp"
+#include "slicer/core/words/printable_text.hpp"
 
 namespace plumbline {
 
