@@ -46,7 +46,8 @@ class RayShooter {
   /// @retval ErrorCode::kOutOfMemory
   [[nodiscard]] static Expected<RayShooter> create(const RayField& field, std::uint32_t threads, Arena& arena);
 
-  /// Shoots every ray within the bounds of the cloud's supports and stores its crossings. The result does not depend on the number of threads.
+  /// Shoots every ray within the bounds of the cloud's supports and stores its crossings. The result does not depend on the number of
+  /// threads.
   /// @retval ErrorCode::kOutOfMemory, kCancelled
   [[nodiscard]] Expected<RayCounts> shoot(CrossingStore& store, ProgressSink* progress);
 

@@ -14,6 +14,7 @@ namespace {
 // Distance from the cylinder within which a point is on its wall: the larger of these two.
 constexpr float kToleranceEpsilons = 0.1F;
 constexpr float kToleranceNoise = 2.5F;  ///< standard deviations of the noise
+constexpr float kMaxTolerance = 0.4F;    ///< radii; with more, any points make a cylinder
 // The first fit, within the width of the bore. Its tolerances, in widths, narrow down from the error of the first
 // guess.
 constexpr std::array<float, 7> kCoarseTolerances = {0.25F, 0.25F, 0.18F, 0.18F, 0.12F, 0.12F, 0.12F};
@@ -252,6 +253,7 @@ class RoundBores {
       return fit(c, stretch, tolerance_) && fit(c, stretch, tolerance_) && c.radius < kMaxChange * first_radius &&
              first_radius < kMaxChange * c.radius;
     };
+    if (tolerance_ > kMaxTolerance * c.radius) return std::nullopt;
     std::array<Way, 2> ways{{{-1, kStep * c.radius}, {1, kStep * c.radius}}};
     std::uint32_t on = 0;
     std::uint32_t beside = 0;
