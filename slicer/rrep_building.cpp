@@ -196,7 +196,7 @@ Status trim(RRep& rrep, Arena& arena, SliceReport& report) {
 /// Plans the R-Rep anew, since the crossings are known now.
 void plan_rrep(const CrossingStore& store, const Arena& arena, SliceReport& report) {
   const PrintGrid& grid = store.grid();
-  const RayYield yield{static_cast<double>(report.rays.interested -
+  const RayYield yield{static_cast<double>(report.rays.interested() -
                                            report.rays.decided[static_cast<std::size_t>(RayDecision::kOutside)]),
                        static_cast<double>(store.crossings())};
   report.planned_bytes[static_cast<std::size_t>(Stage::kRRep)] =

@@ -42,7 +42,7 @@ Expected<CoveragePreview> preview_coverage(const RRep& rrep, const SliceReport& 
                                            const std::string& picture, Arena& arena) {
   if (!picture.empty()) PLUMBLINE_TRY(draw(rrep, report.confidence, name, picture, arena));
   const auto outside = static_cast<double>(report.rays.decided[static_cast<std::size_t>(RayDecision::kOutside)]);
-  const auto shot = static_cast<double>(std::max<std::uint64_t>(1, report.rays.interested));
+  const auto shot = static_cast<double>(std::max<std::uint64_t>(1, report.rays.interested()));
   return CoveragePreview{report.confidence.shares(), report.flat_underside, outside / shot};
 }
 

@@ -87,7 +87,7 @@ std::size_t JobReport::peak_bytes() const {
 }
 
 double JobReport::share_of_rays(RayDecision decision) const {
-  const auto shot = static_cast<double>(slice.rays.interested);
+  const auto shot = static_cast<double>(slice.rays.interested());
   return shot > 0 ? static_cast<double>(slice.rays.decided[static_cast<std::size_t>(decision)]) / shot : 0;
 }
 

@@ -121,7 +121,7 @@ void add_rays(Text& text, const JobReport& report) {
         percent(static_cast<double>(s.mesh->decided_rays), static_cast<double>(s.mesh->rays)), big(s.crossings));
     return;
   }
-  text.add("rays       %llu shot:", big(s.rays.interested));
+  text.add("rays       %llu shot:", big(s.rays.interested()));
   for (std::size_t i = 0; i < kRayDecisionCount; ++i) {
     const auto decision = static_cast<RayDecision>(i);
     text.add("%s %s %.2f %%", i == 0 ? "" : ",", to_string(decision), 100 * report.share_of_rays(decision));

@@ -102,7 +102,7 @@ void write_points(JsonWriter& json, const SliceReport& slice) {
 void write_rays(JsonWriter& json, const SliceReport& slice) {
   json.key("rays");
   json.begin_object();
-  json.member("interested", slice.rays.interested);
+  json.member("interested", slice.rays.interested());
   for (std::size_t i = 0; i < kRayDecisionCount; ++i) {
     json.member(as_key(to_string(static_cast<RayDecision>(i))).view(), slice.rays.decided[i]);
   }

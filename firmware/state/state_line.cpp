@@ -22,6 +22,12 @@ std::optional<T> only_if(bool there, T value) {
   return there ? std::optional(value) : std::nullopt;
 }
 
+/// What `map` makes of a value; none of none.
+template <class T, class Map>
+auto mapped(const std::optional<T>& value, Map map) {
+  return value ? std::optional(map(*value)) : std::nullopt;
+}
+
 void text_or_null(JsonWriter& json, std::string_view name, std::string_view text) {
   json.member(name, only_if(!text.empty(), text));
 }
@@ -127,7 +133,7 @@ void write_job(JsonWriter& json, const PrinterRecord& record) {
   json.begin_array(kOneLine);
   for (std::size_t i = 0; i < job.file_count; ++i) json.value(job.files[i].view());
   json.end_array();
-  json.member("number", only_if(job.chosen.has_value(), static_cast<std::uint32_t>(job.chosen.value_or(0) + 1)));
+  json.member("number", mapped(job.chosen, [](auto i) { return static_cast<std::uint32_t>(i + 1); }));
   json.member("profile", job.profile.view());
   json.member("units", to_string(job.units));
   json.member("scale", job.scale);
@@ -152,13 +158,12 @@ void write_job(JsonWriter& json, const PrinterRecord& record) {
   json.member("rotate_y_deg", job.rotate_y_deg);
   json.member("rotate_z_deg", job.rotate_z_deg);
   json.member("layer_height", only_if(job.layer_height > 0, job.layer_height));
-  json.member("supports", only_if(job.supports.has_value(), job.supports.value_or(false) ? "auto" : "none"));
-  const auto proposal = record.proposal();
-  json.member("proposal", only_if(proposal.has_value(), static_cast<std::uint32_t>(proposal.value_or(0))));
+  json.member("supports", mapped(job.supports, [](bool wanted) { return wanted ? "auto" : "none"; }));
+  json.member("proposal", mapped(record.proposal(), [](auto i) { return static_cast<std::uint32_t>(i); }));
   json.member("as", to_string(job.as));
   json.member("base", word_of(job.base));
   json.member("keep_all", job.keep_all);
-  json.member("result", only_if(record.result.has_value(), to_string(record.result.value_or(PrintState::kIdle))));
+  json.member("result", mapped(record.result, [](PrintState state) { return to_string(state); }));
   json.end_object();
 }
 
@@ -238,7 +243,7 @@ void write_progress(JsonWriter& json, const PrinterRecord& record) {
   json.member("elapsed_s", static_cast<std::uint64_t>(progress.elapsed.count()));
   json.member("left_s", static_cast<std::uint64_t>(progress.left.count()));
   write_time(json, "ends_at", progress.ends_at);
-  json.member("slack_s", only_if(progress.slack.has_value(), seconds_of(progress.slack.value_or(nanoseconds()))));
+  json.member("slack_s", mapped(progress.slack, seconds_of));
   json.end_object();
 }
 

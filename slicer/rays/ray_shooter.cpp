@@ -72,7 +72,6 @@ Status RayShooter::shoot_tile(Worker& worker, std::uint32_t tile, CrossingStore&
   }
   worker.classifier.begin_tile(column, row);
   RayCounts& total = worker.counts;
-  ++total.passing_tiles;
   total.thinned_tiles += worker.classifier.tile_thinned() ? 1 : 0;
 
   RayLattice& lattice = *worker.lattice;
@@ -99,7 +98,6 @@ Status RayShooter::shoot_tile(Worker& worker, std::uint32_t tile, CrossingStore&
       counts[at] = static_cast<std::uint8_t>(n);
       used += n;
       if (ray.decision == RayDecision::kAway) continue;
-      ++total.interested;
       ++total.decided[static_cast<std::size_t>(ray.decision)];
     }
   }
@@ -139,8 +137,6 @@ Expected<RayCounts> RayShooter::shoot(CrossingStore& store, ProgressSink* progre
   if (stop) return fail(ErrorCode::kCancelled, "cancelled while shooting rays");
   RayCounts sum;
   for (const Worker& worker : std::span(workers_).first(threads_)) {
-    sum.passing_tiles += worker.counts.passing_tiles;
-    sum.interested += worker.counts.interested;
     sum.thinned_tiles += worker.counts.thinned_tiles;
     sum.guided += worker.counts.guided;
     sum.interpolated += worker.counts.interpolated;

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <numeric>
 #include <span>
 
 #include "slicer/core/arena.hpp"
@@ -13,12 +14,13 @@
 namespace plumbline {
 
 struct RayCounts {
-  std::uint64_t passing_tiles = 0;
-  std::uint64_t interested = 0;                               ///< rays with crossings, or with points near
   std::array<std::uint64_t, kRayDecisionCount> decided = {};  ///< rays, by RayDecision
   std::uint64_t guided = 0;         ///< rays whose crossings were looked for near predicted depths only (RayLattice)
   std::uint64_t interpolated = 0;   ///< rays that lie on the sheets of their neighbours
   std::uint64_t thinned_tiles = 0;  ///< tiles that used only some of their points, for lack of room
+
+  /// Rays with crossings, or with points near.
+  std::uint64_t interested() const { return std::reduce(decided.begin(), decided.end()); }
 };
 
 /// Inputs of the ray stage.
