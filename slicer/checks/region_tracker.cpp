@@ -4,7 +4,6 @@
 #include <tuple>
 #include <utility>
 
-#include "slicer/checks/layer_measures.hpp"
 
 namespace plumbline {
 namespace {
@@ -40,7 +39,9 @@ void for_each_run_within(const LayerRegions& parts, const LayerRegions& whole, V
 }  // namespace
 
 Expected<RegionTracker> RegionTracker::create(const PrintGrid& grid, const CheckLimits& limits, Arena& arena) {
-  RegionTracker tracker(grid, limits);
+  const auto islands = IslandRule::create(grid, limits, arena);
+  PLUMBLINE_TRY(islands);
+  RegionTracker tracker(grid, limits, *islands);
   const auto settings = region_settings(grid);
   const std::size_t runs = LayerRegions::most_runs(grid.rows, settings);
   for (Layer& layer : tracker.layers_) {
@@ -74,9 +75,6 @@ Expected<RegionTracker> RegionTracker::create(const PrintGrid& grid, const Check
   auto tears = TearFinder::create(grid, limits.peel, runs, arena);
   PLUMBLINE_TRY(tears);
   tracker.tears_ = *tears;
-  auto reach = Disc::create(PixelPitch(grid), nanometres(CheckLimits::kIslandTipsReach_mm), arena);
-  PLUMBLINE_TRY(reach);
-  tracker.reach_ = *reach;
   return tracker;
 }
 
@@ -86,8 +84,7 @@ std::size_t RegionTracker::bytes_needed(const PrintGrid& grid) {
   return 3 * LayerRegions::bytes_needed(grid.rows, settings) + 6 * Arena::rounded(runs * sizeof(std::uint32_t)) +
          RegionContacts::bytes_needed(runs) + Arena::rounded(RegionContacts::room(runs) * sizeof(Contact)) +
          2 * RegionColumns::bytes_needed(kMostColumns) + Film::bytes_needed(grid) +
-         TearFinder::bytes_needed(grid, runs) +
-         Disc::bytes_needed(PixelPitch(grid), nanometres(CheckLimits::kIslandTipsReach_mm));
+         TearFinder::bytes_needed(grid, runs) + IslandRule::bytes_needed(grid);
 }
 
 void RegionTracker::next(ConstBitImage mask, ConstBitImage eroded, BitImage scratch, StackFindings& findings) {
@@ -179,81 +176,13 @@ bool RegionTracker::start_columns() {
   return true;
 }
 
-/// @param visit  called with (row, run) until it returns true
-/// @returns whether it did
-template <class Visit>
-bool RegionTracker::any_run_of(std::uint32_t region, Visit visit) const {
-  const LayerRegions& regions = now().regions;
-  std::uint32_t left = regions.area(region);
-  for (std::uint32_t r = regions.row_of(region); r < regions.rows() && left > 0; ++r) {
-    for (std::uint32_t i = regions.row_begin(r); i < regions.row_begin(r + 1); ++i) {
-      if (regions.region(i) != region) continue;
-      const LayerRegions::Run& run = regions.run(i);
-      left -= run.last + 1U - run.first;
-      if (visit(r, run)) return true;
-    }
-  }
-  return false;
-}
-
 void RegionTracker::find_islands(ConstBitImage eroded, BitImage scratch, StackFindings& findings) {
-  bool is_black = false;
+  IslandRule::Layers layers{now().regions, below().regions, eroded, scratch};
   for (std::uint32_t i = 0; i < root_count_; ++i) {
     const std::uint32_t region = roots_[i] & ~kWhite;
-    if ((roots_[i] & kWhite) == 0 || !is_island(region, eroded)) continue;
-    if (!is_black) scratch.clear();
-    is_black = true;
-    if (rests_on_tips(region, scratch)) continue;
-    const Issue issue = issue_at(IssueKind::kIsland, layer_, now().regions, widest_[region]);
-    findings.of(issue.kind).add(issue);
+    if ((roots_[i] & kWhite) == 0 || !islands_.is_island(region, shared_[region], layers)) continue;
+    findings.of(IssueKind::kIsland).add(issue_at(IssueKind::kIsland, layer_, now().regions, widest_[region]));
   }
-}
-
-bool RegionTracker::is_island(std::uint32_t region, ConstBitImage eroded) const {
-  const std::uint64_t area = now().regions.area(region);
-  const std::uint64_t held = std::uint64_t{shared_[region]} * limits_.island_held_divisor;
-  if (shared_[region] > 0 && held >= area) return false;
-  if (shared_[region] < limits_.island_held_pixels || held * limits_.island_held_divisor < area) return true;
-  return any_run_of(region, [&](std::uint32_t row, const LayerRegions::Run& run) {
-    return count_in(eroded.row(row), run.first, run.last + 1U) > 0;
-  });
-}
-
-/// Whether a region touches the layer below in several places, and all of it is near to these.
-/// @param touched  black on entry and on return
-bool RegionTracker::rests_on_tips(std::uint32_t region, BitImage touched) const {
-  if (scale_.mm2(shared_[region]) < limits_.island_tips_mm2) return false;
-  if (std::uint64_t{shared_[region]} * limits_.island_tips_divisor < now().regions.area(region)) return false;
-  const LayerRegions& under = below().regions;
-  std::uint32_t tip = kNone;  // one of those that it touches
-  bool any_other = false;
-  const auto draw = [&](bool white) {
-    any_run_of(region, [&](std::uint32_t row, const LayerRegions::Run& run) {
-      for (std::uint32_t i = under.row_begin(row); i < under.row_begin(row + 1); ++i) {
-        if (!under.white(row, i)) continue;
-        const std::uint32_t begin = std::max(run.first, under.run(i).first);
-        const std::uint32_t end = std::min(run.last, under.run(i).last) + 1U;
-        if (begin >= end) continue;
-        any_other = any_other || (tip != kNone && tip != under.region(i));
-        tip = under.region(i);
-        for_each_word(begin, end, [&](std::uint32_t w, std::uint64_t bits) {
-          std::uint64_t& word = touched.row(row)[w];
-          word = white ? word | bits : word & ~bits;
-        });
-      }
-      return false;
-    });
-  };
-  draw(true);
-  const bool any_far = any_run_of(region, [&](std::uint32_t row, const LayerRegions::Run& run) {
-    bool far = false;
-    for_each_word(run.first, run.last + 1U, [&](std::uint32_t w, std::uint64_t bits) {
-      far = far || reach_.near(touched, row, w, bits) != bits;
-    });
-    return far;
-  });
-  draw(false);
-  return any_other && !any_far;
 }
 
 /// Where something lies on the film: of each region, the pixels that get light and hang from what stayed below, itself or through others.

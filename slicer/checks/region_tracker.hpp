@@ -8,6 +8,7 @@
 
 #include "slicer/checks/check_limits.hpp"
 #include "slicer/checks/film.hpp"
+#include "slicer/checks/island_rule.hpp"
 #include "slicer/checks/region_columns.hpp"
 #include "slicer/checks/region_contacts.hpp"
 #include "slicer/checks/stack_findings.hpp"
@@ -17,7 +18,6 @@
 #include "slicer/core/error.hpp"
 #include "slicer/core/print_grid.hpp"
 #include "slicer/layers/layer_regions.hpp"
-#include "slicer/supports/near.hpp"
 
 namespace plumbline {
 
@@ -77,16 +77,13 @@ class RegionTracker {
   };
   static constexpr std::uint32_t kNone = RegionColumn::kNone;
 
-  RegionTracker(const PrintGrid& grid, const CheckLimits& limits) : scale_(grid), limits_(limits) {}
+  RegionTracker(const PrintGrid& grid, const CheckLimits& limits, const IslandRule& islands)
+      : scale_(grid), limits_(limits), islands_(islands) {}
 
   bool track(ConstBitImage mask, ConstBitImage eroded, BitImage scratch, StackFindings& findings);
   bool find_contacts();
   bool start_columns();
   void find_islands(ConstBitImage eroded, BitImage scratch, StackFindings& findings);
-  bool is_island(std::uint32_t region, ConstBitImage eroded) const;
-  bool rests_on_tips(std::uint32_t region, BitImage touched) const;
-  template <class Visit>
-  bool any_run_of(std::uint32_t region, Visit visit) const;
   bool find_what_stays(ConstBitImage mask, BitImage lit, bool& any_falls, StackFindings& findings);
   void join_solid();
   bool find_tears(const LayerRegions& stayed, bool shaded);
@@ -104,6 +101,7 @@ class RegionTracker {
 
   IssueScale scale_;
   CheckLimits limits_;
+  IslandRule islands_;
   std::uint32_t layer_ = 0;
   bool below_is_known_ = false;  ///< its regions are
   // Regions of the masks, and of what got light and stayed. These are the masks' while the film is clean.
@@ -120,7 +118,6 @@ class RegionTracker {
   RegionColumns solid_, air_;  ///< column 0: held; open to the outside
   Film film_;
   TearFinder tears_;
-  Disc reach_;  ///< kIslandTipsReach_mm
 };
 
 }  // namespace plumbline
