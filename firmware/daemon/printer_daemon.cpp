@@ -259,36 +259,35 @@ Expected<bool> PrinterDaemon::accept(const PrintGrid& grid, const MaskExtent& ex
   return *accepted;
 }
 
-Expected<bool> PrinterDaemon::prepare_scan(PrintSession& session, const CheckedAnswer& answer,
-                                           const ScanRequest& request, const PrintProfile& profile) {
-  const SlicedScan& sliced = answer.sliced;
+Expected<bool> PrinterDaemon::prepare_scan(PrintSession& session, const ReadJob& job) {
+  const SlicedScan& sliced = job.scan->sliced;
   {
     // Without room for them there are none to look at.
-    const auto masks = OfferedScanMasks::create(sliced, profile, settings_.machine, arena_);
+    const auto masks = OfferedScanMasks::create(sliced, job.profile, settings_.machine, arena_);
     const auto wanted =
-        accept(sliced.rrep.grid, extent_of(sliced.rrep), sliced.findings, profile, masks ? masks->get() : nullptr);
+        accept(sliced.rrep.grid, extent_of(sliced.rrep), sliced.findings, job.profile, masks ? masks->get() : nullptr);
     if (!wanted || !*wanted) return wanted;
   }
-  for (const RequestedFile& file : request.files()) session.add_scan_file(file.name.view());
-  PLUMBLINE_TRY(session.take(sliced, request.name.view(), profile));
+  PLUMBLINE_TRY(session.take(sliced, job.request.name.view(), job.profile));
   return true;
 }
 
-Expected<bool> PrinterDaemon::prepare_archive(PrintSession& session, JobStore::Received& copy,
-                                              const ScanRequest& request, PrintProfile& profile) {
-  const auto sliced = slicing_.check(copy.file.get(), request);
+Expected<bool> PrinterDaemon::prepare_archive(PrintSession& session, ReadJob& job) {
+  JobStore::Received& copy = *job.archive;
+  const std::string_view name = job.request.name.view();
+  const auto sliced = slicing_.check(copy.file.get(), job.request);
   PLUMBLINE_TRY(sliced);
   observer_.previewed(child_.pictures());
-  profile = profile_of(profile, sliced->settings, request.name.view());
+  job.profile = profile_of(job.profile, sliced->settings, name);
   {
     // Without room for them there are none to look at.
-    const auto masks = OfferedArchiveMasks::create(copy.file.get(), request.name.view(), *sliced, profile,
-                                                   settings_.machine, decoder_, arena_);
-    const auto wanted = accept(sliced->grid, sliced->extent, sliced->findings, profile, masks ? masks->get() : nullptr);
+    const auto masks =
+        OfferedArchiveMasks::create(copy.file.get(), name, *sliced, job.profile, settings_.machine, decoder_, arena_);
+    const auto wanted =
+        accept(sliced->grid, sliced->extent, sliced->findings, job.profile, masks ? masks->get() : nullptr);
     if (!wanted || !*wanted) return wanted;
   }
-  for (const RequestedFile& file : request.files()) session.add_scan_file(file.name.view());
-  PLUMBLINE_TRY(session.take(*sliced, request.name.view(), profile, std::move(copy.file), copy.hash));
+  PLUMBLINE_TRY(session.take(*sliced, name, job.profile, std::move(copy.file), copy.hash));
   return true;
 }
 
@@ -321,6 +320,7 @@ Status PrinterDaemon::serve_upload() {
   return serve_scans(uploads_->port(), true);
 }
 
+/// Offers what is in a port, and prints it if somebody wants that.
 Status PrinterDaemon::serve_scans(StickPort& port, bool uploaded) {
   if (!uploaded) served_ = true;
   commands_.of_upload = uploaded;
@@ -328,12 +328,9 @@ Status PrinterDaemon::serve_scans(StickPort& port, bool uploaded) {
   const bool wants_reports = !uploaded && store_reports();
   observer_.begin_job();
   apply(PrintEvent::kJobOffered);
-  PrintSession session(settings_.board, settings_.machine, arena_, &store_, &decoder_);
-  std::optional<PrintProfile> profile;
-  std::optional<CheckedAnswer> answer;
-  std::optional<JobStore::Received> copy;
-  std::optional<ScanRequest> request;
-  std::optional<StickJob> printed;
+  PrintSession session(settings_.board, settings_.machine, arena_, &store_,
+                       &decoder_);  // frees what is read into the arena
+  std::optional<ReadJob> read;
   {
     const auto mount = port.mount();
     PLUMBLINE_TRY(mount);
@@ -345,43 +342,53 @@ Status PrinterDaemon::serve_scans(StickPort& port, bool uploaded) {
       apply(PrintEvent::kCancelAsked);
       return {};
     }
-    const StickJob& job = **wanted;
-    if (!record_.has_job_file) printed = job;
-    auto read = settings_.profile(job.profile);
-    PLUMBLINE_TRY(read);
-    profile = std::move(*read);
-    auto scan = open_scan(job, *mount);
-    PLUMBLINE_TRY(scan);
-    apply(PrintEvent::kJobTaken);
-    FixedText<400> text;
-    text.add("reading %s, profile %s", job.title().c_str(), profile->name.c_str());
-    observer_.say(text.view());
-    const auto asked = stick_request(job, *scan, *profile, settings_);
-    PLUMBLINE_TRY(asked);
-    request = *asked;
-    if (is_archive_name(job.scans[0])) {
-      auto copied = slicing_.copy(*mount, scan->front(), store_);
-      PLUMBLINE_TRY(copied);
-      copy.emplace(std::move(*copied));
-    } else {
-      const auto sliced = slicing_.run(*mount, *scan, *request);
-      PLUMBLINE_TRY(sliced);
-      answer = *sliced;
-      observer_.previewed(child_.pictures());
-      for (std::size_t i = 0; i < answer->remarks; ++i) {
-        observer_.warn(in_stick_words(answer->remark[i].view()).view(), answer->remark_told[i]);
-      }
-    }
+    PLUMBLINE_TRY(read_job(*mount, **wanted, read));
   }
   if (!uploaded) observer_.tell("the stick may be pulled", PrinterCode::kStickMayGo);
-  const auto ready =
-      copy ? prepare_archive(session, *copy, *request, *profile) : prepare_scan(session, *answer, *request, *profile);
-  if (copy && (!ready || !*ready)) store_.drop_received();
+  return print_job(session, *read);
+}
+
+/// Takes all that the print needs from a mounted stick, so that it may be pulled afterwards.
+/// @param read  out: several kilobytes
+Status PrinterDaemon::read_job(const StickMount& mount, const StickJob& job, std::optional<ReadJob>& read) {
+  const auto profile = settings_.profile(job.profile);
+  PLUMBLINE_TRY(profile);
+  auto scan = open_scan(job, mount);
+  PLUMBLINE_TRY(scan);
+  apply(PrintEvent::kJobTaken);
+  FixedText<400> text;
+  text.add("reading %s, profile %s", job.title().c_str(), profile->name.c_str());
+  observer_.say(text.view());
+  const auto request = stick_request(job, *scan, *profile, settings_);
+  PLUMBLINE_TRY(request);
+  read.emplace(ReadJob{*request, *profile, {}, {}, {}});
+  if (!record_.has_job_file) read->offered = job;
+  if (is_archive_name(job.scans[0])) {
+    auto copied = slicing_.copy(mount, scan->front(), store_);
+    PLUMBLINE_TRY(copied);
+    read->archive.emplace(std::move(*copied));
+    return {};
+  }
+  const auto sliced = slicing_.run(mount, *scan, *request);
+  PLUMBLINE_TRY(sliced);
+  read->scan = *sliced;
+  observer_.previewed(child_.pictures());
+  for (std::size_t i = 0; i < sliced->remarks; ++i) {
+    observer_.warn(in_stick_words(sliced->remark[i].view()).view(), sliced->remark_told[i]);
+  }
+  return {};
+}
+
+/// Prints what was read, unless its checks or somebody who is asked about them forbid it.
+Status PrinterDaemon::print_job(PrintSession& session, ReadJob& job) {
+  for (const RequestedFile& file : job.request.files()) session.add_scan_file(file.name.view());
+  const auto ready = job.archive ? prepare_archive(session, job) : prepare_scan(session, job);
+  if (job.archive && (!ready || !*ready)) store_.drop_received();
   PLUMBLINE_TRY(ready);
   if (!*ready) return {};
   apply(PrintEvent::kSliced);
-  printed_ = std::move(printed);
-  print(session, *profile);
+  printed_ = std::move(job.offered);
+  print(session, job.profile);
   return {};
 }
 

@@ -46,6 +46,15 @@ class PrinterDaemon {
   FaultCode fault() const { return fault_; }  ///< of the last job; kNone: none
 
  private:
+  /// A job after its stick may go.
+  struct ReadJob {
+    ScanRequest request;
+    PrintProfile profile;
+    std::optional<CheckedAnswer> scan;          ///< sliced; or
+    std::optional<JobStore::Received> archive;  ///< copied
+    std::optional<StickJob> offered;            ///< none: it came from a job file
+  };
+
   void apply(PrintEvent event);  ///< the one place that changes the state between prints
   bool ending() const;           ///< the system shuts down
   Status serve();
@@ -59,6 +68,8 @@ class PrinterDaemon {
   Status serve_upload();
   /// @param port  the stick's, or that of the uploads
   Status serve_scans(StickPort& port, bool uploaded);
+  Status read_job(const StickMount& mount, const StickJob& job, std::optional<ReadJob>& read);
+  Status print_job(PrintSession& session, ReadJob& job);
   Expected<std::optional<StickJob>> choose(const StickMount& mount, bool uploaded);
   /// Finds the best ways up of what is offered.
   Status propose(const StickMount& mount, StickOffer& offer);
@@ -68,12 +79,9 @@ class PrinterDaemon {
   Expected<bool> accept(const PrintGrid& grid, const MaskExtent& extent, const StackFindings& findings,
                         const PrintProfile& profile, OfferedMasks* masks);
   /// Prepares a session to print what was read, if somebody wants it.
-  Expected<bool> prepare_scan(PrintSession& session, const CheckedAnswer& answer, const ScanRequest& request,
-                              const PrintProfile& profile);
-  /// The same for an archive that was copied; a child checks it first.
-  /// @param profile  gets the archive's exposures
-  Expected<bool> prepare_archive(PrintSession& session, JobStore::Received& copy, const ScanRequest& request,
-                                 PrintProfile& profile);
+  Expected<bool> prepare_scan(PrintSession& session, const ReadJob& job);
+  /// The same for an archive that was copied; a child checks it first. The job's profile gets the archive's exposures.
+  Expected<bool> prepare_archive(PrintSession& session, ReadJob& job);
   /// Writes reports onto the stick if it asks for them. What goes wrong is only said.
   /// @returns whether it asks
   bool store_reports();
