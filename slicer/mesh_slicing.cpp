@@ -234,15 +234,10 @@ Expected<std::optional<MeshSurvey>> survey_mesh(MeshFiles& files, const SliceSet
   PLUMBLINE_TRY(files.keep_all(arena));
   const auto most_vertices = *hint == MeshHint::kTriangles ? std::optional<std::uint64_t>(0) : std::nullopt;
   const auto found = survey_files(files, settings, most_vertices, arena, progress, report);
-  if (!found) {
-    const ErrorCode code = found.error().code();
-    if (sure || code == ErrorCode::kCannotRead || code == ErrorCode::kCancelled) {
-      return tl::unexpected<Error>(found.error());
-    }
-  }
+  // A scan has room for any number of points. Whatever else is wrong with faces must not turn a mesh into points unseen.
+  if (!found && (sure || found.error().code() != ErrorCode::kOutOfMemory)) return tl::unexpected<Error>(found.error());
   if (found && sure && found->triangles == 0) return fail_empty(files, *report.mesh);
   if (found && (sure || found->is_object())) return std::optional<MeshSurvey>(*found);
-  // What is wrong with its points or faces is for the reader of scans to find.
   report.mesh.reset();
   report.scans = {};
   report.scan = {};

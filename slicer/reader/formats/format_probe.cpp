@@ -133,9 +133,11 @@ class Probe {
   /// Binary STL has no signature: 80 arbitrary bytes, the number of triangles, 50 bytes for each.
   bool is_stl() const {
     if (has_ending(input_.name(), ".stl")) return true;
-    if (window_.starts_with("solid") &&
-        (window_.find("facet") != std::string_view::npos || window_.find("endsolid") != std::string_view::npos)) {
-      return true;
+    std::string_view rest = window_;
+    if (same_word(LineWords(next_line(rest)).next(), "solid")) {
+      for (const std::string_view word : {"facet", "FACET", "endsolid", "ENDSOLID"}) {
+        if (window_.find(word) != std::string_view::npos) return true;
+      }
     }
     constexpr std::size_t kHead = 84;
     if (window_.size() < kHead || !input_.size()) return false;
@@ -146,14 +148,14 @@ class Probe {
     return triangles > 0 && *input_.size() == kHead + 50 * triangles;
   }
 
-  /// 4OFF and nOFF have other dimensions than three.
+  /// 4OFF and nOFF have other dimensions than three. The word may be missing, or stick to the number after it.
   bool is_off() const {
     std::string_view rest = window_;
     const auto first = LineWords(next_line(rest)).next();
     for (const std::string_view off : {"OFF", "COFF", "NOFF", "CNOFF", "STOFF", "STCOFF", "STNOFF", "STCNOFF"}) {
-      if (first == off) return true;
+      if (first.starts_with(off) && (first.size() == off.size() || parse_count(first.substr(off.size())))) return true;
     }
-    return false;
+    return has_ending(input_.name(), ".off") && (same_word(first, "OFF") || parse_count(first));
   }
 
   /// Takes the next line that is neither empty nor a comment; empty if there is none.

@@ -130,7 +130,8 @@ class HeaderParser {
       place_ = Place::kAfter;
       return;
     }
-    place_ = name == "face" ? Place::kFace : Place::kBetween;
+    header_.strips = name == "tristrips";
+    place_ = name == "face" || header_.strips ? Place::kFace : Place::kBetween;
     count_ = count;
     layout_ = RecordLayout(steps_);
   }

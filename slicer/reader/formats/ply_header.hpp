@@ -28,6 +28,7 @@ struct PlyHeader {
   std::span<const PlyElement> before_face;    ///< elements between the vertices and the faces, in order
   /// Faces after the vertices, with a list of vertex indices. count 0: there are none that can be read.
   PlyElement face;
+  bool strips = false;  ///< the lists are strips of triangles, as Stanford's scans have: -1 begins another strip
 };
 
 /// Reads up to and including the line `end_header`. Declarations after the vertices that can't be understood only mean that the

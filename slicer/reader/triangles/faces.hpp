@@ -1,6 +1,7 @@
 #pragma once
 /// Faces of an indexed mesh as triangles.
 
+#include <array>
 #include <cstdint>
 
 #include "slicer/reader/triangles/triangle_batch.hpp"
@@ -37,6 +38,30 @@ class FaceFan {
   TriangleBatch& batch_;
   Vec3d first_ = Vec3d::Zero();
   Vec3d last_ = Vec3d::Zero();
+  std::uint64_t corners_ = 0;
+};
+
+/// Turns the corners of a strip into triangles: each with the two corners before it, every second one the other way round.
+class FaceStrip {
+ public:
+  FaceStrip(VertexList& vertices, TriangleBatch& batch) : vertices_(vertices), batch_(batch) {}
+
+  void begin() { corners_ = 0; }
+  /// @param vertex  below the number of vertices
+  [[nodiscard]] Status add(std::uint64_t vertex) {
+    vertices_.use(vertex);
+    const std::array<Vec3d, 2> before = last_;
+    const Vec3d p = vertices_.at(vertex);
+    last_ = {before[1], p};
+    if (++corners_ < 3) return {};
+    ++batch_.summary().faces;
+    return corners_ % 2 == 1 ? batch_.add({before[0], before[1], p}) : batch_.add({before[1], before[0], p});
+  }
+
+ private:
+  VertexList& vertices_;
+  TriangleBatch& batch_;
+  std::array<Vec3d, 2> last_ = {Vec3d::Zero(), Vec3d::Zero()};
   std::uint64_t corners_ = 0;
 };
 

@@ -16,20 +16,20 @@ class OffReader {
     batch_.summary().format = ScanFormat::kOff;
     batch_.summary().encoding = "ascii";
     PLUMBLINE_TRY(next_line("its header"));
-    LineWords words(text_);
-    words.next();  // OFF and its like
-    const auto more = LineWords(words.rest()).next();
-    if (same_word(more, "BINARY")) {
+    // OFF and its like: programs leave it out, and data sets have it glued to the number after it.
+    const auto first = words_.next();
+    const std::size_t end = first.find_last_not_of("0123456789") + 1;
+    words_ = LineWords(text_.substr(static_cast<std::size_t>(first.data() - text_.data()) + end));
+    if (same_word(LineWords(words_.rest()).next(), "BINARY")) {
       return lines_.input().fail(ErrorCode::kUnsupported, "line 1: binary OFF can't be read;\texport it as ascii");
-    }
-    if (more.empty()) {
-      PLUMBLINE_TRY(next_line("the number of its vertices"));
-      words = LineWords(text_);
     }
     std::uint64_t vertices = 0;
     std::uint64_t faces = 0;
-    PLUMBLINE_TRY(count(words, "the number of vertices", vertices));
-    PLUMBLINE_TRY(count(words, "the number of faces", faces));
+    PLUMBLINE_TRY(count("the number of its vertices", vertices));
+    const std::uint64_t line = lines_.number();
+    PLUMBLINE_TRY(count("the number of its faces", faces));
+    std::uint64_t edges = 0;
+    if (lines_.number() != line) PLUMBLINE_TRY(count("the number of its edges", edges));
     for (std::uint64_t i = 0; i < vertices; ++i) PLUMBLINE_TRY(read_vertex());
     FaceFan fan(vertices_, batch_);
     for (std::uint64_t i = 0; i < faces; ++i) PLUMBLINE_TRY(read_face(fan));
@@ -39,7 +39,7 @@ class OffReader {
  private:
   unsigned long long number() const { return static_cast<unsigned long long>(lines_.number()); }
 
-  /// Sets text_ to the next line that has more than a comment.
+  /// Sets text_ and words_ to the next line that has more than a comment.
   Status next_line(const char* wanted) {
     for (;;) {
       const auto found = lines_.next(line_);
@@ -55,12 +55,18 @@ class OffReader {
                                    lines_.input().capacity());
       }
       text_ = line_.text.substr(0, line_.text.find('#'));
+      words_ = LineWords(text_);
       if (!is_blank(text_)) return {};
     }
   }
 
-  Status count(LineWords& words, const char* wanted, std::uint64_t& out) const {
-    const auto word = words.next();
+  /// Takes the next word, which may be on a later line.
+  Status count(const char* wanted, std::uint64_t& out) {
+    auto word = words_.next();
+    while (word.empty()) {
+      PLUMBLINE_TRY(next_line(wanted));
+      word = words_.next();
+    }
     const auto value = parse_count(word);
     if (!value) {
       return lines_.input().fail(line_.unterminated ? ErrorCode::kTruncated : ErrorCode::kMalformed,
@@ -92,13 +98,13 @@ class OffReader {
 
   Status read_face(FaceFan& fan) {
     PLUMBLINE_TRY(next_line("the last face that its header declares"));
-    LineWords words(text_);
     std::uint64_t corners = 0;
-    PLUMBLINE_TRY(count(words, "the number of a face's corners", corners));
+    PLUMBLINE_TRY(count("the number of a face's corners", corners));
+    const std::uint64_t line = lines_.number();
     fan.begin();
     for (std::uint64_t i = 0; i < corners; ++i) {
       std::uint64_t vertex = 0;
-      PLUMBLINE_TRY(count(words, "the number of a vertex", vertex));
+      PLUMBLINE_TRY(count("the number of a vertex", vertex));
       if (vertex >= vertices_.size()) {
         return lines_.input().fail(ErrorCode::kMalformed,
                                    "line %llu: a face names vertex %llu, but there are %llu, numbered from 0;\texport "
@@ -108,14 +114,23 @@ class OffReader {
       }
       PLUMBLINE_TRY(fan.add(vertex));
     }
-    return {};
+    // A colour may follow on the line of a face. Behind one that goes on over several lines, it is rather the next face, and a
+    // corner is missing.
+    const auto more = words_.next();
+    if (lines_.number() == line || more.empty()) return {};
+    return lines_.input().fail(
+        ErrorCode::kMalformed,
+        "line %llu: expected the end of a face that begins in line %llu, found '%s';\texport the "
+        "file again",
+        number(), static_cast<unsigned long long>(line), Quote(more).c_str());
   }
 
   LineInput lines_;
   TriangleBatch& batch_;
   VertexList& vertices_;
   Line line_;
-  std::string_view text_;
+  std::string_view text_;  ///< of the line, without its comment
+  LineWords words_{{}};    ///< of text_, those that were not read
 };
 
 }  // namespace

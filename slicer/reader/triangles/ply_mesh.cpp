@@ -33,7 +33,12 @@ class VertexSink final : public PointSink {
 class PlyMeshReader {
  public:
   PlyMeshReader(ByteInput& input, TriangleBatch& batch, VertexList& vertices)
-      : input_(input), lines_(input), batch_(batch), vertices_(vertices), fan_(vertices, batch) {}
+      : input_(input),
+        lines_(input),
+        batch_(batch),
+        vertices_(vertices),
+        fan_(vertices, batch),
+        strip_(vertices, batch) {}
 
   Status read(Arena& memory) {
     const auto header = read_ply_header(lines_, memory);
@@ -84,19 +89,27 @@ class PlyMeshReader {
   tl::unexpected<Error> fail_truncated() const {
     return input_.fail(ErrorCode::kTruncated,
                        "the file ends at byte %llu, with %llu of the %llu faces that its header declares;\tcopy or "
-                       "export it again",
+                       "export it again, or use --as points",
                        static_cast<unsigned long long>(input_.bytes_read()), static_cast<unsigned long long>(face_),
                        static_cast<unsigned long long>(header_.face.count));
   }
 
+  void begin_corners() { header_.strips ? strip_.begin() : fan_.begin(); }
+
   Status add_corner(double index) {
-    if (!(index >= 0) || index >= static_cast<double>(vertices_.size()) || index >= kLargestIndex) {
-      return input_.fail(ErrorCode::kMalformed,
-                         "face %llu names vertex %.0f, but there are %llu, numbered from 0;\texport the file again",
-                         static_cast<unsigned long long>(face_), index,
-                         static_cast<unsigned long long>(vertices_.size()));
+    if (header_.strips && index == -1) {
+      strip_.begin();
+      return {};
     }
-    return fan_.add(static_cast<std::uint64_t>(index));
+    if (!(index >= 0) || index >= static_cast<double>(vertices_.size()) || index >= kLargestIndex) {
+      return input_.fail(
+          ErrorCode::kMalformed,
+          "face %llu names vertex %.0f, but there are %llu, numbered from 0;\texport the file again, or use --as "
+          "points",
+          static_cast<unsigned long long>(face_), index, static_cast<unsigned long long>(vertices_.size()));
+    }
+    const auto vertex = static_cast<std::uint64_t>(index);
+    return header_.strips ? strip_.add(vertex) : fan_.add(vertex);
   }
 
   /// @returns the scalar at the window's beginning
@@ -123,7 +136,7 @@ class PlyMeshReader {
         }
         const auto items = static_cast<std::uint64_t>(*count);
         if (step.slot == 1) {
-          fan_.begin();
+          begin_corners();
           for (std::uint64_t i = 0; i < items; ++i) {
             const auto index = take_scalar(step.item);
             PLUMBLINE_TRY(index);
@@ -147,9 +160,10 @@ class PlyMeshReader {
       PLUMBLINE_TRY(found);
       if (!*found) return fail_truncated();
       if (line.cut) {
-        return input_.fail(ErrorCode::kUnsupported,
-                           "line %llu: a face longer than a line may be (%zu bytes);\texport triangles",
-                           static_cast<unsigned long long>(lines_.number()), input_.capacity());
+        return input_.fail(
+            ErrorCode::kUnsupported,
+            "line %llu: a face longer than a line may be (%zu bytes);\texport triangles, or use --as points",
+            static_cast<unsigned long long>(lines_.number()), input_.capacity());
       }
       if (!is_blank(line.text)) break;
     }
@@ -161,11 +175,12 @@ class PlyMeshReader {
         if (!count) return fail_face(line);
         items = *count;
         if (step.slot == 1) {
-          fan_.begin();
+          begin_corners();
           for (std::uint64_t i = 0; i < items; ++i) {
-            const auto index = parse_count(words.next());
-            if (!index) return fail_face(line);
-            PLUMBLINE_TRY(add_corner(static_cast<double>(*index)));
+            const auto word = words.next();
+            const auto index = parse_count(word);
+            if (!index && word != "-1") return fail_face(line);
+            PLUMBLINE_TRY(add_corner(index ? static_cast<double>(*index) : -1));
           }
           break;  // what follows is not needed
         }
@@ -179,7 +194,7 @@ class PlyMeshReader {
 
   tl::unexpected<Error> fail_face(const Line& line) const {
     return input_.fail(line.unterminated ? ErrorCode::kTruncated : ErrorCode::kMalformed,
-                       "line %llu: expected a face, found '%s';\tcopy or export the file again",
+                       "line %llu: expected a face, found '%s';\tcopy or export the file again, or use --as points",
                        static_cast<unsigned long long>(lines_.number()), Quote(line.text).c_str());
   }
 
@@ -188,6 +203,7 @@ class PlyMeshReader {
   TriangleBatch& batch_;
   VertexList& vertices_;
   FaceFan fan_;
+  FaceStrip strip_;
   PlyHeader header_;
   std::uint64_t face_ = 0;
 };

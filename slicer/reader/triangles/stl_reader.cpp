@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <bit>
 #include <cstring>
 #include <limits>
@@ -26,13 +27,36 @@ std::uint64_t declared_triangles(const char* head) {
   return count;
 }
 
-/// A binary file may begin with "solid", too. A size that fits its number of triangles, or a byte that no text has, decides.
+/// A binary file may begin with "solid", too, and text with something else: a comment, or a program's name. A size that fits the
+/// number of triangles, or a byte that no text has, decides.
 bool is_ascii(const ByteInput& input) {
   const std::string_view window(input.begin(), input.available());
-  LineWords words(window.substr(0, window.find_first_of("\r\n")));
-  if (!same_word(words.next(), "solid")) return false;
   if (window.size() >= kHead && input.size() == kHead + kRecord * declared_triangles(window.data())) return false;
-  return window.find('\0') == std::string_view::npos;
+  if (window.find('\0') != std::string_view::npos) return false;
+  constexpr Separators kBlanksAndLineEnds{" \t\v\f\r\n"};
+  if (same_word(LineWords(window, kBlanksAndLineEnds).next(), "solid")) return true;
+  const auto has = [&](std::string_view word) { return window.find(word) != std::string_view::npos; };
+  return (has("facet") && has("vertex")) || (has("FACET") && has("VERTEX"));
+}
+
+/// Checks what follows the last triangle: nothing, less than a triangle, or zeros that fill a block of a medium.
+Status check_end(ByteInput& input, std::uint64_t count) {
+  std::uint64_t bytes = 0;
+  bool empty = true;
+  for (;;) {
+    const auto ready = input.fill(1);
+    PLUMBLINE_TRY(ready);
+    if (*ready == 0) break;
+    empty = empty && std::all_of(input.begin(), input.end(), [](char byte) { return byte == 0; });
+    bytes += *ready;
+    input.consume(*ready);
+  }
+  if (empty || bytes < kRecord) return {};
+  return input.fail(ErrorCode::kMalformed,
+                    "its header declares %llu triangles, but %llu bytes follow them, enough for %llu more;\texport it "
+                    "again",
+                    static_cast<unsigned long long>(count), static_cast<unsigned long long>(bytes),
+                    static_cast<unsigned long long>(bytes / kRecord));
 }
 
 Status read_binary(ByteInput& input, TriangleBatch& batch) {
@@ -69,7 +93,7 @@ Status read_binary(ByteInput& input, TriangleBatch& batch) {
     ++batch.summary().faces;
     PLUMBLINE_TRY(batch.add(triangle));
   }
-  return {};
+  return check_end(input, count);
 }
 
 class AsciiReader {
@@ -83,14 +107,7 @@ class AsciiReader {
       const auto found = lines_.next(line);
       PLUMBLINE_TRY(found);
       if (!*found) break;
-      LineWords words(line.text);
-      const auto keyword = words.next();
-      if (same_word(keyword, "vertex")) {
-        PLUMBLINE_TRY(add_corner(line, words));
-      } else if (same_word(keyword, "facet") || same_word(keyword, "endfacet") || same_word(keyword, "endsolid")) {
-        PLUMBLINE_TRY(end_facet());
-        open_ = !same_word(keyword, "endsolid");
-      }
+      PLUMBLINE_TRY(read_line(line));
     }
     if (corners_ == 0 && !open_) return {};
     return lines_.input().fail(ErrorCode::kTruncated,
@@ -100,7 +117,28 @@ class AsciiReader {
  private:
   unsigned long long number() const { return static_cast<unsigned long long>(lines_.number()); }
 
-  Status add_corner(const Line& line, const LineWords& words) {
+  /// A line has one keyword or a whole facet.
+  Status read_line(const Line& line) {
+    if (line.cut) {
+      return lines_.input().fail(ErrorCode::kUnsupported,
+                                 "line %llu: longer than a line may be (%zu bytes);\texport it as binary STL", number(),
+                                 lines_.input().capacity());
+    }
+    LineWords words(line.text);
+    for (auto keyword = words.next(); !keyword.empty(); keyword = words.next()) {
+      if (same_word(keyword, "solid")) return {};  // what follows is its name
+      if (same_word(keyword, "vertex")) {
+        PLUMBLINE_TRY(add_corner(line, words));
+      } else if (same_word(keyword, "facet") || same_word(keyword, "endfacet") || same_word(keyword, "endsolid")) {
+        PLUMBLINE_TRY(end_facet());
+        open_ = !same_word(keyword, "endsolid");
+        if (!open_) return {};
+      }
+    }
+    return {};
+  }
+
+  Status add_corner(const Line& line, LineWords& words) {
     const std::string_view rest = words.rest();
     const char* at = rest.data();
     const char* const last = at + rest.size();
@@ -124,6 +162,7 @@ class AsciiReader {
                                  "line %llu: a facet has more than three corners;\texport the file again", number());
     }
     triangle_[corners_++] = corner;
+    words = LineWords({at, static_cast<std::size_t>(last - at)});
     return {};
   }
 

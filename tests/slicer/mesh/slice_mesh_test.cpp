@@ -236,6 +236,30 @@ TEST(SliceMesh, PointsWithFacesAreAMeshIfTheFacesAreTheSurfaceOfAnObject) {
   }
 }
 
+TEST(SliceMesh, OneWrongFaceIsAnErrorAndNoScan) {
+  const TestMesh ball = ball_mesh({0, 0, 8}, 8, 5);
+  const std::string obj = obj_of(ball);
+  const std::string ply = ascii_ply(ball);
+  const std::tuple<const char*, std::string, ErrorCode, const char*> cases[] = {
+      {"a.obj", obj + "f 1 2 x\n", ErrorCode::kMalformed, "expected the number of a vertex, found 'x'"},
+      {"a.obj", obj + "f 1 2 9999999\n", ErrorCode::kMalformed, "a face names vertex 9999999"},
+      {"a.ply", ply.substr(0, ply.size() - 40), ErrorCode::kTruncated, "expected a face, found"},
+  };
+  for (const auto& [name, bytes, code, text] : cases) {
+    ArenaBlock arena(kArena);
+    SliceReport report;
+    SliceSettings settings = settings_with_pitch(0.4F);
+    MemorySource broken(bytes, name);
+    const auto sliced = slice(broken, settings, *arena, nullptr, report);
+    ASSERT_FALSE(sliced) << text;
+    EXPECT_EQ(sliced.error().code(), code) << sliced.error().message();
+    EXPECT_THAT(sliced.error().message(), AllOf(HasSubstr(text), HasSubstr("or use --as points")));
+    settings.as = ReadAs::kPoints;
+    MemorySource again(bytes, name);
+    EXPECT_TRUE(slice(again, settings, *arena, nullptr, report)) << text;
+  }
+}
+
 TEST(SliceMesh, WhatHasNoFacesIsNoMesh) {
   ArenaBlock arena(kArena);
   SliceReport report;

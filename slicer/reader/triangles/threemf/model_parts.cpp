@@ -1,5 +1,7 @@
 #include "slicer/reader/triangles/threemf/model_parts.hpp"
 
+#include <algorithm>
+
 #include "slicer/core/numbers/mix64.hpp"
 #include "slicer/reader/stream/words.hpp"
 #include "slicer/reader/stream/xml_parser.hpp"
@@ -61,6 +63,11 @@ bool ModelParts::declare(const ObjectKey& object) {
     place.declared = true;
   }
   return true;
+}
+
+bool ModelParts::places_anything() const {
+  const auto used = places_.first(size_);
+  return std::any_of(used.begin(), used.end(), [&](const Place& p) { return p.in.id == 0 && p.in.part == root_; });
 }
 
 std::optional<std::uint32_t> ModelParts::missing() const {

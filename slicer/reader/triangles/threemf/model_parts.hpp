@@ -61,6 +61,8 @@ class ModelParts {
   /// @returns false if it is placed and there was one with the same key before
   [[nodiscard]] bool declare(const ObjectKey& object);
 
+  /// Whether the root's build places an object.
+  bool places_anything() const;
   /// @returns the id of an object that is placed in the root's build or in an object of the file, and that declare() was not called for
   std::optional<std::uint32_t> missing() const;
 

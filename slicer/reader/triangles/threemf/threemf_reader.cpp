@@ -261,6 +261,12 @@ class ThreeMfReader {
       return input_.fail(ErrorCode::kUnsupported,
                          "the archive has no 3D model (3D/3dmodel.model);\texport the object as 3MF or STL");
     }
+    if (!parts_.places_anything()) {
+      return telling(Told(ToldCode::kNoTriangles),
+                     input_.fail(ErrorCode::kNoPoints,
+                                 "no object is to be printed: its build has no item, or none that is printable;\tput "
+                                 "an object on the plate in the program that wrote it, and export it again"));
+    }
     unit_mm_ = root->unit_mm;
     PLUMBLINE_TRY(input_.rewind());
     input_.report_within(kFirstPass, 1);

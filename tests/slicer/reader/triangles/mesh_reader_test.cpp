@@ -3,7 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <string>
 #include <vector>
@@ -117,10 +120,15 @@ TEST(MeshReader, PlyFacesMayHaveOtherPropertiesAndElementsBetween) {
 }
 
 TEST(MeshReader, OffMayHaveCommentsColoursAndItsCountsInTheFirstLine) {
-  for (const std::string text : {"# made by\n\nOFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
-                                 "OFF # x\n# y\n3 1 0\n\n0 0 0\n1 0 0 # z\n0 1 0\n3 0 1 2 255 0 0\n",
-                                 "COFF\n3 1 3\n0 0 0 1 1 1 1\n1 0 0 1 1 1 1\n0 1 0 1 1 1 1\n3 0 1 2\n",
-                                 "NOFF 3 1 0\r\n0 0 0 0 0 1\r\n1 0 0 0 0 1\r\n0 1 0 0 0 1\r\n3 0 1 2\r\n"}) {
+  for (const std::string text :
+       {"# made by\n\nOFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+        "OFF # x\n# y\n3 1 0\n\n0 0 0\n1 0 0 # z\n0 1 0\n3 0 1 2 255 0 0\n",
+        "COFF\n3 1 3\n0 0 0 1 1 1 1\n1 0 0 1 1 1 1\n0 1 0 1 1 1 1\n3 0 1 2\n",
+        "NOFF 3 1 0\r\n0 0 0 0 0 1\r\n1 0 0 0 0 1\r\n0 1 0 0 0 1\r\n3 0 1 2\r\n",
+        "STOFF\n3 1 0\n0 0 0 0 0\n1 0 0 1 0\n0 1 0 0 1\n3 0 1 2 1 1 1\n",
+        // ModelNet's files have the word glued to the number, some others no word.
+        "OFF3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+        "off\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "OFF\n3\n1\n2\n0 0 0\n1 0 0\n0 1 0\n3\n0 1\n\n# x\n2\n"}) {
     const MeshReading reading = read_triangles(text, "a.off");
     ASSERT_TRUE(reading.summary) << text << reading.message();
     ASSERT_EQ(reading.triangles.all.size(), 1U);
@@ -141,6 +149,75 @@ TEST(MeshReader, StlMayHaveSeveralSolidsTheWordSolidInABinaryFileOrNoNumberOfTri
   }
   std::string capital = replaced(replaced(ascii_stl(mesh), "solid", "SOLID"), "vertex", "VERTEX");
   expect_triangles(read_triangles(capital, "a.stl"), mesh, "capital letters");
+}
+
+TEST(MeshReader, StlIsTextWhateverIsBeforeItsSolid) {
+  const TestMesh mesh = box_mesh({0, 0, 0}, {1, 2, 3});
+  const std::string text = ascii_stl(mesh);
+  for (const std::string before :
+       {"\n\n  ", "\xef\xbb\xbf", "\t \r\n", "# made by a program\n", "; made by a program\nfacet"}) {
+    expect_triangles(read_triangles(before + text, "a.stl"), mesh, before);
+  }
+  expect_triangles(read_triangles("\n  " + text, "no ending"), mesh, "no ending");
+  expect_triangles(read_triangles(text.substr(text.find('\n') + 1), "a.stl"), mesh, "no solid");
+  std::string shouted = text;
+  std::transform(shouted.begin(), shouted.end(), shouted.begin(),
+                 [](char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 32) : c; });
+  expect_triangles(read_triangles("; by\n" + shouted, "a.stl"), mesh, "all capital");
+}
+
+TEST(MeshReader, StlTextMayHaveAFacetInALine) {
+  const TestMesh mesh = box_mesh({0, 0, 0}, {1, 2, 3});
+  std::string lines = "solid a vertex of its name\n";
+  const std::string text = ascii_stl(mesh);
+  for (std::size_t at = text.find('\n') + 1; at < text.size(); ++at) {
+    const bool ends = text[at] == '\n' && text.compare(at - 8, 8, "endfacet") != 0;
+    lines += ends ? ' ' : text[at];
+  }
+  expect_triangles(read_triangles(lines, "a.stl"), mesh, lines);
+}
+
+TEST(MeshReader, BytesAfterTheLastTriangleOfABinaryStlAreNoTrianglesOrAnError) {
+  const TestMesh mesh = box_mesh({0, 0, 0}, {1, 2, 3});
+  const std::string stl = binary_stl(mesh);
+  for (const std::string& harmless : {"\n"s, std::string(49, 'x'), std::string(512, '\0')}) {
+    expect_triangles(read_triangles(stl + harmless, "a.stl"), mesh, harmless);
+  }
+  for (const std::string& more : {std::string(100, 'x'), stl}) {
+    const MeshReading reading = read_triangles(stl + more, "a.stl");
+    EXPECT_EQ(reading.code(), ErrorCode::kMalformed);
+    const std::string bytes = std::to_string(more.size());
+    EXPECT_THAT(reading.message(), HasSubstr("declares 12 triangles, but " + bytes + " bytes follow them, enough for " +
+                                             std::to_string(more.size() / 50) + " more"));
+  }
+}
+
+/// The corners of a strip of two triangles, and of another one.
+TEST(MeshReader, PlyMayHaveStripsOfTriangles) {
+  const std::string head =
+      "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\n"
+      "element tristrips 1\nproperty list int int vertex_indices\nend_header\n";
+  const std::string text = head + "0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 2 0\n8 0 1 2 3 -1 2 3 4\n";
+  std::string binary = replaced(head, "ascii", "binary_little_endian");
+  const auto append = [&](auto value) {
+    char bytes[sizeof value];
+    std::memcpy(bytes, &value, sizeof value);
+    if constexpr (std::endian::native == std::endian::big) std::reverse(std::begin(bytes), std::end(bytes));
+    binary.append(bytes, sizeof value);
+  };
+  for (const float number : {0.F, 0.F, 0.F, 1.F, 0.F, 0.F, 0.F, 1.F, 0.F, 1.F, 1.F, 0.F, 0.F, 2.F, 0.F}) append(number);
+  for (const std::int32_t index : {8, 0, 1, 2, 3, -1, 2, 3, 4}) append(index);
+  const Vec3d p[] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0, 2, 0}};
+  const std::vector<Triangle> expected = {{p[0], p[1], p[2]}, {p[2], p[1], p[3]}, {p[2], p[3], p[4]}};
+  for (const std::string& bytes : {text, binary}) {
+    const MeshReading reading = read_triangles(bytes, "a.ply");
+    ASSERT_TRUE(reading.summary) << reading.message();
+    EXPECT_EQ(reading.triangles.all, expected);
+    EXPECT_EQ(reading.summary->faces, 3U);
+    EXPECT_EQ(reading.summary->used_vertices, 5U);
+  }
+  const MeshReading missing = read_triangles(replaced(text, "-1", "-2"), "a.ply");
+  EXPECT_EQ(missing.code(), ErrorCode::kMalformed);
 }
 
 TEST(MeshReader, CoordinatesThatAreNotFiniteOrHugeAreLeftOutWithTheirTriangles) {
@@ -207,9 +284,10 @@ TEST(MeshReader, BrokenFilesAreRefusedWithPlaceAndRemedy) {
       {"a.ply", replaced(ascii_ply(box), "vertex_indices", "corners"), ErrorCode::kUnsupported,
        "no faces that can be read"},
       {"a.off", off.substr(0, off.size() - 16), kTruncated, "before the last face"},
-      {"a.off", off.substr(0, off.size() - 5), kTruncated, "expected the number of a vertex"},
+      {"a.off", off.substr(0, off.size() - 5), kTruncated, "before the number of a vertex"},
+      {"a.off", replaced(off, "3 0 2 3\n", "3 0 2\n"), kMalformed, "expected the end of a face that begins in line"},
       {"a.off", "OFF\n", kTruncated, "before the number of its vertices"},
-      {"a.off", "OFF\n-3 1 0\n", kMalformed, "line 2: expected the number of vertices, found '-3'"},
+      {"a.off", "OFF\n-3 1 0\n", kMalformed, "line 2: expected the number of its vertices, found '-3'"},
       {"a.off", "OFF\n99999999999 1 0\n0 0 0\n", kTruncated, "before the last vertex"},
       {"a.off", replaced(off, "3 0 2 3\n", "3 0 2 8\n"), kMalformed, "a face names vertex 8, but there are 8"},
       {"a.off", "OFF BINARY\n", ErrorCode::kUnsupported, "export it as ascii"},
@@ -272,6 +350,10 @@ TEST(MeshHint, ComesFromTheBeginningOfTheFile) {
                  "property float x\nproperty float y\nproperty float z\nend_header\n",
                  "a.ply"),
             MeshHint::kNone);
+  EXPECT_EQ(hint("ply\nformat ascii 1.0\nelement vertex 100\nproperty float x\nproperty float y\nproperty float z\n"
+                 "element tristrips 1\nproperty list int int vertex_indices\nend_header\n",
+                 "a.ply"),
+            MeshHint::kMaybe);
 }
 
 }  // namespace
