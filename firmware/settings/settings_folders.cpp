@@ -47,10 +47,17 @@ Expected<std::string> find(const std::string& name, const std::vector<std::strin
   }
   const auto names = names_in(folders);
   const std::vector<std::string_view> known(names.begin(), names.end());
+  const std::vector<std::string_view> looked_in(folders.begin(), folders.end());
+  if (known.empty()) {
+    return fail(
+        ErrorCode::kCannotOpen,
+        "no %s is called %s: there is no .toml file in %s.\tGive the path of one: plumbline's sources have them in "
+        "board/, an installation in share/plumbline/board/",
+        what, printable(name).c_str(), joined(looked_in).c_str());
+  }
   const auto near = nearest_within(name, known);
   std::string advice = near ? "Did you mean " + std::string(*near) + "? " : std::string();
-  advice += known.empty() ? std::string("There is none") : "There are " + joined(known);
-  const std::vector<std::string_view> looked_in(folders.begin(), folders.end());
+  advice += "There are " + joined(known);
   return fail(ErrorCode::kCannotOpen, "no %s is called %s. %s in %s. Or give the path of its .toml file", what,
               printable(name).c_str(), advice.c_str(), joined(looked_in).c_str());
 }
@@ -74,8 +81,10 @@ Expected<std::string> find_board_file(const std::string& name_or_path) {
   if (!is_path(name_or_path) && !is_there(name_or_path)) return find(name_or_path, board_folders(), "printer");
   if (is_there(name_or_path)) return name_or_path;
   const auto names = names_in(board_folders());
-  return fail(ErrorCode::kCannotOpen, "%s: no such board file.\tCheck the path, or name a printer: %s",
-              printable(name_or_path).c_str(), joined({names.begin(), names.end()}).c_str());
+  const std::string known =
+      names.empty() ? std::string() : ", or name a printer: " + joined({names.begin(), names.end()});
+  return fail(ErrorCode::kCannotOpen, "%s: no such board file.\tCheck the path%s", printable(name_or_path).c_str(),
+              known.c_str());
 }
 
 Expected<std::string> find_profile(const std::string& name_or_path, const std::string& board_path) {

@@ -5,6 +5,7 @@ import ctypes
 import os
 import re
 import resource
+import shutil
 import subprocess
 import unittest
 
@@ -107,6 +108,19 @@ class WorldErrors(Program):
         self.refused("inspect", self.scan, "--printer", "mono3k", message="no printer is called mono3k. Did you mean mono2k\\?.* in board, ")
         self.board.write_text("[printer]\nnaem = 'x'\n")
         self.refused("slice", self.scan, "-o", self.out, "--printer", self.board, message=".*small.toml:2: .*naem")
+
+    def test_program_that_was_copied_alone_says_where_board_files_are(self):
+        write_sphere(self.scan)
+        alone = shutil.copy(PLUMBLINE, self.dir)
+        for printer, message in (
+            ("mono2k", "no printer is called mono2k: there is no .toml file in board. Give the path of one: plumbline's sources have them"),
+            ("mono2k.toml", "mono2k.toml: no such board file. Check the path\n"),
+        ):
+            done = subprocess.run(
+                [alone, "inspect", self.scan, "--printer", printer], cwd=self.dir, capture_output=True, text=True, timeout=60, check=False
+            )
+            self.assertEqual(done.returncode, 1)
+            self.assertIn("plumbline: " + message, done.stderr)
 
     def test_printer_is_found_by_name_from_any_folder(self):
         write_sphere(self.scan)
