@@ -123,21 +123,14 @@ class NearestSet {
   bool addPoint(float distance2, PointIndex index) {  // NOLINT(readability-identifier-naming): nanoflann's name
     if (accept_ != nullptr && !(*accept_)(index.value)) return true;
     const Neighbour point{index.value, distance2};
-    const std::uint64_t own = rank(point);
-    if (full() && own >= rank(found_[count_ - 1])) return true;
+    if (full() && !(point < found_[count_ - 1])) return true;
     std::size_t at = full() ? count_ - 1 : count_++;
-    for (; at > 0 && own < rank(found_[at - 1]); --at) found_[at] = found_[at - 1];
+    for (; at > 0 && point < found_[at - 1]; --at) found_[at] = found_[at - 1];
     found_[at] = point;
     return true;
   }
 
  private:
-  /// Ascends with the distance, then with the index: squares are not negative, so they are in the order of their bits.
-  static std::uint64_t rank(const Neighbour& n) {
-    static_assert(std::endian::native == std::endian::little && offsetof(Neighbour, distance2) == 4);
-    return std::bit_cast<std::uint64_t>(n);
-  }
-
   std::span<Neighbour> found_;
   float beyond2_;  ///< mm^2: the next float above the largest square of a distance that counts
   const FunctionRef<bool(std::uint32_t)>* accept_;

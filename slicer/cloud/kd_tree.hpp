@@ -2,6 +2,7 @@
 /// Linked kd-trees (thesis III-2.a): nanoflann in two and in three dimensions over the same point indices, with leaf
 /// size 10. All of their memory is in the arena.
 
+#include <bit>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -17,6 +18,12 @@ namespace plumbline {
 struct Neighbour {
   std::uint32_t index = 0;
   float distance2 = 0;  ///< squared, mm^2
+
+  /// Ascends with the distance, then with the index: squares are not negative, so they are in the order of their bits.
+  friend bool operator<(const Neighbour& a, const Neighbour& b) {
+    static_assert(std::endian::native == std::endian::little);
+    return std::bit_cast<std::uint64_t>(a) < std::bit_cast<std::uint64_t>(b);
+  }
 };
 
 /// A kd-tree over the first Dimension coordinates of the points. Searches are const and may run in many threads.

@@ -5,8 +5,8 @@
 #include <atomic>
 #include <cmath>
 
+#include "slicer/cloud/nearest_in_box.hpp"
 #include "slicer/cloud/neighbourhood.hpp"
-#include "slicer/cloud/nth_nearest.hpp"
 #include "slicer/core/loop_progress.hpp"
 #include "slicer/core/numbers/lanes.hpp"
 #include "slicer/core/numbers/median.hpp"
@@ -207,7 +207,8 @@ class Clusterer {
 Expected<float> density_epsilon(const Cloud& cloud, const KdTree3& tree, const ClusteringSettings& settings,
                                 Arena& arena) {
   const ArenaScope scope(arena);
-  const std::uint32_t wanted = std::min(2 * settings.min_points + 1, cloud.size);  // the point itself comes first
+  constexpr std::uint32_t kMost = std::tuple_size_v<NearestRoom> / 2;
+  const std::uint32_t wanted = std::min({2 * settings.min_points + 1, cloud.size, kMost});  // the point itself is one
   const std::uint32_t samples = std::min(settings.epsilon_sample, cloud.size);
   if (wanted < 2) return 0.0F;
   auto distances = arena.take_top<float>(samples, kStage);
@@ -215,11 +216,15 @@ Expected<float> density_epsilon(const Cloud& cloud, const KdTree3& tree, const C
   std::span<float> d2 = *distances;
 #pragma omp parallel
   {
-    NthNearest nearest(cloud.position, tree);
+    NearestRoom room;
+    float radius = 0;
 #pragma omp for schedule(dynamic, 64)
     for (std::uint32_t s = 0; s < samples; ++s) {
       const auto i = static_cast<std::uint32_t>(std::uint64_t{s} * cloud.size / samples);
-      d2[s] = nearest.distance2(cloud.position[i], std::min(wanted, NthNearest::kMost));
+      const auto nearest = nearest_in_box(cloud.positions(), tree, cloud.position[i], radius, wanted, room,
+                                          [](std::uint32_t) { return true; });
+      d2[s] = std::max_element(nearest.begin(), nearest.end())->distance2;
+      radius = 1.3F * std::sqrt(d2[s]);  // the next sample lies near, where the density is about the same
     }
   }
   std::sort(d2.begin(), d2.end());

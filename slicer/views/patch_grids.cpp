@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "slicer/cloud/nearest_in_box.hpp"
 #include "slicer/core/numbers/lanes.hpp"
 #include "slicer/views/grid_growth.hpp"
 
@@ -30,7 +31,7 @@ constexpr float kMinSumPower = 10;      ///< SpectrumPeak::power; 1 is chance
 }  // namespace
 
 std::size_t PatchGrids::bytes(std::uint32_t threads) {
-  return PatchSpectrum::bytes(threads) + kMaxCandidates * sizeof(Candidate) + 3 * kMaxPoints * sizeof(float);
+  return PatchSpectrum::bytes(threads) + kMaxCandidates * sizeof(Neighbour) + 3 * kMaxPoints * sizeof(float);
 }
 
 Expected<PatchGrids> PatchGrids::create(const Cloud& cloud, const KdTree3& tree, std::span<const std::uint8_t> view_of,
@@ -45,39 +46,24 @@ Expected<PatchGrids> PatchGrids::create(const Cloud& cloud, const KdTree3& tree,
   return patch;
 }
 
-std::uint32_t PatchGrids::collect(const Vec3f& middle, float radius) {
-  std::uint32_t count = 0;
-  const Vec3f half_size = Vec3f::Constant(radius);
-  tree_->visit_box(middle - half_size, middle + half_size, [&](std::uint32_t first, std::uint32_t last) {
-    for (std::uint32_t i = first; i < last; ++i) {
-      if (view_of_[i] != kNoView || cloud_->normal[i].weight != 1) continue;
-      const Vec3f d = cloud_->position[i] - middle;
-      const float d2 = d.dot(d);
-      if (d2 <= radius * radius && count < candidates_.size()) candidates_[count++] = {d2, i};
-    }
-  });
-  return count;
-}
-
 bool PatchGrids::take(std::uint32_t seed, float radius) {
   peaks_ = {};
   middle_ = cloud_->position[seed];
   radius_ = radius;
-  std::uint32_t count = collect(middle_, radius);
+  const auto is_free = [&](std::uint32_t i) { return view_of_[i] == kNoView && cloud_->normal[i].weight == 1; };
+  std::size_t count = find_within(cloud_->positions(), *tree_, middle_, radius, candidates_, is_free);
   full_ = count >= kFullPatch;
   if (count < kMinPoints) return false;
   if (count > kMaxPoints) {
-    std::nth_element(candidates_.begin(), candidates_.begin() + kMaxPoints, candidates_.begin() + count,
-                     [](const Candidate& a, const Candidate& b) {
-                       return a.distance2 != b.distance2 ? a.distance2 < b.distance2 : a.index < b.index;
-                     });
+    std::nth_element(candidates_.begin(), candidates_.begin() + kMaxPoints,
+                     candidates_.begin() + static_cast<std::ptrdiff_t>(count));
     radius_ = std::sqrt(candidates_[kMaxPoints].distance2);
     count = kMaxPoints;
   }
   count -= count % kLanes;
   Vec3f normal = Vec3f::Zero();
   const Vec3f facing = cloud_->normal[seed].unpack();
-  for (std::uint32_t k = 0; k < count; ++k) {
+  for (std::size_t k = 0; k < count; ++k) {
     const Vec3f from = cloud_->position[candidates_[k].index] - middle_;
     for (std::size_t axis = 0; axis < 3; ++axis) room_[axis][k] = from[static_cast<Eigen::Index>(axis)];
     const Vec3f n = cloud_->normal[candidates_[k].index].unpack();

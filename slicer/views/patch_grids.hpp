@@ -38,15 +38,9 @@ class PatchGrids {
   std::optional<ViewGrid> grid(std::size_t a, std::size_t b) const;
 
  private:
-  struct Candidate {
-    float distance2;
-    std::uint32_t index;
-  };
-
   PatchGrids(const Cloud& cloud, const KdTree3& tree, std::span<const std::uint8_t> view_of, float spacing,
              PatchSpectrum spectrum)
       : cloud_(&cloud), tree_(&tree), view_of_(view_of), spacing_(spacing), spectrum_(spectrum) {}
-  std::uint32_t collect(const Vec3f& middle, float radius);
   bool may_be_grid(const Vec3f& f, const Vec3f& g) const;
 
   const Cloud* cloud_;
@@ -54,7 +48,7 @@ class PatchGrids {
   std::span<const std::uint8_t> view_of_;
   float spacing_;
   PatchSpectrum spectrum_;
-  std::span<Candidate> candidates_;
+  std::span<Neighbour> candidates_;
   std::array<std::span<float>, 3> room_;  ///< for points_
   LocalPoints points_;
   Vec3f middle_ = Vec3f::Zero();   ///< position of the seed, mm
