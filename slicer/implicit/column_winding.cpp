@@ -135,7 +135,10 @@ bool ColumnWinding::gather(std::int32_t number, Cell& cell) {
     column(7)[end] = softening;
     ++end;
   };
-  tree_->for_each_dipole(box, put);
+  tree_->for_each_dipole(box, [&](const Vec3f& place, const Vec3f& dipole, float softening) {
+    const float area = std::sqrt(dipole.dot(dipole));
+    if (area > 0) put(place, dipole, area, softening);
+  });
   const Vec3f beside(box.high[0] + 1, box.high[1], box.high[2]);
   while (room && end % kLanes != 0) put(beside, Vec3f::Zero(), kNoArea, 0);
   cell = {.number = number, .first = used_, .size = room ? end - used_ : 0, .gathered = true};

@@ -28,7 +28,11 @@ void DipoleField::build(Sign sign) {
 DipoleField::Value DipoleField::operator()(const Vec3f& x, Sign sign, float share) const {
   Value value;
   tree_.walk(
-      x, [&](const Node& node, const Vec3f& d, float distance2) { add(node.dipole, d, distance2, value); },
+      {x, x},
+      [&](const Node& node) {
+        const Vec3f e = node.centre - x;
+        add(node.dipole, e, e.dot(e), value);
+      },
       [&](std::uint32_t i) {
         const float s = sign(i);
         const float radius2 = cloud_.radius[i] * cloud_.radius[i];

@@ -63,49 +63,20 @@ class DipoleTree {
     if (points_ > 0) build(0, 0, leaves(points_), add_point);
   }
 
-  /// Visits the nodes and points that make up the field at x, in the order of the nodes. Thread-safe.
-  /// @param far   far(node, d, distance2) for each node that acts as one dipole; d = node.centre - x, distance2 = <d, d>
-  /// @param near  near(i) for each point of a leaf that is too close for that
+  /// Visits the nodes and points that make up the field at every place in a box, in the order of the nodes. Thread-safe.
+  /// @param far    far(node) for each node that acts as one dipole at all of these places
+  /// @param near   near(i) for each point of a leaf that is too close for that
   /// @param share  of the distance at which a node is no longer opened, squared: less is faster and less exact
   template <class Far, class Near>
-  void walk(const Vec3f& x, Far far, Near near, float share = 1) const {
-    const auto take = [&](const DipoleNode& node) {
-      const Vec3f d = node.centre - x;
-      const float distance2 = d.dot(d);
-      if (!(distance2 > share * node.reach2)) return false;
-      if (node.reach2 >= 0) far(node, d, distance2);
-      return true;
-    };
-    walk_nodes(take, near);
-  }
-
-  /// The same for all places in a box at once: a node acts as one dipole if it does so at every place.
-  /// @param far  far(node)
-  template <class Far, class Near>
-  void walk(const Box3f& box, Far far, Near near) const {
-    const auto take = [&](const DipoleNode& node) {
-      const Vec3f d = (box.low - node.centre).cwiseMax(node.centre - box.high).cwiseMax(0.0F);
-      if (!(d.dot(d) > node.reach2)) return false;
-      if (node.reach2 >= 0) far(node);
-      return true;
-    };
-    walk_nodes(take, near);
-  }
-
- private:
-  static constexpr float kOpening = 2.0F;  ///< node radii: a closer node is opened. Larger: more exact, slower
-
-  static std::uint32_t leaves(std::uint32_t points) { return (points + LeafPoints - 1) / LeafPoints; }
-
-  /// @param take  take(node): false if the node must be opened
-  template <class Take, class Near>
-  void walk_nodes(Take take, Near near) const {
+  void walk(const Box3f& box, Far far, Near near, float share = 1) const {
     const auto count = static_cast<std::uint32_t>(nodes_.size());
     std::uint32_t leaf = 0;  // number of leaves before node `at`
     for (std::uint32_t at = 0; at < count;) {
       const DipoleNode& node = nodes_[at];
       const std::uint32_t under = (node.skip - at + 1) / 2;
-      if (take(node)) {
+      const Vec3f d = (box.low - node.centre).cwiseMax(node.centre - box.high).cwiseMax(0.0F);
+      if (d.dot(d) > share * node.reach2) {
+        if (node.reach2 >= 0) far(node);
         leaf += under;
         at = node.skip;
       } else if (under > 1) {
@@ -118,6 +89,11 @@ class DipoleTree {
       }
     }
   }
+
+ private:
+  static constexpr float kOpening = 2.0F;  ///< node radii: a closer node is opened. Larger: more exact, slower
+
+  static std::uint32_t leaves(std::uint32_t points) { return (points + LeafPoints - 1) / LeafPoints; }
 
   /// Builds node `at` over leaves [first, last), and its descendants.
   template <class AddPoint>

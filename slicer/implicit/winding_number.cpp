@@ -47,7 +47,7 @@ bool WindingTree::set_base(float height, float step, bool always) {
     std::uint32_t count = 0;
 #pragma omp parallel for schedule(dynamic, 16) reduction(+ : count)
     for (std::uint32_t i = 0; i < kBaseSamples * kBaseSamples; ++i) {
-      count += sum({sampled(0, i % kBaseSamples), sampled(1, i / kBaseSamples), z}) > least ? 1 : 0;
+      count += number({sampled(0, i % kBaseSamples), sampled(1, i / kBaseSamples), z}, 1) > least ? 1 : 0;
     }
     return count;
   });
@@ -55,55 +55,31 @@ bool WindingTree::set_base(float height, float step, bool always) {
 }
 
 float WindingTree::number(const Vec3f& x, float share) const {
-  if (!has_base_) return sum(x, share);
-  if (x[2] < base_) return 0;
-  // The mirrored surface seen from x is the surface seen from the mirror image of x.
-  return sum(x, share) + sum({x[0], x[1], 2 * base_ - x[2]}, share);
+  if (x[2] < base()) return 0;
+  float w = 0;
+  const auto add = [&](const Vec3f& place, const Vec3f& dipole, float softening) {
+    const Vec3f e = place - x;
+    const float softened = e.dot(e) + softening;
+    w += dipole.dot(e) / (softened * std::sqrt(softened));
+  };
+  for_each_dipole({x, x}, add, share);
+  return w;
 }
 
 bool WindingTree::inside(const Vec3f& x, float winding) const {
   if (is_plain(winding)) return winding > kSurface;
   WindingLean lean;
-  add_lean(x, lean);
-  if (has_base_) add_lean({x[0], x[1], 2 * base_ - x[2]}, lean);
-  return lean.inside(winding);
-}
-
-float WindingTree::sum(const Vec3f& x, float share) const {
-  float w = 0;
-  tree_.walk(
-      x,
-      [&](const Node& node, const Vec3f& d, float distance2) {
-        w += node.dipole.dot(d) / (distance2 * std::sqrt(distance2));
-      },
-      [&](std::uint32_t i) {
-        const Vec3f e = position_[i] - x;
-        const float area = area_of(i);
-        const float softened = e.dot(e) + softening_of(i);
-        w += area * kInverse4Pi * normal_[i].unpack().dot(e) / (softened * std::sqrt(softened));
-      },
-      share);
-  return w;
-}
-
-void WindingTree::add_lean(const Vec3f& x, WindingLean& lean) const {
-  const auto add = [&](float area, float towards, float distance2) {
-    const float weight = area / (distance2 * distance2);
+  for_each_dipole({x, x}, [&](const Vec3f& place, const Vec3f& dipole, float softening) {
+    const float area = std::sqrt(dipole.dot(dipole));
+    if (!(area > 0)) return;
+    const Vec3f e = place - x;
+    const float softened = e.dot(e) + softening;
+    const float towards = dipole.dot(e) / (area * std::sqrt(softened));
+    const float weight = area / (softened * softened);
     lean.weight += weight;
     lean.outwards += weight * towards * (1 - towards * towards);
-  };
-  tree_.walk(
-      x,
-      [&](const Node& node, const Vec3f& d, float distance2) {
-        const float area = std::sqrt(node.dipole.dot(node.dipole));
-        if (area > 0) add(area, node.dipole.dot(d) / (area * std::sqrt(distance2)), distance2);
-      },
-      [&](std::uint32_t i) {
-        const Vec3f e = position_[i] - x;
-        const float area = area_of(i);
-        const float softened = e.dot(e) + softening_of(i);
-        add(area * kInverse4Pi, normal_[i].unpack().dot(e) / std::sqrt(softened), softened);
-      });
+  });
+  return lean.inside(winding);
 }
 
 }  // namespace plumbline

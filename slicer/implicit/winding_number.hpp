@@ -89,19 +89,22 @@ class WindingTree {
   /// Whether a winding number is so far from 1/2 that a hole does not matter.
   static bool is_plain(float winding) { return std::abs(winding - kSurface) >= WindingLean::kMost; }
 
-  /// Calls add(place, dipole, area, softening) for dipoles that make up the winding number at every place in a box, with the mirror
-  /// image of the surface. The unit of the areas, which are the lengths of the dipoles, is 4 pi mm^2.
+  /// Calls add(place, dipole, softening) for dipoles that make up the winding number at every place in a box, with the mirror image of
+  /// the surface: its sum of <dipole, place - x> / (|place - x|^2 + softening)^(3/2). The unit of dipoles is 4 pi mm^2.
+  /// @param share  of DipoleTree::walk()
   template <class Add>
-  void for_each_dipole(const Box3f& box, Add add) const {
-    walk(box, add);
+  void for_each_dipole(const Box3f& box, Add add, float share = 1) const {
+    walk(box, add, share);
     if (!has_base_) return;
+    // The mirrored surface seen from a box is the surface seen from the mirror image of the box.
     const auto mirrored = [&](const Vec3f& p) { return Vec3f(p[0], p[1], 2 * base_ - p[2]); };
     Box3f mirror;
     mirror.extend(mirrored(box.low));
     mirror.extend(mirrored(box.high));
-    walk(mirror, [&](const Vec3f& place, const Vec3f& dipole, float area, float softening) {
-      add(mirrored(place), Vec3f(dipole[0], dipole[1], -dipole[2]), area, softening);
-    });
+    const auto add_mirrored = [&](const Vec3f& place, const Vec3f& dipole, float softening) {
+      add(mirrored(place), Vec3f(dipole[0], dipole[1], -dipole[2]), softening);
+    };
+    walk(mirror, add_mirrored, share);
   }
 
  private:
@@ -120,24 +123,18 @@ class WindingTree {
   }
 
   template <class Add>
-  void walk(const Box3f& box, Add add) const {
+  void walk(const Box3f& box, Add add, float share) const {
     tree_.walk(
-        box,
-        [&](const Node& node) {
-          const float area = std::sqrt(node.dipole.dot(node.dipole));
-          if (area > 0) add(node.centre, node.dipole, area, 0.0F);
-        },
+        box, [&](const Node& node) { add(node.centre, node.dipole, 0.0F); },
         [&](std::uint32_t i) {
-          const float area = area_of(i) * kInverse4Pi;
-          if (area > 0) add(position_[i], Vec3f(normal_[i].unpack() * area), area, softening_of(i));
-        });
+          add(position_[i], Vec3f(normal_[i].unpack() * (area_of(i) * kInverse4Pi)), softening_of(i));
+        },
+        share);
   }
 
   static constexpr float kInverse4Pi = 0.25F * std::numbers::inv_pi_v<float>;
 
   float number(const Vec3f& x, float share) const;
-  float sum(const Vec3f& x, float share = 1) const;
-  void add_lean(const Vec3f& x, WindingLean& lean) const;
 
   Tree tree_;
   std::span<const Vec3f> position_;
