@@ -2,6 +2,7 @@
 #include <vector>
 
 #include "firmware/cli/commands.hpp"
+#include "firmware/cli/options/accepted_values.hpp"
 #include "firmware/cli/reports/status_text.hpp"
 #include "firmware/cli/scan_upload.hpp"
 #include "firmware/io/json_cursor.hpp"
@@ -76,7 +77,10 @@ CLI::App* add_control_command(CLI::App& app, ControlOptions& options) {
     auto* verb = command->add_subcommand(std::string(to_string(word.command)), word.about);
     verb->callback([&options, verb] { options.command = verb->get_name(); });
     if (word.command == Command::kChoose) {
-      verb->add_option("number", options.scan, "1 is the first")->required()->type_name("N");
+      verb->add_option("number", options.scan, "1 is the first")
+          ->required()
+          ->type_name("N")
+          ->check(whole_number_from(1, UINT32_MAX));
     }
     if (word.command == Command::kSet) {
       verb->add_option("key", options.key, "Such as scale, supports, layer_height")->required()->type_name("KEY");

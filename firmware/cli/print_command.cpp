@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "firmware/cli/commands.hpp"
+#include "firmware/cli/options/accepted_values.hpp"
 #include "firmware/cli/options/shared_options.hpp"
 #include "firmware/cli/reports/issues_file.hpp"
 #include "firmware/cli/reports/printed_part.hpp"
@@ -49,7 +50,7 @@ void add_simulation_options(CLI::App& app, PrintOptions& print) {
   auto* speedup = app.add_option("--speedup", simulation.speedup,
                                  "Simulated seconds per second, 0.1 to 1000000 [as fast as this machine can]")
                       ->type_name("N")
-                      ->check(finite_range(0.1, 1e6))
+                      ->check(number_from(0.1, 1e6))
                       ->group(kSimulation);
   app.add_flag_callback(
          "--realtime", [&simulation] { simulation.speedup = 1; }, "Same as --speedup 1")

@@ -1,7 +1,9 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
+#include <climits>
 
 #include "firmware/cli/commands.hpp"
+#include "firmware/cli/options/accepted_values.hpp"
 #include "firmware/io/fixed_text.hpp"
 #include "firmware/io/interrupt.hpp"
 #include "firmware/io/output_file.hpp"
@@ -28,10 +30,10 @@ CLI::App* add_sample_command(CLI::App& app, SampleOptions& options) {
   command->add_option("file", options.output, "The file to write, PLY")->required()->type_name("PLY");
   command->add_option("--points", options.points, "1000 to 50000000 [300000]")
       ->type_name("N")
-      ->check(CLI::Range(kMinSamplePoints, kMaxSamplePoints).description(""));
+      ->check(whole_number_from(kMinSamplePoints, kMaxSamplePoints));
   command->add_option("--seed", options.seed, "A whole number from 0; each gives another scan of the bust [1]")
       ->type_name("S")
-      ->check(CLI::NonNegativeNumber.description(""));
+      ->check(whole_number_from(0, ULLONG_MAX));
   command->add_flag("--quiet", options.quiet, "Print errors only");
   return command;
 }

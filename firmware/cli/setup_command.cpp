@@ -136,7 +136,7 @@ CLI::App* add_setup_command(CLI::App& app, SetupOptions& options) {
       ->add_option("--speedup", options.speedup,
                    "Simulated seconds per second, 0.1 to 1000000 [as fast as this machine can]")
       ->type_name("N")
-      ->check(CLI::Range(0.1, 1e6).description(""));
+      ->check(number_from(0.1, 1e6));
   command
       ->add_option("--lamp-line", options.lamp_line,
                    "Line that plumbline-keeper switches together with the simulated lamp; file:PATH records the "

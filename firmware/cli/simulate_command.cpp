@@ -14,6 +14,7 @@
 
 #include "firmware/cli/commands.hpp"
 #include "firmware/cli/dropped_files.hpp"
+#include "firmware/cli/options/accepted_values.hpp"
 #include "firmware/io/interrupt.hpp"
 #include "firmware/io/json_cursor.hpp"
 #include "firmware/io/output_file.hpp"
@@ -261,10 +262,10 @@ CLI::App* add_simulate_command(CLI::App& app, SimulateOptions& options) {
   command->add_option("--printer", options.printer, "Board file of a simulated printer [sim2k]")->type_name("TOML");
   command->add_option("--speed", options.speed, "Simulated seconds per second, 0.1 to 1000000 [60]")
       ->type_name("N")
-      ->check(CLI::Range(0.1, 1e6).description(""));
+      ->check(number_from(0.1, 1e6));
   command->add_option("--port", options.port, "TCP port of the page, on this machine only [8080]")
       ->type_name("N")
-      ->check(CLI::Range(1024, 65535).description(""));
+      ->check(whole_number_from(1024, 65535));
   command
       ->add_option("--folder", options.folder, "Folder for everything, which is kept [a new one, removed at the end]")
       ->type_name("DIR");

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "firmware/cli/commands.hpp"
+#include "firmware/cli/options/accepted_values.hpp"
 #include "firmware/cli/reports/status_text.hpp"
 #include "firmware/io/json_cursor.hpp"
 #include "firmware/io/output_file.hpp"
@@ -23,8 +24,8 @@ constexpr const char* kStatusFooter =
     "member\n"
     "  plumbline status --picture layer -o layer.png   the mask of the layer that is printed\n"
     "  plumbline status --prints                       the last prints, whose reports the printer keeps\n"
-    "  plumbline status --report 12 -o 12.json       the report of print 12, and with --preview 12 its picture\n"
-    "  plumbline status --socket state/state           of a simulated printer whose daemon has --state state\n";
+    "  plumbline status --report 12 -o 12.json         the report of print 12; --preview 12 writes its picture\n"
+    "  plumbline status --socket state/state           of another daemon, such as a simulated printer's\n";
 
 /// Bytes of a base64 text without line breaks. @returns none: it is none
 std::optional<std::vector<std::byte>> bytes_of_base64(std::string_view text) {
@@ -59,7 +60,7 @@ CLI::App* add_status_command(CLI::App& app, StatusOptions& options) {
                                    "Write a picture to --output: the preview of what was sliced, where its masks have "
                                    "issues, the coverage of its surface by the scan, or the layer being printed")
                       ->type_name("NAME")
-                      ->check(CLI::IsMember({"preview", "issues", "coverage", "layer"}).description(""));
+                      ->check(one_of({"preview", "issues", "coverage", "layer"}));
   auto* output =
       command->add_option("-o,--output", options.output, "File for the picture or the report")->type_name("FILE");
   auto* prints = command->add_flag("--prints", options.prints, "List the last prints, newest first");
@@ -69,11 +70,11 @@ CLI::App* add_status_command(CLI::App& app, StatusOptions& options) {
               "--report", options.report,
               "Write the report (JSON) of a print that --prints lists to --output; the printer must be at rest")
           ->type_name("N")
-          ->check(CLI::Range(1U, UINT32_MAX).description(""));
+          ->check(whole_number_from(1, UINT32_MAX));
   auto* preview =
       command->add_option("--preview", options.preview, "The same for the picture (PNG) of what was printed")
           ->type_name("N")
-          ->check(CLI::Range(1U, UINT32_MAX).description(""));
+          ->check(whole_number_from(1, UINT32_MAX));
   const std::array<CLI::Option*, 4> choices = {prints, picture, report, preview};
   for (CLI::Option* const choice : choices) {
     if (choice != prints) choice->needs(output)->excludes("--json");

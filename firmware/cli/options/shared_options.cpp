@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "firmware/cli/options/accepted_values.hpp"
 #include "firmware/settings/print_length.hpp"
 #include "firmware/settings/setting_words.hpp"
 #include "slicer/checks/issue.hpp"
@@ -53,11 +54,11 @@ CLI::Option* add_printer_options(CLI::App& app, JobOptions& job) {
                       ->group(kPrinterGroup);
   app.add_option("--layer-height", job.layer_height_mm, "0.005 to 1 mm [0.05, or the printer's]")
       ->type_name("MM")
-      ->check(finite_range(kFinestMm, kCoarsestMm))
+      ->check(number_from(kFinestMm, kCoarsestMm, "mm"))
       ->group(kPrinterGroup);
   app.add_option("--pixel-pitch", job.pixel_pitch_mm, "Pixel size without a printer, 0.005 to 1 mm [0.05]")
       ->type_name("MM")
-      ->check(finite_range(kFinestMm, kCoarsestMm))
+      ->check(number_from(kFinestMm, kCoarsestMm, "mm"))
       ->excludes(printer)
       ->group(kPrinterGroup);
   return printer;
@@ -95,17 +96,17 @@ void add_object_options(CLI::App& app, JobOptions& job, CLI::Option* printer) {
          "A PLY or OBJ file with faces is a mesh if they are the surface of an object, else a scan: points ignores its "
          "faces, mesh uses them [auto]")
       ->type_name("KIND")
-      ->check(CLI::IsMember({"auto", "points", "mesh"}).description(""))
+      ->check(one_of({"auto", "points", "mesh"}))
       ->group(kObjectGroup);
   app.add_option_function<std::string>(
          "--units", [&job](const std::string& name) { job.units = units_named(name); },
          "Unit of the scan: mm, cm, m, in, or auto (the unit that gives the print a plausible size) [mm]")
       ->type_name("UNIT")
-      ->check(CLI::IsMember(unit_names()).description(""))
+      ->check(one_of(unit_names()))
       ->group(kObjectGroup);
   auto* scale = app.add_option("--scale", job.scale, "Print it this many times as large as it was scanned [1]")
                     ->type_name("F")
-                    ->check(finite_range(kSmallestScale, kLargestScale))
+                    ->check(number_from(kSmallestScale, kLargestScale))
                     ->group(kObjectGroup);
   auto* fit = app.add_flag("--fit", job.fit, "Print it as large as the printer can")
                   ->needs(printer)
@@ -116,7 +117,7 @@ void add_object_options(CLI::App& app, JobOptions& job, CLI::Option* printer) {
                         "--orient", [&job](const std::string& word) { job.orient = word == "auto"; },
                         "auto turns it the best way up, see 'plumbline orient --help'; none leaves it as it is [none]")
                      ->type_name("KIND")
-                     ->check(CLI::IsMember({"none", "auto"}).description(""))
+                     ->check(one_of({"none", "auto"}))
                      ->group(kObjectGroup);
   const char* const names[] = {"--rotate-x", "--rotate-y", "--rotate-z"};
   const char* const help[] = {"Turn it about x, right-handed; done first [0]", "Turn it about y; done second [0]",
@@ -124,7 +125,7 @@ void add_object_options(CLI::App& app, JobOptions& job, CLI::Option* printer) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     app.add_option(names[axis], job.rotate_degrees[axis], help[axis])
         ->type_name("DEG")
-        ->check(finite_range(-360, 360))
+        ->check(number_from(-360, 360, "degrees"))
         ->excludes(orient)
         ->group(kObjectGroup);
   }
@@ -145,7 +146,7 @@ void add_object_options(CLI::App& app, JobOptions& job, CLI::Option* printer) {
          "Underside: auto closes it flat if the surface is open there, flat always does, none closes it like any other "
          "hole [auto]")
       ->type_name("KIND")
-      ->check(CLI::IsMember({"none", "flat", "auto"}).description(""))
+      ->check(one_of({"none", "flat", "auto"}))
       ->group(kObjectGroup);
   app.add_flag("--keep-all", job.keep_all, "Keep stray pieces apart from the object, and small cavities in it")
       ->group(kObjectGroup);
@@ -180,18 +181,6 @@ void set_check(const std::string& text, CheckChoice& choice) {
 
 }  // namespace
 
-CLI::Validator finite_range(double low, double high) {
-  return CLI::Validator(
-      [low, high](std::string& text) -> std::string {
-        double number = 0;
-        if (CLI::detail::lexical_cast(text, number) && number >= low && number <= high) return {};
-        char message[128];
-        std::snprintf(message, sizeof message, "'%.40s' is not a number from %g to %g", text.c_str(), low, high);
-        return message;
-      },
-      "");
-}
-
 CLI::Option* add_job_options(CLI::App& app, JobOptions& job) {
   auto* scan = app.add_option("scan", job.scans,
                               "A scan (PLY, PCD, OBJ, E57, LAS, PTX, SPZ, or text: XYZ, XYZRGB, PTS, ASC, TXT, CSV) or "
@@ -209,11 +198,11 @@ void add_program_options(CLI::App& app, JobOptions& job) {
   app.add_option("--arena-mib", job.arena_mib,
                  "Memory for slicing, MiB; a scan too large for it is thinned [the printer's, or all there is]")
       ->type_name("N")
-      ->check(CLI::Range(1U, 1U << 20U).description(""))
+      ->check(whole_number_from(1, 1U << 20U))
       ->group(kProgramGroup);
   app.add_option("--threads", job.threads, "1 to 64; the layers are the same [OMP_NUM_THREADS, or up to 8 cores]")
       ->type_name("N")
-      ->check(CLI::Range(1U, kMostThreads).description(""))
+      ->check(whole_number_from(1, kMostThreads))
       ->group(kProgramGroup);
   auto* verbose =
       app.add_flag("-v,--verbose", job.verbose, "Also print times, memory and counts")->group(kProgramGroup);
@@ -248,7 +237,7 @@ void add_support_options(CLI::App& app, SupportChoice& choice, const char* defau
          "--supports", [&choice](const std::string& kind) { choice.enable = kind == "auto"; },
          std::string("auto puts supports under islands and overhangs, none leaves them out ") + default_kind)
       ->type_name("KIND")
-      ->check(CLI::IsMember({"none", "auto"}).description(""))
+      ->check(one_of({"none", "auto"}))
       ->group(kSupportsGroup);
   for (std::size_t i = 0; i < kSupportFields.size(); ++i) {
     const SupportField& field = kSupportFields[i];
@@ -260,7 +249,7 @@ void add_support_options(CLI::App& app, SupportChoice& choice, const char* defau
         ->type_name(field.unit == "deg"   ? "DEG"
                     : field.unit == "mm2" ? "MM2"
                                           : "MM")
-        ->check(finite_range(field.low, field.high))
+        ->check(number_from(field.low, field.high, field.unit.data()))
         ->group(kSupportsGroup);
   }
 }

@@ -17,9 +17,6 @@ inline constexpr const char* kSupportsGroup = "Supports";
 inline constexpr const char* kChecksGroup = "Checks";
 inline constexpr const char* kProgramGroup = "Program";
 
-/// Accepts numbers from `low` to `high`. (CLI::Range lets NaN pass.)
-CLI::Validator finite_range(double low, double high);
-
 /// The scan, the printer, and the object's size and place.
 /// @returns the scan, which is required unless the caller changes that
 CLI::Option* add_job_options(CLI::App& app, JobOptions& job);

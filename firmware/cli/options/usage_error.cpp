@@ -31,10 +31,26 @@ std::string unknown_subcommand(const CLI::App& app, const std::vector<std::strin
 std::string unknown_option(const CLI::App& sub, const std::string& given) {
   const std::string word = given.substr(0, given.find('='));
   std::vector<std::string> names;
-  for (const CLI::Option* option : sub.get_options()) {
-    for (const auto& name : option->get_lnames()) names.push_back("--" + name);
+  // A subcommand also takes those of what it belongs to.
+  for (const CLI::App* app = &sub; app != nullptr; app = app->get_parent()) {
+    for (const CLI::Option* option : app->get_options()) {
+      for (const auto& name : option->get_lnames()) names.push_back("--" + name);
+    }
   }
   return quoted(word) + " is not an option" + suggestion(word, {names.begin(), names.end()});
+}
+
+/// The options that are missing: "SCAN is required", "SCAN and --output are required". "" if none is.
+std::string missing_options(const CLI::App& sub) {
+  std::vector<std::string> missing;
+  for (const CLI::Option* option :
+       sub.get_options([](const CLI::Option* each) { return each->get_required() && each->empty(); }))
+    missing.push_back(option->get_positional() ? option->get_type_name() : option->get_name());
+  std::string text;
+  for (std::size_t i = 0; i < missing.size(); ++i)
+    text += (i == 0 ? "" : i + 1 < missing.size() ? ", " : " and ") + missing[i];
+  if (!text.empty()) text += missing.size() > 1 ? " are required" : " is required";
+  return text;
 }
 
 bool is_option(const std::string& word) { return word.size() > 1 && word.front() == '-'; }
@@ -42,20 +58,28 @@ bool is_option(const std::string& word) { return word.size() > 1 && word.front()
 }  // namespace
 
 std::string usage_message(const CLI::App& app, const CLI::ParseError& error) {
-  const auto parsed = app.get_subcommands();
-  const CLI::App& sub = parsed.empty() ? app : *parsed.front();
-  const std::string name = parsed.empty() ? "plumbline" : "plumbline " + sub.get_name();
-  const std::string more = " '" + name + " --help' explains them.";
-  const auto rest = sub.remaining();
+  const CLI::App* found = &app;
+  std::string name = app.get_name();
+  while (!found->get_subcommands().empty()) {
+    found = found->get_subcommands().front();
+    name += " " + found->get_name();
+  }
+  const CLI::App& sub = *found;
+  const bool has_subcommands = sub.get_require_subcommand_min() > 0;
+  const std::string help = " '" + name + " --help' ";
+  // Without those of its subcommands, which have been given already.
+  const auto rest = app.remaining(true);
   for (const auto& word : rest) {
-    if (is_option(word)) return name + ": " + unknown_option(sub, word) + " '" + name + " --help' lists them.";
+    if (is_option(word)) return name + ": " + unknown_option(sub, word) + help + "lists them.";
   }
-  if (parsed.empty()) return name + ": " + unknown_subcommand(app, rest) + ";" + more;
+  if (has_subcommands) return name + ": " + unknown_subcommand(sub, rest) + ";" + help + "explains them.";
   if (!rest.empty()) return name + ": " + quoted(rest.front()) + " is one argument too many.";
-  if (error.get_name() == "ArgumentMismatch" && std::string_view(error.what()).starts_with("scan:")) {
+  const std::string_view what = error.what();
+  if (error.get_name() == "ArgumentMismatch" && what.starts_with("scan:"))
     return name + ": too many files. A scan may have up to " + std::to_string(kMostScans) + ".";
-  }
-  return name + ": " + error.what() + ". '" + name + " --help' lists the options.";
+  std::string said = error.get_name() == "RequiredError" ? missing_options(sub) : "";
+  if (said.empty()) said = what;
+  return name + ": " + said + (said.ends_with('?') ? "" : ".") + help + "lists the options.";
 }
 
 }  // namespace plumbline

@@ -208,6 +208,32 @@ class Usage(Program):
         self.says("sample", "a.ply", "b.ply", message="plumbline sample: 'b.ply' is one argument too many.")
         self.says("slice", *[self.scan] * 33, "-o", self.out, message="plumbline slice: too many files. A scan may have up to 32.")
 
+    def test_a_refused_value_is_named_with_what_is_accepted(self):
+        base = ("slice", self.scan, "-o", self.out)
+        for option, value, message in (
+            ("--layer-height", "50um", "'50um' is not a number from 0.005 to 1 mm; write it in mm, without a unit."),
+            ("--layer-height", "0,05", "'0,05' is not a number from 0.005 to 1 mm; write it with a decimal point: 0.05."),
+            ("--layer-height", "5", "'5' is not a number from 0.005 to 1 mm. "),
+            ("--layer-height", "nan", "'nan' is not a number from 0.005 to 1 mm. "),
+            ("--rotate-x", "90deg", "'90deg' is not a number from -360 to 360 degrees; write it in degrees, without a unit."),
+            ("--scale", "2x", "'2x' is not a number from 1e-06 to 1000000; write the number alone."),
+            ("--threads", "0", "'0' is not a whole number from 1 to 64. "),
+            ("--units", "km", "'km' is not one of mm, cm, m, in, auto. "),
+            ("--supports", "aut", "'aut' is not one of none, auto; did you mean auto? '"),
+        ):
+            with self.subTest(option=option, value=value):
+                self.says(*base, f"{option}={value}", message=f"plumbline slice: {option}: {message}")
+        self.says("sample", "a.ply", "--seed=-1", message="--seed: '-1' is not a whole number of at least 0. ")
+        self.says("simulate", "--port", 80, message="--port: '80' is not a whole number from 1024 to 65535. ")
+
+    def test_all_that_is_missing_is_named(self):
+        self.says("slice", message="plumbline slice: --output and SCAN are required. 'plumbline slice --help'")
+        self.says("inspect", message="plumbline inspect: SCAN is required. ")
+        self.says("ctl", message="plumbline ctl: no subcommand given. Subcommands are start, pause, ")
+        self.says("ctl", "strat", message="plumbline ctl: 'strat' is not a subcommand. Subcommands are start, pause, ")
+        self.says("ctl", "set", message="plumbline ctl set: KEY and VALUE are required. 'plumbline ctl set --help'")
+        self.says("ctl", "start", "--soket", "x", message="'--soket' is not an option; did you mean --socket?")
+
     def test_help_and_version(self):
         version = self.run_it("--version").stdout
         self.assertRegex(version, r"^plumbline \d+\.\d+\.\d+\n$")
