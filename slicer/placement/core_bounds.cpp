@@ -4,8 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "slicer/core/cell_table.hpp"
-#include "slicer/core/disjoint_sets.hpp"
+#include "slicer/core/cell_pieces.hpp"
 
 namespace plumbline {
 namespace {
@@ -14,15 +13,9 @@ namespace {
 constexpr float kMostCells = 64;
 constexpr float kFewestCells = 8;
 constexpr float kPointsPerCell2 = 48;  ///< points over cells squared; a sphere of n cells has 1.5 pi n^2 on its surface
-constexpr std::uint32_t kFewest = 4;   ///< points of a cell
+constexpr float kFewest = 4;           ///< points of a cell
 constexpr std::uint32_t kAverageShare = 16;  ///< a cell with fewer than the average over this holds no surface
 constexpr std::uint32_t kSlots = 1U << 15U;  ///< of the table; surfaces fill some 10,000
-
-struct Cell {
-  std::uint64_t key = 0;     ///< 0: empty
-  std::uint32_t parent = 0;  ///< slot
-  std::uint32_t points = 0;  ///< a root has those of its piece
-};
 
 }  // namespace
 
@@ -50,10 +43,8 @@ Expected<Box3f> core_bounds(std::span<const Vec3f> points, Arena& arena) {
 
 Expected<Box3f> dense_bounds(std::span<const Vec3f> points, const Box3f& core, Arena& arena) {
   const ArenaScope scope(arena);
-  const auto slots = arena.take_top<Cell>(kSlots, "reading the scan");
+  const auto slots = arena.take_top<CellPieces::Cell>(kSlots, "reading the scan");
   PLUMBLINE_TRY(slots);
-  const CellTable<Cell, &Cell::key> table(*slots);
-  DisjointSets<Cell, &Cell::parent> sets(*slots);
   Box3f all;
   for (const Vec3f& p : points) all.extend(p);
   const float longest = core.size().maxCoeff();
@@ -64,49 +55,23 @@ Expected<Box3f> dense_bounds(std::span<const Vec3f> points, const Box3f& core, A
   reach.extend((core.high + Vec3f::Constant(longest)).cwiseMin(all.high));
   const float cells =
       std::clamp(std::sqrt(static_cast<float>(points.size()) / kPointsPerCell2), kFewestCells, kMostCells);
-  const CellGrid grid(reach, longest / cells);
+  CellPieces pieces(reach, longest / cells, *slots);
   const auto inside = [&](const Vec3f& p) {
     return (p.array() >= reach.low.array()).all() && (p.array() <= reach.high.array()).all();
   };
-  table.clear();
-  std::uint32_t occupied = 0;
   for (const Vec3f& p : points) {
-    if (!inside(p)) continue;
-    const std::uint64_t key = grid.key(p);
-    const std::uint32_t at = table.find_key(key);
-    if (!table.occupied(at)) {
-      if (++occupied > kSlots * 2 / 3) return all;
-      table[at] = {key, at, 0};
-    }
-    ++table[at].points;
+    if (inside(p) && !pieces.add(p, 1)) return all;
   }
-  const std::uint32_t least =
-      std::max(kFewest, static_cast<std::uint32_t>(points.size() / (std::size_t{kAverageShare} * occupied)));
-  const auto is_dense = [&](std::uint32_t at) { return table.occupied(at) && table[at].points >= least; };
-  for (std::uint32_t i = 0; i < kSlots; ++i) {
-    for (std::uint32_t n = 14; n < 27 && is_dense(i); ++n) {
-      const std::uint32_t other = table.find_key(CellGrid::neighbour(table[i].key, n));
-      if (is_dense(other)) sets.unite(i, other);
-    }
-  }
-  sets.flatten(kSlots);
+  pieces.join(std::max(kFewest, static_cast<float>(points.size() / (std::size_t{kAverageShare} * pieces.occupied()))));
   std::uint32_t largest = kSlots;
-  std::uint32_t most = 0;
   for (std::uint32_t i = 0; i < kSlots; ++i) {
-    if (is_dense(i) && !sets.is_root(i)) table[table[i].parent].points += table[i].points;
+    if (!pieces.is_piece(i)) continue;
+    if (largest == kSlots || pieces.amount(i) > pieces.amount(largest)) largest = i;
   }
-  for (std::uint32_t i = 0; i < kSlots; ++i) {
-    if (is_dense(i) && sets.is_root(i) && table[i].points > most) {
-      largest = i;
-      most = table[i].points;
-    }
-  }
-  if (largest == kSlots) return all;
+  if (largest == kSlots || pieces.amount(largest) < kFewest) return all;
   Box3f box;
   for (const Vec3f& p : points) {
-    if (!inside(p)) continue;
-    const std::uint32_t at = table.find_key(grid.key(p));
-    if (is_dense(at) && table[at].parent == largest) box.extend(p);
+    if (inside(p) && pieces.piece_of(p) == largest) box.extend(p);
   }
   return box;
 }

@@ -6,8 +6,7 @@
 #include <numbers>
 #include <span>
 
-#include "slicer/core/cell_table.hpp"
-#include "slicer/core/disjoint_sets.hpp"
+#include "slicer/core/cell_pieces.hpp"
 
 namespace plumbline {
 namespace {
@@ -40,64 +39,6 @@ Box3f surface_bounds(const Cloud& cloud) {
   return box;
 }
 
-struct Cell {
-  std::uint64_t key = 0;     ///< 0: empty
-  std::uint32_t parent = 0;  ///< slot
-  float area = 0;            ///< of its points, mm^2; a root has that of its piece
-};
-
-/// Occupied cells, joined to pieces.
-class Cells {
- public:
-  Cells(const Cloud& cloud, float edge, std::span<Cell> slots)
-      : cloud_(cloud), grid_(surface_bounds(cloud), edge), table_(slots), sets_(slots) {}
-
-  /// @returns false if more cells are occupied than the table holds
-  [[nodiscard]] bool fill(float area_factor) {
-    table_.clear();
-    std::uint32_t occupied = 0;
-    for (std::uint32_t i = 0; i < cloud_.size; ++i) {
-      if (!is_surface(cloud_, i)) continue;
-      const std::uint64_t key = grid_.key(cloud_.position[i]);
-      const std::uint32_t at = table_.find_key(key);
-      if (!table_.occupied(at)) {
-        if (++occupied > table_.size() * 2 / 3) return false;
-        table_[at] = {key, at, 0};
-      }
-      table_[at].area += area_factor * cloud_.radius[i] * cloud_.radius[i];
-    }
-    join();
-    return true;
-  }
-
-  std::uint32_t piece_of(std::uint32_t point) const {
-    return table_[table_.find_key(grid_.key(cloud_.position[point]))].parent;
-  }
-  bool is_root(std::uint32_t at) const { return table_.occupied(at) && sets_.is_root(at); }
-  float area(std::uint32_t root) const { return table_[root].area; }
-  std::uint32_t size() const { return table_.size(); }
-
- private:
-  void join() {
-    for (std::uint32_t i = 0; i < size(); ++i) {
-      if (!table_.occupied(i)) continue;
-      for (std::uint32_t n = 14; n < 27; ++n) {
-        const std::uint32_t other = table_.find_key(CellGrid::neighbour(table_[i].key, n));
-        if (table_.occupied(other)) sets_.unite(i, other);
-      }
-    }
-    sets_.flatten(size());
-    for (std::uint32_t i = 0; i < size(); ++i) {
-      if (table_.occupied(i) && !sets_.is_root(i)) table_[table_[i].parent].area += table_[i].area;
-    }
-  }
-
-  const Cloud& cloud_;
-  CellGrid grid_;
-  CellTable<Cell, &Cell::key> table_;
-  DisjointSets<Cell, &Cell::parent> sets_;  ///< of the occupied slots
-};
-
 /// A small piece, which may be a stray piece.
 struct Suspect {
   std::uint32_t root = 0;
@@ -111,7 +52,7 @@ struct Suspect {
 
 class Search {
  public:
-  Search(Cloud& cloud, const Cells& cells, float area_factor, std::span<Suspect> suspects)
+  Search(Cloud& cloud, const CellPieces& cells, float area_factor, std::span<Suspect> suspects)
       : cloud_(cloud), cells_(cells), area_factor_(area_factor), suspects_(suspects) {}
 
   StrayPieces mark() {
@@ -143,16 +84,16 @@ class Search {
   void find_suspects() {
     float largest = 0;
     for (std::uint32_t at = 0; at < cells_.size(); ++at) {
-      if (!cells_.is_root(at)) continue;
-      largest = std::max(largest, cells_.area(at));
-      total_area_ += static_cast<double>(cells_.area(at));
+      if (!cells_.is_piece(at)) continue;
+      largest = std::max(largest, cells_.amount(at));
+      total_area_ += static_cast<double>(cells_.amount(at));
     }
     std::uint32_t count = 0;
     for (std::uint32_t at = 0; at < cells_.size() && count < suspects_.size(); ++at) {
-      if (cells_.is_root(at) && cells_.area(at) < static_cast<float>(kMaxShare) * largest) {
+      if (cells_.is_piece(at) && cells_.amount(at) < static_cast<float>(kMaxShare) * largest) {
         Suspect& found = suspects_[count++] = {};
         found.root = at;
-        found.area = cells_.area(at);
+        found.area = cells_.amount(at);
       }
     }
     suspects_ = suspects_.first(count);  // sorted by root
@@ -161,7 +102,7 @@ class Search {
   /// The suspect that a point belongs to; nullptr for noise and for points of other pieces.
   Suspect* suspect(std::uint32_t point) const {
     if (!is_surface(cloud_, point)) return nullptr;
-    const std::uint32_t root = cells_.piece_of(point);
+    const std::uint32_t root = cells_.piece_of(cloud_.position[point]);
     const auto found = std::lower_bound(suspects_.begin(), suspects_.end(), root,
                                         [](const Suspect& s, std::uint32_t r) { return s.root < r; });
     return found != suspects_.end() && found->root == root ? &*found : nullptr;
@@ -188,7 +129,7 @@ class Search {
     const std::uint32_t step = cloud_.size / kFieldPoints + 1;
     float w = 0;
     for (std::uint32_t i = step / 2; i < cloud_.size; i += step) {
-      if (!is_surface(cloud_, i) || cells_.piece_of(i) == root) continue;
+      if (!is_surface(cloud_, i) || cells_.piece_of(cloud_.position[i]) == root) continue;
       const Vec3f e = cloud_.position[i] - x;
       const float distance2 = e.dot(e);
       const float area = static_cast<float>(step) * area_factor_ * cloud_.radius[i] * cloud_.radius[i];
@@ -198,7 +139,7 @@ class Search {
   }
 
   Cloud& cloud_;
-  const Cells& cells_;
+  const CellPieces& cells_;
   float area_factor_;
   std::span<Suspect> suspects_;
   double total_area_ = 0;  ///< mm^2
@@ -209,19 +150,26 @@ std::uint32_t slots_for(std::uint32_t points) { return std::clamp(std::bit_ceil(
 }  // namespace
 
 std::size_t stray_pieces_bytes(std::uint32_t points) {
-  return Arena::rounded(slots_for(points) * sizeof(Cell)) + Arena::rounded(kMaxSuspects * sizeof(Suspect));
+  return Arena::rounded(slots_for(points) * sizeof(CellPieces::Cell)) + Arena::rounded(kMaxSuspects * sizeof(Suspect));
 }
 
 Expected<StrayPieces> mark_stray_pieces(Cloud& cloud, const ClusteringResult& clustering, Arena& arena) {
   const ArenaScope scope(arena);
-  const auto slots = arena.take_top<Cell>(slots_for(cloud.size), kStage);
+  const auto slots = arena.take_top<CellPieces::Cell>(slots_for(cloud.size), kStage);
   PLUMBLINE_TRY(slots);
   const auto suspects = arena.take_top<Suspect>(kMaxSuspects, kStage);
   PLUMBLINE_TRY(suspects);
   const float area_factor = kPi / cloud.support_points;
+  const Box3f box = surface_bounds(cloud);
   for (float edge = kTogetherEpsilons * clustering.epsilon;; edge *= 2) {
-    Cells cells(cloud, edge, *slots);
-    if (cells.fill(area_factor)) return Search(cloud, cells, area_factor, *suspects).mark();
+    CellPieces cells(box, edge, *slots);
+    bool room = true;
+    for (std::uint32_t i = 0; i < cloud.size && room; ++i) {
+      if (is_surface(cloud, i)) room = cells.add(cloud.position[i], area_factor * cloud.radius[i] * cloud.radius[i]);
+    }
+    if (!room) continue;
+    cells.join();
+    return Search(cloud, cells, area_factor, *suspects).mark();
   }
 }
 
