@@ -132,7 +132,7 @@ class Probe {
 
   /// Binary STL has no signature: 80 arbitrary bytes, the number of triangles, 50 bytes for each.
   bool is_stl() const {
-    if (has_ending(input_.name(), ".stl")) return true;
+    if (has_ending(input_.name(), ".stl") && !is_other_text()) return true;
     std::string_view rest = window_;
     if (same_word(LineWords(next_line(rest)).next(), "solid")) {
       for (const std::string_view word : {"facet", "FACET", "endsolid", "ENDSOLID"}) {
@@ -146,6 +146,16 @@ class Probe {
       triangles |= std::uint64_t{static_cast<unsigned char>(window_[80 + i])} << (8 * i);
     }
     return triangles > 0 && *input_.size() == kHead + 50 * triangles;
+  }
+
+  /// Text without a facet is no STL, whatever it is called.
+  bool is_other_text() const {
+    std::string_view rest = window_;
+    if (same_word(LineWords(next_line(rest)).next(), "solid")) return false;
+    for (const std::string_view part : {"\0"sv, "facet"sv, "FACET"sv}) {
+      if (window_.find(part) != std::string_view::npos) return false;
+    }
+    return window_.size() > 84;
   }
 
   /// 4OFF and nOFF have other dimensions than three. The word may be missing, or stick to the number after it.

@@ -27,6 +27,27 @@ bool are_normals(std::span<const XyzRow> rows, std::size_t column) {
   return any;
 }
 
+/// A name may have blanks, as in "Point ID,X,Y,Z".
+constexpr Separators kCells{",;|\t"};
+
+std::optional<XyzColumns> columns_between(std::string_view line, const Separators& separators, std::size_t& names) {
+  XyzColumns columns;
+  columns.of.fill(kMaxColumns);
+  LineWords words(line, separators);
+  names = 0;
+  for (auto name = words.next(); !name.empty(); name = words.next(), ++names) {
+    while (kBlanks(name.front()) && name.size() > 1) name.remove_prefix(1);
+    while (kBlanks(name.back()) && name.size() > 1) name.remove_suffix(1);
+    while (name.size() > 1 && name.front() == '"' && name.back() == '"') name = name.substr(1, name.size() - 2);
+    const std::size_t slot = slot_of(name);
+    if (slot < kSlots && names < kMaxColumns && columns.of[slot] == kMaxColumns) columns.of[slot] = names;
+  }
+  const auto missing = [&](std::size_t slot) { return columns.of[slot] == kMaxColumns; };
+  if (missing(kX) || missing(kY) || missing(kZ)) return std::nullopt;
+  if (missing(kNx) || missing(kNy) || missing(kNz)) std::fill_n(columns.of.begin() + kNx, 3, kMaxColumns);
+  return columns;
+}
+
 }  // namespace
 
 std::size_t XyzColumns::needed() const {
@@ -39,19 +60,8 @@ std::size_t XyzColumns::needed() const {
 
 std::optional<XyzColumns> columns_by_name(std::string_view line, std::size_t& names) {
   while (!line.empty() && (line.front() == '#' || line.front() == '/' || line.front() == ';')) line.remove_prefix(1);
-  XyzColumns columns;
-  columns.of.fill(kMaxColumns);
-  LineWords words(line, kBlanksAndCommas);
-  names = 0;
-  for (auto name = words.next(); !name.empty(); name = words.next(), ++names) {
-    while (name.size() > 1 && name.front() == '"' && name.back() == '"') name = name.substr(1, name.size() - 2);
-    const std::size_t slot = slot_of(name);
-    if (slot < kSlots && names < kMaxColumns && columns.of[slot] == kMaxColumns) columns.of[slot] = names;
-  }
-  const auto missing = [&](std::size_t slot) { return columns.of[slot] == kMaxColumns; };
-  if (missing(kX) || missing(kY) || missing(kZ)) return std::nullopt;
-  if (missing(kNx) || missing(kNy) || missing(kNz)) std::fill_n(columns.of.begin() + kNx, 3, kMaxColumns);
-  return columns;
+  if (const auto columns = columns_between(line, kCells, names)) return columns;
+  return columns_between(line, kBlanksAndCommas, names);
 }
 
 XyzColumns columns_by_values(std::span<const XyzRow> rows) {

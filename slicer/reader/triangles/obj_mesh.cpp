@@ -82,7 +82,10 @@ class ObjMeshReader {
       }
       PLUMBLINE_TRY(fan_.add(static_cast<std::uint64_t>(index > 0 ? index - 1 : count + index)));
     }
-    return {};
+    if (!lines_.line().unterminated || fan_.corners() >= 3) return {};
+    return input().fail(
+        ErrorCode::kTruncated,
+        "line %llu: the file ends in the middle of a face;\tcopy or export it again, or use --as points", number());
   }
 
   ObjLines lines_;

@@ -276,6 +276,12 @@ class ThreeMfReader {
           ErrorCode::kMalformed,
           "the object with the id %u is to be printed, but is not in the archive;\texport the file again", *id);
     }
+    if (summary.faces == 0) {
+      return telling(Told(ToldCode::kNoTriangles),
+                     input_.fail(ErrorCode::kNoPoints,
+                                 "what its build places has no triangle, or is a support, a surface or a modifier;\t"
+                                 "export a solid object"));
+    }
     return {};
   }
 

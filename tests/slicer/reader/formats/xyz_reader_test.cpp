@@ -104,6 +104,8 @@ TEST(XyzReader, TakesNamedColumnsByTheirNames) {
   expect_points(read("//Nx Ny Nz X Y Z\n0 0 1 1 2 3\n.6 -.8 0 -4 5.5 60\n"), kTwoNormals, true);
   expect_points(read("id,x,y,z\n77,1,2,3\n78,-4,5.5,60\n", "a.csv"), kTwo, false);
   expect_points(read("\"x\",\"y\",\"z\"\n1,2,3\n-4,5.5,60\n", "a.csv"), kTwo, false);
+  expect_points(read("Point ID, X ,Y,Z\n77,1,2,3\n78,-4,5.5,60\n", "a.csv"), kTwo, false);
+  expect_points(read("Punkt Nr.;x;y;z\n77;1;2;3\n78;-4;5,5;60\n", "a.csv"), kTwo, false);
   // Names that do not fit the rows are only a comment.
   expect_points(read("# the z of x and y\n1 2 3\n-4 5.5 60\n"), kTwo, false);
 }

@@ -166,6 +166,12 @@ TEST(MeshReader, StlIsTextWhateverIsBeforeItsSolid) {
   expect_triangles(read_triangles("; by\n" + shouted, "a.stl"), mesh, "all capital");
 }
 
+TEST(MeshReader, TextThatIsCalledStlIsReadAsWhatItIs) {
+  const TestMesh mesh = box_mesh({0, 0, 0}, {1, 2, 3});
+  expect_triangles(read_triangles(obj_of(mesh), "a.stl"), mesh, "OBJ");
+  EXPECT_EQ(read_triangles(std::string(200, 'x'), "a.stl").code(), ErrorCode::kUnknownFormat);
+}
+
 TEST(MeshReader, StlTextMayHaveAFacetInALine) {
   const TestMesh mesh = box_mesh({0, 0, 0}, {1, 2, 3});
   std::string lines = "solid a vertex of its name\n";
@@ -275,6 +281,7 @@ TEST(MeshReader, BrokenFilesAreRefusedWithPlaceAndRemedy) {
       {"a.obj", kSquare + "f 1 2 -5\n", kMalformed, "a face names vertex -5"},
       {"a.obj", kSquare + "f 1 2 x\n", kMalformed, "expected the number of a vertex, found 'x'"},
       {"a.obj", kSquare + "f 1 2 99999999999999999999\n", kMalformed, "expected the number of a vertex"},
+      {"a.obj", kSquare + "f 1 2 3\nf 1 2", kTruncated, "line 6: the file ends in the middle of a face"},
       {"a.obj", "v 0 0\nf 1 1 1\n", kMalformed, "line 1: too few numbers, z is missing"},
       {"a.ply", ply.substr(0, ply.size() - 5), kTruncated, "with 11 of the 12 faces that its header declares"},
       {"a.ply", ply.substr(0, ply.size() - 12 * 13 - 5), kTruncated, "points that its header declares"},

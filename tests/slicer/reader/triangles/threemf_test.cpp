@@ -248,6 +248,8 @@ TEST(ThreeMf, BrokenAndHostileFilesAreRefusedInWords) {
       {"no item", threemf_with(built(block(1), "")), ErrorCode::kNoPoints, "no object is to be printed"},
       {"no item that is printable", threemf_with(built(block(1), R"(<item objectid="1" printable="0"/>)")),
        ErrorCode::kNoPoints, "no object is to be printed"},
+      {"a surface only", threemf_with(built(block(1, R"(type="surface")"), R"(<item objectid="1"/>)")),
+       ErrorCode::kNoPoints, "what its build places has no triangle, or is a support, a surface or a modifier"},
       {"an item without its object", threemf_with(built(block(1), "<item objectid=\"1\"/><item objectid=\"14\"/>")),
        ErrorCode::kMalformed, "the object with the id 14 is to be printed, but is not in the archive"},
       {"a component without its object",
