@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -155,7 +156,15 @@ Status LayerArchive::list(std::span<ArchiveLayer> out) {
     return fail(ErrorCode::kMalformed, "%s: two layers have the number %llu.\tPack one print into one archive",
                 zip_.name().c_str(), static_cast<unsigned long long>(twice != listed.end() ? twice->number : 0));
   }
-  return {};
+  // Some programs number the layers in steps. Where a step is longer than another, a layer is missing.
+  std::uint64_t step = std::numeric_limits<std::uint64_t>::max();
+  for (std::size_t i = 1; i < count; ++i) step = std::min(step, listed[i].number - listed[i - 1].number);
+  const auto gap = std::adjacent_find(listed.begin(), listed.end(),
+                                      [step](const auto& a, const auto& b) { return b.number - a.number != step; });
+  if (gap == listed.end()) return {};
+  return fail(ErrorCode::kMalformed, "%s: layer %llu is missing between %llu and %llu.\tCopy or export it again",
+              zip_.name().c_str(), static_cast<unsigned long long>(gap->number + step),
+              static_cast<unsigned long long>(gap->number), static_cast<unsigned long long>((gap + 1)->number));
 }
 
 Status LayerArchive::read(const ArchiveLayer& layer, BitImage out) { return decode(zip_, layer, turn_, out); }

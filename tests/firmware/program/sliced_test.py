@@ -131,7 +131,7 @@ class Printed(Sliced):
         self.assertTrue((self.out / "comparison.png").exists())
 
     def test_layers_are_in_the_order_of_their_numbers(self):
-        layers = {f"p{k}.png": square(100 + 20 * k) for k in (11, 2, 10, 1)}
+        layers = {f"p{k}.png": square(100 + 20 * k) for k in (11, 9, 10, 8)}
         self.print_it(self.pack({"preview.png": b"x", "thumbnail/thumbnail400x400.png": b"y", "__MACOSX/._p1.png": b"z", **layers}))
         pixels = json.loads(self.run_it("check", self.dir / "part.zip", "--printer", SIM2K, "--json").stdout)
         self.assertEqual(pixels["grid"]["layers"], 4)
@@ -140,6 +140,15 @@ class Printed(Sliced):
         volumes = [json.loads(text)["volume_ml"] for text in alone]
         self.assertEqual(sorted(volumes), [volumes[3], volumes[1], volumes[2], volumes[0]])
         self.assertEqual(len({line["mask_hash"] for line in exposures(self.report)}), 4)
+
+    def test_missing_layer_is_refused_by_its_number(self):
+        layer = square()
+        part = self.pack({f"part{i:05}.png": layer for i in (0, 1, 3, 4)})
+        refused = self.print_it(part, status=1).stderr
+        self.assertIn("part.zip: layer 2 is missing between 1 and 3. Copy or export it again", refused)
+        self.assertIn("layer 2 is missing", self.run_it("check", part, "--printer", SIM2K, status=1).stderr)
+        steps = self.pack({f"{i}.png": layer for i in (50, 100, 150)}, name="steps.zip")
+        self.run_it("check", steps, "--printer", SIM2K)
 
     def test_another_panel_is_refused_with_both_sizes(self):
         part = self.pack({"1.png": png(1620, 2560, bytes(1621) * 2560)})
