@@ -28,7 +28,7 @@ void DipoleField::build(Sign sign) {
 DipoleField::Value DipoleField::operator()(const Vec3f& x, Sign sign, float share) const {
   Value value;
   tree_.walk(
-      {x, x},
+      x,
       [&](const Node& node) {
         const Vec3f e = node.centre - x;
         add(node.dipole, e, e.dot(e), value);

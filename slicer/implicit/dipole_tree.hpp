@@ -63,18 +63,20 @@ class DipoleTree {
     if (points_ > 0) build(0, 0, leaves(points_), add_point);
   }
 
-  /// Visits the nodes and points that make up the field at every place in a box, in the order of the nodes. Thread-safe.
+  /// Visits the nodes and points that make up the field at a place, or at every place in a box, in the order of the nodes.
+  /// Thread-safe.
+  /// @param place  Vec3f or Box3f
   /// @param far    far(node) for each node that acts as one dipole at all of these places
   /// @param near   near(i) for each point of a leaf that is too close for that
   /// @param share  of the distance at which a node is no longer opened, squared: less is faster and less exact
-  template <class Far, class Near>
-  void walk(const Box3f& box, Far far, Near near, float share = 1) const {
+  template <class Place, class Far, class Near>
+  void walk(const Place& place, Far far, Near near, float share = 1) const {
     const auto count = static_cast<std::uint32_t>(nodes_.size());
     std::uint32_t leaf = 0;  // number of leaves before node `at`
     for (std::uint32_t at = 0; at < count;) {
       const DipoleNode& node = nodes_[at];
       const std::uint32_t under = (node.skip - at + 1) / 2;
-      const Vec3f d = (box.low - node.centre).cwiseMax(node.centre - box.high).cwiseMax(0.0F);
+      const Vec3f d = shortest_way(place, node.centre);
       if (d.dot(d) > share * node.reach2) {
         if (node.reach2 >= 0) far(node);
         leaf += under;
@@ -92,6 +94,12 @@ class DipoleTree {
 
  private:
   static constexpr float kOpening = 2.0F;  ///< node radii: a closer node is opened. Larger: more exact, slower
+
+  static Vec3f shortest_way(const Vec3f& place, const Vec3f& to) { return to - place; }
+  /// But for the signs.
+  static Vec3f shortest_way(const Box3f& box, const Vec3f& to) {
+    return (box.low - to).cwiseMax(to - box.high).cwiseMax(0.0F);
+  }
 
   static std::uint32_t leaves(std::uint32_t points) { return (points + LeafPoints - 1) / LeafPoints; }
 

@@ -10,7 +10,6 @@ constexpr std::uint32_t kBaseSamples = 48;  ///< samples a side, over the base p
 /// An opening in the base plane has winding number 1/2 there, a closed underside 0. Not kSurface, which asks inside or outside:
 /// this asks open or closed. A larger value misses narrow openings, a smaller one takes noise for an opening.
 constexpr float kBaseOpen = 0.1F;
-constexpr float kPi = std::numbers::pi_v<float>;
 
 }  // namespace
 
@@ -20,7 +19,7 @@ std::size_t WindingTree::bytes_needed(std::uint32_t points) {
 
 WindingTree WindingTree::build(const Cloud& cloud, std::span<Node> nodes) {
   WindingTree tree;
-  tree.area_factor_ = kPi / cloud.support_points;
+  tree.area_factor_ = std::numbers::pi_v<float> / cloud.support_points;
   tree.position_ = cloud.position.first(cloud.size);
   tree.normal_ = cloud.normal.first(cloud.size);
   tree.radius_ = cloud.radius.first(cloud.size);
@@ -62,14 +61,14 @@ float WindingTree::number(const Vec3f& x, float share) const {
     const float softened = e.dot(e) + softening;
     w += dipole.dot(e) / (softened * std::sqrt(softened));
   };
-  for_each_dipole({x, x}, add, share);
+  for_each_dipole(x, add, share);
   return w;
 }
 
 bool WindingTree::inside(const Vec3f& x, float winding) const {
   if (is_plain(winding)) return winding > kSurface;
   WindingLean lean;
-  for_each_dipole({x, x}, [&](const Vec3f& place, const Vec3f& dipole, float softening) {
+  for_each_dipole(x, [&](const Vec3f& place, const Vec3f& dipole, float softening) {
     const float area = std::sqrt(dipole.dot(dipole));
     if (!(area > 0)) return;
     const Vec3f e = place - x;

@@ -89,22 +89,19 @@ class WindingTree {
   /// Whether a winding number is so far from 1/2 that a hole does not matter.
   static bool is_plain(float winding) { return std::abs(winding - kSurface) >= WindingLean::kMost; }
 
-  /// Calls add(place, dipole, softening) for dipoles that make up the winding number at every place in a box, with the mirror image of
-  /// the surface: its sum of <dipole, place - x> / (|place - x|^2 + softening)^(3/2). The unit of dipoles is 4 pi mm^2.
+  /// Calls add(place, dipole, softening) for dipoles that make up the winding number at a place, or at every place in a box, with the
+  /// mirror image of the surface: its sum of <dipole, place - x> / (|place - x|^2 + softening)^(3/2). The unit of dipoles is 4 pi mm^2.
+  /// @param at     Vec3f or Box3f
   /// @param share  of DipoleTree::walk()
-  template <class Add>
-  void for_each_dipole(const Box3f& box, Add add, float share = 1) const {
-    walk(box, add, share);
+  template <class Place, class Add>
+  void for_each_dipole(const Place& at, Add add, float share = 1) const {
+    walk(at, add, share);
     if (!has_base_) return;
-    // The mirrored surface seen from a box is the surface seen from the mirror image of the box.
-    const auto mirrored = [&](const Vec3f& p) { return Vec3f(p[0], p[1], 2 * base_ - p[2]); };
-    Box3f mirror;
-    mirror.extend(mirrored(box.low));
-    mirror.extend(mirrored(box.high));
+    // The mirrored surface seen from a place is the surface seen from the mirror image of the place.
     const auto add_mirrored = [&](const Vec3f& place, const Vec3f& dipole, float softening) {
       add(mirrored(place), Vec3f(dipole[0], dipole[1], -dipole[2]), softening);
     };
-    walk(mirror, add_mirrored, share);
+    walk(mirrored(at), add_mirrored, share);
   }
 
  private:
@@ -122,10 +119,18 @@ class WindingTree {
     return kShare * radius_[i] * radius_[i] * area_factor_ * std::numbers::inv_pi_v<float>;
   }
 
-  template <class Add>
-  void walk(const Box3f& box, Add add, float share) const {
+  Vec3f mirrored(const Vec3f& p) const { return {p[0], p[1], 2 * base_ - p[2]}; }
+  Box3f mirrored(const Box3f& box) const {
+    Box3f mirror;
+    mirror.extend(mirrored(box.low));
+    mirror.extend(mirrored(box.high));
+    return mirror;
+  }
+
+  template <class Place, class Add>
+  void walk(const Place& at, Add add, float share) const {
     tree_.walk(
-        box, [&](const Node& node) { add(node.centre, node.dipole, 0.0F); },
+        at, [&](const Node& node) { add(node.centre, node.dipole, 0.0F); },
         [&](std::uint32_t i) {
           add(position_[i], Vec3f(normal_[i].unpack() * (area_of(i) * kInverse4Pi)), softening_of(i));
         },

@@ -50,7 +50,7 @@ TEST(DipoleTree, CountsEveryPointOnceFromEveryPlace) {
         float far = 0;
         std::vector<int> near(size, 0);
         counted.tree.walk(
-            {x, x}, [&](const DipoleNode& node) { far += node.dipole[0]; }, [&](std::uint32_t i) { ++near[i]; });
+            x, [&](const DipoleNode& node) { far += node.dipole[0]; }, [&](std::uint32_t i) { ++near[i]; });
         float seen = far;
         for (std::uint32_t i = 0; i < size; ++i) {
           ASSERT_LE(near[i], 1);
@@ -81,7 +81,7 @@ TEST(DipoleTree, SumsNoPointThatIsCloserThanItsLeafIsWide) {
     const Vec3f x = counted.points[random.below(1000)] + (0.2 * random.vector()).cast<float>();
     std::vector<bool> near(counted.points.size(), false);
     counted.tree.walk(
-        {x, x}, [&](const DipoleNode&) { ++taken; }, [&](auto i) { near[i] = true; });
+        x, [&](const DipoleNode&) { ++taken; }, [&](auto i) { near[i] = true; });
     for (std::size_t i = 0; i < near.size(); ++i) {
       if ((counted.points[i] - x).norm() >= half_width[i]) continue;
       ++close;
@@ -97,7 +97,7 @@ TEST(DipoleTree, VisitsNothingWithoutPoints) {
   Tree tree(0, {});
   tree.build([](std::uint32_t, DipoleSum&) { FAIL(); });
   tree.walk(
-      {}, [](const DipoleNode&) { FAIL(); }, [](std::uint32_t) { FAIL(); });
+      Vec3f::Zero().eval(), [](const DipoleNode&) { FAIL(); }, [](std::uint32_t) { FAIL(); });
 }
 
 }  // namespace
