@@ -1,9 +1,9 @@
 #include "slicer/inspect.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "slicer/cloud/tangent_plane.hpp"
 #include "slicer/core/numbers/median.hpp"
 #include "slicer/mesh_slicing.hpp"
 #include "slicer/preparation.hpp"
@@ -15,22 +15,6 @@ namespace {
 /// Points that are measured, spread evenly over the tree's order. Medians over all points differ by about a percent.
 constexpr std::uint32_t kSample = 8192;
 
-/// Distance of `point` from the plane through `neighbours` by least squares.
-double distance_from_plane(const Vec3f& point, std::span<const Neighbour> neighbours,
-                           std::span<const Vec3f> positions) {
-  const auto count = static_cast<double>(neighbours.size());
-  Vec3d sum = Vec3d::Zero();  // from `point`, so that nothing large cancels
-  for (const Neighbour& n : neighbours) sum += (positions[n.index] - point).cast<double>();
-  const Vec3d mean = sum / count;
-  Mat3d scatter = Mat3d::Zero();
-  for (const Neighbour& n : neighbours) {
-    const Vec3d d = (positions[n.index] - point).cast<double>() - mean;
-    scatter += d * d.transpose();
-  }
-  const Eigen::SelfAdjointEigenSolver<Mat3d> solver(scatter);
-  return std::abs(solver.eigenvectors().col(0).dot(mean));
-}
-
 /// Sets spacing and roughness.
 Status measure(const PreparedScan& scan, const KdTree3& tree, Arena& arena, InspectReport& report) {
   const ArenaScope scope(arena);
@@ -40,18 +24,19 @@ Status measure(const PreparedScan& scan, const KdTree3& tree, Arena& arena, Insp
   PLUMBLINE_TRY(spacing);
   auto roughness = arena.take_top<float>(samples, "clustering");
   PLUMBLINE_TRY(roughness);
-  const auto last = static_cast<int>(samples);
 #pragma omp parallel for schedule(dynamic, 64)
-  for (int s = 0; s < last; ++s) {
-    const auto place = static_cast<std::size_t>(s);
-    const auto i = static_cast<std::uint32_t>(std::uint64_t{place} * cloud.size / samples);
+  for (std::uint32_t s = 0; s < samples; ++s) {
+    const std::uint32_t i = cloud.sampled(s, samples);
     const Vec3f& point = cloud.position[i];
     std::array<Neighbour, kPlaneNeighbours> found = {};
     const std::uint32_t count = tree.nearest(point, found, [i](std::uint32_t other) { return other != i; });
-    (*spacing)[place] = count > 0 ? std::sqrt(found[0].distance2) : 0;
-    (*roughness)[place] =
-        count < 3 ? 0
-                  : static_cast<float>(distance_from_plane(point, std::span(found).first(count), cloud.positions()));
+    (*spacing)[s] = count > 0 ? std::sqrt(found[0].distance2) : 0;
+    if (count < 3) {
+      (*roughness)[s] = 0;
+      continue;
+    }
+    const PrincipalAxes plane = principal_axes(point, std::span(found).first(count), cloud.positions());
+    (*roughness)[s] = static_cast<float>(std::abs(plane.axes.col(0).dot(plane.mean)));
   }
   report.spacing = {median(*spacing)};
   report.roughness = {median(*roughness)};

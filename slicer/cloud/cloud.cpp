@@ -50,7 +50,7 @@ void Cloud::set_support_points(float points) {
 void Cloud::drop_noise() {
   std::uint32_t kept = 0;
   for (std::uint32_t i = 0; i < size; ++i) {
-    if (normal[i].point_class == PointClass::kNoise) continue;
+    if (!is_surface(i)) continue;
     position[kept] = position[i];
     normal[kept] = normal[i];
     radius[kept] = radius[i];

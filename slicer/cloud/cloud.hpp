@@ -12,6 +12,9 @@ namespace plumbline {
 /// Least inner product of the normals of points that face one way: within 60 degrees. They face opposite ways below -kOneWay.
 inline constexpr float kOneWay = 0.5F;
 
+/// |n_z| below which a unit normal is neutral: sin(5 degrees), the thesis' tolerance for the error of a scanned normal.
+inline constexpr float kNeutralSine = 0.087155743F;
+
 /// Classes of points (thesis III-2.b, table 1).
 enum class PointClass : std::uint8_t {
   kEntering,  ///< normal against the manufacturing direction: rays going up enter here
@@ -63,6 +66,11 @@ struct Cloud {
   std::uint32_t capacity() const { return static_cast<std::uint32_t>(position.size()); }
   std::span<const Vec3f> positions() const { return position.first(size); }
   std::uint32_t seen() const { return size - continued; }  ///< points of the scan, which come first
+  bool is_surface(std::uint32_t i) const { return normal[i].point_class != PointClass::kNoise; }
+  /// Point k of a sample of `count` points, at equal steps of the order.
+  std::uint32_t sampled(std::uint32_t k, std::uint32_t count) const {
+    return static_cast<std::uint32_t>(std::uint64_t{k} * size / count);
+  }
   Box3f bounds() const;
 
   /// Changes all radii to those of discs that hold `points` points, above 0.

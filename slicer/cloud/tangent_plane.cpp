@@ -21,30 +21,35 @@ struct Plane {
 };
 
 Plane fit_plane(const Vec3f& point, std::span<const Neighbour> neighbours, const Cloud& cloud) {
-  const auto count = static_cast<double>(neighbours.size());
-  Vec3d sum = Vec3d::Zero();  // relative to `point`, to avoid cancellation
-  Mat3d products = Mat3d::Zero();
-  for (const Neighbour& n : neighbours) {
-    const Vec3d d = (cloud.position[n.index] - point).cast<double>();
-    sum += d;
-    products += d * d.transpose();
-  }
-  const Mat3d scatter = products - sum * (sum.transpose() / count);
-  // compute(), not computeDirect(): the closed form uses sines, which differ between C libraries.
-  const Eigen::SelfAdjointEigenSolver<Mat3d> solver(scatter);
-  const Vec3d& variance = solver.eigenvalues();
+  const PrincipalAxes found = principal_axes(point, neighbours, cloud.position);
+  const Vec3d& variance = found.variance;
   Plane plane;
   if (!(variance[1] > kLine * variance[2])) return plane;
   const double least = std::max(variance[0], 1e-12 * variance[2]);
-  plane.normal = solver.eigenvectors().col(0);
+  plane.normal = found.axes.col(0);
   plane.flatness = variance[1] / least;
   const auto reach2 = static_cast<double>(neighbours.back().distance2);
+  const double residual2 = least / static_cast<double>(neighbours.size());
   plane.sufficient =
-      reach2 >= kReachInResiduals * kReachInResiduals * least / count && variance[1] >= kLeastWidth * variance[2];
+      reach2 >= kReachInResiduals * kReachInResiduals * residual2 && variance[1] >= kLeastWidth * variance[2];
   return plane;
 }
 
 }  // namespace
+
+PrincipalAxes principal_axes(const Vec3f& from, std::span<const Neighbour> points, std::span<const Vec3f> positions) {
+  const auto count = static_cast<double>(points.size());
+  Vec3d sum = Vec3d::Zero();
+  Mat3d products = Mat3d::Zero();
+  for (const Neighbour& n : points) {
+    const Vec3d d = (positions[n.index] - from).cast<double>();
+    sum += d;
+    products += d * d.transpose();
+  }
+  // compute(), not computeDirect(): the closed form uses sines, which differ between C libraries.
+  const Eigen::SelfAdjointEigenSolver<Mat3d> solver(products - sum * (sum.transpose() / count));
+  return {sum / count, solver.eigenvalues(), solver.eigenvectors()};
+}
 
 /// @returns how many of the wanted kPoints[size] there are
 std::uint32_t TangentPlanes::search(std::size_t size) {

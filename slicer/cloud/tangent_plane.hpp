@@ -11,6 +11,15 @@
 
 namespace plumbline {
 
+/// Principal axes of points.
+struct PrincipalAxes {
+  Vec3d mean;      ///< from the place that they are seen from
+  Vec3d variance;  ///< along each axis, times the number of points, ascending
+  Mat3d axes;      ///< unit vectors, in columns
+};
+/// @param from  a place near the points, so that nothing large cancels
+PrincipalAxes principal_axes(const Vec3f& from, std::span<const Neighbour> points, std::span<const Vec3f> positions);
+
 /// Fits planes to one point after another. Consecutive points lie near each other, so each search starts with the number of
 /// neighbours that the last plane needed. That saves time and changes no result.
 class TangentPlanes {

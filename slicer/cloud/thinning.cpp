@@ -18,17 +18,15 @@ constexpr std::uint64_t kFewest = 8;
 /// The longest side of the points, but at most 8 times that of nine in ten of them: one point far away must not decide how
 /// fine the cells are.
 float longest_side(const Cloud& cloud) {
-  constexpr std::size_t kSample = 512;  ///< points, evenly over the cloud's order
+  constexpr std::uint32_t kSample = 512;  ///< points, evenly over the cloud's order
   constexpr float kMostCores = 8;
-  const auto count = std::min<std::size_t>(kSample, cloud.size);
-  const std::size_t left_out = count / 20;
+  const auto count = std::min(kSample, cloud.size);
+  const std::uint32_t left_out = count / 20;
   float core = 0;
   for (int axis = 0; axis < 3; ++axis) {
     std::array<float, kSample> sorted;  // NOLINT(cppcoreguidelines-pro-type-member-init)
-    for (std::size_t i = 0; i < count; ++i) {
-      sorted[i] = cloud.position[static_cast<std::size_t>(std::uint64_t{i} * cloud.size / count)][axis];
-    }
-    std::sort(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(count));
+    for (std::uint32_t i = 0; i < count; ++i) sorted[i] = cloud.position[cloud.sampled(i, count)][axis];
+    std::sort(sorted.begin(), sorted.begin() + count);
     core = std::max(core, sorted[count - 1 - left_out] - sorted[left_out]);
   }
   const float longest = cloud.bounds().size().maxCoeff();

@@ -33,8 +33,7 @@ class PointThinner final : public PointSink {
   Status take(std::span<const ScanPoint> points) override;
   bool progress(double fraction) override;
 
-  double cell() const { return cell_; }  ///< edge, scan units; 0: nothing was averaged
-  std::uint64_t points_seen() const { return seen_; }
+  double cell() const { return cell_; }                        ///< edge, scan units; 0: nothing was averaged
   std::uint64_t points_averaged() const { return averaged_; }  ///< points merged into another one
   /// Rotated scan coordinates of the cloud's origin.
   const Vec3d& offset() const { return offset_; }

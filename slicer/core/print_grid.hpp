@@ -16,11 +16,16 @@ struct PrintGrid {
   float pitch_y_mm = 0.05F;       ///< mm
   float layer_height_mm = 0.05F;  ///< mm
 
+  /// Of a pixel's centre, mm.
+  float x_of(std::uint32_t column) const { return (static_cast<float>(column) + 0.5F) * pitch_x_mm; }
+  float y_of(std::uint32_t row) const { return (static_cast<float>(row) + 0.5F) * pitch_y_mm; }
+
   static constexpr std::uint32_t kMaxSide = 16384;
   static constexpr std::uint32_t kMaxLayers = 65535;
 };
 
 /// Rays a side of a square tile. Rays are shot, and crossings stored, a tile at a time: rays of a tile share neighbours.
 inline constexpr std::uint32_t kTileSide = 8;
+inline constexpr std::uint32_t kRaysPerTile = kTileSide * kTileSide;
 
 }  // namespace plumbline

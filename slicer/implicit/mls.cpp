@@ -111,22 +111,20 @@ std::size_t padded(std::uint32_t capacity) {
   // With padding, rounded to whole cache lines.
   return (std::size_t{capacity} + kLanes + 15) / 16 * 16;
 }
-constexpr std::size_t kColumns = 10;
 
 }  // namespace
 
 std::size_t RayPoints::bytes_needed(std::uint32_t capacity) {
-  return Arena::rounded(kColumns * padded(capacity) * sizeof(float));
+  return Arena::rounded(RayPoints::kColumns * padded(capacity) * sizeof(float));
 }
 
 Expected<RayPoints> RayPoints::create(std::uint32_t capacity, Arena& arena, const char* stage) {
   const std::size_t length = padded(capacity);
-  auto columns = arena.take_top<float>(kColumns * length, stage);
+  auto columns = arena.take_top<float>(RayPoints::kColumns * length, stage);
   if (!columns) return tl::unexpected<Error>(columns.error());
   RayPoints points;
   float* next = columns->data();
-  for (float** column : {&points.depth, &points.distance2, &points.plane, &points.slope, &points.inverse_radius2,
-                         &points.normal_x, &points.normal_y, &points.offset_x, &points.offset_y, &points.mass}) {
+  for (float** column : points.columns()) {
     *column = next;
     next += length;
   }
@@ -144,10 +142,7 @@ void RayPoints::close() {
 
 RayPoints RayPoints::part(std::ptrdiff_t first, std::uint32_t count) const {
   RayPoints points = *this;
-  for (float** column : {&points.depth, &points.distance2, &points.plane, &points.slope, &points.inverse_radius2,
-                         &points.normal_x, &points.normal_y, &points.offset_x, &points.offset_y, &points.mass}) {
-    *column += first;
-  }
+  for (float** column : points.columns()) *column += first;
   points.size = count;
   return points;
 }

@@ -1,6 +1,7 @@
 #pragma once
 /// The moving-least-squares surface along one ray (thesis III-3).
 
+#include <array>
 #include <cstdint>
 
 #include "slicer/core/arena.hpp"
@@ -25,6 +26,11 @@ struct RayPoints {
   float* mass = nullptr;  ///< points of the scan that it stands for
   std::uint32_t size = 0;
   float reach = 0;  ///< largest h, mm: no point farther away in depth has weight
+
+  static constexpr std::size_t kColumns = 10;
+  std::array<float**, kColumns> columns() {
+    return {&depth, &distance2, &plane, &slope, &inverse_radius2, &normal_x, &normal_y, &offset_x, &offset_y, &mass};
+  }
 
   /// Bytes of arena for `capacity` points.
   static std::size_t bytes_needed(std::uint32_t capacity);

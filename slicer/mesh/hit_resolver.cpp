@@ -17,7 +17,6 @@ namespace plumbline {
 namespace {
 
 constexpr const char* kStage = "mesh";
-constexpr std::uint32_t kRaysPerTile = kTileSide * kTileSide;
 constexpr std::size_t kRoom = std::size_t{kRaysPerTile} * kMostRayCrossings;
 /// Cells between the samples that look for solid parts that the hits miss.
 constexpr float kSearchStep = 4;

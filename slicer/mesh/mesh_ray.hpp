@@ -54,8 +54,8 @@ class MeshRay {
 
   /// Begins the ray through a pixel.
   void begin(std::uint32_t column, std::uint32_t row, const RayHits& hits) {
-    x_ = (static_cast<float>(column) + 0.5F) * grid_->pitch_x_mm;
-    y_ = (static_cast<float>(row) + 0.5F) * grid_->pitch_y_mm;
+    x_ = grid_->x_of(column);
+    y_ = grid_->y_of(row);
     below_all_ = -winding_sum_of_all(hits);
     if (rim_) rim_->begin(column, row);
   }

@@ -45,7 +45,7 @@ void OpenRays::begin(const HitList& hits, std::uint32_t column, std::uint32_t ro
       auto in_tile =
           in_grid ? hits.of_tile(tile_row * hits.tile_columns() + tile_column) : std::span<const PackedHit>();
       const bool doubtful = in_grid && field_->doubtful.at(tile_column, tile_row);
-      for (std::uint32_t i = 0; i < kTileSide * kTileSide; ++i) {
+      for (std::uint32_t i = 0; i < kRaysPerTile; ++i) {
         const std::uint32_t ray_c = c + i % kTileSide;
         const std::uint32_t ray_r = r + i / kTileSide;
         Ray& ray = at(ray_c, ray_r);

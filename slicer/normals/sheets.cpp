@@ -25,7 +25,6 @@ constexpr float kMostRadius = 3;  ///< times the median: no point of a surface h
 /// Units of evidence, which is summed as integers so that the order of the threads does not matter.
 constexpr std::int64_t kUnit = 1 << 20;
 constexpr float kMostEvidence = 2;  ///< limit for one sample; a lid that fits its hole has about 1/2
-constexpr double kPi = std::numbers::pi;
 
 /// A scan is inside out if the winding number on its largest sheet is below this. It is 1/2 on a closed surface, -1/2 on the
 /// same inside out, and 0.3 and -0.3 on half a sphere. What encloses less could as well be the inside of a bowl, and stays
@@ -33,7 +32,6 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kInsideOut = -0.25;
 /// A scan of which at most this share faces down is a height field, such as a valley, and can't be inside out.
 constexpr double kFacesDown = 0.01;
-constexpr float kDown = -0.087155743F;  ///< z of a normal that faces down: by 5 degrees, as in thesis III-2.b
 
 constexpr std::uint32_t kNoSheet = SidedSets::kIndex;
 
@@ -67,9 +65,7 @@ Status Sheets::limit_areas(Cloud& cloud, Arena& arena) {
   const std::uint32_t samples = std::min(kAreaSamples, cloud.size);
   auto block = arena.take_top<float>(samples, kStage);
   if (!block) return tl::unexpected<Error>(block.error());
-  for (std::uint32_t s = 0; s < samples; ++s) {
-    (*block)[s] = cloud.radius[static_cast<std::uint32_t>(std::uint64_t{s} * cloud.size / samples)];
-  }
+  for (std::uint32_t s = 0; s < samples; ++s) (*block)[s] = cloud.radius[cloud.sampled(s, samples)];
   const float middle = median(*block);
   if (!(middle > 0)) return {};
   const float most = kMostRadius * middle;
@@ -84,15 +80,14 @@ Expected<NormalCounts> Sheets::turn(FirstSide first) {
   auto nodes = arena_.take_top<DipoleField::Node>(DipoleField::nodes_needed(cloud_.size), kStage);
   PLUMBLINE_TRY(nodes);
   DipoleField field(cloud_, *nodes);
-  const auto side_of = [this](std::uint32_t i) { return side(i); };
   find_sides(field, first);
-  field.build(side_of);
+  field.build(sides());
   if (first == FirstSide::kLargest && first_is_inside_out(field)) {
     counts_.inside_out = true;
     for (Sheet& sheet : sheets_) sheet.side = 0;
     sheets_[0].side = -1;
     find_other_sides(field);
-    field.build(side_of);
+    field.build(sides());
   }
   turn_loose_points(field);
   for (std::uint32_t i = 0; i < cloud_.size; ++i) {
@@ -136,7 +131,7 @@ Sheet* Sheets::sheet_of(std::uint32_t i) const {
 
 double Sheets::area(std::uint32_t i) const {
   const auto radius = static_cast<double>(cloud_.radius[i]);
-  return kPi * radius * radius;
+  return std::numbers::pi * radius * radius;
 }
 
 /// Turns the normals of each sheet to one side, counts votes, and sums area and flux.
@@ -202,7 +197,6 @@ void Sheets::find_sides(DipoleField& field, FirstSide rule) {
 
 /// Finds the sides that are not known yet, those of large sheets first.
 void Sheets::find_other_sides(DipoleField& field) {
-  const auto side_of = [this](std::uint32_t i) { return side(i); };
   for (std::uint32_t first = 0; first < sheets_.size();) {
     if (sheets_[first].side != 0) {
       ++first;
@@ -210,7 +204,7 @@ void Sheets::find_other_sides(DipoleField& field) {
     }
     std::uint32_t last = first;
     while (last < sheets_.size() && sheets_[last].points * kSizeClass >= sheets_[first].points) ++last;
-    field.build(side_of);
+    field.build(sides());
     find_sides_by_field(field, first, last);
     first = last;
   }
@@ -232,7 +226,6 @@ void Sheets::find_sides_by_field(const DipoleField& field, std::uint32_t first, 
 
 /// Evaluates the field at some points of each of the given sheets, `most` at most, but for those whose side is known by votes.
 void Sheets::sample(const DipoleField& field, std::span<Sheet> sheets, std::uint32_t most) {
-  const auto side_of = [this](std::uint32_t i) { return side(i); };
   for (Sheet& sheet : sheets) {
     sheet.winding = sheet.slope = 0;
     sheet.samples = 0;
@@ -245,8 +238,8 @@ void Sheets::sample(const DipoleField& field, std::span<Sheet> sheets, std::uint
       continue;
     }
     if (scattered(i) % (sheet->points / most + 1) != 0) continue;
-    const DipoleField::Value value = field(cloud_.position[i], side_of);
-    const auto size = static_cast<float>(std::sqrt(sheet->area / kPi));
+    const DipoleField::Value value = field(cloud_.position[i], sides());
+    const auto size = static_cast<float>(std::sqrt(sheet->area / std::numbers::pi));
     const float slope = -size * value.gradient.dot(cloud_.normal[i].unpack());
     std::atomic_ref(sheet->winding).fetch_add(to_units(value.winding), std::memory_order_relaxed);
     std::atomic_ref(sheet->slope).fetch_add(to_units(slope), std::memory_order_relaxed);
@@ -270,20 +263,19 @@ bool Sheets::is_height_field() const {
     const float s = side(i);
     if (s == 0) continue;
     ++all;
-    down += s * cloud_.normal[i].unpack()[2] < kDown ? 1 : 0;
+    down += s * cloud_.normal[i].unpack()[2] < -kNeutralSine ? 1 : 0;
   }
   return down <= kFacesDown * all;
 }
 
 /// Turns the points that are in no sheet: outliers, and small groups at edges. They are not part of the field.
 void Sheets::turn_loose_points(const DipoleField& field) {
-  const auto side_of = [this](std::uint32_t i) { return side(i); };
   std::uint32_t turned = 0;
 #pragma omp parallel for schedule(dynamic, 256) reduction(+ : turned)
   for (std::uint32_t i = 0; i < cloud_.size; ++i) {
     if (sets_.fixed(i) || !cloud_.normal[i].known() || sheet_of(i) != nullptr) continue;
     // Of a single point the sign of the slope is enough.
-    if (!(field(cloud_.position[i], side_of, kRoughShare).gradient.dot(cloud_.normal[i].unpack()) > 0)) continue;
+    if (!(field(cloud_.position[i], sides(), kRoughShare).gradient.dot(cloud_.normal[i].unpack()) > 0)) continue;
     turn_normal(i);
     ++turned;
   }

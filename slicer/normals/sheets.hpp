@@ -68,6 +68,9 @@ class Sheets {
   void measure();
   void turn_normal(std::uint32_t i);
   float side(std::uint32_t i) const;
+  auto sides() const {
+    return [this](std::uint32_t i) { return side(i); };
+  }
   void find_sides(DipoleField& field, FirstSide rule);
   void find_other_sides(DipoleField& field);
   void find_sides_by_field(const DipoleField& field, std::uint32_t first, std::uint32_t last);

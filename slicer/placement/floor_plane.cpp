@@ -73,7 +73,6 @@ class FloorSearch {
   }
 
  private:
-  bool is_surface(std::uint32_t i) const { return cloud_.normal[i].point_class != PointClass::kNoise; }
   float above(const Vec3f& p) const { return plane_.normal.dot(p) - plane_.offset; }
 
   /// Calls visit(position, normal) for the points low enough that face up, or down if sides are not known. The normal is the one that
@@ -82,7 +81,7 @@ class FloorSearch {
   void for_each_low(Visit visit) const {
     const float top = low_ + kLowPart * (high_ - low_);
     for (std::uint32_t i = 0; i < cloud_.size; ++i) {
-      if (!is_surface(i) || cloud_.position[i][2] > top) continue;
+      if (!cloud_.is_surface(i) || cloud_.position[i][2] > top) continue;
       const auto up = static_cast<float>(cloud_.normal[i].z);
       if ((sides_known_ ? up : std::abs(up)) < kUp * PackedNormal::kScale) continue;
       const Vec3f normal = cloud_.normal[i].unpack();
@@ -96,7 +95,7 @@ class FloorSearch {
     std::size_t count = 0;
     const std::uint32_t step = cloud_.size / kSample + 1;
     for (std::uint32_t i = 0; i < cloud_.size; i += step) {
-      if (is_surface(i)) heights[count++] = cloud_.position[i][2];
+      if (cloud_.is_surface(i)) heights[count++] = cloud_.position[i][2];
     }
     if (count < 100) return false;
     std::sort(heights.begin(), heights.begin() + static_cast<std::ptrdiff_t>(count));
@@ -194,7 +193,7 @@ class FloorSearch {
     Extent object_points;
     const std::uint32_t step = cloud_.size / kSample + 1;
     for (std::uint32_t i = 0; i < cloud_.size; ++i) {
-      if (!is_surface(i)) continue;
+      if (!cloud_.is_surface(i)) continue;
       const Vec3f& p = cloud_.position[i];
       const float height = above(p);
       const bool sampled = i % step == 0;
@@ -231,7 +230,7 @@ class FloorSearch {
   float free_share(const Rectangle& floor) const {
     std::array<std::uint8_t, kSide * kSide> cells{};  // 1: floor, 2: object
     for (std::uint32_t i = 0; i < cloud_.size; ++i) {
-      if (!is_surface(i)) continue;
+      if (!cloud_.is_surface(i)) continue;
       const Vec3f& p = cloud_.position[i];
       std::uint32_t at = 0;
       for (std::size_t a = 0; a < 2; ++a) {

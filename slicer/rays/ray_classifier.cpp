@@ -73,11 +73,10 @@ void RayClassifier::judge_tile(std::uint32_t level) {
 }
 
 void RayClassifier::begin_tile(std::uint32_t column, std::uint32_t row) {
-  const auto last_column = static_cast<float>(std::min(grid_.columns, column + kTileSide) - 1);
-  const auto last_row = static_cast<float>(std::min(grid_.rows, row + kTileSide) - 1);
-  const Vec2f low((static_cast<float>(column) + 0.5F) * grid_.pitch_x_mm,
-                  (static_cast<float>(row) + 0.5F) * grid_.pitch_y_mm);
-  const Vec2f high((last_column + 0.5F) * grid_.pitch_x_mm, (last_row + 0.5F) * grid_.pitch_y_mm);
+  const std::uint32_t last_column = std::min(grid_.columns, column + kTileSide) - 1;
+  const std::uint32_t last_row = std::min(grid_.rows, row + kTileSide) - 1;
+  const Vec2f low(grid_.x_of(column), grid_.y_of(row));
+  const Vec2f high(grid_.x_of(last_column), grid_.y_of(last_row));
   gatherer_.gather(low, high);
 
   levels_.fill({});
@@ -229,15 +228,14 @@ void RayClassifier::drop_thin_stretches() {
 }
 
 std::optional<float> RayClassifier::sheet_near(std::uint32_t column, std::uint32_t row, float depth, bool entering) {
-  const float x = (static_cast<float>(column) + 0.5F) * grid_.pitch_x_mm;
-  const float y = (static_cast<float>(row) + 0.5F) * grid_.pitch_y_mm;
-  const auto found = solver_.solve_near(gatherer_.points_near(x, y, depth), depth, entering, kExtrapolated);
+  const auto found = solver_.solve_near(gatherer_.points_near(grid_.x_of(column), grid_.y_of(row), depth), depth,
+                                        entering, kExtrapolated);
   return found ? std::optional(std::max(*found, floor_)) : std::nullopt;
 }
 
 ClassifiedRay RayClassifier::ray(std::uint32_t column, std::uint32_t row) {
-  const float x = (static_cast<float>(column) + 0.5F) * grid_.pitch_x_mm;
-  const float y = (static_cast<float>(row) + 0.5F) * grid_.pitch_y_mm;
+  const float x = grid_.x_of(column);
+  const float y = grid_.y_of(row);
   ray_block_ = row % kTileSide / kBlock * (kTileSide / kBlock) + column % kTileSide / kBlock;
   const RayPoints& points = gatherer_.points_of_ray(x, y);
   // Farther from all points than this (thesis III-4.a: no passing ray), MLS would only extrapolate.

@@ -8,8 +8,6 @@
 namespace plumbline {
 namespace {
 
-constexpr std::uint32_t kRaysPerTile = kTileSide * kTileSide;
-
 /// Turns the crossings of one ray into layers. Neighbours with no sampling height between them cancel in pairs.
 /// @param evidence  out, of each crossing that is left; room for RayClassifier::kMaxCrossings
 /// @returns how many are left

@@ -70,8 +70,7 @@ ConfidenceMap::Cell ConfidenceMap::cell_of(const Vec3f& p) const {
 }
 
 Vec3f ConfidenceMap::middle_of(std::uint32_t column, std::uint32_t row, std::uint32_t layer) const {
-  return {(static_cast<float>(column) + 0.5F) * grid_.pitch_x_mm, (static_cast<float>(row) + 0.5F) * grid_.pitch_y_mm,
-          (static_cast<float>(layer) + 0.5F) * grid_.layer_height_mm};
+  return {grid_.x_of(column), grid_.y_of(row), (static_cast<float>(layer) + 0.5F) * grid_.layer_height_mm};
 }
 
 void ConfidenceMap::add(std::uint32_t column, std::uint32_t row, std::uint32_t layer, Evidence evidence) {

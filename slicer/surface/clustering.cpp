@@ -15,8 +15,6 @@
 namespace plumbline {
 namespace {
 
-constexpr std::uint32_t kBlock = kSharedSearch;  ///< points that share one search of the tree
-
 constexpr const char* kStage = "clustering";
 
 /// Least number of points within epsilon that measure a density. With fewer, the distances of the nearest points do.
@@ -116,13 +114,13 @@ class Clusterer {
     cloud_.support_points = 1;
     const auto measure_block = [&](std::uint32_t begin, std::uint32_t end) {
       const float epsilon2 = epsilon_ * epsilon_;
-      std::array<Counts, kBlock> counts{};
+      std::array<Counts, kSharedSearch> counts{};
       for_neighbourhood(cloud_, tree_, begin, end, epsilon_, [&](const Neighbourhood& batch) {
         for (std::uint32_t i = begin; i < end; ++i) count(member(cloud_, i), batch, epsilon2, counts[i - begin]);
       });
       for (std::uint32_t i = begin; i < end; ++i) evaluate(i, counts[i - begin]);
     };
-    if (!for_blocks(cloud_.size, kBlock, progress, measure_block)) return false;
+    if (!for_blocks(cloud_.size, kSharedSearch, progress, measure_block)) return false;
     coherent_ = static_cast<float>(median(near_)) >= kFacingShare * 2 * static_cast<float>(settings_.min_points);
     return true;
   }
@@ -152,13 +150,13 @@ class Clusterer {
     // Sparse surface belongs to a dense one. Among outliers a few always happen to face the same way.
     const int kept = coherent_ ? kCore | kDense | kSparse : kCore | kDense;
     const auto is_kept = [&](std::uint32_t i) { return (flags_[i] & kept) != 0; };
-    return for_blocks(cloud_.size, kBlock, progress, [&](std::uint32_t begin, std::uint32_t end) {
+    return for_blocks(cloud_.size, kSharedSearch, progress, [&](std::uint32_t begin, std::uint32_t end) {
       Box3f box;
       for (std::uint32_t i = begin; i < end; ++i) {
         if (!is_kept(i)) box.extend(cloud_.position[i]);
       }
       if (box.empty()) return;
-      std::array<bool, kBlock> joins{};
+      std::array<bool, kSharedSearch> joins{};
       for_neighbourhood(cloud_, tree_, box, epsilon_, [&](const Neighbourhood& batch) {
         for (std::uint32_t i = begin; i < end; ++i) {
           if (is_kept(i)) continue;
@@ -211,16 +209,15 @@ Expected<float> density_epsilon(const Cloud& cloud, const KdTree3& tree, const C
   const std::uint32_t wanted = std::min({2 * settings.min_points + 1, cloud.size, kMost});  // the point itself is one
   const std::uint32_t samples = std::min(settings.epsilon_sample, cloud.size);
   if (wanted < 2) return 0.0F;
-  auto distances = arena.take_top<float>(samples, kStage);
-  PLUMBLINE_TRY(distances);
-  std::span<float> d2 = *distances;
+  std::span<float> d2;
+  PLUMBLINE_TRY(arena.take_top(d2, samples, kStage));
 #pragma omp parallel
   {
     NearestRoom room;
     float radius = 0;
 #pragma omp for schedule(dynamic, 64)
     for (std::uint32_t s = 0; s < samples; ++s) {
-      const auto i = static_cast<std::uint32_t>(std::uint64_t{s} * cloud.size / samples);
+      const std::uint32_t i = cloud.sampled(s, samples);
       const auto nearest = nearest_in_box(cloud.positions(), tree, cloud.position[i], radius, wanted, room,
                                           [](std::uint32_t) { return true; });
       d2[s] = std::max_element(nearest.begin(), nearest.end())->distance2;

@@ -169,9 +169,8 @@ Status refine_normals(const Cloud& cloud, const KdTree3& tree, const ClusteringS
     float of_noise = 0;
     for (std::uint32_t i = first; i < last; ++i) {
       refined[i] = cloud.normal[i];
-      const bool is_noise = cloud.normal[i].point_class == PointClass::kNoise;
       const Vec3f n = cloud.normal[i].unpack();
-      if (is_noise || is_beside(n, moments[i - first], clustering)) {
+      if (!cloud.is_surface(i) || is_beside(n, moments[i - first], clustering)) {
         refined[i].set(fit_normal(planes, cloud, tree, i, settings.sparse_radius * clustering.epsilon));
         continue;
       }
@@ -184,7 +183,7 @@ Status refine_normals(const Cloud& cloud, const KdTree3& tree, const ClusteringS
       const float all = own.square + squares;
       const float noise = own.of_noise + of_noise;
       if (own.square > 0 && noise < all) refined[i].set(cloud.normal[i].unpack() - own.by * (1 - noise / all));
-      if (cloud.normal[i].point_class != PointClass::kNoise) refined[i].point_class = orientation_of(refined[i]);
+      if (cloud.is_surface(i)) refined[i].point_class = orientation_of(refined[i]);
     }
   };
   if (for_blocks(cloud.size, kSharedSearch, progress, refine_block)) return {};

@@ -27,14 +27,11 @@ constexpr std::uint32_t kMaxSuspects = 256;  ///< largest number of small pieces
 // The winding number is evaluated directly, so its time grows with the product of these two.
 constexpr std::uint32_t kPlaces = 4;              ///< of a piece
 constexpr std::uint32_t kFieldPoints = 1U << 14;  ///< points that represent the whole cloud
-constexpr float kPi = std::numbers::pi_v<float>;
-
-bool is_surface(const Cloud& cloud, std::uint32_t i) { return cloud.normal[i].point_class != PointClass::kNoise; }
 
 Box3f surface_bounds(const Cloud& cloud) {
   Box3f box;
   for (std::uint32_t i = 0; i < cloud.size; ++i) {
-    if (is_surface(cloud, i)) box.extend(cloud.position[i]);
+    if (cloud.is_surface(i)) box.extend(cloud.position[i]);
   }
   return box;
 }
@@ -101,7 +98,7 @@ class Search {
 
   /// The suspect that a point belongs to; nullptr for noise and for points of other pieces.
   Suspect* suspect(std::uint32_t point) const {
-    if (!is_surface(cloud_, point)) return nullptr;
+    if (!cloud_.is_surface(point)) return nullptr;
     const std::uint32_t root = cells_.piece_of(cloud_.position[point]);
     const auto found = std::lower_bound(suspects_.begin(), suspects_.end(), root,
                                         [](const Suspect& s, std::uint32_t r) { return s.root < r; });
@@ -129,13 +126,13 @@ class Search {
     const std::uint32_t step = cloud_.size / kFieldPoints + 1;
     float w = 0;
     for (std::uint32_t i = step / 2; i < cloud_.size; i += step) {
-      if (!is_surface(cloud_, i) || cells_.piece_of(cloud_.position[i]) == root) continue;
+      if (!cloud_.is_surface(i) || cells_.piece_of(cloud_.position[i]) == root) continue;
       const Vec3f e = cloud_.position[i] - x;
       const float distance2 = e.dot(e);
       const float area = static_cast<float>(step) * area_factor_ * cloud_.radius[i] * cloud_.radius[i];
       if (distance2 > 0) w += area * cloud_.normal[i].unpack().dot(e) / (distance2 * std::sqrt(distance2));
     }
-    return w / (4 * kPi);
+    return w / (4 * std::numbers::pi_v<float>);
   }
 
   Cloud& cloud_;
@@ -159,13 +156,13 @@ Expected<StrayPieces> mark_stray_pieces(Cloud& cloud, const ClusteringResult& cl
   PLUMBLINE_TRY(slots);
   const auto suspects = arena.take_top<Suspect>(kMaxSuspects, kStage);
   PLUMBLINE_TRY(suspects);
-  const float area_factor = kPi / cloud.support_points;
+  const float area_factor = std::numbers::pi_v<float> / cloud.support_points;
   const Box3f box = surface_bounds(cloud);
   for (float edge = kTogetherEpsilons * clustering.epsilon;; edge *= 2) {
     CellPieces cells(box, edge, *slots);
     bool room = true;
     for (std::uint32_t i = 0; i < cloud.size && room; ++i) {
-      if (is_surface(cloud, i)) room = cells.add(cloud.position[i], area_factor * cloud.radius[i] * cloud.radius[i]);
+      if (cloud.is_surface(i)) room = cells.add(cloud.position[i], area_factor * cloud.radius[i] * cloud.radius[i]);
     }
     if (!room) continue;
     cells.join();

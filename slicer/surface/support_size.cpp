@@ -107,12 +107,8 @@ class RiskMeter {
   static Expected<RiskMeter> create(const Cloud& cloud, const KdTree3& tree, const Sizes& sizes, Arena& arena) {
     RiskMeter meter(cloud, tree, sizes);
     for (Half& half : meter.halves_) {
-      const auto points = arena.take_top<Half::Point>(kHalfCapacity, kStage);
-      PLUMBLINE_TRY(points);
-      half.points = *points;
-      const auto nearby = arena.take_top<Half::Near>(kHalfCapacity + 1, kStage);  // go_to() writes one past the last
-      PLUMBLINE_TRY(nearby);
-      half.nearby = *nearby;
+      PLUMBLINE_TRY(arena.take_top(half.points, kHalfCapacity, kStage));
+      PLUMBLINE_TRY(arena.take_top(half.nearby, kHalfCapacity + 1, kStage));  // go_to() writes one past the last
       const auto columns = RayPoints::create(kHalfCapacity, arena, kStage);
       PLUMBLINE_TRY(columns);
       half.columns = *columns;
@@ -125,11 +121,10 @@ class RiskMeter {
     std::array<double, kMaxSizes> bias2{};
     std::uint32_t used = 0;
     for (std::uint32_t s = place * kSamples; s < (place + 1) * kSamples; ++s) {
-      const auto i = static_cast<std::uint32_t>(std::uint64_t{s} * cloud_->size / (kPlaces * kSamples));
-      if (cloud_->normal[i].point_class == PointClass::kNoise || !collect(i)) continue;
+      const std::uint32_t i = cloud_->sampled(s, kPlaces * kSamples);
+      if (!cloud_->is_surface(i) || !collect(i)) continue;
       const auto x = project(i);
-      if (!x) continue;
-      if (!measure(*x)) continue;
+      if (!x || !measure(*x)) continue;
       ++used;
       const auto [least_a, least_b] = least_;
       for (std::size_t k = 0; k < sizes_->count; ++k) {

@@ -9,9 +9,6 @@
 
 namespace plumbline {
 
-/// |n_z| below which a unit normal is neutral: sin(5 degrees), the thesis' tolerance for the error of a scanned normal.
-inline constexpr float kNeutralSine = 0.087155743F;
-
 /// Entering, exiting or neutral, by the angle between the normal and the manufacturing direction +z. Never noise.
 PointClass orientation_of(const PackedNormal& normal);
 
