@@ -65,7 +65,8 @@ std::size_t rrep_bytes(const PrintGrid& grid, const RayYield& yield) {
 std::size_t rrep_stage_bytes(const PrintGrid& grid, std::size_t store, const RayYield& yield) {
   const std::size_t sorted = rrep_bytes(grid, yield);
   // The store is first moved to the top of the arena, so for a moment there are two of it.
-  return kSlack + std::max(store + std::max({store, sorted, components_bytes(grid, yield.rays, yield.crossings)}),
+  const std::size_t sorting = std::max(store, sorted) + CrossingStore::row_room_bytes(grid);
+  return kSlack + std::max(store + std::max(sorting, components_bytes(grid, yield.rays, yield.crossings)),
                            sorted + layer_features_bytes(grid));
 }
 

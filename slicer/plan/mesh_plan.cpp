@@ -41,7 +41,8 @@ MemoryPlan plan_mesh(const MeshNeed& need, std::uint32_t threads) {
   set(Stage::kRayGrid, reading + hits);
   set(Stage::kRays, hits + resolve_bytes(threads, nullptr) + store);
   // The search for empty layers streams the masks.
-  set(Stage::kRRep, std::max(store + std::max(store, rrep), rrep + LayerStream::bytes_needed(grid)));
+  set(Stage::kRRep, std::max(store + std::max(store, rrep) + CrossingStore::row_room_bytes(grid),
+                             rrep + LayerStream::bytes_needed(grid)));
   set(Stage::kSupports, rrep + find_supports_bytes(grid));
   set(Stage::kLayers, rrep + struts * sizeof(Strut) + layers_stage_bytes(grid, struts));
   return plan;

@@ -8,6 +8,7 @@
 #include "slicer/plan/memory_plan.hpp"
 #include "slicer/rays/ray_shooter.hpp"
 #include "slicer/rrep/confidence.hpp"
+#include "slicer/rrep/crossing_store.hpp"
 
 namespace plumbline {
 namespace {
@@ -57,7 +58,8 @@ Status admit_rays(const PlacedObject& object, const Arena& arena, std::array<std
                                object.threads * RayShooter::bytes_needed(tile_capacity(object.cloud.capacity())) +
                                store_bytes(object.grid, sure);
   const std::size_t map = object.confidence ? ConfidenceMap::bytes_needed(object.grid.layers) : 0;
-  const std::size_t sorting = store_bytes(object.grid, sure) + rrep_bytes(object.grid, sure) + map;
+  const std::size_t sorting =
+      store_bytes(object.grid, sure) + rrep_bytes(object.grid, sure) + CrossingStore::row_room_bytes(object.grid) + map;
   const std::size_t printing = map + rrep_bytes(object.grid, sure) + layers_stage_bytes(object.grid, 0);
   const std::size_t need = std::max({shooting, sorting, printing});
   if (need <= arena.capacity()) return {};

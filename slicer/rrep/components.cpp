@@ -155,7 +155,7 @@ std::size_t components_bytes(const PrintGrid& grid, double rays, double crossing
   constexpr auto kMost = static_cast<double>(kMostStretches);
   const auto intervals = static_cast<std::size_t>(std::clamp(crossings - rays, 0.0, kMost)) + 1;
   return sizeof(std::uint32_t) * intervals + sizeof(Component) * (intervals / kIntervalsPerComponent + 2) +
-         grid.columns * (2 * sizeof(Ray) + sizeof(CrossingStore::RayRef) + 2 * sizeof(void*));
+         grid.columns * 2 * sizeof(Ray) + CrossingStore::row_room_bytes(grid);
 }
 
 ComponentCounts drop_small_components(CrossingStore& store, const ComponentLimits& limits, Arena& arena) {

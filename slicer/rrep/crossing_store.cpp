@@ -6,11 +6,6 @@
 #include <cstring>
 
 namespace plumbline {
-namespace {
-
-constexpr std::uint32_t kRaysPerTile = kTileSide * kTileSide;
-
-}  // namespace
 
 std::uint32_t layer_of(float depth, const PrintGrid& grid) {
   const float k = std::ceil(depth / grid.layer_height_mm - 0.5F);
@@ -47,27 +42,6 @@ Status CrossingStore::put(std::uint32_t tile, std::span<const std::uint8_t> coun
   return {};
 }
 
-template <class Visit>
-void CrossingStore::for_each_crossing(std::span<std::uint32_t> cursor, Visit visit) const {
-  // Row by row over the whole grid, so that each layer's pixels ascend.
-  for (std::uint32_t tile_row = 0; tile_row < tile_rows_; ++tile_row) {
-    const std::uint32_t* directory = &directory_[std::size_t{tile_row} * tile_columns_];
-    for (std::uint32_t t = 0; t < tile_columns_; ++t)
-      cursor[t] = directory[t] == kEmpty ? 0 : directory[t] + kRaysPerTile / 2;
-    const std::uint32_t rows = std::min(kTileSide, grid_.rows - tile_row * kTileSide);
-    for (std::uint32_t r = 0; r < rows; ++r) {
-      for (std::uint32_t t = 0; t < tile_columns_; ++t) {
-        if (directory[t] == kEmpty) continue;
-        const auto* counts = reinterpret_cast<const std::uint8_t*>(&data_[directory[t]]) + std::size_t{r} * kTileSide;
-        std::uint32_t pixel = (tile_row * kTileSide + r) * grid_.columns + t * kTileSide;
-        for (std::uint32_t c = 0; c < kTileSide; ++c, ++pixel) {
-          for (std::uint32_t i = 0; i < counts[c]; ++i) visit(data_[cursor[t]++], pixel);
-        }
-      }
-    }
-  }
-}
-
 Expected<CrossingStore::RowRoom> CrossingStore::take_row_room(Arena& arena) const {
   RowRoom room;
   PLUMBLINE_TRY(arena.take_top(room.rays, grid_.columns, "R-Rep"));
@@ -78,7 +52,7 @@ Expected<CrossingStore::RowRoom> CrossingStore::take_row_room(Arena& arena) cons
 
 std::uint32_t CrossingStore::crossings() const {
   const auto empty = static_cast<std::size_t>(std::count(directory_.begin(), directory_.end(), kEmpty));
-  return used_ - static_cast<std::uint32_t>((directory_.size() - empty) * kTileSide * kTileSide / 2);
+  return used_ - static_cast<std::uint32_t>((directory_.size() - empty) * kRaysPerTile / 2);
 }
 
 Expected<RRep> CrossingStore::sort(CrossingStore& store, Arena& arena) {
@@ -86,10 +60,11 @@ Expected<RRep> CrossingStore::sort(CrossingStore& store, Arena& arena) {
   const PrintGrid& grid = store.grid_;
   // The R-Rep stays until the print ends, so it belongs at the bottom: move the store out of its way.
   std::span<std::uint16_t> data;
-  std::span<std::uint32_t> directory, cursor, first, pixel;
+  std::span<std::uint32_t> directory, first, pixel;
   PLUMBLINE_TRY(arena.take_top(data, store.used_, "R-Rep"));
   PLUMBLINE_TRY(arena.take_top(directory, store.directory_.size(), "R-Rep"));
-  PLUMBLINE_TRY(arena.take_top(cursor, store.tile_columns_, "R-Rep"));
+  const auto room = store.take_row_room(arena);
+  PLUMBLINE_TRY(room);
   std::copy_n(store.data_.begin(), store.used_, data.begin());
   std::copy(store.directory_.begin(), store.directory_.end(), directory.begin());
   store.data_ = data;
@@ -98,11 +73,21 @@ Expected<RRep> CrossingStore::sort(CrossingStore& store, Arena& arena) {
 
   PLUMBLINE_TRY(arena.take_bottom(first, std::size_t{grid.layers} + 1, "R-Rep"));
   std::fill(first.begin(), first.end(), 0);
-  store.for_each_crossing(cursor, [&](std::uint16_t layer, std::uint32_t) { ++first[layer + std::size_t{1}]; });
+  store.for_each_row(*room, [&](std::uint32_t, std::span<const RayRef> rays) {
+    for (const RayRef& ray : rays) {
+      for (const std::uint16_t layer : ray.crossings()) ++first[layer + std::size_t{1}];
+    }
+  });
   for (std::size_t k = 1; k < first.size(); ++k) first[k] += first[k - 1];
   PLUMBLINE_TRY(arena.take_bottom(pixel, first.back(), "R-Rep"));
   // first[k] is where the layer's next crossing goes; after the last one it has become first[k + 1].
-  store.for_each_crossing(cursor, [&](std::uint16_t layer, std::uint32_t at) { pixel[first[layer]++] = at; });
+  store.for_each_row(*room, [&](std::uint32_t row, std::span<const RayRef> rays) {
+    std::uint32_t at = row * grid.columns;
+    for (const RayRef& ray : rays) {
+      for (const std::uint16_t layer : ray.crossings()) pixel[first[layer]++] = at;
+      ++at;
+    }
+  });
   for (std::size_t k = first.size() - 1; k > 0; --k) first[k] = first[k - 1];
   first[0] = 0;
   return RRep{.grid = grid, .first = first, .pixel = pixel};

@@ -63,7 +63,10 @@ class CrossingStore {
     std::span<RayRef> rays;
     std::span<std::uint16_t*> reads, writes;  ///< of each tile
   };
-  /// Takes a few words a column from the top of the arena.
+  static std::size_t row_room_bytes(const PrintGrid& grid) {
+    return grid.columns * (sizeof(RayRef) + 2 * sizeof(void*));
+  }
+  /// Takes row_room_bytes() from the top of the arena.
   /// @retval ErrorCode::kOutOfMemory
   [[nodiscard]] Expected<RowRoom> take_row_room(Arena& arena) const;
 
@@ -84,9 +87,6 @@ class CrossingStore {
   [[nodiscard]] static Expected<RRep> sort(CrossingStore& store, Arena& arena);
 
  private:
-  template <class Visit>
-  void for_each_crossing(std::span<std::uint32_t> cursor, Visit visit) const;
-
   PrintGrid grid_;
   std::uint32_t tile_columns_ = 0;
   std::uint32_t tile_rows_ = 0;
@@ -102,8 +102,7 @@ void CrossingStore::for_each_row(const RowRoom& room, Visit visit) {
   for (std::uint32_t tile_row = 0; tile_row < tile_rows_; ++tile_row) {
     const std::uint32_t* directory = &directory_[std::size_t{tile_row} * tile_columns_];
     for (std::uint32_t t = 0; t < tile_columns_; ++t) {
-      room.reads[t] = room.writes[t] =
-          directory[t] == kEmpty ? nullptr : &data_[directory[t] + kTileSide * kTileSide / 2];
+      room.reads[t] = room.writes[t] = directory[t] == kEmpty ? nullptr : &data_[directory[t] + kRaysPerTile / 2];
     }
     for (std::uint32_t r = 0; r < kTileSide && tile_row * kTileSide + r < grid_.rows; ++r) {
       for (std::uint32_t c = 0; c < grid_.columns; ++c) {
