@@ -9,14 +9,10 @@
 namespace plumbline {
 namespace {
 
-/// A travel this much short of a whole layer is short by rounding only, as in place().
-constexpr double kWholeLayer = 1e-3;
-
 std::uint32_t most_layers(const PlacementSettings& placement) {
   if (!placement.printer) return PrintGrid::kMaxLayers;
-  const double layers =
-      std::floor(static_cast<double>(placement.printer->travel_mm) / placement.layer_height_mm + kWholeLayer);
-  return static_cast<std::uint32_t>(std::clamp(layers, 1.0, double{PrintGrid::kMaxLayers}));
+  return static_cast<std::uint32_t>(
+      std::max(1.0, whole_layers(placement.printer->travel_mm, placement.layer_height_mm)));
 }
 
 }  // namespace

@@ -100,6 +100,11 @@ Mat4d Placement::transform() const {
 
 Vec3d Placement::origin_in_scan() const { return rotation.transpose() * (-shift / scale); }
 
+double whole_layers(float travel_mm, float layer_height_mm) {
+  const double layers = static_cast<double>(travel_mm) / static_cast<double>(layer_height_mm);
+  return std::min(std::floor(layers + kWholeLayer), double{PrintGrid::kMaxLayers});
+}
+
 PrintGrid panel_grid(const PrinterVolume& printer, float layer_height_mm) {
   const float layers = std::ceil(printer.travel_mm / layer_height_mm);
   return {.columns = printer.columns,
@@ -129,10 +134,9 @@ Expected<Placement> place(const Box3d& bounds, double unit_mm, const PlacementSe
     p.grid.rows = v.rows;
     const double lh = settings.layer_height_mm;
     // A margin of one pixel on each side keeps the outline on the panel after rounding.
-    const Vec3d room(
-        static_cast<double>(v.columns - 2) * static_cast<double>(v.pitch_x_mm),
-        static_cast<double>(v.rows - 2) * static_cast<double>(v.pitch_y_mm),
-        std::min(std::floor(static_cast<double>(v.travel_mm) / lh + kWholeLayer), double{PrintGrid::kMaxLayers}) * lh);
+    const Vec3d room(static_cast<double>(v.columns - 2) * static_cast<double>(v.pitch_x_mm),
+                     static_cast<double>(v.rows - 2) * static_cast<double>(v.pitch_y_mm),
+                     whole_layers(v.travel_mm, settings.layer_height_mm) * lh);
     // On a panel too small for that room, the object has half of the panel.
     const PlacementRoom& kept = settings.room;
     const Vec3d free =

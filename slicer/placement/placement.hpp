@@ -83,6 +83,9 @@ struct Placement {
   Vec3d origin_in_scan() const;
 };
 
+/// Whole layers that a travel has room for, PrintGrid::kMaxLayers at most.
+double whole_layers(float travel_mm, float layer_height_mm);
+
 /// The grid of the printer's whole volume. Memory is planned for it before the object's size is known.
 PrintGrid panel_grid(const PrinterVolume& printer, float layer_height_mm);
 
